@@ -1,0 +1,37 @@
+// Rig, pose and linear blend skinning. Formula: G_j = G_parent · [R_j | p_j − R_j p_j], v' = Σ_j w_j G_j v.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "sdk/core/jobs.h"
+#include "sdk/core/result.h"
+#include "sdk/format/avatar_data.h"
+
+namespace dpl {
+
+/** A pose of a rig: one local rotation a joint (about its rest position, relative to its parent) and the root's translation, metres. */
+struct Pose {
+    std::vector<Quatf> localRotations;
+    Vec3f rootTranslation{0};
+
+    static Pose rest(size_t jointCount) { return {std::vector<Quatf>(jointCount, Quatf(1, 0, 0, 0)), Vec3f(0)}; }
+};
+
+/** Refuses a wrong joint count and non-finite or zero rotations, naming the joint. */
+Status checkPose(std::span<const JointData> joints, const Pose& pose);
+
+/** worldFromRest[j] = G_j as [R | t]. Rotations are normalised here. The pose must have passed checkPose. */
+void jointTransforms(std::span<const JointData> joints, const Pose& pose, std::vector<Mat3x4f>& worldFromRest);
+
+/** Skins every vertex of `mesh` with its four unorm8 weights. `positions` is resized to V. */
+void skin(const MeshData& mesh, std::span<const Mat3x4f> worldFromRest, Jobs& jobs, std::vector<Vec3f>& positions);
+
+/** Rest frames of all triangles; invalid ones carry no splats. */
+std::vector<RestTriangle<float>> restTriangles(const MeshData& mesh);
+
+/** Posed frames of all triangles. */
+void poseTriangles(const MeshData& mesh, std::span<const RestTriangle<float>> rest, std::span<const Vec3f> positions, Jobs& jobs,
+                   std::vector<TriangleFrame<float>>& frames);
+
+}  // namespace dpl

@@ -1,0 +1,103 @@
+// Errors are values: Result<T> holds a T or an Error (a code and a sentence for a human).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace dpl {
+
+enum class Code : uint8_t {
+    InvalidArgument,  // the caller's mistake
+    NotFound,         // a file or a name that is not there
+    CorruptData,      // bytes that cannot be what they claim to be
+    Version,          // a version this build does not read
+    Unsupported,      // valid, but not something we do
+    OutOfMemory,
+    Io,               // the file system refused (disk full, permissions)
+    Device,           // the graphics device failed or is lost
+    Cancelled,        // the user asked us to stop
+    Internal,
+};
+
+struct Error {
+    Code code = Code::Internal;
+    std::string message;
+};
+
+namespace detail {
+inline void formatInto(std::ostringstream& out, std::string_view text) { out << text; }
+template <class First, class... Rest>
+void formatInto(std::ostringstream& out, std::string_view text, const First& first, const Rest&... rest) {
+    const size_t hole = text.find("{}");
+    out << text.substr(0, hole);
+    if (hole == std::string_view::npos) return;
+    out << first;
+    formatInto(out, text.substr(hole + 2), rest...);
+}
+}  // namespace detail
+
+/** Replaces each "{}" of `text` by the next argument, as operator<< prints it. */
+template <class... Args>
+std::string formatText(std::string_view text, const Args&... args) {
+    std::ostringstream out;
+    detail::formatInto(out, text, args...);
+    return out.str();
+}
+
+template <class... Args>
+Error fail(Code code, std::string_view text, const Args&... args) {
+    return Error{code, formatText(text, args...)};
+}
+
+/** A value or an error. Test it, then use `*r` / `r->`; reading the wrong side is undefined. */
+template <class T>
+class [[nodiscard]] Result {
+public:
+    Result(T value) : value_(std::move(value)) {}
+    Result(Error error) : error_(std::move(error)) {}
+
+    explicit operator bool() const { return value_.has_value(); }
+    T& operator*() { return *value_; }
+    const T& operator*() const { return *value_; }
+    T* operator->() { return &*value_; }
+    const T* operator->() const { return &*value_; }
+    const Error& error() const { return error_; }
+
+private:
+    std::optional<T> value_;
+    Error error_;
+};
+
+template <>
+class [[nodiscard]] Result<void> {
+public:
+    Result() = default;
+    Result(Error error) : error_(std::move(error)) {}
+
+    explicit operator bool() const { return !error_.has_value(); }
+    const Error& error() const { return *error_; }
+
+private:
+    std::optional<Error> error_;
+};
+
+using Status = Result<void>;
+
+}  // namespace dpl
+
+#define DPL_CONCAT_(a, b) a##b
+#define DPL_CONCAT(a, b) DPL_CONCAT_(a, b)
+
+// DPL_TRY(auto x, expression): x = *expression, or return its error from the calling function.
+#define DPL_TRY(declaration, ...)                                                   \
+    auto DPL_CONCAT(dplResult_, __LINE__) = (__VA_ARGS__);                          \
+    if (!DPL_CONCAT(dplResult_, __LINE__)) return DPL_CONCAT(dplResult_, __LINE__).error(); \
+    declaration = std::move(*DPL_CONCAT(dplResult_, __LINE__))
+
+// DPL_CHECK_OK(status): return its error from the calling function if there is one.
+#define DPL_CHECK_OK(...)                                                           \
+    if (auto dplStatus = (__VA_ARGS__); !dplStatus) return dplStatus.error()

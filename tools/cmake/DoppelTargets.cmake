@@ -1,0 +1,40 @@
+# Warnings, sanitizers and the include root, in one interface target that every target of ours links.
+add_library(doppel_options INTERFACE)
+target_compile_features(doppel_options INTERFACE cxx_std_20)
+target_compile_options(doppel_options INTERFACE
+  $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wno-missing-field-initializers -Wno-unused-parameter -ffp-contract=off>
+  $<$<COMPILE_LANGUAGE:C>:-Wall -Wextra>)
+target_include_directories(doppel_options INTERFACE ${PROJECT_SOURCE_DIR})
+if(DOPPEL_SANITIZE)
+  target_compile_options(doppel_options INTERFACE -fsanitize=${DOPPEL_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_link_options(doppel_options INTERFACE -fsanitize=${DOPPEL_SANITIZE})
+endif()
+
+# doppel_library(name SOURCES a.cpp ... LINKS target ...): a static room of the house, by its folder.
+function(doppel_library name)
+  cmake_parse_arguments(arg "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
+  if(arg_SOURCES)
+    add_library(${name} STATIC ${arg_SOURCES})
+    target_link_libraries(${name} PUBLIC doppel_options ${arg_LINKS} PRIVATE ${arg_PRIVATE_LINKS})
+  else()
+    add_library(${name} INTERFACE)
+    target_link_libraries(${name} INTERFACE doppel_options ${arg_LINKS})
+  endif()
+endfunction()
+
+# doppel_test(name SOURCES a.cpp ... LINKS target ... [LABELS quick|slow|vulkan|sanitize ...] [TIMEOUT s]): one GoogleTest program, one CTest entry.
+# Label 'sanitize' marks the tests that the sanitizer build runs too (readers, format, reference).
+function(doppel_test name)
+  cmake_parse_arguments(arg "" "TIMEOUT" "SOURCES;LINKS;LABELS" ${ARGN})
+  add_executable(${name} ${arg_SOURCES})
+  target_link_libraries(${name} PRIVATE doppel_options ${arg_LINKS} GTest::gtest GTest::gtest_main)
+  add_test(NAME ${name} COMMAND ${name} --gtest_brief=1)
+  if(NOT arg_LABELS)
+    set(arg_LABELS quick)
+  endif()
+  if(NOT arg_TIMEOUT)
+    set(arg_TIMEOUT 300)
+  endif()
+  set_tests_properties(${name} PROPERTIES LABELS "${arg_LABELS}" TIMEOUT ${arg_TIMEOUT}
+    ENVIRONMENT "DOPPEL_SHARED_DATA=$ENV{DOPPEL_SHARED_DATA}")
+endfunction()
