@@ -1,0 +1,82 @@
+#!/usr/bin/env python3
+"""Holds the include arrows of the house: which room may include which (docs/overview.md). Exit 1 names each line that breaks one."""
+import pathlib
+import re
+import sys
+
+SDK = {
+    "sdk/core": [],
+    "sdk/math": ["sdk/core"],
+    "sdk/format": ["sdk/core", "sdk/math"],
+    "sdk/avatar": ["sdk/core", "sdk/math", "sdk/format"],
+    "sdk/splat": ["sdk/core", "sdk/math", "sdk/format", "sdk/avatar"],
+    "sdk/backend": ["sdk/core", "shaders/shared"],
+    "sdk/render": ["sdk/core", "sdk/math", "sdk/format", "sdk/avatar", "sdk/backend", "shaders/shared"],
+    "sdk/api": ["sdk"],
+    "sdk/include": [],
+}
+RULES = dict(SDK)
+RULES["platform"] = []
+RULES["reconstruction"] = ["sdk/core", "sdk/math", "sdk/format", "sdk/avatar", "sdk/splat", "reconstruction"]
+RULES["apps"] = ["platform", "reconstruction", "sdk/core", "sdk/math", "sdk/format", "sdk/avatar", "sdk/splat", "apps"]
+RULES["tools"] = ["sdk", "shaders", "tools", "reconstruction"]
+# Public headers are included as <doppel/...>; a room not named here must not know them.
+PUBLIC_USERS = ("sdk/api", "sdk/include", "sdk/backend/metal", "platform", "apps", "reconstruction/report", "tests", "tools")
+THIRD_PARTY = {  # heavy libraries stay in their rooms
+    "opencv2": ("reconstruction", "apps", "tests", "tools"),
+    "ceres": ("reconstruction", "tests"),
+    "Eigen": ("reconstruction", "tests"),
+    "embree3": ("reconstruction", "tests"),
+    "vulkan": ("sdk/backend/vulkan", "sdk/include", "platform", "tests"),
+    "tiny_gltf.h": ("sdk/format",),
+    "draco": ("sdk/format", "tests"),
+}
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^">]+)[">]')
+
+
+def room_of(path):
+    """The longest rule that is a prefix of the path, or None for free rooms (tests, docs)."""
+    best = None
+    for room in RULES:
+        if path.startswith(room + "/") and (best is None or len(room) > len(best)):
+            best = room
+    return best
+
+
+def problems(root):
+    for file in sorted(root.rglob("*")):
+        if file.suffix not in {".h", ".hpp", ".cpp", ".c", ".mm"}:
+            continue
+        path = file.relative_to(root).as_posix()
+        if path.split("/")[0] in {"build", "out", "demo", "third_party"} or path.startswith("."):
+            continue
+        room = room_of(path)
+        for number, line in enumerate(file.read_text(errors="replace").splitlines(), 1):
+            match = INCLUDE.match(line)
+            if not match:
+                continue
+            target = match.group(2)
+            where = f"{path}:{number}: includes {target}"
+            for library, users in THIRD_PARTY.items():
+                if (target == library or target.startswith(library + "/")) and not path.startswith(users):
+                    yield f"{where}; {library} is only for {', '.join(users)}"
+            if target.startswith("doppel/") and not path.startswith(PUBLIC_USERS):
+                yield f"{where}; the public header is for the product's users, not for {path.rsplit('/', 1)[0]}"
+            if target.startswith("tests/") and not path.startswith("tests/"):
+                yield f"{where}; nobody includes tests"
+            if room is None or target.startswith(room + "/"):
+                continue
+            if re.match(r"(sdk|platform|shaders|apps|reconstruction|tools)/", target):
+                if not any(target.startswith(allowed + "/") for allowed in RULES[room]):
+                    yield f"{where}; {room} may include {', '.join(RULES[room]) or 'nobody'}"
+
+
+def main():
+    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ".").resolve()
+    found = list(problems(root))
+    print("\n".join(found) if found else "every include follows the arrows")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

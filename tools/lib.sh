@@ -1,0 +1,53 @@
+# Shared by tools/test and tools/demo: numbered steps, builds with progress, test runs with a count. Sourced, not run.
+export DOPPEL_COMPILER_LAUNCHER="${DOPPEL_COMPILER_LAUNCHER-$(command -v ccache || true)}"
+tests_passed=0
+tests_skipped=0
+step_number=0
+
+step() {
+    step_number=$((step_number + 1))
+    printf '\n[%d] %s\n' "$step_number" "$1"
+}
+
+# configure PRESET: quietly; the output is shown only when it fails.
+configure() {
+    local log
+    log=$(mktemp)
+    cmake --preset "$1" >"$log" 2>&1 || { cat "$log" >&2; rm -f "$log"; echo "configuring preset '$1' failed" >&2; return 1; }
+    rm -f "$log"
+}
+
+build() {
+    configure "$1"
+    NINJA_STATUS="[%f/%t %es] " cmake --build --preset "$1" ${2:+--target "${@:2}"}
+}
+
+# build_sanitized PRESET: only the programs of tests labelled `sanitize` (one target gathers them).
+build_sanitized() { build "$1" sanitized_tests; }
+
+# run_tests PRESET [ctest options]: fails when a test fails or none ran; counts cases and repeats the reason of every skip.
+run_tests() {
+    local preset="$1" status=0 log
+    shift
+    ctest --preset "$preset" --no-tests=error "$@" || status=$?
+    log="build/$preset/Testing/Temporary/LastTest.log"
+    local programs_only passed skipped failed
+    passed=$(sed -n 's/^\[  PASSED  \] \([0-9]*\) test.*/\1/p' "$log" | awk '{n += $1} END {print n + 0}')
+    programs_only=$(grep -c '^Test Passed\.$' "$log" || true)
+    skipped=$(grep -c '^\[  SKIPPED \] .*ms)$' "$log" || true)
+    failed=$(grep -c '^\[  FAILED  \] .*ms)$' "$log" || true)
+    if [ "$skipped" -gt 0 ]; then
+        echo "skipped, with the reason each test gave:"
+        grep -B 1 '^\[  SKIPPED \] .*ms)$' "$log" | grep -v '^--$' | sed 's/^/  /'
+    fi
+    if [ "$passed" -eq 0 ]; then passed=$programs_only; fi
+    tests_passed=$((tests_passed + passed))
+    tests_skipped=$((tests_skipped + skipped))
+    if [ "$status" -ne 0 ]; then
+        [ "$failed" -gt 0 ] || failed=1
+        echo "$tests_passed passed, $failed failed, $tests_skipped skipped"
+        return 1
+    fi
+}
+
+finish_tests() { [ "$tests_passed" -gt 0 ] || { echo "no test ran" >&2; return 1; }; }
