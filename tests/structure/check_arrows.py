@@ -18,7 +18,7 @@ SDK = {
 RULES = dict(SDK)
 RULES["platform"] = []
 RULES["reconstruction"] = ["sdk/core", "sdk/math", "sdk/format", "sdk/avatar", "sdk/splat", "reconstruction"]
-RULES["apps"] = ["platform", "reconstruction", "sdk/core", "sdk/math", "sdk/format", "sdk/avatar", "sdk/splat", "apps"]
+RULES["apps"] = ["apps", "platform", "reconstruction", "sdk/core", "sdk/math"]
 RULES["tools"] = ["sdk", "shaders", "tools", "reconstruction"]
 # Public headers are included as <doppel/...>; a room not named here must not know them.
 PUBLIC_USERS = ("sdk/api", "sdk/include", "sdk/backend/metal", "platform", "apps", "reconstruction/report", "tests", "tools")

@@ -1,0 +1,113 @@
+#include "reconstruction/pipeline/stage.h"
+
+#include <sys/resource.h>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+
+#include "sdk/core/files.h"
+
+namespace dpl {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+// Linux forgets the peak resident size when 5 is written there, so that each stage reports its own.
+void resetPeakMemory() { std::ofstream("/proc/self/clear_refs") << 5; }
+
+uint64_t peakMemoryBytes() {
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);)
+        if (line.rfind("VmHWM:", 0) == 0) return std::stoull(line.substr(6)) * 1024;
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return uint64_t(usage.ru_maxrss) * 1024;
+}
+
+json readManifest(const fs::path& folder) {
+    auto bytes = readFile(folder / "manifest.json", 16 << 20);
+    if (!bytes) return {};
+    return json::parse(bytes->begin(), bytes->end(), nullptr, false);
+}
+
+std::string stringField(const json& object, const char* name) {
+    return object.is_object() && object.contains(name) && object[name].is_string() ? object[name].get<std::string>() : std::string();
+}
+
+Status makeFolder(const fs::path& folder) {
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (error) return fail(Code::Io, "cannot create {}: {}; choose another output with -o", folder.string(), error.message());
+    return {};
+}
+
+}  // namespace
+
+std::string hashBytes(std::span<const uint8_t> bytes) {
+    const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
+    char text[33];
+    std::snprintf(text, sizeof text, "%016llx%016llx", static_cast<unsigned long long>(hash.high64), static_cast<unsigned long long>(hash.low64));
+    return text;
+}
+
+Result<std::string> hashFile(const fs::path& path) {
+    DPL_TRY(auto bytes, readFile(path));
+    return hashBytes(bytes);
+}
+
+StageChain::StageChain(fs::path outFolder, Progress& progress) : stagesFolder_(std::move(outFolder) / "stages"), progress_(progress) {}
+
+Result<fs::path> StageChain::run(const std::string& name, uint32_t version, const json& inputs, const std::function<Status(StageContext&)>& work) {
+    char prefix[8];
+    std::snprintf(prefix, sizeof prefix, "%02zu-", records_.size() + 1);
+    const fs::path folder = stagesFolder_ / (prefix + name), workFolder = folder.string() + ".work";
+    const std::string described = json{{"stage", name}, {"version", version}, {"inputs", inputs}}.dump();
+    const std::string key = hashBytes({reinterpret_cast<const uint8_t*>(described.data()), described.size()});
+
+    progress_.beginStage(name);
+    std::error_code ignored;
+    // A kill between the last write and the rename leaves a work folder that is whole: adopt it.
+    if (const json manifest = readManifest(workFolder); stringField(manifest, "key") == key && manifest.value("finished", false)) {
+        fs::remove_all(folder, ignored);
+        fs::rename(workFolder, folder, ignored);
+    }
+    if (const json manifest = readManifest(folder); stringField(manifest, "key") == key) {
+        records_.push_back({name, key, manifest.value("seconds", 0.0), manifest.value("peakBytes", uint64_t(0)), true});
+        progress_.endStage("up to date");
+        return folder;
+    }
+    if (stringField(readManifest(workFolder), "key") != key) fs::remove_all(workFolder, ignored);
+    DPL_CHECK_OK(makeFolder(workFolder));
+    DPL_CHECK_OK(writeFileAtomically(workFolder / "manifest.json", json{{"stage", name}, {"key", key}, {"finished", false}}.dump(1)));
+
+    resetPeakMemory();
+    const auto start = std::chrono::steady_clock::now();
+    StageContext context{workFolder, progress_};
+    if (Status done = work(context); !done) return fail(done.error().code, "{}: {}", name, done.error().message);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const uint64_t peakBytes = peakMemoryBytes();
+
+    const json manifest = {{"stage", name}, {"version", version}, {"key", key},      {"finished", true},
+                           {"inputs", inputs}, {"seconds", seconds}, {"peakBytes", peakBytes}};
+    DPL_CHECK_OK(writeFileAtomically(workFolder / "manifest.json", manifest.dump(1)));
+    fs::remove_all(folder, ignored);
+    std::error_code error;
+    fs::rename(workFolder, folder, error);
+    if (error) return fail(Code::Io, "cannot rename {} to {}: {}", workFolder.string(), folder.string(), error.message());
+    records_.push_back({name, key, seconds, peakBytes, false});
+    progress_.endStage("done");
+    return folder;
+}
+
+std::string StageChain::keyOf(const std::string& name) const {
+    for (auto record = records_.rbegin(); record != records_.rend(); ++record)
+        if (record->name == name) return record->key;
+    return {};
+}
+
+}  // namespace dpl

@@ -1,0 +1,74 @@
+#include "reconstruction/pipeline/stage.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "sdk/core/files.h"
+
+namespace {
+
+using namespace dpl;
+using nlohmann::json;
+
+class Stages : public testing::Test {
+protected:
+    void SetUp() override {
+        folder_ = std::filesystem::temp_directory_path() / ("doppel_stages_" + std::to_string(::getpid()));
+        std::filesystem::remove_all(folder_);
+    }
+    void TearDown() override { std::filesystem::remove_all(folder_); }
+
+    Result<std::filesystem::path> runOnce(const json& inputs, const std::function<Status(StageContext&)>& work) {
+        StageChain chain(folder_, progress_);
+        return chain.run("probe", 1, inputs, work);
+    }
+
+    std::filesystem::path folder_;
+    Progress progress_{Progress::Style::Quiet};
+};
+
+TEST_F(Stages, runsOnceAndIsReusedUntilItsInputsChange) {
+    int runs = 0;
+    auto work = [&](StageContext& context) { return ++runs, writeFileAtomically(context.folder / "result", "x"); };
+    auto first = runOnce({{"a", 1}}, work);
+    ASSERT_TRUE(first) << first.error().message;
+    EXPECT_TRUE(std::filesystem::exists(*first / "result"));
+    ASSERT_TRUE(runOnce({{"a", 1}}, work));
+    EXPECT_EQ(runs, 1);
+    ASSERT_TRUE(runOnce({{"a", 2}}, work));
+    EXPECT_EQ(runs, 2);
+}
+
+TEST_F(Stages, aFailedStageLeavesNoFinishedFolderButKeepsItsCheckpoint) {
+    auto failing = [&](StageContext& context) -> Status {
+        DPL_CHECK_OK(writeFileAtomically(context.folder / "checkpoint", "half"));
+        return fail(Code::Cancelled, "stopped");
+    };
+    auto result = runOnce({{"a", 1}}, failing);
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().code, Code::Cancelled);
+    EXPECT_EQ(result.error().message, "probe: stopped");
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "stages/01-probe"));
+
+    bool sawCheckpoint = false;
+    ASSERT_TRUE(runOnce({{"a", 1}}, [&](StageContext& context) -> Status {
+        sawCheckpoint = std::filesystem::exists(context.folder / "checkpoint");
+        return {};
+    }));
+    EXPECT_TRUE(sawCheckpoint);
+}
+
+TEST_F(Stages, aCheckpointOfOtherInputsIsDropped) {
+    ASSERT_FALSE(runOnce({{"a", 1}}, [&](StageContext& context) -> Status {
+        DPL_CHECK_OK(writeFileAtomically(context.folder / "checkpoint", "half"));
+        return fail(Code::Cancelled, "stopped");
+    }));
+    bool sawCheckpoint = true;
+    ASSERT_TRUE(runOnce({{"a", 2}}, [&](StageContext& context) -> Status {
+        sawCheckpoint = std::filesystem::exists(context.folder / "checkpoint");
+        return {};
+    }));
+    EXPECT_FALSE(sawCheckpoint);
+}
+
+}  // namespace
