@@ -7,6 +7,7 @@
 #include "sdk/core/jobs.h"
 #include "sdk/core/result.h"
 #include "sdk/format/avatar_data.h"
+#include "sdk/math/binding.h"
 
 namespace dpl {
 
@@ -20,6 +21,9 @@ struct Pose {
 
 /** Refuses a wrong joint count and non-finite or zero rotations, naming the joint. */
 Status checkPose(std::span<const JointData> joints, const Pose& pose);
+
+/** Refuses parents that do not come first and rest positions that are not finite, naming the joint (CorruptData). */
+Status checkRig(std::span<const JointData> joints);
 
 /** worldFromRest[j] = G_j as [R | t]. Rotations are normalised here. The pose must have passed checkPose. */
 void jointTransforms(std::span<const JointData> joints, const Pose& pose, std::vector<Mat3x4f>& worldFromRest);

@@ -1,0 +1,297 @@
+#include "sdk/avatar/humanoid.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <optional>
+
+namespace dpl {
+namespace {
+
+constexpr std::array<std::string_view, 55> kBones = {
+    "hips", "spine", "chest", "upperChest", "neck", "head", "leftEye", "rightEye", "jaw",
+    "leftUpperLeg", "leftLowerLeg", "leftFoot", "leftToes", "rightUpperLeg", "rightLowerLeg", "rightFoot", "rightToes",
+    "leftShoulder", "leftUpperArm", "leftLowerArm", "leftHand", "rightShoulder", "rightUpperArm", "rightLowerArm", "rightHand",
+    "leftThumbMetacarpal", "leftThumbProximal", "leftThumbDistal", "leftIndexProximal", "leftIndexIntermediate", "leftIndexDistal",
+    "leftMiddleProximal", "leftMiddleIntermediate", "leftMiddleDistal", "leftRingProximal", "leftRingIntermediate", "leftRingDistal",
+    "leftLittleProximal", "leftLittleIntermediate", "leftLittleDistal",
+    "rightThumbMetacarpal", "rightThumbProximal", "rightThumbDistal", "rightIndexProximal", "rightIndexIntermediate", "rightIndexDistal",
+    "rightMiddleProximal", "rightMiddleIntermediate", "rightMiddleDistal", "rightRingProximal", "rightRingIntermediate", "rightRingDistal",
+    "rightLittleProximal", "rightLittleIntermediate", "rightLittleDistal"};
+
+struct Alias {
+    std::string_view base, bone;
+};
+
+// Bones with a side; the bone gets "left" or "right" in front.
+constexpr Alias kSided[] = {
+    {"clavicle", "Shoulder"}, {"collar", "Shoulder"}, {"collarbone", "Shoulder"}, {"clav", "Shoulder"}, {"shoulder", "Shoulder"},
+    {"upperarm", "UpperArm"}, {"uparm", "UpperArm"}, {"arm", "UpperArm"}, {"shldr", "UpperArm"}, {"shldrbend", "UpperArm"}, {"bicep", "UpperArm"},
+    {"lowerarm", "LowerArm"}, {"loarm", "LowerArm"}, {"forearm", "LowerArm"}, {"forearmbend", "LowerArm"}, {"elbow", "LowerArm"},
+    {"hand", "Hand"}, {"wrist", "Hand"},
+    {"upperleg", "UpperLeg"}, {"upleg", "UpperLeg"}, {"thigh", "UpperLeg"}, {"thighbend", "UpperLeg"}, {"hip", "UpperLeg"},
+    {"lowerleg", "LowerLeg"}, {"loleg", "LowerLeg"}, {"leg", "LowerLeg"}, {"shin", "LowerLeg"}, {"calf", "LowerLeg"}, {"knee", "LowerLeg"},
+    {"foot", "Foot"}, {"ankle", "Foot"}, {"toe", "Toes"}, {"toes", "Toes"}, {"toebase", "Toes"}, {"ball", "Toes"},
+    {"eye", "Eye"}, {"eyesmplhf", "Eye"},
+};
+constexpr Alias kMiddle[] = {
+    {"hips", "hips"}, {"hip", "hips"}, {"pelvis", "hips"}, {"spine", "spine"}, {"lowerback", "spine"}, {"abdomen", "spine"},
+    {"abdomenlower", "spine"}, {"abdomenupper", "chest"}, {"chestlower", "chest"}, {"chest", "chest"}, {"upperchest", "upperChest"},
+    {"chestupper", "upperChest"}, {"neck", "neck"}, {"necklower", "neck"}, {"head", "head"}, {"jaw", "jaw"}, {"lowerjaw", "jaw"},
+};
+constexpr Alias kFingers[] = {
+    {"thumb", "Thumb"}, {"index", "Index"}, {"middle", "Middle"}, {"mid", "Middle"}, {"ring", "Ring"},
+    {"little", "Little"}, {"pinky", "Little"}, {"pinkie", "Little"},
+};
+
+template <size_t N>
+std::string_view lookUp(const Alias (&table)[N], std::string_view base) {
+    for (const Alias& alias : table)
+        if (alias.base == base) return alias.bone;
+    return {};
+}
+
+/** A joint name taken apart: "mixamorig:LeftHandIndex2" is {left, "handindex", {"2"}}. */
+struct NameParts {
+    int side = 0;                      // +1 left, -1 right
+    std::string base;                  // lower-case words without side and numbers
+    std::vector<std::string> numbers;  // as written, so "01" and "1" differ
+    bool snakeSide = false;            // the side is a whole lower-case word in front: "left_shoulder"
+    bool capital = false;              // the first word starts with a capital
+    bool separatedNumber = false;      // a separator stands before the first number
+};
+
+std::string_view stripPrefix(std::string_view name) {
+    if (const size_t colon = name.find_last_of(":|"); colon != std::string_view::npos) name.remove_prefix(colon + 1);
+    for (std::string_view prefix : {"mixamorig_", "mixamorig", "DEF-", "ORG-", "J_Bip_C_", "J_Bip_", "Bip001 ", "Bip01 ", "Bip001_", "Bip01_", "CC_Base_"})
+        if (name.size() > prefix.size() && name.substr(0, prefix.size()) == prefix) return name.substr(prefix.size());
+    return name;
+}
+
+NameParts takeApart(std::string_view name) {
+    NameParts parts;
+    std::vector<std::string> words;
+    std::string word;
+    bool separator = false;
+    const auto flush = [&] {
+        if (!word.empty()) words.push_back(word);
+        word.clear();
+    };
+    for (size_t i = 0; i < name.size(); ++i) {
+        const unsigned char c = static_cast<unsigned char>(name[i]);
+        if (!std::isalnum(c)) {
+            flush();
+            separator = true;
+            continue;
+        }
+        const unsigned char before = i > 0 ? static_cast<unsigned char>(name[i - 1]) : 0;
+        const unsigned char after = i + 1 < name.size() ? static_cast<unsigned char>(name[i + 1]) : 0;
+        const bool camel = std::isupper(c) && (std::islower(before) || (std::isupper(before) && std::islower(after)));
+        if (camel || (std::isdigit(c) != 0) != (std::isdigit(before) != 0)) flush();
+        if (std::isdigit(c) && word.empty() && parts.numbers.empty()) parts.separatedNumber = separator;
+        if (words.empty() && word.empty()) parts.capital = std::isupper(c) != 0;
+        word += char(std::tolower(c));
+        separator = false;
+        if (std::isdigit(c) && !std::isdigit(after)) {
+            parts.numbers.push_back(word);
+            word.clear();
+        }
+    }
+    flush();
+    for (size_t i = 0; i < words.size(); ++i) {
+        const std::string& w = words[i];
+        const int side = w == "left" || w == "l" || w == "lft" ? 1 : (w == "right" || w == "r" || w == "rgt" ? -1 : 0);
+        if (side != 0 && parts.side == 0) {
+            parts.side = side;
+            parts.snakeSide = i == 0 && w.size() > 1 && !parts.capital && name.find('_') != std::string_view::npos;
+        } else {
+            parts.base += w;
+        }
+    }
+    return parts;
+}
+
+std::string sided(int side, std::string_view bone) { return std::string(side > 0 ? "left" : "right").append(bone); }
+
+/** "Index" + segment 1..3; the thumb's segments have other names. */
+std::string fingerBone(int side, std::string_view finger, int segment) {
+    static constexpr std::string_view kSegments[] = {"Proximal", "Intermediate", "Distal"};
+    static constexpr std::string_view kThumbSegments[] = {"Metacarpal", "Proximal", "Distal"};
+    if (segment < 1 || segment > 3) return {};
+    return sided(side, finger).append(finger == "Thumb" ? kThumbSegments[segment - 1] : kSegments[segment - 1]);
+}
+
+int small(const std::string& digits) { return digits.size() > 3 ? -1 : std::stoi(digits); }
+
+std::string fingerFor(const NameParts& parts) {
+    std::string_view base = parts.base;
+    if (base == "finger" && parts.numbers.size() == 2) {  // MakeHuman: finger1-1 is the thumb's first segment
+        const int finger = small(parts.numbers[0]);
+        static constexpr std::string_view kByNumber[] = {"Thumb", "Index", "Middle", "Ring", "Little"};
+        return finger >= 1 && finger <= 5 ? fingerBone(parts.side, kByNumber[finger - 1], small(parts.numbers[1])) : std::string();
+    }
+    if (base.starts_with("hand")) base.remove_prefix(4);
+    if (base.starts_with("f") && !lookUp(kFingers, base.substr(1)).empty()) base.remove_prefix(1);  // Rigify: f_index.01.L
+    if (parts.numbers.size() == 1) {
+        const std::string_view finger = lookUp(kFingers, base);
+        return finger.empty() ? std::string() : fingerBone(parts.side, finger, small(parts.numbers[0]));
+    }
+    if (!parts.numbers.empty()) return {};
+    static constexpr Alias kSpelled[] = {{"metacarpal", "1"}, {"proximal", "1"}, {"intermediate", "2"}, {"distal", "3"}};
+    for (const Alias& alias : kFingers) {
+        if (!base.starts_with(alias.base)) continue;
+        const std::string_view rest = base.substr(alias.base.size());
+        if (alias.bone == "Thumb") {
+            if (rest == "metacarpal") return fingerBone(parts.side, "Thumb", 1);
+            if (rest == "proximal" || rest == "intermediate") return fingerBone(parts.side, "Thumb", 2);
+            if (rest == "distal") return fingerBone(parts.side, "Thumb", 3);
+        } else if (const std::string_view segment = rest == "metacarpal" ? std::string_view() : lookUp(kSpelled, rest); !segment.empty()) {
+            return fingerBone(parts.side, alias.bone, segment[0] - '0');
+        }
+    }
+    return {};
+}
+
+std::string spineFor(const NameParts& parts) {
+    static constexpr std::string_view kUp[] = {"spine", "chest", "upperChest"};
+    const std::string& digits = parts.numbers[0];
+    const int number = small(digits);
+    if (digits.size() == 2 && !parts.separatedNumber)  // MakeHuman counts five vertebrae from the neck down
+        return number == 5 ? "spine" : number == 3 ? "chest" : number == 1 ? "upperChest" : "";
+    if (digits.size() == 1 && parts.capital && !parts.separatedNumber)  // Mixamo: Spine, Spine1, Spine2
+        return number == 1 ? "chest" : number == 2 ? "upperChest" : "";
+    return number >= 1 && number <= 3 ? std::string(kUp[number - 1]) : std::string();
+}
+
+}  // namespace
+
+std::span<const std::string_view> humanoidBoneNames() { return kBones; }
+
+std::string humanoidBoneFor(std::string_view jointName) {
+    const std::string_view name = stripPrefix(jointName);
+    if (name.empty() || name.starts_with("__")) return {};  // MakeHuman's BVH helpers between real joints
+    NameParts parts = takeApart(name);
+    if (parts.side == 0 && parts.base.size() > 2 && lookUp(kMiddle, parts.base).empty() && lookUp(kSided, parts.base).empty() &&
+        (parts.base[0] == 'l' || parts.base[0] == 'r') && !lookUp(kSided, std::string_view(parts.base).substr(1)).empty()) {
+        parts.side = parts.base[0] == 'l' ? 1 : -1;  // "lhand"
+        parts.base.erase(0, 1);
+    }
+    const std::vector<std::string>& n = parts.numbers;
+    if (parts.side == 0) {
+        if (parts.base == "spine" && n.size() == 1) return spineFor(parts);
+        if (parts.base == "chest" && n.size() == 1) return n[0] == "2" ? "upperChest" : n[0] == "1" || n[0] == "01" ? "chest" : "";
+        if (parts.base == "neck" && n.size() == 1) return small(n[0]) == 1 ? "neck" : "";
+        return n.empty() ? std::string(lookUp(kMiddle, parts.base)) : std::string();
+    }
+    if (std::string finger = fingerFor(parts); !finger.empty()) return finger;
+    if (!n.empty() && !(n.size() == 1 && n[0] == "01")) return {};  // second halves ("upperarm02.L"), separate toes ("toe2-1.L")
+    if (parts.base == "shoulder") {
+        if (!n.empty()) return {};                                   // MakeHuman's shoulder01 follows its clavicle
+        if (parts.snakeSide) return sided(parts.side, "UpperArm");   // SMPL: left_collar, left_shoulder, left_elbow
+    }
+    const std::string_view bone = lookUp(kSided, parts.base);
+    return bone.empty() ? std::string() : sided(parts.side, bone);
+}
+
+namespace {
+
+/** The tree questions that names leave open. */
+class TreeResolver {
+public:
+    explicit TreeResolver(std::span<const JointData> joints) : joints_(joints), bones_(joints.size()) {
+        for (size_t j = 0; j < joints.size(); ++j) bones_[j] = humanoidBoneFor(joints[j].name);
+    }
+
+    std::vector<std::string> run() {
+        for (const char* side : {"left", "right"}) {
+            const std::string s = side;
+            settleSecond(s + "Shoulder", s + "UpperArm");
+            settleSecond(s + "Foot", s + "Toes");
+            if (!find(s + "UpperArm"))
+                if (auto shoulder = find(s + "Shoulder")) bones_[*shoulder] = s + "UpperArm";
+        }
+        keepFirstOfEach();
+        settleTorso();
+        return std::move(bones_);
+    }
+
+private:
+    std::optional<size_t> find(std::string_view bone) const {
+        const auto at = std::find(bones_.begin(), bones_.end(), bone);
+        if (at == bones_.end()) return std::nullopt;
+        return size_t(at - bones_.begin());
+    }
+    bool isAbove(size_t ancestor, size_t joint) const {
+        for (int32_t j = joints_[joint].parent; j >= 0; j = joints_[size_t(j)].parent)
+            if (size_t(j) == ancestor) return true;
+        return false;
+    }
+    std::optional<size_t> common(std::optional<size_t> a, std::optional<size_t> b) const {
+        if (!a || !b) return std::nullopt;
+        for (int32_t j = int32_t(*a); j >= 0; j = joints_[size_t(j)].parent)
+            if (size_t(j) == *b || isAbove(size_t(j), *b)) return size_t(j);
+        return std::nullopt;
+    }
+    /** A second joint named `bone` below the first becomes `next`, if nothing else is. */
+    void settleSecond(const std::string& bone, const std::string& next) {
+        const auto first = find(bone);
+        if (!first || find(next)) return;
+        for (size_t j = *first + 1; j < bones_.size(); ++j)
+            if (bones_[j] == bone && isAbove(*first, j)) {
+                bones_[j] = next;
+                return;
+            }
+    }
+    void keepFirstOfEach() {
+        for (size_t j = 0; j < bones_.size(); ++j)
+            if (!bones_[j].empty() && *find(bones_[j]) != j) bones_[j].clear();
+    }
+    void relabel(std::string_view bone, std::optional<size_t> joint) {
+        if (auto old = find(bone)) bones_[*old].clear();
+        if (joint) bones_[*joint] = bone;
+    }
+    void settleTorso() {
+        const auto legs = common(find("leftUpperLeg"), find("rightUpperLeg"));
+        const auto head = find("head");
+        const auto arms = common(find("leftUpperArm"), find("rightUpperArm"));
+        const auto hips = common(legs, head ? head : arms);
+        if (!hips) return;  // no legs or nothing above them: names must do
+        relabel("hips", hips);
+        const auto top = head ? common(arms, head) : arms;
+        if (!top || *top == *hips || !isAbove(*hips, *top)) return;
+        std::vector<size_t> chain;  // from below the hips up to where the arms leave
+        for (size_t j = *top; j != *hips; j = size_t(joints_[j].parent)) chain.insert(chain.begin(), j);
+        for (std::string_view bone : {"spine", "chest", "upperChest"}) relabel(bone, std::nullopt);
+        bones_[chain.front()] = "spine";
+        if (chain.size() == 2) bones_[chain[1]] = "chest";
+        if (chain.size() >= 3) {
+            bones_[chain[chain.size() / 2]] = "chest";
+            bones_[chain.back()] = "upperChest";
+        }
+        if (!head) return;
+        std::optional<size_t> neck;
+        for (size_t j = size_t(joints_[*head].parent); j != *top; j = size_t(joints_[j].parent)) neck = j;
+        relabel("neck", neck);
+    }
+
+    std::span<const JointData> joints_;
+    std::vector<std::string> bones_;
+};
+
+}  // namespace
+
+std::vector<std::string> humanoidBones(std::span<const JointData> joints) {
+    if (std::any_of(joints.begin(), joints.end(), [](const JointData& j) { return !j.humanoidBone.empty(); })) {
+        std::vector<std::string> bones;
+        for (const JointData& joint : joints) bones.push_back(joint.humanoidBone);
+        return bones;
+    }
+    return TreeResolver(joints).run();
+}
+
+void assignHumanoidBones(std::vector<JointData>& joints) {
+    const std::vector<std::string> bones = humanoidBones(joints);
+    for (size_t j = 0; j < joints.size(); ++j) joints[j].humanoidBone = bones[j];
+}
+
+}  // namespace dpl

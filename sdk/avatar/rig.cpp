@@ -1,0 +1,110 @@
+#include "sdk/avatar/rig.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dpl {
+namespace {
+
+constexpr size_t kVertexGrain = 2048;       // vertices a block: small enough to balance, large enough to hide the hand-out
+constexpr size_t kTriangleGrain = 2048;
+constexpr float kMinQuaternionNorm2 = 1e-12f;  // below this the direction of the quaternion is rounding noise
+constexpr float kMaxQuaternionNorm2 = 1e12f;   // above this squares of ordinary products overflow
+constexpr float kMaxRootTranslationM = 1e5f;   // 100 km: float has no millimetres left there
+
+bool finite(const Quatf& q) { return std::isfinite(q.x) && std::isfinite(q.y) && std::isfinite(q.z) && std::isfinite(q.w); }
+
+Mat3x4f multiply(const Mat3x4f& a, const Mat3x4f& b) {
+    const Mat3f ra(a[0], a[1], a[2]);
+    return Mat3x4f(ra * b[0], ra * b[1], ra * b[2], ra * b[3] + a[3]);
+}
+
+}  // namespace
+
+Status checkPose(std::span<const JointData> joints, const Pose& pose) {
+    if (pose.localRotations.size() != joints.size())
+        return fail(Code::InvalidArgument, "the pose has {} rotations, the rig has {} joints", pose.localRotations.size(), joints.size());
+    for (size_t j = 0; j < joints.size(); ++j) {
+        const Quatf& q = pose.localRotations[j];
+        if (!finite(q))
+            return fail(Code::InvalidArgument, "rotation of joint '{}' ({}) is not finite: [{}, {}, {}, {}]", joints[j].name, j, q.x, q.y, q.z, q.w);
+        const float norm2 = glm::dot(q, q);
+        if (!(norm2 > kMinQuaternionNorm2) || !(norm2 < kMaxQuaternionNorm2))
+            return fail(Code::InvalidArgument, "rotation of joint '{}' ({}) has length {}; a rotation is a unit quaternion (xyzw)", joints[j].name, j,
+                        std::sqrt(norm2));
+    }
+    const Vec3f& t = pose.rootTranslation;
+    for (int axis = 0; axis < 3; ++axis)
+        if (!(std::abs(t[axis]) <= kMaxRootTranslationM))
+            return fail(Code::InvalidArgument, "the root translation [{}, {}, {}] is not finite or is beyond {} m", t.x, t.y, t.z, kMaxRootTranslationM);
+    return {};
+}
+
+Status checkRig(std::span<const JointData> joints) {
+    for (size_t j = 0; j < joints.size(); ++j) {
+        const JointData& joint = joints[j];
+        if (joint.parent < -1 || joint.parent >= int32_t(j))
+            return fail(Code::CorruptData, "joint '{}' ({}) has parent {}; parents come first", joint.name, j, joint.parent);
+        for (int axis = 0; axis < 3; ++axis)
+            if (!std::isfinite(joint.restPosition[axis]))
+                return fail(Code::CorruptData, "rest position of joint '{}' ({}) is not finite", joint.name, j);
+    }
+    return {};
+}
+
+void jointTransforms(std::span<const JointData> joints, const Pose& pose, std::vector<Mat3x4f>& worldFromRest) {
+    worldFromRest.resize(joints.size());
+    for (size_t j = 0; j < joints.size(); ++j) {
+        const Mat3f rotation = glm::mat3_cast(glm::normalize(pose.localRotations[j]));
+        const Vec3f& p = joints[j].restPosition;
+        const Mat3x4f local(rotation[0], rotation[1], rotation[2], p - rotation * p);
+        if (joints[j].parent < 0) {
+            worldFromRest[j] = local;
+            worldFromRest[j][3] += pose.rootTranslation;
+        } else {
+            worldFromRest[j] = multiply(worldFromRest[size_t(joints[j].parent)], local);
+        }
+    }
+}
+
+void skin(const MeshData& mesh, std::span<const Mat3x4f> worldFromRest, Jobs& jobs, std::vector<Vec3f>& positions) {
+    positions.resize(mesh.restPositions.size());
+    const auto body = [&](size_t begin, size_t end, uint32_t) {
+        for (size_t v = begin; v < end; ++v) {
+            const Vec3f& rest = mesh.restPositions[v];
+            const glm::u16vec4& joint = mesh.jointIndices[v];
+            const glm::u8vec4& weight = mesh.jointWeights[v];
+            Vec3f sum(0);
+            for (int i = 0; i < 4; ++i) {
+                if (weight[i] == 0) continue;
+                const Mat3x4f& g = worldFromRest[joint[i]];
+                sum += float(weight[i]) * (g[0] * rest.x + g[1] * rest.y + g[2] * rest.z + g[3]);
+            }
+            positions[v] = sum * (1.0f / 255.0f);
+        }
+    };
+    jobs.forRange(positions.size(), kVertexGrain, std::ref(body));  // std::ref: no allocation for the captures
+}
+
+std::vector<RestTriangle<float>> restTriangles(const MeshData& mesh) {
+    std::vector<RestTriangle<float>> rest(mesh.triangles.size());
+    for (size_t t = 0; t < rest.size(); ++t) {
+        const Triangle& corner = mesh.triangles[t];
+        rest[t] = restTriangle(mesh.restPositions[corner.x], mesh.restPositions[corner.y], mesh.restPositions[corner.z]);
+    }
+    return rest;
+}
+
+void poseTriangles(const MeshData& mesh, std::span<const RestTriangle<float>> rest, std::span<const Vec3f> positions, Jobs& jobs,
+                   std::vector<TriangleFrame<float>>& frames) {
+    frames.resize(mesh.triangles.size());
+    const auto body = [&](size_t begin, size_t end, uint32_t) {
+        for (size_t t = begin; t < end; ++t) {
+            const Triangle& corner = mesh.triangles[t];
+            frames[t] = poseTriangle(rest[t], positions[corner.x], positions[corner.y], positions[corner.z]);
+        }
+    };
+    jobs.forRange(frames.size(), kTriangleGrain, std::ref(body));
+}
+
+}  // namespace dpl
