@@ -1,0 +1,84 @@
+// Any skinned glTF 2.0 binary as plain arrays: meshes, one joint list, node tree, morph targets, animations. Bodies and clips are
+// read through this; Doppel avatars have their own reader (avatar_file.h). Bytes pass the same bounded checks first.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sdk/core/result.h"
+#include "sdk/format/read_limits.h"
+#include "sdk/math/types.h"
+
+namespace dpl {
+
+struct SkinnedGltf {
+    /** A node at rest: parentFromNode = T(translation)·R(rotation)·S(scale). Any rest rotation may occur. */
+    struct Node {
+        std::string name;
+        int32_t parent = -1;            // index into nodes; parents come first
+        Vec3f translation{0};
+        Quatf rotation{1, 0, 0, 0};     // unit
+        Vec3f scale{1};
+    };
+    struct Joint {
+        uint32_t node = 0;              // index into nodes
+        Mat4f jointFromMesh{1};         // the inverse bind matrix: takes mesh (bind) space to the joint
+    };
+    struct Morph {
+        std::string name;               // from mesh.extras.targetNames, else "morph0", "morph1" ...
+        float restWeight = 0;
+        std::vector<Vec3f> offsets;     // V, mesh space, at weight 1
+    };
+    /** One primitive. Vertices and triangles keep the file's order. */
+    struct Mesh {
+        std::string name;
+        int32_t node = -1;                       // node that carries it; skinned meshes ignore that node's transform
+        bool skinned = false;
+        std::vector<Vec3f> positions;            // V, mesh space
+        std::vector<Vec2f> uv;                   // V or empty (TEXCOORD_0)
+        std::vector<Vec4f> colours;              // V or empty (COLOR_0, as stored, 0..1)
+        std::vector<glm::u16vec4> jointIndices;  // V or empty, indices into joints
+        std::vector<Vec4f> jointWeights;         // V or empty, the four largest, sum 1; skin_weights.h makes unorm8 of them
+        std::vector<glm::uvec3> triangles;
+        std::vector<Morph> morphs;
+    };
+    enum class Path : uint8_t { Translation, Rotation, Scale };
+    enum class Interpolation : uint8_t { Step, Linear, Cubic };
+    struct Channel {
+        uint32_t node = 0;
+        Path path = Path::Rotation;
+        Interpolation interpolation = Interpolation::Linear;
+        std::vector<float> timesS;      // rising, not empty
+        std::vector<Vec4f> values;      // one a time (Cubic: in-tangent, value, out-tangent); rotations as xyzw, others xyz0
+    };
+    struct Animation {
+        std::string name;
+        std::vector<Channel> channels;  // morph weight channels are left out
+        float endS() const;
+    };
+
+    std::vector<Node> nodes;
+    std::vector<Joint> joints;          // all skins in use, one after another; the same node with the same bind pose occurs once
+    std::vector<Mesh> meshes;
+    std::vector<Animation> animations;
+
+    /** sceneFromNode at rest, one per node. */
+    std::vector<Mat4f> restTransforms() const;
+};
+
+struct SkinnedGltfOptions {
+    bool requireSkin = true;   // false for clip files, which may hold nodes and animations only
+    ReadLimits limits;
+};
+
+/** Reads a .glb (also with KHR_draco_mesh_compression and sparse accessors). The bytes may be freed on return; any thread.
+ *  CorruptData: damaged bytes. Unsupported: not a .glb, external buffers, a required extension we do not know.
+ *  NotFound with requireSkin: the sentence says "no skin weights" when there are meshes but none is skinned. */
+Result<SkinnedGltf> readSkinnedGltf(std::span<const uint8_t> bytes, const SkinnedGltfOptions& options = {});
+
+/** Value of a channel at a time, held before the first and after the last key. Rotations come back as unit xyzw. */
+Vec4f sampleChannel(const SkinnedGltf::Channel& channel, float timeS);
+
+}  // namespace dpl
