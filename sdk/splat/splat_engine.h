@@ -3,6 +3,10 @@
 //
 //   splats + triangle frames ─► project (SIMD, blocks of splats) ─► stable sort by depth ─► bin into 16×16 tiles ─► blend front to back
 //
+// Stopping rule, the same in reference, trainer and every renderer: an entry is blended while the pixel's T is above 1e-4, and the
+// entry that brings T to or below 1e-4 is still blended. What is left out weighs less than 1e-4, so a renderer that stops later
+// (every n entries, or never) differs by less than 1e-4; stopping *before* that entry, as INRIA does, would lose up to 1e-2.
+//
 // Results do not depend on the thread count: blocks have a fixed shape and each tile is blended by one worker in splat order.
 #pragma once
 
@@ -20,6 +24,7 @@
 namespace dpl {
 
 constexpr uint32_t kTileSizePx = 16;
+constexpr uint32_t kMaxTargetPx = 32768;  // wider or higher targets give an empty image of size 0
 
 /** Splats bound to triangles, structure of arrays, borrowed for the call. All spans have one entry a splat except sh. */
 struct BoundSplatView {
@@ -58,7 +63,8 @@ struct SplatImage {
     std::vector<float> depthM;   // Σ α T z / Σ α T, 0 where alpha is 0 (only when asked for)
 };
 
-/** Depth-ordered tile lists: entries of tile k are [offset[k], offset[k+1]) in `entries`, indices into projected(). */
+/** Depth-ordered tile lists: entries of tile k are [offset[k], offset[k+1]) in `entries`, indices into projected().
+ *  `entries` keeps its size between frames: offset.back() is the count in use. */
 struct TileLists {
     uint32_t columns = 0, rows = 0;
     std::vector<uint32_t> offset;
@@ -78,8 +84,9 @@ public:
 
     /** Projects every bound splat into `camera`. triangles: one frame a triangle of the avatar, world space. */
     void project(const BoundSplatView& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2);
-    /** Projects general splats (full 3×3 covariance, no gate). */
-    void project(const StaticSplatData& splats, const Cameraf& camera, float kappaPx2);
+    /** Projects general splats (full 3×3 covariance, no gate). compensated: energy-preserving low-pass as for bound splats; plain
+     *  3D Gaussian splatting files were trained without. Arrays shorter than count() is a caller's mistake. */
+    void project(const StaticSplatData& splats, const Cameraf& camera, float kappaPx2, bool compensated = false);
 
     /** Stable sort by view depth, then tile lists. After project(). */
     void bin();
@@ -89,12 +96,17 @@ public:
 
     std::span<const ProjectedSplat> projected() const;
     const TileLists& tiles() const;
-    /** Per pixel: one past the last entry of its tile list that was blended. Only after blend with recordStops. */
+    /** Per pixel, row-major: one past the last entry that was blended, as an index into tiles().entries (tiles().offset of the
+     *  pixel's tile when nothing was). Only after blend with recordStops. */
     std::span<const uint32_t> stops() const;
+    /** Per pixel: T after the last blended entry, ≥ 1e-6; more precise than 1 − alpha. Only after blend with recordStops. */
+    std::span<const float> stopTransmittance() const;
+    /** Bytes held between frames. */
     uint64_t bufferBytes() const;
 
+    struct Buffers;  // private to sdk/splat
+
 private:
-    struct Buffers;
     Jobs& jobs_;
     std::unique_ptr<Buffers> buffers_;
 };

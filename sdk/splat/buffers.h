@@ -1,0 +1,71 @@
+// What the engine keeps between frames, and the four steps that fill it. Private to sdk/splat.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "sdk/splat/splat_engine.h"
+
+namespace dpl {
+
+/** A growing array that never zero-fills and never shrinks: a warm frame allocates and clears nothing. */
+template <class T>
+class Scratch {
+public:
+    T* resize(size_t count) {
+        if (count > capacity_) {
+            capacity_ = count + count / 4;
+            data_ = std::unique_ptr<T[]>(new T[capacity_]);
+        }
+        size_ = count;
+        return data_.get();
+    }
+    T* data() { return data_.get(); }
+    const T* data() const { return data_.get(); }
+    size_t size() const { return size_; }
+    size_t bytes() const { return capacity_ * sizeof(T); }
+    T& operator[](size_t i) { return data_[i]; }
+    const T& operator[](size_t i) const { return data_[i]; }
+
+private:
+    std::unique_ptr<T[]> data_;
+    size_t size_ = 0, capacity_ = 0;
+};
+
+/** Tiles covered by a splat, both ends included. */
+struct TileBox {
+    uint16_t x0, y0, x1, y1;
+};
+
+constexpr uint32_t kProjectBlock = 4096;  // splats a block; the shape of the work never depends on the thread count
+
+/** Visible splats of one projection block: keys[block·kProjectBlock .. + count) hold their depth bits in splat order. */
+struct BlockVisible {
+    uint32_t count = 0, minKey = 0xffffffffu, maxKey = 0;
+    uint64_t tileEntries = 0;
+};
+
+struct SplatEngine::Buffers {
+    uint32_t widthPx = 0, heightPx = 0, splatCount = 0, visibleCount = 0;
+    Scratch<ProjectedSplat> projected;
+    Scratch<float> rowScale;       // 1/Σ'yy a splat: with B/A it gives σ without the cancellation of A dx² + 2B dx dy + C dy²
+    Scratch<TileBox> boxes;
+    std::vector<BlockVisible> blocks;
+    Scratch<uint32_t> keys[2], values[2];
+    uint32_t* sorted = nullptr;    // visible splats, near first; points into values
+    std::vector<uint32_t> histogram;
+    Scratch<uint32_t> tileCounts;  // tiles × workers
+    TileLists tiles;
+    Scratch<uint32_t> stops;
+    Scratch<float> stopTransmittance;
+};
+
+void projectBound(Jobs& jobs, SplatEngine::Buffers& buffers, const BoundSplatView& splats,
+                  std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2);
+void projectStatic(Jobs& jobs, SplatEngine::Buffers& buffers, const StaticSplatData& splats, const Cameraf& camera, float kappaPx2,
+                   bool compensated);
+void sortByDepth(Jobs& jobs, SplatEngine::Buffers& buffers);
+void binIntoTiles(Jobs& jobs, SplatEngine::Buffers& buffers);
+void blendTiles(Jobs& jobs, SplatEngine::Buffers& buffers, SplatImage& image, const BlendOptions& options);
+
+}  // namespace dpl

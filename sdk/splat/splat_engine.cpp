@@ -1,0 +1,41 @@
+#include "sdk/splat/splat_engine.h"
+
+#include "sdk/splat/buffers.h"
+
+namespace dpl {
+
+SplatEngine::SplatEngine(Jobs& jobs) : jobs_(jobs), buffers_(std::make_unique<Buffers>()) {}
+SplatEngine::~SplatEngine() = default;
+
+void SplatEngine::project(const BoundSplatView& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera,
+                          float kappaPx2) {
+    projectBound(jobs_, *buffers_, splats, triangles, camera, kappaPx2);
+}
+
+void SplatEngine::project(const StaticSplatData& splats, const Cameraf& camera, float kappaPx2, bool compensated) {
+    projectStatic(jobs_, *buffers_, splats, camera, kappaPx2, compensated);
+}
+
+void SplatEngine::bin() {
+    sortByDepth(jobs_, *buffers_);
+    binIntoTiles(jobs_, *buffers_);
+}
+
+void SplatEngine::blend(SplatImage& image, const BlendOptions& options) { blendTiles(jobs_, *buffers_, image, options); }
+
+std::span<const ProjectedSplat> SplatEngine::projected() const { return {buffers_->projected.data(), buffers_->projected.size()}; }
+const TileLists& SplatEngine::tiles() const { return buffers_->tiles; }
+std::span<const uint32_t> SplatEngine::stops() const { return {buffers_->stops.data(), buffers_->stops.size()}; }
+std::span<const float> SplatEngine::stopTransmittance() const {
+    return {buffers_->stopTransmittance.data(), buffers_->stopTransmittance.size()};
+}
+
+uint64_t SplatEngine::bufferBytes() const {
+    const Buffers& b = *buffers_;
+    return b.projected.bytes() + b.rowScale.bytes() + b.boxes.bytes() + b.blocks.capacity() * sizeof(BlockVisible) + b.keys[0].bytes() +
+           b.keys[1].bytes() + b.values[0].bytes() + b.values[1].bytes() + b.histogram.capacity() * sizeof(uint32_t) +
+           b.tileCounts.bytes() + b.tiles.offset.capacity() * sizeof(uint32_t) + b.tiles.entries.capacity() * sizeof(uint32_t) +
+           b.stops.bytes() + b.stopTransmittance.bytes();
+}
+
+}  // namespace dpl
