@@ -1,0 +1,239 @@
+/* Doppel: load a person, pose them, draw them. The C API; C99 and C++.
+ *
+ *   DplContext context;  dplCreateContext(NULL, &context);
+ *   DplAvatar avatar;    dplLoadAvatar(context, bytes, size, &avatar);
+ *   dplSetPoseFromClip(avatar, 0, 1.25, DPL_TRUE);
+ *   DplCamera camera = {sizeof camera, 512, 768, 900, 900, 256, 384, {1,0,0,0,  0,-1,0,1,  0,0,-1,3}};
+ *   DplImage image = {sizeof image, 0, pixels, sizeof pixels};
+ *   dplRender(context, avatar, &camera, 1, &image);
+ *
+ * Units and frames. Metres, seconds, radians, pixels. World and avatar: right-handed, +Y up; at rest the avatar stands at the
+ * origin with its feet at y = 0, faces +Z, its left is +X. Quaternions are x, y, z, w. Cameras look along their +z, x right, y down.
+ *
+ * Threads. Every function may be called from any thread. Calls on one context and its avatars wait for one another; use one
+ * context a thread to draw in parallel. The text of dplGetLastError() belongs to the calling thread.
+ *
+ * Errors. Functions return DPL_OK or an error and write their outputs only on DPL_OK; dplGetLastError() then has a sentence for a
+ * human. NULL where a pointer is needed, stale or foreign handles, sizes that do not fit and numbers that are not finite give
+ * DPL_ERROR_INVALID_ARGUMENT, with a log line; nothing aborts and no C++ exception crosses this header.
+ *
+ * Growth. Structs begin with structSize: set it to sizeof the struct. Newer versions only add fields at the end; zero in an
+ * added field means "as before". In arrays of structs all elements have the same structSize. */
+#ifndef DOPPEL_DOPPEL_H
+#define DOPPEL_DOPPEL_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(DOPPEL_STATIC)
+#define DPL_API
+#elif defined(_WIN32)
+#if defined(DOPPEL_BUILDING)
+#define DPL_API __declspec(dllexport)
+#else
+#define DPL_API __declspec(dllimport)
+#endif
+#else
+#define DPL_API __attribute__((visibility("default")))
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define DPL_VERSION_MAJOR 0
+#define DPL_VERSION_MINOR 1
+#define DPL_VERSION_PATCH 0
+
+/** Splats nearer to the camera than this are not drawn; they fade in up to DPL_NEAR_FADE_END_M. Metres. */
+#define DPL_NEAR_LIMIT_M 0.05f
+#define DPL_NEAR_FADE_END_M 0.15f
+#define DPL_MAX_VIEWS 2u           /**< views in one dplRender */
+#define DPL_MAX_IMAGE_SIDE_PX 8192u
+#define DPL_FALSE 0
+#define DPL_TRUE 1
+
+/** Opaque handles; 0 is no handle. They are numbers in disguise, never pointers: a stale one is detected. */
+typedef struct DplContextHandle* DplContext;
+typedef struct DplAvatarHandle* DplAvatar;
+
+typedef enum DplResult {
+    DPL_OK = 0,
+    DPL_ERROR_INVALID_ARGUMENT = -1, /**< the call is wrong: fix the program */
+    DPL_ERROR_NOT_FOUND = -2,        /**< a name or index that is not there */
+    DPL_ERROR_CORRUPT_DATA = -3,     /**< the bytes are damaged or are not what they should be: get the file again */
+    DPL_ERROR_VERSION = -4,          /**< the file is newer than this library: update the library */
+    DPL_ERROR_UNSUPPORTED = -5,      /**< valid, but this build or machine does not do it */
+    DPL_ERROR_OUT_OF_MEMORY = -6,
+    DPL_ERROR_IO = -7,
+    DPL_ERROR_DEVICE = -8,           /**< the graphics device failed or was lost: make a new context */
+    DPL_ERROR_INTERNAL = -9,         /**< a defect of this library: please report the text */
+    DPL_RESULT_FORCE_INT32 = 0x7fffffff
+} DplResult;
+
+/** Version of the library that runs, major<<16 | minor<<8 | patch. Compare with the macros above to detect a mismatch. */
+DPL_API uint32_t dplGetVersion(void);
+
+/** The sentence of this thread's last failed call; "" when none failed. Valid until this thread's next call. Never NULL. */
+DPL_API const char* dplGetLastError(void);
+
+/** "DPL_ERROR_CORRUPT_DATA" for a code; "unknown result" for a number that is none. Static text. */
+DPL_API const char* dplGetResultName(DplResult result);
+
+/* ---------------------------------------------------------------- log */
+
+typedef enum DplLogLevel { DPL_LOG_DEBUG = 0, DPL_LOG_INFO = 1, DPL_LOG_WARNING = 2, DPL_LOG_ERROR = 3, DPL_LOG_FORCE_INT32 = 0x7fffffff } DplLogLevel;
+
+/** text: UTF-8, not kept after the call. Called under a lock from any thread: do not call Doppel from it. */
+typedef void (*DplLogCallback)(void* user, DplLogLevel level, const char* text);
+
+/** Sends the library's log to `callback` (NULL: back to stderr, warnings and errors). For the whole process. */
+DPL_API DplResult dplSetLogCallback(DplLogCallback callback, void* user);
+
+/* ---------------------------------------------------------------- context */
+
+typedef enum DplRenderer {
+    DPL_RENDERER_AUTO = 0,     /**< a real GPU if there is one, else the CPU; never a GPU emulated on the CPU */
+    DPL_RENDERER_SOFTWARE = 1, /**< the CPU */
+    DPL_RENDERER_VULKAN = 2,   /**< Vulkan 1.1 on any device, an emulated one too; DPL_ERROR_UNSUPPORTED where there is none */
+    DPL_RENDERER_FORCE_INT32 = 0x7fffffff
+} DplRenderer;
+
+typedef struct DplContextInfo {
+    uint32_t structSize;
+    DplRenderer renderer;
+    uint32_t threadCount; /**< CPU threads, the caller's included; 0: one a core. At most 256. Pictures do not depend on it. */
+} DplContextInfo;
+
+/** Makes a context: a renderer and its threads. info NULL: all defaults. Free it with dplDestroyContext.
+ *  DPL_ERROR_UNSUPPORTED: the wanted renderer is not in this build or finds no device. */
+DPL_API DplResult dplCreateContext(const DplContextInfo* info, DplContext* context);
+
+/** Frees a context. Its avatars stay valid handles for queries and poses, and are still to be destroyed; drawing them fails.
+ *  0 does nothing and is DPL_OK. */
+DPL_API DplResult dplDestroyContext(DplContext context);
+
+/** What draws, for people: "software (2 threads)", "vulkan (NVIDIA H100 ...)". *name lives as long as the context. */
+DPL_API DplResult dplGetRendererName(DplContext context, const char** name);
+
+/* ---------------------------------------------------------------- avatars */
+
+/** Loads an avatar from memory (.glb). The bytes are copied or decoded; the caller may free them on return.
+ *  *avatar is written only on DPL_OK; free it with dplDestroyAvatar. It starts in its rest pose.
+ *  DPL_ERROR_CORRUPT_DATA: damaged file. DPL_ERROR_VERSION: the text names both versions. */
+DPL_API DplResult dplLoadAvatar(DplContext context, const uint8_t* data, size_t size, DplAvatar* avatar);
+
+/** Frees an avatar. 0 does nothing and is DPL_OK. Before or after its context. */
+DPL_API DplResult dplDestroyAvatar(DplAvatar avatar);
+
+typedef struct DplAvatarInfo {
+    uint32_t structSize;    /**< set by the caller; fields beyond it are not written */
+    const char* name;       /**< UTF-8; lives as long as the avatar */
+    uint32_t jointCount;
+    uint32_t splatCount;
+    uint32_t vertexCount;
+    uint32_t triangleCount;
+    uint32_t layerCount;
+    uint32_t clipCount;     /**< grows by dplLoadClip */
+    uint32_t shDegree;
+    float restMin[3];       /**< box of the mesh at rest, metres */
+    float restMax[3];
+} DplAvatarInfo;
+
+DPL_API DplResult dplGetAvatarInfo(DplAvatar avatar, DplAvatarInfo* info);
+
+typedef struct DplJointInfo {
+    uint32_t structSize;
+    const char* name;          /**< lives as long as the avatar */
+    const char* humanoidBone;  /**< VRM humanoid name ("leftUpperArm") or ""; lives as long as the avatar */
+    int32_t parent;            /**< index of the parent, which is smaller; -1: a root */
+    float restPosition[3];     /**< metres, avatar space at rest */
+} DplJointInfo;
+
+/** joint < jointCount, else DPL_ERROR_NOT_FOUND. */
+DPL_API DplResult dplGetJointInfo(DplAvatar avatar, uint32_t joint, DplJointInfo* info);
+
+/** Index of the joint with this name, or with this humanoid bone if no joint has the name. DPL_ERROR_NOT_FOUND: the text lists the names. */
+DPL_API DplResult dplFindJoint(DplAvatar avatar, const char* name, uint32_t* joint);
+
+/* ---------------------------------------------------------------- poses and clips */
+
+/** Poses the avatar. rotations: jointCount local quaternions (x, y, z, w), normalised here; joint frames are parallel to the
+ *  world at rest, so the identity everywhere is the rest pose. rootTranslation: three floats, metres, or NULL for the origin.
+ *  The arrays are copied. DPL_ERROR_INVALID_ARGUMENT: wrong joint count, or a rotation that is not finite or zero: the text
+ *  names the joint; the old pose stays. */
+DPL_API DplResult dplSetPose(DplAvatar avatar, const float* rotations, uint32_t jointCount, const float* rootTranslation);
+
+/** Copies the pose of the avatar: rotations of 4·jointCount floats and rootTranslation of 3 floats; either may be NULL. */
+DPL_API DplResult dplGetPose(DplAvatar avatar, float* rotations, uint32_t jointCount, float* rootTranslation);
+
+/** World positions of all joints in the present pose, 3·jointCount floats, metres. */
+DPL_API DplResult dplGetJointPositions(DplAvatar avatar, float* positions, uint32_t jointCount);
+
+typedef struct DplClipInfo {
+    uint32_t structSize;
+    const char* name;      /**< lives as long as the avatar */
+    double durationS;
+    uint32_t keyCount;
+} DplClipInfo;
+
+/** clip < clipCount, else DPL_ERROR_NOT_FOUND. */
+DPL_API DplResult dplGetClipInfo(DplAvatar avatar, uint32_t clip, DplClipInfo* info);
+
+/** Poses the avatar by a clip at a time in seconds from its start. loop: the time wraps around; else it is clamped to the clip. */
+DPL_API DplResult dplSetPoseFromClip(DplAvatar avatar, uint32_t clip, double timeS, int loop);
+
+typedef enum DplClipFlag {
+    DPL_CLIP_KEEP_FIRST_FRAME = 1, /**< keep a first frame that is a rest pose (many BVH files begin with a T-pose); else it is dropped */
+    DPL_CLIP_KEEP_PLACE = 2,       /**< keep the place in the recorded room; else the clip starts above the origin */
+    DPL_CLIP_IN_PLACE = 4,         /**< no horizontal travel at all: a treadmill */
+    DPL_CLIP_FORCE_INT32 = 0x7fffffff
+} DplClipFlag;
+
+typedef struct DplClipOptions {
+    uint32_t structSize;
+    uint32_t flags;       /**< DplClipFlag, or-ed */
+    const char* name;     /**< name of the new clip; NULL: the file's own, or "clip N" */
+    uint32_t animation;   /**< which animation of a glTF file with several; 0 for BVH */
+} DplClipOptions;
+
+/** Reads a motion (BVH text, or glTF/GLB with a skin and an animation) and retargets it onto this avatar by humanoid bone names.
+ *  *clip: its index. The bytes are not kept; options may be NULL. Scale, rest pose and axes of the file may differ from the avatar's.
+ *  DPL_ERROR_CORRUPT_DATA: damaged file. DPL_ERROR_UNSUPPORTED: the skeletons share too few bones; the text lists the joints. */
+DPL_API DplResult dplLoadClip(DplAvatar avatar, const uint8_t* data, size_t size, const DplClipOptions* options, uint32_t* clip);
+
+/* ---------------------------------------------------------------- drawing */
+
+/** A pinhole camera in the OpenCV habit. (0,0) is the top left corner of the image: the first pixel's centre is (0.5, 0.5). */
+typedef struct DplCamera {
+    uint32_t structSize;
+    uint32_t widthPx, heightPx; /**< 1 .. DPL_MAX_IMAGE_SIDE_PX; all views of one call have the same size */
+    float fx, fy;               /**< focal lengths, pixels, > 0 */
+    float cx, cy;               /**< principal point, pixels; off-axis frusta are welcome */
+    float viewFromWorld[12];    /**< 3×4, row by row: X_view = R X_world + t with rows [R0 R1 R2 t]; R must be a rotation */
+} DplCamera;
+
+typedef enum DplImageFlag {
+    DPL_IMAGE_STRAIGHT_ALPHA = 1, /**< colour divided by alpha; else premultiplied */
+    DPL_IMAGE_FORCE_INT32 = 0x7fffffff
+} DplImageFlag;
+
+/** Where one view goes: the caller's memory, written row by row, top row first, during the call. */
+typedef struct DplImage {
+    uint32_t structSize;
+    uint32_t flags;         /**< DplImageFlag, or-ed */
+    uint8_t* rgba;          /**< 4 bytes a pixel, display-referred sRGB over transparent black; NULL: not wanted */
+    size_t rgbaBytes;       /**< size of rgba, at least heightPx·rowBytes */
+    size_t rowBytes;        /**< bytes from row to row of rgba; 0: tight (4·widthPx) */
+    float* depthM;          /**< view z in metres, tight rows, 0 where nothing is drawn; NULL: not wanted */
+    size_t depthCount;      /**< floats in depthM, at least widthPx·heightPx */
+} DplImage;
+
+/** Draws the avatar in its present pose into 1 or 2 views and returns when the pixels are in the caller's memory.
+ *  views and images: viewCount elements each. An avatar belongs to the context it was loaded with; another is an invalid argument. */
+DPL_API DplResult dplRender(DplContext context, DplAvatar avatar, const DplCamera* views, uint32_t viewCount, const DplImage* images);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

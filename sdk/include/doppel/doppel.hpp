@@ -1,0 +1,173 @@
+// Thin C++20 owner over doppel.h: owns, spans and forwards; nothing else. Header only, no exceptions of its own.
+//
+//   auto context = doppel::Context::create();
+//   if (!context) return report(context.error());
+//   auto avatar = context->loadAvatar(bytes);            // Result<Avatar>, move-only owner
+//   avatar->setPoseFromClip(0, 1.25);
+//   avatar->render({&camera, 1}, {&image, 1});
+//
+// Threads, units and errors: as in doppel.h.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <doppel/doppel.h>
+
+namespace doppel {
+
+struct Error {
+    DplResult code = DPL_ERROR_INTERNAL;
+    std::string message;  // a sentence for a human
+};
+
+/** The error of this thread's last call. */
+inline Error lastError(DplResult code) { return {code, dplGetLastError()}; }
+
+/** A value or an error. Test it before use; reading the wrong side is undefined. */
+template <class T>
+class [[nodiscard]] Result {
+public:
+    Result(T value) : value_(std::move(value)) {}
+    Result(Error error) : error_(std::move(error)) {}
+    explicit operator bool() const { return value_.has_value(); }
+    T& operator*() { return *value_; }
+    const T& operator*() const { return *value_; }
+    T* operator->() { return &*value_; }
+    const T* operator->() const { return &*value_; }
+    const Error& error() const { return error_; }
+
+private:
+    std::optional<T> value_;
+    Error error_;
+};
+
+template <>
+class [[nodiscard]] Result<void> {
+public:
+    Result() = default;
+    Result(Error error) : error_(std::move(error)) {}
+    explicit operator bool() const { return !error_.has_value(); }
+    const Error& error() const { return *error_; }
+
+private:
+    std::optional<Error> error_;
+};
+
+using Status = Result<void>;
+
+inline Status status(DplResult result) {
+    if (result == DPL_OK) return {};
+    return lastError(result);
+}
+
+/** Owns one avatar. Move-only. */
+class Avatar {
+public:
+    Avatar(DplContext context, DplAvatar handle) : context_(context), handle_(handle) {}
+    Avatar(Avatar&& other) noexcept : context_(other.context_), handle_(std::exchange(other.handle_, nullptr)) {}
+    Avatar& operator=(Avatar&& other) noexcept {
+        std::swap(context_, other.context_);
+        std::swap(handle_, other.handle_);
+        return *this;
+    }
+    ~Avatar() { dplDestroyAvatar(handle_); }
+
+    DplAvatar handle() const { return handle_; }
+
+    Result<DplAvatarInfo> info() const {
+        DplAvatarInfo info{};
+        info.structSize = sizeof info;
+        if (const DplResult r = dplGetAvatarInfo(handle_, &info); r != DPL_OK) return lastError(r);
+        return info;
+    }
+    Result<DplJointInfo> joint(uint32_t index) const {
+        DplJointInfo info{};
+        info.structSize = sizeof info;
+        if (const DplResult r = dplGetJointInfo(handle_, index, &info); r != DPL_OK) return lastError(r);
+        return info;
+    }
+    Result<uint32_t> findJoint(const std::string& name) const {
+        uint32_t index = 0;
+        if (const DplResult r = dplFindJoint(handle_, name.c_str(), &index); r != DPL_OK) return lastError(r);
+        return index;
+    }
+    Result<DplClipInfo> clip(uint32_t index) const {
+        DplClipInfo info{};
+        info.structSize = sizeof info;
+        if (const DplResult r = dplGetClipInfo(handle_, index, &info); r != DPL_OK) return lastError(r);
+        return info;
+    }
+    /** rotations: 4 floats (xyzw) a joint; rootTranslation: 3 floats or empty. */
+    Status setPose(std::span<const float> rotations, std::span<const float> rootTranslation = {}) {
+        if (rotations.size() % 4 != 0 || (!rootTranslation.empty() && rootTranslation.size() != 3))
+            return Error{DPL_ERROR_INVALID_ARGUMENT, "a pose has 4 floats a joint and a root translation of 3 floats or none"};
+        return status(dplSetPose(handle_, rotations.data(), uint32_t(rotations.size() / 4), rootTranslation.empty() ? nullptr : rootTranslation.data()));
+    }
+    Status setPoseFromClip(uint32_t clip, double timeS, bool loop = true) { return status(dplSetPoseFromClip(handle_, clip, timeS, loop ? DPL_TRUE : DPL_FALSE)); }
+    /** Index of the new clip. */
+    Result<uint32_t> loadClip(std::span<const uint8_t> bytes, const DplClipOptions* options = nullptr) {
+        uint32_t index = 0;
+        if (const DplResult r = dplLoadClip(handle_, bytes.data(), bytes.size(), options, &index); r != DPL_OK) return lastError(r);
+        return index;
+    }
+    /** World positions of all joints, 3 floats each. */
+    Result<std::vector<float>> jointPositions() const {
+        auto about = info();
+        if (!about) return about.error();
+        std::vector<float> positions(size_t(about->jointCount) * 3);
+        if (const DplResult r = dplGetJointPositions(handle_, positions.data(), about->jointCount); r != DPL_OK) return lastError(r);
+        return positions;
+    }
+    /** One image a view. */
+    Status render(std::span<const DplCamera> views, std::span<const DplImage> images) const {
+        if (views.size() != images.size()) return Error{DPL_ERROR_INVALID_ARGUMENT, "as many images as views are needed"};
+        return status(dplRender(context_, handle_, views.data(), uint32_t(views.size()), images.data()));
+    }
+
+private:
+    DplContext context_ = nullptr;
+    DplAvatar handle_ = nullptr;
+};
+
+/** Owns one context. Move-only. Destroy its avatars in any order. */
+class Context {
+public:
+    static Result<Context> create(DplRenderer renderer = DPL_RENDERER_AUTO, uint32_t threadCount = 0) {
+        DplContextInfo info{};
+        info.structSize = sizeof info;
+        info.renderer = renderer;
+        info.threadCount = threadCount;
+        DplContext handle = nullptr;
+        if (const DplResult r = dplCreateContext(&info, &handle); r != DPL_OK) return lastError(r);
+        return Context(handle);
+    }
+    explicit Context(DplContext handle) : handle_(handle) {}
+    Context(Context&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
+    Context& operator=(Context&& other) noexcept {
+        std::swap(handle_, other.handle_);
+        return *this;
+    }
+    ~Context() { dplDestroyContext(handle_); }
+
+    DplContext handle() const { return handle_; }
+    std::string rendererName() const {
+        const char* name = "";
+        return dplGetRendererName(handle_, &name) == DPL_OK ? name : "";
+    }
+    Result<Avatar> loadAvatar(std::span<const uint8_t> bytes) const {
+        DplAvatar avatar = nullptr;
+        if (const DplResult r = dplLoadAvatar(handle_, bytes.data(), bytes.size(), &avatar); r != DPL_OK) return lastError(r);
+        return Avatar(handle_, avatar);
+    }
+
+private:
+    DplContext handle_ = nullptr;
+};
+
+}  // namespace doppel
