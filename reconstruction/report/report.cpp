@@ -1,0 +1,75 @@
+#include "reconstruction/report/report.h"
+
+#include <nlohmann/json.hpp>
+
+#include "sdk/core/files.h"
+
+namespace dpl {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json scoreJson(const FrameScore& s) {
+    return {{"masked_psnr_db", s.maskedPsnrDb}, {"masked_ssim", s.maskedSsim}, {"alpha_iou", s.alphaIou},
+            {"full_psnr_db", s.fullPsnrDb},     {"full_ssim", s.fullSsim},     {"coverage", s.coverage}};
+}
+
+ordered_json figuresJson(const std::vector<ReportFigure>& figures) {
+    ordered_json list = ordered_json::array();
+    for (const ReportFigure& f : figures) list.push_back({{"group", f.group}, {"name", f.name}, {"value", f.value}, {"unit", f.unit}});
+    return list;
+}
+
+}  // namespace
+
+std::optional<FrameScore> meanScore(const std::vector<HeldOutFrame>& frames, const std::string& kind, FrameScore HeldOutFrame::* which) {
+    FrameScore sum;
+    size_t count = 0;
+    for (const HeldOutFrame& frame : frames) {
+        if (frame.kind != kind) continue;
+        const FrameScore& s = frame.*which;
+        sum.maskedPsnrDb += s.maskedPsnrDb, sum.maskedSsim += s.maskedSsim, sum.alphaIou += s.alphaIou;
+        sum.fullPsnrDb += s.fullPsnrDb, sum.fullSsim += s.fullSsim, sum.coverage += s.coverage;
+        ++count;
+    }
+    if (count == 0) return std::nullopt;
+    const double n = double(count);
+    return FrameScore{sum.maskedPsnrDb / n, sum.maskedSsim / n, sum.alphaIou / n, sum.fullPsnrDb / n, sum.fullSsim / n, sum.coverage / n};
+}
+
+std::string reportJson(const ReportData& data) {
+    ordered_json out;
+    out["title"] = data.title;
+    for (const auto& [name, value] : data.facts) out["facts"][name] = value;
+    out["verdict"] = data.verdict;
+    const std::pair<const char*, FrameScore HeldOutFrame::*> columns[] = {{"with_pose_fit", &HeldOutFrame::withPoseFit},
+                                                                          {"without_pose_fit", &HeldOutFrame::withoutPoseFit},
+                                                                          {"floor_flat_labels", &HeldOutFrame::labelFloor},
+                                                                          {"floor_vertex_colours", &HeldOutFrame::meshFloor}};
+    for (const char* kind : {"static", "dynamic"})
+        for (const auto& [name, member] : columns)
+            if (auto mean = meanScore(data.frames, kind, member)) out["means"][kind][name] = scoreJson(*mean);
+    out["frames"] = ordered_json::array();
+    for (const HeldOutFrame& frame : data.frames) {
+        ordered_json entry = {{"name", frame.name}, {"kind", frame.kind}};
+        for (const auto& [name, member] : columns) entry[name] = scoreJson(frame.*member);
+        out["frames"].push_back(std::move(entry));
+    }
+    out["stages"] = ordered_json::array();
+    for (const StageCost& s : data.stages)
+        out["stages"].push_back({{"name", s.name}, {"seconds", s.seconds}, {"peak_bytes", s.peakBytes}, {"reused", s.reused}});
+    out["figures"] = figuresJson(data.figures);
+    out["waterfall"] = figuresJson(data.waterfall);
+    out["evidence"] = ordered_json::array();
+    for (const EvidenceData& e : data.evidence)
+        out["evidence"].push_back({{"part", e.part}, {"kept", e.kept}, {"gain_db", e.gainDb}, {"bytes", e.bytes}, {"reason", e.reason}});
+    out["limits"] = data.limits;
+    return out.dump(1);
+}
+
+Status writeReport(const ReportData& data, const std::filesystem::path& folder) {
+    DPL_CHECK_OK(writeFileAtomically(folder / "report.json", reportJson(data)));
+    return writeFileAtomically(folder / "report.html", reportHtml(data));
+}
+
+}  // namespace dpl
