@@ -1,0 +1,115 @@
+// shaderpack ROOT CATALOGUE OUT: compiles every shader of the catalogue and writes into OUT
+//   shader_pack.cpp       the Vulkan pack as bytes (no MSL), for the SDK
+//   shaders.dplpack       the full pack, with MSL
+//   msl/NAME.{ios,macos}.metal
+//   shader_pack.d         what ninja must watch
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "tools/shaderpack/glsl.h"
+#include "tools/shaderpack/msl.h"
+
+namespace fs = std::filesystem;
+
+namespace dpl {
+namespace {
+
+Status writeFile(const fs::path& path, std::string_view text) {
+    const fs::path temporary = path.string() + ".tmp";
+    {
+        std::ofstream out(temporary, std::ios::binary);
+        out.write(text.data(), std::streamsize(text.size()));
+        if (!out.flush()) return fail(Code::Io, "cannot write {}", temporary.string());
+    }
+    std::error_code error;
+    fs::rename(temporary, path, error);
+    if (error) return fail(Code::Io, "cannot rename {}: {}", temporary.string(), error.message());
+    return {};
+}
+
+Result<ShaderStage> stageOf(const fs::path& file) {
+    if (file.extension() == ".comp") return ShaderStage::Compute;
+    if (file.extension() == ".vert") return ShaderStage::Vertex;
+    if (file.extension() == ".frag") return ShaderStage::Fragment;
+    return fail(Code::InvalidArgument, "{}: a shader is called .comp, .vert or .frag", file.string());
+}
+
+/** All text of shaders/shared in name order: what C++ and GLSL must agree on. */
+Result<uint64_t> hashInterface(const fs::path& shared) {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(shared)) files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    std::string all;
+    for (const fs::path& file : files) {
+        DPL_TRY(std::string text, readTextFile(file));
+        all += file.filename().string() + '\0' + text;
+    }
+    return shaderHash({reinterpret_cast<const uint8_t*>(all.data()), all.size()});
+}
+
+std::string embedText(const std::vector<uint8_t>& bytes, uint64_t interfaceHash) {
+    std::string text = "// Written by tools/shaderpack; do not edit.\n#include \"sdk/backend/shader_pack.h\"\nnamespace dpl {\nnamespace {\nconst uint8_t kPack[] = {";
+    text.reserve(text.size() + bytes.size() * 4 + 512);
+    for (size_t i = 0; i < bytes.size(); ++i) {
+        if (i % 32 == 0) text += '\n';
+        text += std::to_string(bytes[i]) + ',';
+    }
+    text += "\n};\n}  // namespace\nstd::span<const uint8_t> embeddedShaderPack() { return kPack; }\n";
+    text += "uint64_t embeddedShaderInterface() { return " + std::to_string(interfaceHash) + "ull; }\n}  // namespace dpl\n";
+    return text;
+}
+
+Status run(const fs::path& root, const fs::path& cataloguePath, const fs::path& out) {
+    DPL_TRY(std::string text, readTextFile(cataloguePath));
+    const auto catalogue = nlohmann::json::parse(text, nullptr, false);
+    if (catalogue.is_discarded() || !catalogue.contains("shaders")) return fail(Code::CorruptData, "{} is not a shader catalogue", cataloguePath.string());
+    std::set<std::string> dependencies = {cataloguePath.string()};
+    ShaderPack pack;
+    DPL_TRY(pack.interfaceHash, hashInterface(root / "shaders/shared"));
+    for (const auto& entry : catalogue["shaders"]) {
+        Shader shader;
+        shader.name = entry.at("name").get<std::string>();
+        GlslInput input{root, root / "shaders" / entry.at("file").get<std::string>()};
+        DPL_TRY(input.stage, stageOf(input.file));
+        shader.stage = input.stage;
+        input.defines = entry.value("defines", std::vector<std::string>{});
+        DPL_TRY(shader.spirv, compileGlsl(input, dependencies));
+        DPL_CHECK_OK(reflectShader(shader));
+        const bool multiview = entry.value("multiview", false);
+        DPL_TRY(shader.mslIos, translateToMsl(shader, MslPlatform::Ios, multiview));
+        DPL_TRY(shader.mslMacos, translateToMsl(shader, MslPlatform::Macos, multiview));
+        DPL_CHECK_OK(lintMsl(shader.name + " (iOS)", shader.mslIos));
+        DPL_CHECK_OK(lintMsl(shader.name + " (macOS)", shader.mslMacos));
+        pack.shaders.push_back(std::move(shader));
+    }
+    fs::create_directories(out / "msl");
+    for (const Shader& shader : pack.shaders) {
+        DPL_CHECK_OK(writeFile(out / "msl" / (shader.name + ".ios.metal"), shader.mslIos));
+        DPL_CHECK_OK(writeFile(out / "msl" / (shader.name + ".macos.metal"), shader.mslMacos));
+    }
+    const std::vector<uint8_t> full = writeShaderPack(pack);
+    DPL_CHECK_OK(writeFile(out / "shaders.dplpack", {reinterpret_cast<const char*>(full.data()), full.size()}));
+    for (Shader& shader : pack.shaders) shader.mslIos.clear(), shader.mslMacos.clear();
+    DPL_CHECK_OK(writeFile(out / "shader_pack.cpp", embedText(writeShaderPack(pack), pack.interfaceHash)));
+    std::string depfile = (out / "shader_pack.cpp").string() + ":";
+    for (const std::string& dependency : dependencies) depfile += " \\\n  " + dependency;
+    return writeFile(out / "shader_pack.d", depfile + "\n");
+}
+
+}  // namespace
+}  // namespace dpl
+
+int main(int argc, char** argv) {
+    if (argc != 4) {
+        std::cerr << "usage: shaderpack ROOT CATALOGUE OUT\n";
+        return 2;
+    }
+    if (auto status = dpl::run(argv[1], argv[2], argv[3]); !status) {
+        std::cerr << "shaderpack: " << status.error().message << '\n';
+        return 1;
+    }
+    return 0;
+}
