@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "reconstruction/cameras/camera_check.h"
 #include "sdk/core/result.h"
 #include "sdk/math/camera.h"
 
@@ -28,6 +29,7 @@ struct ScanFrame {
     Camerad camera;
     double timeS = 0;               // dynamic frames
     std::string closeupOf;
+    LensDistortion lens;            // of the files on disk; readFrame…() and readKeypoints() hand out undistorted data that fit `camera`
 };
 
 /** Detected 2D keypoints of one frame, in the order of Scan::keypointNames. */
@@ -36,9 +38,14 @@ struct Keypoint {
     double confidence = 0;          // 0: missing
 };
 
+enum class ScanSource : uint8_t { Folder, Nerfstudio, Colmap };
+
 struct Scan {
     std::filesystem::path root;
     std::string name;
+    ScanSource source = ScanSource::Folder;
+    bool metricWorld = true;        // false (COLMAP): scale, origin and up are arbitrary until the body fit finds them
+    bool splitStated = true;        // false: the source had no test split, so one static full-body frame in ten was held out here
     std::vector<ScanLabel> labels;
     std::vector<std::string> keypointNames;
     std::vector<ScanFrame> frames;

@@ -1,0 +1,149 @@
+// Pixels and keypoints of one frame. Lens distortion is taken out here, so that everything downstream is a pinhole.
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+
+#include "reconstruction/capture/image_file.h"
+#include "reconstruction/capture/scan_paths.h"
+
+namespace dpl {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+// OpenCV puts (0,0) at the centre of the first pixel, Doppel at the corner of the image: half a pixel apart.
+cv::Matx33d opencvIntrinsics(const Camerad& c) { return {c.fx, 0, c.cx - 0.5, 0, c.fy, c.cy - 0.5, 0, 0, 1}; }
+cv::Vec4d opencvLens(const LensDistortion& d) { return {d.k1, d.k2, d.p1, d.p2}; }
+
+Result<cv::Mat> decode(const fs::path& path, const ScanFrame& frame, int flags) {
+    DPL_TRY(const auto bytes, readCompleteImage(path));
+    cv::Mat image;
+    try {
+        image = cv::imdecode(bytes, flags);
+    } catch (const cv::Exception& e) {
+        return fail(Code::CorruptData, "{}: cannot be decoded ({}); copy the image again", path.string(), e.err);
+    }
+    if (image.empty()) return fail(Code::CorruptData, "{}: cannot be decoded; the file is damaged, copy it again", path.string());
+    if (uint32_t(image.cols) != frame.camera.widthPx || uint32_t(image.rows) != frame.camera.heightPx)
+        return fail(Code::CorruptData, "frame '{}': {} is {} x {} pixels, its camera says {} x {}; resize it or correct the intrinsics", frame.name, path.string(),
+                    image.cols, image.rows, frame.camera.widthPx, frame.camera.heightPx);
+    if (image.depth() == CV_16U) image.convertTo(image, CV_8U, 1.0 / 257);
+    if (image.depth() != CV_8U) return fail(Code::Unsupported, "{}: neither 8 nor 16 bit; save it as 8 bit", path.string());
+    return image;
+}
+
+void undistort(cv::Mat& image, const ScanFrame& frame, int interpolation) {
+    if (!frame.lens.any()) return;
+    cv::Mat mapX, mapY, out;
+    const auto k = opencvIntrinsics(frame.camera);
+    cv::initUndistortRectifyMap(k, opencvLens(frame.lens), cv::noArray(), k, image.size(), CV_32FC1, mapX, mapY);
+    cv::remap(image, out, mapX, mapY, interpolation, cv::BORDER_CONSTANT, cv::Scalar::all(0));
+    image = out;
+}
+
+template <class Image>
+Image takePixels(const cv::Mat& image) {
+    Image out{uint32_t(image.cols), uint32_t(image.rows), {}};
+    const size_t rowBytes = size_t(image.cols) * image.elemSize();
+    out.pixels.resize(rowBytes * image.rows);
+    for (int y = 0; y < image.rows; ++y) std::memcpy(out.pixels.data() + rowBytes * y, image.ptr(y), rowBytes);
+    return out;
+}
+
+}  // namespace
+
+Result<ImageRgb8> readFrameImage(const ScanFrame& frame) {
+    // EXIF rotation is ignored: intrinsics speak of the pixels as stored.
+    DPL_TRY(cv::Mat image, decode(frame.imagePath, frame, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION));
+    undistort(image, frame, cv::INTER_LINEAR);
+    cv::cvtColor(image, image, cv::COLOR_BGR2RGB);
+    return takePixels<ImageRgb8>(image);
+}
+
+Result<ImageGrey8> readFrameMask(const ScanFrame& frame) {
+    if (frame.maskPath.empty()) return fail(Code::NotFound, "frame '{}' has no mask; add one to the scan", frame.name);
+    DPL_TRY(cv::Mat image, decode(frame.maskPath, frame, cv::IMREAD_UNCHANGED));
+    if (image.channels() == 4) {  // a cut-out: the matte is its alpha, unless that is opaque everywhere
+        cv::Mat alpha;
+        cv::extractChannel(image, alpha, 3);
+        if (cv::countNonZero(alpha != 255) > 0) image = alpha;
+        else cv::cvtColor(image, image, cv::COLOR_BGRA2GRAY);
+    } else if (image.channels() == 3) {
+        cv::cvtColor(image, image, cv::COLOR_BGR2GRAY);
+    } else if (image.channels() != 1) {
+        return fail(Code::Unsupported, "{}: {} channels; save the mask as 8-bit grey", frame.maskPath.string(), image.channels());
+    }
+    double most = 0;
+    cv::minMaxLoc(image, nullptr, &most);
+    if (most == 1) image *= 255;  // masks of 0 and 1 are common
+    undistort(image, frame, cv::INTER_LINEAR);
+    return takePixels<ImageGrey8>(image);
+}
+
+Result<ImageGrey8> readFrameLabels(const ScanFrame& frame) {
+    if (frame.labelsPath.empty()) return fail(Code::NotFound, "frame '{}' has no labels; add them to the scan", frame.name);
+    DPL_TRY(cv::Mat image, decode(frame.labelsPath, frame, cv::IMREAD_UNCHANGED));
+    if (image.channels() != 1) return fail(Code::CorruptData, "{}: labels must be 8-bit grey, the value is the label; save without a palette", frame.labelsPath.string());
+    undistort(image, frame, cv::INTER_NEAREST);
+    return takePixels<ImageGrey8>(image);
+}
+
+Result<std::vector<Keypoint>> readKeypoints(const Scan& scan, const ScanFrame& frame) {
+    std::vector<Keypoint> keypoints;
+    if (frame.keypointsPath.empty() || scan.keypointNames.empty()) return keypoints;
+    DPL_TRY(const json file, readJsonObject(frame.keypointsPath));
+    const std::string where = frame.keypointsPath.string();
+    JsonFields fields(file, where);
+    DPL_TRY(const json* positions, fields.array("xy_noisy"));
+    // Order: by the file's own names when it has them, else that of the scan.
+    std::vector<size_t> slot(positions->size(), SIZE_MAX);
+    if (fields.has("names")) {
+        DPL_TRY(const json* names, fields.array("names"));
+        if (names->size() != positions->size()) return fail(Code::CorruptData, "{}: {} names for {} keypoints; write the file again", where, names->size(), positions->size());
+        std::map<std::string, size_t> order;
+        for (size_t k = 0; k < scan.keypointNames.size(); ++k) order[scan.keypointNames[k]] = k;
+        for (size_t i = 0; i < names->size(); ++i) {
+            if (!(*names)[i].is_string()) return fail(Code::CorruptData, "{}: 'names' holds something that is not text; correct it", where);
+            const auto found = order.find((*names)[i].get<std::string>());
+            if (found != order.end()) slot[i] = found->second;
+        }
+    } else {
+        if (positions->size() != scan.keypointNames.size())
+            return fail(Code::CorruptData, "{}: {} keypoints, the scan has {} names; write the file again", where, positions->size(), scan.keypointNames.size());
+        for (size_t i = 0; i < slot.size(); ++i) slot[i] = i;
+    }
+    std::vector<double> confidence(positions->size(), 1.0);
+    if (fields.has("confidence")) {
+        DPL_TRY(confidence, fields.numbers("confidence", positions->size()));
+    }
+    keypoints.resize(scan.keypointNames.size());
+    for (size_t i = 0; i < positions->size(); ++i) {
+        const json& p = (*positions)[i];
+        if (slot[i] == SIZE_MAX || p.is_null()) continue;
+        const bool good = p.is_array() && p.size() == 2 && p[0].is_number() && p[1].is_number();
+        if (!good) return fail(Code::CorruptData, "{}: keypoint {} is not [x, y]; write the file again", where, i);
+        Keypoint& k = keypoints[slot[i]];
+        k.px = {p[0].get<double>(), p[1].get<double>()};
+        k.confidence = std::clamp(confidence[i], 0.0, 1.0);
+        if (!(std::abs(k.px.x) < 1e6 && std::abs(k.px.y) < 1e6)) k = {};  // behind the camera plane, as good as missing
+    }
+    if (frame.lens.any()) {
+        for (Keypoint& k : keypoints) {
+            if (k.confidence <= 0) continue;
+            std::vector<cv::Point2d> in{{k.px.x - 0.5, k.px.y - 0.5}}, out;
+            const auto intrinsics = opencvIntrinsics(frame.camera);
+            cv::undistortPoints(in, out, intrinsics, opencvLens(frame.lens), cv::noArray(), intrinsics);
+            k.px = {out[0].x + 0.5, out[0].y + 0.5};
+        }
+    }
+    return keypoints;
+}
+
+}  // namespace dpl

@@ -1,0 +1,40 @@
+// A COLMAP sparse model with its image folder. Masks, when there, are masks/NAME.png or masks/NAME.EXT.png (COLMAP's own habit). Frames named
+// close… are close-ups and dyn… dynamic, as in our own scans.
+#include "reconstruction/cameras/colmap_model.h"
+#include "reconstruction/capture/scan_paths.h"
+
+namespace dpl {
+
+namespace fs = std::filesystem;
+
+Result<Scan> readColmapScan(const fs::path& root, const fs::path& model) {
+    DPL_TRY(auto images, readColmapModel(model));
+    Scan scan;
+    scan.source = ScanSource::Colmap;
+    scan.root = root;
+    scan.name = root.filename().string();
+    scan.metricWorld = false;
+    scan.splitStated = false;
+    std::error_code ignored;
+    const bool nested = fs::is_directory(root / "images", ignored);
+    for (auto& image : images) {
+        ScanFrame frame;
+        frame.name = nameFromPath(image.name);
+        const std::string where = formatText("{} image '{}'", model.string(), image.name.substr(0, 200));
+        DPL_TRY(frame.imagePath, fileInside(nested ? root / "images" : root, image.name, where));
+        const fs::path stem = fs::path(image.name).replace_extension();
+        for (const std::string& mask : {stem.string() + ".png", image.name + ".png"}) {
+            if (!frame.maskPath.empty() || !fs::exists(root / "masks" / mask, ignored)) continue;
+            DPL_TRY(frame.maskPath, fileInside(root / "masks", mask, where + " mask"));
+        }
+        if (frame.name.starts_with("close")) frame.kind = FrameKind::StaticCloseup;
+        else if (frame.name.starts_with("dyn")) frame.kind = FrameKind::Dynamic;
+        frame.camera = image.camera;
+        frame.lens = image.lens;
+        scan.frames.push_back(std::move(frame));
+    }
+    DPL_CHECK_OK(finishScan(scan));
+    return scan;
+}
+
+}  // namespace dpl

@@ -1,0 +1,147 @@
+// nerfstudio's transforms.json: OpenGL camera-to-world matrices, shared or per-frame intrinsics, optional masks and split lists. The world is
+// taken as y-up and metric unless "world_up": "z" says otherwise, or "applied_transform" tells that it came from a COLMAP model.
+#include <map>
+
+#include <array>
+#include <cmath>
+
+#include "reconstruction/cameras/camera_convention.h"
+#include "reconstruction/capture/image_file.h"
+#include "reconstruction/capture/scan_paths.h"
+
+namespace dpl {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+/** A field of the frame, else of the file: nerfstudio lets a frame override every intrinsic. */
+Result<double> eitherNumber(const JsonFields& frame, const JsonFields& file, const char* key, double otherwise) {
+    if (frame.has(key)) return frame.number(key);
+    return file.number(key, otherwise);
+}
+
+Result<fs::path> imageOf(const fs::path& root, const std::string& relative, const std::string& where) {
+    if (fs::path(relative).has_extension()) return fileInside(root, relative, where);
+    for (const char* extension : {".jpg", ".jpeg", ".png"}) {  // Blender's files leave the extension out
+        std::error_code ignored;
+        if (fs::exists(root / (relative + extension), ignored)) return fileInside(root, relative + extension, where);
+    }
+    return fileInside(root, relative, where);
+}
+
+Status readIntrinsics(const JsonFields& frame, const JsonFields& file, const fs::path& image, Camerad& camera, LensDistortion& lens) {
+    DPL_TRY(const ImageHeader header, probeImage(image));
+    DPL_TRY(const double width, eitherNumber(frame, file, "w", header.widthPx));
+    DPL_TRY(const double height, eitherNumber(frame, file, "h", header.heightPx));
+    if (!(width >= 1 && height >= 1 && width <= 65536 && height <= 65536)) return fail(Code::CorruptData, "{}: w, h = {}, {} is not a size in pixels; correct it", frame.where(), width, height);
+    camera.widthPx = uint32_t(width), camera.heightPx = uint32_t(height);
+    DPL_TRY(const double angleX, eitherNumber(frame, file, "camera_angle_x", 0));
+    const double fromAngle = angleX > 0 ? 0.5 * width / std::tan(0.5 * angleX) : 0;  // 0 is refused by checkCamera, which names fx
+    DPL_TRY(camera.fx, eitherNumber(frame, file, "fl_x", fromAngle));
+    DPL_TRY(camera.fy, eitherNumber(frame, file, "fl_y", camera.fx));
+    DPL_TRY(camera.cx, eitherNumber(frame, file, "cx", 0.5 * width));
+    DPL_TRY(camera.cy, eitherNumber(frame, file, "cy", 0.5 * height));
+    DPL_TRY(lens.k1, eitherNumber(frame, file, "k1", 0));
+    DPL_TRY(lens.k2, eitherNumber(frame, file, "k2", 0));
+    DPL_TRY(lens.p1, eitherNumber(frame, file, "p1", 0));
+    DPL_TRY(lens.p2, eitherNumber(frame, file, "p2", 0));
+    DPL_TRY(const double k3, eitherNumber(frame, file, "k3", 0));
+    DPL_TRY(const double k4, eitherNumber(frame, file, "k4", 0));
+    if (k3 != 0 || k4 != 0)
+        return fail(Code::Unsupported, "{}: distortion k3, k4 is not read; undistort the images first, for example with 'colmap image_undistorter'", frame.where());
+    return {};
+}
+
+Status readPose(const json& entry, const std::string& where, Camerad& camera) {
+    std::array<double, 16> m{};
+    const auto found = entry.find("transform_matrix");
+    bool good = found != entry.end() && found->is_array() && (found->size() == 4 || found->size() == 3);
+    for (size_t row = 0; good && row < found->size(); ++row) {
+        const json& numbers = (*found)[row];
+        good = numbers.is_array() && numbers.size() == 4;
+        for (size_t column = 0; good && column < 4; ++column) {
+            good = numbers[column].is_number();
+            if (good) m[row * 4 + column] = numbers[column].get<double>();
+        }
+    }
+    if (!good) return fail(Code::CorruptData, "{}: 'transform_matrix' must be 4 rows of 4 numbers; register the frame or remove it", where);
+    setOpenglPose(camera, m);
+    return {};
+}
+
+/** file_path -> split, from the three lists; empty when the file has none. Validation images are held out too: nothing may learn from them. */
+Result<std::map<std::string, Split>> readSplits(const JsonFields& fields) {
+    std::map<std::string, Split> splits;
+    for (const auto& [key, split] : {std::pair{"train_filenames", Split::Train}, {"val_filenames", Split::Test}, {"test_filenames", Split::Test}}) {
+        if (!fields.has(key)) continue;
+        DPL_TRY(const json* list, fields.array(key));
+        for (const json& name : *list) {
+            if (!name.is_string()) return fail(Code::CorruptData, "{}: '{}' must be a list of file paths; correct it", fields.where(), key);
+            const auto [at, fresh] = splits.emplace(name.get<std::string>(), split);
+            if (!fresh && at->second != split && at->second == Split::Train)
+                return fail(Code::CorruptData, "{}: '{}' is both in a train and a test list; keep it in one", fields.where(), at->first.substr(0, 200));
+        }
+    }
+    return splits;
+}
+
+FrameKind kindFromName(const std::string& name) {
+    if (name.starts_with("close")) return FrameKind::StaticCloseup;
+    if (name.starts_with("dyn")) return FrameKind::Dynamic;
+    return FrameKind::StaticFull;
+}
+
+}  // namespace
+
+Result<Scan> readNerfstudio(const fs::path& manifestPath) {
+    DPL_TRY(const json manifest, readJsonObject(manifestPath));
+    const std::string file = manifestPath.string();
+    JsonFields fields(manifest, file);
+    DPL_TRY(const std::string model, fields.text("camera_model", "OPENCV"));
+    if (model != "PINHOLE" && model != "SIMPLE_PINHOLE" && model != "OPENCV" && model != "SIMPLE_RADIAL" && model != "RADIAL")
+        return fail(Code::Unsupported, "{}: camera_model '{}' is not read; undistort the images first, for example with 'colmap image_undistorter'", file, model.substr(0, 60));
+    DPL_TRY(const std::string up, fields.text("world_up", "y"));
+    if (up.size() != 1 || (up[0] != 'y' && up[0] != 'z')) return fail(Code::Unsupported, "{}: world_up '{}' is neither y nor z; turn the world", file, up.substr(0, 60));
+    Scan scan;
+    scan.source = ScanSource::Nerfstudio;
+    scan.root = manifestPath.parent_path();
+    scan.name = scan.root.filename().string();
+    scan.metricWorld = !fields.has("applied_transform") && !fields.has("applied_scale");
+    DPL_TRY(auto splits, readSplits(fields));
+    scan.splitStated = !splits.empty();
+    DPL_TRY(const json* frames, fields.array("frames"));
+    if (frames->size() > kMaxFrames) return fail(Code::Unsupported, "{}: {} frames, at most {} are read; thin the scan out", file, frames->size(), kMaxFrames);
+    for (size_t i = 0; i < frames->size(); ++i) {
+        const json& entry = (*frames)[i];
+        const std::string where = formatText("{} frame {}", file, i);
+        if (!entry.is_object()) return fail(Code::CorruptData, "{} is not an object; correct it", where);
+        JsonFields fieldsHere(entry, where);
+        ScanFrame frame;
+        DPL_TRY(const std::string relative, fieldsHere.text("file_path"));
+        frame.name = nameFromPath(relative);
+        frame.kind = kindFromName(frame.name);
+        DPL_TRY(frame.imagePath, imageOf(scan.root, relative, where + ": 'file_path'"));
+        if (fieldsHere.has("mask_path")) {
+            DPL_TRY(const std::string mask, fieldsHere.text("mask_path"));
+            DPL_TRY(frame.maskPath, fileInside(scan.root, mask, where + ": 'mask_path'"));
+        }
+        DPL_CHECK_OK(readIntrinsics(fieldsHere, fields, frame.imagePath, frame.camera, frame.lens));
+        DPL_CHECK_OK(readPose(entry, where, frame.camera));
+        if (up[0] == 'z') turnZUpWorld(frame.camera);
+        const std::string named = formatText("{} ('{}')", where, frame.name);
+        DPL_CHECK_OK(checkCamera(frame.camera, named));
+        DPL_CHECK_OK(checkDistortion(frame.lens, frame.camera, named));
+        if (scan.splitStated) {
+            const auto found = splits.find(relative);
+            if (found == splits.end()) return fail(Code::CorruptData, "{}: '{}' is in none of train_filenames, val_filenames, test_filenames; add it to one", where, relative.substr(0, 200));
+            frame.split = found->second;
+        }
+        scan.frames.push_back(std::move(frame));
+    }
+    DPL_CHECK_OK(finishScan(scan));
+    return scan;
+}
+
+}  // namespace dpl
