@@ -2,7 +2,8 @@
 //
 //   B = J_p·W·A (2×2),  Σ' = B·Bᵀ + κI,  det Σ' = det(B)² + κ‖B‖² + κ²   (sum form: a·c−b² loses needles in float)
 //   opacity' = opacity · compensation · gate · nearFade,  compensation = max(0.005, √(det(B)²/det Σ'))
-//   α(pixel) = min(0.99, opacity'·exp(−σ)), dropped below 1/255;  blending stops when T·(1−α) ≤ 1e-4
+//   α(pixel) = min(0.99, opacity'·exp(−σ)), dropped below 1/255;  an entry is blended while T > 1e-4 (so the one that
+//   brings T to ≤ 1e-4 still counts: a renderer that stops later or never differs by < 1e-4; see sdk/splat/splat_engine.h)
 #pragma once
 
 #include <cmath>

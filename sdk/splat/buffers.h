@@ -61,7 +61,7 @@ struct SplatEngine::Buffers {
 };
 
 void projectBound(Jobs& jobs, SplatEngine::Buffers& buffers, const BoundSplatView& splats,
-                  std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2);
+                  std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated);
 void projectStatic(Jobs& jobs, SplatEngine::Buffers& buffers, const StaticSplatData& splats, const Cameraf& camera, float kappaPx2,
                    bool compensated);
 void sortByDepth(Jobs& jobs, SplatEngine::Buffers& buffers);

@@ -8,8 +8,8 @@ SplatEngine::SplatEngine(Jobs& jobs) : jobs_(jobs), buffers_(std::make_unique<Bu
 SplatEngine::~SplatEngine() = default;
 
 void SplatEngine::project(const BoundSplatView& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera,
-                          float kappaPx2) {
-    projectBound(jobs_, *buffers_, splats, triangles, camera, kappaPx2);
+                          float kappaPx2, bool compensated) {
+    projectBound(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated);
 }
 
 void SplatEngine::project(const StaticSplatData& splats, const Cameraf& camera, float kappaPx2, bool compensated) {

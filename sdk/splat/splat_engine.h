@@ -82,8 +82,10 @@ public:
     explicit SplatEngine(Jobs& jobs);
     ~SplatEngine();
 
-    /** Projects every bound splat into `camera`. triangles: one frame a triangle of the avatar, world space. */
-    void project(const BoundSplatView& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2);
+    /** Projects every bound splat into `camera`. triangles: one frame a triangle of the avatar, world space. Splats of invalid
+     *  frames, of triangle indices out of range and with non-finite numbers are invisible. compensated: AvatarData::compensated. */
+    void project(const BoundSplatView& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2,
+                 bool compensated = true);
     /** Projects general splats (full 3×3 covariance, no gate). compensated: energy-preserving low-pass as for bound splats; plain
      *  3D Gaussian splatting files were trained without. Arrays shorter than count() is a caller's mistake. */
     void project(const StaticSplatData& splats, const Cameraf& camera, float kappaPx2, bool compensated = false);

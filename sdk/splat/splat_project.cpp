@@ -77,7 +77,8 @@ void setColour(ProjectedSplat& p, const Vec3f& c) { p.red = c.x > 0 ? c.x : 0, p
 }  // namespace
 
 void projectBound(Jobs& jobs, SplatEngine::Buffers& buffers, const BoundSplatView& splats,
-                  std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2) {
+                  std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2,
+                  bool compensated) {
     const JacobianClamp<float> limit(camera);
     const Vec3f eye = camera.eye();
     const uint32_t shStride = shCoefficientCount(splats.shDegree) * 3;
@@ -96,7 +97,8 @@ void projectBound(Jobs& jobs, SplatEngine::Buffers& buffers, const BoundSplatVie
         setFootprint(p, f);
         p.fade = nearFade(f.depthM);
         if (splats.flags[i] & kSplatSingleFace) p.fade *= singleFaceGate(t.normal, centre, eye);
-        p.opacity = splats.opacity[i] * f.compensation * p.fade;
+        if (!compensated) p.compensation = 1;
+        p.opacity = splats.opacity[i] * p.compensation * p.fade;
         if (!finish(p, f.varianceX, f.varianceY, buffers, i)) return false;
         const Vec3f direction = glm::transpose(t.worldFromRest) * glm::normalize(centre - eye);
         setColour(p, shColour(splats.sh.data() + size_t(i) * shStride, splats.shDegree, direction));

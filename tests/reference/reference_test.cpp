@@ -1,0 +1,115 @@
+// The referee has tests of its own: closed forms, and determinants in long double.
+#include "tests/reference/reference_renderer.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "tests/reference/image_compare.h"
+
+namespace dpl {
+namespace {
+
+ReferenceCamera camera(uint32_t size, double focal) { return {size, size, focal, focal, size / 2.0, size / 2.0, glm::dmat3(1), glm::dvec3(0)}; }
+
+ReferenceGaussian disc(const glm::dvec3& centre, double radius, double opacity) {
+    ReferenceGaussian g;
+    g.centre = centre;
+    g.axes[0] = {radius, 0, 0}, g.axes[1] = {0, radius, 0};
+    g.opacity = opacity;
+    g.sh = {0, 0, 0};
+    return g;
+}
+
+TEST(Reference, frontalDiscHasTheVarianceOfTheTextbook) {
+    const ReferenceFootprint f = projectReference(disc({0, 0, 2}, 0.1, 0.8), camera(100, 200), {});
+    ASSERT_TRUE(f.visible);
+    EXPECT_NEAR(f.covariance[0][0], 100 + 0.3, 1e-9);  // (200·0.1/2)² + κ
+    EXPECT_NEAR(f.covariance[0][1], 0, 1e-12);
+    EXPECT_NEAR(f.compensation, 100 / 100.3, 1e-12);
+    EXPECT_NEAR(f.opacity, 0.8 * 100 / 100.3, 1e-12);
+    EXPECT_NEAR(referenceAlpha(f, {50 + std::sqrt(100.3), 50}), f.opacity * std::exp(-0.5), 1e-12);
+    EXPECT_NEAR(f.colour.x, 0.5, 1e-15);
+}
+
+TEST(Reference, twoLayersBlendFrontToBack) {
+    // In the middle pixel of an odd image σ is 0 for both.
+    ReferenceGaussian front = disc({0, 0, 1}, 10, 0.5), back = disc({0, 0, 2}, 10, 0.5);
+    front.sh = {10, -10, -10}, back.sh = {-10, 10, -10};
+    const ReferenceImage image = renderReference({back, front}, camera(3, 1), {.kappaPx2 = 0});
+    const size_t middle = 4;
+    EXPECT_NEAR(image.rgb[middle * 3], 0.5, 1e-12);
+    EXPECT_NEAR(image.rgb[middle * 3 + 1], 0.25, 1e-12);
+    EXPECT_NEAR(image.alpha[middle], 0.75, 1e-12);
+    EXPECT_NEAR(image.depthM[middle], (0.5 * 1 + 0.25 * 2) / 0.75, 1e-12);
+}
+
+TEST(Reference, determinantMatchesLongDoubleOnNeedles) {
+    std::mt19937 random(3);
+    std::normal_distribution<double> normal;
+    for (int i = 0; i < 500; ++i) {
+        ReferenceGaussian g = disc({0.2 * normal(random), 0.2 * normal(random), 2}, 1, 1);
+        g.axes[0] = 0.5 * glm::dvec3(normal(random), normal(random), normal(random));
+        g.axes[1] = 1e-4 * glm::dvec3(normal(random), normal(random), normal(random));
+        const ReferenceFootprint f = projectReference(g, camera(400, 1000), {});
+        const long double a = f.covariance[0][0], b = f.covariance[0][1], c = f.covariance[1][1];
+        const double product = double(a / (a * c - b * b));
+        // The entries of Σ' are rounded to double, so the subtraction itself is good to eps·a·c/det ≈ 1e-16·1e6.
+        EXPECT_NEAR(f.conic[1][1] / product, 1, 1e-8);
+    }
+}
+
+TEST(Reference, bindingReproducesRestWhenNotPosed) {
+    ReferenceScene scene;
+    scene.rest = scene.posed = {{0.1, 0.2, 0.3}, {0.2, 0.25, 0.3}, {0.12, 0.31, 0.36}};
+    scene.triangles = {{0, 1, 2}};
+    const ReferenceBoundSplat s{0, {0.25, 0.5}, 0, {0.01, 0.02}, 0.5, 0, {0, 0, 0}};
+    const ReferenceGaussian g = referenceGaussian(scene, s);
+    ASSERT_TRUE(g.valid);
+    EXPECT_NEAR(glm::length(g.axes[0]), 0.01, 1e-14);
+    EXPECT_NEAR(glm::length(g.axes[1]), 0.02, 1e-14);
+    EXPECT_NEAR(glm::dot(g.axes[0], g.axes[1]), 0, 1e-16);
+    EXPECT_NEAR(glm::length(glm::cross(g.axes[0], scene.rest[1] - scene.rest[0])), 0, 1e-16);  // φ = 0 lies along e1
+    for (int c = 0; c < 3; ++c)
+        for (int r = 0; r < 3; ++r) EXPECT_NEAR(g.worldFromRest[c][r], c == r ? 1 : 0, 1e-12);
+}
+
+TEST(Reference, rigidMotionTurnsAxesAndRotationAlike) {
+    const glm::dmat3 turn(glm::mat3_cast(glm::dquat(0.5, 0.5, -0.5, 0.5)));
+    ReferenceScene scene;
+    scene.rest = {{0, 0, 0}, {0.1, 0, 0}, {0.02, 0.1, 0}};
+    for (const glm::dvec3& p : scene.rest) scene.posed.push_back(turn * p + glm::dvec3(1, 2, 3));
+    scene.triangles = {{0, 1, 2}};
+    const ReferenceGaussian g = referenceGaussian(scene, {0, {0.2, 0.2}, 0.3, {0.01, 0.02}, 0.5, 0, {0, 0, 0}});
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(glm::length(g.worldFromRest[c] - turn[c]), 0, 1e-12);
+}
+
+TEST(Reference, jointTurnsAboutItsRestPosition) {
+    AvatarData avatar;
+    avatar.joints = {{"root", -1, Vec3f(0, 1, 0), ""}, {"child", 0, Vec3f(0, 2, 0), ""}};
+    avatar.mesh.restPositions = {Vec3f(0, 3, 0)};
+    avatar.mesh.jointIndices = {{1, 0, 0, 0}};
+    avatar.mesh.jointWeights = {{255, 0, 0, 0}};
+    Pose pose = Pose::rest(2);
+    const float half = std::sqrt(0.5f);
+    pose.localRotations[1] = Quatf(half, 0, 0, half);  // a quarter turn about +z: +y goes to −x
+    pose.rootTranslation = Vec3f(0, 0, 5);
+    const glm::dvec3 p = referenceSkin(avatar, pose)[0];
+    EXPECT_NEAR(p.x, -1, 1e-7);
+    EXPECT_NEAR(p.y, 2, 1e-7);
+    EXPECT_NEAR(p.z, 5, 1e-7);
+}
+
+TEST(ImageCompare, knowsEqualDifferentAndBroken) {
+    const std::vector<float> a = {0, 0.5f, 1}, b = {0, 0.6f, 1};
+    EXPECT_TRUE(std::isinf(compareImages(a, a).psnrDb));
+    EXPECT_NEAR(compareImages(a, b).psnrDb, -10 * std::log10(0.01 / 3), 1e-4);
+    EXPECT_EQ(compareImages(a, b).worst, 1u);
+    EXPECT_TRUE(std::isinf(compareImages(a, std::vector<float>{0}).maxError));
+    EXPECT_TRUE(std::isinf(compareImages(a, std::vector<float>{0, NAN, 1}).maxError));
+    EXPECT_NEAR(coverage(a), 2.0 / 3, 1e-12);
+}
+
+}  // namespace
+}  // namespace dpl
