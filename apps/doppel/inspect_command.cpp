@@ -1,0 +1,25 @@
+#include <cstdio>
+
+#include "apps/doppel/commands.h"
+#include "reconstruction/package/inspect.h"
+
+namespace dpl {
+
+void addInspectCommand(CLI::App& app, CommandRun& run) {
+    auto path = std::make_shared<std::filesystem::path>();
+    auto json = std::make_shared<bool>(false);
+    CLI::App* command = app.add_subcommand("inspect", "Show what is in an avatar, bytes by part");
+    command->add_option("avatar", *path, "Avatar file (.glb)")->required();
+    command->add_flag("--json", *json, "Print JSON instead of a table");
+    command->footer("Examples:\n  doppel inspect ada/avatar.glb\n  doppel inspect ada/avatar.glb --json | jq .bytes");
+    command->callback([path, json, &run] {
+        run = [path, json] {
+            auto text = *json ? inspectAsJson(*path) : inspectAsText(*path);
+            if (!text) return reportError(text.error());
+            std::printf("%s\n", text->c_str());
+            return int(kExitOk);
+        };
+    });
+}
+
+}  // namespace dpl

@@ -1,0 +1,49 @@
+#include <cstdio>
+
+#include "apps/doppel/commands.h"
+#include "reconstruction/pipeline/progress.h"
+
+namespace dpl {
+
+int reportError(const Error& error) {
+    std::fprintf(stderr, "doppel: %s\n", error.message.c_str());
+    return error.code == Code::Cancelled ? kExitCancelled : error.code == Code::InvalidArgument ? kExitUsage : kExitFailed;
+}
+
+}  // namespace dpl
+
+int main(int argc, char** argv) {
+    using namespace dpl;
+    CLI::App app{"Doppel: from a phone scan to a drivable, photoreal avatar.", "doppel"};
+    app.set_version_flag("--version", "doppel " DOPPEL_VERSION);
+    app.require_subcommand(1);
+    app.footer(
+        "Examples:\n"
+        "  doppel sample -o scan                       make the procedural subject's scan\n"
+        "  doppel reconstruct scan -o ada              make ada/avatar.glb and ada/report.html\n"
+        "  doppel render ada/avatar.glb -o ada.mp4 --turntable\n"
+        "  doppel render ada/avatar.glb -o walk.mp4 --clip walk.bvh --stereo\n"
+        "Exit codes: 0 done, 1 failed (the sentence says why), 2 wrong arguments, 130 stopped by Ctrl-C (a rerun continues).\n"
+        "Each command has its own --help.");
+    CommandRun run;
+    addSampleCommand(app, run);
+    addReconstructCommand(app, run);
+    addRenderCommand(app, run);
+    addInspectCommand(app, run);
+    addExportCommand(app, run);
+    addBodyCommand(app, run);
+    addBenchCommand(app, run);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? kExitOk : kExitUsage;
+    }
+    installSignalHandlers();
+    try {
+        return run();
+    } catch (const std::bad_alloc&) {
+        return reportError(fail(Code::OutOfMemory, "out of memory; close other programs or use a smaller preset"));
+    } catch (const std::exception& error) {  // reconstruction may throw inside a stage; here it becomes one sentence
+        return reportError(fail(Code::Internal, "{}", error.what()));
+    }
+}

@@ -1,0 +1,58 @@
+#include "reconstruction/package/poses_file.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "sdk/core/files.h"
+
+namespace {
+
+using namespace dpl;
+
+class PosesFileTest : public testing::Test {
+protected:
+    std::filesystem::path path_ = std::filesystem::temp_directory_path() / ("doppel_poses_" + std::to_string(::getpid()) + ".json");
+    void TearDown() override { std::filesystem::remove(path_); }
+
+    PosesFile sample() {
+        PosesFile poses;
+        poses.jointNames = {"hips", "spine"};
+        FramePose frame{"full_003", "static_full", "test", Pose::rest(2), Pose::rest(2)};
+        frame.fittedPose->localRotations[1] = Quatf(0.6f, 0, 0.8f, 0);
+        frame.pose.rootTranslation = {1, 2, 3};
+        poses.frames = {frame};
+        return poses;
+    }
+};
+
+TEST_F(PosesFileTest, readsBackWhatWasWritten) {
+    ASSERT_TRUE(writeFileAtomically(path_, posesToJson(sample())));
+    auto back = readPosesFile(path_);
+    ASSERT_TRUE(back) << back.error().message;
+    ASSERT_EQ(back->frames.size(), 1u);
+    EXPECT_EQ(back->frames[0].name, "full_003");
+    EXPECT_EQ(back->frames[0].pose.rootTranslation, Vec3f(1, 2, 3));
+    ASSERT_TRUE(back->frames[0].fittedPose);
+    EXPECT_FLOAT_EQ(back->frames[0].fittedPose->localRotations[1].y, 0.8f);
+}
+
+TEST_F(PosesFileTest, everyTruncationIsAnErrorThatNamesTheFile) {
+    const std::string good = posesToJson(sample());
+    for (size_t length = 0; length < good.size(); length += 7) {
+        ASSERT_TRUE(writeFileAtomically(path_, good.substr(0, length)));
+        auto back = readPosesFile(path_);
+        ASSERT_FALSE(back) << length;
+        EXPECT_NE(back.error().message.find(path_.string()), std::string::npos);
+    }
+}
+
+TEST_F(PosesFileTest, aRotationTooFewNamesTheFrame) {
+    std::string text = posesToJson(sample());
+    text.replace(text.find("\"hips\","), 7, "");
+    ASSERT_TRUE(writeFileAtomically(path_, text));
+    auto back = readPosesFile(path_);
+    ASSERT_FALSE(back);
+    EXPECT_NE(back.error().message.find("full_003"), std::string::npos);
+}
+
+}  // namespace
