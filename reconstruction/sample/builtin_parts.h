@@ -1,0 +1,23 @@
+// The steps of makeBuiltinBody. Private to reconstruction/sample.
+#pragma once
+
+#include "reconstruction/body/body_model.h"
+#include "reconstruction/sample/body_field.h"
+#include "reconstruction/sample/implicit_mesh.h"
+
+namespace dpl {
+
+/** The mesh of the body, metres. */
+SurfaceMesh meshBody(const BodyField& field, Jobs& jobs);
+
+/** V × 55 weights, smooth, rows sum to 1. */
+std::vector<float> bodyWeights(const BodyField& field, const SurfaceMesh& mesh, const std::vector<JointData>& joints, Jobs& jobs);
+
+/** Cuts dense weights (V × jointCount) to four unorm8 that sum to 255; ties go to the lower joint. */
+void cutWeights(const std::vector<float>& dense, size_t jointCount, std::vector<glm::u16vec4>& indices, std::vector<glm::u8vec4>& weights);
+
+std::vector<ShapeMorph> bodyMorphs(const SurfaceMesh& mesh, const std::vector<float>& dense, const std::vector<JointData>& joints);
+
+std::vector<BodyKeypoint> bodyKeypoints(const SurfaceMesh& mesh);
+
+}  // namespace dpl
