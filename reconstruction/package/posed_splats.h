@@ -16,8 +16,6 @@ constexpr float kFlatThicknessM = 1e-4f;  // standard deviation across the surfa
  *  Splats of degenerate triangles are left out. Single-face splats lose their gate: other viewers show them from both sides. */
 Result<StaticSplatData> posedSplats(const AvatarData& avatar, const Pose& pose);
 
-enum class SplatFileKind : uint8_t { Ply, Gltf };
-
 struct ExportOptions {
     std::filesystem::path avatar, out;   // kind by the extension of `out`: .ply or .glb
     std::string clip;                    // name of a clip in the avatar, or a BVH/glTF file; empty: rest pose

@@ -1,0 +1,71 @@
+#include <cstdio>
+
+#include "apps/doppel/commands.h"
+#include "reconstruction/body/body_io.h"
+#include "reconstruction/body/makehuman.h"
+#include "reconstruction/body/smplx.h"
+#include "reconstruction/sample/builtin_body.h"
+
+namespace dpl {
+namespace {
+
+struct BodyOptions {
+    std::filesystem::path source, out;
+};
+
+/** A folder is MakeHuman data, .npz is SMPL-X, .glb is a rigged glTF, "builtin" the built-in body. */
+Result<BodyModel> importBody(const std::filesystem::path& source) {
+    if (source == "builtin") return makeBuiltinBody();
+    if (std::filesystem::is_directory(source)) return importMakeHuman(source);
+    const std::string extension = source.extension().string();
+    if (extension == ".npz") return importSmplx(source);
+    if (extension == ".glb") return readBody(source);
+    if (!std::filesystem::exists(source)) return fail(Code::NotFound, "{} is not there", source.string());
+    return fail(Code::Unsupported, "{}: bodies come from a MakeHuman/MPFB2 folder, a SMPL-X .npz or a rigged .glb (convert other formats to .glb with Blender)", source.string());
+}
+
+std::string describe(const BodyModel& body) {
+    std::string text = formatText("{}: {} vertices, {} triangles, {} joints, {} keypoints\n", body.name, body.mesh.restPositions.size(), body.mesh.triangles.size(),
+                                  body.joints.size(), body.keypoints.size());
+    size_t bones = 0;
+    for (const JointData& joint : body.joints) bones += !joint.humanoidBone.empty();
+    text += formatText("{} joints have humanoid bone names\nshape morphs:", bones);
+    for (const ShapeMorph& morph : body.morphs) text += formatText(" {} [{}, {}]", morph.name, morph.minValue, morph.maxValue);
+    return text;
+}
+
+}  // namespace
+
+void addBodyCommand(CLI::App& app, CommandRun& run) {
+    CLI::App* command = app.add_subcommand("body", "Import and look at parametric bodies");
+    command->require_subcommand(1);
+    auto options = std::make_shared<BodyOptions>();
+
+    CLI::App* import = command->add_subcommand("import", "Make a glTF body from MakeHuman/MPFB2 data, SMPL-X .npz or a rigged .glb");
+    import->add_option("source", options->source, "MakeHuman/MPFB2 folder, SMPL-X .npz (your own copy), rigged .glb, or 'builtin'")->required();
+    import->add_option("-o,--out", options->out, "The body to write (.glb)")->required();
+    import->footer("Examples:\n  doppel body import body-makehuman -o makehuman.glb\n  doppel body import SMPLX_NEUTRAL.npz -o smplx.glb");
+    import->callback([options, &run] {
+        run = [options] {
+            auto body = importBody(options->source);
+            if (!body) return reportError(body.error());
+            if (Status written = writeBody(*body, options->out); !written) return reportError(written.error());
+            std::printf("%s\nwritten to %s\n", describe(*body).c_str(), options->out.string().c_str());
+            return int(kExitOk);
+        };
+    });
+
+    CLI::App* show = command->add_subcommand("show", "Say what a body has");
+    show->add_option("source", options->source, "As for import")->required();
+    show->footer("Examples:\n  doppel body show builtin\n  doppel body show makehuman.glb");
+    show->callback([options, &run] {
+        run = [options] {
+            auto body = importBody(options->source);
+            if (!body) return reportError(body.error());
+            std::printf("%s\n", describe(*body).c_str());
+            return int(kExitOk);
+        };
+    });
+}
+
+}  // namespace dpl

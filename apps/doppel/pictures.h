@@ -1,0 +1,28 @@
+// Cameras and pixels for the commands that draw: framing, turntables, stereo pairs, backgrounds.
+#pragma once
+
+#include <doppel/doppel.hpp>
+
+#include "sdk/core/result.h"
+#include "sdk/math/camera.h"
+
+namespace dpl {
+
+Error fromSdk(const doppel::Error& error);
+DplCamera toSdk(const Cameraf& camera);
+
+/** Looks at the middle of the avatar's rest box from `azimuthRad` (0: from the front, positive to its left), so that it fills the picture. */
+Cameraf frameAvatar(const DplAvatarInfo& avatar, uint32_t widthPx, uint32_t heightPx, double azimuthRad);
+
+constexpr double kEyeDistanceM = 0.063;
+
+/** The camera moved along its own x axis: −½ and +½ eye distance give a stereo pair with parallel axes. */
+Cameraf shiftedSideways(const Cameraf& camera, double metres);
+
+/** RGBA8 pictures of all views, straight alpha. */
+Result<std::vector<std::vector<uint8_t>>> drawViews(const doppel::Avatar& avatar, std::span<const Cameraf> views);
+
+/** Views side by side over a soft grey gradient, RGB8; rows are views.size()·width wide. */
+std::vector<uint8_t> sideBySide(std::span<const std::vector<uint8_t>> views, uint32_t widthPx, uint32_t heightPx);
+
+}  // namespace dpl

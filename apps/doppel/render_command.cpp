@@ -1,0 +1,210 @@
+// doppel render: stills, turntables, clips and stereo from an avatar, or every frame of a scan from its own cameras.
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "apps/doppel/commands.h"
+#include "apps/doppel/pictures.h"
+#include "apps/doppel/video_writer.h"
+#include "reconstruction/capture/scan.h"
+#include "reconstruction/package/poses_file.h"
+#include "reconstruction/pipeline/progress.h"
+#include "reconstruction/report/png.h"
+#include "sdk/core/files.h"
+
+namespace dpl {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct RenderOptions {
+    fs::path avatar, out, scan, poses;
+    std::string clip, split = "test", size = "720x1280", renderer = "auto";
+    double timeS = 0, seconds = 0, framesPerSecond = 30, azimuthDeg = 0;
+    bool turntable = false, stereo = false, unfitted = false;
+    uint32_t threadCount = 0;
+};
+
+struct PictureSize {
+    uint32_t widthPx = 0, heightPx = 0;
+};
+
+Result<PictureSize> parseSize(const std::string& text) {
+    PictureSize size;
+    const char* end = text.data() + text.size();
+    auto width = std::from_chars(text.data(), end, size.widthPx);
+    if (width.ec == std::errc() && width.ptr != end && *width.ptr == 'x') {
+        auto height = std::from_chars(width.ptr + 1, end, size.heightPx);
+        if (height.ec == std::errc() && height.ptr == end && size.widthPx >= 1 && size.heightPx >= 1 && size.widthPx <= 8192 && size.heightPx <= 8192) return size;
+    }
+    return fail(Code::InvalidArgument, "--size {} is not WIDTHxHEIGHT with sides from 1 to 8192, like 720x1280", text);
+}
+
+Result<doppel::Context> makeContext(const RenderOptions& options) {
+    const DplRenderer kind = options.renderer == "software" ? DPL_RENDERER_SOFTWARE : options.renderer == "vulkan" ? DPL_RENDERER_VULKAN : DPL_RENDERER_AUTO;
+    auto context = doppel::Context::create(kind, options.threadCount);
+    if (!context) return fromSdk(context.error());
+    return std::move(*context);
+}
+
+/** Index of the clip to play: one of the avatar's own by name, else a motion file retargeted onto it. */
+Result<uint32_t> chooseClip(doppel::Avatar& avatar, const std::string& clip) {
+    auto info = avatar.info();
+    if (!info) return fromSdk(info.error());
+    std::string names;
+    for (uint32_t i = 0; i < info->clipCount; ++i) {
+        auto about = avatar.clip(i);
+        if (!about) return fromSdk(about.error());
+        if (clip == about->name) return i;
+        names += (names.empty() ? "" : ", ") + std::string(about->name);
+    }
+    auto bytes = readFile(clip, uint64_t(512) << 20);
+    if (!bytes)
+        return fail(bytes.error().code, "--clip {} is neither a clip of the avatar ({}) nor a readable BVH or glTF file", clip, names.empty() ? "it has none" : names);
+    DplClipOptions how{};
+    how.structSize = sizeof how;
+    how.flags = DPL_CLIP_IN_PLACE;  // the camera stands still, so the walker walks on the spot
+    auto loaded = avatar.loadClip(*bytes, &how);
+    if (!loaded) return fail(fromSdk(loaded.error()).code, "{}: {}", clip, loaded.error().message);
+    return *loaded;
+}
+
+Status writePng(const fs::path& path, std::span<const uint8_t> pixels, uint32_t widthPx, uint32_t heightPx, uint32_t channels) {
+    DPL_TRY(auto png, encodePng(pixels, widthPx, heightPx, channels));
+    return writeFileAtomically(path, png);
+}
+
+Status makeFolder(const fs::path& folder) {
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (error) return fail(Code::Io, "cannot create {}: {}", folder.string(), error.message());
+    return {};
+}
+
+/** --scan: one PNG with straight alpha per frame, named like the frame, from the scan's own camera and the pose found for it. */
+Status renderScan(const RenderOptions& options, doppel::Avatar& avatar, Progress& progress) {
+    DPL_TRY(Scan scan, readScan(options.scan));
+    const fs::path posesPath = options.poses.empty() ? options.avatar.parent_path() / "poses.json" : options.poses;
+    DPL_TRY(PosesFile poses, readPosesFile(posesPath));
+    DPL_CHECK_OK(makeFolder(options.out));
+    std::vector<const ScanFrame*> frames;
+    for (const ScanFrame& frame : scan.frames)
+        if (options.split == "all" || options.split == (frame.split == Split::Test ? "test" : "train")) frames.push_back(&frame);
+    if (frames.empty()) return fail(Code::NotFound, "{} has no frames of split '{}'", options.scan.string(), options.split);
+    progress.beginStage("render");
+    for (size_t i = 0; i < frames.size(); ++i) {
+        if (progress.cancelled()) return fail(Code::Cancelled, "stopped after {} of {} frames", i, frames.size());
+        const auto found = std::find_if(poses.frames.begin(), poses.frames.end(), [&](const FramePose& p) { return p.name == frames[i]->name; });
+        if (found == poses.frames.end()) return fail(Code::NotFound, "{} has no pose for frame {}; name the poses.json of this scan with --poses", posesPath.string(), frames[i]->name);
+        const Pose& pose = found->fittedPose && !options.unfitted ? *found->fittedPose : found->pose;
+        static_assert(sizeof(Quatf) == 4 * sizeof(float), "GLM keeps quaternions as xyzw");
+        if (auto set = avatar.setPose({&pose.localRotations[0].x, pose.localRotations.size() * 4}, {&pose.rootTranslation.x, 3}); !set) return fromSdk(set.error());
+        const Cameraf camera = frames[i]->camera.cast<float>();
+        DPL_TRY(auto pixels, drawViews(avatar, {&camera, 1}));
+        DPL_CHECK_OK(writePng(options.out / (frames[i]->name + ".png"), pixels[0], camera.widthPx, camera.heightPx, 4));
+        progress.update(double(i + 1) / double(frames.size()), frames[i]->name);
+    }
+    progress.endStage(formatText("{} pictures in {}", frames.size(), options.out.string()));
+    return {};
+}
+
+/** Stills, turntables and clips from our own camera. */
+Status renderShots(const RenderOptions& options, doppel::Avatar& avatar, Progress& progress) {
+    DPL_TRY(PictureSize size, parseSize(options.size));
+    auto info = avatar.info();
+    if (!info) return fromSdk(info.error());
+    uint32_t clip = 0;
+    double duration = options.turntable ? 6 : 0;
+    if (!options.clip.empty()) {
+        DPL_TRY(clip, chooseClip(avatar, options.clip));
+        auto about = avatar.clip(clip);
+        if (!about) return fromSdk(about.error());
+        duration = std::max(duration, about->durationS);
+    }
+    if (options.seconds > 0) duration = options.seconds;
+
+    const std::string extension = options.out.extension().string();
+    const bool still = extension == ".png", video = extension == ".mp4";
+    if (!still && !video && !extension.empty()) return fail(Code::InvalidArgument, "-o {}: write a .png, a .mp4 or a folder of PNG frames", options.out.string());
+    const size_t frameCount = still ? 1 : std::max<size_t>(1, size_t(std::lround(duration * options.framesPerSecond)));
+    const uint32_t viewCount = options.stereo ? 2 : 1, outWidthPx = size.widthPx * viewCount;
+    if (video && (outWidthPx % 2 || size.heightPx % 2)) return fail(Code::InvalidArgument, "--size {}: video needs even sides", options.size);
+    if (!still && !video) DPL_CHECK_OK(makeFolder(options.out));
+    std::optional<VideoWriter> writer;
+    if (video) {
+        DPL_TRY(auto opened, VideoWriter::open(options.out, outWidthPx, size.heightPx, options.framesPerSecond));
+        writer.emplace(std::move(opened));
+    }
+    progress.beginStage("render");
+    for (size_t i = 0; i < frameCount; ++i) {
+        if (progress.cancelled()) return fail(Code::Cancelled, "stopped after {} of {} frames", i, frameCount);
+        const double timeS = options.timeS + double(i) / options.framesPerSecond;
+        if (!options.clip.empty())
+            if (auto set = avatar.setPoseFromClip(clip, timeS, true); !set) return fromSdk(set.error());
+        const double turn = options.turntable ? 2 * std::numbers::pi * double(i) / double(frameCount) : 0;
+        const Cameraf centre = frameAvatar(*info, size.widthPx, size.heightPx, options.azimuthDeg * std::numbers::pi / 180 + turn);
+        std::vector<Cameraf> views = {centre};
+        if (options.stereo) views = {shiftedSideways(centre, -kEyeDistanceM / 2), shiftedSideways(centre, kEyeDistanceM / 2)};
+        DPL_TRY(auto pixels, drawViews(avatar, views));
+        if (still && !options.stereo) {
+            DPL_CHECK_OK(writePng(options.out, pixels[0], size.widthPx, size.heightPx, 4));
+        } else {
+            const std::vector<uint8_t> rgb = sideBySide(pixels, size.widthPx, size.heightPx);
+            char name[32];
+            std::snprintf(name, sizeof name, "%05zu.png", i);
+            DPL_CHECK_OK(video ? writer->write(rgb) : writePng(still ? options.out : options.out / name, rgb, outWidthPx, size.heightPx, 3));
+        }
+        progress.update(double(i + 1) / double(frameCount), formatText("frame {} of {}", i + 1, frameCount));
+    }
+    if (writer) DPL_CHECK_OK(writer->finish());
+    progress.endStage(formatText("{} frames in {}", frameCount, options.out.string()));
+    return {};
+}
+
+Status renderAll(const RenderOptions& options) {
+    Progress progress;
+    DPL_TRY(auto bytes, readFile(options.avatar));
+    DPL_TRY(auto context, makeContext(options));
+    auto avatar = context.loadAvatar(bytes);
+    if (!avatar) return fail(fromSdk(avatar.error()).code, "{}: {}", options.avatar.string(), avatar.error().message);
+    progress.note("drawing with " + context.rendererName());
+    return options.scan.empty() ? renderShots(options, *avatar, progress) : renderScan(options, *avatar, progress);
+}
+
+}  // namespace
+
+void addRenderCommand(CLI::App& app, CommandRun& run) {
+    auto options = std::make_shared<RenderOptions>();
+    CLI::App* command = app.add_subcommand("render", "Draw an avatar: stills, turntables, clips, stereo, or a scan's own views");
+    command->add_option("avatar", options->avatar, "Avatar file (.glb)")->required();
+    command->add_option("-o,--out", options->out, "A .png (with alpha), a .mp4 (through ffmpeg) or a folder of PNG frames")->required();
+    command->add_option("--clip", options->clip, "A clip of the avatar by name, or a BVH or glTF file to drive it with");
+    command->add_option("--time", options->timeS, "Start time in the clip, seconds")->check(CLI::Range(0.0, 1e6));
+    command->add_option("--seconds", options->seconds, "Length of the video (default: the clip's, or 6 s for a turntable)")->check(CLI::Range(0.0, 3600.0));
+    command->add_option("--fps", options->framesPerSecond, "Frames per second")->check(CLI::Range(1.0, 240.0))->capture_default_str();
+    command->add_flag("--turntable", options->turntable, "Walk once around the avatar");
+    command->add_option("--azimuth", options->azimuthDeg, "Degrees around the avatar, 0: from the front")->check(CLI::Range(-360.0, 360.0));
+    command->add_flag("--stereo", options->stereo, "Left and right eye side by side, 63 mm apart");
+    command->add_option("--size", options->size, "Size of one view, WIDTHxHEIGHT")->capture_default_str();
+    command->add_option("--scan", options->scan, "Draw this scan's frames from its own cameras, one PNG with alpha a frame");
+    command->add_option("--split", options->split, "Which frames of the scan")->check(CLI::IsMember({"test", "train", "all"}))->capture_default_str();
+    command->add_option("--poses", options->poses, "poses.json of the reconstruction (default: beside the avatar)");
+    command->add_flag("--without-pose-fit", options->unfitted, "With --scan: the registered poses, not those fitted at test time");
+    command->add_option("--renderer", options->renderer, "auto: a real GPU, else the CPU")->check(CLI::IsMember({"auto", "software", "vulkan"}))->capture_default_str();
+    command->add_option("--threads", options->threadCount, "CPU threads, 0: one a core")->check(CLI::Range(0, 256));
+    command->footer(
+        "Examples:\n"
+        "  doppel render ada/avatar.glb -o ada.png --azimuth 30\n"
+        "  doppel render ada/avatar.glb -o ada.mp4 --turntable\n"
+        "  doppel render ada/avatar.glb -o walk.mp4 --clip 02_01.bvh --stereo --size 960x1080\n"
+        "  doppel render ada/avatar.glb -o views --scan scan --split test      (score them with your own tools)");
+    command->callback([options, &run] {
+        run = [options] {
+            Status drawn = renderAll(*options);
+            return drawn ? int(kExitOk) : reportError(drawn.error());
+        };
+    });
+}
+
+}  // namespace dpl
