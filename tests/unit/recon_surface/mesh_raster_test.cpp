@@ -1,0 +1,54 @@
+#include "reconstruction/surface/mesh_raster.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace {
+
+using namespace dpl;
+
+Camerad frontCamera() {
+    Camerad camera;
+    camera.widthPx = 64, camera.heightPx = 48;
+    camera.fx = camera.fy = 50, camera.cx = 32, camera.cy = 24;
+    return camera;
+}
+
+TEST(MeshRaster, seesTheNearerOfTwoTrianglesAndItsPoint) {
+    const std::vector<Vec3f> positions = {{-2, -2, 4}, {2, -2, 4}, {0, 3, 4}, {-2, -2, 2}, {2, -2, 3}, {0, 3, 2}};
+    const std::vector<Triangle> triangles = {{0, 1, 2}, {3, 4, 5}};
+    MeshRaster raster;
+    const Camerad camera = frontCamera();
+    rasteriseMesh(positions, triangles, camera, raster);
+    const size_t pixel = 24 * 64 + 32;
+    ASSERT_EQ(raster.triangle[pixel], 1u);
+    const Vec2f uv = raster.barycentric[pixel];
+    const Vec3f point = (1 - uv.x - uv.y) * positions[3] + uv.x * positions[4] + uv.y * positions[5];
+    const Vec2d seen = camera.pixelOf(camera.toView(Vec3d(point)));
+    EXPECT_NEAR(seen.x, 32.5, 1e-4);
+    EXPECT_NEAR(seen.y, 24.5, 1e-4);
+    EXPECT_NEAR(raster.depthM[pixel], point.z, 1e-5);
+    EXPECT_EQ(raster.triangle[47 * 64], kNoTriangle) << "the lower left corner is beside both";
+}
+
+TEST(VertexColours, takesThePictureAndFillsWhatNobodySaw) {
+    // A quad that the camera sees, and a vertex behind it, joined by an edge.
+    const std::vector<Vec3f> positions = {{-1, -1, 3}, {-1, 1, 3}, {1, 1, 3}, {1, -1, 3}, {0, 0, 9}};
+    const std::vector<Triangle> triangles = {{0, 1, 2}, {0, 2, 3}, {0, 4, 1}};
+    const Camerad camera = frontCamera();
+    MeshRaster raster;
+    rasteriseMesh(positions, triangles, camera, raster);
+    std::vector<uint8_t> rgb(64 * 48 * 3), mask(64 * 48, 255);
+    for (size_t i = 0; i < mask.size(); ++i) rgb[i * 3] = 200, rgb[i * 3 + 1] = 100, rgb[i * 3 + 2] = 50;
+    VertexColours colours(positions.size());
+    colours.add(raster, positions, triangles, camera, rgb, mask);
+    const auto out = colours.finish(triangles);
+    for (const auto& c : out) {
+        EXPECT_EQ(int(c.x), 200);
+        EXPECT_EQ(int(c.y), 100);
+        EXPECT_EQ(int(c.z), 50);
+    }
+}
+
+}  // namespace
