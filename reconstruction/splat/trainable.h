@@ -1,0 +1,56 @@
+// Splats as the optimiser sees them: one row of raw parameters a splat, and the linear values that the engine draws.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sdk/core/jobs.h"
+#include "sdk/format/avatar_data.h"
+#include "sdk/math/sh.h"
+#include "sdk/splat/splat_engine.h"
+
+namespace dpl {
+
+// Columns of a row. A row is padded to a multiple of eight floats so that Adam updates whole vectors.
+constexpr uint32_t kRowU = 0, kRowV = 1, kRowPhi = 2, kRowLogScale1 = 3, kRowLogScale2 = 4, kRowOpacityLogit = 5, kRowSh = 6;
+
+constexpr float kMinLogScale = -9.0f;   // 0.12 mm: smaller ones get no gradient (reference §18)
+constexpr float kMaxLogScale = -2.3f;   // 10 cm
+constexpr float kMaxOpacityLogit = 8.0f;
+
+/** N splats, always sorted by triangle (stable), so that sums over a triangle's splats are contiguous. */
+struct TrainableSplats {
+    uint32_t shDegree = 0, stride = 0;
+    std::vector<uint32_t> triangle;       // N, ascending
+    std::vector<uint32_t> triangleStart;  // F+1
+    std::vector<uint8_t> flags;           // N
+    std::vector<float> rows;              // N × stride: raw parameters
+    std::vector<float> sizeFloorM;        // F: in-plane size floor 0.35/ν of the triangle (reference §5.5), metres at rest
+
+    // Linear values, kept in step by activate().
+    std::vector<Vec2f> uv, scaleM;        // scaleM² = exp(2·logScale) + floor²
+    std::vector<float> phi, opacity, sh;
+
+    uint32_t count() const { return uint32_t(triangle.size()); }
+    static uint32_t strideFor(uint32_t shDegree) { return (kRowSh + shCoefficientCount(shDegree) * 3 + 7) / 8 * 8; }
+
+    /** Sizes everything for `count` splats; rows are zero. triangleStart and sizeFloorM are left to the caller. */
+    void resize(uint32_t count, uint32_t degree);
+    /** triangleStart from `triangle`. */
+    void indexTriangles(size_t triangleCount);
+    /** Projects (u, v) into the triangle, clamps scales and opacity, and refreshes the linear values of [begin, end). */
+    void activate(size_t begin, size_t end);
+    void activateAll(Jobs& jobs);
+    BoundSplatView view() const;
+
+    /** The linear values as an avatar's splats, in the present order. */
+    SplatData toSplatData() const;
+    /** Rows from an avatar's splats (scales below the floor start at the floor). */
+    static TrainableSplats fromSplatData(const SplatData& splats, std::span<const float> sizeFloorM);
+};
+
+/** Euclidean projection of (u, v) onto {u ≥ 0, v ≥ 0, u + v ≤ 1} in barycentric space. */
+Vec2f projectToSimplex(Vec2f uv);
+
+}  // namespace dpl

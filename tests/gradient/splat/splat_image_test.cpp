@@ -1,0 +1,183 @@
+// The trainer's whole backward pass (float, SIMD, tiles) against finite differences of a double-precision picture.
+#include <random>
+
+#include "reconstruction/splat/backward_splats.h"
+#include "tests/gradient/splat/double_scene.h"
+#include "tests/gradient/splat/finite_difference.h"
+
+namespace dpl::test {
+namespace {
+
+// Float forward and backward against double differences: rounding of pixel positions (1e-6 relative) and of sums over a few
+// hundred pixels; measured 3e-5 to 2e-4 of the largest entry of a group.
+constexpr double kRelative = 1e-3, kStep = 1e-6;
+
+DoubleScene makeScene(double opacityLogit, uint8_t flags, uint32_t splatCount = 12) {
+    DoubleScene s;
+    s.joints.resize(3);
+    s.joints[1].parent = 0, s.joints[2].parent = 1;
+    s.joints[0].restPosition = {0, 0, 0}, s.joints[1].restPosition = {0, 0.1f, 0.01f}, s.joints[2].restPosition = {0.02f, 0.2f, 0};
+    s.mesh.restPositions = {{-0.1f, -0.1f, 0}, {0.12f, -0.08f, 0.01f}, {-0.09f, 0.11f, 0.02f}, {0.1f, 0.13f, -0.02f}, {0, 0.3f, 0.03f}};
+    // Counter-clockwise seen from the camera at +Z looking down −Z (the view below turns about X by π).
+    s.mesh.triangles = {{0, 1, 2}, {1, 3, 2}, {2, 3, 4}};
+    s.mesh.jointIndices = {{0, 1, 0, 0}, {0, 1, 2, 0}, {1, 0, 2, 0}, {1, 2, 0, 0}, {2, 1, 0, 0}};
+    s.mesh.jointWeights = {{200, 55, 0, 0}, {155, 60, 40, 0}, {120, 75, 60, 0}, {130, 125, 0, 0}, {200, 55, 0, 0}};
+    for (const Vec3f& v : s.mesh.restPositions) s.rest.push_back(Vec3d(v) + 0.004 * Vec3d(std::sin(v.x * 90), std::cos(v.y * 70), v.x));
+    s.rotations = {glm::normalize(Quatd(0.98, 0.1, 0.15, -0.05)), glm::normalize(Quatd(0.95, -0.2, 0.1, 0.1)), glm::normalize(Quatd(0.97, 0.1, 0, 0.2))};
+    s.rootTranslation = {0.01, -0.05, 0.02};
+    s.jointTurn.assign(3, Vec3d(0));
+    s.sizeFloorM = {0.004, 0.002, 0};
+    s.camera.widthPx = 41, s.camera.heightPx = 53, s.camera.fx = 100, s.camera.fy = 104, s.camera.cx = 20.2, s.camera.cy = 30.1;
+    s.camera.viewFromWorldRotation = Mat3d(1, 0, 0, 0, -1, 0, 0, 0, -1);
+    s.camera.viewFromWorldTranslation = {0, 0, 0.9};
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> u01(0, 1);
+    std::normal_distribution<double> normal;
+    for (uint32_t i = 0; i < splatCount; ++i) {
+        s.triangle.push_back(i * 3 / splatCount);
+        s.flags.push_back(uint8_t(flags | (i % 2 ? kSplatCloth : 0)));
+        double a = u01(random), b = u01(random);
+        if (a + b > 1) a = 1 - a, b = 1 - b;
+        const double head[6] = {a, b, 3 * u01(random), std::log(0.012 + 0.03 * u01(random)), std::log(0.008 + 0.02 * u01(random)), opacityLogit + 0.3 * normal(random)};
+        s.rows.insert(s.rows.end(), head, head + 6);
+        for (uint32_t k = 0; k < shCoefficientCount(s.shDegree) * 3; ++k) s.rows.push_back(0.25 * normal(random));
+    }
+    for (size_t i = 0; i < size_t(s.camera.widthPx) * s.camera.heightPx * 5; ++i) s.pixelWeights.push_back(normal(random) + 0.4);
+    return s;
+}
+
+struct Analytic {
+    std::vector<double> rows, rest, joints, root, camera;
+    std::vector<float> bytes;  // everything, for the thread test
+    bool sawCap = false;
+};
+
+Analytic backward(const DoubleScene& s, uint32_t threads) {
+    Jobs jobs(threads);
+    TrainableSplats splats;
+    splats.resize(uint32_t(s.triangle.size()), s.shDegree);
+    splats.triangle = s.triangle, splats.flags = s.flags;
+    splats.sizeFloorM.assign(s.sizeFloorM.begin(), s.sizeFloorM.end());
+    for (size_t i = 0; i < s.triangle.size(); ++i)
+        for (size_t k = 0; k < s.rowLength(); ++k) splats.rows[i * splats.stride + k] = float(s.rows[i * s.rowLength() + k]);
+    splats.indexTriangles(s.mesh.triangles.size());
+    splats.activateAll(jobs);
+
+    MeshData mesh = s.mesh;
+    const std::vector<RestTriangle<float>> bind = restTriangles(mesh);
+    for (size_t v = 0; v < s.rest.size(); ++v) mesh.restPositions[v] = Vec3f(s.rest[v]);
+    Pose pose = Pose::rest(s.joints.size());
+    for (size_t j = 0; j < s.joints.size(); ++j) pose.localRotations[j] = Quatf(s.rotations[j]);
+    pose.rootTranslation = Vec3f(s.rootTranslation);
+    std::vector<Mat3x4f> transforms;
+    std::vector<Vec3f> posed, gPosed, gRest;
+    std::vector<TriangleFrame<float>> frames;
+    jointTransforms(s.joints, pose, transforms);
+    skin(mesh, transforms, jobs, posed);
+    poseTriangles(mesh, bind, posed, jobs, frames);
+
+    const Cameraf camera = s.camera.cast<float>();
+    SplatEngine engine(jobs);
+    SplatImage image;
+    engine.project(splats.view(), frames, camera, float(s.kappa));
+    engine.bin();
+    engine.blend(image, {.cloth = true, .depth = false, .recordStops = true});
+    ImageGradient gradient;
+    gradient.resize(image.widthPx, image.heightPx, true);
+    for (size_t i = 0; i < image.alpha.size(); ++i) {
+        const double* w = s.pixelWeights.data() + i * 5;
+        gradient.red[i] = float(w[0]), gradient.green[i] = float(w[1]), gradient.blue[i] = float(w[2]);
+        gradient.alpha[i] = float(w[3]), gradient.cloth[i] = float(w[4]);
+    }
+    PixelBackward pixels(jobs);
+    pixels.run(engine, image, gradient);
+    SplatBackward backward(jobs);
+    backward.run({splats, frames, bind, camera, float(s.kappa), engine.projected(), pixels.sums()}, true);
+    backward.gatherVertices(VertexIncidence(mesh.triangles, s.rest.size()), gPosed);
+    PoseGradient<double> g;
+    backwardSkin(mesh, mesh.restPositions, s.joints, transforms, posed, gPosed, camera.viewFromWorldRotation, camera.viewFromWorldTranslation, jobs,
+                 gRest, g);
+
+    Analytic out;
+    for (const ProjectedSplat& p : engine.projected()) out.sawCap |= p.opacity > float(kMaxAlpha);
+    for (size_t i = 0; i < splats.count(); ++i)
+        for (size_t k = 0; k < s.rowLength(); ++k) out.rows.push_back(backward.active()[i] ? double(backward.rowGradients()[i * splats.stride + k]) : 0.0);
+    for (const Vec3f& v : gRest) out.rest.insert(out.rest.end(), {v.x, v.y, v.z});
+    for (const Vec3d& v : g.rotation) out.joints.insert(out.joints.end(), {v.x, v.y, v.z});
+    out.root = {g.rootTranslation.x, g.rootTranslation.y, g.rootTranslation.z};
+    for (const Vec3d& v : {g.cameraRotation, g.cameraTranslation}) out.camera.insert(out.camera.end(), {v.x, v.y, v.z});
+    for (const auto* part : {&out.rows, &out.rest, &out.joints, &out.root, &out.camera})
+        for (double x : *part) out.bytes.push_back(float(x));
+    return out;
+}
+
+std::vector<double> flat(const std::vector<Vec3d>& v) {
+    std::vector<double> x;
+    for (const Vec3d& p : v) x.insert(x.end(), {p.x, p.y, p.z});
+    return x;
+}
+Vec3d at(const std::vector<double>& x, size_t i) { return {x[i * 3], x[i * 3 + 1], x[i * 3 + 2]}; }
+
+void check(const DoubleScene& s) {
+    const Analytic a = backward(s, 2);
+    const auto numericRows = differences(s.rows, [&](const auto& x) { DoubleScene m = s; m.rows = x; return renderLoss(m); }, kStep);
+    const char* names[] = {"u", "v", "phi", "log s1", "log s2", "opacity logit", "sh"};
+    for (size_t k = 0; k < 7; ++k) {  // each column against its own scale
+        std::vector<double> analytic, numeric;
+        for (size_t i = 0; i < s.triangle.size(); ++i)
+            for (size_t c = k; c < (k == 6 ? s.rowLength() : k + 1); ++c) {
+                analytic.push_back(a.rows[i * s.rowLength() + c]);
+                numeric.push_back(numericRows[i * s.rowLength() + c]);
+            }
+        expectGradients(analytic, numeric, kRelative, names[k]);
+    }
+    const auto rest = differences(flat(s.rest), [&](const auto& x) {
+        DoubleScene m = s;
+        for (size_t v = 0; v < m.rest.size(); ++v) m.rest[v] = at(x, v);
+        return renderLoss(m);
+    }, kStep);
+    expectGradients(a.rest, rest, kRelative, "rest vertices");
+    const auto joints = differences(flat(s.jointTurn), [&](const auto& x) {
+        DoubleScene m = s;
+        for (size_t j = 0; j < m.joints.size(); ++j) m.jointTurn[j] = at(x, j);
+        return renderLoss(m);
+    }, kStep);
+    expectGradients(a.joints, joints, kRelative, "joint rotations");
+    const auto root = differences({0, 0, 0}, [&](const auto& x) { DoubleScene m = s; m.rootShift = at(x, 0); return renderLoss(m); }, kStep);
+    expectGradients(a.root, root, kRelative, "root translation");
+    const auto camera = differences(std::vector<double>(6, 0.0), [&](const auto& x) {
+        DoubleScene m = s;
+        m.cameraTurn = at(x, 0), m.cameraShift = at(x, 1);
+        return renderLoss(m);
+    }, kStep);
+    expectGradients(a.camera, camera, kRelative, "camera");
+}
+
+TEST(SplatImageGradient, translucentSplats) { check(makeScene(0.0, 0)); }
+TEST(SplatImageGradient, singleFaceSplats) { check(makeScene(0.0, kSplatSingleFace)); }
+
+TEST(SplatImageGradient, cappedAlphaStopsItsOwnGradient) {
+    DoubleScene s = makeScene(7.0, 0);
+    for (size_t i = 0; i < s.triangle.size(); ++i) s.rows[i * s.rowLength() + 3] = std::log(0.2), s.rows[i * s.rowLength() + 4] = std::log(0.12);
+    EXPECT_TRUE(backward(s, 1).sawCap) << "large opaque splats reach α = 0.99";
+    check(s);
+}
+
+TEST(SplatImageGradient, behindTheCameraIsZero) {
+    DoubleScene s = makeScene(0.0, 0);
+    s.camera.viewFromWorldTranslation = {0, 0, -2};
+    const Analytic a = backward(s, 1);
+    for (float g : a.bytes) EXPECT_EQ(g, 0);
+    EXPECT_EQ(renderLoss(s), 0);
+}
+
+TEST(SplatImageGradient, sameBytesOnOneTwoThreeThreads) {
+    const DoubleScene s = makeScene(0.0, kSplatSingleFace, 900);
+    const Analytic one = backward(s, 1), two = backward(s, 2), three = backward(s, 3);
+    EXPECT_EQ(one.bytes, two.bytes);
+    EXPECT_EQ(one.bytes, three.bytes);
+    EXPECT_GT(*std::max_element(one.bytes.begin(), one.bytes.end()), 0);
+}
+
+}  // namespace
+}  // namespace dpl::test
