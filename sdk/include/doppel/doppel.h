@@ -184,9 +184,9 @@ DPL_API DplResult dplGetClipInfo(DplAvatar avatar, uint32_t clip, DplClipInfo* i
 DPL_API DplResult dplSetPoseFromClip(DplAvatar avatar, uint32_t clip, double timeS, int loop);
 
 typedef enum DplClipFlag {
-    DPL_CLIP_KEEP_FIRST_FRAME = 1, /**< keep a first frame that is a rest pose (many BVH files begin with a T-pose); else it is dropped */
-    DPL_CLIP_KEEP_PLACE = 2,       /**< keep the place in the recorded room; else the clip starts above the origin */
-    DPL_CLIP_IN_PLACE = 4,         /**< no horizontal travel at all: a treadmill */
+    DPL_CLIP_KEEP_LEAD_IN = 1,    /**< keep the blend from a rest pose with which many BVH files begin; else those few frames are dropped */
+    DPL_CLIP_KEEP_PLACE = 2,      /**< keep the place in the recorded room; else the clip starts above the origin */
+    DPL_CLIP_IN_PLACE = 4,        /**< no horizontal travel at all: a treadmill */
     DPL_CLIP_FORCE_INT32 = 0x7fffffff
 } DplClipFlag;
 

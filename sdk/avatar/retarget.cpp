@@ -1,0 +1,403 @@
+#include "sdk/avatar/retarget.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "sdk/avatar/humanoid.h"
+#include "sdk/avatar/rig.h"
+
+namespace dpl {
+namespace {
+
+const Quatf kIdentity(1, 0, 0, 0);
+
+/** The shortest rotation that turns direction `from` into `to` (any lengths). */
+Quatf turn(const Vec3f& from, const Vec3f& to) {
+    const float lengths = glm::length(from) * glm::length(to);
+    if (!(lengths > 1e-12f)) return kIdentity;
+    const float cosine = glm::dot(from, to) / lengths;
+    if (cosine < -0.999999f) {  // opposite: any axis across
+        const Vec3f axis = glm::cross(from, std::abs(from.x) < 0.9f * glm::length(from) ? Vec3f(1, 0, 0) : Vec3f(0, 1, 0));
+        return glm::angleAxis(glm::pi<float>(), glm::normalize(axis));
+    }
+    const Vec3f c = glm::cross(from, to) / lengths;
+    return glm::normalize(Quatf(1 + cosine, c.x, c.y, c.z));
+}
+
+float angleBetween(const Quatf& a, const Quatf& b) {
+    return 2 * std::acos(std::min(1.0f, std::abs(glm::dot(a, b))));
+}
+
+using BoneMap = std::map<std::string, size_t, std::less<>>;  // humanoid bone -> joint
+
+BoneMap bonesOf(std::span<const JointData> joints) {
+    BoneMap map;
+    const std::vector<std::string> bones = humanoidBones(joints);
+    for (size_t j = 0; j < bones.size(); ++j)
+        if (!bones[j].empty()) map.emplace(bones[j], j);
+    return map;
+}
+
+std::optional<size_t> find(const BoneMap& bones, std::string_view bone) {
+    const auto at = bones.find(bone);
+    return at == bones.end() ? std::nullopt : std::optional(at->second);
+}
+
+/** Which axes of a skeleton at rest are up and forward: the rotation that makes them +Y and +Z. Small leans are kept. */
+std::optional<Quatf> uprightFrom(const BoneMap& bones, std::span<const Vec3f> at) {
+    const auto mean = [&](std::string_view a, std::string_view b) -> std::optional<Vec3f> {
+        const auto i = find(bones, a), j = find(bones, b);
+        if (i && j) return 0.5f * (at[*i] + at[*j]);
+        return std::nullopt;
+    };
+    const auto spread = [&](std::string_view a, std::string_view b) -> std::optional<Vec3f> {
+        const auto i = find(bones, a), j = find(bones, b);
+        if (i && j) return at[*i] - at[*j];
+        return std::nullopt;
+    };
+    const auto hips = find(bones, "hips"), head = find(bones, "head");
+    if (!hips) return std::nullopt;
+    auto low = mean("leftFoot", "rightFoot");
+    if (!low) low = mean("leftLowerLeg", "rightLowerLeg");
+    auto high = head ? std::optional(at[*head]) : mean("leftUpperArm", "rightUpperArm");
+    if (!high) high = at[*hips];
+    auto left = spread("leftUpperLeg", "rightUpperLeg");
+    if (!left || glm::length(*left) < 1e-4f) left = spread("leftUpperArm", "rightUpperArm");
+    if (!low || !left) return std::nullopt;
+    const Vec3f legs = at[*hips] - *low, torso = *high - at[*hips];
+    if (head && glm::dot(glm::normalize(legs), glm::normalize(torso)) < 0.7f) return std::nullopt;  // not standing: no rest pose to trust
+    Vec3f up = *high - *low;
+    if (!(glm::length(up) > 1e-3f) || !(glm::length(*left) > 1e-4f)) return std::nullopt;
+    const auto snap = [](const Vec3f& v) {  // the nearest axis when it is within 30°
+        const Vec3f unit = glm::normalize(v);
+        for (int axis = 0; axis < 3; ++axis)
+            if (std::abs(unit[axis]) > 0.866f) {
+                Vec3f snapped(0);
+                snapped[axis] = unit[axis] > 0 ? 1.0f : -1.0f;
+                return snapped;
+            }
+        return unit;
+    };
+    up = snap(up);
+    Vec3f side = *left - up * glm::dot(*left, up);
+    if (!(glm::length(side) > 1e-4f)) return std::nullopt;
+    side = snap(side);
+    const Vec3f forward = glm::cross(side, up);
+    return glm::normalize(glm::quat_cast(glm::transpose(Mat3f(side, up, forward))));
+}
+
+/** The source as D and world positions at every key, upright, facing +Z; relative to a rest pose that stands. */
+class UprightSource {
+public:
+    explicit UprightSource(const Motion& motion) : motion_(motion), bones_(bonesOf(motion.joints)) {
+        rest_.reserve(motion.joints.size());
+        for (const JointData& joint : motion.joints) rest_.push_back(joint.restPosition);
+        restInverse_.assign(rest_.size(), kIdentity);
+        auto upright = uprightFrom(bones_, rest_);
+        if (!upright && motion.keyCount() > 0) {  // a rest pose that does not stand: the first frame serves
+            std::vector<Quatf> rotations;
+            motionAt(motion, 0, rotations, rest_);
+            for (size_t j = 0; j < rest_.size(); ++j) restInverse_[j] = glm::conjugate(rotations[j]);
+            upright = uprightFrom(bones_, rest_);
+        }
+        upright_ = upright.value_or(kIdentity);
+        for (Vec3f& p : rest_) p = upright_ * p;
+    }
+
+    const BoneMap& bones() const { return bones_; }
+    std::span<const Vec3f> rest() const { return rest_; }
+    void at(size_t key, std::vector<Quatf>& rotations, std::vector<Vec3f>& positions) const {
+        motionAt(motion_, key, rotations, positions);
+        for (size_t j = 0; j < rotations.size(); ++j) {
+            rotations[j] = upright_ * rotations[j] * restInverse_[j] * glm::conjugate(upright_);
+            positions[j] = upright_ * positions[j];
+        }
+    }
+
+private:
+    const Motion& motion_;
+    BoneMap bones_;
+    std::vector<Vec3f> rest_;
+    std::vector<Quatf> restInverse_;
+    Quatf upright_ = kIdentity;
+};
+
+struct LimbBone {
+    std::string_view bone, next, parent;  // its direction runs to `next`; its alignment starts from `parent`'s
+};
+
+constexpr LimbBone kLimbs[] = {
+    {"UpperArm", "LowerArm", ""}, {"LowerArm", "Hand", "UpperArm"}, {"Hand", "MiddleProximal", "LowerArm"},
+    {"UpperLeg", "LowerLeg", ""}, {"LowerLeg", "Foot", "UpperLeg"},
+    {"ThumbMetacarpal", "ThumbProximal", "Hand"}, {"ThumbProximal", "ThumbDistal", "ThumbMetacarpal"}, {"ThumbDistal", "", "ThumbProximal"},
+    {"IndexProximal", "IndexIntermediate", "Hand"}, {"IndexIntermediate", "IndexDistal", "IndexProximal"}, {"IndexDistal", "", "IndexIntermediate"},
+    {"MiddleProximal", "MiddleIntermediate", "Hand"}, {"MiddleIntermediate", "MiddleDistal", "MiddleProximal"}, {"MiddleDistal", "", "MiddleIntermediate"},
+    {"RingProximal", "RingIntermediate", "Hand"}, {"RingIntermediate", "RingDistal", "RingProximal"}, {"RingDistal", "", "RingIntermediate"},
+    {"LittleProximal", "LittleIntermediate", "Hand"}, {"LittleIntermediate", "LittleDistal", "LittleProximal"}, {"LittleDistal", "", "LittleIntermediate"},
+};
+
+/** One driven target joint. */
+struct Driven {
+    size_t target = 0, source = 0;
+    Quatf align = kIdentity;              // A_k
+    Vec3f restDirection{0};               // of the target bone; zero: none
+    std::optional<size_t> sourceNext;     // the source joint its direction runs to, when limbs must match exactly
+};
+
+class Retargeter {
+public:
+    Retargeter(const Motion& motion, std::span<const JointData> target) : motion_(motion), source_(motion), target_(target), bones_(bonesOf(target)) {}
+
+    Result<ClipData> run(const RetargetOptions& options) {
+        DPL_CHECK_OK(checkCommon());
+        mapBones();
+        const size_t first = options.keepLeadIn ? 0 : firstKey();
+        ClipData clip;
+        clip.name = motion_.name;
+        for (size_t k = first; k < motion_.keyCount(); ++k) clip.timesS.push_back(motion_.timesS[k] - motion_.timesS[first]);
+        for (const Driven& d : driven_) clip.channels.push_back({uint32_t(d.target), {}});
+        for (ClipChannel& channel : clip.channels) channel.rotations.reserve(clip.timesS.size());
+        std::vector<float> clearance;
+        for (size_t k = first; k < motion_.keyCount(); ++k) addKey(k, clip, clearance);
+        place(options, clearance, clip);
+        for (const ClipChannel& channel : clip.channels)
+            for (const Quatf& q : channel.rotations)
+                if (!std::isfinite(q.w + q.x + q.y + q.z))
+                    return fail(Code::CorruptData, "{}: the motion of '{}' is not finite", motion_.name, target_[channel.joint].name);
+        for (const Vec3f& t : clip.rootTranslations)
+            if (!std::isfinite(t.x + t.y + t.z)) return fail(Code::CorruptData, "{}: the travel of the hips is not finite", motion_.name);
+        return clip;
+    }
+
+private:
+    Status checkCommon() const {
+        const auto both = [&](std::string_view bone) { return find(source_.bones(), bone) && find(bones_, bone); };
+        const bool legs = both("leftUpperLeg") && both("rightUpperLeg"), arms = both("leftUpperArm") && both("rightUpperArm");
+        if (both("hips") && (legs || arms)) return {};
+        const auto list = [](std::span<const JointData> joints) {
+            std::string text;
+            for (const JointData& joint : joints) text += (text.empty() ? "" : ", ") + joint.name;
+            return text;
+        };
+        const bool sourceLacks = !find(source_.bones(), "hips") || (!find(source_.bones(), "leftUpperLeg") && !find(source_.bones(), "leftUpperArm"));
+        return fail(Code::Unsupported, "{}: the {} skeleton has no recognisable hips with arms or legs; its joints are: {}", motion_.name,
+                    sourceLacks ? "motion's" : "avatar's", sourceLacks ? list(motion_.joints) : list(target_));
+    }
+
+    Vec3f sourceRest(size_t joint) const { return source_.rest()[joint]; }
+
+    /** First child of a joint, for bones that end the chain: an end site or fingertip. */
+    static std::optional<size_t> onlyChild(std::span<const JointData> joints, size_t joint) {
+        std::optional<size_t> child;
+        for (size_t j = joint + 1; j < joints.size(); ++j)
+            if (joints[j].parent == int32_t(joint)) {
+                if (child) return std::nullopt;
+                child = j;
+            }
+        return child;
+    }
+
+    void mapBones() {
+        for (const auto& [bone, joint] : bones_)
+            if (const auto from = find(source_.bones(), bone)) driven_.push_back({joint, *from, kIdentity, Vec3f(0), std::nullopt});
+        // The top of the spine carries the arms: where the target's chain is shorter, its last bone follows the source's last.
+        if (auto top = topOfSpine(bones_), from = topOfSpine(source_.bones()); top && from)
+            if (Driven* d = drivenBy(*top)) d->source = *from;
+        std::sort(driven_.begin(), driven_.end(), [](const Driven& a, const Driven& b) { return a.target < b.target; });
+        for (const char* side : {"left", "right"})
+            for (const LimbBone& limb : kLimbs) alignLimb(side, limb);
+        for (const char* side : {"left", "right"}) alignPalm(side);
+    }
+
+    static std::optional<size_t> topOfSpine(const BoneMap& bones) {
+        for (std::string_view bone : {"upperChest", "chest", "spine"})
+            if (auto joint = find(bones, bone)) return joint;
+        return std::nullopt;
+    }
+
+    Driven* drivenBy(size_t targetJoint) {
+        for (Driven& d : driven_)
+            if (d.target == targetJoint) return &d;
+        return nullptr;
+    }
+    Driven* drivenBone(const std::string& bone) {
+        const auto joint = find(bones_, bone);
+        return joint ? drivenBy(*joint) : nullptr;
+    }
+
+    void alignLimb(const std::string& side, const LimbBone& limb) {
+        Driven* d = drivenBone(side + std::string(limb.bone));
+        if (!d) return;
+        const Driven* parent = limb.parent.empty() ? nullptr : drivenBone(side + std::string(limb.parent));
+        if (parent) d->align = parent->align;
+        std::optional<size_t> targetNext, sourceNext;
+        if (!limb.next.empty()) {
+            targetNext = find(bones_, side + std::string(limb.next));
+            sourceNext = find(source_.bones(), side + std::string(limb.next));
+        }
+        if (!targetNext || !sourceNext) {  // the last mapped bone of its chain: tips on both sides, or none
+            if (limb.bone == "Hand") return;
+            targetNext = onlyChild(target_, d->target);
+            sourceNext = onlyChild(motion_.joints, d->source);
+        }
+        if (!targetNext || !sourceNext) return;
+        const Vec3f to = target_[*targetNext].restPosition - target_[d->target].restPosition;
+        const Vec3f from = sourceRest(*sourceNext) - sourceRest(d->source);
+        if (!(glm::length(to) > 1e-5f) || !(glm::length(from) > 1e-5f)) return;
+        d->restDirection = glm::normalize(to);
+        d->align = glm::normalize(turn(d->align * d->restDirection, from) * d->align);
+        d->sourceNext = sourceNext;
+    }
+
+    /** Palms: the line from little finger to index tells the roll of the hand that its direction leaves open. Half of it goes to the forearm. */
+    void alignPalm(const std::string& side) {
+        Driven* hand = drivenBone(side + "Hand");
+        const auto across = [&](const BoneMap& bones, auto&& at) -> std::optional<Vec3f> {
+            const auto index = find(bones, side + "IndexProximal");
+            auto little = find(bones, side + "LittleProximal");
+            if (!little) little = find(bones, side + "RingProximal");
+            if (!index || !little) return std::nullopt;
+            return at(*index) - at(*little);
+        };
+        if (!hand || !hand->sourceNext) return;
+        const auto to = across(bones_, [&](size_t j) { return target_[j].restPosition; });
+        const auto from = across(source_.bones(), [&](size_t j) { return sourceRest(j); });
+        if (!to || !from) return;
+        const Vec3f axis = glm::normalize(hand->align * hand->restDirection);
+        const Vec3f a = hand->align * *to, b = *from;
+        const Vec3f flatA = a - axis * glm::dot(a, axis), flatB = b - axis * glm::dot(b, axis);
+        if (!(glm::length(flatA) > 1e-4f) || !(glm::length(flatB) > 1e-4f)) return;
+        const float roll = std::atan2(glm::dot(axis, glm::cross(flatA, flatB)), glm::dot(flatA, flatB));
+        if (std::abs(roll) > glm::radians(120.0f)) return;  // no wrist starts there: one of the skeletons has its fingers in another order
+        hand->align = glm::angleAxis(roll, axis) * hand->align;
+        if (Driven* arm = drivenBone(side + "LowerArm"); arm && arm->sourceNext)
+            arm->align = glm::angleAxis(0.5f * roll, glm::normalize(arm->align * arm->restDirection)) * arm->align;
+        for (const LimbBone& limb : kLimbs)  // fingers start from the rolled hand
+            if (limb.bone != "Hand" && limb.parent != "" && limb.bone.find("Arm") == std::string_view::npos && limb.bone.find("Leg") == std::string_view::npos)
+                alignLimb(side, limb);
+    }
+
+    /** First key to keep. Many BVH files start from one frame of rest pose, low-passed with the motion: a blend of a few frames that
+     *  no body can follow (CMU/Daz clips: 25-48° a frame for five frames at 120 Hz; their fastest real motion is 15°). */
+    size_t firstKey() const {
+        constexpr float kStartRadPerS = glm::radians(1800.0f), kStopRadPerS = glm::radians(720.0f), kLongestS = 0.1f;
+        std::vector<Quatf> before, after;
+        std::vector<Vec3f> positions;
+        source_.at(0, before, positions);
+        for (const Driven& d : driven_)
+            if (angleBetween(before[d.source], kIdentity) > glm::radians(20.0f)) return 0;
+        size_t key = 0;
+        while (key + 2 < motion_.keyCount() && motion_.timesS[key + 1] <= kLongestS) {
+            source_.at(key + 1, after, positions);
+            float step = 0;
+            for (const Driven& d : driven_) step = std::max(step, angleBetween(before[d.source], after[d.source]));
+            const float speed = step / (motion_.timesS[key + 1] - motion_.timesS[key]);
+            if (speed < (key == 0 ? kStartRadPerS : kStopRadPerS)) break;
+            std::swap(before, after);
+            ++key;
+        }
+        return key;
+    }
+
+    void addKey(size_t key, ClipData& clip, std::vector<float>& clearance) {
+        source_.at(key, sourceRotations_, sourcePositions_);
+        world_.assign(target_.size(), kIdentity);
+        positions_.resize(target_.size());
+        size_t next = 0;
+        for (size_t j = 0; j < target_.size(); ++j) {
+            const int32_t parent = target_[j].parent;
+            const Quatf above = parent < 0 ? kIdentity : world_[size_t(parent)];
+            positions_[j] = parent < 0 ? target_[j].restPosition
+                                       : positions_[size_t(parent)] + above * (target_[j].restPosition - target_[size_t(parent)].restPosition);
+            world_[j] = above;
+            if (next >= driven_.size() || driven_[next].target != j) continue;
+            const Driven& d = driven_[next];
+            Quatf turned = glm::normalize(sourceRotations_[d.source] * d.align);
+            if (d.sourceNext)  // joints between this bone and the next may bend too (twist and half bones): follow the posed direction
+                turned = glm::normalize(turn(turned * d.restDirection, sourcePositions_[*d.sourceNext] - sourcePositions_[d.source]) * turned);
+            world_[j] = turned;
+            Quatf local = glm::normalize(glm::conjugate(above) * turned);
+            std::vector<Quatf>& keys = clip.channels[next].rotations;
+            if (!keys.empty() && glm::dot(keys.back(), local) < 0) local = -local;
+            keys.push_back(local);
+            ++next;
+        }
+        const size_t hips = *find(bones_, "hips");
+        clip.rootTranslations.push_back(sourcePositions_[*find(source_.bones(), "hips")] * travelScale() - positions_[hips]);
+        float lowest = 1e30f;
+        for (std::string_view bone : {"leftFoot", "rightFoot", "leftToes", "rightToes"})
+            if (const auto joint = find(bones_, bone)) lowest = std::min(lowest, positions_[*joint].y + clip.rootTranslations.back().y - target_[*joint].restPosition.y);
+        clearance.push_back(lowest < 1e29f ? lowest : 0.0f);
+    }
+
+    /** Ratio of leg lengths, else of heights of the hips above the lowest joint. */
+    float travelScale() const {
+        if (travelScale_ > 0) return travelScale_;
+        const auto legs = [](const BoneMap& bones, auto&& at) {
+            float sum = 0;
+            for (const std::string side : {"left", "right"}) {
+                const auto hip = find(bones, side + "UpperLeg"), knee = find(bones, side + "LowerLeg"), foot = find(bones, side + "Foot");
+                if (!hip || !knee || !foot) return 0.0f;
+                sum += glm::length(at(*hip) - at(*knee)) + glm::length(at(*knee) - at(*foot));
+            }
+            return sum;
+        };
+        const auto height = [](size_t hips, size_t count, auto&& at) {
+            float lowest = 1e30f;
+            for (size_t j = 0; j < count; ++j) lowest = std::min(lowest, at(j).y);
+            return at(hips).y - lowest;
+        };
+        const auto targetAt = [&](size_t j) { return target_[j].restPosition; };
+        const auto sourceAt = [&](size_t j) { return sourceRest(j); };
+        float a = legs(bones_, targetAt), b = legs(source_.bones(), sourceAt);
+        if (!(a > 1e-3f) || !(b > 1e-3f)) {
+            a = height(*find(bones_, "hips"), target_.size(), targetAt);
+            b = height(*find(source_.bones(), "hips"), motion_.joints.size(), sourceAt);
+        }
+        travelScale_ = a > 1e-3f && b > 1e-3f ? a / b : 1.0f;
+        return travelScale_;
+    }
+
+    void place(const RetargetOptions& options, const std::vector<float>& clearance, ClipData& clip) const {
+        Vec3f shift(0);
+        const Vec3f start = clip.rootTranslations.front();
+        if (!options.keepPlace) shift = Vec3f(-start.x, 0, -start.z);
+        if (options.groundFeet) {
+            std::vector<float> sorted = clearance;  // the lowest of a hundred frames, so that one glitch does not lift the person
+            std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 100), sorted.end());
+            shift.y = -sorted[sorted.size() / 100];
+        }
+        for (Vec3f& t : clip.rootTranslations) {
+            t += shift;
+            if (options.inPlace) t.x = t.z = 0;
+        }
+    }
+
+    const Motion& motion_;
+    UprightSource source_;
+    std::span<const JointData> target_;
+    BoneMap bones_;
+    std::vector<Driven> driven_;
+    mutable float travelScale_ = 0;
+    std::vector<Quatf> sourceRotations_, world_;
+    std::vector<Vec3f> sourcePositions_, positions_;
+};
+
+}  // namespace
+
+Result<ClipData> retarget(const Motion& source, std::span<const JointData> target, const RetargetOptions& options) {
+    if (auto rig = checkRig(target); !rig) return fail(Code::InvalidArgument, "the rig to retarget onto is not valid: {}", rig.error().message);
+    if (auto rig = checkRig(source.joints); !rig) return rig.error();
+    if (source.keyCount() == 0 || source.rotations.size() != source.keyCount() * source.joints.size())
+        return fail(Code::CorruptData, "{}: {} keys of {} joints need {} rotations, there are {}", source.name, source.keyCount(), source.joints.size(),
+                    source.keyCount() * source.joints.size(), source.rotations.size());
+    for (const Motion::Translation& t : source.translations)
+        if (t.joint >= source.joints.size() || t.offsets.size() != source.keyCount())
+            return fail(Code::CorruptData, "{}: a translation track does not fit the motion", source.name);
+    return Retargeter(source, target).run(options);
+}
+
+}  // namespace dpl
