@@ -1,0 +1,314 @@
+#include "reconstruction/capture/scan_check.h"
+
+#include <opencv2/core.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <numbers>
+
+#include "reconstruction/cameras/rays.h"
+#include "reconstruction/capture/frame_measures.h"
+#include "reconstruction/capture/silhouettes.h"
+
+namespace dpl {
+namespace {
+
+// Where a scan stops being good. Values in brackets were measured on the shared scans and on scans damaged on purpose (scan_check_test).
+constexpr double kBlurredRelative = 0.25;     // sharpness under a quarter of the median of its kind: motion blur or missed focus
+constexpr double kBlurredIndex = 0.58;        // median blur index above which all pictures are soft [0.25 to 0.30 when sharp, 0.61 after a blur of 4 px]
+constexpr double kEmptyMaskShare = 0.002;     // of the picture
+constexpr double kBorderShare = 0.01;         // of the picture's edge: a foot touching it is less, a cut waist is more
+constexpr double kExposureStops = 0.5;        // jump between neighbours that is not the subject turning
+constexpr double kGapWarnDeg = 40, kGapRefuseDeg = 150;
+constexpr double kCoherenceWarn = 0.96, kCoherenceRefuse = 0.6;  // [0.99 when right, 0.68 to 0.95 at half or twice the focal length, 0.52 shuffled]
+constexpr double kKeypointWarn = 0.02, kKeypointRefuse = 0.05;      // of the subject's height in the picture [0.007 on scan-a, 0.022 at half the focal length, 0.068 shuffled]
+constexpr double kPoseRangeDeg = 25;
+
+double percentile(std::vector<double> values, double share) {
+    if (values.empty()) return 0;
+    std::sort(values.begin(), values.end());
+    return values[std::min(values.size() - 1, size_t(share * double(values.size())))];
+}
+
+class Checker {
+public:
+    Checker(const Scan& scan, Jobs& jobs) : scan_(scan), jobs_(jobs), measures_(scan.frames.size()), azimuthRad_(scan.frames.size(), 0), elevation_(scan.frames.size(), 0) {}
+
+    ScanCheck run() {
+        jobs_.forBlocks(scan_.frames.size(), [&](size_t i, uint32_t) { measures_[i] = measureFrame(scan_, scan_.frames[i]); });
+        checkFiles();
+        checkMasks();
+        checkBlur();
+        checkAzimuth();
+        checkExposure();
+        checkSilhouettes();
+        checkKeypoints();
+        checkPoses();
+        for (auto& m : measures_) out_.frames.push_back(std::move(m.check));
+        for (const auto& finding : out_.findings)
+            out_.verdict = std::max(out_.verdict, finding.refuses ? ScanVerdict::Refuse : ScanVerdict::Usable);
+        return std::move(out_);
+    }
+
+private:
+    const Scan& scan_;
+    Jobs& jobs_;
+    std::vector<FrameMeasures> measures_;
+    ScanCheck out_;
+    std::vector<double> azimuthRad_, elevation_;  // per frame, about the subject; elevation is the sine
+
+    void find(bool refuses, const char* topic, std::string sentence, std::vector<std::string> frames = {}) {
+        out_.findings.push_back({refuses, topic, std::move(sentence), std::move(frames)});
+    }
+    using Test = std::function<bool(const ScanFrame&, const FrameMeasures&)>;
+    std::vector<size_t> select(const Test& test) const {
+        std::vector<size_t> chosen;
+        for (size_t i = 0; i < measures_.size(); ++i)
+            if (measures_[i].check.measured && test(scan_.frames[i], measures_[i])) chosen.push_back(i);
+        return chosen;
+    }
+    std::vector<size_t> ofKind(FrameKind kind) const {
+        return select([=](const ScanFrame& f, const FrameMeasures& m) { return f.kind == kind && m.check.usable; });
+    }
+    std::vector<std::string> names(const std::vector<size_t>& indices) const {
+        std::vector<std::string> out;
+        for (size_t i : indices) out.push_back(scan_.frames[i].name);
+        return out;
+    }
+
+    void checkFiles() {
+        std::vector<std::string> bad;
+        std::string first;
+        for (const auto& m : measures_)
+            if (!m.check.error.empty()) {
+                if (first.empty()) first = m.check.error;
+                bad.push_back(m.check.name);
+            }
+        if (!bad.empty()) find(true, "files", formatText("{} of {} frames cannot be read; the first: {}", bad.size(), measures_.size(), first), bad);
+        size_t full = 0, held = 0;
+        for (const auto& f : scan_.frames) full += f.kind == FrameKind::StaticFull, held += f.split == Split::Test;
+        if (full < 8)
+            find(true, "files", formatText("only {} full-body pictures of the still subject, at least 8 are needed and 40 or more are better; walk once around", full));
+        if (held == 0) find(false, "files", "no picture is held out, so the report cannot judge the result on unseen views");
+        const auto mixed = select([](const ScanFrame&, const FrameMeasures& m) { return m.labelAgreement >= 0 && m.labelAgreement < 0.7; });
+        if (!mixed.empty())
+            find(mixed.size() * 3 > measures_.size(), "files", formatText("{} label pictures do not fit their masks; were the files mixed up?", mixed.size()), names(mixed));
+    }
+
+    void checkMasks() {
+        const auto train = select([](const ScanFrame&, const FrameMeasures&) { return true; });
+        const auto without = select([](const ScanFrame&, const FrameMeasures& m) { return m.check.maskShare < 0; });
+        const auto empty = select([](const ScanFrame&, const FrameMeasures& m) { return m.check.maskShare >= 0 && m.check.maskShare < kEmptyMaskShare; });
+        for (size_t i : empty) measures_[i].check.usable = false;
+        if (!without.empty() && without.size() == train.size())
+            find(false, "masks", "the scan has no masks; add masks/, or point at a folder of models with a person segmentation");
+        else if (!without.empty())
+            find(false, "masks", formatText("{} frames have no mask; add them or those frames help little", without.size()), names(without));
+        if (!empty.empty())
+            find(empty.size() * 3 >= train.size(), "masks",
+                 formatText("{} of {} masks are empty; make them again (those frames are left out)", empty.size(), train.size()), names(empty));
+        const auto cut = select([](const ScanFrame& f, const FrameMeasures& m) {
+            return f.kind != FrameKind::StaticCloseup && m.check.usable && m.check.borderShare > kBorderShare;
+        });
+        const auto full = select([](const ScanFrame& f, const FrameMeasures&) { return f.kind != FrameKind::StaticCloseup; });
+        if (!cut.empty())
+            find(cut.size() * 2 > full.size(), "border",
+                 formatText("the subject is cut by the picture's edge in {} of {} full-body frames; step back or turn the phone upright", cut.size(), full.size()), names(cut));
+    }
+
+    void checkBlur() {
+        std::vector<double> indices;
+        for (const FrameKind kind : {FrameKind::StaticFull, FrameKind::StaticCloseup, FrameKind::Dynamic}) {
+            const auto frames = ofKind(kind);
+            std::vector<double> sharp;
+            for (size_t i : frames) sharp.push_back(measures_[i].check.sharpness);
+            const double middle = percentile(sharp, 0.5);
+            for (size_t i : frames) {
+                FrameCheck& check = measures_[i].check;
+                if (middle > 0) check.relativeSharpness = check.sharpness / middle;
+                if (kind != FrameKind::StaticCloseup) indices.push_back(check.blurIndex);
+            }
+        }
+        out_.medianBlurIndex = percentile(indices, 0.5);
+        const auto blurred = select([](const ScanFrame&, const FrameMeasures& m) { return m.check.usable && m.check.relativeSharpness < kBlurredRelative; });
+        if (out_.medianBlurIndex > kBlurredIndex)
+            find(true, "blur", formatText("all pictures are blurred (median blur index {}, up to {} is sharp enough); clean the lens, lock the focus, use more light",
+                                          std::round(out_.medianBlurIndex * 100) / 100, kBlurredIndex));
+        if (!blurred.empty()) {
+            for (size_t i : blurred) measures_[i].check.usable = false;
+            find(false, "blur", formatText("{} frames are far blurrier than the others and are left out; move more slowly", blurred.size()), names(blurred));
+        }
+    }
+
+    void checkExposure() {
+        const auto frames = ofKind(FrameKind::StaticFull);
+        std::vector<double> all;
+        std::vector<size_t> used;
+        for (size_t i : frames)
+            if (measures_[i].check.brightness > 0) used.push_back(i), all.push_back(std::log2(measures_[i].check.brightness));
+        if (used.size() < 16) return;
+        out_.exposureSpreadStops = percentile(all, 0.95) - percentile(all, 0.05);
+        // A lit side and dark trousers are no exposure drift: take out what azimuth and camera height explain, and look for jumps in the rest.
+        cv::Mat basis(int(used.size()), 6, CV_64F), value(int(used.size()), 1, CV_64F), weights;
+        for (size_t r = 0; r < used.size(); ++r) {
+            const double a = azimuthRad_[used[r]];
+            const double row[6] = {1, std::cos(a), std::sin(a), std::cos(2 * a), std::sin(2 * a), elevation_[used[r]]};
+            for (int k = 0; k < 6; ++k) basis.at<double>(int(r), k) = row[k];
+            value.at<double>(int(r), 0) = all[r];
+        }
+        cv::solve(basis, value, weights, cv::DECOMP_SVD);
+        const cv::Mat rest = value - basis * weights;
+        const std::vector<double> stops(rest.begin<double>(), rest.end<double>());
+        constexpr size_t kWindow = 3;
+        for (size_t i = kWindow; i + kWindow <= stops.size(); ++i) {
+            const double before = percentile({stops.begin() + long(i - kWindow), stops.begin() + long(i)}, 0.5);
+            const double after = percentile({stops.begin() + long(i), stops.begin() + long(i + kWindow)}, 0.5);
+            out_.exposureJumpStops = std::max(out_.exposureJumpStops, std::abs(after - before));
+        }
+        if (out_.exposureJumpStops > kExposureStops)
+            find(false, "exposure", formatText("brightness jumps by {} stops between neighbouring pictures; lock exposure and white balance",
+                                               std::round(out_.exposureJumpStops * 100) / 100));
+    }
+
+    std::vector<SilhouetteView> staticViews() const {
+        std::vector<SilhouetteView> views;
+        for (size_t i : ofKind(FrameKind::StaticFull))
+            if (!measures_[i].mask.pixels.empty()) views.push_back({scan_.frames[i].camera, measures_[i].mask});
+        return views;
+    }
+
+    void checkAzimuth() {
+        const auto frames = ofKind(FrameKind::StaticFull);
+        const auto views = staticViews();
+        std::optional<Vec3d> centre = subjectCentre(views);
+        Vec3d up(0, 1, 0);
+        if (!scan_.metricWorld) {  // arbitrary world: the cameras themselves know up
+            up = Vec3d(0);
+            for (size_t i : frames) up -= glm::transpose(scan_.frames[i].camera.viewFromWorldRotation) * Vec3d(0, 1, 0);
+            if (!(glm::length(up) > 1e-6)) return;
+            up = glm::normalize(up);
+        }
+        if (!centre) {  // no masks: the point that the optical axes share
+            std::vector<Ray> axes;
+            for (size_t i : frames) axes.push_back(pixelRay(scan_.frames[i].camera, {scan_.frames[i].camera.cx, scan_.frames[i].camera.cy}));
+            centre = pointNearRays(axes, std::vector<double>(axes.size(), 1.0), 0);
+        }
+        if (!centre) return find(true, "azimuth", "all cameras look the same way; walk around the subject");
+        const Vec3d side = std::abs(up.z) < 0.9 ? Vec3d(0, 0, 1) : Vec3d(1, 0, 0);
+        const Vec3d front = glm::normalize(side - glm::dot(side, up) * up), left = glm::cross(up, front);
+        std::vector<double> angles;
+        for (size_t i : frames) {
+            const Vec3d d = scan_.frames[i].camera.eye() - *centre;
+            double angle = std::atan2(glm::dot(d, left), glm::dot(d, front)) * 180 / std::numbers::pi;
+            if (angle < 0) angle += 360;
+            azimuthRad_[i] = angle * std::numbers::pi / 180;
+            elevation_[i] = glm::dot(glm::normalize(d), up);
+            angles.push_back(angle);
+            ++out_.azimuth[std::min<size_t>(kAzimuthBins - 1, size_t(angle / (360.0 / kAzimuthBins)))];
+        }
+        std::sort(angles.begin(), angles.end());
+        out_.largestGapDeg = angles.empty() ? 360 : 360 - angles.back() + angles.front();
+        for (size_t i = 1; i < angles.size(); ++i) out_.largestGapDeg = std::max(out_.largestGapDeg, angles[i] - angles[i - 1]);
+        if (out_.largestGapDeg > kGapWarnDeg)
+            find(out_.largestGapDeg > kGapRefuseDeg, "azimuth",
+                 formatText("no sharp picture over {} degrees of the walk around; add some there", std::round(out_.largestGapDeg)));
+    }
+
+    void checkSilhouettes() {
+        const auto views = staticViews();
+        if (views.size() < 4) return;
+        out_.silhouetteCoherence = silhouetteCoherence(views, jobs_);
+        if (out_.silhouetteCoherence < kCoherenceWarn)
+            find(out_.silhouetteCoherence < kCoherenceRefuse, "cameras",
+                 formatText("seen together the masks explain only {} % of themselves: cameras, intrinsics or masks do not belong together, or the subject moved; "
+                            "register the cameras again", std::round(100 * out_.silhouetteCoherence)));
+    }
+
+    void checkKeypoints() {
+        const auto frames = ofKind(FrameKind::StaticFull);
+        std::vector<double> errors, heights;
+        for (size_t i : frames) {
+            double low = 1e30, high = -1e30;
+            for (const auto& k : measures_[i].keypoints)
+                if (k.confidence > 0.3) low = std::min(low, k.px.y), high = std::max(high, k.px.y);
+            if (high > low) heights.push_back(high - low);
+        }
+        for (size_t k = 0; k < scan_.keypointNames.size(); ++k) {
+            std::vector<Ray> rays;
+            std::vector<double> weights;
+            std::vector<size_t> used;
+            for (size_t i : frames) {
+                if (measures_[i].keypoints.empty() || measures_[i].keypoints[k].confidence < 0.5) continue;
+                rays.push_back(pixelRay(scan_.frames[i].camera, measures_[i].keypoints[k].px));
+                weights.push_back(measures_[i].keypoints[k].confidence);
+                used.push_back(i);
+            }
+            if (used.size() < 4) continue;
+            double distance = 0;
+            for (const Ray& ray : rays) distance += glm::length(ray.origin - rays[0].origin) / double(rays.size());
+            const auto point = pointNearRays(rays, weights, std::max(1e-3, 0.02 * distance));
+            if (!point) continue;
+            for (size_t i : used) {
+                const Vec3d view = scan_.frames[i].camera.toView(*point);
+                if (view.z > 0.05) errors.push_back(glm::length(scan_.frames[i].camera.pixelOf(view) - measures_[i].keypoints[k].px));
+            }
+        }
+        if (errors.size() < 20) return;
+        out_.keypointErrorPx = percentile(errors, 0.5);
+        out_.keypointErrorShare = out_.keypointErrorPx / std::max(1.0, percentile(heights, 0.5));
+        if (out_.keypointErrorShare > kKeypointWarn)
+            find(out_.keypointErrorShare > kKeypointRefuse, "cameras",
+                 formatText("keypoints of the still pictures miss each other by {} px ({} % of the subject's height): wrong intrinsics, wrong cameras or a subject "
+                            "that moved; register the cameras again", std::round(out_.keypointErrorPx * 10) / 10, std::round(1000 * out_.keypointErrorShare) / 10));
+        const auto off = select([](const ScanFrame&, const FrameMeasures& m) { return m.check.usable && m.check.keypointsOnPerson >= 0 && m.check.keypointsOnPerson < 0.5; });
+        if (!off.empty())
+            find(off.size() * 3 > measures_.size(), "keypoints", formatText("in {} frames the keypoints lie beside the person; were the files mixed up?", off.size()), names(off));
+    }
+
+    void checkPoses() {
+        std::map<std::string, size_t> order;
+        for (size_t k = 0; k < scan_.keypointNames.size(); ++k) order[scan_.keypointNames[k]] = k;
+        const auto frames = ofKind(FrameKind::Dynamic);
+        size_t listed = 0;
+        for (const auto& f : scan_.frames) listed += f.kind == FrameKind::Dynamic;
+        if (listed == 0) return find(false, "poses", "no dynamic pictures: how clothes follow the pose cannot be learned; film arm and leg raises if you can");
+        size_t still = 0, known = 0;
+        for (const char* side : {"_l", "_r"})
+            for (const auto& [joint, chain] : {std::pair{"shoulder", std::array{"hip", "shoulder", "elbow"}}, {"elbow", std::array{"shoulder", "elbow", "wrist"}},
+                                              {"hip", std::array{"shoulder", "hip", "knee"}}, {"knee", std::array{"hip", "knee", "ankle"}}}) {
+                std::array<size_t, 3> at{};
+                bool named = true;
+                for (int i = 0; i < 3; ++i) {
+                    const auto found = order.find(std::string(chain[size_t(i)]) + side);
+                    named = named && found != order.end();
+                    if (named) at[size_t(i)] = found->second;
+                }
+                if (!named) continue;
+                std::vector<double> angles;
+                for (size_t f : frames) {
+                    const auto& k = measures_[f].keypoints;
+                    if (k.empty() || std::min({k[at[0]].confidence, k[at[1]].confidence, k[at[2]].confidence}) < 0.3) continue;
+                    const Vec2d a = k[at[0]].px - k[at[1]].px, b = k[at[2]].px - k[at[1]].px;
+                    angles.push_back(std::abs(std::atan2(a.x * b.y - a.y * b.x, glm::dot(a, b))) * 180 / std::numbers::pi);
+                }
+                if (angles.size() < 5) continue;
+                out_.joints.push_back({std::string(joint) + side, uint32_t(angles.size()), percentile(angles, 0.05), percentile(angles, 0.95)});
+                ++known;
+                still += out_.joints.back().highDeg - out_.joints.back().lowDeg < kPoseRangeDeg;
+            }
+        if (known >= 4 && still * 2 > known)
+            find(false, "poses", formatText("{} of {} joints hardly move in the dynamic pictures; raise arms and legs and bend elbows", still, known));
+    }
+};
+
+}  // namespace
+
+Result<ScanCheck> checkScan(const Scan& scan, Jobs& jobs) {
+    if (scan.frames.empty()) return fail(Code::InvalidArgument, "{}: the scan has no frame to check", scan.root.string());
+    return Checker(scan, jobs).run();
+}
+
+}  // namespace dpl
