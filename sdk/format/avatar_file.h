@@ -16,7 +16,7 @@ namespace dpl {
 constexpr uint32_t kAvatarFormatVersion = 1;
 constexpr uint32_t kSplatChunkSize = 256;             // unit of compression and of culling; a chunk never straddles a layer
 constexpr float kPositionStepM = 1.0f / 65536;        // lattice of vertices, joints and root translations: error ≤ 7.7 µm an axis
-constexpr float kPositionLimitM = 128;                // beyond this the lattice is not exact in float; such avatars are refused
+constexpr float kPositionLimitM = 32;                 // coordinates beyond this are refused: Draco rounds exactly up to 22 bits
 constexpr float kMinSplatScaleM = 1e-4f;              // smaller standard deviations are raised to this
 
 struct WriteOptions {

@@ -1,0 +1,191 @@
+// What comes back from a file, how exact it is, and that writing it again changes no byte.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/unit/format/sample_avatars.h"
+
+namespace dpl {
+namespace {
+
+using test::randomAvatar;
+using test::tinyAvatar;
+
+AvatarData throughFile(const AvatarData& a, const WriteOptions& options = {}) {
+    auto bytes = writeAvatar(a, options);
+    EXPECT_TRUE(bytes) << bytes.error().message;
+    if (!bytes) return {};
+    auto back = readAvatar(*bytes);
+    EXPECT_TRUE(back) << back.error().message;
+    return back ? std::move(*back) : AvatarData{};
+}
+
+void expectSameBytes(const AvatarData& a) {
+    auto first = writeAvatar(a);
+    ASSERT_TRUE(first) << first.error().message;
+    auto back = readAvatar(*first);
+    ASSERT_TRUE(back) << back.error().message;
+    auto second = writeAvatar(*back);
+    ASSERT_TRUE(second) << second.error().message;
+    EXPECT_TRUE(*first == *second);
+}
+
+TEST(AvatarRoundTrip, namesStructureAndMetadataComeBackExactly) {
+    const AvatarData a = randomAvatar(1, 1), b = throughFile(a);
+    EXPECT_EQ(a.name, b.name);
+    EXPECT_EQ(a.generator, b.generator);
+    EXPECT_EQ(a.kappaPx2, b.kappaPx2);
+    EXPECT_EQ(a.compensated, b.compensated);
+    ASSERT_EQ(a.joints.size(), b.joints.size());
+    for (size_t j = 0; j < a.joints.size(); ++j) {
+        EXPECT_EQ(a.joints[j].name, b.joints[j].name);
+        EXPECT_EQ(a.joints[j].parent, b.joints[j].parent);
+        EXPECT_EQ(a.joints[j].humanoidBone, b.joints[j].humanoidBone);
+        EXPECT_LE(glm::length(a.joints[j].restPosition - b.joints[j].restPosition), kPositionStepM);
+    }
+    ASSERT_EQ(a.mesh.layers.size(), b.mesh.layers.size());
+    for (size_t l = 0; l < a.mesh.layers.size(); ++l) {
+        EXPECT_EQ(a.mesh.layers[l].name, b.mesh.layers[l].name);
+        EXPECT_EQ(a.mesh.layers[l].role, b.mesh.layers[l].role);
+        EXPECT_EQ(a.mesh.layers[l].firstVertex, b.mesh.layers[l].firstVertex);
+        EXPECT_EQ(a.mesh.layers[l].triangleCount, b.mesh.layers[l].triangleCount);
+    }
+    ASSERT_EQ(b.evidence.size(), 2u);
+    EXPECT_EQ(b.evidence[0].gainDb, 0.5f);
+    EXPECT_EQ(b.evidence[0].bytes, 1234u);
+    EXPECT_EQ(b.evidence[1].reason, "not measured");
+}
+
+TEST(AvatarRoundTrip, verticesAndTrianglesKeepTheirOrderAndWeightsAreExact) {
+    const AvatarData a = randomAvatar(2, 0), b = throughFile(a);
+    ASSERT_EQ(a.mesh.triangles.size(), b.mesh.triangles.size());
+    EXPECT_TRUE(a.mesh.triangles == b.mesh.triangles);
+    EXPECT_TRUE(a.mesh.colours == b.mesh.colours);
+    EXPECT_TRUE(a.mesh.jointWeights == b.mesh.jointWeights);
+    ASSERT_EQ(a.mesh.restPositions.size(), b.mesh.restPositions.size());
+    for (size_t v = 0; v < a.mesh.restPositions.size(); ++v) {
+        for (int k = 0; k < 3; ++k) EXPECT_LE(std::abs(a.mesh.restPositions[v][k] - b.mesh.restPositions[v][k]), kPositionStepM / 2 * 1.01f);  // half a step, plus the float's own rounding
+        for (int k = 0; k < 4; ++k) EXPECT_EQ(a.mesh.jointWeights[v][k] ? a.mesh.jointIndices[v][k] : 0, b.mesh.jointIndices[v][k]);
+    }
+}
+
+TEST(AvatarRoundTrip, moreThan256JointsNeedWideIndices) {
+    const AvatarData a = randomAvatar(3, 0, 300, 6), b = throughFile(a);
+    EXPECT_TRUE(a.mesh.jointWeights == b.mesh.jointWeights);
+    for (size_t v = 0; v < a.mesh.jointIndices.size(); ++v)
+        for (int k = 0; k < 4; ++k) ASSERT_EQ(a.mesh.jointWeights[v][k] ? a.mesh.jointIndices[v][k] : 0, b.mesh.jointIndices[v][k]);
+}
+
+TEST(AvatarRoundTrip, splatErrorsStayWithinHalfAStep) {
+    const AvatarData a = randomAvatar(4, 3), b = throughFile(a);
+    const SplatData &x = a.splats, &y = b.splats;
+    ASSERT_EQ(x.count(), y.count());
+    EXPECT_TRUE(x.triangleStart == y.triangleStart);
+    EXPECT_TRUE(x.flags == y.flags);
+    // The widest range a chunk can have here is the range of the generator; half a step of it, with 1 % for rounding.
+    const double logStep = 4.0 / 2047, uvStep = 1.0 / 1820;
+    for (uint32_t i = 0; i < x.count(); ++i) {
+        EXPECT_LE(std::abs(x.uv[i].x - y.uv[i].x), uvStep / 2 * 1.01);
+        EXPECT_LE(std::abs(x.uv[i].y - y.uv[i].y), uvStep / 2 * 1.01);
+        const double turn = std::abs(x.phi[i] - y.phi[i]);
+        EXPECT_LE(std::min(turn, std::numbers::pi - turn), std::numbers::pi / 2048 * 1.01);
+        EXPECT_LE(std::abs(std::log(std::max(x.scaleM[i].x, kMinSplatScaleM) / y.scaleM[i].x)), logStep / 2 * 1.01);
+        EXPECT_LE(std::abs(std::log(std::max(x.scaleM[i].y, kMinSplatScaleM) / y.scaleM[i].y)), logStep / 2 * 1.01);
+        EXPECT_LE(std::abs(x.opacity[i] - y.opacity[i]), 0.5 / 255 * 1.01);
+        for (int k = 0; k < 3; ++k) EXPECT_LE(std::abs(x.sh[i * 48 + k] - y.sh[i * 48 + k]), 3.4 / (k ? 2047 : 1023) / 2 * 1.01);
+        for (int k = 3; k < 48; ++k) EXPECT_LE(std::abs(x.sh[i * 48 + k] - y.sh[i * 48 + k]), 0.3 / 127 / 2 * 1.01);
+    }
+}
+
+TEST(AvatarRoundTrip, quantisationIsUnbiased) {
+    // Floor instead of rounding would shift u by a quarter of a step of 1/1820 on average over many splats (1.4e-4 after √n: 5e-6).
+    const AvatarData a = randomAvatar(5, 0, 20, 20, 10), b = throughFile(a);
+    double mean = 0, opacity = 0;
+    for (uint32_t i = 0; i < a.splats.count(); ++i) mean += a.splats.uv[i].x - b.splats.uv[i].x, opacity += a.splats.opacity[i] - b.splats.opacity[i];
+    EXPECT_LT(std::abs(mean / a.splats.count()), 2e-5);
+    EXPECT_LT(std::abs(opacity / a.splats.count()), 1e-4);
+}
+
+TEST(AvatarRoundTrip, clipsComeBack) {
+    const AvatarData a = randomAvatar(6, 0), b = throughFile(a);
+    ASSERT_EQ(b.clips.size(), 2u);
+    EXPECT_EQ(b.clips[1].name, "clip1");
+    EXPECT_TRUE(a.clips[1].timesS == b.clips[1].timesS);
+    ASSERT_EQ(a.clips[1].channels.size(), b.clips[1].channels.size());
+    for (size_t c = 0; c < a.clips[1].channels.size(); ++c) {
+        EXPECT_EQ(a.clips[1].channels[c].joint, b.clips[1].channels[c].joint);
+        for (size_t i = 0; i < 5; ++i) EXPECT_LT(glm::length(a.clips[1].channels[c].rotations[i] - b.clips[1].channels[c].rotations[i]), 1e-6f);
+    }
+    for (size_t i = 0; i < 5; ++i) EXPECT_LT(glm::length(a.clips[1].rootTranslations[i] - b.clips[1].rootTranslations[i]), 2 * kPositionStepM);
+}
+
+TEST(AvatarRoundTrip, writingWhatWasReadGivesTheSameBytes) {
+    expectSameBytes(tinyAvatar());
+    for (uint32_t degree = 0; degree <= 3; ++degree) expectSameBytes(randomAvatar(10 + degree, degree));
+    expectSameBytes(randomAvatar(20, 1, 300, 5));
+}
+
+TEST(AvatarRoundTrip, rangesOfAFewUlpsAreIdempotentToo) {
+    // 2048 codes over a dozen floats: several codes decode alike, and the writer must settle on one of them.
+    AvatarData a = randomAvatar(30, 1);
+    for (uint32_t i = 0; i < a.splats.count(); ++i) {
+        a.splats.scaleM[i] = Vec2f(std::nextafter(0.01f, 1.0f) + float(i % 13) * 1e-9f, 0.01f);
+        for (int k = 0; k < 3; ++k) a.splats.sh[i * 12 + k] = 0.5f + float((i * 7 + k) % 11) * 6e-8f;
+        for (int k = 3; k < 12; ++k) a.splats.sh[i * 12 + k] = 1e-7f;
+    }
+    expectSameBytes(a);
+    for (Vec2f& s : a.splats.scaleM) s = Vec2f(0.003f);
+    expectSameBytes(a);
+}
+
+TEST(AvatarRoundTrip, decodedAvatarIsAFixedPoint) {
+    auto once = decodedAvatar(randomAvatar(40, 2));
+    ASSERT_TRUE(once);
+    auto twice = decodedAvatar(*once);
+    ASSERT_TRUE(twice);
+    EXPECT_TRUE(once->mesh.restPositions == twice->mesh.restPositions);
+    EXPECT_TRUE(once->splats.scaleM == twice->splats.scaleM);
+    EXPECT_TRUE(once->splats.sh == twice->splats.sh);
+    EXPECT_TRUE(once->splats.phi == twice->splats.phi);
+}
+
+TEST(AvatarRoundTrip, plainVariantHoldsTheSameAvatar) {
+    const AvatarData a = randomAvatar(50, 1);
+    auto fromPlain = readAvatar(*writeAvatar(a, {.draco = false}));
+    ASSERT_TRUE(fromPlain) << fromPlain.error().message;
+    EXPECT_TRUE(*writeAvatar(*fromPlain) == *writeAvatar(a));
+}
+
+TEST(AvatarRoundTrip, emptyAvatarOneSplatOneTriangle) {
+    AvatarData empty;
+    empty.joints = {{"root", -1, {0, 0, 0}, ""}};
+    empty.splats.triangleStart = {0};
+    expectSameBytes(empty);
+    AvatarData one = tinyAvatar();
+    one.mesh.triangles.resize(1), one.mesh.layers[0].triangleCount = 1, one.mesh.layers[0].vertexCount = 3;
+    one.mesh.restPositions.resize(3), one.mesh.colours.resize(3), one.mesh.jointIndices.resize(3), one.mesh.jointWeights.resize(3);
+    one.splats = {};
+    one.splats.triangleStart = {0, 1}, one.splats.uv = {{0, 1}}, one.splats.phi = {0}, one.splats.scaleM = {{0.01f, 0.01f}}, one.splats.opacity = {1}, one.splats.flags = {0}, one.splats.sh = {0, 0, 0};
+    expectSameBytes(one);
+    const AvatarData back = throughFile(one);
+    EXPECT_EQ(back.splats.uv[0], Vec2f(0, 1));   // corners of a triangle are exact codes
+}
+
+TEST(AvatarRoundTrip, inspectAddsUpToTheFile) {
+    for (bool draco : {true, false}) {
+        auto bytes = writeAvatar(randomAvatar(60, 1), {.draco = draco});
+        ASSERT_TRUE(bytes);
+        auto info = inspectAvatar(*bytes);
+        ASSERT_TRUE(info) << info.error().message;
+        EXPECT_EQ(info->fileBytes, bytes->size());
+        EXPECT_EQ(info->meshBytes + info->splatBytes + info->shBytes + info->clipBytes + info->skinBytes + info->jsonBytes + info->otherBytes, bytes->size());
+        EXPECT_LT(info->otherBytes, 100u);   // headers and padding only
+        EXPECT_EQ(info->shBytes, info->splats * 9u);
+        EXPECT_TRUE(info->hashMatches);
+        EXPECT_GT(info->chunks, 2u);
+    }
+}
+
+}  // namespace
+}  // namespace dpl
