@@ -1,0 +1,15 @@
+// The body fit between stages: JSON, checked on reading like anything from outside.
+#pragma once
+
+#include <filesystem>
+
+#include "reconstruction/body/fit_body.h"
+#include "sdk/core/result.h"
+
+namespace dpl {
+
+/** Numbers are written with enough digits to come back bit for bit. */
+std::string fitToJson(const BodyFit& fit);
+Result<BodyFit> readFitFile(const std::filesystem::path& path, size_t frameCount, size_t jointCount, size_t morphCount);
+
+}  // namespace dpl

@@ -1,0 +1,145 @@
+#include "reconstruction/report/score.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "reconstruction/surface/mesh_raster.h"
+
+namespace dpl {
+namespace {
+
+constexpr double kInfinitePsnrDb = 100;  // reported for equal pictures
+
+double psnrDb(double meanSquare) { return meanSquare > 0 ? std::min(kInfinitePsnrDb, -10 * std::log10(meanSquare)) : kInfinitePsnrDb; }
+
+/** picture·alpha + background·(1 − alpha) as floats in [0,1], three channels. */
+cv::Mat compositeRender(const std::vector<uint8_t>& rgba, int width, int height, float background) {
+    cv::Mat out(height, width, CV_32FC3);
+    float* to = out.ptr<float>();
+    for (size_t i = 0; i < size_t(width) * size_t(height); ++i) {
+        const float alpha = float(rgba[i * 4 + 3]) / 255.0f;
+        for (int c = 0; c < 3; ++c) to[i * 3 + c] = float(rgba[i * 4 + c]) / 255.0f * alpha + background * (1 - alpha);
+    }
+    return out;
+}
+
+cv::Mat compositeTruth(const ImageRgb8& truth, const ImageGrey8& mask, float background) {
+    cv::Mat out(int(truth.heightPx), int(truth.widthPx), CV_32FC3);
+    float* to = out.ptr<float>();
+    for (size_t i = 0; i < mask.pixels.size(); ++i)
+        for (int c = 0; c < 3; ++c) to[i * 3 + c] = mask.pixels[i] >= 128 ? float(truth.pixels[i * 3 + c]) / 255.0f : background;
+    return out;
+}
+
+/** SSIM map, mean of the three channels: 11×11 Gaussian σ = 1.5, C1 = 0.01², C2 = 0.03², data range 1. */
+cv::Mat ssimMap(const cv::Mat& a, const cv::Mat& b) {
+    const auto blur = [](const cv::Mat& in) {
+        cv::Mat out;
+        cv::GaussianBlur(in, out, cv::Size(11, 11), 1.5, 1.5, cv::BORDER_REFLECT_101);
+        return out;
+    };
+    const cv::Mat meanA = blur(a), meanB = blur(b);
+    const cv::Mat varA = blur(a.mul(a)) - meanA.mul(meanA), varB = blur(b.mul(b)) - meanB.mul(meanB), cov = blur(a.mul(b)) - meanA.mul(meanB);
+    const cv::Scalar c1 = cv::Scalar::all(0.01 * 0.01), c2 = cv::Scalar::all(0.03 * 0.03);
+    cv::Mat numerator = (2 * meanA.mul(meanB) + c1), second = (2 * cov + c2), denominator = (meanA.mul(meanA) + meanB.mul(meanB) + c1), third = (varA + varB + c2), map;
+    cv::divide(numerator.mul(second), denominator.mul(third), map);
+    cv::Mat grey;
+    cv::transform(map, grey, cv::Matx13f(1.0f / 3, 1.0f / 3, 1.0f / 3));
+    return grey;
+}
+
+}  // namespace
+
+FrameScore scorePicture(const std::vector<uint8_t>& rgba, const ImageRgb8& truth, const ImageGrey8& mask) {
+    FrameScore score;
+    const int width = int(truth.widthPx), height = int(truth.heightPx);
+    const size_t pixels = size_t(width) * size_t(height);
+    if (pixels == 0 || rgba.size() != pixels * 4 || mask.pixels.size() != pixels || truth.pixels.size() != pixels * 3) return score;
+    size_t inside = 0, both = 0, either = 0;
+    for (size_t i = 0; i < pixels; ++i) {
+        const bool person = mask.pixels[i] >= 128, drawn = rgba[i * 4 + 3] >= 128;
+        inside += person, both += person && drawn, either += person || drawn;
+    }
+    if (inside == 0) return score;
+    score.alphaIou = double(both) / double(either);
+    score.coverage = double(inside) / double(pixels);
+    score.maskedPsnrDb = kInfinitePsnrDb;
+    score.maskedSsim = 1;
+    for (float background : {1.0f, 0.0f, 0.5f}) {
+        const cv::Mat render = compositeRender(rgba, width, height, background), expected = compositeTruth(truth, mask, background);
+        const cv::Mat ssim = ssimMap(render, expected);
+        const float *a = render.ptr<float>(), *b = expected.ptr<float>(), *s = ssim.ptr<float>();
+        double maskedSquares = 0, maskedSsim = 0, squares = 0, wholeSsim = 0;
+        for (size_t i = 0; i < pixels; ++i) {
+            double square = 0;
+            for (int c = 0; c < 3; ++c) square += (double(a[i * 3 + c]) - b[i * 3 + c]) * (double(a[i * 3 + c]) - b[i * 3 + c]);
+            squares += square, wholeSsim += s[i];
+            if (mask.pixels[i] >= 128) maskedSquares += square, maskedSsim += s[i];
+        }
+        score.maskedPsnrDb = std::min(score.maskedPsnrDb, psnrDb(maskedSquares / (3.0 * double(inside))));
+        score.maskedSsim = std::min(score.maskedSsim, maskedSsim / double(inside));
+        if (background == 1.0f) score.fullPsnrDb = psnrDb(squares / (3.0 * double(pixels))), score.fullSsim = wholeSsim / double(pixels);
+    }
+    return score;
+}
+
+void LabelColours::add(const ImageRgb8& image, const ImageGrey8& mask, const ImageGrey8& labels) {
+    for (size_t i = 0; i < mask.pixels.size() && i < labels.pixels.size(); ++i) {
+        if (mask.pixels[i] < 128) continue;
+        Sum& sum = sums_[labels.pixels[i]];
+        for (int c = 0; c < 3; ++c) sum.rgb[c] += image.pixels[i * 3 + c];
+        sum.count += 1;
+    }
+}
+
+std::vector<uint8_t> LabelColours::paint(const ImageGrey8& mask, const ImageGrey8& labels) const {
+    std::vector<uint8_t> rgba(mask.pixels.size() * 4, 0);
+    for (size_t i = 0; i < mask.pixels.size(); ++i) {
+        if (mask.pixels[i] < 128) continue;
+        const auto found = sums_.find(i < labels.pixels.size() ? labels.pixels[i] : uint8_t(0));
+        for (int c = 0; c < 3; ++c) rgba[i * 4 + c] = found == sums_.end() ? 128 : uint8_t(found->second.rgb[c] / found->second.count + 0.5);
+        rgba[i * 4 + 3] = 255;
+    }
+    return rgba;
+}
+
+std::vector<uint8_t> paintMesh(std::span<const Vec3f> positions, std::span<const Triangle> triangles, std::span<const glm::u8vec4> colours, const Camerad& camera) {
+    MeshRaster raster;
+    rasteriseMesh(positions, triangles, camera, raster);
+    std::vector<uint8_t> rgba(raster.triangle.size() * 4, 0);
+    for (size_t i = 0; i < raster.triangle.size(); ++i) {
+        if (raster.triangle[i] == kNoTriangle) continue;
+        const Triangle& t = triangles[raster.triangle[i]];
+        const Vec2f uv = raster.barycentric[i];
+        const Vec4f colour = (1 - uv.x - uv.y) * Vec4f(colours[t.x]) + uv.x * Vec4f(colours[t.y]) + uv.y * Vec4f(colours[t.z]);
+        for (int c = 0; c < 3; ++c) rgba[i * 4 + c] = uint8_t(colour[c] + 0.5f);
+        rgba[i * 4 + 3] = 255;
+    }
+    return rgba;
+}
+
+std::vector<uint8_t> overWhite(const std::vector<uint8_t>& rgba) {
+    std::vector<uint8_t> rgb(rgba.size() / 4 * 3);
+    for (size_t i = 0; i < rgba.size() / 4; ++i)
+        for (int c = 0; c < 3; ++c) {
+            const float alpha = float(rgba[i * 4 + 3]) / 255.0f;
+            rgb[i * 3 + c] = uint8_t(float(rgba[i * 4 + c]) * alpha + 255.0f * (1 - alpha) + 0.5f);
+        }
+    return rgb;
+}
+
+std::vector<uint8_t> cutOutOverWhite(const ImageRgb8& truth, const ImageGrey8& mask) {
+    std::vector<uint8_t> rgb(truth.pixels);
+    for (size_t i = 0; i < mask.pixels.size(); ++i)
+        if (mask.pixels[i] < 128) std::fill_n(rgb.begin() + long(i * 3), 3, uint8_t(255));
+    return rgb;
+}
+
+std::vector<uint8_t> differenceTimesFour(const std::vector<uint8_t>& rgb, const std::vector<uint8_t>& truthRgb) {
+    std::vector<uint8_t> out(rgb.size());
+    for (size_t i = 0; i < rgb.size(); ++i) out[i] = uint8_t(std::min(255, 4 * std::abs(int(rgb[i]) - int(truthRgb[i]))));
+    return out;
+}
+
+}  // namespace dpl

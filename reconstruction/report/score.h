@@ -1,0 +1,39 @@
+// Scores of pictures with their own alpha against frames, and the two floors that an avatar must beat.
+#pragma once
+
+#include <map>
+#include <span>
+#include <vector>
+
+#include "reconstruction/capture/scan.h"
+#include "reconstruction/report/report.h"
+
+namespace dpl {
+
+/** Scores an RGBA picture (straight alpha, 4 bytes a pixel) of the frame's size. All sizes must agree; an empty mask scores 0. */
+FrameScore scorePicture(const std::vector<uint8_t>& rgba, const ImageRgb8& truth, const ImageGrey8& mask);
+
+/** First floor: one flat colour per label, learned from training frames, painted inside the true mask of a test frame. */
+class LabelColours {
+public:
+    void add(const ImageRgb8& image, const ImageGrey8& mask, const ImageGrey8& labels);
+    /** RGBA of the frame; labels without a learned colour are mid grey. */
+    std::vector<uint8_t> paint(const ImageGrey8& mask, const ImageGrey8& labels) const;
+
+private:
+    struct Sum {
+        double rgb[3] = {0, 0, 0};
+        double count = 0;
+    };
+    std::map<uint8_t, Sum> sums_;
+};
+
+/** Second floor: a posed mesh with vertex colours, drawn with the z-buffer of reconstruction/surface. RGBA, alpha 0 or 255. */
+std::vector<uint8_t> paintMesh(std::span<const Vec3f> positions, std::span<const Triangle> triangles, std::span<const glm::u8vec4> colours, const Camerad& camera);
+
+/** RGB of a picture over white, and 4 × its difference to the truth cut out over white, for people to look at. */
+std::vector<uint8_t> overWhite(const std::vector<uint8_t>& rgba);
+std::vector<uint8_t> cutOutOverWhite(const ImageRgb8& truth, const ImageGrey8& mask);
+std::vector<uint8_t> differenceTimesFour(const std::vector<uint8_t>& rgb, const std::vector<uint8_t>& truthRgb);
+
+}  // namespace dpl

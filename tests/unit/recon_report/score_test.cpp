@@ -1,0 +1,83 @@
+#include "reconstruction/report/score.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace {
+
+using namespace dpl;
+
+constexpr uint32_t kWidth = 40, kHeight = 30;
+
+struct Scene {
+    ImageRgb8 truth{kWidth, kHeight, std::vector<uint8_t>(kWidth * kHeight * 3)};
+    ImageGrey8 mask{kWidth, kHeight, std::vector<uint8_t>(kWidth * kHeight, 0)};
+    std::vector<uint8_t> rgba = std::vector<uint8_t>(kWidth * kHeight * 4, 0);
+    /** A person of 20×20 pixels with a gradient; the picture equals it. */
+    Scene() {
+        for (uint32_t y = 0; y < kHeight; ++y)
+            for (uint32_t x = 0; x < kWidth; ++x) {
+                const size_t i = y * kWidth + x;
+                for (int c = 0; c < 3; ++c) truth.pixels[i * 3 + c] = uint8_t(40 + 5 * x + 10 * c);
+                if (x < 10 || x >= 30 || y < 5 || y >= 25) continue;
+                mask.pixels[i] = 255;
+                for (int c = 0; c < 3; ++c) rgba[i * 4 + c] = truth.pixels[i * 3 + c];
+                rgba[i * 4 + 3] = 255;
+            }
+    }
+};
+
+TEST(ScorePicture, theTruthItselfIsPerfect) {
+    Scene s;
+    const FrameScore score = scorePicture(s.rgba, s.truth, s.mask);
+    EXPECT_DOUBLE_EQ(score.maskedPsnrDb, 100);
+    EXPECT_NEAR(score.maskedSsim, 1, 1e-5);
+    EXPECT_DOUBLE_EQ(score.alphaIou, 1);
+    EXPECT_NEAR(score.coverage, 400.0 / 1200, 1e-12);
+}
+
+TEST(ScorePicture, aKnownErrorGivesItsPsnr) {
+    Scene s;
+    for (size_t i = 0; i < s.rgba.size(); i += 4)
+        if (s.rgba[i + 3])
+            for (int c = 0; c < 3; ++c) s.rgba[i + c] += 10;
+    EXPECT_NEAR(scorePicture(s.rgba, s.truth, s.mask).maskedPsnrDb, -20 * std::log10(10.0 / 255), 1e-4);  // float composite
+}
+
+TEST(ScorePicture, aHoleCountsInFullOnItsWorstBackground) {
+    Scene s;
+    for (size_t i = 0; i < s.rgba.size(); i += 4) s.rgba[i + 3] = 0;  // nothing drawn at all
+    const FrameScore score = scorePicture(s.rgba, s.truth, s.mask);
+    double white = 0, black = 0;
+    for (size_t i = 0; i < s.mask.pixels.size(); ++i)
+        for (int c = 0; c < 3 && s.mask.pixels[i]; ++c) {
+            const double v = s.truth.pixels[i * 3 + c] / 255.0;
+            white += (1 - v) * (1 - v), black += v * v;
+        }
+    EXPECT_NEAR(score.maskedPsnrDb, -10 * std::log10(std::max(white, black) / 1200), 1e-4);
+    EXPECT_EQ(score.alphaIou, 0);
+}
+
+TEST(ScorePicture, paintOutsideTheMaskLowersTheIouNotTheMaskedPsnr) {
+    Scene s;
+    for (uint32_t i = 0; i < 400; ++i) s.rgba[i * 4 + 3] = 255;
+    const FrameScore score = scorePicture(s.rgba, s.truth, s.mask);
+    EXPECT_DOUBLE_EQ(score.maskedPsnrDb, 100);
+    EXPECT_LT(score.alphaIou, 0.7);
+    EXPECT_LT(score.fullPsnrDb, 15);
+}
+
+TEST(LabelColours, paintsTheMeanOfEachLabel) {
+    Scene s;
+    ImageGrey8 labels{kWidth, kHeight, std::vector<uint8_t>(kWidth * kHeight, 2)};
+    LabelColours colours;
+    colours.add(s.truth, s.mask, labels);
+    const auto painted = colours.paint(s.mask, labels);
+    const size_t inside = 10 * kWidth + 15;
+    EXPECT_EQ(int(painted[inside * 4]), 138);  // mean of 40 + 5x over x = 10 … 29 is 137.5
+    EXPECT_EQ(painted[inside * 4 + 3], 255);
+    EXPECT_EQ(painted[3], 0);
+}
+
+}  // namespace
