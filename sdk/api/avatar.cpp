@@ -1,0 +1,179 @@
+// Avatars: loading, queries and poses.
+#include <algorithm>
+
+#include "sdk/api/api_state.h"
+#include "sdk/avatar/clip.h"
+#include "sdk/avatar/humanoid.h"
+#include "sdk/format/avatar_file.h"
+
+namespace dpl::api {
+
+Avatar::~Avatar() {
+    std::lock_guard lock(context->mutex);
+    if (context->renderer && renderId != 0) context->renderer->removeAvatar(renderId);
+}
+
+Result<std::shared_ptr<Avatar>> avatarOf(DplAvatar handle) {
+    auto avatar = avatars().find(reinterpret_cast<uintptr_t>(handle));
+    if (!avatar) return fail(Code::InvalidArgument, "{} is not a live avatar", handle ? "the handle" : "0");
+    return avatar;
+}
+
+namespace {
+
+/** Everything a pose or a query will rely on, beyond what the file reader promises. */
+Status checkLoaded(const AvatarData& data) {
+    DPL_CHECK_OK(checkRig(data.joints));
+    for (const ClipData& clip : data.clips) DPL_CHECK_OK(checkClip(clip, data.joints));
+    return {};
+}
+
+Status wrongJointCount(const Avatar& avatar, uint32_t jointCount) {
+    return fail(Code::InvalidArgument, "jointCount is {}, the avatar has {} joints", jointCount, avatar.data->joints.size());
+}
+
+}  // namespace
+}  // namespace dpl::api
+
+using namespace dpl;
+using namespace dpl::api;
+
+extern "C" {
+
+DplResult dplLoadAvatar(DplContext context, const uint8_t* data, size_t size, DplAvatar* avatar) {
+    return guarded("dplLoadAvatar", [&]() -> Status {
+        if (data == nullptr || avatar == nullptr) return fail(Code::InvalidArgument, "{} is NULL", data == nullptr ? "data" : "avatar");
+        if (size == 0) return fail(Code::InvalidArgument, "the avatar has 0 bytes");
+        DPL_TRY(auto owner, contextOf(context));
+        DPL_TRY(AvatarData decoded, readAvatar({data, size}));  // outside the lock: frames go on while a file is decoded
+        DPL_CHECK_OK(checkLoaded(decoded));
+        if (std::all_of(decoded.joints.begin(), decoded.joints.end(), [](const JointData& j) { return j.humanoidBone.empty(); }))
+            assignHumanoidBones(decoded.joints);
+        auto made = std::make_shared<Avatar>();
+        made->context = owner;
+        made->data = std::make_shared<const AvatarData>(std::move(decoded));
+        made->pose = Pose::rest(made->data->joints.size());
+        for (const ClipData& clip : made->data->clips) made->clips.push_back(&clip);
+        const std::vector<Vec3f>& vertices = made->data->mesh.restPositions;
+        if (!vertices.empty()) made->restMin = made->restMax = vertices.front();
+        for (const Vec3f& v : vertices) made->restMin = glm::min(made->restMin, v), made->restMax = glm::max(made->restMax, v);
+        {
+            std::lock_guard lock(owner->mutex);
+            if (!owner->renderer) return fail(Code::InvalidArgument, "the context was destroyed while the avatar was read");
+            DPL_TRY(made->renderId, owner->renderer->addAvatar(made->data));
+        }
+        *avatar = reinterpret_cast<DplAvatar>(avatars().add(std::move(made)));
+        return {};
+    });
+}
+
+DplResult dplDestroyAvatar(DplAvatar avatar) {
+    return guarded("dplDestroyAvatar", [&]() -> Status {
+        if (avatar == nullptr) return {};
+        if (!avatars().take(reinterpret_cast<uintptr_t>(avatar))) return fail(Code::InvalidArgument, "the handle is not a live avatar; was it destroyed before?");
+        return {};
+    });
+}
+
+DplResult dplGetAvatarInfo(DplAvatar avatar, DplAvatarInfo* info) {
+    return guarded("dplGetAvatarInfo", [&]() -> Status {
+        DPL_TRY(const auto found, avatarOf(avatar));
+        std::lock_guard lock(found->context->mutex);
+        const AvatarData& data = *found->data;
+        DplAvatarInfo out{};
+        out.name = data.name.c_str();
+        out.jointCount = uint32_t(data.joints.size());
+        out.splatCount = data.splats.count();
+        out.vertexCount = uint32_t(data.mesh.restPositions.size());
+        out.triangleCount = uint32_t(data.mesh.triangles.size());
+        out.layerCount = uint32_t(data.mesh.layers.size());
+        out.clipCount = uint32_t(found->clips.size());
+        out.shDegree = data.splats.shDegree;
+        for (int axis = 0; axis < 3; ++axis) out.restMin[axis] = found->restMin[axis], out.restMax[axis] = found->restMax[axis];
+        return writeStruct(info, out, "info");
+    });
+}
+
+DplResult dplGetJointInfo(DplAvatar avatar, uint32_t joint, DplJointInfo* info) {
+    return guarded("dplGetJointInfo", [&]() -> Status {
+        DPL_TRY(const auto found, avatarOf(avatar));
+        const std::vector<JointData>& joints = found->data->joints;
+        if (joint >= joints.size()) return fail(Code::NotFound, "there is no joint {}; the avatar has {}", joint, joints.size());
+        DplJointInfo out{};
+        out.name = joints[joint].name.c_str();
+        out.humanoidBone = joints[joint].humanoidBone.c_str();
+        out.parent = joints[joint].parent;
+        for (int axis = 0; axis < 3; ++axis) out.restPosition[axis] = joints[joint].restPosition[axis];
+        return writeStruct(info, out, "info");
+    });
+}
+
+DplResult dplFindJoint(DplAvatar avatar, const char* name, uint32_t* joint) {
+    return guarded("dplFindJoint", [&]() -> Status {
+        if (name == nullptr || joint == nullptr) return fail(Code::InvalidArgument, "{} is NULL", name == nullptr ? "name" : "joint");
+        DPL_TRY(const auto found, avatarOf(avatar));
+        const std::vector<JointData>& joints = found->data->joints;
+        for (const auto key : {&JointData::name, &JointData::humanoidBone})
+            for (size_t j = 0; j < joints.size() && *name != 0; ++j)
+                if (joints[j].*key == name) {
+                    *joint = uint32_t(j);
+                    return {};
+                }
+        std::string names;
+        for (const JointData& j : joints) names += (names.empty() ? "" : ", ") + j.name;
+        return fail(Code::NotFound, "there is no joint '{}'; the avatar has: {}", name, names);
+    });
+}
+
+DplResult dplSetPose(DplAvatar avatar, const float* rotations, uint32_t jointCount, const float* rootTranslation) {
+    return guarded("dplSetPose", [&]() -> Status {
+        if (rotations == nullptr) return fail(Code::InvalidArgument, "rotations is NULL");
+        DPL_TRY(const auto found, avatarOf(avatar));
+        if (jointCount != found->data->joints.size()) return wrongJointCount(*found, jointCount);
+        Pose pose;
+        pose.localRotations.reserve(jointCount);
+        for (uint32_t j = 0; j < jointCount; ++j) {
+            const float* q = rotations + size_t(j) * 4;
+            pose.localRotations.emplace_back(q[3], q[0], q[1], q[2]);
+        }
+        if (rootTranslation != nullptr) pose.rootTranslation = Vec3f(rootTranslation[0], rootTranslation[1], rootTranslation[2]);
+        DPL_CHECK_OK(checkPose(found->data->joints, pose));
+        for (Quatf& q : pose.localRotations) q = glm::normalize(q);
+        std::lock_guard lock(found->context->mutex);
+        found->pose = std::move(pose);
+        return {};
+    });
+}
+
+DplResult dplGetPose(DplAvatar avatar, float* rotations, uint32_t jointCount, float* rootTranslation) {
+    return guarded("dplGetPose", [&]() -> Status {
+        DPL_TRY(const auto found, avatarOf(avatar));
+        if (rotations != nullptr && jointCount != found->data->joints.size()) return wrongJointCount(*found, jointCount);
+        std::lock_guard lock(found->context->mutex);
+        for (uint32_t j = 0; j < jointCount && rotations != nullptr; ++j) {
+            const Quatf& q = found->pose.localRotations[j];
+            float* out = rotations + size_t(j) * 4;
+            out[0] = q.x, out[1] = q.y, out[2] = q.z, out[3] = q.w;
+        }
+        for (int axis = 0; axis < 3 && rootTranslation != nullptr; ++axis) rootTranslation[axis] = found->pose.rootTranslation[axis];
+        return {};
+    });
+}
+
+DplResult dplGetJointPositions(DplAvatar avatar, float* positions, uint32_t jointCount) {
+    return guarded("dplGetJointPositions", [&]() -> Status {
+        if (positions == nullptr) return fail(Code::InvalidArgument, "positions is NULL");
+        DPL_TRY(const auto found, avatarOf(avatar));
+        const std::vector<JointData>& joints = found->data->joints;
+        if (jointCount != joints.size()) return wrongJointCount(*found, jointCount);
+        std::lock_guard lock(found->context->mutex);
+        jointTransforms(joints, found->pose, found->transforms);
+        for (uint32_t j = 0; j < jointCount; ++j) {
+            const Vec3f p = found->transforms[j] * Vec4f(joints[j].restPosition, 1);
+            for (int axis = 0; axis < 3; ++axis) positions[size_t(j) * 3 + size_t(axis)] = p[axis];
+        }
+        return {};
+    });
+}
+
+}  // extern "C"

@@ -1,0 +1,77 @@
+// Clips of an avatar: its own and loaded ones.
+#include <cmath>
+
+#include "sdk/api/api_state.h"
+#include "sdk/avatar/clip.h"
+#include "sdk/avatar/retarget.h"
+
+using namespace dpl;
+using namespace dpl::api;
+
+namespace {
+
+/** The context's mutex must be held. */
+Result<const ClipData*> clipOf(const Avatar& avatar, uint32_t clip) {
+    if (clip < avatar.clips.size()) return avatar.clips[clip];
+    return fail(Code::NotFound, "there is no clip {}; the avatar has {}", clip, avatar.clips.size());
+}
+
+}  // namespace
+
+extern "C" {
+
+DplResult dplGetClipInfo(DplAvatar avatar, uint32_t clip, DplClipInfo* info) {
+    return guarded("dplGetClipInfo", [&]() -> Status {
+        DPL_TRY(const auto found, avatarOf(avatar));
+        std::lock_guard lock(found->context->mutex);
+        DPL_TRY(const ClipData* data, clipOf(*found, clip));
+        DplClipInfo out{};
+        out.name = data->name.c_str();
+        out.durationS = clipDurationS(*data);
+        out.keyCount = uint32_t(data->timesS.size());
+        return writeStruct(info, out, "info");
+    });
+}
+
+DplResult dplSetPoseFromClip(DplAvatar avatar, uint32_t clip, double timeS, int loop) {
+    return guarded("dplSetPoseFromClip", [&]() -> Status {
+        if (!std::isfinite(timeS)) return fail(Code::InvalidArgument, "timeS is not finite");
+        DPL_TRY(const auto found, avatarOf(avatar));
+        std::lock_guard lock(found->context->mutex);
+        DPL_TRY(const ClipData* data, clipOf(*found, clip));
+        const double duration = clipDurationS(*data);
+        double t = timeS;
+        if (loop != DPL_FALSE && duration > 0) t -= std::floor(t / duration) * duration;
+        samplePose(*data, found->data->joints, t, found->pose);
+        return {};
+    });
+}
+
+DplResult dplLoadClip(DplAvatar avatar, const uint8_t* data, size_t size, const DplClipOptions* options, uint32_t* clip) {
+    return guarded("dplLoadClip", [&]() -> Status {
+        if (data == nullptr || clip == nullptr) return fail(Code::InvalidArgument, "{} is NULL", data == nullptr ? "data" : "clip");
+        DplClipOptions wanted{};
+        if (options != nullptr) {
+            DPL_TRY(wanted, readStruct<DplClipOptions>(options, "options"));
+            constexpr uint32_t kKnown = DPL_CLIP_KEEP_LEAD_IN | DPL_CLIP_KEEP_PLACE | DPL_CLIP_IN_PLACE;
+            if (wanted.flags & ~kKnown) return fail(Code::InvalidArgument, "options has unknown flags {}", wanted.flags & ~kKnown);
+        }
+        DPL_TRY(const auto found, avatarOf(avatar));
+        RetargetOptions how;
+        how.keepLeadIn = (wanted.flags & DPL_CLIP_KEEP_LEAD_IN) != 0;
+        how.keepPlace = (wanted.flags & DPL_CLIP_KEEP_PLACE) != 0;
+        how.inPlace = (wanted.flags & DPL_CLIP_IN_PLACE) != 0;
+        DPL_TRY(const Motion motion, readMotion({data, size}, wanted.name ? wanted.name : "the clip", wanted.animation));
+        DPL_TRY(ClipData made, retarget(motion, found->data->joints, how));  // outside the lock: the rig never changes
+        DPL_CHECK_OK(checkClip(made, found->data->joints));
+        std::lock_guard lock(found->context->mutex);
+        if (wanted.name) made.name = wanted.name;
+        else if (made.name == "the clip") made.name = formatText("clip {}", found->clips.size());
+        found->added.push_back(std::make_unique<ClipData>(std::move(made)));
+        found->clips.push_back(found->added.back().get());
+        *clip = uint32_t(found->clips.size() - 1);
+        return {};
+    });
+}
+
+}  // extern "C"

@@ -1,0 +1,112 @@
+// Drawing: the caller's cameras and buffers are checked, then the renderer does the rest.
+#include <algorithm>
+#include <cmath>
+
+#include "sdk/api/api_state.h"
+
+using namespace dpl;
+using namespace dpl::api;
+
+namespace {
+
+constexpr float kMaxIntrinsicPx = 1e7f;   // far beyond any lens; keeps products finite
+constexpr float kMaxDistanceM = 1e5f;
+constexpr float kRotationTolerance = 1e-3f;
+
+Result<Cameraf> cameraOf(const DplCamera& c, size_t view) {
+    Cameraf camera;
+    if (c.widthPx == 0 || c.heightPx == 0 || c.widthPx > DPL_MAX_IMAGE_SIDE_PX || c.heightPx > DPL_MAX_IMAGE_SIDE_PX)
+        return fail(Code::InvalidArgument, "view {} is {} x {} pixels; sides of 1 to {} are drawn", view, c.widthPx, c.heightPx, DPL_MAX_IMAGE_SIDE_PX);
+    if (!(c.fx > 0 && c.fy > 0 && c.fx <= kMaxIntrinsicPx && c.fy <= kMaxIntrinsicPx))
+        return fail(Code::InvalidArgument, "view {} has focal lengths {} and {} px", view, c.fx, c.fy);
+    if (!(std::abs(c.cx) <= kMaxIntrinsicPx && std::abs(c.cy) <= kMaxIntrinsicPx))
+        return fail(Code::InvalidArgument, "view {} has the principal point ({}, {}) px", view, c.cx, c.cy);
+    camera.widthPx = c.widthPx, camera.heightPx = c.heightPx;
+    camera.fx = c.fx, camera.fy = c.fy, camera.cx = c.cx, camera.cy = c.cy;
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 3; ++column) camera.viewFromWorldRotation[column][row] = c.viewFromWorld[row * 4 + column];
+        camera.viewFromWorldTranslation[row] = c.viewFromWorld[row * 4 + 3];
+        if (!(std::abs(c.viewFromWorld[row * 4 + 3]) <= kMaxDistanceM))
+            return fail(Code::InvalidArgument, "view {} has a translation that is not finite or beyond {} m", view, kMaxDistanceM);
+    }
+    const Mat3f& r = camera.viewFromWorldRotation;
+    const Mat3f unit = glm::transpose(r) * r;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            if (!(std::abs(unit[i][j] - (i == j ? 1.0f : 0.0f)) <= kRotationTolerance))
+                return fail(Code::InvalidArgument, "the 3x3 part of viewFromWorld of view {} is not a rotation (rows are R0 R1 R2 t)", view);
+    if (!(glm::determinant(r) > 0)) return fail(Code::InvalidArgument, "viewFromWorld of view {} mirrors; a rotation is needed", view);
+    return camera;
+}
+
+Status checkImage(const DplImage& image, const Cameraf& camera, size_t view) {
+    const size_t width = camera.widthPx, height = camera.heightPx;
+    if (image.flags & ~uint32_t(DPL_IMAGE_STRAIGHT_ALPHA)) return fail(Code::InvalidArgument, "image {} has unknown flags {}", view, image.flags);
+    if (image.rgba == nullptr && image.depthM == nullptr) return fail(Code::InvalidArgument, "image {} has neither rgba nor depthM", view);
+    if (image.rgba != nullptr) {
+        const size_t row = image.rowBytes == 0 ? width * 4 : image.rowBytes;
+        if (row < width * 4) return fail(Code::InvalidArgument, "image {} has rows of {} bytes; {} pixels need {}", view, row, width, width * 4);
+        if (row > image.rgbaBytes / height)
+            return fail(Code::InvalidArgument, "image {} has {} bytes; {} rows of {} need more", view, image.rgbaBytes, height, row);
+    }
+    if (image.depthM != nullptr && image.depthCount < width * height)
+        return fail(Code::InvalidArgument, "image {} has room for {} depths; {} are needed", view, image.depthCount, width * height);
+    return {};
+}
+
+void copyOut(const RenderedView& from, const DplImage& to) {
+    const size_t width = from.widthPx, height = from.heightPx, row = to.rowBytes == 0 ? width * 4 : to.rowBytes;
+    for (size_t y = 0; y < height && to.rgba != nullptr; ++y) {
+        const uint8_t* in = from.rgba.data() + y * width * 4;
+        uint8_t* out = to.rgba + y * row;
+        if (!(to.flags & DPL_IMAGE_STRAIGHT_ALPHA)) {
+            std::memcpy(out, in, width * 4);
+            continue;
+        }
+        for (size_t x = 0; x < width; ++x, in += 4, out += 4) {
+            const uint32_t alpha = in[3];
+            for (int c = 0; c < 3; ++c) out[c] = alpha == 0 ? uint8_t(0) : uint8_t(std::min(255u, (in[c] * 255u + alpha / 2) / alpha));
+            out[3] = in[3];
+        }
+    }
+    if (to.depthM != nullptr) std::memcpy(to.depthM, from.depthM.data(), width * height * sizeof(float));
+}
+
+/** Element i of a caller's array whose elements are as far apart as the first one's structSize says. */
+template <class T>
+Result<T> element(const T* array, size_t i, const char* what) {
+    DPL_TRY(const T first, readStruct<T>(array, what));
+    DPL_TRY(const T value, readStruct<T>(reinterpret_cast<const uint8_t*>(array) + i * first.structSize, what));
+    if (value.structSize != first.structSize) return fail(Code::InvalidArgument, "elements of {} have different structSize", what);
+    return value;
+}
+
+}  // namespace
+
+extern "C" DplResult dplRender(DplContext context, DplAvatar avatar, const DplCamera* views, uint32_t viewCount, const DplImage* images) {
+    return guarded("dplRender", [&]() -> Status {
+        if (viewCount == 0 || viewCount > DPL_MAX_VIEWS) return fail(Code::InvalidArgument, "{} views; 1 to {} are drawn at once", viewCount, DPL_MAX_VIEWS);
+        DPL_TRY(const auto owner, contextOf(context));
+        DPL_TRY(const auto found, avatarOf(avatar));
+        if (found->context != owner) return fail(Code::InvalidArgument, "the avatar was loaded with another context");
+        DplImage targets[DPL_MAX_VIEWS];
+        bool wantDepth = false;
+        std::lock_guard lock(owner->mutex);
+        if (!owner->renderer) return fail(Code::InvalidArgument, "the context was destroyed");
+        owner->cameras.clear();
+        for (uint32_t v = 0; v < viewCount; ++v) {
+            DPL_TRY(const DplCamera given, element(views, v, "views"));
+            DPL_TRY(targets[v], element(images, v, "images"));
+            DPL_TRY(Cameraf camera, cameraOf(given, v));
+            DPL_CHECK_OK(checkImage(targets[v], camera, v));
+            owner->cameras.push_back(camera);
+            if (camera.widthPx != owner->cameras[0].widthPx || camera.heightPx != owner->cameras[0].heightPx)
+                return fail(Code::InvalidArgument, "the views of one call have the same size; view {} differs from view 0", v);
+            wantDepth |= targets[v].depthM != nullptr;
+        }
+        owner->views.resize(viewCount);
+        DPL_CHECK_OK(owner->renderer->render(found->renderId, found->pose, owner->cameras, wantDepth, owner->views));
+        for (uint32_t v = 0; v < viewCount; ++v) copyOut(owner->views[v], targets[v]);
+        return {};
+    });
+}

@@ -1,0 +1,144 @@
+#include "sdk/api/software_renderer.h"
+
+#include <algorithm>
+#include <cstring>
+#include <functional>
+#include <map>
+
+#include "sdk/math/sh.h"
+#include "sdk/splat/splat_engine.h"
+
+namespace dpl {
+namespace {
+
+constexpr size_t kPixelGrain = 16384;  // pixels a block when floats become bytes
+
+/** What makes drawing safe: lengths and indices. The file reader checks far more; avatars built in memory come here unchecked. */
+Status checkDrawable(const AvatarData& avatar) {
+    const MeshData& mesh = avatar.mesh;
+    const SplatData& splats = avatar.splats;
+    const size_t vertices = mesh.restPositions.size(), triangles = mesh.triangles.size(), count = splats.uv.size();
+    DPL_CHECK_OK(checkRig(avatar.joints));
+    if (avatar.joints.empty()) return fail(Code::CorruptData, "avatar '{}' has no joints", avatar.name);
+    if (mesh.jointIndices.size() != vertices || mesh.jointWeights.size() != vertices)
+        return fail(Code::CorruptData, "avatar '{}' has {} vertices and skin weights for {}", avatar.name, vertices, mesh.jointWeights.size());
+    for (size_t v = 0; v < vertices; ++v)
+        for (int i = 0; i < 4; ++i)
+            if (mesh.jointWeights[v][i] != 0 && mesh.jointIndices[v][i] >= avatar.joints.size())
+                return fail(Code::CorruptData, "vertex {} hangs on joint {}; the rig has {}", v, mesh.jointIndices[v][i], avatar.joints.size());
+    for (size_t t = 0; t < triangles; ++t)
+        for (int i = 0; i < 3; ++i)
+            if (mesh.triangles[t][i] >= vertices) return fail(Code::CorruptData, "triangle {} uses vertex {} of {}", t, mesh.triangles[t][i], vertices);
+    if (splats.shDegree > kMaxShDegree) return fail(Code::CorruptData, "SH degree {}; at most {} is drawn", splats.shDegree, kMaxShDegree);
+    const size_t shFloats = count * shCoefficientCount(splats.shDegree) * 3;
+    if (splats.phi.size() != count || splats.scaleM.size() != count || splats.opacity.size() != count || splats.flags.size() != count ||
+        splats.sh.size() != shFloats)
+        return fail(Code::CorruptData, "the splat arrays of avatar '{}' have different lengths", avatar.name);
+    if (splats.triangleStart.size() != triangles + 1 || splats.triangleStart.front() != 0 || splats.triangleStart.back() != count ||
+        !std::is_sorted(splats.triangleStart.begin(), splats.triangleStart.end()))
+        return fail(Code::CorruptData, "the splats of avatar '{}' do not cover its {} triangles in order", avatar.name, triangles);
+    return {};
+}
+
+struct Drawable {
+    std::shared_ptr<const AvatarData> avatar;
+    std::vector<RestTriangle<float>> rest;
+    std::vector<uint32_t> triangleOfSplat;
+    // The last pose and what follows from it.
+    Pose pose;
+    bool posed = false;
+    std::vector<Mat3x4f> worldFromRest;
+    std::vector<Vec3f> positions;
+    std::vector<TriangleFrame<float>> frames;
+};
+
+bool samePose(const Pose& a, const Pose& b) {
+    return a.localRotations.size() == b.localRotations.size() && a.rootTranslation == b.rootTranslation &&
+           std::equal(a.localRotations.begin(), a.localRotations.end(), b.localRotations.begin());
+}
+
+class SoftwareRenderer final : public Renderer {
+public:
+    explicit SoftwareRenderer(uint32_t threadCount) : jobs_(threadCount), engine_(jobs_) {}
+
+    std::string name() const override {
+        return formatText("software ({} {})", jobs_.threadCount(), jobs_.threadCount() == 1 ? "thread" : "threads");
+    }
+
+    Result<RenderAvatarId> addAvatar(std::shared_ptr<const AvatarData> avatar) override {
+        if (!avatar) return fail(Code::InvalidArgument, "no avatar");
+        DPL_CHECK_OK(checkDrawable(*avatar));
+        auto drawable = std::make_unique<Drawable>();
+        drawable->rest = restTriangles(avatar->mesh);
+        const std::vector<uint32_t>& start = avatar->splats.triangleStart;
+        drawable->triangleOfSplat.resize(avatar->splats.count());
+        for (uint32_t t = 0; t + 1 < start.size(); ++t)
+            std::fill(drawable->triangleOfSplat.begin() + start[t], drawable->triangleOfSplat.begin() + start[t + 1], t);
+        drawable->avatar = std::move(avatar);
+        const RenderAvatarId id = nextId_++;
+        drawables_.emplace(id, std::move(drawable));
+        return id;
+    }
+
+    void removeAvatar(RenderAvatarId avatar) override { drawables_.erase(avatar); }
+
+    Status render(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, bool wantDepth, std::span<RenderedView> out) override {
+        const auto found = drawables_.find(avatar);
+        if (found == drawables_.end()) return fail(Code::InvalidArgument, "there is no avatar {} in this renderer", avatar);
+        if (out.size() != views.size()) return fail(Code::InvalidArgument, "{} views and {} outputs", views.size(), out.size());
+        Drawable& d = *found->second;
+        if (!d.posed || !samePose(d.pose, pose)) {
+            DPL_CHECK_OK(checkPose(d.avatar->joints, pose));
+            d.posed = false;
+            d.pose.localRotations = pose.localRotations;
+            d.pose.rootTranslation = pose.rootTranslation;
+            jointTransforms(d.avatar->joints, pose, d.worldFromRest);
+            skin(d.avatar->mesh, d.worldFromRest, jobs_, d.positions);
+            poseTriangles(d.avatar->mesh, d.rest, d.positions, jobs_, d.frames);
+            d.posed = true;
+        }
+        const SplatData& s = d.avatar->splats;
+        const BoundSplatView splats{d.triangleOfSplat, s.uv, s.phi, s.scaleM, s.opacity, s.flags, s.shDegree, s.sh};
+        BlendOptions options;
+        options.depth = wantDepth;
+        for (size_t v = 0; v < views.size(); ++v) {
+            engine_.project(splats, d.frames, views[v], d.avatar->kappaPx2, d.avatar->compensated);
+            engine_.bin();
+            engine_.blend(image_, options);
+            readBack(wantDepth, out[v]);
+        }
+        return {};
+    }
+
+private:
+    void readBack(bool wantDepth, RenderedView& out) {
+        const size_t pixels = size_t(image_.widthPx) * image_.heightPx;
+        out.widthPx = image_.widthPx;
+        out.heightPx = image_.heightPx;
+        out.rgba.resize(pixels * 4);
+        out.depthM.resize(wantDepth ? pixels : 0);
+        const auto body = [&](size_t begin, size_t end, uint32_t) {
+            // NaN becomes 0: max(NaN, 0) compares false and would keep NaN, so 0 comes first.
+            const auto byte = [](float x) { return uint8_t(std::min(std::max(0.0f, x), 1.0f) * 255.0f + 0.5f); };
+            for (size_t p = begin; p < end; ++p) {
+                uint8_t* rgba = out.rgba.data() + p * 4;
+                for (int c = 0; c < 3; ++c) rgba[c] = byte(image_.rgb[p * 3 + size_t(c)]);
+                rgba[3] = byte(image_.alpha[p]);
+            }
+            if (wantDepth) std::memcpy(out.depthM.data() + begin, image_.depthM.data() + begin, (end - begin) * sizeof(float));
+        };
+        jobs_.forRange(pixels, kPixelGrain, std::ref(body));
+    }
+
+    Jobs jobs_;
+    SplatEngine engine_;
+    SplatImage image_;
+    std::map<RenderAvatarId, std::unique_ptr<Drawable>> drawables_;
+    RenderAvatarId nextId_ = 1;
+};
+
+}  // namespace
+
+std::unique_ptr<Renderer> createSoftwareRenderer(uint32_t threadCount) { return std::make_unique<SoftwareRenderer>(threadCount); }
+
+}  // namespace dpl
