@@ -1,0 +1,40 @@
+// The three file kinds of MakeHuman / MPFB2 data, parsed and checked; no meaning yet.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sdk/core/result.h"
+#include "sdk/math/types.h"
+
+namespace dpl {
+
+/** base.obj: positions in decimetres, quads and triangles of the group "body" only, and the vertices of every group. */
+struct MakeHumanMesh {
+    std::vector<Vec3f> positionsDm;
+    std::vector<std::vector<uint32_t>> bodyFaces;             // 3 or 4 indices each
+    std::map<std::string, std::vector<uint32_t>> groups;      // group name -> its vertices, ascending, no repeats
+};
+Result<MakeHumanMesh> readMakeHumanObj(const std::filesystem::path& path);
+
+struct TargetRow {
+    uint32_t vertex = 0;
+    Vec3f offsetDm{0};
+};
+/** A `.target` or `.target.gz`; rows beyond `vertexCount` are an error. An empty file is a target that moves nothing. */
+Result<std::vector<TargetRow>> readMakeHumanTarget(const std::filesystem::path& path, size_t vertexCount);
+
+struct MakeHumanBone {
+    std::string name, parent;                 // parent "" for a root
+    std::vector<uint32_t> headVertices;       // the joint is their mean
+};
+struct MakeHumanRig {
+    std::vector<MakeHumanBone> bones;                                          // parents first
+    std::map<std::string, std::vector<std::pair<uint32_t, float>>> weights;    // bone -> (vertex, weight)
+};
+Result<MakeHumanRig> readMakeHumanRig(const std::filesystem::path& rigPath, const std::filesystem::path& weightsPath, const MakeHumanMesh& mesh);
+
+}  // namespace dpl

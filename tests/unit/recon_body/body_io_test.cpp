@@ -1,0 +1,98 @@
+#include "reconstruction/body/body_io.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "small_body.h"
+
+namespace dpl {
+namespace {
+
+TEST(BodyTools, smallBodyIsAHumanoidWithAllKeypointsButTheEyes) {
+    const BodyModel body = smallBody();
+    ASSERT_TRUE(checkBody(body)) << checkBody(body).error().message;
+    EXPECT_EQ(body.keypoints.size(), 22u);
+    EXPECT_GE(findHumanoid(body, "leftUpperArm"), 0);
+    EXPECT_GE(findHumanoid(body, "rightLowerLeg"), 0);
+    EXPECT_GE(findHumanoid(body, "hips"), 0);
+}
+
+TEST(BodyTools, shapedBodyMovesVerticesAndJointsAlike) {
+    const BodyModel body = smallBody();
+    const BodyModel tall = shapedBody(body, std::vector<double>{2.0, 0.0});
+    EXPECT_NEAR(tall.joints[5].restPosition.y, body.joints[5].restPosition.y * 1.08f, 1e-5f);
+    EXPECT_NEAR(tall.mesh.restPositions[20].y, body.mesh.restPositions[20].y * 1.08f, 1e-5f);
+}
+
+TEST(BodyTools, anchorPointReproducesAPointInsideTheSurface) {
+    const BodyModel body = smallBody();
+    std::vector<uint32_t> all;
+    for (uint32_t v = 0; v < body.mesh.restPositions.size(); ++v) all.push_back(v);
+    const Vec3f point(0.02f, 1.63f, 0.07f);
+    Vec3f sum(0);
+    float total = 0;
+    for (auto [v, w] : anchorPoint(body.mesh, all, point)) sum += w * body.mesh.restPositions[v], total += w;
+    EXPECT_NEAR(total, 1, 1e-5);
+    EXPECT_LT(glm::length(sum - point), 1e-4f);  // the regularisation of anchorPoint costs some 1e-6 of the neighbourhood's size
+}
+
+TEST(BodyTools, checkBodyNamesWhatIsWrong) {
+    BodyModel body = smallBody();
+    body.mesh.jointWeights.clear();
+    ASSERT_FALSE(checkBody(body));
+    EXPECT_NE(checkBody(body).error().message.find("no skin weights"), std::string::npos);
+    body = smallBody();
+    body.joints[3].restPosition.y = NAN;
+    EXPECT_FALSE(checkBody(body));
+    body = smallBody();
+    body.keypoints[0].joints.push_back({1000, 0.5f});
+    EXPECT_FALSE(checkBody(body));
+    body = smallBody();
+    body.morphs[0].vertexOffsets.pop_back();
+    EXPECT_FALSE(checkBody(body));
+}
+
+TEST(BodyIo, ownBodyComesBackBitForBit) {
+    BodyModel body = smallBody();
+    body.keypoints.push_back({"eye_l", {{3, 0.25f}, {4, 0.75f}}, {}});
+    const auto bytes = encodeBody(body);
+    ASSERT_TRUE(bytes) << bytes.error().message;
+    const auto back = decodeBody(*bytes, "fallback");
+    ASSERT_TRUE(back) << back.error().message;
+    EXPECT_EQ(back->name, "small");
+    EXPECT_EQ(back->mesh.restPositions, body.mesh.restPositions);
+    EXPECT_EQ(back->mesh.colours, body.mesh.colours);
+    EXPECT_EQ(back->mesh.triangles, body.mesh.triangles);
+    EXPECT_EQ(back->mesh.jointWeights, body.mesh.jointWeights);
+    ASSERT_EQ(back->joints.size(), body.joints.size());
+    for (size_t j = 0; j < body.joints.size(); ++j) {
+        EXPECT_EQ(back->joints[j].restPosition, body.joints[j].restPosition);
+        EXPECT_EQ(back->joints[j].parent, body.joints[j].parent);
+        EXPECT_EQ(back->joints[j].name, body.joints[j].name);
+        EXPECT_EQ(back->joints[j].humanoidBone, body.joints[j].humanoidBone);
+    }
+    ASSERT_EQ(back->morphs.size(), 2u);
+    EXPECT_EQ(back->morphs[1].jointOffsets, body.morphs[1].jointOffsets);
+    EXPECT_EQ(back->morphs[1].vertexOffsets, body.morphs[1].vertexOffsets);
+    ASSERT_EQ(back->keypoints.size(), body.keypoints.size());
+    EXPECT_EQ(back->keypoints.back().vertices, body.keypoints.back().vertices);
+    EXPECT_EQ(*encodeBody(*back), *bytes);
+}
+
+TEST(BodyIo, everyTruncationIsAnError) {
+    const auto bytes = encodeBody(smallBody());
+    ASSERT_TRUE(bytes);
+    for (size_t length = 0; length < bytes->size(); length += 97)
+        EXPECT_FALSE(decodeBody(std::span(*bytes).first(length), "cut")) << length << " of " << bytes->size();
+}
+
+TEST(BodyIo, missingFileIsNamed) {
+    const auto body = readBody("/nowhere/person.glb");
+    ASSERT_FALSE(body);
+    EXPECT_EQ(body.error().code, Code::NotFound);
+    EXPECT_NE(body.error().message.find("person.glb"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace dpl

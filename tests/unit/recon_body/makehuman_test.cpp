@@ -1,0 +1,111 @@
+#include "reconstruction/body/makehuman.h"
+
+#include <gtest/gtest.h>
+
+#include "reconstruction/body/body_io.h"
+#include "reconstruction/body/body_tools.h"
+#include "tests/unit/shared_data.h"
+
+namespace dpl {
+namespace {
+
+/** Imported once: reading the targets takes about a second. */
+const BodyModel* makeHuman() {
+    static const auto body = []() -> std::optional<BodyModel> {
+        const auto folder = sharedData("body-makehuman");
+        if (!folder) return std::nullopt;
+        auto imported = importMakeHuman(*folder);
+        if (!imported) {
+            ADD_FAILURE() << imported.error().message;
+            return std::nullopt;
+        }
+        return std::move(*imported);
+    }();
+    return body ? &*body : nullptr;
+}
+
+#define NEED_MAKEHUMAN() \
+    if (!sharedData("body-makehuman")) GTEST_SKIP() << "shared/data/body-makehuman is not on this machine"; \
+    ASSERT_NE(makeHuman(), nullptr); \
+    const BodyModel& body = *makeHuman()
+
+const BodyKeypoint* keypoint(const BodyModel& body, std::string_view name) {
+    for (const BodyKeypoint& k : body.keypoints)
+        if (k.name == name) return &k;
+    return nullptr;
+}
+
+Vec3f place(const BodyModel& body, const BodyKeypoint& k) {
+    Vec3f p(0);
+    for (auto [v, w] : k.vertices) p += w * body.mesh.restPositions[v];
+    for (auto [j, w] : k.joints) p += w * body.joints[j].restPosition;
+    return p;
+}
+
+TEST(MakeHuman, isAnAdultInMetresOnTheFloorFacingForward) {
+    NEED_MAKEHUMAN();
+    EXPECT_EQ(body.mesh.restPositions.size(), 13380u);
+    EXPECT_EQ(body.mesh.triangles.size(), 26756u);
+    EXPECT_EQ(body.joints.size(), 52u);
+    EXPECT_EQ(body.joints[0].name, "pelvis");
+    float top = 0, low = 1;
+    for (const Vec3f& p : body.mesh.restPositions) top = std::max(top, p.y), low = std::min(low, p.y);
+    EXPECT_GT(top, 1.55f);
+    EXPECT_LT(top, 1.85f);
+    EXPECT_NEAR(low, 0, 0.01f);
+    EXPECT_GT(place(body, *keypoint(body, "nose")).z, 0.05f);
+    EXPECT_GT(body.joints[size_t(findHumanoid(body, "leftHand"))].restPosition.x, 0.3f);
+}
+
+TEST(MakeHuman, has24KeypointsAndTheHumanoidBones) {
+    NEED_MAKEHUMAN();
+    for (const std::string_view name : scanKeypointNames()) EXPECT_NE(keypoint(body, name), nullptr) << name;
+    for (const char* bone : {"hips", "spine", "chest", "upperChest", "neck", "head", "leftShoulder", "leftUpperArm", "leftLowerArm", "leftHand", "rightUpperLeg", "rightLowerLeg", "rightFoot",
+                             "rightToes", "leftThumbProximal", "leftIndexProximal", "rightLittleDistal"})
+        EXPECT_GE(findHumanoid(body, bone), 0) << bone;
+    EXPECT_LT(std::abs(place(body, *keypoint(body, "eye_l")).x - 0.03f), 0.01f);  // half the distance between adult pupils is 31 mm
+}
+
+TEST(MakeHuman, heightMorphRaisesTheHeadAndKeepsTheFeetOnTheFloor) {
+    NEED_MAKEHUMAN();
+    ASSERT_EQ(body.morphs[0].name, "height");
+    const BodyModel tall = shapedBody(body, std::vector<double>{1.0});
+    const int32_t head = findHumanoid(body, "head");
+    EXPECT_GT(tall.joints[size_t(head)].restPosition.y - body.joints[size_t(head)].restPosition.y, 0.04f);
+    float low = 1;
+    for (const Vec3f& p : tall.mesh.restPositions) low = std::min(low, p.y);
+    EXPECT_NEAR(low, 0, 0.01f);
+}
+
+TEST(MakeHuman, jointsStayInsideTheBodyWhenItMorphs) {
+    NEED_MAKEHUMAN();
+    // The elbow is the mean of its cube; after a change of arm length it must still lie between shoulder and wrist.
+    std::vector<double> shape(body.morphs.size(), 0.0);
+    for (size_t m = 0; m < shape.size(); ++m)
+        if (body.morphs[m].name.find("arm_length") != std::string::npos) shape[m] = 2;
+    const BodyModel longArms = shapedBody(body, shape);
+    const auto length = [](const BodyModel& b, const char* from, const char* to) {
+        return glm::length(b.joints[size_t(findHumanoid(b, from))].restPosition - b.joints[size_t(findHumanoid(b, to))].restPosition);
+    };
+    EXPECT_GT(length(longArms, "leftUpperArm", "leftLowerArm"), length(body, "leftUpperArm", "leftLowerArm") + 0.005f);
+    EXPECT_NEAR(length(longArms, "leftUpperArm", "leftLowerArm"), length(longArms, "rightUpperArm", "rightLowerArm"), 2e-3f);  // hm08's targets are symmetric to a millimetre or two
+}
+
+TEST(MakeHuman, survivesTheRoundTripThroughGltf) {
+    NEED_MAKEHUMAN();
+    const auto bytes = encodeBody(body);
+    ASSERT_TRUE(bytes);
+    const auto back = decodeBody(*bytes, "x");
+    ASSERT_TRUE(back) << back.error().message;
+    EXPECT_EQ(back->mesh.restPositions, body.mesh.restPositions);
+    EXPECT_EQ(back->morphs.back().jointOffsets, body.morphs.back().jointOffsets);
+}
+
+TEST(MakeHuman, wrongFolderIsNamedWithTheRemedy) {
+    const auto body = importMakeHuman("/tmp");
+    ASSERT_FALSE(body);
+    EXPECT_NE(body.error().message.find("base.obj"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace dpl
