@@ -45,15 +45,31 @@ struct BlockVisible {
     uint64_t tileEntries = 0;
 };
 
+/** What a splat needs of its triangle in one view: 128 bytes, eight quads. Directions are in the rest frame. */
+struct alignas(32) TriangleView {
+    float v0[3], planeDot;      // first corner in view space; n·(eye − v0)
+    float e1[3], valid;         // edges in view space; 1 or 0
+    float e2[3], pad0;
+    float f0[3], pad1;          // columns of F in view space
+    float f1[3], pad2;
+    float rest0[3], pad3;       // worldFromRestᵀ·(v0 − eye), and the same of the edges
+    float rest1[3], pad4;
+    float rest2[3], pad5;
+};
+static_assert(sizeof(TriangleView) == 128);
+
 struct SplatEngine::Buffers {
     uint32_t widthPx = 0, heightPx = 0, splatCount = 0, visibleCount = 0;
-    Scratch<ProjectedSplat> projected;
+    bool sortedFrame = false;      // sort() has run since project()
+    Scratch<TriangleView> triangles;
+    Scratch<ProjectedSplat> projected;  // splatCount, padded to whole groups
     Scratch<float> rowScale;       // 1/Σ'yy a splat: with B/A it gives σ without the cancellation of A dx² + 2B dx dy + C dy²
     Scratch<TileBox> boxes;
     std::vector<BlockVisible> blocks;
     Scratch<uint32_t> keys[2], values[2];
     uint32_t* sorted = nullptr;    // visible splats, near first; points into values
     std::vector<uint32_t> histogram;
+    Scratch<TileBox> sortedBoxes;  // boxes in depth order
     Scratch<uint32_t> tileCounts;  // tiles × workers
     TileLists tiles;
     Scratch<uint32_t> stops;
@@ -64,6 +80,8 @@ void projectBound(Jobs& jobs, SplatEngine::Buffers& buffers, const BoundSplatVie
                   std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated);
 void projectStatic(Jobs& jobs, SplatEngine::Buffers& buffers, const StaticSplatData& splats, const Cameraf& camera, float kappaPx2,
                    bool compensated);
+void projectPacked(Jobs& jobs, SplatEngine::Buffers& buffers, const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles,
+                   const Cameraf& camera, float kappaPx2, bool compensated);
 void sortByDepth(Jobs& jobs, SplatEngine::Buffers& buffers);
 void binIntoTiles(Jobs& jobs, SplatEngine::Buffers& buffers);
 void blendTiles(Jobs& jobs, SplatEngine::Buffers& buffers, SplatImage& image, const BlendOptions& options);

@@ -16,14 +16,21 @@ void SplatEngine::project(const StaticSplatData& splats, const Cameraf& camera, 
     projectStatic(jobs_, *buffers_, splats, camera, kappaPx2, compensated);
 }
 
+void SplatEngine::project(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera,
+                          float kappaPx2, bool compensated) {
+    projectPacked(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated);
+}
+
+void SplatEngine::sort() { sortByDepth(jobs_, *buffers_); }
+
 void SplatEngine::bin() {
-    sortByDepth(jobs_, *buffers_);
+    if (!buffers_->sortedFrame) sort();
     binIntoTiles(jobs_, *buffers_);
 }
 
 void SplatEngine::blend(SplatImage& image, const BlendOptions& options) { blendTiles(jobs_, *buffers_, image, options); }
 
-std::span<const ProjectedSplat> SplatEngine::projected() const { return {buffers_->projected.data(), buffers_->projected.size()}; }
+std::span<const ProjectedSplat> SplatEngine::projected() const { return {buffers_->projected.data(), buffers_->splatCount}; }
 const TileLists& SplatEngine::tiles() const { return buffers_->tiles; }
 std::span<const uint32_t> SplatEngine::stops() const { return {buffers_->stops.data(), buffers_->stops.size()}; }
 std::span<const float> SplatEngine::stopTransmittance() const {
@@ -32,7 +39,7 @@ std::span<const float> SplatEngine::stopTransmittance() const {
 
 uint64_t SplatEngine::bufferBytes() const {
     const Buffers& b = *buffers_;
-    return b.projected.bytes() + b.rowScale.bytes() + b.boxes.bytes() + b.blocks.capacity() * sizeof(BlockVisible) + b.keys[0].bytes() +
+    return b.triangles.bytes() + b.sortedBoxes.bytes() + b.projected.bytes() + b.rowScale.bytes() + b.boxes.bytes() + b.blocks.capacity() * sizeof(BlockVisible) + b.keys[0].bytes() +
            b.keys[1].bytes() + b.values[0].bytes() + b.values[1].bytes() + b.histogram.capacity() * sizeof(uint32_t) +
            b.tileCounts.bytes() + b.tiles.offset.capacity() * sizeof(uint32_t) + b.tiles.entries.capacity() * sizeof(uint32_t) +
            b.stops.bytes() + b.stopTransmittance.bytes();

@@ -20,24 +20,12 @@
 #include "sdk/math/binding.h"
 #include "sdk/math/camera.h"
 #include "sdk/math/projection.h"
+#include "sdk/splat/packed_splats.h"
 
 namespace dpl {
 
 constexpr uint32_t kTileSizePx = 16;
 constexpr uint32_t kMaxTargetPx = 32768;  // wider or higher targets give an empty image of size 0
-
-/** Splats bound to triangles, structure of arrays, borrowed for the call. All spans have one entry a splat except sh. */
-struct BoundSplatView {
-    std::span<const uint32_t> triangle;
-    std::span<const Vec2f> uv;
-    std::span<const float> phi;
-    std::span<const Vec2f> scaleM;
-    std::span<const float> opacity;
-    std::span<const uint8_t> flags;
-    uint32_t shDegree = 0;
-    std::span<const float> sh;             // coefficient-major, (degree+1)²·3 a splat
-    uint32_t count() const { return uint32_t(triangle.size()); }
-};
 
 /** One projected splat as binning and blending read it; 64 bytes, one cache line. Invisible ones have opacity 0. */
 struct alignas(64) ProjectedSplat {
@@ -90,6 +78,11 @@ public:
      *  3D Gaussian splatting files were trained without. Arrays shorter than count() is a caller's mistake. */
     void project(const StaticSplatData& splats, const Cameraf& camera, float kappaPx2, bool compensated = false);
 
+    /** The same for splats that were packed before: faster, for sets that do not change. `triangles` is for bound ones, else empty. */
+    void project(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated);
+
+    /** Stable sort by view depth, ties by index. Optional: bin() sorts when nobody has. */
+    void sort();
     /** Stable sort by view depth, then tile lists. After project(). */
     void bin();
 

@@ -33,6 +33,7 @@ void sortByDepth(Jobs& jobs, SplatEngine::Buffers& buffers) {
         minKey = std::min(minKey, block.minKey), maxKey = std::max(maxKey, block.maxKey);
     }
     buffers.visibleCount = visible;
+    buffers.sortedFrame = true;
     uint32_t* keys[2] = {buffers.keys[0].data(), buffers.keys[1].resize(visible)};
     uint32_t* values[2] = {buffers.values[0].data(), buffers.values[1].resize(visible)};
     buffers.sorted = values[1];

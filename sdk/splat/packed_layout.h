@@ -1,0 +1,31 @@
+// Field numbers inside a packed group, and packing of one group. Private to sdk/splat.
+#pragma once
+
+#include "sdk/math/sh.h"
+#include "sdk/splat/packed_splats.h"
+
+namespace dpl {
+
+constexpr uint32_t kGroupSplats = 16;
+
+/** A1 = axis10·F0 + axis11·F1 and A2 = axis20·F0 + axis21·F1: the angle and the scales are folded in. */
+namespace bound_field {
+constexpr uint32_t kU = 0, kV = 1, kAxis10 = 2, kAxis11 = 3, kAxis20 = 4, kAxis21 = 5, kOpacity = 6, kSingleFace = 7, kCloth = 8, kTriangle = 9,
+                   kSh = 10;
+}
+/** kAxes: three columns of R·diag(s), metres. */
+namespace static_field {
+constexpr uint32_t kPosition = 0, kAxes = 3, kOpacity = 12, kSh = 13;
+}
+
+constexpr uint32_t groupFields(bool bound, uint32_t shDegree) {
+    return (bound ? bound_field::kSh : static_field::kSh) + shCoefficientCount(shDegree) * 3;
+}
+constexpr uint32_t kMaxGroupFloats = groupFields(false, kMaxShDegree) * kGroupSplats;
+constexpr size_t groupCount(size_t splats) { return (splats + kGroupSplats - 1) / kGroupSplats; }
+
+/** Packs splats [first, first+16) into `out`; missing ones become invisible. The triangle index is stored as bits. */
+void packGroup(const BoundSplatView& splats, uint32_t first, float* out);
+void packGroup(const StaticSplatData& splats, uint32_t first, float* out);
+
+}  // namespace dpl

@@ -1,0 +1,80 @@
+#include "sdk/splat/packed_splats.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+
+#include "sdk/splat/packed_layout.h"
+
+namespace dpl {
+namespace {
+
+constexpr size_t kAlignment = 64;
+
+void packSh(const float* sh, uint32_t floats, uint32_t lane, float* fields) {
+    for (uint32_t k = 0; k < floats; ++k) fields[k * kGroupSplats + lane] = sh[k];
+}
+
+template <class Splats>
+float* packAll(const Splats& splats, bool bound) {
+    const size_t groups = groupCount(splats.count()), floats = size_t(groupFields(bound, splats.shDegree)) * kGroupSplats;
+    if (groups == 0) return nullptr;
+    float* data = static_cast<float*>(::operator new[](groups * floats * sizeof(float), std::align_val_t(kAlignment)));
+    for (size_t g = 0; g < groups; ++g) packGroup(splats, uint32_t(g * kGroupSplats), data + g * floats);
+    return data;
+}
+
+}  // namespace
+
+void PackedSplats::Free::operator()(float* p) const { ::operator delete[](p, std::align_val_t(kAlignment)); }
+
+PackedSplats::PackedSplats(const BoundSplatView& splats)
+    : data_(packAll(splats, true)), count_(splats.count()), shDegree_(splats.shDegree), bound_(true) {}
+
+PackedSplats::PackedSplats(const StaticSplatData& splats)
+    : data_(packAll(splats, false)), count_(splats.count()), shDegree_(splats.shDegree), bound_(false) {}
+
+uint64_t PackedSplats::bytes() const {
+    return groupCount(count_) * groupFields(bound_, shDegree_) * kGroupSplats * sizeof(float);
+}
+
+void packGroup(const BoundSplatView& splats, uint32_t first, float* out) {
+    using namespace bound_field;
+    const uint32_t shFloats = shCoefficientCount(splats.shDegree) * 3, lanes = std::min(kGroupSplats, splats.count() - first);
+    if (lanes < kGroupSplats) std::memset(out, 0, groupFields(true, splats.shDegree) * kGroupSplats * sizeof(float));
+    const auto put = [&](uint32_t field, uint32_t lane, float value) { out[field * kGroupSplats + lane] = value; };
+    for (uint32_t lane = 0; lane < lanes; ++lane) {
+        const uint32_t i = first + lane;
+        const float c = std::cos(splats.phi[i]), s = std::sin(splats.phi[i]);
+        put(kU, lane, splats.uv[i].x), put(kV, lane, splats.uv[i].y);
+        put(kAxis10, lane, splats.scaleM[i].x * c), put(kAxis11, lane, splats.scaleM[i].x * s);
+        put(kAxis20, lane, -splats.scaleM[i].y * s), put(kAxis21, lane, splats.scaleM[i].y * c);
+        put(kOpacity, lane, splats.opacity[i]);
+        put(kSingleFace, lane, splats.flags[i] & kSplatSingleFace ? 1.f : 0.f);
+        put(kCloth, lane, splats.flags[i] & kSplatCloth ? 1.f : 0.f);
+        put(kTriangle, lane, std::bit_cast<float>(splats.triangle[i]));
+        packSh(splats.sh.data() + size_t(i) * shFloats, shFloats, lane, out + kSh * kGroupSplats);
+    }
+}
+
+void packGroup(const StaticSplatData& splats, uint32_t first, float* out) {
+    using namespace static_field;
+    const uint32_t shFloats = shCoefficientCount(splats.shDegree) * 3, lanes = std::min(kGroupSplats, splats.count() - first);
+    if (lanes < kGroupSplats) std::memset(out, 0, groupFields(false, splats.shDegree) * kGroupSplats * sizeof(float));
+    for (uint32_t lane = 0; lane < lanes; ++lane) {
+        const uint32_t i = first + lane;
+        const Mat3f rotation = glm::mat3_cast(splats.rotation[i]);
+        for (uint32_t k = 0; k < 3; ++k) {
+            out[(kPosition + k) * kGroupSplats + lane] = splats.position[i][int(k)];
+            for (uint32_t r = 0; r < 3; ++r)
+                out[(kAxes + k * 3 + r) * kGroupSplats + lane] = rotation[int(k)][int(r)] * splats.scaleM[i][int(k)];
+        }
+        out[kOpacity * kGroupSplats + lane] = splats.opacity[i];
+        packSh(splats.sh.data() + size_t(i) * shFloats, shFloats, lane, out + kSh * kGroupSplats);
+    }
+}
+
+}  // namespace dpl

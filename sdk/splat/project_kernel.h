@@ -1,0 +1,35 @@
+// The seam between the projection's plumbing (splat_project.cpp) and its SIMD kernel (project_kernel.cpp). Private to sdk/splat.
+#pragma once
+
+#include "sdk/splat/buffers.h"
+#include "sdk/splat/packed_layout.h"
+
+namespace dpl {
+
+/** Constants of one view. */
+struct ProjectView {
+    float rotation[9];                    // row-major, view from world
+    float translation[3], eye[3];
+    float fx, fy, cx, cy, width, height;
+    float minX, maxX, minY, maxY;         // limits of x/z and y/z in the Jacobian
+    float kappaPx2;
+    bool compensated;
+};
+
+/** Projects `groups` packed groups, the first of which holds splat `firstSplat`. */
+struct ProjectTask {
+    const ProjectView* view;
+    const float* packed;
+    uint32_t groups, firstSplat, shDegree;
+    const TriangleView* triangles;        // null: general splats
+    uint32_t triangleCount;               // triangles[triangleCount] is an invalid record for indices out of range
+    ProjectedSplat* projected;            // whole arrays, indexed by splat
+    float* rowScale;
+    TileBox* boxes;
+    uint32_t *keys, *values;              // where this block's visible splats go
+    BlockVisible* visible;                // counts so far, continued
+};
+
+void projectGroups(const ProjectTask& task);
+
+}  // namespace dpl
