@@ -20,6 +20,7 @@ struct ReconstructOptions {
     std::filesystem::path models;         // ONNX networks for keypoints and labels; empty: only what the scan brings
     Preset preset = Preset::Standard;
     double timeBudgetMinutes = 0;         // 0: the preset's own step counts
+    uint32_t steps = 0;                   // 0: the preset's; otherwise exactly this many training steps
     uint64_t seed = 1;
     uint32_t threadCount = 0;             // 0: one a core; results do not depend on it
 };

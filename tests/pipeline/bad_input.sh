@@ -1,0 +1,68 @@
+#!/usr/bin/env bash
+# Broken input to the command line: a sentence that names the file, a non-zero exit that is no signal, nothing half-written.
+# usage: bad_input.sh DOPPEL WORKDIR
+set -euo pipefail
+doppel="$1" work="$2"
+rm -rf "$work" && mkdir -p "$work"
+cd "$work"
+"$doppel" sample -o scan --small --seed 5 2>sample.log
+failures=0
+# refuses NAME PATTERN COMMAND...: the command must fail by itself (exit 1 … 127) and say PATTERN.
+refuses() {
+    local name="$1" pattern="$2" status=0
+    shift 2
+    "$@" >out.log 2>&1 || status=$?
+    if [ $status -eq 0 ] || [ $status -ge 128 ] || ! grep -qE "$pattern" out.log; then
+        echo "FAILED: $name (exit $status):" >&2
+        tail -n 5 out.log >&2
+        failures=$((failures + 1))
+    else
+        echo "ok: $name: $(grep -E "$pattern" out.log | head -n 1 | cut -c1-160)"
+    fi
+}
+copy() { rm -rf bad && cp -r scan bad; }
+image=$(python3 -c "import json; print(json.load(open('scan/scan.json'))['frames'][0]['image'])")
+mask=$(python3 -c "import json; print(json.load(open('scan/scan.json'))['frames'][0]['mask'])")
+
+copy; rm "bad/$image"
+refuses "missing image" "$(basename "$image" .jpg)" "$doppel" reconstruct bad -o out
+copy; truncate -s 900 "bad/$image"
+refuses "truncated JPEG" "$(basename "$image" .jpg)" "$doppel" reconstruct bad -o out
+copy; python3 - <<'P'
+import json
+scan = json.load(open("bad/scan.json"))
+scan["frames"][0]["camera"]["fx"] = 0
+json.dump(scan, open("bad/scan.json", "w"))
+P
+refuses "zero focal length" "scan.json" "$doppel" reconstruct bad -o out
+copy; python3 - <<'P'
+import json
+scan = json.load(open("bad/scan.json"))
+del scan["frames"][0]["camera"]
+json.dump(scan, open("bad/scan.json", "w"))
+P
+refuses "absent camera" "scan.json" "$doppel" reconstruct bad -o out
+copy; head -c 500 scan/scan.json >bad/scan.json
+refuses "truncated scan.json" "scan.json" "$doppel" reconstruct bad -o out
+refuses "no such scan" "nowhere" "$doppel" reconstruct nowhere -o out
+python3 - <<'P'
+# One triangle as a glTF binary, with neither skin nor weights.
+import json, struct
+positions = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0)
+text = json.dumps({"asset": {"version": "2.0"}, "buffers": [{"byteLength": len(positions)}], "bufferViews": [{"buffer": 0, "byteLength": len(positions)}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}], "scene": 0}).encode()
+text += b" " * (-len(text) % 4)
+open("plain.glb", "wb").write(struct.pack("<4sII", b"glTF", 2, 12 + 8 + len(text) + 8 + len(positions)) + struct.pack("<I4s", len(text), b"JSON") + text
+    + struct.pack("<I4s", len(positions), b"BIN\0") + positions)
+P
+refuses "a body without skin weights" "weights|skin" "$doppel" reconstruct scan -o out --body plain.glb
+refuses "unknown option" "frobnicate" "$doppel" reconstruct scan -o out --frobnicate
+refuses "no such avatar" "none.glb" "$doppel" render none.glb -o out.png
+head -c 300 /dev/urandom >noise.glb
+refuses "noise as an avatar" "noise.glb" "$doppel" render noise.glb -o out.png
+refuses "noise inspected" "noise.glb" "$doppel" inspect noise.glb
+refuses "output that cannot be written" "full|Not a directory|cannot" "$doppel" sample -o /dev/full/x --small
+[ ! -e out.png ] || { echo "FAILED: a refused render left out.png" >&2; failures=$((failures + 1)); }
+[ ! -e out/avatar.glb ] || { echo "FAILED: a refused reconstruction left an avatar" >&2; failures=$((failures + 1)); }
+[ $failures -eq 0 ]
