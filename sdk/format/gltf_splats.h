@@ -10,7 +10,7 @@
 namespace dpl {
 
 /** One POINTS primitive: POSITION, COLOR_0 (a plain fallback for viewers without the extension) and the extension's ROTATION (xyzw),
- *  SCALE (log of the standard deviation), OPACITY and SH_DEGREE_l_COEF_n, all float. InvalidArgument when array lengths differ or a
+ *  SCALE (linear standard deviations, as ratified; drafts had logarithms), OPACITY and SH_DEGREE_l_COEF_n, all float. InvalidArgument when array lengths differ or a
  *  number is not finite. */
 Result<std::vector<uint8_t>> writeGltfSplats(const StaticSplatData& splats);
 

@@ -1,0 +1,260 @@
+#include "sdk/format/skinned_gltf.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "sdk/format/gltf_model.h"
+
+namespace dpl {
+namespace {
+
+using Mesh = SkinnedGltf::Mesh;
+
+struct SkinnedReader {
+    const SkinnedGltfOptions& options;
+    GltfModel model{};
+    SkinnedGltf out{};
+    std::vector<int32_t> nodeOf{};                        // file node -> our node
+    std::vector<std::vector<uint32_t>> jointOf{};         // per skin: its joint -> our joint
+    uint64_t budget = 0;                                  // bytes that may still be decoded: sharing accessors must not multiply memory
+
+    Status spend(uint64_t bytes) {
+        if (bytes > budget) return fail(Code::CorruptData, "the glTF decodes to far more than its own size; it is damaged or hostile");
+        budget -= bytes;
+        return {};
+    }
+
+    Result<std::vector<float>> floats(uint32_t accessor, uint32_t components) {
+        DPL_CHECK_OK(spend(uint64_t(model.accessors[accessor].count) * components * 4));
+        return readFloats(model, accessor, components);
+    }
+
+    void readNodes() {
+        nodeOf.assign(model.nodes.size(), -1);
+        std::vector<uint32_t> stack;
+        for (uint32_t root = uint32_t(model.nodes.size()); root-- > 0;)
+            if (model.nodes[root].parent < 0) stack.push_back(root);
+        while (!stack.empty()) {
+            const uint32_t n = stack.back();
+            stack.pop_back();
+            const GltfNode& from = model.nodes[n];
+            nodeOf[n] = int32_t(out.nodes.size());
+            out.nodes.push_back({from.name, from.parent < 0 ? -1 : nodeOf[from.parent], from.translation, from.rotation, from.scale});
+            for (size_t c = from.children.size(); c-- > 0;) stack.push_back(from.children[c]);
+        }
+    }
+
+    Status readSkin(uint32_t index) {
+        if (!jointOf[index].empty()) return {};
+        const GltfSkin& skin = model.skins[index];
+        std::vector<float> binds;
+        if (skin.inverseBind >= 0) {
+            DPL_TRY(binds, floats(uint32_t(skin.inverseBind), 16));
+        }
+        for (size_t j = 0; j < skin.joints.size(); ++j) {
+            SkinnedGltf::Joint joint{uint32_t(nodeOf[skin.joints[j]]), Mat4f(1)};
+            if (!binds.empty())
+                for (int c = 0; c < 4; ++c) joint.jointFromMesh[c] = Vec4f(binds[j * 16 + size_t(c) * 4], binds[j * 16 + size_t(c) * 4 + 1], binds[j * 16 + size_t(c) * 4 + 2], binds[j * 16 + size_t(c) * 4 + 3]);
+            auto same = std::find_if(out.joints.begin(), out.joints.end(), [&](const SkinnedGltf::Joint& other) { return other.node == joint.node && nearlyEqual(other.jointFromMesh, joint.jointFromMesh); });
+            jointOf[index].push_back(uint32_t(same - out.joints.begin()));
+            if (same == out.joints.end()) out.joints.push_back(joint);
+            if (out.joints.size() > options.limits.maxJoints) return fail(Code::CorruptData, "more than {} joints", options.limits.maxJoints);
+        }
+        return {};
+    }
+
+    static bool nearlyEqual(const Mat4f& a, const Mat4f& b) {
+        for (int c = 0; c < 4; ++c)
+            for (int r = 0; r < 4; ++r)
+                if (std::abs(a[c][r] - b[c][r]) > 1e-5f) return false;
+        return true;
+    }
+
+    Status readMeshes() {
+        for (uint32_t n = 0; n < model.nodes.size(); ++n) {
+            const GltfNode& node = model.nodes[n];
+            if (node.mesh < 0) continue;
+            const GltfMesh& mesh = model.meshes[node.mesh];
+            for (const GltfPrimitive& primitive : mesh.primitives) {
+                if (primitive.mode != 4) continue;   // points and lines of props are not a body
+                DPL_CHECK_OK(readMesh(mesh, primitive, node, n));
+            }
+        }
+        return {};
+    }
+
+    Status readMesh(const GltfMesh& source, const GltfPrimitive& primitive, const GltfNode& node, uint32_t nodeIndex) {
+        const uint64_t promised = primitive.attributes.contains("POSITION") ? model.accessors[primitive.attributes.at("POSITION")].count : 0;
+        const uint64_t indices = primitive.indices >= 0 ? model.accessors[primitive.indices].count : promised;
+        DPL_CHECK_OK(spend(promised * 80 + indices * 4));
+        DPL_TRY(PrimitiveReader reader, PrimitiveReader::open(model, primitive, options.limits));
+        Mesh& to = out.meshes.emplace_back();
+        to.name = source.name.empty() ? node.name : source.name;
+        to.node = nodeOf[nodeIndex];
+        to.triangles = std::move(reader.triangles());
+        const uint32_t n = reader.vertexCount();
+        DPL_TRY(const std::vector<float> positions, reader.floats("POSITION", 3));
+        for (uint32_t v = 0; v < n; ++v) to.positions.emplace_back(positions[v * 3], positions[v * 3 + 1], positions[v * 3 + 2]);
+        if (reader.has("TEXCOORD_0")) {
+            DPL_TRY(const std::vector<float> uv, reader.floats("TEXCOORD_0", 2));
+            for (uint32_t v = 0; v < n; ++v) to.uv.emplace_back(uv[v * 2], uv[v * 2 + 1]);
+        }
+        if (reader.has("COLOR_0")) {
+            const uint32_t components = reader.componentsOf("COLOR_0");
+            DPL_TRY(const std::vector<float> c, reader.floats("COLOR_0", components == 4 ? 4 : 3));
+            for (uint32_t v = 0; v < n; ++v) to.colours.push_back(components == 4 ? Vec4f(c[v * 4], c[v * 4 + 1], c[v * 4 + 2], c[v * 4 + 3]) : Vec4f(c[v * 3], c[v * 3 + 1], c[v * 3 + 2], 1));
+        }
+        if (node.skin >= 0 && reader.has("JOINTS_0") && reader.has("WEIGHTS_0")) {
+            DPL_CHECK_OK(readSkin(uint32_t(node.skin)));
+            DPL_CHECK_OK(readWeights(reader, uint32_t(node.skin), to));
+        }
+        return readMorphs(source, primitive, n, to);
+    }
+
+    /** Up to eight influences, the four largest stay. */
+    Status readWeights(const PrimitiveReader& reader, uint32_t skin, Mesh& to) {
+        const uint32_t n = reader.vertexCount(), sets = reader.has("JOINTS_1") && reader.has("WEIGHTS_1") ? 2 : 1;
+        std::vector<float> joints[2], weights[2];
+        for (uint32_t set = 0; set < sets; ++set) {
+            DPL_TRY(joints[set], reader.floats(set ? "JOINTS_1" : "JOINTS_0", 4));
+            DPL_TRY(weights[set], reader.floats(set ? "WEIGHTS_1" : "WEIGHTS_0", 4));
+        }
+        to.skinned = true;
+        to.jointIndices.assign(n, glm::u16vec4(0)), to.jointWeights.assign(n, Vec4f(0));
+        for (uint32_t v = 0; v < n; ++v) {
+            std::pair<float, uint32_t> influences[8] = {};
+            for (uint32_t k = 0; k < sets * 4; ++k) {
+                const float joint = joints[k / 4][v * 4 + k % 4], weight = weights[k / 4][v * 4 + k % 4];
+                if (!(weight > 0)) continue;
+                if (joint < 0 || joint >= float(jointOf[skin].size())) return fail(Code::CorruptData, "vertex {} of mesh '{}' follows joint {} of {}", v, to.name, joint, jointOf[skin].size());
+                influences[k] = {weight, jointOf[skin][size_t(joint)]};
+            }
+            std::stable_sort(influences, influences + 8, [](const auto& a, const auto& b) { return a.first > b.first; });
+            const float sum = influences[0].first + influences[1].first + influences[2].first + influences[3].first;
+            if (!(sum > 0)) return fail(Code::CorruptData, "vertex {} of mesh '{}' follows no joint: all its skin weights are 0", v, to.name);
+            for (int k = 0; k < 4; ++k) to.jointWeights[v][k] = influences[k].first / sum, to.jointIndices[v][k] = uint16_t(influences[k].second);
+        }
+        return {};
+    }
+
+    Status readMorphs(const GltfMesh& source, const GltfPrimitive& primitive, uint32_t vertexCount, Mesh& to) {
+        for (size_t t = 0; t < primitive.targets.size(); ++t) {
+            SkinnedGltf::Morph& morph = to.morphs.emplace_back();
+            morph.name = t < source.targetNames.size() && !source.targetNames[t].empty() ? source.targetNames[t] : "morph" + std::to_string(t);
+            morph.restWeight = t < source.weights.size() ? source.weights[t] : 0;
+            DPL_CHECK_OK(spend(uint64_t(vertexCount) * 12));
+            morph.offsets.assign(vertexCount, Vec3f(0));
+            const auto position = primitive.targets[t].find("POSITION");
+            if (position == primitive.targets[t].end()) continue;
+            const GltfAccessor& accessor = model.accessors[position->second];
+            if (accessor.count != vertexCount) return fail(Code::CorruptData, "morph '{}' has {} offsets for {} vertices", morph.name, accessor.count, vertexCount);
+            if (accessor.view < 0 && accessor.sparse.count == 0) continue;   // glTF: no data means zeros
+            DPL_TRY(const std::vector<float> offsets, floats(position->second, 3));
+            for (uint32_t v = 0; v < vertexCount; ++v) morph.offsets[v] = Vec3f(offsets[v * 3], offsets[v * 3 + 1], offsets[v * 3 + 2]);
+        }
+        return {};
+    }
+
+    Status readAnimations() {
+        for (const GltfAnimation& from : model.animations) {
+            SkinnedGltf::Animation& to = out.animations.emplace_back();
+            to.name = from.name;
+            for (const GltfAnimation::Channel& source : from.channels) {
+                if (source.node < 0 || source.path == "weights") continue;
+                const GltfAnimation::Sampler& sampler = from.samplers[source.sampler];
+                SkinnedGltf::Channel channel;
+                channel.node = uint32_t(nodeOf[source.node]);
+                if (source.path == "rotation")
+                    channel.path = SkinnedGltf::Path::Rotation;
+                else if (source.path == "translation")
+                    channel.path = SkinnedGltf::Path::Translation;
+                else if (source.path == "scale")
+                    channel.path = SkinnedGltf::Path::Scale;
+                else
+                    continue;
+                channel.interpolation = sampler.interpolation == "STEP" ? SkinnedGltf::Interpolation::Step : sampler.interpolation == "CUBICSPLINE" ? SkinnedGltf::Interpolation::Cubic : SkinnedGltf::Interpolation::Linear;
+                DPL_TRY(channel.timesS, floats(sampler.input, 1));
+                const uint32_t components = channel.path == SkinnedGltf::Path::Rotation ? 4 : 3;
+                DPL_TRY(const std::vector<float> values, floats(sampler.output, components));
+                const size_t perKey = channel.interpolation == SkinnedGltf::Interpolation::Cubic ? 3 : 1;
+                if (channel.timesS.empty() || values.size() != channel.timesS.size() * perKey * components) return fail(Code::CorruptData, "animation '{}' has {} times and {} values", to.name, channel.timesS.size(), values.size() / components);
+                for (size_t i = 1; i < channel.timesS.size(); ++i)
+                    if (!(channel.timesS[i] > channel.timesS[i - 1])) return fail(Code::CorruptData, "the times of animation '{}' do not rise", to.name);
+                for (size_t i = 0; i < values.size(); i += components) channel.values.emplace_back(values[i], values[i + 1], values[i + 2], components == 4 ? values[i + 3] : 0.0f);
+                to.channels.push_back(std::move(channel));
+            }
+        }
+        return {};
+    }
+
+    Status read(std::span<const uint8_t> bytes) {
+        DPL_TRY(model, parseGlb(bytes, options.limits));
+        budget = (256ull << 20) + uint64_t(bytes.size()) * 16;
+        jointOf.resize(model.skins.size());
+        readNodes();
+        DPL_CHECK_OK(readMeshes());
+        DPL_CHECK_OK(readAnimations());
+        if (!options.requireSkin) return {};
+        if (out.meshes.empty()) return fail(Code::NotFound, "the glTF has no triangle mesh");
+        if (std::none_of(out.meshes.begin(), out.meshes.end(), [](const Mesh& m) { return m.skinned; }))
+            return fail(Code::NotFound, "the glTF has no skin weights: a body needs a skeleton with JOINTS_0 and WEIGHTS_0 on its mesh; rig it and export with skinning");
+        return {};
+    }
+};
+
+Quatf quaternion(const Vec4f& v) { return {v.w, v.x, v.y, v.z}; }
+Vec4f unit(const Quatf& q) {
+    const float length = glm::length(q);
+    const Quatf r = length > 1e-8f ? q / length : Quatf(1, 0, 0, 0);
+    return {r.x, r.y, r.z, r.w};
+}
+
+}  // namespace
+
+Result<SkinnedGltf> readSkinnedGltf(std::span<const uint8_t> bytes, const SkinnedGltfOptions& options) try {
+    SkinnedReader reader{options};
+    DPL_CHECK_OK(reader.read(bytes));
+    return std::move(reader.out);
+} catch (const std::bad_alloc&) {
+    return fail(Code::OutOfMemory, "no memory to read a glTF");
+} catch (const std::exception& e) {
+    return fail(Code::CorruptData, "the glTF cannot be read: {}", e.what());
+}
+
+std::vector<Mat4f> SkinnedGltf::restTransforms() const {
+    std::vector<Mat4f> scene(nodes.size());
+    for (size_t n = 0; n < nodes.size(); ++n) {
+        const Node& node = nodes[n];
+        const Mat4f local = glm::translate(Mat4f(1), node.translation) * glm::mat4_cast(node.rotation) * glm::scale(Mat4f(1), node.scale);
+        scene[n] = node.parent < 0 ? local : scene[size_t(node.parent)] * local;
+    }
+    return scene;
+}
+
+float SkinnedGltf::Animation::endS() const {
+    float end = 0;
+    for (const Channel& channel : channels) end = std::max(end, channel.timesS.empty() ? 0.0f : channel.timesS.back());
+    return end;
+}
+
+Vec4f sampleChannel(const SkinnedGltf::Channel& c, float timeS) {
+    const bool rotation = c.path == SkinnedGltf::Path::Rotation, cubic = c.interpolation == SkinnedGltf::Interpolation::Cubic;
+    auto key = [&](size_t i) { return cubic ? c.values[i * 3 + 1] : c.values[i]; };
+    auto finish = [&](const Vec4f& v) { return rotation ? unit(quaternion(v)) : v; };
+    const size_t next = size_t(std::upper_bound(c.timesS.begin(), c.timesS.end(), timeS) - c.timesS.begin());
+    if (next == 0) return finish(key(0));
+    if (next == c.timesS.size() || c.interpolation == SkinnedGltf::Interpolation::Step) return finish(key(next - 1));
+    const size_t i = next - 1;
+    const float span = c.timesS[next] - c.timesS[i], t = (timeS - c.timesS[i]) / span;
+    if (cubic) {
+        const float t2 = t * t, t3 = t2 * t;
+        return finish((2 * t3 - 3 * t2 + 1) * key(i) + span * (t3 - 2 * t2 + t) * c.values[i * 3 + 2] + (3 * t2 - 2 * t3) * key(next) + span * (t3 - t2) * c.values[next * 3]);
+    }
+    if (!rotation) return key(i) + t * (key(next) - key(i));
+    return unit(glm::slerp(glm::normalize(quaternion(key(i))), glm::normalize(quaternion(key(next))), t));
+}
+
+}  // namespace dpl
