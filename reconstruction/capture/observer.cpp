@@ -1,0 +1,204 @@
+// BlazePose and the clothes parser on one picture.
+#include <opencv2/imgproc.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "reconstruction/capture/observations.h"
+#include "reconstruction/capture/onnx_net.h"
+
+namespace dpl {
+namespace {
+
+constexpr int kPoseSide = 256, kParserSide = 512;
+constexpr int kCropRounds = 3;
+constexpr uint8_t kBody = 1, kTop = 2, kBottom = 3, kHair = 4, kShoes = 5;
+
+double sigmoid(double x) { return 1 / (1 + std::exp(-x)); }
+
+/** A turned square of the picture. */
+struct Crop {
+    Vec2d centrePx{0};
+    double sidePx = 1, angleRad = 0;  // the crop's up is the picture's up turned clockwise by the angle
+
+    Vec2d toPicture(const Vec2d& inCrop, double cropSide) const {
+        const Vec2d d = (inCrop / cropSide - 0.5) * sidePx;
+        const double c = std::cos(angleRad), s = std::sin(angleRad);
+        return centrePx + Vec2d(c * d.x - s * d.y, s * d.x + c * d.y);
+    }
+    /** OpenCV's matrix that maps pixel centres of a cropSide² picture to pixel centres of the picture. */
+    cv::Matx23d matrix(double cropSide) const {
+        const double k = sidePx / cropSide, c = k * std::cos(angleRad), s = k * std::sin(angleRad);
+        const Vec2d origin = toPicture({0.5, 0.5}, cropSide) - 0.5;
+        return {c, -s, origin.x, s, c, origin.y};
+    }
+};
+
+cv::Mat rgbOf(const ImageRgb8& image) { return {int(image.heightPx), int(image.widthPx), CV_8UC3, const_cast<uint8_t*>(image.pixels.data())}; }
+
+std::vector<float> cropToTensor(const ImageRgb8& image, const Crop& crop, int side, const std::array<float, 3>& mean, const std::array<float, 3>& deviation) {
+    cv::Mat cut;
+    cv::Mat source = rgbOf(image);
+    Crop used = crop;
+    if (const double shrink = double(side) / crop.sidePx; shrink < 0.5) {  // average first: bilinear alone would skip pixels
+        cv::resize(source, source, {}, 2 * shrink, 2 * shrink, cv::INTER_AREA);
+        used.centrePx *= Vec2d(double(source.cols) / image.widthPx, double(source.rows) / image.heightPx);
+        used.sidePx *= double(source.cols) / image.widthPx;
+    }
+    cv::warpAffine(source, cut, used.matrix(side), {side, side}, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_CONSTANT);
+    std::vector<float> chw(size_t(3) * side * side);
+    for (int c = 0; c < 3; ++c)
+        for (int y = 0; y < side; ++y)
+            for (int x = 0; x < side; ++x)
+                chw[(size_t(c) * side + y) * side + x] = (float(cut.at<cv::Vec3b>(y, x)[c]) / 255.0f - mean[size_t(c)]) / deviation[size_t(c)];
+    return chw;
+}
+
+/** A crop's plane of numbers spread over the picture; 0 outside the crop. */
+cv::Mat spread(const float* plane, int side, const Crop& crop, uint32_t width, uint32_t height) {
+    const cv::Mat small(side, side, CV_32F, const_cast<float*>(plane));
+    cv::Mat big;
+    cv::warpAffine(small, big, crop.matrix(side), {int(width), int(height)}, cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar(0));
+    return big;
+}
+
+Crop boxCrop(const ImageRgb8& image, const ImageGrey8* mask, double margin) {
+    cv::Rect box(0, 0, int(image.widthPx), int(image.heightPx));
+    if (mask) {
+        const cv::Mat soft(int(mask->heightPx), int(mask->widthPx), CV_8U, const_cast<uint8_t*>(mask->pixels.data()));
+        const cv::Rect person = cv::boundingRect(soft >= 128);
+        if (person.area() > 0) box = person;
+    }
+    return {{box.x + 0.5 * box.width, box.y + 0.5 * box.height}, margin * std::max(box.width, box.height), 0};
+}
+
+double segmentDistance(const Vec2d& p, const Vec2d& a, const Vec2d& b) {
+    const Vec2d d = b - a;
+    const double length2 = glm::dot(d, d);
+    const double t = length2 > 0 ? std::clamp(glm::dot(p - a, d) / length2, 0.0, 1.0) : 0.0;
+    return glm::length(p - a - t * d);
+}
+
+/** Clothes are told apart by the nearest limb: torso and arms wear the top, legs the bottom, feet the shoes. Landmarks in picture pixels. */
+uint8_t garmentAt(const Vec2d& px, std::span<const Vec2d> p) {
+    const Vec2d hips = 0.5 * (p[23] + p[24]), shoulders = 0.5 * (p[11] + p[12]);
+    const Vec2d waist = hips + 0.12 * (shoulders - hips);
+    double top = segmentDistance(px, waist, shoulders), bottom = std::min(segmentDistance(px, hips, p[25]), segmentDistance(px, hips, p[26])), shoes = 1e9;
+    for (const size_t side : {0, 1}) {
+        top = std::min({top, segmentDistance(px, p[11 + side], p[13 + side]), segmentDistance(px, p[13 + side], p[15 + side]),
+                        segmentDistance(px, p[15 + side], p[19 + side]), segmentDistance(px, waist, p[11 + side])});
+        const Vec2d shinEnd = p[25 + side] + 0.92 * (p[27 + side] - p[25 + side]);
+        bottom = std::min({bottom, segmentDistance(px, p[23 + side], p[25 + side]), segmentDistance(px, p[25 + side], shinEnd)});
+        shoes = std::min({shoes, segmentDistance(px, p[27 + side], p[31 + side]), segmentDistance(px, p[29 + side], p[31 + side])});
+    }
+    return top <= bottom && top <= shoes ? kTop : bottom <= shoes ? kBottom : kShoes;
+}
+
+struct Pose {
+    Crop crop;
+    std::array<Vec2d, 39> landmarks{};
+    std::array<double, 39> confidence{};
+    double score = 0;
+    std::vector<float> segmentation;
+};
+
+}  // namespace
+
+struct Observer::State {
+    OnnxNet pose;
+    std::optional<OnnxNet> parser;
+
+    Result<Pose> findPose(const ImageRgb8& image, const ImageGrey8* mask) {
+        Pose found;
+        Crop crop = boxCrop(image, mask, 1.25);
+        for (int round = 0; round < kCropRounds; ++round) {
+            DPL_TRY(const auto outputs, pose.run(cropToTensor(image, crop, kPoseSide, {0, 0, 0}, {1, 1, 1}), kPoseSide));
+            const Tensor *points = nullptr, *flag = nullptr, *segmentation = nullptr;
+            for (const Tensor& t : outputs) {
+                if (t.name.find("ld_3d") != std::string::npos && t.data.size() == 195) points = &t;
+                if (t.name.find("poseflag") != std::string::npos && t.data.size() == 1) flag = &t;
+                if (t.name.find("segmentation") != std::string::npos && t.data.size() == size_t(kPoseSide) * kPoseSide) segmentation = &t;
+            }
+            if (!points || !flag || !segmentation) return fail(Code::Unsupported, "the pose network has other outputs than BlazePose; use blazepose_full.onnx");
+            found.crop = crop;
+            found.score = std::clamp(double(flag->data[0]), 0.0, 1.0);
+            found.segmentation = segmentation->data;
+            for (size_t k = 0; k < 39; ++k) {
+                const float* v = points->data.data() + 5 * k;
+                found.landmarks[k] = crop.toPicture({v[0], v[1]}, kPoseSide);
+                found.confidence[k] = sigmoid(v[3]) * sigmoid(v[4]);
+            }
+            if (found.score < 0.5) break;  // nobody there: a next crop would wander off
+            const Vec2d up = found.landmarks[34] - found.landmarks[33];
+            const double reach = glm::length(up);
+            if (!(reach > 1) || !std::isfinite(reach)) break;
+            crop = {found.landmarks[33], 2.5 * reach, std::atan2(up.x, -up.y)};
+        }
+        return found;
+    }
+
+    Status findLabels(const ImageRgb8& image, const Pose& pose33, Observation& out) {
+        const Crop crop = boxCrop(image, &out.mask, 1.1);
+        DPL_TRY(const auto outputs, parser->run(cropToTensor(image, crop, kParserSide, {0.485f, 0.456f, 0.406f}, {0.229f, 0.224f, 0.225f}), kParserSide));
+        constexpr size_t kPlane = size_t(kParserSide) * kParserSide;
+        if (outputs.size() != 1 || outputs[0].data.size() != 3 * kPlane)
+            return fail(Code::Unsupported, "the clothes network has other outputs than skin, clothes, hair; use skin_clothes_hair_pan.onnx");
+        cv::Mat share[3];
+        for (size_t c = 0; c < 3; ++c) share[c] = spread(outputs[0].data.data() + c * kPlane, kParserSide, crop, image.widthPx, image.heightPx);
+        out.labels = {image.widthPx, image.heightPx, std::vector<uint8_t>(size_t(image.widthPx) * image.heightPx, 0)};
+        for (uint32_t y = 0; y < image.heightPx; ++y)
+            for (uint32_t x = 0; x < image.widthPx; ++x) {
+                const size_t i = size_t(y) * image.widthPx + x;
+                if (out.mask.pixels[i] < 128) continue;
+                const float skin = share[0].at<float>(int(y), int(x)), clothes = share[1].at<float>(int(y), int(x)), hair = share[2].at<float>(int(y), int(x));
+                if (hair >= skin && hair >= clothes && hair > 0.3f) out.labels.pixels[i] = kHair;
+                else if (skin > clothes && skin > 0.3f) out.labels.pixels[i] = kBody;
+                else out.labels.pixels[i] = garmentAt({x + 0.5, y + 0.5}, pose33.landmarks);
+            }
+        return {};
+    }
+};
+
+Observer::Observer(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Observer::Observer(Observer&&) noexcept = default;
+Observer& Observer::operator=(Observer&&) noexcept = default;
+Observer::~Observer() = default;
+bool Observer::hasLabels() const { return state_->parser.has_value(); }
+
+Result<Observer> Observer::load(const std::filesystem::path& models) {
+    std::error_code ignored;
+    const bool full = std::filesystem::exists(models / "blazepose_full.onnx", ignored);
+    DPL_TRY(auto pose, OnnxNet::load(models / (full || !std::filesystem::exists(models / "blazepose_lite.onnx", ignored) ? "blazepose_full.onnx" : "blazepose_lite.onnx")));
+    std::optional<OnnxNet> parser;
+    if (const auto path = models / "skin_clothes_hair_pan.onnx"; std::filesystem::exists(path, ignored)) {
+        DPL_TRY(parser, OnnxNet::load(path));
+    }
+    return Observer(std::unique_ptr<State>(new State{std::move(pose), std::move(parser)}));
+}
+
+Result<Observation> Observer::observe(const ImageRgb8& image, const ImageGrey8* mask) {
+    if (image.pixels.size() != size_t(3) * image.widthPx * image.heightPx || image.pixels.empty()) return fail(Code::InvalidArgument, "an empty image cannot be observed");
+    if (mask && (mask->widthPx != image.widthPx || mask->heightPx != image.heightPx)) return fail(Code::InvalidArgument, "the mask has another size than the image");
+    DPL_TRY(const Pose pose, state_->findPose(image, mask));
+    Observation out;
+    out.personScore = pose.score;
+    if (mask) {
+        out.mask = *mask;
+    } else {
+        const cv::Mat soft = spread(pose.segmentation.data(), kPoseSide, pose.crop, image.widthPx, image.heightPx);
+        out.mask = {image.widthPx, image.heightPx, std::vector<uint8_t>(size_t(image.widthPx) * image.heightPx, 0)};
+        if (pose.score >= 0.5)
+            for (uint32_t y = 0; y < image.heightPx; ++y)
+                for (uint32_t x = 0; x < image.widthPx; ++x)
+                    out.mask.pixels[size_t(y) * image.widthPx + x] = uint8_t(std::lround(255 * std::clamp(soft.at<float>(int(y), int(x)), 0.0f, 1.0f)));
+    }
+    std::array<double, 33> confidence{};
+    for (size_t k = 0; k < 33; ++k) confidence[k] = pose.score >= 0.5 ? pose.confidence[k] * pose.score : 0;
+    out.keypoints = keypointsFromLandmarks(std::span(pose.landmarks).first(33), confidence, &out.mask);
+    if (state_->parser && pose.score >= 0.5) DPL_CHECK_OK(state_->findLabels(image, pose, out));
+    return out;
+}
+
+}  // namespace dpl

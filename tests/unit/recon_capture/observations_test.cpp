@@ -1,0 +1,161 @@
+// Neural front-ends: the networks give the numbers they gave elsewhere, landmarks become our keypoints, real pictures make sense.
+#include "reconstruction/capture/observations.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "reconstruction/capture/onnx_net.h"
+#include "reconstruction/capture/scan_check.h"
+#include "tests/unit/recon_capture/scan_builder.h"
+#include "tests/unit/shared_data.h"
+
+namespace dpl {
+namespace {
+
+TEST(OnnxNet, agreesWithTheGoldenValuesOfAnotherRuntime) {
+    const auto models = sharedData("models");
+    if (!models) GTEST_SKIP() << "shared data (models) is not on this machine";
+    std::ifstream in(*models / "golden.json");
+    const auto golden = nlohmann::json::parse(in);
+    for (const auto& [file, side] : {std::pair{"blazepose_full.onnx", 256}, {"blazepose_lite.onnx", 256}, {"selfie_seg.onnx", 256}, {"skin_clothes_hair_pan.onnx", 512}}) {
+        auto net = OnnxNet::load(*models / file);
+        ASSERT_TRUE(net) << net.error().message;
+        std::vector<float> input(size_t(3) * side * side);
+        for (size_t i = 0; i < input.size(); ++i) input[i] = float((i * 7919) % 1000) / 1000.0f;
+        auto outputs = net->run(input, side);
+        ASSERT_TRUE(outputs) << outputs.error().message;
+        const auto& want = golden.at(file);
+        // The golden file holds the first output in onnxruntime's order; ours is the one of that length.
+        const size_t count = want.at("first_output_count");
+        const auto found = std::find_if(outputs->begin(), outputs->end(), [&](const Tensor& t) { return t.data.size() == count; });
+        ASSERT_NE(found, outputs->end()) << file;
+        for (size_t i = 0; i < want.at("first8").size(); ++i)
+            EXPECT_NEAR(found->data[i], want.at("first8")[i].get<double>(), 2e-5) << file;  // 4e-6 stated by golden.json, five times for other CPUs
+    }
+}
+
+TEST(OnnxNet, aDamagedNetworkIsAnError) {
+    TemporaryFolder folder;
+    writeText(folder.path / "blazepose_full.onnx", "not a network");
+    auto net = OnnxNet::load(folder.path / "blazepose_full.onnx");
+    ASSERT_FALSE(net);
+    EXPECT_TRUE(mentions(net.error().message, {"blazepose_full.onnx", "download"}));
+    EXPECT_FALSE(Observer::load(folder.path / "nowhere"));
+}
+
+TEST(Landmarks, becomeTheTwentyFourNames) {
+    // A front view by hand: the subject's left is on the right of the picture.
+    std::vector<Vec2d> p(33, Vec2d(50, 50));
+    std::vector<double> confidence(33, 0.9);
+    p[0] = {50, 20}, p[7] = {55, 20}, p[8] = {45, 20};
+    p[11] = {65, 40}, p[12] = {35, 40}, p[23] = {58, 90}, p[24] = {42, 90};
+    p[17] = {90, 90}, p[19] = {86, 92};
+    p[29] = {58, 160}, p[31] = {62, 170};
+    confidence[16] = 0.01;
+    ImageGrey8 mask{100, 200, std::vector<uint8_t>(100 * 200, 0)};
+    for (uint32_t y = 10; y < 180; ++y)
+        for (uint32_t x = 30; x < 70; ++x) mask.pixels[y * 100 + x] = 255;
+    const auto names = observedKeypointNames();
+    const auto k = keypointsFromLandmarks(p, confidence, &mask);
+    ASSERT_EQ(k.size(), names.size());
+    const auto at = [&](const char* name) { return k[size_t(std::find(names.begin(), names.end(), name) - names.begin())]; };
+    EXPECT_EQ(at("nose").px, Vec2d(50, 20));
+    EXPECT_EQ(at("knuckle_l").px, Vec2d(88, 91));
+    EXPECT_NEAR(at("pelvis").px.x, 50, 1e-12);
+    EXPECT_NEAR(at("pelvis").px.y, 84, 1e-9) << "raised by 12 % of a trunk of 50";
+    EXPECT_NEAR(at("shoulder_l").px.y, 43, 1e-9);
+    EXPECT_GT(at("neck").px.y, at("nose").px.y);
+    EXPECT_LT(at("neck").px.y, at("shoulder_l").px.y);
+    EXPECT_NEAR(at("head_top").px.y, 10, 0.5) << "where the mask ends above the ears";
+    EXPECT_EQ(at("wrist_r").confidence, 0) << "an unseen point is missing, not uncertain";
+    EXPECT_LT(at("neck").confidence, 0.9);
+    EXPECT_EQ(keypointsFromLandmarks(std::span(p).first(10), confidence, nullptr)[0].confidence, 0);
+}
+
+TEST(Observations, bikerIsSeenTheSameOnOneThreadAndTwo) {
+    const auto models = sharedData("models"), biker = sharedData("real-orbit-biker");
+    if (!models || !biker) GTEST_SKIP() << "shared data (models, real-orbit-biker) is not on this machine";
+    auto all = readScan(*biker);
+    ASSERT_TRUE(all) << all.error().message;
+    Scan scan = *all;
+    scan.frames.clear();
+    for (size_t i = 0; i < all->frames.size(); i += 12) scan.frames.push_back(all->frames[i]);
+    TemporaryFolder folder;
+    std::vector<std::string> bytes;
+    for (const uint32_t threads : {1u, 2u}) {
+        Scan observed = scan;
+        Jobs jobs(threads);
+        const auto output = folder.path / std::to_string(threads);
+        const Status status = observeScan(observed, {*models, output, {}}, jobs);
+        ASSERT_TRUE(status) << status.error().message;
+        ASSERT_EQ(observed.keypointNames.size(), 24u);
+        std::string everything;
+        for (const auto& frame : observed.frames) {
+            EXPECT_EQ(frame.maskPath.parent_path().filename(), "masks") << "a mask that the scan brings is kept";
+            for (const auto& path : {frame.keypointsPath, frame.labelsPath}) {
+                std::ifstream in(path, std::ios::binary);
+                everything += std::string{std::istreambuf_iterator<char>(in), {}};
+            }
+            auto points = readKeypoints(observed, frame);
+            ASSERT_TRUE(points) << points.error().message;
+            auto mask = readFrameMask(frame);
+            auto labels = readFrameLabels(frame);
+            ASSERT_TRUE(mask && labels);
+            int confident = 0, on = 0;
+            for (const auto& k : *points) {
+                if (k.confidence < 0.5) continue;
+                ++confident;
+                on += mask->pixels[size_t(k.px.y) * mask->widthPx + size_t(k.px.x)] >= 128;
+            }
+            EXPECT_GE(confident, 10) << frame.name;
+            EXPECT_GE(on, confident - 3) << frame.name;
+            std::array<size_t, 256> histogram{};
+            for (const uint8_t v : labels->pixels) ++histogram[v];
+            EXPECT_GT(histogram[2] + histogram[3], 10 * histogram[1]) << "he wears leather from neck to foot";
+            EXPECT_GT(histogram[4], 0u);
+        }
+        bytes.push_back(everything);
+    }
+    EXPECT_TRUE(bytes[0] == bytes[1]);
+}
+
+TEST(Observations, bikersMaskIsFoundWithoutHisMask) {
+    const auto models = sharedData("models"), biker = sharedData("real-orbit-biker");
+    if (!models || !biker) GTEST_SKIP() << "shared data (models, real-orbit-biker) is not on this machine";
+    auto scan = readScan(*biker);
+    ASSERT_TRUE(scan) << scan.error().message;
+    auto observer = Observer::load(*models);
+    ASSERT_TRUE(observer) << observer.error().message;
+    const auto& frame = scan->frames[10];
+    auto image = readFrameImage(frame);
+    auto truth = readFrameMask(frame);
+    ASSERT_TRUE(image && truth);
+    auto seen = observer->observe(*image, nullptr);
+    ASSERT_TRUE(seen) << seen.error().message;
+    EXPECT_GT(seen->personScore, 0.9);
+    size_t both = 0, either = 0;
+    for (size_t i = 0; i < truth->pixels.size(); ++i) {
+        const bool a = truth->pixels[i] >= 128, b = seen->mask.pixels[i] >= 128;
+        both += a && b, either += a || b;
+    }
+    EXPECT_GT(double(both) / double(either), 0.9);  // PROVENANCE: 0.93 to 0.98
+}
+
+TEST(Observations, anEmptyPictureHasNobody) {
+    const auto models = sharedData("models");
+    if (!models) GTEST_SKIP() << "shared data (models) is not on this machine";
+    auto observer = Observer::load(*models);
+    ASSERT_TRUE(observer) << observer.error().message;
+    const ImageRgb8 grey{64, 48, std::vector<uint8_t>(64 * 48 * 3, 128)};
+    auto seen = observer->observe(grey, nullptr);
+    ASSERT_TRUE(seen) << seen.error().message;
+    EXPECT_LT(seen->personScore, 0.5);
+    for (const auto& k : seen->keypoints) EXPECT_EQ(k.confidence, 0);
+    EXPECT_EQ(*std::max_element(seen->mask.pixels.begin(), seen->mask.pixels.end()), 0);
+    const ImageGrey8 wrong{2, 2, {0, 0, 0, 0}};
+    EXPECT_FALSE(observer->observe(grey, &wrong));
+}
+
+}  // namespace
+}  // namespace dpl
