@@ -217,10 +217,13 @@ float BodyField::neck(const Vec3f& p) const {
     return smoothUnion(d, ellipsoid(p, {0, 1.508f, 0.034f}, {0.012f, 0.014f, 0.010f}), 0.016f);                          // Adam's apple
 }
 
+float BodyField::scalp(const Vec3f& p) const { return smoothUnion(smoothUnion(cranium(p), face_.distance(p), 0.030f), neck_.distance(p), 0.022f); }
+
 float BodyField::head(const Vec3f& p) const {
     float d = smoothUnion(cranium(p), face_.distance(p), 0.030f);
     if (p.y < 1.75f && p.y > 1.49f && p.z > -0.03f) {
         d = smoothUnion(d, ellipsoid(p, {0.0455f, 1.620f, 0.0585f}, {0.021f, 0.018f, 0.022f}), 0.030f);                      // cheekbone
+        d = smoothUnion(d, ellipsoid(p, {0.0400f, 1.592f, 0.056f}, {0.0215f, 0.026f, 0.0240f}), 0.030f);                   // cheek
         d = smoothUnion(d, taperedCapsule(p, {0.010f, 1.668f, 0.085f}, {0.046f, 1.669f, 0.068f}, 0.0095f, 0.0085f), 0.016f);  // brow
         d = smoothUnion(d, ellipsoid(p, {0, 1.538f, 0.086f}, {0.020f, 0.014f, 0.013f}), 0.014f);                           // chin
         d = smoothUnion(d, taperedCapsule(p, {0.049f, 1.583f, 0.006f}, {0.022f, 1.537f, 0.067f}, 0.011f, 0.010f), 0.028f);  // jaw line

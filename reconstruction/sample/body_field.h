@@ -26,9 +26,10 @@ public:
     float foot(const Vec3f& p) const;      // without toes
     float arm(const Vec3f& p) const;       // shoulder to wrist
     float head(const Vec3f& p) const;      // with the neck
-    float cranium(const Vec3f& p) const;   // the skull without a face
+    float scalp(const Vec3f& p) const;     // skull and neck without face details and ears
 
 private:
+    float cranium(const Vec3f& p) const;
     float hand(const Vec3f& p) const;
     float palm(const Vec3f& p) const;
     float finger(const Vec3f& p, Finger finger) const;
