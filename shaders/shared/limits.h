@@ -5,35 +5,35 @@
 #include "shaders/shared/shim.h"
 DPL_SHARED_BEGIN
 
-const uint kMaxViews = 2u;
+DPL_CONST uint kMaxViews = 2u;
 
 // Group sizes. No kernel assumes a subgroup width: scans go through shared memory.
-const uint kVertexGroup = 128u;
-const uint kSplatGroup = 128u;
-const uint kScanGroup = 256u;
-const uint kCompactItemsPerLane = 4u;
-const uint kCompactBlock = 1024u;    // kScanGroup * kCompactItemsPerLane
-const uint kSortGroup = 128u;
-const uint kSortItemsPerLane = 16u;
-const uint kSortBlock = 2048u;       // kSortGroup * kSortItemsPerLane
-const uint kSortDigitBits = 4u;
-const uint kSortDigits = 16u;
-const uint kSortRounds = 4u;         // 16-bit keys
-const uint kMaxDepthKey = 65535u;
+DPL_CONST uint kVertexGroup = 128u;
+DPL_CONST uint kSplatGroup = 128u;
+DPL_CONST uint kScanGroup = 256u;
+DPL_CONST uint kCompactItemsPerLane = 4u;
+DPL_CONST uint kCompactBlock = 1024u;    // kScanGroup * kCompactItemsPerLane
+DPL_CONST uint kSortGroup = 128u;
+DPL_CONST uint kSortItemsPerLane = 16u;
+DPL_CONST uint kSortBlock = 2048u;       // kSortGroup * kSortItemsPerLane
+DPL_CONST uint kSortDigitBits = 4u;
+DPL_CONST uint kSortDigits = 16u;
+DPL_CONST uint kSortRounds = 4u;         // 16-bit keys
+DPL_CONST uint kMaxDepthKey = 65535u;
 
-const uint kTriangleMask = 0x00FFFFFFu;  // SplatRecord.triangleAndFlags: triangle in the low 24 bits, flags above
-const uint kFlagShift = 24u;
-const uint kGateFlag = 1u;               // kSplatSingleFace
-const uint kInvisibleKey = 0xFFFFFFFFu;  // no view shows the splat
+DPL_CONST uint kTriangleMask = 0x00FFFFFFu;  // SplatRecord.triangleAndFlags: triangle in the low 24 bits, flags above
+DPL_CONST uint kFlagShift = 24u;
+DPL_CONST uint kGateFlag = 1u;               // kSplatSingleFace
+DPL_CONST uint kInvisibleKey = 0xFFFFFFFFu;  // no view shows the splat
 
-const float kGpuMinTriangleAreaM2 = 1e-10;
-const float kGpuMaxTriangleAspect = 1e4;
-const float kGpuMaxAlpha = 0.99;
-const float kGpuMinAlpha = 0.003921568627450980;
-const float kGpuMinCompensation = 0.005;
-const float kGpuNearM = 0.05;
-const float kGpuNearFadeEndM = 0.15;
-const float kGpuGateEnd = 0.1;
+DPL_CONST float kGpuMinTriangleAreaM2 = 1e-10;
+DPL_CONST float kGpuMaxTriangleAspect = 1e4;
+DPL_CONST float kGpuMaxAlpha = 0.99;
+DPL_CONST float kGpuMinAlpha = 0.003921568627450980;
+DPL_CONST float kGpuMinCompensation = 0.005;
+DPL_CONST float kGpuNearM = 0.05;
+DPL_CONST float kGpuNearFadeEndM = 0.15;
+DPL_CONST float kGpuGateEnd = 0.1;
 
 DPL_SHARED_END
 #endif

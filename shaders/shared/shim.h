@@ -14,10 +14,12 @@ struct alignas(16) uvec4 { uint x, y, z, w; };
 }  // namespace dpl::gpu
 #define DPL_SHARED_BEGIN namespace dpl::gpu {
 #define DPL_SHARED_END }
+#define DPL_CONST constexpr
 #define DPL_SHARED_SIZE(type, bytes) static_assert(sizeof(type) == bytes);
 #else
 #define DPL_SHARED_BEGIN
 #define DPL_SHARED_END
+#define DPL_CONST const
 #define DPL_SHARED_SIZE(type, bytes)
 #endif
 

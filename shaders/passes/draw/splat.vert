@@ -16,7 +16,8 @@ layout(location = 2) flat out vec4 colourDepth;   // rgb, view z
 void main() {
     uint view = dplViewIndex(push.viewCount);
     // Pairs are near first with ties in splat order; drawing them backwards gives the exact mirror of front-to-back blending.
-    uint splat = pairs[counts.visible - 1u - dplSplatInstance(push.viewCount)].y;
+    uvec2 pair = pairs[counts.visible - 1u - dplSplatInstance(push.viewCount)];
+    uint splat = pair.y;
     ProjectedSplat p = projected[splat * push.viewCount + view];
     float column = push.atlasColumns > 1u ? float(view) : 0.0;
     centreConic = vec4(p.centrePx, p.conicA, p.conicB);

@@ -1,0 +1,156 @@
+// The seam between how a frame is made (sdk/render) and the graphics API that makes it. Few calls, typed handles, no vk*/MTL*.
+//
+//   load:   createBuffer, write, computePipeline, drawPipeline, createTarget, createFrame (checks and records the steps once)
+//   frame:  fill the mapped upload buffers, run(frame), read the mapped read-back buffers
+//
+// One thread at a time. Handles are small numbers; using one that was destroyed is an error of createFrame, not a crash.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "sdk/core/result.h"
+
+namespace dpl {
+
+template <class Tag>
+struct GpuId {
+    uint32_t value = 0;  // 0 = none
+    explicit operator bool() const { return value != 0; }
+    bool operator==(const GpuId&) const = default;
+};
+using BufferId = GpuId<struct BufferTag>;
+using PipelineId = GpuId<struct PipelineTag>;
+using TargetId = GpuId<struct TargetTag>;
+using FrameId = GpuId<struct FrameTag>;
+
+enum class DeviceKind : uint8_t { Discrete, Integrated, Virtual, Software, Other };
+
+struct DeviceInfo {
+    std::string name;
+    DeviceKind kind = DeviceKind::Other;
+    uint64_t maxBindingBytes = 0;   // of one storage buffer binding
+    uint32_t maxTargetPx = 0;       // width or height of a target
+    uint32_t maxGroups = 0;         // workgroups of one dispatch
+    bool multiview = false;         // layered targets drawn in one pass; otherwise views lie side by side
+    bool halfDepth = false;         // depth sums are read back as 2 x f16 instead of 2 x f32
+    bool timestamps = false;
+    bool isSoftware() const { return kind == DeviceKind::Software; }
+};
+
+enum class BufferMemory : uint8_t {
+    Device,    // filled by write() at load, then by the GPU
+    Upload,    // mapped; the CPU writes it before run()
+    Readback,  // mapped; the CPU reads it after run()
+};
+struct BufferDesc {
+    std::string label;
+    uint64_t bytes = 0;
+    BufferMemory memory = BufferMemory::Device;
+};
+
+/** RGBA8 UNORM colour and, if asked, two floats a pixel (Σ α T z, Σ α T), for one or two views of the same size. */
+struct TargetDesc {
+    uint32_t widthPx = 0, heightPx = 0;  // of one view
+    uint32_t views = 1;
+    bool depth = false;
+    bool layered = true;                 // a layer per view (multiview); false: views side by side
+};
+
+/** A pipeline for targets of this shape; premultiplied "over" blending, triangle strips without vertex buffers. */
+struct DrawPipelineDesc {
+    std::string vertex, fragment;  // names in the shader pack
+    uint32_t views = 1;
+    bool layered = true;
+    bool depth = false;
+};
+
+enum class Access : uint8_t { Uniform, Read, Write, Update };
+struct Binding {           // its place in the list is the binding number of the shader
+    BufferId buffer;
+    Access access = Access::Read;
+};
+struct IndirectArgs {
+    BufferId buffer;
+    uint64_t offset = 0;   // bytes
+};
+struct PushBytes {
+    std::array<std::byte, 128> bytes{};
+    uint32_t size = 0;
+};
+
+struct ComputeStep {
+    std::string label;
+    PipelineId pipeline;
+    std::vector<Binding> bindings;
+    PushBytes push;
+    uint32_t groups = 0;       // along x; ignored when indirect is set
+    IndirectArgs indirect;     // three u32
+};
+struct DrawStep {              // clears the target, then one indirect draw
+    std::string label;
+    PipelineId pipeline;
+    TargetId target;
+    std::vector<Binding> bindings;
+    PushBytes push;
+    IndirectArgs args;         // four u32
+};
+struct FillStep {
+    std::string label;
+    BufferId buffer;
+    uint32_t value = 0;
+};
+struct ReadbackStep {          // tight rows, top first, view after view
+    std::string label;
+    TargetId target;
+    BufferId colour;           // 4 B a pixel
+    BufferId depth;            // 8 B (4 B when halfDepth) a pixel; none: not wanted
+};
+using Step = std::variant<FillStep, ComputeStep, DrawStep, ReadbackStep>;
+
+const std::string& stepLabel(const Step& step);
+
+/** GPU time of one step of the last run. */
+struct PassTime {
+    std::string label;
+    double milliseconds = 0;
+};
+
+class Backend {
+public:
+    virtual ~Backend() = default;
+    virtual const DeviceInfo& info() const = 0;
+
+    virtual Result<BufferId> createBuffer(const BufferDesc& desc) = 0;
+    virtual void destroyBuffer(BufferId buffer) = 0;
+    /** Load-time copy into a Device buffer; blocks. */
+    virtual Status write(BufferId buffer, uint64_t offset, std::span<const std::byte> bytes) = 0;
+    /** The memory of an Upload or Readback buffer; empty for others. Valid until the buffer is destroyed. */
+    virtual std::span<std::byte> mapped(BufferId buffer) = 0;
+
+    /** Pipelines are made once per name or description and live as long as the backend. */
+    virtual Result<PipelineId> computePipeline(std::string_view shader) = 0;
+    virtual Result<PipelineId> drawPipeline(const DrawPipelineDesc& desc) = 0;
+    /** Invocations along x of one workgroup of a compute pipeline, by reflection. */
+    virtual uint32_t workgroupSize(PipelineId pipeline) const = 0;
+
+    virtual Result<TargetId> createTarget(const TargetDesc& desc) = 0;
+    virtual void destroyTarget(TargetId target) = 0;
+
+    /** Checks the steps against the shaders' reflection and records them. Barriers follow from the bindings' access. */
+    virtual Result<FrameId> createFrame(std::vector<Step> steps) = 0;
+    virtual void destroyFrame(FrameId frame) = 0;
+
+    /** Runs a recorded frame and waits until its read-back is done. Allocates nothing. Code::Device when the device is lost. */
+    virtual Status run(FrameId frame) = 0;
+    /** Of the last run; empty when the device has no timestamps. */
+    virtual std::vector<PassTime> passTimes() const = 0;
+};
+
+}  // namespace dpl

@@ -1,0 +1,117 @@
+#include "sdk/backend/null/null_backend.h"
+
+#include <cstring>
+#include <map>
+#include <set>
+
+#include "sdk/backend/frame_check.h"
+
+namespace dpl {
+namespace {
+
+class NullBackend final : public Backend, private ResourceView {
+public:
+    NullBackend(ShaderPack pack, std::shared_ptr<NullRecord> record, DeviceInfo info)
+        : pack_(std::move(pack)), record_(std::move(record)), info_(std::move(info)) {}
+
+    const DeviceInfo& info() const override { return info_; }
+
+    Result<BufferId> createBuffer(const BufferDesc& desc) override {
+        if (desc.bytes == 0) return fail(Code::InvalidArgument, "buffer {} has no bytes", desc.label);
+        Buffer b{desc, {}, false};
+        if (desc.memory != BufferMemory::Device) b.bytes.resize(desc.bytes);
+        buffers_.emplace(++lastId_, std::move(b));
+        ++record_->liveBuffers, ++record_->createdObjects;
+        return BufferId{lastId_};
+    }
+    void destroyBuffer(BufferId id) override { record_->liveBuffers -= buffers_.erase(id.value); }
+
+    Status write(BufferId id, uint64_t offset, std::span<const std::byte> bytes) override {
+        const auto it = buffers_.find(id.value);
+        if (it == buffers_.end() || offset + bytes.size() > it->second.desc.bytes) return fail(Code::InvalidArgument, "write outside a buffer");
+        it->second.written = true;
+        return {};
+    }
+    std::span<std::byte> mapped(BufferId id) override {
+        const auto it = buffers_.find(id.value);
+        return it == buffers_.end() ? std::span<std::byte>() : std::span<std::byte>(it->second.bytes);
+    }
+
+    Result<PipelineId> computePipeline(std::string_view name) override { return pipeline(name); }
+    Result<PipelineId> drawPipeline(const DrawPipelineDesc& desc) override {
+        if (!pack_.find(desc.fragment)) return fail(Code::NotFound, "no shader {} in the pack", desc.fragment);
+        return pipeline(desc.vertex);
+    }
+    uint32_t workgroupSize(PipelineId id) const override { return shader(id) ? shader(id)->workgroup[0] : 0; }
+
+    Result<TargetId> createTarget(const TargetDesc& desc) override {
+        if (desc.widthPx == 0 || desc.heightPx == 0 || desc.widthPx > info_.maxTargetPx || desc.heightPx > info_.maxTargetPx)
+            return fail(Code::Unsupported, "a target of {} x {} px; this device draws 1 to {}", desc.widthPx, desc.heightPx, info_.maxTargetPx);
+        targets_.emplace(++lastId_, desc);
+        ++record_->liveTargets, ++record_->createdObjects;
+        return TargetId{lastId_};
+    }
+    void destroyTarget(TargetId id) override { record_->liveTargets -= targets_.erase(id.value); }
+
+    Result<FrameId> createFrame(std::vector<Step> steps) override {
+        DPL_CHECK_OK(checkFrame(steps, *this, info_));
+        frames_.emplace(++lastId_, std::move(steps));
+        ++record_->liveFrames, ++record_->createdObjects;
+        return FrameId{lastId_};
+    }
+    void destroyFrame(FrameId id) override { record_->liveFrames -= frames_.erase(id.value); }
+
+    Status run(FrameId id) override {
+        const auto it = frames_.find(id.value);
+        if (it == frames_.end()) return fail(Code::InvalidArgument, "run of a frame that does not exist");
+        // Buffers may have gone since the frame was made: a recorded frame must not outlive them.
+        DPL_CHECK_OK(checkFrame(it->second, *this, info_));
+        record_->lastLabels.clear();
+        for (const Step& step : it->second) record_->lastLabels.push_back(stepLabel(step));
+        ++record_->runs;
+        return {};
+    }
+    std::vector<PassTime> passTimes() const override { return {}; }
+
+private:
+    struct Buffer {
+        BufferDesc desc;
+        std::vector<std::byte> bytes;
+        bool written = false;
+    };
+
+    Result<PipelineId> pipeline(std::string_view name) {
+        const Shader* shader = pack_.find(name);
+        if (!shader) return fail(Code::NotFound, "no shader {} in the pack", name);
+        return PipelineId{uint32_t(shader - pack_.shaders.data()) + 1};
+    }
+
+    const BufferDesc* buffer(BufferId id) const override {
+        const auto it = buffers_.find(id.value);
+        return it == buffers_.end() ? nullptr : &it->second.desc;
+    }
+    const TargetDesc* target(TargetId id) const override {
+        const auto it = targets_.find(id.value);
+        return it == targets_.end() ? nullptr : &it->second;
+    }
+    const Shader* shader(PipelineId id) const override { return id.value == 0 || id.value > pack_.shaders.size() ? nullptr : &pack_.shaders[id.value - 1]; }
+    bool written(BufferId id) const override { return buffers_.at(id.value).written; }
+
+    ShaderPack pack_;
+    std::shared_ptr<NullRecord> record_;
+    DeviceInfo info_;
+    std::map<uint32_t, Buffer> buffers_;
+    std::map<uint32_t, TargetDesc> targets_;
+    std::map<uint32_t, std::vector<Step>> frames_;
+    uint32_t lastId_ = 0;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Backend>> createNullBackend(std::shared_ptr<NullRecord> record, const NullOptions& options) {
+    DPL_TRY(ShaderPack pack, readShaderPack(embeddedShaderPack(), "the embedded shader pack", embeddedShaderInterface()));
+    if (!record) record = std::make_shared<NullRecord>();
+    return std::unique_ptr<Backend>(std::make_unique<NullBackend>(std::move(pack), std::move(record), options.info));
+}
+
+}  // namespace dpl

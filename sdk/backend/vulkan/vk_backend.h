@@ -1,0 +1,119 @@
+// The Vulkan side of backend.h, split by subject: vk_resources.cpp (buffers, targets), vk_pipelines.cpp, vk_frames.cpp.
+#pragma once
+
+#include <map>
+
+#include "sdk/backend/frame_check.h"
+#include "sdk/backend/shader_pack.h"
+#include "sdk/backend/vulkan/vk_device.h"
+
+namespace dpl::vk {
+
+struct Buffer {
+    BufferDesc desc;
+    VkBuffer buffer = VK_NULL_HANDLE;
+    VkDeviceMemory memory = VK_NULL_HANDLE;
+    std::byte* mapped = nullptr;
+    bool written = false;
+};
+
+struct Image {
+    VkImage image = VK_NULL_HANDLE;
+    VkDeviceMemory memory = VK_NULL_HANDLE;
+    VkImageView view = VK_NULL_HANDLE;
+};
+
+struct Target {
+    TargetDesc desc;
+    Image colour, depth;
+    VkFramebuffer framebuffer = VK_NULL_HANDLE;
+    VkExtent2D extent{};
+};
+
+struct Pipeline {
+    std::string key;
+    const Shader* shader = nullptr;       // compute or vertex
+    VkDescriptorSetLayout setLayout = VK_NULL_HANDLE;
+    VkPipelineLayout layout = VK_NULL_HANDLE;
+    VkPipeline pipeline = VK_NULL_HANDLE;
+    VkShaderStageFlags stages = 0;        // that see the push constants
+};
+
+struct Frame {
+    VkDescriptorPool descriptors = VK_NULL_HANDLE;
+    VkCommandPool commands = VK_NULL_HANDLE;
+    VkCommandBuffer commandBuffer = VK_NULL_HANDLE;
+    VkQueryPool timestamps = VK_NULL_HANDLE;
+    std::vector<std::string> labels;
+    std::vector<uint64_t> ticks;
+};
+
+class VulkanBackend final : public Backend, private ResourceView {
+public:
+    VulkanBackend(std::unique_ptr<Device> device, ShaderPack pack);
+    ~VulkanBackend() override;
+    Status start();
+
+    const DeviceInfo& info() const override { return device_->info; }
+    Result<BufferId> createBuffer(const BufferDesc& desc) override;
+    void destroyBuffer(BufferId buffer) override;
+    Status write(BufferId buffer, uint64_t offset, std::span<const std::byte> bytes) override;
+    std::span<std::byte> mapped(BufferId buffer) override;
+    Result<PipelineId> computePipeline(std::string_view shader) override;
+    Result<PipelineId> drawPipeline(const DrawPipelineDesc& desc) override;
+    uint32_t workgroupSize(PipelineId id) const override { return shader(id) ? shader(id)->workgroup[0] : 0; }
+    Result<TargetId> createTarget(const TargetDesc& desc) override;
+    void destroyTarget(TargetId target) override;
+    Result<FrameId> createFrame(std::vector<Step> steps) override;
+    void destroyFrame(FrameId frame) override;
+    Status run(FrameId frame) override;
+    std::vector<PassTime> passTimes() const override;
+
+private:
+    // ResourceView
+    const BufferDesc* buffer(BufferId id) const override;
+    const TargetDesc* target(TargetId id) const override;
+    const Shader* shader(PipelineId id) const override;
+    bool written(BufferId id) const override;
+
+    // vk_resources.cpp
+    Result<uint32_t> memoryType(uint32_t allowed, VkMemoryPropertyFlags wanted, VkMemoryPropertyFlags preferred) const;
+    Status makeBuffer(Buffer& buffer);
+    void freeBuffer(Buffer& buffer);
+    Status makeImage(Image& image, VkFormat format, VkExtent2D extent, uint32_t layers);
+    void freeImage(Image& image);
+    Status makeTarget(Target& target);
+    void freeTarget(Target& target);
+
+    // vk_pipelines.cpp
+    Result<VkRenderPass> renderPass(uint32_t layers, bool depth);
+    Result<VkShaderModule> shaderModule(const Shader& shader);
+    Status makeLayouts(Pipeline& pipeline);
+    Status makeCompute(Pipeline& pipeline);
+    Status makeDraw(Pipeline& pipeline, const DrawPipelineDesc& desc, const Shader& fragment);
+    void freePipeline(Pipeline& pipeline);
+    PipelineId findPipeline(std::string_view key) const;
+
+    // vk_frames.cpp
+    Status makeDescriptorPool(Frame& frame, std::span<const Step> steps);
+    Result<VkDescriptorSet> descriptorSet(const Frame& frame, const Pipeline& pipeline, const std::vector<Binding>& bindings);
+    Status record(Frame& frame, std::span<const Step> steps);
+    Status submitAndWait(VkCommandBuffer commands);
+    void freeFrame(Frame& frame);
+    struct Recorder;
+
+    std::unique_ptr<Device> device_;
+    ShaderPack pack_;
+    VkFence fence_ = VK_NULL_HANDLE;
+    VkCommandPool uploadPool_ = VK_NULL_HANDLE;
+    VkCommandBuffer uploadCommands_ = VK_NULL_HANDLE;
+    std::map<uint32_t, Buffer> buffers_;
+    std::map<uint32_t, Target> targets_;
+    std::map<uint32_t, Frame> frames_;
+    std::vector<Pipeline> pipelines_;                       // id - 1
+    std::map<std::pair<uint32_t, bool>, VkRenderPass> renderPasses_;
+    uint32_t lastId_ = 0;
+    FrameId lastRun_;
+};
+
+}  // namespace dpl::vk

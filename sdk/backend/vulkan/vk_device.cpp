@@ -1,0 +1,212 @@
+#include "sdk/backend/vulkan/vk_device.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "sdk/core/log.h"
+
+namespace dpl::vk {
+namespace {
+
+constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
+
+VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
+                                         const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
+    static_cast<Device*>(user)->validationMessages->fetch_add(1);
+    log(LogLevel::Warning, "vulkan: {}", data->pMessage);
+    return VK_FALSE;
+}
+
+bool hasLayer(const char* name) {
+    uint32_t count = 0;
+    vkEnumerateInstanceLayerProperties(&count, nullptr);
+    std::vector<VkLayerProperties> layers(count);
+    vkEnumerateInstanceLayerProperties(&count, layers.data());
+    return std::any_of(layers.begin(), layers.end(), [&](const auto& l) { return std::strcmp(l.layerName, name) == 0; });
+}
+
+Status createInstance(Device& d, bool validation) {
+    uint32_t version = VK_API_VERSION_1_0;
+    vkEnumerateInstanceVersion(&version);
+    if (version < VK_API_VERSION_1_1) return fail(Code::Unsupported, "the Vulkan loader is older than 1.1");
+    if (validation && !hasLayer(kValidationLayer))
+        return fail(Code::NotFound, "{} is not installed (Debian: vulkan-validationlayers)", kValidationLayer);
+    VkApplicationInfo app{VK_STRUCTURE_TYPE_APPLICATION_INFO};
+    app.pApplicationName = app.pEngineName = "doppel";
+    app.apiVersion = VK_API_VERSION_1_1;
+    VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
+    info.pApplicationInfo = &app;
+    const char* extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
+    const VkValidationFeatureEnableEXT enabled[] = {VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
+    VkValidationFeaturesEXT features{VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT};
+    features.enabledValidationFeatureCount = 1;
+    features.pEnabledValidationFeatures = enabled;
+    if (validation) {
+        info.enabledLayerCount = 1;
+        info.ppEnabledLayerNames = &kValidationLayer;
+        info.enabledExtensionCount = 2;
+        info.ppEnabledExtensionNames = extensions;
+        info.pNext = &features;
+    }
+    DPL_VK(vkCreateInstance(&info, nullptr, &d.instance));
+    if (!validation) return {};
+    VkDebugUtilsMessengerCreateInfoEXT messenger{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
+    messenger.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+    messenger.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
+    messenger.pfnUserCallback = onMessage;
+    messenger.pUserData = &d;
+    const auto create = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(vkGetInstanceProcAddr(d.instance, "vkCreateDebugUtilsMessengerEXT"));
+    if (!create) return fail(Code::Unsupported, "the validation layer has no VK_EXT_debug_utils");
+    DPL_VK(create(d.instance, &messenger, nullptr, &d.messenger));
+    return {};
+}
+
+DeviceKind kindOf(VkPhysicalDeviceType type) {
+    switch (type) {
+        case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return DeviceKind::Discrete;
+        case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return DeviceKind::Integrated;
+        case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return DeviceKind::Virtual;
+        case VK_PHYSICAL_DEVICE_TYPE_CPU: return DeviceKind::Software;
+        default: return DeviceKind::Other;
+    }
+}
+
+int rank(DeviceKind kind) {
+    switch (kind) {
+        case DeviceKind::Discrete: return 0;
+        case DeviceKind::Integrated: return 1;
+        case DeviceKind::Virtual: return 2;
+        case DeviceKind::Other: return 3;
+        default: return 4;
+    }
+}
+
+bool canBlend(VkPhysicalDevice physical, VkFormat format) {
+    VkFormatProperties properties{};
+    vkGetPhysicalDeviceFormatProperties(physical, format, &properties);
+    const VkFormatFeatureFlags wanted = VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT | VK_FORMAT_FEATURE_TRANSFER_SRC_BIT;
+    return (properties.optimalTilingFeatures & wanted) == wanted;
+}
+
+struct Candidate {
+    VkPhysicalDevice physical = VK_NULL_HANDLE;
+    uint32_t queueFamily = 0, timestampBits = 0;
+    double nanosecondsPerTick = 0;
+    DeviceInfo info;
+};
+
+/** False when the device cannot run us at all. */
+bool describe(VkPhysicalDevice physical, Candidate& out) {
+    VkPhysicalDeviceProperties properties{};
+    vkGetPhysicalDeviceProperties(physical, &properties);
+    if (properties.apiVersion < VK_API_VERSION_1_1) return false;
+    uint32_t count = 0;
+    vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
+    std::vector<VkQueueFamilyProperties> families(count);
+    vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
+    const VkQueueFlags wanted = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+    const auto family = std::find_if(families.begin(), families.end(), [&](const auto& f) { return (f.queueFlags & wanted) == wanted; });
+    if (family == families.end()) return false;
+
+    VkPhysicalDeviceMultiviewFeatures multiview{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MULTIVIEW_FEATURES};
+    VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
+    features.pNext = &multiview;
+    vkGetPhysicalDeviceFeatures2(physical, &features);
+
+    out.physical = physical;
+    out.queueFamily = uint32_t(family - families.begin());
+    out.timestampBits = family->timestampValidBits;
+    out.nanosecondsPerTick = double(properties.limits.timestampPeriod);
+    out.info.name = properties.deviceName;
+    out.info.kind = kindOf(properties.deviceType);
+    out.info.maxBindingBytes = properties.limits.maxStorageBufferRange;
+    out.info.maxTargetPx = std::min({properties.limits.maxImageDimension2D, properties.limits.maxFramebufferWidth, properties.limits.maxFramebufferHeight});
+    out.info.maxGroups = properties.limits.maxComputeWorkGroupCount[0];
+    out.info.multiview = multiview.multiview == VK_TRUE;
+    out.info.halfDepth = !canBlend(physical, VK_FORMAT_R32G32_SFLOAT);
+    out.info.timestamps = family->timestampValidBits > 0;
+    return true;
+}
+
+std::vector<Candidate> candidates(VkInstance instance) {
+    uint32_t count = 0;
+    vkEnumeratePhysicalDevices(instance, &count, nullptr);
+    std::vector<VkPhysicalDevice> all(count);
+    vkEnumeratePhysicalDevices(instance, &count, all.data());
+    std::vector<Candidate> list;
+    for (VkPhysicalDevice physical : all)
+        if (Candidate c; describe(physical, c)) list.push_back(std::move(c));
+    std::stable_sort(list.begin(), list.end(), [](const auto& a, const auto& b) { return rank(a.info.kind) < rank(b.info.kind); });
+    return list;
+}
+
+}  // namespace
+
+Error failVk(const char* what, VkResult result) {
+    const Code code = result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_OUT_OF_DEVICE_MEMORY ? Code::OutOfMemory : Code::Device;
+    return fail(code, "Vulkan error {} from {}", int(result), std::string_view(what).substr(0, std::string_view(what).find('(')));
+}
+
+Device::~Device() {
+    if (device) vkDestroyDevice(device, nullptr);
+    if (messenger) {
+        const auto destroy = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(vkGetInstanceProcAddr(instance, "vkDestroyDebugUtilsMessengerEXT"));
+        if (destroy) destroy(instance, messenger, nullptr);
+    }
+    if (instance) vkDestroyInstance(instance, nullptr);
+}
+
+Result<std::unique_ptr<Device>> openDevice(const VulkanOptions& options) {
+    auto d = std::make_unique<Device>();
+    d->validationMessages = options.validationMessages ? options.validationMessages : std::make_shared<std::atomic<uint32_t>>(0);
+    DPL_CHECK_OK(createInstance(*d, options.enableValidation));
+    const std::vector<Candidate> list = candidates(d->instance);
+    if (list.empty()) return fail(Code::Unsupported, "no Vulkan 1.1 device with graphics and compute; use the software renderer");
+    const Candidate* chosen = nullptr;
+    for (const Candidate& c : list) {
+        if (c.info.isSoftware() && !options.allowSoftwareDevice) continue;
+        if (c.info.name.find(options.deviceName) == std::string::npos) continue;
+        chosen = &c;
+        break;
+    }
+    if (!chosen)
+        return fail(Code::Unsupported, "no Vulkan device fits (wanted '{}', software devices {}); the best here is {}", options.deviceName,
+                    options.allowSoftwareDevice ? "allowed" : "not allowed", list.front().info.name);
+    d->physical = chosen->physical;
+    d->queueFamily = chosen->queueFamily;
+    d->timestampBits = chosen->timestampBits;
+    d->nanosecondsPerTick = chosen->nanosecondsPerTick;
+    d->info = chosen->info;
+    if (options.forceInstanceSplit) d->info.multiview = false;
+    d->depthSumFormat = d->info.halfDepth ? VK_FORMAT_R16G16_SFLOAT : VK_FORMAT_R32G32_SFLOAT;
+    vkGetPhysicalDeviceMemoryProperties(d->physical, &d->memory);
+
+    const float priority = 1;
+    VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
+    queue.queueFamilyIndex = d->queueFamily;
+    queue.queueCount = 1;
+    queue.pQueuePriorities = &priority;
+    VkPhysicalDeviceMultiviewFeatures multiview{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MULTIVIEW_FEATURES};
+    multiview.multiview = d->info.multiview;
+    VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
+    info.pNext = &multiview;
+    info.queueCreateInfoCount = 1;
+    info.pQueueCreateInfos = &queue;
+    DPL_VK(vkCreateDevice(d->physical, &info, nullptr, &d->device));
+    vkGetDeviceQueue(d->device, d->queueFamily, 0, &d->queue);
+    return d;
+}
+
+}  // namespace dpl::vk
+
+namespace dpl {
+
+Result<std::vector<DeviceInfo>> listVulkanDevices() {
+    vk::Device d;
+    DPL_CHECK_OK(vk::createInstance(d, false));
+    std::vector<DeviceInfo> list;
+    for (const auto& c : vk::candidates(d.instance)) list.push_back(c.info);
+    return list;
+}
+
+}  // namespace dpl

@@ -1,0 +1,291 @@
+#include <cstring>
+#include <set>
+
+#include "sdk/backend/vulkan/vk_backend.h"
+
+namespace dpl::vk {
+namespace {
+
+constexpr uint64_t kFrameTimeoutNs = 120ull * 1000 * 1000 * 1000;  // a software device may take long; a hung one must not hang us
+
+constexpr VkPipelineStageFlags kGpuStages =
+    VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT;
+
+}  // namespace
+
+/** Records steps and puts a barrier before each one that touches what an earlier one has written (or writes what it has read). */
+struct VulkanBackend::Recorder {
+    VulkanBackend& backend;
+    Frame& frame;
+    VkCommandBuffer commands;
+    std::set<uint32_t> read, written;  // since the last barrier
+
+    void barrier() {
+        VkMemoryBarrier memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
+        memory.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
+        memory.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_INDIRECT_COMMAND_READ_BIT;
+        vkCmdPipelineBarrier(commands, kGpuStages, kGpuStages, 0, 1, &memory, 0, nullptr, 0, nullptr);
+        read.clear();
+        written.clear();
+    }
+
+    void touch(const std::vector<std::pair<BufferId, bool>>& accesses) {
+        bool hazard = false;
+        for (const auto& [buffer, writes] : accesses) hazard |= written.count(buffer.value) || (writes && read.count(buffer.value));
+        if (hazard) barrier();
+        for (const auto& [buffer, writes] : accesses) (writes ? written : read).insert(buffer.value);
+    }
+
+    std::vector<std::pair<BufferId, bool>> accessesOf(const std::vector<Binding>& bindings, const IndirectArgs& args) const {
+        std::vector<std::pair<BufferId, bool>> list;
+        for (const Binding& b : bindings) list.push_back({b.buffer, b.access == Access::Write || b.access == Access::Update});
+        if (args.buffer) list.push_back({args.buffer, false});
+        return list;
+    }
+
+    Status bind(VkPipelineBindPoint point, const Pipeline& pipeline, const std::vector<Binding>& bindings, const PushBytes& push) {
+        DPL_TRY(VkDescriptorSet set, backend.descriptorSet(frame, pipeline, bindings));
+        vkCmdBindPipeline(commands, point, pipeline.pipeline);
+        vkCmdBindDescriptorSets(commands, point, pipeline.layout, 0, 1, &set, 0, nullptr);
+        if (push.size) vkCmdPushConstants(commands, pipeline.layout, pipeline.stages, 0, push.size, push.bytes.data());
+        return {};
+    }
+
+    Status operator()(const FillStep& step) {
+        touch({{step.buffer, true}});
+        vkCmdFillBuffer(commands, backend.buffers_.at(step.buffer.value).buffer, 0, VK_WHOLE_SIZE, step.value);
+        return {};
+    }
+
+    Status operator()(const ComputeStep& step) {
+        touch(accessesOf(step.bindings, step.indirect));
+        DPL_CHECK_OK(bind(VK_PIPELINE_BIND_POINT_COMPUTE, backend.pipelines_[step.pipeline.value - 1], step.bindings, step.push));
+        if (step.indirect.buffer) {
+            vkCmdDispatchIndirect(commands, backend.buffers_.at(step.indirect.buffer.value).buffer, step.indirect.offset);
+        } else {
+            vkCmdDispatch(commands, step.groups, 1, 1);
+        }
+        return {};
+    }
+
+    Status operator()(const DrawStep& step) {
+        touch(accessesOf(step.bindings, step.args));
+        const Target& target = backend.targets_.at(step.target.value);
+        const VkClearValue clear[2]{};  // transparent black, no depth
+        VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
+        DPL_TRY(begin.renderPass, backend.renderPass(target.desc.layered ? target.desc.views : 0, target.desc.depth));
+        begin.framebuffer = target.framebuffer;
+        begin.renderArea.extent = target.extent;
+        begin.clearValueCount = target.desc.depth ? 2 : 1;
+        begin.pClearValues = clear;
+        vkCmdBeginRenderPass(commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
+        const VkViewport viewport{0, 0, float(target.extent.width), float(target.extent.height), 0, 1};
+        const VkRect2D scissor{{0, 0}, target.extent};
+        vkCmdSetViewport(commands, 0, 1, &viewport);
+        vkCmdSetScissor(commands, 0, 1, &scissor);
+        const Status status = bind(VK_PIPELINE_BIND_POINT_GRAPHICS, backend.pipelines_[step.pipeline.value - 1], step.bindings, step.push);
+        if (status) vkCmdDrawIndirect(commands, backend.buffers_.at(step.args.buffer.value).buffer, step.args.offset, 1, 16);
+        vkCmdEndRenderPass(commands);
+        return status;
+    }
+
+    Status operator()(const ReadbackStep& step) {
+        const Target& target = backend.targets_.at(step.target.value);
+        copy(target, target.colour, step.colour, 4);
+        if (step.depth) copy(target, target.depth, step.depth, backend.device_->info.halfDepth ? 4 : 8);
+        VkMemoryBarrier memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
+        memory.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+        memory.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
+        vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &memory, 0, nullptr, 0, nullptr);
+        return {};
+    }
+
+    void copy(const Target& target, const Image& image, BufferId to, uint64_t pixelBytes) {
+        std::vector<VkBufferImageCopy> regions(target.desc.views);
+        for (uint32_t v = 0; v < target.desc.views; ++v) {
+            VkBufferImageCopy& r = regions[v];
+            r.bufferOffset = uint64_t(v) * target.desc.widthPx * target.desc.heightPx * pixelBytes;
+            r.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, target.desc.layered ? v : 0, 1};
+            r.imageOffset.x = target.desc.layered ? 0 : int32_t(v * target.desc.widthPx);
+            r.imageExtent = {target.desc.widthPx, target.desc.heightPx, 1};
+        }
+        vkCmdCopyImageToBuffer(commands, image.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, backend.buffers_.at(to.value).buffer, uint32_t(regions.size()), regions.data());
+    }
+};
+
+Status VulkanBackend::makeDescriptorPool(Frame& frame, std::span<const Step> steps) {
+    uint32_t sets = 0, uniforms = 0, storages = 0;
+    const auto count = [&](const std::vector<Binding>& bindings) {
+        ++sets;
+        for (const Binding& b : bindings) ++(b.access == Access::Uniform ? uniforms : storages);
+    };
+    for (const Step& step : steps) {
+        if (const auto* compute = std::get_if<ComputeStep>(&step)) count(compute->bindings);
+        if (const auto* draw = std::get_if<DrawStep>(&step)) count(draw->bindings);
+    }
+    const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, uniforms + 1}, {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, storages + 1}};
+    VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+    info.maxSets = sets + 1;
+    info.poolSizeCount = 2;
+    info.pPoolSizes = sizes;
+    DPL_VK(vkCreateDescriptorPool(device_->device, &info, nullptr, &frame.descriptors));
+    return {};
+}
+
+Result<VkDescriptorSet> VulkanBackend::descriptorSet(const Frame& frame, const Pipeline& pipeline, const std::vector<Binding>& bindings) {
+    VkDescriptorSetAllocateInfo allocation{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
+    allocation.descriptorPool = frame.descriptors;
+    allocation.descriptorSetCount = 1;
+    allocation.pSetLayouts = &pipeline.setLayout;
+    VkDescriptorSet set = VK_NULL_HANDLE;
+    DPL_VK(vkAllocateDescriptorSets(device_->device, &allocation, &set));
+    std::vector<VkDescriptorBufferInfo> infos(bindings.size());
+    std::vector<VkWriteDescriptorSet> writes(bindings.size());
+    for (size_t i = 0; i < bindings.size(); ++i) {
+        const Buffer& b = buffers_.at(bindings[i].buffer.value);
+        infos[i] = {b.buffer, 0, b.desc.bytes};
+        writes[i] = {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+        writes[i].dstSet = set;
+        writes[i].dstBinding = uint32_t(i);
+        writes[i].descriptorCount = 1;
+        writes[i].descriptorType = bindings[i].access == Access::Uniform ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+        writes[i].pBufferInfo = &infos[i];
+    }
+    vkUpdateDescriptorSets(device_->device, uint32_t(writes.size()), writes.data(), 0, nullptr);
+    return set;
+}
+
+Status VulkanBackend::record(Frame& frame, std::span<const Step> steps) {
+    DPL_CHECK_OK(makeDescriptorPool(frame, steps));
+    VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+    pool.queueFamilyIndex = device_->queueFamily;
+    DPL_VK(vkCreateCommandPool(device_->device, &pool, nullptr, &frame.commands));
+    VkCommandBufferAllocateInfo allocation{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+    allocation.commandPool = frame.commands;
+    allocation.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+    allocation.commandBufferCount = 1;
+    DPL_VK(vkAllocateCommandBuffers(device_->device, &allocation, &frame.commandBuffer));
+    const uint32_t stamps = uint32_t(steps.size()) + 1;
+    if (device_->info.timestamps) {
+        VkQueryPoolCreateInfo query{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
+        query.queryType = VK_QUERY_TYPE_TIMESTAMP;
+        query.queryCount = stamps;
+        DPL_VK(vkCreateQueryPool(device_->device, &query, nullptr, &frame.timestamps));
+        frame.ticks.resize(stamps);
+    }
+    VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+    DPL_VK(vkBeginCommandBuffer(frame.commandBuffer, &begin));
+    Recorder recorder{*this, frame, frame.commandBuffer, {}, {}};
+    recorder.barrier();  // after the frame before
+    const auto stamp = [&](uint32_t index) {
+        if (frame.timestamps) vkCmdWriteTimestamp(frame.commandBuffer, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, frame.timestamps, index);
+    };
+    if (frame.timestamps) vkCmdResetQueryPool(frame.commandBuffer, frame.timestamps, 0, stamps);
+    stamp(0);
+    for (uint32_t i = 0; i < steps.size(); ++i) {
+        DPL_CHECK_OK(std::visit(recorder, steps[i]));
+        stamp(i + 1);
+        frame.labels.push_back(stepLabel(steps[i]));
+    }
+    DPL_VK(vkEndCommandBuffer(frame.commandBuffer));
+    return {};
+}
+
+Result<FrameId> VulkanBackend::createFrame(std::vector<Step> steps) {
+    DPL_CHECK_OK(checkFrame(steps, *this, device_->info));
+    Frame frame;
+    if (auto status = record(frame, steps); !status) {
+        freeFrame(frame);
+        return status.error();
+    }
+    frames_.emplace(++lastId_, std::move(frame));
+    return FrameId{lastId_};
+}
+
+void VulkanBackend::freeFrame(Frame& frame) {
+    vkDestroyQueryPool(device_->device, frame.timestamps, nullptr);
+    vkDestroyCommandPool(device_->device, frame.commands, nullptr);
+    vkDestroyDescriptorPool(device_->device, frame.descriptors, nullptr);
+    frame = {};
+}
+
+void VulkanBackend::destroyFrame(FrameId id) {
+    const auto it = frames_.find(id.value);
+    if (it == frames_.end()) return;
+    freeFrame(it->second);
+    frames_.erase(it);
+}
+
+Status VulkanBackend::submitAndWait(VkCommandBuffer commands) {
+    VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
+    submit.commandBufferCount = 1;
+    submit.pCommandBuffers = &commands;
+    DPL_VK(vkResetFences(device_->device, 1, &fence_));
+    DPL_VK(vkQueueSubmit(device_->queue, 1, &submit, fence_));
+    DPL_VK(vkWaitForFences(device_->device, 1, &fence_, VK_TRUE, kFrameTimeoutNs));
+    return {};
+}
+
+Status VulkanBackend::run(FrameId id) {
+    const auto it = frames_.find(id.value);
+    if (it == frames_.end()) return fail(Code::InvalidArgument, "run of a frame that does not exist");
+    Frame& frame = it->second;
+    DPL_CHECK_OK(submitAndWait(frame.commandBuffer));
+    lastRun_ = id;
+    if (frame.timestamps)
+        vkGetQueryPoolResults(device_->device, frame.timestamps, 0, uint32_t(frame.ticks.size()), frame.ticks.size() * 8, frame.ticks.data(), 8, VK_QUERY_RESULT_64_BIT);
+    return {};
+}
+
+std::vector<PassTime> VulkanBackend::passTimes() const {
+    std::vector<PassTime> times;
+    const auto it = frames_.find(lastRun_.value);
+    if (it == frames_.end() || !it->second.timestamps) return times;
+    const Frame& frame = it->second;
+    const uint64_t mask = device_->timestampBits >= 64 ? ~0ull : (1ull << device_->timestampBits) - 1;
+    for (size_t i = 0; i < frame.labels.size(); ++i)
+        times.push_back({frame.labels[i], double((frame.ticks[i + 1] - frame.ticks[i]) & mask) * device_->nanosecondsPerTick * 1e-6});
+    return times;
+}
+
+VulkanBackend::VulkanBackend(std::unique_ptr<Device> device, ShaderPack pack) : device_(std::move(device)), pack_(std::move(pack)) {}
+
+Status VulkanBackend::start() {
+    VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+    DPL_VK(vkCreateFence(device_->device, &fence, nullptr, &fence_));
+    VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+    pool.queueFamilyIndex = device_->queueFamily;
+    pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
+    DPL_VK(vkCreateCommandPool(device_->device, &pool, nullptr, &uploadPool_));
+    VkCommandBufferAllocateInfo allocation{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+    allocation.commandPool = uploadPool_;
+    allocation.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+    allocation.commandBufferCount = 1;
+    DPL_VK(vkAllocateCommandBuffers(device_->device, &allocation, &uploadCommands_));
+    return {};
+}
+
+VulkanBackend::~VulkanBackend() {
+    vkDeviceWaitIdle(device_->device);
+    for (auto& [id, frame] : frames_) freeFrame(frame);
+    for (auto& [id, target] : targets_) freeTarget(target);
+    for (auto& [id, buffer] : buffers_) freeBuffer(buffer);
+    for (Pipeline& pipeline : pipelines_) freePipeline(pipeline);
+    for (auto& [key, pass] : renderPasses_) vkDestroyRenderPass(device_->device, pass, nullptr);
+    vkDestroyCommandPool(device_->device, uploadPool_, nullptr);
+    vkDestroyFence(device_->device, fence_, nullptr);
+}
+
+}  // namespace dpl::vk
+
+namespace dpl {
+
+Result<std::unique_ptr<Backend>> createVulkanBackend(const VulkanOptions& options) {
+    DPL_TRY(ShaderPack pack, readShaderPack(embeddedShaderPack(), "the embedded shader pack", embeddedShaderInterface()));
+    DPL_TRY(auto device, vk::openDevice(options));
+    auto backend = std::make_unique<vk::VulkanBackend>(std::move(device), std::move(pack));
+    DPL_CHECK_OK(backend->start());
+    return std::unique_ptr<Backend>(std::move(backend));
+}
+
+}  // namespace dpl

@@ -1,0 +1,206 @@
+#include <array>
+
+#include "sdk/backend/vulkan/vk_backend.h"
+
+namespace dpl::vk {
+
+Result<VkRenderPass> VulkanBackend::renderPass(uint32_t layers, bool depth) {
+    if (const auto it = renderPasses_.find({layers, depth}); it != renderPasses_.end()) return it->second;
+    std::array<VkAttachmentDescription, 2> attachments{};
+    for (VkAttachmentDescription& a : attachments) {
+        a.samples = VK_SAMPLE_COUNT_1_BIT;
+        a.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
+        a.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+        a.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
+        a.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
+        a.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED;
+        a.finalLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
+    }
+    attachments[0].format = VK_FORMAT_R8G8B8A8_UNORM;
+    attachments[1].format = device_->depthSumFormat;
+    const VkAttachmentReference references[] = {{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL}, {1, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL}};
+    VkSubpassDescription subpass{};
+    subpass.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
+    subpass.colorAttachmentCount = depth ? 2 : 1;
+    subpass.pColorAttachments = references;
+    VkSubpassDependency dependencies[2]{};
+    dependencies[0].srcSubpass = VK_SUBPASS_EXTERNAL;  // the read-back of the frame before has ended
+    dependencies[0].srcStageMask = VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
+    dependencies[0].srcAccessMask = VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
+    dependencies[0].dstStageMask = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
+    dependencies[0].dstAccessMask = VK_ACCESS_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
+    dependencies[1].srcSubpass = 0;
+    dependencies[1].dstSubpass = VK_SUBPASS_EXTERNAL;  // the copy to memory comes next
+    dependencies[1].srcStageMask = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
+    dependencies[1].srcAccessMask = VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
+    dependencies[1].dstStageMask = VK_PIPELINE_STAGE_TRANSFER_BIT;
+    dependencies[1].dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT;
+    dependencies[0].dstSubpass = 0;
+    VkRenderPassCreateInfo info{VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO};
+    info.attachmentCount = depth ? 2 : 1;
+    info.pAttachments = attachments.data();
+    info.subpassCount = 1;
+    info.pSubpasses = &subpass;
+    info.dependencyCount = 2;
+    info.pDependencies = dependencies;
+    const uint32_t mask = (1u << layers) - 1;
+    VkRenderPassMultiviewCreateInfo multiview{VK_STRUCTURE_TYPE_RENDER_PASS_MULTIVIEW_CREATE_INFO};
+    multiview.subpassCount = 1;
+    multiview.pViewMasks = &mask;
+    multiview.correlationMaskCount = 1;
+    multiview.pCorrelationMasks = &mask;
+    if (layers > 0) info.pNext = &multiview;
+    VkRenderPass pass = VK_NULL_HANDLE;
+    DPL_VK(vkCreateRenderPass(device_->device, &info, nullptr, &pass));
+    renderPasses_[{layers, depth}] = pass;
+    return pass;
+}
+
+Result<VkShaderModule> VulkanBackend::shaderModule(const Shader& shader) {
+    VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
+    info.codeSize = shader.spirv.size() * 4;
+    info.pCode = shader.spirv.data();
+    VkShaderModule module = VK_NULL_HANDLE;
+    DPL_VK(vkCreateShaderModule(device_->device, &info, nullptr, &module));
+    return module;
+}
+
+Status VulkanBackend::makeLayouts(Pipeline& p) {
+    std::vector<VkDescriptorSetLayoutBinding> bindings;
+    for (const ShaderBinding& b : p.shader->bindings) {
+        VkDescriptorSetLayoutBinding binding{};
+        binding.binding = b.binding;
+        binding.descriptorType = b.uniform ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+        binding.descriptorCount = 1;
+        binding.stageFlags = p.shader->stage == ShaderStage::Compute ? VK_SHADER_STAGE_COMPUTE_BIT : VK_SHADER_STAGE_VERTEX_BIT;
+        bindings.push_back(binding);
+    }
+    VkDescriptorSetLayoutCreateInfo set{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
+    set.bindingCount = uint32_t(bindings.size());
+    set.pBindings = bindings.data();
+    DPL_VK(vkCreateDescriptorSetLayout(device_->device, &set, nullptr, &p.setLayout));
+    const VkPushConstantRange push{p.stages, 0, p.shader->pushBytes};
+    VkPipelineLayoutCreateInfo layout{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
+    layout.setLayoutCount = 1;
+    layout.pSetLayouts = &p.setLayout;
+    layout.pushConstantRangeCount = push.size ? 1 : 0;
+    layout.pPushConstantRanges = &push;
+    DPL_VK(vkCreatePipelineLayout(device_->device, &layout, nullptr, &p.layout));
+    return {};
+}
+
+Status VulkanBackend::makeCompute(Pipeline& p) {
+    p.stages = VK_SHADER_STAGE_COMPUTE_BIT;
+    DPL_CHECK_OK(makeLayouts(p));
+    VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
+    info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+    info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
+    info.stage.pName = "main";
+    DPL_TRY(info.stage.module, shaderModule(*p.shader));
+    info.layout = p.layout;
+    const VkResult result = vkCreateComputePipelines(device_->device, VK_NULL_HANDLE, 1, &info, nullptr, &p.pipeline);
+    vkDestroyShaderModule(device_->device, info.stage.module, nullptr);
+    return result == VK_SUCCESS ? Status() : Status(failVk("vkCreateComputePipelines", result));
+}
+
+Status VulkanBackend::makeDraw(Pipeline& p, const DrawPipelineDesc& desc, const Shader& fragment) {
+    p.stages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
+    if (!fragment.bindings.empty()) return fail(Code::Unsupported, "{}: fragment shaders here have push constants only", fragment.name);
+    DPL_CHECK_OK(makeLayouts(p));
+    VkPipelineShaderStageCreateInfo stages[2]{};
+    stages[0].sType = stages[1].sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+    stages[0].stage = VK_SHADER_STAGE_VERTEX_BIT;
+    stages[1].stage = VK_SHADER_STAGE_FRAGMENT_BIT;
+    stages[0].pName = stages[1].pName = "main";
+    VkPipelineVertexInputStateCreateInfo input{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
+    VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
+    assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_STRIP;
+    VkPipelineViewportStateCreateInfo viewport{VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO};
+    viewport.viewportCount = viewport.scissorCount = 1;
+    VkPipelineRasterizationStateCreateInfo raster{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
+    raster.polygonMode = VK_POLYGON_MODE_FILL;
+    raster.cullMode = VK_CULL_MODE_NONE;
+    raster.lineWidth = 1;
+    VkPipelineMultisampleStateCreateInfo samples{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
+    samples.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
+    // Premultiplied "over", back to front: the sums of the depth target follow the same rule, so it blends alike
+    // (different blend state a target would need the independentBlend feature).
+    VkPipelineColorBlendAttachmentState blend{};
+    blend.blendEnable = VK_TRUE;
+    blend.srcColorBlendFactor = blend.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
+    blend.dstColorBlendFactor = blend.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
+    blend.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
+    const VkPipelineColorBlendAttachmentState blends[] = {blend, blend};
+    VkPipelineColorBlendStateCreateInfo colour{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
+    colour.attachmentCount = desc.depth ? 2 : 1;
+    colour.pAttachments = blends;
+    const VkDynamicState dynamic[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
+    VkPipelineDynamicStateCreateInfo dynamicInfo{VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO};
+    dynamicInfo.dynamicStateCount = 2;
+    dynamicInfo.pDynamicStates = dynamic;
+    VkGraphicsPipelineCreateInfo info{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO};
+    info.stageCount = 2;
+    info.pStages = stages;
+    info.pVertexInputState = &input;
+    info.pInputAssemblyState = &assembly;
+    info.pViewportState = &viewport;
+    info.pRasterizationState = &raster;
+    info.pMultisampleState = &samples;
+    info.pColorBlendState = &colour;
+    info.pDynamicState = &dynamicInfo;
+    info.layout = p.layout;
+    DPL_TRY(info.renderPass, renderPass(desc.layered ? desc.views : 0, desc.depth));
+    DPL_TRY(stages[0].module, shaderModule(*p.shader));
+    auto second = shaderModule(fragment);
+    if (!second) {
+        vkDestroyShaderModule(device_->device, stages[0].module, nullptr);
+        return second.error();
+    }
+    stages[1].module = *second;
+    const VkResult result = vkCreateGraphicsPipelines(device_->device, VK_NULL_HANDLE, 1, &info, nullptr, &p.pipeline);
+    for (const auto& stage : stages) vkDestroyShaderModule(device_->device, stage.module, nullptr);
+    return result == VK_SUCCESS ? Status() : Status(failVk("vkCreateGraphicsPipelines", result));
+}
+
+void VulkanBackend::freePipeline(Pipeline& p) {
+    vkDestroyPipeline(device_->device, p.pipeline, nullptr);
+    vkDestroyPipelineLayout(device_->device, p.layout, nullptr);
+    vkDestroyDescriptorSetLayout(device_->device, p.setLayout, nullptr);
+}
+
+PipelineId VulkanBackend::findPipeline(std::string_view key) const {
+    for (size_t i = 0; i < pipelines_.size(); ++i)
+        if (pipelines_[i].key == key) return PipelineId{uint32_t(i) + 1};
+    return {};
+}
+
+Result<PipelineId> VulkanBackend::computePipeline(std::string_view name) {
+    if (PipelineId known = findPipeline(name)) return known;
+    Pipeline p;
+    p.key = name;
+    p.shader = pack_.find(name);
+    if (!p.shader) return fail(Code::NotFound, "no shader {} in the pack", name);
+    if (auto status = makeCompute(p); !status) {
+        freePipeline(p);
+        return status.error();
+    }
+    pipelines_.push_back(std::move(p));
+    return PipelineId{uint32_t(pipelines_.size())};
+}
+
+Result<PipelineId> VulkanBackend::drawPipeline(const DrawPipelineDesc& desc) {
+    Pipeline p;
+    p.key = formatText("{}+{}+{}{}{}", desc.vertex, desc.fragment, desc.views, desc.layered ? "L" : "", desc.depth ? "D" : "");
+    if (PipelineId known = findPipeline(p.key)) return known;
+    p.shader = pack_.find(desc.vertex);
+    const Shader* fragment = pack_.find(desc.fragment);
+    if (!p.shader || !fragment) return fail(Code::NotFound, "no shader {} or {} in the pack", desc.vertex, desc.fragment);
+    if (auto status = makeDraw(p, desc, *fragment); !status) {
+        freePipeline(p);
+        return status.error();
+    }
+    pipelines_.push_back(std::move(p));
+    return PipelineId{uint32_t(pipelines_.size())};
+}
+
+}  // namespace dpl::vk

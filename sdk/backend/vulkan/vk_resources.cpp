@@ -1,0 +1,196 @@
+#include <algorithm>
+#include <cstring>
+
+#include "sdk/backend/vulkan/vk_backend.h"
+
+namespace dpl::vk {
+namespace {
+
+constexpr uint64_t kStagingBytes = 8u << 20;
+
+}  // namespace
+
+Result<uint32_t> VulkanBackend::memoryType(uint32_t allowed, VkMemoryPropertyFlags wanted, VkMemoryPropertyFlags preferred) const {
+    const VkPhysicalDeviceMemoryProperties& memory = device_->memory;
+    for (VkMemoryPropertyFlags flags : {wanted | preferred, wanted})
+        for (uint32_t i = 0; i < memory.memoryTypeCount; ++i)
+            if ((allowed >> i & 1) && (memory.memoryTypes[i].propertyFlags & flags) == flags) return i;
+    return fail(Code::Device, "no memory type with properties {}", wanted);
+}
+
+Status VulkanBackend::makeBuffer(Buffer& b) {
+    VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
+    info.size = (b.desc.bytes + 15) / 16 * 16;
+    info.usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+    if (b.desc.memory == BufferMemory::Device) info.usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
+    if (b.desc.memory == BufferMemory::Upload) info.usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT;
+    DPL_VK(vkCreateBuffer(device_->device, &info, nullptr, &b.buffer));
+    VkMemoryRequirements needs{};
+    vkGetBufferMemoryRequirements(device_->device, b.buffer, &needs);
+    VkMemoryPropertyFlags wanted = 0, preferred = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
+    if (b.desc.memory != BufferMemory::Device) wanted = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+    if (b.desc.memory == BufferMemory::Readback) preferred = VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
+    VkMemoryAllocateInfo allocation{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+    allocation.allocationSize = needs.size;
+    DPL_TRY(allocation.memoryTypeIndex, memoryType(needs.memoryTypeBits, wanted, preferred));
+    if (VkResult result = vkAllocateMemory(device_->device, &allocation, nullptr, &b.memory); result != VK_SUCCESS) {
+        b.memory = VK_NULL_HANDLE;
+        return fail(Code::OutOfMemory, "{} bytes of graphics memory for {} are not to be had (Vulkan {})", needs.size, b.desc.label, int(result));
+    }
+    DPL_VK(vkBindBufferMemory(device_->device, b.buffer, b.memory, 0));
+    if (wanted) {
+        void* mapped = nullptr;
+        DPL_VK(vkMapMemory(device_->device, b.memory, 0, VK_WHOLE_SIZE, 0, &mapped));
+        b.mapped = static_cast<std::byte*>(mapped);
+    }
+    return {};
+}
+
+void VulkanBackend::freeBuffer(Buffer& b) {
+    vkDestroyBuffer(device_->device, b.buffer, nullptr);
+    vkFreeMemory(device_->device, b.memory, nullptr);
+    b = {};
+}
+
+Result<BufferId> VulkanBackend::createBuffer(const BufferDesc& desc) {
+    if (desc.bytes == 0) return fail(Code::InvalidArgument, "buffer {} has no bytes", desc.label);
+    Buffer b;
+    b.desc = desc;
+    if (auto status = makeBuffer(b); !status) {
+        freeBuffer(b);
+        return status.error();
+    }
+    buffers_.emplace(++lastId_, std::move(b));
+    return BufferId{lastId_};
+}
+
+void VulkanBackend::destroyBuffer(BufferId id) {
+    const auto it = buffers_.find(id.value);
+    if (it == buffers_.end()) return;
+    freeBuffer(it->second);
+    buffers_.erase(it);
+}
+
+Status VulkanBackend::write(BufferId id, uint64_t offset, std::span<const std::byte> bytes) {
+    const auto it = buffers_.find(id.value);
+    if (it == buffers_.end() || offset % 4 || offset > it->second.desc.bytes || bytes.size() > it->second.desc.bytes - offset)
+        return fail(Code::InvalidArgument, "write of {} bytes at {} outside a buffer", bytes.size(), offset);
+    Buffer staging;
+    staging.desc = {"staging", std::min<uint64_t>(std::max<uint64_t>(bytes.size(), 16), kStagingBytes), BufferMemory::Upload};
+    Status status = makeBuffer(staging);
+    for (size_t done = 0; status && done < bytes.size();) {
+        const size_t part = std::min<size_t>(bytes.size() - done, staging.desc.bytes);
+        std::memcpy(staging.mapped, bytes.data() + done, part);
+        VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+        begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+        VkResult result = vkBeginCommandBuffer(uploadCommands_, &begin);
+        const VkBufferCopy region{0, offset + done, part};
+        if (result == VK_SUCCESS) vkCmdCopyBuffer(uploadCommands_, staging.buffer, it->second.buffer, 1, &region);
+        if (result == VK_SUCCESS) result = vkEndCommandBuffer(uploadCommands_);
+        status = result == VK_SUCCESS ? submitAndWait(uploadCommands_) : Status(failVk("recording an upload", result));
+        done += part;
+    }
+    freeBuffer(staging);
+    if (status) it->second.written = true;
+    return status;
+}
+
+std::span<std::byte> VulkanBackend::mapped(BufferId id) {
+    const auto it = buffers_.find(id.value);
+    if (it == buffers_.end() || !it->second.mapped) return {};
+    return {it->second.mapped, size_t(it->second.desc.bytes)};
+}
+
+Status VulkanBackend::makeImage(Image& image, VkFormat format, VkExtent2D extent, uint32_t layers) {
+    VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
+    info.imageType = VK_IMAGE_TYPE_2D;
+    info.format = format;
+    info.extent = {extent.width, extent.height, 1};
+    info.mipLevels = 1;
+    info.arrayLayers = layers;
+    info.samples = VK_SAMPLE_COUNT_1_BIT;
+    info.tiling = VK_IMAGE_TILING_OPTIMAL;
+    info.usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+    DPL_VK(vkCreateImage(device_->device, &info, nullptr, &image.image));
+    VkMemoryRequirements needs{};
+    vkGetImageMemoryRequirements(device_->device, image.image, &needs);
+    VkMemoryAllocateInfo allocation{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+    allocation.allocationSize = needs.size;
+    DPL_TRY(allocation.memoryTypeIndex, memoryType(needs.memoryTypeBits, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT));
+    DPL_VK(vkAllocateMemory(device_->device, &allocation, nullptr, &image.memory));
+    DPL_VK(vkBindImageMemory(device_->device, image.image, image.memory, 0));
+    VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
+    view.image = image.image;
+    view.viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY;
+    view.format = format;
+    view.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, layers};
+    DPL_VK(vkCreateImageView(device_->device, &view, nullptr, &image.view));
+    return {};
+}
+
+void VulkanBackend::freeImage(Image& image) {
+    vkDestroyImageView(device_->device, image.view, nullptr);
+    vkDestroyImage(device_->device, image.image, nullptr);
+    vkFreeMemory(device_->device, image.memory, nullptr);
+    image = {};
+}
+
+Status VulkanBackend::makeTarget(Target& t) {
+    const uint32_t layers = t.desc.layered ? t.desc.views : 1, columns = t.desc.layered ? 1 : t.desc.views;
+    const uint64_t width = uint64_t(t.desc.widthPx) * columns;
+    const uint32_t limit = device_->info.maxTargetPx;
+    if (t.desc.widthPx == 0 || t.desc.heightPx == 0 || width > limit || t.desc.heightPx > limit)
+        return fail(Code::Unsupported, "a target of {} x {} px; {} draws 1 to {} a side", width, t.desc.heightPx, device_->info.name, limit);
+    t.extent = {uint32_t(width), t.desc.heightPx};
+    DPL_CHECK_OK(makeImage(t.colour, VK_FORMAT_R8G8B8A8_UNORM, t.extent, layers));
+    if (t.desc.depth) { DPL_CHECK_OK(makeImage(t.depth, device_->depthSumFormat, t.extent, layers)); }
+    const VkImageView views[] = {t.colour.view, t.depth.view};
+    VkFramebufferCreateInfo info{VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO};
+    DPL_TRY(info.renderPass, renderPass(t.desc.layered ? t.desc.views : 0, t.desc.depth));
+    info.attachmentCount = t.desc.depth ? 2 : 1;
+    info.pAttachments = views;
+    info.width = t.extent.width;
+    info.height = t.extent.height;
+    info.layers = 1;  // multiview counts its layers by the view mask
+    DPL_VK(vkCreateFramebuffer(device_->device, &info, nullptr, &t.framebuffer));
+    return {};
+}
+
+void VulkanBackend::freeTarget(Target& t) {
+    vkDestroyFramebuffer(device_->device, t.framebuffer, nullptr);
+    freeImage(t.colour);
+    freeImage(t.depth);
+}
+
+Result<TargetId> VulkanBackend::createTarget(const TargetDesc& desc) {
+    Target t;
+    t.desc = desc;
+    if (auto status = makeTarget(t); !status) {
+        freeTarget(t);
+        return status.error();
+    }
+    targets_.emplace(++lastId_, std::move(t));
+    return TargetId{lastId_};
+}
+
+void VulkanBackend::destroyTarget(TargetId id) {
+    const auto it = targets_.find(id.value);
+    if (it == targets_.end()) return;
+    freeTarget(it->second);
+    targets_.erase(it);
+}
+
+const BufferDesc* VulkanBackend::buffer(BufferId id) const {
+    const auto it = buffers_.find(id.value);
+    return it == buffers_.end() ? nullptr : &it->second.desc;
+}
+const TargetDesc* VulkanBackend::target(TargetId id) const {
+    const auto it = targets_.find(id.value);
+    return it == targets_.end() ? nullptr : &it->second.desc;
+}
+const Shader* VulkanBackend::shader(PipelineId id) const {
+    return id.value == 0 || id.value > pipelines_.size() ? nullptr : pipelines_[id.value - 1].shader;
+}
+bool VulkanBackend::written(BufferId id) const { return buffers_.at(id.value).written; }
+
+}  // namespace dpl::vk

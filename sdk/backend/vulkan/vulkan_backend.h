@@ -1,0 +1,28 @@
+// Vulkan 1.1 behind backend.h. No Vulkan type leaves this folder.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sdk/backend/backend.h"
+
+namespace dpl {
+
+struct VulkanOptions {
+    bool allowSoftwareDevice = false;    // lavapipe and its like
+    bool enableValidation = false;       // VK_LAYER_KHRONOS_validation with synchronisation checks; an error when it is not installed
+    std::string deviceName;              // part of the wanted device's name; empty: the best one
+    bool forceInstanceSplit = false;     // draw two views without multiview, as devices without it do
+    /** Counts validation warnings and errors; the texts go to the log. */
+    std::shared_ptr<std::atomic<uint32_t>> validationMessages;
+};
+
+/** Devices with a graphics + compute queue and Vulkan 1.1, best first: discrete, integrated, virtual, other, software.
+ *  An empty list when there is a loader but no device; Code::Device when there is no usable loader. Any thread. */
+Result<std::vector<DeviceInfo>> listVulkanDevices();
+
+Result<std::unique_ptr<Backend>> createVulkanBackend(const VulkanOptions& options);
+
+}  // namespace dpl

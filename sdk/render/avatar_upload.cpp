@@ -1,0 +1,103 @@
+#include "sdk/render/avatar_upload.h"
+
+#include "sdk/math/binding.h"
+#include "sdk/math/sh.h"
+
+namespace dpl {
+namespace {
+
+// The shaders hold the footprint rule a second time; these lines keep the two from drifting.
+static_assert(gpu::kGpuMinTriangleAreaM2 == float(kMinTriangleAreaM2) && gpu::kGpuMaxTriangleAspect == float(kMaxTriangleAspect));
+static_assert(gpu::kGpuMaxAlpha == float(kMaxAlpha) && gpu::kGpuMinAlpha == float(kMinAlpha) && gpu::kGpuMinCompensation == float(kMinCompensation));
+static_assert(gpu::kGpuNearM == float(kNearM) && gpu::kGpuNearFadeEndM == float(kNearFadeEndM) && gpu::kGpuGateEnd == float(kGateEnd));
+static_assert(gpu::kGateFlag == kSplatSingleFace);
+
+constexpr uint32_t kMaxJoints = 0xFFFF;
+
+Status checkBinding(const char* what, uint64_t count, uint64_t each, const DeviceInfo& device, const char* remedy) {
+    if (count * each <= device.maxBindingBytes) return {};
+    return fail(Code::Unsupported, "{} need {} bytes in one binding, {} allows {}; {}", what, count * each, device.name, device.maxBindingBytes, remedy);
+}
+
+}  // namespace
+
+Status checkAvatar(const AvatarData& avatar, const DeviceInfo& device) {
+    const MeshData& mesh = avatar.mesh;
+    const SplatData& splats = avatar.splats;
+    const size_t vertices = mesh.restPositions.size(), triangles = mesh.triangles.size(), count = splats.count();
+    if (mesh.jointIndices.size() != vertices || mesh.jointWeights.size() != vertices)
+        return fail(Code::InvalidArgument, "avatar {}: {} vertices but {} joint indices and {} weights", avatar.name, vertices, mesh.jointIndices.size(), mesh.jointWeights.size());
+    if (avatar.joints.empty() || avatar.joints.size() > kMaxJoints) return fail(Code::InvalidArgument, "avatar {}: {} joints; 1 to {} are possible", avatar.name, avatar.joints.size(), kMaxJoints);
+    for (const auto& indices : mesh.jointIndices)
+        for (int k = 0; k < 4; ++k)
+            if (indices[k] >= avatar.joints.size()) return fail(Code::InvalidArgument, "avatar {}: a vertex names joint {} of {}", avatar.name, indices[k], avatar.joints.size());
+    for (const Triangle& t : mesh.triangles)
+        for (int k = 0; k < 3; ++k)
+            if (t[k] >= vertices) return fail(Code::InvalidArgument, "avatar {}: a triangle names vertex {} of {}", avatar.name, t[k], vertices);
+    if (splats.shDegree > kMaxShDegree) return fail(Code::Unsupported, "avatar {}: SH degree {}, at most {}", avatar.name, splats.shDegree, kMaxShDegree);
+    const size_t coefficients = shCoefficientCount(splats.shDegree) * 3;
+    if (splats.phi.size() != count || splats.scaleM.size() != count || splats.opacity.size() != count || splats.flags.size() != count ||
+        splats.sh.size() != count * coefficients)
+        return fail(Code::InvalidArgument, "avatar {}: splat arrays differ in length ({} splats)", avatar.name, count);
+    if (count > 0 && (splats.triangleStart.size() != triangles + 1 || splats.triangleStart.front() != 0 || splats.triangleStart.back() != count))
+        return fail(Code::InvalidArgument, "avatar {}: triangleStart does not cover {} triangles and {} splats", avatar.name, triangles, count);
+    for (size_t t = 1; t < splats.triangleStart.size(); ++t)
+        if (splats.triangleStart[t] < splats.triangleStart[t - 1]) return fail(Code::InvalidArgument, "avatar {}: triangleStart falls at triangle {}", avatar.name, t);
+    if (triangles > gpu::kTriangleMask) return fail(Code::Unsupported, "avatar {}: {} triangles, at most {}", avatar.name, triangles, gpu::kTriangleMask);
+    DPL_CHECK_OK(checkBinding("SH coefficients", count, coefficients * 4, device, "export the avatar with a lower SH degree or fewer splats"));
+    DPL_CHECK_OK(checkBinding("projected splats", count, sizeof(gpu::ProjectedSplat) * gpu::kMaxViews, device, "export the avatar with fewer splats"));
+    DPL_CHECK_OK(checkBinding("posed triangles", triangles, sizeof(gpu::TriangleFrame), device, "decimate the mesh"));
+    return checkBinding("posed vertices", vertices, sizeof(gpu::VertexRecord), device, "decimate the mesh");
+}
+
+AvatarRecords packAvatar(const AvatarData& avatar) {
+    AvatarRecords out;
+    const MeshData& mesh = avatar.mesh;
+    for (size_t i = 0; i < mesh.restPositions.size(); ++i) {
+        const Vec3f& p = mesh.restPositions[i];
+        const auto& j = mesh.jointIndices[i];
+        const auto& w = mesh.jointWeights[i];
+        out.vertices.push_back({p.x, p.y, p.z, uint32_t(j.x) | uint32_t(j.y) << 16, uint32_t(j.z) | uint32_t(j.w) << 16,
+                                uint32_t(w.x) | uint32_t(w.y) << 8 | uint32_t(w.z) << 16 | uint32_t(w.w) << 24, 0, 0});
+    }
+    for (const Triangle& t : mesh.triangles) {
+        const auto rest = restTriangle<float>(mesh.restPositions[t.x], mesh.restPositions[t.y], mesh.restPositions[t.z]);
+        const auto column = [&](int k, float w) { return gpu::vec4{rest.frame[k].x, rest.frame[k].y, rest.frame[k].z, w}; };
+        out.triangles.push_back({column(0, rest.inverse.i00), column(1, rest.inverse.i01), column(2, rest.inverse.i11), {t.x, t.y, t.z, rest.valid ? 1u : 0u}});
+    }
+    const SplatData& s = avatar.splats;
+    out.splats.reserve(s.count());
+    for (uint32_t t = 0; t + 1 < s.triangleStart.size(); ++t) {
+        for (uint32_t i = s.triangleStart[t]; i < s.triangleStart[t + 1]; ++i) {
+            const float c = std::cos(s.phi[i]), sine = std::sin(s.phi[i]);
+            out.splats.push_back({{s.uv[i].x, s.uv[i].y}, s.scaleM[i].x * c, s.scaleM[i].x * sine, s.scaleM[i].y * c, s.scaleM[i].y * sine,
+                                  s.opacity[i], t | uint32_t(s.flags[i]) << gpu::kFlagShift});
+        }
+    }
+    return out;
+}
+
+gpu::FrameData packFrame(const AvatarData& avatar, std::span<const Cameraf> views) {
+    gpu::FrameData f{};
+    Vec3d axis(0), first(0, 0, 1);
+    for (size_t v = 0; v < views.size(); ++v) {
+        const Cameraf& c = views[v];
+        const Mat3f& r = c.viewFromWorldRotation;
+        const Vec3f& t = c.viewFromWorldTranslation;
+        const JacobianClamp<float> limit(c);
+        const Vec3f eye = c.eye();
+        f.views[v] = {{r[0][0], r[1][0], r[2][0], t.x}, {r[0][1], r[1][1], r[2][1], t.y}, {r[0][2], r[1][2], r[2][2], t.z},
+                      {c.fx, c.fy, c.cx, c.cy}, {limit.minX, limit.maxX, limit.minY, limit.maxY}, {eye.x, eye.y, eye.z, 0}};
+        const Vec3d forward(r[0][2], r[1][2], r[2][2]);
+        axis += forward;
+        if (v == 0) first = forward;
+    }
+    if (glm::length(axis) < 1e-6) axis = first;  // views that look away from each other have no mean axis
+    axis = glm::normalize(axis);
+    f.sortAxis = {float(axis.x), float(axis.y), float(axis.z), 0};
+    f.target = {float(views[0].widthPx), float(views[0].heightPx), avatar.kappaPx2, 0};
+    f.counts = {avatar.splats.count(), uint32_t(views.size()), avatar.splats.shDegree, avatar.compensated ? 1u : 0u};
+    return f;
+}
+
+}  // namespace dpl

@@ -1,0 +1,26 @@
+// The buffers and sizes that the passes of one frame share. A pass reads these ids and knows no other pass.
+#pragma once
+
+#include "sdk/backend/backend.h"
+#include "shaders/shared/frame.h"
+
+namespace dpl {
+
+struct FrameIds {
+    // sizes
+    uint32_t vertexCount = 0, triangleCount = 0, splatCount = 0, shDegree = 0, viewCount = 1;
+    uint32_t widthPx = 0, heightPx = 0;   // of one view
+    bool layered = true, depth = false;
+
+    // written by the CPU: at load, or (frame, palette) before each run
+    BufferId frame, palette, vertices, triangles, splats, sh;
+    // made by the GPU in each frame
+    BufferId posed, triangleFrames, projected, sortDepth, blockSums, counts, pairs, pairsSwap, histogram;
+    TargetId target;
+    BufferId colourPixels, depthPixels;
+
+    uint32_t compactBlocks() const { return (splatCount + gpu::kCompactBlock - 1) / gpu::kCompactBlock; }
+    uint32_t maxSortBlocks() const { return (splatCount + gpu::kSortBlock - 1) / gpu::kSortBlock; }
+};
+
+}  // namespace dpl

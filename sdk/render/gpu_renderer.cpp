@@ -1,0 +1,215 @@
+#include "sdk/render/gpu_renderer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "sdk/render/avatar_upload.h"
+#include "sdk/render/passes/compact.h"
+#include "sdk/render/passes/draw.h"
+#include "sdk/render/passes/project.h"
+#include "sdk/render/passes/skin.h"
+#include "sdk/render/passes/sort.h"
+#include "sdk/render/passes/triangles.h"
+
+namespace dpl {
+namespace {
+
+constexpr size_t kFramesKept = 4;  // recorded frame shapes an avatar keeps; an app uses one or two, a resize leaves others behind
+
+float fromHalf(uint16_t half) {
+    const uint32_t sign = half >> 15, exponent = half >> 10 & 31, mantissa = half & 1023;
+    const float magnitude = exponent == 0    ? std::ldexp(float(mantissa), -24)
+                            : exponent == 31 ? (mantissa ? NAN : INFINITY)
+                                             : std::ldexp(float(mantissa | 1024), int(exponent) - 25);
+    return sign ? -magnitude : magnitude;
+}
+
+Status checkViews(std::span<const Cameraf> views, std::span<RenderedView> out) {
+    if (views.empty() || views.size() > gpu::kMaxViews || out.size() != views.size())
+        return fail(Code::InvalidArgument, "{} views into {} images; one or two of each are possible", views.size(), out.size());
+    for (const Cameraf& c : views) {
+        if (c.widthPx != views[0].widthPx || c.heightPx != views[0].heightPx) return fail(Code::InvalidArgument, "the views have different sizes");
+        if (c.widthPx == 0 || c.heightPx == 0) return fail(Code::InvalidArgument, "a view of {} x {} px", c.widthPx, c.heightPx);
+        float sum = c.fx + c.fy + c.cx + c.cy + c.viewFromWorldTranslation.x + c.viewFromWorldTranslation.y + c.viewFromWorldTranslation.z;
+        for (int k = 0; k < 3; ++k) sum += c.viewFromWorldRotation[k].x + c.viewFromWorldRotation[k].y + c.viewFromWorldRotation[k].z;
+        if (!std::isfinite(sum) || !(c.fx > 0) || !(c.fy > 0)) return fail(Code::InvalidArgument, "a camera has a non-finite number or no focal length");
+    }
+    return {};
+}
+
+}  // namespace
+
+GpuRenderer::GpuRenderer(std::unique_ptr<Backend> backend, std::string name) : backend_(std::move(backend)), name_(std::move(name)) {}
+
+GpuRenderer::~GpuRenderer() {
+    for (auto& [id, avatar] : avatars_) freeAvatar(avatar);
+}
+
+Result<BufferId> GpuRenderer::makeBuffer(std::vector<BufferId>& owned, std::string label, uint64_t bytes, BufferMemory memory) {
+    DPL_TRY(BufferId id, backend_->createBuffer({std::move(label), std::max<uint64_t>(bytes, 16), memory}));
+    owned.push_back(id);
+    return id;
+}
+
+template <class T>
+Result<BufferId> GpuRenderer::uploadBuffer(std::vector<BufferId>& owned, std::string label, std::span<const T> items) {
+    DPL_TRY(BufferId id, makeBuffer(owned, std::move(label), items.size_bytes()));
+    DPL_CHECK_OK(backend_->write(id, 0, std::as_bytes(items)));
+    return id;
+}
+
+Result<RenderAvatarId> GpuRenderer::addAvatar(std::shared_ptr<const AvatarData> data) {
+    if (!data) return fail(Code::InvalidArgument, "no avatar");
+    DPL_CHECK_OK(checkAvatar(*data, backend_->info()));
+    LoadedAvatar avatar;
+    avatar.data = std::move(data);
+    if (auto status = load(avatar); !status) {
+        freeAvatar(avatar);
+        return status.error();
+    }
+    avatars_.emplace(++lastId_, std::move(avatar));
+    return lastId_;
+}
+
+Status GpuRenderer::load(LoadedAvatar& a) {
+    const AvatarData& data = *a.data;
+    const AvatarRecords records = packAvatar(data);
+    FrameIds& ids = a.ids;
+    ids.vertexCount = uint32_t(records.vertices.size());
+    ids.triangleCount = uint32_t(records.triangles.size());
+    ids.splatCount = uint32_t(records.splats.size());
+    ids.shDegree = data.splats.shDegree;
+    ids.layered = backend_->info().multiview;
+    const uint64_t splats = ids.splatCount;
+    DPL_TRY(ids.frame, makeBuffer(a.owned, "frame", sizeof(gpu::FrameData), BufferMemory::Upload));
+    DPL_TRY(ids.palette, makeBuffer(a.owned, "palette", data.joints.size() * 48, BufferMemory::Upload));
+    DPL_TRY(ids.vertices, uploadBuffer<gpu::VertexRecord>(a.owned, "vertices", records.vertices));
+    DPL_TRY(ids.triangles, uploadBuffer<gpu::TriangleRecord>(a.owned, "triangles", records.triangles));
+    DPL_TRY(ids.splats, uploadBuffer<gpu::SplatRecord>(a.owned, "splats", records.splats));
+    DPL_TRY(ids.sh, uploadBuffer<float>(a.owned, "sh", data.splats.sh));
+    DPL_TRY(ids.posed, makeBuffer(a.owned, "posed", ids.vertexCount * 16ull));
+    DPL_TRY(ids.triangleFrames, makeBuffer(a.owned, "triangle frames", ids.triangleCount * uint64_t(sizeof(gpu::TriangleFrame))));
+    DPL_TRY(ids.sortDepth, makeBuffer(a.owned, "sort depth", splats * 4));
+    DPL_TRY(ids.blockSums, makeBuffer(a.owned, "block sums", (ids.compactBlocks() + 1ull) * 4));
+    DPL_TRY(ids.counts, makeBuffer(a.owned, "counts", sizeof(gpu::FrameCounts)));
+    DPL_TRY(ids.pairs, makeBuffer(a.owned, "pairs", splats * 8));
+    DPL_TRY(ids.pairsSwap, makeBuffer(a.owned, "pairs swap", splats * 8));
+    DPL_TRY(ids.histogram, makeBuffer(a.owned, "histogram", (uint64_t(gpu::kSortDigits) * ids.maxSortBlocks() + 1) * 4));
+    return {};
+}
+
+Status GpuRenderer::build(const LoadedAvatar& a, ShapedFrame& f) {
+    f.ids = a.ids;
+    FrameIds& ids = f.ids;
+    ids.viewCount = f.shape.views;
+    ids.widthPx = f.shape.widthPx;
+    ids.heightPx = f.shape.heightPx;
+    ids.depth = f.shape.depth;
+    const uint64_t pixels = uint64_t(ids.widthPx) * ids.heightPx * ids.viewCount;
+    DPL_TRY(ids.target, backend_->createTarget({ids.widthPx, ids.heightPx, ids.viewCount, ids.depth, ids.layered}));
+    DPL_TRY(ids.projected, makeBuffer(f.owned, "projected", uint64_t(ids.splatCount) * ids.viewCount * sizeof(gpu::ProjectedSplat)));
+    DPL_TRY(ids.colourPixels, makeBuffer(f.owned, "colour pixels", pixels * 4, BufferMemory::Readback));
+    if (ids.depth) { DPL_TRY(ids.depthPixels, makeBuffer(f.owned, "depth pixels", pixels * (backend_->info().halfDepth ? 4 : 8), BufferMemory::Readback)); }
+
+    FramePlan plan(*backend_);
+    plan.fill("begin", ids.counts, 0);
+    if (ids.splatCount > 0) {
+        addSkin(plan, ids);
+        addTriangles(plan, ids);
+        addProject(plan, ids);
+        addColour(plan, ids);
+        addCompact(plan, ids);
+        addSort(plan, ids);
+    } else {  // no work, but the draw still clears the target: its arguments are zero
+        plan.fill("no pairs", ids.pairs, 0);
+        plan.fill("no splats", ids.projected, 0);
+    }
+    addDraw(plan, ids);
+    DPL_TRY(f.frame, plan.finish());
+    return {};
+}
+
+Result<GpuRenderer::ShapedFrame*> GpuRenderer::frameOf(LoadedAvatar& a, const Shape& shape) {
+    for (ShapedFrame& f : a.frames)
+        if (f.shape == shape) return &f;
+    if (a.frames.size() >= kFramesKept) {
+        const auto oldest = std::min_element(a.frames.begin(), a.frames.end(), [](const auto& x, const auto& y) { return x.lastUse < y.lastUse; });
+        freeFrame(*oldest);
+        a.frames.erase(oldest);
+    }
+    ShapedFrame f;
+    f.shape = shape;
+    if (auto status = build(a, f); !status) {
+        freeFrame(f);
+        return status.error();
+    }
+    a.frames.push_back(std::move(f));
+    return &a.frames.back();
+}
+
+void GpuRenderer::freeFrame(ShapedFrame& f) {
+    backend_->destroyFrame(f.frame);
+    backend_->destroyTarget(f.ids.target);
+    for (BufferId id : f.owned) backend_->destroyBuffer(id);
+}
+
+void GpuRenderer::freeAvatar(LoadedAvatar& a) {
+    for (ShapedFrame& f : a.frames) freeFrame(f);
+    for (BufferId id : a.owned) backend_->destroyBuffer(id);
+}
+
+void GpuRenderer::removeAvatar(RenderAvatarId id) {
+    const auto it = avatars_.find(id);
+    if (it == avatars_.end()) return;
+    freeAvatar(it->second);
+    avatars_.erase(it);
+}
+
+Status GpuRenderer::render(RenderAvatarId id, const Pose& pose, std::span<const Cameraf> views, bool wantDepth, std::span<RenderedView> out) {
+    const auto it = avatars_.find(id);
+    if (it == avatars_.end()) return fail(Code::InvalidArgument, "avatar {} is not in this renderer", id);
+    DPL_CHECK_OK(checkViews(views, out));
+    LoadedAvatar& avatar = it->second;
+    DPL_TRY(ShapedFrame* frame, frameOf(avatar, {views[0].widthPx, views[0].heightPx, uint32_t(views.size()), wantDepth}));
+    frame->lastUse = ++frameNumber_;
+
+    const gpu::FrameData block = packFrame(*avatar.data, views);
+    std::memcpy(backend_->mapped(frame->ids.frame).data(), &block, sizeof(block));
+    jointTransforms(avatar.data->joints, pose, palette_);
+    auto* rows = reinterpret_cast<gpu::vec4*>(backend_->mapped(frame->ids.palette).data());
+    for (const Mat3x4f& m : palette_)
+        for (int r = 0; r < 3; ++r) *rows++ = {m[0][r], m[1][r], m[2][r], m[3][r]};
+
+    DPL_CHECK_OK(backend_->run(frame->frame));
+    copyOut(*frame, out);
+    return {};
+}
+
+void GpuRenderer::copyOut(const ShapedFrame& f, std::span<RenderedView> out) {
+    const size_t pixels = size_t(f.shape.widthPx) * f.shape.heightPx;
+    const std::byte* colour = backend_->mapped(f.ids.colourPixels).data();
+    const std::byte* depth = f.shape.depth ? backend_->mapped(f.ids.depthPixels).data() : nullptr;
+    const bool half = backend_->info().halfDepth;
+    for (size_t v = 0; v < out.size(); ++v) {
+        RenderedView& view = out[v];
+        view.widthPx = f.shape.widthPx;
+        view.heightPx = f.shape.heightPx;
+        view.rgba.resize(pixels * 4);
+        std::memcpy(view.rgba.data(), colour + v * pixels * 4, pixels * 4);
+        view.depthM.resize(depth ? pixels : 0);
+        for (size_t i = 0; i < view.depthM.size(); ++i) {
+            float sums[2];  // Σ α T z, Σ α T
+            if (half) {
+                uint16_t raw[2];
+                std::memcpy(raw, depth + (v * pixels + i) * 4, 4);
+                sums[0] = fromHalf(raw[0]), sums[1] = fromHalf(raw[1]);
+            } else {
+                std::memcpy(sums, depth + (v * pixels + i) * 8, 8);
+            }
+            view.depthM[i] = sums[1] > 0 ? sums[0] / sums[1] : 0.0f;
+        }
+    }
+}
+
+}  // namespace dpl

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "sdk/render/frame_ids.h"
+#include "sdk/render/plan.h"
+
+namespace dpl {
+
+/** Footprint and visibility of every splat in every view, then the colour of those that are seen. */
+void addProject(FramePlan& plan, const FrameIds& ids);
+void addColour(FramePlan& plan, const FrameIds& ids);
+
+}  // namespace dpl

@@ -1,0 +1,15 @@
+#include "sdk/render/passes/skin.h"
+
+namespace dpl {
+
+void addSkin(FramePlan& plan, const FrameIds& ids) {
+    plan.compute("pose.skin", "skin")
+        .uniform(ids.frame)
+        .reads(ids.palette, ids.vertices)
+        .writes(ids.posed)
+        .updates(ids.counts)
+        .push(gpu::VertexPush{ids.vertexCount})
+        .threads(ids.vertexCount);
+}
+
+}  // namespace dpl

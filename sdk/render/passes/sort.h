@@ -1,0 +1,11 @@
+#pragma once
+
+#include "sdk/render/frame_ids.h"
+#include "sdk/render/plan.h"
+
+namespace dpl {
+
+/** Stable radix sort of the pairs by their 16-bit key, near first; the result is in ids.pairs. */
+void addSort(FramePlan& plan, const FrameIds& ids);
+
+}  // namespace dpl

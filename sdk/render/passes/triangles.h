@@ -1,0 +1,11 @@
+#pragma once
+
+#include "sdk/render/frame_ids.h"
+#include "sdk/render/plan.h"
+
+namespace dpl {
+
+/** Posed vertices to one frame a triangle. */
+void addTriangles(FramePlan& plan, const FrameIds& ids);
+
+}  // namespace dpl

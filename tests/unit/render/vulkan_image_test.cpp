@@ -1,0 +1,224 @@
+// The Vulkan picture against the double-precision referee, and its promises: stereo = mono, repeatable, hard sizes.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <cstdlib>
+
+#include "tests/reference/image_compare.h"
+#include "tests/reference/reference_renderer.h"
+#include "tests/unit/render/tube_avatar.h"
+#include "tests/unit/render/vulkan_test_device.h"
+
+namespace dpl {
+namespace {
+
+// 8-bit blending rounds once a layer: the research note measured 56.6 dB on a person, the brief asks for 50.
+constexpr double kMinPsnrDb = 50;
+
+std::shared_ptr<const AvatarData> share(AvatarData a) { return std::make_shared<const AvatarData>(std::move(a)); }
+
+struct Difference {
+    double psnrDb = 0, maxError = 0, alphaPsnrDb = 0, maxDepthErrorM = 0, covered = 0;
+};
+
+Difference compare(const RenderedView& image, const ReferenceImage& want) {
+    std::vector<double> rgb, alpha;
+    for (size_t i = 0; i < image.rgba.size(); i += 4) {
+        for (size_t c = 0; c < 3; ++c) rgb.push_back(image.rgba[i + c] / 255.0);
+        alpha.push_back(image.rgba[i + 3] / 255.0);
+    }
+    const ImageDifference colour = compareImages(rgb, want.rgb), coverageDifference = compareImages(alpha, want.alpha);
+    Difference d{colour.psnrDb, colour.maxError, coverageDifference.psnrDb, 0, coverage(want.alpha)};
+    for (size_t i = 0; i < image.depthM.size(); ++i)
+        if (want.alpha[i] > 0.5) d.maxDepthErrorM = std::max(d.maxDepthErrorM, std::abs(image.depthM[i] - want.depthM[i]));
+    return d;
+}
+
+void dumpPicture(const char* name, const RenderedView& image) {
+    const char* folder = std::getenv("DOPPEL_TEST_PICTURES");
+    if (!folder) return;
+    std::FILE* file = std::fopen((std::string(folder) + "/" + name + ".ppm").c_str(), "wb");
+    if (!file) return;
+    std::fprintf(file, "P6\n%u %u\n255\n", image.widthPx, image.heightPx);
+    for (size_t i = 0; i < image.rgba.size(); i += 4) std::fwrite(&image.rgba[i], 1, 3, file);
+    std::fclose(file);
+}
+
+RenderedView drawOne(Renderer& r, RenderAvatarId id, const Pose& pose, const Cameraf& camera, bool depth = false) {
+    std::vector<RenderedView> out(1);
+    const Status status = r.render(id, pose, {&camera, 1}, depth, out);
+    EXPECT_TRUE(status) << (status ? "" : status.error().message);
+    return std::move(out[0]);
+}
+
+TEST(VulkanImage, equalsTheReferenceInSeveralPosesAndViews) {
+    TestVulkan vulkan;
+    DPL_NEED_VULKAN(vulkan);
+    std::printf("[  DEVICE  ] %s\n", vulkan.renderer->name().c_str());
+    struct Case { const char* name; bool singleFace; uint32_t shDegree; float bend, turn, azimuth, distanceM; };
+    const Case cases[] = {{"rest", true, 2, 0, 0, 0, 1.8f},          {"bent", true, 3, 1.1f, 0.4f, 0.7f, 1.8f},
+                          {"bent_back", false, 2, -0.8f, 2, 2.5f, 1.8f}, {"close", true, 1, 0.5f, 0, -1.2f, 0.32f},
+                          {"far", false, 0, 0.3f, 1, 3.1f, 8.0f}};
+    for (const Case& c : cases) {
+        const auto avatar = share(makeTube({.shDegree = c.shDegree, .singleFace = c.singleFace}));
+        auto id = vulkan.renderer->addAvatar(avatar);
+        ASSERT_TRUE(id) << id.error().message;
+        const Pose pose = tubePose(c.bend, c.turn);
+        const Cameraf camera = tubeCamera(192, 224, c.azimuth, c.distanceM);
+        const RenderedView image = drawOne(*vulkan.renderer, *id, pose, camera, true);
+        const Difference d = compare(image, renderReference(*avatar, pose, referenceCamera(camera)));
+        std::printf("[  IMAGE   ] %-10s %u splats: colour %.1f dB (max %.4f), alpha %.1f dB, depth max %.5f m, covered %.1f %%\n", c.name, avatar->splats.count(), d.psnrDb, d.maxError,
+                    d.alphaPsnrDb, d.maxDepthErrorM, d.covered * 100);
+        dumpPicture(c.name, image);
+        EXPECT_GT(d.covered, 0.005) << c.name;
+        EXPECT_GE(d.psnrDb, kMinPsnrDb) << c.name;
+        EXPECT_GE(d.alphaPsnrDb, kMinPsnrDb) << c.name;
+        EXPECT_LT(d.maxDepthErrorM, 0.02) << c.name;  // a splat at the 1/255 cut-off may flip; it moves depth by α times the tube's thickness
+        vulkan.renderer->removeAvatar(*id);
+    }
+}
+
+TEST(VulkanImage, twoViewsAtOnceEqualEachViewAlone) {
+    for (const bool instanceSplit : {false, true}) {
+        TestVulkan vulkan(instanceSplit);
+        DPL_NEED_VULKAN(vulkan);
+        auto id = vulkan.renderer->addAvatar(share(makeTube()));
+        ASSERT_TRUE(id) << id.error().message;
+        const Pose pose = tubePose(0.7f);
+        const Cameraf views[2] = {tubeCamera(160, 144, 0.3f, 1.2f, -0.032f), tubeCamera(160, 144, 0.3f, 1.2f, 0.032f)};
+        std::vector<RenderedView> both(2);
+        const Status status = vulkan.renderer->render(*id, pose, views, true, both);
+        ASSERT_TRUE(status) << status.error().message;
+        for (int v = 0; v < 2; ++v) {
+            const RenderedView alone = drawOne(*vulkan.renderer, *id, pose, views[v], true);
+            EXPECT_EQ(both[size_t(v)].rgba, alone.rgba) << "view " << v << (instanceSplit ? " instance split" : " multiview");
+            EXPECT_EQ(both[size_t(v)].depthM, alone.depthM) << "view " << v;
+            EXPECT_GT(compare(alone, renderReference(makeTube(), pose, referenceCamera(views[v]))).covered, 0.05);
+        }
+        EXPECT_NE(both[0].rgba, both[1].rgba);
+        dumpPicture(instanceSplit ? "split_left" : "multiview_left", both[0]);
+        dumpPicture(instanceSplit ? "split_right" : "multiview_right", both[1]);
+    }
+}
+
+TEST(VulkanImage, cantedEyesStayCloseToTheirOwnSort) {
+    TestVulkan vulkan;
+    DPL_NEED_VULKAN(vulkan);
+    const auto avatar = share(makeTube({.singleFace = false}));
+    auto id = vulkan.renderer->addAvatar(avatar);
+    ASSERT_TRUE(id) << id.error().message;
+    const Pose pose = tubePose(0.4f);
+    const Cameraf views[2] = {tubeCamera(160, 144, -0.08f, 1.4f), tubeCamera(160, 144, 0.08f, 1.4f)};  // 9.2 degrees between the axes
+    std::vector<RenderedView> both(2);
+    const Status status = vulkan.renderer->render(*id, pose, views, false, both);
+    ASSERT_TRUE(status) << status.error().message;
+    for (int v = 0; v < 2; ++v) {
+        const RenderedView alone = drawOne(*vulkan.renderer, *id, pose, views[v]);
+        const double psnr = compareImages(std::vector<double>(alone.rgba.begin(), alone.rgba.end()), std::vector<double>(both[size_t(v)].rgba.begin(), both[size_t(v)].rgba.end())).psnrDb +
+                            20 * std::log10(255.0);
+        std::printf("[  CANTED  ] view %d: %.1f dB to its own sort\n", v, psnr);
+        EXPECT_GE(psnr, 45.0);  // technical reference §16
+    }
+}
+
+TEST(VulkanImage, hundredFramesAreByteIdentical) {
+    TestVulkan vulkan;
+    DPL_NEED_VULKAN(vulkan);
+    auto id = vulkan.renderer->addAvatar(share(makeTube()));
+    ASSERT_TRUE(id) << id.error().message;
+    const Cameraf camera = tubeCamera(96, 96, 0.5f);
+    const RenderedView first = drawOne(*vulkan.renderer, *id, tubePose(0.6f), camera);
+    for (int frame = 1; frame < 100; ++frame) {
+        if (frame % 10 == 0) drawOne(*vulkan.renderer, *id, tubePose(0.01f * float(frame)), camera);  // another pose in between leaves nothing behind
+        ASSERT_EQ(drawOne(*vulkan.renderer, *id, tubePose(0.6f), camera).rgba, first.rgba) << "frame " << frame;
+    }
+}
+
+TEST(VulkanImage, drawsNothingForAnEmptyAvatarAndOneSplatForOne) {
+    TestVulkan vulkan;
+    DPL_NEED_VULKAN(vulkan);
+    AvatarData empty = makeTube({.splatsPerTriangle = 0});
+    auto emptyId = vulkan.renderer->addAvatar(share(empty));
+    ASSERT_TRUE(emptyId) << emptyId.error().message;
+    const Cameraf camera = tubeCamera(64, 64, 0);
+    for (uint8_t byte : drawOne(*vulkan.renderer, *emptyId, tubePose(0), camera, true).rgba) ASSERT_EQ(byte, 0);
+
+    AvatarData one = makeTube({.splatsPerTriangle = 0, .shDegree = 0});
+    const uint32_t triangle = 325;
+    one.splats.uv = {{0.3f, 0.3f}};
+    one.splats.phi = {0.4f};
+    one.splats.scaleM = {{0.05f, 0.02f}};
+    one.splats.opacity = {0.9f};
+    one.splats.flags = {0};
+    one.splats.sh = {0.5f, -0.3f, 0.1f};
+    for (size_t t = triangle + 1; t < one.splats.triangleStart.size(); ++t) one.splats.triangleStart[t] = 1;
+    auto oneId = vulkan.renderer->addAvatar(share(one));
+    ASSERT_TRUE(oneId) << oneId.error().message;
+    const Difference d = compare(drawOne(*vulkan.renderer, *oneId, tubePose(0.2f), camera), renderReference(one, tubePose(0.2f), referenceCamera(camera)));
+    std::printf("[ ONE SPLAT] %.1f dB, max %.4f, covered %.2f %%\n", d.psnrDb, d.maxError, d.covered * 100);
+    EXPECT_GE(d.psnrDb, kMinPsnrDb);
+    EXPECT_GT(d.covered, 0.001);
+    EXPECT_LE(d.maxError, 0.5 / 255 + 1e-4);  // one layer: rounding to 8 bits only
+}
+
+TEST(VulkanImage, onePixelTargetAndBehindTheCamera) {
+    TestVulkan vulkan;
+    DPL_NEED_VULKAN(vulkan);
+    const auto avatar = share(makeTube());
+    auto id = vulkan.renderer->addAvatar(avatar);
+    ASSERT_TRUE(id) << id.error().message;
+    Cameraf one = tubeCamera(1, 1, 0);
+    one.fx = one.fy = 4;
+    const RenderedView pixel = drawOne(*vulkan.renderer, *id, tubePose(0), one, true);
+    const ReferenceImage want = renderReference(*avatar, tubePose(0), referenceCamera(one));
+    ASSERT_EQ(pixel.rgba.size(), 4u);
+    EXPECT_NEAR(pixel.rgba[3] / 255.0, want.alpha[0], 0.02);  // thousands of layers on one pixel, each rounded to 8 bits
+    EXPECT_NEAR(pixel.rgba[1] / 255.0, want.rgb[1], 0.02);
+    Cameraf away = tubeCamera(32, 32, 0);
+    away.viewFromWorldTranslation.z = -3;  // the tube is behind the eye
+    for (uint8_t byte : drawOne(*vulkan.renderer, *id, tubePose(0), away).rgba) ASSERT_EQ(byte, 0);
+}
+
+TEST(VulkanImage, reportsATimeForEachPassOfTheLastFrame) {
+    TestVulkan vulkan;
+    DPL_NEED_VULKAN(vulkan);
+    auto id = vulkan.renderer->addAvatar(share(makeTube()));
+    ASSERT_TRUE(id) << id.error().message;
+    drawOne(*vulkan.renderer, *id, tubePose(0), tubeCamera(64, 64, 0));
+    const auto times = lastPassTimes(*vulkan.renderer);
+    if (times.empty()) GTEST_SKIP() << "the device has no timestamps";
+    double sum = 0;
+    for (const PassTime& t : times) {
+        EXPECT_GE(t.milliseconds, 0) << t.label;
+        sum += t.milliseconds;
+    }
+    EXPECT_GT(sum, 0);
+    EXPECT_EQ(times.front().label, "begin");
+    EXPECT_EQ(times.back().label, "readback");
+    EXPECT_EQ(times.size(), 1 + 2 + 2 + 4 + 12 + 2u);
+}
+
+TEST(VulkanImage, refusesWhatItCannotDraw) {
+    TestVulkan vulkan;
+    DPL_NEED_VULKAN(vulkan);
+    AvatarData broken = makeTube();
+    broken.mesh.triangles[3].y = 1u << 30;
+    auto refused = vulkan.renderer->addAvatar(share(broken));
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, Code::InvalidArgument);
+    auto id = vulkan.renderer->addAvatar(share(makeTube()));
+    ASSERT_TRUE(id);
+    std::vector<RenderedView> out(1);
+    const Cameraf huge = tubeCamera(1u << 20, 16, 0);
+    const Status status = vulkan.renderer->render(*id, tubePose(0), {&huge, 1}, false, out);
+    ASSERT_FALSE(status);
+    EXPECT_EQ(status.error().code, Code::Unsupported);
+    Cameraf nan = tubeCamera(16, 16, 0);
+    nan.cx = NAN;
+    EXPECT_FALSE(vulkan.renderer->render(*id, tubePose(0), {&nan, 1}, false, out));
+    EXPECT_FALSE(vulkan.renderer->render(*id + 1, tubePose(0), {&huge, 1}, false, out));
+    EXPECT_GT(drawOne(*vulkan.renderer, *id, tubePose(0), tubeCamera(32, 32, 0)).rgba.size(), 0u);  // still alive
+}
+
+}  // namespace
+}  // namespace dpl
