@@ -202,7 +202,7 @@ void projectAs(const ProjectTask& task) {
 
         // Comparisons with NaN are false, so everything that is not finite ends here.
         M shown = hn::And(s.valid, hn::And(det > zero, det < set(3e38f)));
-        shown = hn::And(shown, hn::And(opacity > set(float(kMinAlpha)), opacity < set(3e38f)));
+        shown = hn::And(shown, hn::And(opacity > set(float(kMinAlpha)), opacity < huge));
         shown = hn::And(shown, hn::And(hn::Abs(x) < huge, hn::Abs(y) < huge));
         const V q = set(2) * hn::Log(d, hn::IfThenElse(shown, opacity * set(255), one));
         const V radiusX = hn::Sqrt(q * s.varianceX), radiusY = hn::Sqrt(q * s.varianceY);

@@ -2,6 +2,7 @@
 // its own column of counters, so every list is in depth order whatever the number of workers.
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "sdk/core/log.h"
 #include "sdk/splat/buffers.h"
@@ -9,7 +10,8 @@
 namespace dpl {
 namespace {
 
-constexpr uint64_t kMaxEntries = uint64_t(1) << 28;  // 1 GiB of tile lists; tens of thousands of screen-filling layers
+constexpr size_t kAhead = 16;  // splats to prefetch ahead
+constexpr uint64_t kMaxEntries = uint64_t(1) << 27;  // 512 MiB of tile lists; thousands of screen-filling layers
 
 /** How many of the nearest splats fit into kMaxEntries. Layers behind so many others are drawn nowhere near T = 1e-4. */
 size_t nearestThatFit(const uint32_t* sorted, const TileBox* boxes, size_t visible) {
@@ -43,19 +45,19 @@ void binIntoTiles(Jobs& jobs, SplatEngine::Buffers& buffers) {
     for (const BlockVisible& block : buffers.blocks) total += block.tileEntries;
     if (total > kMaxEntries) visible = nearestThatFit(sorted, boxes, visible);
 
-    const auto forTiles = [&](size_t worker, auto&& body) {
-        const size_t begin = visible * worker / workers, end = visible * (worker + 1) / workers;
-        for (size_t i = begin; i < end; ++i) {
-            const uint32_t splat = sorted[i];
-            const TileBox box = boxes[splat];
-            for (size_t y = box.y0; y <= box.y1; ++y)
-                for (size_t x = box.x0; x <= box.x1; ++x) body(y * columns + x, splat);
-        }
-    };
+    // The first round reads boxes in depth order, which is anywhere in memory, and leaves them in a row for the second.
+    TileBox* sortedBoxes = buffers.sortedBoxes.resize(visible);
+    const auto rangeOf = [&](size_t worker) { return std::pair(visible * worker / workers, visible * (worker + 1) / workers); };
     jobs.forBlocks(workers, [&](size_t worker, uint32_t) {
         uint32_t* mine = counts + worker * tileCount;
         std::memset(mine, 0, tileCount * sizeof(uint32_t));
-        forTiles(worker, [&](size_t tile, uint32_t) { ++mine[tile]; });
+        const auto [begin, end] = rangeOf(worker);
+        for (size_t i = begin; i < end; ++i) {
+            if (i + kAhead < end) __builtin_prefetch(boxes + sorted[i + kAhead]);
+            const TileBox box = sortedBoxes[i] = boxes[sorted[i]];
+            for (size_t y = box.y0; y <= box.y1; ++y)
+                for (size_t x = box.x0; x <= box.x1; ++x) ++mine[y * columns + x];
+        }
     });
     uint32_t sum = 0;
     for (size_t tile = 0; tile < tileCount; ++tile) {
@@ -72,7 +74,12 @@ void binIntoTiles(Jobs& jobs, SplatEngine::Buffers& buffers) {
     uint32_t* entries = tiles.entries.data();
     jobs.forBlocks(workers, [&](size_t worker, uint32_t) {
         uint32_t* next = counts + worker * tileCount;
-        forTiles(worker, [&](size_t tile, uint32_t splat) { entries[next[tile]++] = splat; });
+        const auto [begin, end] = rangeOf(worker);
+        for (size_t i = begin; i < end; ++i) {
+            const TileBox box = sortedBoxes[i];
+            for (size_t y = box.y0; y <= box.y1; ++y)
+                for (size_t x = box.x0; x <= box.x1; ++x) entries[next[y * columns + x]++] = sorted[i];
+        }
     });
 }
 

@@ -1,13 +1,51 @@
-// Front-to-back blending, one 16×16 tile at a time.
+// Blending's plumbing: hands tiles to workers and copies finished accumulators into images.
 #include <algorithm>
-#include <cmath>
+#include <cstring>
 
-#include "sdk/splat/buffers.h"
+#include "sdk/splat/blend_kernel.h"
 
 namespace dpl {
+namespace {
+
+/** The part of a tile inside the image. */
+struct TileRect {
+    uint32_t x, y, width, height;
+};
+
+/** Blends every tile and calls finish(rect, accumulators) for it; accumulators is null for tiles that hold nothing. */
+template <class Finish>
+void forTiles(Jobs& jobs, const SplatEngine::Buffers& buffers, bool extras, bool stops, Finish&& finish) {
+    const TileLists& tiles = buffers.tiles;
+    jobs.forBlocks(tiles.rows, [&](size_t row, uint32_t) {
+        TileAccumulators tile;
+        for (uint32_t column = 0; column < tiles.columns; ++column) {
+            const size_t index = row * tiles.columns + column;
+            TileRect rect{column * kTileSizePx, uint32_t(row) * kTileSizePx, 0, 0};
+            rect.width = std::min(kTileSizePx, buffers.widthPx - rect.x), rect.height = std::min(kTileSizePx, buffers.heightPx - rect.y);
+            const uint32_t begin = tiles.offset[index], end = tiles.offset[index + 1];
+            if (begin == end) {
+                finish(index, rect, static_cast<const TileAccumulators*>(nullptr));
+                continue;
+            }
+            blendTile({buffers.projected.data(), buffers.rowScale.data(), tiles.entries.data(), begin, end, float(rect.x), float(rect.y), extras, stops},
+                      tile);
+            finish(index, rect, static_cast<const TileAccumulators*>(&tile));
+        }
+    });
+}
+
+void storeDepthRow(const TileAccumulators* tile, uint32_t row, uint32_t width, float* depthM) {
+    for (uint32_t x = 0; x < width; ++x) {
+        const uint32_t at = row * kTileSizePx + x;
+        const float covered = tile ? 1 - tile->transmittance[at] : 0.f;
+        depthM[x] = covered > 0 ? tile->depth[at] / covered : 0.f;
+    }
+}
+
+}  // namespace
 
 void blendTiles(Jobs& jobs, SplatEngine::Buffers& buffers, SplatImage& image, const BlendOptions& options) {
-    const size_t width = buffers.widthPx, height = buffers.heightPx, pixels = width * height;
+    const size_t width = buffers.widthPx, pixels = width * buffers.heightPx;
     image.widthPx = buffers.widthPx, image.heightPx = buffers.heightPx;
     image.rgb.resize(pixels * 3);
     image.alpha.resize(pixels);
@@ -15,34 +53,40 @@ void blendTiles(Jobs& jobs, SplatEngine::Buffers& buffers, SplatImage& image, co
     image.depthM.resize(options.depth ? pixels : 0);
     buffers.stops.resize(options.recordStops ? pixels : 0);
     buffers.stopTransmittance.resize(options.recordStops ? pixels : 0);
-    const TileLists& tiles = buffers.tiles;
-    jobs.forBlocks(size_t(tiles.columns) * tiles.rows, [&](size_t tile, uint32_t) {
-        const size_t x0 = tile % tiles.columns * kTileSizePx, y0 = tile / tiles.columns * kTileSizePx;
-        for (size_t y = y0; y < std::min<size_t>(height, y0 + kTileSizePx); ++y)
-            for (size_t x = x0; x < std::min<size_t>(width, x0 + kTileSizePx); ++x) {
-                float t = 1, cloth = 0, depth = 0;
-                Vec3f colour(0);
-                uint32_t stop = tiles.offset[tile];
-                for (uint32_t e = tiles.offset[tile]; e < tiles.offset[tile + 1] && t > float(kMinTransmittance); ++e) {
-                    const ProjectedSplat& p = buffers.projected[tiles.entries[e]];
-                    const float dx = float(x) + 0.5f - p.x, dy = float(y) + 0.5f - p.y;
-                    const float along = dx + p.conicB / p.conicA * dy;
-                    const float sigma = 0.5f * (p.conicA * along * along + buffers.rowScale[p.splat] * dy * dy);
-                    const float alpha = std::min(float(kMaxAlpha), p.opacity * std::exp(-sigma));
-                    if (!(alpha >= float(kMinAlpha))) continue;
-                    const float w = alpha * t;
-                    colour += w * Vec3f(p.red, p.green, p.blue);
-                    cloth += w * p.cloth, depth += w * p.depthM;
-                    t -= w;
-                    stop = e + 1;
-                }
-                const size_t pixel = y * width + x;
-                for (int k = 0; k < 3; ++k) image.rgb[pixel * 3 + k] = colour[k];
-                image.alpha[pixel] = 1 - t;
-                if (options.cloth) image.cloth[pixel] = cloth;
-                if (options.depth) image.depthM[pixel] = t < 1 ? depth / (1 - t) : 0;
-                if (options.recordStops) buffers.stops[pixel] = stop, buffers.stopTransmittance[pixel] = t;
+    forTiles(jobs, buffers, options.cloth || options.depth, options.recordStops, [&](size_t index, const TileRect& rect, const TileAccumulators* tile) {
+        for (uint32_t row = 0; row < rect.height; ++row) {
+            const size_t pixel = (rect.y + row) * width + rect.x, at = row * kTileSizePx;
+            if (tile) {
+                storeRow(*tile, row, rect.width, image.rgb.data() + pixel * 3, image.alpha.data() + pixel);
+            } else {
+                std::fill_n(image.rgb.data() + pixel * 3, rect.width * 3, 0.f);
+                std::fill_n(image.alpha.data() + pixel, rect.width, 0.f);
             }
+            if (options.cloth) {
+                if (tile) std::copy_n(tile->cloth + at, rect.width, image.cloth.data() + pixel);
+                else std::fill_n(image.cloth.data() + pixel, rect.width, 0.f);
+            }
+            if (options.depth) storeDepthRow(tile, row, rect.width, image.depthM.data() + pixel);
+            if (!options.recordStops) continue;
+            for (uint32_t x = 0; x < rect.width; ++x) {
+                buffers.stops[pixel + x] = tile ? tile->stop[at + x] : buffers.tiles.offset[index];
+                buffers.stopTransmittance[pixel + x] = tile ? tile->transmittance[at + x] : 1.f;
+            }
+        }
+    });
+}
+
+void blendTilesRgba8(Jobs& jobs, SplatEngine::Buffers& buffers, std::vector<uint8_t>& rgba, std::vector<float>* depthM) {
+    const size_t width = buffers.widthPx, pixels = width * buffers.heightPx;
+    rgba.resize(pixels * 4);
+    if (depthM) depthM->resize(pixels);
+    forTiles(jobs, buffers, depthM != nullptr, false, [&](size_t, const TileRect& rect, const TileAccumulators* tile) {
+        for (uint32_t row = 0; row < rect.height; ++row) {
+            const size_t pixel = (rect.y + row) * width + rect.x;
+            if (tile) packRgba8(*tile, row, rect.width, rgba.data() + pixel * 4);
+            else std::memset(rgba.data() + pixel * 4, 0, rect.width * 4);
+            if (depthM) storeDepthRow(tile, row, rect.width, depthM->data() + pixel);
+        }
     });
 }
 

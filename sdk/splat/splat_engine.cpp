@@ -30,6 +30,8 @@ void SplatEngine::bin() {
 
 void SplatEngine::blend(SplatImage& image, const BlendOptions& options) { blendTiles(jobs_, *buffers_, image, options); }
 
+void SplatEngine::blendRgba8(std::vector<uint8_t>& rgba, std::vector<float>* depthM) { blendTilesRgba8(jobs_, *buffers_, rgba, depthM); }
+
 std::span<const ProjectedSplat> SplatEngine::projected() const { return {buffers_->projected.data(), buffers_->splatCount}; }
 const TileLists& SplatEngine::tiles() const { return buffers_->tiles; }
 std::span<const uint32_t> SplatEngine::stops() const { return {buffers_->stops.data(), buffers_->stops.size()}; }

@@ -89,6 +89,10 @@ public:
     /** Blends all tiles into `image` over transparent black. After bin(). */
     void blend(SplatImage& image, const BlendOptions& options = {});
 
+    /** Blends straight to premultiplied RGBA8 (what a viewer wants; a third of the memory traffic). rgba is resized to 4 a pixel;
+     *  depthM, when not null, to one a pixel, as in SplatImage. After bin(). */
+    void blendRgba8(std::vector<uint8_t>& rgba, std::vector<float>* depthM = nullptr);
+
     std::span<const ProjectedSplat> projected() const;
     const TileLists& tiles() const;
     /** Per pixel, row-major: one past the last entry that was blended, as an index into tiles().entries (tiles().offset of the

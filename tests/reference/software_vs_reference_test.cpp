@@ -5,8 +5,9 @@
 namespace dpl {
 namespace {
 
-// The product's bar is 50 dB; random scenes in float measure 75 dB and more, so 60 leaves room for cut-off flips only.
-constexpr double kBarDb = 60;
+// The product's bar is 50 dB. Measured: 120 dB and more, 93 dB where one pixel falls on the other side of the 1/255 cut-off; a
+// renderer that loses a row of pixels at tile edges measured 60 to 82 dB, so the bar stands between.
+constexpr double kBarDb = 88;
 
 TEST(SoftwareVsReference, randomAvatarsPosesAndViews) {
     for (uint32_t seed = 1; seed <= 6; ++seed) {

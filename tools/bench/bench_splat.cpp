@@ -46,11 +46,11 @@ double median(std::vector<double> v) {
     return v[v.size() / 2];
 }
 
-void writePpm(const char* path, const SplatImage& image) {
+void writePpm(const char* path, const Cameraf& camera, const std::vector<uint8_t>& rgba) {
     std::FILE* file = std::fopen(path, "wb");
     if (!file) return;
-    std::fprintf(file, "P6 %u %u 255\n", image.widthPx, image.heightPx);
-    for (const float x : image.rgb) std::fputc(int(std::min(1.f, x) * 255 + 0.5f), file);
+    std::fprintf(file, "P6 %u %u 255\n", camera.widthPx, camera.heightPx);
+    for (size_t i = 0; i < rgba.size(); i += 4) std::fwrite(rgba.data() + i, 1, 3, file);
     std::fclose(file);
 }
 
@@ -74,7 +74,7 @@ int main(int argc, char** argv) {
     Jobs jobs(threads);
     const PackedSplats packed(splats);
     SplatEngine engine(jobs);
-    SplatImage image;
+    std::vector<uint8_t> rgba;
     std::vector<double> times[5];
     for (uint32_t frame = 0; frame < frames + 3; ++frame) {
         const double t0 = nowMs();
@@ -84,7 +84,7 @@ int main(int argc, char** argv) {
         const double t2 = nowMs();
         engine.bin();
         const double t3 = nowMs();
-        engine.blend(image);
+        engine.blendRgba8(rgba);
         const double t4 = nowMs();
         if (frame < 3) continue;  // warm-up
         times[0].push_back(t1 - t0), times[1].push_back(t2 - t1), times[2].push_back(t3 - t2), times[3].push_back(t4 - t3);
@@ -93,6 +93,6 @@ int main(int argc, char** argv) {
     std::printf("doppel %s %ux%u threads=%u splats=%u inst=%u | project+SH %.2f sort %.2f bin %.2f raster %.2f total-median %.2f min %.2f ms\n",
                 argv[1], camera.widthPx, camera.heightPx, threads, splats.count(), engine.tiles().offset.back(), median(times[0]), median(times[1]),
                 median(times[2]), median(times[3]), median(times[4]), *std::min_element(times[4].begin(), times[4].end()));
-    if (argc > 8) writePpm(argv[8], image);
+    if (argc > 8) writePpm(argv[8], camera, rgba);
     return 0;
 }

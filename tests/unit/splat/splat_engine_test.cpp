@@ -162,6 +162,67 @@ TEST(SplatEngine, stopsTellWhatWasBlended) {
     EXPECT_NEAR(1 - image.alpha[middle], engine.stopTransmittance()[middle], 1e-6f);
 }
 
+TEST(SplatEngine, packedSplatsGiveTheSameBytes) {
+    std::mt19937 random(7);
+    std::normal_distribution<float> normal;
+    StaticSplatData s = grey(5003);  // not a whole number of groups
+    s.shDegree = 2;
+    s.sh.assign(s.count() * 27, 0.f);
+    for (float& x : s.sh) x = 0.3f * normal(random);
+    for (size_t i = 0; i < s.count(); ++i) s.position[i] = {normal(random), normal(random), 3 + normal(random)};
+    Jobs jobs(2);
+    SplatEngine engine(jobs);
+    const SplatImage plain = draw(engine, s, camera(120, 90));
+    const PackedSplats packed(s);
+    SplatImage image;
+    engine.project(packed, {}, camera(120, 90), 0.3f, false);
+    engine.bin();
+    engine.blend(image);
+    EXPECT_GT(maxAlpha(plain), 0.5f);
+    EXPECT_EQ(plain.rgb, image.rgb);
+    EXPECT_EQ(plain.alpha, image.alpha);
+}
+
+TEST(SplatEngine, rgba8IsTheFloatImageRounded) {
+    StaticSplatData s = grey(40);
+    for (size_t i = 0; i < s.count(); ++i) s.position[i] = {0.05f * float(i) - 1, 0.1f * float(i % 7), 2}, s.sh[i * 3] = 0.1f * float(i);
+    Jobs jobs(2);
+    SplatEngine engine(jobs);
+    const SplatImage image = draw(engine, s, camera(61, 47), {.depth = true});  // partial tiles at both borders
+    std::vector<uint8_t> rgba;
+    std::vector<float> depth;
+    engine.blendRgba8(rgba, &depth);
+    ASSERT_EQ(rgba.size(), 61u * 47u * 4u);
+    EXPECT_GT(maxAlpha(image), 0.4f);
+    for (size_t i = 0; i < image.alpha.size(); ++i) {
+        for (int k = 0; k < 3; ++k) ASSERT_NEAR(rgba[i * 4 + size_t(k)], image.rgb[i * 3 + size_t(k)] * 255, 0.501f);
+        ASSERT_NEAR(rgba[i * 4 + 3], image.alpha[i] * 255, 0.501f);
+    }
+    EXPECT_EQ(depth, image.depthM);
+}
+
+TEST(SplatEngine, arraysOfDifferentLengthDrawNothing) {
+    StaticSplatData s = grey(20);
+    s.sh.pop_back();
+    Jobs jobs(1);
+    SplatEngine engine(jobs);
+    EXPECT_EQ(maxAlpha(draw(engine, s, camera(32, 32))), 0);
+}
+
+TEST(SplatEngine, tooManyTileEntriesDrawTheNearest) {
+    // 600 layers over 512 × 512 tiles would be 1.6e8 entries; the nearest ones must win and nothing may overrun.
+    StaticSplatData s = grey(600);
+    for (size_t i = 0; i < s.count(); ++i) s.position[i].z = 3 - 0.001f * float(i), s.scaleM[i] = Vec3f(30.f);
+    Jobs jobs(2);
+    SplatEngine engine(jobs);
+    engine.project(s, camera(8192, 8192), 0.3f);
+    engine.bin();
+    const TileLists& tiles = engine.tiles();
+    EXPECT_LE(tiles.offset.back(), 1u << 27);
+    EXPECT_GT(tiles.offset.back(), 1u << 26);
+    EXPECT_EQ(tiles.entries[0], 599u);
+}
+
 TEST(SplatEngine, sameBytesOnOneTwoAndThreeThreads) {
     std::mt19937 random(11);
     std::normal_distribution<float> normal;

@@ -1,0 +1,184 @@
+// Blends the splats of one tile front to back, a row of pixels at a time.
+//
+// With k = B/A the exponent of a row at distance dy is  −σ = −½A (x − x_row)² − ½ dy²/Σ'yy,  x_row = x − k·dy:  no cancellation on
+// needles and two operations a pixel. The opacity is folded in as its logarithm, so that the cut-off α ≥ 1/255 is a comparison of
+// exponents, made before the exponential.
+#include "sdk/splat/simd.h"
+
+#include <cstring>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "sdk/splat/blend_kernel.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/cache_control.h>
+#include <hwy/highway.h>
+
+#include "sdk/splat/blend_kernel.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace dpl {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using D = hn::CappedTag<float, kTileSizePx>;
+using V = hn::Vec<D>;
+constexpr uint32_t kLanes = uint32_t(hn::MaxLanes(D())), kChunks = kTileSizePx / kLanes;
+constexpr float kLog2E = 1.44269504f;
+constexpr float kLog2MinAlpha = -7.99435344f;  // log2(1/255)
+
+HWY_INLINE V set(float x) { return hn::Set(D(), x); }
+
+/** 2^p for p in [-126, 127]: minimax polynomial of degree 5 on [-½, ½], relative error 8e-8. Garbage, but no trap, outside. */
+HWY_INLINE V exp2Of(V p) {
+    const D d;
+    const hn::RebindToSigned<D> di;
+    const auto whole = hn::NearestInt(p);
+    const V f = p - hn::ConvertTo(d, whole);
+    V r = hn::MulAdd(f, set(1.327647198e-03f), set(9.675541334e-03f));
+    r = hn::MulAdd(r, f, set(5.550713274e-02f));
+    r = hn::MulAdd(r, f, set(2.402211972e-01f));
+    r = hn::MulAdd(r, f, set(6.931469671e-01f));
+    r = hn::MulAdd(r, f, set(1.f));
+    return hn::BitCast(d, hn::BitCast(di, r) + hn::ShiftLeft<23>(whole));
+}
+
+/** Pixel range [first, last] of centre ± radius in a tile; false when it is empty. */
+HWY_INLINE bool clipToTile(float centre, float radius, uint32_t& first, uint32_t& last) {
+    constexpr float kLast = float(kTileSizePx - 1);
+    const float low = centre - radius + 0.9999f, high = centre + radius;  // cut to integers, low becomes its ceiling
+    if (!(high >= 0) || !(low < kLast + 1)) return false;
+    first = uint32_t(int32_t(low > 0 ? low : 0)), last = uint32_t(int32_t(high < kLast ? high : kLast));
+    return true;
+}
+
+/** What the inner loop needs of one splat. */
+struct SplatRow {
+    V scale, red, green, blue, cloth, depth;
+    hn::Vec<hn::RebindToUnsigned<D>> next;  // one past the entry
+};
+
+template <bool kExtras, bool kStops>
+HWY_INLINE void blendChunk(const SplatRow& s, V pixelX, float rowX, float rowExponent, uint32_t at, TileAccumulators& tile) {
+    const D d;
+    const hn::RebindToUnsigned<D> du;
+    const V dx = pixelX - set(rowX);
+    const V exponent = hn::MulAdd(dx * dx, s.scale, set(rowExponent));
+    const V t = hn::Load(d, tile.transmittance + at);
+    const auto counts = hn::And(exponent >= set(kLog2MinAlpha), t > set(float(kMinTransmittance)));
+    const V w = hn::IfThenElseZero(counts, hn::Min(exp2Of(exponent), set(float(kMaxAlpha)))) * t;
+    hn::Store(hn::MulAdd(w, s.red, hn::Load(d, tile.red + at)), d, tile.red + at);
+    hn::Store(hn::MulAdd(w, s.green, hn::Load(d, tile.green + at)), d, tile.green + at);
+    hn::Store(hn::MulAdd(w, s.blue, hn::Load(d, tile.blue + at)), d, tile.blue + at);
+    hn::Store(t - w, d, tile.transmittance + at);
+    if constexpr (kExtras) {
+        hn::Store(hn::MulAdd(w, s.cloth, hn::Load(d, tile.cloth + at)), d, tile.cloth + at);
+        hn::Store(hn::MulAdd(w, s.depth, hn::Load(d, tile.depth + at)), d, tile.depth + at);
+    }
+    if constexpr (kStops) hn::BlendedStore(s.next, hn::RebindMask(du, counts), du, tile.stop + at);
+}
+
+template <bool kExtras, bool kStops>
+void blendTileAs(const BlendTileTask& task, TileAccumulators& tile) {
+    const D d;
+    const hn::RebindToUnsigned<D> du;
+    const V zero = hn::Zero(d), one = set(1);
+    for (uint32_t i = 0; i < kTilePixels; i += kLanes) {
+        hn::Store(zero, d, tile.red + i), hn::Store(zero, d, tile.green + i), hn::Store(zero, d, tile.blue + i);
+        hn::Store(one, d, tile.transmittance + i);
+        if constexpr (kExtras) hn::Store(zero, d, tile.cloth + i), hn::Store(zero, d, tile.depth + i);
+        if constexpr (kStops) hn::Store(hn::Set(du, task.begin), du, tile.stop + i);
+    }
+    V pixelX[kChunks];  // relative to the centre of the tile's first pixel
+    for (uint32_t c = 0; c < kChunks; ++c) pixelX[c] = hn::Iota(d, float(c * kLanes));
+    const float originX = task.x0 + 0.5f, originY = task.y0 + 0.5f;
+    constexpr uint32_t kAllRows = (1u << kTileSizePx) - 1, kCheckEvery = 32, kAhead = 12;
+    uint32_t doneRows = 0;
+
+    for (uint32_t e = task.begin; e < task.end; ++e) {
+        if (e + kAhead < task.end) {
+            const uint32_t later = task.entries[e + kAhead];
+            hwy::Prefetch(task.projected + later);
+            hwy::Prefetch(task.rowScale + later);
+        }
+        const uint32_t splat = task.entries[e];
+        const ProjectedSplat& p = task.projected[splat];
+        const float x = p.x - originX, y = p.y - originY;
+        uint32_t firstX, lastX, firstY, lastY;
+        if (!clipToTile(x, p.radiusX, firstX, lastX)) continue;
+        if (!clipToTile(y, p.radiusY, firstY, lastY)) continue;
+        const float inverseVarianceY = task.rowScale[splat];
+        const float slope = p.conicB / p.conicA, rowScale = -0.5f * kLog2E * inverseVarianceY;
+        // radiusY² / Σ'yy = 2 ln(255·opacity)
+        const float logOpacity = 0.5f * kLog2E * inverseVarianceY * p.radiusY * p.radiusY + kLog2MinAlpha;
+        SplatRow s;
+        s.scale = set(-0.5f * kLog2E * p.conicA);
+        s.red = set(p.red), s.green = set(p.green), s.blue = set(p.blue);
+        if constexpr (kExtras) s.cloth = set(p.cloth), s.depth = set(p.depthM);
+        if constexpr (kStops) s.next = hn::Set(du, e + 1);
+        const uint32_t firstChunk = firstX / kLanes, lastChunk = lastX / kLanes;
+        for (uint32_t row = firstY; row <= lastY; ++row) {
+            if (doneRows >> row & 1) continue;
+            const float dy = float(int32_t(row)) - y;
+            const float rowX = x - slope * dy, rowExponent = logOpacity + rowScale * dy * dy;
+            for (uint32_t c = firstChunk; c <= lastChunk; ++c)
+                blendChunk<kExtras, kStops>(s, pixelX[c], rowX, rowExponent, row * kTileSizePx + c * kLanes, tile);
+        }
+        if ((e - task.begin) % kCheckEvery == kCheckEvery - 1) {
+            for (uint32_t row = 0; row < kTileSizePx; ++row) {
+                V most = hn::Load(d, tile.transmittance + row * kTileSizePx);
+                for (uint32_t c = 1; c < kChunks; ++c) most = hn::Max(most, hn::Load(d, tile.transmittance + row * kTileSizePx + c * kLanes));
+                if (hn::AllTrue(d, most <= set(float(kMinTransmittance)))) doneRows |= 1u << row;
+            }
+            if (doneRows == kAllRows) break;
+        }
+    }
+}
+
+void blendTile(const BlendTileTask& task, TileAccumulators& tile) {
+    using Kernel = void (*)(const BlendTileTask&, TileAccumulators&);
+    static constexpr Kernel kKernels[2][2] = {{blendTileAs<false, false>, blendTileAs<false, true>}, {blendTileAs<true, false>, blendTileAs<true, true>}};
+    kKernels[task.extras][task.stops](task, tile);
+}
+
+void packRgba8(const TileAccumulators& tile, uint32_t row, uint32_t width, uint8_t* rgba) {
+    const D d;
+    const hn::RebindToUnsigned<D> du;
+    HWY_ALIGN uint32_t pixels[kTileSizePx];
+    const auto unorm8 = [&](V x) HWY_ATTR { return hn::BitCast(du, hn::NearestInt(hn::Min(x, set(1)) * set(255))); };
+    for (uint32_t x = 0; x < kTileSizePx; x += kLanes) {
+        const uint32_t at = row * kTileSizePx + x;
+        const auto r = unorm8(hn::Load(d, tile.red + at)), g = unorm8(hn::Load(d, tile.green + at)), b = unorm8(hn::Load(d, tile.blue + at));
+        const auto a = unorm8(set(1) - hn::Load(d, tile.transmittance + at));
+        hn::Store(hn::Or(hn::Or(r, hn::ShiftLeft<8>(g)), hn::Or(hn::ShiftLeft<16>(b), hn::ShiftLeft<24>(a))), du, pixels + x);
+    }
+    std::memcpy(rgba, pixels, width * 4);
+}
+
+void storeRow(const TileAccumulators& tile, uint32_t row, uint32_t width, float* rgb, float* alpha) {
+    const D d;
+    HWY_ALIGN float rowRgb[3 * kTileSizePx], rowAlpha[kTileSizePx];
+    for (uint32_t x = 0; x < kTileSizePx; x += kLanes) {
+        const uint32_t at = row * kTileSizePx + x;
+        hn::StoreInterleaved3(hn::Load(d, tile.red + at), hn::Load(d, tile.green + at), hn::Load(d, tile.blue + at), d, rowRgb + 3 * x);
+        hn::Store(set(1) - hn::Load(d, tile.transmittance + at), d, rowAlpha + x);
+    }
+    std::memcpy(rgb, rowRgb, width * 3 * sizeof(float));
+    std::memcpy(alpha, rowAlpha, width * sizeof(float));
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace dpl
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace dpl {
+HWY_EXPORT(blendTile);
+HWY_EXPORT(packRgba8);
+HWY_EXPORT(storeRow);
+void blendTile(const BlendTileTask& task, TileAccumulators& tile) { HWY_DYNAMIC_DISPATCH(blendTile)(task, tile); }
+void packRgba8(const TileAccumulators& tile, uint32_t row, uint32_t width, uint8_t* rgba) { HWY_DYNAMIC_DISPATCH(packRgba8)(tile, row, width, rgba); }
+void storeRow(const TileAccumulators& tile, uint32_t row, uint32_t width, float* rgb, float* alpha) {
+    HWY_DYNAMIC_DISPATCH(storeRow)(tile, row, width, rgb, alpha);
+}
+}  // namespace dpl
+#endif
