@@ -1,0 +1,41 @@
+#include <cstdio>
+
+#include "apps/doppel/commands.h"
+#include "reconstruction/pipeline/progress.h"
+#include "reconstruction/sample/scan_writer.h"
+
+namespace dpl {
+
+void addSampleCommand(CLI::App& app, CommandRun& run) {
+    struct Options {
+        std::filesystem::path out;
+        uint64_t seed = 1;
+        uint32_t threadCount = 0;
+        bool small = false;
+    };
+    auto options = std::make_shared<Options>();
+    CLI::App* command = app.add_subcommand("sample", "Make the scan of a procedural person, with its truth");
+    command->add_option("-o,--out", options->out, "Scan folder to make; must not exist or be empty")->required();
+    command->add_option("--seed", options->seed, "Which person: shape, colours, clothes, motion")->capture_default_str();
+    command->add_flag("--small", options->small, "Half the size and fewer frames, for tries");
+    command->add_option("--threads", options->threadCount, "CPU threads, 0: one a core; the bytes do not depend on it")->check(CLI::Range(0, 256));
+    command->footer("Examples:\n  doppel sample -o scan\n  doppel sample -o scan-7 --seed 7 --small");
+    command->callback([options, &run] {
+        run = [options] {
+            Progress progress;
+            Jobs jobs(options->threadCount);
+            SampleScanOptions scan = SampleScanOptions::small(options->seed);
+            if (!options->small) scan = SampleScanOptions{}, scan.seed = options->seed;
+            progress.beginStage("sample");
+            Status made = makeSampleScan(options->out, scan, jobs, [&](double share, const std::string& what) {
+                progress.update(share, what);
+                return !progress.cancelled();
+            });
+            if (!made) return reportError(made.error());
+            progress.endStage(formatText("{} frames in {}", scan.fullFrames + scan.closeupFrames + scan.dynamicFrames, options->out.string()));
+            return int(kExitOk);
+        };
+    });
+}
+
+}  // namespace dpl

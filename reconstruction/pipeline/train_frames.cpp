@@ -1,0 +1,74 @@
+#include "reconstruction/pipeline/train_frames.h"
+
+#include "reconstruction/surface/mesh_raster.h"
+#include "reconstruction/surface/triangle_labels.h"
+#include "sdk/avatar/rig.h"
+
+namespace dpl {
+namespace {
+
+constexpr uint8_t kLabelBody = 1;
+
+void posedMesh(const std::vector<JointData>& joints, const MeshData& mesh, const Pose& pose, Jobs& jobs, std::vector<Vec3f>& positions) {
+    std::vector<Mat3x4f> worldFromRest;
+    jointTransforms(joints, pose, worldFromRest);
+    skin(mesh, worldFromRest, jobs, positions);
+}
+
+}  // namespace
+
+Result<TrainFrame> loadTrainFrame(const ScanFrame& frame, const Pose& pose) {
+    if (frame.maskPath.empty())
+        return fail(Code::InvalidArgument, "frame {} has no mask; add masks/{}.png, or let --models find the person", frame.name, frame.name);
+    TrainFrame out;
+    out.name = frame.name;
+    out.kind = frame.kind;
+    out.camera = frame.camera;
+    out.pose = pose;
+    DPL_TRY(out.image, readFrameImage(frame));
+    DPL_TRY(out.mask, readFrameMask(frame));
+    if (!frame.labelsPath.empty()) {
+        DPL_TRY(out.labels, readFrameLabels(frame));
+    }
+    return out;
+}
+
+Result<std::vector<TrainFrame>> loadTrainFrames(const SubjectData& subject, Split split, std::vector<size_t>* indices) {
+    std::vector<TrainFrame> frames;
+    for (size_t f = 0; f < subject.scan.frames.size(); ++f) {
+        if (subject.scan.frames[f].split != split || (split == Split::Train && !subject.usable[f])) continue;
+        DPL_TRY(TrainFrame frame, loadTrainFrame(subject.scan.frames[f], subject.fit.poses[f]));
+        frames.push_back(std::move(frame));
+        if (indices) indices->push_back(f);
+    }
+    return frames;
+}
+
+std::vector<uint8_t> voteTriangleLabels(const std::vector<JointData>& joints, const MeshData& mesh, const std::vector<TrainFrame>& frames, Jobs& jobs) {
+    TriangleLabels votes(mesh.triangles.size());
+    bool any = false;
+    std::vector<Vec3f> positions;
+    MeshRaster raster;
+    for (const TrainFrame& frame : frames) {
+        if (frame.kind == FrameKind::Dynamic || frame.labels.pixels.empty()) continue;
+        posedMesh(joints, mesh, frame.pose, jobs, positions);
+        rasteriseMesh(positions, mesh.triangles, frame.camera, raster);
+        votes.add(raster, positions, mesh.triangles, frame.camera, frame.labels.pixels, frame.mask.pixels);
+        any = true;
+    }
+    return any ? votes.finish(mesh.triangles, kLabelBody) : std::vector<uint8_t>();
+}
+
+std::vector<glm::u8vec4> gatherVertexColours(const std::vector<JointData>& joints, const MeshData& mesh, const std::vector<TrainFrame>& frames, Jobs& jobs) {
+    VertexColours colours(mesh.restPositions.size());
+    std::vector<Vec3f> positions;
+    MeshRaster raster;
+    for (const TrainFrame& frame : frames) {
+        posedMesh(joints, mesh, frame.pose, jobs, positions);
+        rasteriseMesh(positions, mesh.triangles, frame.camera, raster);
+        colours.add(raster, positions, mesh.triangles, frame.camera, frame.image.pixels, frame.mask.pixels);
+    }
+    return colours.finish(mesh.triangles);
+}
+
+}  // namespace dpl

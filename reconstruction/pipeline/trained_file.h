@@ -1,0 +1,15 @@
+// What training hands to packaging, exactly as trained: our own binary, read back with bounds.
+#pragma once
+
+#include <filesystem>
+
+#include "reconstruction/splat/co_optimise.h"
+#include "sdk/core/result.h"
+
+namespace dpl {
+
+Status writeTrainedFile(const CoOptimiseResult& result, const std::filesystem::path& path);
+/** triangleCount, vertexCount and jointCount are those of the mesh that was trained. */
+Result<CoOptimiseResult> readTrainedFile(const std::filesystem::path& path, size_t triangleCount, size_t vertexCount, size_t jointCount);
+
+}  // namespace dpl

@@ -1,0 +1,268 @@
+#include "reconstruction/surface/fit_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+#include "reconstruction/shape/large_steps.h"
+#include "reconstruction/surface/contours.h"
+#include "reconstruction/surface/silhouette_raster.h"
+
+namespace dpl {
+namespace {
+
+constexpr double kTangentShare = 0.25;   // of a pull along the outline: it is mostly noise, but a helmet's far side needs it
+constexpr double kTurnShare = 0.03;      // of the picture's height: price of a turned normal (contours.h)
+constexpr double kReachShare = 0.25;     // of the picture's height: pulls from further away are mistakes
+constexpr double kStep = 0.8;            // of the smoothed pull taken per round
+constexpr double kRelax = 0.1;           // of the offset's difference to its neighbours' mean, per round
+
+/** A pull on one vertex, rest space. */
+struct Pull {
+    uint32_t vertex;
+    float weight;
+    Vec3f weighted;  // weight × displacement, metres
+};
+
+Status checkInput(const MeshData& mesh, std::span<const JointData> joints, std::span<const Vec3f> offsets, std::span<const SurfaceView> views) {
+    const size_t count = mesh.restPositions.size();
+    if (count == 0 || mesh.triangles.empty()) return fail(Code::InvalidArgument, "the mesh to fit is empty");
+    if (mesh.jointIndices.size() != count || mesh.jointWeights.size() != count)
+        return fail(Code::InvalidArgument, "the mesh has {} vertices but {} joint indices and {} skin weights; give it skin weights", count, mesh.jointIndices.size(), mesh.jointWeights.size());
+    if (!offsets.empty() && offsets.size() != count) return fail(Code::InvalidArgument, "{} offsets for {} vertices", offsets.size(), count);
+    for (size_t v = 0; v < count; ++v) {
+        const Vec3f& p = mesh.restPositions[v];
+        if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return fail(Code::InvalidArgument, "rest position {} is not finite", v);
+        for (int i = 0; i < 4; ++i)
+            if (mesh.jointWeights[v][i] && mesh.jointIndices[v][i] >= joints.size()) return fail(Code::InvalidArgument, "vertex {} hangs on joint {}, the rig has {}", v, mesh.jointIndices[v][i], joints.size());
+    }
+    for (const Triangle& t : mesh.triangles)
+        if (t.x >= count || t.y >= count || t.z >= count) return fail(Code::InvalidArgument, "a triangle points beyond the {} vertices", count);
+    for (size_t i = 0; i < views.size(); ++i) {
+        const auto& view = views[i];
+        if (view.mask.widthPx != view.camera.widthPx || view.mask.heightPx != view.camera.heightPx ||
+            view.mask.pixels.size() != size_t(view.mask.widthPx) * view.mask.heightPx)
+            return fail(Code::InvalidArgument, "the mask of view {} is {} x {}, its camera {} x {}", i, view.mask.widthPx, view.mask.heightPx, view.camera.widthPx, view.camera.heightPx);
+        DPL_CHECK_OK(checkPose(joints, view.pose));
+    }
+    return {};
+}
+
+/** Blended rotation-and-scale part and position of every vertex in one view. */
+struct PosedView {
+    std::vector<Mat3f> linear;
+    std::vector<Vec3f> positions;
+};
+
+PosedView poseVertices(const MeshData& mesh, std::span<const JointData> joints, std::span<const Vec3f> offsets, const Pose& pose) {
+    std::vector<Mat3x4f> worldFromRest;
+    jointTransforms(joints, pose, worldFromRest);
+    PosedView out{std::vector<Mat3f>(mesh.restPositions.size()), std::vector<Vec3f>(mesh.restPositions.size())};
+    for (size_t v = 0; v < mesh.restPositions.size(); ++v) {
+        Mat3x4f blended(0.0f);
+        for (int i = 0; i < 4; ++i)
+            if (const uint8_t w = mesh.jointWeights[v][i]) blended += float(w) / 255.0f * worldFromRest[mesh.jointIndices[v][i]];
+        const Vec3f rest = mesh.restPositions[v] + (offsets.empty() ? Vec3f(0) : offsets[v]);
+        out.linear[v] = Mat3f(blended[0], blended[1], blended[2]);
+        out.positions[v] = out.linear[v] * rest + blended[3];
+    }
+    return out;
+}
+
+/** Pulls of one view. */
+class ViewPulls {
+public:
+    ViewPulls(const MeshData& mesh, const SurfaceView& view, const PosedView& posed, std::span<const ContourPoint> target)
+        : mesh_(mesh), view_(view), posed_(posed), image_(rasteriseTriangles(view.camera, posed.positions, mesh.triangles)) {
+        const uint32_t width = view.camera.widthPx, height = view.camera.heightPx;
+        std::vector<uint8_t> inside(image_.triangle.size());
+        for (size_t i = 0; i < inside.size(); ++i) inside[i] = image_.triangle[i] != kNoTriangle;
+        const auto outline = contourPoints(inside, width, height);
+        const double reach = kReachShare * height, turn = kTurnShare * height;
+        const auto toTarget = matchContours(outline, target, reach, turn), toMesh = matchContours(target, outline, reach, turn);
+        for (size_t i = 0; i < outline.size(); ++i)
+            if (toTarget[i] != UINT32_MAX) pull(outline[i], target[toTarget[i]].px - outline[i].px);
+        for (size_t i = 0; i < target.size(); ++i)
+            if (toMesh[i] != UINT32_MAX) pull(outline[toMesh[i]], target[i].px - outline[toMesh[i]].px);
+    }
+    std::vector<Pull> take() { return std::move(pulls_); }
+
+private:
+    const MeshData& mesh_;
+    const SurfaceView& view_;
+    const PosedView& posed_;
+    TriangleImage image_;
+    std::vector<Pull> pulls_;
+
+    void pull(const ContourPoint& at, const Vec2d& wayPx) {
+        const Vec2d along = glm::dot(wayPx, at.normal) * at.normal;
+        const Vec2d way = along + kTangentShare * (wayPx - along);
+        const Camerad& c = view_.camera;
+        const double depth = image_.depthM[at.inside];
+        const Vec3d inView(way.x * depth / c.fx, way.y * depth / c.fy, 0);
+        const Vec3f inWorld(glm::transpose(c.viewFromWorldRotation) * inView);
+        const Triangle& t = mesh_.triangles[image_.triangle[at.inside]];
+        for (int k = 0; k < 3; ++k) {  // all corners alike: the smoothing is wider than a triangle
+            const Mat3f& linear = posed_.linear[t[k]];
+            if (!(std::abs(glm::determinant(linear)) > 0.05f)) continue;  // opposing blend: no way back to the rest pose
+            pulls_.push_back({t[k], 1.0f, glm::inverse(linear) * inWorld});
+        }
+    }
+};
+
+/** For each vertex of a small separate part the vertex of the largest part that it rides on; itself elsewhere. */
+std::vector<uint32_t> carriers(const MeshData& mesh) {
+    const size_t count = mesh.restPositions.size();
+    std::vector<uint32_t> root(count), order(count);
+    std::iota(root.begin(), root.end(), 0u);
+    std::iota(order.begin(), order.end(), 0u);
+    const auto find = [&](uint32_t v) {
+        while (root[v] != v) v = root[v] = root[root[v]];
+        return v;
+    };
+    const auto join = [&](uint32_t a, uint32_t b) {
+        a = find(a), b = find(b);
+        root[std::max(a, b)] = std::min(a, b);
+    };
+    for (const Triangle& t : mesh.triangles) join(t.x, t.y), join(t.y, t.z);
+    const auto& p = mesh.restPositions;  // seams: vertices at the same place are one
+    const auto key = [&](uint32_t v) { return std::tuple(p[v].x, p[v].y, p[v].z); };
+    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return key(a) < key(b) || (key(a) == key(b) && a < b); });
+    for (size_t i = 1; i < count; ++i)
+        if (key(order[i]) == key(order[i - 1])) join(order[i], order[i - 1]);
+    std::vector<uint32_t> size(count, 0);
+    for (uint32_t v = 0; v < count; ++v) ++size[find(v)];
+    const uint32_t largest = uint32_t(std::max_element(size.begin(), size.end()) - size.begin());
+    std::vector<uint32_t> carrier(count);
+    for (uint32_t v = 0; v < count; ++v) {
+        carrier[v] = v;
+        if (size[find(v)] * 5 >= size[largest] || size[find(v)] == 1) continue;  // a part of its own (a garment), or a loose vertex
+        float nearest = 1e30f;
+        for (uint32_t u = 0; u < count; ++u) {
+            if (find(u) != largest) continue;
+            const Vec3f d = p[u] - p[v];
+            if (const float d2 = glm::dot(d, d); d2 < nearest) nearest = d2, carrier[v] = u;
+        }
+    }
+    return carrier;
+}
+
+class Fitter {
+public:
+    Fitter(const MeshData& mesh, std::span<const JointData> joints, std::span<const SurfaceView> views, const SurfaceFitSettings& settings, Jobs& jobs)
+        : mesh_(mesh), joints_(joints), views_(views), settings_(settings), jobs_(jobs), offsets_(mesh.restPositions.size(), Vec3f(0)), targets_(views.size()), carrier_(carriers(mesh)) {}
+
+    Result<SurfaceFit> run() {
+        jobs_.forBlocks(views_.size(), [&](size_t i, uint32_t) {
+            const auto& mask = views_[i].mask;
+            std::vector<uint8_t> inside(mask.pixels.size());
+            for (size_t k = 0; k < inside.size(); ++k) inside[k] = mask.pixels[k] >= 128;
+            targets_[i] = contourPoints(inside, mask.widthPx, mask.heightPx);
+        });
+        if (std::all_of(targets_.begin(), targets_.end(), [](const auto& t) { return t.empty(); }))
+            return fail(Code::CorruptData, "no mask of the still pictures shows a person; check the masks");
+        SurfaceFit fit;
+        DPL_TRY(fit.iouBefore, surfaceIou(mesh_, joints_, {}, views_, jobs_));
+        const uint32_t total = settings_.levels * settings_.roundsPerLevel;
+        for (uint32_t level = 0; level < settings_.levels; ++level) {
+            const double t = settings_.levels > 1 ? double(level) / (settings_.levels - 1) : 1;
+            const double length = settings_.startSmoothingM * std::pow(settings_.endSmoothingM / settings_.startSmoothingM, t);
+            DPL_TRY(const LargeSteps smooth, LargeSteps::create(mesh_.restPositions, mesh_.triangles, length));
+            for (uint32_t round = 0; round < settings_.roundsPerLevel; ++round, ++fit.rounds) {
+                if (settings_.progress && !settings_.progress(double(fit.rounds) / total)) return fail(Code::Cancelled, "surface fit cancelled");
+                step(smooth);
+            }
+        }
+        DPL_TRY(fit.iouAfter, surfaceIou(mesh_, joints_, offsets_, views_, jobs_));
+        const auto mean = [](const std::vector<double>& v) { return std::accumulate(v.begin(), v.end(), 0.0) / double(v.size()); };
+        fit.meanIouBefore = mean(fit.iouBefore), fit.meanIouAfter = mean(fit.iouAfter);
+        for (const Vec3f& o : offsets_) {
+            if (!std::isfinite(o.x + o.y + o.z)) return fail(Code::Internal, "the surface fit diverged; report this scan");
+            fit.meanOffsetM += glm::length(o) / double(offsets_.size());
+            fit.largestOffsetM = std::max(fit.largestOffsetM, double(glm::length(o)));
+        }
+        fit.restOffsets = std::move(offsets_);
+        return fit;
+    }
+
+private:
+    const MeshData& mesh_;
+    std::span<const JointData> joints_;
+    std::span<const SurfaceView> views_;
+    const SurfaceFitSettings& settings_;
+    Jobs& jobs_;
+    std::vector<Vec3f> offsets_;
+    std::vector<std::vector<ContourPoint>> targets_;
+    std::vector<uint32_t> carrier_;
+
+    void step(const LargeSteps& smooth) {
+        const size_t count = mesh_.restPositions.size();
+        std::vector<std::vector<Pull>> pulls(views_.size());
+        jobs_.forBlocks(views_.size(), [&](size_t i, uint32_t) {
+            if (targets_[i].empty()) return;
+            const PosedView posed = poseVertices(mesh_, joints_, offsets_, views_[i].pose);
+            pulls[i] = ViewPulls(mesh_, views_[i], posed, targets_[i]).take();
+        });
+        std::vector<Vec3f> sum(count, Vec3f(0)), weight(count, Vec3f(0)), spreadSum(count), spreadWeight(count), u(smooth.size());
+        for (const auto& list : pulls)  // in the order of the views, whatever thread made them
+            for (const Pull& p : list) sum[p.vertex] += p.weighted, weight[p.vertex].x += p.weight;
+        smooth.backward(sum, u, false);
+        smooth.offsets(u, spreadSum, false);
+        smooth.backward(weight, u, false);
+        smooth.offsets(u, spreadWeight, false);
+        double meanWeight = 0;
+        for (const Vec3f& w : spreadWeight) meanWeight += w.x / double(count);
+        const float epsilon = float(0.02 * meanWeight) + 1e-12f;  // where nothing pulls for decimetres around, nothing moves
+        std::vector<Vec3f> next(offsets_);
+        for (size_t v = 0; v < count; ++v) {
+            Vec3f move = float(kStep) * spreadSum[v] / (std::max(0.0f, spreadWeight[v].x) + epsilon);
+            if (const float length = glm::length(move); length > settings_.maxStepM) move *= float(settings_.maxStepM) / length;
+            next[v] += move;
+        }
+        relax(next);
+        for (size_t v = 0; v < count; ++v) {
+            if (carrier_[v] != v) next[v] = next[carrier_[v]];
+            if (const float length = glm::length(next[v]); length > settings_.maxOffsetM) next[v] *= float(settings_.maxOffsetM) / length;
+        }
+        offsets_ = std::move(next);
+    }
+
+    /** A little of each offset goes to the mean of its neighbours': keeps triangles from folding where pulls disagree. */
+    void relax(std::vector<Vec3f>& offsets) const {
+        std::vector<Vec3f> sum(offsets.size(), Vec3f(0));
+        std::vector<float> count(offsets.size(), 0);
+        for (const Triangle& t : mesh_.triangles)
+            for (int k = 0; k < 3; ++k) {
+                sum[t[k]] += offsets[t[(k + 1) % 3]] + offsets[t[(k + 2) % 3]];
+                count[t[k]] += 2;
+            }
+        for (size_t v = 0; v < offsets.size(); ++v)
+            if (count[v] > 0) offsets[v] += float(kRelax) * (sum[v] / count[v] - offsets[v]);
+    }
+};
+
+}  // namespace
+
+Result<std::vector<double>> surfaceIou(const MeshData& mesh, std::span<const JointData> joints, std::span<const Vec3f> restOffsets,
+                                       std::span<const SurfaceView> views, Jobs& jobs) {
+    DPL_CHECK_OK(checkInput(mesh, joints, restOffsets, views));
+    std::vector<double> iou(views.size(), 0);
+    jobs.forBlocks(views.size(), [&](size_t i, uint32_t) {
+        const PosedView posed = poseVertices(mesh, joints, restOffsets, views[i].pose);
+        iou[i] = silhouetteIou(rasteriseTriangles(views[i].camera, posed.positions, mesh.triangles), views[i].mask.pixels);
+    });
+    return iou;
+}
+
+Result<SurfaceFit> fitSurface(const MeshData& mesh, std::span<const JointData> joints, std::span<const SurfaceView> views,
+                              const SurfaceFitSettings& settings, Jobs& jobs) {
+    if (views.empty()) return fail(Code::InvalidArgument, "the surface fit needs at least one still picture with a mask");
+    const bool sane = settings.levels > 0 && settings.roundsPerLevel > 0 && settings.endSmoothingM > 0 && settings.startSmoothingM >= settings.endSmoothingM &&
+                      settings.maxOffsetM > 0 && settings.maxStepM > 0;
+    if (!sane) return fail(Code::InvalidArgument, "surface fit settings: levels, rounds and lengths must be above 0, and the first smoothing the longest");
+    DPL_CHECK_OK(checkInput(mesh, joints, {}, views));
+    return Fitter(mesh, joints, views, settings, jobs).run();
+}
+
+}  // namespace dpl
