@@ -1,8 +1,6 @@
 #include "sdk/api/software_renderer.h"
 
 #include <algorithm>
-#include <cstring>
-#include <functional>
 #include <map>
 
 #include "sdk/math/sh.h"
@@ -10,8 +8,6 @@
 
 namespace dpl {
 namespace {
-
-constexpr size_t kPixelGrain = 16384;  // pixels a block when floats become bytes
 
 /** What makes drawing safe: lengths and indices. The file reader checks far more; avatars built in memory come here unchecked. */
 Status checkDrawable(const AvatarData& avatar) {
@@ -43,7 +39,7 @@ Status checkDrawable(const AvatarData& avatar) {
 struct Drawable {
     std::shared_ptr<const AvatarData> avatar;
     std::vector<RestTriangle<float>> rest;
-    std::vector<uint32_t> triangleOfSplat;
+    PackedSplats splats;
     // The last pose and what follows from it.
     Pose pose;
     bool posed = false;
@@ -71,9 +67,10 @@ public:
         auto drawable = std::make_unique<Drawable>();
         drawable->rest = restTriangles(avatar->mesh);
         const std::vector<uint32_t>& start = avatar->splats.triangleStart;
-        drawable->triangleOfSplat.resize(avatar->splats.count());
-        for (uint32_t t = 0; t + 1 < start.size(); ++t)
-            std::fill(drawable->triangleOfSplat.begin() + start[t], drawable->triangleOfSplat.begin() + start[t + 1], t);
+        std::vector<uint32_t> triangleOfSplat(avatar->splats.count());
+        for (uint32_t t = 0; t + 1 < start.size(); ++t) std::fill(triangleOfSplat.begin() + start[t], triangleOfSplat.begin() + start[t + 1], t);
+        const SplatData& s = avatar->splats;
+        drawable->splats = PackedSplats(BoundSplatView{triangleOfSplat, s.uv, s.phi, s.scaleM, s.opacity, s.flags, s.shDegree, s.sh});
         drawable->avatar = std::move(avatar);
         const RenderAvatarId id = nextId_++;
         drawables_.emplace(id, std::move(drawable));
@@ -97,42 +94,20 @@ public:
             poseTriangles(d.avatar->mesh, d.rest, d.positions, jobs_, d.frames);
             d.posed = true;
         }
-        const SplatData& s = d.avatar->splats;
-        const BoundSplatView splats{d.triangleOfSplat, s.uv, s.phi, s.scaleM, s.opacity, s.flags, s.shDegree, s.sh};
-        BlendOptions options;
-        options.depth = wantDepth;
         for (size_t v = 0; v < views.size(); ++v) {
-            engine_.project(splats, d.frames, views[v], d.avatar->kappaPx2, d.avatar->compensated);
+            engine_.project(d.splats, d.frames, views[v], d.avatar->kappaPx2, d.avatar->compensated);
             engine_.bin();
-            engine_.blend(image_, options);
-            readBack(wantDepth, out[v]);
+            engine_.blendRgba8(out[v].rgba, wantDepth ? &out[v].depthM : nullptr);
+            if (!wantDepth) out[v].depthM.clear();
+            out[v].widthPx = views[v].widthPx;
+            out[v].heightPx = views[v].heightPx;
         }
         return {};
     }
 
 private:
-    void readBack(bool wantDepth, RenderedView& out) {
-        const size_t pixels = size_t(image_.widthPx) * image_.heightPx;
-        out.widthPx = image_.widthPx;
-        out.heightPx = image_.heightPx;
-        out.rgba.resize(pixels * 4);
-        out.depthM.resize(wantDepth ? pixels : 0);
-        const auto body = [&](size_t begin, size_t end, uint32_t) {
-            // NaN becomes 0: max(NaN, 0) compares false and would keep NaN, so 0 comes first.
-            const auto byte = [](float x) { return uint8_t(std::min(std::max(0.0f, x), 1.0f) * 255.0f + 0.5f); };
-            for (size_t p = begin; p < end; ++p) {
-                uint8_t* rgba = out.rgba.data() + p * 4;
-                for (int c = 0; c < 3; ++c) rgba[c] = byte(image_.rgb[p * 3 + size_t(c)]);
-                rgba[3] = byte(image_.alpha[p]);
-            }
-            if (wantDepth) std::memcpy(out.depthM.data() + begin, image_.depthM.data() + begin, (end - begin) * sizeof(float));
-        };
-        jobs_.forRange(pixels, kPixelGrain, std::ref(body));
-    }
-
     Jobs jobs_;
     SplatEngine engine_;
-    SplatImage image_;
     std::map<RenderAvatarId, std::unique_ptr<Drawable>> drawables_;
     RenderAvatarId nextId_ = 1;
 };

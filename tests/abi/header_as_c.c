@@ -1,0 +1,51 @@
+/* doppel.h as a strict C99 program sees it: it compiles without a warning, its constants fold, its structs keep their layout. */
+#include <doppel/doppel.h>
+
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+static int failures = 0;
+
+#define CHECK(condition)                                                     \
+    do {                                                                     \
+        if (!(condition)) {                                                  \
+            printf("%s:%d: failed: %s\n", __FILE__, __LINE__, #condition);   \
+            ++failures;                                                      \
+        }                                                                    \
+    } while (0)
+
+int main(void) {
+    DplContextInfo info;
+    DplContext context = NULL;
+    DplAvatar avatar = NULL;
+    const char* name = NULL;
+    unsigned char junk[4] = {1, 2, 3, 4};
+
+    /* A field may be added at the end of a struct; none may move. Offsets are those of version 0.1 on a 64-bit machine. */
+    if (sizeof(void*) == 8) {
+        CHECK(sizeof(DplContextInfo) == 12 && offsetof(DplContextInfo, threadCount) == 8);
+        CHECK(sizeof(DplCamera) == 76 && offsetof(DplCamera, viewFromWorld) == 28);
+        CHECK(sizeof(DplImage) == 48 && offsetof(DplImage, rgba) == 8 && offsetof(DplImage, depthM) == 32);
+        CHECK(sizeof(DplAvatarInfo) == 72 && offsetof(DplAvatarInfo, name) == 8 && offsetof(DplAvatarInfo, restMin) == 44);
+        CHECK(sizeof(DplJointInfo) == 40 && offsetof(DplJointInfo, restPosition) == 28);
+        CHECK(sizeof(DplClipInfo) == 32 && offsetof(DplClipInfo, durationS) == 16);
+        CHECK(sizeof(DplClipOptions) == 24 && offsetof(DplClipOptions, animation) == 16);
+    }
+    CHECK(sizeof(DplResult) == 4 && sizeof(DplRenderer) == 4);
+
+    CHECK(dplGetVersion() == ((DPL_VERSION_MAJOR << 16) | (DPL_VERSION_MINOR << 8) | DPL_VERSION_PATCH));
+    CHECK(strcmp(dplGetResultName(DPL_ERROR_VERSION), "DPL_ERROR_VERSION") == 0);
+    CHECK(dplGetLastError() != NULL && dplGetLastError()[0] == 0);
+    memset(&info, 0, sizeof info);
+    info.structSize = sizeof info;
+    info.renderer = DPL_RENDERER_SOFTWARE;
+    info.threadCount = 1;
+    CHECK(dplCreateContext(&info, &context) == DPL_OK);
+    CHECK(dplGetRendererName(context, &name) == DPL_OK && strcmp(name, "software (1 thread)") == 0);
+    CHECK(dplLoadAvatar(context, junk, sizeof junk, &avatar) != DPL_OK);
+    CHECK(avatar == NULL && dplGetLastError()[0] != 0);
+    CHECK(dplDestroyContext(context) == DPL_OK);
+    if (failures == 0) printf("doppel.h is C99 and libdoppel %u.%u answers\n", (unsigned)DPL_VERSION_MAJOR, (unsigned)DPL_VERSION_MINOR);
+    return failures != 0;
+}

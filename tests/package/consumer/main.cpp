@@ -1,0 +1,26 @@
+// The same through the C++ owner.
+#include <doppel/doppel.hpp>
+
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+
+int main(int argc, char** argv) {
+    if (argc != 2) return std::printf("usage: consumer_cpp AVATAR.glb\n"), 2;
+    std::ifstream in(argv[1], std::ios::binary);
+    const std::vector<uint8_t> bytes((std::istreambuf_iterator<char>(in)), {});
+    auto context = doppel::Context::create(DPL_RENDERER_SOFTWARE, 1);
+    if (!context) return std::printf("%s\n", context.error().message.c_str()), 1;
+    auto avatar = context->loadAvatar(bytes);
+    if (!avatar) return std::printf("%s\n", avatar.error().message.c_str()), 1;
+    if (auto broken = context->loadAvatar(std::span(bytes).first(bytes.size() / 2))) return std::printf("half a file was accepted\n"), 1;
+    if (auto posed = avatar->setPoseFromClip(0, 0.25); !posed) return std::printf("%s\n", posed.error().message.c_str()), 1;
+    std::vector<uint8_t> pixels(64 * 64 * 4);
+    const DplCamera camera{sizeof(DplCamera), 64, 64, 60, 60, 32, 32, {1, 0, 0, 0, 0, -1, 0, 1, 0, 0, -1, 3}};
+    const DplImage image{sizeof(DplImage), DPL_IMAGE_STRAIGHT_ALPHA, pixels.data(), pixels.size(), 0, nullptr, 0};
+    if (auto drawn = avatar->render({&camera, 1}, {&image, 1}); !drawn) return std::printf("%s\n", drawn.error().message.c_str()), 1;
+    const uint8_t* middle = &pixels[(28 * 64 + 32) * 4];
+    std::printf("%s drew %d %d %d %d\n", context->rendererName().c_str(), middle[0], middle[1], middle[2], middle[3]);
+    doppel::Avatar moved = std::move(*avatar);
+    return moved.info() && middle[0] > 240 && middle[3] > 128 ? 0 : 1;
+}

@@ -1,0 +1,180 @@
+// Pictures through the public API, on a red square 3 m away whose right answer is known.
+#include <algorithm>
+#include <limits>
+
+#include "tests/unit/api/api_fixture.h"
+
+namespace dpl::test {
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+TEST_F(ApiTest, redSquareIsRedHasDepthAndLeavesTheCornerEmpty) {
+    const DplCamera camera = frontCamera();
+    std::vector<uint8_t> pixels;
+    std::vector<float> depth;
+    const DplImage image = imageFor(camera, pixels, &depth);
+    ASSERT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK) << dplGetLastError();
+    const size_t middle = 30 * 64 + 32;
+    EXPECT_GT(pixels[middle * 4], 220);
+    EXPECT_LT(pixels[middle * 4 + 1], 12) << "colour is quantised in the file";
+    EXPECT_GT(pixels[middle * 4 + 3], 220);
+    EXPECT_NEAR(depth[middle], 3.0f, 0.01f);
+    for (int c = 0; c < 4; ++c) EXPECT_EQ(pixels[size_t(c)], 0);
+    EXPECT_EQ(depth[0], 0.0f);
+    // The square spans 1 m at 3 m with f = 60 px: 20 px around the middle, so about 400 of 4096 pixels.
+    const auto covered = std::count_if(depth.begin(), depth.end(), [](float z) { return z > 0; });
+    EXPECT_GT(covered, 400);
+    EXPECT_LT(covered, 1600);
+    for (size_t p = 0; p < 4096; ++p)
+        for (size_t c = 0; c < 3; ++c) ASSERT_LE(pixels[p * 4 + c], pixels[p * 4 + 3]) << "premultiplied";
+}
+
+TEST_F(ApiTest, twoViewsAtOnceEqualEachAlone) {
+    const DplCamera cameras[2] = {frontCamera(64, 48, 0.03f), frontCamera(64, 48, -0.03f)};
+    std::vector<uint8_t> both[2], alone[2];
+    std::vector<float> depth[2];
+    const DplImage images[2] = {imageFor(cameras[0], both[0], &depth[0]), imageFor(cameras[1], both[1])};
+    ASSERT_EQ(dplSetPoseFromClip(avatar_, 0, 0.3, DPL_FALSE), DPL_OK);
+    ASSERT_EQ(dplRender(context_, avatar_, cameras, 2, images), DPL_OK) << dplGetLastError();
+    for (int v = 0; v < 2; ++v) {
+        const DplImage image = imageFor(cameras[v], alone[v]);
+        ASSERT_EQ(dplRender(context_, avatar_, &cameras[v], 1, &image), DPL_OK);
+        EXPECT_EQ(both[v], alone[v]);
+    }
+    EXPECT_NE(both[0], both[1]);
+    EXPECT_TRUE(std::any_of(both[0].begin(), both[0].end(), [](uint8_t b) { return b > 200; }));
+}
+
+TEST_F(ApiTest, theBackOfSingleFaceSplatsIsInvisibleAndThePoseTurnsThem) {
+    const DplCamera camera = frontCamera();
+    std::vector<uint8_t> pixels;
+    const DplImage image = imageFor(camera, pixels);
+    const float turned[8] = {0, 1, 0, 0, 0, 0, 0, 1};  // half a turn about y
+    ASSERT_EQ(dplSetPose(avatar_, turned, 2, nullptr), DPL_OK);
+    ASSERT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK);
+    EXPECT_EQ(*std::max_element(pixels.begin(), pixels.end()), 0);
+    const float straight[8] = {0, 0, 0, 1, 0, 0, 0, 1};
+    ASSERT_EQ(dplSetPose(avatar_, straight, 2, nullptr), DPL_OK);
+    ASSERT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK);
+    EXPECT_GT(*std::max_element(pixels.begin(), pixels.end()), 220);
+}
+
+TEST_F(ApiTest, straightAlphaUndoesThePremultiplication) {
+    const DplCamera camera = frontCamera();
+    std::vector<uint8_t> premultiplied, straight;
+    DplImage image = imageFor(camera, premultiplied);
+    ASSERT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK);
+    image = imageFor(camera, straight);
+    image.flags = DPL_IMAGE_STRAIGHT_ALPHA;
+    ASSERT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK);
+    int translucent = 0;
+    for (size_t p = 0; p < 4096; ++p) {
+        const int alpha = premultiplied[p * 4 + 3];
+        ASSERT_EQ(straight[p * 4 + 3], alpha);
+        if (alpha > 20 && alpha < 200) {
+            ++translucent;
+            EXPECT_GT(straight[p * 4], 230) << "red everywhere, 1 of 255 over alpha 20 is 6 %";
+        }
+    }
+    EXPECT_GT(translucent, 10);
+}
+
+TEST_F(ApiTest, rowsMayBeWiderThanThePicture) {
+    const DplCamera camera = frontCamera(16, 16);
+    std::vector<uint8_t> tight, wide(16 * 100, 0xAA);
+    DplImage image = imageFor(camera, tight);
+    ASSERT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK);
+    image = {sizeof(DplImage), 0, wide.data(), wide.size(), 100, nullptr, 0};
+    ASSERT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK) << dplGetLastError();
+    for (size_t y = 0; y < 16; ++y) {
+        EXPECT_TRUE(std::equal(tight.begin() + std::ptrdiff_t(y * 64), tight.begin() + std::ptrdiff_t(y * 64 + 64), wide.begin() + std::ptrdiff_t(y * 100)));
+        for (size_t x = 64; x < 100; ++x) EXPECT_EQ(wide[y * 100 + x], 0xAA) << "padding is the caller's";
+    }
+}
+
+TEST_F(ApiTest, hostileCamerasAndImagesAreRefusedByASentence) {
+    std::vector<uint8_t> pixels;
+    const DplCamera good = frontCamera();
+    const DplImage goodImage = imageFor(good, pixels);
+    const auto refusedCamera = [&](auto&& change) {
+        DplCamera camera = good;
+        change(camera);
+        const DplResult result = dplRender(context_, avatar_, &camera, 1, &goodImage);
+        EXPECT_NE(dplGetLastError()[0], 0);
+        return result == DPL_ERROR_INVALID_ARGUMENT;
+    };
+    EXPECT_TRUE(refusedCamera([](DplCamera& c) { c.structSize = 0; }));
+    EXPECT_TRUE(refusedCamera([](DplCamera& c) { c.widthPx = 0; }));
+    EXPECT_TRUE(refusedCamera([](DplCamera& c) { c.heightPx = 8193; }));
+    EXPECT_TRUE(refusedCamera([](DplCamera& c) { c.widthPx = c.heightPx = 0xFFFFFFFFu; }));
+    EXPECT_TRUE(refusedCamera([](DplCamera& c) { c.fx = 0; }));
+    EXPECT_TRUE(refusedCamera([](DplCamera& c) { c.fy = kNan; }));
+    EXPECT_TRUE(refusedCamera([](DplCamera& c) { c.fx = std::numeric_limits<float>::infinity(); }));
+    EXPECT_TRUE(refusedCamera([](DplCamera& c) { c.cx = kNan; }));
+    EXPECT_TRUE(refusedCamera([](DplCamera& c) { c.cy = 1e30f; }));
+    EXPECT_TRUE(refusedCamera([](DplCamera& c) { c.viewFromWorld[3] = kNan; }));
+    EXPECT_TRUE(refusedCamera([](DplCamera& c) { c.viewFromWorld[0] = kNan; }));
+    EXPECT_TRUE(refusedCamera([](DplCamera& c) { c.viewFromWorld[0] = 2; }));
+    EXPECT_TRUE(refusedCamera([](DplCamera& c) { c.viewFromWorld[0] = -1; })) << "a mirror";
+    EXPECT_TRUE(refusedCamera([](DplCamera& c) { for (float& f : c.viewFromWorld) f = 0; }));
+    const auto refusedImage = [&](auto&& change) {
+        DplImage image = goodImage;
+        change(image);
+        return dplRender(context_, avatar_, &good, 1, &image) == DPL_ERROR_INVALID_ARGUMENT;
+    };
+    EXPECT_TRUE(refusedImage([](DplImage& i) { i.structSize = 3; }));
+    EXPECT_TRUE(refusedImage([](DplImage& i) { i.flags = 0x10; }));
+    EXPECT_TRUE(refusedImage([](DplImage& i) { i.rgba = nullptr; }));
+    EXPECT_TRUE(refusedImage([](DplImage& i) { i.rgbaBytes -= 1; }));
+    EXPECT_TRUE(refusedImage([](DplImage& i) { i.rowBytes = 255; }));
+    EXPECT_TRUE(refusedImage([](DplImage& i) { i.rowBytes = ~size_t(0); }));
+    float depth[4];
+    EXPECT_TRUE(refusedImage([&](DplImage& i) { i.depthM = depth, i.depthCount = 4; }));
+    EXPECT_EQ(dplRender(context_, avatar_, nullptr, 1, &goodImage), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(dplRender(context_, avatar_, &good, 1, nullptr), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(dplRender(context_, avatar_, &good, 0, &goodImage), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(dplRender(context_, avatar_, &good, 3, &goodImage), DPL_ERROR_INVALID_ARGUMENT);
+    const DplCamera differ[2] = {good, frontCamera(32, 32)};
+    const DplImage images[2] = {goodImage, goodImage};
+    EXPECT_EQ(dplRender(context_, avatar_, differ, 2, images), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(std::all_of(pixels.begin(), pixels.end(), [](uint8_t b) { return b == 0xAA; })) << "a refused call writes nothing";
+}
+
+TEST_F(ApiTest, onePixelAndACameraInsideTheBodyAreFine) {
+    DplCamera camera = frontCamera(1, 1);
+    camera.cx = camera.cy = 0.5f;
+    camera.fx = camera.fy = 1;
+    std::vector<uint8_t> pixels;
+    DplImage image = imageFor(camera, pixels);
+    EXPECT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK) << dplGetLastError();
+    for (const float z : {0.0f, 0.01f, 0.05f, 0.1f, -3.0f}) {
+        camera = frontCamera();
+        camera.viewFromWorld[11] = z;
+        image = imageFor(camera, pixels);
+        EXPECT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK);
+        const bool empty = *std::max_element(pixels.begin(), pixels.end()) == 0;
+        EXPECT_TRUE(empty || z >= DPL_NEAR_LIMIT_M) << "nothing nearer than the near limit, z " << z;
+    }
+}
+
+TEST_F(ApiTest, picturesDoNotDependOnTheThreadCount) {
+    const DplCamera camera = frontCamera(200, 150);
+    std::vector<uint8_t> one, three;
+    DplImage image = imageFor(camera, one);
+    ASSERT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK);
+    const DplContextInfo info{sizeof(DplContextInfo), DPL_RENDERER_SOFTWARE, 3};
+    DplContext context = nullptr;
+    DplAvatar avatar = nullptr;
+    ASSERT_EQ(dplCreateContext(&info, &context), DPL_OK);
+    const auto bytes = tinyFile();
+    ASSERT_EQ(dplLoadAvatar(context, bytes.data(), bytes.size(), &avatar), DPL_OK);
+    image = imageFor(camera, three);
+    ASSERT_EQ(dplRender(context, avatar, &camera, 1, &image), DPL_OK);
+    EXPECT_EQ(one, three);
+    EXPECT_EQ(dplDestroyAvatar(avatar), DPL_OK);
+    EXPECT_EQ(dplDestroyContext(context), DPL_OK);
+}
+
+}  // namespace
+}  // namespace dpl::test
