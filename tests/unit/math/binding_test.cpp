@@ -1,0 +1,113 @@
+// The binding of splats to triangles: deformation gradient, polar rotation, and which triangles are refused.
+#include "sdk/math/binding.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace dpl {
+namespace {
+
+struct Case {
+    Vec3d rest[3], posed[3];
+};
+
+Case randomCase(std::mt19937& random) {
+    std::normal_distribution<double> normal;
+    Case c;
+    for (Vec3d& p : c.rest) p = 0.05 * Vec3d(normal(random), normal(random), normal(random));
+    for (Vec3d& p : c.posed) p = 0.05 * Vec3d(normal(random), normal(random), normal(random));
+    return c;
+}
+
+template <class T>
+TriangleFrame<T> frameOf(const Case& c) {
+    return poseTriangle(restTriangle(Vec3<T>(c.rest[0]), Vec3<T>(c.rest[1]), Vec3<T>(c.rest[2])), Vec3<T>(c.posed[0]), Vec3<T>(c.posed[1]),
+                        Vec3<T>(c.posed[2]));
+}
+
+TEST(Binding, deformationGradientTakesRestEdgesToPosedEdges) {
+    std::mt19937 random(1);
+    for (int i = 0; i < 200; ++i) {
+        const Case c = randomCase(random);
+        const RestTriangle<double> rest = restTriangle(c.rest[0], c.rest[1], c.rest[2]);
+        const TriangleFrame<double> f = frameOf<double>(c);
+        if (!f.valid) continue;
+        for (int edge = 1; edge <= 2; ++edge) {
+            const Vec3d e = c.rest[edge] - c.rest[0];
+            const Vec3d moved = glm::dot(e, rest.frame[0]) * f.f0 + glm::dot(e, rest.frame[1]) * f.f1;
+            EXPECT_LT(glm::length(moved - (c.posed[edge] - c.posed[0])), 1e-12);  // double, 5 cm edges, slivers included
+        }
+    }
+}
+
+TEST(Binding, polarRotationLeavesASymmetricPositiveStretch) {
+    std::mt19937 random(2);
+    for (int i = 0; i < 200; ++i) {
+        const Case c = randomCase(random);
+        const RestTriangle<double> rest = restTriangle(c.rest[0], c.rest[1], c.rest[2]);
+        const TriangleFrame<double> f = frameOf<double>(c);
+        if (!f.valid) continue;
+        EXPECT_NEAR(glm::determinant(f.worldFromRest), 1, 1e-12);
+        const Mat3d stretch = glm::transpose(f.worldFromRest) * Mat3d(f.f0, f.f1, f.normal) * glm::transpose(rest.frame);
+        for (int a = 0; a < 3; ++a)
+            for (int b = 0; b < a; ++b) EXPECT_NEAR(stretch[a][b], stretch[b][a], 1e-11 * glm::length(f.f0));
+        EXPECT_GT(glm::determinant(stretch), 0);
+        EXPECT_GT(stretch[0][0] + stretch[1][1] + stretch[2][2], 0);
+    }
+}
+
+TEST(Binding, rigidMotionIsItsOwnPolarRotation) {
+    const Mat3d turn = glm::mat3_cast(glm::normalize(Quatd(0.3, -0.5, 0.7, 0.2)));
+    Case c;
+    c.rest[0] = {0, 0, 0}, c.rest[1] = {0.1, 0.02, 0}, c.rest[2] = {0.01, 0.09, 0.03};
+    for (int k = 0; k < 3; ++k) c.posed[k] = turn * c.rest[k] + Vec3d(3, 2, 1);
+    const TriangleFrame<double> f = frameOf<double>(c);
+    for (int k = 0; k < 3; ++k) EXPECT_LT(glm::length(f.worldFromRest[k] - turn[k]), 1e-12);
+}
+
+TEST(Binding, floatAgreesWithDouble) {
+    std::mt19937 random(3);
+    int compared = 0;
+    for (int i = 0; i < 300; ++i) {
+        const Case c = randomCase(random);
+        const TriangleFrame<double> d = frameOf<double>(c);
+        const TriangleFrame<float> f = frameOf<float>(c);
+        const double sine = glm::length(glm::cross(c.rest[1] - c.rest[0], c.rest[2] - c.rest[0])) /
+                            (glm::length(c.rest[1] - c.rest[0]) * glm::length(c.rest[2] - c.rest[0]));
+        if (!d.valid || !f.valid || sine < 0.1) continue;  // slivers amplify rounding by 1/sine
+        ++compared;
+        Vec3d axis1, axis2;
+        Vec3f axis1f, axis2f;
+        splatAxes(d, 0.7, 0.01, 0.002, axis1, axis2);
+        splatAxes(f, 0.7f, 0.01f, 0.002f, axis1f, axis2f);
+        const double size = glm::length(axis1) + glm::length(axis2);
+        EXPECT_LT(glm::length(Vec3d(axis1f) - axis1), 1e-5 * size);  // 24 bits, a dozen operations, 1/sine ≤ 10
+        EXPECT_LT(glm::length(Vec3d(axis2f) - axis2), 1e-5 * size);
+    }
+    EXPECT_GT(compared, 200);
+}
+
+TEST(Binding, degenerateTrianglesAreRefused) {
+    const Vec3d o(0), x(0.1, 0, 0), y(0, 0.1, 0);
+    const RestTriangle<double> good = restTriangle(o, x, y);
+    EXPECT_TRUE(good.valid);
+    EXPECT_FALSE(restTriangle(o, x, x).valid);
+    EXPECT_FALSE(restTriangle(o, o, o).valid);
+    EXPECT_FALSE(restTriangle(o, Vec3d(1e-5, 0, 0), Vec3d(0, 1e-5, 0)).valid);  // 5e-11 m²
+    EXPECT_FALSE(restTriangle(o, Vec3d(NAN, 0, 0), y).valid);
+    EXPECT_TRUE(poseTriangle(good, o, x, y).valid);
+    EXPECT_FALSE(poseTriangle(good, o, x, 2.0 * x).valid);
+    EXPECT_FALSE(poseTriangle(good, o, Vec3d(1, 0, 0), Vec3d(0.5, 0.9e-4, 0)).valid);  // aspect 1.1e4
+    EXPECT_TRUE(poseTriangle(good, o, Vec3d(1, 0, 0), Vec3d(0.5, 1.1e-4, 0)).valid);   // aspect 9e3
+    EXPECT_FALSE(poseTriangle(good, o, Vec3d(NAN, 0, 0), y).valid);
+    EXPECT_FALSE(poseTriangle(RestTriangle<double>{}, o, x, y).valid);
+}
+
+TEST(Binding, invertedTriangleHasAReversedNormal) {
+    const Vec3d o(0), x(0.1, 0, 0), y(0, 0.1, 0);
+    EXPECT_NEAR(poseTriangle(restTriangle(o, x, y), o, y, x).normal.z, -1, 1e-12);
+}
+
+}  // namespace
+}  // namespace dpl
