@@ -156,6 +156,16 @@ Status checkBuffers(const Json& root, std::span<const uint8_t> bin) {
     return {};
 }
 
+/** tinygltf reads a number of the wrong kind as absent, and so as 0: refuse it here. */
+Status checkWholeNumbers(const Json& root) {
+    for (const char* table : {"bufferViews", "accessors"})
+        if (auto list = root.find(table); list != root.end())
+            for (const Json& entry : *list)
+                for (const char* key : {"buffer", "bufferView", "byteOffset", "byteLength", "byteStride", "componentType", "count"})
+                    if (auto it = entry.find(key); it != entry.end() && !it->is_number_unsigned()) return fail(Code::CorruptData, "'{}' in glTF '{}' is not a whole number", key, table);
+    return {};
+}
+
 /** JSON of known keys only: extras and unknown extensions can blow tinygltf up to a hundred times their size. */
 Result<Json> knownKeys(const Json& root, std::span<const uint8_t> bin, const ReadLimits& limits, std::vector<DracoLink>& draco, std::vector<std::vector<std::string>>& targetNames) {
     if (!root.is_object()) return fail(Code::CorruptData, "the glTF JSON is not an object");
@@ -170,8 +180,9 @@ Result<Json> knownKeys(const Json& root, std::span<const uint8_t> bin, const Rea
     DPL_CHECK_OK(copyArray(root, out, "scenes", 64, [](const Json& s) { return pick(s, {"name"}); }));
     DPL_CHECK_OK(copyArray(root, out, "bufferViews", 65536, [](const Json& v) { return pick(v, {"buffer", "byteOffset", "byteLength", "byteStride"}); }));
     DPL_CHECK_OK(copyArray(root, out, "accessors", 65536, [](const Json& a) { return pick(a, {"bufferView", "byteOffset", "componentType", "normalized", "count", "type", "sparse"}); }));
-    for (Json& a : out.value("accessors", Json::array()))
-        if (a.contains("sparse") && !a["sparse"].is_object()) return fail(Code::CorruptData, "a sparse accessor is not an object");
+    DPL_CHECK_OK(checkWholeNumbers(out));
+    for (const Json& a : out.value("accessors", Json::array()))
+        if (auto sparse = a.find("sparse"); sparse != a.end() && !sparse->is_object()) return fail(Code::CorruptData, "a sparse accessor is not an object");
     size_t mesh = 0, primitiveCount = 0;
     DPL_CHECK_OK(copyArray(root, out, "meshes", 4096, [&](const Json& m) {
         Json to = pick(m, {"name", "weights"});

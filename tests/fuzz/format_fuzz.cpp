@@ -1,0 +1,48 @@
+// Fuzz target of the format readers. Any bytes may come in; nothing may crash, and an avatar that is accepted must be writable and
+// come back as the same bytes. libFuzzer finds LLVMFuzzerTestOneInput; without clang fuzz_driver.cpp calls it.
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <span>
+
+#include "sdk/format/avatar_file.h"
+#include "sdk/format/ply.h"
+#include "sdk/format/skinned_gltf.h"
+#include "tests/fuzz/memory_watch.h"
+
+namespace {
+
+void mustHold(bool condition, const char* what) {
+    if (condition) return;
+    std::fprintf(stderr, "fuzz: %s\n", what);
+    std::abort();
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+    const std::span<const uint8_t> bytes(data, size);
+    if (size >= 3 && data[0] == 'p') {
+        (void)dpl::readPly(bytes);
+        return 0;
+    }
+    dpl::ReadLimits limits;
+    limits.verifyHash = false;   // else every mutation would end at the hash
+    dpl::test::startMemoryWatch();
+    auto avatar = dpl::readAvatar(bytes, limits);
+    const uint64_t peak = dpl::test::peakMemoryBytes();
+    mustHold(peak <= (64ull << 20) + (64 + 1024) * uint64_t(size), "readAvatar took more memory than avatar_file.h promises");
+    mustHold(avatar || !avatar.error().message.empty(), "an error without a sentence");
+    if (avatar) {
+        auto written = dpl::writeAvatar(*avatar);
+        mustHold(bool(written), "an accepted avatar cannot be written");
+        auto again = dpl::readAvatar(*written);
+        mustHold(bool(again), "a written avatar cannot be read");
+        auto rewritten = dpl::writeAvatar(*again);
+        mustHold(rewritten && *rewritten == *written, "writing is not idempotent");
+    }
+    dpl::SkinnedGltfOptions options;
+    options.requireSkin = false;
+    (void)dpl::readSkinnedGltf(bytes, options);
+    return 0;
+}

@@ -1,0 +1,35 @@
+// Writes the sample files of the format tests into a folder: the fuzz corpus (checked in) and the input of the glTF validator.
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "sdk/format/gltf_splats.h"
+#include "sdk/format/ply.h"
+#include "tests/unit/format/sample_avatars.h"
+
+namespace {
+
+bool save(const std::filesystem::path& path, const dpl::Result<std::vector<uint8_t>>& bytes) {
+    if (!bytes) return std::fprintf(stderr, "%s: %s\n", path.c_str(), bytes.error().message.c_str()), false;
+    std::ofstream out(path, std::ios::binary);
+    out.write(reinterpret_cast<const char*>(bytes->data()), std::streamsize(bytes->size()));
+    return bool(out);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    if (argc != 2) return std::fprintf(stderr, "usage: %s FOLDER\n", argv[0]), 2;
+    const std::filesystem::path folder = argv[1];
+    std::filesystem::create_directories(folder);
+    dpl::StaticSplatData splats;
+    splats.position = {{0, 1, 0}, {0.5f, 1, 0}}, splats.rotation = {{1, 0, 0, 0}, {0.5f, 0.5f, 0.5f, 0.5f}};
+    splats.scaleM = {{0.01f, 0.02f, 0.03f}, {0.1f, 0.1f, 0.001f}}, splats.opacity = {0.9f, 0.1f}, splats.sh.assign(2 * 12, 0.25f), splats.shDegree = 1;
+    bool ok = save(folder / "tiny.glb", dpl::writeAvatar(dpl::test::tinyAvatar()));
+    ok &= save(folder / "tiny_plain.glb", dpl::writeAvatar(dpl::test::tinyAvatar(), {.draco = false}));
+    ok &= save(folder / "small.glb", dpl::writeAvatar(dpl::test::randomAvatar(1, 1, 8, 3)));
+    ok &= save(folder / "small_plain.glb", dpl::writeAvatar(dpl::test::randomAvatar(1, 1, 8, 3), {.draco = false}));
+    ok &= save(folder / "splats.ply", dpl::writePly(splats));
+    ok &= save(folder / "splats.glb", dpl::writeGltfSplats(splats));
+    return ok ? 0 : 1;
+}

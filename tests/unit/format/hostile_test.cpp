@@ -1,0 +1,237 @@
+// Bytes from outside: each damaged file must end in an error with a sentence, never in a crash or a huge allocation.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "tests/unit/format/glb_parts.h"
+#include "tests/unit/format/sample_avatars.h"
+
+namespace dpl {
+namespace {
+
+using nlohmann::json;
+using test::GlbParts;
+
+constexpr const char* kOurs = "DPL_gaussian_avatar";
+
+ReadLimits trusting() {
+    ReadLimits limits;
+    limits.verifyHash = false;   // the damage must be found for what it is, not for the hash
+    return limits;
+}
+
+std::vector<uint8_t> goodFile(bool draco = true) { return *writeAvatar(test::randomAvatar(1, 1, 8, 3), {.draco = draco}); }
+
+void expectRefused(const char* what, std::span<const uint8_t> bytes, Code code = Code::CorruptData) {
+    auto result = readAvatar(bytes, trusting());
+    ASSERT_FALSE(result) << what << " was accepted";
+    EXPECT_FALSE(result.error().message.empty()) << what;
+    EXPECT_EQ(int(result.error().code), int(code)) << what << ": " << result.error().message;
+}
+
+struct Damage {
+    const char* what;
+    std::function<void(GlbParts&)> apply;
+    Code code = Code::CorruptData;
+    bool draco = true;
+};
+
+template <class T>
+void put(std::span<uint8_t> bytes, size_t index, T value) {
+    std::memcpy(bytes.data() + index * sizeof(T), &value, sizeof(T));
+}
+json& ours(GlbParts& p) { return p.json["extensions"][kOurs]; }
+json& draco(GlbParts& p) { return p.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"]; }
+size_t attribute(GlbParts& p, const char* name) { return p.json["meshes"][0]["primitives"][0]["attributes"][name].get<size_t>(); }
+
+json nested(int depth) {
+    json inner = json::array();
+    for (int i = 1; i < depth; ++i) inner = json::array({std::move(inner)});
+    return inner;
+}
+
+const float kNan = std::numeric_limits<float>::quiet_NaN();
+
+TEST(HostileAvatar, rejectList) {
+    const std::vector<Damage> list = {
+        {"extension missing", [](GlbParts& p) { p.json.erase("extensions"); }, Code::Unsupported},
+        {"extension of a newer version", [](GlbParts& p) { ours(p)["version"] = 2; }, Code::Version},
+        {"newer splat encoding", [](GlbParts& p) { ours(p)["splats"]["encoding"] = 2; }, Code::Version},
+        {"version 0", [](GlbParts& p) { ours(p)["version"] = 0; }},
+        {"version as text", [](GlbParts& p) { ours(p)["version"] = "1"; }},
+        {"inches", [](GlbParts& p) { ours(p)["units"] = "inch"; }, Code::Unsupported},
+        {"unknown SH basis", [](GlbParts& p) { ours(p)["splats"]["shBasis"] = "other"; }, Code::Unsupported},
+        {"no hash", [](GlbParts& p) { ours(p).erase("contentHash"); }},
+        {"required extension we do not know", [](GlbParts& p) { p.json["extensionsRequired"].push_back("EXT_meshopt_compression"); }, Code::Unsupported},
+        {"external buffer", [](GlbParts& p) { p.json["buffers"][0]["uri"] = "../../etc/passwd"; }, Code::Unsupported},
+        {"buffer longer than the chunk", [](GlbParts& p) { p.json["buffers"][0]["byteLength"] = p.bin.size() + 4; }},
+        {"65 levels of JSON", [](GlbParts& p) { p.json["extras"] = nested(65); }},
+        {"three million JSON values", [](GlbParts& p) { p.json["extras"] = std::vector<int>(3 << 20, 1); }},
+        {"view at 2^40", [](GlbParts& p) { p.json["bufferViews"][1]["byteOffset"] = 1ull << 40; }},
+        {"view of 2^40 bytes", [](GlbParts& p) { p.json["bufferViews"][1]["byteLength"] = 1ull << 40; }},
+        {"view at -4", [](GlbParts& p) { p.json["bufferViews"][0]["byteOffset"] = -4; }},
+        {"Draco view at 2^40", [](GlbParts& p) { p.json["bufferViews"][draco(p)["bufferView"].get<size_t>()]["byteOffset"] = 1ull << 40; }},
+        {"Draco view 9999", [](GlbParts& p) { draco(p)["bufferView"] = 9999; }},
+        {"Draco attribute 99", [](GlbParts& p) { draco(p)["attributes"]["JOINTS_0"] = 99; }},
+        {"Draco attribute of other size", [](GlbParts& p) { draco(p)["attributes"]["POSITION"] = 2; }},
+        {"Draco bytes without their magic", [](GlbParts& p) { p.view(draco(p)["bufferView"])[0] = 'X'; }},
+        {"Draco face count raised", [](GlbParts& p) { p.view(draco(p)["bufferView"])[11] = 0xff, p.view(draco(p)["bufferView"])[12] = 0x7f; }},
+        {"huge vertex count", [](GlbParts& p) { p.json["accessors"][attribute(p, "POSITION")]["count"] = 0x7fffffff; }},
+        {"huge index count", [](GlbParts& p) { p.json["accessors"][p.json["meshes"][0]["primitives"][0]["indices"].get<size_t>()]["count"] = 3000000; }},
+        {"accessor past its view", [](GlbParts& p) { p.json["accessors"][p.json["skins"][0]["inverseBindMatrices"].get<size_t>()]["count"] = 100000; }},
+        {"accessor of unknown type", [](GlbParts& p) { p.json["accessors"][0]["componentType"] = 5130; }},
+        {"skin out of range", [](GlbParts& p) { ours(p)["skin"] = 7; }},
+        {"layer mesh out of range", [](GlbParts& p) { ours(p)["layers"][0]["mesh"] = 77; }},
+        {"layer twice", [](GlbParts& p) { for (int i = 0; i < 200; ++i) ours(p)["layers"].push_back(ours(p)["layers"][0]); }},
+        {"unknown role", [](GlbParts& p) { ours(p)["layers"][0]["role"] = "shoe"; }},
+        {"humanoid joint out of range", [](GlbParts& p) { ours(p)["humanoidBones"][0]["joint"] = 1000; }},
+        {"node child out of range", [](GlbParts& p) { p.json["nodes"][0]["children"].push_back(500); }},
+        {"node with two parents", [](GlbParts& p) { p.json["nodes"][1]["children"].push_back(p.json["nodes"][0]["children"][0]); p.json["nodes"][2]["children"].push_back(p.json["nodes"][0]["children"][0]); }},
+        {"node cycle", [](GlbParts& p) { for (auto& n : p.json["nodes"]) n.erase("children"); p.json["nodes"][1]["children"] = {2}; p.json["nodes"][2]["children"] = {1}; }},
+        {"node transform not a number", [](GlbParts& p) { p.json["nodes"][1]["translation"] = {1e39, 0, 0}; }},
+        {"joint elsewhere than its bind matrix", [](GlbParts& p) { p.json["nodes"][1]["translation"] = {5, 5, 5}; }},
+        {"bind matrix NaN", [](GlbParts& p) { put(p.accessor(p.json["skins"][0]["inverseBindMatrices"]), 12, kNan); }},
+        {"bind matrix turned", [](GlbParts& p) { put(p.accessor(p.json["skins"][0]["inverseBindMatrices"]), 1, 0.5f); }},
+        {"clip time NaN", [](GlbParts& p) { put(p.accessor(p.json["animations"][0]["samplers"][0]["input"]), 1, kNan); }},
+        {"clip times falling", [](GlbParts& p) { put(p.accessor(p.json["animations"][0]["samplers"][0]["input"]), 1, 100.0f); }},
+        {"clip rotation zero", [](GlbParts& p) { auto view = p.accessor(p.json["animations"][0]["samplers"][0]["output"]); std::fill(view.begin(), view.end(), 0); }},
+        {"clip sampler out of range", [](GlbParts& p) { p.json["animations"][0]["channels"][0]["sampler"] = 4000; }},
+        {"clip that scales", [](GlbParts& p) { p.json["animations"][0]["channels"].back()["target"]["path"] = "scale"; }, Code::Unsupported},
+        {"splat count 2^40", [](GlbParts& p) { ours(p)["splats"]["count"] = 1ull << 40; }},
+        {"one splat too many", [](GlbParts& p) { ours(p)["splats"]["count"] = ours(p)["splats"]["count"].get<int>() + 1; }},
+        {"negative splat count", [](GlbParts& p) { ours(p)["splats"]["count"] = -1; }},
+        {"SH degree 4", [](GlbParts& p) { ours(p)["splats"]["shDegree"] = 4; }},
+        {"SH degree without its stream", [](GlbParts& p) { ours(p)["splats"]["shDegree"] = 2; }},
+        {"stream missing", [](GlbParts& p) { ours(p)["splats"]["streams"].erase("size"); }},
+        {"stream view out of range", [](GlbParts& p) { ours(p)["splats"]["streams"]["size"] = 123456; }},
+        {"CSR count raised", [](GlbParts& p) { p.stream("triangleCounts")[0] += 1; }},
+        {"CSR counts swapped", [](GlbParts& p) { auto s = p.stream("triangleCounts"); for (size_t i = 1; i < s.size(); ++i) if (s[i] != s[i - 1]) { std::swap(s[i], s[i - 1]); } }},
+        {"CSR varint without end", [](GlbParts& p) { for (auto& b : p.stream("triangleCounts")) b = 0xff; }},
+        {"chunk first splat wrong", [](GlbParts& p) { put(p.stream("chunks"), 0, 1u); }},
+        {"chunk triangle wrong", [](GlbParts& p) { put(p.stream("chunks"), 3, 0xffffffffu); }},
+        {"chunk scale NaN", [](GlbParts& p) { put(p.stream("chunks"), 4, kNan); }},
+        {"chunk scale range empty", [](GlbParts& p) { put(p.stream("chunks"), 5, 1e-9f); }},
+        {"chunk colour infinite", [](GlbParts& p) { put(p.stream("chunks"), 9, std::numeric_limits<float>::infinity()); }},
+        {"index out of range", [](GlbParts& p) { put(p.accessor(p.json["meshes"][0]["primitives"][0]["indices"]), 4, 70000u); }, Code::CorruptData, false},
+        {"vertex NaN", [](GlbParts& p) { put(p.accessor(attribute(p, "POSITION")), 5, kNan); }, Code::CorruptData, false},
+        {"vertex a kilometre away", [](GlbParts& p) { put(p.accessor(attribute(p, "POSITION")), 5, 1000.0f); }, Code::CorruptData, false},
+        {"weights not summing to 255", [](GlbParts& p) { p.accessor(attribute(p, "WEIGHTS_0"))[0] ^= 1; }, Code::CorruptData, false},
+        {"joint out of range", [](GlbParts& p) { p.accessor(attribute(p, "JOINTS_0"))[0] = 200; }, Code::CorruptData, false},
+        {"attributes of different counts", [](GlbParts& p) { p.json["accessors"][attribute(p, "COLOR_0")]["count"] = 3; }, Code::CorruptData, false},
+        {"indices not whole triangles", [](GlbParts& p) { auto& c = p.json["accessors"][p.json["meshes"][0]["primitives"][0]["indices"].get<size_t>()]["count"]; c = c.get<int>() - 1; }, Code::CorruptData, false},
+        {"no positions", [](GlbParts& p) { p.json["meshes"][0]["primitives"][0]["attributes"].erase("POSITION"); }, Code::CorruptData, false},
+    };
+    for (const Damage& damage : list) {
+        GlbParts parts = test::split(goodFile(damage.draco));
+        damage.apply(parts);
+        expectRefused(damage.what, parts.bytes(), damage.code);
+    }
+}
+
+TEST(HostileAvatar, anUndamagedFilePassesTheSamePath) {
+    for (bool compressed : {true, false}) {
+        auto result = readAvatar(test::split(goodFile(compressed)).bytes(), trusting());
+        ASSERT_TRUE(result) << result.error().message;
+    }
+}
+
+TEST(HostileAvatar, containerHeader) {
+    std::vector<uint8_t> good = goodFile(), bad = good;
+    bad[0] = 'x';
+    expectRefused("bad magic", bad, Code::Unsupported);
+    bad = good, bad[4] = 1;
+    expectRefused("container version 1", bad, Code::Unsupported);
+    bad = good, bad[8] ^= 4;
+    expectRefused("length differs from the file", bad);
+    bad = good, bad.push_back(0);
+    expectRefused("something appended", bad);
+    bad = good, bad[15] = 0x7f;
+    expectRefused("JSON chunk longer than the file", bad);
+    bad = good, bad[16] = 'B';
+    expectRefused("first chunk is not JSON", bad);
+    expectRefused("nothing", {});
+}
+
+TEST(HostileAvatar, fortyKilobytesOfBrackets) {
+    GlbParts parts;
+    expectRefused("nested arrays", parts.join("{\"asset\":{\"version\":\"2.0\"},\"a\":" + std::string(20000, '[') + std::string(20000, ']') + "}"));
+    expectRefused("nested objects", parts.join("{\"asset\":" + [] { std::string s; for (int i = 0; i < 8000; ++i) s += "{\"a\":"; return s + "1" + std::string(8000, '}'); }() + "}"));
+    expectRefused("brackets that never close", parts.join(std::string(40000, '[')));
+    expectRefused("number too large", parts.join("{\"asset\":{\"version\":\"2.0\"},\"a\":1e999}"));
+    expectRefused("no JSON at all", parts.join("hello"));
+}
+
+TEST(HostileAvatar, everyTruncationIsAnError) {
+    const std::vector<uint8_t> good = *writeAvatar(test::tinyAvatar());
+    for (size_t size = 0; size < good.size(); ++size) ASSERT_FALSE(readAvatar(std::span(good).first(size))) << size;
+    // The same with the header and the last chunk's length made to agree, so that the inner checks see it.
+    GlbParts parts = test::split(good);
+    for (size_t cut = parts.bin.size() - 4; cut > 4; cut -= 4) {
+        GlbParts shorter = parts;
+        shorter.bin.resize(cut);
+        ASSERT_FALSE(readAvatar(shorter.bytes(), trusting())) << cut;
+        shorter.json["buffers"][0]["byteLength"] = cut;
+        ASSERT_FALSE(readAvatar(shorter.bytes(), trusting())) << cut;
+    }
+}
+
+TEST(HostileAvatar, everyBitFlipIsNoticed) {
+    std::vector<uint8_t> bytes = *writeAvatar(test::tinyAvatar());
+    for (size_t bit = 0; bit < bytes.size() * 8; bit += 7) {   // every byte, at another bit each time: keeps the test at seconds
+        bytes[bit / 8] ^= uint8_t(1 << bit % 8);
+        ASSERT_FALSE(readAvatar(bytes)) << "bit " << bit % 8 << " of byte " << bit / 8;
+        bytes[bit / 8] ^= uint8_t(1 << bit % 8);
+    }
+}
+
+TEST(HostileAvatar, bitFlipsWithoutTheHashNeverGiveAnAvatarThatCannotBeWritten) {
+    for (bool compressed : {true, false}) {
+        std::vector<uint8_t> bytes = *writeAvatar(test::tinyAvatar(), {.draco = compressed});
+        for (size_t bit = 0; bit < bytes.size() * 8; bit += 13) {
+            bytes[bit / 8] ^= uint8_t(1 << bit % 8);
+            if (auto result = readAvatar(bytes, trusting())) {
+                ASSERT_TRUE(writeAvatar(*result)) << "bit " << bit;
+            }
+            bytes[bit / 8] ^= uint8_t(1 << bit % 8);
+        }
+    }
+}
+
+TEST(HostileAvatar, inspectReportsAWrongHash) {
+    GlbParts parts = test::split(goodFile());
+    parts.json["scenes"][0]["name"] = "somebody edited this";
+    auto info = inspectAvatar(parts.bytes());
+    ASSERT_TRUE(info) << info.error().message;
+    EXPECT_FALSE(info->hashMatches);
+    EXPECT_FALSE(readAvatar(parts.bytes()));
+}
+
+TEST(WriterRefuses, whatNoReaderWouldAccept) {
+    auto refused = [](const char* what, std::function<void(AvatarData&)> damage) {
+        AvatarData a = test::randomAvatar(2, 1, 6, 2);
+        damage(a);
+        auto result = writeAvatar(a);
+        ASSERT_FALSE(result) << what;
+        EXPECT_EQ(int(result.error().code), int(Code::InvalidArgument)) << what;
+    };
+    refused("no joints", [](AvatarData& a) { a.joints.clear(); });
+    refused("second root", [](AvatarData& a) { a.joints[2].parent = -1; });
+    refused("child before parent", [](AvatarData& a) { a.joints[1].parent = 3; });
+    refused("NaN vertex", [](AvatarData& a) { a.mesh.restPositions[3].y = kNan; });
+    refused("far vertex", [](AvatarData& a) { a.mesh.restPositions[3].y = 180; });
+    refused("weights", [](AvatarData& a) { a.mesh.jointWeights[0].x ^= 1; });
+    refused("joint index", [](AvatarData& a) { a.mesh.jointIndices[0].x = 6; });
+    refused("layer gap", [](AvatarData& a) { a.mesh.layers[1].firstVertex += 1; });
+    refused("triangle across layers", [](AvatarData& a) { a.mesh.triangles[0].x = uint32_t(a.mesh.restPositions.size() - 1); });
+    refused("CSR falling", [](AvatarData& a) { a.splats.triangleStart[3] = 0xffffffff; });
+    refused("splat NaN", [](AvatarData& a) { a.splats.uv[0].x = kNan; });
+    refused("negative scale", [](AvatarData& a) { a.splats.scaleM[0].x = -1; });
+    refused("SH length", [](AvatarData& a) { a.splats.sh.pop_back(); });
+    refused("clip times", [](AvatarData& a) { a.clips[0].timesS[1] = 0; });
+    refused("clip rotation", [](AvatarData& a) { a.clips[0].channels[0].rotations[0] = Quatf(0, 0, 0, 0); });
+}
+
+}  // namespace
+}  // namespace dpl
