@@ -44,7 +44,7 @@ std::vector<PlannedFrame> planScan(const Subject& subject, const SampleScanOptio
     Random random(o.seed, 31);
     double top = 0;
     for (const Vec3f& p : subject.mesh.restPositions) top = std::max(top, double(p.y));
-    const double reach = 2.25 * top / 1.78;  // taller people are taken from further away
+    const double reach = 1.98 * top / 1.78;  // taller people are taken from further away
     const Vec3d middle(0, 0.51 * top, 0);
 
     // Three rings; neighbours in time lie on one ring, as a person walks.
@@ -99,7 +99,7 @@ std::vector<PlannedFrame> planScan(const Subject& subject, const SampleScanOptio
         f.pose = motion.pose(f.timeS);
         f.lag = swing.at(f.timeS);
         f.keepPosed = i % 3 == 0 || f.split == "test";
-        const double azimuth = kTau * 1.5 * i / std::max(1u, o.dynamicFrames) + random.uniform(-0.03, 0.03), distance = 1.10 * reach * random.uniform(0.98, 1.04);
+        const double azimuth = kTau * 1.5 * i / std::max(1u, o.dynamicFrames) + random.uniform(-0.03, 0.03), distance = 1.09 * reach * random.uniform(0.98, 1.04);
         const Vec3d eye(distance * std::sin(azimuth), (1.15 + 0.25 * std::sin(0.7 * f.timeS)) * top / 1.78, distance * std::cos(azimuth));
         f.camera = cameraAt(o, eye, middle + Vec3d(0, 0.10, 0), random.uniform(-0.02, 0.02));
         frames.push_back(std::move(f));

@@ -1,0 +1,194 @@
+// A small sample scan, read back through the product's reader and checked against its own truth.
+#include "reconstruction/sample/scan_writer.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "reconstruction/capture/scan.h"
+
+namespace dpl {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+SampleScanOptions tiny() {
+    SampleScanOptions o = SampleScanOptions::small(3);
+    o.widthPx = 96, o.heightPx = 128;
+    o.fullFrames = 10, o.closeupFrames = 6, o.dynamicFrames = 10;
+    o.samplesPerPixel = 2;
+    return o;
+}
+
+fs::path scratch() {
+    static const fs::path kFolder = [] {
+        const fs::path p = fs::temp_directory_path() / ("doppel_sample_scan_" + std::to_string(::getpid()));
+        fs::remove_all(p);
+        fs::create_directories(p);
+        return p;
+    }();
+    return kFolder;
+}
+
+class Cleanup : public ::testing::Environment {
+    void TearDown() override { fs::remove_all(scratch()); }
+};
+const auto* const kCleanup = ::testing::AddGlobalTestEnvironment(new Cleanup);
+
+const fs::path& scanFolder() {
+    static const fs::path kFolder = [] {
+        Jobs jobs(2);
+        const fs::path folder = scratch() / "two";
+        const Status made = makeSampleScan(folder, tiny(), jobs);
+        EXPECT_TRUE(made) << made.error().message;
+        return folder;
+    }();
+    return kFolder;
+}
+
+std::string bytesOf(const fs::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+Json jsonOf(const fs::path& path) { return Json::parse(bytesOf(path)); }
+
+TEST(SampleScan, isReadByTheProductsReader) {
+    const auto scan = readScan(scanFolder());
+    ASSERT_TRUE(scan) << scan.error().message;
+    EXPECT_EQ(scan->frames.size(), 26u);
+    EXPECT_EQ(scan->keypointNames.size(), 24u);
+    std::map<FrameKind, int> kinds, tests;
+    for (const ScanFrame& f : scan->frames) {
+        ++kinds[f.kind];
+        tests[f.kind] += f.split == Split::Test;
+        // +Y up after reading: cameras stand above the floor and look roughly at the person.
+        EXPECT_GT(f.camera.eye().y, 0.1) << f.name;
+        EXPECT_GT(f.camera.toView({0, 0.9, 0}).z, 0) << f.name;
+    }
+    EXPECT_EQ(tests[FrameKind::StaticFull], 1);  // 10 %
+    EXPECT_EQ(tests[FrameKind::StaticCloseup], 0);
+    EXPECT_EQ(tests[FrameKind::Dynamic], 1);
+}
+
+TEST(SampleScan, masksAndLabelsAgreeAndShowThePerson) {
+    const auto scan = readScan(scanFolder());
+    ASSERT_TRUE(scan);
+    for (const ScanFrame& f : scan->frames) {
+        const auto mask = readFrameMask(f);
+        const auto labels = readFrameLabels(f);
+        const auto image = readFrameImage(f);
+        ASSERT_TRUE(mask && labels && image) << f.name;
+        size_t person = 0;
+        std::array<size_t, 256> count{};
+        for (size_t i = 0; i < mask->pixels.size(); ++i) {
+            ASSERT_EQ(mask->pixels[i] == 255, labels->pixels[i] != 0) << f.name;
+            ASSERT_LE(labels->pixels[i], 5);
+            person += mask->pixels[i] == 255;
+            ++count[labels->pixels[i]];
+        }
+        EXPECT_GT(person, mask->pixels.size() / 40) << f.name;
+        if (f.kind == FrameKind::StaticCloseup) continue;
+        for (int label = 1; label <= 5; ++label) EXPECT_GT(count[label], 8u) << f.name << " label " << label;
+    }
+}
+
+TEST(SampleScan, truthProjectsOntoItsKeypoints) {
+    const Json scan = jsonOf(scanFolder() / "scan.json"), truth = jsonOf(scanFolder() / "truth.json");
+    double squares = 0;
+    int count = 0;
+    for (size_t i = 0; i < scan["frames"].size(); ++i) {
+        const Json& camera = scan["frames"][i]["camera"];
+        const Json keypoints = jsonOf(scanFolder() / scan["frames"][i]["keypoints"].get<std::string>());
+        for (size_t k = 0; k < 24; ++k) {
+            if (keypoints["xy"][k].is_null()) continue;
+            double view[3];
+            for (int r = 0; r < 3; ++r) {
+                view[r] = camera["t"][r];
+                for (int c = 0; c < 3; ++c) view[r] += camera["R"][3 * r + c].get<double>() * truth["frames"][i]["keypoints_world"][k][c].get<double>();
+            }
+            const double u = camera["fx"].get<double>() * view[0] / view[2] + camera["cx"].get<double>();
+            const double v = camera["fy"].get<double>() * view[1] / view[2] + camera["cy"].get<double>();
+            // Rounded to 1e-7 m and 1e-3 px in the files; points 6 cm before the eye magnify the first.
+            ASSERT_NEAR(u, keypoints["xy"][k][0].get<double>(), 0.01);
+            ASSERT_NEAR(v, keypoints["xy"][k][1].get<double>(), 0.01);
+            const double sigma = keypoints["noise_sigma_px"][k];
+            squares += std::pow((keypoints["xy_noisy"][k][0].get<double>() - keypoints["xy"][k][0].get<double>()) / sigma, 2);
+            ++count;
+        }
+    }
+    ASSERT_GT(count, 300);
+    EXPECT_NEAR(squares / count, 1, 0.3);  // a mean of > 300 squared normals: 3 standard deviations are 0.25
+}
+
+TEST(SampleScan, fullFramesSeeMostKeypoints) {
+    const Json keypoints = jsonOf(scanFolder() / "keypoints" / "full_000.json");
+    int visible = 0;
+    for (int v : keypoints["visibility"]) visible += v == 2;
+    EXPECT_GE(visible, 16);
+    for (size_t k = 0; k < 24; ++k) {
+        const double c = keypoints["confidence"][k];
+        EXPECT_EQ(c > 0.7, keypoints["visibility"][k] == 2);
+    }
+}
+
+TEST(SampleScan, geometryFilesHaveTheSizesOfTheFormat) {
+    const Json scan = jsonOf(scanFolder() / "scan.json"), truth = jsonOf(scanFolder() / "truth.json");
+    const size_t vertices = scan["geometry"]["vertex_count"], triangles = scan["geometry"]["triangle_count"];
+    EXPECT_EQ(fs::file_size(scanFolder() / "geometry" / "weights.bin"), 12 + vertices * 4 * 8);
+    const std::string ply = bytesOf(scanFolder() / "geometry" / "template.ply");
+    const size_t header = ply.find("end_header\n") + 11;
+    EXPECT_EQ(ply.size(), header + vertices * 13 + triangles * 14);
+    size_t posed = 0;
+    for (const Json& f : truth["frames"])
+        if (!f["posed"].is_null()) {
+            ++posed;
+            EXPECT_EQ(fs::file_size(scanFolder() / f["posed"].get<std::string>()), vertices * 12);
+        }
+    EXPECT_GE(posed, 4u);
+    double top = 0;  // z is up in the files
+    for (const Json& p : scan["skeleton"]["rest_positions"]) top = std::max(top, p[2].get<double>());
+    EXPECT_GT(top, 1.4);
+}
+
+TEST(SampleScan, sameBytesOnOneAndThreeThreads) {
+    Jobs jobs(3);
+    const fs::path other = scratch() / "three";
+    ASSERT_TRUE(makeSampleScan(other, tiny(), jobs));
+    size_t files = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(scanFolder())) {
+        if (!entry.is_regular_file()) continue;
+        ++files;
+        ASSERT_EQ(bytesOf(entry.path()), bytesOf(other / fs::relative(entry.path(), scanFolder()))) << entry.path();
+    }
+    EXPECT_GT(files, 26u * 4);
+}
+
+TEST(SampleScan, refusesAFolderInUseAndLeavesNothingWhenStopped) {
+    Jobs jobs(2);
+    const fs::path used = scratch() / "used";
+    fs::create_directories(used);
+    std::ofstream(used / "thesis.txt") << "years of work";
+    const Status refused = makeSampleScan(used, tiny(), jobs);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, Code::InvalidArgument);
+    EXPECT_NE(refused.error().message.find("used"), std::string::npos);
+    EXPECT_TRUE(fs::exists(used / "thesis.txt"));
+
+    const fs::path stopped = scratch() / "stopped";
+    const Status cancelled = makeSampleScan(stopped, tiny(), jobs, [](double share, const std::string&) { return share < 0.1; });
+    ASSERT_FALSE(cancelled);
+    EXPECT_EQ(cancelled.error().code, Code::Cancelled);
+    EXPECT_FALSE(fs::exists(stopped));
+    EXPECT_FALSE(fs::exists(stopped.string() + ".partial"));
+
+    SampleScanOptions bad = tiny();
+    bad.widthPx = 0;
+    EXPECT_EQ(makeSampleScan(scratch() / "bad", bad, jobs).error().code, Code::InvalidArgument);
+}
+
+}  // namespace
+}  // namespace dpl
