@@ -1,0 +1,53 @@
+#!/usr/bin/env python3
+"""check_schema.py SCHEMA FILE...: DPL_gaussian_avatar of each .glb against the JSON Schema. Exit 77: skipped, the reason is printed.
+
+It also checks that the schema can fail: damaged copies of the extension must be refused."""
+import copy
+import json
+import struct
+import sys
+
+try:
+    import jsonschema
+except ImportError:
+    print("skipped: python3-jsonschema is not installed (apt-get install python3-jsonschema)")
+    sys.exit(77)
+
+
+def extension(path):
+    data = open(path, "rb").read()
+    (length,) = struct.unpack_from("<I", data, 12)
+    return json.loads(data[20 : 20 + length])["extensions"]["DPL_gaussian_avatar"]
+
+
+def damaged(good):
+    for name, change in {
+        "version 2": lambda e: e.update(version=2),
+        "hash in capitals": lambda e: e.update(contentHash="xxh3:ABCDEF0123456789"),
+        "no units": lambda e: e.pop("units"),
+        "unknown field": lambda e: e.update(colour="red"),
+        "unknown role": lambda e: e["layers"][0].update(role="shoe"),
+        "negative count": lambda e: e["splats"].update(count=-1),
+        "stream as text": lambda e: e["splats"]["streams"].update(place="1"),
+        "evidence without reason": lambda e: e["evidence"][0].pop("reason"),
+    }.items():
+        bad = copy.deepcopy(good)
+        change(bad)
+        yield name, bad
+
+
+schema = json.load(open(sys.argv[1]))
+jsonschema.Draft7Validator.check_schema(schema)
+validator = jsonschema.Draft7Validator(schema)
+failures = 0
+for path in sys.argv[2:]:
+    good = extension(path)
+    for error in validator.iter_errors(good):
+        failures += 1
+        print(f"{path}: {'/'.join(map(str, error.path))}: {error.message}")
+    for name, bad in damaged(good):
+        if validator.is_valid(bad):
+            failures += 1
+            print(f"{path}: the schema accepts '{name}'")
+print(f"{len(sys.argv) - 2} files, {failures} failures")
+sys.exit(1 if failures or len(sys.argv) < 3 else 0)
