@@ -26,7 +26,7 @@ LossValues PictureLoss::run(const SplatImage& image, const PictureTarget& target
                 const bool scored = !target.band[i];
                 for (uint32_t c = 0; c < 3; ++c) {
                     const float drawn = image.rgb[i * 3 + c] + (1 - alpha) * background[int(c)];
-                    const float wanted = scored ? mask * goal[c] + (1 - mask) * background[int(c)] : drawn;
+                    const float wanted = scored ? goal[c] + (1 - mask) * background[int(c)] : drawn;
                     const float error = drawn - wanted;
                     drawn_.values[c * pixels + i] = drawn, wanted_.values[c * pixels + i] = wanted;
                     colourGradient_.values[c * pixels + i] = l1Step * sign(error);

@@ -7,7 +7,7 @@
 
 namespace dpl {
 
-/** What a frame should look like, cropped to the person; planar, [0,1]. */
+/** What a frame should look like, cropped to the person; planar, [0,1], colour premultiplied by the mask. */
 struct PictureTarget {
     uint32_t widthPx = 0, heightPx = 0;
     std::vector<float> red, green, blue;

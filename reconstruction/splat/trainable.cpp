@@ -36,9 +36,10 @@ void TrainableSplats::indexTriangles(size_t triangleCount) {
     for (size_t t = 0; t < triangleCount; ++t) triangleStart[t + 1] += triangleStart[t];
 }
 
-void TrainableSplats::activate(size_t begin, size_t end) {
+void TrainableSplats::activate(size_t begin, size_t end, std::span<const uint8_t> only) {
     const size_t coefficients = shCoefficientCount(shDegree) * 3;
     for (size_t i = begin; i < end; ++i) {
+        if (!only.empty() && !only[i]) continue;
         float* row = rows.data() + i * stride;
         uv[i] = projectToSimplex({row[kRowU], row[kRowV]});
         row[kRowU] = uv[i].x, row[kRowV] = uv[i].y;

@@ -39,8 +39,9 @@ struct TrainableSplats {
     void resize(uint32_t count, uint32_t degree);
     /** triangleStart from `triangle`. */
     void indexTriangles(size_t triangleCount);
-    /** Projects (u, v) into the triangle, clamps scales and opacity, and refreshes the linear values of [begin, end). */
-    void activate(size_t begin, size_t end);
+    /** Projects (u, v) into the triangle, clamps scales and opacity, and refreshes the linear values of [begin, end); with `only`
+     *  (one byte a splat) just of those that are set. */
+    void activate(size_t begin, size_t end, std::span<const uint8_t> only = {});
     void activateAll(Jobs& jobs);
     BoundSplatView view() const;
 

@@ -55,7 +55,7 @@ double referenceLoss(const Scene& s, const std::vector<double>& image, const Los
         const double goal[3] = {s.target.red[i], s.target.green[i], s.target.blue[i]};
         for (size_t c = 0; c < 3; ++c) {
             drawn[c * kPixels + i] = image[i * 3 + c] + (1 - alpha) * background[int(c)];
-            wanted[c * kPixels + i] = m * goal[c] + (1 - m) * background[int(c)];
+            wanted[c * kPixels + i] = goal[c] + (1 - m) * background[int(c)];
             l1 += std::abs(drawn[c * kPixels + i] - wanted[c * kPixels + i]);
         }
         mask += std::abs(alpha - m), cloth += std::abs(image[4 * kPixels + i] - s.target.cloth[i]);
@@ -107,7 +107,7 @@ TEST(PictureLoss, identicalPicturesScorePerfectly) {
     for (size_t i = 0; i < kPixels; ++i) {
         const float m = s.target.mask[i];
         s.image.alpha[i] = m;
-        s.image.rgb[i * 3] = m * s.target.red[i], s.image.rgb[i * 3 + 1] = m * s.target.green[i], s.image.rgb[i * 3 + 2] = m * s.target.blue[i];
+        s.image.rgb[i * 3] = s.target.red[i], s.image.rgb[i * 3 + 1] = s.target.green[i], s.image.rgb[i * 3 + 2] = s.target.blue[i];
     }
     PictureLoss loss(jobs);
     ImageGradient g;

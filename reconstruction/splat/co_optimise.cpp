@@ -1,0 +1,358 @@
+#include "reconstruction/splat/co_optimise.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numeric>
+
+#include "reconstruction/splat/co_optimise_state.h"
+#include "reconstruction/splat/random.h"
+#include "sdk/format/avatar_file.h"
+
+namespace dpl {
+namespace {
+
+enum Stream : uint64_t { kOrderStream = 10, kBackgroundStream = 11 };
+
+double millisecondsSince(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+bool finite(const Vec3f& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+Quatd turnQuaternion(const Vec3d& w) {
+    const double angle = glm::length(w);
+    return angle > 1e-12 ? glm::angleAxis(angle, w / angle) : Quatd(1, 0, 0, 0);
+}
+
+/** Axis-angle of a unit quaternion, the short way round. */
+Vec3d logQuaternion(Quatd q) {
+    if (q.w < 0) q = -q;
+    const Vec3d v(q.x, q.y, q.z);
+    const double sine = glm::length(v);
+    return sine < 1e-9 ? 2.0 * v : v * (2 * std::atan2(sine, q.w) / sine);
+}
+
+}  // namespace
+
+Status CoOptimiser::State::prepare() {
+    MeshData& m = input.mesh;
+    const size_t vertexCount = m.restPositions.size();
+    if (vertexCount == 0 || m.triangles.empty()) return fail(Code::InvalidArgument, "the template mesh is empty");
+    if (m.jointIndices.size() != vertexCount || m.jointWeights.size() != vertexCount)
+        return fail(Code::InvalidArgument, "the template has {} vertices but {} skin indices and {} weights", vertexCount, m.jointIndices.size(), m.jointWeights.size());
+    if (!input.triangleLabel.empty() && input.triangleLabel.size() != m.triangles.size())
+        return fail(Code::InvalidArgument, "{} triangle labels for {} triangles", input.triangleLabel.size(), m.triangles.size());
+    for (size_t v = 0; v < vertexCount; ++v) {
+        if (!finite(m.restPositions[v])) return fail(Code::InvalidArgument, "template vertex {} is not finite", v);
+        for (int k = 0; k < 4; ++k)
+            if (m.jointWeights[v][k] && m.jointIndices[v][k] >= input.joints.size())
+                return fail(Code::InvalidArgument, "template vertex {} is skinned to joint {} of {}", v, m.jointIndices[v][k], input.joints.size());
+    }
+    for (const Triangle& t : m.triangles)
+        if (t.x >= vertexCount || t.y >= vertexCount || t.z >= vertexCount) return fail(Code::InvalidArgument, "a template triangle names a vertex beyond {}", vertexCount);
+    if (settings.steps == 0) return fail(Code::InvalidArgument, "a training run needs at least one step");
+    if (settings.init.shDegree > kMaxShDegree) return fail(Code::InvalidArgument, "SH degree {} is above {}", settings.init.shDegree, kMaxShDegree);
+    if (settings.levelStarts.empty() || settings.geometryEvery == 0) return fail(Code::InvalidArgument, "the schedule needs a level and geometryEvery of at least 1");
+    for (uint32_t i = 0; i < input.frames.size(); ++i) {
+        const TrainFrame& f = input.frames[i];
+        DPL_CHECK_OK(checkTrainFrame(f));
+        if (auto status = checkPose(input.joints, f.pose); !status) return fail(status.error().code, "frame '{}': {}", f.name, status.error().message);
+        poses.push_back(f.pose);
+        if (std::any_of(f.mask.pixels.begin(), f.mask.pixels.end(), [](uint8_t v) { return v >= 128; })) usedFrames.push_back(i);
+    }
+    if (usedFrames.empty()) return fail(Code::InvalidArgument, "none of the {} training frames has a person in its mask", input.frames.size());
+    settings.init.seed = settings.seed;
+    firstPoses = poses;
+    adamPoses.resize(poses.size());
+    cameraTurn.assign(poses.size(), Vec3d(0)), cameraShift.assign(poses.size(), Vec3d(0));
+    adamCameras.resize(poses.size());
+    templatePositions = m.restPositions;
+    bind = restTriangles(m);
+    for (const Triangle& t : m.triangles) {
+        const Vec3f e1 = m.restPositions[t.y] - m.restPositions[t.x], e2 = m.restPositions[t.z] - m.restPositions[t.x];
+        const float base = std::max(1e-6f, glm::length(e1));
+        referenceSizeM.push_back(std::max(0.008f, 0.5f * (base + glm::length(glm::cross(e1, e2)) / base)));
+    }
+    incidence = VertexIncidence(m.triangles, vertexCount);
+    meshRegulariser.emplace(m.restPositions, m.triangles);
+    mesh = m;
+    if (settings.learnGeometry) {
+        DPL_TRY(LargeSteps factor, LargeSteps::create(m.restPositions, m.triangles, settings.smoothingLengthM));
+        largeSteps.emplace(std::move(factor));
+        u.assign(largeSteps->size(), Vec3f(0));
+        restGradientSum.assign(vertexCount, Vec3f(0));
+    }
+    return {};
+}
+
+Result<std::unique_ptr<CoOptimiser>> CoOptimiser::create(CoOptimiseInput input, const CoOptimiseSettings& settings, Jobs& jobs) {
+    auto state = std::make_unique<State>(std::move(input), settings, jobs);
+    DPL_CHECK_OK(state->prepare());
+    State& s = *state;
+    std::vector<TrainFrame> used;
+    const std::vector<float> floors = sizeFloors(s.input.joints, s.mesh, s.input.frames, jobs);
+    const std::vector<uint8_t> flags = triangleFlags(s.templatePositions, s.mesh.triangles, s.input.triangleLabel, s.settings.init);
+    s.splats = initialSplats(s.input.joints, s.mesh, flags, floors, s.input.frames, s.settings.init, jobs);
+    s.adam.resize(s.splats.count(), s.splats.stride);
+    s.statistics.resize(s.splats.count());
+    return std::unique_ptr<CoOptimiser>(new CoOptimiser(std::move(state)));
+}
+
+Result<std::unique_ptr<CoOptimiser>> CoOptimiser::createFrom(CoOptimiseInput input, const SplatData& splats, const CoOptimiseSettings& settings, Jobs& jobs) {
+    auto state = std::make_unique<State>(std::move(input), settings, jobs);
+    DPL_CHECK_OK(state->prepare());
+    State& s = *state;
+    const size_t n = splats.count();
+    if (splats.triangleStart.size() != s.mesh.triangles.size() + 1 || splats.triangleStart.back() != n || splats.phi.size() != n || splats.scaleM.size() != n ||
+        splats.opacity.size() != n || splats.flags.size() != n || splats.sh.size() != n * shCoefficientCount(splats.shDegree) * 3)
+        return fail(Code::InvalidArgument, "the splats do not fit the mesh of {} triangles", s.mesh.triangles.size());
+    s.splats = TrainableSplats::fromSplatData(splats, sizeFloors(s.input.joints, s.mesh, s.input.frames, jobs));
+    s.splats.activateAll(jobs);
+    s.adam.resize(s.splats.count(), s.splats.stride);
+    s.statistics.resize(s.splats.count());
+    return std::unique_ptr<CoOptimiser>(new CoOptimiser(std::move(state)));
+}
+
+CoOptimiser::CoOptimiser(std::unique_ptr<State> state) : state_(std::move(state)) {}
+CoOptimiser::~CoOptimiser() = default;
+bool CoOptimiser::finished() const { return state_->step >= state_->settings.steps; }
+uint32_t CoOptimiser::step() const { return state_->step; }
+
+float CoOptimiser::State::decay(float end) const { return std::pow(end, float(step) / float(settings.steps)); }
+
+void CoOptimiser::State::selectLevel() {
+    const float at = float(step) / float(settings.steps);
+    const int last = int(settings.levelStarts.size()) - 1;
+    int index = last;
+    if (!settings.fullResolutionOnly)
+        while (index > 0 && settings.levelStarts[size_t(index)] > at) --index;
+    if (index == levelIndex) return;
+    levelIndex = index;
+    level.assign(input.frames.size(), {});
+    jobs.forBlocks(usedFrames.size(), [&](size_t i, uint32_t) {
+        const TrainFrame& f = input.frames[usedFrames[i]];
+        const float first = coarsestScale(f), scale = last > 0 ? first + (1 - first) * float(index) / float(last) : 1.0f;
+        level[usedFrames[i]] = makeLevelFrame(f, scale, settings.init.clothLabels, index == last);
+    });
+}
+
+/** Every frame once an epoch, in an order that is a function of (seed, epoch): the shares of the kinds are constant. */
+uint32_t CoOptimiser::State::frameOf(uint32_t atStep) {
+    const uint64_t epoch = atStep / usedFrames.size();
+    if (epoch != orderEpoch) {
+        orderEpoch = epoch;
+        order = usedFrames;
+        for (size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[hashBits(settings.seed, kOrderStream + (epoch << 8), i) % i]);
+    }
+    return order[atStep % usedFrames.size()];
+}
+
+Camerad CoOptimiser::State::cameraOf(uint32_t frame) const {
+    Camerad c = input.frames[frame].camera;
+    const Mat3d turn = glm::mat3_cast(turnQuaternion(cameraTurn[frame]));
+    c.viewFromWorldRotation = turn * c.viewFromWorldRotation;
+    c.viewFromWorldTranslation = turn * c.viewFromWorldTranslation + cameraShift[frame];
+    return c;
+}
+
+Status CoOptimiser::State::stepOnce() {
+    const auto start = std::chrono::steady_clock::now();
+    selectLevel();
+    const uint32_t frame = frameOf(step);
+    const TrainFrame& f = input.frames[frame];
+    LossWeights weights = settings.loss;
+    if (!settings.fullResolutionOnly && step < settings.steps / 4) weights.mask *= settings.earlyMaskFactor;
+    const uint64_t at = uint64_t(step) * 3;
+    const Vec3f background(float(hashUniform(settings.seed, kBackgroundStream, at)), float(hashUniform(settings.seed, kBackgroundStream, at + 1)),
+                           float(hashUniform(settings.seed, kBackgroundStream, at + 2)));
+    Cameraf camera = level[frame].camera;
+    if (settings.learnCameras) {
+        const Cameraf moved = cameraOf(frame).cast<float>();
+        camera.viewFromWorldRotation = moved.viewFromWorldRotation, camera.viewFromWorldTranslation = moved.viewFromWorldTranslation;
+    }
+    const PassSubject subject{splats, mesh, input.joints, bind, incidence};
+    const bool geometry = settings.learnGeometry || settings.learnPoses || settings.learnCameras;
+    const LossValues loss = pass.run(subject, poses[frame], level[frame], camera, weights, background, geometry);
+    if (!std::isfinite(loss.total)) return fail(Code::Internal, "training step {} (frame '{}'): the loss is not finite", step, f.name);
+
+    const auto update = std::chrono::steady_clock::now();
+    if (settings.learnSplats) updateSplats(frame);
+    if (settings.learnPoses || settings.learnCameras) updatePose(frame);
+    if (settings.learnGeometry) {
+        const auto& g = pass.restGradient();
+        for (size_t v = 0; v < g.size(); ++v) restGradientSum[v] += g[v];
+        if (++restGradientCount >= settings.geometryEvery) updateOffsets();
+    }
+    sumLoss += loss.total, sumL1 += loss.l1, sumSsim += loss.ssim, sumMask += loss.mask, ++sumSteps;
+    sumSquared += loss.squaredError, sumSquaredCount += loss.squaredCount;
+    ++step;
+    if (settings.densify && settings.densityEvents > 0) {
+        const uint32_t first = uint32_t(0.08 * settings.steps), last = uint32_t(0.55 * settings.steps), every = std::max(1u, (last - first) / settings.densityEvents);
+        if (step > first && step <= last && (step - first) % every == 0) {
+            DensitySettings d;
+            d.seed = settings.seed, d.maxSplats = settings.maxSplats;
+            const uint32_t start0 = settings.init.splatCount;
+            d.maxGrowth = std::max(500u, settings.maxSplats > start0 ? 2 * (settings.maxSplats - start0) / settings.densityEvents : 500u);
+            densify(splats, adam, statistics, bind, referenceSizeM, d, (step - first) / every);
+        }
+    }
+    if (sumSteps >= std::max<uint32_t>(1, std::min<uint32_t>(100, settings.steps / 20)) || step == settings.steps) {
+        curve.push_back(recentPoint());
+        sumLoss = sumL1 = sumSsim = sumMask = sumSquared = sumSquaredCount = 0, sumSteps = 0;
+    }
+    const auto lastEpoch = uint32_t(std::min<size_t>(settings.steps, usedFrames.size()));
+    if (step + lastEpoch == settings.steps + 1) pass.times = {}, profile = {};
+    profile.updateMs += millisecondsSince(update), profile.stepMs += millisecondsSince(start), ++profile.steps;
+    if (step + lastEpoch > settings.steps)  // counted outside the clock
+        profile.pairs += double(countPixelSplatPairs(pass.engine(), pass.image().widthPx, pass.image().heightPx));
+    return {};
+}
+
+void CoOptimiser::State::updateSplats(uint32_t frame) {
+    SplatBackward& b = pass.splatBackward();
+    const bool isStatic = input.frames[frame].kind != FrameKind::Dynamic;
+    const float gain = input.frames[frame].kind == FrameKind::StaticCloseup ? settings.closeupGradientScale : 1.0f;
+    const float halfHeight = 0.5f * float(level[frame].camera.fy) / float(input.frames[frame].camera.fy) * float(input.frames[frame].camera.heightPx);
+    std::vector<float> rate(splats.stride, 0.0f);
+    const float colour = decay(settings.endColour);
+    if (settings.learnPlacement) {
+        rate[kRowU] = rate[kRowV] = settings.rateUv * decay(settings.endUv);
+        rate[kRowPhi] = settings.ratePhi * decay(settings.endLogScale);
+    }
+    rate[kRowLogScale1] = rate[kRowLogScale2] = settings.rateLogScale * decay(settings.endLogScale);
+    rate[kRowOpacityLogit] = settings.rateOpacity * decay(settings.endOpacity);
+    for (uint32_t k = 0; k < shCoefficientCount(splats.shDegree) * 3; ++k)
+        rate[kRowSh + k] = (k < 3 ? settings.rateDc : settings.rateRest) * colour;
+    const auto rows = b.rowGradients();
+    const auto active = b.active();
+    const auto length = b.screenGradientLength();
+    jobs.forRange(splats.count(), 2048, [&](size_t begin, size_t end, uint32_t) {
+        addSplatRegularisers(splats, referenceSizeM, active, settings.regularise, begin, end, rows);
+        for (size_t i = begin; i < end; ++i) {
+            if (!active[i]) continue;
+            if (isStatic) statistics.gradientSum[i] += length[i] * halfHeight, ++statistics.seen[i];
+            float* row = rows.data() + i * splats.stride;
+            float sum = 0;
+            for (uint32_t k = 0; k < splats.stride; ++k) row[k] *= gain, sum += row[k];
+            if (!std::isfinite(sum)) std::fill_n(row, splats.stride, 0.0f);
+        }
+        adam.update(begin, end, active, rows, rate, splats.rows);
+        splats.activate(begin, end, active);
+    });
+}
+
+void CoOptimiser::State::updatePose(uint32_t frame) {
+    const PoseGradient<double>& g = pass.poseGradient();
+    if (settings.learnPoses) {
+        Pose& pose = poses[frame];
+        const size_t jointCount = input.joints.size();
+        std::vector<double> gradient(jointCount * 3 + 3), rates(jointCount * 3 + 3);
+        const float fall = decay(settings.endPose);
+        for (size_t j = 0; j < jointCount; ++j) {
+            const Vec3d away = logQuaternion(Quatd(pose.localRotations[j]) * glm::conjugate(glm::normalize(Quatd(firstPoses[frame].localRotations[j]))));
+            for (int a = 0; a < 3; ++a) {
+                gradient[j * 3 + size_t(a)] = g.rotation[j][a] + 2 * settings.regularise.pose * away[a];
+                rates[j * 3 + size_t(a)] = settings.rateRotation * fall;
+            }
+        }
+        for (int a = 0; a < 3; ++a) {
+            gradient[jointCount * 3 + size_t(a)] = g.rootTranslation[a] + 2 * settings.regularise.pose * 100 * (pose.rootTranslation[a] - firstPoses[frame].rootTranslation[a]);
+            rates[jointCount * 3 + size_t(a)] = settings.rateTranslation * fall;
+        }
+        const std::vector<double> delta = adamPoses[frame].step(gradient, rates);
+        for (size_t j = 0; j < jointCount; ++j) {
+            const Vec3d w(delta[j * 3], delta[j * 3 + 1], delta[j * 3 + 2]);
+            pose.localRotations[j] = Quatf(glm::normalize(turnQuaternion(-w) * Quatd(pose.localRotations[j])));
+        }
+        for (int a = 0; a < 3; ++a) pose.rootTranslation[a] -= float(delta[jointCount * 3 + size_t(a)]);
+    }
+    if (settings.learnCameras) {
+        std::vector<double> gradient(6), rates(6, double(settings.rateCamera * decay(settings.endPose)));
+        for (int a = 0; a < 3; ++a) {
+            gradient[size_t(a)] = g.cameraRotation[a] + 2 * settings.regularise.camera * cameraTurn[frame][a];
+            gradient[3 + size_t(a)] = g.cameraTranslation[a] + 2 * settings.regularise.camera * cameraShift[frame][a];
+        }
+        const std::vector<double> delta = adamCameras[frame].step(gradient, rates);
+        const Quatd turn = turnQuaternion({-delta[0], -delta[1], -delta[2]});
+        cameraTurn[frame] = logQuaternion(turn * turnQuaternion(cameraTurn[frame]));
+        cameraShift[frame] = glm::mat3_cast(turn) * cameraShift[frame] - Vec3d(delta[3], delta[4], delta[5]);
+    }
+}
+
+void CoOptimiser::State::updateOffsets() {
+    const float scale = 1.0f / float(restGradientCount);
+    bool good = true;
+    for (Vec3f& g : restGradientSum) g *= scale, good &= finite(g);
+    if (good) {  // one NaN vertex would pollute the whole mesh through M⁻¹
+        meshRegulariser->run(mesh.restPositions, settings.regularise, 1.0f, restGradientSum);
+        std::vector<Vec3f> uGradient(u.size());
+        largeSteps->backward(restGradientSum, uGradient, true);
+        adamOffsets.update(uGradient, settings.rateOffsets * decay(settings.endOffsets), u);
+        applyOffsets();
+    }
+    std::fill(restGradientSum.begin(), restGradientSum.end(), Vec3f(0));
+    restGradientCount = 0;
+}
+
+void CoOptimiser::State::applyOffsets() {
+    if (!largeSteps) return;
+    std::vector<Vec3f> offsets(templatePositions.size());
+    largeSteps->offsets(u, offsets, true);
+    for (size_t v = 0; v < offsets.size(); ++v) mesh.restPositions[v] = templatePositions[v] + offsets[v];
+}
+
+CurvePoint CoOptimiser::State::recentPoint() const {
+    CurvePoint p;
+    p.step = step, p.splats = splats.count();
+    const double n = std::max(1u, sumSteps);
+    p.loss = float(sumLoss / n), p.l1 = float(sumL1 / n), p.ssim = float(sumSsim / n), p.mask = float(sumMask / n);
+    p.psnr = sumSquared > 0 ? float(-10 * std::log10(sumSquared / sumSquaredCount)) : 0;
+    return p;
+}
+
+Status CoOptimiser::run(const std::function<void(const CoOptimiseProgress&)>& progress, const std::atomic<bool>* cancel, uint32_t maxSteps,
+                        uint32_t reportEvery) {
+    State& s = *state_;
+    for (uint32_t done = 0; s.step < s.settings.steps && done < maxSteps; ++done) {
+        if (cancel && cancel->load()) return fail(Code::Cancelled, "training was stopped at step {} of {}", s.step, s.settings.steps);
+        DPL_CHECK_OK(s.stepOnce());
+        if (progress && (s.step % std::max(1u, reportEvery) == 0 || s.step == s.settings.steps)) {
+            CoOptimiseProgress p;
+            p.step = s.step, p.steps = s.settings.steps, p.splats = s.splats.count();
+            p.scale = s.level[s.usedFrames[0]].scale;
+            p.recent = s.sumSteps > 0 || s.curve.empty() ? s.recentPoint() : s.curve.back();
+            progress(p);
+        }
+    }
+    return {};
+}
+
+CoOptimiseResult CoOptimiser::result() const {
+    const State& s = *state_;
+    CoOptimiseResult r;
+    AvatarData avatar;
+    avatar.joints = s.input.joints;
+    avatar.mesh = s.mesh;
+    avatar.splats = s.splats.toSplatData();
+    if (s.settings.learnGeometry) (void)rebaseSplats(s.templatePositions, avatar);
+    r.splats = std::move(avatar.splats);
+    r.restPositions = s.mesh.restPositions;
+    r.poses = s.poses;
+    for (uint32_t f = 0; f < s.input.frames.size(); ++f) r.cameras.push_back(s.settings.learnCameras ? s.cameraOf(f) : s.input.frames[f].camera);
+    r.curve = s.curve;
+    r.framesUsed = uint32_t(s.usedFrames.size());
+    StepProfile p = s.profile;
+    if (p.steps > 0) {
+        const double n = p.steps;
+        p.stepMs /= n, p.updateMs /= n, p.pairs /= n;
+        PassTimes t = s.pass.times;
+        for (double* part : {&t.pose, &t.project, &t.blend, &t.loss, &t.pixels, &t.splats, &t.mesh}) *part /= n;
+        p.partsMs = t;
+        if (p.pairs > 0) p.forwardNsPerPair = t.blend * 1e6 / p.pairs, p.backwardNsPerPair = t.pixels * 1e6 / p.pairs;
+    }
+    r.profile = p;
+    return r;
+}
+
+}  // namespace dpl

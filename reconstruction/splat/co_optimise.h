@@ -1,0 +1,120 @@
+// Co-optimisation: splats, static offsets ΔVˢ and per-frame poses learned together from the training pictures.
+//
+//   for each step: one frame ─► FramePass ─► Adam on the splats it saw, Adam on its pose; every fourth step LargeSteps on ΔVˢ;
+//   now and then densify; resolution rises by levels. Batch of one, seeded, same bytes on any number of threads.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "reconstruction/splat/density.h"
+#include "reconstruction/splat/frame_pass.h"
+#include "reconstruction/splat/init.h"
+#include "reconstruction/splat/regularisers.h"
+
+namespace dpl {
+
+/** Everything is copied or moved in; frames are training frames only (held-out ones must not be in the list). */
+struct CoOptimiseInput {
+    std::vector<JointData> joints;
+    MeshData mesh;                        // template at rest; weights already cut to 4 × unorm8
+    std::vector<uint8_t> triangleLabel;   // F label values of the scan, or empty: all body
+    std::vector<TrainFrame> frames;
+};
+
+struct CoOptimiseSettings {
+    uint64_t seed = 1;
+    uint32_t steps = 8000;
+    InitSettings init;                    // its seed is replaced by `seed`
+    uint32_t maxSplats = 90000;
+    LossWeights loss{0.8f, 0.2f, 1.0f, 0.1f};
+    float earlyMaskFactor = 5.0f;         // mask weight in the first quarter
+    RegulariserWeights regularise;
+    float closeupGradientScale = 5.0f;    // on splat attributes of close-ups (reference §10)
+    bool learnSplats = true;
+    bool learnGeometry = true;
+    bool learnPoses = true;
+    bool learnCameras = false;
+    bool densify = true;
+    bool learnPlacement = true;           // uv and φ; off in polish
+    bool fullResolutionOnly = false;      // no progressive levels
+    // Learning rates at the start; each falls geometrically to `end` times itself.
+    float rateUv = 5e-3f, endUv = 0.02f;
+    float ratePhi = 2e-3f, rateLogScale = 5e-3f, endLogScale = 0.2f;
+    float rateOpacity = 5e-2f, endOpacity = 0.2f;
+    float rateDc = 5e-3f, rateRest = 2.5e-4f, endColour = 0.2f;
+    float rateOffsets = 2e-3f, endOffsets = 0.1f;       // metres, AdamUniform on u
+    float rateRotation = 1.5e-3f, rateTranslation = 1e-3f, endPose = 0.1f;
+    float rateCamera = 1e-4f;
+    double smoothingLengthM = 0.04;
+    uint32_t geometryEvery = 4;           // steps whose rest gradients are averaged into one LargeSteps update
+    uint32_t densityEvents = 20;          // between 8 % and 55 % of the run
+    std::vector<float> levelStarts{0.0f, 0.25f, 0.35f, 0.45f, 0.55f};  // fractions of the run; the first level is the coarsest, the last is 1
+};
+
+struct CurvePoint {
+    uint32_t step = 0;
+    float loss = 0, l1 = 0, ssim = 0, mask = 0, psnr = 0;  // means since the last point
+    uint32_t splats = 0;
+};
+
+struct CoOptimiseProgress {
+    uint32_t step = 0, steps = 0, splats = 0;
+    float scale = 1;                      // of the present level
+    CurvePoint recent;
+};
+
+/** Speed of training steps, means over the last epoch of the run (not part of the result's bytes). */
+struct StepProfile {
+    uint32_t steps = 0;
+    double stepMs = 0;
+    PassTimes partsMs;
+    double updateMs = 0;
+    double pairs = 0;                     // pixel-splat pairs a step
+    double forwardNsPerPair = 0, backwardNsPerPair = 0;  // blend, and its backward
+};
+
+struct CoOptimiseResult {
+    SplatData splats;                     // bound to `restPositions`
+    std::vector<Vec3f> restPositions;     // template + ΔVˢ
+    std::vector<Pose> poses;              // refined, in the order of the frames
+    std::vector<Camerad> cameras;         // refined when learnCameras, else as given
+    std::vector<CurvePoint> curve;
+    StepProfile profile;
+    uint32_t framesUsed = 0;
+};
+
+class CoOptimiser {
+public:
+    /** Checks the input and sets the first state up. Errors name the frame or the array. `jobs` must outlive it. */
+    static Result<std::unique_ptr<CoOptimiser>> create(CoOptimiseInput input, const CoOptimiseSettings& settings, Jobs& jobs);
+    /** Starts from given splats instead of new ones (bound to input.mesh): for polish. */
+    static Result<std::unique_ptr<CoOptimiser>> createFrom(CoOptimiseInput input, const SplatData& splats, const CoOptimiseSettings& settings, Jobs& jobs);
+    ~CoOptimiser();
+
+    /** Steps until the end, or for maxSteps steps. progress (may be empty) is called after every `reportEvery` steps. Cancelled when
+     *  *cancel turns true: the state stays good and run() may be called again. */
+    Status run(const std::function<void(const CoOptimiseProgress&)>& progress = {}, const std::atomic<bool>* cancel = nullptr,
+               uint32_t maxSteps = ~0u, uint32_t reportEvery = 25);
+    bool finished() const;
+    uint32_t step() const;
+
+    /** Writes the whole state to `path` (atomically). A run restored from it goes on to the same bytes as one that was never stopped. */
+    Status checkpoint(const std::filesystem::path& path) const;
+    /** Reads a state written with the same input and settings; refuses any other, damaged files and non-finite numbers, and then leaves
+     *  the present state as it was. */
+    Status restore(const std::filesystem::path& path);
+
+    CoOptimiseResult result() const;
+
+private:
+    struct State;
+    explicit CoOptimiser(std::unique_ptr<State> state);
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace dpl

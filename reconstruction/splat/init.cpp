@@ -1,0 +1,168 @@
+#include "reconstruction/splat/init.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "reconstruction/splat/random.h"
+#include "reconstruction/surface/mesh_raster.h"
+#include "sdk/math/sh.h"
+
+namespace dpl {
+namespace {
+
+bool contains(const std::vector<uint8_t>& list, uint8_t value) { return std::find(list.begin(), list.end(), value) != list.end(); }
+
+void poseMesh(std::span<const JointData> joints, const MeshData& mesh, const Pose& pose, Jobs& jobs, std::vector<Vec3f>& posed) {
+    std::vector<Mat3x4f> transforms;
+    jointTransforms(joints, pose, transforms);
+    skin(mesh, transforms, jobs, posed);
+}
+
+}  // namespace
+
+std::vector<uint8_t> triangleFlags(std::span<const Vec3f> restPositions, std::span<const Triangle> triangles, std::span<const uint8_t> labels,
+                                   const InitSettings& settings) {
+    std::map<std::tuple<float, float, float>, uint32_t> places;
+    std::vector<uint32_t> merged;
+    for (const Vec3f& p : restPositions) merged.push_back(places.try_emplace({p.x, p.y, p.z}, uint32_t(places.size())).first->second);
+    std::map<std::pair<uint32_t, uint32_t>, int> uses;
+    for (const Triangle& t : triangles)
+        for (int c = 0; c < 3; ++c) {
+            const uint32_t a = merged[t[c]], b = merged[t[(c + 1) % 3]];
+            if (a != b) ++uses[{std::min(a, b), std::max(a, b)}];
+        }
+    std::vector<uint8_t> near(places.size(), 0);
+    for (const auto& [edge, count] : uses)
+        if (count == 1) near[edge.first] = near[edge.second] = 1;
+    std::vector<uint8_t> open(triangles.size(), 0);
+    for (int ring = 0; ring < 2; ++ring) {
+        std::vector<uint8_t> next = near;
+        for (size_t t = 0; t < triangles.size(); ++t) {
+            const Triangle& corner = triangles[t];
+            if (!near[merged[corner.x]] && !near[merged[corner.y]] && !near[merged[corner.z]]) continue;
+            open[t] = 1;
+            for (int c = 0; c < 3; ++c) next[merged[corner[c]]] = 1;
+        }
+        near = next;
+    }
+    std::vector<uint8_t> flags(triangles.size(), 0);
+    for (size_t t = 0; t < triangles.size(); ++t) {
+        const uint8_t label = t < labels.size() ? labels[t] : 1;
+        if (!open[t] && !contains(settings.openLabels, label)) flags[t] |= kSplatSingleFace;
+        if (contains(settings.clothLabels, label)) flags[t] |= kSplatCloth;
+    }
+    return flags;
+}
+
+std::vector<float> sizeFloors(std::span<const JointData> joints, const MeshData& mesh, std::span<const TrainFrame> frames, Jobs& jobs) {
+    std::vector<float> density(mesh.triangles.size(), 0.0f);
+    std::vector<Vec3f> posed;
+    MeshRaster raster;
+    for (const TrainFrame& f : frames) {
+        poseMesh(joints, mesh, f.pose, jobs, posed);
+        rasteriseMesh(posed, mesh.triangles, f.camera, raster);
+        for (size_t i = 0; i < raster.triangle.size(); ++i)
+            if (raster.triangle[i] != kNoTriangle)
+                density[raster.triangle[i]] = std::max(density[raster.triangle[i]], float(f.camera.fx) / raster.depthM[i]);
+    }
+    std::vector<float> seen;
+    for (float d : density)
+        if (d > 0) seen.push_back(d);
+    float median = 200;
+    if (!seen.empty()) std::nth_element(seen.begin(), seen.begin() + long(seen.size() / 2), seen.end()), median = seen[seen.size() / 2];
+    for (float& d : density) d = 0.35f / (d > 0 ? d : median);
+    return density;
+}
+
+TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData& mesh, std::span<const uint8_t> flags, std::span<const float> floors,
+                              std::span<const TrainFrame> frames, const InitSettings& settings, Jobs& jobs) {
+    const size_t triangleCount = mesh.triangles.size();
+    std::vector<double> area(triangleCount, 0.0);
+    double total = 0;
+    for (size_t t = 0; t < triangleCount; ++t) {
+        const Triangle& c = mesh.triangles[t];
+        const Vec3d a(mesh.restPositions[c.x]), b(mesh.restPositions[c.y]), d(mesh.restPositions[c.z]);
+        if (restTriangle(a, b, d).valid) total += area[t] = 0.5 * glm::length(glm::cross(b - a, d - a));
+    }
+    std::vector<uint32_t> perTriangle(triangleCount, 0);
+    double carried = 0;  // error diffusion along the triangle list keeps the total and spreads the rounding
+    for (size_t t = 0; t < triangleCount; ++t) {
+        if (!(area[t] > 0)) continue;
+        const double want = area[t] / total * settings.splatCount + carried;
+        perTriangle[t] = uint32_t(std::max(1.0, std::floor(want + 0.5)));
+        carried = std::clamp(want - perTriangle[t], -1.0, 1.0);
+    }
+    TrainableSplats s;
+    uint32_t count = 0;
+    for (uint32_t n : perTriangle) count += n;
+    s.resize(count, settings.shDegree);
+    s.sizeFloorM.assign(floors.begin(), floors.end());
+    uint32_t at = 0;
+    for (size_t t = 0; t < triangleCount; ++t)
+        for (uint32_t k = 0; k < perTriangle[t]; ++k, ++at) {
+            s.triangle[at] = uint32_t(t);
+            s.flags[at] = flags[t];
+            float* row = s.rows.data() + size_t(at) * s.stride;
+            // R2 low-discrepancy points, folded into the triangle; shifted by triangle so that neighbours do not line up.
+            double u = 0.5 + 0.7548776662466927 * k + hashUniform(settings.seed, 1, t) * (perTriangle[t] > 1 ? 1 : 0);
+            double v = 0.5 + 0.5698402909980532 * k + hashUniform(settings.seed, 2, t) * (perTriangle[t] > 1 ? 1 : 0);
+            u -= std::floor(u), v -= std::floor(v);
+            if (u + v > 1) u = 1 - u, v = 1 - v;
+            if (perTriangle[t] == 1) u = v = 1.0 / 3;
+            row[kRowU] = float(u), row[kRowV] = float(v);
+            row[kRowLogScale1] = row[kRowLogScale2] = float(std::log(std::max(2e-4, 0.8 * std::sqrt(area[t] / perTriangle[t]))));
+            row[kRowOpacityLogit] = std::log(0.8f / 0.2f);
+        }
+    s.indexTriangles(triangleCount);
+
+    // Colours: each frame adds what it sees at every splat's place.
+    std::vector<Vec3f> sum(count, Vec3f(0));
+    std::vector<float> weight(count, 0.0f);
+    std::vector<Vec3f> posed;
+    MeshRaster raster;
+    for (const TrainFrame& f : frames) {
+        poseMesh(joints, mesh, f.pose, jobs, posed);
+        rasteriseMesh(posed, mesh.triangles, f.camera, raster);
+        const Vec3d eye = f.camera.eye();
+        const float trust = f.kind == FrameKind::Dynamic ? 0.2f : 1.0f;
+        jobs.forRange(count, 4096, [&](size_t begin, size_t end, uint32_t) {
+            for (size_t i = begin; i < end; ++i) {
+                const Triangle& c = mesh.triangles[s.triangle[i]];
+                const float* row = s.rows.data() + i * s.stride;
+                const Vec3f p = (1 - row[kRowU] - row[kRowV]) * posed[c.x] + row[kRowU] * posed[c.y] + row[kRowV] * posed[c.z];
+                const Vec3d view = f.camera.toView(Vec3d(p));
+                if (!(view.z > 0.05)) continue;
+                const Vec2d px = f.camera.pixelOf(view);
+                if (!(px.x >= 1 && px.y >= 1 && px.x < f.camera.widthPx - 1.0 && px.y < f.camera.heightPx - 1.0)) continue;
+                const size_t pixel = size_t(px.y) * f.camera.widthPx + size_t(px.x);
+                if (f.mask.pixels[pixel] < 128 || !(std::abs(raster.depthM[pixel] - view.z) < 0.01)) continue;
+                const Vec3f cross = glm::cross(posed[c.y] - posed[c.x], posed[c.z] - posed[c.x]);
+                const float length = glm::length(cross);
+                const Vec3f toEye = glm::normalize(Vec3f(eye) - p);
+                const float cosine = length > 0 ? glm::dot(cross, toEye) / length : 0;
+                if (cosine < 0.2f) continue;
+                const float w = trust * cosine * cosine / float(view.z);
+                const uint8_t* rgb = f.image.pixels.data() + pixel * 3;
+                sum[i] += w / 255.0f * Vec3f(rgb[0], rgb[1], rgb[2]);
+                weight[i] += w;
+            }
+        });
+    }
+    Vec3d mean(0);
+    double seen = 0;
+    for (size_t i = 0; i < count; ++i) mean += Vec3d(sum[i]), seen += weight[i];
+    mean = seen > 0 ? mean / seen : Vec3d(0.5);
+    Vec3f previous(mean);
+    for (size_t i = 0; i < count; ++i) {
+        // A splat that nobody saw takes its predecessor's colour: the nearest in triangle order.
+        const Vec3f colour = weight[i] > 0 ? sum[i] / weight[i] : previous;
+        previous = colour;
+        for (int c = 0; c < 3; ++c) s.rows[i * s.stride + kRowSh + uint32_t(c)] = (colour[c] - 0.5f) / float(kShC0);
+    }
+    s.activateAll(jobs);
+    return s;
+}
+
+}  // namespace dpl

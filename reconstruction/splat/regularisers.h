@@ -1,0 +1,41 @@
+// The terms of the loss that look at parameters instead of pictures (technical reference §9.4).
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "reconstruction/splat/trainable.h"
+
+namespace dpl {
+
+struct RegulariserWeights {
+    float scaleHinge = 1.0f;        // mean of max(0, s/h − 0.6), h the size of the splat's triangle or 8 mm, whichever is larger
+    float anisotropy = 0.01f;       // mean of max(0, ln(s_max/s_min) − ln 10)
+    float edgeRatio = 1e-2f;        // mean of max(0, ||e'|/|e| − 1| − 0.5)²
+    float laplacian = 1e-2f;        // mean of |L ΔV|²/(mean edge)², L the uniform Laplacian divided by valence
+    float pose = 1e-2f;             // ‖log(R R0ᵀ)‖² of every joint, ‖Δt‖²/(0.1 m)²
+    float camera = 1e-1f;
+};
+
+/** Adds to the gradient rows of active splats of [begin, end). referenceSizeM: one entry a triangle. Means are over all splats. */
+void addSplatRegularisers(const TrainableSplats& splats, std::span<const float> referenceSizeM, std::span<const uint8_t> active,
+                          const RegulariserWeights& weights, size_t begin, size_t end, std::span<float> rowGradients);
+/** The value whose gradient that is (over active splats). */
+double splatRegulariserValue(const TrainableSplats& splats, std::span<const float> referenceSizeM, std::span<const uint8_t> active,
+                             const RegulariserWeights& weights);
+
+/** Edges of a mesh and their lengths before any offset. */
+class MeshRegulariser {
+public:
+    MeshRegulariser(std::span<const Vec3f> positions, std::span<const Triangle> triangles);
+    /** Value of both mesh terms at `moved`; adds scale·∂/∂moved to `gradient` when it is not empty. */
+    double run(std::span<const Vec3f> moved, const RegulariserWeights& weights, float scale, std::span<Vec3f> gradient) const;
+
+private:
+    std::vector<Vec3f> rest_;
+    std::vector<std::pair<uint32_t, uint32_t>> edges_;
+    std::vector<float> length_, inverseValence_;
+    float meanEdge_ = 1;
+};
+
+}  // namespace dpl

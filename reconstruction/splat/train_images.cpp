@@ -1,0 +1,144 @@
+#include "reconstruction/splat/train_images.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sdk/math/projection.h"
+
+namespace dpl {
+namespace {
+
+/** Overlap of output pixel `o` with input pixels along one axis. */
+struct Span1d {
+    uint32_t first = 0;
+    std::vector<float> weights;  // sum to 1
+};
+
+std::vector<Span1d> overlaps(uint32_t from, uint32_t to) {
+    std::vector<Span1d> spans(to);
+    const double step = double(from) / to;
+    for (uint32_t o = 0; o < to; ++o) {
+        const double begin = o * step, end = std::min(double(from), (o + 1) * step);
+        spans[o].first = std::min(from - 1, uint32_t(begin));
+        for (uint32_t i = spans[o].first; i < from && double(i) < end - 1e-9; ++i)
+            spans[o].weights.push_back(float((std::min(end, i + 1.0) - std::max(begin, double(i))) / (end - begin)));
+    }
+    return spans;
+}
+
+/** Area average of one plane given as a function of (x, y). */
+template <class Source>
+std::vector<float> areaAverage(uint32_t width, uint32_t height, const std::vector<Span1d>& columns, const std::vector<Span1d>& rows, Source&& at) {
+    std::vector<float> narrow(columns.size() * height), out(columns.size() * rows.size());
+    for (uint32_t y = 0; y < height; ++y)
+        for (size_t o = 0; o < columns.size(); ++o) {
+            float sum = 0;
+            for (size_t k = 0; k < columns[o].weights.size(); ++k) sum += columns[o].weights[k] * at(columns[o].first + uint32_t(k), y);
+            narrow[y * columns.size() + o] = sum;
+        }
+    for (size_t o = 0; o < rows.size(); ++o)
+        for (size_t x = 0; x < columns.size(); ++x) {
+            float sum = 0;
+            for (size_t k = 0; k < rows[o].weights.size(); ++k) sum += rows[o].weights[k] * narrow[(rows[o].first + k) * columns.size() + x];
+            out[o * columns.size() + x] = sum;
+        }
+    return out;
+}
+
+uint8_t toByte(float x) { return uint8_t(std::clamp(x + 0.5f, 0.0f, 255.0f)); }
+
+}  // namespace
+
+void LevelFrame::fill(PictureTarget& t) const {
+    const size_t pixels = size_t(widthPx) * heightPx;
+    t.widthPx = widthPx, t.heightPx = heightPx;
+    t.red.resize(pixels), t.green.resize(pixels), t.blue.resize(pixels), t.mask.resize(pixels), t.cloth.resize(cloth.size());
+    t.band = band;
+    constexpr float k = 1.0f / 255.0f;
+    for (size_t i = 0; i < pixels; ++i) {
+        t.red[i] = k * float(rgb[i]), t.green[i] = k * float(rgb[pixels + i]), t.blue[i] = k * float(rgb[2 * pixels + i]);
+        t.mask[i] = k * float(mask[i]);
+    }
+    for (size_t i = 0; i < cloth.size(); ++i) t.cloth[i] = k * float(cloth[i]);
+}
+
+Status checkTrainFrame(const TrainFrame& f) {
+    const uint32_t w = f.camera.widthPx, h = f.camera.heightPx;
+    if (w == 0 || h == 0 || !(f.camera.fx > 0) || !(f.camera.fy > 0))
+        return fail(Code::InvalidArgument, "frame '{}': the camera has no size or focal length", f.name);
+    const auto check = [&](const char* what, uint32_t iw, uint32_t ih, size_t bytes, size_t channels) -> Status {
+        if (iw != w || ih != h || bytes != size_t(w) * h * channels)
+            return fail(Code::InvalidArgument, "frame '{}': the {} is {}x{} with {} bytes, the camera says {}x{}", f.name, what, iw, ih, bytes, w, h);
+        return {};
+    };
+    DPL_CHECK_OK(check("image", f.image.widthPx, f.image.heightPx, f.image.pixels.size(), 3));
+    DPL_CHECK_OK(check("mask", f.mask.widthPx, f.mask.heightPx, f.mask.pixels.size(), 1));
+    if (!f.labels.pixels.empty()) DPL_CHECK_OK(check("label image", f.labels.widthPx, f.labels.heightPx, f.labels.pixels.size(), 1));
+    return {};
+}
+
+float coarsestScale(const TrainFrame& f) {
+    return std::min(1.0f, std::max(0.1f, 160.0f / float(std::min(f.camera.widthPx, f.camera.heightPx))));
+}
+
+LevelFrame makeLevelFrame(const TrainFrame& f, float scale, std::span<const uint8_t> clothLabels, bool withBand) {
+    LevelFrame level;
+    Camerad camera = f.camera.scaled(std::min(1.0f, scale));
+    camera.widthPx = std::max(1u, camera.widthPx), camera.heightPx = std::max(1u, camera.heightPx);
+    const uint32_t width = f.camera.widthPx, height = f.camera.heightPx;
+    level.scale = float(camera.widthPx) / float(width);
+    level.kappaPx2 = kappaAtScale(level.scale);
+
+    // The person's box in the level, +10 % of its longer side.
+    uint32_t x0 = width, x1 = 0, y0 = height, y1 = 0;
+    for (uint32_t y = 0; y < height; ++y)
+        for (uint32_t x = 0; x < width; ++x)
+            if (f.mask.pixels[size_t(y) * width + x] >= 128) x0 = std::min(x0, x), x1 = std::max(x1, x + 1), y0 = std::min(y0, y), y1 = std::max(y1, y + 1);
+    if (x1 <= x0) return level;
+    level.used = true;
+    const double margin = 0.1 * std::max(x1 - x0, y1 - y0);
+    const double sx = double(camera.widthPx) / width, sy = double(camera.heightPx) / height;
+    const uint32_t left = uint32_t(std::max(0.0, std::floor((x0 - margin) * sx))), top = uint32_t(std::max(0.0, std::floor((y0 - margin) * sy)));
+    const uint32_t right = uint32_t(std::min(double(camera.widthPx), std::ceil((x1 + margin) * sx)));
+    const uint32_t bottom = uint32_t(std::min(double(camera.heightPx), std::ceil((y1 + margin) * sy)));
+    level.leftPx = left, level.topPx = top;
+    level.widthPx = right - left, level.heightPx = bottom - top;
+
+    auto columns = overlaps(width, camera.widthPx), rows = overlaps(height, camera.heightPx);
+    columns = {columns.begin() + left, columns.begin() + right};
+    rows = {rows.begin() + top, rows.begin() + bottom};
+    const size_t pixels = size_t(level.widthPx) * level.heightPx;
+    level.rgb.resize(pixels * 3), level.mask.resize(pixels), level.band.assign(pixels, 0);
+    for (size_t c = 0; c < 3; ++c) {
+        const auto plane = areaAverage(width, height, columns, rows, [&](uint32_t x, uint32_t y) {
+            const size_t at = size_t(y) * width + x;
+            return float(f.image.pixels[at * 3 + c]) * float(f.mask.pixels[at]) * (1.0f / 255.0f);
+        });
+        for (size_t i = 0; i < pixels; ++i) level.rgb[c * pixels + i] = toByte(plane[i]);
+    }
+    const auto mask = areaAverage(width, height, columns, rows, [&](uint32_t x, uint32_t y) { return float(f.mask.pixels[size_t(y) * width + x]); });
+    for (size_t i = 0; i < pixels; ++i) level.mask[i] = toByte(mask[i]);
+    if (!f.labels.pixels.empty()) {
+        const auto cloth = areaAverage(width, height, columns, rows, [&](uint32_t x, uint32_t y) {
+            return std::find(clothLabels.begin(), clothLabels.end(), f.labels.pixels[size_t(y) * width + x]) != clothLabels.end() ? 255.0f : 0.0f;
+        });
+        level.cloth.resize(pixels);
+        for (size_t i = 0; i < pixels; ++i) level.cloth[i] = toByte(cloth[i]);
+    }
+    if (withBand) {
+        const int w = int(level.widthPx), h = int(level.heightPx);
+        for (int y = 0; y < h; ++y)
+            for (int x = 0; x < w; ++x) {
+                const bool inside = level.mask[size_t(y * w + x)] >= 128;
+                for (int j = std::max(0, y - 1); j <= std::min(h - 1, y + 1); ++j)
+                    for (int i = std::max(0, x - 1); i <= std::min(w - 1, x + 1); ++i)
+                        if ((level.mask[size_t(j * w + i)] >= 128) != inside) level.band[size_t(y * w + x)] = 1;
+            }
+    }
+    camera.cx -= left, camera.cy -= top;
+    camera.widthPx = level.widthPx, camera.heightPx = level.heightPx;
+    level.camera = camera.cast<float>();
+    return level;
+}
+
+}  // namespace dpl
