@@ -1,0 +1,164 @@
+// The surface fit on a subject whose truth is known: a posed, swaying capsule that carries a bump must become what the masks show.
+#include "reconstruction/surface/fit_surface.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "reconstruction/surface/silhouette_raster.h"
+
+namespace dpl {
+namespace {
+
+constexpr int kRings = 48, kSides = 48;
+
+/** An upright egg of 1.6 m height and `radius(y, angle)` on two joints: the lower half on the root, the upper on a joint at 0.8 m. */
+template <class Radius>
+MeshData egg(Radius radius) {
+    MeshData m;
+    const auto add = [&](double y, double angle, double r) {
+        m.restPositions.push_back(Vec3f(float(r * std::sin(angle)), float(y), float(r * std::cos(angle))));
+        const float blend = std::min(1.0f, std::max(0.0f, float((y - 0.7) / 0.2)));
+        const auto upper = uint8_t(std::lround(255 * blend));
+        m.jointIndices.push_back({0, 1, 0, 0});
+        m.jointWeights.push_back({uint8_t(255 - upper), upper, 0, 0});
+    };
+    for (int i = 0; i < kRings; ++i) {
+        const double t = 3.14159265358979 * (i + 0.5) / kRings, y = 0.8 - 0.8 * std::cos(t);
+        for (int k = 0; k < kSides; ++k) {
+            const double angle = 6.283185307179586 * k / kSides;
+            add(y, angle, radius(y, angle) * std::sin(t));
+        }
+    }
+    add(0, 0, 0), add(1.6, 0, 0);
+    const auto at = [](int i, int k) { return uint32_t(i * kSides + k % kSides); };
+    for (int i = 0; i + 1 < kRings; ++i)
+        for (int k = 0; k < kSides; ++k) {
+            m.triangles.push_back({at(i, k), at(i, k + 1), at(i + 1, k)});
+            m.triangles.push_back({at(i + 1, k), at(i, k + 1), at(i + 1, k + 1)});
+        }
+    const uint32_t low = kRings * kSides, high = low + 1;
+    for (int k = 0; k < kSides; ++k) m.triangles.push_back({low, at(0, k + 1), at(0, k)}), m.triangles.push_back({high, at(kRings - 1, k), at(kRings - 1, k + 1)});
+    return m;
+}
+
+std::vector<JointData> joints() { return {{"root", -1, {0, 0, 0}, ""}, {"upper", 0, {0, 0.8f, 0}, ""}}; }
+
+MeshData bare() {
+    return egg([](double, double) { return 0.22; });
+}
+/** Wider below, with a bump in front at chest height: a garment and something carried. */
+MeshData clothed() {
+    return egg([](double y, double angle) {
+        const double front = std::exp(-std::pow((y - 1.1) / 0.15, 2) - std::pow(std::remainder(angle, 6.283185307179586) / 0.6, 2));
+        return 0.22 + 0.06 * std::exp(-std::pow((y - 0.5) / 0.25, 2)) + 0.15 * front;
+    });
+}
+
+std::vector<SurfaceView> views(int count) {
+    const MeshData truth = clothed();
+    std::vector<SurfaceView> out;
+    Jobs jobs(1);
+    for (int i = 0; i < count; ++i) {
+        SurfaceView view;
+        const double a = 6.283185307179586 * i / count, c = std::cos(a), s = std::sin(a), height = i % 2 ? 1.3 : 0.7;
+        view.camera = {160, 220, 200, 200, 80, 110};
+        const Vec3d eye(2.4 * s, height, 2.4 * c);
+        view.camera.viewFromWorldRotation = glm::transpose(Mat3d(Vec3d(c, 0, -s), Vec3d(0, -1, 0), Vec3d(-s, 0, -c)));
+        view.camera.viewFromWorldTranslation = -(view.camera.viewFromWorldRotation * eye);
+        view.camera.cy = 110 - 200 * (height - 0.8) / 2.4;  // shifted so that the middle of the egg is the middle of the picture
+        view.pose = Pose::rest(2);
+        view.pose.localRotations[1] = glm::angleAxis(0.3f, Vec3f(0, 0, 1));  // bent sideways, and swaying
+        view.pose.rootTranslation = {0.004f * float(i % 3 - 1), 0, 0.003f * float(i % 5 - 2)};
+        std::vector<Mat3x4f> worldFromRest;
+        std::vector<Vec3f> posed;
+        const auto rig = joints();
+        jointTransforms(rig, view.pose, worldFromRest);
+        skin(truth, worldFromRest, jobs, posed);
+        const auto image = rasteriseTriangles(view.camera, posed, truth.triangles);
+        view.mask = {160, 220, std::vector<uint8_t>(160 * 220, 0)};
+        for (size_t k = 0; k < image.triangle.size(); ++k) view.mask.pixels[k] = image.triangle[k] != kNoTriangle ? 255 : 0;
+        out.push_back(std::move(view));
+    }
+    return out;
+}
+
+TEST(FitSurface, fillsTheMasksAndFindsTheTrueShape) {
+    const auto shots = views(24);
+    const auto rig = joints();
+    Jobs jobs(2);
+    const MeshData mesh = bare();
+    const auto fit = fitSurface(mesh, rig, shots, {}, jobs);
+    ASSERT_TRUE(fit) << fit.error().message;
+    EXPECT_LT(fit->meanIouBefore, 0.9);
+    EXPECT_GT(fit->meanIouAfter, 0.98);  // one pixel of outline is 1 % of this area
+    // Radial distance to the truth, ring by ring: the same mesh layout, so the offset is the difference of radii.
+    const MeshData truth = clothed();
+    double worst = 0, mean = 0;
+    for (size_t v = 0; v < mesh.restPositions.size(); ++v) {
+        const Vec3f got = mesh.restPositions[v] + fit->restOffsets[v];
+        float nearest = 1e9f;  // to the true surface, by its vertices: they are 3 cm apart
+        for (const Vec3f& p : truth.restPositions) nearest = std::min(nearest, glm::length(p - got));
+        worst = std::max(worst, double(nearest));
+        mean += nearest / double(mesh.restPositions.size());
+    }
+    EXPECT_LT(mean, 0.012);
+    EXPECT_LT(worst, 0.05);
+    EXPECT_GT(fit->largestOffsetM, 0.1) << "the bump of 15 cm is reached";
+}
+
+TEST(FitSurface, sameBytesOnAnyNumberOfThreads) {
+    const auto shots = views(6);
+    const auto rig = joints();
+    SurfaceFitSettings few;
+    few.levels = 2, few.roundsPerLevel = 2;
+    Jobs one(1), three(3);
+    const auto a = fitSurface(bare(), rig, shots, few, one), b = fitSurface(bare(), rig, shots, few, three);
+    ASSERT_TRUE(a && b);
+    EXPECT_TRUE(a->restOffsets == b->restOffsets);
+}
+
+TEST(FitSurface, aMeshThatFitsAlreadyStaysPut) {
+    const auto shots = views(12);
+    const auto rig = joints();
+    Jobs jobs(2);
+    const auto fit = fitSurface(clothed(), rig, shots, {}, jobs);
+    ASSERT_TRUE(fit) << fit.error().message;
+    EXPECT_DOUBLE_EQ(fit->meanIouBefore, 1);
+    EXPECT_EQ(fit->largestOffsetM, 0);
+}
+
+TEST(FitSurface, refusesWhatCannotBeFitted) {
+    auto shots = views(2);
+    const auto rig = joints();
+    Jobs jobs(1);
+    EXPECT_FALSE(fitSurface(bare(), rig, {}, {}, jobs));
+    EXPECT_FALSE(fitSurface(MeshData{}, rig, shots, {}, jobs));
+    MeshData nan = bare();
+    nan.restPositions[7].y = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_FALSE(fitSurface(nan, rig, shots, {}, jobs));
+    MeshData unskinned = bare();
+    unskinned.jointWeights.clear();
+    const auto refused = fitSurface(unskinned, rig, shots, {}, jobs);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("skin weights"), std::string::npos);
+    auto wrongSize = shots;
+    wrongSize[1].mask.pixels.pop_back();
+    EXPECT_FALSE(fitSurface(bare(), rig, wrongSize, {}, jobs));
+    auto badPose = shots;
+    badPose[0].pose.localRotations[0] = Quatf(0, 0, 0, 0);
+    EXPECT_FALSE(fitSurface(bare(), rig, badPose, {}, jobs));
+    for (auto& s : shots) std::fill(s.mask.pixels.begin(), s.mask.pixels.end(), 0);
+    const auto empty = fitSurface(bare(), rig, shots, {}, jobs);
+    ASSERT_FALSE(empty);
+    EXPECT_EQ(empty.error().code, Code::CorruptData);
+    SurfaceFitSettings cancelled;
+    cancelled.progress = [](double) { return false; };
+    const auto stopped = fitSurface(bare(), rig, views(2), cancelled, jobs);
+    ASSERT_FALSE(stopped);
+    EXPECT_EQ(stopped.error().code, Code::Cancelled);
+}
+
+}  // namespace
+}  // namespace dpl
