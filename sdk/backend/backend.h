@@ -55,12 +55,14 @@ struct BufferDesc {
     BufferMemory memory = BufferMemory::Device;
 };
 
-/** RGBA8 UNORM colour and, if asked, two floats a pixel (Σ α T z, Σ α T), for one or two views of the same size. */
+/** RGBA8 UNORM colour and, if asked, two floats a pixel (Σ α T z, Σ α T), for one or two views of the same size. With
+ *  halfColour layers are blended in f16 and rounded to 8 bits once, at the read-back. */
 struct TargetDesc {
     uint32_t widthPx = 0, heightPx = 0;  // of one view
     uint32_t views = 1;
     bool depth = false;
     bool layered = true;                 // a layer per view (multiview); false: views side by side
+    bool halfColour = false;
 };
 
 /** A pipeline for targets of this shape; premultiplied "over" blending, triangle strips without vertex buffers. */
@@ -69,6 +71,7 @@ struct DrawPipelineDesc {
     uint32_t views = 1;
     bool layered = true;
     bool depth = false;
+    bool halfColour = false;
 };
 
 enum class Access : uint8_t { Uniform, Read, Write, Update };
@@ -112,7 +115,11 @@ struct ReadbackStep {          // tight rows, top first, view after view
     BufferId colour;           // 4 B a pixel
     BufferId depth;            // 8 B (4 B when halfDepth) a pixel; none: not wanted
 };
-using Step = std::variant<FillStep, ComputeStep, DrawStep, ReadbackStep>;
+struct CopyStep {              // a Device buffer into a Readback buffer: `to` must not be larger
+    std::string label;
+    BufferId from, to;
+};
+using Step = std::variant<FillStep, ComputeStep, DrawStep, ReadbackStep, CopyStep>;
 
 const std::string& stepLabel(const Step& step);
 

@@ -77,6 +77,14 @@ struct Checker {
         return bindings(step.label, *shader, step.bindings, step.push);
     }
 
+    Status operator()(const CopyStep& step) {
+        DPL_CHECK_OK(readable(step.label, step.from));
+        const BufferDesc *from = resources.buffer(step.from), *to = resources.buffer(step.to);
+        if (!to || to->memory != BufferMemory::Readback || to->bytes > from->bytes)
+            return fail(Code::InvalidArgument, "step {} copies {} into a buffer that is not a smaller read-back buffer", step.label, from->label);
+        return {};
+    }
+
     Status operator()(const ReadbackStep& step) {
         const TargetDesc* target = resources.target(step.target);
         if (!target || !drawn.count(step.target.value)) return fail(Code::InvalidArgument, "step {} reads a target that nothing has drawn", step.label);

@@ -10,7 +10,7 @@ struct FrameIds {
     // sizes
     uint32_t vertexCount = 0, triangleCount = 0, splatCount = 0, shDegree = 0, viewCount = 1;
     uint32_t widthPx = 0, heightPx = 0;   // of one view
-    bool layered = true, depth = false;
+    bool layered = true, depth = false, halfColour = false;
 
     // written by the CPU: at load, or (frame, palette) before each run
     BufferId frame, palette, vertices, triangles, splats, sh;

@@ -40,7 +40,8 @@ Status checkViews(std::span<const Cameraf> views, std::span<RenderedView> out) {
 
 }  // namespace
 
-GpuRenderer::GpuRenderer(std::unique_ptr<Backend> backend, std::string name) : backend_(std::move(backend)), name_(std::move(name)) {}
+GpuRenderer::GpuRenderer(std::unique_ptr<Backend> backend, std::string name, bool preciseBlending)
+    : backend_(std::move(backend)), name_(std::move(name)), preciseBlending_(preciseBlending) {}
 
 GpuRenderer::~GpuRenderer() {
     for (auto& [id, avatar] : avatars_) freeAvatar(avatar);
@@ -106,8 +107,9 @@ Status GpuRenderer::build(const LoadedAvatar& a, ShapedFrame& f) {
     ids.widthPx = f.shape.widthPx;
     ids.heightPx = f.shape.heightPx;
     ids.depth = f.shape.depth;
+    ids.halfColour = preciseBlending_;
     const uint64_t pixels = uint64_t(ids.widthPx) * ids.heightPx * ids.viewCount;
-    DPL_TRY(ids.target, backend_->createTarget({ids.widthPx, ids.heightPx, ids.viewCount, ids.depth, ids.layered}));
+    DPL_TRY(ids.target, backend_->createTarget({ids.widthPx, ids.heightPx, ids.viewCount, ids.depth, ids.layered, ids.halfColour}));
     DPL_TRY(ids.projected, makeBuffer(f.owned, "projected", uint64_t(ids.splatCount) * ids.viewCount * sizeof(gpu::ProjectedSplat)));
     DPL_TRY(ids.colourPixels, makeBuffer(f.owned, "colour pixels", pixels * 4, BufferMemory::Readback));
     if (ids.depth) { DPL_TRY(ids.depthPixels, makeBuffer(f.owned, "depth pixels", pixels * (backend_->info().halfDepth ? 4 : 8), BufferMemory::Readback)); }

@@ -13,7 +13,7 @@ namespace dpl {
 class GpuRenderer final : public Renderer {
 public:
     /** `name` is what name() says. */
-    GpuRenderer(std::unique_ptr<Backend> backend, std::string name);
+    GpuRenderer(std::unique_ptr<Backend> backend, std::string name, bool preciseBlending = false);
     ~GpuRenderer() override;
 
     std::string name() const override { return name_; }
@@ -57,6 +57,7 @@ private:
 
     std::unique_ptr<Backend> backend_;
     std::string name_;
+    bool preciseBlending_;
     std::map<RenderAvatarId, LoadedAvatar> avatars_;
     std::vector<Mat3x4f> palette_;
     RenderAvatarId lastId_ = 0;

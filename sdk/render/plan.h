@@ -59,6 +59,8 @@ public:
         steps_.push_back(ReadbackStep{std::move(label), target, colour, depth});
     }
 
+    void copy(std::string label, BufferId from, BufferId to) { steps_.push_back(CopyStep{std::move(label), from, to}); }
+
     /** The recorded frame, or the first error of any step. */
     Result<FrameId> finish();
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <tuple>
 
 #include "sdk/backend/frame_check.h"
 #include "sdk/backend/shader_pack.h"
@@ -26,6 +27,7 @@ struct Image {
 struct Target {
     TargetDesc desc;
     Image colour, depth;
+    Image rounded;                        // RGBA8 copy of a halfColour target
     VkFramebuffer framebuffer = VK_NULL_HANDLE;
     VkExtent2D extent{};
 };
@@ -80,13 +82,13 @@ private:
     Result<uint32_t> memoryType(uint32_t allowed, VkMemoryPropertyFlags wanted, VkMemoryPropertyFlags preferred) const;
     Status makeBuffer(Buffer& buffer);
     void freeBuffer(Buffer& buffer);
-    Status makeImage(Image& image, VkFormat format, VkExtent2D extent, uint32_t layers);
+    Status makeImage(Image& image, VkFormat format, VkExtent2D extent, uint32_t layers, VkImageUsageFlags usage);
     void freeImage(Image& image);
     Status makeTarget(Target& target);
     void freeTarget(Target& target);
 
     // vk_pipelines.cpp
-    Result<VkRenderPass> renderPass(uint32_t layers, bool depth);
+    Result<VkRenderPass> renderPass(uint32_t layers, bool depth, bool halfColour);
     Result<VkShaderModule> shaderModule(const Shader& shader);
     Status makeLayouts(Pipeline& pipeline);
     Status makeCompute(Pipeline& pipeline);
@@ -111,7 +113,7 @@ private:
     std::map<uint32_t, Target> targets_;
     std::map<uint32_t, Frame> frames_;
     std::vector<Pipeline> pipelines_;                       // id - 1
-    std::map<std::pair<uint32_t, bool>, VkRenderPass> renderPasses_;
+    std::map<std::tuple<uint32_t, bool, bool>, VkRenderPass> renderPasses_;
     uint32_t lastId_ = 0;
     FrameId lastRun_;
 };

@@ -88,6 +88,16 @@ bool canBlend(VkPhysicalDevice physical, VkFormat format) {
     return (properties.optimalTilingFeatures & wanted) == wanted;
 }
 
+/** Driver faults we step around. Each has a match, a reason and a date; ask for ignoreWorkarounds to see whether it still holds. */
+struct Workaround {
+    const char* deviceName;  // part of it
+    bool noMultiview;
+    const char* reason;
+};
+constexpr Workaround kWorkarounds[] = {
+    {"llvmpipe", true, "2026-11-21, Mesa 22.3.6: with viewMask 3 the first 16 instances of an indirect strip draw land in layer 0 for both views"},
+};
+
 struct Candidate {
     VkPhysicalDevice physical = VK_NULL_HANDLE;
     uint32_t queueFamily = 0, timestampBits = 0;
@@ -178,6 +188,13 @@ Result<std::unique_ptr<Device>> openDevice(const VulkanOptions& options) {
     d->nanosecondsPerTick = chosen->nanosecondsPerTick;
     d->info = chosen->info;
     if (options.forceInstanceSplit) d->info.multiview = false;
+    for (const Workaround& w : kWorkarounds) {
+        if (options.ignoreWorkarounds || d->info.name.find(w.deviceName) == std::string::npos) continue;
+        if (w.noMultiview && d->info.multiview) {
+            d->info.multiview = false;
+            log(LogLevel::Info, "{}: multiview is off ({})", d->info.name, w.reason);
+        }
+    }
     d->depthSumFormat = d->info.halfDepth ? VK_FORMAT_R16G16_SFLOAT : VK_FORMAT_R32G32_SFLOAT;
     vkGetPhysicalDeviceMemoryProperties(d->physical, &d->memory);
 

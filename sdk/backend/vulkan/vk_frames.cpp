@@ -23,7 +23,7 @@ struct VulkanBackend::Recorder {
     void barrier() {
         VkMemoryBarrier memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
         memory.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
-        memory.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_INDIRECT_COMMAND_READ_BIT;
+        memory.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_INDIRECT_COMMAND_READ_BIT;
         vkCmdPipelineBarrier(commands, kGpuStages, kGpuStages, 0, 1, &memory, 0, nullptr, 0, nullptr);
         read.clear();
         written.clear();
@@ -73,7 +73,7 @@ struct VulkanBackend::Recorder {
         const Target& target = backend.targets_.at(step.target.value);
         const VkClearValue clear[2]{};  // transparent black, no depth
         VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
-        DPL_TRY(begin.renderPass, backend.renderPass(target.desc.layered ? target.desc.views : 0, target.desc.depth));
+        DPL_TRY(begin.renderPass, backend.renderPass(target.desc.layered ? target.desc.views : 0, target.desc.depth, target.desc.halfColour));
         begin.framebuffer = target.framebuffer;
         begin.renderArea.extent = target.extent;
         begin.clearValueCount = target.desc.depth ? 2 : 1;
@@ -91,13 +91,48 @@ struct VulkanBackend::Recorder {
 
     Status operator()(const ReadbackStep& step) {
         const Target& target = backend.targets_.at(step.target.value);
-        copy(target, target.colour, step.colour, 4);
+        if (target.desc.halfColour) roundColour(target);
+        copy(target, target.desc.halfColour ? target.rounded : target.colour, step.colour, 4);
         if (step.depth) copy(target, target.depth, step.depth, backend.device_->info.halfDepth ? 4 : 8);
+        hostBarrier();
+        return {};
+    }
+
+    Status operator()(const CopyStep& step) {
+        touch({{step.from, false}});
+        const VkBufferCopy region{0, 0, backend.buffers_.at(step.to.value).desc.bytes};
+        vkCmdCopyBuffer(commands, backend.buffers_.at(step.from.value).buffer, backend.buffers_.at(step.to.value).buffer, 1, &region);
+        hostBarrier();
+        return {};
+    }
+
+    void hostBarrier() {
         VkMemoryBarrier memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
         memory.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
         memory.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
         vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &memory, 0, nullptr, 0, nullptr);
-        return {};
+    }
+
+    /** f16 colour to its RGBA8 copy; a blit converts and rounds. */
+    void roundColour(const Target& target) {
+        const uint32_t layers = target.desc.layered ? target.desc.views : 1;
+        VkImageMemoryBarrier image{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER};
+        image.image = target.rounded.image;
+        image.srcQueueFamilyIndex = image.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+        image.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, layers};
+        image.srcAccessMask = VK_ACCESS_TRANSFER_READ_BIT;
+        image.dstAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+        image.newLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
+        vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, nullptr, 0, nullptr, 1, &image);
+        VkImageBlit blit{};
+        blit.srcSubresource = blit.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, layers};
+        blit.srcOffsets[1] = blit.dstOffsets[1] = {int32_t(target.extent.width), int32_t(target.extent.height), 1};
+        vkCmdBlitImage(commands, target.colour.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, target.rounded.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, VK_FILTER_NEAREST);
+        image.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+        image.dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT;
+        image.oldLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
+        image.newLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
+        vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, nullptr, 0, nullptr, 1, &image);
     }
 
     void copy(const Target& target, const Image& image, BufferId to, uint64_t pixelBytes) {

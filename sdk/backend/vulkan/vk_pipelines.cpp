@@ -4,8 +4,8 @@
 
 namespace dpl::vk {
 
-Result<VkRenderPass> VulkanBackend::renderPass(uint32_t layers, bool depth) {
-    if (const auto it = renderPasses_.find({layers, depth}); it != renderPasses_.end()) return it->second;
+Result<VkRenderPass> VulkanBackend::renderPass(uint32_t layers, bool depth, bool halfColour) {
+    if (const auto it = renderPasses_.find({layers, depth, halfColour}); it != renderPasses_.end()) return it->second;
     std::array<VkAttachmentDescription, 2> attachments{};
     for (VkAttachmentDescription& a : attachments) {
         a.samples = VK_SAMPLE_COUNT_1_BIT;
@@ -16,7 +16,7 @@ Result<VkRenderPass> VulkanBackend::renderPass(uint32_t layers, bool depth) {
         a.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED;
         a.finalLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
     }
-    attachments[0].format = VK_FORMAT_R8G8B8A8_UNORM;
+    attachments[0].format = halfColour ? VK_FORMAT_R16G16B16A16_SFLOAT : VK_FORMAT_R8G8B8A8_UNORM;
     attachments[1].format = device_->depthSumFormat;
     const VkAttachmentReference references[] = {{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL}, {1, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL}};
     VkSubpassDescription subpass{};
@@ -52,7 +52,7 @@ Result<VkRenderPass> VulkanBackend::renderPass(uint32_t layers, bool depth) {
     if (layers > 0) info.pNext = &multiview;
     VkRenderPass pass = VK_NULL_HANDLE;
     DPL_VK(vkCreateRenderPass(device_->device, &info, nullptr, &pass));
-    renderPasses_[{layers, depth}] = pass;
+    renderPasses_[{layers, depth, halfColour}] = pass;
     return pass;
 }
 
@@ -149,7 +149,7 @@ Status VulkanBackend::makeDraw(Pipeline& p, const DrawPipelineDesc& desc, const 
     info.pColorBlendState = &colour;
     info.pDynamicState = &dynamicInfo;
     info.layout = p.layout;
-    DPL_TRY(info.renderPass, renderPass(desc.layered ? desc.views : 0, desc.depth));
+    DPL_TRY(info.renderPass, renderPass(desc.layered ? desc.views : 0, desc.depth, desc.halfColour));
     DPL_TRY(stages[0].module, shaderModule(*p.shader));
     auto second = shaderModule(fragment);
     if (!second) {
@@ -190,7 +190,7 @@ Result<PipelineId> VulkanBackend::computePipeline(std::string_view name) {
 
 Result<PipelineId> VulkanBackend::drawPipeline(const DrawPipelineDesc& desc) {
     Pipeline p;
-    p.key = formatText("{}+{}+{}{}{}", desc.vertex, desc.fragment, desc.views, desc.layered ? "L" : "", desc.depth ? "D" : "");
+    p.key = formatText("{}+{}+{}{}{}{}", desc.vertex, desc.fragment, desc.views, desc.layered ? "L" : "", desc.depth ? "D" : "", desc.halfColour ? "H" : "");
     if (PipelineId known = findPipeline(p.key)) return known;
     p.shader = pack_.find(desc.vertex);
     const Shader* fragment = pack_.find(desc.fragment);

@@ -101,7 +101,7 @@ std::span<std::byte> VulkanBackend::mapped(BufferId id) {
     return {it->second.mapped, size_t(it->second.desc.bytes)};
 }
 
-Status VulkanBackend::makeImage(Image& image, VkFormat format, VkExtent2D extent, uint32_t layers) {
+Status VulkanBackend::makeImage(Image& image, VkFormat format, VkExtent2D extent, uint32_t layers, VkImageUsageFlags usage) {
     VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
     info.imageType = VK_IMAGE_TYPE_2D;
     info.format = format;
@@ -110,7 +110,7 @@ Status VulkanBackend::makeImage(Image& image, VkFormat format, VkExtent2D extent
     info.arrayLayers = layers;
     info.samples = VK_SAMPLE_COUNT_1_BIT;
     info.tiling = VK_IMAGE_TILING_OPTIMAL;
-    info.usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+    info.usage = usage | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
     DPL_VK(vkCreateImage(device_->device, &info, nullptr, &image.image));
     VkMemoryRequirements needs{};
     vkGetImageMemoryRequirements(device_->device, image.image, &needs);
@@ -119,6 +119,7 @@ Status VulkanBackend::makeImage(Image& image, VkFormat format, VkExtent2D extent
     DPL_TRY(allocation.memoryTypeIndex, memoryType(needs.memoryTypeBits, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT));
     DPL_VK(vkAllocateMemory(device_->device, &allocation, nullptr, &image.memory));
     DPL_VK(vkBindImageMemory(device_->device, image.image, image.memory, 0));
+    if (!(usage & VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT)) return {};  // only copied: needs no view
     VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
     view.image = image.image;
     view.viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY;
@@ -142,11 +143,13 @@ Status VulkanBackend::makeTarget(Target& t) {
     if (t.desc.widthPx == 0 || t.desc.heightPx == 0 || width > limit || t.desc.heightPx > limit)
         return fail(Code::Unsupported, "a target of {} x {} px; {} draws 1 to {} a side", width, t.desc.heightPx, device_->info.name, limit);
     t.extent = {uint32_t(width), t.desc.heightPx};
-    DPL_CHECK_OK(makeImage(t.colour, VK_FORMAT_R8G8B8A8_UNORM, t.extent, layers));
-    if (t.desc.depth) { DPL_CHECK_OK(makeImage(t.depth, device_->depthSumFormat, t.extent, layers)); }
+    const VkImageUsageFlags drawn = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
+    DPL_CHECK_OK(makeImage(t.colour, t.desc.halfColour ? VK_FORMAT_R16G16B16A16_SFLOAT : VK_FORMAT_R8G8B8A8_UNORM, t.extent, layers, drawn));
+    if (t.desc.halfColour) { DPL_CHECK_OK(makeImage(t.rounded, VK_FORMAT_R8G8B8A8_UNORM, t.extent, layers, VK_IMAGE_USAGE_TRANSFER_DST_BIT)); }
+    if (t.desc.depth) { DPL_CHECK_OK(makeImage(t.depth, device_->depthSumFormat, t.extent, layers, drawn)); }
     const VkImageView views[] = {t.colour.view, t.depth.view};
     VkFramebufferCreateInfo info{VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO};
-    DPL_TRY(info.renderPass, renderPass(t.desc.layered ? t.desc.views : 0, t.desc.depth));
+    DPL_TRY(info.renderPass, renderPass(t.desc.layered ? t.desc.views : 0, t.desc.depth, t.desc.halfColour));
     info.attachmentCount = t.desc.depth ? 2 : 1;
     info.pAttachments = views;
     info.width = t.extent.width;
@@ -160,6 +163,7 @@ void VulkanBackend::freeTarget(Target& t) {
     vkDestroyFramebuffer(device_->device, t.framebuffer, nullptr);
     freeImage(t.colour);
     freeImage(t.depth);
+    freeImage(t.rounded);
 }
 
 Result<TargetId> VulkanBackend::createTarget(const TargetDesc& desc) {

@@ -4,7 +4,7 @@ namespace dpl {
 
 void addDraw(FramePlan& plan, const FrameIds& ids) {
     const DrawPipelineDesc pipeline{ids.layered ? "draw.vert.multiview" : "draw.vert.instances", ids.depth ? "draw.frag.depth" : "draw.frag",
-                                    ids.viewCount, ids.layered, ids.depth};
+                                    ids.viewCount, ids.layered, ids.depth, ids.halfColour};
     plan.draw("draw.splats", pipeline, ids.target)
         .reads(ids.counts, ids.pairs, ids.projected)
         .push(gpu::DrawPush{float(ids.widthPx), float(ids.heightPx), ids.viewCount, ids.layered ? 1 : ids.viewCount})

@@ -21,12 +21,12 @@ inline VulkanOptions testVulkanOptions() {
 
 /** Renderer and message counter; every test ends with expectSilent(). */
 struct TestVulkan {
-    VulkanOptions options = testVulkanOptions();
+    VulkanOptions options;
     std::unique_ptr<Renderer> renderer;
     std::string missing;  // why there is none
 
-    explicit TestVulkan(bool instanceSplit = false) {
-        options.forceInstanceSplit = instanceSplit;
+    TestVulkan() : TestVulkan(testVulkanOptions()) {}
+    explicit TestVulkan(VulkanOptions wanted) : options(std::move(wanted)) {
         auto devices = listVulkanDevices();
         if (!devices || devices->empty()) {
             missing = devices ? "no Vulkan 1.1 device here" : devices.error().message;

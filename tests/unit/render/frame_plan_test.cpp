@@ -1,0 +1,122 @@
+// The frame without a GPU: what the renderer plans, creates and refuses, on the null backend.
+#include <gtest/gtest.h>
+
+#include "sdk/backend/null/null_backend.h"
+#include "sdk/render/avatar_upload.h"
+#include "sdk/render/gpu_renderer.h"
+#include "tests/unit/render/tube_avatar.h"
+
+namespace dpl {
+namespace {
+
+struct NullSetup {
+    std::shared_ptr<NullRecord> record = std::make_shared<NullRecord>();
+    std::unique_ptr<GpuRenderer> renderer;
+    explicit NullSetup(NullOptions options = {}) {
+        auto backend = createNullBackend(record, options);
+        EXPECT_TRUE(backend) << (backend ? "" : backend.error().message);
+        renderer = std::make_unique<GpuRenderer>(std::move(*backend), "null");
+    }
+    Status draw(RenderAvatarId id, uint32_t width = 32, uint32_t views = 1, bool depth = false) {
+        std::vector<Cameraf> cameras(views, tubeCamera(width, 16, 0));
+        std::vector<RenderedView> out(views);
+        return renderer->render(id, tubePose(0), cameras, depth, out);
+    }
+};
+
+std::shared_ptr<const AvatarData> tube(TubeOptions o = {.splatsPerTriangle = 2, .rings = 6}) { return std::make_shared<const AvatarData>(makeTube(o)); }
+
+TEST(FramePlan, runsThePassesInOrder) {
+    NullSetup gpu;
+    auto id = gpu.renderer->addAvatar(tube());
+    ASSERT_TRUE(id) << id.error().message;
+    const Status status = gpu.draw(*id, 32, 2, true);
+    ASSERT_TRUE(status) << status.error().message;
+    std::vector<std::string> want = {"begin", "pose.skin", "pose.triangles", "splat.project", "splat.colour", "compact.count", "compact.scan", "compact.args", "compact.scatter"};
+    for (int round = 0; round < 4; ++round) want.insert(want.end(), {"sort.count", "sort.scan", "sort.scatter"});
+    want.insert(want.end(), {"draw.splats", "readback"});
+    EXPECT_EQ(gpu.record->lastLabels, want);
+}
+
+TEST(FramePlan, aWarmFrameCreatesNothing) {
+    NullSetup gpu;
+    auto id = gpu.renderer->addAvatar(tube());
+    ASSERT_TRUE(id);
+    ASSERT_TRUE(gpu.draw(*id));
+    const uint64_t created = gpu.record->createdObjects;
+    for (int i = 0; i < 5; ++i) ASSERT_TRUE(gpu.draw(*id));
+    EXPECT_EQ(gpu.record->createdObjects, created);
+    EXPECT_EQ(gpu.record->runs, 6u);
+}
+
+TEST(FramePlan, keepsAFewShapesAndFreesEverythingWithTheAvatar) {
+    NullSetup gpu;
+    auto id = gpu.renderer->addAvatar(tube());
+    ASSERT_TRUE(id);
+    for (uint32_t width = 8; width < 40; ++width) ASSERT_TRUE(gpu.draw(*id, width));
+    EXPECT_LE(gpu.record->liveFrames, 4u);
+    EXPECT_LE(gpu.record->liveTargets, 4u);
+    gpu.renderer->removeAvatar(*id);
+    EXPECT_EQ(gpu.record->liveBuffers + gpu.record->liveTargets + gpu.record->liveFrames, 0u);
+    EXPECT_FALSE(gpu.draw(*id));
+}
+
+TEST(FramePlan, drawsAnEmptyAvatarWithoutWork) {
+    NullSetup gpu;
+    auto id = gpu.renderer->addAvatar(tube({.splatsPerTriangle = 0}));
+    ASSERT_TRUE(id) << id.error().message;
+    const Status status = gpu.draw(*id);
+    ASSERT_TRUE(status) << status.error().message;
+    EXPECT_EQ(gpu.record->lastLabels.size(), 5u);
+}
+
+TEST(FramePlan, worksOnDevicesWithoutMultiview) {
+    NullOptions options;
+    options.info.multiview = false;
+    NullSetup gpu(options);
+    auto id = gpu.renderer->addAvatar(tube());
+    ASSERT_TRUE(id);
+    const Status status = gpu.draw(*id, 32, 2);
+    EXPECT_TRUE(status) << status.error().message;
+}
+
+TEST(FramePlan, refusesAnAvatarAboveTheBindingLimitAndSaysWhatHelps) {
+    NullOptions options;
+    options.info.maxBindingBytes = 4096;
+    NullSetup gpu(options);
+    auto id = gpu.renderer->addAvatar(tube());
+    ASSERT_FALSE(id);
+    EXPECT_EQ(id.error().code, Code::Unsupported);
+    EXPECT_NE(id.error().message.find("lower SH degree"), std::string::npos) << id.error().message;
+    EXPECT_EQ(gpu.record->liveBuffers, 0u);
+}
+
+TEST(FramePlan, refusesBrokenAvatars) {
+    NullSetup gpu;
+    const auto expectRefused = [&](auto breakIt) {
+        AvatarData a = makeTube({.splatsPerTriangle = 1, .rings = 2});
+        breakIt(a);
+        auto id = gpu.renderer->addAvatar(std::make_shared<const AvatarData>(std::move(a)));
+        EXPECT_FALSE(id);
+    };
+    expectRefused([](AvatarData& a) { a.mesh.triangles[0].x = 9999; });
+    expectRefused([](AvatarData& a) { a.mesh.jointIndices[0].x = 7; });
+    expectRefused([](AvatarData& a) { a.splats.sh.pop_back(); });
+    expectRefused([](AvatarData& a) { a.splats.triangleStart.back() += 1; });
+    expectRefused([](AvatarData& a) { a.splats.triangleStart[3] = 60; });
+    expectRefused([](AvatarData& a) { a.splats.shDegree = 4; });
+    expectRefused([](AvatarData& a) { a.joints.clear(); });
+    EXPECT_EQ(gpu.record->liveBuffers, 0u);
+}
+
+TEST(FramePlan, sortAxisOfTwoParallelEyesIsThatOfOne) {
+    const AvatarData a = makeTube({.splatsPerTriangle = 1, .rings = 2});
+    const Cameraf views[2] = {tubeCamera(32, 32, 0.37f, 1, -0.03f), tubeCamera(32, 32, 0.37f, 1, 0.03f)};
+    const gpu::FrameData one = packFrame(a, {views, 1}), two = packFrame(a, views);
+    EXPECT_EQ(one.sortAxis.x, two.sortAxis.x);  // bit for bit: keys, and so the left picture, must not change with stereo
+    EXPECT_EQ(one.sortAxis.y, two.sortAxis.y);
+    EXPECT_EQ(one.sortAxis.z, two.sortAxis.z);
+}
+
+}  // namespace
+}  // namespace dpl
