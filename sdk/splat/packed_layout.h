@@ -24,6 +24,10 @@ constexpr uint32_t groupFields(bool bound, uint32_t shDegree) {
 constexpr uint32_t kMaxGroupFloats = groupFields(false, kMaxShDegree) * kGroupSplats;
 constexpr size_t groupCount(size_t splats) { return (splats + kGroupSplats - 1) / kGroupSplats; }
 
+/** count(), or 0 with an error in the log when arrays differ in length or the SH degree is unknown. */
+uint32_t usableCount(const BoundSplatView& splats);
+uint32_t usableCount(const StaticSplatData& splats);
+
 /** Packs splats [first, first+16) into `out`; missing ones become invisible. The triangle index is stored as bits. */
 void packGroup(const BoundSplatView& splats, uint32_t first, float* out);
 void packGroup(const StaticSplatData& splats, uint32_t first, float* out);

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <new>
 
+#include "sdk/core/log.h"
 #include "sdk/splat/packed_layout.h"
 
 namespace dpl {
@@ -20,22 +21,42 @@ void packSh(const float* sh, uint32_t floats, uint32_t lane, float* fields) {
 
 template <class Splats>
 float* packAll(const Splats& splats, bool bound) {
-    const size_t groups = groupCount(splats.count()), floats = size_t(groupFields(bound, splats.shDegree)) * kGroupSplats;
+    const size_t groups = groupCount(usableCount(splats)), floats = size_t(groupFields(bound, splats.shDegree)) * kGroupSplats;
     if (groups == 0) return nullptr;
     float* data = static_cast<float*>(::operator new[](groups * floats * sizeof(float), std::align_val_t(kAlignment)));
     for (size_t g = 0; g < groups; ++g) packGroup(splats, uint32_t(g * kGroupSplats), data + g * floats);
     return data;
 }
 
+uint32_t countOrNone(bool complete, uint32_t count) {
+    if (complete) return count;
+    log(LogLevel::Error, "splat arrays differ in length, or their SH degree is above {}: nothing is drawn", kMaxShDegree);
+    return 0;
+}
+
 }  // namespace
+
+uint32_t usableCount(const BoundSplatView& s) {
+    const size_t n = s.count();
+    return countOrNone(s.shDegree <= kMaxShDegree && s.uv.size() == n && s.phi.size() == n && s.scaleM.size() == n && s.opacity.size() == n &&
+                           s.flags.size() == n && s.sh.size() == n * shCoefficientCount(s.shDegree) * 3,
+                       s.count());
+}
+
+uint32_t usableCount(const StaticSplatData& s) {
+    const size_t n = s.count();
+    return countOrNone(s.shDegree <= kMaxShDegree && s.rotation.size() == n && s.scaleM.size() == n && s.opacity.size() == n &&
+                           s.sh.size() == n * shCoefficientCount(s.shDegree) * 3,
+                       s.count());
+}
 
 void PackedSplats::Free::operator()(float* p) const { ::operator delete[](p, std::align_val_t(kAlignment)); }
 
 PackedSplats::PackedSplats(const BoundSplatView& splats)
-    : data_(packAll(splats, true)), count_(splats.count()), shDegree_(splats.shDegree), bound_(true) {}
+    : data_(packAll(splats, true)), count_(data_ ? splats.count() : 0), shDegree_(splats.shDegree), bound_(true) {}
 
 PackedSplats::PackedSplats(const StaticSplatData& splats)
-    : data_(packAll(splats, false)), count_(splats.count()), shDegree_(splats.shDegree), bound_(false) {}
+    : data_(packAll(splats, false)), count_(data_ ? splats.count() : 0), shDegree_(splats.shDegree), bound_(false) {}
 
 uint64_t PackedSplats::bytes() const {
     return groupCount(count_) * groupFields(bound_, shDegree_) * kGroupSplats * sizeof(float);

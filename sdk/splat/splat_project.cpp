@@ -1,7 +1,6 @@
 // Projection: splats in, ProjectedSplat + tile box + depth key out, in blocks of kProjectBlock splats.
 #include <algorithm>
 
-#include "sdk/core/log.h"
 #include "sdk/splat/project_kernel.h"
 
 namespace dpl {
@@ -60,7 +59,7 @@ void forProjectBlocks(Jobs& jobs, SplatEngine::Buffers& buffers, const Cameraf& 
     const auto allowed = [](uint32_t size) { return size > 0 && size <= kMaxTargetPx; };
     const bool drawable = allowed(camera.widthPx) && allowed(camera.heightPx);
     buffers.widthPx = drawable ? camera.widthPx : 0, buffers.heightPx = drawable ? camera.heightPx : 0;
-    if (!drawable || shDegree > kMaxShDegree) count = 0;
+    if (!drawable) count = 0;
     // The kernel writes whole groups: room for the padding of the last one.
     const size_t padded = groupCount(count) * kGroupSplats;
     buffers.projected.resize(padded), buffers.boxes.resize(padded), buffers.rowScale.resize(padded);
@@ -92,24 +91,6 @@ void projectUnpacked(const Splats& splats, ProjectTask task) {
         task.firstSplat += task.groups * kGroupSplats;
         left -= task.groups;
     }
-}
-
-bool complete(const BoundSplatView& s) {
-    const size_t n = s.count();
-    return s.uv.size() == n && s.phi.size() == n && s.scaleM.size() == n && s.opacity.size() == n && s.flags.size() == n &&
-           s.sh.size() == n * shCoefficientCount(s.shDegree) * 3;
-}
-
-bool complete(const StaticSplatData& s) {
-    const size_t n = s.count();
-    return s.rotation.size() == n && s.scaleM.size() == n && s.opacity.size() == n && s.sh.size() == n * shCoefficientCount(s.shDegree) * 3;
-}
-
-template <class Splats>
-uint32_t usableCount(const Splats& splats) {
-    if (complete(splats)) return splats.count();
-    log(LogLevel::Error, "splat arrays differ in length: nothing is drawn");
-    return 0;
 }
 
 }  // namespace

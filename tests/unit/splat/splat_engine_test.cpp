@@ -78,9 +78,13 @@ TEST(SplatEngine, targetOfNoPixelsIsEmpty) {
 TEST(SplatEngine, largeTarget) {
     Jobs jobs(2);
     SplatEngine engine(jobs);
-    const SplatImage image = draw(engine, grey(1), camera(8192, 8192));
-    ASSERT_EQ(image.alpha.size(), size_t(8192) * 8192);
-    EXPECT_NEAR(image.alpha[size_t(4096) * 8192 + 4096], 0.5f, 1e-4f);
+    engine.project(grey(1), camera(8192, 8192), 0.3f);
+    engine.bin();
+    std::vector<uint8_t> rgba;  // a quarter of the float image's gigabyte
+    engine.blendRgba8(rgba);
+    ASSERT_EQ(rgba.size(), size_t(8192) * 8192 * 4);
+    EXPECT_NEAR(rgba[(size_t(4096) * 8192 + 4096) * 4 + 3], 127.5, 1);
+    EXPECT_EQ(rgba[3], 0);
 }
 
 TEST(SplatEngine, equalDepthsKeepSplatOrder) {
@@ -206,6 +210,11 @@ TEST(SplatEngine, arraysOfDifferentLengthDrawNothing) {
     s.sh.pop_back();
     Jobs jobs(1);
     SplatEngine engine(jobs);
+    EXPECT_EQ(maxAlpha(draw(engine, s, camera(32, 32))), 0);
+    EXPECT_EQ(PackedSplats(s).count(), 0u);
+    s = grey(20);
+    s.shDegree = 4;
+    s.sh.assign(20 * 75, 0.f);
     EXPECT_EQ(maxAlpha(draw(engine, s, camera(32, 32))), 0);
 }
 
