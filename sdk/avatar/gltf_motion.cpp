@@ -64,8 +64,9 @@ Result<Motion> readGltfMotion(std::span<const uint8_t> bytes, std::string_view n
     }
     const SkinnedGltf::Animation& clip = gltf.animations[animation];
 
-    // Joints of the motion: skin joints and animated nodes, with everything above them.
-    std::vector<bool> wanted(gltf.nodes.size(), false);
+    // Joints of the motion: skin joints and animated nodes, with everything above them. A clip file without a skin does not say which
+    // nodes are its skeleton: all are.
+    std::vector<bool> wanted(gltf.nodes.size(), gltf.joints.empty());
     for (const SkinnedGltf::Joint& joint : gltf.joints) wanted[joint.node] = true;
     for (const SkinnedGltf::Channel& channel : clip.channels) wanted[channel.node] = true;
     for (size_t n = gltf.nodes.size(); n-- > 0;)

@@ -1,0 +1,69 @@
+// Both renderers behind the same API draw the same picture; `auto` never picks an emulated GPU.
+#include <cmath>
+
+#include "tests/unit/api/api_fixture.h"
+
+namespace dpl::test {
+namespace {
+
+TEST_F(ApiTest, vulkanDrawsWhatTheCpuDraws) {
+    const DplContextInfo info{sizeof(DplContextInfo), DPL_RENDERER_VULKAN, 1};
+    DplContext context = nullptr;
+    const DplResult made = dplCreateContext(&info, &context);
+    if (made == DPL_ERROR_UNSUPPORTED) {
+        EXPECT_EQ(context, nullptr);
+        EXPECT_TRUE(errorSays("DPL_RENDERER_SOFTWARE")) << "the sentence names the way out: " << dplGetLastError();
+        GTEST_SKIP() << dplGetLastError();
+    }
+    ASSERT_EQ(made, DPL_OK) << dplGetLastError();
+    const char* name = nullptr;
+    ASSERT_EQ(dplGetRendererName(context, &name), DPL_OK);
+    EXPECT_NE(std::string(name).find("ulkan"), std::string::npos) << name;
+    const auto bytes = tinyFile();
+    DplAvatar avatar = nullptr;
+    ASSERT_EQ(dplLoadAvatar(context, bytes.data(), bytes.size(), &avatar), DPL_OK) << dplGetLastError();
+    const DplCamera cameras[2] = {frontCamera(96, 80, 0.03f), frontCamera(96, 80, -0.03f)};
+    std::vector<uint8_t> cpu[2], gpu[2];
+    std::vector<float> cpuDepth[2], gpuDepth[2];
+    for (const double t : {0.0, 0.4}) {
+        const DplImage cpuImages[2] = {imageFor(cameras[0], cpu[0], &cpuDepth[0]), imageFor(cameras[1], cpu[1], &cpuDepth[1])};
+        const DplImage gpuImages[2] = {imageFor(cameras[0], gpu[0], &gpuDepth[0]), imageFor(cameras[1], gpu[1], &gpuDepth[1])};
+        ASSERT_EQ(dplSetPoseFromClip(avatar_, 0, t, DPL_FALSE), DPL_OK);
+        ASSERT_EQ(dplSetPoseFromClip(avatar, 0, t, DPL_FALSE), DPL_OK);
+        ASSERT_EQ(dplRender(context_, avatar_, cameras, 2, cpuImages), DPL_OK) << dplGetLastError();
+        ASSERT_EQ(dplRender(context, avatar, cameras, 2, gpuImages), DPL_OK) << dplGetLastError();
+        for (int v = 0; v < 2; ++v) {
+            double sum = 0;
+            int brightest = 0;
+            for (size_t i = 0; i < cpu[v].size(); ++i) {
+                const double d = double(cpu[v][i]) - double(gpu[v][i]);
+                sum += d * d;
+                brightest = std::max(brightest, int(cpu[v][i]));
+            }
+            const double psnr = 10 * std::log10(255.0 * 255.0 * double(cpu[v].size()) / std::max(sum, 1e-9));
+            EXPECT_GT(brightest, 200);
+            EXPECT_GT(psnr, 45.0) << "view " << v << ": 8-bit blending of 128 splats rounds each one, half a level at a time";
+            size_t compared = 0;
+            for (size_t p = 0; p < cpuDepth[v].size(); ++p) {
+                if (cpu[v][p * 4 + 3] < 128 || gpu[v][p * 4 + 3] < 128) continue;
+                ++compared;
+                EXPECT_NEAR(cpuDepth[v][p], gpuDepth[v][p], 0.02f) << "pixel " << p;
+            }
+            EXPECT_GT(compared, 200u);
+        }
+    }
+    EXPECT_EQ(dplDestroyAvatar(avatar), DPL_OK);
+    EXPECT_EQ(dplDestroyContext(context), DPL_OK);
+}
+
+TEST_F(ApiTest, autoIsARealGpuOrTheCpu) {
+    DplContext context = nullptr;
+    ASSERT_EQ(dplCreateContext(nullptr, &context), DPL_OK) << dplGetLastError();
+    const char* name = nullptr;
+    ASSERT_EQ(dplGetRendererName(context, &name), DPL_OK);
+    EXPECT_EQ(std::string(name).find("llvmpipe"), std::string::npos) << name;
+    EXPECT_EQ(dplDestroyContext(context), DPL_OK);
+}
+
+}  // namespace
+}  // namespace dpl::test
