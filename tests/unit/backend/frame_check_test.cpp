@@ -1,0 +1,95 @@
+// What createFrame refuses, on the null backend: the same check runs before Vulkan records.
+#include <gtest/gtest.h>
+
+#include "sdk/backend/null/null_backend.h"
+
+namespace dpl {
+namespace {
+
+/** One valid step: compact.args reads block sums, updates counts, pushes 8 bytes. */
+struct OneStep {
+    std::unique_ptr<Backend> backend;
+    BufferId sums, counts;
+    ComputeStep step;
+
+    OneStep() {
+        auto made = createNullBackend(nullptr);
+        EXPECT_TRUE(made);
+        backend = std::move(*made);
+        sums = *backend->createBuffer({"sums", 64});
+        counts = *backend->createBuffer({"counts", 64});
+        step.label = "step";
+        step.pipeline = *backend->computePipeline("compact.args");
+        step.bindings = {{sums, Access::Read}, {counts, Access::Update}};
+        step.push.size = 8;
+        step.groups = 1;
+    }
+    Result<FrameId> create(bool fillSums = true, bool fillCounts = true) {
+        std::vector<Step> steps;
+        if (fillSums) steps.push_back(FillStep{"fill", sums, 0});
+        if (fillCounts) steps.push_back(FillStep{"fill", counts, 0});
+        steps.push_back(step);
+        return backend->createFrame(std::move(steps));
+    }
+    void expectRefused(const char* part, bool fillSums = true) {
+        auto frame = create(fillSums);
+        ASSERT_FALSE(frame) << part;
+        EXPECT_NE(frame.error().message.find(part), std::string::npos) << frame.error().message;
+        EXPECT_NE(frame.error().message.find("step"), std::string::npos);
+    }
+};
+
+TEST(FrameCheck, acceptsAValidStep) {
+    OneStep s;
+    auto frame = s.create();
+    ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_TRUE(s.backend->run(*frame));
+}
+
+TEST(FrameCheck, refusesAReadOfWhatNothingWrote) {
+    OneStep s;
+    s.expectRefused("nothing has written", false);
+}
+
+TEST(FrameCheck, acceptsALoadTimeWriteInstead) {
+    OneStep s;
+    const uint32_t zero[4] = {};
+    ASSERT_TRUE(s.backend->write(s.sums, 0, std::as_bytes(std::span(zero))));
+    EXPECT_TRUE(s.create(false));
+}
+
+TEST(FrameCheck, refusesBindingsThatDifferFromTheShader) {
+    { OneStep s; s.step.bindings.pop_back(); s.expectRefused("binds 1 buffers"); }
+    { OneStep s; s.step.bindings[1].access = Access::Read; s.expectRefused("another access"); }
+    { OneStep s; s.step.bindings[0].access = Access::Update; s.expectRefused("another access"); }
+    { OneStep s; s.step.bindings[0].access = Access::Uniform; s.expectRefused("not a uniform block"); }
+    { OneStep s; s.step.bindings[0].buffer = BufferId{99}; s.expectRefused("does not exist"); }
+    { OneStep s; s.step.bindings[0].buffer = s.counts; s.expectRefused("twice"); }
+    { OneStep s; s.step.push.size = 12; s.expectRefused("pushes 12 bytes"); }
+}
+
+TEST(FrameCheck, refusesImpossibleDispatches) {
+    { OneStep s; s.step.groups = 0; s.expectRefused("0 workgroups"); }
+    { OneStep s; s.step.groups = 70000; s.expectRefused("70000 workgroups"); }
+    { OneStep s; s.step.indirect = {s.counts, 56}; s.expectRefused("do not fit"); }
+    { OneStep s; s.step.pipeline = PipelineId{}; s.expectRefused("no compute pipeline"); }
+}
+
+TEST(FrameCheck, aFrameDoesNotOutliveItsBuffers) {
+    OneStep s;
+    auto frame = s.create();
+    ASSERT_TRUE(frame);
+    s.backend->destroyBuffer(s.sums);
+    EXPECT_FALSE(s.backend->run(*frame));
+}
+
+TEST(FrameCheck, refusesBuffersWithoutBytesAndUnknownShaders) {
+    OneStep s;
+    EXPECT_FALSE(s.backend->createBuffer({"none", 0}));
+    EXPECT_FALSE(s.backend->computePipeline("no such shader"));
+    EXPECT_FALSE(s.backend->createTarget({.widthPx = 0, .heightPx = 4}));
+    EXPECT_FALSE(s.backend->createTarget({.widthPx = 1u << 20, .heightPx = 4}));
+}
+
+}  // namespace
+}  // namespace dpl

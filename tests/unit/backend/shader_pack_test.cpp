@@ -1,0 +1,118 @@
+// The shader pack: what the build made, whether C++ and GLSL agree on every struct, and whether hostile packs are refused.
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "sdk/backend/shader_pack.h"
+#include "shaders/shared/frame.h"
+
+namespace dpl {
+namespace {
+
+ShaderPack embedded() {
+    auto pack = readShaderPack(embeddedShaderPack(), "the embedded pack", embeddedShaderInterface());
+    EXPECT_TRUE(pack) << (pack ? "" : pack.error().message);
+    return pack ? *pack : ShaderPack{};
+}
+
+using Layout = std::map<std::string, size_t>;
+#define DPL_AT(type, member) {#member, offsetof(gpu::type, member)}
+
+void expectLayout(const char* name, size_t size, const Layout& layout) {
+    int found = 0;
+    for (const Shader& shader : embedded().shaders) {
+        for (const ShaderStruct& s : shader.structs) {
+            if (s.name != name) continue;
+            ++found;
+            EXPECT_EQ(s.size, size) << name << " in " << shader.name;
+            EXPECT_EQ(s.members.size(), layout.size()) << name << " in " << shader.name;
+            for (const ShaderMember& m : s.members) {
+                const auto it = layout.find(m.name);
+                ASSERT_NE(it, layout.end()) << name << "." << m.name << " is unknown to this test";
+                EXPECT_EQ(m.offset, it->second) << name << "." << m.name << " in " << shader.name;
+            }
+        }
+    }
+    EXPECT_GT(found, 0) << name << " is in no shader";
+}
+
+TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
+    using namespace gpu;
+    expectLayout("ViewData", sizeof(ViewData), {DPL_AT(ViewData, viewFromWorldRow0), DPL_AT(ViewData, viewFromWorldRow1), DPL_AT(ViewData, viewFromWorldRow2),
+                                                DPL_AT(ViewData, focalCentrePx), DPL_AT(ViewData, slopeLimits), DPL_AT(ViewData, eyeWorld)});
+    expectLayout("FrameData", sizeof(FrameData), {DPL_AT(FrameData, views), DPL_AT(FrameData, sortAxis), DPL_AT(FrameData, target), DPL_AT(FrameData, counts)});
+    expectLayout("VertexRecord", sizeof(VertexRecord), {DPL_AT(VertexRecord, restX), DPL_AT(VertexRecord, restY), DPL_AT(VertexRecord, restZ), DPL_AT(VertexRecord, joints01),
+                                                        DPL_AT(VertexRecord, joints23), DPL_AT(VertexRecord, weights), DPL_AT(VertexRecord, pad0), DPL_AT(VertexRecord, pad1)});
+    expectLayout("TriangleRecord", sizeof(TriangleRecord), {DPL_AT(TriangleRecord, restT1), DPL_AT(TriangleRecord, restT2), DPL_AT(TriangleRecord, restNormal), DPL_AT(TriangleRecord, corners)});
+    expectLayout("TriangleFrame", sizeof(TriangleFrame), {DPL_AT(TriangleFrame, v0), DPL_AT(TriangleFrame, v1), DPL_AT(TriangleFrame, v2), DPL_AT(TriangleFrame, f0), DPL_AT(TriangleFrame, f1),
+                                                          DPL_AT(TriangleFrame, worldFromRest0), DPL_AT(TriangleFrame, worldFromRest1), DPL_AT(TriangleFrame, worldFromRest2)});
+    expectLayout("SplatRecord", sizeof(SplatRecord), {DPL_AT(SplatRecord, uv), DPL_AT(SplatRecord, s1Cos), DPL_AT(SplatRecord, s1Sin), DPL_AT(SplatRecord, s2Cos), DPL_AT(SplatRecord, s2Sin),
+                                                      DPL_AT(SplatRecord, opacity), DPL_AT(SplatRecord, triangleAndFlags)});
+    expectLayout("ProjectedSplat", sizeof(ProjectedSplat), {DPL_AT(ProjectedSplat, centrePx), DPL_AT(ProjectedSplat, radiusPx), DPL_AT(ProjectedSplat, conicA), DPL_AT(ProjectedSplat, conicB),
+                                                            DPL_AT(ProjectedSplat, conicC), DPL_AT(ProjectedSplat, opacity), DPL_AT(ProjectedSplat, colour)});
+    expectLayout("FrameCounts", sizeof(FrameCounts), {DPL_AT(FrameCounts, visible), DPL_AT(FrameCounts, sortBlocks), DPL_AT(FrameCounts, pad0), DPL_AT(FrameCounts, pad1), DPL_AT(FrameCounts, sortGroupsX),
+                                                      DPL_AT(FrameCounts, sortGroupsY), DPL_AT(FrameCounts, sortGroupsZ), DPL_AT(FrameCounts, pad2), DPL_AT(FrameCounts, drawVertices),
+                                                      DPL_AT(FrameCounts, drawInstances), DPL_AT(FrameCounts, drawFirstVertex), DPL_AT(FrameCounts, drawFirstInstance), DPL_AT(FrameCounts, depthMaxBits),
+                                                      DPL_AT(FrameCounts, depthMinBitsInverted), DPL_AT(FrameCounts, pad3), DPL_AT(FrameCounts, pad4)});
+    expectLayout("VertexPush", sizeof(VertexPush), {DPL_AT(VertexPush, vertexCount)});
+    expectLayout("TrianglePush", sizeof(TrianglePush), {DPL_AT(TrianglePush, triangleCount)});
+    expectLayout("SplatPush", sizeof(SplatPush), {DPL_AT(SplatPush, splatCount), DPL_AT(SplatPush, viewCount)});
+    expectLayout("ColourPush", sizeof(ColourPush), {DPL_AT(ColourPush, splatCount), DPL_AT(ColourPush, viewCount), DPL_AT(ColourPush, shDegree), DPL_AT(ColourPush, shStride)});
+    expectLayout("CompactPush", sizeof(CompactPush), {DPL_AT(CompactPush, splatCount), DPL_AT(CompactPush, blockCount)});
+    expectLayout("ScanPush", sizeof(ScanPush), {DPL_AT(ScanPush, count), DPL_AT(ScanPush, fromSort)});
+    expectLayout("ArgsPush", sizeof(ArgsPush), {DPL_AT(ArgsPush, blockCount), DPL_AT(ArgsPush, instancesPerSplat)});
+    expectLayout("SortPush", sizeof(SortPush), {DPL_AT(SortPush, shift)});
+    expectLayout("DrawPush", sizeof(DrawPush), {DPL_AT(DrawPush, targetWidthPx), DPL_AT(DrawPush, targetHeightPx), DPL_AT(DrawPush, viewCount), DPL_AT(DrawPush, atlasColumns)});
+}
+
+TEST(ShaderPack, workgroupsAreThoseThatTheSharedLimitsName) {
+    const std::map<std::string, uint32_t> want = {{"skin", gpu::kVertexGroup}, {"triangles", gpu::kVertexGroup}, {"project", gpu::kSplatGroup}, {"colour", gpu::kSplatGroup},
+                                                  {"compact.count", gpu::kScanGroup}, {"compact.scan", gpu::kScanGroup}, {"compact.args", 1}, {"compact.scatter", gpu::kScanGroup},
+                                                  {"sort.count", gpu::kSortGroup}, {"sort.scatter", gpu::kSortGroup}};
+    for (const Shader& shader : embedded().shaders) {
+        if (shader.stage != ShaderStage::Compute) continue;
+        ASSERT_TRUE(want.count(shader.name)) << shader.name;
+        EXPECT_EQ(shader.workgroup[0], want.at(shader.name)) << shader.name;
+        EXPECT_EQ(shader.workgroup[1] * shader.workgroup[2], 1u) << shader.name;
+    }
+    static_assert(gpu::kCompactBlock == gpu::kScanGroup * gpu::kCompactItemsPerLane && gpu::kSortBlock == gpu::kSortGroup * gpu::kSortItemsPerLane);
+}
+
+TEST(ShaderPack, staysWithinWhatEveryVulkan11DeviceHas) {
+    for (const Shader& shader : embedded().shaders) {
+        int storage = 0;
+        for (const ShaderBinding& b : shader.bindings) storage += !b.uniform;
+        EXPECT_LE(storage, 4) << shader.name;
+        EXPECT_LE(shader.pushBytes, 128u) << shader.name;
+        EXPECT_GT(shader.spirv.size(), 20u) << shader.name;
+    }
+}
+
+TEST(ShaderPack, roundTripsAndRefusesEveryTruncationAndFlippedBytes) {
+    ShaderPack small;
+    small.interfaceHash = 42;
+    small.shaders.push_back({.name = "one", .pushBytes = 8, .bindings = {{"Block", 0, false, true, true}}, .structs = {{"S", 16, {{"a", 0}, {"b", 8}}}},
+                             .spirv = {1, 2, 3}, .mslIos = "kernel", .mslMacos = "kernel"});
+    const std::vector<uint8_t> bytes = writeShaderPack(small);
+    auto back = readShaderPack(bytes, "test", 42);
+    ASSERT_TRUE(back) << back.error().message;
+    EXPECT_EQ(writeShaderPack(*back), bytes);
+    for (size_t length = 0; length < bytes.size(); ++length) EXPECT_FALSE(readShaderPack({bytes.data(), length}, "test", 42)) << length;
+    for (size_t i = 0; i < bytes.size(); ++i) {
+        std::vector<uint8_t> flipped = bytes;
+        flipped[i] ^= 0x40;
+        EXPECT_FALSE(readShaderPack(flipped, "test", 42)) << i;
+    }
+}
+
+TEST(ShaderPack, otherSharedStructsAreAVersionErrorNamingBothHashes) {
+    ShaderPack pack;
+    pack.interfaceHash = 0xAAAA;
+    auto refused = readShaderPack(writeShaderPack(pack), "old.dplpack", 0xBBBB);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, Code::Version);
+    for (const char* part : {"old.dplpack", "000000000000aaaa", "000000000000bbbb"}) EXPECT_NE(refused.error().message.find(part), std::string::npos) << refused.error().message;
+}
+
+}  // namespace
+}  // namespace dpl
