@@ -119,7 +119,7 @@ GarmentPattern shoePattern(const BodyField& body, const WardrobeChoice&) {
     GarmentPattern g;
     g.field = [&body](const Vec3f& p) {
         // A blunt toe box over the toes, then an upper, then a sole that stands out a little.
-        float d = smoothUnion(body.leg({p.x, std::max(p.y, 0.004f), p.z}), ellipsoid(p, {0.168f, 0.024f, 0.145f}, {0.046f, 0.024f, 0.046f}), 0.03f) - 0.0065f;
+        float d = smoothUnion(body.leg({p.x, std::max(p.y, 0.004f), p.z}), ellipsoid(p, {0.167f, 0.019f, 0.146f}, {0.043f, 0.017f, 0.044f}), 0.02f) - 0.0060f;
         const float outline = smoothUnion(body.foot({p.x, 0.022f, p.z}), ellipsoid({p.x, 0.02f, p.z}, {0.168f, 0.02f, 0.142f}, {0.046f, 0.03f, 0.052f}), 0.03f) - 0.0095f;
         const float slab = std::max(outline, std::abs(p.y - 0.003f) - (kSoleM + 0.003f));
         d = smoothUnion(d, slab, 0.006f);

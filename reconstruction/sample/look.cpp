@@ -188,7 +188,7 @@ SurfaceColour shirtColour(const Look& look, const Vec3f& p, float footprint) {
         const float across = stripe(row, 0.036f, 0.012f), down = stripe(column, 0.036f, 0.012f);
         c = glm::mix(c, look.shirtStripe, 0.30f * (across + down) + 0.25f * across * down);
     } else {
-        const float melange = noise(Vec3f(column * 900, row * 160, 1), look.seed + 3) - 0.5f;
+        const float melange = noise(p * Vec3f(720, 300, 720), look.seed + 3) - 0.5f;
         c = glm::mix(c, look.shirtStripe, 0.25f + 0.5f * melange * resolved(0.006f, footprint));
     }
     // The weave: fine rows and columns, visible only near by.

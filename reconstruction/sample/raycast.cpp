@@ -235,7 +235,7 @@ double PersonTracer::firstHit(const Vec3d& from, const Vec3d& to) const {
 RaycastFrame PersonTracer::render(const Camerad& camera, const RaycastOptions& options) const {
     const State& s = *state_;
     const uint32_t w = camera.widthPx, h = camera.heightPx, n = std::max(1u, options.samplesPerPixel);
-    const uint32_t side = std::max(1u, uint32_t(std::lround(std::sqrt(double(n)))));
+    const uint32_t columns = std::max(1u, uint32_t(std::sqrt(double(n)) + 1e-9)), rows = (n + columns - 1) / columns;  // strata of a pixel
     RaycastFrame frame;
     frame.rgb.resize(size_t(w) * h * 3);
     frame.mask.resize(size_t(w) * h);
@@ -263,8 +263,8 @@ RaycastFrame PersonTracer::render(const Camerad& camera, const RaycastOptions& o
             const float h0 = hash01(x, y, frameSalt), h1 = hash01(x, y, frameSalt + 1), h2 = hash01(x, y, frameSalt + 2), h3 = hash01(x, y, frameSalt + 3);
             for (uint32_t i = 0; i < n; ++i) {
                 const float jx = hash01(x, y, frameSalt + 16 + 2 * i), jy = hash01(x, y, frameSalt + 17 + 2 * i);
-                const float px = float(x) + (float(i % side) + jx) / float(side);
-                const float py = float(y) + (float(i / side % side) + jy) / float(side);
+                const float px = float(x) + (float(i % columns) + jx) / float(columns);
+                const float py = float(y) + (float(i / columns) + jy) / float(rows);
                 auto turned = [&](float base, float step) { const float v = base + step * float(i); return v - std::floor(v); };
                 const Vec4f r{turned(h0, 0.6180340f), turned(h1, 0.7548777f), turned(h2, 0.5698403f), turned(h3, 0.8191725f)};
                 const Vec3f view((px - float(camera.cx)) / float(camera.fx), (py - float(camera.cy)) / float(camera.fy), 1);

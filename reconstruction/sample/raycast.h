@@ -12,7 +12,7 @@
 namespace dpl {
 
 struct RaycastOptions {
-    uint32_t samplesPerPixel = 4;   // stratified; a square number is best
+    uint32_t samplesPerPixel = 4;   // stratified in a grid; numbers like 4, 6, 9 fill it
     double sensorNoise = 0.004;     // standard deviation, display-referred
     double gain = 1;                // exposure of this frame
     uint64_t seed = 1;

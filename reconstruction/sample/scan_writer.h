@@ -16,7 +16,7 @@ struct SampleScanOptions {
     uint32_t widthPx = 378, heightPx = 504;
     uint32_t fullFrames = 60, closeupFrames = 24, dynamicFrames = 90;
     double dynamicS = 18.75;          // length of the motion
-    uint32_t samplesPerPixel = 4;
+    uint32_t samplesPerPixel = 6;
     double exposureSpread = 0;        // standard deviation of the frames' gains (0: constant exposure)
     double sensorNoise = 0.004;       // display-referred
     int jpegQuality = 92;
@@ -27,6 +27,7 @@ struct SampleScanOptions {
         o.seed = seed;
         o.widthPx = 189, o.heightPx = 252;
         o.fullFrames = 24, o.closeupFrames = 8, o.dynamicFrames = 30;
+        o.samplesPerPixel = 4;
         return o;
     }
 };

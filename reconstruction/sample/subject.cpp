@@ -13,6 +13,7 @@ namespace {
 
 constexpr int kNearest = 6;  // body vertices that say how a garment vertex moves
 constexpr float kClearanceM = 0.004f;
+constexpr float kHairClearanceM = 0.0012f;  // hair grows out of the skin
 
 struct Fitting {
     const BodyModel& body;
@@ -89,7 +90,8 @@ void addGarment(Subject& subject, const Fitting& fit, const SurfaceMesh& sheet, 
         Vec3f p = sheet.positions[v] + moved[v];
         const Vec3f skin = bodyAt[nearest[v]] + fit.displacement[nearest[v]];
         const float off = glm::dot(p - skin, fit.bodyNormals[nearest[v]]);
-        if (off < kClearanceM) p += (kClearanceM - off) * fit.bodyNormals[nearest[v]];
+        const float least = rigidHead ? kHairClearanceM : kClearanceM;
+        if (off < least) p += (least - off) * fit.bodyNormals[nearest[v]];
         mesh.restPositions.push_back(p);
         subject.canonical.push_back(sheet.positions[v]);
         subject.anchor.push_back(nearest[v]);
@@ -166,7 +168,6 @@ void addClothDynamics(Subject& subject, const WardrobeChoice& wardrobe) {
                 cloth.swing[k] = free / (best[k].first * total);
             }
         }
-        // Nearest-driver switches make small steps; two rounds along the sheet would blur the driver ids, so the falloff above is kept wide instead.
     }
 }
 
