@@ -70,7 +70,17 @@ PosedView poseVertices(const MeshData& mesh, std::span<const JointData> joints, 
     return out;
 }
 
-/** Pulls of one view. */
+std::vector<double> posedIou(const MeshData& mesh, std::span<const JointData> joints, std::span<const Vec3f> offsets, std::span<const SurfaceView> views,
+                             std::span<const Pose> poses, Jobs& jobs) {
+    std::vector<double> iou(views.size(), 0);
+    jobs.forBlocks(views.size(), [&](size_t i, uint32_t) {
+        const PosedView posed = poseVertices(mesh, joints, offsets, poses[i]);
+        iou[i] = silhouetteIou(rasteriseTriangles(views[i].camera, posed.positions, mesh.triangles), views[i].mask.pixels);
+    });
+    return iou;
+}
+
+/** Pulls of one view, and the translation in its picture's plane that would please its outline best. */
 class ViewPulls {
 public:
     ViewPulls(const MeshData& mesh, const SurfaceView& view, const PosedView& posed, std::span<const ContourPoint> target)
@@ -87,6 +97,14 @@ public:
             if (toMesh[i] != UINT32_MAX) pull(outline[toMesh[i]], target[i].px - outline[toMesh[i]].px);
     }
     std::vector<Pull> take() { return std::move(pulls_); }
+    /** Least squares over the outline: Σ n nᵀ t = Σ n (n·way), at the mean depth of the outline; world, metres. */
+    Vec3f translation() const {
+        const double determinant = nxx_ * nyy_ - nxy_ * nxy_;
+        if (!(count_ > 0) || !(determinant > 1e-3 * count_ * count_)) return Vec3f(0);
+        const double x = (nyy_ * rx_ - nxy_ * ry_) / determinant, y = (nxx_ * ry_ - nxy_ * rx_) / determinant, depth = depth_ / count_;
+        const Camerad& c = view_.camera;
+        return Vec3f(glm::transpose(c.viewFromWorldRotation) * Vec3d(x * depth / c.fx, y * depth / c.fy, 0));
+    }
 
 private:
     const MeshData& mesh_;
@@ -94,12 +112,16 @@ private:
     const PosedView& posed_;
     TriangleImage image_;
     std::vector<Pull> pulls_;
+    double nxx_ = 0, nxy_ = 0, nyy_ = 0, rx_ = 0, ry_ = 0, depth_ = 0, count_ = 0;
 
     void pull(const ContourPoint& at, const Vec2d& wayPx) {
         const Vec2d along = glm::dot(wayPx, at.normal) * at.normal;
         const Vec2d way = along + kTangentShare * (wayPx - along);
         const Camerad& c = view_.camera;
         const double depth = image_.depthM[at.inside];
+        const double off = glm::dot(wayPx, at.normal);
+        nxx_ += at.normal.x * at.normal.x, nxy_ += at.normal.x * at.normal.y, nyy_ += at.normal.y * at.normal.y;
+        rx_ += at.normal.x * off, ry_ += at.normal.y * off, depth_ += depth, count_ += 1;
         const Vec3d inView(way.x * depth / c.fx, way.y * depth / c.fy, 0);
         const Vec3f inWorld(glm::transpose(c.viewFromWorldRotation) * inView);
         const Triangle& t = mesh_.triangles[image_.triangle[at.inside]];
@@ -151,7 +173,9 @@ std::vector<uint32_t> carriers(const MeshData& mesh) {
 class Fitter {
 public:
     Fitter(const MeshData& mesh, std::span<const JointData> joints, std::span<const SurfaceView> views, const SurfaceFitSettings& settings, Jobs& jobs)
-        : mesh_(mesh), joints_(joints), views_(views), settings_(settings), jobs_(jobs), offsets_(mesh.restPositions.size(), Vec3f(0)), targets_(views.size()), carrier_(carriers(mesh)) {}
+        : mesh_(mesh), joints_(joints), views_(views), settings_(settings), jobs_(jobs), offsets_(mesh.restPositions.size(), Vec3f(0)), poses_(views.size()), sway_(views.size(), Vec3f(0)), targets_(views.size()), carrier_(carriers(mesh)) {
+        for (size_t i = 0; i < views.size(); ++i) poses_[i] = views[i].pose;
+    }
 
     Result<SurfaceFit> run() {
         jobs_.forBlocks(views_.size(), [&](size_t i, uint32_t) {
@@ -171,10 +195,11 @@ public:
             DPL_TRY(const LargeSteps smooth, LargeSteps::create(mesh_.restPositions, mesh_.triangles, length));
             for (uint32_t round = 0; round < settings_.roundsPerLevel; ++round, ++fit.rounds) {
                 if (settings_.progress && !settings_.progress(double(fit.rounds) / total)) return fail(Code::Cancelled, "surface fit cancelled");
-                step(smooth);
+                step(smooth, settings_.maxSwayM > 0 && 2 * level >= settings_.levels);
             }
         }
-        DPL_TRY(fit.iouAfter, surfaceIou(mesh_, joints_, offsets_, views_, jobs_));
+        fit.iouAfter = posedIou(mesh_, joints_, offsets_, views_, poses_, jobs_);
+        fit.viewTranslationsM = sway_;
         const auto mean = [](const std::vector<double>& v) { return std::accumulate(v.begin(), v.end(), 0.0) / double(v.size()); };
         fit.meanIouBefore = mean(fit.iouBefore), fit.meanIouAfter = mean(fit.iouAfter);
         for (const Vec3f& o : offsets_) {
@@ -193,17 +218,23 @@ private:
     const SurfaceFitSettings& settings_;
     Jobs& jobs_;
     std::vector<Vec3f> offsets_;
+    std::vector<Pose> poses_;  // the views' own, with sway_ added
+    std::vector<Vec3f> sway_;
     std::vector<std::vector<ContourPoint>> targets_;
     std::vector<uint32_t> carrier_;
 
-    void step(const LargeSteps& smooth) {
+    void step(const LargeSteps& smooth, bool moveViews) {
         const size_t count = mesh_.restPositions.size();
         std::vector<std::vector<Pull>> pulls(views_.size());
+        std::vector<Vec3f> translations(views_.size(), Vec3f(0));
         jobs_.forBlocks(views_.size(), [&](size_t i, uint32_t) {
             if (targets_[i].empty()) return;
-            const PosedView posed = poseVertices(mesh_, joints_, offsets_, views_[i].pose);
-            pulls[i] = ViewPulls(mesh_, views_[i], posed, targets_[i]).take();
+            const PosedView posed = poseVertices(mesh_, joints_, offsets_, poses_[i]);
+            ViewPulls view(mesh_, views_[i], posed, targets_[i]);
+            translations[i] = view.translation();
+            pulls[i] = view.take();
         });
+        if (moveViews) addSway(translations);
         std::vector<Vec3f> sum(count, Vec3f(0)), weight(count, Vec3f(0)), spreadSum(count), spreadWeight(count), u(smooth.size());
         for (const auto& list : pulls)  // in the order of the views, whatever thread made them
             for (const Pull& p : list) sum[p.vertex] += p.weighted, weight[p.vertex].x += p.weight;
@@ -228,6 +259,20 @@ private:
         offsets_ = std::move(next);
     }
 
+    /** Half of each view's translation is taken per round. The mean over the views is shape, not sway. */
+    void addSway(std::span<const Vec3f> translations) {
+        Vec3f mean(0);
+        for (size_t i = 0; i < sway_.size(); ++i) {
+            sway_[i] += 0.5f * translations[i];
+            if (const float length = glm::length(sway_[i]); length > settings_.maxSwayM) sway_[i] *= float(settings_.maxSwayM) / length;
+            mean += sway_[i] / float(sway_.size());
+        }
+        for (size_t i = 0; i < sway_.size(); ++i) {
+            sway_[i] -= mean;
+            poses_[i].rootTranslation = views_[i].pose.rootTranslation + sway_[i];
+        }
+    }
+
     /** A little of each offset goes to the mean of its neighbours': keeps triangles from folding where pulls disagree. */
     void relax(std::vector<Vec3f>& offsets) const {
         std::vector<Vec3f> sum(offsets.size(), Vec3f(0));
@@ -247,19 +292,16 @@ private:
 Result<std::vector<double>> surfaceIou(const MeshData& mesh, std::span<const JointData> joints, std::span<const Vec3f> restOffsets,
                                        std::span<const SurfaceView> views, Jobs& jobs) {
     DPL_CHECK_OK(checkInput(mesh, joints, restOffsets, views));
-    std::vector<double> iou(views.size(), 0);
-    jobs.forBlocks(views.size(), [&](size_t i, uint32_t) {
-        const PosedView posed = poseVertices(mesh, joints, restOffsets, views[i].pose);
-        iou[i] = silhouetteIou(rasteriseTriangles(views[i].camera, posed.positions, mesh.triangles), views[i].mask.pixels);
-    });
-    return iou;
+    std::vector<Pose> poses;
+    for (const auto& view : views) poses.push_back(view.pose);
+    return posedIou(mesh, joints, restOffsets, views, poses, jobs);
 }
 
 Result<SurfaceFit> fitSurface(const MeshData& mesh, std::span<const JointData> joints, std::span<const SurfaceView> views,
                               const SurfaceFitSettings& settings, Jobs& jobs) {
     if (views.empty()) return fail(Code::InvalidArgument, "the surface fit needs at least one still picture with a mask");
     const bool sane = settings.levels > 0 && settings.roundsPerLevel > 0 && settings.endSmoothingM > 0 && settings.startSmoothingM >= settings.endSmoothingM &&
-                      settings.maxOffsetM > 0 && settings.maxStepM > 0;
+                      settings.maxOffsetM > 0 && settings.maxStepM > 0 && settings.maxSwayM >= 0;
     if (!sane) return fail(Code::InvalidArgument, "surface fit settings: levels, rounds and lengths must be above 0, and the first smoothing the longest");
     DPL_CHECK_OK(checkInput(mesh, joints, {}, views));
     return Fitter(mesh, joints, views, settings, jobs).run();
