@@ -94,21 +94,34 @@ bool applyExtras(const Json& extras, BodyModel& body) {
     return true;
 }
 
-/** Joints in parents-first order under one root, and for each glTF joint its place. */
+/** Joints under one root, in the skin's own order where parents come first there (our files), else in the order of the node tree; and for
+ *  each glTF joint its place. */
 Status readJoints(const SkinnedGltf& gltf, std::span<const Mat4f> sceneFromNode, BodyModel& body, std::vector<uint32_t>& jointOfGltfJoint) {
-    std::vector<int32_t> jointOfNode(gltf.nodes.size(), -1);
-    for (const SkinnedGltf::Joint& j : gltf.joints) jointOfNode[j.node] = -2;
-    for (size_t n = 0; n < gltf.nodes.size(); ++n) {  // nodes come parents first
-        if (jointOfNode[n] != -2) continue;
-        int32_t up = gltf.nodes[n].parent;
-        while (up >= 0 && jointOfNode[size_t(up)] < 0) up = gltf.nodes[size_t(up)].parent;
-        const int32_t parent = up >= 0 ? jointOfNode[size_t(up)] : -1;
-        if (parent < 0 && !body.joints.empty())
-            return fail(Code::Unsupported, "body '{}': joints '{}' and '{}' are both roots; put the skeleton under one root joint", body.name, body.joints[0].name, gltf.nodes[n].name);
-        jointOfNode[n] = int32_t(body.joints.size());
-        body.joints.push_back({gltf.nodes[n].name, parent, Vec3f(sceneFromNode[n][3]), ""});
+    std::vector<bool> isJoint(gltf.nodes.size(), false);
+    std::vector<uint32_t> order;
+    for (const SkinnedGltf::Joint& j : gltf.joints) {
+        if (!isJoint[j.node]) order.push_back(j.node);
+        isJoint[j.node] = true;
     }
-    for (const SkinnedGltf::Joint& j : gltf.joints) jointOfGltfJoint.push_back(uint32_t(jointOfNode[j.node]));
+    std::vector<int32_t> parentNode(gltf.nodes.size(), -1);  // the nearest joint above
+    for (uint32_t n : order) {
+        int32_t up = gltf.nodes[n].parent;
+        while (up >= 0 && !isJoint[size_t(up)]) up = gltf.nodes[size_t(up)].parent;
+        parentNode[n] = up;
+    }
+    std::vector<int32_t> place(gltf.nodes.size(), -1);
+    for (uint32_t i = 0; i < order.size(); ++i) place[order[i]] = int32_t(i);
+    const bool parentsFirst = std::all_of(order.begin(), order.end(), [&](uint32_t n) { return parentNode[n] < 0 || place[size_t(parentNode[n])] < place[n]; });
+    if (!parentsFirst) {
+        std::sort(order.begin(), order.end());  // nodes come parents first
+        for (uint32_t i = 0; i < order.size(); ++i) place[order[i]] = int32_t(i);
+    }
+    for (uint32_t n : order) {
+        if (parentNode[n] < 0 && !body.joints.empty())
+            return fail(Code::Unsupported, "body '{}': joints '{}' and '{}' are both roots; put the skeleton under one root joint", body.name, body.joints[0].name, gltf.nodes[n].name);
+        body.joints.push_back({gltf.nodes[n].name, parentNode[n] < 0 ? -1 : place[size_t(parentNode[n])], Vec3f(sceneFromNode[n][3]), ""});
+    }
+    for (const SkinnedGltf::Joint& j : gltf.joints) jointOfGltfJoint.push_back(uint32_t(place[j.node]));
     return {};
 }
 

@@ -5,8 +5,10 @@
 #include <optional>
 
 #include "reconstruction/body/body_tools.h"
+#include "reconstruction/body/fit_limbs.h"
 #include "reconstruction/body/fit_costs.h"
 #include "reconstruction/body/fit_init.h"
+#include "reconstruction/body/fit_silhouette.h"
 
 namespace dpl {
 namespace {
@@ -16,7 +18,13 @@ constexpr double kMaxGapS = 1.0;                // moving frames further apart t
 constexpr size_t kMinKeypoints = 6;             // fewer seen keypoints in a frame: its pose is not fitted
 constexpr size_t kMinStillFrames = 3;           // with fewer, shape is solved with the moving frames
 constexpr double kSwayTurnRad = 0.01, kSwayM = 0.01;
+constexpr size_t kMaxMasks = 18, kSkinSamples = 900, kMinOutline = 20;
+constexpr uint32_t kMaskSidePx = 512;
+constexpr int kMaskRounds = 2;
 constexpr double kConfident = 0.7;              // keypoints counted in residual reports
+constexpr double kFootSlideM = 0.004, kFootSlideMS = 0.01;  // how far a standing foot moves between frames: at once, and a second
+constexpr double kLooseFootScale = 5;
+constexpr double kSameLimbM = 0.08;             // a depth choice nearer than this to the present arm or leg is the same one
 constexpr double kTrackStepRad = 0.5, kTrackStepM = 0.3;  // spread of pose and root between moving frames, for the first guess only
 
 /** The numbers of one frame. Still frames use only `sway`, on top of the shared still pose. */
@@ -59,9 +67,11 @@ private:
     Status solve(ceres::Problem& problem, const char* what, int maxSteps, double from, double to);
     void addFrame(ceres::Problem& problem, size_t f);
     void addSmoothness(ceres::Problem& problem, const std::vector<size_t>& order, const std::function<bool(size_t)>& involves);
+    void addStillPriors(ceres::Problem& problem);
     void freezeGlobals(ceres::Problem& problem);
     Status fitStill(double from, double to);
     Status refineShape(double from, double to);
+    Status untangleLimbs(const std::vector<size_t>& order);
     Status trackMoving(const std::vector<size_t>& order, double from, double to);
     Status fitMoving(double from, double to);
     Status fitTest(double from, double to);
@@ -155,12 +165,28 @@ void Fitter::addFrame(ceres::Problem& problem, size_t f) {
         problem.AddResidualBlock(new DiagonalPrior(std::vector<double>(sigma.size(), 0.0), sigma), nullptr, s.sway.data());
     } else {
         problem.AddResidualBlock(cost, nullptr, blocks);
-        problem.AddResidualBlock(new PosePriorCost(priors_), nullptr, s.pose.data());
+        problem.AddResidualBlock(new PosePriorCost(priors_, shapeFromMoving_ ? std::vector<double>(s.pose.size(), 0.0) : still_.pose), nullptr, s.pose.data());
+        if (!shapeFromMoving_) {
+            const Mat3d still = rotationOf({still_.root[0], still_.root[1], still_.root[2]}) * still_.rootReference;
+            const Vec3d up = still * Vec3d(0, 1, 0);
+            problem.AddResidualBlock(makeRootUpright(s.rootReference, Vec3d(0, 1, 0), up), nullptr, s.root);
+        }
     }
     s.fitted = true;
 }
 
 void Fitter::addSmoothness(ceres::Problem& problem, const std::vector<size_t>& order, const std::function<bool(size_t)>& involves) {
+    const Vec3d up = rotationOf({still_.root[0], still_.root[1], still_.root[2]}) * still_.rootReference * Vec3d(0, 1, 0);
+    std::vector<size_t> feet;
+    for (size_t k = 0; k < scan_.keypointNames.size(); ++k)
+        for (const char* name : {"ankle_l", "ankle_r", "toe_l", "toe_r"})
+            if (scan_.keypointNames[k] == name && chain_.hasKeypoint(k)) feet.push_back(k);
+    for (size_t i = 0; i + 1 < order.size() && !feet.empty(); ++i) {
+        FrameState &a = frames_[order[i]], &b = frames_[order[i + 1]];
+        const double step = scan_.frames[order[i + 1]].timeS - scan_.frames[order[i]].timeS;
+        if (!(step > 1e-4) || step > kMaxGapS || (!involves(order[i]) && !involves(order[i + 1]))) continue;
+        problem.AddResidualBlock(new FootRest(context_, feet, a.rootReference, b.rootReference, kFootSlideM + kFootSlideMS * step), nullptr, shape_.data(), a.root, a.pose.data(), b.root, b.pose.data());
+    }
     for (size_t i = 1; i + 1 < order.size(); ++i) {
         const size_t f[3] = {order[i - 1], order[i], order[i + 1]};
         const double t[3] = {scan_.frames[f[0]].timeS, scan_.frames[f[1]].timeS, scan_.frames[f[2]].timeS};
@@ -168,8 +194,13 @@ void Fitter::addSmoothness(ceres::Problem& problem, const std::vector<size_t>& o
         if (!involves(f[0]) && !involves(f[1]) && !involves(f[2])) continue;
         FrameState &a = frames_[f[0]], &b = frames_[f[1]], &c = frames_[f[2]];
         problem.AddResidualBlock(new PoseSmoothness(priors_, t[0], t[1], t[2]), nullptr, a.pose.data(), b.pose.data(), c.pose.data());
-        problem.AddResidualBlock(makeRootSmoothness({a.rootReference, b.rootReference, c.rootReference}, t[0], t[1], t[2]), nullptr, a.root, b.root, c.root);
+        problem.AddResidualBlock(makeRootSmoothness({a.rootReference, b.rootReference, c.rootReference}, up, t[0], t[1], t[2]), nullptr, a.root, b.root, c.root);
     }
+}
+
+void Fitter::addStillPriors(ceres::Problem& problem) {
+    problem.AddResidualBlock(new PosePriorCost(priors_, std::vector<double>(still_.pose.size(), 0.0)), nullptr, still_.pose.data());
+    if (!shape_.empty()) problem.AddResidualBlock(new ShapePrior(body_.morphs), nullptr, shape_.data());
 }
 
 void Fitter::freezeGlobals(ceres::Problem& problem) {
@@ -206,8 +237,7 @@ Status Fitter::fitStill(double from, double to) {
         context_.outlierSigmas = round < 2 ? kLooseOutliers : settings_.outlierSigmas;
         ceres::Problem problem;
         for (size_t f : frames) addFrame(problem, f);
-        problem.AddResidualBlock(new PosePriorCost(priors_), nullptr, still_.pose.data());
-        if (!shape_.empty()) problem.AddResidualBlock(new ShapePrior(body_.morphs), nullptr, shape_.data());
+        addStillPriors(problem);
         if (scan_.metricWorld || round < 2) problem.SetParameterBlockConstant(&logUnit_);
         if (round < 2 && !shape_.empty()) problem.SetParameterBlockConstant(shape_.data());
         if (round == 0) problem.SetParameterBlockConstant(still_.pose.data());
@@ -220,10 +250,45 @@ Status Fitter::fitStill(double from, double to) {
     return {};
 }
 
+/** Shape again, now with the outline in the masks: weight and build show there, not in joints. */
 Status Fitter::refineShape(double from, double to) {
     const std::vector<size_t> frames = select(FrameKind::StaticFull, Split::Train);
-    if (!settings_.useMasks || frames.empty() || shape_.empty()) return {};
-    (void)from, (void)to;
+    if (!settings_.useMasks || frames.size() < kMinStillFrames || shape_.empty()) return {};
+    std::vector<size_t> masked;
+    std::vector<MaskDistance> masks;
+    masks.reserve(kMaxMasks);  // costs keep references
+    const size_t stride = (frames.size() + kMaxMasks - 1) / kMaxMasks;
+    for (size_t i = 0; i < frames.size(); i += stride) {
+        if (scan_.frames[frames[i]].maskPath.empty()) continue;
+        const auto image = readFrameMask(scan_.frames[frames[i]]);
+        if (!image) continue;  // a missing or empty mask costs evidence, not the fit; the scan check has named it
+        auto distance = maskDistance(*image, kMaskSidePx);
+        if (!distance) continue;
+        masked.push_back(frames[i]);
+        masks.push_back(std::move(*distance));
+    }
+    if (masked.size() < kMinStillFrames) return {};
+    const SkinSamples samples = sampleSkin(body_, kSkinSamples);
+    const KeypointChain skin(samples.body, samples.names, posed(priors_));
+    context_.outlierSigmas = settings_.outlierSigmas;
+    for (int round = 0; round < kMaskRounds; ++round) {
+        ceres::Problem problem;
+        for (size_t f : frames) addFrame(problem, f);
+        addStillPriors(problem);
+        if (scan_.metricWorld) problem.SetParameterBlockConstant(&logUnit_);
+        for (size_t i = 0; i < masked.size(); ++i) {
+            const ScanFrame& frame = scan_.frames[masked[i]];
+            const FrameState s = effective(masked[i]);
+            KeypointChain::Output now;
+            skin.evaluate(s.rootReference, s.root, s.pose.data(), shape_.data(), false, now);
+            auto outline = outlineSamples(samples, now, metricCamera(frame.camera, std::exp(logUnit_)), masks[i]);
+            if (outline.size() < kMinOutline) continue;
+            problem.AddResidualBlock(new SilhouetteCost(context_, skin, frame.camera, still_.rootReference, masks[i], std::move(outline)), nullptr, shape_.data(), &logUnit_, still_.root, still_.pose.data(),
+                                     frames_[masked[i]].sway.data());
+        }
+        const double span = (to - from) / kMaskRounds;
+        DPL_CHECK_OK(solve(problem, "still frames: shape against masks", 15, from + span * round, from + span * (round + 1)));
+    }
     return {};
 }
 
@@ -252,26 +317,83 @@ Status Fitter::trackMoving(const std::vector<size_t>& order, double from, double
     return {};
 }
 
+/** Moves arms and legs of the moving frames to the best chain of depth choices, where that is somewhere else. */
+Status Fitter::untangleLimbs(const std::vector<size_t>& order) {
+    struct Limb {
+        const char *upper, *lower, *end, *middleKeypoint, *endKeypoint;
+    };
+    constexpr Limb kLimbs[] = {{"leftUpperArm", "leftLowerArm", "leftHand", "elbow_l", "wrist_l"},
+                               {"rightUpperArm", "rightLowerArm", "rightHand", "elbow_r", "wrist_r"},
+                               {"leftUpperLeg", "leftLowerLeg", "leftFoot", "knee_l", "ankle_l"},
+                               {"rightUpperLeg", "rightLowerLeg", "rightFoot", "knee_r", "ankle_r"}};
+    const auto keypoint = [&](const char* name) { return size_t(std::find(scan_.keypointNames.begin(), scan_.keypointNames.end(), name) - scan_.keypointNames.begin()); };
+    const auto slotOf = [&](int32_t joint) { return size_t(std::find(chain_.posedJoints().begin(), chain_.posedJoints().end(), uint32_t(joint)) - chain_.posedJoints().begin()); };
+    for (const Limb& limb : kLimbs) {
+        const int32_t upper = findHumanoid(body_, limb.upper), lower = findHumanoid(body_, limb.lower), end = findHumanoid(body_, limb.end);
+        const size_t middleKeypoint = keypoint(limb.middleKeypoint), endKeypoint = keypoint(limb.endKeypoint), names = scan_.keypointNames.size();
+        if (upper <= 0 || lower <= 0 || end <= 0 || middleKeypoint == names || endKeypoint == names) continue;
+        const size_t upperSlot = slotOf(upper), lowerSlot = slotOf(lower);
+        if (upperSlot == priors_.size() || lowerSlot == priors_.size()) continue;
+        const auto rest = [&](int32_t joint) { return chain_.restPlace(size_t(joint), shape_.data()); };
+        LimbRig rig;
+        rig.upperM = glm::length(rest(lower) - rest(upper));
+        rig.lowerM = glm::length(rest(end) - rest(lower));
+        if (!(rig.upperM > 1e-3) || !(rig.lowerM > 1e-3)) continue;
+        rig.upperDirection = (rest(lower) - rest(upper)) / rig.upperM;
+        const Vec3d lowerDirection = (rest(end) - rest(lower)) / rig.lowerM, hinge = priors_[lowerSlot].axes[0];
+        rig.hingeAxis = glm::normalize(hinge - glm::dot(hinge, rig.upperDirection) * rig.upperDirection);
+        rig.restBendRad = std::atan2(glm::dot(glm::cross(rig.upperDirection, lowerDirection), rig.hingeAxis), glm::dot(rig.upperDirection, lowerDirection));
+        rig.shoulderAxes = priors_[upperSlot].axes;
+        rig.shoulderSigma = priors_[upperSlot].sigmaRad;
+        rig.shoulderTail = priors_[upperSlot].tailSigmas;
+        rig.shoulderLow = priors_[upperSlot].lowRad;
+        rig.shoulderHigh = priors_[upperSlot].highRad;
+        std::vector<LimbView> views;
+        std::vector<KeypointChain::Output> now(order.size());
+        for (size_t i = 0; i < order.size(); ++i) {
+            const size_t f = order[i];
+            const FrameState& s = frames_[f];
+            chain_.evaluate(s.rootReference, s.root, s.pose.data(), shape_.data(), false, now[i]);
+            views.push_back({scan_.frames[f].timeS, metricCamera(scan_.frames[f].camera, std::exp(logUnit_)), keypoints_[f][middleKeypoint], keypoints_[f][endKeypoint],
+                             now[i].places[size_t(upper)], now[i].rotations[size_t(body_.joints[size_t(upper)].parent)]});
+        }
+        const auto guesses = untangleLimb(rig, views);
+        for (size_t i = 0; i < order.size(); ++i) {
+            if (!guesses[i]) continue;
+            const double moved = std::max(glm::length(guesses[i]->elbow - now[i].places[size_t(lower)]), glm::length(guesses[i]->wrist - now[i].places[size_t(end)]));
+            if (moved < kSameLimbM) continue;
+            std::vector<double>& pose = frames_[order[i]].pose;
+            const Vec3d bend = guesses[i]->bendRad * hinge;
+            for (int a = 0; a < 3; ++a) pose[3 * upperSlot + size_t(a)] = guesses[i]->shoulder[a], pose[3 * lowerSlot + size_t(a)] = bend[a];
+        }
+    }
+    return {};
+}
+
 Status Fitter::fitMoving(double from, double to) {
     const std::vector<size_t> order = movingInTime(true);
     if (order.empty()) return {};
-    const double third = (to - from) / 3;
-    DPL_CHECK_OK(trackMoving(order, from, from + third));
-    for (int round = 0; round < 2; ++round) {
-        context_.outlierSigmas = round == 0 ? kLooseOutliers : settings_.outlierSigmas;
+    const double part = (to - from) / 4;
+    DPL_CHECK_OK(trackMoving(order, from, from + part));
+    for (int round = 0; round < 3; ++round) {
+        context_.outlierSigmas = round < 2 ? kLooseOutliers : settings_.outlierSigmas;
+        context_.footSigmaScale = round < 2 ? kLooseFootScale : 1;
+        if (round == 1) DPL_CHECK_OK(untangleLimbs(order));
         ceres::Problem problem;
         for (size_t f : order) addFrame(problem, f);
         addSmoothness(problem, order, [](size_t) { return true; });
         if (shapeFromMoving_ && !shape_.empty()) problem.AddResidualBlock(new ShapePrior(body_.morphs), nullptr, shape_.data());
         if (!shapeFromMoving_) freezeGlobals(problem);
         else if (scan_.metricWorld) problem.SetParameterBlockConstant(&logUnit_);
-        DPL_CHECK_OK(solve(problem, round == 0 ? "moving frames: together, loose" : "moving frames: together", 30, from + third * (1 + round), from + third * (2 + round)));
+        const char* const names[3] = {"moving frames: together, loose", "moving frames: limbs untangled", "moving frames: together"};
+        DPL_CHECK_OK(solve(problem, names[round], round == 0 ? 12 : 50, from + part * (1 + round), from + part * (2 + round)));
     }
     return {};
 }
 
 Status Fitter::fitTest(double from, double to) {
     context_.outlierSigmas = settings_.outlierSigmas;
+    context_.footSigmaScale = 1;
     ceres::Problem problem;
     std::vector<size_t> stills = select(FrameKind::StaticFull, Split::Test);
     for (const Split split : {Split::Train, Split::Test}) {  // close-ups inherit shape and pose; their own sway is all they may add

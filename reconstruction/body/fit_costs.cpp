@@ -15,6 +15,7 @@ constexpr double kMorphWallSigma = 0.1;     // how hard the end of a morph's ran
 
 struct RootSmoothness {
     Mat3d reference[3];
+    Vec3d up;
     double before, after, mean;  // seconds
 
     template <class T>
@@ -39,8 +40,11 @@ struct RootSmoothness {
         worldRotation(c, 2, rotation[2]);
         relative(rotation[1], rotation[0], first);
         relative(rotation[2], rotation[1], second);
+        T turn[3];
+        for (int i = 0; i < 3; ++i) turn[i] = (second[i] / after - first[i] / before) / mean;
+        const T aboutUp = turn[0] * up.x + turn[1] * up.y + turn[2] * up.z;
         for (int i = 0; i < 3; ++i) {
-            residual[i] = (second[i] / after - first[i] / before) / (mean * kRootTurnAccelerationRadS2);
+            residual[i] = (turn[i] - aboutUp * up[i]) / kTiltAccelerationRadS2 + aboutUp * up[i] / kTurnAccelerationRadS2;
             residual[3 + i] = ((c[3 + i] - b[3 + i]) / after - (b[3 + i] - a[3 + i]) / before) / (mean * kRootAccelerationMS2);
         }
         return true;
@@ -112,7 +116,7 @@ bool ReprojectionCost::Evaluate(double const* const* blocks, double* residuals, 
     return true;
 }
 
-PosePriorCost::PosePriorCost(std::vector<JointPrior> priors) : priors_(std::move(priors)) {
+PosePriorCost::PosePriorCost(std::vector<JointPrior> priors, std::vector<double> mean) : priors_(std::move(priors)), mean_(std::move(mean)) {
     set_num_residuals(int(6 * priors_.size()));
     mutable_parameter_block_sizes()->push_back(int(3 * priors_.size()));
 }
@@ -127,11 +131,14 @@ bool PosePriorCost::Evaluate(double const* const* blocks, double* residuals, dou
             const double angle = glm::dot(p.axes[a], w);
             const double beyond = angle < p.lowRad[a] ? angle - p.lowRad[a] : angle > p.highRad[a] ? angle - p.highRad[a] : 0.0;
             const size_t spread = 6 * j + size_t(a), range = spread + 3;
-            residuals[spread] = angle / p.sigmaRad[a];
+            const double r = (angle - glm::dot(p.axes[a], Vec3d(mean_[3 * j], mean_[3 * j + 1], mean_[3 * j + 2]))) / p.sigmaRad[a];
+            const double c2 = p.tailSigmas * p.tailSigmas, scale = a == 0 && p.tailSigmas > 0 ? std::sqrt(c2 / (r * r + c2)) : 1.0;  // ρ as in ReprojectionCost
+            const double slope = a == 0 && p.tailSigmas > 0 ? scale * c2 / (r * r + c2) : 1.0;
+            residuals[spread] = scale * r;
             residuals[range] = beyond / kRangeSigmaRad;
             if (!jacobians || !jacobians[0]) continue;
             for (int i = 0; i < 3; ++i) {
-                jacobians[0][spread * size + 3 * j + size_t(i)] = p.axes[a][i] / p.sigmaRad[a];
+                jacobians[0][spread * size + 3 * j + size_t(i)] = slope * p.axes[a][i] / p.sigmaRad[a];
                 jacobians[0][range * size + 3 * j + size_t(i)] = beyond != 0 ? p.axes[a][i] / kRangeSigmaRad : 0.0;
             }
         }
@@ -195,9 +202,69 @@ bool PoseSmoothness::Evaluate(double const* const* blocks, double* residuals, do
     return true;
 }
 
-ceres::CostFunction* makeRootSmoothness(const Mat3d (&references)[3], double t0, double t1, double t2) {
+ceres::CostFunction* makeRootSmoothness(const Mat3d (&references)[3], const Vec3d& up, double t0, double t1, double t2) {
     return new ceres::AutoDiffCostFunction<RootSmoothness, 6, kRootSize, kRootSize, kRootSize>(
-        new RootSmoothness{{references[0], references[1], references[2]}, t1 - t0, t2 - t1, 0.5 * (t2 - t0)});
+        new RootSmoothness{{references[0], references[1], references[2]}, up, t1 - t0, t2 - t1, 0.5 * (t2 - t0)});
+}
+
+namespace {
+struct RootUpright {
+    Mat3d reference;
+    Vec3d bodyUp, up;
+    template <class T>
+    bool operator()(const T* root, T* residual) const {
+        const Vec3d b = reference * bodyUp;
+        const T before[3] = {T(b.x), T(b.y), T(b.z)};
+        T after[3];
+        ceres::AngleAxisRotatePoint(root, before, after);
+        for (int i = 0; i < 3; ++i) residual[i] = (after[i] - up[i]) / kTiltRad;
+        return true;
+    }
+};
+}  // namespace
+
+ceres::CostFunction* makeRootUpright(const Mat3d& reference, const Vec3d& bodyUp, const Vec3d& up) {
+    return new ceres::AutoDiffCostFunction<RootUpright, 3, kRootSize>(new RootUpright{reference, bodyUp, up});
+}
+
+FootRest::FootRest(const FitContext& context, std::vector<size_t> keypoints, const Mat3d& reference0, const Mat3d& reference1, double sigmaM)
+    : context_(context), keypoints_(std::move(keypoints)), reference_{reference0, reference1}, sigmaM_(sigmaM) {
+    set_num_residuals(int(3 * keypoints_.size()));
+    const int pose = int(3 * context.chain->posedCount());
+    *mutable_parameter_block_sizes() = {int(context.chain->shapeCount()), kRootSize, pose, kRootSize, pose};
+}
+
+bool FootRest::Evaluate(double const* const* blocks, double* residuals, double** jacobians) const {
+    const KeypointChain& chain = *context_.chain;
+    const size_t poseSize = 3 * chain.posedCount(), shapes = chain.shapeCount(), width = chain.columns();
+    thread_local KeypointChain::Output posed[2];
+    for (int i = 0; i < 2; ++i) chain.evaluate(reference_[i], blocks[1 + 2 * i], blocks[2 + 2 * i], blocks[0], jacobians != nullptr, posed[i]);
+    const double c2 = kFootOutlierSigmas * kFootOutlierSigmas, sigmaM = sigmaM_ * context_.footSigmaScale;
+    for (size_t n = 0; n < keypoints_.size(); ++n) {
+        const size_t k = keypoints_[n];
+        const Vec3d r = (posed[1].points[k] - posed[0].points[k]) / sigmaM;
+        const double s = glm::dot(r, r), scale = std::sqrt(c2 / (s + c2));
+        for (int a = 0; a < 3; ++a) residuals[3 * n + size_t(a)] = scale * r[a];
+        if (!jacobians) continue;
+        const Mat3d m = scale / sigmaM * (Mat3d(1.0) - glm::outerProduct(r, r) / (s + c2));  // symmetric
+        for (int a = 0; a < 3; ++a) {
+            const size_t line = 3 * n + size_t(a);
+            const auto entry = [&](int frame, size_t column) {
+                const double* rows = &posed[frame].jacobian[k * 3 * width + column];
+                return m[a].x * rows[0] + m[a].y * rows[width] + m[a].z * rows[2 * width];
+            };
+            if (jacobians[0])
+                for (size_t c = 0; c < shapes; ++c) jacobians[0][line * shapes + c] = entry(1, kRootSize + poseSize + c) - entry(0, kRootSize + poseSize + c);
+            for (int i = 0; i < 2; ++i) {
+                const double sign = i == 0 ? -1 : 1;
+                if (double* root = jacobians[1 + 2 * i])
+                    for (size_t c = 0; c < kRootSize; ++c) root[line * kRootSize + c] = sign * entry(i, c);
+                if (double* pose = jacobians[2 + 2 * i])
+                    for (size_t c = 0; c < poseSize; ++c) pose[line * poseSize + c] = sign * entry(i, kRootSize + c);
+            }
+        }
+    }
+    return true;
 }
 
 }  // namespace dpl

@@ -23,6 +23,7 @@ struct FitContext {
     const KeypointChain* chain = nullptr;
     SwayLayout sway;
     double outlierSigmas = 4;
+    double footSigmaScale = 1;    // widens FootRest while poses are still coarse; its saturated cost stays that of a final outlier
 };
 
 /** Two residuals a seen keypoint. Blocks: shape, log metres per unit, root, pose[, sway]. Geman–McClure inside: r·c/√(|r|²+c²), whose square is ρ. */
@@ -41,14 +42,15 @@ private:
     bool withSway_;
 };
 
-/** Spread and range of one pose: 6 residuals a joint. `mean` null: the rest pose. Block: pose. */
+/** Spread about `mean` (3 a joint) and range about the rest pose: 6 residuals a joint. Block: pose. */
 class PosePriorCost final : public ceres::CostFunction {
 public:
-    explicit PosePriorCost(std::vector<JointPrior> priors);
+    PosePriorCost(std::vector<JointPrior> priors, std::vector<double> mean);
     bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override;
 
 private:
     std::vector<JointPrior> priors_;
+    std::vector<double> mean_;
 };
 
 /** (x − mean)/σ for each parameter of one block. */
@@ -82,9 +84,29 @@ private:
     double weight_[3];  // of each pose in the acceleration
 };
 
-/** Acceleration of the root: turn (relative rotations, so any facing) and translation. Blocks: root0, root1, root2. */
-ceres::CostFunction* makeRootSmoothness(const Mat3d (&references)[3], double t0, double t1, double t2);
+/** Acceleration of the root: turn (relative rotations, so any facing) and translation. Blocks: root0, root1, root2.
+ *  `up`: the vertical, about which people turn faster than they tilt. */
+ceres::CostFunction* makeRootSmoothness(const Mat3d (&references)[3], const Vec3d& up, double t0, double t1, double t2);
 
-constexpr double kRootTurnAccelerationRadS2 = 1.5, kRootAccelerationMS2 = 1.5;
+constexpr double kTurnAccelerationRadS2 = 2.0, kTiltAccelerationRadS2 = 0.3, kRootAccelerationMS2 = 0.6;
+
+/** The pelvis stays about as upright as in the still pose: `bodyUp` (the root's own axis that points `up` there) against `up`. Block: root. */
+ceres::CostFunction* makeRootUpright(const Mat3d& reference, const Vec3d& bodyUp, const Vec3d& up);
+constexpr double kTiltRad = 0.08;
+
+/** Feet that stand do not slide: the moves of ankles and toes between two frames, Geman–McClure, so a swinging foot is let go.
+ *  With a moving camera this is what fixes the body's depth. Blocks: shape, root0, pose0, root1, pose1. */
+class FootRest final : public ceres::CostFunction {
+public:
+    FootRest(const FitContext& context, std::vector<size_t> keypoints, const Mat3d& reference0, const Mat3d& reference1, double sigmaM);
+    bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override;
+
+private:
+    const FitContext& context_;
+    std::vector<size_t> keypoints_;
+    Mat3d reference_[2];
+    double sigmaM_;
+};
+constexpr double kFootOutlierSigmas = 3;
 
 }  // namespace dpl
