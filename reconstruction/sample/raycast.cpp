@@ -1,6 +1,10 @@
 #include "reconstruction/sample/raycast.h"
 
+#if __has_include(<embree4/rtcore.h>)  // Debian 13
+#include <embree4/rtcore.h>
+#else
 #include <embree3/rtcore.h>
+#endif
 
 #include <algorithm>
 #include <cmath>
@@ -34,6 +38,22 @@ void basis(const Vec3f& n, Vec3f& a, Vec3f& b) {
 }
 
 float hash01(uint32_t x, uint32_t y, uint32_t salt) { return float(mixBits(uint64_t(x) << 40 ^ uint64_t(y) << 20 ^ salt) >> 40) * 0x1p-24f; }
+
+#if RTC_VERSION_MAJOR >= 4
+void firstHit(RTCScene scene, RTCRayHit& ray) { rtcIntersect1(scene, &ray); }
+void shadowRay(RTCScene scene, RTCRay& ray) { rtcOccluded1(scene, &ray); }
+#else
+void firstHit(RTCScene scene, RTCRayHit& ray) {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(scene, &context, &ray);
+}
+void shadowRay(RTCScene scene, RTCRay& ray) {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(scene, &context, &ray);
+}
+#endif
 
 }  // namespace
 
@@ -88,13 +108,11 @@ struct PersonTracer::State {
     void add(const Triangle& t, uint8_t l) { triangles.push_back(t), label.push_back(l); }
 
     bool blocked(const Vec3f& from, const Vec3f& direction, float limit) const {
-        RTCIntersectContext context;
-        rtcInitIntersectContext(&context);
         RTCRay ray{};
         ray.org_x = from.x, ray.org_y = from.y, ray.org_z = from.z;
         ray.dir_x = direction.x, ray.dir_y = direction.y, ray.dir_z = direction.z;
         ray.tnear = 0, ray.tfar = limit, ray.mask = ~0u;
-        rtcOccluded1(scene, &context, &ray);
+        shadowRay(scene, ray);
         return ray.tfar < 0;
     }
 
@@ -105,15 +123,13 @@ struct PersonTracer::State {
         float u = 0, v = 0;
     };
     Hit trace(const Vec3f& from, const Vec3f& direction) const {
-        RTCIntersectContext context;
-        rtcInitIntersectContext(&context);
         RTCRayHit ray{};
         ray.ray.org_x = from.x, ray.ray.org_y = from.y, ray.ray.org_z = from.z;
         ray.ray.dir_x = direction.x, ray.ray.dir_y = direction.y, ray.ray.dir_z = direction.z;
         ray.ray.tfar = std::numeric_limits<float>::infinity();
         ray.ray.mask = ~0u;
         ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        rtcIntersect1(scene, &context, &ray);
+        firstHit(scene, ray);
         if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
         return {true, ray.ray.tfar, ray.hit.primID, ray.hit.u, ray.hit.v};
     }
