@@ -40,10 +40,10 @@ void basis(const Vec3f& n, Vec3f& a, Vec3f& b) {
 float hash01(uint32_t x, uint32_t y, uint32_t salt) { return float(mixBits(uint64_t(x) << 40 ^ uint64_t(y) << 20 ^ salt) >> 40) * 0x1p-24f; }
 
 #if RTC_VERSION_MAJOR >= 4
-void firstHit(RTCScene scene, RTCRayHit& ray) { rtcIntersect1(scene, &ray); }
+void castRay(RTCScene scene, RTCRayHit& ray) { rtcIntersect1(scene, &ray); }
 void shadowRay(RTCScene scene, RTCRay& ray) { rtcOccluded1(scene, &ray); }
 #else
-void firstHit(RTCScene scene, RTCRayHit& ray) {
+void castRay(RTCScene scene, RTCRayHit& ray) {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     rtcIntersect1(scene, &context, &ray);
@@ -129,7 +129,7 @@ struct PersonTracer::State {
         ray.ray.tfar = std::numeric_limits<float>::infinity();
         ray.ray.mask = ~0u;
         ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        firstHit(scene, ray);
+        castRay(scene, ray);
         if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
         return {true, ray.ray.tfar, ray.hit.primID, ray.hit.u, ray.hit.v};
     }
