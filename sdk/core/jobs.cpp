@@ -4,6 +4,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -42,8 +43,12 @@ struct Jobs::State {
 
 Jobs::Jobs(uint32_t threadCount) : state_(std::make_unique<State>()) {
     if (threadCount == 0) threadCount = std::max(1u, std::thread::hardware_concurrency());
-    for (uint32_t worker = 1; worker < threadCount; ++worker)
-        state_->threads.emplace_back([state = state_.get(), worker] { state->workerLoop(worker); });
+    try {
+        for (uint32_t worker = 1; worker < threadCount; ++worker)
+            state_->threads.emplace_back([state = state_.get(), worker] { state->workerLoop(worker); });
+    } catch (const std::system_error&) {
+        // The system grants no more threads: the pool works with those it has, and results do not depend on how many.
+    }
 }
 
 Jobs::~Jobs() {
