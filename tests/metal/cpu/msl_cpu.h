@@ -1,0 +1,120 @@
+// Enough of the Metal standard library, on GLM, to compile the kernels that SPIRV-Cross emits as C++ and run them on the CPU.
+// One fiber a thread of a threadgroup; a barrier switches fibers. It checks meaning, not acceptance by Apple's compiler.
+#pragma once
+
+#define GLM_FORCE_SWIZZLE
+#define GLM_FORCE_SILENT_WARNINGS
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <tuple>
+#include <vector>
+
+namespace msl {
+
+/** Runs `lanes` fibers of one threadgroup to their end. order: 0 forward, 1 reverse, 2 shuffled by a fixed seed.
+ *  Returns false when some lanes end while others wait at a barrier. */
+bool runGroup(uint32_t lanes, int order, const std::function<void(uint32_t lane)>& body);
+void barrier();
+
+}  // namespace msl
+
+namespace metal {
+
+using uint = uint32_t;
+using float2 = glm::vec2;
+using float3 = glm::vec3;
+using float4 = glm::vec4;
+using uint2 = glm::uvec2;
+using uint3 = glm::uvec3;
+using uint4 = glm::uvec4;
+using float3x3 = glm::mat3;
+using atomic_uint = uint32_t;
+
+enum class mem_flags { mem_none, mem_device, mem_threadgroup };
+constexpr int memory_order_relaxed = 0;
+inline void threadgroup_barrier(mem_flags) { msl::barrier(); }
+inline uint atomic_fetch_max_explicit(atomic_uint* a, uint v, int) { const uint old = *a; *a = std::max(old, v); return old; }
+inline uint atomic_fetch_add_explicit(atomic_uint* a, uint v, int) { const uint old = *a; *a = old + v; return old; }
+
+inline float dot(const float3& a, const float3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline float dot(const float4& a, const float4& b) { return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w; }
+inline float3 cross(const float3& a, const float3& b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+inline float length(const float3& a) { return std::sqrt(dot(a, a)); }
+inline float3x3 transpose(const float3x3& m) { return glm::transpose(m); }
+inline float sqrt(float x) { return std::sqrt(x); }
+inline float2 sqrt(const float2& v) { return {std::sqrt(v.x), std::sqrt(v.y)}; }
+inline float log(float x) { return std::log(x); }
+inline float exp(float x) { return std::exp(x); }
+inline float abs(float x) { return std::fabs(x); }
+inline uint min(uint a, uint b) { return std::min(a, b); }
+inline uint max(uint a, uint b) { return std::max(a, b); }
+namespace fast {
+inline float clamp(float x, float low, float high) { return std::min(std::max(x, low), high); }
+inline float3 clamp(const float3& v, const float3& low, const float3& high) { return {clamp(v.x, low.x, high.x), clamp(v.y, low.y, high.y), clamp(v.z, low.z, high.z)}; }
+inline float max(float a, float b) { return std::max(a, b); }
+inline float min(float a, float b) { return std::min(a, b); }
+inline float3 normalize(const float3& v) { const float s = 1.0f / std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); return {v.x * s, v.y * s, v.z * s}; }
+}  // namespace fast
+template <class To, class From>
+inline To as_type(const From& from) {
+    static_assert(sizeof(To) == sizeof(From));
+    To to;
+    std::memcpy(&to, &from, sizeof(To));
+    return to;
+}
+
+}  // namespace metal
+
+namespace msl {
+
+struct Thread {
+    void* const* buffers;  // in the order of the kernel's parameters
+    uint32_t lane = 0;
+    glm::uvec3 position{0};  // in the grid, or of the threadgroup: what the kernel asks for
+};
+
+template <class Parameter>
+struct Argument;  // builtins are passed by value, buffers by reference
+template <class T>
+struct Argument<T&> {
+    static T& get(Thread& t) { return *static_cast<std::remove_const_t<T>*>(*t.buffers++); }
+};
+template <>
+struct Argument<uint32_t> {
+    static uint32_t get(Thread& t) { return t.lane; }
+};
+template <>
+struct Argument<glm::uvec3> {
+    static glm::uvec3 get(Thread& t) { return t.position; }
+};
+
+/** Runs groups × lanes threads. `global`: the kernel's uint3 is thread_position_in_grid, else threadgroup_position_in_grid. */
+template <class... Parameters>
+bool dispatch(void (*kernel)(Parameters...), void* const* buffers, uint32_t groups, uint32_t lanes, bool global, int order) {
+    bool fine = true;
+    for (uint32_t i = 0; i < groups; ++i) {
+        const uint32_t group = order == 1 ? groups - 1 - i : i;
+        fine &= runGroup(lanes, order, [&](uint32_t lane) {
+            Thread thread{buffers, lane, {global ? group * lanes + lane : group, 0, 0}};
+            std::tuple<Parameters...> arguments{Argument<Parameters>::get(thread)...};  // braces: evaluated left to right
+            std::apply(kernel, arguments);
+        });
+    }
+    return fine;
+}
+
+}  // namespace msl
+
+#define kernel
+#define device
+#define thread
+#define constant const
+#define threadgroup  // declarations of group memory have become `static` (to_cpp.cmake)

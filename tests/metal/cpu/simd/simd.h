@@ -1,0 +1,1 @@
+#include "tests/metal/cpu/msl_cpu.h"

@@ -1,0 +1,22 @@
+# cmake -DIN=x.metal -DOUT=x.cpp -DENTRY=name -P to_cpp.cmake: one emitted kernel as a C++ file with a C dispatcher.
+file(READ ${IN} text)
+string(REGEX REPLACE "\n( +)threadgroup ([a-zA-Z_0-9]+ [^(;]*;)" "\n\\1static \\2" text "${text}")
+string(REGEX REPLACE "\\.(xyz|xy|zw)([^a-z_A-Z0-9])" ".\\1()\\2" text "${text}")  # GLM reads swizzles by functions
+if(text MATCHES "\\[\\[thread_position_in_grid\\]\\]")
+  set(global true)
+else()
+  set(global false)
+endif()
+if(NOT text MATCHES "gl_WorkGroupSize[^=]*= uint3\\(([0-9]+)u")
+  set(CMAKE_MATCH_1 1)  # a group of one thread: SPIRV-Cross leaves the constant out
+endif()
+file(WRITE ${OUT}.tmp "#include \"tests/metal/cpu/msl_cpu.h\"
+namespace ${ENTRY}_space {
+using metal::uint;
+${text}
+}
+bool ${ENTRY}(void* const* buffers, unsigned groups, int order) {
+    return msl::dispatch(${ENTRY}_space::main0, buffers, groups, ${CMAKE_MATCH_1}, ${global}, order);
+}
+")
+file(RENAME ${OUT}.tmp ${OUT})

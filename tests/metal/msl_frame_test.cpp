@@ -1,0 +1,157 @@
+// The frame's kernels as Metal text, executed on the CPU from skinning to the sorted list, in three lane orders; what they
+// leave is blended in double and compared with the referee.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "sdk/render/avatar_upload.h"
+#include "sdk/avatar/rig.h"
+#include "tests/reference/image_compare.h"
+#include "tests/reference/reference_renderer.h"
+#include "tests/unit/render/tube_avatar.h"
+
+#define DPL_MSL(name) bool name(void* const* buffers, unsigned groups, int order)
+DPL_MSL(msl_skin);
+DPL_MSL(msl_triangles);
+DPL_MSL(msl_project);
+DPL_MSL(msl_colour);
+DPL_MSL(msl_compact_count);
+DPL_MSL(msl_compact_scan);
+DPL_MSL(msl_compact_args);
+DPL_MSL(msl_compact_scatter);
+DPL_MSL(msl_sort_count);
+DPL_MSL(msl_sort_scatter);
+
+namespace dpl {
+namespace {
+
+/** Everything the frame leaves behind. */
+struct MslFrame {
+    std::vector<gpu::ProjectedSplat> projected;
+    std::vector<gpu::uvec2> compacted, sorted;
+    gpu::FrameCounts counts{};
+};
+
+uint32_t groupsFor(size_t count, uint32_t size) { return uint32_t((count + size - 1) / size); }
+
+/** One dispatch: buffers in binding order, then the push constants. */
+template <class Push>
+void run(bool (*kernel)(void* const*, unsigned, int), uint32_t groups, int order, std::vector<void*> buffers, Push push) {
+    buffers.push_back(&push);
+    ASSERT_TRUE(kernel(buffers.data(), groups, order)) << "lanes left a barrier alone";
+}
+
+void sortPairs(std::vector<gpu::uvec2>& pairs, gpu::FrameCounts& counts, int order) {
+    std::vector<gpu::uvec2> other(pairs.size() + 1);
+    std::vector<uint32_t> histogram(gpu::kSortDigits * counts.sortBlocks + 1);
+    void *from = pairs.data(), *to = other.data();
+    for (uint32_t round = 0; round < gpu::kSortRounds; ++round) {
+        const gpu::SortPush push{round * gpu::kSortDigitBits};
+        run(msl_sort_count, counts.sortBlocks, order, {&counts, from, histogram.data()}, push);
+        run(msl_compact_scan, 1, order, {&counts, histogram.data()}, gpu::ScanPush{0, 1});
+        run(msl_sort_scatter, counts.sortBlocks, order, {&counts, from, histogram.data(), to}, push);
+        std::swap(from, to);
+    }
+}
+
+MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Cameraf> views, int order) {
+    AvatarRecords records = packAvatar(avatar);
+    gpu::FrameData frame = packFrame(avatar, views);
+    std::vector<Mat3x4f> joints;
+    jointTransforms(avatar.joints, pose, joints);
+    std::vector<gpu::vec4> palette;
+    for (const Mat3x4f& m : joints)
+        for (int r = 0; r < 3; ++r) palette.push_back({m[0][r], m[1][r], m[2][r], m[3][r]});
+    MslFrame out;
+    const uint32_t splats = uint32_t(records.splats.size()), viewCount = uint32_t(views.size()), blocks = groupsFor(splats, gpu::kCompactBlock);
+    std::vector<gpu::vec4> posed(records.vertices.size());
+    std::vector<gpu::TriangleFrame> frames(records.triangles.size());
+    std::vector<uint32_t> depth(splats), sums(blocks + 1);
+    std::vector<float> sh = avatar.splats.sh;
+    out.projected.resize(size_t(splats) * viewCount);
+    out.compacted.resize(splats);
+    run(msl_skin, groupsFor(posed.size(), gpu::kVertexGroup), order, {&frame, palette.data(), records.vertices.data(), posed.data(), &out.counts}, gpu::VertexPush{uint32_t(posed.size())});
+    run(msl_triangles, groupsFor(frames.size(), gpu::kVertexGroup), order, {records.triangles.data(), posed.data(), frames.data()}, gpu::TrianglePush{uint32_t(frames.size())});
+    run(msl_project, groupsFor(splats, gpu::kSplatGroup), order, {&frame, records.splats.data(), frames.data(), out.projected.data(), depth.data()}, gpu::SplatPush{splats, viewCount});
+    const uint32_t degree = avatar.splats.shDegree;
+    run(msl_colour, groupsFor(splats, gpu::kSplatGroup), order, {&frame, records.splats.data(), frames.data(), sh.data(), out.projected.data()},
+        gpu::ColourPush{splats, viewCount, degree, (degree + 1) * (degree + 1) * 3});
+    const gpu::CompactPush push{splats, blocks};
+    run(msl_compact_count, blocks, order, {depth.data(), sums.data()}, push);
+    run(msl_compact_scan, 1, order, {&out.counts, sums.data()}, gpu::ScanPush{blocks, 0});
+    run(msl_compact_args, 1, order, {sums.data(), &out.counts}, gpu::ArgsPush{blocks, 1});
+    run(msl_compact_scatter, blocks, order, {depth.data(), sums.data(), &out.counts, out.compacted.data()}, push);
+    out.compacted.resize(out.counts.visible);
+    out.sorted = out.compacted;
+    sortPairs(out.sorted, out.counts, order);
+    return out;
+}
+
+/** Front to back in the order of the sorted list, in double. */
+std::vector<double> blend(const MslFrame& f, const Cameraf& camera, uint32_t view, uint32_t viewCount) {
+    std::vector<double> rgb(size_t(camera.widthPx) * camera.heightPx * 3, 0), transmittance(size_t(camera.widthPx) * camera.heightPx, 1);
+    for (const gpu::uvec2& pair : f.sorted) {
+        const gpu::ProjectedSplat& p = f.projected[size_t(pair.y) * viewCount + view];
+        for (uint32_t y = 0; y < camera.heightPx; ++y) {
+            if (std::abs(y + 0.5 - p.centrePx.y) > p.radiusPx.y) continue;
+            for (uint32_t x = 0; x < camera.widthPx; ++x) {
+                const double dx = x + 0.5 - p.centrePx.x, dy = y + 0.5 - p.centrePx.y;
+                if (std::abs(dx) > p.radiusPx.x) continue;
+                const double sigma = 0.5 * (p.conicA * dx * dx + p.conicC * dy * dy) + p.conicB * dx * dy;
+                const double alpha = std::min(kMaxAlpha, p.opacity * std::exp(-sigma));
+                if (alpha < kMinAlpha) continue;
+                double& t = transmittance[size_t(y) * camera.widthPx + x];
+                double* pixel = &rgb[(size_t(y) * camera.widthPx + x) * 3];
+                pixel[0] += alpha * t * p.colour.x, pixel[1] += alpha * t * p.colour.y, pixel[2] += alpha * t * p.colour.z;
+                t *= 1 - alpha;
+            }
+        }
+    }
+    return rgb;
+}
+
+TEST(MetalFrame, kernelsFromSkinningToSortMatchTheReference) {
+    const AvatarData avatar = makeTube({.splatsPerTriangle = 4, .shDegree = 3});
+    const Pose pose = tubePose(0.9f, 0.4f);
+    const Cameraf views[2] = {tubeCamera(96, 96, 0.6f, 1.6f, -0.03f), tubeCamera(96, 96, 0.6f, 1.6f, 0.03f)};
+    MslFrame first;
+    for (int order = 0; order < 3; ++order) {
+        const MslFrame f = runFrame(avatar, pose, views, order);
+        ASSERT_GT(f.counts.visible, 1000u);
+        EXPECT_EQ(f.counts.drawInstances, f.counts.visible);
+        if (order == 0) first = f;
+        EXPECT_EQ(0, std::memcmp(f.sorted.data(), first.sorted.data(), f.sorted.size() * 8)) << "lane order " << order;
+        EXPECT_EQ(0, std::memcmp(f.projected.data(), first.projected.data(), f.projected.size() * sizeof(gpu::ProjectedSplat)));
+        std::vector<gpu::uvec2> want = f.compacted;
+        std::stable_sort(want.begin(), want.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
+        EXPECT_EQ(0, std::memcmp(f.sorted.data(), want.data(), want.size() * 8)) << "lane order " << order;
+        for (size_t i = 1; i < f.compacted.size(); ++i) ASSERT_LT(f.compacted[i - 1].y, f.compacted[i].y) << "compaction must keep splat order";
+    }
+    for (uint32_t v = 0; v < 2; ++v) {
+        const ReferenceImage want = renderReference(avatar, pose, referenceCamera(views[v]));
+        const ImageDifference d = compareImages(blend(first, views[v], v, 2), want.rgb);
+        std::printf("[   MSL    ] view %u: %u of %u splats, %.1f dB to the reference, max %.4f\n", v, first.counts.visible, avatar.splats.count(), d.psnrDb, d.maxError);
+        EXPECT_GT(coverage(want.alpha), 0.05);
+        EXPECT_GE(d.psnrDb, 50);  // what is left is the 16-bit key: equal keys keep splat order
+    }
+}
+
+TEST(MetalFrame, sortIsStableAcrossBlocksAndTies) {
+    for (uint32_t keys : {1u, 16u, 65536u}) {
+        for (int order = 0; order < 3; ++order) {
+            gpu::FrameCounts counts{};
+            counts.visible = 5001;
+            counts.sortBlocks = groupsFor(counts.visible, gpu::kSortBlock);
+            std::vector<gpu::uvec2> pairs(counts.visible);
+            for (uint32_t i = 0; i < counts.visible; ++i) pairs[i] = {(i * 2654435761u >> 7) % keys, i};
+            std::vector<gpu::uvec2> want = pairs;
+            std::stable_sort(want.begin(), want.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
+            sortPairs(pairs, counts, order);
+            EXPECT_EQ(0, std::memcmp(pairs.data(), want.data(), want.size() * 8)) << keys << " keys, lane order " << order;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace dpl
