@@ -11,7 +11,9 @@ void turnZUpWorld(Camerad& camera) {
     r = Mat3d(r[0], r[2], -r[1]);
 }
 
-Vec3d turnZUpPoint(const Vec3d& p) { return {p.x, p.z, -p.y}; }
+Vec3d turnZUpPoint(const Vec3d& p) {
+    return {p.x, p.z, -p.y};
+}
 
 void setOpenglPose(Camerad& camera, std::span<const double, 16> m) {
     // Columns of world-from-camera: right, up, backward, position. OpenCV's axes are right, −up, −backward: the rows of R.
@@ -23,8 +25,10 @@ void setOpenglPose(Camerad& camera, std::span<const double, 16> m) {
 void setColmapPose(Camerad& camera, std::span<const double, 4> q, const Vec3d& translation) {
     const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
     const double nan = std::numeric_limits<double>::quiet_NaN();
-    if (!(length > 1e-12) || !std::isfinite(length)) camera.viewFromWorldRotation = Mat3d(nan);
-    else camera.viewFromWorldRotation = glm::mat3_cast(Quatd(q[0] / length, q[1] / length, q[2] / length, q[3] / length));
+    if (!(length > 1e-12) || !std::isfinite(length))
+        camera.viewFromWorldRotation = Mat3d(nan);
+    else
+        camera.viewFromWorldRotation = glm::mat3_cast(Quatd(q[0] / length, q[1] / length, q[2] / length, q[3] / length));
     camera.viewFromWorldTranslation = translation;
 }
 

@@ -33,15 +33,18 @@ constexpr std::array kModels{ModelKind{0, "SIMPLE_PINHOLE", 3}, ModelKind{1, "PI
                              ModelKind{3, "RADIAL", 5}, ModelKind{4, "OPENCV", 8}};
 
 Error unsupportedModel(const std::string& where, std::string_view model) {
-    return fail(Code::Unsupported, "{}: camera model {} is not read; undistort the images with 'colmap image_undistorter', which writes PINHOLE cameras",
+    return fail(Code::Unsupported,
+                "{}: camera model {} is not read; undistort the images with 'colmap image_undistorter', which writes PINHOLE cameras",
                 where, model);
 }
 
 Result<std::string> readWhole(const fs::path& path) {
     std::error_code error;
     const auto bytes = fs::file_size(path, error);
-    if (error || !fs::is_regular_file(path, error)) return fail(Code::NotFound, "{}: not found; export the COLMAP model again", path.string());
-    if (bytes > kMaxModelBytes) return fail(Code::Unsupported, "{}: {} bytes, at most 1 GiB is read; export a model without points", path.string(), bytes);
+    if (error || !fs::is_regular_file(path, error))
+        return fail(Code::NotFound, "{}: not found; export the COLMAP model again", path.string());
+    if (bytes > kMaxModelBytes)
+        return fail(Code::Unsupported, "{}: {} bytes, at most 1 GiB is read; export a model without points", path.string(), bytes);
     std::ifstream in(path, std::ios::binary);
     std::string text(bytes, '\0');
     if (!in.read(text.data(), std::streamsize(bytes))) return fail(Code::Io, "{}: cannot be read; check its permissions", path.string());
@@ -73,12 +76,14 @@ Status addCamera(Cameras& cameras, uint32_t id, ColmapCamera camera, const std::
     return {};
 }
 
-Status addImage(std::vector<ColmapImage>& images, const Cameras& cameras, std::string name, uint32_t cameraId, const std::array<double, 4>& q,
-                const Vec3d& t, const std::string& file) {
+Status addImage(std::vector<ColmapImage>& images, const Cameras& cameras, std::string name, uint32_t cameraId,
+                const std::array<double, 4>& q, const Vec3d& t, const std::string& file) {
     const std::string where = formatText("{} image '{}'", file, name);
-    if (name.empty() || name.size() > kMaxNameBytes) return fail(Code::CorruptData, "{}: an image has no usable name; export the model again", file);
+    if (name.empty() || name.size() > kMaxNameBytes)
+        return fail(Code::CorruptData, "{}: an image has no usable name; export the model again", file);
     const auto found = cameras.find(cameraId);
-    if (found == cameras.end()) return fail(Code::CorruptData, "{} uses camera {}, which the model does not list; export it again", where, cameraId);
+    if (found == cameras.end())
+        return fail(Code::CorruptData, "{} uses camera {}, which the model does not list; export it again", where, cameraId);
     ColmapImage image{std::move(name), found->second.camera, found->second.lens};
     setColmapPose(image.camera, q, t);
     DPL_CHECK_OK(checkCamera(image.camera, where));
@@ -134,7 +139,8 @@ Result<Cameras> readCamerasText(const fs::path& path) {
         bool good = parse(line, width) && parse(line, height);
         for (uint32_t i = 0; i < kind->parameterCount; ++i) good = good && parse(line, p[i]);
         if (!good || !nextWord(line).empty())
-            return fail(Code::CorruptData, "{}: {} wants width, height and {} numbers; export the model again", where, name, kind->parameterCount);
+            return fail(Code::CorruptData, "{}: {} wants width, height and {} numbers; export the model again", where, name,
+                        kind->parameterCount);
         DPL_CHECK_OK(addCamera(cameras, id, makeCamera(kind->id, width, height, p), path.string()));
     }
     return cameras;
@@ -154,7 +160,8 @@ Result<std::vector<ColmapImage>> readImagesText(const fs::path& path, const Came
         good = good && parse(line, t.x) && parse(line, t.y) && parse(line, t.z) && parse(line, cameraId);
         const size_t begin = line.find_first_not_of(" \t");
         if (!good || begin == std::string_view::npos)
-            return fail(Code::CorruptData, "{} line {}: 'id qw qx qy qz tx ty tz camera name' is expected; export the model again", path.string(), number);
+            return fail(Code::CorruptData, "{} line {}: 'id qw qx qy qz tx ty tz camera name' is expected; export the model again",
+                        path.string(), number);
         DPL_CHECK_OK(addImage(images, cameras, std::string(line.substr(begin)), cameraId, q, t, path.string()));
         lines.next(line);  // the image's 2D points: one line, possibly empty, not used
         ++number;
@@ -164,13 +171,15 @@ Result<std::vector<ColmapImage>> readImagesText(const fs::path& path, const Came
 
 // ── binary ──────────────────────────────────────────────────────────────────────────────────────────────────────────────────────
 
-std::span<const uint8_t> bytesOf(const std::string& text) { return {reinterpret_cast<const uint8_t*>(text.data()), text.size()}; }
+std::span<const uint8_t> bytesOf(const std::string& text) {
+    return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
+}
 
 Result<uint64_t> readCount(Reader& in, size_t entryBytes, const fs::path& path) {
     DPL_TRY(const uint64_t count, in.value<uint64_t>());
     if (count > kMaxEntries || count > in.remaining() / entryBytes)
-        return fail(Code::CorruptData, "{}: says {} entries, {} bytes are left; the file is cut or damaged, export the model again", path.string(), count,
-                    in.remaining());
+        return fail(Code::CorruptData, "{}: says {} entries, {} bytes are left; the file is cut or damaged, export the model again",
+                    path.string(), count, in.remaining());
     return count;
 }
 
@@ -217,9 +226,11 @@ Result<std::vector<ColmapImage>> readImagesBinary(const fs::path& path, std::spa
         DPL_TRY(const uint32_t cameraId, in.u32());
         DPL_TRY(std::string name, readName(in));
         DPL_TRY(const uint64_t points, in.value<uint64_t>());
-        if (points > in.remaining() / 24) return fail(Code::CorruptData, "image '{}' says {} points, {} bytes are left", name, points, in.remaining());
+        if (points > in.remaining() / 24)
+            return fail(Code::CorruptData, "image '{}' says {} points, {} bytes are left", name, points, in.remaining());
         DPL_CHECK_OK(in.skip(size_t(points) * 24));
-        DPL_CHECK_OK(addImage(images, cameras, std::move(name), cameraId, {pose[0], pose[1], pose[2], pose[3]}, {pose[4], pose[5], pose[6]}, path.string()));
+        DPL_CHECK_OK(addImage(images, cameras, std::move(name), cameraId, {pose[0], pose[1], pose[2], pose[3]}, {pose[4], pose[5], pose[6]},
+                              path.string()));
     }
     return images;
 }
@@ -237,7 +248,8 @@ fs::path findColmapModel(const fs::path& root) {
     for (const char* inside : {"sparse/0", "sparse", "colmap/sparse/0", "."}) {
         const fs::path folder = root / inside;
         for (const char* extension : {".bin", ".txt"})
-            if (fs::exists(folder / (std::string("cameras") + extension), ignored) && fs::exists(folder / (std::string("images") + extension), ignored))
+            if (fs::exists(folder / (std::string("cameras") + extension), ignored) &&
+                fs::exists(folder / (std::string("images") + extension), ignored))
                 return folder;
     }
     return {};
@@ -259,7 +271,8 @@ Result<std::vector<ColmapImage>> readColmapModel(const fs::path& folder) {
         DPL_TRY(const Cameras cameras, readCamerasText(folder / "cameras.txt"));
         DPL_TRY(images, readImagesText(folder / "images.txt", cameras));
     }
-    if (images.empty()) return fail(Code::CorruptData, "{}: the model has no registered image; run COLMAP's mapper on more pictures", folder.string());
+    if (images.empty())
+        return fail(Code::CorruptData, "{}: the model has no registered image; run COLMAP's mapper on more pictures", folder.string());
     std::sort(images.begin(), images.end(), [](const ColmapImage& a, const ColmapImage& b) { return a.name < b.name; });
     return images;
 }

@@ -17,8 +17,9 @@ inline Ray pixelRay(const Camerad& camera, const Vec2d& px) {
     return {camera.eye(), glm::normalize(glm::transpose(camera.viewFromWorldRotation) * view)};
 }
 
-/** The point with the least weighted sum of squared distances to the rays: Σ w (I − d dᵀ)(x − o) = 0. Rays further than `robustM` from it lose
- *  weight by Geman–McClure over ten rounds; robustM 0 means plain least squares. Nothing when the rays are parallel or fewer than two. */
+/** The point with the least weighted sum of squared distances to the rays: Σ w (I − d dᵀ)(x − o) = 0. Rays further than `robustM` from it
+ * lose weight by Geman–McClure over ten rounds; robustM 0 means plain least squares. Nothing when the rays are parallel or fewer than two.
+ */
 std::optional<Vec3d> pointNearRays(std::span<const Ray> rays, std::span<const double> weights, double robustM);
 
 }  // namespace dpl

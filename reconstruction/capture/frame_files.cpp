@@ -1,12 +1,11 @@
 // Pixels and keypoints of one frame. Lens distortion is taken out here, so that everything downstream is a pinhole.
-#include <opencv2/calib3d.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "reconstruction/capture/image_file.h"
 #include "reconstruction/capture/scan_paths.h"
@@ -19,8 +18,12 @@ using nlohmann::json;
 namespace {
 
 // OpenCV puts (0,0) at the centre of the first pixel, Doppel at the corner of the image: half a pixel apart.
-cv::Matx33d opencvIntrinsics(const Camerad& c) { return {c.fx, 0, c.cx - 0.5, 0, c.fy, c.cy - 0.5, 0, 0, 1}; }
-cv::Vec4d opencvLens(const LensDistortion& d) { return {d.k1, d.k2, d.p1, d.p2}; }
+cv::Matx33d opencvIntrinsics(const Camerad& c) {
+    return {c.fx, 0, c.cx - 0.5, 0, c.fy, c.cy - 0.5, 0, 0, 1};
+}
+cv::Vec4d opencvLens(const LensDistortion& d) {
+    return {d.k1, d.k2, d.p1, d.p2};
+}
 
 Result<cv::Mat> decode(const fs::path& path, const ScanFrame& frame, int flags) {
     DPL_TRY(const auto bytes, readCompleteImage(path));
@@ -32,8 +35,8 @@ Result<cv::Mat> decode(const fs::path& path, const ScanFrame& frame, int flags) 
     }
     if (image.empty()) return fail(Code::CorruptData, "{}: cannot be decoded; the file is damaged, copy it again", path.string());
     if (uint32_t(image.cols) != frame.camera.widthPx || uint32_t(image.rows) != frame.camera.heightPx)
-        return fail(Code::CorruptData, "frame '{}': {} is {} x {} pixels, its camera says {} x {}; resize it or correct the intrinsics", frame.name, path.string(),
-                    image.cols, image.rows, frame.camera.widthPx, frame.camera.heightPx);
+        return fail(Code::CorruptData, "frame '{}': {} is {} x {} pixels, its camera says {} x {}; resize it or correct the intrinsics",
+                    frame.name, path.string(), image.cols, image.rows, frame.camera.widthPx, frame.camera.heightPx);
     if (image.depth() == CV_16U) image.convertTo(image, CV_8U, 1.0 / 257);
     if (image.depth() != CV_8U) return fail(Code::Unsupported, "{}: neither 8 nor 16 bit; save it as 8 bit", path.string());
     return image;
@@ -73,8 +76,10 @@ Result<ImageGrey8> readFrameMask(const ScanFrame& frame) {
     if (image.channels() == 4) {  // a cut-out: the matte is its alpha, unless that is opaque everywhere
         cv::Mat alpha;
         cv::extractChannel(image, alpha, 3);
-        if (cv::countNonZero(alpha != 255) > 0) image = alpha;
-        else cv::cvtColor(image, image, cv::COLOR_BGRA2GRAY);
+        if (cv::countNonZero(alpha != 255) > 0)
+            image = alpha;
+        else
+            cv::cvtColor(image, image, cv::COLOR_BGRA2GRAY);
     } else if (image.channels() == 3) {
         cv::cvtColor(image, image, cv::COLOR_BGR2GRAY);
     } else if (image.channels() != 1) {
@@ -90,7 +95,9 @@ Result<ImageGrey8> readFrameMask(const ScanFrame& frame) {
 Result<ImageGrey8> readFrameLabels(const ScanFrame& frame) {
     if (frame.labelsPath.empty()) return fail(Code::NotFound, "frame '{}' has no labels; add them to the scan", frame.name);
     DPL_TRY(cv::Mat image, decode(frame.labelsPath, frame, cv::IMREAD_UNCHANGED));
-    if (image.channels() != 1) return fail(Code::CorruptData, "{}: labels must be 8-bit grey, the value is the label; save without a palette", frame.labelsPath.string());
+    if (image.channels() != 1)
+        return fail(Code::CorruptData, "{}: labels must be 8-bit grey, the value is the label; save without a palette",
+                    frame.labelsPath.string());
     undistort(image, frame, cv::INTER_NEAREST);
     return takePixels<ImageGrey8>(image);
 }
@@ -106,7 +113,8 @@ Result<std::vector<Keypoint>> readKeypoints(const Scan& scan, const ScanFrame& f
     std::vector<size_t> slot(positions->size(), SIZE_MAX);
     if (fields.has("names")) {
         DPL_TRY(const json* names, fields.array("names"));
-        if (names->size() != positions->size()) return fail(Code::CorruptData, "{}: {} names for {} keypoints; write the file again", where, names->size(), positions->size());
+        if (names->size() != positions->size())
+            return fail(Code::CorruptData, "{}: {} names for {} keypoints; write the file again", where, names->size(), positions->size());
         std::map<std::string, size_t> order;
         for (size_t k = 0; k < scan.keypointNames.size(); ++k) order[scan.keypointNames[k]] = k;
         for (size_t i = 0; i < names->size(); ++i) {
@@ -116,7 +124,8 @@ Result<std::vector<Keypoint>> readKeypoints(const Scan& scan, const ScanFrame& f
         }
     } else {
         if (positions->size() != scan.keypointNames.size())
-            return fail(Code::CorruptData, "{}: {} keypoints, the scan has {} names; write the file again", where, positions->size(), scan.keypointNames.size());
+            return fail(Code::CorruptData, "{}: {} keypoints, the scan has {} names; write the file again", where, positions->size(),
+                        scan.keypointNames.size());
         for (size_t i = 0; i < slot.size(); ++i) slot[i] = i;
     }
     std::vector<double> confidence(positions->size(), 1.0);

@@ -1,14 +1,14 @@
 #include "reconstruction/capture/frame_measures.h"
 
-#include <opencv2/imgproc.hpp>
-
 #include <algorithm>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
 namespace dpl {
 namespace {
 
-/** Share of neighbour differences that a 9-tap box blur leaves standing, the larger of both directions (Crete et al. 2007), inside `where`. */
+/** Share of neighbour differences that a 9-tap box blur leaves standing, the larger of both directions (Crete et al. 2007), inside `where`.
+ */
 double blurIndexOf(const cv::Mat& grey, const cv::Mat& where) {
     double worst = 0;
     for (const bool horizontal : {true, false}) {
@@ -101,16 +101,22 @@ FrameMeasures measureFrame(const Scan& scan, const ScanFrame& frame) {
     const auto image = readFrameImage(frame);
     if (!image) refuse(image.error());
     std::vector<Keypoint> keypoints;
-    if (auto read = readKeypoints(scan, frame)) keypoints = std::move(*read);
-    else refuse(read.error());
+    if (auto read = readKeypoints(scan, frame))
+        keypoints = std::move(*read);
+    else
+        refuse(read.error());
     ImageGrey8 mask, labels;
     if (!frame.maskPath.empty()) {
-        if (auto read = readFrameMask(frame)) mask = std::move(*read);
-        else refuse(read.error());
+        if (auto read = readFrameMask(frame))
+            mask = std::move(*read);
+        else
+            refuse(read.error());
     }
     if (!frame.labelsPath.empty()) {
-        if (auto read = readFrameLabels(frame)) labels = std::move(*read);
-        else refuse(read.error());
+        if (auto read = readFrameLabels(frame))
+            labels = std::move(*read);
+        else
+            refuse(read.error());
     }
     if (frame.split == Split::Test || !image) return out;
     check.measured = true;

@@ -8,16 +8,57 @@
 namespace dpl {
 namespace {
 
-constexpr std::array<std::string_view, 24> kNames{"nose", "eye_l", "eye_r", "ear_l", "ear_r", "neck", "shoulder_l", "shoulder_r",
-                                                  "elbow_l", "elbow_r", "wrist_l", "wrist_r", "knuckle_l", "knuckle_r", "pelvis", "hip_l",
-                                                  "hip_r", "knee_l", "knee_r", "ankle_l", "ankle_r", "toe_l", "toe_r", "head_top"};
-enum Name : size_t { Nose, EyeL, EyeR, EarL, EarR, Neck, ShoulderL, ShoulderR, ElbowL, ElbowR, WristL, WristR, KnuckleL, KnuckleR, Pelvis, HipL, HipR, KneeL, KneeR, AnkleL, AnkleR, ToeL, ToeR, HeadTop };
+constexpr std::array<std::string_view, 24> kNames{"nose",       "eye_l",      "eye_r",   "ear_l",   "ear_r",   "neck",
+                                                  "shoulder_l", "shoulder_r", "elbow_l", "elbow_r", "wrist_l", "wrist_r",
+                                                  "knuckle_l",  "knuckle_r",  "pelvis",  "hip_l",   "hip_r",   "knee_l",
+                                                  "knee_r",     "ankle_l",    "ankle_r", "toe_l",   "toe_r",   "head_top"};
+enum Name : size_t {
+    Nose,
+    EyeL,
+    EyeR,
+    EarL,
+    EarR,
+    Neck,
+    ShoulderL,
+    ShoulderR,
+    ElbowL,
+    ElbowR,
+    WristL,
+    WristR,
+    KnuckleL,
+    KnuckleR,
+    Pelvis,
+    HipL,
+    HipR,
+    KneeL,
+    KneeR,
+    AnkleL,
+    AnkleR,
+    ToeL,
+    ToeR,
+    HeadTop
+};
 
 // Names that are landmarks themselves: (name, BlazePose index).
-constexpr std::array<std::pair<size_t, size_t>, 17> kDirect{{{Nose, 0}, {EyeL, 2}, {EyeR, 5}, {EarL, 7}, {EarR, 8}, {ShoulderL, 11}, {ShoulderR, 12},
-                                                             {ElbowL, 13}, {ElbowR, 14}, {WristL, 15}, {WristR, 16}, {HipL, 23}, {HipR, 24}, {KneeL, 25},
-                                                             {KneeR, 26}, {AnkleL, 27}, {AnkleR, 28}}};
-// Shares measured on the skeletons of the shared scans: the neck joint between the shoulders' and the ears' middle, the toe joint between heel and toe tip.
+constexpr std::array<std::pair<size_t, size_t>, 17> kDirect{{{Nose, 0},
+                                                             {EyeL, 2},
+                                                             {EyeR, 5},
+                                                             {EarL, 7},
+                                                             {EarR, 8},
+                                                             {ShoulderL, 11},
+                                                             {ShoulderR, 12},
+                                                             {ElbowL, 13},
+                                                             {ElbowR, 14},
+                                                             {WristL, 15},
+                                                             {WristR, 16},
+                                                             {HipL, 23},
+                                                             {HipR, 24},
+                                                             {KneeL, 25},
+                                                             {KneeR, 26},
+                                                             {AnkleL, 27},
+                                                             {AnkleR, 28}}};
+// Shares measured on the skeletons of the shared scans: the neck joint between the shoulders' and the ears' middle, the toe joint between
+// heel and toe tip.
 constexpr double kNeckShare = 0.44, kToeShare = 0.72, kHeadTopShare = 0.55;
 // The network marks hips below the hip joints and shoulders above the shoulder joints: on scan-a by 12 and 6 of about 90 px of trunk.
 constexpr double kHipRaise = 0.12, kShoulderDrop = 0.06;
@@ -25,7 +66,9 @@ constexpr double kDerivedTrust = 0.7;  // a derived point is less certain than w
 
 }  // namespace
 
-std::span<const std::string_view> observedKeypointNames() { return kNames; }
+std::span<const std::string_view> observedKeypointNames() {
+    return kNames;
+}
 
 std::vector<Keypoint> keypointsFromLandmarks(std::span<const Vec2d> landmarks, std::span<const double> confidence, const ImageGrey8* mask) {
     std::vector<Keypoint> out(kNames.size());
@@ -36,7 +79,9 @@ std::vector<Keypoint> keypointsFromLandmarks(std::span<const Vec2d> landmarks, s
     for (const size_t hip : {23, 24}) p[hip] += kHipRaise * trunk;
     for (const size_t shoulder : {11, 12}) p[shoulder] -= kShoulderDrop * trunk;
     for (const auto& [name, landmark] : kDirect) out[name] = {p[landmark], confidence[landmark]};
-    const auto blend = [&](size_t a, size_t b, double share) { return Keypoint{p[a] + share * (p[b] - p[a]), std::min(confidence[a], confidence[b])}; };
+    const auto blend = [&](size_t a, size_t b, double share) {
+        return Keypoint{p[a] + share * (p[b] - p[a]), std::min(confidence[a], confidence[b])};
+    };
     out[KnuckleL] = blend(17, 19, 0.5);
     out[KnuckleR] = blend(18, 20, 0.5);
     out[ToeL] = blend(29, 31, kToeShare);
@@ -51,10 +96,12 @@ std::vector<Keypoint> keypointsFromLandmarks(std::span<const Vec2d> landmarks, s
     double reach = kHeadTopShare;
     if (mask && !mask->pixels.empty()) {
         const auto person = [&](const Vec2d& px) {
-            return px.x >= 0 && px.y >= 0 && px.x < mask->widthPx && px.y < mask->heightPx && mask->pixels[size_t(px.y) * mask->widthPx + size_t(px.x)] >= 128;
+            return px.x >= 0 && px.y >= 0 && px.x < mask->widthPx && px.y < mask->heightPx &&
+                   mask->pixels[size_t(px.y) * mask->widthPx + size_t(px.x)] >= 128;
         };
         if (person(ears.px))  // walk up the neck's line to the outline, within what a head can be
-            for (reach = 0.3; reach < 1.0 && person(ears.px + reach * neckToEars); reach += 0.01) {}
+            for (reach = 0.3; reach < 1.0 && person(ears.px + reach * neckToEars); reach += 0.01) {
+            }
     }
     out[HeadTop] = {ears.px + reach * neckToEars, trust};
     for (Keypoint& k : out) {

@@ -15,9 +15,10 @@ namespace dpl {
 /** The 24 names of our scans, in their order: "nose" … "head_top". */
 std::span<const std::string_view> observedKeypointNames();
 
-/** 33 pose landmarks (BlazePose order, pixels) -> the 24 names. Neck, pelvis, knuckles, toes and head top are derived; the head top follows the
- *  mask when there is one. confidence33: 0 … 1. */
-std::vector<Keypoint> keypointsFromLandmarks(std::span<const Vec2d> landmarks33, std::span<const double> confidence33, const ImageGrey8* mask);
+/** 33 pose landmarks (BlazePose order, pixels) -> the 24 names. Neck, pelvis, knuckles, toes and head top are derived; the head top follows
+ * the mask when there is one. confidence33: 0 … 1. */
+std::vector<Keypoint> keypointsFromLandmarks(std::span<const Vec2d> landmarks33, std::span<const double> confidence33,
+                                             const ImageGrey8* mask);
 
 /** What one picture gave; pixels are those of the image handed in. */
 struct Observation {
@@ -46,15 +47,15 @@ private:
 };
 
 struct ObserveOptions {
-    std::filesystem::path models;     // folder of the networks
-    std::filesystem::path output;     // keypoints/, labels/ and masks/ are written here, in the layout of docs/formats/scan.md
+    std::filesystem::path models;  // folder of the networks
+    std::filesystem::path output;  // keypoints/, labels/ and masks/ are written here, in the layout of docs/formats/scan.md
     std::function<void(size_t done, size_t count)> progress;  // called from worker threads, one at a time; may be empty
 };
 
 /** Fills in what the scan lacks, frame by frame: keypoints when the scan has no keypoint names, labels (where a person was found) and masks
  *  where a frame has none. Files
- *  are written to a temporary name and renamed; scan's paths, names and labels are set. Pictures are looked at one at a time, so a held-out one
- *  changes nothing but its own files. One network set per thread of `jobs`; the files do not depend on the number of threads. */
+ *  are written to a temporary name and renamed; scan's paths, names and labels are set. Pictures are looked at one at a time, so a held-out
+ * one changes nothing but its own files. One network set per thread of `jobs`; the files do not depend on the number of threads. */
 Status observeScan(Scan& scan, const ObserveOptions& options, Jobs& jobs);
 
 }  // namespace dpl

@@ -1,10 +1,9 @@
 // Observations for a whole scan, as files in the layout of our scan folders.
-#include <opencv2/imgcodecs.hpp>
-
 #include <cmath>
 #include <fstream>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 #include "reconstruction/capture/observations.h"
 
@@ -94,7 +93,8 @@ Status observeScan(Scan& scan, const ObserveOptions& options, Jobs& jobs) {
         DPL_TRY(observers[i], Observer::load(options.models));
     }
     std::vector<Wanted> wanted;
-    for (const auto& frame : scan.frames) wanted.push_back({wantKeypoints, labelsPossible && frame.labelsPath.empty(), frame.maskPath.empty()});
+    for (const auto& frame : scan.frames)
+        wanted.push_back({wantKeypoints, labelsPossible && frame.labelsPath.empty(), frame.maskPath.empty()});
     std::vector<Status> results(scan.frames.size());
     std::mutex progressLock;
     size_t done = 0;
@@ -114,7 +114,8 @@ Status observeScan(Scan& scan, const ObserveOptions& options, Jobs& jobs) {
         if (wanted[i].labels) frame.labelsPath = options.output / "labels" / (frame.name + ".png"), newLabels = true;
         if (wanted[i].mask) frame.maskPath = options.output / "masks" / (frame.name + ".png");
     }
-    if (newLabels && scan.labels.empty()) scan.labels = {{"background", 0}, {"body", 1}, {"top", 2}, {"bottom", 3}, {"hair", 4}, {"shoes", 5}};
+    if (newLabels && scan.labels.empty())
+        scan.labels = {{"background", 0}, {"body", 1}, {"top", 2}, {"bottom", 3}, {"hair", 4}, {"shoes", 5}};
     return {};
 }
 

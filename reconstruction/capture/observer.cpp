@@ -1,10 +1,9 @@
 // BlazePose and the clothes parser on one picture.
-#include <opencv2/imgproc.hpp>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <opencv2/imgproc.hpp>
 
 #include "reconstruction/capture/observations.h"
 #include "reconstruction/capture/onnx_net.h"
@@ -16,7 +15,9 @@ constexpr int kPoseSide = 256, kParserSide = 512;
 constexpr int kCropRounds = 3;
 constexpr uint8_t kBody = 1, kTop = 2, kBottom = 3, kHair = 4, kShoes = 5;
 
-double sigmoid(double x) { return 1 / (1 + std::exp(-x)); }
+double sigmoid(double x) {
+    return 1 / (1 + std::exp(-x));
+}
 
 /** A turned square of the picture. */
 struct Crop {
@@ -36,9 +37,12 @@ struct Crop {
     }
 };
 
-cv::Mat rgbOf(const ImageRgb8& image) { return {int(image.heightPx), int(image.widthPx), CV_8UC3, const_cast<uint8_t*>(image.pixels.data())}; }
+cv::Mat rgbOf(const ImageRgb8& image) {
+    return {int(image.heightPx), int(image.widthPx), CV_8UC3, const_cast<uint8_t*>(image.pixels.data())};
+}
 
-std::vector<float> cropToTensor(const ImageRgb8& image, const Crop& crop, int side, const std::array<float, 3>& mean, const std::array<float, 3>& deviation) {
+std::vector<float> cropToTensor(const ImageRgb8& image, const Crop& crop, int side, const std::array<float, 3>& mean,
+                                const std::array<float, 3>& deviation) {
     cv::Mat cut;
     cv::Mat source = rgbOf(image);
     Crop used = crop;
@@ -52,7 +56,8 @@ std::vector<float> cropToTensor(const ImageRgb8& image, const Crop& crop, int si
     for (int c = 0; c < 3; ++c)
         for (int y = 0; y < side; ++y)
             for (int x = 0; x < side; ++x)
-                chw[(size_t(c) * side + y) * side + x] = (float(cut.at<cv::Vec3b>(y, x)[c]) / 255.0f - mean[size_t(c)]) / deviation[size_t(c)];
+                chw[(size_t(c) * side + y) * side + x] =
+                    (float(cut.at<cv::Vec3b>(y, x)[c]) / 255.0f - mean[size_t(c)]) / deviation[size_t(c)];
     return chw;
 }
 
@@ -81,11 +86,13 @@ double segmentDistance(const Vec2d& p, const Vec2d& a, const Vec2d& b) {
     return glm::length(p - a - t * d);
 }
 
-/** Clothes are told apart by the nearest limb: torso and arms wear the top, legs the bottom, feet the shoes. Landmarks in picture pixels. */
+/** Clothes are told apart by the nearest limb: torso and arms wear the top, legs the bottom, feet the shoes. Landmarks in picture pixels.
+ */
 uint8_t garmentAt(const Vec2d& px, std::span<const Vec2d> p) {
     const Vec2d hips = 0.5 * (p[23] + p[24]), shoulders = 0.5 * (p[11] + p[12]);
     const Vec2d waist = hips + 0.12 * (shoulders - hips);
-    double top = segmentDistance(px, waist, shoulders), bottom = std::min(segmentDistance(px, hips, p[25]), segmentDistance(px, hips, p[26])), shoes = 1e9;
+    double top = segmentDistance(px, waist, shoulders),
+           bottom = std::min(segmentDistance(px, hips, p[25]), segmentDistance(px, hips, p[26])), shoes = 1e9;
     for (const size_t side : {0, 1}) {
         top = std::min({top, segmentDistance(px, p[11 + side], p[13 + side]), segmentDistance(px, p[13 + side], p[15 + side]),
                         segmentDistance(px, p[15 + side], p[19 + side]), segmentDistance(px, waist, p[11 + side])});
@@ -121,7 +128,8 @@ struct Observer::State {
                 if (t.name.find("poseflag") != std::string::npos && t.data.size() == 1) flag = &t;
                 if (t.name.find("segmentation") != std::string::npos && t.data.size() == size_t(kPoseSide) * kPoseSide) segmentation = &t;
             }
-            if (!points || !flag || !segmentation) return fail(Code::Unsupported, "the pose network has other outputs than BlazePose; use blazepose_full.onnx");
+            if (!points || !flag || !segmentation)
+                return fail(Code::Unsupported, "the pose network has other outputs than BlazePose; use blazepose_full.onnx");
             found.crop = crop;
             found.score = std::clamp(double(flag->data[0]), 0.0, 1.0);
             found.segmentation = segmentation->data;
@@ -141,21 +149,28 @@ struct Observer::State {
 
     Status findLabels(const ImageRgb8& image, const Pose& pose33, Observation& out) {
         const Crop crop = boxCrop(image, &out.mask, 1.1);
-        DPL_TRY(const auto outputs, parser->run(cropToTensor(image, crop, kParserSide, {0.485f, 0.456f, 0.406f}, {0.229f, 0.224f, 0.225f}), kParserSide));
+        DPL_TRY(const auto outputs,
+                parser->run(cropToTensor(image, crop, kParserSide, {0.485f, 0.456f, 0.406f}, {0.229f, 0.224f, 0.225f}), kParserSide));
         constexpr size_t kPlane = size_t(kParserSide) * kParserSide;
         if (outputs.size() != 1 || outputs[0].data.size() != 3 * kPlane)
-            return fail(Code::Unsupported, "the clothes network has other outputs than skin, clothes, hair; use skin_clothes_hair_pan.onnx");
+            return fail(Code::Unsupported,
+                        "the clothes network has other outputs than skin, clothes, hair; use skin_clothes_hair_pan.onnx");
         cv::Mat share[3];
-        for (size_t c = 0; c < 3; ++c) share[c] = spread(outputs[0].data.data() + c * kPlane, kParserSide, crop, image.widthPx, image.heightPx);
+        for (size_t c = 0; c < 3; ++c)
+            share[c] = spread(outputs[0].data.data() + c * kPlane, kParserSide, crop, image.widthPx, image.heightPx);
         out.labels = {image.widthPx, image.heightPx, std::vector<uint8_t>(size_t(image.widthPx) * image.heightPx, 0)};
         for (uint32_t y = 0; y < image.heightPx; ++y)
             for (uint32_t x = 0; x < image.widthPx; ++x) {
                 const size_t i = size_t(y) * image.widthPx + x;
                 if (out.mask.pixels[i] < 128) continue;
-                const float skin = share[0].at<float>(int(y), int(x)), clothes = share[1].at<float>(int(y), int(x)), hair = share[2].at<float>(int(y), int(x));
-                if (hair >= skin && hair >= clothes && hair > 0.3f) out.labels.pixels[i] = kHair;
-                else if (skin > clothes && skin > 0.3f) out.labels.pixels[i] = kBody;
-                else out.labels.pixels[i] = garmentAt({x + 0.5, y + 0.5}, pose33.landmarks);
+                const float skin = share[0].at<float>(int(y), int(x)), clothes = share[1].at<float>(int(y), int(x)),
+                            hair = share[2].at<float>(int(y), int(x));
+                if (hair >= skin && hair >= clothes && hair > 0.3f)
+                    out.labels.pixels[i] = kHair;
+                else if (skin > clothes && skin > 0.3f)
+                    out.labels.pixels[i] = kBody;
+                else
+                    out.labels.pixels[i] = garmentAt({x + 0.5, y + 0.5}, pose33.landmarks);
             }
         return {};
     }
@@ -165,12 +180,16 @@ Observer::Observer(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Observer::Observer(Observer&&) noexcept = default;
 Observer& Observer::operator=(Observer&&) noexcept = default;
 Observer::~Observer() = default;
-bool Observer::hasLabels() const { return state_->parser.has_value(); }
+bool Observer::hasLabels() const {
+    return state_->parser.has_value();
+}
 
 Result<Observer> Observer::load(const std::filesystem::path& models) {
     std::error_code ignored;
     const bool full = std::filesystem::exists(models / "blazepose_full.onnx", ignored);
-    DPL_TRY(auto pose, OnnxNet::load(models / (full || !std::filesystem::exists(models / "blazepose_lite.onnx", ignored) ? "blazepose_full.onnx" : "blazepose_lite.onnx")));
+    DPL_TRY(auto pose,
+            OnnxNet::load(models / (full || !std::filesystem::exists(models / "blazepose_lite.onnx", ignored) ? "blazepose_full.onnx"
+                                                                                                              : "blazepose_lite.onnx")));
     std::optional<OnnxNet> parser;
     if (const auto path = models / "skin_clothes_hair_pan.onnx"; std::filesystem::exists(path, ignored)) {
         DPL_TRY(parser, OnnxNet::load(path));
@@ -179,8 +198,10 @@ Result<Observer> Observer::load(const std::filesystem::path& models) {
 }
 
 Result<Observation> Observer::observe(const ImageRgb8& image, const ImageGrey8* mask) {
-    if (image.pixels.size() != size_t(3) * image.widthPx * image.heightPx || image.pixels.empty()) return fail(Code::InvalidArgument, "an empty image cannot be observed");
-    if (mask && (mask->widthPx != image.widthPx || mask->heightPx != image.heightPx)) return fail(Code::InvalidArgument, "the mask has another size than the image");
+    if (image.pixels.size() != size_t(3) * image.widthPx * image.heightPx || image.pixels.empty())
+        return fail(Code::InvalidArgument, "an empty image cannot be observed");
+    if (mask && (mask->widthPx != image.widthPx || mask->heightPx != image.heightPx))
+        return fail(Code::InvalidArgument, "the mask has another size than the image");
     DPL_TRY(const Pose pose, state_->findPose(image, mask));
     Observation out;
     out.personScore = pose.score;
@@ -192,7 +213,8 @@ Result<Observation> Observer::observe(const ImageRgb8& image, const ImageGrey8* 
         if (pose.score >= 0.5)
             for (uint32_t y = 0; y < image.heightPx; ++y)
                 for (uint32_t x = 0; x < image.widthPx; ++x)
-                    out.mask.pixels[size_t(y) * image.widthPx + x] = uint8_t(std::lround(255 * std::clamp(soft.at<float>(int(y), int(x)), 0.0f, 1.0f)));
+                    out.mask.pixels[size_t(y) * image.widthPx + x] =
+                        uint8_t(std::lround(255 * std::clamp(soft.at<float>(int(y), int(x)), 0.0f, 1.0f)));
     }
     std::array<double, 33> confidence{};
     for (size_t k = 0; k < 33; ++k) confidence[k] = pose.score >= 0.5 ? pose.confidence[k] * pose.score : 0;

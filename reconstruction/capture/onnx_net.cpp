@@ -1,9 +1,8 @@
 #include "reconstruction/capture/onnx_net.h"
 
+#include <cmath>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/dnn.hpp>
-
-#include <cmath>
 
 namespace dpl {
 
@@ -22,7 +21,8 @@ OnnxNet::~OnnxNet() = default;
 
 Result<OnnxNet> OnnxNet::load(const fs::path& path) {
     std::error_code error;
-    if (!fs::is_regular_file(path, error)) return fail(Code::NotFound, "{}: not found; point at a folder that holds this network", path.string());
+    if (!fs::is_regular_file(path, error))
+        return fail(Code::NotFound, "{}: not found; point at a folder that holds this network", path.string());
     if (fs::file_size(path, error) > (512u << 20)) return fail(Code::Unsupported, "{}: larger than 512 MiB", path.string());
     cv::setNumThreads(1);  // sums in fixed order: same picture, same numbers
     auto state = std::make_unique<State>();
@@ -35,12 +35,14 @@ Result<OnnxNet> OnnxNet::load(const fs::path& path) {
     } catch (const std::exception& e) {
         return fail(Code::CorruptData, "{}: OpenCV cannot read this network ({}); download it again", path.string(), e.what());
     }
-    if (state->net.empty() || state->outputs.empty()) return fail(Code::CorruptData, "{}: the network is empty; download it again", path.string());
+    if (state->net.empty() || state->outputs.empty())
+        return fail(Code::CorruptData, "{}: the network is empty; download it again", path.string());
     return OnnxNet(std::move(state));
 }
 
 Result<std::vector<Tensor>> OnnxNet::run(const std::vector<float>& chw, int side) {
-    if (chw.size() != size_t(3) * side * side) return fail(Code::InvalidArgument, "{}: input of {} numbers for side {}", state_->path.string(), chw.size(), side);
+    if (chw.size() != size_t(3) * side * side)
+        return fail(Code::InvalidArgument, "{}: input of {} numbers for side {}", state_->path.string(), chw.size(), side);
     std::vector<Tensor> tensors;
     try {
         const int shape[4] = {1, 3, side, side};
@@ -55,7 +57,9 @@ Result<std::vector<Tensor>> OnnxNet::run(const std::vector<float>& chw, int side
             const cv::Mat flat = outputs[i].reshape(1, 1);
             t.data.assign(flat.begin<float>(), flat.end<float>());
             for (float v : t.data)
-                if (!std::isfinite(v)) return fail(Code::CorruptData, "{}: output '{}' is not finite; download the network again", state_->path.string(), t.name);
+                if (!std::isfinite(v))
+                    return fail(Code::CorruptData, "{}: output '{}' is not finite; download the network again", state_->path.string(),
+                                t.name);
             tensors.push_back(std::move(t));
         }
     } catch (const std::exception& e) {

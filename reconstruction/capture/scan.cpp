@@ -13,8 +13,8 @@ namespace {
 Status checkSize(const fs::path& path, const Camerad& camera, const ScanFrame& frame) {
     DPL_TRY(const ImageHeader header, probeImage(path));
     if (header.widthPx != camera.widthPx || header.heightPx != camera.heightPx)
-        return fail(Code::CorruptData, "frame '{}': {} is {} x {} pixels, its camera says {} x {}; resize it or correct the intrinsics", frame.name,
-                    path.string(), header.widthPx, header.heightPx, camera.widthPx, camera.heightPx);
+        return fail(Code::CorruptData, "frame '{}': {} is {} x {} pixels, its camera says {} x {}; resize it or correct the intrinsics",
+                    frame.name, path.string(), header.widthPx, header.heightPx, camera.widthPx, camera.heightPx);
     return {};
 }
 
@@ -32,13 +32,16 @@ void holdOutFrames(Scan& scan) {
 Status finishScan(Scan& scan) {
     const std::string root = scan.root.string();
     if (scan.frames.empty()) return fail(Code::CorruptData, "{}: the scan has no frame; add images", root);
-    if (scan.frames.size() > kMaxFrames) return fail(Code::Unsupported, "{}: {} frames, at most {} are read; thin the scan out", root, scan.frames.size(), kMaxFrames);
+    if (scan.frames.size() > kMaxFrames)
+        return fail(Code::Unsupported, "{}: {} frames, at most {} are read; thin the scan out", root, scan.frames.size(), kMaxFrames);
     std::set<std::string> names;
     std::set<fs::path> images;
     for (auto& frame : scan.frames) {
         if (!isSafeName(frame.name))
-            return fail(Code::CorruptData, "{}: '{}' cannot be a frame name; use letters, digits, '.', '_' and '-', at most 128", root, frame.name.substr(0, 200));
-        if (!names.insert(frame.name).second) return fail(Code::CorruptData, "{}: the frame name '{}' is used twice; rename one", root, frame.name);
+            return fail(Code::CorruptData, "{}: '{}' cannot be a frame name; use letters, digits, '.', '_' and '-', at most 128", root,
+                        frame.name.substr(0, 200));
+        if (!names.insert(frame.name).second)
+            return fail(Code::CorruptData, "{}: the frame name '{}' is used twice; rename one", root, frame.name);
         if (!images.insert(frame.imagePath).second)
             return fail(Code::CorruptData, "{}: {} belongs to two frames; remove one of them", root, frame.imagePath.string());
         DPL_CHECK_OK(checkSize(frame.imagePath, frame.camera, frame));
@@ -54,14 +57,16 @@ Result<Scan> readScan(const fs::path& given) {
     fs::path root = given, manifest;
     if (fs::is_regular_file(given, error)) manifest = given, root = given.parent_path();  // a manifest itself is accepted as well
     if (!fs::is_directory(root.empty() ? "." : root, error))
-        return fail(Code::NotFound, "{}: no such folder; give the folder that holds scan.json, transforms.json or a COLMAP model", given.string());
+        return fail(Code::NotFound, "{}: no such folder; give the folder that holds scan.json, transforms.json or a COLMAP model",
+                    given.string());
     root = fs::absolute(root, error).lexically_normal();
     if (!root.has_filename()) root = root.parent_path();
     const auto holds = [&](const char* name) { return manifest.empty() ? fs::exists(root / name, error) : manifest.filename() == name; };
     if (holds("scan.json")) return readScanFolder(root / "scan.json");
     if (holds("transforms.json")) return readNerfstudio(root / "transforms.json");
     if (const fs::path model = findColmapModel(root); !model.empty() && manifest.empty()) return readColmapScan(root, model);
-    return fail(Code::NotFound, "{}: neither scan.json nor transforms.json nor a COLMAP model (sparse/0/cameras.bin) is there; see docs/formats/scan.md",
+    return fail(Code::NotFound,
+                "{}: neither scan.json nor transforms.json nor a COLMAP model (sparse/0/cameras.bin) is there; see docs/formats/scan.md",
                 given.string());
 }
 

@@ -17,7 +17,7 @@ enum class FrameKind : uint8_t { StaticFull, StaticCloseup, Dynamic };
 enum class Split : uint8_t { Train, Test };
 
 struct ScanLabel {
-    std::string name;   // "background", "body", "top", "bottom", "hair", "shoes"
+    std::string name;  // "background", "body", "top", "bottom", "hair", "shoes"
     uint8_t value = 0;
 };
 
@@ -27,15 +27,15 @@ struct ScanFrame {
     Split split = Split::Train;
     std::filesystem::path imagePath, maskPath, labelsPath, keypointsPath;  // absolute; empty when absent
     Camerad camera;
-    double timeS = 0;               // dynamic frames
+    double timeS = 0;  // dynamic frames
     std::string closeupOf;
-    LensDistortion lens;            // of the files on disk; readFrame…() and readKeypoints() hand out undistorted data that fit `camera`
+    LensDistortion lens;  // of the files on disk; readFrame…() and readKeypoints() hand out undistorted data that fit `camera`
 };
 
 /** Detected 2D keypoints of one frame, in the order of Scan::keypointNames. */
 struct Keypoint {
     Vec2d px{0};
-    double confidence = 0;          // 0: missing
+    double confidence = 0;  // 0: missing
 };
 
 enum class ScanSource : uint8_t { Folder, Nerfstudio, Colmap };
@@ -44,8 +44,8 @@ struct Scan {
     std::filesystem::path root;
     std::string name;
     ScanSource source = ScanSource::Folder;
-    bool metricWorld = true;        // false (COLMAP): scale, origin and up are arbitrary until the body fit finds them
-    bool splitStated = true;        // false: the source had no test split, so one static full-body frame in ten was held out here
+    bool metricWorld = true;  // false (COLMAP): scale, origin and up are arbitrary until the body fit finds them
+    bool splitStated = true;  // false: the source had no test split, so one static full-body frame in ten was held out here
     std::vector<ScanLabel> labels;
     std::vector<std::string> keypointNames;
     std::vector<ScanFrame> frames;

@@ -1,13 +1,12 @@
 #include "reconstruction/capture/scan_check.h"
 
-#include <opencv2/core.hpp>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
 #include <map>
 #include <numbers>
+#include <opencv2/core.hpp>
 
 #include "reconstruction/cameras/rays.h"
 #include "reconstruction/capture/frame_measures.h"
@@ -17,14 +16,18 @@ namespace dpl {
 namespace {
 
 // Where a scan stops being good. Values in brackets were measured on the shared scans and on scans damaged on purpose (scan_check_test).
-constexpr double kBlurredRelative = 0.25;     // sharpness under a quarter of the median of its kind: motion blur or missed focus
-constexpr double kBlurredIndex = 0.58;        // median blur index above which all pictures are soft [0.25 to 0.30 when sharp, 0.61 after a blur of 4 px]
-constexpr double kEmptyMaskShare = 0.002;     // of the picture
-constexpr double kBorderShare = 0.01;         // of the picture's edge: a foot touching it is less, a cut waist is more
-constexpr double kExposureStops = 0.5;        // jump between neighbours that is not the subject turning
+constexpr double kBlurredRelative = 0.25;  // sharpness under a quarter of the median of its kind: motion blur or missed focus
+constexpr double kBlurredIndex =
+    0.58;  // median blur index above which all pictures are soft [0.25 to 0.30 when sharp, 0.61 after a blur of 4 px]
+constexpr double kEmptyMaskShare = 0.002;  // of the picture
+constexpr double kBorderShare = 0.01;      // of the picture's edge: a foot touching it is less, a cut waist is more
+constexpr double kExposureStops = 0.5;     // jump between neighbours that is not the subject turning
 constexpr double kGapWarnDeg = 40, kGapRefuseDeg = 150;
-constexpr double kCoherenceWarn = 0.96, kCoherenceRefuse = 0.6;  // [0.99 when right, 0.68 to 0.95 at half or twice the focal length, 0.52 shuffled]
-constexpr double kKeypointWarn = 0.02, kKeypointRefuse = 0.05;      // of the subject's height in the picture [0.007 on scan-a, 0.022 at half the focal length, 0.068 shuffled]
+constexpr double kCoherenceWarn = 0.96,
+                 kCoherenceRefuse = 0.6;  // [0.99 when right, 0.68 to 0.95 at half or twice the focal length, 0.52 shuffled]
+constexpr double kKeypointWarn = 0.02,
+                 kKeypointRefuse =
+                     0.05;  // of the subject's height in the picture [0.007 on scan-a, 0.022 at half the focal length, 0.068 shuffled]
 constexpr double kPoseRangeDeg = 25;
 
 double percentile(std::vector<double> values, double share) {
@@ -35,7 +38,8 @@ double percentile(std::vector<double> values, double share) {
 
 class Checker {
 public:
-    Checker(const Scan& scan, Jobs& jobs) : scan_(scan), jobs_(jobs), measures_(scan.frames.size()), azimuthRad_(scan.frames.size(), 0), elevation_(scan.frames.size(), 0) {}
+    Checker(const Scan& scan, Jobs& jobs)
+        : scan_(scan), jobs_(jobs), measures_(scan.frames.size()), azimuthRad_(scan.frames.size(), 0), elevation_(scan.frames.size(), 0) {}
 
     ScanCheck run() {
         jobs_.forBlocks(scan_.frames.size(), [&](size_t i, uint32_t) { measures_[i] = measureFrame(scan_, scan_.frames[i]); });
@@ -87,36 +91,46 @@ private:
                 if (first.empty()) first = m.check.error;
                 bad.push_back(m.check.name);
             }
-        if (!bad.empty()) find(true, "files", formatText("{} of {} frames cannot be read; the first: {}", bad.size(), measures_.size(), first), bad);
+        if (!bad.empty())
+            find(true, "files", formatText("{} of {} frames cannot be read; the first: {}", bad.size(), measures_.size(), first), bad);
         size_t full = 0, held = 0;
         for (const auto& f : scan_.frames) full += f.kind == FrameKind::StaticFull, held += f.split == Split::Test;
         if (full < 8)
-            find(true, "files", formatText("only {} full-body pictures of the still subject, at least 8 are needed and 40 or more are better; walk once around", full));
+            find(true, "files",
+                 formatText(
+                     "only {} full-body pictures of the still subject, at least 8 are needed and 40 or more are better; walk once around",
+                     full));
         if (held == 0) find(false, "files", "no picture is held out, so the report cannot judge the result on unseen views");
         const auto mixed = select([](const ScanFrame&, const FrameMeasures& m) { return m.labelAgreement >= 0 && m.labelAgreement < 0.7; });
         if (!mixed.empty())
-            find(mixed.size() * 3 > measures_.size(), "files", formatText("{} label pictures do not fit their masks; were the files mixed up?", mixed.size()), names(mixed));
+            find(mixed.size() * 3 > measures_.size(), "files",
+                 formatText("{} label pictures do not fit their masks; were the files mixed up?", mixed.size()), names(mixed));
     }
 
     void checkMasks() {
         const auto train = select([](const ScanFrame&, const FrameMeasures&) { return true; });
         const auto without = select([](const ScanFrame&, const FrameMeasures& m) { return m.check.maskShare < 0; });
-        const auto empty = select([](const ScanFrame&, const FrameMeasures& m) { return m.check.maskShare >= 0 && m.check.maskShare < kEmptyMaskShare; });
+        const auto empty =
+            select([](const ScanFrame&, const FrameMeasures& m) { return m.check.maskShare >= 0 && m.check.maskShare < kEmptyMaskShare; });
         for (size_t i : empty) measures_[i].check.usable = false;
         if (!without.empty() && without.size() == train.size())
             find(false, "masks", "the scan has no masks; add masks/, or point at a folder of models with a person segmentation");
         else if (!without.empty())
-            find(false, "masks", formatText("{} frames have no mask; add them or those frames help little", without.size()), names(without));
+            find(false, "masks", formatText("{} frames have no mask; add them or those frames help little", without.size()),
+                 names(without));
         if (!empty.empty())
             find(empty.size() * 3 >= train.size(), "masks",
-                 formatText("{} of {} masks are empty; make them again (those frames are left out)", empty.size(), train.size()), names(empty));
+                 formatText("{} of {} masks are empty; make them again (those frames are left out)", empty.size(), train.size()),
+                 names(empty));
         const auto cut = select([](const ScanFrame& f, const FrameMeasures& m) {
             return f.kind != FrameKind::StaticCloseup && m.check.usable && m.check.borderShare > kBorderShare;
         });
         const auto full = select([](const ScanFrame& f, const FrameMeasures&) { return f.kind != FrameKind::StaticCloseup; });
         if (!cut.empty())
             find(cut.size() * 2 > full.size(), "border",
-                 formatText("the subject is cut by the picture's edge in {} of {} full-body frames; step back or turn the phone upright", cut.size(), full.size()), names(cut));
+                 formatText("the subject is cut by the picture's edge in {} of {} full-body frames; step back or turn the phone upright",
+                            cut.size(), full.size()),
+                 names(cut));
     }
 
     void checkBlur() {
@@ -133,13 +147,17 @@ private:
             }
         }
         out_.medianBlurIndex = percentile(indices, 0.5);
-        const auto blurred = select([](const ScanFrame&, const FrameMeasures& m) { return m.check.usable && m.check.relativeSharpness < kBlurredRelative; });
+        const auto blurred =
+            select([](const ScanFrame&, const FrameMeasures& m) { return m.check.usable && m.check.relativeSharpness < kBlurredRelative; });
         if (out_.medianBlurIndex > kBlurredIndex)
-            find(true, "blur", formatText("all pictures are blurred (median blur index {}, up to {} is sharp enough); clean the lens, lock the focus, use more light",
-                                          std::round(out_.medianBlurIndex * 100) / 100, kBlurredIndex));
+            find(true, "blur",
+                 formatText("all pictures are blurred (median blur index {}, up to {} is sharp enough); clean the lens, lock the focus, "
+                            "use more light",
+                            std::round(out_.medianBlurIndex * 100) / 100, kBlurredIndex));
         if (!blurred.empty()) {
             for (size_t i : blurred) measures_[i].check.usable = false;
-            find(false, "blur", formatText("{} frames are far blurrier than the others and are left out; move more slowly", blurred.size()), names(blurred));
+            find(false, "blur", formatText("{} frames are far blurrier than the others and are left out; move more slowly", blurred.size()),
+                 names(blurred));
         }
     }
 
@@ -151,7 +169,8 @@ private:
             if (measures_[i].check.brightness > 0) used.push_back(i), all.push_back(std::log2(measures_[i].check.brightness));
         if (used.size() < 16) return;
         out_.exposureSpreadStops = percentile(all, 0.95) - percentile(all, 0.05);
-        // A lit side and dark trousers are no exposure drift: take out what azimuth and camera height explain, and look for jumps in the rest.
+        // A lit side and dark trousers are no exposure drift: take out what azimuth and camera height explain, and look for jumps in the
+        // rest.
         cv::Mat basis(int(used.size()), 6, CV_64F), value(int(used.size()), 1, CV_64F), weights;
         for (size_t r = 0; r < used.size(); ++r) {
             const double a = azimuthRad_[used[r]];
@@ -169,8 +188,9 @@ private:
             out_.exposureJumpStops = std::max(out_.exposureJumpStops, std::abs(after - before));
         }
         if (out_.exposureJumpStops > kExposureStops)
-            find(false, "exposure", formatText("brightness jumps by {} stops between neighbouring pictures; lock exposure and white balance",
-                                               std::round(out_.exposureJumpStops * 100) / 100));
+            find(false, "exposure",
+                 formatText("brightness jumps by {} stops between neighbouring pictures; lock exposure and white balance",
+                            std::round(out_.exposureJumpStops * 100) / 100));
     }
 
     std::vector<SilhouetteView> staticViews() const {
@@ -193,7 +213,8 @@ private:
         }
         if (!centre) {  // no masks: the point that the optical axes share
             std::vector<Ray> axes;
-            for (size_t i : frames) axes.push_back(pixelRay(scan_.frames[i].camera, {scan_.frames[i].camera.cx, scan_.frames[i].camera.cy}));
+            for (size_t i : frames)
+                axes.push_back(pixelRay(scan_.frames[i].camera, {scan_.frames[i].camera.cx, scan_.frames[i].camera.cy}));
             centre = pointNearRays(axes, std::vector<double>(axes.size(), 1.0), 0);
         }
         if (!centre) return find(true, "azimuth", "all cameras look the same way; walk around the subject");
@@ -223,8 +244,10 @@ private:
         out_.silhouetteCoherence = silhouetteCoherence(views, jobs_);
         if (out_.silhouetteCoherence < kCoherenceWarn)
             find(out_.silhouetteCoherence < kCoherenceRefuse, "cameras",
-                 formatText("seen together the masks explain only {} % of themselves: cameras, intrinsics or masks do not belong together, or the subject moved; "
-                            "register the cameras again", std::round(100 * out_.silhouetteCoherence)));
+                 formatText("seen together the masks explain only {} % of themselves: cameras, intrinsics or masks do not belong together, "
+                            "or the subject moved; "
+                            "register the cameras again",
+                            std::round(100 * out_.silhouetteCoherence)));
     }
 
     void checkKeypoints() {
@@ -261,11 +284,16 @@ private:
         out_.keypointErrorShare = out_.keypointErrorPx / std::max(1.0, percentile(heights, 0.5));
         if (out_.keypointErrorShare > kKeypointWarn)
             find(out_.keypointErrorShare > kKeypointRefuse, "cameras",
-                 formatText("keypoints of the still pictures miss each other by {} px ({} % of the subject's height): wrong intrinsics, wrong cameras or a subject "
-                            "that moved; register the cameras again", std::round(out_.keypointErrorPx * 10) / 10, std::round(1000 * out_.keypointErrorShare) / 10));
-        const auto off = select([](const ScanFrame&, const FrameMeasures& m) { return m.check.usable && m.check.keypointsOnPerson >= 0 && m.check.keypointsOnPerson < 0.5; });
+                 formatText("keypoints of the still pictures miss each other by {} px ({} % of the subject's height): wrong intrinsics, "
+                            "wrong cameras or a subject "
+                            "that moved; register the cameras again",
+                            std::round(out_.keypointErrorPx * 10) / 10, std::round(1000 * out_.keypointErrorShare) / 10));
+        const auto off = select([](const ScanFrame&, const FrameMeasures& m) {
+            return m.check.usable && m.check.keypointsOnPerson >= 0 && m.check.keypointsOnPerson < 0.5;
+        });
         if (!off.empty())
-            find(off.size() * 3 > measures_.size(), "keypoints", formatText("in {} frames the keypoints lie beside the person; were the files mixed up?", off.size()), names(off));
+            find(off.size() * 3 > measures_.size(), "keypoints",
+                 formatText("in {} frames the keypoints lie beside the person; were the files mixed up?", off.size()), names(off));
     }
 
     void checkPoses() {
@@ -274,11 +302,15 @@ private:
         const auto frames = ofKind(FrameKind::Dynamic);
         size_t listed = 0;
         for (const auto& f : scan_.frames) listed += f.kind == FrameKind::Dynamic;
-        if (listed == 0) return find(false, "poses", "no dynamic pictures: how clothes follow the pose cannot be learned; film arm and leg raises if you can");
+        if (listed == 0)
+            return find(false, "poses",
+                        "no dynamic pictures: how clothes follow the pose cannot be learned; film arm and leg raises if you can");
         size_t still = 0, known = 0;
         for (const char* side : {"_l", "_r"})
-            for (const auto& [joint, chain] : {std::pair{"shoulder", std::array{"hip", "shoulder", "elbow"}}, {"elbow", std::array{"shoulder", "elbow", "wrist"}},
-                                              {"hip", std::array{"shoulder", "hip", "knee"}}, {"knee", std::array{"hip", "knee", "ankle"}}}) {
+            for (const auto& [joint, chain] : {std::pair{"shoulder", std::array{"hip", "shoulder", "elbow"}},
+                                               {"elbow", std::array{"shoulder", "elbow", "wrist"}},
+                                               {"hip", std::array{"shoulder", "hip", "knee"}},
+                                               {"knee", std::array{"hip", "knee", "ankle"}}}) {
                 std::array<size_t, 3> at{};
                 bool named = true;
                 for (int i = 0; i < 3; ++i) {
@@ -295,12 +327,14 @@ private:
                     angles.push_back(std::abs(std::atan2(a.x * b.y - a.y * b.x, glm::dot(a, b))) * 180 / std::numbers::pi);
                 }
                 if (angles.size() < 5) continue;
-                out_.joints.push_back({std::string(joint) + side, uint32_t(angles.size()), percentile(angles, 0.05), percentile(angles, 0.95)});
+                out_.joints.push_back(
+                    {std::string(joint) + side, uint32_t(angles.size()), percentile(angles, 0.05), percentile(angles, 0.95)});
                 ++known;
                 still += out_.joints.back().highDeg - out_.joints.back().lowDeg < kPoseRangeDeg;
             }
         if (known >= 4 && still * 2 > known)
-            find(false, "poses", formatText("{} of {} joints hardly move in the dynamic pictures; raise arms and legs and bend elbows", still, known));
+            find(false, "poses",
+                 formatText("{} of {} joints hardly move in the dynamic pictures; raise arms and legs and bend elbows", still, known));
     }
 };
 

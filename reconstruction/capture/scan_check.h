@@ -23,20 +23,20 @@ struct ScanFinding {
 struct FrameCheck {
     std::string name;
     bool measured = false;
-    bool usable = true;               // false: unreadable, blurred or without a person; later stages leave the frame out
-    std::string error;                // why a file could not be read
-    double sharpness = 0;             // variance of the Laplacian inside the mask, grey levels²
-    double relativeSharpness = 1;     // over the median of the frames of its kind
-    double blurIndex = 0;             // 0 (sharp) … 1: share of local contrast that survives a second blur; does not need other frames
-    double brightness = 0;            // mean grey level inside the mask, 0 … 255
-    double maskShare = -1;            // of the picture; −1: no mask
-    double borderShare = 0;           // of the picture's edge that the mask touches (full-body frames)
-    double keypointsOnPerson = -1;    // share of confident keypoints near the mask; −1: unknown
+    bool usable = true;             // false: unreadable, blurred or without a person; later stages leave the frame out
+    std::string error;              // why a file could not be read
+    double sharpness = 0;           // variance of the Laplacian inside the mask, grey levels²
+    double relativeSharpness = 1;   // over the median of the frames of its kind
+    double blurIndex = 0;           // 0 (sharp) … 1: share of local contrast that survives a second blur; does not need other frames
+    double brightness = 0;          // mean grey level inside the mask, 0 … 255
+    double maskShare = -1;          // of the picture; −1: no mask
+    double borderShare = 0;         // of the picture's edge that the mask touches (full-body frames)
+    double keypointsOnPerson = -1;  // share of confident keypoints near the mask; −1: unknown
 };
 
 /** Range of an angle in the picture over the dynamic training frames, 5th to 95th percentile, degrees. */
 struct JointCoverage {
-    std::string name;                 // "elbow_l" ...
+    std::string name;  // "elbow_l" ...
     uint32_t frames = 0;
     double lowDeg = 0, highDeg = 0;
 };
@@ -46,8 +46,9 @@ constexpr uint32_t kAzimuthBins = 24;
 struct ScanCheck {
     ScanVerdict verdict = ScanVerdict::Pass;
     std::vector<ScanFinding> findings;
-    std::vector<FrameCheck> frames;   // same order as the scan's
-    std::array<uint32_t, kAzimuthBins> azimuth{};  // static full-body training frames per 15° about the subject; bin 0 starts at the front (+z) going to +x
+    std::vector<FrameCheck> frames;  // same order as the scan's
+    std::array<uint32_t, kAzimuthBins>
+        azimuth{};  // static full-body training frames per 15° about the subject; bin 0 starts at the front (+z) going to +x
     double largestGapDeg = 360;
     double medianBlurIndex = 0;
     double exposureSpreadStops = 0;   // 5th to 95th percentile of log2 brightness, static full-body frames

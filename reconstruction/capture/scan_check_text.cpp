@@ -6,7 +6,9 @@
 namespace dpl {
 namespace {
 
-double rounded(double value, double step = 0.01) { return std::round(value / step) * step; }
+double rounded(double value, double step = 0.01) {
+    return std::round(value / step) * step;
+}
 
 std::string listed(const std::vector<std::string>& names) {
     std::string text;
@@ -26,23 +28,32 @@ std::string describeScanCheck(const Scan& scan, const ScanCheck& check) {
     for (const auto& f : scan.frames) ++kinds[size_t(f.kind)], held += f.split == Split::Test;
     for (const auto& f : check.frames) usable += f.usable;
     std::string text = formatText("Scan {} ({})\n", scan.name, scan.root.string());
-    text += formatText("  frames      {} full-body, {} close-up, {} dynamic; {} held out, {} usable\n", kinds[0], kinds[1], kinds[2], held, usable);
+    text += formatText("  frames      {} full-body, {} close-up, {} dynamic; {} held out, {} usable\n", kinds[0], kinds[1], kinds[2], held,
+                       usable);
     std::string bar;
     size_t filled = 0;
     for (const uint32_t count : check.azimuth) {
         bar += count == 0 ? '.' : count < 10 ? char('0' + count) : '#';
         filled += count > 0;
     }
-    text += formatText("  azimuth     [{}] {} of {} bins, largest gap {} deg\n", bar, filled, kAzimuthBins, rounded(check.largestGapDeg, 1));
+    text +=
+        formatText("  azimuth     [{}] {} of {} bins, largest gap {} deg\n", bar, filled, kAzimuthBins, rounded(check.largestGapDeg, 1));
     text += formatText("  sharpness   blur index {} (0 sharp, 1 soft)\n", rounded(check.medianBlurIndex));
-    text += formatText("  exposure    spread {} stops, largest jump {}\n", rounded(check.exposureSpreadStops), rounded(check.exposureJumpStops));
-    if (check.silhouetteCoherence >= 0) text += formatText("  cameras     masks explain {} % of themselves", rounded(100 * check.silhouetteCoherence, 0.1));
+    text += formatText("  exposure    spread {} stops, largest jump {}\n", rounded(check.exposureSpreadStops),
+                       rounded(check.exposureJumpStops));
+    if (check.silhouetteCoherence >= 0)
+        text += formatText("  cameras     masks explain {} % of themselves", rounded(100 * check.silhouetteCoherence, 0.1));
     if (check.keypointErrorPx >= 0)
-        text += formatText("{}keypoints agree to {} px", check.silhouetteCoherence >= 0 ? ", " : "  cameras     ", rounded(check.keypointErrorPx, 0.1));
+        text += formatText("{}keypoints agree to {} px", check.silhouetteCoherence >= 0 ? ", " : "  cameras     ",
+                           rounded(check.keypointErrorPx, 0.1));
     if (check.silhouetteCoherence >= 0 || check.keypointErrorPx >= 0) text += "\n";
     for (size_t i = 0; i < check.joints.size(); ++i) {
         const auto& joint = check.joints[i];
-        text += formatText("{}{} {}-{} deg{}", i % 4 ? "  " : i ? "              " : "  poses       ", joint.name, rounded(joint.lowDeg, 1), rounded(joint.highDeg, 1),
+        text += formatText("{}{} {}-{} deg{}",
+                           i % 4 ? "  "
+                           : i   ? "              "
+                                 : "  poses       ",
+                           joint.name, rounded(joint.lowDeg, 1), rounded(joint.highDeg, 1),
                            i % 4 == 3 || i + 1 == check.joints.size() ? "\n" : "");
     }
     for (const auto& finding : check.findings) {
@@ -51,8 +62,10 @@ std::string describeScanCheck(const Scan& scan, const ScanCheck& check) {
         text += finding.frames.empty() ? "\n" : formatText(" [{}]\n", listed(finding.frames));
     }
     text += verdictWord(check.verdict);
-    if (reasons) text += formatText(": {} reason(s), {} warning(s)", reasons, warnings);
-    else if (warnings) text += formatText(" with {} warning(s)", warnings);
+    if (reasons)
+        text += formatText(": {} reason(s), {} warning(s)", reasons, warnings);
+    else if (warnings)
+        text += formatText(" with {} warning(s)", warnings);
     return text + "\n";
 }
 
@@ -62,7 +75,8 @@ std::string scanCheckJson(const Scan& scan, const ScanCheck& check) {
     out["verdict"] = verdictWord(check.verdict);
     out["findings"] = nlohmann::ordered_json::array();
     for (const auto& f : check.findings)
-        out["findings"].push_back({{"severity", f.refuses ? "refuse" : "warning"}, {"topic", f.topic}, {"sentence", f.sentence}, {"frames", f.frames}});
+        out["findings"].push_back(
+            {{"severity", f.refuses ? "refuse" : "warning"}, {"topic", f.topic}, {"sentence", f.sentence}, {"frames", f.frames}});
     out["azimuth_bins"] = check.azimuth;
     out["largest_gap_deg"] = check.largestGapDeg;
     out["median_blur_index"] = check.medianBlurIndex;
@@ -72,7 +86,8 @@ std::string scanCheckJson(const Scan& scan, const ScanCheck& check) {
     out["silhouette_coherence"] = orNull(check.silhouetteCoherence);
     out["keypoint_error_px"] = orNull(check.keypointErrorPx);
     out["joints"] = nlohmann::ordered_json::array();
-    for (const auto& j : check.joints) out["joints"].push_back({{"name", j.name}, {"frames", j.frames}, {"low_deg", j.lowDeg}, {"high_deg", j.highDeg}});
+    for (const auto& j : check.joints)
+        out["joints"].push_back({{"name", j.name}, {"frames", j.frames}, {"low_deg", j.lowDeg}, {"high_deg", j.highDeg}});
     out["frames"] = nlohmann::ordered_json::array();
     for (const auto& f : check.frames) {
         nlohmann::ordered_json entry{{"name", f.name}, {"usable", f.usable}};

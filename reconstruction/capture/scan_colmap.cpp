@@ -1,5 +1,5 @@
-// A COLMAP sparse model with its image folder. Masks, when there, are masks/NAME.png or masks/NAME.EXT.png (COLMAP's own habit). Frames named
-// close… are close-ups and dyn… dynamic, as in our own scans.
+// A COLMAP sparse model with its image folder. Masks, when there, are masks/NAME.png or masks/NAME.EXT.png (COLMAP's own habit). Frames
+// named close… are close-ups and dyn… dynamic, as in our own scans.
 #include "reconstruction/cameras/colmap_model.h"
 #include "reconstruction/capture/scan_paths.h"
 
@@ -27,8 +27,10 @@ Result<Scan> readColmapScan(const fs::path& root, const fs::path& model) {
             if (!frame.maskPath.empty() || !fs::exists(root / "masks" / mask, ignored)) continue;
             DPL_TRY(frame.maskPath, fileInside(root / "masks", mask, where + " mask"));
         }
-        if (frame.name.starts_with("close")) frame.kind = FrameKind::StaticCloseup;
-        else if (frame.name.starts_with("dyn")) frame.kind = FrameKind::Dynamic;
+        if (frame.name.starts_with("close"))
+            frame.kind = FrameKind::StaticCloseup;
+        else if (frame.name.starts_with("dyn"))
+            frame.kind = FrameKind::Dynamic;
         frame.camera = image.camera;
         frame.lens = image.lens;
         scan.frames.push_back(std::move(frame));

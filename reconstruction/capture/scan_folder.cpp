@@ -18,20 +18,23 @@ Result<FrameKind> frameKind(const std::string& text, const std::string& where) {
     if (text == "static_full") return FrameKind::StaticFull;
     if (text == "static_closeup") return FrameKind::StaticCloseup;
     if (text == "dynamic") return FrameKind::Dynamic;
-    return fail(Code::CorruptData, "{}: kind '{}' is not one of static_full, static_closeup, dynamic; correct it", where, text.substr(0, 60));
+    return fail(Code::CorruptData, "{}: kind '{}' is not one of static_full, static_closeup, dynamic; correct it", where,
+                text.substr(0, 60));
 }
 
 Result<std::vector<ScanLabel>> readLabels(const json& manifest, const JsonFields& fields) {
     std::vector<ScanLabel> labels;
     if (!fields.has("labels")) return labels;
     const json& table = manifest.at("labels");
-    if (!table.is_object() || table.size() > 256) return fail(Code::CorruptData, "{}: 'labels' must map names to numbers; correct it", fields.where());
+    if (!table.is_object() || table.size() > 256)
+        return fail(Code::CorruptData, "{}: 'labels' must map names to numbers; correct it", fields.where());
     std::set<int> values;
     for (const auto& [name, value] : table.items()) {
         if (!value.is_number_integer() || value.get<int64_t>() < 0 || value.get<int64_t>() > 255)
             return fail(Code::CorruptData, "{}: label '{}' is not a number from 0 to 255; correct it", fields.where(), name.substr(0, 60));
         const auto number = uint8_t(value.get<int64_t>());
-        if (!values.insert(number).second) return fail(Code::CorruptData, "{}: two labels have the number {}; correct one", fields.where(), int(number));
+        if (!values.insert(number).second)
+            return fail(Code::CorruptData, "{}: two labels have the number {}; correct one", fields.where(), int(number));
         labels.push_back({name, number});
     }
     std::sort(labels.begin(), labels.end(), [](const ScanLabel& a, const ScanLabel& b) { return a.value < b.value; });
@@ -62,17 +65,20 @@ struct Common {
 Result<Common> readCommon(const JsonFields& fields, const fs::path& root) {
     Common common{root};
     DPL_TRY(const auto size, fields.numbers("image_size", 2));
-    if (!(size[0] >= 1 && size[1] >= 1 && size[0] <= 65536 && size[1] <= 65536) || size[0] != std::floor(size[0]) || size[1] != std::floor(size[1]))
+    if (!(size[0] >= 1 && size[1] >= 1 && size[0] <= 65536 && size[1] <= 65536) || size[0] != std::floor(size[0]) ||
+        size[1] != std::floor(size[1]))
         return fail(Code::CorruptData, "{}: image_size {} x {} is not a size in pixels; correct it", fields.where(), size[0], size[1]);
     common.widthPx = uint32_t(size[0]), common.heightPx = uint32_t(size[1]);
     DPL_CHECK_OK(checkImageSize(common.widthPx, common.heightPx, fields.where()));
     DPL_TRY(const std::string model, fields.text("camera_model", "pinhole"));
     if (model != "pinhole" && model != "radial")
-        return fail(Code::Unsupported, "{}: camera_model '{}' is not read; undistort the images and write 'pinhole'", fields.where(), model.substr(0, 60));
+        return fail(Code::Unsupported, "{}: camera_model '{}' is not read; undistort the images and write 'pinhole'", fields.where(),
+                    model.substr(0, 60));
     if (fields.has("distortion")) {
         DPL_TRY(const auto k, fields.numbers("distortion", 2));
         if (model == "pinhole" && (k[0] != 0 || k[1] != 0))
-            return fail(Code::CorruptData, "{}: camera_model is 'pinhole' but distortion is not zero; write 'radial' or zeros", fields.where());
+            return fail(Code::CorruptData, "{}: camera_model is 'pinhole' but distortion is not zero; write 'radial' or zeros",
+                        fields.where());
         common.lens = {k[0], k[1]};
     }
     return common;
@@ -90,7 +96,8 @@ Result<ScanFrame> readFrame(const json& entry, const Common& common, const std::
     if (fields.has("split")) {
         splitStated = true;
         DPL_TRY(const std::string split, fields.text("split"));
-        if (split != "train" && split != "test") return fail(Code::CorruptData, "{}: split '{}' is neither train nor test; correct it", here, split.substr(0, 60));
+        if (split != "train" && split != "test")
+            return fail(Code::CorruptData, "{}: split '{}' is neither train nor test; correct it", here, split.substr(0, 60));
         frame.split = split == "test" ? Split::Test : Split::Train;
     }
     const auto path = [&](const char* key, bool needed, fs::path& out) -> Status {
@@ -106,7 +113,8 @@ Result<ScanFrame> readFrame(const json& entry, const Common& common, const std::
     DPL_TRY(frame.closeupOf, fields.text("closeup_of", ""));
     DPL_TRY(frame.timeS, fields.number("time", 0));
 
-    if (!fields.has("camera") || !entry.at("camera").is_object()) return fail(Code::CorruptData, "{}: 'camera' is missing; register the frame or remove it", here);
+    if (!fields.has("camera") || !entry.at("camera").is_object())
+        return fail(Code::CorruptData, "{}: 'camera' is missing; register the frame or remove it", here);
     JsonFields camera(entry.at("camera"), here + " camera");
     frame.camera.widthPx = common.widthPx, frame.camera.heightPx = common.heightPx;
     DPL_TRY(frame.camera.fx, camera.number("fx"));
@@ -130,9 +138,12 @@ Result<Scan> readScanFolder(const fs::path& manifestPath) {
     DPL_TRY(const json manifest, readJsonObject(manifestPath));
     JsonFields fields(manifest, manifestPath.string());
     DPL_TRY(const std::string format, fields.text("format"));
-    if (format != "avatar-scan") return fail(Code::CorruptData, "{}: format '{}' is not 'avatar-scan'", manifestPath.string(), format.substr(0, 60));
+    if (format != "avatar-scan")
+        return fail(Code::CorruptData, "{}: format '{}' is not 'avatar-scan'", manifestPath.string(), format.substr(0, 60));
     DPL_TRY(const double version, fields.number("version"));
-    if (version != 1) return fail(Code::Version, "{}: scan version {}, this build reads version 1; update doppel or convert the scan", manifestPath.string(), version);
+    if (version != 1)
+        return fail(Code::Version, "{}: scan version {}, this build reads version 1; update doppel or convert the scan",
+                    manifestPath.string(), version);
     Scan scan;
     scan.source = ScanSource::Folder;
     scan.root = manifestPath.parent_path();
@@ -142,7 +153,9 @@ Result<Scan> readScanFolder(const fs::path& manifestPath) {
     DPL_TRY(scan.keypointNames, readKeypointNames(fields));
     DPL_TRY(const Common common, readCommon(fields, scan.root));
     DPL_TRY(const json* frames, fields.array("frames"));
-    if (frames->size() > kMaxFrames) return fail(Code::Unsupported, "{}: {} frames, at most {} are read; thin the scan out", manifestPath.string(), frames->size(), kMaxFrames);
+    if (frames->size() > kMaxFrames)
+        return fail(Code::Unsupported, "{}: {} frames, at most {} are read; thin the scan out", manifestPath.string(), frames->size(),
+                    kMaxFrames);
     for (size_t i = 0; i < frames->size(); ++i) {
         DPL_TRY(auto frame, readFrame((*frames)[i], common, formatText("{} frame {}", manifestPath.string(), i), scan.splitStated));
         scan.frames.push_back(std::move(frame));

@@ -1,9 +1,8 @@
-// nerfstudio's transforms.json: OpenGL camera-to-world matrices, shared or per-frame intrinsics, optional masks and split lists. The world is
-// taken as y-up and metric unless "world_up": "z" says otherwise, or "applied_transform" tells that it came from a COLMAP model.
-#include <map>
-
+// nerfstudio's transforms.json: OpenGL camera-to-world matrices, shared or per-frame intrinsics, optional masks and split lists. The world
+// is taken as y-up and metric unless "world_up": "z" says otherwise, or "applied_transform" tells that it came from a COLMAP model.
 #include <array>
 #include <cmath>
+#include <map>
 
 #include "reconstruction/cameras/camera_convention.h"
 #include "reconstruction/capture/image_file.h"
@@ -35,7 +34,8 @@ Status readIntrinsics(const JsonFields& frame, const JsonFields& file, const fs:
     DPL_TRY(const ImageHeader header, probeImage(image));
     DPL_TRY(const double width, eitherNumber(frame, file, "w", header.widthPx));
     DPL_TRY(const double height, eitherNumber(frame, file, "h", header.heightPx));
-    if (!(width >= 1 && height >= 1 && width <= 65536 && height <= 65536)) return fail(Code::CorruptData, "{}: w, h = {}, {} is not a size in pixels; correct it", frame.where(), width, height);
+    if (!(width >= 1 && height >= 1 && width <= 65536 && height <= 65536))
+        return fail(Code::CorruptData, "{}: w, h = {}, {} is not a size in pixels; correct it", frame.where(), width, height);
     camera.widthPx = uint32_t(width), camera.heightPx = uint32_t(height);
     DPL_TRY(const double angleX, eitherNumber(frame, file, "camera_angle_x", 0));
     const double fromAngle = angleX > 0 ? 0.5 * width / std::tan(0.5 * angleX) : 0;  // 0 is refused by checkCamera, which names fx
@@ -50,7 +50,9 @@ Status readIntrinsics(const JsonFields& frame, const JsonFields& file, const fs:
     DPL_TRY(const double k3, eitherNumber(frame, file, "k3", 0));
     DPL_TRY(const double k4, eitherNumber(frame, file, "k4", 0));
     if (k3 != 0 || k4 != 0)
-        return fail(Code::Unsupported, "{}: distortion k3, k4 is not read; undistort the images first, for example with 'colmap image_undistorter'", frame.where());
+        return fail(Code::Unsupported,
+                    "{}: distortion k3, k4 is not read; undistort the images first, for example with 'colmap image_undistorter'",
+                    frame.where());
     return {};
 }
 
@@ -71,17 +73,20 @@ Status readPose(const json& entry, const std::string& where, Camerad& camera) {
     return {};
 }
 
-/** file_path -> split, from the three lists; empty when the file has none. Validation images are held out too: nothing may learn from them. */
+/** file_path -> split, from the three lists; empty when the file has none. Validation images are held out too: nothing may learn from them.
+ */
 Result<std::map<std::string, Split>> readSplits(const JsonFields& fields) {
     std::map<std::string, Split> splits;
-    for (const auto& [key, split] : {std::pair{"train_filenames", Split::Train}, {"val_filenames", Split::Test}, {"test_filenames", Split::Test}}) {
+    for (const auto& [key, split] :
+         {std::pair{"train_filenames", Split::Train}, {"val_filenames", Split::Test}, {"test_filenames", Split::Test}}) {
         if (!fields.has(key)) continue;
         DPL_TRY(const json* list, fields.array(key));
         for (const json& name : *list) {
             if (!name.is_string()) return fail(Code::CorruptData, "{}: '{}' must be a list of file paths; correct it", fields.where(), key);
             const auto [at, fresh] = splits.emplace(name.get<std::string>(), split);
             if (!fresh && at->second != split && at->second == Split::Train)
-                return fail(Code::CorruptData, "{}: '{}' is both in a train and a test list; keep it in one", fields.where(), at->first.substr(0, 200));
+                return fail(Code::CorruptData, "{}: '{}' is both in a train and a test list; keep it in one", fields.where(),
+                            at->first.substr(0, 200));
         }
     }
     return splits;
@@ -101,9 +106,12 @@ Result<Scan> readNerfstudio(const fs::path& manifestPath) {
     JsonFields fields(manifest, file);
     DPL_TRY(const std::string model, fields.text("camera_model", "OPENCV"));
     if (model != "PINHOLE" && model != "SIMPLE_PINHOLE" && model != "OPENCV" && model != "SIMPLE_RADIAL" && model != "RADIAL")
-        return fail(Code::Unsupported, "{}: camera_model '{}' is not read; undistort the images first, for example with 'colmap image_undistorter'", file, model.substr(0, 60));
+        return fail(Code::Unsupported,
+                    "{}: camera_model '{}' is not read; undistort the images first, for example with 'colmap image_undistorter'", file,
+                    model.substr(0, 60));
     DPL_TRY(const std::string up, fields.text("world_up", "y"));
-    if (up.size() != 1 || (up[0] != 'y' && up[0] != 'z')) return fail(Code::Unsupported, "{}: world_up '{}' is neither y nor z; turn the world", file, up.substr(0, 60));
+    if (up.size() != 1 || (up[0] != 'y' && up[0] != 'z'))
+        return fail(Code::Unsupported, "{}: world_up '{}' is neither y nor z; turn the world", file, up.substr(0, 60));
     Scan scan;
     scan.source = ScanSource::Nerfstudio;
     scan.root = manifestPath.parent_path();
@@ -112,7 +120,8 @@ Result<Scan> readNerfstudio(const fs::path& manifestPath) {
     DPL_TRY(auto splits, readSplits(fields));
     scan.splitStated = !splits.empty();
     DPL_TRY(const json* frames, fields.array("frames"));
-    if (frames->size() > kMaxFrames) return fail(Code::Unsupported, "{}: {} frames, at most {} are read; thin the scan out", file, frames->size(), kMaxFrames);
+    if (frames->size() > kMaxFrames)
+        return fail(Code::Unsupported, "{}: {} frames, at most {} are read; thin the scan out", file, frames->size(), kMaxFrames);
     for (size_t i = 0; i < frames->size(); ++i) {
         const json& entry = (*frames)[i];
         const std::string where = formatText("{} frame {}", file, i);
@@ -135,7 +144,9 @@ Result<Scan> readNerfstudio(const fs::path& manifestPath) {
         DPL_CHECK_OK(checkDistortion(frame.lens, frame.camera, named));
         if (scan.splitStated) {
             const auto found = splits.find(relative);
-            if (found == splits.end()) return fail(Code::CorruptData, "{}: '{}' is in none of train_filenames, val_filenames, test_filenames; add it to one", where, relative.substr(0, 200));
+            if (found == splits.end())
+                return fail(Code::CorruptData, "{}: '{}' is in none of train_filenames, val_filenames, test_filenames; add it to one",
+                            where, relative.substr(0, 200));
             frame.split = found->second;
         }
         scan.frames.push_back(std::move(frame));

@@ -38,12 +38,14 @@ Result<fs::path> fileInside(const fs::path& root, const std::string& relative, s
                    relative.find('\\') != std::string::npos;
     for (const auto& part : path) escapes = escapes || part == "..";
     if (escapes)
-        return fail(Code::CorruptData, "{}: the path '{}' is not allowed; paths must be relative to the scan folder and stay inside it", where,
-                    relative.substr(0, 200));
+        return fail(Code::CorruptData, "{}: the path '{}' is not allowed; paths must be relative to the scan folder and stay inside it",
+                    where, relative.substr(0, 200));
     const fs::path whole = (root / path).lexically_normal();
     std::error_code error;
-    if (!fs::exists(whole, error)) return fail(Code::NotFound, "{}: {} is missing; restore the file or remove the entry", where, whole.string());
-    if (!fs::is_regular_file(whole, error)) return fail(Code::CorruptData, "{}: {} is not a file; restore it or remove the entry", where, whole.string());
+    if (!fs::exists(whole, error))
+        return fail(Code::NotFound, "{}: {} is missing; restore the file or remove the entry", where, whole.string());
+    if (!fs::is_regular_file(whole, error))
+        return fail(Code::CorruptData, "{}: {} is not a file; restore it or remove the entry", where, whole.string());
     return whole;
 }
 
@@ -76,7 +78,8 @@ bool JsonFields::has(const char* key) const {
 Result<double> JsonFields::number(const char* key) const {
     if (!has(key)) return fail(Code::CorruptData, "{}: '{}' is missing; add the number", where_, key);
     const json& value = object_.at(key);
-    if (!value.is_number() || !std::isfinite(value.get<double>())) return fail(Code::CorruptData, "{}: '{}' is not a finite number; correct it", where_, key);
+    if (!value.is_number() || !std::isfinite(value.get<double>()))
+        return fail(Code::CorruptData, "{}: '{}' is not a finite number; correct it", where_, key);
     return value.get<double>();
 }
 
@@ -107,7 +110,8 @@ Result<const json*> JsonFields::array(const char* key) const {
 Result<std::vector<double>> JsonFields::numbers(const char* key, size_t count) const {
     DPL_TRY(const json* list, array(key));
     std::vector<double> numbers;
-    if (list->size() != count) return fail(Code::CorruptData, "{}: '{}' has {} numbers, {} are needed; correct it", where_, key, list->size(), count);
+    if (list->size() != count)
+        return fail(Code::CorruptData, "{}: '{}' has {} numbers, {} are needed; correct it", where_, key, list->size(), count);
     for (const json& value : *list) {
         if (!value.is_number() || !std::isfinite(value.get<double>()))
             return fail(Code::CorruptData, "{}: '{}' holds something that is not a finite number; correct it", where_, key);

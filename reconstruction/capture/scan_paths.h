@@ -30,8 +30,8 @@ public:
     JsonFields(const nlohmann::json& object, std::string where) : object_(object), where_(std::move(where)) {}
 
     const std::string& where() const { return where_; }
-    bool has(const char* key) const;                       // present and not null
-    Result<double> number(const char* key) const;          // finite
+    bool has(const char* key) const;               // present and not null
+    Result<double> number(const char* key) const;  // finite
     Result<double> number(const char* key, double otherwise) const;
     Result<std::string> text(const char* key) const;
     Result<std::string> text(const char* key, const std::string& otherwise) const;

@@ -76,7 +76,8 @@ std::optional<VoxelGrid> boundSilhouettes(std::span<const SilhouetteView> views,
     for (const auto& view : views) {
         const Box2 box = maskBox(view.mask);
         const double depth = view.camera.toView(*centre).z;
-        if (!box.empty() && depth > 0) radii.push_back(0.5 * depth * std::hypot((box.x1 - box.x0) / view.camera.fx, (box.y1 - box.y0) / view.camera.fy));
+        if (!box.empty() && depth > 0)
+            radii.push_back(0.5 * depth * std::hypot((box.x1 - box.x0) / view.camera.fx, (box.y1 - box.y0) / view.camera.fy));
     }
     const double radius = 1.3 * median(radii);
     if (!(radius > 0)) return std::nullopt;

@@ -1,8 +1,7 @@
 #include "reconstruction/surface/contours.h"
 
-#include <nanoflann.hpp>
-
 #include <cmath>
+#include <nanoflann.hpp>
 
 namespace dpl {
 namespace {
@@ -12,9 +11,13 @@ struct Cloud {
     std::span<const ContourPoint> points;
     double turnPx;
     size_t kdtree_get_point_count() const { return points.size(); }
-    double kdtree_get_pt(size_t i, size_t axis) const { return axis < 2 ? points[i].px[int(axis)] : turnPx * points[i].normal[int(axis) - 2]; }
+    double kdtree_get_pt(size_t i, size_t axis) const {
+        return axis < 2 ? points[i].px[int(axis)] : turnPx * points[i].normal[int(axis) - 2];
+    }
     template <class Box>
-    bool kdtree_get_bbox(Box&) const { return false; }
+    bool kdtree_get_bbox(Box&) const {
+        return false;
+    }
 };
 using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Cloud>, Cloud, 4, uint32_t>;
 
@@ -22,7 +25,9 @@ using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<do
 
 std::vector<ContourPoint> contourPoints(std::span<const uint8_t> inside, uint32_t width, uint32_t height) {
     std::vector<ContourPoint> points;
-    const auto at = [&](int x, int y) { return x >= 0 && y >= 0 && x < int(width) && y < int(height) && inside[size_t(y) * width + size_t(x)]; };
+    const auto at = [&](int x, int y) {
+        return x >= 0 && y >= 0 && x < int(width) && y < int(height) && inside[size_t(y) * width + size_t(x)];
+    };
     // Normal: minus the gradient of the picture under a 7 × 7 window around the crack.
     const auto normalAt = [&](int x, int y, Vec2d crack) {
         Vec2d sum = 1e-3 * crack;

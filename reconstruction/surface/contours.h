@@ -19,8 +19,8 @@ struct ContourPoint {
 /** All cracks of a picture in scan order. Edges of the picture are no outline: what lies beyond is unknown. */
 std::vector<ContourPoint> contourPoints(std::span<const uint8_t> inside, uint32_t widthPx, uint32_t heightPx);
 
-/** For each of `from` the nearest of `to` with a normal that agrees, or UINT32_MAX beyond reachPx. Distance counts a turn of the normal by 60° as
- *  turnPx of way, so the two sides of an arm are never confused. */
+/** For each of `from` the nearest of `to` with a normal that agrees, or UINT32_MAX beyond reachPx. Distance counts a turn of the normal by
+ * 60° as turnPx of way, so the two sides of an arm are never confused. */
 std::vector<uint32_t> matchContours(std::span<const ContourPoint> from, std::span<const ContourPoint> to, double reachPx, double turnPx);
 
 }  // namespace dpl

@@ -12,11 +12,11 @@
 namespace dpl {
 namespace {
 
-constexpr double kTangentShare = 0.25;   // of a pull along the outline: it is mostly noise, but a helmet's far side needs it
-constexpr double kTurnShare = 0.03;      // of the picture's height: price of a turned normal (contours.h)
-constexpr double kReachShare = 0.25;     // of the picture's height: pulls from further away are mistakes
-constexpr double kStep = 0.8;            // of the smoothed pull taken per round
-constexpr double kRelax = 0.1;           // of the offset's difference to its neighbours' mean, per round
+constexpr double kTangentShare = 0.25;  // of a pull along the outline: it is mostly noise, but a helmet's far side needs it
+constexpr double kTurnShare = 0.03;     // of the picture's height: price of a turned normal (contours.h)
+constexpr double kReachShare = 0.25;    // of the picture's height: pulls from further away are mistakes
+constexpr double kStep = 0.8;           // of the smoothed pull taken per round
+constexpr double kRelax = 0.03;  // of the offset's difference to its neighbours' mean, per round: more pulls sleeves and hems inwards
 
 /** A pull on one vertex, rest space. */
 struct Pull {
@@ -25,25 +25,33 @@ struct Pull {
     Vec3f weighted;  // weight × displacement, metres
 };
 
-Status checkInput(const MeshData& mesh, std::span<const JointData> joints, std::span<const Vec3f> offsets, std::span<const SurfaceView> views) {
+Status checkInput(const MeshData& mesh, std::span<const JointData> joints, std::span<const Vec3f> offsets,
+                  std::span<const SurfaceView> views) {
     const size_t count = mesh.restPositions.size();
     if (count == 0 || mesh.triangles.empty()) return fail(Code::InvalidArgument, "the mesh to fit is empty");
     if (mesh.jointIndices.size() != count || mesh.jointWeights.size() != count)
-        return fail(Code::InvalidArgument, "the mesh has {} vertices but {} joint indices and {} skin weights; give it skin weights", count, mesh.jointIndices.size(), mesh.jointWeights.size());
-    if (!offsets.empty() && offsets.size() != count) return fail(Code::InvalidArgument, "{} offsets for {} vertices", offsets.size(), count);
+        return fail(Code::InvalidArgument, "the mesh has {} vertices but {} joint indices and {} skin weights; give it skin weights", count,
+                    mesh.jointIndices.size(), mesh.jointWeights.size());
+    if (!offsets.empty() && offsets.size() != count)
+        return fail(Code::InvalidArgument, "{} offsets for {} vertices", offsets.size(), count);
     for (size_t v = 0; v < count; ++v) {
         const Vec3f& p = mesh.restPositions[v];
-        if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return fail(Code::InvalidArgument, "rest position {} is not finite", v);
+        if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+            return fail(Code::InvalidArgument, "rest position {} is not finite", v);
         for (int i = 0; i < 4; ++i)
-            if (mesh.jointWeights[v][i] && mesh.jointIndices[v][i] >= joints.size()) return fail(Code::InvalidArgument, "vertex {} hangs on joint {}, the rig has {}", v, mesh.jointIndices[v][i], joints.size());
+            if (mesh.jointWeights[v][i] && mesh.jointIndices[v][i] >= joints.size())
+                return fail(Code::InvalidArgument, "vertex {} hangs on joint {}, the rig has {}", v, mesh.jointIndices[v][i],
+                            joints.size());
     }
     for (const Triangle& t : mesh.triangles)
-        if (t.x >= count || t.y >= count || t.z >= count) return fail(Code::InvalidArgument, "a triangle points beyond the {} vertices", count);
+        if (t.x >= count || t.y >= count || t.z >= count)
+            return fail(Code::InvalidArgument, "a triangle points beyond the {} vertices", count);
     for (size_t i = 0; i < views.size(); ++i) {
         const auto& view = views[i];
         if (view.mask.widthPx != view.camera.widthPx || view.mask.heightPx != view.camera.heightPx ||
             view.mask.pixels.size() != size_t(view.mask.widthPx) * view.mask.heightPx)
-            return fail(Code::InvalidArgument, "the mask of view {} is {} x {}, its camera {} x {}", i, view.mask.widthPx, view.mask.heightPx, view.camera.widthPx, view.camera.heightPx);
+            return fail(Code::InvalidArgument, "the mask of view {} is {} x {}, its camera {} x {}", i, view.mask.widthPx,
+                        view.mask.heightPx, view.camera.widthPx, view.camera.heightPx);
         DPL_CHECK_OK(checkPose(joints, view.pose));
     }
     return {};
@@ -70,8 +78,8 @@ PosedView poseVertices(const MeshData& mesh, std::span<const JointData> joints, 
     return out;
 }
 
-std::vector<double> posedIou(const MeshData& mesh, std::span<const JointData> joints, std::span<const Vec3f> offsets, std::span<const SurfaceView> views,
-                             std::span<const Pose> poses, Jobs& jobs) {
+std::vector<double> posedIou(const MeshData& mesh, std::span<const JointData> joints, std::span<const Vec3f> offsets,
+                             std::span<const SurfaceView> views, std::span<const Pose> poses, Jobs& jobs) {
     std::vector<double> iou(views.size(), 0);
     jobs.forBlocks(views.size(), [&](size_t i, uint32_t) {
         const PosedView posed = poseVertices(mesh, joints, offsets, poses[i]);
@@ -172,8 +180,18 @@ std::vector<uint32_t> carriers(const MeshData& mesh) {
 
 class Fitter {
 public:
-    Fitter(const MeshData& mesh, std::span<const JointData> joints, std::span<const SurfaceView> views, const SurfaceFitSettings& settings, Jobs& jobs)
-        : mesh_(mesh), joints_(joints), views_(views), settings_(settings), jobs_(jobs), offsets_(mesh.restPositions.size(), Vec3f(0)), poses_(views.size()), sway_(views.size(), Vec3f(0)), targets_(views.size()), carrier_(carriers(mesh)) {
+    Fitter(const MeshData& mesh, std::span<const JointData> joints, std::span<const SurfaceView> views, const SurfaceFitSettings& settings,
+           Jobs& jobs)
+        : mesh_(mesh),
+          joints_(joints),
+          views_(views),
+          settings_(settings),
+          jobs_(jobs),
+          offsets_(mesh.restPositions.size(), Vec3f(0)),
+          poses_(views.size()),
+          sway_(views.size(), Vec3f(0)),
+          targets_(views.size()),
+          carrier_(carriers(mesh)) {
         for (size_t i = 0; i < views.size(); ++i) poses_[i] = views[i].pose;
     }
 
@@ -194,7 +212,8 @@ public:
             const double length = settings_.startSmoothingM * std::pow(settings_.endSmoothingM / settings_.startSmoothingM, t);
             DPL_TRY(const LargeSteps smooth, LargeSteps::create(mesh_.restPositions, mesh_.triangles, length));
             for (uint32_t round = 0; round < settings_.roundsPerLevel; ++round, ++fit.rounds) {
-                if (settings_.progress && !settings_.progress(double(fit.rounds) / total)) return fail(Code::Cancelled, "surface fit cancelled");
+                if (settings_.progress && !settings_.progress(double(fit.rounds) / total))
+                    return fail(Code::Cancelled, "surface fit cancelled");
                 step(smooth, settings_.maxSwayM > 0 && 2 * level >= settings_.levels);
             }
         }
@@ -300,9 +319,12 @@ Result<std::vector<double>> surfaceIou(const MeshData& mesh, std::span<const Joi
 Result<SurfaceFit> fitSurface(const MeshData& mesh, std::span<const JointData> joints, std::span<const SurfaceView> views,
                               const SurfaceFitSettings& settings, Jobs& jobs) {
     if (views.empty()) return fail(Code::InvalidArgument, "the surface fit needs at least one still picture with a mask");
-    const bool sane = settings.levels > 0 && settings.roundsPerLevel > 0 && settings.endSmoothingM > 0 && settings.startSmoothingM >= settings.endSmoothingM &&
-                      settings.maxOffsetM > 0 && settings.maxStepM > 0 && settings.maxSwayM >= 0;
-    if (!sane) return fail(Code::InvalidArgument, "surface fit settings: levels, rounds and lengths must be above 0, and the first smoothing the longest");
+    const bool sane = settings.levels > 0 && settings.roundsPerLevel > 0 && settings.endSmoothingM > 0 &&
+                      settings.startSmoothingM >= settings.endSmoothingM && settings.maxOffsetM > 0 && settings.maxStepM > 0 &&
+                      settings.maxSwayM >= 0;
+    if (!sane)
+        return fail(Code::InvalidArgument,
+                    "surface fit settings: levels, rounds and lengths must be above 0, and the first smoothing the longest");
     DPL_CHECK_OK(checkInput(mesh, joints, {}, views));
     return Fitter(mesh, joints, views, settings, jobs).run();
 }

@@ -27,8 +27,10 @@ TriangleImage rasteriseTriangles(const Camerad& camera, std::span<const Vec3f> p
         const double area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
         if (!(std::abs(area) > 1e-12)) continue;
         // Pixel centres at +0.5; the box is cut to the picture before it becomes integers.
-        const double left = std::max(0.0, std::floor(std::min({a.x, b.x, c.x}) - 0.5)), right = std::min(double(camera.widthPx) - 1, std::ceil(std::max({a.x, b.x, c.x}) - 0.5));
-        const double top = std::max(0.0, std::floor(std::min({a.y, b.y, c.y}) - 0.5)), bottom = std::min(double(camera.heightPx) - 1, std::ceil(std::max({a.y, b.y, c.y}) - 0.5));
+        const double left = std::max(0.0, std::floor(std::min({a.x, b.x, c.x}) - 0.5)),
+                     right = std::min(double(camera.widthPx) - 1, std::ceil(std::max({a.x, b.x, c.x}) - 0.5));
+        const double top = std::max(0.0, std::floor(std::min({a.y, b.y, c.y}) - 0.5)),
+                     bottom = std::min(double(camera.heightPx) - 1, std::ceil(std::max({a.y, b.y, c.y}) - 0.5));
         if (!(left <= right) || !(top <= bottom)) continue;
         const double inverse = 1 / area;
         for (int y = int(top); y <= int(bottom); ++y)

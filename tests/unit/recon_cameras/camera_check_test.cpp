@@ -1,10 +1,10 @@
 #include "reconstruction/cameras/camera_check.h"
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <functional>
 #include <limits>
-
-#include <gtest/gtest.h>
 
 #include "reconstruction/cameras/camera_convention.h"
 

@@ -1,11 +1,11 @@
 // COLMAP models, text and binary: the same cameras from both, every truncation refused.
 #include "reconstruction/cameras/colmap_model.h"
 
-#include <cmath>
-#include <fstream>
+#include <gtest/gtest.h>
 #include <unistd.h>
 
-#include <gtest/gtest.h>
+#include <cmath>
+#include <fstream>
 
 #include "sdk/core/writer.h"
 
@@ -17,7 +17,8 @@ namespace fs = std::filesystem;
 struct Folder {
     fs::path path;
     Folder() {
-        path = fs::temp_directory_path() / ("dpl_colmap_" + std::to_string(::getpid()) + "_" + ::testing::UnitTest::GetInstance()->current_test_info()->name());
+        path = fs::temp_directory_path() /
+               ("dpl_colmap_" + std::to_string(::getpid()) + "_" + ::testing::UnitTest::GetInstance()->current_test_info()->name());
         fs::remove_all(path);
         fs::create_directories(path);
     }
@@ -30,8 +31,7 @@ struct Folder {
 };
 
 const char* kCamerasText = "# Camera list\n1 OPENCV 640 480 500 501 320 240 -0.1 0.01 0.001 -0.002\n2 SIMPLE_PINHOLE 640 480 510 321 241\n";
-const char* kImagesText =
-    "# Image list\n7 0.8 0 0.6 0 0.1 0.2 3 1 b.jpg\n1.5 2.5 -1 3 4 17\n9 1 0 0 0 0 0 2 2 sub dir/a.jpg\n\n";
+const char* kImagesText = "# Image list\n7 0.8 0 0.6 0 0.1 0.2 3 1 b.jpg\n1.5 2.5 -1 3 4 17\n9 1 0 0 0 0 0 2 2 sub dir/a.jpg\n\n";
 
 std::vector<uint8_t> camerasBinary() {
     Writer w;
@@ -123,15 +123,16 @@ TEST(ColmapModel, wrongTextIsRefusedByLine) {
     Folder folder;
     folder.write("images.txt", kImagesText);
     for (const char* bad : {"1 PINHOLE 640 480 500 500 320\n", "1 PINHOLE 640 480 0 500 320 240\n", "x PINHOLE 640 480 500 500 320 240\n",
-                            "1 PINHOLE 640 480 nan 500 320 240\n", "1 PINHOLE -640 480 500 500 320 240\n", "1 FULL_OPENCV 640 480 1 1 1 1\n",
-                            "1 PINHOLE 640 480 500 500 320 240\n1 PINHOLE 640 480 500 500 320 240\n"}) {
+                            "1 PINHOLE 640 480 nan 500 320 240\n", "1 PINHOLE -640 480 500 500 320 240\n",
+                            "1 FULL_OPENCV 640 480 1 1 1 1\n", "1 PINHOLE 640 480 500 500 320 240\n1 PINHOLE 640 480 500 500 320 240\n"}) {
         folder.write("cameras.txt", bad);
         auto read = readColmapModel(folder.path);
         ASSERT_FALSE(read) << bad;
         EXPECT_NE(read.error().message.find("cameras.txt"), std::string::npos) << read.error().message;
     }
     folder.write("cameras.txt", kCamerasText);
-    for (const char* bad : {"", "7 0 0 0 0 0 0 3 1 b.jpg\n\n", "7 1 0 0 0 0 0 3 5 b.jpg\n\n", "7 1 0 0 0 0 0 3 1\n\n", "7 1 0 0 nan 0 0 3 1 b.jpg\n\n", "seven\n"}) {
+    for (const char* bad : {"", "7 0 0 0 0 0 0 3 1 b.jpg\n\n", "7 1 0 0 0 0 0 3 5 b.jpg\n\n", "7 1 0 0 0 0 0 3 1\n\n",
+                            "7 1 0 0 nan 0 0 3 1 b.jpg\n\n", "seven\n"}) {
         folder.write("images.txt", bad);
         EXPECT_FALSE(readColmapModel(folder.path)) << bad;
     }
