@@ -140,7 +140,8 @@ void PixelBackward::run(const SplatEngine& engine, const SplatImage& image, cons
     const auto stops = engine.stops();
     const size_t width = image.widthPx, height = image.heightPx;
     const bool withCloth = !gradient.cloth.empty() && !image.cloth.empty();
-    entries_.resize(tiles.entries.size());
+    const size_t entryCount = tiles.offset.empty() ? 0 : tiles.offset.back();  // `entries` is longer: it keeps its size between frames
+    entries_.resize(std::max(entries_.size(), entryCount));
     jobs_.forBlocks(size_t(tiles.columns) * tiles.rows, [&](size_t t, uint32_t) {
         const uint32_t first = tiles.offset[t], count = tiles.offset[t + 1] - first;
         if (count == 0) return;
@@ -180,7 +181,7 @@ void PixelBackward::run(const SplatEngine& engine, const SplatImage& image, cons
         const uint32_t begin = uint32_t(sums_.size() * block / blocks), end = uint32_t(sums_.size() * (block + 1) / blocks);
         if (begin < end) std::memset(&sums_[begin], 0, (end - begin) * sizeof(EntrySums));
         const uint32_t* index = tiles.entries.data();
-        for (size_t e = 0; e < entries_.size(); ++e) {
+        for (size_t e = 0; e < entryCount; ++e) {
             const uint32_t splat = index[e];
             if (splat < begin || splat >= end) continue;
             float* to = &sums_[splat].s;

@@ -43,7 +43,6 @@ public:
 
     /** One entry a projected splat; zero for splats in no tile. Valid until the next run. */
     std::span<const EntrySums> sums() const { return sums_; }
-    uint64_t entryCount() const { return entries_.size(); }
 
 private:
     Jobs& jobs_;

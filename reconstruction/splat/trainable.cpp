@@ -8,7 +8,8 @@ namespace dpl {
 Vec2f projectToSimplex(Vec2f uv) {
     // The plane b0 + u + v = 1 holds already, so projecting means clipping and sharing the excess among the positive ones.
     float b[3] = {1 - uv.x - uv.y, uv.x, uv.y};
-    if (b[0] >= 0 && b[1] >= 0 && b[2] >= 0) return uv;
+    // 1 − u − v of a projected point may be −1e-7: leaving it makes the projection idempotent, so a restored run keeps its bytes.
+    if (b[0] >= -1e-6f && b[1] >= 0 && b[2] >= 0) return uv;
     float sorted[3] = {b[0], b[1], b[2]};
     std::sort(sorted, sorted + 3, [](float a, float c) { return a > c; });
     float sum = 0, shift = 0;

@@ -1,0 +1,213 @@
+#include "reconstruction/splat/co_optimise.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <filesystem>
+#include <map>
+#include <optional>
+
+#include "reconstruction/splat/polish.h"
+#include "sdk/core/files.h"
+#include "tests/unit/recon_splat/toy_scene.h"
+
+namespace dpl::test {
+namespace {
+
+/** Every byte of a result that ends in the avatar, part by part. */
+std::map<std::string, std::vector<uint8_t>> bytesOf(const CoOptimiseResult& r) {
+    std::map<std::string, std::vector<uint8_t>> out;
+    const auto add = [&](const char* name, const auto& v) {
+        const auto* p = reinterpret_cast<const uint8_t*>(v.data());
+        out[name].insert(out[name].end(), p, p + v.size() * sizeof(v[0]));
+    };
+    add("triangles", r.splats.triangleStart), add("uv", r.splats.uv), add("phi", r.splats.phi), add("scale", r.splats.scaleM);
+    add("opacity", r.splats.opacity), add("flags", r.splats.flags), add("sh", r.splats.sh), add("rest", r.restPositions);
+    for (const Pose& p : r.poses) add("rotations", p.localRotations), add("translations", std::vector<Vec3f>{p.rootTranslation});
+    for (const Camerad& c : r.cameras) add("cameras", std::vector<Vec3d>{c.viewFromWorldTranslation, c.viewFromWorldRotation[0]});
+    add("curve", r.curve);
+    return out;
+}
+
+void expectSame(const CoOptimiseResult& a, const CoOptimiseResult& b) {
+    const auto x = bytesOf(a), y = bytesOf(b);
+    for (const auto& [name, bytes] : x) EXPECT_TRUE(bytes == y.at(name)) << name << " differ";
+}
+
+std::unique_ptr<CoOptimiser> make(Jobs& jobs, const CoOptimiseSettings& settings, float sway = 0.004f) {
+    auto t = CoOptimiser::create(toyScene(jobs, 8, sway, 0.03f), settings, jobs);
+    EXPECT_TRUE(t) << t.error().message;
+    return t ? std::move(*t) : nullptr;
+}
+
+std::filesystem::path scratch(const char* name) { return std::filesystem::path(::testing::TempDir()) / name; }
+
+TEST(CoOptimise, lossFallsAndPictureGetsClose) {
+    Jobs jobs(2);
+    auto t = make(jobs, toySettings(240), 0);
+    ASSERT_TRUE(t->run());
+    const CoOptimiseResult r = t->result();
+    ASSERT_GE(r.curve.size(), 4u);
+    // The level rises on the way, so the PSNR must rise against a harder picture.
+    EXPECT_GT(r.curve.back().psnr, r.curve.front().psnr + 2);
+    EXPECT_GT(r.curve.back().psnr, 26);
+    EXPECT_GT(r.splats.count(), 1500u) << "density control added splats";
+    EXPECT_LE(r.splats.count(), 2200u);
+    EXPECT_EQ(r.splats.triangleStart.back(), r.splats.count());
+    EXPECT_GT(r.profile.pairs, 0);
+}
+
+TEST(CoOptimise, sameBytesOnOneTwoThreeThreads) {
+    std::optional<CoOptimiseResult> first;
+    for (uint32_t threads : {1u, 2u, 3u}) {
+        SCOPED_TRACE(threads);
+        Jobs jobs(threads);
+        auto t = make(jobs, toySettings(48));
+        ASSERT_TRUE(t->run());
+        if (!first) first = t->result();
+        expectSame(t->result(), *first);
+    }
+}
+
+TEST(CoOptimise, anotherSeedGivesAnotherResult) {
+    Jobs jobs(2);
+    CoOptimiseSettings s = toySettings(16);
+    auto a = make(jobs, s);
+    s.seed = 43;
+    auto b = make(jobs, s);
+    ASSERT_TRUE(a->run() && b->run());
+    EXPECT_TRUE(bytesOf(a->result()) != bytesOf(b->result()));
+}
+
+TEST(CoOptimise, restoredRunEndsInTheSameBytes) {
+    Jobs jobs(2);
+    CoOptimiseSettings s = toySettings(48);
+    s.learnCameras = true;
+    auto whole = make(jobs, s);
+    ASSERT_TRUE(whole->run());
+    const auto path = scratch("trainer.checkpoint");
+    auto killed = make(jobs, s);
+    ASSERT_TRUE(killed->run({}, nullptr, 29));  // in the middle of an epoch, of a geometry interval and of a curve point
+    ASSERT_TRUE(killed->checkpoint(path));
+    killed.reset();
+    auto rerun = make(jobs, s);
+    const Status restored = rerun->restore(path);
+    ASSERT_TRUE(restored) << restored.error().message;
+    EXPECT_EQ(rerun->step(), 29u);
+    ASSERT_TRUE(rerun->run());
+    expectSame(rerun->result(), whole->result());
+}
+
+TEST(CoOptimise, damagedOrForeignCheckpointIsRefusedAndChangesNothing) {
+    Jobs jobs(1);
+    CoOptimiseSettings s = toySettings(16);
+    auto t = make(jobs, s);
+    ASSERT_TRUE(t->run({}, nullptr, 8));
+    const auto path = scratch("trainer_damaged.checkpoint");
+    ASSERT_TRUE(t->checkpoint(path));
+    auto bytes = readFile(path);
+    ASSERT_TRUE(bytes);
+    const auto before = bytesOf(t->result());
+    for (size_t cut : {size_t(0), size_t(3), size_t(20), bytes->size() / 2, bytes->size() - 1}) {
+        ASSERT_TRUE(writeFileAtomically(path, std::span(bytes->data(), cut)));
+        EXPECT_FALSE(t->restore(path)) << "cut to " << cut;
+    }
+    auto flipped = *bytes;
+    flipped[flipped.size() / 3] ^= 4;
+    ASSERT_TRUE(writeFileAtomically(path, flipped));
+    EXPECT_FALSE(t->restore(path));
+    ASSERT_TRUE(writeFileAtomically(path, *bytes));
+    s.seed = 7;
+    auto other = make(jobs, s);
+    const Status refused = other->restore(path);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find(path.string()), std::string::npos) << "the sentence names the file";
+    EXPECT_TRUE(bytesOf(t->result()) == before);
+    EXPECT_TRUE(t->restore(path));
+}
+
+TEST(CoOptimise, posesAreFoundAgain) {
+    // Every frame's subject stands 8 mm and 3 degrees from where its pose says; with poses learned the picture fits better.
+    Jobs jobs(2);
+    CoOptimiseSettings s = toySettings(400);
+    s.learnGeometry = false;
+    const auto run = [&](bool learn) {
+        s.learnPoses = learn;
+        auto t = CoOptimiser::create(toyScene(jobs, 8, 0.008f, 0.05f), s, jobs);
+        EXPECT_TRUE(t && (*t)->run());
+        return (*t)->result().curve.back().psnr;
+    };
+    const float fixed = run(false), learned = run(true);
+    EXPECT_GT(learned, fixed + 1.0f);
+}
+
+TEST(CoOptimise, cancelStopsAndCanGoOn) {
+    Jobs jobs(1);
+    auto t = make(jobs, toySettings(8));
+    std::atomic<bool> cancel{true};
+    const Status stopped = t->run({}, &cancel);
+    ASSERT_FALSE(stopped);
+    EXPECT_EQ(stopped.error().code, Code::Cancelled);
+    EXPECT_EQ(t->step(), 0u);
+    cancel = false;
+    EXPECT_TRUE(t->run({}, &cancel));
+    EXPECT_TRUE(t->finished());
+}
+
+TEST(CoOptimise, badInputIsRefusedByName) {
+    Jobs jobs(1);
+    const CoOptimiseSettings s = toySettings(8);
+    const auto refuse = [&](auto&& spoil, const char* word) {
+        CoOptimiseInput in = toyScene(jobs, 4);
+        spoil(in);
+        auto t = CoOptimiser::create(std::move(in), s, jobs);
+        ASSERT_FALSE(t);
+        EXPECT_NE(t.error().message.find(word), std::string::npos) << t.error().message;
+    };
+    refuse([](auto& in) { in.frames[2].image.pixels.pop_back(); }, "toy_2");
+    refuse([](auto& in) { in.frames[1].pose.localRotations[1].x = NAN; }, "toy_1");
+    refuse([](auto& in) { in.mesh.restPositions[3].y = INFINITY; }, "vertex 3");
+    refuse([](auto& in) { in.mesh.jointIndices[0].x = 9; }, "joint 9");
+    refuse([](auto& in) { in.triangleLabel.assign(3, 1); }, "labels");
+    refuse([](auto& in) { for (auto& f : in.frames) std::fill(f.mask.pixels.begin(), f.mask.pixels.end(), uint8_t(0)); }, "none of the 4");
+}
+
+TEST(PoseFit, bringsADisplacedFrameBack) {
+    Jobs jobs(2);
+    CoOptimiseSettings s = toySettings(160);
+    auto t = CoOptimiser::create(toyScene(jobs, 8), s, jobs);
+    ASSERT_TRUE(t && (*t)->run());
+    CoOptimiseResult r = (*t)->result();
+    AvatarData avatar;
+    avatar.joints = twoJoints(), avatar.mesh = ballMesh(), avatar.mesh.restPositions = r.restPositions, avatar.splats = r.splats;
+    TrainFrame f = toyScene(jobs, 8).frames[0];
+    f.pose.rootTranslation = {0.015f, -0.01f, 0};
+    auto fit = fitPose(avatar, f, {}, jobs);
+    ASSERT_TRUE(fit) << fit.error().message;
+    EXPECT_LT(fit->lossAfter, 0.7 * fit->lossBefore);
+    // Seen from one camera: a pixel is 10 mm at this distance, and the fit is a third of it across the view.
+    EXPECT_LT(std::hypot(fit->pose.rootTranslation.x, fit->pose.rootTranslation.y), 0.007f);
+}
+
+TEST(Polish, keepsMeshAndOrderAndLowersTheLoss) {
+    Jobs jobs(2);
+    CoOptimiseInput in = toyScene(jobs, 8);
+    auto t = CoOptimiser::create(in, toySettings(80), jobs);
+    ASSERT_TRUE(t && (*t)->run());
+    const CoOptimiseResult trained = (*t)->result();
+    AvatarData avatar;
+    avatar.joints = in.joints, avatar.mesh = in.mesh, avatar.mesh.restPositions = trained.restPositions, avatar.splats = trained.splats;
+    for (float& c : avatar.splats.sh) c *= 0.5f;  // as if the codec had dulled every colour
+    const SplatData before = avatar.splats;
+    const auto lossOf = [&] { return fitPose(avatar, in.frames[0], {.iterations = 0}, jobs)->lossBefore; };
+    const double dull = lossOf();
+    auto polished = polish(avatar, in.frames, 120, 5, jobs);
+    ASSERT_TRUE(polished) << polished.error().message;
+    EXPECT_EQ(avatar.splats.uv, before.uv);
+    EXPECT_EQ(avatar.splats.phi, before.phi);
+    EXPECT_EQ(avatar.splats.triangleStart, before.triangleStart);
+    EXPECT_LT(lossOf(), 0.96 * dull);  // 120 small steps: a polish mends rounding, it does not repaint
+}
+
+}  // namespace
+}  // namespace dpl::test

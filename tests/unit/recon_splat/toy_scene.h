@@ -1,0 +1,105 @@
+// A small skinned ball with a pattern, seen by a ring of cameras; pictures are drawn by the splat engine from known splats.
+#pragma once
+
+#include <cmath>
+
+#include "reconstruction/splat/co_optimise.h"
+
+namespace dpl::test {
+
+inline MeshData ballMesh(uint32_t rings = 10, uint32_t sides = 14, float radius = 0.2f) {
+    MeshData m;
+    for (uint32_t r = 0; r <= rings; ++r)
+        for (uint32_t s = 0; s < sides; ++s) {
+            if ((r == 0 || r == rings) && s > 0) continue;
+            const float theta = 3.14159265f * float(r) / float(rings), phi = 6.2831853f * float(s) / float(sides);
+            m.restPositions.push_back(radius * Vec3f(std::sin(theta) * std::sin(phi), std::cos(theta), std::sin(theta) * std::cos(phi)));
+        }
+    const auto at = [&](uint32_t r, uint32_t s) -> uint32_t { return r == 0 ? 0 : r == rings ? uint32_t(m.restPositions.size()) - 1 : 1 + (r - 1) * sides + s % sides; };
+    for (uint32_t r = 0; r < rings; ++r)
+        for (uint32_t s = 0; s < sides; ++s) {
+            if (r > 0) m.triangles.push_back({at(r, s), at(r + 1, s), at(r, s + 1)});
+            if (r + 1 < rings) m.triangles.push_back({at(r, s + 1), at(r + 1, s), at(r + 1, s + 1)});
+        }
+    for (const Vec3f& p : m.restPositions) {
+        const uint8_t upper = uint8_t(std::lround(255 * std::clamp(0.5f + 2 * p.y, 0.0f, 1.0f)));
+        m.jointIndices.push_back({0, 1, 0, 0});
+        m.jointWeights.push_back({uint8_t(255 - upper), upper, 0, 0});
+    }
+    return m;
+}
+
+inline std::vector<JointData> twoJoints() {
+    std::vector<JointData> joints(2);
+    joints[0].name = "root", joints[1].name = "top", joints[1].parent = 0;
+    joints[1].restPosition = {0, 0, 0};
+    return joints;
+}
+
+/** swayM and turn: how far each frame's true pose is from the one that the frame says. */
+inline CoOptimiseInput toyScene(Jobs& jobs, uint32_t frameCount = 8, float swayM = 0, float turn = 0, uint32_t sizePx = 72) {
+    CoOptimiseInput in;
+    in.joints = twoJoints();
+    in.mesh = ballMesh();
+    std::vector<float> floors(in.mesh.triangles.size(), 0.0f);
+    InitSettings init;
+    init.splatCount = 3000, init.shDegree = 0;
+    const auto flags = triangleFlags(in.mesh.restPositions, in.mesh.triangles, {}, init);
+    TrainableSplats splats = initialSplats(in.joints, in.mesh, flags, floors, {}, init, jobs);
+    for (uint32_t i = 0; i < splats.count(); ++i) {
+        const Triangle& t = in.mesh.triangles[splats.triangle[i]];
+        const Vec3f p = (1 - splats.uv[i].x - splats.uv[i].y) * in.mesh.restPositions[t.x] + splats.uv[i].x * in.mesh.restPositions[t.y] + splats.uv[i].y * in.mesh.restPositions[t.z];
+        float* row = splats.rows.data() + i * splats.stride;
+        const Vec3f colour(0.5f + 0.4f * std::sin(30 * p.x), 0.5f + 0.4f * std::cos(26 * p.y), p.z > 0 ? 0.8f : 0.2f);
+        for (int c = 0; c < 3; ++c) row[kRowSh + uint32_t(c)] = (colour[c] - 0.5f) / float(kShC0);
+        row[kRowOpacityLogit] = 3;
+    }
+    splats.activateAll(jobs);
+    const auto rest = restTriangles(in.mesh);
+    SplatEngine engine(jobs);
+    SplatImage image;
+    for (uint32_t k = 0; k < frameCount; ++k) {
+        TrainFrame f;
+        f.name = "toy_" + std::to_string(k);
+        f.kind = k % 4 == 3 ? FrameKind::Dynamic : k % 4 == 2 ? FrameKind::StaticCloseup : FrameKind::StaticFull;
+        const double a = 6.283185307 * k / frameCount, distance = f.kind == FrameKind::StaticCloseup ? 0.6 : 0.9;
+        f.camera.widthPx = f.camera.heightPx = sizePx;
+        f.camera.fx = f.camera.fy = 1.3 * sizePx, f.camera.cx = f.camera.cy = 0.5 * sizePx;
+        // The eye is at distance·(sin a, 0, cos a), looking at the origin, y down in the view.
+        f.camera.viewFromWorldRotation = Mat3d(std::cos(a), 0, -std::sin(a), 0, -1, 0, -std::sin(a), 0, -std::cos(a));
+        f.camera.viewFromWorldTranslation = {0, 0, distance};
+        f.pose = Pose::rest(2);
+        Pose truth = f.pose;
+        truth.rootTranslation = swayM * Vec3f(std::sin(3.0f * k), std::cos(5.0f * k), std::sin(7.0f * k));
+        const Vec3f axis = glm::normalize(Vec3f(std::cos(2.0f * k), std::sin(3.0f * k), 0.5f));
+        truth.localRotations[1] = glm::angleAxis(turn, axis);
+        std::vector<Mat3x4f> transforms;
+        std::vector<Vec3f> posed;
+        std::vector<TriangleFrame<float>> frames;
+        jointTransforms(in.joints, truth, transforms);
+        skin(in.mesh, transforms, jobs, posed);
+        poseTriangles(in.mesh, rest, posed, jobs, frames);
+        engine.project(splats.view(), frames, f.camera.cast<float>(), float(kKappaPx2));
+        engine.bin();
+        engine.blend(image);
+        f.image.widthPx = f.mask.widthPx = f.image.heightPx = f.mask.heightPx = sizePx;
+        for (size_t i = 0; i < image.alpha.size(); ++i) {
+            f.mask.pixels.push_back(image.alpha[i] >= 0.5f ? 255 : 0);
+            for (size_t c = 0; c < 3; ++c)
+                f.image.pixels.push_back(uint8_t(std::clamp(255 * (image.rgb[i * 3 + c] + (1 - image.alpha[i]) * 0.3f) + 0.5f, 0.0f, 255.0f)));
+        }
+        in.frames.push_back(std::move(f));
+    }
+    return in;
+}
+
+inline CoOptimiseSettings toySettings(uint32_t steps) {
+    CoOptimiseSettings s;
+    s.steps = steps, s.seed = 42;
+    s.init.splatCount = 1500, s.init.shDegree = 1;
+    s.maxSplats = 2200, s.densityEvents = 4;
+    s.levelStarts = {0.0f, 0.3f};
+    return s;
+}
+
+}  // namespace dpl::test

@@ -1,0 +1,71 @@
+#include "reconstruction/splat/train_images.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+namespace dpl {
+namespace {
+
+TrainFrame frame(uint32_t width, uint32_t height) {
+    TrainFrame f;
+    f.name = "test";
+    f.camera.widthPx = width, f.camera.heightPx = height, f.camera.fx = f.camera.fy = 100, f.camera.cx = width / 2.0, f.camera.cy = height / 2.0;
+    f.image = {width, height, std::vector<uint8_t>(size_t(width) * height * 3)};
+    f.mask = {width, height, std::vector<uint8_t>(size_t(width) * height, 0)};
+    for (size_t i = 0; i < f.image.pixels.size(); ++i) f.image.pixels[i] = uint8_t((i * 37) % 251);
+    return f;
+}
+
+TEST(LevelFrame, cropsToThePersonPlusTenPercentAndKeepsTheRays) {
+    TrainFrame f = frame(200, 300);
+    for (uint32_t y = 100; y < 200; ++y)
+        for (uint32_t x = 60; x < 110; ++x) f.mask.pixels[y * 200 + x] = 255;
+    const LevelFrame full = makeLevelFrame(f, 1, {}, true);
+    EXPECT_EQ(full.leftPx, 50u);
+    EXPECT_EQ(full.topPx, 90u);
+    EXPECT_EQ(full.widthPx, 70u);
+    EXPECT_EQ(full.heightPx, 120u);
+    EXPECT_FLOAT_EQ(full.kappaPx2, float(kKappaPx2));
+    EXPECT_FLOAT_EQ(full.camera.cx, 50.0f);
+    EXPECT_EQ(full.rgb[(10 * 70) + 10], f.image.pixels[(100 * 200 + 60) * 3]) << "masked pixels are copied";
+    EXPECT_EQ(full.rgb[0], 0) << "colour is premultiplied by the mask";
+    EXPECT_EQ(std::accumulate(full.band.begin(), full.band.end(), 0), 2 * (2 * 50 + 2 * 100)) << "one pixel inside, one outside; corners counted once each side";
+    const LevelFrame half = makeLevelFrame(f, 0.5f, {}, false);
+    EXPECT_EQ(half.widthPx, 35u);
+    EXPECT_FLOAT_EQ(half.camera.fx, 50.0f);
+    EXPECT_NEAR(half.kappaPx2, 0.3 * 0.25 + 0.75 / 12, 1e-6);
+    const Vec3f ray(0.1f, -0.2f, 1);
+    const Vec2f a = full.camera.pixelOf(ray) + Vec2f(full.leftPx, full.topPx), b = half.camera.pixelOf(ray) + Vec2f(half.leftPx, half.topPx);
+    EXPECT_NEAR(a.x, 2 * b.x, 1e-3);
+    EXPECT_NEAR(a.y, 2 * b.y, 1e-3);
+}
+
+TEST(LevelFrame, areaAverageKeepsTheMean) {
+    TrainFrame f = frame(97, 61);
+    std::fill(f.mask.pixels.begin(), f.mask.pixels.end(), uint8_t(255));
+    const LevelFrame level = makeLevelFrame(f, 0.37f, {}, false);
+    double a = 0, b = 0;
+    for (uint8_t v : f.image.pixels) a += v;
+    for (uint8_t v : level.rgb) b += v;
+    EXPECT_NEAR(a / double(f.image.pixels.size()), b / double(level.rgb.size()), 0.2);
+}
+
+TEST(LevelFrame, emptyMaskIsNotUsed) { EXPECT_FALSE(makeLevelFrame(frame(20, 20), 1, {}, true).used); }
+
+TEST(LevelFrame, coarsestIs160PixelsOrATenth) {
+    EXPECT_FLOAT_EQ(coarsestScale(frame(378, 504)), 160.0f / 378);
+    EXPECT_FLOAT_EQ(coarsestScale(frame(100, 504)), 1.0f);
+    EXPECT_FLOAT_EQ(coarsestScale(frame(4000, 3000)), 0.1f);
+}
+
+TEST(LevelFrame, wrongSizesNameTheFrame) {
+    TrainFrame f = frame(20, 10);
+    f.mask.pixels.pop_back();
+    const Status s = checkTrainFrame(f);
+    ASSERT_FALSE(s);
+    EXPECT_NE(s.error().message.find("'test'"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace dpl
