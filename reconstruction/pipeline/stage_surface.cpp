@@ -7,13 +7,31 @@
 namespace dpl {
 namespace {
 
-Status fit(const SubjectData& subject, StageContext& context) {
-    std::vector<SurfaceView> views;
+/** Still training frames with a mask: the silhouettes that shape the surface. */
+std::vector<size_t> silhouetteFrames(const SubjectData& subject) {
+    std::vector<size_t> frames;
     for (size_t f = 0; f < subject.scan.frames.size(); ++f) {
         const ScanFrame& frame = subject.scan.frames[f];
-        if (frame.split != Split::Train || frame.kind != FrameKind::StaticFull || !subject.usable[f] || frame.maskPath.empty()) continue;
-        DPL_TRY(ImageGrey8 mask, readFrameMask(frame));
-        views.push_back({frame.camera, std::move(mask), subject.fit.poses[f]});
+        if (frame.split == Split::Train && frame.kind == FrameKind::StaticFull && subject.usable[f] && !frame.maskPath.empty()) frames.push_back(f);
+    }
+    return frames;
+}
+
+std::span<const uint8_t> bytesOf(const std::vector<Vec3f>& values) { return {reinterpret_cast<const uint8_t*>(values.data()), values.size() * sizeof(Vec3f)}; }
+
+Result<std::vector<Vec3f>> readVectors(const std::filesystem::path& path, size_t count) {
+    DPL_TRY(auto bytes, readFile(path));
+    if (bytes.size() != count * sizeof(Vec3f)) return fail(Code::CorruptData, "{} does not fit the body and the scan; delete it and run again", path.string());
+    std::vector<Vec3f> values(count);
+    std::memcpy(static_cast<void*>(values.data()), bytes.data(), bytes.size());
+    return values;
+}
+
+Status fit(const SubjectData& subject, StageContext& context) {
+    std::vector<SurfaceView> views;
+    for (size_t f : silhouetteFrames(subject)) {
+        DPL_TRY(ImageGrey8 mask, readFrameMask(subject.scan.frames[f]));
+        views.push_back({subject.scan.frames[f].camera, std::move(mask), subject.fit.poses[f]});
     }
     if (views.empty()) return fail(Code::InvalidArgument, "no still training frame has a mask; add masks, or let --models find the person");
     SurfaceFitSettings settings;
@@ -27,8 +45,8 @@ Status fit(const SubjectData& subject, StageContext& context) {
                                  {"mean_offset_m", surface.meanOffsetM},
                                  {"largest_offset_m", surface.largestOffsetM}};
     DPL_CHECK_OK(writeFileAtomically(context.folder / "surface.json", info.dump(1)));
-    return writeFileAtomically(context.folder / "offsets.bin",
-                               std::span(reinterpret_cast<const uint8_t*>(surface.restOffsets.data()), surface.restOffsets.size() * sizeof(Vec3f)));
+    DPL_CHECK_OK(writeFileAtomically(context.folder / "sway.bin", bytesOf(surface.viewTranslationsM)));
+    return writeFileAtomically(context.folder / "offsets.bin", bytesOf(surface.restOffsets));
 }
 
 }  // namespace
@@ -38,10 +56,10 @@ Status runSurface(SubjectData& subject) {
     const nlohmann::json inputs = {{"training", training}, {"body_fit", subject.chain.keyOf("body-fit")}};
     auto folder = subject.chain.run("surface", 1, inputs, [&](StageContext& context) { return fit(subject, context); });
     if (!folder) return folder.error();
-    DPL_TRY(auto bytes, readFile(*folder / "offsets.bin"));
-    subject.surfaceOffsets.resize(subject.shaped.mesh.restPositions.size());
-    if (bytes.size() != subject.surfaceOffsets.size() * sizeof(Vec3f)) return fail(Code::CorruptData, "{} does not fit the body; delete it and run again", (*folder / "offsets.bin").string());
-    std::memcpy(static_cast<void*>(subject.surfaceOffsets.data()), bytes.data(), bytes.size());
+    DPL_TRY(subject.surfaceOffsets, readVectors(*folder / "offsets.bin", subject.shaped.mesh.restPositions.size()));
+    const std::vector<size_t> frames = silhouetteFrames(subject);
+    DPL_TRY(std::vector<Vec3f> sway, readVectors(*folder / "sway.bin", frames.size()));
+    for (size_t i = 0; i < frames.size(); ++i) subject.fit.poses[frames[i]].rootTranslation += sway[i];
     return {};
 }
 
