@@ -55,6 +55,28 @@ void dropTangles(SurfaceMesh& mesh) {
     }
 }
 
+/** Closes border loops of a few edges by a fan: where a fold touches the line from inside, the cut leaves a hole beside the hem. */
+void healPinholes(SurfaceMesh& mesh) {
+    constexpr size_t kPinholeEdges = 20;  // every real opening has more than 40
+    std::vector<uint32_t> tangled;
+    auto next = borderLoops(mesh, tangled);
+    while (!next.empty()) {
+        std::vector<uint32_t> loop;
+        for (uint32_t v = next.begin()->first; next.contains(v);) {
+            loop.push_back(v);
+            const uint32_t to = next[v];
+            next.erase(v);
+            v = to;
+        }
+        if (loop.size() > kPinholeEdges) continue;
+        Vec3f centre(0);
+        for (uint32_t v : loop) centre += mesh.positions[v] / float(loop.size());
+        const uint32_t hub = uint32_t(mesh.positions.size());
+        mesh.positions.push_back(centre);
+        for (size_t i = 0; i < loop.size(); ++i) mesh.triangles.push_back({loop[(i + 1) % loop.size()], loop[i], hub});
+    }
+}
+
 /** Triangles that hang on by one corner or stick out with two border edges make a ragged hem. */
 void dropEars(SurfaceMesh& mesh) {
     for (int round = 0; round < 3; ++round) {
@@ -90,6 +112,7 @@ SurfaceMesh sewGarment(const GarmentPattern& pattern, Jobs& jobs) {
     dropEars(mesh);
     dropTangles(mesh);
     mesh = largestPiece(mesh);
+    healPinholes(mesh);
     std::vector<uint32_t> tangled;
     const auto loops = borderLoops(mesh, tangled);
     for (int round = 0; round < 3; ++round) {
