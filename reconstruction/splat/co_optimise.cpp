@@ -90,7 +90,6 @@ Result<std::unique_ptr<CoOptimiser>> CoOptimiser::create(CoOptimiseInput input, 
     auto state = std::make_unique<State>(std::move(input), settings, jobs);
     DPL_CHECK_OK(state->prepare());
     State& s = *state;
-    std::vector<TrainFrame> used;
     const std::vector<float> floors = sizeFloors(s.input.joints, s.mesh, s.input.frames, jobs);
     const std::vector<uint8_t> flags = triangleFlags(s.templatePositions, s.mesh.triangles, s.input.triangleLabel, s.settings.init);
     s.splats = initialSplats(s.input.joints, s.mesh, flags, floors, s.input.frames, s.settings.init, jobs);

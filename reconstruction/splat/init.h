@@ -22,7 +22,7 @@ std::vector<uint8_t> triangleFlags(std::span<const Vec3f> restPositions, std::sp
                                    const InitSettings& settings);
 
 /** In-plane size floor 0.35/ν of every triangle, ν the highest px/m at which any frame saw it; triangles that no frame saw take the
- *  median. Metres. Also gathers vertex visibility for colours. */
+ *  median. Metres. */
 std::vector<float> sizeFloors(std::span<const JointData> joints, const MeshData& mesh, std::span<const TrainFrame> frames, Jobs& jobs);
 
 /** At least one splat a valid triangle, the rest by area; s = 0.8·spacing, opacity 0.8; SH dc from the frames (static ones first),
