@@ -15,7 +15,7 @@ struct VulkanOptions {
     bool enableValidation = false;       // VK_LAYER_KHRONOS_validation with synchronisation checks; an error when it is not installed
     std::string deviceName;              // part of the wanted device's name; empty: the best one
     bool forceInstanceSplit = false;     // draw two views without multiview, as devices without it do
-    bool preciseBlending = false;        // blend in f16 instead of 8 bits (error table: docs/adr/0002-the-gpu-frame.md)
+    bool preciseBlending = true;         // blend in f16 and round once; false: in 8 bits, faster, below 50 dB close up (docs/adr/0002-the-gpu-frame.md)
     bool ignoreWorkarounds = false;      // try a driver without the table in vk_device.cpp
     /** Counts validation warnings and errors; the texts go to the log. */
     std::shared_ptr<std::atomic<uint32_t>> validationMessages;
