@@ -48,11 +48,10 @@ std::vector<uint8_t> voteTriangleLabels(const std::vector<JointData>& joints, co
     TriangleLabels votes(mesh.triangles.size());
     bool any = false;
     std::vector<Vec3f> positions;
-    MeshRaster raster;
     for (const TrainFrame& frame : frames) {
         if (frame.kind == FrameKind::Dynamic || frame.labels.pixels.empty()) continue;
         posedMesh(joints, mesh, frame.pose, jobs, positions);
-        rasteriseMesh(positions, mesh.triangles, frame.camera, raster);
+        const MeshRaster raster = rasteriseMesh(positions, mesh.triangles, frame.camera);
         votes.add(raster, positions, mesh.triangles, frame.camera, frame.labels.pixels, frame.mask.pixels);
         any = true;
     }
@@ -62,10 +61,9 @@ std::vector<uint8_t> voteTriangleLabels(const std::vector<JointData>& joints, co
 std::vector<glm::u8vec4> gatherVertexColours(const std::vector<JointData>& joints, const MeshData& mesh, const std::vector<TrainFrame>& frames, Jobs& jobs) {
     VertexColours colours(mesh.restPositions.size());
     std::vector<Vec3f> positions;
-    MeshRaster raster;
     for (const TrainFrame& frame : frames) {
         posedMesh(joints, mesh, frame.pose, jobs, positions);
-        rasteriseMesh(positions, mesh.triangles, frame.camera, raster);
+        const MeshRaster raster = rasteriseMesh(positions, mesh.triangles, frame.camera);
         colours.add(raster, positions, mesh.triangles, frame.camera, frame.image.pixels, frame.mask.pixels);
     }
     return colours.finish(mesh.triangles);

@@ -105,8 +105,7 @@ std::vector<uint8_t> LabelColours::paint(const ImageGrey8& mask, const ImageGrey
 }
 
 std::vector<uint8_t> paintMesh(std::span<const Vec3f> positions, std::span<const Triangle> triangles, std::span<const glm::u8vec4> colours, const Camerad& camera) {
-    MeshRaster raster;
-    rasteriseMesh(positions, triangles, camera, raster);
+    const MeshRaster raster = rasteriseMesh(positions, triangles, camera);
     std::vector<uint8_t> rgba(raster.triangle.size() * 4, 0);
     for (size_t i = 0; i < raster.triangle.size(); ++i) {
         if (raster.triangle[i] == kNoTriangle) continue;

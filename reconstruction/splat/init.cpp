@@ -59,10 +59,9 @@ std::vector<uint8_t> triangleFlags(std::span<const Vec3f> restPositions, std::sp
 std::vector<float> sizeFloors(std::span<const JointData> joints, const MeshData& mesh, std::span<const TrainFrame> frames, Jobs& jobs) {
     std::vector<float> density(mesh.triangles.size(), 0.0f);
     std::vector<Vec3f> posed;
-    MeshRaster raster;
     for (const TrainFrame& f : frames) {
         poseMesh(joints, mesh, f.pose, jobs, posed);
-        rasteriseMesh(posed, mesh.triangles, f.camera, raster);
+        const MeshRaster raster = rasteriseMesh(posed, mesh.triangles, f.camera);
         for (size_t i = 0; i < raster.triangle.size(); ++i)
             if (raster.triangle[i] != kNoTriangle)
                 density[raster.triangle[i]] = std::max(density[raster.triangle[i]], float(f.camera.fx) / raster.depthM[i]);
@@ -121,10 +120,9 @@ TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData&
     std::vector<Vec3f> sum(count, Vec3f(0));
     std::vector<float> weight(count, 0.0f);
     std::vector<Vec3f> posed;
-    MeshRaster raster;
     for (const TrainFrame& f : frames) {
         poseMesh(joints, mesh, f.pose, jobs, posed);
-        rasteriseMesh(posed, mesh.triangles, f.camera, raster);
+        const MeshRaster raster = rasteriseMesh(posed, mesh.triangles, f.camera);
         const Vec3d eye = f.camera.eye();
         const float trust = f.kind == FrameKind::Dynamic ? 0.2f : 1.0f;
         jobs.forRange(count, 4096, [&](size_t begin, size_t end, uint32_t) {

@@ -7,7 +7,7 @@
 
 #include "reconstruction/shape/large_steps.h"
 #include "reconstruction/surface/contours.h"
-#include "reconstruction/surface/silhouette_raster.h"
+#include "reconstruction/surface/mesh_raster.h"
 
 namespace dpl {
 namespace {
@@ -83,7 +83,7 @@ std::vector<double> posedIou(const MeshData& mesh, std::span<const JointData> jo
     std::vector<double> iou(views.size(), 0);
     jobs.forBlocks(views.size(), [&](size_t i, uint32_t) {
         const PosedView posed = poseVertices(mesh, joints, offsets, poses[i]);
-        iou[i] = silhouetteIou(rasteriseTriangles(views[i].camera, posed.positions, mesh.triangles), views[i].mask.pixels);
+        iou[i] = silhouetteIou(rasteriseMesh(posed.positions, mesh.triangles, views[i].camera), views[i].mask.pixels);
     });
     return iou;
 }
@@ -92,7 +92,7 @@ std::vector<double> posedIou(const MeshData& mesh, std::span<const JointData> jo
 class ViewPulls {
 public:
     ViewPulls(const MeshData& mesh, const SurfaceView& view, const PosedView& posed, std::span<const ContourPoint> target)
-        : mesh_(mesh), view_(view), posed_(posed), image_(rasteriseTriangles(view.camera, posed.positions, mesh.triangles)) {
+        : mesh_(mesh), view_(view), posed_(posed), image_(rasteriseMesh(posed.positions, mesh.triangles, view.camera)) {
         const uint32_t width = view.camera.widthPx, height = view.camera.heightPx;
         std::vector<uint8_t> inside(image_.triangle.size());
         for (size_t i = 0; i < inside.size(); ++i) inside[i] = image_.triangle[i] != kNoTriangle;
@@ -118,7 +118,7 @@ private:
     const MeshData& mesh_;
     const SurfaceView& view_;
     const PosedView& posed_;
-    TriangleImage image_;
+    MeshRaster image_;
     std::vector<Pull> pulls_;
     double nxx_ = 0, nxy_ = 0, nyy_ = 0, rx_ = 0, ry_ = 0, depth_ = 0, count_ = 0;
 

@@ -4,16 +4,17 @@
 #include <cmath>
 #include <limits>
 
+#include "sdk/math/projection.h"
+
 namespace dpl {
 namespace {
-
-constexpr double kNearestM = 0.01;
 
 double edge(const Vec2d& a, const Vec2d& b, const Vec2d& p) { return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x); }
 
 }  // namespace
 
-void rasteriseMesh(std::span<const Vec3f> positions, std::span<const Triangle> triangles, const Camerad& camera, MeshRaster& raster) {
+MeshRaster rasteriseMesh(std::span<const Vec3f> positions, std::span<const Triangle> triangles, const Camerad& camera) {
+    MeshRaster raster;
     const int width = int(camera.widthPx), height = int(camera.heightPx);
     const size_t pixels = size_t(width) * size_t(height);
     raster.widthPx = camera.widthPx, raster.heightPx = camera.heightPx;
@@ -25,7 +26,7 @@ void rasteriseMesh(std::span<const Vec3f> positions, std::span<const Triangle> t
     for (size_t v = 0; v < positions.size(); ++v) view[v] = camera.toView(Vec3d(positions[v]));
     for (size_t t = 0; t < triangles.size(); ++t) {
         const Vec3d &a = view[triangles[t].x], &b = view[triangles[t].y], &c = view[triangles[t].z];
-        if (!(a.z > kNearestM && b.z > kNearestM && c.z > kNearestM)) continue;
+        if (!(a.z > kNearM && b.z > kNearM && c.z > kNearM)) continue;
         const Vec2d pa = camera.pixelOf(a), pb = camera.pixelOf(b), pc = camera.pixelOf(c);
         const double area = edge(pa, pb, pc);
         if (!(std::abs(area) > 1e-12) || !std::isfinite(area)) continue;
@@ -48,6 +49,17 @@ void rasteriseMesh(std::span<const Vec3f> positions, std::span<const Triangle> t
                 raster.barycentric[pixel] = {float(wb / b.z / inverseZ), float(wc / c.z / inverseZ)};
             }
     }
+    return raster;
+}
+
+double silhouetteIou(const MeshRaster& raster, std::span<const uint8_t> mask) {
+    size_t both = 0, either = 0;
+    for (size_t i = 0; i < raster.triangle.size() && i < mask.size(); ++i) {
+        const bool drawn = raster.triangle[i] != kNoTriangle, person = mask[i] >= 128;
+        both += drawn && person;
+        either += drawn || person;
+    }
+    return either ? double(both) / double(either) : 1;
 }
 
 void VertexColours::add(const MeshRaster& raster, std::span<const Vec3f> positions, std::span<const Triangle> triangles, const Camerad& camera,

@@ -20,8 +20,11 @@ struct MeshRaster {
     std::vector<float> depthM;          // view z; infinity where nothing is seen
 };
 
-/** Nearest front- or back-facing triangle per pixel centre. Triangles that reach in front of 1 cm are left out. Single-threaded, deterministic. */
-void rasteriseMesh(std::span<const Vec3f> positions, std::span<const Triangle> triangles, const Camerad& camera, MeshRaster& raster);
+/** Nearest front- or back-facing triangle per pixel centre; the lower index wins ties. Triangles that reach in front of 5 cm are left out. One thread. */
+MeshRaster rasteriseMesh(std::span<const Vec3f> positions, std::span<const Triangle> triangles, const Camerad& camera);
+
+/** Intersection over union of the covered pixels with mask ≥ 128. 1 when both are empty. */
+double silhouetteIou(const MeshRaster& raster, std::span<const uint8_t> mask);
 
 /** Weighted mean colours of vertices, gathered from frames: what the stock-viewer colours and the report's floor are made of. */
 class VertexColours {

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "reconstruction/surface/silhouette_raster.h"
 
 namespace dpl {
 namespace {
@@ -44,21 +43,6 @@ TEST(Contours, theTwoSidesOfABarAreNotConfused) {
         EXPECT_NEAR(from[i].px.x - to[match[i]].px.x, 4, 1e-9);
     }
     EXPECT_EQ(matchContours(from, {}, 20, 5)[0], UINT32_MAX);
-}
-
-TEST(SilhouetteRaster, nearerTriangleWinsAndBehindTheCameraNothingIsDrawn) {
-    const Camerad camera{32, 32, 32, 32, 16, 16};
-    const std::vector<Vec3f> p{{-5, -5, 4}, {5, -5, 4}, {0, 9, 4}, {-0.5f, -0.5f, 2}, {0.5f, -0.5f, 2}, {0, 0.9f, 2}, {-1, -1, -1}, {1, -1, -1}, {0, 1, -1}};
-    const std::vector<Triangle> t{{0, 1, 2}, {3, 4, 5}, {6, 7, 8}};
-    const auto image = rasteriseTriangles(camera, p, t);
-    EXPECT_EQ(image.triangle[16 * 32 + 16], 1u);
-    EXPECT_NEAR(image.depthM[16 * 32 + 16], 2, 1e-6);
-    EXPECT_EQ(image.triangle[4 * 32 + 16], 0u);
-    const std::vector<Triangle> behind{{6, 7, 8}};
-    const auto empty = rasteriseTriangles(camera, p, behind);
-    EXPECT_FALSE(empty.covered(16, 16));
-    EXPECT_EQ(silhouetteIou(empty, std::vector<uint8_t>(32 * 32, 0)), 1);
-    EXPECT_EQ(silhouetteIou(empty, std::vector<uint8_t>(32 * 32, 255)), 0);
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "reconstruction/surface/silhouette_raster.h"
+#include "reconstruction/surface/mesh_raster.h"
 
 namespace dpl {
 namespace {
@@ -76,7 +76,7 @@ std::vector<SurfaceView> views(int count) {
         const auto rig = joints();
         jointTransforms(rig, view.pose, worldFromRest);
         skin(truth, worldFromRest, jobs, posed);
-        const auto image = rasteriseTriangles(view.camera, posed, truth.triangles);
+        const auto image = rasteriseMesh(posed, truth.triangles, view.camera);
         view.mask = {160, 220, std::vector<uint8_t>(160 * 220, 0)};
         for (size_t k = 0; k < image.triangle.size(); ++k) view.mask.pixels[k] = image.triangle[k] != kNoTriangle ? 255 : 0;
         out.push_back(std::move(view));

@@ -18,9 +18,8 @@ Camerad frontCamera() {
 TEST(MeshRaster, seesTheNearerOfTwoTrianglesAndItsPoint) {
     const std::vector<Vec3f> positions = {{-2, -2, 4}, {2, -2, 4}, {0, 3, 4}, {-2, -2, 2}, {2, -2, 3}, {0, 3, 2}};
     const std::vector<Triangle> triangles = {{0, 1, 2}, {3, 4, 5}};
-    MeshRaster raster;
     const Camerad camera = frontCamera();
-    rasteriseMesh(positions, triangles, camera, raster);
+    const MeshRaster raster = rasteriseMesh(positions, triangles, camera);
     const size_t pixel = 24 * 64 + 32;
     ASSERT_EQ(raster.triangle[pixel], 1u);
     const Vec2f uv = raster.barycentric[pixel];
@@ -32,13 +31,27 @@ TEST(MeshRaster, seesTheNearerOfTwoTrianglesAndItsPoint) {
     EXPECT_EQ(raster.triangle[47 * 64], kNoTriangle) << "the lower left corner is beside both";
 }
 
+TEST(MeshRaster, nearerTriangleWinsAndBehindTheCameraNothingIsDrawn) {
+    const Camerad camera{32, 32, 32, 32, 16, 16};
+    const std::vector<Vec3f> p{{-5, -5, 4}, {5, -5, 4}, {0, 9, 4}, {-0.5f, -0.5f, 2}, {0.5f, -0.5f, 2}, {0, 0.9f, 2}, {-1, -1, -1}, {1, -1, -1}, {0, 1, -1}};
+    const std::vector<Triangle> t{{0, 1, 2}, {3, 4, 5}, {6, 7, 8}};
+    const auto image = rasteriseMesh(p, t, camera);
+    EXPECT_EQ(image.triangle[16 * 32 + 16], 1u);
+    EXPECT_NEAR(image.depthM[16 * 32 + 16], 2, 1e-6);
+    EXPECT_EQ(image.triangle[4 * 32 + 16], 0u);
+    const std::vector<Triangle> behind{{6, 7, 8}};
+    const auto empty = rasteriseMesh(p, behind, camera);
+    EXPECT_EQ(empty.triangle[16 * 32 + 16], kNoTriangle);
+    EXPECT_EQ(silhouetteIou(empty, std::vector<uint8_t>(32 * 32, 0)), 1);
+    EXPECT_EQ(silhouetteIou(empty, std::vector<uint8_t>(32 * 32, 255)), 0);
+}
+
 TEST(VertexColours, takesThePictureAndFillsWhatNobodySaw) {
     // A quad that the camera sees, and a vertex behind it, joined by an edge.
     const std::vector<Vec3f> positions = {{-1, -1, 3}, {-1, 1, 3}, {1, 1, 3}, {1, -1, 3}, {0, 0, 9}};
     const std::vector<Triangle> triangles = {{0, 1, 2}, {0, 2, 3}, {0, 4, 1}};
     const Camerad camera = frontCamera();
-    MeshRaster raster;
-    rasteriseMesh(positions, triangles, camera, raster);
+    const MeshRaster raster = rasteriseMesh(positions, triangles, camera);
     std::vector<uint8_t> rgb(64 * 48 * 3), mask(64 * 48, 255);
     for (size_t i = 0; i < mask.size(); ++i) rgb[i * 3] = 200, rgb[i * 3 + 1] = 100, rgb[i * 3 + 2] = 50;
     VertexColours colours(positions.size());
