@@ -184,6 +184,7 @@ Result<BodyModel> decodeBody(std::span<const uint8_t> bytes, std::string_view na
     } else {
         assignHumanoidBones(body.joints);
         body.keypoints = deriveKeypoints(body);
+        body = withBoneMorphs(std::move(body));  // its own morphs do not move joints
     }
     DPL_CHECK_OK(checkBody(body));
     return body;

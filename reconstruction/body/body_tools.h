@@ -18,6 +18,10 @@ Status checkBody(const BodyModel& body);
 /** The body at morph values `shape` (one per morph, metres at value 1): joints and vertices moved, morphs kept as they are. */
 BodyModel shapedBody(const BodyModel& body, std::span<const double> shape);
 
+/** The body with one more morph a bone pair ("bone_upper_arm" ...; ±1 is ±4 % of its length), for bodies whose own morphs fix proportions
+ *  that people vary in. Left alone when it has them. Give it to fitBody and shapedBody alike. */
+BodyModel withBoneMorphs(BodyModel body);
+
 /** Index of the joint with this humanoid bone name (VRM), or -1. */
 int32_t findHumanoid(const BodyModel& body, std::string_view humanoidBone);
 

@@ -71,10 +71,11 @@ private:
     void freezeGlobals(ceres::Problem& problem);
     Status fitStill(double from, double to);
     Status refineShape(double from, double to);
-    Status untangleLimbs(const std::vector<size_t>& order);
+    void untangleLimbs(const std::vector<size_t>& order, const std::function<bool(size_t)>& mayChange);
     Status trackMoving(const std::vector<size_t>& order, double from, double to);
     Status fitMoving(double from, double to);
     Status fitTest(double from, double to);
+    Status fitHeldOutMoving(double from, double to);
     FrameState effective(size_t f) const;
     Pose poseOf(const FrameState& s) const;
     void interpolate(size_t f, BodyFit& fit) const;
@@ -318,14 +319,15 @@ Status Fitter::trackMoving(const std::vector<size_t>& order, double from, double
 }
 
 /** Moves arms and legs of the moving frames to the best chain of depth choices, where that is somewhere else. */
-Status Fitter::untangleLimbs(const std::vector<size_t>& order) {
+void Fitter::untangleLimbs(const std::vector<size_t>& order, const std::function<bool(size_t)>& mayChange) {
     struct Limb {
         const char *upper, *lower, *end, *middleKeypoint, *endKeypoint;
+        double maxBackward;
     };
-    constexpr Limb kLimbs[] = {{"leftUpperArm", "leftLowerArm", "leftHand", "elbow_l", "wrist_l"},
-                               {"rightUpperArm", "rightLowerArm", "rightHand", "elbow_r", "wrist_r"},
-                               {"leftUpperLeg", "leftLowerLeg", "leftFoot", "knee_l", "ankle_l"},
-                               {"rightUpperLeg", "rightLowerLeg", "rightFoot", "knee_r", "ankle_r"}};
+    constexpr Limb kLimbs[] = {{"leftUpperArm", "leftLowerArm", "leftHand", "elbow_l", "wrist_l", 0.25},
+                               {"rightUpperArm", "rightLowerArm", "rightHand", "elbow_r", "wrist_r", 0.25},
+                               {"leftUpperLeg", "leftLowerLeg", "leftFoot", "knee_l", "ankle_l", 0.7},
+                               {"rightUpperLeg", "rightLowerLeg", "rightFoot", "knee_r", "ankle_r", 0.7}};
     const auto keypoint = [&](const char* name) { return size_t(std::find(scan_.keypointNames.begin(), scan_.keypointNames.end(), name) - scan_.keypointNames.begin()); };
     const auto slotOf = [&](int32_t joint) { return size_t(std::find(chain_.posedJoints().begin(), chain_.posedJoints().end(), uint32_t(joint)) - chain_.posedJoints().begin()); };
     for (const Limb& limb : kLimbs) {
@@ -345,7 +347,14 @@ Status Fitter::untangleLimbs(const std::vector<size_t>& order) {
         rig.restBendRad = std::atan2(glm::dot(glm::cross(rig.upperDirection, lowerDirection), rig.hingeAxis), glm::dot(rig.upperDirection, lowerDirection));
         rig.shoulderAxes = priors_[upperSlot].axes;
         rig.shoulderSigma = priors_[upperSlot].sigmaRad;
+        rig.maxBackward = limb.maxBackward;
         rig.shoulderTail = priors_[upperSlot].tailSigmas;
+        rig.bendSigma = priors_[lowerSlot].sigmaRad[0];
+        rig.bendTail = priors_[lowerSlot].tailSigmas[0];
+        if (!shapeFromMoving_) {
+            rig.shoulderMean = glm::transpose(rig.shoulderAxes) * Vec3d(still_.pose[3 * upperSlot], still_.pose[3 * upperSlot + 1], still_.pose[3 * upperSlot + 2]);
+            rig.bendMean = glm::dot(hinge, Vec3d(still_.pose[3 * lowerSlot], still_.pose[3 * lowerSlot + 1], still_.pose[3 * lowerSlot + 2]));
+        }
         rig.shoulderLow = priors_[upperSlot].lowRad;
         rig.shoulderHigh = priors_[upperSlot].highRad;
         std::vector<LimbView> views;
@@ -359,7 +368,7 @@ Status Fitter::untangleLimbs(const std::vector<size_t>& order) {
         }
         const auto guesses = untangleLimb(rig, views);
         for (size_t i = 0; i < order.size(); ++i) {
-            if (!guesses[i]) continue;
+            if (!guesses[i] || !mayChange(order[i])) continue;
             const double moved = std::max(glm::length(guesses[i]->elbow - now[i].places[size_t(lower)]), glm::length(guesses[i]->wrist - now[i].places[size_t(end)]));
             if (moved < kSameLimbM) continue;
             std::vector<double>& pose = frames_[order[i]].pose;
@@ -367,7 +376,6 @@ Status Fitter::untangleLimbs(const std::vector<size_t>& order) {
             for (int a = 0; a < 3; ++a) pose[3 * upperSlot + size_t(a)] = guesses[i]->shoulder[a], pose[3 * lowerSlot + size_t(a)] = bend[a];
         }
     }
-    return {};
 }
 
 Status Fitter::fitMoving(double from, double to) {
@@ -378,7 +386,7 @@ Status Fitter::fitMoving(double from, double to) {
     for (int round = 0; round < 3; ++round) {
         context_.outlierSigmas = round < 2 ? kLooseOutliers : settings_.outlierSigmas;
         context_.footSigmaScale = round < 2 ? kLooseFootScale : 1;
-        if (round == 1) DPL_CHECK_OK(untangleLimbs(order));
+        if (round == 1) untangleLimbs(order, [](size_t) { return true; });
         ceres::Problem problem;
         for (size_t f : order) addFrame(problem, f);
         addSmoothness(problem, order, [](size_t) { return true; });
@@ -391,41 +399,62 @@ Status Fitter::fitMoving(double from, double to) {
     return {};
 }
 
+/** Still frames that had no say in shape and pose add their own sway. Held-out frames are solved apart from train close-ups: even an
+ *  independent frame in the same problem would change when the solver stops. */
 Status Fitter::fitTest(double from, double to) {
     context_.outlierSigmas = settings_.outlierSigmas;
     context_.footSigmaScale = 1;
-    ceres::Problem problem;
-    std::vector<size_t> stills = select(FrameKind::StaticFull, Split::Test);
-    for (const Split split : {Split::Train, Split::Test}) {  // close-ups inherit shape and pose; their own sway is all they may add
-        const auto closeups = select(FrameKind::StaticCloseup, split);
-        stills.insert(stills.end(), closeups.begin(), closeups.end());
+    const double third = (to - from) / 3;
+    for (const Split split : {Split::Train, Split::Test}) {
+        std::vector<size_t> stills = select(FrameKind::StaticCloseup, split);
+        if (split == Split::Test) {
+            const auto full = select(FrameKind::StaticFull, split);
+            stills.insert(stills.end(), full.begin(), full.end());
+        }
+        if (stills.empty()) continue;
+        ceres::Problem problem;
+        for (size_t f : stills) addFrame(problem, f);
+        freezeGlobals(problem);
+        const bool train = split == Split::Train;
+        DPL_CHECK_OK(solve(problem, train ? "close-ups" : "held-out still frames", 40, train ? from : from + third, train ? from + third : from + 2 * third));
     }
-    for (size_t f : stills) addFrame(problem, f);
+    return fitHeldOutMoving(from + 2 * third, to);
+}
 
+/** Poses of held-out moving frames, each from its own keypoints between frozen train neighbours. */
+Status Fitter::fitHeldOutMoving(double from, double to) {
     const std::vector<size_t> order = movingInTime(false);
     const auto isTest = [&](size_t f) { return !isTrain(f); };
-    for (size_t i = 0; i < order.size(); ++i) {
-        if (!isTest(order[i])) continue;
-        FrameState& s = frames_[order[i]];  // starts from its nearest train neighbour in time
+    if (std::none_of(order.begin(), order.end(), isTest)) return {};
+    for (size_t f : order) {  // start from the nearest train neighbour in time
+        if (!isTest(f)) continue;
         const FrameState* nearest = nullptr;
         double distance = 0;
         for (size_t g : order)
-            if (const double d = std::abs(scan_.frames[g].timeS - scan_.frames[order[i]].timeS); isTrain(g) && (!nearest || d < distance)) nearest = &frames_[g], distance = d;
-        if (nearest) {
-            s.rootReference = nearest->rootReference;
-            std::copy(nearest->root, nearest->root + kRootSize, s.root);
-            s.pose = nearest->pose;
-        }
-        addFrame(problem, order[i]);
+            if (const double d = std::abs(scan_.frames[g].timeS - scan_.frames[f].timeS); isTrain(g) && (!nearest || d < distance)) nearest = &frames_[g], distance = d;
+        if (!nearest) continue;
+        FrameState& s = frames_[f];
+        s.rootReference = nearest->rootReference;
+        std::copy(nearest->root, nearest->root + kRootSize, s.root);
+        s.pose = nearest->pose;
     }
-    addSmoothness(problem, order, isTest);
-    freezeGlobals(problem);
-    for (size_t g : order)
-        if (isTrain(g))
-            for (double* block : {frames_[g].root, frames_[g].pose.data()})
-                if (problem.HasParameterBlock(block)) problem.SetParameterBlockConstant(block);
-    if (problem.NumResidualBlocks() == 0) return {};
-    return solve(problem, "close-ups and held-out frames", 40, from, to);
+    for (int round = 0; round < 2; ++round) {
+        context_.outlierSigmas = round == 0 ? kLooseOutliers : settings_.outlierSigmas;
+        context_.footSigmaScale = round == 0 ? kLooseFootScale : 1;
+        if (round == 1) untangleLimbs(order, isTest);
+        ceres::Problem problem;
+        for (size_t f : order)
+            if (isTest(f)) addFrame(problem, f);
+        addSmoothness(problem, order, isTest);
+        freezeGlobals(problem);
+        for (size_t g : order)
+            if (isTrain(g))
+                for (double* block : {frames_[g].root, frames_[g].pose.data()})
+                    if (problem.HasParameterBlock(block)) problem.SetParameterBlockConstant(block);
+        const double half = 0.5 * (to - from);
+        DPL_CHECK_OK(solve(problem, round == 0 ? "held-out moving frames, loose" : "held-out moving frames", 40, from + half * round, from + half * (round + 1)));
+    }
+    return {};
 }
 
 FrameState Fitter::effective(size_t f) const {

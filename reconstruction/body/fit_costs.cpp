@@ -132,8 +132,8 @@ bool PosePriorCost::Evaluate(double const* const* blocks, double* residuals, dou
             const double beyond = angle < p.lowRad[a] ? angle - p.lowRad[a] : angle > p.highRad[a] ? angle - p.highRad[a] : 0.0;
             const size_t spread = 6 * j + size_t(a), range = spread + 3;
             const double r = (angle - glm::dot(p.axes[a], Vec3d(mean_[3 * j], mean_[3 * j + 1], mean_[3 * j + 2]))) / p.sigmaRad[a];
-            const double c2 = p.tailSigmas * p.tailSigmas, scale = a == 0 && p.tailSigmas > 0 ? std::sqrt(c2 / (r * r + c2)) : 1.0;  // ρ as in ReprojectionCost
-            const double slope = a == 0 && p.tailSigmas > 0 ? scale * c2 / (r * r + c2) : 1.0;
+            const double c2 = p.tailSigmas[a] * p.tailSigmas[a], scale = c2 > 0 ? std::sqrt(c2 / (r * r + c2)) : 1.0;  // ρ as in ReprojectionCost
+            const double slope = c2 > 0 ? scale * c2 / (r * r + c2) : 1.0;
             residuals[spread] = scale * r;
             residuals[range] = beyond / kRangeSigmaRad;
             if (!jacobians || !jacobians[0]) continue;

@@ -15,6 +15,7 @@ constexpr double kElbowAccelerationMS2 = 4, kWristAccelerationMS2 = 8;
 constexpr double kDepthNoiseM = 0.04;            // spread of a candidate's depth from keypoint noise
 constexpr double kMaxGapS = 1.0;
 constexpr double kStraightRad = 0.2;             // below this bend the hinge's direction is noise, above twice this it counts in full
+constexpr double kBackwardSigma = 0.1;
 constexpr double kRangeSigmaRad = 0.1;           // how hard the end of the shoulder's range is
 
 struct Candidate {
@@ -37,6 +38,9 @@ std::array<Vec3d, 2> onRay(const Camerad& camera, const Vec2d& px, const Vec3d& 
     return {eye + (-b - root) * direction, eye + (-b + root) * direction};
 }
 
+/** Squared deviation, Geman–McClure when there is a tail. */
+double spread(double sigmas, double tail) { return tail > 0 ? sigmas * sigmas / (1 + sigmas * sigmas / (tail * tail)) : sigmas * sigmas; }
+
 Candidate makeCandidate(const LimbRig& rig, const LimbView& view, const Vec3d& elbow, const Vec3d& wrist) {
     Candidate c{{Vec3d(0), 0, elbow, wrist}, 0};
     const Mat3d toParent = glm::transpose(view.worldFromParent);
@@ -58,9 +62,11 @@ Candidate makeCandidate(const LimbRig& rig, const LimbView& view, const Vec3d& e
     const Vec3d angles = glm::transpose(rig.shoulderAxes) * c.guess.shoulder;
     for (int a = 0; a < 3; ++a) {
         const double beyond = std::max({0.0, rig.shoulderLow[a] - angles[a], angles[a] - rig.shoulderHigh[a]}) / kRangeSigmaRad;
-        const double spread2 = angles[a] * angles[a] / (rig.shoulderSigma[a] * rig.shoulderSigma[a]);
-        c.cost += (a == 0 && rig.shoulderTail > 0 ? spread2 / (1 + spread2 / (rig.shoulderTail * rig.shoulderTail)) : spread2) + beyond * beyond;
+        c.cost += spread((angles[a] - rig.shoulderMean[a]) / rig.shoulderSigma[a], rig.shoulderTail[a]) + beyond * beyond;
     }
+    c.cost += spread((c.guess.bendRad - rig.bendMean) / rig.bendSigma, rig.bendTail);
+    const double behind = std::max(0.0, -upper.z - rig.maxBackward) / kBackwardSigma;
+    c.cost += behind * behind;
     return c;
 }
 

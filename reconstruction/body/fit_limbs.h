@@ -17,8 +17,10 @@ struct LimbRig {
     double restBendRad = 0;                 // signed, about hingeAxis
     double upperM = 0, lowerM = 0;          // bone lengths
     Mat3d shoulderAxes{1};                  // prior of the shoulder: axesᵀ·w has spread shoulderSigma
-    double shoulderTail = 0;                // as JointPrior::tailSigmas
-    Vec3d shoulderSigma{1}, shoulderLow{-3.1}, shoulderHigh{3.1};
+    double maxBackward = 1;                 // how far the upper bone reaches back: −z of its direction in the parent's frame
+    // How natural a choice is: spread about the still pose, with tails as in JointPrior, and the shoulder's range.
+    Vec3d shoulderMean{0}, shoulderSigma{1}, shoulderTail{0}, shoulderLow{-3.1}, shoulderHigh{3.1};  // along shoulderAxes
+    double bendMean = 0, bendSigma = 1, bendTail = 0;                                                // about hingeAxis
 };
 
 /** One frame's evidence. Camera and places in metres. */

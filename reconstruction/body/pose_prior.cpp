@@ -10,7 +10,7 @@ namespace dpl {
 namespace {
 
 constexpr double kFree = 3.1;
-constexpr double kTail = 2.5;         // legs either stand or clearly move
+constexpr double kTail = 2.5;         // limbs either rest or clearly move
 constexpr double kMinBendRad = 0.17;  // below 10° of rest bend the direction of a hinge cannot be read off the rest pose
 
 Vec3d place(const BodyModel& body, int32_t joint) { return Vec3d(body.joints[size_t(joint)].restPosition); }
@@ -46,7 +46,7 @@ Mat3d alongBone(const Vec3d& direction) {
 std::vector<JointPrior> posePriors(const BodyModel& body) {
     std::vector<JointPrior> priors;
     const Vec3d free(kFree);
-    const auto add = [&](std::string_view bone, Mat3d axes, Vec3d sigma, Vec3d low, Vec3d high, double acceleration, double sway, double tail = 0) {
+    const auto add = [&](std::string_view bone, Mat3d axes, Vec3d sigma, Vec3d low, Vec3d high, double acceleration, double sway, Vec3d tail = Vec3d(0)) {
         const int32_t joint = findHumanoid(body, bone);
         if (joint > 0) priors.push_back({uint32_t(joint), axes, sigma, tail, low, high, acceleration, sway});
     };
@@ -59,16 +59,16 @@ std::vector<JointPrior> posePriors(const BodyModel& body) {
         const int32_t upperArm = joint("UpperArm"), lowerArm = joint("LowerArm"), hand = joint("Hand");
         const int32_t upperLeg = joint("UpperLeg"), lowerLeg = joint("LowerLeg"), foot = joint("Foot");
         add(side + "Shoulder", world, {0.05, 0.12, 0.25}, Vec3d(-0.7), Vec3d(0.7), 1.0, 0.0);
-        if (upperArm >= 0 && lowerArm >= 0) add(side + "UpperArm", alongBone(place(body, lowerArm) - place(body, upperArm)), {0.9, 0.3, 0.9}, -free, free, 3.0, 0.02);
+        if (upperArm >= 0 && lowerArm >= 0) add(side + "UpperArm", alongBone(place(body, lowerArm) - place(body, upperArm)), {0.35, 0.45, 0.35}, -free, free, 3.0, 0.02, {kTail, 0, kTail});
         if (upperArm >= 0 && lowerArm >= 0 && hand >= 0) {
             const Hinge h = hinge(body, upperArm, lowerArm, hand, false);
-            add(side + "LowerArm", h.axes, {0.9, 0.15, 0.04}, {-h.restBendRad - 0.05, -1.5, -0.3}, {2.6, 1.5, 0.3}, 4.0, 0.02);
+            add(side + "LowerArm", h.axes, {0.35, 0.15, 0.04}, {-h.restBendRad - 0.05, -1.5, -0.3}, {2.6, 1.5, 0.3}, 4.0, 0.02, {kTail, 0, 0});
             add(side + "Hand", h.axes, {0.2, 0.2, 0.2}, Vec3d(-1.2), Vec3d(1.2), 1.0, 0.02);
         }
-        if (upperLeg >= 0 && lowerLeg >= 0) add(side + "UpperLeg", world, {0.15, 0.1, 0.2}, {-2.4, -0.8, -1.2}, {0.8, 0.8, 1.2}, 2.5, 0.0, kTail);
+        if (upperLeg >= 0 && lowerLeg >= 0) add(side + "UpperLeg", world, {0.15, 0.1, 0.2}, {-2.4, -0.8, -1.2}, {0.8, 0.8, 1.2}, 2.5, 0.0, {kTail, 0, 0});
         if (upperLeg >= 0 && lowerLeg >= 0 && foot >= 0) {
             const Hinge h = hinge(body, upperLeg, lowerLeg, foot, true);
-            add(side + "LowerLeg", h.axes, {0.15, 0.05, 0.03}, {-h.restBendRad - 0.05, -0.4, -0.2}, {2.6, 0.4, 0.2}, 3.0, 0.0, kTail);
+            add(side + "LowerLeg", h.axes, {0.15, 0.05, 0.03}, {-h.restBendRad - 0.05, -0.4, -0.2}, {2.6, 0.4, 0.2}, 3.0, 0.0, {kTail, 0, 0});
         }
         add(side + "Foot", world, {0.15, 0.08, 0.08}, Vec3d(-0.9), Vec3d(0.9), 1.0, 0.0);
     }

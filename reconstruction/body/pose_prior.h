@@ -12,7 +12,7 @@ struct JointPrior {
     uint32_t joint = 0;
     Mat3d axes{1};                 // columns: the anatomical axes in the rest frame; the prior acts on axesᵀ·w
     Vec3d sigmaRad{0.3};           // spread about the rest pose
-    double tailSigmas = 0;         // axis 0: 0 Gaussian, else Geman–McClure of this scale: "near the still pose, or clearly moved"
+    Vec3d tailSigmas{0};           // an axis with 0 is Gaussian, else Geman–McClure of this scale: "near the still pose, or clearly moved"
     Vec3d lowRad{-3.1}, highRad{3.1};  // range, rest at 0
     double accelerationRadS2 = 2;  // spread of the angular acceleration
     double swayRad = 0;            // spread between "still" frames; 0: this joint does not sway

@@ -37,6 +37,25 @@ TEST(BodyTools, anchorPointReproducesAPointInsideTheSurface) {
     EXPECT_LT(glm::length(sum - point), 1e-4f);  // the regularisation of anchorPoint costs some 1e-6 of the neighbourhood's size
 }
 
+TEST(BodyTools, boneMorphsStretchOneBoneAndKeepTheFeetDown) {
+    const BodyModel plain = smallBody(), body = withBoneMorphs(plain);
+    ASSERT_TRUE(checkBody(body)) << checkBody(body).error().message;
+    EXPECT_EQ(withBoneMorphs(body).morphs.size(), body.morphs.size());  // twice is once
+    const auto length = [](const BodyModel& b, const char* from, const char* to) {
+        return glm::length(b.joints[size_t(findHumanoid(b, from))].restPosition - b.joints[size_t(findHumanoid(b, to))].restPosition);
+    };
+    for (size_t m = plain.morphs.size(); m < body.morphs.size(); ++m) {
+        std::vector<double> shape(body.morphs.size(), 0.0);
+        shape[m] = 1;
+        const BodyModel longer = shapedBody(body, shape);
+        EXPECT_NEAR(longer.joints[size_t(findHumanoid(longer, "leftFoot"))].restPosition.y, plain.joints[size_t(findHumanoid(plain, "leftFoot"))].restPosition.y, 1e-5f) << body.morphs[m].name;
+        const float thigh = length(longer, "leftUpperLeg", "leftLowerLeg") / length(plain, "leftUpperLeg", "leftLowerLeg");
+        const float forearm = length(longer, "rightLowerArm", "rightHand") / length(plain, "rightLowerArm", "rightHand");
+        EXPECT_NEAR(thigh, body.morphs[m].name == "bone_upper_leg" ? 1.04f : 1.0f, 1e-4f) << body.morphs[m].name;
+        EXPECT_NEAR(forearm, body.morphs[m].name == "bone_lower_arm" ? 1.04f : 1.0f, 1e-4f) << body.morphs[m].name;
+    }
+}
+
 TEST(BodyTools, checkBodyNamesWhatIsWrong) {
     BodyModel body = smallBody();
     body.mesh.jointWeights.clear();

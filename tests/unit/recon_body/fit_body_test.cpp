@@ -65,6 +65,7 @@ Made make(uint32_t seed, double unitsPerMetre = 1, bool moving = true) {
         pose.rootTranslation += Vec3f(float(0.005 * normal(random)), 0, float(0.005 * normal(random)));
         add(FrameKind::StaticFull, i % 8 == 7 ? Split::Test : Split::Train, 0, i * 0.39, pose);
     }
+    for (int i = 0; i < 3; ++i) add(FrameKind::StaticCloseup, Split::Train, 0, 0.3 * i, still);
     for (int i = 0; moving && i < 30; ++i) {
         Pose pose = still;
         const double phase = 0.2 * i;
