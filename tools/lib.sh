@@ -1,5 +1,6 @@
 # Shared by tools/test and tools/demo: numbered steps, builds with progress, test runs with a count. Sourced, not run.
 export DOPPEL_COMPILER_LAUNCHER="${DOPPEL_COMPILER_LAUNCHER-$(command -v ccache || true)}"
+export CCACHE_SLOPPINESS="pch_defines,time_macros,include_file_mtime,include_file_ctime"  # so that ccache works with the precompiled header
 tests_passed=0
 tests_skipped=0
 step_number=0
