@@ -57,18 +57,24 @@ P
 reconstruct noisy deceived
 same one deceived "held-out pictures cannot reach the avatar"
 
-# Killed in training, continued.
-"$doppel" reconstruct scan -o killed --preset draft --steps 120 --seed 3 >killed.log 2>&1 &
-pid=$!
-for _ in $(seq 600); do
-    ls killed/stages/*co-optimise.work/checkpoint* >/dev/null 2>&1 && break
-    kill -0 $pid 2>/dev/null || break
-    sleep 0.1
-done
-kill -9 $pid 2>/dev/null && echo "killed in training" || echo "finished before the kill"
-wait $pid 2>/dev/null || true
+# Stopped in training (a checkpoint is written), killed outright, continued.
+interrupt() {  # interrupt SIGNAL: starts the run, waits until it trains, sends the signal
+    "$doppel" reconstruct scan -o killed --preset draft --steps 120 --seed 3 >>killed.log 2>&1 &
+    local pid=$!
+    for _ in $(seq 600); do
+        [ -d killed/stages/*co-optimise.work ] 2>/dev/null && break
+        kill -0 $pid 2>/dev/null || break
+        sleep 0.1
+    done
+    sleep 2
+    kill "$1" $pid 2>/dev/null || echo "note: the run had finished before $1"
+    wait $pid 2>/dev/null || true
+}
+interrupt -TERM
+ls killed/stages/*co-optimise.work/checkpoint >/dev/null 2>&1 && echo "stopped in training, checkpoint kept"
+interrupt -KILL
 reconstruct scan killed
-same one killed "a killed run continues to the same bytes"
+same one killed "a stopped and killed run continues to the same bytes"
 
 # The comparison itself can fail: a changed training picture changes the avatar.
 cp -r scan changed
