@@ -22,7 +22,7 @@ constexpr size_t kMaxMasks = 18, kSkinSamples = 900, kMinOutline = 20;
 constexpr uint32_t kMaskSidePx = 512;
 constexpr int kMaskRounds = 2;
 constexpr double kConfident = 0.7;              // keypoints counted in residual reports
-constexpr double kFootSlideM = 0.004, kFootSlideMS = 0.01;  // how far a standing foot moves between frames: at once, and a second
+constexpr double kFootSlideM = 0.0024, kFootSlideMS = 0.006;  // how far a standing foot moves between frames: at once, and a second
 constexpr double kLooseFootScale = 5;
 constexpr double kSameLimbM = 0.08;             // a depth choice nearer than this to the present arm or leg is the same one
 constexpr double kTrackStepRad = 0.5, kTrackStepM = 0.3;  // spread of pose and root between moving frames, for the first guess only

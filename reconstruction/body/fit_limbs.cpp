@@ -14,7 +14,9 @@ constexpr int kStates = 4;                       // elbow near/far × wrist near
 constexpr double kElbowAccelerationMS2 = 4, kWristAccelerationMS2 = 8;
 constexpr double kDepthNoiseM = 0.04;            // spread of a candidate's depth from keypoint noise
 constexpr double kMaxGapS = 1.0;
-constexpr double kStraightRad = 0.2;             // below this bend the hinge's direction is noise, above twice this it counts in full
+constexpr int kTwistSteps = 10;
+constexpr double kTwistStepRad = 0.15;
+constexpr double kSidewaysSigmaRad = 0.15, kHyperextensionSigmaRad = 0.15;  // an elbow's place is known to a few centimetres in depth
 constexpr double kBackwardSigma = 0.1;
 constexpr double kRangeSigmaRad = 0.1;           // how hard the end of the shoulder's range is
 
@@ -47,24 +49,28 @@ Candidate makeCandidate(const LimbRig& rig, const LimbView& view, const Vec3d& e
     const Vec3d upper = glm::normalize(toParent * (elbow - view.shoulder)), lower = glm::normalize(toParent * (wrist - elbow));
     const Vec3d cross = glm::cross(upper, lower);
     const double bend = std::atan2(glm::length(cross), glm::dot(upper, lower));
-    // Swing the rest direction onto the upper arm, then twist about it until the hinge matches, as far as the bend shows the hinge.
+    // Swing the rest direction onto the upper arm; then the shoulder may twist about it, and what the twist leaves of the bend is flexion
+    // (cosine), sideways bend or hyperextension. The cheapest of a few twists explains the arm.
     const Vec3d swingAxis = glm::cross(rig.upperDirection, upper);
     const double sine = glm::length(swingAxis);
     const Mat3d swing = sine > 1e-9 ? rotationOf(swingAxis * (std::atan2(sine, glm::dot(rig.upperDirection, upper)) / sine)) : Mat3d(1.0);
-    double twist = 0;
-    if (bend > kStraightRad) {
-        const Vec3d is = swing * rig.hingeAxis, should = glm::normalize(cross);
-        const Vec3d flat = glm::normalize(is - glm::dot(is, upper) * upper);
-        twist = std::clamp((bend - kStraightRad) / kStraightRad, 0.0, 1.0) * std::atan2(glm::dot(glm::cross(flat, should), upper), glm::dot(flat, should));
+    const Vec3d is = swing * rig.hingeAxis, flat = glm::normalize(is - glm::dot(is, upper) * upper);
+    const double hinge = bend > 1e-6 ? std::atan2(glm::dot(glm::cross(flat, cross), upper), glm::dot(flat, cross)) : 0;
+    c.cost = std::numeric_limits<double>::infinity();
+    for (int step = -kTwistSteps; step <= kTwistSteps; ++step) {
+        const double twist = kTwistStepRad * step, flexion = bend * std::cos(hinge - twist), sideways = bend * std::sin(hinge - twist);
+        const Vec3d shoulder = rotationVector(rotationOf(upper * twist) * swing), angles = glm::transpose(rig.shoulderAxes) * shoulder;
+        const double over = std::max(0.0, -flexion) / kHyperextensionSigmaRad, side = sideways / kSidewaysSigmaRad;
+        double cost = over * over + side * side + spread((flexion - rig.restBendRad - rig.bendMean) / rig.bendSigma, rig.bendTail);
+        for (int a = 0; a < 3; ++a) {
+            const double beyond = std::max({0.0, rig.shoulderLow[a] - angles[a], angles[a] - rig.shoulderHigh[a]}) / kRangeSigmaRad;
+            cost += spread((angles[a] - rig.shoulderMean[a]) / rig.shoulderSigma[a], rig.shoulderTail[a]) + beyond * beyond;
+        }
+        if (cost >= c.cost) continue;
+        c.cost = cost;
+        c.guess.shoulder = shoulder;
+        c.guess.bendRad = std::max(0.0, flexion) - rig.restBendRad;
     }
-    c.guess.shoulder = rotationVector(rotationOf(upper * twist) * swing);
-    c.guess.bendRad = bend - rig.restBendRad;
-    const Vec3d angles = glm::transpose(rig.shoulderAxes) * c.guess.shoulder;
-    for (int a = 0; a < 3; ++a) {
-        const double beyond = std::max({0.0, rig.shoulderLow[a] - angles[a], angles[a] - rig.shoulderHigh[a]}) / kRangeSigmaRad;
-        c.cost += spread((angles[a] - rig.shoulderMean[a]) / rig.shoulderSigma[a], rig.shoulderTail[a]) + beyond * beyond;
-    }
-    c.cost += spread((c.guess.bendRad - rig.bendMean) / rig.bendSigma, rig.bendTail);
     const double behind = std::max(0.0, -upper.z - rig.maxBackward) / kBackwardSigma;
     c.cost += behind * behind;
     return c;

@@ -51,7 +51,9 @@ TEST(KeypointChain, agreesWithSkinningTheShapedBody) {
     const auto skinned = posedKeypoints(shaped, pose, names());
     for (size_t k = 0; k < skinned.size(); ++k) {
         ASSERT_EQ(skinned[k].present, chain.hasKeypoint(k));
-        if (skinned[k].present) EXPECT_LT(glm::length(skinned[k].place - out.points[k]), 2e-5) << names()[k];  // the rig skins in float: some 1e-6 of 2 m
+        if (skinned[k].present) {
+            EXPECT_LT(glm::length(skinned[k].place - out.points[k]), 2e-5) << names()[k];  // the rig skins in float: some 1e-6 of 2 m
+        }
     }
 }
 
