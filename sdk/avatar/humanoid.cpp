@@ -268,7 +268,7 @@ private:
             bones_[chain[chain.size() / 2]] = "chest";
             bones_[chain.back()] = "upperChest";
         }
-        if (!head) return;
+        if (!head || *head == *top) return;  // a tree whose arms hang from the head has no neck
         std::optional<size_t> neck;
         for (size_t j = size_t(joints_[*head].parent); j != *top; j = size_t(joints_[j].parent)) neck = j;
         relabel("neck", neck);
