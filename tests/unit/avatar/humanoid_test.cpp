@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include <set>
 
 #include "sdk/avatar/humanoid.h"
@@ -73,6 +75,16 @@ TEST(Humanoid, smplFootBelowAnkleIsToes) {
 TEST(Humanoid, labelsThatAreSetAreKept) {
     std::vector<JointData> joints = {{"left_hip", -1, {}, "hips"}, {"pelvis", 0, {}, ""}};
     EXPECT_EQ(humanoidBones(joints), (std::vector<std::string>{"hips", ""}));
+}
+
+TEST(Humanoid, armsThatHangFromTheHeadLeaveNoNeck) {
+    const std::vector<JointData> joints = {{"pelvis", -1, {0, 1, 0}},          {"left_hip", 0, {0.1f, 0.9f, 0}},       {"right_hip", 0, {-0.1f, 0.9f, 0}},
+                                           {"spine1", 0, {0, 1.2f, 0}},        {"head", 3, {0, 1.5f, 0}},              {"left_shoulder", 4, {0.2f, 1.4f, 0}},
+                                           {"right_shoulder", 4, {-0.2f, 1.4f, 0}}, {"left_elbow", 5, {0.5f, 1.4f, 0}}, {"right_elbow", 6, {-0.5f, 1.4f, 0}}};
+    const auto bones = humanoidBones(joints);  // once looped forever
+    EXPECT_EQ(bones[0], "hips");
+    EXPECT_EQ(bones[4], "head");
+    EXPECT_EQ(std::count(bones.begin(), bones.end(), "neck"), 0);
 }
 
 }  // namespace
