@@ -67,6 +67,8 @@ std::vector<uint8_t> zip(const std::vector<std::pair<std::string, std::vector<ui
 }
 
 constexpr size_t kJoints = 55, kPerJoint = 4, kVertices = kJoints * kPerJoint;
+constexpr int kParents[kJoints] = {-1, 0,  0,  0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  9,  9,  12, 13, 14, 16, 17, 18, 19, 15, 15, 15, 20, 25, 26,
+                                   20, 28, 29, 20, 31, 32, 20, 34, 35, 20, 37, 38, 21, 40, 41, 21, 43, 44, 21, 46, 47, 21, 49, 50, 21, 52, 53};
 
 std::vector<std::pair<std::string, std::vector<uint8_t>>> smplxEntries() {
     std::vector<double> vertices, shapeDirs, regressor(kJoints * kVertices, 0.0), weights(kVertices * kJoints, 0.0);
@@ -86,7 +88,7 @@ std::vector<std::pair<std::string, std::vector<uint8_t>>> smplxEntries() {
     for (size_t j = 0; j < kJoints; ++j) {
         const uint32_t f = uint32_t(kPerJoint * j);
         faces.insert(faces.end(), {f, f + 1, f + 2, f, f + 2, f + 3});
-        tree.push_back(j == 0 ? int64_t(4294967295) : int64_t(j - 1));
+        tree.push_back(j == 0 ? int64_t(4294967295) : int64_t(kParents[j]));
     }
     for (size_t j = 0; j < kJoints; ++j) tree.push_back(int64_t(j));
     return {{"v_template.npy", npy("<f8", "(220, 3)", vertices)},
