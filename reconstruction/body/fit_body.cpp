@@ -22,9 +22,10 @@ constexpr size_t kMaxMasks = 18, kSkinSamples = 900, kMinOutline = 20;
 constexpr uint32_t kMaskSidePx = 512;
 constexpr int kMaskRounds = 2;
 constexpr double kConfident = 0.7;              // keypoints counted in residual reports
-constexpr double kFootSlideM = 0.0024, kFootSlideMS = 0.006;  // how far a standing foot moves between frames: at once, and a second
+constexpr double kFootSlideM = 0.0031, kFootSlideMS = 0.0078;  // how far a standing foot moves between frames: at once, and a second
 constexpr double kLooseFootScale = 5;
 constexpr double kSameLimbM = 0.08;             // a depth choice nearer than this to the present arm or leg is the same one
+constexpr int kUntangleRounds = 3;
 constexpr double kTrackStepRad = 0.5, kTrackStepM = 0.3;  // spread of pose and root between moving frames, for the first guess only
 
 /** The numbers of one frame. Still frames use only `sway`, on top of the shared still pose. */
@@ -381,21 +382,41 @@ void Fitter::untangleLimbs(const std::vector<size_t>& order, const std::function
 Status Fitter::fitMoving(double from, double to) {
     const std::vector<size_t> order = movingInTime(true);
     if (order.empty()) return {};
-    const double part = (to - from) / 4;
-    DPL_CHECK_OK(trackMoving(order, from, from + part));
-    for (int round = 0; round < 3; ++round) {
-        context_.outlierSigmas = round < 2 ? kLooseOutliers : settings_.outlierSigmas;
-        context_.footSigmaScale = round < 2 ? kLooseFootScale : 1;
-        if (round == 1) untangleLimbs(order, [](size_t) { return true; });
+    const double part = (to - from) / (2 + 2 * kUntangleRounds);
+    double done = from;
+    const auto together = [&](const char* what, bool loose, int maxSteps) -> Status {
+        context_.outlierSigmas = loose ? kLooseOutliers : settings_.outlierSigmas;
+        context_.footSigmaScale = loose ? kLooseFootScale : 1;
         ceres::Problem problem;
         for (size_t f : order) addFrame(problem, f);
         addSmoothness(problem, order, [](size_t) { return true; });
         if (shapeFromMoving_ && !shape_.empty()) problem.AddResidualBlock(new ShapePrior(body_.morphs), nullptr, shape_.data());
         if (!shapeFromMoving_) freezeGlobals(problem);
         else if (scan_.metricWorld) problem.SetParameterBlockConstant(&logUnit_);
-        const char* const names[3] = {"moving frames: together, loose", "moving frames: limbs untangled", "moving frames: together"};
-        DPL_CHECK_OK(solve(problem, names[round], round == 0 ? 12 : 50, from + part * (1 + round), from + part * (2 + round)));
+        done += part;
+        return solve(problem, what, maxSteps, done - part, done);
+    };
+    DPL_CHECK_OK(trackMoving(order, from, from + part));
+    done = from + part;
+    DPL_CHECK_OK(together("moving frames: together, loose", true, 12));
+    // Better shoulders and hips make better depth choices: untangle again while that lowers the final cost, and keep the best.
+    struct Best {
+        std::vector<FrameState> frames;
+        std::vector<double> shape;
+        double logUnit = 0, cost = 0;
+    };
+    std::optional<Best> best;
+    for (int round = 0; round < kUntangleRounds; ++round) {
+        untangleLimbs(order, [](size_t) { return true; });
+        DPL_CHECK_OK(together("moving frames: limbs untangled", true, 50));
+        DPL_CHECK_OK(together("moving frames: together", false, 50));
+        const double cost = solves_.back().costAfter;
+        if (best && cost >= best->cost * (1 - 1e-4)) break;
+        best = Best{frames_, shape_, logUnit_, cost};
     }
+    std::copy(best->shape.begin(), best->shape.end(), shape_.begin());
+    logUnit_ = best->logUnit;
+    frames_ = std::move(best->frames);
     return {};
 }
 

@@ -51,26 +51,26 @@ std::vector<JointPrior> posePriors(const BodyModel& body) {
         if (joint > 0) priors.push_back({uint32_t(joint), axes, sigma, tail, low, high, acceleration, sway});
     };
     const Mat3d world(1.0);
-    for (const std::string_view bone : {"spine", "chest", "upperChest"}) add(bone, world, {0.09, 0.12, 0.08}, Vec3d(-0.8), Vec3d(0.8), 0.45, 0.006);
-    for (const std::string_view bone : {"neck", "head"}) add(bone, world, {0.12, 0.25, 0.12}, Vec3d(-1), Vec3d(1), 0.75, 0.015);
+    for (const std::string_view bone : {"spine", "chest", "upperChest"}) add(bone, world, {0.09, 0.12, 0.08}, Vec3d(-0.8), Vec3d(0.8), 0.315, 0.006);
+    for (const std::string_view bone : {"neck", "head"}) add(bone, world, {0.12, 0.25, 0.12}, Vec3d(-1), Vec3d(1), 0.525, 0.015);
     for (const bool left : {true, false}) {
         const std::string side = left ? "left" : "right";
         const auto joint = [&](const char* bone) { return findHumanoid(body, side + bone); };
         const int32_t upperArm = joint("UpperArm"), lowerArm = joint("LowerArm"), hand = joint("Hand");
         const int32_t upperLeg = joint("UpperLeg"), lowerLeg = joint("LowerLeg"), foot = joint("Foot");
-        add(side + "Shoulder", world, {0.05, 0.12, 0.25}, Vec3d(-0.7), Vec3d(0.7), 1.5, 0.0);
-        if (upperArm >= 0 && lowerArm >= 0) add(side + "UpperArm", alongBone(place(body, lowerArm) - place(body, upperArm)), {0.35, 0.45, 0.35}, -free, free, 4.5, 0.02, {kTail, 0, kTail});
+        add(side + "Shoulder", world, {0.05, 0.12, 0.25}, Vec3d(-0.7), Vec3d(0.7), 1.05, 0.0);
+        if (upperArm >= 0 && lowerArm >= 0) add(side + "UpperArm", alongBone(place(body, lowerArm) - place(body, upperArm)), {0.35, 0.45, 0.35}, -free, free, 3.15, 0.02, {kTail, 0, kTail});
         if (upperArm >= 0 && lowerArm >= 0 && hand >= 0) {
             const Hinge h = hinge(body, upperArm, lowerArm, hand, false);
-            add(side + "LowerArm", h.axes, {0.35, 0.15, 0.04}, {-h.restBendRad - 0.05, -1.5, -0.3}, {2.6, 1.5, 0.3}, 6.0, 0.02, {kTail, 0, 0});
-            add(side + "Hand", h.axes, {0.2, 0.2, 0.2}, Vec3d(-1.2), Vec3d(1.2), 1.5, 0.02);
+            add(side + "LowerArm", h.axes, {0.35, 0.15, 0.04}, {-h.restBendRad - 0.05, -1.5, -0.3}, {2.6, 1.5, 0.3}, 4.2, 0.02, {kTail, 0, 0});
+            add(side + "Hand", h.axes, {0.2, 0.2, 0.2}, Vec3d(-1.2), Vec3d(1.2), 1.05, 0.02);
         }
-        if (upperLeg >= 0 && lowerLeg >= 0) add(side + "UpperLeg", world, {0.15, 0.1, 0.2}, {-2.4, -0.8, -1.2}, {0.8, 0.8, 1.2}, 3.75, 0.0, {kTail, 0, 0});
+        if (upperLeg >= 0 && lowerLeg >= 0) add(side + "UpperLeg", world, {0.15, 0.1, 0.2}, {-2.4, -0.8, -1.2}, {0.8, 0.8, 1.2}, 2.625, 0.0, {kTail, 0, 0});
         if (upperLeg >= 0 && lowerLeg >= 0 && foot >= 0) {
             const Hinge h = hinge(body, upperLeg, lowerLeg, foot, true);
-            add(side + "LowerLeg", h.axes, {0.15, 0.05, 0.03}, {-h.restBendRad - 0.05, -0.4, -0.2}, {2.6, 0.4, 0.2}, 4.5, 0.0, {kTail, 0, 0});
+            add(side + "LowerLeg", h.axes, {0.15, 0.05, 0.03}, {-h.restBendRad - 0.05, -0.4, -0.2}, {2.6, 0.4, 0.2}, 3.15, 0.0, {kTail, 0, 0});
         }
-        add(side + "Foot", world, {0.15, 0.08, 0.08}, Vec3d(-0.9), Vec3d(0.9), 1.5, 0.0);
+        add(side + "Foot", world, {0.15, 0.08, 0.08}, Vec3d(-0.9), Vec3d(0.9), 1.05, 0.0);
     }
     std::sort(priors.begin(), priors.end(), [](const JointPrior& a, const JointPrior& b) { return a.joint < b.joint; });
     return priors;
