@@ -2,6 +2,7 @@
 
 #include "apps/doppel/commands.h"
 #include "reconstruction/body/body_io.h"
+#include "reconstruction/body/body_tools.h"
 #include "reconstruction/body/makehuman.h"
 #include "reconstruction/body/smplx.h"
 #include "reconstruction/sample/builtin_body.h"
@@ -15,7 +16,7 @@ struct BodyOptions {
 
 /** A folder is MakeHuman data, .npz is SMPL-X, .glb is a rigged glTF, "builtin" the built-in body. */
 Result<BodyModel> importBody(const std::filesystem::path& source) {
-    if (source == "builtin") return makeBuiltinBody();
+    if (source == "builtin") return withBoneMorphs(makeBuiltinBody());
     if (std::filesystem::is_directory(source)) return importMakeHuman(source);
     const std::string extension = source.extension().string();
     if (extension == ".npz") return importSmplx(source);

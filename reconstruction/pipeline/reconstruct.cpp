@@ -12,7 +12,7 @@ namespace {
 
 Status loadBody(SubjectData& subject) {
     if (subject.options.body.empty()) {
-        subject.body = makeBuiltinBody(subject.jobs);
+        subject.body = withBoneMorphs(makeBuiltinBody(subject.jobs));
     } else {
         DPL_TRY(subject.body, readBody(subject.options.body));
     }
