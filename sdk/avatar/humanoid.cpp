@@ -259,6 +259,7 @@ private:
         relabel("hips", hips);
         const auto top = head ? common(arms, head) : arms;
         if (!top || *top == *hips || !isAbove(*hips, *top)) return;
+        if (top == head) return;  // arms that hang from the head: no chest and no neck to tell apart, names must do
         std::vector<size_t> chain;  // from below the hips up to where the arms leave
         for (size_t j = *top; j != *hips; j = size_t(joints_[j].parent)) chain.insert(chain.begin(), j);
         for (std::string_view bone : {"spine", "chest", "upperChest"}) relabel(bone, std::nullopt);
@@ -268,7 +269,7 @@ private:
             bones_[chain[chain.size() / 2]] = "chest";
             bones_[chain.back()] = "upperChest";
         }
-        if (!head || *head == *top) return;  // a tree whose arms hang from the head has no neck
+        if (!head) return;
         std::optional<size_t> neck;
         for (size_t j = size_t(joints_[*head].parent); j != *top; j = size_t(joints_[j].parent)) neck = j;
         relabel("neck", neck);
