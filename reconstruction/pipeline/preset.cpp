@@ -16,7 +16,7 @@ PresetSettings presetOf(Preset preset) {
             p.poseFitSteps = 40;
             break;
         case Preset::Standard:
-            p.training.steps = 16000;
+            p.training.steps = 10000;
             p.training.maxSplats = 80000;
             break;
         case Preset::High:
