@@ -6,6 +6,7 @@
 
 #include "reconstruction/body/body_io.h"
 #include "reconstruction/body/body_tools.h"
+#include "sdk/core/files.h"
 #include "sdk/avatar/humanoid.h"
 #include "sdk/format/skin_weights.h"
 #include "sdk/format/skinned_gltf.h"
@@ -192,7 +193,7 @@ Result<BodyModel> decodeBody(std::span<const uint8_t> bytes, std::string_view na
 
 Result<BodyModel> readBody(const std::filesystem::path& path) {
     constexpr size_t kMaxBodyBytes = size_t(2) << 30;
-    DPL_TRY(const auto bytes, readFileBytes(path, kMaxBodyBytes));
+    DPL_TRY(const auto bytes, readFile(path, kMaxBodyBytes));
     auto body = decodeBody(bytes, path.stem().string());
     if (!body) return fail(body.error().code, "{}: {}", path.string(), body.error().message);
     return body;

@@ -1,10 +1,10 @@
 #include <algorithm>
-#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 
 #include "reconstruction/body/body_io.h"
 #include "reconstruction/body/body_tools.h"
+#include "sdk/core/files.h"
 #include "sdk/core/writer.h"
 
 namespace dpl {
@@ -153,21 +153,7 @@ Result<std::vector<uint8_t>> encodeBody(const BodyModel& body) {
 
 Status writeBody(const BodyModel& body, const std::filesystem::path& path) {
     DPL_TRY(const auto bytes, encodeBody(body));
-    std::filesystem::path temporary = path;
-    temporary += ".part";
-    std::error_code error;
-    {
-        std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
-        out.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
-        out.flush();
-        if (!out) {
-            std::filesystem::remove(temporary, error);
-            return fail(Code::Io, "{}: cannot be written; is the disk full or the folder missing?", path.string());
-        }
-    }
-    std::filesystem::rename(temporary, path, error);
-    if (error) return fail(Code::Io, "{}: {}", path.string(), error.message());
-    return {};
+    return writeFileAtomically(path, bytes);
 }
 
 }  // namespace dpl

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 
 namespace dpl {
 namespace {
@@ -105,18 +104,6 @@ std::vector<std::pair<uint32_t, float>> anchorPoint(const MeshData& mesh, std::s
     for (const Vec4d& a : rows) sum += glm::dot(a, solution);
     for (size_t i = 0; i < rows.size(); ++i) weights.emplace_back(nearest[i], float(glm::dot(rows[i], solution) / sum));
     return weights;
-}
-
-Result<std::vector<uint8_t>> readFileBytes(const std::filesystem::path& path, size_t maxBytes) {
-    std::ifstream file(path, std::ios::binary | std::ios::ate);
-    if (!file) return fail(Code::NotFound, "{}: cannot be opened", path.string());
-    const auto size = file.tellg();
-    if (size < 0) return fail(Code::Io, "{}: its size cannot be read", path.string());
-    if (uint64_t(size) > maxBytes) return fail(Code::Unsupported, "{}: {} bytes, the limit is {}", path.string(), uint64_t(size), maxBytes);
-    std::vector<uint8_t> bytes(size_t(size), 0);
-    file.seekg(0);
-    if (!file.read(reinterpret_cast<char*>(bytes.data()), size)) return fail(Code::Io, "{}: cannot be read", path.string());
-    return bytes;
 }
 
 }  // namespace dpl

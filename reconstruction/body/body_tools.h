@@ -38,7 +38,4 @@ std::vector<BodyKeypoint> deriveKeypoints(const BodyModel& body);
  *  Only vertices with index in `candidates` are used. */
 std::vector<std::pair<uint32_t, float>> anchorPoint(const MeshData& mesh, std::span<const uint32_t> candidates, const Vec3f& point);
 
-/** The whole file, refused above `maxBytes`. */
-Result<std::vector<uint8_t>> readFileBytes(const std::filesystem::path& path, size_t maxBytes);
-
 }  // namespace dpl

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "reconstruction/body/body_tools.h"
+#include "sdk/core/files.h"
 
 namespace dpl {
 namespace {
@@ -50,7 +51,7 @@ std::vector<PosedKeypoint> posedKeypoints(const BodyModel& shaped, const Pose& p
 Result<TruthComparison> compareWithTruth(const std::filesystem::path& scanRoot, const Scan& scan, const BodyModel& body, const BodyFit& fit) {
     constexpr size_t kMaxTruthBytes = 256u << 20;
     const std::filesystem::path path = scanRoot / "truth.json";
-    DPL_TRY(const auto bytes, readFileBytes(path, kMaxTruthBytes));
+    DPL_TRY(const auto bytes, readFile(path, kMaxTruthBytes));
     const nlohmann::json truth = nlohmann::json::parse(bytes.begin(), bytes.end(), nullptr, false);
     if (!truth.is_object() || !truth.contains("frames") || !truth["frames"].is_array()) return fail(Code::CorruptData, "{}: no frames", path.string());
     std::map<std::string, const nlohmann::json*> byName;

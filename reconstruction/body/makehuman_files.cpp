@@ -8,12 +8,13 @@
 #include <string_view>
 
 #include "reconstruction/body/body_tools.h"
+#include "sdk/core/files.h"
 #include "reconstruction/body/inflate.h"
 
 namespace dpl {
 namespace {
 
-constexpr size_t kMaxFileBytes = 64u << 20;
+constexpr size_t kMaxSourceBytes = 64u << 20;
 constexpr size_t kMaxVertices = 1u << 20;
 
 /** Walks the words of a text line by line without copying. */
@@ -59,7 +60,7 @@ bool parseVec3(std::string_view line, Vec3f& v) {
 std::string_view asText(const std::vector<uint8_t>& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
 Result<nlohmann::json> readJson(const std::filesystem::path& path) {
-    DPL_TRY(const auto bytes, readFileBytes(path, kMaxFileBytes));
+    DPL_TRY(const auto bytes, readFile(path, kMaxSourceBytes));
     nlohmann::json json = nlohmann::json::parse(bytes.begin(), bytes.end(), nullptr, /*allow_exceptions=*/false);
     if (json.is_discarded() || !json.is_object()) return fail(Code::CorruptData, "{}: not a JSON object", path.string());
     return json;
@@ -89,7 +90,7 @@ Result<std::vector<uint32_t>> headVertices(const nlohmann::json& head, const Mak
 }  // namespace
 
 Result<MakeHumanMesh> readMakeHumanObj(const std::filesystem::path& path) {
-    DPL_TRY(const auto bytes, readFileBytes(path, kMaxFileBytes));
+    DPL_TRY(const auto bytes, readFile(path, kMaxSourceBytes));
     MakeHumanMesh mesh;
     std::string group = "body";
     std::map<std::string, std::set<uint32_t>> groups;
@@ -122,9 +123,9 @@ Result<MakeHumanMesh> readMakeHumanObj(const std::filesystem::path& path) {
 }
 
 Result<std::vector<TargetRow>> readMakeHumanTarget(const std::filesystem::path& path, size_t vertexCount) {
-    DPL_TRY(auto bytes, readFileBytes(path, kMaxFileBytes));
+    DPL_TRY(auto bytes, readFile(path, kMaxSourceBytes));
     if (path.extension() == ".gz") {
-        auto plain = inflateBytes(bytes, DeflateWrapper::Gzip, kMaxFileBytes);
+        auto plain = inflateBytes(bytes, DeflateWrapper::Gzip, kMaxSourceBytes);
         if (!plain) return fail(plain.error().code, "{}: {}", path.string(), plain.error().message);
         bytes = std::move(*plain);
     }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "reconstruction/body/body_tools.h"
+#include "sdk/core/files.h"
 #include "reconstruction/body/npz.h"
 #include "sdk/avatar/humanoid.h"
 #include "sdk/format/skin_weights.h"
@@ -35,7 +36,7 @@ std::vector<std::string> jointNames(size_t count) {
 }  // namespace
 
 Result<BodyModel> importSmplx(const std::filesystem::path& path, const SmplxOptions& options) {
-    DPL_TRY(const auto bytes, readFileBytes(path, kMaxNpzBytes));
+    DPL_TRY(const auto bytes, readFile(path, kMaxNpzBytes));
     const auto named = [&](const Error& e) { return fail(e.code, "{}: {}", path.string(), e.message); };
     auto npz = NpzFile::open(bytes);
     if (!npz) return named(npz.error());

@@ -1,11 +1,11 @@
 // Observations for a whole scan, as files in the layout of our scan folders.
 #include <cmath>
-#include <fstream>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "reconstruction/capture/observations.h"
+#include "sdk/core/files.h"
 
 namespace dpl {
 
@@ -16,19 +16,7 @@ namespace {
 Status writeFile(const fs::path& path, std::span<const uint8_t> bytes) {
     std::error_code error;
     fs::create_directories(path.parent_path(), error);
-    const fs::path temporary = path.string() + ".tmp";
-    {
-        std::ofstream out(temporary, std::ios::binary);
-        out.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
-        out.flush();
-        if (!out) {
-            fs::remove(temporary, error);
-            return fail(Code::Io, "{}: cannot be written; free some space or check the permissions", path.string());
-        }
-    }
-    fs::rename(temporary, path, error);
-    if (error) return fail(Code::Io, "{}: {}", path.string(), error.message());
-    return {};
+    return writeFileAtomically(path, bytes);
 }
 
 Status writePng(const fs::path& path, const ImageGrey8& image) {

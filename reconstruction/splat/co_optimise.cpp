@@ -7,6 +7,7 @@
 
 #include "reconstruction/splat/co_optimise_state.h"
 #include "reconstruction/splat/random.h"
+#include "reconstruction/splat/rotation_vector.h"
 #include "sdk/format/avatar_file.h"
 
 namespace dpl {
@@ -19,19 +20,6 @@ double millisecondsSince(std::chrono::steady_clock::time_point start) {
 }
 
 bool finite(const Vec3f& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
-Quatd turnQuaternion(const Vec3d& w) {
-    const double angle = glm::length(w);
-    return angle > 1e-12 ? glm::angleAxis(angle, w / angle) : Quatd(1, 0, 0, 0);
-}
-
-/** Axis-angle of a unit quaternion, the short way round. */
-Vec3d logQuaternion(Quatd q) {
-    if (q.w < 0) q = -q;
-    const Vec3d v(q.x, q.y, q.z);
-    const double sine = glm::length(v);
-    return sine < 1e-9 ? 2.0 * v : v * (2 * std::atan2(sine, q.w) / sine);
-}
 
 }  // namespace
 

@@ -3,24 +3,9 @@
 #include <cmath>
 
 #include "reconstruction/splat/random.h"
+#include "reconstruction/splat/rotation_vector.h"
 
 namespace dpl {
-namespace {
-
-Quatd turnBy(const Vec3d& w) {
-    const double angle = glm::length(w);
-    return angle > 1e-12 ? glm::angleAxis(angle, w / angle) : Quatd(1, 0, 0, 0);
-}
-
-Vec3d turnOf(Quatd q) {
-    if (q.w < 0) q = -q;
-    const Vec3d v(q.x, q.y, q.z);
-    const double sine = glm::length(v);
-    return sine < 1e-9 ? 2.0 * v : v * (2 * std::atan2(sine, q.w) / sine);
-}
-
-}  // namespace
-
 CoOptimiseSettings polishSettings(uint32_t steps, uint64_t seed, uint32_t shDegree) {
     CoOptimiseSettings s;
     s.seed = seed, s.steps = steps, s.init.shDegree = shDegree;
@@ -72,13 +57,13 @@ Result<PoseFitResult> fitPose(const AvatarData& avatar, const TrainFrame& frame,
         const PoseGradient<double>& g = pass.poseGradient();
         const double fall = std::pow(settings.end, double(i) / settings.iterations);
         for (size_t j = 0; j < joints; ++j) {
-            const Vec3d away = turnOf(Quatd(pose.localRotations[j]) * glm::conjugate(glm::normalize(Quatd(frame.pose.localRotations[j]))));
+            const Vec3d away = logQuaternion(Quatd(pose.localRotations[j]) * glm::conjugate(glm::normalize(Quatd(frame.pose.localRotations[j]))));
             for (int a = 0; a < 3; ++a) gradient[j * 3 + size_t(a)] = g.rotation[j][a] + 2.0 * settings.posePull * away[a], rates[j * 3 + size_t(a)] = settings.rateRotation * fall;
         }
         for (int a = 0; a < 3; ++a) gradient[joints * 3 + size_t(a)] = g.rootTranslation[a], rates[joints * 3 + size_t(a)] = settings.rateTranslation * fall;
         const std::vector<double> delta = adam.step(gradient, rates);
         for (size_t j = 0; j < joints; ++j)
-            pose.localRotations[j] = Quatf(glm::normalize(turnBy(-Vec3d(delta[j * 3], delta[j * 3 + 1], delta[j * 3 + 2])) * Quatd(pose.localRotations[j])));
+            pose.localRotations[j] = Quatf(glm::normalize(turnQuaternion(-Vec3d(delta[j * 3], delta[j * 3 + 1], delta[j * 3 + 2])) * Quatd(pose.localRotations[j])));
         for (int a = 0; a < 3; ++a) pose.rootTranslation[a] -= float(delta[joints * 3 + size_t(a)]);
         const bool last = i + 1 == settings.iterations;
         if (last || (late && i % 10 == 9)) {
