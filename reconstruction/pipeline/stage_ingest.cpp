@@ -67,7 +67,7 @@ Status runObserve(SubjectData& subject) {
         return observeScan(observed, options, subject.jobs);
     });
     if (!folder) return folder.error();
-    // Files that are there are kept by observeScan, so running it on the finished folder only sets the paths.
+    // Sets the paths of what the finished folder holds. The networks look again to do so (the same bytes).
     ObserveOptions options;
     options.models = subject.options.models;
     options.output = *folder;
