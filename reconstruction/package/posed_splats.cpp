@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "sdk/avatar/posed_mesh.h"
 #include "sdk/math/binding.h"
 #include "sdk/math/sh.h"
 
@@ -99,13 +100,11 @@ void ellipseOf(const Vec3d& a1, const Vec3d& a2, const Vec3d& normal, Quatf& rot
 
 Result<StaticSplatData> posedSplats(const AvatarData& avatar, const Pose& pose) {
     DPL_CHECK_OK(checkPose(avatar.joints, pose));
-    std::vector<Mat3x4f> worldFromRest;
-    jointTransforms(avatar.joints, pose, worldFromRest);
     Jobs jobs(1);
-    std::vector<Vec3f> positions;
-    skin(avatar.mesh, worldFromRest, jobs, positions);
-    std::vector<TriangleFrame<float>> frames;
-    poseTriangles(avatar.mesh, restTriangles(avatar.mesh), positions, jobs, frames);
+    const std::vector<RestTriangle<float>> bind = restTriangles(avatar.mesh);
+    PosedMesh posed;
+    posed.pose({avatar.joints, avatar.mesh, avatar.correctives, bind}, pose, jobs);
+    const std::span<const TriangleFrame<float>> frames = posed.frames();
 
     const SplatData& in = avatar.splats;
     const uint32_t shFloats = 3 * shCoefficientCount(in.shDegree);
@@ -126,7 +125,11 @@ Result<StaticSplatData> posedSplats(const AvatarData& avatar, const Pose& pose) 
             out.scaleM.push_back(scale);
             out.opacity.push_back(in.opacity[i]);
             out.sh.insert(out.sh.end(), in.sh.begin() + size_t(i) * shFloats, in.sh.begin() + size_t(i + 1) * shFloats);
-            rotator.rotate(Mat3d(frame.worldFromRest), in.shDegree, out.sh.data() + out.sh.size() - shFloats);
+            float* sh = out.sh.data() + out.sh.size() - shFloats;
+            rotator.rotate(Mat3d(frame.worldFromRest), in.shDegree, sh);
+            // (0.5 + dc·C0 + …)·L as plain SH: the half moves into dc.
+            const float light = splatLight(frame, in.uv[i]);
+            for (uint32_t k = 0; k < shFloats; ++k) sh[k] = light * sh[k] + (k < 3 ? (light - 1) * 0.5f / float(kShC0) : 0.0f);
         }
     }
     return out;

@@ -1,5 +1,6 @@
 #include <chrono>
 
+#include "reconstruction/distill/corrective_model.h"
 #include "reconstruction/pipeline/preset.h"
 #include "reconstruction/pipeline/train_frames.h"
 #include "reconstruction/pipeline/trained_file.h"
@@ -11,11 +12,15 @@ namespace {
 constexpr double kCheckpointSeconds = 30;  // a kill loses at most about this much training
 constexpr uint32_t kProbeSteps = 60;
 
-CoOptimiseInput trainingInput(const SubjectData& subject, std::vector<TrainFrame> frames) {
+Result<CoOptimiseInput> trainingInput(const SubjectData& subject, std::vector<TrainFrame> frames) {
     CoOptimiseInput input;
     input.joints = subject.shaped.joints;
     input.mesh = subject.shaped.mesh;
     for (size_t v = 0; v < input.mesh.restPositions.size(); ++v) input.mesh.restPositions[v] += subject.surfaceOffsets[v];
+    std::vector<Pose> moving;
+    for (const TrainFrame& frame : frames)
+        if (frame.kind == FrameKind::Dynamic) moving.push_back(frame.pose);
+    DPL_TRY(input.correctives, correctiveModel(input.joints, input.mesh, moving));
     input.triangleLabel = voteTriangleLabels(input.joints, input.mesh, frames, subject.jobs);
     input.frames = std::move(frames);
     return input;
@@ -41,7 +46,7 @@ Status train(const SubjectData& subject, StageContext& context) {
     context.progress.update(0, "reading pictures");
     DPL_TRY(auto frames, loadTrainFrames(subject, Split::Train));
     if (frames.empty()) return fail(Code::InvalidArgument, "no usable training frames");
-    CoOptimiseInput input = trainingInput(subject, std::move(frames));
+    DPL_TRY(CoOptimiseInput input, trainingInput(subject, std::move(frames)));
     CoOptimiseSettings settings = presetOf(subject.options.preset).training;
     settings.seed = subject.options.seed;
     DPL_TRY(settings.steps, chooseSteps(subject, input, settings, context.folder));
@@ -85,7 +90,7 @@ Status runCoOptimise(SubjectData& subject) {
                                    {"steps", subject.options.steps},
                                    {"budget", subject.options.timeBudgetMinutes},
                                    {"seed", subject.options.seed}};
-    auto folder = subject.chain.run("co-optimise", 1, inputs, [&](StageContext& context) { return train(subject, context); });
+    auto folder = subject.chain.run("co-optimise", 2, inputs, [&](StageContext& context) { return train(subject, context); });
     if (!folder) return folder.error();
     subject.trainedFolder = *folder;
     return {};

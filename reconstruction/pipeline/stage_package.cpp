@@ -58,6 +58,7 @@ Status package(SubjectData& subject, StageContext& context) {
     avatar.mesh.restPositions = trained.restPositions;
     avatar.mesh.colours = gatherVertexColours(avatar.joints, avatar.mesh, frames, subject.jobs);
     avatar.splats = trained.splats;
+    avatar.correctives = trained.correctives;
     avatar.clips = scanMotion(subject, indices, trained.poses);
     avatar.evidence = subject.evidence;
     avatar.evidence.push_back({"flat splats with SH degree " + std::to_string(trained.splats.shDegree), true, 0, 0, "the picture itself"});

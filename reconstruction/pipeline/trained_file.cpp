@@ -9,7 +9,7 @@ namespace dpl {
 namespace {
 
 constexpr uint32_t kMagic = 0x4e525444;  // "DTRN"
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kVersion = 2;
 
 template <class T>
 void putArray(Writer& out, const std::vector<T>& values) {
@@ -45,6 +45,16 @@ Status readBody(Reader& in, CoOptimiseResult& r) {
     DPL_TRY(r.splats.shDegree, in.u32());
     DPL_CHECK_OK(getArray(in, r.splats.sh));
     DPL_CHECK_OK(getArray(in, r.restPositions));
+    PoseCorrectiveData& c = r.correctives;
+    DPL_TRY(c.modeCount, in.u32());
+    DPL_TRY(c.nodeCount, in.u32());
+    DPL_TRY(c.reach, in.value<float>());
+    DPL_CHECK_OK(getArray(in, c.joints));
+    DPL_CHECK_OK(getArray(in, c.mean));
+    DPL_CHECK_OK(getArray(in, c.modes));
+    DPL_CHECK_OK(getArray(in, c.nodeIndices));
+    DPL_CHECK_OK(getArray(in, c.nodeWeights));
+    DPL_CHECK_OK(getArray(in, c.nodes));
     DPL_TRY(uint32_t poseCount, in.u32());
     for (uint32_t i = 0; i < poseCount; ++i) {
         Pose pose;
@@ -73,6 +83,9 @@ Status writeTrainedFile(const CoOptimiseResult& r, const std::filesystem::path& 
     out.value(r.splats.shDegree);
     putArray(out, r.splats.sh);
     putArray(out, r.restPositions);
+    const PoseCorrectiveData& c = r.correctives;
+    out.value(c.modeCount), out.value(c.nodeCount), out.value(c.reach);
+    putArray(out, c.joints), putArray(out, c.mean), putArray(out, c.modes), putArray(out, c.nodeIndices), putArray(out, c.nodeWeights), putArray(out, c.nodes);
     out.value(uint32_t(r.poses.size()));
     for (const Pose& pose : r.poses) putPose(out, pose);
     putArray(out, r.curve);
@@ -92,6 +105,8 @@ Result<CoOptimiseResult> readTrainedFile(const std::filesystem::path& path, size
                  r.splats.sh.size() == count * 3 * shCoefficientCount(r.splats.shDegree) && r.restPositions.size() == vertexCount;
     for (const Pose& pose : r.poses) whole &= pose.localRotations.size() == jointCount;
     if (!whole) return fail(Code::CorruptData, "{}: its arrays do not fit the body; delete it and run again", path.string());
+    if (Status fits = checkCorrectives(r.correctives, jointCount, vertexCount); !fits)
+        return fail(Code::CorruptData, "{}: {}; delete it and run again", path.string(), fits.error().message);
     return r;
 }
 

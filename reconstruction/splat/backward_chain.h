@@ -54,9 +54,10 @@ struct TriangleGradient {
     Vec3<T> f0{0}, f1{0};         // wrt the columns of F
     Vec3<T> turn{0};              // wrt an infinitesimal world rotation of the triangle's frame (normal and polar rotation)
     Vec3<T> c0{0}, c1{0}, c2{0};  // wrt the corners through splat centres
+    Vec3<T> light{0};             // wrt the brightness at the corners
 
     TriangleGradient& operator+=(const TriangleGradient& o) {
-        f0 += o.f0, f1 += o.f1, turn += o.turn, c0 += o.c0, c1 += o.c1, c2 += o.c2;
+        f0 += o.f0, f1 += o.f1, turn += o.turn, c0 += o.c0, c1 += o.c1, c2 += o.c2, light += o.light;
         return *this;
     }
 };
@@ -157,16 +158,22 @@ inline void backwardSplat(const ViewConstants<T>& view, const TriangleFrame<T>& 
     }
 
     // ---- colour ----
+    T gLight = 0;
     {
         const Vec3<T> d = -toEye / distance;
         const Vec3<T> dRest = glm::transpose(frame.worldFromRest) * d;
         T basis[kMaxShCoefficients], weight[kMaxShCoefficients] = {};
         shBasis(dRest, splat.shDegree, basis);
         const uint32_t count = shCoefficientCount(splat.shDegree);
+        const T light = splatLight(frame, splat.uv);
         Vec3<T> colour(T(0.5)), gColour = g.colour;
         for (uint32_t i = 0; i < count; ++i) colour += basis[i] * Vec3<T>(splat.sh[i * 3], splat.sh[i * 3 + 1], splat.sh[i * 3 + 2]);
-        for (int ch = 0; ch < 3; ++ch)
-            if ((colour[ch] > T(1) && gColour[ch] < T(0)) || (colour[ch] < T(0) && gColour[ch] > T(0))) gColour[ch] = T(0);
+        for (int ch = 0; ch < 3; ++ch) {
+            const T lit = colour[ch] * light;
+            if ((lit > T(1) && gColour[ch] < T(0)) || (lit < T(0) && gColour[ch] > T(0))) gColour[ch] = T(0);
+            gLight += gColour[ch] * glm::max(colour[ch], T(0));
+        }
+        gColour *= light;
         for (uint32_t i = 0; i < count; ++i) {
             for (int ch = 0; ch < 3; ++ch) out.sh[i * 3 + uint32_t(ch)] = basis[i] * gColour[ch];
             weight[i] = splat.sh[i * 3] * gColour.x + splat.sh[i * 3 + 1] * gColour.y + splat.sh[i * 3 + 2] * gColour.z;
@@ -183,7 +190,9 @@ inline void backwardSplat(const ViewConstants<T>& view, const TriangleFrame<T>& 
     const T c1 = splat.scaleM.x * cosPhi, s1 = splat.scaleM.x * sinPhi, c2 = splat.scaleM.y * cosPhi, s2 = splat.scaleM.y * sinPhi;
     const Vec3<T> gF0 = c1 * gAxis1 - s2 * gAxis2, gF1 = s1 * gAxis1 + c2 * gAxis2;
     out.phi = glm::dot(gAxis1, c1 * frame.f1 - s1 * frame.f0) - glm::dot(gAxis2, c2 * frame.f0 + s2 * frame.f1);
-    out.uv = {glm::dot(gCentre, frame.v1 - frame.v0), glm::dot(gCentre, frame.v2 - frame.v0)};
+    out.uv = {glm::dot(gCentre, frame.v1 - frame.v0) + gLight * (frame.light.y - frame.light.x),
+              glm::dot(gCentre, frame.v2 - frame.v0) + gLight * (frame.light.z - frame.light.x)};
+    triangle.light += gLight * Vec3<T>(T(1) - splat.uv.x - splat.uv.y, splat.uv.x, splat.uv.y);
     triangle.f0 += gF0, triangle.f1 += gF1, triangle.turn += turn;
     triangle.c0 += (T(1) - splat.uv.x - splat.uv.y) * gCentre;
     triangle.c1 += splat.uv.x * gCentre;

@@ -11,7 +11,7 @@ void SplatBackward::run(const SplatBackwardInput& in, bool geometry) {
     rowGradients_.resize(count * stride);
     active_.resize(count);
     screenLength_.resize(count);
-    if (geometry) corners_.resize(triangleCount * 3);
+    if (geometry) corners_.resize(triangleCount * 3), lights_.resize(triangleCount * 3);
     const ViewConstants<float> view(in.camera, in.kappaPx2);
     const uint32_t coefficients = shCoefficientCount(s.shDegree) * 3;
     constexpr size_t kTrianglesPerBlock = 512;
@@ -46,18 +46,21 @@ void SplatBackward::run(const SplatBackwardInput& in, bool geometry) {
             if (!geometry) continue;
             Vec3f* corner = corners_.data() + t * 3;
             corner[0] = corner[1] = corner[2] = Vec3f(0);
+            for (int c = 0; c < 3; ++c) lights_[t * 3 + size_t(c)] = triangle.light[c];
             if (any) finishTriangle(in.frames[t], in.rest[t].inverse, triangle, corner[0], corner[1], corner[2]);
         }
     });
 }
 
-void SplatBackward::gatherVertices(const VertexIncidence& incidence, std::vector<Vec3f>& gPosed) const {
-    gPosed.resize(incidence.offset.size() - 1);
+void SplatBackward::gatherVertices(const VertexIncidence& incidence, std::vector<Vec3f>& gPosed, std::vector<float>& gLight) const {
+    gPosed.resize(incidence.offset.size() - 1), gLight.resize(gPosed.size());
     jobs_.forRange(gPosed.size(), 2048, [&](size_t begin, size_t end, uint32_t) {
         for (size_t v = begin; v < end; ++v) {
             Vec3f sum(0);
-            for (uint32_t k = incidence.offset[v]; k < incidence.offset[v + 1]; ++k) sum += corners_[incidence.corners[k]];
-            gPosed[v] = sum;
+            float light = 0;
+            for (uint32_t k = incidence.offset[v]; k < incidence.offset[v + 1]; ++k)
+                sum += corners_[incidence.corners[k]], light += lights_[incidence.corners[k]];
+            gPosed[v] = sum, gLight[v] = light;
         }
     });
 }

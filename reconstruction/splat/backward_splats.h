@@ -28,8 +28,9 @@ public:
      *  `geometry`, also the corner gradients that gatherVertices() needs. */
     void run(const SplatBackwardInput& in, bool geometry);
 
-    /** ∂loss/∂(posed vertices), summed over each vertex's triangles in triangle order. After run(geometry = true). */
-    void gatherVertices(const VertexIncidence& incidence, std::vector<Vec3f>& gPosed) const;
+    /** ∂loss/∂(posed vertices) and ∂loss/∂(brightness of the vertices), summed over each vertex's triangles in triangle order.
+     *  After run(geometry = true). */
+    void gatherVertices(const VertexIncidence& incidence, std::vector<Vec3f>& gPosed, std::vector<float>& gLight) const;
 
     std::span<float> rowGradients() { return rowGradients_; }
     std::span<const float> rowGradients() const { return rowGradients_; }
@@ -42,6 +43,7 @@ private:
     std::vector<float> rowGradients_, screenLength_;
     std::vector<uint8_t> active_;
     std::vector<Vec3f> corners_;  // 3 a triangle
+    std::vector<float> lights_;   // 3 a triangle
 };
 
 }  // namespace dpl

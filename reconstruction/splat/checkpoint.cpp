@@ -14,7 +14,7 @@
 namespace dpl {
 namespace {
 
-constexpr uint32_t kMagic = 0x544C5044, kVersion = 1;
+constexpr uint32_t kMagic = 0x544C5044, kVersion = 2;
 
 template <class T>
 void put(Writer& w, const std::vector<T>& v) {
@@ -45,6 +45,11 @@ bool allFinite(const std::vector<float>& v) {
         if (!std::isfinite(x)) return false;
     return true;
 }
+bool allFinite(const std::vector<Vec4f>& v) {
+    for (const Vec4f& x : v)
+        if (!std::isfinite(x.x + x.y + x.z + x.w)) return false;
+    return true;
+}
 bool allFinite(const std::vector<Vec3f>& v) {
     for (const Vec3f& x : v)
         if (!std::isfinite(x.x) || !std::isfinite(x.y) || !std::isfinite(x.z)) return false;
@@ -62,11 +67,13 @@ uint64_t CoOptimiser::State::fingerprint() const {
     for (float x : {s.loss.l1, s.loss.ssim, s.loss.mask, s.loss.cloth, s.earlyMaskFactor, s.regularise.scaleHinge, s.regularise.anisotropy,
                     s.regularise.edgeRatio, s.regularise.laplacian, s.regularise.pose, s.regularise.camera, s.closeupGradientScale, s.rateUv, s.endUv,
                     s.ratePhi, s.rateLogScale, s.endLogScale, s.rateOpacity, s.endOpacity, s.rateDc, s.rateRest, s.endColour, s.rateOffsets, s.endOffsets,
-                    s.rateRotation, s.rateTranslation, s.endPose, s.rateCamera, float(s.smoothingLengthM)})
+                    s.rateRotation, s.rateTranslation, s.endPose, s.rateCamera, s.rateNodeOffset, s.rateNodeLight, s.endNodes, s.regularise.nodes, float(s.smoothingLengthM)})
         w.value(x);
-    for (bool b : {s.learnSplats, s.learnGeometry, s.learnPoses, s.learnCameras, s.densify, s.learnPlacement, s.fullResolutionOnly}) w.value(uint8_t(b));
+    for (bool b : {s.learnSplats, s.learnGeometry, s.learnPoses, s.learnCameras, s.learnCorrectives, s.densify, s.learnPlacement, s.fullResolutionOnly}) w.value(uint8_t(b));
     w.value(s.geometryEvery), w.value(s.densityEvents);
     put(w, templatePositions), put(w, input.mesh.triangles), put(w, input.triangleLabel);
+    const PoseCorrectiveData& c = input.correctives;
+    put(w, c.joints), put(w, c.mean), put(w, c.modes), put(w, c.nodeIndices), put(w, c.nodeWeights), w.value(c.nodeCount), w.value(c.reach);
     for (const TrainFrame& f : input.frames) {
         w.value(XXH3_64bits(f.image.pixels.data(), f.image.pixels.size()));
         w.value(XXH3_64bits(f.mask.pixels.data(), f.mask.pixels.size()));
@@ -88,6 +95,7 @@ Status CoOptimiser::checkpoint(const std::filesystem::path& path) const {
     put(w, s.statistics.gradientSum), put(w, s.statistics.seen);
     put(w, s.u), put(w, s.adamOffsets.first), put(w, s.adamOffsets.second), w.value(s.adamOffsets.steps);
     put(w, s.restGradientSum), w.value(s.restGradientCount);
+    put(w, s.input.correctives.nodes), put(w, s.adamNodes.first), put(w, s.adamNodes.second), put(w, s.adamNodes.steps);
     for (size_t f = 0; f < s.poses.size(); ++f) {
         put(w, s.poses[f].localRotations), w.value(s.poses[f].rootTranslation);
         put(w, s.adamPoses[f]), put(w, s.adamCameras[f]);
@@ -162,6 +170,16 @@ Status CoOptimiser::restore(const std::filesystem::path& path) {
         adamOffsets.second.size() != adamOffsets.first.size())
         return damaged("offset sizes");
     if (!allFinite(splats.rows) || !allFinite(adam.first) || !allFinite(adam.second) || !allFinite(u) || !allFinite(gradientSum)) return damaged("numbers that are not finite");
+    std::vector<Vec4f> nodes;
+    AdamRows adamNodes = s.adamNodes;
+    DPL_CHECK_OK(get(r, nodes));
+    DPL_CHECK_OK(get(r, adamNodes.first));
+    DPL_CHECK_OK(get(r, adamNodes.second));
+    DPL_CHECK_OK(get(r, adamNodes.steps));
+    if (nodes.size() != s.input.correctives.nodes.size() || adamNodes.first.size() != s.adamNodes.first.size() ||
+        adamNodes.second.size() != s.adamNodes.second.size() || adamNodes.steps.size() != s.adamNodes.steps.size())
+        return damaged("pose corrective sizes");
+    if (!allFinite(nodes) || !allFinite(adamNodes.first) || !allFinite(adamNodes.second)) return damaged("numbers that are not finite");
     auto poses = s.poses;
     auto adamPoses = s.adamPoses, adamCameras = s.adamCameras;
     auto turn = s.cameraTurn, shift = s.cameraShift;
@@ -188,6 +206,7 @@ Status CoOptimiser::restore(const std::filesystem::path& path) {
     s.splats.activateAll(s.jobs);
     s.adam = std::move(adam), s.statistics = std::move(statistics);
     s.u = std::move(u), s.adamOffsets = std::move(adamOffsets), s.restGradientSum = std::move(gradientSum), s.restGradientCount = gradientCount;
+    s.input.correctives.nodes = std::move(nodes), s.adamNodes = std::move(adamNodes);
     s.poses = std::move(poses), s.adamPoses = std::move(adamPoses), s.adamCameras = std::move(adamCameras);
     s.cameraTurn = std::move(turn), s.cameraShift = std::move(shift);
     s.curve = std::move(curve);

@@ -19,6 +19,9 @@ double millisecondsSince(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
+/** Floats a row of Adam: four a mode, padded to whole vectors. */
+uint32_t nodeStride(const PoseCorrectiveData& c) { return (c.modeCount * 4 + 7) / 8 * 8; }
+
 bool finite(const Vec3f& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 }  // namespace
@@ -62,6 +65,8 @@ Status CoOptimiser::State::prepare() {
         const float base = std::max(1e-6f, glm::length(e1));
         referenceSizeM.push_back(std::max(0.008f, 0.5f * (base + glm::length(glm::cross(e1, e2)) / base)));
     }
+    DPL_CHECK_OK(checkCorrectives(input.correctives, input.joints.size(), vertexCount));
+    if (!input.correctives.empty()) adamNodes.resize(input.correctives.nodeCount, nodeStride(input.correctives));
     incidence = VertexIncidence(m.triangles, vertexCount);
     meshRegulariser.emplace(m.restPositions, m.triangles);
     mesh = m;
@@ -158,8 +163,8 @@ Status CoOptimiser::State::stepOnce() {
         const Cameraf moved = cameraOf(frame).cast<float>();
         camera.viewFromWorldRotation = moved.viewFromWorldRotation, camera.viewFromWorldTranslation = moved.viewFromWorldTranslation;
     }
-    const PassSubject subject{splats, mesh, input.joints, bind, incidence};
-    const bool geometry = settings.learnGeometry || settings.learnPoses || settings.learnCameras;
+    const PassSubject subject{splats, mesh, input.correctives, input.joints, bind, incidence};
+    const bool geometry = settings.learnGeometry || settings.learnPoses || settings.learnCameras || learnsCorrectives();
     const LossValues loss = pass.run(subject, poses[frame], level[frame], camera, weights, background, geometry);
     if (!std::isfinite(loss.total)) return fail(Code::Internal, "training step {} (frame '{}'): the loss is not finite", step, f.name);
 
@@ -171,6 +176,7 @@ Status CoOptimiser::State::stepOnce() {
         for (size_t v = 0; v < g.size(); ++v) restGradientSum[v] += g[v];
         if (++restGradientCount >= settings.geometryEvery) updateOffsets();
     }
+    if (learnsCorrectives()) updateCorrectives();
     sumLoss += loss.total, sumL1 += loss.l1, sumSsim += loss.ssim, sumMask += loss.mask, ++sumSteps;
     sumSquared += loss.squaredError, sumSquaredCount += loss.squaredCount;
     ++step;
@@ -289,6 +295,32 @@ void CoOptimiser::State::applyOffsets() {
     for (size_t v = 0; v < offsets.size(); ++v) mesh.restPositions[v] = templatePositions[v] + offsets[v];
 }
 
+void CoOptimiser::State::updateCorrectives() {
+    PoseCorrectiveData& c = input.correctives;
+    const std::span<const float> k = pass.posed().coefficients();
+    const std::span<const Vec4f> gNodes = pass.nodeGradient();
+    const uint32_t stride = adamNodes.stride;
+    std::vector<float> rate(stride, 0.0f), values(size_t(c.nodeCount) * stride, 0.0f), gradients(values.size(), 0.0f);
+    std::vector<uint8_t> active(c.nodeCount, 0);
+    const float fall = decay(settings.endNodes);
+    for (uint32_t i = 0; i < c.modeCount * 4; ++i) rate[i] = fall * (i % 4 == 3 ? settings.rateNodeLight : settings.rateNodeOffset);
+    for (uint32_t n = 0; n < c.nodeCount; ++n) {
+        const Vec4f& g = gNodes[n];
+        if (g == Vec4f(0) || !std::isfinite(g.x + g.y + g.z + g.w)) continue;
+        active[n] = 1;
+        for (uint32_t i = 0; i < c.modeCount; ++i) {
+            const Vec4f& value = c.nodes[size_t(n) * c.modeCount + i];
+            const Vec4f gradient = k[i] * g + settings.regularise.nodes / float(c.nodeCount) * Vec4f(1e4f * value.x, 1e4f * value.y, 1e4f * value.z, value.w);
+            for (uint32_t a = 0; a < 4; ++a) values[n * stride + i * 4 + a] = value[int(a)], gradients[n * stride + i * 4 + a] = gradient[int(a)];
+        }
+    }
+    adamNodes.update(0, c.nodeCount, active, gradients, rate, values);
+    for (uint32_t n = 0; n < c.nodeCount; ++n)
+        if (active[n])
+            for (uint32_t i = 0; i < c.modeCount; ++i)
+                for (uint32_t a = 0; a < 4; ++a) c.nodes[size_t(n) * c.modeCount + i][int(a)] = values[n * stride + i * 4 + a];
+}
+
 CurvePoint CoOptimiser::State::recentPoint() const {
     CurvePoint p;
     p.step = step, p.splats = splats.count();
@@ -325,6 +357,7 @@ CoOptimiseResult CoOptimiser::result() const {
     if (s.settings.learnGeometry) (void)rebaseSplats(s.templatePositions, avatar);
     r.splats = std::move(avatar.splats);
     r.restPositions = s.mesh.restPositions;
+    r.correctives = s.input.correctives;
     r.poses = s.poses;
     for (uint32_t f = 0; f < s.input.frames.size(); ++f) r.cameras.push_back(s.settings.learnCameras ? s.cameraOf(f) : s.input.frames[f].camera);
     r.curve = s.curve;

@@ -22,6 +22,7 @@ namespace dpl {
 struct CoOptimiseInput {
     std::vector<JointData> joints;
     MeshData mesh;                        // template at rest; weights already cut to 4 × unorm8
+    PoseCorrectiveData correctives;       // where training starts (usually zero nodes), or empty: none are learned
     std::vector<uint8_t> triangleLabel;   // F label values of the scan, or empty: all body
     std::vector<TrainFrame> frames;
 };
@@ -38,6 +39,7 @@ struct CoOptimiseSettings {
     bool learnSplats = true;
     bool learnGeometry = true;
     bool learnPoses = true;
+    bool learnCorrectives = true;
     bool learnCameras = false;
     bool densify = true;
     bool learnPlacement = true;           // uv and φ; off in polish
@@ -50,6 +52,7 @@ struct CoOptimiseSettings {
     float rateOffsets = 2e-3f, endOffsets = 0.1f;       // metres, AdamUniform on u
     float rateRotation = 1.5e-3f, rateTranslation = 1e-3f, endPose = 0.1f;
     float rateCamera = 1e-4f;
+    float rateNodeOffset = 5e-4f, rateNodeLight = 1e-2f, endNodes = 0.1f;  // metres and brightness a unit of a mode
     double smoothingLengthM = 0.04;
     uint32_t geometryEvery = 4;           // steps whose rest gradients are averaged into one LargeSteps update
     uint32_t densityEvents = 20;          // between 8 % and 55 % of the run
@@ -81,6 +84,7 @@ struct StepProfile {
 struct CoOptimiseResult {
     SplatData splats;                     // bound to `restPositions`
     std::vector<Vec3f> restPositions;     // template + ΔVˢ
+    PoseCorrectiveData correctives;
     std::vector<Pose> poses;              // refined, in the order of the frames
     std::vector<Camerad> cameras;         // refined when learnCameras, else as given
     std::vector<CurvePoint> curve;

@@ -31,6 +31,7 @@ struct CoOptimiser::State {
     DensityStatistics statistics;
     std::vector<Vec3f> u;                        // LargeSteps parameters
     AdamUniform adamOffsets;
+    AdamRows adamNodes;                          // of input.correctives.nodes: a row a node
     std::vector<Vec3f> restGradientSum;          // since the last LargeSteps update
     uint32_t restGradientCount = 0;
     std::vector<Pose> poses;
@@ -53,12 +54,14 @@ struct CoOptimiser::State {
     Status prepare();
     Status stepOnce();
     void applyOffsets();
+    bool learnsCorrectives() const { return settings.learnCorrectives && !input.correctives.empty(); }
     void selectLevel();
     uint32_t frameOf(uint32_t atStep);
     Camerad cameraOf(uint32_t frame) const;
     void updateSplats(uint32_t frame);
     void updatePose(uint32_t frame);
     void updateOffsets();
+    void updateCorrectives();
     float decay(float end) const;
     CurvePoint recentPoint() const;
     uint64_t fingerprint() const;                // of input sizes and settings: a checkpoint of another run is refused

@@ -12,11 +12,9 @@ LossValues FramePass::run(const PassSubject& s, const Pose& pose, const LevelFra
         sum += std::chrono::duration<double, std::milli>(now - last).count();
         last = now;
     };
-    jointTransforms(s.joints, pose, transforms_);
-    skin(s.mesh, transforms_, jobs_, posed_);
-    poseTriangles(s.mesh, s.bind, posed_, jobs_, frames_);
+    posed_.pose({s.joints, s.mesh, s.correctives, s.bind}, pose, jobs_);
     lap(times.pose);
-    engine_.project(s.splats.view(), frames_, camera, level.kappaPx2);
+    engine_.project(s.splats.view(), posed_.frames(), camera, level.kappaPx2);
     engine_.bin();
     lap(times.project);
     engine_.blend(image_, {.cloth = weights.cloth > 0 && !level.cloth.empty(), .depth = false, .recordStops = true});
@@ -26,12 +24,17 @@ LossValues FramePass::run(const PassSubject& s, const Pose& pose, const LevelFra
     lap(times.loss);
     pixels_.run(engine_, image_, gradient_);
     lap(times.pixels);
-    splatBackward_.run({s.splats, frames_, s.bind, camera, level.kappaPx2, engine_.projected(), pixels_.sums()}, geometry);
+    splatBackward_.run({s.splats, posed_.frames(), s.bind, camera, level.kappaPx2, engine_.projected(), pixels_.sums()}, geometry);
     lap(times.splats);
     if (geometry) {
-        splatBackward_.gatherVertices(s.incidence, gPosed_);
-        backwardSkin(s.mesh, s.mesh.restPositions, s.joints, transforms_, posed_, gPosed_, camera.viewFromWorldRotation, camera.viewFromWorldTranslation,
-                     jobs_, gRest_, poseGradient_);
+        splatBackward_.gatherVertices(s.incidence, gPosed_, gLight_);
+        backwardSkin(s.mesh, posed_.rest(), s.joints, posed_.worldFromRest(), posed_.positions(), gPosed_, camera.viewFromWorldRotation,
+                     camera.viewFromWorldTranslation, jobs_, gRest_, poseGradient_);
+        gNodes_.clear();
+        if (!s.correctives.empty()) {
+            gatherNodes(s.correctives, posed_.nodes(), gRest_, gLight_, gNodes_);
+            addCorrectivePoseGradient(s.correctives, pose, gNodes_, poseGradient_.rotation);
+        }
         lap(times.mesh);
     }
     return v;

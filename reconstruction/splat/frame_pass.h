@@ -3,14 +3,17 @@
 
 #include "reconstruction/splat/backward_splats.h"
 #include "reconstruction/splat/losses.h"
+#include "reconstruction/splat/backward_correctives.h"
 #include "reconstruction/splat/train_images.h"
+#include "sdk/avatar/posed_mesh.h"
 
 namespace dpl {
 
-/** What is drawn, borrowed. `mesh.restPositions` are skinned; `bind` are the triangles that splat sizes refer to. */
+/** What is drawn, borrowed. `mesh.restPositions` and the correctives' offsets are skinned; `bind` are the triangles that splat sizes refer to. */
 struct PassSubject {
     const TrainableSplats& splats;
     const MeshData& mesh;
+    const PoseCorrectiveData& correctives;
     std::span<const JointData> joints;
     std::span<const RestTriangle<float>> bind;
     const VertexIncidence& incidence;
@@ -25,7 +28,7 @@ class FramePass {
 public:
     explicit FramePass(Jobs& jobs) : jobs_(jobs), engine_(jobs), loss_(jobs), pixels_(jobs), splatBackward_(jobs) {}
 
-    /** geometry: also fill restGradient() and poseGradient(). `camera` replaces the level's (same size). */
+    /** geometry: also fill restGradient(), poseGradient() and nodeGradient(). `camera` replaces the level's (same size). */
     LossValues run(const PassSubject& subject, const Pose& pose, const LevelFrame& level, const Cameraf& camera, const LossWeights& weights,
                    const Vec3f& background, bool geometry);
     LossValues run(const PassSubject& subject, const Pose& pose, const LevelFrame& level, const LossWeights& weights, const Vec3f& background, bool geometry) {
@@ -35,6 +38,9 @@ public:
     SplatBackward& splatBackward() { return splatBackward_; }
     const std::vector<Vec3f>& restGradient() const { return gRest_; }
     const PoseGradient<double>& poseGradient() const { return poseGradient_; }
+    /** ∂loss/∂(control nodes of this pose), M entries; empty without correctives. */
+    std::span<const Vec4f> nodeGradient() const { return gNodes_; }
+    const PosedMesh& posed() const { return posed_; }
     const SplatImage& image() const { return image_; }
     const SplatEngine& engine() const { return engine_; }
     PassTimes times;
@@ -48,9 +54,10 @@ private:
     SplatImage image_;
     PictureTarget target_;
     ImageGradient gradient_;
-    std::vector<Mat3x4f> transforms_;
-    std::vector<Vec3f> posed_, gPosed_, gRest_;
-    std::vector<TriangleFrame<float>> frames_;
+    PosedMesh posed_;
+    std::vector<Vec3f> gPosed_, gRest_;
+    std::vector<float> gLight_;
+    std::vector<Vec4f> gNodes_;
     PoseGradient<double> poseGradient_;
 };
 

@@ -9,7 +9,7 @@ namespace dpl {
 CoOptimiseSettings polishSettings(uint32_t steps, uint64_t seed, uint32_t shDegree) {
     CoOptimiseSettings s;
     s.seed = seed, s.steps = steps, s.init.shDegree = shDegree;
-    s.learnGeometry = s.learnPoses = s.learnCameras = s.densify = s.learnPlacement = false;
+    s.learnGeometry = s.learnPoses = s.learnCameras = s.learnCorrectives = s.densify = s.learnPlacement = false;
     s.fullResolutionOnly = true;
     s.loss.cloth = 0;
     // The start is already good: small steps, falling to a tenth.
@@ -21,7 +21,7 @@ CoOptimiseSettings polishSettings(uint32_t steps, uint64_t seed, uint32_t shDegr
 Result<CoOptimiseResult> polish(AvatarData& avatar, std::vector<TrainFrame> frames, uint32_t steps, uint64_t seed, Jobs& jobs,
                                 const std::function<void(const CoOptimiseProgress&)>& progress, const std::atomic<bool>* cancel) {
     CoOptimiseInput input;
-    input.joints = avatar.joints, input.mesh = avatar.mesh, input.frames = std::move(frames);
+    input.joints = avatar.joints, input.mesh = avatar.mesh, input.correctives = avatar.correctives, input.frames = std::move(frames);
     DPL_TRY(auto trainer, CoOptimiser::createFrom(std::move(input), avatar.splats, polishSettings(steps, seed, avatar.splats.shDegree), jobs));
     DPL_CHECK_OK(trainer->run(progress, cancel));
     CoOptimiseResult result = trainer->result();
@@ -39,7 +39,7 @@ Result<PoseFitResult> fitPose(const AvatarData& avatar, const TrainFrame& frame,
     splats.activateAll(jobs);
     const std::vector<RestTriangle<float>> bind = restTriangles(avatar.mesh);
     const VertexIncidence incidence(avatar.mesh.triangles, avatar.mesh.restPositions.size());
-    const PassSubject subject{splats, avatar.mesh, avatar.joints, bind, incidence};
+    const PassSubject subject{splats, avatar.mesh, avatar.correctives, avatar.joints, bind, incidence};
     FramePass pass(jobs);
     const Vec3f grey(0.5f);
     PoseFitResult result;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "sdk/avatar/posed_mesh.h"
 #include "sdk/math/sh.h"
 #include "sdk/splat/splat_engine.h"
 
@@ -25,6 +26,7 @@ Status checkDrawable(const AvatarData& avatar) {
     for (size_t t = 0; t < triangles; ++t)
         for (int i = 0; i < 3; ++i)
             if (mesh.triangles[t][i] >= vertices) return fail(Code::CorruptData, "triangle {} uses vertex {} of {}", t, mesh.triangles[t][i], vertices);
+    DPL_CHECK_OK(checkCorrectives(avatar.correctives, avatar.joints.size(), vertices));
     if (splats.shDegree > kMaxShDegree) return fail(Code::CorruptData, "SH degree {}; at most {} is drawn", splats.shDegree, kMaxShDegree);
     const size_t shFloats = count * shCoefficientCount(splats.shDegree) * 3;
     if (splats.phi.size() != count || splats.scaleM.size() != count || splats.opacity.size() != count || splats.flags.size() != count ||
@@ -43,9 +45,7 @@ struct Drawable {
     // The last pose and what follows from it.
     Pose pose;
     bool posed = false;
-    std::vector<Mat3x4f> worldFromRest;
-    std::vector<Vec3f> positions;
-    std::vector<TriangleFrame<float>> frames;
+    PosedMesh mesh;
 };
 
 bool samePose(const Pose& a, const Pose& b) {
@@ -89,13 +89,11 @@ public:
             d.posed = false;
             d.pose.localRotations = pose.localRotations;
             d.pose.rootTranslation = pose.rootTranslation;
-            jointTransforms(d.avatar->joints, pose, d.worldFromRest);
-            skin(d.avatar->mesh, d.worldFromRest, jobs_, d.positions);
-            poseTriangles(d.avatar->mesh, d.rest, d.positions, jobs_, d.frames);
+            d.mesh.pose({d.avatar->joints, d.avatar->mesh, d.avatar->correctives, d.rest}, pose, jobs_);
             d.posed = true;
         }
         for (size_t v = 0; v < views.size(); ++v) {
-            engine_.project(d.splats, d.frames, views[v], d.avatar->kappaPx2, d.avatar->compensated);
+            engine_.project(d.splats, d.mesh.frames(), views[v], d.avatar->kappaPx2, d.avatar->compensated);
             engine_.bin();
             engine_.blendRgba8(out[v].rgba, wantDepth ? &out[v].depthM : nullptr);
             if (!wantDepth) out[v].depthM.clear();

@@ -67,11 +67,11 @@ void jointTransforms(std::span<const JointData> joints, const Pose& pose, std::v
     }
 }
 
-void skin(const MeshData& mesh, std::span<const Mat3x4f> worldFromRest, Jobs& jobs, std::vector<Vec3f>& positions) {
-    positions.resize(mesh.restPositions.size());
+void skin(const MeshData& mesh, std::span<const Vec3f> restPositions, std::span<const Mat3x4f> worldFromRest, Jobs& jobs, std::vector<Vec3f>& positions) {
+    positions.resize(restPositions.size());
     const auto body = [&](size_t begin, size_t end, uint32_t) {
         for (size_t v = begin; v < end; ++v) {
-            const Vec3f& rest = mesh.restPositions[v];
+            const Vec3f& rest = restPositions[v];
             const glm::u16vec4& joint = mesh.jointIndices[v];
             const glm::u8vec4& weight = mesh.jointWeights[v];
             Vec3f sum(0);
@@ -96,12 +96,13 @@ std::vector<RestTriangle<float>> restTriangles(const MeshData& mesh) {
 }
 
 void poseTriangles(const MeshData& mesh, std::span<const RestTriangle<float>> rest, std::span<const Vec3f> positions, Jobs& jobs,
-                   std::vector<TriangleFrame<float>>& frames) {
+                   std::vector<TriangleFrame<float>>& frames, std::span<const float> light) {
     frames.resize(mesh.triangles.size());
     const auto body = [&](size_t begin, size_t end, uint32_t) {
         for (size_t t = begin; t < end; ++t) {
             const Triangle& corner = mesh.triangles[t];
             frames[t] = poseTriangle(rest[t], positions[corner.x], positions[corner.y], positions[corner.z]);
+            if (!light.empty()) frames[t].light = {light[corner.x], light[corner.y], light[corner.z]};
         }
     };
     jobs.forRange(frames.size(), kTriangleGrain, std::ref(body));

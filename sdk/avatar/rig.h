@@ -28,14 +28,18 @@ Status checkRig(std::span<const JointData> joints);
 /** worldFromRest[j] = G_j as [R | t]. Rotations are normalised here. The pose must have passed checkPose. */
 void jointTransforms(std::span<const JointData> joints, const Pose& pose, std::vector<Mat3x4f>& worldFromRest);
 
-/** Skins every vertex of `mesh` with its four unorm8 weights. `positions` is resized to V. */
-void skin(const MeshData& mesh, std::span<const Mat3x4f> worldFromRest, Jobs& jobs, std::vector<Vec3f>& positions);
+/** Skins `rest` (V positions) with the four unorm8 weights of each vertex of `mesh`. `positions` is resized to V. */
+void skin(const MeshData& mesh, std::span<const Vec3f> rest, std::span<const Mat3x4f> worldFromRest, Jobs& jobs, std::vector<Vec3f>& positions);
+/** The same for the mesh's own rest positions. */
+inline void skin(const MeshData& mesh, std::span<const Mat3x4f> worldFromRest, Jobs& jobs, std::vector<Vec3f>& positions) {
+    skin(mesh, mesh.restPositions, worldFromRest, jobs, positions);
+}
 
 /** Rest frames of all triangles; invalid ones carry no splats. */
 std::vector<RestTriangle<float>> restTriangles(const MeshData& mesh);
 
-/** Posed frames of all triangles. */
+/** Posed frames of all triangles. light: brightness a vertex, or empty for 1. */
 void poseTriangles(const MeshData& mesh, std::span<const RestTriangle<float>> rest, std::span<const Vec3f> positions, Jobs& jobs,
-                   std::vector<TriangleFrame<float>>& frames);
+                   std::vector<TriangleFrame<float>>& frames, std::span<const float> light = {});
 
 }  // namespace dpl

@@ -53,6 +53,25 @@ struct SplatData {
     uint32_t count() const { return uint32_t(uv.size()); }
 };
 
+/** How the surface and its brightness follow the pose (technical reference §6–§8): offsets and light of coarse control nodes, linear in
+ *  K numbers of the pose, spread to the vertices by four weights each. Empty (nodeCount 0): the avatar has none.
+ *
+ *      k = modes · (feature(pose) − mean), ‖k‖ ≤ reach;   node = Σ_i k_i · nodes[n][i];   (ΔV, L − 1)_v = Σ weight · node
+ *
+ *  The feature is the first two columns of each named joint's local rotation, minus those of the identity: 6 numbers a joint. */
+struct PoseCorrectiveData {
+    uint32_t modeCount = 0, nodeCount = 0;    // K, M
+    std::vector<uint32_t> joints;             // J: rising indices of the joints that are heard
+    std::vector<float> mean;                  // 6·J
+    std::vector<float> modes;                 // K × 6·J
+    float reach = 0;                          // ‖k‖ of the farthest training pose: longer ones are shortened to it
+    std::vector<glm::u16vec4> nodeIndices;    // V
+    std::vector<glm::u8vec4> nodeWeights;     // V, unorm8, each sums to 255
+    std::vector<Vec4f> nodes;                 // M × K: offset in metres (rest pose), change of brightness
+
+    bool empty() const { return nodeCount == 0; }
+};
+
 /** One row of the evidence table: a part that was kept or left out, and why. */
 struct EvidenceData {
     std::string part;       // "sh degree 2", "pose-dependent offsets" ...
@@ -81,6 +100,7 @@ struct AvatarData {
     std::vector<JointData> joints;
     MeshData mesh;
     SplatData splats;
+    PoseCorrectiveData correctives;
     std::vector<ClipData> clips;
     std::vector<EvidenceData> evidence;
     float kappaPx2 = float(kKappaPx2);

@@ -50,6 +50,7 @@ struct TriangleFrame {
     Vec3<T> f0, f1;            // columns of F
     Vec3<T> normal;            // unit, world
     Mat3<T> worldFromRest{1};  // polar rotation of the triangle: turns rest directions into the world
+    Vec3<T> light{1};          // brightness L at the three corners (reference §7)
     bool valid = false;        // false: degenerate at rest or posed, draw nothing
 };
 
@@ -89,6 +90,12 @@ inline void splatAxes(const TriangleFrame<T>& f, T phi, T s1, T s2, Vec3<T>& axi
 template <class T>
 inline Vec3<T> splatCentre(const TriangleFrame<T>& f, const Vec2<T>& uv) {
     return (T(1) - uv.x - uv.y) * f.v0 + uv.x * f.v1 + uv.y * f.v2;
+}
+
+/** Brightness at a splat: L of the corners, barycentric. */
+template <class T>
+inline T splatLight(const TriangleFrame<T>& f, const Vec2<T>& uv) {
+    return f.light.x + uv.x * (f.light.y - f.light.x) + uv.y * (f.light.z - f.light.x);
 }
 
 }  // namespace dpl

@@ -37,14 +37,14 @@ inline void shBasis(const Vec3<T>& d, uint32_t degree, T* basis) {
     basis[15] = T(-0.5900435899266435) * x * (xx - T(3) * yy);
 }
 
-/** 0.5 + Σ basis·sh, clamped to [0,1]. sh: coefficient-major, sh[k*3 + channel]. Display-referred colour. */
+/** (0.5 + Σ basis·sh)·light, clamped to [0,1]. sh: coefficient-major, sh[k*3 + channel]. Display-referred colour. */
 template <class T>
-inline Vec3<T> shColour(const T* sh, uint32_t degree, const Vec3<T>& d) {
+inline Vec3<T> shColour(const T* sh, uint32_t degree, const Vec3<T>& d, T light = T(1)) {
     T basis[kMaxShCoefficients];
     shBasis(d, degree, basis);
     Vec3<T> c(T(0.5));
     for (uint32_t k = 0; k < shCoefficientCount(degree); ++k) c += basis[k] * Vec3<T>(sh[k * 3], sh[k * 3 + 1], sh[k * 3 + 2]);
-    return glm::clamp(c, T(0), T(1));
+    return glm::clamp(c * light, T(0), T(1));
 }
 
 }  // namespace dpl

@@ -49,12 +49,12 @@ struct BlockVisible {
 struct alignas(32) TriangleView {
     float v0[3], planeDot;      // first corner in view space; n·(eye − v0)
     float e1[3], valid;         // edges in view space; 1 or 0
-    float e2[3], pad0;
-    float f0[3], pad1;          // columns of F in view space
-    float f1[3], pad2;
-    float rest0[3], pad3;       // worldFromRestᵀ·(v0 − eye), and the same of the edges
-    float rest1[3], pad4;
-    float rest2[3], pad5;
+    float e2[3], light0;        // brightness at the first corner
+    float f0[3], light1;        // columns of F in view space; what brightness gains towards the second corner
+    float f1[3], light2;        // ... and towards the third
+    float rest0[3], pad0;       // worldFromRestᵀ·(v0 − eye), and the same of the edges
+    float rest1[3], pad1;
+    float rest2[3], pad2;
 };
 static_assert(sizeof(TriangleView) == 128);
 

@@ -39,7 +39,7 @@ HWY_INLINE V smoothStep01(V x) {
 struct Shape {
     V3 view, restDirection;        // centre in view space; eye → centre in the rest frame, not normalised
     V varianceX, varianceY, covariance, detB2;
-    V opacity, fade, cloth;
+    V opacity, fade, cloth, light;
     M valid;
 };
 
@@ -89,6 +89,7 @@ HWY_INLINE void staticShape(const ProjectTask& task, const float* fields, Shape&
     s.fade = smoothStep01((s.view.z - set(float(kNearM))) * set(float(1 / (kNearFadeEndM - kNearM))));
     s.opacity = hn::Load(d, fields + kOpacity * kGroupSplats);
     s.cloth = hn::Zero(d);
+    s.light = set(1);
     s.valid = s.view.z > set(float(kNearM));
 }
 
@@ -102,10 +103,10 @@ HWY_INLINE void boundShape(const ProjectTask& task, const float* fields, Shape& 
         for (size_t q = 0; q < 8; ++q) std::memcpy(&quads[q][4 * lane], record + 4 * q, 16);
     }
     V3 v0, e1, e2, f0, f1, r0, r1, r2;
-    V planeDot, valid, pad;
+    V planeDot, valid, light0, light1, light2, pad;
     hn::LoadInterleaved4(d, quads[0], v0.x, v0.y, v0.z, planeDot);
     hn::LoadInterleaved4(d, quads[1], e1.x, e1.y, e1.z, valid);
-    hn::LoadInterleaved4(d, quads[2], e2.x, e2.y, e2.z, pad);
+    hn::LoadInterleaved4(d, quads[2], e2.x, e2.y, e2.z, light0);
     const V u = hn::Load(d, fields + kU * kGroupSplats), v = hn::Load(d, fields + kV * kGroupSplats);
     const auto affine = [&](const V3& o, const V3& a, const V3& b) HWY_ATTR {
         return V3{fma(v, b.x, fma(u, a.x, o.x)), fma(v, b.y, fma(u, a.y, o.y)), fma(v, b.z, fma(u, a.z, o.z))};
@@ -115,8 +116,8 @@ HWY_INLINE void boundShape(const ProjectTask& task, const float* fields, Shape& 
     hn::LoadInterleaved4(d, quads[6], r1.x, r1.y, r1.z, pad);
     hn::LoadInterleaved4(d, quads[7], r2.x, r2.y, r2.z, pad);
     s.restDirection = affine(r0, r1, r2);
-    hn::LoadInterleaved4(d, quads[3], f0.x, f0.y, f0.z, pad);
-    hn::LoadInterleaved4(d, quads[4], f1.x, f1.y, f1.z, pad);
+    hn::LoadInterleaved4(d, quads[3], f0.x, f0.y, f0.z, light1);
+    hn::LoadInterleaved4(d, quads[4], f1.x, f1.y, f1.z, light2);
     j = Jacobian(*task.view, s.view);
     const V f00 = j.row0(f0), f01 = j.row0(f1), f10 = j.row1(f0), f11 = j.row1(f1);
     const auto field = [&](uint32_t k) HWY_ATTR { return hn::Load(d, fields + k * kGroupSplats); };
@@ -132,12 +133,13 @@ HWY_INLINE void boundShape(const ProjectTask& task, const float* fields, Shape& 
     s.fade = hn::IfThenElse(field(kSingleFace) > hn::Zero(d), s.fade * gate, s.fade);
     s.opacity = field(kOpacity);
     s.cloth = field(kCloth);
+    s.light = fma(v, light2, fma(u, light1, light0));
     s.valid = hn::And(s.view.z > set(float(kNearM)), valid > hn::Zero(d));
 }
 
-/** 0.5 + Σ basis·sh, clamped to [0,1]; NaN becomes black. `sh` is the first SH field of the group at this lane. */
+/** (0.5 + Σ basis·sh)·light, clamped to [0,1]; NaN becomes black. `sh` is the first SH field of the group at this lane. */
 template <uint32_t kDegree>
-HWY_INLINE V3 colourOf(const V3& direction, const float* sh) {
+HWY_INLINE V3 colourOf(const V3& direction, const float* sh, V light) {
     const D d;
     const V inverse = set(1) / hn::Sqrt(dot(direction, direction));
     const V x = direction.x * inverse, y = direction.y * inverse, z = direction.z * inverse;
@@ -169,7 +171,7 @@ HWY_INLINE V3 colourOf(const V3& direction, const float* sh) {
             add(15, set(-0.5900435899266435f) * x * (xx - three * yy));
         }
     }
-    const auto clamp01 = [&](V a) HWY_ATTR { return hn::Min(hn::IfThenElseZero(a > hn::Zero(d), a), set(1)); };
+    const auto clamp01 = [&](V a) HWY_ATTR { return hn::Min(hn::IfThenElseZero(a > hn::Zero(d), a * light), set(1)); };
     return {clamp01(c.x), clamp01(c.y), clamp01(c.z)};
 }
 
@@ -213,7 +215,7 @@ void projectAs(const ProjectTask& task) {
 
         V3 colour = {zero, zero, zero};
         if (!hn::AllFalse(d, shown)) {
-            colour = colourOf<kDegree>(s.restDirection, fields + kShField * kGroupSplats);
+            colour = colourOf<kDegree>(s.restDirection, fields + kShField * kGroupSplats, s.light);
             // Clamped to the target first: lanes that are not shown may hold anything.
             const auto tile = [&](V a, V last) HWY_ATTR { return hn::BitCast(du, hn::ShiftRight<4>(hn::ConvertTo(di, hn::Min(hn::Max(a, zero), last)))); };
             static_assert(kTileSizePx == 16);

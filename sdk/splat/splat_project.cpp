@@ -44,6 +44,7 @@ const TriangleView* viewTriangles(Jobs& jobs, Scratch<TriangleView>& scratch, st
                 store(r.e1, turn * (t.v1 - t.v0)), store(r.e2, turn * (t.v2 - t.v0));
                 store(r.f0, turn * t.f0), store(r.f1, turn * t.f1);
                 store(r.rest0, restFromWorld * (t.v0 - eye));
+                r.light0 = t.light.x, r.light1 = t.light.y - t.light.x, r.light2 = t.light.z - t.light.x;
                 store(r.rest1, restFromWorld * (t.v1 - t.v0)), store(r.rest2, restFromWorld * (t.v2 - t.v0));
             }
             out[i] = r;

@@ -94,7 +94,8 @@ Analytic backward(const DoubleScene& s, uint32_t threads) {
     pixels.run(engine, image, gradient);
     SplatBackward backward(jobs);
     backward.run({splats, frames, bind, camera, float(s.kappa), engine.projected(), pixels.sums()}, true);
-    backward.gatherVertices(VertexIncidence(mesh.triangles, s.rest.size()), gPosed);
+    std::vector<float> gLight;
+    backward.gatherVertices(VertexIncidence(mesh.triangles, s.rest.size()), gPosed, gLight);
     PoseGradient<double> g;
     backwardSkin(mesh, mesh.restPositions, s.joints, transforms, posed, gPosed, camera.viewFromWorldRotation, camera.viewFromWorldTranslation, jobs,
                  gRest, g);

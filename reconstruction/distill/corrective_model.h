@@ -1,0 +1,27 @@
+// The frame in which pose correctives are learned: modes of the training poses, and control nodes on the mesh. Nothing is learned here.
+//
+//   poses ─► features of the body's joints ─► principal components ─► K modes, scaled so that the first has unit variance
+//   mesh  ─► farthest-point nodes along the surface ─► four nearest nodes a vertex, weights (1 − d/d₅)²
+#pragma once
+
+#include <span>
+
+#include "sdk/avatar/pose_correctives.h"
+#include "sdk/core/result.h"
+
+namespace dpl {
+
+struct CorrectiveModelSettings {
+    uint32_t maxModes = 16;
+    double minVariance = 0.002;   // modes that explain less of the poses' variance are noise of the fit
+    double nodeSpacingM = 0.045;  // about a fold of cloth
+    uint32_t minPoses = 12;       // fewer say nothing about how a surface follows its pose
+    double minSpread = 0.1;       // root mean square of the feature's first component (radians for small turns): less is a held pose
+};
+
+/** Correctives with all nodes at zero, or empty ones when the poses are too few or too alike. Joints heard: the humanoid's body without
+ *  hips, hands, toes, jaw and eyes. Deterministic. InvalidArgument: poses that do not fit the rig. */
+Result<PoseCorrectiveData> correctiveModel(std::span<const JointData> joints, const MeshData& mesh, std::span<const Pose> poses,
+                                           const CorrectiveModelSettings& settings = {});
+
+}  // namespace dpl
