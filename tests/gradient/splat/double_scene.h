@@ -1,13 +1,13 @@
-// A small skinned, splatted scene rendered in double, pixel by pixel, from the formulas: the function that gradients are checked on.
+// A small skinned, splatted scene drawn by the referee of tests/reference: the function that the trainer's gradients are checked on.
+// Only skinning is spelled out here, because poses are perturbed in double.
 #pragma once
 
-#include <algorithm>
+#include <cmath>
 #include <vector>
 
-#include "sdk/avatar/rig.h"
-#include "sdk/math/binding.h"
-#include "sdk/math/projection.h"
+#include "sdk/math/camera.h"
 #include "sdk/math/sh.h"
+#include "tests/reference/reference_renderer.h"
 
 namespace dpl::test {
 
@@ -62,51 +62,28 @@ inline double renderLoss(const DoubleScene& s) {
     const Mat3d turn = turnMatrix(s.cameraTurn);
     camera.viewFromWorldRotation = turn * camera.viewFromWorldRotation;
     camera.viewFromWorldTranslation = turn * camera.viewFromWorldTranslation + s.cameraShift;
-    const Vec3d eye = camera.eye();
-    struct Record {
-        Footprint<double> f;
-        double opacity, cloth;
-        Vec3d colour;
-    };
-    std::vector<Record> records;
+    ReferenceScene scene;
+    scene.rest.assign(s.mesh.restPositions.begin(), s.mesh.restPositions.end());
+    scene.posed = posed;
+    scene.triangles.assign(s.mesh.triangles.begin(), s.mesh.triangles.end());
+    scene.shDegree = s.shDegree;
     for (size_t i = 0; i < s.triangle.size(); ++i) {
         const double* row = s.rows.data() + i * s.rowLength();
-        const Triangle& corner = s.mesh.triangles[s.triangle[i]];
-        const auto bind = restTriangle(Vec3d(s.mesh.restPositions[corner.x]), Vec3d(s.mesh.restPositions[corner.y]), Vec3d(s.mesh.restPositions[corner.z]));
-        const auto frame = poseTriangle(bind, posed[corner.x], posed[corner.y], posed[corner.z]);
-        if (!frame.valid) continue;
         const double floor2 = s.sizeFloorM[s.triangle[i]] * s.sizeFloorM[s.triangle[i]];
-        Vec3d a1, a2;
-        splatAxes(frame, row[2], std::sqrt(std::exp(2 * row[3]) + floor2), std::sqrt(std::exp(2 * row[4]) + floor2), a1, a2);
-        const Vec3d centre = splatCentre(frame, Vec2d(row[0], row[1]));
-        const Mat3d& r = camera.viewFromWorldRotation;
-        Record record;
-        record.f = projectSplat(camera, JacobianClamp<double>(camera), camera.toView(centre), r * a1, r * a2, s.kappa);
-        if (!record.f.visible) continue;
-        record.opacity = record.f.compensation * nearFade(record.f.depthM) / (1 + std::exp(-row[5]));
-        if (s.flags[i] & kSplatSingleFace) record.opacity *= singleFaceGate(frame.normal, centre, eye);
-        record.cloth = s.flags[i] & kSplatCloth ? 1 : 0;
-        record.colour = shColour(row + 6, s.shDegree, glm::transpose(frame.worldFromRest) * glm::normalize(centre - eye));
-        records.push_back(record);
+        ReferenceBoundSplat splat;
+        splat.triangle = s.triangle[i], splat.flags = s.flags[i];
+        splat.uv = {row[0], row[1]}, splat.phi = row[2];
+        splat.scaleM = {std::sqrt(std::exp(2 * row[3]) + floor2), std::sqrt(std::exp(2 * row[4]) + floor2)};
+        splat.opacity = 1 / (1 + std::exp(-row[5]));
+        splat.sh.assign(row + 6, row + s.rowLength());
+        scene.splats.push_back(std::move(splat));
     }
-    std::stable_sort(records.begin(), records.end(), [](const Record& a, const Record& b) { return a.f.depthM < b.f.depthM; });
+    const ReferenceImage image = renderReference(scene, referenceCamera(camera), {.kappaPx2 = s.kappa});
     double loss = 0;
-    for (uint32_t y = 0; y < camera.heightPx; ++y)
-        for (uint32_t x = 0; x < camera.widthPx; ++x) {
-            double t = 1, out[5] = {};
-            for (const Record& p : records) {
-                if (t <= kMinTransmittance) break;
-                const double dx = x + 0.5 - p.f.centrePx.x, dy = y + 0.5 - p.f.centrePx.y;
-                const double sigma = 0.5 * (p.f.conicA * dx * dx + p.f.conicC * dy * dy) + p.f.conicB * dx * dy;
-                const double alpha = std::min(kMaxAlpha, p.opacity * std::exp(-sigma));
-                if (alpha < kMinAlpha) continue;
-                const double w = alpha * t;
-                out[0] += w * p.colour.x, out[1] += w * p.colour.y, out[2] += w * p.colour.z, out[4] += w * p.cloth;
-                t *= 1 - alpha;
-            }
-            out[3] = 1 - t;
-            for (int c = 0; c < 5; ++c) loss += s.pixelWeights[(size_t(y) * camera.widthPx + x) * 5 + size_t(c)] * out[c];
-        }
+    for (size_t i = 0; i < image.alpha.size(); ++i) {
+        const double* w = s.pixelWeights.data() + i * 5;
+        loss += w[0] * image.rgb[i * 3] + w[1] * image.rgb[i * 3 + 1] + w[2] * image.rgb[i * 3 + 2] + w[3] * image.alpha[i] + w[4] * image.cloth[i];
+    }
     return loss;
 }
 
