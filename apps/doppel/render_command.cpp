@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 struct RenderOptions {
     fs::path avatar, out, scan, poses;
     std::string clip, split = "test", size = "720x1280", renderer = "auto";
-    double timeS = 0, seconds = 0, framesPerSecond = 30, azimuthDeg = 0;
+    double timeS = 0, seconds = 0, framesPerSecond = 30, azimuthDeg = 0, scale = 1;
     bool turntable = false, stereo = false, unfitted = false;
     uint32_t threadCount = 0;
 };
@@ -100,7 +100,7 @@ Status renderScan(const RenderOptions& options, doppel::Avatar& avatar, Progress
         const Pose& pose = found->fittedPose && !options.unfitted ? *found->fittedPose : found->pose;
         static_assert(sizeof(Quatf) == 4 * sizeof(float), "GLM keeps quaternions as xyzw");
         if (auto set = avatar.setPose({&pose.localRotations[0].x, pose.localRotations.size() * 4}, {&pose.rootTranslation.x, 3}); !set) return fromSdk(set.error());
-        const Cameraf camera = frames[i]->camera.cast<float>();
+        const Cameraf camera = frames[i]->camera.scaled(options.scale).cast<float>();
         DPL_TRY(auto pixels, drawViews(avatar, {&camera, 1}));
         DPL_CHECK_OK(writePng(options.out / (frames[i]->name + ".png"), pixels[0], camera.widthPx, camera.heightPx, 4));
         progress.update(double(i + 1) / double(frames.size()), frames[i]->name);
@@ -190,6 +190,7 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
     command->add_option("--scan", options->scan, "Draw this scan's frames from its own cameras, one PNG with alpha a frame");
     command->add_option("--split", options->split, "Which frames of the scan")->check(CLI::IsMember({"test", "train", "all"}))->capture_default_str();
     command->add_option("--poses", options->poses, "poses.json of the reconstruction (default: beside the avatar)");
+    command->add_option("--scale", options->scale, "With --scan: times the scan's resolution")->check(CLI::Range(0.05, 16.0))->capture_default_str();
     command->add_flag("--without-pose-fit", options->unfitted, "With --scan: the registered poses, not those fitted at test time");
     command->add_option("--renderer", options->renderer, "auto: a real GPU, else the CPU")->check(CLI::IsMember({"auto", "software", "vulkan"}))->capture_default_str();
     command->add_option("--threads", options->threadCount, "CPU threads, 0: one a core")->check(CLI::Range(0, 256));

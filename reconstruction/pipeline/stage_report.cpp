@@ -10,7 +10,7 @@
 #include "reconstruction/report/png.h"
 #include "reconstruction/report/report.h"
 #include "reconstruction/report/score.h"
-#include "sdk/avatar/rig.h"
+#include "sdk/avatar/posed_mesh.h"
 #include "sdk/core/files.h"
 #include "sdk/format/avatar_file.h"
 
@@ -27,6 +27,8 @@ Status scoreHeldOut(const SubjectData& subject, StageContext& context, const Ava
     }
     std::vector<size_t> indices;
     DPL_TRY(auto frames, loadTrainFrames(subject, Split::Test, &indices));
+    const std::vector<RestTriangle<float>> bind = restTriangles(avatar.mesh);
+    PosedMesh posed;
     for (size_t i = 0; i < frames.size(); ++i) {
         if (context.progress.cancelled()) return fail(Code::Cancelled, "stopped");
         const TrainFrame& frame = frames[i];
@@ -40,11 +42,8 @@ Status scoreHeldOut(const SubjectData& subject, StageContext& context, const Ava
         out.withoutPoseFit = scorePicture(plain, frame.image, frame.mask);
         out.withPoseFit = scorePicture(best, frame.image, frame.mask);
         out.labelFloor = scorePicture(labelColours.paint(frame.mask, frame.labels), frame.image, frame.mask);
-        std::vector<Mat3x4f> worldFromRest;
-        std::vector<Vec3f> positions;
-        jointTransforms(avatar.joints, fitted, worldFromRest);
-        skin(avatar.mesh, worldFromRest, subject.jobs, positions);
-        out.meshFloor = scorePicture(paintMesh(positions, avatar.mesh.triangles, avatar.mesh.colours, frame.camera), frame.image, frame.mask);
+        posed.pose({avatar.joints, avatar.mesh, avatar.correctives, bind}, fitted, subject.jobs);
+        out.meshFloor = scorePicture(paintMesh(posed.positions(), avatar.mesh.triangles, avatar.mesh.colours, frame.camera), frame.image, frame.mask);
         const auto truth = cutOutOverWhite(frame.image, frame.mask), shown = overWhite(best);
         const uint32_t w = frame.camera.widthPx, h = frame.camera.heightPx;
         DPL_TRY(out.truthPng, encodePng(truth, w, h, 3));
@@ -56,7 +55,51 @@ Status scoreHeldOut(const SubjectData& subject, StageContext& context, const Ava
     return {};
 }
 
-void addRegistration(const SubjectData& subject, ReportData& data) {
+/** Held-out frames drawn larger and smaller than they were taken, brought back to their size (or the frame to the picture's, below ×1). */
+Status addScales(const SubjectData& subject, StageContext& context, const std::vector<uint8_t>& bytes, const PosesFile& poses, ReportData& data) {
+    constexpr double kScales[] = {0.5, 1, 2, 4};
+    constexpr double kMaxPixels = 16e6;  // larger pictures are left out: the figure would cost more than the avatar
+    DPL_TRY(auto view, AvatarView::open(bytes, subject.options.threadCount));
+    std::vector<size_t> indices;
+    DPL_TRY(auto frames, loadTrainFrames(subject, Split::Test, &indices));
+    for (const bool dynamic : {false, true})
+        for (const double scale : kScales) {
+            double sum = 0, count = 0;
+            for (size_t i = 0; i < frames.size(); ++i) {
+                const TrainFrame& frame = frames[i];
+                if ((frame.kind == FrameKind::Dynamic) != dynamic) continue;
+                if (context.progress.cancelled()) return fail(Code::Cancelled, "stopped");
+                const Camerad camera = frame.camera.scaled(scale);
+                const uint32_t w = frame.camera.widthPx, h = frame.camera.heightPx;
+                if (double(camera.widthPx) * camera.heightPx > kMaxPixels || camera.widthPx == 0 || camera.heightPx == 0) continue;
+                const FramePose& found = poses.frames[indices[i]];
+                DPL_TRY(auto picture, view.draw(found.fittedPose ? *found.fittedPose : found.pose, camera));
+                if (scale < 1) {
+                    const auto [image, mask] = areaAveraged(frame.image, frame.mask, camera.widthPx, camera.heightPx);
+                    sum += scorePicture(picture, image, mask).maskedPsnrDb;
+                } else {
+                    sum += scorePicture(scale > 1 ? areaAveraged(picture, camera.widthPx, camera.heightPx, w, h) : picture, frame.image, frame.mask).maskedPsnrDb;
+                }
+                count += 1;
+            }
+            if (count == 0) continue;
+            data.figures.push_back({formatText("masked PSNR when drawn at another size, held-out {}", dynamic ? "dynamic" : "static"), formatText("x {}", scale), "dB", sum / count});
+        }
+    return {};
+}
+
+/** Places against the truth of a synthetic scan, if it has one. */
+void addTruth(const SubjectData& subject, const BodyFit& fit, const std::string& after, ReportData& data) {
+    const auto truth = compareWithTruth(subject.options.scan, subject.scan, subject.body, fit);
+    if (!truth) return;
+    const std::string group = "registration against the truth, held-out dynamic frames, " + after;
+    data.figures.push_back({group, "keypoints, mean", "mm", truth->keypointsMm.mean});
+    data.figures.push_back({group, "keypoints, 95th percentile", "mm", truth->keypointsMm.p95});
+    data.figures.push_back({group, "limb directions, median", "degrees", truth->limbDegrees.median});
+    data.figures.push_back({group, "limb directions, 95th percentile", "degrees", truth->limbDegrees.p95});
+}
+
+void addRegistration(const SubjectData& subject, const PosesFile& poses, ReportData& data) {
     for (const KindResidual& r : subject.fit.residuals) {
         const std::string kind = r.kind == FrameKind::Dynamic ? "dynamic" : r.kind == FrameKind::StaticFull ? "static" : "close-up";
         const std::string group = "keypoint residual, " + kind + (r.split == Split::Test ? ", held out" : ", training");
@@ -64,13 +107,10 @@ void addRegistration(const SubjectData& subject, ReportData& data) {
         data.figures.push_back({group, "95th percentile", "px", r.p95Px});
     }
     // Measuring only: everything that ships is written before this is read.
-    if (auto truth = compareWithTruth(subject.options.scan, subject.scan, subject.body, subject.fit)) {
-        const std::string group = "registration against the truth, held-out dynamic frames";
-        data.figures.push_back({group, "keypoints, mean", "mm", truth->keypointsMm.mean});
-        data.figures.push_back({group, "keypoints, 95th percentile", "mm", truth->keypointsMm.p95});
-        data.figures.push_back({group, "limb directions, median", "degrees", truth->limbDegrees.median});
-        data.figures.push_back({group, "limb directions, 95th percentile", "degrees", truth->limbDegrees.p95});
-    }
+    addTruth(subject, subject.fit, "after the body fit", data);
+    BodyFit final = subject.fit;
+    for (size_t f = 0; f < final.poses.size(); ++f) final.poses[f] = poses.frames[f].fittedPose ? *poses.frames[f].fittedPose : poses.frames[f].pose;
+    addTruth(subject, final, "after training and pose fit", data);
 }
 
 /** What the report can attribute: the two steps that it measures with and without. */
@@ -115,6 +155,7 @@ Status report(SubjectData& subject, StageContext& context) {
                   {"content hash", info.contentHash}};
     data.verdict = subject.verdict;
     DPL_CHECK_OK(scoreHeldOut(subject, context, avatar, bytes, poses, data));
+    DPL_CHECK_OK(addScales(subject, context, bytes, poses, data));
     for (const StageRecord& s : subject.chain.records()) data.stages.push_back({s.name, s.seconds, s.peakBytes, s.reused});
     PlotSeries loss{"total", {}, {}}, psnr{"masked", {}, {}};
     for (const CurvePoint& p : trained.curve) {
@@ -123,7 +164,7 @@ Status report(SubjectData& subject, StageContext& context) {
     }
     data.lossCurves = {loss};
     data.psnrCurves = {psnr};
-    addRegistration(subject, data);
+    addRegistration(subject, poses, data);
     const std::string speed = "training step, mean over the last epoch";
     data.figures.push_back({speed, "step", "ms", trained.profile.stepMs});
     data.figures.push_back({speed, "pixel-splat pairs", "a step", trained.profile.pairs});
@@ -145,7 +186,7 @@ Status report(SubjectData& subject, StageContext& context) {
 
 Status runReport(SubjectData& subject) {
     const nlohmann::json inputs = {{"pose_fit", subject.chain.keyOf("pose-fit")}, {"threads", subject.options.threadCount}};
-    auto folder = subject.chain.run("report", 1, inputs, [&](StageContext& context) { return report(subject, context); });
+    auto folder = subject.chain.run("report", 2, inputs, [&](StageContext& context) { return report(subject, context); });
     if (!folder) return folder.error();
     for (const char* name : {"report.html", "report.json"}) {
         DPL_TRY(auto bytes, readFile(*folder / name));

@@ -118,6 +118,38 @@ std::vector<uint8_t> paintMesh(std::span<const Vec3f> positions, std::span<const
     return rgba;
 }
 
+std::vector<uint8_t> areaAveraged(const std::vector<uint8_t>& rgba, uint32_t widthPx, uint32_t heightPx, uint32_t toWidthPx, uint32_t toHeightPx) {
+    cv::Mat weighted(int(heightPx), int(widthPx), CV_32FC4), small;
+    float* to = weighted.ptr<float>();
+    for (size_t i = 0; i < size_t(widthPx) * heightPx; ++i) {
+        const float alpha = float(rgba[i * 4 + 3]) / 255.0f;
+        for (int c = 0; c < 3; ++c) to[i * 4 + size_t(c)] = float(rgba[i * 4 + size_t(c)]) * alpha;
+        to[i * 4 + 3] = alpha;
+    }
+    cv::resize(weighted, small, cv::Size(int(toWidthPx), int(toHeightPx)), 0, 0, cv::INTER_AREA);
+    std::vector<uint8_t> out(size_t(toWidthPx) * toHeightPx * 4, 0);
+    const float* from = small.ptr<float>();
+    for (size_t i = 0; i < out.size() / 4; ++i) {
+        const float alpha = from[i * 4 + 3];
+        for (size_t c = 0; c < 3 && alpha > 0; ++c) out[i * 4 + c] = uint8_t(std::clamp(from[i * 4 + c] / alpha + 0.5f, 0.0f, 255.0f));
+        out[i * 4 + 3] = uint8_t(std::clamp(alpha * 255.0f + 0.5f, 0.0f, 255.0f));
+    }
+    return out;
+}
+
+std::pair<ImageRgb8, ImageGrey8> areaAveraged(const ImageRgb8& image, const ImageGrey8& mask, uint32_t toWidthPx, uint32_t toHeightPx) {
+    std::vector<uint8_t> rgba;
+    for (size_t i = 0; i < mask.pixels.size(); ++i) rgba.insert(rgba.end(), {image.pixels[i * 3], image.pixels[i * 3 + 1], image.pixels[i * 3 + 2], mask.pixels[i]});
+    const std::vector<uint8_t> small = areaAveraged(rgba, image.widthPx, image.heightPx, toWidthPx, toHeightPx);
+    ImageRgb8 colour{toWidthPx, toHeightPx, {}};
+    ImageGrey8 cover{toWidthPx, toHeightPx, {}};
+    for (size_t i = 0; i < small.size(); i += 4) {
+        colour.pixels.insert(colour.pixels.end(), {small[i], small[i + 1], small[i + 2]});
+        cover.pixels.push_back(small[i + 3]);
+    }
+    return {std::move(colour), std::move(cover)};
+}
+
 std::vector<uint8_t> overWhite(const std::vector<uint8_t>& rgba) {
     std::vector<uint8_t> rgb(rgba.size() / 4 * 3);
     for (size_t i = 0; i < rgba.size() / 4; ++i)

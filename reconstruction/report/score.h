@@ -31,6 +31,12 @@ private:
 /** Second floor: a posed mesh with vertex colours, drawn with the z-buffer of reconstruction/surface. RGBA, alpha 0 or 255. */
 std::vector<uint8_t> paintMesh(std::span<const Vec3f> positions, std::span<const Triangle> triangles, std::span<const glm::u8vec4> colours, const Camerad& camera);
 
+/** An RGBA picture (straight alpha) area-averaged to another size, colours weighted by alpha. */
+std::vector<uint8_t> areaAveraged(const std::vector<uint8_t>& rgba, uint32_t widthPx, uint32_t heightPx, uint32_t toWidthPx, uint32_t toHeightPx);
+
+/** Image and mask of a frame area-averaged to another size, colours weighted by the mask. */
+std::pair<ImageRgb8, ImageGrey8> areaAveraged(const ImageRgb8& image, const ImageGrey8& mask, uint32_t toWidthPx, uint32_t toHeightPx);
+
 /** RGB of a picture over white, and 4 × its difference to the truth cut out over white, for people to look at. */
 std::vector<uint8_t> overWhite(const std::vector<uint8_t>& rgba);
 std::vector<uint8_t> cutOutOverWhite(const ImageRgb8& truth, const ImageGrey8& mask);
