@@ -37,8 +37,9 @@ Result<ReconstructResult> reconstruct(const ReconstructOptions& options, Progres
     DPL_CHECK_OK(loadBody(subject));
     DPL_CHECK_OK(runBodyFit(subject));
     DPL_CHECK_OK(runSurface(subject));
-    DPL_CHECK_OK(runModelChoice(subject));
+    DPL_CHECK_OK(runGarments(subject));
     DPL_CHECK_OK(runCoOptimise(subject));
+    DPL_CHECK_OK(runEvidence(subject));
     DPL_CHECK_OK(runPackage(subject));
     DPL_CHECK_OK(runPoseFit(subject));
     DPL_CHECK_OK(runReport(subject));

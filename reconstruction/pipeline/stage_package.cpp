@@ -1,9 +1,9 @@
-// package: what is trained is what ships. Encode, decode, re-base the splats onto the decoded mesh, polish there, encode again.
+// package: what is trained is what ships. The evidence decides what goes in; a short polish runs on the decoded bytes; encode.
 #include <algorithm>
 
+#include "reconstruction/pipeline/assemble_avatar.h"
+#include "reconstruction/pipeline/evidence_file.h"
 #include "reconstruction/pipeline/preset.h"
-#include "reconstruction/pipeline/train_frames.h"
-#include "reconstruction/pipeline/trained_file.h"
 #include "reconstruction/splat/polish.h"
 #include "sdk/core/files.h"
 #include "sdk/format/avatar_file.h"
@@ -11,70 +11,21 @@
 namespace dpl {
 namespace {
 
-/** The subject's own movement in the training frames as a clip, so that an avatar can be played without any other file. */
-std::vector<ClipData> scanMotion(const SubjectData& subject, const std::vector<size_t>& trainIndices, const std::vector<Pose>& poses) {
-    std::vector<std::pair<double, size_t>> order;
-    for (size_t i = 0; i < trainIndices.size(); ++i) {
-        const ScanFrame& frame = subject.scan.frames[trainIndices[i]];
-        if (frame.kind == FrameKind::Dynamic) order.emplace_back(frame.timeS, i);
-    }
-    std::sort(order.begin(), order.end());
-    order.erase(std::unique(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first == b.first; }), order.end());
-    if (order.size() < 2) return {};
-    ClipData clip;
-    clip.name = "scan-motion";
-    clip.channels.resize(subject.shaped.joints.size());
-    for (size_t j = 0; j < clip.channels.size(); ++j) clip.channels[j].joint = uint32_t(j);
-    for (const auto& [time, i] : order) {
-        clip.timesS.push_back(float(time - order.front().first));
-        clip.rootTranslations.push_back(poses[i].rootTranslation);
-        for (size_t j = 0; j < clip.channels.size(); ++j) {
-            Quatf q = glm::normalize(poses[i].localRotations[j]);
-            auto& keys = clip.channels[j].rotations;
-            if (!keys.empty() && glm::dot(keys.back(), q) < 0) q = -q;
-            keys.push_back(q);
-        }
-    }
-    // Joints that never move cost no bytes.
-    std::erase_if(clip.channels, [](const ClipChannel& channel) {
-        return std::all_of(channel.rotations.begin(), channel.rotations.end(), [](const Quatf& q) { return std::abs(q.w) > 1 - 1e-9f; });
-    });
-    return {clip};
-}
-
 Status package(SubjectData& subject, StageContext& context) {
-    const MeshData& mesh = subject.shaped.mesh;
-    DPL_TRY(CoOptimiseResult trained, readTrainedFile(subject.trainedFolder / "trained.bin", mesh.triangles.size(), mesh.restPositions.size(), subject.shaped.joints.size()));
-    std::vector<size_t> indices;
-    DPL_TRY(auto frames, loadTrainFrames(subject, Split::Train, &indices));
-    if (trained.poses.size() != frames.size()) return fail(Code::CorruptData, "the trained file has {} poses for {} frames; delete {} and run again", trained.poses.size(), frames.size(), subject.trainedFolder.string());
-    for (size_t i = 0; i < frames.size(); ++i) frames[i].pose = trained.poses[i];
-
-    AvatarData avatar;
-    avatar.name = subject.scan.name;
-    avatar.generator = "doppel reconstruct";
-    avatar.joints = subject.shaped.joints;
-    avatar.mesh = mesh;
-    avatar.mesh.restPositions = trained.restPositions;
-    avatar.mesh.colours = gatherVertexColours(avatar.joints, avatar.mesh, frames, subject.jobs);
-    avatar.splats = trained.splats;
-    avatar.correctives = trained.correctives;
-    avatar.clips = scanMotion(subject, indices, trained.poses);
+    context.progress.update(0, "encoding");
+    DPL_TRY(AssembledAvatar assembled, assembleAvatar(subject));
+    DPL_TRY(std::vector<PartEvidence> parts, readEvidence(subject.evidenceFolder / "evidence.json"));
+    AvatarData& avatar = assembled.avatar;
+    for (const PartEvidence& part : parts)
+        if (!part.row.kept) removePart(avatar, part.part);
+    dropEmptyCorrectives(avatar);
     avatar.evidence = subject.evidence;
-    avatar.evidence.push_back({"flat splats with SH degree " + std::to_string(trained.splats.shDegree), true, 0, 0, "the picture itself"});
-    sortSplats(avatar);
-
-    context.progress.update(0.05, "encoding");
-    const std::vector<Vec3f> trainedRest = avatar.mesh.restPositions;
-    DPL_TRY(AvatarData decoded, decodedAvatar(avatar));
-    avatar.mesh = decoded.mesh;  // every reader sees these vertices
-    DPL_TRY([[maybe_unused]] uint32_t unchanged, rebaseSplats(trainedRest, avatar));
-    DPL_TRY(avatar, decodedAvatar(avatar));
+    for (const PartEvidence& part : parts) avatar.evidence.push_back(part.row);
 
     const PresetSettings preset = presetOf(subject.options.preset);
     const uint32_t polishSteps = subject.options.steps > 0 ? std::min(preset.polishSteps, std::max(20u, subject.options.steps / 10)) : preset.polishSteps;
     DPL_TRY([[maybe_unused]] CoOptimiseResult polished,
-            polish(avatar, std::move(frames), polishSteps, subject.options.seed, subject.jobs,
+            polish(avatar, std::move(assembled.frames), polishSteps, subject.options.seed, subject.jobs,
                    [&](const CoOptimiseProgress& p) { context.progress.update(0.1 + 0.85 * p.step / std::max(1u, p.steps), formatText("polish step {} of {}", p.step, p.steps)); },
                    &context.progress.cancelFlag()));
     DPL_TRY(auto bytes, writeAvatar(avatar));
@@ -86,8 +37,8 @@ Status package(SubjectData& subject, StageContext& context) {
 Status runPackage(SubjectData& subject) {
     nlohmann::json evidence = nlohmann::json::array();
     for (const EvidenceData& e : subject.evidence) evidence.push_back({e.part, e.kept, e.reason});
-    const nlohmann::json inputs = {{"trained", subject.chain.keyOf("co-optimise")}, {"evidence", evidence}, {"name", subject.scan.name}};
-    auto folder = subject.chain.run("package", 1, inputs, [&](StageContext& context) { return package(subject, context); });
+    const nlohmann::json inputs = {{"trained", subject.chain.keyOf("co-optimise")}, {"parts", subject.chain.keyOf("evidence")}, {"evidence", evidence}, {"name", subject.scan.name}};
+    auto folder = subject.chain.run("package", 2, inputs, [&](StageContext& context) { return package(subject, context); });
     if (!folder) return folder.error();
     subject.packageFolder = *folder;
     DPL_TRY(auto bytes, readFile(*folder / "avatar.glb"));

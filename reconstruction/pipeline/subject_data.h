@@ -28,7 +28,7 @@ struct SubjectData {
     std::vector<EvidenceData> evidence;
     std::vector<std::string> limits;
     std::string summary;                          // for the terminal
-    std::filesystem::path trainedFolder, packageFolder, poseFitFolder;  // finished stages
+    std::filesystem::path trainedFolder, evidenceFolder, packageFolder, poseFitFolder;  // finished stages
 };
 
 /** Hash of what may be learned from: images, masks, labels, keypoints and cameras of usable training frames, and nothing of held-out ones. */
@@ -37,9 +37,11 @@ Result<std::string> trainingDataHash(const SubjectData& subject);
 Status runIngest(SubjectData& subject);
 Status runBodyFit(SubjectData& subject);
 Status runSurface(SubjectData& subject);
-/** Garments, illumination and distillation in this version: what is not modelled is decided, said and left out of the file. */
-Status runModelChoice(SubjectData& subject);
+/** In this version: decides that garments are not modelled as layers, and says so. */
+Status runGarments(SubjectData& subject);
 Status runCoOptimise(SubjectData& subject);
+/** Measures what each optional part of the trained avatar is worth; what does not pay is left out of the file. */
+Status runEvidence(SubjectData& subject);
 Status runPackage(SubjectData& subject);
 Status runPoseFit(SubjectData& subject);
 Status runReport(SubjectData& subject);

@@ -1,0 +1,75 @@
+#include "reconstruction/pipeline/assemble_avatar.h"
+
+#include <algorithm>
+
+#include "reconstruction/pipeline/train_frames.h"
+#include "reconstruction/pipeline/trained_file.h"
+#include "sdk/format/avatar_file.h"
+
+namespace dpl {
+namespace {
+
+/** The subject's own movement in the training frames as a clip, so that an avatar can be played without any other file. */
+std::vector<ClipData> scanMotion(const SubjectData& subject, const std::vector<size_t>& trainIndices, const std::vector<Pose>& poses) {
+    std::vector<std::pair<double, size_t>> order;
+    for (size_t i = 0; i < trainIndices.size(); ++i) {
+        const ScanFrame& frame = subject.scan.frames[trainIndices[i]];
+        if (frame.kind == FrameKind::Dynamic) order.emplace_back(frame.timeS, i);
+    }
+    std::sort(order.begin(), order.end());
+    order.erase(std::unique(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first == b.first; }), order.end());
+    if (order.size() < 2) return {};
+    ClipData clip;
+    clip.name = "scan-motion";
+    clip.channels.resize(subject.shaped.joints.size());
+    for (size_t j = 0; j < clip.channels.size(); ++j) clip.channels[j].joint = uint32_t(j);
+    for (const auto& [time, i] : order) {
+        clip.timesS.push_back(float(time - order.front().first));
+        clip.rootTranslations.push_back(poses[i].rootTranslation);
+        for (size_t j = 0; j < clip.channels.size(); ++j) {
+            Quatf q = glm::normalize(poses[i].localRotations[j]);
+            auto& keys = clip.channels[j].rotations;
+            if (!keys.empty() && glm::dot(keys.back(), q) < 0) q = -q;
+            keys.push_back(q);
+        }
+    }
+    // Joints that never move cost no bytes.
+    std::erase_if(clip.channels, [](const ClipChannel& channel) {
+        return std::all_of(channel.rotations.begin(), channel.rotations.end(), [](const Quatf& q) { return std::abs(q.w) > 1 - 1e-9f; });
+    });
+    return {clip};
+}
+
+}  // namespace
+
+Result<AssembledAvatar> assembleAvatar(const SubjectData& subject) {
+    const MeshData& mesh = subject.shaped.mesh;
+    DPL_TRY(CoOptimiseResult trained, readTrainedFile(subject.trainedFolder / "trained.bin", mesh.triangles.size(), mesh.restPositions.size(), subject.shaped.joints.size()));
+    std::vector<size_t> indices;
+    AssembledAvatar out;
+    DPL_TRY(out.frames, loadTrainFrames(subject, Split::Train, &indices));
+    if (trained.poses.size() != out.frames.size())
+        return fail(Code::CorruptData, "the trained file has {} poses for {} frames; delete {} and run again", trained.poses.size(), out.frames.size(), subject.trainedFolder.string());
+    for (size_t i = 0; i < out.frames.size(); ++i) out.frames[i].pose = trained.poses[i];
+
+    AvatarData& avatar = out.avatar;
+    avatar.name = subject.scan.name;
+    avatar.generator = "doppel reconstruct";
+    avatar.joints = subject.shaped.joints;
+    avatar.mesh = mesh;
+    avatar.mesh.restPositions = trained.restPositions;
+    avatar.mesh.colours = gatherVertexColours(avatar.joints, avatar.mesh, out.frames, subject.jobs);
+    avatar.splats = std::move(trained.splats);
+    avatar.correctives = std::move(trained.correctives);
+    avatar.clips = scanMotion(subject, indices, trained.poses);
+    sortSplats(avatar);
+
+    const std::vector<Vec3f> trainedRest = avatar.mesh.restPositions;
+    DPL_TRY(AvatarData decoded, decodedAvatar(avatar));
+    avatar.mesh = decoded.mesh;  // every reader sees these vertices
+    DPL_TRY([[maybe_unused]] uint32_t unchanged, rebaseSplats(trainedRest, avatar));
+    DPL_TRY(avatar, decodedAvatar(avatar));
+    return out;
+}
+
+}  // namespace dpl
