@@ -19,8 +19,8 @@ Result<AvatarInfo> inspectFile(const std::filesystem::path& path) {
 }
 
 std::vector<std::pair<const char*, uint64_t>> parts(const AvatarInfo& info) {
-    return {{"mesh", info.meshBytes}, {"splats", info.splatBytes}, {"spherical harmonics", info.shBytes}, {"clips", info.clipBytes},
-            {"skin", info.skinBytes}, {"json", info.jsonBytes},    {"headers, padding", info.otherBytes}};
+    return {{"mesh", info.meshBytes}, {"splats", info.splatBytes}, {"spherical harmonics", info.shBytes}, {"pose correctives", info.correctiveBytes},
+            {"clips", info.clipBytes}, {"skin", info.skinBytes}, {"json", info.jsonBytes}, {"headers, padding", info.otherBytes}};
 }
 
 }  // namespace
@@ -31,6 +31,7 @@ Result<std::string> inspectAsText(const std::filesystem::path& path) {
     out += formatText("content hash {} {}\n", info.contentHash, info.hashMatches ? "(matches)" : "(DOES NOT MATCH: the file was changed)");
     out += formatText("{} splats in {} chunks, SH degree {}\n{} vertices, {} triangles, {} layers, {} joints, {} clips\n\n", info.splats, info.chunks, info.shDegree,
                       info.vertices, info.triangles, info.layers, info.joints, info.clips);
+    if (info.correctiveNodes) out.insert(out.size() - 1, formatText("pose correctives: {} nodes, {} modes\n", info.correctiveNodes, info.correctiveModes));
     char line[160];
     for (const auto& [name, bytes] : parts(info)) {
         std::snprintf(line, sizeof line, "  %-22s %10llu bytes  %5.1f %%\n", name, static_cast<unsigned long long>(bytes), 100.0 * double(bytes) / double(info.fileBytes));
@@ -52,7 +53,7 @@ Result<std::string> inspectAsJson(const std::filesystem::path& path) {
     nlohmann::ordered_json out = {{"file", path.string()},        {"name", info.name},         {"version", info.version},       {"generator", info.generator},
                                   {"content_hash", info.contentHash}, {"hash_matches", info.hashMatches}, {"splats", info.splats}, {"chunks", info.chunks},
                                   {"sh_degree", info.shDegree},   {"vertices", info.vertices}, {"triangles", info.triangles},   {"layers", info.layers},
-                                  {"joints", info.joints},        {"clips", info.clips}};
+                                  {"joints", info.joints},        {"clips", info.clips},       {"corrective_nodes", info.correctiveNodes}, {"corrective_modes", info.correctiveModes}};
     for (const auto& [name, bytes] : parts(info)) out["bytes"][name] = bytes;
     out["bytes"]["file"] = info.fileBytes;
     for (const EvidenceData& e : info.evidence)

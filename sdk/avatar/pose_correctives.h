@@ -5,14 +5,11 @@
 #include <vector>
 
 #include "sdk/avatar/rig.h"
+#include "sdk/format/correctives.h"
 
 namespace dpl {
 
 constexpr float kMinLight = 0.2f, kMaxLight = 3.0f;  // brightness is clamped to this (reference §7)
-constexpr uint32_t kMaxCorrectiveModes = 64, kMaxCorrectiveNodes = 65535;
-
-/** Refuses arrays that do not fit one another, the rig or the mesh, and numbers that are not finite; says which (CorruptData). */
-Status checkCorrectives(const PoseCorrectiveData& correctives, size_t jointCount, size_t vertexCount);
 
 /** What a joint's local rotation says: its first two columns minus the identity's, six numbers. */
 template <class T>

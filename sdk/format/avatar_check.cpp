@@ -5,6 +5,7 @@
 #include <set>
 
 #include "sdk/format/avatar_file.h"
+#include "sdk/format/correctives.h"
 #include "sdk/math/sh.h"
 
 namespace dpl {
@@ -117,6 +118,7 @@ Status checkAvatar(const AvatarData& a) {
     DPL_CHECK_OK(checkJoints(a.joints));
     DPL_CHECK_OK(checkMesh(a.mesh, a.joints.size()));
     DPL_CHECK_OK(checkSplats(a.splats, a.mesh.triangles.size()));
+    if (Status fits = checkCorrectives(a.correctives, a.joints.size(), a.mesh.restPositions.size()); !fits) return fail(Code::InvalidArgument, "{}", fits.error().message);
     for (const ClipData& clip : a.clips) DPL_CHECK_OK(checkClip(clip, a.joints.size()));
     for (const EvidenceData& e : a.evidence)
         if (!std::isfinite(e.gainDb)) return fail(Code::InvalidArgument, "the evidence for '{}' has a gain that is not finite", e.part);

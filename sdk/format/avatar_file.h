@@ -13,7 +13,7 @@
 
 namespace dpl {
 
-constexpr uint32_t kAvatarFormatVersion = 1;
+constexpr uint32_t kAvatarFormatVersion = 2;             // newest; files without pose correctives are written as version 1
 constexpr uint32_t kSplatChunkSize = 256;             // unit of compression and of culling; a chunk never straddles a layer
 constexpr float kPositionStepM = 1.0f / 65536;        // lattice of vertices, joints and root translations: error ≤ 7.7 µm an axis
 constexpr float kPositionLimitM = 32;                 // coordinates beyond this are refused: Draco rounds exactly up to 22 bits
@@ -40,10 +40,12 @@ struct AvatarInfo {
     std::string contentHash;      // "xxh3:" and 16 hex digits
     bool hashMatches = false;
     uint32_t vertices = 0, triangles = 0, joints = 0, layers = 0, splats = 0, chunks = 0, clips = 0, shDegree = 0;
+    uint32_t correctiveModes = 0, correctiveNodes = 0;
     uint64_t fileBytes = 0;
     uint64_t meshBytes = 0;       // Draco views, or plain vertex and index views
     uint64_t splatBytes = 0;      // triangle counts, chunk table, three words a splat
     uint64_t shBytes = 0;
+    uint64_t correctiveBytes = 0; // pose correctives
     uint64_t clipBytes = 0;       // animation samplers
     uint64_t skinBytes = 0;       // inverse bind matrices
     uint64_t jsonBytes = 0;       // the JSON chunk

@@ -7,6 +7,7 @@
 #include "sdk/format/avatar_check.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/content_hash.h"
+#include "sdk/format/correctives.h"
 #include "sdk/format/gltf_model.h"
 #include "sdk/format/splat_codec.h"
 #include "sdk/format/vertex_colour.h"
@@ -53,6 +54,18 @@ public:
             if (!element.is_object()) return fail(Code::CorruptData, "{}: an entry of '{}' is not an object", where_, key);
         return &*it;
     }
+    /** An array of whole numbers, at most `most` of them, none above `limit`. */
+    Result<std::vector<uint32_t>> numbers(const char* key, size_t most, uint32_t limit) const {
+        auto it = find(key);
+        if (it == object_.end() || !it->is_array() || it->size() > most) return fail(Code::CorruptData, "{}: '{}' is not an array of at most {} numbers", where_, key, most);
+        std::vector<uint32_t> out;
+        for (const Json& element : *it) {
+            if (!element.is_number_unsigned() || element.get<uint64_t>() > limit) return fail(Code::CorruptData, "{}: an entry of '{}' is no number up to {}", where_, key, limit);
+            out.push_back(element.get<uint32_t>());
+        }
+        return out;
+    }
+    bool has(const char* key) const { return find(key) != object_.end(); }
     Result<const Json*> object(const char* key) const {
         auto it = find(key);
         if (it == object_.end() || !it->is_object()) return fail(Code::CorruptData, "{}: '{}' is not an object", where_, key);
@@ -282,11 +295,39 @@ struct AvatarReader {
         return {};
     }
 
+    Status readCorrectives() {
+        const Fields root(extension, "DPL_gaussian_avatar");
+        if (!root.has("poseCorrectives")) return {};
+        if (info.version < 2) return fail(Code::CorruptData, "pose correctives in a file of version {}, which has none", info.version);
+        DPL_TRY(const Json* object, root.object("poseCorrectives"));
+        const Fields fields(*object, "poseCorrectives");
+        DPL_TRY(const uint64_t encoding, fields.number("encoding", 0xffffffffu));
+        if (encoding != 1) return fail(Code::Version, "pose corrective encoding {}; this build reads 1: update Doppel or export again", encoding);
+        PoseCorrectiveData head;
+        DPL_TRY(const uint64_t modes, fields.number("modeCount", kMaxCorrectiveModes));
+        DPL_TRY(const uint64_t nodes, fields.number("nodeCount", kMaxCorrectiveNodes));
+        if (nodes == 0) return fail(Code::CorruptData, "pose correctives without nodes");
+        head.modeCount = uint32_t(modes), head.nodeCount = uint32_t(nodes);
+        DPL_TRY(head.joints, fields.numbers("joints", limits.maxJoints, limits.maxJoints - 1));
+        DPL_TRY(head.reach, fields.real("reach"));
+        DPL_TRY(const Json* streams, fields.object("streams"));
+        CorrectiveStreams<std::span<const uint8_t>> in;
+        DPL_TRY(in.mean, stream(*streams, "mean"));
+        DPL_TRY(in.modes, stream(*streams, "modes"));
+        DPL_TRY(in.ranges, stream(*streams, "ranges"));
+        DPL_TRY(in.nodes, stream(*streams, "nodes"));
+        DPL_TRY(in.nodeIndices, stream(*streams, "nodeIndices"));
+        DPL_TRY(in.nodeWeights, stream(*streams, "nodeWeights"));
+        DPL_TRY(avatar.correctives, decodeCorrectives(in, std::move(head), avatar.mesh.restPositions.size()));
+        info.correctiveBytes = in.mean.size() + in.modes.size() + in.ranges.size() + in.nodes.size() + in.nodeIndices.size() + in.nodeWeights.size();
+        return {};
+    }
+
     /** An absent stream is an empty one: glTF has no empty buffer views. */
     Result<std::span<const uint8_t>> stream(const Json& streams, const char* name) {
         if (!streams.contains(name)) return std::span<const uint8_t>();
         DPL_TRY(const uint64_t view, Fields(streams, "streams").number(name, 0xffffffffu));
-        if (view >= model.views.size()) return fail(Code::CorruptData, "splat stream '{}' names buffer view {}, there are {}", name, view, model.views.size());
+        if (view >= model.views.size()) return fail(Code::CorruptData, "stream '{}' names buffer view {}, there are {}", name, view, model.views.size());
         DPL_CHECK_OK(spend(model.views[view].length));
         return model.viewBytes(uint32_t(view));
     }
@@ -297,6 +338,7 @@ struct AvatarReader {
         DPL_CHECK_OK(readJoints());
         DPL_CHECK_OK(readLayers());
         DPL_CHECK_OK(readSplats());
+        DPL_CHECK_OK(readCorrectives());
         // One place knows what an avatar is: what a writer must not write, a reader does not accept.
         if (Status valid = checkAvatar(avatar); !valid) return fail(Code::CorruptData, "the file holds an impossible avatar: {}", valid.error().message);
         return {};
@@ -307,7 +349,8 @@ struct AvatarReader {
         info.vertices = uint32_t(avatar.mesh.restPositions.size()), info.triangles = uint32_t(avatar.mesh.triangles.size());
         info.joints = uint32_t(avatar.joints.size()), info.layers = uint32_t(avatar.mesh.layers.size());
         info.splats = avatar.splats.count(), info.clips = uint32_t(avatar.clips.size()), info.shDegree = avatar.splats.shDegree;
-        const uint64_t known = info.meshBytes + info.splatBytes + info.shBytes + info.clipBytes + info.skinBytes + info.jsonBytes;
+        info.correctiveModes = avatar.correctives.modeCount, info.correctiveNodes = avatar.correctives.nodeCount;
+        const uint64_t known = info.meshBytes + info.splatBytes + info.shBytes + info.correctiveBytes + info.clipBytes + info.skinBytes + info.jsonBytes;
         info.otherBytes = info.fileBytes - std::min(known, info.fileBytes);
     }
 };

@@ -3,6 +3,7 @@
 #include "sdk/format/avatar_check.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/content_hash.h"
+#include "sdk/format/correctives.h"
 #include "sdk/format/draco_mesh.h"
 #include "sdk/format/glb_builder.h"
 #include "sdk/format/splat_codec.h"
@@ -124,8 +125,20 @@ void addClip(GlbBuilder& glb, const AvatarData& a, const ClipData& clip) {
     glb.root["animations"].push_back({{"name", clip.name}, {"samplers", std::move(samplers)}, {"channels", std::move(channels)}});
 }
 
+Json poseCorrectives(GlbBuilder& glb, const PoseCorrectiveData& c) {
+    const auto streams = encodeCorrectives(c);
+    Json out = {{"encoding", 1}, {"modeCount", c.modeCount}, {"nodeCount", c.nodeCount}, {"joints", c.joints}, {"reach", c.reach}};
+    auto stream = [&](const char* name, const std::vector<uint8_t>& bytes) {
+        if (!bytes.empty()) out["streams"][name] = glb.addView(bytes);
+    };
+    stream("mean", streams.mean), stream("modes", streams.modes), stream("ranges", streams.ranges), stream("nodes", streams.nodes);
+    stream("nodeIndices", streams.nodeIndices), stream("nodeWeights", streams.nodeWeights);
+    return out;
+}
+
 Json avatarExtension(GlbBuilder& glb, const AvatarData& a) {
-    Json ours = {{"version", kAvatarFormatVersion},
+    // The lowest version that can say it: readers of version 1 would drop correctives and draw another person.
+    Json ours = {{"version", a.correctives.empty() ? 1 : kAvatarFormatVersion},
                  {"name", a.name},
                  {"contentHash", "xxh3:0000000000000000"},
                  {"units", "metre"},
@@ -153,6 +166,7 @@ Json avatarExtension(GlbBuilder& glb, const AvatarData& a) {
     stream("triangleCounts", streams.triangleCounts), stream("chunks", streams.chunks), stream("place", streams.place);
     stream("size", streams.size), stream("colour", streams.colour), stream("sh", streams.sh);
     ours["splats"] = std::move(splats);
+    if (!a.correctives.empty()) ours["poseCorrectives"] = poseCorrectives(glb, a.correctives);
     return ours;
 }
 

@@ -22,7 +22,8 @@ def extension(path):
 
 def damaged(good):
     for name, change in {
-        "version 2": lambda e: e.update(version=2),
+        "version 3": lambda e: e.update(version=3),
+        "correctives in version 1": lambda e: e.update(version=1, poseCorrectives=CORRECTIVES),
         "hash in capitals": lambda e: e.update(contentHash="xxh3:ABCDEF0123456789"),
         "no units": lambda e: e.pop("units"),
         "unknown field": lambda e: e.update(colour="red"),
@@ -36,6 +37,27 @@ def damaged(good):
         yield name, bad
 
 
+CORRECTIVES = {
+    "encoding": 1, "modeCount": 2, "nodeCount": 3, "joints": [0, 1], "reach": 1.5,
+    "streams": {"mean": 1, "modes": 2, "ranges": 3, "nodes": 4, "nodeIndices": 5, "nodeWeights": 6},
+}
+
+
+def damaged_correctives():
+    for name, change in {
+        "65 modes": lambda c: c.update(modeCount=65),
+        "no nodes": lambda c: c.update(nodeCount=0),
+        "joint twice": lambda c: c.update(joints=[1, 1]),
+        "no reach": lambda c: c.pop("reach"),
+        "reach 0": lambda c: c.update(reach=0),
+        "no nodes stream": lambda c: c["streams"].pop("nodes"),
+        "unknown corrective field": lambda c: c.update(colour="red"),
+    }.items():
+        bad = copy.deepcopy(CORRECTIVES)
+        change(bad)
+        yield name, bad
+
+
 schema = json.load(open(sys.argv[1]))
 jsonschema.Draft7Validator.check_schema(schema)
 validator = jsonschema.Draft7Validator(schema)
@@ -45,7 +67,10 @@ for path in sys.argv[2:]:
     for error in validator.iter_errors(good):
         failures += 1
         print(f"{path}: {'/'.join(map(str, error.path))}: {error.message}")
-    for name, bad in damaged(good):
+    if not validator.is_valid({**good, "version": 2, "poseCorrectives": CORRECTIVES}):
+        failures += 1
+        print(f"{path}: the schema refuses good correctives")
+    for name, bad in list(damaged(good)) + [(name, {**good, "version": 2, "poseCorrectives": c}) for name, c in damaged_correctives()]:
         if validator.is_valid(bad):
             failures += 1
             print(f"{path}: the schema accepts '{name}'")

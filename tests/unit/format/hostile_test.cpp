@@ -7,6 +7,7 @@
 
 #include "tests/unit/format/glb_parts.h"
 #include "tests/unit/format/sample_avatars.h"
+#include "tests/unit/format/sample_correctives.h"
 
 namespace dpl {
 namespace {
@@ -22,7 +23,8 @@ ReadLimits trusting() {
     return limits;
 }
 
-std::vector<uint8_t> goodFile(bool draco = true) { return *writeAvatar(test::randomAvatar(1, 1, 8, 3), {.draco = draco}); }
+std::vector<uint8_t> goodFile(bool draco = true) { return *writeAvatar(test::withCorrectives(test::randomAvatar(1, 1, 8, 3), 1, {.modes = 2, .nodes = 5}), {.draco = draco}); }
+AvatarData tinyWithCorrectives() { return test::withCorrectives(test::tinyAvatar(), 1, {.modes = 2, .nodes = 3}); }
 
 void expectRefused(const char* what, std::span<const uint8_t> bytes, Code code = Code::CorruptData) {
     auto result = readAvatar(bytes, trusting());
@@ -43,6 +45,7 @@ void put(std::span<uint8_t> bytes, size_t index, T value) {
     std::memcpy(bytes.data() + index * sizeof(T), &value, sizeof(T));
 }
 json& ours(GlbParts& p) { return p.json["extensions"][kOurs]; }
+json& correctives(GlbParts& p) { return ours(p)["poseCorrectives"]; }
 json& draco(GlbParts& p) { return p.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"]; }
 size_t attribute(GlbParts& p, const char* name) { return p.json["meshes"][0]["primitives"][0]["attributes"][name].get<size_t>(); }
 
@@ -57,7 +60,7 @@ const float kNan = std::numeric_limits<float>::quiet_NaN();
 TEST(HostileAvatar, rejectList) {
     const std::vector<Damage> list = {
         {"extension missing", [](GlbParts& p) { p.json.erase("extensions"); }, Code::Unsupported},
-        {"extension of a newer version", [](GlbParts& p) { ours(p)["version"] = 2; }, Code::Version},
+        {"extension of a newer version", [](GlbParts& p) { ours(p)["version"] = 3; }, Code::Version},
         {"newer splat encoding", [](GlbParts& p) { ours(p)["splats"]["encoding"] = 2; }, Code::Version},
         {"version 0", [](GlbParts& p) { ours(p)["version"] = 0; }},
         {"version as text", [](GlbParts& p) { ours(p)["version"] = "1"; }},
@@ -114,6 +117,43 @@ TEST(HostileAvatar, rejectList) {
         {"chunk scale NaN", [](GlbParts& p) { put(p.stream("chunks"), 4, kNan); }},
         {"chunk scale range empty", [](GlbParts& p) { put(p.stream("chunks"), 5, 1e-9f); }},
         {"chunk colour infinite", [](GlbParts& p) { put(p.stream("chunks"), 9, std::numeric_limits<float>::infinity()); }},
+        {"correctives in version 1", [](GlbParts& p) { ours(p)["version"] = 1; }},
+        {"correctives that are no object", [](GlbParts& p) { correctives(p) = 7; }},
+        {"newer corrective encoding", [](GlbParts& p) { correctives(p)["encoding"] = 2; }, Code::Version},
+        {"no modes", [](GlbParts& p) { correctives(p)["modeCount"] = 0; }},
+        {"2^40 modes", [](GlbParts& p) { correctives(p)["modeCount"] = 1ull << 40; }},
+        {"65 modes", [](GlbParts& p) { correctives(p)["modeCount"] = 65; }},
+        {"one mode too few", [](GlbParts& p) { correctives(p)["modeCount"] = 1; }},
+        {"no nodes", [](GlbParts& p) { correctives(p)["nodeCount"] = 0; }},
+        {"one node too many", [](GlbParts& p) { correctives(p)["nodeCount"] = 6; }},
+        {"65535 nodes", [](GlbParts& p) { correctives(p)["nodeCount"] = 65535; }},
+        {"2^32 nodes", [](GlbParts& p) { correctives(p)["nodeCount"] = 1ull << 32; }},
+        {"reach missing", [](GlbParts& p) { correctives(p).erase("reach"); }},
+        {"reach zero", [](GlbParts& p) { correctives(p)["reach"] = 0; }},
+        {"reach negative", [](GlbParts& p) { correctives(p)["reach"] = -1.5; }},
+        {"reach above every float", [](GlbParts& p) { correctives(p)["reach"] = 1e300; }},
+        {"heard joints missing", [](GlbParts& p) { correctives(p).erase("joints"); }},
+        {"heard joint out of range", [](GlbParts& p) { correctives(p)["joints"].back() = 8; }},
+        {"heard joint negative", [](GlbParts& p) { correctives(p)["joints"][0] = -1; }},
+        {"heard joint 2^40", [](GlbParts& p) { correctives(p)["joints"].back() = 1ull << 40; }},
+        {"heard joints not rising", [](GlbParts& p) { correctives(p)["joints"][1] = 0; }},
+        {"heard joints as text", [](GlbParts& p) { correctives(p)["joints"][0] = "hips"; }},
+        {"5000 heard joints", [](GlbParts& p) { for (int j = 0; j < 5000; ++j) correctives(p)["joints"].push_back(j); }},
+        {"corrective streams missing", [](GlbParts& p) { correctives(p).erase("streams"); }},
+        {"corrective mean missing", [](GlbParts& p) { correctives(p)["streams"].erase("mean"); }},
+        {"corrective ranges missing", [](GlbParts& p) { correctives(p)["streams"].erase("ranges"); }},
+        {"corrective nodes missing", [](GlbParts& p) { correctives(p)["streams"].erase("nodes"); }},
+        {"corrective indices missing", [](GlbParts& p) { correctives(p)["streams"].erase("nodeIndices"); }},
+        {"corrective weights missing", [](GlbParts& p) { correctives(p)["streams"].erase("nodeWeights"); }},
+        {"corrective stream out of range", [](GlbParts& p) { correctives(p)["streams"]["modes"] = 123456; }},
+        {"corrective stream of other length", [](GlbParts& p) { correctives(p)["streams"]["modes"] = correctives(p)["streams"]["mean"]; }},
+        {"corrective mean NaN", [](GlbParts& p) { put(p.correctiveStream("mean"), 3, kNan); }},
+        {"corrective mode infinite", [](GlbParts& p) { put(p.correctiveStream("modes"), 3, std::numeric_limits<float>::infinity()); }},
+        {"corrective mode of 1e30", [](GlbParts& p) { put(p.correctiveStream("modes"), 3, 1e30f); }},
+        {"corrective range NaN", [](GlbParts& p) { put(p.correctiveStream("ranges"), 7, kNan); }},
+        {"corrective range of 1e30 m", [](GlbParts& p) { put(p.correctiveStream("ranges"), 0, 1e30f); }},
+        {"corrective node out of range", [](GlbParts& p) { put(p.correctiveStream("nodeIndices"), 9, uint16_t(5)); }},
+        {"corrective weights not summing to 255", [](GlbParts& p) { p.correctiveStream("nodeWeights")[4] ^= 1; }},
         {"index out of range", [](GlbParts& p) { put(p.accessor(p.json["meshes"][0]["primitives"][0]["indices"]), 4, 70000u); }, Code::CorruptData, false},
         {"vertex NaN", [](GlbParts& p) { put(p.accessor(attribute(p, "POSITION")), 5, kNan); }, Code::CorruptData, false},
         {"vertex a kilometre away", [](GlbParts& p) { put(p.accessor(attribute(p, "POSITION")), 5, 1000.0f); }, Code::CorruptData, false},
@@ -163,8 +203,8 @@ TEST(HostileAvatar, fortyKilobytesOfBrackets) {
     expectRefused("no JSON at all", parts.join("hello"));
 }
 
-TEST(HostileAvatar, everyTruncationIsAnError) {
-    const std::vector<uint8_t> good = *writeAvatar(test::tinyAvatar());
+void expectTruncationsRefused(const AvatarData& avatar) {
+    const std::vector<uint8_t> good = *writeAvatar(avatar);
     for (size_t size = 0; size < good.size(); ++size) ASSERT_FALSE(readAvatar(std::span(good).first(size))) << size;
     // The same with the header and the last chunk's length made to agree, so that the inner checks see it.
     GlbParts parts = test::split(good);
@@ -177,8 +217,13 @@ TEST(HostileAvatar, everyTruncationIsAnError) {
     }
 }
 
+TEST(HostileAvatar, everyTruncationIsAnError) {
+    expectTruncationsRefused(test::tinyAvatar());
+    expectTruncationsRefused(tinyWithCorrectives());
+}
+
 TEST(HostileAvatar, everyBitFlipIsNoticed) {
-    std::vector<uint8_t> bytes = *writeAvatar(test::tinyAvatar());
+    std::vector<uint8_t> bytes = *writeAvatar(tinyWithCorrectives());
     for (size_t bit = 0; bit < bytes.size() * 8; bit += 15) {   // about every second byte, at another bit each time: keeps the test at seconds
         bytes[bit / 8] ^= uint8_t(1 << bit % 8);
         ASSERT_FALSE(readAvatar(bytes)) << "bit " << bit % 8 << " of byte " << bit / 8;
@@ -188,7 +233,7 @@ TEST(HostileAvatar, everyBitFlipIsNoticed) {
 
 TEST(HostileAvatar, bitFlipsWithoutTheHashNeverGiveAnAvatarThatCannotBeWritten) {
     for (bool compressed : {true, false}) {
-        std::vector<uint8_t> bytes = *writeAvatar(test::tinyAvatar(), {.draco = compressed});
+        std::vector<uint8_t> bytes = *writeAvatar(tinyWithCorrectives(), {.draco = compressed});
         for (size_t bit = 0; bit < bytes.size() * 8; bit += 29) {
             bytes[bit / 8] ^= uint8_t(1 << bit % 8);
             if (auto result = readAvatar(bytes, trusting())) {
@@ -230,6 +275,13 @@ TEST(WriterRefuses, whatNoReaderWouldAccept) {
     refused("negative scale", [](AvatarData& a) { a.splats.scaleM[0].x = -1; });
     refused("SH length", [](AvatarData& a) { a.splats.sh.pop_back(); });
     refused("clip times", [](AvatarData& a) { a.clips[0].timesS[1] = 0; });
+    auto refusedCorrectives = [&](const char* what, std::function<void(PoseCorrectiveData&)> damage) {
+        refused(what, [&](AvatarData& a) { a.correctives = test::randomCorrectives(a, 1), damage(a.correctives); });
+    };
+    refusedCorrectives("corrective weights", [](PoseCorrectiveData& c) { c.nodeWeights[0].x ^= 1; });
+    refusedCorrectives("corrective node", [](PoseCorrectiveData& c) { c.nodeIndices[0].x = 12; });
+    refusedCorrectives("corrective NaN", [](PoseCorrectiveData& c) { c.nodes[0].w = kNan; });
+    refusedCorrectives("corrective joint", [](PoseCorrectiveData& c) { c.joints.back() = 6; });
     refused("clip rotation", [](AvatarData& a) { a.clips[0].channels[0].rotations[0] = Quatf(0, 0, 0, 0); });
 }
 

@@ -1,4 +1,4 @@
-// PLY, KHR_gaussian_splatting and skinned glTF: what other programs write and read; and the pinned file of version 1.
+// PLY, KHR_gaussian_splatting and skinned glTF: what other programs write and read; and the pinned files of versions 1 and 2.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -60,6 +60,30 @@ TEST(AvatarVersion1, pinnedBytesStillRead) {
     ASSERT_EQ(a->clips.size(), 1u);
     EXPECT_EQ(a->clips[0].rootTranslations[1], Vec3f(0, 0.125f, 0));
     EXPECT_EQ(a->evidence[0].reason, "gain below 0.1 dB");
+}
+
+TEST(AvatarVersion2, pinnedBytesStillRead) {
+    const auto bytes = fileBytes(std::filesystem::path(__FILE__).parent_path() / "pinned/avatar_v2.glb");
+    ASSERT_FALSE(bytes.empty());
+    auto a = readAvatar(bytes);
+    ASSERT_TRUE(a) << a.error().message;
+    const PoseCorrectiveData& c = a->correctives;
+    EXPECT_EQ(c.modeCount, 2u);
+    EXPECT_EQ(c.nodeCount, 2u);
+    EXPECT_EQ(c.joints, (std::vector<uint32_t>{1}));
+    EXPECT_EQ(c.mean, (std::vector<float>{0, 0.125f, 0, -0.25f, 0, 0}));
+    EXPECT_EQ(c.modes, (std::vector<float>{1, 0, 0, 0, 0, 0, 0, 0, 0.5f, 0, 0, -0.75f}));
+    EXPECT_EQ(c.reach, 1.25f);
+    ASSERT_EQ(c.nodeIndices.size(), 4u);
+    EXPECT_EQ(c.nodeIndices[2], glm::u16vec4(1, 0, 0, 0));
+    EXPECT_EQ(c.nodeWeights[2], glm::u8vec4(200, 55, 0, 0));
+    // Exact: the largest magnitude of a mode and component decodes exactly, the rest is a code over 32767.
+    ASSERT_EQ(c.nodes.size(), 4u);
+    EXPECT_EQ(c.nodes[0], Vec4f(0.02f, 0, 0, -0.5f));
+    EXPECT_EQ(c.nodes[1], Vec4f(0, -0.01f, 0, 0.25f));
+    EXPECT_EQ(c.nodes[2], Vec4f(float(-16384 * double(0.02f) / 32767), 0, 0, float(16384 * 0.5 / 32767)));
+    EXPECT_EQ(c.nodes[3], Vec4f(0, float(8192 * double(0.01f) / 32767), 0, 0));
+    EXPECT_EQ(*writeAvatar(*a), bytes);
 }
 
 TEST(Ply, writesAndReadsEveryDegreeWithAndWithoutNormals) {

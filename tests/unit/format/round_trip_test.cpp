@@ -5,12 +5,14 @@
 #include <numbers>
 
 #include "tests/unit/format/sample_avatars.h"
+#include "tests/unit/format/sample_correctives.h"
 
 namespace dpl {
 namespace {
 
 using test::randomAvatar;
 using test::tinyAvatar;
+using test::withCorrectives;
 
 AvatarData throughFile(const AvatarData& a, const WriteOptions& options = {}) {
     auto bytes = writeAvatar(a, options);
@@ -124,6 +126,8 @@ TEST(AvatarRoundTrip, writingWhatWasReadGivesTheSameBytes) {
     expectSameBytes(tinyAvatar());
     for (uint32_t degree = 0; degree <= 3; ++degree) expectSameBytes(randomAvatar(10 + degree, degree));
     expectSameBytes(randomAvatar(20, 1, 300, 5));
+    expectSameBytes(withCorrectives(tinyAvatar(), 1, {.modes = 1, .nodes = 1}));
+    for (uint32_t seed = 0; seed < 8; ++seed) expectSameBytes(withCorrectives(randomAvatar(21, 0), seed, {.modes = 1 + 9 * seed, .nodes = 40}));
 }
 
 TEST(AvatarRoundTrip, rangesOfAFewUlpsAreIdempotentToo) {
@@ -139,6 +143,52 @@ TEST(AvatarRoundTrip, rangesOfAFewUlpsAreIdempotentToo) {
     expectSameBytes(a);
 }
 
+TEST(AvatarRoundTrip, correctivesNearAndBelowTheSmallestFloatsAreIdempotentToo) {
+    AvatarData a = withCorrectives(randomAvatar(31, 0), 1);
+    for (size_t e = 0; e < a.correctives.nodes.size(); ++e) {
+        const float i = float(e % 7);
+        a.correctives.nodes[e] = {i * 1e-45f, i * 3e-39f, i * 1.7e-30f, std::nextafter(1.0f, 2.0f) - i * 6e-8f};
+    }
+    expectSameBytes(a);
+}
+
+TEST(AvatarRoundTrip, correctivesComeBack) {
+    const AvatarData a = withCorrectives(randomAvatar(70, 1), 5, {.modes = 12, .nodes = 100, .offsetM = 0.03f, .light = 0.5f, .reach = 3.25f}), b = throughFile(a);
+    const PoseCorrectiveData &x = a.correctives, &y = b.correctives;
+    EXPECT_EQ(x.modeCount, y.modeCount);
+    EXPECT_EQ(x.nodeCount, y.nodeCount);
+    EXPECT_EQ(x.reach, y.reach);
+    EXPECT_TRUE(x.joints == y.joints);
+    EXPECT_TRUE(x.mean == y.mean);
+    EXPECT_TRUE(x.modes == y.modes);
+    EXPECT_TRUE(x.nodeIndices == y.nodeIndices);
+    EXPECT_TRUE(x.nodeWeights == y.nodeWeights);
+    // What a vertex can feel: a node's sum over the modes with ‖k‖ ≤ reach, at worst √(Σ_i error_i²)·reach. 16 bits keep it far inside
+    // the bar of 0.05 mm and 0.002; 8 bits would miss it (range 0.03 m / 254 a mode: 1 mm).
+    double offset = 0, light = 0;
+    ASSERT_EQ(x.nodes.size(), y.nodes.size());
+    for (uint32_t n = 0; n < x.nodeCount; ++n) {
+        Vec4<double> squares(0);
+        for (uint32_t i = 0; i < x.modeCount; ++i) {
+            const Vec4<double> e = Vec4<double>(x.nodes[n * x.modeCount + i]) - Vec4<double>(y.nodes[n * x.modeCount + i]);
+            squares += e * e;
+        }
+        offset = std::max(offset, std::sqrt(squares.x + squares.y + squares.z) * x.reach), light = std::max(light, std::sqrt(squares.w) * x.reach);
+    }
+    std::printf("[ NUMBERS  ] largest error of a node at reach: %.5f mm, light %.6f\n", offset * 1e3, light);
+    EXPECT_GT(offset, 0);
+    EXPECT_LE(offset, 0.05e-3);
+    EXPECT_LE(light, 0.002);
+}
+
+TEST(AvatarRoundTrip, onlyFilesWithCorrectivesNeedVersion2) {
+    EXPECT_EQ(inspectAvatar(*writeAvatar(tinyAvatar()))->version, 1u);
+    EXPECT_EQ(inspectAvatar(*writeAvatar(withCorrectives(tinyAvatar(), 1)))->version, 2u);
+    AvatarData leftovers = tinyAvatar();
+    leftovers.correctives.joints = {0};   // without nodes there are none
+    EXPECT_TRUE(*writeAvatar(leftovers) == *writeAvatar(tinyAvatar()));
+}
+
 TEST(AvatarRoundTrip, decodedAvatarIsAFixedPoint) {
     auto once = decodedAvatar(randomAvatar(40, 2));
     ASSERT_TRUE(once);
@@ -151,7 +201,7 @@ TEST(AvatarRoundTrip, decodedAvatarIsAFixedPoint) {
 }
 
 TEST(AvatarRoundTrip, plainVariantHoldsTheSameAvatar) {
-    const AvatarData a = randomAvatar(50, 1);
+    const AvatarData a = withCorrectives(randomAvatar(50, 1), 2);
     auto fromPlain = readAvatar(*writeAvatar(a, {.draco = false}));
     ASSERT_TRUE(fromPlain) << fromPlain.error().message;
     EXPECT_TRUE(*writeAvatar(*fromPlain) == *writeAvatar(a));
@@ -174,14 +224,19 @@ TEST(AvatarRoundTrip, emptyAvatarOneSplatOneTriangle) {
 
 TEST(AvatarRoundTrip, inspectAddsUpToTheFile) {
     for (bool draco : {true, false}) {
-        auto bytes = writeAvatar(randomAvatar(60, 1), {.draco = draco});
+        const AvatarData avatar = withCorrectives(randomAvatar(60, 1), 1, {.modes = 3, .nodes = 11});
+        auto bytes = writeAvatar(avatar, {.draco = draco});
         ASSERT_TRUE(bytes);
         auto info = inspectAvatar(*bytes);
         ASSERT_TRUE(info) << info.error().message;
         EXPECT_EQ(info->fileBytes, bytes->size());
-        EXPECT_EQ(info->meshBytes + info->splatBytes + info->shBytes + info->clipBytes + info->skinBytes + info->jsonBytes + info->otherBytes, bytes->size());
+        EXPECT_EQ(info->meshBytes + info->splatBytes + info->shBytes + info->correctiveBytes + info->clipBytes + info->skinBytes + info->jsonBytes + info->otherBytes, bytes->size());
         EXPECT_LT(info->otherBytes, 100u);   // headers and padding only
         EXPECT_EQ(info->shBytes, info->splats * 9u);
+        EXPECT_EQ(info->correctiveModes, 3u);
+        EXPECT_EQ(info->correctiveNodes, 11u);
+        // mean and modes of 20 joints, a range a mode, a node and mode, a vertex
+        EXPECT_EQ(info->correctiveBytes, 20 * 6 * 4 * (1 + 3) + 3 * 16 + 11 * 3 * 8 + info->vertices * 12u);
         EXPECT_TRUE(info->hashMatches);
         EXPECT_GT(info->chunks, 2u);
     }

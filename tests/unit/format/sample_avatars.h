@@ -35,6 +35,20 @@ inline AvatarData tinyAvatar() {
     return a;
 }
 
+/** The same with pose correctives of two nodes and two modes: the pinned file of version 2. */
+inline AvatarData tinyCorrectedAvatar() {
+    AvatarData a = tinyAvatar();
+    PoseCorrectiveData& c = a.correctives;
+    c.modeCount = 2, c.nodeCount = 2, c.reach = 1.25f;
+    c.joints = {1};
+    c.mean = {0, 0.125f, 0, -0.25f, 0, 0};
+    c.modes = {1, 0, 0, 0, 0, 0, 0, 0, 0.5f, 0, 0, -0.75f};
+    c.nodeIndices = {{0, 0, 0, 0}, {0, 1, 0, 0}, {1, 0, 0, 0}, {1, 0, 0, 0}};
+    c.nodeWeights = {{255, 0, 0, 0}, {130, 125, 0, 0}, {200, 55, 0, 0}, {255, 0, 0, 0}};
+    c.nodes = {{0.02f, 0, 0, -0.5f}, {0, -0.01f, 0, 0.25f}, {-0.010000305f, 0, 0, 0.25000763f}, {0, 0.0025000763f, 0, 0}};
+    return a;
+}
+
 /** Three layers of wavy grids with skin, splats of every size, and two clips. */
 inline AvatarData randomAvatar(uint32_t seed, uint32_t shDegree, uint32_t joints = 20, uint32_t cells = 12, uint32_t splatsPerTriangle = 4) {
     std::mt19937 random(seed);
