@@ -25,7 +25,7 @@ std::map<std::string, std::vector<uint8_t>> bytesOf(const CoOptimiseResult& r) {
     add("opacity", r.splats.opacity), add("flags", r.splats.flags), add("sh", r.splats.sh), add("rest", r.restPositions);
     for (const Pose& p : r.poses) add("rotations", p.localRotations), add("translations", std::vector<Vec3f>{p.rootTranslation});
     for (const Camerad& c : r.cameras) add("cameras", std::vector<Vec3d>{c.viewFromWorldTranslation, c.viewFromWorldRotation[0]});
-    add("curve", r.curve);
+    add("curve", r.curve), add("nodes", r.correctives.nodes);
     return out;
 }
 
@@ -35,7 +35,9 @@ void expectSame(const CoOptimiseResult& a, const CoOptimiseResult& b) {
 }
 
 std::unique_ptr<CoOptimiser> make(Jobs& jobs, const CoOptimiseSettings& settings, float sway = 0.004f) {
-    auto t = CoOptimiser::create(toyScene(jobs, 8, sway, 0.03f), settings, jobs);
+    CoOptimiseInput input = toyScene(jobs, 8, sway, 0.03f);
+    input.correctives = toyCorrectives(input.mesh);
+    auto t = CoOptimiser::create(std::move(input), settings, jobs);
     EXPECT_TRUE(t) << t.error().message;
     return t ? std::move(*t) : nullptr;
 }
@@ -139,6 +141,32 @@ TEST(CoOptimise, posesAreFoundAgain) {
     };
     const float fixed = run(false), learned = run(true);
     EXPECT_GT(learned, fixed + 1.0f);
+}
+
+TEST(CoOptimise, correctivesAreFoundAgain) {
+    Jobs jobs(2);
+    PoseCorrectiveData truth = toyCorrectives(ballMesh());
+    truth.nodes = {Vec4f(0, 0.02f, 0.01f, 0.4f), Vec4f(0.015f, 0, 0, -0.3f)};
+    double psnr[2] = {};
+    for (const bool learn : {false, true}) {
+        CoOptimiseInput input = toyScene(jobs, 12, 0, 0, 72, truth);
+        if (learn) input.correctives = toyCorrectives(input.mesh);
+        CoOptimiseSettings settings = toySettings(480);
+        settings.learnPoses = false;  // a wrong pose could stand in for an offset
+        settings.rateNodeOffset = 2e-3f;
+        auto t = CoOptimiser::create(std::move(input), settings, jobs);
+        ASSERT_TRUE(t) << t.error().message;
+        ASSERT_TRUE((*t)->run());
+        const CoOptimiseResult r = (*t)->result();
+        psnr[learn] = double(r.curve.back().psnr);
+        if (!learn) continue;
+        for (int n = 0; n < 2; ++n) {
+            EXPECT_NEAR(r.correctives.nodes[size_t(n)].w, truth.nodes[size_t(n)].w, 0.1) << "light of node " << n;
+            for (int a = 0; a < 3; ++a) EXPECT_NEAR(r.correctives.nodes[size_t(n)][a], truth.nodes[size_t(n)][a], 0.006) << "offset of node " << n;
+        }
+    }
+    std::printf("without %.2f dB, with %.2f dB\n", psnr[0], psnr[1]);
+    EXPECT_GT(psnr[1], psnr[0] + 3) << "the pictures cannot be explained without them";
 }
 
 TEST(CoOptimise, cancelStopsAndCanGoOn) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "reconstruction/splat/co_optimise.h"
+#include "sdk/avatar/posed_mesh.h"
 
 namespace dpl::test {
 
@@ -36,8 +37,25 @@ inline std::vector<JointData> twoJoints() {
     return joints;
 }
 
-/** swayM and turn: how far each frame's true pose is from the one that the frame says. */
-inline CoOptimiseInput toyScene(Jobs& jobs, uint32_t frameCount = 8, float swayM = 0, float turn = 0, uint32_t sizePx = 72) {
+/** One mode that follows the upper joint's bend about X, on a node at the top of the ball and one at its bottom; both at zero. */
+inline PoseCorrectiveData toyCorrectives(const MeshData& mesh) {
+    PoseCorrectiveData c;
+    c.modeCount = 1, c.nodeCount = 2, c.joints = {1}, c.reach = 2;
+    c.mean.assign(6, 0.0f);
+    c.modes = {0, 0, 0, 0, 0, 2};  // 2·sin(bend)
+    c.nodeIndices.assign(mesh.restPositions.size(), {0, 1, 0, 0});
+    for (const Vec3f& p : mesh.restPositions) {
+        const int top = int(255 * std::clamp(0.5f + 2.5f * p.y, 0.0f, 1.0f));
+        c.nodeWeights.push_back({uint8_t(top), uint8_t(255 - top), 0, 0});
+    }
+    c.nodes.assign(2, Vec4f(0));
+    return c;
+}
+
+/** swayM and turn: how far each frame's true pose is from the one that the frame says. correctives: what the truth does; then every frame
+ *  is a moving one with a bend of its own. */
+inline CoOptimiseInput toyScene(Jobs& jobs, uint32_t frameCount = 8, float swayM = 0, float turn = 0, uint32_t sizePx = 72,
+                                const PoseCorrectiveData& correctives = {}) {
     CoOptimiseInput in;
     in.joints = twoJoints();
     in.mesh = ballMesh();
@@ -69,17 +87,17 @@ inline CoOptimiseInput toyScene(Jobs& jobs, uint32_t frameCount = 8, float swayM
         f.camera.viewFromWorldRotation = Mat3d(std::cos(a), 0, -std::sin(a), 0, -1, 0, -std::sin(a), 0, -std::cos(a));
         f.camera.viewFromWorldTranslation = {0, 0, distance};
         f.pose = Pose::rest(2);
+        if (!correctives.empty()) {
+            f.kind = FrameKind::Dynamic;
+            f.pose.localRotations[1] = glm::angleAxis(0.5f * std::sin(2.1f * float(k)), Vec3f(1, 0, 0));
+        }
         Pose truth = f.pose;
         truth.rootTranslation = swayM * Vec3f(std::sin(3.0f * k), std::cos(5.0f * k), std::sin(7.0f * k));
         const Vec3f axis = glm::normalize(Vec3f(std::cos(2.0f * k), std::sin(3.0f * k), 0.5f));
-        truth.localRotations[1] = glm::angleAxis(turn, axis);
-        std::vector<Mat3x4f> transforms;
-        std::vector<Vec3f> posed;
-        std::vector<TriangleFrame<float>> frames;
-        jointTransforms(in.joints, truth, transforms);
-        skin(in.mesh, transforms, jobs, posed);
-        poseTriangles(in.mesh, rest, posed, jobs, frames);
-        engine.project(splats.view(), frames, f.camera.cast<float>(), float(kKappaPx2));
+        truth.localRotations[1] = glm::angleAxis(turn, axis) * truth.localRotations[1];
+        PosedMesh posed;
+        posed.pose({in.joints, in.mesh, correctives, rest}, truth, jobs);
+        engine.project(splats.view(), posed.frames(), f.camera.cast<float>(), float(kKappaPx2));
         engine.bin();
         engine.blend(image);
         f.image.widthPx = f.mask.widthPx = f.image.heightPx = f.mask.heightPx = sizePx;
