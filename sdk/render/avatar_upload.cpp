@@ -1,5 +1,6 @@
 #include "sdk/render/avatar_upload.h"
 
+#include "sdk/avatar/pose_correctives.h"
 #include "sdk/math/binding.h"
 #include "sdk/math/sh.h"
 
@@ -11,6 +12,7 @@ static_assert(gpu::kGpuMinTriangleAreaM2 == float(kMinTriangleAreaM2) && gpu::kG
 static_assert(gpu::kGpuMaxAlpha == float(kMaxAlpha) && gpu::kGpuMinAlpha == float(kMinAlpha) && gpu::kGpuMinCompensation == float(kMinCompensation));
 static_assert(gpu::kGpuNearM == float(kNearM) && gpu::kGpuNearFadeEndM == float(kNearFadeEndM) && gpu::kGpuGateEnd == float(kGateEnd));
 static_assert(gpu::kGateFlag == kSplatSingleFace);
+static_assert(gpu::kGpuMinLight == kMinLight && gpu::kGpuMaxLight == kMaxLight);
 
 constexpr uint32_t kMaxJoints = 0xFFFF;
 
@@ -34,6 +36,7 @@ Status checkAvatar(const AvatarData& avatar, const DeviceInfo& device) {
     for (const Triangle& t : mesh.triangles)
         for (int k = 0; k < 3; ++k)
             if (t[k] >= vertices) return fail(Code::InvalidArgument, "avatar {}: a triangle names vertex {} of {}", avatar.name, t[k], vertices);
+    DPL_CHECK_OK(checkCorrectives(avatar.correctives, avatar.joints.size(), vertices));
     if (splats.shDegree > kMaxShDegree) return fail(Code::Unsupported, "avatar {}: SH degree {}, at most {}", avatar.name, splats.shDegree, kMaxShDegree);
     const size_t coefficients = shCoefficientCount(splats.shDegree) * 3;
     if (splats.phi.size() != count || splats.scaleM.size() != count || splats.opacity.size() != count || splats.flags.size() != count ||
@@ -47,18 +50,25 @@ Status checkAvatar(const AvatarData& avatar, const DeviceInfo& device) {
     DPL_CHECK_OK(checkBinding("SH coefficients", count, coefficients * 4, device, "export the avatar with a lower SH degree or fewer splats"));
     DPL_CHECK_OK(checkBinding("projected splats", count, sizeof(gpu::ProjectedSplat) * gpu::kMaxViews, device, "export the avatar with fewer splats"));
     DPL_CHECK_OK(checkBinding("posed triangles", triangles, sizeof(gpu::TriangleFrame), device, "decimate the mesh"));
-    return checkBinding("posed vertices", vertices, sizeof(gpu::VertexRecord), device, "decimate the mesh");
+    return checkBinding("posed vertices", vertices, avatar.correctives.empty() ? sizeof(gpu::VertexRecord) : sizeof(gpu::CorrectedVertexRecord), device, "decimate the mesh");
 }
 
 AvatarRecords packAvatar(const AvatarData& avatar) {
     AvatarRecords out;
     const MeshData& mesh = avatar.mesh;
+    const auto pair = [](uint32_t low, uint32_t high) { return low | high << 16; };
+    const auto bytes = [](const glm::u8vec4& w) { return uint32_t(w.x) | uint32_t(w.y) << 8 | uint32_t(w.z) << 16 | uint32_t(w.w) << 24; };
     for (size_t i = 0; i < mesh.restPositions.size(); ++i) {
         const Vec3f& p = mesh.restPositions[i];
         const auto& j = mesh.jointIndices[i];
         const auto& w = mesh.jointWeights[i];
-        out.vertices.push_back({p.x, p.y, p.z, uint32_t(j.x) | uint32_t(j.y) << 16, uint32_t(j.z) | uint32_t(j.w) << 16,
-                                uint32_t(w.x) | uint32_t(w.y) << 8 | uint32_t(w.z) << 16 | uint32_t(w.w) << 24, 0, 0});
+        if (avatar.correctives.empty()) {
+            out.vertices.push_back({p.x, p.y, p.z, pair(j.x, j.y), pair(j.z, j.w), bytes(w), 0, 0});
+        } else {
+            const auto& n = avatar.correctives.nodeIndices[i];
+            out.correctedVertices.push_back({p.x, p.y, p.z, pair(j.x, j.y), pair(j.z, j.w), bytes(w), pair(n.x, n.y), pair(n.z, n.w),
+                                             bytes(avatar.correctives.nodeWeights[i]), 0, 0, 0});
+        }
     }
     for (const Triangle& t : mesh.triangles) {
         const auto rest = restTriangle<float>(mesh.restPositions[t.x], mesh.restPositions[t.y], mesh.restPositions[t.z]);
@@ -75,6 +85,15 @@ AvatarRecords packAvatar(const AvatarData& avatar) {
         }
     }
     return out;
+}
+
+size_t paletteRows(const AvatarData& avatar) { return avatar.joints.size() * 3 + avatar.correctives.nodeCount; }
+
+void packPalette(std::span<const Mat3x4f> worldFromRest, std::span<const Vec4f> nodes, std::span<gpu::vec4> out) {
+    auto row = out.begin();
+    for (const Mat3x4f& m : worldFromRest)
+        for (int r = 0; r < 3; ++r) *row++ = {m[0][r], m[1][r], m[2][r], m[3][r]};
+    for (const Vec4f& n : nodes) *row++ = {n.x, n.y, n.z, n.w};
 }
 
 gpu::FrameData packFrame(const AvatarData& avatar, std::span<const Cameraf> views) {

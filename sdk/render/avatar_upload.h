@@ -1,6 +1,7 @@
 // An avatar as the GPU reads it: static records packed from AvatarData, checked against the device before any upload.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "sdk/backend/backend.h"
@@ -11,6 +12,7 @@ namespace dpl {
 
 struct AvatarRecords {
     std::vector<gpu::VertexRecord> vertices;
+    std::vector<gpu::CorrectedVertexRecord> correctedVertices;   // instead of `vertices` when the avatar has pose correctives
     std::vector<gpu::TriangleRecord> triangles;
     std::vector<gpu::SplatRecord> splats;
 };
@@ -21,6 +23,10 @@ Status checkAvatar(const AvatarData& avatar, const DeviceInfo& device);
 
 /** The avatar must have passed checkAvatar. */
 AvatarRecords packAvatar(const AvatarData& avatar);
+
+/** The palette of a pose: three rows a joint, then the control nodes. `out` has paletteRows entries; it may be mapped memory. */
+size_t paletteRows(const AvatarData& avatar);
+void packPalette(std::span<const Mat3x4f> worldFromRest, std::span<const Vec4f> nodes, std::span<gpu::vec4> out);
 
 /** What one frame takes from the CPU: the block itself, and the sort axis inside it (mean forward axis of the views). */
 gpu::FrameData packFrame(const AvatarData& avatar, std::span<const Cameraf> views);

@@ -10,6 +10,8 @@ struct FrameIds {
     // sizes
     uint32_t vertexCount = 0, triangleCount = 0, splatCount = 0, shDegree = 0, viewCount = 1;
     uint32_t widthPx = 0, heightPx = 0;   // of one view
+    uint32_t jointCount = 0;
+    bool corrected = false;               // pose correctives: other vertex records, control nodes behind the joints in the palette
     bool layered = true, depth = false, halfColour = false;
 
     // written by the CPU: at load, or (frame, palette) before each run

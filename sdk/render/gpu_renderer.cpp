@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "sdk/avatar/pose_correctives.h"
 #include "sdk/render/avatar_upload.h"
 #include "sdk/render/passes/compact.h"
 #include "sdk/render/passes/draw.h"
@@ -77,15 +78,21 @@ Status GpuRenderer::load(LoadedAvatar& a) {
     const AvatarData& data = *a.data;
     const AvatarRecords records = packAvatar(data);
     FrameIds& ids = a.ids;
-    ids.vertexCount = uint32_t(records.vertices.size());
+    ids.vertexCount = uint32_t(data.mesh.restPositions.size());
+    ids.jointCount = uint32_t(data.joints.size());
+    ids.corrected = !data.correctives.empty();
     ids.triangleCount = uint32_t(records.triangles.size());
     ids.splatCount = uint32_t(records.splats.size());
     ids.shDegree = data.splats.shDegree;
     ids.layered = backend_->info().multiview;
     const uint64_t splats = ids.splatCount;
     DPL_TRY(ids.frame, makeBuffer(a.owned, "frame", sizeof(gpu::FrameData), BufferMemory::Upload));
-    DPL_TRY(ids.palette, makeBuffer(a.owned, "palette", data.joints.size() * 48, BufferMemory::Upload));
-    DPL_TRY(ids.vertices, uploadBuffer<gpu::VertexRecord>(a.owned, "vertices", records.vertices));
+    DPL_TRY(ids.palette, makeBuffer(a.owned, "palette", paletteRows(data) * sizeof(gpu::vec4), BufferMemory::Upload));
+    if (ids.corrected) {
+        DPL_TRY(ids.vertices, uploadBuffer<gpu::CorrectedVertexRecord>(a.owned, "vertices", records.correctedVertices));
+    } else {
+        DPL_TRY(ids.vertices, uploadBuffer<gpu::VertexRecord>(a.owned, "vertices", records.vertices));
+    }
     DPL_TRY(ids.triangles, uploadBuffer<gpu::TriangleRecord>(a.owned, "triangles", records.triangles));
     DPL_TRY(ids.splats, uploadBuffer<gpu::SplatRecord>(a.owned, "splats", records.splats));
     DPL_TRY(ids.sh, uploadBuffer<float>(a.owned, "sh", data.splats.sh));
@@ -178,10 +185,14 @@ Status GpuRenderer::render(RenderAvatarId id, const Pose& pose, std::span<const 
 
     const gpu::FrameData block = packFrame(*avatar.data, views);
     std::memcpy(backend_->mapped(frame->ids.frame).data(), &block, sizeof(block));
-    jointTransforms(avatar.data->joints, pose, palette_);
-    auto* rows = reinterpret_cast<gpu::vec4*>(backend_->mapped(frame->ids.palette).data());
-    for (const Mat3x4f& m : palette_)
-        for (int r = 0; r < 3; ++r) *rows++ = {m[0][r], m[1][r], m[2][r], m[3][r]};
+    jointTransforms(avatar.data->joints, pose, worldFromRest_);
+    const PoseCorrectiveData& correctives = avatar.data->correctives;
+    nodes_.clear();
+    if (!correctives.empty()) {
+        correctiveCoefficients(correctives, pose, coefficients_);
+        correctiveNodes(correctives, coefficients_, nodes_);
+    }
+    packPalette(worldFromRest_, nodes_, {reinterpret_cast<gpu::vec4*>(backend_->mapped(frame->ids.palette).data()), paletteRows(*avatar.data)});
 
     DPL_CHECK_OK(backend_->run(frame->frame));
     copyOut(*frame, out);

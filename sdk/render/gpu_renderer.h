@@ -1,5 +1,5 @@
 // The renderer over any backend. Everything a frame needs is created by addAvatar and by the first frame of a shape
-// (size, number of views, depth or not); a warm frame fills two mapped buffers, runs one recorded frame and copies pixels out.
+// (size, number of views, depth or not); a warm frame fills two mapped buffers (views; joints and control nodes), runs one recorded frame and copies pixels out.
 #pragma once
 
 #include <map>
@@ -59,7 +59,9 @@ private:
     std::string name_;
     bool preciseBlending_;
     std::map<RenderAvatarId, LoadedAvatar> avatars_;
-    std::vector<Mat3x4f> palette_;
+    std::vector<Mat3x4f> worldFromRest_;   // of the last pose, as are these
+    std::vector<float> coefficients_;
+    std::vector<Vec4f> nodes_;
     RenderAvatarId lastId_ = 0;
     uint64_t frameNumber_ = 0;
 };

@@ -1,6 +1,6 @@
-// Real spherical harmonics in the order and sign of sdk/math/sh.h. `d` is a unit vector from the eye to the splat, rest frame.
+// Real spherical harmonics in the order and sign of sdk/math/sh.h. `d` is a unit vector from the eye to the splat, rest frame; `light` multiplies the colour before it is clamped.
 // Coefficients are read through dplSh(k), which the includer defines.
-vec3 dplShColour(vec3 d, uint degree, uint base) {
+vec3 dplShColour(vec3 d, uint degree, uint base, float light) {
     vec3 c = vec3(0.5) + 0.28209479177387814 * dplSh(base, 0u);
     if (degree >= 1u) {
         const float c1 = 0.4886025119029199;
@@ -23,5 +23,5 @@ vec3 dplShColour(vec3 d, uint degree, uint base) {
         c += 1.445305721320277 * d.z * (xx - yy) * dplSh(base, 14u);
         c += -0.5900435899266435 * d.x * (xx - 3.0 * yy) * dplSh(base, 15u);
     }
-    return clamp(c, vec3(0.0), vec3(1.0));
+    return clamp(c * light, vec3(0.0), vec3(1.0));
 }

@@ -1,6 +1,6 @@
 // Every struct that crosses from C++ to a shader or from one pass to the next. Four-byte scalars and 8/16-byte vectors only.
 //
-//   VertexRecord ─skin► vec4 posed ─triangles► TriangleFrame ─project► ProjectedSplat (splat × view) + sort depth
+//   VertexRecord ─skin► vec4 posed (w: brightness) ─triangles► TriangleFrame ─project► ProjectedSplat (splat × view) + sort depth
 //                                                            └─colour► ProjectedSplat.colour
 //   sort depth ─compact► uvec2 (key, splat) ─sort► the same, near first ─draw► pixels
 #ifndef DPL_SHARED_FRAME_H
@@ -35,6 +35,18 @@ struct VertexRecord {         // static, per vertex
 };
 DPL_SHARED_SIZE(VertexRecord, 32)
 
+struct CorrectedVertexRecord {  // instead of VertexRecord in avatars with pose correctives
+    float restX, restY, restZ;
+    uint joints01;            // u16 pairs
+    uint joints23;
+    uint weights;             // 4 x unorm8, sum 255
+    uint nodes01;             // control nodes, u16 pairs
+    uint nodes23;
+    uint nodeWeights;         // 4 x unorm8, sum 255
+    uint pad0, pad1, pad2;
+};
+DPL_SHARED_SIZE(CorrectedVertexRecord, 48)
+
 struct TriangleRecord {       // static, per triangle; frame and D⁻¹ of the rest triangle (binding.h)
     vec4 restT1;              // w: i00
     vec4 restT2;              // w: i01
@@ -43,15 +55,15 @@ struct TriangleRecord {       // static, per triangle; frame and D⁻¹ of the r
 };
 DPL_SHARED_SIZE(TriangleRecord, 64)
 
-struct TriangleFrame {        // per triangle and frame; w components carry the unit normal and the valid flag
+struct TriangleFrame {        // per triangle and frame; w components carry the valid flag, the unit normal and brightness
     vec4 v0;                  // w: 1 = draw its splats
     vec4 v1;                  // w: normal x
     vec4 v2;                  // w: normal y
     vec4 f0;                  // first column of F; w: normal z
     vec4 f1;                  // second column of F
-    vec4 worldFromRest0;      // columns of the polar rotation
-    vec4 worldFromRest1;
-    vec4 worldFromRest2;
+    vec4 worldFromRest0;      // columns of the polar rotation; w: brightness at corner 0
+    vec4 worldFromRest1;      // w: at corner 1
+    vec4 worldFromRest2;      // w: at corner 2
 };
 DPL_SHARED_SIZE(TriangleFrame, 128)
 
@@ -86,7 +98,7 @@ struct FrameCounts {          // written by the GPU for itself; the indirect arg
 };
 DPL_SHARED_SIZE(FrameCounts, 64)
 
-struct VertexPush { uint vertexCount; };
+struct VertexPush { uint vertexCount; uint firstNode; };  // control nodes in the palette, behind the joints' rows
 struct TrianglePush { uint triangleCount; };
 struct SplatPush { uint splatCount; uint viewCount; };
 struct ColourPush { uint splatCount; uint viewCount; uint shDegree; uint shStride; };  // stride in floats per splat

@@ -1,5 +1,5 @@
 // Work sizes and numbers that C++ and GLSL must agree on. The footprint constants equal those of sdk/math/projection.h and
-// binding.h; sdk/render/shared_checks.cpp holds them together.
+// binding.h, brightness those of sdk/avatar/pose_correctives.h; sdk/render/avatar_upload.cpp holds them together.
 #ifndef DPL_SHARED_LIMITS_H
 #define DPL_SHARED_LIMITS_H
 #include "shaders/shared/shim.h"
@@ -34,6 +34,8 @@ DPL_CONST float kGpuMinCompensation = 0.005;
 DPL_CONST float kGpuNearM = 0.05;
 DPL_CONST float kGpuNearFadeEndM = 0.15;
 DPL_CONST float kGpuGateEnd = 0.1;
+DPL_CONST float kGpuMinLight = 0.2;
+DPL_CONST float kGpuMaxLight = 3.0;
 
 DPL_SHARED_END
 #endif

@@ -6,16 +6,19 @@
 #include <cstring>
 
 #include "sdk/render/avatar_upload.h"
-#include "sdk/avatar/rig.h"
+#include "sdk/avatar/pose_correctives.h"
 #include "tests/reference/image_compare.h"
 #include "tests/reference/reference_renderer.h"
+#include "tests/unit/format/sample_correctives.h"
 #include "tests/unit/render/tube_avatar.h"
 
 #define DPL_MSL(name) bool name(void* const* buffers, unsigned groups, int order)
 DPL_MSL(msl_skin);
+DPL_MSL(msl_skin_corrected);
 DPL_MSL(msl_triangles);
 DPL_MSL(msl_project);
 DPL_MSL(msl_colour);
+DPL_MSL(msl_colour_lit);
 DPL_MSL(msl_compact_count);
 DPL_MSL(msl_compact_scan);
 DPL_MSL(msl_compact_args);
@@ -60,22 +63,27 @@ MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Ca
     gpu::FrameData frame = packFrame(avatar, views);
     std::vector<Mat3x4f> joints;
     jointTransforms(avatar.joints, pose, joints);
-    std::vector<gpu::vec4> palette;
-    for (const Mat3x4f& m : joints)
-        for (int r = 0; r < 3; ++r) palette.push_back({m[0][r], m[1][r], m[2][r], m[3][r]});
+    const bool corrected = !avatar.correctives.empty();
+    std::vector<float> coefficients;
+    std::vector<Vec4f> nodes;
+    if (corrected) correctiveCoefficients(avatar.correctives, pose, coefficients), correctiveNodes(avatar.correctives, coefficients, nodes);
+    std::vector<gpu::vec4> palette(paletteRows(avatar));
+    packPalette(joints, nodes, palette);
     MslFrame out;
     const uint32_t splats = uint32_t(records.splats.size()), viewCount = uint32_t(views.size()), blocks = groupsFor(splats, gpu::kCompactBlock);
-    std::vector<gpu::vec4> posed(records.vertices.size());
+    std::vector<gpu::vec4> posed(avatar.mesh.restPositions.size());
     std::vector<gpu::TriangleFrame> frames(records.triangles.size());
     std::vector<uint32_t> depth(splats), sums(blocks + 1);
     std::vector<float> sh = avatar.splats.sh;
     out.projected.resize(size_t(splats) * viewCount);
     out.compacted.resize(splats);
-    run(msl_skin, groupsFor(posed.size(), gpu::kVertexGroup), order, {&frame, palette.data(), records.vertices.data(), posed.data(), &out.counts}, gpu::VertexPush{uint32_t(posed.size())});
+    void* vertices = corrected ? static_cast<void*>(records.correctedVertices.data()) : records.vertices.data();
+    run(corrected ? msl_skin_corrected : msl_skin, groupsFor(posed.size(), gpu::kVertexGroup), order, {&frame, palette.data(), vertices, posed.data(), &out.counts},
+        gpu::VertexPush{uint32_t(posed.size()), uint32_t(3 * joints.size())});
     run(msl_triangles, groupsFor(frames.size(), gpu::kVertexGroup), order, {records.triangles.data(), posed.data(), frames.data()}, gpu::TrianglePush{uint32_t(frames.size())});
     run(msl_project, groupsFor(splats, gpu::kSplatGroup), order, {&frame, records.splats.data(), frames.data(), out.projected.data(), depth.data()}, gpu::SplatPush{splats, viewCount});
     const uint32_t degree = avatar.splats.shDegree;
-    run(msl_colour, groupsFor(splats, gpu::kSplatGroup), order, {&frame, records.splats.data(), frames.data(), sh.data(), out.projected.data()},
+    run(corrected ? msl_colour_lit : msl_colour, groupsFor(splats, gpu::kSplatGroup), order, {&frame, records.splats.data(), frames.data(), sh.data(), out.projected.data()},
         gpu::ColourPush{splats, viewCount, degree, (degree + 1) * (degree + 1) * 3});
     const gpu::CompactPush push{splats, blocks};
     run(msl_compact_count, blocks, order, {depth.data(), sums.data()}, push);
@@ -111,8 +119,7 @@ std::vector<double> blend(const MslFrame& f, const Cameraf& camera, uint32_t vie
     return rgb;
 }
 
-TEST(MetalFrame, kernelsFromSkinningToSortMatchTheReference) {
-    const AvatarData avatar = makeTube({.splatsPerTriangle = 4, .shDegree = 3});
+void expectKernelsMatchTheReference(const AvatarData& avatar) {
     const Pose pose = tubePose(0.9f, 0.4f);
     const Cameraf views[2] = {tubeCamera(96, 96, 0.6f, 1.6f, -0.03f), tubeCamera(96, 96, 0.6f, 1.6f, 0.03f)};
     MslFrame first;
@@ -135,6 +142,16 @@ TEST(MetalFrame, kernelsFromSkinningToSortMatchTheReference) {
         EXPECT_GT(coverage(want.alpha), 0.05);
         EXPECT_GE(d.psnrDb, 50);  // what is left is the 16-bit key: equal keys keep splat order
     }
+}
+
+TEST(MetalFrame, kernelsFromSkinningToSortMatchTheReference) { expectKernelsMatchTheReference(makeTube({.splatsPerTriangle = 4, .shDegree = 3})); }
+
+TEST(MetalFrame, kernelsMoveAndLightAnAvatarWithCorrectives) {
+    const AvatarData plain = makeTube({.splatsPerTriangle = 4, .shDegree = 3});
+    const AvatarData corrected = test::withCorrectives(plain, 2, {.nodes = 9, .offsetM = 0.04f, .light = 1, .reach = 1});
+    const ReferenceCamera camera = referenceCamera(tubeCamera(96, 96, 0.6f));
+    EXPECT_LT(compareImages(renderReference(plain, tubePose(0.9f, 0.4f), camera).rgb, renderReference(corrected, tubePose(0.9f, 0.4f), camera).rgb).psnrDb, 35);
+    expectKernelsMatchTheReference(corrected);
 }
 
 TEST(MetalFrame, sortIsStableAcrossBlocksAndTies) {

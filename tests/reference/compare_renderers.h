@@ -21,9 +21,11 @@ struct EngineInput {
     uint32_t shDegree = 0;
 
     explicit EngineInput(const ReferenceScene& scene) : shDegree(scene.shDegree) {
-        for (const glm::uvec3& t : scene.triangles)
+        for (const glm::uvec3& t : scene.triangles) {
             frames.push_back(poseTriangle(restTriangle(Vec3f(scene.rest[t.x]), Vec3f(scene.rest[t.y]), Vec3f(scene.rest[t.z])),
                                           Vec3f(scene.posed[t.x]), Vec3f(scene.posed[t.y]), Vec3f(scene.posed[t.z])));
+            if (!scene.light.empty()) frames.back().light = Vec3f(scene.light[t.x], scene.light[t.y], scene.light[t.z]);
+        }
         for (const ReferenceBoundSplat& s : scene.splats) {
             triangle.push_back(s.triangle), uv.emplace_back(s.uv), phi.push_back(float(s.phi)), scaleM.emplace_back(s.scaleM);
             opacity.push_back(float(s.opacity)), flags.push_back(s.flags);

@@ -1,4 +1,5 @@
-// Skinning and binding in double precision.
+// Pose correctives, skinning and binding in double precision.
+#include <algorithm>
 #include <cmath>
 
 #include "tests/reference/reference_renderer.h"
@@ -7,6 +8,7 @@ namespace dpl {
 namespace {
 
 constexpr double kMinAreaM2 = 1e-10, kMaxAspect = 1e4;
+constexpr double kDarkest = 0.2, kBrightest = 3;
 
 /** Rotation part of J = Q·S by Newton's iteration Q ← ½(Q + Q⁻ᵀ); J must have a positive determinant. */
 glm::dmat3 polarRotation(const glm::dmat3& j) {
@@ -48,15 +50,54 @@ std::vector<glm::dmat4> referenceJointTransforms(const std::vector<JointData>& j
     return world;
 }
 
+std::vector<double> referenceCoefficients(const PoseCorrectiveData& c, const Pose& pose) {
+    std::vector<double> heard;
+    for (const uint32_t joint : c.joints) {
+        const glm::dmat3 turned = rotationOf(pose.localRotations[joint]) - glm::dmat3(1);
+        for (int column = 0; column < 2; ++column)
+            for (int row = 0; row < 3; ++row) heard.push_back(turned[column][row] - double(c.mean[heard.size()]));
+    }
+    std::vector<double> k(c.modeCount, 0.0);
+    double squares = 0;
+    for (size_t i = 0; i < k.size(); ++i) {
+        for (size_t f = 0; f < heard.size(); ++f) k[i] += double(c.modes[i * heard.size() + f]) * heard[f];
+        squares += k[i] * k[i];
+    }
+    const double shorter = std::min(1.0, double(c.reach) / std::sqrt(squares));   // k = 0: reach/0 is infinite, and 1 is taken
+    for (double& x : k) x *= shorter;
+    return k;
+}
+
+ReferenceCorrection referenceCorrection(const AvatarData& avatar, const Pose& pose) {
+    const size_t vertices = avatar.mesh.restPositions.size();
+    ReferenceCorrection out{std::vector<glm::dvec3>(vertices, glm::dvec3(0)), std::vector<double>(vertices, 1.0)};
+    const PoseCorrectiveData& c = avatar.correctives;
+    if (c.nodeCount == 0) return out;
+    const std::vector<double> k = referenceCoefficients(c, pose);
+    for (size_t v = 0; v < vertices; ++v) {
+        for (int slot = 0; slot < 4; ++slot)
+            for (uint32_t i = 0; i < c.modeCount; ++i) {
+                const glm::dvec4 value(c.nodes[size_t(c.nodeIndices[v][slot]) * c.modeCount + i]);
+                const double share = k[i] * double(c.nodeWeights[v][slot]) / 255.0;
+                out.offset[v] += share * glm::dvec3(value);
+                out.light[v] += share * value.w;
+            }
+        out.light[v] = std::clamp(out.light[v], kDarkest, kBrightest);
+    }
+    return out;
+}
+
 std::vector<glm::dvec3> referenceSkin(const AvatarData& avatar, const Pose& pose) {
     const std::vector<glm::dmat4> joints = referenceJointTransforms(avatar.joints, pose);
     const MeshData& mesh = avatar.mesh;
+    const ReferenceCorrection correction = referenceCorrection(avatar, pose);
     std::vector<glm::dvec3> positions(mesh.restPositions.size());
     for (size_t v = 0; v < positions.size(); ++v) {
         glm::dvec4 sum(0);
+        const glm::dvec4 rest(glm::dvec3(mesh.restPositions[v]) + correction.offset[v], 1);
         for (int k = 0; k < 4; ++k) {
             const double weight = double(mesh.jointWeights[v][k]) / 255.0;
-            if (weight > 0) sum += weight * (joints[mesh.jointIndices[v][k]] * glm::dvec4(glm::dvec3(mesh.restPositions[v]), 1));
+            if (weight > 0) sum += weight * (joints[mesh.jointIndices[v][k]] * rest);
         }
         positions[v] = glm::dvec3(sum);
     }
@@ -67,6 +108,7 @@ ReferenceScene sceneOf(const AvatarData& avatar, const Pose& pose) {
     ReferenceScene scene;
     for (const Vec3f& p : avatar.mesh.restPositions) scene.rest.emplace_back(p);
     scene.posed = referenceSkin(avatar, pose);
+    if (avatar.correctives.nodeCount) scene.light = referenceCorrection(avatar, pose).light;
     scene.triangles = avatar.mesh.triangles;
     scene.shDegree = avatar.splats.shDegree;
     const SplatData& s = avatar.splats;
@@ -107,6 +149,7 @@ ReferenceGaussian referenceGaussian(const ReferenceScene& scene, const Reference
     g.cloth = splat.flags & kSplatCloth;
     g.shDegree = scene.shDegree;
     g.sh = splat.sh;
+    if (!scene.light.empty()) g.light = (1 - splat.uv.x - splat.uv.y) * scene.light[t.x] + splat.uv.x * scene.light[t.y] + splat.uv.y * scene.light[t.z];
     g.valid = true;
     return g;
 }

@@ -80,6 +80,7 @@ ReferenceFootprint projectReference(const ReferenceGaussian& splat, const Refere
     f.colour = glm::dvec3(0.5);
     for (size_t k = 0; k < basis.size(); ++k)
         for (int c = 0; c < 3; ++c) f.colour[c] += basis[k] * splat.sh[k * 3 + size_t(c)];
+    f.colour *= splat.light;
     if (options.clampColour) f.colour = glm::clamp(f.colour, 0.0, 1.0);
     f.cloth = splat.cloth;
     f.visible = true;

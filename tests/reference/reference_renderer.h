@@ -1,4 +1,5 @@
-// The referee (technical reference §1, §5.1, §5.5, §14.2, §17): skinning, binding, projection, SH and blending in double precision.
+// The referee (technical reference §1, §5.1, §5.5, §6–§8, §14.2, §17): pose correctives, skinning, binding, projection, SH and blending in
+// double precision.
 //
 // It reads the plain structs of sdk/format and sdk/avatar but calls nothing of sdk/math or sdk/splat. Units are metres, radians and
 // pixels; pixel (i, j) has its centre at (i + 0.5, j + 0.5); everything is single-threaded, pure and slow.
@@ -51,6 +52,7 @@ struct ReferenceGaussian {
     bool singleFace = false, cloth = false, valid = true;
     uint32_t shDegree = 0;
     std::vector<double> sh;          // (degree+1)²·3, coefficient-major
+    double light = 1;                // brightness L: multiplies the colour before it is clamped
 };
 
 /** What one splat is in one view. visible is false behind the near plane (0.05 m) or for numbers that are not finite. */
@@ -84,7 +86,8 @@ struct ReferenceBoundSplat {
 
 /** A posed avatar with double numbers everywhere. */
 struct ReferenceScene {
-    std::vector<glm::dvec3> rest, posed;   // V
+    std::vector<glm::dvec3> rest, posed;   // V; rest: what splats are bound to, without correctives
+    std::vector<double> light;             // V, brightness; empty: 1
     std::vector<glm::uvec3> triangles;
     std::vector<ReferenceBoundSplat> splats;
     uint32_t shDegree = 0;
@@ -92,6 +95,17 @@ struct ReferenceScene {
 
 /** G_j = G_parent·[R_j | p_j − R_j p_j] with the root shifted by pose.rootTranslation; rotations are normalised. */
 std::vector<glm::dmat4> referenceJointTransforms(const std::vector<JointData>& joints, const Pose& pose);
+
+/** k of a pose: two columns of each heard joint's rotation minus the identity's, minus the mean, on the modes, shortened to `reach`. */
+std::vector<double> referenceCoefficients(const PoseCorrectiveData& correctives, const Pose& pose);
+/** Offset of the rest surface (metres) and brightness of each vertex, L in [0.2, 3]; zeros and ones without correctives. */
+struct ReferenceCorrection {
+    std::vector<glm::dvec3> offset;
+    std::vector<double> light;
+};
+ReferenceCorrection referenceCorrection(const AvatarData& avatar, const Pose& pose);
+
+/** Skins the corrected rest surface. */
 std::vector<glm::dvec3> referenceSkin(const AvatarData& avatar, const Pose& pose);
 ReferenceScene sceneOf(const AvatarData& avatar, const Pose& pose);
 

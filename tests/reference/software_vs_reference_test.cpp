@@ -1,6 +1,8 @@
 // The software renderer against the referee on random meshes, splats, poses and views.
 #include "tests/reference/compare_renderers.h"
 #include "tests/reference/random_avatar.h"
+#include "sdk/avatar/posed_mesh.h"
+#include "tests/unit/format/sample_correctives.h"
 
 namespace dpl {
 namespace {
@@ -20,6 +22,63 @@ TEST(SoftwareVsReference, randomAvatarsPosesAndViews) {
         ASSERT_GT(coverage(reference.alpha), 0.1);
         expectSameImage(("avatar " + std::to_string(seed)).c_str(), drawSoftware(scene, camera), reference, kBarDb);
     }
+}
+
+/** The whole way from a pose, as the product goes it: correctives and skinning in float too. */
+SplatImage drawPosed(const AvatarData& avatar, const Pose& pose, const Cameraf& camera, PosedMesh& mesh) {
+    Jobs jobs(2);
+    const std::vector<RestTriangle<float>> bind = restTriangles(avatar.mesh);
+    mesh.pose({avatar.joints, avatar.mesh, avatar.correctives, bind}, pose, jobs);
+    SplatEngine engine(jobs);
+    const EngineInput splats(sceneOf(avatar, pose));
+    SplatImage image;
+    engine.project(splats.view(), mesh.frames(), camera, avatar.kappaPx2, avatar.compensated);
+    engine.bin();
+    engine.blend(image, {.cloth = true, .depth = true});
+    return image;
+}
+
+TEST(SoftwareVsReference, correctivesMoveAndLightTheSurface) {
+    struct Case { const char* name; test::CorrectiveOptions options; bool beyondReach; };
+    const Case cases[] = {{"correctives, short pose", {.light = 0.2f, .reach = 100}, false}, {"correctives, beyond reach", {.modes = 7, .light = 0.8f, .reach = 0.6f}, true},
+                          {"correctives, light clamped", {.modes = 2, .nodes = 30, .light = 2, .reach = 3}, false}};
+    double darkest = 1, brightest = 1;
+    for (uint32_t seed = 1; seed <= 3; ++seed) {
+        const Case& c = cases[seed - 1];
+        const AvatarData avatar = test::withCorrectives(randomAvatar(seed, 8, 4, seed), seed + 10, c.options);
+        const Pose pose = randomPose(avatar, seed);
+        const Cameraf camera = lookAt({1.2f, 1.2f, -1.2f}, {0, 1, 0}, 150 + 7 * seed, 200 - 9 * seed, 180);
+        const ReferenceScene scene = sceneOf(avatar, pose);
+        const ReferenceImage reference = renderReference(scene, referenceCamera(camera));
+        ASSERT_GT(coverage(reference.alpha), 0.1);
+        PosedMesh mesh;
+        expectSameImage(c.name, drawPosed(avatar, pose, camera, mesh), reference, kBarDb);
+
+        double positionError = 0, lightError = 0, farthest = 0;
+        AvatarData plain = avatar;
+        plain.correctives = {};
+        const std::vector<glm::dvec3> uncorrected = referenceSkin(plain, pose);
+        for (size_t v = 0; v < scene.posed.size(); ++v) {
+            positionError = std::max(positionError, glm::length(glm::dvec3(mesh.positions()[v]) - scene.posed[v]));
+            lightError = std::max(lightError, std::abs(double(mesh.light()[v]) - scene.light[v]));
+            farthest = std::max(farthest, glm::length(uncorrected[v] - scene.posed[v]));
+            darkest = std::min(darkest, scene.light[v]), brightest = std::max(brightest, scene.light[v]);
+        }
+        std::printf("%-34s moved up to %.1f mm; error of positions %.1e m, of light %.1e\n", "", farthest * 1e3, positionError, lightError);
+        EXPECT_GT(farthest, 0.005);
+        EXPECT_LT(positionError, 2e-6);   // a few float roundings at 1 to 2 m
+        EXPECT_LT(lightError, 5e-6);
+        AvatarData unlimited = avatar;
+        unlimited.correctives.reach = 1e6f;
+        const std::vector<double> k = referenceCoefficients(unlimited.correctives, pose);
+        double squares = 0;
+        for (const double x : k) squares += x * x;
+        EXPECT_EQ(std::sqrt(squares) > avatar.correctives.reach, c.beyondReach) << c.name << ": " << std::sqrt(squares);
+        // The picture depends on it: without correctives it is another one.
+        EXPECT_LT(compareImages(renderReference(plain, pose, referenceCamera(camera)).rgb, reference.rgb).psnrDb, 35);
+    }
+    EXPECT_EQ(darkest, 0.2);
+    EXPECT_EQ(brightest, 3.0);
 }
 
 TEST(SoftwareVsReference, randomStaticSplatsOfEveryShDegree) {

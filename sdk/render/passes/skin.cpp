@@ -3,12 +3,12 @@
 namespace dpl {
 
 void addSkin(FramePlan& plan, const FrameIds& ids) {
-    plan.compute("pose.skin", "skin")
+    plan.compute("pose.skin", ids.corrected ? "skin.corrected" : "skin")
         .uniform(ids.frame)
         .reads(ids.palette, ids.vertices)
         .writes(ids.posed)
         .updates(ids.counts)
-        .push(gpu::VertexPush{ids.vertexCount})
+        .push(gpu::VertexPush{ids.vertexCount, 3 * ids.jointCount})
         .threads(ids.vertexCount);
 }
 

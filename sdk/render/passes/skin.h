@@ -5,7 +5,7 @@
 
 namespace dpl {
 
-/** Palette and rest vertices to posed vertices and their extent along the sort axis. The extent must be 0 before. */
+/** Palette and rest vertices to posed vertices with their brightness, and their extent along the sort axis. The extent must be 0 before. */
 void addSkin(FramePlan& plan, const FrameIds& ids);
 
 }  // namespace dpl

@@ -1,4 +1,5 @@
 // SH colour of every splat for the views that show it. The direction is turned into the rest frame of the splat's triangle.
+// DPL_LIT: multiplied by the brightness that the pose gives its triangle.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -26,6 +27,12 @@ void main() {
         vec3 world = normalize(centre - frame.views[v].eyeWorld.xyz);
         vec3 rest = vec3(dot(triangles[parent].worldFromRest0.xyz, world), dot(triangles[parent].worldFromRest1.xyz, world),
                          dot(triangles[parent].worldFromRest2.xyz, world));
-        projected[slot].colour.rgb = dplShColour(rest, push.shDegree, index * push.shStride);
+#ifdef DPL_LIT
+        vec3 corner = vec3(triangles[parent].worldFromRest0.w, triangles[parent].worldFromRest1.w, triangles[parent].worldFromRest2.w);
+        float light = corner.x + s.uv.x * (corner.y - corner.x) + s.uv.y * (corner.z - corner.x);
+#else
+        const float light = 1.0;
+#endif
+        projected[slot].colour.rgb = dplShColour(rest, push.shDegree, index * push.shStride, light);
     }
 }

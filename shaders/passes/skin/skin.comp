@@ -1,4 +1,5 @@
 // Poses every vertex with its four unorm8 weights and keeps the posed extent along the sort axis, the range of the depth keys.
+// DPL_CORRECTED: the control nodes of the pose move the rest position first and give the vertex its brightness (sdk/avatar/pose_correctives.h).
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -6,8 +7,12 @@
 layout(local_size_x = 128) in;  // kVertexGroup
 
 layout(std140, binding = 0) uniform FrameBlock { FrameData frame; };
-layout(std430, binding = 1) readonly buffer PaletteBlock { vec4 palette[]; };  // three rows of G_j a joint
+layout(std430, binding = 1) readonly buffer PaletteBlock { vec4 palette[]; };  // three rows of G_j a joint, then a vec4 a control node
+#ifdef DPL_CORRECTED
+layout(std430, binding = 2) readonly buffer VertexBlock { CorrectedVertexRecord vertices[]; };
+#else
 layout(std430, binding = 2) readonly buffer VertexBlock { VertexRecord vertices[]; };
+#endif
 layout(std430, binding = 3) writeonly buffer PosedBlock { vec4 posed[]; };
 layout(std430, binding = 4) buffer CountsBlock { FrameCounts counts; };
 layout(push_constant) uniform PushBlock { VertexPush push; };
@@ -20,6 +25,10 @@ void addJoint(inout vec3 sum, vec4 rest, uint joint, uint weight) {
     sum += w * vec3(dot(palette[joint * 3u], rest), dot(palette[joint * 3u + 1u], rest), dot(palette[joint * 3u + 2u], rest));
 }
 
+#ifdef DPL_CORRECTED
+vec4 nodeShare(uint node, uint weight) { return float(weight) * (1.0 / 255.0) * palette[push.firstNode + node]; }
+#endif
+
 void main() {
     uint lane = gl_LocalInvocationIndex;
     uint vertex = gl_WorkGroupID.x * kVertexGroup + lane;
@@ -29,14 +38,23 @@ void main() {
     }
     barrier();
     if (vertex < push.vertexCount) {
+#ifdef DPL_CORRECTED
+        CorrectedVertexRecord v = vertices[vertex];
+        vec4 correction = nodeShare(v.nodes01 & 0xFFFFu, v.nodeWeights & 0xFFu) + nodeShare(v.nodes01 >> 16u, (v.nodeWeights >> 8u) & 0xFFu) +
+                          nodeShare(v.nodes23 & 0xFFFFu, (v.nodeWeights >> 16u) & 0xFFu) + nodeShare(v.nodes23 >> 16u, v.nodeWeights >> 24u);
+        vec4 rest = vec4(vec3(v.restX, v.restY, v.restZ) + correction.xyz, 1.0);
+        float light = clamp(1.0 + correction.w, kGpuMinLight, kGpuMaxLight);
+#else
         VertexRecord v = vertices[vertex];
         vec4 rest = vec4(v.restX, v.restY, v.restZ, 1.0);
+        const float light = 1.0;
+#endif
         vec3 p = vec3(0.0);
         addJoint(p, rest, v.joints01 & 0xFFFFu, v.weights & 0xFFu);
         addJoint(p, rest, v.joints01 >> 16u, (v.weights >> 8u) & 0xFFu);
         addJoint(p, rest, v.joints23 & 0xFFFFu, (v.weights >> 16u) & 0xFFu);
         addJoint(p, rest, v.joints23 >> 16u, v.weights >> 24u);
-        posed[vertex] = vec4(p, 1.0);
+        posed[vertex] = vec4(p, light);
         uint depth = dplOrderedBits(dot(frame.sortAxis.xyz, p));
         atomicMax(groupMax, depth);
         atomicMax(groupMinInverted, ~depth);

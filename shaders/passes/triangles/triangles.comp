@@ -13,7 +13,8 @@ void main() {
     uint index = gl_GlobalInvocationID.x;
     if (index >= push.triangleCount) return;
     TriangleRecord rest = triangles[index];
-    vec3 v0 = posed[rest.corners.x].xyz, v1 = posed[rest.corners.y].xyz, v2 = posed[rest.corners.z].xyz;
+    vec4 corner0 = posed[rest.corners.x], corner1 = posed[rest.corners.y], corner2 = posed[rest.corners.z];  // w: brightness
+    vec3 v0 = corner0.xyz, v1 = corner1.xyz, v2 = corner2.xyz;
     TriangleFrame f;
     f.v0 = vec4(v0, 0.0);
     f.v1 = vec4(v1, 0.0);
@@ -39,9 +40,9 @@ void main() {
         f.v2.w = normal.y;
         f.f0 = vec4(f0, normal.z);
         f.f1 = vec4(f1, 0.0);
-        f.worldFromRest0 = vec4(worldFromRest[0], 0.0);
-        f.worldFromRest1 = vec4(worldFromRest[1], 0.0);
-        f.worldFromRest2 = vec4(worldFromRest[2], 0.0);
+        f.worldFromRest0 = vec4(worldFromRest[0], corner0.w);
+        f.worldFromRest1 = vec4(worldFromRest[1], corner1.w);
+        f.worldFromRest2 = vec4(worldFromRest[2], corner2.w);
     }
     frames[index] = f;
 }

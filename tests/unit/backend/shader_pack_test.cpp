@@ -43,6 +43,10 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
     expectLayout("FrameData", sizeof(FrameData), {DPL_AT(FrameData, views), DPL_AT(FrameData, sortAxis), DPL_AT(FrameData, target), DPL_AT(FrameData, counts)});
     expectLayout("VertexRecord", sizeof(VertexRecord), {DPL_AT(VertexRecord, restX), DPL_AT(VertexRecord, restY), DPL_AT(VertexRecord, restZ), DPL_AT(VertexRecord, joints01),
                                                         DPL_AT(VertexRecord, joints23), DPL_AT(VertexRecord, weights), DPL_AT(VertexRecord, pad0), DPL_AT(VertexRecord, pad1)});
+    expectLayout("CorrectedVertexRecord", sizeof(CorrectedVertexRecord), {DPL_AT(CorrectedVertexRecord, restX), DPL_AT(CorrectedVertexRecord, restY), DPL_AT(CorrectedVertexRecord, restZ),
+                                                        DPL_AT(CorrectedVertexRecord, joints01), DPL_AT(CorrectedVertexRecord, joints23), DPL_AT(CorrectedVertexRecord, weights),
+                                                        DPL_AT(CorrectedVertexRecord, nodes01), DPL_AT(CorrectedVertexRecord, nodes23), DPL_AT(CorrectedVertexRecord, nodeWeights),
+                                                        DPL_AT(CorrectedVertexRecord, pad0), DPL_AT(CorrectedVertexRecord, pad1), DPL_AT(CorrectedVertexRecord, pad2)});
     expectLayout("TriangleRecord", sizeof(TriangleRecord), {DPL_AT(TriangleRecord, restT1), DPL_AT(TriangleRecord, restT2), DPL_AT(TriangleRecord, restNormal), DPL_AT(TriangleRecord, corners)});
     expectLayout("TriangleFrame", sizeof(TriangleFrame), {DPL_AT(TriangleFrame, v0), DPL_AT(TriangleFrame, v1), DPL_AT(TriangleFrame, v2), DPL_AT(TriangleFrame, f0), DPL_AT(TriangleFrame, f1),
                                                           DPL_AT(TriangleFrame, worldFromRest0), DPL_AT(TriangleFrame, worldFromRest1), DPL_AT(TriangleFrame, worldFromRest2)});
@@ -54,7 +58,7 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
                                                       DPL_AT(FrameCounts, sortGroupsY), DPL_AT(FrameCounts, sortGroupsZ), DPL_AT(FrameCounts, pad2), DPL_AT(FrameCounts, drawVertices),
                                                       DPL_AT(FrameCounts, drawInstances), DPL_AT(FrameCounts, drawFirstVertex), DPL_AT(FrameCounts, drawFirstInstance), DPL_AT(FrameCounts, depthMaxBits),
                                                       DPL_AT(FrameCounts, depthMinBitsInverted), DPL_AT(FrameCounts, pad3), DPL_AT(FrameCounts, pad4)});
-    expectLayout("VertexPush", sizeof(VertexPush), {DPL_AT(VertexPush, vertexCount)});
+    expectLayout("VertexPush", sizeof(VertexPush), {DPL_AT(VertexPush, vertexCount), DPL_AT(VertexPush, firstNode)});
     expectLayout("TrianglePush", sizeof(TrianglePush), {DPL_AT(TrianglePush, triangleCount)});
     expectLayout("SplatPush", sizeof(SplatPush), {DPL_AT(SplatPush, splatCount), DPL_AT(SplatPush, viewCount)});
     expectLayout("ColourPush", sizeof(ColourPush), {DPL_AT(ColourPush, splatCount), DPL_AT(ColourPush, viewCount), DPL_AT(ColourPush, shDegree), DPL_AT(ColourPush, shStride)});
@@ -66,7 +70,7 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
 }
 
 TEST(ShaderPack, workgroupsAreThoseThatTheSharedLimitsName) {
-    const std::map<std::string, uint32_t> want = {{"skin", gpu::kVertexGroup}, {"triangles", gpu::kVertexGroup}, {"project", gpu::kSplatGroup}, {"colour", gpu::kSplatGroup},
+    const std::map<std::string, uint32_t> want = {{"skin", gpu::kVertexGroup}, {"skin.corrected", gpu::kVertexGroup}, {"triangles", gpu::kVertexGroup}, {"project", gpu::kSplatGroup}, {"colour", gpu::kSplatGroup}, {"colour.lit", gpu::kSplatGroup},
                                                   {"compact.count", gpu::kScanGroup}, {"compact.scan", gpu::kScanGroup}, {"compact.args", 1}, {"compact.scatter", gpu::kScanGroup},
                                                   {"sort.count", gpu::kSortGroup}, {"sort.scatter", gpu::kSortGroup}};
     for (const Shader& shader : embedded().shaders) {

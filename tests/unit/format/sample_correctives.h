@@ -24,7 +24,7 @@ inline PoseCorrectiveData randomCorrectives(const AvatarData& avatar, uint32_t s
     for (uint32_t j = 0; j < avatar.joints.size(); ++j) c.joints.push_back(j);
     const size_t features = 6 * c.joints.size();
     for (size_t f = 0; f < features; ++f) c.mean.push_back(0.1f * normal(random));
-    for (size_t f = 0; f < features * o.modes; ++f) c.modes.push_back(normal(random) / std::sqrt(float(features)));
+    for (size_t f = 0; f < features * o.modes; ++f) c.modes.push_back(2 * normal(random) / std::sqrt(float(features)));
     std::vector<Vec3f> places;
     for (uint32_t n = 0; n < o.nodes; ++n) places.push_back(avatar.mesh.restPositions[random() % avatar.mesh.restPositions.size()]);
     for (const Vec3f& p : avatar.mesh.restPositions) {

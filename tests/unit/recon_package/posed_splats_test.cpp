@@ -4,8 +4,10 @@
 
 #include <random>
 
+#include "sdk/avatar/posed_mesh.h"
 #include "sdk/math/binding.h"
 #include "sdk/math/sh.h"
+#include "tests/unit/format/sample_correctives.h"
 
 namespace {
 
@@ -104,6 +106,35 @@ TEST(PosedSplats, coloursSeenInTheWorldAreThoseOfTheRestFrame) {
         }
     }
     EXPECT_TRUE(anyDiffers) << "the pose does not turn the triangle: this test shows nothing";
+}
+
+TEST(PosedSplats, offsetsMoveThemAndLightIsFoldedIntoTheirSh) {
+    AvatarData avatar = oneTriangle();
+    avatar.correctives = test::randomCorrectives(avatar, 4, {.modes = 2, .nodes = 3, .offsetM = 0.01f, .light = 0.8f});
+    const Pose pose = bentPose();
+    auto plain = posedSplats(oneTriangle(), pose), corrected = posedSplats(avatar, pose);
+    ASSERT_TRUE(plain && corrected);
+    Jobs jobs(1);
+    const auto bind = restTriangles(avatar.mesh);
+    PosedMesh mesh;
+    mesh.pose({avatar.joints, avatar.mesh, avatar.correctives, bind}, pose, jobs);
+    const TriangleFrame<float>& frame = mesh.frames()[0];
+    std::mt19937 random(5);
+    std::normal_distribution<float> normal;
+    float furthestFromOne = 0;
+    for (uint32_t i = 0; i < 3; ++i) {
+        EXPECT_LT(glm::length(corrected->position[i] - splatCentre(frame, avatar.splats.uv[i])), 1e-7f);
+        EXPECT_GT(glm::length(corrected->position[i] - plain->position[i]), 1e-3f);
+        const float light = splatLight(frame, avatar.splats.uv[i]);
+        furthestFromOne = std::max(furthestFromOne, std::abs(light - 1));
+        for (int trial = 0; trial < 20; ++trial) {
+            const Vec3f d = glm::normalize(Vec3f(normal(random), normal(random), normal(random)));
+            // What a plain viewer shows is what Doppel shows, clamps included.
+            const Vec3f shown = shColour(&corrected->sh[i * 48], 3, d), meant = shColour(&avatar.splats.sh[i * 48], 3, glm::transpose(frame.worldFromRest) * d, light);
+            EXPECT_LT(glm::length(shown - meant), 3e-5f);
+        }
+    }
+    EXPECT_GT(furthestFromOne, 0.1f) << "this test shows nothing";
 }
 
 TEST(PosedSplats, aPoseThatIsNotFiniteIsRefusedByJointName) {

@@ -4,6 +4,7 @@
 #include "sdk/backend/null/null_backend.h"
 #include "sdk/render/avatar_upload.h"
 #include "sdk/render/gpu_renderer.h"
+#include "tests/unit/format/sample_correctives.h"
 #include "tests/unit/render/tube_avatar.h"
 
 namespace dpl {
@@ -26,6 +27,8 @@ struct NullSetup {
 
 std::shared_ptr<const AvatarData> tube(TubeOptions o = {.splatsPerTriangle = 2, .rings = 6}) { return std::make_shared<const AvatarData>(makeTube(o)); }
 
+std::shared_ptr<const AvatarData> correctedTube() { return std::make_shared<const AvatarData>(test::withCorrectives(*tube(), 1)); }
+
 TEST(FramePlan, runsThePassesInOrder) {
     NullSetup gpu;
     auto id = gpu.renderer->addAvatar(tube());
@@ -39,14 +42,36 @@ TEST(FramePlan, runsThePassesInOrder) {
 }
 
 TEST(FramePlan, aWarmFrameCreatesNothing) {
-    NullSetup gpu;
-    auto id = gpu.renderer->addAvatar(tube());
-    ASSERT_TRUE(id);
-    ASSERT_TRUE(gpu.draw(*id));
-    const uint64_t created = gpu.record->createdObjects;
-    for (int i = 0; i < 5; ++i) ASSERT_TRUE(gpu.draw(*id));
-    EXPECT_EQ(gpu.record->createdObjects, created);
-    EXPECT_EQ(gpu.record->runs, 6u);
+    for (const bool correctives : {false, true}) {
+        NullSetup gpu;
+        auto id = gpu.renderer->addAvatar(correctives ? correctedTube() : tube());
+        ASSERT_TRUE(id);
+        ASSERT_TRUE(gpu.draw(*id));
+        const uint64_t created = gpu.record->createdObjects;
+        for (int i = 0; i < 5; ++i) ASSERT_TRUE(gpu.draw(*id));
+        EXPECT_EQ(gpu.record->createdObjects, created);
+        EXPECT_EQ(gpu.record->runs, 6u);
+    }
+}
+
+TEST(FramePlan, correctivesAddNoBufferAndNoPass) {
+    NullSetup plain, corrected;
+    auto plainId = plain.renderer->addAvatar(tube()), correctedId = corrected.renderer->addAvatar(correctedTube());
+    ASSERT_TRUE(plainId && correctedId);
+    const Status status = corrected.draw(*correctedId, 32, 2, true);
+    ASSERT_TRUE(status) << status.error().message;
+    ASSERT_TRUE(plain.draw(*plainId, 32, 2, true));
+    EXPECT_EQ(corrected.record->lastLabels, plain.record->lastLabels);
+    EXPECT_EQ(corrected.record->liveBuffers, plain.record->liveBuffers);
+}
+
+TEST(FramePlan, anAvatarWithoutCorrectivesUploadsNothingForThem) {
+    const auto plain = tube(), corrected = correctedTube();
+    EXPECT_EQ(paletteRows(*plain), 3 * plain->joints.size());
+    EXPECT_EQ(paletteRows(*corrected), 3 * corrected->joints.size() + 12);
+    EXPECT_TRUE(packAvatar(*plain).correctedVertices.empty());
+    EXPECT_TRUE(packAvatar(*corrected).vertices.empty());
+    EXPECT_EQ(packAvatar(*corrected).correctedVertices.size(), corrected->mesh.restPositions.size());
 }
 
 TEST(FramePlan, keepsAFewShapesAndFreesEverythingWithTheAvatar) {
@@ -106,6 +131,8 @@ TEST(FramePlan, refusesBrokenAvatars) {
     expectRefused([](AvatarData& a) { a.splats.triangleStart[3] = 60; });
     expectRefused([](AvatarData& a) { a.splats.shDegree = 4; });
     expectRefused([](AvatarData& a) { a.joints.clear(); });
+    expectRefused([](AvatarData& a) { a.correctives = test::randomCorrectives(a, 1), a.correctives.nodeIndices[3].z = 12; });
+    expectRefused([](AvatarData& a) { a.correctives = test::randomCorrectives(a, 1), a.correctives.nodes[0].x = NAN; });
     EXPECT_EQ(gpu.record->liveBuffers, 0u);
 }
 

@@ -6,6 +6,7 @@
 
 #include "tests/reference/image_compare.h"
 #include "tests/reference/reference_renderer.h"
+#include "tests/unit/format/sample_correctives.h"
 #include "tests/unit/render/tube_avatar.h"
 #include "tests/unit/render/vulkan_test_device.h"
 
@@ -90,10 +91,58 @@ TEST(VulkanImage, equalsTheReferenceInSeveralPosesAndViews) {
     }
 }
 
+TEST(VulkanImage, correctivesMoveAndLightTheSurfaceAsInTheReference) {
+    TestVulkan precise(withPreciseBlending()), byte;
+    DPL_NEED_VULKAN(precise);
+    struct Case { const char* name; test::CorrectiveOptions correctives; uint32_t shDegree; float bend, turn; };
+    const Case cases[] = {{"moderate", {.light = 0.3f, .reach = 100}, 3, 1.1f, 0.4f},
+                          {"clamped", {.modes = 5, .nodes = 40, .light = 2, .reach = 100}, 2, -0.8f, 2},
+                          {"beyond", {.modes = 64, .nodes = 500, .offsetM = 0.05f, .light = 3, .reach = 0.8f}, 0, 0.9f, 1}};
+    double darkest = 1, brightest = 1;
+    for (const Case& c : cases) {
+        const AvatarData plain = makeTube({.shDegree = c.shDegree, .colourSpread = 0.3f});
+        const auto avatar = share(test::withCorrectives(plain, 6, c.correctives));
+        const Pose pose = tubePose(c.bend, c.turn);
+        const Cameraf camera = tubeCamera(160, 192, 0.7f, 1.6f);
+        const ReferenceImage want = renderReference(*avatar, pose, referenceCamera(camera));
+        EXPECT_LT(compareImages(renderReference(plain, pose, referenceCamera(camera)).rgb, want.rgb).psnrDb, 35) << c.name << ": this case shows nothing";
+        for (const double l : referenceCorrection(*avatar, pose).light) darkest = std::min(darkest, l), brightest = std::max(brightest, l);
+        for (TestVulkan* vulkan : {&precise, &byte}) {
+            auto id = vulkan->renderer->addAvatar(avatar);
+            ASSERT_TRUE(id) << id.error().message;
+            const Difference d = compare(drawOne(*vulkan->renderer, *id, pose, camera, true), want);
+            const bool isPrecise = vulkan == &precise;
+            std::printf("[  IMAGE   ] correctives, %-9s %s: colour %.1f dB (max %.4f), alpha %.1f dB, depth max %.5f m\n", c.name, isPrecise ? "f16  " : "8 bit", d.psnrDb,
+                        d.maxError, d.alphaPsnrDb, d.maxDepthErrorM);
+            EXPECT_GE(d.psnrDb, isPrecise ? kMinPsnrDb : kMinBytePsnrDb) << c.name;
+            EXPECT_GE(d.alphaPsnrDb, isPrecise ? kMinPsnrDb : kMinBytePsnrDb) << c.name;
+            EXPECT_LT(d.maxDepthErrorM, 0.02) << c.name;
+            vulkan->renderer->removeAvatar(*id);
+        }
+    }
+    EXPECT_EQ(darkest, 0.2);
+    EXPECT_EQ(brightest, 3.0);
+}
+
+TEST(VulkanImage, anAvatarWithCorrectivesLeavesTheNextOneAlone) {
+    TestVulkan vulkan;
+    DPL_NEED_VULKAN(vulkan);
+    auto plain = vulkan.renderer->addAvatar(share(makeTube()));
+    auto corrected = vulkan.renderer->addAvatar(share(test::withCorrectives(makeTube(), 1)));
+    ASSERT_TRUE(plain && corrected);
+    const Cameraf camera = tubeCamera(96, 96, 0.5f);
+    const RenderedView alone = drawOne(*vulkan.renderer, *plain, tubePose(0.6f), camera);
+    const RenderedView lit = drawOne(*vulkan.renderer, *corrected, tubePose(0.6f), camera);
+    EXPECT_FALSE(lit.rgba == alone.rgba);
+    EXPECT_TRUE(drawOne(*vulkan.renderer, *plain, tubePose(0.6f), camera).rgba == alone.rgba);
+    drawOne(*vulkan.renderer, *corrected, tubePose(-0.9f), camera);
+    EXPECT_TRUE(drawOne(*vulkan.renderer, *corrected, tubePose(0.6f), camera).rgba == lit.rgba);
+}
+
 void expectStereoEqualsMono(const VulkanOptions& options, const char* picture) {
     TestVulkan vulkan(options);
     DPL_NEED_VULKAN(vulkan);
-    auto id = vulkan.renderer->addAvatar(share(makeTube()));
+    auto id = vulkan.renderer->addAvatar(share(test::withCorrectives(makeTube(), 3)));
     ASSERT_TRUE(id) << id.error().message;
     const Pose pose = tubePose(0.7f);
     const Cameraf views[2] = {tubeCamera(160, 144, 0.3f, 1.2f, -0.032f), tubeCamera(160, 144, 0.3f, 1.2f, 0.032f)};
