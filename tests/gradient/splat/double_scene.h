@@ -23,9 +23,11 @@ struct DoubleScene {
     double kappa = 0.3;
     std::vector<Quatd> rotations;
     Vec3d rootTranslation{0};
+    PoseCorrectiveData correctives;       // its nodes are the start of `nodes`
     std::vector<double> pixelWeights;     // 5 a pixel: premultiplied r, g, b, alpha, cloth
     // Variable.
     std::vector<double> rows;             // per splat: u, v, φ, ln s1, ln s2, opacity logit, sh
+    std::vector<double> nodes;            // M × K × 4: offset, brightness
     std::vector<Vec3d> rest;
     std::vector<Vec3d> jointTurn;         // R_j ← exp(ω_j) R_j
     Vec3d rootShift{0}, cameraTurn{0}, cameraShift{0};
@@ -38,12 +40,37 @@ inline Mat3d turnMatrix(const Vec3d& w) {
     return angle > 0 ? glm::mat3_cast(glm::angleAxis(angle, w / angle)) : Mat3d(1);
 }
 
+/** Offset and change of brightness of every vertex: k = modes·(columns of R − identity − mean), shortened to reach, spread by weights. */
+inline std::vector<glm::dvec4> correction(const DoubleScene& s, const std::vector<Mat3d>& local) {
+    const PoseCorrectiveData& c = s.correctives;
+    std::vector<glm::dvec4> out(s.rest.size(), glm::dvec4(0));
+    if (c.empty()) return out;
+    std::vector<double> k(c.modeCount, 0.0);
+    double length2 = 0;
+    for (uint32_t i = 0; i < c.modeCount; ++i) {
+        for (size_t j = 0; j < c.joints.size(); ++j)
+            for (int f = 0; f < 6; ++f) {
+                const double feature = local[c.joints[j]][f / 3][f % 3] - (f / 3 == f % 3 ? 1 : 0);
+                k[i] += double(c.modes[i * c.mean.size() + j * 6 + size_t(f)]) * (feature - double(c.mean[j * 6 + size_t(f)]));
+            }
+        length2 += k[i] * k[i];
+    }
+    const double shorten = std::min(1.0, double(c.reach) / std::sqrt(length2));
+    for (size_t v = 0; v < out.size(); ++v)
+        for (int n = 0; n < 4; ++n)
+            for (uint32_t i = 0; i < c.modeCount; ++i) {
+                const double* node = s.nodes.data() + (size_t(c.nodeIndices[v][n]) * c.modeCount + i) * 4;
+                out[v] += double(c.nodeWeights[v][n]) / 255.0 * shorten * k[i] * glm::dvec4(node[0], node[1], node[2], node[3]);
+            }
+    return out;
+}
+
 /** Σ pixelWeights · channels. */
 inline double renderLoss(const DoubleScene& s) {
-    std::vector<Mat3d> rotation(s.joints.size());
+    std::vector<Mat3d> rotation(s.joints.size()), locals(s.joints.size());
     std::vector<Vec3d> offset(s.joints.size());
     for (size_t j = 0; j < s.joints.size(); ++j) {
-        const Mat3d local = turnMatrix(s.jointTurn[j]) * glm::mat3_cast(s.rotations[j]);
+        const Mat3d local = locals[j] = turnMatrix(s.jointTurn[j]) * glm::mat3_cast(s.rotations[j]);
         const Vec3d p(s.joints[j].restPosition), shift = p - local * p;
         if (s.joints[j].parent < 0) {
             rotation[j] = local, offset[j] = shift + s.rootTranslation + s.rootShift;
@@ -52,11 +79,12 @@ inline double renderLoss(const DoubleScene& s) {
             rotation[j] = rotation[k] * local, offset[j] = rotation[k] * shift + offset[k];
         }
     }
+    const std::vector<glm::dvec4> corrected = correction(s, locals);
     std::vector<Vec3d> posed(s.rest.size(), Vec3d(0));
     for (size_t v = 0; v < s.rest.size(); ++v)
         for (int i = 0; i < 4; ++i) {
             const size_t j = s.mesh.jointIndices[v][i];
-            posed[v] += double(s.mesh.jointWeights[v][i]) / 255.0 * (rotation[j] * s.rest[v] + offset[j]);
+            posed[v] += double(s.mesh.jointWeights[v][i]) / 255.0 * (rotation[j] * (s.rest[v] + Vec3d(corrected[v])) + offset[j]);
         }
     Camerad camera = s.camera;
     const Mat3d turn = turnMatrix(s.cameraTurn);
@@ -67,6 +95,7 @@ inline double renderLoss(const DoubleScene& s) {
     scene.posed = posed;
     scene.triangles.assign(s.mesh.triangles.begin(), s.mesh.triangles.end());
     scene.shDegree = s.shDegree;
+    for (const glm::dvec4& c : corrected) scene.light.push_back(1 + c.w);
     for (size_t i = 0; i < s.triangle.size(); ++i) {
         const double* row = s.rows.data() + i * s.rowLength();
         const double floor2 = s.sizeFloorM[s.triangle[i]] * s.sizeFloorM[s.triangle[i]];

@@ -1,7 +1,9 @@
 // The trainer's whole backward pass (float, SIMD, tiles) against finite differences of a double-precision picture.
 #include <random>
 
+#include "reconstruction/splat/backward_correctives.h"
 #include "reconstruction/splat/backward_splats.h"
+#include "sdk/avatar/posed_mesh.h"
 #include "tests/gradient/splat/double_scene.h"
 #include "tests/gradient/splat/finite_difference.h"
 
@@ -46,8 +48,21 @@ DoubleScene makeScene(double opacityLogit, uint8_t flags, uint32_t splatCount = 
     return s;
 }
 
+/** Two modes of two joints on three nodes, large enough to matter, brightness away from its clamp. */
+DoubleScene withCorrectives(DoubleScene s, float reach) {
+    PoseCorrectiveData& c = s.correctives;
+    c.modeCount = 2, c.nodeCount = 3, c.joints = {1, 2}, c.reach = reach;
+    for (int f = 0; f < 12; ++f) c.mean.push_back(0.02f * float(f % 5) - 0.03f);
+    for (int f = 0; f < 24; ++f) c.modes.push_back(0.9f * std::sin(1.7f * float(f) + 0.4f));
+    c.nodeIndices = {{0, 1, 0, 0}, {1, 0, 2, 0}, {2, 1, 0, 0}, {0, 2, 0, 0}, {1, 2, 0, 0}};
+    c.nodeWeights = {{155, 100, 0, 0}, {205, 30, 20, 0}, {200, 55, 0, 0}, {130, 125, 0, 0}, {128, 127, 0, 0}};
+    for (int n = 0; n < 6; ++n) c.nodes.push_back({0.01f * std::sin(2.3f * float(n)), 0.012f * std::cos(1.9f * float(n)), 0.008f * std::sin(float(n)), 0.25f * std::cos(2.9f * float(n))});
+    for (const Vec4f& n : c.nodes) s.nodes.insert(s.nodes.end(), {n.x, n.y, n.z, n.w});
+    return s;
+}
+
 struct Analytic {
-    std::vector<double> rows, rest, joints, root, camera;
+    std::vector<double> rows, rest, joints, root, camera, nodes;
     std::vector<float> bytes;  // everything, for the thread test
     bool sawCap = false;
     double loss = 0;           // of the float picture
@@ -70,17 +85,14 @@ Analytic backward(const DoubleScene& s, uint32_t threads) {
     Pose pose = Pose::rest(s.joints.size());
     for (size_t j = 0; j < s.joints.size(); ++j) pose.localRotations[j] = Quatf(s.rotations[j]);
     pose.rootTranslation = Vec3f(s.rootTranslation);
-    std::vector<Mat3x4f> transforms;
-    std::vector<Vec3f> posed, gPosed, gRest;
-    std::vector<TriangleFrame<float>> frames;
-    jointTransforms(s.joints, pose, transforms);
-    skin(mesh, transforms, jobs, posed);
-    poseTriangles(mesh, bind, posed, jobs, frames);
+    std::vector<Vec3f> gPosed, gRest;
+    PosedMesh posed;
+    posed.pose({s.joints, mesh, s.correctives, bind}, pose, jobs);
 
     const Cameraf camera = s.camera.cast<float>();
     SplatEngine engine(jobs);
     SplatImage image;
-    engine.project(splats.view(), frames, camera, float(s.kappa));
+    engine.project(splats.view(), posed.frames(), camera, float(s.kappa));
     engine.bin();
     engine.blend(image, {.cloth = true, .depth = false, .recordStops = true});
     ImageGradient gradient;
@@ -93,12 +105,17 @@ Analytic backward(const DoubleScene& s, uint32_t threads) {
     PixelBackward pixels(jobs);
     pixels.run(engine, image, gradient);
     SplatBackward backward(jobs);
-    backward.run({splats, frames, bind, camera, float(s.kappa), engine.projected(), pixels.sums()}, true);
+    backward.run({splats, posed.frames(), bind, camera, float(s.kappa), engine.projected(), pixels.sums()}, true);
     std::vector<float> gLight;
     backward.gatherVertices(VertexIncidence(mesh.triangles, s.rest.size()), gPosed, gLight);
     PoseGradient<double> g;
-    backwardSkin(mesh, mesh.restPositions, s.joints, transforms, posed, gPosed, camera.viewFromWorldRotation, camera.viewFromWorldTranslation, jobs,
-                 gRest, g);
+    backwardSkin(mesh, posed.rest(), s.joints, posed.worldFromRest(), posed.positions(), gPosed, camera.viewFromWorldRotation, camera.viewFromWorldTranslation,
+                 jobs, gRest, g);
+    std::vector<Vec4f> gNodes;
+    if (!s.correctives.empty()) {
+        gatherNodes(s.correctives, posed.nodes(), gRest, gLight, gNodes);
+        addCorrectivePoseGradient(s.correctives, pose, gNodes, g.rotation);
+    }
 
     Analytic out;
     for (size_t i = 0; i < image.alpha.size(); ++i) {
@@ -112,7 +129,9 @@ Analytic backward(const DoubleScene& s, uint32_t threads) {
     for (const Vec3d& v : g.rotation) out.joints.insert(out.joints.end(), {v.x, v.y, v.z});
     out.root = {g.rootTranslation.x, g.rootTranslation.y, g.rootTranslation.z};
     for (const Vec3d& v : {g.cameraRotation, g.cameraTranslation}) out.camera.insert(out.camera.end(), {v.x, v.y, v.z});
-    for (const auto* part : {&out.rows, &out.rest, &out.joints, &out.root, &out.camera})
+    for (const Vec4f& n : gNodes)
+        for (const float k : posed.coefficients()) out.nodes.insert(out.nodes.end(), {k * n.x, k * n.y, k * n.z, k * n.w});
+    for (const auto* part : {&out.rows, &out.rest, &out.joints, &out.root, &out.camera, &out.nodes})
         for (double x : *part) out.bytes.push_back(float(x));
     return out;
 }
@@ -159,10 +178,21 @@ void check(const DoubleScene& s) {
         return renderLoss(m);
     }, kStep);
     expectGradients(a.camera, camera, kRelative, "camera");
+    if (s.correctives.empty()) return;
+    const auto nodes = differences(s.nodes, [&](const auto& x) { DoubleScene m = s; m.nodes = x; return renderLoss(m); }, kStep);
+    const char* components[] = {"node offset x", "node offset y", "node offset z", "node brightness"};
+    for (size_t c = 0; c < 4; ++c) {
+        std::vector<double> analytic, numeric;
+        for (size_t i = c; i < nodes.size(); i += 4) analytic.push_back(a.nodes[i]), numeric.push_back(nodes[i]);
+        expectGradients(analytic, numeric, kRelative, components[c]);
+    }
 }
 
 TEST(SplatImageGradient, translucentSplats) { check(makeScene(0.0, 0)); }
 TEST(SplatImageGradient, singleFaceSplats) { check(makeScene(0.0, kSplatSingleFace)); }
+
+TEST(SplatImageGradient, poseCorrectives) { check(withCorrectives(makeScene(0.0, 0), 10)); }
+TEST(SplatImageGradient, poseCorrectivesBeyondTheirReach) { check(withCorrectives(makeScene(0.0, kSplatSingleFace), 0.3f)); }
 
 TEST(SplatImageGradient, cappedAlphaStopsItsOwnGradient) {
     DoubleScene s = makeScene(7.4, 0);
