@@ -14,7 +14,7 @@ namespace dpl {
 struct CorrectiveModelSettings {
     uint32_t maxModes = 16;
     double minVariance = 0.002;   // modes that explain less of the poses' variance are noise of the fit
-    double nodeSpacingM = 0.045;  // about a fold of cloth
+    double nodeSpacingM = 0.03;   // about a fold of cloth; at 0.045 scan-a loses 0.3 dB, 0.02 gains 0.05 (docs/adr/0003)
     uint32_t minPoses = 12;       // fewer say nothing about how a surface follows its pose
     double minSpread = 0.1;       // root mean square of the feature's first component (radians for small turns): less is a held pose
 };
