@@ -68,6 +68,13 @@ TEST(ScorePicture, paintOutsideTheMaskLowersTheIouNotTheMaskedPsnr) {
     EXPECT_LT(score.fullPsnrDb, 15);
 }
 
+TEST(AreaAveraged, weighsColoursByCoverageAndKeepsTheirBrightness) {
+    // 4 × 2 -> 2 × 1: left half one opaque red among three empty pixels, right half two reds and two blues.
+    const std::vector<uint8_t> rgba = {200, 0, 0, 255, 9, 9, 9, 0, 200, 0, 0, 255, 0, 0, 100, 255,
+                                       9,   9, 9, 0,   9, 9, 9, 0, 0,   0, 100, 255, 200, 0, 0, 255};
+    EXPECT_EQ(areaAveraged(rgba, 4, 2, 2, 1), (std::vector<uint8_t>{200, 0, 0, 64, 100, 0, 50, 255}));
+}
+
 TEST(LabelColours, paintsTheMeanOfEachLabel) {
     Scene s;
     ImageGrey8 labels{kWidth, kHeight, std::vector<uint8_t>(kWidth * kHeight, 2)};
