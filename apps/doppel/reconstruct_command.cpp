@@ -17,6 +17,7 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
     command->add_option("--preset", options->preset, "draft (minutes), standard, high")->transform(CLI::CheckedTransformer(presets, CLI::ignore_case))->default_str("standard");
     command->add_option("--time-budget", options->timeBudgetMinutes, "Minutes for training; becomes a step count once, after a probe")->check(CLI::Range(0.0, 1e5));
     command->add_option("--steps", options->steps, "Exactly this many training steps instead of the preset's (for comparisons)")->check(CLI::Range(0, 10000000))->excludes("--time-budget");
+    command->add_flag("--true-body", options->trueBody, "Measuring only: shape and poses from the scan's truth.json (of `doppel sample`) instead of the body fit");
     command->add_option("--seed", options->seed, "Seed of every random choice; same seed, same bytes")->capture_default_str();
     command->add_option("--threads", options->threadCount, "CPU threads, 0: one a core; results do not depend on it")->check(CLI::Range(0, 256))->capture_default_str();
     command->footer(

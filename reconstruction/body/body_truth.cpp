@@ -48,12 +48,57 @@ std::vector<PosedKeypoint> posedKeypoints(const BodyModel& shaped, const Pose& p
     return places;
 }
 
-Result<TruthComparison> compareWithTruth(const std::filesystem::path& scanRoot, const Scan& scan, const BodyModel& body, const BodyFit& fit) {
+namespace {
+
+Result<nlohmann::json> readTruth(const std::filesystem::path& path) {
     constexpr size_t kMaxTruthBytes = 256u << 20;
-    const std::filesystem::path path = scanRoot / "truth.json";
     DPL_TRY(const auto bytes, readFile(path, kMaxTruthBytes));
-    const nlohmann::json truth = nlohmann::json::parse(bytes.begin(), bytes.end(), nullptr, false);
+    nlohmann::json truth = nlohmann::json::parse(bytes.begin(), bytes.end(), nullptr, false);
     if (!truth.is_object() || !truth.contains("frames") || !truth["frames"].is_array()) return fail(Code::CorruptData, "{}: no frames", path.string());
+    return truth;
+}
+
+/** Three numbers of a z-up file in the y-up world. */
+Vec3d upright(const nlohmann::json& p) { return {p.at(0).get<double>(), p.at(2).get<double>(), -p.at(1).get<double>()}; }
+
+}  // namespace
+
+Result<BodyFit> fitFromTruth(const std::filesystem::path& scanRoot, const Scan& scan, const BodyModel& body) {
+    const std::filesystem::path path = scanRoot / "truth.json";
+    DPL_TRY(const nlohmann::json truth, readTruth(path));
+    const auto unfit = [&] { return fail(Code::NotFound, "{} does not give the shape and poses of body '{}'; only a `doppel sample` scan with the built-in body does", path.string(), body.name); };
+    BodyFit fit;
+    fit.shape.assign(body.morphs.size(), 0.0);
+    fit.poses.assign(scan.frames.size(), Pose::rest(body.joints.size()));
+    fit.fitted.assign(scan.frames.size(), true);
+    try {
+        size_t known = 0;
+        for (size_t m = 0; m < body.morphs.size(); ++m)
+            if (const auto& values = truth.at("shape").at("morphs"); values.contains(body.morphs[m].name)) fit.shape[m] = values[body.morphs[m].name].get<double>(), ++known;
+        if (known == 0 || known != truth["shape"]["morphs"].size() || truth["shape"].at("body") != body.name) return unfit();
+        std::map<std::string, const nlohmann::json*> byName;
+        for (const auto& frame : truth["frames"]) byName[frame.at("name").get<std::string>()] = &frame;
+        for (size_t f = 0; f < scan.frames.size(); ++f) {
+            const auto found = byName.find(scan.frames[f].name);
+            if (found == byName.end() || found->second->at("rotations").size() != body.joints.size()) return unfit();
+            for (size_t j = 0; j < body.joints.size(); ++j) {
+                const Vec3d turn = upright(found->second->at("rotations")[j]);
+                const double angle = glm::length(turn);
+                if (angle > 0) fit.poses[f].localRotations[j] = Quatf(glm::angleAxis(angle, turn / angle));
+            }
+            fit.poses[f].rootTranslation = Vec3f(upright(found->second->at("translation")));
+            if (Status good = checkPose(body.joints, fit.poses[f]); !good) return fail(Code::CorruptData, "{}: frame '{}': {}", path.string(), scan.frames[f].name, good.error().message);
+            if (scan.frames[f].kind == FrameKind::StaticFull && fit.staticPose.localRotations.empty()) fit.staticPose = fit.poses[f];
+        }
+    } catch (const nlohmann::json::exception&) {
+        return unfit();
+    }
+    if (fit.staticPose.localRotations.empty()) fit.staticPose = Pose::rest(body.joints.size());
+    return fit;
+}
+
+Result<TruthComparison> compareWithTruth(const std::filesystem::path& scanRoot, const Scan& scan, const BodyModel& body, const BodyFit& fit) {
+    DPL_TRY(const nlohmann::json truth, readTruth(scanRoot / "truth.json"));
     std::map<std::string, const nlohmann::json*> byName;
     for (const auto& frame : truth["frames"])
         if (frame.is_object() && frame.contains("name") && frame["name"].is_string() && frame.contains("keypoints_world")) byName[frame["name"].get<std::string>()] = &frame["keypoints_world"];
@@ -70,7 +115,7 @@ Result<TruthComparison> compareWithTruth(const std::filesystem::path& scanRoot, 
         for (size_t k = 0; k < fitted.size(); ++k) {
             const auto& p = (*found->second)[k];
             if (!fitted[k].present || !p.is_array() || p.size() != 3) continue;
-            const Vec3d place(p[0].get<double>(), p[2].get<double>(), -p[1].get<double>());  // z-up file to y-up world
+            const Vec3d place = upright(p);
             pairs[scan.keypointNames[k]] = {fitted[k].place, place};
             const double mm = 1000 * glm::length(fitted[k].place - place);
             if (frame.kind == FrameKind::StaticFull) still.push_back(mm);

@@ -1,4 +1,4 @@
-// Measuring only: how far a body fit is from the ground truth of a synthetic scan. Nothing in the fit or after it includes this;
+// Measuring only: how far a body fit is from the ground truth of a synthetic scan. Nothing in the fit includes this;
 // a test hides every truth file and gets the same avatar.
 #pragma once
 
@@ -29,6 +29,10 @@ struct TruthComparison {
 
 /** Reads scanRoot/truth.json (keypoints_world) and compares. NotFound when the scan has no truth. */
 Result<TruthComparison> compareWithTruth(const std::filesystem::path& scanRoot, const Scan& scan, const BodyModel& body, const BodyFit& fit);
+
+/** Shape and poses of every frame as truth.json has them, for a procedural scan of `body` itself: the body-fit stage swapped for the truth,
+ *  to see what the stage costs. NotFound: no truth, or one that does not give morphs and rotations of this body. */
+Result<BodyFit> fitFromTruth(const std::filesystem::path& scanRoot, const Scan& scan, const BodyModel& body);
 
 /** World places of a body's keypoints at a pose, in the order of `names`; the mean of the body for a name it lacks is not made up:
  *  `present` is false there. Metres. */

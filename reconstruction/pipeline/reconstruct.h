@@ -1,6 +1,6 @@
 // From a scan folder to an avatar: the whole chain of stages.
 //
-//   ingest → cameras → body-fit → surface → garments → co-optimise → distil → evidence → package → pose-fit → report
+//   ingest → body-fit → surface → garments → co-optimise → evidence → package → pose-fit → report
 #pragma once
 
 #include <filesystem>
@@ -22,6 +22,7 @@ struct ReconstructOptions {
     double timeBudgetMinutes = 0;         // 0: the preset's own step counts
     uint32_t steps = 0;                   // 0: the preset's; otherwise exactly this many training steps
     uint64_t seed = 1;
+    bool trueBody = false;                // measuring only: shape and poses from the scan's truth.json instead of the body fit
     uint32_t threadCount = 0;             // 0: one a core; results do not depend on it
 };
 

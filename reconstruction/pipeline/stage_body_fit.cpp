@@ -1,4 +1,5 @@
 #include "reconstruction/body/body_tools.h"
+#include "reconstruction/body/body_truth.h"
 #include "reconstruction/pipeline/fit_file.h"
 #include "reconstruction/pipeline/subject_data.h"
 #include "sdk/core/files.h"
@@ -19,7 +20,11 @@ Result<json> fitInputs(const SubjectData& subject) {
         frames.push_back({frame.name, keypoints});
     }
     DPL_TRY(std::string training, trainingDataHash(subject));
-    return json{{"frames", frames}, {"training", training}, {"body", subject.bodyHash}};
+    json inputs{{"frames", frames}, {"training", training}, {"body", subject.bodyHash}};
+    if (subject.options.trueBody) {
+        DPL_TRY(inputs["truth"], hashFile(subject.options.scan / "truth.json"));
+    }
+    return inputs;
 }
 
 }  // namespace
@@ -27,6 +32,10 @@ Result<json> fitInputs(const SubjectData& subject) {
 Status runBodyFit(SubjectData& subject) {
     DPL_TRY(json inputs, fitInputs(subject));
     auto folder = subject.chain.run("body-fit", 1, inputs, [&](StageContext& context) -> Status {
+        if (subject.options.trueBody) {
+            DPL_TRY(BodyFit truth, fitFromTruth(subject.options.scan, subject.scan, subject.body));
+            return writeFileAtomically(context.folder / "fit.json", fitToJson(truth));
+        }
         BodyFitSettings settings;
         settings.progress = [&](double fraction, std::string_view what) {
             context.progress.update(fraction, what);

@@ -147,7 +147,7 @@ Status report(SubjectData& subject, StageContext& context) {
     data.title = "Doppel: " + subject.scan.name;
     const char* presets[] = {"draft", "standard", "high"};
     data.facts = {{"scan", subject.options.scan.filename().string()},
-                  {"body", subject.body.name},
+                  {"body", subject.body.name + (subject.options.trueBody ? " (shape and poses from truth.json)" : "")},
                   {"preset", presets[size_t(subject.options.preset)]},
                   {"seed", std::to_string(subject.options.seed)},
                   {"splats", std::to_string(avatar.splats.count())},
@@ -176,7 +176,6 @@ Status report(SubjectData& subject, StageContext& context) {
     addWaterfall(data);
     data.evidence = avatar.evidence;
     data.limits = subject.limits;
-    data.limits.push_back("error waterfall: registration and splats are attributed; truth is not yet swapped in stage by stage");
     subject.summary = summaryOf(data, avatar.splats.count(), bytes.size());
     DPL_CHECK_OK(writeFileAtomically(context.folder / "summary.txt", subject.summary));
     return writeReport(data, context.folder);
