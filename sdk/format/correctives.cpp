@@ -7,8 +7,7 @@
 namespace dpl {
 namespace {
 
-constexpr float kMaxValue = 1e6f;    // far above any avatar; products of three stay finite in float
-constexpr float kMinRange = 1e-30f;  // below this a component is all zero: its steps would be subnormal numbers
+constexpr float kMaxValue = 1e6f;  // far above any avatar; products of three stay finite in float
 constexpr int kSteps = 32767;
 
 bool allSane(std::span<const float> values) {
@@ -19,8 +18,6 @@ bool allSane(std::span<const float> values) {
 Vec4f rangeOfMode(const PoseCorrectiveData& c, uint32_t mode) {
     Vec4f range(0);
     for (uint32_t n = 0; n < c.nodeCount; ++n) range = glm::max(range, glm::abs(c.nodes[size_t(n) * c.modeCount + mode]));
-    for (int k = 0; k < 4; ++k)
-        if (range[k] < kMinRange) range[k] = 0;
     return range;
 }
 

@@ -148,9 +148,12 @@ TEST(MetalFrame, kernelsFromSkinningToSortMatchTheReference) { expectKernelsMatc
 
 TEST(MetalFrame, kernelsMoveAndLightAnAvatarWithCorrectives) {
     const AvatarData plain = makeTube({.splatsPerTriangle = 4, .shDegree = 3});
-    const AvatarData corrected = test::withCorrectives(plain, 2, {.nodes = 9, .offsetM = 0.04f, .light = 1, .reach = 1});
+    const AvatarData corrected = test::withCorrectives(plain, 2, {.nodes = 20, .offsetM = 0.04f, .light = 6, .reach = 1});
     const ReferenceCamera camera = referenceCamera(tubeCamera(96, 96, 0.6f));
     EXPECT_LT(compareImages(renderReference(plain, tubePose(0.9f, 0.4f), camera).rgb, renderReference(corrected, tubePose(0.9f, 0.4f), camera).rgb).psnrDb, 35);
+    const auto [darkest, brightest] = std::ranges::minmax(referenceCorrection(corrected, tubePose(0.9f, 0.4f)).light);
+    EXPECT_EQ(darkest, 0.2);
+    EXPECT_EQ(brightest, 3.0);
     expectKernelsMatchTheReference(corrected);
 }
 
