@@ -1,6 +1,9 @@
 # Shared by tools/test and tools/demo: numbered steps, builds with progress, test runs with a count. Sourced, not run.
 export DOPPEL_COMPILER_LAUNCHER="${DOPPEL_COMPILER_LAUNCHER-$(command -v ccache || true)}"
-export CCACHE_SLOPPINESS="pch_defines,time_macros,include_file_mtime,include_file_ctime"  # so that ccache works with the precompiled header
+# ccache: with the precompiled header (sloppiness), the same object for every checkout (base dir, no hash of the folder),
+# and no second preprocessor run for a file it has not seen (depend).
+export CCACHE_SLOPPINESS="pch_defines,time_macros,include_file_mtime,include_file_ctime"
+export CCACHE_BASEDIR="${CCACHE_BASEDIR-$PWD}" CCACHE_NOHASHDIR=1 CCACHE_DEPEND=1
 tests_passed=0
 tests_skipped=0
 step_number=0
@@ -30,7 +33,7 @@ build_sanitized() { build "$1" sanitized_tests; }
 run_tests() {
     local preset="$1" status=0 log
     shift
-    ctest --preset "$preset" --no-tests=error "$@" || status=$?
+    ctest --preset "$preset" --no-tests=error --parallel "$(nproc)" "$@" || status=$?
     log="build/$preset/Testing/Temporary/LastTest.log"
     local programs_only passed skipped failed
     passed=$(sed -n 's/^\[  PASSED  \] \([0-9]*\) test.*/\1/p' "$log" | awk '{n += $1} END {print n + 0}')

@@ -1,5 +1,8 @@
 #include "reconstruction/body/fit_body.h"
 
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>

@@ -1,7 +1,7 @@
 // The residuals of the body fit. Only fit_*.cpp include this: Ceres stays out of public headers.
 #pragma once
 
-#include <ceres/ceres.h>
+#include <ceres/cost_function.h>
 
 #include <memory>
 #include <vector>

@@ -32,7 +32,7 @@ StaticSplatData someSplats(uint32_t degree) {
 }
 
 TEST(AvatarVersion1, pinnedBytesStillRead) {
-    const auto bytes = fileBytes(std::filesystem::path(__FILE__).parent_path() / "pinned/avatar_v1.glb");
+    const auto bytes = fileBytes(sourceFolder() / "tests/unit/format/pinned/avatar_v1.glb");
     ASSERT_FALSE(bytes.empty());
     auto a = readAvatar(bytes);
     ASSERT_TRUE(a) << a.error().message;
