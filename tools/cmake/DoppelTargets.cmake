@@ -10,7 +10,8 @@ if(DOPPEL_SANITIZE)
   target_link_options(doppel_options INTERFACE -fsanitize=${DOPPEL_SANITIZE})
 endif()
 
-# Headers that nearly every file includes, parsed once per kind of target; targets that link nlohmann_json get the kind with JSON.
+# Headers that nearly every file includes, parsed once per kind of target. The kinds with JSON cost half a second a file: for targets of which
+# most files read or write it (JSON).
 # Executables are compiled like libraries so that they can share it. Paths in <>: the same text in every checkout, for ccache.
 set(CMAKE_CXX_COMPILE_OPTIONS_PIE ${CMAKE_CXX_COMPILE_OPTIONS_PIC})
 function(doppel_pch name)  # doppel_pch(name HEADERS ... LINKS ...)
@@ -19,8 +20,8 @@ function(doppel_pch name)  # doppel_pch(name HEADERS ... LINKS ...)
   target_link_libraries(${name} PRIVATE doppel_options ${arg_LINKS})
   target_precompile_headers(${name} PRIVATE ${arg_HEADERS} <sdk/math/types.h>)
 endfunction()
-function(doppel_use_pch target pch links)
-  if("${links}" MATCHES "nlohmann_json" AND TARGET ${pch}_json)
+function(doppel_use_pch target pch json)
+  if(json)
     target_precompile_headers(${target} REUSE_FROM ${pch}_json)
     target_link_libraries(${target} PRIVATE doppel_json_once)
   else()
@@ -35,13 +36,13 @@ doppel_pch(doppel_pch_json HEADERS ${pch_headers} <tools/cmake/json_once.h> LINK
 add_library(doppel_json_once STATIC ${PROJECT_SOURCE_DIR}/tools/cmake/json_once.cpp)
 target_link_libraries(doppel_json_once PRIVATE doppel_options nlohmann_json::nlohmann_json)
 
-# doppel_library(name [HOT] SOURCES a.cpp ... LINKS target ...): a static room of the house, by its folder. HOT: its loops are worth -O3.
+# doppel_library(name [HOT] [JSON] SOURCES a.cpp ... LINKS target ...): a static room of the house, by its folder. HOT: its loops are worth -O3.
 function(doppel_library name)
-  cmake_parse_arguments(arg "HOT" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
+  cmake_parse_arguments(arg "HOT;JSON" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
   if(arg_SOURCES)
     add_library(${name} STATIC ${arg_SOURCES})
     target_link_libraries(${name} PUBLIC doppel_options ${arg_LINKS} PRIVATE ${arg_PRIVATE_LINKS})
-    doppel_use_pch(${name} doppel_pch "${arg_LINKS};${arg_PRIVATE_LINKS}")
+    doppel_use_pch(${name} doppel_pch ${arg_JSON})
     if(arg_HOT)
       target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O3>)
     endif()
@@ -64,7 +65,12 @@ function(doppel_test name)
   cmake_parse_arguments(arg "" "TIMEOUT" "SOURCES;LINKS;LABELS" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE doppel_options ${arg_LINKS} GTest::gtest GTest::gtest_main)
-  doppel_use_pch(${name} doppel_test_pch "${arg_LINKS}")
+  list(FIND arg_LINKS nlohmann_json::nlohmann_json json_link)
+  if(json_link GREATER -1)
+    doppel_use_pch(${name} doppel_test_pch TRUE)
+  else()
+    doppel_use_pch(${name} doppel_test_pch FALSE)
+  endif()
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)  # a third less compile time; the code under test keeps its own level
   add_test(NAME ${name} COMMAND ${name})
   if(NOT arg_LABELS)
