@@ -59,7 +59,7 @@ std::vector<uint32_t> matchContours(std::span<const ContourPoint> from, std::spa
         double distance2 = 0;
         nanoflann::KNNResultSet<double, uint32_t> best(1);
         best.init(&found, &distance2);
-        tree.findNeighbors(best, query, nanoflann::SearchParams(0));
+        tree.findNeighbors(best, query, {});  // default parameters: the type changed its name in nanoflann 1.5
         if (found == UINT32_MAX || distance2 > reachPx * reachPx + turnPx * turnPx) continue;
         if (glm::dot(from[i].normal, to[found].normal) > 0) matches[i] = found;
     }

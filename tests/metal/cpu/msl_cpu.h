@@ -70,6 +70,12 @@ inline To as_type(const From& from) {
     std::memcpy(&to, &from, sizeof(To));
     return to;
 }
+template <class T, size_t Num>
+struct spvUnsafeArray {
+    T elements[Num ? Num : 1];
+    T& operator[](size_t at) { return elements[at]; }
+    constexpr const T& operator[](size_t at) const { return elements[at]; }
+};
 
 }  // namespace metal
 

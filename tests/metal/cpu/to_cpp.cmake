@@ -1,5 +1,15 @@
 # cmake -DIN=x.metal -DOUT=x.cpp -DENTRY=name -P to_cpp.cmake: one emitted kernel as a C++ file with a C dispatcher.
 file(READ ${IN} text)
+# Newer SPIRV-Cross defines its array type with one overload an address space, which C++ has not: msl_cpu.h holds the plain one.
+string(FIND "${text}" "template<typename T, size_t Num>\nstruct spvUnsafeArray" array_begin)
+if(array_begin GREATER -1)
+  string(SUBSTRING "${text}" 0 ${array_begin} before)
+  string(SUBSTRING "${text}" ${array_begin} -1 after)
+  string(FIND "${after}" "\n};" array_end)
+  math(EXPR array_end "${array_end} + 3")
+  string(SUBSTRING "${after}" ${array_end} -1 after)
+  set(text "${before}${after}")
+endif()
 string(REGEX REPLACE "\n( +)threadgroup ([a-zA-Z_0-9]+ [^(;]*;)" "\n\\1static \\2" text "${text}")
 string(REGEX REPLACE "\\.(xyz|xy|zw)([^a-z_A-Z0-9])" ".\\1()\\2" text "${text}")  # GLM reads swizzles by functions
 if(text MATCHES "\\[\\[thread_position_in_grid\\]\\]")
