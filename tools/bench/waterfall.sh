@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# Error waterfall of a procedural scan (`doppel sample`): what the body fit costs, by reconstructing once with it and once with the truth in its place,
+# and what follows it, from the two reports.
+#   tools/bench/waterfall.sh DOPPEL SCAN OUT [options of doppel reconstruct, such as --preset draft]
+set -euo pipefail
+[ $# -ge 3 ] || { sed -n '2,4p' "$0" | cut -c3-; exit 2; }
+doppel="$1" scan="$2" out="$3"
+shift 3
+"$doppel" reconstruct "$scan" -o "$out/ours" "$@"
+"$doppel" reconstruct "$scan" -o "$out/true-body" --true-body "$@"
+python3 - "$out" <<'P'
+import json, sys
+reports = {name: json.load(open(f"{sys.argv[1]}/{name}/report.json")) for name in ("ours", "true-body")}
+print("| held-out, masked PSNR dB | whole chain | pose fit off | body fit swapped for the truth | its pose fit off | the body fit costs |")
+print("|---|---|---|---|---|---|")
+for kind in ("static", "dynamic"):
+    row = []
+    for report in reports.values():
+        means = report["means"].get(kind)
+        row += [means[which]["masked_psnr_db"] for which in ("with_pose_fit", "without_pose_fit")] if means else [float("nan")] * 2
+    print(f"| {kind} | " + " | ".join(f"{x:.2f}" for x in row) + f" | {row[2] - row[0]:.2f} |")
+P
