@@ -61,7 +61,10 @@ Status weigh(const SubjectData& subject, StageContext& context) {
         DPL_TRY(const Measured rest, measure(without, frames, subject.options.threadCount));
         const double gain = whole.maskedPsnrDb - rest.maskedPsnrDb;
         const bool kept = gain >= kWorthItDb;
-        rows.push_back({part, {name, kept, float(gain), kept && whole.bytes > rest.bytes ? whole.bytes - rest.bytes : 0,
+        // Node values of one kind keep their place in the file while the other kind is there: six bytes of eight, or two.
+        const uint64_t values = uint64_t(assembled.avatar.correctives.nodes.size());
+        const uint64_t bytes = part == AvatarPart::CorrectiveOffsets ? 6 * values : part == AvatarPart::CorrectiveLight ? 2 * values : whole.bytes - std::min(whole.bytes, rest.bytes);
+        rows.push_back({part, {name, kept, float(gain), kept ? bytes : 0,
                                formatText("masked PSNR of {} training frames with and without it in the trained avatar", frames.size())}});
         context.progress.update(double(rows.size()) / 3, name);
     }

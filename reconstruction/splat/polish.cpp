@@ -32,7 +32,8 @@ Result<CoOptimiseResult> polish(AvatarData& avatar, std::vector<TrainFrame> fram
 Result<PoseFitResult> fitPose(const AvatarData& avatar, const TrainFrame& frame, const PoseFitSettings& settings, Jobs& jobs) {
     DPL_CHECK_OK(checkTrainFrame(frame));
     DPL_CHECK_OK(checkPose(avatar.joints, frame.pose));
-    const LevelFrame coarse = makeLevelFrame(frame, std::max(0.5f, coarsestScale(frame)), {}, false), fine = makeLevelFrame(frame, 1, {}, true);
+    LevelFrame coarse = makeLevelFrame(frame, std::max(0.5f, coarsestScale(frame)), {}, false), fine = makeLevelFrame(frame, 1, {}, true);
+    coarse.kappaPx2 = fine.kappaPx2 = avatar.kappaPx2;
     if (!fine.used) return fail(Code::InvalidArgument, "frame '{}': nobody is in its mask, so its pose cannot be fitted", frame.name);
     const std::vector<float> floors(avatar.mesh.triangles.size(), 0.0f);
     TrainableSplats splats = TrainableSplats::fromSplatData(avatar.splats, floors);

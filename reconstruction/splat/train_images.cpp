@@ -87,7 +87,7 @@ LevelFrame makeLevelFrame(const TrainFrame& f, float scale, std::span<const uint
     camera.widthPx = std::max(1u, camera.widthPx), camera.heightPx = std::max(1u, camera.heightPx);
     const uint32_t width = f.camera.widthPx, height = f.camera.heightPx;
     level.scale = float(camera.widthPx) / float(width);
-    level.kappaPx2 = kappaAtScale(level.scale);
+    level.kappaPx2 = kTrainedKappaPx2;
 
     // The person's box in the level, +10 % of its longer side.
     uint32_t x0 = width, x1 = 0, y0 = height, y1 = 0;
@@ -109,14 +109,16 @@ LevelFrame makeLevelFrame(const TrainFrame& f, float scale, std::span<const uint
     rows = {rows.begin() + top, rows.begin() + bottom};
     const size_t pixels = size_t(level.widthPx) * level.heightPx;
     level.rgb.resize(pixels * 3), level.mask.resize(pixels), level.band.assign(pixels, 0);
+    // The mask decides pixel by pixel who is in the picture, as scores do: half-covered edges would teach a translucent outline.
+    const auto inside = [&](size_t at) { return f.mask.pixels[at] >= 128; };
     for (size_t c = 0; c < 3; ++c) {
         const auto plane = areaAverage(width, height, columns, rows, [&](uint32_t x, uint32_t y) {
             const size_t at = size_t(y) * width + x;
-            return float(f.image.pixels[at * 3 + c]) * float(f.mask.pixels[at]) * (1.0f / 255.0f);
+            return inside(at) ? float(f.image.pixels[at * 3 + c]) : 0.0f;
         });
         for (size_t i = 0; i < pixels; ++i) level.rgb[c * pixels + i] = toByte(plane[i]);
     }
-    const auto mask = areaAverage(width, height, columns, rows, [&](uint32_t x, uint32_t y) { return float(f.mask.pixels[size_t(y) * width + x]); });
+    const auto mask = areaAverage(width, height, columns, rows, [&](uint32_t x, uint32_t y) { return inside(size_t(y) * width + x) ? 255.0f : 0.0f; });
     for (size_t i = 0; i < pixels; ++i) level.mask[i] = toByte(mask[i]);
     if (!f.labels.pixels.empty()) {
         const auto cloth = areaAverage(width, height, columns, rows, [&](uint32_t x, uint32_t y) {

@@ -21,6 +21,11 @@ struct TrainFrame {
     ImageGrey8 labels;
 };
 
+/** The low-pass that avatars are trained and drawn with, target pixels² at every scale: the variance of a pixel's own square. Drawing at one
+ *  size is then the area average of drawing at a larger one; with more (0.3 px² is common) splats learn to undo the blur of their training
+ *  size, and look ragged at any other. */
+constexpr float kTrainedKappaPx2 = 1.0f / 12;
+
 /** A frame at one level: area-averaged, cropped to the person's box + 10 %, eight bits. `used` is false when the mask is empty. */
 struct LevelFrame {
     bool used = false;

@@ -12,7 +12,7 @@
 
 namespace dpl {
 
-constexpr double kKappaPx2 = 0.3;             // low-pass variance at full training resolution, target pixels²
+constexpr double kKappaPx2 = 0.3;             // low-pass variance where nothing else is said, target pixels²; avatars say theirs
 constexpr double kMaxAlpha = 0.99;
 constexpr double kMinAlpha = 1.0 / 255.0;
 constexpr double kMinTransmittance = 1e-4;
@@ -38,12 +38,6 @@ inline T singleFaceGate(const Vec3<T>& normal, const Vec3<T>& centre, const Vec3
 template <class T>
 inline T nearFade(T depthM) {
     return smoothstep01((depthM - T(kNearM)) / T(kNearFadeEndM - kNearM));
-}
-
-/** κ for an image that was area-averaged to `scale` (≤1) of the training resolution, target pixels² (reference §5.5). */
-template <class T>
-inline T kappaAtScale(T scale) {
-    return T(kKappaPx2) * scale * scale + (T(1) - scale * scale) / T(12);
 }
 
 /** What one splat looks like in one view before colour. */

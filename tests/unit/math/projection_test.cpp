@@ -91,11 +91,6 @@ TEST(Projection, gateIsZeroFromBehindAndFullAboveATenth) {
     EXPECT_NEAR(singleFaceGate(normal, centre, Vec3d(std::sqrt(1 - 0.05 * 0.05), 0, 0.05)), 0.5, 1e-12);
 }
 
-TEST(Projection, lowPassOfSmallerImages) {
-    EXPECT_NEAR(kappaAtScale(1.0), kKappaPx2, 1e-15);
-    EXPECT_NEAR(kappaAtScale(0.5), 0.3 / 4 + 0.75 / 12, 1e-15);
-}
-
 TEST(Projection, visibleRadiusIsWhereAlphaMeetsTheCutOff) {
     const double q = visibleRadius2(0.7);
     EXPECT_NEAR(0.7 * std::exp(-q / 2), kMinAlpha, 1e-15);

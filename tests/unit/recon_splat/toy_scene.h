@@ -97,7 +97,7 @@ inline CoOptimiseInput toyScene(Jobs& jobs, uint32_t frameCount = 8, float swayM
         truth.localRotations[1] = glm::angleAxis(turn, axis) * truth.localRotations[1];
         PosedMesh posed;
         posed.pose({in.joints, in.mesh, correctives, rest}, truth, jobs);
-        engine.project(splats.view(), posed.frames(), f.camera.cast<float>(), float(kKappaPx2));
+        engine.project(splats.view(), posed.frames(), f.camera.cast<float>(), kTrainedKappaPx2);
         engine.bin();
         engine.blend(image);
         f.image.widthPx = f.mask.widthPx = f.image.heightPx = f.mask.heightPx = sizePx;

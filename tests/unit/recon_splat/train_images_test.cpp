@@ -26,7 +26,7 @@ TEST(LevelFrame, cropsToThePersonPlusTenPercentAndKeepsTheRays) {
     EXPECT_EQ(full.topPx, 90u);
     EXPECT_EQ(full.widthPx, 70u);
     EXPECT_EQ(full.heightPx, 120u);
-    EXPECT_FLOAT_EQ(full.kappaPx2, float(kKappaPx2));
+    EXPECT_FLOAT_EQ(full.kappaPx2, kTrainedKappaPx2);
     EXPECT_FLOAT_EQ(full.camera.cx, 50.0f);
     EXPECT_EQ(full.rgb[(10 * 70) + 10], f.image.pixels[(100 * 200 + 60) * 3]) << "masked pixels are copied";
     EXPECT_EQ(full.rgb[0], 0) << "colour is premultiplied by the mask";
