@@ -150,6 +150,19 @@ std::pair<ImageRgb8, ImageGrey8> areaAveraged(const ImageRgb8& image, const Imag
     return {std::move(colour), std::move(cover)};
 }
 
+ImageGrey8 insideOutline(const ImageGrey8& mask) {
+    ImageGrey8 out = mask;
+    const int w = int(mask.widthPx), h = int(mask.heightPx);
+    for (int y = 0; y < h; ++y)
+        for (int x = 0; x < w; ++x) {
+            bool whole = x > 0 && y > 0 && x + 1 < w && y + 1 < h;
+            for (int dy = -1; dy <= 1 && whole; ++dy)
+                for (int dx = -1; dx <= 1; ++dx) whole = whole && mask.pixels[size_t(y + dy) * size_t(w) + size_t(x + dx)] >= 128;
+            if (!whole) out.pixels[size_t(y) * size_t(w) + size_t(x)] = 0;
+        }
+    return out;
+}
+
 std::vector<uint8_t> overWhite(const std::vector<uint8_t>& rgba) {
     std::vector<uint8_t> rgb(rgba.size() / 4 * 3);
     for (size_t i = 0; i < rgba.size() / 4; ++i)

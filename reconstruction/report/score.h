@@ -37,6 +37,9 @@ std::vector<uint8_t> areaAveraged(const std::vector<uint8_t>& rgba, uint32_t wid
 /** Image and mask of a frame area-averaged to another size, colours weighted by the mask. */
 std::pair<ImageRgb8, ImageGrey8> areaAveraged(const ImageRgb8& image, const ImageGrey8& mask, uint32_t toWidthPx, uint32_t toHeightPx);
 
+/** The mask without its outermost pixels (3 × 3): where a picture's own coverage of the outline does not count. */
+ImageGrey8 insideOutline(const ImageGrey8& mask);
+
 /** RGB of a picture over white, and 4 × its difference to the truth cut out over white, for people to look at. */
 std::vector<uint8_t> overWhite(const std::vector<uint8_t>& rgba);
 std::vector<uint8_t> cutOutOverWhite(const ImageRgb8& truth, const ImageGrey8& mask);

@@ -75,6 +75,15 @@ TEST(AreaAveraged, weighsColoursByCoverageAndKeepsTheirBrightness) {
     EXPECT_EQ(areaAveraged(rgba, 4, 2, 2, 1), (std::vector<uint8_t>{200, 0, 0, 64, 100, 0, 50, 255}));
 }
 
+TEST(InsideOutline, takesOnePixelAllRound) {
+    ImageGrey8 mask{6, 5, std::vector<uint8_t>(30, 0)};
+    for (uint32_t y = 0; y < 4; ++y)
+        for (uint32_t x = 1; x < 6; ++x) mask.pixels[y * 6 + x] = 200;
+    const ImageGrey8 inside = insideOutline(mask);
+    for (uint32_t y = 0; y < 5; ++y)
+        for (uint32_t x = 0; x < 6; ++x) EXPECT_EQ(inside.pixels[y * 6 + x], x >= 2 && x <= 4 && y >= 1 && y <= 2 ? 200 : 0) << x << ' ' << y;
+}
+
 TEST(LabelColours, paintsTheMeanOfEachLabel) {
     Scene s;
     ImageGrey8 labels{kWidth, kHeight, std::vector<uint8_t>(kWidth * kHeight, 2)};
