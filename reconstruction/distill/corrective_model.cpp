@@ -119,14 +119,14 @@ Result<PoseCorrectiveData> correctiveModel(std::span<const JointData> joints, co
     if (solver.info() != Eigen::Success) return fail(Code::Internal, "the modes of {} poses could not be found", poses.size());
     const Eigen::VectorXd& variance = solver.eigenvalues();  // rising
     if (!(variance(features - 1) > settings.minSpread * settings.minSpread)) return PoseCorrectiveData{};
-    const double scale = 1 / std::sqrt(variance(features - 1)), total = variance.sum();
+    const double total = variance.sum();
     for (Eigen::Index f = 0; f < features; ++f) out.mean.push_back(float(mean(f)));
     for (Eigen::Index i = features - 1; i >= 0 && out.modeCount < settings.maxModes && variance(i) >= settings.minVariance * total; --i, ++out.modeCount) {
         Eigen::VectorXd mode = solver.eigenvectors().col(i);
         Eigen::Index largest = 0;
         mode.cwiseAbs().maxCoeff(&largest);
         if (mode(largest) < 0) mode = -mode;  // an eigenvector's sign is arbitrary
-        for (Eigen::Index f = 0; f < features; ++f) out.modes.push_back(float(mode(f) * scale));
+        for (Eigen::Index f = 0; f < features; ++f) out.modes.push_back(float(mode(f) / std::sqrt(variance(i))));
     }
     const SurfaceGraph graph(mesh.restPositions, mesh.triangles);
     const std::vector<uint32_t> nodes = chooseNodes(graph, float(settings.nodeSpacingM));
@@ -135,9 +135,10 @@ Result<PoseCorrectiveData> correctiveModel(std::span<const JointData> joints, co
     out.nodes.assign(size_t(out.nodeCount) * out.modeCount, Vec4f(0));
     out.reach = 1e30f;
     std::vector<float> coefficients;
-    float farthest = 0;
-    for (const Pose& pose : poses) farthest = std::max(farthest, correctiveCoefficients(out, pose, coefficients));
-    out.reach = farthest;
+    std::vector<float> lengths;
+    for (const Pose& pose : poses) lengths.push_back(correctiveCoefficients(out, pose, coefficients));
+    std::sort(lengths.begin(), lengths.end());
+    out.reach = lengths[std::min(lengths.size() - 1, size_t(settings.reachQuantile * double(lengths.size())))];
     return out;
 }
 

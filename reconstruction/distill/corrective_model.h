@@ -1,6 +1,6 @@
 // The frame in which pose correctives are learned: modes of the training poses, and control nodes on the mesh. Nothing is learned here.
 //
-//   poses ─► features of the body's joints ─► principal components ─► K modes, scaled so that the first has unit variance
+//   poses ─► features of the body's joints ─► principal components ─► K modes of unit variance, so that ‖k‖ is a Mahalanobis distance
 //   mesh  ─► farthest-point nodes along the surface ─► four nearest nodes a vertex, weights (1 − d/d₅)²
 #pragma once
 
@@ -12,8 +12,9 @@
 namespace dpl {
 
 struct CorrectiveModelSettings {
-    uint32_t maxModes = 16;
-    double minVariance = 0.002;   // modes that explain less of the poses' variance are noise of the fit
+    uint32_t maxModes = 12;
+    double minVariance = 0.01;    // modes that explain less of the poses' variance are noise of the fit: another motion would blow them up
+    double reachQuantile = 0.8;   // poses farther from the mean than this share of the training poses are shortened
     double nodeSpacingM = 0.03;   // about a fold of cloth; at 0.045 scan-a loses 0.3 dB, 0.02 gains 0.05 (docs/adr/0003)
     uint32_t minPoses = 12;       // fewer say nothing about how a surface follows its pose
     double minSpread = 0.1;       // root mean square of the feature's first component (radians for small turns): less is a held pose

@@ -67,7 +67,7 @@ uint64_t CoOptimiser::State::fingerprint() const {
     for (float x : {s.loss.l1, s.loss.ssim, s.loss.mask, s.loss.cloth, s.earlyMaskFactor, s.regularise.scaleHinge, s.regularise.anisotropy,
                     s.regularise.edgeRatio, s.regularise.laplacian, s.regularise.pose, s.regularise.camera, s.closeupGradientScale, s.rateUv, s.endUv,
                     s.ratePhi, s.rateLogScale, s.endLogScale, s.rateOpacity, s.endOpacity, s.rateDc, s.rateRest, s.endColour, s.rateOffsets, s.endOffsets,
-                    s.rateRotation, s.rateTranslation, s.endPose, s.rateCamera, s.rateNodeOffset, s.rateNodeLight, s.endNodes, s.regularise.nodes, float(s.smoothingLengthM)})
+                    s.rateRotation, s.rateTranslation, s.endPose, s.rateCamera, s.rateNodeOffset, s.rateNodeLight, s.endNodes, s.nodeDecay, float(s.smoothingLengthM)})
         w.value(x);
     for (bool b : {s.learnSplats, s.learnGeometry, s.learnPoses, s.learnCameras, s.learnCorrectives, s.densify, s.learnPlacement, s.fullResolutionOnly}) w.value(uint8_t(b));
     w.value(s.geometryEvery), w.value(s.densityEvents);

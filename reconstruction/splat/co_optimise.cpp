@@ -310,15 +310,16 @@ void CoOptimiser::State::updateCorrectives() {
         active[n] = 1;
         for (uint32_t i = 0; i < c.modeCount; ++i) {
             const Vec4f& value = c.nodes[size_t(n) * c.modeCount + i];
-            const Vec4f gradient = k[i] * g + settings.regularise.nodes / float(c.nodeCount) * Vec4f(1e4f * value.x, 1e4f * value.y, 1e4f * value.z, value.w);
+            const Vec4f gradient = k[i] * g;
             for (uint32_t a = 0; a < 4; ++a) values[n * stride + i * 4 + a] = value[int(a)], gradients[n * stride + i * 4 + a] = gradient[int(a)];
         }
     }
+    const float keep = 1 - fall * settings.nodeDecay;  // decoupled from Adam, which would undo the scale of a penalty
     adamNodes.update(0, c.nodeCount, active, gradients, rate, values);
     for (uint32_t n = 0; n < c.nodeCount; ++n)
         if (active[n])
             for (uint32_t i = 0; i < c.modeCount; ++i)
-                for (uint32_t a = 0; a < 4; ++a) c.nodes[size_t(n) * c.modeCount + i][int(a)] = values[n * stride + i * 4 + a];
+                for (uint32_t a = 0; a < 4; ++a) c.nodes[size_t(n) * c.modeCount + i][int(a)] = keep * values[n * stride + i * 4 + a];
 }
 
 CurvePoint CoOptimiser::State::recentPoint() const {

@@ -52,7 +52,8 @@ struct CoOptimiseSettings {
     float rateOffsets = 2e-3f, endOffsets = 0.1f;       // metres, AdamUniform on u
     float rateRotation = 1.5e-3f, rateTranslation = 1e-3f, endPose = 0.1f;
     float rateCamera = 1e-4f;
-    float rateNodeOffset = 5e-4f, rateNodeLight = 1e-2f, endNodes = 0.1f;  // metres and brightness a unit of a mode
+    float rateNodeOffset = 2e-4f, rateNodeLight = 4e-3f, endNodes = 0.1f;  // metres and brightness a unit of a mode
+    float nodeDecay = 2e-3f;              // of node values a step that saw them, times the rates' fall: what pictures do not ask for goes
     double smoothingLengthM = 0.04;
     uint32_t geometryEvery = 4;           // steps whose rest gradients are averaged into one LargeSteps update
     uint32_t densityEvents = 20;          // between 8 % and 55 % of the run

@@ -15,7 +15,6 @@ struct RegulariserWeights {
     float laplacian = 1e-2f;        // mean of |L ΔV|²/(mean edge)², L the uniform Laplacian divided by valence
     float pose = 1e-2f;             // ‖log(R R0ᵀ)‖² of every joint, ‖Δt‖²/(0.1 m)²
     float camera = 1e-1f;
-    float nodes = 1e-3f;            // mean over control nodes of ½‖offset‖²/(1 cm)² + ½‖brightness change‖², of each mode
 };
 
 /** Adds to the gradient rows of active splats of [begin, end). referenceSizeM: one entry a triangle. Means are over all splats. */

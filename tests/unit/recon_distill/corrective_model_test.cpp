@@ -55,23 +55,25 @@ TEST(CorrectiveModel, hearsTheBodyAndNotItsHeadingOrFingers) {
     EXPECT_TRUE(checkCorrectives(*model, 4, twoWalls().restPositions.size()));
 }
 
-TEST(CorrectiveModel, coefficientsAreCentredAndTheFirstHasUnitVariance) {
+TEST(CorrectiveModel, coefficientsAreCentredWithUnitVariance) {
     const auto poses = swinging(40);
     const auto model = correctiveModel(joints(), twoWalls(), poses);
     ASSERT_TRUE(model);
     std::vector<double> mean(model->modeCount, 0.0), square(model->modeCount, 0.0);
     std::vector<float> k;
-    float farthest = 0;
+    PoseCorrectiveData free = *model;
+    free.reach = 1e6f;
+    int shortened = 0;
     for (const Pose& p : poses) {
-        farthest = std::max(farthest, correctiveCoefficients(*model, p, k));
+        shortened += correctiveCoefficients(free, p, k) > model->reach;
         for (size_t i = 0; i < k.size(); ++i) mean[i] += k[i] / 40.0, square[i] += k[i] * k[i] / 40.0;
     }
     for (size_t i = 0; i < mean.size(); ++i) {
         EXPECT_NEAR(mean[i], 0, 1e-5) << i;
-        if (i > 0) EXPECT_LE(square[i], square[i - 1] + 1e-5) << i;
+        EXPECT_NEAR(square[i], 1, 1e-3) << i;
     }
-    EXPECT_NEAR(square[0], 1, 1e-4);
-    EXPECT_NEAR(model->reach, farthest, 1e-5) << "no training pose is shortened";
+    EXPECT_GT(shortened, 3) << "far poses are shortened";
+    EXPECT_LT(shortened, 12) << "and near ones are not";
 }
 
 TEST(CorrectiveModel, nodesCoverTheSurfaceAndDoNotJumpGaps) {
