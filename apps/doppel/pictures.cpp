@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "reconstruction/report/sdk_camera.h"
+
 namespace dpl {
 
 Error fromSdk(const doppel::Error& error) {
@@ -12,18 +14,6 @@ Error fromSdk(const doppel::Error& error) {
                       : error.code == DPL_ERROR_VERSION        ? Code::Version
                                                                : Code::Device;
     return {code, error.message};
-}
-
-DplCamera toSdk(const Cameraf& camera) {
-    DplCamera out{};
-    out.structSize = sizeof out;
-    out.widthPx = camera.widthPx, out.heightPx = camera.heightPx;
-    out.fx = camera.fx, out.fy = camera.fy, out.cx = camera.cx, out.cy = camera.cy;
-    for (int row = 0; row < 3; ++row) {
-        for (int column = 0; column < 3; ++column) out.viewFromWorld[row * 4 + column] = camera.viewFromWorldRotation[column][row];
-        out.viewFromWorld[row * 4 + 3] = camera.viewFromWorldTranslation[row];
-    }
-    return out;
 }
 
 Cameraf frameAvatar(const DplAvatarInfo& avatar, uint32_t widthPx, uint32_t heightPx, double azimuthRad) {
@@ -58,7 +48,7 @@ Result<std::vector<std::vector<uint8_t>>> drawViews(const doppel::Avatar& avatar
     std::vector<DplImage> images;
     for (size_t i = 0; i < views.size(); ++i) {
         pixels[i].resize(size_t(views[i].widthPx) * views[i].heightPx * 4);
-        cameras.push_back(toSdk(views[i]));
+        cameras.push_back(sdkCamera(views[i]));
         DplImage image{};
         image.structSize = sizeof image;
         image.flags = DPL_IMAGE_STRAIGHT_ALPHA;

@@ -9,7 +9,6 @@
 namespace dpl {
 
 Error fromSdk(const doppel::Error& error);
-DplCamera toSdk(const Cameraf& camera);
 
 /** Looks at the middle of the avatar's rest box from `azimuthRad` (0: from the front, positive to its left), so that it fills the picture. */
 Cameraf frameAvatar(const DplAvatarInfo& avatar, uint32_t widthPx, uint32_t heightPx, double azimuthRad);

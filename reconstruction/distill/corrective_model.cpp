@@ -7,9 +7,9 @@
 #include <map>
 #include <queue>
 #include <string_view>
-#include <tuple>
 
 #include "sdk/format/skin_weights.h"
+#include "sdk/math/merge_vertices.h"
 
 namespace dpl {
 namespace {
@@ -24,9 +24,9 @@ struct SurfaceGraph {
     std::vector<std::vector<std::pair<uint32_t, float>>> neighbours;
 
     SurfaceGraph(std::span<const Vec3f> positions, std::span<const Triangle> triangles) {
-        std::map<std::tuple<float, float, float>, uint32_t> places;
-        for (const Vec3f& p : positions) mergedOf.push_back(places.try_emplace({p.x, p.y, p.z}, uint32_t(places.size())).first->second);
-        neighbours.resize(places.size());
+        MergedVertices merged = mergeVertices(positions);
+        mergedOf = std::move(merged.placeOf);
+        neighbours.resize(merged.count);
         for (const Triangle& t : triangles)
             for (int c = 0; c < 3; ++c) {
                 const uint32_t a = t[c], b = t[(c + 1) % 3];

@@ -1,8 +1,7 @@
 #include "reconstruction/pipeline/trained_file.h"
 
+#include "sdk/core/arrays.h"
 #include "sdk/core/files.h"
-#include "sdk/core/reader.h"
-#include "sdk/core/writer.h"
 #include "sdk/math/sh.h"
 
 namespace dpl {
@@ -10,22 +9,6 @@ namespace {
 
 constexpr uint32_t kMagic = 0x4e525444;  // "DTRN"
 constexpr uint32_t kVersion = 2;
-
-template <class T>
-void putArray(Writer& out, const std::vector<T>& values) {
-    out.value(uint64_t(values.size()));
-    out.append({reinterpret_cast<const uint8_t*>(values.data()), values.size() * sizeof(T)});
-}
-
-template <class T>
-Status getArray(Reader& in, std::vector<T>& values) {
-    DPL_TRY(uint64_t count, in.value<uint64_t>());
-    if (count > in.remaining() / sizeof(T)) return fail(Code::CorruptData, "an array of {} entries does not fit into the file", count);
-    DPL_TRY(auto bytes, in.take(size_t(count) * sizeof(T)));
-    values.resize(size_t(count));
-    std::memcpy(static_cast<void*>(values.data()), bytes.data(), bytes.size());
-    return {};
-}
 
 void putPose(Writer& out, const Pose& pose) {
     putArray(out, pose.localRotations);

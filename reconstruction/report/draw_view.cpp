@@ -2,6 +2,8 @@
 
 #include <doppel/doppel.hpp>
 
+#include "reconstruction/report/sdk_camera.h"
+
 namespace dpl {
 namespace {
 
@@ -32,14 +34,7 @@ Result<AvatarView> AvatarView::open(std::span<const uint8_t> bytes, uint32_t thr
 Result<std::vector<uint8_t>> AvatarView::draw(const Pose& pose, const Camerad& camera) {
     static_assert(sizeof(Quatf) == 4 * sizeof(float), "GLM keeps quaternions as xyzw");
     if (auto set = state_->avatar.setPose({&pose.localRotations[0].x, pose.localRotations.size() * 4}, {&pose.rootTranslation.x, 3}); !set) return sdkError(set.error());
-    DplCamera view{};
-    view.structSize = sizeof view;
-    view.widthPx = camera.widthPx, view.heightPx = camera.heightPx;
-    view.fx = float(camera.fx), view.fy = float(camera.fy), view.cx = float(camera.cx), view.cy = float(camera.cy);
-    for (int row = 0; row < 3; ++row) {
-        for (int column = 0; column < 3; ++column) view.viewFromWorld[row * 4 + column] = float(camera.viewFromWorldRotation[column][row]);
-        view.viewFromWorld[row * 4 + 3] = float(camera.viewFromWorldTranslation[row]);
-    }
+    const DplCamera view = sdkCamera(camera.cast<float>());
     std::vector<uint8_t> rgba(size_t(camera.widthPx) * camera.heightPx * 4);
     DplImage image{};
     image.structSize = sizeof image;

@@ -3,8 +3,8 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <tuple>
+
+#include "sdk/math/merge_vertices.h"
 
 namespace dpl {
 
@@ -52,13 +52,13 @@ Result<LargeSteps> LargeSteps::createWithLambda(std::span<const Vec3f> positions
     if (!(lambda >= 0) || !std::isfinite(lambda)) return fail(Code::InvalidArgument, "LargeSteps: lambda {} is not a number at or above 0", lambda);
     auto f = std::make_unique<Factor>();
     f->lambda = lambda;
-    std::map<std::tuple<float, float, float>, uint32_t> places;
     for (size_t v = 0; v < positions.size(); ++v) {
         const Vec3f p = positions[v];
         if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return fail(Code::InvalidArgument, "LargeSteps: vertex {} is not finite", v);
-        f->mergedOf.push_back(places.try_emplace({p.x, p.y, p.z}, uint32_t(places.size())).first->second);
     }
-    const size_t n = places.size();
+    MergedVertices merged = mergeVertices(positions);
+    f->mergedOf = std::move(merged.placeOf);
+    const size_t n = merged.count;
     std::vector<std::vector<uint32_t>> adjacent(n);
     for (size_t t = 0; t < triangles.size(); ++t)
         for (int c = 0; c < 3; ++c) {

@@ -7,35 +7,18 @@
 #include <cstring>
 
 #include "reconstruction/splat/co_optimise_state.h"
+#include "sdk/core/arrays.h"
 #include "sdk/core/files.h"
-#include "sdk/core/reader.h"
-#include "sdk/core/writer.h"
 
 namespace dpl {
 namespace {
 
 constexpr uint32_t kMagic = 0x544C5044, kVersion = 2;
 
-template <class T>
-void put(Writer& w, const std::vector<T>& v) {
-    w.value(uint64_t(v.size()));
-    w.append({reinterpret_cast<const uint8_t*>(v.data()), v.size() * sizeof(T)});
-}
-
-template <class T>
-Status get(Reader& r, std::vector<T>& v) {
-    DPL_TRY(const uint64_t count, r.value<uint64_t>());
-    if (count > r.remaining() / sizeof(T)) return fail(Code::CorruptData, "an array of {} entries does not fit", count);
-    DPL_TRY(auto bytes, r.take(count * sizeof(T)));
-    v.resize(count);
-    if (count > 0) std::memcpy(v.data(), bytes.data(), bytes.size());
-    return {};
-}
-
-void put(Writer& w, const AdamVector& a) { put(w, a.first), put(w, a.second), w.value(a.steps); }
-Status get(Reader& r, AdamVector& a) {
-    DPL_CHECK_OK(get(r, a.first));
-    DPL_CHECK_OK(get(r, a.second));
+void putAdam(Writer& w, const AdamVector& a) { putArray(w, a.first), putArray(w, a.second), w.value(a.steps); }
+Status getAdam(Reader& r, AdamVector& a) {
+    DPL_CHECK_OK(getArray(r, a.first));
+    DPL_CHECK_OK(getArray(r, a.second));
     DPL_TRY(a.steps, r.u32());
     return {};
 }
@@ -63,7 +46,7 @@ uint64_t CoOptimiser::State::fingerprint() const {
     Writer w;
     const CoOptimiseSettings& s = settings;
     w.value(s.seed), w.value(s.steps), w.value(s.maxSplats), w.value(s.init.splatCount), w.value(s.init.shDegree);
-    put(w, s.init.clothLabels), put(w, s.init.openLabels), put(w, s.levelStarts);
+    putArray(w, s.init.clothLabels), putArray(w, s.init.openLabels), putArray(w, s.levelStarts);
     for (float x : {s.loss.l1, s.loss.ssim, s.loss.mask, s.loss.cloth, s.earlyMaskFactor, s.regularise.scaleHinge, s.regularise.anisotropy,
                     s.regularise.edgeRatio, s.regularise.laplacian, s.regularise.pose, s.regularise.camera, s.closeupGradientScale, s.rateUv, s.endUv,
                     s.ratePhi, s.rateLogScale, s.endLogScale, s.rateOpacity, s.endOpacity, s.rateDc, s.rateRest, s.endColour, s.rateOffsets, s.endOffsets,
@@ -71,16 +54,16 @@ uint64_t CoOptimiser::State::fingerprint() const {
         w.value(x);
     for (bool b : {s.learnSplats, s.learnGeometry, s.learnPoses, s.learnCameras, s.learnCorrectives, s.densify, s.learnPlacement, s.fullResolutionOnly}) w.value(uint8_t(b));
     w.value(s.geometryEvery), w.value(s.densityEvents);
-    put(w, templatePositions), put(w, input.mesh.triangles), put(w, input.triangleLabel);
+    putArray(w, templatePositions), putArray(w, input.mesh.triangles), putArray(w, input.triangleLabel);
     const PoseCorrectiveData& c = input.correctives;
-    put(w, c.joints), put(w, c.mean), put(w, c.modes), put(w, c.nodeIndices), put(w, c.nodeWeights), w.value(c.nodeCount), w.value(c.reach);
+    putArray(w, c.joints), putArray(w, c.mean), putArray(w, c.modes), putArray(w, c.nodeIndices), putArray(w, c.nodeWeights), w.value(c.nodeCount), w.value(c.reach);
     for (const TrainFrame& f : input.frames) {
         w.value(XXH3_64bits(f.image.pixels.data(), f.image.pixels.size()));
         w.value(XXH3_64bits(f.mask.pixels.data(), f.mask.pixels.size()));
         w.value(XXH3_64bits(f.labels.pixels.data(), f.labels.pixels.size()));
         w.value(f.camera.viewFromWorldRotation), w.value(f.camera.viewFromWorldTranslation);
         w.value(f.camera.fx), w.value(f.camera.fy), w.value(f.camera.cx), w.value(f.camera.cy), w.value(f.kind);
-        put(w, f.pose.localRotations), w.value(f.pose.rootTranslation);
+        putArray(w, f.pose.localRotations), w.value(f.pose.rootTranslation);
     }
     const std::vector<uint8_t> bytes = w.finish();
     return XXH3_64bits(bytes.data(), bytes.size());
@@ -90,18 +73,18 @@ Status CoOptimiser::checkpoint(const std::filesystem::path& path) const {
     const State& s = *state_;
     Writer w;
     w.value(s.step), w.value(s.splats.shDegree);
-    put(w, s.splats.triangle), put(w, s.splats.flags), put(w, s.splats.rows), put(w, s.splats.sizeFloorM);
-    put(w, s.adam.first), put(w, s.adam.second), put(w, s.adam.steps);
-    put(w, s.statistics.gradientSum), put(w, s.statistics.seen);
-    put(w, s.u), put(w, s.adamOffsets.first), put(w, s.adamOffsets.second), w.value(s.adamOffsets.steps);
-    put(w, s.restGradientSum), w.value(s.restGradientCount);
-    put(w, s.input.correctives.nodes), put(w, s.adamNodes.first), put(w, s.adamNodes.second), put(w, s.adamNodes.steps);
+    putArray(w, s.splats.triangle), putArray(w, s.splats.flags), putArray(w, s.splats.rows), putArray(w, s.splats.sizeFloorM);
+    putArray(w, s.adam.first), putArray(w, s.adam.second), putArray(w, s.adam.steps);
+    putArray(w, s.statistics.gradientSum), putArray(w, s.statistics.seen);
+    putArray(w, s.u), putArray(w, s.adamOffsets.first), putArray(w, s.adamOffsets.second), w.value(s.adamOffsets.steps);
+    putArray(w, s.restGradientSum), w.value(s.restGradientCount);
+    putArray(w, s.input.correctives.nodes), putArray(w, s.adamNodes.first), putArray(w, s.adamNodes.second), putArray(w, s.adamNodes.steps);
     for (size_t f = 0; f < s.poses.size(); ++f) {
-        put(w, s.poses[f].localRotations), w.value(s.poses[f].rootTranslation);
-        put(w, s.adamPoses[f]), put(w, s.adamCameras[f]);
+        putArray(w, s.poses[f].localRotations), w.value(s.poses[f].rootTranslation);
+        putAdam(w, s.adamPoses[f]), putAdam(w, s.adamCameras[f]);
         w.value(s.cameraTurn[f]), w.value(s.cameraShift[f]);
     }
-    put(w, s.curve);
+    putArray(w, s.curve);
     for (double x : {s.sumLoss, s.sumL1, s.sumSsim, s.sumMask, s.sumSquared, s.sumSquaredCount}) w.value(x);
     w.value(s.sumSteps);
     const std::vector<uint8_t> payload = w.finish();
@@ -138,18 +121,18 @@ Status CoOptimiser::restore(const std::filesystem::path& path) {
     DPL_TRY(step, r.u32());
     DPL_TRY(degree, r.u32());
     if (degree > kMaxShDegree || step > s.settings.steps) return damaged("step or SH degree");
-    DPL_CHECK_OK(get(r, triangle));
+    DPL_CHECK_OK(getArray(r, triangle));
     splats.resize(uint32_t(triangle.size()), degree);
     splats.triangle = std::move(triangle);
     const size_t n = splats.count(), f = s.mesh.triangles.size();
-    DPL_CHECK_OK(get(r, splats.flags));
-    DPL_CHECK_OK(get(r, splats.rows));
-    DPL_CHECK_OK(get(r, splats.sizeFloorM));
-    DPL_CHECK_OK(get(r, adam.first));
-    DPL_CHECK_OK(get(r, adam.second));
-    DPL_CHECK_OK(get(r, adam.steps));
-    DPL_CHECK_OK(get(r, statistics.gradientSum));
-    DPL_CHECK_OK(get(r, statistics.seen));
+    DPL_CHECK_OK(getArray(r, splats.flags));
+    DPL_CHECK_OK(getArray(r, splats.rows));
+    DPL_CHECK_OK(getArray(r, splats.sizeFloorM));
+    DPL_CHECK_OK(getArray(r, adam.first));
+    DPL_CHECK_OK(getArray(r, adam.second));
+    DPL_CHECK_OK(getArray(r, adam.steps));
+    DPL_CHECK_OK(getArray(r, statistics.gradientSum));
+    DPL_CHECK_OK(getArray(r, statistics.seen));
     adam.stride = splats.stride;
     const size_t values = n * splats.stride;
     if (splats.flags.size() != n || splats.rows.size() != values || splats.sizeFloorM.size() != f || adam.first.size() != values || adam.second.size() != values ||
@@ -160,11 +143,11 @@ Status CoOptimiser::restore(const std::filesystem::path& path) {
     std::vector<Vec3f> u, gradientSum;
     AdamUniform adamOffsets;
     uint32_t gradientCount = 0;
-    DPL_CHECK_OK(get(r, u));
-    DPL_CHECK_OK(get(r, adamOffsets.first));
-    DPL_CHECK_OK(get(r, adamOffsets.second));
+    DPL_CHECK_OK(getArray(r, u));
+    DPL_CHECK_OK(getArray(r, adamOffsets.first));
+    DPL_CHECK_OK(getArray(r, adamOffsets.second));
     DPL_TRY(adamOffsets.steps, r.u32());
-    DPL_CHECK_OK(get(r, gradientSum));
+    DPL_CHECK_OK(getArray(r, gradientSum));
     DPL_TRY(gradientCount, r.u32());
     if (u.size() != s.u.size() || gradientSum.size() != s.restGradientSum.size() || (adamOffsets.first.size() != u.size() && !adamOffsets.first.empty()) ||
         adamOffsets.second.size() != adamOffsets.first.size())
@@ -172,10 +155,10 @@ Status CoOptimiser::restore(const std::filesystem::path& path) {
     if (!allFinite(splats.rows) || !allFinite(adam.first) || !allFinite(adam.second) || !allFinite(u) || !allFinite(gradientSum)) return damaged("numbers that are not finite");
     std::vector<Vec4f> nodes;
     AdamRows adamNodes = s.adamNodes;
-    DPL_CHECK_OK(get(r, nodes));
-    DPL_CHECK_OK(get(r, adamNodes.first));
-    DPL_CHECK_OK(get(r, adamNodes.second));
-    DPL_CHECK_OK(get(r, adamNodes.steps));
+    DPL_CHECK_OK(getArray(r, nodes));
+    DPL_CHECK_OK(getArray(r, adamNodes.first));
+    DPL_CHECK_OK(getArray(r, adamNodes.second));
+    DPL_CHECK_OK(getArray(r, adamNodes.steps));
     if (nodes.size() != s.input.correctives.nodes.size() || adamNodes.first.size() != s.adamNodes.first.size() ||
         adamNodes.second.size() != s.adamNodes.second.size() || adamNodes.steps.size() != s.adamNodes.steps.size())
         return damaged("pose corrective sizes");
@@ -184,16 +167,16 @@ Status CoOptimiser::restore(const std::filesystem::path& path) {
     auto adamPoses = s.adamPoses, adamCameras = s.adamCameras;
     auto turn = s.cameraTurn, shift = s.cameraShift;
     for (size_t k = 0; k < poses.size(); ++k) {
-        DPL_CHECK_OK(get(r, poses[k].localRotations));
+        DPL_CHECK_OK(getArray(r, poses[k].localRotations));
         DPL_TRY(poses[k].rootTranslation, r.value<Vec3f>());
         if (auto status = checkPose(s.input.joints, poses[k]); !status) return damaged("a pose");
-        DPL_CHECK_OK(get(r, adamPoses[k]));
-        DPL_CHECK_OK(get(r, adamCameras[k]));
+        DPL_CHECK_OK(getAdam(r, adamPoses[k]));
+        DPL_CHECK_OK(getAdam(r, adamCameras[k]));
         DPL_TRY(turn[k], r.value<Vec3d>());
         DPL_TRY(shift[k], r.value<Vec3d>());
     }
     std::vector<CurvePoint> curve;
-    DPL_CHECK_OK(get(r, curve));
+    DPL_CHECK_OK(getArray(r, curve));
     double sums[6];
     for (double& x : sums) {
         DPL_TRY(x, r.value<double>());

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <tuple>
 
 #include "reconstruction/splat/random.h"
 #include "reconstruction/surface/mesh_raster.h"
+#include "sdk/math/merge_vertices.h"
 #include "sdk/math/sh.h"
 
 namespace dpl {
@@ -24,16 +24,14 @@ void poseMesh(std::span<const JointData> joints, const MeshData& mesh, const Pos
 
 std::vector<uint8_t> triangleFlags(std::span<const Vec3f> restPositions, std::span<const Triangle> triangles, std::span<const uint8_t> labels,
                                    const InitSettings& settings) {
-    std::map<std::tuple<float, float, float>, uint32_t> places;
-    std::vector<uint32_t> merged;
-    for (const Vec3f& p : restPositions) merged.push_back(places.try_emplace({p.x, p.y, p.z}, uint32_t(places.size())).first->second);
+    const auto [merged, placeCount] = mergeVertices(restPositions);
     std::map<std::pair<uint32_t, uint32_t>, int> uses;
     for (const Triangle& t : triangles)
         for (int c = 0; c < 3; ++c) {
             const uint32_t a = merged[t[c]], b = merged[t[(c + 1) % 3]];
             if (a != b) ++uses[{std::min(a, b), std::max(a, b)}];
         }
-    std::vector<uint8_t> near(places.size(), 0);
+    std::vector<uint8_t> near(placeCount, 0);
     for (const auto& [edge, count] : uses)
         if (count == 1) near[edge.first] = near[edge.second] = 1;
     std::vector<uint8_t> open(triangles.size(), 0);

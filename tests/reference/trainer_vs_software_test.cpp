@@ -3,6 +3,7 @@
 
 #include <doppel/doppel.hpp>
 
+#include "reconstruction/report/sdk_camera.h"
 #include "reconstruction/splat/frame_pass.h"
 #include "sdk/format/avatar_file.h"
 #include "tests/reference/image_compare.h"
@@ -19,14 +20,7 @@ std::vector<uint8_t> drawWithSdk(const std::vector<uint8_t>& bytes, const Pose& 
     if (!context) return {};
     auto avatar = context->loadAvatar(bytes);
     if (!avatar || !avatar->setPose({&pose.localRotations[0].x, pose.localRotations.size() * 4}, {&pose.rootTranslation.x, 3})) return {};
-    DplCamera view{};
-    view.structSize = sizeof view;
-    view.widthPx = camera.widthPx, view.heightPx = camera.heightPx;
-    view.fx = camera.fx, view.fy = camera.fy, view.cx = camera.cx, view.cy = camera.cy;
-    for (int row = 0; row < 3; ++row) {
-        for (int column = 0; column < 3; ++column) view.viewFromWorld[row * 4 + column] = camera.viewFromWorldRotation[column][row];
-        view.viewFromWorld[row * 4 + 3] = camera.viewFromWorldTranslation[row];
-    }
+    const DplCamera view = sdkCamera(camera);
     std::vector<uint8_t> rgba(size_t(camera.widthPx) * camera.heightPx * 4);
     DplImage image{};
     image.structSize = sizeof image;
