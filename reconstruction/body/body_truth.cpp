@@ -50,8 +50,9 @@ std::vector<PosedKeypoint> posedKeypoints(const BodyModel& shaped, const Pose& p
 
 namespace {
 
+constexpr size_t kMaxTruthBytes = 256u << 20;
+
 Result<nlohmann::json> readTruth(const std::filesystem::path& path) {
-    constexpr size_t kMaxTruthBytes = 256u << 20;
     DPL_TRY(const auto bytes, readFile(path, kMaxTruthBytes));
     nlohmann::json truth = nlohmann::json::parse(bytes.begin(), bytes.end(), nullptr, false);
     if (!truth.is_object() || !truth.contains("frames") || !truth["frames"].is_array()) return fail(Code::CorruptData, "{}: no frames", path.string());
@@ -76,6 +77,10 @@ Result<BodyFit> fitFromTruth(const std::filesystem::path& scanRoot, const Scan& 
         for (size_t m = 0; m < body.morphs.size(); ++m)
             if (const auto& values = truth.at("shape").at("morphs"); values.contains(body.morphs[m].name)) fit.shape[m] = values[body.morphs[m].name].get<double>(), ++known;
         if (known == 0 || known != truth["shape"]["morphs"].size() || truth["shape"].at("body") != body.name) return unfit();
+        // The scan stands its rest skeleton on the floor; the body's own rest may hang some millimetres off it.
+        DPL_TRY(const auto manifest, readFile(scanRoot / "scan.json", kMaxTruthBytes));
+        const Vec3d shift = upright(nlohmann::json::parse(manifest.begin(), manifest.end()).at("skeleton").at("rest_positions").at(0)) -
+                            Vec3d(shapedBody(body, fit.shape).joints[0].restPosition);
         std::map<std::string, const nlohmann::json*> byName;
         for (const auto& frame : truth["frames"]) byName[frame.at("name").get<std::string>()] = &frame;
         for (size_t f = 0; f < scan.frames.size(); ++f) {
@@ -86,7 +91,7 @@ Result<BodyFit> fitFromTruth(const std::filesystem::path& scanRoot, const Scan& 
                 const double angle = glm::length(turn);
                 if (angle > 0) fit.poses[f].localRotations[j] = Quatf(glm::angleAxis(angle, turn / angle));
             }
-            fit.poses[f].rootTranslation = Vec3f(upright(found->second->at("translation")));
+            fit.poses[f].rootTranslation = Vec3f(shift + upright(found->second->at("translation")));
             if (Status good = checkPose(body.joints, fit.poses[f]); !good) return fail(Code::CorruptData, "{}: frame '{}': {}", path.string(), scan.frames[f].name, good.error().message);
             if (scan.frames[f].kind == FrameKind::StaticFull && fit.staticPose.localRotations.empty()) fit.staticPose = fit.poses[f];
         }
