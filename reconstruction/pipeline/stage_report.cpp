@@ -2,7 +2,9 @@
 #include <nlohmann/json.hpp>
 
 #include "reconstruction/body/body_truth.h"
+#include "reconstruction/distill/pose_stress.h"
 #include "reconstruction/package/poses_file.h"
+#include "reconstruction/pipeline/scale_figures.h"
 #include "reconstruction/pipeline/subject_data.h"
 #include "reconstruction/pipeline/train_frames.h"
 #include "reconstruction/pipeline/trained_file.h"
@@ -44,7 +46,7 @@ Status scoreHeldOut(const SubjectData& subject, StageContext& context, const Ava
         out.labelFloor = scorePicture(labelColours.paint(frame.mask, frame.labels), frame.image, frame.mask);
         posed.pose({avatar.joints, avatar.mesh, avatar.correctives, bind}, fitted, subject.jobs);
         out.meshFloor = scorePicture(paintMesh(posed.positions(), avatar.mesh.triangles, avatar.mesh.colours, frame.camera), frame.image, frame.mask);
-        const auto truth = cutOutOverWhite(frame.image, frame.mask), shown = overWhite(best);
+        const auto truth = overWhite(cutOut(frame.image, frame.mask)), shown = overWhite(best);
         const uint32_t w = frame.camera.widthPx, h = frame.camera.heightPx;
         DPL_TRY(out.truthPng, encodePng(truth, w, h, 3));
         DPL_TRY(out.renderPng, encodePng(shown, w, h, 3));
@@ -52,46 +54,6 @@ Status scoreHeldOut(const SubjectData& subject, StageContext& context, const Ava
         data.frames.push_back(std::move(out));
         context.progress.update(double(i + 1) / double(frames.size()), frame.name);
     }
-    return {};
-}
-
-/** Held-out frames drawn larger and smaller than they were taken, brought back to their size (or the frame to the picture's, below ×1). */
-Status addScales(const SubjectData& subject, StageContext& context, const std::vector<uint8_t>& bytes, const PosesFile& poses, ReportData& data) {
-    constexpr double kScales[] = {0.5, 1, 2, 4};
-    constexpr double kMaxPixels = 16e6;  // larger pictures are left out: the figure would cost more than the avatar
-    DPL_TRY(auto view, AvatarView::open(bytes, subject.options.threadCount));
-    std::vector<size_t> indices;
-    DPL_TRY(auto frames, loadTrainFrames(subject, Split::Test, &indices));
-    for (const bool dynamic : {false, true})
-        for (const double scale : kScales) {
-            double sum = 0, inside = 0, count = 0;
-            const auto add = [&](const std::vector<uint8_t>& picture, const ImageRgb8& image, const ImageGrey8& mask) {
-                sum += scorePicture(picture, image, mask).maskedPsnrDb;
-                inside += scorePicture(picture, image, insideOutline(mask)).maskedPsnrDb;
-            };
-            for (size_t i = 0; i < frames.size(); ++i) {
-                const TrainFrame& frame = frames[i];
-                if ((frame.kind == FrameKind::Dynamic) != dynamic) continue;
-                if (context.progress.cancelled()) return fail(Code::Cancelled, "stopped");
-                const Camerad camera = frame.camera.scaled(scale);
-                const uint32_t w = frame.camera.widthPx, h = frame.camera.heightPx;
-                if (double(camera.widthPx) * camera.heightPx > kMaxPixels || camera.widthPx == 0 || camera.heightPx == 0) continue;
-                const FramePose& found = poses.frames[indices[i]];
-                DPL_TRY(auto picture, view.draw(found.fittedPose ? *found.fittedPose : found.pose, camera));
-                if (scale < 1) {
-                    const auto [image, mask] = areaAveraged(frame.image, frame.mask, camera.widthPx, camera.heightPx);
-                    add(picture, image, mask);
-                } else {
-                    add(scale > 1 ? areaAveraged(picture, camera.widthPx, camera.heightPx, w, h) : picture, frame.image, frame.mask);
-                }
-                count += 1;
-            }
-            if (count == 0) continue;
-            const std::string group = formatText("masked PSNR when drawn at another size, held-out {}", dynamic ? "dynamic" : "static");
-            data.figures.push_back({group, formatText("x {}", scale), "dB", sum / count});
-            // On the outline a larger picture knows the true share of a pixel, which a mask of yes and no counts as an error.
-            data.figures.push_back({group, formatText("x {}, one pixel inside the outline", scale), "dB", inside / count});
-        }
     return {};
 }
 
@@ -162,7 +124,7 @@ Status report(SubjectData& subject, StageContext& context) {
                   {"content hash", info.contentHash}};
     data.verdict = subject.verdict;
     DPL_CHECK_OK(scoreHeldOut(subject, context, avatar, bytes, poses, data));
-    DPL_CHECK_OK(addScales(subject, context, bytes, poses, data));
+    DPL_CHECK_OK(addScaleFigures(subject, context.progress, bytes, poses, data));
     for (const StageRecord& s : subject.chain.records()) data.stages.push_back({s.name, s.seconds, s.peakBytes, s.reused});
     PlotSeries loss{"total", {}, {}}, psnr{"masked", {}, {}};
     for (const CurvePoint& p : trained.curve) {
@@ -177,6 +139,12 @@ Status report(SubjectData& subject, StageContext& context) {
     data.figures.push_back({speed, "pixel-splat pairs", "a step", trained.profile.pairs});
     data.figures.push_back({speed, "forward", "ns a pair", trained.profile.forwardNsPerPair});
     data.figures.push_back({speed, "backward", "ns a pair", trained.profile.backwardNsPerPair});
+    if (const PoseStress stress = poseStress(avatar, subject.jobs); stress.offsetMm > 0) {
+        const std::string strange = "pose correctives on 64 random poses that nobody trained, 99th percentiles";
+        data.figures.push_back({strange, "offset", "mm", stress.offsetMm});
+        data.figures.push_back({strange, "strain of an edge", "%", stress.strainPercent});
+        data.figures.push_back({strange, "change of brightness", "%", stress.lightPercent});
+    }
     const std::string size = "avatar file";
     data.figures.push_back({size, "splats and SH", "bytes a splat", double(info.splatBytes + info.shBytes) / std::max(1u, info.splats)});
     data.figures.push_back({size, "whole file", "bytes", double(bytes.size())});
@@ -192,7 +160,7 @@ Status report(SubjectData& subject, StageContext& context) {
 
 Status runReport(SubjectData& subject) {
     const nlohmann::json inputs = {{"pose_fit", subject.chain.keyOf("pose-fit")}, {"threads", subject.options.threadCount}};
-    auto folder = subject.chain.run("report", 3, inputs, [&](StageContext& context) { return report(subject, context); });
+    auto folder = subject.chain.run("report", 4, inputs, [&](StageContext& context) { return report(subject, context); });
     if (!folder) return folder.error();
     for (const char* name : {"report.html", "report.json"}) {
         DPL_TRY(auto bytes, readFile(*folder / name));

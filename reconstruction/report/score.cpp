@@ -14,21 +14,13 @@ constexpr double kInfinitePsnrDb = 100;  // reported for equal pictures
 double psnrDb(double meanSquare) { return meanSquare > 0 ? std::min(kInfinitePsnrDb, -10 * std::log10(meanSquare)) : kInfinitePsnrDb; }
 
 /** picture·alpha + background·(1 − alpha) as floats in [0,1], three channels. */
-cv::Mat compositeRender(const std::vector<uint8_t>& rgba, int width, int height, float background) {
+cv::Mat composite(const std::vector<uint8_t>& rgba, int width, int height, float background) {
     cv::Mat out(height, width, CV_32FC3);
     float* to = out.ptr<float>();
     for (size_t i = 0; i < size_t(width) * size_t(height); ++i) {
         const float alpha = float(rgba[i * 4 + 3]) / 255.0f;
         for (int c = 0; c < 3; ++c) to[i * 3 + c] = float(rgba[i * 4 + c]) / 255.0f * alpha + background * (1 - alpha);
     }
-    return out;
-}
-
-cv::Mat compositeTruth(const ImageRgb8& truth, const ImageGrey8& mask, float background) {
-    cv::Mat out(int(truth.heightPx), int(truth.widthPx), CV_32FC3);
-    float* to = out.ptr<float>();
-    for (size_t i = 0; i < mask.pixels.size(); ++i)
-        for (int c = 0; c < 3; ++c) to[i * 3 + c] = mask.pixels[i] >= 128 ? float(truth.pixels[i * 3 + c]) / 255.0f : background;
     return out;
 }
 
@@ -51,14 +43,14 @@ cv::Mat ssimMap(const cv::Mat& a, const cv::Mat& b) {
 
 }  // namespace
 
-FrameScore scorePicture(const std::vector<uint8_t>& rgba, const ImageRgb8& truth, const ImageGrey8& mask) {
+FrameScore scorePicture(const std::vector<uint8_t>& rgba, const std::vector<uint8_t>& truthRgba, uint32_t widthPx, uint32_t heightPx) {
     FrameScore score;
-    const int width = int(truth.widthPx), height = int(truth.heightPx);
-    const size_t pixels = size_t(width) * size_t(height);
-    if (pixels == 0 || rgba.size() != pixels * 4 || mask.pixels.size() != pixels || truth.pixels.size() != pixels * 3) return score;
+    const int width = int(widthPx), height = int(heightPx);
+    const size_t pixels = size_t(widthPx) * heightPx;
+    if (pixels == 0 || rgba.size() != pixels * 4 || truthRgba.size() != pixels * 4) return score;
     size_t inside = 0, both = 0, either = 0;
     for (size_t i = 0; i < pixels; ++i) {
-        const bool person = mask.pixels[i] >= 128, drawn = rgba[i * 4 + 3] >= 128;
+        const bool person = truthRgba[i * 4 + 3] >= 128, drawn = rgba[i * 4 + 3] >= 128;
         inside += person, both += person && drawn, either += person || drawn;
     }
     if (inside == 0) return score;
@@ -67,7 +59,7 @@ FrameScore scorePicture(const std::vector<uint8_t>& rgba, const ImageRgb8& truth
     score.maskedPsnrDb = kInfinitePsnrDb;
     score.maskedSsim = 1;
     for (float background : {1.0f, 0.0f, 0.5f}) {
-        const cv::Mat render = compositeRender(rgba, width, height, background), expected = compositeTruth(truth, mask, background);
+        const cv::Mat render = composite(rgba, width, height, background), expected = composite(truthRgba, width, height, background);
         const cv::Mat ssim = ssimMap(render, expected);
         const float *a = render.ptr<float>(), *b = expected.ptr<float>(), *s = ssim.ptr<float>();
         double maskedSquares = 0, maskedSsim = 0, squares = 0, wholeSsim = 0;
@@ -75,13 +67,26 @@ FrameScore scorePicture(const std::vector<uint8_t>& rgba, const ImageRgb8& truth
             double square = 0;
             for (int c = 0; c < 3; ++c) square += (double(a[i * 3 + c]) - b[i * 3 + c]) * (double(a[i * 3 + c]) - b[i * 3 + c]);
             squares += square, wholeSsim += s[i];
-            if (mask.pixels[i] >= 128) maskedSquares += square, maskedSsim += s[i];
+            if (truthRgba[i * 4 + 3] >= 128) maskedSquares += square, maskedSsim += s[i];
         }
         score.maskedPsnrDb = std::min(score.maskedPsnrDb, psnrDb(maskedSquares / (3.0 * double(inside))));
         score.maskedSsim = std::min(score.maskedSsim, maskedSsim / double(inside));
         if (background == 1.0f) score.fullPsnrDb = psnrDb(squares / (3.0 * double(pixels))), score.fullSsim = wholeSsim / double(pixels);
     }
     return score;
+}
+
+FrameScore scorePicture(const std::vector<uint8_t>& rgba, const ImageRgb8& truth, const ImageGrey8& mask) {
+    return scorePicture(rgba, cutOut(truth, mask), truth.widthPx, truth.heightPx);
+}
+
+std::vector<uint8_t> cutOut(const ImageRgb8& image, const ImageGrey8& mask) {
+    std::vector<uint8_t> rgba;
+    if (image.pixels.size() != mask.pixels.size() * 3) return rgba;
+    rgba.reserve(mask.pixels.size() * 4);
+    for (size_t i = 0; i < mask.pixels.size(); ++i)
+        rgba.insert(rgba.end(), {image.pixels[i * 3], image.pixels[i * 3 + 1], image.pixels[i * 3 + 2], uint8_t(mask.pixels[i] >= 128 ? 255 : 0)});
+    return rgba;
 }
 
 void LabelColours::add(const ImageRgb8& image, const ImageGrey8& mask, const ImageGrey8& labels) {
@@ -137,28 +142,15 @@ std::vector<uint8_t> areaAveraged(const std::vector<uint8_t>& rgba, uint32_t wid
     return out;
 }
 
-std::pair<ImageRgb8, ImageGrey8> areaAveraged(const ImageRgb8& image, const ImageGrey8& mask, uint32_t toWidthPx, uint32_t toHeightPx) {
-    std::vector<uint8_t> rgba;
-    for (size_t i = 0; i < mask.pixels.size(); ++i) rgba.insert(rgba.end(), {image.pixels[i * 3], image.pixels[i * 3 + 1], image.pixels[i * 3 + 2], mask.pixels[i]});
-    const std::vector<uint8_t> small = areaAveraged(rgba, image.widthPx, image.heightPx, toWidthPx, toHeightPx);
-    ImageRgb8 colour{toWidthPx, toHeightPx, {}};
-    ImageGrey8 cover{toWidthPx, toHeightPx, {}};
-    for (size_t i = 0; i < small.size(); i += 4) {
-        colour.pixels.insert(colour.pixels.end(), {small[i], small[i + 1], small[i + 2]});
-        cover.pixels.push_back(small[i + 3]);
-    }
-    return {std::move(colour), std::move(cover)};
-}
-
-ImageGrey8 insideOutline(const ImageGrey8& mask) {
-    ImageGrey8 out = mask;
-    const int w = int(mask.widthPx), h = int(mask.heightPx);
+std::vector<uint8_t> insideOutline(const std::vector<uint8_t>& rgba, uint32_t widthPx, uint32_t heightPx) {
+    std::vector<uint8_t> out = rgba;
+    const int w = int(widthPx), h = int(heightPx);
     for (int y = 0; y < h; ++y)
         for (int x = 0; x < w; ++x) {
             bool whole = x > 0 && y > 0 && x + 1 < w && y + 1 < h;
             for (int dy = -1; dy <= 1 && whole; ++dy)
-                for (int dx = -1; dx <= 1; ++dx) whole = whole && mask.pixels[size_t(y + dy) * size_t(w) + size_t(x + dx)] >= 128;
-            if (!whole) out.pixels[size_t(y) * size_t(w) + size_t(x)] = 0;
+                for (int dx = -1; dx <= 1; ++dx) whole = whole && rgba[4 * (size_t(y + dy) * size_t(w) + size_t(x + dx)) + 3] == 255;
+            if (!whole) out[4 * (size_t(y) * size_t(w) + size_t(x)) + 3] = 0;
         }
     return out;
 }
@@ -170,13 +162,6 @@ std::vector<uint8_t> overWhite(const std::vector<uint8_t>& rgba) {
             const float alpha = float(rgba[i * 4 + 3]) / 255.0f;
             rgb[i * 3 + c] = uint8_t(float(rgba[i * 4 + c]) * alpha + 255.0f * (1 - alpha) + 0.5f);
         }
-    return rgb;
-}
-
-std::vector<uint8_t> cutOutOverWhite(const ImageRgb8& truth, const ImageGrey8& mask) {
-    std::vector<uint8_t> rgb(truth.pixels);
-    for (size_t i = 0; i < mask.pixels.size(); ++i)
-        if (mask.pixels[i] < 128) std::fill_n(rgb.begin() + long(i * 3), 3, uint8_t(255));
     return rgb;
 }
 

@@ -10,8 +10,14 @@
 
 namespace dpl {
 
-/** Scores an RGBA picture (straight alpha, 4 bytes a pixel) of the frame's size. All sizes must agree; an empty mask scores 0. */
+/** Scores an RGBA picture (straight alpha, 4 bytes a pixel) against a true one of the same size; where the truth's alpha is at least 128 is the
+ *  mask. Sizes must agree; an empty mask scores 0. */
+FrameScore scorePicture(const std::vector<uint8_t>& rgba, const std::vector<uint8_t>& truthRgba, uint32_t widthPx, uint32_t heightPx);
+/** Against a frame cut out with its mask. */
 FrameScore scorePicture(const std::vector<uint8_t>& rgba, const ImageRgb8& truth, const ImageGrey8& mask);
+
+/** A frame as an RGBA picture: alpha 255 where the mask is at least 128, else 0. Empty when the sizes differ. */
+std::vector<uint8_t> cutOut(const ImageRgb8& image, const ImageGrey8& mask);
 
 /** First floor: one flat colour per label, learned from training frames, painted inside the true mask of a test frame. */
 class LabelColours {
@@ -34,15 +40,11 @@ std::vector<uint8_t> paintMesh(std::span<const Vec3f> positions, std::span<const
 /** An RGBA picture (straight alpha) area-averaged to another size, colours weighted by alpha. */
 std::vector<uint8_t> areaAveraged(const std::vector<uint8_t>& rgba, uint32_t widthPx, uint32_t heightPx, uint32_t toWidthPx, uint32_t toHeightPx);
 
-/** Image and mask of a frame area-averaged to another size, colours weighted by the mask. */
-std::pair<ImageRgb8, ImageGrey8> areaAveraged(const ImageRgb8& image, const ImageGrey8& mask, uint32_t toWidthPx, uint32_t toHeightPx);
-
-/** The mask without its outermost pixels (3 × 3): where a picture's own coverage of the outline does not count. */
-ImageGrey8 insideOutline(const ImageGrey8& mask);
+/** The picture without the outermost pixels of its opaque part (3 × 3): where coverage of the outline does not count. */
+std::vector<uint8_t> insideOutline(const std::vector<uint8_t>& rgba, uint32_t widthPx, uint32_t heightPx);
 
 /** RGB of a picture over white, and 4 × its difference to the truth cut out over white, for people to look at. */
 std::vector<uint8_t> overWhite(const std::vector<uint8_t>& rgba);
-std::vector<uint8_t> cutOutOverWhite(const ImageRgb8& truth, const ImageGrey8& mask);
 std::vector<uint8_t> differenceTimesFour(const std::vector<uint8_t>& rgb, const std::vector<uint8_t>& truthRgb);
 
 }  // namespace dpl

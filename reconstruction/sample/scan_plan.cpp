@@ -104,6 +104,9 @@ std::vector<PlannedFrame> planScan(const Subject& subject, const SampleScanOptio
         f.camera = cameraAt(o, eye, middle + Vec3d(0, 0.10, 0), random.uniform(-0.02, 0.02));
         frames.push_back(std::move(f));
     }
+    for (const char* kind : {"static_full", "dynamic"})
+        if (const auto f = std::find_if(frames.begin(), frames.end(), [&](const PlannedFrame& p) { return p.kind == kind && p.split == "test"; }); f != frames.end())
+            f->keepFine = true;
     return frames;
 }
 

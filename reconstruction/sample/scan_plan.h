@@ -17,6 +17,7 @@ struct PlannedFrame {
     TruthPose pose;
     std::vector<Vec3d> lag;           // dynamic frames: of each swing driver
     bool keepPosed = false;           // its vertices go to posed/
+    bool keepFine = false;            // its picture at ×4 goes to hires/
 };
 
 /** Static orbit at three heights, close-ups, and the dynamic sequence with one and a half turns of the camera. */

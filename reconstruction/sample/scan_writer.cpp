@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <span>
 
 #include "reconstruction/sample/random.h"
@@ -17,6 +18,9 @@ namespace dpl {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr int kFineScale = 4;  // of the pictures that measure an avatar drawn larger than it was trained
+constexpr const char* kFineFolder = "hires/x4";
 
 Status writeFile(const fs::path& path, std::span<const uint8_t> bytes) {
     std::FILE* file = std::fopen(path.c_str(), "wb");
@@ -33,6 +37,13 @@ Status writeImage(const fs::path& path, const cv::Mat& image, const std::vector<
     std::vector<uint8_t> bytes;
     if (!cv::imencode(path.extension().string(), image, bytes, settings)) return fail(Code::Internal, "cannot encode {}", path.string());
     return writeFile(path, bytes);
+}
+
+Status writeColours(const fs::path& path, RaycastFrame& picture, cv::Size size, int quality) {
+    const cv::Mat rgb(size, CV_8UC3, picture.rgb.data());
+    cv::Mat bgr;
+    cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
+    return writeImage(path, bgr, {cv::IMWRITE_JPEG_QUALITY, quality});
 }
 
 /** How deep under the surface a keypoint may lie and still count as visible, metres: the thickness of the limb around it. */
@@ -85,11 +96,15 @@ Status writeFrame(const fs::path& folder, const Subject& subject, const PlannedF
     ray.seed = mixBits(o.seed ^ mixBits(index));
     ray.gain = std::exp(o.exposureSpread * Random(o.seed, 90000 + index).normal());
     RaycastFrame picture = tracer.render(frame.camera, ray);
-    const int w = int(o.widthPx), h = int(o.heightPx);
-    for (size_t i = 0; i < picture.rgb.size(); i += 3) std::swap(picture.rgb[i], picture.rgb[i + 2]);  // OpenCV wants BGR
-    DPL_CHECK_OK(writeImage(folder / "images" / (frame.name + ".jpg"), cv::Mat(h, w, CV_8UC3, picture.rgb.data()), {cv::IMWRITE_JPEG_QUALITY, o.jpegQuality}));
-    DPL_CHECK_OK(writeImage(folder / "masks" / (frame.name + ".png"), cv::Mat(h, w, CV_8UC1, picture.mask.data()), {cv::IMWRITE_PNG_COMPRESSION, 3}));
-    DPL_CHECK_OK(writeImage(folder / "labels" / (frame.name + ".png"), cv::Mat(h, w, CV_8UC1, picture.labels.data()), {cv::IMWRITE_PNG_COMPRESSION, 3}));
+    const cv::Size size(int(o.widthPx), int(o.heightPx));
+    DPL_CHECK_OK(writeColours(folder / "images" / (frame.name + ".jpg"), picture, size, o.jpegQuality));
+    DPL_CHECK_OK(writeImage(folder / "masks" / (frame.name + ".png"), cv::Mat(size, CV_8UC1, picture.mask.data()), {cv::IMWRITE_PNG_COMPRESSION, 3}));
+    DPL_CHECK_OK(writeImage(folder / "labels" / (frame.name + ".png"), cv::Mat(size, CV_8UC1, picture.labels.data()), {cv::IMWRITE_PNG_COMPRESSION, 3}));
+    if (frame.keepFine) {
+        RaycastFrame fine = tracer.render(frame.camera.scaled(kFineScale), ray);
+        DPL_CHECK_OK(writeColours(folder / kFineFolder / (frame.name + ".jpg"), fine, size * kFineScale, o.jpegQuality));
+        DPL_CHECK_OK(writeImage(folder / kFineFolder / (frame.name + ".mask.png"), cv::Mat(size * kFineScale, CV_8UC1, fine.mask.data()), {cv::IMWRITE_PNG_COMPRESSION, 3}));
+    }
     const auto seen = observe(subject, tracer, frame.camera, keypoints, o.seed, index);
     DPL_CHECK_OK(writeText(folder / "keypoints" / (frame.name + ".json"), keypointsJson(subject, frame, seen)));
     if (frame.keepPosed) DPL_CHECK_OK(writeFile(folder / "posed" / (frame.name + ".bin"), posedBin(vertices)));
@@ -105,7 +120,7 @@ Status writeAll(const fs::path& folder, const SampleScanOptions& o, Jobs& jobs, 
     const Subject subject = makeSubject(o.seed, jobs);
     const std::vector<PlannedFrame> frames = planScan(subject, o);
     std::error_code error;
-    for (const char* name : {"images", "masks", "labels", "keypoints", "geometry", "posed"}) {
+    for (const char* name : {"images", "masks", "labels", "keypoints", "geometry", "posed", kFineFolder}) {
         fs::create_directories(folder / name, error);
         if (error) return fail(Code::Io, "cannot create {}: {}", (folder / name).string(), error.message());
     }

@@ -63,7 +63,7 @@ TEST(AvatarVersion1, pinnedBytesStillRead) {
 }
 
 TEST(AvatarVersion2, pinnedBytesStillRead) {
-    const auto bytes = fileBytes(std::filesystem::path(__FILE__).parent_path() / "pinned/avatar_v2.glb");
+    const auto bytes = fileBytes(sourceFolder() / "tests/unit/format/pinned/avatar_v2.glb");
     ASSERT_FALSE(bytes.empty());
     auto a = readAvatar(bytes);
     ASSERT_TRUE(a) << a.error().message;

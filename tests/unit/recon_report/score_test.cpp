@@ -75,13 +75,25 @@ TEST(AreaAveraged, weighsColoursByCoverageAndKeepsTheirBrightness) {
     EXPECT_EQ(areaAveraged(rgba, 4, 2, 2, 1), (std::vector<uint8_t>{200, 0, 0, 64, 100, 0, 50, 255}));
 }
 
-TEST(InsideOutline, takesOnePixelAllRound) {
-    ImageGrey8 mask{6, 5, std::vector<uint8_t>(30, 0)};
-    for (uint32_t y = 0; y < 4; ++y)
-        for (uint32_t x = 1; x < 6; ++x) mask.pixels[y * 6 + x] = 200;
-    const ImageGrey8 inside = insideOutline(mask);
+TEST(ScorePicture, aHalfCoveredPixelIsTrueWhenThePictureHalfCoversIt) {
+    Scene s;
+    std::vector<uint8_t> truth = cutOut(s.truth, s.mask);
+    const size_t edge = 4 * (10 * kWidth + 10);  // leftmost column of the person
+    truth[edge + 3] = s.rgba[edge + 3] = 160;
+    EXPECT_DOUBLE_EQ(scorePicture(s.rgba, truth, kWidth, kHeight).maskedPsnrDb, 100);
+    EXPECT_LT(scorePicture(s.rgba, s.truth, s.mask).maskedPsnrDb, 40);  // a yes-or-no mask counts it as an error
+}
+
+TEST(InsideOutline, takesOnePixelAllRoundTheOpaquePart) {
+    std::vector<uint8_t> picture(7 * 5 * 4, 9);
     for (uint32_t y = 0; y < 5; ++y)
-        for (uint32_t x = 0; x < 6; ++x) EXPECT_EQ(inside.pixels[y * 6 + x], x >= 2 && x <= 4 && y >= 1 && y <= 2 ? 200 : 0) << x << ' ' << y;
+        for (uint32_t x = 0; x < 7; ++x) picture[(y * 7 + x) * 4 + 3] = x == 0 || y == 4 ? 0 : x == 6 ? 200 : 255;
+    const auto inside = insideOutline(picture, 7, 5);
+    for (uint32_t y = 0; y < 5; ++y)
+        for (uint32_t x = 0; x < 7; ++x) {
+            EXPECT_EQ(inside[(y * 7 + x) * 4 + 3], x >= 2 && x <= 4 && y >= 1 && y <= 2 ? 255 : 0) << x << ' ' << y;
+            EXPECT_EQ(inside[(y * 7 + x) * 4], 9);
+        }
 }
 
 TEST(LabelColours, paintsTheMeanOfEachLabel) {

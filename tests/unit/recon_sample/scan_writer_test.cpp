@@ -7,6 +7,9 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <set>
 
 #include "reconstruction/capture/scan.h"
 
@@ -152,6 +155,27 @@ TEST(SampleScan, geometryFilesHaveTheSizesOfTheFormat) {
     double top = 0;  // z is up in the files
     for (const Json& p : scan["skeleton"]["rest_positions"]) top = std::max(top, p[2].get<double>());
     EXPECT_GT(top, 1.4);
+}
+
+TEST(SampleScan, finePicturesOfOneHeldOutFrameAKindShowTheSameView) {
+    const Json scan = jsonOf(scanFolder() / "scan.json");
+    std::set<std::string> kinds;
+    for (const Json& f : scan["frames"]) {
+        const std::string name = f["name"];
+        const fs::path finePath = scanFolder() / "hires" / "x4" / (name + ".mask.png");
+        if (!fs::exists(finePath)) continue;
+        const cv::Mat fine = cv::imread(finePath.string(), cv::IMREAD_GRAYSCALE);
+        EXPECT_EQ(f["split"], "test");
+        kinds.insert(f["kind"]);
+        const cv::Mat mask = cv::imread((scanFolder() / "masks" / (name + ".png")).string(), cv::IMREAD_GRAYSCALE);
+        ASSERT_EQ(fine.size(), mask.size() * 4);
+        cv::Mat small;
+        cv::resize(fine, small, mask.size(), 0, 0, cv::INTER_AREA);
+        // Off the outline the two agree; on it two samples a pixel decide by chance.
+        EXPECT_LE(cv::countNonZero((small == 0) & (mask == 255)) + cv::countNonZero((small == 255) & (mask == 0)), 0.005 * cv::countNonZero(mask));
+        EXPECT_EQ(cv::imread((scanFolder() / "hires" / "x4" / (name + ".jpg")).string()).size(), fine.size());
+    }
+    EXPECT_EQ(kinds, (std::set<std::string>{"static_full", "dynamic"}));
 }
 
 TEST(SampleScan, sameBytesOnOneAndThreeThreads) {

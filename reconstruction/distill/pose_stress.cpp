@@ -1,0 +1,61 @@
+#include "reconstruction/distill/pose_stress.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "sdk/avatar/posed_mesh.h"
+
+namespace dpl {
+namespace {
+
+constexpr int kPoses = 64;
+constexpr double kMaxTurnRad = 1.05;
+
+/** Uniform in [−1, 1): the same on every machine, which std's distributions are not. */
+double signedUniform(std::mt19937& random) { return double(random()) * 0x1p-31 - 1; }
+
+Pose randomPose(const AvatarData& avatar, std::mt19937& random) {
+    Pose pose = Pose::rest(avatar.joints.size());
+    for (const uint32_t joint : avatar.correctives.joints) {
+        Vec3d axis(0);
+        do axis = {signedUniform(random), signedUniform(random), signedUniform(random)};
+        while (glm::dot(axis, axis) > 1 || glm::dot(axis, axis) < 1e-4);
+        pose.localRotations[joint] = Quatf(glm::angleAxis(kMaxTurnRad * signedUniform(random), glm::normalize(axis)));
+    }
+    return pose;
+}
+
+double percentile99(std::vector<float>& values) {
+    if (values.empty()) return 0;
+    const auto at = values.begin() + long(std::min(values.size() - 1, values.size() * 99 / 100));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+}
+
+}  // namespace
+
+PoseStress poseStress(const AvatarData& avatar, Jobs& jobs) {
+    PoseStress stress;
+    if (avatar.correctives.empty()) return stress;
+    const std::vector<RestTriangle<float>> bind = restTriangles(avatar.mesh);
+    std::mt19937 random(1);
+    PosedMesh posed;
+    std::vector<float> offsets, strains, lights;
+    const auto& rest = avatar.mesh.restPositions;
+    for (int p = 0; p < kPoses; ++p) {
+        posed.pose({avatar.joints, avatar.mesh, avatar.correctives, bind}, randomPose(avatar, random), jobs);
+        for (size_t v = 0; v < rest.size(); ++v) offsets.push_back(glm::length(posed.rest()[v] - rest[v])), lights.push_back(std::abs(posed.light()[v] - 1));
+        for (const Triangle& t : avatar.mesh.triangles)
+            for (int c = 0; c < 3; ++c) {
+                const uint32_t a = t[c], b = t[(c + 1) % 3];
+                if (a > b) continue;  // an edge once: its other triangle runs along it the other way
+                const float length = glm::length(rest[a] - rest[b]);
+                if (length > 1e-4f) strains.push_back(glm::length((posed.rest()[a] - rest[a]) - (posed.rest()[b] - rest[b])) / length);
+            }
+    }
+    stress.offsetMm = 1e3 * percentile99(offsets), stress.strainPercent = 100 * percentile99(strains), stress.lightPercent = 100 * percentile99(lights);
+    return stress;
+}
+
+}  // namespace dpl
