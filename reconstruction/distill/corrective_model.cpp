@@ -95,6 +95,11 @@ void bindVertices(const SurfaceGraph& graph, const std::vector<uint32_t>& nodes,
     for (const uint32_t merged : graph.mergedOf) out.nodeIndices.push_back(packed[merged].joints), out.nodeWeights.push_back(packed[merged].weights);
 }
 
+float quantile(std::vector<float>& values, double share) {
+    std::sort(values.begin(), values.end());
+    return values[std::min(values.size() - 1, size_t(share * double(values.size())))];
+}
+
 }  // namespace
 
 Result<PoseCorrectiveData> correctiveModel(std::span<const JointData> joints, const MeshData& mesh, std::span<const Pose> poses,
@@ -133,12 +138,15 @@ Result<PoseCorrectiveData> correctiveModel(std::span<const JointData> joints, co
     out.nodeCount = uint32_t(nodes.size());
     bindVertices(graph, nodes, float(settings.nodeSpacingM), out);
     out.nodes.assign(size_t(out.nodeCount) * out.modeCount, Vec4f(0));
-    out.reach = 1e30f;
+    out.reach = out.reachOffModes = 1e30f;
     std::vector<float> coefficients;
-    std::vector<float> lengths;
-    for (const Pose& pose : poses) lengths.push_back(correctiveCoefficients(out, pose, coefficients));
-    std::sort(lengths.begin(), lengths.end());
-    out.reach = lengths[std::min(lengths.size() - 1, size_t(settings.reachQuantile * double(lengths.size())))];
+    std::vector<float> lengths, offs;
+    for (const Pose& pose : poses) {
+        const CorrectiveDistance distance = correctiveCoefficients(out, pose, coefficients);
+        lengths.push_back(distance.length), offs.push_back(distance.offModes);
+    }
+    out.reach = quantile(lengths, settings.reachQuantile);
+    out.reachOffModes = std::max(float(settings.minReachOffModes), quantile(offs, settings.offModesQuantile));
     return out;
 }
 

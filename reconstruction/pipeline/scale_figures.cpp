@@ -10,7 +10,7 @@
 namespace dpl {
 namespace {
 
-constexpr double kScales[] = {0.5, 1, 2, 4};
+constexpr double kScales[] = {0.5, 1, 2, 4}, kComparedAt[] = {1, 0.5};
 constexpr double kMaxPixels = 16e6;  // larger pictures are left out: the figure would cost more than the avatar
 
 struct Truth {
@@ -49,36 +49,48 @@ Status addScaleFigures(const SubjectData& subject, Progress& progress, const std
     for (const bool dynamic : {false, true}) {
         const auto isOfKind = [&](const TrainFrame& f) { return (f.kind == FrameKind::Dynamic) == dynamic; };
         bool fine = false;
-        Sums sums[std::size(kScales)];
+        Sums sums[std::size(kComparedAt)][std::size(kScales)] = {};
         for (size_t i = 0; i < frames.size(); ++i) {
             const TrainFrame& frame = frames[i];
             if (!isOfKind(frame)) continue;
             if (progress.cancelled()) return fail(Code::Cancelled, "stopped");
             auto truth = fineTruth(subject.options.scan, frame);
-            if (truth && !fine) fine = true, std::fill(std::begin(sums), std::end(sums), Sums{});  // frames without one do not mix in
+            if (truth && !fine) {  // frames without one do not mix in
+                fine = true;
+                for (auto& row : sums) std::fill(std::begin(row), std::end(row), Sums{});
+            }
             if (!truth && fine) continue;
             if (!truth) truth = Truth{cutOut(frame.image, frame.mask), frame.camera.widthPx, frame.camera.heightPx};
             const FramePose& found = poses.frames[indices[i]];
             for (size_t s = 0; s < std::size(kScales); ++s) {
-                const Camerad camera = frame.camera.scaled(kScales[s]), compared = frame.camera.scaled(std::min(1.0, kScales[s]));
+                const Camerad camera = frame.camera.scaled(kScales[s]);
                 if (double(camera.widthPx) * camera.heightPx > kMaxPixels || camera.widthPx == 0 || camera.heightPx == 0) continue;
                 DPL_TRY(auto picture, view.draw(found.fittedPose ? *found.fittedPose : found.pose, camera));
-                const uint32_t w = compared.widthPx, h = compared.heightPx;
-                if (w != camera.widthPx || h != camera.heightPx) picture = areaAveraged(picture, camera.widthPx, camera.heightPx, w, h);
-                const auto expected = w == truth->widthPx && h == truth->heightPx ? truth->rgba : areaAveraged(truth->rgba, truth->widthPx, truth->heightPx, w, h);
-                sums[s].all += scorePicture(picture, expected, w, h).maskedPsnrDb;
-                sums[s].inside += scorePicture(picture, insideOutline(expected, w, h), w, h).maskedPsnrDb;
-                ++sums[s].frames;
+                for (size_t c = 0; c < std::size(kComparedAt); ++c) {
+                    if (kScales[s] < kComparedAt[c]) continue;
+                    const Camerad compared = frame.camera.scaled(kComparedAt[c]);
+                    const uint32_t w = compared.widthPx, h = compared.heightPx;
+                    if (w == 0 || h == 0) continue;
+                    const auto averaged = [&](const std::vector<uint8_t>& rgba, uint32_t fromW, uint32_t fromH) {
+                        return fromW == w && fromH == h ? rgba : areaAveraged(rgba, fromW, fromH, w, h);
+                    };
+                    const auto drawn = averaged(picture, camera.widthPx, camera.heightPx), expected = averaged(truth->rgba, truth->widthPx, truth->heightPx);
+                    sums[c][s].all += scorePicture(drawn, expected, w, h).maskedPsnrDb;
+                    sums[c][s].inside += scorePicture(drawn, insideOutline(expected, w, h), w, h).maskedPsnrDb;
+                    ++sums[c][s].frames;
+                }
             }
         }
-        for (size_t s = 0; s < std::size(kScales); ++s) {
-            if (sums[s].frames == 0) continue;
-            const double n = double(sums[s].frames);
-            const std::string group = formatText("masked PSNR when drawn at another size, held-out {} ({})", dynamic ? "dynamic" : "static",
-                                                 fine ? formatText("{} frames with a finer truth", sums[s].frames) : std::string("the mask is yes or no"));
-            data.figures.push_back({group, formatText("x {}", kScales[s]), "dB", sums[s].all / n});
-            data.figures.push_back({group, formatText("x {}, one pixel inside the outline", kScales[s]), "dB", sums[s].inside / n});
-        }
+        for (size_t c = 0; c < std::size(kComparedAt); ++c)
+            for (size_t s = 0; s < std::size(kScales); ++s) {
+                const Sums& sum = sums[c][s];
+                if (sum.frames == 0) continue;
+                const double n = double(sum.frames);
+                const std::string group = formatText("masked PSNR when drawn at another size, averaged to x {}, held-out {} ({})", kComparedAt[c], dynamic ? "dynamic" : "static",
+                                                     fine ? formatText("{} frames with a finer truth", sum.frames) : std::string("the mask is yes or no"));
+                data.figures.push_back({group, formatText("drawn at x {}", kScales[s]), "dB", sum.all / n});
+                data.figures.push_back({group, formatText("drawn at x {}, one pixel inside the outline", kScales[s]), "dB", sum.inside / n});
+            }
     }
     return {};
 }

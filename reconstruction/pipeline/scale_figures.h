@@ -7,7 +7,8 @@
 
 namespace dpl {
 
-/** Adds masked PSNR of held-out frames drawn at ×0.5 to ×4, each picture and its truth area-averaged to the smaller of its size and ×1.
+/** Adds masked PSNR of held-out frames drawn at ×0.5 to ×4, pictures and truth area-averaged to one size: to ×1 those drawn no smaller, and all
+ *  to ×0.5 (averaging hides error, so figures at two sizes do not compare).
  *  One truth for all sizes of a frame: the finest that the scan has (hires/ of docs/formats/scan.md, read for this only), because its outline
  *  pixels know how much of them the person covers; where no frame has one, the frame and its yes-or-no mask. */
 Status addScaleFigures(const SubjectData& subject, Progress& progress, const std::vector<uint8_t>& avatarBytes, const PosesFile& poses, ReportData& data);

@@ -90,7 +90,7 @@ Status runCoOptimise(SubjectData& subject) {
                                    {"steps", subject.options.steps},
                                    {"budget", subject.options.timeBudgetMinutes},
                                    {"seed", subject.options.seed}};
-    auto folder = subject.chain.run("co-optimise", 3, inputs, [&](StageContext& context) { return train(subject, context); });
+    auto folder = subject.chain.run("co-optimise", 4, inputs, [&](StageContext& context) { return train(subject, context); });
     if (!folder) return folder.error();
     subject.trainedFolder = *folder;
     return {};

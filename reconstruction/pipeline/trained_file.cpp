@@ -8,7 +8,7 @@ namespace dpl {
 namespace {
 
 constexpr uint32_t kMagic = 0x4e525444;  // "DTRN"
-constexpr uint32_t kVersion = 2;
+constexpr uint32_t kVersion = 3;
 
 void putPose(Writer& out, const Pose& pose) {
     putArray(out, pose.localRotations);
@@ -32,6 +32,7 @@ Status readBody(Reader& in, CoOptimiseResult& r) {
     DPL_TRY(c.modeCount, in.u32());
     DPL_TRY(c.nodeCount, in.u32());
     DPL_TRY(c.reach, in.value<float>());
+    DPL_TRY(c.reachOffModes, in.value<float>());
     DPL_CHECK_OK(getArray(in, c.joints));
     DPL_CHECK_OK(getArray(in, c.mean));
     DPL_CHECK_OK(getArray(in, c.modes));
@@ -67,7 +68,7 @@ Status writeTrainedFile(const CoOptimiseResult& r, const std::filesystem::path& 
     putArray(out, r.splats.sh);
     putArray(out, r.restPositions);
     const PoseCorrectiveData& c = r.correctives;
-    out.value(c.modeCount), out.value(c.nodeCount), out.value(c.reach);
+    out.value(c.modeCount), out.value(c.nodeCount), out.value(c.reach), out.value(c.reachOffModes);
     putArray(out, c.joints), putArray(out, c.mean), putArray(out, c.modes), putArray(out, c.nodeIndices), putArray(out, c.nodeWeights), putArray(out, c.nodes);
     out.value(uint32_t(r.poses.size()));
     for (const Pose& pose : r.poses) putPose(out, pose);

@@ -10,7 +10,7 @@ namespace dpl {
 void gatherNodes(const PoseCorrectiveData& correctives, std::span<const Vec4f> nodes, std::span<const Vec3f> gRest, std::span<const float> gLight,
                  std::vector<Vec4f>& gNodes);
 
-/** Adds to rotation[j] (R_j ← exp(ω)·R_j, parent axes) what the pose does through its coefficients, shortening included. */
+/** Adds to rotation[j] (R_j ← exp(ω)·R_j, parent axes) what the pose does through its coefficients, shortening and fading included. */
 void addCorrectivePoseGradient(const PoseCorrectiveData& correctives, const Pose& pose, std::span<const Vec4f> gNodes, std::span<Vec3d> rotation);
 
 }  // namespace dpl

@@ -56,7 +56,7 @@ uint64_t CoOptimiser::State::fingerprint() const {
     w.value(s.geometryEvery), w.value(s.densityEvents);
     putArray(w, templatePositions), putArray(w, input.mesh.triangles), putArray(w, input.triangleLabel);
     const PoseCorrectiveData& c = input.correctives;
-    putArray(w, c.joints), putArray(w, c.mean), putArray(w, c.modes), putArray(w, c.nodeIndices), putArray(w, c.nodeWeights), w.value(c.nodeCount), w.value(c.reach);
+    putArray(w, c.joints), putArray(w, c.mean), putArray(w, c.modes), putArray(w, c.nodeIndices), putArray(w, c.nodeWeights), w.value(c.nodeCount), w.value(c.reach), w.value(c.reachOffModes);
     for (const TrainFrame& f : input.frames) {
         w.value(XXH3_64bits(f.image.pixels.data(), f.image.pixels.size()));
         w.value(XXH3_64bits(f.mask.pixels.data(), f.mask.pixels.size()));

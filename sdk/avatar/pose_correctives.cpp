@@ -5,21 +5,32 @@
 
 namespace dpl {
 
-float correctiveCoefficients(const PoseCorrectiveData& c, const Pose& pose, std::vector<float>& coefficients) {
+CorrectiveDistance correctiveCoefficients(const PoseCorrectiveData& c, const Pose& pose, std::vector<float>& coefficients) {
     const size_t features = c.joints.size() * 6;
     coefficients.assign(c.modeCount, 0.0f);
+    float away = 0;
     for (size_t j = 0; j < c.joints.size(); ++j) {
         float feature[6];
         correctiveFeature(pose.localRotations[c.joints[j]], feature);
+        for (size_t f = 0; f < 6; ++f) feature[f] -= c.mean[j * 6 + f], away += feature[f] * feature[f];
         for (uint32_t i = 0; i < c.modeCount; ++i)
-            for (size_t f = 0; f < 6; ++f) coefficients[i] += c.modes[i * features + j * 6 + f] * (feature[f] - c.mean[j * 6 + f]);
+            for (size_t f = 0; f < 6; ++f) coefficients[i] += c.modes[i * features + j * 6 + f] * feature[f];
     }
-    float sum = 0;
-    for (const float k : coefficients) sum += k * k;
-    const float length = std::sqrt(sum);
-    if (length > c.reach)
-        for (float& k : coefficients) k *= c.reach / length;
-    return length;
+    float squares = 0;
+    for (uint32_t i = 0; i < c.modeCount; ++i) {
+        float mode = 0;
+        for (size_t f = 0; f < features; ++f) mode += c.modes[i * features + f] * c.modes[i * features + f];
+        const float k2 = coefficients[i] * coefficients[i];
+        squares += k2;
+        if (mode > 0) away -= k2 / mode;
+    }
+    const CorrectiveDistance distance{std::sqrt(squares), std::sqrt(std::max(0.0f, away))};
+    float keep = 1;
+    if (distance.length > c.reach) keep *= c.reach / distance.length;
+    if (distance.offModes > c.reachOffModes) keep *= c.reachOffModes / distance.offModes;
+    if (keep < 1)
+        for (float& k : coefficients) k *= keep;
+    return distance;
 }
 
 void correctiveNodes(const PoseCorrectiveData& c, std::span<const float> coefficients, std::vector<Vec4f>& nodes) {

@@ -18,8 +18,14 @@ inline void correctiveFeature(const glm::qua<T>& localRotation, T feature[6]) {
     for (int i = 0; i < 3; ++i) feature[i] = r[0][i] - T(i == 0), feature[3 + i] = r[1][i] - T(i == 1);
 }
 
-/** The K numbers of a pose, shortened to `reach`. The pose must have passed checkPose. Returns the length before shortening. */
-float correctiveCoefficients(const PoseCorrectiveData& correctives, const Pose& pose, std::vector<float>& coefficients);
+/** How far a pose is from those that were learned from. */
+struct CorrectiveDistance {
+    float length = 0;    // ‖k‖ before it is shortened
+    float offModes = 0;  // distance of its features from what the modes span
+};
+
+/** The K numbers of a pose, shortened to `reach` and faded beyond `reachOffModes`. The pose must have passed checkPose. */
+CorrectiveDistance correctiveCoefficients(const PoseCorrectiveData& correctives, const Pose& pose, std::vector<float>& coefficients);
 
 /** Control nodes of those numbers: offset in metres, change of brightness. */
 void correctiveNodes(const PoseCorrectiveData& correctives, std::span<const float> coefficients, std::vector<Vec4f>& nodes);

@@ -56,15 +56,18 @@ struct SplatData {
 /** How the surface and its brightness follow the pose (technical reference §6–§8): offsets and light of coarse control nodes, linear in
  *  K numbers of the pose, spread to the vertices by four weights each. Empty (nodeCount 0): the avatar has none.
  *
- *      k = modes · (feature(pose) − mean), ‖k‖ ≤ reach;   node = Σ_i k_i · nodes[n][i];   (ΔV, L − 1)_v = Σ weight · node
+ *      d = feature(pose) − mean;   k = modes · d;   off² = ‖d‖² − Σ_i k_i² / ‖mode_i‖²
+ *      k ← k · min(1, reach / ‖k‖) · min(1, reachOffModes / off);   node = Σ_i k_i · nodes[n][i];   (ΔV, L − 1)_v = Σ weight · node
  *
- *  The feature is the first two columns of each named joint's local rotation, minus those of the identity: 6 numbers a joint. */
+ *  The feature is the first two columns of each named joint's local rotation, minus those of the identity: 6 numbers a joint. Modes are
+ *  orthogonal, so `off` is the pose's distance from what they span: what was learned fades where nothing was learned. */
 struct PoseCorrectiveData {
     uint32_t modeCount = 0, nodeCount = 0;    // K, M
     std::vector<uint32_t> joints;             // J: rising indices of the joints that are heard
     std::vector<float> mean;                  // 6·J
     std::vector<float> modes;                 // K × 6·J
-    float reach = 0;                          // ‖k‖ of the farthest training pose: longer ones are shortened to it
+    float reach = 0;                          // ‖k‖ of far training poses: longer ones are shortened to it
+    float reachOffModes = 1e6f;               // `off` of far training poses, or so much that nothing fades
     std::vector<glm::u16vec4> nodeIndices;    // V
     std::vector<glm::u8vec4> nodeWeights;     // V, unorm8, each sums to 255
     std::vector<Vec4f> nodes;                 // M × K: offset in metres (rest pose), change of brightness

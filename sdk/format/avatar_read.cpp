@@ -310,6 +310,9 @@ struct AvatarReader {
         head.modeCount = uint32_t(modes), head.nodeCount = uint32_t(nodes);
         DPL_TRY(head.joints, fields.numbers("joints", limits.maxJoints, limits.maxJoints - 1));
         DPL_TRY(head.reach, fields.real("reach"));
+        if (fields.has("reachOffModes")) {
+            DPL_TRY(head.reachOffModes, fields.real("reachOffModes"));
+        }
         DPL_TRY(const Json* streams, fields.object("streams"));
         CorrectiveStreams<std::span<const uint8_t>> in;
         DPL_TRY(in.mean, stream(*streams, "mean"));

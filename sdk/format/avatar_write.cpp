@@ -128,6 +128,7 @@ void addClip(GlbBuilder& glb, const AvatarData& a, const ClipData& clip) {
 Json poseCorrectives(GlbBuilder& glb, const PoseCorrectiveData& c) {
     const auto streams = encodeCorrectives(c);
     Json out = {{"encoding", 1}, {"modeCount", c.modeCount}, {"nodeCount", c.nodeCount}, {"joints", c.joints}, {"reach", c.reach}};
+    if (c.reachOffModes < PoseCorrectiveData().reachOffModes) out["reachOffModes"] = c.reachOffModes;
     auto stream = [&](const char* name, const std::vector<uint8_t>& bytes) {
         if (!bytes.empty()) out["streams"][name] = glb.addView(bytes);
     };

@@ -54,7 +54,7 @@ Status checkCorrectives(const PoseCorrectiveData& c, size_t jointCount, size_t v
         for (int i = 0; i < 4; ++i)
             if (c.nodeIndices[v][i] >= c.nodeCount) return fail(Code::CorruptData, "vertex {} hangs on pose corrective node {} of {}", v, c.nodeIndices[v][i], c.nodeCount);
     }
-    bool good = allSane(c.mean) && allSane(c.modes) && c.reach > 0 && c.reach <= kMaxValue;
+    bool good = allSane(c.mean) && allSane(c.modes) && c.reach > 0 && c.reach <= kMaxValue && c.reachOffModes > 0 && c.reachOffModes <= kMaxValue;
     for (const Vec4f& n : c.nodes) good = good && allSane({&n.x, 4});
     if (!good) return fail(Code::CorruptData, "pose correctives hold a number that is not finite or above {}, or no reach", kMaxValue);
     return {};

@@ -63,8 +63,17 @@ std::vector<double> referenceCoefficients(const PoseCorrectiveData& c, const Pos
         for (size_t f = 0; f < heard.size(); ++f) k[i] += double(c.modes[i * heard.size() + f]) * heard[f];
         squares += k[i] * k[i];
     }
+    // What is left of the features when their part along every mode is taken out.
+    double off = 0;
+    for (const double f : heard) off += f * f;
+    for (size_t i = 0; i < k.size(); ++i) {
+        double mode = 0;
+        for (size_t f = 0; f < heard.size(); ++f) mode += double(c.modes[i * heard.size() + f]) * double(c.modes[i * heard.size() + f]);
+        if (mode > 0) off -= k[i] * k[i] / mode;
+    }
     const double shorter = std::min(1.0, double(c.reach) / std::sqrt(squares));   // k = 0: reach/0 is infinite, and 1 is taken
-    for (double& x : k) x *= shorter;
+    const double fade = off > 0 ? std::min(1.0, double(c.reachOffModes) / std::sqrt(off)) : 1.0;
+    for (double& x : k) x *= shorter * fade;
     return k;
 }
 

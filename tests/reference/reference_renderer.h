@@ -96,7 +96,8 @@ struct ReferenceScene {
 /** G_j = G_parent·[R_j | p_j − R_j p_j] with the root shifted by pose.rootTranslation; rotations are normalised. */
 std::vector<glm::dmat4> referenceJointTransforms(const std::vector<JointData>& joints, const Pose& pose);
 
-/** k of a pose: two columns of each heard joint's rotation minus the identity's, minus the mean, on the modes, shortened to `reach`. */
+/** k of a pose: two columns of each heard joint's rotation minus the identity's, minus the mean, on the modes, shortened to `reach`
+ *  and faded beyond `reachOffModes`. */
 std::vector<double> referenceCoefficients(const PoseCorrectiveData& correctives, const Pose& pose);
 /** Offset of the rest surface (metres) and brightness of each vertex, L in [0.2, 3]; zeros and ones without correctives. */
 struct ReferenceCorrection {

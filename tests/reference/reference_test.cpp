@@ -139,6 +139,9 @@ TEST(Reference, correctivesFollowTheirFormula) {
     const ReferenceCorrection half = referenceCorrection(avatar, pose);
     EXPECT_NEAR(glm::length(half.offset[0] - 0.5 * whole.offset[0]), 0, 1e-7);
     EXPECT_NEAR(half.light[0], 1 + 0.5 * (whole.light[0] - 1), 1e-7);
+    // Features (−1, 1, 0, −1, −1, 0) on modes along (1, 2, 0 ...) and −e5: 4 − 1/5 − 1 is left.
+    avatar.correctives.reach = 10, avatar.correctives.reachOffModes = float(std::sqrt(2.8) / 4);
+    EXPECT_NEAR(glm::length(referenceCorrection(avatar, pose).offset[0] - 0.25 * whole.offset[0]), 0, 1e-7);
 }
 
 TEST(Reference, lightIsClampedThenMultipliesTheColourBeforeItsClamp) {

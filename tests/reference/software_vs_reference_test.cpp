@@ -41,7 +41,8 @@ SplatImage drawPosed(const AvatarData& avatar, const Pose& pose, const Cameraf& 
 TEST(SoftwareVsReference, correctivesMoveAndLightTheSurface) {
     struct Case { const char* name; test::CorrectiveOptions options; bool beyondReach; };
     const Case cases[] = {{"correctives, short pose", {.light = 0.2f, .reach = 100}, false}, {"correctives, beyond reach", {.modes = 7, .light = 0.8f, .reach = 0.6f}, true},
-                          {"correctives, light clamped", {.modes = 2, .nodes = 30, .light = 2, .reach = 3}, false}};
+                          {"correctives, light clamped", {.modes = 2, .nodes = 30, .light = 2, .reach = 3}, false},
+                          {"correctives, off the modes", {.light = 0.4f, .reach = 100, .reachOffModes = 0.6f}, false}};
     double darkest = 1, brightest = 1;
     for (uint32_t seed = 1; seed <= 3; ++seed) {
         const Case& c = cases[seed - 1];
@@ -69,7 +70,7 @@ TEST(SoftwareVsReference, correctivesMoveAndLightTheSurface) {
         EXPECT_LT(positionError, 2e-6);   // a few float roundings at 1 to 2 m
         EXPECT_LT(lightError, 5e-6);
         AvatarData unlimited = avatar;
-        unlimited.correctives.reach = 1e6f;
+        unlimited.correctives.reach = unlimited.correctives.reachOffModes = 1e6f;
         const std::vector<double> k = referenceCoefficients(unlimited.correctives, pose);
         double squares = 0;
         for (const double x : k) squares += x * x;

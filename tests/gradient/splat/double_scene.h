@@ -40,7 +40,7 @@ inline Mat3d turnMatrix(const Vec3d& w) {
     return angle > 0 ? glm::mat3_cast(glm::angleAxis(angle, w / angle)) : Mat3d(1);
 }
 
-/** Offset and change of brightness of every vertex: k = modes·(columns of R − identity − mean), shortened to reach, spread by weights. */
+/** Offset and change of brightness of every vertex: k = modes·(columns of R − identity − mean), shortened to reach, faded off the modes, spread by weights. */
 inline std::vector<glm::dvec4> correction(const DoubleScene& s, const std::vector<Mat3d>& local) {
     const PoseCorrectiveData& c = s.correctives;
     std::vector<glm::dvec4> out(s.rest.size(), glm::dvec4(0));
@@ -55,7 +55,19 @@ inline std::vector<glm::dvec4> correction(const DoubleScene& s, const std::vecto
             }
         length2 += k[i] * k[i];
     }
-    const double shorten = std::min(1.0, double(c.reach) / std::sqrt(length2));
+    double off = 0;
+    for (size_t j = 0; j < c.joints.size(); ++j)
+        for (int f = 0; f < 6; ++f) {
+            const double d = local[c.joints[j]][f / 3][f % 3] - (f / 3 == f % 3 ? 1 : 0) - double(c.mean[j * 6 + size_t(f)]);
+            off += d * d;
+        }
+    for (uint32_t i = 0; i < c.modeCount; ++i) {
+        double mode = 0;
+        for (size_t f = 0; f < c.mean.size(); ++f) mode += double(c.modes[i * c.mean.size() + f]) * double(c.modes[i * c.mean.size() + f]);
+        off -= k[i] * k[i] / mode;
+    }
+    double shorten = std::min(1.0, double(c.reach) / std::sqrt(length2));
+    if (off > 0) shorten *= std::min(1.0, double(c.reachOffModes) / std::sqrt(off));
     for (size_t v = 0; v < out.size(); ++v)
         for (int n = 0; n < 4; ++n)
             for (uint32_t i = 0; i < c.modeCount; ++i) {

@@ -49,9 +49,9 @@ DoubleScene makeScene(double opacityLogit, uint8_t flags, uint32_t splatCount = 
 }
 
 /** Two modes of two joints on three nodes, large enough to matter, brightness away from its clamp. */
-DoubleScene withCorrectives(DoubleScene s, float reach) {
+DoubleScene withCorrectives(DoubleScene s, float reach, float reachOffModes = 1e6f) {
     PoseCorrectiveData& c = s.correctives;
-    c.modeCount = 2, c.nodeCount = 3, c.joints = {1, 2}, c.reach = reach;
+    c.modeCount = 2, c.nodeCount = 3, c.joints = {1, 2}, c.reach = reach, c.reachOffModes = reachOffModes;
     for (int f = 0; f < 12; ++f) c.mean.push_back(0.02f * float(f % 5) - 0.03f);
     for (int f = 0; f < 24; ++f) c.modes.push_back(0.9f * std::sin(1.7f * float(f) + 0.4f));
     c.nodeIndices = {{0, 1, 0, 0}, {1, 0, 2, 0}, {2, 1, 0, 0}, {0, 2, 0, 0}, {1, 2, 0, 0}};
@@ -192,6 +192,7 @@ TEST(SplatImageGradient, translucentSplats) { check(makeScene(0.0, 0)); }
 TEST(SplatImageGradient, singleFaceSplats) { check(makeScene(0.0, kSplatSingleFace)); }
 
 TEST(SplatImageGradient, poseCorrectives) { check(withCorrectives(makeScene(0.0, 0), 10)); }
+TEST(SplatImageGradient, poseCorrectivesOffTheirModes) { check(withCorrectives(makeScene(0.0, 0), 0.3f, 0.1f)); }
 TEST(SplatImageGradient, poseCorrectivesBeyondTheirReach) { check(withCorrectives(makeScene(0.0, kSplatSingleFace), 0.3f)); }
 
 TEST(SplatImageGradient, cappedAlphaStopsItsOwnGradient) {

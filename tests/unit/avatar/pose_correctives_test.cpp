@@ -83,10 +83,26 @@ TEST_F(PoseCorrectives, longerPosesAreShortenedToReachAndKeepTheirDirection) {
     ASSERT_GT(length, 0.5f);
     c_.reach = 0.25f * length;
     std::vector<float> k;
-    EXPECT_NEAR(correctiveCoefficients(c_, pose, k), length, 1e-5f * length);  // what it says is the length before
+    EXPECT_NEAR(correctiveCoefficients(c_, pose, k).length, length, 1e-5f * length);  // what it says is the length before
     for (size_t i = 0; i < k.size(); ++i) EXPECT_NEAR(k[i], 0.25f * whole[i], 1e-6f);
     c_.reach = 1.01f * length;
     EXPECT_EQ(coefficients(pose), whole);
+}
+
+TEST_F(PoseCorrectives, fadeInProportionOffTheModesAndNotAlongThem) {
+    c_.joints = {1}, c_.modeCount = 1;
+    c_.mean.assign(6, 0.0f), c_.modes = {0, 0, 0, 0, 2, 0};  // hears R_yy − 1
+    c_.nodes.resize(c_.nodeCount);
+    Pose pose = Pose::rest(2);
+    pose.localRotations[1] = glm::angleAxis(1.2f, Vec3f(0, 0, 1));  // features (cos − 1, sin, 0, −sin, cos − 1, 0)
+    const float c1 = std::cos(1.2f) - 1, s = std::sin(1.2f), off = std::sqrt(c1 * c1 + 2 * s * s);
+    std::vector<float> k;
+    c_.reachOffModes = 1.01f * off;
+    EXPECT_NEAR(correctiveCoefficients(c_, pose, k).offModes, off, 1e-5f);
+    EXPECT_NEAR(k[0], 2 * c1, 1e-6f);
+    c_.reachOffModes = 0.25f * off;
+    correctiveCoefficients(c_, pose, k);
+    EXPECT_NEAR(k[0], 0.5f * c1, 1e-6f);
 }
 
 TEST_F(PoseCorrectives, nodesAreLinearInTheCoefficients) {

@@ -38,7 +38,7 @@ def damaged(good):
 
 
 CORRECTIVES = {
-    "encoding": 1, "modeCount": 2, "nodeCount": 3, "joints": [0, 1], "reach": 1.5,
+    "encoding": 1, "modeCount": 2, "nodeCount": 3, "joints": [0, 1], "reach": 1.5, "reachOffModes": 0.25,
     "streams": {"mean": 1, "modes": 2, "ranges": 3, "nodes": 4, "nodeIndices": 5, "nodeWeights": 6},
 }
 
@@ -50,6 +50,7 @@ def damaged_correctives():
         "joint twice": lambda c: c.update(joints=[1, 1]),
         "no reach": lambda c: c.pop("reach"),
         "reach 0": lambda c: c.update(reach=0),
+        "reach off the modes 0": lambda c: c.update(reachOffModes=0),
         "no nodes stream": lambda c: c["streams"].pop("nodes"),
         "unknown corrective field": lambda c: c.update(colour="red"),
     }.items():

@@ -51,6 +51,8 @@ TEST(CheckCorrectives, refusesEachKindOfBadArray) {
         {"negative reach", [](PoseCorrectiveData& c) { c.reach = -1; }, "reach"},
         {"reach NaN", [](PoseCorrectiveData& c) { c.reach = kNan; }, "reach"},
         {"reach infinite", [](PoseCorrectiveData& c) { c.reach = kInfinite; }, "reach"},
+        {"no reach off the modes", [](PoseCorrectiveData& c) { c.reachOffModes = 0; }, "reach"},
+        {"reach off the modes NaN", [](PoseCorrectiveData& c) { c.reachOffModes = kNan; }, "reach"},
     };
     for (const Bad& bad : list) {
         PoseCorrectiveData c = good;

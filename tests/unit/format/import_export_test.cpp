@@ -74,6 +74,7 @@ TEST(AvatarVersion2, pinnedBytesStillRead) {
     EXPECT_EQ(c.mean, (std::vector<float>{0, 0.125f, 0, -0.25f, 0, 0}));
     EXPECT_EQ(c.modes, (std::vector<float>{1, 0, 0, 0, 0, 0, 0, 0, 0.5f, 0, 0, -0.75f}));
     EXPECT_EQ(c.reach, 1.25f);
+    EXPECT_EQ(c.reachOffModes, 1e6f) << "absent: nothing fades";
     ASSERT_EQ(c.nodeIndices.size(), 4u);
     EXPECT_EQ(c.nodeIndices[2], glm::u16vec4(1, 0, 0, 0));
     EXPECT_EQ(c.nodeWeights[2], glm::u8vec4(200, 55, 0, 0));

@@ -153,11 +153,12 @@ TEST(AvatarRoundTrip, correctivesNearAndBelowTheSmallestFloatsAreIdempotentToo) 
 }
 
 TEST(AvatarRoundTrip, correctivesComeBack) {
-    const AvatarData a = withCorrectives(randomAvatar(70, 1), 5, {.modes = 12, .nodes = 100, .offsetM = 0.03f, .light = 0.5f, .reach = 3.25f}), b = throughFile(a);
+    const AvatarData a = withCorrectives(randomAvatar(70, 1), 5, {.modes = 12, .nodes = 100, .offsetM = 0.03f, .light = 0.5f, .reach = 3.25f, .reachOffModes = 0.7f}), b = throughFile(a);
     const PoseCorrectiveData &x = a.correctives, &y = b.correctives;
     EXPECT_EQ(x.modeCount, y.modeCount);
     EXPECT_EQ(x.nodeCount, y.nodeCount);
     EXPECT_EQ(x.reach, y.reach);
+    EXPECT_EQ(x.reachOffModes, y.reachOffModes);
     EXPECT_TRUE(x.joints == y.joints);
     EXPECT_TRUE(x.mean == y.mean);
     EXPECT_TRUE(x.modes == y.modes);

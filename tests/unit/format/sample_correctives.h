@@ -12,7 +12,7 @@ namespace dpl::test {
 struct CorrectiveOptions {
     uint32_t modes = 3, nodes = 12;
     float offsetM = 0.02f, light = 0.4f;   // standard deviation of a node's values, for ‖k‖ = 1
-    float reach = 1.5f;
+    float reach = 1.5f, reachOffModes = 1e6f;
 };
 
 /** Hears every joint. Nodes sit at vertices; a vertex hangs on the four nearest. Coefficients of a turned joint are about 1. */
@@ -20,7 +20,7 @@ inline PoseCorrectiveData randomCorrectives(const AvatarData& avatar, uint32_t s
     std::mt19937 random(seed);
     std::normal_distribution<float> normal;
     PoseCorrectiveData c;
-    c.modeCount = o.modes, c.nodeCount = o.nodes, c.reach = o.reach;
+    c.modeCount = o.modes, c.nodeCount = o.nodes, c.reach = o.reach, c.reachOffModes = o.reachOffModes;
     for (uint32_t j = 0; j < avatar.joints.size(); ++j) c.joints.push_back(j);
     const size_t features = 6 * c.joints.size();
     for (size_t f = 0; f < features; ++f) c.mean.push_back(0.1f * normal(random));

@@ -62,10 +62,10 @@ TEST(CorrectiveModel, coefficientsAreCentredWithUnitVariance) {
     std::vector<double> mean(model->modeCount, 0.0), square(model->modeCount, 0.0);
     std::vector<float> k;
     PoseCorrectiveData free = *model;
-    free.reach = 1e6f;
+    free.reach = free.reachOffModes = 1e6f;
     int shortened = 0;
     for (const Pose& p : poses) {
-        shortened += correctiveCoefficients(free, p, k) > model->reach;
+        shortened += correctiveCoefficients(free, p, k).length > model->reach;
         for (size_t i = 0; i < k.size(); ++i) mean[i] += k[i] / 40.0, square[i] += k[i] * k[i] / 40.0;
     }
     for (size_t i = 0; i < mean.size(); ++i) {
@@ -74,6 +74,21 @@ TEST(CorrectiveModel, coefficientsAreCentredWithUnitVariance) {
     }
     EXPECT_GT(shortened, 3) << "far poses are shortened";
     EXPECT_LT(shortened, 12) << "and near ones are not";
+}
+
+TEST(CorrectiveModel, fadesForPosesOfAnotherMotion) {
+    const auto model = correctiveModel(joints(), twoWalls(), swinging(40));
+    ASSERT_TRUE(model);
+    std::vector<float> k;
+    int faded = 0;
+    for (const Pose& p : swinging(40)) faded += correctiveCoefficients(*model, p, k).offModes > model->reachOffModes;
+    EXPECT_LE(faded, 2) << "its own poses act in full";
+    Pose strange = Pose::rest(4);
+    strange.localRotations[1] = glm::angleAxis(0.8f, Vec3f(0, 0, 1));  // the arm only ever swung about x
+    EXPECT_GT(correctiveCoefficients(*model, strange, k).offModes, 5 * model->reachOffModes);
+    float squares = 0;
+    for (const float x : k) squares += x * x;
+    EXPECT_LT(std::sqrt(squares), 0.2f * model->reach);
 }
 
 TEST(CorrectiveModel, nodesCoverTheSurfaceAndDoNotJumpGaps) {
