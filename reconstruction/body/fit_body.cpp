@@ -25,7 +25,7 @@ constexpr size_t kMaxMasks = 18, kSkinSamples = 900, kMinOutline = 20;
 constexpr uint32_t kMaskSidePx = 512;
 constexpr int kMaskRounds = 2;
 constexpr double kConfident = 0.7;              // keypoints counted in residual reports
-constexpr double kFootSlideM = 0.0031, kFootSlideMS = 0.0078;  // how far a standing foot moves between frames: at once, and a second
+constexpr double kFootSlideM = 0.0008, kFootSlideMS = 0.002;  // how far a standing foot moves between frames: at once, and a second
 constexpr double kLooseFootScale = 5;
 constexpr double kSameLimbM = 0.08;             // a depth choice nearer than this to the present arm or leg is the same one
 constexpr int kUntangleRounds = 3;

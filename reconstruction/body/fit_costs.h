@@ -88,11 +88,11 @@ private:
  *  `up`: the vertical, about which people turn faster than they tilt. */
 ceres::CostFunction* makeRootSmoothness(const Mat3d (&references)[3], const Vec3d& up, double t0, double t1, double t2);
 
-constexpr double kTurnAccelerationRadS2 = 2.0, kTiltAccelerationRadS2 = 0.3, kRootAccelerationMS2 = 0.6;
+constexpr double kTurnAccelerationRadS2 = 2.0, kTiltAccelerationRadS2 = 0.15, kRootAccelerationMS2 = 0.6;
 
 /** The pelvis stays about as upright as in the still pose: `bodyUp` (the root's own axis that points `up` there) against `up`. Block: root. */
 ceres::CostFunction* makeRootUpright(const Mat3d& reference, const Vec3d& bodyUp, const Vec3d& up);
-constexpr double kTiltRad = 0.08;
+constexpr double kTiltRad = 0.04;
 
 /** Feet that stand do not slide: the moves of ankles and toes between two frames, Geman–McClure, so a swinging foot is let go.
  *  With a moving camera this is what fixes the body's depth. Blocks: shape, root0, pose0, root1, pose1. */

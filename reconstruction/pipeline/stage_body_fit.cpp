@@ -31,7 +31,7 @@ Result<json> fitInputs(const SubjectData& subject) {
 
 Status runBodyFit(SubjectData& subject) {
     DPL_TRY(json inputs, fitInputs(subject));
-    auto folder = subject.chain.run("body-fit", 1, inputs, [&](StageContext& context) -> Status {
+    auto folder = subject.chain.run("body-fit", 2, inputs, [&](StageContext& context) -> Status {
         if (subject.options.trueBody) {
             DPL_TRY(BodyFit truth, fitFromTruth(subject.options.scan, subject.scan, subject.body));
             return writeFileAtomically(context.folder / "fit.json", fitToJson(truth));
