@@ -1,88 +1,14 @@
 #include "reconstruction/package/posed_splats.h"
 
-#include <array>
 #include <cmath>
 
 #include "sdk/avatar/posed_mesh.h"
 #include "sdk/math/binding.h"
 #include "sdk/math/sh.h"
+#include "sdk/math/sh_rotation.h"
 
 namespace dpl {
 namespace {
-
-/** Turns SH coefficients by a rotation. Band l is a (2l+1)-dimensional space of functions: its values at 2l+1 well-spread directions
- *  determine it, so coefficients' = P⁻¹·Q·coefficients with P the band at those directions and Q the band at the turned-back ones. */
-class ShRotator {
-public:
-    ShRotator() {
-        for (uint32_t band = 1; band <= kMaxShDegree; ++band) {
-            const uint32_t n = 2 * band + 1;
-            for (uint32_t i = 0; i < n; ++i) directions_[band][i] = spreadDirection(i, n);
-            Square p{};
-            for (uint32_t i = 0; i < n; ++i) {
-                const auto row = bandValues(band, directions_[band][i]);
-                for (uint32_t m = 0; m < n; ++m) p[i][m] = row[m];
-            }
-            inverse_[band] = invert(p, n);
-        }
-    }
-
-    /** sh: coefficient-major, turned in place so that evaluating at R·d gives what evaluating at d gave before. */
-    void rotate(const Mat3d& rotation, uint32_t degree, float* sh) const {
-        const Mat3d back = glm::transpose(rotation);
-        for (uint32_t band = 1; band <= degree; ++band) {
-            const uint32_t n = 2 * band + 1, first = band * band;
-            for (uint32_t channel = 0; channel < 3; ++channel) {
-                std::array<double, 7> values{}, turned{};
-                for (uint32_t i = 0; i < n; ++i) {
-                    const auto row = bandValues(band, back * directions_[band][i]);
-                    for (uint32_t m = 0; m < n; ++m) values[i] += row[m] * sh[(first + m) * 3 + channel];
-                }
-                for (uint32_t m = 0; m < n; ++m)
-                    for (uint32_t i = 0; i < n; ++i) turned[m] += inverse_[band][m][i] * values[i];
-                for (uint32_t m = 0; m < n; ++m) sh[(first + m) * 3 + channel] = float(turned[m]);
-            }
-        }
-    }
-
-private:
-    using Square = std::array<std::array<double, 7>, 7>;
-
-    // Irrational steps around a spiral that is not symmetric about any axis: the band matrices are well conditioned.
-    static Vec3d spreadDirection(uint32_t i, uint32_t n) {
-        const double z = 0.93 - 1.81 * (i + 0.4) / n, angle = 2.399963229728653 * i + 0.37, r = std::sqrt(1 - z * z);
-        return {r * std::cos(angle), r * std::sin(angle), z};
-    }
-    static std::array<double, 7> bandValues(uint32_t band, const Vec3d& d) {
-        double basis[kMaxShCoefficients];
-        shBasis(d, band, basis);
-        std::array<double, 7> values{};
-        for (uint32_t m = 0; m < 2 * band + 1; ++m) values[m] = basis[band * band + m];
-        return values;
-    }
-    static Square invert(Square a, uint32_t n) {
-        Square inverse{};
-        for (uint32_t i = 0; i < n; ++i) inverse[i][i] = 1;
-        for (uint32_t column = 0; column < n; ++column) {
-            uint32_t pivot = column;
-            for (uint32_t row = column + 1; row < n; ++row)
-                if (std::abs(a[row][column]) > std::abs(a[pivot][column])) pivot = row;
-            std::swap(a[column], a[pivot]);
-            std::swap(inverse[column], inverse[pivot]);
-            const double scale = 1 / a[column][column];
-            for (uint32_t k = 0; k < n; ++k) a[column][k] *= scale, inverse[column][k] *= scale;
-            for (uint32_t row = 0; row < n; ++row) {
-                if (row == column) continue;
-                const double factor = a[row][column];
-                for (uint32_t k = 0; k < n; ++k) a[row][k] -= factor * a[column][k], inverse[row][k] -= factor * inverse[column][k];
-            }
-        }
-        return inverse;
-    }
-
-    std::array<std::array<Vec3d, 7>, kMaxShDegree + 1> directions_;
-    std::array<Square, kMaxShDegree + 1> inverse_;
-};
 
 /** Rotation and scales with R·diag(s1,s2,·) spanning the same ellipse as the axes a1, a2 (their 2×2 Gram matrix diagonalised). */
 void ellipseOf(const Vec3d& a1, const Vec3d& a2, const Vec3d& normal, Quatf& rotation, Vec3f& scale) {

@@ -110,7 +110,7 @@ struct AvatarData {
     bool compensated = true;               // energy-preserving low-pass (projection.h)
 };
 
-/** General (unbound) splats, as in INRIA PLY files: means, full covariances. */
+/** General (unbound) splats, as in INRIA PLY and SPZ files: means, full covariances, in the file's own coordinates. */
 struct StaticSplatData {
     std::vector<Vec3f> position;   // metres
     std::vector<Quatf> rotation;   // unit
@@ -118,6 +118,8 @@ struct StaticSplatData {
     std::vector<float> opacity;    // [0,1]
     uint32_t shDegree = 0;
     std::vector<float> sh;         // N × (degree+1)² × 3, coefficient-major
+    float kappaPx2 = float(kKappaPx2);   // the low-pass that they were trained with ...
+    bool compensated = false;            // ... and whether it kept their energy ("antialiased")
     uint32_t count() const { return uint32_t(position.size()); }
 };
 

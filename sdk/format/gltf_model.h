@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -36,6 +37,12 @@ struct GltfAccessor {
     } sparse;                        // count 0: dense
 };
 
+/** KHR_gaussian_splatting of a primitive, defaults filled in. */
+struct GltfSplatting {
+    std::string kernel, colorSpace, projection = "perspective", sortingMethod = "cameraDistance";
+    std::string compression;   // name of an extension inside it, empty when there is none
+};
+
 struct GltfPrimitive {
     std::map<std::string, uint32_t> attributes;               // semantic -> accessor
     int32_t indices = -1;
@@ -43,6 +50,7 @@ struct GltfPrimitive {
     std::vector<std::map<std::string, uint32_t>> targets;
     int32_t dracoView = -1;
     std::map<std::string, uint32_t> dracoAttributes;          // semantic -> Draco unique id
+    std::optional<GltfSplatting> splatting;
 };
 
 struct GltfMesh {

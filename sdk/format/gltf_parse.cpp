@@ -110,28 +110,53 @@ struct DracoLink {
     std::map<std::string, uint32_t> attributes;
 };
 
+struct SplattingLink {
+    size_t mesh, primitive;
+    GltfSplatting splatting;
+};
+
+/** What the parser does not carry through tinygltf. */
+struct PrimitiveLinks {
+    std::vector<DracoLink> draco;
+    std::vector<SplattingLink> splatting;
+};
+
 int64_t integerAt(const Json& object, const char* key) {
     auto it = object.find(key);
     return it != object.end() && it->is_number_integer() && it->is_number_unsigned() ? int64_t(std::min<uint64_t>(it->get<uint64_t>(), 1ull << 40)) : -1;
 }
 
+void textAt(const Json& object, const char* key, std::string& text) {
+    if (auto it = object.find(key); it != object.end()) text = it->is_string() ? it->get<std::string>() : "?";
+}
+
+GltfSplatting splattingOf(const Json& extension) {
+    GltfSplatting out;
+    textAt(extension, "kernel", out.kernel), textAt(extension, "colorSpace", out.colorSpace);
+    textAt(extension, "projection", out.projection), textAt(extension, "sortingMethod", out.sortingMethod);
+    if (auto inner = extension.find("extensions"); inner != extension.end() && inner->is_object() && !inner->empty()) out.compression = inner->begin().key();
+    return out;
+}
+
 /** A primitive of known keys. tinygltf refuses indices without a view, so those of Draco primitives are kept aside. */
-Json copyPrimitive(const Json& from, size_t mesh, size_t primitive, std::vector<DracoLink>& draco) {
+Json copyPrimitive(const Json& from, size_t mesh, size_t primitive, PrimitiveLinks& links) {
     Json to = pick(from, {"attributes", "indices", "mode", "targets"});
     const auto extensions = from.find("extensions");
     if (extensions == from.end() || !extensions->is_object()) return to;
+    if (auto splatting = extensions->find("KHR_gaussian_splatting"); splatting != extensions->end() && splatting->is_object())
+        links.splatting.push_back({mesh, primitive, splattingOf(*splatting)});
     const auto link = extensions->find("KHR_draco_mesh_compression");
     if (link == extensions->end() || !link->is_object()) return to;
     DracoLink entry{mesh, primitive, integerAt(from, "indices"), integerAt(*link, "bufferView"), {}};
     if (auto attributes = link->find("attributes"); attributes != link->end() && attributes->is_object())
         for (const auto& [semantic, id] : attributes->items())
             if (id.is_number_unsigned()) entry.attributes[semantic] = uint32_t(std::min<uint64_t>(id.get<uint64_t>(), 0xffffffffu));
-    draco.push_back(std::move(entry));
+    links.draco.push_back(std::move(entry));
     to.erase("indices");
     return to;
 }
 
-constexpr std::array<const char*, 3> kKnownRequired = {"KHR_draco_mesh_compression", "KHR_mesh_quantization", "KHR_texture_transform"};
+constexpr std::array<const char*, 4> kKnownRequired = {"KHR_draco_mesh_compression", "KHR_gaussian_splatting", "KHR_mesh_quantization", "KHR_texture_transform"};
 
 Status checkRequired(const Json& root) {
     auto required = root.find("extensionsRequired");
@@ -167,7 +192,7 @@ Status checkWholeNumbers(const Json& root) {
 }
 
 /** JSON of known keys only: extras and unknown extensions can blow tinygltf up to a hundred times their size. */
-Result<Json> knownKeys(const Json& root, std::span<const uint8_t> bin, const ReadLimits& limits, std::vector<DracoLink>& draco, std::vector<std::vector<std::string>>& targetNames) {
+Result<Json> knownKeys(const Json& root, std::span<const uint8_t> bin, const ReadLimits& limits, PrimitiveLinks& links, std::vector<std::vector<std::string>>& targetNames) {
     if (!root.is_object()) return fail(Code::CorruptData, "the glTF JSON is not an object");
     const auto asset = root.find("asset");
     if (asset == root.end() || !asset->is_object()) return fail(Code::CorruptData, "the glTF has no 'asset'");
@@ -193,7 +218,7 @@ Result<Json> knownKeys(const Json& root, std::span<const uint8_t> bin, const Rea
         to["primitives"] = Json::array();
         if (auto primitives = m.find("primitives"); primitives != m.end() && primitives->is_array())
             for (const Json& p : *primitives)
-                if (p.is_object() && ++primitiveCount <= 4096) to["primitives"].push_back(copyPrimitive(p, mesh, to["primitives"].size(), draco));
+                if (p.is_object() && ++primitiveCount <= 4096) to["primitives"].push_back(copyPrimitive(p, mesh, to["primitives"].size(), links));
         ++mesh;
         return to;
     }));
@@ -339,13 +364,15 @@ Result<GltfModel> parseGlb(std::span<const uint8_t> bytes, const ReadLimits& lim
     ShapeCheck shape(limits);
     if (!Json::sax_parse(glb.json, &shape)) return fail(Code::CorruptData, "the JSON of the file {} (near byte {})", shape.problem, shape.errorAt);
     const Json root = Json::parse(glb.json, nullptr, false);
-    std::vector<DracoLink> draco;
+    PrimitiveLinks links;
     std::vector<std::vector<std::string>> targetNames;
-    DPL_TRY(const Json known, knownKeys(root, glb.bin, limits, draco, targetNames));
+    DPL_TRY(const Json known, knownKeys(root, glb.bin, limits, links, targetNames));
     DPL_TRY(GltfModel model, parseWithTinyGltf(known.dump(-1, ' ', false, Json::error_handler_t::replace)));
     model.bin = glb.bin, model.json = glb.json;
     for (size_t i = 0; i < model.meshes.size() && i < targetNames.size(); ++i) model.meshes[i].targetNames = std::move(targetNames[i]);
-    DPL_CHECK_OK(linkDraco(model, draco));
+    DPL_CHECK_OK(linkDraco(model, links.draco));
+    for (SplattingLink& link : links.splatting)
+        if (link.mesh < model.meshes.size() && link.primitive < model.meshes[link.mesh].primitives.size()) model.meshes[link.mesh].primitives[link.primitive].splatting = std::move(link.splatting);
     DPL_CHECK_OK(checkRanges(model));
     DPL_CHECK_OK(checkReferences(model, limits));
     if (auto extensions = root.find("extensions"); extensions != root.end() && extensions->is_object())

@@ -6,8 +6,8 @@
 #include <span>
 
 #include "sdk/format/avatar_file.h"
-#include "sdk/format/ply.h"
 #include "sdk/format/skinned_gltf.h"
+#include "sdk/format/splat_file.h"
 #include "tests/fuzz/memory_watch.h"
 
 namespace {
@@ -22,9 +22,12 @@ void mustHold(bool condition, const char* what) {
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     const std::span<const uint8_t> bytes(data, size);
-    if (size >= 3 && data[0] == 'p') {
-        (void)dpl::readPly(bytes);
-        return 0;
+    if (const dpl::SplatFormat format = dpl::splatFormatOf(bytes); format != dpl::SplatFormat::None) {
+        dpl::test::startMemoryWatch();
+        auto splats = dpl::readSplats(bytes);
+        mustHold(dpl::test::peakMemoryBytes() <= (64ull << 20) + 1280 * uint64_t(size), "readSplats took more memory than splat_file.h promises");
+        mustHold(splats || !splats.error().message.empty(), "an error without a sentence");
+        if (format != dpl::SplatFormat::Gltf) return 0;   // a glTF goes on to the other readers
     }
     dpl::ReadLimits limits;
     limits.verifyHash = false;   // else every mutation would end at the hash

@@ -1,0 +1,118 @@
+#include "sdk/format/compressed_ply.h"
+
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "sdk/format/ply_header.h"
+#include "sdk/format/read_limits.h"
+#include "sdk/math/sh.h"
+
+namespace dpl {
+namespace {
+
+constexpr size_t kChunkSplats = 256;
+constexpr float kShReach = 4;   // bytes of the sh element cover [−4, 4]
+
+template <class T>
+T load(const uint8_t* from) {
+    T value;
+    std::memcpy(&value, from, sizeof(T));
+    return value;
+}
+
+/** What the values of a chunk lie between. */
+struct Range {
+    Vec3f low{0}, high{1};
+    Vec3f at(const Vec3f& t) const { return low * (Vec3f(1) - t) + high * t; }
+};
+
+/** `bits` bits from `shift` as [0, 1]. */
+float unorm(uint32_t word, uint32_t shift, uint32_t bits) {
+    const uint32_t most = (1u << bits) - 1;
+    return float(word >> shift & most) / float(most);
+}
+Vec3f unorm111011(uint32_t word) { return {unorm(word, 21, 11), unorm(word, 11, 10), unorm(word, 0, 11)}; }
+
+/** The top two bits say which of w, x, y, z is largest and left out; the others follow in that order, each (q/√2 + ½) in 10 bits. */
+Quatf unpackRotation(uint32_t word) {
+    std::array<float, 4> q{};
+    const uint32_t largest = word >> 30;
+    float squares = 0;
+    for (uint32_t k = 0, shift = 20; k < 4; ++k) {
+        if (k == largest) continue;
+        q[k] = (unorm(word, shift, 10) - 0.5f) * float(std::sqrt(2.0));
+        squares += q[k] * q[k];
+        shift -= 10;
+    }
+    q[largest] = std::sqrt(std::max(0.0f, 1 - squares));
+    return glm::normalize(Quatf(q[0], q[1], q[2], q[3]));
+}
+
+/** The writer floors into 256 bins; the two end bins stand for the ends. */
+float shOf(uint8_t code) {
+    const float t = code == 0 ? 0.0f : code == 255 ? 1.0f : (float(code) + 0.5f) / 256;
+    return (t - 0.5f) * 2 * kShReach;
+}
+
+/** Ranges of every chunk: columns min_<name> and max_<name>. */
+Result<std::vector<Range>> readRanges(const PlyRows& chunks, std::array<const char*, 6> names) {
+    DPL_TRY(const auto at, plyColumns(chunks, PlyType::F32, {names[0], names[1], names[2], names[3], names[4], names[5]}));
+    std::vector<Range> out(chunks.count);
+    for (size_t c = 0; c < chunks.count; ++c) {
+        for (int k = 0; k < 3; ++k) {
+            out[c].low[k] = load<float>(chunks.row(c) + at[size_t(k)]), out[c].high[k] = load<float>(chunks.row(c) + at[size_t(k) + 3]);
+            if (!std::isfinite(out[c].low[k]) || !std::isfinite(out[c].high[k])) return fail(Code::CorruptData, "PLY: {} or {} of chunk {} is not finite", names[size_t(k)], names[size_t(k) + 3], c);
+        }
+    }
+    return out;
+}
+
+}  // namespace
+
+Result<StaticSplatData> readCompressedPly(std::span<const uint8_t> bytes) try {
+    DPL_TRY(const PlyHeader header, readPlyHeader(bytes));
+    const uint64_t maxSplats = ReadLimits().maxSplats;
+    DPL_TRY(const PlyRows chunks, plyRows(header, bytes, "chunk", maxSplats / kChunkSplats + 1));
+    DPL_TRY(const PlyRows vertices, plyRows(header, bytes, "vertex", maxSplats));
+    const size_t n = vertices.count;
+    if (chunks.count != (n + kChunkSplats - 1) / kChunkSplats) return fail(Code::CorruptData, "PLY: {} chunks for {} splats, {} a chunk", chunks.count, n, kChunkSplats);
+    DPL_TRY(const auto places, readRanges(chunks, {"min_x", "min_y", "min_z", "max_x", "max_y", "max_z"}));
+    DPL_TRY(const auto logScales, readRanges(chunks, {"min_scale_x", "min_scale_y", "min_scale_z", "max_scale_x", "max_scale_y", "max_scale_z"}));
+    std::vector<Range> colours(chunks.count);   // older files have none: [0, 1]
+    if (chunks.element->columns.contains("min_r")) {
+        DPL_TRY(colours, readRanges(chunks, {"min_r", "min_g", "min_b", "max_r", "max_g", "max_b"}));
+    }
+    DPL_TRY(const auto packed, plyColumns(vertices, PlyType::U32, {"packed_position", "packed_rotation", "packed_scale", "packed_color"}));
+    StaticSplatData s;
+    PlyRows sh;
+    std::vector<size_t> rest;
+    if (header.find("sh")) {
+        DPL_TRY(sh, plyRows(header, bytes, "sh", maxSplats));
+        if (sh.count != n) return fail(Code::CorruptData, "PLY: {} rows of SH for {} splats", sh.count, n);
+        DPL_TRY(rest, plyRestColumns(sh, PlyType::U8, s.shDegree));
+    }
+    const uint32_t coefficients = shCoefficientCount(s.shDegree);
+    s.position.resize(n), s.rotation.resize(n), s.scaleM.resize(n), s.opacity.resize(n), s.sh.resize(n * coefficients * 3);
+    for (size_t i = 0; i < n; ++i) {
+        const size_t chunk = i / kChunkSplats;
+        const uint8_t* row = vertices.row(i);
+        const uint32_t place = load<uint32_t>(row + packed[0]), rotation = load<uint32_t>(row + packed[1]), scale = load<uint32_t>(row + packed[2]), colour = load<uint32_t>(row + packed[3]);
+        s.position[i] = places[chunk].at(unorm111011(place));
+        s.rotation[i] = unpackRotation(rotation);
+        s.scaleM[i] = glm::exp(logScales[chunk].at(unorm111011(scale)));
+        const Vec3f rgb = colours[chunk].at({unorm(colour, 24, 8), unorm(colour, 16, 8), unorm(colour, 8, 8)});
+        s.opacity[i] = unorm(colour, 0, 8);
+        float* out = s.sh.data() + i * coefficients * 3;
+        for (int c = 0; c < 3; ++c) out[c] = (rgb[c] - 0.5f) / float(kShC0);
+        for (uint32_t k = 1; k < coefficients; ++k)
+            for (uint32_t c = 0; c < 3; ++c) out[k * 3 + c] = shOf(sh.row(i)[rest[c * (coefficients - 1) + k - 1]]);
+        const Vec3f all = s.position[i] + s.scaleM[i] + Vec3f(out[0], out[1], out[2]);
+        if (!std::isfinite(all.x + all.y + all.z)) return fail(Code::CorruptData, "PLY: splat {} is not finite; the ranges of chunk {} are damaged", i, chunk);
+    }
+    return s;
+} catch (const std::bad_alloc&) {
+    return fail(Code::OutOfMemory, "no memory to read a compressed PLY");
+}
+
+}  // namespace dpl

@@ -1,0 +1,16 @@
+// General splats as PlayCanvas / SuperSplat compressed PLY: 16 bytes a splat in chunks of 256 that share value ranges, SH as bytes beside.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "sdk/core/result.h"
+#include "sdk/format/avatar_data.h"
+
+namespace dpl {
+
+/** Reads elements `chunk` (12 or 18 floats), `vertex` (four packed words) and `sh` (9, 24 or 45 bytes, may be absent), in any column order.
+ *  CorruptData names what is missing, truncated or not finite, and in which chunk. Any thread. */
+Result<StaticSplatData> readCompressedPly(std::span<const uint8_t> bytes);
+
+}  // namespace dpl

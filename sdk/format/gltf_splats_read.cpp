@@ -1,0 +1,145 @@
+#include <algorithm>
+#include <cmath>
+
+#include "sdk/format/gltf_model.h"
+#include "sdk/format/gltf_splats.h"
+#include "sdk/math/sh_rotation.h"
+
+namespace dpl {
+namespace {
+
+constexpr float kSameScale = 1e-4f;   // axes of a node may differ by this share: exporters round
+
+/** A node's place in the world: the extension allows translation, rotation and positive scale; we draw one scale for all axes. */
+struct Placement {
+    Quatf rotation{1, 0, 0, 0};
+    Vec3f translation{0};
+    float scale = 1;
+
+    Vec3f apply(const Vec3f& p) const { return rotation * (scale * p) + translation; }
+};
+
+Result<Placement> placementOf(const GltfModel& model, uint32_t node) {
+    Placement world;
+    for (int32_t at = int32_t(node); at >= 0; at = model.nodes[size_t(at)].parent) {
+        const GltfNode& n = model.nodes[size_t(at)];
+        const float scale = n.scale.x;
+        if (!(scale > 0) || std::abs(n.scale.y - scale) > kSameScale * scale || std::abs(n.scale.z - scale) > kSameScale * scale)
+            return fail(Code::Unsupported, "node {} ('{}') mirrors its splats or scales their axes differently; apply its transform before the export", at, n.name);
+        world.translation = n.rotation * (scale * world.translation) + n.translation;
+        world.rotation = n.rotation * world.rotation;
+        world.scale *= scale;
+    }
+    world.rotation = glm::normalize(world.rotation);
+    if (!std::isfinite(world.scale + world.translation.x + world.translation.y + world.translation.z)) return fail(Code::CorruptData, "the transform of node {} is not finite", node);
+    return world;
+}
+
+Status checkKind(const GltfSplatting& s) {
+    const auto only = [](const char* what, const std::string& found, const char* wanted) -> Status {
+        if (found == wanted) return {};
+        return fail(Code::Unsupported, "KHR_gaussian_splatting: '{}' is '{}', only '{}' is drawn; export it so", what, found, wanted);
+    };
+    if (!s.compression.empty()) return fail(Code::Unsupported, "KHR_gaussian_splatting: compressed by {}; export it without, or as .spz", s.compression);
+    DPL_CHECK_OK(only("kernel", s.kernel, "ellipse"));
+    DPL_CHECK_OK(only("projection", s.projection, "perspective"));
+    DPL_CHECK_OK(only("colorSpace", s.colorSpace, "srgb_rec709_display"));
+    return only("sortingMethod", s.sortingMethod, "cameraDistance");
+}
+
+struct SplatReader {
+    const GltfModel& model;
+    const ReadLimits& limits;
+    uint64_t budget = 0;    // bytes of the binary chunk not yet decoded
+    StaticSplatData out{};
+    ShRotator rotator{};
+
+    /** count × components floats of a required attribute. */
+    Result<std::vector<float>> floats(const GltfPrimitive& p, const std::string& semantic, uint32_t components, uint32_t count) {
+        const auto found = p.attributes.find(semantic);
+        if (found == p.attributes.end()) return fail(Code::CorruptData, "a splat primitive has no {}", semantic);
+        const GltfAccessor& a = model.accessors[found->second];
+        if (a.count != count) return fail(Code::CorruptData, "{} has {} entries for {} splats", semantic, a.count, count);
+        const uint64_t componentBytes = a.component == GltfComponent::I8 || a.component == GltfComponent::U8 ? 1 : a.component == GltfComponent::I16 || a.component == GltfComponent::U16 ? 2 : 4;
+        const uint64_t bytes = componentBytes * components * count;
+        if (bytes > budget) return fail(Code::CorruptData, "the splats of this file are used more than once (mesh instances?); write each of them out");
+        budget -= bytes;
+        return readFloats(model, found->second, components);
+    }
+
+    static std::string coefficient(uint32_t degree, uint32_t m) { return "KHR_gaussian_splatting:SH_DEGREE_" + std::to_string(degree) + "_COEF_" + std::to_string(m); }
+
+    static uint32_t shDegreeOf(const GltfPrimitive& p) {
+        uint32_t degree = 0;
+        while (degree < kMaxShDegree && p.attributes.contains(coefficient(degree + 1, 0))) ++degree;
+        return degree;
+    }
+
+    Status add(const GltfPrimitive& p, const Placement& world) {
+        DPL_CHECK_OK(checkKind(*p.splatting));
+        if (p.mode != 0) return fail(Code::CorruptData, "splats on a primitive of mode {}; the extension asks for points (0)", p.mode);
+        if (p.dracoView >= 0) return fail(Code::Unsupported, "splats compressed by KHR_draco_mesh_compression; export them without");
+        const auto place = p.attributes.find("POSITION");
+        if (place == p.attributes.end()) return fail(Code::CorruptData, "a splat primitive has no POSITION");
+        const uint32_t n = model.accessors[place->second].count;
+        const size_t first = out.position.size();
+        if (n > limits.maxSplats - first) return fail(Code::CorruptData, "more than {} splats", limits.maxSplats);
+        DPL_TRY(const auto positions, floats(p, "POSITION", 3, n));
+        DPL_TRY(const auto rotations, floats(p, "KHR_gaussian_splatting:ROTATION", 4, n));
+        DPL_TRY(const auto scales, floats(p, "KHR_gaussian_splatting:SCALE", 3, n));
+        DPL_TRY(const auto opacities, floats(p, "KHR_gaussian_splatting:OPACITY", 1, n));
+        const uint32_t degree = shDegreeOf(p), shFloats = shCoefficientCount(out.shDegree) * 3;
+        out.sh.resize((first + n) * shFloats, 0.0f);
+        for (uint32_t k = 0, band = 0; band <= degree; ++band)
+            for (uint32_t m = 0; m < 2 * band + 1; ++m, ++k) {
+                DPL_TRY(const auto values, floats(p, coefficient(band, m), 3, n));
+                for (uint32_t i = 0; i < n; ++i)
+                    for (uint32_t c = 0; c < 3; ++c) out.sh[(first + i) * shFloats + k * 3 + c] = values[i * 3 + c];
+            }
+        const Mat3d turn = glm::mat3_cast(glm::dquat(world.rotation));
+        const bool turned = std::abs(world.rotation.w) < 1 - 1e-7f;
+        for (uint32_t i = 0; i < n; ++i) {
+            const Quatf q(rotations[i * 4 + 3], rotations[i * 4], rotations[i * 4 + 1], rotations[i * 4 + 2]);
+            const Vec3f scale = world.scale * Vec3f(scales[i * 3], scales[i * 3 + 1], scales[i * 3 + 2]), centre = world.apply({positions[i * 3], positions[i * 3 + 1], positions[i * 3 + 2]});
+            const float length = glm::length(q);
+            if (!(length > 1e-6f) || !std::isfinite(length)) return fail(Code::CorruptData, "splat {} has no rotation", first + i);
+            if (!(glm::min(scale.x, glm::min(scale.y, scale.z)) >= 0)) return fail(Code::CorruptData, "splat {} has a negative scale", first + i);
+            if (!(opacities[i] >= 0 && opacities[i] <= 1)) return fail(Code::CorruptData, "splat {} has an opacity of {}", first + i, opacities[i]);
+            if (!std::isfinite(glm::dot(scale, Vec3f(1)) + glm::dot(centre, Vec3f(1)))) return fail(Code::CorruptData, "splat {} is not finite", first + i);
+            out.position.push_back(centre), out.scaleM.push_back(scale), out.opacity.push_back(opacities[i]);
+            out.rotation.push_back(world.rotation * (q / length));
+            if (turned) rotator.rotate(turn, degree, out.sh.data() + (first + i) * shFloats);
+        }
+        return {};
+    }
+
+    Status read() {
+        std::vector<std::pair<const GltfPrimitive*, uint32_t>> found;   // with its node
+        for (uint32_t n = 0; n < model.nodes.size(); ++n)
+            if (model.nodes[n].mesh >= 0)
+                for (const GltfPrimitive& p : model.meshes[size_t(model.nodes[n].mesh)].primitives)
+                    if (p.splatting) found.emplace_back(&p, n);
+        if (found.empty()) return fail(Code::Unsupported, "no node of this glTF shows splats (KHR_gaussian_splatting)");
+        for (const auto& [primitive, node] : found) out.shDegree = std::max(out.shDegree, shDegreeOf(*primitive));
+        for (const auto& [primitive, node] : found) {
+            DPL_TRY(const Placement world, placementOf(model, node));
+            DPL_CHECK_OK(add(*primitive, world));
+        }
+        return {};
+    }
+};
+
+}  // namespace
+
+Result<StaticSplatData> readGltfSplats(std::span<const uint8_t> bytes, const ReadLimits& limits) try {
+    DPL_TRY(const GltfModel model, parseGlb(bytes, limits));
+    SplatReader reader{model, limits, model.bin.size()};
+    DPL_CHECK_OK(reader.read());
+    return std::move(reader.out);
+} catch (const std::bad_alloc&) {
+    return fail(Code::OutOfMemory, "no memory to read splats");
+} catch (const std::exception& e) {
+    return fail(Code::CorruptData, "the splats cannot be read: {}", e.what());
+}
+
+}  // namespace dpl

@@ -1,0 +1,224 @@
+// The packed attributes, one array after the other (versions 2, 3) or one stream each (version 4), n splats:
+//
+//   position 9n (3 × s24 fixed point) | alpha n | colour 3n | log scale 3n | rotation 3n or 4n | SH of bands 1.. 3·coefficients·n
+#include "sdk/format/spz.h"
+
+#include <zlib.h>
+#include <zstd.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <vector>
+
+#include "sdk/core/log.h"
+#include "sdk/core/reader.h"
+#include "sdk/format/read_limits.h"
+#include "sdk/math/sh.h"
+
+namespace dpl {
+namespace {
+
+constexpr uint32_t kMagic = 0x5053474e;   // "NGSP"
+constexpr uint32_t kFileShDegrees = 4;    // of the format; we draw kMaxShDegree
+constexpr uint32_t kMaxFractionalBits = 23;
+constexpr uint8_t kAntialiasedFlag = 1, kExtensionFlag = 2;
+constexpr uint64_t kFreeExpansionBytes = 1 << 20, kMaxExtensionBytes = 1 << 20;
+constexpr size_t kAttributes = 6;
+
+struct Header {
+    uint32_t magic, version, splats;
+    uint8_t shDegree, fractionalBits, flags, streams;   // streams: reserved before version 4
+};
+static_assert(sizeof(Header) == 16);
+
+struct Packed {
+    Header header;
+    std::array<std::vector<uint8_t>, kAttributes> attributes;
+};
+
+/** Bytes of each attribute. */
+std::array<uint64_t, kAttributes> attributeBytes(const Header& h) {
+    const uint64_t n = h.splats;
+    return {9 * n, n, 3 * n, 3 * n, (h.version == 2 ? 3 : 4) * n, 3 * n * (shCoefficientCount(h.shDegree) - 1)};
+}
+
+Status checkHeader(const Header& h, size_t fileBytes) {
+    if (h.magic != kMagic) return fail(Code::Unsupported, "not an SPZ file: its header does not say NGSP");
+    if (h.version < kMinSpzVersion || h.version > kMaxSpzVersion)
+        return fail(Code::Version, "SPZ version {}; this build reads {} to {}: {}", h.version, kMinSpzVersion, kMaxSpzVersion, h.version > kMaxSpzVersion ? "update Doppel" : "save it again with a newer tool");
+    if (h.shDegree > kFileShDegrees) return fail(Code::CorruptData, "SPZ: SH degree {}, 0 to {} are possible", uint32_t(h.shDegree), kFileShDegrees);
+    if (h.fractionalBits > kMaxFractionalBits) return fail(Code::CorruptData, "SPZ: {} fractional bits in a position of 24", uint32_t(h.fractionalBits));
+    if (h.splats > ReadLimits().maxSplats) return fail(Code::CorruptData, "SPZ: {} splats, the limit is {}", h.splats, ReadLimits().maxSplats);
+    uint64_t total = 0;
+    for (const uint64_t bytes : attributeBytes(h)) total += bytes;
+    if (total > kFreeExpansionBytes + kMaxSpzExpansion * fileBytes)
+        return fail(Code::CorruptData, "SPZ: {} splats of SH degree {} from {} bytes: no real file packs that tightly, the header is damaged", h.splats, uint32_t(h.shDegree), fileBytes);
+    return {};
+}
+
+/** One gzip stream, inflated piece by piece into memory that the caller has sized. */
+class Gunzip {
+public:
+    static Result<std::unique_ptr<Gunzip>> open(std::span<const uint8_t> bytes) {
+        auto made = std::make_unique<Gunzip>();
+        made->stream_.next_in = const_cast<Bytef*>(bytes.data());
+        made->left_ = bytes.size();
+        if (inflateInit2(&made->stream_, 16 + MAX_WBITS) != Z_OK) return fail(Code::OutOfMemory, "no memory to inflate an SPZ file");
+        made->open_ = true;
+        return made;
+    }
+    Gunzip() = default;
+    Gunzip(const Gunzip&) = delete;
+    Gunzip& operator=(const Gunzip&) = delete;
+    ~Gunzip() {
+        if (open_) inflateEnd(&stream_);
+    }
+
+    /** Fills `out`, or less of it where the stream ends. */
+    Result<size_t> read(std::span<uint8_t> out) {
+        constexpr size_t kMost = 1u << 30;   // zlib counts in 32 bits
+        size_t done = 0;
+        while (done < out.size() && !ended_) {
+            const size_t room = std::min(out.size() - done, kMost), given = std::min(left_, kMost);
+            stream_.next_out = out.data() + done, stream_.avail_out = uInt(room), stream_.avail_in = uInt(given);
+            const int result = inflate(&stream_, Z_NO_FLUSH);
+            done += room - stream_.avail_out, left_ -= given - stream_.avail_in;
+            if (result == Z_MEM_ERROR) return fail(Code::OutOfMemory, "no memory to inflate an SPZ file");
+            if (result != Z_OK && result != Z_STREAM_END) return fail(Code::CorruptData, "SPZ: the gzip stream is damaged or truncated");
+            ended_ = result == Z_STREAM_END;
+        }
+        return done;
+    }
+
+private:
+    z_stream stream_{};
+    size_t left_ = 0;
+    bool open_ = false, ended_ = false;
+};
+
+Result<Packed> openGzip(std::span<const uint8_t> bytes) {
+    DPL_TRY(auto stream, Gunzip::open(bytes));
+    Packed p;
+    std::array<uint8_t, sizeof(Header)> raw{};
+    DPL_TRY(const size_t got, stream->read(raw));
+    if (got != raw.size()) return fail(Code::CorruptData, "SPZ: the file ends in its header");
+    std::memcpy(&p.header, raw.data(), sizeof(Header));
+    DPL_CHECK_OK(checkHeader(p.header, bytes.size()));
+    if (p.header.version > 3) return fail(Code::CorruptData, "SPZ: version {} inside a gzip stream; only 2 and 3 come so", p.header.version);
+    const auto sizes = attributeBytes(p.header);
+    for (size_t a = 0; a < kAttributes; ++a) {
+        p.attributes[a].resize(sizes[a]);
+        DPL_TRY(const size_t filled, stream->read(p.attributes[a]));
+        if (filled != sizes[a]) return fail(Code::CorruptData, "SPZ: {} splats announced, the data ends early: truncated", p.header.splats);
+    }
+    // To the end of the stream: zlib checks the sum of all bytes there.
+    std::vector<uint8_t> rest(4096);
+    for (uint64_t behind = 0; true;) {
+        DPL_TRY(const size_t more, stream->read(rest));
+        if (more == 0) return p;
+        behind += more;
+        if (behind > (p.header.flags & kExtensionFlag ? kMaxExtensionBytes : 0)) return fail(Code::CorruptData, "SPZ: there is more data than {} splats need", p.header.splats);
+    }
+}
+
+/** 32 bytes of header (the last 12 reserved), extensions up to the table, u64 pairs (packed, unpacked) a stream, the streams in a row. */
+Result<Packed> openZstd(std::span<const uint8_t> bytes) {
+    Reader in(bytes);
+    Packed p;
+    DPL_TRY(p.header, in.value<Header>());
+    DPL_CHECK_OK(checkHeader(p.header, bytes.size()));
+    if (p.header.version < 4) return fail(Code::CorruptData, "SPZ: version {} outside a gzip stream", p.header.version);
+    DPL_TRY(const uint32_t tableAt, in.u32());
+    DPL_CHECK_OK(in.skip(12));
+    if (tableAt < in.position()) return fail(Code::CorruptData, "SPZ: the table of streams at byte {} lies inside the header", tableAt);
+    DPL_CHECK_OK(in.skip(tableAt - in.position()));
+    const auto sizes = attributeBytes(p.header);
+    const size_t stored = size_t(std::count_if(sizes.begin(), sizes.end(), [](uint64_t bytes) { return bytes > 0; }));   // empty ones are left out
+    if (p.header.streams != stored) return fail(Code::CorruptData, "SPZ: {} streams, {} splats of SH degree {} have {}", uint32_t(p.header.streams), p.header.splats, uint32_t(p.header.shDegree), stored);
+    std::array<uint64_t, kAttributes> packedBytes{};
+    for (size_t a = 0; a < kAttributes; ++a) {
+        if (sizes[a] == 0) continue;
+        DPL_TRY(packedBytes[a], in.value<uint64_t>());
+        DPL_TRY(const uint64_t unpacked, in.value<uint64_t>());
+        if (unpacked != sizes[a]) return fail(Code::CorruptData, "SPZ: stream {} unpacks to {} bytes, {} are needed", a, unpacked, sizes[a]);
+    }
+    for (size_t a = 0; a < kAttributes; ++a) {
+        if (sizes[a] == 0) continue;
+        DPL_TRY(const auto packed, in.take(packedBytes[a]));
+        p.attributes[a].resize(sizes[a]);
+        const size_t got = ZSTD_decompress(p.attributes[a].data(), sizes[a], packed.data(), packed.size());
+        if (ZSTD_isError(got)) return fail(Code::CorruptData, "SPZ: stream {} is damaged ({})", a, ZSTD_getErrorName(got));
+        if (got != sizes[a]) return fail(Code::CorruptData, "SPZ: stream {} gave {} of {} bytes", a, got, sizes[a]);
+    }
+    return p;
+}
+
+float fixed24(const uint8_t* from, float step) {
+    const uint32_t bits = uint32_t(from[0]) | uint32_t(from[1]) << 8 | uint32_t(from[2]) << 16;
+    return float(int32_t(bits << 8) >> 8) * step;
+}
+
+/** Version 2: x, y, z in 8 bits each, w ≥ 0. */
+Quatf rotationFromThree(const uint8_t* r) {
+    const Vec3f v = Vec3f(r[0], r[1], r[2]) / 127.5f - 1.0f;
+    return glm::normalize(Quatf(std::sqrt(std::max(0.0f, 1 - glm::dot(v, v))), v.x, v.y, v.z));
+}
+
+/** Versions 3 and 4: the largest of x, y, z, w is left out and named by the top two bits; the others take 10 bits each, the last in the
+ *  lowest: 9 of magnitude (511 = 1/√2) below a sign. */
+Quatf rotationSmallestThree(const uint8_t* r) {
+    uint32_t word;
+    std::memcpy(&word, r, 4);
+    const uint32_t largest = word >> 30;
+    std::array<float, 4> q{};
+    float squares = 0;
+    for (uint32_t k = 4; k-- > 0;) {
+        if (k == largest) continue;
+        const float magnitude = float(word & 511) * float(std::sqrt(0.5) / 511);
+        q[k] = word & 512 ? -magnitude : magnitude;
+        squares += magnitude * magnitude;
+        word >>= 10;
+    }
+    q[largest] = std::sqrt(std::max(0.0f, 1 - squares));
+    return glm::normalize(Quatf(q[3], q[0], q[1], q[2]));
+}
+
+StaticSplatData unpack(const Packed& p) {
+    const Header& h = p.header;
+    const auto& [place, alpha, colour, scale, rotation, rest] = p.attributes;
+    const size_t n = h.splats;
+    StaticSplatData s;
+    s.shDegree = std::min<uint32_t>(h.shDegree, kMaxShDegree);
+    s.compensated = (h.flags & kAntialiasedFlag) != 0;
+    const size_t coefficients = shCoefficientCount(s.shDegree), fileRest = (shCoefficientCount(h.shDegree) - 1) * 3;
+    s.position.resize(n), s.rotation.resize(n), s.scaleM.resize(n), s.opacity.resize(n), s.sh.resize(n * coefficients * 3);
+    const float step = 1.0f / float(1u << h.fractionalBits);
+    for (size_t i = 0; i < n; ++i) {
+        float* sh = s.sh.data() + i * coefficients * 3;
+        for (int k = 0; k < 3; ++k) {
+            s.position[i][k] = fixed24(&place[i * 9 + size_t(k) * 3], step);
+            s.scaleM[i][k] = std::exp(float(scale[i * 3 + size_t(k)]) / 16 - 10);
+            sh[k] = (float(colour[i * 3 + size_t(k)]) / 255 - 0.5f) / 0.15f;
+        }
+        s.rotation[i] = h.version == 2 ? rotationFromThree(&rotation[i * 3]) : rotationSmallestThree(&rotation[i * 4]);
+        s.opacity[i] = float(alpha[i]) / 255;
+        for (size_t k = 3; k < coefficients * 3; ++k) sh[k] = (float(rest[i * fileRest + k - 3]) - 128) / 128;   // colour runs fastest, as in ours
+    }
+    return s;
+}
+
+}  // namespace
+
+Result<StaticSplatData> readSpz(std::span<const uint8_t> bytes, SpzInfo* info) try {
+    const bool gzip = bytes.size() >= 2 && bytes[0] == 0x1f && bytes[1] == 0x8b;
+    DPL_TRY(const Packed packed, gzip ? openGzip(bytes) : openZstd(bytes));
+    if (packed.header.shDegree > kMaxShDegree) log(LogLevel::Info, "SPZ: SH degree {}, drawn up to degree {}", uint32_t(packed.header.shDegree), kMaxShDegree);
+    if (info) *info = {packed.header.version, packed.header.splats, packed.header.shDegree};
+    return unpack(packed);
+} catch (const std::bad_alloc&) {
+    return fail(Code::OutOfMemory, "no memory to read an SPZ file");
+}
+
+}  // namespace dpl
