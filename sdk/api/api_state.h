@@ -29,7 +29,8 @@ struct Context {
 /** Behind a DplAvatar. Guarded by context->mutex, except what never changes after loading. */
 struct Avatar {
     std::shared_ptr<Context> context;
-    std::shared_ptr<const AvatarData> data;
+    std::shared_ptr<const AvatarData> data;   // of general splats: their name, no joints
+    uint32_t splatCount = 0, shDegree = 0;
     RenderAvatarId renderId = 0;
     Vec3f restMin{0}, restMax{0};
     Pose pose;
@@ -76,6 +77,9 @@ HandleTable<Avatar>& avatars();    // even numbers: one kind is never taken for 
 
 Result<std::shared_ptr<Context>> contextOf(DplContext handle);
 Result<std::shared_ptr<Avatar>> avatarOf(DplAvatar handle);
+
+/** InvalidArgument for general splats: they have no joints. */
+Status checkPosable(const Avatar& avatar);
 
 /** Remembers the error for dplGetLastError, logs a caller's mistake, and gives the public code. */
 DplResult report(const char* function, const Error& error) noexcept;

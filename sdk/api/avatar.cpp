@@ -5,6 +5,7 @@
 #include "sdk/avatar/clip.h"
 #include "sdk/avatar/humanoid.h"
 #include "sdk/format/avatar_file.h"
+#include "sdk/format/splat_file.h"
 
 namespace dpl::api {
 
@@ -19,6 +20,11 @@ Result<std::shared_ptr<Avatar>> avatarOf(DplAvatar handle) {
     return avatar;
 }
 
+Status checkPosable(const Avatar& avatar) {
+    if (!avatar.data->joints.empty()) return {};
+    return fail(Code::InvalidArgument, "these are general splats ({}): they have no joints, so there is nothing to pose", avatar.data->name);
+}
+
 namespace {
 
 /** Everything a pose or a query will rely on, beyond what the file reader promises. */
@@ -26,6 +32,37 @@ Status checkLoaded(const AvatarData& data) {
     DPL_CHECK_OK(checkRig(data.joints));
     for (const ClipData& clip : data.clips) DPL_CHECK_OK(checkClip(clip, data.joints));
     return {};
+}
+
+/** An avatar file, ready to be handed to the renderer. */
+Result<std::shared_ptr<Avatar>> decodeAvatar(const std::shared_ptr<Context>& owner, std::span<const uint8_t> bytes) {
+    DPL_TRY(AvatarData decoded, readAvatar(bytes));
+    DPL_CHECK_OK(checkLoaded(decoded));
+    if (std::all_of(decoded.joints.begin(), decoded.joints.end(), [](const JointData& j) { return j.humanoidBone.empty(); }))
+        assignHumanoidBones(decoded.joints);
+    auto made = std::make_shared<Avatar>();
+    made->context = owner;
+    made->data = std::make_shared<const AvatarData>(std::move(decoded));
+    made->splatCount = made->data->splats.count(), made->shDegree = made->data->splats.shDegree;
+    made->pose = Pose::rest(made->data->joints.size());
+    for (const ClipData& clip : made->data->clips) made->clips.push_back(&clip);
+    const std::vector<Vec3f>& vertices = made->data->mesh.restPositions;
+    if (!vertices.empty()) made->restMin = made->restMax = vertices.front();
+    for (const Vec3f& v : vertices) made->restMin = glm::min(made->restMin, v), made->restMax = glm::max(made->restMax, v);
+    return made;
+}
+
+/** General splats: a thing without joints. */
+std::shared_ptr<Avatar> describeSplats(const std::shared_ptr<Context>& owner, const SplatFile& file) {
+    auto made = std::make_shared<Avatar>();
+    made->context = owner;
+    AvatarData named;
+    named.name = nameOf(file.format);
+    made->data = std::make_shared<const AvatarData>(std::move(named));
+    made->splatCount = file.splats.count(), made->shDegree = file.splats.shDegree;
+    const SplatBox box = boxOf(file.splats);
+    made->restMin = box.low, made->restMax = box.high;
+    return made;
 }
 
 Status wrongJointCount(const Avatar& avatar, uint32_t jointCount) {
@@ -45,22 +82,22 @@ DplResult dplLoadAvatar(DplContext context, const uint8_t* data, size_t size, Dp
         if (data == nullptr || avatar == nullptr) return fail(Code::InvalidArgument, "{} is NULL", data == nullptr ? "data" : "avatar");
         if (size == 0) return fail(Code::InvalidArgument, "the avatar has 0 bytes");
         DPL_TRY(auto owner, contextOf(context));
-        DPL_TRY(AvatarData decoded, readAvatar({data, size}));  // outside the lock: frames go on while a file is decoded
-        DPL_CHECK_OK(checkLoaded(decoded));
-        if (std::all_of(decoded.joints.begin(), decoded.joints.end(), [](const JointData& j) { return j.humanoidBone.empty(); }))
-            assignHumanoidBones(decoded.joints);
-        auto made = std::make_shared<Avatar>();
-        made->context = owner;
-        made->data = std::make_shared<const AvatarData>(std::move(decoded));
-        made->pose = Pose::rest(made->data->joints.size());
-        for (const ClipData& clip : made->data->clips) made->clips.push_back(&clip);
-        const std::vector<Vec3f>& vertices = made->data->mesh.restPositions;
-        if (!vertices.empty()) made->restMin = made->restMax = vertices.front();
-        for (const Vec3f& v : vertices) made->restMin = glm::min(made->restMin, v), made->restMax = glm::max(made->restMax, v);
+        // Decoded outside the lock: frames go on meanwhile.
+        const bool general = splatFormatOf({data, size}) != SplatFormat::None;
+        std::shared_ptr<Avatar> made;
+        SplatFile file;
+        if (general) {
+            DPL_TRY(file, readSplats({data, size}));
+            made = describeSplats(owner, file);
+        } else {
+            DPL_TRY(made, decodeAvatar(owner, {data, size}));
+        }
         {
             std::lock_guard lock(owner->mutex);
             if (!owner->renderer) return fail(Code::InvalidArgument, "the context was destroyed while the avatar was read");
-            DPL_TRY(made->renderId, owner->renderer->addAvatar(made->data));
+            auto id = general ? owner->renderer->addSplats(file.splats) : owner->renderer->addAvatar(made->data);
+            if (!id) return id.error();
+            made->renderId = *id;
         }
         *avatar = reinterpret_cast<DplAvatar>(avatars().add(std::move(made)));
         return {};
@@ -83,12 +120,12 @@ DplResult dplGetAvatarInfo(DplAvatar avatar, DplAvatarInfo* info) {
         DplAvatarInfo out{};
         out.name = data.name.c_str();
         out.jointCount = uint32_t(data.joints.size());
-        out.splatCount = data.splats.count();
+        out.splatCount = found->splatCount;
         out.vertexCount = uint32_t(data.mesh.restPositions.size());
         out.triangleCount = uint32_t(data.mesh.triangles.size());
         out.layerCount = uint32_t(data.mesh.layers.size());
         out.clipCount = uint32_t(found->clips.size());
-        out.shDegree = data.splats.shDegree;
+        out.shDegree = found->shDegree;
         for (int axis = 0; axis < 3; ++axis) out.restMin[axis] = found->restMin[axis], out.restMax[axis] = found->restMax[axis];
         return writeStruct(info, out, "info");
     });
@@ -129,6 +166,7 @@ DplResult dplSetPose(DplAvatar avatar, const float* rotations, uint32_t jointCou
     return guarded("dplSetPose", [&]() -> Status {
         if (rotations == nullptr) return fail(Code::InvalidArgument, "rotations is NULL");
         DPL_TRY(const auto found, avatarOf(avatar));
+        DPL_CHECK_OK(checkPosable(*found));
         if (jointCount != found->data->joints.size()) return wrongJointCount(*found, jointCount);
         Pose pose;
         pose.localRotations.reserve(jointCount);

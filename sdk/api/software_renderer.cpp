@@ -39,9 +39,12 @@ Status checkDrawable(const AvatarData& avatar) {
 }
 
 struct Drawable {
+    PackedSplats splats;
+    float kappaPx2 = 0;
+    bool compensated = false;
+    // Of avatars only.
     std::shared_ptr<const AvatarData> avatar;
     std::vector<RestTriangle<float>> rest;
-    PackedSplats splats;
     // The last pose and what follows from it.
     Pose pose;
     bool posed = false;
@@ -71,10 +74,17 @@ public:
         for (uint32_t t = 0; t + 1 < start.size(); ++t) std::fill(triangleOfSplat.begin() + start[t], triangleOfSplat.begin() + start[t + 1], t);
         const SplatData& s = avatar->splats;
         drawable->splats = PackedSplats(BoundSplatView{triangleOfSplat, s.uv, s.phi, s.scaleM, s.opacity, s.flags, s.shDegree, s.sh});
+        drawable->kappaPx2 = avatar->kappaPx2, drawable->compensated = avatar->compensated;
         drawable->avatar = std::move(avatar);
-        const RenderAvatarId id = nextId_++;
-        drawables_.emplace(id, std::move(drawable));
-        return id;
+        return keep(std::move(drawable));
+    }
+
+    Result<RenderAvatarId> addSplats(const StaticSplatData& splats) override {
+        auto drawable = std::make_unique<Drawable>();
+        drawable->splats = PackedSplats(splats);
+        if (drawable->splats.count() != splats.count()) return fail(Code::InvalidArgument, "the arrays of {} splats differ in length", splats.count());
+        drawable->kappaPx2 = splats.kappaPx2, drawable->compensated = splats.compensated;
+        return keep(std::move(drawable));
     }
 
     void removeAvatar(RenderAvatarId avatar) override { drawables_.erase(avatar); }
@@ -84,7 +94,7 @@ public:
         if (found == drawables_.end()) return fail(Code::InvalidArgument, "there is no avatar {} in this renderer", avatar);
         if (out.size() != views.size()) return fail(Code::InvalidArgument, "{} views and {} outputs", views.size(), out.size());
         Drawable& d = *found->second;
-        if (!d.posed || !samePose(d.pose, pose)) {
+        if (d.avatar && (!d.posed || !samePose(d.pose, pose))) {
             DPL_CHECK_OK(checkPose(d.avatar->joints, pose));
             d.posed = false;
             d.pose.localRotations = pose.localRotations;
@@ -93,7 +103,7 @@ public:
             d.posed = true;
         }
         for (size_t v = 0; v < views.size(); ++v) {
-            engine_.project(d.splats, d.mesh.frames(), views[v], d.avatar->kappaPx2, d.avatar->compensated);
+            engine_.project(d.splats, d.mesh.frames(), views[v], d.kappaPx2, d.compensated);
             engine_.bin();
             engine_.blendRgba8(out[v].rgba, wantDepth ? &out[v].depthM : nullptr);
             if (!wantDepth) out[v].depthM.clear();
@@ -104,6 +114,11 @@ public:
     }
 
 private:
+    RenderAvatarId keep(std::unique_ptr<Drawable> drawable) {
+        drawables_.emplace(nextId_, std::move(drawable));
+        return nextId_++;
+    }
+
     Jobs jobs_;
     SplatEngine engine_;
     std::map<RenderAvatarId, std::unique_ptr<Drawable>> drawables_;

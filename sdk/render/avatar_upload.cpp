@@ -53,6 +53,27 @@ Status checkAvatar(const AvatarData& avatar, const DeviceInfo& device) {
     return checkBinding("posed vertices", vertices, avatar.correctives.empty() ? sizeof(gpu::VertexRecord) : sizeof(gpu::CorrectedVertexRecord), device, "decimate the mesh");
 }
 
+Status checkSplats(const StaticSplatData& s, const DeviceInfo& device) {
+    const size_t count = s.count();
+    if (s.shDegree > kMaxShDegree) return fail(Code::Unsupported, "splats of SH degree {}, at most {}", s.shDegree, kMaxShDegree);
+    const size_t coefficients = shCoefficientCount(s.shDegree) * 3;
+    if (s.rotation.size() != count || s.scaleM.size() != count || s.opacity.size() != count || s.sh.size() != count * coefficients)
+        return fail(Code::InvalidArgument, "the arrays of {} splats differ in length", count);
+    DPL_CHECK_OK(checkBinding("SH coefficients", count, coefficients * 4, device, "export the splats with a lower SH degree, or fewer of them"));
+    return checkBinding("projected splats", count, sizeof(gpu::ProjectedSplat) * gpu::kMaxViews, device, "export fewer splats");
+}
+
+std::vector<gpu::GeneralSplatRecord> packSplats(const StaticSplatData& s) {
+    std::vector<gpu::GeneralSplatRecord> out;
+    out.reserve(s.count());
+    for (size_t i = 0; i < s.count(); ++i) {
+        const Mat3f turn = glm::mat3_cast(s.rotation[i]);
+        const auto axis = [&](int k) { return gpu::vec4{turn[k].x * s.scaleM[i][k], turn[k].y * s.scaleM[i][k], turn[k].z * s.scaleM[i][k], 0}; };
+        out.push_back({{s.position[i].x, s.position[i].y, s.position[i].z, s.opacity[i]}, axis(0), axis(1), axis(2)});
+    }
+    return out;
+}
+
 AvatarRecords packAvatar(const AvatarData& avatar) {
     AvatarRecords out;
     const MeshData& mesh = avatar.mesh;
@@ -96,7 +117,10 @@ void packPalette(std::span<const Mat3x4f> worldFromRest, std::span<const Vec4f> 
     for (const Vec4f& n : nodes) *row++ = {n.x, n.y, n.z, n.w};
 }
 
-gpu::FrameData packFrame(const AvatarData& avatar, std::span<const Cameraf> views) {
+SplatSet splatSetOf(const AvatarData& avatar) { return {avatar.splats.count(), avatar.splats.shDegree, avatar.kappaPx2, avatar.compensated}; }
+SplatSet splatSetOf(const StaticSplatData& splats) { return {splats.count(), splats.shDegree, splats.kappaPx2, splats.compensated}; }
+
+gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views) {
     gpu::FrameData f{};
     Vec3d axis(0), first(0, 0, 1);
     for (size_t v = 0; v < views.size(); ++v) {
@@ -114,8 +138,8 @@ gpu::FrameData packFrame(const AvatarData& avatar, std::span<const Cameraf> view
     if (glm::length(axis) < 1e-6) axis = first;  // views that look away from each other have no mean axis
     axis = glm::normalize(axis);
     f.sortAxis = {float(axis.x), float(axis.y), float(axis.z), 0};
-    f.target = {float(views[0].widthPx), float(views[0].heightPx), avatar.kappaPx2, 0};
-    f.counts = {avatar.splats.count(), uint32_t(views.size()), avatar.splats.shDegree, avatar.compensated ? 1u : 0u};
+    f.target = {float(views[0].widthPx), float(views[0].heightPx), splats.kappaPx2, 0};
+    f.counts = {splats.count, uint32_t(views.size()), splats.shDegree, splats.compensated ? 1u : 0u};
     return f;
 }
 

@@ -1,4 +1,4 @@
-// An avatar as the GPU reads it: static records packed from AvatarData, checked against the device before any upload.
+// An avatar, or general splats, as the GPU reads them: static records, checked against the device before any upload.
 #pragma once
 
 #include <span>
@@ -24,11 +24,24 @@ Status checkAvatar(const AvatarData& avatar, const DeviceInfo& device);
 /** The avatar must have passed checkAvatar. */
 AvatarRecords packAvatar(const AvatarData& avatar);
 
+/** The same for general splats. */
+Status checkSplats(const StaticSplatData& splats, const DeviceInfo& device);
+std::vector<gpu::GeneralSplatRecord> packSplats(const StaticSplatData& splats);
+
 /** The palette of a pose: three rows a joint, then the control nodes. `out` has paletteRows entries; it may be mapped memory. */
 size_t paletteRows(const AvatarData& avatar);
 void packPalette(std::span<const Mat3x4f> worldFromRest, std::span<const Vec4f> nodes, std::span<gpu::vec4> out);
 
+/** What a frame must know of the splats it draws. */
+struct SplatSet {
+    uint32_t count = 0, shDegree = 0;
+    float kappaPx2 = 0;
+    bool compensated = false;
+};
+SplatSet splatSetOf(const AvatarData& avatar);
+SplatSet splatSetOf(const StaticSplatData& splats);
+
 /** What one frame takes from the CPU: the block itself, and the sort axis inside it (mean forward axis of the views). */
-gpu::FrameData packFrame(const AvatarData& avatar, std::span<const Cameraf> views);
+gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views);
 
 }  // namespace dpl

@@ -12,6 +12,7 @@ struct FrameIds {
     uint32_t widthPx = 0, heightPx = 0;   // of one view
     uint32_t jointCount = 0;
     bool corrected = false;               // pose correctives: other vertex records, control nodes behind the joints in the palette
+    bool general = false;                 // general splats: no vertices, no triangles; `splats` holds GeneralSplatRecord
     bool layered = true, depth = false, halfColour = false;
 
     // written by the CPU: at load, or (frame, palette) before each run
@@ -21,6 +22,8 @@ struct FrameIds {
     TargetId target;
     BufferId colourPixels, depthPixels;
 
+    uint32_t sortRounds() const { return general ? gpu::kGeneralSortRounds : gpu::kSortRounds; }
+    uint32_t maxDepthKey() const { return (1u << (sortRounds() * gpu::kSortDigitBits)) - 1; }
     uint32_t compactBlocks() const { return (splatCount + gpu::kCompactBlock - 1) / gpu::kCompactBlock; }
     uint32_t maxSortBlocks() const { return (splatCount + gpu::kSortBlock - 1) / gpu::kSortBlock; }
 };

@@ -5,7 +5,6 @@
 #include <cstring>
 
 #include "sdk/avatar/pose_correctives.h"
-#include "sdk/render/avatar_upload.h"
 #include "sdk/render/passes/compact.h"
 #include "sdk/render/passes/draw.h"
 #include "sdk/render/passes/project.h"
@@ -66,15 +65,40 @@ Result<RenderAvatarId> GpuRenderer::addAvatar(std::shared_ptr<const AvatarData> 
     DPL_CHECK_OK(checkAvatar(*data, backend_->info()));
     LoadedAvatar avatar;
     avatar.data = std::move(data);
-    if (auto status = load(avatar); !status) {
+    const Status loaded = loadAvatar(avatar);
+    return keep(std::move(avatar), loaded);
+}
+
+Result<RenderAvatarId> GpuRenderer::addSplats(const StaticSplatData& splats) {
+    DPL_CHECK_OK(checkSplats(splats, backend_->info()));
+    LoadedAvatar loadedSplats;
+    const Status loaded = loadSplats(loadedSplats, splats);
+    return keep(std::move(loadedSplats), loaded);
+}
+
+Result<RenderAvatarId> GpuRenderer::keep(LoadedAvatar avatar, const Status& loaded) {
+    if (!loaded) {
         freeAvatar(avatar);
-        return status.error();
+        return loaded.error();
     }
     avatars_.emplace(++lastId_, std::move(avatar));
     return lastId_;
 }
 
-Status GpuRenderer::load(LoadedAvatar& a) {
+Status GpuRenderer::loadSplats(LoadedAvatar& a, const StaticSplatData& splats) {
+    a.splats = splatSetOf(splats);
+    FrameIds& ids = a.ids;
+    ids.general = true;
+    ids.splatCount = splats.count();
+    ids.shDegree = splats.shDegree;
+    const std::vector<gpu::GeneralSplatRecord> records = packSplats(splats);
+    DPL_TRY(ids.splats, uploadBuffer<gpu::GeneralSplatRecord>(a.owned, "splats", records));
+    DPL_TRY(ids.sh, uploadBuffer<float>(a.owned, "sh", splats.sh));
+    return makeWorkBuffers(a);
+}
+
+Status GpuRenderer::loadAvatar(LoadedAvatar& a) {
+    a.splats = splatSetOf(*a.data);
     const AvatarData& data = *a.data;
     const AvatarRecords records = packAvatar(data);
     FrameIds& ids = a.ids;
@@ -84,9 +108,6 @@ Status GpuRenderer::load(LoadedAvatar& a) {
     ids.triangleCount = uint32_t(records.triangles.size());
     ids.splatCount = uint32_t(records.splats.size());
     ids.shDegree = data.splats.shDegree;
-    ids.layered = backend_->info().multiview;
-    const uint64_t splats = ids.splatCount;
-    DPL_TRY(ids.frame, makeBuffer(a.owned, "frame", sizeof(gpu::FrameData), BufferMemory::Upload));
     DPL_TRY(ids.palette, makeBuffer(a.owned, "palette", paletteRows(data) * sizeof(gpu::vec4), BufferMemory::Upload));
     if (ids.corrected) {
         DPL_TRY(ids.vertices, uploadBuffer<gpu::CorrectedVertexRecord>(a.owned, "vertices", records.correctedVertices));
@@ -98,6 +119,15 @@ Status GpuRenderer::load(LoadedAvatar& a) {
     DPL_TRY(ids.sh, uploadBuffer<float>(a.owned, "sh", data.splats.sh));
     DPL_TRY(ids.posed, makeBuffer(a.owned, "posed", ids.vertexCount * 16ull));
     DPL_TRY(ids.triangleFrames, makeBuffer(a.owned, "triangle frames", ids.triangleCount * uint64_t(sizeof(gpu::TriangleFrame))));
+    return makeWorkBuffers(a);
+}
+
+/** What a frame of any splats needs, whatever its size. */
+Status GpuRenderer::makeWorkBuffers(LoadedAvatar& a) {
+    FrameIds& ids = a.ids;
+    ids.layered = backend_->info().multiview;
+    const uint64_t splats = ids.splatCount;
+    DPL_TRY(ids.frame, makeBuffer(a.owned, "frame", sizeof(gpu::FrameData), BufferMemory::Upload));
     DPL_TRY(ids.sortDepth, makeBuffer(a.owned, "sort depth", splats * 4));
     DPL_TRY(ids.blockSums, makeBuffer(a.owned, "block sums", (ids.compactBlocks() + 1ull) * 4));
     DPL_TRY(ids.counts, makeBuffer(a.owned, "counts", sizeof(gpu::FrameCounts)));
@@ -124,8 +154,10 @@ Status GpuRenderer::build(const LoadedAvatar& a, ShapedFrame& f) {
     FramePlan plan(*backend_);
     plan.fill("begin", ids.counts, 0);
     if (ids.splatCount > 0) {
-        addSkin(plan, ids);
-        addTriangles(plan, ids);
+        if (!ids.general) {
+            addSkin(plan, ids);
+            addTriangles(plan, ids);
+        }
         addProject(plan, ids);
         addColour(plan, ids);
         addCompact(plan, ids);
@@ -183,20 +215,23 @@ Status GpuRenderer::render(RenderAvatarId id, const Pose& pose, std::span<const 
     DPL_TRY(ShapedFrame* frame, frameOf(avatar, {views[0].widthPx, views[0].heightPx, uint32_t(views.size()), wantDepth}));
     frame->lastUse = ++frameNumber_;
 
-    const gpu::FrameData block = packFrame(*avatar.data, views);
+    const gpu::FrameData block = packFrame(avatar.splats, views);
     std::memcpy(backend_->mapped(frame->ids.frame).data(), &block, sizeof(block));
-    jointTransforms(avatar.data->joints, pose, worldFromRest_);
-    const PoseCorrectiveData& correctives = avatar.data->correctives;
-    nodes_.clear();
-    if (!correctives.empty()) {
-        correctiveCoefficients(correctives, pose, coefficients_);
-        correctiveNodes(correctives, coefficients_, nodes_);
-    }
-    packPalette(worldFromRest_, nodes_, {reinterpret_cast<gpu::vec4*>(backend_->mapped(frame->ids.palette).data()), paletteRows(*avatar.data)});
+    if (avatar.data) writePalette(*avatar.data, pose, frame->ids.palette);
 
     DPL_CHECK_OK(backend_->run(frame->frame));
     copyOut(*frame, out);
     return {};
+}
+
+void GpuRenderer::writePalette(const AvatarData& avatar, const Pose& pose, BufferId palette) {
+    jointTransforms(avatar.joints, pose, worldFromRest_);
+    nodes_.clear();
+    if (!avatar.correctives.empty()) {
+        correctiveCoefficients(avatar.correctives, pose, coefficients_);
+        correctiveNodes(avatar.correctives, coefficients_, nodes_);
+    }
+    packPalette(worldFromRest_, nodes_, {reinterpret_cast<gpu::vec4*>(backend_->mapped(palette).data()), paletteRows(avatar)});
 }
 
 void GpuRenderer::copyOut(const ShapedFrame& f, std::span<RenderedView> out) {

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "sdk/avatar/rig.h"
+#include "sdk/render/avatar_upload.h"
 #include "sdk/render/frame_ids.h"
 #include "sdk/render/renderer.h"
 
@@ -18,6 +19,7 @@ public:
 
     std::string name() const override { return name_; }
     Result<RenderAvatarId> addAvatar(std::shared_ptr<const AvatarData> avatar) override;
+    Result<RenderAvatarId> addSplats(const StaticSplatData& splats) override;
     void removeAvatar(RenderAvatarId avatar) override;
     Status render(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, bool wantDepth, std::span<RenderedView> out) override;
 
@@ -39,7 +41,8 @@ private:
         uint64_t lastUse = 0;
     };
     struct LoadedAvatar {
-        std::shared_ptr<const AvatarData> data;
+        std::shared_ptr<const AvatarData> data;   // null: general splats
+        SplatSet splats;
         FrameIds ids;                  // of what does not depend on the shape
         std::vector<BufferId> owned;
         std::vector<ShapedFrame> frames;
@@ -48,7 +51,11 @@ private:
     Result<BufferId> makeBuffer(std::vector<BufferId>& owned, std::string label, uint64_t bytes, BufferMemory memory = BufferMemory::Device);
     template <class T>
     Result<BufferId> uploadBuffer(std::vector<BufferId>& owned, std::string label, std::span<const T> items);
-    Status load(LoadedAvatar& avatar);
+    Status loadAvatar(LoadedAvatar& avatar);
+    Status loadSplats(LoadedAvatar& avatar, const StaticSplatData& splats);
+    Status makeWorkBuffers(LoadedAvatar& avatar);
+    Result<RenderAvatarId> keep(LoadedAvatar avatar, const Status& loaded);
+    void writePalette(const AvatarData& avatar, const Pose& pose, BufferId palette);
     Result<ShapedFrame*> frameOf(LoadedAvatar& avatar, const Shape& shape);
     Status build(const LoadedAvatar& avatar, ShapedFrame& frame);
     void freeFrame(ShapedFrame& frame);

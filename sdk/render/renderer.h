@@ -22,7 +22,7 @@ struct RenderedView {
 
 using RenderAvatarId = uint32_t;
 
-/** Draws posed avatars into one or two views. One thread at a time. */
+/** Draws posed avatars and general splats into one or two views. One thread at a time. */
 class Renderer {
 public:
     virtual ~Renderer() = default;
@@ -30,8 +30,10 @@ public:
     virtual std::string name() const = 0;
     /** Uploads or indexes an avatar; everything a frame needs is created here. */
     virtual Result<RenderAvatarId> addAvatar(std::shared_ptr<const AvatarData> avatar) = 0;
+    /** The same for general splats, which stand still: everything about them but their number may be freed on return. */
+    virtual Result<RenderAvatarId> addSplats(const StaticSplatData& splats) = 0;
     virtual void removeAvatar(RenderAvatarId avatar) = 0;
-    /** Draws and reads back. All views have the same size. The pose has passed checkPose. */
+    /** Draws and reads back. All views have the same size. The pose has passed checkPose; general splats take no notice of it. */
     virtual Status render(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, bool wantDepth, std::span<RenderedView> out) = 0;
 };
 

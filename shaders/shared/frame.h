@@ -3,6 +3,7 @@
 //   VertexRecord ─skin► vec4 posed (w: brightness) ─triangles► TriangleFrame ─project► ProjectedSplat (splat × view) + sort depth
 //                                                            └─colour► ProjectedSplat.colour
 //   sort depth ─compact► uvec2 (key, splat) ─sort► the same, near first ─draw► pixels
+//   GeneralSplatRecord ─project.general► the same two ─...  (general splats: no pose, no triangles)
 #ifndef DPL_SHARED_FRAME_H
 #define DPL_SHARED_FRAME_H
 #include "shaders/shared/limits.h"
@@ -76,6 +77,14 @@ struct SplatRecord {          // static, per splat
 };
 DPL_SHARED_SIZE(SplatRecord, 32)
 
+struct GeneralSplatRecord {   // static, per general splat
+    vec4 centre;              // world; w: opacity
+    vec4 axis1;               // unit axes × standard deviations, metres; w unused
+    vec4 axis2;
+    vec4 axis3;
+};
+DPL_SHARED_SIZE(GeneralSplatRecord, 64)
+
 struct ProjectedSplat {       // per splat and view, index splat * views + view; opacity 0 = not in this view
     vec2 centrePx;            // target pixels, origin top left, centres at +0.5
     vec2 radiusPx;            // half box outside which α < 1/255
@@ -102,7 +111,7 @@ struct VertexPush { uint vertexCount; uint firstNode; };  // control nodes in th
 struct TrianglePush { uint triangleCount; };
 struct SplatPush { uint splatCount; uint viewCount; };
 struct ColourPush { uint splatCount; uint viewCount; uint shDegree; uint shStride; };  // stride in floats per splat
-struct CompactPush { uint splatCount; uint blockCount; };
+struct CompactPush { uint splatCount; uint blockCount; uint maxDepthKey; };
 struct ScanPush { uint count; uint fromSort; };   // fromSort 1: kSortDigits * sortBlocks entries, else `count`
 struct ArgsPush { uint blockCount; uint instancesPerSplat; };
 struct SortPush { uint shift; };

@@ -18,8 +18,8 @@ DPL_CONST uint kSortItemsPerLane = 16u;
 DPL_CONST uint kSortBlock = 2048u;       // kSortGroup * kSortItemsPerLane
 DPL_CONST uint kSortDigitBits = 4u;
 DPL_CONST uint kSortDigits = 16u;
-DPL_CONST uint kSortRounds = 4u;         // 16-bit keys
-DPL_CONST uint kMaxDepthKey = 65535u;
+DPL_CONST uint kSortRounds = 4u;         // 16-bit keys: 0.03 mm steps across a person
+DPL_CONST uint kGeneralSortRounds = 6u;  // 24-bit keys: a scene may reach a kilometre
 
 DPL_CONST uint kTriangleMask = 0x00FFFFFFu;  // SplatRecord.triangleAndFlags: triangle in the low 24 bits, flags above
 DPL_CONST uint kFlagShift = 24u;

@@ -8,6 +8,7 @@
 #include "sdk/render/avatar_upload.h"
 #include "sdk/avatar/pose_correctives.h"
 #include "tests/reference/image_compare.h"
+#include "tests/reference/random_avatar.h"
 #include "tests/reference/reference_renderer.h"
 #include "tests/unit/format/sample_correctives.h"
 #include "tests/unit/render/tube_avatar.h"
@@ -17,8 +18,10 @@ DPL_MSL(msl_skin);
 DPL_MSL(msl_skin_corrected);
 DPL_MSL(msl_triangles);
 DPL_MSL(msl_project);
+DPL_MSL(msl_project_general);
 DPL_MSL(msl_colour);
 DPL_MSL(msl_colour_lit);
+DPL_MSL(msl_colour_general);
 DPL_MSL(msl_compact_count);
 DPL_MSL(msl_compact_scan);
 DPL_MSL(msl_compact_args);
@@ -45,11 +48,11 @@ void run(bool (*kernel)(void* const*, unsigned, int), uint32_t groups, int order
     ASSERT_TRUE(kernel(buffers.data(), groups, order)) << "lanes left a barrier alone";
 }
 
-void sortPairs(std::vector<gpu::uvec2>& pairs, gpu::FrameCounts& counts, int order) {
+void sortPairs(std::vector<gpu::uvec2>& pairs, gpu::FrameCounts& counts, int order, uint32_t rounds = gpu::kSortRounds) {
     std::vector<gpu::uvec2> other(pairs.size() + 1);
     std::vector<uint32_t> histogram(gpu::kSortDigits * counts.sortBlocks + 1);
     void *from = pairs.data(), *to = other.data();
-    for (uint32_t round = 0; round < gpu::kSortRounds; ++round) {
+    for (uint32_t round = 0; round < rounds; ++round) {
         const gpu::SortPush push{round * gpu::kSortDigitBits};
         run(msl_sort_count, counts.sortBlocks, order, {&counts, from, histogram.data()}, push);
         run(msl_compact_scan, 1, order, {&counts, histogram.data()}, gpu::ScanPush{0, 1});
@@ -58,9 +61,38 @@ void sortPairs(std::vector<gpu::uvec2>& pairs, gpu::FrameCounts& counts, int ord
     }
 }
 
+/** From depths and counts to the sorted list. */
+void compactAndSort(MslFrame& out, std::vector<uint32_t>& depth, int order, uint32_t rounds) {
+    const uint32_t splats = uint32_t(depth.size()), blocks = groupsFor(splats, gpu::kCompactBlock);
+    std::vector<uint32_t> sums(blocks + 1);
+    out.compacted.resize(splats);
+    const gpu::CompactPush push{splats, blocks, (1u << (rounds * gpu::kSortDigitBits)) - 1};
+    run(msl_compact_count, blocks, order, {depth.data(), sums.data()}, push);
+    run(msl_compact_scan, 1, order, {&out.counts, sums.data()}, gpu::ScanPush{blocks, 0});
+    run(msl_compact_args, 1, order, {sums.data(), &out.counts}, gpu::ArgsPush{blocks, 1});
+    run(msl_compact_scatter, blocks, order, {depth.data(), sums.data(), &out.counts, out.compacted.data()}, push);
+    out.compacted.resize(out.counts.visible);
+    out.sorted = out.compacted;
+    sortPairs(out.sorted, out.counts, order, rounds);
+}
+
+MslFrame runGeneralFrame(const StaticSplatData& splats, std::span<const Cameraf> views, int order) {
+    std::vector<gpu::GeneralSplatRecord> records = packSplats(splats);
+    gpu::FrameData frame = packFrame(splatSetOf(splats), views);
+    const uint32_t count = splats.count(), viewCount = uint32_t(views.size()), groups = groupsFor(count, gpu::kSplatGroup);
+    std::vector<uint32_t> depth(count);
+    std::vector<float> sh = splats.sh;
+    MslFrame out;
+    out.projected.resize(size_t(count) * viewCount);
+    run(msl_project_general, groups, order, {&frame, records.data(), out.projected.data(), depth.data(), &out.counts}, gpu::SplatPush{count, viewCount});
+    run(msl_colour_general, groups, order, {&frame, records.data(), sh.data(), out.projected.data()}, gpu::ColourPush{count, viewCount, splats.shDegree, shCoefficientCount(splats.shDegree) * 3});
+    compactAndSort(out, depth, order, gpu::kGeneralSortRounds);
+    return out;
+}
+
 MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Cameraf> views, int order) {
     AvatarRecords records = packAvatar(avatar);
-    gpu::FrameData frame = packFrame(avatar, views);
+    gpu::FrameData frame = packFrame(splatSetOf(avatar), views);
     std::vector<Mat3x4f> joints;
     jointTransforms(avatar.joints, pose, joints);
     const bool corrected = !avatar.correctives.empty();
@@ -70,13 +102,12 @@ MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Ca
     std::vector<gpu::vec4> palette(paletteRows(avatar));
     packPalette(joints, nodes, palette);
     MslFrame out;
-    const uint32_t splats = uint32_t(records.splats.size()), viewCount = uint32_t(views.size()), blocks = groupsFor(splats, gpu::kCompactBlock);
+    const uint32_t splats = uint32_t(records.splats.size()), viewCount = uint32_t(views.size());
     std::vector<gpu::vec4> posed(avatar.mesh.restPositions.size());
     std::vector<gpu::TriangleFrame> frames(records.triangles.size());
-    std::vector<uint32_t> depth(splats), sums(blocks + 1);
+    std::vector<uint32_t> depth(splats);
     std::vector<float> sh = avatar.splats.sh;
     out.projected.resize(size_t(splats) * viewCount);
-    out.compacted.resize(splats);
     void* vertices = corrected ? static_cast<void*>(records.correctedVertices.data()) : records.vertices.data();
     run(corrected ? msl_skin_corrected : msl_skin, groupsFor(posed.size(), gpu::kVertexGroup), order, {&frame, palette.data(), vertices, posed.data(), &out.counts},
         gpu::VertexPush{uint32_t(posed.size()), uint32_t(3 * joints.size())});
@@ -85,14 +116,7 @@ MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Ca
     const uint32_t degree = avatar.splats.shDegree;
     run(corrected ? msl_colour_lit : msl_colour, groupsFor(splats, gpu::kSplatGroup), order, {&frame, records.splats.data(), frames.data(), sh.data(), out.projected.data()},
         gpu::ColourPush{splats, viewCount, degree, (degree + 1) * (degree + 1) * 3});
-    const gpu::CompactPush push{splats, blocks};
-    run(msl_compact_count, blocks, order, {depth.data(), sums.data()}, push);
-    run(msl_compact_scan, 1, order, {&out.counts, sums.data()}, gpu::ScanPush{blocks, 0});
-    run(msl_compact_args, 1, order, {sums.data(), &out.counts}, gpu::ArgsPush{blocks, 1});
-    run(msl_compact_scatter, blocks, order, {depth.data(), sums.data(), &out.counts, out.compacted.data()}, push);
-    out.compacted.resize(out.counts.visible);
-    out.sorted = out.compacted;
-    sortPairs(out.sorted, out.counts, order);
+    compactAndSort(out, depth, order, gpu::kSortRounds);
     return out;
 }
 
@@ -119,12 +143,12 @@ std::vector<double> blend(const MslFrame& f, const Cameraf& camera, uint32_t vie
     return rgb;
 }
 
-void expectKernelsMatchTheReference(const AvatarData& avatar) {
-    const Pose pose = tubePose(0.9f, 0.4f);
-    const Cameraf views[2] = {tubeCamera(96, 96, 0.6f, 1.6f, -0.03f), tubeCamera(96, 96, 0.6f, 1.6f, 0.03f)};
+/** frameOf(order) runs the kernels, referenceOf(view) is what they must show. */
+template <class FrameOf, class ReferenceOf>
+void expectKernelsMatchTheReference(const Cameraf (&views)[2], uint32_t splatCount, FrameOf&& frameOf, ReferenceOf&& referenceOf) {
     MslFrame first;
     for (int order = 0; order < 3; ++order) {
-        const MslFrame f = runFrame(avatar, pose, views, order);
+        const MslFrame f = frameOf(order);
         ASSERT_GT(f.counts.visible, 1000u);
         EXPECT_EQ(f.counts.drawInstances, f.counts.visible);
         if (order == 0) first = f;
@@ -136,12 +160,26 @@ void expectKernelsMatchTheReference(const AvatarData& avatar) {
         for (size_t i = 1; i < f.compacted.size(); ++i) ASSERT_LT(f.compacted[i - 1].y, f.compacted[i].y) << "compaction must keep splat order";
     }
     for (uint32_t v = 0; v < 2; ++v) {
-        const ReferenceImage want = renderReference(avatar, pose, referenceCamera(views[v]));
+        const ReferenceImage want = referenceOf(views[v]);
         const ImageDifference d = compareImages(blend(first, views[v], v, 2), want.rgb);
-        std::printf("[   MSL    ] view %u: %u of %u splats, %.1f dB to the reference, max %.4f\n", v, first.counts.visible, avatar.splats.count(), d.psnrDb, d.maxError);
+        std::printf("[   MSL    ] view %u: %u of %u splats, %.1f dB to the reference, max %.4f\n", v, first.counts.visible, splatCount, d.psnrDb, d.maxError);
         EXPECT_GT(coverage(want.alpha), 0.05);
         EXPECT_GE(d.psnrDb, 50);  // what is left is the 16-bit key: equal keys keep splat order
     }
+}
+
+void expectKernelsMatchTheReference(const AvatarData& avatar) {
+    const Pose pose = tubePose(0.9f, 0.4f);
+    const Cameraf views[2] = {tubeCamera(96, 96, 0.6f, 1.6f, -0.03f), tubeCamera(96, 96, 0.6f, 1.6f, 0.03f)};
+    expectKernelsMatchTheReference(views, avatar.splats.count(), [&](int order) { return runFrame(avatar, pose, views, order); },
+                                   [&](const Cameraf& view) { return renderReference(avatar, pose, referenceCamera(view)); });
+}
+
+TEST(MetalFrame, kernelsOfGeneralSplatsMatchTheReference) {
+    const StaticSplatData splats = randomStaticSplats(5, 3000, 3);
+    const Cameraf views[2] = {tubeCamera(96, 96, 0.6f, 2.5f, -0.03f), tubeCamera(96, 96, 0.6f, 2.5f, 0.03f)};
+    expectKernelsMatchTheReference(views, splats.count(), [&](int order) { return runGeneralFrame(splats, views, order); },
+                                   [&](const Cameraf& view) { return renderReference(splats, referenceCamera(view)); });
 }
 
 TEST(MetalFrame, kernelsFromSkinningToSortMatchTheReference) { expectKernelsMatchTheReference(makeTube({.splatsPerTriangle = 4, .shDegree = 3})); }

@@ -118,9 +118,12 @@ DPL_API DplResult dplGetRendererName(DplContext context, const char** name);
 
 /* ---------------------------------------------------------------- avatars */
 
-/** Loads an avatar from memory (.glb). The bytes are copied or decoded; the caller may free them on return.
- *  *avatar is written only on DPL_OK; free it with dplDestroyAvatar. It starts in its rest pose.
- *  DPL_ERROR_CORRUPT_DATA: damaged file. DPL_ERROR_VERSION: the text names both versions. */
+/** Loads an avatar (.glb) from memory, or general splats: 3D Gaussian splatting PLY, PlayCanvas compressed PLY, SPZ 2 to 4, .glb with
+ *  KHR_gaussian_splatting; told apart by content. The bytes are copied or decoded; the caller may free them on return.
+ *  *avatar is written only on DPL_OK; free it with dplDestroyAvatar. An avatar starts in its rest pose. General splats stand still in the
+ *  coordinates of their file (many PLY files have y down), have no joints and no clips, and are drawn by the same dplRender.
+ *  DPL_ERROR_CORRUPT_DATA: damaged file. DPL_ERROR_VERSION: the text names both versions. DPL_ERROR_UNSUPPORTED: a kind that is not
+ *  drawn, or more splats than the device can bind; the text says what would help. */
 DPL_API DplResult dplLoadAvatar(DplContext context, const uint8_t* data, size_t size, DplAvatar* avatar);
 
 /** Frees an avatar. 0 does nothing and is DPL_OK. Before or after its context. */
@@ -129,14 +132,14 @@ DPL_API DplResult dplDestroyAvatar(DplAvatar avatar);
 typedef struct DplAvatarInfo {
     uint32_t structSize;    /**< set by the caller; fields beyond it are not written */
     const char* name;       /**< UTF-8; lives as long as the avatar */
-    uint32_t jointCount;
+    uint32_t jointCount;    /**< 0: general splats, which cannot be posed */
     uint32_t splatCount;
     uint32_t vertexCount;
     uint32_t triangleCount;
     uint32_t layerCount;
     uint32_t clipCount;     /**< grows by dplLoadClip */
     uint32_t shDegree;
-    float restMin[3];       /**< box of the mesh at rest, metres */
+    float restMin[3];       /**< box of the mesh at rest, metres; of general splats: of the middle 98 % of their centres along each axis */
     float restMax[3];
 } DplAvatarInfo;
 
@@ -161,7 +164,7 @@ DPL_API DplResult dplFindJoint(DplAvatar avatar, const char* name, uint32_t* joi
 /** Poses the avatar. rotations: jointCount local quaternions (x, y, z, w), normalised here; joint frames are parallel to the
  *  world at rest, so the identity everywhere is the rest pose. rootTranslation: three floats, metres, or NULL for the origin.
  *  The arrays are copied. DPL_ERROR_INVALID_ARGUMENT: wrong joint count, or a rotation that is not finite or zero: the text
- *  names the joint; the old pose stays. */
+ *  names the joint; the old pose stays. Also for general splats, as in the other functions that pose. */
 DPL_API DplResult dplSetPose(DplAvatar avatar, const float* rotations, uint32_t jointCount, const float* rootTranslation);
 
 /** Copies the pose of the avatar: rotations of 4·jointCount floats and rootTranslation of 3 floats; either may be NULL. */

@@ -4,7 +4,7 @@ namespace dpl {
 
 void addCompact(FramePlan& plan, const FrameIds& ids) {
     const uint32_t blocks = ids.compactBlocks();
-    const gpu::CompactPush push{ids.splatCount, blocks};
+    const gpu::CompactPush push{ids.splatCount, blocks, ids.maxDepthKey()};
     plan.compute("compact.count", "compact.count").reads(ids.sortDepth).writes(ids.blockSums).push(push).groups(blocks);
     plan.compute("compact.scan", "compact.scan").reads(ids.counts).updates(ids.blockSums).push(gpu::ScanPush{blocks, 0}).groups(1);
     plan.compute("compact.args", "compact.args")

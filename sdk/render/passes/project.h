@@ -5,7 +5,8 @@
 
 namespace dpl {
 
-/** Footprint and visibility of every splat in every view, then the colour of those that are seen. */
+/** Footprint and visibility of every splat in every view, then the colour of those that are seen. For general splats also their extent along
+ *  the sort axis, which must be 0 before. */
 void addProject(FramePlan& plan, const FrameIds& ids);
 void addColour(FramePlan& plan, const FrameIds& ids);
 

@@ -21,12 +21,12 @@ void main() {
     uint total;
     uint slot = blockSums[gl_WorkGroupID.x] + dplExclusiveScan(lane, count, total);
     float nearest = dplFromOrderedBits(~counts.depthMinBitsInverted), farthest = dplFromOrderedBits(counts.depthMaxBits);
-    float scale = farthest > nearest ? float(kMaxDepthKey) / (farthest - nearest) : 0.0;
+    float most = float(push.maxDepthKey), scale = farthest > nearest ? most / (farthest - nearest) : 0.0;
     for (uint i = first; i < end; ++i) {
         uint bits = sortDepth[i];
         if (bits == kInvisibleKey) continue;
-        float level = clamp((uintBitsToFloat(bits) - nearest) * scale, 0.0, float(kMaxDepthKey));
-        pairs[slot] = uvec2(uint(level + 0.5), i);
+        float level = clamp((uintBitsToFloat(bits) - nearest) * scale + 0.5, 0.0, most);  // at 24 bits adding the half may round up to 2²⁴
+        pairs[slot] = uvec2(uint(level), i);
         ++slot;
     }
 }

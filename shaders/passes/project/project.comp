@@ -26,32 +26,15 @@ void main() {
     bool seen = false;
     for (uint v = 0u; v < push.viewCount; ++v) {
         ViewData view = frame.views[v];
-        ProjectedSplat p;
-        p.opacity = 0.0;
-        p.centrePx = p.radiusPx = vec2(0.0);
-        p.conicA = p.conicB = p.conicC = 0.0;
-        p.colour = vec4(0.0);
+        ProjectedSplat p = dplHiddenSplat();
         if (v0.w != 0.0) {
             Footprint f = dplProject(view, dplToView(view, centre), dplRotateToView(view, axis1), dplRotateToView(view, axis2), frame.target.z);
             if (f.visible) {
                 float opacity = s.opacity * dplNearFade(f.depthM);
                 if (frame.counts.w != 0u) opacity *= f.compensation;
                 if (gated) opacity *= dplSingleFaceGate(normal, centre, view.eyeWorld.xyz);
-                if (opacity >= kGpuMinAlpha) {
-                    float level = 2.0 * log(opacity / kGpuMinAlpha);
-                    vec2 radius = sqrt(level * f.variance);
-                    vec2 low = f.centrePx - radius, high = f.centrePx + radius;
-                    if (high.x > 0.0 && high.y > 0.0 && low.x < frame.target.x && low.y < frame.target.y) {
-                        p.centrePx = f.centrePx;
-                        p.radiusPx = radius;
-                        p.conicA = f.conic.x;
-                        p.conicB = f.conic.y;
-                        p.conicC = f.conic.z;
-                        p.opacity = opacity;
-                        p.colour.w = f.depthM;
-                        seen = true;
-                    }
-                }
+                p = dplShow(f, opacity, frame.target.xy);
+                seen = seen || p.opacity > 0.0;
             }
         }
         projected[index * push.viewCount + v] = p;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "sdk/format/ply.h"
 #include "tests/unit/api/api_fixture.h"
 
 namespace dpl::test {
@@ -28,6 +29,62 @@ TEST_F(ApiTest, redSquareIsRedHasDepthAndLeavesTheCornerEmpty) {
     EXPECT_LT(covered, 1600);
     for (size_t p = 0; p < 4096; ++p)
         for (size_t c = 0; c < 3; ++c) ASSERT_LE(pixels[p * 4 + c], pixels[p * 4 + 3]) << "premultiplied";
+}
+
+/** A red square of one fat splat and a green one behind it, as a plain PLY. */
+std::vector<uint8_t> splatFile() {
+    StaticSplatData s;
+    s.position = {{0, 1, 0}, {0, 1, -0.5f}}, s.rotation = {{1, 0, 0, 0}, {1, 0, 0, 0}};
+    s.scaleM = {{0.3f, 0.3f, 0.01f}, {0.6f, 0.6f, 0.01f}}, s.opacity = {0.95f, 0.95f};
+    s.sh = {1.7f, -1.7f, -1.7f, -1.7f, 1.7f, -1.7f};
+    return *writePly(s);
+}
+
+TEST_F(ApiTest, generalSplatsAreDrawnByTheSameCalls) {
+    const auto bytes = splatFile();
+    DplAvatar splats = nullptr;
+    ASSERT_EQ(dplLoadAvatar(context_, bytes.data(), bytes.size(), &splats), DPL_OK) << dplGetLastError();
+    DplAvatarInfo info{};
+    info.structSize = sizeof info;
+    ASSERT_EQ(dplGetAvatarInfo(splats, &info), DPL_OK);
+    EXPECT_STREQ(info.name, "PLY");
+    EXPECT_EQ(info.splatCount, 2u);
+    EXPECT_EQ(info.jointCount + info.triangleCount + info.vertexCount + info.clipCount, 0u);
+    EXPECT_EQ(info.restMin[2], -0.5f);
+    EXPECT_EQ(info.restMax[2], 0.0f);
+    const DplCamera cameras[2] = {frontCamera(64, 64, 0.03f), frontCamera(64, 64, -0.03f)};
+    std::vector<uint8_t> both[2], alone;
+    std::vector<float> depth;
+    const DplImage images[2] = {imageFor(cameras[0], both[0], &depth), imageFor(cameras[1], both[1])};
+    ASSERT_EQ(dplRender(context_, splats, cameras, 2, images), DPL_OK) << dplGetLastError();
+    const size_t middle = 32 * 64 + 32;
+    EXPECT_GT(both[0][middle * 4], 200);
+    EXPECT_LT(both[0][middle * 4 + 1], 40);
+    EXPECT_NEAR(depth[middle], 3.0f, 0.05f);
+    const DplImage image = imageFor(cameras[1], alone);
+    ASSERT_EQ(dplRender(context_, splats, &cameras[1], 1, &image), DPL_OK);
+    EXPECT_EQ(both[1], alone);
+    EXPECT_EQ(dplDestroyAvatar(splats), DPL_OK);
+}
+
+TEST_F(ApiTest, generalSplatsCannotBePosedAndSaySo) {
+    const auto bytes = splatFile();
+    DplAvatar splats = nullptr;
+    ASSERT_EQ(dplLoadAvatar(context_, bytes.data(), bytes.size(), &splats), DPL_OK) << dplGetLastError();
+    const float root[3] = {0, 1, 0};
+    uint32_t clip = 0;
+    EXPECT_EQ(dplSetPose(splats, root, 0, root), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(errorSays("no joints")) << dplGetLastError();
+    EXPECT_EQ(dplSetPoseFromClip(splats, 0, 0, DPL_FALSE), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(errorSays("no joints")) << dplGetLastError();
+    EXPECT_EQ(dplLoadClip(splats, bytes.data(), bytes.size(), nullptr, &clip), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(errorSays("no joints")) << dplGetLastError();
+    EXPECT_EQ(dplGetJointPositions(splats, nullptr, 0), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(dplDestroyAvatar(splats), DPL_OK);
+    DplAvatar none = nullptr;
+    EXPECT_EQ(dplLoadAvatar(context_, bytes.data(), bytes.size() - 1, &none), DPL_ERROR_CORRUPT_DATA);
+    EXPECT_TRUE(errorSays("truncated")) << dplGetLastError();
+    EXPECT_EQ(none, nullptr);
 }
 
 TEST_F(ApiTest, twoViewsAtOnceEqualEachAlone) {

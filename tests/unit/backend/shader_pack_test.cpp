@@ -52,6 +52,7 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
                                                           DPL_AT(TriangleFrame, worldFromRest0), DPL_AT(TriangleFrame, worldFromRest1), DPL_AT(TriangleFrame, worldFromRest2)});
     expectLayout("SplatRecord", sizeof(SplatRecord), {DPL_AT(SplatRecord, uv), DPL_AT(SplatRecord, s1Cos), DPL_AT(SplatRecord, s1Sin), DPL_AT(SplatRecord, s2Cos), DPL_AT(SplatRecord, s2Sin),
                                                       DPL_AT(SplatRecord, opacity), DPL_AT(SplatRecord, triangleAndFlags)});
+    expectLayout("GeneralSplatRecord", sizeof(GeneralSplatRecord), {DPL_AT(GeneralSplatRecord, centre), DPL_AT(GeneralSplatRecord, axis1), DPL_AT(GeneralSplatRecord, axis2), DPL_AT(GeneralSplatRecord, axis3)});
     expectLayout("ProjectedSplat", sizeof(ProjectedSplat), {DPL_AT(ProjectedSplat, centrePx), DPL_AT(ProjectedSplat, radiusPx), DPL_AT(ProjectedSplat, conicA), DPL_AT(ProjectedSplat, conicB),
                                                             DPL_AT(ProjectedSplat, conicC), DPL_AT(ProjectedSplat, opacity), DPL_AT(ProjectedSplat, colour)});
     expectLayout("FrameCounts", sizeof(FrameCounts), {DPL_AT(FrameCounts, visible), DPL_AT(FrameCounts, sortBlocks), DPL_AT(FrameCounts, pad0), DPL_AT(FrameCounts, pad1), DPL_AT(FrameCounts, sortGroupsX),
@@ -62,7 +63,7 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
     expectLayout("TrianglePush", sizeof(TrianglePush), {DPL_AT(TrianglePush, triangleCount)});
     expectLayout("SplatPush", sizeof(SplatPush), {DPL_AT(SplatPush, splatCount), DPL_AT(SplatPush, viewCount)});
     expectLayout("ColourPush", sizeof(ColourPush), {DPL_AT(ColourPush, splatCount), DPL_AT(ColourPush, viewCount), DPL_AT(ColourPush, shDegree), DPL_AT(ColourPush, shStride)});
-    expectLayout("CompactPush", sizeof(CompactPush), {DPL_AT(CompactPush, splatCount), DPL_AT(CompactPush, blockCount)});
+    expectLayout("CompactPush", sizeof(CompactPush), {DPL_AT(CompactPush, splatCount), DPL_AT(CompactPush, blockCount), DPL_AT(CompactPush, maxDepthKey)});
     expectLayout("ScanPush", sizeof(ScanPush), {DPL_AT(ScanPush, count), DPL_AT(ScanPush, fromSort)});
     expectLayout("ArgsPush", sizeof(ArgsPush), {DPL_AT(ArgsPush, blockCount), DPL_AT(ArgsPush, instancesPerSplat)});
     expectLayout("SortPush", sizeof(SortPush), {DPL_AT(SortPush, shift)});
@@ -70,7 +71,7 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
 }
 
 TEST(ShaderPack, workgroupsAreThoseThatTheSharedLimitsName) {
-    const std::map<std::string, uint32_t> want = {{"skin", gpu::kVertexGroup}, {"skin.corrected", gpu::kVertexGroup}, {"triangles", gpu::kVertexGroup}, {"project", gpu::kSplatGroup}, {"colour", gpu::kSplatGroup}, {"colour.lit", gpu::kSplatGroup},
+    const std::map<std::string, uint32_t> want = {{"skin", gpu::kVertexGroup}, {"skin.corrected", gpu::kVertexGroup}, {"triangles", gpu::kVertexGroup}, {"project", gpu::kSplatGroup}, {"colour", gpu::kSplatGroup}, {"colour.lit", gpu::kSplatGroup}, {"project.general", gpu::kSplatGroup}, {"colour.general", gpu::kSplatGroup},
                                                   {"compact.count", gpu::kScanGroup}, {"compact.scan", gpu::kScanGroup}, {"compact.args", 1}, {"compact.scatter", gpu::kScanGroup},
                                                   {"sort.count", gpu::kSortGroup}, {"sort.scatter", gpu::kSortGroup}};
     for (const Shader& shader : embedded().shaders) {

@@ -4,6 +4,7 @@
 #include "sdk/backend/null/null_backend.h"
 #include "sdk/render/avatar_upload.h"
 #include "sdk/render/gpu_renderer.h"
+#include "tests/reference/random_avatar.h"
 #include "tests/unit/format/sample_correctives.h"
 #include "tests/unit/render/tube_avatar.h"
 
@@ -39,6 +40,45 @@ TEST(FramePlan, runsThePassesInOrder) {
     for (int round = 0; round < 4; ++round) want.insert(want.end(), {"sort.count", "sort.scan", "sort.scatter"});
     want.insert(want.end(), {"draw.splats", "readback"});
     EXPECT_EQ(gpu.record->lastLabels, want);
+}
+
+TEST(FramePlan, generalSplatsTakeTheSameFrameWithoutAPose) {
+    NullSetup gpu;
+    const StaticSplatData splats = randomStaticSplats(1, 500, 2);
+    auto id = gpu.renderer->addSplats(splats);
+    ASSERT_TRUE(id) << id.error().message;
+    const Status status = gpu.draw(*id, 32, 2, true);
+    ASSERT_TRUE(status) << status.error().message;
+    std::vector<std::string> want = {"begin", "splat.project", "splat.colour", "compact.count", "compact.scan", "compact.args", "compact.scatter"};
+    for (int round = 0; round < 6; ++round) want.insert(want.end(), {"sort.count", "sort.scan", "sort.scatter"});
+    want.insert(want.end(), {"draw.splats", "readback"});
+    EXPECT_EQ(gpu.record->lastLabels, want);
+    const uint64_t created = gpu.record->createdObjects;
+    ASSERT_TRUE(gpu.draw(*id, 32, 2, true));
+    EXPECT_EQ(gpu.record->createdObjects, created);
+    gpu.renderer->removeAvatar(*id);
+    EXPECT_EQ(gpu.record->liveBuffers + gpu.record->liveTargets + gpu.record->liveFrames, 0u);
+}
+
+TEST(FramePlan, refusesGeneralSplatsThatTheDeviceCannotBindAndBrokenOnes) {
+    NullOptions options;
+    options.info.maxBindingBytes = 4096;
+    NullSetup gpu(options);
+    auto tooMany = gpu.renderer->addSplats(randomStaticSplats(1, 500, 2));
+    ASSERT_FALSE(tooMany);
+    EXPECT_EQ(tooMany.error().code, Code::Unsupported);
+    EXPECT_NE(tooMany.error().message.find("lower SH degree"), std::string::npos) << tooMany.error().message;
+    for (int broken = 0; broken < 4; ++broken) {
+        StaticSplatData splats = randomStaticSplats(1, 3, 0);
+        if (broken == 0) splats.rotation.pop_back();
+        if (broken == 1) splats.scaleM.pop_back();
+        if (broken == 2) splats.opacity.pop_back();
+        if (broken == 3) splats.sh.pop_back();
+        auto refused = gpu.renderer->addSplats(splats);
+        ASSERT_FALSE(refused);
+        EXPECT_EQ(refused.error().code, Code::InvalidArgument);
+    }
+    EXPECT_EQ(gpu.record->liveBuffers, 0u);
 }
 
 TEST(FramePlan, aWarmFrameCreatesNothing) {
@@ -139,7 +179,7 @@ TEST(FramePlan, refusesBrokenAvatars) {
 TEST(FramePlan, sortAxisOfTwoParallelEyesIsThatOfOne) {
     const AvatarData a = makeTube({.splatsPerTriangle = 1, .rings = 2});
     const Cameraf views[2] = {tubeCamera(32, 32, 0.37f, 1, -0.03f), tubeCamera(32, 32, 0.37f, 1, 0.03f)};
-    const gpu::FrameData one = packFrame(a, {views, 1}), two = packFrame(a, views);
+    const gpu::FrameData one = packFrame(splatSetOf(a), {views, 1}), two = packFrame(splatSetOf(a), views);
     EXPECT_EQ(one.sortAxis.x, two.sortAxis.x);  // bit for bit: keys, and so the left picture, must not change with stereo
     EXPECT_EQ(one.sortAxis.y, two.sortAxis.y);
     EXPECT_EQ(one.sortAxis.z, two.sortAxis.z);

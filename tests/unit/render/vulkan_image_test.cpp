@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "tests/reference/image_compare.h"
+#include "tests/reference/random_avatar.h"
 #include "tests/reference/reference_renderer.h"
 #include "tests/unit/format/sample_correctives.h"
 #include "tests/unit/render/tube_avatar.h"
@@ -124,6 +125,51 @@ TEST(VulkanImage, correctivesMoveAndLightTheSurfaceAsInTheReference) {
     EXPECT_EQ(brightest, 3.0);
 }
 
+TEST(VulkanImage, generalSplatsEqualTheReferenceAtEveryShDegree) {
+    TestVulkan precise(withPreciseBlending()), byte;
+    DPL_NEED_VULKAN(precise);
+    for (uint32_t degree = 0; degree <= 3; ++degree) {
+        StaticSplatData splats = randomStaticSplats(degree + 1, 1500, degree);
+        splats.compensated = degree % 2 == 1;   // as SPZ files may ask for
+        const Cameraf camera = tubeCamera(160, 192, 0.7f, 2.2f);
+        const ReferenceImage want = renderReference(splats, referenceCamera(camera), {.compensated = splats.compensated});
+        const ReferenceImage other = renderReference(splats, referenceCamera(camera), {.compensated = !splats.compensated});
+        EXPECT_LT(compareImages(other.rgb, want.rgb).psnrDb, 45) << "compensation shows nothing here";
+        for (TestVulkan* vulkan : {&precise, &byte}) {
+            auto id = vulkan->renderer->addSplats(splats);
+            ASSERT_TRUE(id) << id.error().message;
+            const Difference d = compare(drawOne(*vulkan->renderer, *id, {}, camera, true), want);
+            const bool isPrecise = vulkan == &precise;
+            std::printf("[  IMAGE   ] general, SH %u  %s: colour %.1f dB (max %.4f), alpha %.1f dB, depth max %.5f m, covered %.1f %%\n", degree, isPrecise ? "f16  " : "8 bit", d.psnrDb,
+                        d.maxError, d.alphaPsnrDb, d.maxDepthErrorM, d.covered * 100);
+            EXPECT_GT(d.covered, 0.05);
+            EXPECT_GE(d.psnrDb, isPrecise ? kMinPsnrDb : kMinBytePsnrDb);
+            EXPECT_GE(d.alphaPsnrDb, isPrecise ? kMinPsnrDb : kMinBytePsnrDb);
+            EXPECT_LT(d.maxDepthErrorM, 0.05);   // splats lie up to 2 m behind each other: one at the 1/255 cut-off moves depth by its α times that
+            vulkan->renderer->removeAvatar(*id);
+        }
+    }
+}
+
+/** A person-sized set in front of a wall 800 m away: 16 bits of depth would put all of it on a few keys. */
+TEST(VulkanImage, generalSplatsStaySortedInADeepScene) {
+    TestVulkan precise(withPreciseBlending());
+    DPL_NEED_VULKAN(precise);
+    StaticSplatData splats = randomStaticSplats(11, 1500, 0);
+    for (uint32_t i = 0; i < 100; ++i) {
+        splats.position.emplace_back(float(i % 10) * 60 - 300, float(i / 10) * 60 - 300, -800);
+        splats.rotation.emplace_back(1, 0, 0, 0), splats.scaleM.emplace_back(40, 40, 1), splats.opacity.push_back(0.7f);
+        splats.sh.insert(splats.sh.end(), {0.3f * float(i % 3), 0.5f, -0.4f});
+    }
+    const Cameraf camera = tubeCamera(160, 160, 0, 2.2f);
+    auto id = precise.renderer->addSplats(splats);
+    ASSERT_TRUE(id) << id.error().message;
+    const Difference d = compare(drawOne(*precise.renderer, *id, {}, camera), renderReference(splats, referenceCamera(camera)));
+    std::printf("[  IMAGE   ] deep scene: colour %.1f dB (max %.4f)\n", d.psnrDb, d.maxError);
+    EXPECT_GT(d.covered, 0.5);
+    EXPECT_GE(d.psnrDb, kMinPsnrDb);
+}
+
 TEST(VulkanImage, anAvatarWithCorrectivesLeavesTheNextOneAlone) {
     TestVulkan vulkan;
     DPL_NEED_VULKAN(vulkan);
@@ -139,12 +185,8 @@ TEST(VulkanImage, anAvatarWithCorrectivesLeavesTheNextOneAlone) {
     EXPECT_TRUE(drawOne(*vulkan.renderer, *corrected, tubePose(0.6f), camera).rgba == lit.rgba);
 }
 
-void expectStereoEqualsMono(const VulkanOptions& options, const char* picture) {
-    TestVulkan vulkan(options);
-    DPL_NEED_VULKAN(vulkan);
-    auto id = vulkan.renderer->addAvatar(share(test::withCorrectives(makeTube(), 3)));
+void expectStereoEqualsMono(TestVulkan& vulkan, const Result<RenderAvatarId>& id, const Pose& pose, const std::string& picture) {
     ASSERT_TRUE(id) << id.error().message;
-    const Pose pose = tubePose(0.7f);
     const Cameraf views[2] = {tubeCamera(160, 144, 0.3f, 1.2f, -0.032f), tubeCamera(160, 144, 0.3f, 1.2f, 0.032f)};
     std::vector<RenderedView> both(2);
     const Status status = vulkan.renderer->render(*id, pose, views, true, both);
@@ -156,8 +198,16 @@ void expectStereoEqualsMono(const VulkanOptions& options, const char* picture) {
         EXPECT_GT(coverage(alone.depthM, 0.0), 0.05);
     }
     EXPECT_FALSE(both[0].rgba == both[1].rgba);
-    dumpPicture((std::string(picture) + "_left").c_str(), both[0]);
-    dumpPicture((std::string(picture) + "_right").c_str(), both[1]);
+    dumpPicture((picture + "_left").c_str(), both[0]);
+    dumpPicture((picture + "_right").c_str(), both[1]);
+}
+
+/** For an avatar and for general splats. */
+void expectStereoEqualsMono(const VulkanOptions& options, const std::string& picture) {
+    TestVulkan vulkan(options);
+    DPL_NEED_VULKAN(vulkan);
+    expectStereoEqualsMono(vulkan, vulkan.renderer->addAvatar(share(test::withCorrectives(makeTube(), 3))), tubePose(0.7f), picture);
+    expectStereoEqualsMono(vulkan, vulkan.renderer->addSplats(randomStaticSplats(7, 1500, 2)), {}, picture + "_general");
 }
 
 TEST(VulkanImage, twoViewsAtOnceEqualEachViewAloneByInstances) {
