@@ -15,6 +15,7 @@ struct BenchOptions {
     std::filesystem::path avatar;
     std::vector<std::string> renderers = {"software", "vulkan"};
     uint32_t repeats = 11, threadCount = 0;
+    std::string axes = "y-up";
     bool json = false;
 };
 
@@ -71,7 +72,7 @@ Status bench(const BenchOptions& options) {
         std::printf("%s: %u splats, %u triangles, %zu bytes in the file\n\n| case | renderer | median ms | p95 ms | PSNR to %s |\n|---|---|---|---|---|\n", options.avatar.c_str(),
                     info->splatCount, info->triangleCount, bytes.size(), contestants[0].name.c_str());
     for (const BenchCase& test : kCases) {
-        const Cameraf centre = frameAvatar(*info, test.widthPx, test.heightPx, 0.4);
+        const Cameraf centre = frameAvatar(*info, test.widthPx, test.heightPx, 0.4, uprightFromFile(options.axes));
         std::vector<Cameraf> views = {centre};
         if (test.viewCount == 2) views = {shiftedSideways(centre, -kEyeDistanceM / 2), shiftedSideways(centre, kEyeDistanceM / 2)};
         for (Contestant& c : contestants) c.milliseconds.clear();
@@ -99,12 +100,13 @@ Status bench(const BenchOptions& options) {
 void addBenchCommand(CLI::App& app, CommandRun& run) {
     auto options = std::make_shared<BenchOptions>();
     CLI::App* command = app.add_subcommand("bench", "Time an avatar on every renderer and compare the pictures");
-    command->add_option("avatar", options->avatar, "Avatar file (.glb)")->required();
+    command->add_option("avatar", options->avatar, "Avatar file (.glb), or general splats (.ply, compressed .ply, .spz, .glb with KHR_gaussian_splatting)")->required();
     command->add_option("--renderers", options->renderers, "Which to race")->check(CLI::IsMember({"software", "vulkan"}))->capture_default_str();
     command->add_option("--repeats", options->repeats, "Timed frames a case")->check(CLI::Range(1, 1000))->capture_default_str();
     command->add_option("--threads", options->threadCount, "CPU threads, 0: one a core")->check(CLI::Range(0, 256));
+    command->add_option("--axes", options->axes, "How the file stands; many 3D Gaussian splatting PLYs are y-down")->check(CLI::IsMember(kAxesNames))->capture_default_str();
     command->add_flag("--json", options->json, "JSON lines instead of a table");
-    command->footer("Examples:\n  doppel bench ada/avatar.glb\n  doppel bench ada/avatar.glb --renderers software --json");
+    command->footer("Examples:\n  doppel bench ada/avatar.glb\n  doppel bench ada/avatar.glb --renderers software --json\n  doppel bench guitar.compressed.ply --axes y-down");
     command->callback([options, &run] {
         run = [options] {
             Status done = bench(*options);

@@ -7,15 +7,16 @@ namespace dpl {
 
 void addExportCommand(CLI::App& app, CommandRun& run) {
     auto options = std::make_shared<ExportOptions>();
-    CLI::App* command = app.add_subcommand("export", "Write one posed frame as general splats for other viewers");
-    command->add_option("avatar", options->avatar, "Avatar file (.glb)")->required();
+    CLI::App* command = app.add_subcommand("export", "Write one posed frame as general splats for other viewers, or convert general splats");
+    command->add_option("avatar", options->avatar, "Avatar file (.glb), or general splats (.ply, compressed .ply, .spz, .glb with KHR_gaussian_splatting)")->required();
     command->add_option("-o,--out", options->out, "A .ply (INRIA layout) or a .glb (KHR_gaussian_splatting)")->required();
     command->add_option("--clip", options->clip, "A clip of the avatar by name, or a BVH or glTF file; default: the rest pose");
     command->add_option("--time", options->timeS, "Time in the clip, seconds")->check(CLI::Range(0.0, 1e6));
     command->footer(
         "Examples:\n"
         "  doppel export ada/avatar.glb -o ada.ply\n"
-        "  doppel export ada/avatar.glb -o stride.glb --clip 02_01.bvh --time 0.8");
+        "  doppel export ada/avatar.glb -o stride.glb --clip 02_01.bvh --time 0.8\n"
+        "  doppel export guitar.spz -o guitar.ply");
     command->callback([options, &run] {
         run = [options] {
             auto line = exportPosedSplats(*options);

@@ -16,9 +16,17 @@ Error fromSdk(const doppel::Error& error) {
     return {code, error.message};
 }
 
-Cameraf frameAvatar(const DplAvatarInfo& avatar, uint32_t widthPx, uint32_t heightPx, double azimuthRad) {
-    Vec3d low, high;
-    for (int k = 0; k < 3; ++k) low[k] = avatar.restMin[k], high[k] = avatar.restMax[k];
+Mat3d uprightFromFile(const std::string& axes) {
+    if (axes == "y-down") return Mat3d(1, 0, 0, 0, -1, 0, 0, 0, -1);
+    if (axes == "z-up") return Mat3d(1, 0, 0, 0, 0, -1, 0, 1, 0);
+    if (axes == "z-down") return Mat3d(1, 0, 0, 0, 0, 1, 0, -1, 0);
+    return Mat3d(1);
+}
+
+Cameraf frameAvatar(const DplAvatarInfo& avatar, uint32_t widthPx, uint32_t heightPx, double azimuthRad, const Mat3d& uprightFromFile) {
+    const Vec3d corner = uprightFromFile * Vec3d(avatar.restMin[0], avatar.restMin[1], avatar.restMin[2]);
+    const Vec3d opposite = uprightFromFile * Vec3d(avatar.restMax[0], avatar.restMax[1], avatar.restMax[2]);
+    const Vec3d low = glm::min(corner, opposite), high = glm::max(corner, opposite);
     const Vec3d middle = 0.5 * (low + high);
     const double halfHeight = 0.5 * (high.y - low.y), halfWidth = 0.5 * std::hypot(high.x - low.x, high.z - low.z);
     constexpr double kHalfFovY = 0.3, kMargin = 1.12;  // a 34° lens, as for a portrait of a whole person
@@ -33,6 +41,7 @@ Cameraf frameAvatar(const DplAvatarInfo& avatar, uint32_t widthPx, uint32_t heig
     camera.cx = 0.5 * widthPx, camera.cy = 0.5 * heightPx;
     camera.viewFromWorldRotation = glm::transpose(Mat3d(x, y, z));
     camera.viewFromWorldTranslation = -(camera.viewFromWorldRotation * eye);
+    camera.viewFromWorldRotation = camera.viewFromWorldRotation * uprightFromFile;   // quarter turns: the box stays a box
     return camera.cast<float>();
 }
 

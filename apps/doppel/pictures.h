@@ -5,13 +5,19 @@
 
 #include "sdk/core/result.h"
 #include "sdk/math/camera.h"
+#include "sdk/math/types.h"
 
 namespace dpl {
 
 Error fromSdk(const doppel::Error& error);
 
+/** Which way a file stands: "y-up" (avatars, glTF, SPZ), "y-down" (most 3D Gaussian splatting PLYs), "z-up" or "z-down". */
+inline const std::vector<std::string> kAxesNames = {"y-up", "y-down", "z-up", "z-down"};
+/** The rotation that stands such a file upright. Any other name: none. */
+Mat3d uprightFromFile(const std::string& axes);
+
 /** Looks at the middle of the avatar's rest box from `azimuthRad` (0: from the front, positive to its left), so that it fills the picture. */
-Cameraf frameAvatar(const DplAvatarInfo& avatar, uint32_t widthPx, uint32_t heightPx, double azimuthRad);
+Cameraf frameAvatar(const DplAvatarInfo& avatar, uint32_t widthPx, uint32_t heightPx, double azimuthRad, const Mat3d& uprightFromFile = Mat3d(1));
 
 constexpr double kEyeDistanceM = 0.063;
 

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 struct RenderOptions {
     fs::path avatar, out, scan, poses;
-    std::string clip, split = "test", size = "720x1280", renderer = "auto";
+    std::string clip, split = "test", size = "720x1280", renderer = "auto", axes = "y-up";
     double timeS = 0, seconds = 0, framesPerSecond = 30, azimuthDeg = 0, scale = 1;
     bool turntable = false, stereo = false, unfitted = false;
     uint32_t threadCount = 0;
@@ -143,7 +143,7 @@ Status renderShots(const RenderOptions& options, doppel::Avatar& avatar, Progres
         if (!options.clip.empty())
             if (auto set = avatar.setPoseFromClip(clip, timeS, true); !set) return fromSdk(set.error());
         const double turn = options.turntable ? 2 * std::numbers::pi * double(i) / double(frameCount) : 0;
-        const Cameraf centre = frameAvatar(*info, size.widthPx, size.heightPx, options.azimuthDeg * std::numbers::pi / 180 + turn);
+        const Cameraf centre = frameAvatar(*info, size.widthPx, size.heightPx, options.azimuthDeg * std::numbers::pi / 180 + turn, uprightFromFile(options.axes));
         std::vector<Cameraf> views = {centre};
         if (options.stereo) views = {shiftedSideways(centre, -kEyeDistanceM / 2), shiftedSideways(centre, kEyeDistanceM / 2)};
         DPL_TRY(auto pixels, drawViews(avatar, views));
@@ -162,12 +162,22 @@ Status renderShots(const RenderOptions& options, doppel::Avatar& avatar, Progres
     return {};
 }
 
+/** General splats have no joints: what would pose them is refused rather than left out without a word. */
+Status checkStill(const RenderOptions& options) {
+    const char* posing = !options.clip.empty() ? "--clip" : !options.scan.empty() ? "--scan" : !options.poses.empty() ? "--poses" : options.timeS > 0 ? "--time" : nullptr;
+    if (posing) return fail(Code::InvalidArgument, "{}: {} holds general splats, which have no joints to pose; leave it out", posing, options.avatar.string());
+    return {};
+}
+
 Status renderAll(const RenderOptions& options) {
     Progress progress;
     DPL_TRY(auto bytes, readFile(options.avatar));
     DPL_TRY(auto context, makeContext(options));
     auto avatar = context.loadAvatar(bytes);
     if (!avatar) return fail(fromSdk(avatar.error()).code, "{}: {}", options.avatar.string(), avatar.error().message);
+    auto info = avatar->info();
+    if (!info) return fromSdk(info.error());
+    if (info->jointCount == 0) DPL_CHECK_OK(checkStill(options));
     progress.note("drawing with " + context.rendererName());
     return options.scan.empty() ? renderShots(options, *avatar, progress) : renderScan(options, *avatar, progress);
 }
@@ -177,7 +187,7 @@ Status renderAll(const RenderOptions& options) {
 void addRenderCommand(CLI::App& app, CommandRun& run) {
     auto options = std::make_shared<RenderOptions>();
     CLI::App* command = app.add_subcommand("render", "Draw an avatar: stills, turntables, clips, stereo, or a scan's own views");
-    command->add_option("avatar", options->avatar, "Avatar file (.glb)")->required();
+    command->add_option("avatar", options->avatar, "Avatar file (.glb), or general splats (.ply, compressed .ply, .spz, .glb with KHR_gaussian_splatting)")->required();
     command->add_option("-o,--out", options->out, "A .png (with alpha), a .mp4 (through ffmpeg) or a folder of PNG frames")->required();
     command->add_option("--clip", options->clip, "A clip of the avatar by name, or a BVH or glTF file to drive it with");
     command->add_option("--time", options->timeS, "Start time in the clip, seconds")->check(CLI::Range(0.0, 1e6));
@@ -185,6 +195,7 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
     command->add_option("--fps", options->framesPerSecond, "Frames per second")->check(CLI::Range(1.0, 240.0))->capture_default_str();
     command->add_flag("--turntable", options->turntable, "Walk once around the avatar");
     command->add_option("--azimuth", options->azimuthDeg, "Degrees around the avatar, 0: from the front")->check(CLI::Range(-360.0, 360.0));
+    command->add_option("--axes", options->axes, "How the file stands; many 3D Gaussian splatting PLYs are y-down")->check(CLI::IsMember(kAxesNames))->capture_default_str();
     command->add_flag("--stereo", options->stereo, "Left and right eye side by side, 63 mm apart");
     command->add_option("--size", options->size, "Size of one view, WIDTHxHEIGHT")->capture_default_str();
     command->add_option("--scan", options->scan, "Draw this scan's frames from its own cameras, one PNG with alpha a frame");
@@ -199,6 +210,7 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
         "  doppel render ada/avatar.glb -o ada.png --azimuth 30\n"
         "  doppel render ada/avatar.glb -o ada.mp4 --turntable\n"
         "  doppel render ada/avatar.glb -o walk.mp4 --clip 02_01.bvh --stereo --size 960x1080\n"
+        "  doppel render guitar.compressed.ply -o guitar.mp4 --turntable --axes y-down\n"
         "  doppel render ada/avatar.glb -o views --scan scan --split test      (score them with your own tools)");
     command->callback([options, &run] {
         run = [options] {

@@ -8,6 +8,7 @@
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/gltf_splats.h"
 #include "sdk/format/ply.h"
+#include "sdk/format/splat_file.h"
 
 namespace dpl {
 namespace {
@@ -25,19 +26,29 @@ Result<Pose> choosePose(const AvatarData& avatar, const ExportOptions& options) 
     return samplePose(*clip, avatar.joints, options.timeS);
 }
 
+Result<StaticSplatData> splatsOf(const ExportOptions& options, std::span<const uint8_t> bytes) {
+    if (splatFormatOf(bytes) != SplatFormat::None) {
+        if (!options.clip.empty() || options.timeS > 0)
+            return fail(Code::InvalidArgument, "{}: these are general splats, which have no joints to pose; leave it out", options.clip.empty() ? "--time" : "--clip");
+        DPL_TRY(SplatFile file, readSplats(bytes));
+        return std::move(file.splats);
+    }
+    DPL_TRY(const AvatarData avatar, readAvatar(bytes));
+    DPL_TRY(const Pose pose, choosePose(avatar, options));
+    return posedSplats(avatar, pose);
+}
+
 }  // namespace
 
 Result<std::string> exportPosedSplats(const ExportOptions& options) {
     const std::string extension = options.out.extension().string();
     if (extension != ".ply" && extension != ".glb") return fail(Code::InvalidArgument, "-o {}: the file must end in .ply or .glb", options.out.string());
     DPL_TRY(auto bytes, readFile(options.avatar));
-    auto avatar = readAvatar(bytes);
-    if (!avatar) return fail(avatar.error().code, "{}: {}", options.avatar.string(), avatar.error().message);
-    DPL_TRY(Pose pose, choosePose(*avatar, options));
-    DPL_TRY(StaticSplatData splats, posedSplats(*avatar, pose));
-    DPL_TRY(auto file, extension == ".ply" ? writePly(splats) : writeGltfSplats(splats));
+    auto splats = splatsOf(options, bytes);
+    if (!splats) return fail(splats.error().code, "{}: {}", options.avatar.string(), splats.error().message);
+    DPL_TRY(auto file, extension == ".ply" ? writePly(*splats) : writeGltfSplats(*splats));
     DPL_CHECK_OK(writeFileAtomically(options.out, file));
-    return formatText("{} splats, SH degree {}, {} bytes in {}", splats.count(), splats.shDegree, file.size(), options.out.string());
+    return formatText("{} splats, SH degree {}, {} bytes in {}", splats->count(), splats->shDegree, file.size(), options.out.string());
 }
 
 }  // namespace dpl

@@ -1,5 +1,6 @@
 #include "reconstruction/package/inspect.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -7,12 +8,55 @@
 
 #include "sdk/core/files.h"
 #include "sdk/format/avatar_file.h"
+#include "sdk/format/splat_file.h"
 
 namespace dpl {
 namespace {
 
-Result<AvatarInfo> inspectFile(const std::filesystem::path& path) {
-    DPL_TRY(auto bytes, readFile(path));
+/** What there is to say about general splats. */
+struct SplatSummary {
+    SplatFile file;
+    SplatBox box;
+    float smallestM = 0, medianM = 0, largestM = 0;   // of all standard deviations
+    uint64_t fileBytes = 0;
+};
+
+Result<SplatSummary> summarise(const std::filesystem::path& path, std::span<const uint8_t> bytes) {
+    SplatSummary out;
+    auto file = readSplats(bytes);
+    if (!file) return fail(file.error().code, "{}: {}", path.string(), file.error().message);
+    out.file = std::move(*file), out.box = boxOf(out.file.splats), out.fileBytes = bytes.size();
+    std::vector<float> scales;
+    for (const Vec3f& s : out.file.splats.scaleM) scales.insert(scales.end(), {s.x, s.y, s.z});
+    if (scales.empty()) return out;
+    std::sort(scales.begin(), scales.end());
+    out.smallestM = scales.front(), out.medianM = scales[scales.size() / 2], out.largestM = scales.back();
+    return out;
+}
+
+std::string formatName(const SplatFile& file) { return file.version ? formatText("{} version {}", nameOf(file.format), file.version) : nameOf(file.format); }
+
+std::string asText(const std::filesystem::path& path, const SplatSummary& s) {
+    const StaticSplatData& splats = s.file.splats;
+    const auto place = [](const Vec3f& p) { return formatText("({}, {}, {})", p.x, p.y, p.z); };
+    std::string out = formatText("{}  general splats, {}\n{} splats, SH degree {}{}{}\n", path.string(), formatName(s.file), splats.count(), s.file.shDegree,
+                                 s.file.shDegree > splats.shDegree ? formatText(" (drawn up to {})", splats.shDegree) : "", splats.compensated ? ", trained antialiased" : "");
+    out += formatText("middle 98 % of the centres from {} to {} m\nstandard deviations {} to {} m, median {} m\n", place(s.box.low), place(s.box.high), s.smallestM, s.largestM, s.medianM);
+    return out + formatText("{} bytes, {} a splat\n", s.fileBytes, splats.count() ? double(s.fileBytes) / splats.count() : 0.0);
+}
+
+std::string asJson(const std::filesystem::path& path, const SplatSummary& s) {
+    const StaticSplatData& splats = s.file.splats;
+    const auto place = [](const Vec3f& p) { return nlohmann::ordered_json{p.x, p.y, p.z}; };
+    nlohmann::ordered_json out = {{"file", path.string()}, {"format", nameOf(s.file.format)}};
+    if (s.file.version) out["version"] = s.file.version;
+    out.update({{"splats", splats.count()}, {"sh_degree", s.file.shDegree}, {"antialiased", splats.compensated}, {"box_low_m", place(s.box.low)}, {"box_high_m", place(s.box.high)},
+                {"smallest_scale_m", s.smallestM}, {"median_scale_m", s.medianM}, {"largest_scale_m", s.largestM}});
+    out["bytes"]["file"] = s.fileBytes;
+    return out.dump(1);
+}
+
+Result<AvatarInfo> inspectFile(const std::filesystem::path& path, std::span<const uint8_t> bytes) {
     auto info = inspectAvatar(bytes);
     if (!info) return fail(info.error().code, "{}: {}", path.string(), info.error().message);
     return info;
@@ -26,7 +70,12 @@ std::vector<std::pair<const char*, uint64_t>> parts(const AvatarInfo& info) {
 }  // namespace
 
 Result<std::string> inspectAsText(const std::filesystem::path& path) {
-    DPL_TRY(AvatarInfo info, inspectFile(path));
+    DPL_TRY(const auto bytes, readFile(path));
+    if (splatFormatOf(bytes) != SplatFormat::None) {
+        DPL_TRY(const SplatSummary splats, summarise(path, bytes));
+        return asText(path, splats);
+    }
+    DPL_TRY(AvatarInfo info, inspectFile(path, bytes));
     std::string out = formatText("{}  \"{}\"\nformat version {}, by {}\n", path.string(), info.name, info.version, info.generator);
     out += formatText("content hash {} {}\n", info.contentHash, info.hashMatches ? "(matches)" : "(DOES NOT MATCH: the file was changed)");
     out += formatText("{} splats in {} chunks, SH degree {}\n{} vertices, {} triangles, {} layers, {} joints, {} clips\n\n", info.splats, info.chunks, info.shDegree,
@@ -49,7 +98,12 @@ Result<std::string> inspectAsText(const std::filesystem::path& path) {
 }
 
 Result<std::string> inspectAsJson(const std::filesystem::path& path) {
-    DPL_TRY(AvatarInfo info, inspectFile(path));
+    DPL_TRY(const auto bytes, readFile(path));
+    if (splatFormatOf(bytes) != SplatFormat::None) {
+        DPL_TRY(const SplatSummary splats, summarise(path, bytes));
+        return asJson(path, splats);
+    }
+    DPL_TRY(AvatarInfo info, inspectFile(path, bytes));
     nlohmann::ordered_json out = {{"file", path.string()},        {"name", info.name},         {"version", info.version},       {"generator", info.generator},
                                   {"content_hash", info.contentHash}, {"hash_matches", info.hashMatches}, {"splats", info.splats}, {"chunks", info.chunks},
                                   {"sh_degree", info.shDegree},   {"vertices", info.vertices}, {"triangles", info.triangles},   {"layers", info.layers},

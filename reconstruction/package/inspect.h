@@ -1,4 +1,4 @@
-// What is in an avatar file, for people and for programs.
+// What is in an avatar file, or in a file of general splats, for people and for programs.
 #pragma once
 
 #include <filesystem>
@@ -8,8 +8,8 @@
 
 namespace dpl {
 
-/** A table of counts, bytes by part and the evidence rows. Errors name the file. */
-Result<std::string> inspectAsText(const std::filesystem::path& avatar);
-Result<std::string> inspectAsJson(const std::filesystem::path& avatar);
+/** A table of counts, bytes by part and the evidence rows; of general splats their format, count, extent and sizes. Errors name the file. */
+Result<std::string> inspectAsText(const std::filesystem::path& file);
+Result<std::string> inspectAsJson(const std::filesystem::path& file);
 
 }  // namespace dpl

@@ -22,7 +22,7 @@ struct ExportOptions {
     double timeS = 0;
 };
 
-/** Reads, poses, writes. Returns a line for people. */
+/** Reads, poses, writes; a file of general splats is read and written as it is. Returns a line for people. */
 Result<std::string> exportPosedSplats(const ExportOptions& options);
 
 }  // namespace dpl

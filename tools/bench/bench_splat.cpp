@@ -1,42 +1,28 @@
-// bench_splat FILE.ply [width height eyeY eyeZ threads frames [picture.ppm]]
+// bench_splat FILE [width height eyeY eyeZ threads frames [picture.ppm]]
 //
-// Draws one INRIA PLY with the software renderer from (0, eyeY, eyeZ) along −z with a 45° horizontal field of view (the camera of
+// Draws one file of general splats with the software renderer from (0, eyeY, eyeZ) along −z with a 45° horizontal field of view (the camera of
 // research/proto-splat/floor.cpp) and prints medians per step, so that floor_compare.sh can race the two.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <string>
 
+#include "sdk/core/files.h"
+#include "sdk/format/splat_file.h"
 #include "sdk/splat/splat_engine.h"
 
 namespace {
 
 using namespace dpl;
 
-/** The 62-float layout only; the product's reader is sdk/format/ply.h. */
-bool readInriaPly(const char* path, StaticSplatData& out) {
-    std::FILE* file = std::fopen(path, "rb");
-    if (!file) return false;
-    char line[256];
-    unsigned count = 0;
-    while (std::fgets(line, sizeof line, file) && std::strncmp(line, "end_header", 10) != 0) std::sscanf(line, "element vertex %u", &count);
-    std::vector<float> row(62);
-    out.shDegree = 3;
-    for (unsigned i = 0; i < count; ++i) {
-        if (std::fread(row.data(), sizeof(float), row.size(), file) != row.size()) break;
-        out.position.emplace_back(row[0], row[1], row[2]);
-        out.opacity.push_back(1 / (1 + std::exp(-row[54])));
-        out.scaleM.emplace_back(std::exp(row[55]), std::exp(row[56]), std::exp(row[57]));
-        out.rotation.push_back(glm::normalize(Quatf(row[58], row[59], row[60], row[61])));
-        for (int c = 0; c < 3; ++c) out.sh.push_back(row[size_t(6 + c)]);
-        for (int k = 0; k < 15; ++k)
-            for (int c = 0; c < 3; ++c) out.sh.push_back(row[size_t(9 + c * 15 + k)]);
-    }
-    std::fclose(file);
-    return out.count() == count && count > 0;
+bool load(const char* path, StaticSplatData& out) {
+    const auto bytes = readFile(path);
+    auto file = bytes ? readSplats(*bytes) : Result<SplatFile>(bytes.error());
+    if (!file) return std::fprintf(stderr, "%s\n", file.error().message.c_str()), false;
+    out = std::move(file->splats);
+    return out.count() > 0;
 }
 
 double nowMs() { return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
@@ -59,8 +45,8 @@ void writePpm(const char* path, const Cameraf& camera, const std::vector<uint8_t
 int main(int argc, char** argv) {
     const auto argument = [&](int i, double fallback) { return argc > i ? std::atof(argv[i]) : fallback; };
     StaticSplatData splats;
-    if (argc < 2 || !readInriaPly(argv[1], splats)) {
-        std::fprintf(stderr, "usage: bench_splat FILE.ply [width height eyeY eyeZ threads frames [picture.ppm]]; FILE has 62 floats a splat\n");
+    if (argc < 2 || !load(argv[1], splats)) {
+        std::fprintf(stderr, "usage: bench_splat FILE [width height eyeY eyeZ threads frames [picture.ppm]]; FILE holds general splats\n");
         return 2;
     }
     Cameraf camera;
@@ -78,7 +64,7 @@ int main(int argc, char** argv) {
     std::vector<double> times[5];
     for (uint32_t frame = 0; frame < frames + 3; ++frame) {
         const double t0 = nowMs();
-        engine.project(packed, {}, camera, float(kKappaPx2), false);
+        engine.project(packed, {}, camera, splats.kappaPx2, splats.compensated);
         const double t1 = nowMs();
         engine.sort();
         const double t2 = nowMs();
