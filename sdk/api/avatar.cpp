@@ -36,6 +36,8 @@ Status checkLoaded(const AvatarData& data) {
 
 /** An avatar file, ready to be handed to the renderer. */
 Result<std::shared_ptr<Avatar>> decodeAvatar(const std::shared_ptr<Context>& owner, std::span<const uint8_t> bytes) {
+    if (bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) != 0)
+        return fail(Code::Unsupported, "neither an avatar (.glb) nor general splats (PLY, compressed PLY, SPZ, .glb with KHR_gaussian_splatting)");
     DPL_TRY(AvatarData decoded, readAvatar(bytes));
     DPL_CHECK_OK(checkLoaded(decoded));
     if (std::all_of(decoded.joints.begin(), decoded.joints.end(), [](const JointData& j) { return j.humanoidBone.empty(); }))

@@ -40,7 +40,7 @@ struct GltfAccessor {
 /** KHR_gaussian_splatting of a primitive, defaults filled in. */
 struct GltfSplatting {
     std::string kernel, colorSpace, projection = "perspective", sortingMethod = "cameraDistance";
-    std::string compression;   // name of an extension inside it, empty when there is none
+    std::string extension;   // name of an extension inside it (compressions are such), empty when there is none
 };
 
 struct GltfPrimitive {

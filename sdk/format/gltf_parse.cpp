@@ -134,7 +134,7 @@ GltfSplatting splattingOf(const Json& extension) {
     GltfSplatting out;
     textAt(extension, "kernel", out.kernel), textAt(extension, "colorSpace", out.colorSpace);
     textAt(extension, "projection", out.projection), textAt(extension, "sortingMethod", out.sortingMethod);
-    if (auto inner = extension.find("extensions"); inner != extension.end() && inner->is_object() && !inner->empty()) out.compression = inner->begin().key();
+    if (auto inner = extension.find("extensions"); inner != extension.end() && inner->is_object() && !inner->empty()) out.extension = inner->begin().key();
     return out;
 }
 

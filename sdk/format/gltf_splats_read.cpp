@@ -40,7 +40,7 @@ Status checkKind(const GltfSplatting& s) {
         if (found == wanted) return {};
         return fail(Code::Unsupported, "KHR_gaussian_splatting: '{}' is '{}', only '{}' is drawn; export it so", what, found, wanted);
     };
-    if (!s.compression.empty()) return fail(Code::Unsupported, "KHR_gaussian_splatting: compressed by {}; export it without, or as .spz", s.compression);
+    if (!s.extension.empty()) return fail(Code::Unsupported, "KHR_gaussian_splatting: extended by {}, which is not read; export it without, or as .spz", s.extension);
     DPL_CHECK_OK(only("kernel", s.kernel, "ellipse"));
     DPL_CHECK_OK(only("projection", s.projection, "perspective"));
     DPL_CHECK_OK(only("colorSpace", s.colorSpace, "srgb_rec709_display"));

@@ -34,18 +34,24 @@ Result<StaticSplatData> readPly(std::span<const uint8_t> bytes) try {
     for (size_t i = 0; i < n; ++i) {
         const uint8_t* row = vertices.row(i);
         bool ok = true;
-        auto value = [&](size_t at) {
+        // Converters write opacities of 0 and 1 as −∞ and +∞, axes of no thickness as −∞: fine once activated.
+        auto activated = [&](size_t at) {
             float v;
             std::memcpy(&v, row + at, 4);
+            ok = ok && !std::isnan(v);
+            return v;
+        };
+        auto value = [&](size_t at) {
+            const float v = activated(at);
             ok = ok && std::isfinite(v);
             return v;
         };
         s.position[i] = {value(place[0]), value(place[1]), value(place[2])};
-        s.scaleM[i] = {std::exp(value(scale[0])), std::exp(value(scale[1])), std::exp(value(scale[2]))};
+        s.scaleM[i] = {std::exp(activated(scale[0])), std::exp(activated(scale[1])), std::exp(activated(scale[2]))};
         const Quatf q(value(rotation[0]), value(rotation[1]), value(rotation[2]), value(rotation[3]));   // wxyz in these files
         const float length = glm::length(q);
         s.rotation[i] = length > 1e-8f ? q / length : Quatf(1, 0, 0, 0);
-        s.opacity[i] = sigmoid(value(opacity));
+        s.opacity[i] = sigmoid(activated(opacity));
         float* sh = s.sh.data() + i * coefficients * 3;
         for (int c = 0; c < 3; ++c) sh[c] = value(dc[size_t(c)]);
         // The file has all reds, then all greens, then all blues.

@@ -59,6 +59,8 @@ Status checkSplats(const StaticSplatData& s, const DeviceInfo& device) {
     const size_t coefficients = shCoefficientCount(s.shDegree) * 3;
     if (s.rotation.size() != count || s.scaleM.size() != count || s.opacity.size() != count || s.sh.size() != count * coefficients)
         return fail(Code::InvalidArgument, "the arrays of {} splats differ in length", count);
+    if ((count + gpu::kSplatGroup - 1) / gpu::kSplatGroup > device.maxGroups)
+        return fail(Code::Unsupported, "{} splats, {} draws at most {}; export fewer splats", count, device.name, uint64_t(device.maxGroups) * gpu::kSplatGroup);
     DPL_CHECK_OK(checkBinding("SH coefficients", count, coefficients * 4, device, "export the splats with a lower SH degree, or fewer of them"));
     return checkBinding("projected splats", count, sizeof(gpu::ProjectedSplat) * gpu::kMaxViews, device, "export fewer splats");
 }

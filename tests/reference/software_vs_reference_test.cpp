@@ -92,6 +92,21 @@ TEST(SoftwareVsReference, randomStaticSplatsOfEveryShDegree) {
     }
 }
 
+TEST(SoftwareVsReference, staticSplatsWithAnEnergyPreservingLowPass) {
+    const StaticSplatData splats = randomStaticSplats(6, 1500, 1);
+    const Cameraf camera = lookAt({0.7f, 0.4f, -2.f}, {0, 0, 0}, 211, 173, 200);
+    const ReferenceImage reference = renderReference(splats, referenceCamera(camera), {.compensated = true});
+    ASSERT_GT(coverage(reference.alpha), 0.1);
+    EXPECT_LT(compareImages(renderReference(splats, referenceCamera(camera)).rgb, reference.rgb).psnrDb, 45) << "compensation shows nothing here";
+    Jobs jobs(2);
+    SplatEngine engine(jobs);
+    SplatImage image;
+    engine.project(PackedSplats(splats), {}, camera, splats.kappaPx2, true);
+    engine.bin();
+    engine.blend(image, {.cloth = true, .depth = true});
+    expectSameImage("static, compensated", image, reference, kBarDb);
+}
+
 TEST(SoftwareVsReference, sameBytesOnAnyThreadCount) {
     const AvatarData avatar = randomAvatar(3, 40, 4);
     const ReferenceScene scene = sceneOf(avatar, randomPose(avatar, 3));

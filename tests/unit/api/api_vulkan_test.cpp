@@ -1,6 +1,8 @@
 // Both renderers behind the same API draw the same picture; `auto` never picks an emulated GPU.
 #include <cmath>
 
+#include "sdk/format/ply.h"
+#include "tests/reference/random_avatar.h"
 #include "tests/unit/api/api_fixture.h"
 
 namespace dpl::test {
@@ -53,6 +55,36 @@ TEST_F(ApiTest, vulkanDrawsWhatTheCpuDraws) {
         }
     }
     EXPECT_EQ(dplDestroyAvatar(avatar), DPL_OK);
+    EXPECT_EQ(dplDestroyContext(context), DPL_OK);
+}
+
+TEST_F(ApiTest, vulkanDrawsGeneralSplatsAsTheCpuDoes) {
+    const DplContextInfo info{sizeof(DplContextInfo), DPL_RENDERER_VULKAN, 1};
+    DplContext context = nullptr;
+    if (dplCreateContext(&info, &context) != DPL_OK) GTEST_SKIP() << dplGetLastError();
+    const auto bytes = *writePly(randomStaticSplats(3, 800, 2));
+    DplAvatar cpu = nullptr, gpu = nullptr;
+    ASSERT_EQ(dplLoadAvatar(context_, bytes.data(), bytes.size(), &cpu), DPL_OK) << dplGetLastError();
+    ASSERT_EQ(dplLoadAvatar(context, bytes.data(), bytes.size(), &gpu), DPL_OK) << dplGetLastError();
+    const DplCamera cameras[2] = {frontCamera(96, 80, 0.03f), frontCamera(96, 80, -0.03f)};
+    std::vector<uint8_t> cpuPixels[2], gpuPixels[2];
+    const DplImage cpuImages[2] = {imageFor(cameras[0], cpuPixels[0]), imageFor(cameras[1], cpuPixels[1])};
+    const DplImage gpuImages[2] = {imageFor(cameras[0], gpuPixels[0]), imageFor(cameras[1], gpuPixels[1])};
+    ASSERT_EQ(dplRender(context_, cpu, cameras, 2, cpuImages), DPL_OK) << dplGetLastError();
+    ASSERT_EQ(dplRender(context, gpu, cameras, 2, gpuImages), DPL_OK) << dplGetLastError();
+    for (int v = 0; v < 2; ++v) {
+        double sum = 0;
+        int brightest = 0;
+        for (size_t i = 0; i < cpuPixels[v].size(); ++i) {
+            const double d = double(cpuPixels[v][i]) - double(gpuPixels[v][i]);
+            sum += d * d;
+            brightest = std::max(brightest, int(cpuPixels[v][i]));
+        }
+        EXPECT_GT(brightest, 200);
+        EXPECT_GT(10 * std::log10(255.0 * 255.0 * double(cpuPixels[v].size()) / std::max(sum, 1e-9)), 45.0) << "view " << v;
+    }
+    EXPECT_EQ(dplDestroyAvatar(cpu), DPL_OK);
+    EXPECT_EQ(dplDestroyAvatar(gpu), DPL_OK);
     EXPECT_EQ(dplDestroyContext(context), DPL_OK);
 }
 

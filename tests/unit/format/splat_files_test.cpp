@@ -500,6 +500,25 @@ TEST(SplatFile, plainPlyStillReads) {
     expectSturdy(*writePly(ofDegree(0)));
 }
 
+/** splat-transform writes the logit of 1 as +∞. */
+TEST(SplatFile, plyWithInfiniteLogitsAndLogScalesReads) {
+    const Bytes good = *writePly(ofDegree(0), {.normals = false});
+    const size_t body = good.size() - 7 * 14 * 4;   // x y z, dc, opacity, scale, rotation
+    const auto with = [&](size_t splat, size_t column, float value) {
+        Bytes bytes = good;
+        std::memcpy(&bytes[body + (splat * 14 + column) * 4], &value, 4);
+        return readSplats(bytes);
+    };
+    auto solid = with(2, 6, INFINITY), gone = with(2, 6, -INFINITY), flat = with(3, 8, -INFINITY);
+    ASSERT_TRUE(solid && gone && flat);
+    EXPECT_EQ(solid->splats.opacity[2], 1);
+    EXPECT_EQ(gone->splats.opacity[2], 0);
+    EXPECT_EQ(flat->splats.scaleM[3].y, 0);
+    expectRefused(with(2, 6, NAN), "an opacity that is no number", Code::CorruptData, "splat 2");
+    expectRefused(with(3, 8, INFINITY), "a scale without end", Code::CorruptData, "splat 3");
+    expectRefused(with(3, 0, INFINITY), "a place without end", Code::CorruptData, "splat 3");
+}
+
 TEST(SplatFile, boxLeavesOutStrays) {
     StaticSplatData s;
     for (int i = 0; i < 1000; ++i) s.position.emplace_back(i % 10, i % 7, -(i % 5));

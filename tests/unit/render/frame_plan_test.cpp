@@ -68,6 +68,12 @@ TEST(FramePlan, refusesGeneralSplatsThatTheDeviceCannotBindAndBrokenOnes) {
     ASSERT_FALSE(tooMany);
     EXPECT_EQ(tooMany.error().code, Code::Unsupported);
     EXPECT_NE(tooMany.error().message.find("lower SH degree"), std::string::npos) << tooMany.error().message;
+    NullOptions fewGroups;
+    fewGroups.info.maxGroups = 3;
+    NullSetup narrow(fewGroups);
+    auto tooWide = narrow.renderer->addSplats(randomStaticSplats(1, 3 * gpu::kSplatGroup + 1, 0));
+    ASSERT_FALSE(tooWide);
+    EXPECT_NE(tooWide.error().message.find("at most 384"), std::string::npos) << tooWide.error().message;
     for (int broken = 0; broken < 4; ++broken) {
         StaticSplatData splats = randomStaticSplats(1, 3, 0);
         if (broken == 0) splats.rotation.pop_back();
