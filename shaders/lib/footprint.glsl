@@ -34,7 +34,8 @@ struct Footprint {
 vec4 dplJacobian(ViewData view, vec3 centre) {
     float invZ = 1.0 / centre.z;
     vec2 slope = centre.xy * invZ;
-    return vec4(view.focalCentrePx.xy * invZ, clamp(slope, view.slopeLimits.xz, view.slopeLimits.yw));
+    vec4 limit = view.slopeLimits;
+    return vec4(view.focalCentrePx.xy * invZ, clamp(slope.x, limit.x, limit.y), clamp(slope.y, limit.z, limit.w));
 }
 vec2 dplOnScreen(vec4 jacobian, vec3 axis) { return jacobian.xy * (axis.xy - jacobian.zw * axis.z); }
 
