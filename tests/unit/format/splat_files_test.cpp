@@ -382,13 +382,13 @@ TEST(GltfSplats, nodesPlaceTheirSplats) {
     const StaticSplatData one = ofDegree(3);
     auto parts = test::split(*writeGltfSplats(one));
     parts.json["nodes"] = {{{"children", {1}}, {"translation", {1, 2, 3}}, {"rotation", {0, 0.70710678, 0, 0.70710678}}},
-                           {{"mesh", 0}, {"scale", {2, 2, 2}}, {"rotation", {0.6, 0, 0, 0.8}}}};
+                           {{"mesh", 0}, {"scale", {2, 2, 2}}, {"rotation", {0.6, 0, 0, 0.8}}, {"translation", {0.5, -1, 2}}}};
     auto placed = readGltfSplats(parts.bytes());
     ASSERT_TRUE(placed) << placed.error().message;
-    const Quatf turn = Quatf(0.70710678f, 0, 0.70710678f, 0) * Quatf(0.8f, 0.6f, 0, 0);
+    const Quatf outer(0.70710678f, 0, 0.70710678f, 0), turn = outer * Quatf(0.8f, 0.6f, 0, 0);
     const Vec3f direction = glm::normalize(Vec3f(0.3f, -0.5f, 0.8f));
     for (size_t i = 0; i < one.count(); ++i) {
-        EXPECT_LT(glm::length(placed->position[i] - (turn * (2.0f * one.position[i]) + Vec3f(1, 2, 3))), 1e-5f);
+        EXPECT_LT(glm::length(placed->position[i] - (turn * (2.0f * one.position[i]) + outer * Vec3f(0.5f, -1, 2) + Vec3f(1, 2, 3))), 1e-5f);
         EXPECT_LT(glm::length(placed->scaleM[i] - 2.0f * one.scaleM[i]), 1e-6f);
         EXPECT_GT(std::abs(glm::dot(placed->rotation[i], turn * one.rotation[i])), 0.99999f);
         const Vec3f was = shColour(&one.sh[i * 48], 3, direction), is = shColour(&placed->sh[i * 48], 3, turn * direction);
