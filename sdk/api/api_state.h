@@ -36,6 +36,7 @@ struct Avatar {
     std::vector<std::unique_ptr<ClipData>> added;   // by dplLoadClip
     std::vector<const ClipData*> clips;             // the file's own, then the added
     std::vector<Mat3x4f> transforms;                // scratch
+    FrameStats stats;                               // of the last dplGetFrameStats
     ~Avatar();
 };
 

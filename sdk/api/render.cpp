@@ -110,3 +110,32 @@ extern "C" DplResult dplRender(DplContext context, DplAvatar avatar, const DplCa
         return {};
     });
 }
+
+extern "C" DplResult dplGetFrameStats(DplAvatar avatar, DplFrameStats* stats) {
+    return guarded("dplGetFrameStats", [&]() -> Status {
+        DPL_TRY(const auto found, avatarOf(avatar));
+        std::lock_guard lock(found->context->mutex);
+        if (!found->context->renderer) return fail(Code::InvalidArgument, "the context was destroyed");
+        DPL_TRY(found->stats, found->context->renderer->stats(found->renderId));
+        DplFrameStats out{};
+        out.viewCount = found->stats.views;
+        out.splatsDrawn = found->stats.splatsDrawn;
+        out.passCount = uint32_t(found->stats.passes.size());
+        out.residentBytes = found->stats.residentBytes;
+        for (const PassTime& pass : found->stats.passes) out.gpuMs += pass.milliseconds;
+        return writeStruct(stats, out, "stats");
+    });
+}
+
+extern "C" DplResult dplGetPassTime(DplAvatar avatar, uint32_t pass, DplPassTime* time) {
+    return guarded("dplGetPassTime", [&]() -> Status {
+        DPL_TRY(const auto found, avatarOf(avatar));
+        std::lock_guard lock(found->context->mutex);
+        const std::vector<PassTime>& passes = found->stats.passes;
+        if (pass >= passes.size()) return fail(Code::NotFound, "there is no pass {}; dplGetFrameStats found {}", pass, passes.size());
+        DplPassTime out{};
+        out.label = passes[pass].label.c_str();
+        out.milliseconds = passes[pass].milliseconds;
+        return writeStruct(time, out, "time");
+    });
+}

@@ -46,6 +46,12 @@ struct Drawable {
     Pose pose;
     bool posed = false;
     PosedMesh mesh;
+    FrameStats stats;  // of the last frame; the bytes are counted when asked
+
+    uint64_t bytes() const {
+        return splats.bytes() + rest.size() * sizeof(rest[0]) + mesh.frames().size_bytes() + mesh.positions().size_bytes() + mesh.rest().size_bytes() + mesh.light().size_bytes() +
+               mesh.worldFromRest().size_bytes() + mesh.coefficients().size_bytes() + mesh.nodes().size_bytes();
+    }
 };
 
 bool samePose(const Pose& a, const Pose& b) {
@@ -92,15 +98,26 @@ public:
             d.mesh.pose({d.avatar->joints, d.avatar->mesh, d.avatar->correctives, d.rest}, pose, jobs_);
             d.posed = true;
         }
+        d.stats.views = uint32_t(views.size()), d.stats.splatsDrawn = 0;
         for (size_t v = 0; v < views.size(); ++v) {
             engine_.project(d.splats, d.mesh.frames(), views[v], d.avatar->kappaPx2, d.avatar->compensated);
             engine_.bin();
             engine_.blendRgba8(out[v].rgba, wantDepth ? &out[v].depthM : nullptr);
+            d.stats.splatsDrawn = std::max(d.stats.splatsDrawn, engine_.visibleCount());
             if (!wantDepth) out[v].depthM.clear();
             out[v].widthPx = views[v].widthPx;
             out[v].heightPx = views[v].heightPx;
         }
         return {};
+    }
+
+    Result<FrameStats> stats(RenderAvatarId avatar) const override {
+        const auto found = drawables_.find(avatar);
+        if (found == drawables_.end()) return fail(Code::InvalidArgument, "there is no avatar {} in this renderer", avatar);
+        FrameStats stats = found->second->stats;
+        stats.residentBytes = engine_.bufferBytes();
+        for (const auto& [id, drawable] : drawables_) stats.residentBytes += drawable->bytes();
+        return stats;
     }
 
 private:

@@ -154,10 +154,13 @@ public:
     virtual Result<FrameId> createFrame(std::vector<Step> steps) = 0;
     virtual void destroyFrame(FrameId frame) = 0;
 
+    /** Graphics memory of all buffers and targets. */
+    virtual uint64_t residentBytes() const = 0;
+
     /** Runs a recorded frame and waits until its read-back is done. Allocates nothing. Code::Device when the device is lost. */
     virtual Status run(FrameId frame) = 0;
-    /** Of the last run; empty when the device has no timestamps. */
-    virtual std::vector<PassTime> passTimes() const = 0;
+    /** Of the last run of a frame; empty before it, and when the device has no timestamps. */
+    virtual std::vector<PassTime> passTimes(FrameId frame) const = 0;
 };
 
 }  // namespace dpl

@@ -19,7 +19,8 @@ struct FrameIds {
     // made by the GPU in each frame
     BufferId posed, triangleFrames, projected, sortDepth, blockSums, counts, pairs, pairsSwap, histogram;
     TargetId target;
-    BufferId colourPixels, depthPixels;
+    // read by the CPU
+    BufferId colourPixels, depthPixels, finalCounts;
 
     uint32_t compactBlocks() const { return (splatCount + gpu::kCompactBlock - 1) / gpu::kCompactBlock; }
     uint32_t maxSortBlocks() const { return (splatCount + gpu::kSortBlock - 1) / gpu::kSortBlock; }

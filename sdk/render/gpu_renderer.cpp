@@ -121,6 +121,8 @@ Status GpuRenderer::build(const LoadedAvatar& a, ShapedFrame& f) {
     DPL_TRY(ids.colourPixels, makeBuffer(f.owned, "colour pixels", pixels * 4, BufferMemory::Readback));
     if (ids.depth) { DPL_TRY(ids.depthPixels, makeBuffer(f.owned, "depth pixels", pixels * (backend_->info().halfDepth ? 4 : 8), BufferMemory::Readback)); }
 
+    DPL_TRY(ids.finalCounts, makeBuffer(f.owned, "final counts", sizeof(gpu::FrameCounts), BufferMemory::Readback));
+
     FramePlan plan(*backend_);
     plan.fill("begin", ids.counts, 0);
     if (ids.splatCount > 0) {
@@ -135,6 +137,7 @@ Status GpuRenderer::build(const LoadedAvatar& a, ShapedFrame& f) {
         plan.fill("no splats", ids.projected, 0);
     }
     addDraw(plan, ids);
+    plan.copy("counts", ids.counts, ids.finalCounts);
     DPL_TRY(f.frame, plan.finish());
     return {};
 }
@@ -197,6 +200,26 @@ Status GpuRenderer::render(RenderAvatarId id, const Pose& pose, std::span<const 
     DPL_CHECK_OK(backend_->run(frame->frame));
     copyOut(*frame, out);
     return {};
+}
+
+const GpuRenderer::ShapedFrame* GpuRenderer::LoadedAvatar::lastDrawn() const {
+    const auto last = std::max_element(frames.begin(), frames.end(), [](const auto& x, const auto& y) { return x.lastUse < y.lastUse; });
+    return last == frames.end() ? nullptr : &*last;
+}
+
+Result<FrameStats> GpuRenderer::stats(RenderAvatarId id) const {
+    const auto it = avatars_.find(id);
+    if (it == avatars_.end()) return fail(Code::InvalidArgument, "avatar {} is not in this renderer", id);
+    FrameStats stats;
+    stats.residentBytes = backend_->residentBytes();
+    const ShapedFrame* frame = it->second.lastDrawn();
+    if (!frame) return stats;
+    gpu::FrameCounts counts;
+    std::memcpy(&counts, backend_->mapped(frame->ids.finalCounts).data(), sizeof(counts));
+    stats.views = frame->shape.views;
+    stats.splatsDrawn = counts.visible;
+    stats.passes = backend_->passTimes(frame->frame);
+    return stats;
 }
 
 void GpuRenderer::copyOut(const ShapedFrame& f, std::span<RenderedView> out) {

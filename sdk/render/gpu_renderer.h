@@ -20,9 +20,7 @@ public:
     Result<RenderAvatarId> addAvatar(std::shared_ptr<const AvatarData> avatar) override;
     void removeAvatar(RenderAvatarId avatar) override;
     Status render(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, bool wantDepth, std::span<RenderedView> out) override;
-
-    /** GPU time of each pass of the last frame, in order; repeated labels are rounds of the sort. */
-    std::vector<PassTime> lastPassTimes() const { return backend_->passTimes(); }
+    Result<FrameStats> stats(RenderAvatarId avatar) const override;
     const DeviceInfo& device() const { return backend_->info(); }
 
 private:
@@ -43,6 +41,7 @@ private:
         FrameIds ids;                  // of what does not depend on the shape
         std::vector<BufferId> owned;
         std::vector<ShapedFrame> frames;
+        const ShapedFrame* lastDrawn() const;
     };
 
     Result<BufferId> makeBuffer(std::vector<BufferId>& owned, std::string label, uint64_t bytes, BufferMemory memory = BufferMemory::Device);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sdk/avatar/rig.h"
+#include "sdk/backend/backend.h"
 #include "sdk/core/result.h"
 #include "sdk/format/avatar_data.h"
 #include "sdk/math/camera.h"
@@ -18,6 +19,14 @@ struct RenderedView {
     uint32_t widthPx = 0, heightPx = 0;
     std::vector<uint8_t> rgba;
     std::vector<float> depthM;      // only when asked for
+};
+
+/** What the last finished frame of an avatar drew and cost; zeros before the first. */
+struct FrameStats {
+    uint32_t views = 0;
+    uint32_t splatsDrawn = 0;          // that some view shows
+    std::vector<PassTime> passes;      // GPU time in the order they ran, rounds of the sort one by one; empty without timestamps
+    uint64_t residentBytes = 0;        // of all avatars and frames of the renderer, on the side that draws
 };
 
 using RenderAvatarId = uint32_t;
@@ -33,6 +42,8 @@ public:
     virtual void removeAvatar(RenderAvatarId avatar) = 0;
     /** Draws and reads back. All views have the same size. The pose has passed checkPose. */
     virtual Status render(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, bool wantDepth, std::span<RenderedView> out) = 0;
+    /** Never waits for a frame. Allocates: for measuring. */
+    virtual Result<FrameStats> stats(RenderAvatarId avatar) const = 0;
 };
 
 }  // namespace dpl

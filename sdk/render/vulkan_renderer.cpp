@@ -10,9 +10,4 @@ Result<std::unique_ptr<Renderer>> createVulkanRenderer(const VulkanOptions& opti
     return std::unique_ptr<Renderer>(std::make_unique<GpuRenderer>(std::move(backend), std::move(name), options.preciseBlending));
 }
 
-std::vector<PassTime> lastPassTimes(const Renderer& renderer) {
-    const auto* gpu = dynamic_cast<const GpuRenderer*>(&renderer);
-    return gpu ? gpu->lastPassTimes() : std::vector<PassTime>();
-}
-
 }  // namespace dpl

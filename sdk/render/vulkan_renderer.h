@@ -14,7 +14,4 @@ namespace dpl {
 /** Code::Unsupported when no device fits the options; the text names the best one there is. */
 Result<std::unique_ptr<Renderer>> createVulkanRenderer(const VulkanOptions& options = {});
 
-/** GPU time of each pass of the last frame in the order they ran; empty for renderers without a GPU or without timestamps. */
-std::vector<PassTime> lastPassTimes(const Renderer& renderer);
-
 }  // namespace dpl

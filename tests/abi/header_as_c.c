@@ -31,6 +31,8 @@ int main(void) {
         CHECK(sizeof(DplJointInfo) == 40 && offsetof(DplJointInfo, restPosition) == 28);
         CHECK(sizeof(DplClipInfo) == 32 && offsetof(DplClipInfo, durationS) == 16);
         CHECK(sizeof(DplClipOptions) == 24 && offsetof(DplClipOptions, animation) == 16);
+        CHECK(sizeof(DplFrameStats) == 32 && offsetof(DplFrameStats, residentBytes) == 16);
+        CHECK(sizeof(DplPassTime) == 24 && offsetof(DplPassTime, milliseconds) == 16);
     }
     CHECK(sizeof(DplResult) == 4 && sizeof(DplRenderer) == 4);
 

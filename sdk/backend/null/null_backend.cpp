@@ -71,7 +71,13 @@ public:
         ++record_->runs;
         return {};
     }
-    std::vector<PassTime> passTimes() const override { return {}; }
+    std::vector<PassTime> passTimes(FrameId) const override { return {}; }
+
+    uint64_t residentBytes() const override {
+        uint64_t bytes = 0;
+        for (const auto& [id, b] : buffers_) bytes += b.desc.bytes;
+        return bytes;
+    }
 
 private:
     struct Buffer {

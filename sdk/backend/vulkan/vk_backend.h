@@ -15,6 +15,7 @@ struct Buffer {
     VkBuffer buffer = VK_NULL_HANDLE;
     VkDeviceMemory memory = VK_NULL_HANDLE;
     std::byte* mapped = nullptr;
+    uint64_t allocatedBytes = 0;
     bool written = false;
 };
 
@@ -22,6 +23,7 @@ struct Image {
     VkImage image = VK_NULL_HANDLE;
     VkDeviceMemory memory = VK_NULL_HANDLE;
     VkImageView view = VK_NULL_HANDLE;
+    uint64_t allocatedBytes = 0;
 };
 
 struct Target {
@@ -48,6 +50,7 @@ struct Frame {
     VkQueryPool timestamps = VK_NULL_HANDLE;
     std::vector<std::string> labels;
     std::vector<uint64_t> ticks;
+    bool timed = false;                   // ticks hold a run
 };
 
 class VulkanBackend final : public Backend, private ResourceView {
@@ -69,7 +72,8 @@ public:
     Result<FrameId> createFrame(std::vector<Step> steps) override;
     void destroyFrame(FrameId frame) override;
     Status run(FrameId frame) override;
-    std::vector<PassTime> passTimes() const override;
+    std::vector<PassTime> passTimes(FrameId frame) const override;
+    uint64_t residentBytes() const override;
 
 private:
     // ResourceView
@@ -115,7 +119,6 @@ private:
     std::vector<Pipeline> pipelines_;                       // id - 1
     std::map<std::tuple<uint32_t, bool, bool>, VkRenderPass> renderPasses_;
     uint32_t lastId_ = 0;
-    FrameId lastRun_;
 };
 
 }  // namespace dpl::vk

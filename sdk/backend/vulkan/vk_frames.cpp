@@ -266,16 +266,16 @@ Status VulkanBackend::run(FrameId id) {
     if (it == frames_.end()) return fail(Code::InvalidArgument, "run of a frame that does not exist");
     Frame& frame = it->second;
     DPL_CHECK_OK(submitAndWait(frame.commandBuffer));
-    lastRun_ = id;
     if (frame.timestamps)
-        vkGetQueryPoolResults(device_->device, frame.timestamps, 0, uint32_t(frame.ticks.size()), frame.ticks.size() * 8, frame.ticks.data(), 8, VK_QUERY_RESULT_64_BIT);
+        frame.timed = vkGetQueryPoolResults(device_->device, frame.timestamps, 0, uint32_t(frame.ticks.size()), frame.ticks.size() * 8, frame.ticks.data(), 8,
+                                            VK_QUERY_RESULT_64_BIT) == VK_SUCCESS;
     return {};
 }
 
-std::vector<PassTime> VulkanBackend::passTimes() const {
+std::vector<PassTime> VulkanBackend::passTimes(FrameId id) const {
     std::vector<PassTime> times;
-    const auto it = frames_.find(lastRun_.value);
-    if (it == frames_.end() || !it->second.timestamps) return times;
+    const auto it = frames_.find(id.value);
+    if (it == frames_.end() || !it->second.timed) return times;
     const Frame& frame = it->second;
     const uint64_t mask = device_->timestampBits >= 64 ? ~0ull : (1ull << device_->timestampBits) - 1;
     for (size_t i = 0; i < frame.labels.size(); ++i)

@@ -37,6 +37,9 @@
 #define DPL_API __attribute__((visibility("default")))
 #endif
 
+/** Exported like DPL_API, but may still change before 1.0. */
+#define DPL_EXPERIMENTAL DPL_API
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -232,6 +235,30 @@ typedef struct DplImage {
 /** Draws the avatar in its present pose into 1 or 2 views and returns when the pixels are in the caller's memory.
  *  views and images: viewCount elements each. An avatar belongs to the context it was loaded with; another is an invalid argument. */
 DPL_API DplResult dplRender(DplContext context, DplAvatar avatar, const DplCamera* views, uint32_t viewCount, const DplImage* images);
+
+/* ---------------------------------------------------------------- measuring */
+
+/** What the avatar's last finished frame drew and cost. All but residentBytes is 0 before the first. */
+typedef struct DplFrameStats {
+    uint32_t structSize;
+    uint32_t viewCount;
+    uint32_t splatsDrawn;    /**< that some view shows; the CPU draws view by view and gives the largest of them */
+    uint32_t passCount;      /**< of dplGetPassTime; 0 on the CPU and on GPUs without timestamps */
+    uint64_t residentBytes;  /**< held for all avatars and frames of the context by what draws: graphics memory, or memory on the CPU */
+    double gpuMs;            /**< GPU time of the frame, the sum over its passes; 0 without timestamps */
+} DplFrameStats;
+
+/** Never waits for a frame that is still being drawn. */
+DPL_EXPERIMENTAL DplResult dplGetFrameStats(DplAvatar avatar, DplFrameStats* stats);
+
+typedef struct DplPassTime {
+    uint32_t structSize;
+    const char* label;       /**< "splat.project"; lives until the next dplGetFrameStats of the avatar */
+    double milliseconds;     /**< GPU time; a pass that runs in several rounds is listed once a round */
+} DplPassTime;
+
+/** pass < passCount of the last dplGetFrameStats of this avatar, else DPL_ERROR_NOT_FOUND; in the order in which they ran. */
+DPL_EXPERIMENTAL DplResult dplGetPassTime(DplAvatar avatar, uint32_t pass, DplPassTime* time);
 
 #ifdef __cplusplus
 }

@@ -124,6 +124,18 @@ public:
         if (const DplResult r = dplGetJointPositions(handle_, positions.data(), about->jointCount); r != DPL_OK) return lastError(r);
         return positions;
     }
+    Result<DplFrameStats> frameStats() const {
+        DplFrameStats stats{};
+        stats.structSize = sizeof stats;
+        if (const DplResult r = dplGetFrameStats(handle_, &stats); r != DPL_OK) return lastError(r);
+        return stats;
+    }
+    Result<DplPassTime> passTime(uint32_t pass) const {
+        DplPassTime time{};
+        time.structSize = sizeof time;
+        if (const DplResult r = dplGetPassTime(handle_, pass, &time); r != DPL_OK) return lastError(r);
+        return time;
+    }
     /** One image a view. */
     Status render(std::span<const DplCamera> views, std::span<const DplImage> images) const {
         if (views.size() != images.size()) return Error{DPL_ERROR_INVALID_ARGUMENT, "as many images as views are needed"};

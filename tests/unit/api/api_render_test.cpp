@@ -46,6 +46,27 @@ TEST_F(ApiTest, twoViewsAtOnceEqualEachAlone) {
     EXPECT_TRUE(std::any_of(both[0].begin(), both[0].end(), [](uint8_t b) { return b > 200; }));
 }
 
+TEST_F(ApiTest, statsOfTheLastFrameAreThereAfterIt) {
+    DplFrameStats stats{};
+    EXPECT_EQ(dplGetFrameStats(avatar_, &stats), DPL_ERROR_INVALID_ARGUMENT) << "structSize is not set";
+    stats.structSize = sizeof stats;
+    ASSERT_EQ(dplGetFrameStats(avatar_, &stats), DPL_OK) << dplGetLastError();
+    EXPECT_EQ(stats.viewCount, 0u);
+    EXPECT_EQ(stats.splatsDrawn, 0u);
+    EXPECT_GT(stats.residentBytes, 0u);
+    const DplCamera camera = frontCamera();
+    std::vector<uint8_t> pixels;
+    const DplImage image = imageFor(camera, pixels);
+    ASSERT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK);
+    ASSERT_EQ(dplGetFrameStats(avatar_, &stats), DPL_OK);
+    EXPECT_EQ(stats.viewCount, 1u);
+    EXPECT_GT(stats.splatsDrawn, 0u);
+    EXPECT_EQ(stats.passCount, 0u) << "the CPU has no GPU passes";
+    DplPassTime time{sizeof(DplPassTime), nullptr, 0};
+    EXPECT_EQ(dplGetPassTime(avatar_, 0, &time), DPL_ERROR_NOT_FOUND);
+    EXPECT_TRUE(errorSays("there is no pass 0"));
+}
+
 TEST_F(ApiTest, theBackOfSingleFaceSplatsIsInvisibleAndThePoseTurnsThem) {
     const DplCamera camera = frontCamera();
     std::vector<uint8_t> pixels;

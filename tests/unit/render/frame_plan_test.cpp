@@ -37,7 +37,7 @@ TEST(FramePlan, runsThePassesInOrder) {
     ASSERT_TRUE(status) << status.error().message;
     std::vector<std::string> want = {"begin", "pose.skin", "pose.triangles", "splat.project", "splat.colour", "compact.count", "compact.scan", "compact.args", "compact.scatter"};
     for (int round = 0; round < 4; ++round) want.insert(want.end(), {"sort.count", "sort.scan", "sort.scatter"});
-    want.insert(want.end(), {"draw.splats", "readback"});
+    want.insert(want.end(), {"draw.splats", "readback", "counts"});
     EXPECT_EQ(gpu.record->lastLabels, want);
 }
 
@@ -92,7 +92,7 @@ TEST(FramePlan, drawsAnEmptyAvatarWithoutWork) {
     ASSERT_TRUE(id) << id.error().message;
     const Status status = gpu.draw(*id);
     ASSERT_TRUE(status) << status.error().message;
-    EXPECT_EQ(gpu.record->lastLabels.size(), 5u);
+    EXPECT_EQ(gpu.record->lastLabels.size(), 6u);
 }
 
 TEST(FramePlan, worksOnDevicesWithoutMultiview) {
