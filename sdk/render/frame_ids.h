@@ -14,13 +14,13 @@ struct FrameIds {
     bool corrected = false;               // pose correctives: other vertex records, control nodes behind the joints in the palette
     bool layered = true, depth = false, halfColour = false;
 
-    // written by the CPU: at load, or (frame, palette) before each run
+    // written by the CPU: at load, or (frame, palette) before each frame
     BufferId frame, palette, vertices, triangles, splats, sh;
     // made by the GPU in each frame
     BufferId posed, triangleFrames, projected, sortDepth, blockSums, counts, pairs, pairsSwap, histogram;
     TargetId target;
-    // read by the CPU
-    BufferId colourPixels, depthPixels, finalCounts;
+    // read by the CPU, made by the first read-back
+    BufferId colourPixels, depthPixels;
 
     uint32_t compactBlocks() const { return (splatCount + gpu::kCompactBlock - 1) / gpu::kCompactBlock; }
     uint32_t maxSortBlocks() const { return (splatCount + gpu::kSortBlock - 1) / gpu::kSortBlock; }

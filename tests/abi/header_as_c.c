@@ -31,10 +31,10 @@ int main(void) {
         CHECK(sizeof(DplJointInfo) == 40 && offsetof(DplJointInfo, restPosition) == 28);
         CHECK(sizeof(DplClipInfo) == 32 && offsetof(DplClipInfo, durationS) == 16);
         CHECK(sizeof(DplClipOptions) == 24 && offsetof(DplClipOptions, animation) == 16);
-        CHECK(sizeof(DplFrameStats) == 32 && offsetof(DplFrameStats, residentBytes) == 16);
+        CHECK(sizeof(DplFrameStats) == 40 && offsetof(DplFrameStats, residentBytes) == 16);
         CHECK(sizeof(DplPassTime) == 24 && offsetof(DplPassTime, milliseconds) == 16);
     }
-    CHECK(sizeof(DplResult) == 4 && sizeof(DplRenderer) == 4);
+    CHECK(sizeof(DplResult) == 4 && sizeof(DplRenderer) == 4 && sizeof(DplDrawFlag) == 4);
 
     CHECK(dplGetVersion() == ((DPL_VERSION_MAJOR << 16) | (DPL_VERSION_MINOR << 8) | DPL_VERSION_PATCH));
     CHECK(strcmp(dplGetResultName(DPL_ERROR_VERSION), "DPL_ERROR_VERSION") == 0);

@@ -205,5 +205,6 @@ const Shader* VulkanBackend::shader(PipelineId id) const {
     return id.value == 0 || id.value > pipelines_.size() ? nullptr : pipelines_[id.value - 1].shader;
 }
 bool VulkanBackend::written(BufferId id) const { return buffers_.at(id.value).written; }
+bool VulkanBackend::drawn(TargetId id) const { return targets_.at(id.value).drawn; }
 
 }  // namespace dpl::vk

@@ -236,6 +236,21 @@ typedef struct DplImage {
  *  views and images: viewCount elements each. An avatar belongs to the context it was loaded with; another is an invalid argument. */
 DPL_API DplResult dplRender(DplContext context, DplAvatar avatar, const DplCamera* views, uint32_t viewCount, const DplImage* images);
 
+/* dplRender in two halves, for programs that draw every frame: dplDraw never waits for pixels. */
+
+typedef enum DplDrawFlag {
+    DPL_DRAW_DEPTH = 1,           /**< depth too; needed when dplReadImages is to give it */
+    DPL_DRAW_FORCE_INT32 = 0x7fffffff
+} DplDrawFlag;
+
+/** Starts drawing the avatar in its present pose and returns; on the CPU it draws here. From the fourth frame of a size, view count and
+ *  depth on it allocates nothing, and it waits only when three such frames are still being drawn (DplFrameStats::waits). The pose and the views are copied. */
+DPL_EXPERIMENTAL DplResult dplDraw(DplContext context, DplAvatar avatar, const DplCamera* views, uint32_t viewCount, uint32_t flags);
+
+/** Waits for the avatar's last dplDraw and writes its pixels to the caller's memory. viewCount as there. DPL_ERROR_INVALID_ARGUMENT: nothing
+ *  was drawn yet, another viewCount, an image too small, or depth that was not drawn. */
+DPL_EXPERIMENTAL DplResult dplReadImages(DplContext context, DplAvatar avatar, const DplImage* images, uint32_t viewCount);
+
 /* ---------------------------------------------------------------- measuring */
 
 /** What the avatar's last finished frame drew and cost. All but residentBytes is 0 before the first. */
@@ -245,6 +260,7 @@ typedef struct DplFrameStats {
     uint32_t splatsDrawn;    /**< that some view shows; the CPU draws view by view and gives the largest of them */
     uint32_t passCount;      /**< of dplGetPassTime; 0 on the CPU and on GPUs without timestamps */
     uint64_t residentBytes;  /**< held for all avatars and frames of the context by what draws: graphics memory, or memory on the CPU */
+    uint64_t waits;          /**< since the context was made: how often drawing found three frames in flight and waited for the first */
     double gpuMs;            /**< GPU time of the frame, the sum over its passes; 0 without timestamps */
 } DplFrameStats;
 

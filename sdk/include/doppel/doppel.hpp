@@ -142,6 +142,10 @@ public:
         return status(dplRender(context_, handle_, views.data(), uint32_t(views.size()), images.data()));
     }
 
+    /** The two halves of render(). flags: DplDrawFlag. */
+    Status draw(std::span<const DplCamera> views, uint32_t flags = 0) const { return status(dplDraw(context_, handle_, views.data(), uint32_t(views.size()), flags)); }
+    Status readImages(std::span<const DplImage> images) const { return status(dplReadImages(context_, handle_, images.data(), uint32_t(images.size()))); }
+
 private:
     DplContext context_ = nullptr;
     DplAvatar handle_ = nullptr;

@@ -67,6 +67,28 @@ TEST_F(ApiTest, statsOfTheLastFrameAreThereAfterIt) {
     EXPECT_TRUE(errorSays("there is no pass 0"));
 }
 
+TEST_F(ApiTest, drawAndReadAreTheHalvesOfRender) {
+    const DplCamera cameras[2] = {frontCamera(64, 48, 0.03f), frontCamera(64, 48, -0.03f)};
+    std::vector<uint8_t> whole[2], halves[2];
+    std::vector<float> depth[2], halvesDepth[2];
+    const DplImage images[2] = {imageFor(cameras[0], whole[0], &depth[0]), imageFor(cameras[1], whole[1], &depth[1])};
+    const DplImage read[2] = {imageFor(cameras[0], halves[0], &halvesDepth[0]), imageFor(cameras[1], halves[1], &halvesDepth[1])};
+    EXPECT_EQ(dplReadImages(context_, avatar_, read, 2), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(errorSays("nothing was drawn")) << dplGetLastError();
+    ASSERT_EQ(dplRender(context_, avatar_, cameras, 2, images), DPL_OK) << dplGetLastError();
+    ASSERT_EQ(dplDraw(context_, avatar_, cameras, 2, DPL_DRAW_DEPTH), DPL_OK) << dplGetLastError();
+    ASSERT_EQ(dplReadImages(context_, avatar_, read, 2), DPL_OK) << dplGetLastError();
+    for (int v = 0; v < 2; ++v) {
+        EXPECT_EQ(whole[v], halves[v]);
+        EXPECT_EQ(depth[v], halvesDepth[v]);
+    }
+    EXPECT_EQ(dplReadImages(context_, avatar_, read, 1), DPL_ERROR_INVALID_ARGUMENT) << "a frame with two views";
+    ASSERT_EQ(dplDraw(context_, avatar_, cameras, 2, 0), DPL_OK);
+    EXPECT_EQ(dplReadImages(context_, avatar_, read, 2), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(errorSays("DPL_DRAW_DEPTH")) << dplGetLastError();
+    EXPECT_EQ(dplDraw(context_, avatar_, cameras, 2, 2), DPL_ERROR_INVALID_ARGUMENT) << "an unknown flag";
+}
+
 TEST_F(ApiTest, theBackOfSingleFaceSplatsIsInvisibleAndThePoseTurnsThem) {
     const DplCamera camera = frontCamera();
     std::vector<uint8_t> pixels;
