@@ -234,6 +234,42 @@ TEST(VulkanImage, framesInFlightDrawWhatFramesAloneDraw) {
     vulkan.renderer->removeAvatar(*first);  // while it is drawn
 }
 
+/** The tube without its last splats. */
+AvatarData tubeOf(uint32_t count, TubeOptions options) {
+    AvatarData a = makeTube(options);
+    SplatData& s = a.splats;
+    s.uv.resize(count), s.phi.resize(count), s.scaleM.resize(count), s.opacity.resize(count), s.flags.resize(count);
+    s.sh.resize(count * shCoefficientCount(s.shDegree) * 3);
+    for (uint32_t& start : s.triangleStart) start = std::min(start, count);
+    return a;
+}
+
+// Lists cannot overflow: each has one entry a splat (docs/adr/0002). The worst case is a frame in which every splat is seen by every view, at
+// counts that fill the blocks of compaction and sort exactly, and one more or less.
+TEST(VulkanImage, everyListHoldsAFrameThatShowsEverySplat) {
+    TestVulkan vulkan(withPreciseBlending());
+    DPL_NEED_VULKAN(vulkan);
+    const Cameraf views[2] = {tubeCamera(160, 144, 0.3f, 1.6f, -0.03f), tubeCamera(160, 144, 0.3f, 1.6f, 0.03f)};
+    for (const uint32_t count : {gpu::kSortBlock - 1, gpu::kSortBlock, gpu::kSortBlock + 1, 2 * gpu::kSortBlock, gpu::kCompactBlock + 1, 1u}) {
+        const auto avatar = share(tubeOf(count, {.splatsPerTriangle = 32, .rings = 4, .singleFace = false, .colourSpread = 0.3f}));
+        auto id = vulkan.renderer->addAvatar(avatar);
+        ASSERT_TRUE(id) << id.error().message;
+        for (const size_t viewCount : {size_t(1), size_t(2)}) {
+            std::vector<RenderedView> out(viewCount);
+            const Status status = vulkan.renderer->render(*id, tubePose(0.3f), {views, viewCount}, false, out);
+            ASSERT_TRUE(status) << status.error().message;
+            auto stats = vulkan.renderer->stats(*id);
+            ASSERT_TRUE(stats) << stats.error().message;
+            EXPECT_EQ(stats->splatsDrawn, count) << viewCount << " views";
+            for (size_t v = 0; v < viewCount; ++v) {
+                const Difference d = compare(out[v], renderReference(*avatar, tubePose(0.3f), referenceCamera(views[v])));
+                EXPECT_GE(d.psnrDb, kMinPsnrDb) << count << " splats, view " << v << " of " << viewCount;
+            }
+        }
+        vulkan.renderer->removeAvatar(*id);
+    }
+}
+
 TEST(VulkanImage, drawsNothingForAnEmptyAvatarAndOneSplatForOne) {
     TestVulkan vulkan;
     DPL_NEED_VULKAN(vulkan);
