@@ -16,7 +16,7 @@ namespace {
 
 struct BenchOptions {
     std::filesystem::path avatar, jsonFile;
-    std::vector<std::string> renderers = {"software", "vulkan"};
+    std::vector<std::string> renderers = {"software", "vulkan", "vulkan-without-culling"};
     std::string clip;
     double timeS = 0;
     uint32_t repeats = 11, threadCount = 0;
@@ -26,9 +26,10 @@ struct BenchOptions {
 struct BenchCase {
     const char* name;
     uint32_t widthPx, heightPx, viewCount;
+    bool portrait = false;   // head and shoulders only
 };
 
-constexpr BenchCase kCases[] = {{"scan 378x504", 378, 504, 1}, {"phone 945x2048", 945, 2048, 1}, {"headset 1920x1824 stereo", 1920, 1824, 2}};
+constexpr BenchCase kCases[] = {{"scan 378x504", 378, 504, 1}, {"phone 945x2048", 945, 2048, 1}, {"portrait 945x945", 945, 945, 1, true}, {"headset 1920x1824 stereo", 1920, 1824, 2}};
 constexpr uint32_t kWarmUp = 2;  // rounds that are not timed
 
 /** Times of one pass, in milliseconds, a sample a frame; rounds of the sort are summed. */
@@ -64,7 +65,8 @@ double finiteDb(double db) { return std::isfinite(db) ? db : 999; }
 Result<std::vector<Contestant>> contestants(const BenchOptions& options, std::span<const uint8_t> bytes, const BenchCase& test) {
     std::vector<Contestant> list;
     for (const std::string& name : options.renderers) {
-        auto context = doppel::Context::create(name == "vulkan" ? DPL_RENDERER_VULKAN : DPL_RENDERER_SOFTWARE, options.threadCount);
+        const bool all = name == "vulkan-without-culling";
+        auto context = doppel::Context::create(name == "software" ? DPL_RENDERER_SOFTWARE : DPL_RENDERER_VULKAN, options.threadCount, all ? DPL_CONTEXT_WITHOUT_CULLING : 0);
         if (!context) {
             std::fprintf(stderr, "doppel: %s is left out: %s\n", name.c_str(), context.error().message.c_str());
             continue;
@@ -75,7 +77,7 @@ Result<std::vector<Contestant>> contestants(const BenchOptions& options, std::sp
             DPL_TRY(const uint32_t clip, chooseClip(*avatar, options.clip));
             if (auto set = avatar->setPoseFromClip(clip, options.timeS, true); !set) return fromSdk(set.error());
         }
-        Contestant c{context->rendererName(), std::move(*context), std::move(*avatar), {}, {}, {}, {}, {}, {}, {}, {}};
+        Contestant c{context->rendererName() + (all ? ", no culling" : ""), std::move(*context), std::move(*avatar), {}, {}, {}, {}, {}, {}, {}, {}};
         c.pixels.assign(test.viewCount, std::vector<uint8_t>(size_t(test.widthPx) * test.heightPx * 4));
         for (std::vector<uint8_t>& pixels : c.pixels) {
             DplImage image{};
@@ -91,7 +93,9 @@ Result<std::vector<Contestant>> contestants(const BenchOptions& options, std::sp
 }
 
 std::vector<Cameraf> casesViews(const BenchCase& test, const DplAvatarInfo& info) {
-    const Cameraf centre = frameAvatar(info, test.widthPx, test.heightPx, 0.4);
+    constexpr float kZoom = 4, kHeadAbove = 0.36f;  // of the picture's height, before zooming
+    Cameraf centre = frameAvatar(info, test.widthPx, test.heightPx, 0.4);
+    if (test.portrait) centre.fx *= kZoom, centre.fy *= kZoom, centre.cy += kZoom * kHeadAbove * float(test.heightPx);
     if (test.viewCount == 1) return {centre};
     return {shiftedSideways(centre, -kEyeDistanceM / 2), shiftedSideways(centre, kEyeDistanceM / 2)};
 }
@@ -153,19 +157,20 @@ Status measureErrors(std::vector<Contestant>& list, std::span<const Cameraf> vie
 std::string frameRow(const BenchCase& test, const Contestant& c, uint32_t splatCount, bool compared) {
     char row[400];
     const double gpu = percentile(c.gpuMilliseconds, 0.5);
-    std::snprintf(row, sizeof row, "| %s | %s | %.2f | %.2f | %.2f | %s | %s | %s | %s | %u of %u | %.1f |\n", test.name, c.name.c_str(), percentile(c.milliseconds, 0.5),
+    std::snprintf(row, sizeof row, "| %s | %s | %.2f | %.2f | %.2f | %s | %s | %s | %s | %s%u | %.1f |\n", test.name, c.name.c_str(), percentile(c.milliseconds, 0.5),
                   percentile(c.milliseconds, 0.95), percentile(c.drawMilliseconds, 0.5), gpu > 0 ? formatText("{}", std::round(gpu * 100) / 100).c_str() : "–", compared ? decibelText(c.error.psnrDb()).c_str() : "–",
                   compared ? decibelText(c.error.coveredPsnrDb()).c_str() : "–", compared ? formatText("{}", std::round(c.error.maxLevels * 10) / 10).c_str() : "–",
-                  c.stats.splatsDrawn, splatCount, double(c.stats.residentBytes) / (1 << 20));
+                  c.stats.splatsInView > 0 ? formatText("{} → {} → {} → ", splatCount, c.stats.splatsInView, c.stats.splatsFacing).c_str() : formatText("{} → ", splatCount).c_str(),
+                  c.stats.splatsDrawn, double(c.stats.residentBytes) / (1 << 20));
     return row;
 }
 
 std::string jsonLines(const BenchCase& test, const Contestant& c, uint32_t splatCount, bool compared) {
     char line[600];
     std::string out;
-    std::snprintf(line, sizeof line, "{\"case\":\"%s\",\"views\":%u,\"width_px\":%u,\"height_px\":%u,\"device\":\"%s\",\"ms_p50\":%.3f,\"ms_p95\":%.3f,\"draw_ms_p50\":%.3f,\"splats\":%u,\"splats_drawn\":%u,\"resident_bytes\":%llu",
+    std::snprintf(line, sizeof line, "{\"case\":\"%s\",\"views\":%u,\"width_px\":%u,\"height_px\":%u,\"device\":\"%s\",\"ms_p50\":%.3f,\"ms_p95\":%.3f,\"draw_ms_p50\":%.3f,\"splats\":%u,\"splats_in_view\":%u,\"splats_facing\":%u,\"splats_drawn\":%u,\"resident_bytes\":%llu",
                   test.name, test.viewCount, test.widthPx, test.heightPx, c.name.c_str(), percentile(c.milliseconds, 0.5), percentile(c.milliseconds, 0.95),
-                  percentile(c.drawMilliseconds, 0.5), splatCount, c.stats.splatsDrawn, static_cast<unsigned long long>(c.stats.residentBytes));
+                  percentile(c.drawMilliseconds, 0.5), splatCount, c.stats.splatsInView, c.stats.splatsFacing, c.stats.splatsDrawn, static_cast<unsigned long long>(c.stats.residentBytes));
     out += line;
     if (compared) {
         std::snprintf(line, sizeof line, ",\"psnr_db\":%.2f,\"covered_psnr_db\":%.2f,\"max_error_levels\":%.2f", finiteDb(c.error.psnrDb()), finiteDb(c.error.coveredPsnrDb()), c.error.maxLevels);
@@ -239,7 +244,7 @@ Status bench(const BenchOptions& options) {
         }
     }
     std::printf("%s: %u splats, %zu bytes in the file\n\n"
-                "| case | renderer | ms | p95 | dplDraw ms | GPU ms | PSNR | covered pixels | max error, levels | splats drawn | resident MiB |\n|---|---|---|---|---|---|---|---|---|---|---|\n%s",
+                "| case | renderer | ms | p95 | dplDraw ms | GPU ms | PSNR | covered pixels | max error, levels | splats → in view → facing → drawn | resident MiB |\n|---|---|---|---|---|---|---|---|---|---|---|\n%s",
                 options.avatar.c_str(), splatCount, bytes.size(), frames.c_str());
     for (const PassTable& table : passes) std::printf("%s", table.text().c_str());
     std::printf("\nms: dplDraw and dplReadImages together, pictures in memory; median and 95th percentile of %u. dplDraw ms: what an app's thread pays. GPU ms: the frame's passes by the device's clock. PSNR and max error: against the\n"
@@ -254,7 +259,7 @@ void addBenchCommand(CLI::App& app, CommandRun& run) {
     auto options = std::make_shared<BenchOptions>();
     CLI::App* command = app.add_subcommand("bench", "Time an avatar on every renderer and measure its pictures against the double-precision reference");
     command->add_option("avatar", options->avatar, "Avatar file (.glb)")->required();
-    command->add_option("--renderers", options->renderers, "Which to race")->check(CLI::IsMember({"software", "vulkan"}))->capture_default_str();
+    command->add_option("--renderers", options->renderers, "Which to race")->check(CLI::IsMember({"software", "vulkan", "vulkan-without-culling"}))->capture_default_str();
     command->add_option("--clip", options->clip, "Pose: a clip of the avatar by name, or a BVH or glTF file (default: the rest pose)");
     command->add_option("--time", options->timeS, "Pose: time in the clip, seconds")->check(CLI::Range(0.0, 1e6));
     command->add_option("--repeats", options->repeats, "Timed frames a case")->check(CLI::Range(1, 1000))->capture_default_str();

@@ -186,6 +186,8 @@ extern "C" DplResult dplGetFrameStats(DplAvatar avatar, DplFrameStats* stats) {
         DplFrameStats out{};
         out.viewCount = found->stats.views;
         out.splatsDrawn = found->stats.splatsDrawn;
+        out.trianglesInView = found->stats.trianglesInView, out.trianglesFacing = found->stats.trianglesFacing;
+        out.splatsInView = found->stats.splatsInView, out.splatsFacing = found->stats.splatsFacing;
         out.passCount = uint32_t(found->stats.passes.size());
         out.residentBytes = found->stats.residentBytes;
         out.waits = found->stats.waits;

@@ -13,6 +13,7 @@ struct FrameIds {
     uint32_t jointCount = 0;
     bool corrected = false;               // pose correctives: other vertex records, control nodes behind the joints in the palette
     bool layered = true, depth = false, halfColour = false;
+    bool cull = true;                     // triangles out of view or turned away
 
     // written by the CPU: at load, or (frame, palette) before each frame
     BufferId frame, palette, vertices, triangles, splats, sh;

@@ -40,8 +40,8 @@ Status checkViews(std::span<const Cameraf> views) {
 
 }  // namespace
 
-GpuRenderer::GpuRenderer(std::unique_ptr<Backend> backend, std::string name, bool preciseBlending)
-    : backend_(std::move(backend)), name_(std::move(name)), preciseBlending_(preciseBlending) {}
+GpuRenderer::GpuRenderer(std::unique_ptr<Backend> backend, std::string name, bool preciseBlending, bool cullTriangles)
+    : backend_(std::move(backend)), name_(std::move(name)), preciseBlending_(preciseBlending), cullTriangles_(cullTriangles) {}
 
 GpuRenderer::~GpuRenderer() {
     for (auto& [id, avatar] : avatars_) freeAvatar(avatar);
@@ -112,6 +112,7 @@ Status GpuRenderer::build(const LoadedAvatar& a, ShapedFrame& f) {
     ids.heightPx = f.shape.heightPx;
     ids.depth = f.shape.depth;
     ids.halfColour = preciseBlending_;
+    ids.cull = cullTriangles_;
     DPL_TRY(ids.target, backend_->createTarget({ids.widthPx, ids.heightPx, ids.viewCount, ids.depth, ids.layered, ids.halfColour}));
     DPL_TRY(ids.projected, makeBuffer(f.owned, "projected", uint64_t(ids.splatCount) * ids.viewCount * sizeof(gpu::ProjectedSplat)));
     for (Slot& slot : f.slots) { DPL_CHECK_OK(buildSlot(a, f, slot)); }
@@ -264,6 +265,8 @@ Result<FrameStats> GpuRenderer::stats(RenderAvatarId id) {
             gpu::FrameCounts counts;
             std::memcpy(&counts, backend_->mapped(slot.finalCounts).data(), sizeof(counts));
             stats.views = frame.shape.views;
+            stats.trianglesInView = counts.trianglesInView, stats.trianglesFacing = counts.trianglesFacing;
+            stats.splatsInView = counts.splatsInView, stats.splatsFacing = counts.splatsFacing;
             stats.splatsDrawn = counts.visible;
             stats.passes = backend_->passTimes(slot.draw);
             if (frame.lastRead == slot.number)

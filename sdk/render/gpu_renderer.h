@@ -16,7 +16,7 @@ namespace dpl {
 class GpuRenderer final : public Renderer {
 public:
     /** `name` is what name() says. */
-    GpuRenderer(std::unique_ptr<Backend> backend, std::string name, bool preciseBlending = false);
+    GpuRenderer(std::unique_ptr<Backend> backend, std::string name, bool preciseBlending = false, bool cullTriangles = true);
     ~GpuRenderer() override;
 
     std::string name() const override { return name_; }
@@ -72,7 +72,7 @@ private:
 
     std::unique_ptr<Backend> backend_;
     std::string name_;
-    bool preciseBlending_;
+    bool preciseBlending_, cullTriangles_;
     std::map<RenderAvatarId, LoadedAvatar> avatars_;
     std::vector<Mat3x4f> worldFromRest_;   // of the last pose, as are these
     std::vector<float> coefficients_;

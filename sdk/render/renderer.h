@@ -32,6 +32,8 @@ struct RenderedView {
 /** What the last finished frame of an avatar drew and cost; zeros before the first. */
 struct FrameStats {
     uint32_t views = 0;
+    uint32_t trianglesInView = 0, trianglesFacing = 0;  // survivors of each tier, splats with their triangles; 0 on the CPU, which has no tiers
+    uint32_t splatsInView = 0, splatsFacing = 0;
     uint32_t splatsDrawn = 0;          // that some view shows
     std::vector<PassTime> passes;      // GPU time in the order they ran, rounds of the sort one by one; empty without timestamps
     uint64_t residentBytes = 0;        // of all avatars and frames of the renderer, on the side that draws

@@ -7,7 +7,7 @@ namespace dpl {
 Result<std::unique_ptr<Renderer>> createVulkanRenderer(const VulkanOptions& options) {
     DPL_TRY(auto backend, createVulkanBackend(options));
     std::string name = "vulkan (" + backend->info().name + ")";
-    return std::unique_ptr<Renderer>(std::make_unique<GpuRenderer>(std::move(backend), std::move(name), options.preciseBlending));
+    return std::unique_ptr<Renderer>(std::make_unique<GpuRenderer>(std::move(backend), std::move(name), options.preciseBlending, options.cullTriangles));
 }
 
 }  // namespace dpl

@@ -52,11 +52,15 @@ struct TriangleRecord {       // static, per triangle; frame and D⁻¹ of the r
     vec4 restT2;              // w: i01
     vec4 restNormal;          // w: i11
     uvec4 corners;            // vertex indices; w: 1 = valid at rest
+    float reach;              // largest √level · standard deviation of its splats, metres at rest; level = 2 ln(255 α): farther out they are below 1/255
+    float rootLevel;          // largest √level
+    uint freeSplats;          // that show both faces
+    uint gatedSplats;         // that show one
 };
-DPL_SHARED_SIZE(TriangleRecord, 64)
+DPL_SHARED_SIZE(TriangleRecord, 80)
 
-struct TriangleFrame {        // per triangle and frame; w components carry the valid flag, the unit normal and brightness
-    vec4 v0;                  // w: 1 = draw its splats
+struct TriangleFrame {        // per triangle and frame; w components carry who sees it, the unit normal and brightness
+    vec4 v0;                  // w: kShowsFree << view, kShowsGated << view: which of its splats which view may show; a whole number
     vec4 v1;                  // w: normal x
     vec4 v2;                  // w: normal y
     vec4 f0;                  // first column of F; w: normal z
@@ -88,18 +92,20 @@ DPL_SHARED_SIZE(ProjectedSplat, 48)
 struct FrameCounts {          // written by the GPU for itself; the indirect arguments live inside
     uint visible;             // survivors of culling, all views together
     uint sortBlocks;          // ceil(visible / kSortBlock)
-    uint pad0, pad1;
+    uint trianglesInView;     // that carry splats and touch some view
+    uint trianglesFacing;     // of these, with splats that are not all turned away
     uint sortGroupsX, sortGroupsY, sortGroupsZ;  // VkDispatchIndirectCommand
     uint pad2;
     uint drawVertices, drawInstances, drawFirstVertex, drawFirstInstance;  // VkDrawIndirectCommand
     uint depthMaxBits;        // posed bounds along the sort axis, order-preserving float bits (lib/order.glsl)
     uint depthMinBitsInverted;
-    uint pad3, pad4;
+    uint splatsInView;        // on trianglesInView
+    uint splatsFacing;        // of these, not turned away: the splats that are projected
 };
 DPL_SHARED_SIZE(FrameCounts, 64)
 
 struct VertexPush { uint vertexCount; uint firstNode; };  // control nodes in the palette, behind the joints' rows
-struct TrianglePush { uint triangleCount; };
+struct TrianglePush { uint triangleCount; uint viewCount; uint cull; };  // cull 0: every valid triangle is shown
 struct SplatPush { uint splatCount; uint viewCount; };
 struct ColourPush { uint splatCount; uint viewCount; uint shDegree; uint shStride; };  // stride in floats per splat
 struct CompactPush { uint splatCount; uint blockCount; };

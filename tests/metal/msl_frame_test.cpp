@@ -80,7 +80,8 @@ MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Ca
     void* vertices = corrected ? static_cast<void*>(records.correctedVertices.data()) : records.vertices.data();
     run(corrected ? msl_skin_corrected : msl_skin, groupsFor(posed.size(), gpu::kVertexGroup), order, {&frame, palette.data(), vertices, posed.data(), &out.counts},
         gpu::VertexPush{uint32_t(posed.size()), uint32_t(3 * joints.size())});
-    run(msl_triangles, groupsFor(frames.size(), gpu::kVertexGroup), order, {records.triangles.data(), posed.data(), frames.data()}, gpu::TrianglePush{uint32_t(frames.size())});
+    run(msl_triangles, groupsFor(frames.size(), gpu::kVertexGroup), order, {&frame, records.triangles.data(), posed.data(), frames.data(), &out.counts},
+        gpu::TrianglePush{uint32_t(frames.size()), viewCount, 1});
     run(msl_project, groupsFor(splats, gpu::kSplatGroup), order, {&frame, records.splats.data(), frames.data(), out.projected.data(), depth.data()}, gpu::SplatPush{splats, viewCount});
     const uint32_t degree = avatar.splats.shDegree;
     run(corrected ? msl_colour_lit : msl_colour, groupsFor(splats, gpu::kSplatGroup), order, {&frame, records.splats.data(), frames.data(), sh.data(), out.projected.data()},
@@ -127,6 +128,9 @@ void expectKernelsMatchTheReference(const AvatarData& avatar) {
         const MslFrame f = runFrame(avatar, pose, views, order);
         ASSERT_GT(f.counts.visible, 1000u);
         EXPECT_EQ(f.counts.drawInstances, f.counts.visible);
+        EXPECT_EQ(f.counts.splatsInView, avatar.splats.count()) << "the whole tube is in view";
+        EXPECT_LT(f.counts.splatsFacing, f.counts.splatsInView) << "single-face splats at the back are gone before projection";
+        EXPECT_LE(f.counts.visible, f.counts.splatsFacing);
         if (order == 0) first = f;
         EXPECT_EQ(0, std::memcmp(f.sorted.data(), first.sorted.data(), f.sorted.size() * 8)) << "lane order " << order;
         EXPECT_EQ(0, std::memcmp(f.projected.data(), first.projected.data(), f.projected.size() * sizeof(gpu::ProjectedSplat)));

@@ -102,10 +102,16 @@ typedef enum DplRenderer {
     DPL_RENDERER_FORCE_INT32 = 0x7fffffff
 } DplRenderer;
 
+typedef enum DplContextFlag {
+    DPL_CONTEXT_WITHOUT_CULLING = 1, /**< for measuring: the GPU projects the splats of triangles that are out of view or turned away too; same pictures */
+    DPL_CONTEXT_FORCE_INT32 = 0x7fffffff
+} DplContextFlag;
+
 typedef struct DplContextInfo {
     uint32_t structSize;
     DplRenderer renderer;
     uint32_t threadCount; /**< CPU threads, the caller's included; 0: one a core. At most 256. Pictures do not depend on it. */
+    uint32_t flags;       /**< DplContextFlag, or-ed */
 } DplContextInfo;
 
 /** Makes a context: a renderer and its threads. info NULL: all defaults. Free it with dplDestroyContext.
@@ -258,6 +264,8 @@ typedef struct DplFrameStats {
     uint32_t structSize;
     uint32_t viewCount;
     uint32_t splatsDrawn;    /**< that some view shows; the CPU draws view by view and gives the largest of them */
+    uint32_t trianglesInView, trianglesFacing; /**< survivors on the GPU: triangles with splats that touch a view; of these, with splats not turned away */
+    uint32_t splatsInView, splatsFacing;       /**< the splats on them; the last are projected. On the CPU these four are 0 */
     uint32_t passCount;      /**< of dplGetPassTime; 0 on the CPU and on GPUs without timestamps */
     uint64_t residentBytes;  /**< held for all avatars and frames of the context by what draws: graphics memory, or memory on the CPU */
     uint64_t waits;          /**< since the context was made: how often drawing found three frames in flight and waited for the first */

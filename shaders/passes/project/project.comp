@@ -15,14 +15,21 @@ layout(push_constant) uniform PushBlock { SplatPush push; };
 void main() {
     uint index = gl_GlobalInvocationID.x;
     if (index >= push.splatCount) return;
+    uint parent = splats[index].triangleAndFlags & kTriangleMask;
+    bool gated = ((splats[index].triangleAndFlags >> kFlagShift) & kGateFlag) != 0u;
+    vec4 v0 = triangles[parent].v0;
+    uint shown = uint(v0.w) & (gated ? 3u * kShowsGated : 3u * kShowsFree);
+    if (shown == 0u) {  // its triangle is in no view, or turned away: nothing else of it is read
+        for (uint v = 0u; v < push.viewCount; ++v) projected[index * push.viewCount + v].opacity = 0.0;
+        sortDepth[index] = kInvisibleKey;
+        return;
+    }
     SplatRecord s = splats[index];
-    uint parent = s.triangleAndFlags & kTriangleMask;
-    vec4 v0 = triangles[parent].v0, v1 = triangles[parent].v1, v2 = triangles[parent].v2;
+    vec4 v1 = triangles[parent].v1, v2 = triangles[parent].v2;
     vec4 f0 = triangles[parent].f0, f1 = triangles[parent].f1;
     vec3 normal = vec3(v1.w, v2.w, f0.w);
     vec3 centre = (1.0 - s.uv.x - s.uv.y) * v0.xyz + s.uv.x * v1.xyz + s.uv.y * v2.xyz;
     vec3 axis1 = s.s1Cos * f0.xyz + s.s1Sin * f1.xyz, axis2 = s.s2Cos * f1.xyz - s.s2Sin * f0.xyz;
-    bool gated = ((s.triangleAndFlags >> kFlagShift) & kGateFlag) != 0u;
     bool seen = false;
     for (uint v = 0u; v < push.viewCount; ++v) {
         ViewData view = frame.views[v];
@@ -31,7 +38,7 @@ void main() {
         p.centrePx = p.radiusPx = vec2(0.0);
         p.conicA = p.conicB = p.conicC = 0.0;
         p.colour = vec4(0.0);
-        if (v0.w != 0.0) {
+        if ((shown & ((kShowsFree | kShowsGated) << v)) != 0u) {
             Footprint f = dplProject(view, dplToView(view, centre), dplRotateToView(view, axis1), dplRotateToView(view, axis2), frame.target.z);
             if (f.visible) {
                 float opacity = s.opacity * dplNearFade(f.depthM);

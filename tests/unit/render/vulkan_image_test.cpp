@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "tests/reference/image_compare.h"
+#include "tests/reference/random_avatar.h"
 #include "tests/reference/reference_renderer.h"
 #include "shaders/shared/frame.h"
 #include "tests/unit/format/sample_correctives.h"
@@ -22,6 +23,14 @@ constexpr double kMinBytePsnrDb = 46;
 VulkanOptions withPreciseBlending() {
     VulkanOptions options = testVulkanOptions();
     options.preciseBlending = true;
+    return options;
+}
+
+/** The same, but 8-bit blending where lavapipe 22.3.6 crashes in its own code on f16 targets: with vectors of 512 bits. For tests that run at every width. */
+VulkanOptions withPreciseBlendingOfAnyWidth() {
+    VulkanOptions options = withPreciseBlending();
+    const char* width = std::getenv("LP_NATIVE_VECTOR_WIDTH");
+    if (width && std::string(width) == "512") options.preciseBlending = false;
     return options;
 }
 
@@ -234,6 +243,67 @@ TEST(VulkanImage, framesInFlightDrawWhatFramesAloneDraw) {
     vulkan.renderer->removeAvatar(*first);  // while it is drawn
 }
 
+/** A view of part of the subject at (0, middle, 0): from near or far, past it, off-axis, with any lens. */
+Cameraf randomView(std::mt19937& random, float middle) {
+    std::uniform_real_distribution<float> uniform(0, 1);
+    const auto around = [&](float reach) { return reach * Vec3f(2 * uniform(random) - 1, 2 * uniform(random) - 1, 2 * uniform(random) - 1); };
+    const Vec3f target = Vec3f(0, middle, 0) + around(0.4f);
+    const float azimuth = 6.2831853f * uniform(random), distance = 0.35f + 1.6f * uniform(random);
+    const Vec3f eye = target + distance * Vec3f(std::sin(azimuth), 0.6f * uniform(random) - 0.3f, std::cos(azimuth));
+    Cameraf c = lookAt(eye, target, 140, 112, 70 + 400 * uniform(random) * uniform(random));
+    c.cx += 60 * (uniform(random) - 0.5f), c.cy += 60 * (uniform(random) - 0.5f);
+    return c;
+}
+
+// Culling only leaves out what no view shows: the same bytes with and without it, and the referee's picture.
+TEST(VulkanImage, cullingLosesNoVisibleSplat) {
+    VulkanOptions options = withPreciseBlendingOfAnyWidth(), without = withPreciseBlendingOfAnyWidth();
+    without.cullTriangles = false;
+    TestVulkan culling(options), projectingAll(without);
+    DPL_NEED_VULKAN(culling);
+    const double minPsnrDb = options.preciseBlending ? kMinPsnrDb : kMinBytePsnrDb;
+    std::mt19937 random(5);
+    uint64_t splats = 0, inView = 0, facing = 0, drawn = 0;
+    double worstDb = 1000;
+    for (int round = 0; round < 12; ++round) {
+        const bool blob = round % 2 == 0;
+        AvatarData data = blob ? randomAvatar(uint32_t(round) + 1, 8, 4, 1) : test::withCorrectives(makeTube({.shDegree = 1, .colourSpread = 0.3f}), uint32_t(round));
+        if (blob) for (float& c : data.splats.sh) c *= 0.3f;  // neighbours of a person agree; ties of the 16-bit key are not what this test is about
+        const auto avatar = share(std::move(data));
+        const Pose pose = blob ? randomPose(*avatar, uint32_t(round)) : tubePose(1.5f * std::sin(float(round)), float(round));
+        const Cameraf first = randomView(random, blob ? 1 : 0.5f);
+        Cameraf second = first;
+        second.viewFromWorldTranslation.x -= 0.06f;
+        const Cameraf views[2] = {first, second};
+        const size_t viewCount = round % 3 == 0 ? 2 : 1;
+        std::vector<RenderedView> culled(viewCount), all(viewCount);
+        auto id = culling.renderer->addAvatar(avatar), allId = projectingAll.renderer->addAvatar(avatar);
+        ASSERT_TRUE(id && allId);
+        ASSERT_TRUE(culling.renderer->render(*id, pose, {views, viewCount}, true, culled));
+        ASSERT_TRUE(projectingAll.renderer->render(*allId, pose, {views, viewCount}, true, all));
+        auto stats = culling.renderer->stats(*id), allStats = projectingAll.renderer->stats(*allId);
+        ASSERT_TRUE(stats && allStats);
+        EXPECT_EQ(stats->splatsDrawn, allStats->splatsDrawn) << "round " << round;
+        EXPECT_LE(stats->splatsDrawn, stats->splatsFacing);
+        EXPECT_LE(stats->splatsFacing, stats->splatsInView);
+        splats += avatar->splats.count(), inView += stats->splatsInView, facing += stats->splatsFacing, drawn += stats->splatsDrawn;
+        for (size_t v = 0; v < viewCount; ++v) {
+            EXPECT_TRUE(culled[v].rgba == all[v].rgba && culled[v].depthM == all[v].depthM) << "round " << round << ", view " << v;
+            const Difference d = compare(culled[v], renderReference(*avatar, pose, referenceCamera(views[v])));
+            worstDb = std::min({worstDb, d.psnrDb, d.alphaPsnrDb});
+            EXPECT_GE(d.psnrDb, minPsnrDb) << "round " << round << ", view " << v;
+            EXPECT_GE(d.alphaPsnrDb, minPsnrDb) << "round " << round << ", view " << v;
+        }
+        culling.renderer->removeAvatar(*id);
+        projectingAll.renderer->removeAvatar(*allId);
+    }
+    std::printf("[ SURVIVORS] %llu splats, %llu in view, %llu facing, %llu drawn; worst %.1f dB\n", static_cast<unsigned long long>(splats), static_cast<unsigned long long>(inView),
+                static_cast<unsigned long long>(facing), static_cast<unsigned long long>(drawn), worstDb);
+    EXPECT_LT(inView, splats * 9 / 10);
+    EXPECT_LT(facing, inView * 9 / 10);
+    EXPECT_GT(drawn, splats / 20);
+}
+
 /** The tube without its last splats. */
 AvatarData tubeOf(uint32_t count, TubeOptions options) {
     AvatarData a = makeTube(options);
@@ -247,7 +317,8 @@ AvatarData tubeOf(uint32_t count, TubeOptions options) {
 // Lists cannot overflow: each has one entry a splat (docs/adr/0002). The worst case is a frame in which every splat is seen by every view, at
 // counts that fill the blocks of compaction and sort exactly, and one more or less.
 TEST(VulkanImage, everyListHoldsAFrameThatShowsEverySplat) {
-    TestVulkan vulkan(withPreciseBlending());
+    const VulkanOptions options = withPreciseBlendingOfAnyWidth();
+    TestVulkan vulkan(options);
     DPL_NEED_VULKAN(vulkan);
     const Cameraf views[2] = {tubeCamera(160, 144, 0.3f, 1.6f, -0.03f), tubeCamera(160, 144, 0.3f, 1.6f, 0.03f)};
     for (const uint32_t count : {gpu::kSortBlock - 1, gpu::kSortBlock, gpu::kSortBlock + 1, 2 * gpu::kSortBlock, gpu::kCompactBlock + 1, 1u}) {
@@ -263,7 +334,7 @@ TEST(VulkanImage, everyListHoldsAFrameThatShowsEverySplat) {
             EXPECT_EQ(stats->splatsDrawn, count) << viewCount << " views";
             for (size_t v = 0; v < viewCount; ++v) {
                 const Difference d = compare(out[v], renderReference(*avatar, tubePose(0.3f), referenceCamera(views[v])));
-                EXPECT_GE(d.psnrDb, kMinPsnrDb) << count << " splats, view " << v << " of " << viewCount;
+                EXPECT_GE(d.psnrDb, options.preciseBlending ? kMinPsnrDb : kMinBytePsnrDb) << count << " splats, view " << v << " of " << viewCount;
             }
         }
         vulkan.renderer->removeAvatar(*id);
