@@ -85,7 +85,7 @@ struct ProjectedSplat {       // per splat and view, index splat * views + view;
     vec2 radiusPx;            // half box outside which α < 1/255
     float conicA, conicB, conicC;  // σ = ½(A dx² + C dy²) + B dx dy
     float opacity;            // after compensation, gate and near fade
-    vec4 colour;              // rgb display-referred; w: view z, metres
+    vec4 colour;              // rgb display-referred (before the colour pass: rest direction × brightness); w: view z, metres
 };
 DPL_SHARED_SIZE(ProjectedSplat, 48)
 

@@ -18,7 +18,6 @@ DPL_MSL(msl_skin_corrected);
 DPL_MSL(msl_triangles);
 DPL_MSL(msl_project);
 DPL_MSL(msl_colour);
-DPL_MSL(msl_colour_lit);
 DPL_MSL(msl_compact_count);
 DPL_MSL(msl_compact_scan);
 DPL_MSL(msl_compact_args);
@@ -84,8 +83,7 @@ MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Ca
         gpu::TrianglePush{uint32_t(frames.size()), viewCount, 1});
     run(msl_project, groupsFor(splats, gpu::kSplatGroup), order, {&frame, records.splats.data(), frames.data(), out.projected.data(), depth.data()}, gpu::SplatPush{splats, viewCount});
     const uint32_t degree = avatar.splats.shDegree;
-    run(corrected ? msl_colour_lit : msl_colour, groupsFor(splats, gpu::kSplatGroup), order, {&frame, records.splats.data(), frames.data(), sh.data(), out.projected.data()},
-        gpu::ColourPush{splats, viewCount, degree, (degree + 1) * (degree + 1) * 3});
+    run(msl_colour, groupsFor(splats, gpu::kSplatGroup), order, {sh.data(), out.projected.data()}, gpu::ColourPush{splats, viewCount, degree, (degree + 1) * (degree + 1) * 3});
     const gpu::CompactPush push{splats, blocks};
     run(msl_compact_count, blocks, order, {depth.data(), sums.data()}, push);
     run(msl_compact_scan, 1, order, {&out.counts, sums.data()}, gpu::ScanPush{blocks, 0});

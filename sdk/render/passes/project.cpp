@@ -13,9 +13,8 @@ void addProject(FramePlan& plan, const FrameIds& ids) {
 
 void addColour(FramePlan& plan, const FrameIds& ids) {
     const uint32_t stride = (ids.shDegree + 1) * (ids.shDegree + 1) * 3;
-    plan.compute("splat.colour", ids.corrected ? "colour.lit" : "colour")
-        .uniform(ids.frame)
-        .reads(ids.splats, ids.triangleFrames, ids.sh)
+    plan.compute("splat.colour", "colour")
+        .reads(ids.sh)
         .updates(ids.projected)
         .push(gpu::ColourPush{ids.splatCount, ids.viewCount, ids.shDegree, stride})
         .threads(ids.splatCount);

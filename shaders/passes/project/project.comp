@@ -1,4 +1,5 @@
-// Footprint, opacity and visibility of every splat in every view; the sort depth of those that some view shows.
+// Footprint, opacity and visibility of every splat in every view; of those that some view shows the sort depth, and what the colour pass asks for: the
+// direction to the splat in the rest frame of its triangle, as long as the brightness that the pose gives it.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -55,7 +56,10 @@ void main() {
                         p.conicB = f.conic.y;
                         p.conicC = f.conic.z;
                         p.opacity = opacity;
-                        p.colour.w = f.depthM;
+                        vec4 r0 = triangles[parent].worldFromRest0, r1 = triangles[parent].worldFromRest1, r2 = triangles[parent].worldFromRest2;
+                        float light = r0.w + s.uv.x * (r1.w - r0.w) + s.uv.y * (r2.w - r0.w);
+                        vec3 world = light * normalize(centre - view.eyeWorld.xyz);
+                        p.colour = vec4(dot(r0.xyz, world), dot(r1.xyz, world), dot(r2.xyz, world), f.depthM);
                         seen = true;
                     }
                 }
