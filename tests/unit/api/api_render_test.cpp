@@ -46,6 +46,19 @@ TEST_F(ApiTest, twoViewsAtOnceEqualEachAlone) {
     EXPECT_TRUE(std::any_of(both[0].begin(), both[0].end(), [](uint8_t b) { return b > 200; }));
 }
 
+TEST_F(ApiTest, aContextInfoWithoutFlagsIsStillRead) {
+    DplContextInfo info{12, DPL_RENDERER_SOFTWARE, 1, 0xFFFFFFFFu};  // version 0.1 ended before flags: what lies there is not ours
+    DplContext context = nullptr;
+    ASSERT_EQ(dplCreateContext(&info, &context), DPL_OK) << dplGetLastError();
+    EXPECT_EQ(dplDestroyContext(context), DPL_OK);
+    info.structSize = sizeof info;
+    EXPECT_EQ(dplCreateContext(&info, &context), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(errorSays("unknown flags"));
+    info.flags = DPL_CONTEXT_WITHOUT_CULLING;
+    ASSERT_EQ(dplCreateContext(&info, &context), DPL_OK) << dplGetLastError();
+    EXPECT_EQ(dplDestroyContext(context), DPL_OK);
+}
+
 TEST_F(ApiTest, statsOfTheLastFrameAreThereAfterIt) {
     DplFrameStats stats{};
     EXPECT_EQ(dplGetFrameStats(avatar_, &stats), DPL_ERROR_INVALID_ARGUMENT) << "structSize is not set";
