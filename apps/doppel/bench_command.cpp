@@ -157,20 +157,20 @@ Status measureErrors(std::vector<Contestant>& list, std::span<const Cameraf> vie
 std::string frameRow(const BenchCase& test, const Contestant& c, uint32_t splatCount, bool compared) {
     char row[400];
     const double gpu = percentile(c.gpuMilliseconds, 0.5);
-    std::snprintf(row, sizeof row, "| %s | %s | %.2f | %.2f | %.2f | %s | %s | %s | %s | %s%u | %.1f |\n", test.name, c.name.c_str(), percentile(c.milliseconds, 0.5),
+    std::snprintf(row, sizeof row, "| %s | %s | %.2f | %.2f | %.2f | %s | %s | %s | %s | %s%u | %s | %.1f |\n", test.name, c.name.c_str(), percentile(c.milliseconds, 0.5),
                   percentile(c.milliseconds, 0.95), percentile(c.drawMilliseconds, 0.5), gpu > 0 ? formatText("{}", std::round(gpu * 100) / 100).c_str() : "–", compared ? decibelText(c.error.psnrDb()).c_str() : "–",
                   compared ? decibelText(c.error.coveredPsnrDb()).c_str() : "–", compared ? formatText("{}", std::round(c.error.maxLevels * 10) / 10).c_str() : "–",
                   c.stats.splatsInView > 0 ? formatText("{} → {} → {} → ", splatCount, c.stats.splatsInView, c.stats.splatsFacing).c_str() : formatText("{} → ", splatCount).c_str(),
-                  c.stats.splatsDrawn, double(c.stats.residentBytes) / (1 << 20));
+                  c.stats.splatsDrawn, c.stats.chunkCount > 0 ? formatText("{} of {}", c.stats.chunksProjected, c.stats.chunkCount).c_str() : "–", double(c.stats.residentBytes) / (1 << 20));
     return row;
 }
 
 std::string jsonLines(const BenchCase& test, const Contestant& c, uint32_t splatCount, bool compared) {
     char line[600];
     std::string out;
-    std::snprintf(line, sizeof line, "{\"case\":\"%s\",\"views\":%u,\"width_px\":%u,\"height_px\":%u,\"device\":\"%s\",\"ms_p50\":%.3f,\"ms_p95\":%.3f,\"draw_ms_p50\":%.3f,\"splats\":%u,\"splats_in_view\":%u,\"splats_facing\":%u,\"splats_drawn\":%u,\"resident_bytes\":%llu",
+    std::snprintf(line, sizeof line, "{\"case\":\"%s\",\"views\":%u,\"width_px\":%u,\"height_px\":%u,\"device\":\"%s\",\"ms_p50\":%.3f,\"ms_p95\":%.3f,\"draw_ms_p50\":%.3f,\"splats\":%u,\"splats_in_view\":%u,\"splats_facing\":%u,\"splats_drawn\":%u,\"chunks\":%u,\"chunks_projected\":%u,\"resident_bytes\":%llu",
                   test.name, test.viewCount, test.widthPx, test.heightPx, c.name.c_str(), percentile(c.milliseconds, 0.5), percentile(c.milliseconds, 0.95),
-                  percentile(c.drawMilliseconds, 0.5), splatCount, c.stats.splatsInView, c.stats.splatsFacing, c.stats.splatsDrawn, static_cast<unsigned long long>(c.stats.residentBytes));
+                  percentile(c.drawMilliseconds, 0.5), splatCount, c.stats.splatsInView, c.stats.splatsFacing, c.stats.splatsDrawn, c.stats.chunkCount, c.stats.chunksProjected, static_cast<unsigned long long>(c.stats.residentBytes));
     out += line;
     if (compared) {
         std::snprintf(line, sizeof line, ",\"psnr_db\":%.2f,\"covered_psnr_db\":%.2f,\"max_error_levels\":%.2f", finiteDb(c.error.psnrDb()), finiteDb(c.error.coveredPsnrDb()), c.error.maxLevels);
@@ -244,7 +244,7 @@ Status bench(const BenchOptions& options) {
         }
     }
     std::printf("%s: %u splats, %zu bytes in the file\n\n"
-                "| case | renderer | ms | p95 | dplDraw ms | GPU ms | PSNR | covered pixels | max error, levels | splats → in view → facing → drawn | resident MiB |\n|---|---|---|---|---|---|---|---|---|---|---|\n%s",
+                "| case | renderer | ms | p95 | dplDraw ms | GPU ms | PSNR | covered pixels | max error, levels | splats → in view → facing → drawn | chunks projected | resident MiB |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n%s",
                 options.avatar.c_str(), splatCount, bytes.size(), frames.c_str());
     for (const PassTable& table : passes) std::printf("%s", table.text().c_str());
     std::printf("\nms: dplDraw and dplReadImages together, pictures in memory; median and 95th percentile of %u. dplDraw ms: what an app's thread pays. GPU ms: the frame's passes by the device's clock. PSNR and max error: against the\n"

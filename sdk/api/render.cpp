@@ -187,6 +187,7 @@ extern "C" DplResult dplGetFrameStats(DplAvatar avatar, DplFrameStats* stats) {
         out.viewCount = found->stats.views;
         out.splatsDrawn = found->stats.splatsDrawn;
         out.trianglesInView = found->stats.trianglesInView, out.trianglesFacing = found->stats.trianglesFacing;
+        out.chunkCount = found->stats.chunks, out.chunksProjected = found->stats.chunksProjected;
         out.splatsInView = found->stats.splatsInView, out.splatsFacing = found->stats.splatsFacing;
         out.passCount = uint32_t(found->stats.passes.size());
         out.residentBytes = found->stats.residentBytes;

@@ -18,11 +18,13 @@ struct FrameIds {
     // written by the CPU: at load, or (frame, palette) before each frame
     BufferId frame, palette, vertices, triangles, splats, sh;
     // made by the GPU in each frame
-    BufferId posed, triangleFrames, projected, sortDepth, blockSums, counts, pairs, pairsSwap, histogram;
+    BufferId posed, triangleFrames, projected, visibility, blockSums, counts, pairs, pairsSwap, histogram;
     TargetId target;
     // read by the CPU, made by the first read-back
     BufferId colourPixels, depthPixels;
 
+    uint32_t chunkCount() const { return (splatCount + gpu::kSplatGroup - 1) / gpu::kSplatGroup; }
+    uint32_t firstDepth() const { return 2 * chunkCount(); }  // in the visibility buffer
     uint32_t compactBlocks() const { return (splatCount + gpu::kCompactBlock - 1) / gpu::kCompactBlock; }
     uint32_t maxSortBlocks() const { return (splatCount + gpu::kSortBlock - 1) / gpu::kSortBlock; }
 };

@@ -6,6 +6,7 @@
 
 #include "sdk/avatar/pose_correctives.h"
 #include "sdk/render/avatar_upload.h"
+#include "sdk/render/passes/chunks.h"
 #include "sdk/render/passes/compact.h"
 #include "sdk/render/passes/draw.h"
 #include "sdk/render/passes/project.h"
@@ -95,7 +96,7 @@ Status GpuRenderer::load(LoadedAvatar& a) {
     DPL_TRY(ids.sh, uploadBuffer<float>(a.owned, "sh", data.splats.sh));
     DPL_TRY(ids.posed, makeBuffer(a.owned, "posed", ids.vertexCount * 16ull));
     DPL_TRY(ids.triangleFrames, makeBuffer(a.owned, "triangle frames", ids.triangleCount * uint64_t(sizeof(gpu::TriangleFrame))));
-    DPL_TRY(ids.sortDepth, makeBuffer(a.owned, "sort depth", splats * 4));
+    DPL_TRY(ids.visibility, makeBuffer(a.owned, "visibility", (ids.firstDepth() + splats) * 4));
     DPL_TRY(ids.blockSums, makeBuffer(a.owned, "block sums", (ids.compactBlocks() + 1ull) * 4));
     DPL_TRY(ids.counts, makeBuffer(a.owned, "counts", sizeof(gpu::FrameCounts)));
     DPL_TRY(ids.pairs, makeBuffer(a.owned, "pairs", splats * 8));
@@ -132,6 +133,7 @@ Status GpuRenderer::buildSlot(const LoadedAvatar& a, ShapedFrame& f, Slot& slot)
     if (ids.splatCount > 0) {
         addSkin(plan, ids);
         addTriangles(plan, ids);
+        addChunks(plan, ids);
         addProject(plan, ids);
         addColour(plan, ids);
         addCompact(plan, ids);
@@ -266,6 +268,7 @@ Result<FrameStats> GpuRenderer::stats(RenderAvatarId id) {
             std::memcpy(&counts, backend_->mapped(slot.finalCounts).data(), sizeof(counts));
             stats.views = frame.shape.views;
             stats.trianglesInView = counts.trianglesInView, stats.trianglesFacing = counts.trianglesFacing;
+            stats.chunks = frame.ids.chunkCount(), stats.chunksProjected = counts.chunkGroupsX;
             stats.splatsInView = counts.splatsInView, stats.splatsFacing = counts.splatsFacing;
             stats.splatsDrawn = counts.visible;
             stats.passes = backend_->passTimes(slot.draw);

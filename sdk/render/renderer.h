@@ -34,6 +34,7 @@ struct FrameStats {
     uint32_t views = 0;
     uint32_t trianglesInView = 0, trianglesFacing = 0;  // survivors of each tier, splats with their triangles; 0 on the CPU, which has no tiers
     uint32_t splatsInView = 0, splatsFacing = 0;
+    uint32_t chunks = 0, chunksProjected = 0;
     uint32_t splatsDrawn = 0;          // that some view shows
     std::vector<PassTime> passes;      // GPU time in the order they ran, rounds of the sort one by one; empty without timestamps
     uint64_t residentBytes = 0;        // of all avatars and frames of the renderer, on the side that draws

@@ -2,6 +2,7 @@
 //
 //   VertexRecord ─skin► vec4 posed (w: brightness) ─triangles► TriangleFrame ─project► ProjectedSplat (splat × view) + sort depth
 //                                                            └─colour► ProjectedSplat.colour
+//   visibility buffer, uints: a flag a chunk │ the live chunks, in order │ a sort depth a splat
 //   sort depth ─compact► uvec2 (key, splat) ─sort► the same, near first ─draw► pixels
 #ifndef DPL_SHARED_FRAME_H
 #define DPL_SHARED_FRAME_H
@@ -100,15 +101,18 @@ struct FrameCounts {          // written by the GPU for itself; the indirect arg
     uint depthMaxBits;        // posed bounds along the sort axis, order-preserving float bits (lib/order.glsl)
     uint depthMinBitsInverted;
     uint splatsInView;        // on trianglesInView
-    uint splatsFacing;        // of these, not turned away: the splats that are projected
+    uint splatsFacing;        // of these, not turned away
+    uint chunkGroupsX, chunkGroupsY, chunkGroupsZ;  // VkDispatchIndirectCommand over the chunks that have such a splat
+    uint pad3;
 };
-DPL_SHARED_SIZE(FrameCounts, 64)
+DPL_SHARED_SIZE(FrameCounts, 80)
 
 struct VertexPush { uint vertexCount; uint firstNode; };  // control nodes in the palette, behind the joints' rows
 struct TrianglePush { uint triangleCount; uint viewCount; uint cull; };  // cull 0: every valid triangle is shown
-struct SplatPush { uint splatCount; uint viewCount; };
-struct ColourPush { uint splatCount; uint viewCount; uint shDegree; uint shStride; };  // stride in floats per splat
-struct CompactPush { uint splatCount; uint blockCount; };
+struct SplatPush { uint splatCount; uint viewCount; uint chunkCount; };
+struct ChunkPush { uint chunkCount; };
+struct ColourPush { uint splatCount; uint viewCount; uint shDegree; uint shStride; uint chunkCount; };  // stride in floats per splat
+struct CompactPush { uint splatCount; uint blockCount; uint firstDepth; };  // where in the visibility buffer the sort depths begin
 struct ScanPush { uint count; uint fromSort; };   // fromSort 1: kSortDigits * sortBlocks entries, else `count`
 struct ArgsPush { uint blockCount; uint instancesPerSplat; };
 struct SortPush { uint shift; };

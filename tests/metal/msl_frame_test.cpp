@@ -16,6 +16,8 @@
 DPL_MSL(msl_skin);
 DPL_MSL(msl_skin_corrected);
 DPL_MSL(msl_triangles);
+DPL_MSL(msl_chunks_mark);
+DPL_MSL(msl_chunks_list);
 DPL_MSL(msl_project);
 DPL_MSL(msl_colour);
 DPL_MSL(msl_compact_count);
@@ -72,7 +74,8 @@ MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Ca
     const uint32_t splats = uint32_t(records.splats.size()), viewCount = uint32_t(views.size()), blocks = groupsFor(splats, gpu::kCompactBlock);
     std::vector<gpu::vec4> posed(avatar.mesh.restPositions.size());
     std::vector<gpu::TriangleFrame> frames(records.triangles.size());
-    std::vector<uint32_t> depth(splats), sums(blocks + 1);
+    const uint32_t chunks = groupsFor(splats, gpu::kSplatGroup);
+    std::vector<uint32_t> visibility(2 * chunks + splats), sums(blocks + 1);
     std::vector<float> sh = avatar.splats.sh;
     out.projected.resize(size_t(splats) * viewCount);
     out.compacted.resize(splats);
@@ -81,14 +84,18 @@ MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Ca
         gpu::VertexPush{uint32_t(posed.size()), uint32_t(3 * joints.size())});
     run(msl_triangles, groupsFor(frames.size(), gpu::kVertexGroup), order, {&frame, records.triangles.data(), posed.data(), frames.data(), &out.counts},
         gpu::TrianglePush{uint32_t(frames.size()), viewCount, 1});
-    run(msl_project, groupsFor(splats, gpu::kSplatGroup), order, {&frame, records.splats.data(), frames.data(), out.projected.data(), depth.data()}, gpu::SplatPush{splats, viewCount});
+    const gpu::SplatPush splatPush{splats, viewCount, chunks};
+    run(msl_chunks_mark, chunks, order, {records.splats.data(), frames.data(), visibility.data()}, splatPush);
+    run(msl_chunks_list, 1, order, {visibility.data(), &out.counts}, gpu::ChunkPush{chunks});
+    run(msl_project, out.counts.chunkGroupsX, order, {&frame, records.splats.data(), frames.data(), out.projected.data(), visibility.data()}, splatPush);
     const uint32_t degree = avatar.splats.shDegree;
-    run(msl_colour, groupsFor(splats, gpu::kSplatGroup), order, {sh.data(), out.projected.data()}, gpu::ColourPush{splats, viewCount, degree, (degree + 1) * (degree + 1) * 3});
-    const gpu::CompactPush push{splats, blocks};
-    run(msl_compact_count, blocks, order, {depth.data(), sums.data()}, push);
+    run(msl_colour, out.counts.chunkGroupsX, order, {sh.data(), out.projected.data(), visibility.data()},
+        gpu::ColourPush{splats, viewCount, degree, (degree + 1) * (degree + 1) * 3, chunks});
+    const gpu::CompactPush push{splats, blocks, 2 * chunks};
+    run(msl_compact_count, blocks, order, {visibility.data(), sums.data()}, push);
     run(msl_compact_scan, 1, order, {&out.counts, sums.data()}, gpu::ScanPush{blocks, 0});
     run(msl_compact_args, 1, order, {sums.data(), &out.counts}, gpu::ArgsPush{blocks, 1});
-    run(msl_compact_scatter, blocks, order, {depth.data(), sums.data(), &out.counts, out.compacted.data()}, push);
+    run(msl_compact_scatter, blocks, order, {visibility.data(), sums.data(), &out.counts, out.compacted.data()}, push);
     out.compacted.resize(out.counts.visible);
     out.sorted = out.compacted;
     sortPairs(out.sorted, out.counts, order);

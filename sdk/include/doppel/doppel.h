@@ -265,7 +265,8 @@ typedef struct DplFrameStats {
     uint32_t viewCount;
     uint32_t splatsDrawn;    /**< that some view shows; the CPU draws view by view and gives the largest of them */
     uint32_t trianglesInView, trianglesFacing; /**< survivors on the GPU: triangles with splats that touch a view; of these, with splats not turned away */
-    uint32_t splatsInView, splatsFacing;       /**< the splats on them; the last are projected. On the CPU these four are 0 */
+    uint32_t splatsInView, splatsFacing;       /**< the splats on them */
+    uint32_t chunkCount, chunksProjected;      /**< runs of 128 neighbouring splats; those that have one left are projected. On the CPU these six are 0 */
     uint32_t passCount;      /**< of dplGetPassTime; 0 on the CPU and on GPUs without timestamps */
     uint64_t residentBytes;  /**< held for all avatars and frames of the context by what draws: graphics memory, or memory on the CPU */
     uint64_t waits;          /**< since the context was made: how often drawing found three frames in flight and waited for the first */

@@ -6,9 +6,10 @@ void addProject(FramePlan& plan, const FrameIds& ids) {
     plan.compute("splat.project", "project")
         .uniform(ids.frame)
         .reads(ids.splats, ids.triangleFrames)
-        .writes(ids.projected, ids.sortDepth)
-        .push(gpu::SplatPush{ids.splatCount, ids.viewCount})
-        .threads(ids.splatCount);
+        .writes(ids.projected)
+        .updates(ids.visibility)
+        .push(gpu::SplatPush{ids.splatCount, ids.viewCount, ids.chunkCount()})
+        .groupsFrom(ids.counts, offsetof(gpu::FrameCounts, chunkGroupsX));
 }
 
 void addColour(FramePlan& plan, const FrameIds& ids) {
@@ -16,8 +17,9 @@ void addColour(FramePlan& plan, const FrameIds& ids) {
     plan.compute("splat.colour", "colour")
         .reads(ids.sh)
         .updates(ids.projected)
-        .push(gpu::ColourPush{ids.splatCount, ids.viewCount, ids.shDegree, stride})
-        .threads(ids.splatCount);
+        .reads(ids.visibility)
+        .push(gpu::ColourPush{ids.splatCount, ids.viewCount, ids.shDegree, stride, ids.chunkCount()})
+        .groupsFrom(ids.counts, offsetof(gpu::FrameCounts, chunkGroupsX));
 }
 
 }  // namespace dpl

@@ -10,11 +10,11 @@ layout(std140, binding = 0) uniform FrameBlock { FrameData frame; };
 layout(std430, binding = 1) readonly buffer SplatBlock { SplatRecord splats[]; };
 layout(std430, binding = 2) readonly buffer TriangleBlock { TriangleFrame triangles[]; };
 layout(std430, binding = 3) writeonly buffer ProjectedBlock { ProjectedSplat projected[]; };
-layout(std430, binding = 4) writeonly buffer DepthBlock { uint sortDepth[]; };  // float bits, kInvisibleKey = in no view
+layout(std430, binding = 4) buffer VisibilityBlock { uint visibility[]; };  // sort depths: float bits, kInvisibleKey = in no view
 layout(push_constant) uniform PushBlock { SplatPush push; };
 
 void main() {
-    uint index = gl_GlobalInvocationID.x;
+    uint index = visibility[push.chunkCount + gl_WorkGroupID.x] * kSplatGroup + gl_LocalInvocationIndex, depthSlot = 2u * push.chunkCount + index;
     if (index >= push.splatCount) return;
     uint parent = splats[index].triangleAndFlags & kTriangleMask;
     bool gated = ((splats[index].triangleAndFlags >> kFlagShift) & kGateFlag) != 0u;
@@ -22,7 +22,7 @@ void main() {
     uint shown = uint(v0.w) & (gated ? 3u * kShowsGated : 3u * kShowsFree);
     if (shown == 0u) {  // its triangle is in no view, or turned away: nothing else of it is read
         for (uint v = 0u; v < push.viewCount; ++v) projected[index * push.viewCount + v].opacity = 0.0;
-        sortDepth[index] = kInvisibleKey;
+        visibility[depthSlot] = kInvisibleKey;
         return;
     }
     SplatRecord s = splats[index];
@@ -67,5 +67,5 @@ void main() {
         }
         projected[index * push.viewCount + v] = p;
     }
-    sortDepth[index] = seen ? floatBitsToUint(dot(frame.sortAxis.xyz, centre)) : kInvisibleKey;
+    visibility[depthSlot] = seen ? floatBitsToUint(dot(frame.sortAxis.xyz, centre)) : kInvisibleKey;
 }

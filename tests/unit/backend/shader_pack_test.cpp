@@ -58,12 +58,14 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
     expectLayout("FrameCounts", sizeof(FrameCounts), {DPL_AT(FrameCounts, visible), DPL_AT(FrameCounts, sortBlocks), DPL_AT(FrameCounts, trianglesInView), DPL_AT(FrameCounts, trianglesFacing), DPL_AT(FrameCounts, sortGroupsX),
                                                       DPL_AT(FrameCounts, sortGroupsY), DPL_AT(FrameCounts, sortGroupsZ), DPL_AT(FrameCounts, pad2), DPL_AT(FrameCounts, drawVertices),
                                                       DPL_AT(FrameCounts, drawInstances), DPL_AT(FrameCounts, drawFirstVertex), DPL_AT(FrameCounts, drawFirstInstance), DPL_AT(FrameCounts, depthMaxBits),
-                                                      DPL_AT(FrameCounts, depthMinBitsInverted), DPL_AT(FrameCounts, splatsInView), DPL_AT(FrameCounts, splatsFacing)});
+                                                      DPL_AT(FrameCounts, depthMinBitsInverted), DPL_AT(FrameCounts, splatsInView), DPL_AT(FrameCounts, splatsFacing), DPL_AT(FrameCounts, chunkGroupsX),
+                                                      DPL_AT(FrameCounts, chunkGroupsY), DPL_AT(FrameCounts, chunkGroupsZ), DPL_AT(FrameCounts, pad3)});
     expectLayout("VertexPush", sizeof(VertexPush), {DPL_AT(VertexPush, vertexCount), DPL_AT(VertexPush, firstNode)});
     expectLayout("TrianglePush", sizeof(TrianglePush), {DPL_AT(TrianglePush, triangleCount), DPL_AT(TrianglePush, viewCount), DPL_AT(TrianglePush, cull)});
-    expectLayout("SplatPush", sizeof(SplatPush), {DPL_AT(SplatPush, splatCount), DPL_AT(SplatPush, viewCount)});
-    expectLayout("ColourPush", sizeof(ColourPush), {DPL_AT(ColourPush, splatCount), DPL_AT(ColourPush, viewCount), DPL_AT(ColourPush, shDegree), DPL_AT(ColourPush, shStride)});
-    expectLayout("CompactPush", sizeof(CompactPush), {DPL_AT(CompactPush, splatCount), DPL_AT(CompactPush, blockCount)});
+    expectLayout("SplatPush", sizeof(SplatPush), {DPL_AT(SplatPush, splatCount), DPL_AT(SplatPush, viewCount), DPL_AT(SplatPush, chunkCount)});
+    expectLayout("ChunkPush", sizeof(ChunkPush), {DPL_AT(ChunkPush, chunkCount)});
+    expectLayout("ColourPush", sizeof(ColourPush), {DPL_AT(ColourPush, splatCount), DPL_AT(ColourPush, viewCount), DPL_AT(ColourPush, shDegree), DPL_AT(ColourPush, shStride), DPL_AT(ColourPush, chunkCount)});
+    expectLayout("CompactPush", sizeof(CompactPush), {DPL_AT(CompactPush, splatCount), DPL_AT(CompactPush, blockCount), DPL_AT(CompactPush, firstDepth)});
     expectLayout("ScanPush", sizeof(ScanPush), {DPL_AT(ScanPush, count), DPL_AT(ScanPush, fromSort)});
     expectLayout("ArgsPush", sizeof(ArgsPush), {DPL_AT(ArgsPush, blockCount), DPL_AT(ArgsPush, instancesPerSplat)});
     expectLayout("SortPush", sizeof(SortPush), {DPL_AT(SortPush, shift)});
@@ -71,7 +73,7 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
 }
 
 TEST(ShaderPack, workgroupsAreThoseThatTheSharedLimitsName) {
-    const std::map<std::string, uint32_t> want = {{"skin", gpu::kVertexGroup}, {"skin.corrected", gpu::kVertexGroup}, {"triangles", gpu::kVertexGroup}, {"project", gpu::kSplatGroup}, {"colour", gpu::kSplatGroup}, {"compact.count", gpu::kScanGroup}, {"compact.scan", gpu::kScanGroup}, {"compact.args", 1}, {"compact.scatter", gpu::kScanGroup},
+    const std::map<std::string, uint32_t> want = {{"skin", gpu::kVertexGroup}, {"skin.corrected", gpu::kVertexGroup}, {"triangles", gpu::kVertexGroup}, {"chunks.mark", gpu::kSplatGroup}, {"chunks.list", gpu::kScanGroup}, {"project", gpu::kSplatGroup}, {"colour", gpu::kSplatGroup}, {"compact.count", gpu::kScanGroup}, {"compact.scan", gpu::kScanGroup}, {"compact.args", 1}, {"compact.scatter", gpu::kScanGroup},
                                                   {"sort.count", gpu::kSortGroup}, {"sort.scatter", gpu::kSortGroup}};
     for (const Shader& shader : embedded().shaders) {
         if (shader.stage != ShaderStage::Compute) continue;

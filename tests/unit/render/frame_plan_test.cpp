@@ -34,7 +34,7 @@ TEST(FramePlan, runsThePassesInOrder) {
     ASSERT_TRUE(id) << id.error().message;
     const Status status = gpu.draw(*id, 32, 2, true);
     ASSERT_TRUE(status) << status.error().message;
-    std::vector<std::string> want = {"begin", "pose.skin", "pose.triangles", "splat.project", "splat.colour", "compact.count", "compact.scan", "compact.args", "compact.scatter"};
+    std::vector<std::string> want = {"begin", "pose.skin", "pose.triangles", "chunks.mark", "chunks.list", "splat.project", "splat.colour", "compact.count", "compact.scan", "compact.args", "compact.scatter"};
     for (int round = 0; round < 4; ++round) want.insert(want.end(), {"sort.count", "sort.scan", "sort.scatter"});
     want.insert(want.end(), {"draw.splats", "counts"});
     EXPECT_EQ(gpu.record->lastLabels, want);

@@ -263,7 +263,7 @@ TEST(VulkanImage, cullingLosesNoVisibleSplat) {
     DPL_NEED_VULKAN(culling);
     const double minPsnrDb = options.preciseBlending ? kMinPsnrDb : kMinBytePsnrDb;
     std::mt19937 random(5);
-    uint64_t splats = 0, inView = 0, facing = 0, drawn = 0;
+    uint64_t splats = 0, inView = 0, facing = 0, drawn = 0, chunks = 0, projected = 0;
     double worstDb = 1000;
     for (int round = 0; round < 12; ++round) {
         const bool blob = round % 2 == 0;
@@ -286,6 +286,9 @@ TEST(VulkanImage, cullingLosesNoVisibleSplat) {
         EXPECT_EQ(stats->splatsDrawn, allStats->splatsDrawn) << "round " << round;
         EXPECT_LE(stats->splatsDrawn, stats->splatsFacing);
         EXPECT_LE(stats->splatsFacing, stats->splatsInView);
+        EXPECT_LE(stats->splatsFacing, stats->chunksProjected * gpu::kSplatGroup);
+        EXPECT_EQ(allStats->chunksProjected, allStats->chunks);
+        chunks += stats->chunks, projected += stats->chunksProjected;
         splats += avatar->splats.count(), inView += stats->splatsInView, facing += stats->splatsFacing, drawn += stats->splatsDrawn;
         for (size_t v = 0; v < viewCount; ++v) {
             EXPECT_TRUE(culled[v].rgba == all[v].rgba && culled[v].depthM == all[v].depthM) << "round " << round << ", view " << v;
@@ -299,6 +302,7 @@ TEST(VulkanImage, cullingLosesNoVisibleSplat) {
     }
     std::printf("[ SURVIVORS] %llu splats, %llu in view, %llu facing, %llu drawn; worst %.1f dB\n", static_cast<unsigned long long>(splats), static_cast<unsigned long long>(inView),
                 static_cast<unsigned long long>(facing), static_cast<unsigned long long>(drawn), worstDb);
+    EXPECT_LT(projected, chunks * 9 / 10);
     EXPECT_LT(inView, splats * 9 / 10);
     EXPECT_LT(facing, inView * 9 / 10);
     EXPECT_GT(drawn, splats / 20);
@@ -406,7 +410,7 @@ TEST(VulkanImage, reportsATimeForEachPassOfTheLastFrame) {
     EXPECT_GT(sum, 0);
     EXPECT_EQ(times.front().label, "begin");
     EXPECT_EQ(times.back().label, "readback");
-    EXPECT_EQ(times.size(), 1 + 2 + 2 + 4 + 12 + 3u);
+    EXPECT_EQ(times.size(), 1 + 2 + 2 + 2 + 4 + 12 + 3u);
 }
 
 TEST(VulkanImage, refusesWhatItCannotDraw) {
