@@ -1,4 +1,4 @@
-// Cameras and pixels for the commands that draw: framing, turntables, stereo pairs, backgrounds.
+// Clips, cameras and pixels for the commands that draw: framing, turntables, stereo pairs, backgrounds.
 #pragma once
 
 #include <doppel/doppel.hpp>
@@ -15,6 +15,8 @@ Error fromSdk(const doppel::Error& error);
 inline const std::vector<std::string> kAxesNames = {"y-up", "y-down", "z-up", "z-down"};
 /** The rotation that stands such a file upright. Any other name: none. */
 Mat3d uprightFromFile(const std::string& axes);
+/** Index of the clip to play: one of the avatar's own by name, else a motion file retargeted onto it. */
+Result<uint32_t> chooseClip(doppel::Avatar& avatar, const std::string& clip);
 
 /** Looks at the middle of the avatar's rest box from `azimuthRad` (0: from the front, positive to its left), so that it fills the picture. */
 Cameraf frameAvatar(const DplAvatarInfo& avatar, uint32_t widthPx, uint32_t heightPx, double azimuthRad, const Mat3d& uprightFromFile = Mat3d(1));

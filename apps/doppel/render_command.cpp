@@ -48,28 +48,6 @@ Result<doppel::Context> makeContext(const RenderOptions& options) {
     return std::move(*context);
 }
 
-/** Index of the clip to play: one of the avatar's own by name, else a motion file retargeted onto it. */
-Result<uint32_t> chooseClip(doppel::Avatar& avatar, const std::string& clip) {
-    auto info = avatar.info();
-    if (!info) return fromSdk(info.error());
-    std::string names;
-    for (uint32_t i = 0; i < info->clipCount; ++i) {
-        auto about = avatar.clip(i);
-        if (!about) return fromSdk(about.error());
-        if (clip == about->name) return i;
-        names += (names.empty() ? "" : ", ") + std::string(about->name);
-    }
-    auto bytes = readFile(clip, uint64_t(512) << 20);
-    if (!bytes)
-        return fail(bytes.error().code, "--clip {} is neither a clip of the avatar ({}) nor a readable BVH or glTF file", clip, names.empty() ? "it has none" : names);
-    DplClipOptions how{};
-    how.structSize = sizeof how;
-    how.flags = DPL_CLIP_IN_PLACE;  // the camera stands still, so the walker walks on the spot
-    auto loaded = avatar.loadClip(*bytes, &how);
-    if (!loaded) return fail(fromSdk(loaded.error()).code, "{}: {}", clip, loaded.error().message);
-    return *loaded;
-}
-
 Status writePng(const fs::path& path, std::span<const uint8_t> pixels, uint32_t widthPx, uint32_t heightPx, uint32_t channels) {
     DPL_TRY(auto png, encodePng(pixels, widthPx, heightPx, channels));
     return writeFileAtomically(path, png);

@@ -23,7 +23,6 @@ struct Context {
     std::unique_ptr<Renderer> renderer;      // null once the context is destroyed
     std::string rendererName;
     std::vector<Cameraf> cameras;            // of the frame; kept to save allocations
-    std::vector<RenderedView> views;
 };
 
 /** Behind a DplAvatar. Guarded by context->mutex, except what never changes after loading. */
@@ -33,10 +32,13 @@ struct Avatar {
     uint32_t splatCount = 0, shDegree = 0;
     RenderAvatarId renderId = 0;
     Vec3f restMin{0}, restMax{0};
-    Pose pose;
+    Pose pose, givenPose;                           // givenPose: scratch of dplSetPose
+    uint32_t drawnViews = 0, drawnWidthPx = 0, drawnHeightPx = 0;  // of the last frame
+    bool drawnDepth = false;
     std::vector<std::unique_ptr<ClipData>> added;   // by dplLoadClip
     std::vector<const ClipData*> clips;             // the file's own, then the added
     std::vector<Mat3x4f> transforms;                // scratch
+    FrameStats stats;                               // of the last dplGetFrameStats
     ~Avatar();
 };
 

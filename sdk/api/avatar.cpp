@@ -170,17 +170,17 @@ DplResult dplSetPose(DplAvatar avatar, const float* rotations, uint32_t jointCou
         DPL_TRY(const auto found, avatarOf(avatar));
         DPL_CHECK_OK(checkPosable(*found));
         if (jointCount != found->data->joints.size()) return wrongJointCount(*found, jointCount);
-        Pose pose;
-        pose.localRotations.reserve(jointCount);
+        std::lock_guard lock(found->context->mutex);
+        Pose& pose = found->givenPose;  // keeps its memory: an app poses every frame
+        pose.localRotations.resize(jointCount);
         for (uint32_t j = 0; j < jointCount; ++j) {
             const float* q = rotations + size_t(j) * 4;
-            pose.localRotations.emplace_back(q[3], q[0], q[1], q[2]);
+            pose.localRotations[j] = Quatf(q[3], q[0], q[1], q[2]);
         }
-        if (rootTranslation != nullptr) pose.rootTranslation = Vec3f(rootTranslation[0], rootTranslation[1], rootTranslation[2]);
+        pose.rootTranslation = rootTranslation != nullptr ? Vec3f(rootTranslation[0], rootTranslation[1], rootTranslation[2]) : Vec3f(0);
         DPL_CHECK_OK(checkPose(found->data->joints, pose));
         for (Quatf& q : pose.localRotations) q = glm::normalize(q);
-        std::lock_guard lock(found->context->mutex);
-        found->pose = std::move(pose);
+        std::swap(found->pose, pose);
         return {};
     });
 }

@@ -8,11 +8,12 @@
 
 namespace dpl::api {
 
-Result<std::unique_ptr<Renderer>> createRenderer(DplRenderer kind, uint32_t threadCount) {
+Result<std::unique_ptr<Renderer>> createRenderer(DplRenderer kind, uint32_t threadCount, bool cullTriangles) {
 #if DOPPEL_VULKAN
     if (kind != DPL_RENDERER_SOFTWARE) {
         VulkanOptions options;
         options.allowSoftwareDevice = kind == DPL_RENDERER_VULKAN;  // asked for by name, any device will do
+        options.cullTriangles = cullTriangles;
         auto gpu = createVulkanRenderer(options);
         if (gpu) return gpu;
         if (kind == DPL_RENDERER_VULKAN) {

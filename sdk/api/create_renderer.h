@@ -9,7 +9,7 @@
 
 namespace dpl::api {
 
-/** As DplRenderer says. Unsupported when the wanted one is not in this build or finds no device. */
-Result<std::unique_ptr<Renderer>> createRenderer(DplRenderer kind, uint32_t threadCount);
+/** As DplRenderer says; cullTriangles: as VulkanOptions says. Unsupported when the wanted one is not in this build or finds no device. */
+Result<std::unique_ptr<Renderer>> createRenderer(DplRenderer kind, uint32_t threadCount, bool cullTriangles = true);
 
 }  // namespace dpl::api

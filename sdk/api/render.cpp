@@ -39,8 +39,7 @@ Result<Cameraf> cameraOf(const DplCamera& c, size_t view) {
     return camera;
 }
 
-Status checkImage(const DplImage& image, const Cameraf& camera, size_t view) {
-    const size_t width = camera.widthPx, height = camera.heightPx;
+Status checkImage(const DplImage& image, size_t width, size_t height, size_t view) {
     if (image.flags & ~uint32_t(DPL_IMAGE_STRAIGHT_ALPHA)) return fail(Code::InvalidArgument, "image {} has unknown flags {}", view, image.flags);
     if (image.rgba == nullptr && image.depthM == nullptr) return fail(Code::InvalidArgument, "image {} has neither rgba nor depthM", view);
     if (image.rgba != nullptr) {
@@ -54,7 +53,7 @@ Status checkImage(const DplImage& image, const Cameraf& camera, size_t view) {
     return {};
 }
 
-void copyOut(const RenderedView& from, const DplImage& to) {
+void copyOut(const PixelView& from, const DplImage& to) {
     const size_t width = from.widthPx, height = from.heightPx, row = to.rowBytes == 0 ? width * 4 : to.rowBytes;
     for (size_t y = 0; y < height && to.rgba != nullptr; ++y) {
         const uint8_t* in = from.rgba.data() + y * width * 4;
@@ -81,32 +80,132 @@ Result<T> element(const T* array, size_t i, const char* what) {
     return value;
 }
 
+/** Context and avatar of a drawing call, checked; the context is locked while it lives. */
+struct Scene {
+    std::shared_ptr<Context> context;
+    std::shared_ptr<Avatar> avatar;
+    std::unique_lock<std::mutex> lock;
+};
+
+Result<Scene> sceneOf(DplContext context, DplAvatar avatar, uint32_t viewCount) {
+    if (viewCount == 0 || viewCount > DPL_MAX_VIEWS) return fail(Code::InvalidArgument, "{} views; 1 to {} are drawn at once", viewCount, DPL_MAX_VIEWS);
+    Scene s;
+    DPL_TRY(s.context, contextOf(context));
+    DPL_TRY(s.avatar, avatarOf(avatar));
+    if (s.avatar->context != s.context) return fail(Code::InvalidArgument, "the avatar was loaded with another context");
+    s.lock = std::unique_lock(s.context->mutex);
+    if (!s.context->renderer) return fail(Code::InvalidArgument, "the context was destroyed");
+    return s;
+}
+
+/** Checks the views into context->cameras. */
+Status takeViews(Scene& s, const DplCamera* views, uint32_t viewCount) {
+    std::vector<Cameraf>& cameras = s.context->cameras;
+    cameras.clear();
+    for (uint32_t v = 0; v < viewCount; ++v) {
+        DPL_TRY(const DplCamera given, element(views, v, "views"));
+        DPL_TRY(Cameraf camera, cameraOf(given, v));
+        cameras.push_back(camera);
+        if (camera.widthPx != cameras[0].widthPx || camera.heightPx != cameras[0].heightPx)
+            return fail(Code::InvalidArgument, "the views of one call have the same size; view {} differs from view 0", v);
+    }
+    return {};
+}
+
+/** Checks the images into `targets`, as many as there may be. */
+Status takeImages(const DplImage* images, uint32_t viewCount, size_t widthPx, size_t heightPx, DplImage* targets, bool& wantDepth) {
+    wantDepth = false;
+    for (uint32_t v = 0; v < viewCount; ++v) {
+        DPL_TRY(targets[v], element(images, v, "images"));
+        DPL_CHECK_OK(checkImage(targets[v], widthPx, heightPx, v));
+        wantDepth |= targets[v].depthM != nullptr;
+    }
+    return {};
+}
+
+Status drawTaken(Scene& s, bool wantDepth) {
+    Avatar& a = *s.avatar;
+    const std::vector<Cameraf>& cameras = s.context->cameras;
+    a.drawnViews = 0;
+    DPL_CHECK_OK(s.context->renderer->draw(a.renderId, a.pose, cameras, wantDepth));
+    a.drawnViews = uint32_t(cameras.size()), a.drawnWidthPx = cameras[0].widthPx, a.drawnHeightPx = cameras[0].heightPx;
+    a.drawnDepth = wantDepth;
+    return {};
+}
+
+Status readInto(Scene& s, const DplImage* targets) {
+    DPL_TRY(const std::span<const PixelView> pixels, s.context->renderer->read(s.avatar->renderId));
+    for (size_t v = 0; v < pixels.size(); ++v) copyOut(pixels[v], targets[v]);
+    return {};
+}
+
 }  // namespace
 
 extern "C" DplResult dplRender(DplContext context, DplAvatar avatar, const DplCamera* views, uint32_t viewCount, const DplImage* images) {
     return guarded("dplRender", [&]() -> Status {
-        if (viewCount == 0 || viewCount > DPL_MAX_VIEWS) return fail(Code::InvalidArgument, "{} views; 1 to {} are drawn at once", viewCount, DPL_MAX_VIEWS);
-        DPL_TRY(const auto owner, contextOf(context));
-        DPL_TRY(const auto found, avatarOf(avatar));
-        if (found->context != owner) return fail(Code::InvalidArgument, "the avatar was loaded with another context");
+        DPL_TRY(Scene scene, sceneOf(context, avatar, viewCount));
+        DPL_CHECK_OK(takeViews(scene, views, viewCount));
         DplImage targets[DPL_MAX_VIEWS];
         bool wantDepth = false;
-        std::lock_guard lock(owner->mutex);
-        if (!owner->renderer) return fail(Code::InvalidArgument, "the context was destroyed");
-        owner->cameras.clear();
-        for (uint32_t v = 0; v < viewCount; ++v) {
-            DPL_TRY(const DplCamera given, element(views, v, "views"));
-            DPL_TRY(targets[v], element(images, v, "images"));
-            DPL_TRY(Cameraf camera, cameraOf(given, v));
-            DPL_CHECK_OK(checkImage(targets[v], camera, v));
-            owner->cameras.push_back(camera);
-            if (camera.widthPx != owner->cameras[0].widthPx || camera.heightPx != owner->cameras[0].heightPx)
-                return fail(Code::InvalidArgument, "the views of one call have the same size; view {} differs from view 0", v);
-            wantDepth |= targets[v].depthM != nullptr;
-        }
-        owner->views.resize(viewCount);
-        DPL_CHECK_OK(owner->renderer->render(found->renderId, found->pose, owner->cameras, wantDepth, owner->views));
-        for (uint32_t v = 0; v < viewCount; ++v) copyOut(owner->views[v], targets[v]);
-        return {};
+        const Cameraf& first = scene.context->cameras[0];
+        DPL_CHECK_OK(takeImages(images, viewCount, first.widthPx, first.heightPx, targets, wantDepth));
+        DPL_CHECK_OK(drawTaken(scene, wantDepth));
+        return readInto(scene, targets);
+    });
+}
+
+extern "C" DplResult dplDraw(DplContext context, DplAvatar avatar, const DplCamera* views, uint32_t viewCount, uint32_t flags) {
+    return guarded("dplDraw", [&]() -> Status {
+        if (flags & ~uint32_t(DPL_DRAW_DEPTH)) return fail(Code::InvalidArgument, "unknown flags {}", flags);
+        DPL_TRY(Scene scene, sceneOf(context, avatar, viewCount));
+        DPL_CHECK_OK(takeViews(scene, views, viewCount));
+        return drawTaken(scene, (flags & DPL_DRAW_DEPTH) != 0);
+    });
+}
+
+extern "C" DplResult dplReadImages(DplContext context, DplAvatar avatar, const DplImage* images, uint32_t viewCount) {
+    return guarded("dplReadImages", [&]() -> Status {
+        DPL_TRY(Scene scene, sceneOf(context, avatar, viewCount));
+        const Avatar& a = *scene.avatar;
+        if (a.drawnViews == 0) return fail(Code::InvalidArgument, "nothing was drawn yet; call dplDraw first");
+        if (a.drawnViews != viewCount) return fail(Code::InvalidArgument, "{} images of a frame with {} views", viewCount, a.drawnViews);
+        DplImage targets[DPL_MAX_VIEWS];
+        bool wantDepth = false;
+        DPL_CHECK_OK(takeImages(images, viewCount, a.drawnWidthPx, a.drawnHeightPx, targets, wantDepth));
+        if (wantDepth && !a.drawnDepth) return fail(Code::InvalidArgument, "depth was not drawn; give dplDraw the flag DPL_DRAW_DEPTH");
+        return readInto(scene, targets);
+    });
+}
+
+extern "C" DplResult dplGetFrameStats(DplAvatar avatar, DplFrameStats* stats) {
+    return guarded("dplGetFrameStats", [&]() -> Status {
+        DPL_TRY(const auto found, avatarOf(avatar));
+        std::lock_guard lock(found->context->mutex);
+        if (!found->context->renderer) return fail(Code::InvalidArgument, "the context was destroyed");
+        DPL_TRY(found->stats, found->context->renderer->stats(found->renderId));
+        DplFrameStats out{};
+        out.viewCount = found->stats.views;
+        out.splatsDrawn = found->stats.splatsDrawn;
+        out.trianglesInView = found->stats.trianglesInView, out.trianglesFacing = found->stats.trianglesFacing;
+        out.chunkCount = found->stats.chunks, out.chunksProjected = found->stats.chunksProjected;
+        out.splatsInView = found->stats.splatsInView, out.splatsFacing = found->stats.splatsFacing;
+        out.passCount = uint32_t(found->stats.passes.size());
+        out.residentBytes = found->stats.residentBytes;
+        out.waits = found->stats.waits;
+        for (const PassTime& pass : found->stats.passes) out.gpuMs += pass.milliseconds;
+        return writeStruct(stats, out, "stats");
+    });
+}
+
+extern "C" DplResult dplGetPassTime(DplAvatar avatar, uint32_t pass, DplPassTime* time) {
+    return guarded("dplGetPassTime", [&]() -> Status {
+        DPL_TRY(const auto found, avatarOf(avatar));
+        std::lock_guard lock(found->context->mutex);
+        const std::vector<PassTime>& passes = found->stats.passes;
+        if (pass >= passes.size()) return fail(Code::NotFound, "there is no pass {}; dplGetFrameStats found {}", pass, passes.size());
+        DplPassTime out{};
+        out.label = passes[pass].label.c_str();
+        out.milliseconds = passes[pass].milliseconds;
+        return writeStruct(time, out, "time");
     });
 }

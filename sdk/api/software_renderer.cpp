@@ -49,6 +49,16 @@ struct Drawable {
     Pose pose;
     bool posed = false;
     PosedMesh mesh;
+    std::vector<RenderedView> pictures;
+    std::vector<PixelView> pixels;
+    FrameStats stats;  // of the last frame; the bytes are counted when asked
+
+    uint64_t bytes() const {
+        uint64_t pictureBytes = 0;
+        for (const RenderedView& p : pictures) pictureBytes += p.rgba.capacity() + p.depthM.capacity() * sizeof(float);
+        return pictureBytes + splats.bytes() + rest.size() * sizeof(rest[0]) + mesh.frames().size_bytes() + mesh.positions().size_bytes() + mesh.rest().size_bytes() + mesh.light().size_bytes() +
+               mesh.worldFromRest().size_bytes() + mesh.coefficients().size_bytes() + mesh.nodes().size_bytes();
+    }
 };
 
 bool samePose(const Pose& a, const Pose& b) {
@@ -89,10 +99,9 @@ public:
 
     void removeAvatar(RenderAvatarId avatar) override { drawables_.erase(avatar); }
 
-    Status render(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, bool wantDepth, std::span<RenderedView> out) override {
+    Status draw(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, bool wantDepth) override {
         const auto found = drawables_.find(avatar);
         if (found == drawables_.end()) return fail(Code::InvalidArgument, "there is no avatar {} in this renderer", avatar);
-        if (out.size() != views.size()) return fail(Code::InvalidArgument, "{} views and {} outputs", views.size(), out.size());
         Drawable& d = *found->second;
         if (d.avatar && (!d.posed || !samePose(d.pose, pose))) {
             DPL_CHECK_OK(checkPose(d.avatar->joints, pose));
@@ -102,15 +111,34 @@ public:
             d.mesh.pose({d.avatar->joints, d.avatar->mesh, d.avatar->correctives, d.rest}, pose, jobs_);
             d.posed = true;
         }
+        if (d.pictures.size() < views.size()) d.pictures.resize(views.size());
+        d.pixels.resize(views.size());
+        d.stats.views = uint32_t(views.size()), d.stats.splatsDrawn = 0;
         for (size_t v = 0; v < views.size(); ++v) {
+            RenderedView& picture = d.pictures[v];
             engine_.project(d.splats, d.mesh.frames(), views[v], d.kappaPx2, d.compensated);
             engine_.bin();
-            engine_.blendRgba8(out[v].rgba, wantDepth ? &out[v].depthM : nullptr);
-            if (!wantDepth) out[v].depthM.clear();
-            out[v].widthPx = views[v].widthPx;
-            out[v].heightPx = views[v].heightPx;
+            engine_.blendRgba8(picture.rgba, wantDepth ? &picture.depthM : nullptr);
+            d.pixels[v] = {views[v].widthPx, views[v].heightPx, picture.rgba, wantDepth ? std::span<const float>(picture.depthM) : std::span<const float>()};
+            d.stats.splatsDrawn = std::max(d.stats.splatsDrawn, engine_.visibleCount());
         }
         return {};
+    }
+
+    Result<std::span<const PixelView>> read(RenderAvatarId avatar) override {
+        const auto found = drawables_.find(avatar);
+        if (found == drawables_.end()) return fail(Code::InvalidArgument, "there is no avatar {} in this renderer", avatar);
+        if (found->second->pixels.empty()) return fail(Code::InvalidArgument, "nothing was drawn of avatar {}", avatar);
+        return std::span<const PixelView>(found->second->pixels);
+    }
+
+    Result<FrameStats> stats(RenderAvatarId avatar) override {
+        const auto found = drawables_.find(avatar);
+        if (found == drawables_.end()) return fail(Code::InvalidArgument, "there is no avatar {} in this renderer", avatar);
+        FrameStats stats = found->second->stats;
+        stats.residentBytes = engine_.bufferBytes();
+        for (const auto& [id, drawable] : drawables_) stats.residentBytes += drawable->bytes();
+        return stats;
     }
 
 private:

@@ -55,7 +55,7 @@ void spreadCorrectives(const PoseCorrectiveData& c, std::span<const Vec4f> nodes
             light[v] = std::clamp(1.0f + sum.w, kMinLight, kMaxLight);
         }
     };
-    jobs.forRange(moved.size(), 2048, std::ref(body));  // std::ref: no allocation for the captures
+    jobs.forRange(moved.size(), 2048, body);
 }
 
 }  // namespace dpl

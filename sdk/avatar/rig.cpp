@@ -83,7 +83,7 @@ void skin(const MeshData& mesh, std::span<const Vec3f> restPositions, std::span<
             positions[v] = sum * (1.0f / 255.0f);
         }
     };
-    jobs.forRange(positions.size(), kVertexGrain, std::ref(body));  // std::ref: no allocation for the captures
+    jobs.forRange(positions.size(), kVertexGrain, body);
 }
 
 std::vector<RestTriangle<float>> restTriangles(const MeshData& mesh) {
@@ -105,7 +105,7 @@ void poseTriangles(const MeshData& mesh, std::span<const RestTriangle<float>> re
             if (!light.empty()) frames[t].light = {light[corner.x], light[corner.y], light[corner.z]};
         }
     };
-    jobs.forRange(frames.size(), kTriangleGrain, std::ref(body));
+    jobs.forRange(frames.size(), kTriangleGrain, body);
 }
 
 }  // namespace dpl

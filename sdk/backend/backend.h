@@ -1,7 +1,9 @@
 // The seam between how a frame is made (sdk/render) and the graphics API that makes it. Few calls, typed handles, no vk*/MTL*.
 //
 //   load:   createBuffer, write, computePipeline, drawPipeline, createTarget, createFrame (checks and records the steps once)
-//   frame:  fill the mapped upload buffers, run(frame), read the mapped read-back buffers
+//   frame:  fill the mapped upload buffers, submit(frame); once finished(frame), read the mapped read-back buffers
+//
+// Frames run in the order of their submits. Give each frame in flight its own upload and read-back buffers; the rest may be shared.
 //
 // One thread at a time. Handles are small numbers; using one that was destroyed is an error of createFrame, not a crash.
 #pragma once
@@ -46,8 +48,8 @@ struct DeviceInfo {
 
 enum class BufferMemory : uint8_t {
     Device,    // filled by write() at load, then by the GPU
-    Upload,    // mapped; the CPU writes it before run()
-    Readback,  // mapped; the CPU reads it after run()
+    Upload,    // mapped; the CPU writes it before submit()
+    Readback,  // mapped; the CPU reads it once the frame has finished
 };
 struct BufferDesc {
     std::string label;
@@ -152,12 +154,25 @@ public:
 
     /** Checks the steps against the shaders' reflection and records them. Barriers follow from the bindings' access. */
     virtual Result<FrameId> createFrame(std::vector<Step> steps) = 0;
+    /** Waits when it is running. */
     virtual void destroyFrame(FrameId frame) = 0;
 
-    /** Runs a recorded frame and waits until its read-back is done. Allocates nothing. Code::Device when the device is lost. */
-    virtual Status run(FrameId frame) = 0;
-    /** Of the last run; empty when the device has no timestamps. */
-    virtual std::vector<PassTime> passTimes() const = 0;
+    /** Graphics memory of all buffers and targets. */
+    virtual uint64_t residentBytes() const = 0;
+
+    /** Starts a recorded frame and returns at once, unless the same frame is still running: then it waits for that. Allocates
+     *  nothing. Code::Device when the device is lost. */
+    virtual Status submit(FrameId frame) = 0;
+    /** Whether a frame is not running now. Never waits. */
+    virtual bool finished(FrameId frame) = 0;
+    /** Until a frame is not running. */
+    virtual Status wait(FrameId frame) = 0;
+    Status run(FrameId frame) {
+        DPL_CHECK_OK(submit(frame));
+        return wait(frame);
+    }
+    /** Of the last finished run of a frame; empty before it, and when the device has no timestamps. */
+    virtual std::vector<PassTime> passTimes(FrameId frame) const = 0;
 };
 
 }  // namespace dpl

@@ -87,7 +87,7 @@ struct Checker {
 
     Status operator()(const ReadbackStep& step) {
         const TargetDesc* target = resources.target(step.target);
-        if (!target || !drawn.count(step.target.value)) return fail(Code::InvalidArgument, "step {} reads a target that nothing has drawn", step.label);
+        if (!target || !(drawn.count(step.target.value) || resources.drawn(step.target))) return fail(Code::InvalidArgument, "step {} reads a target that nothing has drawn", step.label);
         const uint64_t pixels = uint64_t(target->widthPx) * target->heightPx * target->views;
         const BufferDesc* colour = resources.buffer(step.colour);
         if (!colour || colour->memory != BufferMemory::Readback || colour->bytes < pixels * 4)

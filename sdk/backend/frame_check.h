@@ -18,11 +18,13 @@ public:
     virtual const Shader* shader(PipelineId id) const = 0;
     /** True when the CPU has filled a Device buffer by write(). */
     virtual bool written(BufferId id) const = 0;
+    /** True when a frame that was made before draws the target. */
+    virtual bool drawn(TargetId id) const = 0;
 };
 
 /** Refuses: unknown handles, a binding list that differs from the shader's reflection (count, kind, access), wrong push size,
  *  zero or too many groups, a binding above the device limit, bindings of one buffer twice, read-back buffers that are too
- *  small, and reads of a Device buffer that nothing has written before. Errors name the step. */
+ *  small, and reads of a Device buffer or target that nothing has written before. Errors name the step. */
 Status checkFrame(std::span<const Step> steps, const ResourceView& resources, const DeviceInfo& device);
 
 }  // namespace dpl

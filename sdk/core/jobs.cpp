@@ -14,7 +14,7 @@ struct Jobs::State {
     std::vector<std::thread> threads;
     std::mutex mutex;
     std::condition_variable wake, done;
-    const std::function<void(size_t, uint32_t)>* body = nullptr;
+    const FunctionRef<void(size_t, uint32_t)>* body = nullptr;
     std::atomic<size_t> next{0};
     size_t blockCount = 0;
     uint64_t generation = 0;
@@ -62,7 +62,7 @@ Jobs::~Jobs() {
 
 uint32_t Jobs::threadCount() const { return uint32_t(state_->threads.size()) + 1; }
 
-void Jobs::forBlocks(size_t blockCount, const std::function<void(size_t, uint32_t)>& body) {
+void Jobs::forBlocks(size_t blockCount, FunctionRef<void(size_t, uint32_t)> body) {
     if (blockCount == 0) return;
     State& s = *state_;
     if (s.threads.empty() || blockCount == 1) {
@@ -83,7 +83,7 @@ void Jobs::forBlocks(size_t blockCount, const std::function<void(size_t, uint32_
     s.done.wait(lock, [&] { return s.running == 0; });
 }
 
-void Jobs::forRange(size_t count, size_t grain, const std::function<void(size_t, size_t, uint32_t)>& body) {
+void Jobs::forRange(size_t count, size_t grain, FunctionRef<void(size_t, size_t, uint32_t)> body) {
     grain = std::max<size_t>(1, grain);
     forBlocks((count + grain - 1) / grain, [&](size_t block, uint32_t worker) {
         body(block * grain, std::min(count, (block + 1) * grain), worker);

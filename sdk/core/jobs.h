@@ -3,8 +3,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
+
+#include "sdk/core/function_ref.h"
 
 namespace dpl {
 
@@ -21,11 +22,11 @@ public:
     uint32_t threadCount() const;
 
     /** Calls body(block, worker) for each block in [0, blockCount), worker < threadCount(). Blocks are handed out in
-     *  order by an atomic counter. Returns when all are done. Not re-entrant: one loop at a time per pool. */
-    void forBlocks(size_t blockCount, const std::function<void(size_t block, uint32_t worker)>& body);
+     *  order by an atomic counter. Returns when all are done. Allocates nothing. Not re-entrant: one loop at a time per pool. */
+    void forBlocks(size_t blockCount, FunctionRef<void(size_t block, uint32_t worker)> body);
 
     /** Splits [0, count) into blocks of `grain` and calls body(begin, end, worker) for each. */
-    void forRange(size_t count, size_t grain, const std::function<void(size_t begin, size_t end, uint32_t worker)>& body);
+    void forRange(size_t count, size_t grain, FunctionRef<void(size_t begin, size_t end, uint32_t worker)> body);
 
 private:
     struct State;

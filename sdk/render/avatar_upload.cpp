@@ -21,6 +21,21 @@ Status checkBinding(const char* what, uint64_t count, uint64_t each, const Devic
     return fail(Code::Unsupported, "{} need {} bytes in one binding, {} allows {}; {}", what, count * each, device.name, device.maxBindingBytes, remedy);
 }
 
+/** How far the splats [begin, end) reach from their triangle, and how many there are of each kind. */
+void addReach(const SplatData& s, uint32_t begin, uint32_t end, gpu::TriangleRecord& triangle) {
+    constexpr float kOutside = 1e-5f;     // float rounding, inside the margin of lib/cull.glsl
+    constexpr float kAnywhere = 1e15f;    // never out of view; its products stay finite
+    for (uint32_t i = begin; i < end; ++i) {
+        ++(s.flags[i] & kSplatSingleFace ? triangle.gatedSplats : triangle.freeSplats);
+        if (!(s.opacity[i] > float(kMinAlpha))) continue;  // never seen
+        const float rootLevel = std::sqrt(2 * std::log(s.opacity[i] / float(kMinAlpha)));
+        const Vec2f uv = s.uv[i];
+        const bool onTriangle = uv.x >= 0 && uv.y >= 0 && uv.x + uv.y <= 1 + kOutside;
+        triangle.rootLevel = std::max(triangle.rootLevel, rootLevel);
+        triangle.reach = std::max(triangle.reach, onTriangle ? rootLevel * std::max(std::abs(s.scaleM[i].x), std::abs(s.scaleM[i].y)) : kAnywhere);
+    }
+}
+
 }  // namespace
 
 Status checkAvatar(const AvatarData& avatar, const DeviceInfo& device) {
@@ -93,12 +108,14 @@ AvatarRecords packAvatar(const AvatarData& avatar) {
                                              bytes(avatar.correctives.nodeWeights[i]), 0, 0, 0});
         }
     }
-    for (const Triangle& t : mesh.triangles) {
+    const SplatData& s = avatar.splats;
+    for (uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+        const Triangle& t = mesh.triangles[i];
         const auto rest = restTriangle<float>(mesh.restPositions[t.x], mesh.restPositions[t.y], mesh.restPositions[t.z]);
         const auto column = [&](int k, float w) { return gpu::vec4{rest.frame[k].x, rest.frame[k].y, rest.frame[k].z, w}; };
-        out.triangles.push_back({column(0, rest.inverse.i00), column(1, rest.inverse.i01), column(2, rest.inverse.i11), {t.x, t.y, t.z, rest.valid ? 1u : 0u}});
+        out.triangles.push_back({column(0, rest.inverse.i00), column(1, rest.inverse.i01), column(2, rest.inverse.i11), {t.x, t.y, t.z, rest.valid ? 1u : 0u}, 0, 0, 0, 0});
+        if (i + 1 < s.triangleStart.size()) addReach(s, s.triangleStart[i], s.triangleStart[i + 1], out.triangles.back());
     }
-    const SplatData& s = avatar.splats;
     out.splats.reserve(s.count());
     for (uint32_t t = 0; t + 1 < s.triangleStart.size(); ++t) {
         for (uint32_t i = s.triangleStart[t]; i < s.triangleStart[t + 1]; ++i) {

@@ -14,16 +14,20 @@ struct FrameIds {
     bool corrected = false;               // pose correctives: other vertex records, control nodes behind the joints in the palette
     bool general = false;                 // general splats: no vertices, no triangles; `splats` holds GeneralSplatRecord
     bool layered = true, depth = false, halfColour = false;
+    bool cull = true;                     // triangles out of view or turned away
 
-    // written by the CPU: at load, or (frame, palette) before each run
+    // written by the CPU: at load, or (frame, palette) before each frame
     BufferId frame, palette, vertices, triangles, splats, sh;
     // made by the GPU in each frame
-    BufferId posed, triangleFrames, projected, sortDepth, blockSums, counts, pairs, pairsSwap, histogram;
+    BufferId posed, triangleFrames, projected, visibility, blockSums, counts, pairs, pairsSwap, histogram;
     TargetId target;
+    // read by the CPU, made by the first read-back
     BufferId colourPixels, depthPixels;
 
     uint32_t sortRounds() const { return general ? gpu::kGeneralSortRounds : gpu::kSortRounds; }
     uint32_t maxDepthKey() const { return (1u << (sortRounds() * gpu::kSortDigitBits)) - 1; }
+    uint32_t chunkCount() const { return general ? 0 : (splatCount + gpu::kSplatGroup - 1) / gpu::kSplatGroup; }  // triangles decide over chunks
+    uint32_t firstDepth() const { return 2 * chunkCount(); }  // in the visibility buffer
     uint32_t compactBlocks() const { return (splatCount + gpu::kCompactBlock - 1) / gpu::kCompactBlock; }
     uint32_t maxSortBlocks() const { return (splatCount + gpu::kSortBlock - 1) / gpu::kSortBlock; }
 };

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "sdk/avatar/pose_correctives.h"
+#include "sdk/render/passes/chunks.h"
 #include "sdk/render/passes/compact.h"
 #include "sdk/render/passes/draw.h"
 #include "sdk/render/passes/project.h"
@@ -25,9 +26,8 @@ float fromHalf(uint16_t half) {
     return sign ? -magnitude : magnitude;
 }
 
-Status checkViews(std::span<const Cameraf> views, std::span<RenderedView> out) {
-    if (views.empty() || views.size() > gpu::kMaxViews || out.size() != views.size())
-        return fail(Code::InvalidArgument, "{} views into {} images; one or two of each are possible", views.size(), out.size());
+Status checkViews(std::span<const Cameraf> views) {
+    if (views.empty() || views.size() > gpu::kMaxViews) return fail(Code::InvalidArgument, "{} views; 1 to {} are drawn at once", views.size(), gpu::kMaxViews);
     for (const Cameraf& c : views) {
         if (c.widthPx != views[0].widthPx || c.heightPx != views[0].heightPx) return fail(Code::InvalidArgument, "the views have different sizes");
         if (c.widthPx == 0 || c.heightPx == 0) return fail(Code::InvalidArgument, "a view of {} x {} px", c.widthPx, c.heightPx);
@@ -40,8 +40,8 @@ Status checkViews(std::span<const Cameraf> views, std::span<RenderedView> out) {
 
 }  // namespace
 
-GpuRenderer::GpuRenderer(std::unique_ptr<Backend> backend, std::string name, bool preciseBlending)
-    : backend_(std::move(backend)), name_(std::move(name)), preciseBlending_(preciseBlending) {}
+GpuRenderer::GpuRenderer(std::unique_ptr<Backend> backend, std::string name, bool preciseBlending, bool cullTriangles)
+    : backend_(std::move(backend)), name_(std::move(name)), preciseBlending_(preciseBlending), cullTriangles_(cullTriangles) {}
 
 GpuRenderer::~GpuRenderer() {
     for (auto& [id, avatar] : avatars_) freeAvatar(avatar);
@@ -108,7 +108,6 @@ Status GpuRenderer::loadAvatar(LoadedAvatar& a) {
     ids.triangleCount = uint32_t(records.triangles.size());
     ids.splatCount = uint32_t(records.splats.size());
     ids.shDegree = data.splats.shDegree;
-    DPL_TRY(ids.palette, makeBuffer(a.owned, "palette", paletteRows(data) * sizeof(gpu::vec4), BufferMemory::Upload));
     if (ids.corrected) {
         DPL_TRY(ids.vertices, uploadBuffer<gpu::CorrectedVertexRecord>(a.owned, "vertices", records.correctedVertices));
     } else {
@@ -127,8 +126,7 @@ Status GpuRenderer::makeWorkBuffers(LoadedAvatar& a) {
     FrameIds& ids = a.ids;
     ids.layered = backend_->info().multiview;
     const uint64_t splats = ids.splatCount;
-    DPL_TRY(ids.frame, makeBuffer(a.owned, "frame", sizeof(gpu::FrameData), BufferMemory::Upload));
-    DPL_TRY(ids.sortDepth, makeBuffer(a.owned, "sort depth", splats * 4));
+    DPL_TRY(ids.visibility, makeBuffer(a.owned, "visibility", (ids.firstDepth() + splats) * 4));
     DPL_TRY(ids.blockSums, makeBuffer(a.owned, "block sums", (ids.compactBlocks() + 1ull) * 4));
     DPL_TRY(ids.counts, makeBuffer(a.owned, "counts", sizeof(gpu::FrameCounts)));
     DPL_TRY(ids.pairs, makeBuffer(a.owned, "pairs", splats * 8));
@@ -145,11 +143,20 @@ Status GpuRenderer::build(const LoadedAvatar& a, ShapedFrame& f) {
     ids.heightPx = f.shape.heightPx;
     ids.depth = f.shape.depth;
     ids.halfColour = preciseBlending_;
-    const uint64_t pixels = uint64_t(ids.widthPx) * ids.heightPx * ids.viewCount;
+    ids.cull = cullTriangles_;
     DPL_TRY(ids.target, backend_->createTarget({ids.widthPx, ids.heightPx, ids.viewCount, ids.depth, ids.layered, ids.halfColour}));
     DPL_TRY(ids.projected, makeBuffer(f.owned, "projected", uint64_t(ids.splatCount) * ids.viewCount * sizeof(gpu::ProjectedSplat)));
-    DPL_TRY(ids.colourPixels, makeBuffer(f.owned, "colour pixels", pixels * 4, BufferMemory::Readback));
-    if (ids.depth) { DPL_TRY(ids.depthPixels, makeBuffer(f.owned, "depth pixels", pixels * (backend_->info().halfDepth ? 4 : 8), BufferMemory::Readback)); }
+    for (Slot& slot : f.slots) { DPL_CHECK_OK(buildSlot(a, f, slot)); }
+    return {};
+}
+
+Status GpuRenderer::buildSlot(const LoadedAvatar& a, ShapedFrame& f, Slot& slot) {
+    DPL_TRY(slot.frame, makeBuffer(f.owned, "frame", sizeof(gpu::FrameData), BufferMemory::Upload));
+    if (a.data) { DPL_TRY(slot.palette, makeBuffer(f.owned, "palette", paletteRows(*a.data) * sizeof(gpu::vec4), BufferMemory::Upload)); }
+    DPL_TRY(slot.finalCounts, makeBuffer(f.owned, "final counts", sizeof(gpu::FrameCounts), BufferMemory::Readback));
+    FrameIds ids = f.ids;
+    ids.frame = slot.frame;
+    ids.palette = slot.palette;
 
     FramePlan plan(*backend_);
     plan.fill("begin", ids.counts, 0);
@@ -157,6 +164,7 @@ Status GpuRenderer::build(const LoadedAvatar& a, ShapedFrame& f) {
         if (!ids.general) {
             addSkin(plan, ids);
             addTriangles(plan, ids);
+            addChunks(plan, ids);
         }
         addProject(plan, ids);
         addColour(plan, ids);
@@ -167,7 +175,19 @@ Status GpuRenderer::build(const LoadedAvatar& a, ShapedFrame& f) {
         plan.fill("no splats", ids.projected, 0);
     }
     addDraw(plan, ids);
-    DPL_TRY(f.frame, plan.finish());
+    plan.copy("counts", ids.counts, slot.finalCounts);
+    DPL_TRY(slot.draw, plan.finish());
+    return {};
+}
+
+Status GpuRenderer::buildReadback(ShapedFrame& f) {
+    FrameIds& ids = f.ids;
+    const uint64_t pixels = uint64_t(ids.widthPx) * ids.heightPx * ids.viewCount;
+    if (!ids.colourPixels) { DPL_TRY(ids.colourPixels, makeBuffer(f.owned, "colour pixels", pixels * 4, BufferMemory::Readback)); }
+    if (ids.depth && !ids.depthPixels) { DPL_TRY(ids.depthPixels, makeBuffer(f.owned, "depth pixels", pixels * (backend_->info().halfDepth ? 4 : 8), BufferMemory::Readback)); }
+    FramePlan plan(*backend_);
+    plan.readback("readback", ids.target, ids.colourPixels, ids.depthPixels);
+    DPL_TRY(f.readback, plan.finish());
     return {};
 }
 
@@ -190,7 +210,8 @@ Result<GpuRenderer::ShapedFrame*> GpuRenderer::frameOf(LoadedAvatar& a, const Sh
 }
 
 void GpuRenderer::freeFrame(ShapedFrame& f) {
-    backend_->destroyFrame(f.frame);
+    for (const Slot& slot : f.slots) backend_->destroyFrame(slot.draw);
+    backend_->destroyFrame(f.readback);
     backend_->destroyTarget(f.ids.target);
     for (BufferId id : f.owned) backend_->destroyBuffer(id);
 }
@@ -207,21 +228,28 @@ void GpuRenderer::removeAvatar(RenderAvatarId id) {
     avatars_.erase(it);
 }
 
-Status GpuRenderer::render(RenderAvatarId id, const Pose& pose, std::span<const Cameraf> views, bool wantDepth, std::span<RenderedView> out) {
+Status GpuRenderer::draw(RenderAvatarId id, const Pose& pose, std::span<const Cameraf> views, bool wantDepth) {
     const auto it = avatars_.find(id);
     if (it == avatars_.end()) return fail(Code::InvalidArgument, "avatar {} is not in this renderer", id);
-    DPL_CHECK_OK(checkViews(views, out));
+    DPL_CHECK_OK(checkViews(views));
     LoadedAvatar& avatar = it->second;
     DPL_TRY(ShapedFrame* frame, frameOf(avatar, {views[0].widthPx, views[0].heightPx, uint32_t(views.size()), wantDepth}));
-    frame->lastUse = ++frameNumber_;
-
-    const gpu::FrameData block = packFrame(avatar.splats, views);
-    std::memcpy(backend_->mapped(frame->ids.frame).data(), &block, sizeof(block));
-    if (avatar.data) writePalette(*avatar.data, pose, frame->ids.palette);
-
-    DPL_CHECK_OK(backend_->run(frame->frame));
-    copyOut(*frame, out);
+    Slot& slot = frame->slots[frame->next];
+    if (!backend_->finished(slot.draw)) {
+        ++waits_;
+        DPL_CHECK_OK(backend_->wait(slot.draw));
+    }
+    fill(avatar, slot, pose, views);
+    DPL_CHECK_OK(backend_->submit(slot.draw));
+    frame->next = (frame->next + 1) % kFramesInFlight;
+    slot.number = frame->lastUse = ++frameNumber_;
     return {};
+}
+
+void GpuRenderer::fill(const LoadedAvatar& avatar, const Slot& slot, const Pose& pose, std::span<const Cameraf> views) {
+    const gpu::FrameData block = packFrame(avatar.splats, views);
+    std::memcpy(backend_->mapped(slot.frame).data(), &block, sizeof(block));
+    if (avatar.data) writePalette(*avatar.data, pose, slot.palette);
 }
 
 void GpuRenderer::writePalette(const AvatarData& avatar, const Pose& pose, BufferId palette) {
@@ -234,19 +262,67 @@ void GpuRenderer::writePalette(const AvatarData& avatar, const Pose& pose, Buffe
     packPalette(worldFromRest_, nodes_, {reinterpret_cast<gpu::vec4*>(backend_->mapped(palette).data()), paletteRows(avatar)});
 }
 
-void GpuRenderer::copyOut(const ShapedFrame& f, std::span<RenderedView> out) {
+Result<std::span<const PixelView>> GpuRenderer::read(RenderAvatarId id) {
+    const auto it = avatars_.find(id);
+    if (it == avatars_.end()) return fail(Code::InvalidArgument, "avatar {} is not in this renderer", id);
+    ShapedFrame* frame = it->second.lastDrawn();
+    if (!frame) return fail(Code::InvalidArgument, "nothing was drawn of avatar {}", id);
+    if (!frame->readback) { DPL_CHECK_OK(buildReadback(*frame)); }
+    DPL_CHECK_OK(backend_->run(frame->readback));
+    frame->lastRead = frame->lastUse;
+    takePixels(*frame);
+    return std::span<const PixelView>(pixels_, frame->shape.views);
+}
+
+GpuRenderer::ShapedFrame* GpuRenderer::LoadedAvatar::lastDrawn() {
+    const auto last = std::max_element(frames.begin(), frames.end(), [](const auto& x, const auto& y) { return x.lastUse < y.lastUse; });
+    return last == frames.end() || last->lastUse == 0 ? nullptr : &*last;
+}
+
+bool GpuRenderer::idle(RenderAvatarId id) {
+    const auto it = avatars_.find(id);
+    if (it == avatars_.end()) return true;
+    for (const ShapedFrame& frame : it->second.frames)
+        for (const Slot& slot : frame.slots)
+            if (!backend_->finished(slot.draw)) return false;
+    return true;
+}
+
+Result<FrameStats> GpuRenderer::stats(RenderAvatarId id) {
+    const auto it = avatars_.find(id);
+    if (it == avatars_.end()) return fail(Code::InvalidArgument, "avatar {} is not in this renderer", id);
+    FrameStats stats;
+    stats.residentBytes = backend_->residentBytes();
+    stats.waits = waits_;
+    uint64_t newest = 0;
+    for (const ShapedFrame& frame : it->second.frames) {
+        for (const Slot& slot : frame.slots) {
+            if (slot.number <= newest || !backend_->finished(slot.draw)) continue;
+            newest = slot.number;
+            gpu::FrameCounts counts;
+            std::memcpy(&counts, backend_->mapped(slot.finalCounts).data(), sizeof(counts));
+            stats.views = frame.shape.views;
+            stats.trianglesInView = counts.trianglesInView, stats.trianglesFacing = counts.trianglesFacing;
+            stats.chunks = frame.ids.chunkCount(), stats.chunksProjected = counts.chunkGroupsX;
+            stats.splatsInView = counts.splatsInView, stats.splatsFacing = counts.splatsFacing;
+            stats.splatsDrawn = counts.visible;
+            stats.passes = backend_->passTimes(slot.draw);
+            if (frame.lastRead == slot.number)
+                for (PassTime& pass : backend_->passTimes(frame.readback)) stats.passes.push_back(std::move(pass));
+        }
+    }
+    return stats;
+}
+
+void GpuRenderer::takePixels(const ShapedFrame& f) {
     const size_t pixels = size_t(f.shape.widthPx) * f.shape.heightPx;
     const std::byte* colour = backend_->mapped(f.ids.colourPixels).data();
     const std::byte* depth = f.shape.depth ? backend_->mapped(f.ids.depthPixels).data() : nullptr;
     const bool half = backend_->info().halfDepth;
-    for (size_t v = 0; v < out.size(); ++v) {
-        RenderedView& view = out[v];
-        view.widthPx = f.shape.widthPx;
-        view.heightPx = f.shape.heightPx;
-        view.rgba.resize(pixels * 4);
-        std::memcpy(view.rgba.data(), colour + v * pixels * 4, pixels * 4);
-        view.depthM.resize(depth ? pixels : 0);
-        for (size_t i = 0; i < view.depthM.size(); ++i) {
+    for (size_t v = 0; v < f.shape.views; ++v) {
+        std::vector<float>& depthM = depthM_[v];
+        depthM.resize(depth ? pixels : 0);
+        for (size_t i = 0; i < depthM.size(); ++i) {
             float sums[2];  // Σ α T z, Σ α T
             if (half) {
                 uint16_t raw[2];
@@ -255,8 +331,9 @@ void GpuRenderer::copyOut(const ShapedFrame& f, std::span<RenderedView> out) {
             } else {
                 std::memcpy(sums, depth + (v * pixels + i) * 8, 8);
             }
-            view.depthM[i] = sums[1] > 0 ? sums[0] / sums[1] : 0.0f;
+            depthM[i] = sums[1] > 0 ? sums[0] / sums[1] : 0.0f;
         }
+        pixels_[v] = {f.shape.widthPx, f.shape.heightPx, {reinterpret_cast<const uint8_t*>(colour) + v * pixels * 4, pixels * 4}, depthM};
     }
 }
 

@@ -1,5 +1,8 @@
 // The renderer over any backend. Everything a frame needs is created by addAvatar and by the first frame of a shape
-// (size, number of views, depth or not); a warm frame fills two mapped buffers (views; joints and control nodes), runs one recorded frame and copies pixels out.
+// (size, number of views, depth or not); a warm frame fills two mapped buffers (views; joints and control nodes) and submits one recorded frame.
+//
+//   draw:  slot 0 ─► slot 1 ─► slot 2 ─► slot 0 ...   each with its own mapped buffers, fence and timestamps; the rest is shared, the queue runs one after the other
+//   read:  waits, copies the target into mapped memory; its buffers are made when it is first called
 #pragma once
 
 #include <map>
@@ -14,17 +17,18 @@ namespace dpl {
 class GpuRenderer final : public Renderer {
 public:
     /** `name` is what name() says. */
-    GpuRenderer(std::unique_ptr<Backend> backend, std::string name, bool preciseBlending = false);
+    GpuRenderer(std::unique_ptr<Backend> backend, std::string name, bool preciseBlending = false, bool cullTriangles = true);
     ~GpuRenderer() override;
 
     std::string name() const override { return name_; }
     Result<RenderAvatarId> addAvatar(std::shared_ptr<const AvatarData> avatar) override;
     Result<RenderAvatarId> addSplats(const StaticSplatData& splats) override;
     void removeAvatar(RenderAvatarId avatar) override;
-    Status render(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, bool wantDepth, std::span<RenderedView> out) override;
-
-    /** GPU time of each pass of the last frame, in order; repeated labels are rounds of the sort. */
-    std::vector<PassTime> lastPassTimes() const { return backend_->passTimes(); }
+    Status draw(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, bool wantDepth) override;
+    Result<std::span<const PixelView>> read(RenderAvatarId avatar) override;
+    Result<FrameStats> stats(RenderAvatarId avatar) override;
+    /** Whether nothing of the avatar is running. Never waits. */
+    bool idle(RenderAvatarId avatar);
     const DeviceInfo& device() const { return backend_->info(); }
 
 private:
@@ -33,12 +37,19 @@ private:
         bool depth = false;
         bool operator==(const Shape&) const = default;
     };
+    struct Slot {
+        BufferId frame, palette, finalCounts;
+        FrameId draw;
+        uint64_t number = 0;           // of the frame it drew last; 0: none
+    };
     struct ShapedFrame {
         Shape shape;
-        FrameIds ids;
-        FrameId frame;
+        FrameIds ids;                  // of what the slots share
+        Slot slots[kFramesInFlight];
+        uint32_t next = 0;
+        FrameId readback;
         std::vector<BufferId> owned;
-        uint64_t lastUse = 0;
+        uint64_t lastUse = 0, lastRead = 0;  // numbers of frames
     };
     struct LoadedAvatar {
         std::shared_ptr<const AvatarData> data;   // null: general splats
@@ -46,6 +57,7 @@ private:
         FrameIds ids;                  // of what does not depend on the shape
         std::vector<BufferId> owned;
         std::vector<ShapedFrame> frames;
+        ShapedFrame* lastDrawn();
     };
 
     Result<BufferId> makeBuffer(std::vector<BufferId>& owned, std::string label, uint64_t bytes, BufferMemory memory = BufferMemory::Device);
@@ -58,19 +70,24 @@ private:
     void writePalette(const AvatarData& avatar, const Pose& pose, BufferId palette);
     Result<ShapedFrame*> frameOf(LoadedAvatar& avatar, const Shape& shape);
     Status build(const LoadedAvatar& avatar, ShapedFrame& frame);
+    Status buildSlot(const LoadedAvatar& avatar, ShapedFrame& frame, Slot& slot);
+    Status buildReadback(ShapedFrame& frame);
+    void fill(const LoadedAvatar& avatar, const Slot& slot, const Pose& pose, std::span<const Cameraf> views);
     void freeFrame(ShapedFrame& frame);
     void freeAvatar(LoadedAvatar& avatar);
-    void copyOut(const ShapedFrame& frame, std::span<RenderedView> out);
+    void takePixels(const ShapedFrame& frame);
 
     std::unique_ptr<Backend> backend_;
     std::string name_;
-    bool preciseBlending_;
+    bool preciseBlending_, cullTriangles_;
     std::map<RenderAvatarId, LoadedAvatar> avatars_;
     std::vector<Mat3x4f> worldFromRest_;   // of the last pose, as are these
     std::vector<float> coefficients_;
     std::vector<Vec4f> nodes_;
+    PixelView pixels_[gpu::kMaxViews];     // of the last read
+    std::vector<float> depthM_[gpu::kMaxViews];
     RenderAvatarId lastId_ = 0;
-    uint64_t frameNumber_ = 0;
+    uint64_t frameNumber_ = 0, waits_ = 0;
 };
 
 }  // namespace dpl

@@ -7,20 +7,42 @@
 #include <vector>
 
 #include "sdk/avatar/rig.h"
+#include "sdk/backend/backend.h"
 #include "sdk/core/result.h"
 #include "sdk/format/avatar_data.h"
 #include "sdk/math/camera.h"
 
 namespace dpl {
 
-/** Pixels of one view read back to memory: RGBA8 premultiplied, display-referred, top row first; depth in metres, 0 = nothing. */
+/** Pixels of one view where the renderer holds them: RGBA8 premultiplied, display-referred, top row first; depth in metres, 0 = nothing,
+ *  and empty when it was not asked for. Good until the avatar is drawn, read or removed. */
+struct PixelView {
+    uint32_t widthPx = 0, heightPx = 0;
+    std::span<const uint8_t> rgba;
+    std::span<const float> depthM;
+};
+
+/** The same in memory of its own. */
 struct RenderedView {
     uint32_t widthPx = 0, heightPx = 0;
     std::vector<uint8_t> rgba;
-    std::vector<float> depthM;      // only when asked for
+    std::vector<float> depthM;
+};
+
+/** What the last finished frame of an avatar drew and cost; zeros before the first. */
+struct FrameStats {
+    uint32_t views = 0;
+    uint32_t trianglesInView = 0, trianglesFacing = 0;  // survivors of each tier, splats with their triangles; 0 on the CPU, which has no tiers
+    uint32_t splatsInView = 0, splatsFacing = 0;
+    uint32_t chunks = 0, chunksProjected = 0;
+    uint32_t splatsDrawn = 0;          // that some view shows
+    std::vector<PassTime> passes;      // GPU time in the order they ran, rounds of the sort one by one; empty without timestamps
+    uint64_t residentBytes = 0;        // of all avatars and frames of the renderer, on the side that draws
+    uint64_t waits = 0;                // since the renderer was made: draw() found every frame in flight still running
 };
 
 using RenderAvatarId = uint32_t;
+constexpr uint32_t kFramesInFlight = 3;  // of one shape: the CPU may be two frames ahead
 
 /** Draws posed avatars and general splats into one or two views. One thread at a time. */
 class Renderer {
@@ -33,8 +55,24 @@ public:
     /** The same for general splats, which stand still: everything about them but their number may be freed on return. */
     virtual Result<RenderAvatarId> addSplats(const StaticSplatData& splats) = 0;
     virtual void removeAvatar(RenderAvatarId avatar) = 0;
-    /** Draws and reads back. All views have the same size. The pose has passed checkPose; general splats take no notice of it. */
-    virtual Status render(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, bool wantDepth, std::span<RenderedView> out) = 0;
+    /** Starts a frame. All views have the same size; the pose has passed checkPose (general splats take no notice of it). Once a shape (size, views, depth) has been drawn it
+     *  allocates nothing, and it waits only when kFramesInFlight frames of that shape are still running. A CPU renderer draws here. */
+    virtual Status draw(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, bool wantDepth) = 0;
+    /** Waits for the avatar's last frame and gives its pixels. For files and tests: a program with a screen shows the frame where it is. */
+    virtual Result<std::span<const PixelView>> read(RenderAvatarId avatar) = 0;
+    /** Draws and copies the pixels out. */
+    Status render(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, bool wantDepth, std::span<RenderedView> out);
+    /** Never waits for a frame. Allocates: for measuring. */
+    virtual Result<FrameStats> stats(RenderAvatarId avatar) = 0;
 };
+
+inline Status Renderer::render(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, bool wantDepth, std::span<RenderedView> out) {
+    if (out.size() != views.size()) return fail(Code::InvalidArgument, "{} views into {} images", views.size(), out.size());
+    DPL_CHECK_OK(draw(avatar, pose, views, wantDepth));
+    DPL_TRY(const std::span<const PixelView> pixels, read(avatar));
+    for (size_t v = 0; v < out.size(); ++v)
+        out[v] = {pixels[v].widthPx, pixels[v].heightPx, {pixels[v].rgba.begin(), pixels[v].rgba.end()}, {pixels[v].depthM.begin(), pixels[v].depthM.end()}};
+    return {};
+}
 
 }  // namespace dpl

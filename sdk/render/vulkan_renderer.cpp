@@ -7,12 +7,7 @@ namespace dpl {
 Result<std::unique_ptr<Renderer>> createVulkanRenderer(const VulkanOptions& options) {
     DPL_TRY(auto backend, createVulkanBackend(options));
     std::string name = "vulkan (" + backend->info().name + ")";
-    return std::unique_ptr<Renderer>(std::make_unique<GpuRenderer>(std::move(backend), std::move(name), options.preciseBlending));
-}
-
-std::vector<PassTime> lastPassTimes(const Renderer& renderer) {
-    const auto* gpu = dynamic_cast<const GpuRenderer*>(&renderer);
-    return gpu ? gpu->lastPassTimes() : std::vector<PassTime>();
+    return std::unique_ptr<Renderer>(std::make_unique<GpuRenderer>(std::move(backend), std::move(name), options.preciseBlending, options.cullTriangles));
 }
 
 }  // namespace dpl

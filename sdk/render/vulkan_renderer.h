@@ -3,7 +3,7 @@
 //   auto renderer = createVulkanRenderer({.allowSoftwareDevice = true});
 //   if (!renderer) return renderer.error();
 //   DPL_TRY(auto id, (*renderer)->addAvatar(avatar));
-//   DPL_CHECK_OK((*renderer)->render(id, pose, views, wantDepth, images));
+//   DPL_CHECK_OK((*renderer)->draw(id, pose, views, wantDepth));
 #pragma once
 
 #include "sdk/backend/vulkan/vulkan_backend.h"
@@ -13,8 +13,5 @@ namespace dpl {
 
 /** Code::Unsupported when no device fits the options; the text names the best one there is. */
 Result<std::unique_ptr<Renderer>> createVulkanRenderer(const VulkanOptions& options = {});
-
-/** GPU time of each pass of the last frame in the order they ran; empty for renderers without a GPU or without timestamps. */
-std::vector<PassTime> lastPassTimes(const Renderer& renderer);
 
 }  // namespace dpl

@@ -9,6 +9,4 @@ Result<std::unique_ptr<Renderer>> createVulkanRenderer(const VulkanOptions&) {
     return fail(Code::Unsupported, "this build has no Vulkan (DOPPEL_VULKAN=OFF); use the software renderer");
 }
 
-std::vector<PassTime> lastPassTimes(const Renderer&) { return {}; }
-
 }  // namespace dpl

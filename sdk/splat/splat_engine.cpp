@@ -39,6 +39,8 @@ std::span<const float> SplatEngine::stopTransmittance() const {
     return {buffers_->stopTransmittance.data(), buffers_->stopTransmittance.size()};
 }
 
+uint32_t SplatEngine::visibleCount() const { return buffers_->visibleCount; }
+
 uint64_t SplatEngine::bufferBytes() const {
     const Buffers& b = *buffers_;
     return b.triangles.bytes() + b.sortedBoxes.bytes() + b.projected.bytes() + b.rowScale.bytes() + b.boxes.bytes() + b.blocks.capacity() * sizeof(BlockVisible) + b.keys[0].bytes() +

@@ -100,6 +100,8 @@ public:
     std::span<const uint32_t> stops() const;
     /** Per pixel: T after the last blended entry, ≥ 1e-6; more precise than 1 − alpha. Only after blend with recordStops. */
     std::span<const float> stopTransmittance() const;
+    /** Splats that the last view shows. After sort() or bin(). */
+    uint32_t visibleCount() const;
     /** Bytes held between frames. */
     uint64_t bufferBytes() const;
 

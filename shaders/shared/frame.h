@@ -2,6 +2,7 @@
 //
 //   VertexRecord ─skin► vec4 posed (w: brightness) ─triangles► TriangleFrame ─project► ProjectedSplat (splat × view) + sort depth
 //                                                            └─colour► ProjectedSplat.colour
+//   visibility buffer, uints: a flag a chunk │ the live chunks, in order │ a sort depth a splat
 //   sort depth ─compact► uvec2 (key, splat) ─sort► the same, near first ─draw► pixels
 //   GeneralSplatRecord ─project.general► the same two ─...  (general splats: no pose, no triangles)
 #ifndef DPL_SHARED_FRAME_H
@@ -53,11 +54,15 @@ struct TriangleRecord {       // static, per triangle; frame and D⁻¹ of the r
     vec4 restT2;              // w: i01
     vec4 restNormal;          // w: i11
     uvec4 corners;            // vertex indices; w: 1 = valid at rest
+    float reach;              // largest √level · standard deviation of its splats, metres at rest; level = 2 ln(255 α): farther out they are below 1/255
+    float rootLevel;          // largest √level
+    uint freeSplats;          // that show both faces
+    uint gatedSplats;         // that show one
 };
-DPL_SHARED_SIZE(TriangleRecord, 64)
+DPL_SHARED_SIZE(TriangleRecord, 80)
 
-struct TriangleFrame {        // per triangle and frame; w components carry the valid flag, the unit normal and brightness
-    vec4 v0;                  // w: 1 = draw its splats
+struct TriangleFrame {        // per triangle and frame; w components carry who sees it, the unit normal and brightness
+    vec4 v0;                  // w: kShowsFree << view, kShowsGated << view: which of its splats which view may show; a whole number
     vec4 v1;                  // w: normal x
     vec4 v2;                  // w: normal y
     vec4 f0;                  // first column of F; w: normal z
@@ -90,28 +95,33 @@ struct ProjectedSplat {       // per splat and view, index splat * views + view;
     vec2 radiusPx;            // half box outside which α < 1/255
     float conicA, conicB, conicC;  // σ = ½(A dx² + C dy²) + B dx dy
     float opacity;            // after compensation, gate and near fade
-    vec4 colour;              // rgb display-referred; w: view z, metres
+    vec4 colour;              // rgb display-referred (before the colour pass: rest direction × brightness); w: view z, metres
 };
 DPL_SHARED_SIZE(ProjectedSplat, 48)
 
 struct FrameCounts {          // written by the GPU for itself; the indirect arguments live inside
     uint visible;             // survivors of culling, all views together
     uint sortBlocks;          // ceil(visible / kSortBlock)
-    uint pad0, pad1;
+    uint trianglesInView;     // that carry splats and touch some view
+    uint trianglesFacing;     // of these, with splats that are not all turned away
     uint sortGroupsX, sortGroupsY, sortGroupsZ;  // VkDispatchIndirectCommand
     uint pad2;
     uint drawVertices, drawInstances, drawFirstVertex, drawFirstInstance;  // VkDrawIndirectCommand
     uint depthMaxBits;        // posed bounds along the sort axis, order-preserving float bits (lib/order.glsl)
     uint depthMinBitsInverted;
-    uint pad3, pad4;
+    uint splatsInView;        // on trianglesInView
+    uint splatsFacing;        // of these, not turned away
+    uint chunkGroupsX, chunkGroupsY, chunkGroupsZ;  // VkDispatchIndirectCommand over the chunks that have such a splat
+    uint pad3;
 };
-DPL_SHARED_SIZE(FrameCounts, 64)
+DPL_SHARED_SIZE(FrameCounts, 80)
 
 struct VertexPush { uint vertexCount; uint firstNode; };  // control nodes in the palette, behind the joints' rows
-struct TrianglePush { uint triangleCount; };
-struct SplatPush { uint splatCount; uint viewCount; };
-struct ColourPush { uint splatCount; uint viewCount; uint shDegree; uint shStride; };  // stride in floats per splat
-struct CompactPush { uint splatCount; uint blockCount; uint maxDepthKey; };
+struct TrianglePush { uint triangleCount; uint viewCount; uint cull; };  // cull 0: every valid triangle is shown
+struct SplatPush { uint splatCount; uint viewCount; uint chunkCount; };
+struct ChunkPush { uint chunkCount; };
+struct ColourPush { uint splatCount; uint viewCount; uint shDegree; uint shStride; uint chunkCount; };  // stride in floats per splat
+struct CompactPush { uint splatCount; uint blockCount; uint firstDepth; uint maxDepthKey; };  // where in the visibility buffer the sort depths begin
 struct ScanPush { uint count; uint fromSort; };   // fromSort 1: kSortDigits * sortBlocks entries, else `count`
 struct ArgsPush { uint blockCount; uint instancesPerSplat; };
 struct SortPush { uint shift; };

@@ -24,6 +24,8 @@ DPL_CONST uint kGeneralSortRounds = 6u;  // 24-bit keys: a scene may reach a kil
 DPL_CONST uint kTriangleMask = 0x00FFFFFFu;  // SplatRecord.triangleAndFlags: triangle in the low 24 bits, flags above
 DPL_CONST uint kFlagShift = 24u;
 DPL_CONST uint kGateFlag = 1u;               // kSplatSingleFace
+DPL_CONST uint kShowsFree = 1u;              // TriangleFrame.v0.w, shifted by the view
+DPL_CONST uint kShowsGated = 4u;
 DPL_CONST uint kInvisibleKey = 0xFFFFFFFFu;  // no view shows the splat
 
 DPL_CONST float kGpuMinTriangleAreaM2 = 1e-10;

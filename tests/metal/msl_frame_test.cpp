@@ -17,10 +17,11 @@
 DPL_MSL(msl_skin);
 DPL_MSL(msl_skin_corrected);
 DPL_MSL(msl_triangles);
+DPL_MSL(msl_chunks_mark);
+DPL_MSL(msl_chunks_list);
 DPL_MSL(msl_project);
 DPL_MSL(msl_project_general);
 DPL_MSL(msl_colour);
-DPL_MSL(msl_colour_lit);
 DPL_MSL(msl_colour_general);
 DPL_MSL(msl_compact_count);
 DPL_MSL(msl_compact_scan);
@@ -61,16 +62,16 @@ void sortPairs(std::vector<gpu::uvec2>& pairs, gpu::FrameCounts& counts, int ord
     }
 }
 
-/** From depths and counts to the sorted list. */
-void compactAndSort(MslFrame& out, std::vector<uint32_t>& depth, int order, uint32_t rounds) {
-    const uint32_t splats = uint32_t(depth.size()), blocks = groupsFor(splats, gpu::kCompactBlock);
+/** From sort depths (in the visibility buffer, behind its first entries) and counts to the sorted list. */
+void compactAndSort(MslFrame& out, std::vector<uint32_t>& visibility, uint32_t firstDepth, int order, uint32_t rounds) {
+    const uint32_t splats = uint32_t(visibility.size()) - firstDepth, blocks = groupsFor(splats, gpu::kCompactBlock);
     std::vector<uint32_t> sums(blocks + 1);
     out.compacted.resize(splats);
-    const gpu::CompactPush push{splats, blocks, (1u << (rounds * gpu::kSortDigitBits)) - 1};
-    run(msl_compact_count, blocks, order, {depth.data(), sums.data()}, push);
+    const gpu::CompactPush push{splats, blocks, firstDepth, (1u << (rounds * gpu::kSortDigitBits)) - 1};
+    run(msl_compact_count, blocks, order, {visibility.data(), sums.data()}, push);
     run(msl_compact_scan, 1, order, {&out.counts, sums.data()}, gpu::ScanPush{blocks, 0});
     run(msl_compact_args, 1, order, {sums.data(), &out.counts}, gpu::ArgsPush{blocks, 1});
-    run(msl_compact_scatter, blocks, order, {depth.data(), sums.data(), &out.counts, out.compacted.data()}, push);
+    run(msl_compact_scatter, blocks, order, {visibility.data(), sums.data(), &out.counts, out.compacted.data()}, push);
     out.compacted.resize(out.counts.visible);
     out.sorted = out.compacted;
     sortPairs(out.sorted, out.counts, order, rounds);
@@ -84,9 +85,9 @@ MslFrame runGeneralFrame(const StaticSplatData& splats, std::span<const Cameraf>
     std::vector<float> sh = splats.sh;
     MslFrame out;
     out.projected.resize(size_t(count) * viewCount);
-    run(msl_project_general, groups, order, {&frame, records.data(), out.projected.data(), depth.data(), &out.counts}, gpu::SplatPush{count, viewCount});
-    run(msl_colour_general, groups, order, {&frame, records.data(), sh.data(), out.projected.data()}, gpu::ColourPush{count, viewCount, splats.shDegree, shCoefficientCount(splats.shDegree) * 3});
-    compactAndSort(out, depth, order, gpu::kGeneralSortRounds);
+    run(msl_project_general, groups, order, {&frame, records.data(), out.projected.data(), depth.data(), &out.counts}, gpu::SplatPush{count, viewCount, 0});
+    run(msl_colour_general, groups, order, {&frame, records.data(), sh.data(), out.projected.data()}, gpu::ColourPush{count, viewCount, splats.shDegree, shCoefficientCount(splats.shDegree) * 3, 0});
+    compactAndSort(out, depth, 0, order, gpu::kGeneralSortRounds);
     return out;
 }
 
@@ -105,18 +106,23 @@ MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Ca
     const uint32_t splats = uint32_t(records.splats.size()), viewCount = uint32_t(views.size());
     std::vector<gpu::vec4> posed(avatar.mesh.restPositions.size());
     std::vector<gpu::TriangleFrame> frames(records.triangles.size());
-    std::vector<uint32_t> depth(splats);
+    const uint32_t chunks = groupsFor(splats, gpu::kSplatGroup);
+    std::vector<uint32_t> visibility(2 * chunks + splats);
     std::vector<float> sh = avatar.splats.sh;
     out.projected.resize(size_t(splats) * viewCount);
     void* vertices = corrected ? static_cast<void*>(records.correctedVertices.data()) : records.vertices.data();
     run(corrected ? msl_skin_corrected : msl_skin, groupsFor(posed.size(), gpu::kVertexGroup), order, {&frame, palette.data(), vertices, posed.data(), &out.counts},
         gpu::VertexPush{uint32_t(posed.size()), uint32_t(3 * joints.size())});
-    run(msl_triangles, groupsFor(frames.size(), gpu::kVertexGroup), order, {records.triangles.data(), posed.data(), frames.data()}, gpu::TrianglePush{uint32_t(frames.size())});
-    run(msl_project, groupsFor(splats, gpu::kSplatGroup), order, {&frame, records.splats.data(), frames.data(), out.projected.data(), depth.data()}, gpu::SplatPush{splats, viewCount});
+    run(msl_triangles, groupsFor(frames.size(), gpu::kVertexGroup), order, {&frame, records.triangles.data(), posed.data(), frames.data(), &out.counts},
+        gpu::TrianglePush{uint32_t(frames.size()), viewCount, 1});
+    const gpu::SplatPush splatPush{splats, viewCount, chunks};
+    run(msl_chunks_mark, chunks, order, {records.splats.data(), frames.data(), visibility.data()}, splatPush);
+    run(msl_chunks_list, 1, order, {visibility.data(), &out.counts}, gpu::ChunkPush{chunks});
+    run(msl_project, out.counts.chunkGroupsX, order, {&frame, records.splats.data(), frames.data(), out.projected.data(), visibility.data()}, splatPush);
     const uint32_t degree = avatar.splats.shDegree;
-    run(corrected ? msl_colour_lit : msl_colour, groupsFor(splats, gpu::kSplatGroup), order, {&frame, records.splats.data(), frames.data(), sh.data(), out.projected.data()},
-        gpu::ColourPush{splats, viewCount, degree, (degree + 1) * (degree + 1) * 3});
-    compactAndSort(out, depth, order, gpu::kSortRounds);
+    run(msl_colour, out.counts.chunkGroupsX, order, {sh.data(), out.projected.data(), visibility.data()},
+        gpu::ColourPush{splats, viewCount, degree, (degree + 1) * (degree + 1) * 3, chunks});
+    compactAndSort(out, visibility, 2 * chunks, order, gpu::kSortRounds);
     return out;
 }
 
@@ -173,6 +179,10 @@ void expectKernelsMatchTheReference(const AvatarData& avatar) {
     const Cameraf views[2] = {tubeCamera(96, 96, 0.6f, 1.6f, -0.03f), tubeCamera(96, 96, 0.6f, 1.6f, 0.03f)};
     expectKernelsMatchTheReference(views, avatar.splats.count(), [&](int order) { return runFrame(avatar, pose, views, order); },
                                    [&](const Cameraf& view) { return renderReference(avatar, pose, referenceCamera(view)); });
+    const gpu::FrameCounts counts = runFrame(avatar, pose, views, 0).counts;
+    EXPECT_EQ(counts.splatsInView, avatar.splats.count()) << "the whole tube is in view";
+    EXPECT_LT(counts.splatsFacing, counts.splatsInView) << "single-face splats at the back are gone before projection";
+    EXPECT_LE(counts.visible, counts.splatsFacing);
 }
 
 TEST(MetalFrame, kernelsOfGeneralSplatsMatchTheReference) {

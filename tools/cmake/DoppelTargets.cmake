@@ -57,6 +57,8 @@ endfunction()
 # Label 'sanitize' marks the tests that the sanitizer build runs too (readers, format, reference).
 if(DOPPEL_TESTS)
   find_package(GTest REQUIRED)
+  # The programs of all tests labelled `sanitize`: what tools/test builds with the sanitizers.
+  add_custom_target(sanitized_tests)
   set(test_pch_headers ${pch_headers} <random> <gtest/gtest.h>)
   set(test_options $<$<CONFIG:Release>:-O1>)  # a third less compile time; the code under test keeps its own level
   doppel_pch(doppel_test_pch HEADERS ${test_pch_headers} LINKS GTest::gtest OPTIONS ${test_options})
@@ -64,6 +66,9 @@ if(DOPPEL_TESTS)
 endif()
 
 function(doppel_test name)
+  if(NOT DOPPEL_TESTS)
+    return()
+  endif()
   cmake_parse_arguments(arg "" "TIMEOUT" "SOURCES;LINKS;LABELS" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE doppel_options ${arg_LINKS} GTest::gtest GTest::gtest_main)

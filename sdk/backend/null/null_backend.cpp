@@ -55,23 +55,41 @@ public:
 
     Result<FrameId> createFrame(std::vector<Step> steps) override {
         DPL_CHECK_OK(checkFrame(steps, *this, info_));
+        for (const Step& step : steps)
+            if (const auto* draw = std::get_if<DrawStep>(&step)) drawn_.insert(draw->target.value);
         frames_.emplace(++lastId_, std::move(steps));
         ++record_->liveFrames, ++record_->createdObjects;
         return FrameId{lastId_};
     }
-    void destroyFrame(FrameId id) override { record_->liveFrames -= frames_.erase(id.value); }
+    void destroyFrame(FrameId id) override {
+        running_.erase(id.value);
+        record_->liveFrames -= frames_.erase(id.value);
+    }
 
-    Status run(FrameId id) override {
+    Status submit(FrameId id) override {
         const auto it = frames_.find(id.value);
         if (it == frames_.end()) return fail(Code::InvalidArgument, "run of a frame that does not exist");
+        DPL_CHECK_OK(wait(id));
         // Buffers may have gone since the frame was made: a recorded frame must not outlive them.
         DPL_CHECK_OK(checkFrame(it->second, *this, info_));
         record_->lastLabels.clear();
         for (const Step& step : it->second) record_->lastLabels.push_back(stepLabel(step));
         ++record_->runs;
+        if (record_->holdFrames) running_.insert(id.value);
         return {};
     }
-    std::vector<PassTime> passTimes() const override { return {}; }
+    bool finished(FrameId id) override { return !running_.count(id.value); }
+    Status wait(FrameId id) override {
+        record_->waits += running_.erase(id.value);
+        return {};
+    }
+    std::vector<PassTime> passTimes(FrameId) const override { return {}; }
+
+    uint64_t residentBytes() const override {
+        uint64_t bytes = 0;
+        for (const auto& [id, b] : buffers_) bytes += b.desc.bytes;
+        return bytes;
+    }
 
 private:
     struct Buffer {
@@ -96,6 +114,7 @@ private:
     }
     const Shader* shader(PipelineId id) const override { return id.value == 0 || id.value > pack_.shaders.size() ? nullptr : &pack_.shaders[id.value - 1]; }
     bool written(BufferId id) const override { return buffers_.at(id.value).written; }
+    bool drawn(TargetId id) const override { return drawn_.count(id.value) > 0; }
 
     ShaderPack pack_;
     std::shared_ptr<NullRecord> record_;
@@ -103,6 +122,7 @@ private:
     std::map<uint32_t, Buffer> buffers_;
     std::map<uint32_t, TargetDesc> targets_;
     std::map<uint32_t, std::vector<Step>> frames_;
+    std::set<uint32_t> drawn_, running_;
     uint32_t lastId_ = 0;
 };
 

@@ -14,6 +14,8 @@ struct NullOptions {
 /** What a test may ask afterwards. Owned by the test, shared with the backend. */
 struct NullRecord {
     uint64_t liveBuffers = 0, liveTargets = 0, liveFrames = 0, createdObjects = 0, runs = 0;
+    uint64_t waits = 0;                   // for a frame that was still running
+    bool holdFrames = false;              // set by the test: frames run until they are waited for
     std::vector<std::string> lastLabels;  // of the last frame that ran
 };
 

@@ -15,6 +15,7 @@ struct Buffer {
     VkBuffer buffer = VK_NULL_HANDLE;
     VkDeviceMemory memory = VK_NULL_HANDLE;
     std::byte* mapped = nullptr;
+    uint64_t allocatedBytes = 0;
     bool written = false;
 };
 
@@ -22,6 +23,7 @@ struct Image {
     VkImage image = VK_NULL_HANDLE;
     VkDeviceMemory memory = VK_NULL_HANDLE;
     VkImageView view = VK_NULL_HANDLE;
+    uint64_t allocatedBytes = 0;
 };
 
 struct Target {
@@ -30,6 +32,7 @@ struct Target {
     Image rounded;                        // RGBA8 copy of a halfColour target
     VkFramebuffer framebuffer = VK_NULL_HANDLE;
     VkExtent2D extent{};
+    bool drawn = false;
 };
 
 struct Pipeline {
@@ -46,8 +49,11 @@ struct Frame {
     VkCommandPool commands = VK_NULL_HANDLE;
     VkCommandBuffer commandBuffer = VK_NULL_HANDLE;
     VkQueryPool timestamps = VK_NULL_HANDLE;
+    VkFence fence = VK_NULL_HANDLE;
+    bool running = false;                 // submitted, and the fence not seen since
     std::vector<std::string> labels;
     std::vector<uint64_t> ticks;
+    bool timed = false;                   // ticks hold a run
 };
 
 class VulkanBackend final : public Backend, private ResourceView {
@@ -68,8 +74,11 @@ public:
     void destroyTarget(TargetId target) override;
     Result<FrameId> createFrame(std::vector<Step> steps) override;
     void destroyFrame(FrameId frame) override;
-    Status run(FrameId frame) override;
-    std::vector<PassTime> passTimes() const override;
+    Status submit(FrameId frame) override;
+    bool finished(FrameId frame) override;
+    Status wait(FrameId frame) override;
+    std::vector<PassTime> passTimes(FrameId frame) const override;
+    uint64_t residentBytes() const override;
 
 private:
     // ResourceView
@@ -77,6 +86,7 @@ private:
     const TargetDesc* target(TargetId id) const override;
     const Shader* shader(PipelineId id) const override;
     bool written(BufferId id) const override;
+    bool drawn(TargetId id) const override;
 
     // vk_resources.cpp
     Result<uint32_t> memoryType(uint32_t allowed, VkMemoryPropertyFlags wanted, VkMemoryPropertyFlags preferred) const;
@@ -101,12 +111,14 @@ private:
     Result<VkDescriptorSet> descriptorSet(const Frame& frame, const Pipeline& pipeline, const std::vector<Binding>& bindings);
     Status record(Frame& frame, std::span<const Step> steps);
     Status submitAndWait(VkCommandBuffer commands);
+    Status waitFor(Frame& frame);
+    void ended(Frame& frame);
     void freeFrame(Frame& frame);
     struct Recorder;
 
     std::unique_ptr<Device> device_;
     ShaderPack pack_;
-    VkFence fence_ = VK_NULL_HANDLE;
+    VkFence fence_ = VK_NULL_HANDLE;  // of uploads
     VkCommandPool uploadPool_ = VK_NULL_HANDLE;
     VkCommandBuffer uploadCommands_ = VK_NULL_HANDLE;
     std::map<uint32_t, Buffer> buffers_;
@@ -115,7 +127,6 @@ private:
     std::vector<Pipeline> pipelines_;                       // id - 1
     std::map<std::tuple<uint32_t, bool, bool>, VkRenderPass> renderPasses_;
     uint32_t lastId_ = 0;
-    FrameId lastRun_;
 };
 
 }  // namespace dpl::vk

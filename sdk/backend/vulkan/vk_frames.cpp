@@ -192,6 +192,8 @@ Result<VkDescriptorSet> VulkanBackend::descriptorSet(const Frame& frame, const P
 
 Status VulkanBackend::record(Frame& frame, std::span<const Step> steps) {
     DPL_CHECK_OK(makeDescriptorPool(frame, steps));
+    VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+    DPL_VK(vkCreateFence(device_->device, &fence, nullptr, &frame.fence));
     VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
     pool.queueFamilyIndex = device_->queueFamily;
     DPL_VK(vkCreateCommandPool(device_->device, &pool, nullptr, &frame.commands));
@@ -233,11 +235,15 @@ Result<FrameId> VulkanBackend::createFrame(std::vector<Step> steps) {
         freeFrame(frame);
         return status.error();
     }
+    for (const Step& step : steps)
+        if (const auto* draw = std::get_if<DrawStep>(&step)) targets_.at(draw->target.value).drawn = true;
     frames_.emplace(++lastId_, std::move(frame));
     return FrameId{lastId_};
 }
 
 void VulkanBackend::freeFrame(Frame& frame) {
+    (void)waitFor(frame);  // a lost device runs nothing any more
+    vkDestroyFence(device_->device, frame.fence, nullptr);
     vkDestroyQueryPool(device_->device, frame.timestamps, nullptr);
     vkDestroyCommandPool(device_->device, frame.commands, nullptr);
     vkDestroyDescriptorPool(device_->device, frame.descriptors, nullptr);
@@ -261,21 +267,52 @@ Status VulkanBackend::submitAndWait(VkCommandBuffer commands) {
     return {};
 }
 
-Status VulkanBackend::run(FrameId id) {
+Status VulkanBackend::submit(FrameId id) {
     const auto it = frames_.find(id.value);
     if (it == frames_.end()) return fail(Code::InvalidArgument, "run of a frame that does not exist");
     Frame& frame = it->second;
-    DPL_CHECK_OK(submitAndWait(frame.commandBuffer));
-    lastRun_ = id;
-    if (frame.timestamps)
-        vkGetQueryPoolResults(device_->device, frame.timestamps, 0, uint32_t(frame.ticks.size()), frame.ticks.size() * 8, frame.ticks.data(), 8, VK_QUERY_RESULT_64_BIT);
+    DPL_CHECK_OK(waitFor(frame));
+    VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
+    submit.commandBufferCount = 1;
+    submit.pCommandBuffers = &frame.commandBuffer;
+    DPL_VK(vkResetFences(device_->device, 1, &frame.fence));
+    DPL_VK(vkQueueSubmit(device_->queue, 1, &submit, frame.fence));
+    frame.running = true;
     return {};
 }
 
-std::vector<PassTime> VulkanBackend::passTimes() const {
+bool VulkanBackend::finished(FrameId id) {
+    const auto it = frames_.find(id.value);
+    if (it == frames_.end() || !it->second.running) return true;
+    if (vkGetFenceStatus(device_->device, it->second.fence) != VK_SUCCESS) return false;
+    ended(it->second);
+    return true;
+}
+
+Status VulkanBackend::wait(FrameId id) {
+    const auto it = frames_.find(id.value);
+    return it == frames_.end() ? Status() : waitFor(it->second);
+}
+
+Status VulkanBackend::waitFor(Frame& frame) {
+    if (!frame.running) return {};
+    DPL_VK(vkWaitForFences(device_->device, 1, &frame.fence, VK_TRUE, kFrameTimeoutNs));
+    ended(frame);
+    return {};
+}
+
+/** Its fence was seen: the timestamps are there without waiting. */
+void VulkanBackend::ended(Frame& frame) {
+    frame.running = false;
+    if (frame.timestamps)
+        frame.timed = vkGetQueryPoolResults(device_->device, frame.timestamps, 0, uint32_t(frame.ticks.size()), frame.ticks.size() * 8, frame.ticks.data(), 8,
+                                            VK_QUERY_RESULT_64_BIT) == VK_SUCCESS;
+}
+
+std::vector<PassTime> VulkanBackend::passTimes(FrameId id) const {
     std::vector<PassTime> times;
-    const auto it = frames_.find(lastRun_.value);
-    if (it == frames_.end() || !it->second.timestamps) return times;
+    const auto it = frames_.find(id.value);
+    if (it == frames_.end() || !it->second.timed) return times;
     const Frame& frame = it->second;
     const uint64_t mask = device_->timestampBits >= 64 ? ~0ull : (1ull << device_->timestampBits) - 1;
     for (size_t i = 0; i < frame.labels.size(); ++i)

@@ -37,6 +37,7 @@ Status VulkanBackend::makeBuffer(Buffer& b) {
         b.memory = VK_NULL_HANDLE;
         return fail(Code::OutOfMemory, "{} bytes of graphics memory for {} are not to be had (Vulkan {})", needs.size, b.desc.label, int(result));
     }
+    b.allocatedBytes = needs.size;
     DPL_VK(vkBindBufferMemory(device_->device, b.buffer, b.memory, 0));
     if (wanted) {
         void* mapped = nullptr;
@@ -118,6 +119,7 @@ Status VulkanBackend::makeImage(Image& image, VkFormat format, VkExtent2D extent
     allocation.allocationSize = needs.size;
     DPL_TRY(allocation.memoryTypeIndex, memoryType(needs.memoryTypeBits, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT));
     DPL_VK(vkAllocateMemory(device_->device, &allocation, nullptr, &image.memory));
+    image.allocatedBytes = needs.size;
     DPL_VK(vkBindImageMemory(device_->device, image.image, image.memory, 0));
     if (!(usage & VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT)) return {};  // only copied: needs no view
     VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
@@ -184,6 +186,13 @@ void VulkanBackend::destroyTarget(TargetId id) {
     targets_.erase(it);
 }
 
+uint64_t VulkanBackend::residentBytes() const {
+    uint64_t bytes = 0;
+    for (const auto& [id, b] : buffers_) bytes += b.allocatedBytes;
+    for (const auto& [id, t] : targets_) bytes += t.colour.allocatedBytes + t.depth.allocatedBytes + t.rounded.allocatedBytes;
+    return bytes;
+}
+
 const BufferDesc* VulkanBackend::buffer(BufferId id) const {
     const auto it = buffers_.find(id.value);
     return it == buffers_.end() ? nullptr : &it->second.desc;
@@ -196,5 +205,6 @@ const Shader* VulkanBackend::shader(PipelineId id) const {
     return id.value == 0 || id.value > pipelines_.size() ? nullptr : pipelines_[id.value - 1].shader;
 }
 bool VulkanBackend::written(BufferId id) const { return buffers_.at(id.value).written; }
+bool VulkanBackend::drawn(TargetId id) const { return targets_.at(id.value).drawn; }
 
 }  // namespace dpl::vk

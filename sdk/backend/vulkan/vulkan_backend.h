@@ -16,6 +16,7 @@ struct VulkanOptions {
     std::string deviceName;              // part of the wanted device's name; empty: the best one
     bool forceInstanceSplit = false;     // draw two views without multiview, as devices without it do
     bool preciseBlending = true;         // blend in f16 and round once; false: in 8 bits, faster, below 50 dB close up (docs/adr/0002-the-gpu-frame.md)
+    bool cullTriangles = true;           // false: project every splat, to measure what culling saves; the picture is the same byte for byte
     bool ignoreWorkarounds = false;      // try a driver without the table in vk_device.cpp
     /** Counts validation warnings and errors; the texts go to the log. */
     std::shared_ptr<std::atomic<uint32_t>> validationMessages;

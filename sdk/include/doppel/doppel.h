@@ -37,6 +37,9 @@
 #define DPL_API __attribute__((visibility("default")))
 #endif
 
+/** Exported like DPL_API, but may still change before 1.0. */
+#define DPL_EXPERIMENTAL DPL_API
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -99,10 +102,16 @@ typedef enum DplRenderer {
     DPL_RENDERER_FORCE_INT32 = 0x7fffffff
 } DplRenderer;
 
+typedef enum DplContextFlag {
+    DPL_CONTEXT_WITHOUT_CULLING = 1, /**< for measuring: the GPU projects the splats of triangles that are out of view or turned away too; same pictures */
+    DPL_CONTEXT_FORCE_INT32 = 0x7fffffff
+} DplContextFlag;
+
 typedef struct DplContextInfo {
     uint32_t structSize;
     DplRenderer renderer;
     uint32_t threadCount; /**< CPU threads, the caller's included; 0: one a core. At most 256. Pictures do not depend on it. */
+    uint32_t flags;       /**< DplContextFlag, or-ed */
 } DplContextInfo;
 
 /** Makes a context: a renderer and its threads. info NULL: all defaults. Free it with dplDestroyContext.
@@ -235,6 +244,49 @@ typedef struct DplImage {
 /** Draws the avatar in its present pose into 1 or 2 views and returns when the pixels are in the caller's memory.
  *  views and images: viewCount elements each. An avatar belongs to the context it was loaded with; another is an invalid argument. */
 DPL_API DplResult dplRender(DplContext context, DplAvatar avatar, const DplCamera* views, uint32_t viewCount, const DplImage* images);
+
+/* dplRender in two halves, for programs that draw every frame: dplDraw never waits for pixels. */
+
+typedef enum DplDrawFlag {
+    DPL_DRAW_DEPTH = 1,           /**< depth too; needed when dplReadImages is to give it */
+    DPL_DRAW_FORCE_INT32 = 0x7fffffff
+} DplDrawFlag;
+
+/** Starts drawing the avatar in its present pose and returns; on the CPU it draws here. From the fourth frame of a size, view count and
+ *  depth on it allocates nothing, and it waits only when three such frames are still being drawn (DplFrameStats::waits). The pose and the views are copied. */
+DPL_EXPERIMENTAL DplResult dplDraw(DplContext context, DplAvatar avatar, const DplCamera* views, uint32_t viewCount, uint32_t flags);
+
+/** Waits for the avatar's last dplDraw and writes its pixels to the caller's memory. viewCount as there. DPL_ERROR_INVALID_ARGUMENT: nothing
+ *  was drawn yet, another viewCount, an image too small, or depth that was not drawn. */
+DPL_EXPERIMENTAL DplResult dplReadImages(DplContext context, DplAvatar avatar, const DplImage* images, uint32_t viewCount);
+
+/* ---------------------------------------------------------------- measuring */
+
+/** What the avatar's last finished frame drew and cost. All but residentBytes is 0 before the first. */
+typedef struct DplFrameStats {
+    uint32_t structSize;
+    uint32_t viewCount;
+    uint32_t splatsDrawn;    /**< that some view shows; the CPU draws view by view and gives the largest of them */
+    uint32_t trianglesInView, trianglesFacing; /**< survivors on the GPU: triangles with splats that touch a view; of these, with splats not turned away */
+    uint32_t splatsInView, splatsFacing;       /**< the splats on them */
+    uint32_t chunkCount, chunksProjected;      /**< runs of 128 neighbouring splats; those that have one left are projected. On the CPU these six are 0 */
+    uint32_t passCount;      /**< of dplGetPassTime; 0 on the CPU and on GPUs without timestamps */
+    uint64_t residentBytes;  /**< held for all avatars and frames of the context by what draws: graphics memory, or memory on the CPU */
+    uint64_t waits;          /**< since the context was made: how often drawing found three frames in flight and waited for the first */
+    double gpuMs;            /**< GPU time of the frame, the sum over its passes; 0 without timestamps */
+} DplFrameStats;
+
+/** Never waits for a frame that is still being drawn. */
+DPL_EXPERIMENTAL DplResult dplGetFrameStats(DplAvatar avatar, DplFrameStats* stats);
+
+typedef struct DplPassTime {
+    uint32_t structSize;
+    const char* label;       /**< "splat.project"; lives until the next dplGetFrameStats of the avatar */
+    double milliseconds;     /**< GPU time; a pass that runs in several rounds is listed once a round */
+} DplPassTime;
+
+/** pass < passCount of the last dplGetFrameStats of this avatar, else DPL_ERROR_NOT_FOUND; in the order in which they ran. */
+DPL_EXPERIMENTAL DplResult dplGetPassTime(DplAvatar avatar, uint32_t pass, DplPassTime* time);
 
 #ifdef __cplusplus
 }

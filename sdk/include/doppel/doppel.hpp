@@ -124,11 +124,27 @@ public:
         if (const DplResult r = dplGetJointPositions(handle_, positions.data(), about->jointCount); r != DPL_OK) return lastError(r);
         return positions;
     }
+    Result<DplFrameStats> frameStats() const {
+        DplFrameStats stats{};
+        stats.structSize = sizeof stats;
+        if (const DplResult r = dplGetFrameStats(handle_, &stats); r != DPL_OK) return lastError(r);
+        return stats;
+    }
+    Result<DplPassTime> passTime(uint32_t pass) const {
+        DplPassTime time{};
+        time.structSize = sizeof time;
+        if (const DplResult r = dplGetPassTime(handle_, pass, &time); r != DPL_OK) return lastError(r);
+        return time;
+    }
     /** One image a view. */
     Status render(std::span<const DplCamera> views, std::span<const DplImage> images) const {
         if (views.size() != images.size()) return Error{DPL_ERROR_INVALID_ARGUMENT, "as many images as views are needed"};
         return status(dplRender(context_, handle_, views.data(), uint32_t(views.size()), images.data()));
     }
+
+    /** The two halves of render(). flags: DplDrawFlag. */
+    Status draw(std::span<const DplCamera> views, uint32_t flags = 0) const { return status(dplDraw(context_, handle_, views.data(), uint32_t(views.size()), flags)); }
+    Status readImages(std::span<const DplImage> images) const { return status(dplReadImages(context_, handle_, images.data(), uint32_t(images.size()))); }
 
 private:
     DplContext context_ = nullptr;
@@ -138,11 +154,12 @@ private:
 /** Owns one context. Move-only. Destroy its avatars in any order. */
 class Context {
 public:
-    static Result<Context> create(DplRenderer renderer = DPL_RENDERER_AUTO, uint32_t threadCount = 0) {
+    static Result<Context> create(DplRenderer renderer = DPL_RENDERER_AUTO, uint32_t threadCount = 0, uint32_t flags = 0) {
         DplContextInfo info{};
         info.structSize = sizeof info;
         info.renderer = renderer;
         info.threadCount = threadCount;
+        info.flags = flags;
         DplContext handle = nullptr;
         if (const DplResult r = dplCreateContext(&info, &handle); r != DPL_OK) return lastError(r);
         return Context(handle);

@@ -9,7 +9,6 @@ void addDraw(FramePlan& plan, const FrameIds& ids) {
         .reads(ids.counts, ids.pairs, ids.projected)
         .push(gpu::DrawPush{float(ids.widthPx), float(ids.heightPx), ids.viewCount, ids.layered ? 1 : ids.viewCount})
         .argsFrom(ids.counts, offsetof(gpu::FrameCounts, drawVertices));
-    plan.readback("readback", ids.target, ids.colourPixels, ids.depthPixels);
 }
 
 }  // namespace dpl

@@ -7,33 +7,34 @@ void addProject(FramePlan& plan, const FrameIds& ids) {
         plan.compute("splat.project", "project.general")
             .uniform(ids.frame)
             .reads(ids.splats)
-            .writes(ids.projected, ids.sortDepth)
+            .writes(ids.projected, ids.visibility)
             .updates(ids.counts)
-            .push(gpu::SplatPush{ids.splatCount, ids.viewCount})
+            .push(gpu::SplatPush{ids.splatCount, ids.viewCount, 0})
             .threads(ids.splatCount);
         return;
     }
     plan.compute("splat.project", "project")
         .uniform(ids.frame)
         .reads(ids.splats, ids.triangleFrames)
-        .writes(ids.projected, ids.sortDepth)
-        .push(gpu::SplatPush{ids.splatCount, ids.viewCount})
-        .threads(ids.splatCount);
+        .writes(ids.projected)
+        .updates(ids.visibility)
+        .push(gpu::SplatPush{ids.splatCount, ids.viewCount, ids.chunkCount()})
+        .groupsFrom(ids.counts, offsetof(gpu::FrameCounts, chunkGroupsX));
 }
 
 void addColour(FramePlan& plan, const FrameIds& ids) {
     const uint32_t stride = (ids.shDegree + 1) * (ids.shDegree + 1) * 3;
-    const gpu::ColourPush push{ids.splatCount, ids.viewCount, ids.shDegree, stride};
+    const gpu::ColourPush push{ids.splatCount, ids.viewCount, ids.shDegree, stride, ids.chunkCount()};
     if (ids.general) {
         plan.compute("splat.colour", "colour.general").uniform(ids.frame).reads(ids.splats, ids.sh).updates(ids.projected).push(push).threads(ids.splatCount);
         return;
     }
-    plan.compute("splat.colour", ids.corrected ? "colour.lit" : "colour")
-        .uniform(ids.frame)
-        .reads(ids.splats, ids.triangleFrames, ids.sh)
+    plan.compute("splat.colour", "colour")
+        .reads(ids.sh)
         .updates(ids.projected)
+        .reads(ids.visibility)
         .push(push)
-        .threads(ids.splatCount);
+        .groupsFrom(ids.counts, offsetof(gpu::FrameCounts, chunkGroupsX));
 }
 
 }  // namespace dpl

@@ -4,9 +4,11 @@ namespace dpl {
 
 void addTriangles(FramePlan& plan, const FrameIds& ids) {
     plan.compute("pose.triangles", "triangles")
+        .uniform(ids.frame)
         .reads(ids.triangles, ids.posed)
         .writes(ids.triangleFrames)
-        .push(gpu::TrianglePush{ids.triangleCount})
+        .updates(ids.counts)
+        .push(gpu::TrianglePush{ids.triangleCount, ids.viewCount, ids.cull ? 1u : 0u})
         .threads(ids.triangleCount);
 }
 

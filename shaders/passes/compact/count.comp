@@ -4,7 +4,7 @@
 #include "shaders/shared/frame.h"
 layout(local_size_x = 256) in;  // kScanGroup
 
-layout(std430, binding = 0) readonly buffer DepthBlock { uint sortDepth[]; };
+layout(std430, binding = 0) readonly buffer VisibilityBlock { uint visibility[]; };
 layout(std430, binding = 1) writeonly buffer SumBlock { uint blockSums[]; };
 layout(push_constant) uniform PushBlock { CompactPush push; };
 shared uint groupCount;
@@ -14,7 +14,7 @@ void main() {
     if (lane == 0u) groupCount = 0u;
     barrier();
     uint first = gl_WorkGroupID.x * kCompactBlock + lane * kCompactItemsPerLane, count = 0u;
-    for (uint i = first; i < min(first + kCompactItemsPerLane, push.splatCount); ++i) count += sortDepth[i] != kInvisibleKey ? 1u : 0u;
+    for (uint i = first; i < min(first + kCompactItemsPerLane, push.splatCount); ++i) count += visibility[push.firstDepth + i] != kInvisibleKey ? 1u : 0u;
     if (count != 0u) atomicAdd(groupCount, count);
     barrier();
     if (lane == 0u) blockSums[gl_WorkGroupID.x] = groupCount;

@@ -1,4 +1,5 @@
-// Footprint, opacity and visibility of every splat in every view; the sort depth of those that some view shows.
+// Footprint, opacity and visibility of every splat in every view; of those that some view shows the sort depth, and what the colour pass asks for: the
+// direction to the splat in the rest frame of its triangle, as long as the brightness that the pose gives it.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -9,35 +10,48 @@ layout(std140, binding = 0) uniform FrameBlock { FrameData frame; };
 layout(std430, binding = 1) readonly buffer SplatBlock { SplatRecord splats[]; };
 layout(std430, binding = 2) readonly buffer TriangleBlock { TriangleFrame triangles[]; };
 layout(std430, binding = 3) writeonly buffer ProjectedBlock { ProjectedSplat projected[]; };
-layout(std430, binding = 4) writeonly buffer DepthBlock { uint sortDepth[]; };  // float bits, kInvisibleKey = in no view
+layout(std430, binding = 4) buffer VisibilityBlock { uint visibility[]; };  // sort depths: float bits, kInvisibleKey = in no view
 layout(push_constant) uniform PushBlock { SplatPush push; };
 
 void main() {
-    uint index = gl_GlobalInvocationID.x;
+    uint index = visibility[push.chunkCount + gl_WorkGroupID.x] * kSplatGroup + gl_LocalInvocationIndex, depthSlot = 2u * push.chunkCount + index;
     if (index >= push.splatCount) return;
+    uint parent = splats[index].triangleAndFlags & kTriangleMask;
+    bool gated = ((splats[index].triangleAndFlags >> kFlagShift) & kGateFlag) != 0u;
+    vec4 v0 = triangles[parent].v0;
+    uint shown = uint(v0.w) & (gated ? 3u * kShowsGated : 3u * kShowsFree);
+    if (shown == 0u) {  // its triangle is in no view, or turned away: nothing else of it is read
+        for (uint v = 0u; v < push.viewCount; ++v) projected[index * push.viewCount + v].opacity = 0.0;
+        visibility[depthSlot] = kInvisibleKey;
+        return;
+    }
     SplatRecord s = splats[index];
-    uint parent = s.triangleAndFlags & kTriangleMask;
-    vec4 v0 = triangles[parent].v0, v1 = triangles[parent].v1, v2 = triangles[parent].v2;
+    vec4 v1 = triangles[parent].v1, v2 = triangles[parent].v2;
     vec4 f0 = triangles[parent].f0, f1 = triangles[parent].f1;
     vec3 normal = vec3(v1.w, v2.w, f0.w);
     vec3 centre = (1.0 - s.uv.x - s.uv.y) * v0.xyz + s.uv.x * v1.xyz + s.uv.y * v2.xyz;
     vec3 axis1 = s.s1Cos * f0.xyz + s.s1Sin * f1.xyz, axis2 = s.s2Cos * f1.xyz - s.s2Sin * f0.xyz;
-    bool gated = ((s.triangleAndFlags >> kFlagShift) & kGateFlag) != 0u;
     bool seen = false;
     for (uint v = 0u; v < push.viewCount; ++v) {
         ViewData view = frame.views[v];
         ProjectedSplat p = dplHiddenSplat();
-        if (v0.w != 0.0) {
+        if ((shown & ((kShowsFree | kShowsGated) << v)) != 0u) {
             Footprint f = dplProject(view, dplToView(view, centre), dplRotateToView(view, axis1), dplRotateToView(view, axis2), frame.target.z);
             if (f.visible) {
                 float opacity = s.opacity * dplNearFade(f.depthM);
                 if (frame.counts.w != 0u) opacity *= f.compensation;
                 if (gated) opacity *= dplSingleFaceGate(normal, centre, view.eyeWorld.xyz);
                 p = dplShow(f, opacity, frame.target.xy);
-                seen = seen || p.opacity > 0.0;
+                if (p.opacity > 0.0) {
+                    vec4 r0 = triangles[parent].worldFromRest0, r1 = triangles[parent].worldFromRest1, r2 = triangles[parent].worldFromRest2;
+                    float light = r0.w + s.uv.x * (r1.w - r0.w) + s.uv.y * (r2.w - r0.w);
+                    vec3 world = light * normalize(centre - view.eyeWorld.xyz);
+                    p.colour.rgb = vec3(dot(r0.xyz, world), dot(r1.xyz, world), dot(r2.xyz, world));
+                    seen = true;
+                }
             }
         }
         projected[index * push.viewCount + v] = p;
     }
-    sortDepth[index] = seen ? floatBitsToUint(dot(frame.sortAxis.xyz, centre)) : kInvisibleKey;
+    visibility[depthSlot] = seen ? floatBitsToUint(dot(frame.sortAxis.xyz, centre)) : kInvisibleKey;
 }

@@ -54,12 +54,14 @@ inline float2 sqrt(const float2& v) { return {std::sqrt(v.x), std::sqrt(v.y)}; }
 inline float log(float x) { return std::log(x); }
 inline float exp(float x) { return std::exp(x); }
 inline float abs(float x) { return std::fabs(x); }
+inline float2 abs(const float2& v) { return {std::fabs(v.x), std::fabs(v.y)}; }
 inline uint min(uint a, uint b) { return std::min(a, b); }
 inline uint max(uint a, uint b) { return std::max(a, b); }
 namespace fast {
 inline float clamp(float x, float low, float high) { return std::min(std::max(x, low), high); }
 inline float3 clamp(const float3& v, const float3& low, const float3& high) { return {clamp(v.x, low.x, high.x), clamp(v.y, low.y, high.y), clamp(v.z, low.z, high.z)}; }
 inline float max(float a, float b) { return std::max(a, b); }
+inline float2 max(const float2& a, const float2& b) { return {std::max(a.x, b.x), std::max(a.y, b.y)}; }
 inline float min(float a, float b) { return std::min(a, b); }
 inline float3 normalize(const float3& v) { const float s = 1.0f / std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); return {v.x * s, v.y * s, v.z * s}; }
 }  // namespace fast

@@ -11,7 +11,7 @@ if(array_begin GREATER -1)
   set(text "${before}${after}")
 endif()
 string(REGEX REPLACE "\n( +)threadgroup ([a-zA-Z_0-9]+(<[^;()]*>)? [^(;]*;)" "\n\\1static \\2" text "${text}")
-string(REGEX REPLACE "\\.(xyz|xy|zw)([^a-z_A-Z0-9])" ".\\1()\\2" text "${text}")  # GLM reads swizzles by functions
+string(REGEX REPLACE "\\.(xyz|xy|zw|xz|yw)([^a-z_A-Z0-9])" ".\\1()\\2" text "${text}")  # GLM reads swizzles by functions
 if(text MATCHES "\\[\\[thread_position_in_grid\\]\\]")
   set(global true)
 else()

@@ -47,7 +47,8 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
                                                         DPL_AT(CorrectedVertexRecord, joints01), DPL_AT(CorrectedVertexRecord, joints23), DPL_AT(CorrectedVertexRecord, weights),
                                                         DPL_AT(CorrectedVertexRecord, nodes01), DPL_AT(CorrectedVertexRecord, nodes23), DPL_AT(CorrectedVertexRecord, nodeWeights),
                                                         DPL_AT(CorrectedVertexRecord, pad0), DPL_AT(CorrectedVertexRecord, pad1), DPL_AT(CorrectedVertexRecord, pad2)});
-    expectLayout("TriangleRecord", sizeof(TriangleRecord), {DPL_AT(TriangleRecord, restT1), DPL_AT(TriangleRecord, restT2), DPL_AT(TriangleRecord, restNormal), DPL_AT(TriangleRecord, corners)});
+    expectLayout("TriangleRecord", sizeof(TriangleRecord), {DPL_AT(TriangleRecord, restT1), DPL_AT(TriangleRecord, restT2), DPL_AT(TriangleRecord, restNormal), DPL_AT(TriangleRecord, corners), DPL_AT(TriangleRecord, reach),
+                 DPL_AT(TriangleRecord, rootLevel), DPL_AT(TriangleRecord, freeSplats), DPL_AT(TriangleRecord, gatedSplats)});
     expectLayout("TriangleFrame", sizeof(TriangleFrame), {DPL_AT(TriangleFrame, v0), DPL_AT(TriangleFrame, v1), DPL_AT(TriangleFrame, v2), DPL_AT(TriangleFrame, f0), DPL_AT(TriangleFrame, f1),
                                                           DPL_AT(TriangleFrame, worldFromRest0), DPL_AT(TriangleFrame, worldFromRest1), DPL_AT(TriangleFrame, worldFromRest2)});
     expectLayout("SplatRecord", sizeof(SplatRecord), {DPL_AT(SplatRecord, uv), DPL_AT(SplatRecord, s1Cos), DPL_AT(SplatRecord, s1Sin), DPL_AT(SplatRecord, s2Cos), DPL_AT(SplatRecord, s2Sin),
@@ -55,15 +56,17 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
     expectLayout("GeneralSplatRecord", sizeof(GeneralSplatRecord), {DPL_AT(GeneralSplatRecord, centre), DPL_AT(GeneralSplatRecord, axis1), DPL_AT(GeneralSplatRecord, axis2), DPL_AT(GeneralSplatRecord, axis3)});
     expectLayout("ProjectedSplat", sizeof(ProjectedSplat), {DPL_AT(ProjectedSplat, centrePx), DPL_AT(ProjectedSplat, radiusPx), DPL_AT(ProjectedSplat, conicA), DPL_AT(ProjectedSplat, conicB),
                                                             DPL_AT(ProjectedSplat, conicC), DPL_AT(ProjectedSplat, opacity), DPL_AT(ProjectedSplat, colour)});
-    expectLayout("FrameCounts", sizeof(FrameCounts), {DPL_AT(FrameCounts, visible), DPL_AT(FrameCounts, sortBlocks), DPL_AT(FrameCounts, pad0), DPL_AT(FrameCounts, pad1), DPL_AT(FrameCounts, sortGroupsX),
+    expectLayout("FrameCounts", sizeof(FrameCounts), {DPL_AT(FrameCounts, visible), DPL_AT(FrameCounts, sortBlocks), DPL_AT(FrameCounts, trianglesInView), DPL_AT(FrameCounts, trianglesFacing), DPL_AT(FrameCounts, sortGroupsX),
                                                       DPL_AT(FrameCounts, sortGroupsY), DPL_AT(FrameCounts, sortGroupsZ), DPL_AT(FrameCounts, pad2), DPL_AT(FrameCounts, drawVertices),
                                                       DPL_AT(FrameCounts, drawInstances), DPL_AT(FrameCounts, drawFirstVertex), DPL_AT(FrameCounts, drawFirstInstance), DPL_AT(FrameCounts, depthMaxBits),
-                                                      DPL_AT(FrameCounts, depthMinBitsInverted), DPL_AT(FrameCounts, pad3), DPL_AT(FrameCounts, pad4)});
+                                                      DPL_AT(FrameCounts, depthMinBitsInverted), DPL_AT(FrameCounts, splatsInView), DPL_AT(FrameCounts, splatsFacing), DPL_AT(FrameCounts, chunkGroupsX),
+                                                      DPL_AT(FrameCounts, chunkGroupsY), DPL_AT(FrameCounts, chunkGroupsZ), DPL_AT(FrameCounts, pad3)});
     expectLayout("VertexPush", sizeof(VertexPush), {DPL_AT(VertexPush, vertexCount), DPL_AT(VertexPush, firstNode)});
-    expectLayout("TrianglePush", sizeof(TrianglePush), {DPL_AT(TrianglePush, triangleCount)});
-    expectLayout("SplatPush", sizeof(SplatPush), {DPL_AT(SplatPush, splatCount), DPL_AT(SplatPush, viewCount)});
-    expectLayout("ColourPush", sizeof(ColourPush), {DPL_AT(ColourPush, splatCount), DPL_AT(ColourPush, viewCount), DPL_AT(ColourPush, shDegree), DPL_AT(ColourPush, shStride)});
-    expectLayout("CompactPush", sizeof(CompactPush), {DPL_AT(CompactPush, splatCount), DPL_AT(CompactPush, blockCount), DPL_AT(CompactPush, maxDepthKey)});
+    expectLayout("TrianglePush", sizeof(TrianglePush), {DPL_AT(TrianglePush, triangleCount), DPL_AT(TrianglePush, viewCount), DPL_AT(TrianglePush, cull)});
+    expectLayout("SplatPush", sizeof(SplatPush), {DPL_AT(SplatPush, splatCount), DPL_AT(SplatPush, viewCount), DPL_AT(SplatPush, chunkCount)});
+    expectLayout("ChunkPush", sizeof(ChunkPush), {DPL_AT(ChunkPush, chunkCount)});
+    expectLayout("ColourPush", sizeof(ColourPush), {DPL_AT(ColourPush, splatCount), DPL_AT(ColourPush, viewCount), DPL_AT(ColourPush, shDegree), DPL_AT(ColourPush, shStride), DPL_AT(ColourPush, chunkCount)});
+    expectLayout("CompactPush", sizeof(CompactPush), {DPL_AT(CompactPush, splatCount), DPL_AT(CompactPush, blockCount), DPL_AT(CompactPush, firstDepth), DPL_AT(CompactPush, maxDepthKey)});
     expectLayout("ScanPush", sizeof(ScanPush), {DPL_AT(ScanPush, count), DPL_AT(ScanPush, fromSort)});
     expectLayout("ArgsPush", sizeof(ArgsPush), {DPL_AT(ArgsPush, blockCount), DPL_AT(ArgsPush, instancesPerSplat)});
     expectLayout("SortPush", sizeof(SortPush), {DPL_AT(SortPush, shift)});
@@ -71,7 +74,7 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
 }
 
 TEST(ShaderPack, workgroupsAreThoseThatTheSharedLimitsName) {
-    const std::map<std::string, uint32_t> want = {{"skin", gpu::kVertexGroup}, {"skin.corrected", gpu::kVertexGroup}, {"triangles", gpu::kVertexGroup}, {"project", gpu::kSplatGroup}, {"colour", gpu::kSplatGroup}, {"colour.lit", gpu::kSplatGroup}, {"project.general", gpu::kSplatGroup}, {"colour.general", gpu::kSplatGroup},
+    const std::map<std::string, uint32_t> want = {{"skin", gpu::kVertexGroup}, {"skin.corrected", gpu::kVertexGroup}, {"triangles", gpu::kVertexGroup}, {"chunks.mark", gpu::kSplatGroup}, {"chunks.list", gpu::kScanGroup}, {"project", gpu::kSplatGroup}, {"colour", gpu::kSplatGroup}, {"project.general", gpu::kSplatGroup}, {"colour.general", gpu::kSplatGroup},
                                                   {"compact.count", gpu::kScanGroup}, {"compact.scan", gpu::kScanGroup}, {"compact.args", 1}, {"compact.scatter", gpu::kScanGroup},
                                                   {"sort.count", gpu::kSortGroup}, {"sort.scatter", gpu::kSortGroup}};
     for (const Shader& shader : embedded().shaders) {

@@ -21,8 +21,7 @@ struct NullSetup {
     }
     Status draw(RenderAvatarId id, uint32_t width = 32, uint32_t views = 1, bool depth = false) {
         std::vector<Cameraf> cameras(views, tubeCamera(width, 16, 0));
-        std::vector<RenderedView> out(views);
-        return renderer->render(id, tubePose(0), cameras, depth, out);
+        return renderer->draw(id, tubePose(0), cameras, depth);
     }
 };
 
@@ -36,9 +35,9 @@ TEST(FramePlan, runsThePassesInOrder) {
     ASSERT_TRUE(id) << id.error().message;
     const Status status = gpu.draw(*id, 32, 2, true);
     ASSERT_TRUE(status) << status.error().message;
-    std::vector<std::string> want = {"begin", "pose.skin", "pose.triangles", "splat.project", "splat.colour", "compact.count", "compact.scan", "compact.args", "compact.scatter"};
+    std::vector<std::string> want = {"begin", "pose.skin", "pose.triangles", "chunks.mark", "chunks.list", "splat.project", "splat.colour", "compact.count", "compact.scan", "compact.args", "compact.scatter"};
     for (int round = 0; round < 4; ++round) want.insert(want.end(), {"sort.count", "sort.scan", "sort.scatter"});
-    want.insert(want.end(), {"draw.splats", "readback"});
+    want.insert(want.end(), {"draw.splats", "counts"});
     EXPECT_EQ(gpu.record->lastLabels, want);
 }
 
@@ -100,6 +99,42 @@ TEST(FramePlan, aWarmFrameCreatesNothing) {
     }
 }
 
+TEST(FramePlan, waitsOnlyWhenEveryFrameInFlightIsRunning) {
+    NullSetup gpu;
+    auto id = gpu.renderer->addAvatar(tube());
+    ASSERT_TRUE(id);
+    gpu.record->holdFrames = true;  // a device that finishes nothing by itself
+    for (uint32_t i = 0; i < kFramesInFlight; ++i) ASSERT_TRUE(gpu.draw(*id));
+    EXPECT_EQ(gpu.record->waits, 0u);
+    EXPECT_FALSE(gpu.renderer->idle(*id));
+    ASSERT_TRUE(gpu.draw(*id));
+    EXPECT_EQ(gpu.record->waits, 1u) << "for the oldest frame only";
+    auto stats = gpu.renderer->stats(*id);
+    ASSERT_TRUE(stats);
+    EXPECT_EQ(stats->waits, 1u);
+    EXPECT_EQ(stats->views, 0u) << "stats wait for nothing: no frame has finished";
+    gpu.record->holdFrames = false;
+}
+
+TEST(FramePlan, readsOnlyWhatWasDrawnAndMakesItsBuffersThen) {
+    NullSetup gpu;
+    auto id = gpu.renderer->addAvatar(tube());
+    ASSERT_TRUE(id);
+    EXPECT_FALSE(gpu.renderer->read(*id));
+    ASSERT_TRUE(gpu.draw(*id, 32, 2, true));
+    const uint64_t buffers = gpu.record->liveBuffers;
+    auto pixels = gpu.renderer->read(*id);
+    ASSERT_TRUE(pixels) << pixels.error().message;
+    ASSERT_EQ(pixels->size(), 2u);
+    EXPECT_EQ((*pixels)[1].rgba.size(), 32u * 16 * 4);
+    EXPECT_EQ((*pixels)[1].depthM.size(), 32u * 16);
+    EXPECT_EQ(gpu.record->lastLabels, std::vector<std::string>{"readback"});
+    EXPECT_EQ(gpu.record->liveBuffers, buffers + 2) << "a program that never reads holds no memory for it";
+    const uint64_t created = gpu.record->createdObjects;
+    ASSERT_TRUE(gpu.draw(*id, 32, 2, true) && gpu.renderer->read(*id));
+    EXPECT_EQ(gpu.record->createdObjects, created);
+}
+
 TEST(FramePlan, correctivesAddNoBufferAndNoPass) {
     NullSetup plain, corrected;
     auto plainId = plain.renderer->addAvatar(tube()), correctedId = corrected.renderer->addAvatar(correctedTube());
@@ -125,7 +160,7 @@ TEST(FramePlan, keepsAFewShapesAndFreesEverythingWithTheAvatar) {
     auto id = gpu.renderer->addAvatar(tube());
     ASSERT_TRUE(id);
     for (uint32_t width = 8; width < 40; ++width) ASSERT_TRUE(gpu.draw(*id, width));
-    EXPECT_LE(gpu.record->liveFrames, 4u);
+    EXPECT_LE(gpu.record->liveFrames, 4u * kFramesInFlight);
     EXPECT_LE(gpu.record->liveTargets, 4u);
     gpu.renderer->removeAvatar(*id);
     EXPECT_EQ(gpu.record->liveBuffers + gpu.record->liveTargets + gpu.record->liveFrames, 0u);

@@ -1,0 +1,30 @@
+// The numbers of the live chunks in order, and the arguments of the dispatches over them. One workgroup: chunks are few.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/shared/frame.h"
+layout(local_size_x = 256) in;  // kScanGroup
+#define DPL_SCAN_LANES 256u
+#include "shaders/lib/scan.glsl"
+
+layout(std430, binding = 0) buffer VisibilityBlock { uint visibility[]; };
+layout(std430, binding = 1) buffer CountsBlock { FrameCounts counts; };
+layout(push_constant) uniform PushBlock { ChunkPush push; };
+
+void main() {
+    uint lane = gl_LocalInvocationIndex;
+    uint share = (push.chunkCount + kScanGroup - 1u) / kScanGroup;
+    uint begin = min(lane * share, push.chunkCount), end = min(begin + share, push.chunkCount), count = 0u;
+    for (uint i = begin; i < end; ++i) count += visibility[i];
+    uint total;
+    uint slot = push.chunkCount + dplExclusiveScan(lane, count, total);
+    for (uint i = begin; i < end; ++i) {
+        if (visibility[i] == 0u) continue;
+        visibility[slot] = i;
+        ++slot;
+    }
+    if (lane == 0u) {
+        counts.chunkGroupsX = total;
+        counts.chunkGroupsY = 1u;
+        counts.chunkGroupsZ = 1u;
+    }
+}

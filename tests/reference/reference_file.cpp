@@ -1,0 +1,62 @@
+#include "tests/reference/reference_file.h"
+
+#include "sdk/format/avatar_file.h"
+#include "sdk/format/splat_file.h"
+#include "tests/reference/reference_renderer.h"
+
+namespace dpl {
+namespace {
+
+double decibels(double squares, uint64_t values) { return squares > 0 ? -10 * std::log10(squares / double(values)) : std::numeric_limits<double>::infinity(); }
+
+}  // namespace
+
+Result<ReferenceFile> ReferenceFile::read(std::span<const uint8_t> bytes) {
+    ReferenceFile file;
+    if (splatFormatOf(bytes) != SplatFormat::None) {
+        DPL_TRY(SplatFile general, readSplats(bytes));
+        file.splats_ = std::make_shared<const StaticSplatData>(std::move(general.splats));
+    } else {
+        DPL_TRY(AvatarData avatar, readAvatar(bytes));
+        file.avatar_ = std::make_shared<const AvatarData>(std::move(avatar));
+    }
+    return file;
+}
+
+ReferencePicture ReferenceFile::draw(std::span<const float> rotations, const Vec3f& rootTranslation, const Cameraf& camera) const {
+    Pose pose;
+    for (size_t j = 0; j + 4 <= rotations.size(); j += 4) pose.localRotations.emplace_back(rotations[j + 3], rotations[j], rotations[j + 1], rotations[j + 2]);
+    pose.rootTranslation = rootTranslation;
+    ReferenceImage image = avatar_ ? renderReference(*avatar_, pose, referenceCamera(camera)) : renderReference(*splats_, referenceCamera(camera));
+    return {image.widthPx, image.heightPx, std::move(image.rgb), std::move(image.alpha)};
+}
+
+double PictureError::psnrDb() const { return decibels(squares, values); }
+double PictureError::coveredPsnrDb() const { return decibels(coveredSquares, coveredValues); }
+
+PictureError& PictureError::operator+=(const PictureError& other) {
+    squares += other.squares, coveredSquares += other.coveredSquares;
+    values += other.values, coveredValues += other.coveredValues;
+    maxLevels = std::max(maxLevels, other.maxLevels);
+    return *this;
+}
+
+PictureError compareWith(const ReferencePicture& reference, std::span<const uint8_t> rgba) {
+    PictureError e;
+    if (rgba.size() != reference.alpha.size() * 4) return {1, 1, 1, 1, 255};  // another size: nothing agrees
+    for (size_t p = 0; p < reference.alpha.size(); ++p) {
+        const bool covered = reference.alpha[p] > 0 || rgba[p * 4 + 3] > 0;
+        for (size_t c = 0; c < 3; ++c) {
+            const double actual = rgba[p * 4 + c] / 255.0 + 0.5 * (1 - rgba[p * 4 + 3] / 255.0), want = reference.rgb[p * 3 + c] + 0.5 * (1 - reference.alpha[p]);
+            const double square = (actual - want) * (actual - want);
+            e.squares += square;
+            e.coveredSquares += covered ? square : 0;
+            e.maxLevels = std::max(e.maxLevels, std::abs(actual - want) * 255);
+        }
+        e.values += 3;
+        e.coveredValues += covered ? 3 : 0;
+    }
+    return e;
+}
+
+}  // namespace dpl

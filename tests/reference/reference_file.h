@@ -1,0 +1,52 @@
+// The referee for programs: what doppel.h would draw of an avatar file or of general splats, in double precision, and how far a picture is from it.
+//
+//   auto avatar = ReferenceFile::read(bytes);
+//   PictureError error = compareWith(avatar->draw(rotations, root, camera), rgba);
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "sdk/core/result.h"
+#include "sdk/math/camera.h"
+
+namespace dpl {
+
+struct AvatarData;
+struct StaticSplatData;
+
+/** Premultiplied, display-referred, row-major, top row first. */
+struct ReferencePicture {
+    uint32_t widthPx = 0, heightPx = 0;
+    std::vector<double> rgb, alpha;
+};
+
+class ReferenceFile {
+public:
+    /** The bytes may be freed afterwards. Errors of readAvatar and readSplats. */
+    static Result<ReferenceFile> read(std::span<const uint8_t> bytes);
+
+    /** rotations: xyzw a joint, as dplGetPose gives them; their number is not checked, and general splats take no notice of them. Slow: 50,000 splats take about a second a megapixel. */
+    ReferencePicture draw(std::span<const float> rotations, const Vec3f& rootTranslation, const Cameraf& camera) const;
+
+private:
+    std::shared_ptr<const AvatarData> avatar_;        // one of the two
+    std::shared_ptr<const StaticSplatData> splats_;
+};
+
+struct PictureError {
+    double squares = 0, coveredSquares = 0;   // of colour over mid grey, peak 1; so that alpha counts too
+    uint64_t values = 0, coveredValues = 0;   // covered: the pixels that the referee or the picture draws
+    double maxLevels = 0;                     // largest error of one channel in 8-bit levels
+
+    /** Of all pixels, and of the covered ones alone: empty background flatters the first. Infinite for equal pictures. */
+    double psnrDb() const;
+    double coveredPsnrDb() const;
+    PictureError& operator+=(const PictureError& other);
+};
+
+/** rgba: premultiplied, 4 bytes a pixel, the referee's size. */
+PictureError compareWith(const ReferencePicture& reference, std::span<const uint8_t> rgba);
+
+}  // namespace dpl

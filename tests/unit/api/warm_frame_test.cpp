@@ -1,0 +1,116 @@
+// A warm frame allocates nothing and waits for nothing: what an app calls at display rate, on both renderers. A program of its own, because it
+// replaces operator new: every allocation of C++ code in the process is counted, those of libdoppel and its threads too.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "sdk/format/avatar_file.h"
+#include "sdk/include/doppel/doppel.h"
+#include "tests/unit/format/sample_correctives.h"
+#include "tests/unit/render/tube_avatar.h"
+
+namespace {
+
+std::atomic<bool> counting{false};
+std::atomic<uint64_t> allocations{0};
+
+void* counted(size_t bytes, size_t alignment = alignof(std::max_align_t)) {
+    if (counting) ++allocations;
+    void* memory = alignment > alignof(std::max_align_t) ? std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment) : std::malloc(bytes ? bytes : 1);
+    if (!memory) throw std::bad_alloc();
+    return memory;
+}
+
+}  // namespace
+
+void* operator new(size_t bytes) { return counted(bytes); }
+void* operator new[](size_t bytes) { return counted(bytes); }
+void* operator new(size_t bytes, std::align_val_t alignment) { return counted(bytes, size_t(alignment)); }
+void* operator new[](size_t bytes, std::align_val_t alignment) { return counted(bytes, size_t(alignment)); }
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete[](void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, size_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, size_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::align_val_t) noexcept { std::free(memory); }
+void operator delete(void* memory, size_t, std::align_val_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, size_t, std::align_val_t) noexcept { std::free(memory); }
+
+namespace dpl {
+namespace {
+
+std::vector<uint8_t> avatarFile() {
+    AvatarData avatar = test::withCorrectives(makeTube({.splatsPerTriangle = 4, .rings = 10}), 3);
+    avatar.clips = {{"sway", {0, 1}, {{1, {Quatf(1, 0, 0, 0), glm::angleAxis(0.8f, Vec3f(1, 0, 0))}}}, {Vec3f(0), Vec3f(0.1f, 0, 0)}}};
+    sortSplats(avatar);
+    auto bytes = writeAvatar(avatar);
+    EXPECT_TRUE(bytes) << (bytes ? "" : bytes.error().message);
+    return bytes ? *bytes : std::vector<uint8_t>{};
+}
+
+DplCamera cameraAt(float azimuth, float shiftM) {
+    const Cameraf c = tubeCamera(120, 96, azimuth, 1.6f, shiftM);
+    DplCamera out{sizeof(DplCamera), c.widthPx, c.heightPx, c.fx, c.fy, c.cx, c.cy, {}};
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 3; ++column) out.viewFromWorld[row * 4 + column] = c.viewFromWorldRotation[column][row];
+        out.viewFromWorld[row * 4 + 3] = c.viewFromWorldTranslation[row];
+    }
+    return out;
+}
+
+uint64_t waits(DplAvatar avatar) {
+    DplFrameStats stats{};
+    stats.structSize = sizeof stats;
+    EXPECT_EQ(dplGetFrameStats(avatar, &stats), DPL_OK) << dplGetLastError();
+    EXPECT_GT(stats.splatsDrawn, 100u);
+    return stats.waits;
+}
+
+/** Allocations of `frames` frames with new poses and views, three at a time as an app has them in flight. */
+uint64_t playFrames(DplContext context, DplAvatar avatar, int frames, uint32_t viewCount, uint32_t flags) {
+    const uint64_t before = allocations;
+    std::vector<uint8_t> pixels[2] = {std::vector<uint8_t>(120 * 96 * 4), std::vector<uint8_t>(120 * 96 * 4)};
+    DplImage images[2];
+    for (int v = 0; v < 2; ++v) images[v] = {sizeof(DplImage), 0, pixels[v].data(), pixels[v].size(), 0, nullptr, 0};
+    for (int frame = 0; frame < frames; ++frame) {
+        const float t = float(frame) / float(frames), half = 0.4f * t;
+        const DplCamera cameras[2] = {cameraAt(t, -0.03f), cameraAt(t, 0.03f)};
+        const float rotations[8] = {0, 0, 0, 1, std::sin(half), 0, 0, std::cos(half)}, root[3] = {0, 0.1f * t, 0};
+        counting = true;
+        const DplResult posed = frame % 2 ? dplSetPose(avatar, rotations, 2, root) : dplSetPoseFromClip(avatar, 0, t, DPL_TRUE);
+        const DplResult drawn = dplDraw(context, avatar, cameras, viewCount, flags);
+        counting = false;
+        EXPECT_EQ(posed, DPL_OK) << dplGetLastError();
+        EXPECT_EQ(drawn, DPL_OK) << dplGetLastError();
+        if (frame % 3 != 2) continue;
+        EXPECT_EQ(dplReadImages(context, avatar, images, viewCount), DPL_OK) << dplGetLastError();  // the device catches up
+    }
+    return allocations - before;
+}
+
+void expectWarmFramesAreFree(DplRenderer renderer) {
+    const DplContextInfo info{sizeof(DplContextInfo), renderer, 2};
+    DplContext context = nullptr;
+    if (const DplResult made = dplCreateContext(&info, &context); made == DPL_ERROR_UNSUPPORTED) GTEST_SKIP() << dplGetLastError();
+    const std::vector<uint8_t> bytes = avatarFile();
+    DplAvatar avatar = nullptr;
+    ASSERT_EQ(dplLoadAvatar(context, bytes.data(), bytes.size(), &avatar), DPL_OK) << dplGetLastError();
+    for (const uint32_t viewCount : {1u, 2u}) {
+        for (const uint32_t flags : {0u, uint32_t(DPL_DRAW_DEPTH)}) {
+            EXPECT_GT(playFrames(context, avatar, 9, viewCount, flags), 0u) << "the counter counts nothing";
+            const uint64_t waited = waits(avatar);
+            EXPECT_EQ(playFrames(context, avatar, 18, viewCount, flags), 0u) << viewCount << " views, flags " << flags;
+            EXPECT_EQ(waits(avatar), waited) << viewCount << " views, flags " << flags;
+        }
+    }
+    EXPECT_EQ(dplDestroyAvatar(avatar), DPL_OK);
+    EXPECT_EQ(dplDestroyContext(context), DPL_OK);
+}
+
+TEST(WarmFrame, allocatesAndWaitsForNothingOnTheCpu) { expectWarmFramesAreFree(DPL_RENDERER_SOFTWARE); }
+TEST(WarmFrame, allocatesAndWaitsForNothingOnVulkan) { expectWarmFramesAreFree(DPL_RENDERER_VULKAN); }
+
+}  // namespace
+}  // namespace dpl
