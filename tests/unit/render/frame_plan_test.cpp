@@ -50,7 +50,7 @@ TEST(FramePlan, generalSplatsTakeTheSameFrameWithoutAPose) {
     ASSERT_TRUE(status) << status.error().message;
     std::vector<std::string> want = {"begin", "splat.project", "splat.colour", "compact.count", "compact.scan", "compact.args", "compact.scatter"};
     for (int round = 0; round < 6; ++round) want.insert(want.end(), {"sort.count", "sort.scan", "sort.scatter"});
-    want.insert(want.end(), {"draw.splats", "readback"});
+    want.insert(want.end(), {"draw.splats", "counts"});
     EXPECT_EQ(gpu.record->lastLabels, want);
     const uint64_t created = gpu.record->createdObjects;
     ASSERT_TRUE(gpu.draw(*id, 32, 2, true));
