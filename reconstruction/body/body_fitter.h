@@ -1,0 +1,87 @@
+// The solver of fit_body.h: its state and its steps. Private to reconstruction/body; still frames in fit_body.cpp, moving ones in fit_moving.cpp.
+#pragma once
+
+#include <ceres/problem.h>
+
+#include <functional>
+#include <optional>
+
+#include "reconstruction/body/fit_body.h"
+#include "reconstruction/body/fit_costs.h"
+#include "reconstruction/body/keypoint_chain.h"
+
+namespace dpl {
+
+constexpr double kLooseOutliers = 40;           // Geman–McClure scale while poses are still coarse, σ
+
+/** The numbers of one frame. Still frames use only `sway`, on top of the shared still pose. */
+struct FrameState {
+    Mat3d rootReference{1};
+    double root[kRootSize] = {};
+    std::vector<double> pose, sway;
+    bool fitted = false;
+};
+
+class BodyFitter {
+public:
+    BodyFitter(const BodyModel& body, const Scan& scan, std::span<const std::vector<Keypoint>> keypoints, const BodyFitSettings& settings)
+        : body_(body), scan_(scan), keypoints_(keypoints), settings_(settings), priors_(posePriors(body)), chain_(body, scan.keypointNames, posed(priors_)) {
+        context_.chain = &chain_;
+        for (size_t s = 0; s < priors_.size(); ++s)
+            if (priors_[s].swayRad > 0) context_.sway.slots.push_back(uint32_t(s));
+        shape_.assign(chain_.shapeCount(), 0.0);
+        frames_.resize(scan.frames.size());
+        for (FrameState& f : frames_) f.pose.assign(3 * chain_.posedCount(), 0.0), f.sway.assign(size_t(context_.sway.size()), 0.0);
+        still_.pose.assign(3 * chain_.posedCount(), 0.0);
+    }
+
+    Result<BodyFit> run();
+
+private:
+    static std::vector<uint32_t> posed(const std::vector<JointPrior>& priors) {
+        std::vector<uint32_t> joints;
+        for (const JointPrior& p : priors) joints.push_back(p.joint);
+        return joints;
+    }
+    bool isStill(size_t f) const { return scan_.frames[f].kind != FrameKind::Dynamic; }
+    bool isTrain(size_t f) const { return scan_.frames[f].split == Split::Train; }
+    bool usable(size_t f) const;
+    std::vector<size_t> select(FrameKind kind, Split split) const;
+    std::vector<size_t> movingInTime(bool trainOnly) const;
+    double sigmaPx(size_t f) const { return settings_.sigmaAtFullConfidence * std::hypot(double(scan_.frames[f].camera.widthPx), double(scan_.frames[f].camera.heightPx)); }
+
+    Status start();
+    Status solve(ceres::Problem& problem, const char* what, int maxSteps, double from, double to);
+    void addFrame(ceres::Problem& problem, size_t f);
+    void addSmoothness(ceres::Problem& problem, const std::vector<size_t>& order, const std::function<bool(size_t)>& involves);
+    void addStillPriors(ceres::Problem& problem);
+    void freezeGlobals(ceres::Problem& problem);
+    Status fitStill(double from, double to);
+    Status refineShape(double from, double to);
+    void untangleLimbs(const std::vector<size_t>& order, const std::function<bool(size_t)>& mayChange);
+    Status trackMoving(const std::vector<size_t>& order, double from, double to);
+    Status fitMoving(double from, double to);
+    Status fitTest(double from, double to);
+    Status fitHeldOutMoving(double from, double to);
+    FrameState effective(size_t f) const;
+    Pose poseOf(const FrameState& s) const;
+    void interpolate(size_t f, BodyFit& fit) const;
+    std::optional<KindResidual> residual(FrameKind kind, Split split) const;
+    BodyFit collect() const;
+
+    const BodyModel& body_;
+    const Scan& scan_;
+    std::span<const std::vector<Keypoint>> keypoints_;
+    const BodyFitSettings& settings_;
+    std::vector<JointPrior> priors_;
+    KeypointChain chain_;
+    FitContext context_;
+    std::vector<double> shape_;
+    double logUnit_ = 0;
+    FrameState still_;
+    std::vector<FrameState> frames_;
+    std::vector<SolveEnd> solves_;
+    bool shapeFromMoving_ = false;
+};
+
+}  // namespace dpl
