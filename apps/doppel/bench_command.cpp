@@ -9,6 +9,7 @@
 #include "reconstruction/pipeline/progress.h"
 #include "reconstruction/report/sdk_camera.h"
 #include "sdk/core/files.h"
+#include "sdk/core/percentile.h"
 #include "tests/reference/reference_file.h"
 
 namespace dpl {
@@ -50,12 +51,6 @@ struct Contestant {
     DplFrameStats stats{};
     PictureError error;
 };
-
-double percentile(std::vector<double> values, double share) {
-    if (values.empty()) return 0;
-    std::sort(values.begin(), values.end());
-    return values[std::min(values.size() - 1, size_t(share * double(values.size())))];
-}
 
 double millisecondsSince(std::chrono::steady_clock::time_point start) { return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count(); }
 

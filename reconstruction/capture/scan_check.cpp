@@ -11,6 +11,7 @@
 #include "reconstruction/cameras/rays.h"
 #include "reconstruction/capture/frame_measures.h"
 #include "reconstruction/capture/silhouettes.h"
+#include "sdk/core/percentile.h"
 
 namespace dpl {
 namespace {
@@ -29,12 +30,6 @@ constexpr double kKeypointWarn = 0.02,
                  kKeypointRefuse =
                      0.05;  // of the subject's height in the picture [0.007 on scan-a, 0.022 at half the focal length, 0.068 shuffled]
 constexpr double kPoseRangeDeg = 25;
-
-double percentile(std::vector<double> values, double share) {
-    if (values.empty()) return 0;
-    std::sort(values.begin(), values.end());
-    return values[std::min(values.size() - 1, size_t(share * double(values.size())))];
-}
 
 class Checker {
 public:
@@ -183,8 +178,8 @@ private:
         const std::vector<double> stops(rest.begin<double>(), rest.end<double>());
         constexpr size_t kWindow = 3;
         for (size_t i = kWindow; i + kWindow <= stops.size(); ++i) {
-            const double before = percentile({stops.begin() + long(i - kWindow), stops.begin() + long(i)}, 0.5);
-            const double after = percentile({stops.begin() + long(i), stops.begin() + long(i + kWindow)}, 0.5);
+            const double before = percentile(std::vector<double>(stops.begin() + long(i - kWindow), stops.begin() + long(i)), 0.5);
+            const double after = percentile(std::vector<double>(stops.begin() + long(i), stops.begin() + long(i + kWindow)), 0.5);
             out_.exposureJumpStops = std::max(out_.exposureJumpStops, std::abs(after - before));
         }
         if (out_.exposureJumpStops > kExposureStops)

@@ -8,6 +8,7 @@
 #include <queue>
 #include <string_view>
 
+#include "sdk/core/percentile.h"
 #include "sdk/format/skin_weights.h"
 #include "sdk/math/merge_vertices.h"
 
@@ -95,11 +96,6 @@ void bindVertices(const SurfaceGraph& graph, const std::vector<uint32_t>& nodes,
     for (const uint32_t merged : graph.mergedOf) out.nodeIndices.push_back(packed[merged].joints), out.nodeWeights.push_back(packed[merged].weights);
 }
 
-float quantile(std::vector<float>& values, double share) {
-    std::sort(values.begin(), values.end());
-    return values[std::min(values.size() - 1, size_t(share * double(values.size())))];
-}
-
 }  // namespace
 
 Result<PoseCorrectiveData> correctiveModel(std::span<const JointData> joints, const MeshData& mesh, std::span<const Pose> poses,
@@ -145,8 +141,8 @@ Result<PoseCorrectiveData> correctiveModel(std::span<const JointData> joints, co
         const CorrectiveDistance distance = correctiveCoefficients(out, pose, coefficients);
         lengths.push_back(distance.length), offs.push_back(distance.offModes);
     }
-    out.reach = quantile(lengths, settings.reachQuantile);
-    out.reachOffModes = std::max(float(settings.minReachOffModes), quantile(offs, settings.offModesQuantile));
+    out.reach = percentile(std::move(lengths), settings.reachQuantile);
+    out.reachOffModes = std::max(float(settings.minReachOffModes), percentile(std::move(offs), settings.offModesQuantile));
     return out;
 }
 

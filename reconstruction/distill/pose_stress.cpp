@@ -1,10 +1,10 @@
 #include "reconstruction/distill/pose_stress.h"
 
-#include <algorithm>
 #include <cmath>
 #include <random>
 
 #include "sdk/avatar/posed_mesh.h"
+#include "sdk/core/percentile.h"
 
 namespace dpl {
 namespace {
@@ -24,13 +24,6 @@ Pose randomPose(const AvatarData& avatar, std::mt19937& random) {
         pose.localRotations[joint] = Quatf(glm::angleAxis(kMaxTurnRad * signedUniform(random), glm::normalize(axis)));
     }
     return pose;
-}
-
-double percentile99(std::vector<float>& values) {
-    if (values.empty()) return 0;
-    const auto at = values.begin() + long(std::min(values.size() - 1, values.size() * 99 / 100));
-    std::nth_element(values.begin(), at, values.end());
-    return *at;
 }
 
 }  // namespace
@@ -54,7 +47,8 @@ PoseStress poseStress(const AvatarData& avatar, Jobs& jobs) {
                 if (length > 1e-4f) strains.push_back(glm::length((posed.rest()[a] - rest[a]) - (posed.rest()[b] - rest[b])) / length);
             }
     }
-    stress.offsetMm = 1e3 * percentile99(offsets), stress.strainPercent = 100 * percentile99(strains), stress.lightPercent = 100 * percentile99(lights);
+    const auto extreme = [](std::vector<float>& values) { return double(percentile(std::move(values), 0.99)); };
+    stress.offsetMm = 1e3 * extreme(offsets), stress.strainPercent = 100 * extreme(strains), stress.lightPercent = 100 * extreme(lights);
     return stress;
 }
 

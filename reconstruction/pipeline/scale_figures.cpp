@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <optional>
 
-#include "reconstruction/pipeline/train_frames.h"
-#include "reconstruction/report/draw_view.h"
 #include "reconstruction/report/score.h"
 
 namespace dpl {
@@ -42,10 +40,8 @@ struct Sums {
 
 }  // namespace
 
-Status addScaleFigures(const SubjectData& subject, Progress& progress, const std::vector<uint8_t>& avatarBytes, const PosesFile& poses, ReportData& data) {
-    DPL_TRY(auto view, AvatarView::open(avatarBytes, subject.options.threadCount));
-    std::vector<size_t> indices;
-    DPL_TRY(auto frames, loadTrainFrames(subject, Split::Test, &indices));
+Status addScaleFigures(const std::filesystem::path& scan, Progress& progress, AvatarView& view, std::span<const TrainFrame> frames,
+                       std::span<const size_t> indices, const PosesFile& poses, ReportData& data) {
     for (const bool dynamic : {false, true}) {
         const auto isOfKind = [&](const TrainFrame& f) { return (f.kind == FrameKind::Dynamic) == dynamic; };
         bool fine = false;
@@ -54,7 +50,7 @@ Status addScaleFigures(const SubjectData& subject, Progress& progress, const std
             const TrainFrame& frame = frames[i];
             if (!isOfKind(frame)) continue;
             if (progress.cancelled()) return fail(Code::Cancelled, "stopped");
-            auto truth = fineTruth(subject.options.scan, frame);
+            auto truth = fineTruth(scan, frame);
             if (truth && !fine) {  // frames without one do not mix in
                 fine = true;
                 for (auto& row : sums) std::fill(std::begin(row), std::end(row), Sums{});

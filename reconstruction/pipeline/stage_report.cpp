@@ -19,16 +19,14 @@
 namespace dpl {
 namespace {
 
-Status scoreHeldOut(const SubjectData& subject, StageContext& context, const AvatarData& avatar, const std::vector<uint8_t>& bytes, const PosesFile& poses, ReportData& data) {
-    DPL_TRY(auto view, AvatarView::open(bytes, subject.options.threadCount));
+Status scoreHeldOut(const SubjectData& subject, StageContext& context, const AvatarData& avatar, AvatarView& view, std::span<const TrainFrame> frames,
+                    std::span<const size_t> indices, const PosesFile& poses, ReportData& data) {
     LabelColours labelColours;
     {
-        DPL_TRY(auto frames, loadTrainFrames(subject, Split::Train));
-        for (const TrainFrame& frame : frames)
+        DPL_TRY(auto training, loadTrainFrames(subject, Split::Train));
+        for (const TrainFrame& frame : training)
             if (frame.kind != FrameKind::StaticCloseup) labelColours.add(frame.image, frame.mask, frame.labels);
     }
-    std::vector<size_t> indices;
-    DPL_TRY(auto frames, loadTrainFrames(subject, Split::Test, &indices));
     const std::vector<RestTriangle<float>> bind = restTriangles(avatar.mesh);
     PosedMesh posed;
     for (size_t i = 0; i < frames.size(); ++i) {
@@ -123,8 +121,11 @@ Status report(SubjectData& subject, StageContext& context) {
                   {"file", std::to_string(bytes.size()) + " bytes"},
                   {"content hash", info.contentHash}};
     data.verdict = subject.verdict;
-    DPL_CHECK_OK(scoreHeldOut(subject, context, avatar, bytes, poses, data));
-    DPL_CHECK_OK(addScaleFigures(subject, context.progress, bytes, poses, data));
+    DPL_TRY(auto view, AvatarView::open(bytes, subject.options.threadCount));
+    std::vector<size_t> indices;
+    DPL_TRY(auto heldOut, loadTrainFrames(subject, Split::Test, &indices));
+    DPL_CHECK_OK(scoreHeldOut(subject, context, avatar, view, heldOut, indices, poses, data));
+    DPL_CHECK_OK(addScaleFigures(subject.options.scan, context.progress, view, heldOut, indices, poses, data));
     for (const StageRecord& s : subject.chain.records()) data.stages.push_back({s.name, s.seconds, s.peakBytes, s.reused});
     PlotSeries loss{"total", {}, {}}, psnr{"masked", {}, {}};
     for (const CurvePoint& p : trained.curve) {

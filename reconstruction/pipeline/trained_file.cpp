@@ -1,5 +1,6 @@
 #include "reconstruction/pipeline/trained_file.h"
 
+#include "reconstruction/splat/corrective_bytes.h"
 #include "sdk/core/arrays.h"
 #include "sdk/core/files.h"
 #include "sdk/math/sh.h"
@@ -28,17 +29,7 @@ Status readBody(Reader& in, CoOptimiseResult& r) {
     DPL_TRY(r.splats.shDegree, in.u32());
     DPL_CHECK_OK(getArray(in, r.splats.sh));
     DPL_CHECK_OK(getArray(in, r.restPositions));
-    PoseCorrectiveData& c = r.correctives;
-    DPL_TRY(c.modeCount, in.u32());
-    DPL_TRY(c.nodeCount, in.u32());
-    DPL_TRY(c.reach, in.value<float>());
-    DPL_TRY(c.reachOffModes, in.value<float>());
-    DPL_CHECK_OK(getArray(in, c.joints));
-    DPL_CHECK_OK(getArray(in, c.mean));
-    DPL_CHECK_OK(getArray(in, c.modes));
-    DPL_CHECK_OK(getArray(in, c.nodeIndices));
-    DPL_CHECK_OK(getArray(in, c.nodeWeights));
-    DPL_CHECK_OK(getArray(in, c.nodes));
+    DPL_CHECK_OK(getCorrectives(in, r.correctives));
     DPL_TRY(uint32_t poseCount, in.u32());
     for (uint32_t i = 0; i < poseCount; ++i) {
         Pose pose;
@@ -67,9 +58,7 @@ Status writeTrainedFile(const CoOptimiseResult& r, const std::filesystem::path& 
     out.value(r.splats.shDegree);
     putArray(out, r.splats.sh);
     putArray(out, r.restPositions);
-    const PoseCorrectiveData& c = r.correctives;
-    out.value(c.modeCount), out.value(c.nodeCount), out.value(c.reach), out.value(c.reachOffModes);
-    putArray(out, c.joints), putArray(out, c.mean), putArray(out, c.modes), putArray(out, c.nodeIndices), putArray(out, c.nodeWeights), putArray(out, c.nodes);
+    putCorrectives(out, r.correctives);
     out.value(uint32_t(r.poses.size()));
     for (const Pose& pose : r.poses) putPose(out, pose);
     putArray(out, r.curve);

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "reconstruction/splat/co_optimise_state.h"
+#include "reconstruction/splat/corrective_bytes.h"
 #include "sdk/core/arrays.h"
 #include "sdk/core/files.h"
 
@@ -55,8 +56,7 @@ uint64_t CoOptimiser::State::fingerprint() const {
     for (bool b : {s.learnSplats, s.learnGeometry, s.learnPoses, s.learnCameras, s.learnCorrectives, s.densify, s.learnPlacement, s.fullResolutionOnly}) w.value(uint8_t(b));
     w.value(s.geometryEvery), w.value(s.densityEvents);
     putArray(w, templatePositions), putArray(w, input.mesh.triangles), putArray(w, input.triangleLabel);
-    const PoseCorrectiveData& c = input.correctives;
-    putArray(w, c.joints), putArray(w, c.mean), putArray(w, c.modes), putArray(w, c.nodeIndices), putArray(w, c.nodeWeights), w.value(c.nodeCount), w.value(c.reach), w.value(c.reachOffModes);
+    putCorrectiveModel(w, input.correctives);
     for (const TrainFrame& f : input.frames) {
         w.value(XXH3_64bits(f.image.pixels.data(), f.image.pixels.size()));
         w.value(XXH3_64bits(f.mask.pixels.data(), f.mask.pixels.size()));

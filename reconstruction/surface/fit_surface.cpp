@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <tuple>
 
 #include "reconstruction/shape/large_steps.h"
 #include "reconstruction/surface/contours.h"
 #include "reconstruction/surface/mesh_raster.h"
+#include "sdk/math/merge_vertices.h"
 
 namespace dpl {
 namespace {
@@ -144,9 +144,8 @@ private:
 /** For each vertex of a small separate part the vertex of the largest part that it rides on; itself elsewhere. */
 std::vector<uint32_t> carriers(const MeshData& mesh) {
     const size_t count = mesh.restPositions.size();
-    std::vector<uint32_t> root(count), order(count);
+    std::vector<uint32_t> root(count);
     std::iota(root.begin(), root.end(), 0u);
-    std::iota(order.begin(), order.end(), 0u);
     const auto find = [&](uint32_t v) {
         while (root[v] != v) v = root[v] = root[root[v]];
         return v;
@@ -156,11 +155,14 @@ std::vector<uint32_t> carriers(const MeshData& mesh) {
         root[std::max(a, b)] = std::min(a, b);
     };
     for (const Triangle& t : mesh.triangles) join(t.x, t.y), join(t.y, t.z);
-    const auto& p = mesh.restPositions;  // seams: vertices at the same place are one
-    const auto key = [&](uint32_t v) { return std::tuple(p[v].x, p[v].y, p[v].z); };
-    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return key(a) < key(b) || (key(a) == key(b) && a < b); });
-    for (size_t i = 1; i < count; ++i)
-        if (key(order[i]) == key(order[i - 1])) join(order[i], order[i - 1]);
+    const auto& p = mesh.restPositions;
+    const MergedVertices merged = mergeVertices(p);
+    std::vector<uint32_t> firstAt(merged.count, UINT32_MAX);
+    for (uint32_t v = 0; v < count; ++v) {
+        uint32_t& first = firstAt[merged.placeOf[v]];
+        if (first == UINT32_MAX) first = v;
+        join(v, first);
+    }
     std::vector<uint32_t> size(count, 0);
     for (uint32_t v = 0; v < count; ++v) ++size[find(v)];
     const uint32_t largest = uint32_t(std::max_element(size.begin(), size.end()) - size.begin());

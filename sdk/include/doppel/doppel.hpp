@@ -66,6 +66,15 @@ inline Status status(DplResult result) {
     return lastError(result);
 }
 
+/** The struct that get(arguments..., &out) fills. */
+template <class T, class Get, class... Arguments>
+Result<T> filled(Get get, Arguments... arguments) {
+    T out{};
+    out.structSize = sizeof out;
+    if (const DplResult r = get(arguments..., &out); r != DPL_OK) return lastError(r);
+    return out;
+}
+
 /** Owns one avatar. Move-only. */
 class Avatar {
 public:
@@ -80,29 +89,14 @@ public:
 
     DplAvatar handle() const { return handle_; }
 
-    Result<DplAvatarInfo> info() const {
-        DplAvatarInfo info{};
-        info.structSize = sizeof info;
-        if (const DplResult r = dplGetAvatarInfo(handle_, &info); r != DPL_OK) return lastError(r);
-        return info;
-    }
-    Result<DplJointInfo> joint(uint32_t index) const {
-        DplJointInfo info{};
-        info.structSize = sizeof info;
-        if (const DplResult r = dplGetJointInfo(handle_, index, &info); r != DPL_OK) return lastError(r);
-        return info;
-    }
+    Result<DplAvatarInfo> info() const { return filled<DplAvatarInfo>(dplGetAvatarInfo, handle_); }
+    Result<DplJointInfo> joint(uint32_t index) const { return filled<DplJointInfo>(dplGetJointInfo, handle_, index); }
     Result<uint32_t> findJoint(const std::string& name) const {
         uint32_t index = 0;
         if (const DplResult r = dplFindJoint(handle_, name.c_str(), &index); r != DPL_OK) return lastError(r);
         return index;
     }
-    Result<DplClipInfo> clip(uint32_t index) const {
-        DplClipInfo info{};
-        info.structSize = sizeof info;
-        if (const DplResult r = dplGetClipInfo(handle_, index, &info); r != DPL_OK) return lastError(r);
-        return info;
-    }
+    Result<DplClipInfo> clip(uint32_t index) const { return filled<DplClipInfo>(dplGetClipInfo, handle_, index); }
     /** rotations: 4 floats (xyzw) a joint; rootTranslation: 3 floats or empty. */
     Status setPose(std::span<const float> rotations, std::span<const float> rootTranslation = {}) {
         if (rotations.size() % 4 != 0 || (!rootTranslation.empty() && rootTranslation.size() != 3))
@@ -124,18 +118,8 @@ public:
         if (const DplResult r = dplGetJointPositions(handle_, positions.data(), about->jointCount); r != DPL_OK) return lastError(r);
         return positions;
     }
-    Result<DplFrameStats> frameStats() const {
-        DplFrameStats stats{};
-        stats.structSize = sizeof stats;
-        if (const DplResult r = dplGetFrameStats(handle_, &stats); r != DPL_OK) return lastError(r);
-        return stats;
-    }
-    Result<DplPassTime> passTime(uint32_t pass) const {
-        DplPassTime time{};
-        time.structSize = sizeof time;
-        if (const DplResult r = dplGetPassTime(handle_, pass, &time); r != DPL_OK) return lastError(r);
-        return time;
-    }
+    Result<DplFrameStats> frameStats() const { return filled<DplFrameStats>(dplGetFrameStats, handle_); }
+    Result<DplPassTime> passTime(uint32_t pass) const { return filled<DplPassTime>(dplGetPassTime, handle_, pass); }
     /** One image a view. */
     Status render(std::span<const DplCamera> views, std::span<const DplImage> images) const {
         if (views.size() != images.size()) return Error{DPL_ERROR_INVALID_ARGUMENT, "as many images as views are needed"};

@@ -1,4 +1,5 @@
 // Both renderers behind the same API draw the same picture; `auto` never picks an emulated GPU.
+#include <algorithm>
 #include <cmath>
 
 #include "sdk/format/ply.h"
@@ -7,6 +8,12 @@
 
 namespace dpl::test {
 namespace {
+
+double psnrDb(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
+    double sum = 0;
+    for (size_t i = 0; i < a.size(); ++i) sum += (double(a[i]) - double(b[i])) * (double(a[i]) - double(b[i]));
+    return 10 * std::log10(255.0 * 255.0 * double(a.size()) / std::max(sum, 1e-9));
+}
 
 TEST_F(ApiTest, vulkanDrawsWhatTheCpuDraws) {
     const DplContextInfo info{sizeof(DplContextInfo), DPL_RENDERER_VULKAN, 1};
@@ -35,16 +42,8 @@ TEST_F(ApiTest, vulkanDrawsWhatTheCpuDraws) {
         ASSERT_EQ(dplRender(context_, avatar_, cameras, 2, cpuImages), DPL_OK) << dplGetLastError();
         ASSERT_EQ(dplRender(context, avatar, cameras, 2, gpuImages), DPL_OK) << dplGetLastError();
         for (int v = 0; v < 2; ++v) {
-            double sum = 0;
-            int brightest = 0;
-            for (size_t i = 0; i < cpu[v].size(); ++i) {
-                const double d = double(cpu[v][i]) - double(gpu[v][i]);
-                sum += d * d;
-                brightest = std::max(brightest, int(cpu[v][i]));
-            }
-            const double psnr = 10 * std::log10(255.0 * 255.0 * double(cpu[v].size()) / std::max(sum, 1e-9));
-            EXPECT_GT(brightest, 200);
-            EXPECT_GT(psnr, 45.0) << "view " << v << ": 8-bit blending of 128 splats rounds each one, half a level at a time";
+            EXPECT_GT(*std::max_element(cpu[v].begin(), cpu[v].end()), 200);
+            EXPECT_GT(psnrDb(cpu[v], gpu[v]), 45.0) << "view " << v << ": 8-bit blending of 128 splats rounds each one, half a level at a time";
             size_t compared = 0;
             for (size_t p = 0; p < cpuDepth[v].size(); ++p) {
                 if (cpu[v][p * 4 + 3] < 128 || gpu[v][p * 4 + 3] < 128) continue;
@@ -61,7 +60,9 @@ TEST_F(ApiTest, vulkanDrawsWhatTheCpuDraws) {
 TEST_F(ApiTest, vulkanDrawsGeneralSplatsAsTheCpuDoes) {
     const DplContextInfo info{sizeof(DplContextInfo), DPL_RENDERER_VULKAN, 1};
     DplContext context = nullptr;
-    if (dplCreateContext(&info, &context) != DPL_OK) GTEST_SKIP() << dplGetLastError();
+    const DplResult made = dplCreateContext(&info, &context);
+    if (made == DPL_ERROR_UNSUPPORTED) GTEST_SKIP() << dplGetLastError();
+    ASSERT_EQ(made, DPL_OK) << dplGetLastError();
     const auto bytes = *writePly(randomStaticSplats(3, 800, 2));
     DplAvatar cpu = nullptr, gpu = nullptr;
     ASSERT_EQ(dplLoadAvatar(context_, bytes.data(), bytes.size(), &cpu), DPL_OK) << dplGetLastError();
@@ -73,15 +74,8 @@ TEST_F(ApiTest, vulkanDrawsGeneralSplatsAsTheCpuDoes) {
     ASSERT_EQ(dplRender(context_, cpu, cameras, 2, cpuImages), DPL_OK) << dplGetLastError();
     ASSERT_EQ(dplRender(context, gpu, cameras, 2, gpuImages), DPL_OK) << dplGetLastError();
     for (int v = 0; v < 2; ++v) {
-        double sum = 0;
-        int brightest = 0;
-        for (size_t i = 0; i < cpuPixels[v].size(); ++i) {
-            const double d = double(cpuPixels[v][i]) - double(gpuPixels[v][i]);
-            sum += d * d;
-            brightest = std::max(brightest, int(cpuPixels[v][i]));
-        }
-        EXPECT_GT(brightest, 200);
-        EXPECT_GT(10 * std::log10(255.0 * 255.0 * double(cpuPixels[v].size()) / std::max(sum, 1e-9)), 45.0) << "view " << v;
+        EXPECT_GT(*std::max_element(cpuPixels[v].begin(), cpuPixels[v].end()), 200);
+        EXPECT_GT(psnrDb(cpuPixels[v], gpuPixels[v]), 45.0) << "view " << v;
     }
     EXPECT_EQ(dplDestroyAvatar(cpu), DPL_OK);
     EXPECT_EQ(dplDestroyAvatar(gpu), DPL_OK);
