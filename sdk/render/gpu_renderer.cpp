@@ -16,6 +16,7 @@
 namespace dpl {
 namespace {
 
+constexpr float kSharedOrderRad = 0.035f;  // two views whose axes are further apart than 2 degrees are sorted each for itself (ADR 0002)
 constexpr size_t kFramesKept = 4;  // recorded frame shapes an avatar keeps; an app uses one or two, a resize leaves others behind
 
 float fromHalf(uint16_t half) {
@@ -36,6 +37,13 @@ Status checkViews(std::span<const Cameraf> views) {
         if (!std::isfinite(sum) || !(c.fx > 0) || !(c.fy > 0)) return fail(Code::InvalidArgument, "a camera has a non-finite number or no focal length");
     }
     return {};
+}
+
+/** Whether one order of depth, along the mean axis, serves all views. It is exact for parallel axes. */
+bool shareOrder(std::span<const Cameraf> views) {
+    const auto forward = [](const Cameraf& c) { return glm::transpose(c.viewFromWorldRotation) * Vec3f(0, 0, 1); };
+    const Vec3f first = forward(views.front()), last = forward(views.back());
+    return std::atan2(glm::length(glm::cross(first, last)), glm::dot(first, last)) <= kSharedOrderRad;
 }
 
 }  // namespace
@@ -233,7 +241,17 @@ Status GpuRenderer::draw(RenderAvatarId id, const Pose& pose, std::span<const Ca
     if (it == avatars_.end()) return fail(Code::InvalidArgument, "avatar {} is not in this renderer", id);
     DPL_CHECK_OK(checkViews(views));
     LoadedAvatar& avatar = it->second;
-    DPL_TRY(ShapedFrame* frame, frameOf(avatar, {views[0].widthPx, views[0].heightPx, uint32_t(views.size()), wantDepth}));
+    std::fill(std::begin(avatar.drawn), std::end(avatar.drawn), 0);
+    const Shape shape{views[0].widthPx, views[0].heightPx, uint32_t(views.size()), wantDepth, 0};
+    if (shareOrder(views)) return drawFrame(avatar, pose, views, shape);
+    Status drawn;
+    for (uint32_t eye = 0; eye < views.size() && drawn; ++eye) drawn = drawFrame(avatar, pose, views.subspan(eye, 1), {shape.widthPx, shape.heightPx, 1, wantDepth, eye});
+    if (!drawn) std::fill(std::begin(avatar.drawn), std::end(avatar.drawn), 0);  // half a pair is not shown
+    return drawn;
+}
+
+Status GpuRenderer::drawFrame(LoadedAvatar& avatar, const Pose& pose, std::span<const Cameraf> views, const Shape& shape) {
+    DPL_TRY(ShapedFrame* frame, frameOf(avatar, shape));
     Slot& slot = frame->slots[frame->next];
     if (!backend_->finished(slot.draw)) {
         ++waits_;
@@ -242,7 +260,7 @@ Status GpuRenderer::draw(RenderAvatarId id, const Pose& pose, std::span<const Ca
     fill(avatar, slot, pose, views);
     DPL_CHECK_OK(backend_->submit(slot.draw));
     frame->next = (frame->next + 1) % kFramesInFlight;
-    slot.number = frame->lastUse = ++frameNumber_;
+    slot.number = frame->lastUse = avatar.drawn[shape.eye] = ++frameNumber_;
     return {};
 }
 
@@ -265,18 +283,18 @@ void GpuRenderer::writePalette(const AvatarData& avatar, const Pose& pose, Buffe
 Result<std::span<const PixelView>> GpuRenderer::read(RenderAvatarId id) {
     const auto it = avatars_.find(id);
     if (it == avatars_.end()) return fail(Code::InvalidArgument, "avatar {} is not in this renderer", id);
-    ShapedFrame* frame = it->second.lastDrawn();
-    if (!frame) return fail(Code::InvalidArgument, "nothing was drawn of avatar {}", id);
-    if (!frame->readback) { DPL_CHECK_OK(buildReadback(*frame)); }
-    DPL_CHECK_OK(backend_->run(frame->readback));
-    frame->lastRead = frame->lastUse;
-    takePixels(*frame);
-    return std::span<const PixelView>(pixels_, frame->shape.views);
-}
-
-GpuRenderer::ShapedFrame* GpuRenderer::LoadedAvatar::lastDrawn() {
-    const auto last = std::max_element(frames.begin(), frames.end(), [](const auto& x, const auto& y) { return x.lastUse < y.lastUse; });
-    return last == frames.end() || last->lastUse == 0 ? nullptr : &*last;
+    size_t views = 0;
+    for (const uint64_t number : it->second.drawn) {
+        if (number == 0) continue;
+        ShapedFrame& frame = *std::find_if(it->second.frames.begin(), it->second.frames.end(), [&](const ShapedFrame& f) { return f.lastUse == number; });
+        if (!frame.readback) { DPL_CHECK_OK(buildReadback(frame)); }
+        DPL_CHECK_OK(backend_->run(frame.readback));
+        frame.lastRead = frame.lastUse;
+        takePixels(frame, views);
+        views += frame.shape.views;
+    }
+    if (views == 0) return fail(Code::InvalidArgument, "nothing was drawn of avatar {}", id);
+    return std::span<const PixelView>(pixels_, views);
 }
 
 bool GpuRenderer::idle(RenderAvatarId id) {
@@ -294,33 +312,42 @@ Result<FrameStats> GpuRenderer::stats(RenderAvatarId id) {
     FrameStats stats;
     stats.residentBytes = backend_->residentBytes();
     stats.waits = waits_;
-    uint64_t newest = 0;
-    for (const ShapedFrame& frame : it->second.frames) {
-        for (const Slot& slot : frame.slots) {
-            if (slot.number <= newest || !backend_->finished(slot.draw)) continue;
-            newest = slot.number;
-            gpu::FrameCounts counts;
-            std::memcpy(&counts, backend_->mapped(slot.finalCounts).data(), sizeof(counts));
-            stats.views = frame.shape.views;
-            stats.trianglesInView = counts.trianglesInView, stats.trianglesFacing = counts.trianglesFacing;
-            stats.chunks = frame.ids.chunkCount(), stats.chunksProjected = counts.chunkGroupsX;
-            stats.splatsInView = counts.splatsInView, stats.splatsFacing = counts.splatsFacing;
-            stats.splatsDrawn = counts.visible;
-            stats.passes = backend_->passTimes(slot.draw);
-            if (frame.lastRead == slot.number)
-                for (PassTime& pass : backend_->passTimes(frame.readback)) stats.passes.push_back(std::move(pass));
-        }
+    const auto slotOf = [&](auto isIt) -> std::pair<const ShapedFrame*, const Slot*> {
+        std::pair<const ShapedFrame*, const Slot*> found{};
+        for (const ShapedFrame& frame : it->second.frames)
+            for (const Slot& slot : frame.slots)
+                if (slot.number > (found.second ? found.second->number : 0) && backend_->finished(slot.draw) && isIt(frame, slot)) found = {&frame, &slot};
+        return found;
+    };
+    const auto add = [&](const ShapedFrame& frame, const Slot& slot) {
+        gpu::FrameCounts counts;
+        std::memcpy(&counts, backend_->mapped(slot.finalCounts).data(), sizeof(counts));
+        const auto raise = [](uint32_t& value, uint32_t other) { value = std::max(value, other); };
+        stats.views += frame.shape.views;
+        stats.chunks = frame.ids.chunkCount();
+        raise(stats.trianglesInView, counts.trianglesInView), raise(stats.trianglesFacing, counts.trianglesFacing), raise(stats.chunksProjected, counts.chunkGroupsX);
+        raise(stats.splatsInView, counts.splatsInView), raise(stats.splatsFacing, counts.splatsFacing), raise(stats.splatsDrawn, counts.visible);
+        for (PassTime& pass : backend_->passTimes(slot.draw)) stats.passes.push_back(std::move(pass));
+        if (frame.lastRead == slot.number)
+            for (PassTime& pass : backend_->passTimes(frame.readback)) stats.passes.push_back(std::move(pass));
+    };
+    const auto [frame, slot] = slotOf([](const ShapedFrame&, const Slot&) { return true; });
+    if (!frame) return stats;
+    if (frame->shape.eye == 1) {  // the other eye of the canted pair ran just before
+        const auto [first, firstSlot] = slotOf([number = slot->number](const ShapedFrame& f, const Slot& s) { return f.shape.eye == 0 && s.number + 1 == number; });
+        if (first) add(*first, *firstSlot);
     }
+    add(*frame, *slot);
     return stats;
 }
 
-void GpuRenderer::takePixels(const ShapedFrame& f) {
+void GpuRenderer::takePixels(const ShapedFrame& f, size_t firstView) {
     const size_t pixels = size_t(f.shape.widthPx) * f.shape.heightPx;
     const std::byte* colour = backend_->mapped(f.ids.colourPixels).data();
     const std::byte* depth = f.shape.depth ? backend_->mapped(f.ids.depthPixels).data() : nullptr;
     const bool half = backend_->info().halfDepth;
     for (size_t v = 0; v < f.shape.views; ++v) {
-        std::vector<float>& depthM = depthM_[v];
+        std::vector<float>& depthM = depthM_[firstView + v];
         depthM.resize(depth ? pixels : 0);
         for (size_t i = 0; i < depthM.size(); ++i) {
             float sums[2];  // Σ α T z, Σ α T
@@ -333,7 +360,7 @@ void GpuRenderer::takePixels(const ShapedFrame& f) {
             }
             depthM[i] = sums[1] > 0 ? sums[0] / sums[1] : 0.0f;
         }
-        pixels_[v] = {f.shape.widthPx, f.shape.heightPx, {reinterpret_cast<const uint8_t*>(colour) + v * pixels * 4, pixels * 4}, depthM};
+        pixels_[firstView + v] = {f.shape.widthPx, f.shape.heightPx, {reinterpret_cast<const uint8_t*>(colour) + v * pixels * 4, pixels * 4}, depthM};
     }
 }
 

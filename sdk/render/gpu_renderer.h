@@ -35,6 +35,7 @@ private:
     struct Shape {
         uint32_t widthPx = 0, heightPx = 0, views = 0;
         bool depth = false;
+        uint32_t eye = 0;              // 1: the second of two frames that draw a canted pair
         bool operator==(const Shape&) const = default;
     };
     struct Slot {
@@ -57,7 +58,7 @@ private:
         FrameIds ids;                  // of what does not depend on the shape
         std::vector<BufferId> owned;
         std::vector<ShapedFrame> frames;
-        ShapedFrame* lastDrawn();
+        uint64_t drawn[gpu::kMaxViews] = {};      // numbers of the frames of the last draw, in order of the views; 0: none
     };
 
     Result<BufferId> makeBuffer(std::vector<BufferId>& owned, std::string label, uint64_t bytes, BufferMemory memory = BufferMemory::Device);
@@ -68,6 +69,7 @@ private:
     Status makeWorkBuffers(LoadedAvatar& avatar);
     Result<RenderAvatarId> keep(LoadedAvatar avatar, const Status& loaded);
     void writePalette(const AvatarData& avatar, const Pose& pose, BufferId palette);
+    Status drawFrame(LoadedAvatar& avatar, const Pose& pose, std::span<const Cameraf> views, const Shape& shape);
     Result<ShapedFrame*> frameOf(LoadedAvatar& avatar, const Shape& shape);
     Status build(const LoadedAvatar& avatar, ShapedFrame& frame);
     Status buildSlot(const LoadedAvatar& avatar, ShapedFrame& frame, Slot& slot);
@@ -75,7 +77,7 @@ private:
     void fill(const LoadedAvatar& avatar, const Slot& slot, const Pose& pose, std::span<const Cameraf> views);
     void freeFrame(ShapedFrame& frame);
     void freeAvatar(LoadedAvatar& avatar);
-    void takePixels(const ShapedFrame& frame);
+    void takePixels(const ShapedFrame& frame, size_t firstView);
 
     std::unique_ptr<Backend> backend_;
     std::string name_;

@@ -9,6 +9,26 @@ namespace {
 
 double decibels(double squares, uint64_t values) { return squares > 0 ? -10 * std::log10(squares / double(values)) : std::numeric_limits<double>::infinity(); }
 
+template <class T>
+PictureError compare(const ReferencePicture& reference, std::span<const T> rgba) {
+    constexpr double kPeak = std::numeric_limits<T>::max();
+    PictureError e;
+    if (rgba.size() != reference.alpha.size() * 4) return {1, 1, 1, 1, 255};  // another size: nothing agrees
+    for (size_t p = 0; p < reference.alpha.size(); ++p) {
+        const bool covered = reference.alpha[p] > 0 || rgba[p * 4 + 3] > 0;
+        for (size_t c = 0; c < 3; ++c) {
+            const double actual = rgba[p * 4 + c] / kPeak + 0.5 * (1 - rgba[p * 4 + 3] / kPeak), want = reference.rgb[p * 3 + c] + 0.5 * (1 - reference.alpha[p]);
+            const double square = (actual - want) * (actual - want);
+            e.squares += square;
+            e.coveredSquares += covered ? square : 0;
+            e.maxLevels = std::max(e.maxLevels, std::abs(actual - want) * 255);
+        }
+        e.values += 3;
+        e.coveredValues += covered ? 3 : 0;
+    }
+    return e;
+}
+
 }  // namespace
 
 Result<ReferenceFile> ReferenceFile::read(std::span<const uint8_t> bytes) {
@@ -41,22 +61,7 @@ PictureError& PictureError::operator+=(const PictureError& other) {
     return *this;
 }
 
-PictureError compareWith(const ReferencePicture& reference, std::span<const uint8_t> rgba) {
-    PictureError e;
-    if (rgba.size() != reference.alpha.size() * 4) return {1, 1, 1, 1, 255};  // another size: nothing agrees
-    for (size_t p = 0; p < reference.alpha.size(); ++p) {
-        const bool covered = reference.alpha[p] > 0 || rgba[p * 4 + 3] > 0;
-        for (size_t c = 0; c < 3; ++c) {
-            const double actual = rgba[p * 4 + c] / 255.0 + 0.5 * (1 - rgba[p * 4 + 3] / 255.0), want = reference.rgb[p * 3 + c] + 0.5 * (1 - reference.alpha[p]);
-            const double square = (actual - want) * (actual - want);
-            e.squares += square;
-            e.coveredSquares += covered ? square : 0;
-            e.maxLevels = std::max(e.maxLevels, std::abs(actual - want) * 255);
-        }
-        e.values += 3;
-        e.coveredValues += covered ? 3 : 0;
-    }
-    return e;
-}
+PictureError compareWith(const ReferencePicture& reference, std::span<const uint8_t> rgba) { return compare(reference, rgba); }
+PictureError compareWith(const ReferencePicture& reference, std::span<const uint16_t> rgba) { return compare(reference, rgba); }
 
 }  // namespace dpl

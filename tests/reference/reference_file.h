@@ -46,7 +46,8 @@ struct PictureError {
     PictureError& operator+=(const PictureError& other);
 };
 
-/** rgba: premultiplied, 4 bytes a pixel, the referee's size. */
+/** rgba: premultiplied, 4 values a pixel of 8 or of 16 bits, the referee's size. */
 PictureError compareWith(const ReferencePicture& reference, std::span<const uint8_t> rgba);
+PictureError compareWith(const ReferencePicture& reference, std::span<const uint16_t> rgba);
 
 }  // namespace dpl
