@@ -1,6 +1,7 @@
 // Moving frames of the body fit: a first guess by tracking, depth choices of arms and legs, all frames together, and the held-out ones between them.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "reconstruction/body/body_fitter.h"
 #include "reconstruction/body/body_tools.h"
@@ -129,7 +130,7 @@ void BodyFitter::untangleLimbs(const std::vector<size_t>& order, const std::func
 Status BodyFitter::fitMoving(double from, double to) {
     const std::vector<size_t> order = movingInTime(true);
     if (order.empty()) return {};
-    const double part = (to - from) / (2 + 2 * kUntangleRounds);
+    const double part = (to - from) / (4 + 4 * kUntangleRounds);
     double done = from;
     const auto together = [&](const char* what, bool loose, int maxSteps) -> Status {
         context_.outlierSigmas = loose ? kLooseOutliers : settings_.outlierSigmas;
@@ -143,27 +144,40 @@ Status BodyFitter::fitMoving(double from, double to) {
         done += part;
         return solve(problem, what, maxSteps, done - part, done);
     };
-    DPL_CHECK_OK(trackMoving(order, from, from + part));
-    done = from + part;
-    DPL_CHECK_OK(together("moving frames: together, loose", true, 12));
-    // Better shoulders and hips make better depth choices: untangle again while that lowers the final cost, and keep the best.
+    // Two starts, tracked forwards and backwards in time: a limb that one of them lost in depth the other often did not. Better shoulders
+    // and hips make better depth choices, so limbs are untangled again while that lowers the cost. The least cost wins.
     struct Best {
         std::vector<FrameState> frames;
         std::vector<double> shape;
         double logUnit = 0, cost = 0;
     };
+    const Best start{frames_, shape_, logUnit_, 0};
+    const auto restore = [&](const Best& state) {
+        frames_ = state.frames;
+        std::copy(state.shape.begin(), state.shape.end(), shape_.begin());
+        logUnit_ = state.logUnit;
+    };
     std::optional<Best> best;
-    for (int round = 0; round < kUntangleRounds; ++round) {
-        untangleLimbs(order, [](size_t) { return true; });
-        DPL_CHECK_OK(together("moving frames: limbs untangled", true, 50));
-        DPL_CHECK_OK(together("moving frames: together", false, 50));
-        const double cost = solves_.back().costAfter;
-        if (best && cost >= best->cost * (1 - 1e-4)) break;
-        best = Best{frames_, shape_, logUnit_, cost};
+    for (const bool backwards : {false, true}) {
+        restore(start);
+        std::vector<size_t> track = order;
+        if (backwards) std::reverse(track.begin(), track.end());
+        DPL_CHECK_OK(trackMoving(track, done, done + part));
+        done += part;
+        DPL_CHECK_OK(together("moving frames: together, loose", true, 12));
+        double last = std::numeric_limits<double>::infinity();
+        for (int round = 0; round < kUntangleRounds; ++round) {
+            untangleLimbs(order, [](size_t) { return true; });
+            DPL_CHECK_OK(together("moving frames: limbs untangled", true, 50));
+            DPL_CHECK_OK(together("moving frames: together", false, 50));
+            const double cost = solves_.back().costAfter;
+            if (!best || cost < best->cost) best = Best{frames_, shape_, logUnit_, cost};
+            if (cost >= last * (1 - 1e-4)) break;
+            last = cost;
+        }
+        done = from + (2 + 2 * kUntangleRounds) * part;
     }
-    std::copy(best->shape.begin(), best->shape.end(), shape_.begin());
-    logUnit_ = best->logUnit;
-    frames_ = std::move(best->frames);
+    restore(*best);
     return {};
 }
 

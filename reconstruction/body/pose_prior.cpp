@@ -59,10 +59,11 @@ std::vector<JointPrior> posePriors(const BodyModel& body) {
         const int32_t upperArm = joint("UpperArm"), lowerArm = joint("LowerArm"), hand = joint("Hand");
         const int32_t upperLeg = joint("UpperLeg"), lowerLeg = joint("LowerLeg"), foot = joint("Foot");
         add(side + "Shoulder", world, {0.05, 0.12, 0.25}, Vec3d(-0.7), Vec3d(0.7), 1.05, 0.0);
-        if (upperArm >= 0 && lowerArm >= 0) add(side + "UpperArm", alongBone(place(body, lowerArm) - place(body, upperArm)), {0.35, 0.45, 0.35}, -free, free, 3.15, 0.02, {kTail, 0, kTail});
+        if (upperArm >= 0 && lowerArm >= 0) add(side + "UpperArm", alongBone(place(body, lowerArm) - place(body, upperArm)), {0.35, 0.45, 0.35}, -free, free, 5, 0.02, {kTail, 0, kTail});
         if (upperArm >= 0 && lowerArm >= 0 && hand >= 0) {
             const Hinge h = hinge(body, upperArm, lowerArm, hand, false);
-            add(side + "LowerArm", h.axes, {0.35, 0.15, 0.04}, {-h.restBendRad - 0.05, -1.5, -0.3}, {2.6, 1.5, 0.3}, 4.2, 0.02, {kTail, 0, 0});
+            // Forearms roll by a radian in everyday motion, and a rotation vector mixes roll with bend: a tight roll bends the elbow the wrong way.
+            add(side + "LowerArm", h.axes, {0.35, 0.4, 0.1}, {-h.restBendRad - 0.05, -1.5, -0.3}, {2.6, 1.5, 0.3}, 9, 0.02, Vec3d(kTail));
             add(side + "Hand", h.axes, {0.2, 0.2, 0.2}, Vec3d(-1.2), Vec3d(1.2), 1.05, 0.02);
         }
         if (upperLeg >= 0 && lowerLeg >= 0) add(side + "UpperLeg", world, {0.15, 0.1, 0.2}, {-2.4, -0.8, -1.2}, {0.8, 0.8, 1.2}, 2.625, 0.0, {kTail, 0, 0});
