@@ -82,6 +82,10 @@ Result<std::string> inspectAsText(const std::filesystem::path& path) {
                       info.vertices, info.triangles, info.layers, info.joints, info.clips);
     if (info.correctiveNodes) out.insert(out.size() - 1, formatText("pose correctives: {} nodes, {} modes\n", info.correctiveNodes, info.correctiveModes));
     char line[160];
+    if (info.trainedPixelM > 0) {
+        std::snprintf(line, sizeof line, "trained at pixels of %.2f mm\n", 1e3 * double(info.trainedPixelM));
+        out.insert(out.size() - 1, line);
+    }
     for (const auto& [name, bytes] : parts(info)) {
         std::snprintf(line, sizeof line, "  %-22s %10llu bytes  %5.1f %%\n", name, static_cast<unsigned long long>(bytes), 100.0 * double(bytes) / double(info.fileBytes));
         out += line;
@@ -108,6 +112,7 @@ Result<std::string> inspectAsJson(const std::filesystem::path& path) {
                                   {"content_hash", info.contentHash}, {"hash_matches", info.hashMatches}, {"splats", info.splats}, {"chunks", info.chunks},
                                   {"sh_degree", info.shDegree},   {"vertices", info.vertices}, {"triangles", info.triangles},   {"layers", info.layers},
                                   {"joints", info.joints},        {"clips", info.clips},       {"corrective_nodes", info.correctiveNodes}, {"corrective_modes", info.correctiveModes}};
+    if (info.trainedPixelM > 0) out["trained_pixel_m"] = info.trainedPixelM;
     for (const auto& [name, bytes] : parts(info)) out["bytes"][name] = bytes;
     out["bytes"]["file"] = info.fileBytes;
     for (const EvidenceData& e : info.evidence)

@@ -57,6 +57,7 @@ Result<AssembledAvatar> assembleAvatar(const SubjectData& subject) {
     avatar.generator = "doppel reconstruct";
     avatar.joints = subject.shaped.joints;
     avatar.kappaPx2 = kTrainedKappaPx2;
+    avatar.trainedPixelM = trainedPixelM(avatar.joints, out.frames);
     avatar.mesh = mesh;
     avatar.mesh.restPositions = trained.restPositions;
     avatar.mesh.colours = gatherVertexColours(avatar.joints, avatar.mesh, out.frames, subject.jobs);

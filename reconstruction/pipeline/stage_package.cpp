@@ -38,7 +38,7 @@ Status runPackage(SubjectData& subject) {
     nlohmann::json evidence = nlohmann::json::array();
     for (const EvidenceData& e : subject.evidence) evidence.push_back({e.part, e.kept, e.reason});
     const nlohmann::json inputs = {{"trained", subject.chain.keyOf("co-optimise")}, {"parts", subject.chain.keyOf("evidence")}, {"evidence", evidence}, {"name", subject.scan.name}};
-    auto folder = subject.chain.run("package", 2, inputs, [&](StageContext& context) { return package(subject, context); });
+    auto folder = subject.chain.run("package", 3, inputs, [&](StageContext& context) { return package(subject, context); });
     if (!folder) return folder.error();
     subject.packageFolder = *folder;
     DPL_TRY(auto bytes, readFile(*folder / "avatar.glb"));

@@ -1,8 +1,12 @@
 #include "reconstruction/pipeline/train_frames.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "reconstruction/surface/mesh_raster.h"
 #include "reconstruction/surface/triangle_labels.h"
 #include "sdk/avatar/rig.h"
+#include "sdk/math/coverage.h"
 
 namespace dpl {
 namespace {
@@ -56,6 +60,31 @@ std::vector<uint8_t> voteTriangleLabels(const std::vector<JointData>& joints, co
         any = true;
     }
     return any ? votes.finish(mesh.triangles, kLabelBody) : std::vector<uint8_t>();
+}
+
+float trainedPixelM(const std::vector<JointData>& joints, const std::vector<TrainFrame>& frames) {
+    std::vector<std::pair<double, size_t>> pixels;  // size, joints that the frame shows
+    size_t total = 0;
+    std::vector<Mat3x4f> worldFromRest;
+    for (const TrainFrame& frame : frames) {
+        const Camerad& camera = frame.camera;
+        jointTransforms(joints, frame.pose, worldFromRest);
+        size_t shown = 0;
+        for (size_t j = 0; j < joints.size(); ++j) {
+            const Vec3d view = camera.toView(Vec3d(worldFromRest[j] * Vec4f(joints[j].restPosition, 1)));
+            const Vec2d at = camera.pixelOf(view);
+            shown += view.z > 0 && at.x >= 0 && at.y >= 0 && at.x < camera.widthPx && at.y < camera.heightPx;
+        }
+        const double size = pixelAtM(camera, Vec3d(rootPosition(joints, frame.pose)));
+        if (!(size > 0) || !std::isfinite(size)) continue;
+        pixels.push_back({size, shown});
+        total += shown;
+    }
+    std::sort(pixels.begin(), pixels.end());
+    size_t seen = 0;
+    for (const auto& [size, shown] : pixels)
+        if (shown > 0 && 2 * (seen += shown) >= total) return float(size);
+    return 0;
 }
 
 std::vector<glm::u8vec4> gatherVertexColours(const std::vector<JointData>& joints, const MeshData& mesh, const std::vector<TrainFrame>& frames, Jobs& jobs) {

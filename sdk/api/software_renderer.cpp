@@ -40,7 +40,7 @@ Status checkDrawable(const AvatarData& avatar) {
 
 struct Drawable {
     PackedSplats splats;
-    float kappaPx2 = 0;
+    float kappaPx2 = 0, trainedPixelM = 0;
     bool compensated = false;
     // Of avatars only.
     std::shared_ptr<const AvatarData> avatar;
@@ -84,7 +84,7 @@ public:
         for (uint32_t t = 0; t + 1 < start.size(); ++t) std::fill(triangleOfSplat.begin() + start[t], triangleOfSplat.begin() + start[t + 1], t);
         const SplatData& s = avatar->splats;
         drawable->splats = PackedSplats(BoundSplatView{triangleOfSplat, s.uv, s.phi, s.scaleM, s.opacity, s.flags, s.shDegree, s.sh});
-        drawable->kappaPx2 = avatar->kappaPx2, drawable->compensated = avatar->compensated;
+        drawable->kappaPx2 = avatar->kappaPx2, drawable->compensated = avatar->compensated, drawable->trainedPixelM = avatar->trainedPixelM;
         drawable->avatar = std::move(avatar);
         return keep(std::move(drawable));
     }
@@ -114,9 +114,10 @@ public:
         if (d.pictures.size() < views.size()) d.pictures.resize(views.size());
         d.pixels.resize(views.size());
         d.stats.views = uint32_t(views.size()), d.stats.splatsDrawn = 0;
+        const uint32_t samples = d.avatar ? coverageSamples(d.trainedPixelM, rootPosition(d.avatar->joints, d.pose), views) : 1;
         for (size_t v = 0; v < views.size(); ++v) {
             RenderedView& picture = d.pictures[v];
-            engine_.project(d.splats, d.mesh.frames(), views[v], d.kappaPx2, d.compensated);
+            engine_.project(d.splats, d.mesh.frames(), views[v], d.kappaPx2, d.compensated, samples);
             engine_.bin();
             engine_.blendRgba8(picture.rgba, wantDepth ? &picture.depthM : nullptr);
             d.pixels[v] = {views[v].widthPx, views[v].heightPx, picture.rgba, wantDepth ? std::span<const float>(picture.depthM) : std::span<const float>()};

@@ -19,6 +19,9 @@ struct Pose {
     static Pose rest(size_t jointCount) { return {std::vector<Quatf>(jointCount, Quatf(1, 0, 0, 0)), Vec3f(0)}; }
 };
 
+/** Where the root joint (joint 0, which must exist) of a pose is, world. */
+inline Vec3f rootPosition(std::span<const JointData> joints, const Pose& pose) { return joints[0].restPosition + pose.rootTranslation; }
+
 /** Refuses a wrong joint count and non-finite or zero rotations, naming the joint. */
 Status checkPose(std::span<const JointData> joints, const Pose& pose);
 

@@ -43,6 +43,7 @@ struct DeviceInfo {
     bool multiview = false;         // layered targets drawn in one pass; otherwise views lie side by side
     bool halfDepth = false;         // depth sums are read back as 2 x f16 instead of 2 x f32
     bool timestamps = false;
+    bool fourSamples = false;       // targets of 4 samples a pixel at the standard places, each shaded by itself
     bool isSoftware() const { return kind == DeviceKind::Software; }
 };
 
@@ -65,6 +66,7 @@ struct TargetDesc {
     bool depth = false;
     bool layered = true;                 // a layer per view (multiview); false: views side by side
     bool halfColour = false;
+    uint32_t samples = 1;                // a pixel: 1, or 4 where DeviceInfo::fourSamples; they are averaged when a draw ends, on the chip where it can
 };
 
 /** A pipeline for targets of this shape; premultiplied "over" blending, triangle strips without vertex buffers. */
@@ -74,6 +76,7 @@ struct DrawPipelineDesc {
     bool layered = true;
     bool depth = false;
     bool halfColour = false;
+    uint32_t samples = 1;
 };
 
 enum class Access : uint8_t { Uniform, Read, Write, Update };

@@ -123,6 +123,7 @@ Status checkAvatar(const AvatarData& a) {
     for (const EvidenceData& e : a.evidence)
         if (!std::isfinite(e.gainDb)) return fail(Code::InvalidArgument, "the evidence for '{}' has a gain that is not finite", e.part);
     if (!(a.kappaPx2 >= 0 && a.kappaPx2 < 1e3f)) return fail(Code::InvalidArgument, "kappa is {} px²", a.kappaPx2);
+    if (!(a.trainedPixelM == 0 || (a.trainedPixelM >= 1e-6f && a.trainedPixelM <= 1))) return fail(Code::InvalidArgument, "a pixel of the training has {} m; 1e-6 to 1 are possible, 0 says nothing", a.trainedPixelM);
     return {};
 }
 

@@ -108,6 +108,7 @@ struct AvatarData {
     std::vector<EvidenceData> evidence;
     float kappaPx2 = float(kKappaPx2);
     bool compensated = true;               // energy-preserving low-pass (projection.h)
+    float trainedPixelM = 0;               // size of a pixel of the training at the subject, metres (sdk/math/coverage.h); 0: not known
 };
 
 /** General (unbound) splats, as in INRIA PLY and SPZ files: means, full covariances, in the file's own coordinates. */

@@ -41,6 +41,7 @@ struct AvatarInfo {
     bool hashMatches = false;
     uint32_t vertices = 0, triangles = 0, joints = 0, layers = 0, splats = 0, chunks = 0, clips = 0, shDegree = 0;
     uint32_t correctiveModes = 0, correctiveNodes = 0;
+    float trainedPixelM = 0;      // AvatarData's
     uint64_t fileBytes = 0;
     uint64_t meshBytes = 0;       // Draco views, or plain vertex and index views
     uint64_t splatBytes = 0;      // triangle counts, chunk table, three words a splat

@@ -122,6 +122,10 @@ struct AvatarReader {
         DPL_TRY(avatar.name, root.text("name"));
         DPL_TRY(avatar.kappaPx2, root.real("kappaPx2"));
         DPL_TRY(avatar.compensated, root.flag("compensated"));
+        if (root.has("trainedPixelM")) {
+            DPL_TRY(avatar.trainedPixelM, root.real("trainedPixelM"));
+            if (avatar.trainedPixelM == 0) return fail(Code::CorruptData, "DPL_gaussian_avatar: 'trainedPixelM' is 0; where it is not known it is left out");
+        }
         avatar.generator = model.generator;
         DPL_TRY(const Json* evidence, root.array("evidence"));
         for (const Json& row : *evidence) {
@@ -348,7 +352,7 @@ struct AvatarReader {
     }
 
     void finishInfo() {
-        info.name = avatar.name, info.generator = avatar.generator, info.evidence = avatar.evidence;
+        info.name = avatar.name, info.generator = avatar.generator, info.evidence = avatar.evidence, info.trainedPixelM = avatar.trainedPixelM;
         info.vertices = uint32_t(avatar.mesh.restPositions.size()), info.triangles = uint32_t(avatar.mesh.triangles.size());
         info.joints = uint32_t(avatar.joints.size()), info.layers = uint32_t(avatar.mesh.layers.size());
         info.splats = avatar.splats.count(), info.clips = uint32_t(avatar.clips.size()), info.shDegree = avatar.splats.shDegree;

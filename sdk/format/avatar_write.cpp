@@ -153,6 +153,7 @@ Json avatarExtension(GlbBuilder& glb, const AvatarData& a) {
                  {"layers", Json::array()},
                  {"humanoidBones", Json::array()},
                  {"evidence", Json::array()}};
+    if (a.trainedPixelM > 0) ours["trainedPixelM"] = a.trainedPixelM;
     for (size_t l = 0; l < a.mesh.layers.size(); ++l) ours["layers"].push_back({{"mesh", l}, {"role", a.mesh.layers[l].role}});
     for (size_t j = 0; j < a.joints.size(); ++j)
         if (!a.joints[j].humanoidBone.empty()) ours["humanoidBones"].push_back({{"bone", a.joints[j].humanoidBone}, {"joint", j}});

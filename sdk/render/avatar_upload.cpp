@@ -139,7 +139,7 @@ void packPalette(std::span<const Mat3x4f> worldFromRest, std::span<const Vec4f> 
 SplatSet splatSetOf(const AvatarData& avatar) { return {avatar.splats.count(), avatar.splats.shDegree, avatar.kappaPx2, avatar.compensated}; }
 SplatSet splatSetOf(const StaticSplatData& splats) { return {splats.count(), splats.shDegree, splats.kappaPx2, splats.compensated}; }
 
-gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views) {
+gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views, uint32_t samples) {
     gpu::FrameData f{};
     Vec3d axis(0), first(0, 0, 1);
     for (size_t v = 0; v < views.size(); ++v) {
@@ -157,7 +157,7 @@ gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views)
     if (glm::length(axis) < 1e-6) axis = first;  // views that look away from each other have no mean axis
     axis = glm::normalize(axis);
     f.sortAxis = {float(axis.x), float(axis.y), float(axis.z), 0};
-    f.target = {float(views[0].widthPx), float(views[0].heightPx), splats.kappaPx2, 0};
+    f.target = {float(views[0].widthPx), float(views[0].heightPx), splats.kappaPx2 / float(samples), 0};
     f.counts = {splats.count, uint32_t(views.size()), splats.shDegree, splats.compensated ? 1u : 0u};
     return f;
 }

@@ -35,13 +35,13 @@ void packPalette(std::span<const Mat3x4f> worldFromRest, std::span<const Vec4f> 
 /** What a frame must know of the splats it draws. */
 struct SplatSet {
     uint32_t count = 0, shDegree = 0;
-    float kappaPx2 = 0;
+    float kappaPx2 = 0;   // of a pixel
     bool compensated = false;
 };
 SplatSet splatSetOf(const AvatarData& avatar);
 SplatSet splatSetOf(const StaticSplatData& splats);
 
-/** What one frame takes from the CPU: the block itself, and the sort axis inside it (mean forward axis of the views). */
-gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views);
+/** What one frame takes from the CPU: the block itself, and the sort axis inside it (mean forward axis of the views). samples: a pixel, which share the low-pass. */
+gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views, uint32_t samples = 1);
 
 }  // namespace dpl

@@ -15,6 +15,7 @@ struct FrameIds {
     bool general = false;                 // general splats: no vertices, no triangles; `splats` holds GeneralSplatRecord
     bool layered = true, depth = false, halfColour = false;
     bool cull = true;                     // triangles out of view or turned away
+    uint32_t samples = 1;                 // a pixel (sdk/math/coverage.h)
 
     // written by the CPU: at load, or (frame, palette) before each frame
     BufferId frame, palette, vertices, triangles, splats, sh;

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "sdk/avatar/pose_correctives.h"
+#include "sdk/math/coverage.h"
 #include "sdk/render/passes/chunks.h"
 #include "sdk/render/passes/compact.h"
 #include "sdk/render/passes/draw.h"
@@ -17,7 +18,7 @@ namespace dpl {
 namespace {
 
 constexpr float kSharedOrderRad = 0.035f;  // two views whose axes are further apart than 2 degrees are sorted each for itself (ADR 0002)
-constexpr size_t kFramesKept = 4;  // recorded frame shapes an avatar keeps; an app uses one or two, a resize leaves others behind
+constexpr size_t kFramesKept = 4;  // recorded frame shapes an avatar keeps; an app uses one or two at two sample counts, a resize leaves others behind
 
 float fromHalf(uint16_t half) {
     const uint32_t sign = half >> 15, exponent = half >> 10 & 31, mantissa = half & 1023;
@@ -152,7 +153,10 @@ Status GpuRenderer::build(const LoadedAvatar& a, ShapedFrame& f) {
     ids.depth = f.shape.depth;
     ids.halfColour = preciseBlending_;
     ids.cull = cullTriangles_;
-    DPL_TRY(ids.target, backend_->createTarget({ids.widthPx, ids.heightPx, ids.viewCount, ids.depth, ids.layered, ids.halfColour}));
+    ids.samples = f.shape.samples;
+    DPL_TRY(ids.target, backend_->createTarget({ids.widthPx, ids.heightPx, ids.viewCount, ids.depth, ids.layered, ids.halfColour, ids.samples}));
+    // Whoever walks away from this avatar should not wait for a shader compiler: its other pipeline is made now, its other target when it is needed.
+    if (a.data && a.data->trainedPixelM > 0 && backend_->info().fourSamples) { DPL_CHECK_OK(backend_->drawPipeline(drawPipelineOf(ids, ids.samples == 1 ? kCoverageSamples : 1))); }
     DPL_TRY(ids.projected, makeBuffer(f.owned, "projected", uint64_t(ids.splatCount) * ids.viewCount * sizeof(gpu::ProjectedSplat)));
     for (Slot& slot : f.slots) { DPL_CHECK_OK(buildSlot(a, f, slot)); }
     return {};
@@ -242,10 +246,12 @@ Status GpuRenderer::draw(RenderAvatarId id, const Pose& pose, std::span<const Ca
     DPL_CHECK_OK(checkViews(views));
     LoadedAvatar& avatar = it->second;
     std::fill(std::begin(avatar.drawn), std::end(avatar.drawn), 0);
-    const Shape shape{views[0].widthPx, views[0].heightPx, uint32_t(views.size()), wantDepth, 0};
+    const bool choose = avatar.data && backend_->info().fourSamples;
+    const uint32_t samples = choose ? coverageSamples(avatar.data->trainedPixelM, rootPosition(avatar.data->joints, pose), views) : 1;
+    const Shape shape{views[0].widthPx, views[0].heightPx, uint32_t(views.size()), wantDepth, 0, samples};
     if (shareOrder(views)) return drawFrame(avatar, pose, views, shape);
     Status drawn;
-    for (uint32_t eye = 0; eye < views.size() && drawn; ++eye) drawn = drawFrame(avatar, pose, views.subspan(eye, 1), {shape.widthPx, shape.heightPx, 1, wantDepth, eye});
+    for (uint32_t eye = 0; eye < views.size() && drawn; ++eye) drawn = drawFrame(avatar, pose, views.subspan(eye, 1), {shape.widthPx, shape.heightPx, 1, wantDepth, eye, samples});
     if (!drawn) std::fill(std::begin(avatar.drawn), std::end(avatar.drawn), 0);  // half a pair is not shown
     return drawn;
 }
@@ -257,15 +263,15 @@ Status GpuRenderer::drawFrame(LoadedAvatar& avatar, const Pose& pose, std::span<
         ++waits_;
         DPL_CHECK_OK(backend_->wait(slot.draw));
     }
-    fill(avatar, slot, pose, views);
+    fill(avatar, slot, pose, views, shape.samples);
     DPL_CHECK_OK(backend_->submit(slot.draw));
     frame->next = (frame->next + 1) % kFramesInFlight;
     slot.number = frame->lastUse = avatar.drawn[shape.eye] = ++frameNumber_;
     return {};
 }
 
-void GpuRenderer::fill(const LoadedAvatar& avatar, const Slot& slot, const Pose& pose, std::span<const Cameraf> views) {
-    const gpu::FrameData block = packFrame(avatar.splats, views);
+void GpuRenderer::fill(const LoadedAvatar& avatar, const Slot& slot, const Pose& pose, std::span<const Cameraf> views, uint32_t samples) {
+    const gpu::FrameData block = packFrame(avatar.splats, views, samples);
     std::memcpy(backend_->mapped(slot.frame).data(), &block, sizeof(block));
     if (avatar.data) writePalette(*avatar.data, pose, slot.palette);
 }

@@ -1,5 +1,5 @@
 // The renderer over any backend. Everything a frame needs is created by addAvatar and by the first frame of a shape
-// (size, number of views, depth or not); a warm frame fills two mapped buffers (views; joints and control nodes) and submits one recorded frame.
+// (size, number of views, depth or not, samples a pixel); a warm frame fills two mapped buffers (views; joints and control nodes) and submits one recorded frame.
 //
 //   draw:  slot 0 ─► slot 1 ─► slot 2 ─► slot 0 ...   each with its own mapped buffers, fence and timestamps; the rest is shared, the queue runs one after the other
 //   read:  waits, copies the target into mapped memory; its buffers are made when it is first called
@@ -36,6 +36,7 @@ private:
         uint32_t widthPx = 0, heightPx = 0, views = 0;
         bool depth = false;
         uint32_t eye = 0;              // 1: the second of two frames that draw a canted pair
+        uint32_t samples = 1;          // a pixel
         bool operator==(const Shape&) const = default;
     };
     struct Slot {
@@ -74,7 +75,7 @@ private:
     Status build(const LoadedAvatar& avatar, ShapedFrame& frame);
     Status buildSlot(const LoadedAvatar& avatar, ShapedFrame& frame, Slot& slot);
     Status buildReadback(ShapedFrame& frame);
-    void fill(const LoadedAvatar& avatar, const Slot& slot, const Pose& pose, std::span<const Cameraf> views);
+    void fill(const LoadedAvatar& avatar, const Slot& slot, const Pose& pose, std::span<const Cameraf> views, uint32_t samples);
     void freeFrame(ShapedFrame& frame);
     void freeAvatar(LoadedAvatar& avatar);
     void takePixels(const ShapedFrame& frame, size_t firstView);

@@ -55,7 +55,7 @@ public:
     /** The same for general splats, which stand still: everything about them but their number may be freed on return. */
     virtual Result<RenderAvatarId> addSplats(const StaticSplatData& splats) = 0;
     virtual void removeAvatar(RenderAvatarId avatar) = 0;
-    /** Starts a frame. All views have the same size; the pose has passed checkPose (general splats take no notice of it). Once a shape (size, views, depth) has been drawn it
+    /** Starts a frame. All views have the same size; the pose has passed checkPose (general splats take no notice of it). Once a shape (size, views, depth, samples a pixel: sdk/math/coverage.h) has been drawn it
      *  allocates nothing, and it waits only when kFramesInFlight frames of that shape are still running. A CPU renderer draws here. */
     virtual Status draw(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, bool wantDepth) = 0;
     /** Waits for the avatar's last frame and gives its pixels. For files and tests: a program with a screen shows the frame where it is. */

@@ -61,6 +61,7 @@ static_assert(sizeof(TriangleView) == 128);
 struct SplatEngine::Buffers {
     uint32_t widthPx = 0, heightPx = 0, splatCount = 0, visibleCount = 0;
     bool sortedFrame = false;      // sort() has run since project()
+    uint32_t samples = 1;          // a pixel
     Scratch<TriangleView> triangles;
     Scratch<ProjectedSplat> projected;  // splatCount, padded to whole groups
     Scratch<float> rowScale;       // 1/Σ'yy a splat: with B/A it gives σ without the cancellation of A dx² + 2B dx dy + C dy²
@@ -81,7 +82,7 @@ void projectBound(Jobs& jobs, SplatEngine::Buffers& buffers, const BoundSplatVie
 void projectStatic(Jobs& jobs, SplatEngine::Buffers& buffers, const StaticSplatData& splats, const Cameraf& camera, float kappaPx2,
                    bool compensated);
 void projectPacked(Jobs& jobs, SplatEngine::Buffers& buffers, const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles,
-                   const Cameraf& camera, float kappaPx2, bool compensated);
+                   const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples);
 void sortByDepth(Jobs& jobs, SplatEngine::Buffers& buffers);
 void binIntoTiles(Jobs& jobs, SplatEngine::Buffers& buffers);
 void blendTiles(Jobs& jobs, SplatEngine::Buffers& buffers, SplatImage& image, const BlendOptions& options);

@@ -181,7 +181,7 @@ void projectAs(const ProjectTask& task) {
     const hn::RebindToUnsigned<D> du;
     const hn::RebindToSigned<D> di;
     const ProjectView& c = *task.view;
-    const V zero = hn::Zero(d), one = set(1), kappa = set(c.kappaPx2), half = set(0.5f), huge = set(1e30f);
+    const V zero = hn::Zero(d), one = set(1), kappa = set(c.kappaPx2), nearest = set(0.5f + c.reachPx), farthest = set(0.5f - c.reachPx), huge = set(1e30f);
     constexpr uint32_t kFields = groupFields(kBound, kDegree), kShField = kBound ? bound_field::kSh : static_field::kSh;
     BlockVisible& visible = *task.visible;
     auto minKey = hn::Set(du, visible.minKey), maxKey = hn::Set(du, visible.maxKey), tileEntries = hn::Zero(du);
@@ -202,15 +202,15 @@ void projectAs(const ProjectTask& task) {
         const V opacity = s.opacity * compensation * s.fade;
         const V x = fma(set(c.fx), j.slopeX, set(c.cx)), y = fma(set(c.fy), j.slopeY, set(c.cy));
 
-        // Comparisons with NaN are false, so everything that is not finite ends here.
+        // A pixel is in the box when one of its samples may be. Comparisons with NaN are false, so everything that is not finite ends here.
         M shown = hn::And(s.valid, hn::And(det > zero, det < set(3e38f)));
         shown = hn::And(shown, hn::And(opacity > set(float(kMinAlpha)), opacity < huge));
         shown = hn::And(shown, hn::And(hn::Abs(x) < huge, hn::Abs(y) < huge));
         const V q = set(2) * hn::Log(d, hn::IfThenElse(shown, opacity * set(255), one));
         const V radiusX = hn::Sqrt(q * s.varianceX), radiusY = hn::Sqrt(q * s.varianceY);
         const V lastX = set(c.width - 1), lastY = set(c.height - 1);
-        const V x0 = hn::Max(hn::Ceil(x - radiusX - half), zero), x1 = hn::Min(hn::Floor(x + radiusX - half), lastX);
-        const V y0 = hn::Max(hn::Ceil(y - radiusY - half), zero), y1 = hn::Min(hn::Floor(y + radiusY - half), lastY);
+        const V x0 = hn::Max(hn::Ceil(x - radiusX - nearest), zero), x1 = hn::Min(hn::Floor(x + radiusX - farthest), lastX);
+        const V y0 = hn::Max(hn::Ceil(y - radiusY - nearest), zero), y1 = hn::Min(hn::Floor(y + radiusY - farthest), lastY);
         shown = hn::And(shown, hn::And(x0 <= x1, y0 <= y1));
 
         V3 colour = {zero, zero, zero};

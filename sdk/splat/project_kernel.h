@@ -12,7 +12,9 @@ struct ProjectView {
     float translation[3], eye[3];
     float fx, fy, cx, cy, width, height;
     float minX, maxX, minY, maxY;         // limits of x/z and y/z in the Jacobian
-    float kappaPx2;
+    float kappaPx2;                       // of a sample
+    float reachPx;                        // of a sample from the pixel's centre, along an axis
+    uint32_t samples;                     // a pixel
     bool compensated;
 };
 

@@ -12,6 +12,23 @@ struct TileRect {
     uint32_t x, y, width, height;
 };
 
+/** tile ← mean of what the samples of its pixels see. */
+void blendSamples(BlendTileTask task, TileAccumulators& tile) {
+    constexpr float kShare = 1.0f / kCoverageSamples;
+    const float left = task.x0, top = task.y0;
+    TileAccumulators sample;
+    const auto add = [&](float* sums, const float* of, bool first) {
+        for (uint32_t i = 0; i < kTilePixels; ++i) sums[i] = (first ? 0 : sums[i]) + kShare * of[i];
+    };
+    for (uint32_t k = 0; k < kCoverageSamples; ++k) {
+        task.x0 = left + kCoverageSamplePx[k][0] - 0.5f, task.y0 = top + kCoverageSamplePx[k][1] - 0.5f;
+        blendTile(task, sample);
+        add(tile.red, sample.red, k == 0), add(tile.green, sample.green, k == 0), add(tile.blue, sample.blue, k == 0);
+        add(tile.transmittance, sample.transmittance, k == 0);
+        if (task.extras) add(tile.cloth, sample.cloth, k == 0), add(tile.depth, sample.depth, k == 0);
+    }
+}
+
 /** Blends every tile and calls finish(rect, accumulators) for it; accumulators is null for tiles that hold nothing. */
 template <class Finish>
 void forTiles(Jobs& jobs, const SplatEngine::Buffers& buffers, bool extras, bool stops, Finish&& finish) {
@@ -27,8 +44,9 @@ void forTiles(Jobs& jobs, const SplatEngine::Buffers& buffers, bool extras, bool
                 finish(index, rect, static_cast<const TileAccumulators*>(nullptr));
                 continue;
             }
-            blendTile({buffers.projected.data(), buffers.rowScale.data(), tiles.entries.data(), begin, end, float(rect.x), float(rect.y), extras, stops},
-                      tile);
+            const BlendTileTask task{buffers.projected.data(), buffers.rowScale.data(), tiles.entries.data(), begin, end, float(rect.x), float(rect.y), extras, stops};
+            if (buffers.samples > 1) blendSamples(task, tile);
+            else blendTile(task, tile);
             finish(index, rect, static_cast<const TileAccumulators*>(&tile));
         }
     });
@@ -51,9 +69,10 @@ void blendTiles(Jobs& jobs, SplatEngine::Buffers& buffers, SplatImage& image, co
     image.alpha.resize(pixels);
     image.cloth.resize(options.cloth ? pixels : 0);
     image.depthM.resize(options.depth ? pixels : 0);
-    buffers.stops.resize(options.recordStops ? pixels : 0);
-    buffers.stopTransmittance.resize(options.recordStops ? pixels : 0);
-    forTiles(jobs, buffers, options.cloth || options.depth, options.recordStops, [&](size_t index, const TileRect& rect, const TileAccumulators* tile) {
+    const bool stops = options.recordStops && buffers.samples == 1;
+    buffers.stops.resize(stops ? pixels : 0);
+    buffers.stopTransmittance.resize(stops ? pixels : 0);
+    forTiles(jobs, buffers, options.cloth || options.depth, stops, [&](size_t index, const TileRect& rect, const TileAccumulators* tile) {
         for (uint32_t row = 0; row < rect.height; ++row) {
             const size_t pixel = (rect.y + row) * width + rect.x, at = row * kTileSizePx;
             if (tile) {
@@ -67,7 +86,7 @@ void blendTiles(Jobs& jobs, SplatEngine::Buffers& buffers, SplatImage& image, co
                 else std::fill_n(image.cloth.data() + pixel, rect.width, 0.f);
             }
             if (options.depth) storeDepthRow(tile, row, rect.width, image.depthM.data() + pixel);
-            if (!options.recordStops) continue;
+            if (!stops) continue;
             for (uint32_t x = 0; x < rect.width; ++x) {
                 buffers.stops[pixel + x] = tile ? tile->stop[at + x] : buffers.tiles.offset[index];
                 buffers.stopTransmittance[pixel + x] = tile ? tile->transmittance[at + x] : 1.f;

@@ -17,8 +17,8 @@ void SplatEngine::project(const StaticSplatData& splats, const Cameraf& camera, 
 }
 
 void SplatEngine::project(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera,
-                          float kappaPx2, bool compensated) {
-    projectPacked(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated);
+                          float kappaPx2, bool compensated, uint32_t samples) {
+    projectPacked(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, samples);
 }
 
 void SplatEngine::sort() { sortByDepth(jobs_, *buffers_); }

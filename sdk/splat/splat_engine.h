@@ -19,6 +19,7 @@
 #include "sdk/format/avatar_data.h"
 #include "sdk/math/binding.h"
 #include "sdk/math/camera.h"
+#include "sdk/math/coverage.h"
 #include "sdk/math/projection.h"
 #include "sdk/splat/packed_splats.h"
 
@@ -62,7 +63,7 @@ struct TileLists {
 struct BlendOptions {
     bool cloth = false;
     bool depth = false;
-    bool recordStops = false;   // the trainer wants to know where each pixel stopped
+    bool recordStops = false;   // the trainer wants to know where each pixel stopped; with one sample a pixel only
 };
 
 class SplatEngine {
@@ -78,8 +79,11 @@ public:
      *  3D Gaussian splatting files were trained without. Arrays shorter than count() is a caller's mistake. */
     void project(const StaticSplatData& splats, const Cameraf& camera, float kappaPx2, bool compensated = false);
 
-    /** The same for splats that were packed before: faster, for sets that do not change. `triangles` is for bound ones, else empty. */
-    void project(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated);
+    /** The same for splats that were packed before: faster, for sets that do not change. `triangles` is for bound ones, else empty.
+     *  samples: 1, or kCoverageSamples: blending then composites at so many places of a pixel, each low-passed to its share of kappaPx2, and
+     *  gives their mean (sdk/math/coverage.h). */
+    void project(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated,
+                 uint32_t samples = 1);
 
     /** Stable sort by view depth, ties by index. Optional: bin() sorts when nobody has. */
     void sort();

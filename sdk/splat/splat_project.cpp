@@ -8,7 +8,7 @@ namespace {
 
 constexpr uint32_t kPackAhead = 64;  // splats packed at a time when they come unpacked: 15 KB at SH degree 3, so it stays in L1
 
-ProjectView viewOf(const Cameraf& camera, float kappaPx2, bool compensated) {
+ProjectView viewOf(const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples = 1) {
     ProjectView v;
     for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 3; ++c) v.rotation[r * 3 + c] = camera.viewFromWorldRotation[c][r];
@@ -18,7 +18,9 @@ ProjectView viewOf(const Cameraf& camera, float kappaPx2, bool compensated) {
     v.fx = camera.fx, v.fy = camera.fy, v.cx = camera.cx, v.cy = camera.cy;
     v.width = float(camera.widthPx), v.height = float(camera.heightPx);
     v.minX = limit.minX, v.maxX = limit.maxX, v.minY = limit.minY, v.maxY = limit.maxY;
-    v.kappaPx2 = kappaPx2;
+    v.kappaPx2 = kappaPx2 / float(samples);
+    v.reachPx = samples > 1 ? kCoverageReachPx : 0;
+    v.samples = samples;
     v.compensated = compensated;
     return v;
 }
@@ -67,6 +69,7 @@ void forProjectBlocks(Jobs& jobs, SplatEngine::Buffers& buffers, const Cameraf& 
     buffers.keys[0].resize(padded), buffers.values[0].resize(padded);
     buffers.splatCount = count;
     buffers.sortedFrame = false;
+    buffers.samples = view.samples;
     buffers.blocks.resize((count + kProjectBlock - 1) / kProjectBlock);
     jobs.forRange(count, kProjectBlock, [&](size_t begin, size_t end, uint32_t) {
         BlockVisible visible;
@@ -112,8 +115,8 @@ void projectStatic(Jobs& jobs, SplatEngine::Buffers& buffers, const StaticSplatD
 }
 
 void projectPacked(Jobs& jobs, SplatEngine::Buffers& buffers, const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles,
-                   const Cameraf& camera, float kappaPx2, bool compensated) {
-    const ProjectView view = viewOf(camera, kappaPx2, compensated);
+                   const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples) {
+    const ProjectView view = viewOf(camera, kappaPx2, compensated, samples == kCoverageSamples ? kCoverageSamples : 1);
     const TriangleView* posed = splats.bound() ? viewTriangles(jobs, buffers.triangles, triangles, camera) : nullptr;
     const size_t groupFloats = size_t(groupFields(splats.bound(), splats.shDegree())) * kGroupSplats;
     forProjectBlocks(jobs, buffers, camera, view, splats.count(), splats.shDegree(), posed, triangles.size(), [&](ProjectTask task) {

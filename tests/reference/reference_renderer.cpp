@@ -92,21 +92,12 @@ double referenceAlpha(const ReferenceFootprint& footprint, const glm::dvec2& poi
     return std::min(kMaxAlphaValue, footprint.opacity * std::exp(-0.5 * glm::dot(d, footprint.conic * d)));
 }
 
-ReferenceImage renderReference(const std::vector<ReferenceGaussian>& splats, const ReferenceCamera& camera, const ReferenceOptions& options) {
-    ReferenceImage image{camera.widthPx, camera.heightPx, {}, {}, {}, {}};
-    const size_t pixels = size_t(image.widthPx) * image.heightPx;
-    image.rgb.assign(pixels * 3, 0), image.cloth.assign(pixels, 0), image.depthM.assign(pixels, 0);
-    std::vector<double> transmittance(pixels, 1.0);
+namespace {
 
-    std::vector<ReferenceFootprint> footprints;
-    for (const ReferenceGaussian& splat : splats) {
-        footprints.push_back(projectReference(splat, camera, options));
-        if (!footprints.back().visible) footprints.pop_back();
-    }
-    std::vector<size_t> order(footprints.size());
-    std::iota(order.begin(), order.end(), size_t(0));
-    std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return footprints[a].depthM < footprints[b].depthM; });
-
+/** Blends `order` front to back at one place of every pixel and adds `share` of the result to the image; alpha collects 1 − T. */
+void addSample(const std::vector<ReferenceFootprint>& footprints, const std::vector<size_t>& order, const glm::dvec2& placePx, double share, const ReferenceOptions& options,
+               ReferenceImage& image) {
+    std::vector<double> transmittance(image.alpha.size(), 1.0);
     for (const size_t index : order) {
         const ReferenceFootprint& f = footprints[index];
         const double faintest = std::max(options.minAlpha, 1e-20);
@@ -120,20 +111,45 @@ ReferenceImage renderReference(const std::vector<ReferenceGaussian>& splats, con
             for (uint32_t x = first(f.centrePx.x - rx); x < last(f.centrePx.x + rx, image.widthPx); ++x) {
                 const size_t pixel = size_t(y) * image.widthPx + x;
                 double& t = transmittance[pixel];
-                const double alpha = referenceAlpha(f, {x + 0.5, y + 0.5});
+                const double alpha = referenceAlpha(f, {x + placePx.x, y + placePx.y});
                 if (t <= options.minTransmittance || alpha < faintest) continue;
-                const double weight = alpha * t;
+                const double weight = alpha * t * share;
                 for (int c = 0; c < 3; ++c) image.rgb[pixel * 3 + size_t(c)] += weight * f.colour[c];
                 image.cloth[pixel] += f.cloth ? weight : 0;
                 image.depthM[pixel] += weight * f.depthM;
-                t -= weight;
+                t -= alpha * t;
             }
     }
-    image.alpha.resize(pixels);
-    for (size_t i = 0; i < pixels; ++i) {
-        image.alpha[i] = 1 - transmittance[i];
-        if (image.alpha[i] > 0) image.depthM[i] /= image.alpha[i];
+    for (size_t i = 0; i < transmittance.size(); ++i) image.alpha[i] += share * (1 - transmittance[i]);
+}
+
+}  // namespace
+
+ReferenceImage renderReference(const std::vector<ReferenceGaussian>& splats, const ReferenceCamera& camera, const ReferenceOptions& options) {
+    ReferenceImage image{camera.widthPx, camera.heightPx, {}, {}, {}, {}};
+    const size_t pixels = size_t(image.widthPx) * image.heightPx;
+    image.rgb.assign(pixels * 3, 0), image.alpha.assign(pixels, 0), image.cloth.assign(pixels, 0), image.depthM.assign(pixels, 0);
+
+    // Each sample stands for a quarter of the pixel, so that is what it is low-passed to.
+    ReferenceOptions ofSample = options;
+    if (options.fourSamples) ofSample.kappaPx2 = options.kappaPx2 / 4;
+    std::vector<ReferenceFootprint> footprints;
+    for (const ReferenceGaussian& splat : splats) {
+        footprints.push_back(projectReference(splat, camera, ofSample));
+        if (!footprints.back().visible) footprints.pop_back();
     }
+    std::vector<size_t> order(footprints.size());
+    std::iota(order.begin(), order.end(), size_t(0));
+    std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return footprints[a].depthM < footprints[b].depthM; });
+
+    if (options.fourSamples) {
+        // The standard sample locations of Vulkan, Metal and Direct3D, in sixteenths of a pixel.
+        for (const glm::dvec2 place : {glm::dvec2(6, 2), glm::dvec2(14, 6), glm::dvec2(2, 10), glm::dvec2(10, 14)}) addSample(footprints, order, place / 16.0, 0.25, options, image);
+    } else {
+        addSample(footprints, order, {0.5, 0.5}, 1, options, image);
+    }
+    for (size_t i = 0; i < pixels; ++i)
+        if (image.alpha[i] > 0) image.depthM[i] /= image.alpha[i];
     return image;
 }
 
@@ -143,8 +159,15 @@ ReferenceImage renderReference(const ReferenceScene& scene, const ReferenceCamer
     return renderReference(splats, camera, options);
 }
 
+bool referenceFourSamples(const AvatarData& avatar, const Pose& pose, const ReferenceCamera& camera) {
+    const glm::dvec3 root = glm::dvec3(avatar.joints[0].restPosition) + glm::dvec3(pose.rootTranslation);
+    const double distanceM = (camera.rotation * root + camera.translation).z;
+    return avatar.trainedPixelM > 0 && distanceM / std::max(camera.fx, camera.fy) > 1.25 * avatar.trainedPixelM;
+}
+
 ReferenceImage renderReference(const AvatarData& avatar, const Pose& pose, const ReferenceCamera& camera) {
-    return renderReference(sceneOf(avatar, pose), camera, {.kappaPx2 = avatar.kappaPx2, .compensated = avatar.compensated});
+    return renderReference(sceneOf(avatar, pose), camera,
+                           {.kappaPx2 = avatar.kappaPx2, .compensated = avatar.compensated, .fourSamples = referenceFourSamples(avatar, pose, camera)});
 }
 
 ReferenceImage renderReference(const StaticSplatData& splats, const ReferenceCamera& camera, const ReferenceOptions& options) {

@@ -40,6 +40,7 @@ struct ReferenceOptions {
     double minAlpha = 1.0 / 255.0;
     double minTransmittance = 1e-4;  // a pixel whose T is at or below this takes no further splat
     bool clampColour = true;
+    bool fourSamples = false;        // composite at four places of a pixel, each low-passed to a quarter of it, and average
 };
 
 /** One splat in the world: two axes (flat) or three (general). */
@@ -126,7 +127,10 @@ struct ReferenceImage {
 /** Blends in order of view depth, ties by index. */
 ReferenceImage renderReference(const std::vector<ReferenceGaussian>& splats, const ReferenceCamera& camera, const ReferenceOptions& options = {});
 ReferenceImage renderReference(const ReferenceScene& scene, const ReferenceCamera& camera, const ReferenceOptions& options = {});
-/** κ and compensation as the avatar says. */
+/** Whether one view of the avatar is drawn with four samples a pixel: its pixels are more than 5/4 times as coarse at the root joint as those of the training.
+ *  Both eyes of a frame follow the finer one; ask with that. */
+bool referenceFourSamples(const AvatarData& avatar, const Pose& pose, const ReferenceCamera& camera);
+/** κ, compensation and samples as the avatar says. */
 ReferenceImage renderReference(const AvatarData& avatar, const Pose& pose, const ReferenceCamera& camera);
 /** Uncompensated by default, as plain 3D Gaussian splatting files are trained. */
 ReferenceImage renderReference(const StaticSplatData& splats, const ReferenceCamera& camera, const ReferenceOptions& options = {.compensated = false});

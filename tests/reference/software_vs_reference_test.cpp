@@ -107,6 +107,34 @@ TEST(SoftwareVsReference, staticSplatsWithAnEnergyPreservingLowPass) {
     expectSameImage("static, compensated", image, reference, kBarDb);
 }
 
+SplatImage drawFourSamples(const ReferenceScene& scene, const Cameraf& camera, uint32_t threads = 2) {
+    Jobs jobs(threads);
+    SplatEngine engine(jobs);
+    const EngineInput input(scene);
+    SplatImage image;
+    engine.project(PackedSplats(input.view()), input.frames, camera, float(kKappaPx2), true, kCoverageSamples);
+    engine.bin();
+    engine.blend(image, {.cloth = true, .depth = true});
+    return image;
+}
+
+TEST(SoftwareVsReference, fourSamplesAPixelAtHalfAndAQuarterOfTheSize) {
+    for (const float size : {0.5f, 0.25f}) {
+        for (uint32_t seed = 1; seed <= 6; ++seed) {
+            const AvatarData avatar = randomAvatar(seed, 8, 4, seed % 4);
+            const Vec3f eye(1.7f * std::sin(float(seed)), 1 + 0.3f * float(seed % 3), 1.7f * std::cos(float(seed)));
+            const Cameraf camera = lookAt(eye, {0, 1, 0}, 150 + 7 * seed, 200 - 9 * seed, 180).scaled(size);
+            const ReferenceScene scene = sceneOf(avatar, randomPose(avatar, seed));
+            const ReferenceImage reference = renderReference(scene, referenceCamera(camera), {.fourSamples = true});
+            ASSERT_GT(coverage(reference.alpha), 0.1);
+            EXPECT_LT(compareImages(renderReference(scene, referenceCamera(camera)).rgb, reference.rgb).psnrDb, kBarDb - 30) << "one sample shows the same: this case shows nothing";
+            const SplatImage image = drawFourSamples(scene, camera);
+            expectSameImage(("four samples, x" + std::to_string(size).substr(0, 4) + ", avatar " + std::to_string(seed)).c_str(), image, reference, kBarDb);
+            EXPECT_EQ(image.rgb, drawFourSamples(scene, camera, 3).rgb) << "on three threads";
+        }
+    }
+}
+
 TEST(SoftwareVsReference, sameBytesOnAnyThreadCount) {
     const AvatarData avatar = randomAvatar(3, 40, 4);
     const ReferenceScene scene = sceneOf(avatar, randomPose(avatar, 3));

@@ -45,6 +45,7 @@ public:
     uint32_t workgroupSize(PipelineId id) const override { return shader(id) ? shader(id)->workgroup[0] : 0; }
 
     Result<TargetId> createTarget(const TargetDesc& desc) override {
+        if (desc.samples != 1 && !(desc.samples == 4 && info_.fourSamples)) return fail(Code::Unsupported, "a target of {} samples a pixel", desc.samples);
         if (desc.widthPx == 0 || desc.heightPx == 0 || desc.widthPx > info_.maxTargetPx || desc.heightPx > info_.maxTargetPx)
             return fail(Code::Unsupported, "a target of {} x {} px; this device draws 1 to {}", desc.widthPx, desc.heightPx, info_.maxTargetPx);
         targets_.emplace(++lastId_, desc);

@@ -30,6 +30,7 @@ struct Target {
     TargetDesc desc;
     Image colour, depth;
     Image rounded;                        // RGBA8 copy of a halfColour target
+    Image colourSamples, depthSamples;    // of a target with several samples a pixel; never leave the chip where it has its own memory for them
     VkFramebuffer framebuffer = VK_NULL_HANDLE;
     VkExtent2D extent{};
     bool drawn = false;
@@ -92,13 +93,13 @@ private:
     Result<uint32_t> memoryType(uint32_t allowed, VkMemoryPropertyFlags wanted, VkMemoryPropertyFlags preferred) const;
     Status makeBuffer(Buffer& buffer);
     void freeBuffer(Buffer& buffer);
-    Status makeImage(Image& image, VkFormat format, VkExtent2D extent, uint32_t layers, VkImageUsageFlags usage);
+    Status makeImage(Image& image, VkFormat format, VkExtent2D extent, uint32_t layers, VkImageUsageFlags usage, uint32_t samples = 1);
     void freeImage(Image& image);
     Status makeTarget(Target& target);
     void freeTarget(Target& target);
 
     // vk_pipelines.cpp
-    Result<VkRenderPass> renderPass(uint32_t layers, bool depth, bool halfColour);
+    Result<VkRenderPass> renderPass(uint32_t layers, bool depth, bool halfColour, uint32_t samples);
     Result<VkShaderModule> shaderModule(const Shader& shader);
     Status makeLayouts(Pipeline& pipeline);
     Status makeCompute(Pipeline& pipeline);
@@ -125,7 +126,7 @@ private:
     std::map<uint32_t, Target> targets_;
     std::map<uint32_t, Frame> frames_;
     std::vector<Pipeline> pipelines_;                       // id - 1
-    std::map<std::tuple<uint32_t, bool, bool>, VkRenderPass> renderPasses_;
+    std::map<std::tuple<uint32_t, bool, bool, uint32_t>, VkRenderPass> renderPasses_;
     uint32_t lastId_ = 0;
 };
 

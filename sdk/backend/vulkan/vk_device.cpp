@@ -135,6 +135,7 @@ bool describe(VkPhysicalDevice physical, Candidate& out) {
     out.info.multiview = multiview.multiview == VK_TRUE;
     out.info.halfDepth = !canBlend(physical, VK_FORMAT_R32G32_SFLOAT);
     out.info.timestamps = family->timestampValidBits > 0;
+    out.info.fourSamples = features.features.sampleRateShading && properties.limits.standardSampleLocations && (properties.limits.framebufferColorSampleCounts & VK_SAMPLE_COUNT_4_BIT);
     return true;
 }
 
@@ -205,7 +206,10 @@ Result<std::unique_ptr<Device>> openDevice(const VulkanOptions& options) {
     queue.pQueuePriorities = &priority;
     VkPhysicalDeviceMultiviewFeatures multiview{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MULTIVIEW_FEATURES};
     multiview.multiview = d->info.multiview;
+    VkPhysicalDeviceFeatures features{};
+    features.sampleRateShading = d->info.fourSamples;
     VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
+    info.pEnabledFeatures = &features;
     info.pNext = &multiview;
     info.queueCreateInfoCount = 1;
     info.pQueueCreateInfos = &queue;

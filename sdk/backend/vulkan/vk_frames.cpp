@@ -73,7 +73,7 @@ struct VulkanBackend::Recorder {
         const Target& target = backend.targets_.at(step.target.value);
         const VkClearValue clear[2]{};  // transparent black, no depth
         VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
-        DPL_TRY(begin.renderPass, backend.renderPass(target.desc.layered ? target.desc.views : 0, target.desc.depth, target.desc.halfColour));
+        DPL_TRY(begin.renderPass, backend.renderPass(target.desc.layered ? target.desc.views : 0, target.desc.depth, target.desc.halfColour, target.desc.samples));
         begin.framebuffer = target.framebuffer;
         begin.renderArea.extent = target.extent;
         begin.clearValueCount = target.desc.depth ? 2 : 1;

@@ -4,9 +4,10 @@
 
 namespace dpl::vk {
 
-Result<VkRenderPass> VulkanBackend::renderPass(uint32_t layers, bool depth, bool halfColour) {
-    if (const auto it = renderPasses_.find({layers, depth, halfColour}); it != renderPasses_.end()) return it->second;
-    std::array<VkAttachmentDescription, 2> attachments{};
+Result<VkRenderPass> VulkanBackend::renderPass(uint32_t layers, bool depth, bool halfColour, uint32_t samples) {
+    if (const auto it = renderPasses_.find({layers, depth, halfColour, samples}); it != renderPasses_.end()) return it->second;
+    const uint32_t targets = depth ? 2 : 1;
+    std::array<VkAttachmentDescription, 4> attachments{};  // what is drawn; behind it what its samples are averaged into
     for (VkAttachmentDescription& a : attachments) {
         a.samples = VK_SAMPLE_COUNT_1_BIT;
         a.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
@@ -16,13 +17,25 @@ Result<VkRenderPass> VulkanBackend::renderPass(uint32_t layers, bool depth, bool
         a.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED;
         a.finalLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
     }
-    attachments[0].format = halfColour ? VK_FORMAT_R16G16B16A16_SFLOAT : VK_FORMAT_R8G8B8A8_UNORM;
-    attachments[1].format = device_->depthSumFormat;
-    const VkAttachmentReference references[] = {{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL}, {1, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL}};
+    for (uint32_t i = 0; i < 2 * targets; ++i) {
+        const VkFormat colourFormat = halfColour ? VK_FORMAT_R16G16B16A16_SFLOAT : VK_FORMAT_R8G8B8A8_UNORM;
+        attachments[i].format = i % targets == 0 ? colourFormat : device_->depthSumFormat;
+        if (samples == 1) continue;
+        if (i < targets) {
+            attachments[i].samples = VkSampleCountFlagBits(samples);
+            attachments[i].storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
+            attachments[i].finalLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+        } else {
+            attachments[i].loadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
+        }
+    }
+    VkAttachmentReference references[4];
+    for (uint32_t i = 0; i < 4; ++i) references[i] = {i, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
     VkSubpassDescription subpass{};
     subpass.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
-    subpass.colorAttachmentCount = depth ? 2 : 1;
+    subpass.colorAttachmentCount = targets;
     subpass.pColorAttachments = references;
+    if (samples > 1) subpass.pResolveAttachments = references + targets;
     VkSubpassDependency dependencies[2]{};
     dependencies[0].srcSubpass = VK_SUBPASS_EXTERNAL;  // the read-back of the frame before has ended
     dependencies[0].srcStageMask = VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
@@ -37,7 +50,7 @@ Result<VkRenderPass> VulkanBackend::renderPass(uint32_t layers, bool depth, bool
     dependencies[1].dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT;
     dependencies[0].dstSubpass = 0;
     VkRenderPassCreateInfo info{VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO};
-    info.attachmentCount = depth ? 2 : 1;
+    info.attachmentCount = samples > 1 ? 2 * targets : targets;
     info.pAttachments = attachments.data();
     info.subpassCount = 1;
     info.pSubpasses = &subpass;
@@ -52,7 +65,7 @@ Result<VkRenderPass> VulkanBackend::renderPass(uint32_t layers, bool depth, bool
     if (layers > 0) info.pNext = &multiview;
     VkRenderPass pass = VK_NULL_HANDLE;
     DPL_VK(vkCreateRenderPass(device_->device, &info, nullptr, &pass));
-    renderPasses_[{layers, depth, halfColour}] = pass;
+    renderPasses_[{layers, depth, halfColour, samples}] = pass;
     return pass;
 }
 
@@ -122,7 +135,9 @@ Status VulkanBackend::makeDraw(Pipeline& p, const DrawPipelineDesc& desc, const 
     raster.cullMode = VK_CULL_MODE_NONE;
     raster.lineWidth = 1;
     VkPipelineMultisampleStateCreateInfo samples{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
-    samples.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
+    samples.rasterizationSamples = VkSampleCountFlagBits(desc.samples);
+    samples.sampleShadingEnable = desc.samples > 1;  // every sample is shaded where it lies: gl_FragCoord is its place
+    samples.minSampleShading = 1;
     // Premultiplied "over", back to front: the sums of the depth target follow the same rule, so it blends alike
     // (different blend state a target would need the independentBlend feature).
     VkPipelineColorBlendAttachmentState blend{};
@@ -149,7 +164,7 @@ Status VulkanBackend::makeDraw(Pipeline& p, const DrawPipelineDesc& desc, const 
     info.pColorBlendState = &colour;
     info.pDynamicState = &dynamicInfo;
     info.layout = p.layout;
-    DPL_TRY(info.renderPass, renderPass(desc.layered ? desc.views : 0, desc.depth, desc.halfColour));
+    DPL_TRY(info.renderPass, renderPass(desc.layered ? desc.views : 0, desc.depth, desc.halfColour, desc.samples));
     DPL_TRY(stages[0].module, shaderModule(*p.shader));
     auto second = shaderModule(fragment);
     if (!second) {
@@ -190,7 +205,7 @@ Result<PipelineId> VulkanBackend::computePipeline(std::string_view name) {
 
 Result<PipelineId> VulkanBackend::drawPipeline(const DrawPipelineDesc& desc) {
     Pipeline p;
-    p.key = formatText("{}+{}+{}{}{}{}", desc.vertex, desc.fragment, desc.views, desc.layered ? "L" : "", desc.depth ? "D" : "", desc.halfColour ? "H" : "");
+    p.key = formatText("{}+{}+{}{}{}{}+{}", desc.vertex, desc.fragment, desc.views, desc.layered ? "L" : "", desc.depth ? "D" : "", desc.halfColour ? "H" : "", desc.samples);
     if (PipelineId known = findPipeline(p.key)) return known;
     p.shader = pack_.find(desc.vertex);
     const Shader* fragment = pack_.find(desc.fragment);

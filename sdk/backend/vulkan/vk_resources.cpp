@@ -102,24 +102,27 @@ std::span<std::byte> VulkanBackend::mapped(BufferId id) {
     return {it->second.mapped, size_t(it->second.desc.bytes)};
 }
 
-Status VulkanBackend::makeImage(Image& image, VkFormat format, VkExtent2D extent, uint32_t layers, VkImageUsageFlags usage) {
+Status VulkanBackend::makeImage(Image& image, VkFormat format, VkExtent2D extent, uint32_t layers, VkImageUsageFlags usage, uint32_t samples) {
     VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
     info.imageType = VK_IMAGE_TYPE_2D;
     info.format = format;
     info.extent = {extent.width, extent.height, 1};
     info.mipLevels = 1;
     info.arrayLayers = layers;
-    info.samples = VK_SAMPLE_COUNT_1_BIT;
+    info.samples = VkSampleCountFlagBits(samples);
     info.tiling = VK_IMAGE_TILING_OPTIMAL;
-    info.usage = usage | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+    info.usage = usage | (samples > 1 ? VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT : VK_IMAGE_USAGE_TRANSFER_SRC_BIT);  // samples are only averaged
     DPL_VK(vkCreateImage(device_->device, &info, nullptr, &image.image));
     VkMemoryRequirements needs{};
     vkGetImageMemoryRequirements(device_->device, image.image, &needs);
     VkMemoryAllocateInfo allocation{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
     allocation.allocationSize = needs.size;
-    DPL_TRY(allocation.memoryTypeIndex, memoryType(needs.memoryTypeBits, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT));
+    // Tilers have memory that is never allocated for what never leaves the chip; it is offered to transient images only.
+    const auto onChip = memoryType(needs.memoryTypeBits, VK_MEMORY_PROPERTY_LAZILY_ALLOCATED_BIT, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
+    if (onChip) allocation.memoryTypeIndex = *onChip;
+    else { DPL_TRY(allocation.memoryTypeIndex, memoryType(needs.memoryTypeBits, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT)); }
     DPL_VK(vkAllocateMemory(device_->device, &allocation, nullptr, &image.memory));
-    image.allocatedBytes = needs.size;
+    image.allocatedBytes = onChip ? 0 : needs.size;
     DPL_VK(vkBindImageMemory(device_->device, image.image, image.memory, 0));
     if (!(usage & VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT)) return {};  // only copied: needs no view
     VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
@@ -149,11 +152,21 @@ Status VulkanBackend::makeTarget(Target& t) {
     DPL_CHECK_OK(makeImage(t.colour, t.desc.halfColour ? VK_FORMAT_R16G16B16A16_SFLOAT : VK_FORMAT_R8G8B8A8_UNORM, t.extent, layers, drawn));
     if (t.desc.halfColour) { DPL_CHECK_OK(makeImage(t.rounded, VK_FORMAT_R8G8B8A8_UNORM, t.extent, layers, VK_IMAGE_USAGE_TRANSFER_DST_BIT)); }
     if (t.desc.depth) { DPL_CHECK_OK(makeImage(t.depth, device_->depthSumFormat, t.extent, layers, drawn)); }
-    const VkImageView views[] = {t.colour.view, t.depth.view};
+    const bool sampled = t.desc.samples > 1;
+    if (sampled && (!device_->info.fourSamples || t.desc.samples != 4)) return fail(Code::Unsupported, "a target of {} samples a pixel on {}", t.desc.samples, device_->info.name);
+    std::vector<VkImageView> views;  // in the order of renderPass()
+    if (sampled) {
+        DPL_CHECK_OK(makeImage(t.colourSamples, t.desc.halfColour ? VK_FORMAT_R16G16B16A16_SFLOAT : VK_FORMAT_R8G8B8A8_UNORM, t.extent, layers, drawn, t.desc.samples));
+        if (t.desc.depth) { DPL_CHECK_OK(makeImage(t.depthSamples, device_->depthSumFormat, t.extent, layers, drawn, t.desc.samples)); }
+        views.push_back(t.colourSamples.view);
+        if (t.desc.depth) views.push_back(t.depthSamples.view);
+    }
+    views.push_back(t.colour.view);
+    if (t.desc.depth) views.push_back(t.depth.view);
     VkFramebufferCreateInfo info{VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO};
-    DPL_TRY(info.renderPass, renderPass(t.desc.layered ? t.desc.views : 0, t.desc.depth, t.desc.halfColour));
-    info.attachmentCount = t.desc.depth ? 2 : 1;
-    info.pAttachments = views;
+    DPL_TRY(info.renderPass, renderPass(t.desc.layered ? t.desc.views : 0, t.desc.depth, t.desc.halfColour, t.desc.samples));
+    info.attachmentCount = uint32_t(views.size());
+    info.pAttachments = views.data();
     info.width = t.extent.width;
     info.height = t.extent.height;
     info.layers = 1;  // multiview counts its layers by the view mask
@@ -166,6 +179,8 @@ void VulkanBackend::freeTarget(Target& t) {
     freeImage(t.colour);
     freeImage(t.depth);
     freeImage(t.rounded);
+    freeImage(t.colourSamples);
+    freeImage(t.depthSamples);
 }
 
 Result<TargetId> VulkanBackend::createTarget(const TargetDesc& desc) {
@@ -189,7 +204,7 @@ void VulkanBackend::destroyTarget(TargetId id) {
 uint64_t VulkanBackend::residentBytes() const {
     uint64_t bytes = 0;
     for (const auto& [id, b] : buffers_) bytes += b.allocatedBytes;
-    for (const auto& [id, t] : targets_) bytes += t.colour.allocatedBytes + t.depth.allocatedBytes + t.rounded.allocatedBytes;
+    for (const auto& [id, t] : targets_) bytes += t.colour.allocatedBytes + t.depth.allocatedBytes + t.rounded.allocatedBytes + t.colourSamples.allocatedBytes + t.depthSamples.allocatedBytes;
     return bytes;
 }
 

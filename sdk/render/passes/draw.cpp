@@ -2,10 +2,12 @@
 
 namespace dpl {
 
+DrawPipelineDesc drawPipelineOf(const FrameIds& ids, uint32_t samples) {
+    return {ids.layered ? "draw.vert.multiview" : "draw.vert.instances", ids.depth ? "draw.frag.depth" : "draw.frag", ids.viewCount, ids.layered, ids.depth, ids.halfColour, samples};
+}
+
 void addDraw(FramePlan& plan, const FrameIds& ids) {
-    const DrawPipelineDesc pipeline{ids.layered ? "draw.vert.multiview" : "draw.vert.instances", ids.depth ? "draw.frag.depth" : "draw.frag",
-                                    ids.viewCount, ids.layered, ids.depth, ids.halfColour};
-    plan.draw("draw.splats", pipeline, ids.target)
+    plan.draw("draw.splats", drawPipelineOf(ids, ids.samples), ids.target)
         .reads(ids.counts, ids.pairs, ids.projected)
         .push(gpu::DrawPush{float(ids.widthPx), float(ids.heightPx), ids.viewCount, ids.layered ? 1 : ids.viewCount})
         .argsFrom(ids.counts, offsetof(gpu::FrameCounts, drawVertices));

@@ -5,6 +5,9 @@
 
 namespace dpl {
 
+/** What draws a frame of this shape with so many samples a pixel. */
+DrawPipelineDesc drawPipelineOf(const FrameIds& ids, uint32_t samples);
+
 /** One indirect draw of all survivors into every view, then the copy to memory. */
 void addDraw(FramePlan& plan, const FrameIds& ids);
 

@@ -41,8 +41,11 @@ void operator delete[](void* memory, size_t, std::align_val_t) noexcept { std::f
 namespace dpl {
 namespace {
 
+constexpr float kTrainedPixelM = 0.011f;
+
 std::vector<uint8_t> avatarFile() {
     AvatarData avatar = test::withCorrectives(makeTube({.splatsPerTriangle = 4, .rings = 10}), 3);
+    avatar.trainedPixelM = kTrainedPixelM;
     avatar.clips = {{"sway", {0, 1}, {{1, {Quatf(1, 0, 0, 0), glm::angleAxis(0.8f, Vec3f(1, 0, 0))}}}, {Vec3f(0), Vec3f(0.1f, 0, 0)}}};
     sortSplats(avatar);
     auto bytes = writeAvatar(avatar);
@@ -50,8 +53,9 @@ std::vector<uint8_t> avatarFile() {
     return bytes ? *bytes : std::vector<uint8_t>{};
 }
 
-DplCamera cameraAt(float azimuth, float shiftM) {
-    const Cameraf c = tubeCamera(120, 96, azimuth, 1.6f, shiftM);
+/** Every second frame is so far away that it is drawn with four samples a pixel. */
+DplCamera cameraAt(float azimuth, float shiftM, bool far) {
+    const Cameraf c = tubeCamera(120, 96, azimuth, far ? 3.2f : 1.6f, shiftM);
     DplCamera out{sizeof(DplCamera), c.widthPx, c.heightPx, c.fx, c.fy, c.cx, c.cy, {}};
     for (int row = 0; row < 3; ++row) {
         for (int column = 0; column < 3; ++column) out.viewFromWorld[row * 4 + column] = c.viewFromWorldRotation[column][row];
@@ -76,7 +80,7 @@ uint64_t playFrames(DplContext context, DplAvatar avatar, int frames, uint32_t v
     for (int v = 0; v < 2; ++v) images[v] = {sizeof(DplImage), 0, pixels[v].data(), pixels[v].size(), 0, nullptr, 0};
     for (int frame = 0; frame < frames; ++frame) {
         const float t = float(frame) / float(frames), half = 0.4f * t;
-        const DplCamera cameras[2] = {cameraAt(t, -0.03f), cameraAt(t, 0.03f)};
+        const DplCamera cameras[2] = {cameraAt(t, -0.03f, frame % 2), cameraAt(t, 0.03f, frame % 2)};
         const float rotations[8] = {0, 0, 0, 1, std::sin(half), 0, 0, std::cos(half)}, root[3] = {0, 0.1f * t, 0};
         counting = true;
         const DplResult posed = frame % 2 ? dplSetPose(avatar, rotations, 2, root) : dplSetPoseFromClip(avatar, 0, t, DPL_TRUE);

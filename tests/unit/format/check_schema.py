@@ -27,6 +27,9 @@ def damaged(good):
         "hash in capitals": lambda e: e.update(contentHash="xxh3:ABCDEF0123456789"),
         "no units": lambda e: e.pop("units"),
         "unknown field": lambda e: e.update(colour="red"),
+        "trained pixel 0": lambda e: e.update(trainedPixelM=0),
+        "trained pixel of 2 m": lambda e: e.update(trainedPixelM=2),
+        "trained pixel as text": lambda e: e.update(trainedPixelM="0.002"),
         "unknown role": lambda e: e["layers"][0].update(role="shoe"),
         "negative count": lambda e: e["splats"].update(count=-1),
         "stream as text": lambda e: e["splats"]["streams"].update(place="1"),
@@ -68,9 +71,9 @@ for path in sys.argv[2:]:
     for error in validator.iter_errors(good):
         failures += 1
         print(f"{path}: {'/'.join(map(str, error.path))}: {error.message}")
-    if not validator.is_valid({**good, "version": 2, "poseCorrectives": CORRECTIVES}):
+    if not validator.is_valid({**good, "version": 2, "poseCorrectives": CORRECTIVES, "trainedPixelM": 0.002}):
         failures += 1
-        print(f"{path}: the schema refuses good correctives")
+        print(f"{path}: the schema refuses good correctives or a trained pixel")
     for name, bad in list(damaged(good)) + [(name, {**good, "version": 2, "poseCorrectives": c}) for name, c in damaged_correctives()]:
         if validator.is_valid(bad):
             failures += 1

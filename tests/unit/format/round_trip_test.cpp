@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "tests/unit/format/sample_avatars.h"
@@ -39,6 +40,7 @@ TEST(AvatarRoundTrip, namesStructureAndMetadataComeBackExactly) {
     EXPECT_EQ(a.generator, b.generator);
     EXPECT_EQ(a.kappaPx2, b.kappaPx2);
     EXPECT_EQ(a.compensated, b.compensated);
+    EXPECT_EQ(b.trainedPixelM, 0) << "absent: not known";
     ASSERT_EQ(a.joints.size(), b.joints.size());
     for (size_t j = 0; j < a.joints.size(); ++j) {
         EXPECT_EQ(a.joints[j].name, b.joints[j].name);
@@ -141,6 +143,24 @@ TEST(AvatarRoundTrip, rangesOfAFewUlpsAreIdempotentToo) {
     expectSameBytes(a);
     for (Vec2f& s : a.splats.scaleM) s = Vec2f(0.003f);
     expectSameBytes(a);
+}
+
+TEST(AvatarRoundTrip, theTrainedPixelComesBackAndChangesNoVersion) {
+    for (const float metres : {1e-6f, 0.00234567f, 1.0f}) {
+        AvatarData a = randomAvatar(1, 1);
+        a.trainedPixelM = metres;
+        EXPECT_EQ(throughFile(a).trainedPixelM, metres);
+        auto info = inspectAvatar(*writeAvatar(a));
+        ASSERT_TRUE(info) << info.error().message;
+        EXPECT_EQ(info->trainedPixelM, metres);
+        EXPECT_EQ(info->version, 1u) << "a reader that does not know it draws one sample a pixel, as ever";
+        expectSameBytes(a);
+    }
+    for (const float impossible : {-0.002f, 1e-7f, 1.5f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+        AvatarData a = randomAvatar(1, 1);
+        a.trainedPixelM = impossible;
+        EXPECT_FALSE(writeAvatar(a)) << impossible;
+    }
 }
 
 TEST(AvatarRoundTrip, correctivesNearAndBelowTheSmallestFloatsAreIdempotentToo) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "sdk/backend/null/null_backend.h"
+#include "sdk/math/coverage.h"
 #include "sdk/render/avatar_upload.h"
 #include "sdk/render/gpu_renderer.h"
 #include "tests/reference/random_avatar.h"
@@ -97,6 +98,38 @@ TEST(FramePlan, aWarmFrameCreatesNothing) {
         EXPECT_EQ(gpu.record->createdObjects, created);
         EXPECT_EQ(gpu.record->runs, 6u);
     }
+}
+
+TEST(FramePlan, aWarmFrameCreatesNothingOnEitherSideOfTheSwitchToFourSamples) {
+    NullSetup gpu;
+    AvatarData data = makeTube({.splatsPerTriangle = 2, .rings = 6});
+    data.trainedPixelM = pixelAtM(tubeCamera(32, 16, 0), rootPosition(data.joints, tubePose(0)));
+    auto id = gpu.renderer->addAvatar(std::make_shared<const AvatarData>(data));
+    ASSERT_TRUE(id) << id.error().message;
+    const auto drawAt = [&](float distanceM) {
+        const Cameraf camera = tubeCamera(32, 16, 0, distanceM);
+        return bool(gpu.renderer->draw(*id, tubePose(0), {&camera, 1}, false));
+    };
+    ASSERT_TRUE(drawAt(1.8f));
+    EXPECT_EQ(gpu.record->liveTargets, 1u);
+    ASSERT_TRUE(drawAt(8));
+    EXPECT_EQ(gpu.record->liveTargets, 2u) << "another number of samples is another target";
+    const uint64_t created = gpu.record->createdObjects;
+    for (int i = 0; i < 6; ++i) ASSERT_TRUE(drawAt(i % 2 ? 1.8f : 8));
+    EXPECT_EQ(gpu.record->createdObjects, created);
+}
+
+TEST(FramePlan, aDeviceWithoutFourSamplesDrawsOne) {
+    NullOptions options;
+    options.info.fourSamples = false;
+    NullSetup gpu(options);
+    AvatarData data = makeTube({.splatsPerTriangle = 2, .rings = 6});
+    data.trainedPixelM = 1e-5f;
+    auto id = gpu.renderer->addAvatar(std::make_shared<const AvatarData>(data));
+    ASSERT_TRUE(id);
+    const Status status = gpu.draw(*id);
+    ASSERT_TRUE(status) << status.error().message;
+    EXPECT_FALSE(gpu.renderer->device().fourSamples);
 }
 
 TEST(FramePlan, waitsOnlyWhenEveryFrameInFlightIsRunning) {

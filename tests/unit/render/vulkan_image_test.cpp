@@ -7,6 +7,7 @@
 #include "tests/reference/image_compare.h"
 #include "tests/reference/random_avatar.h"
 #include "tests/reference/reference_renderer.h"
+#include "sdk/math/coverage.h"
 #include "shaders/shared/frame.h"
 #include "tests/unit/format/sample_correctives.h"
 #include "tests/unit/render/tube_avatar.h"
@@ -98,6 +99,55 @@ TEST(VulkanImage, equalsTheReferenceInSeveralPosesAndViews) {
             EXPECT_LT(d.maxDepthErrorM, 0.02) << c.name;  // a splat at the 1/255 cut-off may flip; it moves depth by α times the tube's thickness
             vulkan->renderer->removeAvatar(*id);
         }
+    }
+}
+
+/** The tube drawn at a share of the size at which it is said to have been trained. */
+TEST(VulkanImage, fourSamplesAPixelEqualTheReference) {
+    TestVulkan precise(withPreciseBlending()), byte;
+    DPL_NEED_VULKAN(precise);
+    for (const float size : {0.5f, 0.25f}) {
+        for (uint32_t seed = 1; seed <= 3; ++seed) {
+            const Cameraf trained = tubeCamera(320, 384, 0.7f * float(seed), 1.8f), camera = trained.scaled(size);
+            AvatarData data = makeTube({.shDegree = seed, .seed = seed});
+            const Pose pose = tubePose(0.4f * float(seed), 0.3f);
+            const ReferenceImage one = renderReference(data, pose, referenceCamera(camera));
+            data.trainedPixelM = pixelAtM(trained, rootPosition(data.joints, pose));
+            const auto avatar = share(data);
+            const ReferenceImage want = renderReference(*avatar, pose, referenceCamera(camera));
+            EXPECT_LT(compareImages(one.rgb, want.rgb).psnrDb, 45) << "one sample shows the same: this case shows nothing";
+            for (TestVulkan* vulkan : {&precise, &byte}) {
+                auto id = vulkan->renderer->addAvatar(avatar);
+                ASSERT_TRUE(id) << id.error().message;
+                const RenderedView image = drawOne(*vulkan->renderer, *id, pose, camera, true);
+                const Difference d = compare(image, want);
+                const bool isPrecise = vulkan == &precise;
+                std::printf("[  IMAGE   ] 4 samples, x%.2f, %u %s: colour %.1f dB (max %.4f), alpha %.1f dB, depth max %.5f m, covered %.1f %%\n", double(size), seed, isPrecise ? "f16  " : "8 bit",
+                            d.psnrDb, d.maxError, d.alphaPsnrDb, d.maxDepthErrorM, d.covered * 100);
+                EXPECT_GT(d.covered, 0.005);
+                EXPECT_GE(d.psnrDb, kMinPsnrDb);  // in 8 bits too: four roundings average
+                EXPECT_GE(d.alphaPsnrDb, kMinPsnrDb);
+                EXPECT_LT(d.maxDepthErrorM, 0.02);
+                EXPECT_TRUE(drawOne(*vulkan->renderer, *id, pose, camera).rgba == image.rgba) << "depth or not";
+                vulkan->renderer->removeAvatar(*id);
+            }
+        }
+    }
+}
+
+TEST(VulkanImage, anAvatarThatSaysItsTrainedPixelIsTheSameByteForByteUpToThatSize) {
+    TestVulkan vulkan;
+    DPL_NEED_VULKAN(vulkan);
+    AvatarData data = makeTube();
+    const Pose pose = tubePose(0.5f);
+    const Cameraf trained = tubeCamera(160, 192, 0.4f, 1.8f);
+    auto plain = vulkan.renderer->addAvatar(share(data));
+    data.trainedPixelM = pixelAtM(trained, rootPosition(data.joints, pose));
+    auto sized = vulkan.renderer->addAvatar(share(data));
+    ASSERT_TRUE(plain && sized);
+    for (const float size : {1.5f, 1.0f, 0.85f, 0.75f}) {
+        const Cameraf camera = trained.scaled(size);
+        EXPECT_EQ(drawOne(*vulkan.renderer, *plain, pose, camera).rgba == drawOne(*vulkan.renderer, *sized, pose, camera).rgba, size > 0.8f) << size;
     }
 }
 
@@ -216,6 +266,9 @@ void expectStereoEqualsMono(const VulkanOptions& options, const std::string& pic
     TestVulkan vulkan(options);
     DPL_NEED_VULKAN(vulkan);
     expectStereoEqualsMono(vulkan, vulkan.renderer->addAvatar(share(test::withCorrectives(makeTube(), 3))), tubePose(0.7f), picture);
+    AvatarData fine = makeTube();
+    fine.trainedPixelM = 1e-4f;
+    expectStereoEqualsMono(vulkan, vulkan.renderer->addAvatar(share(fine)), tubePose(0.7f), picture + "_four_samples");
     expectStereoEqualsMono(vulkan, vulkan.renderer->addSplats(randomStaticSplats(7, 1500, 2)), {}, picture + "_general");
 }
 

@@ -187,22 +187,68 @@ TEST(SplatEngine, packedSplatsGiveTheSameBytes) {
     EXPECT_EQ(plain.alpha, image.alpha);
 }
 
-TEST(SplatEngine, rgba8IsTheFloatImageRounded) {
+StaticSplatData row() {
     StaticSplatData s = grey(40);
     for (size_t i = 0; i < s.count(); ++i) s.position[i] = {0.05f * float(i) - 1, 0.1f * float(i % 7), 2}, s.sh[i * 3] = 0.1f * float(i);
+    return s;
+}
+
+TEST(SplatEngine, rgba8IsTheFloatImageRounded) {
+    for (const uint32_t samples : {1u, kCoverageSamples}) {
+        Jobs jobs(2);
+        SplatEngine engine(jobs);
+        engine.project(PackedSplats(row()), {}, camera(61, 47), 0.3f, false, samples);  // partial tiles at both borders
+        engine.bin();
+        SplatImage image;
+        engine.blend(image, {.depth = true});
+        std::vector<uint8_t> rgba;
+        std::vector<float> depth;
+        engine.blendRgba8(rgba, &depth);
+        ASSERT_EQ(rgba.size(), 61u * 47u * 4u);
+        EXPECT_GT(maxAlpha(image), 0.4f);
+        for (size_t i = 0; i < image.alpha.size(); ++i) {
+            for (int k = 0; k < 3; ++k) ASSERT_NEAR(rgba[i * 4 + size_t(k)], image.rgb[i * 3 + size_t(k)] * 255, 0.501f);
+            ASSERT_NEAR(rgba[i * 4 + 3], image.alpha[i] * 255, 0.501f);
+        }
+        EXPECT_EQ(depth, image.depthM);
+    }
+}
+
+TEST(SplatEngine, fourSamplesAreTheMeanOfFourPicturesTakenASampleAside) {
     Jobs jobs(2);
     SplatEngine engine(jobs);
-    const SplatImage image = draw(engine, s, camera(61, 47), {.depth = true});  // partial tiles at both borders
-    std::vector<uint8_t> rgba;
-    std::vector<float> depth;
-    engine.blendRgba8(rgba, &depth);
-    ASSERT_EQ(rgba.size(), 61u * 47u * 4u);
-    EXPECT_GT(maxAlpha(image), 0.4f);
-    for (size_t i = 0; i < image.alpha.size(); ++i) {
-        for (int k = 0; k < 3; ++k) ASSERT_NEAR(rgba[i * 4 + size_t(k)], image.rgb[i * 3 + size_t(k)] * 255, 0.501f);
-        ASSERT_NEAR(rgba[i * 4 + 3], image.alpha[i] * 255, 0.501f);
+    const PackedSplats splats(row());
+    const Cameraf view = camera(61, 47);
+    SplatImage four, one;
+    engine.project(splats, {}, view, 0.3f, true, kCoverageSamples);
+    engine.bin();
+    engine.blend(four);
+    std::vector<float> rgb(four.rgb.size()), alpha(four.alpha.size());
+    for (const auto& place : kCoverageSamplePx) {
+        Cameraf aside = view;
+        aside.cx += 0.5f - place[0], aside.cy += 0.5f - place[1];
+        engine.project(splats, {}, aside, 0.3f / 4, true);
+        engine.bin();
+        engine.blend(one);
+        for (size_t i = 0; i < rgb.size(); ++i) rgb[i] += one.rgb[i] / 4;
+        for (size_t i = 0; i < alpha.size(); ++i) alpha[i] += one.alpha[i] / 4;
     }
-    EXPECT_EQ(depth, image.depthM);
+    EXPECT_GT(maxAlpha(four), 0.3f);
+    for (size_t i = 0; i < rgb.size(); ++i) ASSERT_NEAR(four.rgb[i], rgb[i], 2e-6f);
+    for (size_t i = 0; i < alpha.size(); ++i) ASSERT_NEAR(four.alpha[i], alpha[i], 2e-6f);
+}
+
+TEST(SplatEngine, stopsAreRecordedWithOneSampleOnly) {
+    Jobs jobs(1);
+    SplatEngine engine(jobs);
+    SplatImage image;
+    for (const uint32_t samples : {1u, kCoverageSamples}) {
+        engine.project(PackedSplats(row()), {}, camera(61, 47), 0.3f, false, samples);
+        engine.bin();
+        engine.blend(image, {.recordStops = true});
+        EXPECT_EQ(engine.stops().size(), samples == 1 ? 61u * 47u : 0u);
+        EXPECT_EQ(engine.stopTransmittance().size(), engine.stops().size());
+    }
 }
 
 TEST(SplatEngine, arraysOfDifferentLengthDrawNothing) {
