@@ -134,6 +134,11 @@ std::vector<ConformanceCase> conformanceCases() {
     add("stereo-parallel", "two eyes of one frame, 63 mm apart", randomAvatar(81, 8, 6, 1), randomPose(randomAvatar(81, 8, 6, 1), 5), {eye(centre, -0.0315f, 0), eye(centre, 0.0315f, 0)});
     add("stereo-canted", "two eyes turned 5 degrees outwards: one order of depth does not serve both", randomAvatar(81, 8, 6, 1), randomPose(randomAvatar(81, 8, 6, 1), 5),
         {eye(centre, -0.0315f, 0.0873f), eye(centre, 0.0315f, -0.0873f)});
+    AvatarData fine = randomAvatar(91, 12, 10, 1);
+    fine.trainedPixelM = 0.004f;
+    const Cameraf away = lookAt({0.2f, 1.1f, 4}, {0, 1, 0}, 90, 70, 130);
+    add("coarser-than-trained", "pixels eight times as coarse as those of the training, in a canted pair: four samples a pixel", std::move(fine), randomPose(randomAvatar(91, 12, 10, 1), 4),
+        {eye(away, -0.0315f, 0.0873f), eye(away, 0.0315f, -0.0873f)});
     return cases;
 }
 

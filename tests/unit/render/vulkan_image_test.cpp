@@ -27,11 +27,16 @@ VulkanOptions withPreciseBlending() {
     return options;
 }
 
-/** The same, but 8-bit blending where lavapipe 22.3.6 crashes in its own code on f16 targets: with vectors of 512 bits. For tests that run at every width. */
+/** With vectors of 512 bits lavapipe 22.3.6 crashes in its own code generator on f16 targets and on targets of several samples. */
+bool crashesOnMoreThanBytes() {
+    const char* width = std::getenv("LP_NATIVE_VECTOR_WIDTH");
+    return width && std::string(width) == "512";
+}
+
+/** f16 blending where the driver can. For tests that run at every width. */
 VulkanOptions withPreciseBlendingOfAnyWidth() {
     VulkanOptions options = withPreciseBlending();
-    const char* width = std::getenv("LP_NATIVE_VECTOR_WIDTH");
-    if (width && std::string(width) == "512") options.preciseBlending = false;
+    options.preciseBlending = !crashesOnMoreThanBytes();
     return options;
 }
 
@@ -268,7 +273,8 @@ void expectStereoEqualsMono(const VulkanOptions& options, const std::string& pic
     expectStereoEqualsMono(vulkan, vulkan.renderer->addAvatar(share(test::withCorrectives(makeTube(), 3))), tubePose(0.7f), picture);
     AvatarData fine = makeTube();
     fine.trainedPixelM = 1e-4f;
-    expectStereoEqualsMono(vulkan, vulkan.renderer->addAvatar(share(fine)), tubePose(0.7f), picture + "_four_samples");
+    if (crashesOnMoreThanBytes()) std::printf("[   NOTE   ] four samples a pixel are left out at this vector width\n");
+    else expectStereoEqualsMono(vulkan, vulkan.renderer->addAvatar(share(fine)), tubePose(0.7f), picture + "_four_samples");
     expectStereoEqualsMono(vulkan, vulkan.renderer->addSplats(randomStaticSplats(7, 1500, 2)), {}, picture + "_general");
 }
 
