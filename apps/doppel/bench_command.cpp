@@ -46,6 +46,7 @@ struct Contestant {
     doppel::Avatar avatar;
     std::vector<std::vector<uint8_t>> pixels;  // premultiplied RGBA8, one a view
     std::vector<DplImage> images;
+    double loadMilliseconds = 0;
     std::vector<double> milliseconds, drawMilliseconds, gpuMilliseconds;
     std::vector<PassSamples> passes;
     DplFrameStats stats{};
@@ -67,13 +68,15 @@ Result<std::vector<Contestant>> contestants(const BenchOptions& options, std::sp
             std::fprintf(stderr, "doppel: %s is left out: %s\n", name.c_str(), context.error().message.c_str());
             continue;
         }
+        const auto loadStart = std::chrono::steady_clock::now();
         auto avatar = context->loadAvatar(bytes);
+        const double loadMilliseconds = millisecondsSince(loadStart);
         if (!avatar) return fail(fromSdk(avatar.error()).code, "{}: {}", options.avatar.string(), avatar.error().message);
         if (!options.clip.empty()) {
             DPL_TRY(const uint32_t clip, chooseClip(*avatar, options.clip));
             if (auto set = avatar->setPoseFromClip(clip, options.timeS, true); !set) return fromSdk(set.error());
         }
-        Contestant c{context->rendererName() + (all ? ", no culling" : ""), std::move(*context), std::move(*avatar), {}, {}, {}, {}, {}, {}, {}, {}};
+        Contestant c{context->rendererName() + (all ? ", no culling" : ""), std::move(*context), std::move(*avatar), {}, {}, loadMilliseconds, {}, {}, {}, {}, {}, {}};
         c.pixels.assign(test.viewCount, std::vector<uint8_t>(size_t(test.widthPx) * test.heightPx * 4));
         for (std::vector<uint8_t>& pixels : c.pixels) {
             DplImage image{};
@@ -162,11 +165,13 @@ std::string frameRow(const BenchCase& test, const Contestant& c, uint32_t splatC
 }
 
 std::string jsonLines(const BenchCase& test, const Contestant& c, uint32_t splatCount, bool compared) {
-    char line[600];
+    char line[900];
     std::string out;
-    std::snprintf(line, sizeof line, "{\"case\":\"%s\",\"views\":%u,\"width_px\":%u,\"height_px\":%u,\"device\":\"%s\",\"ms_p50\":%.3f,\"ms_p95\":%.3f,\"draw_ms_p50\":%.3f,\"splats\":%u,\"splats_in_view\":%u,\"splats_facing\":%u,\"splats_drawn\":%u,\"chunks\":%u,\"chunks_projected\":%u,\"resident_bytes\":%llu",
+    std::snprintf(line, sizeof line, "{\"case\":\"%s\",\"views\":%u,\"width_px\":%u,\"height_px\":%u,\"device\":\"%s\",\"ms_p50\":%.3f,\"ms_p95\":%.3f,\"draw_ms_p50\":%.3f,\"splats\":%u,\"splats_in_view\":%u,\"splats_facing\":%u,\"splats_drawn\":%u,\"chunks\":%u,\"chunks_projected\":%u,\"resident_bytes\":%llu,\"avatar_bytes\":%llu,\"splat_bytes\":%llu,\"bytes_decided\":%llu,\"bytes_decoded\":%llu,\"load_ms\":%.2f",
                   test.name, test.viewCount, test.widthPx, test.heightPx, c.name.c_str(), percentile(c.milliseconds, 0.5), percentile(c.milliseconds, 0.95),
-                  percentile(c.drawMilliseconds, 0.5), splatCount, c.stats.splatsInView, c.stats.splatsFacing, c.stats.splatsDrawn, c.stats.chunkCount, c.stats.chunksProjected, static_cast<unsigned long long>(c.stats.residentBytes));
+                  percentile(c.drawMilliseconds, 0.5), splatCount, c.stats.splatsInView, c.stats.splatsFacing, c.stats.splatsDrawn, c.stats.chunkCount, c.stats.chunksProjected, static_cast<unsigned long long>(c.stats.residentBytes),
+                  static_cast<unsigned long long>(c.stats.avatarBytes), static_cast<unsigned long long>(c.stats.splatBytes), static_cast<unsigned long long>(c.stats.bytesDecided),
+                  static_cast<unsigned long long>(c.stats.bytesDecoded), c.loadMilliseconds);
     out += line;
     if (compared) {
         std::snprintf(line, sizeof line, ",\"psnr_db\":%.2f,\"covered_psnr_db\":%.2f,\"max_error_levels\":%.2f", finiteDb(c.error.psnrDb()), finiteDb(c.error.coveredPsnrDb()), c.error.maxLevels);
@@ -179,6 +184,19 @@ std::string jsonLines(const BenchCase& test, const Contestant& c, uint32_t splat
         out += line;
     }
     return out;
+}
+
+constexpr double kPlyBytes = 62 * 4;   // a splat of degree 3 as 32-bit floats: what memory is compared with
+
+/** What stays in memory, what a frame adds, what it reads of the splats, and how long loading took. */
+std::string memoryRow(const BenchCase& test, const Contestant& c, uint32_t splatCount) {
+    const double ply = kPlyBytes * std::max(1u, splatCount), n = std::max(1u, splatCount);
+    const auto share = [&](uint64_t bytes) { return 100 * double(bytes) / ply; };
+    const uint64_t working = c.stats.residentBytes - std::min(c.stats.residentBytes, c.stats.avatarBytes);
+    char row[400];
+    std::snprintf(row, sizeof row, "| %s | %s | %.1f | %.1f B, %.1f %% | %.2f MB, %.1f %% | %.1f MB, %.1f %% | %.2f | %.2f |\n", test.name, c.name.c_str(), c.loadMilliseconds, double(c.stats.splatBytes) / n,
+                  share(c.stats.splatBytes), double(c.stats.avatarBytes) / 1e6, share(c.stats.avatarBytes), double(working) / 1e6, share(working), double(c.stats.bytesDecided) / n, double(c.stats.bytesDecoded) / n);
+    return row;
 }
 
 /** One row a pass, one column a case: median / 95th percentile. */
@@ -208,7 +226,7 @@ Status bench(const BenchOptions& options) {
     DPL_TRY(const auto bytes, readFile(options.avatar));
     DPL_TRY(const ReferenceFile referee, ReferenceFile::read(bytes));
     Progress progress;
-    std::string frames, json;
+    std::string frames, memory, json;
     std::vector<PassTable> passes;
     uint32_t splatCount = 0;
     for (const BenchCase& test : kCases) {
@@ -233,6 +251,7 @@ Status bench(const BenchOptions& options) {
         }
         for (const Contestant& c : list) {
             frames += frameRow(test, c, splatCount, !options.withoutReference);
+            memory += memoryRow(test, c, splatCount);
             auto table = std::find_if(passes.begin(), passes.end(), [&](const PassTable& t) { return t.device == c.name; });
             if (table == passes.end() && !c.passes.empty()) table = passes.insert(table, {c.name, {}, {}});
             if (table != passes.end()) table->add(c);
@@ -243,6 +262,9 @@ Status bench(const BenchOptions& options) {
                 "| case | renderer | ms | p95 | dplDraw ms | GPU ms | PSNR | covered pixels | max error, levels | splats → in view → facing → drawn | chunks projected | resident MiB |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n%s",
                 options.avatar.c_str(), splatCount, bytes.size(), frames.c_str());
     for (const PassTable& table : passes) std::printf("%s", table.text().c_str());
+    std::printf("\n| case | renderer | load ms | splats: bytes each, of PLY | avatar, of PLY | working set, of PLY | phase 1: bytes read a splat | phase 2 |\n|---|---|---|---|---|---|---|---|\n%s"
+                "\nPLY: 62 floats a splat. Splats: codes, parents, SH entries. Avatar: with mesh, weights and pose correctives, CPU and GPU together. Working set: what the frames of this case add. Bytes read, of the splats'\n"
+                "codes, over all splats and views: to tell which may show, and of those; counted on the CPU, from survivors and layout on a GPU.\n", memory.c_str());
     std::printf("\nms: dplDraw and dplReadImages together, pictures in memory; median and 95th percentile of %u. dplDraw ms: what an app's thread pays. GPU ms: the frame's passes by the device's clock. PSNR and max error: against the\n"
                 "double-precision reference, colour over mid grey; of all pixels, and of those that something covers.\n", options.repeats);
     if (options.jsonFile.empty()) return {};

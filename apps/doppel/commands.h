@@ -21,6 +21,7 @@ void addInspectCommand(CLI::App& app, CommandRun& run);
 void addBenchCommand(CLI::App& app, CommandRun& run);
 void addBodyCommand(CLI::App& app, CommandRun& run);
 void addExportCommand(CLI::App& app, CommandRun& run);
+void addPackCommand(CLI::App& app, CommandRun& run);
 
 /** Prints "doppel: message" to stderr and returns the exit code for it. */
 int reportError(const Error& error);

@@ -31,6 +31,7 @@ int main(int argc, char** argv) {
     addRenderCommand(app, run);
     addInspectCommand(app, run);
     addExportCommand(app, run);
+    addPackCommand(app, run);
     addBodyCommand(app, run);
     addBenchCommand(app, run);
     try {

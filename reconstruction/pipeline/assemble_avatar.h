@@ -11,7 +11,8 @@ struct AssembledAvatar {
     std::vector<TrainFrame> frames;     // training frames with their trained poses
 };
 
-/** The trained avatar, encoded and decoded once, splats re-based onto the decoded mesh. No evidence rows yet. */
+/** The trained avatar, encoded and decoded once, splats re-based onto the decoded mesh, SH as a palette (write it with
+ *  WriteOptions::shPalette). No evidence rows yet. */
 Result<AssembledAvatar> assembleAvatar(const SubjectData& subject);
 
 }  // namespace dpl

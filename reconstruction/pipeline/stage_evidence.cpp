@@ -28,7 +28,7 @@ struct Measured {
 };
 
 Result<Measured> measure(const AvatarData& avatar, const std::vector<const TrainFrame*>& frames, uint32_t threadCount) {
-    DPL_TRY(auto bytes, writeAvatar(avatar));
+    DPL_TRY(auto bytes, writeAvatar(avatar, {.shPalette = true}));
     DPL_TRY(auto view, AvatarView::open(bytes, threadCount));
     Measured m;
     m.bytes = bytes.size();
@@ -75,7 +75,7 @@ Status weigh(const SubjectData& subject, StageContext& context) {
 
 Status runEvidence(SubjectData& subject) {
     const nlohmann::json inputs = {{"trained", subject.chain.keyOf("co-optimise")}, {"name", subject.scan.name}};
-    auto folder = subject.chain.run("evidence", 1, inputs, [&](StageContext& context) { return weigh(subject, context); });
+    auto folder = subject.chain.run("evidence", 2, inputs, [&](StageContext& context) { return weigh(subject, context); });
     if (!folder) return folder.error();
     subject.evidenceFolder = *folder;
     return {};

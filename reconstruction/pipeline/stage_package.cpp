@@ -28,7 +28,7 @@ Status package(SubjectData& subject, StageContext& context) {
             polish(avatar, std::move(assembled.frames), polishSteps, subject.options.seed, subject.jobs,
                    [&](const CoOptimiseProgress& p) { context.progress.update(0.1 + 0.85 * p.step / std::max(1u, p.steps), formatText("polish step {} of {}", p.step, p.steps)); },
                    &context.progress.cancelFlag()));
-    DPL_TRY(auto bytes, writeAvatar(avatar));
+    DPL_TRY(auto bytes, writeAvatar(avatar, {.shPalette = true}));
     return writeFileAtomically(context.folder / "avatar.glb", bytes);
 }
 

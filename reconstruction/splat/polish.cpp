@@ -13,7 +13,8 @@ CoOptimiseSettings polishSettings(uint32_t steps, uint64_t seed, uint32_t shDegr
     s.fullResolutionOnly = true;
     s.loss.cloth = 0;
     // The start is already good: small steps, falling to a tenth.
-    s.rateLogScale = 1e-3f, s.rateOpacity = 1e-2f, s.rateDc = 2e-3f, s.rateRest = 1e-4f;
+    s.rateLogScale = 1e-3f, s.rateOpacity = 1e-2f, s.rateDc = 2e-3f;
+    s.rateRest = 0;   // beyond coefficient 0 splats share the rows of a palette
     s.endLogScale = s.endOpacity = s.endColour = 0.1f;
     return s;
 }

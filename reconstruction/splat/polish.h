@@ -5,7 +5,7 @@
 
 namespace dpl {
 
-/** Settings of a polish: colour, opacity and size only; mesh, poses, uv and φ stay as decoded; full resolution; no density control. */
+/** Settings of a polish: colour (coefficient 0), opacity and size only; mesh, SH beyond it, poses, uv and φ stay as decoded; full resolution; no density control. */
 CoOptimiseSettings polishSettings(uint32_t steps, uint64_t seed, uint32_t shDegree);
 
 /** Polishes avatar.splats on its own (decoded) mesh. frames carry the poses to use. The order of splats is kept. Cancelled when

@@ -34,18 +34,21 @@ Status checkLoaded(const AvatarData& data) {
     return {};
 }
 
-/** An avatar file, ready to be handed to the renderer. */
-Result<std::shared_ptr<Avatar>> decodeAvatar(const std::shared_ptr<Context>& owner, std::span<const uint8_t> bytes) {
+/** An avatar file, ready to be handed to the renderer with its splats. */
+Result<std::shared_ptr<Avatar>> decodeAvatar(const std::shared_ptr<Context>& owner, std::span<const uint8_t> bytes, CodedSplats& splats) {
     if (bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) != 0)
         return fail(Code::Unsupported, "neither an avatar (.glb) nor general splats (PLY, compressed PLY, SPZ, .glb with KHR_gaussian_splatting)");
-    DPL_TRY(AvatarData decoded, readAvatar(bytes));
+    DPL_TRY(CodedAvatar coded, readCodedAvatar(bytes));
+    AvatarData& decoded = coded.avatar;
+    decoded.mesh.colours = {};   // for stock viewers
     DPL_CHECK_OK(checkLoaded(decoded));
     if (std::all_of(decoded.joints.begin(), decoded.joints.end(), [](const JointData& j) { return j.humanoidBone.empty(); }))
         assignHumanoidBones(decoded.joints);
     auto made = std::make_shared<Avatar>();
     made->context = owner;
     made->data = std::make_shared<const AvatarData>(std::move(decoded));
-    made->splatCount = made->data->splats.count(), made->shDegree = made->data->splats.shDegree;
+    made->splatCount = coded.splats.count(), made->shDegree = coded.splats.shDegree;
+    splats = std::move(coded.splats);
     made->pose = Pose::rest(made->data->joints.size());
     for (const ClipData& clip : made->data->clips) made->clips.push_back(&clip);
     const std::vector<Vec3f>& vertices = made->data->mesh.restPositions;
@@ -88,16 +91,17 @@ DplResult dplLoadAvatar(DplContext context, const uint8_t* data, size_t size, Dp
         const bool general = splatFormatOf({data, size}) != SplatFormat::None;
         std::shared_ptr<Avatar> made;
         SplatFile file;
+        CodedSplats coded;
         if (general) {
             DPL_TRY(file, readSplats({data, size}));
             made = describeSplats(owner, file);
         } else {
-            DPL_TRY(made, decodeAvatar(owner, {data, size}));
+            DPL_TRY(made, decodeAvatar(owner, {data, size}, coded));
         }
         {
             std::lock_guard lock(owner->mutex);
             if (!owner->renderer) return fail(Code::InvalidArgument, "the context was destroyed while the avatar was read");
-            auto id = general ? owner->renderer->addSplats(file.splats) : owner->renderer->addAvatar(made->data);
+            auto id = general ? owner->renderer->addSplats(file.splats) : owner->renderer->addCodedAvatar(made->data, std::move(coded));
             if (!id) return id.error();
             made->renderId = *id;
         }

@@ -192,8 +192,10 @@ extern "C" DplResult dplGetFrameStats(DplAvatar avatar, DplFrameStats* stats) {
         out.passCount = uint32_t(found->stats.passes.size());
         out.residentBytes = found->stats.residentBytes;
         out.waits = found->stats.waits;
+        out.avatarBytes = found->stats.avatarBytes, out.splatBytes = found->stats.splatBytes;
+        out.bytesDecided = found->stats.bytesDecided, out.bytesDecoded = found->stats.bytesDecoded;
         for (const PassTime& pass : found->stats.passes) out.gpuMs += pass.milliseconds;
-        return writeStruct(stats, out, "stats");
+        return writeStruct(stats, out, "stats", offsetof(DplFrameStats, avatarBytes));
     });
 }
 

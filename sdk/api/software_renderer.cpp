@@ -4,6 +4,7 @@
 #include <map>
 
 #include "sdk/avatar/posed_mesh.h"
+#include "sdk/format/splat_codec.h"
 #include "sdk/math/sh.h"
 #include "sdk/splat/splat_engine.h"
 
@@ -11,10 +12,9 @@ namespace dpl {
 namespace {
 
 /** What makes drawing safe: lengths and indices. The file reader checks far more; avatars built in memory come here unchecked. */
-Status checkDrawable(const AvatarData& avatar) {
+Status checkMesh(const AvatarData& avatar) {
     const MeshData& mesh = avatar.mesh;
-    const SplatData& splats = avatar.splats;
-    const size_t vertices = mesh.restPositions.size(), triangles = mesh.triangles.size(), count = splats.uv.size();
+    const size_t vertices = mesh.restPositions.size(), triangles = mesh.triangles.size();
     DPL_CHECK_OK(checkRig(avatar.joints));
     if (avatar.joints.empty()) return fail(Code::CorruptData, "avatar '{}' has no joints", avatar.name);
     if (mesh.jointIndices.size() != vertices || mesh.jointWeights.size() != vertices)
@@ -26,7 +26,12 @@ Status checkDrawable(const AvatarData& avatar) {
     for (size_t t = 0; t < triangles; ++t)
         for (int i = 0; i < 3; ++i)
             if (mesh.triangles[t][i] >= vertices) return fail(Code::CorruptData, "triangle {} uses vertex {} of {}", t, mesh.triangles[t][i], vertices);
-    DPL_CHECK_OK(checkCorrectives(avatar.correctives, avatar.joints.size(), vertices));
+    return checkCorrectives(avatar.correctives, avatar.joints.size(), vertices);
+}
+
+Status checkSplats(const AvatarData& avatar) {
+    const SplatData& splats = avatar.splats;
+    const size_t triangles = avatar.mesh.triangles.size(), count = splats.uv.size();
     if (splats.shDegree > kMaxShDegree) return fail(Code::CorruptData, "SH degree {}; at most {} is drawn", splats.shDegree, kMaxShDegree);
     const size_t shFloats = count * shCoefficientCount(splats.shDegree) * 3;
     if (splats.phi.size() != count || splats.scaleM.size() != count || splats.opacity.size() != count || splats.flags.size() != count ||
@@ -39,12 +44,12 @@ Status checkDrawable(const AvatarData& avatar) {
 }
 
 struct Drawable {
-    PackedSplats splats;
+    PackedSplats general;     // one of the two
+    CodedSplats splats;
     float kappaPx2 = 0, trainedPixelM = 0;
     bool compensated = false;
     // Of avatars only.
     std::shared_ptr<const AvatarData> avatar;
-    std::vector<RestTriangle<float>> rest;
     // The last pose and what follows from it.
     Pose pose;
     bool posed = false;
@@ -56,7 +61,7 @@ struct Drawable {
     uint64_t bytes() const {
         uint64_t pictureBytes = 0;
         for (const RenderedView& p : pictures) pictureBytes += p.rgba.capacity() + p.depthM.capacity() * sizeof(float);
-        return pictureBytes + splats.bytes() + rest.size() * sizeof(rest[0]) + mesh.frames().size_bytes() + mesh.positions().size_bytes() + mesh.rest().size_bytes() + mesh.light().size_bytes() +
+        return pictureBytes + general.bytes() + splats.bytes() + (avatar ? posingBytes(*avatar) : 0) + mesh.frames().size_bytes() + mesh.positions().size_bytes() + mesh.rest().size_bytes() + mesh.light().size_bytes() +
                mesh.worldFromRest().size_bytes() + mesh.coefficients().size_bytes() + mesh.nodes().size_bytes();
     }
 };
@@ -76,14 +81,17 @@ public:
 
     Result<RenderAvatarId> addAvatar(std::shared_ptr<const AvatarData> avatar) override {
         if (!avatar) return fail(Code::InvalidArgument, "no avatar");
-        DPL_CHECK_OK(checkDrawable(*avatar));
+        DPL_CHECK_OK(checkMesh(*avatar));
+        DPL_CHECK_OK(checkSplats(*avatar));
+        DPL_TRY(CodedSplats coded, codeSplats(avatar->mesh, avatar->splats));
+        return addCodedAvatar(std::move(avatar), std::move(coded));
+    }
+
+    Result<RenderAvatarId> addCodedAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats) override {
+        if (!avatar) return fail(Code::InvalidArgument, "no avatar");
+        DPL_CHECK_OK(checkMesh(*avatar));
         auto drawable = std::make_unique<Drawable>();
-        drawable->rest = restTriangles(avatar->mesh);
-        const std::vector<uint32_t>& start = avatar->splats.triangleStart;
-        std::vector<uint32_t> triangleOfSplat(avatar->splats.count());
-        for (uint32_t t = 0; t + 1 < start.size(); ++t) std::fill(triangleOfSplat.begin() + start[t], triangleOfSplat.begin() + start[t + 1], t);
-        const SplatData& s = avatar->splats;
-        drawable->splats = PackedSplats(BoundSplatView{triangleOfSplat, s.uv, s.phi, s.scaleM, s.opacity, s.flags, s.shDegree, s.sh});
+        drawable->splats = std::move(splats);
         drawable->kappaPx2 = avatar->kappaPx2, drawable->compensated = avatar->compensated, drawable->trainedPixelM = avatar->trainedPixelM;
         drawable->avatar = std::move(avatar);
         return keep(std::move(drawable));
@@ -91,8 +99,8 @@ public:
 
     Result<RenderAvatarId> addSplats(const StaticSplatData& splats) override {
         auto drawable = std::make_unique<Drawable>();
-        drawable->splats = PackedSplats(splats);
-        if (drawable->splats.count() != splats.count()) return fail(Code::InvalidArgument, "the arrays of {} splats differ in length", splats.count());
+        drawable->general = PackedSplats(splats);
+        if (drawable->general.count() != splats.count()) return fail(Code::InvalidArgument, "the arrays of {} splats differ in length", splats.count());
         drawable->kappaPx2 = splats.kappaPx2, drawable->compensated = splats.compensated;
         return keep(std::move(drawable));
     }
@@ -108,16 +116,18 @@ public:
             d.posed = false;
             d.pose.localRotations = pose.localRotations;
             d.pose.rootTranslation = pose.rootTranslation;
-            d.mesh.pose({d.avatar->joints, d.avatar->mesh, d.avatar->correctives, d.rest}, pose, jobs_);
+            d.mesh.pose({d.avatar->joints, d.avatar->mesh, d.avatar->correctives, {}}, pose, jobs_);
             d.posed = true;
         }
         if (d.pictures.size() < views.size()) d.pictures.resize(views.size());
         d.pixels.resize(views.size());
-        d.stats.views = uint32_t(views.size()), d.stats.splatsDrawn = 0;
+        d.stats.views = uint32_t(views.size()), d.stats.splatsDrawn = 0, d.stats.bytesDecided = 0, d.stats.bytesDecoded = 0;
         const uint32_t samples = d.avatar ? coverageSamples(d.trainedPixelM, rootPosition(d.avatar->joints, d.pose), views) : 1;
         for (size_t v = 0; v < views.size(); ++v) {
             RenderedView& picture = d.pictures[v];
-            engine_.project(d.splats, d.mesh.frames(), views[v], d.kappaPx2, d.compensated, samples);
+            if (d.avatar) engine_.project(d.splats, d.mesh.frames(), views[v], d.kappaPx2, d.compensated, samples);
+            else engine_.project(d.general, {}, views[v], d.kappaPx2, d.compensated);
+            if (d.avatar) d.stats.bytesDecided += engine_.decidedBytes(), d.stats.bytesDecoded += engine_.decodedBytes();
             engine_.bin();
             engine_.blendRgba8(picture.rgba, wantDepth ? &picture.depthM : nullptr);
             d.pixels[v] = {views[v].widthPx, views[v].heightPx, picture.rgba, wantDepth ? std::span<const float>(picture.depthM) : std::span<const float>()};
@@ -137,6 +147,9 @@ public:
         const auto found = drawables_.find(avatar);
         if (found == drawables_.end()) return fail(Code::InvalidArgument, "there is no avatar {} in this renderer", avatar);
         FrameStats stats = found->second->stats;
+        const Drawable& shown = *found->second;
+        stats.splatBytes = shown.general.bytes() + shown.splats.bytes();
+        stats.avatarBytes = stats.splatBytes + (shown.avatar ? posingBytes(*shown.avatar) : 0);
         stats.residentBytes = engine_.bufferBytes();
         for (const auto& [id, drawable] : drawables_) stats.residentBytes += drawable->bytes();
         return stats;

@@ -8,7 +8,7 @@
 
 namespace dpl {
 
-/** What is posed, borrowed for the call. `bind`: the rest triangles that splat sizes refer to. */
+/** What is posed, borrowed for the call. `bind`: the rest triangles that splat sizes refer to; empty: the mesh's own. */
 struct PosedSubject {
     std::span<const JointData> joints;
     const MeshData& mesh;

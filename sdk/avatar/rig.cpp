@@ -101,7 +101,8 @@ void poseTriangles(const MeshData& mesh, std::span<const RestTriangle<float>> re
     const auto body = [&](size_t begin, size_t end, uint32_t) {
         for (size_t t = begin; t < end; ++t) {
             const Triangle& corner = mesh.triangles[t];
-            frames[t] = poseTriangle(rest[t], positions[corner.x], positions[corner.y], positions[corner.z]);
+            const RestTriangle<float> bound = rest.empty() ? restTriangle(mesh.restPositions[corner.x], mesh.restPositions[corner.y], mesh.restPositions[corner.z]) : rest[t];
+            frames[t] = poseTriangle(bound, positions[corner.x], positions[corner.y], positions[corner.z]);
             if (!light.empty()) frames[t].light = {light[corner.x], light[corner.y], light[corner.z]};
         }
     };

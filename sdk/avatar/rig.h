@@ -41,7 +41,8 @@ inline void skin(const MeshData& mesh, std::span<const Mat3x4f> worldFromRest, J
 /** Rest frames of all triangles; invalid ones carry no splats. */
 std::vector<RestTriangle<float>> restTriangles(const MeshData& mesh);
 
-/** Posed frames of all triangles. light: brightness a vertex, or empty for 1. */
+/** Posed frames of all triangles. rest: restTriangles, or empty: made on the way from the mesh's rest positions, so that nobody must keep
+ *  52 bytes a triangle. light: brightness a vertex, or empty for 1. */
 void poseTriangles(const MeshData& mesh, std::span<const RestTriangle<float>> rest, std::span<const Vec3f> positions, Jobs& jobs,
                    std::vector<TriangleFrame<float>>& frames, std::span<const float> light = {});
 

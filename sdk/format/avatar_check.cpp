@@ -115,9 +115,13 @@ Status checkClip(const ClipData& clip, size_t jointCount) {
 }  // namespace
 
 Status checkAvatar(const AvatarData& a) {
+    DPL_CHECK_OK(checkAvatarWithoutSplats(a));
+    return checkSplats(a.splats, a.mesh.triangles.size());
+}
+
+Status checkAvatarWithoutSplats(const AvatarData& a) {
     DPL_CHECK_OK(checkJoints(a.joints));
     DPL_CHECK_OK(checkMesh(a.mesh, a.joints.size()));
-    DPL_CHECK_OK(checkSplats(a.splats, a.mesh.triangles.size()));
     if (Status fits = checkCorrectives(a.correctives, a.joints.size(), a.mesh.restPositions.size()); !fits) return fail(Code::InvalidArgument, "{}", fits.error().message);
     for (const ClipData& clip : a.clips) DPL_CHECK_OK(checkClip(clip, a.joints.size()));
     for (const EvidenceData& e : a.evidence)

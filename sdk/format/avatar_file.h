@@ -9,18 +9,18 @@
 
 #include "sdk/core/result.h"
 #include "sdk/format/avatar_data.h"
+#include "sdk/format/coded_splats.h"
 #include "sdk/format/read_limits.h"
 
 namespace dpl {
 
 constexpr uint32_t kAvatarFormatVersion = 2;             // newest; files without pose correctives are written as version 1
-constexpr uint32_t kSplatChunkSize = 256;             // unit of compression and of culling; a chunk never straddles a layer
 constexpr float kPositionStepM = 1.0f / 65536;        // lattice of vertices, joints and root translations: error ≤ 7.7 µm an axis
 constexpr float kPositionLimitM = 32;                 // coordinates beyond this are refused: Draco rounds exactly up to 22 bits
-constexpr float kMinSplatScaleM = 1e-4f;              // smaller standard deviations are raised to this
 
 struct WriteOptions {
-    bool draco = true;   // false: plain accessors, for validators and viewers without Draco; decodes to the same AvatarData
+    bool draco = true;        // false: plain accessors, for validators and viewers without Draco; decodes to the same AvatarData
+    bool shPalette = false;   // rows of SH that repeat are written once (splat encoding 2); InvalidArgument above 65,536 different ones
 };
 
 /** Encodes an avatar. Layers must tile the vertex and triangle arrays in order, joint 0 must be the only root, parents first,
@@ -33,6 +33,15 @@ Result<std::vector<uint8_t>> writeAvatar(const AvatarData& avatar, const WriteOp
  *  CorruptData: damaged or hostile bytes. Version: written by a newer Doppel. Unsupported: a glTF without our extension. */
 Result<AvatarData> readAvatar(std::span<const uint8_t> bytes, const ReadLimits& limits = {});
 
+/** An avatar whose splats stay as they lie in the file: what a renderer keeps. avatar.splats is empty. */
+struct CodedAvatar {
+    AvatarData avatar;
+    CodedSplats splats;
+};
+
+/** readAvatar without decoding the splats: as strict, and peak memory is little more than what it returns. */
+Result<CodedAvatar> readCodedAvatar(std::span<const uint8_t> bytes, const ReadLimits& limits = {});
+
 /** What is in a file, bytes by part. The parts add up to fileBytes. */
 struct AvatarInfo {
     std::string name, generator;
@@ -42,10 +51,11 @@ struct AvatarInfo {
     uint32_t vertices = 0, triangles = 0, joints = 0, layers = 0, splats = 0, chunks = 0, clips = 0, shDegree = 0;
     uint32_t correctiveModes = 0, correctiveNodes = 0;
     float trainedPixelM = 0;      // AvatarData's
+    uint32_t shPaletteSize = 0;   // 0: every splat has its own SH
     uint64_t fileBytes = 0;
     uint64_t meshBytes = 0;       // Draco views, or plain vertex and index views
     uint64_t splatBytes = 0;      // triangle counts, chunk table, three words a splat
-    uint64_t shBytes = 0;
+    uint64_t shBytes = 0;         // beyond coefficient 0: of every splat, or palette and indices
     uint64_t correctiveBytes = 0; // pose correctives
     uint64_t clipBytes = 0;       // animation samplers
     uint64_t skinBytes = 0;       // inverse bind matrices

@@ -83,7 +83,8 @@ struct AvatarReader {
     GltfModel model{};
     Json extension{};
     AvatarInfo info{};
-    AvatarData avatar{};
+    AvatarData avatar{};    // all but the splats
+    CodedSplats coded{};
     std::set<uint32_t> spentViews{};
     uint64_t budget = 0;   // bytes of the binary chunk not yet decoded: each byte may be decoded about once, so sharing cannot multiply
 
@@ -278,12 +279,18 @@ struct AvatarReader {
         DPL_TRY(const Json* object, root.object("splats"));
         const Fields splats(*object, "splats");
         DPL_TRY(const uint64_t encoding, splats.number("encoding", 0xffffffffu));
-        if (encoding != 1) return fail(Code::Version, "splat encoding {}; this build reads 1: update Doppel or export again", encoding);
+        if (encoding != 1 && encoding != 2) return fail(Code::Version, "splat encoding {}; this build reads 1 and 2: update Doppel or export again", encoding);
         DPL_CHECK_OK(splats.mustBe("shBasis", "3dgs-real"));
         DPL_TRY(const uint64_t chunkSize, splats.number("chunkSize", 0xffffffffu));
-        if (chunkSize != kSplatChunkSize) return fail(Code::Unsupported, "chunks of {} splats; encoding 1 has {}", chunkSize, kSplatChunkSize);
+        if (chunkSize != kSplatChunkSize) return fail(Code::Unsupported, "chunks of {} splats; encodings 1 and 2 have {}", chunkSize, kSplatChunkSize);
         DPL_TRY(const uint64_t count, splats.number("count", limits.maxSplats));
         DPL_TRY(const uint64_t degree, splats.number("shDegree", 3));
+        SplatHead head{uint32_t(count), uint32_t(degree), 0};
+        if (encoding == 2) {
+            DPL_TRY(const uint64_t entries, splats.number("shPaletteSize", kMaxShPalette));
+            if (entries == 0) return fail(Code::CorruptData, "splat encoding 2 with an empty SH palette");
+            head.paletteSize = uint32_t(entries);
+        }
         DPL_TRY(const Json* streams, splats.object("streams"));
         SplatStreams<std::span<const uint8_t>> in;
         DPL_TRY(in.triangleCounts, stream(*streams, "triangleCounts"));
@@ -291,11 +298,14 @@ struct AvatarReader {
         DPL_TRY(in.place, stream(*streams, "place"));
         DPL_TRY(in.size, stream(*streams, "size"));
         DPL_TRY(in.colour, stream(*streams, "colour"));
+        DPL_TRY(in.shIndex, stream(*streams, "shIndex"));
         DPL_TRY(in.sh, stream(*streams, "sh"));
-        DPL_TRY(avatar.splats, decodeSplats(in, avatar.mesh, uint32_t(count), uint32_t(degree), limits));
+        DPL_TRY(coded, readSplatStreams(in, avatar.mesh, head, limits));
         info.splatBytes = in.triangleCounts.size() + in.chunks.size() + in.place.size() + in.size.size() + in.colour.size();
-        info.shBytes = in.sh.size();
+        info.shBytes = in.sh.size() + in.shIndex.size();
+        info.shPaletteSize = head.paletteSize;
         info.chunks = uint32_t(in.chunks.size() / sizeof(SplatChunk));
+        info.splats = coded.count(), info.shDegree = coded.shDegree;
         return {};
     }
 
@@ -347,7 +357,7 @@ struct AvatarReader {
         DPL_CHECK_OK(readSplats());
         DPL_CHECK_OK(readCorrectives());
         // One place knows what an avatar is: what a writer must not write, a reader does not accept.
-        if (Status valid = checkAvatar(avatar); !valid) return fail(Code::CorruptData, "the file holds an impossible avatar: {}", valid.error().message);
+        if (Status valid = checkAvatarWithoutSplats(avatar); !valid) return fail(Code::CorruptData, "the file holds an impossible avatar: {}", valid.error().message);
         return {};
     }
 
@@ -355,7 +365,7 @@ struct AvatarReader {
         info.name = avatar.name, info.generator = avatar.generator, info.evidence = avatar.evidence, info.trainedPixelM = avatar.trainedPixelM;
         info.vertices = uint32_t(avatar.mesh.restPositions.size()), info.triangles = uint32_t(avatar.mesh.triangles.size());
         info.joints = uint32_t(avatar.joints.size()), info.layers = uint32_t(avatar.mesh.layers.size());
-        info.splats = avatar.splats.count(), info.clips = uint32_t(avatar.clips.size()), info.shDegree = avatar.splats.shDegree;
+        info.clips = uint32_t(avatar.clips.size());
         info.correctiveModes = avatar.correctives.modeCount, info.correctiveNodes = avatar.correctives.nodeCount;
         const uint64_t known = info.meshBytes + info.splatBytes + info.shBytes + info.correctiveBytes + info.clipBytes + info.skinBytes + info.jsonBytes;
         info.otherBytes = info.fileBytes - std::min(known, info.fileBytes);
@@ -367,7 +377,18 @@ struct AvatarReader {
 Result<AvatarData> readAvatar(std::span<const uint8_t> bytes, const ReadLimits& limits) try {
     AvatarReader reader{limits};
     DPL_CHECK_OK(reader.read(bytes));
+    reader.avatar.splats = decodeSplats(reader.coded, reader.avatar.mesh.triangles.size());
     return std::move(reader.avatar);
+} catch (const std::bad_alloc&) {
+    return fail(Code::OutOfMemory, "no memory to read an avatar");
+} catch (const std::exception& e) {
+    return fail(Code::CorruptData, "the avatar cannot be read: {}", e.what());
+}
+
+Result<CodedAvatar> readCodedAvatar(std::span<const uint8_t> bytes, const ReadLimits& limits) try {
+    AvatarReader reader{limits};
+    DPL_CHECK_OK(reader.read(bytes));
+    return CodedAvatar{std::move(reader.avatar), std::move(reader.coded)};
 } catch (const std::bad_alloc&) {
     return fail(Code::OutOfMemory, "no memory to read an avatar");
 } catch (const std::exception& e) {

@@ -1,5 +1,10 @@
 #include "sdk/render/avatar_upload.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+
 #include "sdk/avatar/pose_correctives.h"
 #include "sdk/math/binding.h"
 #include "sdk/math/sh.h"
@@ -11,7 +16,11 @@ namespace {
 static_assert(gpu::kGpuMinTriangleAreaM2 == float(kMinTriangleAreaM2) && gpu::kGpuMaxTriangleAspect == float(kMaxTriangleAspect));
 static_assert(gpu::kGpuMaxAlpha == float(kMaxAlpha) && gpu::kGpuMinAlpha == float(kMinAlpha) && gpu::kGpuMinCompensation == float(kMinCompensation));
 static_assert(gpu::kGpuNearM == float(kNearM) && gpu::kGpuNearFadeEndM == float(kNearFadeEndM) && gpu::kGpuGateEnd == float(kGateEnd));
-static_assert(gpu::kGateFlag == kSplatSingleFace);
+static_assert(gpu::kUvZeroCode == float(kUvZero) && gpu::kUvCodeSteps == float(kUvSteps) && kPhiSteps == 1024 && kScaleCodes == 2047 && kColourCodes[0] == 1023);
+static_assert(sizeof(SplatChunk) == gpu::kChunkWords * 4 && offsetof(SplatChunk, scaleMinM) == gpu::kChunkScaleMin * 4 && offsetof(SplatChunk, scaleMaxM) == gpu::kChunkScaleMax * 4 &&
+              offsetof(SplatChunk, dcMin) == gpu::kChunkDcMin * 4 && offsetof(SplatChunk, dcMax) == gpu::kChunkDcMax * 4 && offsetof(SplatChunk, shRange) == gpu::kChunkShRange * 4 &&
+              offsetof(SplatChunk, firstParent) == gpu::kChunkFirstParent * 4);
+static_assert(kSplatChunkSize == 2 * gpu::kSplatGroup);
 static_assert(gpu::kGpuMinLight == kMinLight && gpu::kGpuMaxLight == kMaxLight);
 
 constexpr uint32_t kMaxJoints = 0xFFFF;
@@ -21,27 +30,56 @@ Status checkBinding(const char* what, uint64_t count, uint64_t each, const Devic
     return fail(Code::Unsupported, "{} need {} bytes in one binding, {} allows {}; {}", what, count * each, device.name, device.maxBindingBytes, remedy);
 }
 
-/** How far the splats [begin, end) reach from their triangle, and how many there are of each kind. */
-void addReach(const SplatData& s, uint32_t begin, uint32_t end, gpu::TriangleRecord& triangle) {
-    constexpr float kOutside = 1e-5f;     // float rounding, inside the margin of lib/cull.glsl
+/** How far the splats of each triangle reach from it, and how many there are of each kind. Scales and opacities as decodeSplats gives them, but
+ *  for float rounding, which is inside the margin of lib/cull.glsl. */
+void addReach(const CodedSplats& s, std::vector<gpu::TriangleRecord>& triangles) {
     constexpr float kAnywhere = 1e15f;    // never out of view; its products stay finite
-    for (uint32_t i = begin; i < end; ++i) {
-        ++(s.flags[i] & kSplatSingleFace ? triangle.gatedSplats : triangle.freeSplats);
-        if (!(s.opacity[i] > float(kMinAlpha))) continue;  // never seen
-        const float rootLevel = std::sqrt(2 * std::log(s.opacity[i] / float(kMinAlpha)));
-        const Vec2f uv = s.uv[i];
-        const bool onTriangle = uv.x >= 0 && uv.y >= 0 && uv.x + uv.y <= 1 + kOutside;
-        triangle.rootLevel = std::max(triangle.rootLevel, rootLevel);
-        triangle.reach = std::max(triangle.reach, onTriangle ? rootLevel * std::max(std::abs(s.scaleM[i].x), std::abs(s.scaleM[i].y)) : kAnywhere);
+    for (const SplatChunk& c : s.chunks) {
+        const float low = std::log(c.scaleMinM), width = std::log(c.scaleMaxM) - low;
+        for (uint32_t i = c.firstSplat; i < c.firstSplat + c.splatCount; ++i) {
+            gpu::TriangleRecord& triangle = triangles[s.parents[c.firstParent + s.parent[i]]];
+            const uint32_t place = s.place[i], size = s.size[i];
+            ++(size & gpu::kGatedBit ? triangle.gatedSplats : triangle.freeSplats);
+            const float opacity = float(size >> 22 & 255) / 255;
+            if (!(opacity > float(kMinAlpha))) continue;  // never seen
+            const float rootLevel = std::sqrt(2 * std::log(opacity / float(kMinAlpha)));
+            const int u = int(place & 2047) - kUvZero, v = int(place >> 11 & 2047) - kUvZero;
+            const bool onTriangle = u >= 0 && v >= 0 && u + v <= int(kUvSteps);
+            triangle.rootLevel = std::max(triangle.rootLevel, rootLevel);
+            const float largest = std::exp(low + width * float(std::max(size & 2047, size >> 11 & 2047)) / kScaleCodes) * 1.00001f;
+            triangle.reach = std::max(triangle.reach, onTriangle ? rootLevel * largest : kAnywhere);
+        }
     }
+}
+
+template <class T>
+uint32_t appendWords(std::vector<uint32_t>& words, const std::vector<T>& values) {
+    const size_t first = words.size();
+    words.resize(first + (values.size() * sizeof(T) + 3) / 4, 0);
+    if (!values.empty()) std::memcpy(words.data() + first, values.data(), values.size() * sizeof(T));
+    return uint32_t(first);
 }
 
 }  // namespace
 
-Status checkAvatar(const AvatarData& avatar, const DeviceInfo& device) {
-    const MeshData& mesh = avatar.mesh;
+Status checkSplatArrays(const AvatarData& avatar) {
     const SplatData& splats = avatar.splats;
-    const size_t vertices = mesh.restPositions.size(), triangles = mesh.triangles.size(), count = splats.count();
+    const size_t triangles = avatar.mesh.triangles.size(), count = splats.count();
+    if (splats.shDegree > kMaxShDegree) return fail(Code::Unsupported, "avatar {}: SH degree {}, at most {}", avatar.name, splats.shDegree, kMaxShDegree);
+    const size_t coefficients = shCoefficientCount(splats.shDegree) * 3;
+    if (splats.phi.size() != count || splats.scaleM.size() != count || splats.opacity.size() != count || splats.flags.size() != count ||
+        splats.sh.size() != count * coefficients)
+        return fail(Code::InvalidArgument, "avatar {}: splat arrays differ in length ({} splats)", avatar.name, count);
+    if (count > 0 && (splats.triangleStart.size() != triangles + 1 || splats.triangleStart.front() != 0 || splats.triangleStart.back() != count))
+        return fail(Code::InvalidArgument, "avatar {}: triangleStart does not cover {} triangles and {} splats", avatar.name, triangles, count);
+    for (size_t t = 1; t < splats.triangleStart.size(); ++t)
+        if (splats.triangleStart[t] < splats.triangleStart[t - 1]) return fail(Code::InvalidArgument, "avatar {}: triangleStart falls at triangle {}", avatar.name, t);
+    return {};
+}
+
+Status checkAvatar(const AvatarData& avatar, const CodedSplats& splats, const DeviceInfo& device) {
+    const MeshData& mesh = avatar.mesh;
+    const size_t vertices = mesh.restPositions.size(), triangles = mesh.triangles.size();
     if (mesh.jointIndices.size() != vertices || mesh.jointWeights.size() != vertices)
         return fail(Code::InvalidArgument, "avatar {}: {} vertices but {} joint indices and {} weights", avatar.name, vertices, mesh.jointIndices.size(), mesh.jointWeights.size());
     if (avatar.joints.empty() || avatar.joints.size() > kMaxJoints) return fail(Code::InvalidArgument, "avatar {}: {} joints; 1 to {} are possible", avatar.name, avatar.joints.size(), kMaxJoints);
@@ -52,18 +90,9 @@ Status checkAvatar(const AvatarData& avatar, const DeviceInfo& device) {
         for (int k = 0; k < 3; ++k)
             if (t[k] >= vertices) return fail(Code::InvalidArgument, "avatar {}: a triangle names vertex {} of {}", avatar.name, t[k], vertices);
     DPL_CHECK_OK(checkCorrectives(avatar.correctives, avatar.joints.size(), vertices));
-    if (splats.shDegree > kMaxShDegree) return fail(Code::Unsupported, "avatar {}: SH degree {}, at most {}", avatar.name, splats.shDegree, kMaxShDegree);
-    const size_t coefficients = shCoefficientCount(splats.shDegree) * 3;
-    if (splats.phi.size() != count || splats.scaleM.size() != count || splats.opacity.size() != count || splats.flags.size() != count ||
-        splats.sh.size() != count * coefficients)
-        return fail(Code::InvalidArgument, "avatar {}: splat arrays differ in length ({} splats)", avatar.name, count);
-    if (count > 0 && (splats.triangleStart.size() != triangles + 1 || splats.triangleStart.front() != 0 || splats.triangleStart.back() != count))
-        return fail(Code::InvalidArgument, "avatar {}: triangleStart does not cover {} triangles and {} splats", avatar.name, triangles, count);
-    for (size_t t = 1; t < splats.triangleStart.size(); ++t)
-        if (splats.triangleStart[t] < splats.triangleStart[t - 1]) return fail(Code::InvalidArgument, "avatar {}: triangleStart falls at triangle {}", avatar.name, t);
-    if (triangles > gpu::kTriangleMask) return fail(Code::Unsupported, "avatar {}: {} triangles, at most {}", avatar.name, triangles, gpu::kTriangleMask);
-    DPL_CHECK_OK(checkBinding("SH coefficients", count, coefficients * 4, device, "export the avatar with a lower SH degree or fewer splats"));
-    DPL_CHECK_OK(checkBinding("projected splats", count, sizeof(gpu::ProjectedSplat) * gpu::kMaxViews, device, "export the avatar with fewer splats"));
+    DPL_CHECK_OK(checkBinding("SH coefficients", splats.sh.size(), 1, device, "export the avatar with a lower SH degree or fewer splats"));
+    DPL_CHECK_OK(checkBinding("splats", splats.bytes() - splats.sh.size(), 1, device, "export the avatar with fewer splats"));
+    DPL_CHECK_OK(checkBinding("projected splats", splats.count(), sizeof(gpu::ProjectedSplat) * gpu::kMaxViews, device, "export the avatar with fewer splats"));
     DPL_CHECK_OK(checkBinding("posed triangles", triangles, sizeof(gpu::TriangleFrame), device, "decimate the mesh"));
     return checkBinding("posed vertices", vertices, avatar.correctives.empty() ? sizeof(gpu::VertexRecord) : sizeof(gpu::CorrectedVertexRecord), device, "decimate the mesh");
 }
@@ -91,7 +120,7 @@ std::vector<gpu::GeneralSplatRecord> packSplats(const StaticSplatData& s) {
     return out;
 }
 
-AvatarRecords packAvatar(const AvatarData& avatar) {
+AvatarRecords packAvatar(const AvatarData& avatar, const CodedSplats& splats) {
     AvatarRecords out;
     const MeshData& mesh = avatar.mesh;
     const auto pair = [](uint32_t low, uint32_t high) { return low | high << 16; };
@@ -108,22 +137,21 @@ AvatarRecords packAvatar(const AvatarData& avatar) {
                                              bytes(avatar.correctives.nodeWeights[i]), 0, 0, 0});
         }
     }
-    const SplatData& s = avatar.splats;
-    for (uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-        const Triangle& t = mesh.triangles[i];
+    for (const Triangle& t : mesh.triangles) {
         const auto rest = restTriangle<float>(mesh.restPositions[t.x], mesh.restPositions[t.y], mesh.restPositions[t.z]);
         const auto column = [&](int k, float w) { return gpu::vec4{rest.frame[k].x, rest.frame[k].y, rest.frame[k].z, w}; };
         out.triangles.push_back({column(0, rest.inverse.i00), column(1, rest.inverse.i01), column(2, rest.inverse.i11), {t.x, t.y, t.z, rest.valid ? 1u : 0u}, 0, 0, 0, 0});
-        if (i + 1 < s.triangleStart.size()) addReach(s, s.triangleStart[i], s.triangleStart[i + 1], out.triangles.back());
     }
-    out.splats.reserve(s.count());
-    for (uint32_t t = 0; t + 1 < s.triangleStart.size(); ++t) {
-        for (uint32_t i = s.triangleStart[t]; i < s.triangleStart[t + 1]; ++i) {
-            const float c = std::cos(s.phi[i]), sine = std::sin(s.phi[i]);
-            out.splats.push_back({{s.uv[i].x, s.uv[i].y}, s.scaleM[i].x * c, s.scaleM[i].x * sine, s.scaleM[i].y * c, s.scaleM[i].y * sine,
-                                  s.opacity[i], t | uint32_t(s.flags[i]) << gpu::kFlagShift});
-        }
-    }
+    addReach(splats, out.triangles);
+    out.codes.reserve(size_t(splats.bytes() - splats.sh.size()) / 4 + 2);
+    appendWords(out.codes, splats.chunks);
+    out.where.firstParent = appendWords(out.codes, splats.parents);
+    out.where.firstPlace = appendWords(out.codes, splats.place);
+    out.where.firstSize = appendWords(out.codes, splats.size);
+    out.where.firstColour = appendWords(out.codes, splats.colour);
+    out.where.firstParentByte = appendWords(out.codes, splats.parent);
+    if (!splats.shIndex.empty()) out.where.firstShIndex = appendWords(out.codes, splats.shIndex);
+    out.where.shDegree = splats.shDegree, out.where.shWords = shEntryBytes(splats.shDegree) / 4;
     return out;
 }
 
@@ -136,7 +164,7 @@ void packPalette(std::span<const Mat3x4f> worldFromRest, std::span<const Vec4f> 
     for (const Vec4f& n : nodes) *row++ = {n.x, n.y, n.z, n.w};
 }
 
-SplatSet splatSetOf(const AvatarData& avatar) { return {avatar.splats.count(), avatar.splats.shDegree, avatar.kappaPx2, avatar.compensated}; }
+SplatSet splatSetOf(const AvatarData& avatar, const CodedSplats& splats) { return {splats.count(), splats.shDegree, avatar.kappaPx2, avatar.compensated}; }
 SplatSet splatSetOf(const StaticSplatData& splats) { return {splats.count(), splats.shDegree, splats.kappaPx2, splats.compensated}; }
 
 gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views, uint32_t samples) {

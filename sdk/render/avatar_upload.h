@@ -6,6 +6,7 @@
 
 #include "sdk/backend/backend.h"
 #include "sdk/format/avatar_data.h"
+#include "sdk/format/coded_splats.h"
 #include "shaders/shared/frame.h"
 
 namespace dpl {
@@ -14,15 +15,18 @@ struct AvatarRecords {
     std::vector<gpu::VertexRecord> vertices;
     std::vector<gpu::CorrectedVertexRecord> correctedVertices;   // instead of `vertices` when the avatar has pose correctives
     std::vector<gpu::TriangleRecord> triangles;
-    std::vector<gpu::SplatRecord> splats;
+    std::vector<uint32_t> codes;       // the splats' streams, one behind the other
+    gpu::CodesPush where{};            // ... and where each begins
 };
 
-/** Refuses arrays of different lengths, indices out of range, and avatars above a limit of the device (binding size,
- *  2²⁴ triangles); the text says which limit and what would help. */
-Status checkAvatar(const AvatarData& avatar, const DeviceInfo& device);
+/** Refuses meshes with arrays of different lengths or indices out of range, and avatars above a limit of the device's bindings; the text
+ *  says which limit and what would help. avatar.splats is not looked at. */
+Status checkAvatar(const AvatarData& avatar, const CodedSplats& splats, const DeviceInfo& device);
+/** Refuses splat arrays that do not fit each other or the triangles. */
+Status checkSplatArrays(const AvatarData& avatar);
 
-/** The avatar must have passed checkAvatar. */
-AvatarRecords packAvatar(const AvatarData& avatar);
+/** Both must have passed checkAvatar. The SH entries are uploaded as they are. */
+AvatarRecords packAvatar(const AvatarData& avatar, const CodedSplats& splats);
 
 /** The same for general splats. */
 Status checkSplats(const StaticSplatData& splats, const DeviceInfo& device);
@@ -38,7 +42,7 @@ struct SplatSet {
     float kappaPx2 = 0;   // of a pixel
     bool compensated = false;
 };
-SplatSet splatSetOf(const AvatarData& avatar);
+SplatSet splatSetOf(const AvatarData& avatar, const CodedSplats& splats);
 SplatSet splatSetOf(const StaticSplatData& splats);
 
 /** What one frame takes from the CPU: the block itself, and the sort axis inside it (mean forward axis of the views). samples: a pixel, which share the low-pass. */

@@ -11,6 +11,8 @@ struct FrameIds {
     uint32_t vertexCount = 0, triangleCount = 0, splatCount = 0, shDegree = 0, viewCount = 1;
     uint32_t widthPx = 0, heightPx = 0;   // of one view
     uint32_t jointCount = 0;
+    uint32_t groupCount = 0, filledGroups = 0;  // half-chunks of an avatar's splats; those with any
+    gpu::CodesPush codes{};               // where its streams begin; views and groups are filled in per frame
     bool corrected = false;               // pose correctives: other vertex records, control nodes behind the joints in the palette
     bool general = false;                 // general splats: no vertices, no triangles; `splats` holds GeneralSplatRecord
     bool layered = true, depth = false, halfColour = false;
@@ -27,8 +29,12 @@ struct FrameIds {
 
     uint32_t sortRounds() const { return general ? gpu::kGeneralSortRounds : gpu::kSortRounds; }
     uint32_t maxDepthKey() const { return (1u << (sortRounds() * gpu::kSortDigitBits)) - 1; }
-    uint32_t chunkCount() const { return general ? 0 : (splatCount + gpu::kSplatGroup - 1) / gpu::kSplatGroup; }  // triangles decide over chunks
-    uint32_t firstDepth() const { return 2 * chunkCount(); }  // in the visibility buffer
+    uint32_t firstDepth() const { return 2 * groupCount; }  // in the visibility buffer
+    gpu::CodesPush codesPush() const {
+        gpu::CodesPush push = codes;
+        push.viewCount = viewCount, push.groupCount = groupCount;
+        return push;
+    }
     uint32_t compactBlocks() const { return (splatCount + gpu::kCompactBlock - 1) / gpu::kCompactBlock; }
     uint32_t maxSortBlocks() const { return (splatCount + gpu::kSortBlock - 1) / gpu::kSortBlock; }
 };

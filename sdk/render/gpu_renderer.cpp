@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "sdk/avatar/pose_correctives.h"
+#include "sdk/format/splat_codec.h"
 #include "sdk/math/coverage.h"
 #include "sdk/render/passes/chunks.h"
 #include "sdk/render/passes/compact.h"
@@ -65,16 +66,23 @@ Result<BufferId> GpuRenderer::makeBuffer(std::vector<BufferId>& owned, std::stri
 template <class T>
 Result<BufferId> GpuRenderer::uploadBuffer(std::vector<BufferId>& owned, std::string label, std::span<const T> items) {
     DPL_TRY(BufferId id, makeBuffer(owned, std::move(label), items.size_bytes()));
-    DPL_CHECK_OK(backend_->write(id, 0, std::as_bytes(items)));
+    if (!items.empty()) { DPL_CHECK_OK(backend_->write(id, 0, std::as_bytes(items))); }
     return id;
 }
 
 Result<RenderAvatarId> GpuRenderer::addAvatar(std::shared_ptr<const AvatarData> data) {
     if (!data) return fail(Code::InvalidArgument, "no avatar");
-    DPL_CHECK_OK(checkAvatar(*data, backend_->info()));
+    DPL_CHECK_OK(checkSplatArrays(*data));
+    DPL_TRY(CodedSplats coded, codeSplats(data->mesh, data->splats));
+    return addCodedAvatar(std::move(data), std::move(coded));
+}
+
+Result<RenderAvatarId> GpuRenderer::addCodedAvatar(std::shared_ptr<const AvatarData> data, CodedSplats splats) {
+    if (!data) return fail(Code::InvalidArgument, "no avatar");
+    DPL_CHECK_OK(checkAvatar(*data, splats, backend_->info()));
     LoadedAvatar avatar;
     avatar.data = std::move(data);
-    const Status loaded = loadAvatar(avatar);
+    const Status loaded = loadAvatar(avatar, splats);
     return keep(std::move(avatar), loaded);
 }
 
@@ -101,30 +109,37 @@ Status GpuRenderer::loadSplats(LoadedAvatar& a, const StaticSplatData& splats) {
     ids.splatCount = splats.count();
     ids.shDegree = splats.shDegree;
     const std::vector<gpu::GeneralSplatRecord> records = packSplats(splats);
+    a.avatarBytes = a.splatBytes = records.size() * sizeof(gpu::GeneralSplatRecord) + splats.sh.size() * sizeof(float);
     DPL_TRY(ids.splats, uploadBuffer<gpu::GeneralSplatRecord>(a.owned, "splats", records));
     DPL_TRY(ids.sh, uploadBuffer<float>(a.owned, "sh", splats.sh));
     return makeWorkBuffers(a);
 }
 
-Status GpuRenderer::loadAvatar(LoadedAvatar& a) {
-    a.splats = splatSetOf(*a.data);
+Status GpuRenderer::loadAvatar(LoadedAvatar& a, const CodedSplats& splats) {
     const AvatarData& data = *a.data;
-    const AvatarRecords records = packAvatar(data);
+    a.splats = splatSetOf(data, splats);
+    const AvatarRecords records = packAvatar(data, splats);
     FrameIds& ids = a.ids;
     ids.vertexCount = uint32_t(data.mesh.restPositions.size());
     ids.jointCount = uint32_t(data.joints.size());
     ids.corrected = !data.correctives.empty();
     ids.triangleCount = uint32_t(records.triangles.size());
-    ids.splatCount = uint32_t(records.splats.size());
-    ids.shDegree = data.splats.shDegree;
+    ids.splatCount = splats.count();
+    ids.shDegree = splats.shDegree;
+    ids.groupCount = 2 * uint32_t(splats.chunks.size());
+    for (const SplatChunk& c : splats.chunks) ids.filledGroups += (c.splatCount + gpu::kSplatGroup - 1) / gpu::kSplatGroup;
+    ids.codes = records.where;
+    a.splatBytes = splats.bytes();
+    a.avatarBytes = splats.bytes() + posingBytes(data) + records.triangles.size() * sizeof(gpu::TriangleRecord) + records.vertices.size() * sizeof(gpu::VertexRecord) +
+                    records.correctedVertices.size() * sizeof(gpu::CorrectedVertexRecord);
     if (ids.corrected) {
         DPL_TRY(ids.vertices, uploadBuffer<gpu::CorrectedVertexRecord>(a.owned, "vertices", records.correctedVertices));
     } else {
         DPL_TRY(ids.vertices, uploadBuffer<gpu::VertexRecord>(a.owned, "vertices", records.vertices));
     }
     DPL_TRY(ids.triangles, uploadBuffer<gpu::TriangleRecord>(a.owned, "triangles", records.triangles));
-    DPL_TRY(ids.splats, uploadBuffer<gpu::SplatRecord>(a.owned, "splats", records.splats));
-    DPL_TRY(ids.sh, uploadBuffer<float>(a.owned, "sh", data.splats.sh));
+    DPL_TRY(ids.splats, uploadBuffer<uint32_t>(a.owned, "splats", records.codes));
+    DPL_TRY(ids.sh, uploadBuffer<int8_t>(a.owned, "sh", splats.sh));
     DPL_TRY(ids.posed, makeBuffer(a.owned, "posed", ids.vertexCount * 16ull));
     DPL_TRY(ids.triangleFrames, makeBuffer(a.owned, "triangle frames", ids.triangleCount * uint64_t(sizeof(gpu::TriangleFrame))));
     return makeWorkBuffers(a);
@@ -318,6 +333,7 @@ Result<FrameStats> GpuRenderer::stats(RenderAvatarId id) {
     FrameStats stats;
     stats.residentBytes = backend_->residentBytes();
     stats.waits = waits_;
+    stats.avatarBytes = it->second.avatarBytes, stats.splatBytes = it->second.splatBytes;
     const auto slotOf = [&](auto isIt) -> std::pair<const ShapedFrame*, const Slot*> {
         std::pair<const ShapedFrame*, const Slot*> found{};
         for (const ShapedFrame& frame : it->second.frames)
@@ -330,9 +346,13 @@ Result<FrameStats> GpuRenderer::stats(RenderAvatarId id) {
         std::memcpy(&counts, backend_->mapped(slot.finalCounts).data(), sizeof(counts));
         const auto raise = [](uint32_t& value, uint32_t other) { value = std::max(value, other); };
         stats.views += frame.shape.views;
-        stats.chunks = frame.ids.chunkCount();
+        stats.chunks = frame.ids.filledGroups;
         raise(stats.trianglesInView, counts.trianglesInView), raise(stats.trianglesFacing, counts.trianglesFacing), raise(stats.chunksProjected, counts.chunkGroupsX);
         raise(stats.splatsInView, counts.splatsInView), raise(stats.splatsFacing, counts.splatsFacing), raise(stats.splatsDrawn, counts.visible);
+        if (!frame.ids.general) {   // from survivors and layout: the GPU counts no bytes
+            stats.bytesDecided += uint64_t(frame.ids.splatCount) * 5 + uint64_t(counts.chunkGroupsX) * gpu::kSplatGroup * 5;
+            stats.bytesDecoded += uint64_t(counts.splatsFacing) * 4 + uint64_t(counts.visible) * (4 + (frame.ids.codes.firstShIndex ? 2 : 0) + frame.ids.codes.shWords * 4);
+        }
         for (PassTime& pass : backend_->passTimes(slot.draw)) stats.passes.push_back(std::move(pass));
         if (frame.lastRead == slot.number)
             for (PassTime& pass : backend_->passTimes(frame.readback)) stats.passes.push_back(std::move(pass));

@@ -22,6 +22,7 @@ public:
 
     std::string name() const override { return name_; }
     Result<RenderAvatarId> addAvatar(std::shared_ptr<const AvatarData> avatar) override;
+    Result<RenderAvatarId> addCodedAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats) override;
     Result<RenderAvatarId> addSplats(const StaticSplatData& splats) override;
     void removeAvatar(RenderAvatarId avatar) override;
     Status draw(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, bool wantDepth) override;
@@ -58,6 +59,7 @@ private:
         SplatSet splats;
         FrameIds ids;                  // of what does not depend on the shape
         std::vector<BufferId> owned;
+        uint64_t avatarBytes = 0, splatBytes = 0;
         std::vector<ShapedFrame> frames;
         uint64_t drawn[gpu::kMaxViews] = {};      // numbers of the frames of the last draw, in order of the views; 0: none
     };
@@ -65,7 +67,7 @@ private:
     Result<BufferId> makeBuffer(std::vector<BufferId>& owned, std::string label, uint64_t bytes, BufferMemory memory = BufferMemory::Device);
     template <class T>
     Result<BufferId> uploadBuffer(std::vector<BufferId>& owned, std::string label, std::span<const T> items);
-    Status loadAvatar(LoadedAvatar& avatar);
+    Status loadAvatar(LoadedAvatar& avatar, const CodedSplats& splats);
     Status loadSplats(LoadedAvatar& avatar, const StaticSplatData& splats);
     Status makeWorkBuffers(LoadedAvatar& avatar);
     Result<RenderAvatarId> keep(LoadedAvatar avatar, const Status& loaded);

@@ -10,6 +10,7 @@
 #include "sdk/backend/backend.h"
 #include "sdk/core/result.h"
 #include "sdk/format/avatar_data.h"
+#include "sdk/format/coded_splats.h"
 #include "sdk/math/camera.h"
 
 namespace dpl {
@@ -38,8 +39,20 @@ struct FrameStats {
     uint32_t splatsDrawn = 0;          // that some view shows
     std::vector<PassTime> passes;      // GPU time in the order they ran, rounds of the sort one by one; empty without timestamps
     uint64_t residentBytes = 0;        // of all avatars and frames of the renderer, on the side that draws
+    uint64_t avatarBytes = 0;          // of this avatar alone, whatever is drawn: splats, and what poses them
+    uint64_t splatBytes = 0;           // of these: the splats' codes, parents and SH entries
+    uint64_t bytesDecided = 0, bytesDecoded = 0;  // of codes that the frame read: which splats may show (phase 1), and those splats (phase 2)
     uint64_t waits = 0;                // since the renderer was made: draw() found every frame in flight still running
 };
+
+/** What posing an avatar keeps on the CPU: mesh, weights and correctives. */
+inline uint64_t posingBytes(const AvatarData& a) {
+    const MeshData& m = a.mesh;
+    const PoseCorrectiveData& c = a.correctives;
+    return m.restPositions.size() * sizeof(m.restPositions[0]) + m.colours.size() * sizeof(m.colours[0]) + m.jointIndices.size() * sizeof(m.jointIndices[0]) +
+           m.jointWeights.size() * sizeof(m.jointWeights[0]) + m.triangles.size() * sizeof(m.triangles[0]) + (c.mean.size() + c.modes.size()) * sizeof(float) +
+           c.nodeIndices.size() * sizeof(c.nodeIndices[0]) + c.nodeWeights.size() * sizeof(c.nodeWeights[0]) + c.nodes.size() * sizeof(c.nodes[0]);
+}
 
 using RenderAvatarId = uint32_t;
 constexpr uint32_t kFramesInFlight = 3;  // of one shape: the CPU may be two frames ahead
@@ -52,6 +65,8 @@ public:
     virtual std::string name() const = 0;
     /** Uploads or indexes an avatar; everything a frame needs is created here. */
     virtual Result<RenderAvatarId> addAvatar(std::shared_ptr<const AvatarData> avatar) = 0;
+    /** The same with splats as they lie in the file (readCodedAvatar): avatar->splats is not looked at. */
+    virtual Result<RenderAvatarId> addCodedAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats) = 0;
     /** The same for general splats, which stand still: everything about them but their number may be freed on return. */
     virtual Result<RenderAvatarId> addSplats(const StaticSplatData& splats) = 0;
     virtual void removeAvatar(RenderAvatarId avatar) = 0;

@@ -43,6 +43,7 @@ constexpr uint32_t kProjectBlock = 4096;  // splats a block; the shape of the wo
 struct BlockVisible {
     uint32_t count = 0, minKey = 0xffffffffu, maxKey = 0;
     uint64_t tileEntries = 0;
+    uint64_t decidedBytes = 0, decodedBytes = 0;   // of codes, see SplatEngine
 };
 
 /** What a splat needs of its triangle in one view: 128 bytes, eight quads. Directions are in the rest frame. */
@@ -63,6 +64,7 @@ struct SplatEngine::Buffers {
     bool sortedFrame = false;      // sort() has run since project()
     uint32_t samples = 1;          // a pixel
     Scratch<TriangleView> triangles;
+    Scratch<uint8_t> parentShows;  // kShows..., one an entry of CodedSplats::parents
     Scratch<ProjectedSplat> projected;  // splatCount, padded to whole groups
     Scratch<float> rowScale;       // 1/Σ'yy a splat: with B/A it gives σ without the cancellation of A dx² + 2B dx dy + C dy²
     Scratch<TileBox> boxes;
@@ -81,6 +83,8 @@ void projectBound(Jobs& jobs, SplatEngine::Buffers& buffers, const BoundSplatVie
                   std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated);
 void projectStatic(Jobs& jobs, SplatEngine::Buffers& buffers, const StaticSplatData& splats, const Cameraf& camera, float kappaPx2,
                    bool compensated);
+void projectCoded(Jobs& jobs, SplatEngine::Buffers& buffers, const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles,
+                  const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples);
 void projectPacked(Jobs& jobs, SplatEngine::Buffers& buffers, const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles,
                    const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples);
 void sortByDepth(Jobs& jobs, SplatEngine::Buffers& buffers);

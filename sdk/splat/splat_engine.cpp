@@ -16,6 +16,11 @@ void SplatEngine::project(const StaticSplatData& splats, const Cameraf& camera, 
     projectStatic(jobs_, *buffers_, splats, camera, kappaPx2, compensated);
 }
 
+void SplatEngine::project(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera,
+                          float kappaPx2, bool compensated, uint32_t samples) {
+    projectCoded(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, samples);
+}
+
 void SplatEngine::project(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera,
                           float kappaPx2, bool compensated, uint32_t samples) {
     projectPacked(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, samples);
@@ -41,9 +46,21 @@ std::span<const float> SplatEngine::stopTransmittance() const {
 
 uint32_t SplatEngine::visibleCount() const { return buffers_->visibleCount; }
 
+uint64_t SplatEngine::decidedBytes() const {
+    uint64_t bytes = 0;
+    for (const BlockVisible& block : buffers_->blocks) bytes += block.decidedBytes;
+    return bytes;
+}
+
+uint64_t SplatEngine::decodedBytes() const {
+    uint64_t bytes = 0;
+    for (const BlockVisible& block : buffers_->blocks) bytes += block.decodedBytes;
+    return bytes;
+}
+
 uint64_t SplatEngine::bufferBytes() const {
     const Buffers& b = *buffers_;
-    return b.triangles.bytes() + b.sortedBoxes.bytes() + b.projected.bytes() + b.rowScale.bytes() + b.boxes.bytes() + b.blocks.capacity() * sizeof(BlockVisible) + b.keys[0].bytes() +
+    return b.triangles.bytes() + b.parentShows.bytes() + b.sortedBoxes.bytes() + b.projected.bytes() + b.rowScale.bytes() + b.boxes.bytes() + b.blocks.capacity() * sizeof(BlockVisible) + b.keys[0].bytes() +
            b.keys[1].bytes() + b.values[0].bytes() + b.values[1].bytes() + b.histogram.capacity() * sizeof(uint32_t) +
            b.tileCounts.bytes() + b.tiles.offset.capacity() * sizeof(uint32_t) + b.tiles.entries.capacity() * sizeof(uint32_t) +
            b.stops.bytes() + b.stopTransmittance.bytes();

@@ -17,6 +17,7 @@
 
 #include "sdk/core/jobs.h"
 #include "sdk/format/avatar_data.h"
+#include "sdk/format/coded_splats.h"
 #include "sdk/math/binding.h"
 #include "sdk/math/camera.h"
 #include "sdk/math/coverage.h"
@@ -84,6 +85,13 @@ public:
      *  gives their mean (sdk/math/coverage.h). */
     void project(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated,
                  uint32_t samples = 1);
+    /** Bound splats as they lie in the file: 16 bytes a splat and the SH entries stay in memory, and only splats whose triangle the view
+     *  may show are decoded. The others keep nothing but opacity 0 in projected(). */
+    void project(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated,
+                 uint32_t samples = 1);
+    /** Of the last coded projection: bytes of codes that were read to decide, and to decode. */
+    uint64_t decidedBytes() const;
+    uint64_t decodedBytes() const;
 
     /** Stable sort by view depth, ties by index. Optional: bin() sorts when nobody has. */
     void sort();

@@ -1,6 +1,8 @@
 // Projection: splats in, ProjectedSplat + tile box + depth key out, in blocks of kProjectBlock splats.
 #include <algorithm>
+#include <cmath>
 
+#include "sdk/splat/coded_groups.h"
 #include "sdk/splat/project_kernel.h"
 
 namespace dpl {
@@ -81,6 +83,71 @@ void forProjectBlocks(Jobs& jobs, SplatEngine::Buffers& buffers, const Cameraf& 
     });
 }
 
+constexpr uint8_t kShowsFree = 1, kShowsGated = 2;   // of its splats: those that show both faces, those that show one
+
+/** Whether `view` may show a splat of the triangle, wherever in the range of (u, v) codes it sits. False only where the kernel would hide all
+ *  of them: what holds at no corner of that parallelogram holds nowhere on it (shaders/lib/cull.glsl has the argument). */
+uint8_t showsOf(const ProjectView& view, const TriangleView& t, float scaleMaxM) {
+    if (!(t.valid > 0)) return 0;
+    constexpr float kLow = float((0 - kUvZero) / kUvSteps), kHigh = float((2047 - kUvZero) / kUvSteps);
+    constexpr float kRootLevel = 3.33f;   // √(2 ln 255): opacity 1
+    const float a = t.f0[0] * t.f0[0] + t.f0[1] * t.f0[1] + t.f0[2] * t.f0[2], c = t.f1[0] * t.f1[0] + t.f1[1] * t.f1[1] + t.f1[2] * t.f1[2];
+    const float b = t.f0[0] * t.f1[0] + t.f0[1] * t.f1[1] + t.f0[2] * t.f1[2], d = 0.5f * (a - c);
+    const float reachM = kRootLevel * scaleMaxM * std::sqrt(0.5f * (a + c) + std::sqrt(d * d + b * b)) * 1.0001f;
+    const float slopeX = std::max(std::abs(view.minX), std::abs(view.maxX)), slopeY = std::max(std::abs(view.minY), std::abs(view.maxY));
+    const float reachX = view.fx * reachM * std::sqrt(1 + slopeX * slopeX), reachY = view.fy * reachM * std::sqrt(1 + slopeY * slopeY);
+    const float marginX = kRootLevel * std::sqrt(view.kappaPx2) + 1 + view.reachPx + 1e-5f * view.fx, marginY = kRootLevel * std::sqrt(view.kappaPx2) + 1 + view.reachPx + 1e-5f * view.fy;
+    bool left = true, right = true, above = true, below = true, behind = true;   // out of the picture on that side
+    for (int corner = 0; corner < 4; ++corner) {
+        const float u = corner & 1 ? kHigh : kLow, v = corner & 2 ? kHigh : kLow;
+        const float x = t.v0[0] + u * t.e1[0] + v * t.e2[0], y = t.v0[1] + u * t.e1[1] + v * t.e2[1], z = t.v0[2] + u * t.e1[2] + v * t.e2[2];
+        left = left && view.fx * x + (view.cx + marginX) * z + reachX <= 0;
+        right = right && (view.width - view.cx + marginX) * z - view.fx * x + reachX <= 0;
+        above = above && view.fy * y + (view.cy + marginY) * z + reachY <= 0;
+        below = below && (view.height - view.cy + marginY) * z - view.fy * y + reachY <= 0;
+        behind = behind && z <= float(kNearM) * 0.999f;
+    }
+    if (left || right || above || below || behind) return 0;
+    return t.planeDot > 0 ? kShowsFree | kShowsGated : kShowsFree;   // the gate is exactly 0 at planeDot ≤ 0
+}
+
+/** Decodes the groups of a block of which the view may show a splat, a few at a time, and projects them. */
+void projectBlockOfCodes(const CodedSplats& splats, const uint8_t* shows, ProjectTask task) {
+    alignas(64) float packed[kPackAhead / kGroupSplats * kMaxGroupFloats];
+    const size_t groupFloats = size_t(groupFields(true, task.shDegree)) * kGroupSplats;
+    const uint32_t end = std::min(task.firstSplat + task.groups * kGroupSplats, splats.count());
+    const uint64_t splatBytes = 13 + (splats.shIndex.empty() ? 0 : 2) + (splats.shDegree ? shEntryBytes(splats.shDegree) : 0);
+    CodedGroups groups(splats, task.firstSplat);
+    size_t chunk = size_t(std::upper_bound(splats.chunks.begin(), splats.chunks.end(), task.firstSplat, [](uint32_t i, const SplatChunk& c) { return i < c.firstSplat; }) - splats.chunks.begin()) - 1;
+    task.packed = packed;
+    task.groups = 0;
+    const auto flush = [&] {
+        if (task.groups > 0) projectGroups(task);
+        task.groups = 0;
+    };
+    for (uint32_t first = task.firstSplat; first < end; first += kGroupSplats) {
+        const uint32_t lanes = std::min(kGroupSplats, end - first);
+        bool shown = false;
+        for (uint32_t i = first; i < first + lanes; ++i) {
+            if (i >= splats.chunks[chunk].firstSplat + splats.chunks[chunk].splatCount) ++chunk;
+            if (shown) continue;
+            const uint8_t show = shows[splats.chunks[chunk].firstParent + splats.parent[i]];
+            task.visible->decidedBytes += show == kShowsFree ? 5 : 1;
+            shown = show == (kShowsFree | kShowsGated) || (show == kShowsFree && (splats.size[i] >> 30 & 1) == 0);
+        }
+        if (!shown) {
+            flush();
+            for (uint32_t i = first; i < first + lanes; ++i) task.projected[i].opacity = 0;
+            continue;
+        }
+        if (task.groups == kPackAhead / kGroupSplats) flush();
+        if (task.groups == 0) task.firstSplat = first;
+        groups.decode(first, packed + task.groups++ * groupFloats);
+        task.visible->decodedBytes += lanes * splatBytes;
+    }
+    flush();
+}
+
 /** Packs a few splats at a time into the worker's cache and projects them. */
 template <class Splats>
 void projectUnpacked(const Splats& splats, ProjectTask task) {
@@ -112,6 +179,21 @@ void projectStatic(Jobs& jobs, SplatEngine::Buffers& buffers, const StaticSplatD
     const ProjectView view = viewOf(camera, kappaPx2, compensated);
     forProjectBlocks(jobs, buffers, camera, view, usableCount(splats), splats.shDegree, nullptr, 0,
                      [&](const ProjectTask& task) { projectUnpacked(splats, task); });
+}
+
+void projectCoded(Jobs& jobs, SplatEngine::Buffers& buffers, const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles,
+                  const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples) {
+    const ProjectView view = viewOf(camera, kappaPx2, compensated, samples == kCoverageSamples ? kCoverageSamples : 1);
+    const TriangleView* posed = viewTriangles(jobs, buffers.triangles, triangles, camera);
+    uint8_t* shows = buffers.parentShows.resize(splats.parents.size());
+    jobs.forRange(splats.chunks.size(), 16, [&](size_t begin, size_t end, uint32_t) {
+        for (size_t c = begin; c < end; ++c) {
+            const size_t parentsEnd = c + 1 < splats.chunks.size() ? splats.chunks[c + 1].firstParent : splats.parents.size();
+            for (size_t p = splats.chunks[c].firstParent; p < parentsEnd; ++p) shows[p] = showsOf(view, posed[std::min<size_t>(splats.parents[p], triangles.size())], splats.chunks[c].scaleMaxM);
+        }
+    });
+    forProjectBlocks(jobs, buffers, camera, view, splats.count(), splats.shDegree, posed, triangles.size(),
+                     [&](const ProjectTask& task) { projectBlockOfCodes(splats, shows, task); });
 }
 
 void projectPacked(Jobs& jobs, SplatEngine::Buffers& buffers, const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles,

@@ -2,7 +2,8 @@
 //
 //   VertexRecord ─skin► vec4 posed (w: brightness) ─triangles► TriangleFrame ─project► ProjectedSplat (splat × view) + sort depth
 //                                                            └─colour► ProjectedSplat.colour
-//   visibility buffer, uints: a flag a chunk │ the live chunks, in order │ a sort depth a splat
+//   splat codes, uints: chunk records │ parents │ place │ size │ colour │ parent bytes │ SH indices (lib/codes.glsl)
+//   visibility buffer, uints: a flag a half-chunk │ the live ones, in order │ a sort depth a splat
 //   sort depth ─compact► uvec2 (key, splat) ─sort► the same, near first ─draw► pixels
 //   GeneralSplatRecord ─project.general► the same two ─...  (general splats: no pose, no triangles)
 #ifndef DPL_SHARED_FRAME_H
@@ -73,15 +74,6 @@ struct TriangleFrame {        // per triangle and frame; w components carry who 
 };
 DPL_SHARED_SIZE(TriangleFrame, 128)
 
-struct SplatRecord {          // static, per splat
-    vec2 uv;                  // barycentric of corners 1 and 2
-    float s1Cos, s1Sin;       // s1 (cos φ, sin φ): A1 =  s1Cos F0 + s1Sin F1, metres
-    float s2Cos, s2Sin;       // s2 (cos φ, sin φ): A2 = -s2Sin F0 + s2Cos F1
-    float opacity;            // linear
-    uint triangleAndFlags;
-};
-DPL_SHARED_SIZE(SplatRecord, 32)
-
 struct GeneralSplatRecord {   // static, per general splat
     vec4 centre;              // world; w: opacity
     vec4 axis1;               // unit axes × standard deviations, metres; w unused
@@ -118,9 +110,11 @@ DPL_SHARED_SIZE(FrameCounts, 80)
 
 struct VertexPush { uint vertexCount; uint firstNode; };  // control nodes in the palette, behind the joints' rows
 struct TrianglePush { uint triangleCount; uint viewCount; uint cull; };  // cull 0: every valid triangle is shown
-struct SplatPush { uint splatCount; uint viewCount; uint chunkCount; };
+struct SplatPush { uint splatCount; uint viewCount; };
+// Where the streams of an avatar's splat codes begin, in words; firstShIndex 0: every splat has its own SH entry, of shWords.
+struct CodesPush { uint viewCount; uint groupCount; uint firstParent; uint firstPlace; uint firstSize; uint firstColour; uint firstParentByte; uint firstShIndex; uint shDegree; uint shWords; };
 struct ChunkPush { uint chunkCount; };
-struct ColourPush { uint splatCount; uint viewCount; uint shDegree; uint shStride; uint chunkCount; };  // stride in floats per splat
+struct ColourPush { uint splatCount; uint viewCount; uint shDegree; uint shStride; };  // of general splats; stride in floats per splat
 struct CompactPush { uint splatCount; uint blockCount; uint firstDepth; uint maxDepthKey; };  // where in the visibility buffer the sort depths begin
 struct ScanPush { uint count; uint fromSort; };   // fromSort 1: kSortDigits * sortBlocks entries, else `count`
 struct ArgsPush { uint blockCount; uint instancesPerSplat; };

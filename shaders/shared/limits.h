@@ -21,9 +21,18 @@ DPL_CONST uint kSortDigits = 16u;
 DPL_CONST uint kSortRounds = 4u;         // 16-bit keys: 0.03 mm steps across a person
 DPL_CONST uint kGeneralSortRounds = 6u;  // 24-bit keys: a scene may reach a kilometre
 
-DPL_CONST uint kTriangleMask = 0x00FFFFFFu;  // SplatRecord.triangleAndFlags: triangle in the low 24 bits, flags above
-DPL_CONST uint kFlagShift = 24u;
-DPL_CONST uint kGateFlag = 1u;               // kSplatSingleFace
+// Splat codes (sdk/format/coded_splats.h): words of a chunk's record, and what the fields of a splat's words mean.
+DPL_CONST uint kChunkWords = 16u;
+DPL_CONST uint kChunkScaleMin = 4u;
+DPL_CONST uint kChunkScaleMax = 5u;
+DPL_CONST uint kChunkDcMin = 6u;             // three each
+DPL_CONST uint kChunkDcMax = 9u;
+DPL_CONST uint kChunkShRange = 12u;
+DPL_CONST uint kChunkFirstParent = 15u;
+DPL_CONST uint kGatedBit = 0x40000000u;      // of the size word: shows one face
+DPL_CONST float kUvZeroCode = 113.0;
+DPL_CONST float kUvCodeSteps = 1820.0;
+DPL_CONST float kPhiCodeStep = 0.0030679615757712823;  // π / 1024
 DPL_CONST uint kShowsFree = 1u;              // TriangleFrame.v0.w, shifted by the view
 DPL_CONST uint kShowsGated = 4u;
 DPL_CONST uint kInvisibleKey = 0xFFFFFFFFu;  // no view shows the splat

@@ -31,7 +31,7 @@ int main(void) {
         CHECK(sizeof(DplJointInfo) == 40 && offsetof(DplJointInfo, restPosition) == 28);
         CHECK(sizeof(DplClipInfo) == 32 && offsetof(DplClipInfo, durationS) == 16);
         CHECK(sizeof(DplClipOptions) == 24 && offsetof(DplClipOptions, animation) == 16);
-        CHECK(sizeof(DplFrameStats) == 64 && offsetof(DplFrameStats, residentBytes) == 40);
+        CHECK(sizeof(DplFrameStats) == 96 && offsetof(DplFrameStats, residentBytes) == 40);
         CHECK(sizeof(DplPassTime) == 24 && offsetof(DplPassTime, milliseconds) == 16);
     }
     CHECK(sizeof(DplResult) == 4 && sizeof(DplRenderer) == 4 && sizeof(DplDrawFlag) == 4);

@@ -37,12 +37,14 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     mustHold(peak <= (64ull << 20) + (64 + 1024) * uint64_t(size), "readAvatar took more memory than avatar_file.h promises");
     mustHold(avatar || !avatar.error().message.empty(), "an error without a sentence");
     if (avatar) {
-        auto written = dpl::writeAvatar(*avatar);
-        mustHold(bool(written), "an accepted avatar cannot be written");
-        auto again = dpl::readAvatar(*written);
-        mustHold(bool(again), "a written avatar cannot be read");
-        auto rewritten = dpl::writeAvatar(*again);
-        mustHold(rewritten && *rewritten == *written, "writing is not idempotent");
+        for (const bool palette : {false, true}) {
+            auto written = dpl::writeAvatar(*avatar, {.shPalette = palette});
+            mustHold(bool(written), "an accepted avatar cannot be written");
+            auto again = dpl::readAvatar(*written);
+            mustHold(bool(again), "a written avatar cannot be read");
+            auto rewritten = dpl::writeAvatar(*again, {.shPalette = palette});
+            mustHold(rewritten && *rewritten == *written, "writing is not idempotent");
+        }
     }
     dpl::SkinnedGltfOptions options;
     options.requireSkin = false;

@@ -85,15 +85,16 @@ MslFrame runGeneralFrame(const StaticSplatData& splats, std::span<const Cameraf>
     std::vector<float> sh = splats.sh;
     MslFrame out;
     out.projected.resize(size_t(count) * viewCount);
-    run(msl_project_general, groups, order, {&frame, records.data(), out.projected.data(), depth.data(), &out.counts}, gpu::SplatPush{count, viewCount, 0});
-    run(msl_colour_general, groups, order, {&frame, records.data(), sh.data(), out.projected.data()}, gpu::ColourPush{count, viewCount, splats.shDegree, shCoefficientCount(splats.shDegree) * 3, 0});
+    run(msl_project_general, groups, order, {&frame, records.data(), out.projected.data(), depth.data(), &out.counts}, gpu::SplatPush{count, viewCount});
+    run(msl_colour_general, groups, order, {&frame, records.data(), sh.data(), out.projected.data()}, gpu::ColourPush{count, viewCount, splats.shDegree, shCoefficientCount(splats.shDegree) * 3});
     compactAndSort(out, depth, 0, order, gpu::kGeneralSortRounds);
     return out;
 }
 
 MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Cameraf> views, int order) {
-    AvatarRecords records = packAvatar(avatar);
-    gpu::FrameData frame = packFrame(splatSetOf(avatar), views);
+    CodedSplats coded = *codeSplats(avatar.mesh, avatar.splats);
+    AvatarRecords records = packAvatar(avatar, coded);
+    gpu::FrameData frame = packFrame(splatSetOf(avatar, coded), views);
     std::vector<Mat3x4f> joints;
     jointTransforms(avatar.joints, pose, joints);
     const bool corrected = !avatar.correctives.empty();
@@ -103,26 +104,24 @@ MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Ca
     std::vector<gpu::vec4> palette(paletteRows(avatar));
     packPalette(joints, nodes, palette);
     MslFrame out;
-    const uint32_t splats = uint32_t(records.splats.size()), viewCount = uint32_t(views.size());
+    const uint32_t splats = coded.count(), viewCount = uint32_t(views.size());
     std::vector<gpu::vec4> posed(avatar.mesh.restPositions.size());
     std::vector<gpu::TriangleFrame> frames(records.triangles.size());
-    const uint32_t chunks = groupsFor(splats, gpu::kSplatGroup);
-    std::vector<uint32_t> visibility(2 * chunks + splats);
-    std::vector<float> sh = avatar.splats.sh;
+    const uint32_t groups = 2 * uint32_t(coded.chunks.size());
+    std::vector<uint32_t> visibility(2 * groups + splats);
     out.projected.resize(size_t(splats) * viewCount);
     void* vertices = corrected ? static_cast<void*>(records.correctedVertices.data()) : records.vertices.data();
     run(corrected ? msl_skin_corrected : msl_skin, groupsFor(posed.size(), gpu::kVertexGroup), order, {&frame, palette.data(), vertices, posed.data(), &out.counts},
         gpu::VertexPush{uint32_t(posed.size()), uint32_t(3 * joints.size())});
     run(msl_triangles, groupsFor(frames.size(), gpu::kVertexGroup), order, {&frame, records.triangles.data(), posed.data(), frames.data(), &out.counts},
         gpu::TrianglePush{uint32_t(frames.size()), viewCount, 1});
-    const gpu::SplatPush splatPush{splats, viewCount, chunks};
-    run(msl_chunks_mark, chunks, order, {records.splats.data(), frames.data(), visibility.data()}, splatPush);
-    run(msl_chunks_list, 1, order, {visibility.data(), &out.counts}, gpu::ChunkPush{chunks});
-    run(msl_project, out.counts.chunkGroupsX, order, {&frame, records.splats.data(), frames.data(), out.projected.data(), visibility.data()}, splatPush);
-    const uint32_t degree = avatar.splats.shDegree;
-    run(msl_colour, out.counts.chunkGroupsX, order, {sh.data(), out.projected.data(), visibility.data()},
-        gpu::ColourPush{splats, viewCount, degree, (degree + 1) * (degree + 1) * 3, chunks});
-    compactAndSort(out, visibility, 2 * chunks, order, gpu::kSortRounds);
+    gpu::CodesPush push = records.where;
+    push.viewCount = viewCount, push.groupCount = groups;
+    run(msl_chunks_mark, groups, order, {records.codes.data(), frames.data(), visibility.data()}, push);
+    run(msl_chunks_list, 1, order, {visibility.data(), &out.counts}, gpu::ChunkPush{groups});
+    run(msl_project, out.counts.chunkGroupsX, order, {&frame, records.codes.data(), frames.data(), out.projected.data(), visibility.data()}, push);
+    run(msl_colour, out.counts.chunkGroupsX, order, {records.codes.data(), coded.sh.data(), out.projected.data(), visibility.data()}, push);
+    compactAndSort(out, visibility, 2 * groups, order, gpu::kSortRounds);
     return out;
 }
 
@@ -174,7 +173,8 @@ void expectKernelsMatchTheReference(const Cameraf (&views)[2], uint32_t splatCou
     }
 }
 
-void expectKernelsMatchTheReference(const AvatarData& avatar) {
+void expectKernelsMatchTheReference(const AvatarData& uncoded) {
+    const AvatarData avatar = codedOnce(uncoded);
     const Pose pose = tubePose(0.9f, 0.4f);
     const Cameraf views[2] = {tubeCamera(96, 96, 0.6f, 1.6f, -0.03f), tubeCamera(96, 96, 0.6f, 1.6f, 0.03f)};
     expectKernelsMatchTheReference(views, avatar.splats.count(), [&](int order) { return runFrame(avatar, pose, views, order); },

@@ -1,4 +1,5 @@
 // The software renderer against the referee on random meshes, splats, poses and views.
+#include "sdk/format/splat_codec.h"
 #include "tests/reference/compare_renderers.h"
 #include "tests/reference/random_avatar.h"
 #include "sdk/avatar/posed_mesh.h"
@@ -147,6 +148,43 @@ TEST(SoftwareVsReference, sameBytesOnAnyThreadCount) {
         EXPECT_EQ(one.alpha, many.alpha);
         EXPECT_EQ(one.cloth, many.cloth);
         EXPECT_EQ(one.depthM, many.depthM);
+    }
+}
+
+// The renderer keeps codes and decodes what a view needs: the same picture as of the numbers behind them, and culling loses nothing.
+TEST(SoftwareVsReference, codedSplatsDrawWhatTheyDecodeTo) {
+    for (uint32_t round = 0; round < 8; ++round) {
+        AvatarData a = randomAvatar(40 + round, 12, 16, round % 4);
+        for (Vec2f& s : a.splats.scaleM) s *= 0.2f;   // of the size of its triangle, as a person's are
+        const uint32_t stride = (a.splats.shDegree + 1) * (a.splats.shDegree + 1) * 3;
+        for (uint32_t i = 9; round >= 4 && i < a.splats.count(); ++i) std::copy_n(&a.splats.sh[i % 9 * stride + 3], stride - 3, &a.splats.sh[i * stride + 3]);  // nine rows
+        auto coded = codeSplats(a.mesh, a.splats, round >= 4);
+        ASSERT_TRUE(coded) << coded.error().message;
+        EXPECT_EQ(coded->shIndex.empty(), round < 4 || a.splats.shDegree == 0);
+        a.splats = decodeSplats(*coded, a.mesh.triangles.size());
+        const ReferenceScene scene = sceneOf(a, randomPose(a, round));
+        const EngineInput input(scene);
+        const Cameraf camera = lookAt({0.9f * std::sin(float(round)), 1.1f, 0.9f * std::cos(float(round))}, {0.1f * float(round % 3), 1, 0}, 150, 130, round % 2 ? 500 : 120);
+        Jobs jobs(2);
+        SplatEngine engine(jobs), plain(jobs);
+        SplatImage image, all;
+        engine.project(*coded, input.frames, camera, float(kKappaPx2), true);
+        engine.bin();
+        engine.blend(image, {.cloth = true, .depth = true});
+        plain.project(input.view(), input.frames, camera, float(kKappaPx2));
+        plain.bin();
+        plain.blend(all);
+        expectSameImage(("coded, round " + std::to_string(round)).c_str(), image, renderReference(scene, referenceCamera(camera)), 80);
+        EXPECT_NEAR(double(engine.visibleCount()), double(plain.visibleCount()), 1) << "one splat may stand at the edge of 1/255";
+        EXPECT_GT(plain.visibleCount(), 20u);
+        for (size_t i = 0; i < engine.projected().size(); ++i) ASSERT_NEAR(engine.projected()[i].opacity, plain.projected()[i].opacity, 1e-2) << "splat " << i;
+        // Bytes: one or five a splat to decide, the rest only of groups that have a splat to show.
+        const uint64_t n = coded->count(), each = 13 + (coded->shIndex.empty() ? 0 : 2) + (a.splats.shDegree ? shEntryBytes(a.splats.shDegree) : 0);
+        EXPECT_GE(engine.decidedBytes(), n / 16);
+        EXPECT_LE(engine.decidedBytes(), 5 * n);
+        EXPECT_GE(engine.decodedBytes(), plain.visibleCount() * each);
+        EXPECT_LE(engine.decodedBytes(), n * each);
+        if (round % 2) { EXPECT_LT(engine.decodedBytes(), n * each / 2) << "most of it is out of this view"; }
     }
 }
 

@@ -274,6 +274,9 @@ typedef struct DplFrameStats {
     uint64_t residentBytes;  /**< held for all avatars and frames of the context by what draws: graphics memory, or memory on the CPU */
     uint64_t waits;          /**< since the context was made: how often drawing found three frames in flight and waited for the first */
     double gpuMs;            /**< GPU time of the frame, the sum over its passes; 0 without timestamps */
+    uint64_t avatarBytes;    /**< of this avatar alone, whatever is drawn: splats, mesh, weights and pose correctives, on the CPU and the GPU together */
+    uint64_t splatBytes;     /**< of these: the splats */
+    uint64_t bytesDecided, bytesDecoded; /**< of splat codes that the frame read: to tell which splats may show, and of those splats. On a GPU from survivors and layout */
 } DplFrameStats;
 
 /** Never waits for a frame that is still being drawn. */

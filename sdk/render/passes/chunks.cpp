@@ -6,9 +6,9 @@ void addChunks(FramePlan& plan, const FrameIds& ids) {
     plan.compute("chunks.mark", "chunks.mark")
         .reads(ids.splats, ids.triangleFrames)
         .writes(ids.visibility)
-        .push(gpu::SplatPush{ids.splatCount, ids.viewCount, ids.chunkCount()})
-        .groups(ids.chunkCount());
-    plan.compute("chunks.list", "chunks.list").updates(ids.visibility, ids.counts).push(gpu::ChunkPush{ids.chunkCount()}).groups(1);
+        .push(ids.codesPush())
+        .groups(ids.groupCount);
+    plan.compute("chunks.list", "chunks.list").updates(ids.visibility, ids.counts).push(gpu::ChunkPush{ids.groupCount}).groups(1);
 }
 
 }  // namespace dpl

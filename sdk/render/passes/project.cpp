@@ -9,7 +9,7 @@ void addProject(FramePlan& plan, const FrameIds& ids) {
             .reads(ids.splats)
             .writes(ids.projected, ids.visibility)
             .updates(ids.counts)
-            .push(gpu::SplatPush{ids.splatCount, ids.viewCount, 0})
+            .push(gpu::SplatPush{ids.splatCount, ids.viewCount})
             .threads(ids.splatCount);
         return;
     }
@@ -18,22 +18,21 @@ void addProject(FramePlan& plan, const FrameIds& ids) {
         .reads(ids.splats, ids.triangleFrames)
         .writes(ids.projected)
         .updates(ids.visibility)
-        .push(gpu::SplatPush{ids.splatCount, ids.viewCount, ids.chunkCount()})
+        .push(ids.codesPush())
         .groupsFrom(ids.counts, offsetof(gpu::FrameCounts, chunkGroupsX));
 }
 
 void addColour(FramePlan& plan, const FrameIds& ids) {
-    const uint32_t stride = (ids.shDegree + 1) * (ids.shDegree + 1) * 3;
-    const gpu::ColourPush push{ids.splatCount, ids.viewCount, ids.shDegree, stride, ids.chunkCount()};
     if (ids.general) {
+        const gpu::ColourPush push{ids.splatCount, ids.viewCount, ids.shDegree, (ids.shDegree + 1) * (ids.shDegree + 1) * 3};
         plan.compute("splat.colour", "colour.general").uniform(ids.frame).reads(ids.splats, ids.sh).updates(ids.projected).push(push).threads(ids.splatCount);
         return;
     }
     plan.compute("splat.colour", "colour")
-        .reads(ids.sh)
+        .reads(ids.splats, ids.sh)
         .updates(ids.projected)
         .reads(ids.visibility)
-        .push(push)
+        .push(ids.codesPush())
         .groupsFrom(ids.counts, offsetof(gpu::FrameCounts, chunkGroupsX));
 }
 

@@ -7,17 +7,19 @@
 layout(local_size_x = 128) in;  // kSplatGroup
 
 layout(std140, binding = 0) uniform FrameBlock { FrameData frame; };
-layout(std430, binding = 1) readonly buffer SplatBlock { SplatRecord splats[]; };
+layout(std430, binding = 1) readonly buffer CodeBlock { uint codes[]; };
 layout(std430, binding = 2) readonly buffer TriangleBlock { TriangleFrame triangles[]; };
 layout(std430, binding = 3) writeonly buffer ProjectedBlock { ProjectedSplat projected[]; };
 layout(std430, binding = 4) buffer VisibilityBlock { uint visibility[]; };  // sort depths: float bits, kInvisibleKey = in no view
-layout(push_constant) uniform PushBlock { SplatPush push; };
+layout(push_constant) uniform PushBlock { CodesPush push; };
+#include "shaders/lib/codes.glsl"
 
 void main() {
-    uint index = visibility[push.chunkCount + gl_WorkGroupID.x] * kSplatGroup + gl_LocalInvocationIndex, depthSlot = 2u * push.chunkCount + index;
-    if (index >= push.splatCount) return;
-    uint parent = splats[index].triangleAndFlags & kTriangleMask;
-    bool gated = ((splats[index].triangleAndFlags >> kFlagShift) & kGateFlag) != 0u;
+    SplatPlace p0 = dplPlaceOf(visibility[push.groupCount + gl_WorkGroupID.x], gl_LocalInvocationIndex);
+    if (!p0.exists) return;
+    uint index = p0.splat, depthSlot = 2u * push.groupCount + index, size = dplSize(p0);
+    uint parent = dplParent(p0);
+    bool gated = dplGated(size);
     vec4 v0 = triangles[parent].v0;
     uint shown = uint(v0.w) & (gated ? 3u * kShowsGated : 3u * kShowsFree);
     if (shown == 0u) {  // its triangle is in no view, or turned away: nothing else of it is read
@@ -25,12 +27,14 @@ void main() {
         visibility[depthSlot] = kInvisibleKey;
         return;
     }
-    SplatRecord s = splats[index];
+    uint place = codes[push.firstPlace + index];
+    vec2 uv = dplUv(place), scale = dplScale(p0, size);
+    float phi = float(place >> 22u) * kPhiCodeStep, cosine = cos(phi), sine = sin(phi);
     vec4 v1 = triangles[parent].v1, v2 = triangles[parent].v2;
     vec4 f0 = triangles[parent].f0, f1 = triangles[parent].f1;
     vec3 normal = vec3(v1.w, v2.w, f0.w);
-    vec3 centre = (1.0 - s.uv.x - s.uv.y) * v0.xyz + s.uv.x * v1.xyz + s.uv.y * v2.xyz;
-    vec3 axis1 = s.s1Cos * f0.xyz + s.s1Sin * f1.xyz, axis2 = s.s2Cos * f1.xyz - s.s2Sin * f0.xyz;
+    vec3 centre = (1.0 - uv.x - uv.y) * v0.xyz + uv.x * v1.xyz + uv.y * v2.xyz;
+    vec3 axis1 = scale.x * (cosine * f0.xyz + sine * f1.xyz), axis2 = scale.y * (cosine * f1.xyz - sine * f0.xyz);
     bool seen = false;
     for (uint v = 0u; v < push.viewCount; ++v) {
         ViewData view = frame.views[v];
@@ -38,13 +42,13 @@ void main() {
         if ((shown & ((kShowsFree | kShowsGated) << v)) != 0u) {
             Footprint f = dplProject(view, dplToView(view, centre), dplRotateToView(view, axis1), dplRotateToView(view, axis2), frame.target.z);
             if (f.visible) {
-                float opacity = s.opacity * dplNearFade(f.depthM);
+                float opacity = dplOpacity(size) * dplNearFade(f.depthM);
                 if (frame.counts.w != 0u) opacity *= f.compensation;
                 if (gated) opacity *= dplSingleFaceGate(normal, centre, view.eyeWorld.xyz);
                 p = dplShow(f, opacity, frame.target.xy);
                 if (p.opacity > 0.0) {
                     vec4 r0 = triangles[parent].worldFromRest0, r1 = triangles[parent].worldFromRest1, r2 = triangles[parent].worldFromRest2;
-                    float light = r0.w + s.uv.x * (r1.w - r0.w) + s.uv.y * (r2.w - r0.w);
+                    float light = r0.w + uv.x * (r1.w - r0.w) + uv.y * (r2.w - r0.w);
                     vec3 world = light * normalize(centre - view.eyeWorld.xyz);
                     p.colour.rgb = vec3(dot(r0.xyz, world), dot(r1.xyz, world), dot(r2.xyz, world));
                     seen = true;

@@ -53,6 +53,8 @@ inline float sqrt(float x) { return std::sqrt(x); }
 inline float2 sqrt(const float2& v) { return {std::sqrt(v.x), std::sqrt(v.y)}; }
 inline float log(float x) { return std::log(x); }
 inline float exp(float x) { return std::exp(x); }
+inline float cos(float x) { return std::cos(x); }
+inline float sin(float x) { return std::sin(x); }
 inline float abs(float x) { return std::fabs(x); }
 inline float2 abs(const float2& v) { return {std::fabs(v.x), std::fabs(v.y)}; }
 inline uint min(uint a, uint b) { return std::min(a, b); }

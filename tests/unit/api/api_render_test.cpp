@@ -132,6 +132,16 @@ TEST_F(ApiTest, statsOfTheLastFrameAreThereAfterIt) {
     EXPECT_EQ(stats.viewCount, 1u);
     EXPECT_GT(stats.splatsDrawn, 0u);
     EXPECT_EQ(stats.passCount, 0u) << "the CPU has no GPU passes";
+    EXPECT_GT(stats.splatBytes, 15u);
+    EXPECT_GT(stats.avatarBytes, stats.splatBytes);
+    EXPECT_GT(stats.residentBytes, stats.avatarBytes);
+    EXPECT_GT(stats.bytesDecided, 0u);
+    EXPECT_GE(stats.bytesDecoded, 13u * stats.splatsDrawn);
+    DplFrameStats first{};
+    first.structSize = 64;   // of a program that was built with version 0.1
+    ASSERT_EQ(dplGetFrameStats(avatar_, &first), DPL_OK) << dplGetLastError();
+    EXPECT_EQ(first.splatsDrawn, stats.splatsDrawn);
+    EXPECT_EQ(first.avatarBytes, 0u);
     DplPassTime time{sizeof(DplPassTime), nullptr, 0};
     EXPECT_EQ(dplGetPassTime(avatar_, 0, &time), DPL_ERROR_NOT_FOUND);
     EXPECT_TRUE(errorSays("there is no pass 0"));

@@ -51,8 +51,6 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
                  DPL_AT(TriangleRecord, rootLevel), DPL_AT(TriangleRecord, freeSplats), DPL_AT(TriangleRecord, gatedSplats)});
     expectLayout("TriangleFrame", sizeof(TriangleFrame), {DPL_AT(TriangleFrame, v0), DPL_AT(TriangleFrame, v1), DPL_AT(TriangleFrame, v2), DPL_AT(TriangleFrame, f0), DPL_AT(TriangleFrame, f1),
                                                           DPL_AT(TriangleFrame, worldFromRest0), DPL_AT(TriangleFrame, worldFromRest1), DPL_AT(TriangleFrame, worldFromRest2)});
-    expectLayout("SplatRecord", sizeof(SplatRecord), {DPL_AT(SplatRecord, uv), DPL_AT(SplatRecord, s1Cos), DPL_AT(SplatRecord, s1Sin), DPL_AT(SplatRecord, s2Cos), DPL_AT(SplatRecord, s2Sin),
-                                                      DPL_AT(SplatRecord, opacity), DPL_AT(SplatRecord, triangleAndFlags)});
     expectLayout("GeneralSplatRecord", sizeof(GeneralSplatRecord), {DPL_AT(GeneralSplatRecord, centre), DPL_AT(GeneralSplatRecord, axis1), DPL_AT(GeneralSplatRecord, axis2), DPL_AT(GeneralSplatRecord, axis3)});
     expectLayout("ProjectedSplat", sizeof(ProjectedSplat), {DPL_AT(ProjectedSplat, centrePx), DPL_AT(ProjectedSplat, radiusPx), DPL_AT(ProjectedSplat, conicA), DPL_AT(ProjectedSplat, conicB),
                                                             DPL_AT(ProjectedSplat, conicC), DPL_AT(ProjectedSplat, opacity), DPL_AT(ProjectedSplat, colour)});
@@ -63,9 +61,11 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
                                                       DPL_AT(FrameCounts, chunkGroupsY), DPL_AT(FrameCounts, chunkGroupsZ), DPL_AT(FrameCounts, pad3)});
     expectLayout("VertexPush", sizeof(VertexPush), {DPL_AT(VertexPush, vertexCount), DPL_AT(VertexPush, firstNode)});
     expectLayout("TrianglePush", sizeof(TrianglePush), {DPL_AT(TrianglePush, triangleCount), DPL_AT(TrianglePush, viewCount), DPL_AT(TrianglePush, cull)});
-    expectLayout("SplatPush", sizeof(SplatPush), {DPL_AT(SplatPush, splatCount), DPL_AT(SplatPush, viewCount), DPL_AT(SplatPush, chunkCount)});
+    expectLayout("SplatPush", sizeof(SplatPush), {DPL_AT(SplatPush, splatCount), DPL_AT(SplatPush, viewCount)});
+    expectLayout("CodesPush", sizeof(CodesPush), {DPL_AT(CodesPush, viewCount), DPL_AT(CodesPush, groupCount), DPL_AT(CodesPush, firstParent), DPL_AT(CodesPush, firstPlace), DPL_AT(CodesPush, firstSize), DPL_AT(CodesPush, firstColour),
+                                                  DPL_AT(CodesPush, firstParentByte), DPL_AT(CodesPush, firstShIndex), DPL_AT(CodesPush, shDegree), DPL_AT(CodesPush, shWords)});
     expectLayout("ChunkPush", sizeof(ChunkPush), {DPL_AT(ChunkPush, chunkCount)});
-    expectLayout("ColourPush", sizeof(ColourPush), {DPL_AT(ColourPush, splatCount), DPL_AT(ColourPush, viewCount), DPL_AT(ColourPush, shDegree), DPL_AT(ColourPush, shStride), DPL_AT(ColourPush, chunkCount)});
+    expectLayout("ColourPush", sizeof(ColourPush), {DPL_AT(ColourPush, splatCount), DPL_AT(ColourPush, viewCount), DPL_AT(ColourPush, shDegree), DPL_AT(ColourPush, shStride)});
     expectLayout("CompactPush", sizeof(CompactPush), {DPL_AT(CompactPush, splatCount), DPL_AT(CompactPush, blockCount), DPL_AT(CompactPush, firstDepth), DPL_AT(CompactPush, maxDepthKey)});
     expectLayout("ScanPush", sizeof(ScanPush), {DPL_AT(ScanPush, count), DPL_AT(ScanPush, fromSort)});
     expectLayout("ArgsPush", sizeof(ArgsPush), {DPL_AT(ArgsPush, blockCount), DPL_AT(ArgsPush, instancesPerSplat)});

@@ -61,7 +61,9 @@ TEST(HostileAvatar, rejectList) {
     const std::vector<Damage> list = {
         {"extension missing", [](GlbParts& p) { p.json.erase("extensions"); }, Code::Unsupported},
         {"extension of a newer version", [](GlbParts& p) { ours(p)["version"] = 3; }, Code::Version},
-        {"newer splat encoding", [](GlbParts& p) { ours(p)["splats"]["encoding"] = 2; }, Code::Version},
+        {"newer splat encoding", [](GlbParts& p) { ours(p)["splats"]["encoding"] = 3; }, Code::Version},
+        {"palette encoding without a palette", [](GlbParts& p) { ours(p)["splats"]["encoding"] = 2; }},
+        {"SH code of -128", [](GlbParts& p) { p.stream("sh")[4] = 0x80; }},
         {"version 0", [](GlbParts& p) { ours(p)["version"] = 0; }},
         {"version as text", [](GlbParts& p) { ours(p)["version"] = "1"; }},
         {"inches", [](GlbParts& p) { ours(p)["units"] = "inch"; }, Code::Unsupported},
@@ -178,6 +180,33 @@ TEST(HostileAvatar, rejectList) {
         damage.apply(parts);
         expectRefused(damage.what, parts.bytes(), damage.code);
     }
+}
+
+TEST(HostileAvatar, damagedPalettes) {
+    const std::vector<Damage> list = {
+        {"size missing", [](GlbParts& p) { ours(p)["splats"].erase("shPaletteSize"); }},
+        {"size 0", [](GlbParts& p) { ours(p)["splats"]["shPaletteSize"] = 0; }},
+        {"size 2^40", [](GlbParts& p) { ours(p)["splats"]["shPaletteSize"] = 1ull << 40; }},
+        {"size 65537", [](GlbParts& p) { ours(p)["splats"]["shPaletteSize"] = 65537; }},
+        {"one entry too many", [](GlbParts& p) { ours(p)["splats"]["shPaletteSize"] = ours(p)["splats"]["shPaletteSize"].get<int>() + 1; }},
+        {"palette read as encoding 1", [](GlbParts& p) { ours(p)["splats"]["encoding"] = 1; }},
+        {"indices missing", [](GlbParts& p) { ours(p)["splats"]["streams"].erase("shIndex"); }},
+        {"indices of other length", [](GlbParts& p) { ours(p)["splats"]["streams"]["shIndex"] = ours(p)["splats"]["streams"]["place"]; }},
+        {"index out of range", [](GlbParts& p) { put(p.stream("shIndex"), 5, uint16_t(0xffff)); }},
+        {"index one out of range", [](GlbParts& p) { put(p.stream("shIndex"), 0, ours(p)["splats"]["shPaletteSize"].get<uint16_t>()); }},
+        {"SH degree 0", [](GlbParts& p) { ours(p)["splats"]["shDegree"] = 0; }},
+        {"entry code of -128", [](GlbParts& p) { p.stream("sh")[0] = 0x80; }},
+        {"a chunk with its own range", [](GlbParts& p) { put(p.stream("chunks"), 12 + 16, 0.75f); }},
+        {"range NaN", [](GlbParts& p) { put(p.stream("chunks"), 12, kNan); }},
+    };
+    const std::vector<uint8_t> good = *writeAvatar(test::randomAvatar(1, 1, 8, 8), {.shPalette = true});
+    for (const Damage& damage : list) {
+        GlbParts parts = test::split(good);
+        ASSERT_GE(parts.stream("chunks").size(), 2u * 64);
+        damage.apply(parts);
+        expectRefused(damage.what, parts.bytes(), damage.code);
+    }
+    EXPECT_TRUE(readAvatar(test::split(good).bytes(), trusting()));
 }
 
 TEST(HostileAvatar, anUndamagedFilePassesTheSamePath) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "sdk/format/splat_codec.h"
 #include "tests/unit/format/sample_avatars.h"
 #include "tests/unit/format/sample_correctives.h"
 
@@ -241,6 +242,71 @@ TEST(AvatarRoundTrip, emptyAvatarOneSplatOneTriangle) {
     expectSameBytes(one);
     const AvatarData back = throughFile(one);
     EXPECT_EQ(back.splats.uv[0], Vec2f(0, 1));   // corners of a triangle are exact codes
+}
+
+/** SH rows of only `rows` kinds, as paletteSh leaves them. */
+AvatarData withRepeatedSh(AvatarData a, uint32_t rows) {
+    const uint32_t stride = shCoefficientCount(a.splats.shDegree) * 3;
+    for (uint32_t i = rows; i < a.splats.count(); ++i)
+        for (uint32_t k = 3; k < stride; ++k) a.splats.sh[size_t(i) * stride + k] = a.splats.sh[size_t(i * 7 % rows) * stride + k];
+    return a;
+}
+
+TEST(AvatarShPalette, writesEachRowOnceAndIsAFixedPoint) {
+    for (uint32_t degree = 1; degree <= 3; ++degree) {
+        const AvatarData a = withRepeatedSh(randomAvatar(80 + degree, degree), 37);
+        auto bytes = writeAvatar(a, {.shPalette = true});
+        ASSERT_TRUE(bytes) << bytes.error().message;
+        const uint32_t row = ((degree + 1) * (degree + 1) - 1) * 3, splats = a.splats.count();
+        const AvatarInfo info = *inspectAvatar(*bytes);
+        EXPECT_EQ(info.shPaletteSize, 37u);
+        EXPECT_EQ(info.shBytes, 37u * row + splats * 2u);
+        auto back = readAvatar(*bytes);
+        ASSERT_TRUE(back) << back.error().message;
+        for (size_t k = 0; k < a.splats.sh.size(); ++k)
+            if (k % (row + 3) >= 3) { ASSERT_LE(std::abs(a.splats.sh[k] - back->splats.sh[k]), 0.3 / 127 / 2 * 1.01) << k; }
+        EXPECT_TRUE(*writeAvatar(*back, {.shPalette = true}) == *bytes);
+        EXPECT_EQ(inspectAvatar(*writeAvatar(*back))->shPaletteSize, 0u);   // without being asked nobody makes one
+    }
+}
+
+TEST(AvatarShPalette, valuesBelowEveryRangeAndDegreeZeroNeedNoRows) {
+    AvatarData flat = randomAvatar(90, 1);
+    for (size_t k = 0; k < flat.splats.sh.size(); ++k)
+        if (k % 12 >= 3) flat.splats.sh[k] = 1e-7f;
+    EXPECT_EQ(inspectAvatar(*writeAvatar(flat, {.shPalette = true}))->shPaletteSize, 1u);
+    EXPECT_TRUE(*writeAvatar(tinyAvatar(), {.shPalette = true}) == *writeAvatar(tinyAvatar()));
+}
+
+TEST(AvatarShPalette, tooManyRowsAreRefusedWithTheRemedy) {
+    const AvatarData many = randomAvatar(91, 1, 4, 60, 5);   // 88,000 splats
+    ASSERT_GT(many.splats.count(), kMaxShPalette);
+    auto refused = writeAvatar(many, {.shPalette = true});
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(int(refused.error().code), int(Code::InvalidArgument));
+    EXPECT_NE(refused.error().message.find("paletteSh"), std::string::npos) << refused.error().message;
+}
+
+TEST(CodedAvatar, holdsTheBytesOfTheFileAndDecodesToTheSameSplats) {
+    for (const bool palette : {false, true}) {
+        const AvatarData a = withRepeatedSh(randomAvatar(95, 2), 50);
+        auto bytes = writeAvatar(a, {.shPalette = palette});
+        auto coded = readCodedAvatar(*bytes);
+        ASSERT_TRUE(coded) << coded.error().message;
+        const AvatarData whole = *readAvatar(*bytes);
+        EXPECT_EQ(coded->avatar.splats.count(), 0u);
+        EXPECT_EQ(coded->splats.shIndex.empty(), !palette);
+        const SplatData s = decodeSplats(coded->splats, a.mesh.triangles.size());
+        EXPECT_TRUE(s.triangleStart == whole.splats.triangleStart);
+        EXPECT_TRUE(s.uv == whole.splats.uv && s.phi == whole.splats.phi && s.scaleM == whole.splats.scaleM && s.opacity == whole.splats.opacity);
+        EXPECT_TRUE(s.flags == whole.splats.flags && s.sh == whole.splats.sh);
+        // Its triangle costs a byte, and a chunk knows the first and the last.
+        for (const SplatChunk& c : coded->splats.chunks) {
+            EXPECT_EQ(coded->splats.parents[c.firstParent + coded->splats.parent[c.firstSplat]], c.firstTriangle);
+            EXPECT_EQ(coded->splats.parents[c.firstParent + coded->splats.parent[c.firstSplat + c.splatCount - 1]], c.endTriangle - 1);
+        }
+        if (palette) { EXPECT_LE(coded->splats.bytes(), a.splats.count() * 16u + a.mesh.triangles.size() * 5u + 50u * 24u + coded->splats.chunks.size() * 64u); }
+    }
 }
 
 TEST(AvatarRoundTrip, inspectAddsUpToTheFile) {

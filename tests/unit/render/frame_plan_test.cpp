@@ -183,9 +183,10 @@ TEST(FramePlan, anAvatarWithoutCorrectivesUploadsNothingForThem) {
     const auto plain = tube(), corrected = correctedTube();
     EXPECT_EQ(paletteRows(*plain), 3 * plain->joints.size());
     EXPECT_EQ(paletteRows(*corrected), 3 * corrected->joints.size() + 12);
-    EXPECT_TRUE(packAvatar(*plain).correctedVertices.empty());
-    EXPECT_TRUE(packAvatar(*corrected).vertices.empty());
-    EXPECT_EQ(packAvatar(*corrected).correctedVertices.size(), corrected->mesh.restPositions.size());
+    const auto pack = [](const AvatarData& a) { return packAvatar(a, *codeSplats(a.mesh, a.splats)); };
+    EXPECT_TRUE(pack(*plain).correctedVertices.empty());
+    EXPECT_TRUE(pack(*corrected).vertices.empty());
+    EXPECT_EQ(pack(*corrected).correctedVertices.size(), corrected->mesh.restPositions.size());
 }
 
 TEST(FramePlan, keepsAFewShapesAndFreesEverythingWithTheAvatar) {

@@ -1,0 +1,278 @@
+#include "reconstruction/package/pack.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <numeric>
+
+#include "reconstruction/package/pack_pictures.h"
+#include "reconstruction/package/sh_palette.h"
+#include "sdk/core/files.h"
+#include "sdk/format/avatar_file.h"
+#include "sdk/math/sh.h"
+
+namespace dpl {
+namespace {
+
+constexpr std::array kSplatPercents = {100, 95, 90, 85, 80, 75, 70, 65, 60, 55, 50, 45, 40, 35, 30, 25, 20, 15, 10, 5, 2};
+constexpr std::array kModePercents = {100, 85, 70, 55, 40, 25, 10, 0};
+constexpr std::array kPalettes = {8192u, 2048u, 512u, 128u};
+
+struct ShChoice {
+    uint32_t degree = 0, entries = 0;   // 0 entries: each splat its own
+};
+
+/** From what the avatar has to none at all. */
+std::vector<ShChoice> shLadder(uint32_t degree) {
+    std::vector<ShChoice> ladder = {{degree, 0}};
+    for (uint32_t d = degree; d >= 1; --d)
+        for (const uint32_t entries : kPalettes) ladder.push_back({d, entries});
+    if (degree > 0) ladder.push_back({0, 0});
+    return ladder;
+}
+
+/** Where on its three ladders a candidate stands. */
+struct Rungs {
+    size_t splats = 0, sh = 0, modes = 0;
+};
+
+void lowerShDegree(SplatData& s, uint32_t degree) {
+    const size_t from = shCoefficientCount(s.shDegree) * 3, to = shCoefficientCount(degree) * 3;
+    for (size_t i = 0; i < s.count(); ++i) std::copy_n(s.sh.begin() + ptrdiff_t(i * from), to, s.sh.begin() + ptrdiff_t(i * to));
+    s.sh.resize(s.count() * to);
+    s.shDegree = degree;
+}
+
+/** Keeps the `count` splats that come first in `order`, in their old order. */
+void keepSplats(SplatData& s, const std::vector<uint32_t>& order, size_t count) {
+    std::vector<bool> kept(s.count(), false);
+    for (size_t i = 0; i < count; ++i) kept[order[i]] = true;
+    const size_t stride = shCoefficientCount(s.shDegree) * 3;
+    SplatData out;
+    out.shDegree = s.shDegree;
+    out.triangleStart.push_back(0);
+    for (size_t t = 0; t + 1 < s.triangleStart.size(); ++t) {
+        for (uint32_t i = s.triangleStart[t]; i < s.triangleStart[t + 1]; ++i) {
+            if (!kept[i]) continue;
+            out.uv.push_back(s.uv[i]), out.phi.push_back(s.phi[i]), out.scaleM.push_back(s.scaleM[i]), out.opacity.push_back(s.opacity[i]), out.flags.push_back(s.flags[i]);
+            out.sh.insert(out.sh.end(), s.sh.begin() + ptrdiff_t(i * stride), s.sh.begin() + ptrdiff_t((i + 1) * stride));
+        }
+        out.triangleStart.push_back(out.count());
+    }
+    s = std::move(out);
+}
+
+/** Modes by how much they move and light at most, strongest first. */
+std::vector<uint32_t> modesByStrength(const PoseCorrectiveData& c) {
+    constexpr double kMetresOfLight = 0.05;   // a brightness change of 1 is seen like a shift of so much
+    std::vector<double> strength(c.modeCount, 0.0);
+    for (size_t e = 0; e < c.nodes.size(); ++e) {
+        const Vec4d n(c.nodes[e]);
+        strength[e % c.modeCount] += n.x * n.x + n.y * n.y + n.z * n.z + kMetresOfLight * kMetresOfLight * n.w * n.w;
+    }
+    std::vector<uint32_t> order(c.modeCount);
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return strength[a] > strength[b]; });
+    return order;
+}
+
+void keepModes(PoseCorrectiveData& c, const std::vector<uint32_t>& order, uint32_t count) {
+    if (count == 0) {
+        c = {};
+        return;
+    }
+    std::vector<uint32_t> kept(order.begin(), order.begin() + count);
+    std::sort(kept.begin(), kept.end());
+    const size_t features = c.joints.size() * 6;
+    PoseCorrectiveData out = c;
+    out.modeCount = count;
+    out.modes.clear(), out.nodes.clear();
+    double off2 = double(c.reachOffModes) * c.reachOffModes;
+    for (uint32_t i = 0; i < c.modeCount; ++i) {
+        const auto row = c.modes.begin() + ptrdiff_t(i * features);
+        if (std::binary_search(kept.begin(), kept.end(), i)) {
+            out.modes.insert(out.modes.end(), row, row + ptrdiff_t(features));
+        } else {
+            // What lay along a mode that goes is now off the modes: as much of it as training poses had must not fade the others.
+            const double squares = std::inner_product(row, row + ptrdiff_t(features), row, 0.0);
+            if (squares > 0) off2 += double(c.reach) * c.reach / squares;
+        }
+    }
+    out.reachOffModes = float(std::min(std::sqrt(off2), double(PoseCorrectiveData().reachOffModes)));
+    for (uint32_t n = 0; n < c.nodeCount; ++n)
+        for (const uint32_t i : kept) out.nodes.push_back(c.nodes[size_t(n) * c.modeCount + i]);
+    c = std::move(out);
+}
+
+std::string decibels(double db) { return std::isfinite(db) ? formatText("{} dB", std::round(db * 10) / 10) : "equal"; }
+double megabytes(uint64_t bytes) { return std::round(double(bytes) / 1e4) / 100; }
+
+/** The avatar, its ladders, and what is costly to make twice. */
+class Walk {
+public:
+    Walk(const AvatarData& avatar, const PackSettings& settings, Jobs& jobs)
+        : whole_(avatar), jobs_(jobs), pictures_(avatar, settings.pictures, settings.seed, jobs), sh_(shLadder(avatar.splats.shDegree)), modes_(modesByStrength(avatar.correctives)) {
+        const std::vector<float> importance = pictures_.importance(avatar);
+        splats_.resize(importance.size());
+        std::iota(splats_.begin(), splats_.end(), 0u);
+        std::stable_sort(splats_.begin(), splats_.end(), [&](uint32_t a, uint32_t b) { return importance[a] > importance[b]; });
+    }
+
+    struct Candidate {
+        Rungs at;
+        PackPoint point;
+        double squares = 0;
+        std::vector<uint8_t> file;
+    };
+
+    Result<Candidate> measure(const Rungs& at) {
+        Candidate c;
+        c.at = at;
+        AvatarData packed = whole_;
+        const ShChoice sh = sh_[at.sh];
+        packed.splats.sh = shRows(at.sh);
+        packed.splats.shDegree = sh.degree;
+        keepSplats(packed.splats, splats_, splatCount(at));
+        keepModes(packed.correctives, modes_, modeCount(at));
+        c.point.splats = packed.splats.count(), c.point.shDegree = sh.degree, c.point.modes = packed.correctives.modeCount;
+        if (at.splats || at.sh || at.modes)
+            packed.evidence.push_back({"packed", true, 0, 0, formatText("{} of {} splats, SH degree {} of {}{}, {} of {} modes of pose correctives", c.point.splats, whole_.splats.count(), sh.degree,
+                                                                        whole_.splats.shDegree, sh.entries ? formatText(" from a palette of {}", sh.entries) : "", c.point.modes, whole_.correctives.modeCount)});
+        DPL_TRY(c.file, writeAvatar(packed, {.shPalette = sh.entries > 0}));
+        DPL_TRY(const AvatarData decoded, readAvatar(c.file));
+        DPL_TRY(const AvatarInfo info, inspectAvatar(c.file));
+        c.point.shEntries = info.shPaletteSize;
+        const PackError error = pictures_.compare(decoded);
+        c.point.bytes = c.file.size(), c.point.psnrDb = error.psnrDb(), c.point.wholePsnrDb = error.wholePsnrDb();
+        c.squares = error.squares;
+        return c;
+    }
+
+    /** One step down each ladder that has one, with its name. A step that changes nothing (a few splats, few modes) is taken further. */
+    std::vector<std::pair<Rungs, std::string>> moves(const Rungs& from) const {
+        std::vector<std::pair<Rungs, std::string>> out;
+        Rungs next = from;
+        while (++next.splats < kSplatPercents.size())
+            if (splatCount(next) < splatCount(from)) {
+                out.emplace_back(next, formatText("{} % of the splats", kSplatPercents[next.splats]));
+                break;
+            }
+        next = from;
+        while (++next.sh < sh_.size()) {
+            const ShChoice sh = sh_[next.sh];
+            if (sh.entries >= splatCount(from) && sh.entries > 0) continue;
+            out.emplace_back(next, sh.entries ? formatText("SH degree {}, palette of {}", sh.degree, sh.entries) : "no view-dependent colour");
+            break;
+        }
+        next = from;
+        while (++next.modes < kModePercents.size())
+            if (modeCount(next) < modeCount(from)) {
+                out.emplace_back(next, modeCount(next) ? formatText("{} modes of pose correctives", modeCount(next)) : "no pose correctives");
+                break;
+            }
+        return out;
+    }
+
+    size_t rungs() const { return kSplatPercents.size() + sh_.size() + (modes_.empty() ? 0 : kModePercents.size()); }
+
+private:
+    size_t splatCount(const Rungs& at) const { return size_t(std::llround(double(whole_.splats.count()) * kSplatPercents[at.splats] / 100)); }
+    uint32_t modeCount(const Rungs& at) const { return uint32_t(std::llround(double(modes_.size()) * kModePercents[at.modes] / 100)); }
+
+    /** SH of all splats on a rung; palettes are made once, of all splats. */
+    const std::vector<float>& shRows(size_t rung) {
+        auto [made, isNew] = rows_.try_emplace(rung);
+        if (isNew) {
+            SplatData all = whole_.splats;
+            lowerShDegree(all, sh_[rung].degree);
+            if (sh_[rung].entries) (void)paletteSh(all, {.maxEntries = sh_[rung].entries}, jobs_);   // its only error is an impossible number of entries
+            made->second = std::move(all.sh);
+        }
+        return made->second;
+    }
+
+    const AvatarData& whole_;
+    Jobs& jobs_;
+    PackPictures pictures_;
+    std::vector<ShChoice> sh_;
+    std::vector<uint32_t> modes_, splats_;    // strongest, most visible first
+    std::map<size_t, std::vector<float>> rows_;
+};
+
+Error outOfReach(const PackLimits& limits, const PackPoint& last, const PackPoint* next) {
+    if (!limits.minPsnrDb)
+        return fail(Code::InvalidArgument, "{} MB cannot be reached: the smallest that this avatar packs to is {} MB, at {}", megabytes(*limits.maxBytes), megabytes(last.bytes), decibels(last.psnrDb));
+    const std::string there = next ? formatText("; the next step is {} MB at {}", megabytes(next->bytes), decibels(next->psnrDb)) : std::string();
+    return fail(Code::InvalidArgument, "{} MB and {} dB cannot both be met: the nearest is {} MB at {}{}", megabytes(*limits.maxBytes), *limits.minPsnrDb, megabytes(last.bytes), decibels(last.psnrDb), there);
+}
+
+}  // namespace
+
+Result<PackResult> packToLimits(const AvatarData& avatar, const PackLimits& limits, const PackSettings& settings, Jobs& jobs,
+                                const std::function<Status(double, const std::string&)>& progress) {
+    if (!limits.maxBytes && !limits.minPsnrDb) return fail(Code::InvalidArgument, "nothing limits the packing: give a size, a PSNR or both");
+    DPL_CHECK_OK(progress(0, "drawing the unpacked avatar"));
+    Walk walk(avatar, settings, jobs);
+    DPL_TRY(Walk::Candidate here, walk.measure({}));
+    here.point.move = "as it was";
+    PackResult result;
+    result.curve.push_back(here.point);
+    size_t taken = 0;
+    const auto fits = [&](const PackPoint& p) { return !limits.minPsnrDb || p.psnrDb >= *limits.minPsnrDb; };
+    const auto share = [&] {   // of the ladders, or of the way to the size on a logarithmic scale
+        const double climbed = double(taken) / double(walk.rungs());
+        if (!limits.maxBytes || result.curve[0].bytes <= *limits.maxBytes) return climbed;
+        const double whole = std::log(double(result.curve[0].bytes) / double(*limits.maxBytes)), done = std::log(double(result.curve[0].bytes) / double(here.point.bytes));
+        return std::clamp(std::max(climbed, done / whole), 0.0, 1.0);
+    };
+    while (!limits.maxBytes || here.point.bytes > *limits.maxBytes) {
+        std::optional<Walk::Candidate> best, nearest;   // nearest: of those that do not fit
+        double bestSlope = 0;
+        for (const auto& [rungs, move] : walk.moves(here.at)) {
+            DPL_CHECK_OK(progress(share(), formatText("{} MB, {}; trying {}", megabytes(here.point.bytes), decibels(here.point.psnrDb), move)));
+            DPL_TRY(Walk::Candidate c, walk.measure(rungs));
+            c.point.move = move;
+            if (c.point.bytes >= here.point.bytes) continue;
+            // Bytes saved for each unit of new error; a move that costs none wins over all that do.
+            const double slope = double(here.point.bytes - c.point.bytes) / std::max(c.squares - here.squares, 1e-9);
+            if (!fits(c.point)) {
+                if (!nearest || c.point.psnrDb > nearest->point.psnrDb) nearest = std::move(c);
+            } else if (!best || slope > bestSlope) {
+                best = std::move(c), bestSlope = slope;
+            }
+        }
+        if (!best) {
+            if (limits.maxBytes) return outOfReach(limits, here.point, nearest ? &nearest->point : nullptr);
+            break;
+        }
+        here = std::move(*best);
+        result.curve.push_back(here.point);
+        ++taken;
+    }
+    if (!fits(here.point)) return fail(Code::InvalidArgument, "{} dB cannot be met: encoding the avatar again gives {}", *limits.minPsnrDb, decibels(here.point.psnrDb));
+    result.file = std::move(here.file);
+    return result;
+}
+
+Result<PackResult> packFile(const std::filesystem::path& path, const PackLimits& limits, const PackSettings& settings, Jobs& jobs,
+                            const std::function<Status(double, const std::string&)>& progress) {
+    DPL_TRY(const auto bytes, readFile(path));
+    const auto avatar = readAvatar(bytes);
+    if (!avatar) return fail(avatar.error().code, "{}: {}", path.string(), avatar.error().message);
+    return packToLimits(*avatar, limits, settings, jobs, progress);
+}
+
+std::string curveAsText(const std::vector<PackPoint>& curve) {
+    std::string out = "| step | bytes | of the first | PSNR dB | whole picture | splats | SH degree | palette | modes |\n|---|---|---|---|---|---|---|---|---|\n";
+    char row[240];
+    for (const PackPoint& p : curve) {
+        std::snprintf(row, sizeof row, "| %s | %llu | %.1f %% | %s | %s | %u | %u | %s | %u |\n", p.move.c_str(), static_cast<unsigned long long>(p.bytes), 100.0 * double(p.bytes) / double(curve[0].bytes),
+                      decibels(p.psnrDb).c_str(), decibels(p.wholePsnrDb).c_str(), p.splats, p.shDegree, p.shEntries ? formatText("{}", p.shEntries).c_str() : "–", p.modes);
+        out += row;
+    }
+    return out;
+}
+
+}  // namespace dpl

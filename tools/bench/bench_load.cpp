@@ -1,0 +1,126 @@
+// How long loading takes and how much memory it needs at its peak: an avatar blown up to N splats, through the public SDK and the CPU renderer.
+//   bench_load AVATAR.glb [SPLATS = 533695] [SH degree = 1]
+#include <doppel/doppel.hpp>
+
+#include <malloc.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <new>
+#include <random>
+#include <string>
+
+#include "reconstruction/package/sh_palette.h"
+#include "sdk/core/files.h"
+#include "sdk/format/avatar_file.h"
+#include "sdk/math/sh.h"
+
+namespace {
+
+std::atomic<int64_t> live = 0, peak = 0;   // of all threads: the renderer has some
+
+void* counted(size_t size, size_t alignment) {
+    void* p = alignment > 16 ? std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment) : std::malloc(size ? size : 1);
+    if (!p) throw std::bad_alloc();
+    const int64_t now = live += int64_t(malloc_usable_size(p));
+    for (int64_t seen = peak; now > seen && !peak.compare_exchange_weak(seen, now);) {}
+    return p;
+}
+void release(void* p) noexcept {
+    if (p) live -= int64_t(malloc_usable_size(p));
+    std::free(p);
+}
+
+/** The avatar with `count` splats: its own again and again, each a little aside, smaller and of another colour. */
+dpl::AvatarData blownUp(const dpl::AvatarData& a, uint32_t count, uint32_t shDegree) {
+    dpl::AvatarData out = a;
+    const dpl::SplatData& s = a.splats;
+    out.splats = {};
+    out.splats.shDegree = shDegree;
+    const size_t from = dpl::shCoefficientCount(s.shDegree) * 3, to = dpl::shCoefficientCount(shDegree) * 3;
+    std::vector<uint32_t> triangle, triangleOfSplat(s.count());
+    for (uint32_t t = 0; t + 1 < s.triangleStart.size(); ++t) std::fill(triangleOfSplat.begin() + s.triangleStart[t], triangleOfSplat.begin() + s.triangleStart[t + 1], t);
+    std::mt19937 random(1);
+    const auto signedUnit = [&] { return float(double(random()) * 0x1p-31 - 1); };
+    const float shrink = std::sqrt(float(s.count()) / float(count));
+    for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t j = uint32_t(uint64_t(i) * s.count() / count);
+        out.splats.uv.push_back(glm::clamp(s.uv[j] + dpl::Vec2f(0.1f * signedUnit(), 0.1f * signedUnit()), 0.0f, 1.0f));
+        out.splats.phi.push_back(s.phi[j] + 0.2f * signedUnit());
+        out.splats.scaleM.push_back(s.scaleM[j] * shrink);
+        out.splats.opacity.push_back(s.opacity[j]);
+        out.splats.flags.push_back(s.flags[j]);
+        for (size_t k = 0; k < to; ++k) out.splats.sh.push_back((k < from ? s.sh[j * from + k] : 0) + 0.05f * signedUnit());
+        triangle.push_back(triangleOfSplat[j]);
+    }
+    (void)dpl::sortSplats(out, triangle);
+    return out;
+}
+
+int failed(const std::string& why) { return std::fprintf(stderr, "bench_load: %s\n", why.c_str()), 1; }
+
+}  // namespace
+
+void* operator new(size_t size) { return counted(size, 0); }
+void* operator new[](size_t size) { return counted(size, 0); }
+void* operator new(size_t size, std::align_val_t a) { return counted(size, size_t(a)); }
+void* operator new[](size_t size, std::align_val_t a) { return counted(size, size_t(a)); }
+void operator delete(void* p) noexcept { release(p); }
+void operator delete[](void* p) noexcept { release(p); }
+void operator delete(void* p, size_t) noexcept { release(p); }
+void operator delete[](void* p, size_t) noexcept { release(p); }
+void operator delete(void* p, std::align_val_t) noexcept { release(p); }
+void operator delete[](void* p, std::align_val_t) noexcept { release(p); }
+void operator delete(void* p, size_t, std::align_val_t) noexcept { release(p); }
+void operator delete[](void* p, size_t, std::align_val_t) noexcept { release(p); }
+
+int main(int argc, char** argv) {
+    if (argc < 2) return std::fprintf(stderr, "usage: %s AVATAR.glb [SPLATS] [SH DEGREE]\n", argv[0]), 2;
+    const uint32_t count = argc > 2 ? uint32_t(std::strtoul(argv[2], nullptr, 10)) : 533695, degree = argc > 3 ? uint32_t(std::strtoul(argv[3], nullptr, 10)) : 1;
+    if (count == 0 || count > (16u << 20) || degree > dpl::kMaxShDegree) return failed("1 to 16777216 splats of SH degree 0 to 3");
+    std::vector<uint8_t> file;
+    {
+        auto bytes = dpl::readFile(argv[1]);
+        if (!bytes) return failed(bytes.error().message);
+        auto avatar = dpl::readAvatar(*bytes);
+        if (!avatar) return failed(avatar.error().message);
+        if (avatar->splats.count() == 0) return failed("the avatar has no splats");
+        dpl::AvatarData big = blownUp(*avatar, count, degree);
+        dpl::Jobs jobs(2);
+        auto palette = dpl::paletteSh(big.splats, {.maxEntries = 4096, .refinements = 1}, jobs);
+        if (!palette) return failed(palette.error().message);
+        auto written = dpl::writeAvatar(big, {.shPalette = true});
+        if (!written) return failed(written.error().message);
+        file = std::move(*written);
+    }
+    auto context = doppel::Context::create(DPL_RENDERER_SOFTWARE, 2);
+    if (!context) return failed(context.error().message);
+    std::vector<double> milliseconds;
+    double peakBytes = 0, keptBytes = 0;
+    DplFrameStats stats{};
+    for (int round = 0; round < 9; ++round) {
+        const int64_t before = live;
+        peak = before;
+        const auto start = std::chrono::steady_clock::now();
+        auto avatar = context->loadAvatar(file);
+        milliseconds.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+        if (!avatar) return failed(avatar.error().message);
+        peakBytes = double(peak - before), keptBytes = double(live - before);
+        auto got = avatar->frameStats();
+        if (!got) return failed(got.error().message);
+        stats = *got;
+    }
+    std::sort(milliseconds.begin(), milliseconds.end());
+    const double ply = 248.0 * count;
+    std::printf("%u splats of SH degree %u, %zu bytes in the file\n", count, degree, file.size());
+    std::printf("splats in memory  %9.2f MB  %5.2f B a splat  %5.2f %% of 62 floats a splat\n", double(stats.splatBytes) / 1e6, double(stats.splatBytes) / count, 100 * double(stats.splatBytes) / ply);
+    std::printf("avatar in memory  %9.2f MB  %5.2f B a splat  %5.2f %%   (counted by the allocator: %.2f MB)\n", double(stats.avatarBytes) / 1e6, double(stats.avatarBytes) / count,
+                100 * double(stats.avatarBytes) / ply, keptBytes / 1e6);
+    std::printf("peak of loading   %9.2f MB  %5.2f x what is kept; the file's bytes are the caller's\n", peakBytes / 1e6, peakBytes / keptBytes);
+    std::printf("load              %9.1f ms median, %.1f fastest, of %zu\n", milliseconds[milliseconds.size() / 2], milliseconds[0], milliseconds.size());
+    return 0;
+}
