@@ -139,7 +139,8 @@ Status GpuRenderer::loadAvatar(LoadedAvatar& a, const CodedSplats& splats) {
     }
     DPL_TRY(ids.triangles, uploadBuffer<gpu::TriangleRecord>(a.owned, "triangles", records.triangles));
     DPL_TRY(ids.splats, uploadBuffer<uint32_t>(a.owned, "splats", records.codes));
-    DPL_TRY(ids.sh, uploadBuffer<int8_t>(a.owned, "sh", splats.sh));
+    const int8_t none[16] = {};   // SH degree 0: the pass binds a buffer all the same
+    DPL_TRY(ids.sh, uploadBuffer<int8_t>(a.owned, "sh", splats.sh.empty() ? std::span<const int8_t>(none) : splats.sh));
     DPL_TRY(ids.posed, makeBuffer(a.owned, "posed", ids.vertexCount * 16ull));
     DPL_TRY(ids.triangleFrames, makeBuffer(a.owned, "triangle frames", ids.triangleCount * uint64_t(sizeof(gpu::TriangleFrame))));
     return makeWorkBuffers(a);
