@@ -9,6 +9,7 @@
 
 #include "reconstruction/splat/polish.h"
 #include "sdk/core/files.h"
+#include "sdk/math/sh.h"
 #include "tests/unit/recon_splat/toy_scene.h"
 
 namespace dpl::test {
@@ -234,6 +235,13 @@ TEST(Polish, keepsMeshAndOrderAndLowersTheLoss) {
     EXPECT_EQ(avatar.splats.uv, before.uv);
     EXPECT_EQ(avatar.splats.phi, before.phi);
     EXPECT_EQ(avatar.splats.triangleStart, before.triangleStart);
+    const size_t stride = shCoefficientCount(before.shDegree) * 3;
+    size_t moved = 0;
+    for (size_t k = 0; k < before.sh.size(); ++k) {
+        moved += avatar.splats.sh[k] != before.sh[k];
+        if (k % stride >= 3) { ASSERT_EQ(avatar.splats.sh[k], before.sh[k]) << "splats share the rows of a palette"; }
+    }
+    EXPECT_GT(moved, before.count());
     EXPECT_LT(lossOf(), 0.96 * dull);  // 120 small steps: a polish mends rounding, it does not repaint
 }
 
