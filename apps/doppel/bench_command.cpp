@@ -17,7 +17,8 @@ namespace {
 
 struct BenchOptions {
     std::filesystem::path avatar, jsonFile;
-    std::vector<std::string> renderers = {"software", "vulkan", "vulkan-without-culling"};
+    std::vector<std::string> renderers = {"software", "vulkan-quads", "vulkan-tiles", "vulkan-without-culling"};
+    std::string fill = "auto";
     std::string clip;
     double timeS = 0;
     uint32_t repeats = 11, threadCount = 0;
@@ -63,7 +64,8 @@ Result<std::vector<Contestant>> contestants(const BenchOptions& options, std::sp
     std::vector<Contestant> list;
     for (const std::string& name : options.renderers) {
         const bool all = name == "vulkan-without-culling";
-        auto context = doppel::Context::create(name == "software" ? DPL_RENDERER_SOFTWARE : DPL_RENDERER_VULKAN, options.threadCount, all ? DPL_CONTEXT_WITHOUT_CULLING : 0);
+        const DplFill fill = name == "vulkan-quads" ? DPL_FILL_QUADS : name == "vulkan-tiles" ? DPL_FILL_TILES : fillOf(options.fill);
+        auto context = doppel::Context::create(name == "software" ? DPL_RENDERER_SOFTWARE : DPL_RENDERER_VULKAN, options.threadCount, all ? DPL_CONTEXT_WITHOUT_CULLING : 0, fill);
         if (!context) {
             std::fprintf(stderr, "doppel: %s is left out: %s\n", name.c_str(), context.error().message.c_str());
             continue;
@@ -167,11 +169,11 @@ std::string frameRow(const BenchCase& test, const Contestant& c, uint32_t splatC
 std::string jsonLines(const BenchCase& test, const Contestant& c, uint32_t splatCount, bool compared) {
     char line[900];
     std::string out;
-    std::snprintf(line, sizeof line, "{\"case\":\"%s\",\"views\":%u,\"width_px\":%u,\"height_px\":%u,\"device\":\"%s\",\"ms_p50\":%.3f,\"ms_p95\":%.3f,\"draw_ms_p50\":%.3f,\"splats\":%u,\"splats_in_view\":%u,\"splats_facing\":%u,\"splats_drawn\":%u,\"chunks\":%u,\"chunks_projected\":%u,\"resident_bytes\":%llu,\"avatar_bytes\":%llu,\"splat_bytes\":%llu,\"bytes_decided\":%llu,\"bytes_decoded\":%llu,\"load_ms\":%.2f",
+    std::snprintf(line, sizeof line, "{\"case\":\"%s\",\"views\":%u,\"width_px\":%u,\"height_px\":%u,\"device\":\"%s\",\"ms_p50\":%.3f,\"ms_p95\":%.3f,\"draw_ms_p50\":%.3f,\"splats\":%u,\"splats_in_view\":%u,\"splats_facing\":%u,\"splats_drawn\":%u,\"chunks\":%u,\"chunks_projected\":%u,\"resident_bytes\":%llu,\"avatar_bytes\":%llu,\"splat_bytes\":%llu,\"bytes_decided\":%llu,\"bytes_decoded\":%llu,\"load_ms\":%.2f,\"tile_entries\":%u,\"tiles_overflowed\":%u",
                   test.name, test.viewCount, test.widthPx, test.heightPx, c.name.c_str(), percentile(c.milliseconds, 0.5), percentile(c.milliseconds, 0.95),
                   percentile(c.drawMilliseconds, 0.5), splatCount, c.stats.splatsInView, c.stats.splatsFacing, c.stats.splatsDrawn, c.stats.chunkCount, c.stats.chunksProjected, static_cast<unsigned long long>(c.stats.residentBytes),
                   static_cast<unsigned long long>(c.stats.avatarBytes), static_cast<unsigned long long>(c.stats.splatBytes), static_cast<unsigned long long>(c.stats.bytesDecided),
-                  static_cast<unsigned long long>(c.stats.bytesDecoded), c.loadMilliseconds);
+                  static_cast<unsigned long long>(c.stats.bytesDecoded), c.loadMilliseconds, c.stats.tileEntries, c.stats.tilesOverflowed);
     out += line;
     if (compared) {
         std::snprintf(line, sizeof line, ",\"psnr_db\":%.2f,\"covered_psnr_db\":%.2f,\"max_error_levels\":%.2f", finiteDb(c.error.psnrDb()), finiteDb(c.error.coveredPsnrDb()), c.error.maxLevels);
@@ -267,6 +269,7 @@ Status bench(const BenchOptions& options) {
                 "codes, over all splats and views: to tell which may show, and of those; counted on the CPU, from survivors and layout on a GPU.\n", memory.c_str());
     std::printf("\nms: dplDraw and dplReadImages together, pictures in memory; median and 95th percentile of %u. dplDraw ms: what an app's thread pays. GPU ms: the frame's passes by the device's clock. PSNR and max error: against the\n"
                 "double-precision reference, colour over mid grey; of all pixels, and of those that something covers.\n", options.repeats);
+    if (auto chosen = doppel::Context::create(DPL_RENDERER_VULKAN)) std::printf("What --fill auto chooses on this device: %s\n", chosen->rendererName().c_str());
     if (options.jsonFile.empty()) return {};
     return writeFileAtomically(options.jsonFile, json);
 }
@@ -277,7 +280,8 @@ void addBenchCommand(CLI::App& app, CommandRun& run) {
     auto options = std::make_shared<BenchOptions>();
     CLI::App* command = app.add_subcommand("bench", "Time an avatar on every renderer and measure its pictures against the double-precision reference");
     command->add_option("avatar", options->avatar, "Avatar file (.glb), or general splats (.ply, compressed .ply, .spz, .glb with KHR_gaussian_splatting)")->required();
-    command->add_option("--renderers", options->renderers, "Which to race")->check(CLI::IsMember({"software", "vulkan", "vulkan-without-culling"}))->capture_default_str();
+    command->add_option("--renderers", options->renderers, "Which to race")->check(CLI::IsMember({"software", "vulkan", "vulkan-quads", "vulkan-tiles", "vulkan-without-culling"}))->capture_default_str();
+    command->add_option("--fill", options->fill, "How vulkan and vulkan-without-culling fill pixels; auto: a self-test finds the faster one")->check(CLI::IsMember(kFillNames))->capture_default_str();
     command->add_option("--clip", options->clip, "Pose: a clip of the avatar by name, or a BVH or glTF file (default: the rest pose)");
     command->add_option("--time", options->timeS, "Pose: time in the clip, seconds")->check(CLI::Range(0.0, 1e6));
     command->add_option("--repeats", options->repeats, "Timed frames a case")->check(CLI::Range(1, 1000))->capture_default_str();

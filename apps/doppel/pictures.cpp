@@ -38,6 +38,8 @@ Result<uint32_t> chooseClip(doppel::Avatar& avatar, const std::string& clip) {
     return *loaded;
 }
 
+DplFill fillOf(const std::string& name) { return name == "quads" ? DPL_FILL_QUADS : name == "tiles" ? DPL_FILL_TILES : DPL_FILL_AUTO; }
+
 Mat3d uprightFromFile(const std::string& axes) {
     if (axes == "y-down") return Mat3d(1, 0, 0, 0, -1, 0, 0, 0, -1);
     if (axes == "z-up") return Mat3d(1, 0, 0, 0, 0, -1, 0, 1, 0);

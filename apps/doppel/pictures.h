@@ -15,6 +15,10 @@ Error fromSdk(const doppel::Error& error);
 inline const std::vector<std::string> kAxesNames = {"y-up", "y-down", "z-up", "z-down"};
 /** The rotation that stands such a file upright. Any other name: none. */
 Mat3d uprightFromFile(const std::string& axes);
+/** Values of --fill. */
+inline const std::vector<std::string> kFillNames = {"auto", "quads", "tiles"};
+DplFill fillOf(const std::string& name);
+
 /** Index of the clip to play: one of the avatar's own by name, else a motion file retargeted onto it. */
 Result<uint32_t> chooseClip(doppel::Avatar& avatar, const std::string& clip);
 

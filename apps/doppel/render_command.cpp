@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 struct RenderOptions {
     fs::path avatar, out, scan, poses;
-    std::string clip, split = "test", size = "720x1280", renderer = "auto", axes = "y-up";
+    std::string clip, split = "test", size = "720x1280", renderer = "auto", fill = "auto", axes = "y-up";
     double timeS = 0, seconds = 0, framesPerSecond = 30, azimuthDeg = 0, scale = 1;
     bool turntable = false, stereo = false, unfitted = false;
     uint32_t threadCount = 0;
@@ -43,7 +43,7 @@ Result<PictureSize> parseSize(const std::string& text) {
 
 Result<doppel::Context> makeContext(const RenderOptions& options) {
     const DplRenderer kind = options.renderer == "software" ? DPL_RENDERER_SOFTWARE : options.renderer == "vulkan" ? DPL_RENDERER_VULKAN : DPL_RENDERER_AUTO;
-    auto context = doppel::Context::create(kind, options.threadCount);
+    auto context = doppel::Context::create(kind, options.threadCount, 0, fillOf(options.fill));
     if (!context) return fromSdk(context.error());
     return std::move(*context);
 }
@@ -182,6 +182,7 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
     command->add_option("--scale", options->scale, "With --scan: times the scan's resolution")->check(CLI::Range(0.05, 16.0))->capture_default_str();
     command->add_flag("--without-pose-fit", options->unfitted, "With --scan: the registered poses, not those fitted at test time");
     command->add_option("--renderer", options->renderer, "auto: a real GPU, else the CPU")->check(CLI::IsMember({"auto", "software", "vulkan"}))->capture_default_str();
+    command->add_option("--fill", options->fill, "How a GPU fills pixels; auto: a self-test finds the faster one")->check(CLI::IsMember(kFillNames))->capture_default_str();
     command->add_option("--threads", options->threadCount, "CPU threads, 0: one a core")->check(CLI::Range(0, 256));
     command->footer(
         "Examples:\n"

@@ -3,30 +3,52 @@
 #include "sdk/api/software_renderer.h"
 #include "sdk/core/log.h"
 #if DOPPEL_VULKAN
+#include "sdk/render/fill_memory.h"
 #include "sdk/render/vulkan_renderer.h"
 #endif
 
 namespace dpl::api {
+#if DOPPEL_VULKAN
+namespace {
 
-Result<std::unique_ptr<Renderer>> createRenderer(DplRenderer kind, uint32_t threadCount, bool cullTriangles) {
+const auto softwarePicture = [](const FillScene& scene) -> Result<std::vector<uint8_t>> {
+    const std::unique_ptr<Renderer> software = createSoftwareRenderer(1);
+    DPL_TRY(const RenderAvatarId id, software->addSplats(scene.splats));
+    DPL_CHECK_OK(software->draw(id, {}, {&scene.camera, 1}, false));
+    DPL_TRY(const std::span<const PixelView> views, software->read(id));
+    return std::vector<uint8_t>(views[0].rgba.begin(), views[0].rgba.end());
+};
+
+Result<std::unique_ptr<Renderer>> createGpuRenderer(DplRenderer kind, const RendererOptions& options) {
+    VulkanOptions vulkan;
+    vulkan.allowSoftwareDevice = kind == DPL_RENDERER_VULKAN;  // asked for by name, any device will do
+    vulkan.cullTriangles = options.cullTriangles;
+    auto gpu = createVulkanRenderer(vulkan);
+    // "No usable loader" and "no device" are one thing to the caller: not on this machine.
+    if (!gpu) return fail(Code::Unsupported, "no Vulkan renderer on this machine: {}; use DPL_RENDERER_AUTO or DPL_RENDERER_SOFTWARE", gpu.error().message);
+    if (options.fill == DPL_FILL_AUTO) {
+        DPL_CHECK_OK(setBestFill(**gpu, options.cacheFolder, softwarePicture));
+    } else {
+        (*gpu)->setFill(options.fill == DPL_FILL_TILES ? Fill::Tiles : Fill::Quads);
+    }
+    return gpu;
+}
+
+}  // namespace
+#endif
+
+Result<std::unique_ptr<Renderer>> createRenderer(DplRenderer kind, const RendererOptions& options) {
 #if DOPPEL_VULKAN
     if (kind != DPL_RENDERER_SOFTWARE) {
-        VulkanOptions options;
-        options.allowSoftwareDevice = kind == DPL_RENDERER_VULKAN;  // asked for by name, any device will do
-        options.cullTriangles = cullTriangles;
-        auto gpu = createVulkanRenderer(options);
-        if (gpu) return gpu;
-        if (kind == DPL_RENDERER_VULKAN) {
-            // "No usable loader" and "no device" are one thing to the caller: not on this machine.
-            return fail(Code::Unsupported, "no Vulkan renderer on this machine: {}; use DPL_RENDERER_AUTO or DPL_RENDERER_SOFTWARE", gpu.error().message);
-        }
-        log(LogLevel::Info, "no GPU to draw with, the CPU draws: {}", gpu.error().message);
+        auto gpu = createGpuRenderer(kind, options);
+        if (gpu || kind == DPL_RENDERER_VULKAN) return gpu;
+        log(gpu.error().code == Code::Unsupported ? LogLevel::Info : LogLevel::Warning, "no GPU to draw with, the CPU draws: {}", gpu.error().message);
     }
 #else
     if (kind == DPL_RENDERER_VULKAN)
         return fail(Code::Unsupported, "this build of Doppel is without Vulkan (DOPPEL_VULKAN=OFF); use DPL_RENDERER_AUTO or DPL_RENDERER_SOFTWARE");
 #endif
-    return createSoftwareRenderer(threadCount);
+    return createSoftwareRenderer(options.threadCount);
 }
 
 }  // namespace dpl::api

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "sdk/core/result.h"
 #include "sdk/include/doppel/doppel.h"
@@ -9,7 +10,14 @@
 
 namespace dpl::api {
 
-/** As DplRenderer says; cullTriangles: as VulkanOptions says. Unsupported when the wanted one is not in this build or finds no device. */
-Result<std::unique_ptr<Renderer>> createRenderer(DplRenderer kind, uint32_t threadCount, bool cullTriangles = true);
+struct RendererOptions {
+    uint32_t threadCount = 0;
+    bool cullTriangles = true;     // as VulkanOptions says
+    DplFill fill = DPL_FILL_AUTO;
+    std::string cacheFolder;       // empty: none
+};
+
+/** As DplRenderer says. Unsupported when the wanted one is not in this build or finds no device; Device when it draws wrong pixels. */
+Result<std::unique_ptr<Renderer>> createRenderer(DplRenderer kind, const RendererOptions& options);
 
 }  // namespace dpl::api

@@ -195,6 +195,8 @@ extern "C" DplResult dplGetFrameStats(DplAvatar avatar, DplFrameStats* stats) {
         out.avatarBytes = found->stats.avatarBytes, out.splatBytes = found->stats.splatBytes;
         out.bytesDecided = found->stats.bytesDecided, out.bytesDecoded = found->stats.bytesDecoded;
         for (const PassTime& pass : found->stats.passes) out.gpuMs += pass.milliseconds;
+        out.tileEntries = found->stats.tileEntries;
+        out.tilesOverflowed = found->stats.tilesOverflowed ? 1 : 0;
         return writeStruct(stats, out, "stats", offsetof(DplFrameStats, avatarBytes));
     });
 }

@@ -36,6 +36,7 @@ enum class DeviceKind : uint8_t { Discrete, Integrated, Virtual, Software, Other
 
 struct DeviceInfo {
     std::string name;
+    std::string identity;           // of device, driver version and shader pack: equal only when all three are
     DeviceKind kind = DeviceKind::Other;
     uint64_t maxBindingBytes = 0;   // of one storage buffer binding
     uint32_t maxTargetPx = 0;       // width or height of a target
@@ -105,6 +106,7 @@ struct DrawStep {              // clears the target, then one indirect draw
     std::string label;
     PipelineId pipeline;
     TargetId target;
+    bool keep = false;         // do not clear: draw over what a PutPixelsStep has put there
     std::vector<Binding> bindings;
     PushBytes push;
     IndirectArgs args;         // four u32
@@ -120,11 +122,17 @@ struct ReadbackStep {          // tight rows, top first, view after view
     BufferId colour;           // 4 B a pixel
     BufferId depth;            // 8 B (4 B when halfDepth) a pixel; none: not wanted
 };
+struct PutPixelsStep {         // a Device buffer into the target: tight rows, top first, view after view
+    std::string label;
+    TargetId target;
+    BufferId pixels;           // colour from byte 0: 4 x f16 (halfColour) or 4 x unorm8 a pixel
+    uint64_t depthOffset = 0;  // of the depth sums, 2 x f32 (2 x f16 when halfDepth) a pixel; for targets with depth
+};
 struct CopyStep {              // a Device buffer into a Readback buffer: `to` must not be larger
     std::string label;
     BufferId from, to;
 };
-using Step = std::variant<FillStep, ComputeStep, DrawStep, ReadbackStep, CopyStep>;
+using Step = std::variant<FillStep, ComputeStep, DrawStep, PutPixelsStep, ReadbackStep, CopyStep>;
 
 const std::string& stepLabel(const Step& step);
 

@@ -22,6 +22,7 @@ struct FrameIds {
     // written by the CPU: at load, or (frame, palette) before each frame
     BufferId frame, palette, vertices, triangles, splats, sh;
     // made by the GPU in each frame
+    BufferId tileLists, tileEntries, tilePixels;   // none: quads alone
     BufferId posed, triangleFrames, projected, visibility, blockSums, counts, pairs, pairsSwap, histogram;
     TargetId target;
     // read by the CPU, made by the first read-back

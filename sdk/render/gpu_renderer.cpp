@@ -1,10 +1,12 @@
 #include "sdk/render/gpu_renderer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
 #include "sdk/avatar/pose_correctives.h"
+#include "sdk/core/log.h"
 #include "sdk/format/splat_codec.h"
 #include "sdk/math/coverage.h"
 #include "sdk/render/passes/chunks.h"
@@ -13,6 +15,7 @@
 #include "sdk/render/passes/project.h"
 #include "sdk/render/passes/skin.h"
 #include "sdk/render/passes/sort.h"
+#include "sdk/render/passes/tiles.h"
 #include "sdk/render/passes/triangles.h"
 
 namespace dpl {
@@ -50,8 +53,8 @@ bool shareOrder(std::span<const Cameraf> views) {
 
 }  // namespace
 
-GpuRenderer::GpuRenderer(std::unique_ptr<Backend> backend, std::string name, bool preciseBlending, bool cullTriangles)
-    : backend_(std::move(backend)), name_(std::move(name)), preciseBlending_(preciseBlending), cullTriangles_(cullTriangles) {}
+GpuRenderer::GpuRenderer(std::unique_ptr<Backend> backend, std::string name, const GpuOptions& options)
+    : backend_(std::move(backend)), name_(std::move(name)), preciseBlending_(options.preciseBlending), cullTriangles_(options.cullTriangles), fill_(options.fill) {}
 
 GpuRenderer::~GpuRenderer() {
     for (auto& [id, avatar] : avatars_) freeAvatar(avatar);
@@ -174,11 +177,23 @@ Status GpuRenderer::build(const LoadedAvatar& a, ShapedFrame& f) {
     // Whoever walks away from this avatar should not wait for a shader compiler: its other pipeline is made now, its other target when it is needed.
     if (a.data && a.data->trainedPixelM > 0 && backend_->info().fourSamples) { DPL_CHECK_OK(backend_->drawPipeline(drawPipelineOf(ids, ids.samples == 1 ? kCoverageSamples : 1))); }
     DPL_TRY(ids.projected, makeBuffer(f.owned, "projected", uint64_t(ids.splatCount) * ids.viewCount * sizeof(gpu::ProjectedSplat)));
-    for (Slot& slot : f.slots) { DPL_CHECK_OK(buildSlot(a, f, slot)); }
+    std::optional<TilePlan> tiles;
+    if (f.shape.fill == Fill::Tiles && ids.splatCount > 0) {
+        tiles = planTiles(ids, backend_->info());
+        if (!tiles) log(LogLevel::Info, "{} x {} px, {} splats: the lists of compute tiles do not fit the device, quads fill this size", ids.widthPx, ids.heightPx, ids.splatCount);
+    }
+    if (tiles) {
+        DPL_TRY(ids.tileLists, makeBuffer(f.owned, "tile lists", tiles->listBytes));
+        constexpr std::array<std::byte, 4> kZero{};
+        DPL_CHECK_OK(backend_->write(ids.tileLists, 0, kZero));  // each pass clears its own part; this is for the check of reads
+        DPL_TRY(ids.tileEntries, makeBuffer(f.owned, "tile entries", tiles->entryBytes));
+        DPL_TRY(ids.tilePixels, makeBuffer(f.owned, "tile pixels", tiles->pixelBytes));
+    }
+    for (Slot& slot : f.slots) { DPL_CHECK_OK(buildSlot(a, f, slot, tiles)); }
     return {};
 }
 
-Status GpuRenderer::buildSlot(const LoadedAvatar& a, ShapedFrame& f, Slot& slot) {
+Status GpuRenderer::buildSlot(const LoadedAvatar& a, ShapedFrame& f, Slot& slot, const std::optional<TilePlan>& tiles) {
     DPL_TRY(slot.frame, makeBuffer(f.owned, "frame", sizeof(gpu::FrameData), BufferMemory::Upload));
     if (a.data) { DPL_TRY(slot.palette, makeBuffer(f.owned, "palette", paletteRows(*a.data) * sizeof(gpu::vec4), BufferMemory::Upload)); }
     DPL_TRY(slot.finalCounts, makeBuffer(f.owned, "final counts", sizeof(gpu::FrameCounts), BufferMemory::Readback));
@@ -198,6 +213,7 @@ Status GpuRenderer::buildSlot(const LoadedAvatar& a, ShapedFrame& f, Slot& slot)
         addColour(plan, ids);
         addCompact(plan, ids);
         addSort(plan, ids);
+        if (tiles) addTiles(plan, ids, *tiles);
     } else {  // no work, but the draw still clears the target: its arguments are zero
         plan.fill("no pairs", ids.pairs, 0);
         plan.fill("no splats", ids.projected, 0);
@@ -264,10 +280,11 @@ Status GpuRenderer::draw(RenderAvatarId id, const Pose& pose, std::span<const Ca
     std::fill(std::begin(avatar.drawn), std::end(avatar.drawn), 0);
     const bool choose = avatar.data && backend_->info().fourSamples;
     const uint32_t samples = choose ? coverageSamples(avatar.data->trainedPixelM, rootPosition(avatar.data->joints, pose), views) : 1;
-    const Shape shape{views[0].widthPx, views[0].heightPx, uint32_t(views.size()), wantDepth, 0, samples};
+    const Fill fill = samples == 1 ? fill_ : Fill::Quads;  // tiles have one sample a pixel
+    const Shape shape{views[0].widthPx, views[0].heightPx, uint32_t(views.size()), wantDepth, 0, samples, fill};
     if (shareOrder(views)) return drawFrame(avatar, pose, views, shape);
     Status drawn;
-    for (uint32_t eye = 0; eye < views.size() && drawn; ++eye) drawn = drawFrame(avatar, pose, views.subspan(eye, 1), {shape.widthPx, shape.heightPx, 1, wantDepth, eye, samples});
+    for (uint32_t eye = 0; eye < views.size() && drawn; ++eye) drawn = drawFrame(avatar, pose, views.subspan(eye, 1), {shape.widthPx, shape.heightPx, 1, wantDepth, eye, samples, fill});
     if (!drawn) std::fill(std::begin(avatar.drawn), std::end(avatar.drawn), 0);  // half a pair is not shown
     return drawn;
 }
@@ -354,6 +371,8 @@ Result<FrameStats> GpuRenderer::stats(RenderAvatarId id) {
             stats.bytesDecided += uint64_t(frame.ids.splatCount) * 5 + uint64_t(counts.chunkGroupsX) * gpu::kSplatGroup * 5;
             stats.bytesDecoded += uint64_t(counts.splatsFacing) * 4 + uint64_t(counts.visible) * (4 + (frame.ids.codes.firstShIndex ? 2 : 0) + frame.ids.codes.shWords * 4);
         }
+        stats.tileEntries += counts.tileEntries;
+        stats.tilesOverflowed |= counts.tilesOverflowed != 0;
         for (PassTime& pass : backend_->passTimes(slot.draw)) stats.passes.push_back(std::move(pass));
         if (frame.lastRead == slot.number)
             for (PassTime& pass : backend_->passTimes(frame.readback)) stats.passes.push_back(std::move(pass));

@@ -10,17 +10,26 @@
 #include "sdk/avatar/rig.h"
 #include "sdk/render/avatar_upload.h"
 #include "sdk/render/frame_ids.h"
+#include "sdk/render/passes/tiles.h"
 #include "sdk/render/renderer.h"
 
 namespace dpl {
 
+struct GpuOptions {
+    bool preciseBlending = false;
+    bool cullTriangles = true;
+    Fill fill = Fill::Quads;
+};
+
 class GpuRenderer final : public Renderer {
 public:
-    /** `name` is what name() says. */
-    GpuRenderer(std::unique_ptr<Backend> backend, std::string name, bool preciseBlending = false, bool cullTriangles = true);
+    /** `name` is what name() says, the fill in brackets behind it. */
+    GpuRenderer(std::unique_ptr<Backend> backend, std::string name, const GpuOptions& options = {});
     ~GpuRenderer() override;
 
-    std::string name() const override { return name_; }
+    std::string name() const override { return formatText("{} ({})", name_, fill_ == Fill::Tiles ? "tiles" : "quads"); }
+    void setFill(Fill fill) override { fill_ = fill; }
+    std::string identity() const override { return backend_->info().identity; }
     Result<RenderAvatarId> addAvatar(std::shared_ptr<const AvatarData> avatar) override;
     Result<RenderAvatarId> addCodedAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats) override;
     Result<RenderAvatarId> addSplats(const StaticSplatData& splats) override;
@@ -38,6 +47,7 @@ private:
         bool depth = false;
         uint32_t eye = 0;              // 1: the second of two frames that draw a canted pair
         uint32_t samples = 1;          // a pixel
+        Fill fill = Fill::Quads;
         bool operator==(const Shape&) const = default;
     };
     struct Slot {
@@ -75,7 +85,7 @@ private:
     Status drawFrame(LoadedAvatar& avatar, const Pose& pose, std::span<const Cameraf> views, const Shape& shape);
     Result<ShapedFrame*> frameOf(LoadedAvatar& avatar, const Shape& shape);
     Status build(const LoadedAvatar& avatar, ShapedFrame& frame);
-    Status buildSlot(const LoadedAvatar& avatar, ShapedFrame& frame, Slot& slot);
+    Status buildSlot(const LoadedAvatar& avatar, ShapedFrame& frame, Slot& slot, const std::optional<TilePlan>& tiles);
     Status buildReadback(ShapedFrame& frame);
     void fill(const LoadedAvatar& avatar, const Slot& slot, const Pose& pose, std::span<const Cameraf> views, uint32_t samples);
     void freeFrame(ShapedFrame& frame);
@@ -85,6 +95,7 @@ private:
     std::unique_ptr<Backend> backend_;
     std::string name_;
     bool preciseBlending_, cullTriangles_;
+    Fill fill_;
     std::map<RenderAvatarId, LoadedAvatar> avatars_;
     std::vector<Mat3x4f> worldFromRest_;   // of the last pose, as are these
     std::vector<float> coefficients_;

@@ -43,6 +43,8 @@ public:
         }
         Builder& groups(uint32_t count) { return step_.groups = count, *this; }
         Builder& groupsFrom(BufferId args, uint64_t offset) { return step_.indirect = {args, offset}, *this; }
+        /** Draws over the pixels that are there. */
+        Builder& keep() { return step_.keep = true, *this; }
         Builder& argsFrom(BufferId args, uint64_t offset) { return step_.args = {args, offset}, *this; }
 
     private:
@@ -57,6 +59,10 @@ public:
     void fill(std::string label, BufferId buffer, uint32_t value) { steps_.push_back(FillStep{std::move(label), buffer, value}); }
     void readback(std::string label, TargetId target, BufferId colour, BufferId depth) {
         steps_.push_back(ReadbackStep{std::move(label), target, colour, depth});
+    }
+
+    void putPixels(std::string label, TargetId target, BufferId pixels, uint64_t depthOffset) {
+        steps_.push_back(PutPixelsStep{std::move(label), target, pixels, depthOffset});
     }
 
     void copy(std::string label, BufferId from, BufferId to) { steps_.push_back(CopyStep{std::move(label), from, to}); }

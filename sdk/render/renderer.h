@@ -37,6 +37,8 @@ struct FrameStats {
     uint32_t splatsInView = 0, splatsFacing = 0;
     uint32_t chunks = 0, chunksProjected = 0;
     uint32_t splatsDrawn = 0;          // that some view shows
+    uint32_t tileEntries = 0;          // splat-tile pairs of all views; 0 when quads fill
+    bool tilesOverflowed = false;      // the tiles' lists were too small for this frame: quads have filled it
     std::vector<PassTime> passes;      // GPU time in the order they ran, rounds of the sort one by one; empty without timestamps
     uint64_t residentBytes = 0;        // of all avatars and frames of the renderer, on the side that draws
     uint64_t avatarBytes = 0;          // of this avatar alone, whatever is drawn: splats, and what poses them
@@ -53,6 +55,8 @@ inline uint64_t posingBytes(const AvatarData& a) {
            m.jointWeights.size() * sizeof(m.jointWeights[0]) + m.triangles.size() * sizeof(m.triangles[0]) + (c.mean.size() + c.modes.size()) * sizeof(float) +
            c.nodeIndices.size() * sizeof(c.nodeIndices[0]) + c.nodeWeights.size() * sizeof(c.nodeWeights[0]) + c.nodes.size() * sizeof(c.nodes[0]);
 }
+/** How a GPU fills pixels: one blended quad a splat, or compute tiles that walk their splats front to back. The pictures agree. */
+enum class Fill : uint8_t { Quads, Tiles };
 
 using RenderAvatarId = uint32_t;
 constexpr uint32_t kFramesInFlight = 3;  // of one shape: the CPU may be two frames ahead
@@ -61,8 +65,12 @@ constexpr uint32_t kFramesInFlight = 3;  // of one shape: the CPU may be two fra
 class Renderer {
 public:
     virtual ~Renderer() = default;
-    /** For people: "software (2 threads)", "vulkan (llvmpipe ...)". */
+    /** For people: "software (2 threads)", "vulkan: llvmpipe ... (tiles)". */
     virtual std::string name() const = 0;
+    /** How a GPU fills pixels from the next draw on. A CPU has one way and takes no notice. */
+    virtual void setFill(Fill) {}
+    /** DeviceInfo::identity of a GPU; empty on the CPU. */
+    virtual std::string identity() const { return {}; }
     /** Uploads or indexes an avatar; everything a frame needs is created here. */
     virtual Result<RenderAvatarId> addAvatar(std::shared_ptr<const AvatarData> avatar) = 0;
     /** The same with splats as they lie in the file (readCodedAvatar): avatar->splats is not looked at. */

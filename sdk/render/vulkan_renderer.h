@@ -12,6 +12,6 @@
 namespace dpl {
 
 /** Code::Unsupported when no device fits the options; the text names the best one there is. */
-Result<std::unique_ptr<Renderer>> createVulkanRenderer(const VulkanOptions& options = {});
+Result<std::unique_ptr<Renderer>> createVulkanRenderer(const VulkanOptions& options = {}, Fill fill = Fill::Quads);
 
 }  // namespace dpl

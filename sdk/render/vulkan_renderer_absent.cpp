@@ -5,7 +5,7 @@ namespace dpl {
 
 Result<std::vector<DeviceInfo>> listVulkanDevices() { return std::vector<DeviceInfo>(); }
 
-Result<std::unique_ptr<Renderer>> createVulkanRenderer(const VulkanOptions&) {
+Result<std::unique_ptr<Renderer>> createVulkanRenderer(const VulkanOptions&, Fill) {
     return fail(Code::Unsupported, "this build has no Vulkan (DOPPEL_VULKAN=OFF); use the software renderer");
 }
 

@@ -5,6 +5,7 @@
 //   splat codes, uints: chunk records │ parents │ place │ size │ colour │ parent bytes │ SH indices (lib/codes.glsl)
 //   visibility buffer, uints: a flag a half-chunk │ the live ones, in order │ a sort depth a splat
 //   sort depth ─compact► uvec2 (key, splat) ─sort► the same, near first ─draw► pixels
+//                                                                      └─tiles► spans by row of tiles ► entries by tile ─fill► pixels
 //   GeneralSplatRecord ─project.general► the same two ─...  (general splats: no pose, no triangles)
 #ifndef DPL_SHARED_FRAME_H
 #define DPL_SHARED_FRAME_H
@@ -104,9 +105,34 @@ struct FrameCounts {          // written by the GPU for itself; the indirect arg
     uint splatsInView;        // on trianglesInView
     uint splatsFacing;        // of these, not turned away
     uint chunkGroupsX, chunkGroupsY, chunkGroupsZ;  // VkDispatchIndirectCommand over the chunks that have such a splat
+    uint tileRuns;            // ceil(visible / kTileRun)
+    uint runGroupsX, runGroupsY, runGroupsZ;     // VkDispatchIndirectCommand over the runs
+    uint tileSpans;           // of all rows of tiles
+    uint spanGroupsX, spanGroupsY, spanGroupsZ;  // the same over the runs, and over the rows: zero when the spans do not fit
+    uint tileEntries;         // of all tiles
+    uint rowGroupsX, rowGroupsY, rowGroupsZ;
+    uint tilesOverflowed;     // 1: a list was too small, the quads draw this frame
+    uint entryGroupsX, entryGroupsY, entryGroupsZ;  // over the rows, and over the tiles: zero when the entries do not fit
     uint pad3;
+    uint fillGroupsX, fillGroupsY, fillGroupsZ;
+    uint pad4;
 };
-DPL_SHARED_SIZE(FrameCounts, 80)
+DPL_SHARED_SIZE(FrameCounts, 160)
+
+struct TilePush {             // of every tile pass; `first...`: offsets into the tile lists, one buffer of uints
+    uint viewCount, columns, rows;  // tiles across and down one view
+    uint widthPx, heightPx;         // of one view
+    uint firstSpanSum;        // spans before each row of tiles (views × rows + 1)
+    uint firstEntrySum;       // entries before each row of tiles
+    uint firstRunTable;       // [row][run]: spans, then where the next one goes
+    uint firstTileTable;      // [row][column][segment]: entries within the row, then where the next one goes
+    uint firstSpan;           // (record, first column | last column << 16)
+    uint spanCapacity, entryCapacity;
+    uint fillGroups;
+    uint firstDepth;          // in the pixel buffer, words
+    uint halfColour, halfDepth;
+};
+struct TileScanPush { uint perRow; uint firstTable; uint firstSum; };  // perRow 0: counts.tileRuns
 
 struct VertexPush { uint vertexCount; uint firstNode; };  // control nodes in the palette, behind the joints' rows
 struct TrianglePush { uint triangleCount; uint viewCount; uint cull; };  // cull 0: every valid triangle is shown
@@ -116,7 +142,7 @@ struct CodesPush { uint viewCount; uint groupCount; uint firstParent; uint first
 struct ChunkPush { uint chunkCount; };
 struct ColourPush { uint splatCount; uint viewCount; uint shDegree; uint shStride; };  // of general splats; stride in floats per splat
 struct CompactPush { uint splatCount; uint blockCount; uint firstDepth; uint maxDepthKey; };  // where in the visibility buffer the sort depths begin
-struct ScanPush { uint count; uint fromSort; };   // fromSort 1: kSortDigits * sortBlocks entries, else `count`
+struct ScanPush { uint first; uint count; uint fromSort; };   // fromSort 1: kSortDigits * sortBlocks entries, else `count`
 struct ArgsPush { uint blockCount; uint instancesPerSplat; };
 struct SortPush { uint shift; };
 struct DrawPush { float targetWidthPx; float targetHeightPx; uint viewCount; uint atlasColumns; };

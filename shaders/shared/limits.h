@@ -33,6 +33,16 @@ DPL_CONST uint kGatedBit = 0x40000000u;      // of the size word: shows one face
 DPL_CONST float kUvZeroCode = 113.0;
 DPL_CONST float kUvCodeSteps = 1820.0;
 DPL_CONST float kPhiCodeStep = 0.0030679615757712823;  // π / 1024
+
+// Compute tiles. A lane owns one column of a tile: kTilePx pixels.
+DPL_CONST uint kTilePx = 8u;
+DPL_CONST uint kTileGroup = 64u;         // of the raster pass: 8 tiles
+DPL_CONST uint kTileListGroup = 32u;     // of the passes that make the lists, where each lane works through a run by itself
+DPL_CONST uint kTileScanGroup = 64u;
+DPL_CONST uint kTileRun = 256u;          // sorted splats a lane
+DPL_CONST uint kTileSegments = 4u;       // lanes that share a row of tiles
+DPL_CONST float kTileStop = 1e-4;        // transmittance at which a pixel is done: 0.03 levels
+
 DPL_CONST uint kShowsFree = 1u;              // TriangleFrame.v0.w, shifted by the view
 DPL_CONST uint kShowsGated = 4u;
 DPL_CONST uint kInvisibleKey = 0xFFFFFFFFu;  // no view shows the splat

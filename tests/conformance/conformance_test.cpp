@@ -27,7 +27,7 @@ protected:
     }
     static void TearDownTestSuite() { fs::remove_all(root_); }
 
-    static std::vector<CaseScore> score(const char* pictures) {
+    static std::vector<CaseScore> score(const std::string& pictures) {
         auto scores = scoreKit(root_ / "kit", root_ / pictures);
         EXPECT_TRUE(scores) << scores.error().message;
         return scores ? *scores : std::vector<CaseScore>();
@@ -71,13 +71,16 @@ TEST_F(Conformance, theSoftwareRendererPasses) {
     for (const CaseScore& s : scores) EXPECT_TRUE(s.passed) << s.name << ": " << s.trouble;
 }
 
-TEST_F(Conformance, theVulkanRendererPasses) {
-    const auto drawn = drawKit(root_ / "kit", root_ / "vulkan", DPL_RENDERER_VULKAN);
-    if (!drawn && drawn.error().code == Code::Unsupported) GTEST_SKIP() << drawn.error().message;
-    ASSERT_TRUE(drawn) << drawn.error().message;
-    const auto scores = score("vulkan");
-    std::printf("%s: \n%s", drawn->c_str(), scoreTable(scores).c_str());
-    for (const CaseScore& s : scores) EXPECT_TRUE(s.passed) << s.name << ": " << s.trouble;
+TEST_F(Conformance, theVulkanRendererPassesWithBothFills) {
+    for (const DplFill fill : {DPL_FILL_QUADS, DPL_FILL_TILES}) {
+        const std::string folder = fill == DPL_FILL_TILES ? "vulkan-tiles" : "vulkan-quads";
+        const auto drawn = drawKit(root_ / "kit", root_ / folder, DPL_RENDERER_VULKAN, fill);
+        if (!drawn && drawn.error().code == Code::Unsupported) GTEST_SKIP() << drawn.error().message;
+        ASSERT_TRUE(drawn) << drawn.error().message;
+        const auto scores = score(folder);
+        std::printf("%s: \n%s", drawn->c_str(), scoreTable(scores).c_str());
+        for (const CaseScore& s : scores) EXPECT_TRUE(s.passed) << *drawn << ", " << s.name << ": " << s.trouble;
+    }
 }
 
 TEST_F(Conformance, halfAPixelOffIsNoticed) {

@@ -162,10 +162,10 @@ Result<std::vector<KitCase>> readKit(const fs::path& folder) {
     return cases;
 }
 
-Result<std::string> drawKit(const fs::path& kit, const fs::path& pictures, DplRenderer renderer) {
+Result<std::string> drawKit(const fs::path& kit, const fs::path& pictures, DplRenderer renderer, DplFill fill) {
     const auto sdk = [](const doppel::Error& error) { return fail(error.code == DPL_ERROR_UNSUPPORTED ? Code::Unsupported : Code::Internal, "{}", error.message); };
     DPL_TRY(const auto cases, readKit(kit));
-    auto context = doppel::Context::create(renderer);
+    auto context = doppel::Context::create(renderer, 0, 0, fill);
     if (!context) return sdk(context.error());
     std::error_code ignored;
     fs::create_directories(pictures, ignored);

@@ -39,7 +39,7 @@ Status writeKit(const std::filesystem::path& folder);
 Result<std::vector<KitCase>> readKit(const std::filesystem::path& folder);
 
 /** Draws every view of the kit with one of our renderers: `pictures`/NAME.png, premultiplied RGBA, 8 bits. Returns the renderer's name. */
-Result<std::string> drawKit(const std::filesystem::path& kit, const std::filesystem::path& pictures, DplRenderer renderer);
+Result<std::string> drawKit(const std::filesystem::path& kit, const std::filesystem::path& pictures, DplRenderer renderer, DplFill fill = DPL_FILL_AUTO);
 
 struct CaseScore {
     std::string name;

@@ -23,6 +23,9 @@ int main(int argc, char** argv) {
     draw->add_option("kit", kit, "Folder of the kit")->required();
     draw->add_option("pictures", pictures, "Folder for the pictures")->required();
     draw->add_option("--renderer", renderer, "auto, software or vulkan")->transform(CLI::CheckedTransformer(names));
+    DplFill fill = DPL_FILL_AUTO;
+    const std::map<std::string, DplFill> fills = {{"auto", DPL_FILL_AUTO}, {"quads", DPL_FILL_QUADS}, {"tiles", DPL_FILL_TILES}};
+    draw->add_option("--fill", fill, "How a GPU fills pixels: auto, quads or tiles")->transform(CLI::CheckedTransformer(fills));
     CLI::App* score = app.add_subcommand("score", "Compare pictures with the kit's references; exit code 1 when a case fails");
     score->add_option("kit", kit, "Folder of the kit")->required();
     score->add_option("pictures", pictures, "Folder of the pictures")->required();
@@ -39,7 +42,7 @@ int main(int argc, char** argv) {
         return 0;
     }
     if (*draw) {
-        auto name = drawKit(kit, pictures, renderer);
+        auto name = drawKit(kit, pictures, renderer, fill);
         if (!name) return report(name.error());
         std::printf("%s: pictures in %s\n", name->c_str(), pictures.c_str());
         return 0;

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "sdk/render/avatar_upload.h"
+#include "sdk/render/passes/tiles.h"
 #include "sdk/avatar/pose_correctives.h"
 #include "tests/reference/image_compare.h"
 #include "tests/reference/random_avatar.h"
@@ -29,6 +30,14 @@ DPL_MSL(msl_compact_args);
 DPL_MSL(msl_compact_scatter);
 DPL_MSL(msl_sort_count);
 DPL_MSL(msl_sort_scatter);
+DPL_MSL(msl_tiles_runs);
+DPL_MSL(msl_tiles_scan);
+DPL_MSL(msl_tiles_args_spans);
+DPL_MSL(msl_tiles_spans);
+DPL_MSL(msl_tiles_count);
+DPL_MSL(msl_tiles_args_entries);
+DPL_MSL(msl_tiles_entries);
+DPL_MSL(msl_tiles_fill_depth);
 
 namespace dpl {
 namespace {
@@ -56,7 +65,7 @@ void sortPairs(std::vector<gpu::uvec2>& pairs, gpu::FrameCounts& counts, int ord
     for (uint32_t round = 0; round < rounds; ++round) {
         const gpu::SortPush push{round * gpu::kSortDigitBits};
         run(msl_sort_count, counts.sortBlocks, order, {&counts, from, histogram.data()}, push);
-        run(msl_compact_scan, 1, order, {&counts, histogram.data()}, gpu::ScanPush{0, 1});
+        run(msl_compact_scan, 1, order, {&counts, histogram.data()}, gpu::ScanPush{0, 0, 1});
         run(msl_sort_scatter, counts.sortBlocks, order, {&counts, from, histogram.data(), to}, push);
         std::swap(from, to);
     }
@@ -69,7 +78,7 @@ void compactAndSort(MslFrame& out, std::vector<uint32_t>& visibility, uint32_t f
     out.compacted.resize(splats);
     const gpu::CompactPush push{splats, blocks, firstDepth, (1u << (rounds * gpu::kSortDigitBits)) - 1};
     run(msl_compact_count, blocks, order, {visibility.data(), sums.data()}, push);
-    run(msl_compact_scan, 1, order, {&out.counts, sums.data()}, gpu::ScanPush{blocks, 0});
+    run(msl_compact_scan, 1, order, {&out.counts, sums.data()}, gpu::ScanPush{0, blocks, 0});
     run(msl_compact_args, 1, order, {sums.data(), &out.counts}, gpu::ArgsPush{blocks, 1});
     run(msl_compact_scatter, blocks, order, {visibility.data(), sums.data(), &out.counts, out.compacted.data()}, push);
     out.compacted.resize(out.counts.visible);
@@ -125,6 +134,32 @@ MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Ca
     return out;
 }
 
+/** The tile passes on a frame that was sorted: 8-bit colour of all views, then the depth sums. */
+std::vector<uint32_t> fillTiles(MslFrame& f, std::span<const Cameraf> views, int order) {
+    FrameIds ids;
+    ids.viewCount = uint32_t(views.size()), ids.widthPx = views[0].widthPx, ids.heightPx = views[0].heightPx, ids.depth = true;
+    ids.splatCount = uint32_t(f.projected.size()) / ids.viewCount;
+    const auto tiles = planTiles(ids, {.maxBindingBytes = 128u << 20, .maxGroups = 65535});
+    EXPECT_TRUE(tiles);
+    const gpu::TilePush& push = tiles->push;
+    std::vector<uint32_t> lists(tiles->listBytes / 4, 0xCDCDCDCD), entries(tiles->entryBytes / 4), pixels(tiles->pixelBytes / 4);
+    run(msl_tiles_runs, f.counts.runGroupsX, order, {f.sorted.data(), f.projected.data(), &f.counts, lists.data()}, push);
+    run(msl_tiles_scan, tiles->rows(), order, {&f.counts, lists.data()}, gpu::TileScanPush{0, push.firstRunTable, push.firstSpanSum});
+    run(msl_compact_scan, 1, order, {&f.counts, lists.data()}, gpu::ScanPush{push.firstSpanSum, tiles->rows(), 0});
+    run(msl_tiles_args_spans, 1, order, {lists.data(), &f.counts}, push);
+    run(msl_tiles_spans, f.counts.spanGroupsX, order, {f.sorted.data(), f.projected.data(), &f.counts, lists.data()}, push);
+    run(msl_tiles_count, f.counts.rowGroupsX, order, {lists.data()}, push);
+    run(msl_tiles_scan, tiles->rows(), order, {&f.counts, lists.data()}, gpu::TileScanPush{push.columns * gpu::kTileSegments, push.firstTileTable, push.firstEntrySum});
+    run(msl_compact_scan, 1, order, {&f.counts, lists.data()}, gpu::ScanPush{push.firstEntrySum, tiles->rows(), 0});
+    run(msl_tiles_args_entries, 1, order, {lists.data(), &f.counts}, push);
+    EXPECT_EQ(f.counts.drawInstances, 0u) << "the quads have nothing to do";
+    EXPECT_EQ(f.counts.tilesOverflowed, 0u);
+    EXPECT_GT(f.counts.tileEntries, f.counts.visible);
+    run(msl_tiles_entries, f.counts.entryGroupsX, order, {lists.data(), entries.data()}, push);
+    run(msl_tiles_fill_depth, f.counts.fillGroupsX, order, {lists.data(), entries.data(), f.projected.data(), pixels.data()}, push);
+    return pixels;
+}
+
 /** Front to back in the order of the sorted list, in double. */
 std::vector<double> blend(const MslFrame& f, const Cameraf& camera, uint32_t view, uint32_t viewCount) {
     std::vector<double> rgb(size_t(camera.widthPx) * camera.heightPx * 3, 0), transmittance(size_t(camera.widthPx) * camera.heightPx, 1);
@@ -152,11 +187,15 @@ std::vector<double> blend(const MslFrame& f, const Cameraf& camera, uint32_t vie
 template <class FrameOf, class ReferenceOf>
 void expectKernelsMatchTheReference(const Cameraf (&views)[2], uint32_t splatCount, FrameOf&& frameOf, ReferenceOf&& referenceOf) {
     MslFrame first;
+    std::vector<uint32_t> tilePixels;
     for (int order = 0; order < 3; ++order) {
-        const MslFrame f = frameOf(order);
+        MslFrame f = frameOf(order);
         ASSERT_GT(f.counts.visible, 1000u);
         EXPECT_EQ(f.counts.drawInstances, f.counts.visible);
         if (order == 0) first = f;
+        const std::vector<uint32_t> pixels = fillTiles(f, views, order);
+        if (order == 0) tilePixels = pixels;
+        EXPECT_TRUE(pixels == tilePixels) << "lane order " << order;
         EXPECT_EQ(0, std::memcmp(f.sorted.data(), first.sorted.data(), f.sorted.size() * 8)) << "lane order " << order;
         EXPECT_EQ(0, std::memcmp(f.projected.data(), first.projected.data(), f.projected.size() * sizeof(gpu::ProjectedSplat)));
         std::vector<gpu::uvec2> want = f.compacted;
@@ -170,6 +209,13 @@ void expectKernelsMatchTheReference(const Cameraf (&views)[2], uint32_t splatCou
         std::printf("[   MSL    ] view %u: %u of %u splats, %.1f dB to the reference, max %.4f\n", v, first.counts.visible, splatCount, d.psnrDb, d.maxError);
         EXPECT_GT(coverage(want.alpha), 0.05);
         EXPECT_GE(d.psnrDb, 50);  // what is left is the 16-bit key: equal keys keep splat order
+        std::vector<double> tiles;
+        const size_t pixels = size_t(views[v].widthPx) * views[v].heightPx;
+        for (size_t i = v * pixels; i < (v + 1) * pixels; ++i)
+            for (int c = 0; c < 3; ++c) tiles.push_back((tilePixels[i] >> 8 * c & 255) / 255.0);
+        const ImageDifference filled = compareImages(tiles, want.rgb);
+        std::printf("[   MSL    ] view %u, tiles: %.1f dB to the reference, max %.4f\n", v, filled.psnrDb, filled.maxError);
+        EXPECT_GE(filled.psnrDb, 50);
     }
 }
 

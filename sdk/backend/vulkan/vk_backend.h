@@ -99,7 +99,7 @@ private:
     void freeTarget(Target& target);
 
     // vk_pipelines.cpp
-    Result<VkRenderPass> renderPass(uint32_t layers, bool depth, bool halfColour, uint32_t samples);
+    Result<VkRenderPass> renderPass(const TargetDesc& target, bool keep);
     Result<VkShaderModule> shaderModule(const Shader& shader);
     Status makeLayouts(Pipeline& pipeline);
     Status makeCompute(Pipeline& pipeline);
@@ -126,7 +126,7 @@ private:
     std::map<uint32_t, Target> targets_;
     std::map<uint32_t, Frame> frames_;
     std::vector<Pipeline> pipelines_;                       // id - 1
-    std::map<std::tuple<uint32_t, bool, bool, uint32_t>, VkRenderPass> renderPasses_;
+    std::map<std::tuple<uint32_t, bool, bool, uint32_t, bool>, VkRenderPass> renderPasses_;  // layers, depth, halfColour, samples, keep
     uint32_t lastId_ = 0;
 };
 

@@ -123,6 +123,14 @@ bool describe(VkPhysicalDevice physical, Candidate& out) {
     features.pNext = &multiview;
     vkGetPhysicalDeviceFeatures2(physical, &features);
 
+    VkPhysicalDeviceIDProperties ids{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES};
+    VkPhysicalDeviceProperties2 properties2{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
+    properties2.pNext = &ids;
+    vkGetPhysicalDeviceProperties2(physical, &properties2);
+    for (uint8_t byte : ids.deviceUUID) out.info.identity += "0123456789abcdef"[byte >> 4], out.info.identity += "0123456789abcdef"[byte & 15];
+    for (uint8_t byte : ids.driverUUID) out.info.identity += "0123456789abcdef"[byte >> 4], out.info.identity += "0123456789abcdef"[byte & 15];
+    out.info.identity += formatText("-{}", properties.driverVersion);
+
     out.physical = physical;
     out.queueFamily = uint32_t(family - families.begin());
     out.timestampBits = family->timestampValidBits;

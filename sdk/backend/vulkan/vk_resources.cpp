@@ -148,7 +148,7 @@ Status VulkanBackend::makeTarget(Target& t) {
     if (t.desc.widthPx == 0 || t.desc.heightPx == 0 || width > limit || t.desc.heightPx > limit)
         return fail(Code::Unsupported, "a target of {} x {} px; {} draws 1 to {} a side", width, t.desc.heightPx, device_->info.name, limit);
     t.extent = {uint32_t(width), t.desc.heightPx};
-    const VkImageUsageFlags drawn = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
+    const VkImageUsageFlags drawn = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
     DPL_CHECK_OK(makeImage(t.colour, t.desc.halfColour ? VK_FORMAT_R16G16B16A16_SFLOAT : VK_FORMAT_R8G8B8A8_UNORM, t.extent, layers, drawn));
     if (t.desc.halfColour) { DPL_CHECK_OK(makeImage(t.rounded, VK_FORMAT_R8G8B8A8_UNORM, t.extent, layers, VK_IMAGE_USAGE_TRANSFER_DST_BIT)); }
     if (t.desc.depth) { DPL_CHECK_OK(makeImage(t.depth, device_->depthSumFormat, t.extent, layers, drawn)); }
@@ -164,7 +164,7 @@ Status VulkanBackend::makeTarget(Target& t) {
     views.push_back(t.colour.view);
     if (t.desc.depth) views.push_back(t.depth.view);
     VkFramebufferCreateInfo info{VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO};
-    DPL_TRY(info.renderPass, renderPass(t.desc.layered ? t.desc.views : 0, t.desc.depth, t.desc.halfColour, t.desc.samples));
+    DPL_TRY(info.renderPass, renderPass(t.desc, false));
     info.attachmentCount = uint32_t(views.size());
     info.pAttachments = views.data();
     info.width = t.extent.width;

@@ -107,22 +107,33 @@ typedef enum DplContextFlag {
     DPL_CONTEXT_FORCE_INT32 = 0x7fffffff
 } DplContextFlag;
 
+/** How a GPU fills pixels. The pictures agree within the rounding of blending; the times do not. */
+typedef enum DplFill {
+    DPL_FILL_AUTO = 0,  /**< a self-test draws known pixels both ways on the device, and the faster right one is kept: once a process, device, driver version and library */
+    DPL_FILL_QUADS = 1, /**< one blended quad a splat; not tested */
+    DPL_FILL_TILES = 2, /**< compute tiles that walk their splats front to back; a frame whose lists would overflow is filled by quads; not tested */
+    DPL_FILL_FORCE_INT32 = 0x7fffffff
+} DplFill;
+
 typedef struct DplContextInfo {
     uint32_t structSize;
     DplRenderer renderer;
     uint32_t threadCount; /**< CPU threads, the caller's included; 0: one a core. At most 256. Pictures do not depend on it. */
     uint32_t flags;       /**< DplContextFlag, or-ed */
+    DplFill fill;         /**< of GPUs; experimental */
+    const char* cacheFolder; /**< an existing folder (UTF-8) that keeps what the self-test of DPL_FILL_AUTO found, one small file a device, for the next process; NULL: not kept. Experimental */
 } DplContextInfo;
 
 /** Makes a context: a renderer and its threads. info NULL: all defaults. Free it with dplDestroyContext.
- *  DPL_ERROR_UNSUPPORTED: the wanted renderer is not in this build or finds no device. */
+ *  DPL_ERROR_UNSUPPORTED: the wanted renderer is not in this build or finds no device. DPL_ERROR_DEVICE: DPL_RENDERER_VULKAN with DPL_FILL_AUTO, and
+ *  the device draws wrong pixels both ways; the text says how wrong. DPL_RENDERER_AUTO then draws on the CPU and logs why. */
 DPL_API DplResult dplCreateContext(const DplContextInfo* info, DplContext* context);
 
 /** Frees a context. Its avatars stay valid handles for queries and poses, and are still to be destroyed; drawing them fails.
  *  0 does nothing and is DPL_OK. */
 DPL_API DplResult dplDestroyContext(DplContext context);
 
-/** What draws, for people: "software (2 threads)", "vulkan (NVIDIA H100 ...)". *name lives as long as the context. */
+/** What draws, for people: "software (2 threads)", "vulkan: NVIDIA H100 ... (tiles)". *name lives as long as the context. */
 DPL_API DplResult dplGetRendererName(DplContext context, const char** name);
 
 /* ---------------------------------------------------------------- avatars */
@@ -277,6 +288,8 @@ typedef struct DplFrameStats {
     uint64_t avatarBytes;    /**< of this avatar alone, whatever is drawn: splats, mesh, weights and pose correctives, on the CPU and the GPU together */
     uint64_t splatBytes;     /**< of these: the splats */
     uint64_t bytesDecided, bytesDecoded; /**< of splat codes that the frame read: to tell which splats may show, and of those splats. On a GPU from survivors and layout */
+    uint32_t tileEntries;    /**< splat-tile pairs of all views; 0 where quads or the CPU fill */
+    uint32_t tilesOverflowed; /**< 1: these did not fit, quads have filled this frame */
 } DplFrameStats;
 
 /** Never waits for a frame that is still being drawn. */

@@ -138,12 +138,13 @@ private:
 /** Owns one context. Move-only. Destroy its avatars in any order. */
 class Context {
 public:
-    static Result<Context> create(DplRenderer renderer = DPL_RENDERER_AUTO, uint32_t threadCount = 0, uint32_t flags = 0) {
+    static Result<Context> create(DplRenderer renderer = DPL_RENDERER_AUTO, uint32_t threadCount = 0, uint32_t flags = 0, DplFill fill = DPL_FILL_AUTO) {
         DplContextInfo info{};
         info.structSize = sizeof info;
         info.renderer = renderer;
         info.threadCount = threadCount;
         info.flags = flags;
+        info.fill = fill;
         DplContext handle = nullptr;
         if (const DplResult r = dplCreateContext(&info, &handle); r != DPL_OK) return lastError(r);
         return Context(handle);

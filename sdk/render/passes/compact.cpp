@@ -6,7 +6,7 @@ void addCompact(FramePlan& plan, const FrameIds& ids) {
     const uint32_t blocks = ids.compactBlocks();
     const gpu::CompactPush push{ids.splatCount, blocks, ids.firstDepth(), ids.maxDepthKey()};
     plan.compute("compact.count", "compact.count").reads(ids.visibility).writes(ids.blockSums).push(push).groups(blocks);
-    plan.compute("compact.scan", "compact.scan").reads(ids.counts).updates(ids.blockSums).push(gpu::ScanPush{blocks, 0}).groups(1);
+    plan.compute("compact.scan", "compact.scan").reads(ids.counts).updates(ids.blockSums).push(gpu::ScanPush{0, blocks, 0}).groups(1);
     plan.compute("compact.args", "compact.args")
         .reads(ids.blockSums)
         .updates(ids.counts)

@@ -7,8 +7,9 @@ DrawPipelineDesc drawPipelineOf(const FrameIds& ids, uint32_t samples) {
 }
 
 void addDraw(FramePlan& plan, const FrameIds& ids) {
-    plan.draw("draw.splats", drawPipelineOf(ids, ids.samples), ids.target)
-        .reads(ids.counts, ids.pairs, ids.projected)
+    auto draw = plan.draw("draw.splats", drawPipelineOf(ids, ids.samples), ids.target);
+    if (ids.tilePixels) draw.keep();
+    draw.reads(ids.counts, ids.pairs, ids.projected)
         .push(gpu::DrawPush{float(ids.widthPx), float(ids.heightPx), ids.viewCount, ids.layered ? 1 : ids.viewCount})
         .argsFrom(ids.counts, offsetof(gpu::FrameCounts, drawVertices));
 }

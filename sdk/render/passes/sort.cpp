@@ -11,7 +11,7 @@ void addSort(FramePlan& plan, const FrameIds& ids) {
     for (uint32_t round = 0; round < ids.sortRounds(); ++round) {
         const gpu::SortPush push{round * gpu::kSortDigitBits};
         plan.compute("sort.count", "sort.count").reads(ids.counts, from).writes(ids.histogram).push(push).groupsFrom(ids.counts, args);
-        plan.compute("sort.scan", "compact.scan").reads(ids.counts).updates(ids.histogram).push(gpu::ScanPush{0, 1}).groups(1);
+        plan.compute("sort.scan", "compact.scan").reads(ids.counts).updates(ids.histogram).push(gpu::ScanPush{0, 0, 1}).groups(1);
         plan.compute("sort.scatter", "sort.scatter")
             .reads(ids.counts, from, ids.histogram)
             .writes(to)

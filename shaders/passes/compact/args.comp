@@ -17,6 +17,10 @@ void main() {
     counts.sortGroupsX = blocks;
     counts.sortGroupsY = 1u;
     counts.sortGroupsZ = 1u;
+    counts.tileRuns = (visible + kTileRun - 1u) / kTileRun;
+    counts.runGroupsX = (counts.tileRuns + kTileListGroup - 1u) / kTileListGroup;
+    counts.runGroupsY = 1u;
+    counts.runGroupsZ = 1u;
     counts.drawVertices = 4u;
     counts.drawInstances = visible * push.instancesPerSplat;
     counts.drawFirstVertex = 0u;

@@ -1,4 +1,4 @@
-// Exclusive prefix sum in place by one workgroup; the total goes one past the end. Serves compaction and the sort.
+// Exclusive prefix sum in place by one workgroup; the total goes one past the end. Serves compaction, the sort and the tile lists.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -14,7 +14,7 @@ void main() {
     uint lane = gl_LocalInvocationIndex;
     uint count = push.fromSort != 0u ? kSortDigits * counts.sortBlocks : push.count;
     uint share = (count + kScanGroup - 1u) / kScanGroup;
-    uint begin = min(lane * share, count), end = min(begin + share, count);
+    uint begin = push.first + min(lane * share, count), end = push.first + min((lane + 1u) * share, count);
     uint sum = 0u;
     for (uint i = begin; i < end; ++i) sum += values[i];
     uint total;
@@ -24,5 +24,5 @@ void main() {
         values[i] = before;
         before += value;
     }
-    if (lane == 0u) values[count] = total;
+    if (lane == 0u) values[push.first + count] = total;
 }

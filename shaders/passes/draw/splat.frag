@@ -2,6 +2,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
+#include "shaders/lib/alpha.glsl"
 layout(push_constant) uniform PushBlock { DrawPush push; };
 
 layout(location = 0) flat in vec4 centreConic;
@@ -14,9 +15,8 @@ layout(location = 1) out vec4 depthSums;
 
 void main() {
     vec2 d = gl_FragCoord.xy - vec2(conicOpacity.z * push.targetWidthPx, 0.0) - centreConic.xy;
-    float sigma = 0.5 * (centreConic.z * d.x * d.x + conicOpacity.x * d.y * d.y) + centreConic.w * d.x * d.y;
-    float alpha = min(kGpuMaxAlpha, conicOpacity.y * exp(-sigma));
-    if (!(sigma >= 0.0) || alpha < kGpuMinAlpha) discard;
+    float alpha = dplSplatAlpha(d, vec3(centreConic.zw, conicOpacity.x), conicOpacity.y);
+    if (alpha == 0.0) discard;
     colour = vec4(colourDepth.rgb * alpha, alpha);
 #ifdef DPL_DEPTH
     depthSums = vec4(colourDepth.w * alpha, alpha, 0.0, alpha);

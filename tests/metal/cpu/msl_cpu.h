@@ -11,6 +11,7 @@
 #include <functional>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
+#include <glm/packing.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
@@ -32,6 +33,7 @@ using uint = uint32_t;
 using float2 = glm::vec2;
 using float3 = glm::vec3;
 using float4 = glm::vec4;
+using int2 = glm::ivec2;
 using uint2 = glm::uvec2;
 using uint3 = glm::uvec3;
 using uint4 = glm::uvec4;
@@ -51,6 +53,15 @@ inline float length(const float3& a) { return std::sqrt(dot(a, a)); }
 inline float3x3 transpose(const float3x3& m) { return glm::transpose(m); }
 inline float sqrt(float x) { return std::sqrt(x); }
 inline float2 sqrt(const float2& v) { return {std::sqrt(v.x), std::sqrt(v.y)}; }
+inline float rsqrt(float x) { return 1.0f / std::sqrt(x); }
+inline float floor(float x) { return std::floor(x); }
+inline float ceil(float x) { return std::ceil(x); }
+inline int clamp(int x, int low, int high) { return std::min(std::max(x, low), high); }
+struct half2 {
+    uint bits;
+    explicit half2(const float2& v) : bits(glm::packHalf2x16(v)) {}
+};
+inline uint pack_float_to_unorm4x8(const float4& v) { return glm::packUnorm4x8(v); }
 inline float log(float x) { return std::log(x); }
 inline float exp(float x) { return std::exp(x); }
 inline float cos(float x) { return std::cos(x); }

@@ -1,5 +1,6 @@
 // Pictures through the public API, on a red square 3 m away whose right answer is known.
 #include <algorithm>
+#include <cstring>
 #include <limits>
 
 #include "sdk/format/ply.h"
@@ -114,6 +115,22 @@ TEST_F(ApiTest, aContextInfoWithoutFlagsIsStillRead) {
     info.flags = DPL_CONTEXT_WITHOUT_CULLING;
     ASSERT_EQ(dplCreateContext(&info, &context), DPL_OK) << dplGetLastError();
     EXPECT_EQ(dplDestroyContext(context), DPL_OK);
+    const int32_t unknown = 7;
+    std::memcpy(&info.fill, &unknown, sizeof unknown);
+    EXPECT_EQ(dplCreateContext(&info, &context), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(errorSays("there is no fill 7"));
+    info.structSize = offsetof(DplContextInfo, fill);  // as before fills: what lies there is not ours
+    ASSERT_EQ(dplCreateContext(&info, &context), DPL_OK) << dplGetLastError();
+    EXPECT_EQ(dplDestroyContext(context), DPL_OK);
+}
+
+TEST_F(ApiTest, statsWithoutTilesAreStillWritten) {
+    DplFrameStats stats{};
+    stats.structSize = offsetof(DplFrameStats, tileEntries);
+    stats.tileEntries = 77;
+    ASSERT_EQ(dplGetFrameStats(avatar_, &stats), DPL_OK) << dplGetLastError();
+    EXPECT_GT(stats.residentBytes, 0u);
+    EXPECT_EQ(stats.tileEntries, 77u) << "beyond the caller's struct";
 }
 
 TEST_F(ApiTest, statsOfTheLastFrameAreThereAfterIt) {

@@ -15,8 +15,14 @@ double psnrDb(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
     return 10 * std::log10(255.0 * 255.0 * double(a.size()) / std::max(sum, 1e-9));
 }
 
-TEST_F(ApiTest, vulkanDrawsWhatTheCpuDraws) {
-    const DplContextInfo info{sizeof(DplContextInfo), DPL_RENDERER_VULKAN, 1};
+/** Every test is run with the fill that the self-test chooses and with each of the two. */
+class ApiVulkan : public ApiTest, public testing::WithParamInterface<DplFill> {
+protected:
+    DplContextInfo info{sizeof(DplContextInfo), DPL_RENDERER_VULKAN, 1, 0, GetParam(), nullptr};
+};
+INSTANTIATE_TEST_SUITE_P(Fill, ApiVulkan, testing::Values(DPL_FILL_AUTO, DPL_FILL_QUADS, DPL_FILL_TILES));
+
+TEST_P(ApiVulkan, drawsWhatTheCpuDraws) {
     DplContext context = nullptr;
     const DplResult made = dplCreateContext(&info, &context);
     if (made == DPL_ERROR_UNSUPPORTED) {
@@ -27,7 +33,10 @@ TEST_F(ApiTest, vulkanDrawsWhatTheCpuDraws) {
     ASSERT_EQ(made, DPL_OK) << dplGetLastError();
     const char* name = nullptr;
     ASSERT_EQ(dplGetRendererName(context, &name), DPL_OK);
-    EXPECT_NE(std::string(name).find("ulkan"), std::string::npos) << name;
+    EXPECT_EQ(std::string(name).find("vulkan: "), 0u) << name;
+    const bool tiles = std::string(name).ends_with(" (tiles)"), quads = std::string(name).ends_with(" (quads)");
+    EXPECT_NE(tiles, quads) << "the name says what was chosen: " << name;
+    if (GetParam() != DPL_FILL_AUTO) { EXPECT_EQ(tiles, GetParam() == DPL_FILL_TILES) << name; }
     const auto bytes = tinyFile();
     DplAvatar avatar = nullptr;
     ASSERT_EQ(dplLoadAvatar(context, bytes.data(), bytes.size(), &avatar), DPL_OK) << dplGetLastError();
@@ -57,8 +66,7 @@ TEST_F(ApiTest, vulkanDrawsWhatTheCpuDraws) {
     EXPECT_EQ(dplDestroyContext(context), DPL_OK);
 }
 
-TEST_F(ApiTest, vulkanDrawsGeneralSplatsAsTheCpuDoes) {
-    const DplContextInfo info{sizeof(DplContextInfo), DPL_RENDERER_VULKAN, 1};
+TEST_P(ApiVulkan, drawsGeneralSplatsAsTheCpuDoes) {
     DplContext context = nullptr;
     const DplResult made = dplCreateContext(&info, &context);
     if (made == DPL_ERROR_UNSUPPORTED) GTEST_SKIP() << dplGetLastError();
@@ -77,6 +85,11 @@ TEST_F(ApiTest, vulkanDrawsGeneralSplatsAsTheCpuDoes) {
         EXPECT_GT(*std::max_element(cpuPixels[v].begin(), cpuPixels[v].end()), 200);
         EXPECT_GT(psnrDb(cpuPixels[v], gpuPixels[v]), 45.0) << "view " << v;
     }
+    DplFrameStats stats{};
+    stats.structSize = sizeof stats;
+    ASSERT_EQ(dplGetFrameStats(gpu, &stats), DPL_OK) << dplGetLastError();
+    if (GetParam() != DPL_FILL_AUTO) { EXPECT_EQ(stats.tileEntries > 0, GetParam() == DPL_FILL_TILES); }
+    EXPECT_EQ(stats.tilesOverflowed, 0u);
     EXPECT_EQ(dplDestroyAvatar(cpu), DPL_OK);
     EXPECT_EQ(dplDestroyAvatar(gpu), DPL_OK);
     EXPECT_EQ(dplDestroyContext(context), DPL_OK);

@@ -94,8 +94,8 @@ uint64_t playFrames(DplContext context, DplAvatar avatar, int frames, uint32_t v
     return allocations - before;
 }
 
-void expectWarmFramesAreFree(DplRenderer renderer) {
-    const DplContextInfo info{sizeof(DplContextInfo), renderer, 2};
+void expectWarmFramesAreFree(DplRenderer renderer, DplFill fill = DPL_FILL_AUTO) {
+    const DplContextInfo info{sizeof(DplContextInfo), renderer, 2, 0, fill, nullptr};
     DplContext context = nullptr;
     if (const DplResult made = dplCreateContext(&info, &context); made == DPL_ERROR_UNSUPPORTED) GTEST_SKIP() << dplGetLastError();
     const std::vector<uint8_t> bytes = avatarFile();
@@ -114,7 +114,8 @@ void expectWarmFramesAreFree(DplRenderer renderer) {
 }
 
 TEST(WarmFrame, allocatesAndWaitsForNothingOnTheCpu) { expectWarmFramesAreFree(DPL_RENDERER_SOFTWARE); }
-TEST(WarmFrame, allocatesAndWaitsForNothingOnVulkan) { expectWarmFramesAreFree(DPL_RENDERER_VULKAN); }
+TEST(WarmFrame, allocatesAndWaitsForNothingOnVulkanWithQuads) { expectWarmFramesAreFree(DPL_RENDERER_VULKAN, DPL_FILL_QUADS); }
+TEST(WarmFrame, allocatesAndWaitsForNothingOnVulkanWithTiles) { expectWarmFramesAreFree(DPL_RENDERER_VULKAN, DPL_FILL_TILES); }
 
 }  // namespace
 }  // namespace dpl

@@ -75,6 +75,61 @@ TEST(FrameCheck, refusesImpossibleDispatches) {
     { OneStep s; s.step.pipeline = PipelineId{}; s.expectRefused("no compute pipeline"); }
 }
 
+/** Pixels into a target and a draw over them: 8 x 4 px in two views with depth, 64 px of 4 B, 8 B of depth each. */
+struct PutAndDraw {
+    std::unique_ptr<Backend> backend;
+    PutPixelsStep put;
+    DrawStep draw;
+    bool putTwice = false, drawTwice = false, withPut = true, filled = true;
+    BufferId buffers[3];
+
+    PutAndDraw() {
+        auto made = createNullBackend(nullptr);
+        EXPECT_TRUE(made);
+        backend = std::move(*made);
+        const TargetId target = *backend->createTarget({8, 4, 2, true, true, false});
+        put = {"put", target, *backend->createBuffer({"pixels", 64 * 12}), 64 * 4};
+        draw.label = "draw";
+        draw.pipeline = *backend->drawPipeline({"draw.vert.multiview", "draw.frag.depth", 2, true, true, false});
+        draw.target = target;
+        draw.keep = true;
+        for (BufferId& buffer : buffers) {
+            buffer = *backend->createBuffer({"buffer", 256});
+            draw.bindings.push_back({buffer, Access::Read});
+        }
+        draw.push.size = 16;
+        draw.args = {buffers[0], 0};
+    }
+    Status create() {
+        std::vector<Step> steps;
+        for (const BufferId buffer : buffers) steps.push_back(FillStep{"fill", buffer, 0});
+        if (filled) steps.push_back(FillStep{"fill", put.pixels, 0});
+        if (withPut) steps.push_back(put);
+        steps.push_back(draw);
+        if (drawTwice) steps.push_back(draw);
+        auto frame = backend->createFrame(std::move(steps));
+        return frame ? Status() : Status(frame.error());
+    }
+    void expectRefused(const char* part) {
+        const Status status = create();
+        ASSERT_FALSE(status) << part;
+        EXPECT_NE(status.error().message.find(part), std::string::npos) << status.error().message;
+    }
+};
+
+TEST(FrameCheck, putPixelsFillTheTargetAndTheNextDrawKeepsThem) {
+    { PutAndDraw p; const Status status = p.create(); EXPECT_TRUE(status) << status.error().message; }
+    { PutAndDraw p; p.withPut = false; p.expectRefused("keeps pixels that nothing has put there"); }
+    { PutAndDraw p; p.drawTwice = true; p.expectRefused("keeps pixels that nothing has put there"); }
+    { PutAndDraw p; p.draw.keep = false; p.expectRefused("clears pixels"); }
+    { PutAndDraw p; p.filled = false; p.expectRefused("nothing has written"); }
+    { PutAndDraw p; p.put.depthOffset = 63 * 4; p.expectRefused("does not hold"); }
+    { PutAndDraw p; p.put.depthOffset = 64 * 4 + 4; p.expectRefused("does not hold"); }
+    { PutAndDraw p; p.put.depthOffset = 64 * 4 + 8; p.expectRefused("does not hold"); }
+    { PutAndDraw p; p.put.target = *p.backend->createTarget({8, 4, 2, true, true, false, 4}); p.expectRefused("4 samples"); }
+    { PutAndDraw p; p.put.target = TargetId{77}; p.expectRefused("target that does not exist"); }
+}
+
 TEST(FrameCheck, aFrameDoesNotOutliveItsBuffers) {
     OneStep s;
     auto frame = s.create();

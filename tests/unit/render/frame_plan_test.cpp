@@ -42,6 +42,44 @@ TEST(FramePlan, runsThePassesInOrder) {
     EXPECT_EQ(gpu.record->lastLabels, want);
 }
 
+TEST(FramePlan, tilesRunBetweenSortAndDraw) {
+    NullSetup gpu;
+    gpu.renderer->setFill(Fill::Tiles);
+    auto id = gpu.renderer->addAvatar(tube());
+    ASSERT_TRUE(id) << id.error().message;
+    const Status status = gpu.draw(*id, 32, 2, true);
+    ASSERT_TRUE(status) << status.error().message;
+    const std::vector<std::string>& labels = gpu.record->lastLabels;
+    const auto from = std::find(labels.begin(), labels.end(), "tiles.runs");
+    const std::vector<std::string> want = {"tiles.runs", "tiles.scan", "tiles.scan", "tiles.args", "tiles.spans", "tiles.count", "tiles.scan", "tiles.scan", "tiles.args",
+                                           "tiles.entries", "tiles.clear", "tiles.fill", "tiles.put", "draw.splats", "counts"};
+    ASSERT_NE(from, labels.begin());
+    EXPECT_EQ(*(from - 1), "sort.scatter");
+    EXPECT_EQ(std::vector<std::string>(from, labels.end()), want);
+    const uint64_t created = gpu.record->createdObjects;
+    ASSERT_TRUE(gpu.draw(*id, 32, 2, true));
+    EXPECT_EQ(gpu.record->createdObjects, created) << "a warm frame creates nothing";
+    gpu.renderer->setFill(Fill::Quads);
+    ASSERT_TRUE(gpu.draw(*id, 32, 2, true));
+    EXPECT_EQ(std::count(gpu.record->lastLabels.begin(), gpu.record->lastLabels.end(), "tiles.fill"), 0);
+    gpu.renderer->removeAvatar(*id);
+    EXPECT_EQ(gpu.record->liveBuffers + gpu.record->liveTargets + gpu.record->liveFrames, 0u);
+}
+
+TEST(FramePlan, aSizeWhoseTilesDoNotFitTheDeviceIsFilledByQuads) {
+    NullOptions options;
+    options.info.maxBindingBytes = 500000;  // enough for the tube, not for the tables of 8 million pixels
+    NullSetup gpu(options);
+    gpu.renderer->setFill(Fill::Tiles);
+    auto id = gpu.renderer->addAvatar(tube());
+    ASSERT_TRUE(id) << id.error().message;
+    ASSERT_TRUE(gpu.draw(*id, 64));
+    EXPECT_EQ(std::count(gpu.record->lastLabels.begin(), gpu.record->lastLabels.end(), "tiles.fill"), 1);
+    std::vector<Cameraf> wide(1, tubeCamera(8192, 1024, 0));
+    ASSERT_TRUE(gpu.renderer->draw(*id, tubePose(0), wide, false));
+    EXPECT_EQ(std::count(gpu.record->lastLabels.begin(), gpu.record->lastLabels.end(), "tiles.fill"), 0);
+}
+
 TEST(FramePlan, generalSplatsTakeTheSameFrameWithoutAPose) {
     NullSetup gpu;
     const StaticSplatData splats = randomStaticSplats(1, 500, 2);

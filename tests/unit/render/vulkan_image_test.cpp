@@ -21,6 +21,10 @@ constexpr double kMinPsnrDb = 50;
 // 8-bit blending rounds once a layer, and tails below half a level vanish: up to 5 levels where a close-up stacks many faint layers.
 constexpr double kMinBytePsnrDb = 46;
 
+/** Every test is run for both ways of filling pixels. */
+class VulkanImage : public testing::TestWithParam<Fill> {};
+INSTANTIATE_TEST_SUITE_P(Fill, VulkanImage, testing::Values(Fill::Quads, Fill::Tiles), [](const auto& info) { return std::string(info.param == Fill::Tiles ? "Tiles" : "Quads"); });
+
 VulkanOptions withPreciseBlending() {
     VulkanOptions options = testVulkanOptions();
     options.preciseBlending = true;
@@ -76,8 +80,8 @@ RenderedView drawOne(Renderer& r, RenderAvatarId id, const Pose& pose, const Cam
     return std::move(out[0]);
 }
 
-TEST(VulkanImage, equalsTheReferenceInSeveralPosesAndViews) {
-    TestVulkan precise(withPreciseBlending()), byte;
+TEST_P(VulkanImage, equalsTheReferenceInSeveralPosesAndViews) {
+    TestVulkan precise(withPreciseBlending(), GetParam()), byte(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(precise);
     std::printf("[  DEVICE  ] %s\n", precise.renderer->name().c_str());
     struct Case { const char* name; bool singleFace; uint32_t shDegree; float bend, turn, azimuth, distanceM; };
@@ -108,8 +112,8 @@ TEST(VulkanImage, equalsTheReferenceInSeveralPosesAndViews) {
 }
 
 /** The tube drawn at a share of the size at which it is said to have been trained. */
-TEST(VulkanImage, fourSamplesAPixelEqualTheReference) {
-    TestVulkan precise(withPreciseBlending()), byte;
+TEST_P(VulkanImage, fourSamplesAPixelEqualTheReference) {
+    TestVulkan precise(withPreciseBlending(), GetParam()), byte(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(precise);
     for (const float size : {0.5f, 0.25f}) {
         for (uint32_t seed = 1; seed <= 3; ++seed) {
@@ -140,8 +144,8 @@ TEST(VulkanImage, fourSamplesAPixelEqualTheReference) {
     }
 }
 
-TEST(VulkanImage, anAvatarThatSaysItsTrainedPixelIsTheSameByteForByteUpToThatSize) {
-    TestVulkan vulkan;
+TEST_P(VulkanImage, anAvatarThatSaysItsTrainedPixelIsTheSameByteForByteUpToThatSize) {
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(vulkan);
     AvatarData data = makeTube();
     const Pose pose = tubePose(0.5f);
@@ -156,8 +160,8 @@ TEST(VulkanImage, anAvatarThatSaysItsTrainedPixelIsTheSameByteForByteUpToThatSiz
     }
 }
 
-TEST(VulkanImage, correctivesMoveAndLightTheSurfaceAsInTheReference) {
-    TestVulkan precise(withPreciseBlending()), byte;
+TEST_P(VulkanImage, correctivesMoveAndLightTheSurfaceAsInTheReference) {
+    TestVulkan precise(withPreciseBlending(), GetParam()), byte(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(precise);
     struct Case { const char* name; test::CorrectiveOptions correctives; uint32_t shDegree; float bend, turn; };
     const Case cases[] = {{"moderate", {.light = 0.3f, .reach = 100}, 3, 1.1f, 0.4f},
@@ -189,8 +193,8 @@ TEST(VulkanImage, correctivesMoveAndLightTheSurfaceAsInTheReference) {
     EXPECT_EQ(brightest, 3.0);
 }
 
-TEST(VulkanImage, generalSplatsEqualTheReferenceAtEveryShDegree) {
-    TestVulkan precise(withPreciseBlending()), byte;
+TEST_P(VulkanImage, generalSplatsEqualTheReferenceAtEveryShDegree) {
+    TestVulkan precise(withPreciseBlending(), GetParam()), byte(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(precise);
     for (uint32_t degree = 0; degree <= 3; ++degree) {
         StaticSplatData splats = randomStaticSplats(degree + 1, 1500, degree);
@@ -216,8 +220,8 @@ TEST(VulkanImage, generalSplatsEqualTheReferenceAtEveryShDegree) {
 }
 
 /** A person-sized set in front of a wall 800 m away: 16 bits of depth would put all of it on a few keys. */
-TEST(VulkanImage, generalSplatsStaySortedInADeepScene) {
-    TestVulkan precise(withPreciseBlending());
+TEST_P(VulkanImage, generalSplatsStaySortedInADeepScene) {
+    TestVulkan precise(withPreciseBlending(), GetParam());
     DPL_NEED_VULKAN(precise);
     StaticSplatData splats = randomStaticSplats(11, 1500, 0);
     for (uint32_t i = 0; i < 100; ++i) {
@@ -234,8 +238,8 @@ TEST(VulkanImage, generalSplatsStaySortedInADeepScene) {
     EXPECT_GE(d.psnrDb, kMinPsnrDb);
 }
 
-TEST(VulkanImage, anAvatarWithCorrectivesLeavesTheNextOneAlone) {
-    TestVulkan vulkan;
+TEST_P(VulkanImage, anAvatarWithCorrectivesLeavesTheNextOneAlone) {
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(vulkan);
     auto plain = vulkan.renderer->addAvatar(share(makeTube()));
     auto corrected = vulkan.renderer->addAvatar(share(test::withCorrectives(makeTube(), 1)));
@@ -267,8 +271,8 @@ void expectStereoEqualsMono(TestVulkan& vulkan, const Result<RenderAvatarId>& id
 }
 
 /** For an avatar and for general splats. */
-void expectStereoEqualsMono(const VulkanOptions& options, const std::string& picture) {
-    TestVulkan vulkan(options);
+void expectStereoEqualsMono(const VulkanOptions& options, Fill fill, const std::string& picture) {
+    TestVulkan vulkan(options, fill);
     DPL_NEED_VULKAN(vulkan);
     expectStereoEqualsMono(vulkan, vulkan.renderer->addAvatar(share(test::withCorrectives(makeTube(), 3))), tubePose(0.7f), picture);
     AvatarData fine = makeTube();
@@ -278,17 +282,17 @@ void expectStereoEqualsMono(const VulkanOptions& options, const std::string& pic
     expectStereoEqualsMono(vulkan, vulkan.renderer->addSplats(randomStaticSplats(7, 1500, 2)), {}, picture + "_general");
 }
 
-TEST(VulkanImage, twoViewsAtOnceEqualEachViewAloneByInstances) {
+TEST_P(VulkanImage, twoViewsAtOnceEqualEachViewAloneByInstances) {
     VulkanOptions options = testVulkanOptions();
     options.forceInstanceSplit = true;
-    expectStereoEqualsMono(options, "instances");
+    expectStereoEqualsMono(options, GetParam(), "instances");
 }
 
-TEST(VulkanImage, twoViewsAtOnceEqualEachViewAloneByMultiview) {
+TEST_P(VulkanImage, twoViewsAtOnceEqualEachViewAloneByMultiview) {
     auto backend = createVulkanBackend(testVulkanOptions());
     if (!backend) GTEST_SKIP() << backend.error().message;
     if (!(*backend)->info().multiview) GTEST_SKIP() << "multiview is missing or worked around on " << (*backend)->info().name;
-    expectStereoEqualsMono(testVulkanOptions(), "multiview");
+    expectStereoEqualsMono(testVulkanOptions(), GetParam(), "multiview");
 }
 
 /** Draws a pair whose axes are `degrees` apart; the worse eye's distance to the same eye alone, and the largest difference in levels. */
@@ -318,20 +322,20 @@ ImageDifference cantedPairAgainstAlone(TestVulkan& vulkan, float degrees) {
     return worst;
 }
 
-TEST(VulkanImage, eyesThatShareAnOrderStayCloseToTheirOwn) {
-    TestVulkan vulkan;
+TEST_P(VulkanImage, eyesThatShareAnOrderStayCloseToTheirOwn) {
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(vulkan);
     EXPECT_GE(cantedPairAgainstAlone(vulkan, 1.9f).psnrDb, 45.0);  // technical reference §16
 }
 
-TEST(VulkanImage, cantedEyesAreSortedEachForItself) {
-    TestVulkan vulkan;
+TEST_P(VulkanImage, cantedEyesAreSortedEachForItself) {
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(vulkan);
     for (const float degrees : {2.1f, 9.2f, 25.f, 120.f, 180.f}) EXPECT_EQ(cantedPairAgainstAlone(vulkan, degrees).maxError, 0) << degrees;
 }
 
-TEST(VulkanImage, hundredFramesAreByteIdentical) {
-    TestVulkan vulkan;
+TEST_P(VulkanImage, hundredFramesAreByteIdentical) {
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(vulkan);
     auto id = vulkan.renderer->addAvatar(share(makeTube()));
     ASSERT_TRUE(id) << id.error().message;
@@ -343,8 +347,8 @@ TEST(VulkanImage, hundredFramesAreByteIdentical) {
     }
 }
 
-TEST(VulkanImage, framesInFlightDrawWhatFramesAloneDraw) {
-    TestVulkan vulkan;
+TEST_P(VulkanImage, framesInFlightDrawWhatFramesAloneDraw) {
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(vulkan);
     auto first = vulkan.renderer->addAvatar(share(makeTube())), second = vulkan.renderer->addAvatar(share(test::withCorrectives(makeTube({.seed = 3}), 1)));
     ASSERT_TRUE(first && second);
@@ -382,10 +386,10 @@ Cameraf randomView(std::mt19937& random, float middle) {
 }
 
 // Culling only leaves out what no view shows: the same bytes with and without it, and the referee's picture.
-TEST(VulkanImage, cullingLosesNoVisibleSplat) {
+TEST_P(VulkanImage, cullingLosesNoVisibleSplat) {
     VulkanOptions options = withPreciseBlendingOfAnyWidth(), without = withPreciseBlendingOfAnyWidth();
     without.cullTriangles = false;
-    TestVulkan culling(options), projectingAll(without);
+    TestVulkan culling(options, GetParam()), projectingAll(without, GetParam());
     DPL_NEED_VULKAN(culling);
     const double minPsnrDb = options.preciseBlending ? kMinPsnrDb : kMinBytePsnrDb;
     std::mt19937 random(5);
@@ -446,9 +450,9 @@ AvatarData tubeOf(uint32_t count, TubeOptions options) {
 
 // Lists cannot overflow: each has one entry a splat (docs/adr/0002). The worst case is a frame in which every splat is seen by every view, at
 // counts that fill the blocks of compaction and sort exactly, and one more or less.
-TEST(VulkanImage, everyListHoldsAFrameThatShowsEverySplat) {
+TEST_P(VulkanImage, everyListHoldsAFrameThatShowsEverySplat) {
     const VulkanOptions options = withPreciseBlendingOfAnyWidth();
-    TestVulkan vulkan(options);
+    TestVulkan vulkan(options, GetParam());
     DPL_NEED_VULKAN(vulkan);
     const Cameraf views[2] = {tubeCamera(160, 144, 0.3f, 1.6f, -0.03f), tubeCamera(160, 144, 0.3f, 1.6f, 0.03f)};
     for (const uint32_t count : {gpu::kSortBlock - 1, gpu::kSortBlock, gpu::kSortBlock + 1, 2 * gpu::kSortBlock, gpu::kCompactBlock + 1, 1u}) {
@@ -471,8 +475,39 @@ TEST(VulkanImage, everyListHoldsAFrameThatShowsEverySplat) {
     }
 }
 
-TEST(VulkanImage, drawsNothingForAnEmptyAvatarAndOneSplatForOne) {
-    TestVulkan vulkan;
+/** Splats of half a metre seen from inside. Few of them overflow the list of entries, more of them that of spans already. */
+TEST(VulkanTiles, aFrameThatTheListsCannotHoldIsFilledByQuads) {
+    TestVulkan tiles(testVulkanOptions(), Fill::Tiles), quads(testVulkanOptions(), Fill::Quads);
+    DPL_NEED_VULKAN(tiles);
+    const Cameraf far[2] = {tubeCamera(61, 45, 0.3f, 40, -0.03f), tubeCamera(61, 45, 0.3f, 40, 0.03f)};
+    const Cameraf near[2] = {tubeCamera(61, 45, 0.3f, 1.2f, -0.03f), tubeCamera(61, 45, 0.3f, 1.2f, 0.03f)};
+    for (const uint32_t count : {400u, 1500u}) {
+        const StaticSplatData splats = randomStaticSplats(3, count, 0, 0.5f);
+        auto id = tiles.renderer->addSplats(splats), other = quads.renderer->addSplats(splats);
+        ASSERT_TRUE(id && other);
+        for (const size_t viewCount : {size_t(1), size_t(2)}) {
+            for (const Cameraf* views : {far, near, far}) {  // back to tiles after an overflow
+                std::vector<RenderedView> got(viewCount), want(viewCount);
+                ASSERT_TRUE(tiles.renderer->render(*id, {}, {views, viewCount}, true, got));
+                ASSERT_TRUE(quads.renderer->render(*other, {}, {views, viewCount}, true, want));
+                auto stats = tiles.renderer->stats(*id);
+                ASSERT_TRUE(stats);
+                EXPECT_EQ(stats->tilesOverflowed, views == near) << count << " splats, " << viewCount << " views";
+                if (views == near) { EXPECT_EQ(stats->tileEntries > 0, count == 400) << "entries are counted where the spans fit"; }
+                for (size_t v = 0; v < viewCount; ++v) {
+                    EXPECT_GT(coverage(want[v].depthM, 0.0), 0.001);
+                    if (views != near) continue;  // the other tests compare tiles with the referee
+                    EXPECT_TRUE(got[v].rgba == want[v].rgba && got[v].depthM == want[v].depthM) << count << " splats, view " << v << " of " << viewCount;
+                }
+            }
+        }
+        tiles.renderer->removeAvatar(*id);
+        quads.renderer->removeAvatar(*other);
+    }
+}
+
+TEST_P(VulkanImage, drawsNothingForAnEmptyAvatarAndOneSplatForOne) {
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(vulkan);
     AvatarData empty = makeTube({.splatsPerTriangle = 0});
     auto emptyId = vulkan.renderer->addAvatar(share(empty));
@@ -499,8 +534,8 @@ TEST(VulkanImage, drawsNothingForAnEmptyAvatarAndOneSplatForOne) {
     EXPECT_LE(d.maxError, 0.5 / 255 + 1e-4);  // one layer: rounding to 8 bits only
 }
 
-TEST(VulkanImage, onePixelTargetAndBehindTheCamera) {
-    TestVulkan vulkan(withPreciseBlending());
+TEST_P(VulkanImage, onePixelTargetAndBehindTheCamera) {
+    TestVulkan vulkan(withPreciseBlending(), GetParam());
     DPL_NEED_VULKAN(vulkan);
     const auto avatar = share(makeTube());
     auto id = vulkan.renderer->addAvatar(avatar);
@@ -517,8 +552,8 @@ TEST(VulkanImage, onePixelTargetAndBehindTheCamera) {
     for (uint8_t byte : drawOne(*vulkan.renderer, *id, tubePose(0), away).rgba) ASSERT_EQ(byte, 0);
 }
 
-TEST(VulkanImage, reportsATimeForEachPassOfTheLastFrame) {
-    TestVulkan vulkan;
+TEST_P(VulkanImage, reportsATimeForEachPassOfTheLastFrame) {
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(vulkan);
     auto id = vulkan.renderer->addAvatar(share(makeTube()));
     ASSERT_TRUE(id) << id.error().message;
@@ -537,11 +572,11 @@ TEST(VulkanImage, reportsATimeForEachPassOfTheLastFrame) {
     EXPECT_GT(sum, 0);
     EXPECT_EQ(times.front().label, "begin");
     EXPECT_EQ(times.back().label, "readback");
-    EXPECT_EQ(times.size(), 1 + 2 + 2 + 2 + 4 + 12 + 3u);
+    EXPECT_EQ(times.size(), 1 + 2 + 2 + 2 + 4 + 12 + 3u + (GetParam() == Fill::Tiles ? 13u : 0u));
 }
 
-TEST(VulkanImage, refusesWhatItCannotDraw) {
-    TestVulkan vulkan;
+TEST_P(VulkanImage, refusesWhatItCannotDraw) {
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(vulkan);
     AvatarData broken = makeTube();
     broken.mesh.triangles[3].y = 1u << 30;

@@ -27,17 +27,17 @@ struct TestVulkan {
     std::string missing;  // why there is none
 
     TestVulkan() : TestVulkan(testVulkanOptions()) {}
-    explicit TestVulkan(VulkanOptions wanted) : options(std::move(wanted)) {
+    explicit TestVulkan(VulkanOptions wanted, Fill fill = Fill::Quads) : options(std::move(wanted)) {
         auto devices = listVulkanDevices();
         if (!devices || devices->empty()) {
             missing = devices ? "no Vulkan 1.1 device here" : devices.error().message;
             return;
         }
-        auto made = createVulkanRenderer(options);
+        auto made = createVulkanRenderer(options, fill);
         if (!made && made.error().code == Code::NotFound) {  // no validation layer: say so, test without
             std::printf("[   NOTE   ] %s\n", made.error().message.c_str());
             options.enableValidation = false;
-            made = createVulkanRenderer(options);
+            made = createVulkanRenderer(options, fill);
         }
         if (made) renderer = std::move(*made);
         else missing = made.error().message;

@@ -1,0 +1,56 @@
+#include "sdk/render/fill_memory.h"
+
+#include <filesystem>
+#include <map>
+#include <mutex>
+
+#include "sdk/core/files.h"
+#include "sdk/core/log.h"
+
+namespace dpl {
+namespace {
+
+constexpr uint64_t kMaxFileBytes = 64;
+
+const char* fileText(Fill fill) { return fill == Fill::Tiles ? "tiles\n" : "quads\n"; }
+
+std::optional<Fill> readFill(const std::filesystem::path& path) {
+    const auto bytes = path.empty() ? Result<std::vector<uint8_t>>(fail(Code::NotFound, "no folder")) : readFile(path, kMaxFileBytes);
+    if (!bytes) return std::nullopt;
+    const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+    for (const Fill fill : {Fill::Quads, Fill::Tiles})
+        if (text == fileText(fill)) return fill;
+    return std::nullopt;
+}
+
+Result<Fill> runSelfTest(Renderer& renderer, TrustedPicture trusted) {
+    const FillScene scene = fillTestScene();
+    DPL_TRY(const std::vector<uint8_t> want, trusted(scene));
+    std::string reason;
+    DPL_TRY(const Fill fill, chooseFill(renderer, scene, want, reason));
+    // A way that draws wrong pixels is a fault of the driver or of ours: worth a warning even though the other one works.
+    log(reason.find("wrong") == std::string::npos ? LogLevel::Info : LogLevel::Warning, "{}: self-test, {}", renderer.name(), reason);
+    return fill;
+}
+
+}  // namespace
+
+Status setBestFill(Renderer& renderer, const std::string& cacheFolder, TrustedPicture trusted) {
+    static std::mutex mutex;
+    static auto* known = new std::map<std::string, Result<Fill>>();  // never freed: threads may still call while the process ends
+    std::lock_guard lock(mutex);
+    const std::string identity = renderer.identity();
+    std::filesystem::path path;
+    if (!cacheFolder.empty()) path = std::filesystem::path(reinterpret_cast<const char8_t*>(cacheFolder.c_str())) / ("doppel-fill-" + identity + ".txt");
+    const std::optional<Fill> kept = readFill(path);
+    auto found = known->find(identity);
+    if (found == known->end()) found = known->emplace(identity, kept ? Result<Fill>(*kept) : runSelfTest(renderer, trusted)).first;
+    if (!found->second) return found->second.error();
+    const Fill fill = *found->second;
+    if (!path.empty() && kept != fill)
+        if (const Status written = writeFileAtomically(path, fileText(fill)); !written) log(LogLevel::Warning, "what the self-test found is not kept: {}", written.error().message);
+    renderer.setFill(fill);
+    return {};
+}
+
+}  // namespace dpl

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <optional>
+
+#include "sdk/render/frame_ids.h"
+#include "sdk/render/plan.h"
+
+namespace dpl {
+
+/** What the lists of compute tiles take, all of it before the first frame. Rows of tiles are counted over all views. */
+struct TilePlan {
+    gpu::TilePush push{};
+    uint64_t listBytes = 0, entryBytes = 0, pixelBytes = 0;
+    uint32_t rows() const { return push.viewCount * push.rows; }
+};
+
+/** None when the tables of this many splats and pixels do not fit the device. Lists that turn out too small in a frame leave that frame to the quads. */
+std::optional<TilePlan> planTiles(const FrameIds& ids, const DeviceInfo& device);
+
+/** Sorted survivors to the tiles' lists, near first in each, and these to pixels in the target. Sets the draw's arguments to nothing unless a list
+ *  was too small. */
+void addTiles(FramePlan& plan, const FrameIds& ids, const TilePlan& tiles);
+
+}  // namespace dpl

@@ -1,0 +1,38 @@
+// Compares what the lists would hold with what they can: once when the spans are counted, once (DPL_ENTRIES) when the entries are. A list that is
+// too small leaves the rest of the tile passes without work, and the quads draw the frame.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/shared/frame.h"
+layout(local_size_x = 1) in;
+
+layout(std430, binding = 0) readonly buffer ListBlock { uint lists[]; };
+layout(std430, binding = 1) buffer CountsBlock { FrameCounts counts; };
+layout(push_constant) uniform PushBlock { TilePush push; };
+
+void main() {
+    uint rows = push.viewCount * push.rows, rowGroups = (rows * kTileSegments + kTileListGroup - 1u) / kTileListGroup;
+#ifdef DPL_ENTRIES
+    uint entries = counts.tilesOverflowed == 0u ? lists[push.firstEntrySum + rows] : 0u;
+    bool fits = counts.tilesOverflowed == 0u && entries <= push.entryCapacity;
+    counts.tileEntries = entries;
+    counts.tilesOverflowed = fits ? 0u : 1u;
+    counts.entryGroupsX = fits ? rowGroups : 0u;
+    counts.entryGroupsY = 1u;
+    counts.entryGroupsZ = 1u;
+    counts.fillGroupsX = fits ? push.fillGroups : 0u;
+    counts.fillGroupsY = 1u;
+    counts.fillGroupsZ = 1u;
+    if (fits) counts.drawInstances = 0u;
+#else
+    uint spans = lists[push.firstSpanSum + rows];
+    bool fits = spans <= push.spanCapacity;
+    counts.tileSpans = spans;
+    counts.tilesOverflowed = fits ? 0u : 1u;
+    counts.spanGroupsX = fits ? counts.runGroupsX : 0u;
+    counts.spanGroupsY = 1u;
+    counts.spanGroupsZ = 1u;
+    counts.rowGroupsX = fits ? rowGroups : 0u;
+    counts.rowGroupsY = 1u;
+    counts.rowGroupsZ = 1u;
+#endif
+}
