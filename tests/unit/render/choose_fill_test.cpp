@@ -37,6 +37,7 @@ public:
     void setFill(Fill fill) override { this->fill = fill; }
     std::string identity() const override { return identity_; }
     Result<RenderAvatarId> addAvatar(std::shared_ptr<const AvatarData>) override { return fail(Code::Unsupported, "no avatars"); }
+    Result<RenderAvatarId> addCodedAvatar(std::shared_ptr<const AvatarData>, CodedSplats) override { return fail(Code::Unsupported, "no avatars"); }
     Result<RenderAvatarId> addSplats(const StaticSplatData&) override { return ++live, RenderAvatarId(1); }
     void removeAvatar(RenderAvatarId) override { --live; }
     Status draw(RenderAvatarId, const Pose&, std::span<const Cameraf>, bool) override {
