@@ -58,7 +58,13 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
                                                       DPL_AT(FrameCounts, sortGroupsY), DPL_AT(FrameCounts, sortGroupsZ), DPL_AT(FrameCounts, pad2), DPL_AT(FrameCounts, drawVertices),
                                                       DPL_AT(FrameCounts, drawInstances), DPL_AT(FrameCounts, drawFirstVertex), DPL_AT(FrameCounts, drawFirstInstance), DPL_AT(FrameCounts, depthMaxBits),
                                                       DPL_AT(FrameCounts, depthMinBitsInverted), DPL_AT(FrameCounts, splatsInView), DPL_AT(FrameCounts, splatsFacing), DPL_AT(FrameCounts, chunkGroupsX),
-                                                      DPL_AT(FrameCounts, chunkGroupsY), DPL_AT(FrameCounts, chunkGroupsZ), DPL_AT(FrameCounts, pad3)});
+                                                      DPL_AT(FrameCounts, chunkGroupsY), DPL_AT(FrameCounts, chunkGroupsZ), DPL_AT(FrameCounts, tileRuns), DPL_AT(FrameCounts, runGroupsX), DPL_AT(FrameCounts, runGroupsY), DPL_AT(FrameCounts, runGroupsZ), DPL_AT(FrameCounts, tileSpans),
+                                                      DPL_AT(FrameCounts, spanGroupsX), DPL_AT(FrameCounts, spanGroupsY), DPL_AT(FrameCounts, spanGroupsZ), DPL_AT(FrameCounts, tileEntries), DPL_AT(FrameCounts, rowGroupsX), DPL_AT(FrameCounts, rowGroupsY),
+                                                      DPL_AT(FrameCounts, rowGroupsZ), DPL_AT(FrameCounts, tilesOverflowed), DPL_AT(FrameCounts, entryGroupsX), DPL_AT(FrameCounts, entryGroupsY), DPL_AT(FrameCounts, entryGroupsZ), DPL_AT(FrameCounts, pad3),
+                                                      DPL_AT(FrameCounts, fillGroupsX), DPL_AT(FrameCounts, fillGroupsY), DPL_AT(FrameCounts, fillGroupsZ), DPL_AT(FrameCounts, pad4)});
+    expectLayout("TilePush", sizeof(TilePush), {DPL_AT(TilePush, viewCount), DPL_AT(TilePush, columns), DPL_AT(TilePush, rows), DPL_AT(TilePush, widthPx), DPL_AT(TilePush, heightPx), DPL_AT(TilePush, firstSpanSum), DPL_AT(TilePush, firstEntrySum), DPL_AT(TilePush, firstRunTable),
+                                                DPL_AT(TilePush, firstTileTable), DPL_AT(TilePush, firstSpan), DPL_AT(TilePush, spanCapacity), DPL_AT(TilePush, entryCapacity), DPL_AT(TilePush, fillGroups), DPL_AT(TilePush, firstDepth), DPL_AT(TilePush, halfColour), DPL_AT(TilePush, halfDepth)});
+    expectLayout("TileScanPush", sizeof(TileScanPush), {DPL_AT(TileScanPush, perRow), DPL_AT(TileScanPush, firstTable), DPL_AT(TileScanPush, firstSum)});
     expectLayout("VertexPush", sizeof(VertexPush), {DPL_AT(VertexPush, vertexCount), DPL_AT(VertexPush, firstNode)});
     expectLayout("TrianglePush", sizeof(TrianglePush), {DPL_AT(TrianglePush, triangleCount), DPL_AT(TrianglePush, viewCount), DPL_AT(TrianglePush, cull)});
     expectLayout("SplatPush", sizeof(SplatPush), {DPL_AT(SplatPush, splatCount), DPL_AT(SplatPush, viewCount)});
@@ -67,7 +73,7 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
     expectLayout("ChunkPush", sizeof(ChunkPush), {DPL_AT(ChunkPush, chunkCount)});
     expectLayout("ColourPush", sizeof(ColourPush), {DPL_AT(ColourPush, splatCount), DPL_AT(ColourPush, viewCount), DPL_AT(ColourPush, shDegree), DPL_AT(ColourPush, shStride)});
     expectLayout("CompactPush", sizeof(CompactPush), {DPL_AT(CompactPush, splatCount), DPL_AT(CompactPush, blockCount), DPL_AT(CompactPush, firstDepth), DPL_AT(CompactPush, maxDepthKey)});
-    expectLayout("ScanPush", sizeof(ScanPush), {DPL_AT(ScanPush, count), DPL_AT(ScanPush, fromSort)});
+    expectLayout("ScanPush", sizeof(ScanPush), {DPL_AT(ScanPush, first), DPL_AT(ScanPush, count), DPL_AT(ScanPush, fromSort)});
     expectLayout("ArgsPush", sizeof(ArgsPush), {DPL_AT(ArgsPush, blockCount), DPL_AT(ArgsPush, instancesPerSplat)});
     expectLayout("SortPush", sizeof(SortPush), {DPL_AT(SortPush, shift)});
     expectLayout("DrawPush", sizeof(DrawPush), {DPL_AT(DrawPush, targetWidthPx), DPL_AT(DrawPush, targetHeightPx), DPL_AT(DrawPush, viewCount), DPL_AT(DrawPush, atlasColumns)});
@@ -76,7 +82,9 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
 TEST(ShaderPack, workgroupsAreThoseThatTheSharedLimitsName) {
     const std::map<std::string, uint32_t> want = {{"skin", gpu::kVertexGroup}, {"skin.corrected", gpu::kVertexGroup}, {"triangles", gpu::kVertexGroup}, {"chunks.mark", gpu::kSplatGroup}, {"chunks.list", gpu::kScanGroup}, {"project", gpu::kSplatGroup}, {"colour", gpu::kSplatGroup}, {"project.general", gpu::kSplatGroup}, {"colour.general", gpu::kSplatGroup},
                                                   {"compact.count", gpu::kScanGroup}, {"compact.scan", gpu::kScanGroup}, {"compact.args", 1}, {"compact.scatter", gpu::kScanGroup},
-                                                  {"sort.count", gpu::kSortGroup}, {"sort.scatter", gpu::kSortGroup}};
+                                                  {"sort.count", gpu::kSortGroup}, {"sort.scatter", gpu::kSortGroup}, {"tiles.runs", gpu::kTileListGroup}, {"tiles.scan", gpu::kTileScanGroup},
+                                                  {"tiles.args.spans", 1}, {"tiles.args.entries", 1}, {"tiles.spans", gpu::kTileListGroup}, {"tiles.count", gpu::kTileListGroup},
+                                                  {"tiles.entries", gpu::kTileListGroup}, {"tiles.fill", gpu::kTileGroup}, {"tiles.fill.depth", gpu::kTileGroup}};
     for (const Shader& shader : embedded().shaders) {
         if (shader.stage != ShaderStage::Compute) continue;
         ASSERT_TRUE(want.count(shader.name)) << shader.name;
