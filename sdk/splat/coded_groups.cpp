@@ -51,7 +51,7 @@ void CodedGroups::decode(uint32_t first, float* out) {
     const std::array<Turn, kPhiSteps>& turn = turns();
     for (uint32_t lane = 0; lane < lanes; ++lane) {
         const uint32_t i = first + lane;
-        if (i >= chunkEnd_) enter(chunk_ + 1);   // chunks tile the splats
+        while (i >= chunkEnd_) enter(chunk_ + 1);   // chunks tile the splats; culled groups may have skipped some
         const auto put = [&](uint32_t field, float value) { out[field * kGroupSplats + lane] = value; };
         const uint32_t place = splats_.place[i], size = splats_.size[i], colour = splats_.colour[i];
         const auto scale = [&](uint32_t code) { return coarse_[code >> 6] * fine_[code & 63]; };

@@ -151,6 +151,31 @@ TEST(SoftwareVsReference, sameBytesOnAnyThreadCount) {
     }
 }
 
+// Where every splat of several chunks is turned away, decoding goes on in the right chunk behind them.
+TEST(SoftwareVsReference, wholeChunksThatAreSkippedLeaveTheNextOnesRight) {
+    AvatarData a = randomAvatar(60, 24, 16, 0);   // 1,536 splats a ring: half of them, three chunks, look away
+    for (uint32_t i = 0; i < a.splats.count(); ++i) {
+        a.splats.scaleM[i] *= 0.02f * float(1 + 3 * (i / 256 % 5));   // chunks of different range
+        a.splats.flags[i] = kSplatSingleFace;
+    }
+    auto coded = codeSplats(a.mesh, a.splats, false);
+    ASSERT_TRUE(coded) << coded.error().message;
+    a.splats = decodeSplats(*coded, a.mesh.triangles.size());
+    const ReferenceScene scene = sceneOf(a, Pose::rest(2));
+    const EngineInput input(scene);
+    for (const float azimuth : {0.f, 1.6f, 3.1f, 4.7f}) {
+        const Cameraf camera = lookAt({1.6f * std::sin(azimuth), 1, 1.6f * std::cos(azimuth)}, {0, 1, 0}, 150, 130, 120);
+        Jobs jobs(2);
+        SplatEngine engine(jobs);
+        SplatImage image;
+        engine.project(*coded, input.frames, camera, float(kKappaPx2), true);
+        engine.bin();
+        engine.blend(image, {.cloth = true, .depth = true});
+        EXPECT_LT(engine.decodedBytes(), 13u * 9 * coded->count() / 10) << "nothing was skipped";
+        expectSameImage("skipped chunks", image, renderReference(scene, referenceCamera(camera)), 75);  // two splats at one depth may swap: 78 dB
+    }
+}
+
 // The renderer keeps codes and decodes what a view needs: the same picture as of the numbers behind them, and culling loses nothing.
 TEST(SoftwareVsReference, codedSplatsDrawWhatTheyDecodeTo) {
     for (uint32_t round = 0; round < 8; ++round) {

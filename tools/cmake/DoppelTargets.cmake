@@ -60,7 +60,8 @@ if(DOPPEL_TESTS)
   # The programs of all tests labelled `sanitize`: what tools/test builds with the sanitizers.
   add_custom_target(sanitized_tests)
   set(test_pch_headers ${pch_headers} <random> <gtest/gtest.h>)
-  set(test_options $<$<CONFIG:Release>:-O1>)  # a third less compile time; the code under test keeps its own level
+  # A third less compile time each; the code under test keeps its own level.
+  set(test_options $<$<CONFIG:Release>:-O1> $<$<BOOL:${DOPPEL_SANITIZE}>:-O0>)
   doppel_pch(doppel_test_pch HEADERS ${test_pch_headers} LINKS GTest::gtest OPTIONS ${test_options})
   doppel_pch(doppel_test_pch_json HEADERS ${test_pch_headers} <tools/cmake/json_once.h> LINKS GTest::gtest nlohmann_json::nlohmann_json OPTIONS ${test_options})
 endif()
