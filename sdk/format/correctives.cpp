@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "sdk/format/plain_bytes.h"
+
 namespace dpl {
 namespace {
 
@@ -19,18 +21,6 @@ Vec4f rangeOfMode(const PoseCorrectiveData& c, uint32_t mode) {
     Vec4f range(0);
     for (uint32_t n = 0; n < c.nodeCount; ++n) range = glm::max(range, glm::abs(c.nodes[size_t(n) * c.modeCount + mode]));
     return range;
-}
-
-template <class T>
-std::vector<uint8_t> bytesOf(const std::vector<T>& values) {
-    const auto* raw = reinterpret_cast<const uint8_t*>(values.data());
-    return {raw, raw + values.size() * sizeof(T)};
-}
-
-template <class T>
-void fill(std::vector<T>& values, std::span<const uint8_t> bytes) {
-    values.resize(bytes.size() / sizeof(T));
-    if (!bytes.empty()) std::memcpy(static_cast<void*>(values.data()), bytes.data(), bytes.size());
 }
 
 }  // namespace

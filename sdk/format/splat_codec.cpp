@@ -7,6 +7,7 @@
 #include <string_view>
 #include <unordered_map>
 
+#include "sdk/format/plain_bytes.h"
 #include "sdk/math/sh.h"
 
 namespace dpl {
@@ -174,18 +175,6 @@ std::vector<uint32_t> triangleStarts(const CodedSplats& coded, size_t triangleCo
         for (uint32_t i = c.firstSplat; i < c.firstSplat + c.splatCount; ++i) ++start[coded.parents[c.firstParent + coded.parent[i]] + 1];
     for (size_t t = 0; t < triangleCount; ++t) start[t + 1] += start[t];
     return start;
-}
-
-template <class T>
-std::vector<uint8_t> bytesOf(const std::vector<T>& values) {
-    const auto* raw = reinterpret_cast<const uint8_t*>(values.data());
-    return {raw, raw + values.size() * sizeof(T)};
-}
-
-template <class T>
-void fill(std::vector<T>& values, std::span<const uint8_t> bytes) {
-    values.resize(bytes.size() / sizeof(T));
-    if (!bytes.empty()) std::memcpy(static_cast<void*>(values.data()), bytes.data(), bytes.size());
 }
 
 Result<std::vector<uint32_t>> decodeTriangleCounts(std::span<const uint8_t> bytes, uint32_t triangleCount, uint32_t splatCount) {
