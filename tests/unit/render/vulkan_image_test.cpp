@@ -1,83 +1,38 @@
-// The Vulkan picture against the double-precision referee, and its promises: stereo = mono, repeatable, hard sizes.
-#include <gtest/gtest.h>
+// The Vulkan picture against the double-precision referee, repeated, of hard sizes, and refused.
+#include "tests/unit/render/vulkan_image.h"
 
-#include <cstdio>
-#include <cstdlib>
-
-#include "tests/reference/image_compare.h"
-#include "tests/reference/random_avatar.h"
-#include "tests/reference/reference_renderer.h"
 #include "sdk/math/coverage.h"
-#include "shaders/shared/frame.h"
+#include "tests/reference/random_avatar.h"
 #include "tests/unit/format/sample_correctives.h"
-#include "tests/unit/render/tube_avatar.h"
-#include "tests/unit/render/vulkan_test_device.h"
 
 namespace dpl {
 namespace {
 
-// f16 blending leaves the 16-bit depth key (equal keys fall back to splat order) and the 1/255 cut-off: ≥ 50 dB asked for.
-constexpr double kMinPsnrDb = 50;
-// 8-bit blending rounds once a layer, and tails below half a level vanish: up to 5 levels where a close-up stacks many faint layers.
-constexpr double kMinBytePsnrDb = 46;
-
-/** Every test is run for both ways of filling pixels. */
-class VulkanImage : public testing::TestWithParam<Fill> {};
 INSTANTIATE_TEST_SUITE_P(Fill, VulkanImage, testing::Values(Fill::Quads, Fill::Tiles), [](const auto& info) { return std::string(info.param == Fill::Tiles ? "Tiles" : "Quads"); });
 
-VulkanOptions withPreciseBlending() {
-    VulkanOptions options = testVulkanOptions();
-    options.preciseBlending = true;
-    return options;
-}
-
-/** With vectors of 512 bits lavapipe 22.3.6 crashes in its own code generator on f16 targets and on targets of several samples. */
-bool crashesOnMoreThanBytes() {
-    const char* width = std::getenv("LP_NATIVE_VECTOR_WIDTH");
-    return width && std::string(width) == "512";
-}
-
-/** f16 blending where the driver can. For tests that run at every width. */
-VulkanOptions withPreciseBlendingOfAnyWidth() {
-    VulkanOptions options = withPreciseBlending();
-    options.preciseBlending = !crashesOnMoreThanBytes();
-    return options;
-}
-
-std::shared_ptr<const AvatarData> share(AvatarData a) { return std::make_shared<const AvatarData>(codedOnce(std::move(a))); }
-
-struct Difference {
-    double psnrDb = 0, maxError = 0, alphaPsnrDb = 0, maxDepthErrorM = 0, covered = 0;
+/** What a picture may miss of the referee's. */
+struct Bounds {
+    double covered = 0.005, maxDepthErrorM = 0.02, minBytePsnrDb = kMinBytePsnrDb;
 };
 
-Difference compare(const RenderedView& image, const ReferenceImage& want) {
-    std::vector<double> rgb, alpha;
-    for (size_t i = 0; i < image.rgba.size(); i += 4) {
-        for (size_t c = 0; c < 3; ++c) rgb.push_back(image.rgba[i + c] / 255.0);
-        alpha.push_back(image.rgba[i + 3] / 255.0);
+/** Draws `id` with depth, prints how far it is from the referee and holds it to the bounds. */
+RenderedView expectAgrees(TestVulkan& vulkan, const std::string& name, const Result<RenderAvatarId>& id, const Pose& pose, const Cameraf& camera, const ReferenceImage& want, const Bounds& bounds = {}) {
+    if (!id) {
+        ADD_FAILURE() << name << ": " << id.error().message;
+        return {};
     }
-    const ImageDifference colour = compareImages(rgb, want.rgb), coverageDifference = compareImages(alpha, want.alpha);
-    Difference d{colour.psnrDb, colour.maxError, coverageDifference.psnrDb, 0, coverage(want.alpha)};
-    for (size_t i = 0; i < image.depthM.size(); ++i)
-        if (want.alpha[i] > 0.5) d.maxDepthErrorM = std::max(d.maxDepthErrorM, std::abs(image.depthM[i] - want.depthM[i]));
-    return d;
-}
-
-void dumpPicture(const char* name, const RenderedView& image) {
-    const char* folder = std::getenv("DOPPEL_TEST_PICTURES");
-    if (!folder) return;
-    std::FILE* file = std::fopen((std::string(folder) + "/" + name + ".ppm").c_str(), "wb");
-    if (!file) return;
-    std::fprintf(file, "P6\n%u %u\n255\n", image.widthPx, image.heightPx);
-    for (size_t i = 0; i < image.rgba.size(); i += 4) std::fwrite(&image.rgba[i], 1, 3, file);
-    std::fclose(file);
-}
-
-RenderedView drawOne(Renderer& r, RenderAvatarId id, const Pose& pose, const Cameraf& camera, bool depth = false) {
-    std::vector<RenderedView> out(1);
-    const Status status = r.render(id, pose, {&camera, 1}, depth, out);
-    EXPECT_TRUE(status) << (status ? "" : status.error().message);
-    return std::move(out[0]);
+    RenderedView image = drawOne(*vulkan.renderer, *id, pose, camera, true);
+    const Difference d = compare(image, want);
+    const bool precise = vulkan.options.preciseBlending;
+    const double minPsnrDb = precise ? kMinPsnrDb : bounds.minBytePsnrDb;
+    std::printf("[  IMAGE   ] %-24s %s: colour %.1f dB (max %.4f), alpha %.1f dB, depth max %.5f m, covered %.1f %%\n", name.c_str(), precise ? "f16  " : "8 bit", d.psnrDb, d.maxError, d.alphaPsnrDb,
+                d.maxDepthErrorM, d.covered * 100);
+    dumpPicture(name.c_str(), image);
+    EXPECT_GT(d.covered, bounds.covered) << name;
+    EXPECT_GE(d.psnrDb, minPsnrDb) << name;
+    EXPECT_GE(d.alphaPsnrDb, minPsnrDb) << name;
+    EXPECT_LT(d.maxDepthErrorM, bounds.maxDepthErrorM) << name;
+    return image;
 }
 
 TEST_P(VulkanImage, equalsTheReferenceInSeveralPosesAndViews) {
@@ -95,18 +50,8 @@ TEST_P(VulkanImage, equalsTheReferenceInSeveralPosesAndViews) {
         const ReferenceImage want = renderReference(*avatar, pose, referenceCamera(camera));
         for (TestVulkan* vulkan : {&precise, &byte}) {
             auto id = vulkan->renderer->addAvatar(avatar);
-            ASSERT_TRUE(id) << id.error().message;
-            const RenderedView image = drawOne(*vulkan->renderer, *id, pose, camera, true);
-            const Difference d = compare(image, want);
-            const bool isPrecise = vulkan == &precise;
-            std::printf("[  IMAGE   ] %-10s %s %u splats: colour %.1f dB (max %.4f), alpha %.1f dB, depth max %.5f m, covered %.1f %%\n", c.name, isPrecise ? "f16  " : "8 bit",
-                        avatar->splats.count(), d.psnrDb, d.maxError, d.alphaPsnrDb, d.maxDepthErrorM, d.covered * 100);
-            dumpPicture(c.name, image);
-            EXPECT_GT(d.covered, 0.005) << c.name;
-            EXPECT_GE(d.psnrDb, isPrecise ? kMinPsnrDb : kMinBytePsnrDb) << c.name;
-            EXPECT_GE(d.alphaPsnrDb, isPrecise ? kMinPsnrDb : kMinBytePsnrDb) << c.name;
-            EXPECT_LT(d.maxDepthErrorM, 0.02) << c.name;  // a splat at the 1/255 cut-off may flip; it moves depth by α times the tube's thickness
-            vulkan->renderer->removeAvatar(*id);
+            expectAgrees(*vulkan, c.name, id, pose, camera, want);  // depth: a splat at the 1/255 cut-off may flip; it moves depth by α times the tube's thickness
+            if (id) vulkan->renderer->removeAvatar(*id);
         }
     }
 }
@@ -127,16 +72,8 @@ TEST_P(VulkanImage, fourSamplesAPixelEqualTheReference) {
             EXPECT_LT(compareImages(one.rgb, want.rgb).psnrDb, 45) << "one sample shows the same: this case shows nothing";
             for (TestVulkan* vulkan : {&precise, &byte}) {
                 auto id = vulkan->renderer->addAvatar(avatar);
-                ASSERT_TRUE(id) << id.error().message;
-                const RenderedView image = drawOne(*vulkan->renderer, *id, pose, camera, true);
-                const Difference d = compare(image, want);
-                const bool isPrecise = vulkan == &precise;
-                std::printf("[  IMAGE   ] 4 samples, x%.2f, %u %s: colour %.1f dB (max %.4f), alpha %.1f dB, depth max %.5f m, covered %.1f %%\n", double(size), seed, isPrecise ? "f16  " : "8 bit",
-                            d.psnrDb, d.maxError, d.alphaPsnrDb, d.maxDepthErrorM, d.covered * 100);
-                EXPECT_GT(d.covered, 0.005);
-                EXPECT_GE(d.psnrDb, kMinPsnrDb);  // in 8 bits too: four roundings average
-                EXPECT_GE(d.alphaPsnrDb, kMinPsnrDb);
-                EXPECT_LT(d.maxDepthErrorM, 0.02);
+                const RenderedView image = expectAgrees(*vulkan, "4 samples, x" + std::to_string(size).substr(0, 4) + ", " + std::to_string(seed), id, pose, camera, want, {.minBytePsnrDb = kMinPsnrDb});  // in 8 bits too: four roundings average
+                ASSERT_TRUE(id);
                 EXPECT_TRUE(drawOne(*vulkan->renderer, *id, pose, camera).rgba == image.rgba) << "depth or not";
                 vulkan->renderer->removeAvatar(*id);
             }
@@ -178,15 +115,8 @@ TEST_P(VulkanImage, correctivesMoveAndLightTheSurfaceAsInTheReference) {
         for (const double l : referenceCorrection(*avatar, pose).light) darkest = std::min(darkest, l), brightest = std::max(brightest, l);
         for (TestVulkan* vulkan : {&precise, &byte}) {
             auto id = vulkan->renderer->addAvatar(avatar);
-            ASSERT_TRUE(id) << id.error().message;
-            const Difference d = compare(drawOne(*vulkan->renderer, *id, pose, camera, true), want);
-            const bool isPrecise = vulkan == &precise;
-            std::printf("[  IMAGE   ] correctives, %-9s %s: colour %.1f dB (max %.4f), alpha %.1f dB, depth max %.5f m\n", c.name, isPrecise ? "f16  " : "8 bit", d.psnrDb,
-                        d.maxError, d.alphaPsnrDb, d.maxDepthErrorM);
-            EXPECT_GE(d.psnrDb, isPrecise ? kMinPsnrDb : kMinBytePsnrDb) << c.name;
-            EXPECT_GE(d.alphaPsnrDb, isPrecise ? kMinPsnrDb : kMinBytePsnrDb) << c.name;
-            EXPECT_LT(d.maxDepthErrorM, 0.02) << c.name;
-            vulkan->renderer->removeAvatar(*id);
+            expectAgrees(*vulkan, std::string("correctives, ") + c.name, id, pose, camera, want);
+            if (id) vulkan->renderer->removeAvatar(*id);
         }
     }
     EXPECT_EQ(darkest, 0.2);
@@ -205,16 +135,9 @@ TEST_P(VulkanImage, generalSplatsEqualTheReferenceAtEveryShDegree) {
         EXPECT_LT(compareImages(other.rgb, want.rgb).psnrDb, 45) << "compensation shows nothing here";
         for (TestVulkan* vulkan : {&precise, &byte}) {
             auto id = vulkan->renderer->addSplats(splats);
-            ASSERT_TRUE(id) << id.error().message;
-            const Difference d = compare(drawOne(*vulkan->renderer, *id, {}, camera, true), want);
-            const bool isPrecise = vulkan == &precise;
-            std::printf("[  IMAGE   ] general, SH %u  %s: colour %.1f dB (max %.4f), alpha %.1f dB, depth max %.5f m, covered %.1f %%\n", degree, isPrecise ? "f16  " : "8 bit", d.psnrDb,
-                        d.maxError, d.alphaPsnrDb, d.maxDepthErrorM, d.covered * 100);
-            EXPECT_GT(d.covered, 0.05);
-            EXPECT_GE(d.psnrDb, isPrecise ? kMinPsnrDb : kMinBytePsnrDb);
-            EXPECT_GE(d.alphaPsnrDb, isPrecise ? kMinPsnrDb : kMinBytePsnrDb);
-            EXPECT_LT(d.maxDepthErrorM, 0.05);   // splats lie up to 2 m behind each other: one at the 1/255 cut-off moves depth by its α times that
-            vulkan->renderer->removeAvatar(*id);
+            // Splats lie up to 2 m behind each other: one at the 1/255 cut-off moves depth by its α times that.
+            expectAgrees(*vulkan, "general, SH " + std::to_string(degree), id, {}, camera, want, {.covered = 0.05, .maxDepthErrorM = 0.05});
+            if (id) vulkan->renderer->removeAvatar(*id);
         }
     }
 }
@@ -251,87 +174,6 @@ TEST_P(VulkanImage, anAvatarWithCorrectivesLeavesTheNextOneAlone) {
     EXPECT_TRUE(drawOne(*vulkan.renderer, *plain, tubePose(0.6f), camera).rgba == alone.rgba);
     drawOne(*vulkan.renderer, *corrected, tubePose(-0.9f), camera);
     EXPECT_TRUE(drawOne(*vulkan.renderer, *corrected, tubePose(0.6f), camera).rgba == lit.rgba);
-}
-
-void expectStereoEqualsMono(TestVulkan& vulkan, const Result<RenderAvatarId>& id, const Pose& pose, const std::string& picture) {
-    ASSERT_TRUE(id) << id.error().message;
-    const Cameraf views[2] = {tubeCamera(160, 144, 0.3f, 1.2f, -0.032f), tubeCamera(160, 144, 0.3f, 1.2f, 0.032f)};
-    std::vector<RenderedView> both(2);
-    const Status status = vulkan.renderer->render(*id, pose, views, true, both);
-    ASSERT_TRUE(status) << status.error().message;
-    for (size_t v = 0; v < 2; ++v) {
-        const RenderedView alone = drawOne(*vulkan.renderer, *id, pose, views[v], true);
-        EXPECT_TRUE(both[v].rgba == alone.rgba) << "colour of view " << v;
-        EXPECT_TRUE(both[v].depthM == alone.depthM) << "depth of view " << v;
-        EXPECT_GT(coverage(alone.depthM, 0.0), 0.05);
-    }
-    EXPECT_FALSE(both[0].rgba == both[1].rgba);
-    dumpPicture((picture + "_left").c_str(), both[0]);
-    dumpPicture((picture + "_right").c_str(), both[1]);
-}
-
-/** For an avatar and for general splats. */
-void expectStereoEqualsMono(const VulkanOptions& options, Fill fill, const std::string& picture) {
-    TestVulkan vulkan(options, fill);
-    DPL_NEED_VULKAN(vulkan);
-    expectStereoEqualsMono(vulkan, vulkan.renderer->addAvatar(share(test::withCorrectives(makeTube(), 3))), tubePose(0.7f), picture);
-    AvatarData fine = makeTube();
-    fine.trainedPixelM = 1e-4f;
-    if (crashesOnMoreThanBytes()) std::printf("[   NOTE   ] four samples a pixel are left out at this vector width\n");
-    else expectStereoEqualsMono(vulkan, vulkan.renderer->addAvatar(share(fine)), tubePose(0.7f), picture + "_four_samples");
-    expectStereoEqualsMono(vulkan, vulkan.renderer->addSplats(randomStaticSplats(7, 1500, 2)), {}, picture + "_general");
-}
-
-TEST_P(VulkanImage, twoViewsAtOnceEqualEachViewAloneByInstances) {
-    VulkanOptions options = testVulkanOptions();
-    options.forceInstanceSplit = true;
-    expectStereoEqualsMono(options, GetParam(), "instances");
-}
-
-TEST_P(VulkanImage, twoViewsAtOnceEqualEachViewAloneByMultiview) {
-    auto backend = createVulkanBackend(testVulkanOptions());
-    if (!backend) GTEST_SKIP() << backend.error().message;
-    if (!(*backend)->info().multiview) GTEST_SKIP() << "multiview is missing or worked around on " << (*backend)->info().name;
-    expectStereoEqualsMono(testVulkanOptions(), GetParam(), "multiview");
-}
-
-/** Draws a pair whose axes are `degrees` apart; the worse eye's distance to the same eye alone, and the largest difference in levels. */
-ImageDifference cantedPairAgainstAlone(TestVulkan& vulkan, float degrees) {
-    // Neighbouring splats of a person have similar colours; unrelated ones would turn every swap into a full-contrast error.
-    const auto id = vulkan.renderer->addAvatar(share(makeTube({.singleFace = false, .colourSpread = 0.2f})));
-    EXPECT_TRUE(id) << id.error().message;
-    const Pose pose = tubePose(0.4f);
-    const float half = glm::radians(degrees) / 2;
-    const Cameraf views[2] = {tubeCamera(160, 144, -half, 1.4f), tubeCamera(160, 144, half, 1.4f)};
-    std::vector<RenderedView> both(2);
-    const Status status = vulkan.renderer->render(*id, pose, views, false, both);
-    EXPECT_TRUE(status) << status.error().message;
-    const auto stats = vulkan.renderer->stats(*id);
-    EXPECT_TRUE(stats);
-    EXPECT_EQ(stats->views, 2u);
-    EXPECT_GT(stats->splatsDrawn, 100u);
-    ImageDifference worst{std::numeric_limits<double>::infinity(), 0, 0};
-    for (int v = 0; v < 2; ++v) {
-        const RenderedView alone = drawOne(*vulkan.renderer, *id, pose, views[v]);
-        EXPECT_GT(std::count_if(alone.rgba.begin(), alone.rgba.end(), [](uint8_t x) { return x > 20; }), 1000);
-        const ImageDifference d = compareImages(std::vector<double>(alone.rgba.begin(), alone.rgba.end()), std::vector<double>(both[size_t(v)].rgba.begin(), both[size_t(v)].rgba.end()));
-        worst.psnrDb = std::min(worst.psnrDb, d.psnrDb + 20 * std::log10(255.0));
-        worst.maxError = std::max(worst.maxError, d.maxError);
-    }
-    std::printf("[  CANTED  ] %.1f degrees: %.1f dB, %.0f levels to its own sort\n", degrees, worst.psnrDb, worst.maxError);
-    return worst;
-}
-
-TEST_P(VulkanImage, eyesThatShareAnOrderStayCloseToTheirOwn) {
-    TestVulkan vulkan(testVulkanOptions(), GetParam());
-    DPL_NEED_VULKAN(vulkan);
-    EXPECT_GE(cantedPairAgainstAlone(vulkan, 1.9f).psnrDb, 45.0);  // technical reference §16
-}
-
-TEST_P(VulkanImage, cantedEyesAreSortedEachForItself) {
-    TestVulkan vulkan(testVulkanOptions(), GetParam());
-    DPL_NEED_VULKAN(vulkan);
-    for (const float degrees : {2.1f, 9.2f, 25.f, 120.f, 180.f}) EXPECT_EQ(cantedPairAgainstAlone(vulkan, degrees).maxError, 0) << degrees;
 }
 
 TEST_P(VulkanImage, hundredFramesAreByteIdentical) {
@@ -371,139 +213,6 @@ TEST_P(VulkanImage, framesInFlightDrawWhatFramesAloneDraw) {
     EXPECT_TRUE(std::equal(other.depthM.begin(), other.depthM.end(), (*pixels)[0].depthM.begin()));
     ASSERT_TRUE(vulkan.renderer->draw(*first, tubePose(0), {views, 1}, false));
     vulkan.renderer->removeAvatar(*first);  // while it is drawn
-}
-
-/** A view of part of the subject at (0, middle, 0): from near or far, past it, off-axis, with any lens. */
-Cameraf randomView(std::mt19937& random, float middle) {
-    std::uniform_real_distribution<float> uniform(0, 1);
-    const auto around = [&](float reach) { return reach * Vec3f(2 * uniform(random) - 1, 2 * uniform(random) - 1, 2 * uniform(random) - 1); };
-    const Vec3f target = Vec3f(0, middle, 0) + around(0.4f);
-    const float azimuth = 6.2831853f * uniform(random), distance = 0.35f + 1.6f * uniform(random);
-    const Vec3f eye = target + distance * Vec3f(std::sin(azimuth), 0.6f * uniform(random) - 0.3f, std::cos(azimuth));
-    Cameraf c = lookAt(eye, target, 140, 112, 70 + 400 * uniform(random) * uniform(random));
-    c.cx += 60 * (uniform(random) - 0.5f), c.cy += 60 * (uniform(random) - 0.5f);
-    return c;
-}
-
-// Culling only leaves out what no view shows: the same bytes with and without it, and the referee's picture.
-TEST_P(VulkanImage, cullingLosesNoVisibleSplat) {
-    VulkanOptions options = withPreciseBlendingOfAnyWidth(), without = withPreciseBlendingOfAnyWidth();
-    without.cullTriangles = false;
-    TestVulkan culling(options, GetParam()), projectingAll(without, GetParam());
-    DPL_NEED_VULKAN(culling);
-    const double minPsnrDb = options.preciseBlending ? kMinPsnrDb : kMinBytePsnrDb;
-    std::mt19937 random(5);
-    uint64_t splats = 0, inView = 0, facing = 0, drawn = 0, chunks = 0, projected = 0;
-    double worstDb = 1000;
-    for (int round = 0; round < 12; ++round) {
-        const bool blob = round % 2 == 0;
-        AvatarData data = blob ? randomAvatar(uint32_t(round) + 1, 8, 4, 1) : test::withCorrectives(makeTube({.shDegree = 1, .colourSpread = 0.3f}), uint32_t(round));
-        if (blob) for (float& c : data.splats.sh) c *= 0.3f;  // neighbours of a person agree; ties of the 16-bit key are not what this test is about
-        const auto avatar = share(std::move(data));
-        const Pose pose = blob ? randomPose(*avatar, uint32_t(round)) : tubePose(1.5f * std::sin(float(round)), float(round));
-        const Cameraf first = randomView(random, blob ? 1 : 0.5f);
-        Cameraf second = first;
-        second.viewFromWorldTranslation.x -= 0.06f;
-        const Cameraf views[2] = {first, second};
-        const size_t viewCount = round % 3 == 0 ? 2 : 1;
-        std::vector<RenderedView> culled(viewCount), all(viewCount);
-        auto id = culling.renderer->addAvatar(avatar), allId = projectingAll.renderer->addAvatar(avatar);
-        ASSERT_TRUE(id && allId);
-        ASSERT_TRUE(culling.renderer->render(*id, pose, {views, viewCount}, true, culled));
-        ASSERT_TRUE(projectingAll.renderer->render(*allId, pose, {views, viewCount}, true, all));
-        auto stats = culling.renderer->stats(*id), allStats = projectingAll.renderer->stats(*allId);
-        ASSERT_TRUE(stats && allStats);
-        EXPECT_EQ(stats->splatsDrawn, allStats->splatsDrawn) << "round " << round;
-        EXPECT_LE(stats->splatsDrawn, stats->splatsFacing);
-        EXPECT_LE(stats->splatsFacing, stats->splatsInView);
-        EXPECT_LE(stats->splatsFacing, stats->chunksProjected * gpu::kSplatGroup);
-        EXPECT_EQ(allStats->chunksProjected, allStats->chunks);
-        chunks += stats->chunks, projected += stats->chunksProjected;
-        splats += avatar->splats.count(), inView += stats->splatsInView, facing += stats->splatsFacing, drawn += stats->splatsDrawn;
-        for (size_t v = 0; v < viewCount; ++v) {
-            EXPECT_TRUE(culled[v].rgba == all[v].rgba && culled[v].depthM == all[v].depthM) << "round " << round << ", view " << v;
-            const Difference d = compare(culled[v], renderReference(*avatar, pose, referenceCamera(views[v])));
-            worstDb = std::min({worstDb, d.psnrDb, d.alphaPsnrDb});
-            EXPECT_GE(d.psnrDb, minPsnrDb) << "round " << round << ", view " << v;
-            EXPECT_GE(d.alphaPsnrDb, minPsnrDb) << "round " << round << ", view " << v;
-        }
-        culling.renderer->removeAvatar(*id);
-        projectingAll.renderer->removeAvatar(*allId);
-    }
-    std::printf("[ SURVIVORS] %llu splats, %llu in view, %llu facing, %llu drawn; worst %.1f dB\n", static_cast<unsigned long long>(splats), static_cast<unsigned long long>(inView),
-                static_cast<unsigned long long>(facing), static_cast<unsigned long long>(drawn), worstDb);
-    EXPECT_LT(projected, chunks * 9 / 10);
-    EXPECT_LT(inView, splats * 9 / 10);
-    EXPECT_LT(facing, inView * 9 / 10);
-    EXPECT_GT(drawn, splats / 20);
-}
-
-/** The tube without its last splats. */
-AvatarData tubeOf(uint32_t count, TubeOptions options) {
-    AvatarData a = makeTube(options);
-    SplatData& s = a.splats;
-    s.uv.resize(count), s.phi.resize(count), s.scaleM.resize(count), s.opacity.resize(count), s.flags.resize(count);
-    s.sh.resize(count * shCoefficientCount(s.shDegree) * 3);
-    for (uint32_t& start : s.triangleStart) start = std::min(start, count);
-    return a;
-}
-
-// Lists cannot overflow: each has one entry a splat (docs/adr/0002). The worst case is a frame in which every splat is seen by every view, at
-// counts that fill the blocks of compaction and sort exactly, and one more or less.
-TEST_P(VulkanImage, everyListHoldsAFrameThatShowsEverySplat) {
-    const VulkanOptions options = withPreciseBlendingOfAnyWidth();
-    TestVulkan vulkan(options, GetParam());
-    DPL_NEED_VULKAN(vulkan);
-    const Cameraf views[2] = {tubeCamera(160, 144, 0.3f, 1.6f, -0.03f), tubeCamera(160, 144, 0.3f, 1.6f, 0.03f)};
-    for (const uint32_t count : {gpu::kSortBlock - 1, gpu::kSortBlock, gpu::kSortBlock + 1, 2 * gpu::kSortBlock, gpu::kCompactBlock + 1, 1u}) {
-        const auto avatar = share(tubeOf(count, {.splatsPerTriangle = 32, .rings = 4, .singleFace = false, .colourSpread = 0.3f}));
-        auto id = vulkan.renderer->addAvatar(avatar);
-        ASSERT_TRUE(id) << id.error().message;
-        for (const size_t viewCount : {size_t(1), size_t(2)}) {
-            std::vector<RenderedView> out(viewCount);
-            const Status status = vulkan.renderer->render(*id, tubePose(0.3f), {views, viewCount}, false, out);
-            ASSERT_TRUE(status) << status.error().message;
-            auto stats = vulkan.renderer->stats(*id);
-            ASSERT_TRUE(stats) << stats.error().message;
-            EXPECT_EQ(stats->splatsDrawn, count) << viewCount << " views";
-            for (size_t v = 0; v < viewCount; ++v) {
-                const Difference d = compare(out[v], renderReference(*avatar, tubePose(0.3f), referenceCamera(views[v])));
-                EXPECT_GE(d.psnrDb, options.preciseBlending ? kMinPsnrDb : kMinBytePsnrDb) << count << " splats, view " << v << " of " << viewCount;
-            }
-        }
-        vulkan.renderer->removeAvatar(*id);
-    }
-}
-
-/** Splats of half a metre seen from inside. Few of them overflow the list of entries, more of them that of spans already. */
-TEST(VulkanTiles, aFrameThatTheListsCannotHoldIsFilledByQuads) {
-    TestVulkan tiles(testVulkanOptions(), Fill::Tiles), quads(testVulkanOptions(), Fill::Quads);
-    DPL_NEED_VULKAN(tiles);
-    const Cameraf far[2] = {tubeCamera(61, 45, 0.3f, 40, -0.03f), tubeCamera(61, 45, 0.3f, 40, 0.03f)};
-    const Cameraf near[2] = {tubeCamera(61, 45, 0.3f, 1.2f, -0.03f), tubeCamera(61, 45, 0.3f, 1.2f, 0.03f)};
-    for (const uint32_t count : {400u, 1500u}) {
-        const StaticSplatData splats = randomStaticSplats(3, count, 0, 0.5f);
-        auto id = tiles.renderer->addSplats(splats), other = quads.renderer->addSplats(splats);
-        ASSERT_TRUE(id && other);
-        for (const size_t viewCount : {size_t(1), size_t(2)}) {
-            for (const Cameraf* views : {far, near, far}) {  // back to tiles after an overflow
-                std::vector<RenderedView> got(viewCount), want(viewCount);
-                ASSERT_TRUE(tiles.renderer->render(*id, {}, {views, viewCount}, true, got));
-                ASSERT_TRUE(quads.renderer->render(*other, {}, {views, viewCount}, true, want));
-                auto stats = tiles.renderer->stats(*id);
-                ASSERT_TRUE(stats);
-                EXPECT_EQ(stats->tilesOverflowed, views == near) << count << " splats, " << viewCount << " views";
-                if (views == near) { EXPECT_EQ(stats->tileEntries > 0, count == 400) << "entries are counted where the spans fit"; }
-                for (size_t v = 0; v < viewCount; ++v) {
-                    EXPECT_GT(coverage(want[v].depthM, 0.0), 0.001);
-                    if (views != near) continue;  // the other tests compare tiles with the referee
-                    EXPECT_TRUE(got[v].rgba == want[v].rgba && got[v].depthM == want[v].depthM) << count << " splats, view " << v << " of " << viewCount;
-                }
-            }
-        }
-        tiles.renderer->removeAvatar(*id);
-        quads.renderer->removeAvatar(*other);
-    }
 }
 
 TEST_P(VulkanImage, drawsNothingForAnEmptyAvatarAndOneSplatForOne) {

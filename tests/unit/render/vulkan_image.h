@@ -1,0 +1,79 @@
+// What tests of Vulkan pictures share: both fills, both blendings, the distance to the referee.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <cstdlib>
+
+#include "tests/reference/image_compare.h"
+#include "tests/reference/reference_renderer.h"
+#include "tests/unit/render/tube_avatar.h"
+#include "tests/unit/render/vulkan_test_device.h"
+
+namespace dpl {
+
+// f16 blending leaves the 16-bit depth key (equal keys fall back to splat order) and the 1/255 cut-off: ≥ 50 dB asked for.
+constexpr double kMinPsnrDb = 50;
+// 8-bit blending rounds once a layer, and tails below half a level vanish: up to 5 levels where a close-up stacks many faint layers.
+constexpr double kMinBytePsnrDb = 46;
+
+/** Every test is run for both ways of filling pixels. */
+class VulkanImage : public testing::TestWithParam<Fill> {};
+
+inline VulkanOptions withPreciseBlending() {
+    VulkanOptions options = testVulkanOptions();
+    options.preciseBlending = true;
+    return options;
+}
+
+/** With vectors of 512 bits lavapipe 22.3.6 crashes in its own code generator on f16 targets and on targets of several samples. */
+inline bool crashesOnMoreThanBytes() {
+    const char* width = std::getenv("LP_NATIVE_VECTOR_WIDTH");
+    return width && std::string(width) == "512";
+}
+
+/** f16 blending where the driver can. For tests that run at every width. */
+inline VulkanOptions withPreciseBlendingOfAnyWidth() {
+    VulkanOptions options = withPreciseBlending();
+    options.preciseBlending = !crashesOnMoreThanBytes();
+    return options;
+}
+
+inline std::shared_ptr<const AvatarData> share(AvatarData a) { return std::make_shared<const AvatarData>(codedOnce(std::move(a))); }
+
+struct Difference {
+    double psnrDb = 0, maxError = 0, alphaPsnrDb = 0, maxDepthErrorM = 0, covered = 0;
+};
+
+inline Difference compare(const RenderedView& image, const ReferenceImage& want) {
+    std::vector<double> rgb, alpha;
+    for (size_t i = 0; i < image.rgba.size(); i += 4) {
+        for (size_t c = 0; c < 3; ++c) rgb.push_back(image.rgba[i + c] / 255.0);
+        alpha.push_back(image.rgba[i + 3] / 255.0);
+    }
+    const ImageDifference colour = compareImages(rgb, want.rgb), coverageDifference = compareImages(alpha, want.alpha);
+    Difference d{colour.psnrDb, colour.maxError, coverageDifference.psnrDb, 0, coverage(want.alpha)};
+    for (size_t i = 0; i < image.depthM.size(); ++i)
+        if (want.alpha[i] > 0.5) d.maxDepthErrorM = std::max(d.maxDepthErrorM, std::abs(image.depthM[i] - want.depthM[i]));
+    return d;
+}
+
+inline void dumpPicture(const char* name, const RenderedView& image) {
+    const char* folder = std::getenv("DOPPEL_TEST_PICTURES");
+    if (!folder) return;
+    std::FILE* file = std::fopen((std::string(folder) + "/" + name + ".ppm").c_str(), "wb");
+    if (!file) return;
+    std::fprintf(file, "P6\n%u %u\n255\n", image.widthPx, image.heightPx);
+    for (size_t i = 0; i < image.rgba.size(); i += 4) std::fwrite(&image.rgba[i], 1, 3, file);
+    std::fclose(file);
+}
+
+inline RenderedView drawOne(Renderer& r, RenderAvatarId id, const Pose& pose, const Cameraf& camera, bool depth = false) {
+    std::vector<RenderedView> out(1);
+    const Status status = r.render(id, pose, {&camera, 1}, depth, out);
+    EXPECT_TRUE(status) << (status ? "" : status.error().message);
+    return std::move(out[0]);
+}
+
+}  // namespace dpl

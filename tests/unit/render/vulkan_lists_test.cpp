@@ -1,0 +1,144 @@
+// What the frame's lists hold: culling leaves out only what no view shows, and no list loses a splat.
+#include "shaders/shared/frame.h"
+#include "tests/reference/random_avatar.h"
+#include "tests/unit/format/sample_correctives.h"
+#include "tests/unit/render/vulkan_image.h"
+
+namespace dpl {
+namespace {
+
+/** A view of part of the subject at (0, middle, 0): from near or far, past it, off-axis, with any lens. */
+Cameraf randomView(std::mt19937& random, float middle) {
+    std::uniform_real_distribution<float> uniform(0, 1);
+    const auto around = [&](float reach) { return reach * Vec3f(2 * uniform(random) - 1, 2 * uniform(random) - 1, 2 * uniform(random) - 1); };
+    const Vec3f target = Vec3f(0, middle, 0) + around(0.4f);
+    const float azimuth = 6.2831853f * uniform(random), distance = 0.35f + 1.6f * uniform(random);
+    const Vec3f eye = target + distance * Vec3f(std::sin(azimuth), 0.6f * uniform(random) - 0.3f, std::cos(azimuth));
+    Cameraf c = lookAt(eye, target, 140, 112, 70 + 400 * uniform(random) * uniform(random));
+    c.cx += 60 * (uniform(random) - 0.5f), c.cy += 60 * (uniform(random) - 0.5f);
+    return c;
+}
+
+// Culling only leaves out what no view shows: the same bytes with and without it, and the referee's picture.
+TEST_P(VulkanImage, cullingLosesNoVisibleSplat) {
+    VulkanOptions options = withPreciseBlendingOfAnyWidth(), without = withPreciseBlendingOfAnyWidth();
+    without.cullTriangles = false;
+    TestVulkan culling(options, GetParam()), projectingAll(without, GetParam());
+    DPL_NEED_VULKAN(culling);
+    const double minPsnrDb = options.preciseBlending ? kMinPsnrDb : kMinBytePsnrDb;
+    std::mt19937 random(5);
+    uint64_t splats = 0, inView = 0, facing = 0, drawn = 0, chunks = 0, projected = 0;
+    double worstDb = 1000;
+    for (int round = 0; round < 12; ++round) {
+        const bool blob = round % 2 == 0;
+        AvatarData data = blob ? randomAvatar(uint32_t(round) + 1, 8, 4, 1) : test::withCorrectives(makeTube({.shDegree = 1, .colourSpread = 0.3f}), uint32_t(round));
+        if (blob) for (float& c : data.splats.sh) c *= 0.3f;  // neighbours of a person agree; ties of the 16-bit key are not what this test is about
+        const auto avatar = share(std::move(data));
+        const Pose pose = blob ? randomPose(*avatar, uint32_t(round)) : tubePose(1.5f * std::sin(float(round)), float(round));
+        const Cameraf first = randomView(random, blob ? 1 : 0.5f);
+        Cameraf second = first;
+        second.viewFromWorldTranslation.x -= 0.06f;
+        const Cameraf views[2] = {first, second};
+        const size_t viewCount = round % 3 == 0 ? 2 : 1;
+        std::vector<RenderedView> culled(viewCount), all(viewCount);
+        auto id = culling.renderer->addAvatar(avatar), allId = projectingAll.renderer->addAvatar(avatar);
+        ASSERT_TRUE(id && allId);
+        ASSERT_TRUE(culling.renderer->render(*id, pose, {views, viewCount}, true, culled));
+        ASSERT_TRUE(projectingAll.renderer->render(*allId, pose, {views, viewCount}, true, all));
+        auto stats = culling.renderer->stats(*id), allStats = projectingAll.renderer->stats(*allId);
+        ASSERT_TRUE(stats && allStats);
+        EXPECT_EQ(stats->splatsDrawn, allStats->splatsDrawn) << "round " << round;
+        EXPECT_LE(stats->splatsDrawn, stats->splatsFacing);
+        EXPECT_LE(stats->splatsFacing, stats->splatsInView);
+        EXPECT_LE(stats->splatsFacing, stats->chunksProjected * gpu::kSplatGroup);
+        EXPECT_EQ(allStats->chunksProjected, allStats->chunks);
+        chunks += stats->chunks, projected += stats->chunksProjected;
+        splats += avatar->splats.count(), inView += stats->splatsInView, facing += stats->splatsFacing, drawn += stats->splatsDrawn;
+        for (size_t v = 0; v < viewCount; ++v) {
+            EXPECT_TRUE(culled[v].rgba == all[v].rgba && culled[v].depthM == all[v].depthM) << "round " << round << ", view " << v;
+            const Difference d = compare(culled[v], renderReference(*avatar, pose, referenceCamera(views[v])));
+            worstDb = std::min({worstDb, d.psnrDb, d.alphaPsnrDb});
+            EXPECT_GE(d.psnrDb, minPsnrDb) << "round " << round << ", view " << v;
+            EXPECT_GE(d.alphaPsnrDb, minPsnrDb) << "round " << round << ", view " << v;
+        }
+        culling.renderer->removeAvatar(*id);
+        projectingAll.renderer->removeAvatar(*allId);
+    }
+    std::printf("[ SURVIVORS] %llu splats, %llu in view, %llu facing, %llu drawn; worst %.1f dB\n", static_cast<unsigned long long>(splats), static_cast<unsigned long long>(inView),
+                static_cast<unsigned long long>(facing), static_cast<unsigned long long>(drawn), worstDb);
+    EXPECT_LT(projected, chunks * 9 / 10);
+    EXPECT_LT(inView, splats * 9 / 10);
+    EXPECT_LT(facing, inView * 9 / 10);
+    EXPECT_GT(drawn, splats / 20);
+}
+
+/** The tube without its last splats. */
+AvatarData tubeOf(uint32_t count, TubeOptions options) {
+    AvatarData a = makeTube(options);
+    SplatData& s = a.splats;
+    s.uv.resize(count), s.phi.resize(count), s.scaleM.resize(count), s.opacity.resize(count), s.flags.resize(count);
+    s.sh.resize(count * shCoefficientCount(s.shDegree) * 3);
+    for (uint32_t& start : s.triangleStart) start = std::min(start, count);
+    return a;
+}
+
+// Lists cannot overflow: each has one entry a splat (docs/adr/0002). The worst case is a frame in which every splat is seen by every view, at
+// counts that fill the blocks of compaction and sort exactly, and one more or less.
+TEST_P(VulkanImage, everyListHoldsAFrameThatShowsEverySplat) {
+    const VulkanOptions options = withPreciseBlendingOfAnyWidth();
+    TestVulkan vulkan(options, GetParam());
+    DPL_NEED_VULKAN(vulkan);
+    const Cameraf views[2] = {tubeCamera(160, 144, 0.3f, 1.6f, -0.03f), tubeCamera(160, 144, 0.3f, 1.6f, 0.03f)};
+    for (const uint32_t count : {gpu::kSortBlock - 1, gpu::kSortBlock, gpu::kSortBlock + 1, 2 * gpu::kSortBlock, gpu::kCompactBlock + 1, 1u}) {
+        const auto avatar = share(tubeOf(count, {.splatsPerTriangle = 32, .rings = 4, .singleFace = false, .colourSpread = 0.3f}));
+        auto id = vulkan.renderer->addAvatar(avatar);
+        ASSERT_TRUE(id) << id.error().message;
+        for (const size_t viewCount : {size_t(1), size_t(2)}) {
+            std::vector<RenderedView> out(viewCount);
+            const Status status = vulkan.renderer->render(*id, tubePose(0.3f), {views, viewCount}, false, out);
+            ASSERT_TRUE(status) << status.error().message;
+            auto stats = vulkan.renderer->stats(*id);
+            ASSERT_TRUE(stats) << stats.error().message;
+            EXPECT_EQ(stats->splatsDrawn, count) << viewCount << " views";
+            for (size_t v = 0; v < viewCount; ++v) {
+                const Difference d = compare(out[v], renderReference(*avatar, tubePose(0.3f), referenceCamera(views[v])));
+                EXPECT_GE(d.psnrDb, options.preciseBlending ? kMinPsnrDb : kMinBytePsnrDb) << count << " splats, view " << v << " of " << viewCount;
+            }
+        }
+        vulkan.renderer->removeAvatar(*id);
+    }
+}
+
+/** Splats of half a metre seen from inside. Few of them overflow the list of entries, more of them that of spans already. */
+TEST(VulkanTiles, aFrameThatTheListsCannotHoldIsFilledByQuads) {
+    TestVulkan tiles(testVulkanOptions(), Fill::Tiles), quads(testVulkanOptions(), Fill::Quads);
+    DPL_NEED_VULKAN(tiles);
+    const Cameraf far[2] = {tubeCamera(61, 45, 0.3f, 40, -0.03f), tubeCamera(61, 45, 0.3f, 40, 0.03f)};
+    const Cameraf near[2] = {tubeCamera(61, 45, 0.3f, 1.2f, -0.03f), tubeCamera(61, 45, 0.3f, 1.2f, 0.03f)};
+    for (const uint32_t count : {400u, 1500u}) {
+        const StaticSplatData splats = randomStaticSplats(3, count, 0, 0.5f);
+        auto id = tiles.renderer->addSplats(splats), other = quads.renderer->addSplats(splats);
+        ASSERT_TRUE(id && other);
+        for (const size_t viewCount : {size_t(1), size_t(2)}) {
+            for (const Cameraf* views : {far, near, far}) {  // back to tiles after an overflow
+                std::vector<RenderedView> got(viewCount), want(viewCount);
+                ASSERT_TRUE(tiles.renderer->render(*id, {}, {views, viewCount}, true, got));
+                ASSERT_TRUE(quads.renderer->render(*other, {}, {views, viewCount}, true, want));
+                auto stats = tiles.renderer->stats(*id);
+                ASSERT_TRUE(stats);
+                EXPECT_EQ(stats->tilesOverflowed, views == near) << count << " splats, " << viewCount << " views";
+                if (views == near) { EXPECT_EQ(stats->tileEntries > 0, count == 400) << "entries are counted where the spans fit"; }
+                for (size_t v = 0; v < viewCount; ++v) {
+                    EXPECT_GT(coverage(want[v].depthM, 0.0), 0.001);
+                    if (views != near) continue;  // the other tests compare tiles with the referee
+                    EXPECT_TRUE(got[v].rgba == want[v].rgba && got[v].depthM == want[v].depthM) << count << " splats, view " << v << " of " << viewCount;
+                }
+            }
+        }
+        tiles.renderer->removeAvatar(*id);
+        quads.renderer->removeAvatar(*other);
+    }
+}
+
+}  // namespace
+}  // namespace dpl
