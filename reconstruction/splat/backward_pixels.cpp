@@ -1,6 +1,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "reconstruction/splat/backward_pixels.cpp"
 #include "hwy/foreach_target.h"
+#include "hwy/cache_control.h"
 #include "hwy/highway.h"
 
 #include <algorithm>
@@ -86,7 +87,6 @@ HWY_INLINE void replayEntry(TileState& tile, const ProjectedSplat& p, int32_t in
             const V raw = hn::Mul(opacity, expNegative(d, power));
             const auto live = hn::RebindMask(d, hn::Lt(entry, hn::LoadU(di, tile.stop + at)));
             const auto mask = hn::And(hn::Ge(raw, minAlpha), live);
-            if (hn::AllFalse(d, mask)) continue;
             const V alpha = hn::IfThenElseZero(mask, hn::Min(raw, maxAlpha));
             const V t = hn::LoadU(d, tile.transmittance + at);
             const V gr = hn::LoadU(d, tile.red + at), gg = hn::LoadU(d, tile.green + at), gb = hn::LoadU(d, tile.blue + at);
@@ -116,7 +116,11 @@ HWY_INLINE void replayEntry(TileState& tile, const ProjectedSplat& p, int32_t in
 
 void replayTile(TileState& tile, const ProjectedSplat* projected, const uint32_t* entries, uint32_t count, float originX, float originY,
                 EntrySums* out) {
-    for (uint32_t i = 0; i < count; ++i) replayEntry(tile, projected[entries[i]], int32_t(i), originX, originY, out[i]);
+    constexpr uint32_t kAhead = 12;  // splats to fetch ahead: they lie anywhere in memory
+    for (uint32_t i = 0; i < count; ++i) {
+        if (i + kAhead < count) hwy::Prefetch(projected + entries[i + kAhead]);
+        replayEntry(tile, projected[entries[i]], int32_t(i), originX, originY, out[i]);
+    }
 }
 
 }  // namespace HWY_NAMESPACE

@@ -19,8 +19,7 @@ LossValues FramePass::run(const PassSubject& s, const Pose& pose, const LevelFra
     lap(times.project);
     engine_.blend(image_, {.cloth = weights.cloth > 0 && !level.cloth.empty(), .depth = false, .recordStops = true});
     lap(times.blend);
-    level.fill(target_);
-    const LossValues v = loss_.run(image_, target_, weights, background, gradient_);
+    const LossValues v = loss_.run(image_, level.target(), weights, background, gradient_);
     lap(times.loss);
     pixels_.run(engine_, image_, gradient_);
     lap(times.pixels);

@@ -52,7 +52,6 @@ private:
     PixelBackward pixels_;
     SplatBackward splatBackward_;
     SplatImage image_;
-    PictureTarget target_;
     ImageGradient gradient_;
     PosedMesh posed_;
     std::vector<Vec3f> gPosed_, gRest_;

@@ -2,18 +2,21 @@
 // (technical reference §9.1, §9.2).
 #pragma once
 
+#include <span>
+#include <utility>
+
 #include "reconstruction/splat/backward_pixels.h"
 #include "reconstruction/splat/ssim.h"
 
 namespace dpl {
 
-/** What a frame should look like, cropped to the person; planar, [0,1], colour premultiplied by the mask. */
+/** What a frame should look like, cropped to the person, borrowed; planar, 255 is one, colour premultiplied by the mask. */
 struct PictureTarget {
     uint32_t widthPx = 0, heightPx = 0;
-    std::vector<float> red, green, blue;
-    std::vector<float> mask;       // soft coverage
-    std::vector<float> cloth;      // empty: no label loss
-    std::vector<uint8_t> band;     // 1 within one pixel of the mask's edge: no colour loss there
+    std::span<const uint8_t> rgb;    // three planes
+    std::span<const uint8_t> mask;   // soft coverage
+    std::span<const uint8_t> cloth;  // empty: no label loss
+    std::span<const uint8_t> band;   // 1 within one pixel of the mask's edge: no colour loss there
 };
 
 struct LossWeights {
@@ -31,11 +34,19 @@ public:
     explicit PictureLoss(Jobs& jobs) : jobs_(jobs), ssim_(jobs) {}
 
     /** Loss of `image` (premultiplied, same size as the target) with both sides composited on `background`. Fills `gradient`.
-     *  Pixels of the band take the rendered colour as their target, so they add no colour loss and get no colour gradient. */
+     *  Pixels of the band take the rendered colour as their target, so they add no colour loss and get no colour gradient.
+     *  Work is done in the box of what either side shows; beyond it both are background and every term is exactly zero. */
     LossValues run(const SplatImage& image, const PictureTarget& target, const LossWeights& weights, const Vec3f& background, ImageGradient& gradient);
 
 private:
+    /** Pixels [x0, x1) × [y0, y1). */
+    struct Box {
+        uint32_t x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+    };
+    Box shownBox(const SplatImage& image, const PictureTarget& target);
+
     Jobs& jobs_;
+    std::vector<std::pair<uint32_t, uint32_t>> rowSpans_;
     Ssim ssim_;
     PlanarImage drawn_, wanted_, colourGradient_;
     std::vector<double> rowSums_;

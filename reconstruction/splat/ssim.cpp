@@ -30,8 +30,28 @@ struct GaussWindow {
 /** Rows are `stride` floats apart and may be written up to the stride. */
 struct SsimRow {
     size_t width, stride;
-    int height;
     const float* window;
+};
+
+/** Planes of kTaps rows each; row j of the image lies in slot j mod kTaps. */
+struct Ring {
+    float* rows;
+    size_t stride;
+    float* row(uint32_t plane, int j) const { return rows + (plane * kTaps + size_t(j % kTaps)) * stride; }
+};
+
+/** The window about one row: the slots of its rows inside the image, as offsets into a plane of the ring, and their weights. */
+struct ColumnWindow {
+    int count = 0;
+    size_t offset[kTaps];
+    float weight[kTaps];
+
+    ColumnWindow(const Ring& ring, const float* taps, int row, int height) {
+        for (int j = std::max(0, row - kRadius); j <= std::min(height - 1, row + kRadius); ++j) {
+            offset[count] = size_t(j % kTaps) * ring.stride;
+            weight[count++] = taps[j - row + kRadius];
+        }
+    }
 };
 
 }  // namespace dpl
@@ -44,45 +64,74 @@ namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::CappedTag<float, 16>;
 using V = hn::Vec<D>;
 
-/** out[x] = Σ_k w_k in[x + k − 5]; `in` has kPad zeros on both sides. */
-HWY_INLINE void blurRow(const SsimRow& r, const float* in, float* out) {
+/** out[x] = Σ_k w_k in[x + k − 5]; `in` has kPad zeros on both sides. Four vectors at a time: one alone waits for its own sum. */
+HWY_INLINE void blurRow(const SsimRow& r, const float* HWY_RESTRICT in, float* HWY_RESTRICT out) {
     const D d;
-    for (size_t x = 0; x < r.width; x += hn::Lanes(d)) {
-        V sum = hn::Mul(hn::Set(d, r.window[0]), hn::LoadU(d, in + x - kRadius));
-        for (int k = 1; k < kTaps; ++k) sum = hn::MulAdd(hn::Set(d, r.window[k]), hn::LoadU(d, in + x + size_t(k) - kRadius), sum);
+    const size_t lanes = hn::Lanes(d);
+    size_t x = 0;
+    for (; x + 3 * lanes < r.width; x += 4 * lanes) {
+        V s0 = hn::Zero(d), s1 = s0, s2 = s0, s3 = s0;
+        for (size_t k = 0; k < size_t(kTaps); ++k) {
+            const V w = hn::Set(d, r.window[k]);
+            const float* at = in + x + k - kRadius;
+            s0 = hn::MulAdd(w, hn::LoadU(d, at), s0), s1 = hn::MulAdd(w, hn::LoadU(d, at + lanes), s1);
+            s2 = hn::MulAdd(w, hn::LoadU(d, at + 2 * lanes), s2), s3 = hn::MulAdd(w, hn::LoadU(d, at + 3 * lanes), s3);
+        }
+        hn::StoreU(s0, d, out + x), hn::StoreU(s1, d, out + x + lanes), hn::StoreU(s2, d, out + x + 2 * lanes), hn::StoreU(s3, d, out + x + 3 * lanes);
+    }
+    for (; x < r.width; x += lanes) {
+        V sum = hn::Zero(d);
+        for (size_t k = 0; k < size_t(kTaps); ++k) sum = hn::MulAdd(hn::Set(d, r.window[k]), hn::LoadU(d, in + x + k - kRadius), sum);
         hn::StoreU(sum, d, out + x);
     }
 }
 
-/** Five products of one row, blurred horizontally: x, y, x², y², xy -> out[0..5), planes `planeStride` apart. */
-void blurProducts(const SsimRow& r, const float* x, const float* y, float* scratch, float* out, size_t planeStride) {
+/** line[i] = a[i]·b[i]. */
+HWY_INLINE void multiplyRow(size_t width, const float* a, const float* b, float* HWY_RESTRICT line) {
+    const D d;
+    const size_t lanes = hn::Lanes(d), whole = width / lanes * lanes;
+    for (size_t i = 0; i < whole; i += lanes) hn::StoreU(hn::Mul(hn::LoadU(d, a + i), hn::LoadU(d, b + i)), d, line + i);
+    for (size_t i = whole; i < width; ++i) line[i] = a[i] * b[i];
+}
+
+/** Five products of row `at`, blurred horizontally: x, y, x², y², xy -> the planes of `out`. */
+void blurProducts(const SsimRow& r, const float* x, const float* y, float* scratch, const Ring& out, int at) {
     float* line = scratch + kPad;
-    for (int product = 0; product < 5; ++product) {
-        for (size_t i = 0; i < r.width; ++i)
-            line[i] = product == 0 ? x[i] : product == 1 ? y[i] : product == 2 ? x[i] * x[i] : product == 3 ? y[i] * y[i] : x[i] * y[i];
-        blurRow(r, line, out + size_t(product) * planeStride);
+    std::memcpy(line, x, r.width * sizeof(float)), blurRow(r, line, out.row(0, at));
+    std::memcpy(line, y, r.width * sizeof(float)), blurRow(r, line, out.row(1, at));
+    multiplyRow(r.width, x, x, line), blurRow(r, line, out.row(2, at));
+    multiplyRow(r.width, y, y, line), blurRow(r, line, out.row(3, at));
+    multiplyRow(r.width, x, y, line), blurRow(r, line, out.row(4, at));
+}
+
+/** The window's sums down column x of `kPlanes` planes: as many independent chains of additions. */
+template <uint32_t kPlanes>
+HWY_INLINE void blurColumns(const ColumnWindow& w, const Ring& ring, size_t x, V (&sum)[kPlanes]) {
+    const D d;
+    const float* first = ring.rows + x;
+    const size_t planeStride = kTaps * ring.stride;
+    for (V& s : sum) s = hn::Zero(d);
+    for (int k = 0; k < w.count; ++k) {
+        const V weight = hn::Set(d, w.weight[k]);
+        const float* at = first + w.offset[k];
+        sum[0] = hn::MulAdd(weight, hn::LoadU(d, at), sum[0]), sum[1] = hn::MulAdd(weight, hn::LoadU(d, at + planeStride), sum[1]);
+        sum[2] = hn::MulAdd(weight, hn::LoadU(d, at + 2 * planeStride), sum[2]);
+        if constexpr (kPlanes > 3)
+            sum[3] = hn::MulAdd(weight, hn::LoadU(d, at + 3 * planeStride), sum[3]), sum[4] = hn::MulAdd(weight, hn::LoadU(d, at + 4 * planeStride), sum[4]);
     }
 }
 
-HWY_INLINE V blurColumn(const SsimRow& r, const float* plane, int y, size_t x) {
-    const D d;
-    V sum = hn::Zero(d);
-    const int first = std::max(0, y - kRadius), last = std::min(r.height - 1, y + kRadius);
-    for (int j = first; j <= last; ++j)
-        sum = hn::MulAdd(hn::Set(d, r.window[j - y + kRadius]), hn::LoadU(d, plane + size_t(j) * r.stride + x), sum);
-    return sum;
-}
-
-/** Row y of the similarity map: returns its sum; writes ∂S/∂(blurred x), ∂S/∂(blurred x²), ∂S/∂(blurred xy) of the row. */
-double similarityRow(const SsimRow& r, const float* planes, size_t planeStride, int y, float* dMean, float* dSquare, float* dCross) {
+/** One row of the similarity map from the blurred products about it: returns its sum; writes ∂S/∂(blurred x), ∂S/∂(blurred x²),
+ *  ∂S/∂(blurred xy) of the row. */
+double similarityRow(const SsimRow& r, const Ring& products, const ColumnWindow& window, float* dMean, float* dSquare, float* dCross) {
     const D d;
     double total = 0;
     const V two = hn::Set(d, 2.0f), c1 = hn::Set(d, kC1), c2 = hn::Set(d, kC2);
     alignas(64) float lane[16];
     for (size_t x = 0; x < r.width; x += hn::Lanes(d)) {
-        const V mx = blurColumn(r, planes, y, x), my = blurColumn(r, planes + planeStride, y, x);
-        const V xx = blurColumn(r, planes + 2 * planeStride, y, x), yy = blurColumn(r, planes + 3 * planeStride, y, x);
-        const V xy = blurColumn(r, planes + 4 * planeStride, y, x);
+        V blurred[5];
+        blurColumns(window, products, x, blurred);
+        const V mx = blurred[0], my = blurred[1], xx = blurred[2], yy = blurred[3], xy = blurred[4];
         const V mxmy = hn::Mul(mx, my), mx2 = hn::Mul(mx, mx), my2 = hn::Mul(my, my);
         const V n1 = hn::MulAdd(two, mxmy, c1), n2 = hn::MulAdd(two, hn::Sub(xy, mxmy), c2);
         const V d1 = hn::Add(hn::Add(mx2, my2), c1), d2 = hn::Add(hn::Sub(hn::Add(xx, yy), hn::Add(mx2, my2)), c2);
@@ -98,27 +147,24 @@ double similarityRow(const SsimRow& r, const float* planes, size_t planeStride, 
     return total;
 }
 
-/** Three derivative rows blurred horizontally. */
-void blurMaps(const SsimRow& r, const float* const maps[3], float* scratch, float* out, size_t planeStride) {
-    float* line = scratch + kPad;
-    for (int k = 0; k < 3; ++k) {
-        std::memcpy(line, maps[k], r.width * sizeof(float));
-        blurRow(r, line, out + size_t(k) * planeStride);
-    }
+/** The three derivative rows at scratch + kPad, `lineStride` apart, blurred horizontally into row `at` of `out`. */
+void blurMaps(const SsimRow& r, const float* scratch, size_t lineStride, const Ring& out, int at) {
+    for (uint32_t k = 0; k < 3; ++k) blurRow(r, scratch + k * lineStride + kPad, out.row(k, at));
 }
 
 /** gradient[x] += scale · (blur(dMean) + 2x·blur(dSquare) + y·blur(dCross)) for one row. */
-void gradientRow(const SsimRow& r, const float* planes, size_t planeStride, int row, const float* x, const float* y, float scale, float* gradient) {
+void gradientRow(const SsimRow& r, const Ring& maps, const ColumnWindow& window, const float* x, const float* y, float scale, float* gradient) {
     const D d;
     alignas(64) float lane[16];
     for (size_t i = 0; i < r.width; i += hn::Lanes(d)) {
         const size_t count = std::min<size_t>(hn::Lanes(d), r.width - i);
-        const V mean = blurColumn(r, planes, row, i), square = blurColumn(r, planes + planeStride, row, i), cross = blurColumn(r, planes + 2 * planeStride, row, i);
+        V blurred[3];  // mean, square, cross
+        blurColumns(window, maps, i, blurred);
         alignas(64) float xs[16] = {}, ys[16] = {};
         std::memcpy(xs, x + i, count * sizeof(float));
         std::memcpy(ys, y + i, count * sizeof(float));
         const V xv = hn::Load(d, xs), yv = hn::Load(d, ys);
-        hn::Store(hn::Mul(hn::Set(d, scale), hn::MulAdd(yv, cross, hn::MulAdd(hn::Add(xv, xv), square, mean))), d, lane);
+        hn::Store(hn::Mul(hn::Set(d, scale), hn::MulAdd(yv, blurred[2], hn::MulAdd(hn::Add(xv, xv), blurred[1], blurred[0]))), d, lane);
         for (size_t k = 0; k < count; ++k) gradient[i + k] += lane[k];
     }
 }
@@ -134,47 +180,49 @@ HWY_EXPORT(similarityRow);
 HWY_EXPORT(blurMaps);
 HWY_EXPORT(gradientRow);
 
-double Ssim::run(const PlanarImage& x, const PlanarImage& y, PlanarImage* gradient, float weight) {
+double Ssim::run(const PlanarImage& x, const PlanarImage& y, PlanarImage* gradient, float weight, size_t equalPixels) {
     static const GaussWindow window;
-    const size_t width = x.widthPx, height = x.heightPx, rows = height * x.channels;
+    const size_t width = x.widthPx, rows = size_t(x.heightPx) * x.channels, equal = equalPixels * x.channels;
+    const int height = int(x.heightPx);
     if (rows == 0 || width == 0) return 1;
-    const size_t stride = (width + 15) / 16 * 16, plane = stride * height;
-    const SsimRow r{width, stride, int(height), window.tap};
-    horizontal_.resize(plane * 5 * x.channels);
-    maps_.resize(plane * 3 * x.channels);
+    const size_t stride = (width + 15) / 16 * 16, line = stride + 2 * kPad + 16;
+    const SsimRow r{width, stride, window.tap};
+    const double count = double(rows) * double(width) + double(equal);
+    const float scale = float(double(weight) / count);
     rowSums_.resize(rows);
-    constexpr size_t kGrain = 8;
-    const auto forRows = [&](auto&& body) {
-        jobs_.forRange(rows, kGrain, [&](size_t begin, size_t end, uint32_t) {
-            std::vector<float> scratch(stride + 2 * kPad + 16, 0.0f);
-            for (size_t row = begin; row < end; ++row) body(row / height, row % height, row, scratch.data());
-        });
-    };
-    forRows([&](size_t c, size_t at, size_t row, float* scratch) {
-        HWY_DYNAMIC_DISPATCH(blurProducts)
-        (r, x.values.data() + row * width, y.values.data() + row * width, scratch, horizontal_.data() + c * 5 * plane + at * stride, plane);
+    // Bands of rows roll through the rings; their number depends on the picture alone.
+    constexpr int kBandRows = 128, kHalo = 2 * kRadius;
+    const size_t bands = size_t(std::max(2, height / kBandRows));
+    const size_t ringFloats = (5 + 3) * kTaps * stride + 4 * line;
+    rings_.assign(ringFloats * jobs_.threadCount(), 0.0f);
+    jobs_.forBlocks(bands * x.channels, [&](size_t block, uint32_t worker) {
+        const size_t channel = block / bands, band = block % bands, plane = channel * x.planeSize();
+        const int begin = int(size_t(height) * band / bands), end = int(size_t(height) * (band + 1) / bands);
+        const float* const xs = x.values.data() + plane;
+        const float* const ys = y.values.data() + plane;
+        const Ring products{rings_.data() + ringFloats * worker, stride}, maps{products.rows + 5 * kTaps * stride, stride};
+        float* const scratch = maps.rows + 3 * kTaps * stride;  // one padded line for products, three for maps
+        float* const derivatives = scratch + line;
+        for (int ahead = std::max(0, begin - kHalo); ahead < end + kHalo; ++ahead) {
+            if (ahead < height)
+                HWY_DYNAMIC_DISPATCH(blurProducts)(r, xs + size_t(ahead) * width, ys + size_t(ahead) * width, scratch, products, ahead);
+            const int at = ahead - kRadius, done = ahead - kHalo;
+            const int firstMap = gradient ? std::max(0, begin - kRadius) : begin, lastMap = gradient ? std::min(height, end + kRadius) : end;
+            if (at >= firstMap && at < lastMap) {
+                float* const row = derivatives + kPad;
+                const double sum = HWY_DYNAMIC_DISPATCH(similarityRow)(r, products, ColumnWindow(products, window.tap, at, height), row, row + line, row + 2 * line);
+                if (at >= begin && at < end) rowSums_[channel * size_t(height) + size_t(at)] = sum;
+                for (int k = 0; k < 3; ++k) std::fill(row + size_t(k) * line + width, row + size_t(k) * line + stride, 0.0f);  // beyond the picture
+                if (gradient) HWY_DYNAMIC_DISPATCH(blurMaps)(r, derivatives, line, maps, at);
+            }
+            if (gradient && done >= begin && done < end)
+                HWY_DYNAMIC_DISPATCH(gradientRow)
+                (r, maps, ColumnWindow(maps, window.tap, done, height), xs + size_t(done) * width, ys + size_t(done) * width, scale,
+                 gradient->values.data() + plane + size_t(done) * width);
+        }
     });
-    forRows([&](size_t c, size_t at, size_t row, float*) {
-        float* maps = maps_.data() + c * 3 * plane + at * stride;
-        rowSums_[row] = HWY_DYNAMIC_DISPATCH(similarityRow)(r, horizontal_.data() + c * 5 * plane, plane, int(at), maps, maps + plane, maps + 2 * plane);
-    });
-    double sum = 0;
+    double sum = double(equal);
     for (double s : rowSums_) sum += s;
-    const double count = double(rows) * double(width);
-    if (gradient) {
-        mapsHorizontal_.resize(plane * 3 * x.channels);
-        forRows([&](size_t c, size_t at, size_t, float* scratch) {
-            const float* maps = maps_.data() + c * 3 * plane + at * stride;
-            const float* three[3] = {maps, maps + plane, maps + 2 * plane};
-            HWY_DYNAMIC_DISPATCH(blurMaps)(r, three, scratch, mapsHorizontal_.data() + c * 3 * plane + at * stride, plane);
-        });
-        const float scale = float(double(weight) / count);
-        forRows([&](size_t c, size_t at, size_t row, float*) {
-            HWY_DYNAMIC_DISPATCH(gradientRow)
-            (r, mapsHorizontal_.data() + c * 3 * plane, plane, int(at), x.values.data() + row * width, y.values.data() + row * width, scale,
-             gradient->values.data() + row * width);
-        });
-    }
     return sum / count;
 }
 

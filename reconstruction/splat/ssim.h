@@ -23,17 +23,19 @@ struct PlanarImage {
     std::span<const float> plane(uint32_t c) const { return {values.data() + planeSize() * c, planeSize()}; }
 };
 
-/** Separable, SIMD over rows, zero outside the image (so the window shrinks no further than the crop's border). */
+/** Separable, SIMD over rows, zero outside the image (so the window shrinks no further than the crop's border). Rows roll through
+ *  small rings: what is read eleven times stays in the second-level cache. */
 class Ssim {
 public:
     explicit Ssim(Jobs& jobs) : jobs_(jobs) {}
 
-    /** Mean SSIM of x against y over all pixels and channels. With `gradient` (same size as x): adds weight · ∂mean/∂x. */
-    double run(const PlanarImage& x, const PlanarImage& y, PlanarImage* gradient, float weight);
+    /** Mean SSIM of x against y over all pixels and channels. With `gradient` (same size as x): adds weight · ∂mean/∂x.
+     *  equalPixels: pixels beyond the pictures in which both agree; each counts as a similarity of 1. */
+    double run(const PlanarImage& x, const PlanarImage& y, PlanarImage* gradient, float weight, size_t equalPixels = 0);
 
 private:
     Jobs& jobs_;
-    std::vector<float> horizontal_, maps_, mapsHorizontal_;
+    std::vector<float> rings_;  // one set a worker
     std::vector<double> rowSums_;
 };
 

@@ -49,19 +49,6 @@ uint8_t toByte(float x) { return uint8_t(std::clamp(x + 0.5f, 0.0f, 255.0f)); }
 
 }  // namespace
 
-void LevelFrame::fill(PictureTarget& t) const {
-    const size_t pixels = size_t(widthPx) * heightPx;
-    t.widthPx = widthPx, t.heightPx = heightPx;
-    t.red.resize(pixels), t.green.resize(pixels), t.blue.resize(pixels), t.mask.resize(pixels), t.cloth.resize(cloth.size());
-    t.band = band;
-    constexpr float k = 1.0f / 255.0f;
-    for (size_t i = 0; i < pixels; ++i) {
-        t.red[i] = k * float(rgb[i]), t.green[i] = k * float(rgb[pixels + i]), t.blue[i] = k * float(rgb[2 * pixels + i]);
-        t.mask[i] = k * float(mask[i]);
-    }
-    for (size_t i = 0; i < cloth.size(); ++i) t.cloth[i] = k * float(cloth[i]);
-}
-
 Status checkTrainFrame(const TrainFrame& f) {
     const uint32_t w = f.camera.widthPx, h = f.camera.heightPx;
     if (w == 0 || h == 0 || !(f.camera.fx > 0) || !(f.camera.fy > 0))

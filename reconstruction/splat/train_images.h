@@ -37,7 +37,7 @@ struct LevelFrame {
     std::vector<uint8_t> rgb;         // planar, premultiplied by the mask
     std::vector<uint8_t> mask, cloth, band;
 
-    void fill(PictureTarget& target) const;
+    PictureTarget target() const { return {widthPx, heightPx, rgb, mask, cloth, band}; }
 };
 
 /** Image and mask must have the camera's size; labels too when there are any. Names the frame when not. */

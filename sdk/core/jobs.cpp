@@ -10,6 +10,22 @@
 
 namespace dpl {
 
+namespace {
+
+/** How often a thread looks again before it sleeps: some 30 µs. A step of training or a frame is twenty short loops, and waking a sleeper
+ *  costs as much as the shortest of them. */
+constexpr int kLooks = 1000;
+
+void relax() {
+#if defined(__x86_64__) || defined(__i386__)
+    __builtin_ia32_pause();
+#elif defined(__aarch64__) || defined(__arm__)
+    asm volatile("yield");
+#endif
+}
+
+}  // namespace
+
 struct Jobs::State {
     std::vector<std::thread> threads;
     std::mutex mutex;
@@ -17,9 +33,20 @@ struct Jobs::State {
     const FunctionRef<void(size_t, uint32_t)>* body = nullptr;
     std::atomic<size_t> next{0};
     size_t blockCount = 0;
-    uint64_t generation = 0;
-    uint32_t running = 0;
-    bool quit = false;
+    std::atomic<uint64_t> generation{0};   // changes under the mutex; published last
+    std::atomic<uint32_t> running{0};
+    std::atomic<bool> quit{false};
+    int looks = 0;   // none where threads share cores: whoever looks keeps another from working
+
+    /** True when `ready()` came true before it was time to sleep. */
+    template <class Ready>
+    bool soon(Ready&& ready) const {
+        for (int look = 0; look < looks; ++look) {
+            if (ready()) return true;
+            relax();
+        }
+        return false;
+    }
 
     void drain(uint32_t worker) {
         for (size_t block = next.fetch_add(1); block < blockCount; block = next.fetch_add(1)) (*body)(block, worker);
@@ -27,22 +54,27 @@ struct Jobs::State {
 
     void workerLoop(uint32_t worker) {
         uint64_t seen = 0;
+        const auto called = [&] { return generation.load() != seen || quit.load(); };
         for (;;) {
-            {
+            if (!soon(called)) {
                 std::unique_lock lock(mutex);
-                wake.wait(lock, [&] { return generation != seen || quit; });
-                if (quit) return;
-                seen = generation;
+                wake.wait(lock, called);
             }
+            if (quit.load()) return;
+            seen = generation.load();
             drain(worker);
-            std::lock_guard lock(mutex);
-            if (--running == 0) done.notify_one();
+            if (running.fetch_sub(1) == 1) {
+                std::lock_guard lock(mutex);   // the caller is either before its wait, and will see 0, or in it
+                done.notify_one();
+            }
         }
     }
 };
 
 Jobs::Jobs(uint32_t threadCount) : state_(std::make_unique<State>()) {
-    if (threadCount == 0) threadCount = std::max(1u, std::thread::hardware_concurrency());
+    const uint32_t cores = std::max(1u, std::thread::hardware_concurrency());
+    if (threadCount == 0) threadCount = cores;
+    state_->looks = threadCount <= cores ? kLooks : 0;
     try {
         for (uint32_t worker = 1; worker < threadCount; ++worker)
             state_->threads.emplace_back([state = state_.get(), worker] { state->workerLoop(worker); });
@@ -54,7 +86,7 @@ Jobs::Jobs(uint32_t threadCount) : state_(std::make_unique<State>()) {
 Jobs::~Jobs() {
     {
         std::lock_guard lock(state_->mutex);
-        state_->quit = true;
+        state_->quit.store(true);
     }
     state_->wake.notify_all();
     for (std::thread& thread : state_->threads) thread.join();
@@ -73,14 +105,16 @@ void Jobs::forBlocks(size_t blockCount, FunctionRef<void(size_t, uint32_t)> body
         std::lock_guard lock(s.mutex);
         s.body = &body;
         s.blockCount = blockCount;
-        s.next = 0;
-        s.running = uint32_t(s.threads.size());
-        ++s.generation;
+        s.next.store(0);
+        s.running.store(uint32_t(s.threads.size()));
+        s.generation.fetch_add(1);
     }
     s.wake.notify_all();
     s.drain(0);
+    const auto finished = [&] { return s.running.load() == 0; };
+    if (s.soon(finished)) return;
     std::unique_lock lock(s.mutex);
-    s.done.wait(lock, [&] { return s.running == 0; });
+    s.done.wait(lock, finished);
 }
 
 void Jobs::forRange(size_t count, size_t grain, FunctionRef<void(size_t, size_t, uint32_t)> body) {

@@ -57,7 +57,7 @@ struct SplatRow {
     hn::Vec<hn::RebindToUnsigned<D>> next;  // one past the entry
 };
 
-template <bool kExtras, bool kStops>
+template <bool kCloth, bool kDepth, bool kStops>
 HWY_INLINE void blendChunk(const SplatRow& s, V pixelX, float rowX, float rowExponent, uint32_t at, TileAccumulators& tile) {
     const D d;
     const hn::RebindToUnsigned<D> du;
@@ -70,14 +70,12 @@ HWY_INLINE void blendChunk(const SplatRow& s, V pixelX, float rowX, float rowExp
     hn::Store(hn::MulAdd(w, s.green, hn::Load(d, tile.green + at)), d, tile.green + at);
     hn::Store(hn::MulAdd(w, s.blue, hn::Load(d, tile.blue + at)), d, tile.blue + at);
     hn::Store(t - w, d, tile.transmittance + at);
-    if constexpr (kExtras) {
-        hn::Store(hn::MulAdd(w, s.cloth, hn::Load(d, tile.cloth + at)), d, tile.cloth + at);
-        hn::Store(hn::MulAdd(w, s.depth, hn::Load(d, tile.depth + at)), d, tile.depth + at);
-    }
+    if constexpr (kCloth) hn::Store(hn::MulAdd(w, s.cloth, hn::Load(d, tile.cloth + at)), d, tile.cloth + at);
+    if constexpr (kDepth) hn::Store(hn::MulAdd(w, s.depth, hn::Load(d, tile.depth + at)), d, tile.depth + at);
     if constexpr (kStops) hn::BlendedStore(s.next, hn::RebindMask(du, counts), du, tile.stop + at);
 }
 
-template <bool kExtras, bool kStops>
+template <bool kCloth, bool kDepth, bool kStops>
 void blendTileAs(const BlendTileTask& task, TileAccumulators& tile) {
     const D d;
     const hn::RebindToUnsigned<D> du;
@@ -85,7 +83,8 @@ void blendTileAs(const BlendTileTask& task, TileAccumulators& tile) {
     for (uint32_t i = 0; i < kTilePixels; i += kLanes) {
         hn::Store(zero, d, tile.red + i), hn::Store(zero, d, tile.green + i), hn::Store(zero, d, tile.blue + i);
         hn::Store(one, d, tile.transmittance + i);
-        if constexpr (kExtras) hn::Store(zero, d, tile.cloth + i), hn::Store(zero, d, tile.depth + i);
+        if constexpr (kCloth) hn::Store(zero, d, tile.cloth + i);
+        if constexpr (kDepth) hn::Store(zero, d, tile.depth + i);
         if constexpr (kStops) hn::Store(hn::Set(du, task.begin), du, tile.stop + i);
     }
     V pixelX[kChunks];  // relative to the centre of the tile's first pixel
@@ -113,7 +112,8 @@ void blendTileAs(const BlendTileTask& task, TileAccumulators& tile) {
         SplatRow s;
         s.scale = set(-0.5f * kLog2E * p.conicA);
         s.red = set(p.red), s.green = set(p.green), s.blue = set(p.blue);
-        if constexpr (kExtras) s.cloth = set(p.cloth), s.depth = set(p.depthM);
+        if constexpr (kCloth) s.cloth = set(p.cloth);
+        if constexpr (kDepth) s.depth = set(p.depthM);
         if constexpr (kStops) s.next = hn::Set(du, e + 1);
         const uint32_t firstChunk = firstX / kLanes, lastChunk = lastX / kLanes;
         for (uint32_t row = firstY; row <= lastY; ++row) {
@@ -121,7 +121,7 @@ void blendTileAs(const BlendTileTask& task, TileAccumulators& tile) {
             const float dy = float(int32_t(row)) - y;
             const float rowX = x - slope * dy, rowExponent = logOpacity + rowScale * dy * dy;
             for (uint32_t c = firstChunk; c <= lastChunk; ++c)
-                blendChunk<kExtras, kStops>(s, pixelX[c], rowX, rowExponent, row * kTileSizePx + c * kLanes, tile);
+                blendChunk<kCloth, kDepth, kStops>(s, pixelX[c], rowX, rowExponent, row * kTileSizePx + c * kLanes, tile);
         }
         if ((e - task.begin) % kCheckEvery == kCheckEvery - 1) {
             for (uint32_t row = 0; row < kTileSizePx; ++row) {
@@ -136,8 +136,10 @@ void blendTileAs(const BlendTileTask& task, TileAccumulators& tile) {
 
 void blendTile(const BlendTileTask& task, TileAccumulators& tile) {
     using Kernel = void (*)(const BlendTileTask&, TileAccumulators&);
-    static constexpr Kernel kKernels[2][2] = {{blendTileAs<false, false>, blendTileAs<false, true>}, {blendTileAs<true, false>, blendTileAs<true, true>}};
-    kKernels[task.extras][task.stops](task, tile);
+    static constexpr Kernel kKernels[2][2][2] = {
+        {{blendTileAs<false, false, false>, blendTileAs<false, false, true>}, {blendTileAs<false, true, false>, blendTileAs<false, true, true>}},
+        {{blendTileAs<true, false, false>, blendTileAs<true, false, true>}, {blendTileAs<true, true, false>, blendTileAs<true, true, true>}}};
+    kKernels[task.cloth][task.depth][task.stops](task, tile);
 }
 
 void packRgba8(const TileAccumulators& tile, uint32_t row, uint32_t width, uint8_t* rgba) {

@@ -10,8 +10,8 @@ constexpr uint32_t kTilePixels = kTileSizePx * kTileSizePx;
 /** Accumulators of one tile, row-major. 14 KB: they stay in L1 with the splats that come and go. */
 struct alignas(64) TileAccumulators {
     float red[kTilePixels], green[kTilePixels], blue[kTilePixels], transmittance[kTilePixels];
-    float cloth[kTilePixels], depth[kTilePixels];   // only with extras
-    uint32_t stop[kTilePixels];                     // only with stops
+    float cloth[kTilePixels], depth[kTilePixels];   // only when asked for
+    uint32_t stop[kTilePixels];                     // the same
 };
 
 struct BlendTileTask {
@@ -20,7 +20,7 @@ struct BlendTileTask {
     const uint32_t* entries;     // the whole array
     uint32_t begin, end;         // this tile's part of it
     float x0, y0;                // top left pixel of the tile
-    bool extras, stops;
+    bool cloth, depth, stops;    // accumulators beyond colour and transmittance
 };
 
 /** Sets every accumulator that is asked for. */

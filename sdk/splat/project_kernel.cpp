@@ -46,7 +46,7 @@ struct Shape {
 /** The 2×3 Jacobian at a view-space point, as scale and clamped slope: row0(a) = jx·(a.x − sx·a.z). */
 struct Jacobian {
     V jx, jy, sx, sy, slopeX, slopeY;
-    HWY_INLINE Jacobian(const ProjectView& c, const V3& view) {
+    HWY_INLINE void at(const ProjectView& c, const V3& view) {
         const V invZ = set(1) / view.z;
         slopeX = view.x * invZ, slopeY = view.y * invZ;
         jx = set(c.fx) * invZ, jy = set(c.fy) * invZ;
@@ -55,6 +55,9 @@ struct Jacobian {
     HWY_INLINE V row0(const V3& a) const { return jx * hn::NegMulAdd(sx, a.z, a.x); }
     HWY_INLINE V row1(const V3& a) const { return jy * hn::NegMulAdd(sy, a.z, a.y); }
 };
+
+/** Four floats, without a loop: at -O2 the compiler leaves short ones rolled. */
+HWY_INLINE void copyQuad(const float* from, float* to) { std::memcpy(to, from, 16); }
 
 HWY_INLINE V3 load3(const float* fields) {
     const D d;
@@ -74,7 +77,7 @@ HWY_INLINE void staticShape(const ProjectTask& task, const float* fields, Shape&
     s.restDirection = {world.x - set(c.eye[0]), world.y - set(c.eye[1]), world.z - set(c.eye[2])};
     s.view = turn(c, world);
     s.view = {s.view.x + set(c.translation[0]), s.view.y + set(c.translation[1]), s.view.z + set(c.translation[2])};
-    j = Jacobian(c, s.view);
+    j.at(c, s.view);
     // Rows of J·W in world space, then B = (J·W)·A column by column.
     const float* r = c.rotation;
     V3 row0, row1;
@@ -100,7 +103,8 @@ HWY_INLINE void boundShape(const ProjectTask& task, const float* fields, Shape& 
     const uint32_t* indices = reinterpret_cast<const uint32_t*>(fields + kTriangle * kGroupSplats);
     for (size_t lane = 0; lane < kLanes; ++lane) {
         const float* record = reinterpret_cast<const float*>(task.triangles + HWY_MIN(indices[lane], task.triangleCount));
-        for (size_t q = 0; q < 8; ++q) std::memcpy(&quads[q][4 * lane], record + 4 * q, 16);
+        const auto copy = [&](size_t q) HWY_ATTR { copyQuad(record + 4 * q, &quads[q][4 * lane]); };
+        copy(0), copy(1), copy(2), copy(3), copy(4), copy(5), copy(6), copy(7);
     }
     V3 v0, e1, e2, f0, f1, r0, r1, r2;
     V planeDot, valid, light0, light1, light2, pad;
@@ -118,7 +122,7 @@ HWY_INLINE void boundShape(const ProjectTask& task, const float* fields, Shape& 
     s.restDirection = affine(r0, r1, r2);
     hn::LoadInterleaved4(d, quads[3], f0.x, f0.y, f0.z, light1);
     hn::LoadInterleaved4(d, quads[4], f1.x, f1.y, f1.z, light2);
-    j = Jacobian(*task.view, s.view);
+    j.at(*task.view, s.view);
     const V f00 = j.row0(f0), f01 = j.row0(f1), f10 = j.row1(f0), f11 = j.row1(f1);
     const auto field = [&](uint32_t k) HWY_ATTR { return hn::Load(d, fields + k * kGroupSplats); };
     const V a10 = field(kAxis10), a11 = field(kAxis11), a20 = field(kAxis20), a21 = field(kAxis21);
@@ -191,7 +195,7 @@ void projectAs(const ProjectTask& task) {
         const size_t offset = size_t(step) * kLanes;
         const float* fields = task.packed + offset / kGroupSplats * (kFields * kGroupSplats) + offset % kGroupSplats;
         Shape s;
-        Jacobian j(c, V3{zero, zero, one});
+        Jacobian j;
         if constexpr (kBound) boundShape(task, fields, s, j);
         else staticShape(task, fields, s, j);
 
@@ -238,8 +242,10 @@ void projectAs(const ProjectTask& task) {
         hn::StoreInterleaved4(colour.z, radiusX, radiusY, s.view.z, d, records[2]);
         hn::StoreInterleaved4(compensation, s.fade, hn::BitCast(d, hn::Iota(du, splat)), s.cloth, d, records[3]);
         float* out = reinterpret_cast<float*>(task.projected + splat);
-        for (size_t lane = 0; lane < kLanes; ++lane)
-            for (size_t k = 0; k < 4; ++k) std::memcpy(out + 16 * lane + 4 * k, &records[k][4 * lane], 16);
+        for (size_t lane = 0; lane < kLanes; ++lane) {
+            const auto copy = [&](size_t k) HWY_ATTR { copyQuad(&records[k][4 * lane], out + 16 * lane + 4 * k); };
+            copy(0), copy(1), copy(2), copy(3);
+        }
     }
     visible.minKey = hn::GetLane(hn::MinOfLanes(du, minKey)), visible.maxKey = hn::GetLane(hn::MaxOfLanes(du, maxKey));
     HWY_ALIGN uint32_t sums[kLanes];

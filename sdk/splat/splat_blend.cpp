@@ -25,13 +25,14 @@ void blendSamples(BlendTileTask task, TileAccumulators& tile) {
         blendTile(task, sample);
         add(tile.red, sample.red, k == 0), add(tile.green, sample.green, k == 0), add(tile.blue, sample.blue, k == 0);
         add(tile.transmittance, sample.transmittance, k == 0);
-        if (task.extras) add(tile.cloth, sample.cloth, k == 0), add(tile.depth, sample.depth, k == 0);
+        if (task.cloth) add(tile.cloth, sample.cloth, k == 0);
+        if (task.depth) add(tile.depth, sample.depth, k == 0);
     }
 }
 
 /** Blends every tile and calls finish(rect, accumulators) for it; accumulators is null for tiles that hold nothing. */
 template <class Finish>
-void forTiles(Jobs& jobs, const SplatEngine::Buffers& buffers, bool extras, bool stops, Finish&& finish) {
+void forTiles(Jobs& jobs, const SplatEngine::Buffers& buffers, const BlendOptions& options, Finish&& finish) {
     const TileLists& tiles = buffers.tiles;
     jobs.forBlocks(tiles.rows, [&](size_t row, uint32_t) {
         TileAccumulators tile;
@@ -44,7 +45,8 @@ void forTiles(Jobs& jobs, const SplatEngine::Buffers& buffers, bool extras, bool
                 finish(index, rect, static_cast<const TileAccumulators*>(nullptr));
                 continue;
             }
-            const BlendTileTask task{buffers.projected.data(), buffers.rowScale.data(), tiles.entries.data(), begin, end, float(rect.x), float(rect.y), extras, stops};
+            const BlendTileTask task{buffers.projected.data(), buffers.rowScale.data(), tiles.entries.data(), begin, end, float(rect.x), float(rect.y),
+                                     options.cloth, options.depth, options.recordStops};
             if (buffers.samples > 1) blendSamples(task, tile);
             else blendTile(task, tile);
             finish(index, rect, static_cast<const TileAccumulators*>(&tile));
@@ -72,7 +74,7 @@ void blendTiles(Jobs& jobs, SplatEngine::Buffers& buffers, SplatImage& image, co
     const bool stops = options.recordStops && buffers.samples == 1;
     buffers.stops.resize(stops ? pixels : 0);
     buffers.stopTransmittance.resize(stops ? pixels : 0);
-    forTiles(jobs, buffers, options.cloth || options.depth, stops, [&](size_t index, const TileRect& rect, const TileAccumulators* tile) {
+    forTiles(jobs, buffers, {.cloth = options.cloth, .depth = options.depth, .recordStops = stops}, [&](size_t index, const TileRect& rect, const TileAccumulators* tile) {
         for (uint32_t row = 0; row < rect.height; ++row) {
             const size_t pixel = (rect.y + row) * width + rect.x, at = row * kTileSizePx;
             if (tile) {
@@ -99,7 +101,7 @@ void blendTilesRgba8(Jobs& jobs, SplatEngine::Buffers& buffers, std::vector<uint
     const size_t width = buffers.widthPx, pixels = width * buffers.heightPx;
     rgba.resize(pixels * 4);
     if (depthM) depthM->resize(pixels);
-    forTiles(jobs, buffers, depthM != nullptr, false, [&](size_t, const TileRect& rect, const TileAccumulators* tile) {
+    forTiles(jobs, buffers, {.depth = depthM != nullptr}, [&](size_t, const TileRect& rect, const TileAccumulators* tile) {
         for (uint32_t row = 0; row < rect.height; ++row) {
             const size_t pixel = (rect.y + row) * width + rect.x;
             if (tile) packRgba8(*tile, row, rect.width, rgba.data() + pixel * 4);

@@ -31,36 +31,45 @@ double referenceSsim(const std::vector<double>& x, const std::vector<double>& y,
 
 constexpr int kWidth = 14, kHeight = 12, kPixels = kWidth * kHeight;
 
+/** A picture of kWidth × kHeight random pixels; with a margin, background that neither side covers lies around it. */
 struct Scene {
+    int width, height;
     SplatImage image;
-    PictureTarget target;
-    Scene() {
+    std::vector<uint8_t> rgb, mask, cloth, band;
+    explicit Scene(int marginPx = 0) : width(kWidth + 2 * marginPx), height(kHeight + 2 * marginPx) {
         std::mt19937 random(11);
         std::uniform_real_distribution<float> u01(0.05f, 0.95f);
-        image.widthPx = target.widthPx = kWidth, image.heightPx = target.heightPx = kHeight;
-        for (int i = 0; i < kPixels; ++i) {
-            for (int c = 0; c < 3; ++c) image.rgb.push_back(u01(random) * 0.8f);
-            image.alpha.push_back(u01(random)), image.cloth.push_back(u01(random));
-            target.red.push_back(u01(random)), target.green.push_back(u01(random)), target.blue.push_back(u01(random));
-            target.mask.push_back(i % 3 ? 1.0f : 0.0f), target.cloth.push_back(i % 5 ? 0.0f : 1.0f), target.band.push_back(0);
+        image.widthPx = uint32_t(width), image.heightPx = uint32_t(height);
+        const size_t pixels = count();
+        image.rgb.assign(pixels * 3, 0.0f), image.alpha.assign(pixels, 0.0f), image.cloth.assign(pixels, 0.0f);
+        rgb.assign(pixels * 3, 0), mask.assign(pixels, 0), cloth.assign(pixels, 0), band.assign(pixels, 0);
+        for (int k = 0; k < kPixels; ++k) {
+            const size_t i = size_t((k / kWidth + marginPx) * width + k % kWidth + marginPx);
+            for (size_t c = 0; c < 3; ++c) image.rgb[i * 3 + c] = u01(random) * 0.8f;
+            image.alpha[i] = u01(random), image.cloth[i] = u01(random);
+            for (size_t c = 0; c < 3; ++c) rgb[c * pixels + i] = uint8_t(255 * u01(random));
+            mask[i] = k % 3 ? 255 : 0, cloth[i] = k % 5 ? 0 : 255;
         }
     }
+    size_t count() const { return size_t(width) * size_t(height); }
+    PictureTarget target() const { return {uint32_t(width), uint32_t(height), rgb, mask, cloth, band}; }
 };
 
 double referenceLoss(const Scene& s, const std::vector<double>& image, const LossWeights& w, const Vec3d& background) {
-    std::vector<double> drawn(3 * kPixels), wanted(3 * kPixels);
+    const size_t n = s.count();
+    std::vector<double> drawn(3 * n), wanted(3 * n);
     double l1 = 0, mask = 0, cloth = 0;
-    for (size_t i = 0; i < kPixels; ++i) {
-        const double alpha = image[3 * kPixels + i], m = s.target.mask[i];
-        const double goal[3] = {s.target.red[i], s.target.green[i], s.target.blue[i]};
+    for (size_t i = 0; i < n; ++i) {
+        const double alpha = image[3 * n + i], m = s.mask[i] / 255.0;
         for (size_t c = 0; c < 3; ++c) {
-            drawn[c * kPixels + i] = image[i * 3 + c] + (1 - alpha) * background[int(c)];
-            wanted[c * kPixels + i] = goal[c] + (1 - m) * background[int(c)];
-            l1 += std::abs(drawn[c * kPixels + i] - wanted[c * kPixels + i]);
+            drawn[c * n + i] = image[i * 3 + c] + (1 - alpha) * background[int(c)];
+            wanted[c * n + i] = s.rgb[c * n + i] / 255.0 + (1 - m) * background[int(c)];
+            l1 += std::abs(drawn[c * n + i] - wanted[c * n + i]);
         }
-        mask += std::abs(alpha - m), cloth += std::abs(image[4 * kPixels + i] - s.target.cloth[i]);
+        mask += std::abs(alpha - m), cloth += std::abs(image[4 * n + i] - s.cloth[i] / 255.0);
     }
-    return w.l1 * l1 / (3 * kPixels) + w.mask * mask / kPixels + w.cloth * cloth / kPixels + w.ssim * (1 - referenceSsim(drawn, wanted, kWidth, kHeight));
+    const double count = double(n);
+    return w.l1 * l1 / (3 * count) + w.mask * mask / count + w.cloth * cloth / count + w.ssim * (1 - referenceSsim(drawn, wanted, s.width, s.height));
 }
 
 TEST(PictureLoss, gradientOfEveryTerm) {
@@ -71,7 +80,7 @@ TEST(PictureLoss, gradientOfEveryTerm) {
         Scene s;
         PictureLoss loss(jobs);
         ImageGradient g;
-        const LossValues v = loss.run(s.image, s.target, w, background, g);
+        const LossValues v = loss.run(s.image, s.target(), w, background, g);
         std::vector<double> x(s.image.rgb.begin(), s.image.rgb.end());
         x.insert(x.end(), s.image.alpha.begin(), s.image.alpha.end());
         x.insert(x.end(), s.image.cloth.begin(), s.image.cloth.end());
@@ -86,13 +95,43 @@ TEST(PictureLoss, gradientOfEveryTerm) {
     }
 }
 
+TEST(PictureLoss, emptyMarginsChangeNothingButTheMean) {
+    Jobs jobs(2);
+    const Vec3f background(0.2f, 0.7f, 0.45f);
+    const LossWeights w{0.8f, 0.2f, 1, 0.3f};
+    constexpr int kMarginPx = 13;  // SSIM's gradient reaches 10
+    const Scene s(kMarginPx);
+    PictureLoss loss(jobs);
+    ImageGradient g;
+    const LossValues v = loss.run(s.image, s.target(), w, background, g);
+    std::vector<double> x(s.image.rgb.begin(), s.image.rgb.end());
+    x.insert(x.end(), s.image.alpha.begin(), s.image.alpha.end());
+    x.insert(x.end(), s.image.cloth.begin(), s.image.cloth.end());
+    EXPECT_NEAR(v.total, referenceLoss(s, x, w, Vec3d(background)), 1e-6);
+    // Central differences of red at pixels across the picture's corner and the margin beside it.
+    double largest = 0;
+    for (int k = -3; k < 8; ++k) {
+        const size_t i = size_t((kMarginPx + k) * s.width + kMarginPx + k);
+        const double step = 1e-6;
+        auto more = x, less = x;
+        more[i * 3] += step, less[i * 3] -= step;
+        const double slope = (referenceLoss(s, more, w, Vec3d(background)) - referenceLoss(s, less, w, Vec3d(background))) / (2 * step);
+        EXPECT_NEAR(g.red[i], slope, 1e-7) << "pixel " << k << " from the corner";
+        largest = std::max(largest, std::abs(slope));
+    }
+    EXPECT_GT(largest, 1e-5);
+    EXPECT_EQ(g.red[0], 0);
+    EXPECT_EQ(g.alpha[0], 0);
+    EXPECT_EQ(g.cloth.back(), 0);
+}
+
 TEST(PictureLoss, bandHasNoColourGradient) {
     Jobs jobs(1);
     Scene s;
-    for (size_t i = 0; i < kPixels; i += 4) s.target.band[i] = 1;
+    for (size_t i = 0; i < kPixels; i += 4) s.band[i] = 1;
     PictureLoss loss(jobs);
     ImageGradient g;
-    loss.run(s.image, s.target, {0.8f, 0.2f, 0, 0}, Vec3f(0.5f), g);
+    loss.run(s.image, s.target(), {0.8f, 0.2f, 0, 0}, Vec3f(0.5f), g);
     double outside = 0;
     for (size_t i = 0; i < kPixels; ++i) {
         if (i % 4 == 0) EXPECT_EQ(g.red[i], 0) << i;
@@ -105,13 +144,12 @@ TEST(PictureLoss, identicalPicturesScorePerfectly) {
     Jobs jobs(1);
     Scene s;
     for (size_t i = 0; i < kPixels; ++i) {
-        const float m = s.target.mask[i];
-        s.image.alpha[i] = m;
-        s.image.rgb[i * 3] = s.target.red[i], s.image.rgb[i * 3 + 1] = s.target.green[i], s.image.rgb[i * 3 + 2] = s.target.blue[i];
+        s.image.alpha[i] = float(s.mask[i]) / 255;
+        for (size_t c = 0; c < 3; ++c) s.image.rgb[i * 3 + c] = float(s.rgb[c * kPixels + i]) / 255;
     }
     PictureLoss loss(jobs);
     ImageGradient g;
-    const LossValues v = loss.run(s.image, s.target, {0.8f, 0.2f, 1, 0}, Vec3f(0.3f), g);
+    const LossValues v = loss.run(s.image, s.target(), {0.8f, 0.2f, 1, 0}, Vec3f(0.3f), g);
     EXPECT_NEAR(v.total, 0, 1e-5);
 }
 
