@@ -8,6 +8,7 @@
 #include "apps/doppel/pictures.h"
 #include "reconstruction/pipeline/progress.h"
 #include "reconstruction/report/sdk_camera.h"
+#include "reconstruction/report/svg_plot.h"
 #include "sdk/core/files.h"
 #include "sdk/core/percentile.h"
 #include "tests/reference/reference_file.h"
@@ -16,8 +17,8 @@ namespace dpl {
 namespace {
 
 struct BenchOptions {
-    std::filesystem::path avatar, jsonFile;
-    std::vector<std::string> renderers = {"software", "vulkan-quads", "vulkan-tiles", "vulkan-without-culling"};
+    std::filesystem::path avatar, jsonFile, plotFile;
+    std::vector<std::string> renderers = {"software", "vulkan-quads", "vulkan-tiles", "vulkan-without-culling", "vulkan-float-keys", "vulkan-two-frames"};
     std::string fill = "auto";
     std::string clip;
     double timeS = 0;
@@ -41,8 +42,20 @@ struct PassSamples {
     std::vector<double> milliseconds;
 };
 
+/** What was switched off to be measured. */
+struct SwitchedOff {
+    const char* renderer;   // of --renderers
+    uint32_t flag;
+    const char* label;      // behind the renderer's name
+    bool stereoOnly;
+};
+constexpr SwitchedOff kSwitches[] = {{"vulkan-without-culling", DPL_CONTEXT_WITHOUT_CULLING, "no culling", false},
+                                     {"vulkan-float-keys", DPL_CONTEXT_WITHOUT_DEPTH_QUANTISATION, "32-bit keys", false},
+                                     {"vulkan-two-frames", DPL_CONTEXT_WITHOUT_SHARED_STEREO, "a frame an eye", true}};
+
 struct Contestant {
     std::string name;
+    const SwitchedOff* without;
     doppel::Context context;
     doppel::Avatar avatar;
     std::vector<std::vector<uint8_t>> pixels;  // premultiplied RGBA8, one a view
@@ -52,6 +65,7 @@ struct Contestant {
     std::vector<PassSamples> passes;
     DplFrameStats stats{};
     PictureError error;
+    double flip = 0;   // of covered pixels, mean of the views
 };
 
 double millisecondsSince(std::chrono::steady_clock::time_point start) { return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count(); }
@@ -63,9 +77,11 @@ double finiteDb(double db) { return std::isfinite(db) ? db : 999; }
 Result<std::vector<Contestant>> contestants(const BenchOptions& options, std::span<const uint8_t> bytes, const BenchCase& test) {
     std::vector<Contestant> list;
     for (const std::string& name : options.renderers) {
-        const bool all = name == "vulkan-without-culling";
-        const DplFill fill = name == "vulkan-quads" || (all && options.fill == "auto") ? DPL_FILL_QUADS : name == "vulkan-tiles" ? DPL_FILL_TILES : fillOf(options.fill);
-        auto context = doppel::Context::create(name == "software" ? DPL_RENDERER_SOFTWARE : DPL_RENDERER_VULKAN, options.threadCount, all ? DPL_CONTEXT_WITHOUT_CULLING : 0, fill);
+        const auto found = std::find_if(std::begin(kSwitches), std::end(kSwitches), [&](const SwitchedOff& s) { return name == s.renderer; });
+        const SwitchedOff* without = found == std::end(kSwitches) ? nullptr : found;
+        if (without && without->stereoOnly && test.viewCount == 1) continue;
+        const DplFill fill = name == "vulkan-quads" || (without && options.fill == "auto") ? DPL_FILL_QUADS : name == "vulkan-tiles" ? DPL_FILL_TILES : fillOf(options.fill);
+        auto context = doppel::Context::create(name == "software" ? DPL_RENDERER_SOFTWARE : DPL_RENDERER_VULKAN, options.threadCount, without ? without->flag : 0, fill);
         if (!context) {
             std::fprintf(stderr, "doppel: %s is left out: %s\n", name.c_str(), context.error().message.c_str());
             continue;
@@ -78,7 +94,7 @@ Result<std::vector<Contestant>> contestants(const BenchOptions& options, std::sp
             DPL_TRY(const uint32_t clip, chooseClip(*avatar, options.clip));
             if (auto set = avatar->setPoseFromClip(clip, options.timeS, true); !set) return fromSdk(set.error());
         }
-        Contestant c{context->rendererName() + (all ? ", no culling" : ""), std::move(*context), std::move(*avatar), {}, {}, loadMilliseconds, {}, {}, {}, {}, {}, {}};
+        Contestant c{context->rendererName() + (without ? formatText(", {}", without->label) : ""), without, std::move(*context), std::move(*avatar), {}, {}, loadMilliseconds, {}, {}, {}, {}, {}, {}};
         c.pixels.assign(test.viewCount, std::vector<uint8_t>(size_t(test.widthPx) * test.heightPx * 4));
         for (std::vector<uint8_t>& pixels : c.pixels) {
             DplImage image{};
@@ -149,7 +165,7 @@ Status measureErrors(std::vector<Contestant>& list, std::span<const Cameraf> vie
     if (info->jointCount > 0 && dplGetPose(list[0].avatar.handle(), rotations.data(), info->jointCount, &root.x) != DPL_OK) return fail(Code::Internal, "{}", dplGetLastError());
     for (size_t v = 0; v < views.size(); ++v) {
         const ReferencePicture want = referee.draw(rotations, root, views[v]);
-        for (Contestant& c : list) c.error += compareWith(want, c.pixels[v]);
+        for (Contestant& c : list) c.error += compareWith(want, c.pixels[v]), c.flip += coveredFlip(want, c.pixels[v]) / double(views.size());
         DPL_CHECK_OK(progress(double(v + 1) / double(views.size())));
     }
     return {};
@@ -158,10 +174,10 @@ Status measureErrors(std::vector<Contestant>& list, std::span<const Cameraf> vie
 std::string frameRow(const BenchCase& test, const Contestant& c, uint32_t splatCount, bool compared) {
     char row[400];
     const double gpu = percentile(c.gpuMilliseconds, 0.5);
-    std::snprintf(row, sizeof row, "| %s | %s | %.2f | %.2f | %.2f | %s | %s | %s | %s | %s%u | %s | %.1f |\n", test.name, c.name.c_str(), percentile(c.milliseconds, 0.5),
+    std::snprintf(row, sizeof row, "| %s | %s | %.2f | %.2f | %.2f | %s | %s | %s | %s | %s | %s%u | %s | %.1f |\n", test.name, c.name.c_str(), percentile(c.milliseconds, 0.5),
                   percentile(c.milliseconds, 0.95), percentile(c.drawMilliseconds, 0.5), gpu > 0 ? formatText("{}", std::round(gpu * 100) / 100).c_str() : "–", compared ? decibelText(c.error.psnrDb()).c_str() : "–",
                   compared ? decibelText(c.error.coveredPsnrDb()).c_str() : "–", compared ? formatText("{}", std::round(c.error.maxLevels * 10) / 10).c_str() : "–",
-                  c.stats.splatsInView > 0 ? formatText("{} → {} → {} → ", splatCount, c.stats.splatsInView, c.stats.splatsFacing).c_str() : formatText("{} → ", splatCount).c_str(),
+                  compared ? formatText("{}", std::round(c.flip * 1e5) / 1e5).c_str() : "–", c.stats.splatsInView > 0 ? formatText("{} → {} → {} → ", splatCount, c.stats.splatsInView, c.stats.splatsFacing).c_str() : formatText("{} → ", splatCount).c_str(),
                   c.stats.splatsDrawn, c.stats.chunkCount > 0 ? formatText("{} of {}", c.stats.chunksProjected, c.stats.chunkCount).c_str() : "–", double(c.stats.residentBytes) / (1 << 20));
     return row;
 }
@@ -176,7 +192,7 @@ std::string jsonLines(const BenchCase& test, const Contestant& c, uint32_t splat
                   static_cast<unsigned long long>(c.stats.bytesDecoded), c.loadMilliseconds, c.stats.tileEntries, c.stats.tilesOverflowed);
     out += line;
     if (compared) {
-        std::snprintf(line, sizeof line, ",\"psnr_db\":%.2f,\"covered_psnr_db\":%.2f,\"max_error_levels\":%.2f", finiteDb(c.error.psnrDb()), finiteDb(c.error.coveredPsnrDb()), c.error.maxLevels);
+        std::snprintf(line, sizeof line, ",\"psnr_db\":%.2f,\"covered_psnr_db\":%.2f,\"max_error_levels\":%.2f,\"covered_flip\":%.6f", finiteDb(c.error.psnrDb()), finiteDb(c.error.coveredPsnrDb()), c.error.maxLevels, c.flip);
         out += line;
     }
     out += "}\n";
@@ -184,6 +200,31 @@ std::string jsonLines(const BenchCase& test, const Contestant& c, uint32_t splat
         std::snprintf(line, sizeof line, "{\"case\":\"%s\",\"views\":%u,\"device\":\"%s\",\"pass\":\"%s\",\"gpu_ms_p50\":%.4f,\"gpu_ms_p95\":%.4f}\n", test.name, test.viewCount, c.name.c_str(),
                       pass.label.c_str(), percentile(pass.milliseconds, 0.5), percentile(pass.milliseconds, 0.95));
         out += line;
+    }
+    return out;
+}
+
+/** Summed GPU time of the passes before any pixel is filled, milliseconds. */
+double beforePixelsMs(const Contestant& c) {
+    double sum = 0;
+    for (const PassSamples& pass : c.passes)
+        if (!pass.label.starts_with("draw") && !pass.label.starts_with("tiles.fill") && pass.label != "counts" && pass.label != "readback") sum += percentile(pass.milliseconds, 0.5);
+    return sum;
+}
+
+/** What each switch is worth: the same renderer and fill with it on, in the same turns. */
+std::string worthRows(const BenchCase& test, const std::vector<Contestant>& list) {
+    std::string out;
+    for (const Contestant& off : list) {
+        if (!off.without) continue;
+        const std::string whole = off.name.substr(0, off.name.rfind(','));
+        const auto on = std::find_if(list.begin(), list.end(), [&](const Contestant& c) { return !c.without && c.name == whole; });
+        if (on == list.end()) continue;
+        const double frameOn = percentile(on->milliseconds, 0.5), frameOff = percentile(off.milliseconds, 0.5), beforeOn = beforePixelsMs(*on), beforeOff = beforePixelsMs(off);
+        char row[300];
+        std::snprintf(row, sizeof row, "| %s | %s | %.2f → %.2f | %.2f × | %.2f → %.2f | %.2f × |\n", test.name, off.name.c_str(), frameOff, frameOn, frameOff / frameOn, beforeOff, beforeOn,
+                      beforeOn > 0 ? beforeOff / beforeOn : 0.0);
+        out += row;
     }
     return out;
 }
@@ -228,7 +269,8 @@ Status bench(const BenchOptions& options) {
     DPL_TRY(const auto bytes, readFile(options.avatar));
     DPL_TRY(const ReferenceFile referee, ReferenceFile::read(bytes));
     Progress progress;
-    std::string frames, memory, json;
+    std::string frames, memory, worth, json;
+    std::vector<PlotSeries> plot;   // a line a renderer, a point a case
     std::vector<PassTable> passes;
     uint32_t splatCount = 0;
     for (const BenchCase& test : kCases) {
@@ -258,19 +300,29 @@ Status bench(const BenchOptions& options) {
             if (table == passes.end() && !c.passes.empty()) table = passes.insert(table, {c.name, {}, {}});
             if (table != passes.end()) table->add(c);
             json += jsonLines(test, c, splatCount, !options.withoutReference);
+            auto line = std::find_if(plot.begin(), plot.end(), [&](const PlotSeries& s) { return s.name == c.name; });
+            if (line == plot.end()) line = plot.insert(line, {c.name, {}, {}});
+            line->x.push_back(percentile(c.milliseconds, 0.5)), line->y.push_back(finiteDb(c.error.coveredPsnrDb()));
         }
+        worth += worthRows(test, list);
     }
     std::printf("%s: %u splats, %zu bytes in the file\n\n"
-                "| case | renderer | ms | p95 | dplDraw ms | GPU ms | PSNR | covered pixels | max error, levels | splats → in view → facing → drawn | chunks projected | resident MiB |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n%s",
+                "| case | renderer | ms | p95 | dplDraw ms | GPU ms | PSNR | covered pixels | max error, levels | FLIP | splats → in view → facing → drawn | chunks projected | resident MiB |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n%s",
                 options.avatar.c_str(), splatCount, bytes.size(), frames.c_str());
     for (const PassTable& table : passes) std::printf("%s", table.text().c_str());
+    if (!worth.empty())
+        std::printf("\n| case | switched off | frame, ms: off → on | worth | before pixels are filled, GPU ms: off → on | worth |\n|---|---|---|---|---|---|\n%s", worth.c_str());
     std::printf("\n| case | renderer | load ms | splats: bytes each, of PLY | avatar, of PLY | working set, of PLY | phase 1: bytes read a splat | phase 2 |\n|---|---|---|---|---|---|---|---|\n%s"
                 "\nPLY: 62 floats a splat. Splats: codes, parents, SH entries. Avatar: with mesh, weights and pose correctives, CPU and GPU together. Working set: what the frames of this case add. Bytes read, of the splats'\n"
                 "codes, over all splats and views: to tell which may show, and of those; counted on the CPU, from survivors and layout on a GPU.\n", memory.c_str());
     std::printf("\nms: dplDraw and dplReadImages together, pictures in memory; median and 95th percentile of %u. dplDraw ms: what an app's thread pays. GPU ms: the frame's passes by the device's clock. PSNR and max error: against the\n"
-                "double-precision reference, colour over mid grey; of all pixels, and of those that something covers.\n", options.repeats);
+                "double-precision reference, colour over mid grey; of all pixels, and of those that something covers. FLIP: mean over covered pixels, 0 to 1.\n", options.repeats);
     const bool raced = std::any_of(options.renderers.begin(), options.renderers.end(), [](const std::string& name) { return name != "software"; });
     if (auto chosen = raced ? doppel::Context::create(DPL_RENDERER_VULKAN) : doppel::Error{}) std::printf("What --fill auto chooses on this device: %s\n", chosen->rendererName().c_str());
+    if (!options.plotFile.empty()) {
+        const PlotOptions axes{"Speed against error: a point a case, small pictures first", "ms a frame, median", "PSNR of covered pixels, dB", false, 900, 420, true};
+        DPL_CHECK_OK(writeFileAtomically(options.plotFile, svgFile(svgLinePlot(plot, axes))));
+    }
     if (options.jsonFile.empty()) return {};
     return writeFileAtomically(options.jsonFile, json);
 }
@@ -281,15 +333,16 @@ void addBenchCommand(CLI::App& app, CommandRun& run) {
     auto options = std::make_shared<BenchOptions>();
     CLI::App* command = app.add_subcommand("bench", "Time an avatar on every renderer and measure its pictures against the double-precision reference");
     command->add_option("avatar", options->avatar, "Avatar file (.glb), or general splats (.ply, compressed .ply, .spz, .glb with KHR_gaussian_splatting)")->required();
-    command->add_option("--renderers", options->renderers, "Which to race")->check(CLI::IsMember({"software", "vulkan", "vulkan-quads", "vulkan-tiles", "vulkan-without-culling"}))->capture_default_str();
-    command->add_option("--fill", options->fill, "How vulkan and vulkan-without-culling fill pixels; auto: a self-test finds the faster one, quads without culling")->check(CLI::IsMember(kFillNames))->capture_default_str();
+    command->add_option("--renderers", options->renderers, "Which to race")->check(CLI::IsMember({"software", "vulkan", "vulkan-quads", "vulkan-tiles", "vulkan-without-culling", "vulkan-float-keys", "vulkan-two-frames"}))->capture_default_str();
+    command->add_option("--fill", options->fill, "How vulkan and what has something switched off fill pixels; auto: a self-test finds the faster one, quads for the latter")->check(CLI::IsMember(kFillNames))->capture_default_str();
     command->add_option("--clip", options->clip, "Pose: a clip of the avatar by name, or a BVH or glTF file (default: the rest pose)");
     command->add_option("--time", options->timeS, "Pose: time in the clip, seconds")->check(CLI::Range(0.0, 1e6));
     command->add_option("--repeats", options->repeats, "Timed frames a case")->check(CLI::Range(1, 1000))->capture_default_str();
     command->add_option("--threads", options->threadCount, "CPU threads, 0: one a core")->check(CLI::Range(0, 256));
     command->add_option("--axes", options->axes, "How the file stands; many 3D Gaussian splatting PLYs are y-down")->check(CLI::IsMember(kAxesNames))->capture_default_str();
     command->add_option("--json", options->jsonFile, "Write the figures to this file as JSON lines too");
-    command->add_flag("--no-reference", options->withoutReference, "Only time: the reference takes seconds a picture");
+    CLI::Option* withoutReference = command->add_flag("--no-reference", options->withoutReference, "Only time: the reference takes seconds a picture");
+    command->add_option("--plot", options->plotFile, "Draw speed against error into this SVG file")->excludes(withoutReference);
     command->footer("Examples:\n  doppel bench ada/avatar.glb\n  doppel bench ada/avatar.glb --clip walk.bvh --time 1.5 --json ada.jsonl\n  doppel bench guitar.compressed.ply --axes y-down");
     command->callback([options, &run] {
         run = [options] {

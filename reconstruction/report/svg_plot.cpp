@@ -101,10 +101,19 @@ std::string svgLinePlot(const std::vector<PlotSeries>& series, const PlotOptions
             penDown = true;
         }
         svg += "<path fill=\"none\" stroke-width=\"1.5\" stroke=\"" + std::string(colour) + "\" d=\"" + path + "\"/>";
-        svg += element("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\" ", legendX, 18, 0, 0) + "fill=\"" + colour + "\">" + escapeHtml(s.name) + "</text>";
-        legendX -= 12 + 7.0 * double(s.name.size());
+        if (options.points)
+            for (size_t i = 0; i < std::min(s.x.size(), s.y.size()); ++i)
+                if (std::isfinite(scaleY(s.y[i])) && std::isfinite(s.x[i])) svg += element("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"3\" ", toX(s.x[i]), toY(scaleY(s.y[i])), 0, 0) + "fill=\"" + colour + "\"/>";
+        svg += element("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\" ", legendX, options.points ? kTop + 14 * double(k + 1) : 18, 0, 0) + "fill=\"" + colour + "\">" + escapeHtml(s.name) + "</text>";
+        if (!options.points) legendX -= 12 + 7.0 * double(s.name.size());
     }
     return svg + "</svg>";
+}
+
+std::string svgFile(const std::string& plot) {
+    constexpr std::string_view kOpen = "<svg ";
+    return "<svg xmlns=\"http://www.w3.org/2000/svg\" style=\"background:#fff\" " + plot.substr(kOpen.size(), plot.find('>') + 1 - kOpen.size()) +
+           "<style>text{font:11px system-ui,sans-serif}text.title{font-size:13px;fill:#111}.grid{stroke:#e5e7eb}</style>" + plot.substr(plot.find('>') + 1) + "\n";
 }
 
 }  // namespace dpl

@@ -1,4 +1,4 @@
-// Small line charts as inline SVG, for the report.
+// Small line charts as SVG, for the report and the bench.
 #pragma once
 
 #include <string>
@@ -16,10 +16,14 @@ struct PlotOptions {
     std::string title, xLabel, yLabel;
     bool logY = false;
     int widthPx = 560, heightPx = 260;
+    bool points = false;   // mark each point; names in a column inside the frame instead of a row above it
 };
 
 /** An <svg> element with axes, round tick values, one coloured line a series and a legend. Empty series give an empty frame. */
 std::string svgLinePlot(const std::vector<PlotSeries>& series, const PlotOptions& options);
+
+/** A plot as a file of its own, with the colours and fonts that a report's page would give it. */
+std::string svgFile(const std::string& plot);
 
 /** Escapes &, <, >, " for HTML text and attributes. */
 std::string escapeHtml(std::string_view text);

@@ -23,6 +23,8 @@ Result<std::unique_ptr<Renderer>> createGpuRenderer(DplRenderer kind, const Rend
     VulkanOptions vulkan;
     vulkan.allowSoftwareDevice = kind == DPL_RENDERER_VULKAN;  // asked for by name, any device will do
     vulkan.cullTriangles = options.cullTriangles;
+    vulkan.shareViews = options.shareViews;
+    vulkan.quantiseDepth = options.quantiseDepth;
     auto gpu = createVulkanRenderer(vulkan);
     // "No usable loader" and "no device" are one thing to the caller: not on this machine.
     if (!gpu) return fail(Code::Unsupported, "no Vulkan renderer on this machine: {}; use DPL_RENDERER_AUTO or DPL_RENDERER_SOFTWARE", gpu.error().message);

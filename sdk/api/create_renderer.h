@@ -13,6 +13,8 @@ namespace dpl::api {
 struct RendererOptions {
     uint32_t threadCount = 0;
     bool cullTriangles = true;     // as VulkanOptions says
+    bool shareViews = true;        // the same
+    bool quantiseDepth = true;     // the same
     DplFill fill = DPL_FILL_AUTO;
     std::string cacheFolder;       // empty: none
 };

@@ -17,6 +17,7 @@ struct FrameIds {
     bool general = false;                 // general splats: no vertices, no triangles; `splats` holds GeneralSplatRecord
     bool layered = true, depth = false, halfColour = false;
     bool cull = true;                     // triangles out of view or turned away
+    bool floatKeys = false;               // depths are sorted as 32-bit floats
     uint32_t samples = 1;                 // a pixel (sdk/math/coverage.h)
 
     // written by the CPU: at load, or (frame, palette) before each frame
@@ -28,8 +29,8 @@ struct FrameIds {
     // read by the CPU, made by the first read-back
     BufferId colourPixels, depthPixels;
 
-    uint32_t sortRounds() const { return general ? gpu::kGeneralSortRounds : gpu::kSortRounds; }
-    uint32_t maxDepthKey() const { return (1u << (sortRounds() * gpu::kSortDigitBits)) - 1; }
+    uint32_t sortRounds() const { return floatKeys ? gpu::kFloatSortRounds : general ? gpu::kGeneralSortRounds : gpu::kSortRounds; }
+    uint32_t maxDepthKey() const { return floatKeys ? gpu::kFloatDepthKeys : (1u << (sortRounds() * gpu::kSortDigitBits)) - 1; }
     uint32_t firstDepth() const { return 2 * groupCount; }  // in the visibility buffer
     gpu::CodesPush codesPush() const {
         gpu::CodesPush push = codes;

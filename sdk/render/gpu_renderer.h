@@ -18,6 +18,8 @@ namespace dpl {
 struct GpuOptions {
     bool preciseBlending = false;
     bool cullTriangles = true;
+    bool shareViews = true;
+    bool quantiseDepth = true;
     Fill fill = Fill::Quads;
 };
 
@@ -94,7 +96,7 @@ private:
 
     std::unique_ptr<Backend> backend_;
     std::string name_;
-    bool preciseBlending_, cullTriangles_;
+    bool preciseBlending_, cullTriangles_, shareViews_, quantiseDepth_;
     Fill fill_;
     std::map<RenderAvatarId, LoadedAvatar> avatars_;
     std::vector<Mat3x4f> worldFromRest_;   // of the last pose, as are these

@@ -20,6 +20,8 @@ DPL_CONST uint kSortDigitBits = 4u;
 DPL_CONST uint kSortDigits = 16u;
 DPL_CONST uint kSortRounds = 4u;         // 16-bit keys: 0.03 mm steps across a person
 DPL_CONST uint kGeneralSortRounds = 6u;  // 24-bit keys: a scene may reach a kilometre
+DPL_CONST uint kFloatSortRounds = 8u;    // 32-bit float keys, for measuring
+DPL_CONST uint kFloatDepthKeys = 0u;     // the largest key of float keys: none
 
 // Splat codes (sdk/format/coded_splats.h): words of a chunk's record, and what the fields of a splat's words mean.
 DPL_CONST uint kChunkWords = 16u;

@@ -1,7 +1,10 @@
 #include "tests/reference/reference_file.h"
 
+#include <algorithm>
+
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/splat_file.h"
+#include "tests/reference/flip.h"
 #include "tests/reference/reference_renderer.h"
 
 namespace dpl {
@@ -63,5 +66,35 @@ PictureError& PictureError::operator+=(const PictureError& other) {
 
 PictureError compareWith(const ReferencePicture& reference, std::span<const uint8_t> rgba) { return compare(reference, rgba); }
 PictureError compareWith(const ReferencePicture& reference, std::span<const uint16_t> rgba) { return compare(reference, rgba); }
+
+double coveredFlip(const ReferencePicture& reference, std::span<const uint8_t> rgba) {
+    if (rgba.size() != reference.alpha.size() * 4) return 1;
+    constexpr uint32_t kMarginPx = 16;   // farther than FLIP's filters reach
+    const uint32_t width = reference.widthPx, height = reference.heightPx;
+    const auto covered = [&](size_t p) { return reference.alpha[p] > 0 || rgba[p * 4 + 3] > 0; };
+    uint32_t x0 = width, x1 = 0, y0 = height, y1 = 0;
+    for (uint32_t y = 0; y < height; ++y)
+        for (uint32_t x = 0; x < width; ++x)
+            if (covered(size_t(y) * width + x)) x0 = std::min(x0, x), x1 = std::max(x1, x + 1), y0 = std::min(y0, y), y1 = std::max(y1, y + 1);
+    if (x1 == 0) return 0;
+    x0 -= std::min(x0, kMarginPx), y0 -= std::min(y0, kMarginPx), x1 = std::min(width, x1 + kMarginPx), y1 = std::min(height, y1 + kMarginPx);
+    std::vector<double> want, have;
+    std::vector<size_t> at;
+    for (uint32_t y = y0; y < y1; ++y)
+        for (uint32_t x = x0; x < x1; ++x) {
+            const size_t p = size_t(y) * width + x;
+            for (size_t c = 0; c < 3; ++c) {
+                want.push_back(reference.rgb[p * 3 + c] + 0.5 * (1 - reference.alpha[p]));
+                have.push_back(rgba[p * 4 + c] / 255.0 + 0.5 * (1 - rgba[p * 4 + 3] / 255.0));
+            }
+            at.push_back(p);
+        }
+    const std::vector<double> map = flipMap(want, have, x1 - x0, y1 - y0);
+    double sum = 0;
+    size_t count = 0;
+    for (size_t i = 0; i < map.size(); ++i)
+        if (covered(at[i])) sum += map[i], ++count;
+    return sum / double(count);
+}
 
 }  // namespace dpl

@@ -50,4 +50,7 @@ struct PictureError {
 PictureError compareWith(const ReferencePicture& reference, std::span<const uint8_t> rgba);
 PictureError compareWith(const ReferencePicture& reference, std::span<const uint16_t> rgba);
 
+/** Mean FLIP (flip.h) of the pixels that the referee or the picture draws, both over mid grey; 0 where neither draws any, 1 for another size. */
+double coveredFlip(const ReferencePicture& reference, std::span<const uint8_t> rgba);
+
 }  // namespace dpl

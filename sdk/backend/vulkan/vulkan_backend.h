@@ -17,6 +17,8 @@ struct VulkanOptions {
     bool forceInstanceSplit = false;     // draw two views without multiview, as devices without it do
     bool preciseBlending = true;         // blend in f16 and round once; false: in 8 bits, faster, below 50 dB close up (docs/adr/0002-the-gpu-frame.md)
     bool cullTriangles = true;           // false: project every splat, to measure what culling saves; the picture is the same byte for byte
+    bool shareViews = true;              // false: two views are two frames even where one order serves both, to measure what sharing saves
+    bool quantiseDepth = true;           // false: sort by 32-bit float depths, to measure what 16 bits save and cost
     bool ignoreWorkarounds = false;      // try a driver without the table in vk_device.cpp
     /** Counts validation warnings and errors; the texts go to the log. */
     std::shared_ptr<std::atomic<uint32_t>> validationMessages;

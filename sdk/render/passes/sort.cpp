@@ -2,7 +2,7 @@
 
 namespace dpl {
 
-static_assert(gpu::kSortRounds % 2 == 0 && gpu::kGeneralSortRounds % 2 == 0, "an even number of rounds ends in the buffer it began in");
+static_assert(gpu::kSortRounds % 2 == 0 && gpu::kGeneralSortRounds % 2 == 0 && gpu::kFloatSortRounds % 2 == 0, "an even number of rounds ends in the buffer it began in");
 static_assert(gpu::kGeneralSortRounds * gpu::kSortDigitBits <= 24, "keys are made in float");
 
 void addSort(FramePlan& plan, const FrameIds& ids) {

@@ -26,7 +26,7 @@ void main() {
         uint bits = visibility[push.firstDepth + i];
         if (bits == kInvisibleKey) continue;
         float level = clamp((uintBitsToFloat(bits) - nearest) * scale + 0.5, 0.0, most);  // at 24 bits adding the half may round up to 2²⁴
-        pairs[slot] = uvec2(uint(level), i);
+        pairs[slot] = uvec2(push.maxDepthKey == kFloatDepthKeys ? dplOrderedBits(uintBitsToFloat(bits)) : uint(level), i);
         ++slot;
     }
 }

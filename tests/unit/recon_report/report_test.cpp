@@ -43,6 +43,12 @@ TEST(Report, aPlotDrawsEveryFinitePoint) {
     size_t moves = 0;
     for (size_t at = svg.find("d=\""); at < svg.size(); ++at) moves += svg[at] == 'M';
     EXPECT_EQ(moves, 2u) << "a gap starts a new piece of line";
+
+    const std::string file = svgFile(svgLinePlot({{"a", {0, 1, 2, 3}, {1, std::nan(""), 3, 4}}}, {.title = "t", .points = true}));
+    EXPECT_TRUE(file.starts_with("<svg xmlns="));
+    size_t circles = 0;
+    for (size_t at = file.find("<circle"); at < file.size(); at = file.find("<circle", at + 1)) ++circles;
+    EXPECT_EQ(circles, 3u);
 }
 
 TEST(Png, refusesSizesThatDoNotFit) {

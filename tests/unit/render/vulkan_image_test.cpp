@@ -56,6 +56,28 @@ TEST_P(VulkanImage, equalsTheReferenceInSeveralPosesAndViews) {
     }
 }
 
+TEST_P(VulkanImage, floatKeysTakeTwiceTheRoundsAndAgreeWithTheReferenceToo) {
+    VulkanOptions options[2] = {withPreciseBlending(), withPreciseBlending()};
+    options[1].quantiseDepth = false;
+    const auto avatar = share(makeTube({.shDegree = 1}));
+    const Pose pose = tubePose(0.9f, 0.3f);
+    const Cameraf camera = tubeCamera(160, 192, 0.7f, 1.8f);
+    const ReferenceImage want = renderReference(*avatar, pose, referenceCamera(camera));
+    ptrdiff_t rounds[2];
+    for (int k = 0; k < 2; ++k) {
+        TestVulkan vulkan(options[k], GetParam());
+        DPL_NEED_VULKAN(vulkan);
+        const auto id = vulkan.renderer->addAvatar(avatar);
+        expectAgrees(vulkan, k == 0 ? "keys_16_bit" : "keys_32_bit", id, pose, camera, want);
+        const auto stats = vulkan.renderer->stats(*id);
+        ASSERT_TRUE(stats);
+        if (stats->passes.empty()) GTEST_SKIP() << "the device has no timestamps, so passes cannot be counted";
+        rounds[k] = std::count_if(stats->passes.begin(), stats->passes.end(), [](const PassTime& pass) { return pass.label == "sort.scatter"; });
+    }
+    EXPECT_EQ(rounds[0], 4);
+    EXPECT_EQ(rounds[1], 8);
+}
+
 /** The tube drawn at a share of the size at which it is said to have been trained. */
 TEST_P(VulkanImage, fourSamplesAPixelEqualTheReference) {
     TestVulkan precise(withPreciseBlending(), GetParam()), byte(testVulkanOptions(), GetParam());

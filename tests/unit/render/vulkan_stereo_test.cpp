@@ -48,6 +48,32 @@ TEST_P(VulkanImage, twoViewsAtOnceEqualEachViewAloneByMultiview) {
     expectStereoEqualsMono(testVulkanOptions(), GetParam(), "multiview");
 }
 
+TEST_P(VulkanImage, aPairDrawnAsTwoFramesIsTheSameByteForByte) {
+    VulkanOptions apart = testVulkanOptions();
+    apart.shareViews = false;
+    const Cameraf views[2] = {tubeCamera(160, 144, 0.3f, 1.2f, -0.032f), tubeCamera(160, 144, 0.3f, 1.2f, 0.032f)};
+    std::vector<RenderedView> pictures[2] = {std::vector<RenderedView>(2), std::vector<RenderedView>(2)};
+    uint32_t passes[2];
+    for (int k = 0; k < 2; ++k) {
+        TestVulkan vulkan(k == 0 ? testVulkanOptions() : apart, GetParam());
+        DPL_NEED_VULKAN(vulkan);
+        const auto id = vulkan.renderer->addAvatar(share(makeTube()));
+        ASSERT_TRUE(id) << id.error().message;
+        const Status status = vulkan.renderer->render(*id, tubePose(0.7f), views, false, pictures[k]);
+        ASSERT_TRUE(status) << status.error().message;
+        const auto stats = vulkan.renderer->stats(*id);
+        ASSERT_TRUE(stats);
+        EXPECT_EQ(stats->views, 2u);
+        passes[k] = uint32_t(std::count_if(stats->passes.begin(), stats->passes.end(), [](const PassTime& pass) { return pass.label == "pose.skin"; }));
+    }
+    EXPECT_EQ(passes[0], 1u);
+    EXPECT_EQ(passes[1], 2u);
+    for (size_t v = 0; v < 2; ++v) {
+        EXPECT_TRUE(pictures[0][v].rgba == pictures[1][v].rgba) << "view " << v;
+        EXPECT_GT(std::count_if(pictures[0][v].rgba.begin(), pictures[0][v].rgba.end(), [](uint8_t x) { return x > 20; }), 1000);
+    }
+}
+
 /** Draws a pair whose axes are `degrees` apart; the worse eye's distance to the same eye alone, and the largest difference in levels. */
 ImageDifference cantedPairAgainstAlone(TestVulkan& vulkan, float degrees) {
     // Neighbouring splats of a person have similar colours; unrelated ones would turn every swap into a full-contrast error.
