@@ -242,12 +242,15 @@ std::string memoryRow(const BenchCase& test, const Contestant& c, uint32_t splat
     return row;
 }
 
-/** One row a pass, one column a case: median / 95th percentile. */
+/** One row a pass, one column a case that was run: median / 95th percentile. */
 struct PassTable {
     std::string device;
+    std::string cases;
+    size_t caseCount = 0;
     std::vector<std::string> labels, rows;
 
-    void add(const Contestant& c) {
+    void add(const Contestant& c, const BenchCase& test) {
+        cases += formatText(" {} |", test.name), ++caseCount;
         for (const PassSamples& pass : c.passes) {
             size_t row = size_t(std::find(labels.begin(), labels.end(), pass.label) - labels.begin());
             if (row == labels.size()) labels.push_back(pass.label), rows.push_back("| " + pass.label + " |");
@@ -257,9 +260,9 @@ struct PassTable {
         }
     }
     std::string text() const {
-        std::string out = "\n| GPU ms, " + device + " |", line = "|---|";
-        for (const BenchCase& test : kCases) out += formatText(" {} |", test.name), line += "---|";
-        out += "\n" + line + "\n";
+        std::string out = "\n| GPU ms, " + device + " |" + cases + "\n|---|";
+        for (size_t k = 0; k < caseCount; ++k) out += "---|";
+        out += "\n";
         for (const std::string& row : rows) out += row + "\n";
         return out;
     }
@@ -270,7 +273,7 @@ Status bench(const BenchOptions& options) {
     DPL_TRY(const ReferenceFile referee, ReferenceFile::read(bytes));
     Progress progress;
     std::string frames, memory, worth, json;
-    std::vector<PlotSeries> plot;   // a line a renderer, a point a case
+    std::vector<PlotSeries> plot;   // a colour a renderer, a point a case
     std::vector<PassTable> passes;
     uint32_t splatCount = 0;
     for (const BenchCase& test : kCases) {
@@ -297,12 +300,13 @@ Status bench(const BenchOptions& options) {
             frames += frameRow(test, c, splatCount, !options.withoutReference);
             memory += memoryRow(test, c, splatCount);
             auto table = std::find_if(passes.begin(), passes.end(), [&](const PassTable& t) { return t.device == c.name; });
-            if (table == passes.end() && !c.passes.empty()) table = passes.insert(table, {c.name, {}, {}});
-            if (table != passes.end()) table->add(c);
+            if (table == passes.end() && !c.passes.empty()) table = passes.insert(table, {c.name, {}, 0, {}, {}});
+            if (table != passes.end()) table->add(c, test);
             json += jsonLines(test, c, splatCount, !options.withoutReference);
-            auto line = std::find_if(plot.begin(), plot.end(), [&](const PlotSeries& s) { return s.name == c.name; });
-            if (line == plot.end()) line = plot.insert(line, {c.name, {}, {}});
-            line->x.push_back(percentile(c.milliseconds, 0.5)), line->y.push_back(finiteDb(c.error.coveredPsnrDb()));
+            auto points = std::find_if(plot.begin(), plot.end(), [&](const PlotSeries& s) { return s.name == c.name; });
+            if (points == plot.end()) points = plot.insert(points, {c.name, {}, {}});
+            points->x.push_back(percentile(c.milliseconds, 0.5)), points->y.push_back(finiteDb(c.error.coveredPsnrDb()));
+            points->pointNames.push_back(std::string(test.name).substr(0, std::string_view(test.name).find(' ')));
         }
         worth += worthRows(test, list);
     }
@@ -320,8 +324,8 @@ Status bench(const BenchOptions& options) {
     const bool raced = std::any_of(options.renderers.begin(), options.renderers.end(), [](const std::string& name) { return name != "software"; });
     if (auto chosen = raced ? doppel::Context::create(DPL_RENDERER_VULKAN) : doppel::Error{}) std::printf("What --fill auto chooses on this device: %s\n", chosen->rendererName().c_str());
     if (!options.plotFile.empty()) {
-        const PlotOptions axes{"Speed against error: a point a case, small pictures first", "ms a frame, median", "PSNR of covered pixels, dB", false, 900, 420, true};
-        DPL_CHECK_OK(writeFileAtomically(options.plotFile, svgFile(svgLinePlot(plot, axes))));
+        const PlotOptions axes{"Speed against error: left is faster, up is nearer to the reference", "ms a frame, median", "PSNR of covered pixels, dB", true, false, 900, 460, true};
+        DPL_CHECK_OK(writeFileAtomically(options.plotFile, svgFile(svgPlot(plot, axes))));
     }
     if (options.jsonFile.empty()) return {};
     return writeFileAtomically(options.jsonFile, json);

@@ -132,8 +132,8 @@ std::string reportHtml(const ReportData& data) {
     html += "<h2>Scan check</h2><pre>" + escapeHtml(data.verdict) + "</pre>";
     if (!data.lossCurves.empty() || !data.psnrCurves.empty()) {
         html += "<h2>Training</h2>";
-        if (!data.lossCurves.empty()) html += svgLinePlot(data.lossCurves, {.title = "Loss", .xLabel = "step", .yLabel = "loss", .logY = true});
-        if (!data.psnrCurves.empty()) html += svgLinePlot(data.psnrCurves, {.title = "PSNR on training frames", .xLabel = "step", .yLabel = "dB"});
+        if (!data.lossCurves.empty()) html += svgPlot(data.lossCurves, {.title = "Loss", .xLabel = "step", .yLabel = "loss", .logY = true});
+        if (!data.psnrCurves.empty()) html += svgPlot(data.psnrCurves, {.title = "PSNR on training frames", .xLabel = "step", .yLabel = "dB"});
     }
     addFigures(html, "Registration and sizes", data.figures);
     addFigures(html, "Error waterfall: what each stage costs", data.waterfall);

@@ -28,6 +28,10 @@ struct Range {
         if (!(low <= high)) low = 0, high = 1;
         if (high - low < 1e-12 * std::max(1.0, std::abs(high))) low -= 0.5, high += 0.5;
     }
+    void widen(double share) {
+        const double by = share * (high - low);
+        low -= by, high += by;
+    }
 };
 
 /** Round step (1, 2 or 5 times a power of ten) that gives about `wanted` ticks. */
@@ -36,6 +40,25 @@ double tickStep(double span, int wanted) {
     for (double factor : {1.0, 2.0, 5.0})
         if (factor * power >= rough) return factor * power;
     return 10 * power;
+}
+
+/** Round values inside a range of scaled values; of a logarithmic one 1, 2 and 5 of each decade, powers of ten alone when those are many. */
+std::vector<double> ticks(const Range& range, int wanted, bool log) {
+    std::vector<double> out;
+    const auto even = [&](double low, double high) {
+        const double step = tickStep(high - low, wanted);
+        for (double v = std::ceil(low / step) * step; v <= high + step * 1e-6; v += step) out.push_back(v);
+        return out;
+    };
+    if (!log) return even(range.low, range.high);
+    if (range.high - range.low < 0.5) return even(std::pow(10.0, range.low), std::pow(10.0, range.high));
+    const bool many = range.high - range.low > 3;
+    for (double decade = std::floor(range.low); decade <= range.high; ++decade)
+        for (double factor : {1.0, 2.0, 5.0}) {
+            const double at = decade + std::log10(factor);
+            if (at >= range.low && at <= range.high && (factor == 1 || !many)) out.push_back(factor * std::pow(10.0, decade));
+        }
+    return out;
 }
 
 std::string element(const char* format, double a, double b, double c, double d) {
@@ -60,51 +83,56 @@ std::string escapeHtml(std::string_view text) {
     return out;
 }
 
-std::string svgLinePlot(const std::vector<PlotSeries>& series, const PlotOptions& options) {
-    const auto scaleY = [&](double y) { return options.logY ? (y > 0 ? std::log10(y) : std::nan("")) : y; };
+std::string svgPlot(const std::vector<PlotSeries>& series, const PlotOptions& options) {
+    const auto scaled = [](double v, bool log) { return log ? (v > 0 ? std::log10(v) : std::nan("")) : v; };
+    const auto scaleX = [&](double x) { return scaled(x, options.logX); };
+    const auto scaleY = [&](double y) { return scaled(y, options.logY); };
+    const auto shown = [&](const PlotSeries& s, size_t i) { return std::isfinite(scaleX(s.x[i])) && std::isfinite(scaleY(s.y[i])); };
     Range rangeX, rangeY;
     for (const PlotSeries& s : series)
         for (size_t i = 0; i < std::min(s.x.size(), s.y.size()); ++i)
-            if (std::isfinite(scaleY(s.y[i]))) rangeX.include(s.x[i]), rangeY.include(scaleY(s.y[i]));
+            if (shown(s, i)) rangeX.include(scaleX(s.x[i])), rangeY.include(scaleY(s.y[i]));
     rangeX.settle();
     rangeY.settle();
+    if (options.points) rangeX.widen(0.05), rangeY.widen(0.08);
     const double width = options.widthPx, height = options.heightPx, plotWidth = width - kLeft - kRight, plotHeight = height - kTop - kBottom;
-    const auto toX = [&](double x) { return kLeft + (x - rangeX.low) / (rangeX.high - rangeX.low) * plotWidth; };
+    const auto toX = [&](double x) { return kLeft + (x - rangeX.low) / (rangeX.high - rangeX.low) * plotWidth; };  // of scaled values
     const auto toY = [&](double y) { return kTop + plotHeight - (y - rangeY.low) / (rangeY.high - rangeY.low) * plotHeight; };
 
     std::string svg = element("<svg viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" height=\"%.0f\" class=\"plot\">", width, height, width, height);
     svg += element("<text x=\"%.0f\" y=\"%.0f\" class=\"title\">", kLeft, 18, 0, 0) + escapeHtml(options.title) + "</text>";
-    const double stepX = tickStep(rangeX.high - rangeX.low, 6), stepY = tickStep(rangeY.high - rangeY.low, 5);
-    for (double x = std::ceil(rangeX.low / stepX) * stepX; x <= rangeX.high + stepX * 1e-6; x += stepX) {
-        svg += element("<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" class=\"grid\"/>", toX(x), kTop, toX(x), kTop + plotHeight);
-        svg += element("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">", toX(x), kTop + plotHeight + 15, 0, 0) + number(x) + "</text>";
+    for (const double x : ticks(rangeX, 6, options.logX)) {
+        svg += element("<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" class=\"grid\"/>", toX(scaleX(x)), kTop, toX(scaleX(x)), kTop + plotHeight);
+        svg += element("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">", toX(scaleX(x)), kTop + plotHeight + 15, 0, 0) + number(x) + "</text>";
     }
-    for (double y = std::ceil(rangeY.low / stepY) * stepY; y <= rangeY.high + stepY * 1e-6; y += stepY) {
-        svg += element("<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" class=\"grid\"/>", kLeft, toY(y), kLeft + plotWidth, toY(y));
-        svg += element("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">", kLeft - 6, toY(y) + 4, 0, 0) + number(options.logY ? std::pow(10.0, y) : y) + "</text>";
+    for (const double y : ticks(rangeY, 5, options.logY)) {
+        svg += element("<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" class=\"grid\"/>", kLeft, toY(scaleY(y)), kLeft + plotWidth, toY(scaleY(y)));
+        svg += element("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">", kLeft - 6, toY(scaleY(y)) + 4, 0, 0) + number(y) + "</text>";
     }
     svg += element("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">", kLeft + plotWidth / 2, height - 8, 0, 0) + escapeHtml(options.xLabel) + "</text>";
     svg += element("<text transform=\"translate(13 %.1f) rotate(-90)\" text-anchor=\"middle\">", kTop + plotHeight / 2, 0, 0, 0) + escapeHtml(options.yLabel) + "</text>";
     double legendX = kLeft + plotWidth;
     for (size_t k = series.size(); k-- > 0;) {
         const PlotSeries& s = series[k];
-        const char* colour = kColours[k % kColours.size()];
+        const std::string fill = "fill=\"" + std::string(kColours[k % kColours.size()]) + "\"";
         std::string path;
         bool penDown = false;
         for (size_t i = 0; i < std::min(s.x.size(), s.y.size()); ++i) {
-            const double y = scaleY(s.y[i]);
-            if (!std::isfinite(y) || !std::isfinite(s.x[i])) {
+            if (!shown(s, i)) {
                 penDown = false;
                 continue;
             }
-            path += element(penDown ? "L%.1f %.1f" : "M%.1f %.1f", toX(s.x[i]), toY(y), 0, 0);
-            penDown = true;
+            const double x = toX(scaleX(s.x[i])), y = toY(scaleY(s.y[i]));
+            if (options.points) {
+                svg += element("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"3.5\" ", x, y, 0, 0) + fill + "/>";
+                if (i < s.pointNames.size()) svg += element("<text x=\"%.1f\" y=\"%.1f\" ", x + 5, y - 4, 0, 0) + fill + ">" + escapeHtml(s.pointNames[i]) + "</text>";
+            } else {
+                path += element(penDown ? "L%.1f %.1f" : "M%.1f %.1f", x, y, 0, 0);
+                penDown = true;
+            }
         }
-        svg += "<path fill=\"none\" stroke-width=\"1.5\" stroke=\"" + std::string(colour) + "\" d=\"" + path + "\"/>";
-        if (options.points)
-            for (size_t i = 0; i < std::min(s.x.size(), s.y.size()); ++i)
-                if (std::isfinite(scaleY(s.y[i])) && std::isfinite(s.x[i])) svg += element("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"3\" ", toX(s.x[i]), toY(scaleY(s.y[i])), 0, 0) + "fill=\"" + colour + "\"/>";
-        svg += element("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\" ", legendX, options.points ? kTop + 14 * double(k + 1) : 18, 0, 0) + "fill=\"" + colour + "\">" + escapeHtml(s.name) + "</text>";
+        if (!options.points) svg += "<path fill=\"none\" stroke-width=\"1.5\" stroke=\"" + std::string(kColours[k % kColours.size()]) + "\" d=\"" + path + "\"/>";
+        svg += element("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\" ", legendX - (options.points ? 8 : 0), options.points ? kTop + 14 * double(k + 1) : 18, 0, 0) + fill + ">" + escapeHtml(s.name) + "</text>";
         if (!options.points) legendX -= 12 + 7.0 * double(s.name.size());
     }
     return svg + "</svg>";

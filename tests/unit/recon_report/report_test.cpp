@@ -38,13 +38,13 @@ TEST(Report, textFromOutsideCannotBecomeMarkup) {
 }
 
 TEST(Report, aPlotDrawsEveryFinitePoint) {
-    const std::string svg = svgLinePlot({{"a", {0, 1, 2, 3}, {1, std::nan(""), 3, 4}}}, {.title = "t"});
+    const std::string svg = svgPlot({{"a", {0, 1, 2, 3}, {1, std::nan(""), 3, 4}}}, {.title = "t"});
     EXPECT_NE(svg.find("M58.0"), std::string::npos);
     size_t moves = 0;
     for (size_t at = svg.find("d=\""); at < svg.size(); ++at) moves += svg[at] == 'M';
     EXPECT_EQ(moves, 2u) << "a gap starts a new piece of line";
 
-    const std::string file = svgFile(svgLinePlot({{"a", {0, 1, 2, 3}, {1, std::nan(""), 3, 4}}}, {.title = "t", .points = true}));
+    const std::string file = svgFile(svgPlot({{"a", {0, 1, 2, 3}, {1, std::nan(""), 3, 4}}}, {.title = "t", .points = true}));
     EXPECT_TRUE(file.starts_with("<svg xmlns="));
     size_t circles = 0;
     for (size_t at = file.find("<circle"); at < file.size(); at = file.find("<circle", at + 1)) ++circles;
