@@ -94,7 +94,7 @@ std::string svgPlot(const std::vector<PlotSeries>& series, const PlotOptions& op
             if (shown(s, i)) rangeX.include(scaleX(s.x[i])), rangeY.include(scaleY(s.y[i]));
     rangeX.settle();
     rangeY.settle();
-    if (options.points) rangeX.widen(0.05), rangeY.widen(0.08);
+    if (options.points) rangeX.widen(0.09), rangeY.widen(0.08);
     const double width = options.widthPx, height = options.heightPx, plotWidth = width - kLeft - kRight, plotHeight = height - kTop - kBottom;
     const auto toX = [&](double x) { return kLeft + (x - rangeX.low) / (rangeX.high - rangeX.low) * plotWidth; };  // of scaled values
     const auto toY = [&](double y) { return kTop + plotHeight - (y - rangeY.low) / (rangeY.high - rangeY.low) * plotHeight; };

@@ -326,7 +326,9 @@ Result<std::span<const PixelView>> GpuRenderer::read(RenderAvatarId id) {
     size_t views = 0;
     for (const uint64_t number : it->second.drawn) {
         if (number == 0) continue;
-        ShapedFrame& frame = *std::find_if(it->second.frames.begin(), it->second.frames.end(), [&](const ShapedFrame& f) { return f.lastUse == number; });
+        const auto drawn = std::find_if(it->second.frames.begin(), it->second.frames.end(), [&](const ShapedFrame& f) { return f.lastUse == number; });
+        if (drawn == it->second.frames.end()) return fail(Code::Internal, "frame {} of avatar {} is gone", number, id);
+        ShapedFrame& frame = *drawn;
         if (!frame.readback) { DPL_CHECK_OK(buildReadback(frame)); }
         DPL_CHECK_OK(backend_->run(frame.readback));
         frame.lastRead = frame.lastUse;

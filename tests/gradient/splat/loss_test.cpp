@@ -53,6 +53,13 @@ struct Scene {
     }
     size_t count() const { return size_t(width) * size_t(height); }
     PictureTarget target() const { return {uint32_t(width), uint32_t(height), rgb, mask, cloth, band}; }
+    /** Colour, alpha and cloth in a row, as referenceLoss() takes them. */
+    std::vector<double> drawn() const {
+        std::vector<double> x(image.rgb.begin(), image.rgb.end());
+        x.insert(x.end(), image.alpha.begin(), image.alpha.end());
+        x.insert(x.end(), image.cloth.begin(), image.cloth.end());
+        return x;
+    }
 };
 
 double referenceLoss(const Scene& s, const std::vector<double>& image, const LossWeights& w, const Vec3d& background) {
@@ -81,9 +88,7 @@ TEST(PictureLoss, gradientOfEveryTerm) {
         PictureLoss loss(jobs);
         ImageGradient g;
         const LossValues v = loss.run(s.image, s.target(), w, background, g);
-        std::vector<double> x(s.image.rgb.begin(), s.image.rgb.end());
-        x.insert(x.end(), s.image.alpha.begin(), s.image.alpha.end());
-        x.insert(x.end(), s.image.cloth.begin(), s.image.cloth.end());
+        const std::vector<double> x = s.drawn();
         EXPECT_NEAR(v.total, referenceLoss(s, x, w, Vec3d(background)), 1e-5);
         const auto numeric = differences(x, [&](const auto& y) { return referenceLoss(s, y, w, Vec3d(background)); }, 1e-6);
         std::vector<double> analytic;
@@ -104,9 +109,7 @@ TEST(PictureLoss, emptyMarginsChangeNothingButTheMean) {
     PictureLoss loss(jobs);
     ImageGradient g;
     const LossValues v = loss.run(s.image, s.target(), w, background, g);
-    std::vector<double> x(s.image.rgb.begin(), s.image.rgb.end());
-    x.insert(x.end(), s.image.alpha.begin(), s.image.alpha.end());
-    x.insert(x.end(), s.image.cloth.begin(), s.image.cloth.end());
+    const std::vector<double> x = s.drawn();
     EXPECT_NEAR(v.total, referenceLoss(s, x, w, Vec3d(background)), 1e-6);
     // Central differences of red at pixels across the picture's corner and the margin beside it.
     double largest = 0;
