@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <numeric>
+#include <thread>
 #include <vector>
 
 #include "sdk/core/reader.h"
@@ -32,6 +35,22 @@ TEST(Jobs, rangesCoverEverythingWithoutOverlap) {
         for (size_t i = begin; i < end; ++i) ++hits[i];
     });
     for (int hit : hits) EXPECT_EQ(hit, 1);
+}
+
+TEST(Jobs, loopsInARowAndLoopsAfterASleepAllFinish) {
+    for (uint32_t threads : {2u, 5u}) {   // as many as cores, and more
+        Jobs jobs(threads);
+        std::vector<uint32_t> sums(37, 0);
+        uint32_t loops = 0;
+        for (int round = 0; round < 400; ++round) {
+            if (round % 100 == 99) std::this_thread::sleep_for(std::chrono::milliseconds(2));  // workers look for some 30 µs, then sleep
+            const size_t count = size_t(round) % (sums.size() + 1);
+            jobs.forBlocks(count, [&](size_t block, uint32_t) { sums[block] += uint32_t(block) + 1; });
+            for (size_t block = 0; block < count; ++block) loops += uint32_t(block) + 1;
+        }
+        EXPECT_EQ(std::accumulate(sums.begin(), sums.end(), 0u), loops) << threads << " threads";
+        EXPECT_GT(loops, 0u);
+    }
 }
 
 TEST(Reader, refusesToReadPastTheEnd) {
