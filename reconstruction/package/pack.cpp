@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <map>
 #include <numeric>
+#include <span>
 
 #include "reconstruction/package/pack_pictures.h"
 #include "reconstruction/package/sh_palette.h"
@@ -21,7 +22,7 @@ constexpr std::array kModePercents = {100, 85, 70, 55, 40, 25, 10, 0};
 constexpr std::array kPalettes = {8192u, 2048u, 512u, 128u};
 
 struct ShChoice {
-    uint32_t degree = 0, entries = 0;   // 0 entries: each splat its own
+    uint32_t degree = 0, entries = 0;   // 0 entries: as the avatar came, each splat its own or from the palette of its file
 };
 
 /** From what the avatar has to none at all. */
@@ -62,6 +63,20 @@ void keepSplats(SplatData& s, const std::vector<uint32_t>& order, size_t count) 
         out.triangleStart.push_back(out.count());
     }
     s = std::move(out);
+}
+
+/** Different SH rows beyond coefficient 0, when they are few enough for a palette and shared by splats: what a file with a palette holds; else 0. */
+uint32_t ownPalette(const SplatData& s) {
+    const size_t stride = shCoefficientCount(s.shDegree) * 3;
+    if (stride <= 3 || s.count() == 0) return 0;
+    std::vector<uint32_t> order(s.count());
+    std::iota(order.begin(), order.end(), 0u);
+    const auto row = [&](uint32_t i) { return std::span(s.sh).subspan(i * stride + 3, stride - 3); };
+    const auto before = [&](uint32_t a, uint32_t b) { return std::lexicographical_compare(row(a).begin(), row(a).end(), row(b).begin(), row(b).end()); };
+    std::sort(order.begin(), order.end(), before);
+    size_t different = 1;
+    for (size_t i = 1; i < order.size(); ++i) different += before(order[i - 1], order[i]);
+    return different <= kMaxShPalette && different * 2 < s.count() ? uint32_t(different) : 0;
 }
 
 /** Modes by how much they move and light at most, strongest first. */
@@ -113,7 +128,7 @@ double megabytes(uint64_t bytes) { return std::round(double(bytes) / 1e4) / 100;
 class Walk {
 public:
     Walk(const AvatarData& avatar, const PackSettings& settings, Jobs& jobs)
-        : whole_(avatar), jobs_(jobs), pictures_(avatar, settings.pictures, settings.seed, jobs), sh_(shLadder(avatar.splats.shDegree)), modes_(modesByStrength(avatar.correctives)) {
+        : whole_(avatar), jobs_(jobs), pictures_(avatar, settings.pictures, settings.seed, jobs), sh_(shLadder(avatar.splats.shDegree)), ownPalette_(ownPalette(avatar.splats)), modes_(modesByStrength(avatar.correctives)) {
         const std::vector<float> importance = pictures_.importance(avatar);
         splats_.resize(importance.size());
         std::iota(splats_.begin(), splats_.end(), 0u);
@@ -140,7 +155,7 @@ public:
         if (at.splats || at.sh || at.modes)
             packed.evidence.push_back({"packed", true, 0, 0, formatText("{} of {} splats, SH degree {} of {}{}, {} of {} modes of pose correctives", c.point.splats, whole_.splats.count(), sh.degree,
                                                                         whole_.splats.shDegree, sh.entries ? formatText(" from a palette of {}", sh.entries) : "", c.point.modes, whole_.correctives.modeCount)});
-        DPL_TRY(c.file, writeAvatar(packed, {.shPalette = sh.entries > 0}));
+        DPL_TRY(c.file, writeAvatar(packed, {.shPalette = sh.entries > 0 || (at.sh == 0 && ownPalette_ > 0)}));
         DPL_TRY(const AvatarData decoded, readAvatar(c.file));
         DPL_TRY(const AvatarInfo info, inspectAvatar(c.file));
         c.point.shEntries = info.shPaletteSize;
@@ -162,7 +177,8 @@ public:
         next = from;
         while (++next.sh < sh_.size()) {
             const ShChoice sh = sh_[next.sh];
-            if (sh.entries >= splatCount(from) && sh.entries > 0) continue;
+            if (sh.entries > 0 && sh.entries >= splatCount(from)) continue;
+            if (sh.entries > 0 && ownPalette_ > 0 && sh.entries >= ownPalette_ && sh.degree == whole_.splats.shDegree) continue;
             out.emplace_back(next, sh.entries ? formatText("SH degree {}, palette of {}", sh.degree, sh.entries) : "no view-dependent colour");
             break;
         }
@@ -197,6 +213,7 @@ private:
     Jobs& jobs_;
     PackPictures pictures_;
     std::vector<ShChoice> sh_;
+    uint32_t ownPalette_;                     // entries of the palette that the avatar came with; 0: none
     std::vector<uint32_t> modes_, splats_;    // strongest, most visible first
     std::map<size_t, std::vector<float>> rows_;
 };

@@ -144,6 +144,21 @@ TEST(Pack, meetsASizeAndStaysOnTheCurve) {
     EXPECT_TRUE(again && again->file == packed->file) << "same seed, same bytes";
 }
 
+TEST(Pack, aFileWithAPaletteStartsAsItIsAndItsPaletteShrinks) {
+    AvatarData avatar = codedTube({.splatsPerTriangle = 8, .rings = 12, .shDegree = 1});
+    Jobs jobs(2);
+    ASSERT_TRUE(paletteSh(avatar.splats, {.maxEntries = 300}, jobs));
+    const auto file = writeAvatar(avatar, {.shPalette = true});
+    ASSERT_TRUE(file) << file.error().message;
+    const auto decoded = readAvatar(*file);
+    ASSERT_TRUE(decoded) << decoded.error().message;
+    const auto packed = packToLimits(*decoded, {.maxBytes = file->size() * 40 / 100}, {.seed = 1, .pictures = 4}, jobs, [](double, const std::string&) { return Status(); });
+    ASSERT_TRUE(packed) << packed.error().message;
+    EXPECT_EQ(packed->curve[0].bytes, file->size());
+    EXPECT_EQ(packed->curve[0].shEntries, rowsOf(avatar.splats).size());
+    EXPECT_LT(packed->curve.back().shEntries, packed->curve[0].shEntries) << "the ladder of SH must not stop at the palette of the file";
+}
+
 TEST(Pack, goesAsFarAsTheLossAllows) {
     const AvatarData a = codedTube();
     Jobs jobs(2);
