@@ -42,7 +42,9 @@ run_tests() {
     failed=$(grep -c '^\[  FAILED  \] .*ms)$' "$log" || true)
     if [ "$skipped" -gt 0 ]; then
         echo "skipped, with the reason each test gave:"
-        grep -B 1 '^\[  SKIPPED \] .*ms)$' "$log" | grep -v '^--$' | sed 's/^/  /'
+        awk '/: Skipped$/ { wanted = 1; next }
+             wanted && NF { reason = $0; wanted = 0 }
+             /^\[  SKIPPED \] .*ms\)$/ { print "  " $4 ": " reason }' "$log"
     fi
     if [ "$passed" -eq 0 ]; then passed=$programs_only; fi
     tests_passed=$((tests_passed + passed))
