@@ -73,9 +73,11 @@ double millisecondsSince(std::chrono::steady_clock::time_point start) { return s
 std::string decibelText(double db) { return std::isfinite(db) ? formatText("{} dB", std::round(db * 10) / 10) : "equal"; }
 double finiteDb(double db) { return std::isfinite(db) ? db : 999; }
 
-/** A context of its own for each case, so that its bytes are those of the case. Left out with a sentence when the machine has no such renderer. */
+/** A context of its own for each case, so that its bytes are those of the case. Left out with a sentence: renderers that the machine does not
+ *  have, and those whose device cannot hold the avatar. */
 Result<std::vector<Contestant>> contestants(const BenchOptions& options, std::span<const uint8_t> bytes, const BenchCase& test) {
     std::vector<Contestant> list;
+    Error why{Code::Unsupported, "no renderer could be started"};
     for (const std::string& name : options.renderers) {
         const auto found = std::find_if(std::begin(kSwitches), std::end(kSwitches), [&](const SwitchedOff& s) { return name == s.renderer; });
         const SwitchedOff* without = found == std::end(kSwitches) ? nullptr : found;
@@ -89,7 +91,12 @@ Result<std::vector<Contestant>> contestants(const BenchOptions& options, std::sp
         const auto loadStart = std::chrono::steady_clock::now();
         auto avatar = context->loadAvatar(bytes);
         const double loadMilliseconds = millisecondsSince(loadStart);
-        if (!avatar) return fail(fromSdk(avatar.error()).code, "{}: {}", options.avatar.string(), avatar.error().message);
+        if (!avatar) {
+            why = fail(fromSdk(avatar.error()).code, "{}: {}", options.avatar.string(), avatar.error().message);
+            if (why.code != Code::Unsupported) return why;
+            std::fprintf(stderr, "doppel: %s is left out: %s\n", name.c_str(), avatar.error().message.c_str());
+            continue;
+        }
         if (!options.clip.empty()) {
             DPL_TRY(const uint32_t clip, chooseClip(*avatar, options.clip));
             if (auto set = avatar->setPoseFromClip(clip, options.timeS, true); !set) return fromSdk(set.error());
@@ -105,7 +112,7 @@ Result<std::vector<Contestant>> contestants(const BenchOptions& options, std::sp
         }
         list.push_back(std::move(c));
     }
-    if (list.empty()) return fail(Code::Unsupported, "no renderer could be started");
+    if (list.empty()) return why;
     return list;
 }
 

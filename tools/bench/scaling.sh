@@ -24,5 +24,5 @@ short = lambda device: "software" if device.startswith("software") else "tiles" 
 print("| splats | " + " | ".join(f"{case}, {short(device)}" for case, device in columns) + " |")
 print("|---|" + "---|" * len(columns))
 for n in counts:
-    print(f"| {n:,} | " + " | ".join(f"{frames[n][c]:.1f} ms, {frames[n][c] * 1e6 / n:.0f} ns" for c in columns) + " |")
+    print(f"| {n:,} | " + " | ".join(f"{frames[n][c]:.1f} ms, {frames[n][c] * 1e6 / n:.0f} ns" if c in frames[n] else "not on this device" for c in columns) + " |")
 P
