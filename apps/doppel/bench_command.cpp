@@ -224,8 +224,8 @@ std::string worthRows(const BenchCase& test, const std::vector<Contestant>& list
     std::string out;
     for (const Contestant& off : list) {
         if (!off.without) continue;
-        const std::string whole = off.name.substr(0, off.name.rfind(','));
-        const auto on = std::find_if(list.begin(), list.end(), [&](const Contestant& c) { return !c.without && c.name == whole; });
+        const std::string whole = off.context.rendererName();
+        const auto on = std::find_if(list.begin(), list.end(), [&](const Contestant& c) { return !c.without && c.context.rendererName() == whole; });
         if (on == list.end()) continue;
         const double frameOn = percentile(on->milliseconds, 0.5), frameOff = percentile(off.milliseconds, 0.5), beforeOn = beforePixelsMs(*on), beforeOff = beforePixelsMs(off);
         char row[300];

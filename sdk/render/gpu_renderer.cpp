@@ -54,7 +54,7 @@ bool shareOrder(std::span<const Cameraf> views) {
 }  // namespace
 
 GpuRenderer::GpuRenderer(std::unique_ptr<Backend> backend, std::string name, const GpuOptions& options)
-    : backend_(std::move(backend)), name_(std::move(name)), preciseBlending_(options.preciseBlending), cullTriangles_(options.cullTriangles), shareViews_(options.shareViews), quantiseDepth_(options.quantiseDepth), fill_(options.fill) {}
+    : backend_(std::move(backend)), name_(std::move(name)), options_(options) {}
 
 GpuRenderer::~GpuRenderer() {
     for (auto& [id, avatar] : avatars_) freeAvatar(avatar);
@@ -170,9 +170,9 @@ Status GpuRenderer::build(const LoadedAvatar& a, ShapedFrame& f) {
     ids.widthPx = f.shape.widthPx;
     ids.heightPx = f.shape.heightPx;
     ids.depth = f.shape.depth;
-    ids.halfColour = preciseBlending_;
-    ids.cull = cullTriangles_;
-    ids.floatKeys = !quantiseDepth_;
+    ids.halfColour = options_.preciseBlending;
+    ids.cull = options_.cullTriangles;
+    ids.floatKeys = !options_.quantiseDepth;
     ids.samples = f.shape.samples;
     DPL_TRY(ids.target, backend_->createTarget({ids.widthPx, ids.heightPx, ids.viewCount, ids.depth, ids.layered, ids.halfColour, ids.samples}));
     // Whoever walks away from this avatar should not wait for a shader compiler: its other pipeline is made now, its other target when it is needed.
@@ -281,9 +281,9 @@ Status GpuRenderer::draw(RenderAvatarId id, const Pose& pose, std::span<const Ca
     std::fill(std::begin(avatar.drawn), std::end(avatar.drawn), 0);
     const bool choose = avatar.data && backend_->info().fourSamples;
     const uint32_t samples = choose ? coverageSamples(avatar.data->trainedPixelM, rootPosition(avatar.data->joints, pose), views) : 1;
-    const Fill fill = samples == 1 ? fill_ : Fill::Quads;  // tiles have one sample a pixel
+    const Fill fill = samples == 1 ? options_.fill : Fill::Quads;  // tiles have one sample a pixel
     const Shape shape{views[0].widthPx, views[0].heightPx, uint32_t(views.size()), wantDepth, 0, samples, fill};
-    if (views.size() == 1 || (shareViews_ && shareOrder(views))) return drawFrame(avatar, pose, views, shape);
+    if (views.size() == 1 || (options_.shareViews && shareOrder(views))) return drawFrame(avatar, pose, views, shape);
     Status drawn;
     for (uint32_t eye = 0; eye < views.size() && drawn; ++eye) drawn = drawFrame(avatar, pose, views.subspan(eye, 1), {shape.widthPx, shape.heightPx, 1, wantDepth, eye, samples, fill});
     if (!drawn) std::fill(std::begin(avatar.drawn), std::end(avatar.drawn), 0);  // half a pair is not shown

@@ -29,8 +29,8 @@ public:
     GpuRenderer(std::unique_ptr<Backend> backend, std::string name, const GpuOptions& options = {});
     ~GpuRenderer() override;
 
-    std::string name() const override { return formatText("{} ({})", name_, fill_ == Fill::Tiles ? "tiles" : "quads"); }
-    void setFill(Fill fill) override { fill_ = fill; }
+    std::string name() const override { return formatText("{} ({})", name_, options_.fill == Fill::Tiles ? "tiles" : "quads"); }
+    void setFill(Fill fill) override { options_.fill = fill; }
     std::string identity() const override { return backend_->info().identity; }
     Result<RenderAvatarId> addAvatar(std::shared_ptr<const AvatarData> avatar) override;
     Result<RenderAvatarId> addCodedAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats) override;
@@ -96,8 +96,7 @@ private:
 
     std::unique_ptr<Backend> backend_;
     std::string name_;
-    bool preciseBlending_, cullTriangles_, shareViews_, quantiseDepth_;
-    Fill fill_;
+    GpuOptions options_;
     std::map<RenderAvatarId, LoadedAvatar> avatars_;
     std::vector<Mat3x4f> worldFromRest_;   // of the last pose, as are these
     std::vector<float> coefficients_;

@@ -21,9 +21,10 @@ scan["frames"] = [f for f in scan["frames"] if keeps(f)]
 assert {("static_full", "test"), ("static_closeup", "train"), ("dynamic", "train"), ("dynamic", "test")} <= {(f["kind"], f["split"]) for f in scan["frames"]}
 path.write_text(json.dumps(scan))
 P
+options=(--preset draft --steps 120 --seed 3)
 # reconstruct SCAN OUT [options]: until the avatar is written, which happens whole or not at all; held-out poses and the report are not compared here.
 reconstruct() {
-    "$doppel" reconstruct "$1" -o "$2" --preset draft --steps 120 --seed 3 "${@:3}" >"$2.log" 2>&1 &
+    "$doppel" reconstruct "$1" -o "$2" "${options[@]}" "${@:3}" >"$2.log" 2>&1 &
     local pid=$!
     while kill -0 $pid 2>/dev/null && [ ! -f "$2/avatar.glb" ]; do sleep 0.2; done
     kill -TERM $pid 2>/dev/null || true
@@ -33,7 +34,7 @@ reconstruct() {
 same() { cmp -s "$1/avatar.glb" "$2/avatar.glb" && echo "ok: $3" || { echo "FAILED: $3: $1/avatar.glb and $2/avatar.glb differ" >&2; exit 1; }; }
 
 reconstruct scan one --threads 1
-"$doppel" reconstruct scan -o one --preset draft --steps 120 --seed 3 >>one.log 2>&1 || { tail -n 20 one.log >&2; echo "the rest of reconstruct one failed" >&2; exit 1; }  # poses and report too, on more threads
+"$doppel" reconstruct scan -o one "${options[@]}" >>one.log 2>&1 || { tail -n 20 one.log >&2; echo "the rest of reconstruct one failed" >&2; exit 1; }  # poses and report too, on more threads
 [ -f one/report.html ] || { echo "FAILED: no report" >&2; exit 1; }
 reconstruct scan three --threads 3
 same one three "1 and 3 threads give the same bytes"
@@ -82,14 +83,14 @@ same one deceived "held-out pictures cannot reach the avatar"
 
 # Stopped in training (a checkpoint is written), killed outright, continued.
 interrupt() {  # interrupt SIGNAL: starts the run, waits until it trains, sends the signal
-    "$doppel" reconstruct scan -o killed --preset draft --steps 120 --seed 3 >>killed.log 2>&1 &
+    "$doppel" reconstruct scan -o killed "${options[@]}" >>killed.log 2>&1 &
     local pid=$!
     for _ in $(seq 600); do
         [ -d killed/stages/*co-optimise.work ] 2>/dev/null && break
         kill -0 $pid 2>/dev/null || break
         sleep 0.1
     done
-    sleep 2
+    sleep 1  # training takes some three seconds
     kill "$1" $pid 2>/dev/null || echo "note: the run had finished before $1"
     wait $pid 2>/dev/null || true
 }
