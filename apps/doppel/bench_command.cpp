@@ -219,8 +219,8 @@ double beforePixelsMs(const Contestant& c) {
     return sum;
 }
 
-/** What each switch is worth: the same renderer and fill with it on, in the same turns. */
-std::string worthRows(const BenchCase& test, const std::vector<Contestant>& list) {
+/** What each switch is worth and what it costs: the same renderer and fill with it on, in the same turns. */
+std::string worthRows(const BenchCase& test, const std::vector<Contestant>& list, bool compared) {
     std::string out;
     for (const Contestant& off : list) {
         if (!off.without) continue;
@@ -228,9 +228,12 @@ std::string worthRows(const BenchCase& test, const std::vector<Contestant>& list
         const auto on = std::find_if(list.begin(), list.end(), [&](const Contestant& c) { return !c.without && c.context.rendererName() == whole; });
         if (on == list.end()) continue;
         const double frameOn = percentile(on->milliseconds, 0.5), frameOff = percentile(off.milliseconds, 0.5), beforeOn = beforePixelsMs(*on), beforeOff = beforePixelsMs(off);
-        char row[300];
-        std::snprintf(row, sizeof row, "| %s | %s | %.2f → %.2f | %.2f × | %.2f → %.2f | %.2f × |\n", test.name, off.name.c_str(), frameOff, frameOn, frameOff / frameOn, beforeOff, beforeOn,
-                      beforeOn > 0 ? beforeOff / beforeOn : 0.0);
+        const std::string error = compared ? formatText("{} → {} | {} → {}", decibelText(off.error.coveredPsnrDb()), decibelText(on->error.coveredPsnrDb()), std::round(off.error.maxLevels * 10) / 10,
+                                                        std::round(on->error.maxLevels * 10) / 10)
+                                           : "– | –";
+        char row[400];
+        std::snprintf(row, sizeof row, "| %s | %s | %.2f → %.2f | %.2f × | %.2f → %.2f | %.2f × | %s |\n", test.name, off.name.c_str(), frameOff, frameOn, frameOff / frameOn, beforeOff, beforeOn,
+                      beforeOn > 0 ? beforeOff / beforeOn : 0.0, error.c_str());
         out += row;
     }
     return out;
@@ -315,14 +318,14 @@ Status bench(const BenchOptions& options) {
             points->x.push_back(percentile(c.milliseconds, 0.5)), points->y.push_back(finiteDb(c.error.coveredPsnrDb()));
             points->pointNames.push_back(std::string(test.name).substr(0, std::string_view(test.name).find(' ')));
         }
-        worth += worthRows(test, list);
+        worth += worthRows(test, list, !options.withoutReference);
     }
     std::printf("%s: %u splats, %zu bytes in the file\n\n"
                 "| case | renderer | ms | p95 | dplDraw ms | GPU ms | PSNR | covered pixels | max error, levels | FLIP | splats → in view → facing → drawn | chunks projected | resident MiB |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n%s",
                 options.avatar.c_str(), splatCount, bytes.size(), frames.c_str());
     for (const PassTable& table : passes) std::printf("%s", table.text().c_str());
     if (!worth.empty())
-        std::printf("\n| case | switched off | frame, ms: off → on | worth | before pixels are filled, GPU ms: off → on | worth |\n|---|---|---|---|---|---|\n%s", worth.c_str());
+        std::printf("\n| case | switched off | frame, ms: off → on | worth | before pixels are filled, GPU ms: off → on | worth | covered pixels: off → on | max error, levels: off → on |\n|---|---|---|---|---|---|---|---|\n%s", worth.c_str());
     std::printf("\n| case | renderer | load ms | splats: bytes each, of PLY | avatar, of PLY | working set, of PLY | phase 1: bytes read a splat | phase 2 |\n|---|---|---|---|---|---|---|---|\n%s"
                 "\nPLY: 62 floats a splat. Splats: codes, parents, SH entries. Avatar: with mesh, weights and pose correctives, CPU and GPU together. Working set: what the frames of this case add. Bytes read, of the splats'\n"
                 "codes, over all splats and views: to tell which may show, and of those; counted on the CPU, from survivors and layout on a GPU.\n", memory.c_str());
