@@ -44,6 +44,7 @@ struct DeviceInfo {
     bool multiview = false;         // layered targets drawn in one pass; otherwise views lie side by side
     bool halfDepth = false;         // depth sums are read back as 2 x f16 instead of 2 x f32
     bool timestamps = false;
+    bool shuffle = false;           // subgroups of 8 to 64 lanes that follow the order of the workgroup, with shuffles, in compute
     bool fourSamples = false;       // targets of 4 samples a pixel at the standard places, each shaded by itself
     bool isSoftware() const { return kind == DeviceKind::Software; }
 };

@@ -52,6 +52,14 @@ void addReach(const CodedSplats& s, std::vector<gpu::TriangleRecord>& triangles)
     }
 }
 
+/** The chunks' tables of parents, each entry with the kinds of splats that its chunk has on it. */
+std::vector<uint32_t> parentTable(const CodedSplats& s) {
+    std::vector<uint32_t> table = s.parents;
+    for (const SplatChunk& c : s.chunks)
+        for (uint32_t i = c.firstSplat; i < c.firstSplat + c.splatCount; ++i) table[c.firstParent + s.parent[i]] |= s.size[i] & gpu::kGatedBit ? gpu::kParentGated : gpu::kParentFree;
+    return table;
+}
+
 template <class T>
 uint32_t appendWords(std::vector<uint32_t>& words, const std::vector<T>& values) {
     const size_t first = words.size();
@@ -90,8 +98,8 @@ Status checkAvatar(const AvatarData& avatar, const CodedSplats& splats, const De
         for (int k = 0; k < 3; ++k)
             if (t[k] >= vertices) return fail(Code::InvalidArgument, "avatar {}: a triangle names vertex {} of {}", avatar.name, t[k], vertices);
     DPL_CHECK_OK(checkCorrectives(avatar.correctives, avatar.joints.size(), vertices));
-    DPL_CHECK_OK(checkBinding("SH coefficients", splats.sh.size(), 1, device, "export the avatar with a lower SH degree or fewer splats"));
-    DPL_CHECK_OK(checkBinding("splats", splats.bytes() - splats.sh.size(), 1, device, "export the avatar with fewer splats"));
+    DPL_CHECK_OK(checkBinding("splats", splats.bytes() + 16, 1, device, "export the avatar with a lower SH degree or fewer splats"));
+    if (triangles > gpu::kParentMask) return fail(Code::Unsupported, "avatar {}: {} triangles, at most {}; decimate the mesh", avatar.name, triangles, gpu::kParentMask);
     DPL_CHECK_OK(checkBinding("projected splats", splats.count(), sizeof(gpu::ProjectedSplat) * gpu::kMaxViews, device, "export the avatar with fewer splats"));
     DPL_CHECK_OK(checkBinding("posed triangles", triangles, sizeof(gpu::TriangleFrame), device, "decimate the mesh"));
     return checkBinding("posed vertices", vertices, avatar.correctives.empty() ? sizeof(gpu::VertexRecord) : sizeof(gpu::CorrectedVertexRecord), device, "decimate the mesh");
@@ -143,14 +151,15 @@ AvatarRecords packAvatar(const AvatarData& avatar, const CodedSplats& splats) {
         out.triangles.push_back({column(0, rest.inverse.i00), column(1, rest.inverse.i01), column(2, rest.inverse.i11), {t.x, t.y, t.z, rest.valid ? 1u : 0u}, 0, 0, 0, 0});
     }
     addReach(splats, out.triangles);
-    out.codes.reserve(size_t(splats.bytes() - splats.sh.size()) / 4 + 2);
+    out.codes.reserve(size_t(splats.bytes()) / 4 + 3);
     appendWords(out.codes, splats.chunks);
-    out.where.firstParent = appendWords(out.codes, splats.parents);
+    out.where.firstParent = appendWords(out.codes, parentTable(splats));
     out.where.firstPlace = appendWords(out.codes, splats.place);
     out.where.firstSize = appendWords(out.codes, splats.size);
     out.where.firstColour = appendWords(out.codes, splats.colour);
     out.where.firstParentByte = appendWords(out.codes, splats.parent);
     if (!splats.shIndex.empty()) out.where.firstShIndex = appendWords(out.codes, splats.shIndex);
+    out.where.firstSh = appendWords(out.codes, splats.sh);
     out.where.shDegree = splats.shDegree, out.where.shWords = shEntryBytes(splats.shDegree) / 4;
     return out;
 }

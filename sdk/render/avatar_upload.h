@@ -25,7 +25,7 @@ Status checkAvatar(const AvatarData& avatar, const CodedSplats& splats, const De
 /** Refuses splat arrays that do not fit each other or the triangles. */
 Status checkSplatArrays(const AvatarData& avatar);
 
-/** Both must have passed checkAvatar. The SH entries are uploaded as they are. */
+/** Both must have passed checkAvatar. */
 AvatarRecords packAvatar(const AvatarData& avatar, const CodedSplats& splats);
 
 /** The same for general splats. */

@@ -22,6 +22,7 @@ namespace dpl {
 namespace {
 
 constexpr float kSharedOrderRad = 0.035f;  // two views whose axes are further apart than 2 degrees are sorted each for itself (ADR 0002)
+constexpr std::array<std::byte, 4> kZero{};
 constexpr size_t kFramesKept = 4;  // recorded frame shapes an avatar keeps; an app uses one or two at two sample counts, a resize leaves others behind
 
 float fromHalf(uint16_t half) {
@@ -111,6 +112,7 @@ Status GpuRenderer::loadSplats(LoadedAvatar& a, const StaticSplatData& splats) {
     ids.general = true;
     ids.splatCount = splats.count();
     ids.shDegree = splats.shDegree;
+    ids.groupCount = ids.filledGroups = (ids.splatCount + gpu::kSplatGroup - 1) / gpu::kSplatGroup;
     const std::vector<gpu::GeneralSplatRecord> records = packSplats(splats);
     a.avatarBytes = a.splatBytes = records.size() * sizeof(gpu::GeneralSplatRecord) + splats.sh.size() * sizeof(float);
     DPL_TRY(ids.splats, uploadBuffer<gpu::GeneralSplatRecord>(a.owned, "splats", records));
@@ -142,8 +144,6 @@ Status GpuRenderer::loadAvatar(LoadedAvatar& a, const CodedSplats& splats) {
     }
     DPL_TRY(ids.triangles, uploadBuffer<gpu::TriangleRecord>(a.owned, "triangles", records.triangles));
     DPL_TRY(ids.splats, uploadBuffer<uint32_t>(a.owned, "splats", records.codes));
-    const int8_t none[16] = {};   // SH degree 0: the pass binds a buffer all the same
-    DPL_TRY(ids.sh, uploadBuffer<int8_t>(a.owned, "sh", splats.sh.empty() ? std::span<const int8_t>(none) : splats.sh));
     DPL_TRY(ids.posed, makeBuffer(a.owned, "posed", ids.vertexCount * 16ull));
     DPL_TRY(ids.triangleFrames, makeBuffer(a.owned, "triangle frames", ids.triangleCount * uint64_t(sizeof(gpu::TriangleFrame))));
     return makeWorkBuffers(a);
@@ -155,11 +155,11 @@ Status GpuRenderer::makeWorkBuffers(LoadedAvatar& a) {
     ids.layered = backend_->info().multiview;
     const uint64_t splats = ids.splatCount;
     DPL_TRY(ids.visibility, makeBuffer(a.owned, "visibility", (ids.firstDepth() + splats) * 4));
-    DPL_TRY(ids.blockSums, makeBuffer(a.owned, "block sums", (ids.compactBlocks() + 1ull) * 4));
     DPL_TRY(ids.counts, makeBuffer(a.owned, "counts", sizeof(gpu::FrameCounts)));
     DPL_TRY(ids.pairs, makeBuffer(a.owned, "pairs", splats * 8));
     DPL_TRY(ids.pairsSwap, makeBuffer(a.owned, "pairs swap", splats * 8));
-    DPL_TRY(ids.histogram, makeBuffer(a.owned, "histogram", (uint64_t(gpu::kSortDigits) * ids.maxSortBlocks() + 1) * 4));
+    DPL_TRY(ids.histogram, makeBuffer(a.owned, "histogram", ids.histogramWords() * 4));
+    DPL_CHECK_OK(backend_->write(ids.histogram, 0, kZero));  // each round clears its own part; this is for the check of reads
     return {};
 }
 
@@ -173,6 +173,7 @@ Status GpuRenderer::build(const LoadedAvatar& a, ShapedFrame& f) {
     ids.halfColour = options_.preciseBlending;
     ids.cull = options_.cullTriangles;
     ids.floatKeys = !options_.quantiseDepth;
+    ids.shuffle = backend_->info().shuffle;
     ids.samples = f.shape.samples;
     DPL_TRY(ids.target, backend_->createTarget({ids.widthPx, ids.heightPx, ids.viewCount, ids.depth, ids.layered, ids.halfColour, ids.samples}));
     // Whoever walks away from this avatar should not wait for a shader compiler: its other pipeline is made now, its other target when it is needed.
@@ -185,8 +186,7 @@ Status GpuRenderer::build(const LoadedAvatar& a, ShapedFrame& f) {
     }
     if (tiles) {
         DPL_TRY(ids.tileLists, makeBuffer(f.owned, "tile lists", tiles->listBytes));
-        constexpr std::array<std::byte, 4> kZero{};
-        DPL_CHECK_OK(backend_->write(ids.tileLists, 0, kZero));  // each pass clears its own part; this is for the check of reads
+        DPL_CHECK_OK(backend_->write(ids.tileLists, 0, kZero));  // the same
         DPL_TRY(ids.tileEntries, makeBuffer(f.owned, "tile entries", tiles->entryBytes));
         DPL_TRY(ids.tilePixels, makeBuffer(f.owned, "tile pixels", tiles->pixelBytes));
     }
@@ -211,7 +211,6 @@ Status GpuRenderer::buildSlot(const LoadedAvatar& a, ShapedFrame& f, Slot& slot,
             addChunks(plan, ids);
         }
         addProject(plan, ids);
-        addColour(plan, ids);
         addCompact(plan, ids);
         addSort(plan, ids);
         if (tiles) addTiles(plan, ids, *tiles);
@@ -371,7 +370,7 @@ Result<FrameStats> GpuRenderer::stats(RenderAvatarId id) {
         raise(stats.trianglesInView, counts.trianglesInView), raise(stats.trianglesFacing, counts.trianglesFacing), raise(stats.chunksProjected, counts.chunkGroupsX);
         raise(stats.splatsInView, counts.splatsInView), raise(stats.splatsFacing, counts.splatsFacing), raise(stats.splatsDrawn, counts.visible);
         if (!frame.ids.general) {   // from survivors and layout: the GPU counts no bytes
-            stats.bytesDecided += uint64_t(frame.ids.splatCount) * 5 + uint64_t(counts.chunkGroupsX) * gpu::kSplatGroup * 5;
+            stats.bytesDecided += uint64_t(frame.ids.codes.firstPlace - frame.ids.codes.firstParent) * 4 + uint64_t(counts.chunkGroupsX) * gpu::kSplatGroup * 5;
             stats.bytesDecoded += uint64_t(counts.splatsFacing) * 4 + uint64_t(counts.visible) * (4 + (frame.ids.codes.firstShIndex ? 2 : 0) + frame.ids.codes.shWords * 4);
         }
         stats.tileEntries += counts.tileEntries;

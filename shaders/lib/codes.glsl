@@ -1,37 +1,60 @@
-// Splats as they lie in the file (sdk/format/coded_splats.h), read by one kernel or another from one buffer. The includer declares it as `uint codes[]`
-// and the push constants as CodesPush `push`. Phase 1 reads the parent byte and the size word; the rest is for splats that a view shows.
+// Splats as they lie in the file (sdk/format/coded_splats.h), by a workgroup that works on one half-chunk. The includer declares the buffer as
+// `uint codes[]` and the push constants as CodesPush `push`.
+shared uint dplChunk[16];  // kChunkWords: the record of its chunk
+
+/** All lanes; a barrier behind it. */
+void dplLoadChunk(uint lane, uint group) {
+    if (lane < kChunkWords) dplChunk[lane] = codes[(group >> 1u) * kChunkWords + lane];
+}
+
 struct SplatPlace {
-    uint chunk;   // its record, as a word offset
     uint splat;
     bool exists;
 };
-
-/** Splat of a lane of half-chunk `group`. */
 SplatPlace dplPlaceOf(uint group, uint lane) {
     SplatPlace p;
-    p.chunk = (group >> 1u) * kChunkWords;
     uint within = (group & 1u) * kSplatGroup + lane;
-    p.splat = codes[p.chunk] + within;
-    p.exists = within < codes[p.chunk + 1u];
+    p.splat = dplChunk[0] + within;
+    p.exists = within < dplChunk[1];
     return p;
 }
 
-float dplChunkFloat(SplatPlace p, uint word) { return uintBitsToFloat(codes[p.chunk + word]); }
+float dplChunkFloat(uint word) { return uintBitsToFloat(dplChunk[word]); }
 
 /** Its triangle. */
-uint dplParent(SplatPlace p) {
-    uint byte = (codes[push.firstParentByte + (p.splat >> 2u)] >> ((p.splat & 3u) * 8u)) & 0xFFu;
-    return codes[push.firstParent + codes[p.chunk + kChunkFirstParent] + byte];
+uint dplParent(uint splat) {
+    uint byte = (codes[push.firstParentByte + (splat >> 2u)] >> ((splat & 3u) * 8u)) & 0xFFu;
+    return codes[push.firstParent + dplChunk[kChunkFirstParent] + byte] & kParentMask;
 }
 
 bool dplGated(uint size) { return (size & kGatedBit) != 0u; }
-uint dplSize(SplatPlace p) { return codes[push.firstSize + p.splat]; }
 float dplOpacity(uint size) { return float((size >> 22u) & 0xFFu) * (1.0 / 255.0); }
 vec2 dplUv(uint place) { return (vec2(float(place & 2047u), float((place >> 11u) & 2047u)) - kUvZeroCode) * (1.0 / kUvCodeSteps); }
 
 /** Standard deviations of both axes, metres: evenly spaced in the logarithm. */
-vec2 dplScale(SplatPlace p, uint size) {
-    float low = log(dplChunkFloat(p, kChunkScaleMin)), width = log(dplChunkFloat(p, kChunkScaleMax)) - low;
+vec2 dplScale(uint size) {
+    float low = log(dplChunkFloat(kChunkScaleMin)), width = log(dplChunkFloat(kChunkScaleMax)) - low;
     vec2 code = vec2(float(size & 2047u), float((size >> 11u) & 2047u));
     return vec2(exp(low + width * code.x * (1.0 / 2047.0)), exp(low + width * code.y * (1.0 / 2047.0)));
+}
+
+float dplShByte(uint entry, uint at) { return float(int(codes[entry + (at >> 2u)] << (24u - 8u * (at & 3u))) >> 24); }
+
+/** Coefficient k of a splat whose entry begins at a word; 0 comes from its colour word. */
+vec3 dplShCode(uint entry, uint colour, uint k) {
+    if (k == 0u) {
+        vec3 low = vec3(dplChunkFloat(kChunkDcMin), dplChunkFloat(kChunkDcMin + 1u), dplChunkFloat(kChunkDcMin + 2u));
+        vec3 high = vec3(dplChunkFloat(kChunkDcMax), dplChunkFloat(kChunkDcMax + 1u), dplChunkFloat(kChunkDcMax + 2u));
+        return low + (high - low) * vec3(float(colour & 1023u) * (1.0 / 1023.0), float((colour >> 10u) & 2047u) * (1.0 / 2047.0), float(colour >> 21u) * (1.0 / 2047.0));
+    }
+    uint at = 3u * (k - 1u);
+    float range = dplChunkFloat(kChunkShRange + (k < 4u ? 0u : k < 9u ? 1u : 2u));
+    return range * (1.0 / 127.0) * vec3(dplShByte(entry, at), dplShByte(entry, at + 1u), dplShByte(entry, at + 2u));
+}
+
+/** Where the SH entry of a splat begins, in words. */
+uint dplShEntry(uint splat) {
+    uint entry = splat;
+    if (push.firstShIndex != 0u) entry = (codes[push.firstShIndex + (splat >> 1u)] >> ((splat & 1u) * 16u)) & 0xFFFFu;
+    return push.firstSh + entry * push.shWords;
 }

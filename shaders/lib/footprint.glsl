@@ -80,32 +80,3 @@ Footprint dplProjectGeneral(ViewData view, vec3 centre, vec3 axis1, vec3 axis2, 
     vec3 minors = vec3(b2.x * b3.y - b3.x * b2.y, b3.x * b1.y - b1.x * b3.y, b1.x * b2.y - b2.x * b1.y);
     return dplFootprint(view, centre, b1 * b1 + b2 * b2 + b3 * b3, b1.x * b1.y + b2.x * b2.y + b3.x * b3.y, dot(minors, minors), kappa);
 }
-
-ProjectedSplat dplHiddenSplat() {
-    ProjectedSplat p;
-    p.opacity = 0.0;
-    p.centrePx = p.radiusPx = vec2(0.0);
-    p.conicA = p.conicB = p.conicC = 0.0;
-    p.colour = vec4(0.0);
-    return p;
-}
-
-// A footprint of this opacity as the draw reads it, colour aside; hidden when no pixel of the target sees 1/255 of it.
-ProjectedSplat dplShow(Footprint f, float opacity, vec2 targetPx) {
-    ProjectedSplat p = dplHiddenSplat();
-    if (opacity >= kGpuMinAlpha) {
-        float level = 2.0 * log(opacity / kGpuMinAlpha);
-        vec2 radius = sqrt(level * f.variance);
-        vec2 low = f.centrePx - radius, high = f.centrePx + radius;
-        if (high.x > 0.0 && high.y > 0.0 && low.x < targetPx.x && low.y < targetPx.y) {
-            p.centrePx = f.centrePx;
-            p.radiusPx = radius;
-            p.conicA = f.conic.x;
-            p.conicB = f.conic.y;
-            p.conicC = f.conic.z;
-            p.opacity = opacity;
-            p.colour.w = f.depthM;
-        }
-    }
-    return p;
-}

@@ -1,9 +1,8 @@
 // Every struct that crosses from C++ to a shader or from one pass to the next. Four-byte scalars and 8/16-byte vectors only.
 //
 //   VertexRecord ─skin► vec4 posed (w: brightness) ─triangles► TriangleFrame ─project► ProjectedSplat (splat × view) + sort depth
-//                                                            └─colour► ProjectedSplat.colour
-//   splat codes, uints: chunk records │ parents │ place │ size │ colour │ parent bytes │ SH indices (lib/codes.glsl)
-//   visibility buffer, uints: a flag a half-chunk │ the live ones, in order │ a sort depth a splat
+////   splat codes, uints: chunk records │ parents │ place │ size │ colour │ parent bytes │ SH indices │ SH entries (lib/codes.glsl)
+//   visibility buffer, uints: of each half-chunk whether it lives, the live ones in order, which splats show, its first splat, how many show; sort depths (lib/visibility.glsl)
 //   sort depth ─compact► uvec2 (key, splat) ─sort► the same, near first ─draw► pixels
 //                                                                      └─tiles► spans by row of tiles ► entries by tile ─fill► pixels
 //   GeneralSplatRecord ─project.general► the same two ─...  (general splats: no pose, no triangles)
@@ -63,17 +62,14 @@ struct TriangleRecord {       // static, per triangle; frame and D⁻¹ of the r
 };
 DPL_SHARED_SIZE(TriangleRecord, 80)
 
-struct TriangleFrame {        // per triangle and frame; w components carry who sees it, the unit normal and brightness
-    vec4 v0;                  // w: kShowsFree << view, kShowsGated << view: which of its splats which view may show; a whole number
-    vec4 v1;                  // w: normal x
-    vec4 v2;                  // w: normal y
-    vec4 f0;                  // first column of F; w: normal z
-    vec4 f1;                  // second column of F
-    vec4 worldFromRest0;      // columns of the polar rotation; w: brightness at corner 0
-    vec4 worldFromRest1;      // w: at corner 1
-    vec4 worldFromRest2;      // w: at corner 2
+struct TriangleFrame {        // per triangle and frame; bits of floats but for w, which packs what needs less
+    uvec4 corner0;            // w: kShowsFree << view, kShowsGated << view: which of its splats which view may show
+    uvec4 corner1;            // w: polar rotation, quaternion x and y, snorm16
+    uvec4 corner2;            // w: z and w
+    uvec4 column0;            // of F; w: brightness at corners 0 and 1, half
+    uvec4 column1;            // w: at corner 2
 };
-DPL_SHARED_SIZE(TriangleFrame, 128)
+DPL_SHARED_SIZE(TriangleFrame, 80)
 
 struct GeneralSplatRecord {   // static, per general splat
     vec4 centre;              // world; w: opacity
@@ -83,21 +79,20 @@ struct GeneralSplatRecord {   // static, per general splat
 };
 DPL_SHARED_SIZE(GeneralSplatRecord, 64)
 
-struct ProjectedSplat {       // per splat and view, index splat * views + view; opacity 0 = not in this view
-    vec2 centrePx;            // target pixels, origin top left, centres at +0.5
+struct ProjectedSplat {       // per splat and view, index splat * views + view (lib/projected.glsl); opacity and radius 0 = not in this view
+    vec4 place;               // centre in target pixels (origin top left, centres at +0.5), conic A and B: σ = ½(A dx² + C dy²) + B dx dy
+    uvec4 look;               // bits of: conic C; opacity after compensation, gate and near fade; rgb display-referred, 11, 11 and 10 bits; view z, metres
     vec2 radiusPx;            // half box outside which α < 1/255
-    float conicA, conicB, conicC;  // σ = ½(A dx² + C dy²) + B dx dy
-    float opacity;            // after compensation, gate and near fade
-    vec4 colour;              // rgb display-referred (before the colour pass: rest direction × brightness); w: view z, metres
+    uint pad0, pad1;
 };
 DPL_SHARED_SIZE(ProjectedSplat, 48)
 
 struct FrameCounts {          // written by the GPU for itself; the indirect arguments live inside
     uint visible;             // survivors of culling, all views together
-    uint sortBlocks;          // ceil(visible / kSortBlock)
+    uint runs;                // ceil(visible / kRun)
     uint trianglesInView;     // that carry splats and touch some view
     uint trianglesFacing;     // of these, with splats that are not all turned away
-    uint sortGroupsX, sortGroupsY, sortGroupsZ;  // VkDispatchIndirectCommand
+    uint runGroupsX, runGroupsY, runGroupsZ;     // VkDispatchIndirectCommand over the runs
     uint pad2;
     uint drawVertices, drawInstances, drawFirstVertex, drawFirstInstance;  // VkDrawIndirectCommand
     uint depthMaxBits;        // posed bounds along the sort axis, order-preserving float bits (lib/order.glsl)
@@ -105,8 +100,6 @@ struct FrameCounts {          // written by the GPU for itself; the indirect arg
     uint splatsInView;        // on trianglesInView
     uint splatsFacing;        // of these, not turned away
     uint chunkGroupsX, chunkGroupsY, chunkGroupsZ;  // VkDispatchIndirectCommand over the chunks that have such a splat
-    uint tileRuns;            // ceil(visible / kTileRun)
-    uint runGroupsX, runGroupsY, runGroupsZ;     // VkDispatchIndirectCommand over the runs
     uint tileSpans;           // of all rows of tiles
     uint spanGroupsX, spanGroupsY, spanGroupsZ;  // the same over the runs, and over the rows: zero when the spans do not fit
     uint tileEntries;         // of all tiles
@@ -115,9 +108,8 @@ struct FrameCounts {          // written by the GPU for itself; the indirect arg
     uint entryGroupsX, entryGroupsY, entryGroupsZ;  // over the rows, and over the tiles: zero when the entries do not fit
     uint pad3;
     uint fillGroupsX, fillGroupsY, fillGroupsZ;
-    uint pad4;
 };
-DPL_SHARED_SIZE(FrameCounts, 160)
+DPL_SHARED_SIZE(FrameCounts, 140)
 
 struct TilePush {             // of every tile pass; `first...`: offsets into the tile lists, one buffer of uints
     uint viewCount, columns, rows;  // tiles across and down one view
@@ -132,18 +124,18 @@ struct TilePush {             // of every tile pass; `first...`: offsets into th
     uint firstDepth;          // in the pixel buffer, words
     uint halfColour, halfDepth;
 };
-struct TileScanPush { uint perRow; uint firstTable; uint firstSum; };  // perRow 0: counts.tileRuns
+struct RowScanPush { uint perRow; uint firstTable; uint firstSum; };  // perRow 0: counts.runs
 
 struct VertexPush { uint vertexCount; uint firstNode; };  // control nodes in the palette, behind the joints' rows
-struct TrianglePush { uint triangleCount; uint viewCount; uint cull; };  // cull 0: every valid triangle is shown
-struct SplatPush { uint splatCount; uint viewCount; };
+struct TrianglePush { uint triangleCount; uint cull; };  // cull 0: every valid triangle is shown
+struct SplatPush { uint splatCount; uint groupCount; };
 // Where the streams of an avatar's splat codes begin, in words; firstShIndex 0: every splat has its own SH entry, of shWords.
-struct CodesPush { uint viewCount; uint groupCount; uint firstParent; uint firstPlace; uint firstSize; uint firstColour; uint firstParentByte; uint firstShIndex; uint shDegree; uint shWords; };
-struct ChunkPush { uint chunkCount; };
-struct ColourPush { uint splatCount; uint viewCount; uint shDegree; uint shStride; };  // of general splats; stride in floats per splat
-struct CompactPush { uint splatCount; uint blockCount; uint firstDepth; uint maxDepthKey; };  // where in the visibility buffer the sort depths begin
-struct ScanPush { uint first; uint count; uint fromSort; };   // fromSort 1: kSortDigits * sortBlocks entries, else `count`
-struct ArgsPush { uint blockCount; uint instancesPerSplat; };
+struct CodesPush { uint groupCount; uint firstParent; uint firstPlace; uint firstSize; uint firstColour; uint firstParentByte; uint firstShIndex; uint firstSh; uint shDegree; uint shWords; };
+struct ChunkPush { uint groupCount; };
+struct ColourPush { uint splatCount; uint shDegree; uint shStride; };  // of general splats; stride in floats per splat
+struct CompactPush { uint groupCount; uint maxDepthKey; };
+struct ScanPush { uint first; uint count; };
+struct ArgsPush { uint groupCount; uint instancesPerSplat; };
 struct SortPush { uint shift; };
 struct DrawPush { float targetWidthPx; float targetHeightPx; uint viewCount; uint atlasColumns; };
 

@@ -10,17 +10,21 @@ DPL_CONST uint kMaxViews = 2u;
 // Group sizes. No kernel assumes a subgroup width: scans go through shared memory.
 DPL_CONST uint kVertexGroup = 128u;
 DPL_CONST uint kSplatGroup = 128u;
+DPL_CONST uint kChunkGroup = 64u;        // half-chunks
 DPL_CONST uint kScanGroup = 256u;
-DPL_CONST uint kCompactItemsPerLane = 4u;
-DPL_CONST uint kCompactBlock = 1024u;    // kScanGroup * kCompactItemsPerLane
-DPL_CONST uint kSortGroup = 128u;
-DPL_CONST uint kSortItemsPerLane = 16u;
-DPL_CONST uint kSortBlock = 2048u;       // kSortGroup * kSortItemsPerLane
-DPL_CONST uint kSortDigitBits = 4u;
-DPL_CONST uint kSortDigits = 16u;
-DPL_CONST uint kSortRounds = 4u;         // 16-bit keys: 0.03 mm steps across a person
-DPL_CONST uint kGeneralSortRounds = 6u;  // 24-bit keys: a scene may reach a kilometre
-DPL_CONST uint kFloatSortRounds = 8u;    // 32-bit float keys, for measuring
+DPL_CONST uint kRowScanGroup = 64u;
+DPL_CONST uint kCompactGroup = 64u;
+DPL_CONST uint kMaskWords = 4u;          // kSplatGroup bits: which splats of a half-chunk some view shows
+
+// Sorting, and the lists of tiles: a lane works through a run of neighbours by itself, so order needs neither atomics nor barriers.
+DPL_CONST uint kRun = 256u;
+DPL_CONST uint kRunGroup = 32u;
+DPL_CONST uint kSortDigitBits = 8u;
+DPL_CONST uint kSortDigits = 256u;
+DPL_CONST uint kSortTable = 257u;        // of the histogram: behind the sums of the digits and the total, [digit][run]
+DPL_CONST uint kSortRounds = 2u;         // 16-bit keys: 0.03 mm steps across a person
+DPL_CONST uint kGeneralSortRounds = 3u;  // 24-bit keys: a scene may reach a kilometre
+DPL_CONST uint kFloatSortRounds = 4u;    // 32-bit float keys, for measuring
 DPL_CONST uint kFloatDepthKeys = 0u;     // the largest key of float keys: none
 
 // Splat codes (sdk/format/coded_splats.h): words of a chunk's record, and what the fields of a splat's words mean.
@@ -29,7 +33,7 @@ DPL_CONST uint kChunkScaleMin = 4u;
 DPL_CONST uint kChunkScaleMax = 5u;
 DPL_CONST uint kChunkDcMin = 6u;             // three each
 DPL_CONST uint kChunkDcMax = 9u;
-DPL_CONST uint kChunkShRange = 12u;
+DPL_CONST uint kChunkShRange = 12u;          // three
 DPL_CONST uint kChunkFirstParent = 15u;
 DPL_CONST uint kGatedBit = 0x40000000u;      // of the size word: shows one face
 DPL_CONST float kUvZeroCode = 113.0;
@@ -39,15 +43,14 @@ DPL_CONST float kPhiCodeStep = 0.0030679615757712823;  // π / 1024
 // Compute tiles. A lane owns one column of a tile: kTilePx pixels.
 DPL_CONST uint kTilePx = 8u;
 DPL_CONST uint kTileGroup = 64u;         // of the raster pass: 8 tiles
-DPL_CONST uint kTileListGroup = 32u;     // of the passes that make the lists, where each lane works through a run by itself
-DPL_CONST uint kTileScanGroup = 64u;
-DPL_CONST uint kTileRun = 256u;          // sorted splats a lane
 DPL_CONST uint kTileSegments = 4u;       // lanes that share a row of tiles
 DPL_CONST float kTileStop = 1e-4;        // transmittance at which a pixel is done: 0.03 levels
 
-DPL_CONST uint kShowsFree = 1u;              // TriangleFrame.v0.w, shifted by the view
+DPL_CONST uint kShowsFree = 1u;              // TriangleFrame.corner0.w, shifted by the view
 DPL_CONST uint kShowsGated = 4u;
-DPL_CONST uint kInvisibleKey = 0xFFFFFFFFu;  // no view shows the splat
+DPL_CONST uint kParentFree = 0x40000000u;    // of an entry of the table of parents: the chunk has such splats on it
+DPL_CONST uint kParentGated = 0x80000000u;
+DPL_CONST uint kParentMask = 0x3FFFFFFFu;
 
 DPL_CONST float kGpuMinTriangleAreaM2 = 1e-10;
 DPL_CONST float kGpuMaxTriangleAspect = 1e4;

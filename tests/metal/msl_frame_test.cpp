@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 
 #include "sdk/render/avatar_upload.h"
@@ -17,21 +18,19 @@
 #define DPL_MSL(name) bool name(void* const* buffers, unsigned groups, int order)
 DPL_MSL(msl_skin);
 DPL_MSL(msl_skin_corrected);
-DPL_MSL(msl_triangles);
+DPL_MSL(msl_triangles_stereo);
 DPL_MSL(msl_chunks_mark);
 DPL_MSL(msl_chunks_list);
-DPL_MSL(msl_project);
-DPL_MSL(msl_project_general);
-DPL_MSL(msl_colour);
-DPL_MSL(msl_colour_general);
-DPL_MSL(msl_compact_count);
-DPL_MSL(msl_compact_scan);
+DPL_MSL(msl_project_stereo);
+DPL_MSL(msl_project_general_stereo);
+DPL_MSL(msl_colour_general_stereo);
+DPL_MSL(msl_scan_rows);
+DPL_MSL(msl_scan_sums);
 DPL_MSL(msl_compact_args);
 DPL_MSL(msl_compact_scatter);
 DPL_MSL(msl_sort_count);
 DPL_MSL(msl_sort_scatter);
 DPL_MSL(msl_tiles_runs);
-DPL_MSL(msl_tiles_scan);
 DPL_MSL(msl_tiles_args_spans);
 DPL_MSL(msl_tiles_spans);
 DPL_MSL(msl_tiles_count);
@@ -58,45 +57,61 @@ void run(bool (*kernel)(void* const*, unsigned, int), uint32_t groups, int order
     ASSERT_TRUE(kernel(buffers.data(), groups, order)) << "lanes left a barrier alone";
 }
 
+/** What compact.args leaves for the passes over runs. */
+void setRuns(gpu::FrameCounts& counts) {
+    counts.runs = groupsFor(counts.visible, gpu::kRun);
+    counts.runGroupsX = groupsFor(counts.runs, gpu::kRunGroup);
+}
+
 void sortPairs(std::vector<gpu::uvec2>& pairs, gpu::FrameCounts& counts, int order, uint32_t rounds = gpu::kSortRounds) {
     std::vector<gpu::uvec2> other(pairs.size() + 1);
-    std::vector<uint32_t> histogram(gpu::kSortDigits * counts.sortBlocks + 1);
+    std::vector<uint32_t> histogram(gpu::kSortTable + gpu::kSortDigits * counts.runs, 0xCDCDCDCD);
     void *from = pairs.data(), *to = other.data();
     for (uint32_t round = 0; round < rounds; ++round) {
         const gpu::SortPush push{round * gpu::kSortDigitBits};
-        run(msl_sort_count, counts.sortBlocks, order, {&counts, from, histogram.data()}, push);
-        run(msl_compact_scan, 1, order, {&counts, histogram.data()}, gpu::ScanPush{0, 0, 1});
-        run(msl_sort_scatter, counts.sortBlocks, order, {&counts, from, histogram.data(), to}, push);
+        run(msl_sort_count, counts.runGroupsX, order, {&counts, from, histogram.data()}, push);
+        run(msl_scan_rows, gpu::kSortDigits, order, {&counts, histogram.data()}, gpu::RowScanPush{0, gpu::kSortTable, 0});
+        run(msl_scan_sums, 1, order, {histogram.data()}, gpu::ScanPush{0, gpu::kSortDigits});
+        run(msl_sort_scatter, counts.runGroupsX, order, {&counts, from, histogram.data(), to}, push);
         std::swap(from, to);
     }
+    if (from != pairs.data()) std::copy_n(other.begin(), pairs.size(), pairs.begin());
 }
 
-/** From sort depths (in the visibility buffer, behind its first entries) and counts to the sorted list. */
-void compactAndSort(MslFrame& out, std::vector<uint32_t>& visibility, uint32_t firstDepth, int order, uint32_t rounds) {
-    const uint32_t splats = uint32_t(visibility.size()) - firstDepth, blocks = groupsFor(splats, gpu::kCompactBlock);
-    std::vector<uint32_t> sums(blocks + 1);
+/** From what projection leaves in the visibility buffer to the sorted list. */
+void compactAndSort(MslFrame& out, std::vector<uint32_t>& visibility, uint32_t groups, uint32_t splats, int order, uint32_t rounds) {
+    FrameIds ids;
+    ids.groupCount = groups;
     out.compacted.resize(splats);
-    const gpu::CompactPush push{splats, blocks, firstDepth, (1u << (rounds * gpu::kSortDigitBits)) - 1};
-    run(msl_compact_count, blocks, order, {visibility.data(), sums.data()}, push);
-    run(msl_compact_scan, 1, order, {&out.counts, sums.data()}, gpu::ScanPush{0, blocks, 0});
-    run(msl_compact_args, 1, order, {sums.data(), &out.counts}, gpu::ArgsPush{blocks, 1});
-    run(msl_compact_scatter, blocks, order, {visibility.data(), sums.data(), &out.counts, out.compacted.data()}, push);
+    run(msl_scan_sums, 1, order, {visibility.data()}, gpu::ScanPush{ids.firstSum(), groups});
+    run(msl_compact_args, 1, order, {visibility.data(), &out.counts}, gpu::ArgsPush{groups, 1});
+    const gpu::FrameCounts want = [&] { auto counts = out.counts; setRuns(counts); return counts; }();
+    EXPECT_EQ(out.counts.runGroupsX, want.runGroupsX);
+    run(msl_compact_scatter, groupsFor(groups * gpu::kMaskWords, gpu::kCompactGroup), order, {visibility.data(), &out.counts, out.compacted.data()},
+        gpu::CompactPush{groups, (1u << (rounds * gpu::kSortDigitBits)) - 1});
     out.compacted.resize(out.counts.visible);
     out.sorted = out.compacted;
     sortPairs(out.sorted, out.counts, order, rounds);
+}
+
+/** The visibility buffer of a frame, full of what must not be read. */
+std::vector<uint32_t> visibilityOf(uint32_t groups, uint32_t splats) {
+    FrameIds ids;
+    ids.groupCount = groups;
+    return std::vector<uint32_t>(ids.firstDepth() + splats, 0xCDCDCDCD);
 }
 
 MslFrame runGeneralFrame(const StaticSplatData& splats, std::span<const Cameraf> views, int order) {
     std::vector<gpu::GeneralSplatRecord> records = packSplats(splats);
     gpu::FrameData frame = packFrame(splatSetOf(splats), views);
     const uint32_t count = splats.count(), viewCount = uint32_t(views.size()), groups = groupsFor(count, gpu::kSplatGroup);
-    std::vector<uint32_t> depth(count);
+    std::vector<uint32_t> visibility = visibilityOf(groups, count);
     std::vector<float> sh = splats.sh;
     MslFrame out;
     out.projected.resize(size_t(count) * viewCount);
-    run(msl_project_general, groups, order, {&frame, records.data(), out.projected.data(), depth.data(), &out.counts}, gpu::SplatPush{count, viewCount});
-    run(msl_colour_general, groups, order, {&frame, records.data(), sh.data(), out.projected.data()}, gpu::ColourPush{count, viewCount, splats.shDegree, shCoefficientCount(splats.shDegree) * 3});
-    compactAndSort(out, depth, 0, order, gpu::kGeneralSortRounds);
+    run(msl_project_general_stereo, groups, order, {&frame, records.data(), out.projected.data(), visibility.data(), &out.counts}, gpu::SplatPush{count, groups});
+    run(msl_colour_general_stereo, groups, order, {&frame, records.data(), sh.data(), out.projected.data()}, gpu::ColourPush{count, splats.shDegree, shCoefficientCount(splats.shDegree) * 3});
+    compactAndSort(out, visibility, groups, count, order, gpu::kGeneralSortRounds);
     return out;
 }
 
@@ -117,20 +132,19 @@ MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Ca
     std::vector<gpu::vec4> posed(avatar.mesh.restPositions.size());
     std::vector<gpu::TriangleFrame> frames(records.triangles.size());
     const uint32_t groups = 2 * uint32_t(coded.chunks.size());
-    std::vector<uint32_t> visibility(2 * groups + splats);
+    std::vector<uint32_t> visibility = visibilityOf(groups, splats);
     out.projected.resize(size_t(splats) * viewCount);
     void* vertices = corrected ? static_cast<void*>(records.correctedVertices.data()) : records.vertices.data();
     run(corrected ? msl_skin_corrected : msl_skin, groupsFor(posed.size(), gpu::kVertexGroup), order, {&frame, palette.data(), vertices, posed.data(), &out.counts},
         gpu::VertexPush{uint32_t(posed.size()), uint32_t(3 * joints.size())});
-    run(msl_triangles, groupsFor(frames.size(), gpu::kVertexGroup), order, {&frame, records.triangles.data(), posed.data(), frames.data(), &out.counts},
-        gpu::TrianglePush{uint32_t(frames.size()), viewCount, 1});
+    run(msl_triangles_stereo, groupsFor(frames.size(), gpu::kVertexGroup), order, {&frame, records.triangles.data(), posed.data(), frames.data(), &out.counts},
+        gpu::TrianglePush{uint32_t(frames.size()), 1});
     gpu::CodesPush push = records.where;
-    push.viewCount = viewCount, push.groupCount = groups;
-    run(msl_chunks_mark, groups, order, {records.codes.data(), frames.data(), visibility.data()}, push);
+    push.groupCount = groups;
+    run(msl_chunks_mark, groupsFor(groups, gpu::kChunkGroup), order, {records.codes.data(), frames.data(), visibility.data()}, push);
     run(msl_chunks_list, 1, order, {visibility.data(), &out.counts}, gpu::ChunkPush{groups});
-    run(msl_project, out.counts.chunkGroupsX, order, {&frame, records.codes.data(), frames.data(), out.projected.data(), visibility.data()}, push);
-    run(msl_colour, out.counts.chunkGroupsX, order, {records.codes.data(), coded.sh.data(), out.projected.data(), visibility.data()}, push);
-    compactAndSort(out, visibility, 2 * groups, order, gpu::kSortRounds);
+    run(msl_project_stereo, out.counts.chunkGroupsX, order, {&frame, records.codes.data(), frames.data(), out.projected.data(), visibility.data()}, push);
+    compactAndSort(out, visibility, groups, splats, order, gpu::kSortRounds);
     return out;
 }
 
@@ -144,13 +158,13 @@ std::vector<uint32_t> fillTiles(MslFrame& f, std::span<const Cameraf> views, int
     const gpu::TilePush& push = tiles->push;
     std::vector<uint32_t> lists(tiles->listBytes / 4, 0xCDCDCDCD), entries(tiles->entryBytes / 4), pixels(tiles->pixelBytes / 4);
     run(msl_tiles_runs, f.counts.runGroupsX, order, {f.sorted.data(), f.projected.data(), &f.counts, lists.data()}, push);
-    run(msl_tiles_scan, tiles->rows(), order, {&f.counts, lists.data()}, gpu::TileScanPush{0, push.firstRunTable, push.firstSpanSum});
-    run(msl_compact_scan, 1, order, {&f.counts, lists.data()}, gpu::ScanPush{push.firstSpanSum, tiles->rows(), 0});
+    run(msl_scan_rows, tiles->rows(), order, {&f.counts, lists.data()}, gpu::RowScanPush{0, push.firstRunTable, push.firstSpanSum});
+    run(msl_scan_sums, 1, order, {lists.data()}, gpu::ScanPush{push.firstSpanSum, tiles->rows()});
     run(msl_tiles_args_spans, 1, order, {lists.data(), &f.counts}, push);
     run(msl_tiles_spans, f.counts.spanGroupsX, order, {f.sorted.data(), f.projected.data(), &f.counts, lists.data()}, push);
     run(msl_tiles_count, f.counts.rowGroupsX, order, {lists.data()}, push);
-    run(msl_tiles_scan, tiles->rows(), order, {&f.counts, lists.data()}, gpu::TileScanPush{push.columns * gpu::kTileSegments, push.firstTileTable, push.firstEntrySum});
-    run(msl_compact_scan, 1, order, {&f.counts, lists.data()}, gpu::ScanPush{push.firstEntrySum, tiles->rows(), 0});
+    run(msl_scan_rows, tiles->rows(), order, {&f.counts, lists.data()}, gpu::RowScanPush{push.columns * gpu::kTileSegments, push.firstTileTable, push.firstEntrySum});
+    run(msl_scan_sums, 1, order, {lists.data()}, gpu::ScanPush{push.firstEntrySum, tiles->rows()});
     run(msl_tiles_args_entries, 1, order, {lists.data(), &f.counts}, push);
     EXPECT_EQ(f.counts.drawInstances, 0u) << "the quads have nothing to do";
     EXPECT_EQ(f.counts.tilesOverflowed, 0u);
@@ -165,17 +179,19 @@ std::vector<double> blend(const MslFrame& f, const Cameraf& camera, uint32_t vie
     std::vector<double> rgb(size_t(camera.widthPx) * camera.heightPx * 3, 0), transmittance(size_t(camera.widthPx) * camera.heightPx, 1);
     for (const gpu::uvec2& pair : f.sorted) {
         const gpu::ProjectedSplat& p = f.projected[size_t(pair.y) * viewCount + view];
+        const auto floatOf = [](uint32_t bits) { return std::bit_cast<float>(bits); };
+        const double conicC = floatOf(p.look.x), opacity = floatOf(p.look.y), colour[3] = {(p.look.z & 2047) / 2047.0, (p.look.z >> 11 & 2047) / 2047.0, (p.look.z >> 22) / 1023.0};
         for (uint32_t y = 0; y < camera.heightPx; ++y) {
-            if (std::abs(y + 0.5 - p.centrePx.y) > p.radiusPx.y) continue;
+            if (std::abs(y + 0.5 - p.place.y) > p.radiusPx.y) continue;
             for (uint32_t x = 0; x < camera.widthPx; ++x) {
-                const double dx = x + 0.5 - p.centrePx.x, dy = y + 0.5 - p.centrePx.y;
+                const double dx = x + 0.5 - p.place.x, dy = y + 0.5 - p.place.y;
                 if (std::abs(dx) > p.radiusPx.x) continue;
-                const double sigma = 0.5 * (p.conicA * dx * dx + p.conicC * dy * dy) + p.conicB * dx * dy;
-                const double alpha = std::min(kMaxAlpha, p.opacity * std::exp(-sigma));
+                const double sigma = 0.5 * (p.place.z * dx * dx + conicC * dy * dy) + p.place.w * dx * dy;
+                const double alpha = std::min(kMaxAlpha, opacity * std::exp(-sigma));
                 if (alpha < kMinAlpha) continue;
                 double& t = transmittance[size_t(y) * camera.widthPx + x];
                 double* pixel = &rgb[(size_t(y) * camera.widthPx + x) * 3];
-                pixel[0] += alpha * t * p.colour.x, pixel[1] += alpha * t * p.colour.y, pixel[2] += alpha * t * p.colour.z;
+                for (int c = 0; c < 3; ++c) pixel[c] += alpha * t * colour[c];
                 t *= 1 - alpha;
             }
         }
@@ -256,7 +272,7 @@ TEST(MetalFrame, sortIsStableAcrossBlocksAndTies) {
         for (int order = 0; order < 3; ++order) {
             gpu::FrameCounts counts{};
             counts.visible = 5001;
-            counts.sortBlocks = groupsFor(counts.visible, gpu::kSortBlock);
+            setRuns(counts);
             std::vector<gpu::uvec2> pairs(counts.visible);
             for (uint32_t i = 0; i < counts.visible; ++i) pairs[i] = {(i * 2654435761u >> 7) % keys, i};
             std::vector<gpu::uvec2> want = pairs;

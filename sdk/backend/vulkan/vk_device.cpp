@@ -126,6 +126,8 @@ bool describe(VkPhysicalDevice physical, Candidate& out) {
     VkPhysicalDeviceIDProperties ids{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES};
     VkPhysicalDeviceProperties2 properties2{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
     properties2.pNext = &ids;
+    VkPhysicalDeviceSubgroupProperties subgroups{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
+    ids.pNext = &subgroups;
     vkGetPhysicalDeviceProperties2(physical, &properties2);
     for (uint8_t byte : ids.deviceUUID) out.info.identity += "0123456789abcdef"[byte >> 4], out.info.identity += "0123456789abcdef"[byte & 15];
     for (uint8_t byte : ids.driverUUID) out.info.identity += "0123456789abcdef"[byte >> 4], out.info.identity += "0123456789abcdef"[byte & 15];
@@ -143,6 +145,7 @@ bool describe(VkPhysicalDevice physical, Candidate& out) {
     out.info.multiview = multiview.multiview == VK_TRUE;
     out.info.halfDepth = !canBlend(physical, VK_FORMAT_R32G32_SFLOAT);
     out.info.timestamps = family->timestampValidBits > 0;
+    out.info.shuffle = subgroups.subgroupSize >= 8 && subgroups.subgroupSize <= 64 && (subgroups.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) && (subgroups.supportedOperations & VK_SUBGROUP_FEATURE_SHUFFLE_BIT);
     out.info.fourSamples = features.features.sampleRateShading && properties.limits.standardSampleLocations && (properties.limits.framebufferColorSampleCounts & VK_SAMPLE_COUNT_4_BIT);
     return true;
 }

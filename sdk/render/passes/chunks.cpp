@@ -7,7 +7,7 @@ void addChunks(FramePlan& plan, const FrameIds& ids) {
         .reads(ids.splats, ids.triangleFrames)
         .writes(ids.visibility)
         .push(ids.codesPush())
-        .groups(ids.groupCount);
+        .threads(ids.groupCount);
     plan.compute("chunks.list", "chunks.list").updates(ids.visibility, ids.counts).push(gpu::ChunkPush{ids.groupCount}).groups(1);
 }
 

@@ -3,20 +3,17 @@
 namespace dpl {
 
 void addCompact(FramePlan& plan, const FrameIds& ids) {
-    const uint32_t blocks = ids.compactBlocks();
-    const gpu::CompactPush push{ids.splatCount, blocks, ids.firstDepth(), ids.maxDepthKey()};
-    plan.compute("compact.count", "compact.count").reads(ids.visibility).writes(ids.blockSums).push(push).groups(blocks);
-    plan.compute("compact.scan", "compact.scan").reads(ids.counts).updates(ids.blockSums).push(gpu::ScanPush{0, blocks, 0}).groups(1);
+    plan.compute("compact.scan", "scan.sums").updates(ids.visibility).push(gpu::ScanPush{ids.firstSum(), ids.groupCount}).groups(1);
     plan.compute("compact.args", "compact.args")
-        .reads(ids.blockSums)
+        .reads(ids.visibility)
         .updates(ids.counts)
-        .push(gpu::ArgsPush{blocks, ids.layered ? 1 : ids.viewCount})
+        .push(gpu::ArgsPush{ids.groupCount, ids.layered ? 1 : ids.viewCount})
         .groups(1);
     plan.compute("compact.scatter", "compact.scatter")
-        .reads(ids.visibility, ids.blockSums, ids.counts)
-        .writes(ids.pairs)
-        .push(push)
-        .groups(blocks);
+        .reads(ids.visibility, ids.counts)
+        .writes(ids.unsorted())
+        .push(gpu::CompactPush{ids.groupCount, ids.maxDepthKey()})
+        .threads(ids.groupCount * gpu::kMaskWords);
 }
 
 }  // namespace dpl

@@ -5,9 +5,7 @@
 
 namespace dpl {
 
-/** Footprint and visibility of every splat in every view, then the colour of those that are seen. For general splats also their extent along
- *  the sort axis, which must be 0 before. */
+/** Footprint, colour and visibility of every splat in every view. For general splats also their extent along the sort axis, which must be 0 before. */
 void addProject(FramePlan& plan, const FrameIds& ids);
-void addColour(FramePlan& plan, const FrameIds& ids);
 
 }  // namespace dpl

@@ -18,7 +18,7 @@ std::optional<TilePlan> planTiles(const FrameIds& ids, const DeviceInfo& device)
     p.viewCount = ids.viewCount, p.columns = tilesAcross(ids.widthPx), p.rows = tilesAcross(ids.heightPx);
     p.widthPx = ids.widthPx, p.heightPx = ids.heightPx;
     const uint64_t rows = plan.rows(), tiles = rows * p.columns, records = uint64_t(ids.splatCount) * ids.viewCount, pixels = uint64_t(p.widthPx) * p.heightPx * p.viewCount;
-    const uint64_t runs = (ids.splatCount + gpu::kTileRun - 1) / gpu::kTileRun;
+    const uint64_t runs = (ids.splatCount + gpu::kRun - 1) / gpu::kRun;
     p.firstSpanSum = 0;
     p.firstEntrySum = uint32_t(rows + 1);
     p.firstRunTable = uint32_t(2 * (rows + 1));
@@ -46,8 +46,8 @@ void addTiles(FramePlan& plan, const FrameIds& ids, const TilePlan& tiles) {
     const gpu::TilePush& push = tiles.push;
     plan.compute("tiles.runs", "tiles.runs").reads(ids.pairs, ids.projected, ids.counts).updates(ids.tileLists).push(push).groupsFrom(ids.counts, offsetof(gpu::FrameCounts, runGroupsX));
     const auto sum = [&](uint32_t perRow, uint32_t firstTable, uint32_t firstSum) {
-        plan.compute("tiles.scan", "tiles.scan").reads(ids.counts).updates(ids.tileLists).push(gpu::TileScanPush{perRow, firstTable, firstSum}).groups(tiles.rows());
-        plan.compute("tiles.scan", "compact.scan").reads(ids.counts).updates(ids.tileLists).push(gpu::ScanPush{firstSum, tiles.rows(), 0}).groups(1);
+        plan.compute("tiles.scan", "scan.rows").reads(ids.counts).updates(ids.tileLists).push(gpu::RowScanPush{perRow, firstTable, firstSum}).groups(tiles.rows());
+        plan.compute("tiles.scan", "scan.sums").updates(ids.tileLists).push(gpu::ScanPush{firstSum, tiles.rows()}).groups(1);
     };
     sum(0, push.firstRunTable, push.firstSpanSum);
     plan.compute("tiles.args", "tiles.args.spans").reads(ids.tileLists).updates(ids.counts).push(push).groups(1);
@@ -57,7 +57,7 @@ void addTiles(FramePlan& plan, const FrameIds& ids, const TilePlan& tiles) {
     plan.compute("tiles.args", "tiles.args.entries").reads(ids.tileLists).updates(ids.counts).push(push).groups(1);
     plan.compute("tiles.entries", "tiles.entries").updates(ids.tileLists).writes(ids.tileEntries).push(push).groupsFrom(ids.counts, offsetof(gpu::FrameCounts, entryGroupsX));
     plan.fill("tiles.clear", ids.tilePixels, 0);
-    plan.compute("tiles.fill", ids.depth ? "tiles.fill.depth" : "tiles.fill")
+    plan.compute("tiles.fill", std::string(ids.shuffle ? "tiles.fill.shuffle" : "tiles.fill") + (ids.depth ? ".depth" : ""))
         .reads(ids.tileLists, ids.tileEntries, ids.projected)
         .writes(ids.tilePixels)
         .push(push)

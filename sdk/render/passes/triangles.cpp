@@ -3,12 +3,12 @@
 namespace dpl {
 
 void addTriangles(FramePlan& plan, const FrameIds& ids) {
-    plan.compute("pose.triangles", "triangles")
+    plan.compute("pose.triangles", ids.ofViews("triangles"))
         .uniform(ids.frame)
         .reads(ids.triangles, ids.posed)
         .writes(ids.triangleFrames)
         .updates(ids.counts)
-        .push(gpu::TrianglePush{ids.triangleCount, ids.viewCount, ids.cull ? 1u : 0u})
+        .push(gpu::TrianglePush{ids.triangleCount, ids.cull ? 1u : 0u})
         .threads(ids.triangleCount);
 }
 

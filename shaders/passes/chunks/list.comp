@@ -1,4 +1,4 @@
-// The numbers of the live chunks in order, and the arguments of the dispatches over them. One workgroup: chunks are few.
+// The numbers of the live half-chunks in order, and the arguments of the dispatches over them. One workgroup: they are few.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -12,11 +12,11 @@ layout(push_constant) uniform PushBlock { ChunkPush push; };
 
 void main() {
     uint lane = gl_LocalInvocationIndex;
-    uint share = (push.chunkCount + kScanGroup - 1u) / kScanGroup;
-    uint begin = min(lane * share, push.chunkCount), end = min(begin + share, push.chunkCount), count = 0u;
+    uint share = (push.groupCount + kScanGroup - 1u) / kScanGroup;
+    uint begin = min(lane * share, push.groupCount), end = min(begin + share, push.groupCount), count = 0u;
     for (uint i = begin; i < end; ++i) count += visibility[i];
     uint total;
-    uint slot = push.chunkCount + dplExclusiveScan(lane, count, total);
+    uint slot = push.groupCount + dplExclusiveScan(lane, count, total);
     for (uint i = begin; i < end; ++i) {
         if (visibility[i] == 0u) continue;
         visibility[slot] = i;

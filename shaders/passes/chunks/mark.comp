@@ -1,27 +1,33 @@
-// Phase 1: which half-chunks (kSplatGroup neighbouring splats) have a splat whose triangle some view may show. It reads the parent byte and the size
-// word of a splat. The splats of the others are invisible: nothing else of them is read in this frame.
+// Phase 1: which half-chunks (kSplatGroup neighbouring splats) have a splat whose triangle some view may show. A lane asks the triangles of one, as
+// the chunk's table of parents lists them, until one answers. The others show nothing, and nothing more of them is read in this frame.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
-layout(local_size_x = 128) in;  // kSplatGroup
+layout(local_size_x = 64) in;  // kChunkGroup
 
 layout(std430, binding = 0) readonly buffer CodeBlock { uint codes[]; };
 layout(std430, binding = 1) readonly buffer TriangleBlock { TriangleFrame triangles[]; };
 layout(std430, binding = 2) writeonly buffer VisibilityBlock { uint visibility[]; };
 layout(push_constant) uniform PushBlock { CodesPush push; };
-shared uint live;
-#include "shaders/lib/codes.glsl"
+#include "shaders/lib/visibility.glsl"
+
+uint parentByte(uint splat) { return (codes[push.firstParentByte + (splat >> 2u)] >> ((splat & 3u) * 8u)) & 0xFFu; }
 
 void main() {
-    uint lane = gl_LocalInvocationIndex;
-    SplatPlace p = dplPlaceOf(gl_WorkGroupID.x, lane);
-    if (lane == 0u) live = 0u;
-    barrier();
-    if (p.exists) {
-        uint wanted = dplGated(dplSize(p)) ? 3u * kShowsGated : 3u * kShowsFree;
-        if ((uint(triangles[dplParent(p)].v0.w) & wanted) != 0u) atomicMax(live, 1u);
+    uint group = gl_GlobalInvocationID.x;
+    if (group >= push.groupCount) return;
+    uint chunk = (group >> 1u) * kChunkWords, first = codes[chunk], begin = (group & 1u) * kSplatGroup, end = min(begin + kSplatGroup, codes[chunk + 1u]), live = 0u;
+    if (begin < end) {
+        uint parents = push.firstParent + codes[chunk + kChunkFirstParent], last = parents + parentByte(first + end - 1u);
+        for (uint at = parents + parentByte(first + begin); at <= last && live == 0u; ++at) {
+            uint parent = codes[at];
+            uint wanted = ((parent & kParentFree) != 0u ? 3u * kShowsFree : 0u) | ((parent & kParentGated) != 0u ? 3u * kShowsGated : 0u);
+            if ((triangles[parent & kParentMask].corner0.w & wanted) != 0u) live = 1u;
+        }
     }
-    barrier();
-    if (lane == 0u) visibility[gl_WorkGroupID.x] = live;
-    if (live == 0u && p.exists) visibility[2u * push.groupCount + p.splat] = kInvisibleKey;
+    visibility[group] = live;
+    if (live == 0u) {
+        for (uint k = 0u; k < kMaskWords; ++k) visibility[dplFirstMask(push.groupCount) + kMaskWords * group + k] = 0u;
+        visibility[dplFirstSum(push.groupCount) + group] = 0u;
+    }
 }

@@ -2,6 +2,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
+#include "shaders/lib/footprint.glsl"
+#include "shaders/lib/projected.glsl"
+#include "shaders/lib/views.glsl"
 layout(local_size_x = 128) in;  // kSplatGroup
 
 layout(std140, binding = 0) uniform FrameBlock { FrameData frame; };
@@ -13,13 +16,14 @@ layout(push_constant) uniform PushBlock { ColourPush push; };
 vec3 dplSh(uint base, uint k) { return vec3(sh[base + 3u * k], sh[base + 3u * k + 1u], sh[base + 3u * k + 2u]); }
 #include "shaders/lib/sh.glsl"
 
+void shadeIn(ViewData view, uint index, uint slot) {
+    if (projected[slot].radiusPx.y <= 0.0) return;
+    vec3 direction = normalize(splats[index].centre.xyz - view.eyeWorld.xyz);
+    projected[slot].look.z = dplPackColour(dplShColour(direction, push.shDegree, index * push.shStride, 1.0));
+}
+
 void main() {
     uint index = gl_GlobalInvocationID.x;
     if (index >= push.splatCount) return;
-    for (uint v = 0u; v < push.viewCount; ++v) {
-        uint slot = index * push.viewCount + v;
-        if (projected[slot].opacity == 0.0) continue;
-        vec3 direction = normalize(splats[index].centre.xyz - frame.views[v].eyeWorld.xyz);
-        projected[slot].colour.rgb = dplShColour(direction, push.shDegree, index * push.shStride, 1.0);
-    }
+    for (uint v = 0u; v < kViews; ++v) shadeIn(frame.views[v], index, index * kViews + v);
 }

@@ -5,20 +5,16 @@
 #include "shaders/shared/frame.h"
 layout(local_size_x = 1) in;
 
-layout(std430, binding = 0) readonly buffer SumBlock { uint blockSums[]; };
+layout(std430, binding = 0) readonly buffer VisibilityBlock { uint visibility[]; };
 layout(std430, binding = 1) buffer CountsBlock { FrameCounts counts; };
 layout(push_constant) uniform PushBlock { ArgsPush push; };
+#include "shaders/lib/visibility.glsl"
 
 void main() {
-    uint visible = blockSums[push.blockCount];
-    uint blocks = (visible + kSortBlock - 1u) / kSortBlock;
+    uint visible = visibility[dplFirstSum(push.groupCount) + push.groupCount];
     counts.visible = visible;
-    counts.sortBlocks = blocks;
-    counts.sortGroupsX = blocks;
-    counts.sortGroupsY = 1u;
-    counts.sortGroupsZ = 1u;
-    counts.tileRuns = (visible + kTileRun - 1u) / kTileRun;
-    counts.runGroupsX = (counts.tileRuns + kTileListGroup - 1u) / kTileListGroup;
+    counts.runs = (visible + kRun - 1u) / kRun;
+    counts.runGroupsX = (counts.runs + kRunGroup - 1u) / kRunGroup;
     counts.runGroupsY = 1u;
     counts.runGroupsZ = 1u;
     counts.drawVertices = 4u;

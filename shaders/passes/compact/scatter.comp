@@ -1,32 +1,30 @@
-// Writes (depth key, splat) of each survivor in splat order, so equal keys never change places between frames.
+// Writes (depth key, splat) of each survivor in splat order, so equal keys never change places between frames. A lane has 32 splats of a half-chunk.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
 #include "shaders/lib/order.glsl"
-layout(local_size_x = 256) in;  // kScanGroup
-#define DPL_SCAN_LANES 256u
-#include "shaders/lib/scan.glsl"
+layout(local_size_x = 64) in;  // kCompactGroup
 
 layout(std430, binding = 0) readonly buffer VisibilityBlock { uint visibility[]; };
-layout(std430, binding = 1) readonly buffer SumBlock { uint blockSums[]; };
-layout(std430, binding = 2) readonly buffer CountsBlock { FrameCounts counts; };
-layout(std430, binding = 3) writeonly buffer PairBlock { uvec2 pairs[]; };
+layout(std430, binding = 1) readonly buffer CountsBlock { FrameCounts counts; };
+layout(std430, binding = 2) writeonly buffer PairBlock { uvec2 pairs[]; };
 layout(push_constant) uniform PushBlock { CompactPush push; };
+#include "shaders/lib/visibility.glsl"
 
 void main() {
-    uint lane = gl_LocalInvocationIndex;
-    uint first = gl_WorkGroupID.x * kCompactBlock + lane * kCompactItemsPerLane;
-    uint end = min(first + kCompactItemsPerLane, push.splatCount), count = 0u;
-    for (uint i = first; i < end; ++i) count += visibility[push.firstDepth + i] != kInvisibleKey ? 1u : 0u;
-    uint total;
-    uint slot = blockSums[gl_WorkGroupID.x] + dplExclusiveScan(lane, count, total);
     float nearest = dplFromOrderedBits(~counts.depthMinBitsInverted), farthest = dplFromOrderedBits(counts.depthMaxBits);
     float most = float(push.maxDepthKey), scale = farthest > nearest ? most / (farthest - nearest) : 0.0;
-    for (uint i = first; i < end; ++i) {
-        uint bits = visibility[push.firstDepth + i];
-        if (bits == kInvisibleKey) continue;
+    uint group = gl_GlobalInvocationID.x / kMaskWords, word = gl_GlobalInvocationID.x % kMaskWords;
+    if (group >= push.groupCount) return;
+    uint masks = dplFirstMask(push.groupCount) + kMaskWords * group, left = visibility[masks + word];
+    if (left == 0u) return;
+    uint slot = visibility[dplFirstSum(push.groupCount) + group], first = visibility[dplFirstSplat(push.groupCount) + group] + 32u * word;
+    for (uint k = 0u; k < word; ++k) slot += uint(bitCount(visibility[masks + k]));
+    while (left != 0u) {
+        uint splat = first + uint(findLSB(left)), bits = visibility[dplFirstDepth(push.groupCount) + splat];
+        left &= left - 1u;
         float level = clamp((uintBitsToFloat(bits) - nearest) * scale + 0.5, 0.0, most);  // at 24 bits adding the half may round up to 2²⁴
-        pairs[slot] = uvec2(push.maxDepthKey == kFloatDepthKeys ? dplOrderedBits(uintBitsToFloat(bits)) : uint(level), i);
+        pairs[slot] = uvec2(push.maxDepthKey == kFloatDepthKeys ? dplOrderedBits(uintBitsToFloat(bits)) : uint(level), splat);
         ++slot;
     }
 }

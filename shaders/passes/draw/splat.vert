@@ -2,6 +2,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
+#include "shaders/lib/footprint.glsl"
+#include "shaders/lib/projected.glsl"
 #include "shaders/lib/view.glsl"
 
 layout(std430, binding = 0) readonly buffer CountsBlock { FrameCounts counts; };
@@ -20,13 +22,13 @@ void main() {
     uint splat = pair.y;
     ProjectedSplat p = projected[splat * push.viewCount + view];
     float column = push.atlasColumns > 1u ? float(view) : 0.0;
-    centreConic = vec4(p.centrePx, p.conicA, p.conicB);
-    conicOpacity = vec4(p.conicC, p.opacity, column, 0.0);
-    colourDepth = p.colour;
+    centreConic = p.place;
+    conicOpacity = vec4(uintBitsToFloat(p.look.x), dplOpacityOf(p), column, 0.0);
+    colourDepth = vec4(dplUnpackColour(p.look.z), uintBitsToFloat(p.look.w));
     vec2 size = vec2(push.targetWidthPx, push.targetHeightPx);
-    vec2 low = clamp(p.centrePx - p.radiusPx, vec2(0.0), size), high = clamp(p.centrePx + p.radiusPx, vec2(0.0), size);
+    vec2 low = clamp(p.place.xy - p.radiusPx, vec2(0.0), size), high = clamp(p.place.xy + p.radiusPx, vec2(0.0), size);
     vec2 px = vec2((gl_VertexIndex & 1) != 0 ? high.x : low.x, (gl_VertexIndex & 2) != 0 ? high.y : low.y);
     px.x += column * push.targetWidthPx;
     vec2 ndc = 2.0 * px / vec2(push.targetWidthPx * float(push.atlasColumns), push.targetHeightPx) - 1.0;
-    gl_Position = p.opacity > 0.0 ? vec4(ndc, 0.0, 1.0) : vec4(2.0, 2.0, 0.0, 1.0);
+    gl_Position = p.radiusPx.y > 0.0 ? vec4(ndc, 0.0, 1.0) : vec4(2.0, 2.0, 0.0, 1.0);
 }

@@ -1,61 +1,103 @@
-// Footprint, opacity and visibility of every splat in every view; of those that some view shows the sort depth, and what the colour pass asks for: the
-// direction to the splat in the rest frame of its triangle, as long as the brightness that the pose gives it.
+// Footprint, opacity, colour and visibility of the splats of one live half-chunk in every view, and the sort depth of those that some view shows.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
 #include "shaders/lib/footprint.glsl"
+#include "shaders/lib/projected.glsl"
+#include "shaders/lib/views.glsl"
 layout(local_size_x = 128) in;  // kSplatGroup
 
 layout(std140, binding = 0) uniform FrameBlock { FrameData frame; };
 layout(std430, binding = 1) readonly buffer CodeBlock { uint codes[]; };
 layout(std430, binding = 2) readonly buffer TriangleBlock { TriangleFrame triangles[]; };
 layout(std430, binding = 3) writeonly buffer ProjectedBlock { ProjectedSplat projected[]; };
-layout(std430, binding = 4) buffer VisibilityBlock { uint visibility[]; };  // sort depths: float bits, kInvisibleKey = in no view
+layout(std430, binding = 4) buffer VisibilityBlock { uint visibility[]; };
 layout(push_constant) uniform PushBlock { CodesPush push; };
+#define DPL_SEEN
+#include "shaders/lib/visibility.glsl"
 #include "shaders/lib/codes.glsl"
 
-void main() {
-    SplatPlace p0 = dplPlaceOf(visibility[push.groupCount + gl_WorkGroupID.x], gl_LocalInvocationIndex);
-    if (!p0.exists) return;
-    uint index = p0.splat, depthSlot = 2u * push.groupCount + index, size = dplSize(p0);
-    uint parent = dplParent(p0);
-    bool gated = dplGated(size);
-    vec4 v0 = triangles[parent].v0;
-    uint shown = uint(v0.w) & (gated ? 3u * kShowsGated : 3u * kShowsFree);
-    if (shown == 0u) {  // its triangle is in no view, or turned away: nothing else of it is read
-        for (uint v = 0u; v < push.viewCount; ++v) projected[index * push.viewCount + v].opacity = 0.0;
-        visibility[depthSlot] = kInvisibleKey;
-        return;
-    }
-    uint place = codes[push.firstPlace + index];
-    vec2 uv = dplUv(place), scale = dplScale(p0, size);
-    float phi = float(place >> 22u) * kPhiCodeStep, cosine = cos(phi), sine = sin(phi);
-    vec4 v1 = triangles[parent].v1, v2 = triangles[parent].v2;
-    vec4 f0 = triangles[parent].f0, f1 = triangles[parent].f1;
-    vec3 normal = vec3(v1.w, v2.w, f0.w);
-    vec3 centre = (1.0 - uv.x - uv.y) * v0.xyz + uv.x * v1.xyz + uv.y * v2.xyz;
-    vec3 axis1 = scale.x * (cosine * f0.xyz + sine * f1.xyz), axis2 = scale.y * (cosine * f1.xyz - sine * f0.xyz);
-    bool seen = false;
-    for (uint v = 0u; v < push.viewCount; ++v) {
-        ViewData view = frame.views[v];
-        ProjectedSplat p = dplHiddenSplat();
-        if ((shown & ((kShowsFree | kShowsGated) << v)) != 0u) {
-            Footprint f = dplProject(view, dplToView(view, centre), dplRotateToView(view, axis1), dplRotateToView(view, axis2), frame.target.z);
-            if (f.visible) {
-                float opacity = dplOpacity(size) * dplNearFade(f.depthM);
-                if (frame.counts.w != 0u) opacity *= f.compensation;
-                if (gated) opacity *= dplSingleFaceGate(normal, centre, view.eyeWorld.xyz);
-                p = dplShow(f, opacity, frame.target.xy);
-                if (p.opacity > 0.0) {
-                    vec4 r0 = triangles[parent].worldFromRest0, r1 = triangles[parent].worldFromRest1, r2 = triangles[parent].worldFromRest2;
-                    float light = r0.w + uv.x * (r1.w - r0.w) + uv.y * (r2.w - r0.w);
-                    vec3 world = light * normalize(centre - view.eyeWorld.xyz);
-                    p.colour.rgb = vec3(dot(r0.xyz, world), dot(r1.xyz, world), dot(r2.xyz, world));
-                    seen = true;
-                }
-            }
+uint dplColour;   // the colour word of this lane's splat
+vec3 dplSh(uint entry, uint k) { return dplShCode(entry, dplColour, k); }
+#include "shaders/lib/sh.glsl"
+
+struct BoundSplat {
+    uint index;
+    uvec2 turn;       // the polar rotation of its triangle, as TriangleFrame has it
+    bool gated;
+    float opacity, light;
+    vec3 centre, axis1, axis2, normal;
+};
+
+vec3 direction(uvec4 bits) { return vec3(uintBitsToFloat(bits.x), uintBitsToFloat(bits.y), uintBitsToFloat(bits.z)); }
+
+/** Whether the view shows it. */
+bool showIn(ViewData view, uint v, BoundSplat s, bool mayShow) {
+    ProjectedSplat p = dplHiddenSplat();
+    if (mayShow) {
+        Footprint f = dplProject(view, dplToView(view, s.centre), dplRotateToView(view, s.axis1), dplRotateToView(view, s.axis2), frame.target.z);
+        if (f.visible) {
+            float opacity = s.opacity * dplNearFade(f.depthM);
+            if (frame.counts.w != 0u) opacity *= f.compensation;
+            if (s.gated) opacity *= dplSingleFaceGate(s.normal, s.centre, view.eyeWorld.xyz);
+            p = dplShow(f, opacity, frame.target.xy);
         }
-        projected[index * push.viewCount + v] = p;
     }
-    visibility[depthSlot] = seen ? floatBitsToUint(dot(frame.sortAxis.xyz, centre)) : kInvisibleKey;
+    bool seen = p.radiusPx.y > 0.0;
+    if (seen) {
+        vec3 rest = vec3(0.0);
+        uint entry = 0u;
+        if (push.shDegree > 0u) {  // the direction to the splat in the rest frame of its triangle
+            vec4 turn = vec4(unpackSnorm2x16(s.turn.x), unpackSnorm2x16(s.turn.y));
+            vec3 world = s.centre - view.eyeWorld.xyz;
+            rest = normalize(world + 2.0 * cross(turn.xyz, cross(turn.xyz, world) - turn.w * world));
+            entry = dplShEntry(s.index);
+        }
+        dplColour = codes[push.firstColour + s.index];
+        p.look.z = dplPackColour(dplShColour(rest, push.shDegree, entry, s.light));
+    }
+    projected[s.index * kViews + v].place = p.place;
+    projected[s.index * kViews + v].look = p.look;
+    projected[s.index * kViews + v].radiusPx = p.radiusPx;
+    return seen;
+}
+
+void main() {
+    uint lane = gl_LocalInvocationIndex, group = visibility[dplFirstLive(push.groupCount) + gl_WorkGroupID.x];
+    dplLoadChunk(lane, group);
+    dplClearSeen(lane);
+    barrier();
+    SplatPlace place = dplPlaceOf(group, lane);
+    bool seen = false;
+    if (place.exists) {
+        uint size = codes[push.firstSize + place.splat];
+        BoundSplat s;
+        s.index = place.splat;
+        s.gated = dplGated(size);
+        uint parent = dplParent(place.splat);
+        uvec4 corner0 = triangles[parent].corner0;
+        uint shown = corner0.w & (s.gated ? 3u * kShowsGated : 3u * kShowsFree);
+        if (shown == 0u) {  // its triangle is in no view, or turned away: nothing else of it is read
+            for (uint v = 0u; v < kViews; ++v) projected[s.index * kViews + v].radiusPx = vec2(0.0);
+        } else {
+            uint packed = codes[push.firstPlace + s.index];
+            vec2 scale = dplScale(size);
+            float phi = float(packed >> 22u) * kPhiCodeStep, cosine = cos(phi), sine = sin(phi);
+            vec2 uv = dplUv(packed);
+            uvec4 corner1 = triangles[parent].corner1, corner2 = triangles[parent].corner2, column0 = triangles[parent].column0, column1 = triangles[parent].column1;
+            vec3 f0 = direction(column0), f1 = direction(column1), light = vec3(unpackHalf2x16(column0.w), unpackHalf2x16(column1.w).x);
+            s.opacity = dplOpacity(size);
+            s.light = light.x + uv.x * (light.y - light.x) + uv.y * (light.z - light.x);
+            s.turn = uvec2(corner1.w, corner2.w);
+            s.centre = (1.0 - uv.x - uv.y) * direction(corner0) + uv.x * direction(corner1) + uv.y * direction(corner2);
+            s.axis1 = scale.x * (cosine * f0 + sine * f1);
+            s.axis2 = scale.y * (cosine * f1 - sine * f0);
+            s.normal = normalize(cross(f0, f1));
+            for (uint v = 0u; v < kViews; ++v) seen = showIn(frame.views[v], v, s, (shown & ((kShowsFree | kShowsGated) << v)) != 0u) || seen;
+            if (seen) visibility[dplFirstDepth(push.groupCount) + s.index] = floatBitsToUint(dot(frame.sortAxis.xyz, s.centre));
+        }
+    }
+    if (seen) dplSee(lane);
+    barrier();
+    dplWriteSeen(lane, push.groupCount, group, dplChunk[0] + (group & 1u) * kSplatGroup);
 }

@@ -1,52 +1,63 @@
-// The same for general splats: three axes, no gate. Nothing poses them, so their extent along the sort axis, the range of the depth keys, is
-// found here: of all splats, seen or not, so that two views sort as each alone.
+// The same for general splats: three axes, no gate; their colour is another pass. Nothing poses them, so their extent along the sort axis, the range
+// of the depth keys, is found here: of all splats, seen or not, so that two views sort as each alone.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
 #include "shaders/lib/footprint.glsl"
+#include "shaders/lib/projected.glsl"
 #include "shaders/lib/order.glsl"
+#include "shaders/lib/views.glsl"
 layout(local_size_x = 128) in;  // kSplatGroup
 
 layout(std140, binding = 0) uniform FrameBlock { FrameData frame; };
 layout(std430, binding = 1) readonly buffer SplatBlock { GeneralSplatRecord splats[]; };
 layout(std430, binding = 2) writeonly buffer ProjectedBlock { ProjectedSplat projected[]; };
-layout(std430, binding = 3) writeonly buffer DepthBlock { uint sortDepth[]; };  // float bits, kInvisibleKey = in no view
+layout(std430, binding = 3) writeonly buffer VisibilityBlock { uint visibility[]; };
 layout(std430, binding = 4) buffer CountsBlock { FrameCounts counts; };
 layout(push_constant) uniform PushBlock { SplatPush push; };
+#define DPL_SEEN
+#include "shaders/lib/visibility.glsl"
 
 shared uint groupMax;
 shared uint groupMinInverted;
 
+bool showIn(ViewData view, uint slot, GeneralSplatRecord s) {
+    ProjectedSplat p = dplHiddenSplat();
+    Footprint f = dplProjectGeneral(view, dplToView(view, s.centre.xyz), dplRotateToView(view, s.axis1.xyz), dplRotateToView(view, s.axis2.xyz),
+                                    dplRotateToView(view, s.axis3.xyz), frame.target.z);
+    if (f.visible) {
+        float opacity = s.centre.w * dplNearFade(f.depthM);
+        if (frame.counts.w != 0u) opacity *= f.compensation;
+        p = dplShow(f, opacity, frame.target.xy);
+    }
+    projected[slot].place = p.place;
+    projected[slot].look = p.look;
+    projected[slot].radiusPx = p.radiusPx;
+    return p.radiusPx.y > 0.0;
+}
+
 void main() {
-    uint lane = gl_LocalInvocationIndex;
-    uint index = gl_WorkGroupID.x * kSplatGroup + lane;
+    uint lane = gl_LocalInvocationIndex, group = gl_WorkGroupID.x, index = group * kSplatGroup + lane;
     if (lane == 0u) {
         groupMax = 0u;
         groupMinInverted = 0u;
     }
+    dplClearSeen(lane);
     barrier();
     if (index < push.splatCount) {
         GeneralSplatRecord s = splats[index];
         bool seen = false;
-        for (uint v = 0u; v < push.viewCount; ++v) {
-            ViewData view = frame.views[v];
-            ProjectedSplat p = dplHiddenSplat();
-            Footprint f = dplProjectGeneral(view, dplToView(view, s.centre.xyz), dplRotateToView(view, s.axis1.xyz), dplRotateToView(view, s.axis2.xyz),
-                                            dplRotateToView(view, s.axis3.xyz), frame.target.z);
-            if (f.visible) {
-                float opacity = s.centre.w * dplNearFade(f.depthM);
-                if (frame.counts.w != 0u) opacity *= f.compensation;
-                p = dplShow(f, opacity, frame.target.xy);
-                seen = seen || p.opacity > 0.0;
-            }
-            projected[index * push.viewCount + v] = p;
-        }
+        for (uint v = 0u; v < kViews; ++v) seen = showIn(frame.views[v], index * kViews + v, s) || seen;
         float depth = dot(frame.sortAxis.xyz, s.centre.xyz);
-        sortDepth[index] = seen ? floatBitsToUint(depth) : kInvisibleKey;
+        if (seen) {
+            visibility[dplFirstDepth(push.groupCount) + index] = floatBitsToUint(depth);
+            dplSee(lane);
+        }
         atomicMax(groupMax, dplOrderedBits(depth));
         atomicMax(groupMinInverted, ~dplOrderedBits(depth));
     }
     barrier();
+    dplWriteSeen(lane, push.groupCount, group, group * kSplatGroup);
     if (lane == 0u) {
         atomicMax(counts.depthMaxBits, groupMax);
         atomicMax(counts.depthMinBitsInverted, groupMinInverted);

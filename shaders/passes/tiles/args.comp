@@ -10,7 +10,7 @@ layout(std430, binding = 1) buffer CountsBlock { FrameCounts counts; };
 layout(push_constant) uniform PushBlock { TilePush push; };
 
 void main() {
-    uint rows = push.viewCount * push.rows, rowGroups = (rows * kTileSegments + kTileListGroup - 1u) / kTileListGroup;
+    uint rows = push.viewCount * push.rows, rowGroups = (rows * kTileSegments + kRunGroup - 1u) / kRunGroup;
 #ifdef DPL_ENTRIES
     uint entries = counts.tilesOverflowed == 0u ? lists[push.firstEntrySum + rows] : 0u;
     bool fits = counts.tilesOverflowed == 0u && entries <= push.entryCapacity;

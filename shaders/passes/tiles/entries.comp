@@ -2,7 +2,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
-layout(local_size_x = 32) in;  // kTileListGroup
+layout(local_size_x = 32) in;  // kRunGroup
 
 layout(std430, binding = 0) buffer ListBlock { uint lists[]; };
 layout(std430, binding = 1) writeonly buffer EntryBlock { uint entries[]; };

@@ -1,13 +1,21 @@
 // The pixels of each tile from its list, near first. A lane owns one column of a tile and stops when no pixel of it lets light through.
+// DPL_SHUFFLE: the eight lanes of a tile fetch together, a pair of them half a record each, and hand the words around: four records for the loads of
+// one. For devices whose subgroups hold whole tiles (DeviceInfo::shuffle); same bytes.
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#ifdef DPL_SHUFFLE
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_shuffle : require
+#endif
 #include "shaders/shared/frame.h"
 #include "shaders/lib/alpha.glsl"
+#include "shaders/lib/footprint.glsl"
+#include "shaders/lib/projected.glsl"
 layout(local_size_x = 64) in;  // kTileGroup
 
 layout(std430, binding = 0) readonly buffer ListBlock { uint lists[]; };
 layout(std430, binding = 1) readonly buffer EntryBlock { uint entries[]; };
-layout(std430, binding = 2) readonly buffer ProjectedBlock { ProjectedSplat projected[]; };
+layout(std430, binding = 2) readonly buffer ProjectedBlock { uvec4 projected[]; };  // ProjectedSplat: place, look, radius
 layout(std430, binding = 3) writeonly buffer PixelBlock { uint pixels[]; };  // zero before: a tile without entries is left alone
 layout(push_constant) uniform PushBlock { TilePush push; };
 
@@ -28,21 +36,42 @@ void main() {
             colour[k] = vec3(0.0);
             depth[k] = 0.0;
         }
-        for (uint i = begin; i < end; ++i) {
-            ProjectedSplat p = projected[entries[i]];
-            vec2 d = centre - p.centrePx;
-            vec3 conic = vec3(p.conicA, p.conicB, p.conicC);
-            float most = 0.0;
-            for (uint k = 0u; k < 8u; ++k) {
-                float weight = dplSplatAlpha(vec2(d.x, d.y + float(k)), conic, p.opacity) * through[k];
-                colour[k] += weight * p.colour.rgb;
-#ifdef DPL_DEPTH
-                depth[k] += weight * p.colour.w;
+        float live = 1.0;
+#ifdef DPL_SHUFFLE
+        uint lane = gl_LocalInvocationIndex % kTilePx, firstLane = gl_SubgroupInvocationID - lane;
+        for (uint batch = begin; batch < end; batch += 4u) {
+            uvec4 mine = projected[3u * entries[min(batch + lane / 2u, end - 1u)] + lane % 2u];
+            for (uint j = 0u; j < 4u; ++j) {
+                uint place = firstLane + 2u * j, look = place + 1u;
+                vec4 at = vec4(uintBitsToFloat(subgroupShuffle(mine.x, place)), uintBitsToFloat(subgroupShuffle(mine.y, place)),
+                               uintBitsToFloat(subgroupShuffle(mine.z, place)), uintBitsToFloat(subgroupShuffle(mine.w, place)));
+                if (batch + j >= end) live = 0.0;  // the last record, again
+                uvec4 seen = uvec4(subgroupShuffle(mine.x, look), subgroupShuffle(mine.y, look), subgroupShuffle(mine.z, look), subgroupShuffle(mine.w, look));
+#else
+        {
+            for (uint i = begin; i < end && live > 0.0; ++i) {
+                vec4 at = uintBitsToFloat(projected[3u * entries[i]]);
+                uvec4 seen = projected[3u * entries[i] + 1u];
 #endif
-                through[k] -= weight;
-                most = max(most, through[k]);
+                vec2 d = centre - at.xy;
+                vec3 conic = vec3(at.zw, uintBitsToFloat(seen.x)), rgb = dplUnpackColour(seen.z);
+                float opacity = live * uintBitsToFloat(seen.y), most = 0.0;  // what has stopped stays as it is
+                for (uint k = 0u; k < 8u; ++k) {
+                    float weight = dplSplatAlpha(vec2(d.x, d.y + float(k)), conic, opacity) * through[k];
+                    colour[k] += weight * rgb;
+#ifdef DPL_DEPTH
+                    depth[k] += weight * uintBitsToFloat(seen.w);
+#endif
+                    through[k] -= weight;
+                    most = max(most, through[k]);
+                }
+                if (most < kTileStop) live = 0.0;
             }
-            if (most < kTileStop) break;
+#ifdef DPL_SHUFFLE
+            float any = max(live, subgroupShuffleXor(live, 1u));
+            any = max(any, subgroupShuffleXor(any, 2u));
+            if (max(any, subgroupShuffleXor(any, 4u)) == 0.0) break;
+#endif
         }
         if (x >= push.widthPx) continue;
         for (uint k = 0u; k < 8u; ++k) {

@@ -1,10 +1,10 @@
-// How many rows of tiles the splats of each run touch: [row][run]. A run is kTileRun neighbours of the sorted list; one lane counts it, so that the
+// How many rows of tiles the splats of each run touch: [row][run]. A run is kRun neighbours of the sorted list; one lane counts it, so that the
 // order of the lists is the order of depth without atomics or barriers.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
 #include "shaders/lib/tiles.glsl"
-layout(local_size_x = 32) in;  // kTileListGroup
+layout(local_size_x = 32) in;  // kRunGroup
 
 layout(std430, binding = 0) readonly buffer PairBlock { uvec2 pairs[]; };
 layout(std430, binding = 1) readonly buffer ProjectedBlock { ProjectedSplat projected[]; };
@@ -13,16 +13,16 @@ layout(std430, binding = 3) buffer ListBlock { uint lists[]; };
 layout(push_constant) uniform PushBlock { TilePush push; };
 
 void main() {
-    uint run = gl_GlobalInvocationID.x, runs = counts.tileRuns;
+    uint run = gl_GlobalInvocationID.x, runs = counts.runs;
     if (run >= runs) return;
     uint table = push.firstRunTable + run;
     for (uint row = 0u; row < push.viewCount * push.rows; ++row) lists[table + row * runs] = 0u;
-    uint end = min((run + 1u) * kTileRun, counts.visible);
-    for (uint i = run * kTileRun; i < end; ++i) {
+    uint end = min((run + 1u) * kRun, counts.visible);
+    for (uint i = run * kRun; i < end; ++i) {
         uint splat = pairs[i].y;
         for (uint v = 0u; v < push.viewCount; ++v) {
             uint slot = splat * push.viewCount + v;
-            if (projected[slot].opacity == 0.0) continue;
+            if (projected[slot].radiusPx.y <= 0.0) continue;
             ivec2 rows = dplSplatRows(projected[slot], push.heightPx);
             if (rows.x > rows.y) continue;
             for (uint row = uint(rows.x) / kTilePx; row <= uint(rows.y) / kTilePx; ++row) lists[table + (v * push.rows + row) * runs]++;

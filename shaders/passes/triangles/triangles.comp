@@ -1,10 +1,11 @@
-// One posed frame a triangle: corners, the columns of F, the unit normal and the polar rotation (sdk/math/binding.h); and which views may show
+// One posed frame a triangle: corners, the columns of F, the polar rotation and the brightness (sdk/math/binding.h); and which views may show
 // its splats: those whose frustum it touches (lib/cull.glsl), for single-face splats only those on its front side, where their gate is above 0.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
 #include "shaders/lib/footprint.glsl"
 #include "shaders/lib/cull.glsl"
+#include "shaders/lib/views.glsl"
 layout(local_size_x = 128) in;  // kVertexGroup
 
 layout(std140, binding = 0) uniform FrameBlock { FrameData frame; };
@@ -17,16 +18,23 @@ layout(push_constant) uniform PushBlock { TrianglePush push; };
 shared uint groupTriangles[2];  // in view, facing
 shared uint groupSplats[2];
 
-/** The bits of TriangleFrame.v0.w. */
-uint shownBy(TriangleRecord rest, TriangleFrame f, vec3 normal) {
-    float reach = rest.reach * dplLargestStretch(f.f0.xyz, f.f1.xyz) * 1.0001;  // the factor: float rounding
-    uint shown = 0u;
-    for (uint v = 0u; v < push.viewCount; ++v) {
-        if (push.cull != 0u && !dplTriangleInView(frame.views[v], f.v0.xyz, f.v1.xyz, f.v2.xyz, reach, rest.rootLevel, frame.target.xy, frame.target.z)) continue;
-        shown |= kShowsFree << v;
-        if (push.cull == 0u || dot(normal, frame.views[v].eyeWorld.xyz - f.v0.xyz) > 0.0) shown |= kShowsGated << v;
-    }
-    return shown;
+/** The bits of TriangleFrame.corner0.w for view 0. */
+uint shownIn(ViewData view, vec3 v0, vec3 v1, vec3 v2, vec3 normal, float reach, float rootLevel) {
+    if (push.cull == 0u) return kShowsFree | kShowsGated;
+    if (!dplTriangleInView(view, v0, v1, v2, reach, rootLevel, frame.target.xy, frame.target.z)) return 0u;
+    return dot(normal, view.eyeWorld.xyz - v0) > 0.0 ? kShowsFree | kShowsGated : kShowsFree;
+}
+
+uvec4 bitsOf(vec3 v, uint w) { return uvec4(floatBitsToUint(v.x), floatBitsToUint(v.y), floatBitsToUint(v.z), w); }
+
+/** Unit quaternion of a rotation, x, y, z, w. */
+vec4 quaternionOf(mat3 m) {
+    vec4 q;
+    if (m[0][0] + m[1][1] + m[2][2] > 0.0) q = vec4(m[1][2] - m[2][1], m[2][0] - m[0][2], m[0][1] - m[1][0], 1.0 + m[0][0] + m[1][1] + m[2][2]);
+    else if (m[0][0] > m[1][1] && m[0][0] > m[2][2]) q = vec4(1.0 + m[0][0] - m[1][1] - m[2][2], m[0][1] + m[1][0], m[2][0] + m[0][2], m[1][2] - m[2][1]);
+    else if (m[1][1] > m[2][2]) q = vec4(m[0][1] + m[1][0], 1.0 + m[1][1] - m[0][0] - m[2][2], m[1][2] + m[2][1], m[2][0] - m[0][2]);
+    else q = vec4(m[2][0] + m[0][2], m[1][2] + m[2][1], 1.0 + m[2][2] - m[0][0] - m[1][1], m[0][1] - m[1][0]);
+    return q * inversesqrt(dot(q, q));
 }
 
 void main() {
@@ -38,10 +46,7 @@ void main() {
         vec4 corner0 = posed[rest.corners.x], corner1 = posed[rest.corners.y], corner2 = posed[rest.corners.z];  // w: brightness
         vec3 v0 = corner0.xyz, v1 = corner1.xyz, v2 = corner2.xyz;
         TriangleFrame f;
-        f.v0 = vec4(v0, 0.0);
-        f.v1 = vec4(v1, 0.0);
-        f.v2 = vec4(v2, 0.0);
-        f.f0 = f.f1 = f.worldFromRest0 = f.worldFromRest1 = f.worldFromRest2 = vec4(0.0);
+        f.corner0 = f.corner1 = f.corner2 = f.column0 = f.column1 = uvec4(0u);
         vec3 d1 = v1 - v0, d2 = v2 - v0, d3 = v2 - v1;
         vec3 normal = cross(d1, d2);
         float doubleArea = length(normal);
@@ -57,15 +62,15 @@ void main() {
             float c = radius > 1e-12 ? cosine / radius : 1.0, s = radius > 1e-12 ? sine / radius : 0.0;
             mat3 turned = mat3(c * t1 + s * t2, c * t2 - s * t1, normal);
             mat3 worldFromRest = turned * transpose(mat3(rest.restT1.xyz, rest.restT2.xyz, rest.restNormal.xyz));
-            f.v1.w = normal.x;
-            f.v2.w = normal.y;
-            f.f0 = vec4(f0, normal.z);
-            f.f1 = vec4(f1, 0.0);
-            f.worldFromRest0 = vec4(worldFromRest[0], corner0.w);
-            f.worldFromRest1 = vec4(worldFromRest[1], corner1.w);
-            f.worldFromRest2 = vec4(worldFromRest[2], corner2.w);
-            uint shown = shownBy(rest, f, normal);
-            f.v0.w = float(shown);
+            vec4 turn = quaternionOf(worldFromRest);
+            float reach = rest.reach * dplLargestStretch(f0, f1) * 1.0001;  // the factor: float rounding
+            uint shown = 0u;
+            for (uint v = 0u; v < kViews; ++v) shown |= shownIn(frame.views[v], v0, v1, v2, normal, reach, rest.rootLevel) << v;
+            f.corner0 = bitsOf(v0, shown);
+            f.corner1 = bitsOf(v1, packSnorm2x16(turn.xy));
+            f.corner2 = bitsOf(v2, packSnorm2x16(turn.zw));
+            f.column0 = bitsOf(f0, packHalf2x16(vec2(corner0.w, corner1.w)));
+            f.column1 = bitsOf(f1, packHalf2x16(vec2(corner2.w, 0.0)));
             uint facing = (shown != 0u ? rest.freeSplats : 0u) + (shown >= kShowsGated ? rest.gatedSplats : 0u);
             if (shown != 0u && rest.freeSplats + rest.gatedSplats != 0u) {
                 atomicAdd(groupTriangles[0], 1u);

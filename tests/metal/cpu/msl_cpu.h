@@ -5,6 +5,7 @@
 #define GLM_FORCE_SWIZZLE
 #define GLM_FORCE_SILENT_WARNINGS
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -44,6 +45,7 @@ enum class mem_flags { mem_none, mem_device, mem_threadgroup };
 constexpr int memory_order_relaxed = 0;
 inline void threadgroup_barrier(mem_flags) { msl::barrier(); }
 inline uint atomic_fetch_max_explicit(atomic_uint* a, uint v, int) { const uint old = *a; *a = std::max(old, v); return old; }
+inline uint atomic_fetch_or_explicit(atomic_uint* a, uint v, int) { const uint old = *a; *a = old | v; return old; }
 inline uint atomic_fetch_add_explicit(atomic_uint* a, uint v, int) { const uint old = *a; *a = old + v; return old; }
 
 inline float dot(const float3& a, const float3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
@@ -59,8 +61,18 @@ inline float ceil(float x) { return std::ceil(x); }
 inline int clamp(int x, int low, int high) { return std::min(std::max(x, low), high); }
 struct half2 {
     uint bits;
+    half2() = default;
     explicit half2(const float2& v) : bits(glm::packHalf2x16(v)) {}
+    operator float2() const { return glm::unpackHalf2x16(bits); }
 };
+template <class T>
+T ctz(T x) { return x ? T(std::countr_zero(uint32_t(x))) : T(32); }
+template <class T>
+T popcount(T x) { return T(std::popcount(uint32_t(x))); }
+template <class T, class C>
+T select(T otherwise, T value, C condition) { return condition ? value : otherwise; }
+inline uint pack_float_to_snorm2x16(const float2& v) { return glm::packSnorm2x16(v); }
+inline float2 unpack_snorm2x16_to_float(uint bits) { return glm::unpackSnorm2x16(bits); }
 inline uint pack_float_to_unorm4x8(const float4& v) { return glm::packUnorm4x8(v); }
 inline float log(float x) { return std::log(x); }
 inline float exp(float x) { return std::exp(x); }

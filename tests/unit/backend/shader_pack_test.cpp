@@ -49,49 +49,41 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
                                                         DPL_AT(CorrectedVertexRecord, pad0), DPL_AT(CorrectedVertexRecord, pad1), DPL_AT(CorrectedVertexRecord, pad2)});
     expectLayout("TriangleRecord", sizeof(TriangleRecord), {DPL_AT(TriangleRecord, restT1), DPL_AT(TriangleRecord, restT2), DPL_AT(TriangleRecord, restNormal), DPL_AT(TriangleRecord, corners), DPL_AT(TriangleRecord, reach),
                  DPL_AT(TriangleRecord, rootLevel), DPL_AT(TriangleRecord, freeSplats), DPL_AT(TriangleRecord, gatedSplats)});
-    expectLayout("TriangleFrame", sizeof(TriangleFrame), {DPL_AT(TriangleFrame, v0), DPL_AT(TriangleFrame, v1), DPL_AT(TriangleFrame, v2), DPL_AT(TriangleFrame, f0), DPL_AT(TriangleFrame, f1),
-                                                          DPL_AT(TriangleFrame, worldFromRest0), DPL_AT(TriangleFrame, worldFromRest1), DPL_AT(TriangleFrame, worldFromRest2)});
+    expectLayout("TriangleFrame", sizeof(TriangleFrame), {DPL_AT(TriangleFrame, corner0), DPL_AT(TriangleFrame, corner1), DPL_AT(TriangleFrame, corner2), DPL_AT(TriangleFrame, column0), DPL_AT(TriangleFrame, column1)});
     expectLayout("GeneralSplatRecord", sizeof(GeneralSplatRecord), {DPL_AT(GeneralSplatRecord, centre), DPL_AT(GeneralSplatRecord, axis1), DPL_AT(GeneralSplatRecord, axis2), DPL_AT(GeneralSplatRecord, axis3)});
-    expectLayout("ProjectedSplat", sizeof(ProjectedSplat), {DPL_AT(ProjectedSplat, centrePx), DPL_AT(ProjectedSplat, radiusPx), DPL_AT(ProjectedSplat, conicA), DPL_AT(ProjectedSplat, conicB),
-                                                            DPL_AT(ProjectedSplat, conicC), DPL_AT(ProjectedSplat, opacity), DPL_AT(ProjectedSplat, colour)});
-    expectLayout("FrameCounts", sizeof(FrameCounts), {DPL_AT(FrameCounts, visible), DPL_AT(FrameCounts, sortBlocks), DPL_AT(FrameCounts, trianglesInView), DPL_AT(FrameCounts, trianglesFacing), DPL_AT(FrameCounts, sortGroupsX),
-                                                      DPL_AT(FrameCounts, sortGroupsY), DPL_AT(FrameCounts, sortGroupsZ), DPL_AT(FrameCounts, pad2), DPL_AT(FrameCounts, drawVertices),
-                                                      DPL_AT(FrameCounts, drawInstances), DPL_AT(FrameCounts, drawFirstVertex), DPL_AT(FrameCounts, drawFirstInstance), DPL_AT(FrameCounts, depthMaxBits),
-                                                      DPL_AT(FrameCounts, depthMinBitsInverted), DPL_AT(FrameCounts, splatsInView), DPL_AT(FrameCounts, splatsFacing), DPL_AT(FrameCounts, chunkGroupsX),
-                                                      DPL_AT(FrameCounts, chunkGroupsY), DPL_AT(FrameCounts, chunkGroupsZ), DPL_AT(FrameCounts, tileRuns), DPL_AT(FrameCounts, runGroupsX), DPL_AT(FrameCounts, runGroupsY), DPL_AT(FrameCounts, runGroupsZ), DPL_AT(FrameCounts, tileSpans),
-                                                      DPL_AT(FrameCounts, spanGroupsX), DPL_AT(FrameCounts, spanGroupsY), DPL_AT(FrameCounts, spanGroupsZ), DPL_AT(FrameCounts, tileEntries), DPL_AT(FrameCounts, rowGroupsX), DPL_AT(FrameCounts, rowGroupsY),
-                                                      DPL_AT(FrameCounts, rowGroupsZ), DPL_AT(FrameCounts, tilesOverflowed), DPL_AT(FrameCounts, entryGroupsX), DPL_AT(FrameCounts, entryGroupsY), DPL_AT(FrameCounts, entryGroupsZ), DPL_AT(FrameCounts, pad3),
-                                                      DPL_AT(FrameCounts, fillGroupsX), DPL_AT(FrameCounts, fillGroupsY), DPL_AT(FrameCounts, fillGroupsZ), DPL_AT(FrameCounts, pad4)});
+    expectLayout("ProjectedSplat", sizeof(ProjectedSplat), {DPL_AT(ProjectedSplat, place), DPL_AT(ProjectedSplat, look), DPL_AT(ProjectedSplat, radiusPx), DPL_AT(ProjectedSplat, pad0), DPL_AT(ProjectedSplat, pad1)});
+    expectLayout("FrameCounts", sizeof(FrameCounts), {DPL_AT(FrameCounts, visible), DPL_AT(FrameCounts, runs), DPL_AT(FrameCounts, trianglesInView), DPL_AT(FrameCounts, trianglesFacing), DPL_AT(FrameCounts, runGroupsX), DPL_AT(FrameCounts, runGroupsY), DPL_AT(FrameCounts, runGroupsZ), DPL_AT(FrameCounts, pad2), DPL_AT(FrameCounts, drawVertices), DPL_AT(FrameCounts, drawInstances), DPL_AT(FrameCounts, drawFirstVertex), DPL_AT(FrameCounts, drawFirstInstance), DPL_AT(FrameCounts, depthMaxBits), DPL_AT(FrameCounts, depthMinBitsInverted), DPL_AT(FrameCounts, splatsInView), DPL_AT(FrameCounts, splatsFacing), DPL_AT(FrameCounts, chunkGroupsX), DPL_AT(FrameCounts, chunkGroupsY), DPL_AT(FrameCounts, chunkGroupsZ), DPL_AT(FrameCounts, tileSpans), DPL_AT(FrameCounts, spanGroupsX), DPL_AT(FrameCounts, spanGroupsY), DPL_AT(FrameCounts, spanGroupsZ), DPL_AT(FrameCounts, tileEntries), DPL_AT(FrameCounts, rowGroupsX), DPL_AT(FrameCounts, rowGroupsY), DPL_AT(FrameCounts, rowGroupsZ), DPL_AT(FrameCounts, tilesOverflowed), DPL_AT(FrameCounts, entryGroupsX), DPL_AT(FrameCounts, entryGroupsY), DPL_AT(FrameCounts, entryGroupsZ), DPL_AT(FrameCounts, pad3), DPL_AT(FrameCounts, fillGroupsX), DPL_AT(FrameCounts, fillGroupsY), DPL_AT(FrameCounts, fillGroupsZ)});
     expectLayout("TilePush", sizeof(TilePush), {DPL_AT(TilePush, viewCount), DPL_AT(TilePush, columns), DPL_AT(TilePush, rows), DPL_AT(TilePush, widthPx), DPL_AT(TilePush, heightPx), DPL_AT(TilePush, firstSpanSum), DPL_AT(TilePush, firstEntrySum), DPL_AT(TilePush, firstRunTable),
                                                 DPL_AT(TilePush, firstTileTable), DPL_AT(TilePush, firstSpan), DPL_AT(TilePush, spanCapacity), DPL_AT(TilePush, entryCapacity), DPL_AT(TilePush, fillGroups), DPL_AT(TilePush, firstDepth), DPL_AT(TilePush, halfColour), DPL_AT(TilePush, halfDepth)});
-    expectLayout("TileScanPush", sizeof(TileScanPush), {DPL_AT(TileScanPush, perRow), DPL_AT(TileScanPush, firstTable), DPL_AT(TileScanPush, firstSum)});
+    expectLayout("RowScanPush", sizeof(RowScanPush), {DPL_AT(RowScanPush, perRow), DPL_AT(RowScanPush, firstTable), DPL_AT(RowScanPush, firstSum)});
     expectLayout("VertexPush", sizeof(VertexPush), {DPL_AT(VertexPush, vertexCount), DPL_AT(VertexPush, firstNode)});
-    expectLayout("TrianglePush", sizeof(TrianglePush), {DPL_AT(TrianglePush, triangleCount), DPL_AT(TrianglePush, viewCount), DPL_AT(TrianglePush, cull)});
-    expectLayout("SplatPush", sizeof(SplatPush), {DPL_AT(SplatPush, splatCount), DPL_AT(SplatPush, viewCount)});
-    expectLayout("CodesPush", sizeof(CodesPush), {DPL_AT(CodesPush, viewCount), DPL_AT(CodesPush, groupCount), DPL_AT(CodesPush, firstParent), DPL_AT(CodesPush, firstPlace), DPL_AT(CodesPush, firstSize), DPL_AT(CodesPush, firstColour),
-                                                  DPL_AT(CodesPush, firstParentByte), DPL_AT(CodesPush, firstShIndex), DPL_AT(CodesPush, shDegree), DPL_AT(CodesPush, shWords)});
-    expectLayout("ChunkPush", sizeof(ChunkPush), {DPL_AT(ChunkPush, chunkCount)});
-    expectLayout("ColourPush", sizeof(ColourPush), {DPL_AT(ColourPush, splatCount), DPL_AT(ColourPush, viewCount), DPL_AT(ColourPush, shDegree), DPL_AT(ColourPush, shStride)});
-    expectLayout("CompactPush", sizeof(CompactPush), {DPL_AT(CompactPush, splatCount), DPL_AT(CompactPush, blockCount), DPL_AT(CompactPush, firstDepth), DPL_AT(CompactPush, maxDepthKey)});
-    expectLayout("ScanPush", sizeof(ScanPush), {DPL_AT(ScanPush, first), DPL_AT(ScanPush, count), DPL_AT(ScanPush, fromSort)});
-    expectLayout("ArgsPush", sizeof(ArgsPush), {DPL_AT(ArgsPush, blockCount), DPL_AT(ArgsPush, instancesPerSplat)});
+    expectLayout("TrianglePush", sizeof(TrianglePush), {DPL_AT(TrianglePush, triangleCount), DPL_AT(TrianglePush, cull)});
+    expectLayout("SplatPush", sizeof(SplatPush), {DPL_AT(SplatPush, splatCount), DPL_AT(SplatPush, groupCount)});
+    expectLayout("CodesPush", sizeof(CodesPush), {DPL_AT(CodesPush, groupCount), DPL_AT(CodesPush, firstParent), DPL_AT(CodesPush, firstPlace), DPL_AT(CodesPush, firstSize), DPL_AT(CodesPush, firstColour), DPL_AT(CodesPush, firstParentByte), DPL_AT(CodesPush, firstShIndex), DPL_AT(CodesPush, firstSh), DPL_AT(CodesPush, shDegree), DPL_AT(CodesPush, shWords)});
+    expectLayout("ChunkPush", sizeof(ChunkPush), {DPL_AT(ChunkPush, groupCount)});
+    expectLayout("ColourPush", sizeof(ColourPush), {DPL_AT(ColourPush, splatCount), DPL_AT(ColourPush, shDegree), DPL_AT(ColourPush, shStride)});
+    expectLayout("CompactPush", sizeof(CompactPush), {DPL_AT(CompactPush, groupCount), DPL_AT(CompactPush, maxDepthKey)});
+    expectLayout("ScanPush", sizeof(ScanPush), {DPL_AT(ScanPush, first), DPL_AT(ScanPush, count)});
+    expectLayout("ArgsPush", sizeof(ArgsPush), {DPL_AT(ArgsPush, groupCount), DPL_AT(ArgsPush, instancesPerSplat)});
     expectLayout("SortPush", sizeof(SortPush), {DPL_AT(SortPush, shift)});
     expectLayout("DrawPush", sizeof(DrawPush), {DPL_AT(DrawPush, targetWidthPx), DPL_AT(DrawPush, targetHeightPx), DPL_AT(DrawPush, viewCount), DPL_AT(DrawPush, atlasColumns)});
 }
 
 TEST(ShaderPack, workgroupsAreThoseThatTheSharedLimitsName) {
-    const std::map<std::string, uint32_t> want = {{"skin", gpu::kVertexGroup}, {"skin.corrected", gpu::kVertexGroup}, {"triangles", gpu::kVertexGroup}, {"chunks.mark", gpu::kSplatGroup}, {"chunks.list", gpu::kScanGroup}, {"project", gpu::kSplatGroup}, {"colour", gpu::kSplatGroup}, {"project.general", gpu::kSplatGroup}, {"colour.general", gpu::kSplatGroup},
-                                                  {"compact.count", gpu::kScanGroup}, {"compact.scan", gpu::kScanGroup}, {"compact.args", 1}, {"compact.scatter", gpu::kScanGroup},
-                                                  {"sort.count", gpu::kSortGroup}, {"sort.scatter", gpu::kSortGroup}, {"tiles.runs", gpu::kTileListGroup}, {"tiles.scan", gpu::kTileScanGroup},
-                                                  {"tiles.args.spans", 1}, {"tiles.args.entries", 1}, {"tiles.spans", gpu::kTileListGroup}, {"tiles.count", gpu::kTileListGroup},
-                                                  {"tiles.entries", gpu::kTileListGroup}, {"tiles.fill", gpu::kTileGroup}, {"tiles.fill.depth", gpu::kTileGroup}};
+    const std::map<std::string, uint32_t> want = {
+        {"skin", gpu::kVertexGroup}, {"skin.corrected", gpu::kVertexGroup}, {"triangles", gpu::kVertexGroup}, {"triangles.stereo", gpu::kVertexGroup}, {"chunks.mark", gpu::kChunkGroup}, {"chunks.list", gpu::kScanGroup},
+        {"project", gpu::kSplatGroup}, {"project.stereo", gpu::kSplatGroup}, {"project.general", gpu::kSplatGroup}, {"project.general.stereo", gpu::kSplatGroup},
+        {"colour.general", gpu::kSplatGroup}, {"colour.general.stereo", gpu::kSplatGroup}, {"scan.rows", gpu::kRowScanGroup}, {"scan.sums", gpu::kScanGroup},
+        {"compact.args", 1}, {"compact.scatter", gpu::kCompactGroup}, {"sort.count", gpu::kRunGroup}, {"sort.scatter", gpu::kRunGroup}, {"tiles.runs", gpu::kRunGroup},
+        {"tiles.args.spans", 1}, {"tiles.args.entries", 1}, {"tiles.spans", gpu::kRunGroup}, {"tiles.count", gpu::kRunGroup}, {"tiles.entries", gpu::kRunGroup},
+        {"tiles.fill", gpu::kTileGroup}, {"tiles.fill.depth", gpu::kTileGroup}, {"tiles.fill.shuffle", gpu::kTileGroup}, {"tiles.fill.shuffle.depth", gpu::kTileGroup}};
     for (const Shader& shader : embedded().shaders) {
         if (shader.stage != ShaderStage::Compute) continue;
         ASSERT_TRUE(want.count(shader.name)) << shader.name;
         EXPECT_EQ(shader.workgroup[0], want.at(shader.name)) << shader.name;
         EXPECT_EQ(shader.workgroup[1] * shader.workgroup[2], 1u) << shader.name;
     }
-    static_assert(gpu::kCompactBlock == gpu::kScanGroup * gpu::kCompactItemsPerLane && gpu::kSortBlock == gpu::kSortGroup * gpu::kSortItemsPerLane);
+    static_assert(gpu::kMaskWords * 32 == gpu::kSplatGroup);
 }
 
 TEST(ShaderPack, staysWithinWhatEveryVulkan11DeviceHas) {

@@ -83,13 +83,13 @@ AvatarData tubeOf(uint32_t count, TubeOptions options) {
 }
 
 // Lists cannot overflow: each has one entry a splat (docs/adr/0002). The worst case is a frame in which every splat is seen by every view, at
-// counts that fill the blocks of compaction and sort exactly, and one more or less.
+// counts that fill the runs of the sort exactly, and one more or less.
 TEST_P(VulkanImage, everyListHoldsAFrameThatShowsEverySplat) {
     const VulkanOptions options = withPreciseBlendingOfAnyWidth();
     TestVulkan vulkan(options, GetParam());
     DPL_NEED_VULKAN(vulkan);
     const Cameraf views[2] = {tubeCamera(160, 144, 0.3f, 1.6f, -0.03f), tubeCamera(160, 144, 0.3f, 1.6f, 0.03f)};
-    for (const uint32_t count : {gpu::kSortBlock - 1, gpu::kSortBlock, gpu::kSortBlock + 1, 2 * gpu::kSortBlock, gpu::kCompactBlock + 1, 1u}) {
+    for (const uint32_t count : {gpu::kRun - 1, gpu::kRun, gpu::kRun + 1, 2 * gpu::kRun, 8 * gpu::kRun + 1, 1u}) {
         const auto avatar = share(tubeOf(count, {.splatsPerTriangle = 32, .rings = 4, .singleFace = false, .colourSpread = 0.3f}));
         auto id = vulkan.renderer->addAvatar(avatar);
         ASSERT_TRUE(id) << id.error().message;

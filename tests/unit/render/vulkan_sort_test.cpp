@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <random>
 
@@ -25,12 +26,15 @@ Pairs sortOnDevice(Backend& backend, const Pairs& input) {
     ids.counts = make("counts", sizeof(gpu::FrameCounts));
     ids.pairs = make("pairs", ids.splatCount * 8ull);
     ids.pairsSwap = make("swap", ids.splatCount * 8ull);
-    ids.histogram = make("histogram", (gpu::kSortDigits * ids.maxSortBlocks() + 1ull) * 4);
+    ids.histogram = make("histogram", ids.histogramWords() * 4);
+    const std::array<std::byte, 4> zero{};
+    EXPECT_TRUE(backend.write(ids.histogram, 0, zero));  // for the check of reads
     const BufferId result = make("result", ids.splatCount * 8ull, BufferMemory::Readback);
     gpu::FrameCounts counts{};
     counts.visible = uint32_t(input.size());
-    counts.sortBlocks = counts.sortGroupsX = (counts.visible + gpu::kSortBlock - 1) / gpu::kSortBlock;
-    counts.sortGroupsY = counts.sortGroupsZ = 1;
+    counts.runs = (counts.visible + gpu::kRun - 1) / gpu::kRun;
+    counts.runGroupsX = (counts.runs + gpu::kRunGroup - 1) / gpu::kRunGroup;
+    counts.runGroupsY = counts.runGroupsZ = 1;
     EXPECT_TRUE(backend.write(ids.counts, 0, std::as_bytes(std::span(&counts, 1))));
     EXPECT_TRUE(backend.write(ids.pairs, 0, std::as_bytes(std::span(input))));
     FramePlan plan(backend);
@@ -53,7 +57,7 @@ TEST(VulkanSort, equalsStableSort) {
     const char* width = std::getenv("LP_NATIVE_VECTOR_WIDTH");
     std::printf("[  DEVICE  ] %s, LP_NATIVE_VECTOR_WIDTH=%s\n", (*backend)->info().name.c_str(), width ? width : "default");
     std::mt19937 random(11);
-    for (size_t count : {size_t(0), size_t(1), size_t(2), size_t(127), size_t(2047), size_t(2048), size_t(2049), size_t(30011), size_t(100000)}) {
+    for (size_t count : {size_t(0), size_t(1), size_t(2), size_t(127), size_t(gpu::kRun - 1), size_t(gpu::kRun), size_t(gpu::kRun + 1), size_t(30011), size_t(100000)}) {
         for (uint32_t keys : {1u, 7u, 65536u}) {  // all equal (10⁵ equal depth keys), heavy ties, spread
             Pairs input(count);
             for (size_t i = 0; i < count; ++i) input[i] = {uint32_t(random() % keys), uint32_t(i)};

@@ -2,26 +2,26 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
-layout(local_size_x = 64) in;  // kTileScanGroup
+layout(local_size_x = 64) in;  // kRowScanGroup
 #define DPL_SCAN_LANES 64u
 #include "shaders/lib/scan.glsl"
 
 layout(std430, binding = 0) readonly buffer CountsBlock { FrameCounts counts; };
-layout(std430, binding = 1) buffer ListBlock { uint lists[]; };
-layout(push_constant) uniform PushBlock { TileScanPush push; };
+layout(std430, binding = 1) buffer TableBlock { uint table[]; };
+layout(push_constant) uniform PushBlock { RowScanPush push; };
 
 void main() {
     uint lane = gl_LocalInvocationIndex, row = gl_WorkGroupID.x;
-    uint count = push.perRow != 0u ? push.perRow : counts.tileRuns, first = push.firstTable + row * count;
-    uint share = (count + kTileScanGroup - 1u) / kTileScanGroup;
+    uint count = push.perRow != 0u ? push.perRow : counts.runs, first = push.firstTable + row * count;
+    uint share = (count + kRowScanGroup - 1u) / kRowScanGroup;
     uint begin = first + min(lane * share, count), end = first + min((lane + 1u) * share, count), sum = 0u;
-    for (uint i = begin; i < end; ++i) sum += lists[i];
+    for (uint i = begin; i < end; ++i) sum += table[i];
     uint total;
     uint before = dplExclusiveScan(lane, sum, total);
     for (uint i = begin; i < end; ++i) {
-        uint value = lists[i];
-        lists[i] = before;
+        uint value = table[i];
+        table[i] = before;
         before += value;
     }
-    if (lane == 0u) lists[push.firstSum + row] = total;
+    if (lane == 0u) table[push.firstSum + row] = total;
 }

@@ -1,4 +1,4 @@
-// Exclusive prefix sum in place by one workgroup; the total goes one past the end. Serves compaction, the sort and the tile lists.
+// Exclusive prefix sum in place by one workgroup; the total goes one past the end. Of a table: the totals of its rows (rows.comp).
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -6,13 +6,12 @@ layout(local_size_x = 256) in;  // kScanGroup
 #define DPL_SCAN_LANES 256u
 #include "shaders/lib/scan.glsl"
 
-layout(std430, binding = 0) readonly buffer CountsBlock { FrameCounts counts; };
-layout(std430, binding = 1) buffer ValueBlock { uint values[]; };
+layout(std430, binding = 0) buffer ValueBlock { uint values[]; };
 layout(push_constant) uniform PushBlock { ScanPush push; };
 
 void main() {
     uint lane = gl_LocalInvocationIndex;
-    uint count = push.fromSort != 0u ? kSortDigits * counts.sortBlocks : push.count;
+    uint count = push.count;
     uint share = (count + kScanGroup - 1u) / kScanGroup;
     uint begin = push.first + min(lane * share, count), end = push.first + min((lane + 1u) * share, count);
     uint sum = 0u;

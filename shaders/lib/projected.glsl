@@ -1,0 +1,29 @@
+// A footprint as the passes that fill pixels read it.
+uint dplPackColour(vec3 rgb) { return uint(rgb.r * 2047.0 + 0.5) | (uint(rgb.g * 2047.0 + 0.5) << 11u) | (uint(rgb.b * 1023.0 + 0.5) << 22u); }
+vec3 dplUnpackColour(uint rgb) { return vec3(float(rgb & 2047u) * (1.0 / 2047.0), float((rgb >> 11u) & 2047u) * (1.0 / 2047.0), float(rgb >> 22u) * (1.0 / 1023.0)); }
+
+ProjectedSplat dplHiddenSplat() {
+    ProjectedSplat p;
+    p.place = vec4(0.0);
+    p.look = uvec4(0u);
+    p.radiusPx = vec2(0.0);
+    p.pad0 = p.pad1 = 0u;
+    return p;
+}
+float dplOpacityOf(ProjectedSplat p) { return uintBitsToFloat(p.look.y); }
+
+// A footprint of this opacity, black; hidden when no pixel of the target sees 1/255 of it.
+ProjectedSplat dplShow(Footprint f, float opacity, vec2 targetPx) {
+    ProjectedSplat p = dplHiddenSplat();
+    if (opacity >= kGpuMinAlpha) {
+        float level = 2.0 * log(opacity / kGpuMinAlpha);
+        vec2 radius = sqrt(level * f.variance);
+        vec2 low = f.centrePx - radius, high = f.centrePx + radius;
+        if (high.x > 0.0 && high.y > 0.0 && low.x < targetPx.x && low.y < targetPx.y) {
+            p.place = vec4(f.centrePx, f.conic.x, f.conic.y);
+            p.look = uvec4(floatBitsToUint(f.conic.z), floatBitsToUint(opacity), 0u, floatBitsToUint(f.depthM));
+            p.radiusPx = radius;
+        }
+    }
+    return p;
+}
