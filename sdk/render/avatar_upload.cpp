@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstring>
 
+#include <glm/gtc/packing.hpp>
+
 #include "sdk/avatar/pose_correctives.h"
 #include "sdk/math/binding.h"
 #include "sdk/math/sh.h"
@@ -113,7 +115,7 @@ Status checkSplats(const StaticSplatData& s, const DeviceInfo& device) {
         return fail(Code::InvalidArgument, "the arrays of {} splats differ in length", count);
     if ((count + gpu::kSplatGroup - 1) / gpu::kSplatGroup > device.maxGroups)
         return fail(Code::Unsupported, "{} splats, {} draws at most {}; export fewer splats", count, device.name, uint64_t(device.maxGroups) * gpu::kSplatGroup);
-    DPL_CHECK_OK(checkBinding("SH coefficients", count, coefficients * 4, device, "export the splats with a lower SH degree, or fewer of them"));
+    DPL_CHECK_OK(checkBinding("SH coefficients", count, (coefficients + 7) / 8 * sizeof(gpu::uvec4), device, "export the splats with a lower SH degree, or fewer of them"));
     return checkBinding("projected splats", count, sizeof(gpu::ProjectedSplat) * gpu::kMaxViews, device, "export fewer splats");
 }
 
@@ -124,6 +126,18 @@ std::vector<gpu::GeneralSplatRecord> packSplats(const StaticSplatData& s) {
         const Mat3f turn = glm::mat3_cast(s.rotation[i]);
         const auto axis = [&](int k) { return gpu::vec4{turn[k].x * s.scaleM[i][k], turn[k].y * s.scaleM[i][k], turn[k].z * s.scaleM[i][k], 0}; };
         out.push_back({{s.position[i].x, s.position[i].y, s.position[i].z, s.opacity[i]}, axis(0), axis(1), axis(2)});
+    }
+    return out;
+}
+
+std::vector<gpu::uvec4> packSh(const StaticSplatData& s) {
+    const size_t floats = shCoefficientCount(s.shDegree) * 3, stride = (floats + 7) / 8;
+    std::vector<gpu::uvec4> out(s.count() * stride);
+    const auto half = [](float x) { return uint32_t(glm::packHalf1x16(std::clamp(x, -65504.0f, 65504.0f))); };
+    for (size_t i = 0; i < s.count(); ++i) {
+        uint32_t words[24] = {};
+        for (size_t k = 0; k < floats; ++k) words[k / 2] |= half(s.sh[i * floats + k]) << (k % 2 * 16);
+        std::memcpy(&out[i * stride], words, stride * sizeof(gpu::uvec4));
     }
     return out;
 }
@@ -160,7 +174,7 @@ AvatarRecords packAvatar(const AvatarData& avatar, const CodedSplats& splats) {
     out.where.firstParentByte = appendWords(out.codes, splats.parent);
     if (!splats.shIndex.empty()) out.where.firstShIndex = appendWords(out.codes, splats.shIndex);
     out.where.firstSh = appendWords(out.codes, splats.sh);
-    out.where.shDegree = splats.shDegree, out.where.shWords = shEntryBytes(splats.shDegree) / 4;
+    out.where.shWords = shEntryBytes(splats.shDegree) / 4;
     return out;
 }
 

@@ -31,6 +31,8 @@ AvatarRecords packAvatar(const AvatarData& avatar, const CodedSplats& splats);
 /** The same for general splats. */
 Status checkSplats(const StaticSplatData& splats, const DeviceInfo& device);
 std::vector<gpu::GeneralSplatRecord> packSplats(const StaticSplatData& splats);
+/** Their SH coefficients as halves, each splat padded to whole uvec4; values beyond the range of a half are clamped to it. */
+std::vector<gpu::uvec4> packSh(const StaticSplatData& splats);
 
 /** The palette of a pose: three rows a joint, then the control nodes. `out` has paletteRows entries; it may be mapped memory. */
 size_t paletteRows(const AvatarData& avatar);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "sdk/backend/backend.h"
+#include "sdk/core/result.h"
 #include "shaders/shared/frame.h"
 
 namespace dpl {
@@ -40,8 +41,9 @@ struct FrameIds {
         push.groupCount = groupCount;
         return push;
     }
-    /** The kernel built for this many views. */
-    std::string ofViews(const char* shader) const { return viewCount > 1 ? std::string(shader) + ".stereo" : shader; }
+    /** The kernel built for this many views; and for this SH degree. */
+    std::string ofViews(std::string shader) const { return viewCount > 1 ? shader + ".stereo" : shader; }
+    std::string ofColour(const char* shader) const { return ofViews(formatText("{}.sh{}", shader, shDegree)); }
     uint64_t histogramWords() const { return gpu::kSortTable + uint64_t(gpu::kSortDigits) * ((splatCount + gpu::kRun - 1) / gpu::kRun); }
 };
 

@@ -114,9 +114,10 @@ Status GpuRenderer::loadSplats(LoadedAvatar& a, const StaticSplatData& splats) {
     ids.shDegree = splats.shDegree;
     ids.groupCount = ids.filledGroups = (ids.splatCount + gpu::kSplatGroup - 1) / gpu::kSplatGroup;
     const std::vector<gpu::GeneralSplatRecord> records = packSplats(splats);
-    a.avatarBytes = a.splatBytes = records.size() * sizeof(gpu::GeneralSplatRecord) + splats.sh.size() * sizeof(float);
+    const std::vector<gpu::uvec4> sh = packSh(splats);
+    a.avatarBytes = a.splatBytes = records.size() * sizeof(gpu::GeneralSplatRecord) + sh.size() * sizeof(gpu::uvec4);
     DPL_TRY(ids.splats, uploadBuffer<gpu::GeneralSplatRecord>(a.owned, "splats", records));
-    DPL_TRY(ids.sh, uploadBuffer<float>(a.owned, "sh", splats.sh));
+    DPL_TRY(ids.sh, uploadBuffer<gpu::uvec4>(a.owned, "sh", sh));
     return makeWorkBuffers(a);
 }
 

@@ -130,9 +130,9 @@ struct VertexPush { uint vertexCount; uint firstNode; };  // control nodes in th
 struct TrianglePush { uint triangleCount; uint cull; };  // cull 0: every valid triangle is shown
 struct SplatPush { uint splatCount; uint groupCount; };
 // Where the streams of an avatar's splat codes begin, in words; firstShIndex 0: every splat has its own SH entry, of shWords.
-struct CodesPush { uint groupCount; uint firstParent; uint firstPlace; uint firstSize; uint firstColour; uint firstParentByte; uint firstShIndex; uint firstSh; uint shDegree; uint shWords; };
+struct CodesPush { uint groupCount; uint firstParent; uint firstPlace; uint firstSize; uint firstColour; uint firstParentByte; uint firstShIndex; uint firstSh; uint shWords; };
 struct ChunkPush { uint groupCount; };
-struct ColourPush { uint splatCount; uint shDegree; uint shStride; };  // of general splats; stride in floats per splat
+struct ColourPush { uint splatCount; };  // of general splats
 struct CompactPush { uint groupCount; uint maxDepthKey; };
 struct ScanPush { uint first; uint count; };
 struct ArgsPush { uint groupCount; uint instancesPerSplat; };

@@ -11,11 +11,10 @@ void addProject(FramePlan& plan, const FrameIds& ids) {
             .updates(ids.counts)
             .push(gpu::SplatPush{ids.splatCount, ids.groupCount})
             .groups(ids.groupCount);
-        const gpu::ColourPush push{ids.splatCount, ids.shDegree, (ids.shDegree + 1) * (ids.shDegree + 1) * 3};
-        plan.compute("splat.colour", ids.ofViews("colour.general")).uniform(ids.frame).reads(ids.splats, ids.sh).updates(ids.projected).push(push).threads(ids.splatCount);
+        plan.compute("splat.colour", ids.ofColour("colour.general")).uniform(ids.frame).reads(ids.splats, ids.sh).updates(ids.projected).push(gpu::ColourPush{ids.splatCount}).threads(ids.splatCount);
         return;
     }
-    plan.compute("splat.project", ids.ofViews("project"))
+    plan.compute("splat.project", ids.ofColour("project"))
         .uniform(ids.frame)
         .reads(ids.splats, ids.triangleFrames)
         .writes(ids.projected)

@@ -44,14 +44,14 @@ std::optional<TilePlan> planTiles(const FrameIds& ids, const DeviceInfo& device)
 
 void addTiles(FramePlan& plan, const FrameIds& ids, const TilePlan& tiles) {
     const gpu::TilePush& push = tiles.push;
-    plan.compute("tiles.runs", "tiles.runs").reads(ids.pairs, ids.projected, ids.counts).updates(ids.tileLists).push(push).groupsFrom(ids.counts, offsetof(gpu::FrameCounts, runGroupsX));
+    plan.compute("tiles.runs", ids.ofViews("tiles.runs")).reads(ids.pairs, ids.projected, ids.counts).updates(ids.tileLists).push(push).groupsFrom(ids.counts, offsetof(gpu::FrameCounts, runGroupsX));
     const auto sum = [&](uint32_t perRow, uint32_t firstTable, uint32_t firstSum) {
         plan.compute("tiles.scan", "scan.rows").reads(ids.counts).updates(ids.tileLists).push(gpu::RowScanPush{perRow, firstTable, firstSum}).groups(tiles.rows());
         plan.compute("tiles.scan", "scan.sums").updates(ids.tileLists).push(gpu::ScanPush{firstSum, tiles.rows()}).groups(1);
     };
     sum(0, push.firstRunTable, push.firstSpanSum);
     plan.compute("tiles.args", "tiles.args.spans").reads(ids.tileLists).updates(ids.counts).push(push).groups(1);
-    plan.compute("tiles.spans", "tiles.spans").reads(ids.pairs, ids.projected, ids.counts).updates(ids.tileLists).push(push).groupsFrom(ids.counts, offsetof(gpu::FrameCounts, spanGroupsX));
+    plan.compute("tiles.spans", ids.ofViews("tiles.spans")).reads(ids.pairs, ids.projected, ids.counts).updates(ids.tileLists).push(push).groupsFrom(ids.counts, offsetof(gpu::FrameCounts, spanGroupsX));
     plan.compute("tiles.count", "tiles.count").updates(ids.tileLists).push(push).groupsFrom(ids.counts, offsetof(gpu::FrameCounts, rowGroupsX));
     sum(push.columns * gpu::kTileSegments, push.firstTileTable, push.firstEntrySum);
     plan.compute("tiles.args", "tiles.args.entries").reads(ids.tileLists).updates(ids.counts).push(push).groups(1);

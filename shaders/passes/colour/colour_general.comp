@@ -9,17 +9,25 @@ layout(local_size_x = 128) in;  // kSplatGroup
 
 layout(std140, binding = 0) uniform FrameBlock { FrameData frame; };
 layout(std430, binding = 1) readonly buffer SplatBlock { GeneralSplatRecord splats[]; };
-layout(std430, binding = 2) readonly buffer ShBlock { float sh[]; };
+layout(std430, binding = 2) readonly buffer ShBlock { uvec4 sh[]; };  // eight halves, coefficient-major, red green blue; padded to whole uvec4
 layout(std430, binding = 3) buffer ProjectedBlock { ProjectedSplat projected[]; };
 layout(push_constant) uniform PushBlock { ColourPush push; };
 
-vec3 dplSh(uint base, uint k) { return vec3(sh[base + 3u * k], sh[base + 3u * k + 1u], sh[base + 3u * k + 2u]); }
+float dplShHalf(uint base, uint at) {
+    uvec4 eight = sh[base + (at >> 3u)];
+    uint word = (at & 4u) == 0u ? ((at & 2u) == 0u ? eight.x : eight.y) : ((at & 2u) == 0u ? eight.z : eight.w);
+    vec2 pair = unpackHalf2x16(word);
+    return (at & 1u) == 0u ? pair.x : pair.y;
+}
+vec3 dplSh(uint base, uint k) { return vec3(dplShHalf(base, 3u * k), dplShHalf(base, 3u * k + 1u), dplShHalf(base, 3u * k + 2u)); }
 #include "shaders/lib/sh.glsl"
+
+const uint kShStride = (3u * (kShDegree + 1u) * (kShDegree + 1u) + 7u) / 8u;  // a splat
 
 void shadeIn(ViewData view, uint index, uint slot) {
     if (projected[slot].radiusPx.y <= 0.0) return;
     vec3 direction = normalize(splats[index].centre.xyz - view.eyeWorld.xyz);
-    projected[slot].look.z = dplPackColour(dplShColour(direction, push.shDegree, index * push.shStride, 1.0));
+    projected[slot].look.z = dplPackColour(dplShColour(direction, index * kShStride, 1.0));
 }
 
 void main() {

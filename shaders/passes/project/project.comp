@@ -47,14 +47,14 @@ bool showIn(ViewData view, uint v, BoundSplat s, bool mayShow) {
     if (seen) {
         vec3 rest = vec3(0.0);
         uint entry = 0u;
-        if (push.shDegree > 0u) {  // the direction to the splat in the rest frame of its triangle
+        if (kShDegree > 0u) {  // the direction to the splat in the rest frame of its triangle
             vec4 turn = vec4(unpackSnorm2x16(s.turn.x), unpackSnorm2x16(s.turn.y));
             vec3 world = s.centre - view.eyeWorld.xyz;
             rest = normalize(world + 2.0 * cross(turn.xyz, cross(turn.xyz, world) - turn.w * world));
             entry = dplShEntry(s.index);
         }
         dplColour = codes[push.firstColour + s.index];
-        p.look.z = dplPackColour(dplShColour(rest, push.shDegree, entry, s.light));
+        p.look.z = dplPackColour(dplShColour(rest, entry, s.light));
     }
     projected[s.index * kViews + v].place = p.place;
     projected[s.index * kViews + v].look = p.look;

@@ -16,6 +16,10 @@ void main() {
     uint begin = first + segment * share, end = min(begin + share, lists[push.firstSpanSum + row + 1u]);
     for (uint i = begin; i < end; ++i) {
         uint columns = lists[push.firstSpan + 2u * i + 1u];
-        for (uint column = columns & 0xFFFFu; column <= columns >> 16u; ++column) lists[table + column * kTileSegments]++;
+        uint column = columns & 0xFFFFu;
+        do {
+            lists[table + column * kTileSegments]++;
+            ++column;
+        } while (column <= columns >> 16u);
     }
 }

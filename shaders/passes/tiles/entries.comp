@@ -16,10 +16,12 @@ void main() {
     uint begin = first + segment * share, end = min(begin + share, lists[push.firstSpanSum + row + 1u]);
     for (uint i = begin; i < end; ++i) {
         uint slot = lists[push.firstSpan + 2u * i], columns = lists[push.firstSpan + 2u * i + 1u];
-        for (uint column = columns & 0xFFFFu; column <= columns >> 16u; ++column) {
-            uint cursor = table + column * kTileSegments;
-            entries[place + lists[cursor]] = slot;
-            lists[cursor]++;
-        }
+        uint column = columns & 0xFFFFu;
+        do {
+            uint cursor = table + column * kTileSegments, before = lists[cursor];
+            entries[place + before] = slot;
+            lists[cursor] = before + 1u;
+            ++column;
+        } while (column <= columns >> 16u);
     }
 }

@@ -4,6 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
 #include "shaders/lib/tiles.glsl"
+#include "shaders/lib/views.glsl"
 layout(local_size_x = 32) in;  // kRunGroup
 
 layout(std430, binding = 0) readonly buffer PairBlock { uvec2 pairs[]; };
@@ -20,12 +21,15 @@ void main() {
     uint end = min((run + 1u) * kRun, counts.visible);
     for (uint i = run * kRun; i < end; ++i) {
         uint splat = pairs[i].y;
-        for (uint v = 0u; v < push.viewCount; ++v) {
-            uint slot = splat * push.viewCount + v;
-            if (projected[slot].radiusPx.y <= 0.0) continue;
-            ivec2 rows = dplSplatRows(projected[slot], push.heightPx);
-            if (rows.x > rows.y) continue;
-            for (uint row = uint(rows.x) / kTilePx; row <= uint(rows.y) / kTilePx; ++row) lists[table + (v * push.rows + row) * runs]++;
+        for (uint v = 0u; v < kViews; ++v) {
+            uint slot = splat * kViews + v;
+            float radius = projected[slot].radiusPx.y;
+            uvec2 rows = dplSplatRows(projected[slot].place.y, radius, push.heightPx) + v * push.rows;
+            uint one = radius > 0.0 ? 1u : 0u;
+            do {
+                lists[table + rows.x * runs] += one;
+                ++rows.x;
+            } while (rows.x <= rows.y);
         }
     }
 }

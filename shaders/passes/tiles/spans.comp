@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
 #include "shaders/lib/tiles.glsl"
+#include "shaders/lib/views.glsl"
 layout(local_size_x = 32) in;  // kRunGroup
 
 layout(std430, binding = 0) readonly buffer PairBlock { uvec2 pairs[]; };
@@ -17,20 +18,21 @@ void main() {
     uint end = min((run + 1u) * kRun, counts.visible);
     for (uint i = run * kRun; i < end; ++i) {
         uint splat = pairs[i].y;
-        for (uint v = 0u; v < push.viewCount; ++v) {
-            uint slot = splat * push.viewCount + v;
-            if (projected[slot].radiusPx.y <= 0.0) continue;
+        for (uint v = 0u; v < kViews; ++v) {
+            uint slot = splat * kViews + v;
             ProjectedSplat p = projected[slot];
-            ivec2 rows = dplSplatRows(p, push.heightPx);
-            if (rows.x > rows.y) continue;
-            for (uint row = uint(rows.x) / kTilePx; row <= uint(rows.y) / kTilePx; ++row) {
-                float top = float(row * kTilePx) + 0.5;
-                ivec2 columns = dplSplatColumns(p, top, top + float(kTilePx - 1u), push.widthPx);
-                uint bucket = v * push.rows + row, cursor = push.firstRunTable + bucket * runs + run;
-                uint span = push.firstSpan + 2u * (lists[push.firstSpanSum + bucket] + lists[cursor]);
-                lists[cursor]++;
-                lists[span] = slot;
-                lists[span + 1u] = columns.x > columns.y ? 1u : uint(columns.x) / kTilePx | (uint(columns.y) / kTilePx) << 16u;  // 1: first 1, last 0
+            if (p.radiusPx.y > 0.0) {
+                uvec2 rows = dplSplatRows(p.place.y, p.radiusPx.y, push.heightPx);
+                do {
+                    float top = float(rows.x * kTilePx) + 0.5;
+                    uvec2 columns = dplSplatColumns(p, top, top + float(kTilePx - 1u), push.widthPx);
+                    uint bucket = v * push.rows + rows.x, cursor = push.firstRunTable + bucket * runs + run, before = lists[cursor];
+                    uint span = push.firstSpan + 2u * (lists[push.firstSpanSum + bucket] + before);
+                    lists[cursor] = before + 1u;
+                    lists[span] = slot;
+                    lists[span + 1u] = columns.x | columns.y << 16u;
+                    ++rows.x;
+                } while (rows.x <= rows.y);
             }
         }
     }
