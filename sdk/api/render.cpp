@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "sdk/api/api_state.h"
+#include "sdk/api/compose.h"
 
 using namespace dpl;
 using namespace dpl::api;
@@ -40,11 +41,15 @@ Result<Cameraf> cameraOf(const DplCamera& c, size_t view) {
 }
 
 Status checkImage(const DplImage& image, size_t width, size_t height, size_t view) {
-    if (image.flags & ~uint32_t(DPL_IMAGE_STRAIGHT_ALPHA)) return fail(Code::InvalidArgument, "image {} has unknown flags {}", view, image.flags);
+    const uint32_t flags = image.flags;
+    if (flags & ~uint32_t(DPL_IMAGE_STRAIGHT_ALPHA | DPL_IMAGE_OVER)) return fail(Code::InvalidArgument, "image {} has unknown flags {}", view, flags);
+    if ((flags & DPL_IMAGE_STRAIGHT_ALPHA) && (flags & DPL_IMAGE_OVER))
+        return fail(Code::InvalidArgument, "image {} is to be drawn over and to have straight alpha; only premultiplied pixels are drawn over", view);
+    if (const auto format = uint32_t(image.format); format > DPL_FORMAT_RGBA16F) return fail(Code::InvalidArgument, "image {}: there is no format {}", view, format);
     if (image.rgba == nullptr && image.depthM == nullptr) return fail(Code::InvalidArgument, "image {} has neither rgba nor depthM", view);
     if (image.rgba != nullptr) {
-        const size_t row = image.rowBytes == 0 ? width * 4 : image.rowBytes;
-        if (row < width * 4) return fail(Code::InvalidArgument, "image {} has rows of {} bytes; {} pixels need {}", view, row, width, width * 4);
+        const size_t tight = width * pixelBytes(image.format), row = image.rowBytes == 0 ? tight : image.rowBytes;
+        if (row < tight) return fail(Code::InvalidArgument, "image {} has rows of {} bytes; {} pixels need {}", view, row, width, tight);
         if (row > image.rgbaBytes / height)
             return fail(Code::InvalidArgument, "image {} has {} bytes; {} rows of {} need more", view, image.rgbaBytes, height, row);
     }
@@ -54,28 +59,17 @@ Status checkImage(const DplImage& image, size_t width, size_t height, size_t vie
 }
 
 void copyOut(const PixelView& from, const DplImage& to) {
-    const size_t width = from.widthPx, height = from.heightPx, row = to.rowBytes == 0 ? width * 4 : to.rowBytes;
-    for (size_t y = 0; y < height && to.rgba != nullptr; ++y) {
-        const uint8_t* in = from.rgba.data() + y * width * 4;
-        uint8_t* out = to.rgba + y * row;
-        if (!(to.flags & DPL_IMAGE_STRAIGHT_ALPHA)) {
-            std::memcpy(out, in, width * 4);
-            continue;
-        }
-        for (size_t x = 0; x < width; ++x, in += 4, out += 4) {
-            const uint32_t alpha = in[3];
-            for (int c = 0; c < 3; ++c) out[c] = alpha == 0 ? uint8_t(0) : uint8_t(std::min(255u, (in[c] * 255u + alpha / 2) / alpha));
-            out[3] = in[3];
-        }
-    }
+    const size_t width = from.widthPx, height = from.heightPx, row = to.rowBytes == 0 ? width * pixelBytes(to.format) : to.rowBytes;
+    const Composition how{to.format, (to.flags & DPL_IMAGE_OVER) != 0, (to.flags & DPL_IMAGE_STRAIGHT_ALPHA) != 0};
+    for (size_t y = 0; y < height && to.rgba != nullptr; ++y) composeRow(from.rgba.data() + y * width * 4, width, how, to.rgba + y * row);
     if (to.depthM != nullptr) std::memcpy(to.depthM, from.depthM.data(), width * height * sizeof(float));
 }
 
-/** Element i of a caller's array whose elements are as far apart as the first one's structSize says. */
+/** Element i of a caller's array whose elements are as far apart as the first one's structSize says. `smallest`: size in version 0.1. */
 template <class T>
-Result<T> element(const T* array, size_t i, const char* what) {
-    DPL_TRY(const T first, readStruct<T>(array, what));
-    DPL_TRY(const T value, readStruct<T>(reinterpret_cast<const uint8_t*>(array) + i * first.structSize, what));
+Result<T> element(const T* array, size_t i, const char* what, size_t smallest = sizeof(T)) {
+    DPL_TRY(const T first, readStruct<T>(array, what, smallest));
+    DPL_TRY(const T value, readStruct<T>(reinterpret_cast<const uint8_t*>(array) + i * first.structSize, what, smallest));
     if (value.structSize != first.structSize) return fail(Code::InvalidArgument, "elements of {} have different structSize", what);
     return value;
 }
@@ -116,7 +110,7 @@ Status takeViews(Scene& s, const DplCamera* views, uint32_t viewCount) {
 Status takeImages(const DplImage* images, uint32_t viewCount, size_t widthPx, size_t heightPx, DplImage* targets, bool& wantDepth) {
     wantDepth = false;
     for (uint32_t v = 0; v < viewCount; ++v) {
-        DPL_TRY(targets[v], element(images, v, "images"));
+        DPL_TRY(targets[v], element(images, v, "images", offsetof(DplImage, format)));
         DPL_CHECK_OK(checkImage(targets[v], widthPx, heightPx, v));
         wantDepth |= targets[v].depthM != nullptr;
     }

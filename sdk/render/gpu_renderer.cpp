@@ -9,6 +9,7 @@
 #include "sdk/core/log.h"
 #include "sdk/format/splat_codec.h"
 #include "sdk/math/coverage.h"
+#include "sdk/math/half.h"
 #include "sdk/render/passes/chunks.h"
 #include "sdk/render/passes/compact.h"
 #include "sdk/render/passes/draw.h"
@@ -24,14 +25,6 @@ namespace {
 constexpr float kSharedOrderRad = 0.035f;  // two views whose axes are further apart than 2 degrees are sorted each for itself (ADR 0002)
 constexpr std::array<std::byte, 4> kZero{};
 constexpr size_t kFramesKept = 4;  // recorded frame shapes an avatar keeps; an app uses one or two at two sample counts, a resize leaves others behind
-
-float fromHalf(uint16_t half) {
-    const uint32_t sign = half >> 15, exponent = half >> 10 & 31, mantissa = half & 1023;
-    const float magnitude = exponent == 0    ? std::ldexp(float(mantissa), -24)
-                            : exponent == 31 ? (mantissa ? NAN : INFINITY)
-                                             : std::ldexp(float(mantissa | 1024), int(exponent) - 25);
-    return sign ? -magnitude : magnitude;
-}
 
 Status checkViews(std::span<const Cameraf> views) {
     if (views.empty() || views.size() > gpu::kMaxViews) return fail(Code::InvalidArgument, "{} views; 1 to {} are drawn at once", views.size(), gpu::kMaxViews);
@@ -403,7 +396,7 @@ void GpuRenderer::takePixels(const ShapedFrame& f, size_t firstView) {
             if (half) {
                 uint16_t raw[2];
                 std::memcpy(raw, depth + (v * pixels + i) * 4, 4);
-                sums[0] = fromHalf(raw[0]), sums[1] = fromHalf(raw[1]);
+                sums[0] = floatFromHalf(raw[0]), sums[1] = floatFromHalf(raw[1]);
             } else {
                 std::memcpy(sums, depth + (v * pixels + i) * 8, 8);
             }

@@ -26,7 +26,7 @@ int main(void) {
     if (sizeof(void*) == 8) {
         CHECK(sizeof(DplContextInfo) == 32 && offsetof(DplContextInfo, threadCount) == 8 && offsetof(DplContextInfo, fill) == 16);
         CHECK(sizeof(DplCamera) == 76 && offsetof(DplCamera, viewFromWorld) == 28);
-        CHECK(sizeof(DplImage) == 48 && offsetof(DplImage, rgba) == 8 && offsetof(DplImage, depthM) == 32);
+        CHECK(sizeof(DplImage) == 56 && offsetof(DplImage, rgba) == 8 && offsetof(DplImage, depthM) == 32 && offsetof(DplImage, format) == 48);
         CHECK(sizeof(DplAvatarInfo) == 72 && offsetof(DplAvatarInfo, name) == 8 && offsetof(DplAvatarInfo, restMin) == 44);
         CHECK(sizeof(DplJointInfo) == 40 && offsetof(DplJointInfo, restPosition) == 28);
         CHECK(sizeof(DplClipInfo) == 32 && offsetof(DplClipInfo, durationS) == 16);
@@ -34,7 +34,7 @@ int main(void) {
         CHECK(sizeof(DplFrameStats) == 104 && offsetof(DplFrameStats, avatarBytes) == 64 && offsetof(DplFrameStats, tileEntries) == 96 && offsetof(DplFrameStats, residentBytes) == 40);
         CHECK(sizeof(DplPassTime) == 24 && offsetof(DplPassTime, milliseconds) == 16);
     }
-    CHECK(sizeof(DplResult) == 4 && sizeof(DplRenderer) == 4 && sizeof(DplFill) == 4 && sizeof(DplDrawFlag) == 4);
+    CHECK(sizeof(DplResult) == 4 && sizeof(DplRenderer) == 4 && sizeof(DplFill) == 4 && sizeof(DplDrawFlag) == 4 && sizeof(DplImageFormat) == 4);
 
     CHECK(dplGetVersion() == ((DPL_VERSION_MAJOR << 16) | (DPL_VERSION_MINOR << 8) | DPL_VERSION_PATCH));
     CHECK(strcmp(dplGetResultName(DPL_ERROR_VERSION), "DPL_ERROR_VERSION") == 0);

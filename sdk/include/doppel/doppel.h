@@ -240,18 +240,30 @@ typedef struct DplCamera {
 
 typedef enum DplImageFlag {
     DPL_IMAGE_STRAIGHT_ALPHA = 1, /**< colour divided by alpha; else premultiplied */
+    DPL_IMAGE_OVER = 2,           /**< composite over the premultiplied pixels that rgba holds; else over transparent black. Not with straight alpha: an invalid argument */
     DPL_IMAGE_FORCE_INT32 = 0x7fffffff
 } DplImageFlag;
 
-/** Where one view goes: the caller's memory, written row by row, top row first, during the call. */
+/** What the pixels of an image mean. Avatars are blended in a layer of their own, 8 bits a channel and display-referred as they were trained; the layer meets
+ *  the image once, and the format says in which light. Alpha is linear in all of them. Where the layer is empty an image that is drawn over keeps its bytes. */
+typedef enum DplImageFormat {
+    DPL_FORMAT_RGBA8 = 0,      /**< 4 bytes a pixel, display-referred (sRGB) values that are blended as they are: a *_UNORM target of a display-referred renderer */
+    DPL_FORMAT_RGBA8_SRGB = 1, /**< 4 bytes a pixel, blended in linear light: the layer is un-premultiplied, decoded by the sRGB curve and premultiplied, what the image
+                                    holds is decoded, the sum encoded and rounded to the nearest code. What blending into a *_SRGB attachment gives */
+    DPL_FORMAT_RGBA16F = 2,    /**< 8 bytes a pixel, four IEEE halves of linear light (1 = display white, above it is kept): the layer is un-premultiplied, decoded and premultiplied */
+    DPL_FORMAT_FORCE_INT32 = 0x7fffffff
+} DplImageFormat;
+
+/** Where one view goes: the caller's memory, written row by row, top row first, during the call. Nothing is written unless the call returns DPL_OK. */
 typedef struct DplImage {
     uint32_t structSize;
     uint32_t flags;         /**< DplImageFlag, or-ed */
-    uint8_t* rgba;          /**< 4 bytes a pixel, display-referred sRGB over transparent black; NULL: not wanted */
+    uint8_t* rgba;          /**< pixels of `format`, R first, any alignment; NULL: not wanted */
     size_t rgbaBytes;       /**< size of rgba, at least heightPx·rowBytes */
-    size_t rowBytes;        /**< bytes from row to row of rgba; 0: tight (4·widthPx) */
-    float* depthM;          /**< view z in metres, tight rows, 0 where nothing is drawn; NULL: not wanted */
+    size_t rowBytes;        /**< bytes from row to row of rgba; 0: tight */
+    float* depthM;          /**< view z in metres, weighted by what each splat adds to the pixel, tight rows, 0 where nothing is drawn; NULL: not wanted */
     size_t depthCount;      /**< floats in depthM, at least widthPx·heightPx */
+    DplImageFormat format;  /**< of rgba */
 } DplImage;
 
 /** Draws the avatar in its present pose into 1 or 2 views and returns when the pixels are in the caller's memory.

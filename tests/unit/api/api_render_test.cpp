@@ -220,6 +220,56 @@ TEST_F(ApiTest, straightAlphaUndoesThePremultiplication) {
     EXPECT_GT(translucent, 10);
 }
 
+TEST_F(ApiTest, imagesAreDrawnOverWhatTheyHoldInTheirOwnLight) {
+    const DplCamera camera = frontCamera();
+    std::vector<uint8_t> layer, display(4096 * 4), srgb(4096 * 4), linear(4096 * 8);
+    DplImage image = imageFor(camera, layer);
+    ASSERT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK);
+    const auto over = [&](std::vector<uint8_t>& pixels, DplImageFormat format, const std::vector<uint8_t>& background) {
+        for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = background[i % background.size()];
+        DplImage to{sizeof(DplImage), DPL_IMAGE_OVER, pixels.data(), pixels.size(), 0, nullptr, 0, format};
+        ASSERT_EQ(dplRender(context_, avatar_, &camera, 1, &to), DPL_OK) << dplGetLastError();
+    };
+    over(display, DPL_FORMAT_RGBA8, {0, 0, 255, 255});
+    over(srgb, DPL_FORMAT_RGBA8_SRGB, {0, 0, 255, 255});
+    over(linear, DPL_FORMAT_RGBA16F, {0, 0, 0, 0, 0, 0x3C, 0, 0x3C});
+    int between = 0;
+    for (size_t p = 0; p < 4096; ++p) {
+        const int alpha = layer[p * 4 + 3];
+        for (const auto* pixels : {&display, &srgb}) ASSERT_EQ((*pixels)[p * 4 + 3], 255);
+        ASSERT_EQ(linear[p * 8 + 7], 0x3C);
+        if (alpha == 0) {
+            ASSERT_EQ(display[p * 4 + 2], 255);
+            ASSERT_EQ(srgb[p * 4 + 2], 255);
+            ASSERT_EQ(linear[p * 8 + 5], 0x3C);
+        }
+        if (alpha < 40 || alpha > 215) continue;
+        ++between;
+        EXPECT_NEAR(display[p * 4 + 2], 255 - alpha, 3);
+        EXPECT_GT(srgb[p * 4 + 2], display[p * 4 + 2] + 10) << "half the light is more than half the code";
+    }
+    EXPECT_GT(between, 10);
+    image = imageFor(camera, srgb);  // the layer alone, with premultiplied light
+    image.format = DPL_FORMAT_RGBA8_SRGB;
+    ASSERT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK);
+    for (size_t p = 0; p < 4096; ++p) {
+        ASSERT_EQ(srgb[p * 4 + 3], layer[p * 4 + 3]);
+        ASSERT_GE(srgb[p * 4], layer[p * 4]);
+    }
+}
+
+TEST_F(ApiTest, anImageOfVersion01IsStillReadAndItsFormatIsNot) {
+    const DplCamera camera = frontCamera();
+    std::vector<uint8_t> now, then;
+    DplImage image = imageFor(camera, now);
+    ASSERT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK);
+    image = imageFor(camera, then);
+    image.structSize = offsetof(DplImage, format);
+    image.format = DPL_FORMAT_RGBA16F;
+    ASSERT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK) << dplGetLastError();
+    EXPECT_EQ(now, then);
+}
+
 TEST_F(ApiTest, rowsMayBeWiderThanThePicture) {
     const DplCamera camera = frontCamera(16, 16);
     std::vector<uint8_t> tight, wide(16 * 100, 0xAA);
@@ -265,6 +315,12 @@ TEST_F(ApiTest, hostileCamerasAndImagesAreRefusedByASentence) {
     };
     EXPECT_TRUE(refusedImage([](DplImage& i) { i.structSize = 3; }));
     EXPECT_TRUE(refusedImage([](DplImage& i) { i.flags = 0x10; }));
+    EXPECT_TRUE(refusedImage([](DplImage& i) { i.flags = DPL_IMAGE_STRAIGHT_ALPHA | DPL_IMAGE_OVER; }));
+    EXPECT_TRUE(errorSays("only premultiplied")) << dplGetLastError();
+    EXPECT_TRUE(refusedImage([](DplImage& i) { const int32_t unknown = -1; std::memcpy(&i.format, &unknown, sizeof unknown); }));
+    EXPECT_TRUE(errorSays("there is no format")) << dplGetLastError();
+    EXPECT_TRUE(refusedImage([](DplImage& i) { i.format = DPL_FORMAT_RGBA16F; })) << "4 bytes a pixel are too few";
+    EXPECT_TRUE(refusedImage([](DplImage& i) { i.format = DPL_FORMAT_RGBA16F, i.rowBytes = 511; }));
     EXPECT_TRUE(refusedImage([](DplImage& i) { i.rgba = nullptr; }));
     EXPECT_TRUE(refusedImage([](DplImage& i) { i.rgbaBytes -= 1; }));
     EXPECT_TRUE(refusedImage([](DplImage& i) { i.rowBytes = 255; }));
