@@ -34,7 +34,7 @@ struct Avatar {
     Vec3f restMin{0}, restMax{0};
     Pose pose, givenPose;                           // givenPose: scratch of dplSetPose
     uint32_t drawnViews = 0, drawnWidthPx = 0, drawnHeightPx = 0;  // of the last frame
-    bool drawnDepth = false;
+    bool drawnDepth = false, drawnMeshDepth = false;
     std::vector<std::unique_ptr<ClipData>> added;   // by dplLoadClip
     std::vector<const ClipData*> clips;             // the file's own, then the added
     std::vector<Mat3x4f> transforms;                // scratch

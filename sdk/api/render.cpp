@@ -46,7 +46,7 @@ Status checkImage(const DplImage& image, size_t width, size_t height, size_t vie
     if ((flags & DPL_IMAGE_STRAIGHT_ALPHA) && (flags & DPL_IMAGE_OVER))
         return fail(Code::InvalidArgument, "image {} is to be drawn over and to have straight alpha; only premultiplied pixels are drawn over", view);
     if (const auto format = uint32_t(image.format); format > DPL_FORMAT_RGBA16F) return fail(Code::InvalidArgument, "image {}: there is no format {}", view, format);
-    if (image.rgba == nullptr && image.depthM == nullptr) return fail(Code::InvalidArgument, "image {} has neither rgba nor depthM", view);
+    if (image.rgba == nullptr && image.depthM == nullptr && image.meshDepthM == nullptr) return fail(Code::InvalidArgument, "image {} has neither rgba nor depthM nor meshDepthM", view);
     if (image.rgba != nullptr) {
         const size_t tight = width * pixelBytes(image.format), row = image.rowBytes == 0 ? tight : image.rowBytes;
         if (row < tight) return fail(Code::InvalidArgument, "image {} has rows of {} bytes; {} pixels need {}", view, row, width, tight);
@@ -55,6 +55,8 @@ Status checkImage(const DplImage& image, size_t width, size_t height, size_t vie
     }
     if (image.depthM != nullptr && image.depthCount < width * height)
         return fail(Code::InvalidArgument, "image {} has room for {} depths; {} are needed", view, image.depthCount, width * height);
+    if (image.meshDepthM != nullptr && image.meshDepthCount < width * height)
+        return fail(Code::InvalidArgument, "image {} has room for {} depths of the mesh; {} are needed", view, image.meshDepthCount, width * height);
     return {};
 }
 
@@ -63,6 +65,7 @@ void copyOut(const PixelView& from, const DplImage& to) {
     const Composition how{to.format, (to.flags & DPL_IMAGE_OVER) != 0, (to.flags & DPL_IMAGE_STRAIGHT_ALPHA) != 0};
     for (size_t y = 0; y < height && to.rgba != nullptr; ++y) composeRow(from.rgba.data() + y * width * 4, width, how, to.rgba + y * row);
     if (to.depthM != nullptr) std::memcpy(to.depthM, from.depthM.data(), width * height * sizeof(float));
+    if (to.meshDepthM != nullptr) std::memcpy(to.meshDepthM, from.meshDepthM.data(), width * height * sizeof(float));
 }
 
 /** Element i of a caller's array whose elements are as far apart as the first one's structSize says. `smallest`: size in version 0.1. */
@@ -107,23 +110,24 @@ Status takeViews(Scene& s, const DplCamera* views, uint32_t viewCount) {
 }
 
 /** Checks the images into `targets`, as many as there may be. */
-Status takeImages(const DplImage* images, uint32_t viewCount, size_t widthPx, size_t heightPx, DplImage* targets, bool& wantDepth) {
-    wantDepth = false;
+Status takeImages(const DplImage* images, uint32_t viewCount, size_t widthPx, size_t heightPx, DplImage* targets, FrameWants& wants) {
+    wants = {};
     for (uint32_t v = 0; v < viewCount; ++v) {
         DPL_TRY(targets[v], element(images, v, "images", offsetof(DplImage, format)));
         DPL_CHECK_OK(checkImage(targets[v], widthPx, heightPx, v));
-        wantDepth |= targets[v].depthM != nullptr;
+        wants.depth |= targets[v].depthM != nullptr;
+        wants.meshDepth |= targets[v].meshDepthM != nullptr;
     }
     return {};
 }
 
-Status drawTaken(Scene& s, bool wantDepth) {
+Status drawTaken(Scene& s, const FrameWants& wants) {
     Avatar& a = *s.avatar;
     const std::vector<Cameraf>& cameras = s.context->cameras;
     a.drawnViews = 0;
-    DPL_CHECK_OK(s.context->renderer->draw(a.renderId, a.pose, cameras, wantDepth));
+    DPL_CHECK_OK(s.context->renderer->draw(a.renderId, a.pose, cameras, wants));
     a.drawnViews = uint32_t(cameras.size()), a.drawnWidthPx = cameras[0].widthPx, a.drawnHeightPx = cameras[0].heightPx;
-    a.drawnDepth = wantDepth;
+    a.drawnDepth = wants.depth, a.drawnMeshDepth = wants.meshDepth;
     return {};
 }
 
@@ -140,20 +144,23 @@ extern "C" DplResult dplRender(DplContext context, DplAvatar avatar, const DplCa
         DPL_TRY(Scene scene, sceneOf(context, avatar, viewCount));
         DPL_CHECK_OK(takeViews(scene, views, viewCount));
         DplImage targets[DPL_MAX_VIEWS];
-        bool wantDepth = false;
+        FrameWants wants;
         const Cameraf& first = scene.context->cameras[0];
-        DPL_CHECK_OK(takeImages(images, viewCount, first.widthPx, first.heightPx, targets, wantDepth));
-        DPL_CHECK_OK(drawTaken(scene, wantDepth));
+        DPL_CHECK_OK(takeImages(images, viewCount, first.widthPx, first.heightPx, targets, wants));
+        DPL_CHECK_OK(drawTaken(scene, wants));
         return readInto(scene, targets);
     });
 }
 
 extern "C" DplResult dplDraw(DplContext context, DplAvatar avatar, const DplCamera* views, uint32_t viewCount, uint32_t flags) {
     return guarded("dplDraw", [&]() -> Status {
-        if (flags & ~uint32_t(DPL_DRAW_DEPTH)) return fail(Code::InvalidArgument, "unknown flags {}", flags);
+        if (flags & ~uint32_t(DPL_DRAW_DEPTH | DPL_DRAW_MESH_DEPTH)) return fail(Code::InvalidArgument, "unknown flags {}", flags);
         DPL_TRY(Scene scene, sceneOf(context, avatar, viewCount));
         DPL_CHECK_OK(takeViews(scene, views, viewCount));
-        return drawTaken(scene, (flags & DPL_DRAW_DEPTH) != 0);
+        FrameWants wants;
+        wants.depth = (flags & DPL_DRAW_DEPTH) != 0;
+        wants.meshDepth = (flags & DPL_DRAW_MESH_DEPTH) != 0;
+        return drawTaken(scene, wants);
     });
 }
 
@@ -164,9 +171,10 @@ extern "C" DplResult dplReadImages(DplContext context, DplAvatar avatar, const D
         if (a.drawnViews == 0) return fail(Code::InvalidArgument, "nothing was drawn yet; call dplDraw first");
         if (a.drawnViews != viewCount) return fail(Code::InvalidArgument, "{} images of a frame with {} views", viewCount, a.drawnViews);
         DplImage targets[DPL_MAX_VIEWS];
-        bool wantDepth = false;
-        DPL_CHECK_OK(takeImages(images, viewCount, a.drawnWidthPx, a.drawnHeightPx, targets, wantDepth));
-        if (wantDepth && !a.drawnDepth) return fail(Code::InvalidArgument, "depth was not drawn; give dplDraw the flag DPL_DRAW_DEPTH");
+        FrameWants wants;
+        DPL_CHECK_OK(takeImages(images, viewCount, a.drawnWidthPx, a.drawnHeightPx, targets, wants));
+        if (wants.meshDepth && !a.drawnMeshDepth) return fail(Code::InvalidArgument, "depth of the mesh was not drawn; give dplDraw the flag DPL_DRAW_MESH_DEPTH");
+        if (wants.depth && !a.drawnDepth) return fail(Code::InvalidArgument, "depth was not drawn; give dplDraw the flag DPL_DRAW_DEPTH");
         return readInto(scene, targets);
     });
 }

@@ -6,6 +6,7 @@
 #include "sdk/avatar/posed_mesh.h"
 #include "sdk/format/splat_codec.h"
 #include "sdk/math/sh.h"
+#include "sdk/splat/mesh_depth.h"
 #include "sdk/splat/splat_engine.h"
 
 namespace dpl {
@@ -60,7 +61,7 @@ struct Drawable {
 
     uint64_t bytes() const {
         uint64_t pictureBytes = 0;
-        for (const RenderedView& p : pictures) pictureBytes += p.rgba.capacity() + p.depthM.capacity() * sizeof(float);
+        for (const RenderedView& p : pictures) pictureBytes += p.rgba.capacity() + (p.depthM.capacity() + p.meshDepthM.capacity()) * sizeof(float);
         return pictureBytes + general.bytes() + splats.bytes() + (avatar ? posingBytes(*avatar) : 0) + mesh.frames().size_bytes() + mesh.positions().size_bytes() + mesh.rest().size_bytes() + mesh.light().size_bytes() +
                mesh.worldFromRest().size_bytes() + mesh.coefficients().size_bytes() + mesh.nodes().size_bytes();
     }
@@ -107,10 +108,11 @@ public:
 
     void removeAvatar(RenderAvatarId avatar) override { drawables_.erase(avatar); }
 
-    Status draw(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, bool wantDepth) override {
+    Status draw(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, const FrameWants& wants) override {
         const auto found = drawables_.find(avatar);
         if (found == drawables_.end()) return fail(Code::InvalidArgument, "there is no avatar {} in this renderer", avatar);
         Drawable& d = *found->second;
+        if (wants.meshDepth && !d.avatar) return fail(Code::InvalidArgument, "general splats have no mesh and no depth of one");
         if (d.avatar && (!d.posed || !samePose(d.pose, pose))) {
             DPL_CHECK_OK(checkPose(d.avatar->joints, pose));
             d.posed = false;
@@ -129,8 +131,13 @@ public:
             else engine_.project(d.general, {}, views[v], d.kappaPx2, d.compensated);
             if (d.avatar) d.stats.bytesDecided += engine_.decidedBytes(), d.stats.bytesDecoded += engine_.decodedBytes();
             engine_.bin();
-            engine_.blendRgba8(picture.rgba, wantDepth ? &picture.depthM : nullptr);
-            d.pixels[v] = {views[v].widthPx, views[v].heightPx, picture.rgba, wantDepth ? std::span<const float>(picture.depthM) : std::span<const float>()};
+            engine_.blendRgba8(picture.rgba, wants.depth ? &picture.depthM : nullptr);
+            d.pixels[v] = {views[v].widthPx, views[v].heightPx, picture.rgba, {}, {}};
+            if (wants.depth) d.pixels[v].depthM = picture.depthM;
+            if (wants.meshDepth) {
+                meshDepth_.draw(jobs_, d.mesh.positions(), d.avatar->mesh.triangles, views[v], picture.meshDepthM);
+                d.pixels[v].meshDepthM = picture.meshDepthM;
+            }
             d.stats.splatsDrawn = std::max(d.stats.splatsDrawn, engine_.visibleCount());
         }
         return {};
@@ -150,7 +157,7 @@ public:
         const Drawable& shown = *found->second;
         stats.splatBytes = shown.general.bytes() + shown.splats.bytes();
         stats.avatarBytes = stats.splatBytes + (shown.avatar ? posingBytes(*shown.avatar) : 0);
-        stats.residentBytes = engine_.bufferBytes();
+        stats.residentBytes = engine_.bufferBytes() + meshDepth_.bytes();
         for (const auto& [id, drawable] : drawables_) stats.residentBytes += drawable->bytes();
         return stats;
     }
@@ -163,6 +170,7 @@ private:
 
     Jobs jobs_;
     SplatEngine engine_;
+    MeshDepth meshDepth_;
     std::map<RenderAvatarId, std::unique_ptr<Drawable>> drawables_;
     RenderAvatarId nextId_ = 1;
 };

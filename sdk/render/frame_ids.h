@@ -26,10 +26,11 @@ struct FrameIds {
     BufferId frame, palette, vertices, triangles, splats, sh;
     // made by the GPU in each frame
     BufferId tileLists, tileEntries, tilePixels;   // none: quads alone
+    BufferId meshDepth;                            // none: not wanted
     BufferId posed, triangleFrames, projected, visibility, counts, pairs, pairsSwap, histogram;
     TargetId target;
     // read by the CPU, made by the first read-back
-    BufferId colourPixels, depthPixels;
+    BufferId colourPixels, depthPixels, meshDepthPixels;
 
     uint32_t sortRounds() const { return floatKeys ? gpu::kFloatSortRounds : general ? gpu::kGeneralSortRounds : gpu::kSortRounds; }
     uint32_t maxDepthKey() const { return floatKeys ? gpu::kFloatDepthKeys : (1u << (sortRounds() * gpu::kSortDigitBits)) - 1; }

@@ -13,6 +13,7 @@
 #include "sdk/render/passes/chunks.h"
 #include "sdk/render/passes/compact.h"
 #include "sdk/render/passes/draw.h"
+#include "sdk/render/passes/mesh_depth.h"
 #include "sdk/render/passes/project.h"
 #include "sdk/render/passes/skin.h"
 #include "sdk/render/passes/sort.h"
@@ -173,6 +174,10 @@ Status GpuRenderer::build(const LoadedAvatar& a, ShapedFrame& f) {
     // Whoever walks away from this avatar should not wait for a shader compiler: its other pipeline is made now, its other target when it is needed.
     if (a.data && a.data->trainedPixelM > 0 && backend_->info().fourSamples) { DPL_CHECK_OK(backend_->drawPipeline(drawPipelineOf(ids, ids.samples == 1 ? kCoverageSamples : 1))); }
     DPL_TRY(ids.projected, makeBuffer(f.owned, "projected", uint64_t(ids.splatCount) * ids.viewCount * sizeof(gpu::ProjectedSplat)));
+    if (f.shape.meshDepth) {
+        DPL_TRY(ids.meshDepth, makeBuffer(f.owned, "mesh depth", uint64_t(ids.widthPx) * ids.heightPx * ids.viewCount * 4));
+        DPL_CHECK_OK(backend_->write(ids.meshDepth, 0, kZero));  // every frame fills it; this is for the check of the read-back
+    }
     std::optional<TilePlan> tiles;
     if (f.shape.fill == Fill::Tiles && ids.splatCount > 0) {
         tiles = planTiles(ids, backend_->info());
@@ -198,9 +203,10 @@ Status GpuRenderer::buildSlot(const LoadedAvatar& a, ShapedFrame& f, Slot& slot,
 
     FramePlan plan(*backend_);
     plan.fill("begin", ids.counts, 0);
+    if (!ids.general && ids.vertexCount > 0 && (ids.splatCount > 0 || ids.meshDepth)) addSkin(plan, ids);
+    if (ids.meshDepth) addMeshDepth(plan, ids);
     if (ids.splatCount > 0) {
         if (!ids.general) {
-            addSkin(plan, ids);
             addTriangles(plan, ids);
             addChunks(plan, ids);
         }
@@ -225,6 +231,10 @@ Status GpuRenderer::buildReadback(ShapedFrame& f) {
     if (ids.depth && !ids.depthPixels) { DPL_TRY(ids.depthPixels, makeBuffer(f.owned, "depth pixels", pixels * (backend_->info().halfDepth ? 4 : 8), BufferMemory::Readback)); }
     FramePlan plan(*backend_);
     plan.readback("readback", ids.target, ids.colourPixels, ids.depthPixels);
+    if (ids.meshDepth) {
+        if (!ids.meshDepthPixels) { DPL_TRY(ids.meshDepthPixels, makeBuffer(f.owned, "mesh depth pixels", pixels * 4, BufferMemory::Readback)); }
+        plan.copy("mesh readback", ids.meshDepth, ids.meshDepthPixels);
+    }
     DPL_TRY(f.readback, plan.finish());
     return {};
 }
@@ -266,19 +276,23 @@ void GpuRenderer::removeAvatar(RenderAvatarId id) {
     avatars_.erase(it);
 }
 
-Status GpuRenderer::draw(RenderAvatarId id, const Pose& pose, std::span<const Cameraf> views, bool wantDepth) {
+Status GpuRenderer::draw(RenderAvatarId id, const Pose& pose, std::span<const Cameraf> views, const FrameWants& wants) {
     const auto it = avatars_.find(id);
     if (it == avatars_.end()) return fail(Code::InvalidArgument, "avatar {} is not in this renderer", id);
     DPL_CHECK_OK(checkViews(views));
     LoadedAvatar& avatar = it->second;
+    if (wants.meshDepth && !avatar.data) return fail(Code::InvalidArgument, "general splats have no mesh and no depth of one");
     std::fill(std::begin(avatar.drawn), std::end(avatar.drawn), 0);
     const bool choose = avatar.data && backend_->info().fourSamples;
     const uint32_t samples = choose ? coverageSamples(avatar.data->trainedPixelM, rootPosition(avatar.data->joints, pose), views) : 1;
     const Fill fill = samples == 1 ? options_.fill : Fill::Quads;  // tiles have one sample a pixel
-    const Shape shape{views[0].widthPx, views[0].heightPx, uint32_t(views.size()), wantDepth, 0, samples, fill};
+    const Shape shape{views[0].widthPx, views[0].heightPx, uint32_t(views.size()), wants.depth, wants.meshDepth, 0, samples, fill};
     if (views.size() == 1 || (options_.shareViews && shareOrder(views))) return drawFrame(avatar, pose, views, shape);
     Status drawn;
-    for (uint32_t eye = 0; eye < views.size() && drawn; ++eye) drawn = drawFrame(avatar, pose, views.subspan(eye, 1), {shape.widthPx, shape.heightPx, 1, wantDepth, eye, samples, fill});
+    for (Shape alone = shape; alone.eye < views.size() && drawn; ++alone.eye) {
+        alone.views = 1;
+        drawn = drawFrame(avatar, pose, views.subspan(alone.eye, 1), alone);
+    }
     if (!drawn) std::fill(std::begin(avatar.drawn), std::end(avatar.drawn), 0);  // half a pair is not shown
     return drawn;
 }
@@ -402,7 +416,13 @@ void GpuRenderer::takePixels(const ShapedFrame& f, size_t firstView) {
             }
             depthM[i] = sums[1] > 0 ? sums[0] / sums[1] : 0.0f;
         }
-        pixels_[firstView + v] = {f.shape.widthPx, f.shape.heightPx, {reinterpret_cast<const uint8_t*>(colour) + v * pixels * 4, pixels * 4}, depthM};
+        std::vector<float>& meshDepthM = meshDepthM_[firstView + v];
+        meshDepthM.resize(f.shape.meshDepth ? pixels : 0);
+        if (f.shape.meshDepth) {
+            std::memcpy(meshDepthM.data(), backend_->mapped(f.ids.meshDepthPixels).data() + v * pixels * 4, pixels * 4);
+            std::replace(meshDepthM.begin(), meshDepthM.end(), INFINITY, 0.0f);
+        }
+        pixels_[firstView + v] = {f.shape.widthPx, f.shape.heightPx, {reinterpret_cast<const uint8_t*>(colour) + v * pixels * 4, pixels * 4}, depthM, meshDepthM};
     }
 }
 

@@ -1,5 +1,5 @@
 // The renderer over any backend. Everything a frame needs is created by addAvatar and by the first frame of a shape
-// (size, number of views, depth or not, samples a pixel); a warm frame fills two mapped buffers (views; joints and control nodes) and submits one recorded frame.
+// (size, number of views, depths or not, samples a pixel); a warm frame fills two mapped buffers (views; joints and control nodes) and submits one recorded frame.
 //
 //   draw:  slot 0 ─► slot 1 ─► slot 2 ─► slot 0 ...   each with its own mapped buffers, fence and timestamps; the rest is shared, the queue runs one after the other
 //   read:  waits, copies the target into mapped memory; its buffers are made when it is first called
@@ -36,7 +36,7 @@ public:
     Result<RenderAvatarId> addCodedAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats) override;
     Result<RenderAvatarId> addSplats(const StaticSplatData& splats) override;
     void removeAvatar(RenderAvatarId avatar) override;
-    Status draw(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, bool wantDepth) override;
+    Status draw(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, const FrameWants& wants) override;
     Result<std::span<const PixelView>> read(RenderAvatarId avatar) override;
     Result<FrameStats> stats(RenderAvatarId avatar) override;
     /** Whether nothing of the avatar is running. Never waits. */
@@ -46,7 +46,7 @@ public:
 private:
     struct Shape {
         uint32_t widthPx = 0, heightPx = 0, views = 0;
-        bool depth = false;
+        bool depth = false, meshDepth = false;
         uint32_t eye = 0;              // 1: the second of two frames that draw a canted pair
         uint32_t samples = 1;          // a pixel
         Fill fill = Fill::Quads;
@@ -102,7 +102,7 @@ private:
     std::vector<float> coefficients_;
     std::vector<Vec4f> nodes_;
     PixelView pixels_[gpu::kMaxViews];     // of the last read
-    std::vector<float> depthM_[gpu::kMaxViews];
+    std::vector<float> depthM_[gpu::kMaxViews], meshDepthM_[gpu::kMaxViews];
     RenderAvatarId lastId_ = 0;
     uint64_t frameNumber_ = 0, waits_ = 0;
 };

@@ -16,18 +16,25 @@
 namespace dpl {
 
 /** Pixels of one view where the renderer holds them: RGBA8 premultiplied, display-referred, top row first; depth in metres, 0 = nothing,
- *  and empty when it was not asked for. Good until the avatar is drawn, read or removed. */
+ *  and empty when it was not asked for; of the posed mesh likewise. Good until the avatar is drawn, read or removed. */
 struct PixelView {
     uint32_t widthPx = 0, heightPx = 0;
     std::span<const uint8_t> rgba;
-    std::span<const float> depthM;
+    std::span<const float> depthM, meshDepthM;
 };
 
 /** The same in memory of its own. */
 struct RenderedView {
     uint32_t widthPx = 0, heightPx = 0;
     std::vector<uint8_t> rgba;
-    std::vector<float> depthM;
+    std::vector<float> depthM, meshDepthM;
+};
+
+/** What a frame is to leave besides colour. */
+struct FrameWants {
+    bool depth = false;      // of the splats
+    bool meshDepth = false;  // of the posed mesh; InvalidArgument for general splats, which have none
+    FrameWants(bool depth = false) : depth(depth) {}
 };
 
 /** What the last finished frame of an avatar drew and cost; zeros before the first. */
@@ -78,23 +85,24 @@ public:
     /** The same for general splats, which stand still: everything about them but their number may be freed on return. */
     virtual Result<RenderAvatarId> addSplats(const StaticSplatData& splats) = 0;
     virtual void removeAvatar(RenderAvatarId avatar) = 0;
-    /** Starts a frame. All views have the same size; the pose has passed checkPose (general splats take no notice of it). Once a shape (size, views, depth, samples a pixel: sdk/math/coverage.h) has been drawn it
+    /** Starts a frame. All views have the same size; the pose has passed checkPose (general splats take no notice of it). Once a shape (size, views, what is wanted, samples a pixel: sdk/math/coverage.h) has been drawn it
      *  allocates nothing, and it waits only when kFramesInFlight frames of that shape are still running. A CPU renderer draws here. */
-    virtual Status draw(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, bool wantDepth) = 0;
+    virtual Status draw(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, const FrameWants& wants) = 0;
     /** Waits for the avatar's last frame and gives its pixels. For files and tests: a program with a screen shows the frame where it is. */
     virtual Result<std::span<const PixelView>> read(RenderAvatarId avatar) = 0;
     /** Draws and copies the pixels out. */
-    Status render(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, bool wantDepth, std::span<RenderedView> out);
+    Status render(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, const FrameWants& wants, std::span<RenderedView> out);
     /** Never waits for a frame. Allocates: for measuring. */
     virtual Result<FrameStats> stats(RenderAvatarId avatar) = 0;
 };
 
-inline Status Renderer::render(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, bool wantDepth, std::span<RenderedView> out) {
+inline Status Renderer::render(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, const FrameWants& wants, std::span<RenderedView> out) {
     if (out.size() != views.size()) return fail(Code::InvalidArgument, "{} views into {} images", views.size(), out.size());
-    DPL_CHECK_OK(draw(avatar, pose, views, wantDepth));
+    DPL_CHECK_OK(draw(avatar, pose, views, wants));
     DPL_TRY(const std::span<const PixelView> pixels, read(avatar));
     for (size_t v = 0; v < out.size(); ++v)
-        out[v] = {pixels[v].widthPx, pixels[v].heightPx, {pixels[v].rgba.begin(), pixels[v].rgba.end()}, {pixels[v].depthM.begin(), pixels[v].depthM.end()}};
+        out[v] = {pixels[v].widthPx, pixels[v].heightPx, {pixels[v].rgba.begin(), pixels[v].rgba.end()}, {pixels[v].depthM.begin(), pixels[v].depthM.end()},
+                  {pixels[v].meshDepthM.begin(), pixels[v].meshDepthM.end()}};
     return {};
 }
 

@@ -128,6 +128,7 @@ struct RowScanPush { uint perRow; uint firstTable; uint firstSum; };  // perRow 
 
 struct VertexPush { uint vertexCount; uint firstNode; };  // control nodes in the palette, behind the joints' rows
 struct TrianglePush { uint triangleCount; uint cull; };  // cull 0: every valid triangle is shown
+struct MeshDepthPush { uint triangleCount; uint viewCount; uint widthPx; uint heightPx; };  // of one view
 struct SplatPush { uint splatCount; uint groupCount; };
 // Where the streams of an avatar's splat codes begin, in words; firstShIndex 0: every splat has its own SH entry, of shWords.
 struct CodesPush { uint groupCount; uint firstParent; uint firstPlace; uint firstSize; uint firstColour; uint firstParentByte; uint firstShIndex; uint firstSh; uint shWords; };

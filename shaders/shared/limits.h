@@ -46,6 +46,8 @@ DPL_CONST uint kTileGroup = 64u;         // of the raster pass: 8 tiles
 DPL_CONST uint kTileSegments = 4u;       // lanes that share a row of tiles
 DPL_CONST float kTileStop = 1e-4;        // transmittance at which a pixel is done: 0.03 levels
 
+DPL_CONST uint kMeshDepthOwnPixels = 64u;    // a larger box is shared by the lanes of a group
+
 DPL_CONST uint kShowsFree = 1u;              // TriangleFrame.corner0.w, shifted by the view
 DPL_CONST uint kShowsGated = 4u;
 DPL_CONST uint kParentFree = 0x40000000u;    // of an entry of the table of parents: the chunk has such splats on it

@@ -26,7 +26,7 @@ int main(void) {
     if (sizeof(void*) == 8) {
         CHECK(sizeof(DplContextInfo) == 32 && offsetof(DplContextInfo, threadCount) == 8 && offsetof(DplContextInfo, fill) == 16);
         CHECK(sizeof(DplCamera) == 76 && offsetof(DplCamera, viewFromWorld) == 28);
-        CHECK(sizeof(DplImage) == 56 && offsetof(DplImage, rgba) == 8 && offsetof(DplImage, depthM) == 32 && offsetof(DplImage, format) == 48);
+        CHECK(sizeof(DplImage) == 72 && offsetof(DplImage, rgba) == 8 && offsetof(DplImage, depthM) == 32 && offsetof(DplImage, format) == 48 && offsetof(DplImage, meshDepthM) == 56);
         CHECK(sizeof(DplAvatarInfo) == 72 && offsetof(DplAvatarInfo, name) == 8 && offsetof(DplAvatarInfo, restMin) == 44);
         CHECK(sizeof(DplJointInfo) == 40 && offsetof(DplJointInfo, restPosition) == 28);
         CHECK(sizeof(DplClipInfo) == 32 && offsetof(DplClipInfo, durationS) == 16);

@@ -11,6 +11,7 @@
 #include "sdk/avatar/pose_correctives.h"
 #include "tests/reference/image_compare.h"
 #include "tests/reference/random_avatar.h"
+#include "tests/reference/reference_mesh.h"
 #include "tests/reference/reference_renderer.h"
 #include "tests/unit/format/sample_correctives.h"
 #include "tests/unit/render/tube_avatar.h"
@@ -19,6 +20,7 @@
 DPL_MSL(msl_skin);
 DPL_MSL(msl_skin_corrected);
 DPL_MSL(msl_triangles_stereo);
+DPL_MSL(msl_mesh_depth);
 DPL_MSL(msl_chunks_mark);
 DPL_MSL(msl_chunks_list);
 DPL_MSL(msl_project_sh3_stereo);
@@ -265,6 +267,39 @@ TEST(MetalFrame, kernelsMoveAndLightAnAvatarWithCorrectives) {
     EXPECT_EQ(darkest, 0.2);
     EXPECT_EQ(brightest, 3.0);
     expectKernelsMatchTheReference(corrected);
+}
+
+TEST(MetalFrame, meshDepthMatchesTheReference) {
+    const AvatarData avatar = makeTube({.splatsPerTriangle = 1});
+    const Pose pose = tubePose(0.9f, 0.4f);
+    std::vector<Mat3x4f> joints;
+    jointTransforms(avatar.joints, pose, joints);
+    AvatarRecords records = packAvatar(avatar, *codeSplats(avatar.mesh, avatar.splats));
+    std::vector<gpu::vec4> palette(paletteRows(avatar)), posed(avatar.mesh.restPositions.size());
+    packPalette(joints, {}, palette);
+    for (const float distanceM : {1.6f, 0.2f}) {  // small triangles, and some that a group shares
+        const Cameraf views[2] = {tubeCamera(80, 70, 0.6f, distanceM, -0.03f), tubeCamera(80, 70, 0.6f, distanceM, 0.03f)};
+        gpu::FrameData frame = packFrame(splatSetOf(avatar, *codeSplats(avatar.mesh, avatar.splats)), views);
+        std::vector<uint32_t> first;
+        for (int order = 0; order < 3; ++order) {
+            gpu::FrameCounts counts{};
+            run(msl_skin, groupsFor(posed.size(), gpu::kVertexGroup), order, {&frame, palette.data(), records.vertices.data(), posed.data(), &counts},
+                gpu::VertexPush{uint32_t(posed.size()), uint32_t(3 * joints.size())});
+            std::vector<uint32_t> bits(2 * 80 * 70, std::bit_cast<uint32_t>(INFINITY));
+            const uint32_t triangles = uint32_t(avatar.mesh.triangles.size());
+            run(msl_mesh_depth, groupsFor(triangles, gpu::kVertexGroup), order, {&frame, records.triangles.data(), posed.data(), bits.data()}, gpu::MeshDepthPush{triangles, 2, 80, 70});
+            if (order == 0) first = bits;
+            EXPECT_EQ(bits, first) << "lane order " << order;
+        }
+        for (size_t v = 0; v < 2; ++v) {
+            std::vector<float> depthM(80 * 70);
+            for (size_t i = 0; i < depthM.size(); ++i) depthM[i] = std::bit_cast<float>(first[v * depthM.size() + i]);
+            std::replace(depthM.begin(), depthM.end(), INFINITY, 0.0f);
+            const MeshDepthReport r = compareMeshDepth(depthM, referenceSkin(avatar, pose), avatar.mesh.triangles, referenceCamera(views[v]), 0.01, 2e-5);
+            EXPECT_EQ(r.wrong, 0u) << r.firstWrong;
+            EXPECT_GT(r.covered, depthM.size() / 20);
+        }
+    }
 }
 
 TEST(MetalFrame, sortIsStableAcrossBlocksAndTies) {

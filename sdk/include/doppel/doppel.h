@@ -264,6 +264,9 @@ typedef struct DplImage {
     float* depthM;          /**< view z in metres, weighted by what each splat adds to the pixel, tight rows, 0 where nothing is drawn; NULL: not wanted */
     size_t depthCount;      /**< floats in depthM, at least widthPx·heightPx */
     DplImageFormat format;  /**< of rgba */
+    float* meshDepthM;      /**< view z in metres of the posed mesh's nearest surface at pixel centres, either side of it and whatever its splats show there, tight rows,
+                                 0 where it has none beyond DPL_NEAR_LIMIT_M; NULL: not wanted. General splats have no mesh: an invalid argument */
+    size_t meshDepthCount;  /**< floats in meshDepthM, at least widthPx·heightPx */
 } DplImage;
 
 /** Draws the avatar in its present pose into 1 or 2 views and returns when the pixels are in the caller's memory.
@@ -274,15 +277,16 @@ DPL_API DplResult dplRender(DplContext context, DplAvatar avatar, const DplCamer
 
 typedef enum DplDrawFlag {
     DPL_DRAW_DEPTH = 1,           /**< depth too; needed when dplReadImages is to give it */
+    DPL_DRAW_MESH_DEPTH = 2,      /**< the same of DplImage::meshDepthM */
     DPL_DRAW_FORCE_INT32 = 0x7fffffff
 } DplDrawFlag;
 
 /** Starts drawing the avatar in its present pose and returns; on the CPU it draws here. From the fourth frame of a size, view count and
- *  depth on it allocates nothing, and it waits only when three such frames are still being drawn (DplFrameStats::waits). The pose and the views are copied. */
+ *  flags on it allocates nothing, and it waits only when three such frames are still being drawn (DplFrameStats::waits). The pose and the views are copied. */
 DPL_EXPERIMENTAL DplResult dplDraw(DplContext context, DplAvatar avatar, const DplCamera* views, uint32_t viewCount, uint32_t flags);
 
 /** Waits for the avatar's last dplDraw and writes its pixels to the caller's memory. viewCount as there. DPL_ERROR_INVALID_ARGUMENT: nothing
- *  was drawn yet, another viewCount, an image too small, or depth that was not drawn. */
+ *  was drawn yet, another viewCount, an image too small, or a depth that was not drawn. */
 DPL_EXPERIMENTAL DplResult dplReadImages(DplContext context, DplAvatar avatar, const DplImage* images, uint32_t viewCount);
 
 /* ---------------------------------------------------------------- measuring */

@@ -35,6 +35,7 @@ using float2 = glm::vec2;
 using float3 = glm::vec3;
 using float4 = glm::vec4;
 using int2 = glm::ivec2;
+using int4 = glm::ivec4;
 using uint2 = glm::uvec2;
 using uint3 = glm::uvec3;
 using uint4 = glm::uvec4;
@@ -46,6 +47,7 @@ constexpr int memory_order_relaxed = 0;
 inline void threadgroup_barrier(mem_flags) { msl::barrier(); }
 inline uint atomic_fetch_max_explicit(atomic_uint* a, uint v, int) { const uint old = *a; *a = std::max(old, v); return old; }
 inline uint atomic_fetch_or_explicit(atomic_uint* a, uint v, int) { const uint old = *a; *a = old | v; return old; }
+inline uint atomic_fetch_min_explicit(atomic_uint* a, uint v, int) { const uint old = *a; *a = std::min(old, v); return old; }
 inline uint atomic_fetch_add_explicit(atomic_uint* a, uint v, int) { const uint old = *a; *a = old + v; return old; }
 
 inline float dot(const float3& a, const float3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }

@@ -1,6 +1,7 @@
 // The same through the C++ owner.
 #include <doppel/doppel.hpp>
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <iterator>
@@ -16,8 +17,16 @@ int main(int argc, char** argv) {
     if (auto broken = context->loadAvatar(std::span(bytes).first(bytes.size() / 2))) return std::printf("half a file was accepted\n"), 1;
     if (auto posed = avatar->setPoseFromClip(0, 0.25); !posed) return std::printf("%s\n", posed.error().message.c_str()), 1;
     std::vector<uint8_t> pixels(64 * 64 * 4);
-    const DplCamera camera{sizeof(DplCamera), 64, 64, 60, 60, 32, 32, {1, 0, 0, 0, 0, -1, 0, 1, 0, 0, -1, 3}};
-    const DplImage image{sizeof(DplImage), DPL_IMAGE_STRAIGHT_ALPHA, pixels.data(), pixels.size(), 0, nullptr, 0};
+    DplCamera camera{};  // field by field: structs grow, and zero in what is new means "as before"
+    camera.structSize = sizeof camera;
+    camera.widthPx = camera.heightPx = 64;
+    camera.fx = camera.fy = 60, camera.cx = camera.cy = 32;
+    const float viewFromWorld[12] = {1, 0, 0, 0, 0, -1, 0, 1, 0, 0, -1, 3};
+    std::copy(viewFromWorld, viewFromWorld + 12, camera.viewFromWorld);
+    DplImage image{};
+    image.structSize = sizeof image;
+    image.flags = DPL_IMAGE_STRAIGHT_ALPHA;
+    image.rgba = pixels.data(), image.rgbaBytes = pixels.size();
     if (auto drawn = avatar->render({&camera, 1}, {&image, 1}); !drawn) return std::printf("%s\n", drawn.error().message.c_str()), 1;
     const uint8_t* middle = &pixels[(28 * 64 + 32) * 4];
     std::printf("%s drew %d %d %d %d\n", context->rendererName().c_str(), middle[0], middle[1], middle[2], middle[3]);

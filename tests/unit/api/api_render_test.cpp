@@ -183,7 +183,7 @@ TEST_F(ApiTest, drawAndReadAreTheHalvesOfRender) {
     ASSERT_EQ(dplDraw(context_, avatar_, cameras, 2, 0), DPL_OK);
     EXPECT_EQ(dplReadImages(context_, avatar_, read, 2), DPL_ERROR_INVALID_ARGUMENT);
     EXPECT_TRUE(errorSays("DPL_DRAW_DEPTH")) << dplGetLastError();
-    EXPECT_EQ(dplDraw(context_, avatar_, cameras, 2, 2), DPL_ERROR_INVALID_ARGUMENT) << "an unknown flag";
+    EXPECT_EQ(dplDraw(context_, avatar_, cameras, 2, 64), DPL_ERROR_INVALID_ARGUMENT) << "an unknown flag";
 }
 
 TEST_F(ApiTest, theBackOfSingleFaceSplatsIsInvisibleAndThePoseTurnsThem) {
@@ -218,6 +218,41 @@ TEST_F(ApiTest, straightAlphaUndoesThePremultiplication) {
         }
     }
     EXPECT_GT(translucent, 10);
+}
+
+TEST_F(ApiTest, depthOfTheMeshIsThereWhereTheSquareIs) {
+    const DplCamera camera = frontCamera();
+    std::vector<uint8_t> pixels;
+    std::vector<float> splats, mesh(4096, -1);
+    DplImage image = imageFor(camera, pixels, &splats);
+    image.meshDepthM = mesh.data(), image.meshDepthCount = mesh.size();
+    ASSERT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK) << dplGetLastError();
+    size_t covered = 0;
+    for (size_t p = 0; p < mesh.size(); ++p) {
+        ASSERT_TRUE(mesh[p] == 0 || std::abs(mesh[p] - 3) < 1e-5f) << p << ": " << mesh[p];
+        covered += mesh[p] > 0;
+        if (mesh[p] > 0) { EXPECT_NEAR(splats[p], mesh[p], 0.01f) << "its splats lie on it"; }
+    }
+    EXPECT_EQ(covered, 400u) << "1 m at 3 m with f = 60 px";
+    // The two halves, the mesh alone.
+    ASSERT_EQ(dplDraw(context_, avatar_, &camera, 1, DPL_DRAW_DEPTH), DPL_OK);
+    std::vector<float> again(4096, -1);
+    image = {sizeof(DplImage), 0, nullptr, 0, 0, nullptr, 0, DPL_FORMAT_RGBA8, again.data(), again.size()};
+    EXPECT_EQ(dplReadImages(context_, avatar_, &image, 1), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(errorSays("DPL_DRAW_MESH_DEPTH")) << dplGetLastError();
+    ASSERT_EQ(dplDraw(context_, avatar_, &camera, 1, DPL_DRAW_MESH_DEPTH), DPL_OK);
+    ASSERT_EQ(dplReadImages(context_, avatar_, &image, 1), DPL_OK) << dplGetLastError();
+    EXPECT_EQ(again, mesh);
+    image.meshDepthCount -= 1;
+    EXPECT_EQ(dplReadImages(context_, avatar_, &image, 1), DPL_ERROR_INVALID_ARGUMENT);
+    image.meshDepthCount += 1;
+    const auto bytes = splatFile();
+    DplAvatar general = nullptr;
+    ASSERT_EQ(dplLoadAvatar(context_, bytes.data(), bytes.size(), &general), DPL_OK);
+    EXPECT_EQ(dplRender(context_, general, &camera, 1, &image), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(errorSays("no mesh")) << dplGetLastError();
+    EXPECT_EQ(dplDraw(context_, general, &camera, 1, DPL_DRAW_MESH_DEPTH), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(dplDestroyAvatar(general), DPL_OK);
 }
 
 TEST_F(ApiTest, imagesAreDrawnOverWhatTheyHoldInTheirOwnLight) {

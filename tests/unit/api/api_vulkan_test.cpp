@@ -42,10 +42,15 @@ TEST_P(ApiVulkan, drawsWhatTheCpuDraws) {
     ASSERT_EQ(dplLoadAvatar(context, bytes.data(), bytes.size(), &avatar), DPL_OK) << dplGetLastError();
     const DplCamera cameras[2] = {frontCamera(96, 80, 0.03f), frontCamera(96, 80, -0.03f)};
     std::vector<uint8_t> cpu[2], gpu[2];
-    std::vector<float> cpuDepth[2], gpuDepth[2];
+    std::vector<float> cpuDepth[2], gpuDepth[2], cpuMesh[2], gpuMesh[2];
     for (const double t : {0.0, 0.4}) {
-        const DplImage cpuImages[2] = {imageFor(cameras[0], cpu[0], &cpuDepth[0]), imageFor(cameras[1], cpu[1], &cpuDepth[1])};
-        const DplImage gpuImages[2] = {imageFor(cameras[0], gpu[0], &gpuDepth[0]), imageFor(cameras[1], gpu[1], &gpuDepth[1])};
+        DplImage cpuImages[2] = {imageFor(cameras[0], cpu[0], &cpuDepth[0]), imageFor(cameras[1], cpu[1], &cpuDepth[1])};
+        DplImage gpuImages[2] = {imageFor(cameras[0], gpu[0], &gpuDepth[0]), imageFor(cameras[1], gpu[1], &gpuDepth[1])};
+        for (int v = 0; v < 2; ++v) {
+            for (auto* mesh : {&cpuMesh[v], &gpuMesh[v]}) mesh->assign(96 * 80, -1.0f);
+            cpuImages[v].meshDepthM = cpuMesh[v].data(), gpuImages[v].meshDepthM = gpuMesh[v].data();
+            cpuImages[v].meshDepthCount = gpuImages[v].meshDepthCount = 96 * 80;
+        }
         ASSERT_EQ(dplSetPoseFromClip(avatar_, 0, t, DPL_FALSE), DPL_OK);
         ASSERT_EQ(dplSetPoseFromClip(avatar, 0, t, DPL_FALSE), DPL_OK);
         ASSERT_EQ(dplRender(context_, avatar_, cameras, 2, cpuImages), DPL_OK) << dplGetLastError();
@@ -60,6 +65,10 @@ TEST_P(ApiVulkan, drawsWhatTheCpuDraws) {
                 EXPECT_NEAR(cpuDepth[v][p], gpuDepth[v][p], 0.02f) << "pixel " << p;
             }
             EXPECT_GT(compared, 200u);
+            size_t differ = 0;
+            for (size_t p = 0; p < cpuMesh[v].size(); ++p) differ += std::abs(cpuMesh[v][p] - gpuMesh[v][p]) > 1e-4f;
+            EXPECT_LT(differ, 5u) << "a centre on an edge may go either way";
+            EXPECT_GT(std::count_if(gpuMesh[v].begin(), gpuMesh[v].end(), [](float z) { return z > 2; }), 400);
         }
     }
     EXPECT_EQ(dplDestroyAvatar(avatar), DPL_OK);

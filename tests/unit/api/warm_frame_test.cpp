@@ -102,7 +102,7 @@ void expectWarmFramesAreFree(DplRenderer renderer, DplFill fill = DPL_FILL_AUTO)
     DplAvatar avatar = nullptr;
     ASSERT_EQ(dplLoadAvatar(context, bytes.data(), bytes.size(), &avatar), DPL_OK) << dplGetLastError();
     for (const uint32_t viewCount : {1u, 2u}) {
-        for (const uint32_t flags : {0u, uint32_t(DPL_DRAW_DEPTH)}) {
+        for (const uint32_t flags : {0u, uint32_t(DPL_DRAW_DEPTH), uint32_t(DPL_DRAW_MESH_DEPTH)}) {
             EXPECT_GT(playFrames(context, avatar, 9, viewCount, flags), 0u) << "the counter counts nothing";
             const uint64_t waited = waits(avatar);
             EXPECT_EQ(playFrames(context, avatar, 18, viewCount, flags), 0u) << viewCount << " views, flags " << flags;

@@ -58,6 +58,7 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
     expectLayout("RowScanPush", sizeof(RowScanPush), {DPL_AT(RowScanPush, perRow), DPL_AT(RowScanPush, firstTable), DPL_AT(RowScanPush, firstSum)});
     expectLayout("VertexPush", sizeof(VertexPush), {DPL_AT(VertexPush, vertexCount), DPL_AT(VertexPush, firstNode)});
     expectLayout("TrianglePush", sizeof(TrianglePush), {DPL_AT(TrianglePush, triangleCount), DPL_AT(TrianglePush, cull)});
+    expectLayout("MeshDepthPush", sizeof(MeshDepthPush), {DPL_AT(MeshDepthPush, triangleCount), DPL_AT(MeshDepthPush, viewCount), DPL_AT(MeshDepthPush, widthPx), DPL_AT(MeshDepthPush, heightPx)});
     expectLayout("SplatPush", sizeof(SplatPush), {DPL_AT(SplatPush, splatCount), DPL_AT(SplatPush, groupCount)});
     expectLayout("CodesPush", sizeof(CodesPush), {DPL_AT(CodesPush, groupCount), DPL_AT(CodesPush, firstParent), DPL_AT(CodesPush, firstPlace), DPL_AT(CodesPush, firstSize), DPL_AT(CodesPush, firstColour), DPL_AT(CodesPush, firstParentByte), DPL_AT(CodesPush, firstShIndex), DPL_AT(CodesPush, firstSh), DPL_AT(CodesPush, shWords)});
     expectLayout("ChunkPush", sizeof(ChunkPush), {DPL_AT(ChunkPush, groupCount)});
@@ -71,7 +72,7 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
 
 TEST(ShaderPack, workgroupsAreThoseThatTheSharedLimitsName) {
     std::map<std::string, uint32_t> want = {
-        {"skin", gpu::kVertexGroup}, {"skin.corrected", gpu::kVertexGroup}, {"triangles", gpu::kVertexGroup}, {"triangles.stereo", gpu::kVertexGroup}, {"chunks.mark", gpu::kChunkGroup}, {"chunks.list", gpu::kScanGroup},
+        {"skin", gpu::kVertexGroup}, {"skin.corrected", gpu::kVertexGroup}, {"triangles", gpu::kVertexGroup}, {"triangles.stereo", gpu::kVertexGroup}, {"mesh.depth", gpu::kVertexGroup}, {"chunks.mark", gpu::kChunkGroup}, {"chunks.list", gpu::kScanGroup},
         {"project.general", gpu::kSplatGroup}, {"project.general.stereo", gpu::kSplatGroup},
         {"scan.rows", gpu::kRowScanGroup}, {"scan.sums", gpu::kScanGroup},
         {"compact.args", 1}, {"compact.scatter", gpu::kCompactGroup}, {"sort.count", gpu::kRunGroup}, {"sort.scatter", gpu::kRunGroup}, {"tiles.runs", gpu::kRunGroup}, {"tiles.runs.stereo", gpu::kRunGroup},

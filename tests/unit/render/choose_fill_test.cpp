@@ -40,7 +40,7 @@ public:
     Result<RenderAvatarId> addCodedAvatar(std::shared_ptr<const AvatarData>, CodedSplats) override { return fail(Code::Unsupported, "no avatars"); }
     Result<RenderAvatarId> addSplats(const StaticSplatData&) override { return ++live, RenderAvatarId(1); }
     void removeAvatar(RenderAvatarId) override { --live; }
-    Status draw(RenderAvatarId, const Pose&, std::span<const Cameraf>, bool) override {
+    Status draw(RenderAvatarId, const Pose&, std::span<const Cameraf>, const FrameWants&) override {
         ++draws;
         if (behaviour_[size_t(fill)].fails) return fail(Code::Device, "lost");
         return {};
@@ -53,7 +53,7 @@ public:
             for (size_t y = 80; y < 88; ++y)
                 for (size_t x = 64; x < 72; ++x)
                     for (size_t c = 0; c < 4; ++c) pixels_[(y * 157 + x) * 4 + c] = 0;
-        view_ = {157, 219, pixels_, {}};
+        view_ = {157, 219, pixels_, {}, {}};
         return std::span<const PixelView>(&view_, 1);
     }
     Result<FrameStats> stats(RenderAvatarId) override {

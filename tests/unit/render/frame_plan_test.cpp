@@ -42,6 +42,33 @@ TEST(FramePlan, runsThePassesInOrder) {
     EXPECT_EQ(gpu.record->lastLabels, want);
 }
 
+TEST(FramePlan, depthOfTheMeshFollowsSkinningAndCostsOtherFramesNothing) {
+    for (const uint32_t splatsPerTriangle : {2u, 0u}) {
+        NullSetup gpu;
+        auto id = gpu.renderer->addAvatar(tube({.splatsPerTriangle = splatsPerTriangle, .rings = 6}));
+        ASSERT_TRUE(id) << id.error().message;
+        FrameWants wants;
+        wants.meshDepth = true;
+        const Cameraf camera = tubeCamera(32, 16, 0);
+        ASSERT_TRUE(gpu.draw(*id));
+        EXPECT_EQ(std::count(gpu.record->lastLabels.begin(), gpu.record->lastLabels.end(), "mesh.depth"), 0);
+        const auto draw = [&] { return gpu.renderer->draw(*id, tubePose(0), {&camera, 1}, wants); };
+        const Status status = draw();
+        ASSERT_TRUE(status) << status.error().message;
+        const std::vector<std::string> want = {"begin", "pose.skin", "mesh.clear", "mesh.depth"};
+        EXPECT_EQ(std::vector<std::string>(gpu.record->lastLabels.begin(), gpu.record->lastLabels.begin() + 4), want);
+        auto pixels = gpu.renderer->read(*id);
+        ASSERT_TRUE(pixels) << pixels.error().message;
+        EXPECT_EQ((*pixels)[0].meshDepthM.size(), 32u * 16u);
+        EXPECT_TRUE((*pixels)[0].depthM.empty());
+        const uint64_t created = gpu.record->createdObjects;
+        ASSERT_TRUE(draw() && gpu.renderer->read(*id));
+        EXPECT_EQ(gpu.record->createdObjects, created) << "a warm frame creates nothing";
+        gpu.renderer->removeAvatar(*id);
+        EXPECT_EQ(gpu.record->liveBuffers + gpu.record->liveTargets + gpu.record->liveFrames, 0u);
+    }
+}
+
 TEST(FramePlan, tilesRunBetweenSortAndDraw) {
     NullSetup gpu;
     gpu.renderer->setFill(Fill::Tiles);
