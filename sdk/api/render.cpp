@@ -82,6 +82,7 @@ struct Scene {
     std::shared_ptr<Context> context;
     std::shared_ptr<Avatar> avatar;
     std::unique_lock<std::mutex> lock;
+    std::span<const float> sceneDepthM[DPL_MAX_VIEWS];
 };
 
 Result<Scene> sceneOf(DplContext context, DplAvatar avatar, uint32_t viewCount) {
@@ -95,14 +96,17 @@ Result<Scene> sceneOf(DplContext context, DplAvatar avatar, uint32_t viewCount) 
     return s;
 }
 
-/** Checks the views into context->cameras. */
+/** Checks the views into context->cameras and s.sceneDepthM. */
 Status takeViews(Scene& s, const DplCamera* views, uint32_t viewCount) {
     std::vector<Cameraf>& cameras = s.context->cameras;
     cameras.clear();
     for (uint32_t v = 0; v < viewCount; ++v) {
-        DPL_TRY(const DplCamera given, element(views, v, "views"));
+        DPL_TRY(const DplCamera given, element(views, v, "views", offsetof(DplCamera, viewFromWorld) + sizeof DplCamera::viewFromWorld));
         DPL_TRY(Cameraf camera, cameraOf(given, v));
         cameras.push_back(camera);
+        s.sceneDepthM[v] = given.sceneDepthM ? std::span(given.sceneDepthM, given.sceneDepthCount) : std::span<const float>();
+        if (given.sceneDepthM && given.sceneDepthCount < size_t(given.widthPx) * given.heightPx)
+            return fail(Code::InvalidArgument, "view {} has {} depths of the scene; {} are needed", v, given.sceneDepthCount, size_t(given.widthPx) * given.heightPx);
         if (camera.widthPx != cameras[0].widthPx || camera.heightPx != cameras[0].heightPx)
             return fail(Code::InvalidArgument, "the views of one call have the same size; view {} differs from view 0", v);
     }
@@ -121,7 +125,8 @@ Status takeImages(const DplImage* images, uint32_t viewCount, size_t widthPx, si
     return {};
 }
 
-Status drawTaken(Scene& s, const FrameWants& wants) {
+Status drawTaken(Scene& s, FrameWants wants) {
+    std::copy(std::begin(s.sceneDepthM), std::end(s.sceneDepthM), wants.sceneDepthM);
     Avatar& a = *s.avatar;
     const std::vector<Cameraf>& cameras = s.context->cameras;
     a.drawnViews = 0;

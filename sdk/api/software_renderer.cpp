@@ -112,6 +112,7 @@ public:
         const auto found = drawables_.find(avatar);
         if (found == drawables_.end()) return fail(Code::InvalidArgument, "there is no avatar {} in this renderer", avatar);
         Drawable& d = *found->second;
+        DPL_CHECK_OK(checkScene(wants, views));
         if (wants.meshDepth && !d.avatar) return fail(Code::InvalidArgument, "general splats have no mesh and no depth of one");
         if (d.avatar && (!d.posed || !samePose(d.pose, pose))) {
             DPL_CHECK_OK(checkPose(d.avatar->joints, pose));
@@ -131,7 +132,8 @@ public:
             else engine_.project(d.general, {}, views[v], d.kappaPx2, d.compensated);
             if (d.avatar) d.stats.bytesDecided += engine_.decidedBytes(), d.stats.bytesDecoded += engine_.decodedBytes();
             engine_.bin();
-            engine_.blendRgba8(picture.rgba, wants.depth ? &picture.depthM : nullptr);
+            const std::span<const float> scene = v < std::size(wants.sceneDepthM) ? wants.sceneDepthM[v] : std::span<const float>();
+            engine_.blendRgba8(picture.rgba, wants.depth ? &picture.depthM : nullptr, scene);
             d.pixels[v] = {views[v].widthPx, views[v].heightPx, picture.rgba, {}, {}};
             if (wants.depth) d.pixels[v].depthM = picture.depthM;
             if (wants.meshDepth) {

@@ -71,7 +71,8 @@ struct TargetDesc {
     uint32_t samples = 1;                // a pixel: 1, or 4 where DeviceInfo::fourSamples; they are averaged when a draw ends, on the chip where it can
 };
 
-/** A pipeline for targets of this shape; premultiplied "over" blending, triangle strips without vertex buffers. */
+/** A pipeline for targets of this shape; premultiplied "over" blending, triangle strips without vertex buffers. The bindings of a draw are those of its vertex
+ *  shader, then those of its fragment shader, which reads and does not write. */
 struct DrawPipelineDesc {
     std::string vertex, fragment;  // names in the shader pack
     uint32_t views = 1;
@@ -129,9 +130,10 @@ struct PutPixelsStep {         // a Device buffer into the target: tight rows, t
     BufferId pixels;           // colour from byte 0: 4 x f16 (halfColour) or 4 x unorm8 a pixel
     uint64_t depthOffset = 0;  // of the depth sums, 2 x f32 (2 x f16 when halfDepth) a pixel; for targets with depth
 };
-struct CopyStep {              // a Device buffer into a Readback buffer: `to` must not be larger
+struct CopyStep {              // a Device buffer into a Readback buffer, which must not be larger; or all of an Upload buffer into a part of a Device buffer
     std::string label;
     BufferId from, to;
+    uint64_t toOffset = 0;     // bytes, of Device buffers
 };
 using Step = std::variant<FillStep, ComputeStep, DrawStep, PutPixelsStep, ReadbackStep, CopyStep>;
 

@@ -20,14 +20,14 @@ struct Checker {
         return {};
     }
 
-    Status bindings(const std::string& label, const Shader& shader, const std::vector<Binding>& list, const PushBytes& push) {
-        if (list.size() != shader.bindings.size())
-            return fail(Code::InvalidArgument, "step {} binds {} buffers, shader {} has {}", label, list.size(), shader.name, shader.bindings.size());
+    Status bindings(const std::string& label, const Shader& shader, const Shader* fragment, const std::vector<Binding>& list, const PushBytes& push) {
+        const size_t own = shader.bindings.size(), all = own + (fragment ? fragment->bindings.size() : 0);
+        if (list.size() != all) return fail(Code::InvalidArgument, "step {} binds {} buffers, shader {} has {}", label, list.size(), shader.name, all);
         if (push.size != shader.pushBytes)
             return fail(Code::InvalidArgument, "step {} pushes {} bytes, shader {} wants {}", label, push.size, shader.name, shader.pushBytes);
         std::set<uint32_t> seen;
         for (size_t i = 0; i < list.size(); ++i) {
-            const ShaderBinding& want = shader.bindings[i];
+            const ShaderBinding& want = i < own ? shader.bindings[i] : fragment->bindings[i - own];
             const Access access = list[i].access;
             const BufferDesc* desc = resources.buffer(list[i].buffer);
             if (!desc) return fail(Code::InvalidArgument, "step {} binds a buffer that does not exist to {}", label, want.name);
@@ -66,7 +66,7 @@ struct Checker {
         } else if (step.groups == 0 || step.groups > device.maxGroups) {
             return fail(Code::Unsupported, "step {} wants {} workgroups; 1 to {} are possible", step.label, step.groups, device.maxGroups);
         }
-        return bindings(step.label, *shader, step.bindings, step.push);
+        return bindings(step.label, *shader, nullptr, step.bindings, step.push);
     }
 
     Status operator()(const DrawStep& step) {
@@ -77,7 +77,7 @@ struct Checker {
             return fail(Code::InvalidArgument, "step {} {}", step.label, step.keep ? "keeps pixels that nothing has put there" : "clears pixels that were just put there");
         drawn.insert(step.target.value);
         DPL_CHECK_OK(indirect(step.label, step.args, 16));
-        return bindings(step.label, *shader, step.bindings, step.push);
+        return bindings(step.label, *shader, resources.fragment(step.pipeline), step.bindings, step.push);
     }
 
     Status operator()(const PutPixelsStep& step) {
@@ -96,6 +96,12 @@ struct Checker {
     Status operator()(const CopyStep& step) {
         DPL_CHECK_OK(readable(step.label, step.from));
         const BufferDesc *from = resources.buffer(step.from), *to = resources.buffer(step.to);
+        if (to && to->memory == BufferMemory::Device && from->memory == BufferMemory::Upload) {
+            if (step.toOffset % 4 || step.toOffset > to->bytes || from->bytes > to->bytes - step.toOffset)
+                return fail(Code::InvalidArgument, "step {}: {} bytes of {} do not fit buffer {} at {}", step.label, from->bytes, from->label, to->label, step.toOffset);
+            filled.insert(step.to.value);
+            return {};
+        }
         if (!to || to->memory != BufferMemory::Readback || to->bytes > from->bytes)
             return fail(Code::InvalidArgument, "step {} copies {} into a buffer that is not a smaller read-back buffer", step.label, from->label);
         return {};

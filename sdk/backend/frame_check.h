@@ -16,6 +16,8 @@ public:
     virtual const TargetDesc* target(TargetId id) const = 0;
     /** Compute pipelines: the shader. Draw pipelines: the vertex shader. */
     virtual const Shader* shader(PipelineId id) const = 0;
+    /** Draw pipelines: the fragment shader, else nullptr. */
+    virtual const Shader* fragment(PipelineId id) const = 0;
     /** True when the CPU has filled a Device buffer by write(). */
     virtual bool written(BufferId id) const = 0;
     /** True when a frame that was made before draws the target. */

@@ -44,7 +44,7 @@ struct Shader {
     uint32_t workgroup[3] = {1, 1, 1};
     uint32_t pushBytes = 0;
     uint32_t sharedBytes = 0;             // workgroup memory
-    std::vector<ShaderBinding> bindings;  // by binding number, dense from 0
+    std::vector<ShaderBinding> bindings;  // by binding number, dense from 0; a fragment shader's from the number of its vertex shader's
     std::vector<ShaderStruct> structs;
     std::vector<uint32_t> spirv;
     std::string mslIos, mslMacos;         // empty in a Vulkan-only pack

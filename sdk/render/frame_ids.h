@@ -20,9 +20,11 @@ struct FrameIds {
     bool cull = true;                     // triangles out of view or turned away
     bool floatKeys = false;               // depths are sorted as 32-bit floats
     bool shuffle = false;                 // subgroups hold whole tiles (DeviceInfo::shuffle)
+    bool sceneDepth = false;              // splats behind the app's scene are hidden
     uint32_t samples = 1;                 // a pixel (sdk/math/coverage.h)
 
-    // written by the CPU: at load, or (frame, palette) before each frame
+    // written by the CPU: at load, or (frame, palette, scene) before each frame
+    BufferId scene;                                // view z of the app's scene, infinite where there is nothing; views, rows, columns
     BufferId frame, palette, vertices, triangles, splats, sh;
     // made by the GPU in each frame
     BufferId tileLists, tileEntries, tilePixels;   // none: quads alone

@@ -10,6 +10,7 @@
 #include "sdk/format/splat_codec.h"
 #include "sdk/math/coverage.h"
 #include "sdk/math/half.h"
+#include "sdk/math/scene_depth.h"
 #include "sdk/render/passes/chunks.h"
 #include "sdk/render/passes/compact.h"
 #include "sdk/render/passes/draw.h"
@@ -165,6 +166,7 @@ Status GpuRenderer::build(const LoadedAvatar& a, ShapedFrame& f) {
     ids.widthPx = f.shape.widthPx;
     ids.heightPx = f.shape.heightPx;
     ids.depth = f.shape.depth;
+    ids.sceneDepth = f.shape.sceneDepth;
     ids.halfColour = options_.preciseBlending;
     ids.cull = options_.cullTriangles;
     ids.floatKeys = !options_.quantiseDepth;
@@ -196,10 +198,12 @@ Status GpuRenderer::build(const LoadedAvatar& a, ShapedFrame& f) {
 Status GpuRenderer::buildSlot(const LoadedAvatar& a, ShapedFrame& f, Slot& slot, const std::optional<TilePlan>& tiles) {
     DPL_TRY(slot.frame, makeBuffer(f.owned, "frame", sizeof(gpu::FrameData), BufferMemory::Upload));
     if (a.data) { DPL_TRY(slot.palette, makeBuffer(f.owned, "palette", paletteRows(*a.data) * sizeof(gpu::vec4), BufferMemory::Upload)); }
+    if (f.shape.sceneDepth) { DPL_TRY(slot.scene, makeBuffer(f.owned, "scene depth", uint64_t(f.shape.widthPx) * f.shape.heightPx * f.shape.views * 4, BufferMemory::Upload)); }
     DPL_TRY(slot.finalCounts, makeBuffer(f.owned, "final counts", sizeof(gpu::FrameCounts), BufferMemory::Readback));
     FrameIds ids = f.ids;
     ids.frame = slot.frame;
     ids.palette = slot.palette;
+    ids.scene = slot.scene;
 
     FramePlan plan(*backend_);
     plan.fill("begin", ids.counts, 0);
@@ -281,23 +285,24 @@ Status GpuRenderer::draw(RenderAvatarId id, const Pose& pose, std::span<const Ca
     if (it == avatars_.end()) return fail(Code::InvalidArgument, "avatar {} is not in this renderer", id);
     DPL_CHECK_OK(checkViews(views));
     LoadedAvatar& avatar = it->second;
+    DPL_CHECK_OK(checkScene(wants, views));
     if (wants.meshDepth && !avatar.data) return fail(Code::InvalidArgument, "general splats have no mesh and no depth of one");
     std::fill(std::begin(avatar.drawn), std::end(avatar.drawn), 0);
     const bool choose = avatar.data && backend_->info().fourSamples;
     const uint32_t samples = choose ? coverageSamples(avatar.data->trainedPixelM, rootPosition(avatar.data->joints, pose), views) : 1;
     const Fill fill = samples == 1 ? options_.fill : Fill::Quads;  // tiles have one sample a pixel
-    const Shape shape{views[0].widthPx, views[0].heightPx, uint32_t(views.size()), wants.depth, wants.meshDepth, 0, samples, fill};
-    if (views.size() == 1 || (options_.shareViews && shareOrder(views))) return drawFrame(avatar, pose, views, shape);
+    const Shape shape{views[0].widthPx, views[0].heightPx, uint32_t(views.size()), wants.depth, wants.meshDepth, wants.behindScene(), 0, samples, fill};
+    if (views.size() == 1 || (options_.shareViews && shareOrder(views))) return drawFrame(avatar, pose, views, shape, {wants.sceneDepthM, views.size()});
     Status drawn;
     for (Shape alone = shape; alone.eye < views.size() && drawn; ++alone.eye) {
         alone.views = 1;
-        drawn = drawFrame(avatar, pose, views.subspan(alone.eye, 1), alone);
+        drawn = drawFrame(avatar, pose, views.subspan(alone.eye, 1), alone, {wants.sceneDepthM + alone.eye, 1});
     }
     if (!drawn) std::fill(std::begin(avatar.drawn), std::end(avatar.drawn), 0);  // half a pair is not shown
     return drawn;
 }
 
-Status GpuRenderer::drawFrame(LoadedAvatar& avatar, const Pose& pose, std::span<const Cameraf> views, const Shape& shape) {
+Status GpuRenderer::drawFrame(LoadedAvatar& avatar, const Pose& pose, std::span<const Cameraf> views, const Shape& shape, std::span<const std::span<const float>> sceneDepthM) {
     DPL_TRY(ShapedFrame* frame, frameOf(avatar, shape));
     Slot& slot = frame->slots[frame->next];
     if (!backend_->finished(slot.draw)) {
@@ -305,6 +310,7 @@ Status GpuRenderer::drawFrame(LoadedAvatar& avatar, const Pose& pose, std::span<
         DPL_CHECK_OK(backend_->wait(slot.draw));
     }
     fill(avatar, slot, pose, views, shape.samples);
+    if (shape.sceneDepth) writeScene(slot, shape, sceneDepthM);
     DPL_CHECK_OK(backend_->submit(slot.draw));
     frame->next = (frame->next + 1) % kFramesInFlight;
     slot.number = frame->lastUse = avatar.drawn[shape.eye] = ++frameNumber_;
@@ -315,6 +321,16 @@ void GpuRenderer::fill(const LoadedAvatar& avatar, const Slot& slot, const Pose&
     const gpu::FrameData block = packFrame(avatar.splats, views, samples);
     std::memcpy(backend_->mapped(slot.frame).data(), &block, sizeof(block));
     if (avatar.data) writePalette(*avatar.data, pose, slot.palette);
+}
+
+void GpuRenderer::writeScene(const Slot& slot, const Shape& shape, std::span<const std::span<const float>> sceneDepthM) {
+    const size_t pixels = size_t(shape.widthPx) * shape.heightPx;
+    float* to = reinterpret_cast<float*>(backend_->mapped(slot.scene).data());
+    for (size_t v = 0; v < shape.views; ++v, to += pixels) {
+        const std::span<const float> from = sceneDepthM[v];
+        if (from.empty()) std::fill_n(to, pixels, INFINITY);
+        else std::transform(from.begin(), from.begin() + ptrdiff_t(pixels), to, farthestSeenM);
+    }
 }
 
 void GpuRenderer::writePalette(const AvatarData& avatar, const Pose& pose, BufferId palette) {

@@ -46,14 +46,14 @@ public:
 private:
     struct Shape {
         uint32_t widthPx = 0, heightPx = 0, views = 0;
-        bool depth = false, meshDepth = false;
+        bool depth = false, meshDepth = false, sceneDepth = false;
         uint32_t eye = 0;              // 1: the second of two frames that draw a canted pair
         uint32_t samples = 1;          // a pixel
         Fill fill = Fill::Quads;
         bool operator==(const Shape&) const = default;
     };
     struct Slot {
-        BufferId frame, palette, finalCounts;
+        BufferId frame, palette, scene, finalCounts;
         FrameId draw;
         uint64_t number = 0;           // of the frame it drew last; 0: none
     };
@@ -84,12 +84,13 @@ private:
     Status makeWorkBuffers(LoadedAvatar& avatar);
     Result<RenderAvatarId> keep(LoadedAvatar avatar, const Status& loaded);
     void writePalette(const AvatarData& avatar, const Pose& pose, BufferId palette);
-    Status drawFrame(LoadedAvatar& avatar, const Pose& pose, std::span<const Cameraf> views, const Shape& shape);
+    Status drawFrame(LoadedAvatar& avatar, const Pose& pose, std::span<const Cameraf> views, const Shape& shape, std::span<const std::span<const float>> sceneDepthM);
     Result<ShapedFrame*> frameOf(LoadedAvatar& avatar, const Shape& shape);
     Status build(const LoadedAvatar& avatar, ShapedFrame& frame);
     Status buildSlot(const LoadedAvatar& avatar, ShapedFrame& frame, Slot& slot, const std::optional<TilePlan>& tiles);
     Status buildReadback(ShapedFrame& frame);
     void fill(const LoadedAvatar& avatar, const Slot& slot, const Pose& pose, std::span<const Cameraf> views, uint32_t samples);
+    void writeScene(const Slot& slot, const Shape& shape, std::span<const std::span<const float>> sceneDepthM);
     void freeFrame(ShapedFrame& frame);
     void freeAvatar(LoadedAvatar& avatar);
     void takePixels(const ShapedFrame& frame, size_t firstView);

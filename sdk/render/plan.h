@@ -65,7 +65,7 @@ public:
         steps_.push_back(PutPixelsStep{std::move(label), target, pixels, depthOffset});
     }
 
-    void copy(std::string label, BufferId from, BufferId to) { steps_.push_back(CopyStep{std::move(label), from, to}); }
+    void copy(std::string label, BufferId from, BufferId to, uint64_t toOffset = 0) { steps_.push_back(CopyStep{std::move(label), from, to, toOffset}); }
 
     /** The recorded frame, or the first error of any step. */
     Result<FrameId> finish();

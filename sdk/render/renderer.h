@@ -1,6 +1,7 @@
 // The seam between the public API and whatever draws: the software renderer (sdk/splat) or a GPU backend.
 #pragma once
 
+#include <iterator>
 #include <memory>
 #include <span>
 #include <string>
@@ -30,10 +31,13 @@ struct RenderedView {
     std::vector<float> depthM, meshDepthM;
 };
 
-/** What a frame is to leave besides colour. */
+/** What a frame is to leave besides colour, and what it is drawn behind. */
 struct FrameWants {
     bool depth = false;      // of the splats
     bool meshDepth = false;  // of the posed mesh; InvalidArgument for general splats, which have none
+    /** Of each view: view z of an opaque scene (sdk/math/scene_depth.h), metres, tight rows; empty: none. Copied. */
+    std::span<const float> sceneDepthM[2] = {};
+    bool behindScene() const { return !sceneDepthM[0].empty() || !sceneDepthM[1].empty(); }
     FrameWants(bool depth = false) : depth(depth) {}
 };
 
@@ -64,6 +68,14 @@ inline uint64_t posingBytes(const AvatarData& a) {
 }
 /** How a GPU fills pixels: one blended quad a splat, or compute tiles that walk their splats front to back. The pictures agree. */
 enum class Fill : uint8_t { Quads, Tiles };
+
+/** InvalidArgument for a scene that is smaller than its view. */
+inline Status checkScene(const FrameWants& wants, std::span<const Cameraf> views) {
+    for (size_t v = 0; v < views.size() && v < std::size(wants.sceneDepthM); ++v)
+        if (const size_t given = wants.sceneDepthM[v].size(), pixels = size_t(views[v].widthPx) * views[v].heightPx; given != 0 && given < pixels)
+            return fail(Code::InvalidArgument, "view {} has {} depths of the scene; {} are needed", v, given, pixels);
+    return {};
+}
 
 using RenderAvatarId = uint32_t;
 constexpr uint32_t kFramesInFlight = 3;  // of one shape: the CPU may be two frames ahead

@@ -57,14 +57,15 @@ struct SplatRow {
     hn::Vec<hn::RebindToUnsigned<D>> next;  // one past the entry
 };
 
-template <bool kCloth, bool kDepth, bool kStops>
-HWY_INLINE void blendChunk(const SplatRow& s, V pixelX, float rowX, float rowExponent, uint32_t at, TileAccumulators& tile) {
+template <bool kCloth, bool kDepth, bool kStops, bool kScene>
+HWY_INLINE void blendChunk(const SplatRow& s, V pixelX, float rowX, float rowExponent, uint32_t at, const float* farthestSeenM, TileAccumulators& tile) {
     const D d;
     const hn::RebindToUnsigned<D> du;
     const V dx = pixelX - set(rowX);
     const V exponent = hn::MulAdd(dx * dx, s.scale, set(rowExponent));
     const V t = hn::Load(d, tile.transmittance + at);
-    const auto counts = hn::And(exponent >= set(kLog2MinAlpha), t > set(float(kMinTransmittance)));
+    auto counts = hn::And(exponent >= set(kLog2MinAlpha), t > set(float(kMinTransmittance)));
+    if constexpr (kScene) counts = hn::And(counts, s.depth <= hn::Load(d, farthestSeenM + at));
     const V w = hn::IfThenElseZero(counts, hn::Min(exp2Of(exponent), set(float(kMaxAlpha)))) * t;
     hn::Store(hn::MulAdd(w, s.red, hn::Load(d, tile.red + at)), d, tile.red + at);
     hn::Store(hn::MulAdd(w, s.green, hn::Load(d, tile.green + at)), d, tile.green + at);
@@ -75,7 +76,7 @@ HWY_INLINE void blendChunk(const SplatRow& s, V pixelX, float rowX, float rowExp
     if constexpr (kStops) hn::BlendedStore(s.next, hn::RebindMask(du, counts), du, tile.stop + at);
 }
 
-template <bool kCloth, bool kDepth, bool kStops>
+template <bool kCloth, bool kDepth, bool kStops, bool kScene>
 void blendTileAs(const BlendTileTask& task, TileAccumulators& tile) {
     const D d;
     const hn::RebindToUnsigned<D> du;
@@ -113,7 +114,7 @@ void blendTileAs(const BlendTileTask& task, TileAccumulators& tile) {
         s.scale = set(-0.5f * kLog2E * p.conicA);
         s.red = set(p.red), s.green = set(p.green), s.blue = set(p.blue);
         if constexpr (kCloth) s.cloth = set(p.cloth);
-        if constexpr (kDepth) s.depth = set(p.depthM);
+        if constexpr (kDepth || kScene) s.depth = set(p.depthM);
         if constexpr (kStops) s.next = hn::Set(du, e + 1);
         const uint32_t firstChunk = firstX / kLanes, lastChunk = lastX / kLanes;
         for (uint32_t row = firstY; row <= lastY; ++row) {
@@ -121,7 +122,7 @@ void blendTileAs(const BlendTileTask& task, TileAccumulators& tile) {
             const float dy = float(int32_t(row)) - y;
             const float rowX = x - slope * dy, rowExponent = logOpacity + rowScale * dy * dy;
             for (uint32_t c = firstChunk; c <= lastChunk; ++c)
-                blendChunk<kCloth, kDepth, kStops>(s, pixelX[c], rowX, rowExponent, row * kTileSizePx + c * kLanes, tile);
+                blendChunk<kCloth, kDepth, kStops, kScene>(s, pixelX[c], rowX, rowExponent, row * kTileSizePx + c * kLanes, task.farthestSeenM, tile);
         }
         if ((e - task.begin) % kCheckEvery == kCheckEvery - 1) {
             for (uint32_t row = 0; row < kTileSizePx; ++row) {
@@ -134,12 +135,18 @@ void blendTileAs(const BlendTileTask& task, TileAccumulators& tile) {
     }
 }
 
-void blendTile(const BlendTileTask& task, TileAccumulators& tile) {
+template <bool kScene>
+void blendTileIn(const BlendTileTask& task, TileAccumulators& tile) {
     using Kernel = void (*)(const BlendTileTask&, TileAccumulators&);
     static constexpr Kernel kKernels[2][2][2] = {
-        {{blendTileAs<false, false, false>, blendTileAs<false, false, true>}, {blendTileAs<false, true, false>, blendTileAs<false, true, true>}},
-        {{blendTileAs<true, false, false>, blendTileAs<true, false, true>}, {blendTileAs<true, true, false>, blendTileAs<true, true, true>}}};
+        {{blendTileAs<false, false, false, kScene>, blendTileAs<false, false, true, kScene>}, {blendTileAs<false, true, false, kScene>, blendTileAs<false, true, true, kScene>}},
+        {{blendTileAs<true, false, false, kScene>, blendTileAs<true, false, true, kScene>}, {blendTileAs<true, true, false, kScene>, blendTileAs<true, true, true, kScene>}}};
     kKernels[task.cloth][task.depth][task.stops](task, tile);
+}
+
+void blendTile(const BlendTileTask& task, TileAccumulators& tile) {
+    if (task.farthestSeenM) blendTileIn<true>(task, tile);
+    else blendTileIn<false>(task, tile);
 }
 
 void packRgba8(const TileAccumulators& tile, uint32_t row, uint32_t width, uint8_t* rgba) {

@@ -21,6 +21,7 @@ struct BlendTileTask {
     uint32_t begin, end;         // this tile's part of it
     float x0, y0;                // top left pixel of the tile
     bool cloth, depth, stops;    // accumulators beyond colour and transmittance
+    const float* farthestSeenM;  // kTilePixels, aligned: splats behind it add nothing; null: no scene
 };
 
 /** Sets every accumulator that is asked for. */

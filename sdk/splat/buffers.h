@@ -90,6 +90,6 @@ void projectPacked(Jobs& jobs, SplatEngine::Buffers& buffers, const PackedSplats
 void sortByDepth(Jobs& jobs, SplatEngine::Buffers& buffers);
 void binIntoTiles(Jobs& jobs, SplatEngine::Buffers& buffers);
 void blendTiles(Jobs& jobs, SplatEngine::Buffers& buffers, SplatImage& image, const BlendOptions& options);
-void blendTilesRgba8(Jobs& jobs, SplatEngine::Buffers& buffers, std::vector<uint8_t>& rgba, std::vector<float>* depthM);
+void blendTilesRgba8(Jobs& jobs, SplatEngine::Buffers& buffers, std::vector<uint8_t>& rgba, std::vector<float>* depthM, std::span<const float> sceneDepthM);
 
 }  // namespace dpl

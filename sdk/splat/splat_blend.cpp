@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "sdk/math/scene_depth.h"
 #include "sdk/splat/blend_kernel.h"
 
 namespace dpl {
@@ -30,12 +31,22 @@ void blendSamples(BlendTileTask task, TileAccumulators& tile) {
     }
 }
 
+/** The scene of one tile; where the tile is outside the image nothing is there. */
+void farthestSeenOf(std::span<const float> sceneDepthM, const TileRect& rect, size_t widthPx, float* seen) {
+    std::fill_n(seen, kTilePixels, farthestSeenM(0));
+    for (uint32_t row = 0; row < rect.height; ++row) {
+        const float* from = sceneDepthM.data() + (rect.y + row) * widthPx + rect.x;
+        std::transform(from, from + rect.width, seen + row * kTileSizePx, farthestSeenM);
+    }
+}
+
 /** Blends every tile and calls finish(rect, accumulators) for it; accumulators is null for tiles that hold nothing. */
 template <class Finish>
 void forTiles(Jobs& jobs, const SplatEngine::Buffers& buffers, const BlendOptions& options, Finish&& finish) {
     const TileLists& tiles = buffers.tiles;
     jobs.forBlocks(tiles.rows, [&](size_t row, uint32_t) {
         TileAccumulators tile;
+        alignas(64) float seen[kTilePixels];
         for (uint32_t column = 0; column < tiles.columns; ++column) {
             const size_t index = row * tiles.columns + column;
             TileRect rect{column * kTileSizePx, uint32_t(row) * kTileSizePx, 0, 0};
@@ -46,7 +57,8 @@ void forTiles(Jobs& jobs, const SplatEngine::Buffers& buffers, const BlendOption
                 continue;
             }
             const BlendTileTask task{buffers.projected.data(), buffers.rowScale.data(), tiles.entries.data(), begin, end, float(rect.x), float(rect.y),
-                                     options.cloth, options.depth, options.recordStops};
+                                     options.cloth, options.depth, options.recordStops, options.sceneDepthM.empty() ? nullptr : seen};
+            if (!options.sceneDepthM.empty()) farthestSeenOf(options.sceneDepthM, rect, buffers.widthPx, seen);
             if (buffers.samples > 1) blendSamples(task, tile);
             else blendTile(task, tile);
             finish(index, rect, static_cast<const TileAccumulators*>(&tile));
@@ -74,7 +86,7 @@ void blendTiles(Jobs& jobs, SplatEngine::Buffers& buffers, SplatImage& image, co
     const bool stops = options.recordStops && buffers.samples == 1;
     buffers.stops.resize(stops ? pixels : 0);
     buffers.stopTransmittance.resize(stops ? pixels : 0);
-    forTiles(jobs, buffers, {.cloth = options.cloth, .depth = options.depth, .recordStops = stops}, [&](size_t index, const TileRect& rect, const TileAccumulators* tile) {
+    forTiles(jobs, buffers, {.cloth = options.cloth, .depth = options.depth, .recordStops = stops, .sceneDepthM = options.sceneDepthM}, [&](size_t index, const TileRect& rect, const TileAccumulators* tile) {
         for (uint32_t row = 0; row < rect.height; ++row) {
             const size_t pixel = (rect.y + row) * width + rect.x, at = row * kTileSizePx;
             if (tile) {
@@ -97,11 +109,11 @@ void blendTiles(Jobs& jobs, SplatEngine::Buffers& buffers, SplatImage& image, co
     });
 }
 
-void blendTilesRgba8(Jobs& jobs, SplatEngine::Buffers& buffers, std::vector<uint8_t>& rgba, std::vector<float>* depthM) {
+void blendTilesRgba8(Jobs& jobs, SplatEngine::Buffers& buffers, std::vector<uint8_t>& rgba, std::vector<float>* depthM, std::span<const float> sceneDepthM) {
     const size_t width = buffers.widthPx, pixels = width * buffers.heightPx;
     rgba.resize(pixels * 4);
     if (depthM) depthM->resize(pixels);
-    forTiles(jobs, buffers, {.depth = depthM != nullptr}, [&](size_t, const TileRect& rect, const TileAccumulators* tile) {
+    forTiles(jobs, buffers, {.depth = depthM != nullptr, .sceneDepthM = sceneDepthM}, [&](size_t, const TileRect& rect, const TileAccumulators* tile) {
         for (uint32_t row = 0; row < rect.height; ++row) {
             const size_t pixel = (rect.y + row) * width + rect.x;
             if (tile) packRgba8(*tile, row, rect.width, rgba.data() + pixel * 4);

@@ -35,7 +35,9 @@ void SplatEngine::bin() {
 
 void SplatEngine::blend(SplatImage& image, const BlendOptions& options) { blendTiles(jobs_, *buffers_, image, options); }
 
-void SplatEngine::blendRgba8(std::vector<uint8_t>& rgba, std::vector<float>* depthM) { blendTilesRgba8(jobs_, *buffers_, rgba, depthM); }
+void SplatEngine::blendRgba8(std::vector<uint8_t>& rgba, std::vector<float>* depthM, std::span<const float> sceneDepthM) {
+    blendTilesRgba8(jobs_, *buffers_, rgba, depthM, sceneDepthM);
+}
 
 std::span<const ProjectedSplat> SplatEngine::projected() const { return {buffers_->projected.data(), buffers_->splatCount}; }
 const TileLists& SplatEngine::tiles() const { return buffers_->tiles; }

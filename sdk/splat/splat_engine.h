@@ -65,6 +65,7 @@ struct BlendOptions {
     bool cloth = false;
     bool depth = false;
     bool recordStops = false;   // the trainer wants to know where each pixel stopped; with one sample a pixel only
+    std::span<const float> sceneDepthM = {};  // one a pixel: splats behind it add nothing there (sdk/math/scene_depth.h); empty: no scene
 };
 
 class SplatEngine {
@@ -102,8 +103,8 @@ public:
     void blend(SplatImage& image, const BlendOptions& options = {});
 
     /** Blends straight to premultiplied RGBA8 (what a viewer wants; a third of the memory traffic). rgba is resized to 4 a pixel;
-     *  depthM, when not null, to one a pixel, as in SplatImage. After bin(). */
-    void blendRgba8(std::vector<uint8_t>& rgba, std::vector<float>* depthM = nullptr);
+     *  depthM, when not null, to one a pixel, as in SplatImage; sceneDepthM as in BlendOptions. After bin(). */
+    void blendRgba8(std::vector<uint8_t>& rgba, std::vector<float>* depthM = nullptr, std::span<const float> sceneDepthM = {});
 
     std::span<const ProjectedSplat> projected() const;
     const TileLists& tiles() const;

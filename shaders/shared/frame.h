@@ -123,6 +123,7 @@ struct TilePush {             // of every tile pass; `first...`: offsets into th
     uint fillGroups;
     uint firstDepth;          // in the pixel buffer, words
     uint halfColour, halfDepth;
+    uint firstScene;          // in the pixel buffer, words: the app's depth, infinite where there is nothing
 };
 struct RowScanPush { uint perRow; uint firstTable; uint firstSum; };  // perRow 0: counts.runs
 

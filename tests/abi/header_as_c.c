@@ -25,7 +25,7 @@ int main(void) {
     /* A field may be added at the end of a struct; none may move. Offsets are those of version 0.1 on a 64-bit machine. */
     if (sizeof(void*) == 8) {
         CHECK(sizeof(DplContextInfo) == 32 && offsetof(DplContextInfo, threadCount) == 8 && offsetof(DplContextInfo, fill) == 16);
-        CHECK(sizeof(DplCamera) == 76 && offsetof(DplCamera, viewFromWorld) == 28);
+        CHECK(sizeof(DplCamera) == 96 && offsetof(DplCamera, viewFromWorld) == 28 && offsetof(DplCamera, sceneDepthM) == 80);
         CHECK(sizeof(DplImage) == 72 && offsetof(DplImage, rgba) == 8 && offsetof(DplImage, depthM) == 32 && offsetof(DplImage, format) == 48 && offsetof(DplImage, meshDepthM) == 56);
         CHECK(sizeof(DplAvatarInfo) == 72 && offsetof(DplAvatarInfo, name) == 8 && offsetof(DplAvatarInfo, restMin) == 44);
         CHECK(sizeof(DplJointInfo) == 40 && offsetof(DplJointInfo, restPosition) == 28);

@@ -6,11 +6,13 @@
 #include <bit>
 #include <cstring>
 
+#include "sdk/math/scene_depth.h"
 #include "sdk/render/avatar_upload.h"
 #include "sdk/render/passes/tiles.h"
 #include "sdk/avatar/pose_correctives.h"
 #include "tests/reference/image_compare.h"
 #include "tests/reference/random_avatar.h"
+#include "tests/reference/random_scene_depth.h"
 #include "tests/reference/reference_mesh.h"
 #include "tests/reference/reference_renderer.h"
 #include "tests/unit/format/sample_correctives.h"
@@ -39,6 +41,7 @@ DPL_MSL(msl_tiles_count);
 DPL_MSL(msl_tiles_args_entries);
 DPL_MSL(msl_tiles_entries);
 DPL_MSL(msl_tiles_fill_depth);
+DPL_MSL(msl_tiles_fill_depth_scene);
 
 namespace dpl {
 namespace {
@@ -150,11 +153,12 @@ MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Ca
     return out;
 }
 
-/** The tile passes on a frame that was sorted: 8-bit colour of all views, then the depth sums. */
-std::vector<uint32_t> fillTiles(MslFrame& f, std::span<const Cameraf> views, int order) {
+/** The tile passes on a frame that was sorted: 8-bit colour of all views, then the depth sums. farthestSeenM: of the app's scene, all views; empty: none. */
+std::vector<uint32_t> fillTiles(MslFrame& f, std::span<const Cameraf> views, int order, std::span<const float> farthestSeenM = {}) {
     FrameIds ids;
     ids.viewCount = uint32_t(views.size()), ids.widthPx = views[0].widthPx, ids.heightPx = views[0].heightPx, ids.depth = true;
     ids.splatCount = uint32_t(f.projected.size()) / ids.viewCount;
+    ids.sceneDepth = !farthestSeenM.empty();
     const auto tiles = planTiles(ids, {.maxBindingBytes = 128u << 20, .maxGroups = 65535});
     EXPECT_TRUE(tiles);
     const gpu::TilePush& push = tiles->push;
@@ -172,7 +176,8 @@ std::vector<uint32_t> fillTiles(MslFrame& f, std::span<const Cameraf> views, int
     EXPECT_EQ(f.counts.tilesOverflowed, 0u);
     EXPECT_GT(f.counts.tileEntries, f.counts.visible);
     run(msl_tiles_entries, f.counts.entryGroupsX, order, {lists.data(), entries.data()}, push);
-    run(msl_tiles_fill_depth, f.counts.fillGroupsX, order, {lists.data(), entries.data(), f.projected.data(), pixels.data()}, push);
+    if (ids.sceneDepth) std::memcpy(pixels.data() + push.firstScene, farthestSeenM.data(), farthestSeenM.size_bytes());
+    run(ids.sceneDepth ? msl_tiles_fill_depth_scene : msl_tiles_fill_depth, f.counts.fillGroupsX, order, {lists.data(), entries.data(), f.projected.data(), pixels.data()}, push);
     return pixels;
 }
 
@@ -267,6 +272,36 @@ TEST(MetalFrame, kernelsMoveAndLightAnAvatarWithCorrectives) {
     EXPECT_EQ(darkest, 0.2);
     EXPECT_EQ(brightest, 3.0);
     expectKernelsMatchTheReference(corrected);
+}
+
+TEST(MetalFrame, tilesBehindASceneMatchTheReference) {
+    const AvatarData avatar = codedOnce(makeTube({.splatsPerTriangle = 4, .shDegree = 3}));
+    const Pose pose = tubePose(0.9f, 0.4f);
+    const Cameraf views[2] = {tubeCamera(93, 91, 0.6f, 1.6f, -0.03f), tubeCamera(93, 91, 0.6f, 1.6f, 0.03f)};
+    const std::vector<float> scenes[2] = {randomSceneDepth(1, 93, 91, 1.6f), randomSceneDepth(2, 93, 91, 1.6f)};
+    std::vector<float> seen;
+    for (const auto& scene : scenes) std::transform(scene.begin(), scene.end(), std::back_inserter(seen), farthestSeenM);
+    std::vector<uint32_t> first;
+    for (int order = 0; order < 3; ++order) {
+        MslFrame f = runFrame(avatar, pose, views, order), free = f;
+        const std::vector<uint32_t> pixels = fillTiles(f, views, order, seen);
+        if (order == 0) first = pixels;
+        EXPECT_TRUE(pixels == first) << "lane order " << order;
+        const std::vector<uint32_t> plain = fillTiles(free, views, order);
+        free = runFrame(avatar, pose, views, order);
+        const std::vector<uint32_t> empty = fillTiles(free, views, order, std::vector<float>(seen.size(), INFINITY));
+        EXPECT_TRUE(std::equal(plain.begin(), plain.end(), empty.begin())) << "an empty scene changes nothing";
+    }
+    for (size_t v = 0; v < 2; ++v) {
+        const ReferenceImage want = renderReference(avatar, pose, referenceCamera(views[v]), scenes[v]);
+        EXPECT_LT(compareImages(renderReference(avatar, pose, referenceCamera(views[v])).rgb, want.rgb).psnrDb, 30) << "the scene hides nothing: this case shows nothing";
+        std::vector<double> rgb;
+        for (size_t i = v * 93 * 91; i < (v + 1) * 93 * 91; ++i)
+            for (int c = 0; c < 3; ++c) rgb.push_back((first[i] >> 8 * c & 255) / 255.0);
+        const ImageDifference d = compareImages(rgb, want.rgb);
+        std::printf("[   MSL    ] view %zu behind a scene: %.1f dB to the reference, max %.4f\n", v, d.psnrDb, d.maxError);
+        EXPECT_GE(d.psnrDb, 50);
+    }
 }
 
 TEST(MetalFrame, meshDepthMatchesTheReference) {

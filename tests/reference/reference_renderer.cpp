@@ -113,6 +113,7 @@ void addSample(const std::vector<ReferenceFootprint>& footprints, const std::vec
                 double& t = transmittance[pixel];
                 const double alpha = referenceAlpha(f, {x + placePx.x, y + placePx.y});
                 if (t <= options.minTransmittance || alpha < faintest) continue;
+                if (!options.sceneDepthM.empty() && options.sceneDepthM[pixel] > 0 && f.depthM > double(options.sceneDepthM[pixel])) continue;
                 const double weight = alpha * t * share;
                 for (int c = 0; c < 3; ++c) image.rgb[pixel * 3 + size_t(c)] += weight * f.colour[c];
                 image.cloth[pixel] += f.cloth ? weight : 0;
@@ -165,9 +166,9 @@ bool referenceFourSamples(const AvatarData& avatar, const Pose& pose, const Refe
     return avatar.trainedPixelM > 0 && distanceM / std::max(camera.fx, camera.fy) > 1.25 * avatar.trainedPixelM;
 }
 
-ReferenceImage renderReference(const AvatarData& avatar, const Pose& pose, const ReferenceCamera& camera) {
+ReferenceImage renderReference(const AvatarData& avatar, const Pose& pose, const ReferenceCamera& camera, const std::vector<float>& sceneDepthM) {
     return renderReference(sceneOf(avatar, pose), camera,
-                           {.kappaPx2 = avatar.kappaPx2, .compensated = avatar.compensated, .fourSamples = referenceFourSamples(avatar, pose, camera)});
+                           {.kappaPx2 = avatar.kappaPx2, .compensated = avatar.compensated, .sceneDepthM = sceneDepthM, .fourSamples = referenceFourSamples(avatar, pose, camera)});
 }
 
 ReferenceImage renderReference(const StaticSplatData& splats, const ReferenceCamera& camera, const ReferenceOptions& options) {

@@ -40,6 +40,7 @@ struct ReferenceOptions {
     double minAlpha = 1.0 / 255.0;
     double minTransmittance = 1e-4;  // a pixel whose T is at or below this takes no further splat
     bool clampColour = true;
+    std::vector<float> sceneDepthM;  // of the app's scene, one a pixel: what lies behind it is not seen there; empty, or not above 0: nothing is there
     bool fourSamples = false;        // composite at four places of a pixel, each low-passed to a quarter of it, and average
 };
 
@@ -131,7 +132,7 @@ ReferenceImage renderReference(const ReferenceScene& scene, const ReferenceCamer
  *  Both eyes of a frame follow the finer one; ask with that. */
 bool referenceFourSamples(const AvatarData& avatar, const Pose& pose, const ReferenceCamera& camera);
 /** κ, compensation and samples as the avatar says. */
-ReferenceImage renderReference(const AvatarData& avatar, const Pose& pose, const ReferenceCamera& camera);
+ReferenceImage renderReference(const AvatarData& avatar, const Pose& pose, const ReferenceCamera& camera, const std::vector<float>& sceneDepthM = {});
 /** Uncompensated by default, as plain 3D Gaussian splatting files are trained. */
 ReferenceImage renderReference(const StaticSplatData& splats, const ReferenceCamera& camera, const ReferenceOptions& options = {.compensated = false});
 

@@ -97,8 +97,9 @@ Status reflectShader(Shader& shader) {
         }
     }
     std::sort(shader.bindings.begin(), shader.bindings.end(), [](auto& a, auto& b) { return a.binding < b.binding; });
+    const uint32_t first = shader.stage == ShaderStage::Fragment && !shader.bindings.empty() ? shader.bindings[0].binding : 0;  // behind those of its vertex stage
     for (uint32_t i = 0; i < shader.bindings.size(); ++i)
-        if (shader.bindings[i].binding != i) return fail(Code::InvalidArgument, "{}: bindings must be 0, 1, 2 ... without gaps or doubles", shader.name);
+        if (shader.bindings[i].binding != first + i) return fail(Code::InvalidArgument, "{}: bindings must be 0, 1, 2 ... without gaps or doubles", shader.name);
     const auto storage = std::count_if(shader.bindings.begin(), shader.bindings.end(), [](auto& b) { return !b.uniform; });
     if (storage > 4) return fail(Code::InvalidArgument, "{}: {} storage buffers, Vulkan 1.1 promises four a stage", shader.name, storage);
     for (const spvc_reflected_resource& r : resourcesOf(m, SPVC_RESOURCE_TYPE_PUSH_CONSTANT)) {

@@ -1,5 +1,6 @@
 #include "sdk/backend/null/null_backend.h"
 
+#include <algorithm>
 #include <cstring>
 #include <map>
 #include <set>
@@ -39,8 +40,12 @@ public:
 
     Result<PipelineId> computePipeline(std::string_view name) override { return pipeline(name); }
     Result<PipelineId> drawPipeline(const DrawPipelineDesc& desc) override {
-        if (!pack_.find(desc.fragment)) return fail(Code::NotFound, "no shader {} in the pack", desc.fragment);
-        return pipeline(desc.vertex);
+        const Shader *vertex = pack_.find(desc.vertex), *fragment = pack_.find(desc.fragment);
+        if (!vertex || !fragment) return fail(Code::NotFound, "no shader {} or {} in the pack", desc.vertex, desc.fragment);
+        const auto known = std::find(draws_.begin(), draws_.end(), std::pair(vertex, fragment));
+        const size_t index = size_t(known - draws_.begin());
+        if (known == draws_.end()) draws_.emplace_back(vertex, fragment);
+        return PipelineId{uint32_t(pack_.shaders.size() + index) + 1};
     }
     uint32_t workgroupSize(PipelineId id) const override { return shader(id) ? shader(id)->workgroup[0] : 0; }
 
@@ -113,13 +118,22 @@ private:
         const auto it = targets_.find(id.value);
         return it == targets_.end() ? nullptr : &it->second;
     }
-    const Shader* shader(PipelineId id) const override { return id.value == 0 || id.value > pack_.shaders.size() ? nullptr : &pack_.shaders[id.value - 1]; }
+    const Shader* shader(PipelineId id) const override {
+        if (id.value == 0) return nullptr;
+        const size_t index = id.value - 1, shaders = pack_.shaders.size();
+        return index < shaders ? &pack_.shaders[index] : index - shaders < draws_.size() ? draws_[index - shaders].first : nullptr;
+    }
+    const Shader* fragment(PipelineId id) const override {
+        const size_t shaders = pack_.shaders.size();
+        return id.value <= shaders || id.value - 1 - shaders >= draws_.size() ? nullptr : draws_[id.value - 1 - shaders].second;
+    }
     bool written(BufferId id) const override { return buffers_.at(id.value).written; }
     bool drawn(TargetId id) const override { return drawn_.count(id.value) > 0; }
 
     ShaderPack pack_;
     std::shared_ptr<NullRecord> record_;
     DeviceInfo info_;
+    std::vector<std::pair<const Shader*, const Shader*>> draws_;  // pipelines behind those of single shaders
     std::map<uint32_t, Buffer> buffers_;
     std::map<uint32_t, TargetDesc> targets_;
     std::map<uint32_t, std::vector<Step>> frames_;

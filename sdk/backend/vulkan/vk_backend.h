@@ -39,6 +39,7 @@ struct Target {
 struct Pipeline {
     std::string key;
     const Shader* shader = nullptr;       // compute or vertex
+    const Shader* fragment = nullptr;     // of draws
     VkDescriptorSetLayout setLayout = VK_NULL_HANDLE;
     VkPipelineLayout layout = VK_NULL_HANDLE;
     VkPipeline pipeline = VK_NULL_HANDLE;
@@ -86,6 +87,7 @@ private:
     const BufferDesc* buffer(BufferId id) const override;
     const TargetDesc* target(TargetId id) const override;
     const Shader* shader(PipelineId id) const override;
+    const Shader* fragment(PipelineId id) const override;
     bool written(BufferId id) const override;
     bool drawn(TargetId id) const override;
 
@@ -103,7 +105,7 @@ private:
     Result<VkShaderModule> shaderModule(const Shader& shader);
     Status makeLayouts(Pipeline& pipeline);
     Status makeCompute(Pipeline& pipeline);
-    Status makeDraw(Pipeline& pipeline, const DrawPipelineDesc& desc, const Shader& fragment);
+    Status makeDraw(Pipeline& pipeline, const DrawPipelineDesc& desc);
     void freePipeline(Pipeline& pipeline);
     PipelineId findPipeline(std::string_view key) const;
 

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstring>
 #include <set>
 
@@ -107,10 +108,13 @@ struct VulkanBackend::Recorder {
     }
 
     Status operator()(const CopyStep& step) {
-        touch({{step.from, false}});
-        const VkBufferCopy region{0, 0, backend.buffers_.at(step.to.value).desc.bytes};
-        vkCmdCopyBuffer(commands, backend.buffers_.at(step.from.value).buffer, backend.buffers_.at(step.to.value).buffer, 1, &region);
-        hostBarrier();
+        const Buffer &from = backend.buffers_.at(step.from.value), &to = backend.buffers_.at(step.to.value);
+        const bool back = to.desc.memory == BufferMemory::Readback;
+        if (back) touch({{step.from, false}});
+        else touch({{step.from, false}, {step.to, true}});
+        const VkBufferCopy region{0, step.toOffset, std::min(from.desc.bytes, to.desc.bytes)};
+        vkCmdCopyBuffer(commands, from.buffer, to.buffer, 1, &region);
+        if (back) hostBarrier();
         return {};
     }
 

@@ -82,14 +82,18 @@ Result<VkShaderModule> VulkanBackend::shaderModule(const Shader& shader) {
 
 Status VulkanBackend::makeLayouts(Pipeline& p) {
     std::vector<VkDescriptorSetLayoutBinding> bindings;
-    for (const ShaderBinding& b : p.shader->bindings) {
-        VkDescriptorSetLayoutBinding binding{};
-        binding.binding = b.binding;
-        binding.descriptorType = b.uniform ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-        binding.descriptorCount = 1;
-        binding.stageFlags = p.shader->stage == ShaderStage::Compute ? VK_SHADER_STAGE_COMPUTE_BIT : VK_SHADER_STAGE_VERTEX_BIT;
-        bindings.push_back(binding);
-    }
+    const auto add = [&](const Shader& shader, VkShaderStageFlags stage) {
+        for (const ShaderBinding& b : shader.bindings) {
+            VkDescriptorSetLayoutBinding binding{};
+            binding.binding = b.binding;
+            binding.descriptorType = b.uniform ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+            binding.descriptorCount = 1;
+            binding.stageFlags = stage;
+            bindings.push_back(binding);
+        }
+    };
+    add(*p.shader, p.shader->stage == ShaderStage::Compute ? VK_SHADER_STAGE_COMPUTE_BIT : VK_SHADER_STAGE_VERTEX_BIT);
+    if (p.fragment) add(*p.fragment, VK_SHADER_STAGE_FRAGMENT_BIT);
     VkDescriptorSetLayoutCreateInfo set{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
     set.bindingCount = uint32_t(bindings.size());
     set.pBindings = bindings.data();
@@ -118,9 +122,11 @@ Status VulkanBackend::makeCompute(Pipeline& p) {
     return result == VK_SUCCESS ? Status() : Status(failVk("vkCreateComputePipelines", result));
 }
 
-Status VulkanBackend::makeDraw(Pipeline& p, const DrawPipelineDesc& desc, const Shader& fragment) {
+Status VulkanBackend::makeDraw(Pipeline& p, const DrawPipelineDesc& desc) {
     p.stages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
-    if (!fragment.bindings.empty()) return fail(Code::Unsupported, "{}: fragment shaders here have push constants only", fragment.name);
+    const Shader& fragment = *p.fragment;
+    if (!fragment.bindings.empty() && fragment.bindings[0].binding != p.shader->bindings.size())
+        return fail(Code::Unsupported, "{}: its bindings do not follow the {} of {}", fragment.name, p.shader->bindings.size(), p.shader->name);
     DPL_CHECK_OK(makeLayouts(p));
     VkPipelineShaderStageCreateInfo stages[2]{};
     stages[0].sType = stages[1].sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
@@ -210,9 +216,9 @@ Result<PipelineId> VulkanBackend::drawPipeline(const DrawPipelineDesc& desc) {
     p.key = formatText("{}+{}+{}{}{}{}+{}", desc.vertex, desc.fragment, desc.views, desc.layered ? "L" : "", desc.depth ? "D" : "", desc.halfColour ? "H" : "", desc.samples);
     if (PipelineId known = findPipeline(p.key)) return known;
     p.shader = pack_.find(desc.vertex);
-    const Shader* fragment = pack_.find(desc.fragment);
-    if (!p.shader || !fragment) return fail(Code::NotFound, "no shader {} or {} in the pack", desc.vertex, desc.fragment);
-    if (auto status = makeDraw(p, desc, *fragment); !status) {
+    p.fragment = pack_.find(desc.fragment);
+    if (!p.shader || !p.fragment) return fail(Code::NotFound, "no shader {} or {} in the pack", desc.vertex, desc.fragment);
+    if (auto status = makeDraw(p, desc); !status) {
         freePipeline(p);
         return status.error();
     }

@@ -219,6 +219,9 @@ const TargetDesc* VulkanBackend::target(TargetId id) const {
 const Shader* VulkanBackend::shader(PipelineId id) const {
     return id.value == 0 || id.value > pipelines_.size() ? nullptr : pipelines_[id.value - 1].shader;
 }
+const Shader* VulkanBackend::fragment(PipelineId id) const {
+    return id.value == 0 || id.value > pipelines_.size() ? nullptr : pipelines_[id.value - 1].fragment;
+}
 bool VulkanBackend::written(BufferId id) const { return buffers_.at(id.value).written; }
 bool VulkanBackend::drawn(TargetId id) const { return targets_.at(id.value).drawn; }
 

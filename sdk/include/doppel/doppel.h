@@ -236,6 +236,10 @@ typedef struct DplCamera {
     float fx, fy;               /**< focal lengths, pixels, > 0 */
     float cx, cy;               /**< principal point, pixels; off-axis frusta are welcome */
     float viewFromWorld[12];    /**< 3×4, row by row: X_view = R X_world + t with rows [R0 R1 R2 t]; R must be a rotation */
+    const float* sceneDepthM;   /**< depth of what the app has drawn already: view z in metres of its opaque scene at the pixel centres of this view, tight rows; read during
+                                     the call. A splat adds nothing to a pixel where its centre's own view z is larger; equal is seen. 0, less, infinite and NaN: nothing is
+                                     there. A depth buffer holds something else: z = near·far / (far − d·(far − near)) for the usual d of 0 … 1. NULL: no scene */
+    size_t sceneDepthCount;     /**< floats in sceneDepthM, at least widthPx·heightPx */
 } DplCamera;
 
 typedef enum DplImageFlag {
@@ -281,8 +285,8 @@ typedef enum DplDrawFlag {
     DPL_DRAW_FORCE_INT32 = 0x7fffffff
 } DplDrawFlag;
 
-/** Starts drawing the avatar in its present pose and returns; on the CPU it draws here. From the fourth frame of a size, view count and
- *  flags on it allocates nothing, and it waits only when three such frames are still being drawn (DplFrameStats::waits). The pose and the views are copied. */
+/** Starts drawing the avatar in its present pose and returns; on the CPU it draws here. From the fourth frame of a size, view count,
+ *  flags and scene depth or none on it allocates nothing, and it waits only when three such frames are still being drawn (DplFrameStats::waits). The pose and the views are copied. */
 DPL_EXPERIMENTAL DplResult dplDraw(DplContext context, DplAvatar avatar, const DplCamera* views, uint32_t viewCount, uint32_t flags);
 
 /** Waits for the avatar's last dplDraw and writes its pixels to the caller's memory. viewCount as there. DPL_ERROR_INVALID_ARGUMENT: nothing

@@ -36,8 +36,10 @@ std::optional<TilePlan> planTiles(const FrameIds& ids, const DeviceInfo& device)
     const uint64_t depthOffset = (pixels * (ids.halfColour ? 8 : 4) + 7) / 8 * 8;
     plan.listBytes = (p.firstSpan + 2ull * p.spanCapacity) * 4;
     plan.entryBytes = p.entryCapacity * 4ull;
-    plan.pixelBytes = depthOffset + (ids.depth ? pixels * (device.halfDepth ? 4 : 8) : 0);
+    const uint64_t sceneOffset = depthOffset + (ids.depth ? pixels * (device.halfDepth ? 4 : 8) : 0);
+    plan.pixelBytes = sceneOffset + (ids.sceneDepth ? std::max<uint64_t>(pixels * 4, 16) : 0);  // 16: the smallest buffer
     p.firstDepth = uint32_t(depthOffset / 4);
+    p.firstScene = uint32_t(sceneOffset / 4);
     if (plan.pixelBytes > device.maxBindingBytes || pixels * 4 > UINT32_MAX) return std::nullopt;
     return plan;
 }
@@ -57,10 +59,12 @@ void addTiles(FramePlan& plan, const FrameIds& ids, const TilePlan& tiles) {
     plan.compute("tiles.args", "tiles.args.entries").reads(ids.tileLists).updates(ids.counts).push(push).groups(1);
     plan.compute("tiles.entries", "tiles.entries").updates(ids.tileLists).writes(ids.tileEntries).push(push).groupsFrom(ids.counts, offsetof(gpu::FrameCounts, entryGroupsX));
     plan.fill("tiles.clear", ids.tilePixels, 0);
-    plan.compute("tiles.fill", std::string(ids.shuffle ? "tiles.fill.shuffle" : "tiles.fill") + (ids.depth ? ".depth" : ""))
-        .reads(ids.tileLists, ids.tileEntries, ids.projected)
-        .writes(ids.tilePixels)
-        .push(push)
+    if (ids.sceneDepth) plan.copy("tiles.scene", ids.scene, ids.tilePixels, push.firstScene * 4ull);  // a stage has four buffers: the scene lies behind the pixels
+    auto fill = plan.compute("tiles.fill", std::string(ids.shuffle ? "tiles.fill.shuffle" : "tiles.fill") + (ids.depth ? ".depth" : "") + (ids.sceneDepth ? ".scene" : ""));
+    fill.reads(ids.tileLists, ids.tileEntries, ids.projected);
+    if (ids.sceneDepth) fill.updates(ids.tilePixels);
+    else fill.writes(ids.tilePixels);
+    fill.push(push)
         .groupsFrom(ids.counts, offsetof(gpu::FrameCounts, fillGroupsX));
     plan.putPixels("tiles.put", ids.target, ids.tilePixels, push.firstDepth * 4ull);
 }

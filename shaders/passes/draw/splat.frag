@@ -1,9 +1,14 @@
 // α of one splat at one pixel, premultiplied; the depth target collects Σ α T z and Σ α T.
+// DPL_SCENE_DEPTH: nothing where the splat lies behind the app's scene. Samples of a pixel share its depth.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
 #include "shaders/lib/alpha.glsl"
 layout(push_constant) uniform PushBlock { DrawPush push; };
+
+#ifdef DPL_SCENE_DEPTH
+layout(std430, binding = 3) readonly buffer SceneBlock { float scene[]; };  // view z, infinite where there is nothing; behind the bindings of the vertex stage
+#endif
 
 layout(location = 0) flat in vec4 centreConic;
 layout(location = 1) flat in vec4 conicOpacity;
@@ -14,6 +19,10 @@ layout(location = 1) out vec4 depthSums;
 #endif
 
 void main() {
+#ifdef DPL_SCENE_DEPTH
+    uint x = uint(gl_FragCoord.x - conicOpacity.z * push.targetWidthPx), row = uint(conicOpacity.w) * uint(push.targetHeightPx) + uint(gl_FragCoord.y);
+    if (colourDepth.w > scene[row * uint(push.targetWidthPx) + x]) discard;
+#endif
     vec2 d = gl_FragCoord.xy - vec2(conicOpacity.z * push.targetWidthPx, 0.0) - centreConic.xy;
     float alpha = dplSplatAlpha(d, vec3(centreConic.zw, conicOpacity.x), conicOpacity.y);
     if (alpha == 0.0) discard;

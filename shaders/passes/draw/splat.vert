@@ -12,7 +12,7 @@ layout(std430, binding = 2) readonly buffer ProjectedBlock { ProjectedSplat proj
 layout(push_constant) uniform PushBlock { DrawPush push; };
 
 layout(location = 0) flat out vec4 centreConic;   // centre px, conic A and B
-layout(location = 1) flat out vec4 conicOpacity;  // conic C, opacity, view column, unused
+layout(location = 1) flat out vec4 conicOpacity;  // conic C, opacity, view column, view
 layout(location = 2) flat out vec4 colourDepth;   // rgb, view z
 
 void main() {
@@ -23,7 +23,7 @@ void main() {
     ProjectedSplat p = projected[splat * push.viewCount + view];
     float column = push.atlasColumns > 1u ? float(view) : 0.0;
     centreConic = p.place;
-    conicOpacity = vec4(uintBitsToFloat(p.look.x), dplOpacityOf(p), column, 0.0);
+    conicOpacity = vec4(uintBitsToFloat(p.look.x), dplOpacityOf(p), column, float(view));
     colourDepth = vec4(dplUnpackColour(p.look.z), uintBitsToFloat(p.look.w));
     vec2 size = vec2(push.targetWidthPx, push.targetHeightPx);
     vec2 low = clamp(p.place.xy - p.radiusPx, vec2(0.0), size), high = clamp(p.place.xy + p.radiusPx, vec2(0.0), size);

@@ -1,6 +1,7 @@
 // The pixels of each tile from its list, near first. A lane owns one column of a tile and stops when no pixel of it lets light through.
 // DPL_SHUFFLE: the eight lanes of a tile fetch together, a pair of them half a record each, and hand the words around: four records for the loads of
 // one. For devices whose subgroups hold whole tiles (DeviceInfo::shuffle); same bytes.
+// DPL_SCENE_DEPTH: a splat adds nothing to pixels where it lies behind the app's scene, whose depths come in the buffer of pixels.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #ifdef DPL_SHUFFLE
@@ -16,7 +17,12 @@ layout(local_size_x = 64) in;  // kTileGroup
 layout(std430, binding = 0) readonly buffer ListBlock { uint lists[]; };
 layout(std430, binding = 1) readonly buffer EntryBlock { uint entries[]; };
 layout(std430, binding = 2) readonly buffer ProjectedBlock { uvec4 projected[]; };  // ProjectedSplat: place, look, radius
-layout(std430, binding = 3) writeonly buffer PixelBlock { uint pixels[]; };  // zero before: a tile without entries is left alone
+#ifdef DPL_SCENE_DEPTH
+#define DPL_PIXEL_ACCESS
+#else
+#define DPL_PIXEL_ACCESS writeonly
+#endif
+layout(std430, binding = 3) DPL_PIXEL_ACCESS buffer PixelBlock { uint pixels[]; };  // zero before: a tile without entries is left alone
 layout(push_constant) uniform PushBlock { TilePush push; };
 
 void main() {
@@ -36,6 +42,11 @@ void main() {
             colour[k] = vec3(0.0);
             depth[k] = 0.0;
         }
+#ifdef DPL_SCENE_DEPTH
+        float scene[8];
+        for (uint k = 0u; k < 8u; ++k)
+            scene[k] = uintBitsToFloat(pixels[push.firstScene + (view * push.heightPx + min(y + k, push.heightPx - 1u)) * push.widthPx + min(x, push.widthPx - 1u)]);
+#endif
         float live = 1.0;
 #ifdef DPL_SHUFFLE
         uint lane = gl_LocalInvocationIndex % kTilePx, firstLane = gl_SubgroupInvocationID - lane;
@@ -58,6 +69,9 @@ void main() {
                 float opacity = live * uintBitsToFloat(seen.y), most = 0.0;  // what has stopped stays as it is
                 for (uint k = 0u; k < 8u; ++k) {
                     float weight = dplSplatAlpha(vec2(d.x, d.y + float(k)), conic, opacity) * through[k];
+#ifdef DPL_SCENE_DEPTH
+                    if (uintBitsToFloat(seen.w) > scene[k]) weight = 0.0;
+#endif
                     colour[k] += weight * rgb;
 #ifdef DPL_DEPTH
                     depth[k] += weight * uintBitsToFloat(seen.w);

@@ -255,6 +255,33 @@ TEST_F(ApiTest, depthOfTheMeshIsThereWhereTheSquareIs) {
     EXPECT_EQ(dplDestroyAvatar(general), DPL_OK);
 }
 
+TEST_F(ApiTest, theAppsSceneHidesWhatIsBehindIt) {
+    DplCamera camera = frontCamera();
+    std::vector<uint8_t> alone, behind, halves;
+    DplImage image = imageFor(camera, alone);
+    ASSERT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK);
+    std::vector<float> scene(4096, 0.0f);
+    for (size_t y = 0; y < 64; ++y) std::fill_n(scene.begin() + std::ptrdiff_t(y * 64), 32, 2.5f);  // a wall before the left half
+    scene[30 * 64 + 10] = kNan;
+    camera.sceneDepthM = scene.data(), camera.sceneDepthCount = scene.size();
+    image = imageFor(camera, behind);
+    ASSERT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK) << dplGetLastError();
+    for (size_t p = 0; p < 4096; ++p)
+        for (size_t c = 0; c < 4; ++c) ASSERT_EQ(behind[p * 4 + c], p % 64 < 32 && p != 30 * 64 + 10 ? 0 : alone[p * 4 + c]) << p;
+    ASSERT_EQ(dplDraw(context_, avatar_, &camera, 1, 0), DPL_OK) << dplGetLastError();
+    std::fill(scene.begin(), scene.end(), 0.1f);
+    image = imageFor(camera, halves);
+    ASSERT_EQ(dplReadImages(context_, avatar_, &image, 1), DPL_OK);
+    EXPECT_EQ(halves, behind) << "the scene is read by dplDraw";
+    camera.sceneDepthCount -= 1;
+    EXPECT_EQ(dplDraw(context_, avatar_, &camera, 1, 0), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(errorSays("4095 depths of the scene")) << dplGetLastError();
+    camera.structSize = 76;  // of version 0.1: what lies behind it is not ours
+    image = imageFor(camera, behind);
+    ASSERT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK) << dplGetLastError();
+    EXPECT_EQ(behind, alone);
+}
+
 TEST_F(ApiTest, imagesAreDrawnOverWhatTheyHoldInTheirOwnLight) {
     const DplCamera camera = frontCamera();
     std::vector<uint8_t> layer, display(4096 * 4), srgb(4096 * 4), linear(4096 * 8);

@@ -73,15 +73,18 @@ uint64_t waits(DplAvatar avatar) {
 }
 
 /** Allocations of `frames` frames with new poses and views, three at a time as an app has them in flight. */
-uint64_t playFrames(DplContext context, DplAvatar avatar, int frames, uint32_t viewCount, uint32_t flags) {
+uint64_t playFrames(DplContext context, DplAvatar avatar, int frames, uint32_t viewCount, uint32_t flags, bool scene = false) {
     const uint64_t before = allocations;
     std::vector<uint8_t> pixels[2] = {std::vector<uint8_t>(120 * 96 * 4), std::vector<uint8_t>(120 * 96 * 4)};
     DplImage images[2];
     for (int v = 0; v < 2; ++v) images[v] = {sizeof(DplImage), 0, pixels[v].data(), pixels[v].size(), 0, nullptr, 0};
     for (int frame = 0; frame < frames; ++frame) {
         const float t = float(frame) / float(frames), half = 0.4f * t;
-        const DplCamera cameras[2] = {cameraAt(t, -0.03f, frame % 2), cameraAt(t, 0.03f, frame % 2)};
+        DplCamera cameras[2] = {cameraAt(t, -0.03f, frame % 2), cameraAt(t, 0.03f, frame % 2)};
         const float rotations[8] = {0, 0, 0, 1, std::sin(half), 0, 0, std::cos(half)}, root[3] = {0, 0.1f * t, 0};
+        const std::vector<float> sceneDepthM(120 * 96, scene ? 1.6f + 0.1f * t : 0.0f);
+        for (DplCamera& camera : cameras)
+            if (scene) camera.sceneDepthM = sceneDepthM.data(), camera.sceneDepthCount = sceneDepthM.size();
         counting = true;
         const DplResult posed = frame % 2 ? dplSetPose(avatar, rotations, 2, root) : dplSetPoseFromClip(avatar, 0, t, DPL_TRUE);
         const DplResult drawn = dplDraw(context, avatar, cameras, viewCount, flags);
@@ -108,6 +111,10 @@ void expectWarmFramesAreFree(DplRenderer renderer, DplFill fill = DPL_FILL_AUTO)
             EXPECT_EQ(playFrames(context, avatar, 18, viewCount, flags), 0u) << viewCount << " views, flags " << flags;
             EXPECT_EQ(waits(avatar), waited) << viewCount << " views, flags " << flags;
         }
+        playFrames(context, avatar, 9, viewCount, 0, true);
+        const uint64_t waited = waits(avatar);
+        EXPECT_EQ(playFrames(context, avatar, 18, viewCount, 0, true), 0u) << viewCount << " views behind a scene";
+        EXPECT_EQ(waits(avatar), waited) << viewCount << " views behind a scene";
     }
     EXPECT_EQ(dplDestroyAvatar(avatar), DPL_OK);
     EXPECT_EQ(dplDestroyContext(context), DPL_OK);

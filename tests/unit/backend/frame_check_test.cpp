@@ -130,6 +130,38 @@ TEST(FrameCheck, putPixelsFillTheTargetAndTheNextDrawKeepsThem) {
     { PutAndDraw p; p.put.target = TargetId{77}; p.expectRefused("target that does not exist"); }
 }
 
+TEST(FrameCheck, aFragmentShadersBuffersFollowThoseOfItsVertexShader) {
+    PutAndDraw p;
+    p.draw.pipeline = *p.backend->drawPipeline({"draw.vert.multiview", "draw.frag.depth.scene", 2, true, true, false});
+    EXPECT_NE(p.draw.pipeline, *p.backend->drawPipeline({"draw.vert.multiview", "draw.frag.depth", 2, true, true, false}));
+    p.expectRefused("binds 3 buffers");
+    const BufferId scene = *p.backend->createBuffer({"scene", 256, BufferMemory::Upload});
+    p.draw.bindings.push_back({scene, Access::Write});
+    p.expectRefused("another access");
+    p.draw.bindings[3].access = Access::Read;
+    const Status status = p.create();
+    EXPECT_TRUE(status) << status.error().message;
+    p.draw.pipeline = *p.backend->drawPipeline({"draw.vert.multiview", "draw.frag.depth", 2, true, true, false});
+    p.expectRefused("binds 4 buffers");
+}
+
+TEST(FrameCheck, anUploadBufferIsCopiedWholeIntoADeviceBufferThatHoldsIt) {
+    OneStep s;
+    const BufferId upload = *s.backend->createBuffer({"upload", 32, BufferMemory::Upload}), back = *s.backend->createBuffer({"back", 32, BufferMemory::Readback});
+    const auto copied = [&](const CopyStep& copy) {
+        auto frame = s.backend->createFrame({copy, FillStep{"fill", s.counts, 0}, s.step});  // s.step reads what the copy has written
+        return frame ? Status() : Status(frame.error());
+    };
+    const Status status = copied({"copy", upload, s.sums, 32});
+    EXPECT_TRUE(status) << status.error().message;
+    EXPECT_FALSE(copied({"copy", upload, s.sums, 36})) << "beyond its end";
+    EXPECT_FALSE(copied({"copy", upload, s.sums, 2}));
+    EXPECT_FALSE(copied({"copy", upload, s.sums, ~0ull - 3}));
+    EXPECT_FALSE(copied({"copy", upload, BufferId{99}}));
+    EXPECT_FALSE(copied({"copy", back, s.sums})) << "not from read-back memory";
+    EXPECT_FALSE(copied({"copy", s.counts, s.sums})) << "not between Device buffers";
+}
+
 TEST(FrameCheck, aFrameDoesNotOutliveItsBuffers) {
     OneStep s;
     auto frame = s.create();

@@ -69,6 +69,34 @@ TEST(FramePlan, depthOfTheMeshFollowsSkinningAndCostsOtherFramesNothing) {
     }
 }
 
+TEST(FramePlan, aSceneIsUploadedWithoutAWaitAndCostsOtherFramesNothing) {
+    for (const Fill fill : {Fill::Quads, Fill::Tiles}) {
+        NullSetup gpu;
+        gpu.renderer->setFill(fill);
+        auto id = gpu.renderer->addAvatar(tube());
+        ASSERT_TRUE(id) << id.error().message;
+        ASSERT_TRUE(gpu.draw(*id));
+        const std::vector<std::string> without = gpu.record->lastLabels;
+        const Cameraf camera = tubeCamera(32, 16, 0);
+        const std::vector<float> scene(32 * 16, 2.0f);
+        FrameWants wants;
+        wants.sceneDepthM[0] = scene;
+        const auto draw = [&] { return gpu.renderer->draw(*id, tubePose(0), {&camera, 1}, wants); };
+        const Status status = draw();
+        ASSERT_TRUE(status) << status.error().message;
+        std::vector<std::string> with = gpu.record->lastLabels;
+        EXPECT_EQ(std::erase(with, "tiles.scene"), fill == Fill::Tiles ? 1u : 0u);
+        EXPECT_EQ(with, without);
+        const uint64_t created = gpu.record->createdObjects;
+        for (int i = 0; i < 5; ++i) ASSERT_TRUE(draw());
+        ASSERT_TRUE(gpu.draw(*id));
+        EXPECT_EQ(gpu.record->createdObjects, created) << "a warm frame creates nothing";
+        EXPECT_EQ(gpu.record->lastLabels, without);
+        gpu.renderer->removeAvatar(*id);
+        EXPECT_EQ(gpu.record->liveBuffers + gpu.record->liveTargets + gpu.record->liveFrames, 0u);
+    }
+}
+
 TEST(FramePlan, tilesRunBetweenSortAndDraw) {
     NullSetup gpu;
     gpu.renderer->setFill(Fill::Tiles);
