@@ -10,6 +10,7 @@ using namespace dpl::api;
 
 namespace {
 
+static_assert(DPL_MAX_TOGETHER == kMaxDrawnTogether);
 constexpr float kMaxIntrinsicPx = 1e7f;   // far beyond any lens; keeps products finite
 constexpr float kMaxDistanceM = 1e5f;
 constexpr float kRotationTolerance = 1e-3f;
@@ -77,20 +78,25 @@ Result<T> element(const T* array, size_t i, const char* what, size_t smallest = 
     return value;
 }
 
-/** Context and avatar of a drawing call, checked; the context is locked while it lives. */
+/** Context and avatars of a drawing call, checked; the context is locked while it lives. */
 struct Scene {
     std::shared_ptr<Context> context;
-    std::shared_ptr<Avatar> avatar;
+    std::shared_ptr<Avatar> avatars[DPL_MAX_TOGETHER];
+    size_t count = 0;
+    Avatar& first() const { return *avatars[0]; }
     std::unique_lock<std::mutex> lock;
     std::span<const float> sceneDepthM[DPL_MAX_VIEWS];
 };
 
-Result<Scene> sceneOf(DplContext context, DplAvatar avatar, uint32_t viewCount) {
+Result<Scene> sceneOf(DplContext context, std::span<const DplAvatar> handles, uint32_t viewCount) {
     if (viewCount == 0 || viewCount > DPL_MAX_VIEWS) return fail(Code::InvalidArgument, "{} views; 1 to {} are drawn at once", viewCount, DPL_MAX_VIEWS);
     Scene s;
     DPL_TRY(s.context, contextOf(context));
-    DPL_TRY(s.avatar, avatarOf(avatar));
-    if (s.avatar->context != s.context) return fail(Code::InvalidArgument, "the avatar was loaded with another context");
+    for (DplAvatar handle : handles) {
+        DPL_TRY(s.avatars[s.count], avatarOf(handle));
+        if (s.avatars[s.count]->context != s.context) return fail(Code::InvalidArgument, "the avatar was loaded with another context");
+        ++s.count;
+    }
     s.lock = std::unique_lock(s.context->mutex);
     if (!s.context->renderer) return fail(Code::InvalidArgument, "the context was destroyed");
     return s;
@@ -127,52 +133,78 @@ Status takeImages(const DplImage* images, uint32_t viewCount, size_t widthPx, si
 
 Status drawTaken(Scene& s, FrameWants wants) {
     std::copy(std::begin(s.sceneDepthM), std::end(s.sceneDepthM), wants.sceneDepthM);
-    Avatar& a = *s.avatar;
+    Avatar& a = s.first();
     const std::vector<Cameraf>& cameras = s.context->cameras;
     a.drawnViews = 0;
-    DPL_CHECK_OK(s.context->renderer->draw(a.renderId, a.pose, cameras, wants));
+    Drawn what[DPL_MAX_TOGETHER];
+    for (size_t i = 0; i < s.count; ++i) what[i] = {s.avatars[i]->renderId, &s.avatars[i]->pose};
+    DPL_CHECK_OK(s.context->renderer->drawTogether({what, s.count}, cameras, wants));
     a.drawnViews = uint32_t(cameras.size()), a.drawnWidthPx = cameras[0].widthPx, a.drawnHeightPx = cameras[0].heightPx;
     a.drawnDepth = wants.depth, a.drawnMeshDepth = wants.meshDepth;
     return {};
 }
 
 Status readInto(Scene& s, const DplImage* targets) {
-    DPL_TRY(const std::span<const PixelView> pixels, s.context->renderer->read(s.avatar->renderId));
+    DPL_TRY(const std::span<const PixelView> pixels, s.context->renderer->read(s.first().renderId));
     for (size_t v = 0; v < pixels.size(); ++v) copyOut(pixels[v], targets[v]);
     return {};
+}
+
+Status render(DplContext context, std::span<const DplAvatar> avatars, const DplCamera* views, uint32_t viewCount, const DplImage* images) {
+    DPL_TRY(Scene scene, sceneOf(context, avatars, viewCount));
+    DPL_CHECK_OK(takeViews(scene, views, viewCount));
+    DplImage targets[DPL_MAX_VIEWS];
+    FrameWants wants;
+    const Cameraf& first = scene.context->cameras[0];
+    DPL_CHECK_OK(takeImages(images, viewCount, first.widthPx, first.heightPx, targets, wants));
+    DPL_CHECK_OK(drawTaken(scene, wants));
+    return readInto(scene, targets);
+}
+
+Status draw(DplContext context, std::span<const DplAvatar> avatars, const DplCamera* views, uint32_t viewCount, uint32_t flags) {
+    if (flags & ~uint32_t(DPL_DRAW_DEPTH | DPL_DRAW_MESH_DEPTH)) return fail(Code::InvalidArgument, "unknown flags {}", flags);
+    DPL_TRY(Scene scene, sceneOf(context, avatars, viewCount));
+    DPL_CHECK_OK(takeViews(scene, views, viewCount));
+    FrameWants wants;
+    wants.depth = (flags & DPL_DRAW_DEPTH) != 0;
+    wants.meshDepth = (flags & DPL_DRAW_MESH_DEPTH) != 0;
+    return drawTaken(scene, wants);
+}
+
+Result<std::span<const DplAvatar>> together(const DplAvatar* avatars, uint32_t count) {
+    if (avatars == nullptr) return fail(Code::InvalidArgument, "avatars is NULL");
+    if (count == 0 || count > DPL_MAX_TOGETHER) return fail(Code::InvalidArgument, "{} avatars; 1 to {} are drawn together", count, DPL_MAX_TOGETHER);
+    return std::span<const DplAvatar>(avatars, count);
 }
 
 }  // namespace
 
 extern "C" DplResult dplRender(DplContext context, DplAvatar avatar, const DplCamera* views, uint32_t viewCount, const DplImage* images) {
-    return guarded("dplRender", [&]() -> Status {
-        DPL_TRY(Scene scene, sceneOf(context, avatar, viewCount));
-        DPL_CHECK_OK(takeViews(scene, views, viewCount));
-        DplImage targets[DPL_MAX_VIEWS];
-        FrameWants wants;
-        const Cameraf& first = scene.context->cameras[0];
-        DPL_CHECK_OK(takeImages(images, viewCount, first.widthPx, first.heightPx, targets, wants));
-        DPL_CHECK_OK(drawTaken(scene, wants));
-        return readInto(scene, targets);
-    });
+    return guarded("dplRender", [&] { return render(context, {&avatar, 1}, views, viewCount, images); });
 }
 
 extern "C" DplResult dplDraw(DplContext context, DplAvatar avatar, const DplCamera* views, uint32_t viewCount, uint32_t flags) {
-    return guarded("dplDraw", [&]() -> Status {
-        if (flags & ~uint32_t(DPL_DRAW_DEPTH | DPL_DRAW_MESH_DEPTH)) return fail(Code::InvalidArgument, "unknown flags {}", flags);
-        DPL_TRY(Scene scene, sceneOf(context, avatar, viewCount));
-        DPL_CHECK_OK(takeViews(scene, views, viewCount));
-        FrameWants wants;
-        wants.depth = (flags & DPL_DRAW_DEPTH) != 0;
-        wants.meshDepth = (flags & DPL_DRAW_MESH_DEPTH) != 0;
-        return drawTaken(scene, wants);
+    return guarded("dplDraw", [&] { return draw(context, {&avatar, 1}, views, viewCount, flags); });
+}
+
+extern "C" DplResult dplRenderTogether(DplContext context, const DplAvatar* avatars, uint32_t avatarCount, const DplCamera* views, uint32_t viewCount, const DplImage* images) {
+    return guarded("dplRenderTogether", [&]() -> Status {
+        DPL_TRY(const auto row, together(avatars, avatarCount));
+        return render(context, row, views, viewCount, images);
+    });
+}
+
+extern "C" DplResult dplDrawTogether(DplContext context, const DplAvatar* avatars, uint32_t avatarCount, const DplCamera* views, uint32_t viewCount, uint32_t flags) {
+    return guarded("dplDrawTogether", [&]() -> Status {
+        DPL_TRY(const auto row, together(avatars, avatarCount));
+        return draw(context, row, views, viewCount, flags);
     });
 }
 
 extern "C" DplResult dplReadImages(DplContext context, DplAvatar avatar, const DplImage* images, uint32_t viewCount) {
     return guarded("dplReadImages", [&]() -> Status {
-        DPL_TRY(Scene scene, sceneOf(context, avatar, viewCount));
-        const Avatar& a = *scene.avatar;
+        DPL_TRY(Scene scene, sceneOf(context, {&avatar, 1}, viewCount));
+        const Avatar& a = scene.first();
         if (a.drawnViews == 0) return fail(Code::InvalidArgument, "nothing was drawn yet; call dplDraw first");
         if (a.drawnViews != viewCount) return fail(Code::InvalidArgument, "{} images of a frame with {} views", viewCount, a.drawnViews);
         DplImage targets[DPL_MAX_VIEWS];

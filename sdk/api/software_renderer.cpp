@@ -106,41 +106,45 @@ public:
         return keep(std::move(drawable));
     }
 
-    void removeAvatar(RenderAvatarId avatar) override { drawables_.erase(avatar); }
+    void removeAvatar(RenderAvatarId avatar) override {
+        together_.clear();
+        drawables_.erase(avatar);
+    }
 
-    Status draw(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, const FrameWants& wants) override {
-        const auto found = drawables_.find(avatar);
-        if (found == drawables_.end()) return fail(Code::InvalidArgument, "there is no avatar {} in this renderer", avatar);
-        Drawable& d = *found->second;
+    Status drawTogether(std::span<const Drawn> what, std::span<const Cameraf> views, const FrameWants& wants) override {
+        if (what.empty() || what.size() > kMaxDrawnTogether) return fail(Code::InvalidArgument, "{} avatars; 1 to {} are drawn together", what.size(), kMaxDrawnTogether);
         DPL_CHECK_OK(checkScene(wants, views));
-        if (wants.meshDepth && !d.avatar) return fail(Code::InvalidArgument, "general splats have no mesh and no depth of one");
-        if (d.avatar && (!d.posed || !samePose(d.pose, pose))) {
-            DPL_CHECK_OK(checkPose(d.avatar->joints, pose));
-            d.posed = false;
-            d.pose.localRotations = pose.localRotations;
-            d.pose.rootTranslation = pose.rootTranslation;
-            d.mesh.pose({d.avatar->joints, d.avatar->mesh, d.avatar->correctives, {}}, pose, jobs_);
-            d.posed = true;
+        together_.clear();
+        bool mesh = false;
+        uint32_t samples = 1;
+        for (const Drawn& one : what) {
+            const auto found = drawables_.find(one.avatar);
+            if (found == drawables_.end()) return fail(Code::InvalidArgument, "there is no avatar {} in this renderer", one.avatar);
+            Drawable& d = *found->second;
+            if (std::find(together_.begin(), together_.end(), &d) != together_.end()) return fail(Code::InvalidArgument, "avatar {} is named twice; it has one pose", one.avatar);
+            together_.push_back(&d);
+            if (!d.avatar) continue;
+            DPL_CHECK_OK(setPose(d, *one.pose));
+            mesh = true;
+            samples = std::max(samples, coverageSamples(d.trainedPixelM, rootPosition(d.avatar->joints, d.pose), views));
         }
-        if (d.pictures.size() < views.size()) d.pictures.resize(views.size());
-        d.pixels.resize(views.size());
-        d.stats.views = uint32_t(views.size()), d.stats.splatsDrawn = 0, d.stats.bytesDecided = 0, d.stats.bytesDecoded = 0;
-        const uint32_t samples = d.avatar ? coverageSamples(d.trainedPixelM, rootPosition(d.avatar->joints, d.pose), views) : 1;
+        if (wants.meshDepth && !mesh) return fail(Code::InvalidArgument, "general splats have no mesh and no depth of one");
+        Drawable& first = *together_[0];
+        if (first.pictures.size() < views.size()) first.pictures.resize(views.size());
+        first.pixels.resize(views.size());
+        FrameStats& stats = first.stats;
+        stats.views = uint32_t(views.size()), stats.splatsDrawn = 0, stats.bytesDecided = 0, stats.bytesDecoded = 0;
         for (size_t v = 0; v < views.size(); ++v) {
-            RenderedView& picture = d.pictures[v];
-            if (d.avatar) engine_.project(d.splats, d.mesh.frames(), views[v], d.kappaPx2, d.compensated, samples);
-            else engine_.project(d.general, {}, views[v], d.kappaPx2, d.compensated);
-            if (d.avatar) d.stats.bytesDecided += engine_.decidedBytes(), d.stats.bytesDecoded += engine_.decodedBytes();
+            RenderedView& picture = first.pictures[v];
+            for (const Drawable* d : together_) project(*d, views[v], samples, d != together_[0]);
+            stats.bytesDecided += engine_.decidedBytes(), stats.bytesDecoded += engine_.decodedBytes();
             engine_.bin();
             const std::span<const float> scene = v < std::size(wants.sceneDepthM) ? wants.sceneDepthM[v] : std::span<const float>();
             engine_.blendRgba8(picture.rgba, wants.depth ? &picture.depthM : nullptr, scene);
-            d.pixels[v] = {views[v].widthPx, views[v].heightPx, picture.rgba, {}, {}};
-            if (wants.depth) d.pixels[v].depthM = picture.depthM;
-            if (wants.meshDepth) {
-                meshDepth_.draw(jobs_, d.mesh.positions(), d.avatar->mesh.triangles, views[v], picture.meshDepthM);
-                d.pixels[v].meshDepthM = picture.meshDepthM;
-            }
-            d.stats.splatsDrawn = std::max(d.stats.splatsDrawn, engine_.visibleCount());
+            first.pixels[v] = {views[v].widthPx, views[v].heightPx, picture.rgba, {}, {}};
+            if (wants.depth) first.pixels[v].depthM = picture.depthM;
+            if (wants.meshDepth) first.pixels[v].meshDepthM = drawMeshes(views[v], picture.meshDepthM);
+            stats.splatsDrawn = std::max(stats.splatsDrawn, engine_.visibleCount());
         }
         return {};
     }
@@ -159,12 +163,43 @@ public:
         const Drawable& shown = *found->second;
         stats.splatBytes = shown.general.bytes() + shown.splats.bytes();
         stats.avatarBytes = stats.splatBytes + (shown.avatar ? posingBytes(*shown.avatar) : 0);
-        stats.residentBytes = engine_.bufferBytes() + meshDepth_.bytes();
+        stats.residentBytes = engine_.bufferBytes() + meshDepth_.bytes() + anotherDepthM_.capacity() * sizeof(float);
         for (const auto& [id, drawable] : drawables_) stats.residentBytes += drawable->bytes();
         return stats;
     }
 
 private:
+    Status setPose(Drawable& d, const Pose& pose) {
+        if (d.posed && samePose(d.pose, pose)) return {};
+        DPL_CHECK_OK(checkPose(d.avatar->joints, pose));
+        d.posed = false;
+        d.pose.localRotations = pose.localRotations;
+        d.pose.rootTranslation = pose.rootTranslation;
+        d.mesh.pose({d.avatar->joints, d.avatar->mesh, d.avatar->correctives, {}}, pose, jobs_);
+        d.posed = true;
+        return {};
+    }
+
+    void project(const Drawable& d, const Cameraf& view, uint32_t samples, bool behind) {
+        if (d.avatar && behind) engine_.add(d.splats, d.mesh.frames(), view, d.kappaPx2, d.compensated, samples);
+        else if (d.avatar) engine_.project(d.splats, d.mesh.frames(), view, d.kappaPx2, d.compensated, samples);
+        else if (behind) engine_.add(d.general, {}, view, d.kappaPx2, d.compensated, samples);
+        else engine_.project(d.general, {}, view, d.kappaPx2, d.compensated, samples);
+    }
+
+    /** The nearest of the meshes that are drawn together. */
+    std::span<const float> drawMeshes(const Cameraf& view, std::vector<float>& depthM) {
+        bool first = true;
+        for (const Drawable* d : together_) {
+            if (!d->avatar) continue;
+            meshDepth_.draw(jobs_, d->mesh.positions(), d->avatar->mesh.triangles, view, first ? depthM : anotherDepthM_);
+            for (size_t i = 0; i < depthM.size() && !first; ++i)
+                if (const float z = anotherDepthM_[i]; z > 0 && (depthM[i] == 0 || z < depthM[i])) depthM[i] = z;
+            first = false;
+        }
+        return depthM;
+    }
+
     RenderAvatarId keep(std::unique_ptr<Drawable> drawable) {
         drawables_.emplace(nextId_, std::move(drawable));
         return nextId_++;
@@ -173,6 +208,8 @@ private:
     Jobs jobs_;
     SplatEngine engine_;
     MeshDepth meshDepth_;
+    std::vector<float> anotherDepthM_;
+    std::vector<Drawable*> together_;  // of the last draw
     std::map<RenderAvatarId, std::unique_ptr<Drawable>> drawables_;
     RenderAvatarId nextId_ = 1;
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <limits>
 
 #include <glm/gtc/packing.hpp>
 
@@ -207,7 +208,10 @@ gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views,
     }
     if (glm::length(axis) < 1e-6) axis = first;  // views that look away from each other have no mean axis
     axis = glm::normalize(axis);
-    f.sortAxis = {float(axis.x), float(axis.y), float(axis.z), 0};
+    // Nothing is seen that lies behind the eyes along their axis. On a grid of a millimetre, so that two eyes side by side agree with one.
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Cameraf& c : views) nearest = std::min(nearest, glm::dot(axis, Vec3d(c.eye())));
+    f.sortAxis = {float(axis.x), float(axis.y), float(axis.z), float(std::floor(nearest * 1024) / 1024)};
     f.target = {float(views[0].widthPx), float(views[0].heightPx), splats.kappaPx2 / float(samples), 0};
     f.counts = {splats.count, uint32_t(views.size()), splats.shDegree, splats.compensated ? 1u : 0u};
     return f;

@@ -7,15 +7,26 @@
 
 namespace dpl {
 
-struct FrameIds {
-    // sizes
-    uint32_t vertexCount = 0, triangleCount = 0, splatCount = 0, shDegree = 0, viewCount = 1;
-    uint32_t widthPx = 0, heightPx = 0;   // of one view
+/** One avatar, or one set of general splats, of a frame. */
+struct SubjectIds {
+    uint32_t vertexCount = 0, triangleCount = 0, splatCount = 0, shDegree = 0;
     uint32_t jointCount = 0;
     uint32_t groupCount = 0, filledGroups = 0;  // half-chunks; those with any splats
-    gpu::CodesPush codes{};               // where its streams begin; views and groups are filled in per frame
+    uint32_t drawn = 0, firstGroup = 0, firstSplat = 0;  // its number, and what lies before its own in the lists of the frame
+    gpu::CodesPush codes{};               // where its streams begin; what belongs to the frame is filled in there
     bool corrected = false;               // pose correctives: other vertex records, control nodes behind the joints in the palette
     bool general = false;                 // general splats: no vertices, no triangles; `splats` holds GeneralSplatRecord
+    BufferId frame, palette;              // written by the CPU before each frame
+    BufferId vertices, triangles, splats, sh;  // ... at load
+    BufferId posed, triangleFrames;       // made by the GPU in each frame
+};
+
+/** A frame; as a subject: all of them together, or the one whose passes are added. */
+struct FrameIds : SubjectIds {
+    uint32_t viewCount = 1;
+    uint32_t widthPx = 0, heightPx = 0;   // of one view
+    uint32_t allGroups = 0;               // half-chunks of all subjects
+    std::vector<uint32_t> endGroups;      // where those of each end
     bool layered = true, depth = false, halfColour = false;
     bool cull = true;                     // triangles out of view or turned away
     bool floatKeys = false;               // depths are sorted as 32-bit floats
@@ -23,25 +34,29 @@ struct FrameIds {
     bool sceneDepth = false;              // splats behind the app's scene are hidden
     uint32_t samples = 1;                 // a pixel (sdk/math/coverage.h)
 
-    // written by the CPU: at load, or (frame, palette, scene) before each frame
-    BufferId scene;                                // view z of the app's scene, infinite where there is nothing; views, rows, columns
-    BufferId frame, palette, vertices, triangles, splats, sh;
+    BufferId scene;                                // view z of the app's scene, infinite where there is nothing; views, rows, columns; written by the CPU before each frame
     // made by the GPU in each frame
     BufferId tileLists, tileEntries, tilePixels;   // none: quads alone
     BufferId meshDepth;                            // none: not wanted
-    BufferId posed, triangleFrames, projected, visibility, counts, pairs, pairsSwap, histogram;
+    BufferId projected, visibility, counts, pairs, pairsSwap, histogram;
     TargetId target;
     // read by the CPU, made by the first read-back
     BufferId colourPixels, depthPixels, meshDepthPixels;
 
+    /** The same frame, for the passes of one subject. */
+    FrameIds of(const SubjectIds& subject) const {
+        FrameIds ids = *this;
+        static_cast<SubjectIds&>(ids) = subject;
+        return ids;
+    }
     uint32_t sortRounds() const { return floatKeys ? gpu::kFloatSortRounds : general ? gpu::kGeneralSortRounds : gpu::kSortRounds; }
     uint32_t maxDepthKey() const { return floatKeys ? gpu::kFloatDepthKeys : (1u << (sortRounds() * gpu::kSortDigitBits)) - 1; }
-    uint32_t firstSum() const { return 7 * groupCount; }        // in the visibility buffer, as lib/visibility.glsl has it
-    uint32_t firstDepth() const { return 8 * groupCount + 1; }
+    uint32_t firstSum() const { return 7 * allGroups; }        // in the visibility buffer, as lib/visibility.glsl has it
+    uint32_t firstDepth() const { return 8 * allGroups + 1; }
     BufferId unsorted() const { return sortRounds() % 2 ? pairsSwap : pairs; }  // from here the rounds end in `pairs`
     gpu::CodesPush codesPush() const {
         gpu::CodesPush push = codes;
-        push.groupCount = groupCount;
+        push.groupCount = groupCount, push.allGroups = allGroups, push.firstGroup = firstGroup, push.firstSplat = firstSplat;
         return push;
     }
     /** The kernel built for this many views; and for this SH degree. */

@@ -24,8 +24,11 @@
 namespace dpl {
 namespace {
 
+static_assert(kMaxDrawnTogether == gpu::kMaxDrawn);
+
 constexpr float kSharedOrderRad = 0.035f;  // two views whose axes are further apart than 2 degrees are sorted each for itself (ADR 0002)
 constexpr std::array<std::byte, 4> kZero{};
+constexpr size_t kRowsKept = 4;    // of avatars that are drawn together; a room keeps one until somebody comes or goes
 constexpr size_t kFramesKept = 4;  // recorded frame shapes an avatar keeps; an app uses one or two at two sample counts, a resize leaves others behind
 
 Status checkViews(std::span<const Cameraf> views) {
@@ -53,7 +56,8 @@ GpuRenderer::GpuRenderer(std::unique_ptr<Backend> backend, std::string name, con
     : backend_(std::move(backend)), name_(std::move(name)), options_(options) {}
 
 GpuRenderer::~GpuRenderer() {
-    for (auto& [id, avatar] : avatars_) freeAvatar(avatar);
+    for (auto& [number, row] : rows_) freeRow(row);
+    for (auto& [id, avatar] : avatars_) freeBuffers(avatar.owned);
 }
 
 Result<BufferId> GpuRenderer::makeBuffer(std::vector<BufferId>& owned, std::string label, uint64_t bytes, BufferMemory memory) {
@@ -93,17 +97,25 @@ Result<RenderAvatarId> GpuRenderer::addSplats(const StaticSplatData& splats) {
 }
 
 Result<RenderAvatarId> GpuRenderer::keep(LoadedAvatar avatar, const Status& loaded) {
-    if (!loaded) {
-        freeAvatar(avatar);
-        return loaded.error();
+    Status made = loaded;
+    const RenderAvatarId id = ++lastId_;
+    Row row;
+    row.members = {id}, row.subjects = {avatar.ids};
+    if (made) made = makeWorkBuffers(row);
+    if (!made) {
+        freeRow(row);
+        freeBuffers(avatar.owned);
+        return made.error();
     }
-    avatars_.emplace(++lastId_, std::move(avatar));
-    return lastId_;
+    avatars_.emplace(id, std::move(avatar));
+    row.number = id;
+    rows_.emplace(id, std::move(row));
+    return id;
 }
 
 Status GpuRenderer::loadSplats(LoadedAvatar& a, const StaticSplatData& splats) {
     a.splats = splatSetOf(splats);
-    FrameIds& ids = a.ids;
+    SubjectIds& ids = a.ids;
     ids.general = true;
     ids.splatCount = splats.count();
     ids.shDegree = splats.shDegree;
@@ -113,14 +125,14 @@ Status GpuRenderer::loadSplats(LoadedAvatar& a, const StaticSplatData& splats) {
     a.avatarBytes = a.splatBytes = records.size() * sizeof(gpu::GeneralSplatRecord) + sh.size() * sizeof(gpu::uvec4);
     DPL_TRY(ids.splats, uploadBuffer<gpu::GeneralSplatRecord>(a.owned, "splats", records));
     DPL_TRY(ids.sh, uploadBuffer<gpu::uvec4>(a.owned, "sh", sh));
-    return makeWorkBuffers(a);
+    return {};
 }
 
 Status GpuRenderer::loadAvatar(LoadedAvatar& a, const CodedSplats& splats) {
     const AvatarData& data = *a.data;
     a.splats = splatSetOf(data, splats);
     const AvatarRecords records = packAvatar(data, splats);
-    FrameIds& ids = a.ids;
+    SubjectIds& ids = a.ids;
     ids.vertexCount = uint32_t(data.mesh.restPositions.size());
     ids.jointCount = uint32_t(data.joints.size());
     ids.corrected = !data.correctives.empty();
@@ -142,25 +154,38 @@ Status GpuRenderer::loadAvatar(LoadedAvatar& a, const CodedSplats& splats) {
     DPL_TRY(ids.splats, uploadBuffer<uint32_t>(a.owned, "splats", records.codes));
     DPL_TRY(ids.posed, makeBuffer(a.owned, "posed", ids.vertexCount * 16ull));
     DPL_TRY(ids.triangleFrames, makeBuffer(a.owned, "triangle frames", ids.triangleCount * uint64_t(sizeof(gpu::TriangleFrame))));
-    return makeWorkBuffers(a);
+    return {};
 }
 
-/** What a frame of any splats needs, whatever its size. */
-Status GpuRenderer::makeWorkBuffers(LoadedAvatar& a) {
-    FrameIds& ids = a.ids;
+/** Where each member's splats lie in the lists of a frame, and these lists, whatever its size. */
+Status GpuRenderer::makeWorkBuffers(Row& row) {
+    FrameIds& ids = row.ids;
     ids.layered = backend_->info().multiview;
-    const uint64_t splats = ids.splatCount;
-    DPL_TRY(ids.visibility, makeBuffer(a.owned, "visibility", (ids.firstDepth() + splats) * 4));
-    DPL_TRY(ids.counts, makeBuffer(a.owned, "counts", sizeof(gpu::FrameCounts)));
-    DPL_TRY(ids.pairs, makeBuffer(a.owned, "pairs", splats * 8));
-    DPL_TRY(ids.pairsSwap, makeBuffer(a.owned, "pairs swap", splats * 8));
-    DPL_TRY(ids.histogram, makeBuffer(a.owned, "histogram", ids.histogramWords() * 4));
+    uint64_t splats = 0;
+    for (SubjectIds& subject : row.subjects) {
+        subject.drawn = uint32_t(ids.endGroups.size()), subject.firstGroup = ids.allGroups, subject.firstSplat = uint32_t(splats);
+        splats += subject.splatCount;
+        if (splats * sizeof(gpu::ProjectedSplat) * gpu::kMaxViews > backend_->info().maxBindingBytes)
+            return fail(Code::Unsupported, "{} avatars together have more splats than {} draws at once ({}); draw fewer together", row.subjects.size(), backend_->info().name,
+                        backend_->info().maxBindingBytes / (sizeof(gpu::ProjectedSplat) * gpu::kMaxViews));
+        ids.allGroups += subject.groupCount;
+        ids.endGroups.push_back(ids.allGroups);
+        ids.filledGroups += subject.filledGroups;
+        ids.general |= subject.general;
+        ids.vertexCount += subject.vertexCount;
+    }
+    ids.splatCount = uint32_t(splats);
+    DPL_TRY(ids.visibility, makeBuffer(row.owned, "visibility", (ids.firstDepth() + splats) * 4));
+    DPL_TRY(ids.counts, makeBuffer(row.owned, "counts", sizeof(gpu::FrameCounts)));
+    DPL_TRY(ids.pairs, makeBuffer(row.owned, "pairs", splats * 8));
+    DPL_TRY(ids.pairsSwap, makeBuffer(row.owned, "pairs swap", splats * 8));
+    DPL_TRY(ids.histogram, makeBuffer(row.owned, "histogram", ids.histogramWords() * 4));
     DPL_CHECK_OK(backend_->write(ids.histogram, 0, kZero));  // each round clears its own part; this is for the check of reads
     return {};
 }
 
-Status GpuRenderer::build(const LoadedAvatar& a, ShapedFrame& f) {
-    f.ids = a.ids;
+Status GpuRenderer::build(const Row& row, ShapedFrame& f) {
+    f.ids = row.ids;
     FrameIds& ids = f.ids;
     ids.viewCount = f.shape.views;
     ids.widthPx = f.shape.widthPx;
@@ -174,7 +199,8 @@ Status GpuRenderer::build(const LoadedAvatar& a, ShapedFrame& f) {
     ids.samples = f.shape.samples;
     DPL_TRY(ids.target, backend_->createTarget({ids.widthPx, ids.heightPx, ids.viewCount, ids.depth, ids.layered, ids.halfColour, ids.samples}));
     // Whoever walks away from this avatar should not wait for a shader compiler: its other pipeline is made now, its other target when it is needed.
-    if (a.data && a.data->trainedPixelM > 0 && backend_->info().fourSamples) { DPL_CHECK_OK(backend_->drawPipeline(drawPipelineOf(ids, ids.samples == 1 ? kCoverageSamples : 1))); }
+    const bool trained = std::any_of(row.members.begin(), row.members.end(), [&](RenderAvatarId id) { const LoadedAvatar& a = avatars_.at(id); return a.data && a.data->trainedPixelM > 0; });
+    if (trained && backend_->info().fourSamples) { DPL_CHECK_OK(backend_->drawPipeline(drawPipelineOf(ids, ids.samples == 1 ? kCoverageSamples : 1))); }
     DPL_TRY(ids.projected, makeBuffer(f.owned, "projected", uint64_t(ids.splatCount) * ids.viewCount * sizeof(gpu::ProjectedSplat)));
     if (f.shape.meshDepth) {
         DPL_TRY(ids.meshDepth, makeBuffer(f.owned, "mesh depth", uint64_t(ids.widthPx) * ids.heightPx * ids.viewCount * 4));
@@ -191,30 +217,40 @@ Status GpuRenderer::build(const LoadedAvatar& a, ShapedFrame& f) {
         DPL_TRY(ids.tileEntries, makeBuffer(f.owned, "tile entries", tiles->entryBytes));
         DPL_TRY(ids.tilePixels, makeBuffer(f.owned, "tile pixels", tiles->pixelBytes));
     }
-    for (Slot& slot : f.slots) { DPL_CHECK_OK(buildSlot(a, f, slot, tiles)); }
+    for (Slot& slot : f.slots) { DPL_CHECK_OK(buildSlot(row, f, slot, tiles)); }
     return {};
 }
 
-Status GpuRenderer::buildSlot(const LoadedAvatar& a, ShapedFrame& f, Slot& slot, const std::optional<TilePlan>& tiles) {
-    DPL_TRY(slot.frame, makeBuffer(f.owned, "frame", sizeof(gpu::FrameData), BufferMemory::Upload));
-    if (a.data) { DPL_TRY(slot.palette, makeBuffer(f.owned, "palette", paletteRows(*a.data) * sizeof(gpu::vec4), BufferMemory::Upload)); }
+Status GpuRenderer::buildSlot(const Row& row, ShapedFrame& f, Slot& slot, const std::optional<TilePlan>& tiles) {
+    std::vector<FrameIds> subjects;
+    for (size_t k = 0; k < row.members.size(); ++k) {
+        const LoadedAvatar& a = avatars_.at(row.members[k]);
+        slot.frame.emplace_back(), slot.palette.emplace_back();
+        DPL_TRY(slot.frame[k], makeBuffer(f.owned, "frame", sizeof(gpu::FrameData), BufferMemory::Upload));
+        if (a.data) { DPL_TRY(slot.palette[k], makeBuffer(f.owned, "palette", paletteRows(*a.data) * sizeof(gpu::vec4), BufferMemory::Upload)); }
+        subjects.push_back(f.ids.of(row.subjects[k]));
+        subjects[k].frame = slot.frame[k], subjects[k].palette = slot.palette[k];
+    }
     if (f.shape.sceneDepth) { DPL_TRY(slot.scene, makeBuffer(f.owned, "scene depth", uint64_t(f.shape.widthPx) * f.shape.heightPx * f.shape.views * 4, BufferMemory::Upload)); }
     DPL_TRY(slot.finalCounts, makeBuffer(f.owned, "final counts", sizeof(gpu::FrameCounts), BufferMemory::Readback));
     FrameIds ids = f.ids;
-    ids.frame = slot.frame;
-    ids.palette = slot.palette;
     ids.scene = slot.scene;
 
     FramePlan plan(*backend_);
     plan.fill("begin", ids.counts, 0);
-    if (!ids.general && ids.vertexCount > 0 && (ids.splatCount > 0 || ids.meshDepth)) addSkin(plan, ids);
-    if (ids.meshDepth) addMeshDepth(plan, ids);
-    if (ids.splatCount > 0) {
-        if (!ids.general) {
-            addTriangles(plan, ids);
-            addChunks(plan, ids);
+    for (const FrameIds& subject : subjects) {
+        if (!subject.general && subject.vertexCount > 0 && (subject.splatCount > 0 || ids.meshDepth)) addSkin(plan, subject);
+        if (ids.meshDepth) addMeshDepth(plan, subject);
+    }
+    for (const FrameIds& subject : subjects) {
+        if (subject.splatCount == 0) continue;
+        if (!subject.general) {
+            addTriangles(plan, subject);
+            addChunks(plan, subject);
         }
-        addProject(plan, ids);
+        addProject(plan, subject);
+    }
+    if (ids.splatCount > 0) {
         addCompact(plan, ids);
         addSort(plan, ids);
         if (tiles) addTiles(plan, ids, *tiles);
@@ -243,22 +279,22 @@ Status GpuRenderer::buildReadback(ShapedFrame& f) {
     return {};
 }
 
-Result<GpuRenderer::ShapedFrame*> GpuRenderer::frameOf(LoadedAvatar& a, const Shape& shape) {
-    for (ShapedFrame& f : a.frames)
+Result<GpuRenderer::ShapedFrame*> GpuRenderer::frameOf(Row& row, const Shape& shape) {
+    for (ShapedFrame& f : row.frames)
         if (f.shape == shape) return &f;
-    if (a.frames.size() >= kFramesKept) {
-        const auto oldest = std::min_element(a.frames.begin(), a.frames.end(), [](const auto& x, const auto& y) { return x.lastUse < y.lastUse; });
+    if (row.frames.size() >= kFramesKept) {
+        const auto oldest = std::min_element(row.frames.begin(), row.frames.end(), [](const auto& x, const auto& y) { return x.lastUse < y.lastUse; });
         freeFrame(*oldest);
-        a.frames.erase(oldest);
+        row.frames.erase(oldest);
     }
     ShapedFrame f;
     f.shape = shape;
-    if (auto status = build(a, f); !status) {
+    if (auto status = build(row, f); !status) {
         freeFrame(f);
         return status.error();
     }
-    a.frames.push_back(std::move(f));
-    return &a.frames.back();
+    row.frames.push_back(std::move(f));
+    return &row.frames.back();
 }
 
 void GpuRenderer::freeFrame(ShapedFrame& f) {
@@ -268,59 +304,107 @@ void GpuRenderer::freeFrame(ShapedFrame& f) {
     for (BufferId id : f.owned) backend_->destroyBuffer(id);
 }
 
-void GpuRenderer::freeAvatar(LoadedAvatar& a) {
-    for (ShapedFrame& f : a.frames) freeFrame(f);
-    for (BufferId id : a.owned) backend_->destroyBuffer(id);
+void GpuRenderer::freeBuffers(const std::vector<BufferId>& buffers) {
+    for (BufferId id : buffers) backend_->destroyBuffer(id);
+}
+
+void GpuRenderer::freeRow(Row& row) {
+    for (ShapedFrame& f : row.frames) freeFrame(f);
+    freeBuffers(row.owned);
 }
 
 void GpuRenderer::removeAvatar(RenderAvatarId id) {
     const auto it = avatars_.find(id);
     if (it == avatars_.end()) return;
-    freeAvatar(it->second);
+    for (auto row = rows_.begin(); row != rows_.end();) {
+        if (row->second.holds(id)) freeRow(row->second), row = rows_.erase(row);
+        else ++row;
+    }
+    freeBuffers(it->second.owned);
     avatars_.erase(it);
 }
 
-Status GpuRenderer::draw(RenderAvatarId id, const Pose& pose, std::span<const Cameraf> views, const FrameWants& wants) {
-    const auto it = avatars_.find(id);
-    if (it == avatars_.end()) return fail(Code::InvalidArgument, "avatar {} is not in this renderer", id);
+/** The row of these avatars; made when they are drawn together for the first time, and the one not used for longest goes. */
+Result<GpuRenderer::Row*> GpuRenderer::rowOf(std::span<const Drawn> what) {
+    if (what.empty() || what.size() > kMaxDrawnTogether) return fail(Code::InvalidArgument, "{} avatars; 1 to {} are drawn together", what.size(), kMaxDrawnTogether);
+    for (const Drawn& d : what)
+        if (!avatars_.contains(d.avatar)) return fail(Code::InvalidArgument, "avatar {} is not in this renderer", d.avatar);
+    if (what.size() == 1) return &rows_.at(what[0].avatar);
+    size_t together = 0;
+    auto oldest = rows_.end();
+    for (auto it = rows_.begin(); it != rows_.end(); ++it) {
+        Row& row = it->second;
+        if (std::equal(what.begin(), what.end(), row.members.begin(), row.members.end(), [](const Drawn& d, RenderAvatarId member) { return d.avatar == member; })) return &row;
+        if (row.members.size() == 1) continue;
+        ++together;
+        if (oldest == rows_.end() || row.lastUse < oldest->second.lastUse) oldest = it;
+    }
+    Row row;
+    for (const Drawn& d : what) {
+        if (row.holds(d.avatar)) return fail(Code::InvalidArgument, "avatar {} is named twice; it has one pose", d.avatar);
+        row.members.push_back(d.avatar), row.subjects.push_back(avatars_.at(d.avatar).ids);
+    }
+    if (together >= kRowsKept) freeRow(oldest->second), rows_.erase(oldest);
+    if (const Status made = makeWorkBuffers(row); !made) {
+        freeRow(row);
+        return made.error();
+    }
+    row.number = ++lastId_;
+    return &rows_.emplace(row.number, std::move(row)).first->second;
+}
+
+Status GpuRenderer::drawTogether(std::span<const Drawn> what, std::span<const Cameraf> views, const FrameWants& wants) {
     DPL_CHECK_OK(checkViews(views));
-    LoadedAvatar& avatar = it->second;
     DPL_CHECK_OK(checkScene(wants, views));
-    if (wants.meshDepth && !avatar.data) return fail(Code::InvalidArgument, "general splats have no mesh and no depth of one");
-    std::fill(std::begin(avatar.drawn), std::end(avatar.drawn), 0);
-    const bool choose = avatar.data && backend_->info().fourSamples;
-    const uint32_t samples = choose ? coverageSamples(avatar.data->trainedPixelM, rootPosition(avatar.data->joints, pose), views) : 1;
+    DPL_TRY(Row* row, rowOf(what));
+    bool mesh = false;
+    uint32_t samples = 1;
+    for (const Drawn& d : what) {
+        const auto& data = avatars_.at(d.avatar).data;
+        mesh |= data != nullptr;
+        if (data && backend_->info().fourSamples) samples = std::max(samples, coverageSamples(data->trainedPixelM, rootPosition(data->joints, *d.pose), views));
+    }
+    if (wants.meshDepth && !mesh) return fail(Code::InvalidArgument, "general splats have no mesh and no depth of one");
+    avatars_.at(what[0].avatar).lastRow = 0;
+    std::fill(std::begin(row->drawn), std::end(row->drawn), 0);
     const Fill fill = samples == 1 ? options_.fill : Fill::Quads;  // tiles have one sample a pixel
     const Shape shape{views[0].widthPx, views[0].heightPx, uint32_t(views.size()), wants.depth, wants.meshDepth, wants.behindScene(), 0, samples, fill};
-    if (views.size() == 1 || (options_.shareViews && shareOrder(views))) return drawFrame(avatar, pose, views, shape, {wants.sceneDepthM, views.size()});
     Status drawn;
-    for (Shape alone = shape; alone.eye < views.size() && drawn; ++alone.eye) {
-        alone.views = 1;
-        drawn = drawFrame(avatar, pose, views.subspan(alone.eye, 1), alone, {wants.sceneDepthM + alone.eye, 1});
+    if (views.size() == 1 || (options_.shareViews && shareOrder(views))) {
+        drawn = drawFrame(*row, what, views, shape, {wants.sceneDepthM, views.size()});
+    } else {
+        for (Shape alone = shape; alone.eye < views.size() && drawn; ++alone.eye) {
+            alone.views = 1;
+            drawn = drawFrame(*row, what, views.subspan(alone.eye, 1), alone, {wants.sceneDepthM + alone.eye, 1});
+        }
     }
-    if (!drawn) std::fill(std::begin(avatar.drawn), std::end(avatar.drawn), 0);  // half a pair is not shown
+    if (!drawn) return std::fill(std::begin(row->drawn), std::end(row->drawn), 0), drawn;  // half a pair is not shown
+    avatars_.at(what[0].avatar).lastRow = row->number;
     return drawn;
 }
 
-Status GpuRenderer::drawFrame(LoadedAvatar& avatar, const Pose& pose, std::span<const Cameraf> views, const Shape& shape, std::span<const std::span<const float>> sceneDepthM) {
-    DPL_TRY(ShapedFrame* frame, frameOf(avatar, shape));
+Status GpuRenderer::drawFrame(Row& row, std::span<const Drawn> what, std::span<const Cameraf> views, const Shape& shape, std::span<const std::span<const float>> sceneDepthM) {
+    DPL_TRY(ShapedFrame* frame, frameOf(row, shape));
     Slot& slot = frame->slots[frame->next];
     if (!backend_->finished(slot.draw)) {
         ++waits_;
         DPL_CHECK_OK(backend_->wait(slot.draw));
     }
-    fill(avatar, slot, pose, views, shape.samples);
+    fill(row, slot, what, views, shape.samples);
     if (shape.sceneDepth) writeScene(slot, shape, sceneDepthM);
     DPL_CHECK_OK(backend_->submit(slot.draw));
     frame->next = (frame->next + 1) % kFramesInFlight;
-    slot.number = frame->lastUse = avatar.drawn[shape.eye] = ++frameNumber_;
+    slot.number = frame->lastUse = row.lastUse = row.drawn[shape.eye] = ++frameNumber_;
     return {};
 }
 
-void GpuRenderer::fill(const LoadedAvatar& avatar, const Slot& slot, const Pose& pose, std::span<const Cameraf> views, uint32_t samples) {
-    const gpu::FrameData block = packFrame(avatar.splats, views, samples);
-    std::memcpy(backend_->mapped(slot.frame).data(), &block, sizeof(block));
-    if (avatar.data) writePalette(*avatar.data, pose, slot.palette);
+void GpuRenderer::fill(const Row& row, const Slot& slot, std::span<const Drawn> what, std::span<const Cameraf> views, uint32_t samples) {
+    for (size_t k = 0; k < row.members.size(); ++k) {
+        const LoadedAvatar& avatar = avatars_.at(row.members[k]);
+        const gpu::FrameData block = packFrame(avatar.splats, views, samples);
+        std::memcpy(backend_->mapped(slot.frame[k]).data(), &block, sizeof(block));
+        if (avatar.data) writePalette(*avatar.data, *what[k].pose, slot.palette[k]);
+    }
 }
 
 void GpuRenderer::writeScene(const Slot& slot, const Shape& shape, std::span<const std::span<const float>> sceneDepthM) {
@@ -343,14 +427,21 @@ void GpuRenderer::writePalette(const AvatarData& avatar, const Pose& pose, Buffe
     packPalette(worldFromRest_, nodes_, {reinterpret_cast<gpu::vec4*>(backend_->mapped(palette).data()), paletteRows(avatar)});
 }
 
+GpuRenderer::Row* GpuRenderer::frameRow(const LoadedAvatar& avatar) {
+    const auto row = rows_.find(avatar.lastRow);
+    return avatar.lastRow == 0 || row == rows_.end() ? nullptr : &row->second;
+}
+
 Result<std::span<const PixelView>> GpuRenderer::read(RenderAvatarId id) {
     const auto it = avatars_.find(id);
     if (it == avatars_.end()) return fail(Code::InvalidArgument, "avatar {} is not in this renderer", id);
+    Row* row = frameRow(it->second);
+    if (!row) return fail(Code::InvalidArgument, "nothing was drawn of avatar {}", id);
     size_t views = 0;
-    for (const uint64_t number : it->second.drawn) {
+    for (const uint64_t number : row->drawn) {
         if (number == 0) continue;
-        const auto drawn = std::find_if(it->second.frames.begin(), it->second.frames.end(), [&](const ShapedFrame& f) { return f.lastUse == number; });
-        if (drawn == it->second.frames.end()) return fail(Code::Internal, "frame {} of avatar {} is gone", number, id);
+        const auto drawn = std::find_if(row->frames.begin(), row->frames.end(), [&](const ShapedFrame& f) { return f.lastUse == number; });
+        if (drawn == row->frames.end()) return fail(Code::Internal, "frame {} of avatar {} is gone", number, id);
         ShapedFrame& frame = *drawn;
         if (!frame.readback) { DPL_CHECK_OK(buildReadback(frame)); }
         DPL_CHECK_OK(backend_->run(frame.readback));
@@ -363,11 +454,10 @@ Result<std::span<const PixelView>> GpuRenderer::read(RenderAvatarId id) {
 }
 
 bool GpuRenderer::idle(RenderAvatarId id) {
-    const auto it = avatars_.find(id);
-    if (it == avatars_.end()) return true;
-    for (const ShapedFrame& frame : it->second.frames)
-        for (const Slot& slot : frame.slots)
-            if (!backend_->finished(slot.draw)) return false;
+    for (const auto& [number, row] : rows_)
+        for (const ShapedFrame& frame : row.frames)
+            for (const Slot& slot : frame.slots)
+                if (row.holds(id) && !backend_->finished(slot.draw)) return false;
     return true;
 }
 
@@ -378,9 +468,11 @@ Result<FrameStats> GpuRenderer::stats(RenderAvatarId id) {
     stats.residentBytes = backend_->residentBytes();
     stats.waits = waits_;
     stats.avatarBytes = it->second.avatarBytes, stats.splatBytes = it->second.splatBytes;
+    const Row* row = frameRow(it->second);
+    if (!row) return stats;
     const auto slotOf = [&](auto isIt) -> std::pair<const ShapedFrame*, const Slot*> {
         std::pair<const ShapedFrame*, const Slot*> found{};
-        for (const ShapedFrame& frame : it->second.frames)
+        for (const ShapedFrame& frame : row->frames)
             for (const Slot& slot : frame.slots)
                 if (slot.number > (found.second ? found.second->number : 0) && backend_->finished(slot.draw) && isIt(frame, slot)) found = {&frame, &slot};
         return found;
@@ -391,11 +483,17 @@ Result<FrameStats> GpuRenderer::stats(RenderAvatarId id) {
         const auto raise = [](uint32_t& value, uint32_t other) { value = std::max(value, other); };
         stats.views += frame.shape.views;
         stats.chunks = frame.ids.filledGroups;
-        raise(stats.trianglesInView, counts.trianglesInView), raise(stats.trianglesFacing, counts.trianglesFacing), raise(stats.chunksProjected, counts.chunkGroupsX);
+        raise(stats.trianglesInView, counts.trianglesInView), raise(stats.trianglesFacing, counts.trianglesFacing), raise(stats.chunksProjected, counts.chunksProjected);
         raise(stats.splatsInView, counts.splatsInView), raise(stats.splatsFacing, counts.splatsFacing), raise(stats.splatsDrawn, counts.visible);
-        if (!frame.ids.general) {   // from survivors and layout: the GPU counts no bytes
-            stats.bytesDecided += uint64_t(frame.ids.codes.firstPlace - frame.ids.codes.firstParent) * 4 + uint64_t(counts.chunkGroupsX) * gpu::kSplatGroup * 5;
-            stats.bytesDecoded += uint64_t(counts.splatsFacing) * 4 + uint64_t(counts.visible) * (4 + (frame.ids.codes.firstShIndex ? 2 : 0) + frame.ids.codes.shWords * 4);
+        // From survivors and layout: the GPU counts no bytes. Of several avatars the widest SH entry counts for all.
+        uint64_t shBytes = 0;
+        for (const SubjectIds& subject : row->subjects) {
+            stats.bytesDecided += uint64_t(subject.codes.firstPlace - subject.codes.firstParent) * 4;
+            shBytes = std::max<uint64_t>(shBytes, (subject.codes.firstShIndex ? 2 : 0) + subject.codes.shWords * 4);
+        }
+        if (counts.splatsFacing > 0) {
+            stats.bytesDecided += uint64_t(counts.chunksProjected) * gpu::kSplatGroup * 5;
+            stats.bytesDecoded += uint64_t(counts.splatsFacing) * 4 + uint64_t(counts.visible) * (4 + shBytes);
         }
         stats.tileEntries += counts.tileEntries;
         stats.tilesOverflowed |= counts.tilesOverflowed != 0;

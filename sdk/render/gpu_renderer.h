@@ -5,6 +5,7 @@
 //   read:  waits, copies the target into mapped memory; its buffers are made when it is first called
 #pragma once
 
+#include <algorithm>
 #include <map>
 
 #include "sdk/avatar/rig.h"
@@ -36,7 +37,7 @@ public:
     Result<RenderAvatarId> addCodedAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats) override;
     Result<RenderAvatarId> addSplats(const StaticSplatData& splats) override;
     void removeAvatar(RenderAvatarId avatar) override;
-    Status draw(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, const FrameWants& wants) override;
+    Status drawTogether(std::span<const Drawn> what, std::span<const Cameraf> views, const FrameWants& wants) override;
     Result<std::span<const PixelView>> read(RenderAvatarId avatar) override;
     Result<FrameStats> stats(RenderAvatarId avatar) override;
     /** Whether nothing of the avatar is running. Never waits. */
@@ -53,7 +54,8 @@ private:
         bool operator==(const Shape&) const = default;
     };
     struct Slot {
-        BufferId frame, palette, scene, finalCounts;
+        std::vector<BufferId> frame, palette;  // one a subject
+        BufferId scene, finalCounts;
         FrameId draw;
         uint64_t number = 0;           // of the frame it drew last; 0: none
     };
@@ -69,11 +71,22 @@ private:
     struct LoadedAvatar {
         std::shared_ptr<const AvatarData> data;   // null: general splats
         SplatSet splats;
-        FrameIds ids;                  // of what does not depend on the shape
+        SubjectIds ids;
         std::vector<BufferId> owned;
         uint64_t avatarBytes = 0, splatBytes = 0;
+        uint32_t lastRow = 0;          // of the last frame that is this one's; 0: none
+    };
+    /** What is drawn together, in order, and the lists that a frame of it needs. */
+    struct Row {
+        uint32_t number = 0;
+        std::vector<RenderAvatarId> members;
+        std::vector<SubjectIds> subjects;         // of the members, with their places in the lists
+        FrameIds ids;                             // of what does not depend on the shape
+        std::vector<BufferId> owned;
         std::vector<ShapedFrame> frames;
         uint64_t drawn[gpu::kMaxViews] = {};      // numbers of the frames of the last draw, in order of the views; 0: none
+        uint64_t lastUse = 0;
+        bool holds(RenderAvatarId avatar) const { return std::find(members.begin(), members.end(), avatar) != members.end(); }
     };
 
     Result<BufferId> makeBuffer(std::vector<BufferId>& owned, std::string label, uint64_t bytes, BufferMemory memory = BufferMemory::Device);
@@ -81,30 +94,34 @@ private:
     Result<BufferId> uploadBuffer(std::vector<BufferId>& owned, std::string label, std::span<const T> items);
     Status loadAvatar(LoadedAvatar& avatar, const CodedSplats& splats);
     Status loadSplats(LoadedAvatar& avatar, const StaticSplatData& splats);
-    Status makeWorkBuffers(LoadedAvatar& avatar);
+    Status makeWorkBuffers(Row& row);
     Result<RenderAvatarId> keep(LoadedAvatar avatar, const Status& loaded);
+    Result<Row*> rowOf(std::span<const Drawn> what);
     void writePalette(const AvatarData& avatar, const Pose& pose, BufferId palette);
-    Status drawFrame(LoadedAvatar& avatar, const Pose& pose, std::span<const Cameraf> views, const Shape& shape, std::span<const std::span<const float>> sceneDepthM);
-    Result<ShapedFrame*> frameOf(LoadedAvatar& avatar, const Shape& shape);
-    Status build(const LoadedAvatar& avatar, ShapedFrame& frame);
-    Status buildSlot(const LoadedAvatar& avatar, ShapedFrame& frame, Slot& slot, const std::optional<TilePlan>& tiles);
+    Status drawFrame(Row& row, std::span<const Drawn> what, std::span<const Cameraf> views, const Shape& shape, std::span<const std::span<const float>> sceneDepthM);
+    Result<ShapedFrame*> frameOf(Row& row, const Shape& shape);
+    Status build(const Row& row, ShapedFrame& frame);
+    Status buildSlot(const Row& row, ShapedFrame& frame, Slot& slot, const std::optional<TilePlan>& tiles);
     Status buildReadback(ShapedFrame& frame);
-    void fill(const LoadedAvatar& avatar, const Slot& slot, const Pose& pose, std::span<const Cameraf> views, uint32_t samples);
+    void fill(const Row& row, const Slot& slot, std::span<const Drawn> what, std::span<const Cameraf> views, uint32_t samples);
     void writeScene(const Slot& slot, const Shape& shape, std::span<const std::span<const float>> sceneDepthM);
     void freeFrame(ShapedFrame& frame);
-    void freeAvatar(LoadedAvatar& avatar);
+    void freeBuffers(const std::vector<BufferId>& buffers);
+    void freeRow(Row& row);
+    Row* frameRow(const LoadedAvatar& avatar);
     void takePixels(const ShapedFrame& frame, size_t firstView);
 
     std::unique_ptr<Backend> backend_;
     std::string name_;
     GpuOptions options_;
     std::map<RenderAvatarId, LoadedAvatar> avatars_;
+    std::map<uint32_t, Row> rows_;         // by number; an avatar by itself: that of the avatar
     std::vector<Mat3x4f> worldFromRest_;   // of the last pose, as are these
     std::vector<float> coefficients_;
     std::vector<Vec4f> nodes_;
     PixelView pixels_[gpu::kMaxViews];     // of the last read
     std::vector<float> depthM_[gpu::kMaxViews], meshDepthM_[gpu::kMaxViews];
-    RenderAvatarId lastId_ = 0;
+    uint32_t lastId_ = 0;                  // of avatars and rows
     uint64_t frameNumber_ = 0, waits_ = 0;
 };
 

@@ -80,6 +80,13 @@ inline Status checkScene(const FrameWants& wants, std::span<const Cameraf> views
 using RenderAvatarId = uint32_t;
 constexpr uint32_t kFramesInFlight = 3;  // of one shape: the CPU may be two frames ahead
 
+/** An avatar and its pose, for one frame; the pose of general splats is not looked at. */
+struct Drawn {
+    RenderAvatarId avatar = 0;
+    const Pose* pose = nullptr;
+};
+constexpr size_t kMaxDrawnTogether = 16;
+
 /** Draws posed avatars and general splats into one or two views. One thread at a time. */
 class Renderer {
 public:
@@ -99,7 +106,13 @@ public:
     virtual void removeAvatar(RenderAvatarId avatar) = 0;
     /** Starts a frame. All views have the same size; the pose has passed checkPose (general splats take no notice of it). Once a shape (size, views, what is wanted, samples a pixel: sdk/math/coverage.h) has been drawn it
      *  allocates nothing, and it waits only when kFramesInFlight frames of that shape are still running. A CPU renderer draws here. */
-    virtual Status draw(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, const FrameWants& wants) = 0;
+    Status draw(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, const FrameWants& wants) {
+        const Drawn one{avatar, &pose};
+        return drawTogether({&one, 1}, views, wants);
+    }
+    /** Draws up to kMaxDrawnTogether different ones into the same views: their splats are sorted together, so they may embrace. The frame is the first one's: read() and
+     *  stats() of that one are about it. What was said of warm frames holds for every row of avatars once it has been drawn; the last four rows are kept. */
+    virtual Status drawTogether(std::span<const Drawn> what, std::span<const Cameraf> views, const FrameWants& wants) = 0;
     /** Waits for the avatar's last frame and gives its pixels. For files and tests: a program with a screen shows the frame where it is. */
     virtual Result<std::span<const PixelView>> read(RenderAvatarId avatar) = 0;
     /** Draws and copies the pixels out. */

@@ -1,6 +1,7 @@
 // What the engine keeps between frames, and the four steps that fill it. Private to sdk/splat.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -19,6 +20,16 @@ public:
         }
         size_ = count;
         return data_.get();
+    }
+    /** The same, and what is there stays. */
+    T* grow(size_t count) {
+        if (count > capacity_ && size_ > 0) {
+            const std::unique_ptr<T[]> old = std::move(data_);
+            const size_t kept = size_;
+            resize(count);
+            std::copy_n(old.get(), kept, data_.get());
+        }
+        return resize(count);
     }
     T* data() { return data_.get(); }
     const T* data() const { return data_.get(); }
@@ -83,10 +94,11 @@ void projectBound(Jobs& jobs, SplatEngine::Buffers& buffers, const BoundSplatVie
                   std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated);
 void projectStatic(Jobs& jobs, SplatEngine::Buffers& buffers, const StaticSplatData& splats, const Cameraf& camera, float kappaPx2,
                    bool compensated);
+// behind: added to what has been projected for this camera, instead of replacing it.
 void projectCoded(Jobs& jobs, SplatEngine::Buffers& buffers, const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles,
-                  const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples);
+                  const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples, bool behind);
 void projectPacked(Jobs& jobs, SplatEngine::Buffers& buffers, const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles,
-                   const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples);
+                   const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples, bool behind);
 void sortByDepth(Jobs& jobs, SplatEngine::Buffers& buffers);
 void binIntoTiles(Jobs& jobs, SplatEngine::Buffers& buffers);
 void blendTiles(Jobs& jobs, SplatEngine::Buffers& buffers, SplatImage& image, const BlendOptions& options);

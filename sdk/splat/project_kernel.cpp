@@ -233,14 +233,14 @@ void projectAs(const ProjectTask& task) {
             const auto key = hn::BitCast(du, s.view.z);  // positive floats order like their bits
             minKey = hn::Min(minKey, hn::IfThenElse(shownU, key, minKey)), maxKey = hn::Max(maxKey, hn::IfThenElseZero(shownU, key));
             hn::CompressStore(key, shownU, du, task.keys + visible.count);
-            visible.count += uint32_t(hn::CompressStore(hn::Iota(du, splat), shownU, du, task.values + visible.count));
+            visible.count += uint32_t(hn::CompressStore(hn::Iota(du, task.firstIndex + splat), shownU, du, task.values + visible.count));
         }
 
         HWY_ALIGN float records[4][kLanes * 4];
         hn::StoreInterleaved4(x, y, s.varianceY * invDet, hn::Neg(s.covariance * invDet), d, records[0]);
         hn::StoreInterleaved4(s.varianceX * invDet, hn::IfThenElseZero(shown, opacity), colour.x, colour.y, d, records[1]);
         hn::StoreInterleaved4(colour.z, radiusX, radiusY, s.view.z, d, records[2]);
-        hn::StoreInterleaved4(compensation, s.fade, hn::BitCast(d, hn::Iota(du, splat)), s.cloth, d, records[3]);
+        hn::StoreInterleaved4(compensation, s.fade, hn::BitCast(d, hn::Iota(du, task.firstIndex + splat)), s.cloth, d, records[3]);
         float* out = reinterpret_cast<float*>(task.projected + splat);
         for (size_t lane = 0; lane < kLanes; ++lane) {
             const auto copy = [&](size_t k) HWY_ATTR { copyQuad(&records[k][4 * lane], out + 16 * lane + 4 * k); };

@@ -25,7 +25,8 @@ struct ProjectTask {
     uint32_t groups, firstSplat, shDegree;
     const TriangleView* triangles;        // null: general splats
     uint32_t triangleCount;               // triangles[triangleCount] is an invalid record for indices out of range
-    ProjectedSplat* projected;            // whole arrays, indexed by splat
+    uint32_t firstIndex;                  // of splat 0 among all that are drawn
+    ProjectedSplat* projected;            // from firstIndex on, indexed by splat
     float* rowScale;
     TileBox* boxes;
     uint32_t *keys, *values;              // where this block's visible splats go

@@ -18,12 +18,20 @@ void SplatEngine::project(const StaticSplatData& splats, const Cameraf& camera, 
 
 void SplatEngine::project(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera,
                           float kappaPx2, bool compensated, uint32_t samples) {
-    projectCoded(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, samples);
+    projectCoded(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, samples, false);
 }
 
 void SplatEngine::project(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera,
                           float kappaPx2, bool compensated, uint32_t samples) {
-    projectPacked(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, samples);
+    projectPacked(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, samples, false);
+}
+
+void SplatEngine::add(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples) {
+    projectCoded(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, samples, true);
+}
+
+void SplatEngine::add(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples) {
+    projectPacked(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, samples, true);
 }
 
 void SplatEngine::sort() { sortByDepth(jobs_, *buffers_); }

@@ -90,7 +90,11 @@ public:
      *  may show are decoded. The others keep nothing but opacity 0 in projected(). */
     void project(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated,
                  uint32_t samples = 1);
-    /** Of the last coded projection: bytes of codes that were read to decide, and to decode. */
+    /** Projects more splats into the same picture: after a project() with the same camera and samples. All are sorted and blended together. Indices into
+     *  projected() go on at the next multiple of 4096; ties in depth stay in the order of the calls. */
+    void add(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples = 1);
+    void add(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples = 1);
+    /** Since the last project(): bytes of codes that were read to decide, and to decode. */
     uint64_t decidedBytes() const;
     uint64_t decodedBytes() const;
 

@@ -57,29 +57,36 @@ const TriangleView* viewTriangles(Jobs& jobs, Scratch<TriangleView>& scratch, st
     return out;
 }
 
+/** Of what has been projected, the entries between the last splat and `end` show nothing. */
+void hideTail(SplatEngine::Buffers& buffers, size_t end) {
+    ProjectedSplat* projected = buffers.projected.grow(end);
+    for (size_t i = buffers.splatCount; i < end; ++i) projected[i].opacity = 0;
+}
+
 /** Sizes the buffers, then runs body(task) for each block with everything but the packed groups filled in. */
 template <class Body>
 void forProjectBlocks(Jobs& jobs, SplatEngine::Buffers& buffers, const Cameraf& camera, const ProjectView& view, uint32_t count,
-                      uint32_t shDegree, const TriangleView* triangles, size_t triangleCount, Body&& body) {
+                      uint32_t shDegree, const TriangleView* triangles, size_t triangleCount, bool behind, Body&& body) {
     const auto allowed = [](uint32_t size) { return size > 0 && size <= kMaxTargetPx; };
     const bool drawable = allowed(camera.widthPx) && allowed(camera.heightPx);
     buffers.widthPx = drawable ? camera.widthPx : 0, buffers.heightPx = drawable ? camera.heightPx : 0;
     if (!drawable) count = 0;
     // The kernel writes whole groups: room for the padding of the last one.
-    const size_t padded = groupCount(count) * kGroupSplats;
-    buffers.projected.resize(padded), buffers.boxes.resize(padded), buffers.rowScale.resize(padded);
-    buffers.keys[0].resize(padded), buffers.values[0].resize(padded);
-    buffers.splatCount = count;
+    const size_t before = behind ? buffers.blocks.size() : 0, first = before * kProjectBlock, padded = first + groupCount(count) * kGroupSplats;
+    if (behind) hideTail(buffers, first);
+    buffers.projected.grow(padded), buffers.boxes.grow(padded), buffers.rowScale.grow(padded);
+    buffers.keys[0].grow(padded), buffers.values[0].grow(padded);
+    buffers.splatCount = uint32_t(first) + count;
     buffers.sortedFrame = false;
     buffers.samples = view.samples;
-    buffers.blocks.resize((count + kProjectBlock - 1) / kProjectBlock);
+    buffers.blocks.resize(before + (count + kProjectBlock - 1) / kProjectBlock);
     jobs.forRange(count, kProjectBlock, [&](size_t begin, size_t end, uint32_t) {
         BlockVisible visible;
-        ProjectTask task{&view, nullptr, uint32_t(groupCount(end - begin)), uint32_t(begin), shDegree, triangles, uint32_t(triangleCount),
-                         buffers.projected.data(), buffers.rowScale.data(), buffers.boxes.data(), buffers.keys[0].data() + begin,
-                         buffers.values[0].data() + begin, &visible};
+        ProjectTask task{&view, nullptr, uint32_t(groupCount(end - begin)), uint32_t(begin), shDegree, triangles, uint32_t(triangleCount), uint32_t(first),
+                         buffers.projected.data() + first, buffers.rowScale.data() + first, buffers.boxes.data() + first, buffers.keys[0].data() + first + begin,
+                         buffers.values[0].data() + first + begin, &visible};
         body(task);
-        buffers.blocks[begin / kProjectBlock] = visible;
+        buffers.blocks[before + begin / kProjectBlock] = visible;
     });
 }
 
@@ -170,19 +177,19 @@ void projectBound(Jobs& jobs, SplatEngine::Buffers& buffers, const BoundSplatVie
                   std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated) {
     const ProjectView view = viewOf(camera, kappaPx2, compensated);
     const TriangleView* posed = viewTriangles(jobs, buffers.triangles, triangles, camera);
-    forProjectBlocks(jobs, buffers, camera, view, usableCount(splats), splats.shDegree, posed, triangles.size(),
+    forProjectBlocks(jobs, buffers, camera, view, usableCount(splats), splats.shDegree, posed, triangles.size(), false,
                      [&](const ProjectTask& task) { projectUnpacked(splats, task); });
 }
 
 void projectStatic(Jobs& jobs, SplatEngine::Buffers& buffers, const StaticSplatData& splats, const Cameraf& camera, float kappaPx2,
                    bool compensated) {
     const ProjectView view = viewOf(camera, kappaPx2, compensated);
-    forProjectBlocks(jobs, buffers, camera, view, usableCount(splats), splats.shDegree, nullptr, 0,
+    forProjectBlocks(jobs, buffers, camera, view, usableCount(splats), splats.shDegree, nullptr, 0, false,
                      [&](const ProjectTask& task) { projectUnpacked(splats, task); });
 }
 
 void projectCoded(Jobs& jobs, SplatEngine::Buffers& buffers, const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles,
-                  const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples) {
+                  const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples, bool behind) {
     const ProjectView view = viewOf(camera, kappaPx2, compensated, samples == kCoverageSamples ? kCoverageSamples : 1);
     const TriangleView* posed = viewTriangles(jobs, buffers.triangles, triangles, camera);
     uint8_t* shows = buffers.parentShows.resize(splats.parents.size());
@@ -192,16 +199,16 @@ void projectCoded(Jobs& jobs, SplatEngine::Buffers& buffers, const CodedSplats& 
             for (size_t p = splats.chunks[c].firstParent; p < parentsEnd; ++p) shows[p] = showsOf(view, posed[std::min<size_t>(splats.parents[p], triangles.size())], splats.chunks[c].scaleMaxM);
         }
     });
-    forProjectBlocks(jobs, buffers, camera, view, splats.count(), splats.shDegree, posed, triangles.size(),
+    forProjectBlocks(jobs, buffers, camera, view, splats.count(), splats.shDegree, posed, triangles.size(), behind,
                      [&](const ProjectTask& task) { projectBlockOfCodes(splats, shows, task); });
 }
 
 void projectPacked(Jobs& jobs, SplatEngine::Buffers& buffers, const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles,
-                   const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples) {
+                   const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples, bool behind) {
     const ProjectView view = viewOf(camera, kappaPx2, compensated, samples == kCoverageSamples ? kCoverageSamples : 1);
     const TriangleView* posed = splats.bound() ? viewTriangles(jobs, buffers.triangles, triangles, camera) : nullptr;
     const size_t groupFloats = size_t(groupFields(splats.bound(), splats.shDegree())) * kGroupSplats;
-    forProjectBlocks(jobs, buffers, camera, view, splats.count(), splats.shDegree(), posed, triangles.size(), [&](ProjectTask task) {
+    forProjectBlocks(jobs, buffers, camera, view, splats.count(), splats.shDegree(), posed, triangles.size(), behind, [&](ProjectTask task) {
         task.packed = splats.data() + task.firstSplat / kGroupSplats * groupFloats;
         projectGroups(task);
     });

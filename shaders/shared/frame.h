@@ -23,7 +23,7 @@ DPL_SHARED_SIZE(ViewData, 96)
 
 struct FrameData {            // the only uniform block; written by the CPU before each frame
     ViewData views[2];
-    vec4 sortAxis;            // unit mean forward axis of the views, world
+    vec4 sortAxis;            // unit mean forward axis of the views, world; w: depth along it before which no view sees anything
     vec4 target;              // width px, height px, kappa px², 0
     uvec4 counts;             // splats, views, SH degree, 1 = energy-preserving low-pass
 };
@@ -93,10 +93,8 @@ struct FrameCounts {          // written by the GPU for itself; the indirect arg
     uint trianglesInView;     // that carry splats and touch some view
     uint trianglesFacing;     // of these, with splats that are not all turned away
     uint runGroupsX, runGroupsY, runGroupsZ;     // VkDispatchIndirectCommand over the runs
-    uint pad2;
+    uint chunksProjected;
     uint drawVertices, drawInstances, drawFirstVertex, drawFirstInstance;  // VkDrawIndirectCommand
-    uint depthMaxBits;        // posed bounds along the sort axis, order-preserving float bits (lib/order.glsl)
-    uint depthMinBitsInverted;
     uint splatsInView;        // on trianglesInView
     uint splatsFacing;        // of these, not turned away
     uint chunkGroupsX, chunkGroupsY, chunkGroupsZ;  // VkDispatchIndirectCommand over the chunks that have such a splat
@@ -108,8 +106,13 @@ struct FrameCounts {          // written by the GPU for itself; the indirect arg
     uint entryGroupsX, entryGroupsY, entryGroupsZ;  // over the rows, and over the tiles: zero when the entries do not fit
     uint pad3;
     uint fillGroupsX, fillGroupsY, fillGroupsZ;
+    uint depthMaxBits[16];    // kMaxDrawn: posed bounds of each along the sort axis, order-preserving float bits (lib/order.glsl); 0: nothing
+    uint depthMinBitsInverted[16];
+    float keyStart[16];       // depth key = (depth - keyStart) * keyScale + keyOffset
+    float keyOffset[16];
+    float keyScale;
 };
-DPL_SHARED_SIZE(FrameCounts, 140)
+DPL_SHARED_SIZE(FrameCounts, 392)
 
 struct TilePush {             // of every tile pass; `first...`: offsets into the tile lists, one buffer of uints
     uint viewCount, columns, rows;  // tiles across and down one view
@@ -127,17 +130,18 @@ struct TilePush {             // of every tile pass; `first...`: offsets into th
 };
 struct RowScanPush { uint perRow; uint firstTable; uint firstSum; };  // perRow 0: counts.runs
 
-struct VertexPush { uint vertexCount; uint firstNode; };  // control nodes in the palette, behind the joints' rows
+// Several avatars share a frame: `drawn` is the number of one, its half-chunks and splats come behind those of the ones before it.
+struct VertexPush { uint vertexCount; uint firstNode; uint drawn; };  // control nodes in the palette, behind the joints' rows
 struct TrianglePush { uint triangleCount; uint cull; };  // cull 0: every valid triangle is shown
 struct MeshDepthPush { uint triangleCount; uint viewCount; uint widthPx; uint heightPx; };  // of one view
-struct SplatPush { uint splatCount; uint groupCount; };
+struct SplatPush { uint splatCount; uint allGroups; uint firstGroup; uint firstSplat; uint drawn; };
 // Where the streams of an avatar's splat codes begin, in words; firstShIndex 0: every splat has its own SH entry, of shWords.
-struct CodesPush { uint groupCount; uint firstParent; uint firstPlace; uint firstSize; uint firstColour; uint firstParentByte; uint firstShIndex; uint firstSh; uint shWords; };
-struct ChunkPush { uint groupCount; };
-struct ColourPush { uint splatCount; };  // of general splats
-struct CompactPush { uint groupCount; uint maxDepthKey; };
+struct CodesPush { uint groupCount; uint allGroups; uint firstGroup; uint firstSplat; uint firstParent; uint firstPlace; uint firstSize; uint firstColour; uint firstParentByte; uint firstShIndex; uint firstSh; uint shWords; };
+struct ChunkPush { uint groupCount; uint allGroups; uint firstGroup; };
+struct ColourPush { uint splatCount; uint firstSplat; };  // of general splats
+struct CompactPush { uint groupCount; uint maxDepthKey; uint drawnCount; uint endGroup[16]; };  // kMaxDrawn: where the half-chunks of each end
 struct ScanPush { uint first; uint count; };
-struct ArgsPush { uint groupCount; uint instancesPerSplat; };
+struct ArgsPush { uint groupCount; uint instancesPerSplat; uint maxDepthKey; uint drawnCount; };
 struct SortPush { uint shift; };
 struct DrawPush { float targetWidthPx; float targetHeightPx; uint viewCount; uint atlasColumns; };
 

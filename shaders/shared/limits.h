@@ -6,6 +6,7 @@
 DPL_SHARED_BEGIN
 
 DPL_CONST uint kMaxViews = 2u;
+DPL_CONST uint kMaxDrawn = 16u;          // avatars and sets of general splats in one frame
 
 // Group sizes. No kernel assumes a subgroup width: scans go through shared memory.
 DPL_CONST uint kVertexGroup = 128u;

@@ -86,14 +86,14 @@ void sortPairs(std::vector<gpu::uvec2>& pairs, gpu::FrameCounts& counts, int ord
 /** From what projection leaves in the visibility buffer to the sorted list. */
 void compactAndSort(MslFrame& out, std::vector<uint32_t>& visibility, uint32_t groups, uint32_t splats, int order, uint32_t rounds) {
     FrameIds ids;
-    ids.groupCount = groups;
+    ids.allGroups = groups;
     out.compacted.resize(splats);
     run(msl_scan_sums, 1, order, {visibility.data()}, gpu::ScanPush{ids.firstSum(), groups});
-    run(msl_compact_args, 1, order, {visibility.data(), &out.counts}, gpu::ArgsPush{groups, 1});
+    run(msl_compact_args, 1, order, {visibility.data(), &out.counts}, gpu::ArgsPush{groups, 1, (1u << (rounds * gpu::kSortDigitBits)) - 1, 1});
     const gpu::FrameCounts want = [&] { auto counts = out.counts; setRuns(counts); return counts; }();
     EXPECT_EQ(out.counts.runGroupsX, want.runGroupsX);
     run(msl_compact_scatter, groupsFor(groups * gpu::kMaskWords, gpu::kCompactGroup), order, {visibility.data(), &out.counts, out.compacted.data()},
-        gpu::CompactPush{groups, (1u << (rounds * gpu::kSortDigitBits)) - 1});
+        gpu::CompactPush{groups, (1u << (rounds * gpu::kSortDigitBits)) - 1, 1, {groups}});
     out.compacted.resize(out.counts.visible);
     out.sorted = out.compacted;
     sortPairs(out.sorted, out.counts, order, rounds);
@@ -102,7 +102,7 @@ void compactAndSort(MslFrame& out, std::vector<uint32_t>& visibility, uint32_t g
 /** The visibility buffer of a frame, full of what must not be read. */
 std::vector<uint32_t> visibilityOf(uint32_t groups, uint32_t splats) {
     FrameIds ids;
-    ids.groupCount = groups;
+    ids.allGroups = groups;
     return std::vector<uint32_t>(ids.firstDepth() + splats, 0xCDCDCDCD);
 }
 
@@ -114,8 +114,8 @@ MslFrame runGeneralFrame(const StaticSplatData& splats, std::span<const Cameraf>
     std::vector<gpu::uvec4> sh = packSh(splats);
     MslFrame out;
     out.projected.resize(size_t(count) * viewCount);
-    run(msl_project_general_stereo, groups, order, {&frame, records.data(), out.projected.data(), visibility.data(), &out.counts}, gpu::SplatPush{count, groups});
-    run(msl_colour_general_sh3_stereo, groups, order, {&frame, records.data(), sh.data(), out.projected.data()}, gpu::ColourPush{count});
+    run(msl_project_general_stereo, groups, order, {&frame, records.data(), out.projected.data(), visibility.data(), &out.counts}, gpu::SplatPush{count, groups, 0, 0, 0});
+    run(msl_colour_general_sh3_stereo, groups, order, {&frame, records.data(), sh.data(), out.projected.data()}, gpu::ColourPush{count, 0});
     compactAndSort(out, visibility, groups, count, order, gpu::kGeneralSortRounds);
     return out;
 }
@@ -141,13 +141,13 @@ MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Ca
     out.projected.resize(size_t(splats) * viewCount);
     void* vertices = corrected ? static_cast<void*>(records.correctedVertices.data()) : records.vertices.data();
     run(corrected ? msl_skin_corrected : msl_skin, groupsFor(posed.size(), gpu::kVertexGroup), order, {&frame, palette.data(), vertices, posed.data(), &out.counts},
-        gpu::VertexPush{uint32_t(posed.size()), uint32_t(3 * joints.size())});
+        gpu::VertexPush{uint32_t(posed.size()), uint32_t(3 * joints.size()), 0});
     run(msl_triangles_stereo, groupsFor(frames.size(), gpu::kVertexGroup), order, {&frame, records.triangles.data(), posed.data(), frames.data(), &out.counts},
         gpu::TrianglePush{uint32_t(frames.size()), 1});
     gpu::CodesPush push = records.where;
-    push.groupCount = groups;
+    push.groupCount = push.allGroups = groups;
     run(msl_chunks_mark, groupsFor(groups, gpu::kChunkGroup), order, {records.codes.data(), frames.data(), visibility.data()}, push);
-    run(msl_chunks_list, 1, order, {visibility.data(), &out.counts}, gpu::ChunkPush{groups});
+    run(msl_chunks_list, 1, order, {visibility.data(), &out.counts}, gpu::ChunkPush{groups, groups, 0});
     run(msl_project_sh3_stereo, out.counts.chunkGroupsX, order, {&frame, records.codes.data(), frames.data(), out.projected.data(), visibility.data()}, push);
     compactAndSort(out, visibility, groups, splats, order, gpu::kSortRounds);
     return out;
@@ -319,7 +319,7 @@ TEST(MetalFrame, meshDepthMatchesTheReference) {
         for (int order = 0; order < 3; ++order) {
             gpu::FrameCounts counts{};
             run(msl_skin, groupsFor(posed.size(), gpu::kVertexGroup), order, {&frame, palette.data(), records.vertices.data(), posed.data(), &counts},
-                gpu::VertexPush{uint32_t(posed.size()), uint32_t(3 * joints.size())});
+                gpu::VertexPush{uint32_t(posed.size()), uint32_t(3 * joints.size()), 0});
             std::vector<uint32_t> bits(2 * 80 * 70, std::bit_cast<uint32_t>(INFINITY));
             const uint32_t triangles = uint32_t(avatar.mesh.triangles.size());
             run(msl_mesh_depth, groupsFor(triangles, gpu::kVertexGroup), order, {&frame, records.triangles.data(), posed.data(), bits.data()}, gpu::MeshDepthPush{triangles, 2, 80, 70});

@@ -151,6 +151,40 @@ TEST(SoftwareVsReference, sameBytesOnAnyThreadCount) {
     }
 }
 
+// Several avatars and general splats in one picture are one set of splats to the eye, whoever holds them.
+TEST(SoftwareVsReference, setsThatAreAddedToOnePictureAreSortedTogether) {
+    const AvatarData avatars[2] = {randomAvatar(70, 30, 40, 1), randomAvatar(71, 12, 16, 2)};  // more than a block of projection, and less
+    StaticSplatData cloud = randomStaticSplats(5, 300, 3);
+    for (Vec3f& p : cloud.position) p.y += 1;
+    const Cameraf camera = lookAt({0.9f, 1.2f, 1.1f}, {0, 1, 0}, 150, 130, 120);
+    Jobs jobs(2);
+    SplatEngine engine(jobs);
+    std::vector<ReferenceGaussian> all;
+    for (int repeat = 0; repeat < 2; ++repeat) {   // growing buffers, and warm ones
+        all.clear();
+        for (int k = 0; k < 2; ++k) {
+            const CodedSplats coded = *codeSplats(avatars[k].mesh, avatars[k].splats);
+            AvatarData decoded = avatars[k];
+            decoded.splats = decodeSplats(coded, decoded.mesh.triangles.size());
+            const ReferenceScene scene = sceneOf(decoded, randomPose(decoded, uint32_t(k)));
+            const EngineInput input(scene);
+            if (k == 0) engine.project(coded, input.frames, camera, float(kKappaPx2), true);
+            else engine.add(coded, input.frames, camera, float(kKappaPx2), true);
+            for (const ReferenceBoundSplat& s : scene.splats) {
+                all.push_back(referenceGaussian(scene, s));
+                all.back().shDegree = scene.shDegree;
+            }
+        }
+        engine.add(PackedSplats(cloud), {}, camera, float(kKappaPx2), true);
+        for (uint32_t i = 0; i < cloud.count(); ++i) all.push_back(referenceGaussian(cloud, i));
+        engine.bin();
+    }
+    EXPECT_GT(avatars[0].splats.count(), 4096u);
+    SplatImage image;
+    engine.blend(image, {.cloth = true, .depth = true});
+    expectSameImage("three sets", image, renderReference(all, referenceCamera(camera)), 75);
+}
+
 // Where every splat of several chunks is turned away, decoding goes on in the right chunk behind them.
 TEST(SoftwareVsReference, wholeChunksThatAreSkippedLeaveTheNextOnesRight) {
     AvatarData a = randomAvatar(60, 24, 16, 0);   // 1,536 splats a ring: half of them, three chunks, look away

@@ -293,6 +293,19 @@ DPL_EXPERIMENTAL DplResult dplDraw(DplContext context, DplAvatar avatar, const D
  *  was drawn yet, another viewCount, an image too small, or a depth that was not drawn. */
 DPL_EXPERIMENTAL DplResult dplReadImages(DplContext context, DplAvatar avatar, const DplImage* images, uint32_t viewCount);
 
+/* ---------------------------------------------------------------- several avatars in one picture */
+
+#define DPL_MAX_TOGETHER 16u       /**< avatars and sets of general splats in one picture */
+
+/** dplRender of several avatars in one picture: their splats are sorted together, so they may stand close, hold hands and embrace. avatars: avatarCount different
+ *  ones of this context, 1 to DPL_MAX_TOGETHER, general splats among them; place them by their root translation. The picture is the first one's: dplReadImages,
+ *  dplGetFrameStats and dplGetPassTime of that avatar are about it. The context keeps what it needs for the last four rows of avatars; a row is its avatars in
+ *  their order. DPL_ERROR_UNSUPPORTED: together they have more splats than the device can bind. */
+DPL_EXPERIMENTAL DplResult dplRenderTogether(DplContext context, const DplAvatar* avatars, uint32_t avatarCount, const DplCamera* views, uint32_t viewCount, const DplImage* images);
+
+/** dplDraw of several avatars in one picture. */
+DPL_EXPERIMENTAL DplResult dplDrawTogether(DplContext context, const DplAvatar* avatars, uint32_t avatarCount, const DplCamera* views, uint32_t viewCount, uint32_t flags);
+
 /* ---------------------------------------------------------------- measuring */
 
 /** What the avatar's last finished frame drew and cost. All but residentBytes is 0 before the first. */

@@ -168,6 +168,15 @@ public:
         return Avatar(handle_, avatar);
     }
 
+    /** Several in one picture, which is the first one's. One image a view. */
+    Status renderTogether(std::span<const DplAvatar> avatars, std::span<const DplCamera> views, std::span<const DplImage> images) const {
+        if (views.size() != images.size()) return Error{DPL_ERROR_INVALID_ARGUMENT, "as many images as views are needed"};
+        return status(dplRenderTogether(handle_, avatars.data(), uint32_t(avatars.size()), views.data(), uint32_t(views.size()), images.data()));
+    }
+    Status drawTogether(std::span<const DplAvatar> avatars, std::span<const DplCamera> views, uint32_t flags = 0) const {
+        return status(dplDrawTogether(handle_, avatars.data(), uint32_t(avatars.size()), views.data(), uint32_t(views.size()), flags));
+    }
+
 private:
     DplContext handle_ = nullptr;
 };

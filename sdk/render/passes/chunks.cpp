@@ -8,7 +8,7 @@ void addChunks(FramePlan& plan, const FrameIds& ids) {
         .writes(ids.visibility)
         .push(ids.codesPush())
         .threads(ids.groupCount);
-    plan.compute("chunks.list", "chunks.list").updates(ids.visibility, ids.counts).push(gpu::ChunkPush{ids.groupCount}).groups(1);
+    plan.compute("chunks.list", "chunks.list").updates(ids.visibility, ids.counts).push(gpu::ChunkPush{ids.groupCount, ids.allGroups, ids.firstGroup}).groups(1);
 }
 
 }  // namespace dpl

@@ -1,19 +1,24 @@
 #include "sdk/render/passes/compact.h"
 
+#include <algorithm>
+
 namespace dpl {
 
 void addCompact(FramePlan& plan, const FrameIds& ids) {
-    plan.compute("compact.scan", "scan.sums").updates(ids.visibility).push(gpu::ScanPush{ids.firstSum(), ids.groupCount}).groups(1);
+    const uint32_t drawn = uint32_t(ids.endGroups.size());
+    gpu::CompactPush push{ids.allGroups, ids.maxDepthKey(), drawn, {}};
+    std::copy(ids.endGroups.begin(), ids.endGroups.end(), push.endGroup);
+    plan.compute("compact.scan", "scan.sums").updates(ids.visibility).push(gpu::ScanPush{ids.firstSum(), ids.allGroups}).groups(1);
     plan.compute("compact.args", "compact.args")
         .reads(ids.visibility)
         .updates(ids.counts)
-        .push(gpu::ArgsPush{ids.groupCount, ids.layered ? 1 : ids.viewCount})
+        .push(gpu::ArgsPush{ids.allGroups, ids.layered ? 1 : ids.viewCount, ids.maxDepthKey(), drawn})
         .groups(1);
     plan.compute("compact.scatter", "compact.scatter")
         .reads(ids.visibility, ids.counts)
         .writes(ids.unsorted())
-        .push(gpu::CompactPush{ids.groupCount, ids.maxDepthKey()})
-        .threads(ids.groupCount * gpu::kMaskWords);
+        .push(push)
+        .threads(ids.allGroups * gpu::kMaskWords);
 }
 
 }  // namespace dpl

@@ -6,7 +6,7 @@
 namespace dpl {
 
 void addMeshDepth(FramePlan& plan, const FrameIds& ids) {
-    plan.fill("mesh.clear", ids.meshDepth, std::bit_cast<uint32_t>(std::numeric_limits<float>::infinity()));
+    if (ids.drawn == 0) plan.fill("mesh.clear", ids.meshDepth, std::bit_cast<uint32_t>(std::numeric_limits<float>::infinity()));
     if (ids.triangleCount == 0) return;
     plan.compute("mesh.depth", "mesh.depth")
         .uniform(ids.frame)

@@ -5,7 +5,7 @@
 
 namespace dpl {
 
-/** Posed vertices to the nearest depth of the mesh at each pixel of each view, as float bits, infinite where there is none. Wants the posed vertices alone: it may
+/** Of one subject; the first clears the buffer. Posed vertices to the nearest depth of the mesh at each pixel of each view, as float bits, infinite where there is none. Wants the posed vertices alone: it may
  *  run any time after them. */
 void addMeshDepth(FramePlan& plan, const FrameIds& ids);
 

@@ -9,9 +9,9 @@ void addProject(FramePlan& plan, const FrameIds& ids) {
             .reads(ids.splats)
             .writes(ids.projected, ids.visibility)
             .updates(ids.counts)
-            .push(gpu::SplatPush{ids.splatCount, ids.groupCount})
+            .push(gpu::SplatPush{ids.splatCount, ids.allGroups, ids.firstGroup, ids.firstSplat, ids.drawn})
             .groups(ids.groupCount);
-        plan.compute("splat.colour", ids.ofColour("colour.general")).uniform(ids.frame).reads(ids.splats, ids.sh).updates(ids.projected).push(gpu::ColourPush{ids.splatCount}).threads(ids.splatCount);
+        plan.compute("splat.colour", ids.ofColour("colour.general")).uniform(ids.frame).reads(ids.splats, ids.sh).updates(ids.projected).push(gpu::ColourPush{ids.splatCount, ids.firstSplat}).threads(ids.splatCount);
         return;
     }
     plan.compute("splat.project", ids.ofColour("project"))

@@ -8,7 +8,7 @@ void addSkin(FramePlan& plan, const FrameIds& ids) {
         .reads(ids.palette, ids.vertices)
         .writes(ids.posed)
         .updates(ids.counts)
-        .push(gpu::VertexPush{ids.vertexCount, 3 * ids.jointCount})
+        .push(gpu::VertexPush{ids.vertexCount, 3 * ids.jointCount, ids.drawn})
         .threads(ids.vertexCount);
 }
 

@@ -1,4 +1,4 @@
-// The numbers of the live half-chunks in order, and the arguments of the dispatches over them. One workgroup: they are few.
+// The numbers of the live half-chunks of one avatar in order, and the arguments of the dispatches over them. One workgroup: they are few.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -9,16 +9,17 @@ layout(local_size_x = 256) in;  // kScanGroup
 layout(std430, binding = 0) buffer VisibilityBlock { uint visibility[]; };
 layout(std430, binding = 1) buffer CountsBlock { FrameCounts counts; };
 layout(push_constant) uniform PushBlock { ChunkPush push; };
+#include "shaders/lib/visibility.glsl"
 
 void main() {
     uint lane = gl_LocalInvocationIndex;
     uint share = (push.groupCount + kScanGroup - 1u) / kScanGroup;
     uint begin = min(lane * share, push.groupCount), end = min(begin + share, push.groupCount), count = 0u;
-    for (uint i = begin; i < end; ++i) count += visibility[i];
+    for (uint i = begin; i < end; ++i) count += visibility[push.firstGroup + i];
     uint total;
-    uint slot = push.groupCount + dplExclusiveScan(lane, count, total);
+    uint slot = dplFirstLive(push.allGroups) + push.firstGroup + dplExclusiveScan(lane, count, total);
     for (uint i = begin; i < end; ++i) {
-        if (visibility[i] == 0u) continue;
+        if (visibility[push.firstGroup + i] == 0u) continue;
         visibility[slot] = i;
         ++slot;
     }
@@ -26,5 +27,6 @@ void main() {
         counts.chunkGroupsX = total;
         counts.chunkGroupsY = 1u;
         counts.chunkGroupsZ = 1u;
+        counts.chunksProjected += total;
     }
 }

@@ -25,9 +25,10 @@ void main() {
             if ((triangles[parent & kParentMask].corner0.w & wanted) != 0u) live = 1u;
         }
     }
+    group += push.firstGroup;
     visibility[group] = live;
     if (live == 0u) {
-        for (uint k = 0u; k < kMaskWords; ++k) visibility[dplFirstMask(push.groupCount) + kMaskWords * group + k] = 0u;
-        visibility[dplFirstSum(push.groupCount) + group] = 0u;
+        for (uint k = 0u; k < kMaskWords; ++k) visibility[dplFirstMask(push.allGroups) + kMaskWords * group + k] = 0u;
+        visibility[dplFirstSum(push.allGroups) + group] = 0u;
     }
 }

@@ -12,18 +12,19 @@ layout(push_constant) uniform PushBlock { CompactPush push; };
 #include "shaders/lib/visibility.glsl"
 
 void main() {
-    float nearest = dplFromOrderedBits(~counts.depthMinBitsInverted), farthest = dplFromOrderedBits(counts.depthMaxBits);
-    float most = float(push.maxDepthKey), scale = farthest > nearest ? most / (farthest - nearest) : 0.0;
     uint group = gl_GlobalInvocationID.x / kMaskWords, word = gl_GlobalInvocationID.x % kMaskWords;
     if (group >= push.groupCount) return;
     uint masks = dplFirstMask(push.groupCount) + kMaskWords * group, left = visibility[masks + word];
     if (left == 0u) return;
     uint slot = visibility[dplFirstSum(push.groupCount) + group], first = visibility[dplFirstSplat(push.groupCount) + group] + 32u * word;
     for (uint k = 0u; k < word; ++k) slot += uint(bitCount(visibility[masks + k]));
+    uint drawn = 0u;
+    for (uint k = 0u; k + 1u < push.drawnCount; ++k) drawn += group >= push.endGroup[k] ? 1u : 0u;
+    float start = counts.keyStart[drawn], offset = counts.keyOffset[drawn], scale = counts.keyScale, most = float(push.maxDepthKey);
     while (left != 0u) {
         uint splat = first + uint(findLSB(left)), bits = visibility[dplFirstDepth(push.groupCount) + splat];
         left &= left - 1u;
-        float level = clamp((uintBitsToFloat(bits) - nearest) * scale + 0.5, 0.0, most);  // at 24 bits adding the half may round up to 2²⁴
+        float level = clamp((uintBitsToFloat(bits) - start) * scale + offset, 0.0, most);  // at 24 bits adding the half may round up to 2²⁴
         pairs[slot] = uvec2(push.maxDepthKey == kFloatDepthKeys ? dplOrderedBits(uintBitsToFloat(bits)) : uint(level), splat);
         ++slot;
     }

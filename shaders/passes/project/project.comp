@@ -56,14 +56,15 @@ bool showIn(ViewData view, uint v, BoundSplat s, bool mayShow) {
         dplColour = codes[push.firstColour + s.index];
         p.look.z = dplPackColour(dplShColour(rest, entry, s.light));
     }
-    projected[s.index * kViews + v].place = p.place;
-    projected[s.index * kViews + v].look = p.look;
-    projected[s.index * kViews + v].radiusPx = p.radiusPx;
+    uint slot = (push.firstSplat + s.index) * kViews + v;
+    projected[slot].place = p.place;
+    projected[slot].look = p.look;
+    projected[slot].radiusPx = p.radiusPx;
     return seen;
 }
 
 void main() {
-    uint lane = gl_LocalInvocationIndex, group = visibility[dplFirstLive(push.groupCount) + gl_WorkGroupID.x];
+    uint lane = gl_LocalInvocationIndex, group = visibility[dplFirstLive(push.allGroups) + push.firstGroup + gl_WorkGroupID.x];
     dplLoadChunk(lane, group);
     dplClearSeen(lane);
     barrier();
@@ -78,7 +79,7 @@ void main() {
         uvec4 corner0 = triangles[parent].corner0;
         uint shown = corner0.w & (s.gated ? 3u * kShowsGated : 3u * kShowsFree);
         if (shown == 0u) {  // its triangle is in no view, or turned away: nothing else of it is read
-            for (uint v = 0u; v < kViews; ++v) projected[s.index * kViews + v].radiusPx = vec2(0.0);
+            for (uint v = 0u; v < kViews; ++v) projected[(push.firstSplat + s.index) * kViews + v].radiusPx = vec2(0.0);
         } else {
             uint packed = codes[push.firstPlace + s.index];
             vec2 scale = dplScale(size);
@@ -94,10 +95,10 @@ void main() {
             s.axis2 = scale.y * (cosine * f1 - sine * f0);
             s.normal = normalize(cross(f0, f1));
             for (uint v = 0u; v < kViews; ++v) seen = showIn(frame.views[v], v, s, (shown & ((kShowsFree | kShowsGated) << v)) != 0u) || seen;
-            if (seen) visibility[dplFirstDepth(push.groupCount) + s.index] = floatBitsToUint(dot(frame.sortAxis.xyz, s.centre));
+            if (seen) visibility[dplFirstDepth(push.allGroups) + push.firstSplat + s.index] = floatBitsToUint(dot(frame.sortAxis.xyz, s.centre));
         }
     }
     if (seen) dplSee(lane);
     barrier();
-    dplWriteSeen(lane, push.groupCount, group, dplChunk[0] + (group & 1u) * kSplatGroup);
+    dplWriteSeen(lane, push.allGroups, push.firstGroup + group, push.firstSplat + dplChunk[0] + (group & 1u) * kSplatGroup);
 }

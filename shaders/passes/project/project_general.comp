@@ -47,19 +47,20 @@ void main() {
     if (index < push.splatCount) {
         GeneralSplatRecord s = splats[index];
         bool seen = false;
-        for (uint v = 0u; v < kViews; ++v) seen = showIn(frame.views[v], index * kViews + v, s) || seen;
+        for (uint v = 0u; v < kViews; ++v) seen = showIn(frame.views[v], (push.firstSplat + index) * kViews + v, s) || seen;
         float depth = dot(frame.sortAxis.xyz, s.centre.xyz);
         if (seen) {
-            visibility[dplFirstDepth(push.groupCount) + index] = floatBitsToUint(depth);
+            visibility[dplFirstDepth(push.allGroups) + push.firstSplat + index] = floatBitsToUint(depth);
             dplSee(lane);
         }
-        atomicMax(groupMax, dplOrderedBits(depth));
-        atomicMax(groupMinInverted, ~dplOrderedBits(depth));
+        uint bits = dplOrderedBits(max(depth, frame.sortAxis.w));
+        atomicMax(groupMax, bits);
+        atomicMax(groupMinInverted, ~bits);
     }
     barrier();
-    dplWriteSeen(lane, push.groupCount, group, group * kSplatGroup);
+    dplWriteSeen(lane, push.allGroups, push.firstGroup + group, push.firstSplat + group * kSplatGroup);
     if (lane == 0u) {
-        atomicMax(counts.depthMaxBits, groupMax);
-        atomicMax(counts.depthMinBitsInverted, groupMinInverted);
+        atomicMax(counts.depthMaxBits[push.drawn], groupMax);
+        atomicMax(counts.depthMinBitsInverted[push.drawn], groupMinInverted);
     }
 }

@@ -55,13 +55,13 @@ void main() {
         addJoint(p, rest, v.joints23 & 0xFFFFu, (v.weights >> 16u) & 0xFFu);
         addJoint(p, rest, v.joints23 >> 16u, v.weights >> 24u);
         posed[vertex] = vec4(p, light);
-        uint depth = dplOrderedBits(dot(frame.sortAxis.xyz, p));
+        uint depth = dplOrderedBits(max(dot(frame.sortAxis.xyz, p), frame.sortAxis.w));
         atomicMax(groupMax, depth);
         atomicMax(groupMinInverted, ~depth);
     }
     barrier();
     if (lane == 0u) {
-        atomicMax(counts.depthMaxBits, groupMax);
-        atomicMax(counts.depthMinBitsInverted, groupMinInverted);
+        atomicMax(counts.depthMaxBits[push.drawn], groupMax);
+        atomicMax(counts.depthMinBitsInverted[push.drawn], groupMinInverted);
     }
 }

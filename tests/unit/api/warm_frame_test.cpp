@@ -73,7 +73,8 @@ uint64_t waits(DplAvatar avatar) {
 }
 
 /** Allocations of `frames` frames with new poses and views, three at a time as an app has them in flight. */
-uint64_t playFrames(DplContext context, DplAvatar avatar, int frames, uint32_t viewCount, uint32_t flags, bool scene = false) {
+uint64_t playFrames(DplContext context, DplAvatar avatar, int frames, uint32_t viewCount, uint32_t flags, bool scene = false, DplAvatar other = nullptr) {
+    const DplAvatar row[2] = {avatar, other};
     const uint64_t before = allocations;
     std::vector<uint8_t> pixels[2] = {std::vector<uint8_t>(120 * 96 * 4), std::vector<uint8_t>(120 * 96 * 4)};
     DplImage images[2];
@@ -87,7 +88,7 @@ uint64_t playFrames(DplContext context, DplAvatar avatar, int frames, uint32_t v
             if (scene) camera.sceneDepthM = sceneDepthM.data(), camera.sceneDepthCount = sceneDepthM.size();
         counting = true;
         const DplResult posed = frame % 2 ? dplSetPose(avatar, rotations, 2, root) : dplSetPoseFromClip(avatar, 0, t, DPL_TRUE);
-        const DplResult drawn = dplDraw(context, avatar, cameras, viewCount, flags);
+        const DplResult drawn = other ? dplDrawTogether(context, row, 2, cameras, viewCount, flags) : dplDraw(context, avatar, cameras, viewCount, flags);
         counting = false;
         EXPECT_EQ(posed, DPL_OK) << dplGetLastError();
         EXPECT_EQ(drawn, DPL_OK) << dplGetLastError();
@@ -116,6 +117,13 @@ void expectWarmFramesAreFree(DplRenderer renderer, DplFill fill = DPL_FILL_AUTO)
         EXPECT_EQ(playFrames(context, avatar, 18, viewCount, 0, true), 0u) << viewCount << " views behind a scene";
         EXPECT_EQ(waits(avatar), waited) << viewCount << " views behind a scene";
     }
+    DplAvatar other = nullptr;
+    ASSERT_EQ(dplLoadAvatar(context, bytes.data(), bytes.size(), &other), DPL_OK) << dplGetLastError();
+    playFrames(context, avatar, 9, 2, DPL_DRAW_MESH_DEPTH, false, other);
+    const uint64_t waited = waits(avatar);
+    EXPECT_EQ(playFrames(context, avatar, 18, 2, DPL_DRAW_MESH_DEPTH, false, other), 0u) << "two avatars together";
+    EXPECT_EQ(waits(avatar), waited) << "two avatars together";
+    EXPECT_EQ(dplDestroyAvatar(other), DPL_OK);
     EXPECT_EQ(dplDestroyAvatar(avatar), DPL_OK);
     EXPECT_EQ(dplDestroyContext(context), DPL_OK);
 }

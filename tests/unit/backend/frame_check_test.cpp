@@ -6,7 +6,7 @@
 namespace dpl {
 namespace {
 
-/** One valid step: compact.args reads block sums, updates counts, pushes 8 bytes. */
+/** One valid step: compact.args reads block sums, updates counts, pushes 16 bytes. */
 struct OneStep {
     std::unique_ptr<Backend> backend;
     BufferId sums, counts;
@@ -21,7 +21,7 @@ struct OneStep {
         step.label = "step";
         step.pipeline = *backend->computePipeline("compact.args");
         step.bindings = {{sums, Access::Read}, {counts, Access::Update}};
-        step.push.size = 8;
+        step.push.size = 16;
         step.groups = 1;
     }
     Result<FrameId> create(bool fillSums = true, bool fillCounts = true) {

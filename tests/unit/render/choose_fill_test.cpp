@@ -40,7 +40,7 @@ public:
     Result<RenderAvatarId> addCodedAvatar(std::shared_ptr<const AvatarData>, CodedSplats) override { return fail(Code::Unsupported, "no avatars"); }
     Result<RenderAvatarId> addSplats(const StaticSplatData&) override { return ++live, RenderAvatarId(1); }
     void removeAvatar(RenderAvatarId) override { --live; }
-    Status draw(RenderAvatarId, const Pose&, std::span<const Cameraf>, const FrameWants&) override {
+    Status drawTogether(std::span<const Drawn>, std::span<const Cameraf>, const FrameWants&) override {
         ++draws;
         if (behaviour_[size_t(fill)].fails) return fail(Code::Device, "lost");
         return {};

@@ -1,0 +1,131 @@
+// Several avatars in one picture through the public API: the red square of the fixture, another one, and general splats.
+#include <algorithm>
+
+#include "sdk/format/ply.h"
+#include "tests/unit/api/api_fixture.h"
+
+namespace dpl::test {
+namespace {
+
+class TogetherTest : public ApiTest {
+protected:
+    void SetUp() override {
+        ApiTest::SetUp();
+        const auto bytes = tinyFile();
+        ASSERT_EQ(dplLoadAvatar(context_, bytes.data(), bytes.size(), &other_), DPL_OK) << dplGetLastError();
+        StaticSplatData green;
+        green.position = {{0, 1, 0.2f}}, green.rotation = {{1, 0, 0, 0}}, green.scaleM = {{0.12f, 0.12f, 0.01f}}, green.opacity = {0.95f}, green.sh = {-1.7f, 1.7f, -1.7f};
+        const auto file = *writePly(green);
+        ASSERT_EQ(dplLoadAvatar(context_, file.data(), file.size(), &green_), DPL_OK) << dplGetLastError();
+    }
+    void TearDown() override {
+        EXPECT_EQ(dplDestroyAvatar(other_), DPL_OK);
+        EXPECT_EQ(dplDestroyAvatar(green_), DPL_OK);
+        ApiTest::TearDown();
+    }
+    /** The other square, aside and in depth. */
+    void place(float x, float z) {
+        DplAvatarInfo info{};
+        info.structSize = sizeof info;
+        ASSERT_EQ(dplGetAvatarInfo(other_, &info), DPL_OK);
+        std::vector<float> rotations(info.jointCount * 4);
+        for (size_t j = 0; j < info.jointCount; ++j) rotations[4 * j + 3] = 1;
+        const float root[3] = {x, 0, z};
+        ASSERT_EQ(dplSetPose(other_, rotations.data(), info.jointCount, root), DPL_OK) << dplGetLastError();
+    }
+    DplAvatar other_ = nullptr, green_ = nullptr;
+};
+
+TEST_F(TogetherTest, theNearerOneIsInFrontWhicheverIsNamedFirst) {
+    const DplCamera camera = frontCamera();
+    place(0.25f, -0.5f);
+    const size_t middle = 32 * 64 + 32, aside = 32 * 64 + 40;
+    std::vector<uint8_t> alone, first, last;
+    std::vector<float> depth;
+    DplImage image = imageFor(camera, alone, &depth);
+    ASSERT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK);
+    EXPECT_EQ(alone[aside * 4 + 1], alone[middle * 4 + 1]);
+    const DplAvatar rows[2][3] = {{avatar_, other_, green_}, {green_, other_, avatar_}};
+    image = imageFor(camera, first, &depth);
+    ASSERT_EQ(dplRenderTogether(context_, rows[0], 3, &camera, 1, &image), DPL_OK) << dplGetLastError();
+    EXPECT_GT(first[middle * 4 + 1], 150) << "the green splat is nearer than the square";
+    EXPECT_LT(first[middle * 4], 60);
+    EXPECT_NEAR(depth[middle], 2.8f, 0.05f);
+    EXPECT_GT(std::count_if(depth.begin(), depth.end(), [](float z) { return z > 3.3f && z < 3.6f; }), 20) << "of the square behind, what the others leave";
+    image = imageFor(camera, last);
+    ASSERT_EQ(dplRenderTogether(context_, rows[1], 3, &camera, 1, &image), DPL_OK) << dplGetLastError();
+    EXPECT_EQ(first, last);
+    EXPECT_FALSE(first == alone);
+    // One alone again, and a row of one, are what they were.
+    std::vector<uint8_t> again;
+    image = imageFor(camera, again);
+    ASSERT_EQ(dplRenderTogether(context_, &avatar_, 1, &camera, 1, &image), DPL_OK);
+    EXPECT_EQ(again, alone);
+}
+
+TEST_F(TogetherTest, meshDepthIsThatOfTheNearestMesh) {
+    const DplCamera camera = frontCamera();
+    place(0, 0.5f);
+    std::vector<float> depth(64 * 64, -1);
+    DplImage image{};
+    image.structSize = sizeof image, image.meshDepthM = depth.data(), image.meshDepthCount = depth.size();
+    const DplAvatar row[3] = {avatar_, green_, other_};
+    ASSERT_EQ(dplRenderTogether(context_, row, 3, &camera, 1, &image), DPL_OK) << dplGetLastError();
+    EXPECT_NEAR(depth[32 * 64 + 32], 2.5f, 1e-3f);
+    EXPECT_EQ(depth[0], 0);
+    EXPECT_EQ(dplRenderTogether(context_, &green_, 1, &camera, 1, &image), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(errorSays("no mesh")) << dplGetLastError();
+}
+
+TEST_F(TogetherTest, thePictureIsTheFirstOnes) {
+    const DplCamera camera = frontCamera();
+    const DplAvatar row[2] = {avatar_, other_};
+    place(0.5f, 0);
+    ASSERT_EQ(dplDrawTogether(context_, row, 2, &camera, 1, DPL_DRAW_DEPTH), DPL_OK) << dplGetLastError();
+    std::vector<uint8_t> drawn, rendered;
+    DplImage image = imageFor(camera, drawn);
+    EXPECT_EQ(dplReadImages(context_, other_, &image, 1), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(errorSays("nothing was drawn")) << dplGetLastError();
+    ASSERT_EQ(dplReadImages(context_, avatar_, &image, 1), DPL_OK) << dplGetLastError();
+    image = imageFor(camera, rendered);
+    ASSERT_EQ(dplRenderTogether(context_, row, 2, &camera, 1, &image), DPL_OK);
+    EXPECT_EQ(drawn, rendered);
+    DplFrameStats one{}, two{};
+    one.structSize = two.structSize = sizeof one;
+    ASSERT_EQ(dplGetFrameStats(avatar_, &two), DPL_OK);
+    ASSERT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK);
+    ASSERT_EQ(dplGetFrameStats(avatar_, &one), DPL_OK);
+    EXPECT_EQ(two.splatsDrawn, 2 * one.splatsDrawn);
+}
+
+TEST_F(TogetherTest, wrongRowsAreRefused) {
+    const DplCamera camera = frontCamera();
+    std::vector<uint8_t> pixels;
+    const DplImage image = imageFor(camera, pixels);
+    const auto refused = [&](const DplAvatar* row, uint32_t count, const char* why) {
+        const bool refusedBoth = dplRenderTogether(context_, row, count, &camera, 1, &image) == DPL_ERROR_INVALID_ARGUMENT &&
+                                 dplDrawTogether(context_, row, count, &camera, 1, 0) == DPL_ERROR_INVALID_ARGUMENT;
+        EXPECT_TRUE(errorSays(why)) << dplGetLastError();
+        return refusedBoth && std::all_of(pixels.begin(), pixels.end(), [](uint8_t b) { return b == 0xAA; });
+    };
+    const std::vector<DplAvatar> many(17, avatar_);
+    const DplAvatar twice[2] = {avatar_, avatar_}, none[2] = {avatar_, nullptr};
+    EXPECT_TRUE(refused(nullptr, 1, "NULL"));
+    EXPECT_TRUE(refused(twice, 0, "1 to 16"));
+    EXPECT_TRUE(refused(many.data(), 17, "1 to 16"));
+    EXPECT_TRUE(refused(twice, 2, "twice"));
+    EXPECT_TRUE(refused(none, 2, "avatar"));
+    DplContext elsewhere = nullptr;
+    const DplContextInfo info{sizeof(DplContextInfo), DPL_RENDERER_SOFTWARE, 1};
+    ASSERT_EQ(dplCreateContext(&info, &elsewhere), DPL_OK);
+    const auto bytes = tinyFile();
+    DplAvatar stranger = nullptr;
+    ASSERT_EQ(dplLoadAvatar(elsewhere, bytes.data(), bytes.size(), &stranger), DPL_OK);
+    const DplAvatar mixed[2] = {avatar_, stranger};
+    EXPECT_TRUE(refused(mixed, 2, "another context"));
+    EXPECT_EQ(dplDestroyAvatar(stranger), DPL_OK);
+    EXPECT_EQ(dplDestroyContext(elsewhere), DPL_OK);
+}
+
+}  // namespace
+}  // namespace dpl::test
