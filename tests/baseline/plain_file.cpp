@@ -2,7 +2,6 @@
 
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/splat_file.h"
-#include "sdk/math/coverage.h"
 #include "sdk/render/renderer.h"
 #include "tests/baseline/plain_frame.h"
 
@@ -25,7 +24,7 @@ Result<PlainFile> PlainFile::open(std::span<const uint8_t> bytes) {
     options.allowSoftwareDevice = true;
     auto backend = plain::createBackend(options);
     if (!backend) return fail(Code::Unsupported, "no Vulkan on this machine: {}", backend.error().message);
-    std::string name = "plain float: " + (*backend)->info().name;
+    std::string name = "vulkan: " + (*backend)->info().name + " (plain float)";
     auto state = std::make_unique<State>(std::move(*backend));
     if (splatFormatOf(bytes) != SplatFormat::None) {
         DPL_TRY(const SplatFile general, readSplats(bytes));
@@ -63,13 +62,6 @@ PlainStats PlainFile::stats() const {
     stats.avatarBytes = frame.avatarBytes() + (state_->avatar ? posingBytes(*state_->avatar) : 0);
     for (const PassTime& pass : frame.passTimes()) stats.passes.push_back({pass.label, pass.milliseconds});
     return stats;
-}
-
-uint32_t PlainFile::samplesToday(const Vec3f& rootTranslation, std::span<const Cameraf> views) const {
-    if (!state_->avatar || !state_->frame.device().fourSamples) return 1;
-    Pose pose;
-    pose.rootTranslation = rootTranslation;
-    return coverageSamples(state_->avatar->trainedPixelM, rootPosition(state_->avatar->joints, pose), views);
 }
 
 }  // namespace dpl

@@ -37,7 +37,7 @@ public:
     PlainFile& operator=(PlainFile&&) noexcept;
     ~PlainFile();
 
-    /** "plain float: DEVICE". */
+    /** "vulkan: DEVICE (plain float)". */
     const std::string& name() const { return name_; }
 
     /** rotations: xyzw a joint, as dplGetPose gives them; general splats take no notice of the pose. One or two views of equal size. Starts the frames. */
@@ -46,9 +46,6 @@ public:
     Status read(std::span<std::vector<uint8_t>> pictures);
 
     PlainStats stats() const;
-
-    /** Samples a pixel that today's frame takes of these views in this pose (sdk/math/coverage.h); the plain frame takes one always. */
-    uint32_t samplesToday(const Vec3f& rootTranslation, std::span<const Cameraf> views) const;
 
 private:
     struct State;

@@ -14,6 +14,5 @@ Result<PlainFile> PlainFile::open(std::span<const uint8_t>) { return fail(Code::
 Status PlainFile::draw(std::span<const float>, const Vec3f&, std::span<const Cameraf>) { return fail(Code::Unsupported, "this build is without Vulkan"); }
 Status PlainFile::read(std::span<std::vector<uint8_t>>) { return fail(Code::Unsupported, "this build is without Vulkan"); }
 PlainStats PlainFile::stats() const { return {}; }
-uint32_t PlainFile::samplesToday(const Vec3f&, std::span<const Cameraf>) const { return 1; }
 
 }  // namespace dpl
