@@ -25,6 +25,7 @@ Status bench(const BenchOptions& options) {
     Progress progress;
     BenchText text{!options.withoutReference, subject.info.splatCount, {}, {}, {}};
     BenchWorth worth{!options.withoutReference, {}, {}};
+    std::string model;
     std::vector<PlotSeries> plot;
     std::vector<PassTable> passes;
     Status warm;   // the tables are printed all the same
@@ -51,6 +52,7 @@ Status bench(const BenchOptions& options) {
             addPoint(plot, c, test);
         }
         worth.add(test, list);
+        model += modelOf(test, list, subject, referee.hasPoseCorrectives(), options.modelGbps);
         if (warm) warm = checkWarmFrames(list, test);
     }
     std::printf("%s: %u splats, %zu bytes in the file\n\n%s", options.avatar.c_str(), subject.info.splatCount, subject.bytes.size(), text.framesTable().c_str());
@@ -61,6 +63,9 @@ Status bench(const BenchOptions& options) {
                 "dplDraw, of all timed frames and three more in flight together. Plain float: the frozen frame of tests/baseline, before any optimisation, always one sample a pixel.\n", options.repeats);
     const bool raced = std::any_of(options.renderers.begin(), options.renderers.end(), [](const std::string& name) { return name != "software"; });
     if (auto chosen = raced ? doppel::Context::create(DPL_RENDERER_VULKAN) : doppel::Error{}) std::printf("What --fill auto chooses on this device: %s\n", chosen->rendererName().c_str());
+    if (!model.empty())
+        std::printf("\nA MODEL, NOT A MEASUREMENT (docs/model.md): bytes that each pass reads and writes, from counted survivors and record sizes, at %g GB/s; no arithmetic, no caches, no blending.\n\n"
+                    "| case, today's fill | pass | plain float: MB read + written | expected ms | today: MB read + written | expected ms |\n|---|---|---|---|---|---|\n%s", options.modelGbps, model.c_str());
     if (!options.plotFile.empty()) {
         const PlotOptions axes{"Speed against error: left is faster, up is nearer to the reference", "ms a frame, median", "PSNR of covered pixels, dB", true, false, 900, 460, true};
         DPL_CHECK_OK(writeFileAtomically(options.plotFile, svgFile(svgPlot(plot, axes))));
@@ -83,6 +88,7 @@ void addBenchCommand(CLI::App& app, CommandRun& run) {
     command->add_option("--repeats", options->repeats, "Timed frames a case")->check(CLI::Range(1, 1000))->capture_default_str();
     command->add_option("--threads", options->threadCount, "CPU threads, 0: one a core")->check(CLI::Range(0, 256));
     command->add_option("--axes", options->axes, "How the file stands; many 3D Gaussian splatting PLYs are y-down")->check(CLI::IsMember(kAxesNames))->capture_default_str();
+    command->add_option("--model", options->modelGbps, "Memory bandwidth of the model table (docs/model.md), 10^9 bytes a second")->check(CLI::Range(0.1, 1e5))->capture_default_str();
     command->add_option("--json", options->jsonFile, "Write the figures to this file as JSON lines too");
     CLI::Option* withoutReference = command->add_flag("--no-reference", options->withoutReference, "Only time: the reference takes seconds a picture");
     command->add_option("--plot", options->plotFile, "Draw speed against error into this SVG file")->excludes(withoutReference);

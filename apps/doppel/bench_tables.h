@@ -32,6 +32,9 @@ struct PassTable {
     void add(const Contestant& contestant, const BenchCase& test);
     std::string text() const;
 };
+/** The model of docs/model.md for one case: the plain frame against today's by quads and by tiles, where those raced. Empty for general splats. */
+std::string modelOf(const BenchCase& test, const std::vector<Contestant>& list, const BenchSubject& subject, bool corrected, double gbps);
+
 /** To the table of its device, a new one if there is none; renderers without passes have none. */
 void addPasses(std::vector<PassTable>& tables, const Contestant& contestant, const BenchCase& test);
 

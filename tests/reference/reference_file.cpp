@@ -54,6 +54,8 @@ ReferencePicture ReferenceFile::draw(std::span<const float> rotations, const Vec
     return {image.widthPx, image.heightPx, std::move(image.rgb), std::move(image.alpha)};
 }
 
+bool ReferenceFile::hasPoseCorrectives() const { return avatar_ && !avatar_->correctives.empty(); }
+
 uint32_t ReferenceFile::samples(const Vec3f& rootTranslation, const Cameraf& camera) const {
     Pose pose;
     pose.rootTranslation = rootTranslation;
