@@ -75,9 +75,10 @@ void BenchWorth::add(const BenchCase& test, const std::vector<Contestant>& list)
     if (!quads || quads->passes.empty()) return;
     const Contestant *unculled = findOption(list, "vulkan-without-culling"), *floatKeys = findOption(list, "vulkan-float-keys"), *apart = findOption(list, "vulkan-two-frames");
     if (unculled) passes += passWorth(test, "hierarchical culling", "whole frame", frameMs(*unculled), frameMs(*quads));
-    if (plain) passes += passWorth(test, "codes decoded on demand, culled", "chunks, projection and colour; off: plain float", passMs(*plain, projection), passMs(*quads, projection));
-    if (plain && unculled) passes += passWorth(test, "codes decoded on demand, nothing culled", "chunks, projection and colour; off: plain float", passMs(*plain, projection), passMs(*unculled, projection));
-    if (floatKeys) passes += passWorth(test, "16-bit depth keys", "sort", passMs(*floatKeys, sorting), passMs(*quads, sorting));
+    const bool coded = quads->stats.splatsInView > 0;   // general splats are records of floats today too
+    if (plain && coded) passes += passWorth(test, "codes decoded on demand, culled", "chunks, projection and colour; off: plain float", passMs(*plain, projection), passMs(*quads, projection));
+    if (plain && coded && unculled) passes += passWorth(test, "codes decoded on demand, nothing culled", "chunks, projection and colour; off: plain float", passMs(*plain, projection), passMs(*unculled, projection));
+    if (floatKeys) passes += passWorth(test, "quantised depth keys", "sort", passMs(*floatKeys, sorting), passMs(*quads, sorting));
     if (apart) {
         passes += passWorth(test, "one frame for both eyes", "before pixels are filled", passMs(*apart, beforePixels), passMs(*quads, beforePixels));
         passes += passWorth(test, "one frame for both eyes", "whole frame", frameMs(*apart), frameMs(*quads));
