@@ -7,7 +7,8 @@
 #include <sstream>
 
 #include "sdk/backend/shader_pack.h"
-#include "sdk/format/splat_codec.h"
+#include "sdk/format/avatar_file.h"
+#include "tests/baseline/plain_file.h"
 #include "tests/reference/random_avatar.h"
 #include "tests/unit/format/sample_correctives.h"
 #include "tests/unit/render/vulkan_image.h"
@@ -142,6 +143,35 @@ TEST(PlainFrame, drawsNothingForNoSplatsAndRefusesWhatItCannotDraw) {
     for (const uint8_t byte : nothing.rgba) ASSERT_EQ(byte, 0);
 }
 
+TEST(PlainFrame, aFileIsDrawnInThePoseThatItIsGiven) {
+    AvatarData data = test::withCorrectives(makeTube({.shDegree = 1}), 3);
+    sortSplats(data);
+    const auto bytes = writeAvatar(data);
+    ASSERT_TRUE(bytes) << bytes.error().message;
+    const auto decoded = readAvatar(*bytes);
+    ASSERT_TRUE(decoded) << decoded.error().message;
+    auto file = PlainFile::open(*bytes);
+    if (!file && file.error().code == Code::Unsupported) GTEST_SKIP() << file.error().message;
+    ASSERT_TRUE(file) << file.error().message;
+    Pose pose = tubePose(0.9f, 0.4f);
+    pose.rootTranslation = {0.05f, -0.02f, 0.1f};
+    std::vector<float> rotations;
+    for (const Quatf& q : pose.localRotations) rotations.insert(rotations.end(), {q.x, q.y, q.z, q.w});
+    const Cameraf views[2] = {tubeCamera(120, 144, 0.7f, 1.8f, -0.03f), tubeCamera(120, 144, 0.7f, 1.8f, 0.03f)};
+    std::vector<std::vector<uint8_t>> pictures(2);
+    EXPECT_FALSE(file->read(pictures)) << "nothing was drawn";
+    EXPECT_FALSE(file->draw({}, pose.rootTranslation, views)) << "a pose without its joints";
+    ASSERT_TRUE(file->draw(rotations, pose.rootTranslation, views));
+    ASSERT_TRUE(file->read(pictures));
+    for (size_t v = 0; v < 2; ++v) expectAgrees("a file, view " + std::to_string(v), {120, 144, pictures[v], {}}, renderReference(*decoded, pose, referenceCamera(views[v])));
+    const PlainStats stats = file->stats();
+    EXPECT_GT(stats.splatsDrawn, 1000u);
+    EXPECT_EQ(stats.splatBytes, decoded->splats.count() * (sizeof(plain::SplatRecord) + 12 * sizeof(float)));
+    EXPECT_GT(stats.avatarBytes, stats.splatBytes);
+    EXPECT_GT(stats.residentBytes, stats.splatBytes);
+    EXPECT_FALSE(PlainFile::open(std::vector<uint8_t>(100, 7)));
+}
+
 TEST(PlainFrame, aPackOfAnotherInterfaceIsRefused) {
     VulkanOptions options = testVulkanOptions();
     options.enableValidation = false;
@@ -152,7 +182,7 @@ TEST(PlainFrame, aPackOfAnotherInterfaceIsRefused) {
     EXPECT_EQ(backend.error().code, Code::Version);
 }
 
-/** All text of a file with its name, so that moving text between files shows too. */
+/** Over all text of every file with its name, so that moving text between files shows too. */
 TEST(PlainFrame, itsShadersAreFrozenAndIncludeNothingOfTodays) {
     const char* source = std::getenv("DOPPEL_SOURCE_DIR");
     if (!source) GTEST_SKIP() << "DOPPEL_SOURCE_DIR is not set";
