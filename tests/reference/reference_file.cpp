@@ -54,6 +54,14 @@ ReferencePicture ReferenceFile::draw(std::span<const float> rotations, const Vec
     return {image.widthPx, image.heightPx, std::move(image.rgb), std::move(image.alpha)};
 }
 
+bool ReferenceFile::hasPoseCorrectives() const { return avatar_ && !avatar_->correctives.empty(); }
+
+uint32_t ReferenceFile::samples(const Vec3f& rootTranslation, const Cameraf& camera) const {
+    Pose pose;
+    pose.rootTranslation = rootTranslation;
+    return avatar_ && referenceFourSamples(*avatar_, pose, referenceCamera(camera)) ? 4 : 1;
+}
+
 double PictureError::psnrDb() const { return decibels(squares, values); }
 double PictureError::coveredPsnrDb() const { return decibels(coveredSquares, coveredValues); }
 

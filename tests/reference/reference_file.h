@@ -30,6 +30,10 @@ public:
     /** rotations: xyzw a joint, as dplGetPose gives them; their number is not checked, and general splats take no notice of them. Slow: 50,000 splats take about a second a megapixel. */
     ReferencePicture draw(std::span<const float> rotations, const Vec3f& rootTranslation, const Cameraf& camera) const;
 
+    bool hasPoseCorrectives() const;
+    /** Samples a pixel in that picture, 1 or 4: of every renderer, but for devices that have not got four. */
+    uint32_t samples(const Vec3f& rootTranslation, const Cameraf& camera) const;
+
 private:
     std::shared_ptr<const AvatarData> avatar_;        // one of the two
     std::shared_ptr<const StaticSplatData> splats_;

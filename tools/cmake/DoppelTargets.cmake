@@ -56,6 +56,18 @@ function(doppel_library name)
   endif()
 endfunction()
 
+# doppel_shader_pack(name FOLDER [PACK_FUNCTION INTERFACE_FUNCTION]): a library that holds the shaders of FOLDER/catalogue.json, built into this binary folder.
+function(doppel_shader_pack name folder)
+  # One run compiles the whole catalogue; the depfile names every file it read.
+  file(GLOB shared_headers CONFIGURE_DEPENDS ${folder}/shared/*.h)
+  add_custom_command(OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/shader_pack.cpp ${CMAKE_CURRENT_BINARY_DIR}/shaders.dplpack
+    COMMAND shaderpack ${PROJECT_SOURCE_DIR} ${folder}/catalogue.json ${CMAKE_CURRENT_BINARY_DIR} ${ARGN}
+    DEPENDS shaderpack ${folder}/catalogue.json ${shared_headers}
+    DEPFILE ${CMAKE_CURRENT_BINARY_DIR}/shader_pack.d
+    COMMENT "Building a shader pack: ${name} (SPIR-V, MSL, reflection)" VERBATIM)
+  doppel_library(${name} SOURCES ${CMAKE_CURRENT_BINARY_DIR}/shader_pack.cpp)
+endfunction()
+
 # doppel_test(name SOURCES a.cpp ... LINKS target ... [LABELS quick|slow|vulkan|sanitize ...] [TIMEOUT s]): one GoogleTest program, one CTest entry.
 # Label 'sanitize' marks the tests that the sanitizer build runs too (readers, format, reference).
 if(DOPPEL_TESTS)

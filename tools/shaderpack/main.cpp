@@ -1,5 +1,6 @@
-// shaderpack ROOT CATALOGUE OUT: compiles every shader of the catalogue and writes into OUT
-//   shader_pack.cpp       the Vulkan pack as bytes (no MSL), for the SDK
+// shaderpack ROOT CATALOGUE OUT [PACK INTERFACE]: compiles every shader of the catalogue and writes into OUT. Includes are sought from ROOT, the
+// catalogue's files beside it; shared/ beside it is the interface with C++.
+//   shader_pack.cpp       the Vulkan pack as bytes (no MSL), for the SDK, behind the functions PACK and INTERFACE (qualified names)
 //   shaders.dplpack       the full pack, with MSL
 //   msl/NAME.{ios,macos}.metal
 //   shader_pack.d         what ninja must watch
@@ -37,7 +38,7 @@ Result<ShaderStage> stageOf(const fs::path& file) {
     return fail(Code::InvalidArgument, "{}: a shader is called .comp, .vert or .frag", file.string());
 }
 
-/** All text of shaders/shared in name order: what C++ and GLSL must agree on. */
+/** All text of the shared headers in name order: what C++ and GLSL must agree on. */
 Result<uint64_t> hashInterface(const fs::path& shared) {
     std::vector<fs::path> files;
     for (const auto& entry : fs::directory_iterator(shared)) files.push_back(entry.path());
@@ -50,29 +51,39 @@ Result<uint64_t> hashInterface(const fs::path& shared) {
     return shaderHash({reinterpret_cast<const uint8_t*>(all.data()), all.size()});
 }
 
-std::string embedText(const std::vector<uint8_t>& bytes, uint64_t interfaceHash) {
-    std::string text = "// Written by tools/shaderpack; do not edit.\n#include \"sdk/backend/shader_pack.h\"\nnamespace dpl {\nnamespace {\nconst uint8_t kPack[] = {";
+/** What the embedded bytes and their interface hash are called in C++. */
+struct FunctionNames {
+    std::string pack = "dpl::embeddedShaderPack", interface = "dpl::embeddedShaderInterface";
+};
+
+/** `function`: a name with its namespace before it. */
+std::string definition(const std::string& type, const std::string& function, const std::string& body) {
+    const size_t colons = function.rfind("::");
+    return "namespace " + function.substr(0, colons) + " {\n" + type + " " + function.substr(colons + 2) + "();\n" + type + " " + function.substr(colons + 2) + "() { return " + body + "; }\n}\n";
+}
+
+std::string embedText(const std::vector<uint8_t>& bytes, uint64_t interfaceHash, const FunctionNames& names) {
+    std::string text = "// Written by tools/shaderpack; do not edit.\n#include <cstdint>\n#include <span>\nnamespace {\nconst uint8_t kPack[] = {";
     text.reserve(text.size() + bytes.size() * 4 + 512);
     for (size_t i = 0; i < bytes.size(); ++i) {
         if (i % 32 == 0) text += '\n';
         text += std::to_string(bytes[i]) + ',';
     }
-    text += "\n};\n}  // namespace\nstd::span<const uint8_t> embeddedShaderPack() { return kPack; }\n";
-    text += "uint64_t embeddedShaderInterface() { return " + std::to_string(interfaceHash) + "ull; }\n}  // namespace dpl\n";
-    return text;
+    text += "\n};\n}  // namespace\n";
+    return text + definition("std::span<const uint8_t>", names.pack, "kPack") + definition("uint64_t", names.interface, std::to_string(interfaceHash) + "ull");
 }
 
-Status run(const fs::path& root, const fs::path& cataloguePath, const fs::path& out) {
+Status run(const fs::path& root, const fs::path& cataloguePath, const fs::path& out, const FunctionNames& names) {
     DPL_TRY(std::string text, readTextFile(cataloguePath));
     const auto catalogue = nlohmann::json::parse(text, nullptr, false);
     if (catalogue.is_discarded() || !catalogue.contains("shaders")) return fail(Code::CorruptData, "{} is not a shader catalogue", cataloguePath.string());
     std::set<std::string> dependencies = {cataloguePath.string()};
     ShaderPack pack;
-    DPL_TRY(pack.interfaceHash, hashInterface(root / "shaders/shared"));
+    DPL_TRY(pack.interfaceHash, hashInterface(cataloguePath.parent_path() / "shared"));
     for (const auto& entry : catalogue["shaders"]) {
         Shader shader;
         shader.name = entry.at("name").get<std::string>();
-        GlslInput input{root, root / "shaders" / entry.at("file").get<std::string>()};
+        GlslInput input{root, cataloguePath.parent_path() / entry.at("file").get<std::string>()};
         DPL_TRY(input.stage, stageOf(input.file));
         shader.stage = input.stage;
         input.defines = entry.value("defines", std::vector<std::string>{});
@@ -93,7 +104,7 @@ Status run(const fs::path& root, const fs::path& cataloguePath, const fs::path& 
     const std::vector<uint8_t> full = writeShaderPack(pack);
     DPL_CHECK_OK(writeFile(out / "shaders.dplpack", {reinterpret_cast<const char*>(full.data()), full.size()}));
     for (Shader& shader : pack.shaders) shader.mslIos.clear(), shader.mslMacos.clear();
-    DPL_CHECK_OK(writeFile(out / "shader_pack.cpp", embedText(writeShaderPack(pack), pack.interfaceHash)));
+    DPL_CHECK_OK(writeFile(out / "shader_pack.cpp", embedText(writeShaderPack(pack), pack.interfaceHash, names)));
     std::string depfile = (out / "shader_pack.cpp").string() + ":";
     for (const std::string& dependency : dependencies) depfile += " \\\n  " + dependency;
     return writeFile(out / "shader_pack.d", depfile + "\n");
@@ -103,11 +114,13 @@ Status run(const fs::path& root, const fs::path& cataloguePath, const fs::path& 
 }  // namespace dpl
 
 int main(int argc, char** argv) {
-    if (argc != 4) {
-        std::cerr << "usage: shaderpack ROOT CATALOGUE OUT\n";
+    dpl::FunctionNames names;
+    if (argc == 6) names = {argv[4], argv[5]};
+    if ((argc != 4 && argc != 6) || names.pack.find("::") == std::string::npos || names.interface.find("::") == std::string::npos) {
+        std::cerr << "usage: shaderpack ROOT CATALOGUE OUT [NAMESPACE::PACK NAMESPACE::INTERFACE]\n";
         return 2;
     }
-    if (auto status = dpl::run(argv[1], argv[2], argv[3]); !status) {
+    if (auto status = dpl::run(argv[1], argv[2], argv[3], names); !status) {
         std::cerr << "shaderpack: " << status.error().message << '\n';
         return 1;
     }

@@ -385,7 +385,8 @@ VulkanBackend::~VulkanBackend() {
 namespace dpl {
 
 Result<std::unique_ptr<Backend>> createVulkanBackend(const VulkanOptions& options) {
-    DPL_TRY(ShaderPack pack, readShaderPack(embeddedShaderPack(), "the embedded shader pack", embeddedShaderInterface()));
+    const bool own = options.shaderPack.empty();
+    DPL_TRY(ShaderPack pack, readShaderPack(own ? embeddedShaderPack() : options.shaderPack, own ? "the embedded shader pack" : "the given shader pack", own ? embeddedShaderInterface() : options.shaderInterface));
     DPL_TRY(auto device, vk::openDevice(options));
     device->info.identity += formatText("-{}", pack.contentHash);
     auto backend = std::make_unique<vk::VulkanBackend>(std::move(device), std::move(pack));

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,8 @@ struct VulkanOptions {
     bool shareViews = true;              // false: two views are two frames even where one order serves both, to measure what sharing saves
     bool quantiseDepth = true;           // false: sort by 32-bit float depths, to measure what 16 bits save and cost
     bool ignoreWorkarounds = false;      // try a driver without the table in vk_device.cpp
+    std::span<const uint8_t> shaderPack;  // built of other shaders than the SDK's, which do without it; copied
+    uint64_t shaderInterface = 0;        // that such a pack's C++ was compiled with
     /** Counts validation warnings and errors; the texts go to the log. */
     std::shared_ptr<std::atomic<uint32_t>> validationMessages;
 };

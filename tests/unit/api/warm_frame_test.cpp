@@ -1,42 +1,12 @@
-// A warm frame allocates nothing and waits for nothing: what an app calls at display rate, on both renderers. A program of its own, because it
-// replaces operator new: every allocation of C++ code in the process is counted, those of libdoppel and its threads too.
+// A warm frame allocates nothing and waits for nothing: what an app calls at display rate, on both renderers. A program of its own, because its
+// operator new counts: every allocation of C++ code in the process, those of libdoppel and its threads too.
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
+#include "apps/doppel/count_allocations.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/include/doppel/doppel.h"
 #include "tests/unit/format/sample_correctives.h"
 #include "tests/unit/render/tube_avatar.h"
-
-namespace {
-
-std::atomic<bool> counting{false};
-std::atomic<uint64_t> allocations{0};
-
-void* counted(size_t bytes, size_t alignment = alignof(std::max_align_t)) {
-    if (counting) ++allocations;
-    void* memory = alignment > alignof(std::max_align_t) ? std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment) : std::malloc(bytes ? bytes : 1);
-    if (!memory) throw std::bad_alloc();
-    return memory;
-}
-
-}  // namespace
-
-void* operator new(size_t bytes) { return counted(bytes); }
-void* operator new[](size_t bytes) { return counted(bytes); }
-void* operator new(size_t bytes, std::align_val_t alignment) { return counted(bytes, size_t(alignment)); }
-void* operator new[](size_t bytes, std::align_val_t alignment) { return counted(bytes, size_t(alignment)); }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete[](void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, size_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, size_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::align_val_t) noexcept { std::free(memory); }
-void operator delete(void* memory, size_t, std::align_val_t) noexcept { std::free(memory); }
-void operator delete[](void* memory, size_t, std::align_val_t) noexcept { std::free(memory); }
 
 namespace dpl {
 namespace {
@@ -75,7 +45,7 @@ uint64_t waits(DplAvatar avatar) {
 /** Allocations of `frames` frames with new poses and views, three at a time as an app has them in flight. */
 uint64_t playFrames(DplContext context, DplAvatar avatar, int frames, uint32_t viewCount, uint32_t flags, bool scene = false, DplAvatar other = nullptr) {
     const DplAvatar row[2] = {avatar, other};
-    const uint64_t before = allocations;
+    uint64_t allocations = 0;
     std::vector<uint8_t> pixels[2] = {std::vector<uint8_t>(120 * 96 * 4), std::vector<uint8_t>(120 * 96 * 4)};
     DplImage images[2];
     for (int v = 0; v < 2; ++v) images[v] = {sizeof(DplImage), 0, pixels[v].data(), pixels[v].size(), 0, nullptr, 0};
@@ -86,16 +56,16 @@ uint64_t playFrames(DplContext context, DplAvatar avatar, int frames, uint32_t v
         const std::vector<float> sceneDepthM(120 * 96, scene ? 1.6f + 0.1f * t : 0.0f);
         for (DplCamera& camera : cameras)
             if (scene) camera.sceneDepthM = sceneDepthM.data(), camera.sceneDepthCount = sceneDepthM.size();
-        counting = true;
+        AllocationCount count;
         const DplResult posed = frame % 2 ? dplSetPose(avatar, rotations, 2, root) : dplSetPoseFromClip(avatar, 0, t, DPL_TRUE);
         const DplResult drawn = other ? dplDrawTogether(context, row, 2, cameras, viewCount, flags) : dplDraw(context, avatar, cameras, viewCount, flags);
-        counting = false;
+        allocations += count.stop();
         EXPECT_EQ(posed, DPL_OK) << dplGetLastError();
         EXPECT_EQ(drawn, DPL_OK) << dplGetLastError();
         if (frame % 3 != 2) continue;
         EXPECT_EQ(dplReadImages(context, avatar, images, viewCount), DPL_OK) << dplGetLastError();  // the device catches up
     }
-    return allocations - before;
+    return allocations;
 }
 
 void expectWarmFramesAreFree(DplRenderer renderer, DplFill fill = DPL_FILL_AUTO) {

@@ -1,0 +1,96 @@
+#include "apps/doppel/bench_worth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "apps/doppel/bench_tables.h"
+#include "sdk/core/percentile.h"
+
+namespace dpl {
+namespace {
+
+using PassFilter = bool (*)(std::string_view label);
+
+/** Summed medians of the GPU times of the passes that the filter takes, milliseconds. */
+double passMs(const Contestant& c, PassFilter takes) {
+    double sum = 0;
+    for (const PassSamples& pass : c.passes)
+        if (takes(pass.label)) sum += percentile(pass.milliseconds, 0.5);
+    return sum;
+}
+
+bool beforePixels(std::string_view label) { return !label.starts_with("draw") && !label.starts_with("tiles.fill") && label != "counts" && label != "readback"; }
+/** From records or codes to splats on the screen, coloured: today's frame splits that otherwise than the plain one. */
+bool projection(std::string_view label) { return label.starts_with("chunks") || label.starts_with("splat."); }
+bool sorting(std::string_view label) { return label.starts_with("sort."); }
+
+double frameMs(const Contestant& c) { return percentile(c.milliseconds, 0.5); }
+
+const Contestant* findOption(const std::vector<Contestant>& list, std::string_view option) {
+    const auto found = std::find_if(list.begin(), list.end(), [&](const Contestant& c) { return c.option == option; });
+    return found == list.end() ? nullptr : &*found;
+}
+
+/** The same renderer and fill with nothing switched off. */
+const Contestant* wholeOf(const std::vector<Contestant>& list, const Contestant& off) {
+    const auto found = std::find_if(list.begin(), list.end(), [&](const Contestant& c) { return !c.without && c.name == off.whole; });
+    return found == list.end() ? nullptr : &*found;
+}
+
+/** The fastest of today's ways to fill pixels on the GPU. */
+const Contestant* fastestFill(const std::vector<Contestant>& list) {
+    const Contestant* best = nullptr;
+    for (const Contestant& c : list)
+        if (!c.plain && !c.without && c.option != "software" && (!best || frameMs(c) < frameMs(*best))) best = &c;
+    return best;
+}
+
+std::string arrow(double off, double on) {
+    char text[120];
+    std::snprintf(text, sizeof text, off > 0 && on > 0 ? "%.2f → %.2f | %.2f ×" : "– | –", off, on, on > 0 ? off / on : 0.0);
+    return text;
+}
+
+std::string frameWorth(const BenchCase& test, const std::string& what, const Contestant& off, const Contestant& on, bool compared) {
+    const std::string error = compared ? formatText("{} → {} | {} → {}", decibelText(off.error.coveredPsnrDb()), decibelText(on.error.coveredPsnrDb()), std::round(off.error.maxLevels * 10) / 10,
+                                                    std::round(on.error.maxLevels * 10) / 10)
+                                       : "– | –";
+    return formatText("| {} | {} | {} | {} | {} |\n", test.name, what, arrow(frameMs(off), frameMs(on)), arrow(passMs(off, beforePixels), passMs(on, beforePixels)), error);
+}
+
+std::string passWorth(const BenchCase& test, const char* what, const char* where, double off, double on) { return formatText("| {} | {} | {} | {} |\n", test.name, what, where, arrow(off, on)); }
+
+}  // namespace
+
+void BenchWorth::add(const BenchCase& test, const std::vector<Contestant>& list) {
+    for (const Contestant& off : list)
+        if (off.without)
+            if (const Contestant* on = wholeOf(list, off)) frames += frameWorth(test, off.name + " → all on", off, *on, compared);
+    const Contestant *plain = findOption(list, "vulkan-plain-float"), *quads = findOption(list, "vulkan-quads"), *best = fastestFill(list), *software = findOption(list, "software");
+    if (plain && quads) frames += frameWorth(test, "plain float quads → quads, all on", *plain, *quads, compared);
+    if (plain && best) frames += frameWorth(test, formatText("plain float quads → the faster fill, {}", best->option), *plain, *best, compared);
+    if (plain && software) frames += frameWorth(test, "plain float quads → software", *plain, *software, compared);
+
+    if (!quads || quads->passes.empty()) return;
+    const Contestant *unculled = findOption(list, "vulkan-without-culling"), *floatKeys = findOption(list, "vulkan-float-keys"), *apart = findOption(list, "vulkan-two-frames");
+    if (unculled) passes += passWorth(test, "hierarchical culling", "whole frame", frameMs(*unculled), frameMs(*quads));
+    const bool coded = quads->stats.splatsInView > 0;   // general splats are records of floats today too
+    if (plain && coded) passes += passWorth(test, "codes decoded on demand, culled", "chunks, projection and colour; off: plain float", passMs(*plain, projection), passMs(*quads, projection));
+    if (plain && coded && unculled) passes += passWorth(test, "codes decoded on demand, nothing culled", "chunks, projection and colour; off: plain float", passMs(*plain, projection), passMs(*unculled, projection));
+    if (floatKeys) passes += passWorth(test, "quantised depth keys", "sort", passMs(*floatKeys, sorting), passMs(*quads, sorting));
+    if (apart) {
+        passes += passWorth(test, "one frame for both eyes", "before pixels are filled", passMs(*apart, beforePixels), passMs(*quads, beforePixels));
+        passes += passWorth(test, "one frame for both eyes", "whole frame", frameMs(*apart), frameMs(*quads));
+    }
+}
+
+std::string BenchWorth::text() const {
+    std::string out;
+    if (!frames.empty())
+        out += "\n| case | off → on | frame, ms: off → on | worth | before pixels are filled, GPU ms: off → on | worth | covered pixels: off → on | max error, levels: off → on |\n|---|---|---|---|---|---|---|---|\n" + frames;
+    if (!passes.empty()) out += "\n| case | what one optimisation is worth, quads | where | ms: off → on | worth |\n|---|---|---|---|---|\n" + passes;
+    return out;
+}
+
+}  // namespace dpl

@@ -1,0 +1,44 @@
+#include "apps/doppel/count_allocations.h"
+
+#include <atomic>
+#include <cstddef>
+#include <cstdlib>
+#include <new>
+
+namespace dpl {
+namespace {
+
+std::atomic<bool> counting{false};
+std::atomic<uint64_t> allocations{0};
+
+void* countedMemory(size_t bytes, size_t alignment = alignof(std::max_align_t)) {
+    if (counting.load(std::memory_order_relaxed)) allocations.fetch_add(1, std::memory_order_relaxed);
+    void* memory = alignment > alignof(std::max_align_t) ? std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment) : std::malloc(bytes ? bytes : 1);
+    if (!memory) throw std::bad_alloc();
+    return memory;
+}
+
+}  // namespace
+
+AllocationCount::AllocationCount() : before_(allocations) { counting = true; }
+AllocationCount::~AllocationCount() { counting = false; }
+
+uint64_t AllocationCount::stop() {
+    counting = false;
+    return allocations - before_;
+}
+
+}  // namespace dpl
+
+void* operator new(size_t bytes) { return dpl::countedMemory(bytes); }
+void* operator new[](size_t bytes) { return dpl::countedMemory(bytes); }
+void* operator new(size_t bytes, std::align_val_t alignment) { return dpl::countedMemory(bytes, size_t(alignment)); }
+void* operator new[](size_t bytes, std::align_val_t alignment) { return dpl::countedMemory(bytes, size_t(alignment)); }
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete[](void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, size_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, size_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::align_val_t) noexcept { std::free(memory); }
+void operator delete(void* memory, size_t, std::align_val_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, size_t, std::align_val_t) noexcept { std::free(memory); }

@@ -1,0 +1,26 @@
+// Maps GLSL type names to C++ so that both languages read the same structs. GLSL sees nothing of this file but its guard.
+#ifndef DPL_PLAIN_SHIM_H
+#define DPL_PLAIN_SHIM_H
+
+#ifdef __cplusplus
+#include <cstddef>
+#include <cstdint>
+namespace dpl::plain {
+using uint = uint32_t;
+struct alignas(8) vec2 { float x, y; };
+struct alignas(16) vec4 { float x, y, z, w; };
+struct alignas(8) uvec2 { uint x, y; };
+struct alignas(16) uvec4 { uint x, y, z, w; };
+}  // namespace dpl::plain
+#define DPL_PLAIN_BEGIN namespace dpl::plain {
+#define DPL_PLAIN_END }
+#define DPL_PLAIN_CONST constexpr
+#define DPL_PLAIN_SIZE(type, bytes) static_assert(sizeof(type) == bytes);
+#else
+#define DPL_PLAIN_BEGIN
+#define DPL_PLAIN_END
+#define DPL_PLAIN_CONST const
+#define DPL_PLAIN_SIZE(type, bytes)
+#endif
+
+#endif
