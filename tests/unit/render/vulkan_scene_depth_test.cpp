@@ -95,6 +95,27 @@ TEST_P(VulkanSceneDepth, aSceneWithNothingInItLeavesEveryByteAndOneInFrontNone) 
     }
 }
 
+/** Camera and splat on the axis: the depth is 2 to the last bit. */
+TEST_P(VulkanSceneDepth, equalDepthIsSeenAndTheNextFloatBeforeItHides) {
+    TestVulkan vulkan(testVulkanOptions(), GetParam());
+    DPL_NEED_VULKAN(vulkan);
+    StaticSplatData splats = randomStaticSplats(1, 1, 0);
+    splats.position = {{0, 0, 2}}, splats.scaleM = {{0.2f, 0.2f, 0.2f}}, splats.opacity = {0.9f};
+    Cameraf camera;
+    camera.widthPx = camera.heightPx = 33, camera.fx = camera.fy = 30, camera.cx = camera.cy = 16.5f;
+    auto id = vulkan.renderer->addSplats(splats);
+    ASSERT_TRUE(id) << id.error().message;
+    std::vector<float> scene(33 * 33, 2.0f);
+    for (size_t i = 0; i < scene.size(); i += 2) scene[i] = std::nextafter(2.0f, 0.0f);
+    const RenderedView alone = drawBehind(*vulkan.renderer, *id, {}, {&camera, 1}, {}, false)[0], image = drawBehind(*vulkan.renderer, *id, {}, {&camera, 1}, {scene}, false)[0];
+    size_t seen = 0;
+    for (size_t i = 0; i < scene.size(); ++i) {
+        ASSERT_EQ(image.rgba[4 * i + 3], i % 2 ? alone.rgba[4 * i + 3] : 0) << i;
+        seen += image.rgba[4 * i + 3] > 0;
+    }
+    EXPECT_GT(seen, 20u);
+}
+
 /** Many layers in few tiles: the lists overflow, so that quads draw the frame with the scene of that slot. */
 TEST_P(VulkanSceneDepth, holdsWhereTheListsOfTilesOverflowAndForGeneralSplats) {
     TestVulkan vulkan(withPreciseBlendingOfAnyWidth(), GetParam());
