@@ -75,7 +75,7 @@ Cameraf shiftedSideways(const Cameraf& camera, double metres) {
     return shifted;
 }
 
-Result<std::vector<std::vector<uint8_t>>> drawViews(const doppel::Avatar& avatar, std::span<const Cameraf> views) {
+Result<std::vector<std::vector<uint8_t>>> drawViews(const doppel::Context& context, std::span<const DplAvatar> row, std::span<const Cameraf> views) {
     std::vector<std::vector<uint8_t>> pixels(views.size());
     std::vector<DplCamera> cameras;
     std::vector<DplImage> images;
@@ -89,7 +89,7 @@ Result<std::vector<std::vector<uint8_t>>> drawViews(const doppel::Avatar& avatar
         image.rgbaBytes = pixels[i].size();
         images.push_back(image);
     }
-    if (auto drawn = avatar.render(cameras, images); !drawn) return fromSdk(drawn.error());
+    if (auto drawn = context.renderTogether(row, cameras, images); !drawn) return fromSdk(drawn.error());
     return pixels;
 }
 

@@ -30,8 +30,8 @@ constexpr double kEyeDistanceM = 0.063;
 /** The camera moved along its own x axis: −½ and +½ eye distance give a stereo pair with parallel axes. */
 Cameraf shiftedSideways(const Cameraf& camera, double metres);
 
-/** RGBA8 pictures of all views, straight alpha. */
-Result<std::vector<std::vector<uint8_t>>> drawViews(const doppel::Avatar& avatar, std::span<const Cameraf> views);
+/** RGBA8 pictures of all views, straight alpha, of a row of avatars that are drawn together. */
+Result<std::vector<std::vector<uint8_t>>> drawViews(const doppel::Context& context, std::span<const DplAvatar> row, std::span<const Cameraf> views);
 
 /** Views side by side over a soft grey gradient, RGB8; rows are views.size()·width wide. */
 std::vector<uint8_t> sideBySide(std::span<const std::vector<uint8_t>> views, uint32_t widthPx, uint32_t heightPx);

@@ -20,8 +20,9 @@ namespace fs = std::filesystem;
 
 struct RenderOptions {
     fs::path avatar, out, scan, poses;
+    std::vector<fs::path> beside;
     std::string clip, split = "test", size = "720x1280", renderer = "auto", fill = "auto", axes = "y-up";
-    double timeS = 0, seconds = 0, framesPerSecond = 30, azimuthDeg = 0, scale = 1;
+    double apartM = 0.8, timeS = 0, seconds = 0, framesPerSecond = 30, azimuthDeg = 0, scale = 1;
     bool turntable = false, stereo = false, unfitted = false;
     uint32_t threadCount = 0;
 };
@@ -61,7 +62,7 @@ Status makeFolder(const fs::path& folder) {
 }
 
 /** --scan: one PNG with straight alpha per frame, named like the frame, from the scan's own camera and the pose found for it. */
-Status renderScan(const RenderOptions& options, doppel::Avatar& avatar, Progress& progress) {
+Status renderScan(const RenderOptions& options, const doppel::Context& context, doppel::Avatar& avatar, Progress& progress) {
     DPL_TRY(Scan scan, readScan(options.scan));
     const fs::path posesPath = options.poses.empty() ? options.avatar.parent_path() / "poses.json" : options.poses;
     DPL_TRY(PosesFile poses, readPosesFile(posesPath));
@@ -79,7 +80,8 @@ Status renderScan(const RenderOptions& options, doppel::Avatar& avatar, Progress
         static_assert(sizeof(Quatf) == 4 * sizeof(float), "GLM keeps quaternions as xyzw");
         if (auto set = avatar.setPose({&pose.localRotations[0].x, pose.localRotations.size() * 4}, {&pose.rootTranslation.x, 3}); !set) return fromSdk(set.error());
         const Cameraf camera = frames[i]->camera.scaled(options.scale).cast<float>();
-        DPL_TRY(auto pixels, drawViews(avatar, {&camera, 1}));
+        const DplAvatar row[1] = {avatar.handle()};
+        DPL_TRY(auto pixels, drawViews(context, row, {&camera, 1}));
         DPL_CHECK_OK(writePng(options.out / (frames[i]->name + ".png"), pixels[0], camera.widthPx, camera.heightPx, 4));
         progress.update(double(i + 1) / double(frames.size()), frames[i]->name);
     }
@@ -87,19 +89,63 @@ Status renderScan(const RenderOptions& options, doppel::Avatar& avatar, Progress
     return {};
 }
 
-/** Stills, turntables and clips from our own camera. */
-Status renderShots(const RenderOptions& options, doppel::Avatar& avatar, Progress& progress) {
-    DPL_TRY(PictureSize size, parseSize(options.size));
+/** Moves the avatar along +X from where its pose has put it. General splats stay where their file says. */
+Status moveAside(doppel::Avatar& avatar, double metres) {
     auto info = avatar.info();
     if (!info) return fromSdk(info.error());
-    uint32_t clip = 0;
+    if (info->jointCount == 0 || metres == 0) return {};
+    std::vector<float> rotations(size_t(info->jointCount) * 4);
+    float root[3];
+    if (dplGetPose(avatar.handle(), rotations.data(), info->jointCount, root) != DPL_OK) return fail(Code::Internal, "{}", dplGetLastError());
+    root[0] += float(metres);
+    if (auto set = avatar.setPose(rotations, root); !set) return fromSdk(set.error());
+    return {};
+}
+
+/** Who is drawn together, and the clip that each of them plays. */
+struct Company {
+    std::vector<doppel::Avatar> avatars;
+    std::vector<uint32_t> clips;
+    std::vector<double> asideM;
+    std::vector<DplAvatar> row;
+};
+
+/** The box of all of them in one DplAvatarInfo. */
+Result<DplAvatarInfo> boxOf(const Company& company) {
+    DplAvatarInfo all{};
+    for (size_t i = 0; i < company.avatars.size(); ++i) {
+        auto info = company.avatars[i].info();
+        if (!info) return fromSdk(info.error());
+        if (i == 0) all = *info;
+        for (int k = 0; k < 3; ++k) {
+            const float aside = k == 0 && info->jointCount > 0 ? float(company.asideM[i]) : 0;
+            const float low = info->restMin[k] + aside, high = info->restMax[k] + aside;
+            all.restMin[k] = i == 0 ? low : std::min(all.restMin[k], low);
+            all.restMax[k] = i == 0 ? high : std::max(all.restMax[k], high);
+        }
+    }
+    return all;
+}
+
+/** Stills, turntables and clips from our own camera. */
+Status renderShots(const RenderOptions& options, const doppel::Context& context, Company& company, Progress& progress) {
+    DPL_TRY(PictureSize size, parseSize(options.size));
     double duration = options.turntable ? 6 : 0;
-    if (!options.clip.empty()) {
-        DPL_TRY(clip, chooseClip(avatar, options.clip));
-        auto about = avatar.clip(clip);
+    for (size_t i = 0; i < company.avatars.size(); ++i) {
+        doppel::Avatar& avatar = company.avatars[i];
+        company.row.push_back(avatar.handle());
+        company.clips.push_back(0);
+        company.asideM.push_back(options.apartM * (double(i) - 0.5 * double(company.avatars.size() - 1)));
+        if (options.clip.empty()) {
+            DPL_CHECK_OK(moveAside(avatar, company.asideM[i]));
+            continue;
+        }
+        DPL_TRY(company.clips[i], chooseClip(avatar, options.clip));
+        auto about = avatar.clip(company.clips[i]);
         if (!about) return fromSdk(about.error());
         duration = std::max(duration, about->durationS);
     }
+    DPL_TRY(const DplAvatarInfo box, boxOf(company));
     if (options.seconds > 0) duration = options.seconds;
 
     const std::string extension = options.out.extension().string();
@@ -118,13 +164,15 @@ Status renderShots(const RenderOptions& options, doppel::Avatar& avatar, Progres
     for (size_t i = 0; i < frameCount; ++i) {
         if (progress.cancelled()) return fail(Code::Cancelled, "stopped after {} of {} frames", i, frameCount);
         const double timeS = options.timeS + double(i) / options.framesPerSecond;
-        if (!options.clip.empty())
-            if (auto set = avatar.setPoseFromClip(clip, timeS, true); !set) return fromSdk(set.error());
+        for (size_t k = 0; k < company.avatars.size() && !options.clip.empty(); ++k) {
+            if (auto set = company.avatars[k].setPoseFromClip(company.clips[k], timeS, true); !set) return fromSdk(set.error());
+            DPL_CHECK_OK(moveAside(company.avatars[k], company.asideM[k]));
+        }
         const double turn = options.turntable ? 2 * std::numbers::pi * double(i) / double(frameCount) : 0;
-        const Cameraf centre = frameAvatar(*info, size.widthPx, size.heightPx, options.azimuthDeg * std::numbers::pi / 180 + turn, uprightFromFile(options.axes));
+        const Cameraf centre = frameAvatar(box, size.widthPx, size.heightPx, options.azimuthDeg * std::numbers::pi / 180 + turn, uprightFromFile(options.axes));
         std::vector<Cameraf> views = {centre};
         if (options.stereo) views = {shiftedSideways(centre, -kEyeDistanceM / 2), shiftedSideways(centre, kEyeDistanceM / 2)};
-        DPL_TRY(auto pixels, drawViews(avatar, views));
+        DPL_TRY(auto pixels, drawViews(context, company.row, views));
         if (still && !options.stereo) {
             DPL_CHECK_OK(writePng(options.out, pixels[0], size.widthPx, size.heightPx, 4));
         } else {
@@ -141,23 +189,29 @@ Status renderShots(const RenderOptions& options, doppel::Avatar& avatar, Progres
 }
 
 /** General splats have no joints: what would pose them is refused rather than left out without a word. */
-Status checkStill(const RenderOptions& options) {
+Status checkStill(const RenderOptions& options, const fs::path& file) {
     const char* posing = !options.clip.empty() ? "--clip" : !options.scan.empty() ? "--scan" : !options.poses.empty() ? "--poses" : options.timeS > 0 ? "--time" : nullptr;
-    if (posing) return fail(Code::InvalidArgument, "{}: {} holds general splats, which have no joints to pose; leave it out", posing, options.avatar.string());
+    if (posing) return fail(Code::InvalidArgument, "{}: {} holds general splats, which have no joints to pose; leave it out", posing, file.string());
     return {};
 }
 
 Status renderAll(const RenderOptions& options) {
     Progress progress;
-    DPL_TRY(auto bytes, readFile(options.avatar));
+    std::vector<fs::path> files = {options.avatar};
+    files.insert(files.end(), options.beside.begin(), options.beside.end());
     DPL_TRY(auto context, makeContext(options));
-    auto avatar = context.loadAvatar(bytes);
-    if (!avatar) return fail(fromSdk(avatar.error()).code, "{}: {}", options.avatar.string(), avatar.error().message);
-    auto info = avatar->info();
-    if (!info) return fromSdk(info.error());
-    if (info->jointCount == 0) DPL_CHECK_OK(checkStill(options));
+    Company company;
+    for (const fs::path& file : files) {
+        DPL_TRY(auto bytes, readFile(file));
+        auto avatar = context.loadAvatar(bytes);
+        if (!avatar) return fail(fromSdk(avatar.error()).code, "{}: {}", file.string(), avatar.error().message);
+        auto info = avatar->info();
+        if (!info) return fromSdk(info.error());
+        if (info->jointCount == 0) DPL_CHECK_OK(checkStill(options, file));
+        company.avatars.push_back(std::move(*avatar));
+    }
     progress.note("drawing with " + context.rendererName());
-    return options.scan.empty() ? renderShots(options, *avatar, progress) : renderScan(options, *avatar, progress);
+    return options.scan.empty() ? renderShots(options, context, company, progress) : renderScan(options, context, company.avatars[0], progress);
 }
 
 }  // namespace
@@ -167,6 +221,8 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
     CLI::App* command = app.add_subcommand("render", "Draw an avatar: stills, turntables, clips, stereo, or a scan's own views");
     command->add_option("avatar", options->avatar, "Avatar file (.glb), or general splats (.ply, compressed .ply, .spz, .glb with KHR_gaussian_splatting)")->required();
     command->add_option("-o,--out", options->out, "A .png (with alpha), a .mp4 (through ffmpeg) or a folder of PNG frames")->required();
+    command->add_option("--with", options->beside, "More avatars in the same picture, side by side; their splats are sorted together")->expected(1, int(DPL_MAX_TOGETHER) - 1);
+    command->add_option("--apart", options->apartM, "Metres from one to the next")->check(CLI::Range(0.0, 100.0))->capture_default_str()->needs("--with");
     command->add_option("--clip", options->clip, "A clip of the avatar by name, or a BVH or glTF file to drive it with");
     command->add_option("--time", options->timeS, "Start time in the clip, seconds")->check(CLI::Range(0.0, 1e6));
     command->add_option("--seconds", options->seconds, "Length of the video (default: the clip's, or 6 s for a turntable)")->check(CLI::Range(0.0, 3600.0));
@@ -177,6 +233,7 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
     command->add_flag("--stereo", options->stereo, "Left and right eye side by side, 63 mm apart");
     command->add_option("--size", options->size, "Size of one view, WIDTHxHEIGHT")->capture_default_str();
     command->add_option("--scan", options->scan, "Draw this scan's frames from its own cameras, one PNG with alpha a frame");
+    command->get_option("--scan")->excludes("--with");
     command->add_option("--split", options->split, "Which frames of the scan")->check(CLI::IsMember({"test", "train", "all"}))->capture_default_str();
     command->add_option("--poses", options->poses, "poses.json of the reconstruction (default: beside the avatar)");
     command->add_option("--scale", options->scale, "With --scan: times the scan's resolution")->check(CLI::Range(0.05, 16.0))->capture_default_str();
@@ -189,6 +246,7 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
         "  doppel render ada/avatar.glb -o ada.png --azimuth 30\n"
         "  doppel render ada/avatar.glb -o ada.mp4 --turntable\n"
         "  doppel render ada/avatar.glb -o walk.mp4 --clip 02_01.bvh --stereo --size 960x1080\n"
+        "  doppel render ada/avatar.glb -o dance.mp4 --with bob/avatar.glb --clip dance.bvh --size 1280x720\n"
         "  doppel render guitar.compressed.ply -o guitar.mp4 --turntable --axes y-down\n"
         "  doppel render ada/avatar.glb -o views --scan scan --split test      (score them with your own tools)");
     command->callback([options, &run] {
