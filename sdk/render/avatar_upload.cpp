@@ -120,6 +120,14 @@ Status checkSplats(const StaticSplatData& s, const DeviceInfo& device) {
     return checkBinding("projected splats", count, sizeof(gpu::ProjectedSplat) * gpu::kMaxViews, device, "export fewer splats");
 }
 
+bool reachFar(const StaticSplatData& s) {
+    constexpr float kFarM = 8;
+    if (s.position.empty()) return false;
+    Vec3f low = s.position[0], high = low;
+    for (const Vec3f& p : s.position) low = glm::min(low, p), high = glm::max(high, p);
+    return !(glm::length(high - low) <= kFarM);
+}
+
 std::vector<gpu::GeneralSplatRecord> packSplats(const StaticSplatData& s) {
     std::vector<gpu::GeneralSplatRecord> out;
     out.reserve(s.count());

@@ -28,6 +28,9 @@ Status checkSplatArrays(const AvatarData& avatar);
 /** Both must have passed checkAvatar. */
 AvatarRecords packAvatar(const AvatarData& avatar, const CodedSplats& splats);
 
+/** Whether splats reach farther than 16 bits of depth resolve as finely as they do a person with both arms out: beyond 8 m, 0.12 mm a step. */
+bool reachFar(const StaticSplatData& splats);
+
 /** The same for general splats. */
 Status checkSplats(const StaticSplatData& splats, const DeviceInfo& device);
 std::vector<gpu::GeneralSplatRecord> packSplats(const StaticSplatData& splats);

@@ -16,6 +16,7 @@ struct SubjectIds {
     gpu::CodesPush codes{};               // where its streams begin; what belongs to the frame is filled in there
     bool corrected = false;               // pose correctives: other vertex records, control nodes behind the joints in the palette
     bool general = false;                 // general splats: no vertices, no triangles; `splats` holds GeneralSplatRecord
+    bool wide = false;                    // they reach so far that 16 bits of depth are too few
     BufferId frame, palette;              // written by the CPU before each frame
     BufferId vertices, triangles, splats, sh;  // ... at load
     BufferId posed, triangleFrames;       // made by the GPU in each frame
@@ -49,7 +50,7 @@ struct FrameIds : SubjectIds {
         static_cast<SubjectIds&>(ids) = subject;
         return ids;
     }
-    uint32_t sortRounds() const { return floatKeys ? gpu::kFloatSortRounds : general ? gpu::kGeneralSortRounds : gpu::kSortRounds; }
+    uint32_t sortRounds() const { return floatKeys ? gpu::kFloatSortRounds : wide ? gpu::kWideSortRounds : gpu::kSortRounds; }
     uint32_t maxDepthKey() const { return floatKeys ? gpu::kFloatDepthKeys : (1u << (sortRounds() * gpu::kSortDigitBits)) - 1; }
     uint32_t firstSum() const { return 7 * allGroups; }        // in the visibility buffer, as lib/visibility.glsl has it
     uint32_t firstDepth() const { return 8 * allGroups + 1; }

@@ -117,6 +117,7 @@ Status GpuRenderer::loadSplats(LoadedAvatar& a, const StaticSplatData& splats) {
     a.splats = splatSetOf(splats);
     SubjectIds& ids = a.ids;
     ids.general = true;
+    ids.wide = reachFar(splats);
     ids.splatCount = splats.count();
     ids.shDegree = splats.shDegree;
     ids.groupCount = ids.filledGroups = (ids.splatCount + gpu::kSplatGroup - 1) / gpu::kSplatGroup;
@@ -172,6 +173,7 @@ Status GpuRenderer::makeWorkBuffers(Row& row) {
         ids.endGroups.push_back(ids.allGroups);
         ids.filledGroups += subject.filledGroups;
         ids.general |= subject.general;
+        ids.wide |= subject.wide;
         ids.vertexCount += subject.vertexCount;
     }
     ids.splatCount = uint32_t(splats);

@@ -116,7 +116,7 @@ MslFrame runGeneralFrame(const StaticSplatData& splats, std::span<const Cameraf>
     out.projected.resize(size_t(count) * viewCount);
     run(msl_project_general_stereo, groups, order, {&frame, records.data(), out.projected.data(), visibility.data(), &out.counts}, gpu::SplatPush{count, groups, 0, 0, 0});
     run(msl_colour_general_sh3_stereo, groups, order, {&frame, records.data(), sh.data(), out.projected.data()}, gpu::ColourPush{count, 0});
-    compactAndSort(out, visibility, groups, count, order, gpu::kGeneralSortRounds);
+    compactAndSort(out, visibility, groups, count, order, gpu::kWideSortRounds);
     return out;
 }
 

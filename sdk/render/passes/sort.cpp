@@ -2,7 +2,7 @@
 
 namespace dpl {
 
-static_assert(gpu::kGeneralSortRounds * gpu::kSortDigitBits <= 24, "keys are made in float");
+static_assert(gpu::kWideSortRounds * gpu::kSortDigitBits <= 24, "keys are made in float");
 static_assert(gpu::kSortTable == gpu::kSortDigits + 1 && gpu::kSortDigits == 1u << gpu::kSortDigitBits);
 
 void addSort(FramePlan& plan, const FrameIds& ids) {

@@ -5,7 +5,7 @@
 
 namespace dpl {
 
-/** Stable radix sort of the pairs by their 16-bit key (24-bit for general splats), near first; the result is in ids.pairs. */
+/** Stable radix sort of the pairs by their 16-bit key (24-bit for general splats that reach far), near first; the result is in ids.pairs. */
 void addSort(FramePlan& plan, const FrameIds& ids);
 
 }  // namespace dpl

@@ -2,8 +2,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
-layout(local_size_x = 64) in;  // kRowScanGroup
-#define DPL_SCAN_LANES 64u
+layout(local_size_x = 16) in;  // kRowScanGroup
+#define DPL_SCAN_LANES 16u
 #include "shaders/lib/scan.glsl"
 
 layout(std430, binding = 0) readonly buffer CountsBlock { FrameCounts counts; };
