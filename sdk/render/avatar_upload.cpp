@@ -102,6 +102,8 @@ Status checkAvatar(const AvatarData& avatar, const CodedSplats& splats, const De
             if (t[k] >= vertices) return fail(Code::InvalidArgument, "avatar {}: a triangle names vertex {} of {}", avatar.name, t[k], vertices);
     DPL_CHECK_OK(checkCorrectives(avatar.correctives, avatar.joints.size(), vertices));
     DPL_CHECK_OK(checkBinding("splats", splats.bytes() + 16, 1, device, "export the avatar with a lower SH degree or fewer splats"));
+    if (2 * splats.chunks.size() > device.maxGroups)
+        return fail(Code::Unsupported, "avatar {}: {} chunks of splats, {} draws at most {}; pack the avatar again", avatar.name, splats.chunks.size(), device.name, device.maxGroups / 2);
     if (triangles > gpu::kParentMask) return fail(Code::Unsupported, "avatar {}: {} triangles, at most {}; decimate the mesh", avatar.name, triangles, gpu::kParentMask);
     DPL_CHECK_OK(checkBinding("projected splats", splats.count(), sizeof(gpu::ProjectedSplat) * gpu::kMaxViews, device, "export the avatar with fewer splats"));
     DPL_CHECK_OK(checkBinding("posed triangles", triangles, sizeof(gpu::TriangleFrame), device, "decimate the mesh"));

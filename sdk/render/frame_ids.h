@@ -61,7 +61,10 @@ struct FrameIds : SubjectIds {
         return push;
     }
     /** The kernel built for this many views; and for this SH degree. */
-    std::string ofViews(std::string shader) const { return viewCount > 1 ? shader + ".stereo" : shader; }
+    std::string ofViews(std::string shader) const {
+        if (viewCount > 1) shader += ".stereo";
+        return shader;
+    }
     std::string ofColour(const char* shader) const { return ofViews(formatText("{}.sh{}", shader, shDegree)); }
     uint64_t histogramWords() const { return gpu::kSortTable + uint64_t(gpu::kSortDigits) * ((splatCount + gpu::kRun - 1) / gpu::kRun); }
 };

@@ -169,6 +169,10 @@ TEST(FramePlan, refusesGeneralSplatsThatTheDeviceCannotBindAndBrokenOnes) {
     NullOptions fewGroups;
     fewGroups.info.maxGroups = 3;
     NullSetup narrow(fewGroups);
+    auto manyChunks = narrow.renderer->addAvatar(tube({.splatsPerTriangle = 4}));   // 2,560 splats in ten chunks: twenty workgroups of projection, at worst
+    ASSERT_FALSE(manyChunks);
+    EXPECT_EQ(manyChunks.error().code, Code::Unsupported);
+    EXPECT_NE(manyChunks.error().message.find("chunks"), std::string::npos) << manyChunks.error().message;
     auto tooWide = narrow.renderer->addSplats(randomStaticSplats(1, 3 * gpu::kSplatGroup + 1, 0));
     ASSERT_FALSE(tooWide);
     EXPECT_NE(tooWide.error().message.find("at most 384"), std::string::npos) << tooWide.error().message;
