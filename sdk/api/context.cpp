@@ -118,11 +118,11 @@ DplResult dplCreateContext(const DplContextInfo* info, DplContext* context) {
         if (threadCount > 256) return fail(Code::InvalidArgument, "{} threads; 0 to 256 are possible", threadCount);
         auto made = std::make_shared<Context>();
         const RendererOptions options{.threadCount = threadCount,
-                                           .cullTriangles = (flags & DPL_CONTEXT_WITHOUT_CULLING) == 0,
-                                           .shareViews = (flags & DPL_CONTEXT_WITHOUT_SHARED_STEREO) == 0,
-                                           .quantiseDepth = (flags & DPL_CONTEXT_WITHOUT_DEPTH_QUANTISATION) == 0,
-                                           .fill = DplFill(fill),
-                                           .cacheFolder = cacheFolder};
+                                      .cullTriangles = (flags & DPL_CONTEXT_WITHOUT_CULLING) == 0,
+                                      .shareViews = (flags & DPL_CONTEXT_WITHOUT_SHARED_STEREO) == 0,
+                                      .quantiseDepth = (flags & DPL_CONTEXT_WITHOUT_DEPTH_QUANTISATION) == 0,
+                                      .fill = DplFill(fill),
+                                      .cacheFolder = cacheFolder};
         DPL_TRY(made->renderer, createRenderer(DplRenderer(kind), options));
         made->rendererName = made->renderer->name();
         *context = reinterpret_cast<DplContext>(contexts().add(std::move(made)));

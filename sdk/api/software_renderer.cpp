@@ -112,7 +112,7 @@ public:
     }
 
     Status drawTogether(std::span<const Drawn> what, std::span<const Cameraf> views, const FrameWants& wants) override {
-        if (what.empty() || what.size() > kMaxDrawnTogether) return fail(Code::InvalidArgument, "{} avatars; 1 to {} are drawn together", what.size(), kMaxDrawnTogether);
+        DPL_CHECK_OK(checkRow(what));
         DPL_CHECK_OK(checkScene(wants, views));
         together_.clear();
         bool mesh = false;
@@ -121,7 +121,6 @@ public:
             const auto found = drawables_.find(one.avatar);
             if (found == drawables_.end()) return fail(Code::InvalidArgument, "there is no avatar {} in this renderer", one.avatar);
             Drawable& d = *found->second;
-            if (std::find(together_.begin(), together_.end(), &d) != together_.end()) return fail(Code::InvalidArgument, "avatar {} is named twice; it has one pose", one.avatar);
             together_.push_back(&d);
             if (!d.avatar) continue;
             DPL_CHECK_OK(setPose(d, *one.pose));
@@ -181,10 +180,12 @@ private:
     }
 
     void project(const Drawable& d, const Cameraf& view, uint32_t samples, bool behind) {
-        if (d.avatar && behind) engine_.add(d.splats, d.mesh.frames(), view, d.kappaPx2, d.compensated, samples);
-        else if (d.avatar) engine_.project(d.splats, d.mesh.frames(), view, d.kappaPx2, d.compensated, samples);
-        else if (behind) engine_.add(d.general, {}, view, d.kappaPx2, d.compensated, samples);
-        else engine_.project(d.general, {}, view, d.kappaPx2, d.compensated, samples);
+        const auto put = [&](const auto& splats) {
+            if (behind) engine_.add(splats, d.mesh.frames(), view, d.kappaPx2, d.compensated, samples);
+            else engine_.project(splats, d.mesh.frames(), view, d.kappaPx2, d.compensated, samples);
+        };
+        if (d.avatar) put(d.splats);
+        else put(d.general);
     }
 
     /** The nearest of the meshes that are drawn together. */

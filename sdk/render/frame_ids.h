@@ -22,7 +22,7 @@ struct SubjectIds {
     BufferId posed, triangleFrames;       // made by the GPU in each frame
 };
 
-/** A frame; as a subject: all of them together, or the one whose passes are added. */
+/** A frame. As a subject: the one whose passes are added; for the passes over all, the number of their splats and half-chunks, and whether any reaches far. */
 struct FrameIds : SubjectIds {
     uint32_t viewCount = 1;
     uint32_t widthPx = 0, heightPx = 0;   // of one view

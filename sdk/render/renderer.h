@@ -87,6 +87,15 @@ struct Drawn {
 };
 constexpr size_t kMaxDrawnTogether = 16;
 
+/** InvalidArgument for too many avatars, none, or one twice. */
+inline Status checkRow(std::span<const Drawn> what) {
+    if (what.empty() || what.size() > kMaxDrawnTogether) return fail(Code::InvalidArgument, "{} avatars; 1 to {} are drawn together", what.size(), kMaxDrawnTogether);
+    for (size_t i = 0; i < what.size(); ++i)
+        for (size_t k = 0; k < i; ++k)
+            if (what[k].avatar == what[i].avatar) return fail(Code::InvalidArgument, "avatar {} is named twice; it has one pose", what[i].avatar);
+    return {};
+}
+
 /** Draws posed avatars and general splats into one or two views. One thread at a time. */
 class Renderer {
 public:

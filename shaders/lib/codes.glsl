@@ -1,5 +1,6 @@
 // Splats as they lie in the file (sdk/format/coded_splats.h), by a workgroup that works on one half-chunk. The includer declares the buffer as
 // `uint codes[]` and the push constants as CodesPush `push`.
+#include "shaders/lib/parent_byte.glsl"
 shared uint dplChunk[16];  // kChunkWords: the record of its chunk
 
 /** All lanes; a barrier behind it. */
@@ -22,10 +23,7 @@ SplatPlace dplPlaceOf(uint group, uint lane) {
 float dplChunkFloat(uint word) { return uintBitsToFloat(dplChunk[word]); }
 
 /** Its triangle. */
-uint dplParent(uint splat) {
-    uint byte = (codes[push.firstParentByte + (splat >> 2u)] >> ((splat & 3u) * 8u)) & 0xFFu;
-    return codes[push.firstParent + dplChunk[kChunkFirstParent] + byte] & kParentMask;
-}
+uint dplParent(uint splat) { return codes[push.firstParent + dplChunk[kChunkFirstParent] + dplParentByte(splat)] & kParentMask; }
 
 bool dplGated(uint size) { return (size & kGatedBit) != 0u; }
 float dplOpacity(uint size) { return float((size >> 22u) & 0xFFu) * (1.0 / 255.0); }

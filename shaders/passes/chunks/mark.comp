@@ -10,16 +10,15 @@ layout(std430, binding = 1) readonly buffer TriangleBlock { TriangleFrame triang
 layout(std430, binding = 2) writeonly buffer VisibilityBlock { uint visibility[]; };
 layout(push_constant) uniform PushBlock { CodesPush push; };
 #include "shaders/lib/visibility.glsl"
-
-uint parentByte(uint splat) { return (codes[push.firstParentByte + (splat >> 2u)] >> ((splat & 3u) * 8u)) & 0xFFu; }
+#include "shaders/lib/parent_byte.glsl"
 
 void main() {
     uint group = gl_GlobalInvocationID.x;
     if (group >= push.groupCount) return;
     uint chunk = (group >> 1u) * kChunkWords, first = codes[chunk], begin = (group & 1u) * kSplatGroup, end = min(begin + kSplatGroup, codes[chunk + 1u]), live = 0u;
     if (begin < end) {
-        uint parents = push.firstParent + codes[chunk + kChunkFirstParent], last = parents + parentByte(first + end - 1u);
-        for (uint at = parents + parentByte(first + begin); at <= last && live == 0u; ++at) {
+        uint parents = push.firstParent + codes[chunk + kChunkFirstParent], last = parents + dplParentByte(first + end - 1u);
+        for (uint at = parents + dplParentByte(first + begin); at <= last && live == 0u; ++at) {
             uint parent = codes[at];
             uint wanted = ((parent & kParentFree) != 0u ? 3u * kShowsFree : 0u) | ((parent & kParentGated) != 0u ? 3u * kShowsGated : 0u);
             if ((triangles[parent & kParentMask].corner0.w & wanted) != 0u) live = 1u;

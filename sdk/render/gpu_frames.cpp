@@ -1,0 +1,172 @@
+// How frames are recorded: the lists of a row, and one frame a shape with its three slots.
+#include "sdk/render/gpu_renderer.h"
+
+#include <algorithm>
+#include <array>
+
+#include "sdk/core/log.h"
+#include "sdk/math/coverage.h"
+#include "sdk/render/passes/chunks.h"
+#include "sdk/render/passes/compact.h"
+#include "sdk/render/passes/draw.h"
+#include "sdk/render/passes/mesh_depth.h"
+#include "sdk/render/passes/project.h"
+#include "sdk/render/passes/skin.h"
+#include "sdk/render/passes/sort.h"
+#include "sdk/render/passes/triangles.h"
+
+namespace dpl {
+namespace {
+
+constexpr std::array<std::byte, 4> kZero{};
+constexpr size_t kFramesKept = 4;  // recorded frame shapes a row keeps; an app uses one or two at two sample counts, a resize leaves others behind
+
+}  // namespace
+
+/** Where each member's splats lie in the lists of a frame, and these lists, whatever its size. */
+Status GpuRenderer::makeWorkBuffers(Row& row) {
+    FrameIds& ids = row.ids;
+    ids.layered = backend_->info().multiview;
+    uint64_t splats = 0;
+    for (SubjectIds& subject : row.subjects) {
+        subject.drawn = uint32_t(ids.endGroups.size()), subject.firstGroup = ids.allGroups, subject.firstSplat = uint32_t(splats);
+        splats += subject.splatCount;
+        if (splats * sizeof(gpu::ProjectedSplat) * gpu::kMaxViews > backend_->info().maxBindingBytes)
+            return fail(Code::Unsupported, "{} avatars together have more splats than {} draws at once ({}); draw fewer together", row.subjects.size(), backend_->info().name,
+                        backend_->info().maxBindingBytes / (sizeof(gpu::ProjectedSplat) * gpu::kMaxViews));
+        ids.allGroups += subject.groupCount;
+        ids.endGroups.push_back(ids.allGroups);
+        ids.filledGroups += subject.filledGroups;
+        ids.wide |= subject.wide;
+    }
+    ids.splatCount = uint32_t(splats);
+    DPL_TRY(ids.visibility, makeBuffer(row.owned, "visibility", (ids.firstDepth() + splats) * 4));
+    DPL_TRY(ids.counts, makeBuffer(row.owned, "counts", sizeof(gpu::FrameCounts)));
+    DPL_TRY(ids.pairs, makeBuffer(row.owned, "pairs", splats * 8));
+    DPL_TRY(ids.pairsSwap, makeBuffer(row.owned, "pairs swap", splats * 8));
+    DPL_TRY(ids.histogram, makeBuffer(row.owned, "histogram", ids.histogramWords() * 4));
+    DPL_CHECK_OK(backend_->write(ids.histogram, 0, kZero));  // each round clears its own part; this is for the check of reads
+    return {};
+}
+
+Status GpuRenderer::build(const Row& row, ShapedFrame& f) {
+    f.ids = row.ids;
+    FrameIds& ids = f.ids;
+    ids.viewCount = f.shape.views;
+    ids.widthPx = f.shape.widthPx;
+    ids.heightPx = f.shape.heightPx;
+    ids.depth = f.shape.depth;
+    ids.sceneDepth = f.shape.sceneDepth;
+    ids.halfColour = options_.preciseBlending;
+    ids.cull = options_.cullTriangles;
+    ids.floatKeys = !options_.quantiseDepth;
+    ids.shuffle = backend_->info().shuffle;
+    ids.samples = f.shape.samples;
+    DPL_TRY(ids.target, backend_->createTarget({ids.widthPx, ids.heightPx, ids.viewCount, ids.depth, ids.layered, ids.halfColour, ids.samples}));
+    // Whoever walks away from this avatar should not wait for a shader compiler: its other pipeline is made now, its other target when it is needed.
+    const bool trained = std::any_of(row.members.begin(), row.members.end(), [&](RenderAvatarId id) { const LoadedAvatar& a = avatars_.at(id); return a.data && a.data->trainedPixelM > 0; });
+    if (trained && backend_->info().fourSamples) { DPL_CHECK_OK(backend_->drawPipeline(drawPipelineOf(ids, ids.samples == 1 ? kCoverageSamples : 1))); }
+    DPL_TRY(ids.projected, makeBuffer(f.owned, "projected", uint64_t(ids.splatCount) * ids.viewCount * sizeof(gpu::ProjectedSplat)));
+    if (f.shape.meshDepth) {
+        DPL_TRY(ids.meshDepth, makeBuffer(f.owned, "mesh depth", uint64_t(ids.widthPx) * ids.heightPx * ids.viewCount * 4));
+        DPL_CHECK_OK(backend_->write(ids.meshDepth, 0, kZero));  // every frame fills it; this is for the check of the read-back
+    }
+    std::optional<TilePlan> tiles;
+    if (f.shape.fill == Fill::Tiles && ids.splatCount > 0) {
+        tiles = planTiles(ids, backend_->info());
+        if (!tiles) log(LogLevel::Info, "{} x {} px, {} splats: the lists of compute tiles do not fit the device, quads fill this size", ids.widthPx, ids.heightPx, ids.splatCount);
+    }
+    if (tiles) {
+        DPL_TRY(ids.tileLists, makeBuffer(f.owned, "tile lists", tiles->listBytes));
+        DPL_CHECK_OK(backend_->write(ids.tileLists, 0, kZero));  // the same
+        DPL_TRY(ids.tileEntries, makeBuffer(f.owned, "tile entries", tiles->entryBytes));
+        DPL_TRY(ids.tilePixels, makeBuffer(f.owned, "tile pixels", tiles->pixelBytes));
+    }
+    for (Slot& slot : f.slots) { DPL_CHECK_OK(buildSlot(row, f, slot, tiles)); }
+    return {};
+}
+
+Status GpuRenderer::buildSlot(const Row& row, ShapedFrame& f, Slot& slot, const std::optional<TilePlan>& tiles) {
+    std::vector<FrameIds> subjects;
+    for (size_t k = 0; k < row.members.size(); ++k) {
+        const LoadedAvatar& a = avatars_.at(row.members[k]);
+        slot.frame.emplace_back(), slot.palette.emplace_back();
+        DPL_TRY(slot.frame[k], makeBuffer(f.owned, "frame", sizeof(gpu::FrameData), BufferMemory::Upload));
+        if (a.data) { DPL_TRY(slot.palette[k], makeBuffer(f.owned, "palette", paletteRows(*a.data) * sizeof(gpu::vec4), BufferMemory::Upload)); }
+        subjects.push_back(f.ids.of(row.subjects[k]));
+        subjects[k].frame = slot.frame[k], subjects[k].palette = slot.palette[k];
+    }
+    if (f.shape.sceneDepth) { DPL_TRY(slot.scene, makeBuffer(f.owned, "scene depth", uint64_t(f.shape.widthPx) * f.shape.heightPx * f.shape.views * 4, BufferMemory::Upload)); }
+    DPL_TRY(slot.finalCounts, makeBuffer(f.owned, "final counts", sizeof(gpu::FrameCounts), BufferMemory::Readback));
+    FrameIds ids = f.ids;
+    ids.scene = slot.scene;
+
+    FramePlan plan(*backend_);
+    plan.fill("begin", ids.counts, 0);
+    for (const FrameIds& subject : subjects) {
+        if (!subject.general && subject.vertexCount > 0 && (subject.splatCount > 0 || ids.meshDepth)) addSkin(plan, subject);
+        if (ids.meshDepth) addMeshDepth(plan, subject);
+    }
+    for (const FrameIds& subject : subjects) {
+        if (subject.splatCount == 0) continue;
+        if (!subject.general) {
+            addTriangles(plan, subject);
+            addChunks(plan, subject);
+        }
+        addProject(plan, subject);
+    }
+    if (ids.splatCount > 0) {
+        addCompact(plan, ids);
+        addSort(plan, ids);
+        if (tiles) addTiles(plan, ids, *tiles);
+    } else {  // no work, but the draw still clears the target: its arguments are zero
+        plan.fill("no pairs", ids.pairs, 0);
+        plan.fill("no splats", ids.projected, 0);
+    }
+    addDraw(plan, ids);
+    plan.copy("counts", ids.counts, slot.finalCounts);
+    DPL_TRY(slot.draw, plan.finish());
+    return {};
+}
+
+Status GpuRenderer::buildReadback(ShapedFrame& f) {
+    FrameIds& ids = f.ids;
+    const uint64_t pixels = uint64_t(ids.widthPx) * ids.heightPx * ids.viewCount;
+    if (!ids.colourPixels) { DPL_TRY(ids.colourPixels, makeBuffer(f.owned, "colour pixels", pixels * 4, BufferMemory::Readback)); }
+    if (ids.depth && !ids.depthPixels) { DPL_TRY(ids.depthPixels, makeBuffer(f.owned, "depth pixels", pixels * (backend_->info().halfDepth ? 4 : 8), BufferMemory::Readback)); }
+    FramePlan plan(*backend_);
+    plan.readback("readback", ids.target, ids.colourPixels, ids.depthPixels);
+    if (ids.meshDepth) {
+        if (!ids.meshDepthPixels) { DPL_TRY(ids.meshDepthPixels, makeBuffer(f.owned, "mesh depth pixels", pixels * 4, BufferMemory::Readback)); }
+        plan.copy("mesh readback", ids.meshDepth, ids.meshDepthPixels);
+    }
+    DPL_TRY(f.readback, plan.finish());
+    return {};
+}
+
+Result<GpuRenderer::ShapedFrame*> GpuRenderer::frameOf(Row& row, const Shape& shape) {
+    for (ShapedFrame& f : row.frames)
+        if (f.shape == shape) return &f;
+    if (row.frames.size() >= kFramesKept) {
+        const auto oldest = std::min_element(row.frames.begin(), row.frames.end(), [](const auto& x, const auto& y) { return x.lastUse < y.lastUse; });
+        freeFrame(*oldest);
+        row.frames.erase(oldest);
+    }
+    ShapedFrame f;
+    f.shape = shape;
+    if (auto status = build(row, f); !status) {
+        freeFrame(f);
+        return status.error();
+    }
+    row.frames.push_back(std::move(f));
+    return &row.frames.back();
+}
+
+void GpuRenderer::freeFrame(ShapedFrame& f) {
+    for (const Slot& slot : f.slots) backend_->destroyFrame(slot.draw);
+    backend_->destroyFrame(f.readback);
+    backend_->destroyTarget(f.ids.target);
+    for (BufferId id : f.owned) backend_->destroyBuffer(id);
+}
+
+}  // namespace dpl
