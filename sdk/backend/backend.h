@@ -45,6 +45,7 @@ struct DeviceInfo {
     bool halfDepth = false;         // depth sums are read back as 2 x f16 instead of 2 x f32
     bool timestamps = false;
     bool shuffle = false;           // subgroups of 8 to 64 lanes that follow the order of the workgroup, with shuffles, in compute
+    bool texels = false;            // a CPU plays the GPU: it reads typed buffers several times faster than plain ones (shaders/lib/reads.glsl)
     bool fourSamples = false;       // targets of 4 samples a pixel at the standard places, each shaded by itself
     bool isSoftware() const { return kind == DeviceKind::Software; }
 };

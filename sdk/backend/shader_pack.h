@@ -15,7 +15,10 @@
 
 namespace dpl {
 
-constexpr uint32_t kShaderPackFormat = 1;
+constexpr uint32_t kShaderPackFormat = 2;
+
+/** Behind the name of a shader: the same one with typed buffers where it only reads (shaders/lib/reads.glsl), for devices of DeviceInfo::texels. It has no MSL. */
+constexpr std::string_view kTexelsSuffix = ".texels";
 
 enum class ShaderStage : uint32_t { Compute, Vertex, Fragment };
 
@@ -36,6 +39,7 @@ struct ShaderBinding {
     bool uniform = false;   // else a storage buffer
     bool writes = false;
     bool reads = false;
+    uint32_t texelWords = 0;  // a typed buffer, read in texels of 1, 2 or 4 words; 0: a plain one
 };
 
 struct Shader {

@@ -1,11 +1,11 @@
-// Splats as they lie in the file (sdk/format/coded_splats.h), by a workgroup that works on one half-chunk. The includer declares the buffer as
-// `uint codes[]` and the push constants as CodesPush `push`.
+// Splats as they lie in the file (sdk/format/coded_splats.h), by a workgroup that works on one half-chunk. The includer declares the buffer by
+// DPL_WORDS `codes` and the push constants as CodesPush `push`.
 #include "shaders/lib/parent_byte.glsl"
 shared uint dplChunk[16];  // kChunkWords: the record of its chunk
 
 /** All lanes; a barrier behind it. */
 void dplLoadChunk(uint lane, uint group) {
-    if (lane < kChunkWords) dplChunk[lane] = codes[(group >> 1u) * kChunkWords + lane];
+    if (lane < kChunkWords) dplChunk[lane] = DPL_WORD(codes, (group >> 1u) * kChunkWords + lane);
 }
 
 struct SplatPlace {
@@ -23,7 +23,7 @@ SplatPlace dplPlaceOf(uint group, uint lane) {
 float dplChunkFloat(uint word) { return uintBitsToFloat(dplChunk[word]); }
 
 /** Its triangle. */
-uint dplParent(uint splat) { return codes[push.firstParent + dplChunk[kChunkFirstParent] + dplParentByte(splat)] & kParentMask; }
+uint dplParent(uint splat) { return DPL_WORD(codes, push.firstParent + dplChunk[kChunkFirstParent] + dplParentByte(splat)) & kParentMask; }
 
 bool dplGated(uint size) { return (size & kGatedBit) != 0u; }
 float dplOpacity(uint size) { return float((size >> 22u) & 0xFFu) * (1.0 / 255.0); }
@@ -36,7 +36,7 @@ vec2 dplScale(uint size) {
     return vec2(exp(low + width * code.x * (1.0 / 2047.0)), exp(low + width * code.y * (1.0 / 2047.0)));
 }
 
-float dplShByte(uint entry, uint at) { return float(int(codes[entry + (at >> 2u)] << (24u - 8u * (at & 3u))) >> 24); }
+float dplShByte(uint entry, uint at) { return float(int(DPL_WORD(codes, entry + (at >> 2u)) << (24u - 8u * (at & 3u))) >> 24); }
 
 /** Coefficient k of a splat whose entry begins at a word; 0 comes from its colour word. */
 vec3 dplShCode(uint entry, uint colour, uint k) {
@@ -53,6 +53,6 @@ vec3 dplShCode(uint entry, uint colour, uint k) {
 /** Where the SH entry of a splat begins, in words. */
 uint dplShEntry(uint splat) {
     uint entry = splat;
-    if (push.firstShIndex != 0u) entry = (codes[push.firstShIndex + (splat >> 1u)] >> ((splat & 1u) * 16u)) & 0xFFFFu;
+    if (push.firstShIndex != 0u) entry = (DPL_WORD(codes, push.firstShIndex + (splat >> 1u)) >> ((splat & 1u) * 16u)) & 0xFFFFu;
     return push.firstSh + entry * push.shWords;
 }

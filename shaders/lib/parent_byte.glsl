@@ -1,2 +1,2 @@
-// Which entry of its chunk's table of parents a splat sits on. The includer declares the codes as `uint codes[]` and the push constants as CodesPush `push`.
-uint dplParentByte(uint splat) { return (codes[push.firstParentByte + (splat >> 2u)] >> ((splat & 3u) * 8u)) & 0xFFu; }
+// Which entry of its chunk's table of parents a splat sits on. The includer declares the codes by DPL_WORDS `codes` and the push constants as CodesPush `push`.
+uint dplParentByte(uint splat) { return (DPL_WORD(codes, push.firstParentByte + (splat >> 2u)) >> ((splat & 3u) * 8u)) & 0xFFu; }

@@ -94,10 +94,18 @@ Status run(const fs::path& root, const fs::path& cataloguePath, const fs::path& 
         DPL_TRY(shader.mslMacos, translateToMsl(shader, MslPlatform::Macos, multiview));
         DPL_CHECK_OK(lintMsl(shader.name + " (iOS)", shader.mslIos));
         DPL_CHECK_OK(lintMsl(shader.name + " (macOS)", shader.mslMacos));
+        const bool reads = !shader.bindings.empty();
         pack.shaders.push_back(std::move(shader));
+        if (!reads) continue;
+        input.defines.push_back("DPL_TEXELS");
+        Shader texels{.name = pack.shaders.back().name + std::string(kTexelsSuffix), .stage = input.stage};
+        DPL_TRY(texels.spirv, compileGlsl(input, dependencies));
+        DPL_CHECK_OK(reflectShader(texels));
+        if (std::any_of(texels.bindings.begin(), texels.bindings.end(), [](const ShaderBinding& b) { return b.texelWords > 0; })) pack.shaders.push_back(std::move(texels));
     }
     fs::create_directories(out / "msl");
     for (const Shader& shader : pack.shaders) {
+        if (shader.mslIos.empty()) continue;
         DPL_CHECK_OK(writeFile(out / "msl" / (shader.name + ".ios.metal"), shader.mslIos));
         DPL_CHECK_OK(writeFile(out / "msl" / (shader.name + ".macos.metal"), shader.mslMacos));
     }

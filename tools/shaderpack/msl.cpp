@@ -75,6 +75,15 @@ bool memberFlag(const Module& m, const spvc_reflected_resource& r, SpvDecoration
     return spvc_compiler_has_member_decoration(m.compiler, r.base_type_id, 0, decoration) || spvc_compiler_has_decoration(m.compiler, r.id, decoration);
 }
 
+uint32_t texelWordsOf(SpvImageFormat format) {
+    switch (format) {
+        case SpvImageFormatR32ui: return 1;
+        case SpvImageFormatRg32ui: return 2;
+        case SpvImageFormatRgba32ui: return 4;
+        default: return 0;
+    }
+}
+
 }  // namespace
 
 Status reflectShader(Shader& shader) {
@@ -82,7 +91,7 @@ Status reflectShader(Shader& shader) {
     if (shader.stage == ShaderStage::Compute)
         for (unsigned i = 0; i < 3; ++i)
             shader.workgroup[i] = spvc_compiler_get_execution_mode_argument_by_index(m.compiler, SpvExecutionModeLocalSize, i);
-    for (spvc_resource_type type : {SPVC_RESOURCE_TYPE_UNIFORM_BUFFER, SPVC_RESOURCE_TYPE_STORAGE_BUFFER}) {
+    for (spvc_resource_type type : {SPVC_RESOURCE_TYPE_UNIFORM_BUFFER, SPVC_RESOURCE_TYPE_STORAGE_BUFFER, SPVC_RESOURCE_TYPE_STORAGE_IMAGE}) {
         for (const spvc_reflected_resource& r : resourcesOf(m, type)) {
             if (spvc_compiler_get_decoration(m.compiler, r.id, SpvDecorationDescriptorSet) != 0)
                 return fail(Code::InvalidArgument, "{}: {} is not in descriptor set 0, the only one we use", shader.name, r.name);
@@ -92,6 +101,13 @@ Status reflectShader(Shader& shader) {
             b.uniform = type == SPVC_RESOURCE_TYPE_UNIFORM_BUFFER;
             b.writes = !b.uniform && !memberFlag(m, r, SpvDecorationNonWritable);
             b.reads = b.uniform || !memberFlag(m, r, SpvDecorationNonReadable);
+            if (type == SPVC_RESOURCE_TYPE_STORAGE_IMAGE) {
+                spvc_type image = spvc_compiler_get_type_handle(m.compiler, r.type_id);
+                if (spvc_type_get_image_dimension(image) == SpvDimBuffer) b.texelWords = texelWordsOf(spvc_type_get_image_storage_format(image));
+                if (b.texelWords == 0 || b.writes) return fail(Code::InvalidArgument, "{}: {} is not a read-only buffer of r32ui, rg32ui or rgba32ui", shader.name, r.name);
+                shader.bindings.push_back(std::move(b));
+                continue;
+            }
             shader.bindings.push_back(std::move(b));
             collectStructs(m.compiler, r.base_type_id, shader.structs);
         }
@@ -100,7 +116,7 @@ Status reflectShader(Shader& shader) {
     const uint32_t first = shader.stage == ShaderStage::Fragment && !shader.bindings.empty() ? shader.bindings[0].binding : 0;  // behind those of its vertex stage
     for (uint32_t i = 0; i < shader.bindings.size(); ++i)
         if (shader.bindings[i].binding != first + i) return fail(Code::InvalidArgument, "{}: bindings must be 0, 1, 2 ... without gaps or doubles", shader.name);
-    const auto storage = std::count_if(shader.bindings.begin(), shader.bindings.end(), [](auto& b) { return !b.uniform; });
+    const auto storage = std::count_if(shader.bindings.begin(), shader.bindings.end(), [](auto& b) { return !b.uniform && b.texelWords == 0; });
     if (storage > 4) return fail(Code::InvalidArgument, "{}: {} storage buffers, Vulkan 1.1 promises four a stage", shader.name, storage);
     for (const spvc_reflected_resource& r : resourcesOf(m, SPVC_RESOURCE_TYPE_PUSH_CONSTANT)) {
         size_t size = 0;

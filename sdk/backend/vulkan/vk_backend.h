@@ -15,6 +15,7 @@ struct Buffer {
     VkBuffer buffer = VK_NULL_HANDLE;
     VkDeviceMemory memory = VK_NULL_HANDLE;
     std::byte* mapped = nullptr;
+    VkBufferView texels[3] = {};          // made when a frame reads it in texels of 1, 2 or 4 words
     uint64_t allocatedBytes = 0;
     bool written = false;
 };
@@ -35,6 +36,10 @@ struct Target {
     VkExtent2D extent{};
     bool drawn = false;
 };
+
+inline VkDescriptorType descriptorType(const ShaderBinding& b) {
+    return b.uniform ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER : b.texelWords ? VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+}
 
 struct Pipeline {
     std::string key;
@@ -95,6 +100,7 @@ private:
     Result<uint32_t> memoryType(uint32_t allowed, VkMemoryPropertyFlags wanted, VkMemoryPropertyFlags preferred) const;
     Status makeBuffer(Buffer& buffer);
     void freeBuffer(Buffer& buffer);
+    Result<VkBufferView> texels(Buffer& buffer, uint32_t words);
     Status makeImage(Image& image, VkFormat format, VkExtent2D extent, uint32_t layers, VkImageUsageFlags usage, uint32_t samples = 1);
     void freeImage(Image& image);
     Status makeTarget(Target& target);
@@ -107,6 +113,7 @@ private:
     Status makeCompute(Pipeline& pipeline);
     Status makeDraw(Pipeline& pipeline, const DrawPipelineDesc& desc);
     void freePipeline(Pipeline& pipeline);
+    const Shader* findShader(std::string_view name) const;  // with typed buffers where the device and the pack have them
     PipelineId findPipeline(std::string_view key) const;
 
     // vk_frames.cpp

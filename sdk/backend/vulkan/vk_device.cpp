@@ -146,6 +146,7 @@ bool describe(VkPhysicalDevice physical, Candidate& out) {
     out.info.halfDepth = !canBlend(physical, VK_FORMAT_R32G32_SFLOAT);
     out.info.timestamps = family->timestampValidBits > 0;
     out.info.shuffle = subgroups.subgroupSize >= 8 && subgroups.subgroupSize <= 64 && (subgroups.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) && (subgroups.supportedOperations & VK_SUBGROUP_FEATURE_SHUFFLE_BIT);
+    out.info.texels = out.info.isSoftware() && features.features.shaderStorageImageExtendedFormats && properties.limits.maxTexelBufferElements >= properties.limits.maxStorageBufferRange / 4;
     out.info.fourSamples = features.features.sampleRateShading && properties.limits.standardSampleLocations && (properties.limits.framebufferColorSampleCounts & VK_SAMPLE_COUNT_4_BIT);
     return true;
 }
@@ -200,6 +201,7 @@ Result<std::unique_ptr<Device>> openDevice(const VulkanOptions& options) {
     d->nanosecondsPerTick = chosen->nanosecondsPerTick;
     d->info = chosen->info;
     if (options.forceInstanceSplit) d->info.multiview = false;
+    if (!options.typedBuffers) d->info.texels = false;
     for (const Workaround& w : kWorkarounds) {
         if (options.ignoreWorkarounds || d->info.name.find(w.deviceName) == std::string::npos) continue;
         if (w.noMultiview && d->info.multiview) {
@@ -219,6 +221,7 @@ Result<std::unique_ptr<Device>> openDevice(const VulkanOptions& options) {
     multiview.multiview = d->info.multiview;
     VkPhysicalDeviceFeatures features{};
     features.sampleRateShading = d->info.fourSamples;
+    features.shaderStorageImageExtendedFormats = d->info.texels;
     VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
     info.pEnabledFeatures = &features;
     info.pNext = &multiview;

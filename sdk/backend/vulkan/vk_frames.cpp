@@ -181,7 +181,7 @@ struct VulkanBackend::Recorder {
 };
 
 Status VulkanBackend::makeDescriptorPool(Frame& frame, std::span<const Step> steps) {
-    uint32_t sets = 0, uniforms = 0, storages = 0;
+    uint32_t sets = 0, uniforms = 0, storages = 0;  // texel buffers are counted with the storage buffers
     const auto count = [&](const std::vector<Binding>& bindings) {
         ++sets;
         for (const Binding& b : bindings) ++(b.access == Access::Uniform ? uniforms : storages);
@@ -190,10 +190,10 @@ Status VulkanBackend::makeDescriptorPool(Frame& frame, std::span<const Step> ste
         if (const auto* compute = std::get_if<ComputeStep>(&step)) count(compute->bindings);
         if (const auto* draw = std::get_if<DrawStep>(&step)) count(draw->bindings);
     }
-    const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, uniforms + 1}, {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, storages + 1}};
+    const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, uniforms + 1}, {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, storages + 1}, {VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER, storages + 1}};
     VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
     info.maxSets = sets + 1;
-    info.poolSizeCount = 2;
+    info.poolSizeCount = 3;
     info.pPoolSizes = sizes;
     DPL_VK(vkCreateDescriptorPool(device_->device, &info, nullptr, &frame.descriptors));
     return {};
@@ -207,16 +207,21 @@ Result<VkDescriptorSet> VulkanBackend::descriptorSet(const Frame& frame, const P
     VkDescriptorSet set = VK_NULL_HANDLE;
     DPL_VK(vkAllocateDescriptorSets(device_->device, &allocation, &set));
     std::vector<VkDescriptorBufferInfo> infos(bindings.size());
+    std::vector<VkBufferView> views(bindings.size());
     std::vector<VkWriteDescriptorSet> writes(bindings.size());
     for (size_t i = 0; i < bindings.size(); ++i) {
-        const Buffer& b = buffers_.at(bindings[i].buffer.value);
+        Buffer& b = buffers_.at(bindings[i].buffer.value);
+        const size_t own = pipeline.shader->bindings.size();
+        const ShaderBinding& want = i < own ? pipeline.shader->bindings[i] : pipeline.fragment->bindings[i - own];
         infos[i] = {b.buffer, 0, b.desc.bytes};
         writes[i] = {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
         writes[i].dstSet = set;
         writes[i].dstBinding = uint32_t(i);
         writes[i].descriptorCount = 1;
-        writes[i].descriptorType = bindings[i].access == Access::Uniform ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+        writes[i].descriptorType = descriptorType(want);
         writes[i].pBufferInfo = &infos[i];
+        if (want.texelWords) { DPL_TRY(views[i], texels(b, want.texelWords)); }
+        writes[i].pTexelBufferView = &views[i];
     }
     vkUpdateDescriptorSets(device_->device, uint32_t(writes.size()), writes.data(), 0, nullptr);
     return set;

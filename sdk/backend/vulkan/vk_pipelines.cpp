@@ -86,7 +86,7 @@ Status VulkanBackend::makeLayouts(Pipeline& p) {
         for (const ShaderBinding& b : shader.bindings) {
             VkDescriptorSetLayoutBinding binding{};
             binding.binding = b.binding;
-            binding.descriptorType = b.uniform ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+            binding.descriptorType = descriptorType(b);
             binding.descriptorCount = 1;
             binding.stageFlags = stage;
             bindings.push_back(binding);
@@ -197,11 +197,16 @@ PipelineId VulkanBackend::findPipeline(std::string_view key) const {
     return {};
 }
 
+const Shader* VulkanBackend::findShader(std::string_view name) const {
+    const Shader* texels = device_->info.texels ? pack_.find(std::string(name) + std::string(kTexelsSuffix)) : nullptr;
+    return texels ? texels : pack_.find(name);
+}
+
 Result<PipelineId> VulkanBackend::computePipeline(std::string_view name) {
     if (PipelineId known = findPipeline(name)) return known;
     Pipeline p;
     p.key = name;
-    p.shader = pack_.find(name);
+    p.shader = findShader(name);
     if (!p.shader) return fail(Code::NotFound, "no shader {} in the pack", name);
     if (auto status = makeCompute(p); !status) {
         freePipeline(p);
@@ -215,8 +220,8 @@ Result<PipelineId> VulkanBackend::drawPipeline(const DrawPipelineDesc& desc) {
     Pipeline p;
     p.key = formatText("{}+{}+{}{}{}{}+{}", desc.vertex, desc.fragment, desc.views, desc.layered ? "L" : "", desc.depth ? "D" : "", desc.halfColour ? "H" : "", desc.samples);
     if (PipelineId known = findPipeline(p.key)) return known;
-    p.shader = pack_.find(desc.vertex);
-    p.fragment = pack_.find(desc.fragment);
+    p.shader = findShader(desc.vertex);
+    p.fragment = findShader(desc.fragment);
     if (!p.shader || !p.fragment) return fail(Code::NotFound, "no shader {} or {} in the pack", desc.vertex, desc.fragment);
     if (auto status = makeDraw(p, desc); !status) {
         freePipeline(p);

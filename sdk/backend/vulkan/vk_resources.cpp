@@ -24,6 +24,7 @@ Status VulkanBackend::makeBuffer(Buffer& b) {
     info.usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
     if (b.desc.memory == BufferMemory::Device) info.usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
     if (b.desc.memory == BufferMemory::Upload) info.usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT;
+    if (device_->info.texels && b.desc.memory != BufferMemory::Readback) info.usage |= VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT;
     DPL_VK(vkCreateBuffer(device_->device, &info, nullptr, &b.buffer));
     VkMemoryRequirements needs{};
     vkGetBufferMemoryRequirements(device_->device, b.buffer, &needs);
@@ -48,6 +49,7 @@ Status VulkanBackend::makeBuffer(Buffer& b) {
 }
 
 void VulkanBackend::freeBuffer(Buffer& b) {
+    for (VkBufferView view : b.texels) vkDestroyBufferView(device_->device, view, nullptr);
     vkDestroyBuffer(device_->device, b.buffer, nullptr);
     vkFreeMemory(device_->device, b.memory, nullptr);
     b = {};
@@ -206,6 +208,17 @@ uint64_t VulkanBackend::residentBytes() const {
     for (const auto& [id, b] : buffers_) bytes += b.allocatedBytes;
     for (const auto& [id, t] : targets_) bytes += t.colour.allocatedBytes + t.depth.allocatedBytes + t.rounded.allocatedBytes + t.colourSamples.allocatedBytes + t.depthSamples.allocatedBytes;
     return bytes;
+}
+
+Result<VkBufferView> VulkanBackend::texels(Buffer& b, uint32_t words) {
+    VkBufferView& view = b.texels[words / 2];
+    if (view) return view;
+    VkBufferViewCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
+    info.buffer = b.buffer;
+    info.format = words == 1 ? VK_FORMAT_R32_UINT : words == 2 ? VK_FORMAT_R32G32_UINT : VK_FORMAT_R32G32B32A32_UINT;
+    info.range = VK_WHOLE_SIZE;
+    DPL_VK(vkCreateBufferView(device_->device, &info, nullptr, &view));
+    return view;
 }
 
 const BufferDesc* VulkanBackend::buffer(BufferId id) const {

@@ -3,10 +3,11 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
+#include "shaders/lib/reads.glsl"
 layout(local_size_x = 64) in;  // kChunkGroup
 
-layout(std430, binding = 0) readonly buffer CodeBlock { uint codes[]; };
-layout(std430, binding = 1) readonly buffer TriangleBlock { TriangleFrame triangles[]; };
+DPL_WORDS(0, CodeBlock, codes);
+DPL_FOURS(1, TriangleBlock, triangles);  // TriangleFrame
 layout(std430, binding = 2) writeonly buffer VisibilityBlock { uint visibility[]; };
 layout(push_constant) uniform PushBlock { CodesPush push; };
 #include "shaders/lib/visibility.glsl"
@@ -15,13 +16,13 @@ layout(push_constant) uniform PushBlock { CodesPush push; };
 void main() {
     uint group = gl_GlobalInvocationID.x;
     if (group >= push.groupCount) return;
-    uint chunk = (group >> 1u) * kChunkWords, first = codes[chunk], begin = (group & 1u) * kSplatGroup, end = min(begin + kSplatGroup, codes[chunk + 1u]), live = 0u;
+    uint chunk = (group >> 1u) * kChunkWords, first = DPL_WORD(codes, chunk), begin = (group & 1u) * kSplatGroup, end = min(begin + kSplatGroup, DPL_WORD(codes, chunk + 1u)), live = 0u;
     if (begin < end) {
-        uint parents = push.firstParent + codes[chunk + kChunkFirstParent], last = parents + dplParentByte(first + end - 1u);
+        uint parents = push.firstParent + DPL_WORD(codes, chunk + kChunkFirstParent), last = parents + dplParentByte(first + end - 1u);
         for (uint at = parents + dplParentByte(first + begin); at <= last && live == 0u; ++at) {
-            uint parent = codes[at];
+            uint parent = DPL_WORD(codes, at);
             uint wanted = ((parent & kParentFree) != 0u ? 3u * kShowsFree : 0u) | ((parent & kParentGated) != 0u ? 3u * kShowsGated : 0u);
-            if ((triangles[parent & kParentMask].corner0.w & wanted) != 0u) live = 1u;
+            if ((DPL_FOUR(triangles, 5u * (parent & kParentMask)).w & wanted) != 0u) live = 1u;
         }
     }
     group += push.firstGroup;

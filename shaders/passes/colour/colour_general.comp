@@ -2,19 +2,20 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
+#include "shaders/lib/reads.glsl"
 #include "shaders/lib/footprint.glsl"
 #include "shaders/lib/projected.glsl"
 #include "shaders/lib/views.glsl"
 layout(local_size_x = 128) in;  // kSplatGroup
 
 layout(std140, binding = 0) uniform FrameBlock { FrameData frame; };
-layout(std430, binding = 1) readonly buffer SplatBlock { GeneralSplatRecord splats[]; };
-layout(std430, binding = 2) readonly buffer ShBlock { uvec4 sh[]; };  // eight halves, coefficient-major, red green blue; padded to whole uvec4
+DPL_FOURS(1, SplatBlock, splats);  // GeneralSplatRecord
+DPL_FOURS(2, ShBlock, sh);  // eight halves, coefficient-major, red green blue; padded to whole uvec4
 layout(std430, binding = 3) buffer ProjectedBlock { ProjectedSplat projected[]; };
 layout(push_constant) uniform PushBlock { ColourPush push; };
 
 float dplShHalf(uint base, uint at) {
-    uvec4 eight = sh[base + (at >> 3u)];
+    uvec4 eight = DPL_FOUR(sh, base + (at >> 3u));
     uint word = (at & 4u) == 0u ? ((at & 2u) == 0u ? eight.x : eight.y) : ((at & 2u) == 0u ? eight.z : eight.w);
     vec2 pair = unpackHalf2x16(word);
     return (at & 1u) == 0u ? pair.x : pair.y;
@@ -26,7 +27,7 @@ const uint kShStride = (3u * (kShDegree + 1u) * (kShDegree + 1u) + 7u) / 8u;  //
 
 void shadeIn(ViewData view, uint index, uint slot) {
     if (projected[slot].radiusPx.y <= 0.0) return;
-    vec3 direction = normalize(splats[index].centre.xyz - view.eyeWorld.xyz);
+    vec3 direction = normalize(dplFloats(DPL_FOUR(splats, 4u * index)).xyz - view.eyeWorld.xyz);
     projected[slot].look.z = dplPackColour(dplShColour(direction, index * kShStride, 1.0));
 }
 

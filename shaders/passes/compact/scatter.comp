@@ -2,10 +2,11 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
+#include "shaders/lib/reads.glsl"
 #include "shaders/lib/order.glsl"
 layout(local_size_x = 64) in;  // kCompactGroup
 
-layout(std430, binding = 0) readonly buffer VisibilityBlock { uint visibility[]; };
+DPL_WORDS(0, VisibilityBlock, visibility);
 layout(std430, binding = 1) readonly buffer CountsBlock { FrameCounts counts; };
 layout(std430, binding = 2) writeonly buffer PairBlock { uvec2 pairs[]; };
 layout(push_constant) uniform PushBlock { CompactPush push; };
@@ -14,15 +15,15 @@ layout(push_constant) uniform PushBlock { CompactPush push; };
 void main() {
     uint group = gl_GlobalInvocationID.x / kMaskWords, word = gl_GlobalInvocationID.x % kMaskWords;
     if (group >= push.groupCount) return;
-    uint masks = dplFirstMask(push.groupCount) + kMaskWords * group, left = visibility[masks + word];
+    uint masks = dplFirstMask(push.groupCount) + kMaskWords * group, left = DPL_WORD(visibility, masks + word);
     if (left == 0u) return;
-    uint slot = visibility[dplFirstSum(push.groupCount) + group], first = visibility[dplFirstSplat(push.groupCount) + group] + 32u * word;
-    for (uint k = 0u; k < word; ++k) slot += uint(bitCount(visibility[masks + k]));
+    uint slot = DPL_WORD(visibility, dplFirstSum(push.groupCount) + group), first = DPL_WORD(visibility, dplFirstSplat(push.groupCount) + group) + 32u * word;
+    for (uint k = 0u; k < word; ++k) slot += uint(bitCount(DPL_WORD(visibility, masks + k)));
     uint drawn = 0u;
     for (uint k = 0u; k + 1u < push.drawnCount; ++k) drawn += group >= push.endGroup[k] ? 1u : 0u;
     float start = counts.keyStart[drawn], offset = counts.keyOffset[drawn], scale = counts.keyScale, most = float(push.maxDepthKey);
     while (left != 0u) {
-        uint splat = first + uint(findLSB(left)), bits = visibility[dplFirstDepth(push.groupCount) + splat];
+        uint splat = first + uint(findLSB(left)), bits = DPL_WORD(visibility, dplFirstDepth(push.groupCount) + splat);
         left &= left - 1u;
         float level = clamp((uintBitsToFloat(bits) - start) * scale + offset, 0.0, most);  // at 24 bits adding the half may round up to 2²⁴
         pairs[slot] = uvec2(push.maxDepthKey == kFloatDepthKeys ? dplOrderedBits(uintBitsToFloat(bits)) : uint(level), splat);

@@ -2,13 +2,14 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
+#include "shaders/lib/reads.glsl"
 #include "shaders/lib/footprint.glsl"
 #include "shaders/lib/projected.glsl"
 #include "shaders/lib/view.glsl"
 
 layout(std430, binding = 0) readonly buffer CountsBlock { FrameCounts counts; };
-layout(std430, binding = 1) readonly buffer PairBlock { uvec2 pairs[]; };
-layout(std430, binding = 2) readonly buffer ProjectedBlock { ProjectedSplat projected[]; };
+DPL_PAIRS(1, PairBlock, pairs);
+DPL_FOURS(2, ProjectedBlock, projected);  // ProjectedSplat
 layout(push_constant) uniform PushBlock { DrawPush push; };
 
 layout(location = 0) flat out vec4 centreConic;   // centre px, conic A and B
@@ -18,9 +19,11 @@ layout(location = 2) flat out vec4 colourDepth;   // rgb, view z
 void main() {
     uint view = dplViewIndex(push.viewCount);
     // Pairs are near first with ties in splat order; drawing them backwards gives the exact mirror of front-to-back blending.
-    uvec2 pair = pairs[counts.visible - 1u - dplSplatInstance(push.viewCount)];
-    uint splat = pair.y;
-    ProjectedSplat p = projected[splat * push.viewCount + view];
+    uint splat = DPL_PAIR(pairs, counts.visible - 1u - dplSplatInstance(push.viewCount)).y, record = 3u * (splat * push.viewCount + view);
+    ProjectedSplat p;
+    p.place = dplFloats(DPL_FOUR(projected, record));
+    p.look = DPL_FOUR(projected, record + 1u);
+    p.radiusPx = dplFloats(DPL_FOUR(projected, record + 2u)).xy;
     float column = push.atlasColumns > 1u ? float(view) : 0.0;
     centreConic = p.place;
     conicOpacity = vec4(uintBitsToFloat(p.look.x), dplOpacityOf(p), column, float(view));

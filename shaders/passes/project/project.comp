@@ -2,14 +2,15 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
+#include "shaders/lib/reads.glsl"
 #include "shaders/lib/footprint.glsl"
 #include "shaders/lib/projected.glsl"
 #include "shaders/lib/views.glsl"
 layout(local_size_x = 128) in;  // kSplatGroup
 
 layout(std140, binding = 0) uniform FrameBlock { FrameData frame; };
-layout(std430, binding = 1) readonly buffer CodeBlock { uint codes[]; };
-layout(std430, binding = 2) readonly buffer TriangleBlock { TriangleFrame triangles[]; };
+DPL_WORDS(1, CodeBlock, codes);
+DPL_FOURS(2, TriangleBlock, triangles);  // TriangleFrame
 layout(std430, binding = 3) writeonly buffer ProjectedBlock { ProjectedSplat projected[]; };
 layout(std430, binding = 4) buffer VisibilityBlock { uint visibility[]; };
 layout(push_constant) uniform PushBlock { CodesPush push; };
@@ -53,7 +54,7 @@ bool showIn(ViewData view, uint v, BoundSplat s, bool mayShow) {
             rest = normalize(world + 2.0 * cross(turn.xyz, cross(turn.xyz, world) - turn.w * world));
             entry = dplShEntry(s.index);
         }
-        dplColour = codes[push.firstColour + s.index];
+        dplColour = DPL_WORD(codes, push.firstColour + s.index);
         p.look.z = dplPackColour(dplShColour(rest, entry, s.light));
     }
     uint slot = (push.firstSplat + s.index) * kViews + v;
@@ -71,21 +72,21 @@ void main() {
     SplatPlace place = dplPlaceOf(group, lane);
     bool seen = false;
     if (place.exists) {
-        uint size = codes[push.firstSize + place.splat];
+        uint size = DPL_WORD(codes, push.firstSize + place.splat);
         BoundSplat s;
         s.index = place.splat;
         s.gated = dplGated(size);
-        uint parent = dplParent(place.splat);
-        uvec4 corner0 = triangles[parent].corner0;
+        uint parent = 5u * dplParent(place.splat);
+        uvec4 corner0 = DPL_FOUR(triangles, parent);
         uint shown = corner0.w & (s.gated ? 3u * kShowsGated : 3u * kShowsFree);
         if (shown == 0u) {  // its triangle is in no view, or turned away: nothing else of it is read
             for (uint v = 0u; v < kViews; ++v) projected[(push.firstSplat + s.index) * kViews + v].radiusPx = vec2(0.0);
         } else {
-            uint packed = codes[push.firstPlace + s.index];
+            uint packed = DPL_WORD(codes, push.firstPlace + s.index);
             vec2 scale = dplScale(size);
             float phi = float(packed >> 22u) * kPhiCodeStep, cosine = cos(phi), sine = sin(phi);
             vec2 uv = dplUv(packed);
-            uvec4 corner1 = triangles[parent].corner1, corner2 = triangles[parent].corner2, column0 = triangles[parent].column0, column1 = triangles[parent].column1;
+            uvec4 corner1 = DPL_FOUR(triangles, parent + 1u), corner2 = DPL_FOUR(triangles, parent + 2u), column0 = DPL_FOUR(triangles, parent + 3u), column1 = DPL_FOUR(triangles, parent + 4u);
             vec3 f0 = direction(column0), f1 = direction(column1), light = vec3(unpackHalf2x16(column0.w), unpackHalf2x16(column1.w).x);
             s.opacity = dplOpacity(size);
             s.light = light.x + uv.x * (light.y - light.x) + uv.y * (light.z - light.x);

@@ -3,6 +3,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
+#include "shaders/lib/reads.glsl"
 #include "shaders/lib/footprint.glsl"
 #include "shaders/lib/projected.glsl"
 #include "shaders/lib/order.glsl"
@@ -10,7 +11,7 @@
 layout(local_size_x = 128) in;  // kSplatGroup
 
 layout(std140, binding = 0) uniform FrameBlock { FrameData frame; };
-layout(std430, binding = 1) readonly buffer SplatBlock { GeneralSplatRecord splats[]; };
+DPL_FOURS(1, SplatBlock, splats);  // GeneralSplatRecord
 layout(std430, binding = 2) writeonly buffer ProjectedBlock { ProjectedSplat projected[]; };
 layout(std430, binding = 3) writeonly buffer VisibilityBlock { uint visibility[]; };
 layout(std430, binding = 4) buffer CountsBlock { FrameCounts counts; };
@@ -45,7 +46,11 @@ void main() {
     dplClearSeen(lane);
     barrier();
     if (index < push.splatCount) {
-        GeneralSplatRecord s = splats[index];
+        GeneralSplatRecord s;
+        s.centre = dplFloats(DPL_FOUR(splats, 4u * index));
+        s.axis1 = dplFloats(DPL_FOUR(splats, 4u * index + 1u));
+        s.axis2 = dplFloats(DPL_FOUR(splats, 4u * index + 2u));
+        s.axis3 = dplFloats(DPL_FOUR(splats, 4u * index + 3u));
         bool seen = false;
         for (uint v = 0u; v < kViews; ++v) seen = showIn(frame.views[v], (push.firstSplat + index) * kViews + v, s) || seen;
         float depth = dot(frame.sortAxis.xyz, s.centre.xyz);

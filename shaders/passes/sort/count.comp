@@ -2,10 +2,11 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
+#include "shaders/lib/reads.glsl"
 layout(local_size_x = 32) in;  // kRunGroup
 
 layout(std430, binding = 0) readonly buffer CountsBlock { FrameCounts counts; };
-layout(std430, binding = 1) readonly buffer PairBlock { uvec2 pairs[]; };
+DPL_PAIRS(1, PairBlock, pairs);
 layout(std430, binding = 2) buffer TableBlock { uint table[]; };
 layout(push_constant) uniform PushBlock { SortPush push; };
 
@@ -14,5 +15,5 @@ void main() {
     if (run >= runs) return;
     for (uint digit = 0u; digit < kSortDigits; ++digit) table[kSortTable + digit * runs + run] = 0u;
     uint end = min((run + 1u) * kRun, counts.visible);
-    for (uint i = run * kRun; i < end; ++i) table[kSortTable + ((pairs[i].x >> push.shift) & (kSortDigits - 1u)) * runs + run]++;
+    for (uint i = run * kRun; i < end; ++i) table[kSortTable + ((DPL_PAIR(pairs, i).x >> push.shift) & (kSortDigits - 1u)) * runs + run]++;
 }

@@ -2,10 +2,11 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
+#include "shaders/lib/reads.glsl"
 layout(local_size_x = 32) in;  // kRunGroup
 
 layout(std430, binding = 0) readonly buffer CountsBlock { FrameCounts counts; };
-layout(std430, binding = 1) readonly buffer PairBlock { uvec2 pairs[]; };
+DPL_PAIRS(1, PairBlock, pairs);
 layout(std430, binding = 2) buffer TableBlock { uint table[]; };
 layout(std430, binding = 3) writeonly buffer SortedBlock { uvec2 sorted[]; };
 layout(push_constant) uniform PushBlock { SortPush push; };
@@ -15,7 +16,7 @@ void main() {
     if (run >= runs) return;
     uint end = min((run + 1u) * kRun, counts.visible);
     for (uint i = run * kRun; i < end; ++i) {
-        uvec2 pair = pairs[i];
+        uvec2 pair = DPL_PAIR(pairs, i);
         uint digit = (pair.x >> push.shift) & (kSortDigits - 1u), at = kSortTable + digit * runs + run;
         sorted[table[digit] + table[at]] = pair;
         table[at]++;

@@ -9,14 +9,15 @@
 #extension GL_KHR_shader_subgroup_shuffle : require
 #endif
 #include "shaders/shared/frame.h"
+#include "shaders/lib/reads.glsl"
 #include "shaders/lib/alpha.glsl"
 #include "shaders/lib/footprint.glsl"
 #include "shaders/lib/projected.glsl"
 layout(local_size_x = 64) in;  // kTileGroup
 
 layout(std430, binding = 0) readonly buffer ListBlock { uint lists[]; };
-layout(std430, binding = 1) readonly buffer EntryBlock { uint entries[]; };
-layout(std430, binding = 2) readonly buffer ProjectedBlock { uvec4 projected[]; };  // ProjectedSplat: place, look, radius
+DPL_WORDS(1, EntryBlock, entries);
+DPL_FOURS(2, ProjectedBlock, projected);  // ProjectedSplat: place, look, radius
 #ifdef DPL_SCENE_DEPTH
 #define DPL_PIXEL_ACCESS
 #else
@@ -51,7 +52,7 @@ void main() {
 #ifdef DPL_SHUFFLE
         uint lane = gl_LocalInvocationIndex % kTilePx, firstLane = gl_SubgroupInvocationID - lane;
         for (uint batch = begin; batch < end; batch += 4u) {
-            uvec4 mine = projected[3u * entries[min(batch + lane / 2u, end - 1u)] + lane % 2u];
+            uvec4 mine = DPL_FOUR(projected, 3u * DPL_WORD(entries, min(batch + lane / 2u, end - 1u)) + lane % 2u);
             for (uint j = 0u; j < 4u; ++j) {
                 uint place = firstLane + 2u * j, look = place + 1u;
                 vec4 at = vec4(uintBitsToFloat(subgroupShuffle(mine.x, place)), uintBitsToFloat(subgroupShuffle(mine.y, place)),
@@ -61,8 +62,9 @@ void main() {
 #else
         {
             for (uint i = begin; i < end && live > 0.0; ++i) {
-                vec4 at = uintBitsToFloat(projected[3u * entries[i]]);
-                uvec4 seen = projected[3u * entries[i] + 1u];
+                uint record = 3u * DPL_WORD(entries, i);
+                vec4 at = uintBitsToFloat(DPL_FOUR(projected, record));
+                uvec4 seen = DPL_FOUR(projected, record + 1u);
 #endif
                 vec2 d = centre - at.xy;
                 vec3 conic = vec3(at.zw, uintBitsToFloat(seen.x)), rgb = dplUnpackColour(seen.z);

@@ -3,12 +3,13 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
+#include "shaders/lib/reads.glsl"
 #include "shaders/lib/tiles.glsl"
 #include "shaders/lib/views.glsl"
 layout(local_size_x = 32) in;  // kRunGroup
 
-layout(std430, binding = 0) readonly buffer PairBlock { uvec2 pairs[]; };
-layout(std430, binding = 1) readonly buffer ProjectedBlock { ProjectedSplat projected[]; };
+DPL_PAIRS(0, PairBlock, pairs);
+DPL_FOURS(1, ProjectedBlock, projected);  // ProjectedSplat
 layout(std430, binding = 2) readonly buffer CountsBlock { FrameCounts counts; };
 layout(std430, binding = 3) buffer ListBlock { uint lists[]; };
 layout(push_constant) uniform PushBlock { TilePush push; };
@@ -20,11 +21,11 @@ void main() {
     for (uint row = 0u; row < push.viewCount * push.rows; ++row) lists[table + row * runs] = 0u;
     uint end = min((run + 1u) * kRun, counts.visible);
     for (uint i = run * kRun; i < end; ++i) {
-        uint splat = pairs[i].y;
+        uint splat = DPL_PAIR(pairs, i).y;
         for (uint v = 0u; v < kViews; ++v) {
             uint slot = splat * kViews + v;
-            float radius = projected[slot].radiusPx.y;
-            uvec2 rows = dplSplatRows(projected[slot].place.y, radius, push.heightPx) + v * push.rows;
+            float radius = uintBitsToFloat(DPL_FOUR(projected, 3u * slot + 2u).y);
+            uvec2 rows = dplSplatRows(uintBitsToFloat(DPL_FOUR(projected, 3u * slot).y), radius, push.heightPx) + v * push.rows;
             uint one = radius > 0.0 ? 1u : 0u;
             do {
                 lists[table + rows.x * runs] += one;

@@ -2,12 +2,13 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
+#include "shaders/lib/reads.glsl"
 #include "shaders/lib/tiles.glsl"
 #include "shaders/lib/views.glsl"
 layout(local_size_x = 32) in;  // kRunGroup
 
-layout(std430, binding = 0) readonly buffer PairBlock { uvec2 pairs[]; };
-layout(std430, binding = 1) readonly buffer ProjectedBlock { ProjectedSplat projected[]; };
+DPL_PAIRS(0, PairBlock, pairs);
+DPL_FOURS(1, ProjectedBlock, projected);  // ProjectedSplat
 layout(std430, binding = 2) readonly buffer CountsBlock { FrameCounts counts; };
 layout(std430, binding = 3) buffer ListBlock { uint lists[]; };
 layout(push_constant) uniform PushBlock { TilePush push; };
@@ -17,10 +18,13 @@ void main() {
     if (run >= runs) return;
     uint end = min((run + 1u) * kRun, counts.visible);
     for (uint i = run * kRun; i < end; ++i) {
-        uint splat = pairs[i].y;
+        uint splat = DPL_PAIR(pairs, i).y;
         for (uint v = 0u; v < kViews; ++v) {
             uint slot = splat * kViews + v;
-            ProjectedSplat p = projected[slot];
+            ProjectedSplat p;
+            p.place = dplFloats(DPL_FOUR(projected, 3u * slot));
+            p.look = DPL_FOUR(projected, 3u * slot + 1u);
+            p.radiusPx = dplFloats(DPL_FOUR(projected, 3u * slot + 2u)).xy;
             if (p.radiusPx.y > 0.0) {
                 uvec2 rows = dplSplatRows(p.place.y, p.radiusPx.y, push.heightPx);
                 do {

@@ -50,7 +50,9 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
     expectLayout("TriangleRecord", sizeof(TriangleRecord), {DPL_AT(TriangleRecord, restT1), DPL_AT(TriangleRecord, restT2), DPL_AT(TriangleRecord, restNormal), DPL_AT(TriangleRecord, corners), DPL_AT(TriangleRecord, reach),
                  DPL_AT(TriangleRecord, rootLevel), DPL_AT(TriangleRecord, freeSplats), DPL_AT(TriangleRecord, gatedSplats)});
     expectLayout("TriangleFrame", sizeof(TriangleFrame), {DPL_AT(TriangleFrame, corner0), DPL_AT(TriangleFrame, corner1), DPL_AT(TriangleFrame, corner2), DPL_AT(TriangleFrame, column0), DPL_AT(TriangleFrame, column1)});
-    expectLayout("GeneralSplatRecord", sizeof(GeneralSplatRecord), {DPL_AT(GeneralSplatRecord, centre), DPL_AT(GeneralSplatRecord, axis1), DPL_AT(GeneralSplatRecord, axis2), DPL_AT(GeneralSplatRecord, axis3)});
+    // Read in fours: they must lie as the kernels count them.
+    static_assert(offsetof(GeneralSplatRecord, axis1) == 16 && offsetof(GeneralSplatRecord, axis2) == 32 && offsetof(GeneralSplatRecord, axis3) == 48);
+    static_assert(offsetof(ProjectedSplat, look) == 16 && offsetof(ProjectedSplat, radiusPx) == 32 && sizeof(ProjectedSplat) == 48 && sizeof(TriangleFrame) == 80);
     expectLayout("ProjectedSplat", sizeof(ProjectedSplat), {DPL_AT(ProjectedSplat, place), DPL_AT(ProjectedSplat, look), DPL_AT(ProjectedSplat, radiusPx), DPL_AT(ProjectedSplat, pad0), DPL_AT(ProjectedSplat, pad1)});
     expectLayout("FrameCounts", sizeof(FrameCounts), {DPL_AT(FrameCounts, visible), DPL_AT(FrameCounts, runs), DPL_AT(FrameCounts, trianglesInView), DPL_AT(FrameCounts, trianglesFacing), DPL_AT(FrameCounts, runGroupsX), DPL_AT(FrameCounts, runGroupsY), DPL_AT(FrameCounts, runGroupsZ), DPL_AT(FrameCounts, chunksProjected), DPL_AT(FrameCounts, drawVertices), DPL_AT(FrameCounts, drawInstances), DPL_AT(FrameCounts, drawFirstVertex), DPL_AT(FrameCounts, drawFirstInstance), DPL_AT(FrameCounts, splatsInView), DPL_AT(FrameCounts, splatsFacing), DPL_AT(FrameCounts, chunkGroupsX), DPL_AT(FrameCounts, chunkGroupsY), DPL_AT(FrameCounts, chunkGroupsZ), DPL_AT(FrameCounts, tileSpans), DPL_AT(FrameCounts, spanGroupsX), DPL_AT(FrameCounts, spanGroupsY), DPL_AT(FrameCounts, spanGroupsZ), DPL_AT(FrameCounts, tileEntries), DPL_AT(FrameCounts, rowGroupsX), DPL_AT(FrameCounts, rowGroupsY), DPL_AT(FrameCounts, rowGroupsZ), DPL_AT(FrameCounts, tilesOverflowed), DPL_AT(FrameCounts, entryGroupsX), DPL_AT(FrameCounts, entryGroupsY), DPL_AT(FrameCounts, entryGroupsZ), DPL_AT(FrameCounts, pad3), DPL_AT(FrameCounts, fillGroupsX), DPL_AT(FrameCounts, fillGroupsY), DPL_AT(FrameCounts, fillGroupsZ), DPL_AT(FrameCounts, depthMaxBits), DPL_AT(FrameCounts, depthMinBitsInverted), DPL_AT(FrameCounts, keyStart), DPL_AT(FrameCounts, keyOffset), DPL_AT(FrameCounts, keyScale)});
     expectLayout("TilePush", sizeof(TilePush), {DPL_AT(TilePush, viewCount), DPL_AT(TilePush, columns), DPL_AT(TilePush, rows), DPL_AT(TilePush, widthPx), DPL_AT(TilePush, heightPx), DPL_AT(TilePush, firstSpanSum), DPL_AT(TilePush, firstEntrySum), DPL_AT(TilePush, firstRunTable),
@@ -70,6 +72,32 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
     expectLayout("DrawPush", sizeof(DrawPush), {DPL_AT(DrawPush, targetWidthPx), DPL_AT(DrawPush, targetHeightPx), DPL_AT(DrawPush, viewCount), DPL_AT(DrawPush, atlasColumns)});
 }
 
+std::string plainName(const Shader& shader) { return shader.name.substr(0, shader.name.size() - (shader.name.ends_with(kTexelsSuffix) ? kTexelsSuffix.size() : 0)); }
+
+TEST(ShaderPack, typedTwinsHaveTheBindingsOfThePlainKernel) {
+    int twins = 0;
+    const ShaderPack pack = embedded();
+    for (const Shader& twin : pack.shaders) {
+        if (!twin.name.ends_with(kTexelsSuffix)) continue;
+        ++twins;
+        const Shader* plain = pack.find(plainName(twin));
+        ASSERT_TRUE(plain) << twin.name;
+        ASSERT_EQ(plain->bindings.size(), twin.bindings.size()) << twin.name;
+        EXPECT_EQ(plain->pushBytes, twin.pushBytes);
+        int typed = 0;
+        for (size_t i = 0; i < twin.bindings.size(); ++i) {
+            const ShaderBinding &a = plain->bindings[i], &b = twin.bindings[i];
+            EXPECT_EQ(a.uniform, b.uniform) << twin.name;
+            EXPECT_EQ(a.writes, b.writes) << twin.name;
+            EXPECT_EQ(a.reads, b.reads) << twin.name;
+            EXPECT_EQ(a.texelWords, 0u) << plain->name;
+            typed += b.texelWords > 0;
+        }
+        EXPECT_GT(typed, 0) << twin.name;
+    }
+    EXPECT_GT(twins, 20);
+}
+
 TEST(ShaderPack, workgroupsAreThoseThatTheSharedLimitsName) {
     std::map<std::string, uint32_t> want = {
         {"skin", gpu::kVertexGroup}, {"skin.corrected", gpu::kVertexGroup}, {"triangles", gpu::kVertexGroup}, {"triangles.stereo", gpu::kVertexGroup}, {"mesh.depth", gpu::kVertexGroup}, {"chunks.mark", gpu::kChunkGroup}, {"chunks.list", gpu::kScanGroup},
@@ -84,8 +112,9 @@ TEST(ShaderPack, workgroupsAreThoseThatTheSharedLimitsName) {
             for (const char* views : {"", ".stereo"}) want[formatText("{}.sh{}{}", name, degree, views)] = gpu::kSplatGroup;
     for (const Shader& shader : embedded().shaders) {
         if (shader.stage != ShaderStage::Compute) continue;
-        ASSERT_TRUE(want.count(shader.name)) << shader.name;
-        EXPECT_EQ(shader.workgroup[0], want.at(shader.name)) << shader.name;
+        const std::string name = plainName(shader);
+        ASSERT_TRUE(want.count(name)) << shader.name;
+        EXPECT_EQ(shader.workgroup[0], want.at(name)) << shader.name;
         EXPECT_EQ(shader.workgroup[1] * shader.workgroup[2], 1u) << shader.name;
     }
     static_assert(gpu::kMaskWords * 32 == gpu::kSplatGroup);
@@ -93,9 +122,10 @@ TEST(ShaderPack, workgroupsAreThoseThatTheSharedLimitsName) {
 
 TEST(ShaderPack, staysWithinWhatEveryVulkan11DeviceHas) {
     for (const Shader& shader : embedded().shaders) {
-        int storage = 0;
-        for (const ShaderBinding& b : shader.bindings) storage += !b.uniform;
+        int storage = 0, texels = 0;
+        for (const ShaderBinding& b : shader.bindings) b.texelWords ? ++texels : storage += !b.uniform;
         EXPECT_LE(storage, 4) << shader.name;
+        EXPECT_LE(texels, 4) << shader.name;
         EXPECT_LE(shader.pushBytes, 128u) << shader.name;
         EXPECT_GT(shader.spirv.size(), 20u) << shader.name;
     }
@@ -104,7 +134,7 @@ TEST(ShaderPack, staysWithinWhatEveryVulkan11DeviceHas) {
 TEST(ShaderPack, roundTripsAndRefusesEveryTruncationAndFlippedBytes) {
     ShaderPack small;
     small.interfaceHash = 42;
-    small.shaders.push_back({.name = "one", .pushBytes = 8, .bindings = {{"Block", 0, false, true, true}}, .structs = {{"S", 16, {{"a", 0}, {"b", 8}}}},
+    small.shaders.push_back({.name = "one", .pushBytes = 8, .bindings = {{"Block", 0, false, true, true, 0}, {"Texels", 1, false, false, true, 4}}, .structs = {{"S", 16, {{"a", 0}, {"b", 8}}}},
                              .spirv = {1, 2, 3}, .mslIos = "kernel", .mslMacos = "kernel"});
     const std::vector<uint8_t> bytes = writeShaderPack(small);
     auto back = readShaderPack(bytes, "test", 42);

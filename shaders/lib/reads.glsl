@@ -1,0 +1,19 @@
+// What a kernel reads and nothing writes while it runs: words, pairs or fours of them. DPL_TEXELS: as typed buffers, which a CPU that plays a GPU gathers
+// eight lanes at a time, where it reads a plain buffer lane by lane (DeviceInfo::texels). shaderpack builds NAME.texels beside every NAME that includes
+// this and uses it; the same bytes come out.
+#ifdef DPL_TEXELS
+#define DPL_WORDS(number, block, name) layout(r32ui, binding = number) uniform readonly uimageBuffer name
+#define DPL_PAIRS(number, block, name) layout(rg32ui, binding = number) uniform readonly uimageBuffer name
+#define DPL_FOURS(number, block, name) layout(rgba32ui, binding = number) uniform readonly uimageBuffer name
+#define DPL_WORD(name, at) imageLoad(name, int(at)).x
+#define DPL_PAIR(name, at) imageLoad(name, int(at)).xy
+#define DPL_FOUR(name, at) imageLoad(name, int(at))
+#else
+#define DPL_WORDS(number, block, name) layout(std430, binding = number) readonly buffer block { uint name[]; }
+#define DPL_PAIRS(number, block, name) layout(std430, binding = number) readonly buffer block { uvec2 name[]; }
+#define DPL_FOURS(number, block, name) layout(std430, binding = number) readonly buffer block { uvec4 name[]; }
+#define DPL_WORD(name, at) name[at]
+#define DPL_PAIR(name, at) name[at]
+#define DPL_FOUR(name, at) name[at]
+#endif
+vec4 dplFloats(uvec4 bits) { return uintBitsToFloat(bits); }

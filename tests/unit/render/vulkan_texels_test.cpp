@@ -1,0 +1,66 @@
+// Typed buffers are another way to fetch, not another picture.
+#include "sdk/backend/vulkan/vulkan_backend.h"
+#include "tests/reference/random_avatar.h"
+#include "tests/unit/render/vulkan_image.h"
+
+namespace dpl {
+namespace {
+
+/** Colour and depth of avatars of every SH degree and of general splats, one and two views, free and behind a scene; then all in one picture. */
+std::vector<RenderedView> everything(Renderer& r) {
+    std::vector<RenderedView> pictures;
+    const Cameraf views[2] = {tubeCamera(150, 141, 0.3f, 1.5f, -0.03f), tubeCamera(150, 141, 0.3f, 1.5f, 0.03f)};
+    const std::vector<float> scene(150 * 141, 1.5f);
+    const auto draw = [&](std::span<const Drawn> row) {
+        for (size_t viewCount : {1u, 2u}) {
+            for (bool behind : {false, true}) {
+                FrameWants wants(true);
+                for (size_t v = 0; behind && v < viewCount; ++v) wants.sceneDepthM[v] = scene;
+                const Status drawn = r.drawTogether(row, {views, viewCount}, wants);
+                EXPECT_TRUE(drawn) << (drawn ? "" : drawn.error().message);
+                const auto pixels = r.read(row[0].avatar);
+                EXPECT_TRUE(pixels) << (pixels ? "" : pixels.error().message);
+                if (!pixels) return;
+                for (const PixelView& p : *pixels) pictures.push_back({p.widthPx, p.heightPx, {p.rgba.begin(), p.rgba.end()}, {p.depthM.begin(), p.depthM.end()}, {}});
+            }
+        }
+    };
+    const Pose pose = tubePose(0.4f), none;
+    std::vector<Drawn> row;
+    for (uint32_t degree = 0; degree <= 3; ++degree) {
+        const auto id = r.addAvatar(share(makeTube({.shDegree = degree, .seed = 3 + degree})));
+        EXPECT_TRUE(id);
+        row.push_back({*id, &pose});
+    }
+    for (uint32_t degree = 0; degree <= 3; ++degree) {
+        const auto id = r.addSplats(randomStaticSplats(5 + degree, 400, degree));
+        EXPECT_TRUE(id);
+        row.push_back({*id, &none});
+    }
+    for (const Drawn& one : row) draw({&one, 1});
+    draw(row);
+    return pictures;
+}
+
+TEST_P(VulkanImage, typedBuffersGiveTheSameBytesAsPlainOnes) {
+    VulkanOptions plain = testVulkanOptions(), typed = testVulkanOptions();
+    plain.typedBuffers = false;
+    typed.typedBuffers = true;
+    TestVulkan a(plain, GetParam()), b(typed, GetParam());
+    DPL_NEED_VULKAN(a);
+    const auto backend = createVulkanBackend(typed);
+    ASSERT_TRUE(backend);
+    if (!(*backend)->info().texels) GTEST_SKIP() << (*backend)->info().name << " reads plain buffers";
+    const auto want = everything(*a.renderer), got = everything(*b.renderer);
+    ASSERT_EQ(want.size(), got.size());
+    size_t covered = 0;
+    for (size_t i = 0; i < want.size(); ++i) {
+        EXPECT_EQ(want[i].rgba, got[i].rgba) << i;
+        EXPECT_EQ(want[i].depthM, got[i].depthM) << i;
+        for (size_t k = 3; k < want[i].rgba.size(); k += 4) covered += want[i].rgba[k] > 0;
+    }
+    EXPECT_GT(covered, want.size() * 500);
+}
+
+}  // namespace
+}  // namespace dpl
