@@ -22,6 +22,11 @@ struct SubjectIds {
     BufferId posed, triangleFrames;       // made by the GPU in each frame
 };
 
+/** Cells that are counted, and prefix sums over them (passes/scan.h). */
+struct TableIds {
+    BufferId cells, sums, places;
+};
+
 /** A frame. As a subject: the one whose passes are added; for the passes over all, the number of their splats and half-chunks, and whether any reaches far. */
 struct FrameIds : SubjectIds {
     uint32_t viewCount = 1;
@@ -37,9 +42,11 @@ struct FrameIds : SubjectIds {
 
     BufferId scene;                                // view z of the app's scene, infinite where there is nothing; views, rows, columns; written by the CPU before each frame
     // made by the GPU in each frame
-    BufferId tileLists, tileEntries, tilePixels;   // none: quads alone
+    TableIds tiles;
+    BufferId tileSpans, tileEntries, tilePixels;   // none: quads alone
     BufferId meshDepth;                            // none: not wanted
-    BufferId projected, visibility, counts, pairs, pairsSwap, histogram;
+    BufferId projected, visibility, counts, pairs, pairsSwap;
+    TableIds digits;                               // of the sort: [digit][run]
     TargetId target;
     // read by the CPU, made by the first read-back
     BufferId colourPixels, depthPixels, meshDepthPixels;
@@ -66,7 +73,7 @@ struct FrameIds : SubjectIds {
         return shader;
     }
     std::string ofColour(const char* shader) const { return ofViews(formatText("{}.sh{}", shader, shDegree)); }
-    uint64_t histogramWords() const { return gpu::kSortTable + uint64_t(gpu::kSortDigits) * ((splatCount + gpu::kRun - 1) / gpu::kRun); }
+    uint64_t digitWords() const { return uint64_t(gpu::kSortDigits) * ((splatCount + gpu::kRun - 1) / gpu::kRun); }
 };
 
 }  // namespace dpl

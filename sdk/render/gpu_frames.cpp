@@ -11,6 +11,7 @@
 #include "sdk/render/passes/draw.h"
 #include "sdk/render/passes/mesh_depth.h"
 #include "sdk/render/passes/project.h"
+#include "sdk/render/passes/scan.h"
 #include "sdk/render/passes/skin.h"
 #include "sdk/render/passes/sort.h"
 #include "sdk/render/passes/triangles.h"
@@ -22,6 +23,14 @@ constexpr std::array<std::byte, 4> kZero{};
 constexpr size_t kFramesKept = 4;  // recorded frame shapes a row keeps; an app uses one or two at two sample counts, a resize leaves others behind
 
 }  // namespace
+
+Result<TableIds> GpuRenderer::makeTable(std::vector<BufferId>& owned, const std::string& label, uint64_t cells, uint64_t sums) {
+    TableIds table;
+    DPL_TRY(table.cells, makeBuffer(owned, label + " cells", cells * 4));
+    DPL_TRY(table.sums, makeBuffer(owned, label + " sums", sums * 4));
+    DPL_TRY(table.places, makeBuffer(owned, label + " places", cells * 4));
+    return table;
+}
 
 /** Where each member's splats lie in the lists of a frame, and these lists, whatever its size. */
 Status GpuRenderer::makeWorkBuffers(Row& row) {
@@ -44,8 +53,7 @@ Status GpuRenderer::makeWorkBuffers(Row& row) {
     DPL_TRY(ids.counts, makeBuffer(row.owned, "counts", sizeof(gpu::FrameCounts)));
     DPL_TRY(ids.pairs, makeBuffer(row.owned, "pairs", splats * 8));
     DPL_TRY(ids.pairsSwap, makeBuffer(row.owned, "pairs swap", splats * 8));
-    DPL_TRY(ids.histogram, makeBuffer(row.owned, "histogram", ids.histogramWords() * 4));
-    DPL_CHECK_OK(backend_->write(ids.histogram, 0, kZero));  // each round clears its own part; this is for the check of reads
+    DPL_TRY(ids.digits, makeTable(row.owned, "digits", ids.digitWords(), scanSumWords(gpu::kSortDigits)));
     return {};
 }
 
@@ -77,8 +85,8 @@ Status GpuRenderer::build(const Row& row, ShapedFrame& f) {
         if (!tiles) log(LogLevel::Info, "{} x {} px, {} splats: the lists of compute tiles do not fit the device, quads fill this size", ids.widthPx, ids.heightPx, ids.splatCount);
     }
     if (tiles) {
-        DPL_TRY(ids.tileLists, makeBuffer(f.owned, "tile lists", tiles->listBytes));
-        DPL_CHECK_OK(backend_->write(ids.tileLists, 0, kZero));  // the same
+        DPL_TRY(ids.tiles, makeTable(f.owned, "tile table", tiles->tableWords, tiles->sumWords));
+        DPL_TRY(ids.tileSpans, makeBuffer(f.owned, "tile spans", tiles->spanBytes));
         DPL_TRY(ids.tileEntries, makeBuffer(f.owned, "tile entries", tiles->entryBytes));
         DPL_TRY(ids.tilePixels, makeBuffer(f.owned, "tile pixels", tiles->pixelBytes));
     }

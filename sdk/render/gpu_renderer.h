@@ -89,6 +89,7 @@ private:
         bool holds(RenderAvatarId avatar) const { return std::find(members.begin(), members.end(), avatar) != members.end(); }
     };
 
+    Result<TableIds> makeTable(std::vector<BufferId>& owned, const std::string& label, uint64_t cells, uint64_t sums);
     Result<BufferId> makeBuffer(std::vector<BufferId>& owned, std::string label, uint64_t bytes, BufferMemory memory = BufferMemory::Device);
     template <class T>
     Result<BufferId> uploadBuffer(std::vector<BufferId>& owned, std::string label, std::span<const T> items);

@@ -114,21 +114,20 @@ struct FrameCounts {          // written by the GPU for itself; the indirect arg
 };
 DPL_SHARED_SIZE(FrameCounts, 392)
 
-struct TilePush {             // of every tile pass; `first...`: offsets into the tile lists, one buffer of uints
+struct TilePush {             // of every tile pass; `first...`: offsets in words
     uint viewCount, columns, rows;  // tiles across and down one view
     uint widthPx, heightPx;         // of one view
-    uint firstSpanSum;        // spans before each row of tiles (views × rows + 1)
-    uint firstEntrySum;       // entries before each row of tiles
-    uint firstRunTable;       // [row][run]: spans, then where the next one goes
-    uint firstTileTable;      // [row][column][segment]: entries within the row, then where the next one goes
-    uint firstSpan;           // (record, first column | last column << 16)
+    uint firstSpanSum;        // into the sums: spans before each share of a row of tiles (views × rows × kRowScanGroup + 1)
+    uint firstEntrySum;       // the same of entries
+    uint firstRunTable;       // into the table and the places: [row][run], spans and where the next one goes
+    uint firstTileTable;      // [row][column][segment], entries and where the next one goes
     uint spanCapacity, entryCapacity;
     uint fillGroups;
     uint firstDepth;          // in the pixel buffer, words
     uint halfColour, halfDepth;
     uint firstScene;          // in the pixel buffer, words: the app's depth, infinite where there is nothing
 };
-struct RowScanPush { uint perRow; uint firstTable; uint firstSum; };  // perRow 0: counts.runs
+struct RowScanPush { uint perRow; uint firstTable; uint firstSum; };  // perRow 0: counts.runs; firstTable: in table and places
 
 // Several avatars share a frame: `drawn` is the number of one, its half-chunks and splats come behind those of the ones before it.
 struct VertexPush { uint vertexCount; uint firstNode; uint drawn; };  // control nodes in the palette, behind the joints' rows

@@ -13,7 +13,7 @@ DPL_CONST uint kVertexGroup = 128u;
 DPL_CONST uint kSplatGroup = 128u;
 DPL_CONST uint kChunkGroup = 64u;        // half-chunks
 DPL_CONST uint kScanGroup = 256u;
-DPL_CONST uint kRowScanGroup = 16u;
+DPL_CONST uint kRowScanGroup = 16u;      // shares of a row of a table
 DPL_CONST uint kCompactGroup = 64u;
 DPL_CONST uint kMaskWords = 4u;          // kSplatGroup bits: which splats of a half-chunk some view shows
 
@@ -22,7 +22,6 @@ DPL_CONST uint kRun = 256u;
 DPL_CONST uint kRunGroup = 32u;
 DPL_CONST uint kSortDigitBits = 8u;
 DPL_CONST uint kSortDigits = 256u;
-DPL_CONST uint kSortTable = 257u;        // of the histogram: behind the sums of the digits and the total, [digit][run]
 DPL_CONST uint kSortRounds = 2u;         // 16-bit keys: 0.03 mm steps across a person
 DPL_CONST uint kWideSortRounds = 3u;     // 24-bit keys: a scene of general splats may reach a kilometre
 DPL_CONST uint kFloatSortRounds = 4u;    // 32-bit float keys, for measuring

@@ -8,6 +8,7 @@
 
 #include "sdk/math/scene_depth.h"
 #include "sdk/render/avatar_upload.h"
+#include "sdk/render/passes/scan.h"
 #include "sdk/render/passes/tiles.h"
 #include "sdk/avatar/pose_correctives.h"
 #include "tests/reference/image_compare.h"
@@ -28,7 +29,8 @@ DPL_MSL(msl_chunks_list);
 DPL_MSL(msl_project_sh3_stereo);
 DPL_MSL(msl_project_general_stereo);
 DPL_MSL(msl_colour_general_sh3_stereo);
-DPL_MSL(msl_scan_rows);
+DPL_MSL(msl_scan_totals);
+DPL_MSL(msl_scan_places);
 DPL_MSL(msl_scan_sums);
 DPL_MSL(msl_compact_args);
 DPL_MSL(msl_compact_scatter);
@@ -68,16 +70,23 @@ void setRuns(gpu::FrameCounts& counts) {
     counts.runGroupsX = groupsFor(counts.runs, gpu::kRunGroup);
 }
 
+void scan(gpu::FrameCounts& counts, std::vector<uint32_t>& table, std::vector<uint32_t>& sums, std::vector<uint32_t>& places, const gpu::RowScanPush& push, uint32_t rows, int order) {
+    run(msl_scan_totals, rows, order, {&counts, table.data(), sums.data()}, push);
+    run(msl_scan_sums, 1, order, {sums.data()}, gpu::ScanPush{push.firstSum, rows * gpu::kRowScanGroup});
+    run(msl_scan_places, rows, order, {&counts, table.data(), sums.data(), places.data()}, push);
+}
+
 void sortPairs(std::vector<gpu::uvec2>& pairs, gpu::FrameCounts& counts, int order, uint32_t rounds = gpu::kSortRounds) {
     std::vector<gpu::uvec2> other(pairs.size() + 1);
-    std::vector<uint32_t> histogram(gpu::kSortTable + gpu::kSortDigits * counts.runs, 0xCDCDCDCD);
+    const size_t cells = gpu::kSortDigits * counts.runs;
+    std::vector<uint32_t> sums(scanSumWords(gpu::kSortDigits)), places(cells, 0xCDCDCDCD);
     void *from = pairs.data(), *to = other.data();
     for (uint32_t round = 0; round < rounds; ++round) {
         const gpu::SortPush push{round * gpu::kSortDigitBits};
-        run(msl_sort_count, counts.runGroupsX, order, {&counts, from, histogram.data()}, push);
-        run(msl_scan_rows, gpu::kSortDigits, order, {&counts, histogram.data()}, gpu::RowScanPush{0, gpu::kSortTable, 0});
-        run(msl_scan_sums, 1, order, {histogram.data()}, gpu::ScanPush{0, gpu::kSortDigits});
-        run(msl_sort_scatter, counts.runGroupsX, order, {&counts, from, histogram.data(), to}, push);
+        std::vector<uint32_t> table(cells);
+        run(msl_sort_count, counts.runGroupsX, order, {&counts, from, table.data()}, push);
+        scan(counts, table, sums, places, {}, gpu::kSortDigits, order);
+        run(msl_sort_scatter, counts.runGroupsX, order, {&counts, from, places.data(), to}, push);
         std::swap(from, to);
     }
     if (from != pairs.data()) std::copy_n(other.begin(), pairs.size(), pairs.begin());
@@ -162,22 +171,20 @@ std::vector<uint32_t> fillTiles(MslFrame& f, std::span<const Cameraf> views, int
     const auto tiles = planTiles(ids, {.maxBindingBytes = 128u << 20, .maxGroups = 65535});
     EXPECT_TRUE(tiles);
     const gpu::TilePush& push = tiles->push;
-    std::vector<uint32_t> lists(tiles->listBytes / 4, 0xCDCDCDCD), entries(tiles->entryBytes / 4), pixels(tiles->pixelBytes / 4);
-    run(msl_tiles_runs_stereo, f.counts.runGroupsX, order, {f.sorted.data(), f.projected.data(), &f.counts, lists.data()}, push);
-    run(msl_scan_rows, tiles->rows(), order, {&f.counts, lists.data()}, gpu::RowScanPush{0, push.firstRunTable, push.firstSpanSum});
-    run(msl_scan_sums, 1, order, {lists.data()}, gpu::ScanPush{push.firstSpanSum, tiles->rows()});
-    run(msl_tiles_args_spans, 1, order, {lists.data(), &f.counts}, push);
-    run(msl_tiles_spans_stereo, f.counts.spanGroupsX, order, {f.sorted.data(), f.projected.data(), &f.counts, lists.data()}, push);
-    run(msl_tiles_count, f.counts.rowGroupsX, order, {lists.data()}, push);
-    run(msl_scan_rows, tiles->rows(), order, {&f.counts, lists.data()}, gpu::RowScanPush{push.columns * gpu::kTileSegments, push.firstTileTable, push.firstEntrySum});
-    run(msl_scan_sums, 1, order, {lists.data()}, gpu::ScanPush{push.firstEntrySum, tiles->rows()});
-    run(msl_tiles_args_entries, 1, order, {lists.data(), &f.counts}, push);
+    std::vector<uint32_t> table(tiles->tableWords), sums(tiles->sumWords), places(tiles->tableWords, 0xCDCDCDCD), spans(tiles->spanBytes / 4), entries(tiles->entryBytes / 4), pixels(tiles->pixelBytes / 4);
+    run(msl_tiles_runs_stereo, f.counts.runGroupsX, order, {f.sorted.data(), f.projected.data(), &f.counts, table.data()}, push);
+    scan(f.counts, table, sums, places, {0, push.firstRunTable, push.firstSpanSum}, tiles->rows(), order);
+    run(msl_tiles_args_spans, 1, order, {sums.data(), &f.counts, places.data()}, push);
+    run(msl_tiles_spans_stereo, f.counts.spanGroupsX, order, {f.sorted.data(), f.projected.data(), places.data(), spans.data()}, push);
+    run(msl_tiles_count, f.counts.rowGroupsX, order, {spans.data(), sums.data(), table.data()}, push);
+    scan(f.counts, table, sums, places, {push.columns * gpu::kTileSegments, push.firstTileTable, push.firstEntrySum}, tiles->rows(), order);
+    run(msl_tiles_args_entries, 1, order, {sums.data(), &f.counts}, push);
     EXPECT_EQ(f.counts.drawInstances, 0u) << "the quads have nothing to do";
     EXPECT_EQ(f.counts.tilesOverflowed, 0u);
     EXPECT_GT(f.counts.tileEntries, f.counts.visible);
-    run(msl_tiles_entries, f.counts.entryGroupsX, order, {lists.data(), entries.data()}, push);
+    run(msl_tiles_entries, f.counts.entryGroupsX, order, {spans.data(), sums.data(), places.data(), entries.data()}, push);
     if (ids.sceneDepth) std::memcpy(pixels.data() + push.firstScene, farthestSeenM.data(), farthestSeenM.size_bytes());
-    run(ids.sceneDepth ? msl_tiles_fill_depth_scene : msl_tiles_fill_depth, f.counts.fillGroupsX, order, {lists.data(), entries.data(), f.projected.data(), pixels.data()}, push);
+    run(ids.sceneDepth ? msl_tiles_fill_depth_scene : msl_tiles_fill_depth, f.counts.fillGroupsX, order, {places.data(), entries.data(), f.projected.data(), pixels.data()}, push);
     return pixels;
 }
 

@@ -10,7 +10,7 @@ namespace dpl {
 /** What the lists of compute tiles take, all of it before the first frame. Rows of tiles are counted over all views. */
 struct TilePlan {
     gpu::TilePush push{};
-    uint64_t listBytes = 0, entryBytes = 0, pixelBytes = 0;
+    uint64_t tableWords = 0, sumWords = 0, spanBytes = 0, entryBytes = 0, pixelBytes = 0;
     uint32_t rows() const { return push.viewCount * push.rows; }
 };
 

@@ -1,4 +1,4 @@
-// Exclusive prefix sum in place by one workgroup; the total goes one past the end. Of a table: the totals of its rows (rows.comp).
+// Exclusive prefix sum in place by one workgroup; the total goes one past the end. Of a table: the shares of its rows (totals.comp).
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"

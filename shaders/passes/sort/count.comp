@@ -1,4 +1,4 @@
-// How often each digit occurs in each run of keys: [digit][run], so that prefix sums give every run its places. A lane counts a run by itself.
+// How often each digit occurs in each run of keys: [digit][run], zero before, so that prefix sums give every run its places. A lane counts a run by itself.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -13,7 +13,6 @@ layout(push_constant) uniform PushBlock { SortPush push; };
 void main() {
     uint run = gl_GlobalInvocationID.x, runs = counts.runs;
     if (run >= runs) return;
-    for (uint digit = 0u; digit < kSortDigits; ++digit) table[kSortTable + digit * runs + run] = 0u;
     uint end = min((run + 1u) * kRun, counts.visible);
-    for (uint i = run * kRun; i < end; ++i) table[kSortTable + ((DPL_PAIR(pairs, i).x >> push.shift) & (kSortDigits - 1u)) * runs + run]++;
+    for (uint i = run * kRun; i < end; ++i) table[((DPL_PAIR(pairs, i).x >> push.shift) & (kSortDigits - 1u)) * runs + run]++;
 }

@@ -7,7 +7,7 @@ layout(local_size_x = 32) in;  // kRunGroup
 
 layout(std430, binding = 0) readonly buffer CountsBlock { FrameCounts counts; };
 DPL_PAIRS(1, PairBlock, pairs);
-layout(std430, binding = 2) buffer TableBlock { uint table[]; };
+layout(std430, binding = 2) buffer PlaceBlock { uint places[]; };
 layout(std430, binding = 3) writeonly buffer SortedBlock { uvec2 sorted[]; };
 layout(push_constant) uniform PushBlock { SortPush push; };
 
@@ -17,8 +17,8 @@ void main() {
     uint end = min((run + 1u) * kRun, counts.visible);
     for (uint i = run * kRun; i < end; ++i) {
         uvec2 pair = DPL_PAIR(pairs, i);
-        uint digit = (pair.x >> push.shift) & (kSortDigits - 1u), at = kSortTable + digit * runs + run;
-        sorted[table[digit] + table[at]] = pair;
-        table[at]++;
+        uint cell = ((pair.x >> push.shift) & (kSortDigits - 1u)) * runs + run, place = places[cell];
+        sorted[place] = pair;
+        places[cell] = place + 1u;
     }
 }

@@ -5,14 +5,17 @@
 #include "shaders/shared/frame.h"
 layout(local_size_x = 1) in;
 
-layout(std430, binding = 0) readonly buffer ListBlock { uint lists[]; };
+layout(std430, binding = 0) readonly buffer SumBlock { uint sums[]; };
 layout(std430, binding = 1) buffer CountsBlock { FrameCounts counts; };
+#ifndef DPL_ENTRIES
+layout(std430, binding = 2) writeonly buffer PlaceBlock { uint places[]; };
+#endif
 layout(push_constant) uniform PushBlock { TilePush push; };
 
 void main() {
     uint rows = push.viewCount * push.rows, rowGroups = (rows * kTileSegments + kRunGroup - 1u) / kRunGroup;
 #ifdef DPL_ENTRIES
-    uint entries = counts.tilesOverflowed == 0u ? lists[push.firstEntrySum + rows] : 0u;
+    uint entries = counts.tilesOverflowed == 0u ? sums[push.firstEntrySum + rows * kRowScanGroup] : 0u;
     bool fits = counts.tilesOverflowed == 0u && entries <= push.entryCapacity;
     counts.tileEntries = entries;
     counts.tilesOverflowed = fits ? 0u : 1u;
@@ -24,8 +27,10 @@ void main() {
     counts.fillGroupsZ = 1u;
     if (fits) counts.drawInstances = 0u;
 #else
-    uint spans = lists[push.firstSpanSum + rows];
+    uint spans = sums[push.firstSpanSum + rows * kRowScanGroup];
     bool fits = spans <= push.spanCapacity;
+    places[0] = counts.visible;  // for spans.comp, which has no buffer left for the counts
+    places[1] = counts.runs;
     counts.tileSpans = spans;
     counts.tilesOverflowed = fits ? 0u : 1u;
     counts.spanGroupsX = fits ? counts.runGroupsX : 0u;

@@ -2,23 +2,24 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
+#include "shaders/lib/reads.glsl"
 layout(local_size_x = 32) in;  // kRunGroup
 
-layout(std430, binding = 0) buffer ListBlock { uint lists[]; };
+DPL_PAIRS(0, SpanBlock, spans);
+DPL_WORDS(1, SumBlock, sums);
+layout(std430, binding = 2) buffer TableBlock { uint table[]; };  // zero before
 layout(push_constant) uniform PushBlock { TilePush push; };
+#include "shaders/lib/segment.glsl"
 
 void main() {
     uint row = gl_GlobalInvocationID.x / kTileSegments, segment = gl_GlobalInvocationID.x % kTileSegments;
     if (row >= push.viewCount * push.rows) return;
-    uint table = push.firstTileTable + row * push.columns * kTileSegments + segment;
-    for (uint column = 0u; column < push.columns; ++column) lists[table + column * kTileSegments] = 0u;
-    uint first = lists[push.firstSpanSum + row], share = (lists[push.firstSpanSum + row + 1u] - first + kTileSegments - 1u) / kTileSegments;
-    uint begin = first + segment * share, end = min(begin + share, lists[push.firstSpanSum + row + 1u]);
-    for (uint i = begin; i < end; ++i) {
-        uint columns = lists[push.firstSpan + 2u * i + 1u];
+    uint first = push.firstTileTable + row * push.columns * kTileSegments + segment, end;
+    for (uint i = dplSegment(row, segment, end); i < end; ++i) {
+        uint columns = DPL_PAIR(spans, i).y;
         uint column = columns & 0xFFFFu;
         do {
-            lists[table + column * kTileSegments]++;
+            table[first + column * kTileSegments]++;
             ++column;
         } while (column <= columns >> 16u);
     }

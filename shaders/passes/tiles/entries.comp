@@ -1,27 +1,29 @@
-// Writes the records of each tile's splats, near first. Afterwards the table says where the part of each segment ends.
+// Writes the records of each tile's splats, near first. Afterwards the places say where the part of each segment ends.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
+#include "shaders/lib/reads.glsl"
 layout(local_size_x = 32) in;  // kRunGroup
 
-layout(std430, binding = 0) buffer ListBlock { uint lists[]; };
-layout(std430, binding = 1) writeonly buffer EntryBlock { uint entries[]; };
+DPL_PAIRS(0, SpanBlock, spans);
+DPL_WORDS(1, SumBlock, sums);
+layout(std430, binding = 2) buffer PlaceBlock { uint places[]; };
+layout(std430, binding = 3) writeonly buffer EntryBlock { uint entries[]; };
 layout(push_constant) uniform PushBlock { TilePush push; };
+#include "shaders/lib/segment.glsl"
 
 void main() {
     uint row = gl_GlobalInvocationID.x / kTileSegments, segment = gl_GlobalInvocationID.x % kTileSegments;
     if (row >= push.viewCount * push.rows) return;
-    uint table = push.firstTileTable + row * push.columns * kTileSegments + segment, place = lists[push.firstEntrySum + row];
-    uint first = lists[push.firstSpanSum + row], share = (lists[push.firstSpanSum + row + 1u] - first + kTileSegments - 1u) / kTileSegments;
-    uint begin = first + segment * share, end = min(begin + share, lists[push.firstSpanSum + row + 1u]);
-    for (uint i = begin; i < end; ++i) {
-        uint slot = lists[push.firstSpan + 2u * i], columns = lists[push.firstSpan + 2u * i + 1u];
-        uint column = columns & 0xFFFFu;
+    uint first = push.firstTileTable + row * push.columns * kTileSegments + segment, end;
+    for (uint i = dplSegment(row, segment, end); i < end; ++i) {
+        uvec2 span = DPL_PAIR(spans, i);
+        uint column = span.y & 0xFFFFu;
         do {
-            uint cursor = table + column * kTileSegments, before = lists[cursor];
-            entries[place + before] = slot;
-            lists[cursor] = before + 1u;
+            uint cell = first + column * kTileSegments, place = places[cell];
+            entries[place] = span.x;
+            places[cell] = place + 1u;
             ++column;
-        } while (column <= columns >> 16u);
+        } while (column <= span.y >> 16u);
     }
 }

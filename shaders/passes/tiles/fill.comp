@@ -15,7 +15,7 @@
 #include "shaders/lib/projected.glsl"
 layout(local_size_x = 64) in;  // kTileGroup
 
-layout(std430, binding = 0) readonly buffer ListBlock { uint lists[]; };
+DPL_WORDS(0, PlaceBlock, places);
 DPL_WORDS(1, EntryBlock, entries);
 DPL_FOURS(2, ProjectedBlock, projected);  // ProjectedSplat: place, look, radius
 #ifdef DPL_SCENE_DEPTH
@@ -29,9 +29,8 @@ layout(push_constant) uniform PushBlock { TilePush push; };
 void main() {
     uint tileCount = push.viewCount * push.rows * push.columns;
     for (uint tile = gl_GlobalInvocationID.x / kTilePx; tile < tileCount; tile += push.fillGroups * (kTileGroup / kTilePx)) {
-        uint row = tile / push.columns, end = push.firstTileTable + (tile + 1u) * kTileSegments - 1u, place = lists[push.firstEntrySum + row];
-        uint begin = place + (tile % push.columns == 0u ? 0u : lists[end - kTileSegments]);
-        end = place + lists[end];
+        uint row = tile / push.columns, end = DPL_WORD(places, push.firstTileTable + (tile + 1u) * kTileSegments - 1u);
+        uint begin = tile == 0u ? 0u : DPL_WORD(places, push.firstTileTable + tile * kTileSegments - 1u);
         if (begin == end) continue;
         uint view = row / push.rows, x = (tile % push.columns) * kTilePx + gl_GlobalInvocationID.x % kTilePx, y = (row % push.rows) * kTilePx;
         vec2 centre = vec2(float(x) + 0.5, float(y) + 0.5);
@@ -53,24 +52,40 @@ void main() {
         uint lane = gl_LocalInvocationIndex % kTilePx, firstLane = gl_SubgroupInvocationID - lane;
         for (uint batch = begin; batch < end; batch += 4u) {
             uvec4 mine = DPL_FOUR(projected, 3u * DPL_WORD(entries, min(batch + lane / 2u, end - 1u)) + lane % 2u);
+            float bendOf = exp(-uintBitsToFloat(mine.x));  // in the lanes that hold a conic C
             for (uint j = 0u; j < 4u; ++j) {
                 uint place = firstLane + 2u * j, look = place + 1u;
                 vec4 at = vec4(uintBitsToFloat(subgroupShuffle(mine.x, place)), uintBitsToFloat(subgroupShuffle(mine.y, place)),
                                uintBitsToFloat(subgroupShuffle(mine.z, place)), uintBitsToFloat(subgroupShuffle(mine.w, place)));
                 if (batch + j >= end) live = 0.0;  // the last record, again
                 uvec4 seen = uvec4(subgroupShuffle(mine.x, look), subgroupShuffle(mine.y, look), subgroupShuffle(mine.z, look), subgroupShuffle(mine.w, look));
+                float bend = subgroupShuffle(bendOf, look);
 #else
         {
             for (uint i = begin; i < end && live > 0.0; ++i) {
                 uint record = 3u * DPL_WORD(entries, i);
                 vec4 at = uintBitsToFloat(DPL_FOUR(projected, record));
                 uvec4 seen = DPL_FOUR(projected, record + 1u);
+                float bend = exp(-uintBitsToFloat(seen.x));
 #endif
-                vec2 d = centre - at.xy;
-                vec3 conic = vec3(at.zw, uintBitsToFloat(seen.x)), rgb = dplUnpackColour(seen.z);
-                float opacity = live * uintBitsToFloat(seen.y), most = 0.0;  // what has stopped stays as it is
+                // α at the fifth pixel of the column, and from there by factors: exp(-σ) of a quadratic σ has factors that change by one factor, exp(-C).
+                // What is clamped would be below 1/255 anyway, or the column lies far outside.
+                vec2 d = vec2(centre.x - at.x, centre.y + 4.0 - at.y);
+                float conicC = uintBitsToFloat(seen.x), slope = at.w * d.x + conicC * d.y, most = 0.0;
+                float up = live * uintBitsToFloat(seen.y) * exp(-max(0.5 * (at.z * d.x * d.x + conicC * d.y * d.y) + at.w * d.x * d.y, 0.0)), down = up;
+                float rise = exp(-clamp(slope + 0.5 * conicC, -60.0, 60.0)), fall = bend / rise;
+                float alpha[8];
+                for (uint k = 0u; k < 4u; ++k) {
+                    alpha[4u + k] = up;
+                    up *= rise;
+                    rise *= bend;
+                    down *= fall;
+                    fall *= bend;
+                    alpha[3u - k] = down;
+                }
+                vec3 rgb = dplUnpackColour(seen.z);
                 for (uint k = 0u; k < 8u; ++k) {
-                    float weight = dplSplatAlpha(vec2(d.x, d.y + float(k)), conic, opacity) * through[k];
+                    float weight = (alpha[k] >= kGpuMinAlpha ? min(kGpuMaxAlpha, alpha[k]) : 0.0) * through[k];
 #ifdef DPL_SCENE_DEPTH
                     if (uintBitsToFloat(seen.w) > scene[k]) weight = 0.0;
 #endif

@@ -11,14 +11,13 @@ layout(local_size_x = 32) in;  // kRunGroup
 DPL_PAIRS(0, PairBlock, pairs);
 DPL_FOURS(1, ProjectedBlock, projected);  // ProjectedSplat
 layout(std430, binding = 2) readonly buffer CountsBlock { FrameCounts counts; };
-layout(std430, binding = 3) buffer ListBlock { uint lists[]; };
+layout(std430, binding = 3) buffer TableBlock { uint table[]; };  // zero before
 layout(push_constant) uniform PushBlock { TilePush push; };
 
 void main() {
     uint run = gl_GlobalInvocationID.x, runs = counts.runs;
     if (run >= runs) return;
-    uint table = push.firstRunTable + run;
-    for (uint row = 0u; row < push.viewCount * push.rows; ++row) lists[table + row * runs] = 0u;
+    uint first = push.firstRunTable + run;
     uint end = min((run + 1u) * kRun, counts.visible);
     for (uint i = run * kRun; i < end; ++i) {
         uint splat = DPL_PAIR(pairs, i).y;
@@ -28,7 +27,7 @@ void main() {
             uvec2 rows = dplSplatRows(uintBitsToFloat(DPL_FOUR(projected, 3u * slot).y), radius, push.heightPx) + v * push.rows;
             uint one = radius > 0.0 ? 1u : 0u;
             do {
-                lists[table + rows.x * runs] += one;
+                table[first + rows.x * runs] += one;
                 ++rows.x;
             } while (rows.x <= rows.y);
         }

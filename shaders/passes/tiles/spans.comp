@@ -9,14 +9,14 @@ layout(local_size_x = 32) in;  // kRunGroup
 
 DPL_PAIRS(0, PairBlock, pairs);
 DPL_FOURS(1, ProjectedBlock, projected);  // ProjectedSplat
-layout(std430, binding = 2) readonly buffer CountsBlock { FrameCounts counts; };
-layout(std430, binding = 3) buffer ListBlock { uint lists[]; };
+layout(std430, binding = 2) buffer PlaceBlock { uint places[]; };
+layout(std430, binding = 3) writeonly buffer SpanBlock { uvec2 spans[]; };  // (record, first column | last column << 16)
 layout(push_constant) uniform PushBlock { TilePush push; };
 
 void main() {
-    uint run = gl_GlobalInvocationID.x, runs = counts.runs;
+    uint run = gl_GlobalInvocationID.x, runs = places[1];
     if (run >= runs) return;
-    uint end = min((run + 1u) * kRun, counts.visible);
+    uint end = min((run + 1u) * kRun, places[0]);
     for (uint i = run * kRun; i < end; ++i) {
         uint splat = DPL_PAIR(pairs, i).y;
         for (uint v = 0u; v < kViews; ++v) {
@@ -30,11 +30,9 @@ void main() {
                 do {
                     float top = float(rows.x * kTilePx) + 0.5;
                     uvec2 columns = dplSplatColumns(p, top, top + float(kTilePx - 1u), push.widthPx);
-                    uint bucket = v * push.rows + rows.x, cursor = push.firstRunTable + bucket * runs + run, before = lists[cursor];
-                    uint span = push.firstSpan + 2u * (lists[push.firstSpanSum + bucket] + before);
-                    lists[cursor] = before + 1u;
-                    lists[span] = slot;
-                    lists[span + 1u] = columns.x | columns.y << 16u;
+                    uint bucket = v * push.rows + rows.x, cell = push.firstRunTable + bucket * runs + run, place = places[cell];
+                    places[cell] = place + 1u;
+                    spans[place] = uvec2(slot, columns.x | columns.y << 16u);
                     ++rows.x;
                 } while (rows.x <= rows.y);
             }

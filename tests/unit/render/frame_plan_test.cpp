@@ -37,7 +37,7 @@ TEST(FramePlan, runsThePassesInOrder) {
     const Status status = gpu.draw(*id, 32, 2, true);
     ASSERT_TRUE(status) << status.error().message;
     std::vector<std::string> want = {"begin", "pose.skin", "pose.triangles", "chunks.mark", "chunks.list", "splat.project", "compact.scan", "compact.args", "compact.scatter"};
-    for (int round = 0; round < 2; ++round) want.insert(want.end(), {"sort.count", "sort.scan", "sort.scan", "sort.scatter"});
+    for (int round = 0; round < 2; ++round) want.insert(want.end(), {"sort.clear", "sort.count", "sort.scan", "sort.scan", "sort.scan", "sort.scatter"});
     want.insert(want.end(), {"draw.splats", "counts"});
     EXPECT_EQ(gpu.record->lastLabels, want);
 }
@@ -105,8 +105,8 @@ TEST(FramePlan, tilesRunBetweenSortAndDraw) {
     const Status status = gpu.draw(*id, 32, 2, true);
     ASSERT_TRUE(status) << status.error().message;
     const std::vector<std::string>& labels = gpu.record->lastLabels;
-    const auto from = std::find(labels.begin(), labels.end(), "tiles.runs");
-    const std::vector<std::string> want = {"tiles.runs", "tiles.scan", "tiles.scan", "tiles.args", "tiles.spans", "tiles.count", "tiles.scan", "tiles.scan", "tiles.args",
+    const auto from = std::find(labels.begin(), labels.end(), "tiles.clear");
+    const std::vector<std::string> want = {"tiles.clear", "tiles.runs", "tiles.scan", "tiles.scan", "tiles.scan", "tiles.args", "tiles.spans", "tiles.count", "tiles.scan", "tiles.scan", "tiles.scan", "tiles.args",
                                            "tiles.entries", "tiles.clear", "tiles.fill", "tiles.put", "draw.splats", "counts"};
     ASSERT_NE(from, labels.begin());
     EXPECT_EQ(*(from - 1), "sort.scatter");
@@ -143,7 +143,7 @@ TEST(FramePlan, generalSplatsTakeTheSameFrameWithoutAPose) {
     const Status status = gpu.draw(*id, 32, 2, true);
     ASSERT_TRUE(status) << status.error().message;
     std::vector<std::string> want = {"begin", "splat.project", "splat.colour", "compact.scan", "compact.args", "compact.scatter"};
-    for (int round = 0; round < 2; ++round) want.insert(want.end(), {"sort.count", "sort.scan", "sort.scan", "sort.scatter"});
+    for (int round = 0; round < 2; ++round) want.insert(want.end(), {"sort.clear", "sort.count", "sort.scan", "sort.scan", "sort.scan", "sort.scatter"});
     want.insert(want.end(), {"draw.splats", "counts"});
     EXPECT_EQ(gpu.record->lastLabels, want);
     const uint64_t created = gpu.record->createdObjects;

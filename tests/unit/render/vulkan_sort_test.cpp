@@ -7,6 +7,7 @@
 #include <cstring>
 #include <random>
 
+#include "sdk/render/passes/scan.h"
 #include "sdk/render/passes/sort.h"
 #include "tests/unit/render/vulkan_test_device.h"
 
@@ -26,9 +27,7 @@ Pairs sortOnDevice(Backend& backend, const Pairs& input) {
     ids.counts = make("counts", sizeof(gpu::FrameCounts));
     ids.pairs = make("pairs", ids.splatCount * 8ull);
     ids.pairsSwap = make("swap", ids.splatCount * 8ull);
-    ids.histogram = make("histogram", ids.histogramWords() * 4);
-    const std::array<std::byte, 4> zero{};
-    EXPECT_TRUE(backend.write(ids.histogram, 0, zero));  // for the check of reads
+    ids.digits = {make("cells", ids.digitWords() * 4), make("sums", scanSumWords(gpu::kSortDigits) * 4), make("places", ids.digitWords() * 4)};
     const BufferId result = make("result", ids.splatCount * 8ull, BufferMemory::Readback);
     gpu::FrameCounts counts{};
     counts.visible = uint32_t(input.size());
@@ -46,7 +45,7 @@ Pairs sortOnDevice(Backend& backend, const Pairs& input) {
     Pairs sorted(input.size());
     if (!sorted.empty()) std::memcpy(sorted.data(), backend.mapped(result).data(), sorted.size() * 8);
     backend.destroyFrame(*frame);
-    for (BufferId id : {ids.counts, ids.pairs, ids.pairsSwap, ids.histogram, result}) backend.destroyBuffer(id);
+    for (BufferId id : {ids.counts, ids.pairs, ids.pairsSwap, ids.digits.cells, ids.digits.sums, ids.digits.places, result}) backend.destroyBuffer(id);
     return sorted;
 }
 
