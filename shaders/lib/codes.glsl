@@ -1,12 +1,8 @@
 // Splats as they lie in the file (sdk/format/coded_splats.h), by a workgroup that works on one half-chunk. The includer declares the buffer by
 // DPL_WORDS `codes` and the push constants as CodesPush `push`.
 #include "shaders/lib/parent_byte.glsl"
-shared uint dplChunk[16];  // kChunkWords: the record of its chunk
-
-/** All lanes; a barrier behind it. */
-void dplLoadChunk(uint lane, uint group) {
-    if (lane < kChunkWords) dplChunk[lane] = DPL_WORD(codes, (group >> 1u) * kChunkWords + lane);
-}
+uint dplFirstChunkWord;  // of the record of its chunk; set it before anything else
+uint dplChunkWord(uint word) { return DPL_WORD(codes, dplFirstChunkWord + word); }
 
 struct SplatPlace {
     uint splat;
@@ -15,15 +11,15 @@ struct SplatPlace {
 SplatPlace dplPlaceOf(uint group, uint lane) {
     SplatPlace p;
     uint within = (group & 1u) * kSplatGroup + lane;
-    p.splat = dplChunk[0] + within;
-    p.exists = within < dplChunk[1];
+    p.splat = dplChunkWord(0u) + within;
+    p.exists = within < dplChunkWord(1u);
     return p;
 }
 
-float dplChunkFloat(uint word) { return uintBitsToFloat(dplChunk[word]); }
+float dplChunkFloat(uint word) { return uintBitsToFloat(dplChunkWord(word)); }
 
 /** Its triangle. */
-uint dplParent(uint splat) { return DPL_WORD(codes, push.firstParent + dplChunk[kChunkFirstParent] + dplParentByte(splat)) & kParentMask; }
+uint dplParent(uint splat) { return DPL_WORD(codes, push.firstParent + dplChunkWord(kChunkFirstParent) + dplParentByte(splat)) & kParentMask; }
 
 bool dplGated(uint size) { return (size & kGatedBit) != 0u; }
 float dplOpacity(uint size) { return float((size >> 22u) & 0xFFu) * (1.0 / 255.0); }

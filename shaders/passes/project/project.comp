@@ -66,7 +66,7 @@ bool showIn(ViewData view, uint v, BoundSplat s, bool mayShow) {
 
 void main() {
     uint lane = gl_LocalInvocationIndex, group = visibility[dplFirstLive(push.allGroups) + push.firstGroup + gl_WorkGroupID.x];
-    dplLoadChunk(lane, group);
+    dplFirstChunkWord = (group >> 1u) * kChunkWords;
     dplClearSeen(lane);
     barrier();
     SplatPlace place = dplPlaceOf(group, lane);
@@ -101,5 +101,5 @@ void main() {
     }
     if (seen) dplSee(lane);
     barrier();
-    dplWriteSeen(lane, push.allGroups, push.firstGroup + group, push.firstSplat + dplChunk[0] + (group & 1u) * kSplatGroup);
+    dplWriteSeen(lane, push.allGroups, push.firstGroup + group, push.firstSplat + dplChunkWord(0u) + (group & 1u) * kSplatGroup);
 }

@@ -3,16 +3,13 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
+#include "shaders/lib/reads.glsl"
 #include "shaders/lib/order.glsl"
 layout(local_size_x = 128) in;  // kVertexGroup
 
 layout(std140, binding = 0) uniform FrameBlock { FrameData frame; };
-layout(std430, binding = 1) readonly buffer PaletteBlock { vec4 palette[]; };  // three rows of G_j a joint, then a vec4 a control node
-#ifdef DPL_CORRECTED
-layout(std430, binding = 2) readonly buffer VertexBlock { CorrectedVertexRecord vertices[]; };
-#else
-layout(std430, binding = 2) readonly buffer VertexBlock { VertexRecord vertices[]; };
-#endif
+DPL_FOURS(1, PaletteBlock, palette);  // three rows of G_j a joint, then a vec4 a control node
+DPL_FOURS(2, VertexBlock, vertices);  // VertexRecord; DPL_CORRECTED: CorrectedVertexRecord
 layout(std430, binding = 3) writeonly buffer PosedBlock { vec4 posed[]; };
 layout(std430, binding = 4) buffer CountsBlock { FrameCounts counts; };
 layout(push_constant) uniform PushBlock { VertexPush push; };
@@ -20,13 +17,15 @@ layout(push_constant) uniform PushBlock { VertexPush push; };
 shared uint groupMax;
 shared uint groupMinInverted;
 
+vec4 paletteRow(uint row) { return dplFloats(DPL_FOUR(palette, row)); }
+
 void addJoint(inout vec3 sum, vec4 rest, uint joint, uint weight) {
     float w = float(weight) * (1.0 / 255.0);
-    sum += w * vec3(dot(palette[joint * 3u], rest), dot(palette[joint * 3u + 1u], rest), dot(palette[joint * 3u + 2u], rest));
+    sum += w * vec3(dot(paletteRow(joint * 3u), rest), dot(paletteRow(joint * 3u + 1u), rest), dot(paletteRow(joint * 3u + 2u), rest));
 }
 
 #ifdef DPL_CORRECTED
-vec4 nodeShare(uint node, uint weight) { return float(weight) * (1.0 / 255.0) * palette[push.firstNode + node]; }
+vec4 nodeShare(uint node, uint weight) { return float(weight) * (1.0 / 255.0) * paletteRow(push.firstNode + node); }
 #endif
 
 void main() {
@@ -39,21 +38,23 @@ void main() {
     barrier();
     if (vertex < push.vertexCount) {
 #ifdef DPL_CORRECTED
-        CorrectedVertexRecord v = vertices[vertex];
-        vec4 correction = nodeShare(v.nodes01 & 0xFFFFu, v.nodeWeights & 0xFFu) + nodeShare(v.nodes01 >> 16u, (v.nodeWeights >> 8u) & 0xFFu) +
-                          nodeShare(v.nodes23 & 0xFFFFu, (v.nodeWeights >> 16u) & 0xFFu) + nodeShare(v.nodes23 >> 16u, v.nodeWeights >> 24u);
-        vec4 rest = vec4(vec3(v.restX, v.restY, v.restZ) + correction.xyz, 1.0);
+        uvec4 place = DPL_FOUR(vertices, 3u * vertex), joints = DPL_FOUR(vertices, 3u * vertex + 1u);  // restX, restY, restZ, joints01 | joints23, weights, nodes01, nodes23 | nodeWeights
+        uint weights = joints.y, nodeWeights = DPL_FOUR(vertices, 3u * vertex + 2u).x;
+        vec4 correction = nodeShare(joints.z & 0xFFFFu, nodeWeights & 0xFFu) + nodeShare(joints.z >> 16u, (nodeWeights >> 8u) & 0xFFu) +
+                          nodeShare(joints.w & 0xFFFFu, (nodeWeights >> 16u) & 0xFFu) + nodeShare(joints.w >> 16u, nodeWeights >> 24u);
+        vec4 rest = vec4(dplFloats(place).xyz + correction.xyz, 1.0);
         float light = clamp(1.0 + correction.w, kGpuMinLight, kGpuMaxLight);
 #else
-        VertexRecord v = vertices[vertex];
-        vec4 rest = vec4(v.restX, v.restY, v.restZ, 1.0);
+        uvec4 place = DPL_FOUR(vertices, 2u * vertex), joints = DPL_FOUR(vertices, 2u * vertex + 1u);  // restX, restY, restZ, joints01 | joints23, weights
+        uint weights = joints.y;
+        vec4 rest = vec4(dplFloats(place).xyz, 1.0);
         const float light = 1.0;
 #endif
         vec3 p = vec3(0.0);
-        addJoint(p, rest, v.joints01 & 0xFFFFu, v.weights & 0xFFu);
-        addJoint(p, rest, v.joints01 >> 16u, (v.weights >> 8u) & 0xFFu);
-        addJoint(p, rest, v.joints23 & 0xFFFFu, (v.weights >> 16u) & 0xFFu);
-        addJoint(p, rest, v.joints23 >> 16u, v.weights >> 24u);
+        addJoint(p, rest, place.w & 0xFFFFu, weights & 0xFFu);
+        addJoint(p, rest, place.w >> 16u, (weights >> 8u) & 0xFFu);
+        addJoint(p, rest, joints.x & 0xFFFFu, (weights >> 16u) & 0xFFu);
+        addJoint(p, rest, joints.x >> 16u, weights >> 24u);
         posed[vertex] = vec4(p, light);
         uint depth = dplOrderedBits(max(dot(frame.sortAxis.xyz, p), frame.sortAxis.w));
         atomicMax(groupMax, depth);

@@ -3,14 +3,15 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
+#include "shaders/lib/reads.glsl"
 #include "shaders/lib/footprint.glsl"
 #include "shaders/lib/cull.glsl"
 #include "shaders/lib/views.glsl"
 layout(local_size_x = 128) in;  // kVertexGroup
 
 layout(std140, binding = 0) uniform FrameBlock { FrameData frame; };
-layout(std430, binding = 1) readonly buffer TriangleBlock { TriangleRecord triangles[]; };
-layout(std430, binding = 2) readonly buffer PosedBlock { vec4 posed[]; };
+DPL_FOURS(1, TriangleBlock, triangles);  // TriangleRecord
+DPL_FOURS(2, PosedBlock, posed);
 layout(std430, binding = 3) writeonly buffer TriangleFrameBlock { TriangleFrame frames[]; };
 layout(std430, binding = 4) buffer CountsBlock { FrameCounts counts; };
 layout(push_constant) uniform PushBlock { TrianglePush push; };
@@ -42,8 +43,17 @@ void main() {
     if (lane < 2u) groupTriangles[lane] = groupSplats[lane] = 0u;
     barrier();
     if (index < push.triangleCount) {
-        TriangleRecord rest = triangles[index];
-        vec4 corner0 = posed[rest.corners.x], corner1 = posed[rest.corners.y], corner2 = posed[rest.corners.z];  // w: brightness
+        TriangleRecord rest;
+        rest.restT1 = dplFloats(DPL_FOUR(triangles, 5u * index));
+        rest.restT2 = dplFloats(DPL_FOUR(triangles, 5u * index + 1u));
+        rest.restNormal = dplFloats(DPL_FOUR(triangles, 5u * index + 2u));
+        rest.corners = DPL_FOUR(triangles, 5u * index + 3u);
+        uvec4 last = DPL_FOUR(triangles, 5u * index + 4u);
+        rest.reach = uintBitsToFloat(last.x);
+        rest.rootLevel = uintBitsToFloat(last.y);
+        rest.freeSplats = last.z;
+        rest.gatedSplats = last.w;
+        vec4 corner0 = dplFloats(DPL_FOUR(posed, rest.corners.x)), corner1 = dplFloats(DPL_FOUR(posed, rest.corners.y)), corner2 = dplFloats(DPL_FOUR(posed, rest.corners.z));  // w: brightness
         vec3 v0 = corner0.xyz, v1 = corner1.xyz, v2 = corner2.xyz;
         TriangleFrame f;
         f.corner0 = f.corner1 = f.corner2 = f.column0 = f.column1 = uvec4(0u);

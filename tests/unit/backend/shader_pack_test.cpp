@@ -41,16 +41,13 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
     expectLayout("ViewData", sizeof(ViewData), {DPL_AT(ViewData, viewFromWorldRow0), DPL_AT(ViewData, viewFromWorldRow1), DPL_AT(ViewData, viewFromWorldRow2),
                                                 DPL_AT(ViewData, focalCentrePx), DPL_AT(ViewData, slopeLimits), DPL_AT(ViewData, eyeWorld)});
     expectLayout("FrameData", sizeof(FrameData), {DPL_AT(FrameData, views), DPL_AT(FrameData, sortAxis), DPL_AT(FrameData, target), DPL_AT(FrameData, counts)});
-    expectLayout("VertexRecord", sizeof(VertexRecord), {DPL_AT(VertexRecord, restX), DPL_AT(VertexRecord, restY), DPL_AT(VertexRecord, restZ), DPL_AT(VertexRecord, joints01),
-                                                        DPL_AT(VertexRecord, joints23), DPL_AT(VertexRecord, weights), DPL_AT(VertexRecord, pad0), DPL_AT(VertexRecord, pad1)});
-    expectLayout("CorrectedVertexRecord", sizeof(CorrectedVertexRecord), {DPL_AT(CorrectedVertexRecord, restX), DPL_AT(CorrectedVertexRecord, restY), DPL_AT(CorrectedVertexRecord, restZ),
-                                                        DPL_AT(CorrectedVertexRecord, joints01), DPL_AT(CorrectedVertexRecord, joints23), DPL_AT(CorrectedVertexRecord, weights),
-                                                        DPL_AT(CorrectedVertexRecord, nodes01), DPL_AT(CorrectedVertexRecord, nodes23), DPL_AT(CorrectedVertexRecord, nodeWeights),
-                                                        DPL_AT(CorrectedVertexRecord, pad0), DPL_AT(CorrectedVertexRecord, pad1), DPL_AT(CorrectedVertexRecord, pad2)});
     expectLayout("TriangleRecord", sizeof(TriangleRecord), {DPL_AT(TriangleRecord, restT1), DPL_AT(TriangleRecord, restT2), DPL_AT(TriangleRecord, restNormal), DPL_AT(TriangleRecord, corners), DPL_AT(TriangleRecord, reach),
                  DPL_AT(TriangleRecord, rootLevel), DPL_AT(TriangleRecord, freeSplats), DPL_AT(TriangleRecord, gatedSplats)});
     expectLayout("TriangleFrame", sizeof(TriangleFrame), {DPL_AT(TriangleFrame, corner0), DPL_AT(TriangleFrame, corner1), DPL_AT(TriangleFrame, corner2), DPL_AT(TriangleFrame, column0), DPL_AT(TriangleFrame, column1)});
     // Read in fours: they must lie as the kernels count them.
+    static_assert(offsetof(VertexRecord, joints01) == 12 && offsetof(VertexRecord, joints23) == 16 && offsetof(VertexRecord, weights) == 20 && sizeof(VertexRecord) == 32);
+    static_assert(offsetof(CorrectedVertexRecord, joints01) == 12 && offsetof(CorrectedVertexRecord, weights) == 20 && offsetof(CorrectedVertexRecord, nodes01) == 24 && offsetof(CorrectedVertexRecord, nodes23) == 28 && offsetof(CorrectedVertexRecord, nodeWeights) == 32 && sizeof(CorrectedVertexRecord) == 48);
+    static_assert(offsetof(TriangleRecord, corners) == 48 && offsetof(TriangleRecord, reach) == 64 && offsetof(TriangleRecord, rootLevel) == 68 && offsetof(TriangleRecord, freeSplats) == 72 && offsetof(TriangleRecord, gatedSplats) == 76);
     static_assert(offsetof(GeneralSplatRecord, axis1) == 16 && offsetof(GeneralSplatRecord, axis2) == 32 && offsetof(GeneralSplatRecord, axis3) == 48);
     static_assert(offsetof(ProjectedSplat, look) == 16 && offsetof(ProjectedSplat, radiusPx) == 32 && sizeof(ProjectedSplat) == 48 && sizeof(TriangleFrame) == 80);
     expectLayout("ProjectedSplat", sizeof(ProjectedSplat), {DPL_AT(ProjectedSplat, place), DPL_AT(ProjectedSplat, look), DPL_AT(ProjectedSplat, radiusPx), DPL_AT(ProjectedSplat, pad0), DPL_AT(ProjectedSplat, pad1)});
