@@ -1,6 +1,7 @@
 #include "sdk/render/avatar_upload.h"
 
 #include <algorithm>
+#include <cfloat>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
@@ -130,24 +131,31 @@ bool reachFar(const StaticSplatData& s) {
     return !(glm::length(high - low) <= kFarM);
 }
 
-std::vector<gpu::GeneralSplatRecord> packSplats(const StaticSplatData& s) {
-    std::vector<gpu::GeneralSplatRecord> out;
-    out.reserve(s.count());
-    for (size_t i = 0; i < s.count(); ++i) {
+std::vector<gpu::vec4> packSplats(const StaticSplatData& s, std::span<const uint32_t> order) {
+    std::vector<gpu::vec4> out;
+    out.reserve(order.size() * 4 + (order.size() / gpu::kSplatGroup + 1) * 2);
+    for (const uint32_t i : order) {
         const Mat3f turn = glm::mat3_cast(s.rotation[i]);
-        const auto axis = [&](int k) { return gpu::vec4{turn[k].x * s.scaleM[i][k], turn[k].y * s.scaleM[i][k], turn[k].z * s.scaleM[i][k], 0}; };
-        out.push_back({{s.position[i].x, s.position[i].y, s.position[i].z, s.opacity[i]}, axis(0), axis(1), axis(2)});
+        out.push_back({s.position[i].x, s.position[i].y, s.position[i].z, s.opacity[i]});
+        for (int k = 0; k < 3; ++k) out.push_back({turn[k].x * s.scaleM[i][k], turn[k].y * s.scaleM[i][k], turn[k].z * s.scaleM[i][k], 0});
+    }
+    for (size_t first = 0; first < order.size(); first += gpu::kSplatGroup) {
+        Vec3f low(FLT_MAX), high(-FLT_MAX);
+        for (const uint32_t i : order.subspan(first, std::min<size_t>(gpu::kSplatGroup, order.size() - first))) low = glm::min(low, s.position[i]), high = glm::max(high, s.position[i]);
+        const Vec3f middle = 0.5f * low + 0.5f * high, reach = glm::max(high - middle, middle - low);
+        out.push_back({middle.x, middle.y, middle.z, 0});
+        out.push_back({reach.x, reach.y, reach.z, 0});
     }
     return out;
 }
 
-std::vector<gpu::uvec4> packSh(const StaticSplatData& s) {
+std::vector<gpu::uvec4> packSh(const StaticSplatData& s, std::span<const uint32_t> order) {
     const size_t floats = shCoefficientCount(s.shDegree) * 3, stride = (floats + 7) / 8;
     std::vector<gpu::uvec4> out(s.count() * stride);
     const auto half = [](float x) { return uint32_t(glm::packHalf1x16(std::clamp(x, -65504.0f, 65504.0f))); };
-    for (size_t i = 0; i < s.count(); ++i) {
+    for (size_t i = 0; i < order.size(); ++i) {
         uint32_t words[24] = {};
-        for (size_t k = 0; k < floats; ++k) words[k / 2] |= half(s.sh[i * floats + k]) << (k % 2 * 16);
+        for (size_t k = 0; k < floats; ++k) words[k / 2] |= half(s.sh[order[i] * floats + k]) << (k % 2 * 16);
         std::memcpy(&out[i * stride], words, stride * sizeof(gpu::uvec4));
     }
     return out;

@@ -33,9 +33,10 @@ bool reachFar(const StaticSplatData& splats);
 
 /** The same for general splats. */
 Status checkSplats(const StaticSplatData& splats, const DeviceInfo& device);
-std::vector<gpu::GeneralSplatRecord> packSplats(const StaticSplatData& splats);
+/** GeneralSplatRecord of each, then GroupBox of each gpu::kSplatGroup of them. order[new] = old. */
+std::vector<gpu::vec4> packSplats(const StaticSplatData& splats, std::span<const uint32_t> order);
 /** Their SH coefficients as halves, each splat padded to whole uvec4; values beyond the range of a half are clamped to it. */
-std::vector<gpu::uvec4> packSh(const StaticSplatData& splats);
+std::vector<gpu::uvec4> packSh(const StaticSplatData& splats, std::span<const uint32_t> order);
 
 /** The palette of a pose: three rows a joint, then the control nodes. `out` has paletteRows entries; it may be mapped memory. */
 size_t paletteRows(const AvatarData& avatar);

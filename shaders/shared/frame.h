@@ -79,6 +79,12 @@ struct GeneralSplatRecord {   // static, per general splat
 };
 DPL_SHARED_SIZE(GeneralSplatRecord, 64)
 
+struct GroupBox {             // static, about the centres of kSplatGroup general splats
+    vec4 middle;
+    vec4 reach;               // half its size
+};
+DPL_SHARED_SIZE(GroupBox, 32)
+
 struct ProjectedSplat {       // per splat and view, index splat * views + view (lib/projected.glsl); opacity and radius 0 = not in this view
     vec4 place;               // centre in target pixels (origin top left, centres at +0.5), conic A and B: σ = ½(A dx² + C dy²) + B dx dy
     uvec4 look;               // bits of: conic C; opacity after compensation, gate and near fade; rgb display-referred, 11, 11 and 10 bits; view z, metres

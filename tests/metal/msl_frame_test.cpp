@@ -10,6 +10,7 @@
 #include "sdk/render/avatar_upload.h"
 #include "sdk/render/passes/scan.h"
 #include "sdk/render/passes/tiles.h"
+#include "sdk/render/spatial_order.h"
 #include "sdk/avatar/pose_correctives.h"
 #include "tests/reference/image_compare.h"
 #include "tests/reference/random_avatar.h"
@@ -116,11 +117,12 @@ std::vector<uint32_t> visibilityOf(uint32_t groups, uint32_t splats) {
 }
 
 MslFrame runGeneralFrame(const StaticSplatData& splats, std::span<const Cameraf> views, int order) {
-    std::vector<gpu::GeneralSplatRecord> records = packSplats(splats);
+    const std::vector<uint32_t> inSpace = spatialOrder(splats.position);
+    std::vector<gpu::vec4> records = packSplats(splats, inSpace);
     gpu::FrameData frame = packFrame(splatSetOf(splats), views);
     const uint32_t count = splats.count(), viewCount = uint32_t(views.size()), groups = groupsFor(count, gpu::kSplatGroup);
     std::vector<uint32_t> visibility = visibilityOf(groups, count);
-    std::vector<gpu::uvec4> sh = packSh(splats);
+    std::vector<gpu::uvec4> sh = packSh(splats, inSpace);
     MslFrame out;
     out.projected.resize(size_t(count) * viewCount);
     run(msl_project_general_stereo, groups, order, {&frame, records.data(), out.projected.data(), visibility.data(), &out.counts}, gpu::SplatPush{count, groups, 0, 0, 0});

@@ -1,5 +1,5 @@
 // The same for general splats: three axes, no gate; their colour is another pass. Nothing poses them, so their extent along the sort axis, the range
-// of the depth keys, is found here: of all splats, seen or not, so that two views sort as each alone.
+// of the depth keys, is that of the boxes about their groups: of all splats, seen or not, so that two views sort as each alone.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -11,16 +11,13 @@
 layout(local_size_x = 128) in;  // kSplatGroup
 
 layout(std140, binding = 0) uniform FrameBlock { FrameData frame; };
-DPL_FOURS(1, SplatBlock, splats);  // GeneralSplatRecord
+DPL_FOURS(1, SplatBlock, splats);  // GeneralSplatRecord; behind them a GroupBox a group
 layout(std430, binding = 2) writeonly buffer ProjectedBlock { ProjectedSplat projected[]; };
 layout(std430, binding = 3) writeonly buffer VisibilityBlock { uint visibility[]; };
 layout(std430, binding = 4) buffer CountsBlock { FrameCounts counts; };
 layout(push_constant) uniform PushBlock { SplatPush push; };
 #define DPL_SEEN
 #include "shaders/lib/visibility.glsl"
-
-shared uint groupMax;
-shared uint groupMinInverted;
 
 bool showIn(ViewData view, uint slot, GeneralSplatRecord s) {
     ProjectedSplat p = dplHiddenSplat();
@@ -39,10 +36,6 @@ bool showIn(ViewData view, uint slot, GeneralSplatRecord s) {
 
 void main() {
     uint lane = gl_LocalInvocationIndex, group = gl_WorkGroupID.x, index = group * kSplatGroup + lane;
-    if (lane == 0u) {
-        groupMax = 0u;
-        groupMinInverted = 0u;
-    }
     dplClearSeen(lane);
     barrier();
     if (index < push.splatCount) {
@@ -53,19 +46,17 @@ void main() {
         s.axis3 = dplFloats(DPL_FOUR(splats, 4u * index + 3u));
         bool seen = false;
         for (uint v = 0u; v < kViews; ++v) seen = showIn(frame.views[v], (push.firstSplat + index) * kViews + v, s) || seen;
-        float depth = dot(frame.sortAxis.xyz, s.centre.xyz);
         if (seen) {
-            visibility[dplFirstDepth(push.allGroups) + push.firstSplat + index] = floatBitsToUint(depth);
+            visibility[dplFirstDepth(push.allGroups) + push.firstSplat + index] = floatBitsToUint(dot(frame.sortAxis.xyz, s.centre.xyz));
             dplSee(lane);
         }
-        uint bits = dplOrderedBits(max(depth, frame.sortAxis.w));
-        atomicMax(groupMax, bits);
-        atomicMax(groupMinInverted, ~bits);
     }
     barrier();
     dplWriteSeen(lane, push.allGroups, push.firstGroup + group, push.firstSplat + group * kSplatGroup);
     if (lane == 0u) {
-        atomicMax(counts.depthMaxBits[push.drawn], groupMax);
-        atomicMax(counts.depthMinBitsInverted[push.drawn], groupMinInverted);
+        uint box = 4u * push.splatCount + 2u * group;
+        float middle = dot(frame.sortAxis.xyz, dplFloats(DPL_FOUR(splats, box)).xyz), reach = dot(abs(frame.sortAxis.xyz), dplFloats(DPL_FOUR(splats, box + 1u)).xyz);
+        atomicMax(counts.depthMaxBits[push.drawn], dplOrderedBits(max(middle + reach, frame.sortAxis.w)));
+        atomicMax(counts.depthMinBitsInverted[push.drawn], ~dplOrderedBits(max(middle - reach, frame.sortAxis.w)));
     }
 }
