@@ -109,7 +109,6 @@ struct DrawStep {              // clears the target, then one indirect draw
     std::string label;
     PipelineId pipeline;
     TargetId target;
-    bool keep = false;         // do not clear: draw over what a PutPixelsStep has put there
     std::vector<Binding> bindings;
     PushBytes push;
     IndirectArgs args;         // four u32
@@ -125,18 +124,12 @@ struct ReadbackStep {          // tight rows, top first, view after view
     BufferId colour;           // 4 B a pixel
     BufferId depth;            // 8 B (4 B when halfDepth) a pixel; none: not wanted
 };
-struct PutPixelsStep {         // a Device buffer into the target: tight rows, top first, view after view
-    std::string label;
-    TargetId target;
-    BufferId pixels;           // colour from byte 0: 4 x f16 (halfColour) or 4 x unorm8 a pixel
-    uint64_t depthOffset = 0;  // of the depth sums, 2 x f32 (2 x f16 when halfDepth) a pixel; for targets with depth
-};
-struct CopyStep {              // a Device buffer into a Readback buffer, which must not be larger; or all of an Upload buffer into a part of a Device buffer
+struct CopyStep {              // as much of a Device buffer as fills a Readback buffer; or all of an Upload buffer into a part of a Device buffer
     std::string label;
     BufferId from, to;
-    uint64_t toOffset = 0;     // bytes, of Device buffers
+    uint64_t offset = 0;       // bytes, of the Device buffer
 };
-using Step = std::variant<FillStep, ComputeStep, DrawStep, PutPixelsStep, ReadbackStep, CopyStep>;
+using Step = std::variant<FillStep, ComputeStep, DrawStep, ReadbackStep, CopyStep>;
 
 const std::string& stepLabel(const Step& step);
 

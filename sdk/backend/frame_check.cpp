@@ -10,7 +10,6 @@ struct Checker {
     const DeviceInfo& device;
     std::set<uint32_t> filled;  // Device buffers that a step has written
     std::set<uint32_t> drawn;   // targets
-    std::set<uint32_t> put;     // targets that hold pixels and wait for a draw that keeps them
 
     Status readable(const std::string& label, BufferId id) const {
         const BufferDesc* desc = resources.buffer(id);
@@ -73,37 +72,22 @@ struct Checker {
         const Shader* shader = resources.shader(step.pipeline);
         if (!shader || shader->stage != ShaderStage::Vertex) return fail(Code::InvalidArgument, "step {} has no draw pipeline", step.label);
         if (!resources.target(step.target)) return fail(Code::InvalidArgument, "step {} draws into a target that does not exist", step.label);
-        if (step.keep != (put.erase(step.target.value) > 0))
-            return fail(Code::InvalidArgument, "step {} {}", step.label, step.keep ? "keeps pixels that nothing has put there" : "clears pixels that were just put there");
         drawn.insert(step.target.value);
         DPL_CHECK_OK(indirect(step.label, step.args, 16));
         return bindings(step.label, *shader, resources.fragment(step.pipeline), step.bindings, step.push);
-    }
-
-    Status operator()(const PutPixelsStep& step) {
-        const TargetDesc* target = resources.target(step.target);
-        if (!target) return fail(Code::InvalidArgument, "step {} puts pixels into a target that does not exist", step.label);
-        if (target->samples != 1) return fail(Code::InvalidArgument, "step {} puts pixels into a target of {} samples a pixel", step.label, target->samples);
-        DPL_CHECK_OK(readable(step.label, step.pixels));
-        const uint64_t pixels = uint64_t(target->widthPx) * target->heightPx * target->views, colourBytes = pixels * (target->halfColour ? 8 : 4);
-        const uint64_t end = target->depth ? step.depthOffset + pixels * (device.halfDepth ? 4 : 8) : colourBytes;
-        if ((target->depth && (step.depthOffset < colourBytes || step.depthOffset % 8)) || resources.buffer(step.pixels)->bytes < end)
-            return fail(Code::InvalidArgument, "step {}: buffer {} does not hold colour and depth of {} pixels", step.label, resources.buffer(step.pixels)->label, pixels);
-        put.insert(step.target.value);
-        return {};
     }
 
     Status operator()(const CopyStep& step) {
         DPL_CHECK_OK(readable(step.label, step.from));
         const BufferDesc *from = resources.buffer(step.from), *to = resources.buffer(step.to);
         if (to && to->memory == BufferMemory::Device && from->memory == BufferMemory::Upload) {
-            if (step.toOffset % 4 || step.toOffset > to->bytes || from->bytes > to->bytes - step.toOffset)
-                return fail(Code::InvalidArgument, "step {}: {} bytes of {} do not fit buffer {} at {}", step.label, from->bytes, from->label, to->label, step.toOffset);
+            if (step.offset % 4 || step.offset > to->bytes || from->bytes > to->bytes - step.offset)
+                return fail(Code::InvalidArgument, "step {}: {} bytes of {} do not fit buffer {} at {}", step.label, from->bytes, from->label, to->label, step.offset);
             filled.insert(step.to.value);
             return {};
         }
-        if (!to || to->memory != BufferMemory::Readback || to->bytes > from->bytes)
-            return fail(Code::InvalidArgument, "step {} copies {} into a buffer that is not a smaller read-back buffer", step.label, from->label);
+        if (!to || to->memory != BufferMemory::Readback || step.offset % 4 || step.offset > from->bytes || to->bytes > from->bytes - step.offset)
+            return fail(Code::InvalidArgument, "step {} copies {} from byte {} into a buffer that is not a smaller read-back buffer", step.label, from->label, step.offset);
         return {};
     }
 
@@ -131,7 +115,7 @@ const std::string& stepLabel(const Step& step) {
 }
 
 Status checkFrame(std::span<const Step> steps, const ResourceView& resources, const DeviceInfo& device) {
-    Checker checker{resources, device, {}, {}, {}};
+    Checker checker{resources, device, {}, {}};
     for (const Step& step : steps) { DPL_CHECK_OK(std::visit(checker, step)); }
     return {};
 }

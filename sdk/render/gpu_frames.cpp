@@ -85,10 +85,12 @@ Status GpuRenderer::build(const Row& row, ShapedFrame& f) {
         if (!tiles) log(LogLevel::Info, "{} x {} px, {} splats: the lists of compute tiles do not fit the device, quads fill this size", ids.widthPx, ids.heightPx, ids.splatCount);
     }
     if (tiles) {
+        f.firstTileDepth = tiles->push.firstDepth * 4ull;
         DPL_TRY(ids.tiles, makeTable(f.owned, "tile table", tiles->tableWords, tiles->sumWords));
         DPL_TRY(ids.tileSpans, makeBuffer(f.owned, "tile spans", tiles->spanBytes));
         DPL_TRY(ids.tileEntries, makeBuffer(f.owned, "tile entries", tiles->entryBytes));
         DPL_TRY(ids.tilePixels, makeBuffer(f.owned, "tile pixels", tiles->pixelBytes));
+        DPL_CHECK_OK(backend_->write(ids.tilePixels, 0, kZero));  // the same
     }
     for (Slot& slot : f.slots) { DPL_CHECK_OK(buildSlot(row, f, slot, tiles)); }
     return {};
@@ -137,18 +139,23 @@ Status GpuRenderer::buildSlot(const Row& row, ShapedFrame& f, Slot& slot, const 
     return {};
 }
 
-Status GpuRenderer::buildReadback(ShapedFrame& f) {
+Status GpuRenderer::buildReadback(ShapedFrame& f, bool tiles) {
     FrameIds& ids = f.ids;
     const uint64_t pixels = uint64_t(ids.widthPx) * ids.heightPx * ids.viewCount;
     if (!ids.colourPixels) { DPL_TRY(ids.colourPixels, makeBuffer(f.owned, "colour pixels", pixels * 4, BufferMemory::Readback)); }
     if (ids.depth && !ids.depthPixels) { DPL_TRY(ids.depthPixels, makeBuffer(f.owned, "depth pixels", pixels * (backend_->info().halfDepth ? 4 : 8), BufferMemory::Readback)); }
     FramePlan plan(*backend_);
-    plan.readback("readback", ids.target, ids.colourPixels, ids.depthPixels);
+    if (tiles) {
+        plan.copy("readback", ids.tilePixels, ids.colourPixels);
+        if (ids.depth) plan.copy("readback", ids.tilePixels, ids.depthPixels, f.firstTileDepth);
+    } else {
+        plan.readback("readback", ids.target, ids.colourPixels, ids.depthPixels);
+    }
     if (ids.meshDepth) {
         if (!ids.meshDepthPixels) { DPL_TRY(ids.meshDepthPixels, makeBuffer(f.owned, "mesh depth pixels", pixels * 4, BufferMemory::Readback)); }
         plan.copy("mesh readback", ids.meshDepth, ids.meshDepthPixels);
     }
-    DPL_TRY(f.readback, plan.finish());
+    DPL_TRY(f.readback[tiles], plan.finish());
     return {};
 }
 
@@ -172,7 +179,7 @@ Result<GpuRenderer::ShapedFrame*> GpuRenderer::frameOf(Row& row, const Shape& sh
 
 void GpuRenderer::freeFrame(ShapedFrame& f) {
     for (const Slot& slot : f.slots) backend_->destroyFrame(slot.draw);
-    backend_->destroyFrame(f.readback);
+    for (const FrameId readback : f.readback) backend_->destroyFrame(readback);
     backend_->destroyTarget(f.ids.target);
     for (BufferId id : f.owned) backend_->destroyBuffer(id);
 }

@@ -64,9 +64,11 @@ private:
         FrameIds ids;                  // of what the slots share
         Slot slots[kFramesInFlight];
         uint32_t next = 0;
-        FrameId readback;
+        FrameId readback[2];           // of the target; of what the tiles have filled
         std::vector<BufferId> owned;
+        uint64_t firstTileDepth = 0;   // in tilePixels, bytes
         uint64_t lastUse = 0, lastRead = 0;  // numbers of frames
+        bool readTiles = false;        // by the last read-back
     };
     struct LoadedAvatar {
         std::shared_ptr<const AvatarData> data;   // null: general splats
@@ -103,7 +105,8 @@ private:
     Result<ShapedFrame*> frameOf(Row& row, const Shape& shape);
     Status build(const Row& row, ShapedFrame& frame);
     Status buildSlot(const Row& row, ShapedFrame& frame, Slot& slot, const std::optional<TilePlan>& tiles);
-    Status buildReadback(ShapedFrame& frame);
+    Status buildReadback(ShapedFrame& frame, bool tiles);
+    gpu::FrameCounts countsOf(const Slot& slot);
     void fill(const Row& row, const Slot& slot, std::span<const Drawn> what, std::span<const Cameraf> views, uint32_t samples);
     void writeScene(const Slot& slot, const Shape& shape, std::span<const std::span<const float>> sceneDepthM);
     void freeFrame(ShapedFrame& frame);

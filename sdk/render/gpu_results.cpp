@@ -25,14 +25,24 @@ Result<std::span<const PixelView>> GpuRenderer::read(RenderAvatarId id) {
         const auto drawn = std::find_if(row->frames.begin(), row->frames.end(), [&](const ShapedFrame& f) { return f.lastUse == number; });
         if (drawn == row->frames.end()) return fail(Code::Internal, "frame {} of avatar {} is gone", number, id);
         ShapedFrame& frame = *drawn;
-        if (!frame.readback) { DPL_CHECK_OK(buildReadback(frame)); }
-        DPL_CHECK_OK(backend_->run(frame.readback));
+        const Slot& slot = *std::find_if(std::begin(frame.slots), std::end(frame.slots), [&](const Slot& s) { return s.number == number; });
+        DPL_CHECK_OK(backend_->wait(slot.draw));
+        frame.readTiles = frame.ids.tilePixels && countsOf(slot).tilesOverflowed == 0;
+        FrameId& readback = frame.readback[frame.readTiles];
+        if (!readback) { DPL_CHECK_OK(buildReadback(frame, frame.readTiles)); }
+        DPL_CHECK_OK(backend_->run(readback));
         frame.lastRead = frame.lastUse;
         takePixels(frame, views);
         views += frame.shape.views;
     }
     if (views == 0) return fail(Code::InvalidArgument, "nothing was drawn of avatar {}", id);
     return std::span<const PixelView>(pixels_, views);
+}
+
+gpu::FrameCounts GpuRenderer::countsOf(const Slot& slot) {
+    gpu::FrameCounts counts;
+    std::memcpy(&counts, backend_->mapped(slot.finalCounts).data(), sizeof(counts));
+    return counts;
 }
 
 bool GpuRenderer::idle(RenderAvatarId id) {
@@ -60,8 +70,7 @@ Result<FrameStats> GpuRenderer::stats(RenderAvatarId id) {
         return found;
     };
     const auto add = [&](const ShapedFrame& frame, const Slot& slot) {
-        gpu::FrameCounts counts;
-        std::memcpy(&counts, backend_->mapped(slot.finalCounts).data(), sizeof(counts));
+        const gpu::FrameCounts counts = countsOf(slot);
         const auto raise = [](uint32_t& value, uint32_t other) { value = std::max(value, other); };
         stats.views += frame.shape.views;
         stats.chunks = frame.ids.filledGroups;
@@ -81,7 +90,7 @@ Result<FrameStats> GpuRenderer::stats(RenderAvatarId id) {
         stats.tilesOverflowed |= counts.tilesOverflowed != 0;
         for (PassTime& pass : backend_->passTimes(slot.draw)) stats.passes.push_back(std::move(pass));
         if (frame.lastRead == slot.number)
-            for (PassTime& pass : backend_->passTimes(frame.readback)) stats.passes.push_back(std::move(pass));
+            for (PassTime& pass : backend_->passTimes(frame.readback[frame.readTiles])) stats.passes.push_back(std::move(pass));
     };
     const auto [frame, slot] = slotOf([](const ShapedFrame&, const Slot&) { return true; });
     if (!frame) return stats;

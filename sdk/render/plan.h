@@ -43,8 +43,6 @@ public:
         }
         Builder& groups(uint32_t count) { return step_.groups = count, *this; }
         Builder& groupsFrom(BufferId args, uint64_t offset) { return step_.indirect = {args, offset}, *this; }
-        /** Draws over the pixels that are there. */
-        Builder& keep() { return step_.keep = true, *this; }
         Builder& argsFrom(BufferId args, uint64_t offset) { return step_.args = {args, offset}, *this; }
 
     private:
@@ -61,11 +59,7 @@ public:
         steps_.push_back(ReadbackStep{std::move(label), target, colour, depth});
     }
 
-    void putPixels(std::string label, TargetId target, BufferId pixels, uint64_t depthOffset) {
-        steps_.push_back(PutPixelsStep{std::move(label), target, pixels, depthOffset});
-    }
-
-    void copy(std::string label, BufferId from, BufferId to, uint64_t toOffset = 0) { steps_.push_back(CopyStep{std::move(label), from, to, toOffset}); }
+    void copy(std::string label, BufferId from, BufferId to, uint64_t offset = 0) { steps_.push_back(CopyStep{std::move(label), from, to, offset}); }
 
     /** The recorded frame, or the first error of any step. */
     Result<FrameId> finish();

@@ -130,7 +130,7 @@ struct TilePush {             // of every tile pass; `first...`: offsets in word
     uint spanCapacity, entryCapacity;
     uint fillGroups;
     uint firstDepth;          // in the pixel buffer, words
-    uint halfColour, halfDepth;
+    uint halfDepth;
     uint firstScene;          // in the pixel buffer, words: the app's depth, infinite where there is nothing
 };
 struct RowScanPush { uint perRow; uint firstTable; uint firstSum; };  // perRow 0: counts.runs; firstTable: in table and places

@@ -107,7 +107,7 @@ private:
     void freeTarget(Target& target);
 
     // vk_pipelines.cpp
-    Result<VkRenderPass> renderPass(const TargetDesc& target, bool keep);
+    Result<VkRenderPass> renderPass(const TargetDesc& target);
     Result<VkShaderModule> shaderModule(const Shader& shader);
     Status makeLayouts(Pipeline& pipeline);
     Status makeCompute(Pipeline& pipeline);
@@ -135,7 +135,7 @@ private:
     std::map<uint32_t, Target> targets_;
     std::map<uint32_t, Frame> frames_;
     std::vector<Pipeline> pipelines_;                       // id - 1
-    std::map<std::tuple<uint32_t, bool, bool, uint32_t, bool>, VkRenderPass> renderPasses_;  // layers, depth, halfColour, samples, keep
+    std::map<std::tuple<uint32_t, bool, bool, uint32_t>, VkRenderPass> renderPasses_;  // layers, depth, halfColour, samples
     uint32_t lastId_ = 0;
 };
 

@@ -74,7 +74,7 @@ struct VulkanBackend::Recorder {
         const Target& target = backend.targets_.at(step.target.value);
         const VkClearValue clear[2]{};  // transparent black, no depth
         VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
-        DPL_TRY(begin.renderPass, backend.renderPass(target.desc, step.keep));
+        DPL_TRY(begin.renderPass, backend.renderPass(target.desc));
         begin.framebuffer = target.framebuffer;
         begin.renderArea.extent = target.extent;
         begin.clearValueCount = target.desc.depth ? 2 : 1;
@@ -88,14 +88,6 @@ struct VulkanBackend::Recorder {
         if (status) vkCmdDrawIndirect(commands, backend.buffers_.at(step.args.buffer.value).buffer, step.args.offset, 1, 16);
         vkCmdEndRenderPass(commands);
         return status;
-    }
-
-    Status operator()(const PutPixelsStep& step) {
-        touch({{step.pixels, false}});
-        const Target& target = backend.targets_.at(step.target.value);
-        put(target, target.colour, step.pixels, 0, target.desc.halfColour ? 8 : 4);
-        if (target.desc.depth) put(target, target.depth, step.pixels, step.depthOffset, backend.device_->info.halfDepth ? 4 : 8);
-        return {};
     }
 
     Status operator()(const ReadbackStep& step) {
@@ -112,7 +104,7 @@ struct VulkanBackend::Recorder {
         const bool back = to.desc.memory == BufferMemory::Readback;
         if (back) touch({{step.from, false}});
         else touch({{step.from, false}, {step.to, true}});
-        const VkBufferCopy region{0, step.toOffset, std::min(from.desc.bytes, to.desc.bytes)};
+        const VkBufferCopy region{back ? step.offset : 0, back ? 0 : step.offset, back ? to.desc.bytes : from.desc.bytes};
         vkCmdCopyBuffer(commands, from.buffer, to.buffer, 1, &region);
         if (back) hostBarrier();
         return {};
@@ -147,11 +139,11 @@ struct VulkanBackend::Recorder {
         vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, nullptr, 0, nullptr, 1, &image);
     }
 
-    std::vector<VkBufferImageCopy> regions(const Target& target, uint64_t offset, uint64_t pixelBytes) const {
+    std::vector<VkBufferImageCopy> regions(const Target& target, uint64_t pixelBytes) const {
         std::vector<VkBufferImageCopy> regions(target.desc.views);
         for (uint32_t v = 0; v < target.desc.views; ++v) {
             VkBufferImageCopy& r = regions[v];
-            r.bufferOffset = offset + uint64_t(v) * target.desc.widthPx * target.desc.heightPx * pixelBytes;
+            r.bufferOffset = uint64_t(v) * target.desc.widthPx * target.desc.heightPx * pixelBytes;
             r.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, target.desc.layered ? v : 0, 1};
             r.imageOffset.x = target.desc.layered ? 0 : int32_t(v * target.desc.widthPx);
             r.imageExtent = {target.desc.widthPx, target.desc.heightPx, 1};
@@ -160,23 +152,8 @@ struct VulkanBackend::Recorder {
     }
 
     void copy(const Target& target, const Image& image, BufferId to, uint64_t pixelBytes) {
-        const auto list = regions(target, 0, pixelBytes);
+        const auto list = regions(target, pixelBytes);
         vkCmdCopyImageToBuffer(commands, image.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, backend.buffers_.at(to.value).buffer, uint32_t(list.size()), list.data());
-    }
-
-    /** The image is left in TRANSFER_DST_OPTIMAL for the draw that keeps it; its render pass waits for the copy. */
-    void put(const Target& target, const Image& image, BufferId from, uint64_t offset, uint64_t pixelBytes) {
-        VkImageMemoryBarrier barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER};
-        barrier.image = image.image;
-        barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
-        barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, target.desc.layered ? target.desc.views : 1};
-        barrier.srcAccessMask = VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
-        barrier.dstAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
-        barrier.newLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
-        vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, nullptr, 0,
-                             nullptr, 1, &barrier);
-        const auto list = regions(target, offset, pixelBytes);
-        vkCmdCopyBufferToImage(commands, backend.buffers_.at(from.value).buffer, image.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, uint32_t(list.size()), list.data());
     }
 };
 

@@ -4,19 +4,19 @@
 
 namespace dpl::vk {
 
-Result<VkRenderPass> VulkanBackend::renderPass(const TargetDesc& target, bool keep) {
+Result<VkRenderPass> VulkanBackend::renderPass(const TargetDesc& target) {
     const uint32_t layers = target.layered ? target.views : 0, samples = target.samples;
     const bool depth = target.depth, halfColour = target.halfColour;
-    if (const auto it = renderPasses_.find({layers, depth, halfColour, samples, keep}); it != renderPasses_.end()) return it->second;
+    if (const auto it = renderPasses_.find({layers, depth, halfColour, samples}); it != renderPasses_.end()) return it->second;
     const uint32_t targets = depth ? 2 : 1;
     std::array<VkAttachmentDescription, 4> attachments{};  // what is drawn; behind it what its samples are averaged into
     for (VkAttachmentDescription& a : attachments) {
         a.samples = VK_SAMPLE_COUNT_1_BIT;
-        a.loadOp = keep ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_CLEAR;
+        a.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
         a.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
         a.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
         a.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
-        a.initialLayout = keep ? VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL : VK_IMAGE_LAYOUT_UNDEFINED;
+        a.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED;
         a.finalLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
     }
     for (uint32_t i = 0; i < 2 * targets; ++i) {
@@ -39,9 +39,9 @@ Result<VkRenderPass> VulkanBackend::renderPass(const TargetDesc& target, bool ke
     subpass.pColorAttachments = references;
     if (samples > 1) subpass.pResolveAttachments = references + targets;
     VkSubpassDependency dependencies[2]{};
-    dependencies[0].srcSubpass = VK_SUBPASS_EXTERNAL;  // the read-back of the frame before, or the copy into the target, has ended
+    dependencies[0].srcSubpass = VK_SUBPASS_EXTERNAL;  // the read-back of the frame before has ended
     dependencies[0].srcStageMask = VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
-    dependencies[0].srcAccessMask = VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
+    dependencies[0].srcAccessMask = VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
     dependencies[0].dstStageMask = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
     dependencies[0].dstAccessMask = VK_ACCESS_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
     dependencies[1].srcSubpass = 0;
@@ -67,7 +67,7 @@ Result<VkRenderPass> VulkanBackend::renderPass(const TargetDesc& target, bool ke
     if (layers > 0) info.pNext = &multiview;
     VkRenderPass pass = VK_NULL_HANDLE;
     DPL_VK(vkCreateRenderPass(device_->device, &info, nullptr, &pass));
-    renderPasses_[{layers, depth, halfColour, samples, keep}] = pass;
+    renderPasses_[{layers, depth, halfColour, samples}] = pass;
     return pass;
 }
 
@@ -172,7 +172,7 @@ Status VulkanBackend::makeDraw(Pipeline& p, const DrawPipelineDesc& desc) {
     info.pColorBlendState = &colour;
     info.pDynamicState = &dynamicInfo;
     info.layout = p.layout;
-    DPL_TRY(info.renderPass, renderPass({0, 0, desc.views, desc.depth, desc.layered, desc.halfColour, desc.samples}, false));
+    DPL_TRY(info.renderPass, renderPass({0, 0, desc.views, desc.depth, desc.layered, desc.halfColour, desc.samples}));
     DPL_TRY(stages[0].module, shaderModule(*p.shader));
     auto second = shaderModule(fragment);
     if (!second) {

@@ -150,7 +150,7 @@ Status VulkanBackend::makeTarget(Target& t) {
     if (t.desc.widthPx == 0 || t.desc.heightPx == 0 || width > limit || t.desc.heightPx > limit)
         return fail(Code::Unsupported, "a target of {} x {} px; {} draws 1 to {} a side", width, t.desc.heightPx, device_->info.name, limit);
     t.extent = {uint32_t(width), t.desc.heightPx};
-    const VkImageUsageFlags sampledUse = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT, drawn = sampledUse | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+    const VkImageUsageFlags drawn = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
     DPL_CHECK_OK(makeImage(t.colour, t.desc.halfColour ? VK_FORMAT_R16G16B16A16_SFLOAT : VK_FORMAT_R8G8B8A8_UNORM, t.extent, layers, drawn));
     if (t.desc.halfColour) { DPL_CHECK_OK(makeImage(t.rounded, VK_FORMAT_R8G8B8A8_UNORM, t.extent, layers, VK_IMAGE_USAGE_TRANSFER_DST_BIT)); }
     if (t.desc.depth) { DPL_CHECK_OK(makeImage(t.depth, device_->depthSumFormat, t.extent, layers, drawn)); }
@@ -158,15 +158,15 @@ Status VulkanBackend::makeTarget(Target& t) {
     if (sampled && (!device_->info.fourSamples || t.desc.samples != 4)) return fail(Code::Unsupported, "a target of {} samples a pixel on {}", t.desc.samples, device_->info.name);
     std::vector<VkImageView> views;  // in the order of renderPass()
     if (sampled) {
-        DPL_CHECK_OK(makeImage(t.colourSamples, t.desc.halfColour ? VK_FORMAT_R16G16B16A16_SFLOAT : VK_FORMAT_R8G8B8A8_UNORM, t.extent, layers, sampledUse, t.desc.samples));
-        if (t.desc.depth) { DPL_CHECK_OK(makeImage(t.depthSamples, device_->depthSumFormat, t.extent, layers, sampledUse, t.desc.samples)); }
+        DPL_CHECK_OK(makeImage(t.colourSamples, t.desc.halfColour ? VK_FORMAT_R16G16B16A16_SFLOAT : VK_FORMAT_R8G8B8A8_UNORM, t.extent, layers, drawn, t.desc.samples));
+        if (t.desc.depth) { DPL_CHECK_OK(makeImage(t.depthSamples, device_->depthSumFormat, t.extent, layers, drawn, t.desc.samples)); }
         views.push_back(t.colourSamples.view);
         if (t.desc.depth) views.push_back(t.depthSamples.view);
     }
     views.push_back(t.colour.view);
     if (t.desc.depth) views.push_back(t.depth.view);
     VkFramebufferCreateInfo info{VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO};
-    DPL_TRY(info.renderPass, renderPass(t.desc, false));
+    DPL_TRY(info.renderPass, renderPass(t.desc));
     info.attachmentCount = uint32_t(views.size());
     info.pAttachments = views.data();
     info.width = t.extent.width;

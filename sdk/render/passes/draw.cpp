@@ -9,7 +9,6 @@ DrawPipelineDesc drawPipelineOf(const FrameIds& ids, uint32_t samples) {
 
 void addDraw(FramePlan& plan, const FrameIds& ids) {
     auto draw = plan.draw("draw.splats", drawPipelineOf(ids, ids.samples), ids.target);
-    if (ids.tilePixels) draw.keep();
     draw.reads(ids.counts, ids.pairs, ids.projected);
     if (ids.sceneDepth) draw.reads(ids.scene);
     draw.push(gpu::DrawPush{float(ids.widthPx), float(ids.heightPx), ids.viewCount, ids.layered ? 1 : ids.viewCount})

@@ -36,13 +36,13 @@ std::optional<TilePlan> planTiles(const FrameIds& ids, const DeviceInfo& device)
     p.spanCapacity = uint32_t(std::min({kSpansPerSplat * records + kSpansPerTile * tiles, limit / 2, UINT32_MAX / uint64_t(p.columns)}));
     p.entryCapacity = uint32_t(std::min(kEntriesPerSplat * records + kEntriesPerTile * tiles, limit));
     p.fillGroups = uint32_t(std::min<uint64_t>((tiles * gpu::kTilePx + gpu::kTileGroup - 1) / gpu::kTileGroup, device.maxGroups));
-    p.halfColour = ids.halfColour ? 1 : 0;
     p.halfDepth = device.halfDepth ? 1 : 0;
-    const uint64_t depthOffset = (pixels * (ids.halfColour ? 8 : 4) + 7) / 8 * 8;
+    const auto part = [](uint64_t bytes) { return std::max<uint64_t>((bytes + 7) / 8 * 8, 16); };  // 16: the smallest buffer, which a part is copied to or from
+    const uint64_t depthOffset = part(pixels * 4);
     plan.spanBytes = p.spanCapacity * 8ull;
     plan.entryBytes = p.entryCapacity * 4ull;
-    const uint64_t sceneOffset = depthOffset + (ids.depth ? pixels * (device.halfDepth ? 4 : 8) : 0);
-    plan.pixelBytes = sceneOffset + (ids.sceneDepth ? std::max<uint64_t>(pixels * 4, 16) : 0);  // 16: the smallest buffer
+    const uint64_t sceneOffset = depthOffset + (ids.depth ? part(pixels * (device.halfDepth ? 4 : 8)) : 0);
+    plan.pixelBytes = sceneOffset + (ids.sceneDepth ? part(pixels * 4) : 0);
     p.firstDepth = uint32_t(depthOffset / 4);
     p.firstScene = uint32_t(sceneOffset / 4);
     if (plan.pixelBytes > device.maxBindingBytes || pixels * 4 > UINT32_MAX) return std::nullopt;
@@ -66,9 +66,7 @@ void addTiles(FramePlan& plan, const FrameIds& ids, const TilePlan& tiles) {
     fill.reads(ids.tiles.places, ids.tileEntries, ids.projected);
     if (ids.sceneDepth) fill.updates(ids.tilePixels);
     else fill.writes(ids.tilePixels);
-    fill.push(push)
-        .groupsFrom(ids.counts, offsetof(gpu::FrameCounts, fillGroupsX));
-    plan.putPixels("tiles.put", ids.target, ids.tilePixels, push.firstDepth * 4ull);
+    fill.push(push).groupsFrom(ids.counts, offsetof(gpu::FrameCounts, fillGroupsX));
 }
 
 }  // namespace dpl

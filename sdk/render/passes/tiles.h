@@ -17,8 +17,8 @@ struct TilePlan {
 /** None when the tables of this many splats and pixels do not fit the device. Lists that turn out too small in a frame leave that frame to the quads. */
 std::optional<TilePlan> planTiles(const FrameIds& ids, const DeviceInfo& device);
 
-/** Sorted survivors to the tiles' lists, near first in each, and these to pixels in the target. Sets the draw's arguments to nothing unless a list
- *  was too small. */
+/** Sorted survivors to the tiles' lists, near first in each, and these to ids.tilePixels: RGBA8 of all views, then the depth sums. Sets the draw's arguments to
+ *  nothing unless a list was too small: then the pixels are in the target. */
 void addTiles(FramePlan& plan, const FrameIds& ids, const TilePlan& tiles);
 
 }  // namespace dpl

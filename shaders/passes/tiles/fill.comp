@@ -109,12 +109,7 @@ void main() {
             if (y + k >= push.heightPx) break;
             uint pixel = (view * push.heightPx + y + k) * push.widthPx + x;
             vec4 rgba = vec4(colour[k], 1.0 - through[k]);
-            if (push.halfColour != 0u) {
-                pixels[2u * pixel] = packHalf2x16(rgba.xy);
-                pixels[2u * pixel + 1u] = packHalf2x16(rgba.zw);
-            } else {
-                pixels[pixel] = packUnorm4x8(rgba);
-            }
+            pixels[pixel] = packUnorm4x8(rgba);
 #ifdef DPL_DEPTH
             if (push.halfDepth != 0u) {
                 pixels[push.firstDepth + pixel] = packHalf2x16(vec2(depth[k], rgba.w));

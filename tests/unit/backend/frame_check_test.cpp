@@ -75,24 +75,20 @@ TEST(FrameCheck, refusesImpossibleDispatches) {
     { OneStep s; s.step.pipeline = PipelineId{}; s.expectRefused("no compute pipeline"); }
 }
 
-/** Pixels into a target and a draw over them: 8 x 4 px in two views with depth, 64 px of 4 B, 8 B of depth each. */
-struct PutAndDraw {
+/** 8 x 4 px in two views with depth. */
+struct OneDraw {
     std::unique_ptr<Backend> backend;
-    PutPixelsStep put;
     DrawStep draw;
-    bool putTwice = false, drawTwice = false, withPut = true, filled = true;
     BufferId buffers[3];
 
-    PutAndDraw() {
+    OneDraw() {
         auto made = createNullBackend(nullptr);
         EXPECT_TRUE(made);
         backend = std::move(*made);
         const TargetId target = *backend->createTarget({8, 4, 2, true, true, false});
-        put = {"put", target, *backend->createBuffer({"pixels", 64 * 12}), 64 * 4};
         draw.label = "draw";
         draw.pipeline = *backend->drawPipeline({"draw.vert.multiview", "draw.frag.depth", 2, true, true, false});
         draw.target = target;
-        draw.keep = true;
         for (BufferId& buffer : buffers) {
             buffer = *backend->createBuffer({"buffer", 256});
             draw.bindings.push_back({buffer, Access::Read});
@@ -103,10 +99,7 @@ struct PutAndDraw {
     Status create() {
         std::vector<Step> steps;
         for (const BufferId buffer : buffers) steps.push_back(FillStep{"fill", buffer, 0});
-        if (filled) steps.push_back(FillStep{"fill", put.pixels, 0});
-        if (withPut) steps.push_back(put);
         steps.push_back(draw);
-        if (drawTwice) steps.push_back(draw);
         auto frame = backend->createFrame(std::move(steps));
         return frame ? Status() : Status(frame.error());
     }
@@ -117,21 +110,8 @@ struct PutAndDraw {
     }
 };
 
-TEST(FrameCheck, putPixelsFillTheTargetAndTheNextDrawKeepsThem) {
-    { PutAndDraw p; const Status status = p.create(); EXPECT_TRUE(status) << status.error().message; }
-    { PutAndDraw p; p.withPut = false; p.expectRefused("keeps pixels that nothing has put there"); }
-    { PutAndDraw p; p.drawTwice = true; p.expectRefused("keeps pixels that nothing has put there"); }
-    { PutAndDraw p; p.draw.keep = false; p.expectRefused("clears pixels"); }
-    { PutAndDraw p; p.filled = false; p.expectRefused("nothing has written"); }
-    { PutAndDraw p; p.put.depthOffset = 63 * 4; p.expectRefused("does not hold"); }
-    { PutAndDraw p; p.put.depthOffset = 64 * 4 + 4; p.expectRefused("does not hold"); }
-    { PutAndDraw p; p.put.depthOffset = 64 * 4 + 8; p.expectRefused("does not hold"); }
-    { PutAndDraw p; p.put.target = *p.backend->createTarget({8, 4, 2, true, true, false, 4}); p.expectRefused("4 samples"); }
-    { PutAndDraw p; p.put.target = TargetId{77}; p.expectRefused("target that does not exist"); }
-}
-
 TEST(FrameCheck, aFragmentShadersBuffersFollowThoseOfItsVertexShader) {
-    PutAndDraw p;
+    OneDraw p;
     p.draw.pipeline = *p.backend->drawPipeline({"draw.vert.multiview", "draw.frag.depth.scene", 2, true, true, false});
     EXPECT_NE(p.draw.pipeline, *p.backend->drawPipeline({"draw.vert.multiview", "draw.frag.depth", 2, true, true, false}));
     p.expectRefused("binds 3 buffers");
@@ -160,6 +140,24 @@ TEST(FrameCheck, anUploadBufferIsCopiedWholeIntoADeviceBufferThatHoldsIt) {
     EXPECT_FALSE(copied({"copy", upload, BufferId{99}}));
     EXPECT_FALSE(copied({"copy", back, s.sums})) << "not from read-back memory";
     EXPECT_FALSE(copied({"copy", s.counts, s.sums})) << "not between Device buffers";
+}
+
+TEST(FrameCheck, aReadbackBufferIsFilledFromAnyPartOfADeviceBufferThatHasAsMuch) {
+    OneStep s;
+    const BufferId back = *s.backend->createBuffer({"back", 32, BufferMemory::Readback}), from = *s.backend->createBuffer({"from", 64});
+    const auto copied = [&](uint64_t offset, bool filled = true) {
+        std::vector<Step> steps;
+        if (filled) steps.push_back(FillStep{"fill", from, 0});
+        steps.push_back(CopyStep{"copy", from, back, offset});
+        auto frame = s.backend->createFrame(std::move(steps));
+        return frame ? Status() : Status(frame.error());
+    };
+    EXPECT_FALSE(copied(0, false)) << "nothing has written it";
+    EXPECT_TRUE(copied(0));
+    EXPECT_TRUE(copied(32));
+    EXPECT_FALSE(copied(36)) << "beyond its end";
+    EXPECT_FALSE(copied(2));
+    EXPECT_FALSE(copied(~0ull - 3));
 }
 
 TEST(FrameCheck, aFrameDoesNotOutliveItsBuffers) {

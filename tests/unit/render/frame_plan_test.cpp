@@ -107,7 +107,7 @@ TEST(FramePlan, tilesRunBetweenSortAndDraw) {
     const std::vector<std::string>& labels = gpu.record->lastLabels;
     const auto from = std::find(labels.begin(), labels.end(), "tiles.clear");
     const std::vector<std::string> want = {"tiles.clear", "tiles.runs", "tiles.scan", "tiles.scan", "tiles.scan", "tiles.args", "tiles.spans", "tiles.count", "tiles.scan", "tiles.scan", "tiles.scan", "tiles.args",
-                                           "tiles.entries", "tiles.clear", "tiles.fill", "tiles.put", "draw.splats", "counts"};
+                                           "tiles.entries", "tiles.clear", "tiles.fill", "draw.splats", "counts"};
     ASSERT_NE(from, labels.begin());
     EXPECT_EQ(*(from - 1), "sort.scatter");
     EXPECT_EQ(std::vector<std::string>(from, labels.end()), want);

@@ -303,7 +303,7 @@ TEST_P(VulkanImage, reportsATimeForEachPassOfTheLastFrame) {
     EXPECT_GT(sum, 0);
     EXPECT_EQ(times.front().label, "begin");
     EXPECT_EQ(times.back().label, "readback");
-    EXPECT_EQ(times.size(), 1 + 2 + 2 + 1 + 3 + 12 + 3u + (GetParam() == Fill::Tiles ? 16u : 0u));
+    EXPECT_EQ(times.size(), 1 + 2 + 2 + 1 + 3 + 12 + 3u + (GetParam() == Fill::Tiles ? 15u : 0u));
 }
 
 TEST_P(VulkanImage, refusesWhatItCannotDraw) {
