@@ -1,4 +1,5 @@
-// The pixels of each tile from its list, near first. A lane owns one column of a tile and stops when no pixel of it lets light through.
+// The pixels of each tile from its list, near first. A lane owns one column of a tile, takes its splats by fours and stops when no pixel
+// of it lets light through.
 // DPL_SHUFFLE: the eight lanes of a tile fetch together, a pair of them half a record each, and hand the words around: four records for the loads of
 // one. For devices whose subgroups hold whole tiles (DeviceInfo::shuffle); same bytes.
 // DPL_SCENE_DEPTH: a splat adds nothing to pixels where it lies behind the app's scene, whose depths come in the buffer of pixels.
@@ -57,22 +58,21 @@ void main() {
                 uint place = firstLane + 2u * j, look = place + 1u;
                 vec4 at = vec4(uintBitsToFloat(subgroupShuffle(mine.x, place)), uintBitsToFloat(subgroupShuffle(mine.y, place)),
                                uintBitsToFloat(subgroupShuffle(mine.z, place)), uintBitsToFloat(subgroupShuffle(mine.w, place)));
-                if (batch + j >= end) live = 0.0;  // the last record, again
                 uvec4 seen = uvec4(subgroupShuffle(mine.x, look), subgroupShuffle(mine.y, look), subgroupShuffle(mine.z, look), subgroupShuffle(mine.w, look));
-                float bend = subgroupShuffle(bendOf, look);
+                float bend = subgroupShuffle(bendOf, look), opacity = batch + j < end ? live * uintBitsToFloat(seen.y) : 0.0;  // behind the end: the last record, again
 #else
-        {
-            for (uint i = begin; i < end && live > 0.0; ++i) {
+        for (uint batch = begin; batch < end && live > 0.0; batch += 4u) {
+            for (uint i = batch; i < min(batch + 4u, end); ++i) {
                 uint record = 3u * DPL_WORD(entries, i);
                 vec4 at = uintBitsToFloat(DPL_FOUR(projected, record));
                 uvec4 seen = DPL_FOUR(projected, record + 1u);
-                float bend = exp(-uintBitsToFloat(seen.x));
+                float bend = exp(-uintBitsToFloat(seen.x)), opacity = uintBitsToFloat(seen.y);
 #endif
                 // α at the fifth pixel of the column, and from there by factors: exp(-σ) of a quadratic σ has factors that change by one factor, exp(-C).
                 // What is clamped would be below 1/255 anyway, or the column lies far outside.
                 vec2 d = vec2(centre.x - at.x, centre.y + 4.0 - at.y);
-                float conicC = uintBitsToFloat(seen.x), slope = at.w * d.x + conicC * d.y, most = 0.0;
-                float up = live * uintBitsToFloat(seen.y) * exp(-max(0.5 * (at.z * d.x * d.x + conicC * d.y * d.y) + at.w * d.x * d.y, 0.0)), down = up;
+                float conicC = uintBitsToFloat(seen.x), slope = at.w * d.x + conicC * d.y;
+                float up = opacity * exp(-max(0.5 * (at.z * d.x * d.x + conicC * d.y * d.y) + at.w * d.x * d.y, 0.0)), down = up;
                 float rise = exp(-clamp(slope + 0.5 * conicC, -60.0, 60.0)), fall = bend / rise;
                 float alpha[8];
                 for (uint k = 0u; k < 4u; ++k) {
@@ -94,10 +94,11 @@ void main() {
                     depth[k] += weight * uintBitsToFloat(seen.w);
 #endif
                     through[k] -= weight;
-                    most = max(most, through[k]);
                 }
-                if (most < kTileStop) live = 0.0;
             }
+            float most = 0.0;
+            for (uint k = 0u; k < 8u; ++k) most = max(most, through[k]);
+            if (most < kTileStop) live = 0.0;
 #ifdef DPL_SHUFFLE
             float any = max(live, subgroupShuffleXor(live, 1u));
             any = max(any, subgroupShuffleXor(any, 2u));
