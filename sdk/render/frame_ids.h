@@ -45,7 +45,8 @@ struct FrameIds : SubjectIds {
     TableIds tiles;
     BufferId tileSpans, tileEntries, tilePixels;   // none: quads alone
     BufferId meshDepth;                            // none: not wanted
-    BufferId projected, visibility, counts, pairs, pairsSwap;
+    BufferId projected, visibility, counts;
+    BufferId pairs, pairsSwap;                     // (depth key, splat); sorted: the splats alone, in `pairs`
     TableIds digits;                               // of the sort: [digit][run]
     TargetId target;
     // read by the CPU, made by the first read-back

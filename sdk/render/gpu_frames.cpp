@@ -40,9 +40,9 @@ Status GpuRenderer::makeWorkBuffers(Row& row) {
     for (SubjectIds& subject : row.subjects) {
         subject.drawn = uint32_t(ids.endGroups.size()), subject.firstGroup = ids.allGroups, subject.firstSplat = uint32_t(splats);
         splats += subject.splatCount;
-        if (splats * sizeof(gpu::ProjectedSplat) * gpu::kMaxViews > backend_->info().maxBindingBytes)
+        if (splats * sizeof(gpu::ProjectedSplat) * gpu::kMaxViews > backend_->info().maxBindingBytes || splats > 1u << gpu::kSortIndexBits)
             return fail(Code::Unsupported, "{} avatars together have more splats than {} draws at once ({}); draw fewer together", row.subjects.size(), backend_->info().name,
-                        backend_->info().maxBindingBytes / (sizeof(gpu::ProjectedSplat) * gpu::kMaxViews));
+                        std::min<uint64_t>(backend_->info().maxBindingBytes / (sizeof(gpu::ProjectedSplat) * gpu::kMaxViews), 1u << gpu::kSortIndexBits));
         ids.allGroups += subject.groupCount;
         ids.endGroups.push_back(ids.allGroups);
         ids.filledGroups += subject.filledGroups;
@@ -52,7 +52,8 @@ Status GpuRenderer::makeWorkBuffers(Row& row) {
     DPL_TRY(ids.visibility, makeBuffer(row.owned, "visibility", (ids.firstDepth() + splats) * 4));
     DPL_TRY(ids.counts, makeBuffer(row.owned, "counts", sizeof(gpu::FrameCounts)));
     DPL_TRY(ids.pairs, makeBuffer(row.owned, "pairs", splats * 8));
-    DPL_TRY(ids.pairsSwap, makeBuffer(row.owned, "pairs swap", splats * 8));
+    ids.floatKeys = !options_.quantiseDepth;
+    DPL_TRY(ids.pairsSwap, makeBuffer(row.owned, "pairs swap", splats * (ids.sortRounds() == 2 ? 4 : 8)));  // two rounds: one digit is left when it is first written
     DPL_TRY(ids.digits, makeTable(row.owned, "digits", ids.digitWords(), scanSumWords(gpu::kSortDigits)));
     return {};
 }
@@ -67,7 +68,6 @@ Status GpuRenderer::build(const Row& row, ShapedFrame& f) {
     ids.sceneDepth = f.shape.sceneDepth;
     ids.halfColour = options_.preciseBlending;
     ids.cull = options_.cullTriangles;
-    ids.floatKeys = !options_.quantiseDepth;
     ids.shuffle = backend_->info().shuffle;
     ids.samples = f.shape.samples;
     DPL_TRY(ids.target, backend_->createTarget({ids.widthPx, ids.heightPx, ids.viewCount, ids.depth, ids.layered, ids.halfColour, ids.samples}));

@@ -22,6 +22,7 @@ DPL_CONST uint kRun = 256u;
 DPL_CONST uint kRunGroup = 32u;
 DPL_CONST uint kSortDigitBits = 8u;
 DPL_CONST uint kSortDigits = 256u;
+DPL_CONST uint kSortIndexBits = 24u;     // of the number of a splat: a digit fits above
 DPL_CONST uint kSortRounds = 2u;         // 16-bit keys: 0.03 mm steps across a person
 DPL_CONST uint kWideSortRounds = 3u;     // 24-bit keys: a scene of general splats may reach a kilometre
 DPL_CONST uint kFloatSortRounds = 4u;    // 32-bit float keys, for measuring

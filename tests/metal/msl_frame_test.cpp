@@ -36,6 +36,9 @@ DPL_MSL(msl_scan_sums);
 DPL_MSL(msl_compact_args);
 DPL_MSL(msl_compact_scatter);
 DPL_MSL(msl_sort_count);
+DPL_MSL(msl_sort_count_packed);
+DPL_MSL(msl_sort_scatter_pack);
+DPL_MSL(msl_sort_scatter_packed);
 DPL_MSL(msl_sort_scatter);
 DPL_MSL(msl_tiles_runs_stereo);
 DPL_MSL(msl_tiles_args_spans);
@@ -52,7 +55,8 @@ namespace {
 /** Everything the frame leaves behind. */
 struct MslFrame {
     std::vector<gpu::ProjectedSplat> projected;
-    std::vector<gpu::uvec2> compacted, sorted;
+    std::vector<gpu::uvec2> compacted;
+    std::vector<uint32_t> sorted;
     gpu::FrameCounts counts{};
 };
 
@@ -77,20 +81,30 @@ void scan(gpu::FrameCounts& counts, std::vector<uint32_t>& table, std::vector<ui
     run(msl_scan_places, rows, order, {&counts, table.data(), sums.data(), places.data()}, push);
 }
 
-void sortPairs(std::vector<gpu::uvec2>& pairs, gpu::FrameCounts& counts, int order, uint32_t rounds = gpu::kSortRounds) {
+/** The splats in order. */
+std::vector<uint32_t> sortPairs(std::vector<gpu::uvec2> pairs, gpu::FrameCounts& counts, int order, uint32_t rounds = gpu::kSortRounds) {
     std::vector<gpu::uvec2> other(pairs.size() + 1);
     const size_t cells = gpu::kSortDigits * counts.runs;
     std::vector<uint32_t> sums(scanSumWords(gpu::kSortDigits)), places(cells, 0xCDCDCDCD);
     void *from = pairs.data(), *to = other.data();
-    for (uint32_t round = 0; round < rounds; ++round) {
-        const gpu::SortPush push{round * gpu::kSortDigitBits};
+    for (uint32_t left = rounds; left-- > 0;) {
+        const gpu::SortPush push{(rounds - 1 - left) * gpu::kSortDigitBits};
         std::vector<uint32_t> table(cells);
-        run(msl_sort_count, counts.runGroupsX, order, {&counts, from, table.data()}, push);
+        run(left == 0 ? msl_sort_count_packed : msl_sort_count, counts.runGroupsX, order, {&counts, from, table.data()}, push);
         scan(counts, table, sums, places, {}, gpu::kSortDigits, order);
-        run(msl_sort_scatter, counts.runGroupsX, order, {&counts, from, places.data(), to}, push);
+        run(left == 0 ? msl_sort_scatter_packed : left == 1 ? msl_sort_scatter_pack : msl_sort_scatter, counts.runGroupsX, order, {&counts, from, places.data(), to}, push);
         std::swap(from, to);
     }
-    if (from != pairs.data()) std::copy_n(other.begin(), pairs.size(), pairs.begin());
+    std::vector<uint32_t> sorted(pairs.size());
+    if (!sorted.empty()) std::memcpy(sorted.data(), from, sorted.size() * 4);
+    return sorted;
+}
+
+std::vector<uint32_t> stablySorted(std::vector<gpu::uvec2> pairs) {
+    std::stable_sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
+    std::vector<uint32_t> splats;
+    for (const gpu::uvec2& pair : pairs) splats.push_back(pair.y);
+    return splats;
 }
 
 /** From what projection leaves in the visibility buffer to the sorted list. */
@@ -105,8 +119,7 @@ void compactAndSort(MslFrame& out, std::vector<uint32_t>& visibility, uint32_t g
     run(msl_compact_scatter, groupsFor(groups * gpu::kMaskWords, gpu::kCompactGroup), order, {visibility.data(), &out.counts, out.compacted.data()},
         gpu::CompactPush{groups, (1u << (rounds * gpu::kSortDigitBits)) - 1, 1, {groups}});
     out.compacted.resize(out.counts.visible);
-    out.sorted = out.compacted;
-    sortPairs(out.sorted, out.counts, order, rounds);
+    out.sorted = sortPairs(out.compacted, out.counts, order, rounds);
 }
 
 /** The visibility buffer of a frame, full of what must not be read. */
@@ -193,8 +206,8 @@ std::vector<uint32_t> fillTiles(MslFrame& f, std::span<const Cameraf> views, int
 /** Front to back in the order of the sorted list, in double. */
 std::vector<double> blend(const MslFrame& f, const Cameraf& camera, uint32_t view, uint32_t viewCount) {
     std::vector<double> rgb(size_t(camera.widthPx) * camera.heightPx * 3, 0), transmittance(size_t(camera.widthPx) * camera.heightPx, 1);
-    for (const gpu::uvec2& pair : f.sorted) {
-        const gpu::ProjectedSplat& p = f.projected[size_t(pair.y) * viewCount + view];
+    for (const uint32_t splat : f.sorted) {
+        const gpu::ProjectedSplat& p = f.projected[size_t(splat) * viewCount + view];
         const auto floatOf = [](uint32_t bits) { return std::bit_cast<float>(bits); };
         const double conicC = floatOf(p.look.x), opacity = floatOf(p.look.y), colour[3] = {(p.look.z & 2047) / 2047.0, (p.look.z >> 11 & 2047) / 2047.0, (p.look.z >> 22) / 1023.0};
         for (uint32_t y = 0; y < camera.heightPx; ++y) {
@@ -228,11 +241,9 @@ void expectKernelsMatchTheReference(const Cameraf (&views)[2], uint32_t splatCou
         const std::vector<uint32_t> pixels = fillTiles(f, views, order);
         if (order == 0) tilePixels = pixels;
         EXPECT_TRUE(pixels == tilePixels) << "lane order " << order;
-        EXPECT_EQ(0, std::memcmp(f.sorted.data(), first.sorted.data(), f.sorted.size() * 8)) << "lane order " << order;
+        EXPECT_TRUE(f.sorted == first.sorted) << "lane order " << order;
         EXPECT_EQ(0, std::memcmp(f.projected.data(), first.projected.data(), f.projected.size() * sizeof(gpu::ProjectedSplat)));
-        std::vector<gpu::uvec2> want = f.compacted;
-        std::stable_sort(want.begin(), want.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
-        EXPECT_EQ(0, std::memcmp(f.sorted.data(), want.data(), want.size() * 8)) << "lane order " << order;
+        EXPECT_TRUE(f.sorted == stablySorted(f.compacted)) << "lane order " << order;
         for (size_t i = 1; i < f.compacted.size(); ++i) ASSERT_LT(f.compacted[i - 1].y, f.compacted[i].y) << "compaction must keep splat order";
     }
     for (uint32_t v = 0; v < 2; ++v) {
@@ -354,10 +365,7 @@ TEST(MetalFrame, sortIsStableAcrossBlocksAndTies) {
             setRuns(counts);
             std::vector<gpu::uvec2> pairs(counts.visible);
             for (uint32_t i = 0; i < counts.visible; ++i) pairs[i] = {(i * 2654435761u >> 7) % keys, i};
-            std::vector<gpu::uvec2> want = pairs;
-            std::stable_sort(want.begin(), want.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
-            sortPairs(pairs, counts, order);
-            EXPECT_EQ(0, std::memcmp(pairs.data(), want.data(), want.size() * 8)) << keys << " keys, lane order " << order;
+            EXPECT_TRUE(sortPairs(pairs, counts, order) == stablySorted(pairs)) << keys << " keys, lane order " << order;
         }
     }
 }

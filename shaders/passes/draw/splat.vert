@@ -8,7 +8,7 @@
 #include "shaders/lib/view.glsl"
 
 layout(std430, binding = 0) readonly buffer CountsBlock { FrameCounts counts; };
-DPL_PAIRS(1, PairBlock, pairs);
+DPL_WORDS(1, OrderBlock, order);
 DPL_FOURS(2, ProjectedBlock, projected);  // ProjectedSplat
 layout(push_constant) uniform PushBlock { DrawPush push; };
 
@@ -18,8 +18,8 @@ layout(location = 2) flat out vec4 colourDepth;   // rgb, view z
 
 void main() {
     uint view = dplViewIndex(push.viewCount);
-    // Pairs are near first with ties in splat order; drawing them backwards gives the exact mirror of front-to-back blending.
-    uint splat = DPL_PAIR(pairs, counts.visible - 1u - dplSplatInstance(push.viewCount)).y, record = 3u * (splat * push.viewCount + view);
+    // The order is near first with ties in splat order; drawing it backwards gives the exact mirror of front-to-back blending.
+    uint splat = DPL_WORD(order, counts.visible - 1u - dplSplatInstance(push.viewCount)), record = 3u * (splat * push.viewCount + view);
     ProjectedSplat p;
     p.place = dplFloats(DPL_FOUR(projected, record));
     p.look = DPL_FOUR(projected, record + 1u);

@@ -6,7 +6,11 @@
 layout(local_size_x = 32) in;  // kRunGroup
 
 layout(std430, binding = 0) readonly buffer CountsBlock { FrameCounts counts; };
+#ifdef DPL_PACKED  // the last digit lies above the number of the splat
+DPL_WORDS(1, PairBlock, pairs);
+#else
 DPL_PAIRS(1, PairBlock, pairs);
+#endif
 layout(std430, binding = 2) buffer TableBlock { uint table[]; };
 layout(push_constant) uniform PushBlock { SortPush push; };
 
@@ -14,5 +18,12 @@ void main() {
     uint run = gl_GlobalInvocationID.x, runs = counts.runs;
     if (run >= runs) return;
     uint end = min((run + 1u) * kRun, counts.visible);
-    for (uint i = run * kRun; i < end; ++i) table[((DPL_PAIR(pairs, i).x >> push.shift) & (kSortDigits - 1u)) * runs + run]++;
+    for (uint i = run * kRun; i < end; ++i) {
+#ifdef DPL_PACKED
+        uint digit = DPL_WORD(pairs, i) >> kSortIndexBits;
+#else
+        uint digit = (DPL_PAIR(pairs, i).x >> push.shift) & (kSortDigits - 1u);
+#endif
+        table[digit * runs + run]++;
+    }
 }

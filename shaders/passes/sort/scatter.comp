@@ -1,4 +1,5 @@
 // Moves each pair to its place for one digit. A lane moves a run of neighbours in order, so equal digits keep theirs (stable).
+// Key and splat are two words until one digit is left. DPL_PACK: it moves into the word of the splat. DPL_PACKED: the round after, which leaves the splats alone.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -6,9 +7,17 @@
 layout(local_size_x = 32) in;  // kRunGroup
 
 layout(std430, binding = 0) readonly buffer CountsBlock { FrameCounts counts; };
+#ifdef DPL_PACKED
+DPL_WORDS(1, PairBlock, pairs);
+#else
 DPL_PAIRS(1, PairBlock, pairs);
+#endif
 layout(std430, binding = 2) buffer PlaceBlock { uint places[]; };
+#if defined(DPL_PACK) || defined(DPL_PACKED)
+layout(std430, binding = 3) writeonly buffer SortedBlock { uint sorted[]; };
+#else
 layout(std430, binding = 3) writeonly buffer SortedBlock { uvec2 sorted[]; };
+#endif
 layout(push_constant) uniform PushBlock { SortPush push; };
 
 void main() {
@@ -16,9 +25,18 @@ void main() {
     if (run >= runs) return;
     uint end = min((run + 1u) * kRun, counts.visible);
     for (uint i = run * kRun; i < end; ++i) {
+#ifdef DPL_PACKED
+        uint packed = DPL_WORD(pairs, i), digit = packed >> kSortIndexBits, pair = packed & ((1u << kSortIndexBits) - 1u);
+#else
         uvec2 pair = DPL_PAIR(pairs, i);
-        uint cell = ((pair.x >> push.shift) & (kSortDigits - 1u)) * runs + run, place = places[cell];
+        uint digit = (pair.x >> push.shift) & (kSortDigits - 1u);
+#endif
+        uint cell = digit * runs + run, place = places[cell];
+#ifdef DPL_PACK
+        sorted[place] = ((pair.x >> (push.shift + kSortDigitBits)) << kSortIndexBits) | pair.y;
+#else
         sorted[place] = pair;
+#endif
         places[cell] = place + 1u;
     }
 }

@@ -8,7 +8,7 @@
 #include "shaders/lib/views.glsl"
 layout(local_size_x = 32) in;  // kRunGroup
 
-DPL_PAIRS(0, PairBlock, pairs);
+DPL_WORDS(0, OrderBlock, order);
 DPL_FOURS(1, ProjectedBlock, projected);  // ProjectedSplat
 layout(std430, binding = 2) readonly buffer CountsBlock { FrameCounts counts; };
 layout(std430, binding = 3) buffer TableBlock { uint table[]; };  // zero before
@@ -20,7 +20,7 @@ void main() {
     uint first = push.firstRunTable + run;
     uint end = min((run + 1u) * kRun, counts.visible);
     for (uint i = run * kRun; i < end; ++i) {
-        uint splat = DPL_PAIR(pairs, i).y;
+        uint splat = DPL_WORD(order, i);
         for (uint v = 0u; v < kViews; ++v) {
             uint slot = splat * kViews + v;
             float radius = uintBitsToFloat(DPL_FOUR(projected, 3u * slot + 2u).y);

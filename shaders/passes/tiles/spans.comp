@@ -7,7 +7,7 @@
 #include "shaders/lib/views.glsl"
 layout(local_size_x = 32) in;  // kRunGroup
 
-DPL_PAIRS(0, PairBlock, pairs);
+DPL_WORDS(0, OrderBlock, order);
 DPL_FOURS(1, ProjectedBlock, projected);  // ProjectedSplat
 layout(std430, binding = 2) buffer PlaceBlock { uint places[]; };
 layout(std430, binding = 3) writeonly buffer SpanBlock { uvec2 spans[]; };  // (record, first column | last column << 16)
@@ -18,7 +18,7 @@ void main() {
     if (run >= runs) return;
     uint end = min((run + 1u) * kRun, places[0]);
     for (uint i = run * kRun; i < end; ++i) {
-        uint splat = DPL_PAIR(pairs, i).y;
+        uint splat = DPL_WORD(order, i);
         for (uint v = 0u; v < kViews; ++v) {
             uint slot = splat * kViews + v;
             ProjectedSplat p;

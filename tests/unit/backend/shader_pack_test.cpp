@@ -101,7 +101,7 @@ TEST(ShaderPack, workgroupsAreThoseThatTheSharedLimitsName) {
         {"skin", gpu::kVertexGroup}, {"skin.corrected", gpu::kVertexGroup}, {"triangles", gpu::kVertexGroup}, {"triangles.stereo", gpu::kVertexGroup}, {"mesh.depth", gpu::kVertexGroup}, {"chunks.mark", gpu::kChunkGroup}, {"chunks.list", gpu::kScanGroup},
         {"project.general", gpu::kSplatGroup}, {"project.general.stereo", gpu::kSplatGroup},
         {"scan.totals", gpu::kRowScanGroup}, {"scan.sums", gpu::kScanGroup}, {"scan.places", gpu::kRowScanGroup},
-        {"compact.args", 1}, {"compact.scatter", gpu::kCompactGroup}, {"sort.count", gpu::kRunGroup}, {"sort.scatter", gpu::kRunGroup}, {"tiles.runs", gpu::kRunGroup}, {"tiles.runs.stereo", gpu::kRunGroup},
+        {"compact.args", 1}, {"compact.scatter", gpu::kCompactGroup}, {"sort.count", gpu::kRunGroup}, {"sort.count.packed", gpu::kRunGroup}, {"sort.scatter", gpu::kRunGroup}, {"sort.scatter.pack", gpu::kRunGroup}, {"sort.scatter.packed", gpu::kRunGroup}, {"tiles.runs", gpu::kRunGroup}, {"tiles.runs.stereo", gpu::kRunGroup},
         {"tiles.args.spans", 1}, {"tiles.args.entries", 1}, {"tiles.spans", gpu::kRunGroup}, {"tiles.spans.stereo", gpu::kRunGroup}, {"tiles.count", gpu::kRunGroup}, {"tiles.entries", gpu::kRunGroup},
         {"tiles.fill", gpu::kTileGroup}, {"tiles.fill.depth", gpu::kTileGroup}, {"tiles.fill.shuffle", gpu::kTileGroup}, {"tiles.fill.shuffle.depth", gpu::kTileGroup},
         {"tiles.fill.scene", gpu::kTileGroup}, {"tiles.fill.depth.scene", gpu::kTileGroup}, {"tiles.fill.shuffle.scene", gpu::kTileGroup}, {"tiles.fill.shuffle.depth.scene", gpu::kTileGroup}};

@@ -16,8 +16,11 @@ namespace {
 
 using Pairs = std::vector<gpu::uvec2>;
 
-Pairs sortOnDevice(Backend& backend, const Pairs& input) {
+/** rounds: 2, 3 or 4 digits of key. */
+std::vector<uint32_t> sortOnDevice(Backend& backend, const Pairs& input, uint32_t rounds) {
     FrameIds ids;
+    ids.wide = rounds == gpu::kWideSortRounds, ids.floatKeys = rounds == gpu::kFloatSortRounds;
+    EXPECT_EQ(ids.sortRounds(), rounds);
     ids.splatCount = uint32_t(std::max<size_t>(input.size(), 1));
     const auto make = [&](const char* label, uint64_t bytes, BufferMemory memory = BufferMemory::Device) {
         auto buffer = backend.createBuffer({label, std::max<uint64_t>(bytes, 16), memory});
@@ -28,22 +31,22 @@ Pairs sortOnDevice(Backend& backend, const Pairs& input) {
     ids.pairs = make("pairs", ids.splatCount * 8ull);
     ids.pairsSwap = make("swap", ids.splatCount * 8ull);
     ids.digits = {make("cells", ids.digitWords() * 4), make("sums", scanSumWords(gpu::kSortDigits) * 4), make("places", ids.digitWords() * 4)};
-    const BufferId result = make("result", ids.splatCount * 8ull, BufferMemory::Readback);
+    const BufferId result = make("result", ids.splatCount * 4ull, BufferMemory::Readback);
     gpu::FrameCounts counts{};
     counts.visible = uint32_t(input.size());
     counts.runs = (counts.visible + gpu::kRun - 1) / gpu::kRun;
     counts.runGroupsX = (counts.runs + gpu::kRunGroup - 1) / gpu::kRunGroup;
     counts.runGroupsY = counts.runGroupsZ = 1;
     EXPECT_TRUE(backend.write(ids.counts, 0, std::as_bytes(std::span(&counts, 1))));
-    EXPECT_TRUE(backend.write(ids.pairs, 0, std::as_bytes(std::span(input))));
+    EXPECT_TRUE(backend.write(ids.unsorted(), 0, std::as_bytes(std::span(input))));
     FramePlan plan(backend);
     addSort(plan, ids);
     plan.copy("result", ids.pairs, result);
     auto frame = plan.finish();
     EXPECT_TRUE(frame) << (frame ? "" : frame.error().message);
     EXPECT_TRUE(backend.run(*frame));
-    Pairs sorted(input.size());
-    if (!sorted.empty()) std::memcpy(sorted.data(), backend.mapped(result).data(), sorted.size() * 8);
+    std::vector<uint32_t> sorted(input.size());
+    if (!sorted.empty()) std::memcpy(sorted.data(), backend.mapped(result).data(), sorted.size() * 4);
     backend.destroyFrame(*frame);
     for (BufferId id : {ids.counts, ids.pairs, ids.pairsSwap, ids.digits.cells, ids.digits.sums, ids.digits.places, result}) backend.destroyBuffer(id);
     return sorted;
@@ -57,14 +60,16 @@ TEST(VulkanSort, equalsStableSort) {
     std::printf("[  DEVICE  ] %s, LP_NATIVE_VECTOR_WIDTH=%s\n", (*backend)->info().name.c_str(), width ? width : "default");
     std::mt19937 random(11);
     for (size_t count : {size_t(0), size_t(1), size_t(2), size_t(127), size_t(gpu::kRun - 1), size_t(gpu::kRun), size_t(gpu::kRun + 1), size_t(30011), size_t(100000)}) {
-        for (uint32_t keys : {1u, 7u, 65536u}) {  // all equal (10⁵ equal depth keys), heavy ties, spread
-            Pairs input(count);
-            for (size_t i = 0; i < count; ++i) input[i] = {uint32_t(random() % keys), uint32_t(i)};
-            Pairs want = input;
-            std::stable_sort(want.begin(), want.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
-            const Pairs got = sortOnDevice(**backend, input);
-            const bool same = count == 0 || std::memcmp(got.data(), want.data(), count * 8) == 0;
-            EXPECT_TRUE(same) << count << " pairs, " << keys << " keys";
+        for (uint32_t rounds : {gpu::kSortRounds, gpu::kWideSortRounds, gpu::kFloatSortRounds}) {
+            for (uint32_t keys : {1u, 7u, rounds == gpu::kFloatSortRounds ? ~0u : 1u << rounds * gpu::kSortDigitBits}) {  // all equal (10⁵ equal depth keys), heavy ties, spread
+                Pairs input(count);
+                for (size_t i = 0; i < count; ++i) input[i] = {uint32_t(random() % keys), uint32_t(i)};
+                Pairs want = input;
+                std::stable_sort(want.begin(), want.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
+                const std::vector<uint32_t> got = sortOnDevice(**backend, input, rounds);
+                EXPECT_TRUE(std::equal(want.begin(), want.end(), got.begin(), got.end(), [](const gpu::uvec2& pair, uint32_t splat) { return pair.y == splat; }))
+                    << count << " pairs, " << keys << " keys, " << rounds << " rounds";
+            }
         }
     }
     backend->reset();
