@@ -11,6 +11,7 @@ namespace dpl {
 namespace {
 
 constexpr uint64_t kHalfColourBytes = 4 * 2;   // a pixel of four halves
+constexpr uint64_t kByteColourBytes = 4;
 
 // Everything below: a record is fetched once a pass however many lanes ask for it, and written once.
 
@@ -23,6 +24,14 @@ ModelledPass skinning(uint64_t vertices) {
 template <class Pair>
 ModelledPass sorting(uint64_t count, uint64_t table, uint64_t rounds) {
     return {"sort", rounds * (2 * count * sizeof(Pair) + 2 * table * sizeof(uint32_t)), rounds * (count * sizeof(Pair) + 3 * table * sizeof(uint32_t))};
+}
+
+/** Today's two rounds: pairs into words, and these into words. */
+ModelledPass sortingToday(uint64_t count, uint64_t table) {
+    static_assert(gpu::kSortRounds == 2);
+    ModelledPass pass = sorting<uint32_t>(count, table, gpu::kSortRounds);
+    pass.readBytes += 2 * count * (sizeof(gpu::uvec2) - sizeof(uint32_t));
+    return pass;
 }
 
 uint64_t blocks(uint64_t count, uint64_t block) { return (count + block - 1) / block; }
@@ -81,15 +90,15 @@ std::vector<ModelledPass> modelToday(const FrameWork& w) {
         {"chunks, splat.project and splat.colour", w.bytesDecided + w.bytesDecoded + w.triangles * sizeof(uvec4) + w.trianglesFacing * sizeof(gpu::TriangleFrame) + 2 * flags,
          2 * flags + records * sizeof(ProjectedSplat) + (lanes * w.views - std::min(records, lanes * w.views)) * sizeof(vec2) + drawn * sizeof(uint) + masks},
         {"compact", masks + 2 * flags + drawn * sizeof(uint), flags + drawn * sizeof(uvec2)},
-        sorting<uvec2>(drawn, kSortDigits * blocks(drawn, kRun), kSortRounds),
+        sortingToday(drawn, kSortDigits * blocks(drawn, kRun)),
     };
     if (w.tileEntries == 0) {
-        passes.push_back({"pixels", drawn * sizeof(uvec2) + records * sizeof(ProjectedSplat), w.pixels * kHalfColourBytes});
+        passes.push_back({"pixels", drawn * sizeof(uint) + records * sizeof(ProjectedSplat), w.pixels * kHalfColourBytes});
         return passes;
     }
-    // Two walks over the survivors make the lists. The fill reads place and look of a record once an entry, and the pixels go to the target from memory.
-    passes.push_back({"tile lists", 2 * (drawn * sizeof(uvec2) + records * sizeof(ProjectedSplat)), w.tileEntries * sizeof(uint)});
-    passes.push_back({"pixels", w.tileEntries * (sizeof(uint) + offsetof(ProjectedSplat, radiusPx)) + w.pixels * kHalfColourBytes, 3 * w.pixels * kHalfColourBytes});
+    // Two walks over the survivors make the lists. The fill reads place and look of a record once an entry; pixels are cleared and filled.
+    passes.push_back({"tile lists", 2 * (drawn * sizeof(uint) + records * sizeof(ProjectedSplat)), w.tileEntries * sizeof(uint)});
+    passes.push_back({"pixels", w.tileEntries * (sizeof(uint) + offsetof(ProjectedSplat, radiusPx)), 2 * w.pixels * kByteColourBytes});
     return passes;
 }
 
