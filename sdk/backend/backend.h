@@ -72,7 +72,9 @@ struct TargetDesc {
     uint32_t samples = 1;                // a pixel: 1, or 4 where DeviceInfo::fourSamples; they are averaged when a draw ends, on the chip where it can
 };
 
-/** A pipeline for targets of this shape; premultiplied "over" blending, triangle strips without vertex buffers. The bindings of a draw are those of its vertex
+enum class Topology : uint8_t { Strip, List };  // of triangles
+
+/** A pipeline for targets of this shape; premultiplied "over" blending, no vertex buffers. The bindings of a draw are those of its vertex
  *  shader, then those of its fragment shader, which reads and does not write. */
 struct DrawPipelineDesc {
     std::string vertex, fragment;  // names in the shader pack
@@ -81,6 +83,7 @@ struct DrawPipelineDesc {
     bool depth = false;
     bool halfColour = false;
     uint32_t samples = 1;
+    Topology topology = Topology::Strip;
 };
 
 enum class Access : uint8_t { Uniform, Read, Write, Update };

@@ -4,7 +4,7 @@ namespace dpl {
 
 DrawPipelineDesc drawPipelineOf(const FrameIds& ids, uint32_t samples) {
     const std::string fragment = std::string("draw.frag") + (ids.depth ? ".depth" : "") + (ids.sceneDepth ? ".scene" : "");
-    return {ids.layered ? "draw.vert.multiview" : "draw.vert.instances", fragment, ids.viewCount, ids.layered, ids.depth, ids.halfColour, samples};
+    return {ids.layered ? "draw.vert.multiview" : "draw.vert.instances", fragment, ids.viewCount, ids.layered, ids.depth, ids.halfColour, samples, Topology::List};
 }
 
 void addDraw(FramePlan& plan, const FrameIds& ids) {

@@ -54,8 +54,8 @@ void main() {
     counts.runGroupsX = (counts.runs + kRunGroup - 1u) / kRunGroup;
     counts.runGroupsY = 1u;
     counts.runGroupsZ = 1u;
-    counts.drawVertices = 4u;
-    counts.drawInstances = visible * push.instancesPerSplat;
+    counts.drawVertices = 6u * visible * push.quadsPerSplat;
+    counts.drawInstances = 1u;
     counts.drawFirstVertex = 0u;
     counts.drawFirstInstance = 0u;
 }
