@@ -17,17 +17,17 @@ DetailSubject::DetailSubject(const AvatarData& avatar, const CodedSplats& splats
         if (boxes[j].first.x <= boxes[j].second.x) balls_.push_back({uint32_t(j), 0.5f * (boxes[j].first + boxes[j].second), 0.5f * glm::length(boxes[j].second - boxes[j].first)});
 
     // Of each half-chunk: one splat, then its kept share and what fades (drawnRanks rounds up by at most a half), then all.
-    double least = 0, areaM2 = 0;
+    double least = 0, most = 0, areaM2 = 0;
     for (size_t g = 0; g < splats.groups.size(); ++g) {
         const SplatGroup& group = splats.groups[g];
         const uint32_t inChunk = splats.chunks[g / 2].splatCount, before = g % 2 * kSplatGroupSize;
         if (inChunk <= before) continue;
         const double count = std::min(inChunk - before, kSplatGroupSize), slope = (1 + kDetailFade) * double(group.areaM2) * kSplatGroupSize;
-        least += 1, areaM2 += double(group.areaM2) * count;
+        least += 1, most += slope > 0 ? count : 1, areaM2 += double(group.areaM2) * count;
         smallestAreaM2_ = std::min(smallestAreaM2_, group.areaM2), largestGain_ = std::max(largestGain_, group.gain);
         if (count > 1 && slope > 0) bends_.push_back({0.5 / slope, 0, slope}), bends_.push_back({(count - 0.5) / slope, 0, -slope});
     }
-    if (splats.groups.empty()) least = splatCount_;
+    if (splats.groups.empty()) least = most = splatCount_;
     if (splatCount_ > 0) meanAreaM2_ = float(areaM2 / splatCount_);
     std::sort(bends_.begin(), bends_.end(), [](const Bend& a, const Bend& b) { return a.perM2 < b.perM2; });
     bends_.insert(bends_.begin(), Bend{0, least, 0});
@@ -35,7 +35,7 @@ DetailSubject::DetailSubject(const AvatarData& avatar, const CodedSplats& splats
         bends_[i].drawn = bends_[i - 1].drawn + bends_[i - 1].slope * (bends_[i].perM2 - bends_[i - 1].perM2);
         bends_[i].slope += bends_[i - 1].slope;
     }
-    bends_.back().slope = 0;
+    bends_.back().drawn = most, bends_.back().slope = 0;   // without the rounding of the sums
 }
 
 double DetailSubject::drawnAtMost(double perM2) const {

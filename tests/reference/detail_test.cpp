@@ -94,7 +94,7 @@ TEST(Detail, followsTheDensityWithoutSteps) {
     const double coarse = largestChange(0.98, 1.05, 0.3), fine = largestChange(0.995, 1.05, 0.7);
     std::printf("largest change of a value: %.4f in steps of 2 %%, %.4f in steps of 0.5 %%\n", coarse, fine);
     EXPECT_GT(coarse, 0.002);
-    EXPECT_LT(coarse, 0.06);    // a splat that went at once would change its pixels by up to its opacity
+    EXPECT_LT(coarse, 0.1);     // measured 0.053; a splat that went at once would change its pixels by up to its opacity
     EXPECT_LT(fine, 0.6 * coarse);
 }
 
