@@ -23,8 +23,9 @@ struct RenderOptions {
     std::vector<fs::path> beside;
     std::string clip, split = "test", size = "720x1280", renderer = "auto", fill = "auto", axes = "y-up";
     double apartM = 0.8, timeS = 0, seconds = 0, framesPerSecond = 30, azimuthDeg = 0, scale = 1;
+    double splatsPerPixel = 0;
     bool turntable = false, stereo = false, unfitted = false;
-    uint32_t threadCount = 0;
+    uint32_t threadCount = 0, splatBudget = 0;
 };
 
 struct PictureSize {
@@ -46,6 +47,7 @@ Result<doppel::Context> makeContext(const RenderOptions& options) {
     const DplRenderer kind = options.renderer == "software" ? DPL_RENDERER_SOFTWARE : options.renderer == "vulkan" ? DPL_RENDERER_VULKAN : DPL_RENDERER_AUTO;
     auto context = doppel::Context::create(kind, options.threadCount, 0, fillOf(options.fill));
     if (!context) return fromSdk(context.error());
+    if (auto set = context->setDetail(float(options.splatsPerPixel), options.splatBudget); !set) return fromSdk(set.error());
     return std::move(*context);
 }
 
@@ -184,7 +186,13 @@ Status renderShots(const RenderOptions& options, const doppel::Context& context,
         progress.update(double(i + 1) / double(frameCount), formatText("frame {} of {}", i + 1, frameCount));
     }
     if (writer) DPL_CHECK_OK(writer->finish());
-    progress.endStage(formatText("{} frames in {}", frameCount, options.out.string()));
+    std::string kept;
+    if (options.splatsPerPixel > 0 || options.splatBudget > 0) {
+        auto stats = company.avatars[0].frameStats();
+        if (!stats) return fromSdk(stats.error());
+        kept = formatText(", at most {} splats in the last, {} of them in view", stats->splatsAllowed, stats->splatsDrawn);
+    }
+    progress.endStage(formatText("{} frames in {}{}", frameCount, options.out.string(), kept));
     return {};
 }
 
@@ -240,6 +248,8 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
     command->add_flag("--without-pose-fit", options->unfitted, "With --scan: the registered poses, not those fitted at test time");
     command->add_option("--renderer", options->renderer, "auto: a real GPU, else the CPU")->check(CLI::IsMember({"auto", "software", "vulkan"}))->capture_default_str();
     command->add_option("--fill", options->fill, "How a GPU fills pixels; auto: a self-test finds the faster one")->check(CLI::IsMember(kFillNames))->capture_default_str();
+    command->add_option("--splats-per-pixel", options->splatsPerPixel, formatText("Level of detail: keep so many splats where a pixel covers more; {} is hard to tell from all, 0: all", DPL_DETAIL_USUAL))->check(CLI::Range(0.0, 1e6));
+    command->add_option("--splat-budget", options->splatBudget, "Draw at most so many splats of all avatars together; 0: no limit");
     command->add_option("--threads", options->threadCount, "CPU threads, 0: one a core")->check(CLI::Range(0, 256));
     command->footer(
         "Examples:\n"
@@ -247,6 +257,7 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
         "  doppel render ada/avatar.glb -o ada.mp4 --turntable\n"
         "  doppel render ada/avatar.glb -o walk.mp4 --clip 02_01.bvh --stereo --size 960x1080\n"
         "  doppel render ada/avatar.glb -o dance.mp4 --with bob/avatar.glb --clip dance.bvh --size 1280x720\n"
+        "  doppel render ada/avatar.glb -o room.png --with bob/avatar.glb cleo/avatar.glb --size 480x270 --splats-per-pixel 12 --splat-budget 100000\n"
         "  doppel render guitar.compressed.ply -o guitar.mp4 --turntable --axes y-down\n"
         "  doppel render ada/avatar.glb -o views --scan scan --split test      (score them with your own tools)");
     command->callback([options, &run] {

@@ -216,6 +216,23 @@ extern "C" DplResult dplReadImages(DplContext context, DplAvatar avatar, const D
     });
 }
 
+extern "C" DplResult dplSetDetail(DplContext context, const DplDetail* detail) {
+    return guarded("dplSetDetail", [&]() -> Status {
+        DetailOptions wanted;
+        if (detail != nullptr) {
+            DPL_TRY(const DplDetail given, readStruct<DplDetail>(detail, "detail"));
+            if (!(given.splatsPerPixel >= 0 && std::isfinite(given.splatsPerPixel)))
+                return fail(Code::InvalidArgument, "{} splats a pixel; 0 (no level of detail) or a finite number above it is possible", given.splatsPerPixel);
+            wanted = {given.splatsPerPixel, given.splatBudget};
+        }
+        DPL_TRY(const auto found, contextOf(context));
+        std::lock_guard lock(found->mutex);
+        if (!found->renderer) return fail(Code::InvalidArgument, "the context was destroyed");
+        found->renderer->setDetail(wanted);
+        return {};
+    });
+}
+
 extern "C" DplResult dplGetFrameStats(DplAvatar avatar, DplFrameStats* stats) {
     return guarded("dplGetFrameStats", [&]() -> Status {
         DPL_TRY(const auto found, avatarOf(avatar));
@@ -236,6 +253,7 @@ extern "C" DplResult dplGetFrameStats(DplAvatar avatar, DplFrameStats* stats) {
         for (const PassTime& pass : found->stats.passes) out.gpuMs += pass.milliseconds;
         out.tileEntries = found->stats.tileEntries;
         out.tilesOverflowed = found->stats.tilesOverflowed ? 1 : 0;
+        out.splatsAllowed = uint32_t(std::min<uint64_t>(found->stats.splatsAllowed, UINT32_MAX)), out.detailShare = found->stats.detailShare;
         return writeStruct(stats, out, "stats", offsetof(DplFrameStats, avatarBytes));
     });
 }

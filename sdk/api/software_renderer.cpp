@@ -1,10 +1,12 @@
 #include "sdk/api/software_renderer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "sdk/avatar/posed_mesh.h"
 #include "sdk/format/splat_codec.h"
+#include "sdk/format/splat_detail.h"
 #include "sdk/math/sh.h"
 #include "sdk/splat/mesh_depth.h"
 #include "sdk/splat/splat_engine.h"
@@ -47,10 +49,12 @@ Status checkSplats(const AvatarData& avatar) {
 struct Drawable {
     PackedSplats general;     // one of the two
     CodedSplats splats;
-    float kappaPx2 = 0, trainedPixelM = 0;
+    float kappaPx2 = 0, trainedPixelM = 0, detailShare = 0;
     bool compensated = false;
     // Of avatars only.
     std::shared_ptr<const AvatarData> avatar;
+    DetailSubject detailSubject;
+    SplatDetail detail;       // of the last frame, as is its share of the splats
     // The last pose and what follows from it.
     Pose pose;
     bool posed = false;
@@ -93,6 +97,8 @@ public:
         DPL_CHECK_OK(checkMesh(*avatar));
         auto drawable = std::make_unique<Drawable>();
         drawable->splats = std::move(splats);
+        measureGroups(avatar->mesh, drawable->splats);
+        drawable->detailSubject = DetailSubject(*avatar, drawable->splats);
         drawable->kappaPx2 = avatar->kappaPx2, drawable->compensated = avatar->compensated, drawable->trainedPixelM = avatar->trainedPixelM;
         drawable->avatar = std::move(avatar);
         return keep(std::move(drawable));
@@ -128,11 +134,13 @@ public:
             samples = std::max(samples, coverageSamples(d.trainedPixelM, rootPosition(d.avatar->joints, d.pose), views));
         }
         if (wants.meshDepth && !mesh) return fail(Code::InvalidArgument, "general splats have no mesh and no depth of one");
+        setDetails(views);
         Drawable& first = *together_[0];
         if (first.pictures.size() < views.size()) first.pictures.resize(views.size());
         first.pixels.resize(views.size());
         FrameStats& stats = first.stats;
         stats.views = uint32_t(views.size()), stats.splatsDrawn = 0, stats.bytesDecided = 0, stats.bytesDecoded = 0;
+        stats.splatsAllowed = allowed_;
         for (size_t v = 0; v < views.size(); ++v) {
             RenderedView& picture = first.pictures[v];
             for (const Drawable* d : together_) project(*d, views[v], samples, d != together_[0]);
@@ -160,6 +168,7 @@ public:
         if (found == drawables_.end()) return fail(Code::InvalidArgument, "there is no avatar {} in this renderer", avatar);
         FrameStats stats = found->second->stats;
         const Drawable& shown = *found->second;
+        stats.detailShare = shown.detailShare;
         stats.splatBytes = shown.general.bytes() + shown.splats.bytes();
         stats.avatarBytes = stats.splatBytes + (shown.avatar ? posingBytes(*shown.avatar) : 0);
         stats.residentBytes = engine_.bufferBytes() + meshDepth_.bytes() + anotherDepthM_.capacity() * sizeof(float);
@@ -180,12 +189,30 @@ private:
     }
 
     void project(const Drawable& d, const Cameraf& view, uint32_t samples, bool behind) {
-        const auto put = [&](const auto& splats) {
-            if (behind) engine_.add(splats, d.mesh.frames(), view, d.kappaPx2, d.compensated, samples);
-            else engine_.project(splats, d.mesh.frames(), view, d.kappaPx2, d.compensated, samples);
+        const auto put = [&](const auto& splats, const auto&... detail) {
+            if (behind) engine_.add(splats, d.mesh.frames(), view, d.kappaPx2, d.compensated, samples, detail...);
+            else engine_.project(splats, d.mesh.frames(), view, d.kappaPx2, d.compensated, samples, detail...);
         };
-        if (d.avatar) put(d.splats);
+        if (d.avatar) put(d.splats, d.detail);
         else put(d.general);
+    }
+
+    /** How much of each of together_ is drawn. */
+    void setDetails(std::span<const Cameraf> views) {
+        DetailRequest requests[kMaxDrawnTogether];
+        SplatDetail chosen[kMaxDrawnTogether];
+        size_t count = 0;
+        uint64_t others = 0;
+        for (const Drawable* d : together_) {
+            if (d->avatar) requests[count++] = {&d->detailSubject, detail_.off() ? 1 : d->detailSubject.finestPixelM(d->mesh.worldFromRest(), views)};
+            else others += d->general.count();
+        }
+        allowed_ = chooseDetail(detail_, {requests, count}, others, {chosen, count});
+        count = 0;
+        for (Drawable* d : together_) {
+            d->detailShare = 1;
+            if (d->avatar) d->detail = chosen[count], d->detailShare = d->detailSubject.drawnShare(chosen[count]), ++count;
+        }
     }
 
     /** The nearest of the meshes that are drawn together. */
@@ -210,6 +237,7 @@ private:
     SplatEngine engine_;
     MeshDepth meshDepth_;
     std::vector<float> anotherDepthM_;
+    uint64_t allowed_ = 0;
     std::vector<Drawable*> together_;  // of the last draw
     std::map<RenderAvatarId, std::unique_ptr<Drawable>> drawables_;
     RenderAvatarId nextId_ = 1;

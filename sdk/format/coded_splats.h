@@ -33,6 +33,13 @@ static_assert(sizeof(SplatChunk) == 64);
 /** Bytes of one splat's or palette entry's SH codes beyond coefficient 0, in memory: a multiple of 4. */
 constexpr uint32_t shEntryBytes(uint32_t shDegree) { return (((shDegree + 1) * (shDegree + 1) - 1) * 3 + 3) / 4 * 4; }
 
+/** Of a half-chunk, for level of detail (sdk/math/detail.h). */
+struct SplatGroup {
+    float areaM2 = 0;     // of surface at rest that one of its splats stands for
+    float gain = 0;       // 0 to 1: how the covered area falls with the share of splats kept, as its power
+    float enough = 1;     // 0 to 1: of the covered area, the part that lets only kDetailThrough more shine through
+};
+
 /** N splats in file order. 15.3 bytes a splat, 4 a triangle that carries any, and the SH entries. */
 struct CodedSplats {
     uint32_t shDegree = 0;
@@ -43,9 +50,11 @@ struct CodedSplats {
     std::vector<uint16_t> shIndex;        // N: which SH entry; empty: entry i is splat i's own
     std::vector<int8_t> sh;               // entries of shEntryBytes, coefficient-major, zeros behind; value = code · range of its band / 127
 
+    std::vector<SplatGroup> groups;       // two a chunk; made by measureGroups, not in the file; empty: always drawn in full
+
     uint32_t count() const { return uint32_t(place.size()); }
     uint64_t bytes() const {
-        return chunks.size() * sizeof(SplatChunk) + parents.size() * 4 + parent.size() + (place.size() + size.size() + colour.size()) * 4 + shIndex.size() * 2 + sh.size();
+        return chunks.size() * sizeof(SplatChunk) + parents.size() * 4 + parent.size() + (place.size() + size.size() + colour.size()) * 4 + shIndex.size() * 2 + sh.size() + groups.size() * sizeof(SplatGroup);
     }
 };
 

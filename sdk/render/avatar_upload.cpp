@@ -11,6 +11,7 @@
 
 #include "sdk/avatar/pose_correctives.h"
 #include "sdk/math/binding.h"
+#include "sdk/math/detail.h"
 #include "sdk/math/sh.h"
 
 namespace dpl {
@@ -25,6 +26,7 @@ static_assert(sizeof(SplatChunk) == gpu::kChunkWords * 4 && offsetof(SplatChunk,
               offsetof(SplatChunk, dcMin) == gpu::kChunkDcMin * 4 && offsetof(SplatChunk, dcMax) == gpu::kChunkDcMax * 4 && offsetof(SplatChunk, shRange) == gpu::kChunkShRange * 4 &&
               offsetof(SplatChunk, firstParent) == gpu::kChunkFirstParent * 4);
 static_assert(kSplatChunkSize == 2 * gpu::kSplatGroup);
+static_assert(gpu::kGpuDetailFade == float(kDetailFade) && gpu::kSplatGroup == kSplatGroupSize && sizeof(SplatGroup) == 12);
 static_assert(gpu::kGpuMinLight == kMinLight && gpu::kGpuMaxLight == kMaxLight);
 
 constexpr uint32_t kMaxJoints = 0xFFFF;
@@ -102,7 +104,8 @@ Status checkAvatar(const AvatarData& avatar, const CodedSplats& splats, const De
         for (int k = 0; k < 3; ++k)
             if (t[k] >= vertices) return fail(Code::InvalidArgument, "avatar {}: a triangle names vertex {} of {}", avatar.name, t[k], vertices);
     DPL_CHECK_OK(checkCorrectives(avatar.correctives, avatar.joints.size(), vertices));
-    DPL_CHECK_OK(checkBinding("splats", splats.bytes() + 16, 1, device, "export the avatar with a lower SH degree or fewer splats"));
+    const uint64_t detail = splats.groups.empty() ? 2 * splats.chunks.size() * sizeof(SplatGroup) : 0;  // of measureGroups
+    DPL_CHECK_OK(checkBinding("splats", splats.bytes() + detail + 32, 1, device, "export the avatar with a lower SH degree or fewer splats"));
     if (2 * splats.chunks.size() > device.maxGroups)
         return fail(Code::Unsupported, "avatar {}: {} chunks of splats, {} draws at most {}; pack the avatar again", avatar.name, splats.chunks.size(), device.name, device.maxGroups / 2);
     if (triangles > gpu::kParentMask) return fail(Code::Unsupported, "avatar {}: {} triangles, at most {}; decimate the mesh", avatar.name, triangles, gpu::kParentMask);
@@ -191,6 +194,7 @@ AvatarRecords packAvatar(const AvatarData& avatar, const CodedSplats& splats) {
     out.where.firstSize = appendWords(out.codes, splats.size);
     out.where.firstColour = appendWords(out.codes, splats.colour);
     out.where.firstParentByte = appendWords(out.codes, splats.parent);
+    out.where.firstGroupDetail = appendWords(out.codes, splats.groups);
     if (!splats.shIndex.empty()) out.where.firstShIndex = appendWords(out.codes, splats.shIndex);
     out.where.firstSh = appendWords(out.codes, splats.sh);
     out.where.shWords = shEntryBytes(splats.shDegree) / 4;
@@ -209,7 +213,7 @@ void packPalette(std::span<const Mat3x4f> worldFromRest, std::span<const Vec4f> 
 SplatSet splatSetOf(const AvatarData& avatar, const CodedSplats& splats) { return {splats.count(), splats.shDegree, avatar.kappaPx2, avatar.compensated}; }
 SplatSet splatSetOf(const StaticSplatData& splats) { return {splats.count(), splats.shDegree, splats.kappaPx2, splats.compensated}; }
 
-gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views, uint32_t samples) {
+gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views, uint32_t samples, const SplatDetail& detail, float largestGrowth) {
     gpu::FrameData f{};
     Vec3d axis(0), first(0, 0, 1);
     for (size_t v = 0; v < views.size(); ++v) {
@@ -232,6 +236,7 @@ gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views,
     f.sortAxis = {float(axis.x), float(axis.y), float(axis.z), float(std::floor(nearest * 1024) / 1024)};
     f.target = {float(views[0].widthPx), float(views[0].heightPx), splats.kappaPx2 / float(samples), 0};
     f.counts = {splats.count, uint32_t(views.size()), splats.shDegree, splats.compensated ? 1u : 0u};
+    f.detail = {detail.full() ? 0.0f : detail.perM2, detail.full() ? 1.0f : largestGrowth, detail.shShare, 0};
     return f;
 }
 

@@ -7,6 +7,7 @@
 #include "sdk/backend/backend.h"
 #include "sdk/format/avatar_data.h"
 #include "sdk/format/coded_splats.h"
+#include "sdk/math/detail.h"
 #include "shaders/shared/frame.h"
 
 namespace dpl {
@@ -25,7 +26,7 @@ Status checkAvatar(const AvatarData& avatar, const CodedSplats& splats, const De
 /** Refuses splat arrays that do not fit each other or the triangles. */
 Status checkSplatArrays(const AvatarData& avatar);
 
-/** Both must have passed checkAvatar. */
+/** Both must have passed checkAvatar; splats with groups (measureGroups) if there is to be a level of detail. */
 AvatarRecords packAvatar(const AvatarData& avatar, const CodedSplats& splats);
 
 /** Whether splats reach farther than 16 bits of depth resolve as finely as they do a person with both arms out: beyond 8 m, 0.12 mm a step. */
@@ -51,7 +52,8 @@ struct SplatSet {
 SplatSet splatSetOf(const AvatarData& avatar, const CodedSplats& splats);
 SplatSet splatSetOf(const StaticSplatData& splats);
 
-/** What one frame takes from the CPU: the block itself, and the sort axis inside it (mean forward axis of the views). samples: a pixel, which share the low-pass. */
-gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views, uint32_t samples = 1);
+/** What one frame takes from the CPU: the block itself, and the sort axis inside it (mean forward axis of the views). samples: a pixel, which share the low-pass.
+ *  largestGrowth: of a splat at this detail. */
+gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views, uint32_t samples = 1, const SplatDetail& detail = {}, float largestGrowth = 1);
 
 }  // namespace dpl

@@ -6,6 +6,7 @@
 
 #include "sdk/avatar/pose_correctives.h"
 #include "sdk/format/splat_codec.h"
+#include "sdk/format/splat_detail.h"
 #include "sdk/math/coverage.h"
 #include "sdk/math/scene_depth.h"
 #include "sdk/render/spatial_order.h"
@@ -70,7 +71,9 @@ Result<RenderAvatarId> GpuRenderer::addAvatar(std::shared_ptr<const AvatarData> 
 Result<RenderAvatarId> GpuRenderer::addCodedAvatar(std::shared_ptr<const AvatarData> data, CodedSplats splats) {
     if (!data) return fail(Code::InvalidArgument, "no avatar");
     DPL_CHECK_OK(checkAvatar(*data, splats, backend_->info()));
+    measureGroups(data->mesh, splats);
     LoadedAvatar avatar;
+    avatar.detailSubject = DetailSubject(*data, splats);
     avatar.data = std::move(data);
     const Status loaded = loadAvatar(avatar, splats);
     return keep(std::move(avatar), loaded);
@@ -204,6 +207,7 @@ Status GpuRenderer::drawTogether(std::span<const Drawn> what, std::span<const Ca
         if (data && backend_->info().fourSamples) samples = std::max(samples, coverageSamples(data->trainedPixelM, rootPosition(data->joints, *d.pose), views));
     }
     if (wants.meshDepth && !mesh) return fail(Code::InvalidArgument, "general splats have no mesh and no depth of one");
+    setDetails(*row, what, views);
     avatars_.at(what[0].avatar).lastRow = 0;
     std::fill(std::begin(row->drawn), std::end(row->drawn), 0);
     const Fill fill = samples == 1 ? options_.fill : Fill::Quads;  // tiles have one sample a pixel
@@ -220,6 +224,31 @@ Status GpuRenderer::drawTogether(std::span<const Drawn> what, std::span<const Ca
     if (!drawn) return std::fill(std::begin(row->drawn), std::end(row->drawn), 0), drawn;  // half a pair is not shown
     avatars_.at(what[0].avatar).lastRow = row->number;
     return drawn;
+}
+
+/** How much of each is drawn: for all views alike, so that both eyes see the same splats. */
+void GpuRenderer::setDetails(Row& row, std::span<const Drawn> what, std::span<const Cameraf> views) {
+    DetailRequest requests[kMaxDrawnTogether];
+    SplatDetail chosen[kMaxDrawnTogether];
+    size_t count = 0;
+    uint64_t others = 0;
+    for (const Drawn& d : what) {
+        const LoadedAvatar& avatar = avatars_.at(d.avatar);
+        if (!avatar.data) {
+            others += avatar.ids.splatCount;
+            continue;
+        }
+        double pixelM = 1;
+        if (!detail_.off()) jointTransforms(avatar.data->joints, *d.pose, worldFromRest_), pixelM = avatar.detailSubject.finestPixelM(worldFromRest_, views);
+        requests[count++] = {&avatar.detailSubject, pixelM};
+    }
+    row.splatsAllowed = chooseDetail(detail_, {requests, count}, others, {chosen, count});
+    count = 0;
+    for (const Drawn& d : what) {
+        LoadedAvatar& avatar = avatars_.at(d.avatar);
+        avatar.detail = avatar.data ? chosen[count++] : SplatDetail{};
+        avatar.detailShare = avatar.detailSubject.drawnShare(avatar.detail);
+    }
 }
 
 Status GpuRenderer::drawFrame(Row& row, std::span<const Drawn> what, std::span<const Cameraf> views, const Shape& shape, std::span<const std::span<const float>> sceneDepthM) {
@@ -240,7 +269,7 @@ Status GpuRenderer::drawFrame(Row& row, std::span<const Drawn> what, std::span<c
 void GpuRenderer::fill(const Row& row, const Slot& slot, std::span<const Drawn> what, std::span<const Cameraf> views, uint32_t samples) {
     for (size_t k = 0; k < row.members.size(); ++k) {
         const LoadedAvatar& avatar = avatars_.at(row.members[k]);
-        const gpu::FrameData block = packFrame(avatar.splats, views, samples);
+        const gpu::FrameData block = packFrame(avatar.splats, views, samples, avatar.detail, avatar.detailSubject.largestGrowth(avatar.detail.perM2));
         std::memcpy(backend_->mapped(slot.frame[k]).data(), &block, sizeof(block));
         if (avatar.data) writePalette(*avatar.data, *what[k].pose, slot.palette[k]);
     }

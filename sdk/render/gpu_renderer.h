@@ -76,6 +76,9 @@ private:
         SubjectIds ids;
         std::vector<BufferId> owned;
         uint64_t avatarBytes = 0, splatBytes = 0;
+        DetailSubject detailSubject;
+        SplatDetail detail;            // of the last frame that it was in, as is its share of the splats
+        float detailShare = 0;
         uint32_t lastRow = 0;          // of the last frame that is this one's; 0: none
     };
     /** What is drawn together, in order, and the lists that a frame of it needs. */
@@ -87,7 +90,7 @@ private:
         std::vector<BufferId> owned;
         std::vector<ShapedFrame> frames;
         uint64_t drawn[gpu::kMaxViews] = {};      // numbers of the frames of the last draw, in order of the views; 0: none
-        uint64_t lastUse = 0;
+        uint64_t lastUse = 0, splatsAllowed = 0;  // of the last draw
         bool holds(RenderAvatarId avatar) const { return std::find(members.begin(), members.end(), avatar) != members.end(); }
     };
 
@@ -101,6 +104,7 @@ private:
     Result<RenderAvatarId> keep(LoadedAvatar avatar, const Status& loaded);
     Result<Row*> rowOf(std::span<const Drawn> what);
     void writePalette(const AvatarData& avatar, const Pose& pose, BufferId palette);
+    void setDetails(Row& row, std::span<const Drawn> what, std::span<const Cameraf> views);
     Status drawFrame(Row& row, std::span<const Drawn> what, std::span<const Cameraf> views, const Shape& shape, std::span<const std::span<const float>> sceneDepthM);
     Result<ShapedFrame*> frameOf(Row& row, const Shape& shape);
     Status build(const Row& row, ShapedFrame& frame);

@@ -60,8 +60,10 @@ Result<FrameStats> GpuRenderer::stats(RenderAvatarId id) {
     stats.residentBytes = backend_->residentBytes();
     stats.waits = waits_;
     stats.avatarBytes = it->second.avatarBytes, stats.splatBytes = it->second.splatBytes;
+    stats.detailShare = it->second.detailShare;
     const Row* row = frameRow(it->second);
     if (!row) return stats;
+    stats.splatsAllowed = row->splatsAllowed;
     const auto slotOf = [&](auto isIt) -> std::pair<const ShapedFrame*, const Slot*> {
         std::pair<const ShapedFrame*, const Slot*> found{};
         for (const ShapedFrame& frame : row->frames)
@@ -83,7 +85,9 @@ Result<FrameStats> GpuRenderer::stats(RenderAvatarId id) {
             shBytes = std::max<uint64_t>(shBytes, (subject.codes.firstShIndex ? 2 : 0) + subject.codes.shWords * 4);
         }
         if (counts.splatsFacing > 0) {
-            stats.bytesDecided += uint64_t(counts.chunksProjected) * gpu::kSplatGroup * 5;
+            // Splats that level of detail leaves out are not read.
+            const double kept = row->ids.splatCount > 0 ? double(row->splatsAllowed) / row->ids.splatCount : 1;
+            stats.bytesDecided += uint64_t(double(counts.chunksProjected) * gpu::kSplatGroup * 5 * kept);
             stats.bytesDecoded += uint64_t(counts.splatsFacing) * 4 + uint64_t(counts.visible) * (4 + shBytes);
         }
         stats.tileEntries += counts.tileEntries;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "sdk/avatar/detail.h"
 #include "sdk/avatar/rig.h"
 #include "sdk/backend/backend.h"
 #include "sdk/core/result.h"
@@ -55,6 +56,8 @@ struct FrameStats {
     uint64_t avatarBytes = 0;          // of this avatar alone, whatever is drawn: splats, and what poses them
     uint64_t splatBytes = 0;           // of these: the splats' codes, parents and SH entries
     uint64_t bytesDecided = 0, bytesDecoded = 0;  // of codes that the frame read: which splats may show (phase 1), and those splats (phase 2)
+    uint64_t splatsAllowed = 0;        // of all that was drawn together: what level of detail and budget left to draw at most
+    float detailShare = 0;             // of this avatar's splats, the same when it was drawn last
     uint64_t waits = 0;                // since the renderer was made: draw() found every frame in flight still running
 };
 
@@ -104,6 +107,8 @@ public:
     virtual std::string name() const = 0;
     /** How a GPU fills pixels from the next draw on. A CPU has one way and takes no notice. */
     virtual void setFill(Fill) {}
+    /** Level of detail and the budget of splats, from the next draw on. Of avatars: general splats are always drawn in full, and count. */
+    void setDetail(const DetailOptions& detail) { detail_ = detail; }
     /** DeviceInfo::identity of a GPU; empty on the CPU. */
     virtual std::string identity() const { return {}; }
     /** Uploads or indexes an avatar; everything a frame needs is created here. */
@@ -128,6 +133,9 @@ public:
     Status render(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, const FrameWants& wants, std::span<RenderedView> out);
     /** Never waits for a frame. Allocates: for measuring. */
     virtual Result<FrameStats> stats(RenderAvatarId avatar) = 0;
+
+protected:
+    DetailOptions detail_;
 };
 
 inline Status Renderer::render(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, const FrameWants& wants, std::span<RenderedView> out) {

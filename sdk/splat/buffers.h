@@ -96,7 +96,7 @@ void projectStatic(Jobs& jobs, SplatEngine::Buffers& buffers, const StaticSplatD
                    bool compensated);
 // behind: added to what has been projected for this camera, instead of replacing it.
 void projectCoded(Jobs& jobs, SplatEngine::Buffers& buffers, const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles,
-                  const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples, bool behind);
+                  const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples, bool behind, const SplatDetail& detail);
 void projectPacked(Jobs& jobs, SplatEngine::Buffers& buffers, const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles,
                    const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples, bool behind);
 void sortByDepth(Jobs& jobs, SplatEngine::Buffers& buffers);

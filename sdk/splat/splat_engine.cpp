@@ -17,8 +17,8 @@ void SplatEngine::project(const StaticSplatData& splats, const Cameraf& camera, 
 }
 
 void SplatEngine::project(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera,
-                          float kappaPx2, bool compensated, uint32_t samples) {
-    projectCoded(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, samples, false);
+                          float kappaPx2, bool compensated, uint32_t samples, const SplatDetail& detail) {
+    projectCoded(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, samples, false, detail);
 }
 
 void SplatEngine::project(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera,
@@ -26,8 +26,9 @@ void SplatEngine::project(const PackedSplats& splats, std::span<const TriangleFr
     projectPacked(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, samples, false);
 }
 
-void SplatEngine::add(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples) {
-    projectCoded(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, samples, true);
+void SplatEngine::add(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples,
+                      const SplatDetail& detail) {
+    projectCoded(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, samples, true, detail);
 }
 
 void SplatEngine::add(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples) {

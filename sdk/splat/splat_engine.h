@@ -21,6 +21,7 @@
 #include "sdk/math/binding.h"
 #include "sdk/math/camera.h"
 #include "sdk/math/coverage.h"
+#include "sdk/math/detail.h"
 #include "sdk/math/projection.h"
 #include "sdk/splat/packed_splats.h"
 
@@ -87,12 +88,14 @@ public:
     void project(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated,
                  uint32_t samples = 1);
     /** Bound splats as they lie in the file: 16 bytes a splat and the SH entries stay in memory, and only splats whose triangle the view
-     *  may show are decoded. The others keep nothing but opacity 0 in projected(). */
+     *  may show are decoded. The others keep nothing but opacity 0 in projected(). detail: how many are kept, where splats.groups is there;
+     *  projected() then holds the kept ones densely from each multiple of 4096 on. */
     void project(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated,
-                 uint32_t samples = 1);
+                 uint32_t samples = 1, const SplatDetail& detail = {});
     /** Projects more splats into the same picture: after a project() with the same camera and samples. All are sorted and blended together. Indices into
      *  projected() go on at the next multiple of 4096; ties in depth stay in the order of the calls. */
-    void add(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples = 1);
+    void add(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples = 1,
+             const SplatDetail& detail = {});
     void add(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples = 1);
     /** Since the last project(): bytes of codes that were read to decide, and to decode. */
     uint64_t decidedBytes() const;

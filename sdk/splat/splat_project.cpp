@@ -155,6 +155,54 @@ void projectBlockOfCodes(const CodedSplats& splats, const uint8_t* shows, Projec
     flush();
 }
 
+/** The same for the splats that level of detail keeps: packed densely at the start of the block's entries, in order; the rest of these shows nothing. */
+void projectChosenOfCodes(const CodedSplats& splats, const uint8_t* shows, const SplatDetail& detail, ProjectTask task) {
+    alignas(64) float packed[kPackAhead / kGroupSplats * kMaxGroupFloats];
+    CodedGroups groups(splats, task.firstSplat, detail.shShare);
+    task.shDegree = groups.shDegree();
+    const size_t groupFloats = size_t(groupFields(true, task.shDegree)) * kGroupSplats;
+    const uint32_t begin = task.firstSplat, end = std::min(begin + task.groups * kGroupSplats, splats.count());
+    const uint64_t splatBytes = 13 + (splats.shIndex.empty() ? 0 : 2) + (task.shDegree ? shEntryBytes(splats.shDegree) : 0);
+    task.packed = packed;
+    task.groups = 0;
+    uint32_t next = begin;   // entry of the block
+    ChosenSplat chosen[kGroupSplats];
+    uint32_t chosenCount = 0;
+    const auto flush = [&] {
+        if (task.groups > 0) projectGroups(task);
+        task.groups = 0;
+    };
+    const auto put = [&] {
+        if (chosenCount == 0) return;
+        if (task.groups == kPackAhead / kGroupSplats) flush();
+        if (task.groups == 0) task.firstSplat = next;
+        groups.decode({chosen, chosenCount}, packed + task.groups++ * groupFloats);
+        task.visible->decodedBytes += chosenCount * splatBytes;
+        next += chosenCount, chosenCount = 0;
+    };
+    size_t chunk = size_t(std::upper_bound(splats.chunks.begin(), splats.chunks.end(), begin, [](uint32_t i, const SplatChunk& c) { return i < c.firstSplat; }) - splats.chunks.begin()) - 1;
+    for (size_t g = 2 * chunk; g < splats.groups.size(); ++g) {
+        const SplatChunk& c = splats.chunks[g / 2];
+        const uint32_t first = c.firstSplat + g % 2 * kSplatGroupSize, last = std::min(first + kSplatGroupSize, c.firstSplat + c.splatCount);
+        if (first >= end) break;
+        if (first >= last || last <= begin) continue;
+        const float share = keptShare(detail.perM2, splats.groups[g].areaM2), growth = detailGrowth(share, splats.groups[g].gain, splats.groups[g].enough);
+        float weight[kSplatGroupSize] = {};
+        for (uint32_t rank = 0, drawn = drawnRanks(share); rank < drawn; ++rank) weight[placeOfRank(rank)] = detailWeight(share, rank);
+        for (uint32_t i = std::max(first, begin); i < std::min(last, end); ++i) {
+            if (!(weight[i - first] > 0)) continue;
+            const uint8_t show = shows[c.firstParent + splats.parent[i]];
+            task.visible->decidedBytes += show == kShowsFree ? 5 : 1;
+            if (show == 0 || (show == kShowsFree && (splats.size[i] >> 30 & 1) != 0)) continue;
+            chosen[chosenCount++] = {i, weight[i - first], growth};
+            if (chosenCount == kGroupSplats) put();
+        }
+    }
+    put();
+    flush();
+    for (uint32_t i = next; i < end; ++i) task.projected[i].opacity = 0;
+}
+
 /** Packs a few splats at a time into the worker's cache and projects them. */
 template <class Splats>
 void projectUnpacked(const Splats& splats, ProjectTask task) {
@@ -189,18 +237,25 @@ void projectStatic(Jobs& jobs, SplatEngine::Buffers& buffers, const StaticSplatD
 }
 
 void projectCoded(Jobs& jobs, SplatEngine::Buffers& buffers, const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles,
-                  const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples, bool behind) {
+                  const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples, bool behind, const SplatDetail& detail) {
     const ProjectView view = viewOf(camera, kappaPx2, compensated, samples == kCoverageSamples ? kCoverageSamples : 1);
     const TriangleView* posed = viewTriangles(jobs, buffers.triangles, triangles, camera);
+    const bool all = detail.full() || splats.groups.empty();
     uint8_t* shows = buffers.parentShows.resize(splats.parents.size());
     jobs.forRange(splats.chunks.size(), 16, [&](size_t begin, size_t end, uint32_t) {
         for (size_t c = begin; c < end; ++c) {
+            float growth = 1;
+            for (size_t g = 2 * c; g < 2 * c + 2 && !all; ++g) growth = std::max(growth, detailGrowth(keptShare(detail.perM2, splats.groups[g].areaM2), splats.groups[g].gain, splats.groups[g].enough));
+            const float largestM = growth * splats.chunks[c].scaleMaxM;
             const size_t parentsEnd = c + 1 < splats.chunks.size() ? splats.chunks[c + 1].firstParent : splats.parents.size();
-            for (size_t p = splats.chunks[c].firstParent; p < parentsEnd; ++p) shows[p] = showsOf(view, posed[std::min<size_t>(splats.parents[p], triangles.size())], splats.chunks[c].scaleMaxM);
+            for (size_t p = splats.chunks[c].firstParent; p < parentsEnd; ++p) shows[p] = showsOf(view, posed[std::min<size_t>(splats.parents[p], triangles.size())], largestM);
         }
     });
     forProjectBlocks(jobs, buffers, camera, view, splats.count(), splats.shDegree, posed, triangles.size(), behind,
-                     [&](const ProjectTask& task) { projectBlockOfCodes(splats, shows, task); });
+                     [&](const ProjectTask& task) {
+                         if (all) projectBlockOfCodes(splats, shows, task);
+                         else projectChosenOfCodes(splats, shows, detail, task);
+                     });
 }
 
 void projectPacked(Jobs& jobs, SplatEngine::Buffers& buffers, const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles,

@@ -4,17 +4,9 @@
 uint dplFirstChunkWord;  // of the record of its chunk; set it before anything else
 uint dplChunkWord(uint word) { return DPL_WORD(codes, dplFirstChunkWord + word); }
 
-struct SplatPlace {
-    uint splat;
-    bool exists;
-};
-SplatPlace dplPlaceOf(uint group, uint lane) {
-    SplatPlace p;
-    uint within = (group & 1u) * kSplatGroup + lane;
-    p.splat = dplChunkWord(0u) + within;
-    p.exists = within < dplChunkWord(1u);
-    return p;
-}
+/** Its first splat, and how many it has. */
+uint dplFirstOf(uint group) { return dplChunkWord(0u) + (group & 1u) * kSplatGroup; }
+uint dplCountOf(uint group) { return min(max(dplChunkWord(1u), (group & 1u) * kSplatGroup) - (group & 1u) * kSplatGroup, kSplatGroup); }
 
 float dplChunkFloat(uint word) { return uintBitsToFloat(dplChunkWord(word)); }
 

@@ -1,7 +1,7 @@
 // Every struct that crosses from C++ to a shader or from one pass to the next. Four-byte scalars and 8/16-byte vectors only.
 //
 //   VertexRecord ─skin► vec4 posed (w: brightness) ─triangles► TriangleFrame ─project► ProjectedSplat (splat × view) + sort depth
-////   splat codes, uints: chunk records │ parents │ place │ size │ colour │ parent bytes │ SH indices │ SH entries (lib/codes.glsl)
+////   splat codes, uints: chunk records │ parents │ place │ size │ colour │ parent bytes │ half-chunks │ SH indices │ SH entries (lib/codes.glsl)
 //   visibility buffer, uints: of each half-chunk whether it lives, the live ones in order, which splats show, its first splat, how many show; sort depths (lib/visibility.glsl)
 //   sort depth ─compact► uvec2 (key, splat) ─sort► the same, near first ─draw► pixels
 //                                                                      └─tiles► spans by row of tiles ► entries by tile ─fill► pixels
@@ -26,8 +26,9 @@ struct FrameData {            // the only uniform block; written by the CPU befo
     vec4 sortAxis;            // unit mean forward axis of the views, world; w: depth along it before which no view sees anything
     vec4 target;              // width px, height px, kappa px², 0
     uvec4 counts;             // splats, views, SH degree, 1 = energy-preserving low-pass
+    vec4 detail;              // splats wanted a square metre at rest, 0: all; largest growth of a splat; share of SH beyond coefficient 0 (lib/detail.glsl)
 };
-DPL_SHARED_SIZE(FrameData, 240)
+DPL_SHARED_SIZE(FrameData, 256)
 
 struct VertexRecord {         // static, per vertex
     float restX, restY, restZ;
@@ -141,7 +142,7 @@ struct TrianglePush { uint triangleCount; uint cull; };  // cull 0: every valid 
 struct MeshDepthPush { uint triangleCount; uint viewCount; uint widthPx; uint heightPx; };  // of one view
 struct SplatPush { uint splatCount; uint allGroups; uint firstGroup; uint firstSplat; uint drawn; };
 // Where the streams of an avatar's splat codes begin, in words; firstShIndex 0: every splat has its own SH entry, of shWords.
-struct CodesPush { uint groupCount; uint allGroups; uint firstGroup; uint firstSplat; uint firstParent; uint firstPlace; uint firstSize; uint firstColour; uint firstParentByte; uint firstShIndex; uint firstSh; uint shWords; };
+struct CodesPush { uint groupCount; uint allGroups; uint firstGroup; uint firstSplat; uint firstParent; uint firstPlace; uint firstSize; uint firstColour; uint firstParentByte; uint firstGroupDetail; uint firstShIndex; uint firstSh; uint shWords; };
 struct ChunkPush { uint groupCount; uint allGroups; uint firstGroup; };
 struct ColourPush { uint splatCount; uint firstSplat; };  // of general splats
 struct CompactPush { uint groupCount; uint maxDepthKey; uint drawnCount; uint endGroup[16]; };  // kMaxDrawn: where the half-chunks of each end

@@ -49,6 +49,8 @@ DPL_CONST float kTileStop = 1e-4;        // transmittance at which a pixel is do
 
 DPL_CONST uint kMeshDepthOwnPixels = 64u;    // a larger box is shared by the lanes of a group
 
+DPL_CONST float kGpuDetailFade = 0.5;         // kDetailFade of sdk/math/detail.h
+
 DPL_CONST uint kShowsFree = 1u;              // TriangleFrame.corner0.w, shifted by the view
 DPL_CONST uint kShowsGated = 4u;
 DPL_CONST uint kParentFree = 0x40000000u;    // of an entry of the table of parents: the chunk has such splats on it

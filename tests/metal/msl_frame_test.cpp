@@ -6,6 +6,8 @@
 #include <bit>
 #include <cstring>
 
+#include "sdk/avatar/detail.h"
+#include "sdk/format/splat_detail.h"
 #include "sdk/math/scene_depth.h"
 #include "sdk/render/avatar_upload.h"
 #include "sdk/render/passes/scan.h"
@@ -15,6 +17,7 @@
 #include "tests/reference/image_compare.h"
 #include "tests/reference/random_avatar.h"
 #include "tests/reference/random_scene_depth.h"
+#include "tests/reference/reference_detail.h"
 #include "tests/reference/reference_mesh.h"
 #include "tests/reference/reference_renderer.h"
 #include "tests/unit/format/sample_correctives.h"
@@ -144,10 +147,11 @@ MslFrame runGeneralFrame(const StaticSplatData& splats, std::span<const Cameraf>
     return out;
 }
 
-MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Cameraf> views, int order) {
+MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Cameraf> views, int order, const SplatDetail& detail = {}) {
     CodedSplats coded = *codeSplats(avatar.mesh, avatar.splats);
+    measureGroups(avatar.mesh, coded);
     AvatarRecords records = packAvatar(avatar, coded);
-    gpu::FrameData frame = packFrame(splatSetOf(avatar, coded), views);
+    gpu::FrameData frame = packFrame(splatSetOf(avatar, coded), views, 1, detail, DetailSubject(avatar, coded).largestGrowth(detail.perM2));
     std::vector<Mat3x4f> joints;
     jointTransforms(avatar.joints, pose, joints);
     const bool corrected = !avatar.correctives.empty();
@@ -292,6 +296,24 @@ TEST(MetalFrame, kernelsMoveAndLightAnAvatarWithCorrectives) {
     EXPECT_EQ(darkest, 0.2);
     EXPECT_EQ(brightest, 3.0);
     expectKernelsMatchTheReference(corrected);
+}
+
+TEST(MetalFrame, kernelsAtALevelOfDetailMatchTheReference) {
+    const AvatarData avatar = codedOnce(makeTube({.splatsPerTriangle = 16, .shDegree = 3}));
+    CodedSplats coded = *codeSplats(avatar.mesh, avatar.splats);
+    measureGroups(avatar.mesh, coded);
+    const Pose pose = tubePose(0.9f, 0.4f);
+    const Cameraf views[2] = {tubeCamera(96, 96, 0.6f, 1.6f, -0.03f), tubeCamera(96, 96, 0.6f, 1.6f, 0.03f)};
+    const DetailSubject subject(avatar, coded);
+    const SplatDetail detail{2000, subject.shShare(2000)};
+    ASSERT_TRUE(detail.shShare > 0.2f && detail.shShare < 0.95f) << detail.shShare;
+    const auto referenceOf = [&](const Cameraf& view) {
+        ReferenceScene scene = sceneOf(avatar, pose);
+        reduceReference(scene, avatar, coded, 2000);
+        return renderReference(scene, referenceCamera(view), {.kappaPx2 = avatar.kappaPx2, .compensated = avatar.compensated});
+    };
+    EXPECT_LT(compareImages(referenceOf(views[0]).rgb, renderReference(avatar, pose, referenceCamera(views[0])).rgb).psnrDb, 45) << "the case shows nothing";
+    expectKernelsMatchTheReference(views, avatar.splats.count(), [&](int order) { return runFrame(avatar, pose, views, order, detail); }, referenceOf);
 }
 
 TEST(MetalFrame, tilesBehindASceneMatchTheReference) {

@@ -306,6 +306,26 @@ DPL_EXPERIMENTAL DplResult dplRenderTogether(DplContext context, const DplAvatar
 /** dplDraw of several avatars in one picture. */
 DPL_EXPERIMENTAL DplResult dplDrawTogether(DplContext context, const DplAvatar* avatars, uint32_t avatarCount, const DplCamera* views, uint32_t viewCount, uint32_t flags);
 
+/* ---------------------------------------------------------------- level of detail */
+
+/** How many splats are drawn of avatars that cover few pixels, or of many at once. Zeros: all of them, always. What is left out is made up for by what is
+ *  kept, which grows; all of it follows distance, pose and lens without steps, and both eyes of a frame show the same splats. */
+typedef struct DplDetail {
+    uint32_t structSize;
+    float splatsPerPixel;    /**< of an avatar's surface, kept at least where a pixel covers more of them than that: DPL_DETAIL_USUAL (12) is hard to tell from all, 6 is a little coarser;
+                                  nearer, all are drawn, and the picture has the same bytes as without. 0: no level of detail by distance. Counted at the point of the avatar nearest to the
+                                  camera, for each of its regions by its own density */
+    uint32_t splatBudget;    /**< of all that one call draws, whatever the views show of it: splatsPerPixel is lowered, for all avatars alike, until they fit. 0: no limit. General splats are
+                                  always drawn in full and count against it; of an avatar at least one splat of 128 is kept, even when the budget has no room for that */
+} DplDetail;
+
+#define DPL_DETAIL_USUAL 12.0f
+
+/** For all drawing of this context from the next call on; may change with every frame and costs nothing to change. detail: copied; NULL: as after creation, everything is drawn.
+ *  DPL_ERROR_INVALID_ARGUMENT: splatsPerPixel is negative or not finite. Set a budget to hold a frame rate with several avatars; set splatsPerPixel where people walk
+ *  away from the camera. */
+DPL_EXPERIMENTAL DplResult dplSetDetail(DplContext context, const DplDetail* detail);
+
 /* ---------------------------------------------------------------- measuring */
 
 /** What the avatar's last finished frame drew and cost. All but residentBytes is 0 before the first. */
@@ -325,6 +345,8 @@ typedef struct DplFrameStats {
     uint64_t bytesDecided, bytesDecoded; /**< of splat codes that the frame read: to tell which splats may show, and of those splats. On a GPU from survivors and layout */
     uint32_t tileEntries;    /**< splat-tile pairs of all views; 0 where quads or the CPU fill */
     uint32_t tilesOverflowed; /**< 1: these did not fit, quads have filled this frame */
+    uint32_t splatsAllowed;  /**< of all that was drawn together: how many dplSetDetail left to draw at most, whatever the views show of them */
+    float detailShare;       /**< of this avatar's splats, 0 to 1: the same when it was drawn last, by itself or together */
 } DplFrameStats;
 
 /** Never waits for a frame that is still being drawn. */

@@ -176,6 +176,12 @@ public:
     Status drawTogether(std::span<const DplAvatar> avatars, std::span<const DplCamera> views, uint32_t flags = 0) const {
         return status(dplDrawTogether(handle_, avatars.data(), uint32_t(avatars.size()), views.data(), uint32_t(views.size()), flags));
     }
+    /** Level of detail and a budget of splats for all drawing from the next call on; zeros: everything is drawn. */
+    Status setDetail(float splatsPerPixel, uint32_t splatBudget = 0) const {
+        DplDetail detail{};
+        detail.structSize = sizeof detail, detail.splatsPerPixel = splatsPerPixel, detail.splatBudget = splatBudget;
+        return status(dplSetDetail(handle_, &detail));
+    }
 
 private:
     DplContext handle_ = nullptr;

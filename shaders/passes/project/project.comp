@@ -17,9 +17,13 @@ layout(push_constant) uniform PushBlock { CodesPush push; };
 #define DPL_SEEN
 #include "shaders/lib/visibility.glsl"
 #include "shaders/lib/codes.glsl"
+#include "shaders/lib/detail.glsl"
 
 uint dplColour;   // the colour word of this lane's splat
-vec3 dplSh(uint entry, uint k) { return dplShCode(entry, dplColour, k); }
+vec3 dplSh(uint entry, uint k) {
+    if (k > 0u && frame.detail.z <= 0.0) return vec3(0.0);
+    return k > 0u ? frame.detail.z * dplShCode(entry, dplColour, k) : dplShCode(entry, dplColour, k);
+}
 #include "shaders/lib/sh.glsl"
 
 struct BoundSplat {
@@ -69,26 +73,27 @@ void main() {
     dplFirstChunkWord = (group >> 1u) * kChunkWords;
     dplClearSeen(lane);
     barrier();
-    SplatPlace place = dplPlaceOf(group, lane);
+    uint firstSplat = dplFirstOf(group);
+    SplatShare share = dplShareOf(group, lane, frame.detail.x);
     bool seen = false;
-    if (place.exists) {
-        uint size = DPL_WORD(codes, push.firstSize + place.splat);
+    if (share.weight > 0.0 && share.within < dplCountOf(group)) {
         BoundSplat s;
-        s.index = place.splat;
+        s.index = firstSplat + share.within;
+        uint size = DPL_WORD(codes, push.firstSize + s.index);
         s.gated = dplGated(size);
-        uint parent = 5u * dplParent(place.splat);
+        uint parent = 5u * dplParent(s.index);
         uvec4 corner0 = DPL_FOUR(triangles, parent);
         uint shown = corner0.w & (s.gated ? 3u * kShowsGated : 3u * kShowsFree);
         if (shown == 0u) {  // its triangle is in no view, or turned away: nothing else of it is read
             for (uint v = 0u; v < kViews; ++v) projected[(push.firstSplat + s.index) * kViews + v].radiusPx = vec2(0.0);
         } else {
             uint packed = DPL_WORD(codes, push.firstPlace + s.index);
-            vec2 scale = dplScale(size);
+            vec2 scale = share.growth * dplScale(size);
             float phi = float(packed >> 22u) * kPhiCodeStep, cosine = cos(phi), sine = sin(phi);
             vec2 uv = dplUv(packed);
             uvec4 corner1 = DPL_FOUR(triangles, parent + 1u), corner2 = DPL_FOUR(triangles, parent + 2u), column0 = DPL_FOUR(triangles, parent + 3u), column1 = DPL_FOUR(triangles, parent + 4u);
             vec3 f0 = direction(column0), f1 = direction(column1), light = vec3(unpackHalf2x16(column0.w), unpackHalf2x16(column1.w).x);
-            s.opacity = dplOpacity(size);
+            s.opacity = share.weight * dplOpacity(size);
             s.light = light.x + uv.x * (light.y - light.x) + uv.y * (light.z - light.x);
             s.turn = uvec2(corner1.w, corner2.w);
             s.centre = (1.0 - uv.x - uv.y) * direction(corner0) + uv.x * direction(corner1) + uv.y * direction(corner2);
@@ -99,7 +104,7 @@ void main() {
             if (seen) visibility[dplFirstDepth(push.allGroups) + push.firstSplat + s.index] = floatBitsToUint(dot(frame.sortAxis.xyz, s.centre));
         }
     }
-    if (seen) dplSee(lane);
+    if (seen) dplSee(share.within);
     barrier();
-    dplWriteSeen(lane, push.allGroups, push.firstGroup + group, push.firstSplat + dplChunkWord(0u) + (group & 1u) * kSplatGroup);
+    dplWriteSeen(lane, push.allGroups, push.firstGroup + group, push.firstSplat + firstSplat);
 }

@@ -73,7 +73,7 @@ void main() {
             mat3 turned = mat3(c * t1 + s * t2, c * t2 - s * t1, normal);
             mat3 worldFromRest = turned * transpose(mat3(rest.restT1.xyz, rest.restT2.xyz, rest.restNormal.xyz));
             vec4 turn = quaternionOf(worldFromRest);
-            float reach = rest.reach * dplLargestStretch(f0, f1) * 1.0001;  // the factor: float rounding
+            float reach = rest.reach * frame.detail.y * dplLargestStretch(f0, f1) * 1.0001;  // the factor: float rounding
             uint shown = 0u;
             for (uint v = 0u; v < kViews; ++v) shown |= shownIn(frame.views[v], v0, v1, v2, normal, reach, rest.rootLevel) << v;
             f.corner0 = bitsOf(v0, shown);

@@ -71,6 +71,11 @@ template <class T>
 T ctz(T x) { return x ? T(std::countr_zero(uint32_t(x))) : T(32); }
 template <class T>
 T popcount(T x) { return T(std::popcount(uint32_t(x))); }
+inline uint32_t reverse_bits(uint32_t x) {
+    uint32_t out = 0;
+    for (int bit = 0; bit < 32; ++bit, x >>= 1) out = out << 1 | (x & 1);
+    return out;
+}
 template <class T, class C>
 T select(T otherwise, T value, C condition) { return condition ? value : otherwise; }
 inline uint pack_float_to_snorm2x16(const float2& v) { return glm::packSnorm2x16(v); }

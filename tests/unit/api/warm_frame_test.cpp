@@ -42,8 +42,14 @@ uint64_t waits(DplAvatar avatar) {
     return stats.waits;
 }
 
+/** A level of detail that is another one in every frame, or none. */
+void setDetail(DplContext context, bool on, float t) {
+    const DplDetail detail{sizeof(DplDetail), on ? 0.05f + 2 * t : 0, on && t > 0.5f ? uint32_t(600 - 300 * t) : 0};
+    EXPECT_EQ(dplSetDetail(context, &detail), DPL_OK) << dplGetLastError();
+}
+
 /** Allocations of `frames` frames with new poses and views, three at a time as an app has them in flight. */
-uint64_t playFrames(DplContext context, DplAvatar avatar, int frames, uint32_t viewCount, uint32_t flags, bool scene = false, DplAvatar other = nullptr) {
+uint64_t playFrames(DplContext context, DplAvatar avatar, int frames, uint32_t viewCount, uint32_t flags, bool scene = false, DplAvatar other = nullptr, bool detail = false) {
     const DplAvatar row[2] = {avatar, other};
     uint64_t allocations = 0;
     std::vector<uint8_t> pixels[2] = {std::vector<uint8_t>(120 * 96 * 4), std::vector<uint8_t>(120 * 96 * 4)};
@@ -57,6 +63,7 @@ uint64_t playFrames(DplContext context, DplAvatar avatar, int frames, uint32_t v
         for (DplCamera& camera : cameras)
             if (scene) camera.sceneDepthM = sceneDepthM.data(), camera.sceneDepthCount = sceneDepthM.size();
         AllocationCount count;
+        setDetail(context, detail, t);
         const DplResult posed = frame % 2 ? dplSetPose(avatar, rotations, 2, root) : dplSetPoseFromClip(avatar, 0, t, DPL_TRUE);
         const DplResult drawn = other ? dplDrawTogether(context, row, 2, cameras, viewCount, flags) : dplDraw(context, avatar, cameras, viewCount, flags);
         allocations += count.stop();
@@ -87,11 +94,27 @@ void expectWarmFramesAreFree(DplRenderer renderer, DplFill fill = DPL_FILL_AUTO)
         EXPECT_EQ(playFrames(context, avatar, 18, viewCount, 0, true), 0u) << viewCount << " views behind a scene";
         EXPECT_EQ(waits(avatar), waited) << viewCount << " views behind a scene";
     }
+    float smallestShare = 2;
+    for (const uint32_t viewCount : {1u, 2u}) {
+        playFrames(context, avatar, 9, viewCount, 0);
+        const uint64_t waited = waits(avatar);
+        for (int frame = 0; frame < 6; ++frame) {
+            EXPECT_EQ(playFrames(context, avatar, 6, viewCount, 0, false, nullptr, true), 0u) << viewCount << " views, a level of detail that changes";
+            DplFrameStats stats{};
+            stats.structSize = sizeof stats;
+            ASSERT_EQ(dplGetFrameStats(avatar, &stats), DPL_OK);
+            smallestShare = std::min(smallestShare, stats.detailShare);
+        }
+        EXPECT_EQ(playFrames(context, avatar, 6, viewCount, 0), 0u) << "back to all splats";
+        EXPECT_EQ(waits(avatar), waited) << viewCount << " views, a level of detail that changes";
+    }
+    EXPECT_LT(smallestShare, 0.7f) << "nothing was left out";
     DplAvatar other = nullptr;
     ASSERT_EQ(dplLoadAvatar(context, bytes.data(), bytes.size(), &other), DPL_OK) << dplGetLastError();
     playFrames(context, avatar, 9, 2, DPL_DRAW_MESH_DEPTH, false, other);
     const uint64_t waited = waits(avatar);
     EXPECT_EQ(playFrames(context, avatar, 18, 2, DPL_DRAW_MESH_DEPTH, false, other), 0u) << "two avatars together";
+    EXPECT_EQ(playFrames(context, avatar, 18, 2, DPL_DRAW_MESH_DEPTH, false, other, true), 0u) << "two avatars and a level of detail that changes";
     EXPECT_EQ(waits(avatar), waited) << "two avatars together";
     EXPECT_EQ(dplDestroyAvatar(other), DPL_OK);
     EXPECT_EQ(dplDestroyAvatar(avatar), DPL_OK);

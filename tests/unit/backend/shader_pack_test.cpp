@@ -40,7 +40,7 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
     using namespace gpu;
     expectLayout("ViewData", sizeof(ViewData), {DPL_AT(ViewData, viewFromWorldRow0), DPL_AT(ViewData, viewFromWorldRow1), DPL_AT(ViewData, viewFromWorldRow2),
                                                 DPL_AT(ViewData, focalCentrePx), DPL_AT(ViewData, slopeLimits), DPL_AT(ViewData, eyeWorld)});
-    expectLayout("FrameData", sizeof(FrameData), {DPL_AT(FrameData, views), DPL_AT(FrameData, sortAxis), DPL_AT(FrameData, target), DPL_AT(FrameData, counts)});
+    expectLayout("FrameData", sizeof(FrameData), {DPL_AT(FrameData, views), DPL_AT(FrameData, sortAxis), DPL_AT(FrameData, target), DPL_AT(FrameData, counts), DPL_AT(FrameData, detail)});
     expectLayout("TriangleRecord", sizeof(TriangleRecord), {DPL_AT(TriangleRecord, restT1), DPL_AT(TriangleRecord, restT2), DPL_AT(TriangleRecord, restNormal), DPL_AT(TriangleRecord, corners), DPL_AT(TriangleRecord, reach),
                  DPL_AT(TriangleRecord, rootLevel), DPL_AT(TriangleRecord, freeSplats), DPL_AT(TriangleRecord, gatedSplats)});
     expectLayout("TriangleFrame", sizeof(TriangleFrame), {DPL_AT(TriangleFrame, corner0), DPL_AT(TriangleFrame, corner1), DPL_AT(TriangleFrame, corner2), DPL_AT(TriangleFrame, column0), DPL_AT(TriangleFrame, column1)});
@@ -60,7 +60,7 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
     expectLayout("TrianglePush", sizeof(TrianglePush), {DPL_AT(TrianglePush, triangleCount), DPL_AT(TrianglePush, cull)});
     expectLayout("MeshDepthPush", sizeof(MeshDepthPush), {DPL_AT(MeshDepthPush, triangleCount), DPL_AT(MeshDepthPush, viewCount), DPL_AT(MeshDepthPush, widthPx), DPL_AT(MeshDepthPush, heightPx)});
     expectLayout("SplatPush", sizeof(SplatPush), {DPL_AT(SplatPush, splatCount), DPL_AT(SplatPush, allGroups), DPL_AT(SplatPush, firstGroup), DPL_AT(SplatPush, firstSplat), DPL_AT(SplatPush, drawn)});
-    expectLayout("CodesPush", sizeof(CodesPush), {DPL_AT(CodesPush, groupCount), DPL_AT(CodesPush, allGroups), DPL_AT(CodesPush, firstGroup), DPL_AT(CodesPush, firstSplat), DPL_AT(CodesPush, firstParent), DPL_AT(CodesPush, firstPlace), DPL_AT(CodesPush, firstSize), DPL_AT(CodesPush, firstColour), DPL_AT(CodesPush, firstParentByte), DPL_AT(CodesPush, firstShIndex), DPL_AT(CodesPush, firstSh), DPL_AT(CodesPush, shWords)});
+    expectLayout("CodesPush", sizeof(CodesPush), {DPL_AT(CodesPush, groupCount), DPL_AT(CodesPush, allGroups), DPL_AT(CodesPush, firstGroup), DPL_AT(CodesPush, firstSplat), DPL_AT(CodesPush, firstParent), DPL_AT(CodesPush, firstPlace), DPL_AT(CodesPush, firstSize), DPL_AT(CodesPush, firstColour), DPL_AT(CodesPush, firstParentByte), DPL_AT(CodesPush, firstGroupDetail), DPL_AT(CodesPush, firstShIndex), DPL_AT(CodesPush, firstSh), DPL_AT(CodesPush, shWords)});
     expectLayout("ChunkPush", sizeof(ChunkPush), {DPL_AT(ChunkPush, groupCount), DPL_AT(ChunkPush, allGroups), DPL_AT(ChunkPush, firstGroup)});
     expectLayout("ColourPush", sizeof(ColourPush), {DPL_AT(ColourPush, splatCount), DPL_AT(ColourPush, firstSplat)});
     expectLayout("CompactPush", sizeof(CompactPush), {DPL_AT(CompactPush, groupCount), DPL_AT(CompactPush, maxDepthKey), DPL_AT(CompactPush, drawnCount), DPL_AT(CompactPush, endGroup)});

@@ -97,6 +97,24 @@ TEST(FramePlan, aSceneIsUploadedWithoutAWaitAndCostsOtherFramesNothing) {
     }
 }
 
+TEST(FramePlan, anotherLevelOfDetailIsTheSameFrame) {
+    NullSetup gpu;
+    const auto id = gpu.renderer->addAvatar(tube());
+    ASSERT_TRUE(id) << id.error().message;
+    ASSERT_TRUE(gpu.draw(*id));
+    const std::vector<std::string> without = gpu.record->lastLabels;
+    const uint64_t created = gpu.record->createdObjects;
+    float before = 1.01f;
+    for (const float perPixel : {1.0f, 0.1f, 0.01f}) {
+        gpu.renderer->setDetail({perPixel, 0});
+        ASSERT_TRUE(gpu.draw(*id));
+        EXPECT_EQ(gpu.record->lastLabels, without);
+        EXPECT_LT(gpu.renderer->stats(*id)->detailShare, before);
+        before = gpu.renderer->stats(*id)->detailShare;
+    }
+    EXPECT_EQ(gpu.record->createdObjects, created) << "nothing is made when the level changes";
+}
+
 TEST(FramePlan, tilesRunBetweenSortAndDraw) {
     NullSetup gpu;
     gpu.renderer->setFill(Fill::Tiles);

@@ -1,0 +1,102 @@
+// Level of detail of the software renderer against the referee, at densities from none left out to a splat of 128.
+#include "sdk/avatar/posed_mesh.h"
+#include "sdk/format/splat_codec.h"
+#include "sdk/format/splat_detail.h"
+#include "tests/reference/compare_renderers.h"
+#include "tests/reference/random_avatar.h"
+#include "tests/reference/reference_detail.h"
+
+namespace dpl {
+namespace {
+
+struct Subject {
+    AvatarData avatar;
+    CodedSplats coded;
+    Pose pose;
+    Cameraf camera;
+
+    explicit Subject(uint32_t seed, uint32_t splatsPerTriangle = 12) : avatar(randomAvatar(seed, 10, splatsPerTriangle, seed % 4)), pose(randomPose(avatar, seed)) {
+        coded = *codeSplats(avatar.mesh, avatar.splats);
+        measureGroups(avatar.mesh, coded);
+        avatar.splats = decodeSplats(coded, avatar.mesh.triangles.size());
+        camera = lookAt({1.7f * std::sin(float(seed)), 1 + 0.3f * float(seed % 3), 1.7f * std::cos(float(seed))}, {0, 1, 0}, 150 + 7 * seed, 200 - 9 * seed, 180);
+    }
+    double perM2() const {   // of all splats
+        double area = 0;
+        for (const SplatChunk& c : coded.chunks)
+            for (uint32_t k = 0; k < c.splatCount; ++k) area += double(coded.groups[2 * size_t(&c - coded.chunks.data()) + k / 128].areaM2);
+        return double(coded.count()) / area;
+    }
+    SplatImage draw(const SplatDetail& detail, uint32_t threads = 2, uint32_t* visible = nullptr) const {
+        Jobs jobs(threads);
+        PosedMesh mesh;
+        mesh.pose({avatar.joints, avatar.mesh, avatar.correctives, {}}, pose, jobs);
+        SplatEngine engine(jobs);
+        SplatImage image;
+        engine.project(coded, mesh.frames(), camera, avatar.kappaPx2, avatar.compensated, 1, detail);
+        engine.bin();
+        if (visible) *visible = engine.visibleCount();
+        engine.blend(image, {.cloth = true, .depth = true});
+        return image;
+    }
+};
+
+TEST(Detail, agreesWithTheRefereeAtEveryDensity) {
+    for (uint32_t seed = 1; seed <= 4; ++seed) {
+        const Subject s(seed);
+        const ReferenceScene full = sceneOf(s.avatar, s.pose);
+        const ReferenceImage all = renderReference(full, referenceCamera(s.camera), {.kappaPx2 = s.avatar.kappaPx2, .compensated = s.avatar.compensated});
+        uint32_t drawnBefore = 0;
+        for (const double share : {0.004, 0.03, 0.14, 0.19, 0.45, 0.7}) {
+            ReferenceScene scene = full;
+            SplatDetail detail{float(s.perM2() * share), 1};
+            detail.shShare = detailShShare(float(share));
+            reduceReference(scene, s.avatar, s.coded, double(detail.perM2));
+            const ReferenceImage want = renderReference(scene, referenceCamera(s.camera), {.kappaPx2 = s.avatar.kappaPx2, .compensated = s.avatar.compensated});
+            ASSERT_GT(coverage(want.alpha), 0.1);
+            EXPECT_LT(compareImages(all.rgb, want.rgb).psnrDb, 75) << "nothing was left out";
+            uint32_t drawn = 0;
+            const SplatImage image = s.draw(detail, 2, &drawn);
+            expectSameImage(formatText("detail {}, avatar {}", share, seed).c_str(), image, want, 88);  // as without level of detail; measured 92 and more
+            EXPECT_EQ(image.rgb, s.draw(detail, 3).rgb) << "on three threads";
+            EXPECT_GT(drawn, drawnBefore);
+            drawnBefore = drawn;
+        }
+    }
+}
+
+TEST(Detail, atFullDensityBytesAreThoseWithout) {
+    const Subject s(2);
+    float smallest = INFINITY;
+    for (const SplatGroup& g : s.coded.groups)
+        if (g.areaM2 > 0) smallest = std::min(smallest, g.areaM2);
+    const SplatImage without = s.draw({}), with = s.draw({1 / smallest * 1.01f, 1});
+    EXPECT_EQ(without.rgb, with.rgb);
+    EXPECT_EQ(without.alpha, with.alpha);
+    EXPECT_FALSE(without.rgb == s.draw({0.5f / smallest, 1}).rgb);
+}
+
+/** Nothing jumps while the density falls in small steps, and what a step changes shrinks with it. */
+TEST(Detail, followsTheDensityWithoutSteps) {
+    const Subject s(3);
+    const auto largestChange = [&](double ratio, double from, double to) {
+        double largest = 0;
+        std::vector<float> before;
+        for (double share = from; share > to; share *= ratio) {
+            const SplatImage image = s.draw({float(s.perM2() * share), detailShShare(float(share))});
+            double change = 0;
+            for (size_t i = 0; i < before.size(); ++i) change = std::max(change, std::abs(double(image.rgb[i]) - double(before[i])));
+            largest = std::max(largest, change);
+            before = image.rgb;
+        }
+        return largest;
+    };
+    const double coarse = largestChange(0.98, 1.05, 0.3), fine = largestChange(0.995, 1.05, 0.7);
+    std::printf("largest change of a value: %.4f in steps of 2 %%, %.4f in steps of 0.5 %%\n", coarse, fine);
+    EXPECT_GT(coarse, 0.002);
+    EXPECT_LT(coarse, 0.1);     // measured 0.053; a splat that went at once would change its pixels by up to its opacity
+    EXPECT_LT(fine, 0.6 * coarse);
+}
+
+}  // namespace
+}  // namespace dpl

@@ -1,0 +1,106 @@
+// Level of detail and the budget of splats through the public API.
+#include <cmath>
+#include <limits>
+
+#include "tests/unit/api/api_fixture.h"
+#include "tests/unit/render/tube_avatar.h"
+
+namespace dpl::test {
+namespace {
+
+/** Beside the fixture's square, two tubes of 5,120 splats. */
+class DetailTest : public ApiTest {
+protected:
+    void SetUp() override {
+        ApiTest::SetUp();
+        AvatarData tube = makeTube();
+        sortSplats(tube);
+        const auto bytes = *writeAvatar(tube);
+        for (DplAvatar& a : tubes_) ASSERT_EQ(dplLoadAvatar(context_, bytes.data(), bytes.size(), &a), DPL_OK) << dplGetLastError();
+        const float rotations[8] = {0, 0, 0, 1, 0, 0, 0, 1}, aside[3] = {0.5f, 0, -1};
+        ASSERT_EQ(dplSetPose(tubes_[1], rotations, 2, aside), DPL_OK) << dplGetLastError();
+    }
+    void TearDown() override {
+        for (DplAvatar a : tubes_) EXPECT_EQ(dplDestroyAvatar(a), DPL_OK);
+        ApiTest::TearDown();
+    }
+    DplResult set(float splatsPerPixel, uint32_t budget = 0) {
+        const DplDetail detail{sizeof(DplDetail), splatsPerPixel, budget};
+        return dplSetDetail(context_, &detail);
+    }
+    std::vector<uint8_t> draw(std::span<const DplAvatar> row) {
+        const DplCamera camera = frontCamera(96, 96);
+        std::vector<uint8_t> pixels;
+        const DplImage image = imageFor(camera, pixels);
+        EXPECT_EQ(dplRenderTogether(context_, row.data(), uint32_t(row.size()), &camera, 1, &image), DPL_OK) << dplGetLastError();
+        return pixels;
+    }
+    DplFrameStats stats(DplAvatar avatar) {
+        DplFrameStats s{};
+        s.structSize = sizeof s;
+        EXPECT_EQ(dplGetFrameStats(avatar, &s), DPL_OK) << dplGetLastError();
+        return s;
+    }
+    DplAvatar tubes_[2] = {};
+};
+
+TEST_F(DetailTest, offUntilAskedForAndOffAgain) {
+    const std::vector<uint8_t> full = draw(tubes_);
+    EXPECT_EQ(stats(tubes_[0]).splatsAllowed, 2u * 5120u);
+    EXPECT_EQ(stats(tubes_[0]).detailShare, 1);
+    ASSERT_EQ(set(DPL_DETAIL_USUAL / 8), DPL_OK) << dplGetLastError();
+    EXPECT_FALSE(draw(tubes_) == full);
+    const DplFrameStats reduced = stats(tubes_[0]);
+    EXPECT_LT(reduced.splatsAllowed, 2u * 5120u);
+    EXPECT_LE(reduced.splatsDrawn, reduced.splatsAllowed);
+    EXPECT_GT(reduced.detailShare, stats(tubes_[1]).detailShare) << "the far one keeps less";
+    EXPECT_GT(stats(tubes_[1]).detailShare, 0);
+    ASSERT_EQ(set(0), DPL_OK);
+    EXPECT_EQ(draw(tubes_), full);
+    ASSERT_EQ(set(1), DPL_OK);
+    ASSERT_EQ(dplSetDetail(context_, nullptr), DPL_OK);
+    EXPECT_EQ(draw(tubes_), full);
+}
+
+TEST_F(DetailTest, aBudgetHoldsForAllThatIsDrawnTogether) {
+    const std::vector<uint8_t> full = draw(tubes_);
+    ASSERT_EQ(set(0, 20000), DPL_OK);
+    EXPECT_EQ(draw(tubes_), full) << "it fits";
+    for (const uint32_t budget : {6000u, 3000u, 500u}) {
+        ASSERT_EQ(set(0, budget), DPL_OK);
+        EXPECT_FALSE(draw(tubes_) == full);
+        EXPECT_LE(stats(tubes_[0]).splatsAllowed, budget);
+        EXPECT_LE(stats(tubes_[0]).splatsDrawn, budget);
+        const uint32_t together = stats(tubes_[0]).splatsDrawn;
+        draw({tubes_, 1});
+        EXPECT_GT(stats(tubes_[0]).splatsDrawn, together / 2) << "by itself it has the budget for itself";
+    }
+}
+
+TEST_F(DetailTest, whatIsNoLevelOfDetailIsRefusedAndChangesNothing) {
+    ASSERT_EQ(set(0.5f), DPL_OK);
+    const std::vector<uint8_t> before = draw(tubes_);
+    for (const float bad : {-1.0f, std::nanf(""), std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()}) {
+        EXPECT_EQ(set(bad), DPL_ERROR_INVALID_ARGUMENT);
+        EXPECT_TRUE(errorSays("splats a pixel")) << dplGetLastError();
+    }
+    DplDetail small{2, 1, 0};
+    EXPECT_EQ(dplSetDetail(context_, &small), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(errorSays("structSize")) << dplGetLastError();
+    EXPECT_EQ(dplSetDetail(nullptr, &small), DPL_ERROR_INVALID_ARGUMENT);
+    const DplDetail good{sizeof(DplDetail), 1, 0};
+    EXPECT_EQ(dplSetDetail(nullptr, &good), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(errorSays("context")) << dplGetLastError();
+    EXPECT_EQ(draw(tubes_), before);
+    // The ends of the range: everything, and a splat of 128.
+    ASSERT_EQ(set(std::numeric_limits<float>::max()), DPL_OK);
+    draw(tubes_);
+    EXPECT_EQ(stats(tubes_[0]).splatsAllowed, 2u * 5120u);
+    ASSERT_EQ(set(std::numeric_limits<float>::denorm_min(), 1), DPL_OK);
+    draw(tubes_);
+    EXPECT_GE(stats(tubes_[0]).splatsAllowed, 80u);
+    EXPECT_LE(stats(tubes_[0]).splatsAllowed, 120u);
+}
+
+}  // namespace
+}  // namespace dpl::test

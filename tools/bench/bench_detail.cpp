@@ -1,0 +1,223 @@
+// bench_detail AVATAR [splats a pixel] [frames] [software|quads|tiles] [sheet.png]
+//
+// Level of detail against distance: time, splats and error of the full avatar and of the reduced one at rising distances, in the middle of its first clip.
+// And what leaving out SH bands, or pose correctives, of all its splats would lose there. The truth at each is the full
+// avatar drawn at four times the size on the CPU and averaged; errors are over what either covers, over mid grey. The sheet shows full, reduced
+// and truth beside each other, one distance a row, pixels enlarged without smoothing.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "reconstruction/report/png.h"
+#include "sdk/avatar/pose_correctives.h"
+#include "sdk/core/files.h"
+#include "sdk/format/avatar_file.h"
+#include "sdk/math/sh.h"
+#include "sdk/include/doppel/doppel.hpp"
+
+namespace {
+
+using Pixels = std::vector<uint8_t>;   // premultiplied RGBA8
+constexpr uint32_t kWidthPx = 512, kHeightPx = 768, kFiner = 4;
+constexpr double kDistances[] = {1, 1.5, 2, 3, 4, 6, 8, 12, 16, 24};   // times that at which the avatar fills the picture
+
+int failed(const std::string& why) { return std::fprintf(stderr, "bench_detail: %s\n", why.c_str()), 1; }
+
+DplCamera cameraAt(const DplAvatarInfo& info, double times, uint32_t finer, double azimuthRad) {
+    DplCamera c{};
+    c.structSize = sizeof c;
+    c.widthPx = kWidthPx * finer, c.heightPx = kHeightPx * finer;
+    c.fx = c.fy = float(1.2 * c.heightPx);
+    c.cx = float(c.widthPx) / 2, c.cy = float(c.heightPx) / 2;
+    double middle[3], tall = info.restMax[1] - info.restMin[1];
+    for (int k = 0; k < 3; ++k) middle[k] = 0.5 * (info.restMin[k] + info.restMax[k]);
+    const double distance = 1.25 * 1.2 * tall * times, s = std::sin(azimuthRad), co = std::cos(azimuthRad);
+    // Right, down and forward of a camera at middle + distance·(s, 0, co) that looks at the middle.
+    const double rows[3][3] = {{co, 0, -s}, {0, -1, 0}, {-s, 0, -co}};
+    for (int r = 0; r < 3; ++r) {
+        double t = r == 2 ? distance : 0;
+        for (int k = 0; k < 3; ++k) t -= rows[r][k] * middle[k], c.viewFromWorld[4 * r + k] = float(rows[r][k]);
+        c.viewFromWorld[4 * r + 3] = float(t);
+    }
+    return c;
+}
+
+struct Drawn {
+    Pixels pixels;
+    double ms = 0;
+    uint32_t splats = 0, allowed = 0;
+    uint64_t decoded = 0;
+};
+
+doppel::Result<Drawn> draw(const doppel::Avatar& avatar, const DplCamera& camera, int frames) {
+    Drawn out;
+    out.pixels.resize(size_t(camera.widthPx) * camera.heightPx * 4);
+    DplImage image{};
+    image.structSize = sizeof image, image.rgba = out.pixels.data(), image.rgbaBytes = out.pixels.size();
+    std::vector<double> times;
+    for (int f = 0; f < frames + (frames > 1 ? 2 : 0); ++f) {
+        const auto begin = std::chrono::steady_clock::now();
+        if (auto status = avatar.render({&camera, 1}, {&image, 1}); !status) return status.error();
+        times.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
+    }
+    if (frames > 1) times.erase(times.begin(), times.begin() + 2);
+    std::nth_element(times.begin(), times.begin() + ptrdiff_t(times.size() / 2), times.end());
+    out.ms = times[times.size() / 2];
+    auto stats = avatar.frameStats();
+    if (!stats) return stats.error();
+    out.splats = stats->splatsDrawn, out.allowed = stats->splatsAllowed, out.decoded = stats->bytesDecided + stats->bytesDecoded;
+    return out;
+}
+
+/** The middle of the first clip, if there is one. */
+doppel::Status poseInClip(doppel::Avatar& avatar) {
+    auto info = avatar.info();
+    if (!info) return info.error();
+    if (info->clipCount == 0) return {};
+    auto clip = avatar.clip(0);
+    if (!clip) return clip.error();
+    return avatar.setPoseFromClip(0, clip->durationS / 2);
+}
+
+/** The file without pose correctives, or without SH beyond coefficient 0. */
+dpl::Result<std::vector<uint8_t>> without(const std::vector<uint8_t>& bytes, bool correctives) {
+    DPL_TRY(dpl::AvatarData avatar, dpl::readAvatar(bytes));
+    if (correctives) {
+        avatar.correctives = {};
+    } else {
+        const size_t from = size_t(dpl::shCoefficientCount(avatar.splats.shDegree)) * 3;
+        std::vector<float> sh;
+        for (size_t i = 0; i < avatar.splats.count(); ++i) sh.insert(sh.end(), avatar.splats.sh.begin() + ptrdiff_t(i * from), avatar.splats.sh.begin() + ptrdiff_t(i * from + 3));
+        avatar.splats.sh = std::move(sh), avatar.splats.shDegree = 0;
+    }
+    return dpl::writeAvatar(avatar);
+}
+
+/** Time of the CPU's part of pose correctives, microseconds a frame, best of many. */
+doppel::Result<double> correctivesUs(const std::vector<uint8_t>& bytes) {
+    const auto avatar = dpl::readAvatar(bytes);
+    if (!avatar) return doppel::Error{DPL_ERROR_CORRUPT_DATA, avatar.error().message};
+    const dpl::Pose pose = dpl::Pose::rest(avatar->joints.size());
+    std::vector<float> coefficients;
+    std::vector<dpl::Vec4f> nodes;
+    double best = 1e9;
+    for (int round = 0; round < 200; ++round) {
+        const auto begin = std::chrono::steady_clock::now();
+        dpl::correctiveCoefficients(avatar->correctives, pose, coefficients);
+        dpl::correctiveNodes(avatar->correctives, coefficients, nodes);
+        best = std::min(best, std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - begin).count());
+    }
+    return best;
+}
+
+std::vector<float> averaged(const Pixels& fine) {
+    std::vector<float> out(size_t(kWidthPx) * kHeightPx * 4, 0);
+    for (size_t y = 0; y < kHeightPx * kFiner; ++y)
+        for (size_t x = 0; x < kWidthPx * kFiner; ++x)
+            for (size_t c = 0; c < 4; ++c) out[(y / kFiner * kWidthPx + x / kFiner) * 4 + c] += float(fine[(y * kWidthPx * kFiner + x) * 4 + c]) / (kFiner * kFiner);
+    return out;
+}
+
+std::vector<float> floatOf(const Pixels& p) { return {p.begin(), p.end()}; }
+
+/** dB over what either covers, over mid grey. */
+double psnr(const std::vector<float>& a, const std::vector<float>& b) {
+    double sum = 0;
+    size_t count = 0;
+    for (size_t i = 0; i < a.size(); i += 4) {
+        if (a[i + 3] < 1 && b[i + 3] < 1) continue;
+        for (size_t c = 0; c < 3; ++c) {
+            const double d = double(a[i + c]) - double(b[i + c]) - 0.5 * (double(a[i + 3]) - double(b[i + 3]));
+            sum += d * d, ++count;
+        }
+    }
+    return count == 0 || sum == 0 ? 99 : 10 * std::log10(255.0 * 255.0 * double(count) / sum);
+}
+
+/** Sum of alpha, in percent of the other's, minus 100: a swollen outline is above 0. */
+double swelling(const std::vector<float>& a, const std::vector<float>& truth) {
+    double x = 0, y = 0;
+    for (size_t i = 3; i < a.size(); i += 4) x += double(a[i]), y += double(truth[i]);
+    return 100 * (x / y - 1);
+}
+
+class Sheet {
+public:
+    void addRow(const std::vector<float>& full, const std::vector<float>& reduced, const std::vector<float>& truth, double times) {
+        const uint32_t side = std::min<uint32_t>(kWidthPx, uint32_t(kCellPx / std::max(1.0, std::floor(kCellPx / (kHeightPx * 0.9 / times))))), zoom = kCellPx / side;
+        const size_t top = pixels_.size() / 3 / kAcross;
+        pixels_.resize((top + kCellPx) * kAcross * 3, 40);
+        const std::vector<float>* cells[3] = {&full, &reduced, &truth};
+        for (uint32_t k = 0; k < 3; ++k)
+            for (uint32_t y = 0; y < side * zoom; ++y)
+                for (uint32_t x = 0; x < side * zoom; ++x) {
+                    const size_t fromX = (kWidthPx - side) / 2 + x / zoom, fromY = (kHeightPx - side) / 2 + y / zoom;
+                    const float* p = cells[k]->data() + (fromY * kWidthPx + fromX) * 4;
+                    for (size_t c = 0; c < 3; ++c) pixels_[((top + y) * kAcross + k * kCellPx + x) * 3 + c] = uint8_t(std::clamp(p[c] + 235 * (1 - p[3] / 255), 0.0f, 255.0f));
+                }
+    }
+    bool write(const std::string& path) const {
+        auto png = dpl::encodePng(pixels_, uint32_t(kAcross), uint32_t(pixels_.size() / 3 / kAcross), 3);
+        return png && dpl::writeFileAtomically(path, *png);
+    }
+
+private:
+    static constexpr uint32_t kCellPx = 512;
+    static constexpr size_t kAcross = 3 * kCellPx;
+    std::vector<uint8_t> pixels_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    if (argc < 2) return std::fprintf(stderr, "usage: bench_detail AVATAR [splats a pixel] [frames] [software|quads|tiles] [sheet.png]\n"), 2;
+    const float perPixel = argc > 2 ? float(std::atof(argv[2])) : DPL_DETAIL_USUAL;
+    const int frames = argc > 3 ? std::max(1, std::atoi(argv[3])) : 5;
+    const std::string kind = argc > 4 ? argv[4] : "software";
+    const auto bytes = dpl::readFile(argv[1]);
+    if (!bytes) return failed(bytes.error().message);
+    auto context = kind == "software" ? doppel::Context::create(DPL_RENDERER_SOFTWARE) : doppel::Context::create(DPL_RENDERER_VULKAN, 0, 0, kind == "tiles" ? DPL_FILL_TILES : DPL_FILL_QUADS);
+    auto judge = doppel::Context::create(DPL_RENDERER_SOFTWARE);
+    if (!context || !judge) return failed(context ? judge.error().message : context.error().message);
+    auto avatar = context->loadAvatar(*bytes);
+    auto finest = judge->loadAvatar(*bytes);
+    if (!avatar || !finest) return failed(avatar ? finest.error().message : avatar.error().message);
+    const auto plainBytes = without(*bytes, false), rigidBytes = without(*bytes, true);
+    if (!plainBytes || !rigidBytes) return failed(!plainBytes ? plainBytes.error().message : rigidBytes.error().message);
+    auto plain = judge->loadAvatar(*plainBytes), rigid = judge->loadAvatar(*rigidBytes);
+    if (!plain || !rigid) return failed(!plain ? plain.error().message : rigid.error().message);
+    for (doppel::Avatar* a : {&*avatar, &*finest, &*plain, &*rigid})
+        if (auto posed = poseInClip(*a); !posed) return failed(posed.error().message);
+    const auto us = correctivesUs(*bytes);
+    if (!us) return failed(us.error().message);
+    const auto info = avatar->info();
+    if (!info) return failed(info.error().message);
+    if (info->jointCount == 0) return failed("general splats have no level of detail");
+    std::printf("%s, %u splats, %s, %g splats a pixel, %ux%u px, median of %d; pose correctives take %.1f us of the CPU a frame\n\n", argv[1], info->splatCount, context->rendererName().c_str(), double(perPixel), kWidthPx, kHeightPx, frames, *us);
+    std::printf("| tall, px | full: ms | splats drawn | MB read | dB to truth | alpha %% | reduced: ms | splats allowed | drawn | MB read | dB to truth | alpha %% | dB to full | all splats: without SH, dB to truth | without correctives |\n"
+                "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+    Sheet sheet;
+    for (const double times : kDistances) {
+        const DplCamera camera = cameraAt(*info, times, 1, 0.4), fineCamera = cameraAt(*info, times, kFiner, 0.4);
+        (void)context->setDetail(0);
+        const auto full = draw(*avatar, camera, frames);
+        if (auto set = context->setDetail(perPixel); !set) return failed(set.error().message);
+        const auto reduced = draw(*avatar, camera, frames);
+        const auto fine = draw(*finest, fineCamera, 1);
+        const auto noSh = draw(*plain, camera, 1), noCorrectives = draw(*rigid, camera, 1);
+        for (const auto* drawn : {&full, &reduced, &fine, &noSh, &noCorrectives})
+            if (!*drawn) return failed(drawn->error().message);
+        const std::vector<float> truth = averaged(fine->pixels), a = floatOf(full->pixels), b = floatOf(reduced->pixels);
+        std::printf("| %.0f | %.1f | %u | %.2f | %.2f | %+.2f | %.1f | %u | %u | %.2f | %.2f | %+.2f | %.2f | %.2f | %.2f |\n", kHeightPx * 0.8 / times, full->ms, full->splats, double(full->decoded) / 1e6, psnr(a, truth), swelling(a, truth),
+                    reduced->ms, reduced->allowed, reduced->splats, double(reduced->decoded) / 1e6, psnr(b, truth), swelling(b, truth), psnr(b, a), psnr(floatOf(noSh->pixels), truth), psnr(floatOf(noCorrectives->pixels), truth));
+        std::fflush(stdout);
+        sheet.addRow(a, b, truth, times);
+    }
+    if (argc > 5 && !sheet.write(argv[5])) return failed(std::string("cannot write ") + argv[5]);
+    return 0;
+}
