@@ -279,16 +279,19 @@ struct AvatarReader {
         DPL_TRY(const Json* object, root.object("splats"));
         const Fields splats(*object, "splats");
         DPL_TRY(const uint64_t encoding, splats.number("encoding", 0xffffffffu));
-        if (encoding != 1 && encoding != 2) return fail(Code::Version, "splat encoding {}; this build reads 1 and 2: update Doppel or export again", encoding);
+        if (encoding < 1 || encoding > 3) return fail(Code::Version, "splat encoding {}; this build reads 1 to 3: update Doppel or export again", encoding);
         DPL_CHECK_OK(splats.mustBe("shBasis", "3dgs-real"));
         DPL_TRY(const uint64_t chunkSize, splats.number("chunkSize", 0xffffffffu));
-        if (chunkSize != kSplatChunkSize) return fail(Code::Unsupported, "chunks of {} splats; encodings 1 and 2 have {}", chunkSize, kSplatChunkSize);
+        if (chunkSize != kSplatChunkSize) return fail(Code::Unsupported, "chunks of {} splats; encodings 1 to 3 have {}", chunkSize, kSplatChunkSize);
         DPL_TRY(const uint64_t count, splats.number("count", limits.maxSplats));
         DPL_TRY(const uint64_t degree, splats.number("shDegree", 3));
-        SplatHead head{uint32_t(count), uint32_t(degree), 0};
-        if (encoding == 2) {
+        SplatHead head{uint32_t(count), uint32_t(degree), 0, {}};
+        if (encoding == 3) {
+            DPL_TRY(head.bits, readBits(splats));
+        }
+        if (encoding == 2 || (encoding == 3 && splats.has("shPaletteSize"))) {
             DPL_TRY(const uint64_t entries, splats.number("shPaletteSize", kMaxShPalette));
-            if (entries == 0) return fail(Code::CorruptData, "splat encoding 2 with an empty SH palette");
+            if (entries == 0) return fail(Code::CorruptData, "splat encoding {} with an empty SH palette", encoding);
             head.paletteSize = uint32_t(entries);
         }
         DPL_TRY(const Json* streams, splats.object("streams"));
@@ -299,14 +302,29 @@ struct AvatarReader {
         DPL_TRY(in.size, stream(*streams, "size"));
         DPL_TRY(in.colour, stream(*streams, "colour"));
         DPL_TRY(in.shIndex, stream(*streams, "shIndex"));
+        DPL_TRY(in.ranges, stream(*streams, "ranges"));
+        DPL_TRY(in.coded, stream(*streams, "coded"));
         DPL_TRY(in.sh, stream(*streams, "sh"));
         DPL_TRY(coded, readSplatStreams(in, avatar.mesh, head, limits));
-        info.splatBytes = in.triangleCounts.size() + in.chunks.size() + in.place.size() + in.size.size() + in.colour.size();
+        info.splatBytes = in.triangleCounts.size() + in.chunks.size() + in.place.size() + in.size.size() + in.colour.size() + in.ranges.size() + in.coded.size();
         info.shBytes = in.sh.size() + in.shIndex.size();
         info.shPaletteSize = head.paletteSize;
-        info.chunks = uint32_t(in.chunks.size() / sizeof(SplatChunk));
+        info.splatEncoding = uint32_t(encoding), info.bits = head.bits.value_or(SplatBits());
+        info.chunks = uint32_t(coded.chunks.size());
         info.splats = coded.count(), info.shDegree = coded.shDegree;
         return {};
+    }
+
+    Result<SplatBits> readBits(const Fields& splats) {
+        DPL_TRY(const Json* object, splats.object("bits"));
+        const Fields fields(*object, "bits");
+        SplatBits bits;
+        DPL_TRY(bits.uv, fields.number("uv", 255));
+        DPL_TRY(bits.phi, fields.number("phi", 255));
+        DPL_TRY(bits.scale, fields.number("scale", 255));
+        DPL_TRY(bits.opacity, fields.number("opacity", 255));
+        DPL_TRY(bits.colour, fields.number("colour", 255));
+        return bits;
     }
 
     Status readCorrectives() {

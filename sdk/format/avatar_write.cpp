@@ -137,21 +137,26 @@ Json poseCorrectives(GlbBuilder& glb, const PoseCorrectiveData& c) {
     return out;
 }
 
-Json splatsOf(GlbBuilder& glb, const AvatarData& a, const CodedSplats& coded) {
-    const auto streams = writeSplatStreams(coded, a.mesh.triangles.size());
+Json splatsOf(GlbBuilder& glb, const AvatarData& a, const CodedSplats& coded, bool compact) {
+    const auto streams = writeSplatStreams(coded, a.mesh.triangles.size(), compact);
     const bool palette = !coded.shIndex.empty();
-    Json splats = {{"encoding", palette ? 2 : 1}, {"count", coded.count()}, {"chunkSize", kSplatChunkSize}, {"shDegree", coded.shDegree}, {"shBasis", "3dgs-real"}};
+    Json splats = {{"encoding", !streams.coded.empty() ? 3 : palette ? 2 : 1}, {"count", coded.count()}, {"chunkSize", kSplatChunkSize}, {"shDegree", coded.shDegree}, {"shBasis", "3dgs-real"}};
     if (palette) splats["shPaletteSize"] = coded.sh.size() / shEntryBytes(coded.shDegree);
+    if (!streams.coded.empty()) {
+        const SplatBits bits = neededBits(coded);
+        splats["bits"] = {{"uv", bits.uv}, {"phi", bits.phi}, {"scale", bits.scale}, {"opacity", bits.opacity}, {"colour", bits.colour}};
+    }
     auto stream = [&](const char* name, const std::vector<uint8_t>& bytes) {
         if (!bytes.empty()) splats["streams"][name] = glb.addView(bytes);
     };
     splats["streams"] = Json::object();
     stream("triangleCounts", streams.triangleCounts), stream("chunks", streams.chunks), stream("place", streams.place);
-    stream("size", streams.size), stream("colour", streams.colour), stream("shIndex", streams.shIndex), stream("sh", streams.sh);
+    stream("size", streams.size), stream("colour", streams.colour), stream("shIndex", streams.shIndex);
+    stream("ranges", streams.ranges), stream("coded", streams.coded), stream("sh", streams.sh);
     return splats;
 }
 
-Json avatarExtension(GlbBuilder& glb, const AvatarData& a, const CodedSplats& coded) {
+Json avatarExtension(GlbBuilder& glb, const AvatarData& a, const CodedSplats& coded, bool compact) {
     // The lowest version that can say it: readers of version 1 would drop correctives and draw another person.
     Json ours = {{"version", a.correctives.empty() ? 1 : kAvatarFormatVersion},
                  {"name", a.name},
@@ -173,7 +178,7 @@ Json avatarExtension(GlbBuilder& glb, const AvatarData& a, const CodedSplats& co
         if (!a.joints[j].humanoidBone.empty()) ours["humanoidBones"].push_back({{"bone", a.joints[j].humanoidBone}, {"joint", j}});
     for (const EvidenceData& e : a.evidence) ours["evidence"].push_back({{"part", e.part}, {"kept", e.kept}, {"gainDb", e.gainDb}, {"bytes", e.bytes}, {"reason", e.reason}});
 
-    ours["splats"] = splatsOf(glb, a, coded);
+    ours["splats"] = splatsOf(glb, a, coded, compact);
     if (!a.correctives.empty()) ours["poseCorrectives"] = poseCorrectives(glb, a.correctives);
     return ours;
 }
@@ -190,7 +195,8 @@ Result<std::vector<uint8_t>> writeAvatar(const AvatarData& avatar, const WriteOp
     DPL_CHECK_OK(checkAvatar(avatar));
     AvatarData a = avatar;
     snapAvatar(a);
-    DPL_TRY(const CodedSplats coded, codeSplats(a.mesh, a.splats, options.shPalette));
+    DPL_TRY(CodedSplats coded, codeSplats(a.mesh, a.splats, options.shPalette));
+    coarsenSplats(coded, options.bits);
     GlbBuilder glb;
     glb.root["asset"] = {{"version", "2.0"}, {"generator", a.generator}};
     glb.root["extensionsUsed"] = {"DPL_gaussian_avatar"};
@@ -207,7 +213,7 @@ Result<std::vector<uint8_t>> writeAvatar(const AvatarData& avatar, const WriteOp
         }
     }
     for (const LayerData& layer : a.mesh.layers) DPL_CHECK_OK(addLayer(glb, a.mesh, layer, a.joints.size() > 256, options.draco));
-    glb.root["extensions"]["DPL_gaussian_avatar"] = avatarExtension(glb, a, coded);
+    glb.root["extensions"]["DPL_gaussian_avatar"] = avatarExtension(glb, a, coded, options.compact);
     addNodesAndSkin(glb, a);
     for (const ClipData& clip : a.clips) addClip(glb, a, clip);
     if (glb.bin().size() > (1ull << 31) - (64u << 20)) return fail(Code::Unsupported, "the avatar has {} bytes, more than a .glb that every reader takes", glb.bin().size());

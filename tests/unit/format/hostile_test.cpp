@@ -61,7 +61,8 @@ TEST(HostileAvatar, rejectList) {
     const std::vector<Damage> list = {
         {"extension missing", [](GlbParts& p) { p.json.erase("extensions"); }, Code::Unsupported},
         {"extension of a newer version", [](GlbParts& p) { ours(p)["version"] = 3; }, Code::Version},
-        {"newer splat encoding", [](GlbParts& p) { ours(p)["splats"]["encoding"] = 3; }, Code::Version},
+        {"newer splat encoding", [](GlbParts& p) { ours(p)["splats"]["encoding"] = 4; }, Code::Version},
+        {"words as encoding 3", [](GlbParts& p) { ours(p)["splats"]["encoding"] = 3; }},
         {"palette encoding without a palette", [](GlbParts& p) { ours(p)["splats"]["encoding"] = 2; }},
         {"SH code of -128", [](GlbParts& p) { p.stream("sh")[4] = 0x80; }},
         {"version 0", [](GlbParts& p) { ours(p)["version"] = 0; }},
