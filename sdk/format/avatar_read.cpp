@@ -8,6 +8,7 @@
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/content_hash.h"
 #include "sdk/format/correctives.h"
+#include "sdk/format/correctives_compact.h"
 #include "sdk/format/gltf_model.h"
 #include "sdk/format/splat_codec.h"
 #include "sdk/format/vertex_colour.h"
@@ -334,7 +335,7 @@ struct AvatarReader {
         DPL_TRY(const Json* object, root.object("poseCorrectives"));
         const Fields fields(*object, "poseCorrectives");
         DPL_TRY(const uint64_t encoding, fields.number("encoding", 0xffffffffu));
-        if (encoding != 1) return fail(Code::Version, "pose corrective encoding {}; this build reads 1: update Doppel or export again", encoding);
+        if (encoding != 1 && encoding != 2) return fail(Code::Version, "pose corrective encoding {}; this build reads 1 and 2: update Doppel or export again", encoding);
         PoseCorrectiveData head;
         DPL_TRY(const uint64_t modes, fields.number("modeCount", kMaxCorrectiveModes));
         DPL_TRY(const uint64_t nodes, fields.number("nodeCount", kMaxCorrectiveNodes));
@@ -353,8 +354,17 @@ struct AvatarReader {
         DPL_TRY(in.nodes, stream(*streams, "nodes"));
         DPL_TRY(in.nodeIndices, stream(*streams, "nodeIndices"));
         DPL_TRY(in.nodeWeights, stream(*streams, "nodeWeights"));
+        DPL_TRY(const auto coded, stream(*streams, "coded"));
+        info.correctiveBytes = in.mean.size() + in.modes.size() + in.ranges.size() + in.nodes.size() + in.nodeIndices.size() + in.nodeWeights.size() + coded.size();
+        CorrectiveStreams<std::vector<uint8_t>> expanded;
+        if (encoding == 2) {
+            if (!in.nodes.empty() || !in.nodeIndices.empty() || !in.nodeWeights.empty()) return fail(Code::CorruptData, "pose corrective encoding 2 beside streams of encoding 1");
+            DPL_TRY(expanded, expandCorrectives(coded, head.modeCount, head.nodeCount, avatar.mesh.restPositions.size()));
+            in.nodes = expanded.nodes, in.nodeIndices = expanded.nodeIndices, in.nodeWeights = expanded.nodeWeights;
+        } else if (!coded.empty()) {
+            return fail(Code::CorruptData, "a stream of pose corrective encoding 2 in encoding 1");
+        }
         DPL_TRY(avatar.correctives, decodeCorrectives(in, std::move(head), avatar.mesh.restPositions.size()));
-        info.correctiveBytes = in.mean.size() + in.modes.size() + in.ranges.size() + in.nodes.size() + in.nodeIndices.size() + in.nodeWeights.size();
         return {};
     }
 

@@ -4,6 +4,7 @@
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/content_hash.h"
 #include "sdk/format/correctives.h"
+#include "sdk/format/correctives_compact.h"
 #include "sdk/format/draco_mesh.h"
 #include "sdk/format/glb_builder.h"
 #include "sdk/format/splat_codec.h"
@@ -125,15 +126,19 @@ void addClip(GlbBuilder& glb, const AvatarData& a, const ClipData& clip) {
     glb.root["animations"].push_back({{"name", clip.name}, {"samplers", std::move(samplers)}, {"channels", std::move(channels)}});
 }
 
-Json poseCorrectives(GlbBuilder& glb, const PoseCorrectiveData& c) {
-    const auto streams = encodeCorrectives(c);
-    Json out = {{"encoding", 1}, {"modeCount", c.modeCount}, {"nodeCount", c.nodeCount}, {"joints", c.joints}, {"reach", c.reach}};
+Json poseCorrectives(GlbBuilder& glb, const PoseCorrectiveData& c, bool compact) {
+    auto streams = encodeCorrectives(c);
+    std::vector<uint8_t> coded;
+    if (compact) coded = compactCorrectives(streams, c.nodeCount);
+    if (coded.size() >= streams.nodes.size() + streams.nodeIndices.size() + streams.nodeWeights.size()) coded.clear();
+    if (!coded.empty()) streams.nodes.clear(), streams.nodeIndices.clear(), streams.nodeWeights.clear();
+    Json out = {{"encoding", coded.empty() ? 1 : 2}, {"modeCount", c.modeCount}, {"nodeCount", c.nodeCount}, {"joints", c.joints}, {"reach", c.reach}};
     if (c.reachOffModes < PoseCorrectiveData().reachOffModes) out["reachOffModes"] = c.reachOffModes;
     auto stream = [&](const char* name, const std::vector<uint8_t>& bytes) {
         if (!bytes.empty()) out["streams"][name] = glb.addView(bytes);
     };
     stream("mean", streams.mean), stream("modes", streams.modes), stream("ranges", streams.ranges), stream("nodes", streams.nodes);
-    stream("nodeIndices", streams.nodeIndices), stream("nodeWeights", streams.nodeWeights);
+    stream("nodeIndices", streams.nodeIndices), stream("nodeWeights", streams.nodeWeights), stream("coded", coded);
     return out;
 }
 
@@ -179,7 +184,7 @@ Json avatarExtension(GlbBuilder& glb, const AvatarData& a, const CodedSplats& co
     for (const EvidenceData& e : a.evidence) ours["evidence"].push_back({{"part", e.part}, {"kept", e.kept}, {"gainDb", e.gainDb}, {"bytes", e.bytes}, {"reason", e.reason}});
 
     ours["splats"] = splatsOf(glb, a, coded, compact);
-    if (!a.correctives.empty()) ours["poseCorrectives"] = poseCorrectives(glb, a.correctives);
+    if (!a.correctives.empty()) ours["poseCorrectives"] = poseCorrectives(glb, a.correctives, compact);
     return ours;
 }
 

@@ -61,6 +61,9 @@ def damaged_correctives():
         "reach off the modes 0": lambda c: c.update(reachOffModes=0),
         "no nodes stream": lambda c: c["streams"].pop("nodes"),
         "unknown corrective field": lambda c: c.update(colour="red"),
+        "coded in encoding 1": lambda c: c["streams"].update(coded=7),
+        "encoding 2 with nodes": lambda c: (c.update(encoding=2), c["streams"].update(coded=7)),
+        "encoding 2 without coded": lambda c: c.update(encoding=2, streams={"mean": 1, "modes": 2, "ranges": 3}),
     }.items():
         bad = copy.deepcopy(CORRECTIVES)
         change(bad)

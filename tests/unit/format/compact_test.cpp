@@ -10,6 +10,7 @@
 #include "sdk/format/splat_codec.h"
 #include "tests/unit/format/glb_parts.h"
 #include "tests/unit/format/sample_avatars.h"
+#include "tests/unit/format/sample_correctives.h"
 #include "tests/unit/render/tube_avatar.h"
 #include "tests/unit/shared_data.h"
 
@@ -123,11 +124,11 @@ TEST(CompactSplats, pinnedBytesStillReadAndAreWrittenAgain) {
     const CodedSplats s = wordsOf(*bytes);
     ASSERT_EQ(inspectAvatar(*bytes)->splatEncoding, 3u);
     const auto hash = [](auto& words) { uint64_t h = 14695981039346656037ull; for (const auto w : words) h = (h ^ uint64_t(w)) * 1099511628211ull; return h; };   // FNV
-    EXPECT_EQ(hash(s.place), 0ull);
-    EXPECT_EQ(hash(s.size), 0ull);
-    EXPECT_EQ(hash(s.colour), 0ull);
-    EXPECT_EQ(hash(s.shIndex), 0ull);
-    EXPECT_EQ(hash(s.parents), 0ull);
+    EXPECT_EQ(hash(s.place), 17513995115256210650ull);
+    EXPECT_EQ(hash(s.size), 16501676253954177683ull);
+    EXPECT_EQ(hash(s.colour), 16171394449161400075ull);
+    EXPECT_EQ(hash(s.shIndex), 9023295318735849672ull);
+    EXPECT_EQ(hash(s.parents), 12887118480896278798ull);
     EXPECT_TRUE(*writeAvatar(*readAvatar(*bytes), {.draco = false, .shPalette = true, .compact = true}) == *bytes);
 }
 
@@ -195,6 +196,61 @@ TEST(CompactSplats, manySplatsOnATriangleAndNoneOnMost) {
     ASSERT_TRUE(bytes);
     EXPECT_EQ(inspectAvatar(*bytes)->splatEncoding, 3u);
     EXPECT_TRUE(sameWords(wordsOf(*bytes), wordsOf(*writeAvatar(a))));
+}
+
+AvatarData corrected() { return test::withCorrectives(tube(0), 4, {.modes = 7, .nodes = 300}); }
+
+TEST(CompactCorrectives, loadToTheSameAsTheStreams) {
+    for (const uint32_t nodes : {1u, 2u, 40u, 300u, 2000u}) {   // 255 and fewer are always known; one takes no bits
+        const AvatarData a = test::withCorrectives(tube(0), nodes, {.modes = nodes > 1000 ? 2u : 7u, .nodes = nodes});
+        const auto plain = writeAvatar(a), compact = writeAvatar(a, {.compact = true});
+        ASSERT_TRUE(plain && compact);
+        const AvatarInfo before = *inspectAvatar(*plain), after = *inspectAvatar(*compact);
+        EXPECT_LT(after.correctiveBytes, before.correctiveBytes) << nodes;
+        const PoseCorrectiveData one = readAvatar(*plain)->correctives, two = readAvatar(*compact)->correctives;
+        EXPECT_TRUE(one.nodes == two.nodes && one.nodeIndices == two.nodeIndices && one.nodeWeights == two.nodeWeights && one.modes == two.modes && one.mean == two.mean) << nodes;
+        EXPECT_TRUE(*writeAvatar(*readAvatar(*compact), {.compact = true}) == *compact);
+    }
+}
+
+TEST(CompactCorrectives, damagedStreamsAreRefusedAndNothingCrashes) {
+    using test::GlbParts;
+    ReadLimits trusting;
+    trusting.verifyHash = false;
+    const std::vector<uint8_t> good = *writeAvatar(corrected(), {.draco = false, .compact = true});
+    const auto ours = [](GlbParts& p) -> nlohmann::json& { return p.json["extensions"]["DPL_gaussian_avatar"]["poseCorrectives"]; };
+    {
+        GlbParts parts = test::split(good);
+        ASSERT_EQ(ours(parts)["encoding"], 2);
+        ASSERT_TRUE(readAvatar(parts.bytes(), trusting));
+    }
+    const std::pair<const char*, std::function<void(GlbParts&)>> damages[] = {
+        {"read as encoding 1", [&](GlbParts& p) { ours(p)["encoding"] = 1; }},
+        {"no coded", [&](GlbParts& p) { ours(p)["streams"].erase("coded"); }},
+        {"nodes beside it", [&](GlbParts& p) { ours(p)["streams"]["nodes"] = ours(p)["streams"]["mean"]; }},
+        {"one node more", [&](GlbParts& p) { ours(p)["nodeCount"] = 301; }},
+        {"one node less", [&](GlbParts& p) { ours(p)["nodeCount"] = 299; }},
+        {"65,535 nodes", [&](GlbParts& p) { ours(p)["nodeCount"] = 65535; }},
+    };
+    for (const auto& [what, apply] : damages) {
+        GlbParts parts = test::split(good);
+        apply(parts);
+        EXPECT_FALSE(readAvatar(parts.bytes(), trusting)) << what;
+    }
+    std::mt19937 random(9);
+    uint32_t refused = 0;
+    for (int round = 0; round < 300; ++round) {
+        GlbParts parts = test::split(good);
+        const auto coded = parts.correctiveStream("coded");
+        coded[round < 150 ? size_t(round) : random() % coded.size()] ^= uint8_t(1 + random() % 255);
+        auto read = readAvatar(parts.bytes(), trusting);
+        refused += !read;
+        if (!read) continue;
+        const auto once = writeAvatar(*read, {.compact = true});
+        ASSERT_TRUE(once);
+        EXPECT_TRUE(*writeAvatar(*readAvatar(*once), {.compact = true}) == *once);
+    }
+    EXPECT_GT(refused, 100u);
 }
 
 TEST(CompactSplats, damagedFilesAreRefusedAndNothingCrashes) {
