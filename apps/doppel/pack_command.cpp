@@ -53,7 +53,8 @@ void addPackCommand(CLI::App& app, CommandRun& run) {
         "  doppel pack ada/avatar.glb -o ada-small.glb                          as small as 42 dB allow\n"
         "  doppel pack ada/avatar.glb -o ada-1mb.glb --max-mb 1                 as good as 1 MB allow\n"
         "  doppel pack ada/avatar.glb -o ada-1mb.glb --max-mb 1 --max-loss 38   both, or an error that says what is the nearest\n"
-        "Each step takes what saves most bytes for its error: splats that few pixels see, SH rows for a palette of them, modes of pose correctives.");
+        "Words are entropy-coded first, which costs nothing; then each step takes what saves most bytes for its error: splats that few pixels see, SH rows for\n"
+        "a palette of them, modes of pose correctives, bits of a splat's place, angle, size, opacity or colour.");
     command->callback([options, &run] {
         run = [options] {
             Status done = pack(*options);

@@ -62,6 +62,13 @@ Result<AvatarInfo> inspectFile(const std::filesystem::path& path, std::span<cons
     return info;
 }
 
+/** What splat encoding 3 did to the words. */
+std::string entropyCoded(const AvatarInfo& info) {
+    if (info.splatEncoding != 3) return {};
+    const SplatBits& b = info.bits;
+    return formatText(", entropy-coded with {}, {}, {}, {} and {} bits of place, angle, size, opacity and colour", int(b.uv), int(b.phi), int(b.scale), int(b.opacity), int(b.colour));
+}
+
 std::vector<std::pair<const char*, uint64_t>> parts(const AvatarInfo& info) {
     return {{"mesh", info.meshBytes}, {"splats", info.splatBytes}, {"spherical harmonics", info.shBytes}, {"pose correctives", info.correctiveBytes},
             {"clips", info.clipBytes}, {"skin", info.skinBytes}, {"json", info.jsonBytes}, {"headers, padding", info.otherBytes}};
@@ -79,7 +86,7 @@ Result<std::string> inspectAsText(const std::filesystem::path& path) {
     std::string out = formatText("{}  \"{}\"\nformat version {}, by {}\n", path.string(), info.name, info.version, info.generator);
     out += formatText("content hash {} {}\n", info.contentHash, info.hashMatches ? "(matches)" : "(DOES NOT MATCH: the file was changed)");
     out += formatText("{} splats in {} chunks, SH degree {}{}\n{} vertices, {} triangles, {} layers, {} joints, {} clips\n\n", info.splats, info.chunks, info.shDegree,
-                      info.shPaletteSize ? formatText(" from a palette of {}", info.shPaletteSize) : "", info.vertices, info.triangles, info.layers, info.joints, info.clips);
+                      (info.shPaletteSize ? formatText(" from a palette of {}", info.shPaletteSize) : std::string()) + entropyCoded(info), info.vertices, info.triangles, info.layers, info.joints, info.clips);
     if (info.correctiveNodes) out.insert(out.size() - 1, formatText("pose correctives: {} nodes, {} modes\n", info.correctiveNodes, info.correctiveModes));
     char line[160];
     if (info.trainedPixelM > 0) {
@@ -110,7 +117,7 @@ Result<std::string> inspectAsJson(const std::filesystem::path& path) {
     DPL_TRY(AvatarInfo info, inspectFile(path, bytes));
     nlohmann::ordered_json out = {{"file", path.string()},        {"name", info.name},         {"version", info.version},       {"generator", info.generator},
                                   {"content_hash", info.contentHash}, {"hash_matches", info.hashMatches}, {"splats", info.splats}, {"chunks", info.chunks},
-                                  {"sh_degree", info.shDegree},   {"sh_palette", info.shPaletteSize}, {"vertices", info.vertices}, {"triangles", info.triangles},   {"layers", info.layers},
+                                  {"sh_degree", info.shDegree},   {"sh_palette", info.shPaletteSize}, {"splat_encoding", info.splatEncoding}, {"vertices", info.vertices}, {"triangles", info.triangles},   {"layers", info.layers},
                                   {"joints", info.joints},        {"clips", info.clips},       {"corrective_nodes", info.correctiveNodes}, {"corrective_modes", info.correctiveModes}};
     if (info.trainedPixelM > 0) out["trained_pixel_m"] = info.trainedPixelM;
     for (const auto& [name, bytes] : parts(info)) out["bytes"][name] = bytes;

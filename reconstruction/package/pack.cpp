@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <span>
@@ -12,6 +13,7 @@
 #include "reconstruction/package/sh_palette.h"
 #include "sdk/core/files.h"
 #include "sdk/format/avatar_file.h"
+#include "sdk/format/splat_codec.h"
 #include "sdk/math/sh.h"
 
 namespace dpl {
@@ -34,9 +36,21 @@ std::vector<ShChoice> shLadder(uint32_t degree) {
     return ladder;
 }
 
-/** Where on its three ladders a candidate stands. */
+/** A field of the splats' words, and the bits that are tried. */
+struct BitLadder {
+    const char* field;
+    uint8_t SplatBits::* bits;
+    std::array<uint8_t, 5> rungs;
+};
+constexpr std::array kBitLadders = {BitLadder{"places on the triangles", &SplatBits::uv, {9, 8, 7, 6, 5}}, BitLadder{"angles", &SplatBits::phi, {8, 7, 6, 5, 4}}, BitLadder{"sizes", &SplatBits::scale, {9, 8, 7, 6, 5}},
+                                    BitLadder{"opacity", &SplatBits::opacity, {7, 6, 5, 4, 3}}, BitLadder{"colour", &SplatBits::colour, {9, 8, 7, 6, 5}}};
+constexpr size_t kLadders = 3 + kBitLadders.size();
+
+/** Where on its ladders a candidate stands. compact: its words are entropy-coded. */
 struct Rungs {
     size_t splats = 0, sh = 0, modes = 0;
+    bool compact = false;
+    SplatBits bits;
 };
 
 void lowerShDegree(SplatData& s, uint32_t degree) {
@@ -122,6 +136,8 @@ void keepModes(PoseCorrectiveData& c, const std::vector<uint32_t>& order, uint32
 }
 
 std::string decibels(double db) { return std::isfinite(db) ? formatText("{} dB", std::round(db * 10) / 10) : "equal"; }
+/** places / angles / sizes / opacity / colour. */
+std::string bitsAsText(const SplatBits& b) { return formatText("{}/{}/{}/{}/{}", int(b.uv), int(b.phi), int(b.scale), int(b.opacity), int(b.colour)); }
 double megabytes(uint64_t bytes) { return std::round(double(bytes) / 1e4) / 100; }
 
 /** The avatar, its ladders, and what is costly to make twice. */
@@ -129,11 +145,16 @@ class Walk {
 public:
     Walk(const AvatarData& avatar, const PackSettings& settings, Jobs& jobs)
         : whole_(avatar), jobs_(jobs), pictures_(avatar, settings.pictures, settings.seed, jobs), sh_(shLadder(avatar.splats.shDegree)), ownPalette_(ownPalette(avatar.splats)), modes_(modesByStrength(avatar.correctives)) {
+        if (const auto coded = codeSplats(avatar.mesh, avatar.splats)) first_.bits = neededBits(*coded);
+        first_.compact = settings.compact;
         const std::vector<float> importance = pictures_.importance(avatar);
         splats_.resize(importance.size());
         std::iota(splats_.begin(), splats_.end(), 0u);
         std::stable_sort(splats_.begin(), splats_.end(), [&](uint32_t a, uint32_t b) { return importance[a] > importance[b]; });
     }
+
+    /** As the avatar came. */
+    const Rungs& first() const { return first_; }
 
     struct Candidate {
         Rungs at;
@@ -152,26 +173,31 @@ public:
         keepSplats(packed.splats, splats_, splatCount(at));
         keepModes(packed.correctives, modes_, modeCount(at));
         c.point.splats = packed.splats.count(), c.point.shDegree = sh.degree, c.point.modes = packed.correctives.modeCount;
-        if (at.splats || at.sh || at.modes)
-            packed.evidence.push_back({"packed", true, 0, 0, formatText("{} of {} splats, SH degree {} of {}{}, {} of {} modes of pose correctives", c.point.splats, whole_.splats.count(), sh.degree,
-                                                                        whole_.splats.shDegree, sh.entries ? formatText(" from a palette of {}", sh.entries) : "", c.point.modes, whole_.correctives.modeCount)});
-        DPL_TRY(c.file, writeAvatar(packed, {.shPalette = sh.entries > 0 || (at.sh == 0 && ownPalette_ > 0)}));
+        if (at.splats || at.sh || at.modes || at.bits != first_.bits)
+            packed.evidence.push_back({"packed", true, 0, 0, formatText("{} of {} splats, SH degree {} of {}{}, {} of {} modes of pose correctives, {} bits", c.point.splats, whole_.splats.count(), sh.degree,
+                                                                        whole_.splats.shDegree, sh.entries ? formatText(" from a palette of {}", sh.entries) : "", c.point.modes, whole_.correctives.modeCount, bitsAsText(at.bits))});
+        DPL_TRY(c.file, writeAvatar(packed, {.shPalette = sh.entries > 0 || (at.sh == 0 && ownPalette_ > 0), .compact = at.compact, .bits = at.bits}));
         DPL_TRY(const AvatarData decoded, readAvatar(c.file));
         DPL_TRY(const AvatarInfo info, inspectAvatar(c.file));
-        c.point.shEntries = info.shPaletteSize;
+        c.point.shEntries = info.shPaletteSize, c.point.bits = at.bits, c.point.compact = info.splatEncoding == 3;
         const PackError error = pictures_.compare(decoded);
         c.point.bytes = c.file.size(), c.point.psnrDb = error.psnrDb(), c.point.wholePsnrDb = error.wholePsnrDb();
         c.squares = error.squares;
         return c;
     }
 
-    /** One step down each ladder that has one, with its name. A step that changes nothing (a few splats, few modes) is taken further. */
-    std::vector<std::pair<Rungs, std::string>> moves(const Rungs& from) const {
-        std::vector<std::pair<Rungs, std::string>> out;
+    struct Move {
+        size_t ladder;
+        Rungs to;
+        std::string name;
+    };
+    /** One step down each ladder that has one. A step that changes nothing (a few splats, few modes) is taken further. */
+    std::vector<Move> moves(const Rungs& from) const {
+        std::vector<Move> out;
         Rungs next = from;
         while (++next.splats < kSplatPercents.size())
             if (splatCount(next) < splatCount(from)) {
-                out.emplace_back(next, formatText("{} % of the splats", kSplatPercents[next.splats]));
+                out.push_back({0, next, formatText("{} % of the splats", kSplatPercents[next.splats])});
                 break;
             }
         next = from;
@@ -179,19 +205,27 @@ public:
             const ShChoice sh = sh_[next.sh];
             if (sh.entries > 0 && sh.entries >= splatCount(from)) continue;
             if (sh.entries > 0 && ownPalette_ > 0 && sh.entries >= ownPalette_ && sh.degree == whole_.splats.shDegree) continue;
-            out.emplace_back(next, sh.entries ? formatText("SH degree {}, palette of {}", sh.degree, sh.entries) : "no view-dependent colour");
+            out.push_back({1, next, sh.entries ? formatText("SH degree {}, palette of {}", sh.degree, sh.entries) : "no view-dependent colour"});
             break;
         }
         next = from;
         while (++next.modes < kModePercents.size())
             if (modeCount(next) < modeCount(from)) {
-                out.emplace_back(next, modeCount(next) ? formatText("{} modes of pose correctives", modeCount(next)) : "no pose correctives");
+                out.push_back({2, next, modeCount(next) ? formatText("{} modes of pose correctives", modeCount(next)) : "no pose correctives"});
                 break;
             }
+        for (size_t k = 0; k < kBitLadders.size(); ++k) {
+            const BitLadder& ladder = kBitLadders[k];
+            const auto rung = std::find_if(ladder.rungs.begin(), ladder.rungs.end(), [&](uint8_t bits) { return bits < from.bits.*ladder.bits; });
+            if (rung == ladder.rungs.end()) continue;
+            next = from;
+            next.bits.*ladder.bits = *rung;
+            out.push_back({3 + k, next, formatText("{} in {} bits", ladder.field, int(*rung))});
+        }
         return out;
     }
 
-    size_t rungs() const { return kSplatPercents.size() + sh_.size() + (modes_.empty() ? 0 : kModePercents.size()); }
+    size_t rungs() const { return kSplatPercents.size() + sh_.size() + (modes_.empty() ? 0 : kModePercents.size()) + kBitLadders.size() * kBitLadders[0].rungs.size(); }
 
 private:
     size_t splatCount(const Rungs& at) const { return size_t(std::llround(double(whole_.splats.count()) * kSplatPercents[at.splats] / 100)); }
@@ -213,6 +247,7 @@ private:
     Jobs& jobs_;
     PackPictures pictures_;
     std::vector<ShChoice> sh_;
+    Rungs first_;
     uint32_t ownPalette_;                     // entries of the palette that the avatar came with; 0: none
     std::vector<uint32_t> modes_, splats_;    // strongest, most visible first
     std::map<size_t, std::vector<float>> rows_;
@@ -232,7 +267,7 @@ Result<PackResult> packToLimits(const AvatarData& avatar, const PackLimits& limi
     if (!limits.maxBytes && !limits.minPsnrDb) return fail(Code::InvalidArgument, "nothing limits the packing: give a size, a PSNR or both");
     DPL_CHECK_OK(progress(0, "drawing the unpacked avatar"));
     Walk walk(avatar, settings, jobs);
-    DPL_TRY(Walk::Candidate here, walk.measure({}));
+    DPL_TRY(Walk::Candidate here, walk.measure(walk.first()));
     here.point.move = "as it was";
     PackResult result;
     result.curve.push_back(here.point);
@@ -244,27 +279,57 @@ Result<PackResult> packToLimits(const AvatarData& avatar, const PackLimits& limi
         const double whole = std::log(double(result.curve[0].bytes) / double(*limits.maxBytes)), done = std::log(double(result.curve[0].bytes) / double(here.point.bytes));
         return std::clamp(std::max(climbed, done / whole), 0.0, 1.0);
     };
-    while (!limits.maxBytes || here.point.bytes > *limits.maxBytes) {
-        std::optional<Walk::Candidate> best, nearest;   // nearest: of those that do not fit
-        double bestSlope = 0;
-        for (const auto& [rungs, move] : walk.moves(here.at)) {
-            DPL_CHECK_OK(progress(share(), formatText("{} MB, {}; trying {}", megabytes(here.point.bytes), decibels(here.point.psnrDb), move)));
-            DPL_TRY(Walk::Candidate c, walk.measure(rungs));
-            c.point.move = move;
-            if (c.point.bytes >= here.point.bytes) continue;
-            // Bytes saved for each unit of new error; a move that costs none wins over all that do.
-            const double slope = double(here.point.bytes - c.point.bytes) / std::max(c.squares - here.squares, 1e-9);
+    const auto wanted = [&] { return !limits.maxBytes || here.point.bytes > *limits.maxBytes; };
+    if (!walk.first().compact && wanted()) {
+        Rungs coded = walk.first();
+        coded.compact = true;
+        DPL_TRY(Walk::Candidate c, walk.measure(coded));
+        here.at = coded;
+        if (c.point.bytes < here.point.bytes) {
+            here = std::move(c), here.point.move = "words entropy-coded";
+            result.curve.push_back(here.point);
+        }
+    }
+    // The next move of each ladder: what it was worth when it was last measured, and the candidate if that was from here. Whatever looks best is
+    // measured again before it is taken; error only grows, so what did not fit once does not fit later.
+    struct Known {
+        double slope = std::numeric_limits<double>::infinity();   // bytes saved for each unit of new error; infinite: never measured
+        std::optional<Walk::Candidate> fresh;
+        bool ended = false;
+    };
+    std::array<Known, kLadders> known;
+    std::optional<PackPoint> nearest;   // of those that do not fit
+    while (wanted()) {
+        const std::vector<Walk::Move> moves = walk.moves(here.at);
+        const Walk::Move* best = nullptr;
+        for (;;) {
+            best = nullptr;
+            for (const Walk::Move& m : moves)
+                if (!known[m.ladder].ended && known[m.ladder].slope > 0 && (!best || known[m.ladder].slope > known[best->ladder].slope)) best = &m;
+            if (!best || known[best->ladder].fresh) break;
+            Known& k = known[best->ladder];
+            DPL_CHECK_OK(progress(share(), formatText("{} MB, {}; trying {}", megabytes(here.point.bytes), decibels(here.point.psnrDb), best->name)));
+            DPL_TRY(Walk::Candidate c, walk.measure(best->to));
+            c.point.move = best->name;
             if (!fits(c.point)) {
-                if (!nearest || c.point.psnrDb > nearest->point.psnrDb) nearest = std::move(c);
-            } else if (!best || slope > bestSlope) {
-                best = std::move(c), bestSlope = slope;
+                if (c.point.bytes < here.point.bytes && (!nearest || c.point.psnrDb > nearest->psnrDb)) nearest = c.point;
+                k.ended = true;
+                continue;
             }
+            // A move that costs no error wins over all that do.
+            k.slope = c.point.bytes < here.point.bytes ? double(here.point.bytes - c.point.bytes) / std::max(c.squares - here.squares, 1e-9) : 0;
+            k.fresh = std::move(c);
         }
         if (!best) {
-            if (limits.maxBytes) return outOfReach(limits, here.point, nearest ? &nearest->point : nullptr);
+            if (limits.maxBytes) return outOfReach(limits, here.point, nearest ? &*nearest : nullptr);
             break;
         }
-        here = std::move(*best);
+        here = std::move(*known[best->ladder].fresh);
+        known[best->ladder] = {};
+        for (Known& k : known) {
+            k.fresh.reset();
+            if (k.slope == 0) k.slope = Known().slope;   // it saved nothing there
+        }
         result.curve.push_back(here.point);
         ++taken;
     }
@@ -278,15 +343,18 @@ Result<PackResult> packFile(const std::filesystem::path& path, const PackLimits&
     DPL_TRY(const auto bytes, readFile(path));
     const auto avatar = readAvatar(bytes);
     if (!avatar) return fail(avatar.error().code, "{}: {}", path.string(), avatar.error().message);
-    return packToLimits(*avatar, limits, settings, jobs, progress);
+    DPL_TRY(const AvatarInfo info, inspectAvatar(bytes));
+    PackSettings asItCame = settings;
+    asItCame.compact = info.splatEncoding == 3;
+    return packToLimits(*avatar, limits, asItCame, jobs, progress);
 }
 
 std::string curveAsText(const std::vector<PackPoint>& curve) {
-    std::string out = "| step | bytes | of the first | PSNR dB | whole picture | splats | SH degree | palette | modes |\n|---|---|---|---|---|---|---|---|---|\n";
-    char row[240];
+    std::string out = "| step | bytes | of the first | PSNR dB | whole picture | splats | SH degree | palette | modes | bits |\n|---|---|---|---|---|---|---|---|---|---|\n";
+    char row[300];
     for (const PackPoint& p : curve) {
-        std::snprintf(row, sizeof row, "| %s | %llu | %.1f %% | %s | %s | %u | %u | %s | %u |\n", p.move.c_str(), static_cast<unsigned long long>(p.bytes), 100.0 * double(p.bytes) / double(curve[0].bytes),
-                      decibels(p.psnrDb).c_str(), decibels(p.wholePsnrDb).c_str(), p.splats, p.shDegree, p.shEntries ? formatText("{}", p.shEntries).c_str() : "–", p.modes);
+        std::snprintf(row, sizeof row, "| %s | %llu | %.1f %% | %s | %s | %u | %u | %s | %u | %s |\n", p.move.c_str(), static_cast<unsigned long long>(p.bytes), 100.0 * double(p.bytes) / double(curve[0].bytes),
+                      decibels(p.psnrDb).c_str(), decibels(p.wholePsnrDb).c_str(), p.splats, p.shDegree, p.shEntries ? formatText("{}", p.shEntries).c_str() : "–", p.modes, bitsAsText(p.bits).c_str());
         out += row;
     }
     return out;

@@ -1,8 +1,11 @@
 // Making an avatar smaller along its measured rate-distortion curve: which of its parts to thin next is decided by pictures.
 //
 //   splats (the least visible go first) ─┐
-//   SH (own rows → palettes → a lower degree → none) ─┼─► the move that saves most bytes for its error ─► again, until the limits are met
-//   correctives (the weakest modes go first) ─┘
+//   SH (own rows → palettes → a lower degree → none) ─┤
+//   correctives (the weakest modes go first) ─────────┼─► the move that saves most bytes for its error ─► again, until the limits are met
+//   bits (of places, angles, sizes, opacity, colour) ─┘
+//
+// Words are entropy-coded first (splat encoding 3): that costs no error.
 #pragma once
 
 #include <filesystem>
@@ -14,6 +17,7 @@
 #include "sdk/core/jobs.h"
 #include "sdk/core/result.h"
 #include "sdk/format/avatar_data.h"
+#include "sdk/format/coded_splats.h"
 
 namespace dpl {
 
@@ -28,6 +32,8 @@ struct PackPoint {
     uint64_t bytes = 0;                   // of the whole file
     double psnrDb = 0, wholePsnrDb = 0;   // infinite at the start
     uint32_t splats = 0, shDegree = 0, shEntries = 0, modes = 0;   // shEntries 0: every splat has its own SH
+    SplatBits bits;                       // of the splats' fields
+    bool compact = false;                 // splat encoding 3
 };
 
 struct PackResult {
@@ -38,6 +44,7 @@ struct PackResult {
 struct PackSettings {
     uint64_t seed = 1;                    // of views and poses
     uint32_t pictures = 16;
+    bool compact = false;                 // the avatar came in splat encoding 3: packFile looks
 };
 
 /** Walks until the file is as small as maxBytes allows, or, without it, until nothing more fits minPsnrDb. At least one limit must be set.

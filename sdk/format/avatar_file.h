@@ -21,6 +21,8 @@ constexpr float kPositionLimitM = 32;                 // coordinates beyond this
 struct WriteOptions {
     bool draco = true;        // false: plain accessors, for validators and viewers without Draco; decodes to the same AvatarData
     bool shPalette = false;   // rows of SH that repeat are written once (splat encoding 2); InvalidArgument above 65,536 different ones
+    bool compact = false;     // splats entropy-coded (splat encoding 3) where that is smaller; loads to the same words, some 0.1 µs a splat slower
+    SplatBits bits = {};      // codes are rounded to so many first
 };
 
 /** Encodes an avatar. Layers must tile the vertex and triangle arrays in order, joint 0 must be the only root, parents first,
@@ -52,9 +54,11 @@ struct AvatarInfo {
     uint32_t correctiveModes = 0, correctiveNodes = 0;
     float trainedPixelM = 0;      // AvatarData's
     uint32_t shPaletteSize = 0;   // 0: every splat has its own SH
+    uint32_t splatEncoding = 0;
+    SplatBits bits;               // of the splats' fields; less than all only in encoding 3
     uint64_t fileBytes = 0;
     uint64_t meshBytes = 0;       // Draco views, or plain vertex and index views
-    uint64_t splatBytes = 0;      // triangle counts, chunk table, three words a splat
+    uint64_t splatBytes = 0;      // triangle counts, chunk table, three words a splat; encoding 3: palette indices too
     uint64_t shBytes = 0;         // beyond coefficient 0: of every splat, or palette and indices
     uint64_t correctiveBytes = 0; // pose correctives
     uint64_t clipBytes = 0;       // animation samplers

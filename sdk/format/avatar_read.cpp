@@ -8,6 +8,7 @@
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/content_hash.h"
 #include "sdk/format/correctives.h"
+#include "sdk/format/correctives_compact.h"
 #include "sdk/format/gltf_model.h"
 #include "sdk/format/splat_codec.h"
 #include "sdk/format/vertex_colour.h"
@@ -279,16 +280,19 @@ struct AvatarReader {
         DPL_TRY(const Json* object, root.object("splats"));
         const Fields splats(*object, "splats");
         DPL_TRY(const uint64_t encoding, splats.number("encoding", 0xffffffffu));
-        if (encoding != 1 && encoding != 2) return fail(Code::Version, "splat encoding {}; this build reads 1 and 2: update Doppel or export again", encoding);
+        if (encoding < 1 || encoding > 3) return fail(Code::Version, "splat encoding {}; this build reads 1 to 3: update Doppel or export again", encoding);
         DPL_CHECK_OK(splats.mustBe("shBasis", "3dgs-real"));
         DPL_TRY(const uint64_t chunkSize, splats.number("chunkSize", 0xffffffffu));
-        if (chunkSize != kSplatChunkSize) return fail(Code::Unsupported, "chunks of {} splats; encodings 1 and 2 have {}", chunkSize, kSplatChunkSize);
+        if (chunkSize != kSplatChunkSize) return fail(Code::Unsupported, "chunks of {} splats; encodings 1 to 3 have {}", chunkSize, kSplatChunkSize);
         DPL_TRY(const uint64_t count, splats.number("count", limits.maxSplats));
         DPL_TRY(const uint64_t degree, splats.number("shDegree", 3));
-        SplatHead head{uint32_t(count), uint32_t(degree), 0};
-        if (encoding == 2) {
+        SplatHead head{uint32_t(count), uint32_t(degree), 0, {}};
+        if (encoding == 3) {
+            DPL_TRY(head.bits, readBits(splats));
+        }
+        if (encoding == 2 || (encoding == 3 && splats.has("shPaletteSize"))) {
             DPL_TRY(const uint64_t entries, splats.number("shPaletteSize", kMaxShPalette));
-            if (entries == 0) return fail(Code::CorruptData, "splat encoding 2 with an empty SH palette");
+            if (entries == 0) return fail(Code::CorruptData, "splat encoding {} with an empty SH palette", encoding);
             head.paletteSize = uint32_t(entries);
         }
         DPL_TRY(const Json* streams, splats.object("streams"));
@@ -299,14 +303,29 @@ struct AvatarReader {
         DPL_TRY(in.size, stream(*streams, "size"));
         DPL_TRY(in.colour, stream(*streams, "colour"));
         DPL_TRY(in.shIndex, stream(*streams, "shIndex"));
+        DPL_TRY(in.ranges, stream(*streams, "ranges"));
+        DPL_TRY(in.coded, stream(*streams, "coded"));
         DPL_TRY(in.sh, stream(*streams, "sh"));
         DPL_TRY(coded, readSplatStreams(in, avatar.mesh, head, limits));
-        info.splatBytes = in.triangleCounts.size() + in.chunks.size() + in.place.size() + in.size.size() + in.colour.size();
+        info.splatBytes = in.triangleCounts.size() + in.chunks.size() + in.place.size() + in.size.size() + in.colour.size() + in.ranges.size() + in.coded.size();
         info.shBytes = in.sh.size() + in.shIndex.size();
         info.shPaletteSize = head.paletteSize;
-        info.chunks = uint32_t(in.chunks.size() / sizeof(SplatChunk));
+        info.splatEncoding = uint32_t(encoding), info.bits = head.bits.value_or(SplatBits());
+        info.chunks = uint32_t(coded.chunks.size());
         info.splats = coded.count(), info.shDegree = coded.shDegree;
         return {};
+    }
+
+    Result<SplatBits> readBits(const Fields& splats) {
+        DPL_TRY(const Json* object, splats.object("bits"));
+        const Fields fields(*object, "bits");
+        SplatBits bits;
+        DPL_TRY(bits.uv, fields.number("uv", 255));
+        DPL_TRY(bits.phi, fields.number("phi", 255));
+        DPL_TRY(bits.scale, fields.number("scale", 255));
+        DPL_TRY(bits.opacity, fields.number("opacity", 255));
+        DPL_TRY(bits.colour, fields.number("colour", 255));
+        return bits;
     }
 
     Status readCorrectives() {
@@ -316,7 +335,7 @@ struct AvatarReader {
         DPL_TRY(const Json* object, root.object("poseCorrectives"));
         const Fields fields(*object, "poseCorrectives");
         DPL_TRY(const uint64_t encoding, fields.number("encoding", 0xffffffffu));
-        if (encoding != 1) return fail(Code::Version, "pose corrective encoding {}; this build reads 1: update Doppel or export again", encoding);
+        if (encoding != 1 && encoding != 2) return fail(Code::Version, "pose corrective encoding {}; this build reads 1 and 2: update Doppel or export again", encoding);
         PoseCorrectiveData head;
         DPL_TRY(const uint64_t modes, fields.number("modeCount", kMaxCorrectiveModes));
         DPL_TRY(const uint64_t nodes, fields.number("nodeCount", kMaxCorrectiveNodes));
@@ -335,8 +354,17 @@ struct AvatarReader {
         DPL_TRY(in.nodes, stream(*streams, "nodes"));
         DPL_TRY(in.nodeIndices, stream(*streams, "nodeIndices"));
         DPL_TRY(in.nodeWeights, stream(*streams, "nodeWeights"));
+        DPL_TRY(const auto coded, stream(*streams, "coded"));
+        info.correctiveBytes = in.mean.size() + in.modes.size() + in.ranges.size() + in.nodes.size() + in.nodeIndices.size() + in.nodeWeights.size() + coded.size();
+        CorrectiveStreams<std::vector<uint8_t>> expanded;
+        if (encoding == 2) {
+            if (!in.nodes.empty() || !in.nodeIndices.empty() || !in.nodeWeights.empty()) return fail(Code::CorruptData, "pose corrective encoding 2 beside streams of encoding 1");
+            DPL_TRY(expanded, expandCorrectives(coded, head.modeCount, head.nodeCount, avatar.mesh.restPositions.size()));
+            in.nodes = expanded.nodes, in.nodeIndices = expanded.nodeIndices, in.nodeWeights = expanded.nodeWeights;
+        } else if (!coded.empty()) {
+            return fail(Code::CorruptData, "a stream of pose corrective encoding 2 in encoding 1");
+        }
         DPL_TRY(avatar.correctives, decodeCorrectives(in, std::move(head), avatar.mesh.restPositions.size()));
-        info.correctiveBytes = in.mean.size() + in.modes.size() + in.ranges.size() + in.nodes.size() + in.nodeIndices.size() + in.nodeWeights.size();
         return {};
     }
 

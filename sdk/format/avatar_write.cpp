@@ -4,6 +4,7 @@
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/content_hash.h"
 #include "sdk/format/correctives.h"
+#include "sdk/format/correctives_compact.h"
 #include "sdk/format/draco_mesh.h"
 #include "sdk/format/glb_builder.h"
 #include "sdk/format/splat_codec.h"
@@ -125,33 +126,42 @@ void addClip(GlbBuilder& glb, const AvatarData& a, const ClipData& clip) {
     glb.root["animations"].push_back({{"name", clip.name}, {"samplers", std::move(samplers)}, {"channels", std::move(channels)}});
 }
 
-Json poseCorrectives(GlbBuilder& glb, const PoseCorrectiveData& c) {
-    const auto streams = encodeCorrectives(c);
-    Json out = {{"encoding", 1}, {"modeCount", c.modeCount}, {"nodeCount", c.nodeCount}, {"joints", c.joints}, {"reach", c.reach}};
+Json poseCorrectives(GlbBuilder& glb, const PoseCorrectiveData& c, bool compact) {
+    auto streams = encodeCorrectives(c);
+    std::vector<uint8_t> coded;
+    if (compact) coded = compactCorrectives(streams, c.nodeCount);
+    if (coded.size() >= streams.nodes.size() + streams.nodeIndices.size() + streams.nodeWeights.size()) coded.clear();
+    if (!coded.empty()) streams.nodes.clear(), streams.nodeIndices.clear(), streams.nodeWeights.clear();
+    Json out = {{"encoding", coded.empty() ? 1 : 2}, {"modeCount", c.modeCount}, {"nodeCount", c.nodeCount}, {"joints", c.joints}, {"reach", c.reach}};
     if (c.reachOffModes < PoseCorrectiveData().reachOffModes) out["reachOffModes"] = c.reachOffModes;
     auto stream = [&](const char* name, const std::vector<uint8_t>& bytes) {
         if (!bytes.empty()) out["streams"][name] = glb.addView(bytes);
     };
     stream("mean", streams.mean), stream("modes", streams.modes), stream("ranges", streams.ranges), stream("nodes", streams.nodes);
-    stream("nodeIndices", streams.nodeIndices), stream("nodeWeights", streams.nodeWeights);
+    stream("nodeIndices", streams.nodeIndices), stream("nodeWeights", streams.nodeWeights), stream("coded", coded);
     return out;
 }
 
-Json splatsOf(GlbBuilder& glb, const AvatarData& a, const CodedSplats& coded) {
-    const auto streams = writeSplatStreams(coded, a.mesh.triangles.size());
+Json splatsOf(GlbBuilder& glb, const AvatarData& a, const CodedSplats& coded, bool compact) {
+    const auto streams = writeSplatStreams(coded, a.mesh.triangles.size(), compact);
     const bool palette = !coded.shIndex.empty();
-    Json splats = {{"encoding", palette ? 2 : 1}, {"count", coded.count()}, {"chunkSize", kSplatChunkSize}, {"shDegree", coded.shDegree}, {"shBasis", "3dgs-real"}};
+    Json splats = {{"encoding", !streams.coded.empty() ? 3 : palette ? 2 : 1}, {"count", coded.count()}, {"chunkSize", kSplatChunkSize}, {"shDegree", coded.shDegree}, {"shBasis", "3dgs-real"}};
     if (palette) splats["shPaletteSize"] = coded.sh.size() / shEntryBytes(coded.shDegree);
+    if (!streams.coded.empty()) {
+        const SplatBits bits = neededBits(coded);
+        splats["bits"] = {{"uv", bits.uv}, {"phi", bits.phi}, {"scale", bits.scale}, {"opacity", bits.opacity}, {"colour", bits.colour}};
+    }
     auto stream = [&](const char* name, const std::vector<uint8_t>& bytes) {
         if (!bytes.empty()) splats["streams"][name] = glb.addView(bytes);
     };
     splats["streams"] = Json::object();
     stream("triangleCounts", streams.triangleCounts), stream("chunks", streams.chunks), stream("place", streams.place);
-    stream("size", streams.size), stream("colour", streams.colour), stream("shIndex", streams.shIndex), stream("sh", streams.sh);
+    stream("size", streams.size), stream("colour", streams.colour), stream("shIndex", streams.shIndex);
+    stream("ranges", streams.ranges), stream("coded", streams.coded), stream("sh", streams.sh);
     return splats;
 }
 
-Json avatarExtension(GlbBuilder& glb, const AvatarData& a, const CodedSplats& coded) {
+Json avatarExtension(GlbBuilder& glb, const AvatarData& a, const CodedSplats& coded, bool compact) {
     // The lowest version that can say it: readers of version 1 would drop correctives and draw another person.
     Json ours = {{"version", a.correctives.empty() ? 1 : kAvatarFormatVersion},
                  {"name", a.name},
@@ -173,8 +183,8 @@ Json avatarExtension(GlbBuilder& glb, const AvatarData& a, const CodedSplats& co
         if (!a.joints[j].humanoidBone.empty()) ours["humanoidBones"].push_back({{"bone", a.joints[j].humanoidBone}, {"joint", j}});
     for (const EvidenceData& e : a.evidence) ours["evidence"].push_back({{"part", e.part}, {"kept", e.kept}, {"gainDb", e.gainDb}, {"bytes", e.bytes}, {"reason", e.reason}});
 
-    ours["splats"] = splatsOf(glb, a, coded);
-    if (!a.correctives.empty()) ours["poseCorrectives"] = poseCorrectives(glb, a.correctives);
+    ours["splats"] = splatsOf(glb, a, coded, compact);
+    if (!a.correctives.empty()) ours["poseCorrectives"] = poseCorrectives(glb, a.correctives, compact);
     return ours;
 }
 
@@ -190,7 +200,8 @@ Result<std::vector<uint8_t>> writeAvatar(const AvatarData& avatar, const WriteOp
     DPL_CHECK_OK(checkAvatar(avatar));
     AvatarData a = avatar;
     snapAvatar(a);
-    DPL_TRY(const CodedSplats coded, codeSplats(a.mesh, a.splats, options.shPalette));
+    DPL_TRY(CodedSplats coded, codeSplats(a.mesh, a.splats, options.shPalette));
+    coarsenSplats(coded, options.bits);
     GlbBuilder glb;
     glb.root["asset"] = {{"version", "2.0"}, {"generator", a.generator}};
     glb.root["extensionsUsed"] = {"DPL_gaussian_avatar"};
@@ -207,7 +218,7 @@ Result<std::vector<uint8_t>> writeAvatar(const AvatarData& avatar, const WriteOp
         }
     }
     for (const LayerData& layer : a.mesh.layers) DPL_CHECK_OK(addLayer(glb, a.mesh, layer, a.joints.size() > 256, options.draco));
-    glb.root["extensions"]["DPL_gaussian_avatar"] = avatarExtension(glb, a, coded);
+    glb.root["extensions"]["DPL_gaussian_avatar"] = avatarExtension(glb, a, coded, options.compact);
     addNodesAndSkin(glb, a);
     for (const ClipData& clip : a.clips) addClip(glb, a, clip);
     if (glb.bin().size() > (1ull << 31) - (64u << 20)) return fail(Code::Unsupported, "the avatar has {} bytes, more than a .glb that every reader takes", glb.bin().size());

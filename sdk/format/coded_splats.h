@@ -19,6 +19,13 @@ constexpr uint32_t kScaleCodes = 2047;
 constexpr uint32_t kColourCodes[3] = {1023, 2047, 2047};
 constexpr uint32_t kMaxShPalette = 65536;
 
+/** How many bits a file keeps of each field; as here, all that there are. Codes of fewer bits are spread evenly over the words' own, ends included. */
+struct SplatBits {
+    uint8_t uv = 11, phi = 10, scale = 11, opacity = 8;
+    uint8_t colour = 11;   // of green and blue; red has one less
+    bool operator==(const SplatBits&) const = default;
+};
+
 /** One chunk as it lies in the file. Ranges are values that occur in the chunk, so encoding again finds the same ranges. */
 struct SplatChunk {
     uint32_t firstSplat = 0, splatCount = 0;

@@ -2,19 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <numbers>
-#include <string_view>
+#include <string>
 #include <unordered_map>
 
-#include "sdk/format/plain_bytes.h"
+#include "sdk/format/range_code.h"
+#include "sdk/format/splat_chunks.h"
 #include "sdk/math/sh.h"
 
 namespace dpl {
 namespace {
 
 constexpr float kMinShRange = 1e-6f;   // below this a band is all zero
-constexpr float kMaxScaleM = 1e3f, kMaxSh = 1e6f;
 
 uint32_t encodeUv(float x) { return uint32_t(std::clamp(std::lround(double(x) * kUvSteps) + kUvZero, 0L, 2047L)); }
 float decodeUv(uint32_t code) { return float((int(code) - kUvZero) / kUvSteps); }
@@ -26,52 +25,10 @@ uint32_t encodePhi(float phi) {
 }
 float decodePhi(uint32_t code) { return float(code * std::numbers::pi / kPhiSteps); }
 
-/** Codes 0..top between two attained values, evenly in `value` or in its logarithm. The ends decode exactly. */
-class RangeCode {
-public:
-    RangeCode(float low, float high, uint32_t top, bool logarithmic) : low_(low), high_(high), top_(top), logarithmic_(logarithmic) {
-        from_ = map(low), width_ = map(high) - from_;
-    }
-    float decode(uint32_t code) const {
-        if (code == 0 || !(width_ > 0)) return low_;
-        if (code >= top_) return high_;
-        const double x = from_ + width_ * code / top_;
-        return std::clamp(float(logarithmic_ ? std::exp(x) : x), low_, high_);
-    }
-    /** Nearest code, then moved until decode and nearest agree: in a range of a few ulps several codes decode alike, and the
-     *  code must not change when the decoded value is encoded again. nearest∘decode is monotone, so this ends. */
-    uint32_t encode(float value) const {
-        uint32_t code = nearest(value);
-        for (uint32_t round = 0; round < top_; ++round) {
-            const uint32_t again = nearest(decode(code));
-            if (again == code) break;
-            code = again;
-        }
-        return code;
-    }
-
-private:
-    double map(float v) const { return logarithmic_ ? std::log(double(v)) : double(v); }
-    uint32_t nearest(float v) const {
-        if (!(width_ > 0) || v <= low_) return 0;
-        if (v >= high_) return top_;
-        return uint32_t(std::clamp(std::llround((map(v) - from_) / width_ * top_), 0LL, (long long)top_));
-    }
-    float low_, high_;
-    double from_, width_;
-    uint32_t top_;
-    bool logarithmic_;
-};
-
 float clampScale(float s) { return std::max(s, kMinSplatScaleM); }
 
 int8_t encodeSh(float v, float range) { return range > 0 ? int8_t(std::lround(127.0 * v / range)) : int8_t(0); }
 float decodeSh(int8_t code, float range) { return float(double(code) * range / 127.0); }
-
-void appendVarint(std::vector<uint8_t>& out, uint32_t value) {
-    for (; value >= 0x80; value >>= 7) out.push_back(uint8_t(value | 0x80));
-    out.push_back(uint8_t(value));
-}
 
 /** Ranges of the chunk's splats; shRange is the caller's. */
 SplatChunk chunkRanges(const SplatData& s, uint32_t first, uint32_t count) {
@@ -137,83 +94,6 @@ void codeShOfEachSplat(const SplatData& s, CodedSplats& out) {
     }
 }
 
-/** Splats [first, end) of each layer, in order; of a mesh whose layers do not tile its triangles (avatars made in memory may), all at once. */
-template <class Visit>
-void forLayers(const MeshData& mesh, const std::vector<uint32_t>& start, Visit&& visit) {
-    uint32_t triangle = 0;
-    for (const LayerData& layer : mesh.layers) {
-        if (layer.firstTriangle != triangle || layer.triangleCount > mesh.triangles.size() - triangle) break;
-        triangle += layer.triangleCount;
-    }
-    if (triangle != mesh.triangles.size()) return visit(start.front(), start.back());
-    for (const LayerData& layer : mesh.layers) visit(start[layer.firstTriangle], start[layer.firstTriangle + layer.triangleCount]);
-}
-
-/** parents, parent and the chunks' firstParent, from the chunks' splats and the triangles'. */
-void setParents(CodedSplats& out, const std::vector<uint32_t>& start) {
-    const uint32_t n = out.count();
-    out.parent.resize(n);
-    uint32_t triangle = 0;
-    size_t parents = 0;
-    for (size_t t = 0; t + 1 < start.size(); ++t) parents += start[t] != start[t + 1];
-    out.parents.reserve(parents + out.chunks.size());
-    for (SplatChunk& c : out.chunks) {
-        c.firstParent = uint32_t(out.parents.size());
-        for (uint32_t i = c.firstSplat; i < c.firstSplat + c.splatCount; ++i) {
-            while (start[triangle + 1] <= i) ++triangle;
-            if (out.parents.size() == c.firstParent || out.parents.back() != triangle) out.parents.push_back(triangle);
-            out.parent[i] = uint8_t(out.parents.size() - 1 - c.firstParent);
-        }
-        c.firstTriangle = out.parents[c.firstParent], c.endTriangle = triangle + 1;
-    }
-}
-
-/** Splats of each triangle, as a prefix sum. */
-std::vector<uint32_t> triangleStarts(const CodedSplats& coded, size_t triangleCount) {
-    std::vector<uint32_t> start(triangleCount + 1, 0);
-    for (const SplatChunk& c : coded.chunks)
-        for (uint32_t i = c.firstSplat; i < c.firstSplat + c.splatCount; ++i) ++start[coded.parents[c.firstParent + coded.parent[i]] + 1];
-    for (size_t t = 0; t < triangleCount; ++t) start[t + 1] += start[t];
-    return start;
-}
-
-Result<std::vector<uint32_t>> decodeTriangleCounts(std::span<const uint8_t> bytes, uint32_t triangleCount, uint32_t splatCount) {
-    if (bytes.size() < triangleCount) return fail(Code::CorruptData, "{} bytes of splat counts for {} triangles", bytes.size(), triangleCount);
-    std::vector<uint32_t> start(size_t(triangleCount) + 1, 0);
-    size_t at = 0;
-    uint64_t total = 0;
-    for (uint32_t t = 0; t < triangleCount; ++t) {
-        uint64_t value = 0;
-        for (uint32_t shift = 0;; shift += 7) {
-            if (at == bytes.size() || shift > 28) return fail(Code::CorruptData, "splat count of triangle {} is cut off or too long", t);
-            const uint8_t byte = bytes[at++];
-            value |= uint64_t(byte & 0x7f) << shift;
-            if (byte & 0x80) continue;
-            if (byte == 0 && shift > 0) return fail(Code::CorruptData, "splat count of triangle {} is not in shortest form", t);
-            break;
-        }
-        total += value;
-        if (total > splatCount) return fail(Code::CorruptData, "triangles up to {} hold {} splats, the file has {}", t, total, splatCount);
-        start[t + 1] = uint32_t(total);
-    }
-    if (total != splatCount) return fail(Code::CorruptData, "triangles hold {} splats, the file has {}", total, splatCount);
-    if (at != bytes.size()) return fail(Code::CorruptData, "{} bytes after the last splat count", bytes.size() - at);
-    return start;
-}
-
-Status checkChunk(const SplatChunk& c, size_t index, uint32_t first, uint32_t count, const std::vector<uint32_t>& start) {
-    auto ordered = [](float low, float high, float limit) { return std::isfinite(low) && std::isfinite(high) && low <= high && std::abs(low) <= limit && std::abs(high) <= limit; };
-    bool ok = c.firstSplat == first && c.splatCount == count && c.firstParent == 0;
-    ok = ok && c.firstTriangle < c.endTriangle && c.endTriangle < start.size();
-    ok = ok && start[c.firstTriangle] <= first && first < start[c.firstTriangle + 1];
-    ok = ok && start[c.endTriangle - 1] < first + count && first + count <= start[c.endTriangle];
-    if (!ok) return fail(Code::CorruptData, "chunk {} does not match the splat counts of its triangles", index);
-    ok = ordered(c.scaleMinM, c.scaleMaxM, kMaxScaleM) && c.scaleMinM >= kMinSplatScaleM;
-    for (int k = 0; k < 3; ++k) ok = ok && ordered(c.dcMin[k], c.dcMax[k], kMaxSh) && ordered(0, c.shRange[k], kMaxSh);
-    if (!ok) return fail(Code::CorruptData, "chunk {} has a range that is not finite, empty or too large", index);
-    return {};
-}
-
 uint32_t spread(uint32_t x) {   // 11 bits to every second bit
     x = (x | (x << 8)) & 0x00ff00ffu;
     x = (x | (x << 4)) & 0x0f0f0f0fu;
@@ -231,9 +111,7 @@ Result<CodedSplats> codeSplats(const MeshData& mesh, const SplatData& s, bool sh
     out.shDegree = s.shDegree;
     if (n == 0) return out;
     out.place.reserve(n), out.size.reserve(n), out.colour.reserve(n);
-    forLayers(mesh, s.triangleStart, [&](uint32_t layerFirst, uint32_t layerEnd) {
-        for (uint32_t first = layerFirst; first < layerEnd; first += kSplatChunkSize) out.chunks.push_back(chunkRanges(s, first, std::min(kSplatChunkSize, layerEnd - first)));
-    });
+    forChunks(mesh, s.triangleStart, [&](uint32_t first, uint32_t count) { out.chunks.push_back(chunkRanges(s, first, count)); });
     for (const SplatChunk& c : out.chunks) {
         const RangeCode scale(c.scaleMinM, c.scaleMaxM, kScaleCodes, true);
         const RangeCode dc[3] = {{c.dcMin[0], c.dcMax[0], kColourCodes[0], false}, {c.dcMin[1], c.dcMax[1], kColourCodes[1], false}, {c.dcMin[2], c.dcMax[2], kColourCodes[2], false}};
@@ -278,59 +156,6 @@ SplatData decodeSplats(const CodedSplats& in, size_t triangleCount) {
         }
     }
     return s;
-}
-
-SplatStreams<std::vector<uint8_t>> writeSplatStreams(const CodedSplats& coded, size_t triangleCount) {
-    SplatStreams<std::vector<uint8_t>> out;
-    const std::vector<uint32_t> start = triangleStarts(coded, triangleCount);
-    for (size_t t = 0; t < triangleCount; ++t) appendVarint(out.triangleCounts, start[t + 1] - start[t]);
-    std::vector<SplatChunk> chunks = coded.chunks;
-    for (SplatChunk& c : chunks) c.firstParent = 0;
-    out.chunks = bytesOf(chunks), out.place = bytesOf(coded.place), out.size = bytesOf(coded.size), out.colour = bytesOf(coded.colour), out.shIndex = bytesOf(coded.shIndex);
-    const uint32_t inMemory = shEntryBytes(coded.shDegree), inFile = (shCoefficientCount(coded.shDegree) - 1) * 3;
-    for (size_t at = 0; at < coded.sh.size(); at += inMemory) out.sh.insert(out.sh.end(), coded.sh.begin() + ptrdiff_t(at), coded.sh.begin() + ptrdiff_t(at + inFile));
-    return out;
-}
-
-Result<CodedSplats> readSplatStreams(const SplatStreams<std::span<const uint8_t>>& in, const MeshData& mesh, const SplatHead& head, const ReadLimits& limits) {
-    const uint32_t n = head.count, entries = head.paletteSize ? head.paletteSize : n;
-    if (n > limits.maxSplats) return fail(Code::CorruptData, "{} splats, the limit is {}", n, limits.maxSplats);
-    if (head.shDegree > kMaxShDegree) return fail(Code::CorruptData, "SH degree {}, at most {} is possible", head.shDegree, kMaxShDegree);
-    if (head.paletteSize > kMaxShPalette || (head.paletteSize && (n == 0 || head.shDegree == 0)))
-        return fail(Code::CorruptData, "an SH palette of {} entries for {} splats of SH degree {}", head.paletteSize, n, head.shDegree);
-    const uint32_t inFile = (shCoefficientCount(head.shDegree) - 1) * 3, inMemory = shEntryBytes(head.shDegree);
-    if (in.place.size() != size_t(n) * 4 || in.size.size() != size_t(n) * 4 || in.colour.size() != size_t(n) * 4 || in.sh.size() != size_t(entries) * inFile ||
-        in.shIndex.size() != (head.paletteSize ? size_t(n) * 2 : 0))
-        return fail(Code::CorruptData, "splat streams of {}, {}, {}, {} and {} bytes do not hold {} splats and {} rows of SH", in.place.size(), in.size.size(), in.colour.size(), in.shIndex.size(), in.sh.size(), n, entries);
-    DPL_TRY(const std::vector<uint32_t> start, decodeTriangleCounts(in.triangleCounts, uint32_t(mesh.triangles.size()), n));
-    size_t chunkCount = 0;
-    forLayers(mesh, start, [&](uint32_t first, uint32_t end) { chunkCount += (end - first + kSplatChunkSize - 1) / kSplatChunkSize; });
-    if (in.chunks.size() != chunkCount * sizeof(SplatChunk)) return fail(Code::CorruptData, "{} bytes of chunk records, {} chunks expected", in.chunks.size(), chunkCount);
-
-    CodedSplats out;
-    out.shDegree = head.shDegree;
-    fill(out.chunks, in.chunks), fill(out.place, in.place), fill(out.size, in.size), fill(out.colour, in.colour), fill(out.shIndex, in.shIndex);
-    out.sh.resize(inFile ? size_t(entries) * inMemory : 0);
-    for (size_t e = 0; inFile && e < entries; ++e) {
-        std::memcpy(out.sh.data() + e * inMemory, in.sh.data() + e * inFile, inFile);
-        // −128 is no code: a writer never makes it, and a range would not be attained.
-        if (std::find(out.sh.begin() + ptrdiff_t(e * inMemory), out.sh.begin() + ptrdiff_t(e * inMemory + inFile), int8_t(-128)) != out.sh.begin() + ptrdiff_t(e * inMemory + inFile))
-            return fail(Code::CorruptData, "row {} of SH holds a code of -128", e);
-    }
-    for (size_t i = 0; i < out.shIndex.size(); ++i)
-        if (out.shIndex[i] >= entries) return fail(Code::CorruptData, "splat {} has SH entry {} of {}", i, out.shIndex[i], entries);
-    Status chunksFit;
-    size_t index = 0;
-    forLayers(mesh, start, [&](uint32_t layerFirst, uint32_t layerEnd) {
-        for (uint32_t first = layerFirst; first < layerEnd && chunksFit; first += kSplatChunkSize, ++index) {
-            chunksFit = checkChunk(out.chunks[index], index, first, std::min(kSplatChunkSize, layerEnd - first), start);
-            if (chunksFit && head.paletteSize && !std::equal(out.chunks[index].shRange, out.chunks[index].shRange + 3, out.chunks[0].shRange))
-                chunksFit = fail(Code::CorruptData, "chunk {} has another range of SH than the palette", index);
-        }
-    });
-    DPL_CHECK_OK(chunksFit);
-    setParents(out, start);
-    return out;
 }
 
 }  // namespace dpl

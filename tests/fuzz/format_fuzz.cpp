@@ -37,12 +37,13 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     mustHold(peak <= (64ull << 20) + (64 + 1024) * uint64_t(size), "readAvatar took more memory than avatar_file.h promises");
     mustHold(avatar || !avatar.error().message.empty(), "an error without a sentence");
     if (avatar) {
-        for (const bool palette : {false, true}) {
-            auto written = dpl::writeAvatar(*avatar, {.shPalette = palette});
+        const dpl::WriteOptions ways[] = {{}, {.shPalette = true}, {.shPalette = true, .compact = true}, {.compact = true, .bits = {8, 7, 8, 6, 8}}};
+        for (const dpl::WriteOptions& way : ways) {
+            auto written = dpl::writeAvatar(*avatar, way);
             mustHold(bool(written), "an accepted avatar cannot be written");
             auto again = dpl::readAvatar(*written);
             mustHold(bool(again), "a written avatar cannot be read");
-            auto rewritten = dpl::writeAvatar(*again, {.shPalette = palette});
+            auto rewritten = dpl::writeAvatar(*again, way);
             mustHold(rewritten && *rewritten == *written, "writing is not idempotent");
         }
     }

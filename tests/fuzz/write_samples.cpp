@@ -6,6 +6,7 @@
 #include "sdk/format/gltf_splats.h"
 #include "sdk/format/ply.h"
 #include "tests/unit/format/sample_avatars.h"
+#include "tests/unit/format/sample_correctives.h"
 
 namespace {
 
@@ -30,6 +31,7 @@ int main(int argc, char** argv) {
     ok &= save(folder / "small.glb", dpl::writeAvatar(dpl::test::randomAvatar(1, 1, 8, 3)));
     ok &= save(folder / "small_plain.glb", dpl::writeAvatar(dpl::test::randomAvatar(1, 1, 8, 3), {.draco = false}));
     ok &= save(folder / "palette_plain.glb", dpl::writeAvatar(dpl::test::randomAvatar(1, 1, 8, 3), {.draco = false, .shPalette = true}));
+    ok &= save(folder / "compact_plain.glb", dpl::writeAvatar(dpl::test::withCorrectives(dpl::test::randomAvatar(1, 1, 8, 5), 1, {.modes = 6, .nodes = 60}), {.draco = false, .shPalette = true, .compact = true, .bits = {6, 5, 6, 4, 6}}));
     ok &= save(folder / "correctives.glb", dpl::writeAvatar(dpl::test::tinyCorrectedAvatar()));
     ok &= save(folder / "correctives_plain.glb", dpl::writeAvatar(dpl::test::tinyCorrectedAvatar(), {.draco = false}));
     ok &= save(folder / "splats.ply", dpl::writePly(splats));

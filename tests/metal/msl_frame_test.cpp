@@ -13,14 +13,14 @@
 #include "sdk/render/passes/scan.h"
 #include "sdk/render/passes/tiles.h"
 #include "sdk/render/spatial_order.h"
-#include "sdk/avatar/pose_correctives.h"
+#include "tests/reference/corrective_cases.h"
 #include "tests/reference/image_compare.h"
 #include "tests/reference/random_avatar.h"
 #include "tests/reference/random_scene_depth.h"
 #include "tests/reference/reference_detail.h"
 #include "tests/reference/reference_mesh.h"
 #include "tests/reference/reference_renderer.h"
-#include "tests/unit/format/sample_correctives.h"
+#include "tests/unit/render/palette_of.h"
 #include "tests/unit/render/tube_avatar.h"
 
 #define DPL_MSL(name) bool name(void* const* buffers, unsigned groups, int order)
@@ -152,14 +152,8 @@ MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Ca
     measureGroups(avatar.mesh, coded);
     AvatarRecords records = packAvatar(avatar, coded);
     gpu::FrameData frame = packFrame(splatSetOf(avatar, coded), views, 1, detail, DetailSubject(avatar, coded).largestGrowth(detail.perM2));
-    std::vector<Mat3x4f> joints;
-    jointTransforms(avatar.joints, pose, joints);
     const bool corrected = !avatar.correctives.empty();
-    std::vector<float> coefficients;
-    std::vector<Vec4f> nodes;
-    if (corrected) correctiveCoefficients(avatar.correctives, pose, coefficients), correctiveNodes(avatar.correctives, coefficients, nodes);
-    std::vector<gpu::vec4> palette(paletteRows(avatar));
-    packPalette(joints, nodes, palette);
+    std::vector<gpu::vec4> palette = paletteOf(avatar, pose, pose);
     MslFrame out;
     const uint32_t splats = coded.count(), viewCount = uint32_t(views.size());
     std::vector<gpu::vec4> posed(avatar.mesh.restPositions.size());
@@ -169,7 +163,7 @@ MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Ca
     out.projected.resize(size_t(splats) * viewCount);
     void* vertices = corrected ? static_cast<void*>(records.correctedVertices.data()) : records.vertices.data();
     run(corrected ? msl_skin_corrected : msl_skin, groupsFor(posed.size(), gpu::kVertexGroup), order, {&frame, palette.data(), vertices, posed.data(), &out.counts},
-        gpu::VertexPush{uint32_t(posed.size()), uint32_t(3 * joints.size()), 0});
+        gpu::VertexPush{uint32_t(posed.size()), uint32_t(3 * avatar.joints.size()), 0});
     run(msl_triangles_stereo, groupsFor(frames.size(), gpu::kVertexGroup), order, {&frame, records.triangles.data(), posed.data(), frames.data(), &out.counts},
         gpu::TrianglePush{uint32_t(frames.size()), 1});
     gpu::CodesPush push = records.where;
@@ -316,6 +310,21 @@ TEST(MetalFrame, kernelsAtALevelOfDetailMatchTheReference) {
     expectKernelsMatchTheReference(views, avatar.splats.count(), [&](int order) { return runFrame(avatar, pose, views, order, detail); }, referenceOf);
 }
 
+TEST(MetalFrame, correctedVerticesAreTheRefereesToAThousandthOfTheirRange) {
+    expectCorrectivesMatch("Metal", [](const AvatarData& avatar, const Pose& pose, bool skinned) {
+        const CodedSplats coded = *codeSplats(avatar.mesh, avatar.splats);
+        AvatarRecords records = packAvatar(avatar, coded);
+        const Cameraf camera = tubeCamera(16, 16, 0);
+        gpu::FrameData frame = packFrame(splatSetOf(avatar, coded), {&camera, 1});
+        std::vector<gpu::vec4> palette = paletteOf(avatar, skinned ? pose : Pose::rest(avatar.joints.size()), pose);
+        gpu::FrameCounts counts{};
+        std::vector<Vec4f> posed(avatar.mesh.restPositions.size());
+        run(msl_skin_corrected, groupsFor(posed.size(), gpu::kVertexGroup), 0, {&frame, palette.data(), records.correctedVertices.data(), posed.data(), &counts},
+            gpu::VertexPush{uint32_t(posed.size()), uint32_t(3 * avatar.joints.size()), 0});
+        return posed;
+    });
+}
+
 TEST(MetalFrame, tilesBehindASceneMatchTheReference) {
     const AvatarData avatar = codedOnce(makeTube({.splatsPerTriangle = 4, .shDegree = 3}));
     const Pose pose = tubePose(0.9f, 0.4f);
@@ -361,7 +370,7 @@ TEST(MetalFrame, meshDepthMatchesTheReference) {
         for (int order = 0; order < 3; ++order) {
             gpu::FrameCounts counts{};
             run(msl_skin, groupsFor(posed.size(), gpu::kVertexGroup), order, {&frame, palette.data(), records.vertices.data(), posed.data(), &counts},
-                gpu::VertexPush{uint32_t(posed.size()), uint32_t(3 * joints.size()), 0});
+                gpu::VertexPush{uint32_t(posed.size()), uint32_t(3 * avatar.joints.size()), 0});
             std::vector<uint32_t> bits(2 * 80 * 70, std::bit_cast<uint32_t>(INFINITY));
             const uint32_t triangles = uint32_t(avatar.mesh.triangles.size());
             run(msl_mesh_depth, groupsFor(triangles, gpu::kVertexGroup), order, {&frame, records.triangles.data(), posed.data(), bits.data()}, gpu::MeshDepthPush{triangles, 2, 80, 70});

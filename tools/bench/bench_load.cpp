@@ -1,5 +1,5 @@
 // How long loading takes and how much memory it needs at its peak: an avatar blown up to N splats, through the public SDK and the CPU renderer.
-//   bench_load AVATAR.glb [SPLATS = 533695] [SH degree = 1] [BIG.glb: keep the blown-up avatar, for doppel bench]
+//   bench_load AVATAR.glb [SPLATS = 533695] [SH degree = 1] [BIG.glb: keep the blown-up avatar, for doppel bench; - : no] [compact: in splat encoding 3]
 #include <doppel/doppel.hpp>
 
 #include <malloc.h>
@@ -79,7 +79,7 @@ void operator delete(void* p, size_t, std::align_val_t) noexcept { release(p); }
 void operator delete[](void* p, size_t, std::align_val_t) noexcept { release(p); }
 
 int main(int argc, char** argv) {
-    if (argc < 2) return std::fprintf(stderr, "usage: %s AVATAR.glb [SPLATS] [SH DEGREE] [BIG.glb]\n", argv[0]), 2;
+    if (argc < 2) return std::fprintf(stderr, "usage: %s AVATAR.glb [SPLATS] [SH DEGREE] [BIG.glb | -] [compact]\n", argv[0]), 2;
     const uint32_t count = argc > 2 ? uint32_t(std::strtoul(argv[2], nullptr, 10)) : 533695, degree = argc > 3 ? uint32_t(std::strtoul(argv[3], nullptr, 10)) : 1;
     if (count == 0 || count > (16u << 20) || degree > dpl::kMaxShDegree) return failed("1 to 16777216 splats of SH degree 0 to 3");
     std::vector<uint8_t> file;
@@ -93,10 +93,10 @@ int main(int argc, char** argv) {
         dpl::Jobs jobs(2);
         auto palette = dpl::paletteSh(big.splats, {.maxEntries = 4096, .refinements = 1}, jobs);
         if (!palette) return failed(palette.error().message);
-        auto written = dpl::writeAvatar(big, {.shPalette = true});
+        auto written = dpl::writeAvatar(big, {.shPalette = true, .compact = argc > 5 && std::string(argv[5]) == "compact"});
         if (!written) return failed(written.error().message);
         file = std::move(*written);
-        if (argc > 4)
+        if (argc > 4 && std::string(argv[4]) != "-")
             if (auto kept = dpl::writeFileAtomically(argv[4], file); !kept) return failed(kept.error().message);
     }
     auto context = doppel::Context::create(DPL_RENDERER_SOFTWARE, 2);

@@ -32,6 +32,10 @@ def damaged(good):
         "trained pixel as text": lambda e: e.update(trainedPixelM="0.002"),
         "unknown role": lambda e: e["layers"][0].update(role="shoe"),
         "negative count": lambda e: e["splats"].update(count=-1),
+        "bits without encoding 3": lambda e: e["splats"].update(encoding=1, bits=BITS),
+        "0 bits": lambda e: e["splats"].update(encoding=3, bits=dict(BITS, uv=0), streams={"ranges": 1, "coded": 2}),
+        "encoding 3 without bits": lambda e: (e["splats"].update(encoding=3, streams={"ranges": 1, "coded": 2}), e["splats"].pop("bits", None)),
+        "encoding 3 with words": lambda e: e["splats"].update(encoding=3, bits=BITS, streams={"ranges": 1, "coded": 2, "place": 3}),
         "stream as text": lambda e: e["splats"]["streams"].update(place="1"),
         "evidence without reason": lambda e: e["evidence"][0].pop("reason"),
     }.items():
@@ -40,6 +44,7 @@ def damaged(good):
         yield name, bad
 
 
+BITS = {"uv": 8, "phi": 7, "scale": 8, "opacity": 6, "colour": 8}
 CORRECTIVES = {
     "encoding": 1, "modeCount": 2, "nodeCount": 3, "joints": [0, 1], "reach": 1.5, "reachOffModes": 0.25,
     "streams": {"mean": 1, "modes": 2, "ranges": 3, "nodes": 4, "nodeIndices": 5, "nodeWeights": 6},
@@ -56,6 +61,9 @@ def damaged_correctives():
         "reach off the modes 0": lambda c: c.update(reachOffModes=0),
         "no nodes stream": lambda c: c["streams"].pop("nodes"),
         "unknown corrective field": lambda c: c.update(colour="red"),
+        "coded in encoding 1": lambda c: c["streams"].update(coded=7),
+        "encoding 2 with nodes": lambda c: (c.update(encoding=2), c["streams"].update(coded=7)),
+        "encoding 2 without coded": lambda c: c.update(encoding=2, streams={"mean": 1, "modes": 2, "ranges": 3}),
     }.items():
         bad = copy.deepcopy(CORRECTIVES)
         change(bad)

@@ -159,6 +159,30 @@ TEST(Pack, aFileWithAPaletteStartsAsItIsAndItsPaletteShrinks) {
     EXPECT_LT(packed->curve.back().shEntries, packed->curve[0].shEntries) << "the ladder of SH must not stop at the palette of the file";
 }
 
+TEST(Pack, entropyCodesFirstThenTakesBitsAndAPackedFileGoesOnFromThere) {
+    const AvatarData a = codedTube({.splatsPerTriangle = 8, .rings = 20, .shDegree = 0, .colourSpread = 0.3f});
+    Jobs jobs(2);
+    auto packed = packToLimits(a, {.minPsnrDb = 44}, {.pictures = 4}, jobs, quietly);
+    ASSERT_TRUE(packed) << packed.error().message;
+    ASSERT_GE(packed->curve.size(), 4u);
+    EXPECT_FALSE(packed->curve[0].compact);
+    EXPECT_EQ(packed->curve[0].bits, SplatBits());
+    size_t bitMoves = 0;
+    for (size_t i = 1; i < packed->curve.size(); ++i) bitMoves += packed->curve[i].bits != packed->curve[i - 1].bits;
+    EXPECT_GE(bitMoves, 3u);
+    const AvatarInfo info = *inspectAvatar(packed->file);
+    EXPECT_EQ(info.splatEncoding, 3u);
+    EXPECT_EQ(info.bits, packed->curve.back().bits);
+    // The file is where its own packing starts: same bytes but for the row of evidence, fewer bits after it.
+    const AvatarData again = *readAvatar(packed->file);
+    auto further = packToLimits(again, {.minPsnrDb = 40}, {.pictures = 4, .compact = true}, jobs, quietly);
+    ASSERT_TRUE(further) << further.error().message;
+    EXPECT_EQ(further->curve[0].bytes, packed->file.size());
+    EXPECT_EQ(further->curve[0].bits, info.bits);
+    EXPECT_TRUE(std::isinf(further->curve[0].psnrDb)) << "nothing was lost by reading and writing";
+    EXPECT_LT(further->file.size(), packed->file.size());
+}
+
 TEST(Pack, goesAsFarAsTheLossAllows) {
     const AvatarData a = codedTube();
     Jobs jobs(2);

@@ -1,0 +1,47 @@
+// Codes of splat values between the ends of a chunk's range: how a value is rounded, and why rounding again changes nothing.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace dpl {
+
+/** Codes 0..top between two attained values, evenly in `value` or in its logarithm. The ends decode exactly. */
+class RangeCode {
+public:
+    RangeCode(float low, float high, uint32_t top, bool logarithmic) : low_(low), high_(high), top_(top), logarithmic_(logarithmic) {
+        from_ = map(low), width_ = map(high) - from_;
+    }
+    float decode(uint32_t code) const {
+        if (code == 0 || !(width_ > 0)) return low_;
+        if (code >= top_) return high_;
+        const double x = from_ + width_ * code / top_;
+        return std::clamp(float(logarithmic_ ? std::exp(x) : x), low_, high_);
+    }
+    /** Nearest code, then moved until decode and nearest agree: in a range of a few ulps several codes decode alike, and the
+     *  code must not change when the decoded value is encoded again. nearest∘decode is monotone, so this ends. */
+    uint32_t encode(float value) const {
+        uint32_t code = nearest(value);
+        for (uint32_t round = 0; round < top_; ++round) {
+            const uint32_t again = nearest(decode(code));
+            if (again == code) break;
+            code = again;
+        }
+        return code;
+    }
+
+private:
+    double map(float v) const { return logarithmic_ ? std::log(double(v)) : double(v); }
+    uint32_t nearest(float v) const {
+        if (!(width_ > 0) || v <= low_) return 0;
+        if (v >= high_) return top_;
+        return uint32_t(std::clamp(std::llround((map(v) - from_) / width_ * top_), 0LL, (long long)top_));
+    }
+    float low_, high_;
+    double from_, width_;
+    uint32_t top_;
+    bool logarithmic_;
+};
+
+}  // namespace dpl

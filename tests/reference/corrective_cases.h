@@ -1,0 +1,166 @@
+// What "deformation and light match the double reference to 1e-3 of their range" means, for every renderer: hard avatars and poses, and the
+// error of each vertex' rest offset, brightness and posed place. The referee takes the node values as they were trained, the renderer as a
+// file ships them (16 bits).
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdio>
+#include <functional>
+#include <random>
+
+#include "sdk/avatar/rig.h"
+#include "sdk/format/correctives.h"
+#include "tests/reference/random_avatar.h"
+#include "tests/reference/reference_renderer.h"
+#include "tests/unit/format/sample_correctives.h"
+
+namespace dpl {
+
+constexpr double kCorrectiveBar = 1e-3;   // asked for, and held by every case
+// Measured: 7.5e-5 on every renderer, of which the file's 16-bit node values are the most; and places a metre away are floats: 0.3 µm on the GPU,
+// where joints at rest are multiplied too. Twice that.
+constexpr double kCorrectiveShare = 1.5e-4, kPlaceRoundingM = 6e-7;
+
+/** The blob of random_avatar.h on a rig of `joints` joints in a random tree; vertices hang on four of them. */
+inline AvatarData riggedBlob(uint32_t seed, uint32_t joints) {
+    AvatarData a = randomAvatar(seed, 12, 1, 0);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<float> uniform(-0.4f, 0.4f);
+    a.joints.clear();
+    for (uint32_t j = 0; j < joints; ++j) {
+        JointData joint;
+        joint.name = formatText("joint {}", j);
+        joint.parent = j ? int32_t(random() % j) : -1;
+        joint.restPosition = Vec3f(uniform(random), 1 + uniform(random), uniform(random));
+        a.joints.push_back(joint);
+    }
+    for (size_t v = 0; v < a.mesh.restPositions.size(); ++v) {
+        std::vector<std::pair<uint32_t, float>> near;
+        for (uint32_t j = 0; j < joints; ++j) near.emplace_back(j, 1 / (0.05f + glm::length(a.mesh.restPositions[v] - a.joints[j].restPosition)));
+        const PackedWeights packed = packWeights(near);
+        a.mesh.jointIndices[v] = packed.joints, a.mesh.jointWeights[v] = packed.weights;
+    }
+    return a;
+}
+
+/** Modes that do not overlap, as training leaves them (PoseCorrectiveData): Gram and Schmidt, lengths kept. */
+inline void separateModes(PoseCorrectiveData& c) {
+    const size_t features = 6 * c.joints.size();
+    for (uint32_t i = 0; i < c.modeCount; ++i) {
+        std::vector<double> row(c.modes.begin() + ptrdiff_t(i * features), c.modes.begin() + ptrdiff_t((i + 1) * features));
+        const auto dot = [&](auto&& a, auto&& b) { double sum = 0; for (size_t f = 0; f < features; ++f) sum += double(a[f]) * double(b[f]); return sum; };
+        const double length2 = dot(row, row);
+        for (uint32_t j = 0; j < i; ++j) {
+            const std::span<const float> other(&c.modes[j * features], features);
+            const double share = dot(row, other) / dot(other, other);
+            for (size_t f = 0; f < features; ++f) row[f] -= share * other[f];
+        }
+        const double scale = std::sqrt(length2 / dot(row, row));
+        for (size_t f = 0; f < features; ++f) c.modes[i * features + f] = float(scale * row[f]);
+    }
+}
+
+/** An avatar and poses of it. Every case must show what it is for: see expectCorrectivesMatch. */
+struct CorrectiveCase {
+    const char* name;
+    uint32_t joints;
+    test::CorrectiveOptions options;
+    bool shortens, fades, clamps;
+};
+
+constexpr std::array kCorrectiveCases = {
+    CorrectiveCase{"two joints, nothing limits", 2, {.reach = 1e5f}, false, false, false},
+    CorrectiveCase{"17 joints, 12 modes, 1,500 nodes", 17, {.modes = 12, .nodes = 1500, .light = 0.15f, .reach = 3.25f, .reachOffModes = 1e6f}, true, false, false},
+    CorrectiveCase{"64 modes", 17, {.modes = 64, .nodes = 300, .light = 0.05f, .reach = 1e5f}, false, false, false},
+    CorrectiveCase{"far beyond reach", 17, {.modes = 7, .light = 0.2f, .reach = 0.3f}, true, false, false},
+    CorrectiveCase{"off the modes", 17, {.modes = 12, .nodes = 200, .reach = 100, .reachOffModes = 0.25f}, false, true, false},
+    CorrectiveCase{"11 modes of 12 numbers: off is a small difference", 2, {.modes = 11, .nodes = 60, .light = 0.1f, .reach = 100, .reachOffModes = 0.05f}, false, true, false},
+    CorrectiveCase{"brightness clamped both ways", 17, {.modes = 5, .light = 4, .reach = 3}, true, false, true},
+    CorrectiveCase{"offsets of a millimetre", 17, {.modes = 12, .nodes = 200, .offsetM = 4e-4f, .light = 1e-3f, .reach = 3.25f}, true, false, false},
+};
+
+/** Joints turned by 0.001 to several turns, quaternions of any length and sign; the last pose is a quarter of a turn of every joint. */
+inline std::vector<Pose> correctivePoses(size_t joints, uint32_t seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<float> normal;
+    std::vector<Pose> poses;
+    for (const float turnRad : {0.0f, 1e-3f, 0.03f, 0.2f, 0.2f, 0.6f, 0.6f, 1.5f, 1.5f, 3.0f, 10.0f}) {
+        Pose pose = Pose::rest(joints);
+        for (Quatf& q : pose.localRotations) {
+            const Vec3f axis = glm::normalize(Vec3f(normal(random), normal(random), normal(random)));
+            q = (random() % 2 ? 1.0f : -1.0f) * std::exp(normal(random)) * glm::angleAxis(turnRad * normal(random), axis);
+        }
+        pose.rootTranslation = Vec3f(normal(random), normal(random), normal(random));
+        poses.push_back(pose);
+    }
+    poses.push_back(Pose::rest(joints));
+    for (Quatf& q : poses.back().localRotations) q = glm::angleAxis(glm::half_pi<float>(), Vec3f(1, 0, 0));
+    return poses;
+}
+
+/** The vertices of a pose: place in metres (corrected and not yet skinned, or posed), w: brightness. */
+using CorrectedVertices = std::function<std::vector<Vec4f>(const AvatarData& avatar, const Pose& pose, bool skinned)>;
+
+/** Every case and pose against the referee. Errors are shares of the avatar's range: the largest offset, and the largest change of brightness, of all its poses. */
+inline void expectCorrectivesMatch(const char* renderer, const CorrectedVertices& verticesOf) {
+    double worstOffset = 0, worstLight = 0, worstPosed = 0;
+    uint32_t seed = 40;
+    for (const CorrectiveCase& c : kCorrectiveCases) {
+        ++seed;
+        AvatarData trained = test::withCorrectives(riggedBlob(seed, c.joints), seed, c.options);
+        separateModes(trained.correctives);
+        AvatarData shipped = trained;
+        const auto streams = encodeCorrectives(trained.correctives);
+        PoseCorrectiveData head;
+        head.joints = trained.correctives.joints, head.modeCount = c.options.modes, head.nodeCount = c.options.nodes;
+        head.reach = c.options.reach, head.reachOffModes = c.options.reachOffModes;
+        const auto decoded = decodeCorrectives({streams.mean, streams.modes, streams.ranges, streams.nodes, streams.nodeIndices, streams.nodeWeights}, head, trained.mesh.restPositions.size());
+        ASSERT_TRUE(decoded) << c.name;
+        shipped.correctives = *decoded;
+
+        double offsetRange = 0, lightRange = 0, offsetError = 0, lightError = 0, posedError = 0, darkest = 1, brightest = 1;
+        bool shortened = false, faded = false;
+        for (const Pose& pose : correctivePoses(c.joints, seed)) {
+            ASSERT_TRUE(checkPose(shipped.joints, pose)) << c.name;
+            const ReferenceCorrection want = referenceCorrection(trained, pose);
+            const std::vector<glm::dvec3> wantPosed = referenceSkin(trained, pose);
+            const std::vector<Vec4f> rest = verticesOf(shipped, pose, false), posed = verticesOf(shipped, pose, true);
+            ASSERT_EQ(rest.size(), wantPosed.size()) << c.name;
+            ASSERT_EQ(posed.size(), wantPosed.size()) << c.name;
+            for (size_t v = 0; v < rest.size(); ++v) {
+                const glm::dvec3 offset = glm::dvec3(rest[v]) - glm::dvec3(trained.mesh.restPositions[v]);
+                offsetRange = std::max(offsetRange, glm::length(want.offset[v]));
+                lightRange = std::max(lightRange, std::abs(want.light[v] - 1));
+                offsetError = std::max(offsetError, glm::length(offset - want.offset[v]));
+                lightError = std::max({lightError, std::abs(rest[v].w - want.light[v]), std::abs(posed[v].w - want.light[v])});
+                posedError = std::max(posedError, glm::length(glm::dvec3(posed[v]) - wantPosed[v]));
+                darkest = std::min(darkest, want.light[v]), brightest = std::max(brightest, want.light[v]);
+            }
+            PoseCorrectiveData free = trained.correctives;
+            free.reachOffModes = 1e6f;
+            const auto lengthOf = [&](const PoseCorrectiveData& data) { double sum = 0; for (const double k : referenceCoefficients(data, pose)) sum += k * k; return std::sqrt(sum); };
+            const double whole = lengthOf(free);
+            faded |= lengthOf(trained.correctives) < 0.9 * whole;
+            shortened |= whole > 0.999 * c.options.reach;
+        }
+        std::printf("%-9s %-50s offset %.1e of %7.3f mm | brightness %.1e of %.4f | posed %.1e of the offset\n", renderer, c.name, offsetError / offsetRange, offsetRange * 1e3,
+                    lightError / lightRange, lightRange, posedError / offsetRange);
+        EXPECT_GT(offsetRange, 1e-5) << c.name;
+        EXPECT_GT(lightRange, 1e-4) << c.name;
+        EXPECT_EQ(shortened, c.shortens) << c.name;
+        EXPECT_EQ(faded, c.fades) << c.name;
+        EXPECT_EQ(darkest == 0.2 && brightest == 3.0, c.clamps) << c.name << ": " << darkest << " to " << brightest;
+        EXPECT_LE(offsetError, kCorrectiveBar * offsetRange) << c.name;
+        EXPECT_LE(lightError, kCorrectiveBar * lightRange) << c.name;
+        EXPECT_LE(offsetError, kCorrectiveShare * offsetRange + kPlaceRoundingM) << c.name;
+        EXPECT_LE(lightError, kCorrectiveShare * lightRange) << c.name;
+        worstOffset = std::max(worstOffset, offsetError / offsetRange), worstLight = std::max(worstLight, lightError / lightRange);
+        worstPosed = std::max(worstPosed, posedError);
+    }
+    EXPECT_LT(worstPosed, 5e-6) << "metres, and roots stand some metres away: measured 1.8e-6";
+    std::printf("%-9s largest error of the offsets %.1e of their range, of the brightness %.1e; of posed places %.1e m\n", renderer, worstOffset, worstLight, worstPosed);
+}
+
+}  // namespace dpl

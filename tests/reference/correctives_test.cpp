@@ -1,0 +1,20 @@
+// Deformation and light of the CPU renderer's vertices against the referee.
+#include "sdk/avatar/posed_mesh.h"
+#include "tests/reference/corrective_cases.h"
+
+namespace dpl {
+namespace {
+
+TEST(Correctives, cpuVerticesAreTheRefereesToAThousandthOfTheirRange) {
+    Jobs jobs(2);
+    PosedMesh mesh;
+    expectCorrectivesMatch("CPU", [&](const AvatarData& avatar, const Pose& pose, bool skinned) {
+        mesh.pose({avatar.joints, avatar.mesh, avatar.correctives, {}}, pose, jobs);
+        std::vector<Vec4f> out;
+        for (size_t v = 0; v < mesh.light().size(); ++v) out.emplace_back(skinned ? mesh.positions()[v] : mesh.rest()[v], mesh.light()[v]);
+        return out;
+    });
+}
+
+}  // namespace
+}  // namespace dpl
