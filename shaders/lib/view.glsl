@@ -7,8 +7,9 @@
 uint dplViewIndex(uint viewCount) { return uint(gl_ViewIndex); }
 uint dplQuadSplat(uint viewCount) { return uint(gl_VertexIndex) / 6u; }
 #elif defined(DPL_VIEW_INSTANCES)
-uint dplViewIndex(uint viewCount) { return uint(gl_VertexIndex) / 6u % viewCount; }
-uint dplQuadSplat(uint viewCount) { return uint(gl_VertexIndex) / 6u / viewCount; }
+// One view or two: a CPU that plays a GPU divides by a variable lane by lane.
+uint dplViewIndex(uint viewCount) { return uint(gl_VertexIndex) / 6u & (viewCount - 1u); }
+uint dplQuadSplat(uint viewCount) { return uint(gl_VertexIndex) / 6u >> (viewCount - 1u); }
 #else
 #error "build this shader with DPL_VIEW_MULTIVIEW or DPL_VIEW_INSTANCES"
 #endif
