@@ -201,16 +201,18 @@ Status GpuRenderer::drawTogether(std::span<const Drawn> what, std::span<const Ca
     DPL_TRY(Row* row, rowOf(what));
     bool mesh = false;
     uint32_t samples = 1;
+    float kappaPx2 = INFINITY;
     for (const Drawn& d : what) {
         const auto& data = avatars_.at(d.avatar).data;
         mesh |= data != nullptr;
+        kappaPx2 = std::min(kappaPx2, avatars_.at(d.avatar).splats.kappaPx2);
         if (data && backend_->info().fourSamples) samples = std::max(samples, coverageSamples(data->trainedPixelM, rootPosition(data->joints, *d.pose), views));
     }
     if (wants.meshDepth && !mesh) return fail(Code::InvalidArgument, "general splats have no mesh and no depth of one");
     setDetails(*row, what, views);
     avatars_.at(what[0].avatar).lastRow = 0;
     std::fill(std::begin(row->drawn), std::end(row->drawn), 0);
-    const Fill fill = samples == 1 ? options_.fill : Fill::Quads;  // tiles have one sample a pixel
+    const Fill fill = samples == 1 && kappaPx2 >= kTileMinKappaPx2 ? options_.fill : Fill::Quads;  // tiles have one sample a pixel
     const Shape shape{views[0].widthPx, views[0].heightPx, uint32_t(views.size()), wants.depth, wants.meshDepth, wants.behindScene(), 0, samples, fill};
     Status drawn;
     if (views.size() == 1 || (options_.shareViews && shareOrder(views))) {

@@ -3,7 +3,7 @@
 //   VertexRecord ─skin► vec4 posed (w: brightness) ─triangles► TriangleFrame ─project► ProjectedSplat (splat × view) + sort depth
 ////   splat codes, uints: chunk records │ parents │ place │ size │ colour │ parent bytes │ half-chunks │ SH indices │ SH entries (lib/codes.glsl)
 //   visibility buffer, uints: of each half-chunk whether it lives, the live ones in order, which splats show, its first splat, how many show; sort depths (lib/visibility.glsl)
-//   sort depth ─compact► uvec2 (key, splat) ─sort► the same, near first ─draw► pixels
+//   sort depth ─compact► uvec2 (key, splat) ─sort► splats, near first ─draw► pixels
 //                                                                      └─tiles► spans by row of tiles ► entries by tile ─fill► pixels
 //   GeneralSplatRecord ─project.general► the same two ─...  (general splats: no pose, no triangles)
 #ifndef DPL_SHARED_FRAME_H

@@ -7,6 +7,10 @@
 
 namespace dpl {
 
+/** A column of a tile takes α from its fifth pixel by factors (fill.comp). With conic C ≤ 1/κ and α ≥ 1/255 within √(11.1/C) px of the peak, the exponent there is at most
+ *  ½ (√11.1 + 4 √C)² = 75, well within a float; with a weaker low-pass it might underflow where a neighbour still shows. */
+constexpr float kTileMinKappaPx2 = 0.2f;
+
 /** What the lists of compute tiles take, all of it before the first frame. Rows of tiles are counted over all views. */
 struct TilePlan {
     gpu::TilePush push{};

@@ -11,7 +11,6 @@
 #endif
 #include "shaders/shared/frame.h"
 #include "shaders/lib/reads.glsl"
-#include "shaders/lib/alpha.glsl"
 #include "shaders/lib/footprint.glsl"
 #include "shaders/lib/projected.glsl"
 layout(local_size_x = 64) in;  // kTileGroup
@@ -69,7 +68,7 @@ void main() {
                 float bend = exp(-uintBitsToFloat(seen.x)), opacity = uintBitsToFloat(seen.y);
 #endif
                 // α at the fifth pixel of the column, and from there by factors: exp(-σ) of a quadratic σ has factors that change by one factor, exp(-C).
-                // What is clamped would be below 1/255 anyway, or the column lies far outside.
+                // The low-pass keeps that in range (kTileMinKappaPx2); what is clamped would be below 1/255 anyway.
                 vec2 d = vec2(centre.x - at.x, centre.y + 4.0 - at.y);
                 float conicC = uintBitsToFloat(seen.x), slope = at.w * d.x + conicC * d.y;
                 float up = opacity * exp(-max(0.5 * (at.z * d.x * d.x + conicC * d.y * d.y) + at.w * d.x * d.y, 0.0)), down = up;

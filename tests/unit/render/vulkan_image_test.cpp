@@ -306,6 +306,24 @@ TEST_P(VulkanImage, reportsATimeForEachPassOfTheLastFrame) {
     EXPECT_EQ(times.size(), 1 + 2 + 2 + 1 + 3 + 12 + 3u + (GetParam() == Fill::Tiles ? 15u : 0u));
 }
 
+/** Without a low-pass a splat may be far smaller than a pixel: α falls by more from row to row than a float holds. */
+TEST_P(VulkanImage, splatsSmallerThanAPixelAreDrawnWithoutALowPassToo) {
+    TestVulkan vulkan(withPreciseBlending(), GetParam());
+    DPL_NEED_VULKAN(vulkan);
+    for (const float kappaPx2 : {0.0f, 0.02f, 0.19f, 0.2f}) {
+        StaticSplatData splats = randomStaticSplats(7, 3000, 0, 0.004f);
+        splats.kappaPx2 = kappaPx2;
+        const auto id = vulkan.renderer->addSplats(splats);
+        ASSERT_TRUE(id) << id.error().message;
+        const Cameraf camera = tubeCamera(160, 144, 0.3f, 3);
+        const RenderedView picture = drawOne(*vulkan.renderer, *id, {}, camera);
+        const Difference d = compare(picture, renderReference(splats, referenceCamera(camera), {.kappaPx2 = kappaPx2, .compensated = false}));
+        std::printf("[  IMAGE   ] kappa %.2f px²: colour %.1f dB (max %.4f), covered %.1f %%\n", double(kappaPx2), d.psnrDb, d.maxError, 100 * d.covered);
+        EXPECT_GE(d.psnrDb, kMinPsnrDb) << kappaPx2;
+        EXPECT_GT(d.covered, 0.01) << kappaPx2;
+    }
+}
+
 TEST_P(VulkanImage, refusesWhatItCannotDraw) {
     TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(vulkan);
