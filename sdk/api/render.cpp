@@ -254,6 +254,7 @@ extern "C" DplResult dplGetFrameStats(DplAvatar avatar, DplFrameStats* stats) {
         out.tileEntries = found->stats.tileEntries;
         out.tilesOverflowed = found->stats.tilesOverflowed ? 1 : 0;
         out.splatsAllowed = uint32_t(std::min<uint64_t>(found->stats.splatsAllowed, UINT32_MAX)), out.detailShare = found->stats.detailShare;
+        out.componentCount = found->stats.components, out.componentsInView = found->stats.componentsInView;
         return writeStruct(stats, out, "stats", offsetof(DplFrameStats, avatarBytes));
     });
 }

@@ -1,9 +1,12 @@
 #include "sdk/api/software_renderer.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <map>
 
+#include "sdk/avatar/components.h"
+#include "sdk/avatar/detail.h"
 #include "sdk/avatar/posed_mesh.h"
 #include "sdk/format/splat_codec.h"
 #include "sdk/format/splat_detail.h"
@@ -53,11 +56,15 @@ struct Drawable {
     bool compensated = false;
     // Of avatars only.
     std::shared_ptr<const AvatarData> avatar;
+    Components components;
     DetailSubject detailSubject;
     SplatDetail detail;       // of the last frame, as is its share of the splats
     // The last pose and what follows from it.
     Pose pose;
-    bool posed = false;
+    bool posed = false;       // the joints ...
+    bool surfaced = false;    // ... and the surface, which waits until somebody sees it
+    bool seen = true;         // in the last frame; general splats always
+    uint32_t componentsInView = 0;
     PosedMesh mesh;
     std::vector<RenderedView> pictures;
     std::vector<PixelView> pixels;
@@ -99,6 +106,7 @@ public:
         drawable->splats = std::move(splats);
         measureGroups(avatar->mesh, drawable->splats);
         drawable->detailSubject = DetailSubject(*avatar, drawable->splats);
+        drawable->components = Components(*avatar, componentsOf(*avatar), reachOfTriangles(drawable->splats, avatar->mesh.triangles.size()));
         drawable->kappaPx2 = avatar->kappaPx2, drawable->compensated = avatar->compensated, drawable->trainedPixelM = avatar->trainedPixelM;
         drawable->avatar = std::move(avatar);
         return keep(std::move(drawable));
@@ -135,15 +143,20 @@ public:
         }
         if (wants.meshDepth && !mesh) return fail(Code::InvalidArgument, "general splats have no mesh and no depth of one");
         setDetails(views);
+        leaveOutUnseen(views);
         Drawable& first = *together_[0];
         if (first.pictures.size() < views.size()) first.pictures.resize(views.size());
         first.pixels.resize(views.size());
         FrameStats& stats = first.stats;
         stats.views = uint32_t(views.size()), stats.splatsDrawn = 0, stats.bytesDecided = 0, stats.bytesDecoded = 0;
-        stats.splatsAllowed = allowed_;
+        stats.splatsAllowed = allowed_, stats.components = stats.componentsInView = 0;
+        for (const Drawable* d : together_) stats.components += d->components.count(), stats.componentsInView += d->componentsInView;
         for (size_t v = 0; v < views.size(); ++v) {
             RenderedView& picture = first.pictures[v];
-            for (const Drawable* d : together_) project(*d, views[v], samples, d != together_[0]);
+            bool started = false;
+            for (const Drawable* d : together_)
+                if (d->seen) project(*d, views[v], samples, started), started = true;
+            if (!started) engine_.project(PackedSplats(), {}, views[v], 0, false, samples);
             stats.bytesDecided += engine_.decidedBytes(), stats.bytesDecoded += engine_.decodedBytes();
             engine_.bin();
             const std::span<const float> scene = v < std::size(wants.sceneDepthM) ? wants.sceneDepthM[v] : std::span<const float>();
@@ -180,12 +193,25 @@ private:
     Status setPose(Drawable& d, const Pose& pose) {
         if (d.posed && samePose(d.pose, pose)) return {};
         DPL_CHECK_OK(checkPose(d.avatar->joints, pose));
-        d.posed = false;
+        d.posed = d.surfaced = false;
         d.pose.localRotations = pose.localRotations;
         d.pose.rootTranslation = pose.rootTranslation;
-        d.mesh.pose({d.avatar->joints, d.avatar->mesh, d.avatar->correctives, {}}, pose, jobs_);
+        d.mesh.control(posedSubject(d), pose);
         d.posed = true;
         return {};
+    }
+
+    static PosedSubject posedSubject(const Drawable& d) { return {d.avatar->joints, d.avatar->mesh, d.avatar->correctives, {}}; }
+
+    /** Poses the surface of those of together_ that some view may show. */
+    void leaveOutUnseen(std::span<const Cameraf> views) {
+        for (Drawable* d : together_) {
+            if (!d->avatar) continue;
+            const uint32_t unseen = d->components.unseen(d->mesh.worldFromRest(), d->mesh.coefficients(), views, d->kappaPx2, d->detailSubject.largestGrowth(d->detail.perM2));
+            d->componentsInView = d->components.count() - uint32_t(std::popcount(unseen));
+            d->seen = d->componentsInView > 0 || d->components.count() == 0;
+            if (d->seen && !d->surfaced) d->mesh.surface(posedSubject(*d), jobs_), d->surfaced = true;
+        }
     }
 
     void project(const Drawable& d, const Cameraf& view, uint32_t samples, bool behind) {
@@ -219,12 +245,13 @@ private:
     std::span<const float> drawMeshes(const Cameraf& view, std::vector<float>& depthM) {
         bool first = true;
         for (const Drawable* d : together_) {
-            if (!d->avatar) continue;
+            if (!d->avatar || !d->seen) continue;
             meshDepth_.draw(jobs_, d->mesh.positions(), d->avatar->mesh.triangles, view, first ? depthM : anotherDepthM_);
             for (size_t i = 0; i < depthM.size() && !first; ++i)
                 if (const float z = anotherDepthM_[i]; z > 0 && (depthM[i] == 0 || z < depthM[i])) depthM[i] = z;
             first = false;
         }
+        if (first) depthM.assign(size_t(view.widthPx) * view.heightPx, 0);
         return depthM;
     }
 

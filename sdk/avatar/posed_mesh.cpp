@@ -2,16 +2,22 @@
 
 namespace dpl {
 
-void PosedMesh::pose(const PosedSubject& s, const Pose& pose, Jobs& jobs) {
+void PosedMesh::control(const PosedSubject& s, const Pose& pose) {
+    coefficients_.clear(), nodes_.clear();
+    if (!s.correctives.empty()) {
+        correctiveCoefficients(s.correctives, pose, coefficients_);
+        correctiveNodes(s.correctives, coefficients_, nodes_);
+    }
+    jointTransforms(s.joints, pose, worldFromRest_);
+}
+
+void PosedMesh::surface(const PosedSubject& s, Jobs& jobs) {
     if (s.correctives.empty()) {
         moved_.assign(s.mesh.restPositions.begin(), s.mesh.restPositions.end());
         light_.clear();
     } else {
-        correctiveCoefficients(s.correctives, pose, coefficients_);
-        correctiveNodes(s.correctives, coefficients_, nodes_);
         spreadCorrectives(s.correctives, nodes_, s.mesh.restPositions, jobs, moved_, light_);
     }
-    jointTransforms(s.joints, pose, worldFromRest_);
     skin(s.mesh, moved_, worldFromRest_, jobs, positions_);
     poseTriangles(s.mesh, s.bind, positions_, jobs, frames_, light_);
 }

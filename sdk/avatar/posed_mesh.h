@@ -20,7 +20,10 @@ struct PosedSubject {
 class PosedMesh {
 public:
     /** The pose must have passed checkPose, the correctives checkCorrectives. */
-    void pose(const PosedSubject& subject, const Pose& pose, Jobs& jobs);
+    void pose(const PosedSubject& subject, const Pose& pose, Jobs& jobs) { control(subject, pose), surface(subject, jobs); }
+    /** The first half, microseconds: joints and control nodes. Then the second, which is left out where nobody would see it: until then frames and positions are those of before. */
+    void control(const PosedSubject& subject, const Pose& pose);
+    void surface(const PosedSubject& subject, Jobs& jobs);
 
     std::span<const TriangleFrame<float>> frames() const { return frames_; }
     std::span<const Vec3f> positions() const { return positions_; }              // V, world

@@ -36,28 +36,6 @@ Status checkBinding(const char* what, uint64_t count, uint64_t each, const Devic
     return fail(Code::Unsupported, "{} need {} bytes in one binding, {} allows {}; {}", what, count * each, device.name, device.maxBindingBytes, remedy);
 }
 
-/** How far the splats of each triangle reach from it, and how many there are of each kind. Scales and opacities as decodeSplats gives them, but
- *  for float rounding, which is inside the margin of lib/cull.glsl. */
-void addReach(const CodedSplats& s, std::vector<gpu::TriangleRecord>& triangles) {
-    constexpr float kAnywhere = 1e15f;    // never out of view; its products stay finite
-    for (const SplatChunk& c : s.chunks) {
-        const float low = std::log(c.scaleMinM), width = std::log(c.scaleMaxM) - low;
-        for (uint32_t i = c.firstSplat; i < c.firstSplat + c.splatCount; ++i) {
-            gpu::TriangleRecord& triangle = triangles[s.parents[c.firstParent + s.parent[i]]];
-            const uint32_t place = s.place[i], size = s.size[i];
-            ++(size & gpu::kGatedBit ? triangle.gatedSplats : triangle.freeSplats);
-            const float opacity = float(size >> 22 & 255) / 255;
-            if (!(opacity > float(kMinAlpha))) continue;  // never seen
-            const float rootLevel = std::sqrt(2 * std::log(opacity / float(kMinAlpha)));
-            const int u = int(place & 2047) - kUvZero, v = int(place >> 11 & 2047) - kUvZero;
-            const bool onTriangle = u >= 0 && v >= 0 && u + v <= int(kUvSteps);
-            triangle.rootLevel = std::max(triangle.rootLevel, rootLevel);
-            const float largest = std::exp(low + width * float(std::max(size & 2047, size >> 11 & 2047)) / kScaleCodes) * 1.00001f;
-            triangle.reach = std::max(triangle.reach, onTriangle ? rootLevel * largest : kAnywhere);
-        }
-    }
-}
-
 /** The chunks' tables of parents, each entry with the kinds of splats that its chunk has on it. */
 std::vector<uint32_t> parentTable(const CodedSplats& s) {
     std::vector<uint32_t> table = s.parents;
@@ -166,6 +144,9 @@ std::vector<gpu::uvec4> packSh(const StaticSplatData& s, std::span<const uint32_
 
 AvatarRecords packAvatar(const AvatarData& avatar, const CodedSplats& splats) {
     AvatarRecords out;
+    const ComponentMap components = componentsOf(avatar);
+    const std::vector<TriangleReach> reach = reachOfTriangles(splats, avatar.mesh.triangles.size());
+    out.components = Components(avatar, components, reach);
     const MeshData& mesh = avatar.mesh;
     const auto pair = [](uint32_t low, uint32_t high) { return low | high << 16; };
     const auto bytes = [](const glm::u8vec4& w) { return uint32_t(w.x) | uint32_t(w.y) << 8 | uint32_t(w.z) << 16 | uint32_t(w.w) << 24; };
@@ -174,19 +155,22 @@ AvatarRecords packAvatar(const AvatarData& avatar, const CodedSplats& splats) {
         const auto& j = mesh.jointIndices[i];
         const auto& w = mesh.jointWeights[i];
         if (avatar.correctives.empty()) {
-            out.vertices.push_back({p.x, p.y, p.z, pair(j.x, j.y), pair(j.z, j.w), bytes(w), 0, 0});
+            out.vertices.push_back({p.x, p.y, p.z, pair(j.x, j.y), pair(j.z, j.w), bytes(w), components.ofVertex[i], 0});
         } else {
             const auto& n = avatar.correctives.nodeIndices[i];
             out.correctedVertices.push_back({p.x, p.y, p.z, pair(j.x, j.y), pair(j.z, j.w), bytes(w), pair(n.x, n.y), pair(n.z, n.w),
-                                             bytes(avatar.correctives.nodeWeights[i]), 0, 0, 0});
+                                             bytes(avatar.correctives.nodeWeights[i]), components.ofVertex[i], 0, 0});
         }
     }
-    for (const Triangle& t : mesh.triangles) {
+    constexpr float kAnywhere = 1e15f;    // never out of view; its products stay finite
+    for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+        const Triangle& t = mesh.triangles[i];
+        const TriangleReach& r = reach[i];
         const auto rest = restTriangle<float>(mesh.restPositions[t.x], mesh.restPositions[t.y], mesh.restPositions[t.z]);
         const auto column = [&](int k, float w) { return gpu::vec4{rest.frame[k].x, rest.frame[k].y, rest.frame[k].z, w}; };
-        out.triangles.push_back({column(0, rest.inverse.i00), column(1, rest.inverse.i01), column(2, rest.inverse.i11), {t.x, t.y, t.z, rest.valid ? 1u : 0u}, 0, 0, 0, 0});
+        out.triangles.push_back({column(0, rest.inverse.i00), column(1, rest.inverse.i01), column(2, rest.inverse.i11), {t.x, t.y, t.z, rest.valid ? 1u + components.ofTriangle[i] : 0u},
+                                 r.overshoots ? kAnywhere : r.reachM, r.rootLevel, r.freeSplats, r.gatedSplats});
     }
-    addReach(splats, out.triangles);
     out.codes.reserve(size_t(splats.bytes()) / 4 + 3);
     appendWords(out.codes, splats.chunks);
     out.where.firstParent = appendWords(out.codes, parentTable(splats));
@@ -213,7 +197,7 @@ void packPalette(std::span<const Mat3x4f> worldFromRest, std::span<const Vec4f> 
 SplatSet splatSetOf(const AvatarData& avatar, const CodedSplats& splats) { return {splats.count(), splats.shDegree, avatar.kappaPx2, avatar.compensated}; }
 SplatSet splatSetOf(const StaticSplatData& splats) { return {splats.count(), splats.shDegree, splats.kappaPx2, splats.compensated}; }
 
-gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views, uint32_t samples, const SplatDetail& detail, float largestGrowth) {
+gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views, uint32_t samples, const SplatDetail& detail, float largestGrowth, uint32_t unseen) {
     gpu::FrameData f{};
     Vec3d axis(0), first(0, 0, 1);
     for (size_t v = 0; v < views.size(); ++v) {
@@ -235,7 +219,7 @@ gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views,
     for (const Cameraf& c : views) nearest = std::min(nearest, glm::dot(axis, Vec3d(c.eye())));
     f.sortAxis = {float(axis.x), float(axis.y), float(axis.z), float(std::floor(nearest * 1024) / 1024)};
     f.target = {float(views[0].widthPx), float(views[0].heightPx), splats.kappaPx2 / float(samples), 0};
-    f.counts = {splats.count, uint32_t(views.size()), splats.shDegree, splats.compensated ? 1u : 0u};
+    f.flags = {splats.compensated ? 1u : 0u, unseen, 0, 0};
     f.detail = {detail.full() ? 0.0f : detail.perM2, detail.full() ? 1.0f : largestGrowth, detail.shShare, 0};
     return f;
 }

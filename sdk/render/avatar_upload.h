@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "sdk/avatar/components.h"
 #include "sdk/backend/backend.h"
 #include "sdk/format/avatar_data.h"
 #include "sdk/format/coded_splats.h"
@@ -18,6 +19,7 @@ struct AvatarRecords {
     std::vector<gpu::TriangleRecord> triangles;
     std::vector<uint32_t> codes;       // the splats' streams, one behind the other
     gpu::CodesPush where{};            // ... and where each begins
+    Components components;             // numbered as in the records
 };
 
 /** Refuses meshes with arrays of different lengths or indices out of range, and avatars above a limit of the device's bindings; the text
@@ -53,7 +55,7 @@ SplatSet splatSetOf(const AvatarData& avatar, const CodedSplats& splats);
 SplatSet splatSetOf(const StaticSplatData& splats);
 
 /** What one frame takes from the CPU: the block itself, and the sort axis inside it (mean forward axis of the views). samples: a pixel, which share the low-pass.
- *  largestGrowth: of a splat at this detail. */
-gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views, uint32_t samples = 1, const SplatDetail& detail = {}, float largestGrowth = 1);
+ *  largestGrowth: of a splat at this detail. unseen: bits of components, which are not posed. */
+gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views, uint32_t samples = 1, const SplatDetail& detail = {}, float largestGrowth = 1, uint32_t unseen = 0);
 
 }  // namespace dpl

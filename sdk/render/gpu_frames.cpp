@@ -45,7 +45,7 @@ Status GpuRenderer::makeWorkBuffers(Row& row) {
                         std::min<uint64_t>(backend_->info().maxBindingBytes / (sizeof(gpu::ProjectedSplat) * gpu::kMaxViews), 1u << gpu::kSortIndexBits));
         ids.allGroups += subject.groupCount;
         ids.endGroups.push_back(ids.allGroups);
-        ids.filledGroups += subject.filledGroups;
+        ids.filledGroups += subject.filledGroups, ids.componentCount += subject.componentCount;
         ids.wide |= subject.wide;
     }
     ids.splatCount = uint32_t(splats);

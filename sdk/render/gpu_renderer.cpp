@@ -1,6 +1,7 @@
 #include "sdk/render/gpu_renderer.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -124,7 +125,9 @@ Status GpuRenderer::loadAvatar(LoadedAvatar& a, const CodedSplats& splats) {
     const AvatarData& data = *a.data;
     a.splats = splatSetOf(data, splats);
     const AvatarRecords records = packAvatar(data, splats);
+    if (options_.cullTriangles) a.components = records.components;
     SubjectIds& ids = a.ids;
+    ids.componentCount = a.components.count();
     ids.vertexCount = uint32_t(data.mesh.restPositions.size());
     ids.jointCount = uint32_t(data.joints.size());
     ids.corrected = !data.correctives.empty();
@@ -260,7 +263,7 @@ Status GpuRenderer::drawFrame(Row& row, std::span<const Drawn> what, std::span<c
         ++waits_;
         DPL_CHECK_OK(backend_->wait(slot.draw));
     }
-    fill(row, slot, what, views, shape.samples);
+    fill(row, slot, what, views, shape);
     if (shape.sceneDepth) writeScene(slot, shape, sceneDepthM);
     DPL_CHECK_OK(backend_->submit(slot.draw));
     frame->next = (frame->next + 1) % kFramesInFlight;
@@ -268,12 +271,20 @@ Status GpuRenderer::drawFrame(Row& row, std::span<const Drawn> what, std::span<c
     return {};
 }
 
-void GpuRenderer::fill(const Row& row, const Slot& slot, std::span<const Drawn> what, std::span<const Cameraf> views, uint32_t samples) {
+void GpuRenderer::fill(const Row& row, Slot& slot, std::span<const Drawn> what, std::span<const Cameraf> views, const Shape& shape) {
+    slot.componentsInView = 0;
     for (size_t k = 0; k < row.members.size(); ++k) {
         const LoadedAvatar& avatar = avatars_.at(row.members[k]);
-        const gpu::FrameData block = packFrame(avatar.splats, views, samples, avatar.detail, avatar.detailSubject.largestGrowth(avatar.detail.perM2));
+        const float growth = avatar.detailSubject.largestGrowth(avatar.detail.perM2);
+        uint32_t unseen = 0;
+        if (avatar.data) {
+            writePalette(*avatar.data, *what[k].pose, slot.palette[k]);
+            if (!shape.meshDepth) unseen = avatar.components.unseen(worldFromRest_, coefficients_, views, avatar.splats.kappaPx2, growth);  // the depth of the mesh is drawn from every triangle
+            slot.componentsInView += avatar.components.count() - uint32_t(std::popcount(unseen));
+            if (unseen != 0 && unseen == avatar.components.all()) unseen = ~0u;
+        }
+        const gpu::FrameData block = packFrame(avatar.splats, views, shape.samples, avatar.detail, growth, unseen);
         std::memcpy(backend_->mapped(slot.frame[k]).data(), &block, sizeof(block));
-        if (avatar.data) writePalette(*avatar.data, *what[k].pose, slot.palette[k]);
     }
 }
 
@@ -289,7 +300,7 @@ void GpuRenderer::writeScene(const Slot& slot, const Shape& shape, std::span<con
 
 void GpuRenderer::writePalette(const AvatarData& avatar, const Pose& pose, BufferId palette) {
     jointTransforms(avatar.joints, pose, worldFromRest_);
-    nodes_.clear();
+    coefficients_.clear(), nodes_.clear();
     if (!avatar.correctives.empty()) {
         correctiveCoefficients(avatar.correctives, pose, coefficients_);
         correctiveNodes(avatar.correctives, coefficients_, nodes_);

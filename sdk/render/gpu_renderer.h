@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <map>
 
+#include "sdk/avatar/components.h"
+#include "sdk/avatar/detail.h"
 #include "sdk/avatar/rig.h"
 #include "sdk/render/avatar_upload.h"
 #include "sdk/render/frame_ids.h"
@@ -58,6 +60,7 @@ private:
         BufferId scene, finalCounts;
         FrameId draw;
         uint64_t number = 0;           // of the frame it drew last; 0: none
+        uint32_t componentsInView = 0; // of that frame
     };
     struct ShapedFrame {
         Shape shape;
@@ -76,6 +79,7 @@ private:
         SubjectIds ids;
         std::vector<BufferId> owned;
         uint64_t avatarBytes = 0, splatBytes = 0;
+        Components components;
         DetailSubject detailSubject;
         SplatDetail detail;            // of the last frame that it was in, as is its share of the splats
         float detailShare = 0;
@@ -111,7 +115,7 @@ private:
     Status buildSlot(const Row& row, ShapedFrame& frame, Slot& slot, const std::optional<TilePlan>& tiles);
     Status buildReadback(ShapedFrame& frame, bool tiles);
     gpu::FrameCounts countsOf(const Slot& slot);
-    void fill(const Row& row, const Slot& slot, std::span<const Drawn> what, std::span<const Cameraf> views, uint32_t samples);
+    void fill(const Row& row, Slot& slot, std::span<const Drawn> what, std::span<const Cameraf> views, const Shape& shape);
     void writeScene(const Slot& slot, const Shape& shape, std::span<const std::span<const float>> sceneDepthM);
     void freeFrame(ShapedFrame& frame);
     void freeBuffers(const std::vector<BufferId>& buffers);

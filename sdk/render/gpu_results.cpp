@@ -76,6 +76,8 @@ Result<FrameStats> GpuRenderer::stats(RenderAvatarId id) {
         const auto raise = [](uint32_t& value, uint32_t other) { value = std::max(value, other); };
         stats.views += frame.shape.views;
         stats.chunks = frame.ids.filledGroups;
+        stats.components = frame.ids.componentCount;
+        raise(stats.componentsInView, slot.componentsInView);
         raise(stats.trianglesInView, counts.trianglesInView), raise(stats.trianglesFacing, counts.trianglesFacing), raise(stats.chunksProjected, counts.chunksProjected);
         raise(stats.splatsInView, counts.splatsInView), raise(stats.splatsFacing, counts.splatsFacing), raise(stats.splatsDrawn, counts.visible);
         // From survivors and layout: the GPU counts no bytes. Of several avatars the widest SH entry counts for all.

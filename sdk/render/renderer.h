@@ -48,6 +48,7 @@ struct FrameStats {
     uint32_t trianglesInView = 0, trianglesFacing = 0;  // survivors of each tier, splats with their triangles; 0 on the CPU, which has no tiers
     uint32_t splatsInView = 0, splatsFacing = 0;
     uint32_t chunks = 0, chunksProjected = 0;
+    uint32_t components = 0, componentsInView = 0;  // of all that were drawn together; the others are not posed. On the CPU an avatar is posed whole or not at all
     uint32_t splatsDrawn = 0;          // that some view shows
     uint32_t tileEntries = 0;          // splat-tile pairs of all views; 0 when quads fill
     bool tilesOverflowed = false;      // the tiles' lists were too small for this frame: quads have filled it

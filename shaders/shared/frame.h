@@ -25,7 +25,7 @@ struct FrameData {            // the only uniform block; written by the CPU befo
     ViewData views[2];
     vec4 sortAxis;            // unit mean forward axis of the views, world; w: depth along it before which no view sees anything
     vec4 target;              // width px, height px, kappa px², 0
-    uvec4 counts;             // splats, views, SH degree, 1 = energy-preserving low-pass
+    uvec4 flags;              // 1 = energy-preserving low-pass; bits of the components that no view sees (sdk/avatar/components.h); 0; 0
     vec4 detail;              // splats wanted a square metre at rest, 0: all; largest growth of a splat; share of SH beyond coefficient 0 (lib/detail.glsl)
 };
 DPL_SHARED_SIZE(FrameData, 256)
@@ -35,7 +35,8 @@ struct VertexRecord {         // static, per vertex
     uint joints01;            // u16 pairs
     uint joints23;
     uint weights;             // 4 x unorm8, sum 255
-    uint pad0, pad1;
+    uint components;          // bits of those that use it
+    uint pad0;
 };
 DPL_SHARED_SIZE(VertexRecord, 32)
 
@@ -47,7 +48,8 @@ struct CorrectedVertexRecord {  // instead of VertexRecord in avatars with pose 
     uint nodes01;             // control nodes, u16 pairs
     uint nodes23;
     uint nodeWeights;         // 4 x unorm8, sum 255
-    uint pad0, pad1, pad2;
+    uint components;          // bits of those that use it
+    uint pad0, pad1;
 };
 DPL_SHARED_SIZE(CorrectedVertexRecord, 48)
 
@@ -55,7 +57,7 @@ struct TriangleRecord {       // static, per triangle; frame and D⁻¹ of the r
     vec4 restT1;              // w: i00
     vec4 restT2;              // w: i01
     vec4 restNormal;          // w: i11
-    uvec4 corners;            // vertex indices; w: 1 = valid at rest
+    uvec4 corners;            // vertex indices; w: 0 = not valid at rest, else the number of its component, from 1
     float reach;              // largest √level · standard deviation of its splats, metres at rest; level = 2 ln(255 α): farther out they are below 1/255
     float rootLevel;          // largest √level
     uint freeSplats;          // that show both faces

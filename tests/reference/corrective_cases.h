@@ -45,6 +45,18 @@ inline AvatarData riggedBlob(uint32_t seed, uint32_t joints) {
     return a;
 }
 
+/** A blob whose joints are bones of a person, in two layers: several components. Splats of millimetres, some of them off their triangles. */
+inline AvatarData randomPerson(uint32_t seed, bool corrected, bool overshooting) {
+    AvatarData a = riggedBlob(seed, 9);
+    constexpr const char* kBones[] = {"hips", "spine", "neck", "head", "leftHand", "rightHand", "leftUpperLeg", "rightUpperLeg", ""};
+    for (size_t j = 0; j < a.joints.size(); ++j) a.joints[j].humanoidBone = kBones[j];
+    const uint32_t triangles = uint32_t(a.mesh.triangles.size()), vertices = uint32_t(a.mesh.restPositions.size());
+    a.mesh.layers = {{"body", "body", 0, vertices, 0, triangles * 3 / 4}, {"top", "garment", 0, vertices, triangles * 3 / 4, triangles - triangles * 3 / 4}};
+    for (Vec2f& scale : a.splats.scaleM) scale *= 0.1f;
+    for (size_t i = 0; overshooting && i < a.splats.uv.size(); i += 3) a.splats.uv[i] = {1.05f, -0.05f};
+    return corrected ? test::withCorrectives(std::move(a), seed) : a;
+}
+
 /** Modes that do not overlap, as training leaves them (PoseCorrectiveData): Gram and Schmidt, lengths kept. */
 inline void separateModes(PoseCorrectiveData& c) {
     const size_t features = 6 * c.joints.size();

@@ -347,6 +347,7 @@ typedef struct DplFrameStats {
     uint32_t tilesOverflowed; /**< 1: these did not fit, quads have filled this frame */
     uint32_t splatsAllowed;  /**< of all that was drawn together: how many dplSetDetail left to draw at most, whatever the views show of them */
     float detailShare;       /**< of this avatar's splats, 0 to 1: the same when it was drawn last, by itself or together */
+    uint32_t componentCount, componentsInView; /**< head, trunk, hands, legs and garments of all that was drawn together; those that some view may show. The others are not posed. 0 where nothing is culled */
 } DplFrameStats;
 
 /** Never waits for a frame that is still being drawn. */

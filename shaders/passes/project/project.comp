@@ -43,7 +43,7 @@ bool showIn(ViewData view, uint v, BoundSplat s, bool mayShow) {
         Footprint f = dplProject(view, dplToView(view, s.centre), dplRotateToView(view, s.axis1), dplRotateToView(view, s.axis2), frame.target.z);
         if (f.visible) {
             float opacity = s.opacity * dplNearFade(f.depthM);
-            if (frame.counts.w != 0u) opacity *= f.compensation;
+            if (frame.flags.x != 0u) opacity *= f.compensation;
             if (s.gated) opacity *= dplSingleFaceGate(s.normal, s.centre, view.eyeWorld.xyz);
             p = dplShow(f, opacity, frame.target.xy);
         }

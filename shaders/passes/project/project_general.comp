@@ -25,7 +25,7 @@ bool showIn(ViewData view, uint slot, GeneralSplatRecord s) {
                                     dplRotateToView(view, s.axis3.xyz), frame.target.z);
     if (f.visible) {
         float opacity = s.centre.w * dplNearFade(f.depthM);
-        if (frame.counts.w != 0u) opacity *= f.compensation;
+        if (frame.flags.x != 0u) opacity *= f.compensation;
         p = dplShow(f, opacity, frame.target.xy);
     }
     projected[slot].place = p.place;

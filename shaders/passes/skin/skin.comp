@@ -1,4 +1,5 @@
 // Poses every vertex with its four unorm8 weights and keeps the posed extent along the sort axis, the range of the depth keys.
+// A vertex that only components nobody sees use is left as it was: nothing reads it in this frame.
 // DPL_CORRECTED: the control nodes of the pose move the rest position first and give the vertex its brightness (sdk/avatar/pose_correctives.h).
 #version 450
 #extension GL_GOOGLE_include_directive : require
@@ -24,6 +25,15 @@ void addJoint(inout vec3 sum, vec4 rest, uint joint, uint weight) {
     sum += w * vec3(dot(paletteRow(joint * 3u), rest), dot(paletteRow(joint * 3u + 1u), rest), dot(paletteRow(joint * 3u + 2u), rest));
 }
 
+bool seen(uint vertex) {
+    if (frame.flags.y == 0u) return true;
+#ifdef DPL_CORRECTED
+    return (DPL_FOUR(vertices, 3u * vertex + 2u).y & ~frame.flags.y) != 0u;
+#else
+    return (DPL_FOUR(vertices, 2u * vertex + 1u).z & ~frame.flags.y) != 0u;
+#endif
+}
+
 #ifdef DPL_CORRECTED
 vec4 nodeShare(uint node, uint weight) { return float(weight) * (1.0 / 255.0) * paletteRow(push.firstNode + node); }
 #endif
@@ -36,7 +46,7 @@ void main() {
         groupMinInverted = 0u;
     }
     barrier();
-    if (vertex < push.vertexCount) {
+    if (vertex < push.vertexCount && seen(vertex)) {
 #ifdef DPL_CORRECTED
         uvec4 place = DPL_FOUR(vertices, 3u * vertex), joints = DPL_FOUR(vertices, 3u * vertex + 1u);  // restX, restY, restZ, joints01 | joints23, weights, nodes01, nodes23 | nodeWeights
         uint weights = joints.y, nodeWeights = DPL_FOUR(vertices, 3u * vertex + 2u).x;

@@ -1,5 +1,6 @@
 // One posed frame a triangle: corners, the columns of F, the polar rotation and the brightness (sdk/math/binding.h); and which views may show
 // its splats: those whose frustum it touches (lib/cull.glsl), for single-face splats only those on its front side, where their gate is above 0.
+// Triangles of components that no view sees are marked so, and nothing more of them is read or written.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -42,12 +43,15 @@ void main() {
     uint lane = gl_LocalInvocationIndex, index = gl_WorkGroupID.x * kVertexGroup + lane;
     if (lane < 2u) groupTriangles[lane] = groupSplats[lane] = 0u;
     barrier();
-    if (index < push.triangleCount) {
+    uvec4 corners = index < push.triangleCount ? DPL_FOUR(triangles, 5u * index + 3u) : uvec4(0u);
+    bool seen = corners.w == 0u || (frame.flags.y >> (corners.w - 1u) & 1u) == 0u;
+    if (!seen) frames[index].corner0.w = 0u;
+    if (index < push.triangleCount && seen) {
         TriangleRecord rest;
         rest.restT1 = dplFloats(DPL_FOUR(triangles, 5u * index));
         rest.restT2 = dplFloats(DPL_FOUR(triangles, 5u * index + 1u));
         rest.restNormal = dplFloats(DPL_FOUR(triangles, 5u * index + 2u));
-        rest.corners = DPL_FOUR(triangles, 5u * index + 3u);
+        rest.corners = corners;
         uvec4 last = DPL_FOUR(triangles, 5u * index + 4u);
         rest.reach = uintBitsToFloat(last.x);
         rest.rootLevel = uintBitsToFloat(last.y);

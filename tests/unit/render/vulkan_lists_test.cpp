@@ -1,5 +1,6 @@
 // What the frame's lists hold: culling leaves out only what no view shows, and no list loses a splat.
 #include "shaders/shared/frame.h"
+#include "tests/reference/corrective_cases.h"
 #include "tests/reference/random_avatar.h"
 #include "tests/unit/format/sample_correctives.h"
 #include "tests/unit/render/vulkan_image.h"
@@ -70,6 +71,39 @@ TEST_P(VulkanImage, cullingLosesNoVisibleSplat) {
     EXPECT_LT(inView, splats * 9 / 10);
     EXPECT_LT(facing, inView * 9 / 10);
     EXPECT_GT(drawn, splats / 20);
+}
+
+// A component that no view shows is not posed. Whoever looks back sees it in the pose of that frame, and nothing of an old one is ever seen.
+TEST_P(VulkanImage, whatIsOutOfViewIsNotPosedAndComesBack) {
+    const VulkanOptions options = withPreciseBlendingOfAnyWidth();
+    VulkanOptions without = options;
+    without.cullTriangles = false;
+    TestVulkan vulkan(options, GetParam()), posingAll(without, GetParam());
+    DPL_NEED_VULKAN(vulkan);
+    for (const bool corrected : {false, true}) {
+        const auto avatar = share(randomPerson(7, corrected, false));
+        auto id = vulkan.renderer->addAvatar(avatar), allId = posingAll.renderer->addAvatar(avatar);
+        ASSERT_TRUE(id && allId);
+        const Cameraf whole = lookAt({0, 1, 2.2f}, {0, 1, 0}, 140, 112, 120), away = lookAt({0, 1, 2.2f}, {0, 1, 6}, 140, 112, 120), close = lookAt({0, 1.55f, 1}, {0, 1.6f, 0}, 140, 112, 400);
+        uint32_t least = 100, most = 0, parts = 0, frame = 0;
+        for (const Cameraf& view : {whole, away, whole, close, away, close, whole, close, close, close}) {
+            Pose pose = randomPose(*avatar, ++frame);
+            for (Quatf& q : pose.localRotations) q = glm::slerp(Quatf(1, 0, 0, 0), q, 0.2f);
+            std::vector<RenderedView> shown(1), all(1);
+            ASSERT_TRUE(vulkan.renderer->render(*id, pose, {&view, 1}, true, shown));
+            ASSERT_TRUE(posingAll.renderer->render(*allId, pose, {&view, 1}, true, all));
+            auto stats = vulkan.renderer->stats(*id), allStats = posingAll.renderer->stats(*allId);
+            ASSERT_TRUE(stats && allStats);
+            EXPECT_EQ(stats->splatsDrawn, allStats->splatsDrawn);
+            const Difference d = compare(shown[0], renderReference(*avatar, pose, referenceCamera(view)));
+            EXPECT_GE(d.psnrDb, options.preciseBlending ? kMinPsnrDb : kMinBytePsnrDb);
+            least = std::min(least, stats->componentsInView), most = std::max(most, stats->componentsInView), parts += stats->componentsInView > 0 && stats->componentsInView < stats->components ? 1 : 0;
+            EXPECT_EQ(allStats->components, 0u) << "without culling nothing is left out";
+        }
+        EXPECT_EQ(least, 0u);
+        EXPECT_GE(most, 4u);
+        EXPECT_GE(parts, 2u) << "some are left out of the close-ups";
+    }
 }
 
 /** The tube without its last splats. */

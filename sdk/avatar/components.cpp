@@ -1,0 +1,238 @@
+#include "sdk/avatar/components.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <string_view>
+
+#include "sdk/math/coverage.h"
+#include "sdk/math/projection.h"
+
+namespace dpl {
+namespace {
+
+enum Region : uint8_t { kTrunk, kHead, kLeftHand, kRightHand, kLeftLeg, kRightLeg };
+
+/** Where a humanoid bone begins a region; its children belong to it. */
+int regionBegunBy(std::string_view bone) {
+    constexpr std::pair<std::string_view, Region> kBegins[] = {{"neck", kHead}, {"head", kHead}, {"leftHand", kLeftHand}, {"rightHand", kRightHand}, {"leftUpperLeg", kLeftLeg}, {"rightUpperLeg", kRightLeg}};
+    for (const auto& [name, region] : kBegins)
+        if (bone == name) return region;
+    return -1;
+}
+
+std::vector<uint8_t> regionsOf(std::span<const JointData> joints) {
+    std::vector<uint8_t> regions(joints.size(), kTrunk);
+    for (size_t j = 0; j < joints.size(); ++j) {
+        const int begun = regionBegunBy(joints[j].humanoidBone);
+        regions[j] = begun >= 0 ? uint8_t(begun) : joints[j].parent >= 0 ? regions[size_t(joints[j].parent)] : uint8_t(kTrunk);
+    }
+    return regions;
+}
+
+/** Of all layers those in front; triangles in none belong to a last one. */
+size_t layerOf(const MeshData& mesh, size_t triangle) {
+    for (size_t l = 0; l < mesh.layers.size(); ++l)
+        if (triangle >= mesh.layers[l].firstTriangle && triangle - mesh.layers[l].firstTriangle < mesh.layers[l].triangleCount) return l;
+    return mesh.layers.size();
+}
+
+struct Box {
+    Vec3d low{INFINITY}, high{-INFINITY};
+    void add(const Vec3d& p) { low = glm::min(low, p), high = glm::max(high, p); }
+    Vec3d centre() const { return 0.5 * (low + high); }
+    Vec3d half() const { return 0.5 * (high - low); }
+};
+
+double weightOf(const MeshData& mesh, uint32_t vertex, uint32_t joint) {
+    double sum = 0;
+    for (int k = 0; k < 4; ++k)
+        if (mesh.jointIndices[vertex][k] == joint) sum += mesh.jointWeights[vertex][k] / 255.0;
+    return sum;
+}
+
+/** What a mode moves a vertex by, for a coefficient of 1. */
+Vec3d movedBy(const PoseCorrectiveData& c, uint32_t mode, uint32_t vertex) {
+    Vec3d sum(0);
+    for (int k = 0; k < 4; ++k) sum += c.nodeWeights[vertex][k] / 255.0 * Vec3d(c.nodes[size_t(c.nodeIndices[vertex][k]) * c.modeCount + mode]);
+    return sum;
+}
+
+bool addsUp(const std::vector<glm::u8vec4>& weights) {
+    return std::all_of(weights.begin(), weights.end(), [](const glm::u8vec4& w) { return int(w.x) + w.y + w.z + w.w == 255; });
+}
+
+}  // namespace
+
+ComponentMap componentsOf(const AvatarData& avatar) {
+    const MeshData& mesh = avatar.mesh;
+    const std::vector<uint8_t> regions = regionsOf(avatar.joints);
+    ComponentMap map;
+    map.ofVertex.assign(mesh.restPositions.size(), 0);
+    std::map<std::pair<size_t, uint8_t>, uint32_t> numbers;
+    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const size_t layer = layerOf(mesh, t);
+        uint8_t region = kTrunk;
+        if (layer == mesh.layers.size() || mesh.layers[layer].role == "body") {
+            std::array<int, 6> share{};
+            for (int corner = 0; corner < 3; ++corner)
+                for (int k = 0; k < 4; ++k)
+                    if (const int w = mesh.jointWeights[mesh.triangles[t][corner]][k]; w > 0) share[regions[mesh.jointIndices[mesh.triangles[t][corner]][k]]] += w;
+            region = uint8_t(std::max_element(share.begin(), share.end()) - share.begin());
+        }
+        const auto [it, isNew] = numbers.try_emplace({layer, region}, std::min(map.count, kMaxComponents - 1));
+        if (isNew && map.count < kMaxComponents) ++map.count;
+        map.ofTriangle.push_back(uint8_t(it->second));
+        for (int corner = 0; corner < 3; ++corner) map.ofVertex[mesh.triangles[t][corner]] |= 1u << it->second;
+    }
+    for (uint32_t& bits : map.ofVertex)
+        if (bits == 0) bits = ~0u;
+    return map;
+}
+
+Components::Components(const AvatarData& avatar, const ComponentMap& map, std::span<const TriangleReach> reach) {
+    const MeshData& mesh = avatar.mesh;
+    if (!addsUp(mesh.jointWeights) || !addsUp(avatar.correctives.nodeWeights)) return;
+    struct Growing {
+        std::vector<Box> boxes;   // one a joint
+        std::map<std::pair<uint32_t, uint32_t>, std::pair<Box, Crease>> creases;
+    };
+    std::vector<Growing> growing(map.count);
+    const uint32_t modes = avatar.correctives.modeCount;
+    components_.resize(map.count);
+    for (Component& c : components_) c.modes.resize(modes);
+    for (Growing& g : growing) g.boxes.resize(avatar.joints.size());
+    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+        const Triangle corners = mesh.triangles[t];
+        Component& c = components_[map.ofTriangle[t]];
+        Growing& g = growing[map.ofTriangle[t]];
+        Vec3d rest[3];
+        for (int corner = 0; corner < 3; ++corner) {
+            rest[corner] = Vec3d(mesh.restPositions[corners[corner]]);
+            for (int k = 0; k < 4; ++k)
+                if (mesh.jointWeights[corners[corner]][k] > 0) g.boxes[mesh.jointIndices[corners[corner]][k]].add(rest[corner]);
+            for (uint32_t m = 0; m < modes; ++m) c.modes[m].offsetM = std::max(c.modes[m].offsetM, glm::length(movedBy(avatar.correctives, m, corners[corner])));
+        }
+        if (reach[t].rootLevel == 0) continue;   // nothing on it is ever seen
+        const auto frame = restTriangle<double>(rest[0], rest[1], rest[2]);
+        if (!frame.valid) continue;
+        // F = [d1 d2] D⁻¹, and by corner 0's weights d_i = (Σ w_0j R_j)(x_i − x_0) + Σ_j (w_ij − w_0j) G_j x_i: the first cannot stretch, the second is what joints
+        // that differ carry apart. Norms of the rows of D⁻¹ turn that into a stretch of F.
+        const double row[3] = {0, std::hypot(frame.inverse.i00, frame.inverse.i01), std::abs(frame.inverse.i11)};
+        const double over = reach[t].overshoots ? 1 : 0;
+        c.rootLevel = std::max(c.rootLevel, double(reach[t].rootLevel));
+        c.reachM = std::max(c.reachM, double(reach[t].reachM));
+        c.overM = std::max(c.overM, over * (glm::length(rest[1] - rest[0]) + glm::length(rest[2] - rest[0])));
+        for (uint32_t m = 0; m < modes; ++m) {
+            const Vec3d first = movedBy(avatar.correctives, m, corners[0]);
+            const double apart1 = glm::length(movedBy(avatar.correctives, m, corners[1]) - first), apart2 = glm::length(movedBy(avatar.correctives, m, corners[2]) - first);
+            c.modes[m].reachM = std::max(c.modes[m].reachM, (apart1 * row[1] + apart2 * row[2]) * double(reach[t].reachM)), c.modes[m].overM = std::max(c.modes[m].overM, over * (apart1 + apart2));
+        }
+        uint32_t main = mesh.jointIndices[corners[0]][0];
+        double most = -1;
+        for (int k = 0; k < 4; ++k)
+            if (const uint32_t joint = mesh.jointIndices[corners[0]][k]; mesh.jointWeights[corners[0]][k] > 0 && weightOf(mesh, corners[0], joint) > most) main = joint, most = weightOf(mesh, corners[0], joint);
+        struct Apart {
+            uint32_t joint = 0;
+            double reach = 0, over = 0;   // Σ over the corners of the difference of weight × row, and of itself
+        };
+        std::array<Apart, 12> apart;
+        size_t joints = 0;
+        for (int i = 1; i <= 2; ++i) {
+            for (const uint32_t vertex : {corners[0], corners[i]})
+                for (int k = 0; k < 4; ++k) {
+                    const uint32_t joint = mesh.jointIndices[vertex][k];
+                    if (mesh.jointWeights[vertex][k] == 0 || joint == main) continue;
+                    bool counted = false;   // of this edge already
+                    for (int other = 0; other < k; ++other) counted |= mesh.jointIndices[vertex][other] == joint && mesh.jointWeights[vertex][other] > 0;
+                    if (vertex == corners[i])
+                        for (int other = 0; other < 4; ++other) counted |= mesh.jointIndices[corners[0]][other] == joint && mesh.jointWeights[corners[0]][other] > 0;
+                    if (counted) continue;
+                    const double difference = std::abs(weightOf(mesh, corners[i], joint) - weightOf(mesh, corners[0], joint));
+                    if (!(difference > 0)) continue;
+                    const auto end = apart.begin() + ptrdiff_t(joints), at = std::find_if(apart.begin(), end, [&](const Apart& a) { return a.joint == joint; });
+                    if (at == end) *at = {joint, 0, 0}, ++joints;
+                    at->reach += difference * row[i], at->over += difference;
+                }
+        }
+        // A triangle with several such joints has the sum of theirs; so that the largest may stand for all, each counts as often as there are.
+        for (size_t k = 0; k < joints; ++k) {
+            auto& [box, crease] = g.creases[{apart[k].joint, main}];
+            box.add(rest[1]), box.add(rest[2]);
+            crease.reachPerM = std::max(crease.reachPerM, apart[k].reach * double(joints) * double(reach[t].reachM));
+            crease.overPerM = std::max(crease.overPerM, over * apart[k].over * double(joints));
+        }
+    }
+    for (uint32_t i = 0; i < map.count; ++i) {
+        for (uint32_t joint = 0; joint < avatar.joints.size(); ++joint)
+            if (const Box& box = growing[i].boxes[joint]; box.low.x <= box.high.x) components_[i].boxes.push_back({joint, box.centre(), box.half()});
+        for (auto& [joints, what] : growing[i].creases) {
+            auto& [box, crease] = what;
+            crease.at = {joints.first, box.centre(), box.half()}, crease.against = joints.second;
+            components_[i].creases.push_back(crease);
+        }
+    }
+}
+
+uint32_t Components::unseen(std::span<const Mat3x4f> worldFromRest, std::span<const float> coefficients, std::span<const Cameraf> views, float kappaPx2, float growth) const {
+    const auto carried = [&](uint32_t joint, const Vec3d& p) {
+        const Mat3x4f& m = worldFromRest[joint];
+        return Vec3d(m[0]) * p.x + Vec3d(m[1]) * p.y + Vec3d(m[2]) * p.z + Vec3d(m[3]);
+    };
+    /** The norm of the difference of two rotations: that of Frobenius over √2, and a little for float rounding. */
+    const auto turned = [&](uint32_t a, uint32_t b) {
+        double sum = 0;
+        for (int k = 0; k < 3; ++k) {
+            const Vec3d d = Vec3d(worldFromRest[a][k]) - Vec3d(worldFromRest[b][k]);
+            sum += glm::dot(d, d);
+        }
+        return std::sqrt(0.5 * sum) + 1e-5;
+    };
+    uint32_t bits = 0;
+    for (uint32_t i = 0; i < count(); ++i) {
+        const Component& c = components_[i];
+        double offset = 0, reachM = c.reachM, over = c.overM;
+        for (size_t m = 0; m < std::min(c.modes.size(), coefficients.size()); ++m) {
+            const double k = std::abs(double(coefficients[m]));
+            offset += k * c.modes[m].offsetM, reachM += k * c.modes[m].reachM, over += k * c.modes[m].overM;
+        }
+        double reachShare = 0, overShare = 0;   // of creases
+        for (const Crease& k : c.creases) {
+            const double apart = glm::length(carried(k.at.joint, k.at.centre) - carried(k.against, k.at.centre)) + (glm::length(k.at.half) + offset) * turned(k.at.joint, k.against);
+            reachShare = std::max(reachShare, k.reachPerM * apart), overShare = std::max(overShare, k.overPerM * apart);
+        }
+        over += overShare;
+        const double reach = double(growth) * (reachM + reachShare);
+        const auto shownIn = [&](const Cameraf& view) {
+            const JacobianClamp<double> limit(view.cast<double>());
+            const Vec2d focal(view.fx, view.fy), centre(view.cx, view.cy), slope(std::max(std::abs(limit.minX), std::abs(limit.maxX)), std::max(std::abs(limit.minY), std::abs(limit.maxY)));
+            const Vec2d margin = c.rootLevel * std::sqrt(double(kappaPx2)) + double(kCoverageReachPx) + 0.02 + 1e-5 * focal;
+            const Vec2d low = centre + margin, high = Vec2d(view.widthPx, view.heightPx) - centre + margin;   // as lib/cull.glsl
+            const Vec2d splat = 1.001 * reach * focal * glm::sqrt(1.0 + slope * slope);
+            struct Side {
+                Vec3d inwards;       // view space, not of unit length
+                double bySplat;      // how far beyond it a vertex may lie whose splats still show
+            };
+            const Side sides[] = {{{0, 0, 1}, -kNearM}, {{focal.x, 0, low.x}, splat.x}, {{-focal.x, 0, high.x}, splat.x}, {{0, focal.y, low.y}, splat.y}, {{0, -focal.y, high.y}, splat.y}};
+            for (const Side& side : sides) {
+                const Vec3d normal = glm::transpose(Mat3d(view.viewFromWorldRotation)) * side.inwards;
+                const double start = glm::dot(side.inwards, Vec3d(view.viewFromWorldTranslation)) + side.bySplat, length = glm::length(normal);
+                bool outside = true;
+                for (const Corners& box : c.boxes) {
+                    const Vec3d p = carried(box.joint, box.centre);
+                    double support = 0;
+                    for (int k = 0; k < 3; ++k) support += std::abs(glm::dot(normal, Vec3d(worldFromRest[box.joint][k]))) * box.half[k];
+                    const double rounding = 1e-5 * (1 + glm::length(p) + glm::length(Vec3d(worldFromRest[box.joint][3])) + glm::length(Vec3d(view.viewFromWorldTranslation)));
+                    outside = outside && start + glm::dot(normal, p) + support * 1.0001 + length * (offset + over + rounding) <= 0;
+                }
+                if (outside) return false;
+            }
+            return true;
+        };
+        if (std::none_of(views.begin(), views.end(), shownIn)) bits |= 1u << i;
+    }
+    return bits;
+}
+
+}  // namespace dpl
