@@ -32,7 +32,7 @@ int main(void) {
         CHECK(sizeof(DplClipInfo) == 32 && offsetof(DplClipInfo, durationS) == 16);
         CHECK(sizeof(DplClipOptions) == 24 && offsetof(DplClipOptions, animation) == 16);
         CHECK(sizeof(DplDetail) == 12);
-        CHECK(sizeof(DplFrameStats) == 112 && offsetof(DplFrameStats, splatsAllowed) == 104 && offsetof(DplFrameStats, avatarBytes) == 64 && offsetof(DplFrameStats, tileEntries) == 96 && offsetof(DplFrameStats, residentBytes) == 40);
+        CHECK(sizeof(DplFrameStats) == 120 && offsetof(DplFrameStats, splatsAllowed) == 104 && offsetof(DplFrameStats, componentCount) == 112 && offsetof(DplFrameStats, avatarBytes) == 64 && offsetof(DplFrameStats, tileEntries) == 96 && offsetof(DplFrameStats, residentBytes) == 40);
         CHECK(sizeof(DplPassTime) == 24 && offsetof(DplPassTime, milliseconds) == 16);
     }
     CHECK(sizeof(DplResult) == 4 && sizeof(DplRenderer) == 4 && sizeof(DplFill) == 4 && sizeof(DplDrawFlag) == 4 && sizeof(DplImageFormat) == 4);

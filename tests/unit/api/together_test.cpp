@@ -77,6 +77,48 @@ TEST_F(TogetherTest, meshDepthIsThatOfTheNearestMesh) {
     EXPECT_TRUE(errorSays("no mesh")) << dplGetLastError();
 }
 
+TEST_F(TogetherTest, whoeverIsOutOfViewIsLeftOutAndComesBack) {
+    const DplCamera camera = frontCamera();
+    const auto seen = [&](DplAvatar first) {
+        DplFrameStats stats{};
+        stats.structSize = sizeof stats;
+        EXPECT_EQ(dplGetFrameStats(first, &stats), DPL_OK) << dplGetLastError();
+        EXPECT_GT(stats.componentCount, 0u);
+        return stats.componentsInView;
+    };
+    const DplAvatar rows[2][2] = {{avatar_, other_}, {other_, avatar_}};
+    std::vector<uint8_t> both, alone, nobody;
+    std::vector<float> depth(64 * 64), meshDepth(64 * 64);
+    place(0.25f, -0.5f);
+    DplImage image = imageFor(camera, both);
+    ASSERT_EQ(dplRenderTogether(context_, rows[0], 2, &camera, 1, &image), DPL_OK) << dplGetLastError();
+    const uint32_t ofBoth = seen(avatar_);
+    image = imageFor(camera, alone);
+    ASSERT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK);
+    EXPECT_EQ(seen(avatar_) * 2, ofBoth);
+    for (const auto& row : rows) {   // the one out of view first, and last
+        place(9, 0);
+        std::vector<uint8_t> pixels;
+        image = imageFor(camera, pixels);
+        ASSERT_EQ(dplRenderTogether(context_, row, 2, &camera, 1, &image), DPL_OK);
+        EXPECT_EQ(seen(row[0]) * 2, ofBoth);
+        EXPECT_EQ(pixels, alone);
+        place(0.25f, -0.5f);
+        image = imageFor(camera, pixels);
+        ASSERT_EQ(dplRenderTogether(context_, row, 2, &camera, 1, &image), DPL_OK);
+        EXPECT_EQ(pixels, both);
+    }
+    place(9, 0);
+    image = imageFor(camera, nobody, &depth);
+    std::fill(meshDepth.begin(), meshDepth.end(), -1.0f);
+    image.meshDepthM = meshDepth.data(), image.meshDepthCount = meshDepth.size();
+    ASSERT_EQ(dplRender(context_, other_, &camera, 1, &image), DPL_OK) << dplGetLastError();
+    EXPECT_EQ(seen(other_), 0u);
+    EXPECT_EQ(nobody, std::vector<uint8_t>(64 * 64 * 4, 0));
+    EXPECT_EQ(depth, std::vector<float>(64 * 64, 0)) << "nothing of the frame before";
+    EXPECT_EQ(meshDepth, std::vector<float>(64 * 64, 0));
+}
+
 TEST_F(TogetherTest, thePictureIsTheFirstOnes) {
     const DplCamera camera = frontCamera();
     const DplAvatar row[2] = {avatar_, other_};
