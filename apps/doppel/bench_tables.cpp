@@ -15,13 +15,13 @@ constexpr double kPlyBytes = 62 * 4;   // a splat of degree 3 as 32-bit floats: 
 std::string rounded(double value, double steps) { return formatText("{}", std::round(value * steps) / steps); }
 
 std::string frameRow(const BenchCase& test, const Contestant& c, uint32_t splatCount, uint32_t samples, bool compared) {
-    char row[480];
+    char row[520];
     const double gpu = percentile(c.gpuMilliseconds, 0.5);
     const std::string tiers = c.stats.splatsInView > 0 ? formatText("{} → {} → {} → ", splatCount, c.stats.splatsInView, c.stats.splatsFacing) : formatText("{} → ", splatCount);
-    std::snprintf(row, sizeof row, "| %s | %s | %.2f | %.2f | %.2f | %s | %s | %s | %s | %s | %s%u | %s | %.1f | %u | %llu, %llu |\n", test.name, c.name.c_str(), percentile(c.milliseconds, 0.5),
+    std::snprintf(row, sizeof row, "| %s | %s | %.2f | %.2f | %.2f | %s | %s | %s | %s | %s | %s%u | %s | %s | %.1f | %u | %llu, %llu |\n", test.name, c.name.c_str(), percentile(c.milliseconds, 0.5),
                   percentile(c.milliseconds, 0.95), percentile(c.drawMilliseconds, 0.5), gpu > 0 ? rounded(gpu, 100).c_str() : "–", compared ? decibelText(c.error.psnrDb()).c_str() : "–",
                   compared ? decibelText(c.error.coveredPsnrDb()).c_str() : "–", compared ? rounded(c.error.maxLevels, 10).c_str() : "–", compared ? rounded(c.flip, 1e5).c_str() : "–", tiers.c_str(),
-                  c.stats.splatsDrawn, c.stats.chunkCount > 0 ? formatText("{} of {}", c.stats.chunksProjected, c.stats.chunkCount).c_str() : "–", double(c.stats.residentBytes) / (1 << 20),
+                  c.stats.splatsDrawn, c.stats.chunkCount > 0 ? formatText("{} of {}", c.stats.chunksProjected, c.stats.chunkCount).c_str() : "–", c.stats.componentCount > 0 ? formatText("{} of {}", c.stats.componentsInView, c.stats.componentCount).c_str() : "–", double(c.stats.residentBytes) / (1 << 20),
                   c.plain ? 1 : samples, static_cast<unsigned long long>(c.warmAllocations), static_cast<unsigned long long>(c.warmWaits));
     return row;
 }
@@ -29,9 +29,9 @@ std::string frameRow(const BenchCase& test, const Contestant& c, uint32_t splatC
 std::string jsonLines(const BenchCase& test, const Contestant& c, uint32_t splatCount, uint32_t samples, bool compared) {
     char line[1000];
     std::string out;
-    std::snprintf(line, sizeof line, "{\"case\":\"%s\",\"views\":%u,\"width_px\":%u,\"height_px\":%u,\"device\":\"%s\",\"ms_p50\":%.3f,\"ms_p95\":%.3f,\"draw_ms_p50\":%.3f,\"splats\":%u,\"splats_in_view\":%u,\"splats_facing\":%u,\"splats_drawn\":%u,\"chunks\":%u,\"chunks_projected\":%u,\"resident_bytes\":%llu,\"avatar_bytes\":%llu,\"splat_bytes\":%llu,\"bytes_decided\":%llu,\"bytes_decoded\":%llu,\"load_ms\":%.2f,\"tile_entries\":%u,\"tiles_overflowed\":%u,\"samples\":%u,\"warm_allocations\":%llu,\"warm_waits\":%llu",
+    std::snprintf(line, sizeof line, "{\"case\":\"%s\",\"views\":%u,\"width_px\":%u,\"height_px\":%u,\"device\":\"%s\",\"ms_p50\":%.3f,\"ms_p95\":%.3f,\"draw_ms_p50\":%.3f,\"splats\":%u,\"splats_in_view\":%u,\"splats_facing\":%u,\"splats_drawn\":%u,\"chunks\":%u,\"chunks_projected\":%u,\"components\":%u,\"components_in_view\":%u,\"resident_bytes\":%llu,\"avatar_bytes\":%llu,\"splat_bytes\":%llu,\"bytes_decided\":%llu,\"bytes_decoded\":%llu,\"load_ms\":%.2f,\"tile_entries\":%u,\"tiles_overflowed\":%u,\"samples\":%u,\"warm_allocations\":%llu,\"warm_waits\":%llu",
                   test.name, test.viewCount, test.widthPx, test.heightPx, c.name.c_str(), percentile(c.milliseconds, 0.5), percentile(c.milliseconds, 0.95),
-                  percentile(c.drawMilliseconds, 0.5), splatCount, c.stats.splatsInView, c.stats.splatsFacing, c.stats.splatsDrawn, c.stats.chunkCount, c.stats.chunksProjected, static_cast<unsigned long long>(c.stats.residentBytes),
+                  percentile(c.drawMilliseconds, 0.5), splatCount, c.stats.splatsInView, c.stats.splatsFacing, c.stats.splatsDrawn, c.stats.chunkCount, c.stats.chunksProjected, c.stats.componentCount, c.stats.componentsInView, static_cast<unsigned long long>(c.stats.residentBytes),
                   static_cast<unsigned long long>(c.stats.avatarBytes), static_cast<unsigned long long>(c.stats.splatBytes), static_cast<unsigned long long>(c.stats.bytesDecided),
                   static_cast<unsigned long long>(c.stats.bytesDecoded), c.loadMilliseconds, c.stats.tileEntries, c.stats.tilesOverflowed, c.plain ? 1 : samples,
                   static_cast<unsigned long long>(c.warmAllocations), static_cast<unsigned long long>(c.warmWaits));
@@ -72,8 +72,8 @@ void BenchText::add(const BenchCase& test, const Contestant& contestant, uint32_
 }
 
 std::string BenchText::framesTable() const {
-    return "| case | renderer | ms | p95 | dplDraw ms | GPU ms | PSNR | covered pixels | max error, levels | FLIP | splats → in view → facing → drawn | chunks projected | resident MiB | samples a pixel | warm frames: allocations, waits |\n"
-           "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n" + frames;
+    return "| case | renderer | ms | p95 | dplDraw ms | GPU ms | PSNR | covered pixels | max error, levels | FLIP | splats → in view → facing → drawn | chunks projected | components in view | resident MiB | samples a pixel | warm frames: allocations, waits |\n"
+           "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n" + frames;
 }
 
 std::string BenchText::memoryTable() const {

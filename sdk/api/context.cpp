@@ -118,7 +118,7 @@ DplResult dplCreateContext(const DplContextInfo* info, DplContext* context) {
         if (threadCount > 256) return fail(Code::InvalidArgument, "{} threads; 0 to 256 are possible", threadCount);
         auto made = std::make_shared<Context>();
         const RendererOptions options{.threadCount = threadCount,
-                                      .cullTriangles = (flags & DPL_CONTEXT_WITHOUT_CULLING) == 0,
+                                      .cull = (flags & DPL_CONTEXT_WITHOUT_CULLING) == 0,
                                       .shareViews = (flags & DPL_CONTEXT_WITHOUT_SHARED_STEREO) == 0,
                                       .quantiseDepth = (flags & DPL_CONTEXT_WITHOUT_DEPTH_QUANTISATION) == 0,
                                       .fill = DplFill(fill),

@@ -12,7 +12,7 @@ namespace dpl::api {
 
 struct RendererOptions {
     uint32_t threadCount = 0;
-    bool cullTriangles = true;     // as VulkanOptions says
+    bool cull = true;     // as VulkanOptions says
     bool shareViews = true;        // the same
     bool quantiseDepth = true;     // the same
     DplFill fill = DPL_FILL_AUTO;

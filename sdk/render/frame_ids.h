@@ -35,7 +35,6 @@ struct FrameIds : SubjectIds {
     uint32_t allGroups = 0;               // half-chunks of all subjects
     std::vector<uint32_t> endGroups;      // where those of each end
     bool layered = true, depth = false, halfColour = false;
-    bool cull = true;                     // triangles out of view or turned away
     bool floatKeys = false;               // depths are sorted as 32-bit floats
     bool shuffle = false;                 // subgroups hold whole tiles (DeviceInfo::shuffle)
     bool sceneDepth = false;              // splats behind the app's scene are hidden

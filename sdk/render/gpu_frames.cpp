@@ -67,7 +67,6 @@ Status GpuRenderer::build(const Row& row, ShapedFrame& f) {
     ids.depth = f.shape.depth;
     ids.sceneDepth = f.shape.sceneDepth;
     ids.halfColour = options_.preciseBlending;
-    ids.cull = options_.cullTriangles;
     ids.shuffle = backend_->info().shuffle;
     ids.samples = f.shape.samples;
     DPL_TRY(ids.target, backend_->createTarget({ids.widthPx, ids.heightPx, ids.viewCount, ids.depth, ids.layered, ids.halfColour, ids.samples}));

@@ -125,7 +125,7 @@ Status GpuRenderer::loadAvatar(LoadedAvatar& a, const CodedSplats& splats) {
     const AvatarData& data = *a.data;
     a.splats = splatSetOf(data, splats);
     const AvatarRecords records = packAvatar(data, splats);
-    if (options_.cullTriangles) a.components = records.components;
+    if (options_.cull) a.components = records.components;
     SubjectIds& ids = a.ids;
     ids.componentCount = a.components.count();
     ids.vertexCount = uint32_t(data.mesh.restPositions.size());
@@ -283,7 +283,8 @@ void GpuRenderer::fill(const Row& row, Slot& slot, std::span<const Drawn> what, 
             slot.componentsInView += avatar.components.count() - uint32_t(std::popcount(unseen));
             if (unseen != 0 && unseen == avatar.components.all()) unseen = ~0u;
         }
-        const gpu::FrameData block = packFrame(avatar.splats, views, shape.samples, avatar.detail, growth, unseen);
+        gpu::FrameData block = packFrame(avatar.splats, views, shape.samples, avatar.detail, growth, unseen);
+        block.flags.z = options_.cull ? 0 : 1;
         std::memcpy(backend_->mapped(slot.frame[k]).data(), &block, sizeof(block));
     }
 }

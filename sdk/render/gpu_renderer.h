@@ -20,7 +20,7 @@ namespace dpl {
 
 struct GpuOptions {
     bool preciseBlending = false;
-    bool cullTriangles = true;
+    bool cull = true;
     bool shareViews = true;
     bool quantiseDepth = true;
     Fill fill = Fill::Quads;

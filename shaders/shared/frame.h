@@ -25,7 +25,7 @@ struct FrameData {            // the only uniform block; written by the CPU befo
     ViewData views[2];
     vec4 sortAxis;            // unit mean forward axis of the views, world; w: depth along it before which no view sees anything
     vec4 target;              // width px, height px, kappa px², 0
-    uvec4 flags;              // 1 = energy-preserving low-pass; bits of the components that no view sees (sdk/avatar/components.h); 0; 0
+    uvec4 flags;              // 1 = energy-preserving low-pass; bits of the components that no view sees (sdk/avatar/components.h); 1 = nothing is culled; 0
     vec4 detail;              // splats wanted a square metre at rest, 0: all; largest growth of a splat; share of SH beyond coefficient 0 (lib/detail.glsl)
 };
 DPL_SHARED_SIZE(FrameData, 256)
@@ -140,7 +140,7 @@ struct RowScanPush { uint perRow; uint firstTable; uint firstSum; };  // perRow 
 
 // Several avatars share a frame: `drawn` is the number of one, its half-chunks and splats come behind those of the ones before it.
 struct VertexPush { uint vertexCount; uint firstNode; uint drawn; };  // control nodes in the palette, behind the joints' rows
-struct TrianglePush { uint triangleCount; uint cull; };  // cull 0: every valid triangle is shown
+struct TrianglePush { uint triangleCount; };
 struct MeshDepthPush { uint triangleCount; uint viewCount; uint widthPx; uint heightPx; };  // of one view
 struct SplatPush { uint splatCount; uint allGroups; uint firstGroup; uint firstSplat; uint drawn; };
 // Where the streams of an avatar's splat codes begin, in words; firstShIndex 0: every splat has its own SH entry, of shWords.

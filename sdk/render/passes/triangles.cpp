@@ -8,7 +8,7 @@ void addTriangles(FramePlan& plan, const FrameIds& ids) {
         .reads(ids.triangles, ids.posed)
         .writes(ids.triangleFrames)
         .updates(ids.counts)
-        .push(gpu::TrianglePush{ids.triangleCount, ids.cull ? 1u : 0u})
+        .push(gpu::TrianglePush{ids.triangleCount})
         .threads(ids.triangleCount);
 }
 

@@ -45,7 +45,7 @@ bool showIn(ViewData view, uint v, BoundSplat s, bool mayShow) {
             float opacity = s.opacity * dplNearFade(f.depthM);
             if (frame.flags.x != 0u) opacity *= f.compensation;
             if (s.gated) opacity *= dplSingleFaceGate(s.normal, s.centre, view.eyeWorld.xyz);
-            p = dplShow(f, opacity, frame.target.xy);
+            p = dplShow(f, opacity, frame.target.xy, frame.flags.z != 0u);
         }
     }
     bool seen = p.radiusPx.y > 0.0;

@@ -26,7 +26,7 @@ bool showIn(ViewData view, uint slot, GeneralSplatRecord s) {
     if (f.visible) {
         float opacity = s.centre.w * dplNearFade(f.depthM);
         if (frame.flags.x != 0u) opacity *= f.compensation;
-        p = dplShow(f, opacity, frame.target.xy);
+        p = dplShow(f, opacity, frame.target.xy, frame.flags.z != 0u);
     }
     projected[slot].place = p.place;
     projected[slot].look = p.look;

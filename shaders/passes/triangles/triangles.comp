@@ -22,7 +22,7 @@ shared uint groupSplats[2];
 
 /** The bits of TriangleFrame.corner0.w for view 0. */
 uint shownIn(ViewData view, vec3 v0, vec3 v1, vec3 v2, vec3 normal, float reach, float rootLevel) {
-    if (push.cull == 0u) return kShowsFree | kShowsGated;
+    if (frame.flags.z != 0u) return kShowsFree | kShowsGated;
     if (!dplTriangleInView(view, v0, v1, v2, reach, rootLevel, frame.target.xy, frame.target.z)) return 0u;
     return dot(normal, view.eyeWorld.xyz - v0) > 0.0 ? kShowsFree | kShowsGated : kShowsFree;
 }

@@ -57,7 +57,7 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
                                                 DPL_AT(TilePush, firstTileTable), DPL_AT(TilePush, spanCapacity), DPL_AT(TilePush, entryCapacity), DPL_AT(TilePush, fillGroups), DPL_AT(TilePush, firstDepth), DPL_AT(TilePush, halfDepth), DPL_AT(TilePush, firstScene)});
     expectLayout("RowScanPush", sizeof(RowScanPush), {DPL_AT(RowScanPush, perRow), DPL_AT(RowScanPush, firstTable), DPL_AT(RowScanPush, firstSum)});
     expectLayout("VertexPush", sizeof(VertexPush), {DPL_AT(VertexPush, vertexCount), DPL_AT(VertexPush, firstNode), DPL_AT(VertexPush, drawn)});
-    expectLayout("TrianglePush", sizeof(TrianglePush), {DPL_AT(TrianglePush, triangleCount), DPL_AT(TrianglePush, cull)});
+    expectLayout("TrianglePush", sizeof(TrianglePush), {DPL_AT(TrianglePush, triangleCount)});
     expectLayout("MeshDepthPush", sizeof(MeshDepthPush), {DPL_AT(MeshDepthPush, triangleCount), DPL_AT(MeshDepthPush, viewCount), DPL_AT(MeshDepthPush, widthPx), DPL_AT(MeshDepthPush, heightPx)});
     expectLayout("SplatPush", sizeof(SplatPush), {DPL_AT(SplatPush, splatCount), DPL_AT(SplatPush, allGroups), DPL_AT(SplatPush, firstGroup), DPL_AT(SplatPush, firstSplat), DPL_AT(SplatPush, drawn)});
     expectLayout("CodesPush", sizeof(CodesPush), {DPL_AT(CodesPush, groupCount), DPL_AT(CodesPush, allGroups), DPL_AT(CodesPush, firstGroup), DPL_AT(CodesPush, firstSplat), DPL_AT(CodesPush, firstParent), DPL_AT(CodesPush, firstPlace), DPL_AT(CodesPush, firstSize), DPL_AT(CodesPush, firstColour), DPL_AT(CodesPush, firstParentByte), DPL_AT(CodesPush, firstGroupDetail), DPL_AT(CodesPush, firstShIndex), DPL_AT(CodesPush, firstSh), DPL_AT(CodesPush, shWords)});

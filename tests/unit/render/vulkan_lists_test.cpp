@@ -20,15 +20,16 @@ Cameraf randomView(std::mt19937& random, float middle) {
     return c;
 }
 
-// Culling only leaves out what no view shows: the same bytes with and without it, and the referee's picture.
+// Culling only leaves out what no view shows: the same bytes with and without any tier of it, and the referee's picture. (Tiles look every four splats whether a
+// pixel is done, and splats that add nothing move these places: one level.)
 TEST_P(VulkanImage, cullingLosesNoVisibleSplat) {
     VulkanOptions options = withPreciseBlendingOfAnyWidth(), without = withPreciseBlendingOfAnyWidth();
-    without.cullTriangles = false;
+    without.cull = false;
     TestVulkan culling(options, GetParam()), projectingAll(without, GetParam());
     DPL_NEED_VULKAN(culling);
     const double minPsnrDb = options.preciseBlending ? kMinPsnrDb : kMinBytePsnrDb;
     std::mt19937 random(5);
-    uint64_t splats = 0, inView = 0, facing = 0, drawn = 0, chunks = 0, projected = 0;
+    uint64_t splats = 0, inView = 0, facing = 0, drawn = 0, drawnOfAll = 0, chunks = 0, projected = 0;
     double worstDb = 1000;
     for (int round = 0; round < 12; ++round) {
         const bool blob = round % 2 == 0;
@@ -48,15 +49,18 @@ TEST_P(VulkanImage, cullingLosesNoVisibleSplat) {
         ASSERT_TRUE(projectingAll.renderer->render(*allId, pose, {views, viewCount}, true, all));
         auto stats = culling.renderer->stats(*id), allStats = projectingAll.renderer->stats(*allId);
         ASSERT_TRUE(stats && allStats);
-        EXPECT_EQ(stats->splatsDrawn, allStats->splatsDrawn) << "round " << round;
+        EXPECT_LE(stats->splatsDrawn, allStats->splatsDrawn) << "round " << round;
         EXPECT_LE(stats->splatsDrawn, stats->splatsFacing);
         EXPECT_LE(stats->splatsFacing, stats->splatsInView);
         EXPECT_LE(stats->splatsFacing, stats->chunksProjected * gpu::kSplatGroup);
         EXPECT_EQ(allStats->chunksProjected, allStats->chunks);
         chunks += stats->chunks, projected += stats->chunksProjected;
-        splats += avatar->splats.count(), inView += stats->splatsInView, facing += stats->splatsFacing, drawn += stats->splatsDrawn;
+        splats += avatar->splats.count(), inView += stats->splatsInView, facing += stats->splatsFacing, drawn += stats->splatsDrawn, drawnOfAll += allStats->splatsDrawn;
         for (size_t v = 0; v < viewCount; ++v) {
-            EXPECT_TRUE(culled[v].rgba == all[v].rgba && culled[v].depthM == all[v].depthM) << "round " << round << ", view " << v;
+            int levels = 0;
+            for (size_t i = 0; i < all[v].rgba.size(); ++i) levels = std::max(levels, std::abs(int(culled[v].rgba[i]) - int(all[v].rgba[i])));
+            EXPECT_LE(levels, GetParam() == Fill::Tiles ? 1 : 0) << "round " << round << ", view " << v;
+            if (GetParam() == Fill::Quads) EXPECT_EQ(culled[v].depthM, all[v].depthM) << "round " << round << ", view " << v;
             const Difference d = compare(culled[v], renderReference(*avatar, pose, referenceCamera(views[v])));
             worstDb = std::min({worstDb, d.psnrDb, d.alphaPsnrDb});
             EXPECT_GE(d.psnrDb, minPsnrDb) << "round " << round << ", view " << v;
@@ -65,19 +69,20 @@ TEST_P(VulkanImage, cullingLosesNoVisibleSplat) {
         culling.renderer->removeAvatar(*id);
         projectingAll.renderer->removeAvatar(*allId);
     }
-    std::printf("[ SURVIVORS] %llu splats, %llu in view, %llu facing, %llu drawn; worst %.1f dB\n", static_cast<unsigned long long>(splats), static_cast<unsigned long long>(inView),
-                static_cast<unsigned long long>(facing), static_cast<unsigned long long>(drawn), worstDb);
+    std::printf("[ SURVIVORS] %llu splats, %llu in view, %llu facing, %llu drawn, %llu of all; worst %.1f dB\n", static_cast<unsigned long long>(splats), static_cast<unsigned long long>(inView),
+                static_cast<unsigned long long>(facing), static_cast<unsigned long long>(drawn), static_cast<unsigned long long>(drawnOfAll), worstDb);
     EXPECT_LT(projected, chunks * 9 / 10);
     EXPECT_LT(inView, splats * 9 / 10);
     EXPECT_LT(facing, inView * 9 / 10);
     EXPECT_GT(drawn, splats / 20);
+    EXPECT_LT(drawn, drawnOfAll * 9 / 10);
 }
 
 // A component that no view shows is not posed. Whoever looks back sees it in the pose of that frame, and nothing of an old one is ever seen.
 TEST_P(VulkanImage, whatIsOutOfViewIsNotPosedAndComesBack) {
     const VulkanOptions options = withPreciseBlendingOfAnyWidth();
     VulkanOptions without = options;
-    without.cullTriangles = false;
+    without.cull = false;
     TestVulkan vulkan(options, GetParam()), posingAll(without, GetParam());
     DPL_NEED_VULKAN(vulkan);
     for (const bool corrected : {false, true}) {
@@ -95,7 +100,7 @@ TEST_P(VulkanImage, whatIsOutOfViewIsNotPosedAndComesBack) {
             ASSERT_TRUE(posingAll.renderer->render(*allId, pose, {&view, 1}, true, all));
             auto stats = vulkan.renderer->stats(*id), allStats = posingAll.renderer->stats(*allId);
             ASSERT_TRUE(stats && allStats);
-            EXPECT_EQ(stats->splatsDrawn, allStats->splatsDrawn);
+            EXPECT_LE(stats->splatsDrawn, allStats->splatsDrawn);
             const Difference d = compare(shown[0], renderReference(*avatar, pose, referenceCamera(view)));
             EXPECT_GE(d.psnrDb, options.preciseBlending ? kMinPsnrDb : kMinBytePsnrDb);
             least = std::min(least, stats->componentsInView), most = std::max(most, stats->componentsInView), parts += stats->componentsInView > 0 && stats->componentsInView < stats->components ? 1 : 0;
