@@ -41,7 +41,7 @@ struct DeviceInfo {
     uint64_t maxBindingBytes = 0;   // of one storage buffer binding
     uint32_t maxTargetPx = 0;       // width or height of a target
     uint32_t maxGroups = 0;         // workgroups of one dispatch
-    bool multiview = false;         // layered targets drawn in one pass; otherwise views lie side by side
+    bool multiview = false;         // one draw reaches all layers of a target; otherwise a draw a layer
     bool halfDepth = false;         // depth sums are read back as 2 x f16 instead of 2 x f32
     bool timestamps = false;
     bool shuffle = false;           // subgroups of 8 to 64 lanes that follow the order of the workgroup, with shuffles, in compute
@@ -67,7 +67,7 @@ struct TargetDesc {
     uint32_t widthPx = 0, heightPx = 0;  // of one view
     uint32_t views = 1;
     bool depth = false;
-    bool layered = true;                 // a layer per view (multiview); false: views side by side
+    bool multiview = true;               // one draw reaches the layers of all views; false: a draw a view
     bool halfColour = false;
     uint32_t samples = 1;                // a pixel: 1, or 4 where DeviceInfo::fourSamples; they are averaged when a draw ends, on the chip where it can
 };
@@ -79,7 +79,7 @@ enum class Topology : uint8_t { Strip, List };  // of triangles
 struct DrawPipelineDesc {
     std::string vertex, fragment;  // names in the shader pack
     uint32_t views = 1;
-    bool layered = true;
+    bool multiview = true;
     bool depth = false;
     bool halfColour = false;
     uint32_t samples = 1;
@@ -108,10 +108,11 @@ struct ComputeStep {
     uint32_t groups = 0;       // along x; ignored when indirect is set
     IndirectArgs indirect;     // three u32
 };
-struct DrawStep {              // clears the target, then one indirect draw
+struct DrawStep {              // clears the target, or the layer of one view, then one indirect draw
     std::string label;
     PipelineId pipeline;
     TargetId target;
+    uint32_t view = 0;         // of a target without multiview: whose layer; the last one is drawn last
     std::vector<Binding> bindings;
     PushBytes push;
     IndirectArgs args;         // four u32

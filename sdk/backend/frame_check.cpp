@@ -72,7 +72,9 @@ struct Checker {
         const Shader* shader = resources.shader(step.pipeline);
         if (!shader || shader->stage != ShaderStage::Vertex) return fail(Code::InvalidArgument, "step {} has no draw pipeline", step.label);
         if (!resources.target(step.target)) return fail(Code::InvalidArgument, "step {} draws into a target that does not exist", step.label);
-        drawn.insert(step.target.value);
+        const TargetDesc& target = *resources.target(step.target);
+        if (step.view >= (target.multiview ? 1 : target.views)) return fail(Code::InvalidArgument, "step {} draws view {} of a target that has {}{}", step.label, step.view, target.views, target.multiview ? " at once" : "");
+        if (target.multiview || step.view + 1 == target.views) drawn.insert(step.target.value);
         DPL_CHECK_OK(indirect(step.label, step.args, 16));
         return bindings(step.label, *shader, resources.fragment(step.pipeline), step.bindings, step.push);
     }

@@ -35,7 +35,7 @@ Result<TableIds> GpuRenderer::makeTable(std::vector<BufferId>& owned, const std:
 /** Where each member's splats lie in the lists of a frame, and these lists, whatever its size. */
 Status GpuRenderer::makeWorkBuffers(Row& row) {
     FrameIds& ids = row.ids;
-    ids.layered = backend_->info().multiview;
+    ids.multiview = backend_->info().multiview;
     uint64_t splats = 0;
     for (SubjectIds& subject : row.subjects) {
         subject.drawn = uint32_t(ids.endGroups.size()), subject.firstGroup = ids.allGroups, subject.firstSplat = uint32_t(splats);
@@ -69,7 +69,7 @@ Status GpuRenderer::build(const Row& row, ShapedFrame& f) {
     ids.halfColour = options_.preciseBlending;
     ids.shuffle = backend_->info().shuffle;
     ids.samples = f.shape.samples;
-    DPL_TRY(ids.target, backend_->createTarget({ids.widthPx, ids.heightPx, ids.viewCount, ids.depth, ids.layered, ids.halfColour, ids.samples}));
+    DPL_TRY(ids.target, backend_->createTarget({ids.widthPx, ids.heightPx, ids.viewCount, ids.depth, ids.multiview, ids.halfColour, ids.samples}));
     // Whoever walks away from this avatar should not wait for a shader compiler: its other pipeline is made now, its other target when it is needed.
     const bool trained = std::any_of(row.members.begin(), row.members.end(), [&](RenderAvatarId id) { const LoadedAvatar& a = avatars_.at(id); return a.data && a.data->trainedPixelM > 0; });
     if (trained && backend_->info().fourSamples) { DPL_CHECK_OK(backend_->drawPipeline(drawPipelineOf(ids, ids.samples == 1 ? kCoverageSamples : 1))); }

@@ -12,12 +12,13 @@ FramePlan::Builder<ComputeStep> FramePlan::compute(std::string label, std::strin
     return {*this, std::get<ComputeStep>(steps_.back())};
 }
 
-FramePlan::Builder<DrawStep> FramePlan::draw(std::string label, const DrawPipelineDesc& desc, TargetId target) {
+FramePlan::Builder<DrawStep> FramePlan::draw(std::string label, const DrawPipelineDesc& desc, TargetId target, uint32_t view) {
     auto pipeline = backend_.drawPipeline(desc);
     if (!pipeline) keepError(pipeline.error());
     DrawStep step;
     step.label = std::move(label);
     step.target = target;
+    step.view = view;
     if (pipeline) step.pipeline = *pipeline;
     steps_.push_back(std::move(step));
     return {*this, std::get<DrawStep>(steps_.back())};

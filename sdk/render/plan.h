@@ -53,7 +53,7 @@ public:
 
     // A builder is good until the next step is added.
     Builder<ComputeStep> compute(std::string label, std::string_view shader);
-    Builder<DrawStep> draw(std::string label, const DrawPipelineDesc& pipeline, TargetId target);
+    Builder<DrawStep> draw(std::string label, const DrawPipelineDesc& pipeline, TargetId target, uint32_t view);
     void fill(std::string label, BufferId buffer, uint32_t value) { steps_.push_back(FillStep{std::move(label), buffer, value}); }
     void readback(std::string label, TargetId target, BufferId colour, BufferId depth) {
         steps_.push_back(ReadbackStep{std::move(label), target, colour, depth});

@@ -149,9 +149,9 @@ struct ChunkPush { uint groupCount; uint allGroups; uint firstGroup; };
 struct ColourPush { uint splatCount; uint firstSplat; };  // of general splats
 struct CompactPush { uint groupCount; uint maxDepthKey; uint drawnCount; uint endGroup[16]; };  // kMaxDrawn: where the half-chunks of each end
 struct ScanPush { uint first; uint count; };
-struct ArgsPush { uint groupCount; uint quadsPerSplat; uint maxDepthKey; uint drawnCount; };
+struct ArgsPush { uint groupCount; uint maxDepthKey; uint drawnCount; };
 struct SortPush { uint shift; };
-struct DrawPush { float targetWidthPx; float targetHeightPx; uint viewCount; uint atlasColumns; };
+struct DrawPush { float targetWidthPx; float targetHeightPx; uint viewCount; uint view; };  // view: without multiview
 
 DPL_SHARED_END
 #endif

@@ -119,7 +119,7 @@ void addSort(FramePlan& plan, BufferId counts, BufferId histogram, BufferId pair
 Status Frame::build(Eye& eye, uint32_t widthPx, uint32_t heightPx) {
     const Buffers& b = buffers_;
     const bool layered = backend_->info().multiview;
-    DPL_TRY(eye.target, backend_->createTarget({.widthPx = widthPx, .heightPx = heightPx, .views = 1, .depth = false, .layered = layered, .halfColour = true}));
+    DPL_TRY(eye.target, backend_->createTarget({.widthPx = widthPx, .heightPx = heightPx, .views = 1, .depth = false, .multiview = layered, .halfColour = true}));
     DPL_TRY(eye.frame, makeBuffer(eye.owned, "frame", sizeof(FrameData), BufferMemory::Upload));
     DPL_TRY(eye.colourPixels, makeBuffer(eye.owned, "colour pixels", uint64_t(widthPx) * heightPx * 4, BufferMemory::Readback));
     DPL_TRY(eye.finalCounts, makeBuffer(eye.owned, "final counts", sizeof(FrameCounts), BufferMemory::Readback));
@@ -156,8 +156,8 @@ Status Frame::build(Eye& eye, uint32_t widthPx, uint32_t heightPx) {
         addCompact(plan, splats_.count, b.sortDepth, b.blockSums, b.counts, b.pairs);
         addSort(plan, b.counts, b.histogram, b.pairs, b.pairsSwap);
     }
-    const DrawPipelineDesc pipeline{.vertex = layered ? "draw.vert.multiview" : "draw.vert.instances", .fragment = "draw.frag", .views = 1, .layered = layered, .depth = false, .halfColour = true};
-    plan.draw("draw.splats", pipeline, eye.target)
+    const DrawPipelineDesc pipeline{.vertex = layered ? "draw.vert.multiview" : "draw.vert.instances", .fragment = "draw.frag", .views = 1, .multiview = layered, .depth = false, .halfColour = true};
+    plan.draw("draw.splats", pipeline, eye.target, 0)
         .reads(b.counts, b.pairs, b.projected)
         .push(DrawPush{float(widthPx), float(heightPx), 1, 1})
         .argsFrom(b.counts, offsetof(FrameCounts, drawVertices));

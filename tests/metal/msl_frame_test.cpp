@@ -116,7 +116,7 @@ void compactAndSort(MslFrame& out, std::vector<uint32_t>& visibility, uint32_t g
     ids.allGroups = groups;
     out.compacted.resize(splats);
     run(msl_scan_sums, 1, order, {visibility.data()}, gpu::ScanPush{ids.firstSum(), groups});
-    run(msl_compact_args, 1, order, {visibility.data(), &out.counts}, gpu::ArgsPush{groups, 1, (1u << (rounds * gpu::kSortDigitBits)) - 1, 1});
+    run(msl_compact_args, 1, order, {visibility.data(), &out.counts}, gpu::ArgsPush{groups, (1u << (rounds * gpu::kSortDigitBits)) - 1, 1});
     const gpu::FrameCounts want = [&] { auto counts = out.counts; setRuns(counts); return counts; }();
     EXPECT_EQ(out.counts.runGroupsX, want.runGroupsX);
     run(msl_compact_scatter, groupsFor(groups * gpu::kMaskWords, gpu::kCompactGroup), order, {visibility.data(), &out.counts, out.compacted.data()},

@@ -23,17 +23,22 @@ struct Buffer {
 struct Image {
     VkImage image = VK_NULL_HANDLE;
     VkDeviceMemory memory = VK_NULL_HANDLE;
-    VkImageView view = VK_NULL_HANDLE;
+    VkImageView view = VK_NULL_HANDLE;    // of all layers; none of what is only copied
     uint64_t allocatedBytes = 0;
 };
 
-struct Target {
-    TargetDesc desc;
+/** What one draw fills. */
+struct Surface {
     Image colour, depth;
     Image rounded;                        // RGBA8 copy of a halfColour target
     Image colourSamples, depthSamples;    // of a target with several samples a pixel; never leave the chip where it has its own memory for them
     VkFramebuffer framebuffer = VK_NULL_HANDLE;
+};
+
+struct Target {
+    TargetDesc desc;
     VkExtent2D extent{};
+    std::vector<Surface> surfaces;        // one with a layer a view, or one a view: lavapipe 22.3.6 averages the samples of layer 0 into layer 0, whichever layers are drawn
     bool drawn = false;
 };
 
@@ -101,7 +106,9 @@ private:
     Status makeBuffer(Buffer& buffer);
     void freeBuffer(Buffer& buffer);
     Result<VkBufferView> texels(Buffer& buffer, uint32_t words);
-    Status makeImage(Image& image, VkFormat format, VkExtent2D extent, uint32_t layers, VkImageUsageFlags usage, uint32_t samples = 1);
+    Status makeImage(Image& image, VkFormat format, const Target& target, VkImageUsageFlags usage, uint32_t samples = 1);
+    Status makeSurface(Surface& surface, const Target& target);
+    void freeSurface(Surface& surface);
     void freeImage(Image& image);
     Status makeTarget(Target& target);
     void freeTarget(Target& target);

@@ -200,7 +200,7 @@ Result<std::unique_ptr<Device>> openDevice(const VulkanOptions& options) {
     d->timestampBits = chosen->timestampBits;
     d->nanosecondsPerTick = chosen->nanosecondsPerTick;
     d->info = chosen->info;
-    if (options.forceInstanceSplit) d->info.multiview = false;
+    if (options.withoutMultiview) d->info.multiview = false;
     if (!options.typedBuffers) d->info.texels = false;
     for (const Workaround& w : kWorkarounds) {
         if (options.ignoreWorkarounds || d->info.name.find(w.deviceName) == std::string::npos) continue;

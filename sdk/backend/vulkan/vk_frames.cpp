@@ -75,7 +75,7 @@ struct VulkanBackend::Recorder {
         const VkClearValue clear[2]{};  // transparent black, no depth
         VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
         DPL_TRY(begin.renderPass, backend.renderPass(target.desc));
-        begin.framebuffer = target.framebuffer;
+        begin.framebuffer = target.surfaces[target.desc.multiview ? 0 : step.view].framebuffer;
         begin.renderArea.extent = target.extent;
         begin.clearValueCount = target.desc.depth ? 2 : 1;
         begin.pClearValues = clear;
@@ -92,9 +92,13 @@ struct VulkanBackend::Recorder {
 
     Status operator()(const ReadbackStep& step) {
         const Target& target = backend.targets_.at(step.target.value);
-        if (target.desc.halfColour) roundColour(target);
-        copy(target, target.desc.halfColour ? target.rounded : target.colour, step.colour, 4);
-        if (step.depth) copy(target, target.depth, step.depth, backend.device_->info.halfDepth ? 4 : 8);
+        const bool half = target.desc.halfColour;
+        if (half) roundColour(target);
+        for (uint32_t v = 0; v < target.desc.views; ++v) {
+            const Surface& surface = target.surfaces[target.desc.multiview ? 0 : v];
+            copy(target, v, half ? surface.rounded : surface.colour, step.colour, 4);
+            if (step.depth) copy(target, v, surface.depth, step.depth, backend.device_->info.halfDepth ? 4 : 8);
+        }
         hostBarrier();
         return {};
     }
@@ -119,41 +123,39 @@ struct VulkanBackend::Recorder {
 
     /** f16 colour to its RGBA8 copy; a blit converts and rounds. */
     void roundColour(const Target& target) {
-        const uint32_t layers = target.desc.layered ? target.desc.views : 1;
-        VkImageMemoryBarrier image{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER};
-        image.image = target.rounded.image;
-        image.srcQueueFamilyIndex = image.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
-        image.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, layers};
-        image.srcAccessMask = VK_ACCESS_TRANSFER_READ_BIT;
-        image.dstAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
-        image.newLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
-        vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, nullptr, 0, nullptr, 1, &image);
+        const uint32_t layers = target.desc.multiview ? target.desc.views : 1;
+        std::vector<VkImageMemoryBarrier> images(target.surfaces.size(), VkImageMemoryBarrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER});
+        const auto barrier = [&] { vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, nullptr, 0, nullptr, uint32_t(images.size()), images.data()); };
+        for (size_t i = 0; i < images.size(); ++i) {
+            VkImageMemoryBarrier& image = images[i];
+            image.image = target.surfaces[i].rounded.image;
+            image.srcQueueFamilyIndex = image.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+            image.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, layers};
+            image.srcAccessMask = VK_ACCESS_TRANSFER_READ_BIT;
+            image.dstAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+            image.newLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
+        }
+        barrier();
         VkImageBlit blit{};
         blit.srcSubresource = blit.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, layers};
         blit.srcOffsets[1] = blit.dstOffsets[1] = {int32_t(target.extent.width), int32_t(target.extent.height), 1};
-        vkCmdBlitImage(commands, target.colour.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, target.rounded.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, VK_FILTER_NEAREST);
-        image.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
-        image.dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT;
-        image.oldLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
-        image.newLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
-        vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, nullptr, 0, nullptr, 1, &image);
-    }
-
-    std::vector<VkBufferImageCopy> regions(const Target& target, uint64_t pixelBytes) const {
-        std::vector<VkBufferImageCopy> regions(target.desc.views);
-        for (uint32_t v = 0; v < target.desc.views; ++v) {
-            VkBufferImageCopy& r = regions[v];
-            r.bufferOffset = uint64_t(v) * target.desc.widthPx * target.desc.heightPx * pixelBytes;
-            r.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, target.desc.layered ? v : 0, 1};
-            r.imageOffset.x = target.desc.layered ? 0 : int32_t(v * target.desc.widthPx);
-            r.imageExtent = {target.desc.widthPx, target.desc.heightPx, 1};
+        for (const Surface& surface : target.surfaces)
+            vkCmdBlitImage(commands, surface.colour.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, surface.rounded.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, VK_FILTER_NEAREST);
+        for (VkImageMemoryBarrier& image : images) {
+            image.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+            image.dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT;
+            image.oldLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
+            image.newLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
         }
-        return regions;
+        barrier();
     }
 
-    void copy(const Target& target, const Image& image, BufferId to, uint64_t pixelBytes) {
-        const auto list = regions(target, pixelBytes);
-        vkCmdCopyImageToBuffer(commands, image.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, backend.buffers_.at(to.value).buffer, uint32_t(list.size()), list.data());
+    void copy(const Target& target, uint32_t view, const Image& image, BufferId to, uint64_t pixelBytes) {
+        VkBufferImageCopy region{};
+        region.bufferOffset = uint64_t(view) * target.desc.widthPx * target.desc.heightPx * pixelBytes;
+        region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, target.desc.multiview ? view : 0, 1};
+        region.imageExtent = {target.desc.widthPx, target.desc.heightPx, 1};
+        vkCmdCopyImageToBuffer(commands, image.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, backend.buffers_.at(to.value).buffer, 1, &region);
     }
 };
 

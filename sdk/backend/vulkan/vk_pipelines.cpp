@@ -5,7 +5,7 @@
 namespace dpl::vk {
 
 Result<VkRenderPass> VulkanBackend::renderPass(const TargetDesc& target) {
-    const uint32_t layers = target.layered ? target.views : 0, samples = target.samples;
+    const uint32_t layers = target.multiview ? target.views : 0, samples = target.samples;
     const bool depth = target.depth, halfColour = target.halfColour;
     if (const auto it = renderPasses_.find({layers, depth, halfColour, samples}); it != renderPasses_.end()) return it->second;
     const uint32_t targets = depth ? 2 : 1;
@@ -172,7 +172,7 @@ Status VulkanBackend::makeDraw(Pipeline& p, const DrawPipelineDesc& desc) {
     info.pColorBlendState = &colour;
     info.pDynamicState = &dynamicInfo;
     info.layout = p.layout;
-    DPL_TRY(info.renderPass, renderPass({0, 0, desc.views, desc.depth, desc.layered, desc.halfColour, desc.samples}));
+    DPL_TRY(info.renderPass, renderPass({0, 0, desc.views, desc.depth, desc.multiview, desc.halfColour, desc.samples}));
     DPL_TRY(stages[0].module, shaderModule(*p.shader));
     auto second = shaderModule(fragment);
     if (!second) {
@@ -218,7 +218,7 @@ Result<PipelineId> VulkanBackend::computePipeline(std::string_view name) {
 
 Result<PipelineId> VulkanBackend::drawPipeline(const DrawPipelineDesc& desc) {
     Pipeline p;
-    p.key = formatText("{}+{}+{}{}{}{}+{}{}", desc.vertex, desc.fragment, desc.views, desc.layered ? "L" : "", desc.depth ? "D" : "", desc.halfColour ? "H" : "", desc.samples, desc.topology == Topology::List ? "T" : "");
+    p.key = formatText("{}+{}+{}{}{}{}+{}{}", desc.vertex, desc.fragment, desc.views, desc.multiview ? "M" : "", desc.depth ? "D" : "", desc.halfColour ? "H" : "", desc.samples, desc.topology == Topology::List ? "T" : "");
     if (PipelineId known = findPipeline(p.key)) return known;
     p.shader = findShader(desc.vertex);
     p.fragment = findShader(desc.fragment);

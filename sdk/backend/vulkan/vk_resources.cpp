@@ -104,13 +104,13 @@ std::span<std::byte> VulkanBackend::mapped(BufferId id) {
     return {it->second.mapped, size_t(it->second.desc.bytes)};
 }
 
-Status VulkanBackend::makeImage(Image& image, VkFormat format, VkExtent2D extent, uint32_t layers, VkImageUsageFlags usage, uint32_t samples) {
+Status VulkanBackend::makeImage(Image& image, VkFormat format, const Target& target, VkImageUsageFlags usage, uint32_t samples) {
     VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
     info.imageType = VK_IMAGE_TYPE_2D;
     info.format = format;
-    info.extent = {extent.width, extent.height, 1};
+    info.extent = {target.extent.width, target.extent.height, 1};
     info.mipLevels = 1;
-    info.arrayLayers = layers;
+    info.arrayLayers = target.desc.multiview ? target.desc.views : 1;
     info.samples = VkSampleCountFlagBits(samples);
     info.tiling = VK_IMAGE_TILING_OPTIMAL;
     info.usage = usage | (samples > 1 ? VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT : VK_IMAGE_USAGE_TRANSFER_SRC_BIT);  // samples are only averaged
@@ -131,7 +131,7 @@ Status VulkanBackend::makeImage(Image& image, VkFormat format, VkExtent2D extent
     view.image = image.image;
     view.viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY;
     view.format = format;
-    view.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, layers};
+    view.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, info.arrayLayers};
     DPL_VK(vkCreateImageView(device_->device, &view, nullptr, &image.view));
     return {};
 }
@@ -143,28 +143,21 @@ void VulkanBackend::freeImage(Image& image) {
     image = {};
 }
 
-Status VulkanBackend::makeTarget(Target& t) {
-    const uint32_t layers = t.desc.layered ? t.desc.views : 1, columns = t.desc.layered ? 1 : t.desc.views;
-    const uint64_t width = uint64_t(t.desc.widthPx) * columns;
-    const uint32_t limit = device_->info.maxTargetPx;
-    if (t.desc.widthPx == 0 || t.desc.heightPx == 0 || width > limit || t.desc.heightPx > limit)
-        return fail(Code::Unsupported, "a target of {} x {} px; {} draws 1 to {} a side", width, t.desc.heightPx, device_->info.name, limit);
-    t.extent = {uint32_t(width), t.desc.heightPx};
-    const VkImageUsageFlags drawn = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
-    DPL_CHECK_OK(makeImage(t.colour, t.desc.halfColour ? VK_FORMAT_R16G16B16A16_SFLOAT : VK_FORMAT_R8G8B8A8_UNORM, t.extent, layers, drawn));
-    if (t.desc.halfColour) { DPL_CHECK_OK(makeImage(t.rounded, VK_FORMAT_R8G8B8A8_UNORM, t.extent, layers, VK_IMAGE_USAGE_TRANSFER_DST_BIT)); }
-    if (t.desc.depth) { DPL_CHECK_OK(makeImage(t.depth, device_->depthSumFormat, t.extent, layers, drawn)); }
-    const bool sampled = t.desc.samples > 1;
-    if (sampled && (!device_->info.fourSamples || t.desc.samples != 4)) return fail(Code::Unsupported, "a target of {} samples a pixel on {}", t.desc.samples, device_->info.name);
+Status VulkanBackend::makeSurface(Surface& s, const Target& t) {
+    constexpr VkImageUsageFlags kDrawn = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
+    const VkFormat colour = t.desc.halfColour ? VK_FORMAT_R16G16B16A16_SFLOAT : VK_FORMAT_R8G8B8A8_UNORM;
+    DPL_CHECK_OK(makeImage(s.colour, colour, t, kDrawn));
+    if (t.desc.halfColour) { DPL_CHECK_OK(makeImage(s.rounded, VK_FORMAT_R8G8B8A8_UNORM, t, VK_IMAGE_USAGE_TRANSFER_DST_BIT)); }
+    if (t.desc.depth) { DPL_CHECK_OK(makeImage(s.depth, device_->depthSumFormat, t, kDrawn)); }
     std::vector<VkImageView> views;  // in the order of renderPass()
-    if (sampled) {
-        DPL_CHECK_OK(makeImage(t.colourSamples, t.desc.halfColour ? VK_FORMAT_R16G16B16A16_SFLOAT : VK_FORMAT_R8G8B8A8_UNORM, t.extent, layers, drawn, t.desc.samples));
-        if (t.desc.depth) { DPL_CHECK_OK(makeImage(t.depthSamples, device_->depthSumFormat, t.extent, layers, drawn, t.desc.samples)); }
-        views.push_back(t.colourSamples.view);
-        if (t.desc.depth) views.push_back(t.depthSamples.view);
+    if (t.desc.samples > 1) {
+        DPL_CHECK_OK(makeImage(s.colourSamples, colour, t, kDrawn, t.desc.samples));
+        if (t.desc.depth) { DPL_CHECK_OK(makeImage(s.depthSamples, device_->depthSumFormat, t, kDrawn, t.desc.samples)); }
+        views.push_back(s.colourSamples.view);
+        if (t.desc.depth) views.push_back(s.depthSamples.view);
     }
-    views.push_back(t.colour.view);
-    if (t.desc.depth) views.push_back(t.depth.view);
+    views.push_back(s.colour.view);
+    if (t.desc.depth) views.push_back(s.depth.view);
     VkFramebufferCreateInfo info{VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO};
     DPL_TRY(info.renderPass, renderPass(t.desc));
     info.attachmentCount = uint32_t(views.size());
@@ -172,17 +165,28 @@ Status VulkanBackend::makeTarget(Target& t) {
     info.width = t.extent.width;
     info.height = t.extent.height;
     info.layers = 1;  // multiview counts its layers by the view mask
-    DPL_VK(vkCreateFramebuffer(device_->device, &info, nullptr, &t.framebuffer));
+    DPL_VK(vkCreateFramebuffer(device_->device, &info, nullptr, &s.framebuffer));
+    return {};
+}
+
+void VulkanBackend::freeSurface(Surface& s) {
+    vkDestroyFramebuffer(device_->device, s.framebuffer, nullptr);
+    for (Image* image : {&s.colour, &s.depth, &s.rounded, &s.colourSamples, &s.depthSamples}) freeImage(*image);
+}
+
+Status VulkanBackend::makeTarget(Target& t) {
+    const uint32_t limit = device_->info.maxTargetPx;
+    if (t.desc.widthPx == 0 || t.desc.heightPx == 0 || t.desc.widthPx > limit || t.desc.heightPx > limit)
+        return fail(Code::Unsupported, "a target of {} x {} px; {} draws 1 to {} a side", t.desc.widthPx, t.desc.heightPx, device_->info.name, limit);
+    if (t.desc.samples != 1 && (!device_->info.fourSamples || t.desc.samples != 4)) return fail(Code::Unsupported, "a target of {} samples a pixel on {}", t.desc.samples, device_->info.name);
+    t.extent = {t.desc.widthPx, t.desc.heightPx};
+    t.surfaces.resize(t.desc.multiview ? 1 : t.desc.views);
+    for (Surface& surface : t.surfaces) { DPL_CHECK_OK(makeSurface(surface, t)); }
     return {};
 }
 
 void VulkanBackend::freeTarget(Target& t) {
-    vkDestroyFramebuffer(device_->device, t.framebuffer, nullptr);
-    freeImage(t.colour);
-    freeImage(t.depth);
-    freeImage(t.rounded);
-    freeImage(t.colourSamples);
-    freeImage(t.depthSamples);
+    for (Surface& surface : t.surfaces) freeSurface(surface);
 }
 
 Result<TargetId> VulkanBackend::createTarget(const TargetDesc& desc) {
@@ -206,7 +210,8 @@ void VulkanBackend::destroyTarget(TargetId id) {
 uint64_t VulkanBackend::residentBytes() const {
     uint64_t bytes = 0;
     for (const auto& [id, b] : buffers_) bytes += b.allocatedBytes;
-    for (const auto& [id, t] : targets_) bytes += t.colour.allocatedBytes + t.depth.allocatedBytes + t.rounded.allocatedBytes + t.colourSamples.allocatedBytes + t.depthSamples.allocatedBytes;
+    for (const auto& [id, t] : targets_)
+        for (const Surface& s : t.surfaces) bytes += s.colour.allocatedBytes + s.depth.allocatedBytes + s.rounded.allocatedBytes + s.colourSamples.allocatedBytes + s.depthSamples.allocatedBytes;
     return bytes;
 }
 

@@ -12,7 +12,7 @@ void addCompact(FramePlan& plan, const FrameIds& ids) {
     plan.compute("compact.args", "compact.args")
         .reads(ids.visibility)
         .updates(ids.counts)
-        .push(gpu::ArgsPush{ids.allGroups, ids.layered ? 1 : ids.viewCount, ids.maxDepthKey(), drawn})
+        .push(gpu::ArgsPush{ids.allGroups, ids.maxDepthKey(), drawn})
         .groups(1);
     plan.compute("compact.scatter", "compact.scatter")
         .reads(ids.visibility, ids.counts)

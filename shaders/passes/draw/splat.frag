@@ -20,10 +20,10 @@ layout(location = 1) out vec4 depthSums;
 
 void main() {
 #ifdef DPL_SCENE_DEPTH
-    uint x = uint(gl_FragCoord.x - conicOpacity.z * push.targetWidthPx), row = uint(conicOpacity.w) * uint(push.targetHeightPx) + uint(gl_FragCoord.y);
+    uint x = uint(gl_FragCoord.x), row = uint(conicOpacity.z) * uint(push.targetHeightPx) + uint(gl_FragCoord.y);
     if (colourDepth.w > scene[row * uint(push.targetWidthPx) + x]) discard;
 #endif
-    vec2 d = gl_FragCoord.xy - vec2(conicOpacity.z * push.targetWidthPx, 0.0) - centreConic.xy;
+    vec2 d = gl_FragCoord.xy - centreConic.xy;
     float alpha = dplSplatAlpha(d, vec3(centreConic.zw, conicOpacity.x), conicOpacity.y);
     if (alpha == 0.0) discard;
     colour = vec4(colourDepth.rgb * alpha, alpha);

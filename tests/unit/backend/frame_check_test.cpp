@@ -6,7 +6,7 @@
 namespace dpl {
 namespace {
 
-/** One valid step: compact.args reads block sums, updates counts, pushes 16 bytes. */
+/** One valid step: compact.args reads block sums, updates counts, pushes 12 bytes. */
 struct OneStep {
     std::unique_ptr<Backend> backend;
     BufferId sums, counts;
@@ -21,7 +21,7 @@ struct OneStep {
         step.label = "step";
         step.pipeline = *backend->computePipeline("compact.args");
         step.bindings = {{sums, Access::Read}, {counts, Access::Update}};
-        step.push.size = 16;
+        step.push.size = 12;
         step.groups = 1;
     }
     Result<FrameId> create(bool fillSums = true, bool fillCounts = true) {
@@ -65,7 +65,7 @@ TEST(FrameCheck, refusesBindingsThatDifferFromTheShader) {
     { OneStep s; s.step.bindings[0].access = Access::Uniform; s.expectRefused("not a uniform block"); }
     { OneStep s; s.step.bindings[0].buffer = BufferId{99}; s.expectRefused("does not exist"); }
     { OneStep s; s.step.bindings[0].buffer = s.counts; s.expectRefused("twice"); }
-    { OneStep s; s.step.push.size = 12; s.expectRefused("pushes 12 bytes"); }
+    { OneStep s; s.step.push.size = 8; s.expectRefused("pushes 8 bytes"); }
 }
 
 TEST(FrameCheck, refusesImpossibleDispatches) {
@@ -123,6 +123,26 @@ TEST(FrameCheck, aFragmentShadersBuffersFollowThoseOfItsVertexShader) {
     EXPECT_TRUE(status) << status.error().message;
     p.draw.pipeline = *p.backend->drawPipeline({"draw.vert.multiview", "draw.frag.depth", 2, true, true, false});
     p.expectRefused("binds 4 buffers");
+}
+
+TEST(FrameCheck, aDrawAViewMustReachThemAllBeforeTheyAreRead) {
+    OneDraw p;
+    p.draw.view = 1;
+    p.expectRefused("draws view 1 of a target that has 2 at once");
+    p.draw.pipeline = *p.backend->drawPipeline({"draw.vert", "draw.frag.depth", 2, false, true, false});
+    p.draw.target = *p.backend->createTarget({8, 4, 2, true, false, false});
+    p.draw.view = 2;
+    p.expectRefused("draws view 2");
+    const BufferId pixels = *p.backend->createBuffer({"pixels", 256, BufferMemory::Readback});
+    const auto read = [&](std::initializer_list<uint32_t> views) {
+        std::vector<Step> steps;
+        for (const BufferId buffer : p.buffers) steps.push_back(FillStep{"fill", buffer, 0});
+        for (const uint32_t view : views) p.draw.view = view, steps.push_back(p.draw);
+        steps.push_back(ReadbackStep{"read", p.draw.target, pixels, {}});
+        return bool(p.backend->createFrame(std::move(steps)));
+    };
+    EXPECT_FALSE(read({0})) << "the right eye was never drawn";
+    EXPECT_TRUE(read({0, 1}));
 }
 
 TEST(FrameCheck, anUploadBufferIsCopiedWholeIntoADeviceBufferThatHoldsIt) {

@@ -65,9 +65,9 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
     expectLayout("ColourPush", sizeof(ColourPush), {DPL_AT(ColourPush, splatCount), DPL_AT(ColourPush, firstSplat)});
     expectLayout("CompactPush", sizeof(CompactPush), {DPL_AT(CompactPush, groupCount), DPL_AT(CompactPush, maxDepthKey), DPL_AT(CompactPush, drawnCount), DPL_AT(CompactPush, endGroup)});
     expectLayout("ScanPush", sizeof(ScanPush), {DPL_AT(ScanPush, first), DPL_AT(ScanPush, count)});
-    expectLayout("ArgsPush", sizeof(ArgsPush), {DPL_AT(ArgsPush, groupCount), DPL_AT(ArgsPush, quadsPerSplat), DPL_AT(ArgsPush, maxDepthKey), DPL_AT(ArgsPush, drawnCount)});
+    expectLayout("ArgsPush", sizeof(ArgsPush), {DPL_AT(ArgsPush, groupCount), DPL_AT(ArgsPush, maxDepthKey), DPL_AT(ArgsPush, drawnCount)});
     expectLayout("SortPush", sizeof(SortPush), {DPL_AT(SortPush, shift)});
-    expectLayout("DrawPush", sizeof(DrawPush), {DPL_AT(DrawPush, targetWidthPx), DPL_AT(DrawPush, targetHeightPx), DPL_AT(DrawPush, viewCount), DPL_AT(DrawPush, atlasColumns)});
+    expectLayout("DrawPush", sizeof(DrawPush), {DPL_AT(DrawPush, targetWidthPx), DPL_AT(DrawPush, targetHeightPx), DPL_AT(DrawPush, viewCount), DPL_AT(DrawPush, view)});
 }
 
 std::string plainName(const Shader& shader) { return shader.name.substr(0, shader.name.size() - (shader.name.ends_with(kTexelsSuffix) ? kTexelsSuffix.size() : 0)); }
