@@ -24,7 +24,7 @@ struct BenchOptions {
     uint32_t repeats = 11, threadCount = 0;
     std::string axes = "y-up";
     bool withoutReference = false;
-    double modelGbps = 51.2;   // 10⁹ bytes a second: LPDDR5 at 6400 MT/s, 64 bits wide
+    std::pair<double, double> model{51.2, 2150};   // ModelMachine: 10⁹ bytes and operations a second
 };
 
 struct BenchCase {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "apps/doppel/bench_contestants.h"
+#include "apps/doppel/frame_model.h"
 #include "reconstruction/report/svg_plot.h"
 
 namespace dpl {
@@ -33,7 +34,7 @@ struct PassTable {
     std::string text() const;
 };
 /** The model of docs/model.md for one case: the plain frame against today's by quads and by tiles, where those raced. Empty for general splats. */
-std::string modelOf(const BenchCase& test, const std::vector<Contestant>& list, const BenchSubject& subject, bool corrected, double gbps);
+std::string modelOf(const BenchCase& test, const std::vector<Contestant>& list, const BenchSubject& subject, bool corrected, const ModelMachine& machine);
 
 /** To the table of its device, a new one if there is none; renderers without passes have none. */
 void addPasses(std::vector<PassTable>& tables, const Contestant& contestant, const BenchCase& test);

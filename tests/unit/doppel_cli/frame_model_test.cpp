@@ -83,6 +83,23 @@ TEST(FrameModel, tilesReadARecordAnEntryAndWriteBytes) {
     EXPECT_EQ(passOf(passes, "tile lists").writtenBytes, 9000u * 4);
 }
 
+TEST(FrameModel, workFollowsWhatIsLeftOfEachTier) {
+    FrameWork work = known();
+    work.splatsFacing = 2500, work.tileEntries = 9000;
+    const auto ops = [](const FrameWork& w, const char* label) { return passOf(modelToday(w), label).operations; };
+    FrameWork more = work;
+    more.splatsFacing *= 2;
+    EXPECT_GT(ops(more, "chunks, splat.project and splat.colour"), ops(work, "chunks, splat.project and splat.colour"));
+    more = work, more.tileEntries *= 3;
+    EXPECT_EQ(ops(more, "pixels"), 3 * ops(work, "pixels"));
+    more = work, more.splats *= 2;
+    EXPECT_EQ(ops(more, "chunks, splat.project and splat.colour"), ops(work, "chunks, splat.project and splat.colour")) << "what is culled is no work";
+    EXPECT_GT(passOf(modelPlainFloat(more), "chunks, splat.project and splat.colour").operations, passOf(modelPlainFloat(work), "chunks, splat.project and splat.colour").operations);
+    more = work, more.shDegree = 3;
+    EXPECT_GT(ops(more, "chunks, splat.project and splat.colour"), ops(work, "chunks, splat.project and splat.colour"));
+    EXPECT_GT(ops(work, "pose.skin"), 100u * work.vertices);
+}
+
 TEST(FrameModel, correctivesMakeSkinningReadMore) {
     FrameWork work = known();
     work.corrected = true;
@@ -90,14 +107,15 @@ TEST(FrameModel, correctivesMakeSkinningReadMore) {
     EXPECT_EQ(passOf(modelPlainFloat(work), "pose.skin").readBytes, 1000u * 48);
 }
 
-TEST(FrameModel, millisecondsAreBytesOverBandwidth) {
-    const ModelledPass pass{"x", 30'000'000, 20'000'000};
-    EXPECT_DOUBLE_EQ(pass.milliseconds(50), 1.0);
-    const std::string rows = modelRows("case", {{"sort", 1'000'000, 500'000}, {"pixels", 0, 0}}, {{"sort", 500'000, 250'000}, {"tile lists", 1, 1}, {"pixels", 0, 0}}, 1.5);
-    EXPECT_NE(rows.find("| case | sort | 1.00 + 0.50 | 1.000 | 0.50 + 0.25 | 0.500 |"), std::string::npos) << rows;
-    EXPECT_NE(rows.find("| case | tile lists | – | – |"), std::string::npos) << rows;
+TEST(FrameModel, aPassTakesAsLongAsTheSlowerOfMovingAndWorking) {
+    const ModelledPass pass{"x", 30'000'000, 20'000'000, 4'000'000};
+    EXPECT_DOUBLE_EQ(pass.milliseconds({50, 4}), 1.0);
+    EXPECT_DOUBLE_EQ(pass.milliseconds({50, 1}), 4.0);
+    const std::string rows = modelRows("case", {{"sort", 1'000'000, 500'000, 600'000}, {"pixels", 0, 0, 3'000'000}}, {{"sort", 500'000, 250'000}, {"tile lists", 1, 1}, {"pixels", 0, 0}}, {1.5, 1});
+    EXPECT_NE(rows.find("| case | sort | 1.00 + 0.50 | 0.6 | 1.000 | 0.50 + 0.25 | 0.0 | 0.500 |"), std::string::npos) << rows;
+    EXPECT_NE(rows.find("| case | tile lists | – | – | – |"), std::string::npos) << rows;
     EXPECT_LT(rows.find("tile lists"), rows.find("pixels"));
-    EXPECT_NE(rows.find("| case | sum | 1.00 + 0.50 | 1.000 |"), std::string::npos) << rows;
+    EXPECT_NE(rows.find("| case | sum | 1.00 + 0.50 | 3.6 | 4.000 |"), std::string::npos) << rows << "1 ms of moving, then 3 of working";
 }
 
 }  // namespace
