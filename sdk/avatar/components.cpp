@@ -52,11 +52,11 @@ double weightOf(const MeshData& mesh, uint32_t vertex, uint32_t joint) {
     return sum;
 }
 
-/** What a mode moves a vertex by, for a coefficient of 1. */
-Vec3d movedBy(const PoseCorrectiveData& c, uint32_t mode, uint32_t vertex) {
-    Vec3d sum(0);
-    for (int k = 0; k < 4; ++k) sum += c.nodeWeights[vertex][k] / 255.0 * Vec3d(c.nodes[size_t(c.nodeIndices[vertex][k]) * c.modeCount + mode]);
-    return sum;
+/** What a mode moves the vertices by, for a coefficient of 1. */
+void moveBy(const PoseCorrectiveData& c, uint32_t mode, std::vector<Vec3f>& moved) {
+    moved.assign(c.nodeWeights.size(), Vec3f(0));
+    for (size_t v = 0; v < moved.size(); ++v)
+        for (int k = 0; k < 4; ++k) moved[v] += float(c.nodeWeights[v][k]) * (1.0f / 255) * Vec3f(c.nodes[size_t(c.nodeIndices[v][k]) * c.modeCount + mode]);
 }
 
 bool addsUp(const std::vector<glm::u8vec4>& weights) {
@@ -99,9 +99,8 @@ Components::Components(const AvatarData& avatar, const ComponentMap& map, std::s
         std::map<std::pair<uint32_t, uint32_t>, std::pair<Box, Crease>> creases;
     };
     std::vector<Growing> growing(map.count);
-    const uint32_t modes = avatar.correctives.modeCount;
     components_.resize(map.count);
-    for (Component& c : components_) c.modes.resize(modes);
+    std::vector<Vec3f> stretch(mesh.triangles.size(), Vec3f(0));   // rows of D⁻¹ times the reach; 1 where splats overshoot
     for (Growing& g : growing) g.boxes.resize(avatar.joints.size());
     for (size_t t = 0; t < mesh.triangles.size(); ++t) {
         const Triangle corners = mesh.triangles[t];
@@ -112,7 +111,6 @@ Components::Components(const AvatarData& avatar, const ComponentMap& map, std::s
             rest[corner] = Vec3d(mesh.restPositions[corners[corner]]);
             for (int k = 0; k < 4; ++k)
                 if (mesh.jointWeights[corners[corner]][k] > 0) g.boxes[mesh.jointIndices[corners[corner]][k]].add(rest[corner]);
-            for (uint32_t m = 0; m < modes; ++m) c.modes[m].offsetM = std::max(c.modes[m].offsetM, glm::length(movedBy(avatar.correctives, m, corners[corner])));
         }
         if (reach[t].rootLevel == 0) continue;   // nothing on it is ever seen
         const auto frame = restTriangle<double>(rest[0], rest[1], rest[2]);
@@ -124,11 +122,7 @@ Components::Components(const AvatarData& avatar, const ComponentMap& map, std::s
         c.rootLevel = std::max(c.rootLevel, double(reach[t].rootLevel));
         c.reachM = std::max(c.reachM, double(reach[t].reachM));
         c.overM = std::max(c.overM, over * (glm::length(rest[1] - rest[0]) + glm::length(rest[2] - rest[0])));
-        for (uint32_t m = 0; m < modes; ++m) {
-            const Vec3d first = movedBy(avatar.correctives, m, corners[0]);
-            const double apart1 = glm::length(movedBy(avatar.correctives, m, corners[1]) - first), apart2 = glm::length(movedBy(avatar.correctives, m, corners[2]) - first);
-            c.modes[m].reachM = std::max(c.modes[m].reachM, (apart1 * row[1] + apart2 * row[2]) * double(reach[t].reachM)), c.modes[m].overM = std::max(c.modes[m].overM, over * (apart1 + apart2));
-        }
+        stretch[t] = {float(row[1] * double(reach[t].reachM)), float(row[2] * double(reach[t].reachM)), float(over)};
         uint32_t main = mesh.jointIndices[corners[0]][0];
         double most = -1;
         for (int k = 0; k < 4; ++k)
@@ -162,6 +156,18 @@ Components::Components(const AvatarData& avatar, const ComponentMap& map, std::s
             box.add(rest[1]), box.add(rest[2]);
             crease.reachPerM = std::max(crease.reachPerM, apart[k].reach * double(joints) * double(reach[t].reachM));
             crease.overPerM = std::max(crease.overPerM, over * apart[k].over * double(joints));
+        }
+    }
+    std::vector<Vec3f> moved;
+    for (uint32_t m = 0; m < avatar.correctives.modeCount; ++m) {
+        moveBy(avatar.correctives, m, moved);
+        for (Component& c : components_) c.modes.push_back({});
+        for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+            const Vec3f &a = moved[mesh.triangles[t].x], &b = moved[mesh.triangles[t].y], &c = moved[mesh.triangles[t].z];
+            const double apart1 = glm::length(b - a), apart2 = glm::length(c - a);
+            Mode& mode = components_[map.ofTriangle[t]].modes.back();
+            mode.offsetM = std::max({mode.offsetM, double(glm::length(a)), double(glm::length(b)), double(glm::length(c))});
+            mode.reachM = std::max(mode.reachM, apart1 * double(stretch[t].x) + apart2 * double(stretch[t].y)), mode.overM = std::max(mode.overM, (apart1 + apart2) * double(stretch[t].z));
         }
     }
     for (uint32_t i = 0; i < map.count; ++i) {
