@@ -7,9 +7,6 @@ uint dplViewIndex(uint view) { return uint(gl_ViewIndex); }
 #else
 uint dplViewIndex(uint view) { return view; }
 #endif
-// Two triangles a quad: an instance of four vertices would leave half of an eight-lane vertex shader idle, and cost lavapipe a draw each.
-uint dplQuad() { return uint(gl_VertexIndex) / 6u; }
-uint dplCorner() {
-    uint vertex = uint(gl_VertexIndex) % 6u;
-    return vertex < 3u ? vertex : vertex == 5u ? 3u : 5u - vertex;
-}
+// All in one instance: one of a few vertices leaves lanes of the vertex shader idle, and costs lavapipe a draw.
+uint dplSplat() { return uint(gl_VertexIndex) / 3u; }
+uint dplCorner() { return uint(gl_VertexIndex) % 3u; }

@@ -234,7 +234,7 @@ void expectKernelsMatchTheReference(const Cameraf (&views)[2], uint32_t splatCou
     for (int order = 0; order < 3; ++order) {
         MslFrame f = frameOf(order);
         ASSERT_GT(f.counts.visible, 1000u);
-        EXPECT_EQ(f.counts.drawVertices, 6 * f.counts.visible);
+        EXPECT_EQ(f.counts.drawVertices, 3 * f.counts.visible);
         if (order == 0) first = f;
         const std::vector<uint32_t> pixels = fillTiles(f, views, order);
         if (order == 0) tilePixels = pixels;

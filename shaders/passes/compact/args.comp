@@ -54,7 +54,7 @@ void main() {
     counts.runGroupsX = (counts.runs + kRunGroup - 1u) / kRunGroup;
     counts.runGroupsY = 1u;
     counts.runGroupsZ = 1u;
-    counts.drawVertices = 6u * visible;
+    counts.drawVertices = 3u * visible;
     counts.drawInstances = 1u;
     counts.drawFirstVertex = 0u;
     counts.drawFirstInstance = 0u;
