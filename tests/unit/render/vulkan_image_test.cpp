@@ -310,7 +310,7 @@ TEST_P(VulkanImage, reportsATimeForEachPassOfTheLastFrame) {
 TEST_P(VulkanImage, splatsSmallerThanAPixelAreDrawnWithoutALowPassToo) {
     TestVulkan vulkan(withPreciseBlending(), GetParam());
     DPL_NEED_VULKAN(vulkan);
-    for (const float kappaPx2 : {0.0f, 0.02f, 0.19f, 0.2f}) {
+    for (const float kappaPx2 : {0.0f, 0.02f, 0.075f, 0.076f, 1 / 12.0f, 0.2f}) {
         StaticSplatData splats = randomStaticSplats(7, 3000, 0, 0.004f);
         splats.kappaPx2 = kappaPx2;
         const auto id = vulkan.renderer->addSplats(splats);
