@@ -1,9 +1,10 @@
-// The pixels of each tile from its list, near first. A lane owns one column of a tile, takes its splats by as many as a tile's lanes fetch together and
-// stops when no sample of it lets light through.
-// DPL_SHUFFLE: the lanes of a tile fetch together, a pair of them half a record each, and hand the words around: a record a pair for the loads of
-// one. For devices whose subgroups hold whole tiles (DeviceInfo::shuffle); same bytes.
+// The pixels of each tile from its list, near first. A lane owns one column of a tile, takes its splats by fours (twos at four samples) and stops when no
+// sample of it lets light through.
+// DPL_SHUFFLE: the eight (four) lanes of a tile fetch together, a pair of them half a record each, and hand the words around: as many records as there are
+// pairs for the loads of one. For devices whose subgroups hold whole tiles (DeviceInfo::shuffle); same bytes.
 // DPL_SCENE_DEPTH: a splat adds nothing to pixels where it lies behind the app's scene, whose depths come in the buffer of pixels.
-// DPL_FOUR_SAMPLES: each pixel is composited at four places and averaged (docs/adr/0005).
+// DPL_FOUR_SAMPLES: each pixel is composited at four places and averaged (docs/adr/0005). Averaging is linear: colour and depth are summed over the places
+// at once, only what a place lets through is its own.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #ifdef DPL_SHUFFLE
@@ -34,7 +35,7 @@ const vec2 kPlaces[4] = vec2[](vec2(0.375, 0.125), vec2(0.875, 0.375), vec2(0.12
 const uint kSide = 1u << kTilePxShift, kSamples = 1u;
 const vec2 kPlaces[1] = vec2[](vec2(0.5));
 #endif
-const uint kBatch = kSide / 2u;
+const uint kBatch = kSide / 2u;          // records that the lanes of a tile fetch together
 const float kReach = 0.5 * float(kSide - 1u);  // from the middle of a column to its last sample, px
 const float kShare = 1.0 / float(kSamples);
 
