@@ -70,9 +70,13 @@ Status GpuRenderer::build(const Row& row, ShapedFrame& f) {
     ids.shuffle = backend_->info().shuffle;
     ids.samples = f.shape.samples;
     DPL_TRY(ids.target, backend_->createTarget({ids.widthPx, ids.heightPx, ids.viewCount, ids.depth, ids.multiview, ids.halfColour, ids.samples}));
-    // Whoever walks away from this avatar should not wait for a shader compiler: its other pipeline is made now, its other target when it is needed.
+    // Whoever walks away from this avatar should not wait for a shader compiler: its other pipelines are made now, its other target and lists when they are needed.
     const bool trained = std::any_of(row.members.begin(), row.members.end(), [&](RenderAvatarId id) { const LoadedAvatar& a = avatars_.at(id); return a.data && a.data->trainedPixelM > 0; });
-    if (trained && backend_->info().fourSamples) { DPL_CHECK_OK(backend_->drawPipeline(drawPipelineOf(ids, ids.samples == 1 ? kCoverageSamples : 1))); }
+    if (trained && backend_->info().fourSamples) {
+        const uint32_t other = ids.samples == 1 ? kCoverageSamples : 1;
+        DPL_CHECK_OK(backend_->drawPipeline(drawPipelineOf(ids, other)));
+        if (f.shape.fill == Fill::Tiles) { DPL_CHECK_OK(backend_->computePipeline(tileFillOf(ids, other))); }
+    }
     DPL_TRY(ids.projected, makeBuffer(f.owned, "projected", uint64_t(ids.splatCount) * ids.viewCount * sizeof(gpu::ProjectedSplat)));
     if (f.shape.meshDepth) {
         DPL_TRY(ids.meshDepth, makeBuffer(f.owned, "mesh depth", uint64_t(ids.widthPx) * ids.heightPx * ids.viewCount * 4));

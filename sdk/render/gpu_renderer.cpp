@@ -215,7 +215,7 @@ Status GpuRenderer::drawTogether(std::span<const Drawn> what, std::span<const Ca
     setDetails(*row, what, views);
     avatars_.at(what[0].avatar).lastRow = 0;
     std::fill(std::begin(row->drawn), std::end(row->drawn), 0);
-    const Fill fill = samples == 1 && kappaPx2 >= kTileMinKappaPx2 ? options_.fill : Fill::Quads;  // tiles have one sample a pixel
+    const Fill fill = kappaPx2 >= kTileMinKappaPx2 ? options_.fill : Fill::Quads;  // whatever the samples: they share κ, and their columns are shorter
     const Shape shape{views[0].widthPx, views[0].heightPx, uint32_t(views.size()), wants.depth, wants.meshDepth, wants.behindScene(), 0, samples, fill};
     Status drawn;
     if (views.size() == 1 || (options_.shareViews && shareOrder(views))) {

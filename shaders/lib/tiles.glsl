@@ -1,19 +1,20 @@
-// Which tiles a splat touches.
+// Which tiles a splat touches. The includer declares the push constants as TilePush `push`.
 
-// First and last tile that hold pixels with centres in [low, high], of `size` pixels. Always one at least: an entry too many shows nothing.
+// First and last tile that hold pixels with samples in [low, high], of `size` pixels. Always one at least: an entry too many shows nothing.
 uvec2 dplTilesIn(float low, float high, uint size) {
     float last = float(size) - 1.0;
-    int first = int(clamp(ceil(low - 0.5), 0.0, last)), end = int(clamp(floor(high - 0.5), 0.0, last));
+    int first = int(clamp(ceil(low - push.reachPx - 0.5), 0.0, last)), end = int(clamp(floor(high + push.reachPx - 0.5), 0.0, last));
     first = clamp(first, 0, int(size) - 1);  // a second time: what is not a number must not leave the lists
-    return uvec2(first, clamp(end, first, int(size) - 1)) / kTilePx;
+    return uvec2(first, clamp(end, first, int(size) - 1)) >> push.tileShift;
 }
 
 // The rows of tiles that its box touches.
 uvec2 dplSplatRows(float centrePx, float radiusPx, uint heightPx) { return dplTilesIn(centrePx - radiusPx, centrePx + radiusPx, heightPx); }
 
-// The columns of tiles that its 1/255 ellipse reaches within a strip of rows [top, bottom] (pixel centres). In units of the radii the ellipse is
+// The columns of tiles that its 1/255 ellipse reaches within a row of tiles, from its first samples to its last. In units of the radii the ellipse is
 // x = r u ± √((1 - r²)(1 - u²)) with r the correlation; each side of it is monotonous on either side of u = ±r.
-uvec2 dplSplatColumns(ProjectedSplat p, float top, float bottom, uint widthPx) {
+uvec2 dplSplatColumns(ProjectedSplat p, uint row, uint widthPx) {
+    float top = float(row << push.tileShift) + 0.5 - push.reachPx, bottom = float((row + 1u) << push.tileShift) - 0.5 + push.reachPx;
     float r = -p.place.w * inversesqrt(p.place.z * uintBitsToFloat(p.look.x)), across = 1.0 - r * r + 1e-6;  // the rest: float rounding of r
     float u0 = clamp((top - p.place.y) / p.radiusPx.y, -1.0, 1.0), u1 = clamp((bottom - p.place.y) / p.radiusPx.y, -1.0, 1.0);
     float right = clamp(r, u0, u1), left = clamp(-r, u0, u1);

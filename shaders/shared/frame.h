@@ -135,6 +135,8 @@ struct TilePush {             // of every tile pass; `first...`: offsets in word
     uint firstDepth;          // in the pixel buffer, words
     uint halfDepth;
     uint firstScene;          // in the pixel buffer, words: the app's depth, infinite where there is nothing
+    uint tileShift;           // a tile is 1 << tileShift pixels across and down
+    float reachPx;            // of a pixel's samples from its centre, along x or y
 };
 struct RowScanPush { uint perRow; uint firstTable; uint firstSum; };  // perRow 0: counts.runs; firstTable: in table and places
 

@@ -41,9 +41,10 @@ DPL_CONST float kUvZeroCode = 113.0;
 DPL_CONST float kUvCodeSteps = 1820.0;
 DPL_CONST float kPhiCodeStep = 0.0030679615757712823;  // π / 1024
 
-// Compute tiles. A lane owns one column of a tile: kTilePx pixels.
-DPL_CONST uint kTilePx = 8u;
-DPL_CONST uint kTileGroup = 64u;         // of the raster pass: 8 tiles
+// Compute tiles. A lane owns one column of a tile.
+DPL_CONST uint kTilePxShift = 3u;        // 8 pixels of one sample each
+DPL_CONST uint kFourTilePxShift = 2u;    // 4 pixels of four: a tile is 64 samples either way
+DPL_CONST uint kTileGroup = 64u;         // of the raster pass: 8 tiles, or 16
 DPL_CONST uint kTileSegments = 4u;       // lanes that share a row of tiles
 DPL_CONST float kTileStop = 1e-4;        // transmittance at which a pixel is done: 0.03 levels
 

@@ -51,6 +51,8 @@ DPL_MSL(msl_tiles_args_entries);
 DPL_MSL(msl_tiles_entries);
 DPL_MSL(msl_tiles_fill_depth);
 DPL_MSL(msl_tiles_fill_depth_scene);
+DPL_MSL(msl_tiles_fill_depth_four);
+DPL_MSL(msl_tiles_fill_depth_scene_four);
 
 namespace dpl {
 namespace {
@@ -147,11 +149,11 @@ MslFrame runGeneralFrame(const StaticSplatData& splats, std::span<const Cameraf>
     return out;
 }
 
-MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Cameraf> views, int order, const SplatDetail& detail = {}) {
+MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Cameraf> views, int order, const SplatDetail& detail = {}, uint32_t samples = 1) {
     CodedSplats coded = *codeSplats(avatar.mesh, avatar.splats);
     measureGroups(avatar.mesh, coded);
     AvatarRecords records = packAvatar(avatar, coded);
-    gpu::FrameData frame = packFrame(splatSetOf(avatar, coded), views, 1, detail, DetailSubject(avatar, coded).largestGrowth(detail.perM2));
+    gpu::FrameData frame = packFrame(splatSetOf(avatar, coded), views, samples, detail, DetailSubject(avatar, coded).largestGrowth(detail.perM2));
     const bool corrected = !avatar.correctives.empty();
     std::vector<gpu::vec4> palette = paletteOf(avatar, pose, pose);
     MslFrame out;
@@ -176,11 +178,11 @@ MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Ca
 }
 
 /** The tile passes on a frame that was sorted: 8-bit colour of all views, then the depth sums. farthestSeenM: of the app's scene, all views; empty: none. */
-std::vector<uint32_t> fillTiles(MslFrame& f, std::span<const Cameraf> views, int order, std::span<const float> farthestSeenM = {}) {
+std::vector<uint32_t> fillTiles(MslFrame& f, std::span<const Cameraf> views, int order, std::span<const float> farthestSeenM = {}, uint32_t samples = 1) {
     FrameIds ids;
     ids.viewCount = uint32_t(views.size()), ids.widthPx = views[0].widthPx, ids.heightPx = views[0].heightPx, ids.depth = true;
     ids.splatCount = uint32_t(f.projected.size()) / ids.viewCount;
-    ids.sceneDepth = !farthestSeenM.empty();
+    ids.sceneDepth = !farthestSeenM.empty(), ids.samples = samples;
     const auto tiles = planTiles(ids, {.maxBindingBytes = 128u << 20, .maxGroups = 65535});
     EXPECT_TRUE(tiles);
     const gpu::TilePush& push = tiles->push;
@@ -197,7 +199,8 @@ std::vector<uint32_t> fillTiles(MslFrame& f, std::span<const Cameraf> views, int
     EXPECT_GT(f.counts.tileEntries, f.counts.visible);
     run(msl_tiles_entries, f.counts.entryGroupsX, order, {spans.data(), sums.data(), places.data(), entries.data()}, push);
     if (ids.sceneDepth) std::memcpy(pixels.data() + push.firstScene, farthestSeenM.data(), farthestSeenM.size_bytes());
-    run(ids.sceneDepth ? msl_tiles_fill_depth_scene : msl_tiles_fill_depth, f.counts.fillGroupsX, order, {places.data(), entries.data(), f.projected.data(), pixels.data()}, push);
+    const auto fill = samples == 1 ? ids.sceneDepth ? msl_tiles_fill_depth_scene : msl_tiles_fill_depth : ids.sceneDepth ? msl_tiles_fill_depth_scene_four : msl_tiles_fill_depth_four;
+    run(fill, f.counts.fillGroupsX, order, {places.data(), entries.data(), f.projected.data(), pixels.data()}, push);
     return pixels;
 }
 
@@ -352,6 +355,37 @@ TEST(MetalFrame, tilesBehindASceneMatchTheReference) {
         const ImageDifference d = compareImages(rgb, want.rgb);
         std::printf("[   MSL    ] view %zu behind a scene: %.1f dB to the reference, max %.4f\n", v, d.psnrDb, d.maxError);
         EXPECT_GE(d.psnrDb, 50);
+    }
+}
+
+TEST(MetalFrame, tilesOfFourSamplesMatchTheReferenceFreeAndBehindAScene) {
+    AvatarData data = makeTube({.splatsPerTriangle = 4, .shDegree = 3});
+    data.trainedPixelM = 1e-4f, data.kappaPx2 = 1 / 12.0f;
+    const AvatarData avatar = codedOnce(data);
+    const Pose pose = tubePose(0.9f, 0.4f);
+    const Cameraf views[2] = {tubeCamera(93, 91, 0.6f, 1.6f, -0.03f), tubeCamera(93, 91, 0.6f, 1.6f, 0.03f)};
+    ASSERT_TRUE(referenceFourSamples(avatar, pose, referenceCamera(views[0])));
+    const std::vector<float> scenes[2] = {randomSceneDepth(1, 93, 91, 1.6f), randomSceneDepth(2, 93, 91, 1.6f)};
+    std::vector<float> seen;
+    for (const auto& scene : scenes) std::transform(scene.begin(), scene.end(), std::back_inserter(seen), farthestSeenM);
+    for (const bool behind : {false, true}) {
+        std::vector<uint32_t> first;
+        for (int order = 0; order < 3; ++order) {
+            MslFrame f = runFrame(avatar, pose, views, order, {}, 4);
+            const std::vector<uint32_t> pixels = fillTiles(f, views, order, behind ? std::span<const float>(seen) : std::span<const float>(), 4);
+            if (order == 0) first = pixels;
+            EXPECT_TRUE(pixels == first) << "lane order " << order;
+        }
+        for (size_t v = 0; v < 2; ++v) {
+            const ReferenceImage want = renderReference(avatar, pose, referenceCamera(views[v]), behind ? scenes[v] : std::vector<float>());
+            std::vector<double> rgb;
+            for (size_t i = v * 93 * 91; i < (v + 1) * 93 * 91; ++i)
+                for (int c = 0; c < 3; ++c) rgb.push_back((first[i] >> 8 * c & 255) / 255.0);
+            const ImageDifference d = compareImages(rgb, want.rgb);
+            std::printf("[   MSL    ] view %zu, four samples%s: %.1f dB to the reference, max %.4f\n", v, behind ? " behind a scene" : "", d.psnrDb, d.maxError);
+            EXPECT_GE(d.psnrDb, 50);
+            EXPECT_GT(coverage(want.alpha), 0.05);
+        }
     }
 }
 

@@ -47,7 +47,8 @@ int main(int argc, char** argv) {
 
     const uint32_t frames = std::max(1u, uint32_t(argument(6, 9)));
     std::vector<double> times[5];
-    uint32_t drawn = 0;
+    uint32_t drawn = 0, entries = 0;
+    bool overflowed = false;
     for (uint32_t frame = 0; frame < frames + 3; ++frame) {
         if (auto status = splats->render({&camera, 1}, {&image, 1}); !status) return failed(status.error().message);
         auto stats = splats->frameStats();
@@ -63,10 +64,10 @@ int main(int argc, char** argv) {
             parts[part] += pass->milliseconds, parts[4] += pass->milliseconds;
         }
         for (int k = 0; k < 5; ++k) times[k].push_back(parts[k]);
-        drawn = stats->splatsDrawn;
+        drawn = stats->splatsDrawn, entries = stats->tileEntries, overflowed = stats->tilesOverflowed;
     }
-    std::printf("%s %s %ux%u splats=%u | project+SH %.2f sort %.2f bin %.2f raster %.2f total-median %.2f min %.2f ms\n", context->rendererName().c_str(), argv[1], camera.widthPx,
-                camera.heightPx, drawn, median(times[0]), median(times[1]), median(times[2]), median(times[3]), median(times[4]), *std::min_element(times[4].begin(), times[4].end()));
+    std::printf("%s %s %ux%u splats=%u entries=%u%s | project+SH %.2f sort %.2f bin %.2f raster %.2f total-median %.2f min %.2f ms\n", context->rendererName().c_str(), argv[1], camera.widthPx,
+                camera.heightPx, drawn, entries, overflowed ? " (overflowed: quads)" : "", median(times[0]), median(times[1]), median(times[2]), median(times[3]), median(times[4]), *std::min_element(times[4].begin(), times[4].end()));
     if (argc > 8) {
         std::FILE* file = std::fopen(argv[8], "wb");
         if (!file) return failed(std::string("cannot write ") + argv[8]);

@@ -21,6 +21,7 @@ struct VulkanOptions {
     bool shareViews = true;              // false: two views are two frames even where one order serves both, to measure what sharing saves
     bool quantiseDepth = true;           // false: sort by 32-bit float depths, to measure what 16 bits save and cost
     bool typedBuffers = true;            // false: plain kernels even where DeviceInfo::texels, as other devices run them; the same bytes
+    bool shuffle = true;                 // false: kernels that take subgroups for nothing even where DeviceInfo::shuffle; the same bytes
     bool ignoreWorkarounds = false;      // try a driver without the table in vk_device.cpp
     std::span<const uint8_t> shaderPack;  // built of other shaders than the SDK's, which do without it; copied
     uint64_t shaderInterface = 0;        // that such a pack's C++ was compiled with

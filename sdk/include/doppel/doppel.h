@@ -113,7 +113,7 @@ typedef enum DplContextFlag {
 typedef enum DplFill {
     DPL_FILL_AUTO = 0,  /**< a self-test draws known pixels both ways on the device, and the faster right one is kept: once a process, device, driver version and library */
     DPL_FILL_QUADS = 1, /**< one blended quad a splat; not tested */
-    DPL_FILL_TILES = 2, /**< compute tiles that walk their splats front to back; a frame whose lists would overflow, or whose splats have a low-pass below 0.2 px², is filled by quads; not tested */
+    DPL_FILL_TILES = 2, /**< compute tiles that walk their splats front to back; a frame whose lists would overflow, or whose splats have a low-pass below 0.076 px² (trained avatars: 1/12), is filled by quads; not tested */
     DPL_FILL_FORCE_INT32 = 0x7fffffff
 } DplFill;
 

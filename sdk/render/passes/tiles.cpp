@@ -2,26 +2,30 @@
 
 #include <algorithm>
 
+#include "sdk/math/coverage.h"
 #include "sdk/render/passes/scan.h"
 
 namespace dpl {
 namespace {
 
-// What the lists hold, from both ends: small splats touch a few tiles each, and however large splats are, so many deep is a tile on average.
-constexpr uint64_t kSpansPerSplat = 3, kSpansPerTile = 48, kEntriesPerSplat = 4, kEntriesPerTile = 128;
+// What the lists hold, from both ends: small splats touch a few tiles each, and however large splats are, so many deep is a tile on average. The latter is
+// counted in 64 pixels, a tile of one sample, so that a frame takes the same memory with smaller tiles.
+constexpr uint64_t kSpansPerSplat = 3, kSpansPer64Px = 48, kEntriesPerSplat = 4, kEntriesPer64Px = 128;
 
 constexpr uint32_t kTableHead = 2;  // of the places: how many splats and runs there are
-
-uint32_t tilesAcross(uint32_t px) { return (px + gpu::kTilePx - 1) / gpu::kTilePx; }
 
 }  // namespace
 
 std::optional<TilePlan> planTiles(const FrameIds& ids, const DeviceInfo& device) {
     TilePlan plan;
     gpu::TilePush& p = plan.push;
-    p.viewCount = ids.viewCount, p.columns = tilesAcross(ids.widthPx), p.rows = tilesAcross(ids.heightPx);
+    p.tileShift = ids.samples == 1 ? gpu::kTilePxShift : gpu::kFourTilePxShift;
+    p.reachPx = ids.samples == 1 ? 0 : kCoverageReachPx;
+    const uint32_t side = 1u << p.tileShift;
+    p.viewCount = ids.viewCount, p.columns = (ids.widthPx + side - 1) / side, p.rows = (ids.heightPx + side - 1) / side;
     p.widthPx = ids.widthPx, p.heightPx = ids.heightPx;
     const uint64_t rows = plan.rows(), tiles = rows * p.columns, records = uint64_t(ids.splatCount) * ids.viewCount, pixels = uint64_t(p.widthPx) * p.heightPx * p.viewCount;
+    const uint64_t blocks = (tiles * side * side + 63) / 64;
     const uint64_t runs = (ids.splatCount + gpu::kRun - 1) / gpu::kRun;
     p.firstSpanSum = 0;
     p.firstEntrySum = uint32_t(scanSumWords(rows));
@@ -33,9 +37,9 @@ std::optional<TilePlan> planTiles(const FrameIds& ids, const DeviceInfo& device)
     if (plan.tableWords > limit || rows > device.maxGroups || records * p.rows > UINT32_MAX) return std::nullopt;
     p.firstTileTable = uint32_t(firstTileTable);
     // The counts of the GPU are 32 bits: spans that fit cannot have more entries than that.
-    p.spanCapacity = uint32_t(std::min({kSpansPerSplat * records + kSpansPerTile * tiles, limit / 2, UINT32_MAX / uint64_t(p.columns)}));
-    p.entryCapacity = uint32_t(std::min(kEntriesPerSplat * records + kEntriesPerTile * tiles, limit));
-    p.fillGroups = uint32_t(std::min<uint64_t>((tiles * gpu::kTilePx + gpu::kTileGroup - 1) / gpu::kTileGroup, device.maxGroups));
+    p.spanCapacity = uint32_t(std::min({kSpansPerSplat * records + kSpansPer64Px * blocks, limit / 2, UINT32_MAX / uint64_t(p.columns)}));
+    p.entryCapacity = uint32_t(std::min(kEntriesPerSplat * records + kEntriesPer64Px * blocks, limit));
+    p.fillGroups = uint32_t(std::min<uint64_t>((tiles * side + gpu::kTileGroup - 1) / gpu::kTileGroup, device.maxGroups));
     p.halfDepth = device.halfDepth ? 1 : 0;
     const auto part = [](uint64_t bytes) { return std::max<uint64_t>((bytes + 7) / 8 * 8, 16); };  // 16: the smallest buffer, which a part is copied to or from
     const uint64_t depthOffset = part(pixels * 4);
@@ -47,6 +51,10 @@ std::optional<TilePlan> planTiles(const FrameIds& ids, const DeviceInfo& device)
     p.firstScene = uint32_t(sceneOffset / 4);
     if (plan.pixelBytes > device.maxBindingBytes || pixels * 4 > UINT32_MAX) return std::nullopt;
     return plan;
+}
+
+std::string tileFillOf(const FrameIds& ids, uint32_t samples) {
+    return std::string(ids.shuffle ? "tiles.fill.shuffle" : "tiles.fill") + (ids.depth ? ".depth" : "") + (ids.sceneDepth ? ".scene" : "") + (samples > 1 ? ".four" : "");
 }
 
 void addTiles(FramePlan& plan, const FrameIds& ids, const TilePlan& tiles) {
@@ -62,7 +70,7 @@ void addTiles(FramePlan& plan, const FrameIds& ids, const TilePlan& tiles) {
     plan.compute("tiles.entries", "tiles.entries").reads(ids.tileSpans, ids.tiles.sums).updates(ids.tiles.places).writes(ids.tileEntries).push(push).groupsFrom(ids.counts, offsetof(gpu::FrameCounts, entryGroupsX));
     plan.fill("tiles.clear", ids.tilePixels, 0);
     if (ids.sceneDepth) plan.copy("tiles.scene", ids.scene, ids.tilePixels, push.firstScene * 4ull);  // a stage has four buffers: the scene lies behind the pixels
-    auto fill = plan.compute("tiles.fill", std::string(ids.shuffle ? "tiles.fill.shuffle" : "tiles.fill") + (ids.depth ? ".depth" : "") + (ids.sceneDepth ? ".scene" : ""));
+    auto fill = plan.compute("tiles.fill", tileFillOf(ids, ids.samples));
     fill.reads(ids.tiles.places, ids.tileEntries, ids.projected);
     if (ids.sceneDepth) fill.updates(ids.tilePixels);
     else fill.writes(ids.tilePixels);

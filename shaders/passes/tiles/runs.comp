@@ -4,7 +4,6 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
 #include "shaders/lib/reads.glsl"
-#include "shaders/lib/tiles.glsl"
 #include "shaders/lib/views.glsl"
 layout(local_size_x = 32) in;  // kRunGroup
 
@@ -13,6 +12,7 @@ DPL_FOURS(1, ProjectedBlock, projected);  // ProjectedSplat
 layout(std430, binding = 2) readonly buffer CountsBlock { FrameCounts counts; };
 layout(std430, binding = 3) buffer TableBlock { uint table[]; };  // zero before
 layout(push_constant) uniform PushBlock { TilePush push; };
+#include "shaders/lib/tiles.glsl"
 
 void main() {
     uint run = gl_GlobalInvocationID.x, runs = counts.runs;

@@ -3,7 +3,6 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
 #include "shaders/lib/reads.glsl"
-#include "shaders/lib/tiles.glsl"
 #include "shaders/lib/views.glsl"
 layout(local_size_x = 32) in;  // kRunGroup
 
@@ -12,6 +11,7 @@ DPL_FOURS(1, ProjectedBlock, projected);  // ProjectedSplat
 layout(std430, binding = 2) buffer PlaceBlock { uint places[]; };
 layout(std430, binding = 3) writeonly buffer SpanBlock { uvec2 spans[]; };  // (record, first column | last column << 16)
 layout(push_constant) uniform PushBlock { TilePush push; };
+#include "shaders/lib/tiles.glsl"
 
 void main() {
     uint run = gl_GlobalInvocationID.x, runs = places[1];
@@ -28,8 +28,7 @@ void main() {
             if (p.radiusPx.y > 0.0) {
                 uvec2 rows = dplSplatRows(p.place.y, p.radiusPx.y, push.heightPx);
                 do {
-                    float top = float(rows.x * kTilePx) + 0.5;
-                    uvec2 columns = dplSplatColumns(p, top, top + float(kTilePx - 1u), push.widthPx);
+                    uvec2 columns = dplSplatColumns(p, rows.x, push.widthPx);
                     uint bucket = v * push.rows + rows.x, cell = push.firstRunTable + bucket * runs + run, place = places[cell];
                     places[cell] = place + 1u;
                     spans[place] = uvec2(slot, columns.x | columns.y << 16u);

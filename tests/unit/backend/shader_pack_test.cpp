@@ -54,7 +54,7 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
     expectLayout("ProjectedSplat", sizeof(ProjectedSplat), {DPL_AT(ProjectedSplat, place), DPL_AT(ProjectedSplat, look), DPL_AT(ProjectedSplat, radiusPx), DPL_AT(ProjectedSplat, pad0), DPL_AT(ProjectedSplat, pad1)});
     expectLayout("FrameCounts", sizeof(FrameCounts), {DPL_AT(FrameCounts, visible), DPL_AT(FrameCounts, runs), DPL_AT(FrameCounts, trianglesInView), DPL_AT(FrameCounts, trianglesFacing), DPL_AT(FrameCounts, runGroupsX), DPL_AT(FrameCounts, runGroupsY), DPL_AT(FrameCounts, runGroupsZ), DPL_AT(FrameCounts, chunksProjected), DPL_AT(FrameCounts, drawVertices), DPL_AT(FrameCounts, drawInstances), DPL_AT(FrameCounts, drawFirstVertex), DPL_AT(FrameCounts, drawFirstInstance), DPL_AT(FrameCounts, splatsInView), DPL_AT(FrameCounts, splatsFacing), DPL_AT(FrameCounts, chunkGroupsX), DPL_AT(FrameCounts, chunkGroupsY), DPL_AT(FrameCounts, chunkGroupsZ), DPL_AT(FrameCounts, tileSpans), DPL_AT(FrameCounts, spanGroupsX), DPL_AT(FrameCounts, spanGroupsY), DPL_AT(FrameCounts, spanGroupsZ), DPL_AT(FrameCounts, tileEntries), DPL_AT(FrameCounts, rowGroupsX), DPL_AT(FrameCounts, rowGroupsY), DPL_AT(FrameCounts, rowGroupsZ), DPL_AT(FrameCounts, tilesOverflowed), DPL_AT(FrameCounts, entryGroupsX), DPL_AT(FrameCounts, entryGroupsY), DPL_AT(FrameCounts, entryGroupsZ), DPL_AT(FrameCounts, pad3), DPL_AT(FrameCounts, fillGroupsX), DPL_AT(FrameCounts, fillGroupsY), DPL_AT(FrameCounts, fillGroupsZ), DPL_AT(FrameCounts, depthMaxBits), DPL_AT(FrameCounts, depthMinBitsInverted), DPL_AT(FrameCounts, keyStart), DPL_AT(FrameCounts, keyOffset), DPL_AT(FrameCounts, keyScale)});
     expectLayout("TilePush", sizeof(TilePush), {DPL_AT(TilePush, viewCount), DPL_AT(TilePush, columns), DPL_AT(TilePush, rows), DPL_AT(TilePush, widthPx), DPL_AT(TilePush, heightPx), DPL_AT(TilePush, firstSpanSum), DPL_AT(TilePush, firstEntrySum), DPL_AT(TilePush, firstRunTable),
-                                                DPL_AT(TilePush, firstTileTable), DPL_AT(TilePush, spanCapacity), DPL_AT(TilePush, entryCapacity), DPL_AT(TilePush, fillGroups), DPL_AT(TilePush, firstDepth), DPL_AT(TilePush, halfDepth), DPL_AT(TilePush, firstScene)});
+                                                DPL_AT(TilePush, firstTileTable), DPL_AT(TilePush, spanCapacity), DPL_AT(TilePush, entryCapacity), DPL_AT(TilePush, fillGroups), DPL_AT(TilePush, firstDepth), DPL_AT(TilePush, halfDepth), DPL_AT(TilePush, firstScene), DPL_AT(TilePush, tileShift), DPL_AT(TilePush, reachPx)});
     expectLayout("RowScanPush", sizeof(RowScanPush), {DPL_AT(RowScanPush, perRow), DPL_AT(RowScanPush, firstTable), DPL_AT(RowScanPush, firstSum)});
     expectLayout("VertexPush", sizeof(VertexPush), {DPL_AT(VertexPush, vertexCount), DPL_AT(VertexPush, firstNode), DPL_AT(VertexPush, drawn)});
     expectLayout("TrianglePush", sizeof(TrianglePush), {DPL_AT(TrianglePush, triangleCount)});
@@ -102,9 +102,12 @@ TEST(ShaderPack, workgroupsAreThoseThatTheSharedLimitsName) {
         {"project.general", gpu::kSplatGroup}, {"project.general.stereo", gpu::kSplatGroup},
         {"scan.totals", gpu::kRowScanGroup}, {"scan.sums", gpu::kScanGroup}, {"scan.places", gpu::kRowScanGroup},
         {"compact.args", 1}, {"compact.scatter", gpu::kCompactGroup}, {"sort.count", gpu::kRunGroup}, {"sort.count.packed", gpu::kRunGroup}, {"sort.scatter", gpu::kRunGroup}, {"sort.scatter.pack", gpu::kRunGroup}, {"sort.scatter.packed", gpu::kRunGroup}, {"tiles.runs", gpu::kRunGroup}, {"tiles.runs.stereo", gpu::kRunGroup},
-        {"tiles.args.spans", 1}, {"tiles.args.entries", 1}, {"tiles.spans", gpu::kRunGroup}, {"tiles.spans.stereo", gpu::kRunGroup}, {"tiles.count", gpu::kRunGroup}, {"tiles.entries", gpu::kRunGroup},
-        {"tiles.fill", gpu::kTileGroup}, {"tiles.fill.depth", gpu::kTileGroup}, {"tiles.fill.shuffle", gpu::kTileGroup}, {"tiles.fill.shuffle.depth", gpu::kTileGroup},
-        {"tiles.fill.scene", gpu::kTileGroup}, {"tiles.fill.depth.scene", gpu::kTileGroup}, {"tiles.fill.shuffle.scene", gpu::kTileGroup}, {"tiles.fill.shuffle.depth.scene", gpu::kTileGroup}};
+        {"tiles.args.spans", 1}, {"tiles.args.entries", 1}, {"tiles.spans", gpu::kRunGroup}, {"tiles.spans.stereo", gpu::kRunGroup}, {"tiles.count", gpu::kRunGroup},
+        {"tiles.entries", gpu::kRunGroup}};
+    for (const char* fetch : {"", ".shuffle"})
+        for (const char* depth : {"", ".depth"})
+            for (const char* scene : {"", ".scene"})
+                for (const char* samples : {"", ".four"}) want[formatText("tiles.fill{}{}{}{}", fetch, depth, scene, samples)] = gpu::kTileGroup;
     for (const char* name : {"project", "colour.general"})
         for (uint32_t degree = 0; degree <= 3; ++degree)
             for (const char* views : {"", ".stereo"}) want[formatText("{}.sh{}{}", name, degree, views)] = gpu::kSplatGroup;

@@ -221,22 +221,26 @@ TEST(FramePlan, aWarmFrameCreatesNothing) {
 }
 
 TEST(FramePlan, aWarmFrameCreatesNothingOnEitherSideOfTheSwitchToFourSamples) {
-    NullSetup gpu;
-    AvatarData data = makeTube({.splatsPerTriangle = 2, .rings = 6});
-    data.trainedPixelM = pixelAtM(tubeCamera(32, 16, 0), rootPosition(data.joints, tubePose(0)));
-    auto id = gpu.renderer->addAvatar(std::make_shared<const AvatarData>(data));
-    ASSERT_TRUE(id) << id.error().message;
-    const auto drawAt = [&](float distanceM) {
-        const Cameraf camera = tubeCamera(32, 16, 0, distanceM);
-        return bool(gpu.renderer->draw(*id, tubePose(0), {&camera, 1}, false));
-    };
-    ASSERT_TRUE(drawAt(1.8f));
-    EXPECT_EQ(gpu.record->liveTargets, 1u);
-    ASSERT_TRUE(drawAt(8));
-    EXPECT_EQ(gpu.record->liveTargets, 2u) << "another number of samples is another target";
-    const uint64_t created = gpu.record->createdObjects;
-    for (int i = 0; i < 6; ++i) ASSERT_TRUE(drawAt(i % 2 ? 1.8f : 8));
-    EXPECT_EQ(gpu.record->createdObjects, created);
+    for (const Fill fill : {Fill::Quads, Fill::Tiles}) {
+        NullSetup gpu;
+        gpu.renderer->setFill(fill);
+        AvatarData data = makeTube({.splatsPerTriangle = 2, .rings = 6});
+        data.trainedPixelM = pixelAtM(tubeCamera(32, 16, 0), rootPosition(data.joints, tubePose(0)));
+        auto id = gpu.renderer->addAvatar(std::make_shared<const AvatarData>(data));
+        ASSERT_TRUE(id) << id.error().message;
+        const auto drawAt = [&](float distanceM) {
+            const Cameraf camera = tubeCamera(32, 16, 0, distanceM);
+            return bool(gpu.renderer->draw(*id, tubePose(0), {&camera, 1}, false));
+        };
+        ASSERT_TRUE(drawAt(1.8f));
+        EXPECT_EQ(gpu.record->liveTargets, 1u);
+        ASSERT_TRUE(drawAt(8));
+        EXPECT_EQ(gpu.record->liveTargets, 2u) << "another number of samples is another target";
+        const uint64_t created = gpu.record->createdObjects;
+        EXPECT_EQ(std::count(gpu.record->lastLabels.begin(), gpu.record->lastLabels.end(), "tiles.fill"), fill == Fill::Tiles ? 1 : 0);
+        for (int i = 0; i < 6; ++i) ASSERT_TRUE(drawAt(i % 2 ? 1.8f : 8));
+        EXPECT_EQ(gpu.record->createdObjects, created);
+    }
 }
 
 TEST(FramePlan, aDeviceWithoutFourSamplesDrawsOne) {

@@ -76,4 +76,11 @@ inline RenderedView drawOne(Renderer& r, RenderAvatarId id, const Pose& pose, co
     return std::move(out[0]);
 }
 
+/** The last frame of the avatar, which showed something, was filled that way. */
+inline void expectFilledBy(Renderer& r, RenderAvatarId id, Fill fill) {
+    const auto stats = r.stats(id);
+    ASSERT_TRUE(stats) << stats.error().message;
+    EXPECT_EQ(stats->tileEntries > 0 && !stats->tilesOverflowed, fill == Fill::Tiles);
+}
+
 }  // namespace dpl

@@ -2,6 +2,7 @@
 #include "tests/unit/render/vulkan_image.h"
 
 #include "sdk/math/coverage.h"
+#include "sdk/render/passes/tiles.h"
 #include "tests/reference/random_avatar.h"
 #include "tests/unit/format/sample_correctives.h"
 
@@ -32,6 +33,7 @@ RenderedView expectAgrees(TestVulkan& vulkan, const std::string& name, const Res
     EXPECT_GE(d.psnrDb, minPsnrDb) << name;
     EXPECT_GE(d.alphaPsnrDb, minPsnrDb) << name;
     EXPECT_LT(d.maxDepthErrorM, bounds.maxDepthErrorM) << name;
+    expectFilledBy(*vulkan.renderer, *id, vulkan.fill);
     return image;
 }
 
@@ -100,6 +102,27 @@ TEST_P(VulkanImage, fourSamplesAPixelEqualTheReference) {
                 vulkan->renderer->removeAvatar(*id);
             }
         }
+    }
+}
+
+/** Opaque limbs in front of each other: beside an outline some samples of a tile are done after three layers, their neighbours see what lies behind. */
+TEST_P(VulkanImage, samplesBesideOneThatIsDoneStillSeeWhatLiesBehind) {
+    TestVulkan vulkan(withPreciseBlending(), GetParam());
+    DPL_NEED_VULKAN(vulkan);
+    AvatarData data = makeTube({.splatsPerTriangle = 16, .shDegree = 0, .singleFace = false, .colourSpread = 0.3f});
+    for (float& opacity : data.splats.opacity) opacity = 0.99f;
+    for (Vec2f& scale : data.splats.scaleM) scale *= 0.6f;
+    for (const bool four : {false, true}) {
+        data.trainedPixelM = four ? 1e-4f : 0;
+        const auto avatar = share(data);
+        const auto id = vulkan.renderer->addAvatar(avatar);
+        for (const float azimuth : {0.0f, 1.57f, 3.14f, 4.71f}) {
+            const Pose pose = tubePose(2.6f, 0.2f);
+            const Cameraf camera = tubeCamera(97, 131, azimuth, 1.2f);
+            const ReferenceImage want = renderReference(*avatar, pose, referenceCamera(camera));
+            expectAgrees(vulkan, std::string("opaque, ") + (four ? "4 samples" : "1 sample"), id, pose, camera, want);
+        }
+        if (id) vulkan.renderer->removeAvatar(*id);
     }
 }
 
@@ -306,11 +329,14 @@ TEST_P(VulkanImage, reportsATimeForEachPassOfTheLastFrame) {
     EXPECT_EQ(times.size(), 1 + 2 + 2 + 1 + 3 + 12 + 3u + (GetParam() == Fill::Tiles ? 15u : 0u));
 }
 
-/** Without a low-pass a splat may be far smaller than a pixel: α falls by more from row to row than a float holds. */
+// Without a low-pass a splat may be far smaller than a pixel: α falls by more from row to row than a float holds. Trained avatars have κ = 1/12 px².
+constexpr float kWeakLowPassesPx2[] = {0, 0.02f, 0.075f, 0.077f, 1 / 12.0f, 0.2f};
+Fill fillAt(Fill fill, float kappaPx2) { return kappaPx2 < kTileMinKappaPx2 ? Fill::Quads : fill; }
+
 TEST_P(VulkanImage, splatsSmallerThanAPixelAreDrawnWithoutALowPassToo) {
     TestVulkan vulkan(withPreciseBlending(), GetParam());
     DPL_NEED_VULKAN(vulkan);
-    for (const float kappaPx2 : {0.0f, 0.02f, 0.19f, 0.2f}) {
+    for (const float kappaPx2 : kWeakLowPassesPx2) {
         StaticSplatData splats = randomStaticSplats(7, 3000, 0, 0.004f);
         splats.kappaPx2 = kappaPx2;
         const auto id = vulkan.renderer->addSplats(splats);
@@ -321,6 +347,50 @@ TEST_P(VulkanImage, splatsSmallerThanAPixelAreDrawnWithoutALowPassToo) {
         std::printf("[  IMAGE   ] kappa %.2f px²: colour %.1f dB (max %.4f), covered %.1f %%\n", double(kappaPx2), d.psnrDb, d.maxError, 100 * d.covered);
         EXPECT_GE(d.psnrDb, kMinPsnrDb) << kappaPx2;
         EXPECT_GT(d.covered, 0.01) << kappaPx2;
+        expectFilledBy(*vulkan.renderer, *id, fillAt(GetParam(), kappaPx2));
+    }
+}
+
+/** A splat of no size but its low-pass, at every eighth of a pixel down two tiles. */
+TEST_P(VulkanImage, oneTinySplatIsRightWhereverItLiesInItsTile) {
+    TestVulkan vulkan(withPreciseBlending(), GetParam());
+    DPL_NEED_VULKAN(vulkan);
+    for (const float kappaPx2 : {kTileMinKappaPx2, 1 / 12.0f}) {
+        StaticSplatData splats = randomStaticSplats(1, 1, 0);
+        splats.position = {{0, 0, 2}}, splats.scaleM = {{1e-5f, 1e-5f, 1e-5f}}, splats.opacity = {0.95f}, splats.kappaPx2 = kappaPx2, splats.compensated = false;
+        const auto id = vulkan.renderer->addSplats(splats);
+        ASSERT_TRUE(id) << id.error().message;
+        for (int eighth = 0; eighth <= 128; ++eighth) {
+            Cameraf camera;
+            camera.widthPx = 5, camera.heightPx = 16, camera.fx = camera.fy = 30, camera.cx = 2.6f, camera.cy = float(eighth) / 8;
+            const Difference d = compare(drawOne(*vulkan.renderer, *id, {}, camera), renderReference(splats, referenceCamera(camera), {.kappaPx2 = kappaPx2, .compensated = false}));
+            ASSERT_LE(d.maxError, 0.5 / 255 + 1e-4) << "κ " << kappaPx2 << ", centre at " << camera.cy;
+            ASSERT_GT(d.covered, 0.005) << camera.cy;
+        }
+        expectFilledBy(*vulkan.renderer, *id, GetParam());
+    }
+}
+
+/** Four samples a pixel have a quarter of that low-pass each. */
+TEST_P(VulkanImage, splatsSmallerThanASampleAreDrawnToo) {
+    TestVulkan vulkan(withPreciseBlending(), GetParam());
+    DPL_NEED_VULKAN(vulkan);
+    for (const float kappaPx2 : kWeakLowPassesPx2) {
+        AvatarData data = makeTube({.shDegree = 0, .singleFace = false});
+        for (Vec2f& scale : data.splats.scaleM) scale *= 0.15f;
+        for (float& opacity : data.splats.opacity) opacity = 0.9f;
+        data.kappaPx2 = kappaPx2, data.compensated = false, data.trainedPixelM = 1e-4f;
+        const auto avatar = share(data);
+        const auto id = vulkan.renderer->addAvatar(avatar);
+        ASSERT_TRUE(id) << id.error().message;
+        const Cameraf camera = tubeCamera(160, 192, 0.7f, 1.8f);
+        ASSERT_TRUE(referenceFourSamples(*avatar, tubePose(0.4f), referenceCamera(camera)));
+        const Difference d = compare(drawOne(*vulkan.renderer, *id, tubePose(0.4f), camera), renderReference(*avatar, tubePose(0.4f), referenceCamera(camera)));
+        std::printf("[  IMAGE   ] 4 samples, kappa %.3f px²: colour %.1f dB (max %.4f), covered %.1f %%\n", double(kappaPx2), d.psnrDb, d.maxError, 100 * d.covered);
+        EXPECT_GE(d.psnrDb, 60) << kappaPx2;  // 57 where the lists forget samples that reach into a tile
+        EXPECT_GT(d.covered, 0.01) << kappaPx2;
+        expectFilledBy(*vulkan.renderer, *id, fillAt(GetParam(), kappaPx2));
+        vulkan.renderer->removeAvatar(*id);
     }
 }
 

@@ -180,5 +180,40 @@ TEST(VulkanTiles, aFrameThatTheListsCannotHoldIsFilledByQuads) {
     }
 }
 
+/** The same with four samples a pixel: quads of as many fill it. */
+TEST(VulkanTiles, aFrameOfFourSamplesThatTheListsCannotHoldIsFilledByQuads) {
+    TestVulkan tiles(testVulkanOptions(), Fill::Tiles), quads(testVulkanOptions(), Fill::Quads);
+    DPL_NEED_VULKAN(tiles);
+    if (crashesOnMoreThanBytes()) GTEST_SKIP() << "several samples a pixel with 512-bit vectors";
+    const Cameraf far[2] = {tubeCamera(61, 45, 0.3f, 40, -0.03f), tubeCamera(61, 45, 0.3f, 40, 0.03f)};
+    const Cameraf near[2] = {tubeCamera(61, 45, 0.3f, 1.2f, -0.03f), tubeCamera(61, 45, 0.3f, 1.2f, 0.03f)};
+    for (const uint32_t count : {150u, 2000u}) {
+        AvatarData data = tubeOf(count, {.splatsPerTriangle = 16, .rings = 8, .shDegree = 0, .singleFace = false});
+        for (Vec2f& scale : data.splats.scaleM) scale = Vec2f(0.5f);
+        data.trainedPixelM = 1e-4f;
+        const auto avatar = share(data);
+        auto id = tiles.renderer->addAvatar(avatar), other = quads.renderer->addAvatar(avatar);
+        ASSERT_TRUE(id && other);
+        for (const size_t viewCount : {size_t(1), size_t(2)}) {
+            for (const Cameraf* views : {far, near, far}) {
+                std::vector<RenderedView> got(viewCount), want(viewCount);
+                ASSERT_TRUE(tiles.renderer->render(*id, tubePose(0.3f), {views, viewCount}, true, got));
+                ASSERT_TRUE(quads.renderer->render(*other, tubePose(0.3f), {views, viewCount}, true, want));
+                auto stats = tiles.renderer->stats(*id);
+                ASSERT_TRUE(stats);
+                EXPECT_EQ(stats->tilesOverflowed, views == near) << count << " splats, " << viewCount << " views";
+                if (views == near) { EXPECT_EQ(stats->tileEntries > 0, count == 150) << "entries are counted where the spans fit"; }
+                for (size_t v = 0; v < viewCount; ++v) {
+                    EXPECT_GT(coverage(want[v].depthM, 0.0), 0.001);
+                    const bool same = got[v].rgba == want[v].rgba && got[v].depthM == want[v].depthM;
+                    EXPECT_EQ(same, views == near) << count << " splats, view " << v << " of " << viewCount << ": tiles round once, quads a layer";
+                }
+            }
+        }
+        tiles.renderer->removeAvatar(*id);
+        quads.renderer->removeAvatar(*other);
+    }
+}
+
 }  // namespace
 }  // namespace dpl

@@ -24,11 +24,12 @@ inline VulkanOptions testVulkanOptions() {
 /** Renderer and message counter; every test ends with expectSilent(). */
 struct TestVulkan {
     VulkanOptions options;
+    Fill fill;
     std::unique_ptr<Renderer> renderer;
     std::string missing;  // why there is none
 
     TestVulkan() : TestVulkan(testVulkanOptions()) {}
-    explicit TestVulkan(VulkanOptions wanted, Fill fill = Fill::Quads) : options(std::move(wanted)) {
+    explicit TestVulkan(VulkanOptions wanted, Fill fill = Fill::Quads) : options(std::move(wanted)), fill(fill) {
         auto devices = listVulkanDevices();
         if (!devices || devices->empty()) {
             missing = devices ? "no Vulkan 1.1 device here" : devices.error().message;
