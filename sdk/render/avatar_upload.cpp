@@ -219,7 +219,7 @@ gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views,
     for (const Cameraf& c : views) nearest = std::min(nearest, glm::dot(axis, Vec3d(c.eye())));
     f.sortAxis = {float(axis.x), float(axis.y), float(axis.z), float(std::floor(nearest * 1024) / 1024)};
     f.target = {float(views[0].widthPx), float(views[0].heightPx), splats.kappaPx2 / float(samples), 0};
-    f.flags = {splats.compensated ? 1u : 0u, unseen, 0, 0};
+    f.flags = {splats.compensated ? 1u : 0u, unseen, 0, splats.count};
     f.detail = {detail.full() ? 0.0f : detail.perM2, detail.full() ? 1.0f : largestGrowth, detail.shShare, 0};
     return f;
 }

@@ -55,7 +55,7 @@ SplatSet splatSetOf(const AvatarData& avatar, const CodedSplats& splats);
 SplatSet splatSetOf(const StaticSplatData& splats);
 
 /** What one frame takes from the CPU: the block itself, and the sort axis inside it (mean forward axis of the views). samples: a pixel, which share the low-pass.
- *  largestGrowth: of a splat at this detail. unseen: bits of components, which are not posed. */
+ *  largestGrowth: of a splat at this detail. unseen: bits of components, which are not posed. Culls, and is alone in its frame, until flags say otherwise. */
 gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views, uint32_t samples = 1, const SplatDetail& detail = {}, float largestGrowth = 1, uint32_t unseen = 0);
 
 }  // namespace dpl

@@ -284,7 +284,7 @@ void GpuRenderer::fill(const Row& row, Slot& slot, std::span<const Drawn> what, 
             if (unseen != 0 && unseen == avatar.components.all()) unseen = ~0u;
         }
         gpu::FrameData block = packFrame(avatar.splats, views, shape.samples, avatar.detail, growth, unseen);
-        block.flags.z = options_.cull ? 0 : 1;
+        block.flags.z = options_.cull ? 0 : 1, block.flags.w = row.ids.splatCount;
         std::memcpy(backend_->mapped(slot.frame[k]).data(), &block, sizeof(block));
     }
 }

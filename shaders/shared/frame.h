@@ -25,7 +25,7 @@ struct FrameData {            // the only uniform block; written by the CPU befo
     ViewData views[2];
     vec4 sortAxis;            // unit mean forward axis of the views, world; w: depth along it before which no view sees anything
     vec4 target;              // width px, height px, kappa px², 0
-    uvec4 flags;              // 1 = energy-preserving low-pass; bits of the components that no view sees (sdk/avatar/components.h); 1 = nothing is culled; 0
+    uvec4 flags;              // 1 = energy-preserving low-pass; bits of the components that no view sees (sdk/avatar/components.h); 1 = nothing is culled; splats of all that is drawn
     vec4 detail;              // splats wanted a square metre at rest, 0: all; largest growth of a splat; share of SH beyond coefficient 0 (lib/detail.glsl)
 };
 DPL_SHARED_SIZE(FrameData, 256)
@@ -88,7 +88,7 @@ struct GroupBox {             // static, about the centres of kSplatGroup genera
 };
 DPL_SHARED_SIZE(GroupBox, 32)
 
-struct ProjectedSplat {       // per splat and view, index splat * views + view (lib/projected.glsl); opacity and radius 0 = not in this view
+struct ProjectedSplat {       // per splat and view, one view behind the other: who draws one reads no memory of the other (lib/projected.glsl); opacity and radius 0 = not in this view
     vec4 place;               // centre in target pixels (origin top left, centres at +0.5), conic A and B: σ = ½(A dx² + C dy²) + B dx dy
     uvec4 look;               // bits of: conic C; opacity after compensation, gate and near fade; rgb display-referred, 11, 11 and 10 bits; view z, metres
     vec2 radiusPx;            // half box outside which α < 1/255
@@ -135,6 +135,7 @@ struct TilePush {             // of every tile pass; `first...`: offsets in word
     uint firstDepth;          // in the pixel buffer, words
     uint halfDepth;
     uint firstScene;          // in the pixel buffer, words: the app's depth, infinite where there is nothing
+    uint splatCount;          // of all that is drawn: records of a view
     uint tileShift;           // a tile is 1 << tileShift pixels across and down
     float reachPx;            // of a pixel's samples from its centre, along x or y
 };
@@ -153,7 +154,7 @@ struct CompactPush { uint groupCount; uint maxDepthKey; uint drawnCount; uint en
 struct ScanPush { uint first; uint count; };
 struct ArgsPush { uint groupCount; uint maxDepthKey; uint drawnCount; };
 struct SortPush { uint shift; };
-struct DrawPush { float targetWidthPx; float targetHeightPx; uint viewCount; uint view; };  // view: without multiview
+struct DrawPush { float targetWidthPx; float targetHeightPx; uint splatCount; uint view; };  // splatCount: of all that is drawn; view: without multiview
 
 DPL_SHARED_END
 #endif

@@ -208,7 +208,7 @@ std::vector<uint32_t> fillTiles(MslFrame& f, std::span<const Cameraf> views, int
 std::vector<double> blend(const MslFrame& f, const Cameraf& camera, uint32_t view, uint32_t viewCount) {
     std::vector<double> rgb(size_t(camera.widthPx) * camera.heightPx * 3, 0), transmittance(size_t(camera.widthPx) * camera.heightPx, 1);
     for (const uint32_t splat : f.sorted) {
-        const gpu::ProjectedSplat& p = f.projected[size_t(splat) * viewCount + view];
+        const gpu::ProjectedSplat& p = f.projected[view * f.projected.size() / viewCount + splat];
         const auto floatOf = [](uint32_t bits) { return std::bit_cast<float>(bits); };
         const double conicC = floatOf(p.look.x), opacity = floatOf(p.look.y), colour[3] = {(p.look.z & 2047) / 2047.0, (p.look.z >> 11 & 2047) / 2047.0, (p.look.z >> 22) / 1023.0};
         for (uint32_t y = 0; y < camera.heightPx; ++y) {

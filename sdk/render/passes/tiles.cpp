@@ -23,7 +23,7 @@ std::optional<TilePlan> planTiles(const FrameIds& ids, const DeviceInfo& device)
     p.reachPx = ids.samples == 1 ? 0 : kCoverageReachPx;
     const uint32_t side = 1u << p.tileShift;
     p.viewCount = ids.viewCount, p.columns = (ids.widthPx + side - 1) / side, p.rows = (ids.heightPx + side - 1) / side;
-    p.widthPx = ids.widthPx, p.heightPx = ids.heightPx;
+    p.widthPx = ids.widthPx, p.heightPx = ids.heightPx, p.splatCount = ids.splatCount;
     const uint64_t rows = plan.rows(), tiles = rows * p.columns, records = uint64_t(ids.splatCount) * ids.viewCount, pixels = uint64_t(p.widthPx) * p.heightPx * p.viewCount;
     const uint64_t blocks = (tiles * side * side + 63) / 64;
     const uint64_t runs = (ids.splatCount + gpu::kRun - 1) / gpu::kRun;

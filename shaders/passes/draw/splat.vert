@@ -20,7 +20,7 @@ layout(location = 2) flat out vec4 colourDepth;   // rgb, view z
 void main() {
     uint view = dplViewIndex(push.view);
     // The order is near first with ties in splat order; drawing it backwards gives the exact mirror of front-to-back blending.
-    uint splat = DPL_WORD(order, counts.visible - 1u - dplSplat()), record = 3u * (splat * push.viewCount + view);
+    uint splat = DPL_WORD(order, counts.visible - 1u - dplSplat()), record = 3u * (view * push.splatCount + splat);
     ProjectedSplat p;
     p.place = dplFloats(DPL_FOUR(projected, record));
     p.look = DPL_FOUR(projected, record + 1u);

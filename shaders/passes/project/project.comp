@@ -61,7 +61,7 @@ bool showIn(ViewData view, uint v, BoundSplat s, bool mayShow) {
         dplColour = DPL_WORD(codes, push.firstColour + s.index);
         p.look.z = dplPackColour(dplShColour(rest, entry, s.light));
     }
-    uint slot = (push.firstSplat + s.index) * kViews + v;
+    uint slot = v * frame.flags.w + push.firstSplat + s.index;
     projected[slot].place = p.place;
     projected[slot].look = p.look;
     projected[slot].radiusPx = p.radiusPx;
@@ -85,7 +85,7 @@ void main() {
         uvec4 corner0 = DPL_FOUR(triangles, parent);
         uint shown = corner0.w & (s.gated ? 3u * kShowsGated : 3u * kShowsFree);
         if (shown == 0u) {  // its triangle is in no view, or turned away: nothing else of it is read
-            for (uint v = 0u; v < kViews; ++v) projected[(push.firstSplat + s.index) * kViews + v].radiusPx = vec2(0.0);
+            for (uint v = 0u; v < kViews; ++v) projected[v * frame.flags.w + push.firstSplat + s.index].radiusPx = vec2(0.0);
         } else {
             uint packed = DPL_WORD(codes, push.firstPlace + s.index);
             vec2 scale = share.growth * dplScale(size);

@@ -45,7 +45,7 @@ void main() {
         s.axis2 = dplFloats(DPL_FOUR(splats, 4u * index + 2u));
         s.axis3 = dplFloats(DPL_FOUR(splats, 4u * index + 3u));
         bool seen = false;
-        for (uint v = 0u; v < kViews; ++v) seen = showIn(frame.views[v], (push.firstSplat + index) * kViews + v, s) || seen;
+        for (uint v = 0u; v < kViews; ++v) seen = showIn(frame.views[v], v * frame.flags.w + push.firstSplat + index, s) || seen;
         if (seen) {
             visibility[dplFirstDepth(push.allGroups) + push.firstSplat + index] = floatBitsToUint(dot(frame.sortAxis.xyz, s.centre.xyz));
             dplSee(lane);

@@ -22,7 +22,7 @@ void main() {
     for (uint i = run * kRun; i < end; ++i) {
         uint splat = DPL_WORD(order, i);
         for (uint v = 0u; v < kViews; ++v) {
-            uint slot = splat * kViews + v;
+            uint slot = v * push.splatCount + splat;
             float radius = uintBitsToFloat(DPL_FOUR(projected, 3u * slot + 2u).y);
             uvec2 rows = dplSplatRows(uintBitsToFloat(DPL_FOUR(projected, 3u * slot).y), radius, push.heightPx) + v * push.rows;
             uint one = radius > 0.0 ? 1u : 0u;

@@ -20,7 +20,7 @@ void main() {
     for (uint i = run * kRun; i < end; ++i) {
         uint splat = DPL_WORD(order, i);
         for (uint v = 0u; v < kViews; ++v) {
-            uint slot = splat * kViews + v;
+            uint slot = v * push.splatCount + splat;
             ProjectedSplat p;
             p.place = dplFloats(DPL_FOUR(projected, 3u * slot));
             p.look = DPL_FOUR(projected, 3u * slot + 1u);
