@@ -54,11 +54,11 @@ struct Drawable {
     CodedSplats splats;
     float kappaPx2 = 0, trainedPixelM = 0, detailShare = 0;
     bool compensated = false;
+    DetailSubject detailSubject;
+    SplatDetail detail;       // of the last frame, as is its share of the splats
     // Of avatars only.
     std::shared_ptr<const AvatarData> avatar;
     Components components;
-    DetailSubject detailSubject;
-    SplatDetail detail;       // of the last frame, as is its share of the splats
     // The last pose and what follows from it.
     Pose pose;
     bool posed = false;       // the joints ...
@@ -116,6 +116,7 @@ public:
         auto drawable = std::make_unique<Drawable>();
         drawable->general = PackedSplats(splats);
         if (drawable->general.count() != splats.count()) return fail(Code::InvalidArgument, "the arrays of {} splats differ in length", splats.count());
+        drawable->detailSubject = DetailSubject(splats.count());
         drawable->kappaPx2 = splats.kappaPx2, drawable->compensated = splats.compensated;
         return keep(std::move(drawable));
     }
@@ -225,20 +226,10 @@ private:
 
     /** How much of each of together_ is drawn. */
     void setDetails(std::span<const Cameraf> views) {
-        DetailRequest requests[kMaxDrawnTogether];
-        SplatDetail chosen[kMaxDrawnTogether];
-        size_t count = 0;
-        uint64_t others = 0;
-        for (const Drawable* d : together_) {
-            if (d->avatar) requests[count++] = {&d->detailSubject, detail_.off() ? 1 : d->detailSubject.finestPixelM(d->mesh.worldFromRest(), views)};
-            else others += d->general.count();
-        }
-        allowed_ = chooseDetail(detail_, {requests, count}, others, {chosen, count});
-        count = 0;
-        for (Drawable* d : together_) {
-            d->detailShare = 1;
-            if (d->avatar) d->detail = chosen[count], d->detailShare = d->detailSubject.drawnShare(chosen[count]), ++count;
-        }
+        DetailMember members[kMaxDrawnTogether];
+        for (size_t k = 0; k < together_.size(); ++k) members[k] = {&together_[k]->detailSubject, together_[k]->mesh.worldFromRest()};
+        allowed_ = chooseDetails(detail_, views, {members, together_.size()});
+        for (size_t k = 0; k < together_.size(); ++k) together_[k]->detail = members[k].detail, together_[k]->detailShare = members[k].share;
     }
 
     /** The nearest of the meshes that are drawn together. */

@@ -59,11 +59,17 @@ double DetailSubject::finestPixelM(std::span<const Mat3x4f> worldFromRest, std::
     return finest;
 }
 
-uint64_t chooseDetail(const DetailOptions& options, std::span<const DetailRequest> requests, uint64_t otherSplats, std::span<SplatDetail> out) {
+uint64_t chooseDetails(const DetailOptions& options, std::span<const Cameraf> views, std::span<DetailMember> members) {
+    for (DetailMember& m : members)
+        if (!options.off() && !m.subject->alwaysFull()) m.pixelM = m.subject->finestPixelM(m.worldFromRest, views);
+    return chooseDetails(options, members);
+}
+
+uint64_t chooseDetails(const DetailOptions& options, std::span<DetailMember> members) {
     const auto perM2 = [](double perPixel, double pixelM) { return perPixel / (pixelM * pixelM); };
     const auto drawn = [&](double perPixel) {
-        double sum = double(otherSplats);
-        for (const DetailRequest& r : requests) sum += r.subject->drawnAtMost(perM2(perPixel, r.pixelM));
+        double sum = 0;
+        for (const DetailMember& m : members) sum += m.subject->drawnAtMost(perM2(perPixel, m.pixelM));
         return sum;
     };
     double perPixel = options.splatsPerPixel > 0 ? double(options.splatsPerPixel) : INFINITY;
@@ -75,9 +81,11 @@ uint64_t chooseDetail(const DetailOptions& options, std::span<const DetailReques
         }
         perPixel = low;
     }
-    for (size_t i = 0; i < requests.size(); ++i) {
-        out[i].perM2 = float(perM2(perPixel, requests[i].pixelM));
-        out[i].shShare = out[i].full() ? 1.0f : requests[i].subject->shShare(out[i].perM2);
+    for (DetailMember& m : members) {
+        m.detail = {};
+        if (!m.subject->alwaysFull()) m.detail.perM2 = float(perM2(perPixel, m.pixelM));
+        if (!m.detail.full()) m.detail.shShare = m.subject->shShare(m.detail.perM2);
+        m.share = m.subject->drawnShare(m.detail);
     }
     return uint64_t(std::ceil(drawn(perPixel)));
 }

@@ -23,6 +23,8 @@ struct DetailOptions {
 class DetailSubject {
 public:
     DetailSubject() = default;
+    /** General splats: always drawn in full. */
+    explicit DetailSubject(uint32_t splatCount) : splatCount_(splatCount) {}
     /** splats: with groups. */
     DetailSubject(const AvatarData& avatar, const CodedSplats& splats);
 
@@ -31,6 +33,7 @@ public:
     double finestPixelM(std::span<const Mat3x4f> worldFromRest, std::span<const Cameraf> views) const;
     /** Splats that are drawn at most at a wanted density; continuous and rising with it. */
     double drawnAtMost(double perM2) const;
+    bool alwaysFull() const { return bends_.empty(); }
     uint32_t splatCount() const { return splatCount_; }
     float drawnShare(const SplatDetail& detail) const { return splatCount_ == 0 ? 1.0f : float(drawnAtMost(double(detail.perM2)) / splatCount_); }
     /** Of the SH beyond coefficient 0 at a density; no growth of a splat there is larger than largestGrowth. */
@@ -54,14 +57,20 @@ private:
 
 constexpr double kDetailNearestM = 0.25;   // nearer surface counts as this near, so that whom the camera touches does not take the whole budget
 
-/** One avatar of a frame. */
-struct DetailRequest {
+/** One of those that a frame draws together. */
+struct DetailMember {
     const DetailSubject* subject = nullptr;
-    double pixelM = 0;           // finestPixelM
+    std::span<const Mat3x4f> worldFromRest;   // jointTransforms of this frame's pose; general splats: none
+    double pixelM = 1;                        // finestPixelM, by chooseDetails
+    SplatDetail detail;                       // what is chosen
+    float share = 1;                          // of its splats that are drawn at most
 };
 
-/** Sets out[i] for request i: splatsPerPixel on its finest pixel, and less of that for all alike when the budget is too small. otherSplats: drawn beside
- *  them in any case. Each avatar keeps at least one splat of 128 neighbours, whatever the budget. Gives how many are drawn at most, the others among them. Allocates nothing. */
-uint64_t chooseDetail(const DetailOptions& options, std::span<const DetailRequest> requests, uint64_t otherSplats, std::span<SplatDetail> out);
+/** Sets pixelM, detail and share of each: splatsPerPixel on its finest pixel, and less of that for all alike when the budget is too small. Each avatar keeps at least
+ *  one splat of 128 neighbours, whatever the budget. For all views of the frame at once, so that both eyes see the same splats. Gives how many are drawn at most. Allocates nothing. */
+uint64_t chooseDetails(const DetailOptions& options, std::span<const Cameraf> views, std::span<DetailMember> members);
+
+/** The same for pixels that are known. */
+uint64_t chooseDetails(const DetailOptions& options, std::span<DetailMember> members);
 
 }  // namespace dpl

@@ -107,6 +107,7 @@ Result<RenderAvatarId> GpuRenderer::keep(LoadedAvatar avatar, const Status& load
 Status GpuRenderer::loadSplats(LoadedAvatar& a, const StaticSplatData& splats) {
     a.splats = splatSetOf(splats);
     SubjectIds& ids = a.ids;
+    a.detailSubject = DetailSubject(splats.count());
     ids.general = true;
     ids.wide = reachFar(splats);
     ids.splatCount = splats.count();
@@ -212,7 +213,7 @@ Status GpuRenderer::drawTogether(std::span<const Drawn> what, std::span<const Ca
         if (data && backend_->info().fourSamples) samples = std::max(samples, coverageSamples(data->trainedPixelM, rootPosition(data->joints, *d.pose), views));
     }
     if (wants.meshDepth && !mesh) return fail(Code::InvalidArgument, "general splats have no mesh and no depth of one");
-    setDetails(*row, what, views);
+    poseRow(*row, what, views);
     avatars_.at(what[0].avatar).lastRow = 0;
     std::fill(std::begin(row->drawn), std::end(row->drawn), 0);
     const Fill fill = kappaPx2 >= kTileMinKappaPx2 ? options_.fill : Fill::Quads;  // whatever the samples: they share κ, and their columns are shorter
@@ -231,28 +232,18 @@ Status GpuRenderer::drawTogether(std::span<const Drawn> what, std::span<const Ca
     return drawn;
 }
 
-/** How much of each is drawn: for all views alike, so that both eyes see the same splats. */
-void GpuRenderer::setDetails(Row& row, std::span<const Drawn> what, std::span<const Cameraf> views) {
-    DetailRequest requests[kMaxDrawnTogether];
-    SplatDetail chosen[kMaxDrawnTogether];
-    size_t count = 0;
-    uint64_t others = 0;
-    for (const Drawn& d : what) {
-        const LoadedAvatar& avatar = avatars_.at(d.avatar);
-        if (!avatar.data) {
-            others += avatar.ids.splatCount;
-            continue;
-        }
-        double pixelM = 1;
-        if (!detail_.off()) jointTransforms(avatar.data->joints, *d.pose, worldFromRest_), pixelM = avatar.detailSubject.finestPixelM(worldFromRest_, views);
-        requests[count++] = {&avatar.detailSubject, pixelM};
+/** Joints of each, and how much of it is drawn. */
+void GpuRenderer::poseRow(Row& row, std::span<const Drawn> what, std::span<const Cameraf> views) {
+    DetailMember members[kMaxDrawnTogether];
+    for (size_t k = 0; k < what.size(); ++k) {
+        LoadedAvatar& avatar = avatars_.at(what[k].avatar);
+        if (avatar.data) jointTransforms(avatar.data->joints, *what[k].pose, avatar.worldFromRest);
+        members[k] = {&avatar.detailSubject, avatar.worldFromRest};
     }
-    row.splatsAllowed = chooseDetail(detail_, {requests, count}, others, {chosen, count});
-    count = 0;
-    for (const Drawn& d : what) {
-        LoadedAvatar& avatar = avatars_.at(d.avatar);
-        avatar.detail = avatar.data ? chosen[count++] : SplatDetail{};
-        avatar.detailShare = avatar.detailSubject.drawnShare(avatar.detail);
+    row.splatsAllowed = chooseDetails(detail_, views, {members, what.size()});
+    for (size_t k = 0; k < what.size(); ++k) {
+        LoadedAvatar& avatar = avatars_.at(what[k].avatar);
+        avatar.detail = members[k].detail, avatar.detailShare = members[k].share;
     }
 }
 
@@ -278,8 +269,8 @@ void GpuRenderer::fill(const Row& row, Slot& slot, std::span<const Drawn> what, 
         const float growth = avatar.detailSubject.largestGrowth(avatar.detail.perM2);
         uint32_t unseen = 0;
         if (avatar.data) {
-            writePalette(*avatar.data, *what[k].pose, slot.palette[k]);
-            if (!shape.meshDepth) unseen = avatar.components.unseen(worldFromRest_, coefficients_, views, avatar.splats.kappaPx2, growth);  // the depth of the mesh is drawn from every triangle
+            writePalette(avatar, *what[k].pose, slot.palette[k]);
+            if (!shape.meshDepth) unseen = avatar.components.unseen(avatar.worldFromRest, coefficients_, views, avatar.splats.kappaPx2, growth);  // the depth of the mesh is drawn from every triangle
             slot.componentsInView += avatar.components.count() - uint32_t(std::popcount(unseen));
             if (unseen != 0 && unseen == avatar.components.all()) unseen = ~0u;
         }
@@ -299,14 +290,13 @@ void GpuRenderer::writeScene(const Slot& slot, const Shape& shape, std::span<con
     }
 }
 
-void GpuRenderer::writePalette(const AvatarData& avatar, const Pose& pose, BufferId palette) {
-    jointTransforms(avatar.joints, pose, worldFromRest_);
+void GpuRenderer::writePalette(const LoadedAvatar& avatar, const Pose& pose, BufferId palette) {
     coefficients_.clear(), nodes_.clear();
-    if (!avatar.correctives.empty()) {
-        correctiveCoefficients(avatar.correctives, pose, coefficients_);
-        correctiveNodes(avatar.correctives, coefficients_, nodes_);
+    if (const PoseCorrectiveData& correctives = avatar.data->correctives; !correctives.empty()) {
+        correctiveCoefficients(correctives, pose, coefficients_);
+        correctiveNodes(correctives, coefficients_, nodes_);
     }
-    packPalette(worldFromRest_, nodes_, {reinterpret_cast<gpu::vec4*>(backend_->mapped(palette).data()), paletteRows(avatar)});
+    packPalette(avatar.worldFromRest, nodes_, {reinterpret_cast<gpu::vec4*>(backend_->mapped(palette).data()), paletteRows(*avatar.data)});
 }
 
 }  // namespace dpl

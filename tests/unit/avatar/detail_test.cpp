@@ -87,10 +87,10 @@ TEST(SplatGroups, nothingVisibleNothingBound) {
             EXPECT_TRUE(most >= 0 && most <= s.splats.count()) << most;
         }
         const Cameraf camera = lookAt({0, 1, 3}, {0, 1, 0}, 100, 100, 120);
-        const DetailRequest request{&s.subject, s.pixelM(s.rest(), {&camera, 1})};
-        EXPECT_TRUE(request.pixelM > 0 && std::isfinite(request.pixelM));
-        SplatDetail out;
-        EXPECT_LE(chooseDetail({4, 100}, {&request, 1}, 0, {&out, 1}), s.splats.count());
+        DetailMember member{&s.subject};
+        member.pixelM = s.pixelM(s.rest(), {&camera, 1});
+        EXPECT_TRUE(member.pixelM > 0 && std::isfinite(member.pixelM));
+        EXPECT_LE(chooseDetails({4, 100}, {&member, 1}), s.splats.count());
     }
 }
 
@@ -116,33 +116,39 @@ TEST(Detail, oneBudgetLowersAllAlike) {
     const Cameraf camera = lookAt({0, 1, 3}, {0, 1, 0}, 200, 200, 240);
     Pose away = far.rest();
     away.rootTranslation = {0.5f, 0, -6};
-    const DetailRequest requests[2] = {{&near.subject, near.pixelM(near.rest(), {&camera, 1})}, {&far.subject, far.pixelM(away, {&camera, 1})}};
-    EXPECT_GT(requests[1].pixelM, 2.5 * requests[0].pixelM);
-    SplatDetail out[2];
-    const uint64_t all = near.splats.count() + far.splats.count();
-    EXPECT_EQ(chooseDetail({}, requests, 7, out), all + 7);
-    EXPECT_TRUE(out[0].full() && out[1].full());
-    EXPECT_EQ(chooseDetail({0, uint32_t(all + 7)}, requests, 7, out), all + 7);
-    EXPECT_TRUE(out[0].full() && out[1].full()) << "it fits";
+    const DetailSubject general(100);   // splats without a level of detail
+    std::vector<Mat3x4f> joints[2];
+    jointTransforms(near.avatar.joints, near.rest(), joints[0]), jointTransforms(far.avatar.joints, away, joints[1]);
+    DetailMember out[3] = {{&near.subject, joints[0]}, {&far.subject, joints[1]}, {&general}};
+    const auto choose = [&](const DetailOptions& options) { return chooseDetails(options, {&camera, 1}, out); };
+    const uint64_t all = near.splats.count() + far.splats.count() + 100;
+    EXPECT_EQ(choose({}), all);
+    EXPECT_TRUE(out[0].detail.full() && out[1].detail.full());
+    EXPECT_EQ(choose({0, uint32_t(all)}), all);
+    EXPECT_TRUE(out[0].detail.full() && out[1].detail.full()) << "it fits";
+    EXPECT_EQ(out[0].pixelM, near.pixelM(near.rest(), {&camera, 1}));
+    EXPECT_GT(out[1].pixelM, 2.5 * out[0].pixelM);
     for (const uint32_t budget : {2000u, 1000u, 300u}) {
         for (const float perPixel : {0.0f, 1e9f}) {
-            const uint64_t allowed = chooseDetail({perPixel, budget}, requests, 100, out);
+            const uint64_t allowed = choose({perPixel, budget});
             EXPECT_LE(allowed, budget);
             EXPECT_GT(allowed, budget * 95 / 100);
-            EXPECT_LE(near.drawn(out[0].perM2) + far.drawn(out[1].perM2) + 100, budget);
+            EXPECT_LE(near.drawn(out[0].detail.perM2) + far.drawn(out[1].detail.perM2) + 100, budget);
+            EXPECT_TRUE(out[2].detail.full());
+            EXPECT_EQ(out[2].share, 1);
             // As many splats a pixel on both.
-            const double a = double(out[0].perM2) * requests[0].pixelM * requests[0].pixelM, b = double(out[1].perM2) * requests[1].pixelM * requests[1].pixelM;
+            const double a = double(out[0].detail.perM2) * out[0].pixelM * out[0].pixelM, b = double(out[1].detail.perM2) * out[1].pixelM * out[1].pixelM;
             EXPECT_NEAR(a / b, 1, 1e-4);
         }
     }
     // A generous budget changes nothing about the level of detail; one that nothing fits leaves a splat of 128.
-    SplatDetail wanted[2];
-    const uint64_t asked = chooseDetail({2, 0}, requests, 0, wanted);
+    const uint64_t asked = choose({2, 0});
+    const float wanted = out[0].detail.perM2;
     EXPECT_LT(asked, all);
-    EXPECT_EQ(chooseDetail({2, uint32_t(asked)}, requests, 0, out), asked);
-    EXPECT_EQ(out[0].perM2, wanted[0].perM2);
-    EXPECT_GT(chooseDetail({2, 1}, requests, 5000, out), 5000u);
-    EXPECT_GE(near.drawn(out[0].perM2), near.splats.chunks.size());
+    EXPECT_EQ(choose({2, uint32_t(asked)}), asked);
+    EXPECT_EQ(out[0].detail.perM2, wanted);
+    EXPECT_GT(choose({2, 1}), 100u);
+    EXPECT_GE(near.drawn(out[0].detail.perM2), near.splats.chunks.size());
 }
 
 TEST(Detail, theNearestPointInTheFinestViewDecides) {
