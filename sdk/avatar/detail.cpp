@@ -60,16 +60,18 @@ double DetailSubject::finestPixelM(std::span<const Mat3x4f> worldFromRest, std::
 }
 
 uint64_t chooseDetails(const DetailOptions& options, std::span<const Cameraf> views, std::span<DetailMember> members) {
-    for (DetailMember& m : members)
-        if (!options.off() && !m.subject->alwaysFull()) m.pixelM = m.subject->finestPixelM(m.worldFromRest, views);
-    return chooseDetails(options, members);
-}
-
-uint64_t chooseDetails(const DetailOptions& options, std::span<DetailMember> members) {
-    const auto perM2 = [](double perPixel, double pixelM) { return perPixel / (pixelM * pixelM); };
+    for (DetailMember& m : members) {
+        m.detail = {}, m.generalDetail = {}, m.share = 1;
+        if (options.off()) continue;
+        if (m.general) m.general->look(views);
+        else m.pixelM = m.avatar->finestPixelM(m.worldFromRest, views);
+    }
+    const auto drawnOf = [](const DetailMember& m, double perPixel) {
+        return m.general ? m.general->drawnAtMost(perPixel) : m.avatar->drawnAtMost(perPixel / (m.pixelM * m.pixelM));
+    };
     const auto drawn = [&](double perPixel) {
         double sum = 0;
-        for (const DetailMember& m : members) sum += m.subject->drawnAtMost(perM2(perPixel, m.pixelM));
+        for (const DetailMember& m : members) sum += drawnOf(m, perPixel);
         return sum;
     };
     double perPixel = options.splatsPerPixel > 0 ? double(options.splatsPerPixel) : INFINITY;
@@ -82,10 +84,15 @@ uint64_t chooseDetails(const DetailOptions& options, std::span<DetailMember> mem
         perPixel = low;
     }
     for (DetailMember& m : members) {
-        m.detail = {};
-        if (!m.subject->alwaysFull()) m.detail.perM2 = float(perM2(perPixel, m.pixelM));
-        if (!m.detail.full()) m.detail.shShare = m.subject->shShare(m.detail.perM2);
-        m.share = m.subject->drawnShare(m.detail);
+        if (!(perPixel < INFINITY)) continue;
+        if (m.general) {
+            m.generalDetail = m.general->detail(float(perPixel));
+            m.share = m.general->drawnShare(perPixel);
+        } else {
+            m.detail.perM2 = float(perPixel / (m.pixelM * m.pixelM));
+            m.detail.shShare = m.avatar->shShare(m.detail.perM2);
+            m.share = m.avatar->drawnShare(m.detail);
+        }
     }
     return uint64_t(std::ceil(drawn(perPixel)));
 }

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "sdk/avatar/general_detail.h"
 #include "sdk/avatar/rig.h"
 #include "sdk/format/coded_splats.h"
 #include "sdk/math/camera.h"
@@ -23,8 +24,6 @@ struct DetailOptions {
 class DetailSubject {
 public:
     DetailSubject() = default;
-    /** General splats: always drawn in full. */
-    explicit DetailSubject(uint32_t splatCount) : splatCount_(splatCount) {}
     /** splats: with groups. */
     DetailSubject(const AvatarData& avatar, const CodedSplats& splats);
 
@@ -33,7 +32,6 @@ public:
     double finestPixelM(std::span<const Mat3x4f> worldFromRest, std::span<const Cameraf> views) const;
     /** Splats that are drawn at most at a wanted density; continuous and rising with it. */
     double drawnAtMost(double perM2) const;
-    bool alwaysFull() const { return bends_.empty(); }
     uint32_t splatCount() const { return splatCount_; }
     float drawnShare(const SplatDetail& detail) const { return splatCount_ == 0 ? 1.0f : float(drawnAtMost(double(detail.perM2)) / splatCount_); }
     /** Of the SH beyond coefficient 0 at a density; no growth of a splat there is larger than largestGrowth. */
@@ -57,20 +55,19 @@ private:
 
 constexpr double kDetailNearestM = 0.25;   // nearer surface counts as this near, so that whom the camera touches does not take the whole budget
 
-/** One of those that a frame draws together. */
+/** One of those that a frame draws together: an avatar, or general splats. */
 struct DetailMember {
-    const DetailSubject* subject = nullptr;
-    std::span<const Mat3x4f> worldFromRest;   // jointTransforms of this frame's pose; general splats: none
-    double pixelM = 1;                        // finestPixelM, by chooseDetails
-    SplatDetail detail;                       // what is chosen
+    const DetailSubject* avatar = nullptr;
+    std::span<const Mat3x4f> worldFromRest;   // jointTransforms of this frame's pose
+    GeneralDetailSubject* general = nullptr;
+    double pixelM = 1;                        // of an avatar: finestPixelM
+    SplatDetail detail;                       // what is chosen, for an avatar
+    GeneralDetail generalDetail;              // ... for general splats
     float share = 1;                          // of its splats that are drawn at most
 };
 
-/** Sets pixelM, detail and share of each: splatsPerPixel on its finest pixel, and less of that for all alike when the budget is too small. Each avatar keeps at least
- *  one splat of 128 neighbours, whatever the budget. For all views of the frame at once, so that both eyes see the same splats. Gives how many are drawn at most. Allocates nothing. */
+/** Sets the last four of each: splatsPerPixel on its finest pixel, and less of that for all alike when the budget is too small. One splat of 128 neighbours is
+ *  kept, whatever the budget. For all views of the frame at once (two at most), so that both eyes see the same splats. Gives how many are drawn at most. Allocates nothing. */
 uint64_t chooseDetails(const DetailOptions& options, std::span<const Cameraf> views, std::span<DetailMember> members);
-
-/** The same for pixels that are known. */
-uint64_t chooseDetails(const DetailOptions& options, std::span<DetailMember> members);
 
 }  // namespace dpl

@@ -6,11 +6,11 @@
 #include <cstring>
 
 #include "sdk/avatar/pose_correctives.h"
+#include "sdk/format/spatial_order.h"
 #include "sdk/format/splat_codec.h"
 #include "sdk/format/splat_detail.h"
 #include "sdk/math/coverage.h"
 #include "sdk/math/scene_depth.h"
-#include "sdk/render/spatial_order.h"
 
 namespace dpl {
 namespace {
@@ -107,14 +107,14 @@ Result<RenderAvatarId> GpuRenderer::keep(LoadedAvatar avatar, const Status& load
 Status GpuRenderer::loadSplats(LoadedAvatar& a, const StaticSplatData& splats) {
     a.splats = splatSetOf(splats);
     SubjectIds& ids = a.ids;
-    a.detailSubject = DetailSubject(splats.count());
     ids.general = true;
     ids.wide = reachFar(splats);
     ids.splatCount = splats.count();
     ids.shDegree = splats.shDegree;
     ids.groupCount = (ids.splatCount + gpu::kSplatGroup - 1) / gpu::kSplatGroup;
     const std::vector<uint32_t> order = spatialOrder(splats.position);  // files keep the order of training: every fetch a cache line of its own
-    const std::vector<gpu::vec4> records = packSplats(splats, order);
+    a.generalSubject = GeneralDetailSubject(measureGroups(splats, order), splats.count());
+    const std::vector<gpu::vec4> records = packSplats(splats, order, a.generalSubject.groups());
     const std::vector<gpu::uvec4> sh = packSh(splats, order);
     a.avatarBytes = a.splatBytes = records.size() * sizeof(gpu::vec4) + sh.size() * sizeof(gpu::uvec4);
     DPL_TRY(ids.splats, uploadBuffer<gpu::vec4>(a.owned, "splats", records));
@@ -237,13 +237,17 @@ void GpuRenderer::poseRow(Row& row, std::span<const Drawn> what, std::span<const
     DetailMember members[kMaxDrawnTogether];
     for (size_t k = 0; k < what.size(); ++k) {
         LoadedAvatar& avatar = avatars_.at(what[k].avatar);
-        if (avatar.data) jointTransforms(avatar.data->joints, *what[k].pose, avatar.worldFromRest);
-        members[k] = {&avatar.detailSubject, avatar.worldFromRest};
+        if (!avatar.data) {
+            members[k].general = &avatar.generalSubject;
+            continue;
+        }
+        jointTransforms(avatar.data->joints, *what[k].pose, avatar.worldFromRest);
+        members[k].avatar = &avatar.detailSubject, members[k].worldFromRest = avatar.worldFromRest;
     }
     row.splatsAllowed = chooseDetails(detail_, views, {members, what.size()});
     for (size_t k = 0; k < what.size(); ++k) {
         LoadedAvatar& avatar = avatars_.at(what[k].avatar);
-        avatar.detail = members[k].detail, avatar.detailShare = members[k].share;
+        avatar.detail = members[k].detail, avatar.generalDetail = members[k].generalDetail, avatar.detailShare = members[k].share;
     }
 }
 
@@ -276,6 +280,7 @@ void GpuRenderer::fill(const Row& row, Slot& slot, std::span<const Drawn> what, 
         }
         gpu::FrameData block = packFrame(avatar.splats, views, shape.samples, avatar.detail, growth, unseen);
         block.flags.z = options_.cull ? 0 : 1, block.flags.w = row.ids.splatCount;
+        if (!avatar.data) packGeneralDetail(avatar.generalDetail, block);
         std::memcpy(backend_->mapped(slot.frame[k]).data(), &block, sizeof(block));
     }
 }

@@ -81,7 +81,9 @@ private:
         uint64_t avatarBytes = 0, splatBytes = 0;
         Components components;
         std::vector<Mat3x4f> worldFromRest;       // of the joints, in the last frame
-        DetailSubject detailSubject;
+        DetailSubject detailSubject;              // the one or the other
+        GeneralDetailSubject generalSubject;
+        GeneralDetail generalDetail;
         SplatDetail detail;            // of the last frame that it was in, as is its share of the splats
         float detailShare = 0;
         uint32_t lastRow = 0;          // of the last frame that is this one's; 0: none

@@ -8,6 +8,8 @@
 
 #include "sdk/format/splat_codec.h"
 #include "sdk/format/splat_detail.h"
+#include "sdk/format/spatial_order.h"
+#include "sdk/math/projection.h"
 #include "tests/reference/random_avatar.h"
 
 namespace dpl {
@@ -41,6 +43,31 @@ struct Subject {
         forGroups([&](uint32_t, uint32_t count, const SplatGroup& g) { 
             for (uint32_t rank = 0, most = drawnRanks(keptShare(perM2, g.areaM2)); rank < most; ++rank) sum += placeOfRank(rank) < count ? 1 : 0;
         });
+        return sum;
+    }
+};
+
+/** General splats about (0, 1, 0), a metre across, the last half-chunk not full. */
+struct Cloud {
+    GeneralDetailSubject subject;
+    explicit Cloud(uint32_t seed, uint32_t count = 3005) {
+        StaticSplatData splats = randomStaticSplats(seed, count, 0);
+        for (Vec3f& p : splats.position) p.y += 1;
+        subject = GeneralDetailSubject(measureGroups(splats, spatialOrder(splats.position)), count);
+    }
+    /** Of half-chunks that reach before the cameras. */
+    uint64_t drawn(const GeneralDetail& detail, std::span<const Cameraf> views) const {
+        uint64_t sum = 0;
+        for (size_t g = 0; g < subject.groups().size(); ++g) {
+            const GeneralGroup& group = subject.groups()[g];
+            bool ahead = false;
+            for (const Cameraf& view : views)
+                for (int corner = 0; corner < 8; ++corner)
+                    ahead |= view.toView(group.middle + group.reach * Vec3f(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1)).z >= float(kNearM);
+            const float pixelM = detail.pixelM(group.middle, group.reach);
+            const uint32_t count = std::min<uint32_t>(kSplatGroupSize, subject.splatCount() - uint32_t(g) * kSplatGroupSize);
+            for (uint32_t rank = 0, most = ahead ? drawnRanks(keptShare(detail.perPixel, group.detail.areaM2 / (pixelM * pixelM))) : 0; rank < most; ++rank) sum += placeOfRank(rank) < count ? 1 : 0;
+        }
         return sum;
     }
 };
@@ -87,10 +114,11 @@ TEST(SplatGroups, nothingVisibleNothingBound) {
             EXPECT_TRUE(most >= 0 && most <= s.splats.count()) << most;
         }
         const Cameraf camera = lookAt({0, 1, 3}, {0, 1, 0}, 100, 100, 120);
-        DetailMember member{&s.subject};
-        member.pixelM = s.pixelM(s.rest(), {&camera, 1});
+        std::vector<Mat3x4f> joints;
+        jointTransforms(s.avatar.joints, s.rest(), joints);
+        DetailMember member{&s.subject, joints};
+        EXPECT_LE(chooseDetails({4, 100}, {&camera, 1}, {&member, 1}), s.splats.count());
         EXPECT_TRUE(member.pixelM > 0 && std::isfinite(member.pixelM));
-        EXPECT_LE(chooseDetails({4, 100}, {&member, 1}), s.splats.count());
     }
 }
 
@@ -111,32 +139,94 @@ TEST(Detail, theCurveIsNeverBelowWhatIsDrawnAndRisesWithoutSteps) {
     EXPECT_GT(s.subject.largestGrowth(1), 1.2f);
 }
 
+TEST(SplatGroups, ofGeneralSplatsStandForTheSurfaceTheyLieOn) {
+    // A square of 2 m with a splat every 2 cm, and one that is crumpled into a ball, which is seen from all sides.
+    StaticSplatData flat;
+    for (int i = 0; i < 10000; ++i) {
+        flat.position.emplace_back(0.02f * float(i % 100), 0.02f * float(i / 100), 1), flat.rotation.emplace_back(glm::normalize(Quatf(1, 0.2f, 0, 0.1f)));
+        flat.scaleM.emplace_back(1e-4f), flat.opacity.push_back(0.5f), flat.sh.insert(flat.sh.end(), {1, 1, 1});
+    }
+    double area = 0;
+    const std::vector<GeneralGroup> groups = measureGroups(flat, spatialOrder(flat.position));
+    for (size_t g = 0; g < groups.size(); ++g) area += double(groups[g].detail.areaM2) * std::min<double>(kSplatGroupSize, 10000 - double(g) * kSplatGroupSize);
+    EXPECT_EQ(groups.size(), 79u);
+    EXPECT_GT(area, 3.9);
+    EXPECT_LT(area, 8);   // some half-chunks lie in two places
+    // One large splat stands for its own size, wherever its neighbours are.
+    StaticSplatData one = flat;
+    std::fill(one.position.begin(), one.position.end(), Vec3f(0));
+    std::fill(one.scaleM.begin(), one.scaleM.end(), Vec3f(0.5f, 0.2f, 0));
+    const SplatGroup large = measureGroups(one, spatialOrder(one.position))[3].detail;
+    EXPECT_NEAR(double(large.areaM2) * kSplatGroupSize, 12 * 0.5 * 0.2, 1e-5);
+    EXPECT_TRUE(large.enough > 0 && large.enough < 0.2f) << "128 in one place, of which a few are enough: " << large.enough;
+    // What is not finite or not seen leaves the numbers finite.
+    one.position[7].x = INFINITY, one.scaleM[9].y = NAN;
+    for (const GeneralGroup& g : measureGroups(one, spatialOrder(one.position))) EXPECT_TRUE(std::isfinite(g.detail.areaM2) && std::isfinite(g.detail.gain) && std::isfinite(g.detail.enough));
+    std::fill(one.opacity.begin(), one.opacity.end(), 0.0f);
+    for (const GeneralGroup& g : measureGroups(one, spatialOrder(one.position))) EXPECT_EQ(g.detail.areaM2, 0);
+}
+
+TEST(Detail, theSumOfGeneralSplatsIsNeverBelowWhatIsDrawnAndMovesWithoutSteps) {
+    Cloud cloud(2);
+    for (const float distanceM : {0.1f, 1.0f, 4.0f, 20.0f}) {
+        const Cameraf pair[2] = {lookAt({0, 1, distanceM}, {0, 1, -9}, 200, 200, 240), lookAt({0.1f, 1, distanceM}, {1, 1, -9}, 200, 200, 240)};
+        cloud.subject.look(pair);
+        double before = 0;
+        for (double perPixel = 1e-4; perPixel < 1e4; perPixel *= 1.1) {
+            const double most = cloud.subject.drawnAtMost(perPixel), drawn = double(cloud.drawn(cloud.subject.detail(float(perPixel)), pair));
+            EXPECT_GE(most + 1e-6, drawn) << distanceM << " " << perPixel;
+            EXPECT_GE(most, before);
+            if (distanceM > 3) { EXPECT_LE(most, 1.03 * drawn + double(cloud.subject.groups().size() + kSplatGroupSize)) << distanceM << " " << perPixel; }
+            before = most;
+        }
+        EXPECT_EQ(cloud.subject.drawnAtMost(INFINITY), cloud.subject.splatCount());
+        if (distanceM > 3) { EXPECT_EQ(cloud.subject.drawnAtMost(1e9), cloud.subject.splatCount()); }
+    }
+    // Through the cloud and out of it behind.
+    const auto largestStep = [&](float stepM) {
+        double largest = 0, before = -1;
+        for (float z = 4; z > -4; z -= stepM) {
+            const Cameraf view = lookAt({0, 1, z}, {0, 1, -9}, 200, 200, 240);
+            cloud.subject.look({&view, 1});
+            const double most = cloud.subject.drawnAtMost(0.3);
+            if (before >= 0) largest = std::max(largest, std::abs(most - before));
+            before = most;
+        }
+        EXPECT_EQ(before, 0) << "all are behind the camera";
+        return largest;
+    };
+    const double coarse = largestStep(0.02f), fine = largestStep(0.005f);
+    EXPECT_GT(coarse, 5);
+    EXPECT_LT(coarse, 150);
+    EXPECT_LT(fine, 0.5 * coarse);
+}
+
 TEST(Detail, oneBudgetLowersAllAlike) {
     const Subject near(1, 9), far(2, 9);
     const Cameraf camera = lookAt({0, 1, 3}, {0, 1, 0}, 200, 200, 240);
     Pose away = far.rest();
     away.rootTranslation = {0.5f, 0, -6};
-    const DetailSubject general(100);   // splats without a level of detail
+    Cloud cloud(1);
     std::vector<Mat3x4f> joints[2];
     jointTransforms(near.avatar.joints, near.rest(), joints[0]), jointTransforms(far.avatar.joints, away, joints[1]);
-    DetailMember out[3] = {{&near.subject, joints[0]}, {&far.subject, joints[1]}, {&general}};
+    DetailMember out[3] = {{&near.subject, joints[0]}, {&far.subject, joints[1]}, {nullptr, {}, &cloud.subject}};
     const auto choose = [&](const DetailOptions& options) { return chooseDetails(options, {&camera, 1}, out); };
-    const uint64_t all = near.splats.count() + far.splats.count() + 100;
+    const uint64_t all = near.splats.count() + far.splats.count() + cloud.subject.splatCount();
     EXPECT_EQ(choose({}), all);
-    EXPECT_TRUE(out[0].detail.full() && out[1].detail.full());
+    EXPECT_TRUE(out[0].detail.full() && out[1].detail.full() && out[2].generalDetail.full());
     EXPECT_EQ(choose({0, uint32_t(all)}), all);
-    EXPECT_TRUE(out[0].detail.full() && out[1].detail.full()) << "it fits";
+    EXPECT_TRUE(out[0].detail.full() && out[1].detail.full() && out[2].generalDetail.full()) << "it fits";
     EXPECT_EQ(out[0].pixelM, near.pixelM(near.rest(), {&camera, 1}));
     EXPECT_GT(out[1].pixelM, 2.5 * out[0].pixelM);
-    for (const uint32_t budget : {2000u, 1000u, 300u}) {
+    for (const uint32_t budget : {4000u, 1500u, 500u}) {
         for (const float perPixel : {0.0f, 1e9f}) {
             const uint64_t allowed = choose({perPixel, budget});
             EXPECT_LE(allowed, budget);
             EXPECT_GT(allowed, budget * 95 / 100);
-            EXPECT_LE(near.drawn(out[0].detail.perM2) + far.drawn(out[1].detail.perM2) + 100, budget);
-            EXPECT_TRUE(out[2].detail.full());
-            EXPECT_EQ(out[2].share, 1);
-            // As many splats a pixel on both.
+            EXPECT_LE(near.drawn(out[0].detail.perM2) + far.drawn(out[1].detail.perM2) + cloud.drawn(out[2].generalDetail, {&camera, 1}), budget);
+            EXPECT_LT(out[2].share, 1);
+            // As many splats a pixel on all.
+            EXPECT_NEAR(double(out[0].detail.perM2) * out[0].pixelM * out[0].pixelM / double(out[2].generalDetail.perPixel), 1, 1e-4);
             const double a = double(out[0].detail.perM2) * out[0].pixelM * out[0].pixelM, b = double(out[1].detail.perM2) * out[1].pixelM * out[1].pixelM;
             EXPECT_NEAR(a / b, 1, 1e-4);
         }
@@ -147,7 +237,7 @@ TEST(Detail, oneBudgetLowersAllAlike) {
     EXPECT_LT(asked, all);
     EXPECT_EQ(choose({2, uint32_t(asked)}), asked);
     EXPECT_EQ(out[0].detail.perM2, wanted);
-    EXPECT_GT(choose({2, 1}), 100u);
+    EXPECT_GE(choose({2, 1}), near.splats.chunks.size() + far.splats.chunks.size() + cloud.subject.groups().size());
     EXPECT_GE(near.drawn(out[0].detail.perM2), near.splats.chunks.size());
 }
 
