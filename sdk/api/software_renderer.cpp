@@ -107,7 +107,7 @@ public:
         DPL_CHECK_OK(checkMesh(*avatar));
         auto drawable = std::make_unique<Drawable>();
         drawable->splats = std::move(splats);
-        measureGroups(avatar->mesh, drawable->splats);
+        measureDetail(*avatar, drawable->splats);
         drawable->detailSubject = DetailSubject(*avatar, drawable->splats);
         drawable->components = Components(*avatar, componentsOf(*avatar), reachOfTriangles(drawable->splats, avatar->mesh.triangles.size()));
         drawable->kappaPx2 = avatar->kappaPx2, drawable->compensated = avatar->compensated, drawable->trainedPixelM = avatar->trainedPixelM;

@@ -21,6 +21,7 @@ double binOf(double pixels) { return (std::log2(pixels) - kFirstOctave) * kBinsA
 GeneralDetailSubject::GeneralDetailSubject(std::vector<GeneralGroup> groups, uint32_t splatCount) : groups_(std::move(groups)), sums_(kBins + 1), splatCount_(splatCount) {}
 
 void GeneralDetailSubject::look(std::span<const Cameraf> views) {
+    if (views.empty()) return;
     float longest = 0;
     for (size_t v = 0; v < 2; ++v) {
         const Cameraf& view = views[std::min(v, views.size() - 1)];

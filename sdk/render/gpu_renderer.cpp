@@ -72,7 +72,7 @@ Result<RenderAvatarId> GpuRenderer::addAvatar(std::shared_ptr<const AvatarData> 
 Result<RenderAvatarId> GpuRenderer::addCodedAvatar(std::shared_ptr<const AvatarData> data, CodedSplats splats) {
     if (!data) return fail(Code::InvalidArgument, "no avatar");
     DPL_CHECK_OK(checkAvatar(*data, splats, backend_->info()));
-    measureGroups(data->mesh, splats);
+    measureDetail(*data, splats);
     LoadedAvatar avatar;
     avatar.detailSubject = DetailSubject(*data, splats);
     avatar.data = std::move(data);

@@ -153,7 +153,7 @@ MslFrame runGeneralFrame(const StaticSplatData& splats, std::span<const Cameraf>
 
 MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Cameraf> views, int order, const SplatDetail& detail = {}, uint32_t samples = 1) {
     CodedSplats coded = *codeSplats(avatar.mesh, avatar.splats);
-    measureGroups(avatar.mesh, coded);
+    measureDetail(avatar, coded);
     AvatarRecords records = packAvatar(avatar, coded);
     gpu::FrameData frame = packFrame(splatSetOf(avatar, coded), views, samples, detail, DetailSubject(avatar, coded).largestGrowth(detail.perM2));
     const bool corrected = !avatar.correctives.empty();
@@ -312,7 +312,7 @@ TEST(MetalFrame, kernelsMoveAndLightAnAvatarWithCorrectives) {
 TEST(MetalFrame, kernelsAtALevelOfDetailMatchTheReference) {
     const AvatarData avatar = codedOnce(makeTube({.splatsPerTriangle = 16, .shDegree = 3}));
     CodedSplats coded = *codeSplats(avatar.mesh, avatar.splats);
-    measureGroups(avatar.mesh, coded);
+    measureDetail(avatar, coded);
     const Pose pose = tubePose(0.9f, 0.4f);
     const Cameraf views[2] = {tubeCamera(96, 96, 0.6f, 1.6f, -0.03f), tubeCamera(96, 96, 0.6f, 1.6f, 0.03f)};
     const DetailSubject subject(avatar, coded);

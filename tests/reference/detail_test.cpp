@@ -1,5 +1,5 @@
 // Level of detail of the software renderer against the referee, at densities from none left out to a splat of 128.
-#include "sdk/avatar/general_detail.h"
+#include "sdk/avatar/detail.h"
 #include "sdk/avatar/posed_mesh.h"
 #include "sdk/format/splat_codec.h"
 #include "sdk/format/splat_detail.h"
@@ -18,8 +18,9 @@ struct Subject {
     Cameraf camera;
 
     explicit Subject(uint32_t seed, uint32_t splatsPerTriangle = 12) : avatar(randomAvatar(seed, 10, splatsPerTriangle, seed % 4)), pose(randomPose(avatar, seed)) {
+        avatar.joints[1].humanoidBone = seed == 1 ? "spine" : seed == 2 ? "leftIndexProximal" : "head";
         coded = *codeSplats(avatar.mesh, avatar.splats);
-        measureGroups(avatar.mesh, coded);
+        measureDetail(avatar, coded);
         avatar.splats = decodeSplats(coded, avatar.mesh.triangles.size());
         camera = lookAt({1.7f * std::sin(float(seed)), 1 + 0.3f * float(seed % 3), 1.7f * std::cos(float(seed))}, {0, 1, 0}, 150 + 7 * seed, 200 - 9 * seed, 180);
     }

@@ -18,6 +18,19 @@ double weightOf(double share, uint32_t at) {
     return std::clamp((share * (1 + kFade) - place) / (share * kFade), 0.0, 1.0);
 }
 
+/** A splat on a face counts as three, on a hand as two; half on it, half as much more. */
+double favourOf(const AvatarData& avatar, uint32_t triangle) {
+    double mean = 0;
+    for (int corner = 0; corner < 3; ++corner)
+        for (int k = 0; k < 4; ++k) {
+            const uint32_t vertex = avatar.mesh.triangles[triangle][corner];
+            const std::string& bone = avatar.joints[avatar.mesh.jointIndices[vertex][k]].humanoidBone;
+            const double favour = bone == "head" || bone == "jaw" || bone == "leftEye" || bone == "rightEye" ? 3 : bone.starts_with("leftIndex") || bone == "leftHand" || bone == "rightHand" ? 2 : 1;
+            mean += favour * avatar.mesh.jointWeights[vertex][k] / 255.0 / 3;
+        }
+    return mean;
+}
+
 struct Kept {
     double share = 1, growth = 1;
 };
@@ -71,6 +84,20 @@ void reduceReference(ReferenceScene& scene, const AvatarData& avatar, const Code
         areaOf[t] = count ? area / count : 0;
         surface += count ? area : 0;
     }
+    // What half-chunks want more adds up to nothing.
+    double favoured = 0;
+    const auto favourOfChunk = [&](uint32_t first, uint32_t n) {
+        double sum = 0;
+        for (uint32_t r = 0; r < n; ++r) sum += favourOf(avatar, scene.splats[first + r].triangle) / n;
+        return sum;
+    };
+    for (const SplatChunk& chunk : coded.chunks)
+        for (uint32_t first = chunk.firstSplat; first < chunk.firstSplat + chunk.splatCount; first += kHalfChunk) {
+            const uint32_t n = std::min(kHalfChunk, chunk.firstSplat + chunk.splatCount - first);
+            double area = 0;
+            for (uint32_t r = 0; r < n; ++r) area += areaOf[scene.splats[first + r].triangle];
+            favoured += area * favourOfChunk(first, n);
+        }
     const double shShare = std::clamp((std::min(perM2 * surface / double(scene.splats.size()), 1.0) - 0.125) / 0.125, 0.0, 1.0);
     for (const SplatChunk& chunk : coded.chunks)
         for (uint32_t first = chunk.firstSplat; first < chunk.firstSplat + chunk.splatCount; first += kHalfChunk) {
@@ -81,7 +108,7 @@ void reduceReference(ReferenceScene& scene, const AvatarData& avatar, const Code
                 const double own = 2 * std::numbers::pi * s.opacity * s.scaleM.x * s.scaleM.y;
                 area += areaOf[s.triangle], covered += own, coveredThere += weightOf(kMeasuredAt, r) * own;
             }
-            const auto [share, growth] = keptOf(perM2 * area / n, covered / area, coveredThere / area);
+            const auto [share, growth] = keptOf(perM2 * area / n * favourOfChunk(first, n) * surface / favoured, covered / area, coveredThere / area);
             for (uint32_t r = 0; r < n; ++r) {
                 ReferenceBoundSplat& s = scene.splats[first + r];
                 s.opacity *= weightOf(share, r);

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "reconstruction/report/png.h"
+#include "sdk/avatar/humanoid.h"
 #include "sdk/avatar/pose_correctives.h"
 #include "sdk/core/files.h"
 #include "sdk/format/avatar_file.h"
@@ -86,6 +87,26 @@ doppel::Status poseInClip(doppel::Avatar& avatar) {
     return avatar.setPoseFromClip(0, clip->durationS / 2);
 }
 
+/** The file with no splats but those of one region: where it is in the picture. */
+dpl::Result<std::vector<uint8_t>> regionAlone(const std::vector<uint8_t>& bytes, bool hands) {
+    DPL_TRY(dpl::AvatarData avatar, dpl::readAvatar(bytes));
+    std::vector<bool> wanted;
+    for (const std::string& bone : dpl::humanoidBones(avatar.joints)) {
+        const bool face = bone == "head" || bone == "jaw" || bone.ends_with("Eye");
+        bool hand = bone.ends_with("Hand");
+        for (const char* finger : {"Thumb", "Index", "Middle", "Ring", "Little"}) hand |= bone.find(finger) != bone.npos;
+        wanted.push_back(hands ? hand : face);
+    }
+    for (size_t t = 0; t < avatar.mesh.triangles.size(); ++t) {
+        uint32_t on = 0;
+        for (int c = 0; c < 3; ++c)
+            for (int k = 0; k < 4; ++k)
+                if (const auto v = avatar.mesh.triangles[t][c]; wanted[avatar.mesh.jointIndices[v][k]]) on += avatar.mesh.jointWeights[v][k];
+        for (uint32_t i = avatar.splats.triangleStart[t]; i < avatar.splats.triangleStart[t + 1] && 2 * on < 3 * 255; ++i) avatar.splats.opacity[i] = 0;
+    }
+    return dpl::writeAvatar(avatar);
+}
+
 /** The file without pose correctives, or without SH beyond coefficient 0. */
 dpl::Result<std::vector<uint8_t>> without(const std::vector<uint8_t>& bytes, bool correctives) {
     DPL_TRY(dpl::AvatarData avatar, dpl::readAvatar(bytes));
@@ -127,12 +148,12 @@ std::vector<float> averaged(const Pixels& fine) {
 
 std::vector<float> floatOf(const Pixels& p) { return {p.begin(), p.end()}; }
 
-/** dB over what either covers, over mid grey. */
-double psnr(const std::vector<float>& a, const std::vector<float>& b) {
+/** dB over what either covers, over mid grey; within a region where that covers half of a pixel. */
+double psnr(const std::vector<float>& a, const std::vector<float>& b, const std::vector<float>* region = nullptr) {
     double sum = 0;
     size_t count = 0;
     for (size_t i = 0; i < a.size(); i += 4) {
-        if (a[i + 3] < 1 && b[i + 3] < 1) continue;
+        if ((a[i + 3] < 1 && b[i + 3] < 1) || (region && (*region)[i + 3] < 128)) continue;
         for (size_t c = 0; c < 3; ++c) {
             const double d = double(a[i + c]) - double(b[i + c]) - 0.5 * (double(a[i + 3]) - double(b[i + 3]));
             sum += d * d, ++count;
@@ -202,6 +223,16 @@ int main(int argc, char** argv) {
         lesser.push_back(std::move(*loaded));
         if (auto posed = poseInClip(lesser.back()); !posed) return failed(posed.error().message);
     }
+    std::vector<doppel::Avatar> regions;  // face, hands
+    for (const bool hands : {false, true}) {
+        if (!posable) break;
+        const auto alone = regionAlone(*bytes, hands);
+        if (!alone) return failed(alone.error().message);
+        auto loaded = judge->loadAvatar(*alone);
+        if (!loaded) return failed(loaded.error().message);
+        regions.push_back(std::move(*loaded));
+        if (auto posed = poseInClip(regions.back()); !posed) return failed(posed.error().message);
+    }
     for (doppel::Avatar* a : {&*avatar, &*finest})
         if (auto posed = poseInClip(*a); !posed) return failed(posed.error().message);
     std::printf("%s, %u splats, %s, %g splats a pixel, %ux%u px, median of %d", argv[1], info->splatCount, context->rendererName().c_str(), double(perPixel), kWidthPx, kHeightPx, frames);
@@ -211,7 +242,7 @@ int main(int argc, char** argv) {
         std::printf("; pose correctives take %.1f us of the CPU a frame", *us);
     }
     std::printf("\n\n| tall, px | full: ms | splats drawn | MB read | dB to truth | alpha %% | reduced: ms | splats allowed | drawn | MB read | dB to truth | alpha %% | dB to full |%s\n|---|---|---|---|---|---|---|---|---|---|---|---|---|%s\n",
-                posable ? " all splats: without SH, dB to truth | without correctives |" : "", posable ? "---|---|" : "");
+                posable ? " all splats: without SH, dB to truth | without correctives | face, full: dB to truth | reduced | hands, full | reduced |" : "", posable ? "---|---|---|---|---|---|" : "");
     Sheet sheet;
     for (const double times : kDistances) {
         const DplCamera camera = cameraAt(*info, times, 1, 0.4), fineCamera = cameraAt(*info, times, kFiner, 0.4);
@@ -229,6 +260,12 @@ int main(int argc, char** argv) {
             const auto drawn = draw(less, camera, 1);
             if (!drawn) return failed(drawn.error().message);
             std::printf(" %.2f |", psnr(floatOf(drawn->pixels), truth));
+        }
+        for (const doppel::Avatar& region : regions) {
+            const auto drawn = draw(region, camera, 1);
+            if (!drawn) return failed(drawn.error().message);
+            const std::vector<float> where = floatOf(drawn->pixels);
+            std::printf(" %.2f | %.2f |", psnr(a, truth, &where), psnr(b, truth, &where));
         }
         std::printf("\n");
         std::fflush(stdout);

@@ -20,7 +20,7 @@ struct Subject {
     CodedSplats splats;
     DetailSubject subject;
     explicit Subject(AvatarData a) : avatar(std::move(a)), splats(*codeSplats(avatar.mesh, avatar.splats)) {
-        measureGroups(avatar.mesh, splats);
+        measureDetail(avatar, splats);
         subject = DetailSubject(avatar, splats);
     }
     explicit Subject(uint32_t seed, uint32_t perTriangle = 5) : Subject(randomAvatar(seed, 9, perTriangle, 1)) {}
@@ -137,6 +137,37 @@ TEST(Detail, theCurveIsNeverBelowWhatIsDrawnAndRisesWithoutSteps) {
     EXPECT_EQ(s.drawn(INFINITY), s.splats.count());
     EXPECT_EQ(s.subject.largestGrowth(INFINITY), 1);
     EXPECT_GT(s.subject.largestGrowth(1), 1.2f);
+}
+
+TEST(SplatGroups, faceAndHandsKeepMoreWithinTheSameNumber) {
+    const Subject plain(4, 9);
+    for (const auto& [bone, times] : {std::pair{"head", 3.0f}, {"rightEye", 3.0f}, {"rightHand", 2.0f}, {"leftLittleDistal", 2.0f}, {"chest", 1.0f}}) {
+        AvatarData avatar = plain.avatar;
+        avatar.joints[1].humanoidBone = bone;
+        for (auto& w : avatar.mesh.jointWeights) w = w[1] > 127 ? glm::u8vec4(0, 255, 0, 0) : glm::u8vec4(255, 0, 0, 0);   // each on one joint
+        for (auto& j : avatar.mesh.jointIndices) j = {0, 1, 60000, 60000};   // what weighs nothing is not looked up
+        const Subject s(std::move(avatar));
+        double area = 0, plainArea = 0;
+        float least = INFINITY, most = 0;
+        for (size_t g = 0; g < s.splats.groups.size(); ++g) {
+            const SplatChunk& c = s.splats.chunks[g / 2];
+            const uint32_t before = std::min<uint32_t>(c.splatCount, g % 2 * kSplatGroupSize), count = std::min(kSplatGroupSize, c.splatCount - before);
+            if (count == 0) continue;
+            area += double(s.splats.groups[g].areaM2) * count, plainArea += double(plain.splats.groups[g].areaM2) * count;
+            const float ratio = s.splats.groups[g].areaM2 / plain.splats.groups[g].areaM2;
+            least = std::min(least, ratio), most = std::max(most, ratio);
+            EXPECT_EQ(s.splats.groups[g].gain, plain.splats.groups[g].gain);
+            EXPECT_EQ(s.splats.groups[g].enough, plain.splats.groups[g].enough);
+        }
+        EXPECT_NEAR(area / plainArea, 1, 1e-5) << bone;
+        if (times == 1) {
+            EXPECT_EQ(least, 1) << bone;
+            EXPECT_EQ(most, 1) << bone;
+        } else {
+            EXPECT_NEAR(double(most / least), double(times), 0.02) << bone;
+        }
+        EXPECT_EQ(s.drawn(INFINITY), s.splats.count());
+    }
 }
 
 TEST(SplatGroups, ofGeneralSplatsStandForTheSurfaceTheyLieOn) {

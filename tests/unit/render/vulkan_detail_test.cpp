@@ -10,9 +10,13 @@ namespace {
 
 /** 20,000 splats: a half-chunk is a patch of a few centimetres. */
 struct Subject {
-    std::shared_ptr<const AvatarData> avatar = share(makeTube({.splatsPerTriangle = 16, .colourSpread = 0.4f}));
+    std::shared_ptr<const AvatarData> avatar = [] {
+        AvatarData tube = makeTube({.splatsPerTriangle = 16, .colourSpread = 0.4f});
+        tube.joints[1].humanoidBone = "head";   // its upper half keeps more
+        return share(std::move(tube));
+    }();
     CodedSplats coded = *codeSplats(avatar->mesh, avatar->splats);
-    Subject() { measureGroups(avatar->mesh, coded); }
+    Subject() { measureDetail(*avatar, coded); }
 };
 
 ReferenceImage reducedReference(const Subject& s, const Pose& pose, const Cameraf& camera, double perPixel) {
@@ -137,7 +141,7 @@ TEST_P(VulkanImage, nothingPopsWhileTheCameraWalksAway) {
     const Pops without = popsOf(full), with = popsOf(reduced), difference = popsOf(taken);
     std::printf("[ FLICKER  ] share %.2f to %.2f; a covered value: %.4f levels (all splats %.4f), largest %.0f (%.0f); of what was taken away %.4f, largest %.0f, largest step %.0f\n", double(firstShare),
                 double(lastShare), with.mean, without.mean, with.largest, without.largest, difference.mean, difference.largest, double(largestStep));
-    EXPECT_GT(firstShare, 0.8f);
+    EXPECT_GT(firstShare, 0.7f);
     EXPECT_LT(lastShare, 0.6f);
     EXPECT_LE(with.mean, 1.05 * without.mean);
     EXPECT_LE(with.largest, without.largest + 8);
