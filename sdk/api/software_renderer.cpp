@@ -8,6 +8,7 @@
 #include "sdk/avatar/components.h"
 #include "sdk/avatar/detail.h"
 #include "sdk/avatar/posed_mesh.h"
+#include "sdk/format/spatial_order.h"
 #include "sdk/format/splat_codec.h"
 #include "sdk/format/splat_detail.h"
 #include "sdk/math/sh.h"
@@ -54,11 +55,13 @@ struct Drawable {
     CodedSplats splats;
     float kappaPx2 = 0, trainedPixelM = 0, detailShare = 0;
     bool compensated = false;
+    GeneralDetailSubject generalSubject;
+    GeneralDetail generalDetail;   // of the last frame, as is its share of the splats
     // Of avatars only.
     std::shared_ptr<const AvatarData> avatar;
     Components components;
     DetailSubject detailSubject;
-    SplatDetail detail;       // of the last frame, as is its share of the splats
+    SplatDetail detail;       // of the last frame
     // The last pose and what follows from it.
     Pose pose;
     bool posed = false;       // the joints ...
@@ -104,7 +107,7 @@ public:
         DPL_CHECK_OK(checkMesh(*avatar));
         auto drawable = std::make_unique<Drawable>();
         drawable->splats = std::move(splats);
-        measureGroups(avatar->mesh, drawable->splats);
+        measureDetail(*avatar, drawable->splats);
         drawable->detailSubject = DetailSubject(*avatar, drawable->splats);
         drawable->components = Components(*avatar, componentsOf(*avatar), reachOfTriangles(drawable->splats, avatar->mesh.triangles.size()));
         drawable->kappaPx2 = avatar->kappaPx2, drawable->compensated = avatar->compensated, drawable->trainedPixelM = avatar->trainedPixelM;
@@ -114,8 +117,10 @@ public:
 
     Result<RenderAvatarId> addSplats(const StaticSplatData& splats) override {
         auto drawable = std::make_unique<Drawable>();
-        drawable->general = PackedSplats(splats);
+        const std::vector<uint32_t> order = spatialOrder(splats.position);  // files keep the order of training, level of detail thins out neighbours
+        drawable->general = PackedSplats(splats, order);
         if (drawable->general.count() != splats.count()) return fail(Code::InvalidArgument, "the arrays of {} splats differ in length", splats.count());
+        drawable->generalSubject = GeneralDetailSubject(measureGroups(splats, order), splats.count());
         drawable->kappaPx2 = splats.kappaPx2, drawable->compensated = splats.compensated;
         return keep(std::move(drawable));
     }
@@ -220,25 +225,19 @@ private:
             else engine_.project(splats, d.mesh.frames(), view, d.kappaPx2, d.compensated, samples, detail...);
         };
         if (d.avatar) put(d.splats, d.detail);
-        else put(d.general);
+        else put(d.general, d.generalDetail, d.generalSubject.groups());
     }
 
     /** How much of each of together_ is drawn. */
     void setDetails(std::span<const Cameraf> views) {
-        DetailRequest requests[kMaxDrawnTogether];
-        SplatDetail chosen[kMaxDrawnTogether];
-        size_t count = 0;
-        uint64_t others = 0;
-        for (const Drawable* d : together_) {
-            if (d->avatar) requests[count++] = {&d->detailSubject, detail_.off() ? 1 : d->detailSubject.finestPixelM(d->mesh.worldFromRest(), views)};
-            else others += d->general.count();
+        DetailMember members[kMaxDrawnTogether];
+        for (size_t k = 0; k < together_.size(); ++k) {
+            if (Drawable& d = *together_[k]; d.avatar) members[k].avatar = &d.detailSubject, members[k].worldFromRest = d.mesh.worldFromRest();
+            else members[k].general = &d.generalSubject;
         }
-        allowed_ = chooseDetail(detail_, {requests, count}, others, {chosen, count});
-        count = 0;
-        for (Drawable* d : together_) {
-            d->detailShare = 1;
-            if (d->avatar) d->detail = chosen[count], d->detailShare = d->detailSubject.drawnShare(chosen[count]), ++count;
-        }
+        allowed_ = chooseDetails(detail_, views, {members, together_.size()});
+        for (size_t k = 0; k < together_.size(); ++k)
+            together_[k]->detail = members[k].detail, together_[k]->generalDetail = members[k].generalDetail, together_[k]->detailShare = members[k].share;
     }
 
     /** The nearest of the meshes that are drawn together. */

@@ -3,7 +3,58 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/avatar/humanoid.h"
+#include "sdk/format/splat_detail.h"
+
 namespace dpl {
+
+namespace {
+
+constexpr float kFace = 3, kHand = 2;   // times the splats of other surface: what people look at, and what talks with the face
+
+float favourOf(std::string_view bone) {
+    if (bone == "head" || bone == "jaw" || bone.ends_with("Eye")) return kFace;
+    for (const char* part : {"Hand", "Thumb", "Index", "Middle", "Ring", "Little"})
+        if (bone.find(part) != bone.npos) return kHand;
+    return 1;
+}
+
+/** Of each half-chunk, the mean of its splats' favours: how much their triangles hang on a joint times that of the joint. */
+std::vector<float> favours(const AvatarData& avatar, const CodedSplats& splats) {
+    const MeshData& mesh = avatar.mesh;
+    std::vector<float> ofJoint, ofTriangle;
+    for (const std::string& bone : humanoidBones(avatar.joints)) ofJoint.push_back(favourOf(bone));
+    for (const Triangle& t : mesh.triangles) {
+        float more = 0;
+        for (int corner = 0; corner < 3; ++corner)
+            for (int k = 0; k < 4; ++k)
+                if (const uint32_t weight = mesh.jointWeights[t[corner]][k]; weight > 0) more += float(weight) * (ofJoint[mesh.jointIndices[t[corner]][k]] - 1);
+        ofTriangle.push_back(1 + more / (3 * 255));
+    }
+    std::vector<float> out(splats.groups.size(), 1);
+    for (size_t g = 0; g < out.size(); ++g) {
+        const SplatChunk& c = splats.chunks[g / 2];
+        const uint32_t first = c.firstSplat + std::min<uint32_t>(c.splatCount, g % 2 * kSplatGroupSize), end = std::min(first + kSplatGroupSize, c.firstSplat + c.splatCount);
+        float sum = 0;
+        for (uint32_t i = first; i < end; ++i) sum += ofTriangle[splats.parents[c.firstParent + splats.parent[i]]];
+        if (end > first) out[g] = sum / float(end - first);
+    }
+    return out;
+}
+
+}  // namespace
+
+void measureDetail(const AvatarData& avatar, CodedSplats& splats) {
+    measureGroups(avatar.mesh, splats);
+    const std::vector<float> favour = favours(avatar, splats);
+    double area = 0, favoured = 0;
+    for (size_t g = 0; g < favour.size(); ++g) {
+        const uint32_t inChunk = splats.chunks[g / 2].splatCount, before = uint32_t(g % 2) * kSplatGroupSize;
+        const double own = double(splats.groups[g].areaM2) * (inChunk > before ? std::min(inChunk - before, kSplatGroupSize) : 0);
+        area += own, favoured += own * double(favour[g]);
+    }
+    for (size_t g = 0; g < favour.size() && favoured > 0; ++g) splats.groups[g].areaM2 *= float(double(favour[g]) * area / favoured);
+}
 
 DetailSubject::DetailSubject(const AvatarData& avatar, const CodedSplats& splats) : splatCount_(splats.count()) {
     std::vector<std::pair<Vec3f, Vec3f>> boxes(avatar.joints.size(), {Vec3f(INFINITY), Vec3f(-INFINITY)});
@@ -59,11 +110,19 @@ double DetailSubject::finestPixelM(std::span<const Mat3x4f> worldFromRest, std::
     return finest;
 }
 
-uint64_t chooseDetail(const DetailOptions& options, std::span<const DetailRequest> requests, uint64_t otherSplats, std::span<SplatDetail> out) {
-    const auto perM2 = [](double perPixel, double pixelM) { return perPixel / (pixelM * pixelM); };
+uint64_t chooseDetails(const DetailOptions& options, std::span<const Cameraf> views, std::span<DetailMember> members) {
+    for (DetailMember& m : members) {
+        m.detail = {}, m.generalDetail = {}, m.share = 1;
+        if (options.off()) continue;
+        if (m.general) m.general->look(views);
+        else m.pixelM = m.avatar->finestPixelM(m.worldFromRest, views);
+    }
+    const auto drawnOf = [](const DetailMember& m, double perPixel) {
+        return m.general ? m.general->drawnAtMost(perPixel) : m.avatar->drawnAtMost(perPixel / (m.pixelM * m.pixelM));
+    };
     const auto drawn = [&](double perPixel) {
-        double sum = double(otherSplats);
-        for (const DetailRequest& r : requests) sum += r.subject->drawnAtMost(perM2(perPixel, r.pixelM));
+        double sum = 0;
+        for (const DetailMember& m : members) sum += drawnOf(m, perPixel);
         return sum;
     };
     double perPixel = options.splatsPerPixel > 0 ? double(options.splatsPerPixel) : INFINITY;
@@ -75,9 +134,16 @@ uint64_t chooseDetail(const DetailOptions& options, std::span<const DetailReques
         }
         perPixel = low;
     }
-    for (size_t i = 0; i < requests.size(); ++i) {
-        out[i].perM2 = float(perM2(perPixel, requests[i].pixelM));
-        out[i].shShare = out[i].full() ? 1.0f : requests[i].subject->shShare(out[i].perM2);
+    for (DetailMember& m : members) {
+        if (!(perPixel < INFINITY)) continue;
+        if (m.general) {
+            m.generalDetail = m.general->detail(float(perPixel));
+            m.share = m.general->drawnShare(perPixel);
+        } else {
+            m.detail.perM2 = float(perPixel / (m.pixelM * m.pixelM));
+            m.detail.shShare = m.avatar->shShare(m.detail.perM2);
+            m.share = m.avatar->drawnShare(m.detail);
+        }
     }
     return uint64_t(std::ceil(drawn(perPixel)));
 }

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "sdk/avatar/general_detail.h"
 #include "sdk/avatar/rig.h"
 #include "sdk/format/coded_splats.h"
 #include "sdk/math/camera.h"
@@ -18,6 +19,10 @@ struct DetailOptions {
     uint32_t splatBudget = 0;    // of all that is drawn together; 0: no limit
     bool off() const { return splatsPerPixel == 0 && splatBudget == 0; }
 };
+
+/** Fills splats.groups: measureGroups, and the areas of face and hands are counted larger than they are, so that these keep three and two times the splats of other
+ *  surface; all areas together stay what they are. Joints by humanoidBones; an avatar without these has none to favour. The avatar must be fit to be drawn. */
+void measureDetail(const AvatarData& avatar, CodedSplats& splats);
 
 /** What an avatar is to all that, made when it is loaded. */
 class DetailSubject {
@@ -54,14 +59,19 @@ private:
 
 constexpr double kDetailNearestM = 0.25;   // nearer surface counts as this near, so that whom the camera touches does not take the whole budget
 
-/** One avatar of a frame. */
-struct DetailRequest {
-    const DetailSubject* subject = nullptr;
-    double pixelM = 0;           // finestPixelM
+/** One of those that a frame draws together: an avatar, or general splats. */
+struct DetailMember {
+    const DetailSubject* avatar = nullptr;
+    std::span<const Mat3x4f> worldFromRest;   // jointTransforms of this frame's pose
+    GeneralDetailSubject* general = nullptr;
+    double pixelM = 1;                        // of an avatar: finestPixelM
+    SplatDetail detail;                       // what is chosen, for an avatar
+    GeneralDetail generalDetail;              // ... for general splats
+    float share = 1;                          // of its splats that are drawn at most
 };
 
-/** Sets out[i] for request i: splatsPerPixel on its finest pixel, and less of that for all alike when the budget is too small. otherSplats: drawn beside
- *  them in any case. Each avatar keeps at least one splat of 128 neighbours, whatever the budget. Gives how many are drawn at most, the others among them. Allocates nothing. */
-uint64_t chooseDetail(const DetailOptions& options, std::span<const DetailRequest> requests, uint64_t otherSplats, std::span<SplatDetail> out);
+/** Sets the last four of each: splatsPerPixel on its finest pixel, and less of that for all alike when the budget is too small. One splat of 128 neighbours is
+ *  kept, whatever the budget. For all views of the frame at once (two at most), so that both eyes see the same splats. Gives how many are drawn at most. Allocates nothing. */
+uint64_t chooseDetails(const DetailOptions& options, std::span<const Cameraf> views, std::span<DetailMember> members);
 
 }  // namespace dpl

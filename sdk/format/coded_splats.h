@@ -42,7 +42,7 @@ constexpr uint32_t shEntryBytes(uint32_t shDegree) { return (((shDegree + 1) * (
 
 /** Of a half-chunk, for level of detail (sdk/math/detail.h). */
 struct SplatGroup {
-    float areaM2 = 0;     // of surface at rest that one of its splats stands for
+    float areaM2 = 0;     // of surface at rest that one of its splats stands for; of face and hands more (measureDetail)
     float gain = 0;       // 0 to 1: how the covered area falls with the share of splats kept, as its power
     float enough = 1;     // 0 to 1: of the covered area, the part that lets only kDetailThrough more shine through
 };

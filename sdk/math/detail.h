@@ -11,6 +11,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "sdk/math/camera.h"
+
 namespace dpl {
 
 constexpr uint32_t kSplatGroupSize = 128;   // a half-chunk: splats [0, 128) or [128, 256) of a chunk
@@ -23,6 +25,33 @@ struct SplatDetail {
     float perM2 = std::numeric_limits<float>::infinity();   // splats a square metre of surface at rest; infinite: all, exactly
     float shShare = 1;                                      // of SH beyond coefficient 0
     bool full() const { return !(perM2 < std::numeric_limits<float>::infinity()); }
+};
+
+/** The size of a pixel of one view, metres, at a point: dot(axis, point) + offset. */
+struct PixelPlane {
+    Vec3f axis{0};
+    float offsetM = 0;
+};
+
+inline PixelPlane pixelPlane(const Cameraf& view) {
+    const float perPixel = 1 / std::max(view.fx, view.fy);
+    const Mat3f& r = view.viewFromWorldRotation;
+    return {Vec3f(r[0][2], r[1][2], r[2][2]) * perPixel, view.viewFromWorldTranslation.z * perPixel};
+}
+
+/** What drawing wants of general splats, which may be a room around the camera: each half-chunk has its own pixel, where its box comes nearest to the view that sees it finest. */
+struct GeneralDetail {
+    float perPixel = std::numeric_limits<float>::infinity();   // splats a pixel; infinite: all, exactly
+    PixelPlane planes[2];
+    float finestM = 0;                                         // no pixel counts as smaller
+    bool full() const { return !(perPixel < std::numeric_limits<float>::infinity()); }
+
+    /** Of a box: its middle and half its size. */
+    float pixelM(const Vec3f& middle, const Vec3f& reach) const {
+        float nearest = std::numeric_limits<float>::infinity();
+        for (const PixelPlane& p : planes) nearest = std::min(nearest, glm::dot(p.axis, middle) + p.offsetM - glm::dot(glm::abs(p.axis), reach));
+        return nearest > finestM ? nearest : finestM;
+    }
 };
 
 /** Number within its half-chunk of the splat of a rank: bits in reverse, so that every prefix of the ranks is spread evenly over neighbours (van der Corput).

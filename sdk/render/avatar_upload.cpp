@@ -1,7 +1,6 @@
 #include "sdk/render/avatar_upload.h"
 
 #include <algorithm>
-#include <cfloat>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
@@ -112,20 +111,18 @@ bool reachFar(const StaticSplatData& s) {
     return !(glm::length(high - low) <= kFarM);
 }
 
-std::vector<gpu::vec4> packSplats(const StaticSplatData& s, std::span<const uint32_t> order) {
+std::vector<gpu::vec4> packSplats(const StaticSplatData& s, std::span<const uint32_t> order, std::span<const GeneralGroup> groups) {
     std::vector<gpu::vec4> out;
-    out.reserve(order.size() * 4 + (order.size() / gpu::kSplatGroup + 1) * 2);
+    out.reserve(order.size() * 4 + groups.size() * 3);
     for (const uint32_t i : order) {
         const Mat3f turn = glm::mat3_cast(s.rotation[i]);
         out.push_back({s.position[i].x, s.position[i].y, s.position[i].z, s.opacity[i]});
         for (int k = 0; k < 3; ++k) out.push_back({turn[k].x * s.scaleM[i][k], turn[k].y * s.scaleM[i][k], turn[k].z * s.scaleM[i][k], 0});
     }
-    for (size_t first = 0; first < order.size(); first += gpu::kSplatGroup) {
-        Vec3f low(FLT_MAX), high(-FLT_MAX);
-        for (const uint32_t i : order.subspan(first, std::min<size_t>(gpu::kSplatGroup, order.size() - first))) low = glm::min(low, s.position[i]), high = glm::max(high, s.position[i]);
-        const Vec3f middle = 0.5f * low + 0.5f * high, reach = glm::max(high - middle, middle - low);
-        out.push_back({middle.x, middle.y, middle.z, 0});
-        out.push_back({reach.x, reach.y, reach.z, 0});
+    for (const GeneralGroup& g : groups) {
+        out.push_back({g.middle.x, g.middle.y, g.middle.z, 0});
+        out.push_back({g.reach.x, g.reach.y, g.reach.z, 0});
+        out.push_back({g.detail.areaM2, g.detail.gain, g.detail.enough, 0});
     }
     return out;
 }
@@ -222,6 +219,11 @@ gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views,
     f.flags = {splats.compensated ? 1u : 0u, unseen, 0, splats.count};
     f.detail = {detail.full() ? 0.0f : detail.perM2, detail.full() ? 1.0f : largestGrowth, detail.shShare, 0};
     return f;
+}
+
+void packGeneralDetail(const GeneralDetail& detail, gpu::FrameData& f) {
+    f.detail = {detail.full() ? 0.0f : detail.perPixel, detail.finestM, 0, 0};
+    for (int v = 0; v < 2; ++v) f.pixelPlanes[v] = {detail.planes[v].axis.x, detail.planes[v].axis.y, detail.planes[v].axis.z, detail.planes[v].offsetM};
 }
 
 }  // namespace dpl

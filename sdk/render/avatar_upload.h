@@ -8,6 +8,7 @@
 #include "sdk/backend/backend.h"
 #include "sdk/format/avatar_data.h"
 #include "sdk/format/coded_splats.h"
+#include "sdk/format/splat_detail.h"
 #include "sdk/math/detail.h"
 #include "shaders/shared/frame.h"
 
@@ -36,8 +37,8 @@ bool reachFar(const StaticSplatData& splats);
 
 /** The same for general splats. */
 Status checkSplats(const StaticSplatData& splats, const DeviceInfo& device);
-/** GeneralSplatRecord of each, then GroupBox of each gpu::kSplatGroup of them. order[new] = old. */
-std::vector<gpu::vec4> packSplats(const StaticSplatData& splats, std::span<const uint32_t> order);
+/** GeneralSplatRecord of each, then GroupBox of each group (measureGroups). order[new] = old. */
+std::vector<gpu::vec4> packSplats(const StaticSplatData& splats, std::span<const uint32_t> order, std::span<const GeneralGroup> groups);
 /** Their SH coefficients as halves, each splat padded to whole uvec4; values beyond the range of a half are clamped to it. */
 std::vector<gpu::uvec4> packSh(const StaticSplatData& splats, std::span<const uint32_t> order);
 
@@ -57,5 +58,7 @@ SplatSet splatSetOf(const StaticSplatData& splats);
 /** What one frame takes from the CPU: the block itself, and the sort axis inside it (mean forward axis of the views). samples: a pixel, which share the low-pass.
  *  largestGrowth: of a splat at this detail. unseen: bits of components, which are not posed. Culls, and is alone in its frame, until flags say otherwise. */
 gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views, uint32_t samples = 1, const SplatDetail& detail = {}, float largestGrowth = 1, uint32_t unseen = 0);
+/** The part of it that is of general splats alone. */
+void packGeneralDetail(const GeneralDetail& detail, gpu::FrameData& frame);
 
 }  // namespace dpl

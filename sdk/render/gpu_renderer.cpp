@@ -6,11 +6,11 @@
 #include <cstring>
 
 #include "sdk/avatar/pose_correctives.h"
+#include "sdk/format/spatial_order.h"
 #include "sdk/format/splat_codec.h"
 #include "sdk/format/splat_detail.h"
 #include "sdk/math/coverage.h"
 #include "sdk/math/scene_depth.h"
-#include "sdk/render/spatial_order.h"
 
 namespace dpl {
 namespace {
@@ -72,7 +72,7 @@ Result<RenderAvatarId> GpuRenderer::addAvatar(std::shared_ptr<const AvatarData> 
 Result<RenderAvatarId> GpuRenderer::addCodedAvatar(std::shared_ptr<const AvatarData> data, CodedSplats splats) {
     if (!data) return fail(Code::InvalidArgument, "no avatar");
     DPL_CHECK_OK(checkAvatar(*data, splats, backend_->info()));
-    measureGroups(data->mesh, splats);
+    measureDetail(*data, splats);
     LoadedAvatar avatar;
     avatar.detailSubject = DetailSubject(*data, splats);
     avatar.data = std::move(data);
@@ -113,7 +113,8 @@ Status GpuRenderer::loadSplats(LoadedAvatar& a, const StaticSplatData& splats) {
     ids.shDegree = splats.shDegree;
     ids.groupCount = (ids.splatCount + gpu::kSplatGroup - 1) / gpu::kSplatGroup;
     const std::vector<uint32_t> order = spatialOrder(splats.position);  // files keep the order of training: every fetch a cache line of its own
-    const std::vector<gpu::vec4> records = packSplats(splats, order);
+    a.generalSubject = GeneralDetailSubject(measureGroups(splats, order), splats.count());
+    const std::vector<gpu::vec4> records = packSplats(splats, order, a.generalSubject.groups());
     const std::vector<gpu::uvec4> sh = packSh(splats, order);
     a.avatarBytes = a.splatBytes = records.size() * sizeof(gpu::vec4) + sh.size() * sizeof(gpu::uvec4);
     DPL_TRY(ids.splats, uploadBuffer<gpu::vec4>(a.owned, "splats", records));
@@ -212,7 +213,7 @@ Status GpuRenderer::drawTogether(std::span<const Drawn> what, std::span<const Ca
         if (data && backend_->info().fourSamples) samples = std::max(samples, coverageSamples(data->trainedPixelM, rootPosition(data->joints, *d.pose), views));
     }
     if (wants.meshDepth && !mesh) return fail(Code::InvalidArgument, "general splats have no mesh and no depth of one");
-    setDetails(*row, what, views);
+    poseRow(*row, what, views);
     avatars_.at(what[0].avatar).lastRow = 0;
     std::fill(std::begin(row->drawn), std::end(row->drawn), 0);
     const Fill fill = kappaPx2 >= kTileMinKappaPx2 ? options_.fill : Fill::Quads;  // whatever the samples: they share κ, and their columns are shorter
@@ -231,28 +232,22 @@ Status GpuRenderer::drawTogether(std::span<const Drawn> what, std::span<const Ca
     return drawn;
 }
 
-/** How much of each is drawn: for all views alike, so that both eyes see the same splats. */
-void GpuRenderer::setDetails(Row& row, std::span<const Drawn> what, std::span<const Cameraf> views) {
-    DetailRequest requests[kMaxDrawnTogether];
-    SplatDetail chosen[kMaxDrawnTogether];
-    size_t count = 0;
-    uint64_t others = 0;
-    for (const Drawn& d : what) {
-        const LoadedAvatar& avatar = avatars_.at(d.avatar);
+/** Joints of each, and how much of it is drawn. */
+void GpuRenderer::poseRow(Row& row, std::span<const Drawn> what, std::span<const Cameraf> views) {
+    DetailMember members[kMaxDrawnTogether];
+    for (size_t k = 0; k < what.size(); ++k) {
+        LoadedAvatar& avatar = avatars_.at(what[k].avatar);
         if (!avatar.data) {
-            others += avatar.ids.splatCount;
+            members[k].general = &avatar.generalSubject;
             continue;
         }
-        double pixelM = 1;
-        if (!detail_.off()) jointTransforms(avatar.data->joints, *d.pose, worldFromRest_), pixelM = avatar.detailSubject.finestPixelM(worldFromRest_, views);
-        requests[count++] = {&avatar.detailSubject, pixelM};
+        jointTransforms(avatar.data->joints, *what[k].pose, avatar.worldFromRest);
+        members[k].avatar = &avatar.detailSubject, members[k].worldFromRest = avatar.worldFromRest;
     }
-    row.splatsAllowed = chooseDetail(detail_, {requests, count}, others, {chosen, count});
-    count = 0;
-    for (const Drawn& d : what) {
-        LoadedAvatar& avatar = avatars_.at(d.avatar);
-        avatar.detail = avatar.data ? chosen[count++] : SplatDetail{};
-        avatar.detailShare = avatar.detailSubject.drawnShare(avatar.detail);
+    row.splatsAllowed = chooseDetails(detail_, views, {members, what.size()});
+    for (size_t k = 0; k < what.size(); ++k) {
+        LoadedAvatar& avatar = avatars_.at(what[k].avatar);
+        avatar.detail = members[k].detail, avatar.generalDetail = members[k].generalDetail, avatar.detailShare = members[k].share;
     }
 }
 
@@ -278,13 +273,14 @@ void GpuRenderer::fill(const Row& row, Slot& slot, std::span<const Drawn> what, 
         const float growth = avatar.detailSubject.largestGrowth(avatar.detail.perM2);
         uint32_t unseen = 0;
         if (avatar.data) {
-            writePalette(*avatar.data, *what[k].pose, slot.palette[k]);
-            if (!shape.meshDepth) unseen = avatar.components.unseen(worldFromRest_, coefficients_, views, avatar.splats.kappaPx2, growth);  // the depth of the mesh is drawn from every triangle
+            writePalette(avatar, *what[k].pose, slot.palette[k]);
+            if (!shape.meshDepth) unseen = avatar.components.unseen(avatar.worldFromRest, coefficients_, views, avatar.splats.kappaPx2, growth);  // the depth of the mesh is drawn from every triangle
             slot.componentsInView += avatar.components.count() - uint32_t(std::popcount(unseen));
             if (unseen != 0 && unseen == avatar.components.all()) unseen = ~0u;
         }
         gpu::FrameData block = packFrame(avatar.splats, views, shape.samples, avatar.detail, growth, unseen);
         block.flags.z = options_.cull ? 0 : 1, block.flags.w = row.ids.splatCount;
+        if (!avatar.data) packGeneralDetail(avatar.generalDetail, block);
         std::memcpy(backend_->mapped(slot.frame[k]).data(), &block, sizeof(block));
     }
 }
@@ -299,14 +295,13 @@ void GpuRenderer::writeScene(const Slot& slot, const Shape& shape, std::span<con
     }
 }
 
-void GpuRenderer::writePalette(const AvatarData& avatar, const Pose& pose, BufferId palette) {
-    jointTransforms(avatar.joints, pose, worldFromRest_);
+void GpuRenderer::writePalette(const LoadedAvatar& avatar, const Pose& pose, BufferId palette) {
     coefficients_.clear(), nodes_.clear();
-    if (!avatar.correctives.empty()) {
-        correctiveCoefficients(avatar.correctives, pose, coefficients_);
-        correctiveNodes(avatar.correctives, coefficients_, nodes_);
+    if (const PoseCorrectiveData& correctives = avatar.data->correctives; !correctives.empty()) {
+        correctiveCoefficients(correctives, pose, coefficients_);
+        correctiveNodes(correctives, coefficients_, nodes_);
     }
-    packPalette(worldFromRest_, nodes_, {reinterpret_cast<gpu::vec4*>(backend_->mapped(palette).data()), paletteRows(avatar)});
+    packPalette(avatar.worldFromRest, nodes_, {reinterpret_cast<gpu::vec4*>(backend_->mapped(palette).data()), paletteRows(*avatar.data)});
 }
 
 }  // namespace dpl

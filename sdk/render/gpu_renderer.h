@@ -80,7 +80,10 @@ private:
         std::vector<BufferId> owned;
         uint64_t avatarBytes = 0, splatBytes = 0;
         Components components;
-        DetailSubject detailSubject;
+        std::vector<Mat3x4f> worldFromRest;       // of the joints, in the last frame
+        DetailSubject detailSubject;              // the one or the other
+        GeneralDetailSubject generalSubject;
+        GeneralDetail generalDetail;
         SplatDetail detail;            // of the last frame that it was in, as is its share of the splats
         float detailShare = 0;
         uint32_t lastRow = 0;          // of the last frame that is this one's; 0: none
@@ -107,8 +110,8 @@ private:
     Status makeWorkBuffers(Row& row);
     Result<RenderAvatarId> keep(LoadedAvatar avatar, const Status& loaded);
     Result<Row*> rowOf(std::span<const Drawn> what);
-    void writePalette(const AvatarData& avatar, const Pose& pose, BufferId palette);
-    void setDetails(Row& row, std::span<const Drawn> what, std::span<const Cameraf> views);
+    void writePalette(const LoadedAvatar& avatar, const Pose& pose, BufferId palette);
+    void poseRow(Row& row, std::span<const Drawn> what, std::span<const Cameraf> views);
     Status drawFrame(Row& row, std::span<const Drawn> what, std::span<const Cameraf> views, const Shape& shape, std::span<const std::span<const float>> sceneDepthM);
     Result<ShapedFrame*> frameOf(Row& row, const Shape& shape);
     Status build(const Row& row, ShapedFrame& frame);
@@ -128,8 +131,7 @@ private:
     GpuOptions options_;
     std::map<RenderAvatarId, LoadedAvatar> avatars_;
     std::map<uint32_t, Row> rows_;         // by number; an avatar by itself: that of the avatar
-    std::vector<Mat3x4f> worldFromRest_;   // of the last pose, as are these
-    std::vector<float> coefficients_;
+    std::vector<float> coefficients_;      // of the last pose
     std::vector<Vec4f> nodes_;
     PixelView pixels_[gpu::kMaxViews];     // of the last read
     std::vector<float> depthM_[gpu::kMaxViews], meshDepthM_[gpu::kMaxViews];

@@ -108,7 +108,7 @@ public:
     virtual std::string name() const = 0;
     /** How a GPU fills pixels from the next draw on. A CPU has one way and takes no notice. */
     virtual void setFill(Fill) {}
-    /** Level of detail and the budget of splats, from the next draw on. Of avatars: general splats are always drawn in full, and count. */
+    /** Level of detail and the budget of splats, from the next draw on. */
     void setDetail(const DetailOptions& detail) { detail_ = detail; }
     /** DeviceInfo::identity of a GPU; empty on the CPU. */
     virtual std::string identity() const { return {}; }

@@ -30,6 +30,6 @@ uint32_t usableCount(const StaticSplatData& splats);
 
 /** Packs splats [first, first+16) into `out`; missing ones become invisible. The triangle index is stored as bits. */
 void packGroup(const BoundSplatView& splats, uint32_t first, float* out);
-void packGroup(const StaticSplatData& splats, uint32_t first, float* out);
+void packGroup(const StaticSplatData& splats, uint32_t first, float* out, std::span<const uint32_t> order = {});
 
 }  // namespace dpl

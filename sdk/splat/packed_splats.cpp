@@ -19,12 +19,12 @@ void packSh(const float* sh, uint32_t floats, uint32_t lane, float* fields) {
     for (uint32_t k = 0; k < floats; ++k) fields[k * kGroupSplats + lane] = sh[k];
 }
 
-template <class Splats>
-float* packAll(const Splats& splats, bool bound) {
+template <class Splats, class... Order>
+float* packAll(const Splats& splats, bool bound, const Order&... order) {
     const size_t groups = groupCount(usableCount(splats)), floats = size_t(groupFields(bound, splats.shDegree)) * kGroupSplats;
     if (groups == 0) return nullptr;
     float* data = static_cast<float*>(::operator new[](groups * floats * sizeof(float), std::align_val_t(kAlignment)));
-    for (size_t g = 0; g < groups; ++g) packGroup(splats, uint32_t(g * kGroupSplats), data + g * floats);
+    for (size_t g = 0; g < groups; ++g) packGroup(splats, uint32_t(g * kGroupSplats), data + g * floats, order...);
     return data;
 }
 
@@ -55,8 +55,8 @@ void PackedSplats::Free::operator()(float* p) const { ::operator delete[](p, std
 PackedSplats::PackedSplats(const BoundSplatView& splats)
     : data_(packAll(splats, true)), count_(data_ ? splats.count() : 0), shDegree_(splats.shDegree), bound_(true) {}
 
-PackedSplats::PackedSplats(const StaticSplatData& splats)
-    : data_(packAll(splats, false)), count_(data_ ? splats.count() : 0), shDegree_(splats.shDegree), bound_(false) {}
+PackedSplats::PackedSplats(const StaticSplatData& splats, std::span<const uint32_t> order)
+    : data_(packAll(splats, false, order)), count_(data_ ? splats.count() : 0), shDegree_(splats.shDegree), bound_(false) {}
 
 uint64_t PackedSplats::bytes() const {
     return groupCount(count_) * groupFields(bound_, shDegree_) * kGroupSplats * sizeof(float);
@@ -81,12 +81,12 @@ void packGroup(const BoundSplatView& splats, uint32_t first, float* out) {
     }
 }
 
-void packGroup(const StaticSplatData& splats, uint32_t first, float* out) {
+void packGroup(const StaticSplatData& splats, uint32_t first, float* out, std::span<const uint32_t> order) {
     using namespace static_field;
     const uint32_t shFloats = shCoefficientCount(splats.shDegree) * 3, lanes = std::min(kGroupSplats, splats.count() - first);
     if (lanes < kGroupSplats) std::memset(out, 0, groupFields(false, splats.shDegree) * kGroupSplats * sizeof(float));
     for (uint32_t lane = 0; lane < lanes; ++lane) {
-        const uint32_t i = first + lane;
+        const uint32_t i = order.empty() ? first + lane : order[first + lane];
         const Mat3f rotation = glm::mat3_cast(splats.rotation[i]);
         for (uint32_t k = 0; k < 3; ++k) {
             out[(kPosition + k) * kGroupSplats + lane] = splats.position[i][int(k)];

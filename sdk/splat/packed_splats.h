@@ -32,7 +32,8 @@ class PackedSplats {
 public:
     PackedSplats() = default;
     explicit PackedSplats(const BoundSplatView& splats);
-    explicit PackedSplats(const StaticSplatData& splats);
+    /** order[new] = old; empty: as they come. */
+    explicit PackedSplats(const StaticSplatData& splats, std::span<const uint32_t> order = {});
 
     uint32_t count() const { return count_; }
     uint32_t shDegree() const { return shDegree_; }

@@ -22,8 +22,8 @@ void SplatEngine::project(const CodedSplats& splats, std::span<const TriangleFra
 }
 
 void SplatEngine::project(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera,
-                          float kappaPx2, bool compensated, uint32_t samples) {
-    projectPacked(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, samples, false);
+                          float kappaPx2, bool compensated, uint32_t samples, const GeneralDetail& detail, std::span<const GeneralGroup> groups) {
+    projectPacked(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, samples, false, detail, groups);
 }
 
 void SplatEngine::add(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples,
@@ -31,8 +31,9 @@ void SplatEngine::add(const CodedSplats& splats, std::span<const TriangleFrame<f
     projectCoded(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, samples, true, detail);
 }
 
-void SplatEngine::add(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples) {
-    projectPacked(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, samples, true);
+void SplatEngine::add(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples,
+                      const GeneralDetail& detail, std::span<const GeneralGroup> groups) {
+    projectPacked(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, samples, true, detail, groups);
 }
 
 void SplatEngine::sort() { sortByDepth(jobs_, *buffers_); }

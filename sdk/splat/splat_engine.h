@@ -18,6 +18,7 @@
 #include "sdk/core/jobs.h"
 #include "sdk/format/avatar_data.h"
 #include "sdk/format/coded_splats.h"
+#include "sdk/format/splat_detail.h"
 #include "sdk/math/binding.h"
 #include "sdk/math/camera.h"
 #include "sdk/math/coverage.h"
@@ -84,9 +85,9 @@ public:
 
     /** The same for splats that were packed before: faster, for sets that do not change. `triangles` is for bound ones, else empty.
      *  samples: 1, or kCoverageSamples: blending then composites at so many places of a pixel, each low-passed to its share of kappaPx2, and
-     *  gives their mean (sdk/math/coverage.h). */
+     *  gives their mean (sdk/math/coverage.h). groups: of general splats, in their order; empty: all are drawn. */
     void project(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated,
-                 uint32_t samples = 1);
+                 uint32_t samples = 1, const GeneralDetail& detail = {}, std::span<const GeneralGroup> groups = {});
     /** Bound splats as they lie in the file: 16 bytes a splat and the SH entries stay in memory, and only splats whose triangle the view
      *  may show are decoded. The others keep nothing but opacity 0 in projected(). detail: how many are kept, where splats.groups is there;
      *  projected() then holds the kept ones densely from each multiple of 4096 on. */
@@ -96,7 +97,8 @@ public:
      *  projected() go on at the next multiple of 4096; ties in depth stay in the order of the calls. */
     void add(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples = 1,
              const SplatDetail& detail = {});
-    void add(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples = 1);
+    void add(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples = 1,
+             const GeneralDetail& detail = {}, std::span<const GeneralGroup> groups = {});
     /** Since the last project(): bytes of codes that were read to decide, and to decode. */
     uint64_t decidedBytes() const;
     uint64_t decodedBytes() const;

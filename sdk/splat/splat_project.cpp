@@ -203,6 +203,48 @@ void projectChosenOfCodes(const CodedSplats& splats, const uint8_t* shows, const
     for (uint32_t i = next; i < end; ++i) task.projected[i].opacity = 0;
 }
 
+/** General splats that level of detail keeps: half-chunks that are whole from where they lie, of the others the kept ones densely. What is left of the block's entries shows nothing. */
+void projectChosenOfPacked(const PackedSplats& splats, std::span<const GeneralGroup> groups, const GeneralDetail& detail, ProjectTask task) {
+    using namespace static_field;
+    static_assert(kProjectBlock % kSplatGroupSize == 0 && kSplatGroupSize % kGroupSplats == 0);
+    alignas(64) float packed[kMaxGroupFloats];
+    const uint32_t fields = groupFields(false, splats.shDegree()), begin = task.firstSplat, end = std::min(begin + task.groups * kGroupSplats, splats.count());
+    const auto groupAt = [&](uint32_t splat) { return splats.data() + size_t(splat / kGroupSplats) * fields * kGroupSplats; };
+    uint32_t next = begin, lanes = 0;   // entry of the block; gathered
+    const auto put = [&] {
+        if (lanes == 0) return;
+        for (uint32_t f = 0; f < fields; ++f) std::fill(packed + f * kGroupSplats + lanes, packed + (f + 1) * kGroupSplats, 0.0f);
+        task.packed = packed, task.groups = 1, task.firstSplat = next;
+        projectGroups(task);
+        next += kGroupSplats, lanes = 0;
+    };
+    for (uint32_t first = begin; first < end; first += kSplatGroupSize) {
+        const GeneralGroup& group = groups[first / kSplatGroupSize];
+        const uint32_t count = std::min(kSplatGroupSize, end - first);
+        const float pixelM = detail.pixelM(group.middle, group.reach), share = keptShare(detail.perPixel, group.detail.areaM2 / (pixelM * pixelM));
+        if (share >= 1) {
+            put();
+            task.packed = groupAt(first), task.groups = uint32_t(groupCount(count)), task.firstSplat = next;
+            projectGroups(task);
+            next += task.groups * kGroupSplats;
+            continue;
+        }
+        const float growth = detailGrowth(share, group.detail.gain, group.detail.enough);
+        float weight[kSplatGroupSize] = {};
+        for (uint32_t rank = 0, drawn = drawnRanks(share); rank < drawn; ++rank) weight[placeOfRank(rank)] = detailWeight(share, rank);
+        for (uint32_t place = 0; place < count; ++place) {
+            if (!(weight[place] > 0)) continue;
+            const float* from = groupAt(first + place) + place % kGroupSplats;
+            for (uint32_t f = 0; f < fields; ++f) packed[f * kGroupSplats + lanes] = from[f * kGroupSplats];
+            for (uint32_t f = kAxes; f < kOpacity; ++f) packed[f * kGroupSplats + lanes] *= growth;
+            packed[kOpacity * kGroupSplats + lanes] *= weight[place];
+            if (++lanes == kGroupSplats) put();
+        }
+    }
+    put();
+    for (uint32_t i = next; i < end; ++i) task.projected[i].opacity = 0;
+}
+
 /** Packs a few splats at a time into the worker's cache and projects them. */
 template <class Splats>
 void projectUnpacked(const Splats& splats, ProjectTask task) {
@@ -259,11 +301,13 @@ void projectCoded(Jobs& jobs, SplatEngine::Buffers& buffers, const CodedSplats& 
 }
 
 void projectPacked(Jobs& jobs, SplatEngine::Buffers& buffers, const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles,
-                   const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples, bool behind) {
+                   const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples, bool behind, const GeneralDetail& detail, std::span<const GeneralGroup> groups) {
     const ProjectView view = viewOf(camera, kappaPx2, compensated, samples == kCoverageSamples ? kCoverageSamples : 1);
     const TriangleView* posed = splats.bound() ? viewTriangles(jobs, buffers.triangles, triangles, camera) : nullptr;
     const size_t groupFloats = size_t(groupFields(splats.bound(), splats.shDegree())) * kGroupSplats;
+    const bool all = detail.full() || groups.empty() || splats.bound();
     forProjectBlocks(jobs, buffers, camera, view, splats.count(), splats.shDegree(), posed, triangles.size(), behind, [&](ProjectTask task) {
+        if (!all) return projectChosenOfPacked(splats, groups, detail, task);
         task.packed = splats.data() + task.firstSplat / kGroupSplats * groupFloats;
         projectGroups(task);
     });

@@ -27,8 +27,10 @@ struct FrameData {            // the only uniform block; written by the CPU befo
     vec4 target;              // width px, height px, kappa px², 0
     uvec4 flags;              // 1 = energy-preserving low-pass; bits of the components that no view sees (sdk/avatar/components.h); 1 = nothing is culled; splats of all that is drawn
     vec4 detail;              // splats wanted a square metre at rest, 0: all; largest growth of a splat; share of SH beyond coefficient 0 (lib/detail.glsl)
+                              // general splats: wanted a pixel, 0: all; no pixel counts as smaller than y, metres
+    vec4 pixelPlanes[2];      // general splats: size of a pixel in metres at a point, of both eyes also where this frame draws one: dot(xyz, point) + w
 };
-DPL_SHARED_SIZE(FrameData, 256)
+DPL_SHARED_SIZE(FrameData, 288)
 
 struct VertexRecord {         // static, per vertex
     float restX, restY, restZ;
@@ -85,8 +87,9 @@ DPL_SHARED_SIZE(GeneralSplatRecord, 64)
 struct GroupBox {             // static, about the centres of kSplatGroup general splats
     vec4 middle;
     vec4 reach;               // half its size
+    vec4 detail;              // SplatGroup: area of a splat, m², gain, enough
 };
-DPL_SHARED_SIZE(GroupBox, 32)
+DPL_SHARED_SIZE(GroupBox, 48)
 
 struct ProjectedSplat {       // per splat and view, one view behind the other: who draws one reads no memory of the other (lib/projected.glsl); opacity and radius 0 = not in this view
     vec4 place;               // centre in target pixels (origin top left, centres at +0.5), conic A and B: σ = ½(A dx² + C dy²) + B dx dy

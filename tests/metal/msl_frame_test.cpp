@@ -12,12 +12,13 @@
 #include "sdk/render/avatar_upload.h"
 #include "sdk/render/passes/scan.h"
 #include "sdk/render/passes/tiles.h"
-#include "sdk/render/spatial_order.h"
+#include "sdk/format/spatial_order.h"
 #include "tests/reference/corrective_cases.h"
 #include "tests/reference/image_compare.h"
 #include "tests/reference/random_avatar.h"
 #include "tests/reference/random_scene_depth.h"
 #include "tests/reference/reference_detail.h"
+#include "tests/reference/splat_room.h"
 #include "tests/reference/reference_mesh.h"
 #include "tests/reference/reference_renderer.h"
 #include "tests/unit/render/palette_of.h"
@@ -134,10 +135,11 @@ std::vector<uint32_t> visibilityOf(uint32_t groups, uint32_t splats) {
     return std::vector<uint32_t>(ids.firstDepth() + splats, 0xCDCDCDCD);
 }
 
-MslFrame runGeneralFrame(const StaticSplatData& splats, std::span<const Cameraf> views, int order) {
+MslFrame runGeneralFrame(const StaticSplatData& splats, std::span<const Cameraf> views, int order, const GeneralDetail& detail = {}) {
     const std::vector<uint32_t> inSpace = spatialOrder(splats.position);
-    std::vector<gpu::vec4> records = packSplats(splats, inSpace);
+    std::vector<gpu::vec4> records = packSplats(splats, inSpace, measureGroups(splats, inSpace));
     gpu::FrameData frame = packFrame(splatSetOf(splats), views);
+    packGeneralDetail(detail, frame);
     const uint32_t count = splats.count(), viewCount = uint32_t(views.size()), groups = groupsFor(count, gpu::kSplatGroup);
     std::vector<uint32_t> visibility = visibilityOf(groups, count);
     std::vector<gpu::uvec4> sh = packSh(splats, inSpace);
@@ -151,7 +153,7 @@ MslFrame runGeneralFrame(const StaticSplatData& splats, std::span<const Cameraf>
 
 MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Cameraf> views, int order, const SplatDetail& detail = {}, uint32_t samples = 1) {
     CodedSplats coded = *codeSplats(avatar.mesh, avatar.splats);
-    measureGroups(avatar.mesh, coded);
+    measureDetail(avatar, coded);
     AvatarRecords records = packAvatar(avatar, coded);
     gpu::FrameData frame = packFrame(splatSetOf(avatar, coded), views, samples, detail, DetailSubject(avatar, coded).largestGrowth(detail.perM2));
     const bool corrected = !avatar.correctives.empty();
@@ -282,6 +284,18 @@ TEST(MetalFrame, kernelsOfGeneralSplatsMatchTheReference) {
                                    [&](const Cameraf& view) { return renderReference(splats, referenceCamera(view)); });
 }
 
+TEST(MetalFrame, kernelsOfGeneralSplatsAtALevelOfDetailMatchTheReference) {
+    const StaticSplatData room = splatRoom(1, 9005, 3);
+    const Cameraf views[2] = {lookAt({0.27f, 0.2f, 3}, {0.27f, 0.2f, -8}, 96, 96, 80), lookAt({0.33f, 0.2f, 2.6f}, {0.33f, 0.2f, -8}, 96, 96, 80)};
+    const std::vector<uint32_t> order = spatialOrder(room.position);
+    GeneralDetailSubject subject(measureGroups(room, order), room.count());
+    subject.look(views);
+    constexpr float kPerPixel = 0.03f;
+    const auto referenceOf = [&](const Cameraf& view) { return renderReference(reducedSplats(room, {views[0], views[1]}, double(kPerPixel)), referenceCamera(view), {.compensated = false}); };
+    EXPECT_LT(compareImages(referenceOf(views[0]).rgb, renderReference(room, referenceCamera(views[0])).rgb).psnrDb, 45) << "the case shows nothing";
+    expectKernelsMatchTheReference(views, room.count(), [&](int order) { return runGeneralFrame(room, views, order, subject.detail(kPerPixel)); }, referenceOf);
+}
+
 TEST(MetalFrame, kernelsFromSkinningToSortMatchTheReference) { expectKernelsMatchTheReference(makeTube({.splatsPerTriangle = 4, .shDegree = 3})); }
 
 TEST(MetalFrame, kernelsMoveAndLightAnAvatarWithCorrectives) {
@@ -298,7 +312,7 @@ TEST(MetalFrame, kernelsMoveAndLightAnAvatarWithCorrectives) {
 TEST(MetalFrame, kernelsAtALevelOfDetailMatchTheReference) {
     const AvatarData avatar = codedOnce(makeTube({.splatsPerTriangle = 16, .shDegree = 3}));
     CodedSplats coded = *codeSplats(avatar.mesh, avatar.splats);
-    measureGroups(avatar.mesh, coded);
+    measureDetail(avatar, coded);
     const Pose pose = tubePose(0.9f, 0.4f);
     const Cameraf views[2] = {tubeCamera(96, 96, 0.6f, 1.6f, -0.03f), tubeCamera(96, 96, 0.6f, 1.6f, 0.03f)};
     const DetailSubject subject(avatar, coded);

@@ -18,6 +18,39 @@ double weightOf(double share, uint32_t at) {
     return std::clamp((share * (1 + kFade) - place) / (share * kFade), 0.0, 1.0);
 }
 
+/** A splat on a face counts as three, on a hand as two; half on it, half as much more. */
+double favourOf(const AvatarData& avatar, uint32_t triangle) {
+    double mean = 0;
+    for (int corner = 0; corner < 3; ++corner)
+        for (int k = 0; k < 4; ++k) {
+            const uint32_t vertex = avatar.mesh.triangles[triangle][corner];
+            const std::string& bone = avatar.joints[avatar.mesh.jointIndices[vertex][k]].humanoidBone;
+            const double favour = bone == "head" || bone == "jaw" || bone == "leftEye" || bone == "rightEye" ? 3 : bone.starts_with("leftIndex") || bone == "leftHand" || bone == "rightHand" ? 2 : 1;
+            mean += favour * avatar.mesh.jointWeights[vertex][k] / 255.0 / 3;
+        }
+    return mean;
+}
+
+struct Kept {
+    double share = 1, growth = 1;
+};
+
+/** Of a half-chunk that wants to keep so much; cover: what its splats cover of their area all together, there: at kMeasuredAt. */
+Kept keptOf(double wanted, double cover, double coverThere) {
+    Kept kept;
+    kept.share = std::clamp(wanted, 1.0 / kHalfChunk, 1.0);
+    const double gain = std::clamp(std::log(coverThere / cover) / std::log(kMeasuredAt), 0.0, 1.0), enough = std::clamp(-std::log(std::exp(-cover) + kThrough) / cover, 0.0, 1.0);
+    if (kept.share < 1) kept.growth = std::sqrt(std::max(1.0, enough / std::pow(kept.share, gain)));
+    return kept;
+}
+
+/** Of a symmetric matrix, the product of its two largest eigenvalues and those of the others with the smallest: squares of what it shows along its axes. */
+double shadows(const glm::dmat3& m) {
+    const glm::dmat3 square = m * m;
+    const double trace = m[0][0] + m[1][1] + m[2][2];
+    return 0.5 * (trace * trace - square[0][0] - square[1][1] - square[2][2]);
+}
+
 }  // namespace
 
 double referenceFinestPixelM(const AvatarData& avatar, const Pose& pose, const std::vector<ReferenceCamera>& cameras) {
@@ -51,6 +84,20 @@ void reduceReference(ReferenceScene& scene, const AvatarData& avatar, const Code
         areaOf[t] = count ? area / count : 0;
         surface += count ? area : 0;
     }
+    // What half-chunks want more adds up to nothing.
+    double favoured = 0;
+    const auto favourOfChunk = [&](uint32_t first, uint32_t n) {
+        double sum = 0;
+        for (uint32_t r = 0; r < n; ++r) sum += favourOf(avatar, scene.splats[first + r].triangle) / n;
+        return sum;
+    };
+    for (const SplatChunk& chunk : coded.chunks)
+        for (uint32_t first = chunk.firstSplat; first < chunk.firstSplat + chunk.splatCount; first += kHalfChunk) {
+            const uint32_t n = std::min(kHalfChunk, chunk.firstSplat + chunk.splatCount - first);
+            double area = 0;
+            for (uint32_t r = 0; r < n; ++r) area += areaOf[scene.splats[first + r].triangle];
+            favoured += area * favourOfChunk(first, n);
+        }
     const double shShare = std::clamp((std::min(perM2 * surface / double(scene.splats.size()), 1.0) - 0.125) / 0.125, 0.0, 1.0);
     for (const SplatChunk& chunk : coded.chunks)
         for (uint32_t first = chunk.firstSplat; first < chunk.firstSplat + chunk.splatCount; first += kHalfChunk) {
@@ -61,9 +108,7 @@ void reduceReference(ReferenceScene& scene, const AvatarData& avatar, const Code
                 const double own = 2 * std::numbers::pi * s.opacity * s.scaleM.x * s.scaleM.y;
                 area += areaOf[s.triangle], covered += own, coveredThere += weightOf(kMeasuredAt, r) * own;
             }
-            const double share = std::clamp(perM2 * area / n, 1.0 / kHalfChunk, 1.0), gain = std::clamp(std::log(coveredThere / covered) / std::log(kMeasuredAt), 0.0, 1.0);
-            const double cover = covered / area, enough = std::clamp(-std::log(std::exp(-cover) + kThrough) / cover, 0.0, 1.0);
-            const double growth = share < 1 ? std::sqrt(std::max(1.0, enough / std::pow(share, gain))) : 1;
+            const auto [share, growth] = keptOf(perM2 * area / n * favourOfChunk(first, n) * surface / favoured, covered / area, coveredThere / area);
             for (uint32_t r = 0; r < n; ++r) {
                 ReferenceBoundSplat& s = scene.splats[first + r];
                 s.opacity *= weightOf(share, r);
@@ -71,6 +116,42 @@ void reduceReference(ReferenceScene& scene, const AvatarData& avatar, const Code
                 for (size_t k = 3; k < s.sh.size(); ++k) s.sh[k] *= shShare;
             }
         }
+}
+
+std::vector<ReferenceGaussian> reducedReference(const StaticSplatData& splats, const std::vector<uint32_t>& order, const std::vector<ReferenceCamera>& cameras, double perPixel) {
+    std::vector<ReferenceGaussian> out;
+    for (const uint32_t i : order) out.push_back(referenceGaussian(splats, i));
+    for (size_t first = 0; first < out.size(); first += kHalfChunk) {
+        const size_t n = std::min<size_t>(kHalfChunk, out.size() - first);
+        glm::dvec3 low(INFINITY), high(-INFINITY), mean(0);
+        double covered = 0, coveredThere = 0;
+        glm::dmat3 spread(0);
+        for (size_t r = 0; r < n; ++r) low = glm::min(low, out[first + r].centre), high = glm::max(high, out[first + r].centre), mean += out[first + r].centre / double(n);
+        for (size_t r = 0; r < n; ++r) {
+            const ReferenceGaussian& s = out[first + r];
+            glm::dmat3 own(0);
+            for (const glm::dvec3& axis : s.axes) own += glm::outerProduct(axis, axis);
+            spread += (glm::outerProduct(s.centre - mean, s.centre - mean) + own) / double(n);
+            const double covers = 2 * std::numbers::pi * s.opacity * std::sqrt(shadows(own));
+            covered += covers, coveredThere += weightOf(kMeasuredAt, uint32_t(r)) * covers;
+        }
+        double pixel = INFINITY, smallest = INFINITY;
+        for (const ReferenceCamera& camera : cameras) {
+            for (int corner = 0; corner < 8; ++corner) {
+                const glm::dvec3 at(corner & 1 ? low.x : high.x, corner & 2 ? low.y : high.y, corner & 4 ? low.z : high.z);
+                pixel = std::min(pixel, (camera.rotation * at + camera.translation).z / std::max(camera.fx, camera.fy));
+            }
+            smallest = std::min(smallest, kNearestM / std::max(camera.fx, camera.fy));
+        }
+        pixel = std::max(pixel, smallest);
+        const double area = 12 * std::sqrt(shadows(spread));
+        const auto [share, growth] = keptOf(perPixel * area / double(n) / (pixel * pixel), covered / area, coveredThere / area);
+        for (size_t r = 0; r < n; ++r) {
+            out[first + r].opacity *= weightOf(share, uint32_t(r));
+            for (glm::dvec3& axis : out[first + r].axes) axis *= growth;
+        }
+    }
+    return out;
 }
 
 }  // namespace dpl

@@ -12,4 +12,7 @@ double referenceFinestPixelM(const AvatarData& avatar, const Pose& pose, const s
 /** Takes from the scene what perM2 splats a square metre at rest leave out. avatar.splats: the numbers behind `coded`, of which only the chunks are used. */
 void reduceReference(ReferenceScene& scene, const AvatarData& avatar, const CodedSplats& coded, double perM2);
 
+/** General splats in the order of renderers (order[new] = old), less what perPixel splats a pixel leave out where each half-chunk comes nearest to the camera that sees it finest. */
+std::vector<ReferenceGaussian> reducedReference(const StaticSplatData& splats, const std::vector<uint32_t>& order, const std::vector<ReferenceCamera>& cameras, double perPixel);
+
 }  // namespace dpl

@@ -1,7 +1,8 @@
-// bench_detail AVATAR [splats a pixel] [frames] [software|quads|tiles] [sheet.png]
+// bench_detail AVATAR|SPLATS [splats a pixel] [frames] [software|quads|tiles] [sheet.png]
 //
 // Level of detail against distance: time, splats and error of the full avatar and of the reduced one at rising distances, in the middle of its first clip.
-// And what leaving out SH bands, or pose correctives, of all its splats would lose there. The truth at each is the full
+// And what leaving out SH bands, or pose correctives, of all its splats would lose there. General splats (a PLY) the same,
+// without that. The truth at each is the full
 // avatar drawn at four times the size on the CPU and averaged; errors are over what either covers, over mid grey. The sheet shows full, reduced
 // and truth beside each other, one distance a row, pixels enlarged without smoothing.
 #include <algorithm>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "reconstruction/report/png.h"
+#include "sdk/avatar/humanoid.h"
 #include "sdk/avatar/pose_correctives.h"
 #include "sdk/core/files.h"
 #include "sdk/format/avatar_file.h"
@@ -36,6 +38,7 @@ DplCamera cameraAt(const DplAvatarInfo& info, double times, uint32_t finer, doub
     c.cx = float(c.widthPx) / 2, c.cy = float(c.heightPx) / 2;
     double middle[3], tall = info.restMax[1] - info.restMin[1];
     for (int k = 0; k < 3; ++k) middle[k] = 0.5 * (info.restMin[k] + info.restMax[k]);
+    for (int k = 0; k < 3 && info.jointCount == 0; ++k) tall = std::max(tall, double(info.restMax[k] - info.restMin[k]));   // these stand as they like
     const double distance = 1.25 * 1.2 * tall * times, s = std::sin(azimuthRad), co = std::cos(azimuthRad);
     // Right, down and forward of a camera at middle + distance·(s, 0, co) that looks at the middle.
     const double rows[3][3] = {{co, 0, -s}, {0, -1, 0}, {-s, 0, -co}};
@@ -84,6 +87,26 @@ doppel::Status poseInClip(doppel::Avatar& avatar) {
     return avatar.setPoseFromClip(0, clip->durationS / 2);
 }
 
+/** The file with no splats but those of one region: where it is in the picture. */
+dpl::Result<std::vector<uint8_t>> regionAlone(const std::vector<uint8_t>& bytes, bool hands) {
+    DPL_TRY(dpl::AvatarData avatar, dpl::readAvatar(bytes));
+    std::vector<bool> wanted;
+    for (const std::string& bone : dpl::humanoidBones(avatar.joints)) {
+        const bool face = bone == "head" || bone == "jaw" || bone.ends_with("Eye");
+        bool hand = bone.ends_with("Hand");
+        for (const char* finger : {"Thumb", "Index", "Middle", "Ring", "Little"}) hand |= bone.find(finger) != bone.npos;
+        wanted.push_back(hands ? hand : face);
+    }
+    for (size_t t = 0; t < avatar.mesh.triangles.size(); ++t) {
+        uint32_t on = 0;
+        for (int c = 0; c < 3; ++c)
+            for (int k = 0; k < 4; ++k)
+                if (const auto v = avatar.mesh.triangles[t][c]; wanted[avatar.mesh.jointIndices[v][k]]) on += avatar.mesh.jointWeights[v][k];
+        for (uint32_t i = avatar.splats.triangleStart[t]; i < avatar.splats.triangleStart[t + 1] && 2 * on < 3 * 255; ++i) avatar.splats.opacity[i] = 0;
+    }
+    return dpl::writeAvatar(avatar);
+}
+
 /** The file without pose correctives, or without SH beyond coefficient 0. */
 dpl::Result<std::vector<uint8_t>> without(const std::vector<uint8_t>& bytes, bool correctives) {
     DPL_TRY(dpl::AvatarData avatar, dpl::readAvatar(bytes));
@@ -125,12 +148,12 @@ std::vector<float> averaged(const Pixels& fine) {
 
 std::vector<float> floatOf(const Pixels& p) { return {p.begin(), p.end()}; }
 
-/** dB over what either covers, over mid grey. */
-double psnr(const std::vector<float>& a, const std::vector<float>& b) {
+/** dB over what either covers, over mid grey; within a region where that covers half of a pixel. */
+double psnr(const std::vector<float>& a, const std::vector<float>& b, const std::vector<float>* region = nullptr) {
     double sum = 0;
     size_t count = 0;
     for (size_t i = 0; i < a.size(); i += 4) {
-        if (a[i + 3] < 1 && b[i + 3] < 1) continue;
+        if ((a[i + 3] < 1 && b[i + 3] < 1) || (region && (*region)[i + 3] < 128)) continue;
         for (size_t c = 0; c < 3; ++c) {
             const double d = double(a[i + c]) - double(b[i + c]) - 0.5 * (double(a[i + 3]) - double(b[i + 3]));
             sum += d * d, ++count;
@@ -175,7 +198,7 @@ private:
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc < 2) return std::fprintf(stderr, "usage: bench_detail AVATAR [splats a pixel] [frames] [software|quads|tiles] [sheet.png]\n"), 2;
+    if (argc < 2) return std::fprintf(stderr, "usage: bench_detail AVATAR|SPLATS [splats a pixel] [frames] [software|quads|tiles] [sheet.png]\n"), 2;
     const float perPixel = argc > 2 ? float(std::atof(argv[2])) : DPL_DETAIL_USUAL;
     const int frames = argc > 3 ? std::max(1, std::atoi(argv[3])) : 5;
     const std::string kind = argc > 4 ? argv[4] : "software";
@@ -187,20 +210,39 @@ int main(int argc, char** argv) {
     auto avatar = context->loadAvatar(*bytes);
     auto finest = judge->loadAvatar(*bytes);
     if (!avatar || !finest) return failed(avatar ? finest.error().message : avatar.error().message);
-    const auto plainBytes = without(*bytes, false), rigidBytes = without(*bytes, true);
-    if (!plainBytes || !rigidBytes) return failed(!plainBytes ? plainBytes.error().message : rigidBytes.error().message);
-    auto plain = judge->loadAvatar(*plainBytes), rigid = judge->loadAvatar(*rigidBytes);
-    if (!plain || !rigid) return failed(!plain ? plain.error().message : rigid.error().message);
-    for (doppel::Avatar* a : {&*avatar, &*finest, &*plain, &*rigid})
-        if (auto posed = poseInClip(*a); !posed) return failed(posed.error().message);
-    const auto us = correctivesUs(*bytes);
-    if (!us) return failed(us.error().message);
     const auto info = avatar->info();
     if (!info) return failed(info.error().message);
-    if (info->jointCount == 0) return failed("general splats have no level of detail");
-    std::printf("%s, %u splats, %s, %g splats a pixel, %ux%u px, median of %d; pose correctives take %.1f us of the CPU a frame\n\n", argv[1], info->splatCount, context->rendererName().c_str(), double(perPixel), kWidthPx, kHeightPx, frames, *us);
-    std::printf("| tall, px | full: ms | splats drawn | MB read | dB to truth | alpha %% | reduced: ms | splats allowed | drawn | MB read | dB to truth | alpha %% | dB to full | all splats: without SH, dB to truth | without correctives |\n"
-                "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+    const bool posable = info->jointCount > 0;
+    std::vector<doppel::Avatar> lesser;   // without SH, without correctives
+    for (const bool correctives : {false, true}) {
+        if (!posable) break;
+        const auto less = without(*bytes, correctives);
+        if (!less) return failed(less.error().message);
+        auto loaded = judge->loadAvatar(*less);
+        if (!loaded) return failed(loaded.error().message);
+        lesser.push_back(std::move(*loaded));
+        if (auto posed = poseInClip(lesser.back()); !posed) return failed(posed.error().message);
+    }
+    std::vector<doppel::Avatar> regions;  // face, hands
+    for (const bool hands : {false, true}) {
+        if (!posable) break;
+        const auto alone = regionAlone(*bytes, hands);
+        if (!alone) return failed(alone.error().message);
+        auto loaded = judge->loadAvatar(*alone);
+        if (!loaded) return failed(loaded.error().message);
+        regions.push_back(std::move(*loaded));
+        if (auto posed = poseInClip(regions.back()); !posed) return failed(posed.error().message);
+    }
+    for (doppel::Avatar* a : {&*avatar, &*finest})
+        if (auto posed = poseInClip(*a); !posed) return failed(posed.error().message);
+    std::printf("%s, %u splats, %s, %g splats a pixel, %ux%u px, median of %d", argv[1], info->splatCount, context->rendererName().c_str(), double(perPixel), kWidthPx, kHeightPx, frames);
+    if (posable) {
+        const auto us = correctivesUs(*bytes);
+        if (!us) return failed(us.error().message);
+        std::printf("; pose correctives take %.1f us of the CPU a frame", *us);
+    }
+    std::printf("\n\n| tall, px | full: ms | splats drawn | MB read | dB to truth | alpha %% | reduced: ms | splats allowed | drawn | MB read | dB to truth | alpha %% | dB to full |%s\n|---|---|---|---|---|---|---|---|---|---|---|---|---|%s\n",
+                posable ? " all splats: without SH, dB to truth | without correctives | face, full: dB to truth | reduced | hands, full | reduced |" : "", posable ? "---|---|---|---|---|---|" : "");
     Sheet sheet;
     for (const double times : kDistances) {
         const DplCamera camera = cameraAt(*info, times, 1, 0.4), fineCamera = cameraAt(*info, times, kFiner, 0.4);
@@ -209,12 +251,23 @@ int main(int argc, char** argv) {
         if (auto set = context->setDetail(perPixel); !set) return failed(set.error().message);
         const auto reduced = draw(*avatar, camera, frames);
         const auto fine = draw(*finest, fineCamera, 1);
-        const auto noSh = draw(*plain, camera, 1), noCorrectives = draw(*rigid, camera, 1);
-        for (const auto* drawn : {&full, &reduced, &fine, &noSh, &noCorrectives})
+        for (const auto* drawn : {&full, &reduced, &fine})
             if (!*drawn) return failed(drawn->error().message);
         const std::vector<float> truth = averaged(fine->pixels), a = floatOf(full->pixels), b = floatOf(reduced->pixels);
-        std::printf("| %.0f | %.1f | %u | %.2f | %.2f | %+.2f | %.1f | %u | %u | %.2f | %.2f | %+.2f | %.2f | %.2f | %.2f |\n", kHeightPx * 0.8 / times, full->ms, full->splats, double(full->decoded) / 1e6, psnr(a, truth), swelling(a, truth),
-                    reduced->ms, reduced->allowed, reduced->splats, double(reduced->decoded) / 1e6, psnr(b, truth), swelling(b, truth), psnr(b, a), psnr(floatOf(noSh->pixels), truth), psnr(floatOf(noCorrectives->pixels), truth));
+        std::printf("| %.0f | %.1f | %u | %.2f | %.2f | %+.2f | %.1f | %u | %u | %.2f | %.2f | %+.2f | %.2f |", kHeightPx * 0.8 / times, full->ms, full->splats, double(full->decoded) / 1e6, psnr(a, truth), swelling(a, truth),
+                    reduced->ms, reduced->allowed, reduced->splats, double(reduced->decoded) / 1e6, psnr(b, truth), swelling(b, truth), psnr(b, a));
+        for (const doppel::Avatar& less : lesser) {
+            const auto drawn = draw(less, camera, 1);
+            if (!drawn) return failed(drawn.error().message);
+            std::printf(" %.2f |", psnr(floatOf(drawn->pixels), truth));
+        }
+        for (const doppel::Avatar& region : regions) {
+            const auto drawn = draw(region, camera, 1);
+            if (!drawn) return failed(drawn.error().message);
+            const std::vector<float> where = floatOf(drawn->pixels);
+            std::printf(" %.2f | %.2f |", psnr(a, truth, &where), psnr(b, truth, &where));
+        }
+        std::printf("\n");
         std::fflush(stdout);
         sheet.addRow(a, b, truth, times);
     }

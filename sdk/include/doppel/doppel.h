@@ -308,15 +308,15 @@ DPL_EXPERIMENTAL DplResult dplDrawTogether(DplContext context, const DplAvatar* 
 
 /* ---------------------------------------------------------------- level of detail */
 
-/** How many splats are drawn of avatars that cover few pixels, or of many at once. Zeros: all of them, always. What is left out is made up for by what is
+/** How many splats are drawn of avatars and general splats that cover few pixels, or of many at once. Zeros: all of them, always. What is left out is made up for by what is
  *  kept, which grows; all of it follows distance, pose and lens without steps, and both eyes of a frame show the same splats. */
 typedef struct DplDetail {
     uint32_t structSize;
-    float splatsPerPixel;    /**< of an avatar's surface, kept at least where a pixel covers more of them than that: DPL_DETAIL_USUAL (12) is hard to tell from all, 6 is a little coarser;
+    float splatsPerPixel;    /**< of a surface, kept at least where a pixel covers more of them than that: DPL_DETAIL_USUAL (12) is hard to tell from all, 6 is a little coarser;
                                   nearer, all are drawn, and the picture has the same bytes as without. 0: no level of detail by distance. Counted at the point of the avatar nearest to the
-                                  camera, for each of its regions by its own density */
-    uint32_t splatBudget;    /**< of all that one call draws, whatever the views show of it: splatsPerPixel is lowered, for all avatars alike, until they fit. 0: no limit. General splats are
-                                  always drawn in full and count against it; of an avatar at least one splat of 128 is kept, even when the budget has no room for that */
+                                  camera, for each of its regions by its own density; of general splats, which may be a room about the camera, where each region of 128 comes nearest to it */
+    uint32_t splatBudget;    /**< of all that one call draws, whatever the views show of it: splatsPerPixel is lowered, for all alike, until they fit. 0: no limit. Regions of general splats that
+                                  lie behind the cameras do not count; at least one splat of 128 is kept, even when the budget has no room for that */
 } DplDetail;
 
 #define DPL_DETAIL_USUAL 12.0f

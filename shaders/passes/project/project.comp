@@ -74,7 +74,12 @@ void main() {
     dplClearSeen(lane);
     barrier();
     uint firstSplat = dplFirstOf(group);
-    SplatShare share = dplShareOf(group, lane, frame.detail.x);
+    vec3 detail = vec3(1.0, 0.0, 1.0);  // all
+    if (frame.detail.x > 0.0) {
+        uint at = push.firstGroupDetail + 3u * group;
+        detail = vec3(frame.detail.x * uintBitsToFloat(DPL_WORD(codes, at)), uintBitsToFloat(DPL_WORD(codes, at + 1u)), uintBitsToFloat(DPL_WORD(codes, at + 2u)));
+    }
+    SplatShare share = dplShareOf(lane, detail);
     bool seen = false;
     if (share.weight > 0.0 && share.within < dplCountOf(group)) {
         BoundSplat s;

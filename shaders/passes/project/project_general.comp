@@ -18,6 +18,7 @@ layout(std430, binding = 4) buffer CountsBlock { FrameCounts counts; };
 layout(push_constant) uniform PushBlock { SplatPush push; };
 #define DPL_SEEN
 #include "shaders/lib/visibility.glsl"
+#include "shaders/lib/detail.glsl"
 
 bool showIn(ViewData view, uint slot, GeneralSplatRecord s) {
     ProjectedSplat p = dplHiddenSplat();
@@ -34,29 +35,48 @@ bool showIn(ViewData view, uint slot, GeneralSplatRecord s) {
     return p.radiusPx.y > 0.0;
 }
 
+/** Size of a pixel, metres, where the box comes nearest to the view that sees it finest. */
+float pixelM(vec3 middle, vec3 reach) {
+    vec4 a = frame.pixelPlanes[0], b = frame.pixelPlanes[1];
+    float nearest = min(dot(a.xyz, middle) + a.w - dot(abs(a.xyz), reach), dot(b.xyz, middle) + b.w - dot(abs(b.xyz), reach));
+    return nearest > frame.detail.y ? nearest : frame.detail.y;
+}
+
 void main() {
-    uint lane = gl_LocalInvocationIndex, group = gl_WorkGroupID.x, index = group * kSplatGroup + lane;
+    uint lane = gl_LocalInvocationIndex, group = gl_WorkGroupID.x, box = 4u * push.splatCount + 3u * group;
+    vec3 middle = dplFloats(DPL_FOUR(splats, box)).xyz, reach = dplFloats(DPL_FOUR(splats, box + 1u)).xyz, detail = vec3(1.0, 0.0, 1.0);  // all
+    if (frame.detail.x > 0.0) {
+        float pixel = pixelM(middle, reach);
+        detail = dplFloats(DPL_FOUR(splats, box + 2u)).xyz;
+        detail.x = frame.detail.x * (detail.x / (pixel * pixel));
+    }
+    SplatShare share = dplShareOf(lane, detail);
+    uint index = group * kSplatGroup + share.within;
     dplClearSeen(lane);
     barrier();
     if (index < push.splatCount) {
-        GeneralSplatRecord s;
-        s.centre = dplFloats(DPL_FOUR(splats, 4u * index));
-        s.axis1 = dplFloats(DPL_FOUR(splats, 4u * index + 1u));
-        s.axis2 = dplFloats(DPL_FOUR(splats, 4u * index + 2u));
-        s.axis3 = dplFloats(DPL_FOUR(splats, 4u * index + 3u));
         bool seen = false;
-        for (uint v = 0u; v < kViews; ++v) seen = showIn(frame.views[v], v * frame.flags.w + push.firstSplat + index, s) || seen;
-        if (seen) {
-            visibility[dplFirstDepth(push.allGroups) + push.firstSplat + index] = floatBitsToUint(dot(frame.sortAxis.xyz, s.centre.xyz));
-            dplSee(lane);
+        if (share.weight > 0.0) {
+            GeneralSplatRecord s;
+            s.centre = dplFloats(DPL_FOUR(splats, 4u * index));
+            s.axis1 = share.growth * dplFloats(DPL_FOUR(splats, 4u * index + 1u));
+            s.axis2 = share.growth * dplFloats(DPL_FOUR(splats, 4u * index + 2u));
+            s.axis3 = share.growth * dplFloats(DPL_FOUR(splats, 4u * index + 3u));
+            s.centre.w *= share.weight;
+            for (uint v = 0u; v < kViews; ++v) seen = showIn(frame.views[v], v * frame.flags.w + push.firstSplat + index, s) || seen;
+            if (seen) {
+                visibility[dplFirstDepth(push.allGroups) + push.firstSplat + index] = floatBitsToUint(dot(frame.sortAxis.xyz, s.centre.xyz));
+                dplSee(share.within);
+            }
+        } else {
+            for (uint v = 0u; v < kViews; ++v) projected[v * frame.flags.w + push.firstSplat + index].radiusPx = vec2(0.0);  // what the colour pass asks for
         }
     }
     barrier();
     dplWriteSeen(lane, push.allGroups, push.firstGroup + group, push.firstSplat + group * kSplatGroup);
     if (lane == 0u) {
-        uint box = 4u * push.splatCount + 2u * group;
-        float middle = dot(frame.sortAxis.xyz, dplFloats(DPL_FOUR(splats, box)).xyz), reach = dot(abs(frame.sortAxis.xyz), dplFloats(DPL_FOUR(splats, box + 1u)).xyz);
-        atomicMax(counts.depthMaxBits[push.drawn], dplOrderedBits(max(middle + reach, frame.sortAxis.w)));
-        atomicMax(counts.depthMinBitsInverted[push.drawn], ~dplOrderedBits(max(middle - reach, frame.sortAxis.w)));
+        float there = dot(frame.sortAxis.xyz, middle), either = dot(abs(frame.sortAxis.xyz), reach);
+        atomicMax(counts.depthMaxBits[push.drawn], dplOrderedBits(max(there + either, frame.sortAxis.w)));
+        atomicMax(counts.depthMinBitsInverted[push.drawn], ~dplOrderedBits(max(there - either, frame.sortAxis.w)));
     }
 }

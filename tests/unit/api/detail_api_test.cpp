@@ -2,6 +2,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sdk/format/ply.h"
+#include "tests/reference/random_avatar.h"
 #include "tests/unit/api/api_fixture.h"
 #include "tests/unit/render/tube_avatar.h"
 
@@ -75,6 +77,33 @@ TEST_F(DetailTest, aBudgetHoldsForAllThatIsDrawnTogether) {
         draw({tubes_, 1});
         EXPECT_GT(stats(tubes_[0]).splatsDrawn, together / 2) << "by itself it has the budget for itself";
     }
+}
+
+TEST_F(DetailTest, generalSplatsHaveALevelOfDetailAndShareTheBudget) {
+    StaticSplatData cloud = randomStaticSplats(3, 6000, 0);
+    for (Vec3f& p : cloud.position) p.z -= 1.5f;
+    const auto bytes = *writePly(cloud);
+    DplAvatar general = nullptr;
+    ASSERT_EQ(dplLoadAvatar(context_, bytes.data(), bytes.size(), &general), DPL_OK) << dplGetLastError();
+    const DplAvatar row[2] = {general, tubes_[0]};
+    const std::vector<uint8_t> full = draw(row);
+    EXPECT_EQ(stats(general).splatsAllowed, 6000u + 5120u);
+    ASSERT_EQ(set(0.05f), DPL_OK);
+    EXPECT_FALSE(draw({row, 1}) == full);
+    EXPECT_LT(stats(general).splatsAllowed, 4000u);
+    EXPECT_LT(stats(general).detailShare, 0.7f);
+    for (const uint32_t budget : {8000u, 2000u, 400u}) {
+        ASSERT_EQ(set(0, budget), DPL_OK);
+        draw(row);
+        EXPECT_LE(stats(general).splatsAllowed, budget);
+        EXPECT_GE(stats(general).splatsAllowed, budget * 95 / 100);
+        EXPECT_LE(stats(general).splatsDrawn, budget);
+    }
+    EXPECT_LT(stats(general).detailShare, 0.1f);
+    EXPECT_LT(stats(tubes_[0]).detailShare, 0.1f);
+    ASSERT_EQ(set(0), DPL_OK);
+    EXPECT_EQ(draw(row), full);
+    EXPECT_EQ(dplDestroyAvatar(general), DPL_OK);
 }
 
 TEST_F(DetailTest, whatIsNoLevelOfDetailIsRefusedAndChangesNothing) {

@@ -4,7 +4,9 @@
 
 #include "apps/doppel/count_allocations.h"
 #include "sdk/format/avatar_file.h"
+#include "sdk/format/ply.h"
 #include "sdk/include/doppel/doppel.h"
+#include "tests/reference/random_avatar.h"
 #include "tests/unit/format/sample_correctives.h"
 #include "tests/unit/render/tube_avatar.h"
 
@@ -116,6 +118,18 @@ void expectWarmFramesAreFree(DplRenderer renderer, DplFill fill = DPL_FILL_AUTO)
     EXPECT_EQ(playFrames(context, avatar, 18, 2, DPL_DRAW_MESH_DEPTH, false, other), 0u) << "two avatars together";
     EXPECT_EQ(playFrames(context, avatar, 18, 2, DPL_DRAW_MESH_DEPTH, false, other, true), 0u) << "two avatars and a level of detail that changes";
     EXPECT_EQ(waits(avatar), waited) << "two avatars together";
+    const std::vector<uint8_t> cloud = *writePly(randomStaticSplats(3, 3000, 1));
+    DplAvatar general = nullptr;
+    ASSERT_EQ(dplLoadAvatar(context, cloud.data(), cloud.size(), &general), DPL_OK) << dplGetLastError();
+    playFrames(context, avatar, 9, 2, 0, false, general);
+    const uint64_t waitedGeneral = waits(avatar);
+    EXPECT_EQ(playFrames(context, avatar, 18, 2, 0, false, general, true), 0u) << "general splats and a level of detail that changes";
+    EXPECT_EQ(waits(avatar), waitedGeneral) << "general splats and a level of detail that changes";
+    DplFrameStats stats{};
+    stats.structSize = sizeof stats;
+    ASSERT_EQ(dplGetFrameStats(general, &stats), DPL_OK);
+    EXPECT_LT(stats.detailShare, 0.7f) << "nothing was left out";
+    EXPECT_EQ(dplDestroyAvatar(general), DPL_OK);
     EXPECT_EQ(dplDestroyAvatar(other), DPL_OK);
     EXPECT_EQ(dplDestroyAvatar(avatar), DPL_OK);
     EXPECT_EQ(dplDestroyContext(context), DPL_OK);

@@ -8,6 +8,8 @@
 
 #include "sdk/format/splat_codec.h"
 #include "sdk/format/splat_detail.h"
+#include "sdk/format/spatial_order.h"
+#include "sdk/math/projection.h"
 #include "tests/reference/random_avatar.h"
 
 namespace dpl {
@@ -18,7 +20,7 @@ struct Subject {
     CodedSplats splats;
     DetailSubject subject;
     explicit Subject(AvatarData a) : avatar(std::move(a)), splats(*codeSplats(avatar.mesh, avatar.splats)) {
-        measureGroups(avatar.mesh, splats);
+        measureDetail(avatar, splats);
         subject = DetailSubject(avatar, splats);
     }
     explicit Subject(uint32_t seed, uint32_t perTriangle = 5) : Subject(randomAvatar(seed, 9, perTriangle, 1)) {}
@@ -41,6 +43,31 @@ struct Subject {
         forGroups([&](uint32_t, uint32_t count, const SplatGroup& g) { 
             for (uint32_t rank = 0, most = drawnRanks(keptShare(perM2, g.areaM2)); rank < most; ++rank) sum += placeOfRank(rank) < count ? 1 : 0;
         });
+        return sum;
+    }
+};
+
+/** General splats about (0, 1, 0), a metre across, the last half-chunk not full. */
+struct Cloud {
+    GeneralDetailSubject subject;
+    explicit Cloud(uint32_t seed, uint32_t count = 3005) {
+        StaticSplatData splats = randomStaticSplats(seed, count, 0);
+        for (Vec3f& p : splats.position) p.y += 1;
+        subject = GeneralDetailSubject(measureGroups(splats, spatialOrder(splats.position)), count);
+    }
+    /** Of half-chunks that reach before the cameras. */
+    uint64_t drawn(const GeneralDetail& detail, std::span<const Cameraf> views) const {
+        uint64_t sum = 0;
+        for (size_t g = 0; g < subject.groups().size(); ++g) {
+            const GeneralGroup& group = subject.groups()[g];
+            bool ahead = false;
+            for (const Cameraf& view : views)
+                for (int corner = 0; corner < 8; ++corner)
+                    ahead |= view.toView(group.middle + group.reach * Vec3f(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1)).z >= float(kNearM);
+            const float pixelM = detail.pixelM(group.middle, group.reach);
+            const uint32_t count = std::min<uint32_t>(kSplatGroupSize, subject.splatCount() - uint32_t(g) * kSplatGroupSize);
+            for (uint32_t rank = 0, most = ahead ? drawnRanks(keptShare(detail.perPixel, group.detail.areaM2 / (pixelM * pixelM))) : 0; rank < most; ++rank) sum += placeOfRank(rank) < count ? 1 : 0;
+        }
         return sum;
     }
 };
@@ -87,10 +114,11 @@ TEST(SplatGroups, nothingVisibleNothingBound) {
             EXPECT_TRUE(most >= 0 && most <= s.splats.count()) << most;
         }
         const Cameraf camera = lookAt({0, 1, 3}, {0, 1, 0}, 100, 100, 120);
-        const DetailRequest request{&s.subject, s.pixelM(s.rest(), {&camera, 1})};
-        EXPECT_TRUE(request.pixelM > 0 && std::isfinite(request.pixelM));
-        SplatDetail out;
-        EXPECT_LE(chooseDetail({4, 100}, {&request, 1}, 0, {&out, 1}), s.splats.count());
+        std::vector<Mat3x4f> joints;
+        jointTransforms(s.avatar.joints, s.rest(), joints);
+        DetailMember member{&s.subject, joints};
+        EXPECT_LE(chooseDetails({4, 100}, {&camera, 1}, {&member, 1}), s.splats.count());
+        EXPECT_TRUE(member.pixelM > 0 && std::isfinite(member.pixelM));
     }
 }
 
@@ -111,38 +139,137 @@ TEST(Detail, theCurveIsNeverBelowWhatIsDrawnAndRisesWithoutSteps) {
     EXPECT_GT(s.subject.largestGrowth(1), 1.2f);
 }
 
+TEST(SplatGroups, faceAndHandsKeepMoreWithinTheSameNumber) {
+    const Subject plain(4, 9);
+    for (const auto& [bone, times] : {std::pair{"head", 3.0f}, {"rightEye", 3.0f}, {"rightHand", 2.0f}, {"leftLittleDistal", 2.0f}, {"chest", 1.0f}}) {
+        AvatarData avatar = plain.avatar;
+        avatar.joints[1].humanoidBone = bone;
+        for (auto& w : avatar.mesh.jointWeights) w = w[1] > 127 ? glm::u8vec4(0, 255, 0, 0) : glm::u8vec4(255, 0, 0, 0);   // each on one joint
+        for (auto& j : avatar.mesh.jointIndices) j = {0, 1, 60000, 60000};   // what weighs nothing is not looked up
+        const Subject s(std::move(avatar));
+        double area = 0, plainArea = 0;
+        float least = INFINITY, most = 0;
+        for (size_t g = 0; g < s.splats.groups.size(); ++g) {
+            const SplatChunk& c = s.splats.chunks[g / 2];
+            const uint32_t before = std::min<uint32_t>(c.splatCount, g % 2 * kSplatGroupSize), count = std::min(kSplatGroupSize, c.splatCount - before);
+            if (count == 0) continue;
+            area += double(s.splats.groups[g].areaM2) * count, plainArea += double(plain.splats.groups[g].areaM2) * count;
+            const float ratio = s.splats.groups[g].areaM2 / plain.splats.groups[g].areaM2;
+            least = std::min(least, ratio), most = std::max(most, ratio);
+            EXPECT_EQ(s.splats.groups[g].gain, plain.splats.groups[g].gain);
+            EXPECT_EQ(s.splats.groups[g].enough, plain.splats.groups[g].enough);
+        }
+        EXPECT_NEAR(area / plainArea, 1, 1e-5) << bone;
+        if (times == 1) {
+            EXPECT_EQ(least, 1) << bone;
+            EXPECT_EQ(most, 1) << bone;
+        } else {
+            EXPECT_NEAR(double(most / least), double(times), 0.02) << bone;
+        }
+        EXPECT_EQ(s.drawn(INFINITY), s.splats.count());
+    }
+}
+
+TEST(SplatGroups, ofGeneralSplatsStandForTheSurfaceTheyLieOn) {
+    // A square of 2 m with a splat every 2 cm, and one that is crumpled into a ball, which is seen from all sides.
+    StaticSplatData flat;
+    for (int i = 0; i < 10000; ++i) {
+        flat.position.emplace_back(0.02f * float(i % 100), 0.02f * float(i / 100), 1), flat.rotation.emplace_back(glm::normalize(Quatf(1, 0.2f, 0, 0.1f)));
+        flat.scaleM.emplace_back(1e-4f), flat.opacity.push_back(0.5f), flat.sh.insert(flat.sh.end(), {1, 1, 1});
+    }
+    double area = 0;
+    const std::vector<GeneralGroup> groups = measureGroups(flat, spatialOrder(flat.position));
+    for (size_t g = 0; g < groups.size(); ++g) area += double(groups[g].detail.areaM2) * std::min<double>(kSplatGroupSize, 10000 - double(g) * kSplatGroupSize);
+    EXPECT_EQ(groups.size(), 79u);
+    EXPECT_GT(area, 3.9);
+    EXPECT_LT(area, 8);   // some half-chunks lie in two places
+    // One large splat stands for its own size, wherever its neighbours are.
+    StaticSplatData one = flat;
+    std::fill(one.position.begin(), one.position.end(), Vec3f(0));
+    std::fill(one.scaleM.begin(), one.scaleM.end(), Vec3f(0.5f, 0.2f, 0));
+    const SplatGroup large = measureGroups(one, spatialOrder(one.position))[3].detail;
+    EXPECT_NEAR(double(large.areaM2) * kSplatGroupSize, 12 * 0.5 * 0.2, 1e-5);
+    EXPECT_TRUE(large.enough > 0 && large.enough < 0.2f) << "128 in one place, of which a few are enough: " << large.enough;
+    // What is not finite or not seen leaves the numbers finite.
+    one.position[7].x = INFINITY, one.scaleM[9].y = NAN;
+    for (const GeneralGroup& g : measureGroups(one, spatialOrder(one.position))) EXPECT_TRUE(std::isfinite(g.detail.areaM2) && std::isfinite(g.detail.gain) && std::isfinite(g.detail.enough));
+    std::fill(one.opacity.begin(), one.opacity.end(), 0.0f);
+    for (const GeneralGroup& g : measureGroups(one, spatialOrder(one.position))) EXPECT_EQ(g.detail.areaM2, 0);
+}
+
+TEST(Detail, theSumOfGeneralSplatsIsNeverBelowWhatIsDrawnAndMovesWithoutSteps) {
+    Cloud cloud(2);
+    for (const float distanceM : {0.1f, 1.0f, 4.0f, 20.0f}) {
+        const Cameraf pair[2] = {lookAt({0, 1, distanceM}, {0, 1, -9}, 200, 200, 240), lookAt({0.1f, 1, distanceM}, {1, 1, -9}, 200, 200, 240)};
+        cloud.subject.look(pair);
+        double before = 0;
+        for (double perPixel = 1e-4; perPixel < 1e4; perPixel *= 1.1) {
+            const double most = cloud.subject.drawnAtMost(perPixel), drawn = double(cloud.drawn(cloud.subject.detail(float(perPixel)), pair));
+            EXPECT_GE(most + 1e-6, drawn) << distanceM << " " << perPixel;
+            EXPECT_GE(most, before);
+            if (distanceM > 3) { EXPECT_LE(most, 1.03 * drawn + double(cloud.subject.groups().size() + kSplatGroupSize)) << distanceM << " " << perPixel; }
+            before = most;
+        }
+        EXPECT_EQ(cloud.subject.drawnAtMost(INFINITY), cloud.subject.splatCount());
+        if (distanceM > 3) { EXPECT_EQ(cloud.subject.drawnAtMost(1e9), cloud.subject.splatCount()); }
+    }
+    // Through the cloud and out of it behind.
+    const auto largestStep = [&](float stepM) {
+        double largest = 0, before = -1;
+        for (float z = 4; z > -4; z -= stepM) {
+            const Cameraf view = lookAt({0, 1, z}, {0, 1, -9}, 200, 200, 240);
+            cloud.subject.look({&view, 1});
+            const double most = cloud.subject.drawnAtMost(0.3);
+            if (before >= 0) largest = std::max(largest, std::abs(most - before));
+            before = most;
+        }
+        EXPECT_EQ(before, 0) << "all are behind the camera";
+        return largest;
+    };
+    const double coarse = largestStep(0.02f), fine = largestStep(0.005f);
+    EXPECT_GT(coarse, 5);
+    EXPECT_LT(coarse, 150);
+    EXPECT_LT(fine, 0.5 * coarse);
+}
+
 TEST(Detail, oneBudgetLowersAllAlike) {
     const Subject near(1, 9), far(2, 9);
     const Cameraf camera = lookAt({0, 1, 3}, {0, 1, 0}, 200, 200, 240);
     Pose away = far.rest();
     away.rootTranslation = {0.5f, 0, -6};
-    const DetailRequest requests[2] = {{&near.subject, near.pixelM(near.rest(), {&camera, 1})}, {&far.subject, far.pixelM(away, {&camera, 1})}};
-    EXPECT_GT(requests[1].pixelM, 2.5 * requests[0].pixelM);
-    SplatDetail out[2];
-    const uint64_t all = near.splats.count() + far.splats.count();
-    EXPECT_EQ(chooseDetail({}, requests, 7, out), all + 7);
-    EXPECT_TRUE(out[0].full() && out[1].full());
-    EXPECT_EQ(chooseDetail({0, uint32_t(all + 7)}, requests, 7, out), all + 7);
-    EXPECT_TRUE(out[0].full() && out[1].full()) << "it fits";
-    for (const uint32_t budget : {2000u, 1000u, 300u}) {
+    Cloud cloud(1);
+    std::vector<Mat3x4f> joints[2];
+    jointTransforms(near.avatar.joints, near.rest(), joints[0]), jointTransforms(far.avatar.joints, away, joints[1]);
+    DetailMember out[3] = {{&near.subject, joints[0]}, {&far.subject, joints[1]}, {nullptr, {}, &cloud.subject}};
+    const auto choose = [&](const DetailOptions& options) { return chooseDetails(options, {&camera, 1}, out); };
+    const uint64_t all = near.splats.count() + far.splats.count() + cloud.subject.splatCount();
+    EXPECT_EQ(choose({}), all);
+    EXPECT_TRUE(out[0].detail.full() && out[1].detail.full() && out[2].generalDetail.full());
+    EXPECT_EQ(choose({0, uint32_t(all)}), all);
+    EXPECT_TRUE(out[0].detail.full() && out[1].detail.full() && out[2].generalDetail.full()) << "it fits";
+    EXPECT_EQ(out[0].pixelM, near.pixelM(near.rest(), {&camera, 1}));
+    EXPECT_GT(out[1].pixelM, 2.5 * out[0].pixelM);
+    for (const uint32_t budget : {4000u, 1500u, 500u}) {
         for (const float perPixel : {0.0f, 1e9f}) {
-            const uint64_t allowed = chooseDetail({perPixel, budget}, requests, 100, out);
+            const uint64_t allowed = choose({perPixel, budget});
             EXPECT_LE(allowed, budget);
             EXPECT_GT(allowed, budget * 95 / 100);
-            EXPECT_LE(near.drawn(out[0].perM2) + far.drawn(out[1].perM2) + 100, budget);
-            // As many splats a pixel on both.
-            const double a = double(out[0].perM2) * requests[0].pixelM * requests[0].pixelM, b = double(out[1].perM2) * requests[1].pixelM * requests[1].pixelM;
+            EXPECT_LE(near.drawn(out[0].detail.perM2) + far.drawn(out[1].detail.perM2) + cloud.drawn(out[2].generalDetail, {&camera, 1}), budget);
+            EXPECT_LT(out[2].share, 1);
+            // As many splats a pixel on all.
+            EXPECT_NEAR(double(out[0].detail.perM2) * out[0].pixelM * out[0].pixelM / double(out[2].generalDetail.perPixel), 1, 1e-4);
+            const double a = double(out[0].detail.perM2) * out[0].pixelM * out[0].pixelM, b = double(out[1].detail.perM2) * out[1].pixelM * out[1].pixelM;
             EXPECT_NEAR(a / b, 1, 1e-4);
         }
     }
     // A generous budget changes nothing about the level of detail; one that nothing fits leaves a splat of 128.
-    SplatDetail wanted[2];
-    const uint64_t asked = chooseDetail({2, 0}, requests, 0, wanted);
+    const uint64_t asked = choose({2, 0});
+    const float wanted = out[0].detail.perM2;
     EXPECT_LT(asked, all);
-    EXPECT_EQ(chooseDetail({2, uint32_t(asked)}, requests, 0, out), asked);
-    EXPECT_EQ(out[0].perM2, wanted[0].perM2);
-    EXPECT_GT(chooseDetail({2, 1}, requests, 5000, out), 5000u);
-    EXPECT_GE(near.drawn(out[0].perM2), near.splats.chunks.size());
+    EXPECT_EQ(choose({2, uint32_t(asked)}), asked);
+    EXPECT_EQ(out[0].detail.perM2, wanted);
+    EXPECT_GE(choose({2, 1}), near.splats.chunks.size() + far.splats.chunks.size() + cloud.subject.groups().size());
+    EXPECT_GE(near.drawn(out[0].detail.perM2), near.splats.chunks.size());
 }
 
 TEST(Detail, theNearestPointInTheFinestViewDecides) {

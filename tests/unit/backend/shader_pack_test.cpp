@@ -40,7 +40,7 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
     using namespace gpu;
     expectLayout("ViewData", sizeof(ViewData), {DPL_AT(ViewData, viewFromWorldRow0), DPL_AT(ViewData, viewFromWorldRow1), DPL_AT(ViewData, viewFromWorldRow2),
                                                 DPL_AT(ViewData, focalCentrePx), DPL_AT(ViewData, slopeLimits), DPL_AT(ViewData, eyeWorld)});
-    expectLayout("FrameData", sizeof(FrameData), {DPL_AT(FrameData, views), DPL_AT(FrameData, sortAxis), DPL_AT(FrameData, target), DPL_AT(FrameData, flags), DPL_AT(FrameData, detail)});
+    expectLayout("FrameData", sizeof(FrameData), {DPL_AT(FrameData, views), DPL_AT(FrameData, sortAxis), DPL_AT(FrameData, target), DPL_AT(FrameData, flags), DPL_AT(FrameData, detail), DPL_AT(FrameData, pixelPlanes)});
     expectLayout("TriangleRecord", sizeof(TriangleRecord), {DPL_AT(TriangleRecord, restT1), DPL_AT(TriangleRecord, restT2), DPL_AT(TriangleRecord, restNormal), DPL_AT(TriangleRecord, corners), DPL_AT(TriangleRecord, reach),
                  DPL_AT(TriangleRecord, rootLevel), DPL_AT(TriangleRecord, freeSplats), DPL_AT(TriangleRecord, gatedSplats)});
     expectLayout("TriangleFrame", sizeof(TriangleFrame), {DPL_AT(TriangleFrame, corner0), DPL_AT(TriangleFrame, corner1), DPL_AT(TriangleFrame, corner2), DPL_AT(TriangleFrame, column0), DPL_AT(TriangleFrame, column1)});
@@ -48,7 +48,7 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
     static_assert(offsetof(VertexRecord, joints01) == 12 && offsetof(VertexRecord, joints23) == 16 && offsetof(VertexRecord, weights) == 20 && sizeof(VertexRecord) == 32);
     static_assert(offsetof(CorrectedVertexRecord, joints01) == 12 && offsetof(CorrectedVertexRecord, weights) == 20 && offsetof(CorrectedVertexRecord, nodes01) == 24 && offsetof(CorrectedVertexRecord, nodes23) == 28 && offsetof(CorrectedVertexRecord, nodeWeights) == 32 && sizeof(CorrectedVertexRecord) == 48);
     static_assert(offsetof(TriangleRecord, corners) == 48 && offsetof(TriangleRecord, reach) == 64 && offsetof(TriangleRecord, rootLevel) == 68 && offsetof(TriangleRecord, freeSplats) == 72 && offsetof(TriangleRecord, gatedSplats) == 76);
-    static_assert(offsetof(GroupBox, reach) == 16 && sizeof(GeneralSplatRecord) == 64 && sizeof(GroupBox) == 32);
+    static_assert(offsetof(GroupBox, reach) == 16 && offsetof(GroupBox, detail) == 32 && sizeof(GeneralSplatRecord) == 64 && sizeof(GroupBox) == 48);
     static_assert(offsetof(GeneralSplatRecord, axis1) == 16 && offsetof(GeneralSplatRecord, axis2) == 32 && offsetof(GeneralSplatRecord, axis3) == 48);
     static_assert(offsetof(ProjectedSplat, look) == 16 && offsetof(ProjectedSplat, radiusPx) == 32 && sizeof(ProjectedSplat) == 48 && sizeof(TriangleFrame) == 80);
     expectLayout("ProjectedSplat", sizeof(ProjectedSplat), {DPL_AT(ProjectedSplat, place), DPL_AT(ProjectedSplat, look), DPL_AT(ProjectedSplat, radiusPx), DPL_AT(ProjectedSplat, pad0), DPL_AT(ProjectedSplat, pad1)});

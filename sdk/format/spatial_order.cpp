@@ -1,4 +1,4 @@
-#include "sdk/render/spatial_order.h"
+#include "sdk/format/spatial_order.h"
 
 #include <algorithm>
 #include <cmath>
