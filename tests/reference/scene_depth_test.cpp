@@ -68,7 +68,7 @@ TEST(SceneDepth, equalDepthIsSeenAndTheNextFloatBeforeItHides) {
     engine.blend(image, {.sceneDepthM = scene});
     size_t seen = 0;
     for (size_t i = 0; i < scene.size(); ++i) {
-        if (i % 2 == 0) ASSERT_EQ(image.alpha[i], 0.0f);
+        if (i % 2 == 0) { ASSERT_EQ(image.alpha[i], 0.0f); }
         seen += image.alpha[i] > 0.1f;
     }
     EXPECT_GT(seen, 20u);

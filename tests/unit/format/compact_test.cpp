@@ -103,7 +103,7 @@ TEST(CompactSplats, loadToTheSameWordsAsAFileOfWords) {
                 EXPECT_LE(compact->size(), plain->size());
                 const AvatarInfo info = *inspectAvatar(*compact);
                 const bool tooFew = bits.uv == 1;
-                if (bits != SplatBits()) EXPECT_EQ(info.splatEncoding, tooFew ? (palette && degree ? 2u : 1u) : 3u) << "less than 4 bytes a splat would be an invitation to exhaust memory";
+                if (bits != SplatBits()) { EXPECT_EQ(info.splatEncoding, tooFew ? (palette && degree ? 2u : 1u) : 3u) << "less than 4 bytes a splat would be an invitation to exhaust memory"; }
                 EXPECT_TRUE(sameWords(wordsOf(*plain), wordsOf(*compact))) << "degree " << degree << ", " << int(bits.uv) << " bits";
                 if (info.splatEncoding != 3) continue;
                 EXPECT_EQ(info.bits, bits);
