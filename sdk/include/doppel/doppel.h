@@ -104,7 +104,7 @@ typedef enum DplRenderer {
 
 typedef enum DplContextFlag {
     DPL_CONTEXT_WITHOUT_CULLING = 1, /**< for measuring: no tier of culling on the GPU. Splats that are turned away, or too faint to be seen, are sorted and drawn as well and add nothing; same pictures */
-    DPL_CONTEXT_WITHOUT_SHARED_STEREO = 2, /**< for measuring: the GPU draws two views as two frames, each with its own pose, culling and order; where the axes are parallel the pictures agree within a level */
+    DPL_CONTEXT_WITHOUT_SHARED_STEREO = 2, /**< for measuring: the GPU draws two views as two frames, each with its own pose, culling and order; where the axes are parallel the pictures are the same */
     DPL_CONTEXT_WITHOUT_DEPTH_QUANTISATION = 4, /**< for measuring: the GPU sorts by 32-bit float depths and not by 16 bits of the visible interval (24 for general splats that reach beyond 8 m) */
     DPL_CONTEXT_FORCE_INT32 = 0x7fffffff
 } DplContextFlag;
