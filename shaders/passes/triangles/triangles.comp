@@ -1,6 +1,6 @@
 // One posed frame a triangle: corners, the columns of F, the polar rotation and the brightness (sdk/math/binding.h); and which views may show
 // its splats: those whose frustum it touches (lib/cull.glsl), for single-face splats only those on its front side, where their gate is above 0.
-// Triangles of components that no view sees are marked so, and nothing more of them is read or written.
+// Of triangles of components that no view sees nothing more is read, and no view shows them.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -43,56 +43,55 @@ void main() {
     uint lane = gl_LocalInvocationIndex, index = gl_WorkGroupID.x * kVertexGroup + lane;
     if (lane < 2u) groupTriangles[lane] = groupSplats[lane] = 0u;
     barrier();
-    uvec4 corners = index < push.triangleCount ? DPL_FOUR(triangles, 5u * index + 3u) : uvec4(0u);
-    bool seen = corners.w == 0u || (frame.flags.y >> (corners.w - 1u) & 1u) == 0u;
-    if (!seen) frames[index].corner0.w = 0u;
-    if (index < push.triangleCount && seen) {
-        TriangleRecord rest;
-        rest.restT1 = dplFloats(DPL_FOUR(triangles, 5u * index));
-        rest.restT2 = dplFloats(DPL_FOUR(triangles, 5u * index + 1u));
-        rest.restNormal = dplFloats(DPL_FOUR(triangles, 5u * index + 2u));
-        rest.corners = corners;
-        uvec4 last = DPL_FOUR(triangles, 5u * index + 4u);
-        rest.reach = uintBitsToFloat(last.x);
-        rest.rootLevel = uintBitsToFloat(last.y);
-        rest.freeSplats = last.z;
-        rest.gatedSplats = last.w;
-        vec4 corner0 = dplFloats(DPL_FOUR(posed, rest.corners.x)), corner1 = dplFloats(DPL_FOUR(posed, rest.corners.y)), corner2 = dplFloats(DPL_FOUR(posed, rest.corners.z));  // w: brightness
-        vec3 v0 = corner0.xyz, v1 = corner1.xyz, v2 = corner2.xyz;
+    if (index < push.triangleCount) {
         TriangleFrame f;
         f.corner0 = f.corner1 = f.corner2 = f.column0 = f.column1 = uvec4(0u);
-        vec3 d1 = v1 - v0, d2 = v2 - v0, d3 = v2 - v1;
-        vec3 normal = cross(d1, d2);
-        float doubleArea = length(normal);
-        float longest2 = max(dot(d1, d1), max(dot(d2, d2), dot(d3, d3)));
-        if (rest.corners.w != 0u && doubleArea > 2.0 * kGpuMinTriangleAreaM2 && longest2 < kGpuMaxTriangleAspect * doubleArea) {
-            vec3 f0 = d1 * rest.restT1.w;
-            vec3 f1 = d1 * rest.restT2.w + d2 * rest.restNormal.w;
-            normal /= doubleArea;
-            // Polar rotation of the 2×2 map between the frames. t1 runs along d1, so m10 = t2·F0 = 0.
-            vec3 t1 = normalize(d1), t2 = cross(normal, t1);
-            float sine = -dot(t1, f1), cosine = dot(t1, f0) + dot(t2, f1);
-            float radius = sqrt(sine * sine + cosine * cosine);
-            float c = radius > 1e-12 ? cosine / radius : 1.0, s = radius > 1e-12 ? sine / radius : 0.0;
-            mat3 turned = mat3(c * t1 + s * t2, c * t2 - s * t1, normal);
-            mat3 worldFromRest = turned * transpose(mat3(rest.restT1.xyz, rest.restT2.xyz, rest.restNormal.xyz));
-            vec4 turn = quaternionOf(worldFromRest);
-            float reach = rest.reach * frame.detail.y * dplLargestStretch(f0, f1) * 1.0001;  // the factor: float rounding
-            uint shown = 0u;
-            for (uint v = 0u; v < kViews; ++v) shown |= shownIn(frame.views[v], v0, v1, v2, normal, reach, rest.rootLevel) << v;
-            f.corner0 = bitsOf(v0, shown);
-            f.corner1 = bitsOf(v1, packSnorm2x16(turn.xy));
-            f.corner2 = bitsOf(v2, packSnorm2x16(turn.zw));
-            f.column0 = bitsOf(f0, packHalf2x16(vec2(corner0.w, corner1.w)));
-            f.column1 = bitsOf(f1, packHalf2x16(vec2(corner2.w, 0.0)));
-            uint facing = (shown != 0u ? rest.freeSplats : 0u) + (shown >= kShowsGated ? rest.gatedSplats : 0u);
-            if (shown != 0u && rest.freeSplats + rest.gatedSplats != 0u) {
-                atomicAdd(groupTriangles[0], 1u);
-                atomicAdd(groupSplats[0], rest.freeSplats + rest.gatedSplats);
-            }
-            if (facing != 0u) {
-                atomicAdd(groupTriangles[1], 1u);
-                atomicAdd(groupSplats[1], facing);
+        TriangleRecord rest;
+        rest.corners = DPL_FOUR(triangles, 5u * index + 3u);
+        if (rest.corners.w != 0u && (frame.flags.y >> (rest.corners.w - 1u) & 1u) == 0u) {
+            rest.restT1 = dplFloats(DPL_FOUR(triangles, 5u * index));
+            rest.restT2 = dplFloats(DPL_FOUR(triangles, 5u * index + 1u));
+            rest.restNormal = dplFloats(DPL_FOUR(triangles, 5u * index + 2u));
+            uvec4 last = DPL_FOUR(triangles, 5u * index + 4u);
+            rest.reach = uintBitsToFloat(last.x);
+            rest.rootLevel = uintBitsToFloat(last.y);
+            rest.freeSplats = last.z;
+            rest.gatedSplats = last.w;
+            vec4 corner0 = dplFloats(DPL_FOUR(posed, rest.corners.x)), corner1 = dplFloats(DPL_FOUR(posed, rest.corners.y)), corner2 = dplFloats(DPL_FOUR(posed, rest.corners.z));  // w: brightness
+            vec3 v0 = corner0.xyz, v1 = corner1.xyz, v2 = corner2.xyz;
+            vec3 d1 = v1 - v0, d2 = v2 - v0, d3 = v2 - v1;
+            vec3 normal = cross(d1, d2);
+            float doubleArea = length(normal);
+            float longest2 = max(dot(d1, d1), max(dot(d2, d2), dot(d3, d3)));
+            if (doubleArea > 2.0 * kGpuMinTriangleAreaM2 && longest2 < kGpuMaxTriangleAspect * doubleArea) {
+                vec3 f0 = d1 * rest.restT1.w;
+                vec3 f1 = d1 * rest.restT2.w + d2 * rest.restNormal.w;
+                normal /= doubleArea;
+                // Polar rotation of the 2×2 map between the frames. t1 runs along d1, so m10 = t2·F0 = 0.
+                vec3 t1 = normalize(d1), t2 = cross(normal, t1);
+                float sine = -dot(t1, f1), cosine = dot(t1, f0) + dot(t2, f1);
+                float radius = sqrt(sine * sine + cosine * cosine);
+                float c = radius > 1e-12 ? cosine / radius : 1.0, s = radius > 1e-12 ? sine / radius : 0.0;
+                mat3 turned = mat3(c * t1 + s * t2, c * t2 - s * t1, normal);
+                mat3 worldFromRest = turned * transpose(mat3(rest.restT1.xyz, rest.restT2.xyz, rest.restNormal.xyz));
+                vec4 turn = quaternionOf(worldFromRest);
+                float reach = rest.reach * frame.detail.y * dplLargestStretch(f0, f1) * 1.0001;  // the factor: float rounding
+                uint shown = 0u;
+                for (uint v = 0u; v < kViews; ++v) shown |= shownIn(frame.views[v], v0, v1, v2, normal, reach, rest.rootLevel) << v;
+                f.corner0 = bitsOf(v0, shown);
+                f.corner1 = bitsOf(v1, packSnorm2x16(turn.xy));
+                f.corner2 = bitsOf(v2, packSnorm2x16(turn.zw));
+                f.column0 = bitsOf(f0, packHalf2x16(vec2(corner0.w, corner1.w)));
+                f.column1 = bitsOf(f1, packHalf2x16(vec2(corner2.w, 0.0)));
+                uint facing = (shown != 0u ? rest.freeSplats : 0u) + (shown >= kShowsGated ? rest.gatedSplats : 0u);
+                if (shown != 0u && rest.freeSplats + rest.gatedSplats != 0u) {
+                    atomicAdd(groupTriangles[0], 1u);
+                    atomicAdd(groupSplats[0], rest.freeSplats + rest.gatedSplats);
+                }
+                if (facing != 0u) {
+                    atomicAdd(groupTriangles[1], 1u);
+                    atomicAdd(groupSplats[1], facing);
+                }
             }
         }
         frames[index] = f;
