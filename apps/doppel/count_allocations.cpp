@@ -8,11 +8,13 @@
 namespace dpl {
 namespace {
 
-std::atomic<bool> counting{false};
+enum Counting : int { kNobody, kAll, kOwn };
+std::atomic<int> counting{kNobody};
+thread_local bool own = false;
 std::atomic<uint64_t> allocations{0};
 
 void* countedMemory(size_t bytes, size_t alignment = alignof(std::max_align_t)) {
-    if (counting.load(std::memory_order_relaxed)) allocations.fetch_add(1, std::memory_order_relaxed);
+    if (const int who = counting.load(std::memory_order_relaxed); who == kAll || (who == kOwn && own)) allocations.fetch_add(1, std::memory_order_relaxed);
     void* memory = alignment > alignof(std::max_align_t) ? std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment) : std::malloc(bytes ? bytes : 1);
     if (!memory) throw std::bad_alloc();
     return memory;
@@ -20,11 +22,14 @@ void* countedMemory(size_t bytes, size_t alignment = alignof(std::max_align_t)) 
 
 }  // namespace
 
-AllocationCount::AllocationCount() : before_(allocations) { counting = true; }
-AllocationCount::~AllocationCount() { counting = false; }
+AllocationCount::AllocationCount(CountedThreads threads) : before_(allocations) {
+    own = true;
+    counting = threads == CountedThreads::All ? kAll : kOwn;
+}
+AllocationCount::~AllocationCount() { stop(); }
 
 uint64_t AllocationCount::stop() {
-    counting = false;
+    counting = kNobody, own = false;
     return allocations - before_;
 }
 

@@ -6,10 +6,13 @@
 
 namespace dpl {
 
-/** Counts from its construction to its end or stop(). One at a time; of all threads. */
+/** Own: of the thread that counts. A driver that plays the GPU compiles kernels on threads of its own whenever it likes, which is no allocation of a frame. */
+enum class CountedThreads { All, Own };
+
+/** Counts from its construction to its end or stop(). One at a time. */
 class AllocationCount {
 public:
-    AllocationCount();
+    explicit AllocationCount(CountedThreads threads = CountedThreads::All);
     ~AllocationCount();
     AllocationCount(const AllocationCount&) = delete;
     AllocationCount& operator=(const AllocationCount&) = delete;
