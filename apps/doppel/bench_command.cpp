@@ -52,7 +52,7 @@ Status bench(const BenchOptions& options) {
             addPoint(plot, c, test);
         }
         worth.add(test, list);
-        model += modelOf(test, list, subject, referee.hasPoseCorrectives(), {options.model.first, options.model.second});
+        model += modelOf(test, list, subject, referee.hasPoseCorrectives(), options.model);
         if (warm) warm = checkWarmFrames(list, test);
     }
     std::printf("%s: %u splats, %zu bytes in the file\n\n%s", options.avatar.c_str(), subject.info.splatCount, subject.bytes.size(), text.framesTable().c_str());
@@ -65,7 +65,7 @@ Status bench(const BenchOptions& options) {
     if (auto chosen = raced ? doppel::Context::create(DPL_RENDERER_VULKAN) : doppel::Error{}) std::printf("What --fill auto chooses on this device: %s\n", chosen->rendererName().c_str());
     if (!model.empty())
         std::printf("\nA MODEL, NOT A MEASUREMENT (docs/model.md): bytes that each pass moves and operations that it does, from counted survivors, at %g GB/s and %g GFLOP/s, the longer of the two; no caches, no blending, no pixels of quads.\n\n"
-                    "| case, today's fill | pass | plain float: MB read + written | 10⁶ operations | expected ms | today: MB read + written | 10⁶ operations | expected ms |\n|---|---|---|---|---|---|---|---|\n%s", options.model.first, options.model.second, model.c_str());
+                    "| case, today's fill | pass | plain float: MB read + written | 10⁶ operations | expected ms | today: MB read + written | 10⁶ operations | expected ms |\n|---|---|---|---|---|---|---|---|\n%s", options.model.gbps, options.model.gflops, model.c_str());
     if (!options.plotFile.empty()) {
         const PlotOptions axes{"Speed against error: left is faster, up is nearer to the reference", "ms a frame, median", "PSNR of covered pixels, dB", true, false, 900, 460, true};
         DPL_CHECK_OK(writeFileAtomically(options.plotFile, svgFile(svgPlot(plot, axes))));
@@ -88,7 +88,8 @@ void addBenchCommand(CLI::App& app, CommandRun& run) {
     command->add_option("--repeats", options->repeats, "Timed frames a case")->check(CLI::Range(1, 1000))->capture_default_str();
     command->add_option("--threads", options->threadCount, "CPU threads, 0: one a core")->check(CLI::Range(0, 256));
     command->add_option("--axes", options->axes, "How the file stands; many 3D Gaussian splatting PLYs are y-down")->check(CLI::IsMember(kAxesNames))->capture_default_str();
-    command->add_option("--model", options->model, "The machine of the model table (docs/model.md): 10^9 bytes and 10^9 operations a second; 51.2 2150 without it")->check(CLI::Range(0.1, 1e6));
+    command->add_option_function<std::pair<double, double>>("--model", [options](const std::pair<double, double>& m) { options->model = {m.first, m.second}; },
+                                                            formatText("The machine of the model table (docs/model.md): 10^9 bytes and 10^9 operations a second; {} {} without it", options->model.gbps, options->model.gflops))->check(CLI::Range(0.1, 1e6));
     command->add_option("--json", options->jsonFile, "Write the figures to this file as JSON lines too");
     CLI::Option* withoutReference = command->add_flag("--no-reference", options->withoutReference, "Only time: the reference takes seconds a picture");
     command->add_option("--plot", options->plotFile, "Draw speed against error into this SVG file")->excludes(withoutReference);

@@ -143,9 +143,11 @@ struct FrameCost {
     uint64_t allocations = 0;
 };
 
+CountedThreads countedThreads(const Contestant& c) { return c.option == "software" ? CountedThreads::All : CountedThreads::Own; }
+
 /** Poses, draws and reads one frame; the time is from the draw on. */
 Result<FrameCost> drawFrame(Contestant& c, const BenchSubject& subject) {
-    AllocationCount count(c.option == "software" ? CountedThreads::All : CountedThreads::Own);
+    AllocationCount count(countedThreads(c));
     const Status posed = c.drawer->pose(subject.rotations, subject.root);
     const auto start = std::chrono::steady_clock::now();
     const Status drawn = posed ? c.drawer->draw() : posed;
@@ -163,7 +165,7 @@ struct ViewError {
 
 /** As many frames as may be in flight, one behind the other. */
 Result<uint64_t> drawInFlight(Contestant& c, const BenchSubject& subject) {
-    AllocationCount count(c.option == "software" ? CountedThreads::All : CountedThreads::Own);
+    AllocationCount count(countedThreads(c));
     Status drawn;
     for (uint32_t frame = 0; frame < kFramesInFlight && drawn; ++frame) {
         drawn = c.drawer->pose(subject.rotations, subject.root);

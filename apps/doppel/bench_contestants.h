@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 
+#include "apps/doppel/frame_model.h"
 #include "sdk/core/result.h"
 #include "sdk/math/camera.h"
 #include "tests/reference/reference_file.h"
@@ -24,7 +25,7 @@ struct BenchOptions {
     uint32_t repeats = 11, threadCount = 0;
     std::string axes = "y-up";
     bool withoutReference = false;
-    std::pair<double, double> model{51.2, 2150};   // ModelMachine: 10⁹ bytes and operations a second
+    ModelMachine model;
 };
 
 struct BenchCase {

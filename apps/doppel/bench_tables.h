@@ -2,7 +2,6 @@
 #pragma once
 
 #include "apps/doppel/bench_contestants.h"
-#include "apps/doppel/frame_model.h"
 #include "reconstruction/report/svg_plot.h"
 
 namespace dpl {

@@ -34,10 +34,10 @@ std::vector<float> favours(const AvatarData& avatar, const CodedSplats& splats) 
     std::vector<float> out(splats.groups.size(), 1);
     for (size_t g = 0; g < out.size(); ++g) {
         const SplatChunk& c = splats.chunks[g / 2];
-        const uint32_t first = c.firstSplat + std::min<uint32_t>(c.splatCount, g % 2 * kSplatGroupSize), end = std::min(first + kSplatGroupSize, c.firstSplat + c.splatCount);
+        const GroupRange range = groupRange(splats, g);
         float sum = 0;
-        for (uint32_t i = first; i < end; ++i) sum += ofTriangle[splats.parents[c.firstParent + splats.parent[i]]];
-        if (end > first) out[g] = sum / float(end - first);
+        for (uint32_t i = range.first; i < range.end; ++i) sum += ofTriangle[splats.parents[c.firstParent + splats.parent[i]]];
+        if (range.count() > 0) out[g] = sum / float(range.count());
     }
     return out;
 }
@@ -49,8 +49,7 @@ void measureDetail(const AvatarData& avatar, CodedSplats& splats) {
     const std::vector<float> favour = favours(avatar, splats);
     double area = 0, favoured = 0;
     for (size_t g = 0; g < favour.size(); ++g) {
-        const uint32_t inChunk = splats.chunks[g / 2].splatCount, before = uint32_t(g % 2) * kSplatGroupSize;
-        const double own = double(splats.groups[g].areaM2) * (inChunk > before ? std::min(inChunk - before, kSplatGroupSize) : 0);
+        const double own = double(splats.groups[g].areaM2) * groupRange(splats, g).count();
         area += own, favoured += own * double(favour[g]);
     }
     for (size_t g = 0; g < favour.size() && favoured > 0; ++g) splats.groups[g].areaM2 *= float(double(favour[g]) * area / favoured);
@@ -71,9 +70,9 @@ DetailSubject::DetailSubject(const AvatarData& avatar, const CodedSplats& splats
     double least = 0, most = 0, areaM2 = 0;
     for (size_t g = 0; g < splats.groups.size(); ++g) {
         const SplatGroup& group = splats.groups[g];
-        const uint32_t inChunk = splats.chunks[g / 2].splatCount, before = g % 2 * kSplatGroupSize;
-        if (inChunk <= before) continue;
-        const double count = std::min(inChunk - before, kSplatGroupSize), slope = (1 + kDetailFade) * double(group.areaM2) * kSplatGroupSize;
+        const double count = groupRange(splats, g).count();
+        if (count == 0) continue;
+        const double slope = (1 + kDetailFade) * double(group.areaM2) * kSplatGroupSize;
         least += 1, most += slope > 0 ? count : 1, areaM2 += double(group.areaM2) * count;
         smallestAreaM2_ = std::min(smallestAreaM2_, group.areaM2), largestGain_ = std::max(largestGain_, group.gain);
         if (count > 1 && slope > 0) bends_.push_back({0.5 / slope, 0, slope}), bends_.push_back({(count - 0.5) / slope, 0, -slope});

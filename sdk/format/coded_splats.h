@@ -15,6 +15,7 @@ constexpr double kUvSteps = 1820;
 constexpr uint32_t kPhiSteps = 1024;        // half a turn: a covariance is the same at φ and φ + π
 // size: s1 11 | s2 11 | opacity 8 | single-face 1 | cloth 1
 constexpr uint32_t kScaleCodes = 2047;
+constexpr uint32_t kSingleFaceBit = 1u << 30;
 // colour: red 10 | green 11 | blue 11 of SH coefficient 0
 constexpr uint32_t kColourCodes[3] = {1023, 2047, 2047};
 constexpr uint32_t kMaxShPalette = 65536;

@@ -119,7 +119,7 @@ Result<CodedSplats> codeSplats(const MeshData& mesh, const SplatData& s, bool sh
             out.place.push_back(encodeUv(s.uv[i].x) | encodeUv(s.uv[i].y) << 11 | encodePhi(s.phi[i]) << 22);
             const uint32_t opacity = uint32_t(std::lround(std::clamp(s.opacity[i], 0.0f, 1.0f) * 255.0));
             out.size.push_back(scale.encode(clampScale(s.scaleM[i].x)) | scale.encode(clampScale(s.scaleM[i].y)) << 11 | opacity << 22 |
-                               uint32_t(bool(s.flags[i] & kSplatSingleFace)) << 30 | uint32_t(bool(s.flags[i] & kSplatCloth)) << 31);
+                               (s.flags[i] & kSplatSingleFace ? kSingleFaceBit : 0) | uint32_t(bool(s.flags[i] & kSplatCloth)) << 31);
             const float* sh = s.sh.data() + size_t(i) * stride;
             out.colour.push_back(dc[0].encode(sh[0]) | dc[1].encode(sh[1]) << 10 | dc[2].encode(sh[2]) << 21);
         }
@@ -147,7 +147,7 @@ SplatData decodeSplats(const CodedSplats& in, size_t triangleCount) {
             s.phi[i] = decodePhi(place >> 22);
             s.scaleM[i] = {scale.decode(size & 2047), scale.decode(size >> 11 & 2047)};
             s.opacity[i] = float((size >> 22 & 255) / 255.0);
-            s.flags[i] = uint8_t((size >> 30 & 1 ? kSplatSingleFace : 0) | (size >> 31 & 1 ? kSplatCloth : 0));
+            s.flags[i] = uint8_t((size & kSingleFaceBit ? kSplatSingleFace : 0) | (size >> 31 & 1 ? kSplatCloth : 0));
             float* sh = s.sh.data() + size_t(i) * stride;
             sh[0] = dc[0].decode(colour & 1023), sh[1] = dc[1].decode(colour >> 10 & 2047), sh[2] = dc[2].decode(colour >> 21);
             const int8_t* rest = in.sh.data() + size_t(in.shIndex.empty() ? i : in.shIndex[i]) * entry;

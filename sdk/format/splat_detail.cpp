@@ -51,7 +51,7 @@ void measureGroups(const MeshData& mesh, CodedSplats& s) {
     s.groups.assign(2 * s.chunks.size(), {});
     for (size_t g = 0; g < s.groups.size(); ++g) {
         const SplatChunk& c = s.chunks[g / 2];
-        const uint32_t begin = c.firstSplat + std::min<uint32_t>(c.splatCount, g % 2 * kSplatGroupSize), count = std::min(kSplatGroupSize, c.firstSplat + c.splatCount - begin);
+        const uint32_t begin = groupRange(s, g).first, count = groupRange(s, g).count();
         // Areas of splats are evenly spaced in the logarithm by the sum of the codes.
         const float step = std::log(c.scaleMaxM / c.scaleMinM) / float(kScaleCodes);
         std::array<float, 64> coarse, fine;

@@ -8,14 +8,13 @@
 namespace dpl {
 
 std::vector<TriangleReach> reachOfTriangles(const CodedSplats& s, size_t triangles) {
-    constexpr uint32_t kGated = 1u << 30;   // of the size word
     std::vector<TriangleReach> out(triangles);
     for (const SplatChunk& c : s.chunks) {
         const float low = std::log(c.scaleMinM), width = std::log(c.scaleMaxM) - low;
         for (uint32_t i = c.firstSplat; i < c.firstSplat + c.splatCount; ++i) {
             TriangleReach& triangle = out[s.parents[c.firstParent + s.parent[i]]];
             const uint32_t place = s.place[i], size = s.size[i];
-            ++(size & kGated ? triangle.gatedSplats : triangle.freeSplats);
+            ++(size & kSingleFaceBit ? triangle.gatedSplats : triangle.freeSplats);
             const float opacity = float(size >> 22 & 255) / 255;
             if (!(opacity > float(kMinAlpha))) continue;  // never seen
             const float rootLevel = std::sqrt(2 * std::log(opacity / float(kMinAlpha)));

@@ -20,7 +20,7 @@ namespace {
 static_assert(gpu::kGpuMinTriangleAreaM2 == float(kMinTriangleAreaM2) && gpu::kGpuMaxTriangleAspect == float(kMaxTriangleAspect));
 static_assert(gpu::kGpuMaxAlpha == float(kMaxAlpha) && gpu::kGpuMinAlpha == float(kMinAlpha) && gpu::kGpuMinCompensation == float(kMinCompensation));
 static_assert(gpu::kGpuNearM == float(kNearM) && gpu::kGpuNearFadeEndM == float(kNearFadeEndM) && gpu::kGpuGateEnd == float(kGateEnd));
-static_assert(gpu::kUvZeroCode == float(kUvZero) && gpu::kUvCodeSteps == float(kUvSteps) && kPhiSteps == 1024 && kScaleCodes == 2047 && kColourCodes[0] == 1023);
+static_assert(gpu::kUvZeroCode == float(kUvZero) && gpu::kUvCodeSteps == float(kUvSteps) && kPhiSteps == 1024 && kScaleCodes == 2047 && gpu::kGatedBit == kSingleFaceBit && kColourCodes[0] == 1023);
 static_assert(sizeof(SplatChunk) == gpu::kChunkWords * 4 && offsetof(SplatChunk, scaleMinM) == gpu::kChunkScaleMin * 4 && offsetof(SplatChunk, scaleMaxM) == gpu::kChunkScaleMax * 4 &&
               offsetof(SplatChunk, dcMin) == gpu::kChunkDcMin * 4 && offsetof(SplatChunk, dcMax) == gpu::kChunkDcMax * 4 && offsetof(SplatChunk, shRange) == gpu::kChunkShRange * 4 &&
               offsetof(SplatChunk, firstParent) == gpu::kChunkFirstParent * 4);

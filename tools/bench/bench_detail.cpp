@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -213,25 +214,19 @@ int main(int argc, char** argv) {
     const auto info = avatar->info();
     if (!info) return failed(info.error().message);
     const bool posable = info->jointCount > 0;
-    std::vector<doppel::Avatar> lesser;   // without SH, without correctives
-    for (const bool correctives : {false, true}) {
+    std::vector<doppel::Avatar> lesser, regions;   // without SH, without correctives; face, hands
+    const auto loadPosed = [&](std::vector<doppel::Avatar>& into, const auto& file) -> std::optional<std::string> {
+        if (!file) return file.error().message;
+        auto loaded = judge->loadAvatar(*file);
+        if (!loaded) return loaded.error().message;
+        into.push_back(std::move(*loaded));
+        if (auto posed = poseInClip(into.back()); !posed) return posed.error().message;
+        return std::nullopt;
+    };
+    for (const bool second : {false, true}) {
         if (!posable) break;
-        const auto less = without(*bytes, correctives);
-        if (!less) return failed(less.error().message);
-        auto loaded = judge->loadAvatar(*less);
-        if (!loaded) return failed(loaded.error().message);
-        lesser.push_back(std::move(*loaded));
-        if (auto posed = poseInClip(lesser.back()); !posed) return failed(posed.error().message);
-    }
-    std::vector<doppel::Avatar> regions;  // face, hands
-    for (const bool hands : {false, true}) {
-        if (!posable) break;
-        const auto alone = regionAlone(*bytes, hands);
-        if (!alone) return failed(alone.error().message);
-        auto loaded = judge->loadAvatar(*alone);
-        if (!loaded) return failed(loaded.error().message);
-        regions.push_back(std::move(*loaded));
-        if (auto posed = poseInClip(regions.back()); !posed) return failed(posed.error().message);
+        if (const auto why = loadPosed(lesser, without(*bytes, second))) return failed(*why);
+        if (const auto why = loadPosed(regions, regionAlone(*bytes, second))) return failed(*why);
     }
     for (doppel::Avatar* a : {&*avatar, &*finest})
         if (auto posed = poseInClip(*a); !posed) return failed(posed.error().message);
