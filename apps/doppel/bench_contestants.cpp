@@ -21,7 +21,7 @@ constexpr SwitchedOff kSwitches[] = {{"vulkan-without-culling", DPL_CONTEXT_WITH
                                      {"vulkan-float-keys", DPL_CONTEXT_WITHOUT_DEPTH_QUANTISATION, "32-bit keys"},
                                      {"vulkan-two-frames", DPL_CONTEXT_WITHOUT_SHARED_STEREO, "a frame an eye", true},
                                      {"vulkan-tiles-all-off", kEverythingOff, "all switches off", false, DPL_FILL_TILES}};
-constexpr const char* kPlainFloat = "vulkan-plain-float";
+constexpr const char *kPlainFloat = "vulkan-plain-float", *kPlainTiles = "vulkan-plain-tiles";
 
 double millisecondsSince(std::chrono::steady_clock::time_point start) { return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count(); }
 
@@ -65,7 +65,7 @@ private:
     std::vector<DplImage> images_;
 };
 
-/** The frozen baseline. */
+/** The frozen baseline, with either fill. */
 class PlainDrawer final : public Drawer {
 public:
     PlainDrawer(PlainFile file, std::span<const Cameraf> views) : file_(std::move(file)), views_(views.begin(), views.end()) { pictures.resize(views.size()); }
@@ -102,12 +102,16 @@ DplFill fillToRace(const std::string& renderer, const SwitchedOff* without, cons
     return renderer == "vulkan-tiles" ? DPL_FILL_TILES : fillOf(fill);
 }
 
-Result<Contestant> plainContestant(const BenchSubject& subject, std::span<const Cameraf> views) {
+Result<Contestant> plainContestant(const std::string& renderer, const BenchSubject& subject, std::span<const Cameraf> views) {
     const auto start = std::chrono::steady_clock::now();
-    DPL_TRY(PlainFile file, PlainFile::open(subject.bytes));
+    DPL_TRY(PlainFile file, PlainFile::open(subject.bytes, renderer == kPlainTiles ? PlainFill::Tiles : PlainFill::Quads));
     const double loadMilliseconds = millisecondsSince(start);
     const std::string name = file.name();
-    return Contestant{name, kPlainFloat, name, nullptr, true, std::make_unique<PlainDrawer>(std::move(file), views), loadMilliseconds};
+    auto drawer = std::make_unique<PlainDrawer>(std::move(file), views);
+    DPL_CHECK_OK(drawer->pose(subject.rotations, subject.root));
+    DPL_CHECK_OK(drawer->draw());
+    DPL_CHECK_OK(drawer->read());   // tiles whose lists are too small for this subject say so here
+    return Contestant{name, renderer, name, nullptr, true, std::move(drawer), loadMilliseconds};
 }
 
 Result<Contestant> sdkContestant(const std::string& renderer, const BenchOptions& options, const BenchSubject& subject, std::span<const Cameraf> views) {
@@ -181,7 +185,7 @@ Result<uint64_t> drawInFlight(Contestant& c, const BenchSubject& subject) {
 
 const std::vector<std::string>& benchRenderers() {
     static const std::vector<std::string> kNames = [] {
-        std::vector<std::string> names = {"software", "vulkan", "vulkan-quads", "vulkan-tiles", kPlainFloat};
+        std::vector<std::string> names = {"software", "vulkan", "vulkan-quads", "vulkan-tiles", kPlainFloat, kPlainTiles};
         for (const SwitchedOff& s : kSwitches) names.push_back(s.renderer);
         return names;
     }();
@@ -225,7 +229,7 @@ Result<std::vector<Contestant>> contestants(const BenchOptions& options, const B
     for (const std::string& renderer : options.renderers) {
         const SwitchedOff* without = switchedOff(renderer);
         if (without && without->stereoOnly && test.viewCount == 1) continue;
-        auto contestant = renderer == kPlainFloat ? plainContestant(subject, views) : sdkContestant(renderer, options, subject, views);
+        auto contestant = renderer == kPlainFloat || renderer == kPlainTiles ? plainContestant(renderer, subject, views) : sdkContestant(renderer, options, subject, views);
         if (contestant) {
             list.push_back(std::move(*contestant));
             continue;

@@ -67,8 +67,9 @@ void BenchWorth::add(const BenchCase& test, const std::vector<Contestant>& list)
     for (const Contestant& off : list)
         if (off.without)
             if (const Contestant* on = wholeOf(list, off)) frames += frameWorth(test, off.name + " → all on", off, *on, compared);
-    const Contestant *plain = findOption(list, "vulkan-plain-float"), *quads = findOption(list, "vulkan-quads"), *best = fastestFill(list), *software = findOption(list, "software");
+    const Contestant *plain = findOption(list, "vulkan-plain-float"), *plainTiles = findOption(list, "vulkan-plain-tiles"), *quads = findOption(list, "vulkan-quads"), *tiles = findOption(list, "vulkan-tiles"), *best = fastestFill(list), *software = findOption(list, "software");
     if (plain && quads) frames += frameWorth(test, "plain float quads → quads, all on", *plain, *quads, compared);
+    if (plainTiles && tiles) frames += frameWorth(test, "plain float tiles → tiles, all on", *plainTiles, *tiles, compared);
     if (plain && best) frames += frameWorth(test, formatText("plain float quads → the faster fill, {}", best->option), *plain, *best, compared);
     if (plain && software) frames += frameWorth(test, "plain float quads → software", *plain, *software, compared);
 

@@ -11,7 +11,7 @@ struct PlainFile::State {
     std::shared_ptr<const AvatarData> avatar;   // empty: general splats
     Pose pose;
     plain::Frame frame;
-    explicit State(std::unique_ptr<Backend> backend) : frame(std::move(backend)) {}
+    State(std::unique_ptr<Backend> backend, plain::Fill fill) : frame(std::move(backend), fill) {}
 };
 
 PlainFile::PlainFile(std::unique_ptr<State> state, std::string name) : state_(std::move(state)), name_(std::move(name)) {}
@@ -19,13 +19,13 @@ PlainFile::PlainFile(PlainFile&&) noexcept = default;
 PlainFile& PlainFile::operator=(PlainFile&&) noexcept = default;
 PlainFile::~PlainFile() = default;
 
-Result<PlainFile> PlainFile::open(std::span<const uint8_t> bytes) {
+Result<PlainFile> PlainFile::open(std::span<const uint8_t> bytes, PlainFill fill) {
     VulkanOptions options;
     options.allowSoftwareDevice = true;
     auto backend = plain::createBackend(options);
     if (!backend) return fail(Code::Unsupported, "no Vulkan on this machine: {}", backend.error().message);
-    std::string name = "vulkan: " + (*backend)->info().name + " (plain float)";
-    auto state = std::make_unique<State>(std::move(*backend));
+    std::string name = "vulkan: " + (*backend)->info().name + (fill == PlainFill::Quads ? " (plain float)" : " (plain float, tiles)");
+    auto state = std::make_unique<State>(std::move(*backend), fill == PlainFill::Quads ? plain::Fill::Quads : plain::Fill::Tiles);
     if (splatFormatOf(bytes) != SplatFormat::None) {
         DPL_TRY(const SplatFile general, readSplats(bytes));
         DPL_CHECK_OK(state->frame.load(general.splats));

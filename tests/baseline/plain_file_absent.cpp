@@ -10,7 +10,7 @@ PlainFile::PlainFile(PlainFile&&) noexcept = default;
 PlainFile& PlainFile::operator=(PlainFile&&) noexcept = default;
 PlainFile::~PlainFile() = default;
 
-Result<PlainFile> PlainFile::open(std::span<const uint8_t>) { return fail(Code::Unsupported, "this build of Doppel is without Vulkan (DOPPEL_VULKAN=OFF)"); }
+Result<PlainFile> PlainFile::open(std::span<const uint8_t>, PlainFill) { return fail(Code::Unsupported, "this build of Doppel is without Vulkan (DOPPEL_VULKAN=OFF)"); }
 Status PlainFile::draw(std::span<const float>, const Vec3f&, std::span<const Cameraf>) { return fail(Code::Unsupported, "this build is without Vulkan"); }
 Status PlainFile::read(std::span<std::vector<uint8_t>>) { return fail(Code::Unsupported, "this build is without Vulkan"); }
 PlainStats PlainFile::stats() const { return {}; }

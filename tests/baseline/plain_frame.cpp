@@ -1,6 +1,7 @@
 #include "tests/baseline/plain_frame.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 
 #include "sdk/avatar/pose_correctives.h"
@@ -116,10 +117,39 @@ void addSort(FramePlan& plan, BufferId counts, BufferId histogram, BufferId pair
 
 }  // namespace
 
-Status Frame::build(Eye& eye, uint32_t widthPx, uint32_t heightPx) {
+Status Frame::addQuads(FramePlan& plan, Eye& eye, uint32_t widthPx, uint32_t heightPx) {
     const Buffers& b = buffers_;
     const bool layered = backend_->info().multiview;
     DPL_TRY(eye.target, backend_->createTarget({.widthPx = widthPx, .heightPx = heightPx, .views = 1, .depth = false, .multiview = layered, .halfColour = true}));
+    const DrawPipelineDesc pipeline{.vertex = layered ? "draw.vert.multiview" : "draw.vert.instances", .fragment = "draw.frag", .views = 1, .multiview = layered, .depth = false, .halfColour = true};
+    plan.draw("draw.splats", pipeline, eye.target, 0)
+        .reads(b.counts, b.pairs, b.projected)
+        .push(DrawPush{float(widthPx), float(heightPx), 1, 1})
+        .argsFrom(b.counts, offsetof(FrameCounts, drawVertices));
+    return {};
+}
+
+Status Frame::addTiles(FramePlan& plan, Eye& eye, uint32_t widthPx, uint32_t heightPx) {
+    TileBuffers& t = eye.tiles;
+    DPL_TRY(t.counts, makeBuffer(eye.owned, "tile counts", sizeof(TileCounts)));
+    DPL_TRY(t.pixels, makeBuffer(eye.owned, "tile pixels", uint64_t(widthPx) * heightPx * 4));
+    DPL_TRY(eye.tileCounts, makeBuffer(eye.owned, "tile counts read back", sizeof(TileCounts), BufferMemory::Readback));
+    for (const BufferId id : {t.counts, t.pixels}) { DPL_CHECK_OK(backend_->write(id, 0, std::array<std::byte, 4>{})); }  // every frame fills them; this is for the check of the read-back
+    if (splats_.count == 0) {
+        plan.fill("tiles.begin", t.counts, 0);
+        plan.fill("tiles.clear", t.pixels, 0);
+        return {};
+    }
+    DPL_TRY(const TilePlan tiles, planTiles(splats_.count, widthPx, heightPx, backend_->info()));
+    DPL_TRY(t.lists, makeBuffer(eye.owned, "tile lists", tiles.listWords * 4));
+    DPL_TRY(t.entries, makeBuffer(eye.owned, "tile entries", tiles.push.entryCapacity * 4ull));
+    DPL_CHECK_OK(backend_->write(t.lists, 0, std::array<std::byte, 4>{}));  // the same: each pass writes the part it reads back
+    plain::addTiles(plan, tiles, splats_.count, buffers_.pairs, buffers_.projected, buffers_.counts, t);
+    return {};
+}
+
+Status Frame::build(Eye& eye, uint32_t widthPx, uint32_t heightPx) {
+    const Buffers& b = buffers_;
     DPL_TRY(eye.frame, makeBuffer(eye.owned, "frame", sizeof(FrameData), BufferMemory::Upload));
     DPL_TRY(eye.colourPixels, makeBuffer(eye.owned, "colour pixels", uint64_t(widthPx) * heightPx * 4, BufferMemory::Readback));
     DPL_TRY(eye.finalCounts, makeBuffer(eye.owned, "final counts", sizeof(FrameCounts), BufferMemory::Readback));
@@ -156,16 +186,21 @@ Status Frame::build(Eye& eye, uint32_t widthPx, uint32_t heightPx) {
         addCompact(plan, splats_.count, b.sortDepth, b.blockSums, b.counts, b.pairs);
         addSort(plan, b.counts, b.histogram, b.pairs, b.pairsSwap);
     }
-    const DrawPipelineDesc pipeline{.vertex = layered ? "draw.vert.multiview" : "draw.vert.instances", .fragment = "draw.frag", .views = 1, .multiview = layered, .depth = false, .halfColour = true};
-    plan.draw("draw.splats", pipeline, eye.target, 0)
-        .reads(b.counts, b.pairs, b.projected)
-        .push(DrawPush{float(widthPx), float(heightPx), 1, 1})
-        .argsFrom(b.counts, offsetof(FrameCounts, drawVertices));
+    if (fill_ == Fill::Quads) {
+        DPL_CHECK_OK(addQuads(plan, eye, widthPx, heightPx));
+    } else {
+        DPL_CHECK_OK(addTiles(plan, eye, widthPx, heightPx));
+    }
     plan.copy("counts", b.counts, eye.finalCounts);
     DPL_TRY(eye.draw, plan.finish());
 
     FramePlan readback(*backend_);
-    readback.readback("readback", eye.target, eye.colourPixels, {});
+    if (fill_ == Fill::Quads) {
+        readback.readback("readback", eye.target, eye.colourPixels, {});
+    } else {
+        readback.copy("readback", eye.tiles.pixels, eye.colourPixels);
+        readback.copy("readback", eye.tiles.counts, eye.tileCounts);
+    }
     DPL_TRY(eye.readback, readback.finish());
     return {};
 }
@@ -222,6 +257,11 @@ Result<std::vector<std::span<const uint8_t>>> Frame::read() {
     for (size_t v = 0; v < drawn_; ++v) {
         DPL_CHECK_OK(backend_->wait(eyes_[v].draw));   // so that its times and counts are there
         DPL_CHECK_OK(backend_->run(eyes_[v].readback));
+        if (fill_ == Fill::Tiles) {
+            TileCounts counts;
+            std::memcpy(&counts, backend_->mapped(eyes_[v].tileCounts).data(), sizeof counts);
+            if (counts.overflowed) return fail(Code::Unsupported, "the lists of plain tiles hold too little for this frame; quads draw it");
+        }
         const std::span<std::byte> pixels = backend_->mapped(eyes_[v].colourPixels);
         pictures.emplace_back(reinterpret_cast<const uint8_t*>(pixels.data()), size_t(widthPx_) * heightPx_ * 4);
     }

@@ -8,6 +8,7 @@
 #include "sdk/format/avatar_data.h"
 #include "sdk/math/camera.h"
 #include "tests/baseline/plain_records.h"
+#include "tests/baseline/plain_tiles.h"
 
 namespace dpl::plain {
 
@@ -18,10 +19,13 @@ Result<std::unique_ptr<Backend>> createBackend(VulkanOptions options);
 std::span<const uint8_t> shaderPack();
 uint64_t shaderInterface();
 
+/** How sorted splats become pixels: quads blended in f16, or the first compute tiles. */
+enum class Fill { Quads, Tiles };
+
 class Frame {
 public:
     /** `backend` is one of createBackend. */
-    explicit Frame(std::unique_ptr<Backend> backend) : backend_(std::move(backend)) {}
+    explicit Frame(std::unique_ptr<Backend> backend, Fill fill = Fill::Quads) : backend_(std::move(backend)), fill_(fill) {}
     ~Frame();
     Frame(const Frame&) = delete;
     Frame& operator=(const Frame&) = delete;
@@ -33,7 +37,8 @@ public:
     /** Starts the frames of the views (1 or 2, of equal size), and makes what they need when the size is another than before. The pose has passed
      *  checkPose; general splats take no notice of it. */
     Status draw(const Pose& pose, std::span<const Cameraf> views);
-    /** Waits for what was drawn. One picture a view: RGBA8 premultiplied, display-referred, top row first; valid until the next draw. */
+    /** Waits for what was drawn. One picture a view: RGBA8 premultiplied, display-referred, top row first; valid until the next draw. Unsupported: the lists
+     *  of tiles could not hold the frame. */
     Result<std::vector<std::span<const uint8_t>>> read();
 
     /** Of the frames that were read last, eye after eye; empty without timestamps. */
@@ -50,7 +55,9 @@ private:
     };
     struct Eye {
         BufferId frame, palette, colourPixels, finalCounts;
-        TargetId target;
+        TargetId target;       // of quads
+        TileBuffers tiles;     // of tiles
+        BufferId tileCounts;   // read back
         FrameId draw, readback;
         std::vector<BufferId> owned;
     };
@@ -60,10 +67,13 @@ private:
     Result<BufferId> upload(const char* label, const std::vector<T>& items);
     Status makeWorkBuffers();
     Status build(Eye& eye, uint32_t widthPx, uint32_t heightPx);
+    Status addQuads(FramePlan& plan, Eye& eye, uint32_t widthPx, uint32_t heightPx);
+    Status addTiles(FramePlan& plan, Eye& eye, uint32_t widthPx, uint32_t heightPx);
     void free(Eye& eye);
     void writePalette(const Pose& pose, BufferId palette);
 
     std::unique_ptr<Backend> backend_;
+    Fill fill_;
     std::shared_ptr<const AvatarData> avatar_;   // empty: general splats
     SplatSet splats_;
     uint32_t vertexCount_ = 0, triangleCount_ = 0, widthPx_ = 0, heightPx_ = 0;

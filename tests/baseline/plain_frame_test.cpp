@@ -22,14 +22,14 @@ struct TestPlain {
     std::unique_ptr<plain::Frame> frame;
     std::string missing;
 
-    TestPlain() {
+    explicit TestPlain(plain::Fill fill = plain::Fill::Quads) {
         auto backend = plain::createBackend(options);
         if (!backend && backend.error().code == Code::NotFound) {
             std::printf("[   NOTE   ] %s\n", backend.error().message.c_str());
             options.enableValidation = false;
             backend = plain::createBackend(options);
         }
-        if (backend) frame = std::make_unique<plain::Frame>(std::move(*backend));
+        if (backend) frame = std::make_unique<plain::Frame>(std::move(*backend), fill);
         else missing = backend.error().message;
     }
     ~TestPlain() {
@@ -62,11 +62,14 @@ void expectAgrees(const std::string& name, const RenderedView& picture, const Re
 }
 
 void expectAvatarAgrees(const std::string& name, const std::shared_ptr<const AvatarData>& avatar, const Pose& pose, const Cameraf& camera) {
-    TestPlain plain;
-    DPL_NEED_PLAIN(plain);
-    const Status loaded = plain.frame->load(avatar);
-    ASSERT_TRUE(loaded) << loaded.error().message;
-    expectAgrees(name, draw(*plain.frame, pose, {&camera, 1})[0], renderReference(*avatar, pose, referenceCamera(camera)));
+    const ReferenceImage want = renderReference(*avatar, pose, referenceCamera(camera));
+    for (const plain::Fill fill : {plain::Fill::Quads, plain::Fill::Tiles}) {
+        TestPlain plain(fill);
+        DPL_NEED_PLAIN(plain);
+        const Status loaded = plain.frame->load(avatar);
+        ASSERT_TRUE(loaded) << loaded.error().message;
+        expectAgrees(name + (fill == plain::Fill::Tiles ? ", tiles" : ""), draw(*plain.frame, pose, {&camera, 1})[0], want);
+    }
 }
 
 TEST(PlainFrame, equalsTheReferenceInSeveralPosesAndViews) {
@@ -106,6 +109,24 @@ TEST(PlainFrame, generalSplatsEqualTheReferenceAtEveryShDegree) {
     }
 }
 
+/** Two eyes, another size and back, general splats; and lists that are too small are an error, not an empty picture. */
+TEST(PlainFrame, tilesDrawWhatQuadsDrawOrSayThatTheyCannot) {
+    TestPlain tiles(plain::Fill::Tiles), quads;
+    DPL_NEED_PLAIN(tiles);
+    const StaticSplatData splats = randomStaticSplats(5, 1500, 1, 0.5f);
+    ASSERT_TRUE(tiles.frame->load(splats) && quads.frame->load(splats));
+    const Cameraf far[2] = {tubeCamera(157, 139, 0.3f, 40, -0.03f), tubeCamera(157, 139, 0.3f, 40, 0.03f)}, near = tubeCamera(157, 139, 0.3f, 1.2f), small = tubeCamera(61, 45, 0.3f, 40);
+    const std::vector<RenderedView> got = draw(*tiles.frame, {}, far);
+    for (size_t v = 0; v < 2; ++v) expectAgrees("general, tiles, view " + std::to_string(v), got[v], renderReference(splats, referenceCamera(far[v])));
+    ASSERT_TRUE(tiles.frame->draw({}, {&near, 1}));
+    const auto refused = tiles.frame->read();
+    ASSERT_FALSE(refused) << "lists of 1500 splats of half a metre seen from inside";
+    EXPECT_EQ(refused.error().code, Code::Unsupported);
+    EXPECT_GT(coverage(draw(*quads.frame, {}, {&near, 1})[0].rgba, 25.0), 0.5);
+    expectAgrees("general, tiles, small", draw(*tiles.frame, {}, {&small, 1})[0], renderReference(splats, referenceCamera(small)));
+    EXPECT_TRUE(draw(*tiles.frame, {}, far)[1].rgba == got[1].rgba);
+}
+
 TEST(PlainFrame, twoViewsAreTwoFramesAndAnotherSizeIsMadeAnew) {
     TestPlain plain;
     DPL_NEED_PLAIN(plain);
@@ -139,8 +160,12 @@ TEST(PlainFrame, drawsNothingForNoSplatsAndRefusesWhatItCannotDraw) {
     EXPECT_FALSE(plain.frame->draw(tubePose(0), {}));
     EXPECT_FALSE(plain.frame->draw(tubePose(0), {views, 2}));
     EXPECT_FALSE(plain.frame->draw(tubePose(0), views));
-    const RenderedView nothing = draw(*plain.frame, tubePose(0), {views, 1})[0];
-    for (const uint8_t byte : nothing.rgba) ASSERT_EQ(byte, 0);
+    TestPlain tiles(plain::Fill::Tiles);
+    ASSERT_TRUE(tiles.frame->load(std::make_shared<const AvatarData>(makeTube({.splatsPerTriangle = 0}))));
+    for (plain::Frame* frame : {plain.frame.get(), tiles.frame.get()}) {
+        const RenderedView nothing = draw(*frame, tubePose(0), {views, 1})[0];
+        for (const uint8_t byte : nothing.rgba) ASSERT_EQ(byte, 0);
+    }
 }
 
 TEST(PlainFrame, aFileIsDrawnInThePoseThatItIsGiven) {
@@ -201,8 +226,8 @@ TEST(PlainFrame, itsShadersAreFrozenAndIncludeNothingOfTodays) {
         for (std::string line; std::getline(lines, line);)
             EXPECT_EQ(line.find("#include \""), line.find("#include \"tests/baseline/shaders/")) << file << ": " << line;
     }
-    EXPECT_EQ(files.size(), 24u);
-    EXPECT_EQ(shaderHash({reinterpret_cast<const uint8_t*>(all.data()), all.size()}), 505958759599716715u) << "a frozen shader was edited (tests/baseline/README.md)";
+    EXPECT_EQ(files.size(), 35u);
+    EXPECT_EQ(shaderHash({reinterpret_cast<const uint8_t*>(all.data()), all.size()}), 17658099465962435657u) << "a frozen shader was edited (tests/baseline/README.md)";
 }
 
 }  // namespace
