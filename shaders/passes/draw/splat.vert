@@ -41,5 +41,5 @@ void main() {
         px = low + 2.0 * (high - low) * vec2(corner == 1u ? 1.0 : 0.0, corner == 2u ? 1.0 : 0.0);
     }
     vec2 ndc = 2.0 * px / size - 1.0;
-    gl_Position = p.radiusPx.y > 0.0 ? vec4(ndc, 0.0, 1.0) : vec4(2.0, 2.0, 0.0, 1.0);
+    gl_Position = p.radiusPx.y > 0.0 ? vec4(ndc, 0.0, 1.0) : vec4(0.0, 0.0, 0.0, 1.0);
 }
