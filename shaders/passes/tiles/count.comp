@@ -15,12 +15,14 @@ void main() {
     uint row = gl_GlobalInvocationID.x / kTileSegments, segment = gl_GlobalInvocationID.x % kTileSegments;
     if (row >= push.viewCount * push.rows) return;
     uint first = push.firstTileTable + row * push.columns * kTileSegments + segment, end;
-    for (uint i = dplSegment(row, segment, end); i < end; ++i) {
-        uint columns = DPL_PAIR(spans, i).y;
-        uint column = columns & 0xFFFFu;
-        do {
-            table[first + column * kTileSegments]++;
-            ++column;
-        } while (column <= columns >> 16u);
-    }
+    uint i = dplSegment(row, segment, end);
+    if (i >= end) return;
+    uint columns = DPL_PAIR(spans, i).y, column = columns & 0xFFFFu;
+    do {  // a column a round, not a span: neighbouring lanes have spans of other lengths
+        table[first + column * kTileSegments]++;
+        bool last = column >= columns >> 16u;
+        i += last ? 1u : 0u;
+        columns = DPL_PAIR(spans, min(i, end - 1u)).y;
+        column = last ? columns & 0xFFFFu : column + 1u;
+    } while (i < end);
 }

@@ -16,14 +16,17 @@ void main() {
     uint row = gl_GlobalInvocationID.x / kTileSegments, segment = gl_GlobalInvocationID.x % kTileSegments;
     if (row >= push.viewCount * push.rows) return;
     uint first = push.firstTileTable + row * push.columns * kTileSegments + segment, end;
-    for (uint i = dplSegment(row, segment, end); i < end; ++i) {
-        uvec2 span = DPL_PAIR(spans, i);
-        uint column = span.y & 0xFFFFu;
-        do {
-            uint cell = first + column * kTileSegments, place = places[cell];
-            entries[place] = span.x;
-            places[cell] = place + 1u;
-            ++column;
-        } while (column <= span.y >> 16u);
-    }
+    uint i = dplSegment(row, segment, end);
+    if (i >= end) return;
+    uvec2 span = DPL_PAIR(spans, i);
+    uint column = span.y & 0xFFFFu;
+    do {  // a column a round, as in count.comp
+        uint cell = first + column * kTileSegments, place = places[cell];
+        entries[place] = span.x;
+        places[cell] = place + 1u;
+        bool last = column >= span.y >> 16u;
+        i += last ? 1u : 0u;
+        span = DPL_PAIR(spans, min(i, end - 1u));
+        column = last ? span.y & 0xFFFFu : column + 1u;
+    } while (i < end);
 }
