@@ -21,7 +21,7 @@ constexpr uint64_t kTriangleOps = 190, kTriangleViewOps = 125;   // F, its polar
 constexpr uint64_t kDecodeOps = 45, kPlaceOps = 70;              // a splat: its codes; centre, axes, normal and light
 constexpr uint64_t kProjectOps = 150;                            // ... in a view: place, axes, footprint, fade, gate, box
 constexpr uint64_t kColourOps = 52, kCoefficientOps = 15;        // ... its direction and packing; a coefficient of SH and its share of the basis
-constexpr uint64_t kCompactOps = 4, kSortOps = 6;                // a pair, and a round
+constexpr uint64_t kMaskOps = 4, kCompactOps = 4, kSortOps = 6;  // a splat of a live half-chunk; a pair, and a round
 constexpr uint64_t kListOps = 80, kEntryOps = 8 * 40 + 64 * 12;  // a record, both walks; an entry: eight columns set up, 64 pixels stepped and blended
 constexpr uint64_t kQuadOps = 6 * 30;                            // a record: its corners; pixels of quads are not counted
 
@@ -98,15 +98,15 @@ std::vector<ModelledPass> modelPlainFloat(const FrameWork& w) {
 std::vector<ModelledPass> modelToday(const FrameWork& w) {
     using namespace gpu;
     const uint64_t drawn = w.splatsDrawn, records = drawn * w.views, lanes = uint64_t(w.liveGroups) * kSplatGroup;
-    const uint64_t flags = uint64_t(w.groups) * sizeof(uint), masks = uint64_t(w.liveGroups) * kMaskWords * sizeof(uint);
+    const uint64_t flags = uint64_t(w.groups) * sizeof(uint), masks = flags * kMaskWords;
     std::vector<ModelledPass> passes = {
         w.corrected ? skinning<CorrectedVertexRecord>(w.vertices, true) : skinning<VertexRecord>(w.vertices, false),
         {"pose.triangles", w.triangles * sizeof(TriangleRecord) + w.vertices * sizeof(vec4), w.triangles * sizeof(gpu::TriangleFrame), w.triangles * (kTriangleOps + kTriangleViewOps * w.views)},
-        // Codes as the renderer counts them; of each triangle who sees it, of those that face a view the frame. What no view shows gets an empty radius.
+        // Codes as the renderer counts them; flags, ranges and the list of live half-chunks; of each triangle who sees it, of those that face a view the frame. What no view shows gets an empty radius.
         {"chunks, splat.project and splat.colour", w.bytesDecided + w.bytesDecoded + w.triangles * sizeof(uvec4) + w.trianglesFacing * sizeof(gpu::TriangleFrame) + 2 * flags,
-         2 * flags + records * sizeof(ProjectedSplat) + (lanes * w.views - std::min(records, lanes * w.views)) * sizeof(vec2) + drawn * sizeof(uint) + masks,
+         3 * flags + records * sizeof(ProjectedSplat) + (lanes * w.views - std::min(records, lanes * w.views)) * sizeof(vec2) + lanes * sizeof(uint),
          w.splatsFacing * (kDecodeOps + kPlaceOps + kProjectOps * w.views) + records * colourOps(w.shDegree)},
-        {"compact", masks + 2 * flags + drawn * sizeof(uint), flags + drawn * sizeof(uvec2), drawn * kCompactOps},
+        {"compact", lanes * sizeof(uint) + masks + 4 * flags + drawn * sizeof(uint), masks + 2 * flags + drawn * sizeof(uvec2), lanes * kMaskOps + drawn * kCompactOps},
         sortingToday(drawn, kSortDigits * blocks(drawn, kRun)),
     };
     if (w.tileEntries == 0) {

@@ -45,7 +45,7 @@ struct FrameIds : SubjectIds {
     TableIds tiles;
     BufferId tileSpans, tileEntries, tilePixels;   // none: quads alone
     BufferId meshDepth;                            // none: not wanted
-    BufferId projected, visibility, counts;
+    BufferId projected, visibility, survivors, counts;
     BufferId pairs, pairsSwap;                     // (depth key, splat); sorted: the splats alone, in `pairs`
     TableIds digits;                               // of the sort: [digit][run]
     TargetId target;
@@ -60,8 +60,10 @@ struct FrameIds : SubjectIds {
     }
     uint32_t sortRounds() const { return floatKeys ? gpu::kFloatSortRounds : wide ? gpu::kWideSortRounds : gpu::kSortRounds; }
     uint32_t maxDepthKey() const { return floatKeys ? gpu::kFloatDepthKeys : (1u << (sortRounds() * gpu::kSortDigitBits)) - 1; }
-    uint32_t firstSum() const { return 7 * allGroups; }        // in the visibility buffer, as lib/visibility.glsl has it
-    uint32_t firstDepth() const { return 8 * allGroups + 1; }
+    // As lib/visibility.glsl has them.
+    uint64_t visibilityWords() const { return 3ull * allGroups + splatCount; }
+    uint32_t firstSum() const { return gpu::kMaskWords * allGroups; }
+    uint64_t survivorWords() const { return firstSum() + allGroups + 1ull; }
     BufferId unsorted() const { return sortRounds() % 2 ? pairsSwap : pairs; }  // from here the rounds end in `pairs`
     gpu::CodesPush codesPush() const {
         gpu::CodesPush push = codes;

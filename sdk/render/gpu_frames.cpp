@@ -49,7 +49,8 @@ Status GpuRenderer::makeWorkBuffers(Row& row) {
         ids.wide |= subject.wide;
     }
     ids.splatCount = uint32_t(splats);
-    DPL_TRY(ids.visibility, makeBuffer(row.owned, "visibility", (ids.firstDepth() + splats) * 4));
+    DPL_TRY(ids.visibility, makeBuffer(row.owned, "visibility", ids.visibilityWords() * 4));
+    DPL_TRY(ids.survivors, makeBuffer(row.owned, "survivors", ids.survivorWords() * 4));
     DPL_TRY(ids.counts, makeBuffer(row.owned, "counts", sizeof(gpu::FrameCounts)));
     DPL_TRY(ids.pairs, makeBuffer(row.owned, "pairs", splats * 8));
     ids.floatKeys = !options_.quantiseDepth;

@@ -2,7 +2,7 @@
 //
 //   VertexRecord ─skin► vec4 posed (w: brightness) ─triangles► TriangleFrame ─project► ProjectedSplat (splat × view) + sort depth
 ////   splat codes, uints: chunk records │ parents │ place │ size │ colour │ parent bytes │ half-chunks │ SH indices │ SH entries (lib/codes.glsl)
-//   visibility buffer, uints: of each half-chunk whether it lives, the live ones in order, which splats show, its first splat, how many show; sort depths (lib/visibility.glsl)
+//   visibility and survivors, uints: which half-chunks live, which of their splats show, and their sort depths (lib/visibility.glsl)
 //   sort depth ─compact► uvec2 (key, splat) ─sort► splats, near first ─draw► pixels
 //                                                                      └─tiles► spans by row of tiles ► entries by tile ─fill► pixels
 //   GeneralSplatRecord ─project.general► the same two ─...  (general splats: no pose, no triangles)
@@ -154,6 +154,7 @@ struct CodesPush { uint groupCount; uint allGroups; uint firstGroup; uint firstS
 struct ChunkPush { uint groupCount; uint allGroups; uint firstGroup; };
 struct ColourPush { uint splatCount; uint firstSplat; };  // of general splats
 struct CompactPush { uint groupCount; uint maxDepthKey; uint drawnCount; uint endGroup[16]; };  // kMaxDrawn: where the half-chunks of each end
+struct MaskPush { uint groupCount; };
 struct ScanPush { uint first; uint count; };
 struct ArgsPush { uint groupCount; uint maxDepthKey; uint drawnCount; };
 struct SortPush { uint shift; };

@@ -15,6 +15,7 @@ DPL_CONST uint kChunkGroup = 64u;        // half-chunks
 DPL_CONST uint kScanGroup = 256u;
 DPL_CONST uint kRowScanGroup = 16u;      // shares of a row of a table
 DPL_CONST uint kCompactGroup = 64u;
+DPL_CONST uint kUnseenDepth = 0xFFFFFFFFu;  // no float of a splat: NaN
 DPL_CONST uint kMaskWords = 4u;          // kSplatGroup bits: which splats of a half-chunk some view shows
 
 // Sorting, and the lists of tiles: a lane works through a run of neighbours by itself, so order needs neither atomics nor barriers.

@@ -37,6 +37,7 @@ DPL_MSL(msl_colour_general_sh3_stereo);
 DPL_MSL(msl_scan_totals);
 DPL_MSL(msl_scan_places);
 DPL_MSL(msl_scan_sums);
+DPL_MSL(msl_compact_masks);
 DPL_MSL(msl_compact_args);
 DPL_MSL(msl_compact_scatter);
 DPL_MSL(msl_sort_count);
@@ -117,12 +118,14 @@ std::vector<uint32_t> stablySorted(std::vector<gpu::uvec2> pairs) {
 void compactAndSort(MslFrame& out, std::vector<uint32_t>& visibility, uint32_t groups, uint32_t splats, int order, uint32_t rounds) {
     FrameIds ids;
     ids.allGroups = groups;
+    std::vector<uint32_t> survivors(ids.survivorWords(), 0xCDCDCDCD);
     out.compacted.resize(splats);
-    run(msl_scan_sums, 1, order, {visibility.data()}, gpu::ScanPush{ids.firstSum(), groups});
-    run(msl_compact_args, 1, order, {visibility.data(), &out.counts}, gpu::ArgsPush{groups, (1u << (rounds * gpu::kSortDigitBits)) - 1, 1});
+    run(msl_compact_masks, groupsFor(groups, gpu::kCompactGroup), order, {visibility.data(), survivors.data()}, gpu::MaskPush{groups});
+    run(msl_scan_sums, 1, order, {survivors.data()}, gpu::ScanPush{ids.firstSum(), groups});
+    run(msl_compact_args, 1, order, {survivors.data(), &out.counts}, gpu::ArgsPush{groups, (1u << (rounds * gpu::kSortDigitBits)) - 1, 1});
     const gpu::FrameCounts want = [&] { auto counts = out.counts; setRuns(counts); return counts; }();
     EXPECT_EQ(out.counts.runGroupsX, want.runGroupsX);
-    run(msl_compact_scatter, groupsFor(groups * gpu::kMaskWords, gpu::kCompactGroup), order, {visibility.data(), &out.counts, out.compacted.data()},
+    run(msl_compact_scatter, groupsFor(groups * gpu::kMaskWords, gpu::kCompactGroup), order, {visibility.data(), survivors.data(), &out.counts, out.compacted.data()},
         gpu::CompactPush{groups, (1u << (rounds * gpu::kSortDigitBits)) - 1, 1, {groups}});
     out.compacted.resize(out.counts.visible);
     out.sorted = sortPairs(out.compacted, out.counts, order, rounds);
@@ -131,8 +134,8 @@ void compactAndSort(MslFrame& out, std::vector<uint32_t>& visibility, uint32_t g
 /** The visibility buffer of a frame, full of what must not be read. */
 std::vector<uint32_t> visibilityOf(uint32_t groups, uint32_t splats) {
     FrameIds ids;
-    ids.allGroups = groups;
-    return std::vector<uint32_t>(ids.firstDepth() + splats, 0xCDCDCDCD);
+    ids.allGroups = groups, ids.splatCount = splats;
+    return std::vector<uint32_t>(ids.visibilityWords(), 0xCDCDCDCD);
 }
 
 MslFrame runGeneralFrame(const StaticSplatData& splats, std::span<const Cameraf> views, int order, const GeneralDetail& detail = {}) {

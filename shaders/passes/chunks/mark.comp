@@ -27,8 +27,5 @@ void main() {
     }
     group += push.firstGroup;
     visibility[group] = live;
-    if (live == 0u) {
-        for (uint k = 0u; k < kMaskWords; ++k) visibility[dplFirstMask(push.allGroups) + kMaskWords * group + k] = 0u;
-        visibility[dplFirstSum(push.allGroups) + group] = 0u;
-    }
+    visibility[dplFirstRange(push.allGroups) + group] = (push.firstSplat + first + begin) | (max(end, begin) - begin) << kSortIndexBits;
 }

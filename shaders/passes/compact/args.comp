@@ -7,7 +7,7 @@
 #include "shaders/lib/order.glsl"
 layout(local_size_x = 1) in;
 
-layout(std430, binding = 0) readonly buffer VisibilityBlock { uint visibility[]; };
+layout(std430, binding = 0) readonly buffer SurvivorBlock { uint survivors[]; };
 layout(std430, binding = 1) buffer CountsBlock { FrameCounts counts; };
 layout(push_constant) uniform PushBlock { ArgsPush push; };
 #include "shaders/lib/visibility.glsl"
@@ -47,7 +47,7 @@ void mapDepths() {
 }
 
 void main() {
-    uint visible = visibility[dplFirstSum(push.groupCount) + push.groupCount];
+    uint visible = survivors[dplFirstSum(push.groupCount) + push.groupCount];
     mapDepths();
     counts.visible = visible;
     counts.runs = (visible + kRun - 1u) / kRun;

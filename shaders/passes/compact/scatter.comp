@@ -7,18 +7,19 @@
 layout(local_size_x = 64) in;  // kCompactGroup
 
 DPL_WORDS(0, VisibilityBlock, visibility);
-layout(std430, binding = 1) readonly buffer CountsBlock { FrameCounts counts; };
-layout(std430, binding = 2) writeonly buffer PairBlock { uvec2 pairs[]; };
+DPL_WORDS(1, SurvivorBlock, survivors);
+layout(std430, binding = 2) readonly buffer CountsBlock { FrameCounts counts; };
+layout(std430, binding = 3) writeonly buffer PairBlock { uvec2 pairs[]; };
 layout(push_constant) uniform PushBlock { CompactPush push; };
 #include "shaders/lib/visibility.glsl"
 
 void main() {
     uint group = gl_GlobalInvocationID.x / kMaskWords, word = gl_GlobalInvocationID.x % kMaskWords;
     if (group >= push.groupCount) return;
-    uint masks = dplFirstMask(push.groupCount) + kMaskWords * group, left = DPL_WORD(visibility, masks + word);
+    uint masks = kMaskWords * group, left = DPL_WORD(survivors, masks + word);
     if (left == 0u) return;
-    uint slot = DPL_WORD(visibility, dplFirstSum(push.groupCount) + group), first = DPL_WORD(visibility, dplFirstSplat(push.groupCount) + group) + 32u * word;
-    for (uint k = 0u; k < word; ++k) slot += uint(bitCount(DPL_WORD(visibility, masks + k)));
+    uint slot = DPL_WORD(survivors, dplFirstSum(push.groupCount) + group), first = (DPL_WORD(visibility, dplFirstRange(push.groupCount) + group) & ((1u << kSortIndexBits) - 1u)) + 32u * word;
+    for (uint k = 0u; k < word; ++k) slot += uint(bitCount(DPL_WORD(survivors, masks + k)));
     uint drawn = 0u;
     for (uint k = 0u; k + 1u < push.drawnCount; ++k) drawn += group >= push.endGroup[k] ? 1u : 0u;
     float start = counts.keyStart[drawn], offset = counts.keyOffset[drawn], scale = counts.keyScale, most = float(push.maxDepthKey);

@@ -14,7 +14,6 @@ DPL_FOURS(2, TriangleBlock, triangles);  // TriangleFrame
 layout(std430, binding = 3) writeonly buffer ProjectedBlock { ProjectedSplat projected[]; };
 layout(std430, binding = 4) buffer VisibilityBlock { uint visibility[]; };
 layout(push_constant) uniform PushBlock { CodesPush push; };
-#define DPL_SEEN
 #include "shaders/lib/visibility.glsl"
 #include "shaders/lib/codes.glsl"
 #include "shaders/lib/detail.glsl"
@@ -71,8 +70,6 @@ bool showIn(ViewData view, uint v, BoundSplat s, bool mayShow) {
 void main() {
     uint lane = gl_LocalInvocationIndex, group = visibility[dplFirstLive(push.allGroups) + push.firstGroup + gl_WorkGroupID.x];
     dplFirstChunkWord = (group >> 1u) * kChunkWords;
-    dplClearSeen(lane);
-    barrier();
     uint firstSplat = dplFirstOf(group);
     vec3 detail = vec3(1.0, 0.0, 1.0);  // all
     if (frame.detail.x > 0.0) {
@@ -80,10 +77,11 @@ void main() {
         detail = vec3(frame.detail.x * uintBitsToFloat(DPL_WORD(codes, at)), uintBitsToFloat(DPL_WORD(codes, at + 1u)), uintBitsToFloat(DPL_WORD(codes, at + 2u)));
     }
     SplatShare share = dplShareOf(lane, detail);
-    bool seen = false;
-    if (share.weight > 0.0 && share.within < dplCountOf(group)) {
-        BoundSplat s;
-        s.index = firstSplat + share.within;
+    if (share.within >= dplCountOf(group)) return;
+    BoundSplat s;
+    s.index = firstSplat + share.within;
+    uint depth = kUnseenDepth;
+    if (share.weight > 0.0) {
         uint size = DPL_WORD(codes, push.firstSize + s.index);
         s.gated = dplGated(size);
         uint parent = 5u * dplParent(s.index);
@@ -105,11 +103,10 @@ void main() {
             s.axis1 = scale.x * (cosine * f0 + sine * f1);
             s.axis2 = scale.y * (cosine * f1 - sine * f0);
             s.normal = normalize(cross(f0, f1));
+            bool seen = false;
             for (uint v = 0u; v < kViews; ++v) seen = showIn(frame.views[v], v, s, (shown & ((kShowsFree | kShowsGated) << v)) != 0u) || seen;
-            if (seen) visibility[dplFirstDepth(push.allGroups) + push.firstSplat + s.index] = floatBitsToUint(dot(frame.sortAxis.xyz, s.centre));
+            if (seen) depth = floatBitsToUint(dot(frame.sortAxis.xyz, s.centre));
         }
     }
-    if (seen) dplSee(share.within);
-    barrier();
-    dplWriteSeen(lane, push.allGroups, push.firstGroup + group, push.firstSplat + firstSplat);
+    visibility[dplFirstDepth(push.allGroups) + push.firstSplat + s.index] = depth;
 }

@@ -16,7 +16,6 @@ layout(std430, binding = 2) writeonly buffer ProjectedBlock { ProjectedSplat pro
 layout(std430, binding = 3) writeonly buffer VisibilityBlock { uint visibility[]; };
 layout(std430, binding = 4) buffer CountsBlock { FrameCounts counts; };
 layout(push_constant) uniform PushBlock { SplatPush push; };
-#define DPL_SEEN
 #include "shaders/lib/visibility.glsl"
 #include "shaders/lib/detail.glsl"
 
@@ -52,11 +51,10 @@ void main() {
     }
     SplatShare share = dplShareOf(lane, detail);
     uint index = group * kSplatGroup + share.within;
-    dplClearSeen(lane);
-    barrier();
     if (index < push.splatCount) {
-        bool seen = false;
+        uint depth = kUnseenDepth;
         if (share.weight > 0.0) {
+            bool seen = false;
             GeneralSplatRecord s;
             s.centre = dplFloats(DPL_FOUR(splats, 4u * index));
             s.axis1 = share.growth * dplFloats(DPL_FOUR(splats, 4u * index + 1u));
@@ -64,17 +62,15 @@ void main() {
             s.axis3 = share.growth * dplFloats(DPL_FOUR(splats, 4u * index + 3u));
             s.centre.w *= share.weight;
             for (uint v = 0u; v < kViews; ++v) seen = showIn(frame.views[v], v * frame.flags.w + push.firstSplat + index, s) || seen;
-            if (seen) {
-                visibility[dplFirstDepth(push.allGroups) + push.firstSplat + index] = floatBitsToUint(dot(frame.sortAxis.xyz, s.centre.xyz));
-                dplSee(share.within);
-            }
+            if (seen) depth = floatBitsToUint(dot(frame.sortAxis.xyz, s.centre.xyz));
         } else {
             for (uint v = 0u; v < kViews; ++v) projected[v * frame.flags.w + push.firstSplat + index].radiusPx = vec2(0.0);  // what the colour pass asks for
         }
+        visibility[dplFirstDepth(push.allGroups) + push.firstSplat + index] = depth;
     }
-    barrier();
-    dplWriteSeen(lane, push.allGroups, push.firstGroup + group, push.firstSplat + group * kSplatGroup);
     if (lane == 0u) {
+        visibility[push.firstGroup + group] = 1u;
+        visibility[dplFirstRange(push.allGroups) + push.firstGroup + group] = (push.firstSplat + group * kSplatGroup) | min(push.splatCount - group * kSplatGroup, kSplatGroup) << kSortIndexBits;
         float there = dot(frame.sortAxis.xyz, middle), either = dot(abs(frame.sortAxis.xyz), reach);
         atomicMax(counts.depthMaxBits[push.drawn], dplOrderedBits(max(there + either, frame.sortAxis.w)));
         atomicMax(counts.depthMinBitsInverted[push.drawn], ~dplOrderedBits(max(there - either, frame.sortAxis.w)));

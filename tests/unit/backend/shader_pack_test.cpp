@@ -64,6 +64,7 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
     expectLayout("ChunkPush", sizeof(ChunkPush), {DPL_AT(ChunkPush, groupCount), DPL_AT(ChunkPush, allGroups), DPL_AT(ChunkPush, firstGroup)});
     expectLayout("ColourPush", sizeof(ColourPush), {DPL_AT(ColourPush, splatCount), DPL_AT(ColourPush, firstSplat)});
     expectLayout("CompactPush", sizeof(CompactPush), {DPL_AT(CompactPush, groupCount), DPL_AT(CompactPush, maxDepthKey), DPL_AT(CompactPush, drawnCount), DPL_AT(CompactPush, endGroup)});
+    expectLayout("MaskPush", sizeof(MaskPush), {DPL_AT(MaskPush, groupCount)});
     expectLayout("ScanPush", sizeof(ScanPush), {DPL_AT(ScanPush, first), DPL_AT(ScanPush, count)});
     expectLayout("ArgsPush", sizeof(ArgsPush), {DPL_AT(ArgsPush, groupCount), DPL_AT(ArgsPush, maxDepthKey), DPL_AT(ArgsPush, drawnCount)});
     expectLayout("SortPush", sizeof(SortPush), {DPL_AT(SortPush, shift)});

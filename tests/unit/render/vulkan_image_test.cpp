@@ -326,7 +326,7 @@ TEST_P(VulkanImage, reportsATimeForEachPassOfTheLastFrame) {
     EXPECT_GT(sum, 0);
     EXPECT_EQ(times.front().label, "begin");
     EXPECT_EQ(times.back().label, "readback");
-    EXPECT_EQ(times.size(), 1 + 2 + 2 + 1 + 3 + 12 + 3u + (GetParam() == Fill::Tiles ? 15u : 0u));
+    EXPECT_EQ(times.size(), 1 + 2 + 2 + 1 + 4 + 12 + 3u + (GetParam() == Fill::Tiles ? 15u : 0u));
 }
 
 // Without a low-pass a splat may be far smaller than a pixel: α falls by more from row to row than a float holds. Trained avatars have κ = 1/12 px².
