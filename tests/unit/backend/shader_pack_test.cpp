@@ -102,7 +102,7 @@ TEST(ShaderPack, workgroupsAreThoseThatTheSharedLimitsName) {
         {"skin", gpu::kVertexGroup}, {"skin.corrected", gpu::kVertexGroup}, {"triangles", gpu::kVertexGroup}, {"triangles.stereo", gpu::kVertexGroup}, {"mesh.depth", gpu::kVertexGroup}, {"chunks.mark", gpu::kChunkGroup}, {"chunks.list", gpu::kScanGroup},
         {"project.general", gpu::kSplatGroup}, {"project.general.stereo", gpu::kSplatGroup},
         {"scan.totals", gpu::kRowScanGroup}, {"scan.sums", gpu::kScanGroup}, {"scan.places", gpu::kRowScanGroup},
-        {"compact.args", 1}, {"compact.scatter", gpu::kCompactGroup}, {"sort.count", gpu::kRunGroup}, {"sort.count.packed", gpu::kRunGroup}, {"sort.scatter", gpu::kRunGroup}, {"sort.scatter.pack", gpu::kRunGroup}, {"sort.scatter.packed", gpu::kRunGroup}, {"tiles.runs", gpu::kRunGroup}, {"tiles.runs.stereo", gpu::kRunGroup},
+        {"compact.masks", gpu::kCompactGroup}, {"compact.args", 1}, {"compact.scatter", gpu::kCompactGroup}, {"sort.count", gpu::kRunGroup}, {"sort.count.packed", gpu::kRunGroup}, {"sort.scatter", gpu::kRunGroup}, {"sort.scatter.pack", gpu::kRunGroup}, {"sort.scatter.packed", gpu::kRunGroup}, {"tiles.runs", gpu::kRunGroup}, {"tiles.runs.stereo", gpu::kRunGroup},
         {"tiles.args.spans", 1}, {"tiles.args.entries", 1}, {"tiles.spans", gpu::kRunGroup}, {"tiles.spans.stereo", gpu::kRunGroup}, {"tiles.count", gpu::kRunGroup},
         {"tiles.entries", gpu::kRunGroup}};
     for (const char* fetch : {"", ".shuffle"})

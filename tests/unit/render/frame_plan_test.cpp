@@ -36,7 +36,7 @@ TEST(FramePlan, runsThePassesInOrder) {
     ASSERT_TRUE(id) << id.error().message;
     const Status status = gpu.draw(*id, 32, 2, true);
     ASSERT_TRUE(status) << status.error().message;
-    std::vector<std::string> want = {"begin", "pose.skin", "pose.triangles", "chunks.mark", "chunks.list", "splat.project", "compact.scan", "compact.args", "compact.scatter"};
+    std::vector<std::string> want = {"begin", "pose.skin", "pose.triangles", "chunks.mark", "chunks.list", "splat.project", "compact.masks", "compact.scan", "compact.args", "compact.scatter"};
     for (int round = 0; round < 2; ++round) want.insert(want.end(), {"sort.clear", "sort.count", "sort.scan", "sort.scan", "sort.scan", "sort.scatter"});
     want.insert(want.end(), {"draw.splats", "counts"});
     EXPECT_EQ(gpu.record->lastLabels, want);
@@ -160,7 +160,7 @@ TEST(FramePlan, generalSplatsTakeTheSameFrameWithoutAPose) {
     ASSERT_TRUE(id) << id.error().message;
     const Status status = gpu.draw(*id, 32, 2, true);
     ASSERT_TRUE(status) << status.error().message;
-    std::vector<std::string> want = {"begin", "splat.project", "splat.colour", "compact.scan", "compact.args", "compact.scatter"};
+    std::vector<std::string> want = {"begin", "splat.project", "splat.colour", "compact.masks", "compact.scan", "compact.args", "compact.scatter"};
     for (int round = 0; round < 2; ++round) want.insert(want.end(), {"sort.clear", "sort.count", "sort.scan", "sort.scan", "sort.scan", "sort.scatter"});
     want.insert(want.end(), {"draw.splats", "counts"});
     EXPECT_EQ(gpu.record->lastLabels, want);
