@@ -34,7 +34,8 @@ struct FrameIds : SubjectIds {
     uint32_t widthPx = 0, heightPx = 0;   // of one view
     uint32_t allGroups = 0;               // half-chunks of all subjects
     std::vector<uint32_t> endGroups;      // where those of each end
-    bool multiview = true, depth = false, halfColour = false;
+    bool multiview = true, depth = false;
+    ColourFormat colour = ColourFormat::Codes8;
     bool floatKeys = false;               // depths are sorted as 32-bit floats
     bool shuffle = false;                 // subgroups hold whole tiles (DeviceInfo::shuffle)
     bool sceneDepth = false;              // splats behind the app's scene are hidden

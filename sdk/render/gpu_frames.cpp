@@ -67,10 +67,10 @@ Status GpuRenderer::build(const Row& row, ShapedFrame& f) {
     ids.heightPx = f.shape.heightPx;
     ids.depth = f.shape.depth;
     ids.sceneDepth = f.shape.sceneDepth;
-    ids.halfColour = options_.preciseBlending;
+    ids.colour = !options_.preciseBlending ? ColourFormat::Codes8 : backend_->info().codes16 ? ColourFormat::Codes16 : ColourFormat::Halves;
     ids.shuffle = backend_->info().shuffle;
     ids.samples = f.shape.samples;
-    DPL_TRY(ids.target, backend_->createTarget({ids.widthPx, ids.heightPx, ids.viewCount, ids.depth, ids.multiview, ids.halfColour, ids.samples}));
+    DPL_TRY(ids.target, backend_->createTarget({ids.widthPx, ids.heightPx, ids.viewCount, ids.depth, ids.multiview, ids.colour, ids.samples}));
     // Whoever walks away from this avatar should not wait for a shader compiler: its other pipelines are made now, its other target and lists when they are needed.
     const bool trained = std::any_of(row.members.begin(), row.members.end(), [&](RenderAvatarId id) { const LoadedAvatar& a = avatars_.at(id); return a.data && a.data->trainedPixelM > 0; });
     if (trained && backend_->info().fourSamples) {

@@ -120,8 +120,8 @@ void addSort(FramePlan& plan, BufferId counts, BufferId histogram, BufferId pair
 Status Frame::addQuads(FramePlan& plan, Eye& eye, uint32_t widthPx, uint32_t heightPx) {
     const Buffers& b = buffers_;
     const bool layered = backend_->info().multiview;
-    DPL_TRY(eye.target, backend_->createTarget({.widthPx = widthPx, .heightPx = heightPx, .views = 1, .depth = false, .multiview = layered, .halfColour = true}));
-    const DrawPipelineDesc pipeline{.vertex = layered ? "draw.vert.multiview" : "draw.vert.instances", .fragment = "draw.frag", .views = 1, .multiview = layered, .depth = false, .halfColour = true};
+    DPL_TRY(eye.target, backend_->createTarget({.widthPx = widthPx, .heightPx = heightPx, .views = 1, .depth = false, .multiview = layered, .colour = ColourFormat::Halves}));
+    const DrawPipelineDesc pipeline{.vertex = layered ? "draw.vert.multiview" : "draw.vert.instances", .fragment = "draw.frag", .views = 1, .multiview = layered, .depth = false, .colour = ColourFormat::Halves};
     plan.draw("draw.splats", pipeline, eye.target, 0)
         .reads(b.counts, b.pairs, b.projected)
         .push(DrawPush{float(widthPx), float(heightPx), 1, 1})

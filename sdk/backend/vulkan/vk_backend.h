@@ -30,7 +30,7 @@ struct Image {
 /** What one draw fills. */
 struct Surface {
     Image colour, depth;
-    Image rounded;                        // RGBA8 copy of a halfColour target
+    Image rounded;                        // RGBA8 copy of a target of more bits
     Image colourSamples, depthSamples;    // of a target with several samples a pixel; never leave the chip where it has its own memory for them
     VkFramebuffer framebuffer = VK_NULL_HANDLE;
 };
@@ -67,6 +67,14 @@ struct Frame {
     std::vector<uint64_t> ticks;
     bool timed = false;                   // ticks hold a run
 };
+
+inline VkFormat vulkanFormat(ColourFormat colour) {
+    switch (colour) {
+        case ColourFormat::Halves: return VK_FORMAT_R16G16B16A16_SFLOAT;
+        case ColourFormat::Codes16: return VK_FORMAT_R16G16B16A16_UNORM;
+        default: return VK_FORMAT_R8G8B8A8_UNORM;
+    }
+}
 
 class VulkanBackend final : public Backend, private ResourceView {
 public:
@@ -142,7 +150,7 @@ private:
     std::map<uint32_t, Target> targets_;
     std::map<uint32_t, Frame> frames_;
     std::vector<Pipeline> pipelines_;                       // id - 1
-    std::map<std::tuple<uint32_t, bool, bool, uint32_t>, VkRenderPass> renderPasses_;  // layers, depth, halfColour, samples
+    std::map<std::tuple<uint32_t, bool, ColourFormat, uint32_t>, VkRenderPass> renderPasses_;  // layers, depth, colour, samples
     uint32_t lastId_ = 0;
 };
 

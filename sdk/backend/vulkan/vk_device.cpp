@@ -81,10 +81,10 @@ int rank(DeviceKind kind) {
     }
 }
 
-bool canBlend(VkPhysicalDevice physical, VkFormat format) {
+bool canBlend(VkPhysicalDevice physical, VkFormat format, VkFormatFeatureFlags andThen) {
     VkFormatProperties properties{};
     vkGetPhysicalDeviceFormatProperties(physical, format, &properties);
-    const VkFormatFeatureFlags wanted = VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT | VK_FORMAT_FEATURE_TRANSFER_SRC_BIT;
+    const VkFormatFeatureFlags wanted = VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT | andThen;
     return (properties.optimalTilingFeatures & wanted) == wanted;
 }
 
@@ -143,7 +143,8 @@ bool describe(VkPhysicalDevice physical, Candidate& out) {
     out.info.maxTargetPx = std::min({properties.limits.maxImageDimension2D, properties.limits.maxFramebufferWidth, properties.limits.maxFramebufferHeight});
     out.info.maxGroups = properties.limits.maxComputeWorkGroupCount[0];
     out.info.multiview = multiview.multiview == VK_TRUE;
-    out.info.halfDepth = !canBlend(physical, VK_FORMAT_R32G32_SFLOAT);
+    out.info.halfDepth = !canBlend(physical, VK_FORMAT_R32G32_SFLOAT, VK_FORMAT_FEATURE_TRANSFER_SRC_BIT);
+    out.info.codes16 = out.info.isSoftware() && canBlend(physical, VK_FORMAT_R16G16B16A16_UNORM, VK_FORMAT_FEATURE_BLIT_SRC_BIT);
     out.info.timestamps = family->timestampValidBits > 0;
     out.info.shuffle = subgroups.subgroupSize >= 8 && subgroups.subgroupSize <= 64 && (subgroups.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) && (subgroups.supportedOperations & VK_SUBGROUP_FEATURE_SHUFFLE_BIT);
     out.info.texels = out.info.isSoftware() && features.features.shaderStorageImageExtendedFormats && properties.limits.maxTexelBufferElements >= properties.limits.maxStorageBufferRange / 4;

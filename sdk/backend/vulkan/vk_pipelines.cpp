@@ -6,8 +6,9 @@ namespace dpl::vk {
 
 Result<VkRenderPass> VulkanBackend::renderPass(const TargetDesc& target) {
     const uint32_t layers = target.multiview ? target.views : 0, samples = target.samples;
-    const bool depth = target.depth, halfColour = target.halfColour;
-    if (const auto it = renderPasses_.find({layers, depth, halfColour, samples}); it != renderPasses_.end()) return it->second;
+    const bool depth = target.depth;
+    const ColourFormat colour = target.colour;
+    if (const auto it = renderPasses_.find({layers, depth, colour, samples}); it != renderPasses_.end()) return it->second;
     const uint32_t targets = depth ? 2 : 1;
     std::array<VkAttachmentDescription, 4> attachments{};  // what is drawn; behind it what its samples are averaged into
     for (VkAttachmentDescription& a : attachments) {
@@ -20,7 +21,7 @@ Result<VkRenderPass> VulkanBackend::renderPass(const TargetDesc& target) {
         a.finalLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
     }
     for (uint32_t i = 0; i < 2 * targets; ++i) {
-        const VkFormat colourFormat = halfColour ? VK_FORMAT_R16G16B16A16_SFLOAT : VK_FORMAT_R8G8B8A8_UNORM;
+        const VkFormat colourFormat = vulkanFormat(colour);
         attachments[i].format = i % targets == 0 ? colourFormat : device_->depthSumFormat;
         if (samples == 1) continue;
         if (i < targets) {
@@ -67,7 +68,7 @@ Result<VkRenderPass> VulkanBackend::renderPass(const TargetDesc& target) {
     if (layers > 0) info.pNext = &multiview;
     VkRenderPass pass = VK_NULL_HANDLE;
     DPL_VK(vkCreateRenderPass(device_->device, &info, nullptr, &pass));
-    renderPasses_[{layers, depth, halfColour, samples}] = pass;
+    renderPasses_[{layers, depth, colour, samples}] = pass;
     return pass;
 }
 
@@ -172,7 +173,7 @@ Status VulkanBackend::makeDraw(Pipeline& p, const DrawPipelineDesc& desc) {
     info.pColorBlendState = &colour;
     info.pDynamicState = &dynamicInfo;
     info.layout = p.layout;
-    DPL_TRY(info.renderPass, renderPass({0, 0, desc.views, desc.depth, desc.multiview, desc.halfColour, desc.samples}));
+    DPL_TRY(info.renderPass, renderPass({0, 0, desc.views, desc.depth, desc.multiview, desc.colour, desc.samples}));
     DPL_TRY(stages[0].module, shaderModule(*p.shader));
     auto second = shaderModule(fragment);
     if (!second) {
@@ -218,7 +219,7 @@ Result<PipelineId> VulkanBackend::computePipeline(std::string_view name) {
 
 Result<PipelineId> VulkanBackend::drawPipeline(const DrawPipelineDesc& desc) {
     Pipeline p;
-    p.key = formatText("{}+{}+{}{}{}{}+{}{}", desc.vertex, desc.fragment, desc.views, desc.multiview ? "M" : "", desc.depth ? "D" : "", desc.halfColour ? "H" : "", desc.samples, desc.topology == Topology::List ? "T" : "");
+    p.key = formatText("{}+{}+{}{}{}{}+{}{}", desc.vertex, desc.fragment, desc.views, desc.multiview ? "M" : "", desc.depth ? "D" : "", "8HC"[int(desc.colour)], desc.samples, desc.topology == Topology::List ? "T" : "");
     if (PipelineId known = findPipeline(p.key)) return known;
     p.shader = findShader(desc.vertex);
     p.fragment = findShader(desc.fragment);

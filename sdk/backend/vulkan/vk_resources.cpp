@@ -145,9 +145,9 @@ void VulkanBackend::freeImage(Image& image) {
 
 Status VulkanBackend::makeSurface(Surface& s, const Target& t) {
     constexpr VkImageUsageFlags kDrawn = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
-    const VkFormat colour = t.desc.halfColour ? VK_FORMAT_R16G16B16A16_SFLOAT : VK_FORMAT_R8G8B8A8_UNORM;
+    const VkFormat colour = vulkanFormat(t.desc.colour);
     DPL_CHECK_OK(makeImage(s.colour, colour, t, kDrawn));
-    if (t.desc.halfColour) { DPL_CHECK_OK(makeImage(s.rounded, VK_FORMAT_R8G8B8A8_UNORM, t, VK_IMAGE_USAGE_TRANSFER_DST_BIT)); }
+    if (t.desc.colour != ColourFormat::Codes8) { DPL_CHECK_OK(makeImage(s.rounded, VK_FORMAT_R8G8B8A8_UNORM, t, VK_IMAGE_USAGE_TRANSFER_DST_BIT)); }
     if (t.desc.depth) { DPL_CHECK_OK(makeImage(s.depth, device_->depthSumFormat, t, kDrawn)); }
     std::vector<VkImageView> views;  // in the order of renderPass()
     if (t.desc.samples > 1) {

@@ -16,7 +16,7 @@ struct VulkanOptions {
     bool enableValidation = false;       // VK_LAYER_KHRONOS_validation with synchronisation checks; an error when it is not installed
     std::string deviceName;              // part of the wanted device's name; empty: the best one
     bool withoutMultiview = false;       // a draw a view, as devices without it do
-    bool preciseBlending = true;         // blend in f16 and round once; false: in 8 bits, faster, below 50 dB close up (docs/adr/0002-the-gpu-frame.md)
+    bool preciseBlending = true;         // blend in 16 bits and round once; false: in 8 bits, faster, below 50 dB close up (docs/adr/0002-the-gpu-frame.md)
     bool cull = true;           // false: no tier of it, to measure what it saves: splats that are turned away or below 1/255 are sorted and drawn too, over the box of 3 σ of plain 3D Gaussian splatting, and add nothing there. The same picture, with quads byte for byte; tiles may stop a splat earlier or later
     bool shareViews = true;              // false: two views are two frames even where one order serves both, to measure what sharing saves
     bool quantiseDepth = true;           // false: sort by 32-bit float depths, to measure what 16 bits save and cost

@@ -3,14 +3,13 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
-#include "shaders/lib/alpha.glsl"
 layout(push_constant) uniform PushBlock { DrawPush push; };
 
 #ifdef DPL_SCENE_DEPTH
 layout(std430, binding = 3) readonly buffer SceneBlock { float scene[]; };  // view z, infinite where there is nothing; behind the bindings of the vertex stage
 #endif
 
-layout(location = 0) flat in vec4 centreConic;
+layout(location = 0) flat in vec4 centreConic;   // as splat.vert has them
 layout(location = 1) flat in vec4 conicOpacity;
 layout(location = 2) flat in vec4 colourDepth;
 layout(location = 0) out vec4 colour;
@@ -24,8 +23,9 @@ void main() {
     if (colourDepth.w > scene[row * uint(push.targetWidthPx) + x]) discard;
 #endif
     vec2 d = gl_FragCoord.xy - centreConic.xy;
-    float alpha = dplSplatAlpha(d, vec3(centreConic.zw, conicOpacity.x), conicOpacity.y);
-    if (alpha == 0.0) discard;
+    // exp(-σ): the vertex shader has turned the conic into this power of two.
+    float alpha = min(kGpuMaxAlpha, conicOpacity.y * exp2(d.x * (centreConic.z * d.x + centreConic.w * d.y) + conicOpacity.x * d.y * d.y));
+    if (!(alpha >= kGpuMinAlpha)) discard;
     colour = vec4(colourDepth.rgb * alpha, alpha);
 #ifdef DPL_DEPTH
     depthSums = vec4(colourDepth.w * alpha, alpha, 0.0, alpha);

@@ -13,8 +13,8 @@ DPL_WORDS(1, OrderBlock, order);
 DPL_FOURS(2, ProjectedBlock, projected);  // ProjectedSplat
 layout(push_constant) uniform PushBlock { DrawPush push; };
 
-layout(location = 0) flat out vec4 centreConic;   // centre px, conic A and B
-layout(location = 1) flat out vec4 conicOpacity;  // conic C, opacity, view, 0
+layout(location = 0) flat out vec4 centreConic;   // centre px; -log₂e ½ A and -log₂e B of the conic
+layout(location = 1) flat out vec4 conicOpacity;  // -log₂e ½ C, opacity, view, 0
 layout(location = 2) flat out vec4 colourDepth;   // rgb, view z
 
 void main() {
@@ -25,8 +25,9 @@ void main() {
     p.place = dplFloats(DPL_FOUR(projected, record));
     p.look = DPL_FOUR(projected, record + 1u);
     p.radiusPx = dplFloats(DPL_FOUR(projected, record + 2u)).xy;
-    centreConic = p.place;
-    conicOpacity = vec4(uintBitsToFloat(p.look.x), dplOpacityOf(p), float(view), 0.0);
+    const float log2e = 1.4426950408889634;  // exp(-σ) as a power of two, once a splat and not once a pixel
+    centreConic = vec4(p.place.xy, -0.5 * log2e * p.place.z, -log2e * p.place.w);
+    conicOpacity = vec4(-0.5 * log2e * uintBitsToFloat(p.look.x), dplOpacityOf(p), float(view), 0.0);
     colourDepth = vec4(dplUnpackColour(p.look.z), uintBitsToFloat(p.look.w));
     vec2 size = vec2(push.targetWidthPx, push.targetHeightPx);
     vec2 px;

@@ -85,9 +85,9 @@ struct OneDraw {
         auto made = createNullBackend(nullptr);
         EXPECT_TRUE(made);
         backend = std::move(*made);
-        const TargetId target = *backend->createTarget({8, 4, 2, true, true, false});
+        const TargetId target = *backend->createTarget({8, 4, 2, true, true});
         draw.label = "draw";
-        draw.pipeline = *backend->drawPipeline({"draw.vert.multiview", "draw.frag.depth", 2, true, true, false});
+        draw.pipeline = *backend->drawPipeline({"draw.vert.multiview", "draw.frag.depth", 2, true, true});
         draw.target = target;
         for (BufferId& buffer : buffers) {
             buffer = *backend->createBuffer({"buffer", 256});
@@ -112,8 +112,8 @@ struct OneDraw {
 
 TEST(FrameCheck, aFragmentShadersBuffersFollowThoseOfItsVertexShader) {
     OneDraw p;
-    p.draw.pipeline = *p.backend->drawPipeline({"draw.vert.multiview", "draw.frag.depth.scene", 2, true, true, false});
-    EXPECT_NE(p.draw.pipeline, *p.backend->drawPipeline({"draw.vert.multiview", "draw.frag.depth", 2, true, true, false}));
+    p.draw.pipeline = *p.backend->drawPipeline({"draw.vert.multiview", "draw.frag.depth.scene", 2, true, true});
+    EXPECT_NE(p.draw.pipeline, *p.backend->drawPipeline({"draw.vert.multiview", "draw.frag.depth", 2, true, true}));
     p.expectRefused("binds 3 buffers");
     const BufferId scene = *p.backend->createBuffer({"scene", 256, BufferMemory::Upload});
     p.draw.bindings.push_back({scene, Access::Write});
@@ -121,7 +121,7 @@ TEST(FrameCheck, aFragmentShadersBuffersFollowThoseOfItsVertexShader) {
     p.draw.bindings[3].access = Access::Read;
     const Status status = p.create();
     EXPECT_TRUE(status) << status.error().message;
-    p.draw.pipeline = *p.backend->drawPipeline({"draw.vert.multiview", "draw.frag.depth", 2, true, true, false});
+    p.draw.pipeline = *p.backend->drawPipeline({"draw.vert.multiview", "draw.frag.depth", 2, true, true});
     p.expectRefused("binds 4 buffers");
 }
 
@@ -129,8 +129,8 @@ TEST(FrameCheck, aDrawAViewMustReachThemAllBeforeTheyAreRead) {
     OneDraw p;
     p.draw.view = 1;
     p.expectRefused("draws view 1 of a target that has 2 at once");
-    p.draw.pipeline = *p.backend->drawPipeline({"draw.vert", "draw.frag.depth", 2, false, true, false});
-    p.draw.target = *p.backend->createTarget({8, 4, 2, true, false, false});
+    p.draw.pipeline = *p.backend->drawPipeline({"draw.vert", "draw.frag.depth", 2, false, true});
+    p.draw.target = *p.backend->createTarget({8, 4, 2, true, false});
     p.draw.view = 2;
     p.expectRefused("draws view 2");
     const BufferId pixels = *p.backend->createBuffer({"pixels", 256, BufferMemory::Readback});
