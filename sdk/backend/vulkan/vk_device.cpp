@@ -203,6 +203,7 @@ Result<std::unique_ptr<Device>> openDevice(const VulkanOptions& options) {
     d->info = chosen->info;
     if (options.withoutMultiview) d->info.multiview = false;
     if (!options.typedBuffers) d->info.texels = false;
+    if (!options.codes16) d->info.codes16 = false;
     if (!options.shuffle) d->info.shuffle = false;
     for (const Workaround& w : kWorkarounds) {
         if (options.ignoreWorkarounds || d->info.name.find(w.deviceName) == std::string::npos) continue;

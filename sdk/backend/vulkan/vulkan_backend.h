@@ -20,6 +20,7 @@ struct VulkanOptions {
     bool cull = true;           // false: no tier of it, to measure what it saves: splats that are turned away or below 1/255 are sorted and drawn too, over the box of 3 σ of plain 3D Gaussian splatting, and add nothing there. The same picture, with quads byte for byte; tiles may stop a splat earlier or later
     bool shareViews = true;              // false: two views are two frames even where one order serves both, to measure what sharing saves
     bool quantiseDepth = true;           // false: sort by 32-bit float depths, to measure what 16 bits save and cost
+    bool codes16 = true;                 // false: precise blending in halves even where DeviceInfo::codes16, as other devices do it
     bool typedBuffers = true;            // false: plain kernels even where DeviceInfo::texels, as other devices run them; the same bytes
     bool shuffle = true;                 // false: kernels that take subgroups for nothing even where DeviceInfo::shuffle; the same bytes
     bool ignoreWorkarounds = false;      // try a driver without the table in vk_device.cpp

@@ -13,7 +13,7 @@
 
 namespace dpl {
 
-// f16 blending leaves the 16-bit depth key (equal keys fall back to splat order) and the 1/255 cut-off: ≥ 50 dB asked for.
+// 16-bit blending leaves the 16-bit depth key (equal keys fall back to splat order) and the 1/255 cut-off: ≥ 50 dB asked for.
 constexpr double kMinPsnrDb = 50;
 // 8-bit blending rounds once a layer, and tails below half a level vanish: up to 5 levels where a close-up stacks many faint layers.
 constexpr double kMinBytePsnrDb = 46;
@@ -33,7 +33,7 @@ inline bool crashesOnMoreThanBytes() {
     return width && std::string(width) == "512";
 }
 
-/** f16 blending where the driver can. For tests that run at every width. */
+/** 16-bit blending where the driver can. For tests that run at every width. */
 inline VulkanOptions withPreciseBlendingOfAnyWidth() {
     VulkanOptions options = withPreciseBlending();
     options.preciseBlending = !crashesOnMoreThanBytes();

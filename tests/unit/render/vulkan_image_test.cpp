@@ -26,7 +26,7 @@ RenderedView expectAgrees(TestVulkan& vulkan, const std::string& name, const Res
     const Difference d = compare(image, want);
     const bool precise = vulkan.options.preciseBlending;
     const double minPsnrDb = precise ? kMinPsnrDb : bounds.minBytePsnrDb;
-    std::printf("[  IMAGE   ] %-24s %s: colour %.1f dB (max %.4f), alpha %.1f dB, depth max %.5f m, covered %.1f %%\n", name.c_str(), precise ? "f16  " : "8 bit", d.psnrDb, d.maxError, d.alphaPsnrDb,
+    std::printf("[  IMAGE   ] %-24s %s: colour %.1f dB (max %.4f), alpha %.1f dB, depth max %.5f m, covered %.1f %%\n", name.c_str(), !precise ? "8 bit" : vulkan.options.codes16 ? "16 bit" : "f16", d.psnrDb, d.maxError, d.alphaPsnrDb,
                 d.maxDepthErrorM, d.covered * 100);
     dumpPicture(name.c_str(), image);
     EXPECT_GT(d.covered, bounds.covered) << name;
@@ -38,7 +38,9 @@ RenderedView expectAgrees(TestVulkan& vulkan, const std::string& name, const Res
 }
 
 TEST_P(VulkanImage, equalsTheReferenceInSeveralPosesAndViews) {
-    TestVulkan precise(withPreciseBlending(), GetParam()), byte(testVulkanOptions(), GetParam());
+    VulkanOptions inHalves = withPreciseBlending();
+    inHalves.codes16 = false;
+    TestVulkan precise(withPreciseBlending(), GetParam()), halves(inHalves, GetParam()), byte(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(precise);
     std::printf("[  DEVICE  ] %s\n", precise.renderer->name().c_str());
     struct Case { const char* name; bool singleFace; uint32_t shDegree; float bend, turn, azimuth, distanceM; };
@@ -50,7 +52,7 @@ TEST_P(VulkanImage, equalsTheReferenceInSeveralPosesAndViews) {
         const Pose pose = tubePose(c.bend, c.turn);
         const Cameraf camera = tubeCamera(160, 192, c.azimuth, c.distanceM);
         const ReferenceImage want = renderReference(*avatar, pose, referenceCamera(camera));
-        for (TestVulkan* vulkan : {&precise, &byte}) {
+        for (TestVulkan* vulkan : {&precise, &halves, &byte}) {
             auto id = vulkan->renderer->addAvatar(avatar);
             expectAgrees(*vulkan, c.name, id, pose, camera, want);  // depth: a splat at the 1/255 cut-off may flip; it moves depth by α times the tube's thickness
             if (id) vulkan->renderer->removeAvatar(*id);

@@ -22,7 +22,7 @@ std::vector<RenderedView> drawBehind(Renderer& renderer, RenderAvatarId id, cons
 
 void expectAgrees(const char* name, const RenderedView& image, const ReferenceImage& want, bool precise) {
     const Difference d = compare(image, want);
-    std::printf("[  SCENE   ] %-16s %s: colour %.1f dB (max %.4f), alpha %.1f dB, depth max %.5f m, covered %.1f %%\n", name, precise ? "f16  " : "8 bit", d.psnrDb, d.maxError, d.alphaPsnrDb,
+    std::printf("[  SCENE   ] %-16s %s: colour %.1f dB (max %.4f), alpha %.1f dB, depth max %.5f m, covered %.1f %%\n", name, precise ? "16 bit" : "8 bit", d.psnrDb, d.maxError, d.alphaPsnrDb,
                 d.maxDepthErrorM, d.covered * 100);
     EXPECT_GE(d.psnrDb, precise ? kMinPsnrDb : kMinBytePsnrDb) << name;
     EXPECT_GE(d.alphaPsnrDb, precise ? kMinPsnrDb : kMinBytePsnrDb) << name;

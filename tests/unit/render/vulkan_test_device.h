@@ -9,13 +9,13 @@
 
 namespace dpl {
 
-/** Device by DOPPEL_VULKAN_DEVICE (part of its name), else the best one, software included. DOPPEL_PLAIN_BUFFERS: the kernels that GPUs run. */
+/** Device by DOPPEL_VULKAN_DEVICE (part of its name), else the best one, software included. DOPPEL_PLAIN_BUFFERS: the kernels that GPUs run, and their blending. */
 inline VulkanOptions testVulkanOptions() {
     VulkanOptions options;
     options.allowSoftwareDevice = true;
     options.preciseBlending = false;  // the harder path; the tests of the default ask for it
     options.enableValidation = !std::getenv("DOPPEL_NO_VALIDATION");
-    options.typedBuffers = !std::getenv("DOPPEL_PLAIN_BUFFERS");
+    options.typedBuffers = options.codes16 = !std::getenv("DOPPEL_PLAIN_BUFFERS");
     if (const char* name = std::getenv("DOPPEL_VULKAN_DEVICE")) options.deviceName = name;
     options.validationMessages = std::make_shared<std::atomic<uint32_t>>(0);
     return options;
