@@ -40,6 +40,7 @@ struct DeviceInfo {
     DeviceKind kind = DeviceKind::Other;
     uint64_t maxBindingBytes = 0;   // of one storage buffer binding
     uint32_t maxTargetPx = 0;       // width or height of a target
+    uint32_t maxViewportPx = 0;     // of what it is cut from
     uint32_t maxGroups = 0;         // workgroups of one dispatch
     bool multiview = false;         // one draw reaches all layers of a target; otherwise a draw a layer
     bool halfDepth = false;         // depth sums are read back as 2 x f16 instead of 2 x f32
@@ -119,6 +120,7 @@ struct DrawStep {              // clears the target, or the layer of one view, t
     std::vector<Binding> bindings;
     PushBytes push;
     IndirectArgs args;         // four u32
+    float guard = 1;           // the clip space is so many targets wide and high, the target in its middle: what crosses its edge is cut by pixels and not clipped
 };
 struct FillStep {
     std::string label;

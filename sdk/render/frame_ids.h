@@ -40,6 +40,7 @@ struct FrameIds : SubjectIds {
     bool shuffle = false;                 // subgroups hold whole tiles (DeviceInfo::shuffle)
     bool sceneDepth = false;              // splats behind the app's scene are hidden
     uint32_t samples = 1;                 // a pixel (sdk/math/coverage.h)
+    float guard = 1;                      // of the draw: clip space over target
 
     BufferId scene;                                // view z of the app's scene, infinite where there is nothing; views, rows, columns; written by the CPU before each frame
     // made by the GPU in each frame

@@ -43,6 +43,7 @@ public:
         }
         Builder& groups(uint32_t count) { return step_.groups = count, *this; }
         Builder& groupsFrom(BufferId args, uint64_t offset) { return step_.indirect = {args, offset}, *this; }
+        Builder& guard(float targets) { return step_.guard = targets, *this; }
         Builder& argsFrom(BufferId args, uint64_t offset) { return step_.args = {args, offset}, *this; }
 
     private:

@@ -158,7 +158,7 @@ struct MaskPush { uint groupCount; };
 struct ScanPush { uint first; uint count; };
 struct ArgsPush { uint groupCount; uint maxDepthKey; uint drawnCount; };
 struct SortPush { uint shift; };
-struct DrawPush { float targetWidthPx; float targetHeightPx; uint splatCount; uint view; };  // splatCount: of all that is drawn; view: without multiview
+struct DrawPush { float targetWidthPx; float targetHeightPx; float guard; uint splatCount; uint view; };  // guard: clip space over target; splatCount: of all that is drawn; view: without multiview
 
 DPL_SHARED_END
 #endif

@@ -141,6 +141,7 @@ bool describe(VkPhysicalDevice physical, Candidate& out) {
     out.info.kind = kindOf(properties.deviceType);
     out.info.maxBindingBytes = properties.limits.maxStorageBufferRange;
     out.info.maxTargetPx = std::min({properties.limits.maxImageDimension2D, properties.limits.maxFramebufferWidth, properties.limits.maxFramebufferHeight});
+    out.info.maxViewportPx = std::min(properties.limits.maxViewportDimensions[0], properties.limits.maxViewportDimensions[1]);
     out.info.maxGroups = properties.limits.maxComputeWorkGroupCount[0];
     out.info.multiview = multiview.multiview == VK_TRUE;
     out.info.halfDepth = !canBlend(physical, VK_FORMAT_R32G32_SFLOAT, VK_FORMAT_FEATURE_TRANSFER_SRC_BIT);

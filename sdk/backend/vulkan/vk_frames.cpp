@@ -80,7 +80,8 @@ struct VulkanBackend::Recorder {
         begin.clearValueCount = target.desc.depth ? 2 : 1;
         begin.pClearValues = clear;
         vkCmdBeginRenderPass(commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
-        const VkViewport viewport{0, 0, float(target.extent.width), float(target.extent.height), 0, 1};
+        const float width = float(target.extent.width), height = float(target.extent.height), before = 0.5f * (1 - step.guard);
+        const VkViewport viewport{before * width, before * height, step.guard * width, step.guard * height, 0, 1};
         const VkRect2D scissor{{0, 0}, target.extent};
         vkCmdSetViewport(commands, 0, 1, &viewport);
         vkCmdSetScissor(commands, 0, 1, &scissor);

@@ -1,7 +1,10 @@
 // What createFrame refuses, on the null backend: the same check runs before Vulkan records.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "sdk/backend/null/null_backend.h"
+#include "shaders/shared/frame.h"
 
 namespace dpl {
 namespace {
@@ -93,7 +96,7 @@ struct OneDraw {
             buffer = *backend->createBuffer({"buffer", 256});
             draw.bindings.push_back({buffer, Access::Read});
         }
-        draw.push.size = 16;
+        draw.push.size = sizeof(gpu::DrawPush);
         draw.args = {buffers[0], 0};
     }
     Status create() {
@@ -123,6 +126,18 @@ TEST(FrameCheck, aFragmentShadersBuffersFollowThoseOfItsVertexShader) {
     EXPECT_TRUE(status) << status.error().message;
     p.draw.pipeline = *p.backend->drawPipeline({"draw.vert.multiview", "draw.frag.depth", 2, true, true});
     p.expectRefused("binds 4 buffers");
+}
+
+TEST(FrameCheck, clipSpaceHoldsTheTargetAndFitsTheDevice) {
+    for (const float guard : {0.5f, -1.0f, std::nanf(""), 8192.0f, INFINITY}) {   // of a target 8 px wide, on a device of 8192
+        OneDraw p;
+        p.draw.guard = guard;
+        p.expectRefused("draws from a clip space");
+    }
+    OneDraw p;
+    p.draw.guard = 1024;
+    const Status status = p.create();
+    EXPECT_TRUE(status) << status.error().message;
 }
 
 TEST(FrameCheck, aDrawAViewMustReachThemAllBeforeTheyAreRead) {

@@ -68,7 +68,7 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
     expectLayout("ScanPush", sizeof(ScanPush), {DPL_AT(ScanPush, first), DPL_AT(ScanPush, count)});
     expectLayout("ArgsPush", sizeof(ArgsPush), {DPL_AT(ArgsPush, groupCount), DPL_AT(ArgsPush, maxDepthKey), DPL_AT(ArgsPush, drawnCount)});
     expectLayout("SortPush", sizeof(SortPush), {DPL_AT(SortPush, shift)});
-    expectLayout("DrawPush", sizeof(DrawPush), {DPL_AT(DrawPush, targetWidthPx), DPL_AT(DrawPush, targetHeightPx), DPL_AT(DrawPush, splatCount), DPL_AT(DrawPush, view)});
+    expectLayout("DrawPush", sizeof(DrawPush), {DPL_AT(DrawPush, targetWidthPx), DPL_AT(DrawPush, targetHeightPx), DPL_AT(DrawPush, guard), DPL_AT(DrawPush, splatCount), DPL_AT(DrawPush, view)});
 }
 
 std::string plainName(const Shader& shader) { return shader.name.substr(0, shader.name.size() - (shader.name.ends_with(kTexelsSuffix) ? kTexelsSuffix.size() : 0)); }
