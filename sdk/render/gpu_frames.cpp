@@ -70,7 +70,7 @@ Status GpuRenderer::build(const Row& row, ShapedFrame& f) {
     ids.sceneDepth = f.shape.sceneDepth;
     ids.colour = !options_.preciseBlending ? ColourFormat::Codes8 : backend_->info().codes16 ? ColourFormat::Codes16 : ColourFormat::Halves;
     ids.shuffle = backend_->info().shuffle;
-    ids.guard = float(std::clamp(backend_->info().maxViewportPx / std::max(ids.widthPx, ids.heightPx), 1u, kGuard));
+    ids.guard = float(std::clamp(backend_->info().maxViewportPx / std::max({ids.widthPx, ids.heightPx, 1u}), 1u, kGuard));
     ids.samples = f.shape.samples;
     DPL_TRY(ids.target, backend_->createTarget({ids.widthPx, ids.heightPx, ids.viewCount, ids.depth, ids.multiview, ids.colour, ids.samples}));
     // Whoever walks away from this avatar should not wait for a shader compiler: its other pipelines are made now, its other target and lists when they are needed.
