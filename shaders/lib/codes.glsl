@@ -1,5 +1,5 @@
 // Splats as they lie in the file (sdk/format/coded_splats.h), by a workgroup that works on one half-chunk. The includer declares the buffer by
-// DPL_WORDS `codes` and the push constants as CodesPush `push`.
+// DPL_WORDS `codes` and the push constants as CodesPush `push`, and includes lib/sh_degree.glsl.
 #include "shaders/lib/parent_byte.glsl"
 uint dplFirstChunkWord;  // of the record of its chunk; set it before anything else
 uint dplChunkWord(uint word) { return DPL_WORD(codes, dplFirstChunkWord + word); }
@@ -24,23 +24,36 @@ vec2 dplScale(uint size) {
     return vec2(exp(low + width * code.x * (1.0 / 2047.0)), exp(low + width * code.y * (1.0 / 2047.0)));
 }
 
-float dplShByte(uint entry, uint at) { return float(int(DPL_WORD(codes, entry + (at >> 2u)) << (24u - 8u * (at & 3u))) >> 24); }
-
-/** Coefficient k of a splat whose entry begins at a word; 0 comes from its colour word. */
-vec3 dplShCode(uint entry, uint colour, uint k) {
-    if (k == 0u) {
-        vec3 low = vec3(dplChunkFloat(kChunkDcMin), dplChunkFloat(kChunkDcMin + 1u), dplChunkFloat(kChunkDcMin + 2u));
-        vec3 high = vec3(dplChunkFloat(kChunkDcMax), dplChunkFloat(kChunkDcMax + 1u), dplChunkFloat(kChunkDcMax + 2u));
-        return low + (high - low) * vec3(float(colour & 1023u) * (1.0 / 1023.0), float((colour >> 10u) & 2047u) * (1.0 / 2047.0), float(colour >> 21u) * (1.0 / 2047.0));
-    }
-    uint at = 3u * (k - 1u);
-    float range = dplChunkFloat(kChunkShRange + (k < 4u ? 0u : k < 9u ? 1u : 2u));
-    return range * (1.0 / 127.0) * vec3(dplShByte(entry, at), dplShByte(entry, at + 1u), dplShByte(entry, at + 2u));
-}
-
 /** Where the SH entry of a splat begins, in words. */
 uint dplShEntry(uint splat) {
     uint entry = splat;
     if (push.firstShIndex != 0u) entry = (DPL_WORD(codes, push.firstShIndex + (splat >> 1u)) >> ((splat & 1u) * 16u)) & 0xFFFFu;
     return push.firstSh + entry * push.shWords;
+}
+
+// What the colour of a splat is made of: read once, however many views show it.
+const uint kShBytes = 3u * ((kShDegree + 1u) * (kShDegree + 1u) - 1u), kShWords = max(1u, (kShBytes + 3u) / 4u);
+vec3 dplShFirst;
+float dplShRange[3];
+uint dplShWords[kShWords];
+
+/** bands: also those beyond coefficient 0. */
+void dplFetchSh(uint splat, bool bands) {
+    vec3 low = vec3(dplChunkFloat(kChunkDcMin), dplChunkFloat(kChunkDcMin + 1u), dplChunkFloat(kChunkDcMin + 2u));
+    vec3 high = vec3(dplChunkFloat(kChunkDcMax), dplChunkFloat(kChunkDcMax + 1u), dplChunkFloat(kChunkDcMax + 2u));
+    uint colour = DPL_WORD(codes, push.firstColour + splat);
+    dplShFirst = low + (high - low) * vec3(float(colour & 1023u) * (1.0 / 1023.0), float((colour >> 10u) & 2047u) * (1.0 / 2047.0), float(colour >> 21u) * (1.0 / 2047.0));
+    if (kShDegree == 0u || !bands) return;
+    uint entry = dplShEntry(splat);
+    for (uint i = 0u; i < kShWords; ++i) dplShWords[i] = DPL_WORD(codes, entry + i);
+    for (uint i = 0u; i < kShDegree; ++i) dplShRange[i] = dplChunkFloat(kChunkShRange + i);
+}
+
+float dplShByte(uint at) { return float(int(dplShWords[at >> 2u] << (24u - 8u * (at & 3u))) >> 24); }
+
+/** Coefficient k of the splat that was fetched. */
+vec3 dplShCode(uint k) {
+    if (k == 0u) return dplShFirst;
+    uint at = 3u * (k - 1u);
+    return dplShRange[k < 4u ? 0u : k < 9u ? 1u : 2u] * (1.0 / 127.0) * vec3(dplShByte(at), dplShByte(at + 1u), dplShByte(at + 2u));
 }

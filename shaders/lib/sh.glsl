@@ -1,14 +1,5 @@
 // Real spherical harmonics in the order and sign of sdk/math/sh.h. `d` is a unit vector from the eye to the splat, rest frame; `light` multiplies the colour before it is clamped.
-// Coefficients are read through dplSh(base, k), which the includer defines. A kernel is built for one degree: DPL_SH1, DPL_SH2 or DPL_SH3.
-#if defined(DPL_SH3)
-const uint kShDegree = 3u;
-#elif defined(DPL_SH2)
-const uint kShDegree = 2u;
-#elif defined(DPL_SH1)
-const uint kShDegree = 1u;
-#else
-const uint kShDegree = 0u;
-#endif
+// Coefficients are read through dplSh(base, k), which the includer defines, as it includes lib/sh_degree.glsl.
 vec3 dplShColour(vec3 d, uint base, float light) {
     vec3 c = vec3(0.5) + 0.28209479177387814 * dplSh(base, 0u);
     if (kShDegree >= 1u) {

@@ -15,13 +15,13 @@ layout(std430, binding = 3) writeonly buffer ProjectedBlock { ProjectedSplat pro
 layout(std430, binding = 4) buffer VisibilityBlock { uint visibility[]; };
 layout(push_constant) uniform PushBlock { CodesPush push; };
 #include "shaders/lib/visibility.glsl"
+#include "shaders/lib/sh_degree.glsl"
 #include "shaders/lib/codes.glsl"
 #include "shaders/lib/detail.glsl"
 
-uint dplColour;   // the colour word of this lane's splat
-vec3 dplSh(uint entry, uint k) {
-    if (k > 0u && frame.detail.z <= 0.0) return vec3(0.0);
-    return k > 0u ? frame.detail.z * dplShCode(entry, dplColour, k) : dplShCode(entry, dplColour, k);
+vec3 dplSh(uint base, uint k) {
+    if (k > 0u && frame.detail.z <= 0.0) return vec3(0.0);  // nothing of it was read
+    return k > 0u ? frame.detail.z * dplShCode(k) : dplShCode(k);
 }
 #include "shaders/lib/sh.glsl"
 
@@ -35,8 +35,7 @@ struct BoundSplat {
 
 vec3 direction(uvec4 bits) { return vec3(uintBitsToFloat(bits.x), uintBitsToFloat(bits.y), uintBitsToFloat(bits.z)); }
 
-/** Whether the view shows it. */
-bool showIn(ViewData view, uint v, BoundSplat s, bool mayShow) {
+ProjectedSplat showIn(ViewData view, BoundSplat s, bool mayShow) {
     ProjectedSplat p = dplHiddenSplat();
     if (mayShow) {
         Footprint f = dplProject(view, dplToView(view, s.centre), dplRotateToView(view, s.axis1), dplRotateToView(view, s.axis2), frame.target.z);
@@ -47,24 +46,18 @@ bool showIn(ViewData view, uint v, BoundSplat s, bool mayShow) {
             p = dplShow(f, opacity, frame.target.xy, frame.flags.z != 0u);
         }
     }
-    bool seen = p.radiusPx.y > 0.0;
-    if (seen) {
-        vec3 rest = vec3(0.0);
-        uint entry = 0u;
-        if (kShDegree > 0u) {  // the direction to the splat in the rest frame of its triangle
-            vec4 turn = vec4(unpackSnorm2x16(s.turn.x), unpackSnorm2x16(s.turn.y));
-            vec3 world = s.centre - view.eyeWorld.xyz;
-            rest = normalize(world + 2.0 * cross(turn.xyz, cross(turn.xyz, world) - turn.w * world));
-            entry = dplShEntry(s.index);
-        }
-        dplColour = DPL_WORD(codes, push.firstColour + s.index);
-        p.look.z = dplPackColour(dplShColour(rest, entry, s.light));
+    return p;
+}
+
+/** The colour that the view sees, of the splat that was fetched. */
+uint shadeIn(ViewData view, BoundSplat s) {
+    vec3 rest = vec3(0.0);
+    if (kShDegree > 0u) {  // the direction to the splat in the rest frame of its triangle
+        vec4 turn = vec4(unpackSnorm2x16(s.turn.x), unpackSnorm2x16(s.turn.y));
+        vec3 world = s.centre - view.eyeWorld.xyz;
+        rest = normalize(world + 2.0 * cross(turn.xyz, cross(turn.xyz, world) - turn.w * world));
     }
-    uint slot = v * frame.flags.w + push.firstSplat + s.index;
-    projected[slot].place = p.place;
-    projected[slot].look = p.look;
-    projected[slot].radiusPx = p.radiusPx;
-    return seen;
+    return dplPackColour(dplShColour(rest, 0u, s.light));
 }
 
 void main() {
@@ -103,9 +96,23 @@ void main() {
             s.axis1 = scale.x * (cosine * f0 + sine * f1);
             s.axis2 = scale.y * (cosine * f1 - sine * f0);
             s.normal = normalize(cross(f0, f1));
+            ProjectedSplat p[kViews];
             bool seen = false;
-            for (uint v = 0u; v < kViews; ++v) seen = showIn(frame.views[v], v, s, (shown & ((kShowsFree | kShowsGated) << v)) != 0u) || seen;
-            if (seen) depth = floatBitsToUint(dot(frame.sortAxis.xyz, s.centre));
+            for (uint v = 0u; v < kViews; ++v) {
+                p[v] = showIn(frame.views[v], s, (shown & ((kShowsFree | kShowsGated) << v)) != 0u);
+                seen = seen || p[v].radiusPx.y > 0.0;
+            }
+            if (seen) {
+                dplFetchSh(s.index, frame.detail.z > 0.0);
+                for (uint v = 0u; v < kViews; ++v) p[v].look.z = shadeIn(frame.views[v], s);
+                depth = floatBitsToUint(dot(frame.sortAxis.xyz, s.centre));
+            }
+            for (uint v = 0u; v < kViews; ++v) {
+                uint slot = v * frame.flags.w + push.firstSplat + s.index;
+                projected[slot].place = p[v].place;
+                projected[slot].look = p[v].look;
+                projected[slot].radiusPx = p[v].radiusPx;
+            }
         }
     }
     visibility[dplFirstDepth(push.allGroups) + push.firstSplat + s.index] = depth;

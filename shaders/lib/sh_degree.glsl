@@ -1,0 +1,10 @@
+// A kernel is built for one degree of SH: DPL_SH1, DPL_SH2 or DPL_SH3, else 0.
+#if defined(DPL_SH3)
+const uint kShDegree = 3u;
+#elif defined(DPL_SH2)
+const uint kShDegree = 2u;
+#elif defined(DPL_SH1)
+const uint kShDegree = 1u;
+#else
+const uint kShDegree = 0u;
+#endif
