@@ -1,5 +1,5 @@
 // What the passes tell each other of half-chunks (kSplatGroup neighbouring splats) and of their splats.
-// `visibility`: a flag each whether it lives, the live ones in order, where each begins; then the sort depth of every splat.
+// `visibility`: a flag each whether it lives, the live ones in order, which splats each has; then the sort depth of every splat.
 uint dplFirstLive(uint groups) { return groups; }
 uint dplFirstRange(uint groups) { return 2u * groups; }  // number of its first splat, how many << kSortIndexBits
 uint dplFirstDepth(uint groups) { return 3u * groups; }  // float bits, of the splats of live ones; kUnseenDepth: no view shows it
