@@ -74,7 +74,7 @@ struct Checker {
         if (!resources.target(step.target)) return fail(Code::InvalidArgument, "step {} draws into a target that does not exist", step.label);
         const TargetDesc& target = *resources.target(step.target);
         if (step.view >= (target.multiview ? 1 : target.views)) return fail(Code::InvalidArgument, "step {} draws view {} of a target that has {}{}", step.label, step.view, target.views, target.multiview ? " at once" : "");
-        if (!(step.guard >= 1) || step.guard * float(std::max(target.widthPx, target.heightPx)) > float(std::max(device.maxViewportPx, std::max(target.widthPx, target.heightPx))))
+        if (!(step.guard >= 1) || (step.guard > 1 && step.guard * float(std::max(target.widthPx, target.heightPx)) > float(device.maxViewportPx)))
             return fail(Code::InvalidArgument, "step {} draws from a clip space of {} targets; this device takes 1 to {} px", step.label, step.guard, device.maxViewportPx);
         if (target.multiview || step.view + 1 == target.views) drawn.insert(step.target.value);
         DPL_CHECK_OK(indirect(step.label, step.args, 16));

@@ -11,7 +11,7 @@ struct PlainFile::State {
     std::shared_ptr<const AvatarData> avatar;   // empty: general splats
     Pose pose;
     plain::Frame frame;
-    State(std::unique_ptr<Backend> backend, plain::Fill fill) : frame(std::move(backend), fill) {}
+    State(std::unique_ptr<Backend> backend, PlainFill fill) : frame(std::move(backend), fill) {}
 };
 
 PlainFile::PlainFile(std::unique_ptr<State> state, std::string name) : state_(std::move(state)), name_(std::move(name)) {}
@@ -25,7 +25,7 @@ Result<PlainFile> PlainFile::open(std::span<const uint8_t> bytes, PlainFill fill
     auto backend = plain::createBackend(options);
     if (!backend) return fail(Code::Unsupported, "no Vulkan on this machine: {}", backend.error().message);
     std::string name = "vulkan: " + (*backend)->info().name + (fill == PlainFill::Quads ? " (plain float)" : " (plain float, tiles)");
-    auto state = std::make_unique<State>(std::move(*backend), fill == PlainFill::Quads ? plain::Fill::Quads : plain::Fill::Tiles);
+    auto state = std::make_unique<State>(std::move(*backend), fill);
     if (splatFormatOf(bytes) != SplatFormat::None) {
         DPL_TRY(const SplatFile general, readSplats(bytes));
         DPL_CHECK_OK(state->frame.load(general.splats));

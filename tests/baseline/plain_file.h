@@ -27,7 +27,7 @@ struct PlainStats {
     std::vector<PlainPassTime> passes;         // of the frames read last, in the order they ran, eye after eye; empty without timestamps
 };
 
-/** How it fills pixels: quads, as the plain frame did; or tiles as they were first made, behind the plain frame's records and sort. */
+/** How it fills pixels: quads blended in f16, as the plain frame did; or tiles as they were first made, behind the plain frame's records and sort. */
 enum class PlainFill { Quads, Tiles };
 
 /** One thread at a time. */

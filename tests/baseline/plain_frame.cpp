@@ -186,7 +186,7 @@ Status Frame::build(Eye& eye, uint32_t widthPx, uint32_t heightPx) {
         addCompact(plan, splats_.count, b.sortDepth, b.blockSums, b.counts, b.pairs);
         addSort(plan, b.counts, b.histogram, b.pairs, b.pairsSwap);
     }
-    if (fill_ == Fill::Quads) {
+    if (fill_ == PlainFill::Quads) {
         DPL_CHECK_OK(addQuads(plan, eye, widthPx, heightPx));
     } else {
         DPL_CHECK_OK(addTiles(plan, eye, widthPx, heightPx));
@@ -195,7 +195,7 @@ Status Frame::build(Eye& eye, uint32_t widthPx, uint32_t heightPx) {
     DPL_TRY(eye.draw, plan.finish());
 
     FramePlan readback(*backend_);
-    if (fill_ == Fill::Quads) {
+    if (fill_ == PlainFill::Quads) {
         readback.readback("readback", eye.target, eye.colourPixels, {});
     } else {
         readback.copy("readback", eye.tiles.pixels, eye.colourPixels);
@@ -257,7 +257,7 @@ Result<std::vector<std::span<const uint8_t>>> Frame::read() {
     for (size_t v = 0; v < drawn_; ++v) {
         DPL_CHECK_OK(backend_->wait(eyes_[v].draw));   // so that its times and counts are there
         DPL_CHECK_OK(backend_->run(eyes_[v].readback));
-        if (fill_ == Fill::Tiles) {
+        if (fill_ == PlainFill::Tiles) {
             TileCounts counts;
             std::memcpy(&counts, backend_->mapped(eyes_[v].tileCounts).data(), sizeof counts);
             if (counts.overflowed) return fail(Code::Unsupported, "the lists of plain tiles hold too little for this frame; quads draw it");

@@ -7,6 +7,7 @@
 #include "sdk/backend/vulkan/vulkan_backend.h"
 #include "sdk/format/avatar_data.h"
 #include "sdk/math/camera.h"
+#include "tests/baseline/plain_file.h"
 #include "tests/baseline/plain_records.h"
 #include "tests/baseline/plain_tiles.h"
 
@@ -19,13 +20,10 @@ Result<std::unique_ptr<Backend>> createBackend(VulkanOptions options);
 std::span<const uint8_t> shaderPack();
 uint64_t shaderInterface();
 
-/** How sorted splats become pixels: quads blended in f16, or the first compute tiles. */
-enum class Fill { Quads, Tiles };
-
 class Frame {
 public:
     /** `backend` is one of createBackend. */
-    explicit Frame(std::unique_ptr<Backend> backend, Fill fill = Fill::Quads) : backend_(std::move(backend)), fill_(fill) {}
+    explicit Frame(std::unique_ptr<Backend> backend, PlainFill fill = PlainFill::Quads) : backend_(std::move(backend)), fill_(fill) {}
     ~Frame();
     Frame(const Frame&) = delete;
     Frame& operator=(const Frame&) = delete;
@@ -73,7 +71,7 @@ private:
     void writePalette(const Pose& pose, BufferId palette);
 
     std::unique_ptr<Backend> backend_;
-    Fill fill_;
+    PlainFill fill_;
     std::shared_ptr<const AvatarData> avatar_;   // empty: general splats
     SplatSet splats_;
     uint32_t vertexCount_ = 0, triangleCount_ = 0, widthPx_ = 0, heightPx_ = 0;

@@ -22,7 +22,7 @@ struct TestPlain {
     std::unique_ptr<plain::Frame> frame;
     std::string missing;
 
-    explicit TestPlain(plain::Fill fill = plain::Fill::Quads) {
+    explicit TestPlain(PlainFill fill = PlainFill::Quads) {
         auto backend = plain::createBackend(options);
         if (!backend && backend.error().code == Code::NotFound) {
             std::printf("[   NOTE   ] %s\n", backend.error().message.c_str());
@@ -63,12 +63,12 @@ void expectAgrees(const std::string& name, const RenderedView& picture, const Re
 
 void expectAvatarAgrees(const std::string& name, const std::shared_ptr<const AvatarData>& avatar, const Pose& pose, const Cameraf& camera) {
     const ReferenceImage want = renderReference(*avatar, pose, referenceCamera(camera));
-    for (const plain::Fill fill : {plain::Fill::Quads, plain::Fill::Tiles}) {
+    for (const PlainFill fill : {PlainFill::Quads, PlainFill::Tiles}) {
         TestPlain plain(fill);
         DPL_NEED_PLAIN(plain);
         const Status loaded = plain.frame->load(avatar);
         ASSERT_TRUE(loaded) << loaded.error().message;
-        expectAgrees(name + (fill == plain::Fill::Tiles ? ", tiles" : ""), draw(*plain.frame, pose, {&camera, 1})[0], want);
+        expectAgrees(name + (fill == PlainFill::Tiles ? ", tiles" : ""), draw(*plain.frame, pose, {&camera, 1})[0], want);
     }
 }
 
@@ -111,7 +111,7 @@ TEST(PlainFrame, generalSplatsEqualTheReferenceAtEveryShDegree) {
 
 /** Two eyes, another size and back, general splats; and lists that are too small are an error, not an empty picture. */
 TEST(PlainFrame, tilesDrawWhatQuadsDrawOrSayThatTheyCannot) {
-    TestPlain tiles(plain::Fill::Tiles), quads;
+    TestPlain tiles(PlainFill::Tiles), quads;
     DPL_NEED_PLAIN(tiles);
     const StaticSplatData splats = randomStaticSplats(5, 1500, 1, 0.5f);
     ASSERT_TRUE(tiles.frame->load(splats) && quads.frame->load(splats));
@@ -160,7 +160,7 @@ TEST(PlainFrame, drawsNothingForNoSplatsAndRefusesWhatItCannotDraw) {
     EXPECT_FALSE(plain.frame->draw(tubePose(0), {}));
     EXPECT_FALSE(plain.frame->draw(tubePose(0), {views, 2}));
     EXPECT_FALSE(plain.frame->draw(tubePose(0), views));
-    TestPlain tiles(plain::Fill::Tiles);
+    TestPlain tiles(PlainFill::Tiles);
     ASSERT_TRUE(tiles.frame->load(std::make_shared<const AvatarData>(makeTube({.splatsPerTriangle = 0}))));
     for (plain::Frame* frame : {plain.frame.get(), tiles.frame.get()}) {
         const RenderedView nothing = draw(*frame, tubePose(0), {views, 1})[0];

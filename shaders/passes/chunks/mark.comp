@@ -27,5 +27,5 @@ void main() {
     }
     group += push.firstGroup;
     visibility[group] = live;
-    visibility[dplFirstRange(push.allGroups) + group] = (push.firstSplat + first + begin) | (max(end, begin) - begin) << kSortIndexBits;
+    visibility[dplFirstRange(push.allGroups) + group] = dplRange(push.firstSplat + first + begin, max(end, begin) - begin);
 }

@@ -14,8 +14,8 @@ void main() {
     uint group = gl_GlobalInvocationID.x, sum = 0u;
     if (group >= push.groupCount) return;
     bool lives = DPL_WORD(visibility, group) != 0u;
-    uint range = lives ? DPL_WORD(visibility, dplFirstRange(push.groupCount) + group) : 0u, count = range >> kSortIndexBits;
-    uint depth = dplFirstDepth(push.groupCount) + (range & ((1u << kSortIndexBits) - 1u));
+    uint range = lives ? DPL_WORD(visibility, dplFirstRange(push.groupCount) + group) : 0u, count = dplRangeCount(range);
+    uint depth = dplFirstDepth(push.groupCount) + dplRangeFirst(range);
     for (uint word = 0u; word < kMaskWords; ++word) {
         uint mask = 0u;
         for (uint k = 0u; k < 32u && 32u * word + k < count; ++k) mask |= (DPL_WORD(visibility, depth + 32u * word + k) != kUnseenDepth ? 1u : 0u) << k;

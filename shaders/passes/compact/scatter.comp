@@ -18,7 +18,7 @@ void main() {
     if (group >= push.groupCount) return;
     uint masks = kMaskWords * group, left = DPL_WORD(survivors, masks + word);
     if (left == 0u) return;
-    uint slot = DPL_WORD(survivors, dplFirstSum(push.groupCount) + group), first = (DPL_WORD(visibility, dplFirstRange(push.groupCount) + group) & ((1u << kSortIndexBits) - 1u)) + 32u * word;
+    uint slot = DPL_WORD(survivors, dplFirstSum(push.groupCount) + group), first = dplRangeFirst(DPL_WORD(visibility, dplFirstRange(push.groupCount) + group)) + 32u * word;
     for (uint k = 0u; k < word; ++k) slot += uint(bitCount(DPL_WORD(survivors, masks + k)));
     uint drawn = 0u;
     for (uint k = 0u; k + 1u < push.drawnCount; ++k) drawn += group >= push.endGroup[k] ? 1u : 0u;

@@ -70,7 +70,7 @@ void main() {
     }
     if (lane == 0u) {
         visibility[push.firstGroup + group] = 1u;
-        visibility[dplFirstRange(push.allGroups) + push.firstGroup + group] = (push.firstSplat + group * kSplatGroup) | min(push.splatCount - group * kSplatGroup, kSplatGroup) << kSortIndexBits;
+        visibility[dplFirstRange(push.allGroups) + push.firstGroup + group] = dplRange(push.firstSplat + group * kSplatGroup, min(push.splatCount - group * kSplatGroup, kSplatGroup));
         float there = dot(frame.sortAxis.xyz, middle), either = dot(abs(frame.sortAxis.xyz), reach);
         atomicMax(counts.depthMaxBits[push.drawn], dplOrderedBits(max(there + either, frame.sortAxis.w)));
         atomicMax(counts.depthMinBitsInverted[push.drawn], ~dplOrderedBits(max(there - either, frame.sortAxis.w)));
