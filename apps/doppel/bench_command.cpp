@@ -60,7 +60,7 @@ Status bench(const BenchOptions& options) {
     std::printf("%s%s%s", worth.text().c_str(), text.memoryTable().c_str(), kMeanings);
     std::printf("\nms: dplDraw and dplReadImages together, pictures in memory; median and 95th percentile of %u. dplDraw ms: what an app's thread pays. GPU ms: the frame's passes by the device's clock. PSNR and max error: against the\n"
                 "double-precision reference, colour over mid grey; of all pixels, and of those that something covers. FLIP: mean over covered pixels, 0 to 1. Warm frames: C++ heap allocations of dplSetPose and dplDraw, and waits of\n"
-                "dplDraw, of all timed frames and three more in flight together. Plain float: the frozen frame of tests/baseline, before any optimisation, always one sample a pixel.\n", options.repeats);
+                "dplDraw, of all timed frames and three more in flight together. Worth: the ratio of each round, median and quartiles. Plain float: the frozen frame of tests/baseline, before any optimisation, always one sample a pixel.\n", options.repeats);
     const bool raced = std::any_of(options.renderers.begin(), options.renderers.end(), [](const std::string& name) { return name != "software"; });
     if (auto chosen = raced ? doppel::Context::create(DPL_RENDERER_VULKAN) : doppel::Error{}) std::printf("What --fill auto chooses on this device: %s\n", chosen->rendererName().c_str());
     if (!model.empty())

@@ -134,7 +134,7 @@ Status samplePasses(Contestant& c) {
     for (PassSamples& pass : c.passes) pass.milliseconds.push_back(0);
     for (const auto& [label, milliseconds] : stats.passes) {
         auto pass = std::find_if(c.passes.begin(), c.passes.end(), [&](const PassSamples& known) { return known.label == label; });
-        if (pass == c.passes.end()) pass = c.passes.insert(pass, {label, {0}});
+        if (pass == c.passes.end()) pass = c.passes.insert(pass, {label, std::vector<double>(c.gpuMilliseconds.size())});
         pass->milliseconds.back() += milliseconds;
     }
     return {};

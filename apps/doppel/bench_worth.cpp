@@ -12,12 +12,15 @@ namespace {
 
 using PassFilter = bool (*)(std::string_view label);
 
-/** Summed medians of the GPU times of the passes that the filter takes, milliseconds. */
-double passMs(const Contestant& c, PassFilter takes) {
-    double sum = 0;
-    for (const PassSamples& pass : c.passes)
-        if (takes(pass.label)) sum += percentile(pass.milliseconds, 0.5);
-    return sum;
+/** GPU time of the passes that the filter takes, milliseconds a round. */
+std::vector<double> passMs(const Contestant& c, PassFilter takes) {
+    std::vector<double> sums;
+    for (const PassSamples& pass : c.passes) {
+        if (!takes(pass.label)) continue;
+        sums.resize(std::max(sums.size(), pass.milliseconds.size()));
+        for (size_t k = 0; k < pass.milliseconds.size(); ++k) sums[k] += pass.milliseconds[k];
+    }
+    return sums;
 }
 
 bool beforePixels(std::string_view label) { return !label.starts_with("draw") && !label.starts_with("tiles.fill") && label != "counts" && label != "readback"; }
@@ -46,9 +49,14 @@ const Contestant* fastestFill(const std::vector<Contestant>& list) {
     return best;
 }
 
-std::string arrow(double off, double on) {
-    char text[120];
-    std::snprintf(text, sizeof text, off > 0 && on > 0 ? "%.2f → %.2f | %.2f ×" : "– | –", off, on, on > 0 ? off / on : 0.0);
+/** Medians, and the median and quartiles of the ratios of each round: what slows the machine for a while slows both of a round. */
+std::string arrow(const std::vector<double>& off, const std::vector<double>& on) {
+    std::vector<double> ratios;
+    for (size_t k = 0; k < std::min(off.size(), on.size()); ++k)
+        if (off[k] > 0 && on[k] > 0) ratios.push_back(off[k] / on[k]);
+    if (ratios.empty()) return "– | –";
+    char text[160];
+    std::snprintf(text, sizeof text, "%.2f → %.2f | %.2f × (%.2f – %.2f)", percentile(off, 0.5), percentile(on, 0.5), percentile(ratios, 0.5), percentile(ratios, 0.25), percentile(ratios, 0.75));
     return text;
 }
 
@@ -56,10 +64,10 @@ std::string frameWorth(const BenchCase& test, const std::string& what, const Con
     const std::string error = compared ? formatText("{} → {} | {} → {}", decibelText(off.error.coveredPsnrDb()), decibelText(on.error.coveredPsnrDb()), std::round(off.error.maxLevels * 10) / 10,
                                                     std::round(on.error.maxLevels * 10) / 10)
                                        : "– | –";
-    return formatText("| {} | {} | {} | {} | {} |\n", test.name, what, arrow(frameMs(off), frameMs(on)), arrow(passMs(off, beforePixels), passMs(on, beforePixels)), error);
+    return formatText("| {} | {} | {} | {} | {} |\n", test.name, what, arrow(off.milliseconds, on.milliseconds), arrow(passMs(off, beforePixels), passMs(on, beforePixels)), error);
 }
 
-std::string passWorth(const BenchCase& test, const char* what, const char* where, double off, double on) { return formatText("| {} | {} | {} | {} |\n", test.name, what, where, arrow(off, on)); }
+std::string passWorth(const BenchCase& test, const char* what, const char* where, const std::vector<double>& off, const std::vector<double>& on) { return formatText("| {} | {} | {} | {} |\n", test.name, what, where, arrow(off, on)); }
 
 }  // namespace
 
@@ -75,14 +83,14 @@ void BenchWorth::add(const BenchCase& test, const std::vector<Contestant>& list)
 
     if (!quads || quads->passes.empty()) return;
     const Contestant *unculled = findOption(list, "vulkan-without-culling"), *floatKeys = findOption(list, "vulkan-float-keys"), *apart = findOption(list, "vulkan-two-frames");
-    if (unculled) passes += passWorth(test, "hierarchical culling", "whole frame", frameMs(*unculled), frameMs(*quads));
+    if (unculled) passes += passWorth(test, "hierarchical culling", "whole frame", unculled->milliseconds, quads->milliseconds);
     const bool coded = quads->stats.splatsInView > 0;   // general splats are records of floats today too
     if (plain && coded) passes += passWorth(test, "codes decoded on demand, culled", "chunks, projection and colour; off: plain float", passMs(*plain, projection), passMs(*quads, projection));
     if (plain && coded && unculled) passes += passWorth(test, "codes decoded on demand, nothing culled", "chunks, projection and colour; off: plain float", passMs(*plain, projection), passMs(*unculled, projection));
     if (floatKeys) passes += passWorth(test, "quantised depth keys", "sort", passMs(*floatKeys, sorting), passMs(*quads, sorting));
     if (apart) {
         passes += passWorth(test, "one frame for both eyes", "before pixels are filled", passMs(*apart, beforePixels), passMs(*quads, beforePixels));
-        passes += passWorth(test, "one frame for both eyes", "whole frame", frameMs(*apart), frameMs(*quads));
+        passes += passWorth(test, "one frame for both eyes", "whole frame", apart->milliseconds, quads->milliseconds);
     }
 }
 

@@ -78,7 +78,7 @@ struct TargetDesc {
 
 enum class Topology : uint8_t { Strip, List };  // of triangles
 
-/** A pipeline for targets of this shape; premultiplied "over" blending, no vertex buffers. The bindings of a draw are those of its vertex
+/** A pipeline for targets of this shape; premultiplied "over" blending unless it overwrites, no vertex buffers. The bindings of a draw are those of its vertex
  *  shader, then those of its fragment shader, which reads and does not write. */
 struct DrawPipelineDesc {
     std::string vertex, fragment;  // names in the shader pack
@@ -88,6 +88,7 @@ struct DrawPipelineDesc {
     ColourFormat colour = ColourFormat::Codes8;
     uint32_t samples = 1;
     Topology topology = Topology::Strip;
+    bool overwrites = false;
 };
 
 enum class Access : uint8_t { Uniform, Read, Write, Update };
@@ -112,6 +113,10 @@ struct ComputeStep {
     uint32_t groups = 0;       // along x; ignored when indirect is set
     IndirectArgs indirect;     // three u32
 };
+struct ClearDraw {             // of vertices without bindings that overwrite the whole target
+    PipelineId pipeline;
+    IndirectArgs args;     // four u32
+};
 struct DrawStep {              // clears the target, or the layer of one view, then one indirect draw
     std::string label;
     PipelineId pipeline;
@@ -120,6 +125,7 @@ struct DrawStep {              // clears the target, or the layer of one view, t
     std::vector<Binding> bindings;
     PushBytes push;
     IndirectArgs args;         // four u32
+    ClearDraw clear;           // none: it is always cleared; else by this draw alone: a frame that needs no target spares the clearing too, and leaves nothing to read in it
     float guard = 1;           // the clip space is so many targets wide and high, the target in its middle: what crosses its edge is cut by pixels and not clipped
 };
 struct FillStep {

@@ -78,6 +78,11 @@ struct Checker {
             return fail(Code::InvalidArgument, "step {} draws from a clip space of {} targets; this device takes 1 to {} px", step.label, step.guard, device.maxViewportPx);
         if (target.multiview || step.view + 1 == target.views) drawn.insert(step.target.value);
         DPL_CHECK_OK(indirect(step.label, step.args, 16));
+        if (step.clear.pipeline) {
+            const Shader* clears = resources.shader(step.clear.pipeline);
+            if (!clears || clears->stage != ShaderStage::Vertex || !clears->bindings.empty() || clears->pushBytes > 0) return fail(Code::InvalidArgument, "step {} clears with a pipeline that is no draw or binds something", step.label);
+            DPL_CHECK_OK(indirect(step.label, step.clear.args, 16));
+        }
         return bindings(step.label, *shader, resources.fragment(step.pipeline), step.bindings, step.push);
     }
 

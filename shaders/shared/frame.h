@@ -116,15 +116,15 @@ struct FrameCounts {          // written by the GPU for itself; the indirect arg
     uint rowGroupsX, rowGroupsY, rowGroupsZ;
     uint tilesOverflowed;     // 1: a list was too small, the quads draw this frame
     uint entryGroupsX, entryGroupsY, entryGroupsZ;  // over the rows, and over the tiles: zero when the entries do not fit
-    uint pad3;
     uint fillGroupsX, fillGroupsY, fillGroupsZ;
+    uint clearVertices, clearInstances, clearFirstVertex, clearFirstInstance;  // VkDrawIndirectCommand: when tiles have left the frame to the quads, these clear the target first
     uint depthMaxBits[16];    // kMaxDrawn: posed bounds of each along the sort axis, order-preserving float bits (lib/order.glsl); 0: nothing
     uint depthMinBitsInverted[16];
     float keyStart[16];       // depth key = (depth - keyStart) * keyScale + keyOffset
     float keyOffset[16];
     float keyScale;
 };
-DPL_SHARED_SIZE(FrameCounts, 392)
+DPL_SHARED_SIZE(FrameCounts, 404)
 
 struct TilePush {             // of every tile pass; `first...`: offsets in words
     uint viewCount, columns, rows;  // tiles across and down one view

@@ -122,7 +122,7 @@ private:
     void freeTarget(Target& target);
 
     // vk_pipelines.cpp
-    Result<VkRenderPass> renderPass(const TargetDesc& target);
+    Result<VkRenderPass> renderPass(const TargetDesc& target, bool clears = true);  // compatible with that of the other kind
     Result<VkShaderModule> shaderModule(const Shader& shader);
     Status makeLayouts(Pipeline& pipeline);
     Status makeCompute(Pipeline& pipeline);
@@ -150,7 +150,7 @@ private:
     std::map<uint32_t, Target> targets_;
     std::map<uint32_t, Frame> frames_;
     std::vector<Pipeline> pipelines_;                       // id - 1
-    std::map<std::tuple<uint32_t, bool, ColourFormat, uint32_t>, VkRenderPass> renderPasses_;  // layers, depth, colour, samples
+    std::map<std::tuple<uint32_t, bool, ColourFormat, uint32_t, bool>, VkRenderPass> renderPasses_;  // layers, depth, colour, samples, clears
     uint32_t lastId_ = 0;
 };
 

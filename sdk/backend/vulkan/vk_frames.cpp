@@ -70,11 +70,13 @@ struct VulkanBackend::Recorder {
     }
 
     Status operator()(const DrawStep& step) {
-        touch(accessesOf(step.bindings, step.args));
+        auto accesses = accessesOf(step.bindings, step.args);
+        if (step.clear.args.buffer) accesses.push_back({step.clear.args.buffer, false});
+        touch(accesses);
         const Target& target = backend.targets_.at(step.target.value);
         const VkClearValue clear[2]{};  // transparent black, no depth
         VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
-        DPL_TRY(begin.renderPass, backend.renderPass(target.desc));
+        DPL_TRY(begin.renderPass, backend.renderPass(target.desc, !step.clear.pipeline));
         begin.framebuffer = target.surfaces[target.desc.multiview ? 0 : step.view].framebuffer;
         begin.renderArea.extent = target.extent;
         begin.clearValueCount = target.desc.depth ? 2 : 1;
@@ -85,6 +87,10 @@ struct VulkanBackend::Recorder {
         const VkRect2D scissor{{0, 0}, target.extent};
         vkCmdSetViewport(commands, 0, 1, &viewport);
         vkCmdSetScissor(commands, 0, 1, &scissor);
+        if (step.clear.pipeline) {
+            vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, backend.pipelines_[step.clear.pipeline.value - 1].pipeline);
+            vkCmdDrawIndirect(commands, backend.buffers_.at(step.clear.args.buffer.value).buffer, step.clear.args.offset, 1, 16);
+        }
         const Status status = bind(VK_PIPELINE_BIND_POINT_GRAPHICS, backend.pipelines_[step.pipeline.value - 1], step.bindings, step.push);
         if (status) vkCmdDrawIndirect(commands, backend.buffers_.at(step.args.buffer.value).buffer, step.args.offset, 1, 16);
         vkCmdEndRenderPass(commands);

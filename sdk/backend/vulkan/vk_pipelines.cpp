@@ -4,16 +4,16 @@
 
 namespace dpl::vk {
 
-Result<VkRenderPass> VulkanBackend::renderPass(const TargetDesc& target) {
+Result<VkRenderPass> VulkanBackend::renderPass(const TargetDesc& target, bool clears) {
     const uint32_t layers = target.multiview ? target.views : 0, samples = target.samples;
     const bool depth = target.depth;
     const ColourFormat colour = target.colour;
-    if (const auto it = renderPasses_.find({layers, depth, colour, samples}); it != renderPasses_.end()) return it->second;
+    if (const auto it = renderPasses_.find({layers, depth, colour, samples, clears}); it != renderPasses_.end()) return it->second;
     const uint32_t targets = depth ? 2 : 1;
     std::array<VkAttachmentDescription, 4> attachments{};  // what is drawn; behind it what its samples are averaged into
     for (VkAttachmentDescription& a : attachments) {
         a.samples = VK_SAMPLE_COUNT_1_BIT;
-        a.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
+        a.loadOp = clears ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_DONT_CARE;
         a.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
         a.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
         a.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
@@ -68,7 +68,7 @@ Result<VkRenderPass> VulkanBackend::renderPass(const TargetDesc& target) {
     if (layers > 0) info.pNext = &multiview;
     VkRenderPass pass = VK_NULL_HANDLE;
     DPL_VK(vkCreateRenderPass(device_->device, &info, nullptr, &pass));
-    renderPasses_[{layers, depth, colour, samples}] = pass;
+    renderPasses_[{layers, depth, colour, samples, clears}] = pass;
     return pass;
 }
 
@@ -150,7 +150,7 @@ Status VulkanBackend::makeDraw(Pipeline& p, const DrawPipelineDesc& desc) {
     // Premultiplied "over", back to front: the sums of the depth target follow the same rule, so it blends alike
     // (different blend state a target would need the independentBlend feature).
     VkPipelineColorBlendAttachmentState blend{};
-    blend.blendEnable = VK_TRUE;
+    blend.blendEnable = !desc.overwrites;
     blend.srcColorBlendFactor = blend.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
     blend.dstColorBlendFactor = blend.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
     blend.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
@@ -219,7 +219,7 @@ Result<PipelineId> VulkanBackend::computePipeline(std::string_view name) {
 
 Result<PipelineId> VulkanBackend::drawPipeline(const DrawPipelineDesc& desc) {
     Pipeline p;
-    p.key = formatText("{}+{}+{}{}{}{}+{}{}", desc.vertex, desc.fragment, desc.views, desc.multiview ? "M" : "", desc.depth ? "D" : "", "8HC"[int(desc.colour)], desc.samples, desc.topology == Topology::List ? "T" : "");
+    p.key = formatText("{}+{}+{}{}{}{}+{}{}{}", desc.vertex, desc.fragment, desc.views, desc.multiview ? "M" : "", desc.depth ? "D" : "", "8HC"[int(desc.colour)], desc.samples, desc.topology == Topology::List ? "T" : "", desc.overwrites ? "O" : "");
     if (PipelineId known = findPipeline(p.key)) return known;
     p.shader = findShader(desc.vertex);
     p.fragment = findShader(desc.fragment);
