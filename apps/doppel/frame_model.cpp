@@ -102,9 +102,9 @@ std::vector<ModelledPass> modelToday(const FrameWork& w) {
     std::vector<ModelledPass> passes = {
         w.corrected ? skinning<CorrectedVertexRecord>(w.vertices, true) : skinning<VertexRecord>(w.vertices, false),
         {"pose.triangles", w.triangles * sizeof(TriangleRecord) + w.vertices * sizeof(vec4), w.triangles * sizeof(gpu::TriangleFrame), w.triangles * (kTriangleOps + kTriangleViewOps * w.views)},
-        // Codes as the renderer counts them; flags, ranges and the list of live half-chunks; of each triangle who sees it, of those that face a view the frame. What no view shows gets an empty radius.
+        // Codes as the renderer counts them; flags, ranges and the list of live half-chunks; of each triangle who sees it, of those that face a view the frame. What no view shows gets an empty word.
         {"chunks, splat.project and splat.colour", w.bytesDecided + w.bytesDecoded + w.triangles * sizeof(uvec4) + w.trianglesFacing * sizeof(gpu::TriangleFrame) + 2 * flags,
-         3 * flags + records * sizeof(ProjectedSplat) + (lanes * w.views - std::min(records, lanes * w.views)) * sizeof(vec2) + lanes * sizeof(uint),
+         3 * flags + records * sizeof(ProjectedSplat) + (lanes * w.views - std::min(records, lanes * w.views)) * sizeof(uint) + lanes * sizeof(uint),
          w.splatsFacing * (kDecodeOps + kPlaceOps + kProjectOps * w.views) + records * colourOps(w.shDegree)},
         {"compact", lanes * sizeof(uint) + masks + 4 * flags + drawn * sizeof(uint), masks + 2 * flags + drawn * sizeof(uvec2), lanes * kMaskOps + drawn * kCompactOps},
         sortingToday(drawn, kSortDigits * blocks(drawn, kRun)),
@@ -113,9 +113,9 @@ std::vector<ModelledPass> modelToday(const FrameWork& w) {
         passes.push_back({"pixels", drawn * sizeof(uint) + records * sizeof(ProjectedSplat), w.pixels * kHalfColourBytes, records * kQuadOps});
         return passes;
     }
-    // Two walks over the survivors make the lists. The fill reads place and look of a record once an entry; pixels are cleared and filled.
+    // Two walks over the survivors make the lists. The fill reads a record once an entry; pixels are cleared and filled.
     passes.push_back({"tile lists", 2 * (drawn * sizeof(uint) + records * sizeof(ProjectedSplat)), w.tileEntries * sizeof(uint), records * kListOps});
-    passes.push_back({"pixels", w.tileEntries * (sizeof(uint) + offsetof(ProjectedSplat, radiusPx)), 2 * w.pixels * kByteColourBytes, w.tileEntries * kEntryOps});
+    passes.push_back({"pixels", w.tileEntries * (sizeof(uint) + sizeof(ProjectedSplat)), 2 * w.pixels * kByteColourBytes, w.tileEntries * kEntryOps});
     return passes;
 }
 

@@ -1,30 +1,15 @@
-// A footprint as the passes that fill pixels read it.
+// How a ProjectedSplat packs what it holds.
 uint dplPackColour(vec3 rgb) { return uint(rgb.r * 2047.0 + 0.5) | (uint(rgb.g * 2047.0 + 0.5) << 11u) | (uint(rgb.b * 1023.0 + 0.5) << 22u); }
 vec3 dplUnpackColour(uint rgb) { return vec3(float(rgb & 2047u) * (1.0 / 2047.0), float((rgb >> 11u) & 2047u) * (1.0 / 2047.0), float(rgb >> 22u) * (1.0 / 1023.0)); }
 
-ProjectedSplat dplHiddenSplat() {
-    ProjectedSplat p;
-    p.place = vec4(0.0);
-    p.look = uvec4(0u);
-    p.radiusPx = vec2(0.0);
-    p.pad0 = p.pad1 = 0u;
-    return p;
+// Opacity and half the width, which is rounded up: wider only costs time. Its height follows from the conic.
+uint dplPackExtent(float opacity, float radiusPx) {
+    float wide = radiusPx * 1.0011 + 1e-6;  // whichever way halves are rounded
+    return uint(clamp(opacity, 0.0, 1.0) * 65535.0 + 0.5) | (wide < 65504.0 ? packHalf2x16(vec2(0.0, wide)) : 0x7C000000u);
 }
-float dplOpacityOf(ProjectedSplat p) { return uintBitsToFloat(p.look.y); }
-
-// A footprint of this opacity, black; hidden when no pixel of the target sees 1/255 of it. all: nothing is culled, for measuring. Then what is fainter or turned away
-// keeps the box of three standard deviations that plain 3D Gaussian splatting draws, and adds nothing there.
-ProjectedSplat dplShow(Footprint f, float opacity, vec2 targetPx, bool all) {
-    ProjectedSplat p = dplHiddenSplat();
-    if (opacity >= kGpuMinAlpha || all) {
-        float level = opacity >= kGpuMinAlpha ? 2.0 * log(opacity / kGpuMinAlpha) : 9.0;
-        vec2 radius = sqrt(level * f.variance);
-        vec2 low = f.centrePx - radius, high = f.centrePx + radius;
-        if (high.x > 0.0 && high.y > 0.0 && low.x < targetPx.x && low.y < targetPx.y) {
-            p.place = vec4(f.centrePx, f.conic.x, f.conic.y);
-            p.look = uvec4(floatBitsToUint(f.conic.z), floatBitsToUint(opacity), 0u, floatBitsToUint(f.depthM));
-            p.radiusPx = radius;
-        }
-    }
-    return p;
+bool dplShown(uvec4 look) { return look.y >= 0x10000u; }
+float dplOpacityOf(uvec4 look) { return float(look.y & 0xFFFFu) * (1.0 / 65535.0); }
+vec2 dplRadiusOf(ProjectedSplat p) {
+    float radius = unpackHalf2x16(p.look.y).y;
+    return vec2(radius, radius * sqrt(p.place.z / uintBitsToFloat(p.look.x)));
 }

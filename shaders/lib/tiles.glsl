@@ -13,11 +13,11 @@ uvec2 dplSplatRows(float centrePx, float radiusPx, uint heightPx) { return dplTi
 
 // The columns of tiles that its 1/255 ellipse reaches within a row of tiles, from its first samples to its last. In units of the radii the ellipse is
 // x = r u ± √((1 - r²)(1 - u²)) with r the correlation; each side of it is monotonous on either side of u = ±r.
-uvec2 dplSplatColumns(ProjectedSplat p, uint row, uint widthPx) {
+uvec2 dplSplatColumns(ProjectedSplat p, vec2 radiusPx, uint row, uint widthPx) {
     float top = float(row << push.tileShift) + 0.5 - push.reachPx, bottom = float((row + 1u) << push.tileShift) - 0.5 + push.reachPx;
     float r = -p.place.w * inversesqrt(p.place.z * uintBitsToFloat(p.look.x)), across = 1.0 - r * r + 1e-6;  // the rest: float rounding of r
-    float u0 = clamp((top - p.place.y) / p.radiusPx.y, -1.0, 1.0), u1 = clamp((bottom - p.place.y) / p.radiusPx.y, -1.0, 1.0);
+    float u0 = clamp((top - p.place.y) / radiusPx.y, -1.0, 1.0), u1 = clamp((bottom - p.place.y) / radiusPx.y, -1.0, 1.0);
     float right = clamp(r, u0, u1), left = clamp(-r, u0, u1);
     float high = r * right + sqrt(max(across * (1.0 - right * right), 0.0)), low = r * left - sqrt(max(across * (1.0 - left * left), 0.0));
-    return dplTilesIn(p.place.x + p.radiusPx.x * low - 0.01, p.place.x + p.radiusPx.x * high + 0.01, widthPx);
+    return dplTilesIn(p.place.x + radiusPx.x * low - 0.01, p.place.x + radiusPx.x * high + 0.01, widthPx);
 }

@@ -91,13 +91,12 @@ struct GroupBox {             // static, about the centres of kSplatGroup genera
 };
 DPL_SHARED_SIZE(GroupBox, 48)
 
-struct ProjectedSplat {       // per splat and view, one view behind the other: who draws one reads no memory of the other (lib/projected.glsl); opacity and radius 0 = not in this view
+struct ProjectedSplat {       // per splat and view, one view behind the other: who draws one reads no memory of the other. Half a cache line: they are read in the order of depth (lib/projected.glsl)
     vec4 place;               // centre in target pixels (origin top left, centres at +0.5), conic A and B: σ = ½(A dx² + C dy²) + B dx dy
-    uvec4 look;               // bits of: conic C; opacity after compensation, gate and near fade; rgb display-referred, 11, 11 and 10 bits; view z, metres
-    vec2 radiusPx;            // half box outside which α < 1/255
-    uint pad0, pad1;
+    uvec4 look;               // bits of conic C; opacity after compensation, gate and near fade, unorm16, with half the width outside which α < 1/255, px, half: 0 = not in this view;
+                              // rgb display-referred, 11, 11 and 10 bits; bits of view z, metres
 };
-DPL_SHARED_SIZE(ProjectedSplat, 48)
+DPL_SHARED_SIZE(ProjectedSplat, 32)
 
 struct FrameCounts {          // written by the GPU for itself; the indirect arguments live inside
     uint visible;             // survivors of culling, all views together

@@ -215,12 +215,12 @@ std::vector<double> blend(const MslFrame& f, const Cameraf& camera, uint32_t vie
     for (const uint32_t splat : f.sorted) {
         const gpu::ProjectedSplat& p = f.projected[view * f.projected.size() / viewCount + splat];
         const auto floatOf = [](uint32_t bits) { return std::bit_cast<float>(bits); };
-        const double conicC = floatOf(p.look.x), opacity = floatOf(p.look.y), colour[3] = {(p.look.z & 2047) / 2047.0, (p.look.z >> 11 & 2047) / 2047.0, (p.look.z >> 22) / 1023.0};
+        const double conicC = floatOf(p.look.x), opacity = (p.look.y & 0xFFFF) / 65535.0, radiusX = floatFromHalf(uint16_t(p.look.y >> 16)), radiusY = radiusX * std::sqrt(p.place.z / conicC), colour[3] = {(p.look.z & 2047) / 2047.0, (p.look.z >> 11 & 2047) / 2047.0, (p.look.z >> 22) / 1023.0};
         for (uint32_t y = 0; y < camera.heightPx; ++y) {
-            if (std::abs(y + 0.5 - p.place.y) > p.radiusPx.y) continue;
+            if (std::abs(y + 0.5 - p.place.y) > radiusY) continue;
             for (uint32_t x = 0; x < camera.widthPx; ++x) {
                 const double dx = x + 0.5 - p.place.x, dy = y + 0.5 - p.place.y;
-                if (std::abs(dx) > p.radiusPx.x) continue;
+                if (std::abs(dx) > radiusX) continue;
                 const double sigma = 0.5 * (p.place.z * dx * dx + conicC * dy * dy) + p.place.w * dx * dy;
                 const double alpha = std::min(kMaxAlpha, opacity * std::exp(-sigma));
                 if (alpha < kMinAlpha) continue;

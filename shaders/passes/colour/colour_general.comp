@@ -3,7 +3,6 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
 #include "shaders/lib/reads.glsl"
-#include "shaders/lib/footprint.glsl"
 #include "shaders/lib/projected.glsl"
 #include "shaders/lib/views.glsl"
 #include "shaders/lib/sh_degree.glsl"
@@ -27,7 +26,7 @@ vec3 dplSh(uint base, uint k) { return vec3(dplShHalf(base, 3u * k), dplShHalf(b
 const uint kShStride = (3u * (kShDegree + 1u) * (kShDegree + 1u) + 7u) / 8u;  // a splat
 
 void shadeIn(ViewData view, uint index, uint slot) {
-    if (projected[slot].radiusPx.y <= 0.0) return;
+    if (!dplShown(projected[slot].look)) return;
     vec3 direction = normalize(dplFloats(DPL_FOUR(splats, 4u * index)).xyz - view.eyeWorld.xyz);
     projected[slot].look.z = dplPackColour(dplShColour(direction, index * kShStride, 1.0));
 }

@@ -4,7 +4,6 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
 #include "shaders/lib/reads.glsl"
-#include "shaders/lib/footprint.glsl"
 #include "shaders/lib/projected.glsl"
 #include "shaders/lib/view.glsl"
 
@@ -20,27 +19,26 @@ layout(location = 2) flat out vec4 colourDepth;   // rgb, view z
 void main() {
     uint view = dplViewIndex(push.view);
     // The order is near first with ties in splat order; drawing it backwards gives the exact mirror of front-to-back blending.
-    uint splat = DPL_WORD(order, counts.visible - 1u - dplSplat()), record = 3u * (view * push.splatCount + splat);
+    uint splat = DPL_WORD(order, counts.visible - 1u - dplSplat()), record = 2u * (view * push.splatCount + splat);
     ProjectedSplat p;
     p.place = dplFloats(DPL_FOUR(projected, record));
     p.look = DPL_FOUR(projected, record + 1u);
-    p.radiusPx = dplFloats(DPL_FOUR(projected, record + 2u)).xy;
     const float log2e = 1.4426950408889634;  // exp(-σ) as a power of two, once a splat and not once a pixel
     centreConic = vec4(p.place.xy, -0.5 * log2e * p.place.z, -log2e * p.place.w);
-    conicOpacity = vec4(-0.5 * log2e * uintBitsToFloat(p.look.x), dplOpacityOf(p), float(view), 0.0);
+    conicOpacity = vec4(-0.5 * log2e * uintBitsToFloat(p.look.x), dplOpacityOf(p.look), float(view), 0.0);
     colourDepth = vec4(dplUnpackColour(p.look.z), uintBitsToFloat(p.look.w));
     vec2 size = vec2(push.targetWidthPx, push.targetHeightPx);
-    vec2 px;
+    vec2 radiusPx = dplRadiusOf(p), px;
     uint corner = dplCorner();
-    if (p.radiusPx.x < size.x && p.radiusPx.y < size.y) {
+    if (radiusPx.x < size.x && radiusPx.y < size.y) {
         // The smallest triangle around a circle, as the ellipse is one in (radii, correlation r). The rest of the root: float rounding of r.
-        vec2 around = corner == 0u ? vec2(0.0, 2.0) : vec2(corner == 1u ? 1.7320509 : -1.7320509, -1.0), radius = p.radiusPx + 0.02;
+        vec2 around = corner == 0u ? vec2(0.0, 2.0) : vec2(corner == 1u ? 1.7320509 : -1.7320509, -1.0), radius = radiusPx + 0.02;
         float r = clamp(-p.place.w * inversesqrt(p.place.z * uintBitsToFloat(p.look.x)), -1.0, 1.0);
         px = p.place.xy + vec2(radius.x * around.x, radius.y * (r * around.x + sqrt(1.0 - r * r + 1e-6) * around.y));
     } else {  // around its box, cut to the view
-        vec2 low = clamp(p.place.xy - p.radiusPx, vec2(0.0), size), high = clamp(p.place.xy + p.radiusPx, vec2(0.0), size);
+        vec2 low = clamp(p.place.xy - radiusPx, vec2(0.0), size), high = clamp(p.place.xy + radiusPx, vec2(0.0), size);
         px = low + 2.0 * (high - low) * vec2(corner == 1u ? 1.0 : 0.0, corner == 2u ? 1.0 : 0.0);
     }
     vec2 ndc = (2.0 * px / size - 1.0) / push.guard;
-    gl_Position = p.radiusPx.y > 0.0 ? vec4(ndc, 0.0, 1.0) : vec4(0.0, 0.0, 0.0, 1.0);
+    gl_Position = dplShown(p.look) ? vec4(ndc, 0.0, 1.0) : vec4(0.0, 0.0, 0.0, 1.0);
 }

@@ -4,7 +4,7 @@
 #include "shaders/shared/frame.h"
 #include "shaders/lib/reads.glsl"
 #include "shaders/lib/footprint.glsl"
-#include "shaders/lib/projected.glsl"
+#include "shaders/lib/show.glsl"
 #include "shaders/lib/views.glsl"
 layout(local_size_x = 128) in;  // kSplatGroup
 
@@ -81,7 +81,7 @@ void main() {
         uvec4 corner0 = DPL_FOUR(triangles, parent);
         uint shown = corner0.w & (s.gated ? 3u * kShowsGated : 3u * kShowsFree);
         if (shown == 0u) {  // its triangle is in no view, or turned away: nothing else of it is read
-            for (uint v = 0u; v < kViews; ++v) projected[v * frame.flags.w + push.firstSplat + s.index].radiusPx = vec2(0.0);
+            for (uint v = 0u; v < kViews; ++v) projected[v * frame.flags.w + push.firstSplat + s.index].look.y = 0u;
         } else {
             uint packed = DPL_WORD(codes, push.firstPlace + s.index);
             vec2 scale = share.growth * dplScale(size);
@@ -100,7 +100,7 @@ void main() {
             bool seen = false;
             for (uint v = 0u; v < kViews; ++v) {
                 p[v] = showIn(frame.views[v], s, (shown & ((kShowsFree | kShowsGated) << v)) != 0u);
-                seen = seen || p[v].radiusPx.y > 0.0;
+                seen = seen || dplShown(p[v].look);
             }
             if (seen) {
                 dplFetchSh(s.index, frame.detail.z > 0.0);
@@ -109,9 +109,7 @@ void main() {
             }
             for (uint v = 0u; v < kViews; ++v) {
                 uint slot = v * frame.flags.w + push.firstSplat + s.index;
-                projected[slot].place = p[v].place;
-                projected[slot].look = p[v].look;
-                projected[slot].radiusPx = p[v].radiusPx;
+                projected[slot] = p[v];
             }
         }
     }

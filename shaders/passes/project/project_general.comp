@@ -5,7 +5,7 @@
 #include "shaders/shared/frame.h"
 #include "shaders/lib/reads.glsl"
 #include "shaders/lib/footprint.glsl"
-#include "shaders/lib/projected.glsl"
+#include "shaders/lib/show.glsl"
 #include "shaders/lib/order.glsl"
 #include "shaders/lib/views.glsl"
 layout(local_size_x = 128) in;  // kSplatGroup
@@ -28,10 +28,8 @@ bool showIn(ViewData view, uint slot, GeneralSplatRecord s) {
         if (frame.flags.x != 0u) opacity *= f.compensation;
         p = dplShow(f, opacity, frame.target.xy, frame.flags.z != 0u);
     }
-    projected[slot].place = p.place;
-    projected[slot].look = p.look;
-    projected[slot].radiusPx = p.radiusPx;
-    return p.radiusPx.y > 0.0;
+    projected[slot] = p;
+    return dplShown(p.look);
 }
 
 /** Size of a pixel, metres, where the box comes nearest to the view that sees it finest. */
@@ -64,7 +62,7 @@ void main() {
             for (uint v = 0u; v < kViews; ++v) seen = showIn(frame.views[v], v * frame.flags.w + push.firstSplat + index, s) || seen;
             if (seen) depth = floatBitsToUint(dot(frame.sortAxis.xyz, s.centre.xyz));
         } else {
-            for (uint v = 0u; v < kViews; ++v) projected[v * frame.flags.w + push.firstSplat + index].radiusPx = vec2(0.0);  // what the colour pass asks for
+            for (uint v = 0u; v < kViews; ++v) projected[v * frame.flags.w + push.firstSplat + index].look.y = 0u;  // what the colour pass asks for
         }
         visibility[dplFirstDepth(push.allGroups) + push.firstSplat + index] = depth;
     }

@@ -13,13 +13,12 @@
 #endif
 #include "shaders/shared/frame.h"
 #include "shaders/lib/reads.glsl"
-#include "shaders/lib/footprint.glsl"
 #include "shaders/lib/projected.glsl"
 layout(local_size_x = 64) in;  // kTileGroup
 
 DPL_WORDS(0, PlaceBlock, places);
 DPL_WORDS(1, EntryBlock, entries);
-DPL_FOURS(2, ProjectedBlock, projected);  // ProjectedSplat: place, look, radius
+DPL_FOURS(2, ProjectedBlock, projected);  // ProjectedSplat: place, look
 #ifdef DPL_SCENE_DEPTH
 #define DPL_PIXEL_ACCESS
 #else
@@ -64,21 +63,21 @@ void main() {
 #ifdef DPL_SHUFFLE
         uint lane = gl_LocalInvocationIndex % kSide, firstLane = gl_SubgroupInvocationID - lane;
         for (uint batch = begin; batch < end; batch += kBatch) {
-            uvec4 mine = DPL_FOUR(projected, 3u * DPL_WORD(entries, min(batch + lane / 2u, end - 1u)) + lane % 2u);
-            float bendOf = exp(-uintBitsToFloat(mine.x));  // in the lanes that hold a conic C
+            uvec4 mine = DPL_FOUR(projected, 2u * DPL_WORD(entries, min(batch + lane / 2u, end - 1u)) + lane % 2u);
+            float bendOf = exp(-uintBitsToFloat(mine.x)), opacityOf = dplOpacityOf(mine);  // in the lanes that hold a look
             for (uint j = 0u; j < kBatch; ++j) {
                 uint place = firstLane + 2u * j, look = place + 1u;
                 vec4 at = vec4(uintBitsToFloat(subgroupShuffle(mine.x, place)), uintBitsToFloat(subgroupShuffle(mine.y, place)),
                                uintBitsToFloat(subgroupShuffle(mine.z, place)), uintBitsToFloat(subgroupShuffle(mine.w, place)));
-                uvec4 seen = uvec4(subgroupShuffle(mine.x, look), subgroupShuffle(mine.y, look), subgroupShuffle(mine.z, look), subgroupShuffle(mine.w, look));
-                float bend = subgroupShuffle(bendOf, look), opacity = batch + j < end ? live * uintBitsToFloat(seen.y) : 0.0;  // behind the end: the last record, again
+                uvec4 seen = uvec4(subgroupShuffle(mine.x, look), 0u, subgroupShuffle(mine.z, look), subgroupShuffle(mine.w, look));
+                float bend = subgroupShuffle(bendOf, look), opacity = batch + j < end ? live * subgroupShuffle(opacityOf, look) : 0.0;  // behind the end: the last record, again
 #else
         for (uint batch = begin; batch < end && live > 0.0; batch += kBatch) {
             for (uint i = batch; i < min(batch + kBatch, end); ++i) {
-                uint record = 3u * DPL_WORD(entries, i);
+                uint record = 2u * DPL_WORD(entries, i);
                 vec4 at = uintBitsToFloat(DPL_FOUR(projected, record));
                 uvec4 seen = DPL_FOUR(projected, record + 1u);
-                float bend = exp(-uintBitsToFloat(seen.x)), opacity = uintBitsToFloat(seen.y);
+                float bend = exp(-uintBitsToFloat(seen.x)), opacity = dplOpacityOf(seen);
 #endif
                 vec3 rgb = dplUnpackColour(seen.z);
                 float conicC = uintBitsToFloat(seen.x), weight[kSide];

@@ -5,6 +5,7 @@
 #include "shaders/shared/frame.h"
 #include "shaders/lib/reads.glsl"
 #include "shaders/lib/views.glsl"
+#include "shaders/lib/projected.glsl"
 layout(local_size_x = 32) in;  // kRunGroup
 
 DPL_WORDS(0, OrderBlock, order);
@@ -22,10 +23,12 @@ void main() {
     for (uint i = run * kRun; i < end; ++i) {
         uint splat = DPL_WORD(order, i);
         for (uint v = 0u; v < kViews; ++v) {
-            uint slot = v * push.splatCount + splat;
-            float radius = uintBitsToFloat(DPL_FOUR(projected, 3u * slot + 2u).y);
-            uvec2 rows = dplSplatRows(uintBitsToFloat(DPL_FOUR(projected, 3u * slot).y), radius, push.heightPx) + v * push.rows;
-            uint one = radius > 0.0 ? 1u : 0u;
+            uint record = 2u * (v * push.splatCount + splat);
+            ProjectedSplat p;
+            p.place = dplFloats(DPL_FOUR(projected, record));
+            p.look = DPL_FOUR(projected, record + 1u);
+            uint one = dplShown(p.look) ? 1u : 0u;
+            uvec2 rows = one * dplSplatRows(p.place.y, dplRadiusOf(p).y, push.heightPx) + v * push.rows;
             do {
                 table[first + rows.x * runs] += one;
                 ++rows.x;

@@ -4,6 +4,7 @@
 #include "shaders/shared/frame.h"
 #include "shaders/lib/reads.glsl"
 #include "shaders/lib/views.glsl"
+#include "shaders/lib/projected.glsl"
 layout(local_size_x = 32) in;  // kRunGroup
 
 DPL_WORDS(0, OrderBlock, order);
@@ -22,13 +23,13 @@ void main() {
         for (uint v = 0u; v < kViews; ++v) {
             uint slot = v * push.splatCount + splat;
             ProjectedSplat p;
-            p.place = dplFloats(DPL_FOUR(projected, 3u * slot));
-            p.look = DPL_FOUR(projected, 3u * slot + 1u);
-            p.radiusPx = dplFloats(DPL_FOUR(projected, 3u * slot + 2u)).xy;
-            if (p.radiusPx.y > 0.0) {
-                uvec2 rows = dplSplatRows(p.place.y, p.radiusPx.y, push.heightPx);
+            p.place = dplFloats(DPL_FOUR(projected, 2u * slot));
+            p.look = DPL_FOUR(projected, 2u * slot + 1u);
+            if (dplShown(p.look)) {
+                vec2 radius = dplRadiusOf(p);
+                uvec2 rows = dplSplatRows(p.place.y, radius.y, push.heightPx);
                 do {
-                    uvec2 columns = dplSplatColumns(p, rows.x, push.widthPx);
+                    uvec2 columns = dplSplatColumns(p, radius, rows.x, push.widthPx);
                     uint bucket = v * push.rows + rows.x, cell = push.firstRunTable + bucket * runs + run, place = places[cell];
                     places[cell] = place + 1u;
                     spans[place] = uvec2(slot, columns.x | columns.y << 16u);

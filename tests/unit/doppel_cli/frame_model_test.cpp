@@ -50,7 +50,7 @@ TEST(FrameModel, todaysFrameReadsCodesAndWritesSurvivors) {
     const auto passes = modelToday(known());
     const ModelledPass& project = passOf(passes, "chunks, splat.project and splat.colour");
     EXPECT_EQ(project.readBytes, 30000u + 40000u + 2000u * 16 + 500u * sizeof(TriangleFrame) + 2 * 79u * 4);
-    EXPECT_EQ(project.writtenBytes, 3 * 79u * 4 + 2000u * sizeof(ProjectedSplat) + (20u * kSplatGroup - 2000u) * 8 + 20u * kSplatGroup * 4);
+    EXPECT_EQ(project.writtenBytes, 3 * 79u * 4 + 2000u * sizeof(ProjectedSplat) + (20u * kSplatGroup - 2000u) * 4 + 20u * kSplatGroup * 4);
     const uint64_t runs = (2000 + kRun - 1) / kRun;
     EXPECT_EQ(passOf(passes, "sort").bytes(), 2000u * (2 * 8 + 4 + 2 * 4 + 4) + kSortRounds * 5 * kSortDigits * runs * 4) << "pairs in the first round, words from there";
     EXPECT_EQ(passOf(passes, "pixels").writtenBytes, 10000u * 8);
