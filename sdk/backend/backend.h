@@ -48,6 +48,7 @@ struct DeviceInfo {
     bool shuffle = false;           // subgroups of 8 to 64 lanes that follow the order of the workgroup, with shuffles, in compute
     bool texels = false;            // a CPU plays the GPU: it reads typed buffers several times faster than plain ones (shaders/lib/reads.glsl)
     bool codes16 = false;           // a CPU plays the GPU: it blends 16-bit codes, which round finer, a tenth faster than halves
+    bool clearDraw = true;          // a draw may clear a target (ClearDraw)
     bool fourSamples = false;       // targets of 4 samples a pixel at the standard places, each shaded by itself
     bool isSoftware() const { return kind == DeviceKind::Software; }
 };

@@ -139,7 +139,7 @@ Status GpuRenderer::buildSlot(const Row& row, ShapedFrame& f, Slot& slot, const 
         plan.fill("no pairs", ids.pairs, 0);
         plan.fill("no splats", ids.projected, 0);
     }
-    addDraw(plan, ids, tiles.has_value());
+    addDraw(plan, ids, tiles && backend_->info().clearDraw);
     plan.copy("counts", ids.counts, slot.finalCounts);
     DPL_TRY(slot.draw, plan.finish());
     return {};

@@ -9,7 +9,8 @@ uint dplPackExtent(float opacity, float radiusPx) {
 }
 bool dplShown(uvec4 look) { return look.y >= 0x10000u; }
 float dplOpacityOf(uvec4 look) { return float(look.y & 0xFFFFu) * (1.0 / 65535.0); }
-vec2 dplRadiusOf(ProjectedSplat p) {
-    float radius = unpackHalf2x16(p.look.y).y;
-    return vec2(radius, radius * sqrt(p.place.z / uintBitsToFloat(p.look.x)));
+// The ellipse outside which α < 1/255: half its width and height, and the correlation. In units of the radii it is x = r u ± √((1 - r²)(1 - u²)).
+vec3 dplEllipseOf(ProjectedSplat p) {
+    float radius = unpackHalf2x16(p.look.y).y, scale = inversesqrt(p.place.z * uintBitsToFloat(p.look.x));
+    return vec3(radius, radius * p.place.z * scale, clamp(-p.place.w * scale, -1.0, 1.0));
 }

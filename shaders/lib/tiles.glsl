@@ -11,13 +11,13 @@ uvec2 dplTilesIn(float low, float high, uint size) {
 // The rows of tiles that its box touches.
 uvec2 dplSplatRows(float centrePx, float radiusPx, uint heightPx) { return dplTilesIn(centrePx - radiusPx, centrePx + radiusPx, heightPx); }
 
-// The columns of tiles that its 1/255 ellipse reaches within a row of tiles, from its first samples to its last. In units of the radii the ellipse is
-// x = r u ± √((1 - r²)(1 - u²)) with r the correlation; each side of it is monotonous on either side of u = ±r.
-uvec2 dplSplatColumns(ProjectedSplat p, vec2 radiusPx, uint row, uint widthPx) {
+// The columns of tiles that its 1/255 ellipse (dplEllipseOf) reaches within a row of tiles, from its first samples to its last. Each side of the ellipse is
+// monotonous on either side of u = ±r.
+uvec2 dplSplatColumns(vec2 centrePx, vec3 ellipse, uint row, uint widthPx) {
     float top = float(row << push.tileShift) + 0.5 - push.reachPx, bottom = float((row + 1u) << push.tileShift) - 0.5 + push.reachPx;
-    float r = -p.place.w * inversesqrt(p.place.z * uintBitsToFloat(p.look.x)), across = 1.0 - r * r + 1e-6;  // the rest: float rounding of r
-    float u0 = clamp((top - p.place.y) / radiusPx.y, -1.0, 1.0), u1 = clamp((bottom - p.place.y) / radiusPx.y, -1.0, 1.0);
+    float r = ellipse.z, across = 1.0 - r * r + 1e-6;  // the rest: float rounding of r
+    float u0 = clamp((top - centrePx.y) / ellipse.y, -1.0, 1.0), u1 = clamp((bottom - centrePx.y) / ellipse.y, -1.0, 1.0);
     float right = clamp(r, u0, u1), left = clamp(-r, u0, u1);
     float high = r * right + sqrt(max(across * (1.0 - right * right), 0.0)), low = r * left - sqrt(max(across * (1.0 - left * left), 0.0));
-    return dplTilesIn(p.place.x + radiusPx.x * low - 0.01, p.place.x + radiusPx.x * high + 0.01, widthPx);
+    return dplTilesIn(centrePx.x + ellipse.x * low - 0.01, centrePx.x + ellipse.x * high + 0.01, widthPx);
 }

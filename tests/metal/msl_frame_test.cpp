@@ -8,6 +8,7 @@
 
 #include "sdk/avatar/detail.h"
 #include "sdk/format/splat_detail.h"
+#include "sdk/math/half.h"
 #include "sdk/math/scene_depth.h"
 #include "sdk/render/avatar_upload.h"
 #include "sdk/render/passes/scan.h"

@@ -91,11 +91,12 @@ bool canBlend(VkPhysicalDevice physical, VkFormat format, VkFormatFeatureFlags a
 /** Driver faults we step around. Each has a match, a reason and a date; ask for ignoreWorkarounds to see whether it still holds. */
 struct Workaround {
     const char* deviceName;  // part of it
-    bool noMultiview;
+    bool noMultiview, noClearDraw;
     const char* reason;
 };
 constexpr Workaround kWorkarounds[] = {
-    {"llvmpipe", true, "2026-11-21, Mesa 22.3.6: with viewMask 3 the first 16 instances of an indirect strip draw land in layer 0 for both views"},
+    {"512 bits", false, true, "2026-11-22, Mesa 22.3.6: with LP_NATIVE_VECTOR_WIDTH=512 its compiler dies of a fragment shader that overwrites 16-bit targets"},
+    {"llvmpipe", true, false, "2026-11-21, Mesa 22.3.6: with viewMask 3 the first 16 instances of an indirect strip draw land in layer 0 for both views"},
 };
 
 struct Candidate {
@@ -212,6 +213,7 @@ Result<std::unique_ptr<Device>> openDevice(const VulkanOptions& options) {
             d->info.multiview = false;
             log(LogLevel::Info, "{}: multiview is off ({})", d->info.name, w.reason);
         }
+        if (w.noClearDraw) d->info.clearDraw = false;
     }
     d->depthSumFormat = d->info.halfDepth ? VK_FORMAT_R16G16_SFLOAT : VK_FORMAT_R32G32_SFLOAT;
     vkGetPhysicalDeviceMemoryProperties(d->physical, &d->memory);

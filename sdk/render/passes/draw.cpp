@@ -7,7 +7,7 @@ DrawPipelineDesc drawPipelineOf(const FrameIds& ids, uint32_t samples) {
     return {ids.multiview ? "draw.vert.multiview" : "draw.vert", fragment, ids.viewCount, ids.multiview, ids.depth, ids.colour, samples, Topology::List};
 }
 
-void addDraw(FramePlan& plan, const FrameIds& ids, bool tiles) {
+void addDraw(FramePlan& plan, const FrameIds& ids, bool mayBeIdle) {
     DrawPipelineDesc clear = drawPipelineOf(ids, ids.samples);
     clear.vertex = "clear.vert", clear.fragment = ids.depth ? "clear.frag.depth" : "clear.frag", clear.overwrites = true;
     for (uint32_t view = 0; view < (ids.multiview ? 1 : ids.viewCount); ++view) {
@@ -15,7 +15,7 @@ void addDraw(FramePlan& plan, const FrameIds& ids, bool tiles) {
         draw.reads(ids.counts, ids.pairs, ids.projected);
         if (ids.sceneDepth) draw.reads(ids.scene);
         draw.guard(ids.guard).push(gpu::DrawPush{float(ids.widthPx), float(ids.heightPx), ids.guard, ids.splatCount, view}).argsFrom(ids.counts, offsetof(gpu::FrameCounts, drawVertices));
-        if (tiles) draw.clearedBy(clear, ids.counts, offsetof(gpu::FrameCounts, clearVertices));
+        if (mayBeIdle) draw.clearedBy(clear, ids.counts, offsetof(gpu::FrameCounts, clearVertices));
     }
 }
 

@@ -8,7 +8,7 @@ namespace dpl {
 /** What draws a frame of this shape with so many samples a pixel. */
 DrawPipelineDesc drawPipelineOf(const FrameIds& ids, uint32_t samples);
 
-/** One indirect draw of all survivors into every view; after tiles, which tell it through the counts, it only does and clears anything where they have left the frame to it. */
-void addDraw(FramePlan& plan, const FrameIds& ids, bool tiles);
+/** One indirect draw of all survivors into every view. mayBeIdle: the counts say whether it has anything to draw, and the target is only cleared if so. */
+void addDraw(FramePlan& plan, const FrameIds& ids, bool mayBeIdle);
 
 }  // namespace dpl

@@ -28,15 +28,15 @@ void main() {
     conicOpacity = vec4(-0.5 * log2e * uintBitsToFloat(p.look.x), dplOpacityOf(p.look), float(view), 0.0);
     colourDepth = vec4(dplUnpackColour(p.look.z), uintBitsToFloat(p.look.w));
     vec2 size = vec2(push.targetWidthPx, push.targetHeightPx);
-    vec2 radiusPx = dplRadiusOf(p), px;
+    vec3 ellipse = dplEllipseOf(p);
+    vec2 px;
     uint corner = dplCorner();
-    if (radiusPx.x < size.x && radiusPx.y < size.y) {
+    if (ellipse.x < size.x && ellipse.y < size.y) {
         // The smallest triangle around a circle, as the ellipse is one in (radii, correlation r). The rest of the root: float rounding of r.
-        vec2 around = corner == 0u ? vec2(0.0, 2.0) : vec2(corner == 1u ? 1.7320509 : -1.7320509, -1.0), radius = radiusPx + 0.02;
-        float r = clamp(-p.place.w * inversesqrt(p.place.z * uintBitsToFloat(p.look.x)), -1.0, 1.0);
-        px = p.place.xy + vec2(radius.x * around.x, radius.y * (r * around.x + sqrt(1.0 - r * r + 1e-6) * around.y));
+        vec2 around = corner == 0u ? vec2(0.0, 2.0) : vec2(corner == 1u ? 1.7320509 : -1.7320509, -1.0), radius = ellipse.xy + 0.02;
+        px = p.place.xy + vec2(radius.x * around.x, radius.y * (ellipse.z * around.x + sqrt(1.0 - ellipse.z * ellipse.z + 1e-6) * around.y));
     } else {  // around its box, cut to the view
-        vec2 low = clamp(p.place.xy - radiusPx, vec2(0.0), size), high = clamp(p.place.xy + radiusPx, vec2(0.0), size);
+        vec2 low = clamp(p.place.xy - ellipse.xy, vec2(0.0), size), high = clamp(p.place.xy + ellipse.xy, vec2(0.0), size);
         px = low + 2.0 * (high - low) * vec2(corner == 1u ? 1.0 : 0.0, corner == 2u ? 1.0 : 0.0);
     }
     vec2 ndc = (2.0 * px / size - 1.0) / push.guard;

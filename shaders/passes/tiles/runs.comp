@@ -28,7 +28,7 @@ void main() {
             p.place = dplFloats(DPL_FOUR(projected, record));
             p.look = DPL_FOUR(projected, record + 1u);
             uint one = dplShown(p.look) ? 1u : 0u;
-            uvec2 rows = one * dplSplatRows(p.place.y, dplRadiusOf(p).y, push.heightPx) + v * push.rows;
+            uvec2 rows = one * dplSplatRows(p.place.y, dplEllipseOf(p).y, push.heightPx) + v * push.rows;
             do {
                 table[first + rows.x * runs] += one;
                 ++rows.x;

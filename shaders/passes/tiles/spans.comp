@@ -26,10 +26,10 @@ void main() {
             p.place = dplFloats(DPL_FOUR(projected, 2u * slot));
             p.look = DPL_FOUR(projected, 2u * slot + 1u);
             if (dplShown(p.look)) {
-                vec2 radius = dplRadiusOf(p);
-                uvec2 rows = dplSplatRows(p.place.y, radius.y, push.heightPx);
+                vec3 ellipse = dplEllipseOf(p);
+                uvec2 rows = dplSplatRows(p.place.y, ellipse.y, push.heightPx);
                 do {
-                    uvec2 columns = dplSplatColumns(p, radius, rows.x, push.widthPx);
+                    uvec2 columns = dplSplatColumns(p.place.xy, ellipse, rows.x, push.widthPx);
                     uint bucket = v * push.rows + rows.x, cell = push.firstRunTable + bucket * runs + run, place = places[cell];
                     places[cell] = place + 1u;
                     spans[place] = uvec2(slot, columns.x | columns.y << 16u);

@@ -84,8 +84,8 @@ struct OneDraw {
     DrawStep draw;
     BufferId buffers[3];
 
-    OneDraw() {
-        auto made = createNullBackend(nullptr);
+    explicit OneDraw(const DeviceInfo& device = NullOptions().info) {
+        auto made = createNullBackend(nullptr, {.info = device});
         EXPECT_TRUE(made);
         backend = std::move(*made);
         const TargetId target = *backend->createTarget({8, 4, 2, true, true});
@@ -138,6 +138,22 @@ TEST(FrameCheck, clipSpaceHoldsTheTargetAndFitsTheDevice) {
     p.draw.guard = 1024;
     const Status status = p.create();
     EXPECT_TRUE(status) << status.error().message;
+}
+
+TEST(FrameCheck, aTargetIsClearedByADrawThatBindsNothingOnDevicesThatCan) {
+    OneDraw p;
+    const PipelineId clear = *p.backend->drawPipeline({.vertex = "clear.vert", .fragment = "clear.frag.depth", .views = 2, .multiview = true, .depth = true, .overwrites = true});
+    p.draw.clear = {clear, {p.buffers[0], 16}};
+    const Status status = p.create();
+    EXPECT_TRUE(status) << status.error().message;
+    p.draw.clear.args.offset = 248;
+    p.expectRefused("do not fit");
+    p.draw.clear = {p.draw.pipeline, {p.buffers[0], 16}};
+    p.expectRefused("binds something");
+
+    OneDraw q(DeviceInfo{.name = "null", .maxTargetPx = 64, .maxViewportPx = 64, .maxGroups = 1, .multiview = true, .clearDraw = false});
+    q.draw.clear = {*q.backend->drawPipeline({.vertex = "clear.vert", .fragment = "clear.frag.depth", .views = 2, .multiview = true, .depth = true, .overwrites = true}), {q.buffers[0], 16}};
+    q.expectRefused("cannot do");
 }
 
 TEST(FrameCheck, aDrawAViewMustReachThemAllBeforeTheyAreRead) {
