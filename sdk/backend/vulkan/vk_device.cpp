@@ -95,7 +95,7 @@ struct Workaround {
     const char* reason;
 };
 constexpr Workaround kWorkarounds[] = {
-    {"512 bits", false, true, "2026-11-22, Mesa 22.3.6: with LP_NATIVE_VECTOR_WIDTH=512 its compiler dies of a fragment shader that overwrites 16-bit targets"},
+    {"512 bits", false, true, "2026-11-22, Mesa 22.3.6: with LP_NATIVE_VECTOR_WIDTH=512 its compiler dies of a fragment shader that overwrites colour and depth sums without blending"},
     {"llvmpipe", true, false, "2026-11-21, Mesa 22.3.6: with viewMask 3 the first 16 instances of an indirect strip draw land in layer 0 for both views"},
 };
 

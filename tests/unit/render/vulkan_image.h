@@ -40,6 +40,9 @@ inline VulkanOptions withPreciseBlendingOfAnyWidth() {
     return options;
 }
 
+/** In what layers are blended, for what tests print. */
+inline const char* blendedIn(const VulkanOptions& options) { return !options.preciseBlending ? "8 bit" : options.codes16 ? "16 bit" : "f16"; }
+
 inline std::shared_ptr<const AvatarData> share(AvatarData a) { return std::make_shared<const AvatarData>(codedOnce(std::move(a))); }
 
 struct Difference {

@@ -26,7 +26,7 @@ RenderedView expectAgrees(TestVulkan& vulkan, const std::string& name, const Res
     const Difference d = compare(image, want);
     const bool precise = vulkan.options.preciseBlending;
     const double minPsnrDb = precise ? kMinPsnrDb : bounds.minBytePsnrDb;
-    std::printf("[  IMAGE   ] %-24s %s: colour %.1f dB (max %.4f), alpha %.1f dB, depth max %.5f m, covered %.1f %%\n", name.c_str(), !precise ? "8 bit" : vulkan.options.codes16 ? "16 bit" : "f16", d.psnrDb, d.maxError, d.alphaPsnrDb,
+    std::printf("[  IMAGE   ] %-24s %s: colour %.1f dB (max %.4f), alpha %.1f dB, depth max %.5f m, covered %.1f %%\n", name.c_str(), blendedIn(vulkan.options), d.psnrDb, d.maxError, d.alphaPsnrDb,
                 d.maxDepthErrorM, d.covered * 100);
     dumpPicture(name.c_str(), image);
     EXPECT_GT(d.covered, bounds.covered) << name;

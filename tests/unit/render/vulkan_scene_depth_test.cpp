@@ -20,9 +20,10 @@ std::vector<RenderedView> drawBehind(Renderer& renderer, RenderAvatarId id, cons
     return out;
 }
 
-void expectAgrees(const char* name, const RenderedView& image, const ReferenceImage& want, bool precise) {
+void expectAgrees(const char* name, const RenderedView& image, const ReferenceImage& want, const VulkanOptions& options) {
+    const bool precise = options.preciseBlending;
     const Difference d = compare(image, want);
-    std::printf("[  SCENE   ] %-16s %s: colour %.1f dB (max %.4f), alpha %.1f dB, depth max %.5f m, covered %.1f %%\n", name, precise ? "16 bit" : "8 bit", d.psnrDb, d.maxError, d.alphaPsnrDb,
+    std::printf("[  SCENE   ] %-16s %s: colour %.1f dB (max %.4f), alpha %.1f dB, depth max %.5f m, covered %.1f %%\n", name, blendedIn(options), d.psnrDb, d.maxError, d.alphaPsnrDb,
                 d.maxDepthErrorM, d.covered * 100);
     EXPECT_GE(d.psnrDb, precise ? kMinPsnrDb : kMinBytePsnrDb) << name;
     EXPECT_GE(d.alphaPsnrDb, precise ? kMinPsnrDb : kMinBytePsnrDb) << name;
@@ -48,7 +49,7 @@ TEST_P(VulkanSceneDepth, equalsTheReferenceForOneViewAndTwo) {
             ASSERT_TRUE(id) << id.error().message;
             const auto pair = drawBehind(*vulkan->renderer, *id, pose, views, scenes, true);
             for (size_t v = 0; v < 2; ++v) {
-                expectAgrees(v ? "pair, right" : "pair, left", pair[v], want[v], vulkan->options.preciseBlending);
+                expectAgrees(v ? "pair, right" : "pair, left", pair[v], want[v], vulkan->options);
                 EXPECT_TRUE(drawBehind(*vulkan->renderer, *id, pose, views, scenes, false)[v].rgba == pair[v].rgba) << "with depth or without";
             }
             EXPECT_TRUE(drawBehind(*vulkan->renderer, *id, pose, {views, 1}, {scenes[0]}, true)[0].rgba == pair[0].rgba) << "alone";
@@ -75,7 +76,7 @@ TEST_P(VulkanSceneDepth, equalsTheReferenceWithFourSamplesAPixel) {
     auto id = vulkan.renderer->addAvatar(avatar);
     ASSERT_TRUE(id) << id.error().message;
     ASSERT_TRUE(referenceFourSamples(*avatar, pose, referenceCamera(camera)));
-    expectAgrees("four samples", drawBehind(*vulkan.renderer, *id, pose, {&camera, 1}, {scene}, true)[0], renderReference(*avatar, pose, referenceCamera(camera), scene), false);
+    expectAgrees("four samples", drawBehind(*vulkan.renderer, *id, pose, {&camera, 1}, {scene}, true)[0], renderReference(*avatar, pose, referenceCamera(camera), scene), vulkan.options);
 }
 
 TEST_P(VulkanSceneDepth, aSceneWithNothingInItLeavesEveryByteAndOneInFrontNone) {
