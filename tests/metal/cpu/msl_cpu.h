@@ -83,6 +83,7 @@ inline float2 unpack_snorm2x16_to_float(uint bits) { return glm::unpackSnorm2x16
 inline uint pack_float_to_unorm4x8(const float4& v) { return glm::packUnorm4x8(v); }
 inline float log(float x) { return std::log(x); }
 inline float exp(float x) { return std::exp(x); }
+inline float powr(float x, float y) { return std::pow(x, y); }  // newer SPIRV-Cross writes pow so
 inline float cos(float x) { return std::cos(x); }
 inline float sin(float x) { return std::sin(x); }
 inline float abs(float x) { return std::fabs(x); }
