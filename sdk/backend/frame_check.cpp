@@ -81,7 +81,7 @@ struct Checker {
         if (step.clear.pipeline) {
             if (!device.clearDraw) return fail(Code::Unsupported, "step {} clears with a draw, which this device cannot do", step.label);
             const Shader* clears = resources.shader(step.clear.pipeline);
-            if (!clears || clears->stage != ShaderStage::Vertex || !clears->bindings.empty() || clears->pushBytes > 0) return fail(Code::InvalidArgument, "step {} clears with a pipeline that is no draw or binds something", step.label);
+            if (!clears || clears->stage != ShaderStage::Vertex || !bindings(step.label, *clears, resources.fragment(step.clear.pipeline), {}, {})) return fail(Code::InvalidArgument, "step {} clears with a pipeline that is no draw or binds something", step.label);
             DPL_CHECK_OK(indirect(step.label, step.clear.args, 16));
         }
         return bindings(step.label, *shader, resources.fragment(step.pipeline), step.bindings, step.push);

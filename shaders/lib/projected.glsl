@@ -7,6 +7,12 @@ uint dplPackExtent(float opacity, float radiusPx) {
     float wide = radiusPx * 1.0011 + 1e-6;  // whichever way halves are rounded
     return uint(clamp(opacity, 0.0, 1.0) * 65535.0 + 0.5) | (wide < 65504.0 ? packHalf2x16(vec2(0.0, wide)) : 0x7C000000u);
 }
+ProjectedSplat dplProjected(uvec4 place, uvec4 look) {  // of the two fours of a record
+    ProjectedSplat p;
+    p.place = uintBitsToFloat(place);
+    p.look = look;
+    return p;
+}
 bool dplShown(uvec4 look) { return look.y >= 0x10000u; }
 float dplOpacityOf(uvec4 look) { return float(look.y & 0xFFFFu) * (1.0 / 65535.0); }
 // The ellipse outside which α < 1/255: half its width and height, and the correlation. In units of the radii it is x = r u ± √((1 - r²)(1 - u²)).

@@ -1,12 +1,7 @@
 // A footprint as the passes that fill pixels read it.
 #include "shaders/lib/projected.glsl"
 
-ProjectedSplat dplHiddenSplat() {
-    ProjectedSplat p;
-    p.place = vec4(0.0);
-    p.look = uvec4(0u);
-    return p;
-}
+ProjectedSplat dplHiddenSplat() { return dplProjected(uvec4(0u), uvec4(0u)); }
 
 // A footprint of this opacity, black; hidden when no pixel of the target sees 1/255 of it. all: nothing is culled, for measuring. Then what is fainter or turned away
 // keeps the box of three standard deviations that plain 3D Gaussian splatting draws, and adds nothing there.

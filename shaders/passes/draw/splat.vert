@@ -20,9 +20,7 @@ void main() {
     uint view = dplViewIndex(push.view);
     // The order is near first with ties in splat order; drawing it backwards gives the exact mirror of front-to-back blending.
     uint splat = DPL_WORD(order, counts.visible - 1u - dplSplat()), record = 2u * (view * push.splatCount + splat);
-    ProjectedSplat p;
-    p.place = dplFloats(DPL_FOUR(projected, record));
-    p.look = DPL_FOUR(projected, record + 1u);
+    ProjectedSplat p = dplProjected(DPL_FOUR(projected, record), DPL_FOUR(projected, record + 1u));
     const float log2e = 1.4426950408889634;  // exp(-σ) as a power of two, once a splat and not once a pixel
     centreConic = vec4(p.place.xy, -0.5 * log2e * p.place.z, -log2e * p.place.w);
     conicOpacity = vec4(-0.5 * log2e * uintBitsToFloat(p.look.x), dplOpacityOf(p.look), float(view), 0.0);

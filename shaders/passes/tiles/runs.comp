@@ -24,9 +24,7 @@ void main() {
         uint splat = DPL_WORD(order, i);
         for (uint v = 0u; v < kViews; ++v) {
             uint record = 2u * (v * push.splatCount + splat);
-            ProjectedSplat p;
-            p.place = dplFloats(DPL_FOUR(projected, record));
-            p.look = DPL_FOUR(projected, record + 1u);
+            ProjectedSplat p = dplProjected(DPL_FOUR(projected, record), DPL_FOUR(projected, record + 1u));
             uint one = dplShown(p.look) ? 1u : 0u;
             uvec2 rows = one * dplSplatRows(p.place.y, dplEllipseOf(p).y, push.heightPx) + v * push.rows;
             do {

@@ -22,9 +22,7 @@ void main() {
         uint splat = DPL_WORD(order, i);
         for (uint v = 0u; v < kViews; ++v) {
             uint slot = v * push.splatCount + splat;
-            ProjectedSplat p;
-            p.place = dplFloats(DPL_FOUR(projected, 2u * slot));
-            p.look = DPL_FOUR(projected, 2u * slot + 1u);
+            ProjectedSplat p = dplProjected(DPL_FOUR(projected, 2u * slot), DPL_FOUR(projected, 2u * slot + 1u));
             if (dplShown(p.look)) {
                 vec3 ellipse = dplEllipseOf(p);
                 uvec2 rows = dplSplatRows(p.place.y, ellipse.y, push.heightPx);
