@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Shared by tools/test and tools/demo: numbered steps, builds with progress, test runs with a count. Sourced, not run.
 export DOPPEL_COMPILER_LAUNCHER="${DOPPEL_COMPILER_LAUNCHER-$(command -v ccache || true)}"
 # ccache: with the precompiled header (sloppiness), the same object for every checkout (base dir, no hash of the folder),

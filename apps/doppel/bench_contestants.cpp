@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "apps/doppel/bench_contestants.h"
 
 #include <algorithm>
@@ -16,21 +17,27 @@ namespace {
 constexpr uint32_t kWarmUp = 2;          // rounds that are not timed
 constexpr uint32_t kFramesInFlight = 3;  // what a renderer promises to take without a wait
 
-constexpr uint32_t kEverythingOff = DPL_CONTEXT_WITHOUT_CULLING | DPL_CONTEXT_WITHOUT_SHARED_STEREO | DPL_CONTEXT_WITHOUT_DEPTH_QUANTISATION;
+constexpr uint32_t kEverythingOff =
+    DPL_CONTEXT_WITHOUT_CULLING | DPL_CONTEXT_WITHOUT_SHARED_STEREO | DPL_CONTEXT_WITHOUT_DEPTH_QUANTISATION;
 constexpr SwitchedOff kSwitches[] = {{"vulkan-without-culling", DPL_CONTEXT_WITHOUT_CULLING, "no culling"},
                                      {"vulkan-float-keys", DPL_CONTEXT_WITHOUT_DEPTH_QUANTISATION, "32-bit keys"},
                                      {"vulkan-two-frames", DPL_CONTEXT_WITHOUT_SHARED_STEREO, "a frame an eye", true},
                                      {"vulkan-tiles-all-off", kEverythingOff, "all switches off", false, DPL_FILL_TILES}};
 constexpr const char *kPlainFloat = "vulkan-plain-float", *kPlainTiles = "vulkan-plain-tiles";
 
-double millisecondsSince(std::chrono::steady_clock::time_point start) { return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count(); }
+double millisecondsSince(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
 
-Status ours(const doppel::Status& status) { return status ? Status() : Status(fromSdk(status.error())); }
+Status ours(const doppel::Status& status) {
+    return status ? Status() : Status(fromSdk(status.error()));
+}
 
 /** One of today's renderers, by the public API. */
 class SdkDrawer final : public Drawer {
 public:
-    SdkDrawer(doppel::Context context, doppel::Avatar avatar, std::span<const Cameraf> views) : context_(std::move(context)), avatar_(std::move(avatar)) {
+    SdkDrawer(doppel::Context context, doppel::Avatar avatar, std::span<const Cameraf> views)
+        : context_(std::move(context)), avatar_(std::move(avatar)) {
         for (const Cameraf& view : views) {
             cameras_.push_back(sdkCamera(view));
             pictures.emplace_back(size_t(view.widthPx) * view.heightPx * 4);
@@ -43,7 +50,9 @@ public:
             images_.push_back(image);
         }
     }
-    Status pose(std::span<const float> rotations, const Vec3f& root) override { return rotations.empty() ? Status() : ours(avatar_.setPose(rotations, {&root.x, 3})); }
+    Status pose(std::span<const float> rotations, const Vec3f& root) override {
+        return rotations.empty() ? Status() : ours(avatar_.setPose(rotations, {&root.x, 3}));
+    }
     Status draw() override { return ours(avatar_.draw(cameras_)); }
     Status read() override { return ours(avatar_.readImages(images_)); }
     Result<DrawerStats> stats() override {
@@ -68,7 +77,9 @@ private:
 /** The frozen baseline, with either fill. */
 class PlainDrawer final : public Drawer {
 public:
-    PlainDrawer(PlainFile file, std::span<const Cameraf> views) : file_(std::move(file)), views_(views.begin(), views.end()) { pictures.resize(views.size()); }
+    PlainDrawer(PlainFile file, std::span<const Cameraf> views) : file_(std::move(file)), views_(views.begin(), views.end()) {
+        pictures.resize(views.size());
+    }
     Status pose(std::span<const float> rotations, const Vec3f& root) override {
         rotations_.assign(rotations.begin(), rotations.end()), root_ = root;
         return {};
@@ -79,8 +90,10 @@ public:
         const PlainStats plain = file_.stats();
         DrawerStats stats{};
         stats.frame.viewCount = uint32_t(views_.size()), stats.frame.splatsDrawn = plain.splatsDrawn;
-        stats.frame.residentBytes = plain.residentBytes, stats.frame.avatarBytes = plain.avatarBytes, stats.frame.splatBytes = plain.splatBytes;
-        for (const PlainPassTime& pass : plain.passes) stats.passes.emplace_back(pass.label, pass.milliseconds), stats.frame.gpuMs += pass.milliseconds;
+        stats.frame.residentBytes = plain.residentBytes, stats.frame.avatarBytes = plain.avatarBytes,
+        stats.frame.splatBytes = plain.splatBytes;
+        for (const PlainPassTime& pass : plain.passes)
+            stats.passes.emplace_back(pass.label, pass.milliseconds), stats.frame.gpuMs += pass.milliseconds;
         return stats;
     }
 
@@ -92,7 +105,8 @@ private:
 };
 
 const SwitchedOff* switchedOff(const std::string& renderer) {
-    const auto found = std::find_if(std::begin(kSwitches), std::end(kSwitches), [&](const SwitchedOff& s) { return renderer == s.renderer; });
+    const auto found =
+        std::find_if(std::begin(kSwitches), std::end(kSwitches), [&](const SwitchedOff& s) { return renderer == s.renderer; });
     return found == std::end(kSwitches) ? nullptr : found;
 }
 
@@ -108,7 +122,7 @@ Result<Contestant> plainContestant(const std::string& renderer, const BenchSubje
     const double loadMilliseconds = millisecondsSince(start);
     const std::string name = file.name();
     auto drawer = std::make_unique<PlainDrawer>(std::move(file), views);
-    if (renderer == kPlainTiles) {   // whose lists may be too small for this subject: it says so here
+    if (renderer == kPlainTiles) {  // whose lists may be too small for this subject: it says so here
         DPL_CHECK_OK(drawer->pose(subject.rotations, subject.root));
         DPL_CHECK_OK(drawer->draw());
         DPL_CHECK_OK(drawer->read());
@@ -116,16 +130,24 @@ Result<Contestant> plainContestant(const std::string& renderer, const BenchSubje
     return Contestant{name, renderer, name, nullptr, true, std::move(drawer), loadMilliseconds};
 }
 
-Result<Contestant> sdkContestant(const std::string& renderer, const BenchOptions& options, const BenchSubject& subject, std::span<const Cameraf> views) {
+Result<Contestant> sdkContestant(const std::string& renderer, const BenchOptions& options, const BenchSubject& subject,
+                                 std::span<const Cameraf> views) {
     const SwitchedOff* without = switchedOff(renderer);
-    auto context = doppel::Context::create(renderer == "software" ? DPL_RENDERER_SOFTWARE : DPL_RENDERER_VULKAN, options.threadCount, without ? without->flags : 0, fillToRace(renderer, without, options.fill));
+    auto context = doppel::Context::create(renderer == "software" ? DPL_RENDERER_SOFTWARE : DPL_RENDERER_VULKAN, options.threadCount,
+                                           without ? without->flags : 0, fillToRace(renderer, without, options.fill));
     if (!context) return Error{Code::Unsupported, context.error().message};
     const auto start = std::chrono::steady_clock::now();
     auto avatar = context->loadAvatar(subject.bytes);
     const double loadMilliseconds = millisecondsSince(start);
     if (!avatar) return fromSdk(avatar.error());
     const std::string whole = context->rendererName(), name = whole + (without ? formatText(", {}", without->label) : "");
-    return Contestant{name, renderer, whole, without, false, std::make_unique<SdkDrawer>(std::move(*context), std::move(*avatar), views), loadMilliseconds};
+    return Contestant{name,
+                      renderer,
+                      whole,
+                      without,
+                      false,
+                      std::make_unique<SdkDrawer>(std::move(*context), std::move(*avatar), views),
+                      loadMilliseconds};
 }
 
 /** GPU times of the frame that was drawn last. */
@@ -142,14 +164,18 @@ Status samplePasses(Contestant& c) {
     return {};
 }
 
-Status inWords(const Contestant& c, const Status& status) { return status ? Status() : Status(fail(status.error().code, "{}: {}", c.name, status.error().message)); }
+Status inWords(const Contestant& c, const Status& status) {
+    return status ? Status() : Status(fail(status.error().code, "{}: {}", c.name, status.error().message));
+}
 
 struct FrameCost {
     double milliseconds = 0, drawMilliseconds = 0;
     uint64_t allocations = 0;
 };
 
-CountedThreads countedThreads(const Contestant& c) { return c.option == "software" ? CountedThreads::All : CountedThreads::Own; }
+CountedThreads countedThreads(const Contestant& c) {
+    return c.option == "software" ? CountedThreads::All : CountedThreads::Own;
+}
 
 /** Poses, draws and reads one frame; the time is from the draw on. */
 Result<FrameCost> drawFrame(Contestant& c, const BenchSubject& subject) {
@@ -196,7 +222,7 @@ const std::vector<std::string>& benchRenderers() {
 
 std::vector<std::string> defaultBenchRenderers() {
     std::vector<std::string> names = benchRenderers();
-    std::erase(names, "vulkan");   // one of the two below
+    std::erase(names, "vulkan");  // one of the two below
     return names;
 }
 
@@ -212,8 +238,10 @@ Result<BenchSubject> BenchSubject::load(const BenchOptions& options) {
     }
     auto info = avatar->info();
     if (!info) return fromSdk(info.error());
-    BenchSubject subject{std::move(bytes), std::move(*context), std::move(*avatar), *info, std::vector<float>(size_t(info->jointCount) * 4)};
-    if (info->jointCount > 0 && dplGetPose(subject.avatar.handle(), subject.rotations.data(), info->jointCount, &subject.root.x) != DPL_OK) return fail(Code::Internal, "{}", dplGetLastError());
+    BenchSubject subject{std::move(bytes), std::move(*context), std::move(*avatar), *info,
+                         std::vector<float>(size_t(info->jointCount) * 4)};
+    if (info->jointCount > 0 && dplGetPose(subject.avatar.handle(), subject.rotations.data(), info->jointCount, &subject.root.x) != DPL_OK)
+        return fail(Code::Internal, "{}", dplGetLastError());
     return subject;
 }
 
@@ -225,13 +253,15 @@ std::vector<Cameraf> BenchSubject::views(const BenchCase& test, const std::strin
     return {shiftedSideways(centre, -kEyeDistanceM / 2), shiftedSideways(centre, kEyeDistanceM / 2)};
 }
 
-Result<std::vector<Contestant>> contestants(const BenchOptions& options, const BenchSubject& subject, const BenchCase& test, std::span<const Cameraf> views) {
+Result<std::vector<Contestant>> contestants(const BenchOptions& options, const BenchSubject& subject, const BenchCase& test,
+                                            std::span<const Cameraf> views) {
     std::vector<Contestant> list;
     Error why{Code::Unsupported, "no renderer could be started"};
     for (const std::string& renderer : options.renderers) {
         const SwitchedOff* without = switchedOff(renderer);
         if (without && without->stereoOnly && test.viewCount == 1) continue;
-        auto contestant = renderer == kPlainFloat || renderer == kPlainTiles ? plainContestant(renderer, subject, views) : sdkContestant(renderer, options, subject, views);
+        auto contestant = renderer == kPlainFloat || renderer == kPlainTiles ? plainContestant(renderer, subject, views)
+                                                                             : sdkContestant(renderer, options, subject, views);
         if (contestant) {
             list.push_back(std::move(*contestant));
             continue;
@@ -244,7 +274,8 @@ Result<std::vector<Contestant>> contestants(const BenchOptions& options, const B
     return list;
 }
 
-Status timeFrames(std::vector<Contestant>& list, const BenchSubject& subject, uint32_t repeats, const std::function<Status(double)>& progress) {
+Status timeFrames(std::vector<Contestant>& list, const BenchSubject& subject, uint32_t repeats,
+                  const std::function<Status(double)>& progress) {
     const uint32_t rounds = repeats + kWarmUp;
     uint64_t coldAllocations = 0;
     std::vector<uint64_t> waitsBefore(list.size(), 0);
@@ -275,16 +306,20 @@ Status timeFrames(std::vector<Contestant>& list, const BenchSubject& subject, ui
     return {};
 }
 
-Status measureErrors(std::vector<Contestant>& list, const BenchSubject& subject, std::span<const Cameraf> views, const ReferenceFile& referee, const std::function<Status(double)>& progress) {
+Status measureErrors(std::vector<Contestant>& list, const BenchSubject& subject, std::span<const Cameraf> views,
+                     const ReferenceFile& referee, const std::function<Status(double)>& progress) {
     for (size_t v = 0; v < views.size(); ++v) {
         const ReferencePicture want = referee.draw(subject.rotations, subject.root, views[v]);
         std::vector<ViewError> errors;
         for (size_t i = 0; i < list.size(); ++i) {
             const std::vector<uint8_t>& picture = list[i].drawer->pictures[v];
             // FLIP takes longer than most frames, and some switches change no byte.
-            const auto same = std::find_if(list.begin(), list.begin() + std::ptrdiff_t(i), [&](const Contestant& earlier) { return earlier.drawer->pictures[v] == picture; });
-            if (same != list.begin() + std::ptrdiff_t(i)) errors.push_back(ViewError(errors[size_t(same - list.begin())]));
-            else errors.push_back({compareWith(want, picture), coveredFlip(want, picture)});
+            const auto same = std::find_if(list.begin(), list.begin() + std::ptrdiff_t(i),
+                                           [&](const Contestant& earlier) { return earlier.drawer->pictures[v] == picture; });
+            if (same != list.begin() + std::ptrdiff_t(i))
+                errors.push_back(ViewError(errors[size_t(same - list.begin())]));
+            else
+                errors.push_back({compareWith(want, picture), coveredFlip(want, picture)});
             list[i].error += errors[i].error, list[i].flip += errors[i].flip / double(views.size());
             DPL_CHECK_OK(progress((double(v) + double(i + 1) / double(list.size())) / double(views.size())));
         }
@@ -295,7 +330,8 @@ Status measureErrors(std::vector<Contestant>& list, const BenchSubject& subject,
 Status checkWarmFrames(const std::vector<Contestant>& list, const BenchCase& test) {
     for (const Contestant& c : list)
         if (!c.plain && (c.warmAllocations > 0 || c.warmWaits > 0))
-            return fail(Code::Internal, "{}, {}: warm frames allocated {} times and waited {} times; both must be 0", test.name, c.name, c.warmAllocations, c.warmWaits);
+            return fail(Code::Internal, "{}, {}: warm frames allocated {} times and waited {} times; both must be 0", test.name, c.name,
+                        c.warmAllocations, c.warmWaits);
     return {};
 }
 

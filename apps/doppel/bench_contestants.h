@@ -1,5 +1,6 @@
-// Who races in `doppel bench`: today's renderers, whole or with something switched off, and the frozen plain frame. They draw the same subject
-// in turns, so that a busy machine is busy for all.
+// SPDX-License-Identifier: Apache-2.0
+// Who races in `doppel bench`: today's renderers, whole or with something switched off, and the frozen plain frame. They draw the same
+// subject in turns, so that a busy machine is busy for all.
 #pragma once
 
 #include <doppel/doppel.hpp>
@@ -18,7 +19,7 @@ namespace dpl {
 
 struct BenchOptions {
     std::filesystem::path avatar, jsonFile, plotFile;
-    std::vector<std::string> renderers;   // of benchRenderers()
+    std::vector<std::string> renderers;  // of benchRenderers()
     std::string fill = "auto";
     std::string clip;
     double timeS = 0;
@@ -31,7 +32,7 @@ struct BenchOptions {
 struct BenchCase {
     const char* name;
     uint32_t widthPx, heightPx, viewCount;
-    bool portrait = false;   // head and shoulders only
+    bool portrait = false;  // head and shoulders only
 };
 
 /** Values of --renderers, and those that race unless it is given. */
@@ -43,7 +44,7 @@ struct BenchSubject {
     std::vector<uint8_t> bytes;
     doppel::Context context;
     doppel::Avatar avatar;
-    DplAvatarInfo info;   // its name lives as long as the avatar
+    DplAvatarInfo info;  // its name lives as long as the avatar
     std::vector<float> rotations;
     Vec3f root{0};
 
@@ -58,8 +59,8 @@ struct PassSamples {
 };
 
 struct DrawerStats {
-    DplFrameStats frame;   // the plain frame fills in what it has
-    std::vector<std::pair<std::string, double>> passes;   // milliseconds, in the order they ran
+    DplFrameStats frame;                                 // the plain frame fills in what it has
+    std::vector<std::pair<std::string, double>> passes;  // milliseconds, in the order they ran
 };
 
 /** One renderer with the subject loaded and the views of one case. */
@@ -72,44 +73,47 @@ public:
     /** Waits for it: its pixels are in pictures. */
     virtual Status read() = 0;
     virtual Result<DrawerStats> stats() = 0;
-    std::vector<std::vector<uint8_t>> pictures;   // premultiplied RGBA8, one a view
+    std::vector<std::vector<uint8_t>> pictures;  // premultiplied RGBA8, one a view
 };
 
 /** What was switched off to be measured. */
 struct SwitchedOff {
-    const char* renderer;   // of --renderers
+    const char* renderer;  // of --renderers
     uint32_t flags;
-    const char* label;      // behind the renderer's name
+    const char* label;  // behind the renderer's name
     bool stereoOnly = false;
-    std::optional<DplFill> fill = {};   // else as --fill says, quads for auto
+    std::optional<DplFill> fill = {};  // else as --fill says, quads for auto
 };
 
 struct Contestant {
     std::string name;
-    std::string option;             // of --renderers
-    std::string whole;              // the renderer's name without what is switched off
-    const SwitchedOff* without;     // none: everything is on, or it is the plain frame
-    bool plain;                     // the frozen baseline
+    std::string option;          // of --renderers
+    std::string whole;           // the renderer's name without what is switched off
+    const SwitchedOff* without;  // none: everything is on, or it is the plain frame
+    bool plain;                  // the frozen baseline
     std::unique_ptr<Drawer> drawer;
     double loadMilliseconds = 0;
     std::vector<double> milliseconds, drawMilliseconds, gpuMilliseconds;
     std::vector<PassSamples> passes;
     DplFrameStats stats{};
-    uint64_t warmAllocations = 0, warmWaits = 0;   // of all warm frames
+    uint64_t warmAllocations = 0, warmWaits = 0;  // of all warm frames
     PictureError error;
-    double flip = 0;   // of covered pixels, mean of the views
+    double flip = 0;  // of covered pixels, mean of the views
 };
 
-/** A context of its own for each case, so that its bytes are those of the case. Left out with a sentence: renderers that the machine does not
- *  have, and those whose device cannot hold the avatar. */
-Result<std::vector<Contestant>> contestants(const BenchOptions& options, const BenchSubject& subject, const BenchCase& test, std::span<const Cameraf> views);
+/** A context of its own for each case, so that its bytes are those of the case. Left out with a sentence: renderers that the machine does
+ * not have, and those whose device cannot hold the avatar. */
+Result<std::vector<Contestant>> contestants(const BenchOptions& options, const BenchSubject& subject, const BenchCase& test,
+                                            std::span<const Cameraf> views);
 
 /** Rounds in which everybody draws one frame, then for each three frames without a read between them, as an app has in flight. Counts heap
  *  allocations of posing and drawing, and waits, once warm. */
-Status timeFrames(std::vector<Contestant>& list, const BenchSubject& subject, uint32_t repeats, const std::function<Status(double)>& progress);
+Status timeFrames(std::vector<Contestant>& list, const BenchSubject& subject, uint32_t repeats,
+                  const std::function<Status(double)>& progress);
 
 /** The referee draws each view once; everybody's last picture is compared with it. */
-Status measureErrors(std::vector<Contestant>& list, const BenchSubject& subject, std::span<const Cameraf> views, const ReferenceFile& referee, const std::function<Status(double)>& progress);
+Status measureErrors(std::vector<Contestant>& list, const BenchSubject& subject, std::span<const Cameraf> views,
+                     const ReferenceFile& referee, const std::function<Status(double)>& progress);
 
 /** An error that names the first of today's renderers whose warm frames allocated or waited. */
 Status checkWarmFrames(const std::vector<Contestant>& list, const BenchCase& test);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What `doppel bench` prints of everybody who raced: frames, passes, memory, and the same as JSON lines.
 #pragma once
 
@@ -12,7 +13,7 @@ double finiteDb(double db);
 
 /** A row a contestant, or several a case, under a header. */
 struct BenchText {
-    bool compared = true;       // with the referee
+    bool compared = true;  // with the referee
     uint32_t splatCount = 0;
     std::string frames, memory, json;
 
@@ -32,8 +33,10 @@ struct PassTable {
     void add(const Contestant& contestant, const BenchCase& test);
     std::string text() const;
 };
-/** The model of docs/model.md for one case: the plain frame against today's by quads and by tiles, where those raced. Empty for general splats. */
-std::string modelOf(const BenchCase& test, const std::vector<Contestant>& list, const BenchSubject& subject, bool corrected, const ModelMachine& machine);
+/** The model of docs/model.md for one case: the plain frame against today's by quads and by tiles, where those raced. Empty for general
+ * splats. */
+std::string modelOf(const BenchCase& test, const std::vector<Contestant>& list, const BenchSubject& subject, bool corrected,
+                    const ModelMachine& machine);
 
 /** To the table of its device, a new one if there is none; renderers without passes have none. */
 void addPasses(std::vector<PassTable>& tables, const Contestant& contestant, const BenchCase& test);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "apps/doppel/bench_worth.h"
 
 #include <algorithm>
@@ -23,12 +24,20 @@ std::vector<double> passMs(const Contestant& c, PassFilter takes) {
     return sums;
 }
 
-bool beforePixels(std::string_view label) { return !label.starts_with("draw") && !label.starts_with("tiles.fill") && label != "counts" && label != "readback"; }
+bool beforePixels(std::string_view label) {
+    return !label.starts_with("draw") && !label.starts_with("tiles.fill") && label != "counts" && label != "readback";
+}
 /** From records or codes to splats on the screen, coloured: today's frame splits that otherwise than the plain one. */
-bool projection(std::string_view label) { return label.starts_with("chunks") || label.starts_with("splat."); }
-bool sorting(std::string_view label) { return label.starts_with("sort."); }
+bool projection(std::string_view label) {
+    return label.starts_with("chunks") || label.starts_with("splat.");
+}
+bool sorting(std::string_view label) {
+    return label.starts_with("sort.");
+}
 
-double frameMs(const Contestant& c) { return percentile(c.milliseconds, 0.5); }
+double frameMs(const Contestant& c) {
+    return percentile(c.milliseconds, 0.5);
+}
 
 const Contestant* findOption(const std::vector<Contestant>& list, std::string_view option) {
     const auto found = std::find_if(list.begin(), list.end(), [&](const Contestant& c) { return c.option == option; });
@@ -56,18 +65,24 @@ std::string arrow(const std::vector<double>& off, const std::vector<double>& on)
         if (off[k] > 0 && on[k] > 0) ratios.push_back(off[k] / on[k]);
     if (ratios.empty()) return "– | –";
     char text[160];
-    std::snprintf(text, sizeof text, "%.2f → %.2f | %.2f × (%.2f – %.2f)", percentile(off, 0.5), percentile(on, 0.5), percentile(ratios, 0.5), percentile(ratios, 0.25), percentile(ratios, 0.75));
+    std::snprintf(text, sizeof text, "%.2f → %.2f | %.2f × (%.2f – %.2f)", percentile(off, 0.5), percentile(on, 0.5),
+                  percentile(ratios, 0.5), percentile(ratios, 0.25), percentile(ratios, 0.75));
     return text;
 }
 
 std::string frameWorth(const BenchCase& test, const std::string& what, const Contestant& off, const Contestant& on, bool compared) {
-    const std::string error = compared ? formatText("{} → {} | {} → {}", decibelText(off.error.coveredPsnrDb()), decibelText(on.error.coveredPsnrDb()), std::round(off.error.maxLevels * 10) / 10,
-                                                    std::round(on.error.maxLevels * 10) / 10)
-                                       : "– | –";
-    return formatText("| {} | {} | {} | {} | {} |\n", test.name, what, arrow(off.milliseconds, on.milliseconds), arrow(passMs(off, beforePixels), passMs(on, beforePixels)), error);
+    const std::string error =
+        compared ? formatText("{} → {} | {} → {}", decibelText(off.error.coveredPsnrDb()), decibelText(on.error.coveredPsnrDb()),
+                              std::round(off.error.maxLevels * 10) / 10, std::round(on.error.maxLevels * 10) / 10)
+                 : "– | –";
+    return formatText("| {} | {} | {} | {} | {} |\n", test.name, what, arrow(off.milliseconds, on.milliseconds),
+                      arrow(passMs(off, beforePixels), passMs(on, beforePixels)), error);
 }
 
-std::string passWorth(const BenchCase& test, const char* what, const char* where, const std::vector<double>& off, const std::vector<double>& on) { return formatText("| {} | {} | {} | {} |\n", test.name, what, where, arrow(off, on)); }
+std::string passWorth(const BenchCase& test, const char* what, const char* where, const std::vector<double>& off,
+                      const std::vector<double>& on) {
+    return formatText("| {} | {} | {} | {} |\n", test.name, what, where, arrow(off, on));
+}
 
 }  // namespace
 
@@ -75,21 +90,30 @@ void BenchWorth::add(const BenchCase& test, const std::vector<Contestant>& list)
     for (const Contestant& off : list)
         if (off.without)
             if (const Contestant* on = wholeOf(list, off)) frames += frameWorth(test, off.name + " → all on", off, *on, compared);
-    const Contestant *plain = findOption(list, "vulkan-plain-float"), *plainTiles = findOption(list, "vulkan-plain-tiles"), *quads = findOption(list, "vulkan-quads"), *tiles = findOption(list, "vulkan-tiles"), *best = fastestFill(list), *software = findOption(list, "software");
+    const Contestant *plain = findOption(list, "vulkan-plain-float"), *plainTiles = findOption(list, "vulkan-plain-tiles"),
+                     *quads = findOption(list, "vulkan-quads"), *tiles = findOption(list, "vulkan-tiles"), *best = fastestFill(list),
+                     *software = findOption(list, "software");
     if (plain && quads) frames += frameWorth(test, "plain float quads → quads, all on", *plain, *quads, compared);
     if (plainTiles && tiles) frames += frameWorth(test, "plain float tiles → tiles, all on", *plainTiles, *tiles, compared);
-    if (plain && best) frames += frameWorth(test, formatText("plain float quads → the faster fill, {}", best->option), *plain, *best, compared);
+    if (plain && best)
+        frames += frameWorth(test, formatText("plain float quads → the faster fill, {}", best->option), *plain, *best, compared);
     if (plain && software) frames += frameWorth(test, "plain float quads → software", *plain, *software, compared);
 
     if (!quads || quads->passes.empty()) return;
-    const Contestant *unculled = findOption(list, "vulkan-without-culling"), *floatKeys = findOption(list, "vulkan-float-keys"), *apart = findOption(list, "vulkan-two-frames");
+    const Contestant *unculled = findOption(list, "vulkan-without-culling"), *floatKeys = findOption(list, "vulkan-float-keys"),
+                     *apart = findOption(list, "vulkan-two-frames");
     if (unculled) passes += passWorth(test, "hierarchical culling", "whole frame", unculled->milliseconds, quads->milliseconds);
-    const bool coded = quads->stats.splatsInView > 0;   // general splats are records of floats today too
-    if (plain && coded) passes += passWorth(test, "codes decoded on demand, culled", "chunks, projection and colour; off: plain float", passMs(*plain, projection), passMs(*quads, projection));
-    if (plain && coded && unculled) passes += passWorth(test, "codes decoded on demand, nothing culled", "chunks, projection and colour; off: plain float", passMs(*plain, projection), passMs(*unculled, projection));
+    const bool coded = quads->stats.splatsInView > 0;  // general splats are records of floats today too
+    if (plain && coded)
+        passes += passWorth(test, "codes decoded on demand, culled", "chunks, projection and colour; off: plain float",
+                            passMs(*plain, projection), passMs(*quads, projection));
+    if (plain && coded && unculled)
+        passes += passWorth(test, "codes decoded on demand, nothing culled", "chunks, projection and colour; off: plain float",
+                            passMs(*plain, projection), passMs(*unculled, projection));
     if (floatKeys) passes += passWorth(test, "quantised depth keys", "sort", passMs(*floatKeys, sorting), passMs(*quads, sorting));
     if (apart) {
-        passes += passWorth(test, "one frame for both eyes", "before pixels are filled", passMs(*apart, beforePixels), passMs(*quads, beforePixels));
+        passes += passWorth(test, "one frame for both eyes", "before pixels are filled", passMs(*apart, beforePixels),
+                            passMs(*quads, beforePixels));
         passes += passWorth(test, "one frame for both eyes", "whole frame", apart->milliseconds, quads->milliseconds);
     }
 }
@@ -97,8 +121,12 @@ void BenchWorth::add(const BenchCase& test, const std::vector<Contestant>& list)
 std::string BenchWorth::text() const {
     std::string out;
     if (!frames.empty())
-        out += "\n| case | off → on | frame, ms: off → on | worth | before pixels are filled, GPU ms: off → on | worth | covered pixels: off → on | max error, levels: off → on |\n|---|---|---|---|---|---|---|---|\n" + frames;
-    if (!passes.empty()) out += "\n| case | what one optimisation is worth, quads | where | ms: off → on | worth |\n|---|---|---|---|---|\n" + passes;
+        out +=
+            "\n| case | off → on | frame, ms: off → on | worth | before pixels are filled, GPU ms: off → on | worth | covered pixels: off "
+            "→ on | max error, levels: off → on |\n|---|---|---|---|---|---|---|---|\n" +
+            frames;
+    if (!passes.empty())
+        out += "\n| case | what one optimisation is worth, quads | where | ms: off → on | worth |\n|---|---|---|---|---|\n" + passes;
     return out;
 }
 

@@ -1,4 +1,6 @@
-// What the optimisations are worth: the same frame with one of them off, with all of them off, and the frozen plain frame, against today's whole frame.
+// SPDX-License-Identifier: Apache-2.0
+// What the optimisations are worth: the same frame with one of them off, with all of them off, and the frozen plain frame, against today's
+// whole frame.
 #pragma once
 
 #include "apps/doppel/bench_contestants.h"
@@ -7,7 +9,7 @@ namespace dpl {
 
 /** Two tables: whole frames, and each optimisation on the passes that it is for. */
 struct BenchWorth {
-    bool compared = true;   // with the referee
+    bool compared = true;  // with the referee
     std::string frames, passes;
 
     void add(const BenchCase& test, const std::vector<Contestant>& list);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 
 #include "apps/doppel/commands.h"
@@ -22,12 +23,15 @@ Result<BodyModel> importBody(const std::filesystem::path& source) {
     if (extension == ".npz") return importSmplx(source);
     if (extension == ".glb") return readBody(source);
     if (!std::filesystem::exists(source)) return fail(Code::NotFound, "{} is not there", source.string());
-    return fail(Code::Unsupported, "{}: bodies come from a MakeHuman/MPFB2 folder, a SMPL-X .npz or a rigged .glb (convert other formats to .glb with Blender)", source.string());
+    return fail(
+        Code::Unsupported,
+        "{}: bodies come from a MakeHuman/MPFB2 folder, a SMPL-X .npz or a rigged .glb (convert other formats to .glb with Blender)",
+        source.string());
 }
 
 std::string describe(const BodyModel& body) {
-    std::string text = formatText("{}: {} vertices, {} triangles, {} joints, {} keypoints\n", body.name, body.mesh.restPositions.size(), body.mesh.triangles.size(),
-                                  body.joints.size(), body.keypoints.size());
+    std::string text = formatText("{}: {} vertices, {} triangles, {} joints, {} keypoints\n", body.name, body.mesh.restPositions.size(),
+                                  body.mesh.triangles.size(), body.joints.size(), body.keypoints.size());
     size_t bones = 0;
     for (const JointData& joint : body.joints) bones += !joint.humanoidBone.empty();
     text += formatText("{} joints have humanoid bone names\nshape morphs:", bones);
@@ -43,30 +47,32 @@ void addBodyCommand(CLI::App& app, CommandRun& run) {
     auto options = std::make_shared<BodyOptions>();
 
     CLI::App* import = command->add_subcommand("import", "Make a glTF body from MakeHuman/MPFB2 data, SMPL-X .npz or a rigged .glb");
-    import->add_option("source", options->source, "MakeHuman/MPFB2 folder, SMPL-X .npz (your own copy), rigged .glb, or 'builtin'")->required();
+    import->add_option("source", options->source, "MakeHuman/MPFB2 folder, SMPL-X .npz (your own copy), rigged .glb, or 'builtin'")
+        ->required();
     import->add_option("-o,--out", options->out, "The body to write (.glb)")->required();
     import->footer("Examples:\n  doppel body import body-makehuman -o makehuman.glb\n  doppel body import SMPLX_NEUTRAL.npz -o smplx.glb");
     import->callback([options, &run] {
         run = [options] {
             auto body = importBody(options->source);
-            if (!body) return reportError(body.error());
-            if (Status written = writeBody(*body, options->out); !written) return reportError(written.error());
-            std::printf("%s\nwritten to %s\n", describe(*body).c_str(), options->out.string().c_str());
-            return int(kExitOk);
-        };
-    });
+    if (!body) return reportError(body.error());
+    if (Status written = writeBody(*body, options->out); !written) return reportError(written.error());
+    std::printf("%s\nwritten to %s\n", describe(*body).c_str(), options->out.string().c_str());
+    return int(kExitOk);
+};
+}  // namespace dpl
+);
 
-    CLI::App* show = command->add_subcommand("show", "Say what a body has");
-    show->add_option("source", options->source, "As for import")->required();
-    show->footer("Examples:\n  doppel body show builtin\n  doppel body show makehuman.glb");
-    show->callback([options, &run] {
-        run = [options] {
-            auto body = importBody(options->source);
-            if (!body) return reportError(body.error());
-            std::printf("%s\n", describe(*body).c_str());
-            return int(kExitOk);
-        };
-    });
+CLI::App* show = command->add_subcommand("show", "Say what a body has");
+show->add_option("source", options->source, "As for import")->required();
+show->footer("Examples:\n  doppel body show builtin\n  doppel body show makehuman.glb");
+show->callback([options, &run] {
+    run = [options] {
+        auto body = importBody(options->source);
+        if (!body) return reportError(body.error());
+        std::printf("%s\n", describe(*body).c_str());
+        return int(kExitOk);
+    };
+});
 }
 
 }  // namespace dpl

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The commands of `doppel`. Each adds its subcommand to the parser; the chosen one runs and returns an exit code.
 #pragma once
 

@@ -1,12 +1,14 @@
-// Counts heap allocations of C++ code in the whole process: of libdoppel and its threads too, whose operator new is the program's. A program that
-// links count_allocations.cpp has its own operator new and delete: malloc, and one flag that is looked at.
+// SPDX-License-Identifier: Apache-2.0
+// Counts heap allocations of C++ code in the whole process: of libdoppel and its threads too, whose operator new is the program's. A
+// program that links count_allocations.cpp has its own operator new and delete: malloc, and one flag that is looked at.
 #pragma once
 
 #include <cstdint>
 
 namespace dpl {
 
-/** Own: of the thread that counts. A driver that plays the GPU compiles kernels on threads of its own whenever it likes, which is no allocation of a frame. */
+/** Own: of the thread that counts. A driver that plays the GPU compiles kernels on threads of its own whenever it likes, which is no
+ * allocation of a frame. */
 enum class CountedThreads { All, Own };
 
 /** Counts from its construction to its end or stop(). One at a time. */

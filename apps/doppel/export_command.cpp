@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 
 #include "apps/doppel/commands.h"
@@ -7,8 +8,12 @@ namespace dpl {
 
 void addExportCommand(CLI::App& app, CommandRun& run) {
     auto options = std::make_shared<ExportOptions>();
-    CLI::App* command = app.add_subcommand("export", "Write one posed frame as general splats for other viewers, or convert general splats");
-    command->add_option("avatar", options->avatar, "Avatar file (.glb), or general splats (.ply, compressed .ply, .spz, .glb with KHR_gaussian_splatting)")->required();
+    CLI::App* command =
+        app.add_subcommand("export", "Write one posed frame as general splats for other viewers, or convert general splats");
+    command
+        ->add_option("avatar", options->avatar,
+                     "Avatar file (.glb), or general splats (.ply, compressed .ply, .spz, .glb with KHR_gaussian_splatting)")
+        ->required();
     command->add_option("-o,--out", options->out, "A .ply (INRIA layout) or a .glb (KHR_gaussian_splatting)")->required();
     command->add_option("--clip", options->clip, "A clip of the avatar by name, or a BVH or glTF file; default: the rest pose");
     command->add_option("--time", options->timeS, "Time in the clip, seconds")->check(CLI::Range(0.0, 1e6));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "apps/doppel/frame_model.h"
 
 #include <algorithm>
@@ -10,32 +11,38 @@
 namespace dpl {
 namespace {
 
-constexpr uint64_t kHalfColourBytes = 4 * 2;   // a pixel of four halves
+constexpr uint64_t kHalfColourBytes = 4 * 2;  // a pixel of four halves
 constexpr uint64_t kByteColourBytes = 4;
 
 // Everything below: a record is fetched once a pass however many lanes ask for it, and written once.
 
-// Operations: counted in the source of the kernels, an addition, multiplication, comparison, division, root, exponential or step of an integer one each, of the lanes that do something.
-constexpr uint64_t kSkinOps = 118, kCorrectOps = 37;             // a vertex: four joints, three rows each; four control nodes
-constexpr uint64_t kTriangleOps = 190, kTriangleViewOps = 125;   // F, its polar rotation and stretch; corners into a view and against its sides
-constexpr uint64_t kDecodeOps = 45, kPlaceOps = 70;              // a splat: its codes; centre, axes, normal and light
-constexpr uint64_t kProjectOps = 150;                            // ... in a view: place, axes, footprint, fade, gate, box
-constexpr uint64_t kColourOps = 52, kCoefficientOps = 15;        // ... its direction and packing; a coefficient of SH and its share of the basis
+// Operations: counted in the source of the kernels, an addition, multiplication, comparison, division, root, exponential or step of an
+// integer one each, of the lanes that do something.
+constexpr uint64_t kSkinOps = 118, kCorrectOps = 37;  // a vertex: four joints, three rows each; four control nodes
+constexpr uint64_t kTriangleOps = 190,
+                   kTriangleViewOps = 125;                 // F, its polar rotation and stretch; corners into a view and against its sides
+constexpr uint64_t kDecodeOps = 45, kPlaceOps = 70;        // a splat: its codes; centre, axes, normal and light
+constexpr uint64_t kProjectOps = 150;                      // ... in a view: place, axes, footprint, fade, gate, box
+constexpr uint64_t kColourOps = 52, kCoefficientOps = 15;  // ... its direction and packing; a coefficient of SH and its share of the basis
 constexpr uint64_t kMaskOps = 4, kCompactOps = 4, kSortOps = 6;  // a splat of a live half-chunk; a pair, and a round
-constexpr uint64_t kListOps = 80, kEntryOps = 8 * 40 + 64 * 12;  // a record, both walks; an entry: eight columns set up, 64 pixels stepped and blended
-constexpr uint64_t kQuadOps = 6 * 30;                            // a record: its corners; pixels of quads are not counted
+constexpr uint64_t kListOps = 80,
+                   kEntryOps = 8 * 40 + 64 * 12;  // a record, both walks; an entry: eight columns set up, 64 pixels stepped and blended
+constexpr uint64_t kQuadOps = 6 * 30;             // a record: its corners; pixels of quads are not counted
 
 template <class Vertex>
 ModelledPass skinning(uint64_t vertices, bool corrected) {
     return {"pose.skin", vertices * sizeof(Vertex), vertices * sizeof(gpu::vec4), vertices * (kSkinOps + (corrected ? kCorrectOps : 0))};
 }
 
-uint64_t colourOps(uint32_t shDegree) { return kColourOps + kCoefficientOps * (shDegree + 1) * (shDegree + 1); }
+uint64_t colourOps(uint32_t shDegree) {
+    return kColourOps + kCoefficientOps * (shDegree + 1) * (shDegree + 1);
+}
 
 /** Rounds of count, prefix sum and scatter over `count` pairs; `table` entries of histogram are written, summed and walked again. */
 template <class Pair>
 ModelledPass sorting(uint64_t count, uint64_t table, uint64_t rounds) {
-    return {"sort", rounds * (2 * count * sizeof(Pair) + 2 * table * sizeof(uint32_t)), rounds * (count * sizeof(Pair) + 3 * table * sizeof(uint32_t)), rounds * (count * kSortOps + 2 * table)};
+    return {"sort", rounds * (2 * count * sizeof(Pair) + 2 * table * sizeof(uint32_t)),
+            rounds * (count * sizeof(Pair) + 3 * table * sizeof(uint32_t)), rounds * (count * kSortOps + 2 * table)};
 }
 
 /** Today's two rounds: pairs into words, and these into words. */
@@ -46,7 +53,9 @@ ModelledPass sortingToday(uint64_t count, uint64_t table) {
     return pass;
 }
 
-uint64_t blocks(uint64_t count, uint64_t block) { return (count + block - 1) / block; }
+uint64_t blocks(uint64_t count, uint64_t block) {
+    return (count + block - 1) / block;
+}
 
 void repeat(std::vector<ModelledPass>& passes, uint64_t times) {
     for (ModelledPass& pass : passes) pass.readBytes *= times, pass.writtenBytes *= times, pass.operations *= times;
@@ -60,7 +69,8 @@ const ModelledPass* findPass(const std::vector<ModelledPass>& passes, const std:
 std::string modelCell(const ModelledPass* pass, const ModelMachine& machine) {
     if (!pass) return " – | – | – |";
     char cell[100];
-    std::snprintf(cell, sizeof cell, " %.2f + %.2f | %.1f | %.3f |", double(pass->readBytes) / 1e6, double(pass->writtenBytes) / 1e6, double(pass->operations) / 1e6, pass->milliseconds(machine));
+    std::snprintf(cell, sizeof cell, " %.2f + %.2f | %.1f | %.3f |", double(pass->readBytes) / 1e6, double(pass->writtenBytes) / 1e6,
+                  double(pass->operations) / 1e6, pass->milliseconds(machine));
     return cell;
 }
 
@@ -68,9 +78,12 @@ std::string modelCell(const ModelledPass* pass, const ModelMachine& machine) {
 std::string sumCell(const std::vector<ModelledPass>& passes, const ModelMachine& machine) {
     ModelledPass sum;
     double ms = 0;
-    for (const ModelledPass& pass : passes) sum.readBytes += pass.readBytes, sum.writtenBytes += pass.writtenBytes, sum.operations += pass.operations, ms += pass.milliseconds(machine);
+    for (const ModelledPass& pass : passes)
+        sum.readBytes += pass.readBytes, sum.writtenBytes += pass.writtenBytes, sum.operations += pass.operations,
+            ms += pass.milliseconds(machine);
     char cell[100];
-    std::snprintf(cell, sizeof cell, " %.2f + %.2f | %.1f | %.3f |", double(sum.readBytes) / 1e6, double(sum.writtenBytes) / 1e6, double(sum.operations) / 1e6, ms);
+    std::snprintf(cell, sizeof cell, " %.2f + %.2f | %.1f | %.3f |", double(sum.readBytes) / 1e6, double(sum.writtenBytes) / 1e6,
+                  double(sum.operations) / 1e6, ms);
     return cell;
 }
 
@@ -78,15 +91,19 @@ std::string sumCell(const std::vector<ModelledPass>& passes, const ModelMachine&
 
 std::vector<ModelledPass> modelPlainFloat(const FrameWork& w) {
     using namespace plain;
-    const uint64_t n = w.splats, drawn = w.splatsDrawn, pixels = w.pixels / w.views, sh = uint64_t(w.shDegree + 1) * (w.shDegree + 1) * 3 * sizeof(float);
+    const uint64_t n = w.splats, drawn = w.splatsDrawn, pixels = w.pixels / w.views,
+                   sh = uint64_t(w.shDegree + 1) * (w.shDegree + 1) * 3 * sizeof(float);
     std::vector<ModelledPass> passes = {
         w.corrected ? skinning<CorrectedVertexRecord>(w.vertices, true) : skinning<VertexRecord>(w.vertices, false),
-        {"pose.triangles", w.triangles * sizeof(TriangleRecord) + w.vertices * sizeof(vec4), w.triangles * sizeof(plain::TriangleFrame), w.triangles * kTriangleOps},
-        // Every splat: its record and the corners and columns of its triangle; a record a splat, seen or not, and its depth. Then the colour of
-        // those that are seen: all are asked, the rest of the triangle's frame turns the direction.
+        {"pose.triangles", w.triangles * sizeof(TriangleRecord) + w.vertices * sizeof(vec4), w.triangles * sizeof(plain::TriangleFrame),
+         w.triangles * kTriangleOps},
+        // Every splat: its record and the corners and columns of its triangle; a record a splat, seen or not, and its depth. Then the
+        // colour of those that are seen: all are asked, the rest of the triangle's frame turns the direction.
         {"chunks, splat.project and splat.colour",
-         n * sizeof(SplatRecord) + w.triangles * offsetof(plain::TriangleFrame, worldFromRest0) + n * sizeof(float) + drawn * (sizeof(SplatRecord) + sh) + w.triangles * sizeof(plain::TriangleFrame),
-         n * (sizeof(ProjectedSplat) + sizeof(uint)) + drawn * 3 * sizeof(float), n * (kPlaceOps + kProjectOps) + drawn * colourOps(w.shDegree)},
+         n * sizeof(SplatRecord) + w.triangles * offsetof(plain::TriangleFrame, worldFromRest0) + n * sizeof(float) +
+             drawn * (sizeof(SplatRecord) + sh) + w.triangles * sizeof(plain::TriangleFrame),
+         n * (sizeof(ProjectedSplat) + sizeof(uint)) + drawn * 3 * sizeof(float),
+         n * (kPlaceOps + kProjectOps) + drawn * colourOps(w.shDegree)},
         {"compact", 2 * n * sizeof(uint), drawn * sizeof(uvec2), n * kCompactOps},
         sorting<uvec2>(drawn, kSortDigits * blocks(drawn, kSortBlock), kSortRounds),
         {"pixels", drawn * (sizeof(uvec2) + sizeof(ProjectedSplat)), pixels * kHalfColourBytes, drawn * kQuadOps},
@@ -101,30 +118,41 @@ std::vector<ModelledPass> modelToday(const FrameWork& w) {
     const uint64_t flags = uint64_t(w.groups) * sizeof(uint), masks = flags * kMaskWords;
     std::vector<ModelledPass> passes = {
         w.corrected ? skinning<CorrectedVertexRecord>(w.vertices, true) : skinning<VertexRecord>(w.vertices, false),
-        {"pose.triangles", w.triangles * sizeof(TriangleRecord) + w.vertices * sizeof(vec4), w.triangles * sizeof(gpu::TriangleFrame), w.triangles * (kTriangleOps + kTriangleViewOps * w.views)},
-        // Codes as the renderer counts them; flags, ranges and the list of live half-chunks; of each triangle who sees it, of those that face a view the frame. What no view shows gets an empty word.
-        {"chunks, splat.project and splat.colour", w.bytesDecided + w.bytesDecoded + w.triangles * sizeof(uvec4) + w.trianglesFacing * sizeof(gpu::TriangleFrame) + 2 * flags,
-         3 * flags + records * sizeof(ProjectedSplat) + (lanes * w.views - std::min(records, lanes * w.views)) * sizeof(uint) + lanes * sizeof(uint),
+        {"pose.triangles", w.triangles * sizeof(TriangleRecord) + w.vertices * sizeof(vec4), w.triangles * sizeof(gpu::TriangleFrame),
+         w.triangles * (kTriangleOps + kTriangleViewOps * w.views)},
+        // Codes as the renderer counts them; flags, ranges and the list of live half-chunks; of each triangle who sees it, of those that
+        // face a view the frame. What no view shows gets an empty word.
+        {"chunks, splat.project and splat.colour",
+         w.bytesDecided + w.bytesDecoded + w.triangles * sizeof(uvec4) + w.trianglesFacing * sizeof(gpu::TriangleFrame) + 2 * flags,
+         3 * flags + records * sizeof(ProjectedSplat) + (lanes * w.views - std::min(records, lanes * w.views)) * sizeof(uint) +
+             lanes * sizeof(uint),
          w.splatsFacing * (kDecodeOps + kPlaceOps + kProjectOps * w.views) + records * colourOps(w.shDegree)},
-        {"compact", lanes * sizeof(uint) + masks + 4 * flags + drawn * sizeof(uint), masks + 2 * flags + drawn * sizeof(uvec2), lanes * kMaskOps + drawn * kCompactOps},
+        {"compact", lanes * sizeof(uint) + masks + 4 * flags + drawn * sizeof(uint), masks + 2 * flags + drawn * sizeof(uvec2),
+         lanes * kMaskOps + drawn * kCompactOps},
         sortingToday(drawn, kSortDigits * blocks(drawn, kRun)),
     };
     if (w.tileEntries == 0) {
-        passes.push_back({"pixels", drawn * sizeof(uint) + records * sizeof(ProjectedSplat), w.pixels * kHalfColourBytes, records * kQuadOps});
+        passes.push_back(
+            {"pixels", drawn * sizeof(uint) + records * sizeof(ProjectedSplat), w.pixels * kHalfColourBytes, records * kQuadOps});
         return passes;
     }
     // Two walks over the survivors make the lists. The fill reads a record once an entry; pixels are cleared and filled.
-    passes.push_back({"tile lists", 2 * (drawn * sizeof(uint) + records * sizeof(ProjectedSplat)), w.tileEntries * sizeof(uint), records * kListOps});
-    passes.push_back({"pixels", w.tileEntries * (sizeof(uint) + sizeof(ProjectedSplat)), 2 * w.pixels * kByteColourBytes, w.tileEntries * kEntryOps});
+    passes.push_back(
+        {"tile lists", 2 * (drawn * sizeof(uint) + records * sizeof(ProjectedSplat)), w.tileEntries * sizeof(uint), records * kListOps});
+    passes.push_back(
+        {"pixels", w.tileEntries * (sizeof(uint) + sizeof(ProjectedSplat)), 2 * w.pixels * kByteColourBytes, w.tileEntries * kEntryOps});
     return passes;
 }
 
-std::string modelRows(const std::string& name, const std::vector<ModelledPass>& plain, const std::vector<ModelledPass>& today, const ModelMachine& machine) {
+std::string modelRows(const std::string& name, const std::vector<ModelledPass>& plain, const std::vector<ModelledPass>& today,
+                      const ModelMachine& machine) {
     std::string rows;
-    const auto add = [&](const std::string& label, const ModelledPass* off, const ModelledPass* on) { rows += "| " + name + " | " + label + " |" + modelCell(off, machine) + modelCell(on, machine) + "\n"; };
+    const auto add = [&](const std::string& label, const ModelledPass* off, const ModelledPass* on) {
+        rows += "| " + name + " | " + label + " |" + modelCell(off, machine) + modelCell(on, machine) + "\n";
+    };
     for (const ModelledPass& pass : plain) {
         if (pass.label == "pixels")
-            for (const ModelledPass& other : today)   // what only today's frame has comes before the pixels
+            for (const ModelledPass& other : today)  // what only today's frame has comes before the pixels
                 if (!findPass(plain, other.label)) add(other.label, nullptr, &other);
         add(pass.label, &pass, findPass(today, pass.label));
     }

@@ -1,5 +1,6 @@
-// A model, not a measurement: bytes that the passes of a frame read and write and operations that they do, from counted survivors, over what a machine has of either.
-// What is counted and what is not: docs/model.md.
+// SPDX-License-Identifier: Apache-2.0
+// A model, not a measurement: bytes that the passes of a frame read and write and operations that they do, from counted survivors, over
+// what a machine has of either. What is counted and what is not: docs/model.md.
 #pragma once
 
 #include <algorithm>
@@ -12,22 +13,23 @@ namespace dpl {
 /** What one frame of an avatar works through: the avatar's sizes, and what the renderer counted (DplFrameStats). */
 struct FrameWork {
     uint32_t vertices = 0, triangles = 0, splats = 0, shDegree = 0;
-    bool corrected = false;                       // has pose correctives
+    bool corrected = false;  // has pose correctives
     uint32_t views = 1;
-    uint64_t pixels = 0;                          // of all views
+    uint64_t pixels = 0;                                                         // of all views
     uint32_t trianglesFacing = 0, groups = 0, liveGroups = 0, splatsFacing = 0;  // today's tiers; groups: half-chunks
     uint32_t splatsDrawn = 0;
     uint64_t bytesDecided = 0, bytesDecoded = 0;  // of splat codes
     uint32_t tileEntries = 0;                     // 0: quads fill
 };
 
-/** Of a phone, on paper (docs/model.md): 64 bits of LPDDR5 at 6,400 MT/s, and six GPU cores of 128 lanes that multiply and add at 1.4 GHz. */
+/** Of a phone, on paper (docs/model.md): 64 bits of LPDDR5 at 6,400 MT/s, and six GPU cores of 128 lanes that multiply and add at 1.4 GHz.
+ */
 struct ModelMachine {
-    double gbps = 51.2, gflops = 2150;   // 10⁹ bytes, and operations on numbers, a second
+    double gbps = 51.2, gflops = 2150;  // 10⁹ bytes, and operations on numbers, a second
 };
 
 struct ModelledPass {
-    std::string label;    // as in the table of GPU times, passes of one kind together
+    std::string label;  // as in the table of GPU times, passes of one kind together
     uint64_t readBytes = 0, writtenBytes = 0;
     uint64_t operations = 0;
 
@@ -42,6 +44,7 @@ std::vector<ModelledPass> modelPlainFloat(const FrameWork& work);
 std::vector<ModelledPass> modelToday(const FrameWork& work);
 
 /** A table's rows for one case: a row a pass that either frame has, and the sums. */
-std::string modelRows(const std::string& name, const std::vector<ModelledPass>& plain, const std::vector<ModelledPass>& today, const ModelMachine& machine);
+std::string modelRows(const std::string& name, const std::vector<ModelledPass>& plain, const std::vector<ModelledPass>& today,
+                      const ModelMachine& machine);
 
 }  // namespace dpl

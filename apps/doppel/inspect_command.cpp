@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 
 #include "apps/doppel/commands.h"
@@ -9,9 +10,14 @@ void addInspectCommand(CLI::App& app, CommandRun& run) {
     auto path = std::make_shared<std::filesystem::path>();
     auto json = std::make_shared<bool>(false);
     CLI::App* command = app.add_subcommand("inspect", "Show what is in an avatar, bytes by part, or in a file of general splats");
-    command->add_option("avatar", *path, "Avatar file (.glb), or general splats (.ply, compressed .ply, .spz, .glb with KHR_gaussian_splatting)")->required();
+    command
+        ->add_option("avatar", *path,
+                     "Avatar file (.glb), or general splats (.ply, compressed .ply, .spz, .glb with KHR_gaussian_splatting)")
+        ->required();
     command->add_flag("--json", *json, "Print JSON instead of a table");
-    command->footer("Examples:\n  doppel inspect ada/avatar.glb\n  doppel inspect ada/avatar.glb --json | jq .bytes\n  doppel inspect guitar.compressed.ply");
+    command->footer(
+        "Examples:\n  doppel inspect ada/avatar.glb\n  doppel inspect ada/avatar.glb --json | jq .bytes\n  doppel inspect "
+        "guitar.compressed.ply");
     command->callback([path, json, &run] {
         run = [path, json] {
             auto text = *json ? inspectAsJson(*path) : inspectAsText(*path);

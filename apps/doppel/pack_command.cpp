@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 
 #include "apps/doppel/commands.h"
@@ -10,7 +11,7 @@ namespace {
 
 struct PackOptions {
     std::filesystem::path avatar, out;
-    double maxMb = 0, maxLossDb = 0;   // 0: not given
+    double maxMb = 0, maxLossDb = 0;  // 0: not given
     uint32_t pictures = 16, threadCount = 0;
     uint64_t seed = 1;
 };
@@ -20,15 +21,19 @@ constexpr double kDefaultLossDb = 42;
 Status pack(const PackOptions& options) {
     PackLimits limits;
     if (options.maxMb > 0) limits.maxBytes = uint64_t(options.maxMb * 1e6);
-    if (options.maxLossDb > 0) limits.minPsnrDb = options.maxLossDb;
-    else if (!limits.maxBytes) limits.minPsnrDb = kDefaultLossDb;
+    if (options.maxLossDb > 0)
+        limits.minPsnrDb = options.maxLossDb;
+    else if (!limits.maxBytes)
+        limits.minPsnrDb = kDefaultLossDb;
     Jobs jobs(options.threadCount);
     Progress progress;
     progress.beginStage("pack");
-    DPL_TRY(const PackResult packed, packFile(options.avatar, limits, {.seed = options.seed, .pictures = options.pictures}, jobs, [&](double share, const std::string& line) -> Status {
-                progress.update(share, line);
-                return progress.cancelled() ? Status(fail(Code::Cancelled, "stopped; nothing was written")) : Status();
-            }));
+    DPL_TRY(const PackResult packed,
+            packFile(options.avatar, limits, {.seed = options.seed, .pictures = options.pictures}, jobs,
+                     [&](double share, const std::string& line) -> Status {
+                         progress.update(share, line);
+                         return progress.cancelled() ? Status(fail(Code::Cancelled, "stopped; nothing was written")) : Status();
+                     }));
     DPL_CHECK_OK(writeFileAtomically(options.out, packed.file));
     progress.endStage(formatText("{} bytes", packed.file.size()));
     std::printf("%s\n%s: %zu bytes\n", curveAsText(packed.curve).c_str(), options.out.c_str(), packed.file.size());
@@ -43,17 +48,24 @@ void addPackCommand(CLI::App& app, CommandRun& run) {
     command->add_option("avatar", options->avatar, "Avatar file (.glb)")->required();
     command->add_option("-o,--out", options->out, "The packed avatar (.glb)")->required();
     command->add_option("--max-mb", options->maxMb, "Largest size of the file, 10^6 bytes")->check(CLI::PositiveNumber);
-    command->add_option("--max-loss", options->maxLossDb, "Lowest PSNR (dB) of the packed avatar's pictures against the unpacked one's, covered pixels; default without --max-mb: 42")
+    command
+        ->add_option(
+            "--max-loss", options->maxLossDb,
+            "Lowest PSNR (dB) of the packed avatar's pictures against the unpacked one's, covered pixels; default without --max-mb: 42")
         ->check(CLI::Range(1.0, 200.0));
-    command->add_option("--pictures", options->pictures, "Random views and poses that are drawn to measure")->check(CLI::Range(1, 1000))->capture_default_str();
+    command->add_option("--pictures", options->pictures, "Random views and poses that are drawn to measure")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
     command->add_option("--seed", options->seed, "Seed of views and poses; same seed, same bytes")->capture_default_str();
-    command->add_option("--threads", options->threadCount, "CPU threads, 0: one a core; results do not depend on it")->check(CLI::Range(0, 256));
+    command->add_option("--threads", options->threadCount, "CPU threads, 0: one a core; results do not depend on it")
+        ->check(CLI::Range(0, 256));
     command->footer(
         "Examples:\n"
         "  doppel pack ada/avatar.glb -o ada-small.glb                          as small as 42 dB allow\n"
         "  doppel pack ada/avatar.glb -o ada-1mb.glb --max-mb 1                 as good as 1 MB allow\n"
         "  doppel pack ada/avatar.glb -o ada-1mb.glb --max-mb 1 --max-loss 38   both, or an error that says what is the nearest\n"
-        "Words are entropy-coded first, which costs nothing; then each step takes what saves most bytes for its error: splats that few pixels see, SH rows for\n"
+        "Words are entropy-coded first, which costs nothing; then each step takes what saves most bytes for its error: splats that few "
+        "pixels see, SH rows for\n"
         "a palette of them, modes of pose correctives, bits of a splat's place, angle, size, opacity or colour.");
     command->callback([options, &run] {
         run = [options] {

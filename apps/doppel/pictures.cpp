@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "apps/doppel/pictures.h"
 
 #include <cmath>
@@ -29,7 +30,8 @@ Result<uint32_t> chooseClip(doppel::Avatar& avatar, const std::string& clip) {
     }
     auto bytes = readFile(clip, uint64_t(512) << 20);
     if (!bytes)
-        return fail(bytes.error().code, "--clip {} is neither a clip of the avatar ({}) nor a readable BVH or glTF file", clip, names.empty() ? "it has none" : names);
+        return fail(bytes.error().code, "--clip {} is neither a clip of the avatar ({}) nor a readable BVH or glTF file", clip,
+                    names.empty() ? "it has none" : names);
     DplClipOptions how{};
     how.structSize = sizeof how;
     how.flags = DPL_CLIP_IN_PLACE;  // the camera stands still, so the walker walks on the spot
@@ -38,7 +40,9 @@ Result<uint32_t> chooseClip(doppel::Avatar& avatar, const std::string& clip) {
     return *loaded;
 }
 
-DplFill fillOf(const std::string& name) { return name == "quads" ? DPL_FILL_QUADS : name == "tiles" ? DPL_FILL_TILES : DPL_FILL_AUTO; }
+DplFill fillOf(const std::string& name) {
+    return name == "quads" ? DPL_FILL_QUADS : name == "tiles" ? DPL_FILL_TILES : DPL_FILL_AUTO;
+}
 
 Mat3d uprightFromFile(const std::string& axes) {
     if (axes == "y-down") return Mat3d(1, 0, 0, 0, -1, 0, 0, 0, -1);
@@ -65,7 +69,7 @@ Cameraf frameAvatar(const DplAvatarInfo& avatar, uint32_t widthPx, uint32_t heig
     camera.cx = 0.5 * widthPx, camera.cy = 0.5 * heightPx;
     camera.viewFromWorldRotation = glm::transpose(Mat3d(x, y, z));
     camera.viewFromWorldTranslation = -(camera.viewFromWorldRotation * eye);
-    camera.viewFromWorldRotation = camera.viewFromWorldRotation * uprightFromFile;   // quarter turns: the box stays a box
+    camera.viewFromWorldRotation = camera.viewFromWorldRotation * uprightFromFile;  // quarter turns: the box stays a box
     return camera.cast<float>();
 }
 
@@ -75,7 +79,8 @@ Cameraf shiftedSideways(const Cameraf& camera, double metres) {
     return shifted;
 }
 
-Result<std::vector<std::vector<uint8_t>>> drawViews(const doppel::Context& context, std::span<const DplAvatar> row, std::span<const Cameraf> views) {
+Result<std::vector<std::vector<uint8_t>>> drawViews(const doppel::Context& context, std::span<const DplAvatar> row,
+                                                    std::span<const Cameraf> views) {
     std::vector<std::vector<uint8_t>> pixels(views.size());
     std::vector<DplCamera> cameras;
     std::vector<DplImage> images;

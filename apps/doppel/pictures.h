@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Clips, cameras and pixels for the commands that draw: framing, turntables, stereo pairs, backgrounds.
 #pragma once
 
@@ -22,8 +23,10 @@ DplFill fillOf(const std::string& name);
 /** Index of the clip to play: one of the avatar's own by name, else a motion file retargeted onto it. */
 Result<uint32_t> chooseClip(doppel::Avatar& avatar, const std::string& clip);
 
-/** Looks at the middle of the avatar's rest box from `azimuthRad` (0: from the front, positive to its left), so that it fills the picture. */
-Cameraf frameAvatar(const DplAvatarInfo& avatar, uint32_t widthPx, uint32_t heightPx, double azimuthRad, const Mat3d& uprightFromFile = Mat3d(1));
+/** Looks at the middle of the avatar's rest box from `azimuthRad` (0: from the front, positive to its left), so that it fills the picture.
+ */
+Cameraf frameAvatar(const DplAvatarInfo& avatar, uint32_t widthPx, uint32_t heightPx, double azimuthRad,
+                    const Mat3d& uprightFromFile = Mat3d(1));
 
 constexpr double kEyeDistanceM = 0.063;
 
@@ -31,7 +34,8 @@ constexpr double kEyeDistanceM = 0.063;
 Cameraf shiftedSideways(const Cameraf& camera, double metres);
 
 /** RGBA8 pictures of all views, straight alpha, of a row of avatars that are drawn together. */
-Result<std::vector<std::vector<uint8_t>>> drawViews(const doppel::Context& context, std::span<const DplAvatar> row, std::span<const Cameraf> views);
+Result<std::vector<std::vector<uint8_t>>> drawViews(const doppel::Context& context, std::span<const DplAvatar> row,
+                                                    std::span<const Cameraf> views);
 
 /** Views side by side over a soft grey gradient, RGB8; rows are views.size()·width wide. */
 std::vector<uint8_t> sideBySide(std::span<const std::vector<uint8_t>> views, uint32_t widthPx, uint32_t heightPx);

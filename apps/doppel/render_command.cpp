@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // doppel render: stills, turntables, clips and stereo from an avatar, or every frame of a scan from its own cameras.
 #include <charconv>
 #include <cmath>
@@ -38,13 +39,17 @@ Result<PictureSize> parseSize(const std::string& text) {
     auto width = std::from_chars(text.data(), end, size.widthPx);
     if (width.ec == std::errc() && width.ptr != end && *width.ptr == 'x') {
         auto height = std::from_chars(width.ptr + 1, end, size.heightPx);
-        if (height.ec == std::errc() && height.ptr == end && size.widthPx >= 1 && size.heightPx >= 1 && size.widthPx <= 8192 && size.heightPx <= 8192) return size;
+        if (height.ec == std::errc() && height.ptr == end && size.widthPx >= 1 && size.heightPx >= 1 && size.widthPx <= 8192 &&
+            size.heightPx <= 8192)
+            return size;
     }
     return fail(Code::InvalidArgument, "--size {} is not WIDTHxHEIGHT with sides from 1 to 8192, like 720x1280", text);
 }
 
 Result<doppel::Context> makeContext(const RenderOptions& options) {
-    const DplRenderer kind = options.renderer == "software" ? DPL_RENDERER_SOFTWARE : options.renderer == "vulkan" ? DPL_RENDERER_VULKAN : DPL_RENDERER_AUTO;
+    const DplRenderer kind = options.renderer == "software" ? DPL_RENDERER_SOFTWARE
+                             : options.renderer == "vulkan" ? DPL_RENDERER_VULKAN
+                                                            : DPL_RENDERER_AUTO;
     auto context = doppel::Context::create(kind, options.threadCount, 0, fillOf(options.fill));
     if (!context) return fromSdk(context.error());
     if (auto set = context->setDetail(float(options.splatsPerPixel), options.splatBudget); !set) return fromSdk(set.error());
@@ -76,11 +81,15 @@ Status renderScan(const RenderOptions& options, const doppel::Context& context, 
     progress.beginStage("render");
     for (size_t i = 0; i < frames.size(); ++i) {
         if (progress.cancelled()) return fail(Code::Cancelled, "stopped after {} of {} frames", i, frames.size());
-        const auto found = std::find_if(poses.frames.begin(), poses.frames.end(), [&](const FramePose& p) { return p.name == frames[i]->name; });
-        if (found == poses.frames.end()) return fail(Code::NotFound, "{} has no pose for frame {}; name the poses.json of this scan with --poses", posesPath.string(), frames[i]->name);
+        const auto found =
+            std::find_if(poses.frames.begin(), poses.frames.end(), [&](const FramePose& p) { return p.name == frames[i]->name; });
+        if (found == poses.frames.end())
+            return fail(Code::NotFound, "{} has no pose for frame {}; name the poses.json of this scan with --poses", posesPath.string(),
+                        frames[i]->name);
         const Pose& pose = found->fittedPose && !options.unfitted ? *found->fittedPose : found->pose;
         static_assert(sizeof(Quatf) == 4 * sizeof(float), "GLM keeps quaternions as xyzw");
-        if (auto set = avatar.setPose({&pose.localRotations[0].x, pose.localRotations.size() * 4}, {&pose.rootTranslation.x, 3}); !set) return fromSdk(set.error());
+        if (auto set = avatar.setPose({&pose.localRotations[0].x, pose.localRotations.size() * 4}, {&pose.rootTranslation.x, 3}); !set)
+            return fromSdk(set.error());
         const Cameraf camera = frames[i]->camera.scaled(options.scale).cast<float>();
         const DplAvatar row[1] = {avatar.handle()};
         DPL_TRY(auto pixels, drawViews(context, row, {&camera, 1}));
@@ -98,7 +107,8 @@ Status moveAside(doppel::Avatar& avatar, double metres) {
     if (info->jointCount == 0 || metres == 0) return {};
     std::vector<float> rotations(size_t(info->jointCount) * 4);
     float root[3];
-    if (dplGetPose(avatar.handle(), rotations.data(), info->jointCount, root) != DPL_OK) return fail(Code::Internal, "{}", dplGetLastError());
+    if (dplGetPose(avatar.handle(), rotations.data(), info->jointCount, root) != DPL_OK)
+        return fail(Code::Internal, "{}", dplGetLastError());
     root[0] += float(metres);
     if (auto set = avatar.setPose(rotations, root); !set) return fromSdk(set.error());
     return {};
@@ -152,10 +162,12 @@ Status renderShots(const RenderOptions& options, const doppel::Context& context,
 
     const std::string extension = options.out.extension().string();
     const bool still = extension == ".png", video = extension == ".mp4";
-    if (!still && !video && !extension.empty()) return fail(Code::InvalidArgument, "-o {}: write a .png, a .mp4 or a folder of PNG frames", options.out.string());
+    if (!still && !video && !extension.empty())
+        return fail(Code::InvalidArgument, "-o {}: write a .png, a .mp4 or a folder of PNG frames", options.out.string());
     const size_t frameCount = still ? 1 : std::max<size_t>(1, size_t(std::lround(duration * options.framesPerSecond)));
     const uint32_t viewCount = options.stereo ? 2 : 1, outWidthPx = size.widthPx * viewCount;
-    if (video && (outWidthPx % 2 || size.heightPx % 2)) return fail(Code::InvalidArgument, "--size {}: video needs even sides", options.size);
+    if (video && (outWidthPx % 2 || size.heightPx % 2))
+        return fail(Code::InvalidArgument, "--size {}: video needs even sides", options.size);
     if (!still && !video) DPL_CHECK_OK(makeFolder(options.out));
     std::optional<VideoWriter> writer;
     if (video) {
@@ -171,7 +183,8 @@ Status renderShots(const RenderOptions& options, const doppel::Context& context,
             DPL_CHECK_OK(moveAside(company.avatars[k], company.asideM[k]));
         }
         const double turn = options.turntable ? 2 * std::numbers::pi * double(i) / double(frameCount) : 0;
-        const Cameraf centre = frameAvatar(box, size.widthPx, size.heightPx, options.azimuthDeg * std::numbers::pi / 180 + turn, uprightFromFile(options.axes));
+        const Cameraf centre = frameAvatar(box, size.widthPx, size.heightPx, options.azimuthDeg * std::numbers::pi / 180 + turn,
+                                           uprightFromFile(options.axes));
         std::vector<Cameraf> views = {centre};
         if (options.stereo) views = {shiftedSideways(centre, -kEyeDistanceM / 2), shiftedSideways(centre, kEyeDistanceM / 2)};
         DPL_TRY(auto pixels, drawViews(context, company.row, views));
@@ -181,7 +194,8 @@ Status renderShots(const RenderOptions& options, const doppel::Context& context,
             const std::vector<uint8_t> rgb = sideBySide(pixels, size.widthPx, size.heightPx);
             char name[32];
             std::snprintf(name, sizeof name, "%05zu.png", i);
-            DPL_CHECK_OK(video ? writer->write(rgb) : writePng(still ? options.out : options.out / name, rgb, outWidthPx, size.heightPx, 3));
+            DPL_CHECK_OK(video ? writer->write(rgb)
+                               : writePng(still ? options.out : options.out / name, rgb, outWidthPx, size.heightPx, 3));
         }
         progress.update(double(i + 1) / double(frameCount), formatText("frame {} of {}", i + 1, frameCount));
     }
@@ -198,8 +212,14 @@ Status renderShots(const RenderOptions& options, const doppel::Context& context,
 
 /** General splats have no joints: what would pose them is refused rather than left out without a word. */
 Status checkStill(const RenderOptions& options, const fs::path& file) {
-    const char* posing = !options.clip.empty() ? "--clip" : !options.scan.empty() ? "--scan" : !options.poses.empty() ? "--poses" : options.timeS > 0 ? "--time" : nullptr;
-    if (posing) return fail(Code::InvalidArgument, "{}: {} holds general splats, which have no joints to pose; leave it out", posing, file.string());
+    const char* posing = !options.clip.empty()    ? "--clip"
+                         : !options.scan.empty()  ? "--scan"
+                         : !options.poses.empty() ? "--poses"
+                         : options.timeS > 0      ? "--time"
+                                                  : nullptr;
+    if (posing)
+        return fail(Code::InvalidArgument, "{}: {} holds general splats, which have no joints to pose; leave it out", posing,
+                    file.string());
     return {};
 }
 
@@ -219,7 +239,8 @@ Status renderAll(const RenderOptions& options) {
         company.avatars.push_back(std::move(*avatar));
     }
     progress.note("drawing with " + context.rendererName());
-    return options.scan.empty() ? renderShots(options, context, company, progress) : renderScan(options, context, company.avatars[0], progress);
+    return options.scan.empty() ? renderShots(options, context, company, progress)
+                                : renderScan(options, context, company.avatars[0], progress);
 }
 
 }  // namespace
@@ -227,28 +248,50 @@ Status renderAll(const RenderOptions& options) {
 void addRenderCommand(CLI::App& app, CommandRun& run) {
     auto options = std::make_shared<RenderOptions>();
     CLI::App* command = app.add_subcommand("render", "Draw an avatar: stills, turntables, clips, stereo, or a scan's own views");
-    command->add_option("avatar", options->avatar, "Avatar file (.glb), or general splats (.ply, compressed .ply, .spz, .glb with KHR_gaussian_splatting)")->required();
+    command
+        ->add_option("avatar", options->avatar,
+                     "Avatar file (.glb), or general splats (.ply, compressed .ply, .spz, .glb with KHR_gaussian_splatting)")
+        ->required();
     command->add_option("-o,--out", options->out, "A .png (with alpha), a .mp4 (through ffmpeg) or a folder of PNG frames")->required();
-    command->add_option("--with", options->beside, "More avatars in the same picture, side by side; their splats are sorted together")->expected(1, int(DPL_MAX_TOGETHER) - 1);
-    command->add_option("--apart", options->apartM, "Metres from one to the next")->check(CLI::Range(0.0, 100.0))->capture_default_str()->needs("--with");
+    command->add_option("--with", options->beside, "More avatars in the same picture, side by side; their splats are sorted together")
+        ->expected(1, int(DPL_MAX_TOGETHER) - 1);
+    command->add_option("--apart", options->apartM, "Metres from one to the next")
+        ->check(CLI::Range(0.0, 100.0))
+        ->capture_default_str()
+        ->needs("--with");
     command->add_option("--clip", options->clip, "A clip of the avatar by name, or a BVH or glTF file to drive it with");
     command->add_option("--time", options->timeS, "Start time in the clip, seconds")->check(CLI::Range(0.0, 1e6));
-    command->add_option("--seconds", options->seconds, "Length of the video (default: the clip's, or 6 s for a turntable)")->check(CLI::Range(0.0, 3600.0));
+    command->add_option("--seconds", options->seconds, "Length of the video (default: the clip's, or 6 s for a turntable)")
+        ->check(CLI::Range(0.0, 3600.0));
     command->add_option("--fps", options->framesPerSecond, "Frames per second")->check(CLI::Range(1.0, 240.0))->capture_default_str();
     command->add_flag("--turntable", options->turntable, "Walk once around the avatar");
     command->add_option("--azimuth", options->azimuthDeg, "Degrees around the avatar, 0: from the front")->check(CLI::Range(-360.0, 360.0));
-    command->add_option("--axes", options->axes, "How the file stands; many 3D Gaussian splatting PLYs are y-down")->check(CLI::IsMember(kAxesNames))->capture_default_str();
+    command->add_option("--axes", options->axes, "How the file stands; many 3D Gaussian splatting PLYs are y-down")
+        ->check(CLI::IsMember(kAxesNames))
+        ->capture_default_str();
     command->add_flag("--stereo", options->stereo, "Left and right eye side by side, 63 mm apart");
     command->add_option("--size", options->size, "Size of one view, WIDTHxHEIGHT")->capture_default_str();
     command->add_option("--scan", options->scan, "Draw this scan's frames from its own cameras, one PNG with alpha a frame");
     command->get_option("--scan")->excludes("--with");
-    command->add_option("--split", options->split, "Which frames of the scan")->check(CLI::IsMember({"test", "train", "all"}))->capture_default_str();
+    command->add_option("--split", options->split, "Which frames of the scan")
+        ->check(CLI::IsMember({"test", "train", "all"}))
+        ->capture_default_str();
     command->add_option("--poses", options->poses, "poses.json of the reconstruction (default: beside the avatar)");
-    command->add_option("--scale", options->scale, "With --scan: times the scan's resolution")->check(CLI::Range(0.05, 16.0))->capture_default_str();
+    command->add_option("--scale", options->scale, "With --scan: times the scan's resolution")
+        ->check(CLI::Range(0.05, 16.0))
+        ->capture_default_str();
     command->add_flag("--without-pose-fit", options->unfitted, "With --scan: the registered poses, not those fitted at test time");
-    command->add_option("--renderer", options->renderer, "auto: a real GPU, else the CPU")->check(CLI::IsMember({"auto", "software", "vulkan"}))->capture_default_str();
-    command->add_option("--fill", options->fill, "How a GPU fills pixels; auto: a self-test finds the faster one")->check(CLI::IsMember(kFillNames))->capture_default_str();
-    command->add_option("--splats-per-pixel", options->splatsPerPixel, formatText("Level of detail: keep so many splats where a pixel covers more; {} is hard to tell from all, 0: all", DPL_DETAIL_USUAL))->check(CLI::Range(0.0, 1e6));
+    command->add_option("--renderer", options->renderer, "auto: a real GPU, else the CPU")
+        ->check(CLI::IsMember({"auto", "software", "vulkan"}))
+        ->capture_default_str();
+    command->add_option("--fill", options->fill, "How a GPU fills pixels; auto: a self-test finds the faster one")
+        ->check(CLI::IsMember(kFillNames))
+        ->capture_default_str();
+    command
+        ->add_option("--splats-per-pixel", options->splatsPerPixel,
+                     formatText("Level of detail: keep so many splats where a pixel covers more; {} is hard to tell from all, 0: all",
+                                DPL_DETAIL_USUAL))
+        ->check(CLI::Range(0.0, 1e6));
     command->add_option("--splat-budget", options->splatBudget, "Draw at most so many splats of all avatars together; 0: no limit");
     command->add_option("--threads", options->threadCount, "CPU threads, 0: one a core")->check(CLI::Range(0, 256));
     command->footer(
@@ -257,7 +300,8 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
         "  doppel render ada/avatar.glb -o ada.mp4 --turntable\n"
         "  doppel render ada/avatar.glb -o walk.mp4 --clip 02_01.bvh --stereo --size 960x1080\n"
         "  doppel render ada/avatar.glb -o dance.mp4 --with bob/avatar.glb --clip dance.bvh --size 1280x720\n"
-        "  doppel render ada/avatar.glb -o room.png --with bob/avatar.glb cleo/avatar.glb --size 480x270 --splats-per-pixel 12 --splat-budget 100000\n"
+        "  doppel render ada/avatar.glb -o room.png --with bob/avatar.glb cleo/avatar.glb --size 480x270 --splats-per-pixel 12 "
+        "--splat-budget 100000\n"
         "  doppel render guitar.compressed.ply -o guitar.mp4 --turntable --axes y-down\n"
         "  doppel render ada/avatar.glb -o views --scan scan --split test      (score them with your own tools)");
     command->callback([options, &run] {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 
 #include "apps/doppel/commands.h"
@@ -18,7 +19,8 @@ void addSampleCommand(CLI::App& app, CommandRun& run) {
     command->add_option("-o,--out", options->out, "Scan folder to make; must not exist or be empty")->required();
     command->add_option("--seed", options->seed, "Which person: shape, colours, clothes, motion")->capture_default_str();
     command->add_flag("--small", options->small, "Half the size and fewer frames, for tries");
-    command->add_option("--threads", options->threadCount, "CPU threads, 0: one a core; the bytes do not depend on it")->check(CLI::Range(0, 256));
+    command->add_option("--threads", options->threadCount, "CPU threads, 0: one a core; the bytes do not depend on it")
+        ->check(CLI::Range(0, 256));
     command->footer("Examples:\n  doppel sample -o scan\n  doppel sample -o scan-7 --seed 7 --small");
     command->callback([options, &run] {
         run = [options] {
@@ -32,7 +34,8 @@ void addSampleCommand(CLI::App& app, CommandRun& run) {
                 return !progress.cancelled();
             });
             if (!made) return reportError(made.error());
-            progress.endStage(formatText("{} frames in {}", scan.fullFrames + scan.closeupFrames + scan.dynamicFrames, options->out.string()));
+            progress.endStage(
+                formatText("{} frames in {}", scan.fullFrames + scan.closeupFrames + scan.dynamicFrames, options->out.string()));
             return int(kExitOk);
         };
     });

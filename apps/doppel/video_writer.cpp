@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "apps/doppel/video_writer.h"
 
 #include <unistd.h>
@@ -20,12 +21,16 @@ std::string quoted(const std::string& text) {
 
 Result<VideoWriter> VideoWriter::open(const std::filesystem::path& path, uint32_t widthPx, uint32_t heightPx, double framesPerSecond) {
     if (std::system("command -v ffmpeg >/dev/null 2>&1") != 0)
-        return fail(Code::NotFound, "{}: writing video needs the program ffmpeg; install it (apt-get install ffmpeg) or name a folder to get PNG frames", path.string());
+        return fail(Code::NotFound,
+                    "{}: writing video needs the program ffmpeg; install it (apt-get install ffmpeg) or name a folder to get PNG frames",
+                    path.string());
     std::signal(SIGPIPE, SIG_IGN);  // a dead ffmpeg is an error of write(), not the end of us
-    const std::filesystem::path temporary = path.parent_path() / ("." + path.stem().string() + ".part" + std::to_string(::getpid()) + ".mp4");
+    const std::filesystem::path temporary =
+        path.parent_path() / ("." + path.stem().string() + ".part" + std::to_string(::getpid()) + ".mp4");
     const std::string command = formatText(
-        "ffmpeg -loglevel error -y -f rawvideo -pix_fmt rgb24 -s {}x{} -r {} -i - -c:v libx264 -pix_fmt yuv420p -crf 18 -movflags +faststart {}", widthPx, heightPx,
-        framesPerSecond, quoted("./" + temporary.lexically_proximate(std::filesystem::current_path()).string()));
+        "ffmpeg -loglevel error -y -f rawvideo -pix_fmt rgb24 -s {}x{} -r {} -i - -c:v libx264 -pix_fmt yuv420p -crf 18 -movflags "
+        "+faststart {}",
+        widthPx, heightPx, framesPerSecond, quoted("./" + temporary.lexically_proximate(std::filesystem::current_path()).string()));
     std::FILE* pipe = ::popen(command.c_str(), "w");
     if (!pipe) return fail(Code::Io, "{}: cannot start ffmpeg", path.string());
     return VideoWriter(pipe, path, temporary);
@@ -42,7 +47,8 @@ VideoWriter::~VideoWriter() {
 }
 
 Status VideoWriter::write(std::span<const uint8_t> rgb) {
-    if (std::fwrite(rgb.data(), 1, rgb.size(), pipe_) != rgb.size()) return fail(Code::Io, "{}: ffmpeg stopped reading (disk full?); its message is above", path_.string());
+    if (std::fwrite(rgb.data(), 1, rgb.size(), pipe_) != rgb.size())
+        return fail(Code::Io, "{}: ffmpeg stopped reading (disk full?); its message is above", path_.string());
     return {};
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // MP4 by the ffmpeg program: frames go down a pipe, the finished file is renamed into place.
 #pragma once
 
@@ -24,7 +25,8 @@ public:
     Status finish();
 
 private:
-    VideoWriter(std::FILE* pipe, std::filesystem::path path, std::filesystem::path temporary) : pipe_(pipe), path_(std::move(path)), temporary_(std::move(temporary)) {}
+    VideoWriter(std::FILE* pipe, std::filesystem::path path, std::filesystem::path temporary)
+        : pipe_(pipe), path_(std::move(path)), temporary_(std::move(temporary)) {}
     std::FILE* pipe_ = nullptr;
     std::filesystem::path path_, temporary_;
 };

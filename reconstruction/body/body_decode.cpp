@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -6,8 +7,8 @@
 
 #include "reconstruction/body/body_io.h"
 #include "reconstruction/body/body_tools.h"
-#include "sdk/core/files.h"
 #include "sdk/avatar/humanoid.h"
+#include "sdk/core/files.h"
 #include "sdk/format/skin_weights.h"
 #include "sdk/format/skinned_gltf.h"
 
@@ -59,10 +60,15 @@ std::string text(const Json& object, const char* key) {
 
 /** Puts what our extras say over the plain reading. False when they do not fit the mesh (somebody edited the file). */
 bool applyExtras(const Json& extras, BodyModel& body) {
-    const auto list = [&](const char* key) { const auto it = extras.find(key); return it != extras.end() && it->is_array() ? &*it : nullptr; };
-    const Json *positions = list("jointPositions"), *humanoid = list("humanoidBones"), *morphs = list("morphs"), *keypoints = list("keypoints"), *layers = list("layers");
+    const auto list = [&](const char* key) {
+        const auto it = extras.find(key);
+        return it != extras.end() && it->is_array() ? &*it : nullptr;
+    };
+    const Json *positions = list("jointPositions"), *humanoid = list("humanoidBones"), *morphs = list("morphs"),
+               *keypoints = list("keypoints"), *layers = list("layers");
     if (!positions || !humanoid || !morphs || !keypoints || !layers || u32(extras, "version") != 1) return false;
-    if (positions->size() != body.joints.size() || humanoid->size() != body.joints.size() || morphs->size() != body.morphs.size()) return false;
+    if (positions->size() != body.joints.size() || humanoid->size() != body.joints.size() || morphs->size() != body.morphs.size())
+        return false;
     if (const std::string name = text(extras, "name"); !name.empty()) body.name = name;
     for (size_t j = 0; j < body.joints.size(); ++j) {
         if (!readVec3((*positions)[j], body.joints[j].restPosition) || !(*humanoid)[j].is_string()) return false;
@@ -71,7 +77,9 @@ bool applyExtras(const Json& extras, BodyModel& body) {
     for (size_t m = 0; m < body.morphs.size(); ++m) {
         const Json& json = (*morphs)[m];
         ShapeMorph& morph = body.morphs[m];
-        if (!json.is_object() || text(json, "name") != morph.name || !json.contains("min") || !json.contains("max") || !json["min"].is_number() || !json["max"].is_number()) return false;
+        if (!json.is_object() || text(json, "name") != morph.name || !json.contains("min") || !json.contains("max") ||
+            !json["min"].is_number() || !json["max"].is_number())
+            return false;
         morph.minValue = json["min"].get<float>();
         morph.maxValue = json["max"].get<float>();
         const auto offsets = json.find("jointOffsets");
@@ -90,7 +98,8 @@ bool applyExtras(const Json& extras, BodyModel& body) {
     body.mesh.layers.clear();
     for (const Json& json : *layers) {
         if (!json.is_object()) return false;
-        body.mesh.layers.push_back({text(json, "name"), text(json, "role"), u32(json, "firstVertex"), u32(json, "vertexCount"), u32(json, "firstTriangle"), u32(json, "triangleCount")});
+        body.mesh.layers.push_back({text(json, "name"), text(json, "role"), u32(json, "firstVertex"), u32(json, "vertexCount"),
+                                    u32(json, "firstTriangle"), u32(json, "triangleCount")});
     }
     return true;
 }
@@ -112,14 +121,16 @@ Status readJoints(const SkinnedGltf& gltf, std::span<const Mat4f> sceneFromNode,
     }
     std::vector<int32_t> place(gltf.nodes.size(), -1);
     for (uint32_t i = 0; i < order.size(); ++i) place[order[i]] = int32_t(i);
-    const bool parentsFirst = std::all_of(order.begin(), order.end(), [&](uint32_t n) { return parentNode[n] < 0 || place[size_t(parentNode[n])] < place[n]; });
+    const bool parentsFirst =
+        std::all_of(order.begin(), order.end(), [&](uint32_t n) { return parentNode[n] < 0 || place[size_t(parentNode[n])] < place[n]; });
     if (!parentsFirst) {
         std::sort(order.begin(), order.end());  // nodes come parents first
         for (uint32_t i = 0; i < order.size(); ++i) place[order[i]] = int32_t(i);
     }
     for (uint32_t n : order) {
         if (parentNode[n] < 0 && !body.joints.empty())
-            return fail(Code::Unsupported, "body '{}': joints '{}' and '{}' are both roots; put the skeleton under one root joint", body.name, body.joints[0].name, gltf.nodes[n].name);
+            return fail(Code::Unsupported, "body '{}': joints '{}' and '{}' are both roots; put the skeleton under one root joint",
+                        body.name, body.joints[0].name, gltf.nodes[n].name);
         body.joints.push_back({gltf.nodes[n].name, parentNode[n] < 0 ? -1 : place[size_t(parentNode[n])], Vec3f(sceneFromNode[n][3]), ""});
     }
     for (const SkinnedGltf::Joint& j : gltf.joints) jointOfGltfJoint.push_back(uint32_t(place[j.node]));
@@ -145,15 +156,20 @@ Result<BodyModel> decodeBody(std::span<const uint8_t> bytes, std::string_view na
     for (const SkinnedGltf::Mesh& part : gltf.meshes) {
         if (!part.skinned) continue;
         const uint32_t first = uint32_t(mesh.restPositions.size());
-        const LayerData layer{part.name.empty() ? formatText("layer{}", mesh.layers.size()) : part.name, mesh.layers.empty() ? "body" : "garment", first,
-                              uint32_t(part.positions.size()), uint32_t(mesh.triangles.size()), uint32_t(part.triangles.size())};
+        const LayerData layer{part.name.empty() ? formatText("layer{}", mesh.layers.size()) : part.name,
+                              mesh.layers.empty() ? "body" : "garment",
+                              first,
+                              uint32_t(part.positions.size()),
+                              uint32_t(mesh.triangles.size()),
+                              uint32_t(part.triangles.size())};
         std::vector<Mat4f> blend(part.positions.size(), Mat4f(1));
         for (size_t v = 0; v < part.positions.size(); ++v) {
             std::vector<std::pair<uint32_t, float>> influences;
             Mat4f m(0.0f);
             for (int i = 0; i < 4; ++i) {
                 const uint32_t joint = part.jointIndices[v][i];
-                if (joint >= gltf.joints.size()) return fail(Code::CorruptData, "body '{}': a vertex hangs on joint {} of {}", name, joint, gltf.joints.size());
+                if (joint >= gltf.joints.size())
+                    return fail(Code::CorruptData, "body '{}': a vertex hangs on joint {} of {}", name, joint, gltf.joints.size());
                 m += part.jointWeights[v][i] * sceneFromMesh[joint];
                 influences.emplace_back(jointOfGltfJoint[joint], part.jointWeights[v][i]);
             }
@@ -181,7 +197,8 @@ Result<BodyModel> decodeBody(std::span<const uint8_t> bytes, std::string_view na
 
     if (extras) {
         if (!applyExtras(*extras, body))
-            return fail(Code::CorruptData, "body '{}': its doppelBody extras do not fit its mesh; write it again with `doppel body import`", name);
+            return fail(Code::CorruptData, "body '{}': its doppelBody extras do not fit its mesh; write it again with `doppel body import`",
+                        name);
     } else {
         assignHumanoidBones(body.joints);
         body.keypoints = deriveKeypoints(body);

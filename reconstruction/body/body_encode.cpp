@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -62,15 +63,22 @@ Json bodyExtras(const BodyModel& body) {
         for (const Vec3f& o : m.jointOffsets) offsets.push_back({o.x, o.y, o.z});
         morphs.push_back({{"name", m.name}, {"min", m.minValue}, {"max", m.maxValue}, {"jointOffsets", std::move(offsets)}});
     }
-    for (const BodyKeypoint& k : body.keypoints) keypoints.push_back({{"name", k.name}, {"vertices", weightList(k.vertices)}, {"joints", weightList(k.joints)}});
+    for (const BodyKeypoint& k : body.keypoints)
+        keypoints.push_back({{"name", k.name}, {"vertices", weightList(k.vertices)}, {"joints", weightList(k.joints)}});
     for (const LayerData& l : body.mesh.layers)
-        layers.push_back({{"name", l.name}, {"role", l.role}, {"firstVertex", l.firstVertex}, {"vertexCount", l.vertexCount}, {"firstTriangle", l.firstTriangle}, {"triangleCount", l.triangleCount}});
+        layers.push_back({{"name", l.name},
+                          {"role", l.role},
+                          {"firstVertex", l.firstVertex},
+                          {"vertexCount", l.vertexCount},
+                          {"firstTriangle", l.firstTriangle},
+                          {"triangleCount", l.triangleCount}});
     Json positions = Json::array();  // exact: node translations are differences and would round
     for (const JointData& j : body.joints) {
         humanoid.push_back(j.humanoidBone);
         positions.push_back({j.restPosition.x, j.restPosition.y, j.restPosition.z});
     }
-    return {{"version", 1}, {"name", body.name}, {"humanoidBones", humanoid}, {"jointPositions", positions}, {"morphs", morphs}, {"keypoints", keypoints}, {"layers", layers}};
+    return {{"version", 1},     {"name", body.name},      {"humanoidBones", humanoid}, {"jointPositions", positions},
+            {"morphs", morphs}, {"keypoints", keypoints}, {"layers", layers}};
 }
 
 }  // namespace
@@ -81,10 +89,12 @@ Result<std::vector<uint8_t>> encodeBody(const BodyModel& body) {
     Accessors data;
     Json attributes;
     attributes["POSITION"] = data.addVec3(mesh.restPositions);
-    if (mesh.colours.size() == mesh.restPositions.size()) attributes["COLOR_0"] = data.add<glm::u8vec4>(mesh.colours, kByte, "VEC4", true, kArrayBuffer);
+    if (mesh.colours.size() == mesh.restPositions.size())
+        attributes["COLOR_0"] = data.add<glm::u8vec4>(mesh.colours, kByte, "VEC4", true, kArrayBuffer);
     attributes["JOINTS_0"] = data.add<glm::u16vec4>(mesh.jointIndices, kShort, "VEC4", false, kArrayBuffer);
     attributes["WEIGHTS_0"] = data.add<glm::u8vec4>(mesh.jointWeights, kByte, "VEC4", true, kArrayBuffer);
-    const int indices = data.add<uint32_t>({reinterpret_cast<const uint32_t*>(mesh.triangles.data()), mesh.triangles.size() * 3}, kInt, "SCALAR", false, kElementBuffer);
+    const int indices = data.add<uint32_t>({reinterpret_cast<const uint32_t*>(mesh.triangles.data()), mesh.triangles.size() * 3}, kInt,
+                                           "SCALAR", false, kElementBuffer);
     Json targets = Json::array(), targetNames = Json::array(), weights = Json::array();
     for (const ShapeMorph& m : body.morphs) {
         targets.push_back({{"POSITION", data.addVec3(m.vertexOffsets)}});
@@ -147,7 +157,7 @@ Result<std::vector<uint8_t>> encodeBody(const BodyModel& body) {
     file.value(uint32_t(2));
     file.value(uint32_t(12 + 8 + text.size() + 8 + binary.size()));
     chunk(0x4E4F534A, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});  // "JSON"
-    chunk(0x004E4942, binary);                                                         // "BIN\0"
+    chunk(0x004E4942, binary);                                                        // "BIN\0"
     return file.finish();
 }
 

@@ -1,4 +1,6 @@
-// The solver of fit_body.h: its state and its steps. Private to reconstruction/body; still frames in fit_body.cpp, moving ones in fit_moving.cpp.
+// SPDX-License-Identifier: Apache-2.0
+// The solver of fit_body.h: its state and its steps. Private to reconstruction/body; still frames in fit_body.cpp, moving ones in
+// fit_moving.cpp.
 #pragma once
 
 #include <ceres/problem.h>
@@ -12,7 +14,7 @@
 
 namespace dpl {
 
-constexpr double kLooseOutliers = 40;           // Geman–McClure scale while poses are still coarse, σ
+constexpr double kLooseOutliers = 40;  // Geman–McClure scale while poses are still coarse, σ
 
 /** The numbers of one frame. Still frames use only `sway`, on top of the shared still pose. */
 struct FrameState {
@@ -25,7 +27,12 @@ struct FrameState {
 class BodyFitter {
 public:
     BodyFitter(const BodyModel& body, const Scan& scan, std::span<const std::vector<Keypoint>> keypoints, const BodyFitSettings& settings)
-        : body_(body), scan_(scan), keypoints_(keypoints), settings_(settings), priors_(posePriors(body)), chain_(body, scan.keypointNames, posed(priors_)) {
+        : body_(body),
+          scan_(scan),
+          keypoints_(keypoints),
+          settings_(settings),
+          priors_(posePriors(body)),
+          chain_(body, scan.keypointNames, posed(priors_)) {
         context_.chain = &chain_;
         for (size_t s = 0; s < priors_.size(); ++s)
             if (priors_[s].swayRad > 0) context_.sway.slots.push_back(uint32_t(s));
@@ -48,7 +55,10 @@ private:
     bool usable(size_t f) const;
     std::vector<size_t> select(FrameKind kind, Split split) const;
     std::vector<size_t> movingInTime(bool trainOnly) const;
-    double sigmaPx(size_t f) const { return settings_.sigmaAtFullConfidence * std::hypot(double(scan_.frames[f].camera.widthPx), double(scan_.frames[f].camera.heightPx)); }
+    double sigmaPx(size_t f) const {
+        return settings_.sigmaAtFullConfidence *
+               std::hypot(double(scan_.frames[f].camera.widthPx), double(scan_.frames[f].camera.heightPx));
+    }
 
     Status start();
     Status solve(ceres::Problem& problem, const char* what, int maxSteps, double from, double to);

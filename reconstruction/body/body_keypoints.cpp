@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The 24 keypoints on any humanoid body: joints by humanoid bone, the face from the shape of the head's vertices.
 #include <algorithm>
 #include <array>
@@ -8,9 +9,10 @@
 namespace dpl {
 namespace {
 
-constexpr std::array<std::string_view, 24> kScanKeypoints = {
-    "nose",    "eye_l",   "eye_r",     "ear_l",     "ear_r",  "neck",  "shoulder_l", "shoulder_r", "elbow_l", "elbow_r", "wrist_l", "wrist_r",
-    "knuckle_l", "knuckle_r", "pelvis", "hip_l", "hip_r", "knee_l", "knee_r", "ankle_l", "ankle_r", "toe_l", "toe_r", "head_top"};
+constexpr std::array<std::string_view, 24> kScanKeypoints = {"nose",       "eye_l",      "eye_r",   "ear_l",   "ear_r",   "neck",
+                                                             "shoulder_l", "shoulder_r", "elbow_l", "elbow_r", "wrist_l", "wrist_r",
+                                                             "knuckle_l",  "knuckle_r",  "pelvis",  "hip_l",   "hip_r",   "knee_l",
+                                                             "knee_r",     "ankle_l",    "ankle_r", "toe_l",   "toe_r",   "head_top"};
 
 struct JointKeypoint {
     std::string_view keypoint;
@@ -43,7 +45,8 @@ constexpr std::array<JointKeypoint, 21> kJointKeypoints = {{
 /** Vertices that hang on the head joint (or a joint below it) by more than half. */
 std::vector<uint32_t> headVertices(const BodyModel& body, int32_t head) {
     std::vector<bool> below(body.joints.size(), false);
-    for (size_t j = 0; j < body.joints.size(); ++j) below[j] = int32_t(j) == head || (body.joints[j].parent >= 0 && below[size_t(body.joints[j].parent)]);
+    for (size_t j = 0; j < body.joints.size(); ++j)
+        below[j] = int32_t(j) == head || (body.joints[j].parent >= 0 && below[size_t(body.joints[j].parent)]);
     std::vector<uint32_t> vertices;
     for (uint32_t v = 0; v < body.mesh.restPositions.size(); ++v) {
         int weight = 0;
@@ -65,7 +68,9 @@ uint32_t best(const MeshData& mesh, std::span<const uint32_t> vertices, Score sc
 
 }  // namespace
 
-std::span<const std::string_view> scanKeypointNames() { return kScanKeypoints; }
+std::span<const std::string_view> scanKeypointNames() {
+    return kScanKeypoints;
+}
 
 std::vector<BodyKeypoint> deriveKeypoints(const BodyModel& body) {
     std::vector<BodyKeypoint> found;
@@ -86,11 +91,17 @@ std::vector<BodyKeypoint> deriveKeypoints(const BodyModel& body) {
         const float topY = body.mesh.restPositions[top].y, jointY = body.joints[size_t(head)].restPosition.y;
         // The face lies between the skull's base (a little below the head joint) and the top; the nose is its most forward point.
         const float lowY = jointY - 0.25f * (topY - jointY);
-        const uint32_t nose = best(body.mesh, vertices, [&](const Vec3f& p) { return p.y < lowY || p.y > topY - 0.25f * (topY - lowY) ? -1e3f : p.z - 0.5f * std::abs(p.x - centreX); });
+        const uint32_t nose = best(body.mesh, vertices, [&](const Vec3f& p) {
+            return p.y < lowY || p.y > topY - 0.25f * (topY - lowY) ? -1e3f : p.z - 0.5f * std::abs(p.x - centreX);
+        });
         const float noseY = body.mesh.restPositions[nose].y;
         // Ears: the widest points in a band about eye height, behind the face.
         const auto ear = [&](float side) {
-            return best(body.mesh, vertices, [&](const Vec3f& p) { return p.y < noseY - 0.02f || p.y > noseY + 0.08f ? -1e3f : side * (p.x - centreX) - 0.2f * std::max(0.0f, p.z - body.joints[size_t(head)].restPosition.z); });
+            return best(body.mesh, vertices, [&](const Vec3f& p) {
+                return p.y < noseY - 0.02f || p.y > noseY + 0.08f
+                           ? -1e3f
+                           : side * (p.x - centreX) - 0.2f * std::max(0.0f, p.z - body.joints[size_t(head)].restPosition.z);
+            });
         };
         add("nose", nose);
         add("ear_l", ear(1));
@@ -98,7 +109,8 @@ std::vector<BodyKeypoint> deriveKeypoints(const BodyModel& body) {
         add("head_top", top);
     }
     std::sort(found.begin(), found.end(), [](const BodyKeypoint& a, const BodyKeypoint& b) {
-        return std::find(kScanKeypoints.begin(), kScanKeypoints.end(), a.name) < std::find(kScanKeypoints.begin(), kScanKeypoints.end(), b.name);
+        return std::find(kScanKeypoints.begin(), kScanKeypoints.end(), a.name) <
+               std::find(kScanKeypoints.begin(), kScanKeypoints.end(), b.name);
     });
     return found;
 }

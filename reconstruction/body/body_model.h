@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A parametric body: a rigged mesh with shape morphs and named keypoints. Made from glTF, MakeHuman, SMPL-X or the built-in subject.
 #pragma once
 
@@ -10,23 +11,23 @@ namespace dpl {
 
 /** One shape direction; value 0 is the mean body, ±1 about a standard deviation unless min/max say otherwise. */
 struct ShapeMorph {
-    std::string name;                    // "height", "weight", "build" ...
+    std::string name;  // "height", "weight", "build" ...
     float minValue = -3, maxValue = 3;
-    std::vector<Vec3f> vertexOffsets;    // V, metres at value 1
-    std::vector<Vec3f> jointOffsets;     // J, metres at value 1
+    std::vector<Vec3f> vertexOffsets;  // V, metres at value 1
+    std::vector<Vec3f> jointOffsets;   // J, metres at value 1
 };
 
 /** A named 3D point on the body: a weighted sum of skinned vertices and posed joints (weights sum to 1). */
 struct BodyKeypoint {
-    std::string name;                    // names of reconstruction/capture/scan.h: "nose", "shoulder_l" ...
+    std::string name;  // names of reconstruction/capture/scan.h: "nose", "shoulder_l" ...
     std::vector<std::pair<uint32_t, float>> vertices;
     std::vector<std::pair<uint32_t, float>> joints;
 };
 
 struct BodyModel {
     std::string name;
-    std::vector<JointData> joints;       // 55 for the built-in body; humanoidBone is filled where known
-    MeshData mesh;                       // rest pose: A- or T-pose, facing +Z, feet at y = 0; layers[0] is the body
+    std::vector<JointData> joints;  // 55 for the built-in body; humanoidBone is filled where known
+    MeshData mesh;                  // rest pose: A- or T-pose, facing +Z, feet at y = 0; layers[0] is the body
     std::vector<ShapeMorph> morphs;
     std::vector<BodyKeypoint> keypoints;
 };

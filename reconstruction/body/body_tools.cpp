@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/body/body_tools.h"
 
 #include <algorithm>
@@ -7,7 +8,9 @@
 namespace dpl {
 namespace {
 
-bool finite(const Vec3f& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+bool finite(const Vec3f& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
 
 template <class Container>
 bool allFinite(const Container& values) {
@@ -23,11 +26,13 @@ Status checkBody(const BodyModel& body) {
     if (joints == 0) return refuse("it has no joints");
     if (vertices == 0 || mesh.triangles.empty()) return refuse("it has no mesh");
     if (mesh.jointIndices.size() != vertices || mesh.jointWeights.size() != vertices)
-        return fail(Code::Unsupported, "body '{}' has no skin weights; rig the mesh (JOINTS_0 and WEIGHTS_0) and export it again", body.name);
+        return fail(Code::Unsupported, "body '{}' has no skin weights; rig the mesh (JOINTS_0 and WEIGHTS_0) and export it again",
+                    body.name);
     for (size_t j = 0; j < joints; ++j) {
         const int32_t parent = body.joints[j].parent;
         if ((j == 0) != (parent == -1) || parent >= int32_t(j) || parent < -1)
-            return refuse(formatText("joint '{}' has parent {}; joint 0 is the only root and parents come first", body.joints[j].name, parent));
+            return refuse(
+                formatText("joint '{}' has parent {}; joint 0 is the only root and parents come first", body.joints[j].name, parent));
         if (!finite(body.joints[j].restPosition)) return refuse(formatText("joint '{}' is not at a finite place", body.joints[j].name));
     }
     if (!allFinite(mesh.restPositions)) return refuse("a vertex is not finite");
@@ -35,18 +40,22 @@ Status checkBody(const BodyModel& body) {
         int sum = 0;
         for (int i = 0; i < 4; ++i) {
             sum += mesh.jointWeights[v][i];
-            if (mesh.jointIndices[v][i] >= joints) return refuse(formatText("vertex {} hangs on joint {} of {}", v, mesh.jointIndices[v][i], joints));
+            if (mesh.jointIndices[v][i] >= joints)
+                return refuse(formatText("vertex {} hangs on joint {} of {}", v, mesh.jointIndices[v][i], joints));
         }
         if (sum != 255) return refuse(formatText("the weights of vertex {} sum to {}, not 255", v, sum));
     }
     for (const Triangle& t : mesh.triangles)
         if (t.x >= vertices || t.y >= vertices || t.z >= vertices) return refuse("a triangle names a vertex that is not there");
     for (const LayerData& layer : mesh.layers)
-        if (uint64_t(layer.firstVertex) + layer.vertexCount > vertices || uint64_t(layer.firstTriangle) + layer.triangleCount > mesh.triangles.size())
+        if (uint64_t(layer.firstVertex) + layer.vertexCount > vertices ||
+            uint64_t(layer.firstTriangle) + layer.triangleCount > mesh.triangles.size())
             return refuse(formatText("layer '{}' reaches beyond the mesh", layer.name));
     for (const ShapeMorph& m : body.morphs) {
-        if (m.vertexOffsets.size() != vertices || m.jointOffsets.size() != joints) return refuse(formatText("morph '{}' is of another mesh", m.name));
-        if (!allFinite(m.vertexOffsets) || !allFinite(m.jointOffsets) || !(m.minValue <= m.maxValue) || !std::isfinite(m.minValue) || !std::isfinite(m.maxValue))
+        if (m.vertexOffsets.size() != vertices || m.jointOffsets.size() != joints)
+            return refuse(formatText("morph '{}' is of another mesh", m.name));
+        if (!allFinite(m.vertexOffsets) || !allFinite(m.jointOffsets) || !(m.minValue <= m.maxValue) || !std::isfinite(m.minValue) ||
+            !std::isfinite(m.maxValue))
             return refuse(formatText("morph '{}' is not finite", m.name));
     }
     for (const BodyKeypoint& k : body.keypoints) {
@@ -85,8 +94,12 @@ std::vector<std::pair<uint32_t, float>> anchorPoint(const MeshData& mesh, std::s
     // Minimum-norm weights with Σw = 1 and Σw·(v − point) = 0 on the nearest vertices: w = Aᵀ(A Aᵀ)⁻¹ e₀, rows of A are 1 and the offsets.
     constexpr size_t kAnchors = 16;
     std::vector<uint32_t> nearest(candidates.begin(), candidates.end());
-    const auto distance2 = [&](uint32_t v) { const Vec3f d = mesh.restPositions[v] - point; return glm::dot(d, d); };
-    std::sort(nearest.begin(), nearest.end(), [&](uint32_t a, uint32_t b) { return std::pair(distance2(a), a) < std::pair(distance2(b), b); });
+    const auto distance2 = [&](uint32_t v) {
+        const Vec3f d = mesh.restPositions[v] - point;
+        return glm::dot(d, d);
+    };
+    std::sort(nearest.begin(), nearest.end(),
+              [&](uint32_t a, uint32_t b) { return std::pair(distance2(a), a) < std::pair(distance2(b), b); });
     nearest.resize(std::min(nearest.size(), kAnchors));
     if (nearest.empty()) return {};
     const double spread = std::max(1e-6, std::sqrt(double(distance2(nearest.back()))));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Small operations on a BodyModel: checks, shaping, named lookups, and the parts every importer shares.
 #pragma once
 
@@ -31,7 +32,8 @@ int32_t findJoint(std::span<const JointData> joints, std::string_view name);
 /** The 24 keypoint names of a scan, in scan.json's order. */
 std::span<const std::string_view> scanKeypointNames();
 
-/** Keypoints for any humanoid body: joints by humanoid bone, face points from the shape of the head. Points that cannot be found are left out. */
+/** Keypoints for any humanoid body: joints by humanoid bone, face points from the shape of the head. Points that cannot be found are left
+ * out. */
 std::vector<BodyKeypoint> deriveKeypoints(const BodyModel& body);
 
 /** Weights (sum 1) on the vertices nearest to `point` that reproduce it exactly, for points inside the surface such as an eye's pupil.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/body/body_truth.h"
 
 #include <algorithm>
@@ -13,9 +14,18 @@ namespace dpl {
 namespace {
 
 /** The 12 limb bones by their end keypoints. */
-constexpr std::array<std::array<const char*, 2>, 12> kLimbs = {{{"shoulder_l", "elbow_l"}, {"elbow_l", "wrist_l"}, {"wrist_l", "knuckle_l"}, {"shoulder_r", "elbow_r"}, {"elbow_r", "wrist_r"},
-                                                               {"wrist_r", "knuckle_r"}, {"hip_l", "knee_l"}, {"knee_l", "ankle_l"}, {"ankle_l", "toe_l"}, {"hip_r", "knee_r"},
-                                                               {"knee_r", "ankle_r"}, {"ankle_r", "toe_r"}}};
+constexpr std::array<std::array<const char*, 2>, 12> kLimbs = {{{"shoulder_l", "elbow_l"},
+                                                                {"elbow_l", "wrist_l"},
+                                                                {"wrist_l", "knuckle_l"},
+                                                                {"shoulder_r", "elbow_r"},
+                                                                {"elbow_r", "wrist_r"},
+                                                                {"wrist_r", "knuckle_r"},
+                                                                {"hip_l", "knee_l"},
+                                                                {"knee_l", "ankle_l"},
+                                                                {"ankle_l", "toe_l"},
+                                                                {"hip_r", "knee_r"},
+                                                                {"knee_r", "ankle_r"},
+                                                                {"ankle_r", "toe_r"}}};
 
 ErrorSpread spreadOf(std::vector<double> values) {
     ErrorSpread s;
@@ -43,7 +53,8 @@ std::vector<PosedKeypoint> posedKeypoints(const BodyModel& shaped, const Pose& p
             for (auto [joint, weight] : keypoint.joints) places[k].place += double(weight) * move(joint, shaped.joints[joint].restPosition);
             for (auto [vertex, weight] : keypoint.vertices)
                 for (int i = 0; i < 4; ++i)
-                    places[k].place += double(weight) * shaped.mesh.jointWeights[vertex][i] / 255.0 * move(shaped.mesh.jointIndices[vertex][i], shaped.mesh.restPositions[vertex]);
+                    places[k].place += double(weight) * shaped.mesh.jointWeights[vertex][i] / 255.0 *
+                                       move(shaped.mesh.jointIndices[vertex][i], shaped.mesh.restPositions[vertex]);
         }
     return places;
 }
@@ -55,19 +66,26 @@ constexpr size_t kMaxTruthBytes = 256u << 20;
 Result<nlohmann::json> readTruth(const std::filesystem::path& path) {
     DPL_TRY(const auto bytes, readFile(path, kMaxTruthBytes));
     nlohmann::json truth = nlohmann::json::parse(bytes.begin(), bytes.end(), nullptr, false);
-    if (!truth.is_object() || !truth.contains("frames") || !truth["frames"].is_array()) return fail(Code::CorruptData, "{}: no frames", path.string());
+    if (!truth.is_object() || !truth.contains("frames") || !truth["frames"].is_array())
+        return fail(Code::CorruptData, "{}: no frames", path.string());
     return truth;
 }
 
 /** Three numbers of a z-up file in the y-up world. */
-Vec3d upright(const nlohmann::json& p) { return {p.at(0).get<double>(), p.at(2).get<double>(), -p.at(1).get<double>()}; }
+Vec3d upright(const nlohmann::json& p) {
+    return {p.at(0).get<double>(), p.at(2).get<double>(), -p.at(1).get<double>()};
+}
 
 }  // namespace
 
 Result<BodyFit> fitFromTruth(const std::filesystem::path& scanRoot, const Scan& scan, const BodyModel& body) {
     const std::filesystem::path path = scanRoot / "truth.json";
     DPL_TRY(const nlohmann::json truth, readTruth(path));
-    const auto unfit = [&] { return fail(Code::NotFound, "{} does not give the shape and poses of body '{}'; only a `doppel sample` scan with the built-in body does", path.string(), body.name); };
+    const auto unfit = [&] {
+        return fail(Code::NotFound,
+                    "{} does not give the shape and poses of body '{}'; only a `doppel sample` scan with the built-in body does",
+                    path.string(), body.name);
+    };
     BodyFit fit;
     fit.shape.assign(body.morphs.size(), 0.0);
     fit.poses.assign(scan.frames.size(), Pose::rest(body.joints.size()));
@@ -75,7 +93,8 @@ Result<BodyFit> fitFromTruth(const std::filesystem::path& scanRoot, const Scan& 
     try {
         size_t known = 0;
         for (size_t m = 0; m < body.morphs.size(); ++m)
-            if (const auto& values = truth.at("shape").at("morphs"); values.contains(body.morphs[m].name)) fit.shape[m] = values[body.morphs[m].name].get<double>(), ++known;
+            if (const auto& values = truth.at("shape").at("morphs"); values.contains(body.morphs[m].name))
+                fit.shape[m] = values[body.morphs[m].name].get<double>(), ++known;
         if (known == 0 || known != truth["shape"]["morphs"].size() || truth["shape"].at("body") != body.name) return unfit();
         // The scan stands its rest skeleton on the floor; the body's own rest may hang some millimetres off it.
         DPL_TRY(const auto manifest, readFile(scanRoot / "scan.json", kMaxTruthBytes));
@@ -92,7 +111,8 @@ Result<BodyFit> fitFromTruth(const std::filesystem::path& scanRoot, const Scan& 
                 if (angle > 0) fit.poses[f].localRotations[j] = Quatf(glm::angleAxis(angle, turn / angle));
             }
             fit.poses[f].rootTranslation = Vec3f(shift + upright(found->second->at("translation")));
-            if (Status good = checkPose(body.joints, fit.poses[f]); !good) return fail(Code::CorruptData, "{}: frame '{}': {}", path.string(), scan.frames[f].name, good.error().message);
+            if (Status good = checkPose(body.joints, fit.poses[f]); !good)
+                return fail(Code::CorruptData, "{}: frame '{}': {}", path.string(), scan.frames[f].name, good.error().message);
             if (scan.frames[f].kind == FrameKind::StaticFull && fit.staticPose.localRotations.empty()) fit.staticPose = fit.poses[f];
         }
     } catch (const nlohmann::json::exception&) {
@@ -102,11 +122,13 @@ Result<BodyFit> fitFromTruth(const std::filesystem::path& scanRoot, const Scan& 
     return fit;
 }
 
-Result<TruthComparison> compareWithTruth(const std::filesystem::path& scanRoot, const Scan& scan, const BodyModel& body, const BodyFit& fit) {
+Result<TruthComparison> compareWithTruth(const std::filesystem::path& scanRoot, const Scan& scan, const BodyModel& body,
+                                         const BodyFit& fit) {
     DPL_TRY(const nlohmann::json truth, readTruth(scanRoot / "truth.json"));
     std::map<std::string, const nlohmann::json*> byName;
     for (const auto& frame : truth["frames"])
-        if (frame.is_object() && frame.contains("name") && frame["name"].is_string() && frame.contains("keypoints_world")) byName[frame["name"].get<std::string>()] = &frame["keypoints_world"];
+        if (frame.is_object() && frame.contains("name") && frame["name"].is_string() && frame.contains("keypoints_world"))
+            byName[frame["name"].get<std::string>()] = &frame["keypoints_world"];
 
     const BodyModel shaped = shapedBody(body, fit.shape);
     std::vector<double> test, train, still, limbs;
@@ -132,7 +154,8 @@ Result<TruthComparison> compareWithTruth(const std::filesystem::path& scanRoot, 
         for (const auto& [from, to] : kLimbs) {
             const auto a = pairs.find(from), b = pairs.find(to);
             if (a == pairs.end() || b == pairs.end()) continue;
-            const Vec3d is = glm::normalize(b->second.first - a->second.first), should = glm::normalize(b->second.second - a->second.second);
+            const Vec3d is = glm::normalize(b->second.first - a->second.first),
+                        should = glm::normalize(b->second.second - a->second.second);
             limbs.push_back(glm::degrees(std::atan2(glm::length(glm::cross(is, should)), glm::dot(is, should))));
         }
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Measuring only: how far a body fit is from the ground truth of a synthetic scan. Nothing in the fit includes this;
 // a test hides every truth file and gets the same avatar.
 #pragma once
@@ -21,14 +22,15 @@ struct KeypointTruth {
 };
 
 struct TruthComparison {
-    ErrorSpread keypointsMm;                 // dynamic Test frames, every keypoint
+    ErrorSpread keypointsMm;  // dynamic Test frames, every keypoint
     std::vector<KeypointTruth> byKeypoint;
-    ErrorSpread limbDegrees;                 // dynamic Test frames, directions of the 12 limb bones
+    ErrorSpread limbDegrees;                          // dynamic Test frames, directions of the 12 limb bones
     ErrorSpread trainKeypointsMm, staticKeypointsMm;  // dynamic Train frames; static full-body frames of both splits
 };
 
 /** Reads scanRoot/truth.json (keypoints_world) and compares. NotFound when the scan has no truth. */
-Result<TruthComparison> compareWithTruth(const std::filesystem::path& scanRoot, const Scan& scan, const BodyModel& body, const BodyFit& fit);
+Result<TruthComparison> compareWithTruth(const std::filesystem::path& scanRoot, const Scan& scan, const BodyModel& body,
+                                         const BodyFit& fit);
 
 /** Shape and poses of every frame as truth.json has them, for a procedural scan of `body` itself: the body-fit stage swapped for the truth,
  *  to see what the stage costs. NotFound: no truth, or one that does not give morphs and rotations of this body. */

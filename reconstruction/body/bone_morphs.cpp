@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bone lengths as shape morphs, for bodies whose own morphs say little about them. A stretch moves every joint below the bone, and the
 // skin along the bone in proportion, so joints stay where they were inside the limb.
 #include <algorithm>
@@ -41,9 +42,14 @@ void addStretch(const BodyModel& body, int32_t from, int32_t to, ShapeMorph& mor
     for (size_t j = 0; j < body.joints.size(); ++j) {
         const int32_t parent = body.joints[j].parent;
         if (int32_t(j) == from || parent < 0) continue;
-        if (int32_t(j) == to || inside[j]) share[j] = int32_t(j) == to ? 1.0f : share[size_t(parent)] > 0 || parent == from || inside[size_t(parent)] ? along(body.joints[j].restPosition) : 0.0f;
-        else if (inside[size_t(parent)] && parent != from) share[j] = along(body.joints[j].restPosition);  // a branch off the middle of the bone: the collars
-        else share[j] = share[size_t(parent)];
+        if (int32_t(j) == to || inside[j])
+            share[j] = int32_t(j) == to                                                        ? 1.0f
+                       : share[size_t(parent)] > 0 || parent == from || inside[size_t(parent)] ? along(body.joints[j].restPosition)
+                                                                                               : 0.0f;
+        else if (inside[size_t(parent)] && parent != from)
+            share[j] = along(body.joints[j].restPosition);  // a branch off the middle of the bone: the collars
+        else
+            share[j] = share[size_t(parent)];
         morph.jointOffsets[j] += kStretch * share[j] * bone;
     }
     for (size_t v = 0; v < body.mesh.restPositions.size(); ++v) {
@@ -61,7 +67,8 @@ void addStretch(const BodyModel& body, int32_t from, int32_t to, ShapeMorph& mor
 BodyModel withBoneMorphs(BodyModel body) {
     for (const Stretch& stretch : kStretches) {
         if (std::any_of(body.morphs.begin(), body.morphs.end(), [&](const ShapeMorph& m) { return m.name == stretch.name; })) continue;
-        ShapeMorph morph{stretch.name, -4, 4, std::vector<Vec3f>(body.mesh.restPositions.size(), Vec3f(0)), std::vector<Vec3f>(body.joints.size(), Vec3f(0))};
+        ShapeMorph morph{stretch.name, -4, 4, std::vector<Vec3f>(body.mesh.restPositions.size(), Vec3f(0)),
+                         std::vector<Vec3f>(body.joints.size(), Vec3f(0))};
         bool found = false;
         for (const auto& [fromBone, toBone] : stretch.bones) {
             const int32_t from = findHumanoid(body, fromBone), to = findHumanoid(body, toBone);

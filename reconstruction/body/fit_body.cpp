@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/body/fit_body.h"
 
 #include <ceres/solver.h>
@@ -13,20 +14,22 @@
 namespace dpl {
 namespace {
 
-constexpr size_t kMinKeypoints = 6;             // fewer seen keypoints in a frame: its pose is not fitted
-constexpr size_t kMinStillFrames = 3;           // with fewer, shape is solved with the moving frames
+constexpr size_t kMinKeypoints = 6;    // fewer seen keypoints in a frame: its pose is not fitted
+constexpr size_t kMinStillFrames = 3;  // with fewer, shape is solved with the moving frames
 constexpr double kSwayTurnRad = 0.01, kSwayM = 0.01;
 constexpr size_t kMaxMasks = 18, kSkinSamples = 900, kMinOutline = 20;
 constexpr uint32_t kMaskSidePx = 512;
 constexpr int kMaskRounds = 2;
-constexpr double kConfident = 0.7;              // keypoints counted in residual reports
+constexpr double kConfident = 0.7;  // keypoints counted in residual reports
 
 /** Reports steps and stops the solver when the caller says so. */
 class Watcher final : public ceres::IterationCallback {
 public:
-    Watcher(const BodyFitSettings& settings, const char* what, int maxSteps, double from, double to) : settings_(settings), what_(what), maxSteps_(maxSteps), from_(from), to_(to) {}
+    Watcher(const BodyFitSettings& settings, const char* what, int maxSteps, double from, double to)
+        : settings_(settings), what_(what), maxSteps_(maxSteps), from_(from), to_(to) {}
     ceres::CallbackReturnType operator()(const ceres::IterationSummary& s) override {
-        if (settings_.progress && !settings_.progress(from_ + (to_ - from_) * std::min(1.0, double(s.iteration) / maxSteps_), what_)) cancelled = true;
+        if (settings_.progress && !settings_.progress(from_ + (to_ - from_) * std::min(1.0, double(s.iteration) / maxSteps_), what_))
+            cancelled = true;
         return cancelled ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
     }
     bool cancelled = false;
@@ -64,16 +67,18 @@ std::vector<size_t> BodyFitter::movingInTime(bool trainOnly) const {
 Status BodyFitter::solve(ceres::Problem& problem, const char* what, int maxSteps, double from, double to) {
     Watcher watcher(settings_, what, maxSteps, from, to);
     ceres::Solver::Options options;
-    options.num_threads = 1;                      // results feed on: the same bytes on every machine
+    options.num_threads = 1;  // results feed on: the same bytes on every machine
     options.max_num_iterations = maxSteps;
-    options.function_tolerance = 1e-6;            // of the cost; keypoint noise is far above what later steps gain
+    options.function_tolerance = 1e-6;  // of the cost; keypoint noise is far above what later steps gain
     options.logging_type = ceres::SILENT;
     options.callbacks.push_back(&watcher);
     options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-    if (ceres::IsSparseLinearAlgebraLibraryTypeAvailable(ceres::EIGEN_SPARSE)) options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;  // no BLAS threads
+    if (ceres::IsSparseLinearAlgebraLibraryTypeAvailable(ceres::EIGEN_SPARSE))
+        options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;  // no BLAS threads
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem, &summary);
-    solves_.push_back({what, std::string(ceres::TerminationTypeToString(summary.termination_type)) + ": " + summary.message, summary.IsSolutionUsable(), int(summary.iterations.size()), summary.initial_cost, summary.final_cost});
+    solves_.push_back({what, std::string(ceres::TerminationTypeToString(summary.termination_type)) + ": " + summary.message,
+                       summary.IsSolutionUsable(), int(summary.iterations.size()), summary.initial_cost, summary.final_cost});
     if (watcher.cancelled) return fail(Code::Cancelled, "the body fit was cancelled");
     if (!summary.IsSolutionUsable()) return fail(Code::Internal, "the body fit failed in '{}': {}", what, summary.message);
     return {};
@@ -92,7 +97,8 @@ void BodyFitter::addFrame(ceres::Problem& problem, size_t f) {
         problem.AddResidualBlock(new DiagonalPrior(std::vector<double>(sigma.size(), 0.0), sigma), nullptr, s.sway.data());
     } else {
         problem.AddResidualBlock(cost, nullptr, blocks);
-        problem.AddResidualBlock(new PosePriorCost(priors_, shapeFromMoving_ ? std::vector<double>(s.pose.size(), 0.0) : still_.pose), nullptr, s.pose.data());
+        problem.AddResidualBlock(new PosePriorCost(priors_, shapeFromMoving_ ? std::vector<double>(s.pose.size(), 0.0) : still_.pose),
+                                 nullptr, s.pose.data());
         if (!shapeFromMoving_) {
             const Mat3d still = rotationOf({still_.root[0], still_.root[1], still_.root[2]}) * still_.rootReference;
             const Vec3d up = still * Vec3d(0, 1, 0);
@@ -121,7 +127,8 @@ Status BodyFitter::start() {
         chosen.insert(chosen.end(), moving.begin(), moving.end());
     }
     for (size_t f : chosen) views.push_back({scan_.frames[f].camera, &keypoints_[f]});
-    DPL_TRY(FitStart start, startFromPoints(body_, chain_, scan_.keypointNames, triangulateKeypoints(views, scan_.keypointNames.size()), scan_.metricWorld));
+    DPL_TRY(FitStart start, startFromPoints(body_, chain_, scan_.keypointNames, triangulateKeypoints(views, scan_.keypointNames.size()),
+                                            scan_.metricWorld));
     logUnit_ = std::log(start.metresPerUnit);
     still_.rootReference = start.rootReference;
     std::copy(start.root, start.root + kRootSize, still_.root);
@@ -187,8 +194,8 @@ Status BodyFitter::refineShape(double from, double to) {
             skin.evaluate(s.rootReference, s.root, s.pose.data(), shape_.data(), false, now);
             auto outline = outlineSamples(samples, now, metricCamera(frame.camera, std::exp(logUnit_)), masks[i]);
             if (outline.size() < kMinOutline) continue;
-            problem.AddResidualBlock(new SilhouetteCost(context_, skin, frame.camera, still_.rootReference, masks[i], std::move(outline)), nullptr, shape_.data(), &logUnit_, still_.root, still_.pose.data(),
-                                     frames_[masked[i]].sway.data());
+            problem.AddResidualBlock(new SilhouetteCost(context_, skin, frame.camera, still_.rootReference, masks[i], std::move(outline)),
+                                     nullptr, shape_.data(), &logUnit_, still_.root, still_.pose.data(), frames_[masked[i]].sway.data());
         }
         const double span = (to - from) / kMaskRounds;
         DPL_CHECK_OK(solve(problem, "still frames: shape against masks", 15, from + span * round, from + span * (round + 1)));
@@ -213,7 +220,8 @@ Status BodyFitter::fitTest(double from, double to) {
         for (size_t f : stills) addFrame(problem, f);
         freezeGlobals(problem);
         const bool train = split == Split::Train;
-        DPL_CHECK_OK(solve(problem, train ? "close-ups" : "held-out still frames", 40, train ? from : from + third, train ? from + third : from + 2 * third));
+        DPL_CHECK_OK(solve(problem, train ? "close-ups" : "held-out still frames", 40, train ? from : from + third,
+                           train ? from + third : from + 2 * third));
     }
     return fitHeldOutMoving(from + 2 * third, to);
 }
@@ -233,7 +241,8 @@ Pose BodyFitter::poseOf(const FrameState& s) const {
     Pose pose = Pose::rest(body_.joints.size());
     pose.localRotations[0] = quaternion(rotationOf({s.root[0], s.root[1], s.root[2]}) * s.rootReference);
     pose.rootTranslation = Vec3f(s.root[3], s.root[4], s.root[5]);
-    for (size_t k = 0; k < priors_.size(); ++k) pose.localRotations[priors_[k].joint] = quaternion(rotationOf({s.pose[3 * k], s.pose[3 * k + 1], s.pose[3 * k + 2]}));
+    for (size_t k = 0; k < priors_.size(); ++k)
+        pose.localRotations[priors_[k].joint] = quaternion(rotationOf({s.pose[3 * k], s.pose[3 * k + 1], s.pose[3 * k + 2]}));
     return pose;
 }
 
@@ -242,8 +251,10 @@ void BodyFitter::interpolate(size_t f, BodyFit& fit) const {
     const double t = scan_.frames[f].timeS;
     std::optional<size_t> before, after;
     for (size_t g : movingInTime(isTrain(f))) {
-        if (scan_.frames[g].timeS <= t) before = g;
-        else if (!after) after = g;
+        if (scan_.frames[g].timeS <= t)
+            before = g;
+        else if (!after)
+            after = g;
     }
     if (!before && !after) return;
     if (!before) before = after;
@@ -266,7 +277,8 @@ std::optional<KindResidual> BodyFitter::residual(FrameKind kind, Split split) co
         chain_.evaluate(s.rootReference, s.root, s.pose.data(), shape_.data(), false, out);
         const Camerad camera = metricCamera(scan_.frames[f].camera, std::exp(logUnit_));
         for (size_t k = 0; k < keypoints_[f].size(); ++k)
-            if (keypoints_[f][k].confidence >= kConfident && chain_.hasKeypoint(k)) px.push_back(glm::length(camera.pixelOf(camera.toView(out.points[k])) - keypoints_[f][k].px));
+            if (keypoints_[f][k].confidence >= kConfident && chain_.hasKeypoint(k))
+                px.push_back(glm::length(camera.pixelOf(camera.toView(out.points[k])) - keypoints_[f][k].px));
     }
     if (px.empty()) return std::nullopt;
     std::sort(px.begin(), px.end());
@@ -298,7 +310,9 @@ BodyFit BodyFitter::collect() const {
 Result<BodyFit> BodyFitter::run() {
     size_t known = 0;
     for (size_t k = 0; k < chain_.keypointCount(); ++k) known += chain_.hasKeypoint(k);
-    if (known < kMinKeypoints) return fail(Code::InvalidArgument, "body '{}' has {} of the scan's keypoints; name its joints so that a humanoid can be recognised", body_.name, known);
+    if (known < kMinKeypoints)
+        return fail(Code::InvalidArgument, "body '{}' has {} of the scan's keypoints; name its joints so that a humanoid can be recognised",
+                    body_.name, known);
     DPL_CHECK_OK(start());
     DPL_CHECK_OK(fitStill(0.0, 0.3));
     DPL_CHECK_OK(refineShape(0.3, 0.4));
@@ -313,14 +327,18 @@ Camerad metricCamera(const Camerad& camera, double metresPerUnit) {
     return c;
 }
 
-Result<BodyFit> fitBody(const BodyModel& body, const Scan& scan, std::span<const std::vector<Keypoint>> keypoints, const BodyFitSettings& settings) {
+Result<BodyFit> fitBody(const BodyModel& body, const Scan& scan, std::span<const std::vector<Keypoint>> keypoints,
+                        const BodyFitSettings& settings) {
     DPL_CHECK_OK(checkBody(body));
-    if (keypoints.size() != scan.frames.size()) return fail(Code::InvalidArgument, "{} keypoint lists for {} frames", keypoints.size(), scan.frames.size());
+    if (keypoints.size() != scan.frames.size())
+        return fail(Code::InvalidArgument, "{} keypoint lists for {} frames", keypoints.size(), scan.frames.size());
     for (size_t f = 0; f < keypoints.size(); ++f) {
         if (!keypoints[f].empty() && keypoints[f].size() != scan.keypointNames.size())
-            return fail(Code::InvalidArgument, "frame '{}' has {} keypoints, the scan names {}", scan.frames[f].name, keypoints[f].size(), scan.keypointNames.size());
+            return fail(Code::InvalidArgument, "frame '{}' has {} keypoints, the scan names {}", scan.frames[f].name, keypoints[f].size(),
+                        scan.keypointNames.size());
         for (const Keypoint& k : keypoints[f])
-            if (!(k.confidence >= 0) || (k.confidence > 0 && (!std::isfinite(k.px.x) || !std::isfinite(k.px.y)))) return fail(Code::CorruptData, "frame '{}' has a keypoint that is not finite", scan.frames[f].name);
+            if (!(k.confidence >= 0) || (k.confidence > 0 && (!std::isfinite(k.px.x) || !std::isfinite(k.px.y))))
+                return fail(Code::CorruptData, "frame '{}' has a keypoint that is not finite", scan.frames[f].name);
     }
     return BodyFitter(body, scan, keypoints, settings).run();
 }

@@ -1,4 +1,6 @@
-// Body fit: one shape, one still pose, one pose a moving frame, from 2D keypoints (and masks) with known cameras; Ceres, one thread, deterministic.
+// SPDX-License-Identifier: Apache-2.0
+// Body fit: one shape, one still pose, one pose a moving frame, from 2D keypoints (and masks) with known cameras; Ceres, one thread,
+// deterministic.
 //
 //   min Σ_frames Σ_k ρ( (π(K_f(R_f X_k(β,θ) + μ t_f)) − x_fk) / σ_fk ) + priors(θ, β) + smoothness in time
 //   ρ Geman–McClure on each keypoint, σ = σ₀ / confidence, μ metres per unit of the scan's world (1 when the scan is metric)
@@ -28,7 +30,7 @@ struct BodyFitSettings {
 /** How one least-squares solve ended. */
 struct SolveEnd {
     std::string what;
-    std::string how;               // Ceres' termination and message
+    std::string how;  // Ceres' termination and message
     bool usable = false;
     int steps = 0;
     double costBefore = 0, costAfter = 0;
@@ -42,11 +44,11 @@ struct KindResidual {
 };
 
 struct BodyFit {
-    std::vector<double> shape;      // one value per morph
-    double metresPerUnit = 1;       // scale of the scan's world; multiply camera translations by it (metricCamera)
-    Pose staticPose;                // of the still frames
-    std::vector<Pose> poses;        // one per Scan::frames, rig of shapedBody(body, shape); still frames: the still pose and a small sway
-    std::vector<bool> fitted;       // one per frame: false where the frame had too few keypoints and the pose was inherited or interpolated
+    std::vector<double> shape;  // one value per morph
+    double metresPerUnit = 1;   // scale of the scan's world; multiply camera translations by it (metricCamera)
+    Pose staticPose;            // of the still frames
+    std::vector<Pose> poses;    // one per Scan::frames, rig of shapedBody(body, shape); still frames: the still pose and a small sway
+    std::vector<bool> fitted;   // one per frame: false where the frame had too few keypoints and the pose was inherited or interpolated
     std::vector<SolveEnd> solves;
     std::vector<KindResidual> residuals;
 };
@@ -55,7 +57,8 @@ struct BodyFit {
  *  Train frames decide shape, scale, still pose and each other's poses; test frames are posed afterwards against frozen train results,
  *  so their data cannot reach anything that ships. Deterministic for equal input. InvalidArgument / CorruptData when the body has no
  *  keypoints of these names or the frames show too few; Cancelled. About a minute for 170 frames on one core. */
-Result<BodyFit> fitBody(const BodyModel& body, const Scan& scan, std::span<const std::vector<Keypoint>> keypoints, const BodyFitSettings& settings = {});
+Result<BodyFit> fitBody(const BodyModel& body, const Scan& scan, std::span<const std::vector<Keypoint>> keypoints,
+                        const BodyFitSettings& settings = {});
 
 /** Reads every frame's keypoint file and fits. */
 Result<BodyFit> fitBody(const BodyModel& body, const Scan& scan, const BodyFitSettings& settings = {});

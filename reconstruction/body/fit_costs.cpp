@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/body/fit_costs.h"
 
 #include <ceres/autodiff_cost_function.h>
@@ -9,9 +10,9 @@
 namespace dpl {
 namespace {
 
-constexpr double kMinDepthM = 0.05;         // keypoints nearer than this to the eye say nothing
-constexpr double kRangeSigmaRad = 0.03;     // how hard the end of a joint's range is
-constexpr double kMorphWallSigma = 0.1;     // how hard the end of a morph's range is
+constexpr double kMinDepthM = 0.05;      // keypoints nearer than this to the eye say nothing
+constexpr double kRangeSigmaRad = 0.03;  // how hard the end of a joint's range is
+constexpr double kMorphWallSigma = 0.1;  // how hard the end of a morph's range is
 
 struct RootSmoothness {
     Mat3d reference[3];
@@ -23,7 +24,8 @@ struct RootSmoothness {
         T turn[9];
         ceres::AngleAxisToRotationMatrix(root, turn);
         for (int c = 0; c < 3; ++c)
-            for (int r = 0; r < 3; ++r) columnMajor[3 * c + r] = turn[r] * reference[i][c][0] + turn[3 + r] * reference[i][c][1] + turn[6 + r] * reference[i][c][2];
+            for (int r = 0; r < 3; ++r)
+                columnMajor[3 * c + r] = turn[r] * reference[i][c][0] + turn[3 + r] * reference[i][c][1] + turn[6 + r] * reference[i][c][2];
     }
     template <class T>
     static void relative(const T* to, const T* from, T* angleAxis) {  // log(to · fromᵀ)
@@ -53,7 +55,8 @@ struct RootSmoothness {
 
 }  // namespace
 
-ReprojectionCost::ReprojectionCost(const FitContext& context, const Camerad& camera, const Mat3d& rootReference, const std::vector<Keypoint>& keypoints, double sigmaPx, bool withSway)
+ReprojectionCost::ReprojectionCost(const FitContext& context, const Camerad& camera, const Mat3d& rootReference,
+                                   const std::vector<Keypoint>& keypoints, double sigmaPx, bool withSway)
     : context_(context), camera_(camera), rootReference_(rootReference), keypoints_(keypoints), sigmaPx_(sigmaPx), withSway_(withSway) {
     for (size_t k = 0; k < keypoints_.size(); ++k)
         if (keypoints_[k].confidence > 0 && context.chain->hasKeypoint(k)) seen_.push_back(k);
@@ -94,13 +97,16 @@ bool ReprojectionCost::Evaluate(double const* const* blocks, double* residuals, 
         if (!jacobians) continue;
         // d(scale·r) = scale (I − r rᵀ/(s+c²)) dr
         const double g = inFront ? scale : 0.0;
-        const double m[2][2] = {{g * (1 - r.x * r.x / (s + c2)), -g * r.x * r.y / (s + c2)}, {-g * r.x * r.y / (s + c2), g * (1 - r.y * r.y / (s + c2))}};
-        const Vec3d du = inverseSigma * camera_.fx / z * Vec3d(1, 0, -view.x / z), dv = inverseSigma * camera_.fy / z * Vec3d(0, 1, -view.y / z);
+        const double m[2][2] = {{g * (1 - r.x * r.x / (s + c2)), -g * r.x * r.y / (s + c2)},
+                                {-g * r.x * r.y / (s + c2), g * (1 - r.y * r.y / (s + c2))}};
+        const Vec3d du = inverseSigma * camera_.fx / z * Vec3d(1, 0, -view.x / z),
+                    dv = inverseSigma * camera_.fy / z * Vec3d(0, 1, -view.y / z);
         const Mat3d Rt = glm::transpose(R);
         const double* chainRows = &posed.jacobian[seen_[i] * 3 * width];
         for (int a = 0; a < 2; ++a) {
             const Vec3d dView = m[a][0] * du + m[a][1] * dv, dWorld = Rt * dView;
-            for (size_t c = 0; c < width; ++c) row[c] = dWorld.x * chainRows[c] + dWorld.y * chainRows[width + c] + dWorld.z * chainRows[2 * width + c];
+            for (size_t c = 0; c < width; ++c)
+                row[c] = dWorld.x * chainRows[c] + dWorld.y * chainRows[width + c] + dWorld.z * chainRows[2 * width + c];
             const size_t line = 2 * i + size_t(a);
             if (jacobians[0]) std::copy_n(&row[kRootSize + poseSize], shapes, jacobians[0] + line * shapes);
             if (jacobians[1]) jacobians[1][line] = glm::dot(dView, shift);
@@ -109,14 +115,16 @@ bool ReprojectionCost::Evaluate(double const* const* blocks, double* residuals, 
             if (withSway_ && jacobians[4]) {
                 double* out = jacobians[4] + line * size_t(context_.sway.size());
                 std::copy_n(&row[0], kRootSize, out);
-                for (size_t slot = 0; slot < context_.sway.slots.size(); ++slot) std::copy_n(&row[kRootSize + 3 * context_.sway.slots[slot]], 3, out + kRootSize + 3 * slot);
+                for (size_t slot = 0; slot < context_.sway.slots.size(); ++slot)
+                    std::copy_n(&row[kRootSize + 3 * context_.sway.slots[slot]], 3, out + kRootSize + 3 * slot);
             }
         }
     }
     return true;
 }
 
-PosePriorCost::PosePriorCost(std::vector<JointPrior> priors, std::vector<double> mean) : priors_(std::move(priors)), mean_(std::move(mean)) {
+PosePriorCost::PosePriorCost(std::vector<JointPrior> priors, std::vector<double> mean)
+    : priors_(std::move(priors)), mean_(std::move(mean)) {
     set_num_residuals(int(6 * priors_.size()));
     mutable_parameter_block_sizes()->push_back(int(3 * priors_.size()));
 }
@@ -132,7 +140,8 @@ bool PosePriorCost::Evaluate(double const* const* blocks, double* residuals, dou
             const double beyond = angle < p.lowRad[a] ? angle - p.lowRad[a] : angle > p.highRad[a] ? angle - p.highRad[a] : 0.0;
             const size_t spread = 6 * j + size_t(a), range = spread + 3;
             const double r = (angle - glm::dot(p.axes[a], Vec3d(mean_[3 * j], mean_[3 * j + 1], mean_[3 * j + 2]))) / p.sigmaRad[a];
-            const double c2 = p.tailSigmas[a] * p.tailSigmas[a], scale = c2 > 0 ? std::sqrt(c2 / (r * r + c2)) : 1.0;  // ρ as in ReprojectionCost
+            const double c2 = p.tailSigmas[a] * p.tailSigmas[a],
+                         scale = c2 > 0 ? std::sqrt(c2 / (r * r + c2)) : 1.0;  // ρ as in ReprojectionCost
             const double slope = c2 > 0 ? scale * c2 / (r * r + c2) : 1.0;
             residuals[spread] = scale * r;
             residuals[range] = beyond / kRangeSigmaRad;
@@ -193,7 +202,8 @@ PoseSmoothness::PoseSmoothness(std::vector<JointPrior> priors, double t0, double
 bool PoseSmoothness::Evaluate(double const* const* blocks, double* residuals, double** jacobians) const {
     const size_t size = 3 * priors_.size();
     for (size_t i = 0; i < size; ++i)
-        residuals[i] = (weight_[0] * blocks[0][i] + weight_[1] * blocks[1][i] + weight_[2] * blocks[2][i]) / priors_[i / 3].accelerationRadS2;
+        residuals[i] =
+            (weight_[0] * blocks[0][i] + weight_[1] * blocks[1][i] + weight_[2] * blocks[2][i]) / priors_[i / 3].accelerationRadS2;
     for (int b = 0; jacobians && b < 3; ++b) {
         if (!jacobians[b]) continue;
         std::fill_n(jacobians[b], size * size, 0.0);
@@ -227,7 +237,8 @@ ceres::CostFunction* makeRootUpright(const Mat3d& reference, const Vec3d& bodyUp
     return new ceres::AutoDiffCostFunction<RootUpright, 3, kRootSize>(new RootUpright{reference, bodyUp, up});
 }
 
-FootRest::FootRest(const FitContext& context, std::vector<size_t> keypoints, const Mat3d& reference0, const Mat3d& reference1, double sigmaM)
+FootRest::FootRest(const FitContext& context, std::vector<size_t> keypoints, const Mat3d& reference0, const Mat3d& reference1,
+                   double sigmaM)
     : context_(context), keypoints_(std::move(keypoints)), reference_{reference0, reference1}, sigmaM_(sigmaM) {
     set_num_residuals(int(3 * keypoints_.size()));
     const int pose = int(3 * context.chain->posedCount());
@@ -238,7 +249,8 @@ bool FootRest::Evaluate(double const* const* blocks, double* residuals, double**
     const KeypointChain& chain = *context_.chain;
     const size_t poseSize = 3 * chain.posedCount(), shapes = chain.shapeCount(), width = chain.columns();
     thread_local KeypointChain::Output posed[2];
-    for (int i = 0; i < 2; ++i) chain.evaluate(reference_[i], blocks[1 + 2 * i], blocks[2 + 2 * i], blocks[0], jacobians != nullptr, posed[i]);
+    for (int i = 0; i < 2; ++i)
+        chain.evaluate(reference_[i], blocks[1 + 2 * i], blocks[2 + 2 * i], blocks[0], jacobians != nullptr, posed[i]);
     const double c2 = kFootOutlierSigmas * kFootOutlierSigmas, sigmaM = sigmaM_ * context_.footSigmaScale;
     for (size_t n = 0; n < keypoints_.size(); ++n) {
         const size_t k = keypoints_[n];
@@ -254,7 +266,8 @@ bool FootRest::Evaluate(double const* const* blocks, double* residuals, double**
                 return m[a].x * rows[0] + m[a].y * rows[width] + m[a].z * rows[2 * width];
             };
             if (jacobians[0])
-                for (size_t c = 0; c < shapes; ++c) jacobians[0][line * shapes + c] = entry(1, kRootSize + poseSize + c) - entry(0, kRootSize + poseSize + c);
+                for (size_t c = 0; c < shapes; ++c)
+                    jacobians[0][line * shapes + c] = entry(1, kRootSize + poseSize + c) - entry(0, kRootSize + poseSize + c);
             for (int i = 0; i < 2; ++i) {
                 const double sign = i == 0 ? -1 : 1;
                 if (double* root = jacobians[1 + 2 * i])

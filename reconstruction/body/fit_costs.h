@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The residuals of the body fit. Only fit_*.cpp include this: Ceres stays out of public headers.
 #pragma once
 
@@ -14,7 +15,7 @@ namespace dpl {
 
 /** Which pose parameters sway: their places in the sway block after its six root values. */
 struct SwayLayout {
-    std::vector<uint32_t> slots;    // index into KeypointChain::posedJoints
+    std::vector<uint32_t> slots;  // index into KeypointChain::posedJoints
     int size() const { return kRootSize + 3 * int(slots.size()); }
 };
 
@@ -23,13 +24,15 @@ struct FitContext {
     const KeypointChain* chain = nullptr;
     SwayLayout sway;
     double outlierSigmas = 4;
-    double footSigmaScale = 1;    // widens FootRest while poses are still coarse; its saturated cost stays that of a final outlier
+    double footSigmaScale = 1;  // widens FootRest while poses are still coarse; its saturated cost stays that of a final outlier
 };
 
-/** Two residuals a seen keypoint. Blocks: shape, log metres per unit, root, pose[, sway]. Geman–McClure inside: r·c/√(|r|²+c²), whose square is ρ. */
+/** Two residuals a seen keypoint. Blocks: shape, log metres per unit, root, pose[, sway]. Geman–McClure inside: r·c/√(|r|²+c²), whose
+ * square is ρ. */
 class ReprojectionCost final : public ceres::CostFunction {
 public:
-    ReprojectionCost(const FitContext& context, const Camerad& camera, const Mat3d& rootReference, const std::vector<Keypoint>& keypoints, double sigmaPx, bool withSway);
+    ReprojectionCost(const FitContext& context, const Camerad& camera, const Mat3d& rootReference, const std::vector<Keypoint>& keypoints,
+                     double sigmaPx, bool withSway);
     bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override;
 
 private:
@@ -90,7 +93,8 @@ ceres::CostFunction* makeRootSmoothness(const Mat3d (&references)[3], const Vec3
 
 constexpr double kTurnAccelerationRadS2 = 2.0, kTiltAccelerationRadS2 = 0.15, kRootAccelerationMS2 = 0.6;
 
-/** The pelvis stays about as upright as in the still pose: `bodyUp` (the root's own axis that points `up` there) against `up`. Block: root. */
+/** The pelvis stays about as upright as in the still pose: `bodyUp` (the root's own axis that points `up` there) against `up`. Block: root.
+ */
 ceres::CostFunction* makeRootUpright(const Mat3d& reference, const Vec3d& bodyUp, const Vec3d& up);
 constexpr double kTiltRad = 0.04;
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/body/fit_init.h"
 
 #include <Eigen/Geometry>
@@ -10,7 +11,7 @@
 namespace dpl {
 namespace {
 
-constexpr double kSeen = 0.25;            // confidence from which a keypoint helps to triangulate
+constexpr double kSeen = 0.25;  // confidence from which a keypoint helps to triangulate
 constexpr double kMinParallaxRad = 0.1;
 
 Mat3d rotationBetween(const Vec3d& from, const Vec3d& to) {
@@ -35,11 +36,13 @@ std::vector<std::optional<Vec3d>> triangulateKeypoints(const std::vector<Keypoin
             const Keypoint& p = (*v.keypoints)[k];
             if (p.confidence < kSeen) continue;
             const Vec3d inView((p.px.x - v.camera.cx) / v.camera.fx, (p.px.y - v.camera.cy) / v.camera.fy, 1);
-            rays.push_back({v.camera.eye(), glm::normalize(glm::transpose(v.camera.viewFromWorldRotation) * inView), p.confidence * p.confidence});
+            rays.push_back(
+                {v.camera.eye(), glm::normalize(glm::transpose(v.camera.viewFromWorldRotation) * inView), p.confidence * p.confidence});
         }
         if (rays.size() < 2) continue;
         double parallax = 0;
-        for (const Ray& r : rays) parallax = std::max(parallax, std::acos(std::clamp(std::abs(glm::dot(r.direction, rays[0].direction)), 0.0, 1.0)));
+        for (const Ray& r : rays)
+            parallax = std::max(parallax, std::acos(std::clamp(std::abs(glm::dot(r.direction, rays[0].direction)), 0.0, 1.0)));
         if (parallax < kMinParallaxRad) continue;
         // Least squares of the distances to the rays, reweighted by 1/(1+(d/m)²) with m the median distance.
         Vec3d x(0);
@@ -71,7 +74,8 @@ std::vector<std::optional<Vec3d>> triangulateKeypoints(const std::vector<Keypoin
     return points;
 }
 
-Result<FitStart> startFromPoints(const BodyModel& body, const KeypointChain& chain, const std::vector<std::string>& names, const std::vector<std::optional<Vec3d>>& points, bool metric) {
+Result<FitStart> startFromPoints(const BodyModel& body, const KeypointChain& chain, const std::vector<std::string>& names,
+                                 const std::vector<std::optional<Vec3d>>& points, bool metric) {
     FitStart start;
     start.pose.assign(3 * chain.posedCount(), 0.0);
     const std::vector<double> meanShape(chain.shapeCount(), 0.0);
@@ -89,13 +93,17 @@ Result<FitStart> startFromPoints(const BodyModel& body, const KeypointChain& cha
         if (names[k].ends_with("_r")) sides[1] = true;
     }
     if (pairs.size() < 4 || !sides[0] || !sides[1])
-        return fail(Code::NotFound, "the still frames show {} of the torso's keypoints (shoulders, hips, neck, pelvis) from two sides; at least four are needed. Check the keypoint files", pairs.size());
+        return fail(Code::NotFound,
+                    "the still frames show {} of the torso's keypoints (shoulders, hips, neck, pelvis) from two sides; at least four are "
+                    "needed. Check the keypoint files",
+                    pairs.size());
     Eigen::Matrix3Xd from(3, Eigen::Index(pairs.size())), to(3, Eigen::Index(pairs.size()));
     for (size_t i = 0; i < pairs.size(); ++i)
         for (int r = 0; r < 3; ++r) from(r, Eigen::Index(i)) = pairs[i].first[r], to(r, Eigen::Index(i)) = pairs[i].second[r];
     const Eigen::Matrix4d fitted = Eigen::umeyama(from, to, !metric);
     const double scale = metric ? 1.0 : std::cbrt(fitted.topLeftCorner<3, 3>().determinant());
-    if (!(scale > 1e-9) || !std::isfinite(scale)) return fail(Code::CorruptData, "the torso's keypoints collapse to a point; check the cameras");
+    if (!(scale > 1e-9) || !std::isfinite(scale))
+        return fail(Code::CorruptData, "the torso's keypoints collapse to a point; check the cameras");
     start.metresPerUnit = 1 / scale;
     Vec3d shift;
     for (int c = 0; c < 3; ++c)
@@ -110,8 +118,14 @@ Result<FitStart> startFromPoints(const BodyModel& body, const KeypointChain& cha
     struct Bone {
         const char *joint, *from, *to;
     };
-    constexpr std::array<Bone, 8> kBones = {{{"leftUpperArm", "shoulder_l", "elbow_l"}, {"leftLowerArm", "elbow_l", "wrist_l"}, {"rightUpperArm", "shoulder_r", "elbow_r"}, {"rightLowerArm", "elbow_r", "wrist_r"},
-                                              {"leftUpperLeg", "hip_l", "knee_l"}, {"leftLowerLeg", "knee_l", "ankle_l"}, {"rightUpperLeg", "hip_r", "knee_r"}, {"rightLowerLeg", "knee_r", "ankle_r"}}};
+    constexpr std::array<Bone, 8> kBones = {{{"leftUpperArm", "shoulder_l", "elbow_l"},
+                                             {"leftLowerArm", "elbow_l", "wrist_l"},
+                                             {"rightUpperArm", "shoulder_r", "elbow_r"},
+                                             {"rightLowerArm", "elbow_r", "wrist_r"},
+                                             {"leftUpperLeg", "hip_l", "knee_l"},
+                                             {"leftLowerLeg", "knee_l", "ankle_l"},
+                                             {"rightUpperLeg", "hip_r", "knee_r"},
+                                             {"rightLowerLeg", "knee_r", "ankle_r"}}};
     for (const Bone& bone : kBones) {
         const auto index = [&](const char* name) { return size_t(std::find(names.begin(), names.end(), name) - names.begin()); };
         const size_t a = index(bone.from), b = index(bone.to);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/body/fit_limbs.h"
 
 #include <algorithm>
@@ -10,25 +11,27 @@
 namespace dpl {
 namespace {
 
-constexpr int kStates = 4;                       // elbow near/far × wrist near/far
+constexpr int kStates = 4;  // elbow near/far × wrist near/far
 constexpr double kElbowAccelerationMS2 = 4, kWristAccelerationMS2 = 8;
-constexpr double kDepthNoiseM = 0.04;            // spread of a candidate's depth from keypoint noise
+constexpr double kDepthNoiseM = 0.04;  // spread of a candidate's depth from keypoint noise
 constexpr double kMaxGapS = 1.0;
 constexpr int kTwistSteps = 10;
 constexpr double kTwistStepRad = 0.15;
 constexpr double kSidewaysSigmaRad = 0.15, kHyperextensionSigmaRad = 0.15;  // an elbow's place is known to a few centimetres in depth
 constexpr double kBackwardSigma = 0.1;
-constexpr double kRangeSigmaRad = 0.1;           // how hard the end of the shoulder's range is
+constexpr double kRangeSigmaRad = 0.1;  // how hard the end of the shoulder's range is
 
 struct Candidate {
     LimbGuess guess;
-    double cost = 0;                             // how unnatural the shoulder is
+    double cost = 0;  // how unnatural the shoulder is
 };
 
-/** The two points on the pixel's ray at `length` from `from`; the nearest point of the ray, pulled to that length, when it passes further away. */
+/** The two points on the pixel's ray at `length` from `from`; the nearest point of the ray, pulled to that length, when it passes further
+ * away. */
 std::array<Vec3d, 2> onRay(const Camerad& camera, const Vec2d& px, const Vec3d& from, double length) {
     const Vec3d eye = camera.eye();
-    const Vec3d direction = glm::normalize(glm::transpose(camera.viewFromWorldRotation) * Vec3d((px.x - camera.cx) / camera.fx, (px.y - camera.cy) / camera.fy, 1));
+    const Vec3d direction = glm::normalize(glm::transpose(camera.viewFromWorldRotation) *
+                                           Vec3d((px.x - camera.cx) / camera.fx, (px.y - camera.cy) / camera.fy, 1));
     const Vec3d toEye = eye - from;
     const double b = glm::dot(toEye, direction), c = glm::dot(toEye, toEye) - length * length, discriminant = b * b - c;
     if (discriminant <= 0) {
@@ -41,7 +44,9 @@ std::array<Vec3d, 2> onRay(const Camerad& camera, const Vec2d& px, const Vec3d& 
 }
 
 /** Squared deviation, Geman–McClure when there is a tail. */
-double spread(double sigmas, double tail) { return tail > 0 ? sigmas * sigmas / (1 + sigmas * sigmas / (tail * tail)) : sigmas * sigmas; }
+double spread(double sigmas, double tail) {
+    return tail > 0 ? sigmas * sigmas / (1 + sigmas * sigmas / (tail * tail)) : sigmas * sigmas;
+}
 
 Candidate makeCandidate(const LimbRig& rig, const LimbView& view, const Vec3d& elbow, const Vec3d& wrist) {
     Candidate c{{Vec3d(0), 0, elbow, wrist}, 0};
@@ -110,7 +115,8 @@ std::vector<std::optional<LimbGuess>> untangleLimb(const LimbRig& rig, const std
     std::vector<Table> best(n);
     std::vector<Links> link(n);
     for (int s = 0; s < kStates; ++s)
-        for (int t = 0; t < kStates; ++t) best[0][size_t(s)][size_t(t)] = s == 0 ? candidates[0][size_t(t)].cost : std::numeric_limits<double>::infinity();
+        for (int t = 0; t < kStates; ++t)
+            best[0][size_t(s)][size_t(t)] = s == 0 ? candidates[0][size_t(t)].cost : std::numeric_limits<double>::infinity();
     for (size_t i = 1; i < n; ++i)
         for (size_t s = 0; s < kStates; ++s)
             for (size_t t = 0; t < kStates; ++t) {
@@ -120,8 +126,10 @@ std::vector<std::optional<LimbGuess>> untangleLimb(const LimbRig& rig, const std
                     double cost = best[i - 1][r][s];
                     const double before = i >= 2 ? views[used[i - 1]].timeS - views[used[i - 2]].timeS : 0;
                     if (i >= 2 && before > 1e-4 && after > 1e-4 && before < kMaxGapS && after < kMaxGapS)
-                        cost += acceleration2(candidates[i - 2][r].guess.elbow, candidates[i - 1][s].guess.elbow, candidates[i][t].guess.elbow, before, after, kElbowAccelerationMS2) +
-                                acceleration2(candidates[i - 2][r].guess.wrist, candidates[i - 1][s].guess.wrist, candidates[i][t].guess.wrist, before, after, kWristAccelerationMS2);
+                        cost += acceleration2(candidates[i - 2][r].guess.elbow, candidates[i - 1][s].guess.elbow,
+                                              candidates[i][t].guess.elbow, before, after, kElbowAccelerationMS2) +
+                                acceleration2(candidates[i - 2][r].guess.wrist, candidates[i - 1][s].guess.wrist,
+                                              candidates[i][t].guess.wrist, before, after, kWristAccelerationMS2);
                     if (cost < winner) winner = cost, link[i][s][t] = int(r);
                 }
                 best[i][s][t] = winner + candidates[i][t].cost;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which way an arm or a leg points in depth. One view leaves two places for the elbow (on its ray, an upper arm's length from the shoulder)
 // and two for the wrist, so four arms a frame; the sequence of choices with the least acceleration and the most natural shoulder wins
 // (dynamic programming over pairs of frames, exact). A least-squares fit alone stays in whichever arm it started.
@@ -27,15 +28,15 @@ struct LimbRig {
 struct LimbView {
     double timeS = 0;
     Camerad camera;
-    Keypoint elbow, wrist;                  // confidence 0: the frame is left out
+    Keypoint elbow, wrist;  // confidence 0: the frame is left out
     Vec3d shoulder{0};
-    Mat3d worldFromParent{1};               // world rotation of the upper arm's parent
+    Mat3d worldFromParent{1};  // world rotation of the upper arm's parent
 };
 
 struct LimbGuess {
-    Vec3d shoulder{0};                      // rotation vector of the upper arm, local
-    double bendRad = 0;                     // turn about hingeAxis from rest
-    Vec3d elbow{0}, wrist{0};               // world
+    Vec3d shoulder{0};         // rotation vector of the upper arm, local
+    double bendRad = 0;        // turn about hingeAxis from rest
+    Vec3d elbow{0}, wrist{0};  // world
 };
 
 /** One guess a view, in order of time; nothing where a keypoint is missing. */

@@ -1,4 +1,6 @@
-// Moving frames of the body fit: a first guess by tracking, depth choices of arms and legs, all frames together, and the held-out ones between them.
+// SPDX-License-Identifier: Apache-2.0
+// Moving frames of the body fit: a first guess by tracking, depth choices of arms and legs, all frames together, and the held-out ones
+// between them.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,10 +12,10 @@
 namespace dpl {
 namespace {
 
-constexpr double kMaxGapS = 1.0;                // moving frames further apart than this are not smoothed over
+constexpr double kMaxGapS = 1.0;                              // moving frames further apart than this are not smoothed over
 constexpr double kFootSlideM = 0.0008, kFootSlideMS = 0.002;  // how far a standing foot moves between frames: at once, and a second
 constexpr double kLooseFootScale = 5;
-constexpr double kSameLimbM = 0.08;             // a depth choice nearer than this to the present arm or leg is the same one
+constexpr double kSameLimbM = 0.08;  // a depth choice nearer than this to the present arm or leg is the same one
 constexpr int kUntangleRounds = 3;
 constexpr double kTrackStepRad = 0.5, kTrackStepM = 0.3;  // spread of pose and root between moving frames, for the first guess only
 
@@ -29,7 +31,8 @@ void BodyFitter::addSmoothness(ceres::Problem& problem, const std::vector<size_t
         FrameState &a = frames_[order[i]], &b = frames_[order[i + 1]];
         const double step = scan_.frames[order[i + 1]].timeS - scan_.frames[order[i]].timeS;
         if (!(step > 1e-4) || step > kMaxGapS || (!involves(order[i]) && !involves(order[i + 1]))) continue;
-        problem.AddResidualBlock(new FootRest(context_, feet, a.rootReference, b.rootReference, kFootSlideM + kFootSlideMS * step), nullptr, shape_.data(), a.root, a.pose.data(), b.root, b.pose.data());
+        problem.AddResidualBlock(new FootRest(context_, feet, a.rootReference, b.rootReference, kFootSlideM + kFootSlideMS * step), nullptr,
+                                 shape_.data(), a.root, a.pose.data(), b.root, b.pose.data());
     }
     for (size_t i = 1; i + 1 < order.size(); ++i) {
         const size_t f[3] = {order[i - 1], order[i], order[i + 1]};
@@ -38,7 +41,8 @@ void BodyFitter::addSmoothness(ceres::Problem& problem, const std::vector<size_t
         if (!involves(f[0]) && !involves(f[1]) && !involves(f[2])) continue;
         FrameState &a = frames_[f[0]], &b = frames_[f[1]], &c = frames_[f[2]];
         problem.AddResidualBlock(new PoseSmoothness(priors_, t[0], t[1], t[2]), nullptr, a.pose.data(), b.pose.data(), c.pose.data());
-        problem.AddResidualBlock(makeRootSmoothness({a.rootReference, b.rootReference, c.rootReference}, up, t[0], t[1], t[2]), nullptr, a.root, b.root, c.root);
+        problem.AddResidualBlock(makeRootSmoothness({a.rootReference, b.rootReference, c.rootReference}, up, t[0], t[1], t[2]), nullptr,
+                                 a.root, b.root, c.root);
     }
 }
 
@@ -55,11 +59,15 @@ Status BodyFitter::trackMoving(const std::vector<size_t>& order, double from, do
         addFrame(problem, order[i]);
         freezeGlobals(problem);
         problem.AddResidualBlock(new DiagonalPrior(s.pose, std::vector<double>(s.pose.size(), kTrackStepRad)), nullptr, s.pose.data());
-        problem.AddResidualBlock(new DiagonalPrior(std::vector<double>(s.root, s.root + kRootSize), {kTrackStepRad, kTrackStepRad, kTrackStepRad, kTrackStepM, kTrackStepM, kTrackStepM}), nullptr, s.root);
-        DPL_CHECK_OK(solve(problem, "moving frames: first guess", 25, from + (to - from) * double(i) / double(order.size()), from + (to - from) * double(i + 1) / double(order.size())));
+        problem.AddResidualBlock(new DiagonalPrior(std::vector<double>(s.root, s.root + kRootSize),
+                                                   {kTrackStepRad, kTrackStepRad, kTrackStepRad, kTrackStepM, kTrackStepM, kTrackStepM}),
+                                 nullptr, s.root);
+        DPL_CHECK_OK(solve(problem, "moving frames: first guess", 25, from + (to - from) * double(i) / double(order.size()),
+                           from + (to - from) * double(i + 1) / double(order.size())));
         if (solves_.size() > 1 && solves_[solves_.size() - 2].what == solves_.back().what) {  // one line for the whole track
             SolveEnd& total = solves_[solves_.size() - 2];
-            total.steps += solves_.back().steps, total.costBefore += solves_.back().costBefore, total.costAfter += solves_.back().costAfter, total.how = solves_.back().how;
+            total.steps += solves_.back().steps, total.costBefore += solves_.back().costBefore, total.costAfter += solves_.back().costAfter,
+                total.how = solves_.back().how;
             solves_.pop_back();
         }
         previous = &s;
@@ -77,11 +85,16 @@ void BodyFitter::untangleLimbs(const std::vector<size_t>& order, const std::func
                                {"rightUpperArm", "rightLowerArm", "rightHand", "elbow_r", "wrist_r", 0.25},
                                {"leftUpperLeg", "leftLowerLeg", "leftFoot", "knee_l", "ankle_l", 0.7},
                                {"rightUpperLeg", "rightLowerLeg", "rightFoot", "knee_r", "ankle_r", 0.7}};
-    const auto keypoint = [&](const char* name) { return size_t(std::find(scan_.keypointNames.begin(), scan_.keypointNames.end(), name) - scan_.keypointNames.begin()); };
-    const auto slotOf = [&](int32_t joint) { return size_t(std::find(chain_.posedJoints().begin(), chain_.posedJoints().end(), uint32_t(joint)) - chain_.posedJoints().begin()); };
+    const auto keypoint = [&](const char* name) {
+        return size_t(std::find(scan_.keypointNames.begin(), scan_.keypointNames.end(), name) - scan_.keypointNames.begin());
+    };
+    const auto slotOf = [&](int32_t joint) {
+        return size_t(std::find(chain_.posedJoints().begin(), chain_.posedJoints().end(), uint32_t(joint)) - chain_.posedJoints().begin());
+    };
     for (const Limb& limb : kLimbs) {
         const int32_t upper = findHumanoid(body_, limb.upper), lower = findHumanoid(body_, limb.lower), end = findHumanoid(body_, limb.end);
-        const size_t middleKeypoint = keypoint(limb.middleKeypoint), endKeypoint = keypoint(limb.endKeypoint), names = scan_.keypointNames.size();
+        const size_t middleKeypoint = keypoint(limb.middleKeypoint), endKeypoint = keypoint(limb.endKeypoint),
+                     names = scan_.keypointNames.size();
         if (upper <= 0 || lower <= 0 || end <= 0 || middleKeypoint == names || endKeypoint == names) continue;
         const size_t upperSlot = slotOf(upper), lowerSlot = slotOf(lower);
         if (upperSlot == priors_.size() || lowerSlot == priors_.size()) continue;
@@ -93,7 +106,8 @@ void BodyFitter::untangleLimbs(const std::vector<size_t>& order, const std::func
         rig.upperDirection = (rest(lower) - rest(upper)) / rig.upperM;
         const Vec3d lowerDirection = (rest(end) - rest(lower)) / rig.lowerM, hinge = priors_[lowerSlot].axes[0];
         rig.hingeAxis = glm::normalize(hinge - glm::dot(hinge, rig.upperDirection) * rig.upperDirection);
-        rig.restBendRad = std::atan2(glm::dot(glm::cross(rig.upperDirection, lowerDirection), rig.hingeAxis), glm::dot(rig.upperDirection, lowerDirection));
+        rig.restBendRad = std::atan2(glm::dot(glm::cross(rig.upperDirection, lowerDirection), rig.hingeAxis),
+                                     glm::dot(rig.upperDirection, lowerDirection));
         rig.shoulderAxes = priors_[upperSlot].axes;
         rig.shoulderSigma = priors_[upperSlot].sigmaRad;
         rig.maxBackward = limb.maxBackward;
@@ -101,8 +115,10 @@ void BodyFitter::untangleLimbs(const std::vector<size_t>& order, const std::func
         rig.bendSigma = priors_[lowerSlot].sigmaRad[0];
         rig.bendTail = priors_[lowerSlot].tailSigmas[0];
         if (!shapeFromMoving_) {
-            rig.shoulderMean = glm::transpose(rig.shoulderAxes) * Vec3d(still_.pose[3 * upperSlot], still_.pose[3 * upperSlot + 1], still_.pose[3 * upperSlot + 2]);
-            rig.bendMean = glm::dot(hinge, Vec3d(still_.pose[3 * lowerSlot], still_.pose[3 * lowerSlot + 1], still_.pose[3 * lowerSlot + 2]));
+            rig.shoulderMean = glm::transpose(rig.shoulderAxes) *
+                               Vec3d(still_.pose[3 * upperSlot], still_.pose[3 * upperSlot + 1], still_.pose[3 * upperSlot + 2]);
+            rig.bendMean =
+                glm::dot(hinge, Vec3d(still_.pose[3 * lowerSlot], still_.pose[3 * lowerSlot + 1], still_.pose[3 * lowerSlot + 2]));
         }
         rig.shoulderLow = priors_[upperSlot].lowRad;
         rig.shoulderHigh = priors_[upperSlot].highRad;
@@ -112,17 +128,20 @@ void BodyFitter::untangleLimbs(const std::vector<size_t>& order, const std::func
             const size_t f = order[i];
             const FrameState& s = frames_[f];
             chain_.evaluate(s.rootReference, s.root, s.pose.data(), shape_.data(), false, now[i]);
-            views.push_back({scan_.frames[f].timeS, metricCamera(scan_.frames[f].camera, std::exp(logUnit_)), keypoints_[f][middleKeypoint], keypoints_[f][endKeypoint],
-                             now[i].places[size_t(upper)], now[i].rotations[size_t(body_.joints[size_t(upper)].parent)]});
+            views.push_back({scan_.frames[f].timeS, metricCamera(scan_.frames[f].camera, std::exp(logUnit_)), keypoints_[f][middleKeypoint],
+                             keypoints_[f][endKeypoint], now[i].places[size_t(upper)],
+                             now[i].rotations[size_t(body_.joints[size_t(upper)].parent)]});
         }
         const auto guesses = untangleLimb(rig, views);
         for (size_t i = 0; i < order.size(); ++i) {
             if (!guesses[i] || !mayChange(order[i])) continue;
-            const double moved = std::max(glm::length(guesses[i]->elbow - now[i].places[size_t(lower)]), glm::length(guesses[i]->wrist - now[i].places[size_t(end)]));
+            const double moved = std::max(glm::length(guesses[i]->elbow - now[i].places[size_t(lower)]),
+                                          glm::length(guesses[i]->wrist - now[i].places[size_t(end)]));
             if (moved < kSameLimbM) continue;
             std::vector<double>& pose = frames_[order[i]].pose;
             const Vec3d bend = guesses[i]->bendRad * hinge;
-            for (int a = 0; a < 3; ++a) pose[3 * upperSlot + size_t(a)] = guesses[i]->shoulder[a], pose[3 * lowerSlot + size_t(a)] = bend[a];
+            for (int a = 0; a < 3; ++a)
+                pose[3 * upperSlot + size_t(a)] = guesses[i]->shoulder[a], pose[3 * lowerSlot + size_t(a)] = bend[a];
         }
     }
 }
@@ -139,8 +158,10 @@ Status BodyFitter::fitMoving(double from, double to) {
         for (size_t f : order) addFrame(problem, f);
         addSmoothness(problem, order, [](size_t) { return true; });
         if (shapeFromMoving_ && !shape_.empty()) problem.AddResidualBlock(new ShapePrior(body_.morphs), nullptr, shape_.data());
-        if (!shapeFromMoving_) freezeGlobals(problem);
-        else if (scan_.metricWorld) problem.SetParameterBlockConstant(&logUnit_);
+        if (!shapeFromMoving_)
+            freezeGlobals(problem);
+        else if (scan_.metricWorld)
+            problem.SetParameterBlockConstant(&logUnit_);
         done += part;
         return solve(problem, what, maxSteps, done - part, done);
     };
@@ -191,7 +212,8 @@ Status BodyFitter::fitHeldOutMoving(double from, double to) {
         const FrameState* nearest = nullptr;
         double distance = 0;
         for (size_t g : order)
-            if (const double d = std::abs(scan_.frames[g].timeS - scan_.frames[f].timeS); isTrain(g) && (!nearest || d < distance)) nearest = &frames_[g], distance = d;
+            if (const double d = std::abs(scan_.frames[g].timeS - scan_.frames[f].timeS); isTrain(g) && (!nearest || d < distance))
+                nearest = &frames_[g], distance = d;
         if (!nearest) continue;
         FrameState& s = frames_[f];
         s.rootReference = nearest->rootReference;
@@ -212,7 +234,8 @@ Status BodyFitter::fitHeldOutMoving(double from, double to) {
                 for (double* block : {frames_[g].root, frames_[g].pose.data()})
                     if (problem.HasParameterBlock(block)) problem.SetParameterBlockConstant(block);
         const double half = 0.5 * (to - from);
-        DPL_CHECK_OK(solve(problem, round == 0 ? "held-out moving frames, loose" : "held-out moving frames", 40, from + half * round, from + half * (round + 1)));
+        DPL_CHECK_OK(solve(problem, round == 0 ? "held-out moving frames, loose" : "held-out moving frames", 40, from + half * round,
+                           from + half * (round + 1)));
     }
     return {};
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/body/fit_silhouette.h"
 
 #include <algorithm>
@@ -7,23 +8,25 @@
 namespace dpl {
 namespace {
 
-constexpr double kOutsideSigmaM = 0.005;   // how far the body may stick out of the mask
-constexpr double kInsideSigmaM = 0.04;     // how far clothes may stand off the body
-constexpr double kOutlierSigmas = 3;       // Geman–McClure scale: hair, bags and limbs in front of each other
-constexpr double kFrameWeight = 5;         // the outline of one frame counts as this many independent residuals
-constexpr double kGrazing = 0.25;          // |cos| between normal and line of sight on the outline
-constexpr double kReachM = 0.08;           // outline samples further from the mask's edge belong to something else
-constexpr double kSameDirection = 0.7;     // between a sample's normal in the image and the way out of the mask
+constexpr double kOutsideSigmaM = 0.005;  // how far the body may stick out of the mask
+constexpr double kInsideSigmaM = 0.04;    // how far clothes may stand off the body
+constexpr double kOutlierSigmas = 3;      // Geman–McClure scale: hair, bags and limbs in front of each other
+constexpr double kFrameWeight = 5;        // the outline of one frame counts as this many independent residuals
+constexpr double kGrazing = 0.25;         // |cos| between normal and line of sight on the outline
+constexpr double kReachM = 0.08;          // outline samples further from the mask's edge belong to something else
+constexpr double kSameDirection = 0.7;    // between a sample's normal in the image and the way out of the mask
 
 }  // namespace
 
 double MaskDistance::sample(const Vec2d& cameraPx, Vec2d& gradient) const {
-    const double x = std::clamp(cameraPx.x * maskPerCameraPx - 0.5, 0.0, double(widthPx) - 1.001), y = std::clamp(cameraPx.y * maskPerCameraPx - 0.5, 0.0, double(heightPx) - 1.001);
+    const double x = std::clamp(cameraPx.x * maskPerCameraPx - 0.5, 0.0, double(widthPx) - 1.001),
+                 y = std::clamp(cameraPx.y * maskPerCameraPx - 0.5, 0.0, double(heightPx) - 1.001);
     const size_t ix = size_t(x), iy = size_t(y);
     const double fx = x - double(ix), fy = y - double(iy);
     const float* row = &distancePx[iy * widthPx + ix];
     const double a = row[0], b = row[1], c = row[widthPx], d = row[widthPx + 1];
-    gradient = {(1 - fy) * (b - a) + fy * (d - c), (1 - fx) * (c - a) + fx * (d - b)};  // per mask px of a distance in mask px: the same per camera px
+    gradient = {(1 - fy) * (b - a) + fy * (d - c),
+                (1 - fx) * (c - a) + fx * (d - b)};  // per mask px of a distance in mask px: the same per camera px
     return ((1 - fy) * ((1 - fx) * a + fx * b) + fy * ((1 - fx) * c + fx * d)) / maskPerCameraPx;
 }
 
@@ -32,8 +35,11 @@ Result<MaskDistance> maskDistance(const ImageGrey8& image, uint32_t maxSidePx) {
     cv::Mat mask(int(image.heightPx), int(image.widthPx), CV_8UC1, const_cast<uint8_t*>(image.pixels.data()));
     const double scale = std::min(1.0, double(maxSidePx) / double(std::max(image.widthPx, image.heightPx)));
     cv::Mat small, inside, outside, toPerson, toBackground;
-    if (scale < 1) cv::resize(mask, small, cv::Size(std::max(2, int(image.widthPx * scale)), std::max(2, int(image.heightPx * scale))), 0, 0, cv::INTER_AREA);
-    else small = mask;
+    if (scale < 1)
+        cv::resize(mask, small, cv::Size(std::max(2, int(image.widthPx * scale)), std::max(2, int(image.heightPx * scale))), 0, 0,
+                   cv::INTER_AREA);
+    else
+        small = mask;
     inside = small > 127;
     outside = small <= 127;
     if (cv::countNonZero(inside) == 0 || cv::countNonZero(outside) == 0) return fail(Code::NotFound, "the mask shows no outline");
@@ -81,7 +87,8 @@ SkinSamples sampleSkin(const BodyModel& body, size_t count) {
     return samples;
 }
 
-std::vector<size_t> outlineSamples(const SkinSamples& samples, const KeypointChain::Output& posed, const Camerad& camera, const MaskDistance& mask) {
+std::vector<size_t> outlineSamples(const SkinSamples& samples, const KeypointChain::Output& posed, const Camerad& camera,
+                                   const MaskDistance& mask) {
     std::vector<size_t> outline;
     for (size_t i = 0; i < posed.points.size(); ++i) {
         const Vec3d view = camera.toView(posed.points[i]);
@@ -98,7 +105,8 @@ std::vector<size_t> outlineSamples(const SkinSamples& samples, const KeypointCha
     return outline;
 }
 
-SilhouetteCost::SilhouetteCost(const FitContext& context, const KeypointChain& skin, const Camerad& camera, const Mat3d& rootReference, const MaskDistance& mask, std::vector<size_t> outline)
+SilhouetteCost::SilhouetteCost(const FitContext& context, const KeypointChain& skin, const Camerad& camera, const Mat3d& rootReference,
+                               const MaskDistance& mask, std::vector<size_t> outline)
     : context_(context), skin_(skin), camera_(camera), rootReference_(rootReference), mask_(mask), outline_(std::move(outline)) {
     set_num_residuals(int(outline_.size()));
     *mutable_parameter_block_sizes() = {int(skin.shapeCount()), 1, kRootSize, int(3 * skin.posedCount()), context.sway.size()};
@@ -123,12 +131,15 @@ bool SilhouetteCost::Evaluate(double const* const* blocks, double* residuals, do
         const double z = std::max(view.z, 0.1);
         Vec2d gradient;
         const double distancePx = mask_.sample(camera_.pixelOf(Vec3d(view.x, view.y, z)), gradient);
-        const double perPx = z / camera_.fx / (distancePx > 0 ? kOutsideSigmaM : kInsideSigmaM);  // its change with z is far below the gradient's error
+        const double perPx =
+            z / camera_.fx / (distancePx > 0 ? kOutsideSigmaM : kInsideSigmaM);  // its change with z is far below the gradient's error
         const double r = distancePx * perPx, scale = std::sqrt(c2 / (r * r + c2));
         residuals[n] = weight * scale * r;
         if (!jacobians) continue;
         const double d = weight * scale * (1 - r * r / (r * r + c2)) * perPx;
-        const Vec3d dView = d * (gradient.x * camera_.fx / z * Vec3d(1, 0, -view.x / z) + gradient.y * camera_.fy / z * Vec3d(0, 1, -view.y / z)), dWorld = Rt * dView;
+        const Vec3d dView = d * (gradient.x * camera_.fx / z * Vec3d(1, 0, -view.x / z) +
+                                 gradient.y * camera_.fy / z * Vec3d(0, 1, -view.y / z)),
+                    dWorld = Rt * dView;
         const double* rows = &posed.jacobian[outline_[n] * 3 * width];
         for (size_t c = 0; c < width; ++c) row[c] = dWorld.x * rows[c] + dWorld.y * rows[width + c] + dWorld.z * rows[2 * width + c];
         if (jacobians[0]) std::copy_n(&row[kRootSize + poseSize], shapes, jacobians[0] + n * shapes);
@@ -138,7 +149,8 @@ bool SilhouetteCost::Evaluate(double const* const* blocks, double* residuals, do
         if (double* out = jacobians[4]) {
             out += n * size_t(context_.sway.size());
             std::copy_n(&row[0], kRootSize, out);
-            for (size_t s = 0; s < context_.sway.slots.size(); ++s) std::copy_n(&row[kRootSize + 3 * context_.sway.slots[s]], 3, out + kRootSize + 3 * s);
+            for (size_t s = 0; s < context_.sway.slots.size(); ++s)
+                std::copy_n(&row[kRootSize + 3 * context_.sway.slots[s]], 3, out + kRootSize + 3 * s);
         }
     }
     return true;

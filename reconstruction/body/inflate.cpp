@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/body/inflate.h"
 
 #include <zlib.h>
@@ -8,7 +9,8 @@
 namespace dpl {
 
 Result<std::vector<uint8_t>> inflateBytes(std::span<const uint8_t> compressed, DeflateWrapper wrapper, size_t maxBytes) {
-    if (compressed.size() > UINT32_MAX) return fail(Code::Unsupported, "a compressed stream of {} bytes; the limit is 4 GiB", compressed.size());
+    if (compressed.size() > UINT32_MAX)
+        return fail(Code::Unsupported, "a compressed stream of {} bytes; the limit is 4 GiB", compressed.size());
     z_stream stream{};
     const int windowBits = wrapper == DeflateWrapper::Gzip ? 15 + 16 : -15;
     if (inflateInit2(&stream, windowBits) != Z_OK) return fail(Code::OutOfMemory, "zlib could not start");

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // zlib inflate with a hard limit on what may come out, for the importers' compressed inputs.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/body/keypoint_chain.h"
 
 #include <algorithm>
@@ -7,7 +8,9 @@
 namespace dpl {
 namespace {
 
-Mat3d crossMatrix(const Vec3d& v) { return Mat3d(0, v.z, -v.y, -v.z, 0, v.x, v.y, -v.x, 0); }  // columns
+Mat3d crossMatrix(const Vec3d& v) {
+    return Mat3d(0, v.z, -v.y, -v.z, 0, v.x, v.y, -v.x, 0);
+}  // columns
 
 }  // namespace
 
@@ -55,7 +58,8 @@ KeypointChain::KeypointChain(const BodyModel& body, std::span<const std::string>
             c.offsetPerShape.resize(shapeCount_, Vec3d(0));
             return c;
         };
-        const auto keypoint = std::find_if(body.keypoints.begin(), body.keypoints.end(), [&](const BodyKeypoint& k) { return k.name == name; });
+        const auto keypoint =
+            std::find_if(body.keypoints.begin(), body.keypoints.end(), [&](const BodyKeypoint& k) { return k.name == name; });
         if (keypoint != body.keypoints.end()) {
             for (auto [joint, weight] : keypoint->joints) of(joint).jointWeight += weight;
             for (auto [vertex, weight] : keypoint->vertices)
@@ -66,7 +70,8 @@ KeypointChain::KeypointChain(const BodyModel& body, std::span<const std::string>
                     Contribution& c = of(joint);
                     c.jointWeight += w;
                     c.offset += w * (Vec3d(body.mesh.restPositions[vertex]) - rest_[joint]);
-                    for (size_t m = 0; m < shapeCount_; ++m) c.offsetPerShape[m] += w * (Vec3d(body.morphs[m].vertexOffsets[vertex]) - restPerShape_[joint][m]);
+                    for (size_t m = 0; m < shapeCount_; ++m)
+                        c.offsetPerShape[m] += w * (Vec3d(body.morphs[m].vertexOffsets[vertex]) - restPerShape_[joint][m]);
                 }
         }
         std::vector<Contribution> list;
@@ -81,13 +86,14 @@ Vec3d KeypointChain::restPlace(size_t joint, const double* shape) const {
     return p;
 }
 
-void KeypointChain::evaluate(const Mat3d& rootReference, const double* root, const double* pose, const double* shape, bool wantJacobian, Output& out) const {
+void KeypointChain::evaluate(const Mat3d& rootReference, const double* root, const double* pose, const double* shape, bool wantJacobian,
+                             Output& out) const {
     const size_t joints = rest_.size(), shapes = shapeCount_, width = columns();
     std::vector<Vec3d> rest(joints);
     for (size_t j = 0; j < joints; ++j) rest[j] = restPlace(j, shape);
     out.rotations.resize(joints);
     out.places.resize(joints);
-    std::vector<Mat3d> turn(wantJacobian ? joints : 0);                     // world rotation rate per unit of the joint's parameters
+    std::vector<Mat3d> turn(wantJacobian ? joints : 0);  // world rotation rate per unit of the joint's parameters
     std::vector<Vec3d> placePerShape(wantJacobian ? joints * shapes : 0);
     for (size_t j = 0; j < joints; ++j) {
         const int32_t slot = slotOfJoint_[j];
@@ -111,7 +117,8 @@ void KeypointChain::evaluate(const Mat3d& rootReference, const double* root, con
             if (wantJacobian) turn[j] = up * leftJacobian(w);
         }
         if (wantJacobian)
-            for (size_t m = 0; m < shapes; ++m) placePerShape[j * shapes + m] = placePerShape[parent * shapes + m] + up * (restPerShape_[j][m] - restPerShape_[parent][m]);
+            for (size_t m = 0; m < shapes; ++m)
+                placePerShape[j * shapes + m] = placePerShape[parent * shapes + m] + up * (restPerShape_[j][m] - restPerShape_[parent][m]);
     }
 
     out.points.assign(keypoints_.size(), Vec3d(0));
@@ -127,7 +134,8 @@ void KeypointChain::evaluate(const Mat3d& rootReference, const double* root, con
             const Vec3d arm = out.rotations[c.joint] * offset;
             out.points[k] += arm + c.jointWeight * out.places[c.joint];
             if (!wantJacobian) continue;
-            for (int32_t j = int32_t(c.joint); j >= 0; j = parents_[size_t(j)]) lever[size_t(j)] += arm + c.jointWeight * (out.places[c.joint] - out.places[size_t(j)]);
+            for (int32_t j = int32_t(c.joint); j >= 0; j = parents_[size_t(j)])
+                lever[size_t(j)] += arm + c.jointWeight * (out.places[c.joint] - out.places[size_t(j)]);
             for (int r = 0; r < 3; ++r) rows[size_t(r) * width + 3 + size_t(r)] += c.jointWeight;
             for (size_t m = 0; m < shapes; ++m) {
                 const Vec3d d = out.rotations[c.joint] * c.offsetPerShape[m] + c.jointWeight * placePerShape[c.joint * shapes + m];

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where a posed, shaped body's keypoints are, and how they move with shape and pose: the joint chain with the keypoint regressors baked in.
 //
 //   world rotation   W_j = W_parent · exp(w_j),  W_root = exp(w_root)·R_ref
@@ -37,13 +38,14 @@ public:
     size_t columns() const { return kRootSize + 3 * posedCount() + shapeCount_; }
 
     struct Output {
-        std::vector<Vec3d> points;        // K
-        std::vector<double> jacobian;     // K × 3 rows × columns(), row-major; empty when not asked for
-        std::vector<Mat3d> rotations;     // J, world
-        std::vector<Vec3d> places;        // J, world
+        std::vector<Vec3d> points;     // K
+        std::vector<double> jacobian;  // K × 3 rows × columns(), row-major; empty when not asked for
+        std::vector<Mat3d> rotations;  // J, world
+        std::vector<Vec3d> places;     // J, world
     };
     /** root: kRootSize, pose: 3·posedCount, shape: shapeCount. */
-    void evaluate(const Mat3d& rootReference, const double* root, const double* pose, const double* shape, bool wantJacobian, Output& out) const;
+    void evaluate(const Mat3d& rootReference, const double* root, const double* pose, const double* shape, bool wantJacobian,
+                  Output& out) const;
 
     /** Rest place of a joint at a shape. */
     Vec3d restPlace(size_t joint, const double* shape) const;
@@ -51,16 +53,16 @@ public:
 private:
     struct Contribution {
         uint32_t joint = 0;
-        Vec3d offset{0};                  // a at β = 0
+        Vec3d offset{0};  // a at β = 0
         std::vector<Vec3d> offsetPerShape;
-        double jointWeight = 0;           // b
+        double jointWeight = 0;  // b
     };
     size_t shapeCount_ = 0;
-    std::vector<int32_t> parents_, slotOfJoint_;          // slot: index into posedJoints_, −1 still, −2 the root
-    std::vector<Vec3d> rest_;                             // J
-    std::vector<std::vector<Vec3d>> restPerShape_;        // J × shapes
+    std::vector<int32_t> parents_, slotOfJoint_;    // slot: index into posedJoints_, −1 still, −2 the root
+    std::vector<Vec3d> rest_;                       // J
+    std::vector<std::vector<Vec3d>> restPerShape_;  // J × shapes
     std::vector<uint32_t> posedJoints_;
-    std::vector<std::vector<Contribution>> keypoints_;    // K
+    std::vector<std::vector<Contribution>> keypoints_;  // K
 };
 
 }  // namespace dpl

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/body/makehuman.h"
 
 #include <algorithm>
@@ -28,7 +29,7 @@ struct TargetPair {
 
 struct MorphRecipe {
     const char* name;
-    float scale;                        // slider travel at value 1, so that ±1 is about a standard deviation of adults
+    float scale;  // slider travel at value 1, so that ±1 is about a standard deviation of adults
     float minValue, maxValue;
     std::vector<TargetPair> pairs;
 };
@@ -38,7 +39,9 @@ struct MorphRecipe {
 #define MH_PROPORTIONS(gender) "macrodetails/proportions/" gender "-young-averagemuscle-averageweight-"
 
 /** Both sides of the body moved alike. */
-std::vector<TargetPair> bothSides(const char* lPlus, const char* lMinus, const char* rPlus, const char* rMinus) { return {{lPlus, lMinus}, {rPlus, rMinus}}; }
+std::vector<TargetPair> bothSides(const char* lPlus, const char* lMinus, const char* rPlus, const char* rMinus) {
+    return {{lPlus, lMinus}, {rPlus, rMinus}};
+}
 
 std::vector<TargetPair> join(std::initializer_list<std::vector<TargetPair>> parts) {
     std::vector<TargetPair> all;
@@ -46,23 +49,54 @@ std::vector<TargetPair> join(std::initializer_list<std::vector<TargetPair>> part
     return all;
 }
 
-#define MH_LR(folder, what) bothSides(folder "/l-" what "-incr", folder "/l-" what "-decr", folder "/r-" what "-incr", folder "/r-" what "-decr")
-#define MH_ONE(what) std::vector<TargetPair>{{what "-incr", what "-decr"}}
+#define MH_LR(folder, what) \
+    bothSides(folder "/l-" what "-incr", folder "/l-" what "-decr", folder "/r-" what "-incr", folder "/r-" what "-decr")
+#define MH_ONE(what)                   \
+    std::vector<TargetPair> {          \
+        { what "-incr", what "-decr" } \
+    }
 
 std::vector<MorphRecipe> recipes() {
     return {
         // Macro targets, averaged over the sexes. Height's slider runs from −37 to +72 cm: 0.15 of it is about 8 cm.
-        {"height", 0.15f, -4, 4, {{MH_HEIGHT("female") "maxheight", MH_HEIGHT("female") "minheight", 0.5f}, {MH_HEIGHT("male") "maxheight", MH_HEIGHT("male") "minheight", 0.5f}}},
-        {"weight", 0.6f, -2.5f, 3, {{MH_MACRO("female") "averagemuscle-maxweight", MH_MACRO("female") "averagemuscle-minweight", 0.5f}, {MH_MACRO("male") "averagemuscle-maxweight", MH_MACRO("male") "averagemuscle-minweight", 0.5f}}},
-        {"build", 0.6f, -2.5f, 2.5f, {{MH_MACRO("female") "maxmuscle-averageweight", MH_MACRO("female") "minmuscle-averageweight", 0.5f}, {MH_MACRO("male") "maxmuscle-averageweight", MH_MACRO("male") "minmuscle-averageweight", 0.5f}}},
-        {"gender", 1, -1.5f, 1.5f,
+        {"height",
+         0.15f,
+         -4,
+         4,
+         {{MH_HEIGHT("female") "maxheight", MH_HEIGHT("female") "minheight", 0.5f},
+          {MH_HEIGHT("male") "maxheight", MH_HEIGHT("male") "minheight", 0.5f}}},
+        {"weight",
+         0.6f,
+         -2.5f,
+         3,
+         {{MH_MACRO("female") "averagemuscle-maxweight", MH_MACRO("female") "averagemuscle-minweight", 0.5f},
+          {MH_MACRO("male") "averagemuscle-maxweight", MH_MACRO("male") "averagemuscle-minweight", 0.5f}}},
+        {"build",
+         0.6f,
+         -2.5f,
+         2.5f,
+         {{MH_MACRO("female") "maxmuscle-averageweight", MH_MACRO("female") "minmuscle-averageweight", 0.5f},
+          {MH_MACRO("male") "maxmuscle-averageweight", MH_MACRO("male") "minmuscle-averageweight", 0.5f}}},
+        {"gender",
+         1,
+         -1.5f,
+         1.5f,
          {{MH_MACRO("male") "averagemuscle-averageweight", MH_MACRO("female") "averagemuscle-averageweight"},
           {"macrodetails/caucasian-male-young", "macrodetails/caucasian-female-young", 1.0f / 3},
           {"macrodetails/asian-male-young", "macrodetails/asian-female-young", 1.0f / 3},
           {"macrodetails/african-male-young", "macrodetails/african-female-young", 1.0f / 3}}},
-        {"age", 0.5f, -0.5f, 2,
-         {{"macrodetails/caucasian-female-old", "macrodetails/caucasian-female-young", 0.5f}, {"macrodetails/caucasian-male-old", "macrodetails/caucasian-male-young", 0.5f}}},
-        {"proportions", 0.7f, -2, 2, {{MH_PROPORTIONS("female") "idealproportions", MH_PROPORTIONS("female") "uncommonproportions", 0.5f}, {MH_PROPORTIONS("male") "idealproportions", MH_PROPORTIONS("male") "uncommonproportions", 0.5f}}},
+        {"age",
+         0.5f,
+         -0.5f,
+         2,
+         {{"macrodetails/caucasian-female-old", "macrodetails/caucasian-female-young", 0.5f},
+          {"macrodetails/caucasian-male-old", "macrodetails/caucasian-male-young", 0.5f}}},
+        {"proportions",
+         0.7f,
+         -2,
+         2,
+         {{MH_PROPORTIONS("female") "idealproportions", MH_PROPORTIONS("female") "uncommonproportions", 0.5f},
+          {MH_PROPORTIONS("male") "idealproportions", MH_PROPORTIONS("male") "uncommonproportions", 0.5f}}},
         // Details.
         {"torso_length", 0.5f, -3, 3, MH_ONE("torso/torso-scale-vert")},
         {"torso_width", 0.4f, -3, 3, MH_ONE("torso/torso-scale-horiz")},
@@ -77,7 +111,8 @@ std::vector<MorphRecipe> recipes() {
         {"leg_thickness", 0.4f, -3, 3, join({MH_LR("legs", "upperleg-fat"), MH_LR("legs", "lowerleg-fat")})},
         {"arm_thickness", 0.4f, -3, 3, join({MH_LR("arms", "upperarm-fat"), MH_LR("arms", "lowerarm-fat")})},
         {"neck_length", 0.4f, -3, 3, MH_ONE("neck/measure-neck-height")},
-        {"head_size", 0.3f, -3, 3, join({MH_ONE("head/head-scale-horiz"), MH_ONE("head/head-scale-vert"), MH_ONE("head/head-scale-depth")})},
+        {"head_size", 0.3f, -3, 3,
+         join({MH_ONE("head/head-scale-horiz"), MH_ONE("head/head-scale-vert"), MH_ONE("head/head-scale-depth")})},
         {"head_forward", 0.3f, -3, 3, {{"head/head-trans-forward", "head/head-trans-backward"}}},
         {"hand_size", 0.3f, -3, 3, MH_LR("hands", "hand-scale")},
         {"foot_size", 0.3f, -3, 3, MH_LR("feet", "foot-scale")},
@@ -114,7 +149,8 @@ Vec3f meanOf(std::span<const Vec3f> values, std::span<const uint32_t> vertices) 
 std::vector<uint32_t> soleVertices(std::span<const Vec3f> positions) {
     std::vector<uint32_t> order(kHm08BodyVertices);
     for (uint32_t v = 0; v < order.size(); ++v) order[v] = v;
-    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return std::pair(positions[a].y, a) < std::pair(positions[b].y, b); });
+    std::sort(order.begin(), order.end(),
+              [&](uint32_t a, uint32_t b) { return std::pair(positions[a].y, a) < std::pair(positions[b].y, b); });
     order.resize(order.size() / 100);
     return order;
 }
@@ -132,7 +168,8 @@ void addKeypoints(const MakeHumanMesh& source, std::span<const Vec3f> positions,
     for (const auto& [name, group] : eyes) {
         const auto eye = source.groups.find(group);
         if (eye == source.groups.end() || eye->second.empty()) continue;
-        const uint32_t pupil = *std::max_element(eye->second.begin(), eye->second.end(), [&](uint32_t a, uint32_t b) { return positions[a].z < positions[b].z; });
+        const uint32_t pupil = *std::max_element(eye->second.begin(), eye->second.end(),
+                                                 [&](uint32_t a, uint32_t b) { return positions[a].z < positions[b].z; });
         std::erase_if(body.keypoints, [&, name = name](const BodyKeypoint& k) { return k.name == name; });
         body.keypoints.push_back({name, anchorPoint(body.mesh, skin, positions[pupil]), {}});
     }
@@ -165,11 +202,13 @@ Result<BodyModel> importMakeHuman(const fs::path& folder, const MakeHumanOptions
     const fs::path rigs = root / "rigs" / "standard";
     const fs::path rigPath = rigs / ("rig." + options.rig + ".json"), weightsPath = rigs / ("weights." + options.rig + ".json");
     if (!fs::exists(rigPath) || !fs::exists(weightsPath))
-        return fail(Code::NotFound, "{}: rig '{}' needs both rig.{}.json and weights.{}.json there", rigs.string(), options.rig, options.rig, options.rig);
+        return fail(Code::NotFound, "{}: rig '{}' needs both rig.{}.json and weights.{}.json there", rigs.string(), options.rig,
+                    options.rig, options.rig);
 
     DPL_TRY(const MakeHumanMesh source, readMakeHumanObj(root / "3dobjs" / "base.obj"));
     const size_t sourceCount = source.positionsDm.size();
-    if (sourceCount < kHm08BodyVertices) return fail(Code::Unsupported, "{}: {} vertices; the hm08 base mesh has 19,158", root.string(), sourceCount);
+    if (sourceCount < kHm08BodyVertices)
+        return fail(Code::Unsupported, "{}: {} vertices; the hm08 base mesh has 19,158", root.string(), sourceCount);
     DPL_TRY(const MakeHumanRig rig, readMakeHumanRig(rigPath, weightsPath, source));
 
     std::vector<Vec3f> positions(sourceCount);
@@ -185,7 +224,10 @@ Result<BodyModel> importMakeHuman(const fs::path& folder, const MakeHumanOptions
     body.mesh.colours.assign(kHm08BodyVertices, kSkinColour);
     for (const auto& f : source.bodyFaces) {
         if (*std::max_element(f.begin(), f.end()) >= kHm08BodyVertices) continue;
-        const auto diagonal2 = [&](int a, int b) { const Vec3f d = positions[f[size_t(a)]] - positions[f[size_t(b)]]; return glm::dot(d, d); };
+        const auto diagonal2 = [&](int a, int b) {
+            const Vec3f d = positions[f[size_t(a)]] - positions[f[size_t(b)]];
+            return glm::dot(d, d);
+        };
         if (f.size() == 3) {
             body.mesh.triangles.push_back({f[0], f[1], f[2]});
         } else if (diagonal2(0, 2) <= diagonal2(1, 3)) {
@@ -200,8 +242,12 @@ Result<BodyModel> importMakeHuman(const fs::path& folder, const MakeHumanOptions
 
     // A weightless root above the hips ("Root" on the floor) is a handle for animators; without it the hips are the root.
     std::vector<bool> dropped(rig.bones.size(), false);
-    const auto children = [&](const std::string& name) { return std::count_if(rig.bones.begin(), rig.bones.end(), [&](const MakeHumanBone& b) { return b.parent == name; }); };
-    if (const auto weights = rig.weights.find(rig.bones[0].name); (weights == rig.weights.end() || weights->second.empty()) && children(rig.bones[0].name) == 1) dropped[0] = true;
+    const auto children = [&](const std::string& name) {
+        return std::count_if(rig.bones.begin(), rig.bones.end(), [&](const MakeHumanBone& b) { return b.parent == name; });
+    };
+    if (const auto weights = rig.weights.find(rig.bones[0].name);
+        (weights == rig.weights.end() || weights->second.empty()) && children(rig.bones[0].name) == 1)
+        dropped[0] = true;
     std::vector<uint32_t> jointOfBone(rig.bones.size(), 0), boneOfJoint;
     for (size_t b = 0; b < rig.bones.size(); ++b) {
         if (dropped[b]) continue;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // MakeHuman / MPFB2 data (CC0) to a BodyModel.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/body/makehuman_files.h"
 
 #include <algorithm>
@@ -8,8 +9,8 @@
 #include <string_view>
 
 #include "reconstruction/body/body_tools.h"
-#include "sdk/core/files.h"
 #include "reconstruction/body/inflate.h"
+#include "sdk/core/files.h"
 
 namespace dpl {
 namespace {
@@ -57,7 +58,9 @@ bool parseVec3(std::string_view line, Vec3f& v) {
     return true;
 }
 
-std::string_view asText(const std::vector<uint8_t>& bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+std::string_view asText(const std::vector<uint8_t>& bytes) {
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
 
 Result<nlohmann::json> readJson(const std::filesystem::path& path) {
     DPL_TRY(const auto bytes, readFile(path, kMaxSourceBytes));
@@ -71,7 +74,8 @@ Result<std::vector<uint32_t>> headVertices(const nlohmann::json& head, const Mak
     const std::string strategy = head.value("strategy", "");
     if (strategy == "CUBE") {
         const auto group = mesh.groups.find(head.value("cube_name", ""));
-        if (group == mesh.groups.end()) return fail(Code::CorruptData, "{}: joint cube '{}' is not in base.obj", where, head.value("cube_name", ""));
+        if (group == mesh.groups.end())
+            return fail(Code::CorruptData, "{}: joint cube '{}' is not in base.obj", where, head.value("cube_name", ""));
         return group->second;
     }
     const auto list = head.find("vertex_indices");
@@ -100,7 +104,8 @@ Result<MakeHumanMesh> readMakeHumanObj(const std::filesystem::path& path) {
         if (kind == "v") {
             Vec3f p;
             if (!parseVec3(line, p)) return fail(Code::CorruptData, "{} line {}: not three numbers", path.string(), lines.number);
-            if (mesh.positionsDm.size() == kMaxVertices) return fail(Code::Unsupported, "{}: more than {} vertices", path.string(), kMaxVertices);
+            if (mesh.positionsDm.size() == kMaxVertices)
+                return fail(Code::Unsupported, "{}: more than {} vertices", path.string(), kMaxVertices);
             mesh.positionsDm.push_back(p);
         } else if (kind == "g") {
             group = std::string(nextWord(line));
@@ -112,13 +117,15 @@ Result<MakeHumanMesh> readMakeHumanObj(const std::filesystem::path& path) {
                     return fail(Code::CorruptData, "{} line {}: face corner '{}'", path.string(), lines.number, std::string(word));
                 face.push_back(index - 1);
             }
-            if (face.size() < 3 || face.size() > 4) return fail(Code::Unsupported, "{} line {}: a face of {} corners", path.string(), lines.number, face.size());
+            if (face.size() < 3 || face.size() > 4)
+                return fail(Code::Unsupported, "{} line {}: a face of {} corners", path.string(), lines.number, face.size());
             groups[group].insert(face.begin(), face.end());
             if (group == "body") mesh.bodyFaces.push_back(std::move(face));
         }
     }
     for (auto& [name, set] : groups) mesh.groups[name].assign(set.begin(), set.end());
-    if (mesh.bodyFaces.empty()) return fail(Code::CorruptData, "{}: no faces in group 'body'; is this MakeHuman's base.obj?", path.string());
+    if (mesh.bodyFaces.empty())
+        return fail(Code::CorruptData, "{}: no faces in group 'body'; is this MakeHuman's base.obj?", path.string());
     return mesh;
 }
 
@@ -136,14 +143,16 @@ Result<std::vector<TargetRow>> readMakeHumanTarget(const std::filesystem::path& 
         if (first.empty() || first.front() == '#') continue;
         TargetRow row;
         if (!parse(first, row.vertex) || row.vertex >= vertexCount || !parseVec3(line, row.offsetDm))
-            return fail(Code::CorruptData, "{} line {}: not 'vertex dx dy dz' of a mesh of {} vertices", path.string(), lines.number, vertexCount);
+            return fail(Code::CorruptData, "{} line {}: not 'vertex dx dy dz' of a mesh of {} vertices", path.string(), lines.number,
+                        vertexCount);
         if (rows.size() == vertexCount) return fail(Code::CorruptData, "{}: more rows than the mesh has vertices", path.string());
         rows.push_back(row);
     }
     return rows;
 }
 
-Result<MakeHumanRig> readMakeHumanRig(const std::filesystem::path& rigPath, const std::filesystem::path& weightsPath, const MakeHumanMesh& mesh) {
+Result<MakeHumanRig> readMakeHumanRig(const std::filesystem::path& rigPath, const std::filesystem::path& weightsPath,
+                                      const MakeHumanMesh& mesh) {
     DPL_TRY(const auto rigJson, readJson(rigPath));
     DPL_TRY(const auto weightsJson, readJson(weightsPath));
     const nlohmann::json& bonesJson = rigJson.contains("bones") ? rigJson["bones"] : rigJson;
@@ -151,7 +160,8 @@ Result<MakeHumanRig> readMakeHumanRig(const std::filesystem::path& rigPath, cons
 
     std::map<std::string, MakeHumanBone> byName;
     for (const auto& [name, json] : bonesJson.items()) {
-        if (!json.is_object() || !json.contains("head") || !json["head"].is_object()) return fail(Code::CorruptData, "{}: bone '{}' has no head", rigPath.string(), name);
+        if (!json.is_object() || !json.contains("head") || !json["head"].is_object())
+            return fail(Code::CorruptData, "{}: bone '{}' has no head", rigPath.string(), name);
         MakeHumanBone bone{name, json.contains("parent") && json["parent"].is_string() ? json["parent"].get<std::string>() : "", {}};
         DPL_TRY(bone.headVertices, headVertices(json["head"], mesh, rigPath.string() + " bone '" + name + "'"));
         byName[name] = std::move(bone);
@@ -164,7 +174,8 @@ Result<MakeHumanRig> readMakeHumanRig(const std::filesystem::path& rigPath, cons
         for (const auto& [name, bone] : byName)
             if (!placed.count(name) && (bone.parent.empty() || placed.count(bone.parent))) generation.push_back(name);
         for (const auto& name : generation) placed.insert(name), rig.bones.push_back(byName[name]);
-        if (rig.bones.size() == before) return fail(Code::CorruptData, "{}: the bones form a cycle or name a parent that is not there", rigPath.string());
+        if (rig.bones.size() == before)
+            return fail(Code::CorruptData, "{}: the bones form a cycle or name a parent that is not there", rigPath.string());
     }
 
     const auto weights = weightsJson.find("weights");
@@ -177,7 +188,8 @@ Result<MakeHumanRig> readMakeHumanRig(const std::filesystem::path& rigPath, cons
                 return fail(Code::CorruptData, "{}: weights of '{}' are not [vertex, weight] pairs", weightsPath.string(), bone);
             const uint64_t vertex = pair[0].get<uint64_t>();
             const float weight = pair[1].get<float>();
-            if (vertex >= mesh.positionsDm.size() || !std::isfinite(weight)) return fail(Code::CorruptData, "{}: weight of vertex {} of bone '{}'", weightsPath.string(), vertex, bone);
+            if (vertex >= mesh.positionsDm.size() || !std::isfinite(weight))
+                return fail(Code::CorruptData, "{}: weight of vertex {} of bone '{}'", weightsPath.string(), vertex, bone);
             out.emplace_back(uint32_t(vertex), weight);
         }
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The three file kinds of MakeHuman / MPFB2 data, parsed and checked; no meaning yet.
 #pragma once
 
@@ -15,8 +16,8 @@ namespace dpl {
 /** base.obj: positions in decimetres, quads and triangles of the group "body" only, and the vertices of every group. */
 struct MakeHumanMesh {
     std::vector<Vec3f> positionsDm;
-    std::vector<std::vector<uint32_t>> bodyFaces;             // 3 or 4 indices each
-    std::map<std::string, std::vector<uint32_t>> groups;      // group name -> its vertices, ascending, no repeats
+    std::vector<std::vector<uint32_t>> bodyFaces;         // 3 or 4 indices each
+    std::map<std::string, std::vector<uint32_t>> groups;  // group name -> its vertices, ascending, no repeats
 };
 Result<MakeHumanMesh> readMakeHumanObj(const std::filesystem::path& path);
 
@@ -28,13 +29,14 @@ struct TargetRow {
 Result<std::vector<TargetRow>> readMakeHumanTarget(const std::filesystem::path& path, size_t vertexCount);
 
 struct MakeHumanBone {
-    std::string name, parent;                 // parent "" for a root
-    std::vector<uint32_t> headVertices;       // the joint is their mean
+    std::string name, parent;            // parent "" for a root
+    std::vector<uint32_t> headVertices;  // the joint is their mean
 };
 struct MakeHumanRig {
-    std::vector<MakeHumanBone> bones;                                          // parents first
-    std::map<std::string, std::vector<std::pair<uint32_t, float>>> weights;    // bone -> (vertex, weight)
+    std::vector<MakeHumanBone> bones;                                        // parents first
+    std::map<std::string, std::vector<std::pair<uint32_t, float>>> weights;  // bone -> (vertex, weight)
 };
-Result<MakeHumanRig> readMakeHumanRig(const std::filesystem::path& rigPath, const std::filesystem::path& weightsPath, const MakeHumanMesh& mesh);
+Result<MakeHumanRig> readMakeHumanRig(const std::filesystem::path& rigPath, const std::filesystem::path& weightsPath,
+                                      const MakeHumanMesh& mesh);
 
 }  // namespace dpl

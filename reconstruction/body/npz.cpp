@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/body/npz.h"
 
 #include <charconv>
@@ -55,7 +56,8 @@ Result<NpyArray> parseNpy(std::span<const uint8_t> bytes) {
 
     const std::string_view descr = valueOf(header, "'descr'"), order = valueOf(header, "'fortran_order'");
     std::string_view shapeText = valueOf(header, "'shape'");
-    if (descr.size() < 5 || (descr[0] != '\'' && descr[0] != '"') || shapeText.empty() || shapeText[0] != '(') return fail(Code::CorruptData, "the .npy header cannot be read");
+    if (descr.size() < 5 || (descr[0] != '\'' && descr[0] != '"') || shapeText.empty() || shapeText[0] != '(')
+        return fail(Code::CorruptData, "the .npy header cannot be read");
     const std::string type(descr.substr(1, 3));
     if (type[1] == 'O') return fail(Code::Unsupported, "a Python object array; save the numbers alone");
     if (order.substr(0, 4) == "True") return fail(Code::Unsupported, "an array in Fortran order; save it with np.ascontiguousarray");
@@ -75,18 +77,28 @@ Result<NpyArray> parseNpy(std::span<const uint8_t> bytes) {
         array.shape.push_back(extent);
         shapeText = shapeText.substr(size_t(end - shapeText.data()));
     }
-    if (itemBytes == 0 || count > in.remaining() / itemBytes) return fail(Code::CorruptData, "{} values of type {} wanted, {} bytes left", count, type, in.remaining());
+    if (itemBytes == 0 || count > in.remaining() / itemBytes)
+        return fail(Code::CorruptData, "{} values of type {} wanted, {} bytes left", count, type, in.remaining());
     DPL_TRY(const auto data, in.take(count * itemBytes));
     array.values.resize(count);
-    if (type == "<f4") convert<float>(data, array.values);
-    else if (type == "<f8") convert<double>(data, array.values);
-    else if (type == "<i4") convert<int32_t>(data, array.values);
-    else if (type == "<i8") convert<int64_t>(data, array.values);
-    else if (type == "<u4") convert<uint32_t>(data, array.values);
-    else if (type == "<u8") convert<uint64_t>(data, array.values);
-    else if (type == "<i2") convert<int16_t>(data, array.values);
-    else if (type == "<u2") convert<uint16_t>(data, array.values);
-    else return fail(Code::Unsupported, "arrays of type '{}' are not read", type);
+    if (type == "<f4")
+        convert<float>(data, array.values);
+    else if (type == "<f8")
+        convert<double>(data, array.values);
+    else if (type == "<i4")
+        convert<int32_t>(data, array.values);
+    else if (type == "<i8")
+        convert<int64_t>(data, array.values);
+    else if (type == "<u4")
+        convert<uint32_t>(data, array.values);
+    else if (type == "<u8")
+        convert<uint64_t>(data, array.values);
+    else if (type == "<i2")
+        convert<int16_t>(data, array.values);
+    else if (type == "<u2")
+        convert<uint16_t>(data, array.values);
+    else
+        return fail(Code::Unsupported, "arrays of type '{}' are not read", type);
     return array;
 }
 
@@ -113,9 +125,12 @@ Result<NpzFile> NpzFile::open(std::span<const uint8_t> bytes) {
         std::string name(nameRaw.begin(), nameRaw.end());
         if (name.size() > 4 && name.ends_with(".npy")) name.resize(name.size() - 4);
         if ((flags & 1) || (method != 0 && method != 8) || stored == UINT32_MAX || plain == UINT32_MAX || offset == UINT32_MAX)
-            return fail(Code::Unsupported, "'{}' is encrypted, zip64 or compressed in a way we do not read; save it with np.savez or np.savez_compressed", name);
+            return fail(Code::Unsupported,
+                        "'{}' is encrypted, zip64 or compressed in a way we do not read; save it with np.savez or np.savez_compressed",
+                        name);
         // The local header repeats the name; its extra field may differ from the directory's.
-        if (offset > bytes.size() || bytes.size() - offset < 30 || at<uint32_t>(bytes, offset) != kLocalHeader) return fail(Code::CorruptData, "'{}' lies outside the file", name);
+        if (offset > bytes.size() || bytes.size() - offset < 30 || at<uint32_t>(bytes, offset) != kLocalHeader)
+            return fail(Code::CorruptData, "'{}' lies outside the file", name);
         const uint64_t begin = uint64_t(offset) + 30 + at<uint16_t>(bytes, offset + 26) + at<uint16_t>(bytes, offset + 28);
         if (begin > bytes.size() || stored > bytes.size() - begin) return fail(Code::CorruptData, "'{}' is cut short", name);
         file.entries_[name] = {bytes.subspan(size_t(begin), stored), plain, method == 8};

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bounded reading of NumPy archives (.npz = zip of .npy): numbers only, never pickles.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/body/pose_prior.h"
 
 #include <algorithm>
@@ -13,7 +14,9 @@ constexpr double kFree = 3.1;
 constexpr double kTail = 2.5;         // limbs either rest or clearly move
 constexpr double kMinBendRad = 0.17;  // below 10° of rest bend the direction of a hinge cannot be read off the rest pose
 
-Vec3d place(const BodyModel& body, int32_t joint) { return Vec3d(body.joints[size_t(joint)].restPosition); }
+Vec3d place(const BodyModel& body, int32_t joint) {
+    return Vec3d(body.joints[size_t(joint)].restPosition);
+}
 
 /** Axes [flexion, twist along the lower bone, the rest], and the bend at rest. */
 struct Hinge {
@@ -22,7 +25,8 @@ struct Hinge {
 };
 
 Hinge hinge(const BodyModel& body, int32_t upper, int32_t middle, int32_t lower, bool knee) {
-    const Vec3d above = glm::normalize(place(body, middle) - place(body, upper)), below = glm::normalize(place(body, lower) - place(body, middle));
+    const Vec3d above = glm::normalize(place(body, middle) - place(body, upper)),
+                below = glm::normalize(place(body, lower) - place(body, middle));
     const Vec3d cross = glm::cross(above, below);
     Hinge h;
     h.restBendRad = std::atan2(glm::length(cross), glm::dot(above, below));
@@ -46,12 +50,14 @@ Mat3d alongBone(const Vec3d& direction) {
 std::vector<JointPrior> posePriors(const BodyModel& body) {
     std::vector<JointPrior> priors;
     const Vec3d free(kFree);
-    const auto add = [&](std::string_view bone, Mat3d axes, Vec3d sigma, Vec3d low, Vec3d high, double acceleration, double sway, Vec3d tail = Vec3d(0)) {
+    const auto add = [&](std::string_view bone, Mat3d axes, Vec3d sigma, Vec3d low, Vec3d high, double acceleration, double sway,
+                         Vec3d tail = Vec3d(0)) {
         const int32_t joint = findHumanoid(body, bone);
         if (joint > 0) priors.push_back({uint32_t(joint), axes, sigma, tail, low, high, acceleration, sway});
     };
     const Mat3d world(1.0);
-    for (const std::string_view bone : {"spine", "chest", "upperChest"}) add(bone, world, {0.09, 0.12, 0.08}, Vec3d(-0.8), Vec3d(0.8), 0.315, 0.006);
+    for (const std::string_view bone : {"spine", "chest", "upperChest"})
+        add(bone, world, {0.09, 0.12, 0.08}, Vec3d(-0.8), Vec3d(0.8), 0.315, 0.006);
     for (const std::string_view bone : {"neck", "head"}) add(bone, world, {0.12, 0.25, 0.12}, Vec3d(-1), Vec3d(1), 0.525, 0.015);
     for (const bool left : {true, false}) {
         const std::string side = left ? "left" : "right";
@@ -59,17 +65,22 @@ std::vector<JointPrior> posePriors(const BodyModel& body) {
         const int32_t upperArm = joint("UpperArm"), lowerArm = joint("LowerArm"), hand = joint("Hand");
         const int32_t upperLeg = joint("UpperLeg"), lowerLeg = joint("LowerLeg"), foot = joint("Foot");
         add(side + "Shoulder", world, {0.05, 0.12, 0.25}, Vec3d(-0.7), Vec3d(0.7), 1.05, 0.0);
-        if (upperArm >= 0 && lowerArm >= 0) add(side + "UpperArm", alongBone(place(body, lowerArm) - place(body, upperArm)), {0.35, 0.45, 0.35}, -free, free, 5, 0.02, {kTail, 0, kTail});
+        if (upperArm >= 0 && lowerArm >= 0)
+            add(side + "UpperArm", alongBone(place(body, lowerArm) - place(body, upperArm)), {0.35, 0.45, 0.35}, -free, free, 5, 0.02,
+                {kTail, 0, kTail});
         if (upperArm >= 0 && lowerArm >= 0 && hand >= 0) {
             const Hinge h = hinge(body, upperArm, lowerArm, hand, false);
-            // Forearms roll by a radian in everyday motion, and a rotation vector mixes roll with bend: a tight roll bends the elbow the wrong way.
+            // Forearms roll by a radian in everyday motion, and a rotation vector mixes roll with bend: a tight roll bends the elbow the
+            // wrong way.
             add(side + "LowerArm", h.axes, {0.35, 0.4, 0.1}, {-h.restBendRad - 0.05, -1.5, -0.3}, {2.6, 1.5, 0.3}, 9, 0.02, Vec3d(kTail));
             add(side + "Hand", h.axes, {0.2, 0.2, 0.2}, Vec3d(-1.2), Vec3d(1.2), 1.05, 0.02);
         }
-        if (upperLeg >= 0 && lowerLeg >= 0) add(side + "UpperLeg", world, {0.15, 0.1, 0.2}, {-2.4, -0.8, -1.2}, {0.8, 0.8, 1.2}, 2.625, 0.0, {kTail, 0, 0});
+        if (upperLeg >= 0 && lowerLeg >= 0)
+            add(side + "UpperLeg", world, {0.15, 0.1, 0.2}, {-2.4, -0.8, -1.2}, {0.8, 0.8, 1.2}, 2.625, 0.0, {kTail, 0, 0});
         if (upperLeg >= 0 && lowerLeg >= 0 && foot >= 0) {
             const Hinge h = hinge(body, upperLeg, lowerLeg, foot, true);
-            add(side + "LowerLeg", h.axes, {0.15, 0.05, 0.03}, {-h.restBendRad - 0.05, -0.4, -0.2}, {2.6, 0.4, 0.2}, 3.15, 0.0, {kTail, 0, 0});
+            add(side + "LowerLeg", h.axes, {0.15, 0.05, 0.03}, {-h.restBendRad - 0.05, -0.4, -0.2}, {2.6, 0.4, 0.2}, 3.15, 0.0,
+                {kTail, 0, 0});
         }
         add(side + "Foot", world, {0.15, 0.08, 0.08}, Vec3d(-0.9), Vec3d(0.9), 1.05, 0.0);
     }

@@ -1,12 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/body/smplx.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "reconstruction/body/body_tools.h"
-#include "sdk/core/files.h"
 #include "reconstruction/body/npz.h"
 #include "sdk/avatar/humanoid.h"
+#include "sdk/core/files.h"
 #include "sdk/format/skin_weights.h"
 
 namespace dpl {
@@ -15,8 +16,10 @@ namespace {
 constexpr size_t kMaxArrayBytes = size_t(512) << 20;  // shapedirs of the largest published file are 100 MB
 constexpr size_t kMaxNpzBytes = size_t(2) << 30;
 
-const char* const kBodyJoints[22] = {"pelvis", "left_hip",   "right_hip", "spine1", "left_knee",   "right_knee",   "spine2",        "left_ankle",     "right_ankle", "spine3", "left_foot",
-                                     "right_foot", "neck", "left_collar", "right_collar", "head", "left_shoulder", "right_shoulder", "left_elbow", "right_elbow", "left_wrist", "right_wrist"};
+const char* const kBodyJoints[22] = {"pelvis",     "left_hip",    "right_hip",    "spine1",     "left_knee",     "right_knee",
+                                     "spine2",     "left_ankle",  "right_ankle",  "spine3",     "left_foot",     "right_foot",
+                                     "neck",       "left_collar", "right_collar", "head",       "left_shoulder", "right_shoulder",
+                                     "left_elbow", "right_elbow", "left_wrist",   "right_wrist"};
 const char* const kFingers[5] = {"index", "middle", "pinky", "ring", "thumb"};
 
 std::vector<std::string> jointNames(size_t count) {
@@ -52,12 +55,16 @@ Result<BodyModel> importSmplx(const std::filesystem::path& path, const SmplxOpti
     }
     const auto& [vTemplate, shapeDirs, regressor, weights, tree, faces] = arrays;
     const auto shapeIs = [](const NpyArray& a, std::initializer_list<size_t> wanted) {  // 0: any
-        return a.shape.size() == wanted.size() && std::equal(wanted.begin(), wanted.end(), a.shape.begin(), [](size_t w, size_t s) { return w == 0 || w == s; });
+        return a.shape.size() == wanted.size() &&
+               std::equal(wanted.begin(), wanted.end(), a.shape.begin(), [](size_t w, size_t s) { return w == 0 || w == s; });
     };
-    if (!shapeIs(vTemplate, {0, 3}) || !shapeIs(tree, {2, 0})) return fail(Code::CorruptData, "{}: v_template must be V×3 and kintree_table 2×J", path.string());
+    if (!shapeIs(vTemplate, {0, 3}) || !shapeIs(tree, {2, 0}))
+        return fail(Code::CorruptData, "{}: v_template must be V×3 and kintree_table 2×J", path.string());
     const size_t vertices = vTemplate.shape[0], joints = tree.shape[1];
-    if (!shapeIs(shapeDirs, {vertices, 3, 0}) || !shapeIs(regressor, {joints, vertices}) || !shapeIs(weights, {vertices, joints}) || !shapeIs(faces, {0, 3}) || joints == 0 || joints > 1024)
-        return fail(Code::CorruptData, "{}: shapedirs, J_regressor, weights or f do not fit {} vertices and {} joints", path.string(), vertices, joints);
+    if (!shapeIs(shapeDirs, {vertices, 3, 0}) || !shapeIs(regressor, {joints, vertices}) || !shapeIs(weights, {vertices, joints}) ||
+        !shapeIs(faces, {0, 3}) || joints == 0 || joints > 1024)
+        return fail(Code::CorruptData, "{}: shapedirs, J_regressor, weights or f do not fit {} vertices and {} joints", path.string(),
+                    vertices, joints);
 
     BodyModel body;
     body.name = path.stem().string();
@@ -67,7 +74,9 @@ Result<BodyModel> importSmplx(const std::filesystem::path& path, const SmplxOpti
             if (const double w = regressor.values[joint * vertices + v]; w != 0) sum += w * vertexOf(v);
         return sum;
     };
-    const auto templateOf = [&](size_t v) { return Vec3d(vTemplate.values[3 * v], vTemplate.values[3 * v + 1], vTemplate.values[3 * v + 2]); };
+    const auto templateOf = [&](size_t v) {
+        return Vec3d(vTemplate.values[3 * v], vTemplate.values[3 * v + 1], vTemplate.values[3 * v + 2]);
+    };
     double floorY = 1e9;
     for (size_t v = 0; v < vertices; ++v) floorY = std::min(floorY, templateOf(v).y);
     const Vec3d lift(0, -floorY, 0);
@@ -75,7 +84,8 @@ Result<BodyModel> importSmplx(const std::filesystem::path& path, const SmplxOpti
     const std::vector<std::string> jointNameList = jointNames(joints);
     for (size_t j = 0; j < joints; ++j) {
         const double parent = tree.values[j];  // the root's parent is 2³²−1 or −1
-        if (j > 0 && !(parent >= 0 && parent < double(j))) return fail(Code::CorruptData, "{}: kintree_table gives joint {} the parent {}", path.string(), j, parent);
+        if (j > 0 && !(parent >= 0 && parent < double(j)))
+            return fail(Code::CorruptData, "{}: kintree_table gives joint {} the parent {}", path.string(), j, parent);
         body.joints.push_back({jointNameList[j], j == 0 ? -1 : int32_t(parent), Vec3f(regress(j, templateOf) + lift), ""});
     }
     assignHumanoidBones(body.joints);
@@ -96,7 +106,8 @@ Result<BodyModel> importSmplx(const std::filesystem::path& path, const SmplxOpti
         Triangle triangle;
         for (int i = 0; i < 3; ++i) {
             const double index = faces.values[3 * t + size_t(i)];
-            if (!(index >= 0 && index < double(vertices))) return fail(Code::CorruptData, "{}: triangle {} names vertex {}", path.string(), t, index);
+            if (!(index >= 0 && index < double(vertices)))
+                return fail(Code::CorruptData, "{}: triangle {} names vertex {}", path.string(), t, index);
             triangle[i] = uint32_t(index);
         }
         body.mesh.triangles.push_back(triangle);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // SMPL-X (and SMPL-H, SMPL) .npz to a BodyModel. The file is the user's own copy: its licence is theirs to hold, nothing of it ships here.
 #pragma once
 
@@ -9,7 +10,7 @@
 namespace dpl {
 
 struct SmplxOptions {
-    uint32_t shapeCount = 10;   // leading shape directions kept as morphs "shape00" ...
+    uint32_t shapeCount = 10;  // leading shape directions kept as morphs "shape00" ...
 };
 
 /** Reads v_template, shapedirs, J_regressor, weights, kintree_table and f. Joint names by the joint count (55 SMPL-X, 52 SMPL-H,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a camera must satisfy before a scan is believed: finite, a true rotation, intrinsics that fit the picture.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Turns other people's camera conventions into Doppel's: OpenCV axes, X_view = R X_world + t, world y up.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A COLMAP sparse model (cameras and images; 3D points are not read), text or binary.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Rays of pixels and the point that many of them share.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pixels and keypoints of one frame. Lens distortion is taken out here, so that everything downstream is a pinhole.
 #include <algorithm>
 #include <cmath>

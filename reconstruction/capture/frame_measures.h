@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the ingest check measures on one frame. Private to the capture room.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // JPEG and PNG files from outside: size and completeness are known before OpenCV decodes a byte.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pose landmarks -> the keypoint names of our scans.
 #include <algorithm>
 #include <array>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Observations by neural front-ends: keypoints, clothing labels and masks for scans that bring none. Never required.
 #pragma once
 

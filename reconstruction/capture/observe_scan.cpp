@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Observations for a whole scan, as files in the layout of our scan folders.
 #include <cmath>
 #include <mutex>

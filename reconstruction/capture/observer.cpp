@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // BlazePose and the clothes parser on one picture.
 #include <algorithm>
 #include <array>

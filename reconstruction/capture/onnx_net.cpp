@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/capture/onnx_net.h"
 
 #include <cmath>

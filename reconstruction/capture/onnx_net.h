@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One ONNX network through OpenCV's dnn module, on one thread. Private to the capture room and its tests.
 #pragma once
 

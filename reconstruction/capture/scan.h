@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A scan folder in memory: frames, cameras, splits and observations. World is Doppel's: metres, right-handed, +Y up, subject facing +Z
 // (files are z-up facing −y; the reader turns everything by (x, z, −y), so nothing after ingest knows z-up).
 #pragma once

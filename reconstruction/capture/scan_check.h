@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The ingest check: is this scan good enough, and if not, what should be captured again?
 #pragma once
 

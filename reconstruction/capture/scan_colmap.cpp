@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A COLMAP sparse model with its image folder. Masks, when there, are masks/NAME.png or masks/NAME.EXT.png (COLMAP's own habit). Frames
 // named close… are close-ups and dyn… dynamic, as in our own scans.
 #include "reconstruction/cameras/colmap_model.h"

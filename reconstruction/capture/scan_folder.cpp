@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The avatar-scan folder (docs/formats/scan.md). Read: images, masks, labels, keypoints, cameras, splits. The skeleton, geometry and truth
 // entries of the manifest are never looked at: they exist for measuring.
 #include <algorithm>

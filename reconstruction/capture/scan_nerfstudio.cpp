@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // nerfstudio's transforms.json: OpenGL camera-to-world matrices, shared or per-frame intrinsics, optional masks and split lists. The world
 // is taken as y-up and metric unless "world_up": "z" says otherwise, or "applied_transform" tells that it came from a COLMAP model.
 #include <array>

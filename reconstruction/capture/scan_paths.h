@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Paths and JSON fields of a scan, checked: what the three scan readers share.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Masks seen together: which part of space all silhouettes agree on.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/distill/corrective_model.h"
 
 #include <Eigen/Eigenvalues>
@@ -15,9 +16,10 @@
 namespace dpl {
 namespace {
 
-constexpr std::array<std::string_view, 17> kHeardBones{"spine", "chest", "upperChest", "neck", "head", "leftShoulder", "rightShoulder",
-                                                        "leftUpperArm", "rightUpperArm", "leftLowerArm", "rightLowerArm", "leftUpperLeg", "rightUpperLeg",
-                                                        "leftLowerLeg", "rightLowerLeg", "leftFoot", "rightFoot"};
+constexpr std::array<std::string_view, 17> kHeardBones{"spine",         "chest",         "upperChest",    "neck",          "head",
+                                                       "leftShoulder",  "rightShoulder", "leftUpperArm",  "rightUpperArm", "leftLowerArm",
+                                                       "rightLowerArm", "leftUpperLeg",  "rightUpperLeg", "leftLowerLeg",  "rightLowerLeg",
+                                                       "leftFoot",      "rightFoot"};
 
 /** The mesh as a graph: vertices at one place are one, edges have lengths. */
 struct SurfaceGraph {
@@ -93,7 +95,8 @@ void bindVertices(const SurfaceGraph& graph, const std::vector<uint32_t>& nodes,
         }
         packed[v] = packWeights(weights);
     }
-    for (const uint32_t merged : graph.mergedOf) out.nodeIndices.push_back(packed[merged].joints), out.nodeWeights.push_back(packed[merged].weights);
+    for (const uint32_t merged : graph.mergedOf)
+        out.nodeIndices.push_back(packed[merged].joints), out.nodeWeights.push_back(packed[merged].weights);
 }
 
 }  // namespace
@@ -122,7 +125,8 @@ Result<PoseCorrectiveData> correctiveModel(std::span<const JointData> joints, co
     if (!(variance(features - 1) > settings.minSpread * settings.minSpread)) return PoseCorrectiveData{};
     const double total = variance.sum();
     for (Eigen::Index f = 0; f < features; ++f) out.mean.push_back(float(mean(f)));
-    for (Eigen::Index i = features - 1; i >= 0 && out.modeCount < settings.maxModes && variance(i) >= settings.minVariance * total; --i, ++out.modeCount) {
+    for (Eigen::Index i = features - 1; i >= 0 && out.modeCount < settings.maxModes && variance(i) >= settings.minVariance * total;
+         --i, ++out.modeCount) {
         Eigen::VectorXd mode = solver.eigenvectors().col(i);
         Eigen::Index largest = 0;
         mode.cwiseAbs().maxCoeff(&largest);

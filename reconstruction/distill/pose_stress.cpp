@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/distill/pose_stress.h"
 
 #include <cmath>
@@ -13,7 +14,9 @@ constexpr int kPoses = 64;
 constexpr double kMaxTurnRad = 1.05;
 
 /** Uniform in [−1, 1): the same on every machine, which std's distributions are not. */
-double signedUniform(std::mt19937& random) { return double(random()) * 0x1p-31 - 1; }
+double signedUniform(std::mt19937& random) {
+    return double(random()) * 0x1p-31 - 1;
+}
 
 Pose randomPose(const AvatarData& avatar, std::mt19937& random) {
     Pose pose = Pose::rest(avatar.joints.size());
@@ -38,7 +41,8 @@ PoseStress poseStress(const AvatarData& avatar, Jobs& jobs) {
     const auto& rest = avatar.mesh.restPositions;
     for (int p = 0; p < kPoses; ++p) {
         posed.pose({avatar.joints, avatar.mesh, avatar.correctives, bind}, randomPose(avatar, random), jobs);
-        for (size_t v = 0; v < rest.size(); ++v) offsets.push_back(glm::length(posed.rest()[v] - rest[v])), lights.push_back(std::abs(posed.light()[v] - 1));
+        for (size_t v = 0; v < rest.size(); ++v)
+            offsets.push_back(glm::length(posed.rest()[v] - rest[v])), lights.push_back(std::abs(posed.light()[v] - 1));
         for (const Triangle& t : avatar.mesh.triangles)
             for (int c = 0; c < 3; ++c) {
                 const uint32_t a = t[c], b = t[(c + 1) % 3];

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
 #include "reconstruction/package/posed_splats.h"
@@ -15,7 +16,8 @@ namespace {
 
 Result<Pose> choosePose(const AvatarData& avatar, const ExportOptions& options) {
     if (options.clip.empty()) return Pose::rest(avatar.joints.size());
-    const auto own = std::find_if(avatar.clips.begin(), avatar.clips.end(), [&](const ClipData& clip) { return clip.name == options.clip; });
+    const auto own =
+        std::find_if(avatar.clips.begin(), avatar.clips.end(), [&](const ClipData& clip) { return clip.name == options.clip; });
     if (own != avatar.clips.end()) return samplePose(*own, avatar.joints, options.timeS);
     auto bytes = readFile(options.clip, uint64_t(512) << 20);
     if (!bytes) return fail(bytes.error().code, "--clip {} is neither a clip of the avatar nor a readable BVH or glTF file", options.clip);
@@ -29,7 +31,8 @@ Result<Pose> choosePose(const AvatarData& avatar, const ExportOptions& options) 
 Result<StaticSplatData> splatsOf(const ExportOptions& options, std::span<const uint8_t> bytes) {
     if (splatFormatOf(bytes) != SplatFormat::None) {
         if (!options.clip.empty() || options.timeS > 0)
-            return fail(Code::InvalidArgument, "{}: these are general splats, which have no joints to pose; leave it out", options.clip.empty() ? "--time" : "--clip");
+            return fail(Code::InvalidArgument, "{}: these are general splats, which have no joints to pose; leave it out",
+                        options.clip.empty() ? "--time" : "--clip");
         DPL_TRY(SplatFile file, readSplats(bytes));
         return std::move(file.splats);
     }
@@ -42,7 +45,8 @@ Result<StaticSplatData> splatsOf(const ExportOptions& options, std::span<const u
 
 Result<std::string> exportPosedSplats(const ExportOptions& options) {
     const std::string extension = options.out.extension().string();
-    if (extension != ".ply" && extension != ".glb") return fail(Code::InvalidArgument, "-o {}: the file must end in .ply or .glb", options.out.string());
+    if (extension != ".ply" && extension != ".glb")
+        return fail(Code::InvalidArgument, "-o {}: the file must end in .ply or .glb", options.out.string());
     DPL_TRY(auto bytes, readFile(options.avatar));
     auto splats = splatsOf(options, bytes);
     if (!splats) return fail(splats.error().code, "{}: {}", options.avatar.string(), splats.error().message);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/package/inspect.h"
 
 #include <algorithm>
@@ -17,7 +18,7 @@ namespace {
 struct SplatSummary {
     SplatFile file;
     SplatBox box;
-    float smallestM = 0, medianM = 0, largestM = 0;   // of all standard deviations
+    float smallestM = 0, medianM = 0, largestM = 0;  // of all standard deviations
     uint64_t fileBytes = 0;
 };
 
@@ -34,14 +35,18 @@ Result<SplatSummary> summarise(const std::filesystem::path& path, std::span<cons
     return out;
 }
 
-std::string formatName(const SplatFile& file) { return file.version ? formatText("{} version {}", nameOf(file.format), file.version) : nameOf(file.format); }
+std::string formatName(const SplatFile& file) {
+    return file.version ? formatText("{} version {}", nameOf(file.format), file.version) : nameOf(file.format);
+}
 
 std::string asText(const std::filesystem::path& path, const SplatSummary& s) {
     const StaticSplatData& splats = s.file.splats;
     const auto place = [](const Vec3f& p) { return formatText("({}, {}, {})", p.x, p.y, p.z); };
-    std::string out = formatText("{}  general splats, {}\n{} splats, SH degree {}{}{}\n", path.string(), formatName(s.file), splats.count(), s.file.shDegree,
-                                 s.file.shDegree > splats.shDegree ? formatText(" (drawn up to {})", splats.shDegree) : "", splats.compensated ? ", trained antialiased" : "");
-    out += formatText("middle 98 % of the centres from {} to {} m\nstandard deviations {} to {} m, median {} m\n", place(s.box.low), place(s.box.high), s.smallestM, s.largestM, s.medianM);
+    std::string out = formatText("{}  general splats, {}\n{} splats, SH degree {}{}{}\n", path.string(), formatName(s.file), splats.count(),
+                                 s.file.shDegree, s.file.shDegree > splats.shDegree ? formatText(" (drawn up to {})", splats.shDegree) : "",
+                                 splats.compensated ? ", trained antialiased" : "");
+    out += formatText("middle 98 % of the centres from {} to {} m\nstandard deviations {} to {} m, median {} m\n", place(s.box.low),
+                      place(s.box.high), s.smallestM, s.largestM, s.medianM);
     return out + formatText("{} bytes, {} a splat\n", s.fileBytes, splats.count() ? double(s.fileBytes) / splats.count() : 0.0);
 }
 
@@ -50,8 +55,14 @@ std::string asJson(const std::filesystem::path& path, const SplatSummary& s) {
     const auto place = [](const Vec3f& p) { return nlohmann::ordered_json{p.x, p.y, p.z}; };
     nlohmann::ordered_json out = {{"file", path.string()}, {"format", nameOf(s.file.format)}};
     if (s.file.version) out["version"] = s.file.version;
-    out.update({{"splats", splats.count()}, {"sh_degree", s.file.shDegree}, {"antialiased", splats.compensated}, {"box_low_m", place(s.box.low)}, {"box_high_m", place(s.box.high)},
-                {"smallest_scale_m", s.smallestM}, {"median_scale_m", s.medianM}, {"largest_scale_m", s.largestM}});
+    out.update({{"splats", splats.count()},
+                {"sh_degree", s.file.shDegree},
+                {"antialiased", splats.compensated},
+                {"box_low_m", place(s.box.low)},
+                {"box_high_m", place(s.box.high)},
+                {"smallest_scale_m", s.smallestM},
+                {"median_scale_m", s.medianM},
+                {"largest_scale_m", s.largestM}});
     out["bytes"]["file"] = s.fileBytes;
     return out.dump(1);
 }
@@ -66,12 +77,19 @@ Result<AvatarInfo> inspectFile(const std::filesystem::path& path, std::span<cons
 std::string entropyCoded(const AvatarInfo& info) {
     if (info.splatEncoding != 3) return {};
     const SplatBits& b = info.bits;
-    return formatText(", entropy-coded with {}, {}, {}, {} and {} bits of place, angle, size, opacity and colour", int(b.uv), int(b.phi), int(b.scale), int(b.opacity), int(b.colour));
+    return formatText(", entropy-coded with {}, {}, {}, {} and {} bits of place, angle, size, opacity and colour", int(b.uv), int(b.phi),
+                      int(b.scale), int(b.opacity), int(b.colour));
 }
 
 std::vector<std::pair<const char*, uint64_t>> parts(const AvatarInfo& info) {
-    return {{"mesh", info.meshBytes}, {"splats", info.splatBytes}, {"spherical harmonics", info.shBytes}, {"pose correctives", info.correctiveBytes},
-            {"clips", info.clipBytes}, {"skin", info.skinBytes}, {"json", info.jsonBytes}, {"headers, padding", info.otherBytes}};
+    return {{"mesh", info.meshBytes},
+            {"splats", info.splatBytes},
+            {"spherical harmonics", info.shBytes},
+            {"pose correctives", info.correctiveBytes},
+            {"clips", info.clipBytes},
+            {"skin", info.skinBytes},
+            {"json", info.jsonBytes},
+            {"headers, padding", info.otherBytes}};
 }
 
 }  // namespace
@@ -85,20 +103,25 @@ Result<std::string> inspectAsText(const std::filesystem::path& path) {
     DPL_TRY(AvatarInfo info, inspectFile(path, bytes));
     std::string out = formatText("{}  \"{}\"\nformat version {}, by {}\n", path.string(), info.name, info.version, info.generator);
     out += formatText("content hash {} {}\n", info.contentHash, info.hashMatches ? "(matches)" : "(DOES NOT MATCH: the file was changed)");
-    out += formatText("{} splats in {} chunks, SH degree {}{}\n{} vertices, {} triangles, {} layers, {} joints, {} clips\n\n", info.splats, info.chunks, info.shDegree,
-                      (info.shPaletteSize ? formatText(" from a palette of {}", info.shPaletteSize) : std::string()) + entropyCoded(info), info.vertices, info.triangles, info.layers, info.joints, info.clips);
-    if (info.correctiveNodes) out.insert(out.size() - 1, formatText("pose correctives: {} nodes, {} modes\n", info.correctiveNodes, info.correctiveModes));
+    out += formatText("{} splats in {} chunks, SH degree {}{}\n{} vertices, {} triangles, {} layers, {} joints, {} clips\n\n", info.splats,
+                      info.chunks, info.shDegree,
+                      (info.shPaletteSize ? formatText(" from a palette of {}", info.shPaletteSize) : std::string()) + entropyCoded(info),
+                      info.vertices, info.triangles, info.layers, info.joints, info.clips);
+    if (info.correctiveNodes)
+        out.insert(out.size() - 1, formatText("pose correctives: {} nodes, {} modes\n", info.correctiveNodes, info.correctiveModes));
     char line[160];
     if (info.trainedPixelM > 0) {
         std::snprintf(line, sizeof line, "trained at pixels of %.2f mm\n", 1e3 * double(info.trainedPixelM));
         out.insert(out.size() - 1, line);
     }
     for (const auto& [name, bytes] : parts(info)) {
-        std::snprintf(line, sizeof line, "  %-22s %10llu bytes  %5.1f %%\n", name, static_cast<unsigned long long>(bytes), 100.0 * double(bytes) / double(info.fileBytes));
+        std::snprintf(line, sizeof line, "  %-22s %10llu bytes  %5.1f %%\n", name, static_cast<unsigned long long>(bytes),
+                      100.0 * double(bytes) / double(info.fileBytes));
         out += line;
     }
     const double perSplat = info.splats ? double(info.splatBytes + info.shBytes) / info.splats : 0;
-    std::snprintf(line, sizeof line, "  %-22s %10llu bytes  (%.1f a splat with SH)\n", "file", static_cast<unsigned long long>(info.fileBytes), perSplat);
+    std::snprintf(line, sizeof line, "  %-22s %10llu bytes  (%.1f a splat with SH)\n", "file",
+                  static_cast<unsigned long long>(info.fileBytes), perSplat);
     out += line;
     if (!info.evidence.empty()) out += "\n  part                            kept   gain    reason\n";
     for (const EvidenceData& e : info.evidence) {
@@ -115,10 +138,24 @@ Result<std::string> inspectAsJson(const std::filesystem::path& path) {
         return asJson(path, splats);
     }
     DPL_TRY(AvatarInfo info, inspectFile(path, bytes));
-    nlohmann::ordered_json out = {{"file", path.string()},        {"name", info.name},         {"version", info.version},       {"generator", info.generator},
-                                  {"content_hash", info.contentHash}, {"hash_matches", info.hashMatches}, {"splats", info.splats}, {"chunks", info.chunks},
-                                  {"sh_degree", info.shDegree},   {"sh_palette", info.shPaletteSize}, {"splat_encoding", info.splatEncoding}, {"vertices", info.vertices}, {"triangles", info.triangles},   {"layers", info.layers},
-                                  {"joints", info.joints},        {"clips", info.clips},       {"corrective_nodes", info.correctiveNodes}, {"corrective_modes", info.correctiveModes}};
+    nlohmann::ordered_json out = {{"file", path.string()},
+                                  {"name", info.name},
+                                  {"version", info.version},
+                                  {"generator", info.generator},
+                                  {"content_hash", info.contentHash},
+                                  {"hash_matches", info.hashMatches},
+                                  {"splats", info.splats},
+                                  {"chunks", info.chunks},
+                                  {"sh_degree", info.shDegree},
+                                  {"sh_palette", info.shPaletteSize},
+                                  {"splat_encoding", info.splatEncoding},
+                                  {"vertices", info.vertices},
+                                  {"triangles", info.triangles},
+                                  {"layers", info.layers},
+                                  {"joints", info.joints},
+                                  {"clips", info.clips},
+                                  {"corrective_nodes", info.correctiveNodes},
+                                  {"corrective_modes", info.correctiveModes}};
     if (info.trainedPixelM > 0) out["trained_pixel_m"] = info.trainedPixelM;
     for (const auto& [name, bytes] : parts(info)) out["bytes"][name] = bytes;
     out["bytes"]["file"] = info.fileBytes;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What is in an avatar file, or in a file of general splats, for people and for programs.
 #pragma once
 
@@ -8,7 +9,8 @@
 
 namespace dpl {
 
-/** A table of counts, bytes by part and the evidence rows; of general splats their format, count, extent and sizes. Errors name the file. */
+/** A table of counts, bytes by part and the evidence rows; of general splats their format, count, extent and sizes. Errors name the file.
+ */
 Result<std::string> inspectAsText(const std::filesystem::path& file);
 Result<std::string> inspectAsJson(const std::filesystem::path& file);
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/package/pack.h"
 
 #include <algorithm>
@@ -24,7 +25,7 @@ constexpr std::array kModePercents = {100, 85, 70, 55, 40, 25, 10, 0};
 constexpr std::array kPalettes = {8192u, 2048u, 512u, 128u};
 
 struct ShChoice {
-    uint32_t degree = 0, entries = 0;   // 0 entries: as the avatar came, each splat its own or from the palette of its file
+    uint32_t degree = 0, entries = 0;  // 0 entries: as the avatar came, each splat its own or from the palette of its file
 };
 
 /** From what the avatar has to none at all. */
@@ -39,11 +40,13 @@ std::vector<ShChoice> shLadder(uint32_t degree) {
 /** A field of the splats' words, and the bits that are tried. */
 struct BitLadder {
     const char* field;
-    uint8_t SplatBits::* bits;
+    uint8_t SplatBits::*bits;
     std::array<uint8_t, 5> rungs;
 };
-constexpr std::array kBitLadders = {BitLadder{"places on the triangles", &SplatBits::uv, {9, 8, 7, 6, 5}}, BitLadder{"angles", &SplatBits::phi, {8, 7, 6, 5, 4}}, BitLadder{"sizes", &SplatBits::scale, {9, 8, 7, 6, 5}},
-                                    BitLadder{"opacity", &SplatBits::opacity, {7, 6, 5, 4, 3}}, BitLadder{"colour", &SplatBits::colour, {9, 8, 7, 6, 5}}};
+constexpr std::array kBitLadders = {
+    BitLadder{"places on the triangles", &SplatBits::uv, {9, 8, 7, 6, 5}}, BitLadder{"angles", &SplatBits::phi, {8, 7, 6, 5, 4}},
+    BitLadder{"sizes", &SplatBits::scale, {9, 8, 7, 6, 5}}, BitLadder{"opacity", &SplatBits::opacity, {7, 6, 5, 4, 3}},
+    BitLadder{"colour", &SplatBits::colour, {9, 8, 7, 6, 5}}};
 constexpr size_t kLadders = 3 + kBitLadders.size();
 
 /** Where on its ladders a candidate stands. compact: its words are entropy-coded. */
@@ -71,7 +74,8 @@ void keepSplats(SplatData& s, const std::vector<uint32_t>& order, size_t count) 
     for (size_t t = 0; t + 1 < s.triangleStart.size(); ++t) {
         for (uint32_t i = s.triangleStart[t]; i < s.triangleStart[t + 1]; ++i) {
             if (!kept[i]) continue;
-            out.uv.push_back(s.uv[i]), out.phi.push_back(s.phi[i]), out.scaleM.push_back(s.scaleM[i]), out.opacity.push_back(s.opacity[i]), out.flags.push_back(s.flags[i]);
+            out.uv.push_back(s.uv[i]), out.phi.push_back(s.phi[i]), out.scaleM.push_back(s.scaleM[i]), out.opacity.push_back(s.opacity[i]),
+                out.flags.push_back(s.flags[i]);
             out.sh.insert(out.sh.end(), s.sh.begin() + ptrdiff_t(i * stride), s.sh.begin() + ptrdiff_t((i + 1) * stride));
         }
         out.triangleStart.push_back(out.count());
@@ -79,14 +83,17 @@ void keepSplats(SplatData& s, const std::vector<uint32_t>& order, size_t count) 
     s = std::move(out);
 }
 
-/** Different SH rows beyond coefficient 0, when they are few enough for a palette and shared by splats: what a file with a palette holds; else 0. */
+/** Different SH rows beyond coefficient 0, when they are few enough for a palette and shared by splats: what a file with a palette holds;
+ * else 0. */
 uint32_t ownPalette(const SplatData& s) {
     const size_t stride = shCoefficientCount(s.shDegree) * 3;
     if (stride <= 3 || s.count() == 0) return 0;
     std::vector<uint32_t> order(s.count());
     std::iota(order.begin(), order.end(), 0u);
     const auto row = [&](uint32_t i) { return std::span(s.sh).subspan(i * stride + 3, stride - 3); };
-    const auto before = [&](uint32_t a, uint32_t b) { return std::lexicographical_compare(row(a).begin(), row(a).end(), row(b).begin(), row(b).end()); };
+    const auto before = [&](uint32_t a, uint32_t b) {
+        return std::lexicographical_compare(row(a).begin(), row(a).end(), row(b).begin(), row(b).end());
+    };
     std::sort(order.begin(), order.end(), before);
     size_t different = 1;
     for (size_t i = 1; i < order.size(); ++i) different += before(order[i - 1], order[i]);
@@ -95,7 +102,7 @@ uint32_t ownPalette(const SplatData& s) {
 
 /** Modes by how much they move and light at most, strongest first. */
 std::vector<uint32_t> modesByStrength(const PoseCorrectiveData& c) {
-    constexpr double kMetresOfLight = 0.05;   // a brightness change of 1 is seen like a shift of so much
+    constexpr double kMetresOfLight = 0.05;  // a brightness change of 1 is seen like a shift of so much
     std::vector<double> strength(c.modeCount, 0.0);
     for (size_t e = 0; e < c.nodes.size(); ++e) {
         const Vec4d n(c.nodes[e]);
@@ -135,16 +142,27 @@ void keepModes(PoseCorrectiveData& c, const std::vector<uint32_t>& order, uint32
     c = std::move(out);
 }
 
-std::string decibels(double db) { return std::isfinite(db) ? formatText("{} dB", std::round(db * 10) / 10) : "equal"; }
+std::string decibels(double db) {
+    return std::isfinite(db) ? formatText("{} dB", std::round(db * 10) / 10) : "equal";
+}
 /** places / angles / sizes / opacity / colour. */
-std::string bitsAsText(const SplatBits& b) { return formatText("{}/{}/{}/{}/{}", int(b.uv), int(b.phi), int(b.scale), int(b.opacity), int(b.colour)); }
-double megabytes(uint64_t bytes) { return std::round(double(bytes) / 1e4) / 100; }
+std::string bitsAsText(const SplatBits& b) {
+    return formatText("{}/{}/{}/{}/{}", int(b.uv), int(b.phi), int(b.scale), int(b.opacity), int(b.colour));
+}
+double megabytes(uint64_t bytes) {
+    return std::round(double(bytes) / 1e4) / 100;
+}
 
 /** The avatar, its ladders, and what is costly to make twice. */
 class Walk {
 public:
     Walk(const AvatarData& avatar, const PackSettings& settings, Jobs& jobs)
-        : whole_(avatar), jobs_(jobs), pictures_(avatar, settings.pictures, settings.seed, jobs), sh_(shLadder(avatar.splats.shDegree)), ownPalette_(ownPalette(avatar.splats)), modes_(modesByStrength(avatar.correctives)) {
+        : whole_(avatar),
+          jobs_(jobs),
+          pictures_(avatar, settings.pictures, settings.seed, jobs),
+          sh_(shLadder(avatar.splats.shDegree)),
+          ownPalette_(ownPalette(avatar.splats)),
+          modes_(modesByStrength(avatar.correctives)) {
         if (const auto coded = codeSplats(avatar.mesh, avatar.splats)) first_.bits = neededBits(*coded);
         first_.compact = settings.compact;
         const std::vector<float> importance = pictures_.importance(avatar);
@@ -174,9 +192,14 @@ public:
         keepModes(packed.correctives, modes_, modeCount(at));
         c.point.splats = packed.splats.count(), c.point.shDegree = sh.degree, c.point.modes = packed.correctives.modeCount;
         if (at.splats || at.sh || at.modes || at.bits != first_.bits)
-            packed.evidence.push_back({"packed", true, 0, 0, formatText("{} of {} splats, SH degree {} of {}{}, {} of {} modes of pose correctives, {} bits", c.point.splats, whole_.splats.count(), sh.degree,
-                                                                        whole_.splats.shDegree, sh.entries ? formatText(" from a palette of {}", sh.entries) : "", c.point.modes, whole_.correctives.modeCount, bitsAsText(at.bits))});
-        DPL_TRY(c.file, writeAvatar(packed, {.shPalette = sh.entries > 0 || (at.sh == 0 && ownPalette_ > 0), .compact = at.compact, .bits = at.bits}));
+            packed.evidence.push_back({"packed", true, 0, 0,
+                                       formatText("{} of {} splats, SH degree {} of {}{}, {} of {} modes of pose correctives, {} bits",
+                                                  c.point.splats, whole_.splats.count(), sh.degree, whole_.splats.shDegree,
+                                                  sh.entries ? formatText(" from a palette of {}", sh.entries) : "", c.point.modes,
+                                                  whole_.correctives.modeCount, bitsAsText(at.bits))});
+        DPL_TRY(
+            c.file,
+            writeAvatar(packed, {.shPalette = sh.entries > 0 || (at.sh == 0 && ownPalette_ > 0), .compact = at.compact, .bits = at.bits}));
         DPL_TRY(const AvatarData decoded, readAvatar(c.file));
         DPL_TRY(const AvatarInfo info, inspectAvatar(c.file));
         c.point.shEntries = info.shPaletteSize, c.point.bits = at.bits, c.point.compact = info.splatEncoding == 3;
@@ -205,18 +228,21 @@ public:
             const ShChoice sh = sh_[next.sh];
             if (sh.entries > 0 && sh.entries >= splatCount(from)) continue;
             if (sh.entries > 0 && ownPalette_ > 0 && sh.entries >= ownPalette_ && sh.degree == whole_.splats.shDegree) continue;
-            out.push_back({1, next, sh.entries ? formatText("SH degree {}, palette of {}", sh.degree, sh.entries) : "no view-dependent colour"});
+            out.push_back(
+                {1, next, sh.entries ? formatText("SH degree {}, palette of {}", sh.degree, sh.entries) : "no view-dependent colour"});
             break;
         }
         next = from;
         while (++next.modes < kModePercents.size())
             if (modeCount(next) < modeCount(from)) {
-                out.push_back({2, next, modeCount(next) ? formatText("{} modes of pose correctives", modeCount(next)) : "no pose correctives"});
+                out.push_back(
+                    {2, next, modeCount(next) ? formatText("{} modes of pose correctives", modeCount(next)) : "no pose correctives"});
                 break;
             }
         for (size_t k = 0; k < kBitLadders.size(); ++k) {
             const BitLadder& ladder = kBitLadders[k];
-            const auto rung = std::find_if(ladder.rungs.begin(), ladder.rungs.end(), [&](uint8_t bits) { return bits < from.bits.*ladder.bits; });
+            const auto rung =
+                std::find_if(ladder.rungs.begin(), ladder.rungs.end(), [&](uint8_t bits) { return bits < from.bits.*ladder.bits; });
             if (rung == ladder.rungs.end()) continue;
             next = from;
             next.bits.*ladder.bits = *rung;
@@ -225,10 +251,15 @@ public:
         return out;
     }
 
-    size_t rungs() const { return kSplatPercents.size() + sh_.size() + (modes_.empty() ? 0 : kModePercents.size()) + kBitLadders.size() * kBitLadders[0].rungs.size(); }
+    size_t rungs() const {
+        return kSplatPercents.size() + sh_.size() + (modes_.empty() ? 0 : kModePercents.size()) +
+               kBitLadders.size() * kBitLadders[0].rungs.size();
+    }
 
 private:
-    size_t splatCount(const Rungs& at) const { return size_t(std::llround(double(whole_.splats.count()) * kSplatPercents[at.splats] / 100)); }
+    size_t splatCount(const Rungs& at) const {
+        return size_t(std::llround(double(whole_.splats.count()) * kSplatPercents[at.splats] / 100));
+    }
     uint32_t modeCount(const Rungs& at) const { return uint32_t(std::llround(double(modes_.size()) * kModePercents[at.modes] / 100)); }
 
     /** SH of all splats on a rung; palettes are made once, of all splats. */
@@ -237,7 +268,8 @@ private:
         if (isNew) {
             SplatData all = whole_.splats;
             lowerShDegree(all, sh_[rung].degree);
-            if (sh_[rung].entries) (void)paletteSh(all, {.maxEntries = sh_[rung].entries}, jobs_);   // its only error is an impossible number of entries
+            if (sh_[rung].entries)
+                (void)paletteSh(all, {.maxEntries = sh_[rung].entries}, jobs_);  // its only error is an impossible number of entries
             made->second = std::move(all.sh);
         }
         return made->second;
@@ -248,23 +280,27 @@ private:
     PackPictures pictures_;
     std::vector<ShChoice> sh_;
     Rungs first_;
-    uint32_t ownPalette_;                     // entries of the palette that the avatar came with; 0: none
-    std::vector<uint32_t> modes_, splats_;    // strongest, most visible first
+    uint32_t ownPalette_;                   // entries of the palette that the avatar came with; 0: none
+    std::vector<uint32_t> modes_, splats_;  // strongest, most visible first
     std::map<size_t, std::vector<float>> rows_;
 };
 
 Error outOfReach(const PackLimits& limits, const PackPoint& last, const PackPoint* next) {
     if (!limits.minPsnrDb)
-        return fail(Code::InvalidArgument, "{} MB cannot be reached: the smallest that this avatar packs to is {} MB, at {}", megabytes(*limits.maxBytes), megabytes(last.bytes), decibels(last.psnrDb));
-    const std::string there = next ? formatText("; the next step is {} MB at {}", megabytes(next->bytes), decibels(next->psnrDb)) : std::string();
-    return fail(Code::InvalidArgument, "{} MB and {} dB cannot both be met: the nearest is {} MB at {}{}", megabytes(*limits.maxBytes), *limits.minPsnrDb, megabytes(last.bytes), decibels(last.psnrDb), there);
+        return fail(Code::InvalidArgument, "{} MB cannot be reached: the smallest that this avatar packs to is {} MB, at {}",
+                    megabytes(*limits.maxBytes), megabytes(last.bytes), decibels(last.psnrDb));
+    const std::string there =
+        next ? formatText("; the next step is {} MB at {}", megabytes(next->bytes), decibels(next->psnrDb)) : std::string();
+    return fail(Code::InvalidArgument, "{} MB and {} dB cannot both be met: the nearest is {} MB at {}{}", megabytes(*limits.maxBytes),
+                *limits.minPsnrDb, megabytes(last.bytes), decibels(last.psnrDb), there);
 }
 
 }  // namespace
 
 Result<PackResult> packToLimits(const AvatarData& avatar, const PackLimits& limits, const PackSettings& settings, Jobs& jobs,
                                 const std::function<Status(double, const std::string&)>& progress) {
-    if (!limits.maxBytes && !limits.minPsnrDb) return fail(Code::InvalidArgument, "nothing limits the packing: give a size, a PSNR or both");
+    if (!limits.maxBytes && !limits.minPsnrDb)
+        return fail(Code::InvalidArgument, "nothing limits the packing: give a size, a PSNR or both");
     DPL_CHECK_OK(progress(0, "drawing the unpacked avatar"));
     Walk walk(avatar, settings, jobs);
     DPL_TRY(Walk::Candidate here, walk.measure(walk.first()));
@@ -273,10 +309,11 @@ Result<PackResult> packToLimits(const AvatarData& avatar, const PackLimits& limi
     result.curve.push_back(here.point);
     size_t taken = 0;
     const auto fits = [&](const PackPoint& p) { return !limits.minPsnrDb || p.psnrDb >= *limits.minPsnrDb; };
-    const auto share = [&] {   // of the ladders, or of the way to the size on a logarithmic scale
+    const auto share = [&] {  // of the ladders, or of the way to the size on a logarithmic scale
         const double climbed = double(taken) / double(walk.rungs());
         if (!limits.maxBytes || result.curve[0].bytes <= *limits.maxBytes) return climbed;
-        const double whole = std::log(double(result.curve[0].bytes) / double(*limits.maxBytes)), done = std::log(double(result.curve[0].bytes) / double(here.point.bytes));
+        const double whole = std::log(double(result.curve[0].bytes) / double(*limits.maxBytes)),
+                     done = std::log(double(result.curve[0].bytes) / double(here.point.bytes));
         return std::clamp(std::max(climbed, done / whole), 0.0, 1.0);
     };
     const auto wanted = [&] { return !limits.maxBytes || here.point.bytes > *limits.maxBytes; };
@@ -290,25 +327,27 @@ Result<PackResult> packToLimits(const AvatarData& avatar, const PackLimits& limi
             result.curve.push_back(here.point);
         }
     }
-    // The next move of each ladder: what it was worth when it was last measured, and the candidate if that was from here. Whatever looks best is
-    // measured again before it is taken; error only grows, so what did not fit once does not fit later.
+    // The next move of each ladder: what it was worth when it was last measured, and the candidate if that was from here. Whatever looks
+    // best is measured again before it is taken; error only grows, so what did not fit once does not fit later.
     struct Known {
-        double slope = std::numeric_limits<double>::infinity();   // bytes saved for each unit of new error; infinite: never measured
+        double slope = std::numeric_limits<double>::infinity();  // bytes saved for each unit of new error; infinite: never measured
         std::optional<Walk::Candidate> fresh;
         bool ended = false;
     };
     std::array<Known, kLadders> known;
-    std::optional<PackPoint> nearest;   // of those that do not fit
+    std::optional<PackPoint> nearest;  // of those that do not fit
     while (wanted()) {
         const std::vector<Walk::Move> moves = walk.moves(here.at);
         const Walk::Move* best = nullptr;
         for (;;) {
             best = nullptr;
             for (const Walk::Move& m : moves)
-                if (!known[m.ladder].ended && known[m.ladder].slope > 0 && (!best || known[m.ladder].slope > known[best->ladder].slope)) best = &m;
+                if (!known[m.ladder].ended && known[m.ladder].slope > 0 && (!best || known[m.ladder].slope > known[best->ladder].slope))
+                    best = &m;
             if (!best || known[best->ladder].fresh) break;
             Known& k = known[best->ladder];
-            DPL_CHECK_OK(progress(share(), formatText("{} MB, {}; trying {}", megabytes(here.point.bytes), decibels(here.point.psnrDb), best->name)));
+            DPL_CHECK_OK(progress(
+                share(), formatText("{} MB, {}; trying {}", megabytes(here.point.bytes), decibels(here.point.psnrDb), best->name)));
             DPL_TRY(Walk::Candidate c, walk.measure(best->to));
             c.point.move = best->name;
             if (!fits(c.point)) {
@@ -317,7 +356,8 @@ Result<PackResult> packToLimits(const AvatarData& avatar, const PackLimits& limi
                 continue;
             }
             // A move that costs no error wins over all that do.
-            k.slope = c.point.bytes < here.point.bytes ? double(here.point.bytes - c.point.bytes) / std::max(c.squares - here.squares, 1e-9) : 0;
+            k.slope =
+                c.point.bytes < here.point.bytes ? double(here.point.bytes - c.point.bytes) / std::max(c.squares - here.squares, 1e-9) : 0;
             k.fresh = std::move(c);
         }
         if (!best) {
@@ -328,12 +368,14 @@ Result<PackResult> packToLimits(const AvatarData& avatar, const PackLimits& limi
         known[best->ladder] = {};
         for (Known& k : known) {
             k.fresh.reset();
-            if (k.slope == 0) k.slope = Known().slope;   // it saved nothing there
+            if (k.slope == 0) k.slope = Known().slope;  // it saved nothing there
         }
         result.curve.push_back(here.point);
         ++taken;
     }
-    if (!fits(here.point)) return fail(Code::InvalidArgument, "{} dB cannot be met: encoding the avatar again gives {}", *limits.minPsnrDb, decibels(here.point.psnrDb));
+    if (!fits(here.point))
+        return fail(Code::InvalidArgument, "{} dB cannot be met: encoding the avatar again gives {}", *limits.minPsnrDb,
+                    decibels(here.point.psnrDb));
     result.file = std::move(here.file);
     return result;
 }
@@ -350,11 +392,15 @@ Result<PackResult> packFile(const std::filesystem::path& path, const PackLimits&
 }
 
 std::string curveAsText(const std::vector<PackPoint>& curve) {
-    std::string out = "| step | bytes | of the first | PSNR dB | whole picture | splats | SH degree | palette | modes | bits |\n|---|---|---|---|---|---|---|---|---|---|\n";
+    std::string out =
+        "| step | bytes | of the first | PSNR dB | whole picture | splats | SH degree | palette | modes | bits "
+        "|\n|---|---|---|---|---|---|---|---|---|---|\n";
     char row[300];
     for (const PackPoint& p : curve) {
-        std::snprintf(row, sizeof row, "| %s | %llu | %.1f %% | %s | %s | %u | %u | %s | %u | %s |\n", p.move.c_str(), static_cast<unsigned long long>(p.bytes), 100.0 * double(p.bytes) / double(curve[0].bytes),
-                      decibels(p.psnrDb).c_str(), decibels(p.wholePsnrDb).c_str(), p.splats, p.shDegree, p.shEntries ? formatText("{}", p.shEntries).c_str() : "–", p.modes, bitsAsText(p.bits).c_str());
+        std::snprintf(row, sizeof row, "| %s | %llu | %.1f %% | %s | %s | %u | %u | %s | %u | %s |\n", p.move.c_str(),
+                      static_cast<unsigned long long>(p.bytes), 100.0 * double(p.bytes) / double(curve[0].bytes),
+                      decibels(p.psnrDb).c_str(), decibels(p.wholePsnrDb).c_str(), p.splats, p.shDegree,
+                      p.shEntries ? formatText("{}", p.shEntries).c_str() : "–", p.modes, bitsAsText(p.bits).c_str());
         out += row;
     }
     return out;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Making an avatar smaller along its measured rate-distortion curve: which of its parts to thin next is decided by pictures.
 //
 //   splats (the least visible go first) ─┐
@@ -22,29 +23,29 @@
 namespace dpl {
 
 struct PackLimits {
-    std::optional<uint64_t> maxBytes;     // of the file
-    std::optional<double> minPsnrDb;      // of the pictures against the unpacked avatar's, covered pixels
+    std::optional<uint64_t> maxBytes;  // of the file
+    std::optional<double> minPsnrDb;   // of the pictures against the unpacked avatar's, covered pixels
 };
 
 /** A point of the curve. */
 struct PackPoint {
-    std::string move;                     // what changed since the point before
-    uint64_t bytes = 0;                   // of the whole file
-    double psnrDb = 0, wholePsnrDb = 0;   // infinite at the start
-    uint32_t splats = 0, shDegree = 0, shEntries = 0, modes = 0;   // shEntries 0: every splat has its own SH
-    SplatBits bits;                       // of the splats' fields
-    bool compact = false;                 // splat encoding 3
+    std::string move;                                             // what changed since the point before
+    uint64_t bytes = 0;                                           // of the whole file
+    double psnrDb = 0, wholePsnrDb = 0;                           // infinite at the start
+    uint32_t splats = 0, shDegree = 0, shEntries = 0, modes = 0;  // shEntries 0: every splat has its own SH
+    SplatBits bits;                                               // of the splats' fields
+    bool compact = false;                                         // splat encoding 3
 };
 
 struct PackResult {
-    std::vector<PackPoint> curve;         // as it was walked; the last point is what `file` holds
+    std::vector<PackPoint> curve;  // as it was walked; the last point is what `file` holds
     std::vector<uint8_t> file;
 };
 
 struct PackSettings {
-    uint64_t seed = 1;                    // of views and poses
+    uint64_t seed = 1;  // of views and poses
     uint32_t pictures = 16;
-    bool compact = false;                 // the avatar came in splat encoding 3: packFile looks
+    bool compact = false;  // the avatar came in splat encoding 3: packFile looks
 };
 
 /** Walks until the file is as small as maxBytes allows, or, without it, until nothing more fits minPsnrDb. At least one limit must be set.

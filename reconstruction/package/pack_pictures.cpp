@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/package/pack_pictures.h"
 
 #include <algorithm>
@@ -18,7 +19,9 @@ constexpr double kMaxTurnRad = 0.52;
 constexpr float kGrey = 0.5f;
 
 /** Uniform in [0, 1): the same on every machine, which std's distributions are not. */
-double uniform(std::mt19937_64& random) { return double(random() >> 11) * 0x1p-53; }
+double uniform(std::mt19937_64& random) {
+    return double(random() >> 11) * 0x1p-53;
+}
 
 Pose randomPose(const AvatarData& avatar, std::mt19937_64& random) {
     Pose pose = Pose::rest(avatar.joints.size());
@@ -26,7 +29,7 @@ Pose randomPose(const AvatarData& avatar, std::mt19937_64& random) {
         const double z = 2 * uniform(random) - 1, angle = 2 * std::numbers::pi * uniform(random), r = std::sqrt(1 - z * z);
         turn = Quatf(glm::angleAxis(kMaxTurnRad * uniform(random), Vec3d(r * std::cos(angle), r * std::sin(angle), z)));
     }
-    pose.localRotations[0] = Quatf(1, 0, 0, 0);   // the camera goes around instead
+    pose.localRotations[0] = Quatf(1, 0, 0, 0);  // the camera goes around instead
     return pose;
 }
 
@@ -36,7 +39,8 @@ Cameraf randomCamera(std::span<const Vec3f> positions, bool close, std::mt19937_
     if (!positions.empty()) low = high = positions[0];
     for (const Vec3f& p : positions) low = glm::min(low, p), high = glm::max(high, p);
     const double azimuth = 2 * std::numbers::pi * uniform(random), elevation = (-20 + 60 * uniform(random)) * std::numbers::pi / 180;
-    const double height = std::max(1e-3, double(high.y - low.y)), width = std::max(1e-3, std::hypot(double(high.x - low.x), double(high.z - low.z)));
+    const double height = std::max(1e-3, double(high.y - low.y)),
+                 width = std::max(1e-3, std::hypot(double(high.x - low.x), double(high.z - low.z)));
     Vec3d target = Vec3d(low + high) * 0.5;
     if (close) target.y = high.y - height / 6;
     const double extent = (close ? height / 3 : std::max(height, width * kHeightPx / kWidthPx)) * 1.15;
@@ -54,14 +58,16 @@ Cameraf randomCamera(std::span<const Vec3f> positions, bool close, std::mt19937_
 /** Poses an avatar and projects it; keeps its buffers from picture to picture. */
 class Drawer {
 public:
-    Drawer(const AvatarData& avatar, Jobs& jobs) : avatar_(avatar), jobs_(jobs), engine_(jobs), rest_(restTriangles(avatar.mesh)), triangle_(avatar.splats.count()) {
+    Drawer(const AvatarData& avatar, Jobs& jobs)
+        : avatar_(avatar), jobs_(jobs), engine_(jobs), rest_(restTriangles(avatar.mesh)), triangle_(avatar.splats.count()) {
         const auto& start = avatar.splats.triangleStart;
         for (uint32_t t = 0; t + 1 < start.size(); ++t) std::fill(triangle_.begin() + start[t], triangle_.begin() + start[t + 1], t);
     }
     SplatEngine& project(const Pose& pose, const Cameraf& camera) {
         const SplatData& s = avatar_.splats;
         mesh_.pose({avatar_.joints, avatar_.mesh, avatar_.correctives, rest_}, pose, jobs_);
-        engine_.project(BoundSplatView{triangle_, s.uv, s.phi, s.scaleM, s.opacity, s.flags, s.shDegree, s.sh}, mesh_.frames(), camera, avatar_.kappaPx2, avatar_.compensated);
+        engine_.project(BoundSplatView{triangle_, s.uv, s.phi, s.scaleM, s.opacity, s.flags, s.shDegree, s.sh}, mesh_.frames(), camera,
+                        avatar_.kappaPx2, avatar_.compensated);
         engine_.bin();
         return engine_;
     }
@@ -81,8 +87,12 @@ double psnrOf(double squares, double values) {
 
 }  // namespace
 
-double PackError::psnrDb() const { return psnrOf(squares, values); }
-double PackError::wholePsnrDb() const { return psnrOf(squares, allValues); }
+double PackError::psnrDb() const {
+    return psnrOf(squares, values);
+}
+double PackError::wholePsnrDb() const {
+    return psnrOf(squares, allValues);
+}
 
 PackPictures::PackPictures(const AvatarData& avatar, uint32_t count, uint64_t seed, Jobs& jobs) : jobs_(jobs) {
     std::mt19937_64 random(seed);
@@ -142,7 +152,8 @@ std::vector<float> PackPictures::importance(const AvatarData& avatar) const {
                         const ProjectedSplat& s = projected[tiles.entries[e]];
                         const float dx = float(x) + 0.5f - s.x, dy = float(y) + 0.5f - s.y;
                         if (std::abs(dx) > s.radiusX || std::abs(dy) > s.radiusY) continue;
-                        const float alpha = std::min(float(kMaxAlpha), s.opacity * std::exp(-0.5f * (s.conicA * dx * dx + s.conicC * dy * dy) - s.conicB * dx * dy));
+                        const float alpha = std::min(
+                            float(kMaxAlpha), s.opacity * std::exp(-0.5f * (s.conicA * dx * dx + s.conicC * dy * dy) - s.conicB * dx * dy));
                         if (alpha < float(kMinAlpha)) continue;
                         sum[tiles.entries[e]] += alpha * left;
                         left *= 1 - alpha;

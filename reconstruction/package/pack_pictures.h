@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The pictures by which packing is judged: one avatar from seeded random views and poses, drawn by the CPU engine.
 #pragma once
 
@@ -12,9 +13,9 @@ namespace dpl {
 
 /** How far a packed avatar's pictures are from the unpacked one's: colour over mid grey, peak 1, all pictures together. */
 struct PackError {
-    double squares = 0, values = 0;   // of the pixels that either of the two covers
-    double allValues = 0;             // background too
-    double psnrDb() const;            // of the covered pixels; infinite for equal pictures
+    double squares = 0, values = 0;  // of the pixels that either of the two covers
+    double allValues = 0;            // background too
+    double psnrDb() const;           // of the covered pixels; infinite for equal pictures
     double wholePsnrDb() const;
 };
 
@@ -34,7 +35,7 @@ private:
     struct Shot {
         Pose pose;
         Cameraf camera;
-        std::vector<float> rgb, alpha;   // premultiplied
+        std::vector<float> rgb, alpha;  // premultiplied
     };
     std::vector<Shot> shots_;
     Jobs& jobs_;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/package/posed_splats.h"
 
 #include <cmath>
@@ -12,7 +13,7 @@ namespace {
 
 /** Rotation and scales with R·diag(s1,s2,·) spanning the same ellipse as the axes a1, a2 (their 2×2 Gram matrix diagonalised). */
 void ellipseOf(const Vec3d& a1, const Vec3d& a2, const Vec3d& normal, Quatf& rotation, Vec3f& scale) {
-    const double p = glm::dot(a1, a1) , q = glm::dot(a1, a2), r = glm::dot(a2, a2);
+    const double p = glm::dot(a1, a1), q = glm::dot(a1, a2), r = glm::dot(a2, a2);
     const double angle = 0.5 * std::atan2(2 * q, p - r), c = std::cos(angle), s = std::sin(angle);
     const Vec3d major = c * a1 + s * a2, minor = c * a2 - s * a1;
     const double s1 = glm::length(major), s2 = glm::length(minor);

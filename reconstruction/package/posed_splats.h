@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One posed frame of an avatar as general splats, for every other viewer.
 #pragma once
 
@@ -17,8 +18,8 @@ constexpr float kFlatThicknessM = 1e-4f;  // standard deviation across the surfa
 Result<StaticSplatData> posedSplats(const AvatarData& avatar, const Pose& pose);
 
 struct ExportOptions {
-    std::filesystem::path avatar, out;   // kind by the extension of `out`: .ply or .glb
-    std::string clip;                    // name of a clip in the avatar, or a BVH/glTF file; empty: rest pose
+    std::filesystem::path avatar, out;  // kind by the extension of `out`: .ply or .glb
+    std::string clip;                   // name of a clip in the avatar, or a BVH/glTF file; empty: rest pose
     double timeS = 0;
 };
 

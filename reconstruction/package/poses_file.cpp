@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/package/poses_file.h"
 
 #include <cmath>
@@ -38,7 +39,8 @@ Result<Pose> readPose(const json& object, size_t jointCount) {
         pose.localRotations.push_back(Quatf(q[3], q[0], q[1], q[2]));
     }
     float t[3];
-    if (translation == object.end() || !readNumbers(*translation, 3, t)) return fail(Code::CorruptData, "root_translation is not three finite numbers");
+    if (translation == object.end() || !readNumbers(*translation, 3, t))
+        return fail(Code::CorruptData, "root_translation is not three finite numbers");
     pose.rootTranslation = {t[0], t[1], t[2]};
     return pose;
 }
@@ -58,21 +60,27 @@ std::string posesToJson(const PosesFile& poses) {
 Result<PosesFile> readPosesFile(const std::filesystem::path& path) {
     DPL_TRY(auto bytes, readFile(path, uint64_t(256) << 20));
     const json root = json::parse(bytes.begin(), bytes.end(), nullptr, false);
-    const auto bad = [&](const std::string& what) { return fail(Code::CorruptData, "{}: {}; write it again with `doppel reconstruct`", path.string(), what); };
+    const auto bad = [&](const std::string& what) {
+        return fail(Code::CorruptData, "{}: {}; write it again with `doppel reconstruct`", path.string(), what);
+    };
     if (!root.is_object() || root.value("format", json()) != json("doppel-poses")) return bad("not a doppel-poses file");
     if (root.value("version", json()) != json(1)) return fail(Code::Version, "{}: poses version is not 1", path.string());
-    if (!root.contains("joints") || !root["joints"].is_array() || !root.contains("frames") || !root["frames"].is_array()) return bad("joints or frames are missing");
+    if (!root.contains("joints") || !root["joints"].is_array() || !root.contains("frames") || !root["frames"].is_array())
+        return bad("joints or frames are missing");
     PosesFile out;
     for (const json& name : root["joints"]) {
         if (!name.is_string()) return bad("a joint name is not a string");
         out.jointNames.push_back(name.get<std::string>());
     }
     for (const json& entry : root["frames"]) {
-        if (!entry.is_object() || !entry.contains("name") || !entry["name"].is_string() || !entry.contains("pose") || !entry["pose"].is_object())
+        if (!entry.is_object() || !entry.contains("name") || !entry["name"].is_string() || !entry.contains("pose") ||
+            !entry["pose"].is_object())
             return bad("a frame has no name or no pose");
         FramePose frame;
         frame.name = entry["name"].get<std::string>();
-        const auto text = [&](const char* key) { return entry.contains(key) && entry[key].is_string() ? entry[key].get<std::string>() : std::string(); };
+        const auto text = [&](const char* key) {
+            return entry.contains(key) && entry[key].is_string() ? entry[key].get<std::string>() : std::string();
+        };
         frame.kind = text("kind");
         frame.split = text("split");
         auto pose = readPose(entry["pose"], out.jointNames.size());

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // poses.json: the poses that a reconstruction found for the frames of its scan, so that anyone can draw them and score the pictures.
 #pragma once
 
@@ -12,9 +13,9 @@
 namespace dpl {
 
 struct FramePose {
-    std::string name, kind, split;    // of the scan's frame: kind "static_full" | "static_closeup" | "dynamic"; split "train" | "test"
-    Pose pose;                        // as registered; for training frames as trained
-    std::optional<Pose> fittedPose;   // test frames: after the test-time pose fit
+    std::string name, kind, split;   // of the scan's frame: kind "static_full" | "static_closeup" | "dynamic"; split "train" | "test"
+    Pose pose;                       // as registered; for training frames as trained
+    std::optional<Pose> fittedPose;  // test frames: after the test-time pose fit
 };
 
 struct PosesFile {

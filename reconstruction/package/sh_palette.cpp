@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/package/sh_palette.h"
 
 #include <algorithm>
@@ -12,13 +13,13 @@
 namespace dpl {
 namespace {
 
-constexpr double kMaxProducts = 1.5e10;   // multiply-adds of all refinements together: some seconds on two cores
+constexpr double kMaxProducts = 1.5e10;  // multiply-adds of all refinements together: some seconds on two cores
 constexpr size_t kRowBlock = 1024;
 
 /** Rows to be clustered, how much each counts, and which entry each has. */
 struct Rows {
     uint32_t count = 0, width = 0;
-    std::vector<float> values;          // count × width
+    std::vector<float> values;  // count × width
     std::vector<double> weight;
     std::vector<uint32_t> entry;
     const float* row(size_t i) const { return values.data() + i * width; }
@@ -29,7 +30,8 @@ Rows rowsOf(const SplatData& s) {
     Rows rows{s.count(), stride - 3, {}, {}, std::vector<uint32_t>(s.count(), 0)};
     rows.values.reserve(size_t(rows.count) * rows.width);
     for (uint32_t i = 0; i < rows.count; ++i) {
-        rows.values.insert(rows.values.end(), s.sh.begin() + ptrdiff_t(size_t(i) * stride + 3), s.sh.begin() + ptrdiff_t(size_t(i + 1) * stride));
+        rows.values.insert(rows.values.end(), s.sh.begin() + ptrdiff_t(size_t(i) * stride + 3),
+                           s.sh.begin() + ptrdiff_t(size_t(i + 1) * stride));
         rows.weight.push_back(std::max(1e-12, double(s.opacity[i]) * s.scaleM[i].x * s.scaleM[i].y));
     }
     return rows;
@@ -37,7 +39,7 @@ Rows rowsOf(const SplatData& s) {
 
 /** A run of `order` that shares an entry. */
 struct Cluster {
-    uint32_t first = 0, end = 0, axis = 0;   // axis: of the largest spread
+    uint32_t first = 0, end = 0, axis = 0;  // axis: of the largest spread
     double squares = 0;
     std::vector<double> mean;
 };
@@ -67,7 +69,9 @@ std::vector<float> splitUp(Rows& rows, uint32_t maxEntries, double maxSquares) {
     std::vector<uint32_t> order(rows.count);
     std::iota(order.begin(), order.end(), 0u);
     std::vector<Cluster> clusters = {clusterOf(rows, order, 0, rows.count)};
-    const auto smaller = [&](uint32_t a, uint32_t b) { return clusters[a].squares != clusters[b].squares ? clusters[a].squares < clusters[b].squares : a > b; };
+    const auto smaller = [&](uint32_t a, uint32_t b) {
+        return clusters[a].squares != clusters[b].squares ? clusters[a].squares < clusters[b].squares : a > b;
+    };
     std::priority_queue<uint32_t, std::vector<uint32_t>, decltype(smaller)> worst(smaller);
     worst.push(0);
     double squares = clusters[0].squares;
@@ -78,7 +82,7 @@ std::vector<float> splitUp(Rows& rows, uint32_t maxEntries, double maxSquares) {
         if (!(whole.squares > 0)) break;
         const auto begin = order.begin() + whole.first, end = order.begin() + whole.end;
         const auto middle = std::stable_partition(begin, end, [&](uint32_t i) { return rows.row(i)[whole.axis] < whole.mean[whole.axis]; });
-        if (middle == begin || middle == end) continue;   // equal but for rounding
+        if (middle == begin || middle == end) continue;  // equal but for rounding
         const uint32_t cut = uint32_t(middle - order.begin());
         clusters[id] = clusterOf(rows, order, whole.first, cut);
         clusters.push_back(clusterOf(rows, order, cut, whole.end));
@@ -96,9 +100,12 @@ std::vector<float> splitUp(Rows& rows, uint32_t maxEntries, double maxSquares) {
 /** Gives every row its nearest entry, the first of equals. */
 void assignNearest(Rows& rows, const std::vector<float>& entries, Jobs& jobs) {
     const uint32_t width = rows.width, count = uint32_t(entries.size() / width);
-    std::vector<float> columns(entries.size()), norms(count, 0.0f);   // columns: entry by entry for one dimension, so that the inner loop is a vector
+    std::vector<float> columns(entries.size()),
+        norms(count, 0.0f);  // columns: entry by entry for one dimension, so that the inner loop is a vector
     for (uint32_t e = 0; e < count; ++e)
-        for (uint32_t d = 0; d < width; ++d) columns[size_t(d) * count + e] = entries[size_t(e) * width + d], norms[e] += entries[size_t(e) * width + d] * entries[size_t(e) * width + d] / 2;
+        for (uint32_t d = 0; d < width; ++d)
+            columns[size_t(d) * count + e] = entries[size_t(e) * width + d],
+                                        norms[e] += entries[size_t(e) * width + d] * entries[size_t(e) * width + d] / 2;
     jobs.forRange(rows.count, kRowBlock, [&](size_t begin, size_t end, uint32_t) {
         std::vector<float> far(count);
         for (size_t i = begin; i < end; ++i) {
@@ -106,7 +113,7 @@ void assignNearest(Rows& rows, const std::vector<float>& entries, Jobs& jobs) {
             for (uint32_t d = 0; d < width; ++d) {
                 const float x = rows.row(i)[d];
                 const float* column = columns.data() + size_t(d) * count;
-                for (uint32_t e = 0; e < count; ++e) far[e] -= x * column[e];   // ‖entry − row‖²/2, a constant aside
+                for (uint32_t e = 0; e < count; ++e) far[e] -= x * column[e];  // ‖entry − row‖²/2, a constant aside
             }
             rows.entry[i] = uint32_t(std::min_element(far.begin(), far.end()) - far.begin());
         }
@@ -133,14 +140,16 @@ void snapToCodes(std::vector<float>& entries, uint32_t width, uint32_t degree) {
             if (const size_t d = k % width; d >= first && d < end) range = std::max(range, std::abs(entries[k]));
         if (!(range > 0)) continue;
         for (size_t k = 0; k < entries.size(); ++k)
-            if (const size_t d = k % width; d >= first && d < end) entries[k] = float(std::lround(127.0 * entries[k] / range) * double(range) / 127.0);
+            if (const size_t d = k % width; d >= first && d < end)
+                entries[k] = float(std::lround(127.0 * entries[k] / range) * double(range) / 127.0);
     }
 }
 
 }  // namespace
 
 Result<ShPaletteReport> paletteSh(SplatData& splats, const ShPaletteSettings& settings, Jobs& jobs) {
-    if (settings.maxEntries < 1 || settings.maxEntries > kMaxShPalette) return fail(Code::InvalidArgument, "an SH palette of {} entries; 1 to {} are possible", settings.maxEntries, kMaxShPalette);
+    if (settings.maxEntries < 1 || settings.maxEntries > kMaxShPalette)
+        return fail(Code::InvalidArgument, "an SH palette of {} entries; 1 to {} are possible", settings.maxEntries, kMaxShPalette);
     ShPaletteReport report;
     if (splats.shDegree == 0 || splats.count() == 0) return report;
     Rows rows = rowsOf(splats);
@@ -148,7 +157,7 @@ Result<ShPaletteReport> paletteSh(SplatData& splats, const ShPaletteSettings& se
     const double levels2 = 255.0 * 255.0 / (4 * std::numbers::pi * 3);
     const double weights = std::accumulate(rows.weight.begin(), rows.weight.end(), 0.0);
     std::vector<float> entries = splitUp(rows, settings.maxEntries, settings.maxRmsLevels * settings.maxRmsLevels / levels2 * weights);
-    const double products = double(rows.count) * double(entries.size());   // entries.size() counts numbers, not rows
+    const double products = double(rows.count) * double(entries.size());  // entries.size() counts numbers, not rows
     const uint32_t refinements = uint32_t(std::min(double(settings.refinements), std::floor(kMaxProducts / products)));
     for (uint32_t pass = 0; pass < refinements; ++pass) assignNearest(rows, entries, jobs), moveToMeans(rows, entries);
     snapToCodes(entries, rows.width, splats.shDegree);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/pipeline/assemble_avatar.h"
 
 #include <algorithm>
@@ -50,12 +51,14 @@ constexpr double kShPaletteLevels = 0.5;
 
 Result<AssembledAvatar> assembleAvatar(const SubjectData& subject) {
     const MeshData& mesh = subject.shaped.mesh;
-    DPL_TRY(CoOptimiseResult trained, readTrainedFile(subject.trainedFolder / "trained.bin", mesh.triangles.size(), mesh.restPositions.size(), subject.shaped.joints.size()));
+    DPL_TRY(CoOptimiseResult trained, readTrainedFile(subject.trainedFolder / "trained.bin", mesh.triangles.size(),
+                                                      mesh.restPositions.size(), subject.shaped.joints.size()));
     std::vector<size_t> indices;
     AssembledAvatar out;
     DPL_TRY(out.frames, loadTrainFrames(subject, Split::Train, &indices));
     if (trained.poses.size() != out.frames.size())
-        return fail(Code::CorruptData, "the trained file has {} poses for {} frames; delete {} and run again", trained.poses.size(), out.frames.size(), subject.trainedFolder.string());
+        return fail(Code::CorruptData, "the trained file has {} poses for {} frames; delete {} and run again", trained.poses.size(),
+                    out.frames.size(), subject.trainedFolder.string());
     for (size_t i = 0; i < out.frames.size(); ++i) out.frames[i].pose = trained.poses[i];
 
     AvatarData& avatar = out.avatar;
@@ -78,7 +81,8 @@ Result<AssembledAvatar> assembleAvatar(const SubjectData& subject) {
     DPL_TRY([[maybe_unused]] uint32_t unchanged, rebaseSplats(trainedRest, avatar));
     DPL_TRY(avatar, decodedAvatar(avatar));
     if (avatar.splats.shDegree > 0) {
-        DPL_TRY(const ShPaletteReport palette, paletteSh(avatar.splats, {.maxEntries = kShPaletteEntries, .maxRmsLevels = kShPaletteLevels}, subject.jobs));
+        DPL_TRY(const ShPaletteReport palette,
+                paletteSh(avatar.splats, {.maxEntries = kShPaletteEntries, .maxRmsLevels = kShPaletteLevels}, subject.jobs));
         log(LogLevel::Info, "SH palette of {} entries, {} levels off", palette.entries, palette.rmsLevels);
         DPL_TRY(const auto bytes, writeAvatar(avatar, {.shPalette = true}));
         DPL_TRY(avatar, readAvatar(bytes));

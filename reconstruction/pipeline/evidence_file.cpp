@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/pipeline/evidence_file.h"
 
 #include <algorithm>
@@ -28,8 +29,10 @@ void removePart(AvatarData& avatar, AvatarPart part) {
         return;
     }
     for (Vec4f& node : avatar.correctives.nodes) {
-        if (part == AvatarPart::CorrectiveLight) node.w = 0;
-        else node = Vec4f(0, 0, 0, node.w);
+        if (part == AvatarPart::CorrectiveLight)
+            node.w = 0;
+        else
+            node = Vec4f(0, 0, 0, node.w);
     }
 }
 
@@ -41,7 +44,12 @@ void dropEmptyCorrectives(AvatarData& avatar) {
 Status writeEvidence(const std::vector<PartEvidence>& parts, const std::filesystem::path& path) {
     nlohmann::json list = nlohmann::json::array();
     for (const PartEvidence& p : parts)
-        list.push_back({{"id", kPartNames[size_t(p.part)]}, {"part", p.row.part}, {"kept", p.row.kept}, {"gain_db", p.row.gainDb}, {"bytes", p.row.bytes}, {"reason", p.row.reason}});
+        list.push_back({{"id", kPartNames[size_t(p.part)]},
+                        {"part", p.row.part},
+                        {"kept", p.row.kept},
+                        {"gain_db", p.row.gainDb},
+                        {"bytes", p.row.bytes},
+                        {"reason", p.row.reason}});
     return writeFileAtomically(path, list.dump(1));
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The parts of an avatar that must earn their place, how to take one away, and the file in which the evidence stage says what it found.
 #pragma once
 

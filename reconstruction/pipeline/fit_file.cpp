@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/pipeline/fit_file.h"
 
 #include <cmath>
@@ -33,13 +34,27 @@ bool poseFrom(const json& numbers, size_t jointCount, Pose& pose) {
 }  // namespace
 
 std::string fitToJson(const BodyFit& fit) {
-    json out = {{"shape", fit.shape}, {"metres_per_unit", fit.metresPerUnit}, {"static_pose", poseJson(fit.staticPose)}, {"poses", json::array()}, {"fitted", fit.fitted}};
+    json out = {{"shape", fit.shape},
+                {"metres_per_unit", fit.metresPerUnit},
+                {"static_pose", poseJson(fit.staticPose)},
+                {"poses", json::array()},
+                {"fitted", fit.fitted}};
     for (const Pose& pose : fit.poses) out["poses"].push_back(poseJson(pose));
     for (const SolveEnd& s : fit.solves)
-        out["solves"].push_back({{"what", s.what}, {"how", s.how}, {"usable", s.usable}, {"steps", s.steps}, {"cost_before", s.costBefore}, {"cost_after", s.costAfter}});
+        out["solves"].push_back({{"what", s.what},
+                                 {"how", s.how},
+                                 {"usable", s.usable},
+                                 {"steps", s.steps},
+                                 {"cost_before", s.costBefore},
+                                 {"cost_after", s.costAfter}});
     for (const KindResidual& r : fit.residuals)
-        out["residuals"].push_back({{"kind", int(r.kind)}, {"split", int(r.split)}, {"frames", r.frames}, {"keypoints", r.keypoints}, {"mean_px", r.meanPx},
-                                    {"median_px", r.medianPx}, {"p95_px", r.p95Px}});
+        out["residuals"].push_back({{"kind", int(r.kind)},
+                                    {"split", int(r.split)},
+                                    {"frames", r.frames},
+                                    {"keypoints", r.keypoints},
+                                    {"mean_px", r.meanPx},
+                                    {"median_px", r.medianPx},
+                                    {"p95_px", r.p95Px}});
     return out.dump();
 }
 

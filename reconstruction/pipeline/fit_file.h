@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The body fit between stages: JSON, checked on reading like anything from outside.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What draft, standard and high mean.
 #pragma once
 
@@ -9,8 +10,8 @@ namespace dpl {
 struct PresetSettings {
     const char* name;
     CoOptimiseSettings training;
-    uint32_t polishSteps;       // colour, opacity and size on the decoded bytes
-    uint32_t poseFitSteps;      // per held-out frame
+    uint32_t polishSteps;   // colour, opacity and size on the decoded bytes
+    uint32_t poseFitSteps;  // per held-out frame
 };
 
 PresetSettings presetOf(Preset preset);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/pipeline/progress.h"
 
 #include <unistd.h>
@@ -56,8 +57,8 @@ void Progress::update(double fraction, std::string_view detail) {
     std::string bar(kCells, '.');
     std::fill_n(bar.begin(), int(fraction * kCells), '#');
     clearLine();
-    std::fprintf(stderr, "  %-14s [%s] %3.0f %%  %s  %.*s%s", stage_.c_str(), bar.c_str(), fraction * 100, left.c_str(), int(detail.size()), detail.data(),
-                 terminal_ ? "" : "\n");
+    std::fprintf(stderr, "  %-14s [%s] %3.0f %%  %s  %.*s%s", stage_.c_str(), bar.c_str(), fraction * 100, left.c_str(), int(detail.size()),
+                 detail.data(), terminal_ ? "" : "\n");
     std::fflush(stderr);
     lineOpen_ = terminal_;
 }
@@ -74,8 +75,12 @@ void Progress::note(std::string_view line) {
     if (style_ != Style::Quiet) std::fprintf(stderr, "  %.*s\n", int(line.size()), line.data());
 }
 
-bool Progress::cancelled() const { return cancelRequested; }
-const std::atomic<bool>& Progress::cancelFlag() const { return cancelRequested; }
+bool Progress::cancelled() const {
+    return cancelRequested;
+}
+const std::atomic<bool>& Progress::cancelFlag() const {
+    return cancelRequested;
+}
 
 void installSignalHandlers() {
     std::signal(SIGINT, onSignal);

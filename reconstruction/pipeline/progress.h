@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Progress for people: one line a stage, a bar with the time left, and the flag that Ctrl-C sets.
 #pragma once
 

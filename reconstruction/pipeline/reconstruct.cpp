@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/pipeline/reconstruct.h"
 
 #include <cmath>
@@ -17,7 +18,8 @@ Status loadBody(SubjectData& subject) {
         DPL_TRY(subject.body, readBody(subject.options.body));
     }
     if (Status checked = checkBody(subject.body); !checked)
-        return fail(checked.error().code, "{}: {}", subject.options.body.empty() ? "the built-in body" : subject.options.body.string(), checked.error().message);
+        return fail(checked.error().code, "{}: {}", subject.options.body.empty() ? "the built-in body" : subject.options.body.string(),
+                    checked.error().message);
     DPL_TRY(auto bytes, encodeBody(subject.body));
     subject.bodyHash = hashBytes(bytes);
     return {};

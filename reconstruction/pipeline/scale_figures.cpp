@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/pipeline/scale_figures.h"
 
 #include <algorithm>
@@ -70,7 +71,8 @@ Status addScaleFigures(const std::filesystem::path& scan, Progress& progress, Av
                     const auto averaged = [&](const std::vector<uint8_t>& rgba, uint32_t fromW, uint32_t fromH) {
                         return fromW == w && fromH == h ? rgba : areaAveraged(rgba, fromW, fromH, w, h);
                     };
-                    const auto drawn = averaged(picture, camera.widthPx, camera.heightPx), expected = averaged(truth->rgba, truth->widthPx, truth->heightPx);
+                    const auto drawn = averaged(picture, camera.widthPx, camera.heightPx),
+                               expected = averaged(truth->rgba, truth->widthPx, truth->heightPx);
                     sums[c][s].all += scorePicture(drawn, expected, w, h).maskedPsnrDb;
                     sums[c][s].inside += scorePicture(drawn, insideOutline(expected, w, h), w, h).maskedPsnrDb;
                     ++sums[c][s].frames;
@@ -82,10 +84,13 @@ Status addScaleFigures(const std::filesystem::path& scan, Progress& progress, Av
                 const Sums& sum = sums[c][s];
                 if (sum.frames == 0) continue;
                 const double n = double(sum.frames);
-                const std::string group = formatText("masked PSNR when drawn at another size, averaged to x {}, held-out {} ({})", kComparedAt[c], dynamic ? "dynamic" : "static",
-                                                     fine ? formatText("{} frames with a finer truth", sum.frames) : std::string("the mask is yes or no"));
+                const std::string group =
+                    formatText("masked PSNR when drawn at another size, averaged to x {}, held-out {} ({})", kComparedAt[c],
+                               dynamic ? "dynamic" : "static",
+                               fine ? formatText("{} frames with a finer truth", sum.frames) : std::string("the mask is yes or no"));
                 data.figures.push_back({group, formatText("drawn at x {}", kScales[s]), "dB", sum.all / n});
-                data.figures.push_back({group, formatText("drawn at x {}, one pixel inside the outline", kScales[s]), "dB", sum.inside / n});
+                data.figures.push_back(
+                    {group, formatText("drawn at x {}, one pixel inside the outline", kScales[s]), "dB", sum.inside / n});
             }
     }
     return {};

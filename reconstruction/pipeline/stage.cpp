@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/pipeline/stage.h"
 
 #include <sys/resource.h>
@@ -18,7 +19,9 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 // Linux forgets the peak resident size when 5 is written there, so that each stage reports its own.
-void resetPeakMemory() { std::ofstream("/proc/self/clear_refs") << 5; }
+void resetPeakMemory() {
+    std::ofstream("/proc/self/clear_refs") << 5;
+}
 
 uint64_t peakMemoryBytes() {
     std::ifstream status("/proc/self/status");
@@ -51,7 +54,8 @@ Status makeFolder(const fs::path& folder) {
 std::string hashBytes(std::span<const uint8_t> bytes) {
     const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
     char text[33];
-    std::snprintf(text, sizeof text, "%016llx%016llx", static_cast<unsigned long long>(hash.high64), static_cast<unsigned long long>(hash.low64));
+    std::snprintf(text, sizeof text, "%016llx%016llx", static_cast<unsigned long long>(hash.high64),
+                  static_cast<unsigned long long>(hash.low64));
     return text;
 }
 
@@ -62,7 +66,8 @@ Result<std::string> hashFile(const fs::path& path) {
 
 StageChain::StageChain(fs::path outFolder, Progress& progress) : stagesFolder_(std::move(outFolder) / "stages"), progress_(progress) {}
 
-Result<fs::path> StageChain::run(const std::string& name, uint32_t version, const json& inputs, const std::function<Status(StageContext&)>& work) {
+Result<fs::path> StageChain::run(const std::string& name, uint32_t version, const json& inputs,
+                                 const std::function<Status(StageContext&)>& work) {
     char prefix[8];
     std::snprintf(prefix, sizeof prefix, "%02zu-", records_.size() + 1);
     const fs::path folder = stagesFolder_ / (prefix + name), workFolder = folder.string() + ".work";
@@ -92,8 +97,8 @@ Result<fs::path> StageChain::run(const std::string& name, uint32_t version, cons
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const uint64_t peakBytes = peakMemoryBytes();
 
-    const json manifest = {{"stage", name}, {"version", version}, {"key", key},      {"finished", true},
-                           {"inputs", inputs}, {"seconds", seconds}, {"peakBytes", peakBytes}};
+    const json manifest = {{"stage", name},      {"version", version},    {"key", key}, {"finished", true}, {"inputs", inputs},
+                           {"seconds", seconds}, {"peakBytes", peakBytes}};
     DPL_CHECK_OK(writeFileAtomically(workFolder / "manifest.json", manifest.dump(1)));
     fs::remove_all(folder, ignored);
     std::error_code error;

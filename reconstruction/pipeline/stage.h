@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A stage runs once: its folder appears complete, with a manifest of what it was made from, or not at all.
 //
 //   OUT/stages/03-body-fit/            appears by rename when the stage has ended
@@ -31,7 +32,7 @@ struct StageRecord {
 
 /** What a running stage is given. */
 struct StageContext {
-    std::filesystem::path folder;   // write here; the same folder holds checkpoints of an interrupted run with the same key
+    std::filesystem::path folder;  // write here; the same folder holds checkpoints of an interrupted run with the same key
     Progress& progress;
 };
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/body/body_tools.h"
 #include "reconstruction/body/body_truth.h"
 #include "reconstruction/pipeline/fit_file.h"
@@ -45,7 +46,8 @@ Status runBodyFit(SubjectData& subject) {
         return writeFileAtomically(context.folder / "fit.json", fitToJson(fit));
     });
     if (!folder) return folder.error();
-    DPL_TRY(subject.fit, readFitFile(*folder / "fit.json", subject.scan.frames.size(), subject.body.joints.size(), subject.body.morphs.size()));
+    DPL_TRY(subject.fit,
+            readFitFile(*folder / "fit.json", subject.scan.frames.size(), subject.body.joints.size(), subject.body.morphs.size()));
     subject.shaped = shapedBody(subject.body, subject.fit.shape);
     for (ScanFrame& frame : subject.scan.frames) frame.camera = metricCamera(frame.camera, subject.fit.metresPerUnit);
     return {};

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <chrono>
 
 #include "reconstruction/distill/corrective_model.h"
@@ -26,12 +27,15 @@ Result<CoOptimiseInput> trainingInput(const SubjectData& subject, std::vector<Tr
     return input;
 }
 
-/** A time budget becomes a step count once: a probe at the preset's settings is timed and thrown away; the count is remembered beside the checkpoint. */
-Result<uint32_t> chooseSteps(const SubjectData& subject, const CoOptimiseInput& input, CoOptimiseSettings settings, const std::filesystem::path& folder) {
+/** A time budget becomes a step count once: a probe at the preset's settings is timed and thrown away; the count is remembered beside the
+ * checkpoint. */
+Result<uint32_t> chooseSteps(const SubjectData& subject, const CoOptimiseInput& input, CoOptimiseSettings settings,
+                             const std::filesystem::path& folder) {
     if (subject.options.steps > 0) return subject.options.steps;
     if (subject.options.timeBudgetMinutes <= 0) return settings.steps;
     const std::filesystem::path remembered = folder / "steps.txt";
-    if (auto bytes = readFile(remembered, 64)) return uint32_t(std::max(1L, std::strtol(std::string(bytes->begin(), bytes->end()).c_str(), nullptr, 10)));
+    if (auto bytes = readFile(remembered, 64))
+        return uint32_t(std::max(1L, std::strtol(std::string(bytes->begin(), bytes->end()).c_str(), nullptr, 10)));
     settings.fullResolutionOnly = true;  // the dearest steps: a budget is not overrun
     DPL_TRY(auto probe, CoOptimiser::create(input, settings, subject.jobs));
     const auto start = std::chrono::steady_clock::now();
@@ -60,7 +64,8 @@ Status train(const SubjectData& subject, StageContext& context) {
     }
     const auto report = [&](const CoOptimiseProgress& p) {
         char line[96];
-        std::snprintf(line, sizeof line, "step %u of %u, %u splats, scale %.2f, %.1f dB", p.step, p.steps, p.splats, double(p.scale), double(p.recent.psnr));
+        std::snprintf(line, sizeof line, "step %u of %u, %u splats, scale %.2f, %.1f dB", p.step, p.steps, p.splats, double(p.scale),
+                      double(p.recent.psnr));
         context.progress.update(double(p.step) / p.steps, line);
     };
     auto saved = std::chrono::steady_clock::now();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // evidence: what is each optional part worth? It is taken out of the trained avatar, and training frames are scored with and without,
 // through the public SDK. Held-out frames decide nothing: the report scores those afterwards.
 #include "reconstruction/pipeline/assemble_avatar.h"
@@ -10,8 +11,8 @@
 namespace dpl {
 namespace {
 
-constexpr double kWorthItDb = 0.05;        // less is below what a change of seed does
-constexpr size_t kFramesOfAKind = 12;      // scored: moving ones and still ones, evenly spaced
+constexpr double kWorthItDb = 0.05;    // less is below what a change of seed does
+constexpr size_t kFramesOfAKind = 12;  // scored: moving ones and still ones, evenly spaced
 
 /** Evenly spaced frames of a kind. */
 void chooseFrames(const std::vector<TrainFrame>& frames, FrameKind kind, std::vector<const TrainFrame*>& chosen) {
@@ -53,7 +54,10 @@ Status weigh(const SubjectData& subject, StageContext& context) {
     for (const auto& [part, name] : kParts) {
         if (context.progress.cancelled()) return fail(Code::Cancelled, "stopped");
         if (!hasPart(assembled.avatar, part)) {
-            rows.push_back({part, {name, false, 0, 0, part == AvatarPart::ViewDependentColour ? "not trained" : "not trained: too few moving frames, or all in one pose"}});
+            rows.push_back(
+                {part,
+                 {name, false, 0, 0,
+                  part == AvatarPart::ViewDependentColour ? "not trained" : "not trained: too few moving frames, or all in one pose"}});
             continue;
         }
         AvatarData without = assembled.avatar;
@@ -63,9 +67,12 @@ Status weigh(const SubjectData& subject, StageContext& context) {
         const bool kept = gain >= kWorthItDb;
         // Node values of one kind keep their place in the file while the other kind is there: six bytes of eight, or two.
         const uint64_t values = uint64_t(assembled.avatar.correctives.nodes.size());
-        const uint64_t bytes = part == AvatarPart::CorrectiveOffsets ? 6 * values : part == AvatarPart::CorrectiveLight ? 2 * values : whole.bytes - std::min(whole.bytes, rest.bytes);
-        rows.push_back({part, {name, kept, float(gain), kept ? bytes : 0,
-                               formatText("masked PSNR of {} training frames with and without it in the trained avatar", frames.size())}});
+        const uint64_t bytes = part == AvatarPart::CorrectiveOffsets ? 6 * values
+                               : part == AvatarPart::CorrectiveLight ? 2 * values
+                                                                     : whole.bytes - std::min(whole.bytes, rest.bytes);
+        rows.push_back({part,
+                        {name, kept, float(gain), kept ? bytes : 0,
+                         formatText("masked PSNR of {} training frames with and without it in the trained avatar", frames.size())}});
         context.progress.update(double(rows.size()) / 3, name);
     }
     return writeEvidence(rows, context.folder / "evidence.json");

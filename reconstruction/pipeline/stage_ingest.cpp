@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // ingest, observe, cameras: is the scan good enough, and what does each frame show?
 #include <fstream>
 
@@ -26,7 +27,11 @@ json cameraJson(const Camerad& camera) {
 
 /** Everything a frame brings, as hashes; unreadable files count by their sentence, so that a repaired file runs ingest again. */
 json frameInputs(const ScanFrame& frame) {
-    json out = {{"name", frame.name}, {"kind", int(frame.kind)}, {"split", int(frame.split)}, {"time", frame.timeS}, {"camera", cameraJson(frame.camera)}};
+    json out = {{"name", frame.name},
+                {"kind", int(frame.kind)},
+                {"split", int(frame.split)},
+                {"time", frame.timeS},
+                {"camera", cameraJson(frame.camera)}};
     for (const std::filesystem::path* path : {&frame.imagePath, &frame.maskPath, &frame.labelsPath, &frame.keypointsPath}) {
         auto hash = fileHash(*path);
         out["files"].push_back(hash ? *hash : hash.error().message);
@@ -51,21 +56,26 @@ Status runObserve(SubjectData& subject) {
         bool anyKeypoints = false;
         for (const ScanFrame& frame : subject.scan.frames) anyKeypoints |= !frame.keypointsPath.empty();
         if (!anyKeypoints)
-            return fail(Code::InvalidArgument, "{} brings no keypoints: point --models at a folder with blazepose_full.onnx, or add keypoints files (docs/formats/scan.md)",
+            return fail(Code::InvalidArgument,
+                        "{} brings no keypoints: point --models at a folder with blazepose_full.onnx, or add keypoints files "
+                        "(docs/formats/scan.md)",
                         subject.options.scan.string());
         return {};
     }
     json models = json::array();
     for (const char* name : {"blazepose_full.onnx", "blazepose_lite.onnx", "skin_clothes_hair_pan.onnx"})
         if (auto hash = hashFile(subject.options.models / name)) models.push_back(*hash);
-    auto folder = subject.chain.run("observe", 1, {{"scan", scanInputs(subject.scan)}, {"models", models}}, [&](StageContext& context) -> Status {
-        ObserveOptions options;
-        options.models = subject.options.models;
-        options.output = context.folder;
-        options.progress = [&](size_t done, size_t count) { context.progress.update(double(done) / double(count), formatText("frame {} of {}", done, count)); };
-        Scan observed = subject.scan;
-        return observeScan(observed, options, subject.jobs);
-    });
+    auto folder =
+        subject.chain.run("observe", 1, {{"scan", scanInputs(subject.scan)}, {"models", models}}, [&](StageContext& context) -> Status {
+            ObserveOptions options;
+            options.models = subject.options.models;
+            options.output = context.folder;
+            options.progress = [&](size_t done, size_t count) {
+                context.progress.update(double(done) / double(count), formatText("frame {} of {}", done, count));
+            };
+            Scan observed = subject.scan;
+            return observeScan(observed, options, subject.jobs);
+        });
     if (!folder) return folder.error();
     // Sets the paths of what the finished folder holds. The networks look again to do so (the same bytes).
     ObserveOptions options;
@@ -93,7 +103,8 @@ Status runIngest(SubjectData& subject) {
         for (const FrameCheck& frame : check.frames) usable.push_back(frame.usable);
         DPL_CHECK_OK(writeFileAtomically(context.folder / "check.json", scanCheckJson(subject.scan, check)));
         DPL_CHECK_OK(writeFileAtomically(context.folder / "verdict.txt", describeScanCheck(subject.scan, check)));
-        DPL_CHECK_OK(writeFileAtomically(context.folder / "usable.json", json{{"usable", usable}, {"refused", check.verdict == ScanVerdict::Refuse}}.dump()));
+        DPL_CHECK_OK(writeFileAtomically(context.folder / "usable.json",
+                                         json{{"usable", usable}, {"refused", check.verdict == ScanVerdict::Refuse}}.dump()));
         return {};
     });
     if (!folder) return folder.error();

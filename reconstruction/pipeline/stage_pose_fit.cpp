@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // pose-fit: everything frozen but the poses of held-out frames (technical reference §20). After packaging: it cannot reach the avatar.
 #include "reconstruction/package/poses_file.h"
 #include "reconstruction/pipeline/preset.h"
@@ -39,7 +40,9 @@ std::vector<const Pose*> trainedPoses(const SubjectData& subject, const CoOptimi
     return byFrame;
 }
 
-Quatf shorterSlerp(const Quatf& a, const Quatf& b, float t) { return glm::normalize(glm::slerp(a, glm::dot(a, b) < 0 ? -b : b, t)); }
+Quatf shorterSlerp(const Quatf& a, const Quatf& b, float t) {
+    return glm::normalize(glm::slerp(a, glm::dot(a, b) < 0 ? -b : b, t));
+}
 
 /** The registered pose of a held-out frame, from its trained neighbours in capture order and nothing of its own pictures. Training moves
  *  poses and surface together, so a pose of the body fit alone would sit in another gauge.
@@ -61,13 +64,15 @@ Pose registeredPose(const SubjectData& subject, const std::vector<const Pose*>& 
     const Pose &a = *trained[size_t(before)], &b = *trained[size_t(after)];
     Pose pose = fitted;
     if (frame.kind != FrameKind::Dynamic) {
-        for (size_t j = 0; j < pose.localRotations.size(); ++j) pose.localRotations[j] = shorterSlerp(a.localRotations[j], b.localRotations[j], t);
+        for (size_t j = 0; j < pose.localRotations.size(); ++j)
+            pose.localRotations[j] = shorterSlerp(a.localRotations[j], b.localRotations[j], t);
         pose.rootTranslation = glm::mix(a.rootTranslation, b.rootTranslation, t);
         return pose;
     }
     const Pose &fitA = subject.fit.poses[size_t(before)], &fitB = subject.fit.poses[size_t(after)];
     for (size_t j = 0; j < pose.localRotations.size(); ++j) {
-        const Quatf changeA = a.localRotations[j] * glm::inverse(fitA.localRotations[j]), changeB = b.localRotations[j] * glm::inverse(fitB.localRotations[j]);
+        const Quatf changeA = a.localRotations[j] * glm::inverse(fitA.localRotations[j]),
+                    changeB = b.localRotations[j] * glm::inverse(fitB.localRotations[j]);
         pose.localRotations[j] = glm::normalize(shorterSlerp(changeA, changeB, t) * fitted.localRotations[j]);
     }
     pose.rootTranslation += glm::mix(a.rootTranslation - fitA.rootTranslation, b.rootTranslation - fitB.rootTranslation, t);
@@ -86,7 +91,8 @@ Status fitPoses(SubjectData& subject, StageContext& context) {
     for (const ScanFrame& frame : subject.scan.frames) testCount += frame.split == Split::Test;
     for (size_t f = 0; f < subject.scan.frames.size(); ++f) {
         const ScanFrame& frame = subject.scan.frames[f];
-        FramePose entry{frame.name, kindName(frame.kind), frame.split == Split::Test ? "test" : "train", subject.fit.poses[f], std::nullopt};
+        FramePose entry{frame.name, kindName(frame.kind), frame.split == Split::Test ? "test" : "train", subject.fit.poses[f],
+                        std::nullopt};
         if (frame.split == Split::Train) {
             if (byFrame[f]) entry.pose = *byFrame[f];
         } else {
@@ -108,7 +114,8 @@ Status fitPoses(SubjectData& subject, StageContext& context) {
 }  // namespace
 
 Status runPoseFit(SubjectData& subject) {
-    const json inputs = {{"package", subject.chain.keyOf("package")}, {"body_fit", subject.chain.keyOf("body-fit")}, {"held_out", heldOutInputs(subject)}};
+    const json inputs = {
+        {"package", subject.chain.keyOf("package")}, {"body_fit", subject.chain.keyOf("body-fit")}, {"held_out", heldOutInputs(subject)}};
     auto folder = subject.chain.run("pose-fit", 2, inputs, [&](StageContext& context) { return fitPoses(subject, context); });
     if (!folder) return folder.error();
     subject.poseFitFolder = *folder;

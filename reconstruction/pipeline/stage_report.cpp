@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // report: scores the shipped bytes, through the public SDK, on the frames that nothing before has seen.
 #include <nlohmann/json.hpp>
 
@@ -19,8 +20,8 @@
 namespace dpl {
 namespace {
 
-Status scoreHeldOut(const SubjectData& subject, StageContext& context, const AvatarData& avatar, AvatarView& view, std::span<const TrainFrame> frames,
-                    std::span<const size_t> indices, const PosesFile& poses, ReportData& data) {
+Status scoreHeldOut(const SubjectData& subject, StageContext& context, const AvatarData& avatar, AvatarView& view,
+                    std::span<const TrainFrame> frames, std::span<const size_t> indices, const PosesFile& poses, ReportData& data) {
     LabelColours labelColours;
     {
         DPL_TRY(auto training, loadTrainFrames(subject, Split::Train));
@@ -43,7 +44,8 @@ Status scoreHeldOut(const SubjectData& subject, StageContext& context, const Ava
         out.withPoseFit = scorePicture(best, frame.image, frame.mask);
         out.labelFloor = scorePicture(labelColours.paint(frame.mask, frame.labels), frame.image, frame.mask);
         posed.pose({avatar.joints, avatar.mesh, avatar.correctives, bind}, fitted, subject.jobs);
-        out.meshFloor = scorePicture(paintMesh(posed.positions(), avatar.mesh.triangles, avatar.mesh.colours, frame.camera), frame.image, frame.mask);
+        out.meshFloor =
+            scorePicture(paintMesh(posed.positions(), avatar.mesh.triangles, avatar.mesh.colours, frame.camera), frame.image, frame.mask);
         const auto truth = overWhite(cutOut(frame.image, frame.mask)), shown = overWhite(best);
         const uint32_t w = frame.camera.widthPx, h = frame.camera.heightPx;
         DPL_TRY(out.truthPng, encodePng(truth, w, h, 3));
@@ -76,17 +78,20 @@ void addRegistration(const SubjectData& subject, const PosesFile& poses, ReportD
     // Measuring only: everything that ships is written before this is read.
     addTruth(subject, subject.fit, "after the body fit", data);
     BodyFit final = subject.fit;
-    for (size_t f = 0; f < final.poses.size(); ++f) final.poses[f] = poses.frames[f].fittedPose ? *poses.frames[f].fittedPose : poses.frames[f].pose;
+    for (size_t f = 0; f < final.poses.size(); ++f)
+        final.poses[f] = poses.frames[f].fittedPose ? *poses.frames[f].fittedPose : poses.frames[f].pose;
     addTruth(subject, final, "after training and pose fit", data);
 }
 
 /** What the report can attribute: the two steps that it measures with and without. */
 void addWaterfall(ReportData& data) {
     for (const char* kind : {"static", "dynamic"}) {
-        const auto with = meanScore(data.frames, kind, &HeldOutFrame::withPoseFit), without = meanScore(data.frames, kind, &HeldOutFrame::withoutPoseFit);
+        const auto with = meanScore(data.frames, kind, &HeldOutFrame::withPoseFit),
+                   without = meanScore(data.frames, kind, &HeldOutFrame::withoutPoseFit);
         const auto mesh = meanScore(data.frames, kind, &HeldOutFrame::meshFloor);
         if (!with) continue;
-        data.waterfall.push_back({kind, "registration of held-out frames (pose fit on against off)", "dB", with->maskedPsnrDb - without->maskedPsnrDb});
+        data.waterfall.push_back(
+            {kind, "registration of held-out frames (pose fit on against off)", "dB", with->maskedPsnrDb - without->maskedPsnrDb});
         data.waterfall.push_back({kind, "splats over the same mesh with vertex colours", "dB", with->maskedPsnrDb - mesh->maskedPsnrDb});
     }
 }
@@ -96,8 +101,10 @@ std::string summaryOf(const ReportData& data, size_t splats, size_t bytes) {
     for (const char* kind : {"static", "dynamic"})
         if (auto mean = meanScore(data.frames, kind, &HeldOutFrame::withPoseFit)) {
             char line[160];
-            std::snprintf(line, sizeof line, "\nheld-out %-7s  masked PSNR %.2f dB, alpha IoU %.4f, SSIM %.4f (pose fitted; without: %.2f dB)", kind, mean->maskedPsnrDb, mean->alphaIou,
-                          mean->maskedSsim, meanScore(data.frames, kind, &HeldOutFrame::withoutPoseFit)->maskedPsnrDb);
+            std::snprintf(line, sizeof line,
+                          "\nheld-out %-7s  masked PSNR %.2f dB, alpha IoU %.4f, SSIM %.4f (pose fitted; without: %.2f dB)", kind,
+                          mean->maskedPsnrDb, mean->alphaIou, mean->maskedSsim,
+                          meanScore(data.frames, kind, &HeldOutFrame::withoutPoseFit)->maskedPsnrDb);
             text += line;
         }
     return text;

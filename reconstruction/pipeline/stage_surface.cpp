@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <cstring>
 
 #include "reconstruction/pipeline/subject_data.h"
@@ -12,16 +13,20 @@ std::vector<size_t> silhouetteFrames(const SubjectData& subject) {
     std::vector<size_t> frames;
     for (size_t f = 0; f < subject.scan.frames.size(); ++f) {
         const ScanFrame& frame = subject.scan.frames[f];
-        if (frame.split == Split::Train && frame.kind == FrameKind::StaticFull && subject.usable[f] && !frame.maskPath.empty()) frames.push_back(f);
+        if (frame.split == Split::Train && frame.kind == FrameKind::StaticFull && subject.usable[f] && !frame.maskPath.empty())
+            frames.push_back(f);
     }
     return frames;
 }
 
-std::span<const uint8_t> bytesOf(const std::vector<Vec3f>& values) { return {reinterpret_cast<const uint8_t*>(values.data()), values.size() * sizeof(Vec3f)}; }
+std::span<const uint8_t> bytesOf(const std::vector<Vec3f>& values) {
+    return {reinterpret_cast<const uint8_t*>(values.data()), values.size() * sizeof(Vec3f)};
+}
 
 Result<std::vector<Vec3f>> readVectors(const std::filesystem::path& path, size_t count) {
     DPL_TRY(auto bytes, readFile(path));
-    if (bytes.size() != count * sizeof(Vec3f)) return fail(Code::CorruptData, "{} does not fit the body and the scan; delete it and run again", path.string());
+    if (bytes.size() != count * sizeof(Vec3f))
+        return fail(Code::CorruptData, "{} does not fit the body and the scan; delete it and run again", path.string());
     std::vector<Vec3f> values(count);
     std::memcpy(static_cast<void*>(values.data()), bytes.data(), bytes.size());
     return values;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the stages hand on in memory. Everything here can be rebuilt from the scan and the finished stage folders.
 #pragma once
 
@@ -18,20 +19,21 @@ struct SubjectData {
     Jobs& jobs;
     StageChain& chain;
 
-    Scan scan;                                    // cameras are metric after the body fit
-    std::vector<bool> usable;                     // per frame: false where ingest refused the frame
-    std::string verdict;                          // of the scan check
+    Scan scan;                 // cameras are metric after the body fit
+    std::vector<bool> usable;  // per frame: false where ingest refused the frame
+    std::string verdict;       // of the scan check
     std::string bodyHash;
-    BodyModel body, shaped;                       // as chosen, and at the fitted shape
+    BodyModel body, shaped;  // as chosen, and at the fitted shape
     BodyFit fit;
-    std::vector<Vec3f> surfaceOffsets;            // V, rest pose, metres: the clothed surface
+    std::vector<Vec3f> surfaceOffsets;  // V, rest pose, metres: the clothed surface
     std::vector<EvidenceData> evidence;
     std::vector<std::string> limits;
-    std::string summary;                          // for the terminal
+    std::string summary;                                                                // for the terminal
     std::filesystem::path trainedFolder, evidenceFolder, packageFolder, poseFitFolder;  // finished stages
 };
 
-/** Hash of what may be learned from: images, masks, labels, keypoints and cameras of usable training frames, and nothing of held-out ones. */
+/** Hash of what may be learned from: images, masks, labels, keypoints and cameras of usable training frames, and nothing of held-out ones.
+ */
 Result<std::string> trainingDataHash(const SubjectData& subject);
 
 Status runIngest(SubjectData& subject);

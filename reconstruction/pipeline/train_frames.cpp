@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/pipeline/train_frames.h"
 
 #include <algorithm>
@@ -23,7 +24,8 @@ void posedMesh(const std::vector<JointData>& joints, const MeshData& mesh, const
 
 Result<TrainFrame> loadTrainFrame(const ScanFrame& frame, const Pose& pose) {
     if (frame.maskPath.empty())
-        return fail(Code::InvalidArgument, "frame {} has no mask; add masks/{}.png, or let --models find the person", frame.name, frame.name);
+        return fail(Code::InvalidArgument, "frame {} has no mask; add masks/{}.png, or let --models find the person", frame.name,
+                    frame.name);
     TrainFrame out;
     out.name = frame.name;
     out.kind = frame.kind;
@@ -48,7 +50,8 @@ Result<std::vector<TrainFrame>> loadTrainFrames(const SubjectData& subject, Spli
     return frames;
 }
 
-std::vector<uint8_t> voteTriangleLabels(const std::vector<JointData>& joints, const MeshData& mesh, const std::vector<TrainFrame>& frames, Jobs& jobs) {
+std::vector<uint8_t> voteTriangleLabels(const std::vector<JointData>& joints, const MeshData& mesh, const std::vector<TrainFrame>& frames,
+                                        Jobs& jobs) {
     TriangleLabels votes(mesh.triangles.size());
     bool any = false;
     std::vector<Vec3f> positions;
@@ -87,7 +90,8 @@ float trainedPixelM(const std::vector<JointData>& joints, const std::vector<Trai
     return 0;
 }
 
-std::vector<glm::u8vec4> gatherVertexColours(const std::vector<JointData>& joints, const MeshData& mesh, const std::vector<TrainFrame>& frames, Jobs& jobs) {
+std::vector<glm::u8vec4> gatherVertexColours(const std::vector<JointData>& joints, const MeshData& mesh,
+                                             const std::vector<TrainFrame>& frames, Jobs& jobs) {
     VertexColours colours(mesh.restPositions.size());
     std::vector<Vec3f> positions;
     for (const TrainFrame& frame : frames) {

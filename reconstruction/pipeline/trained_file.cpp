@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/pipeline/trained_file.h"
 
 #include "reconstruction/splat/corrective_bytes.h"
@@ -71,10 +72,12 @@ Result<CoOptimiseResult> readTrainedFile(const std::filesystem::path& path, size
     DPL_TRY(auto bytes, readFile(path));
     CoOptimiseResult r;
     Reader in(bytes);
-    if (Status read = readBody(in, r); !read) return fail(read.error().code, "{}: {}; delete it and run again", path.string(), read.error().message);
+    if (Status read = readBody(in, r); !read)
+        return fail(read.error().code, "{}: {}; delete it and run again", path.string(), read.error().message);
     const size_t count = r.splats.uv.size();
-    bool whole = r.splats.triangleStart.size() == triangleCount + 1 && r.splats.triangleStart.back() == count && r.splats.phi.size() == count &&
-                 r.splats.scaleM.size() == count && r.splats.opacity.size() == count && r.splats.flags.size() == count && r.splats.shDegree <= kMaxShDegree &&
+    bool whole = r.splats.triangleStart.size() == triangleCount + 1 && r.splats.triangleStart.back() == count &&
+                 r.splats.phi.size() == count && r.splats.scaleM.size() == count && r.splats.opacity.size() == count &&
+                 r.splats.flags.size() == count && r.splats.shDegree <= kMaxShDegree &&
                  r.splats.sh.size() == count * 3 * shCoefficientCount(r.splats.shDegree) && r.restPositions.size() == vertexCount;
     for (const Pose& pose : r.poses) whole &= pose.localRotations.size() == jointCount;
     if (!whole) return fail(Code::CorruptData, "{}: its arrays do not fit the body; delete it and run again", path.string());

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What training hands to packaging, exactly as trained: our own binary, read back with bounds.
 #pragma once
 

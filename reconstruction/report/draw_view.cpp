@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/report/draw_view.h"
 
 #include <doppel/doppel.hpp>
@@ -8,7 +9,10 @@ namespace dpl {
 namespace {
 
 Error sdkError(const doppel::Error& error) {
-    return {error.code == DPL_ERROR_CORRUPT_DATA ? Code::CorruptData : error.code == DPL_ERROR_INVALID_ARGUMENT ? Code::InvalidArgument : Code::Device, error.message};
+    return {error.code == DPL_ERROR_CORRUPT_DATA       ? Code::CorruptData
+            : error.code == DPL_ERROR_INVALID_ARGUMENT ? Code::InvalidArgument
+                                                       : Code::Device,
+            error.message};
 }
 
 }  // namespace
@@ -33,7 +37,8 @@ Result<AvatarView> AvatarView::open(std::span<const uint8_t> bytes, uint32_t thr
 
 Result<std::vector<uint8_t>> AvatarView::draw(const Pose& pose, const Camerad& camera) {
     static_assert(sizeof(Quatf) == 4 * sizeof(float), "GLM keeps quaternions as xyzw");
-    if (auto set = state_->avatar.setPose({&pose.localRotations[0].x, pose.localRotations.size() * 4}, {&pose.rootTranslation.x, 3}); !set) return sdkError(set.error());
+    if (auto set = state_->avatar.setPose({&pose.localRotations[0].x, pose.localRotations.size() * 4}, {&pose.rootTranslation.x, 3}); !set)
+        return sdkError(set.error());
     const DplCamera view = sdkCamera(camera.cast<float>());
     std::vector<uint8_t> rgba(size_t(camera.widthPx) * camera.heightPx * 4);
     DplImage image{};

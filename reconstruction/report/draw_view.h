@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Draws an avatar in scan cameras through the public SDK, with the renderer that anyone can run: the CPU.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // PNG bytes for pictures that people look at.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/report/report.h"
 
 #include <nlohmann/json.hpp>
@@ -22,7 +23,7 @@ ordered_json figuresJson(const std::vector<ReportFigure>& figures) {
 
 }  // namespace
 
-std::optional<FrameScore> meanScore(const std::vector<HeldOutFrame>& frames, const std::string& kind, FrameScore HeldOutFrame::* which) {
+std::optional<FrameScore> meanScore(const std::vector<HeldOutFrame>& frames, const std::string& kind, FrameScore HeldOutFrame::*which) {
     FrameScore sum;
     size_t count = 0;
     for (const HeldOutFrame& frame : frames) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The report of one reconstruction: report.json for programs, report.html (self-contained) for people.
 #pragma once
 
@@ -14,20 +15,20 @@ namespace dpl {
 
 /** Scores of one picture against its frame. Masked figures look only inside the true mask. */
 struct FrameScore {
-    double maskedPsnrDb = 0;     // render's own alpha over white, black and grey: the worst of the three
-    double maskedSsim = 0;       // mean of the SSIM map inside the mask, worst of the three
-    double alphaIou = 0;         // alpha ≥ 0.5 against mask ≥ 128
-    double fullPsnrDb = 0;       // whole frame on white, truth cut out with its mask: comparable with the paper
+    double maskedPsnrDb = 0;  // render's own alpha over white, black and grey: the worst of the three
+    double maskedSsim = 0;    // mean of the SSIM map inside the mask, worst of the three
+    double alphaIou = 0;      // alpha ≥ 0.5 against mask ≥ 128
+    double fullPsnrDb = 0;    // whole frame on white, truth cut out with its mask: comparable with the paper
     double fullSsim = 0;
-    double coverage = 0;         // share of the frame that the mask covers (why full-frame figures flatter)
+    double coverage = 0;  // share of the frame that the mask covers (why full-frame figures flatter)
 };
 
 /** All that was drawn for one held-out frame. */
 struct HeldOutFrame {
     std::string name;
-    std::string kind;                        // "static" or "dynamic"
+    std::string kind;  // "static" or "dynamic"
     FrameScore withoutPoseFit, withPoseFit;
-    FrameScore labelFloor, meshFloor;        // flat colour per label inside the true mask; posed mesh with fitted vertex colours
+    FrameScore labelFloor, meshFloor;  // flat colour per label inside the true mask; posed mesh with fitted vertex colours
     std::vector<uint8_t> truthPng, renderPng, differencePng;  // pictures for people; may be empty
 };
 
@@ -46,19 +47,19 @@ struct ReportFigure {
 
 struct ReportData {
     std::string title;
-    std::vector<std::pair<std::string, std::string>> facts;   // scan, body, preset, seed, ...
-    std::string verdict;                                      // of the scan check, several lines
+    std::vector<std::pair<std::string, std::string>> facts;  // scan, body, preset, seed, ...
+    std::string verdict;                                     // of the scan check, several lines
     std::vector<HeldOutFrame> frames;
     std::vector<StageCost> stages;
     std::vector<PlotSeries> lossCurves, psnrCurves;
-    std::vector<ReportFigure> figures;                        // registration residuals, truth comparison, sizes
-    std::vector<ReportFigure> waterfall;                      // dB that each stage costs, where truth exists
+    std::vector<ReportFigure> figures;    // registration residuals, truth comparison, sizes
+    std::vector<ReportFigure> waterfall;  // dB that each stage costs, where truth exists
     std::vector<EvidenceData> evidence;
-    std::vector<std::string> limits;                          // what this version does not do, in sentences
+    std::vector<std::string> limits;  // what this version does not do, in sentences
 };
 
 /** Mean over the frames of a kind; nullopt when there are none. */
-std::optional<FrameScore> meanScore(const std::vector<HeldOutFrame>& frames, const std::string& kind, FrameScore HeldOutFrame::* which);
+std::optional<FrameScore> meanScore(const std::vector<HeldOutFrame>& frames, const std::string& kind, FrameScore HeldOutFrame::*which);
 
 std::string reportJson(const ReportData& data);
 std::string reportHtml(const ReportData& data);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <cstdio>
 #include <span>
@@ -50,8 +51,8 @@ std::string picture(const std::vector<uint8_t>& png, const char* what) {
 }
 
 std::string scoreRow(const std::string& name, const FrameScore& s) {
-    return "<tr><td>" + escapeHtml(name) + "</td><td>" + fixed(s.maskedPsnrDb, 2) + "</td><td>" + fixed(s.maskedSsim, 4) + "</td><td>" + fixed(s.alphaIou, 4) +
-           "</td><td>" + fixed(s.fullPsnrDb, 2) + "</td><td>" + fixed(s.fullSsim, 4) + "</td></tr>";
+    return "<tr><td>" + escapeHtml(name) + "</td><td>" + fixed(s.maskedPsnrDb, 2) + "</td><td>" + fixed(s.maskedSsim, 4) + "</td><td>" +
+           fixed(s.alphaIou, 4) + "</td><td>" + fixed(s.fullPsnrDb, 2) + "</td><td>" + fixed(s.fullSsim, 4) + "</td></tr>";
 }
 
 void addScores(std::string& html, const ReportData& data) {
@@ -60,17 +61,21 @@ void addScores(std::string& html, const ReportData& data) {
         if (!fitted) continue;
         size_t count = 0;
         for (const HeldOutFrame& frame : data.frames) count += frame.kind == kind;
-        html += "<h3>Held-out " + std::string(kind) + " frames (" + std::to_string(count) + ")</h3><div class=big><div><b>" + fixed(fitted->maskedPsnrDb, 2) +
-                " dB</b>masked PSNR</div><div><b>" + fixed(fitted->alphaIou, 4) + "</b>alpha IoU</div><div><b>" + fixed(fitted->maskedSsim, 4) +
-                "</b>masked SSIM</div></div><table><tr><th>mean of</th><th>masked PSNR dB</th><th>masked SSIM</th><th>alpha IoU</th><th>full-frame PSNR "
+        html += "<h3>Held-out " + std::string(kind) + " frames (" + std::to_string(count) + ")</h3><div class=big><div><b>" +
+                fixed(fitted->maskedPsnrDb, 2) + " dB</b>masked PSNR</div><div><b>" + fixed(fitted->alphaIou, 4) +
+                "</b>alpha IoU</div><div><b>" + fixed(fitted->maskedSsim, 4) +
+                "</b>masked SSIM</div></div><table><tr><th>mean of</th><th>masked PSNR dB</th><th>masked SSIM</th><th>alpha "
+                "IoU</th><th>full-frame PSNR "
                 "dB</th><th>full-frame SSIM</th></tr>";
         html += scoreRow("avatar, with test-time pose fit", *fitted);
         html += scoreRow("avatar, without", *meanScore(data.frames, kind, &HeldOutFrame::withoutPoseFit));
         html += scoreRow("floor: one flat colour per label, true mask", *meanScore(data.frames, kind, &HeldOutFrame::labelFloor));
         html += scoreRow("floor: posed mesh, fitted vertex colours", *meanScore(data.frames, kind, &HeldOutFrame::meshFloor));
-        html += "</table><p class=soft>Masked: inside the true mask, the render's own alpha over white, black and grey, worst of the three. Full-frame: on white, "
-                "truth cut out with its mask; the person covers " +
-                fixed(fitted->coverage * 100, 1) + " % of the frame, so white flatters these figures.</p>";
+        html +=
+            "</table><p class=soft>Masked: inside the true mask, the render's own alpha over white, black and grey, worst of the three. "
+            "Full-frame: on white, "
+            "truth cut out with its mask; the person covers " +
+            fixed(fitted->coverage * 100, 1) + " % of the frame, so white flatters these figures.</p>";
     }
 }
 
@@ -78,12 +83,14 @@ void addPictures(std::string& html, const ReportData& data) {
     bool any = false;
     for (const HeldOutFrame& frame : data.frames) any |= !frame.renderPng.empty();
     if (!any) return;
-    html += "<h2>Pictures</h2><p class=soft>Truth, avatar (pose fitted), difference ×4. None of these frames was used to make the avatar.</p><div class=pictures>";
+    html +=
+        "<h2>Pictures</h2><p class=soft>Truth, avatar (pose fitted), difference ×4. None of these frames was used to make the "
+        "avatar.</p><div class=pictures>";
     for (const HeldOutFrame& frame : data.frames) {
         if (frame.renderPng.empty()) continue;
-        html += "<figure>" + picture(frame.truthPng, "truth") + picture(frame.renderPng, "avatar") + picture(frame.differencePng, "difference") + "<figcaption>" +
-                escapeHtml(frame.name) + " · " + fixed(frame.withPoseFit.maskedPsnrDb, 2) + " dB · IoU " + fixed(frame.withPoseFit.alphaIou, 3) +
-                "</figcaption></figure>";
+        html += "<figure>" + picture(frame.truthPng, "truth") + picture(frame.renderPng, "avatar") +
+                picture(frame.differencePng, "difference") + "<figcaption>" + escapeHtml(frame.name) + " · " +
+                fixed(frame.withPoseFit.maskedPsnrDb, 2) + " dB · IoU " + fixed(frame.withPoseFit.alphaIou, 3) + "</figcaption></figure>";
     }
     html += "</div>";
 }
@@ -94,8 +101,8 @@ void addFigures(std::string& html, const char* heading, const std::vector<Report
     std::string group;
     for (const ReportFigure& f : figures) {
         if (f.group != group) html += "<tr><td colspan=3><b>" + escapeHtml(group = f.group) + "</b></td></tr>";
-        html += "<tr><td>" + escapeHtml(f.name) + "</td><td>" + fixed(f.value, std::abs(f.value) >= 1000 ? 0 : 3) + "</td><td class=text>" + escapeHtml(f.unit) +
-                "</td></tr>";
+        html += "<tr><td>" + escapeHtml(f.name) + "</td><td>" + fixed(f.value, std::abs(f.value) >= 1000 ? 0 : 3) + "</td><td class=text>" +
+                escapeHtml(f.unit) + "</td></tr>";
     }
     html += "</table>";
 }
@@ -105,26 +112,31 @@ void addStages(std::string& html, const ReportData& data) {
     for (const StageCost& s : data.stages) total += s.seconds;
     html += "<h2>Time and memory</h2><table><tr><th>stage</th><th>seconds</th><th>peak memory MiB</th><th></th></tr>";
     for (const StageCost& s : data.stages)
-        html += "<tr><td>" + escapeHtml(s.name) + (s.reused ? " <span class=soft>(earlier run)</span>" : "") + "</td><td>" + fixed(s.seconds, 1) + "</td><td>" +
-                fixed(double(s.peakBytes) / (1 << 20), 0) + "</td><td class=text><span class=bar style=\"width:" + fixed(total > 0 ? s.seconds / total * 300 : 0, 0) +
+        html += "<tr><td>" + escapeHtml(s.name) + (s.reused ? " <span class=soft>(earlier run)</span>" : "") + "</td><td>" +
+                fixed(s.seconds, 1) + "</td><td>" + fixed(double(s.peakBytes) / (1 << 20), 0) +
+                "</td><td class=text><span class=bar style=\"width:" + fixed(total > 0 ? s.seconds / total * 300 : 0, 0) +
                 "px\"></span></td></tr>";
     html += "<tr><td><b>all</b></td><td><b>" + fixed(total, 1) + "</b></td><td></td><td></td></tr></table>";
 }
 
 void addEvidence(std::string& html, const ReportData& data) {
     if (data.evidence.empty()) return;
-    html += "<h2>Evidence: what is in the file, and why</h2><table><tr><th>part</th><th>kept</th><th>gain dB</th><th>bytes</th><th>reason</th></tr>";
+    html +=
+        "<h2>Evidence: what is in the file, and why</h2><table><tr><th>part</th><th>kept</th><th>gain "
+        "dB</th><th>bytes</th><th>reason</th></tr>";
     for (const EvidenceData& e : data.evidence)
-        html += "<tr><td>" + escapeHtml(e.part) + "</td><td>" + (e.kept ? "yes" : "no") + "</td><td>" + (e.gainDb != 0 ? fixed(e.gainDb, 2) : "–") + "</td><td>" +
-                std::to_string(e.bytes) + "</td><td class=text>" + escapeHtml(e.reason) + "</td></tr>";
+        html += "<tr><td>" + escapeHtml(e.part) + "</td><td>" + (e.kept ? "yes" : "no") + "</td><td>" +
+                (e.gainDb != 0 ? fixed(e.gainDb, 2) : "–") + "</td><td>" + std::to_string(e.bytes) + "</td><td class=text>" +
+                escapeHtml(e.reason) + "</td></tr>";
     html += "</table>";
 }
 
 }  // namespace
 
 std::string reportHtml(const ReportData& data) {
-    std::string html = "<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content=\"width=device-width\"><title>" + escapeHtml(data.title) +
-                       "</title><style>" + kStyle + "</style><h1>" + escapeHtml(data.title) + "</h1><p class=soft>";
+    std::string html = "<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content=\"width=device-width\"><title>" +
+                       escapeHtml(data.title) + "</title><style>" + kStyle + "</style><h1>" + escapeHtml(data.title) +
+                       "</h1><p class=soft>";
     for (const auto& [name, value] : data.facts) html += escapeHtml(name) + ": " + escapeHtml(value) + " · ";
     html += "</p><h2>Quality on frames it never saw</h2>";
     addScores(html, data);
@@ -133,7 +145,8 @@ std::string reportHtml(const ReportData& data) {
     if (!data.lossCurves.empty() || !data.psnrCurves.empty()) {
         html += "<h2>Training</h2>";
         if (!data.lossCurves.empty()) html += svgPlot(data.lossCurves, {.title = "Loss", .xLabel = "step", .yLabel = "loss", .logY = true});
-        if (!data.psnrCurves.empty()) html += svgPlot(data.psnrCurves, {.title = "PSNR on training frames", .xLabel = "step", .yLabel = "dB"});
+        if (!data.psnrCurves.empty())
+            html += svgPlot(data.psnrCurves, {.title = "PSNR on training frames", .xLabel = "step", .yLabel = "dB"});
     }
     addFigures(html, "Registration and sizes", data.figures);
     addFigures(html, "Error waterfall: what each stage costs", data.waterfall);

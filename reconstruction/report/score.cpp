@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/report/score.h"
 
 #include <algorithm>
@@ -11,7 +12,9 @@ namespace {
 
 constexpr double kInfinitePsnrDb = 100;  // reported for equal pictures
 
-double psnrDb(double meanSquare) { return meanSquare > 0 ? std::min(kInfinitePsnrDb, -10 * std::log10(meanSquare)) : kInfinitePsnrDb; }
+double psnrDb(double meanSquare) {
+    return meanSquare > 0 ? std::min(kInfinitePsnrDb, -10 * std::log10(meanSquare)) : kInfinitePsnrDb;
+}
 
 /** picture·alpha + background·(1 − alpha) as floats in [0,1], three channels. */
 cv::Mat composite(const std::vector<uint8_t>& rgba, int width, int height, float background) {
@@ -32,9 +35,11 @@ cv::Mat ssimMap(const cv::Mat& a, const cv::Mat& b) {
         return out;
     };
     const cv::Mat meanA = blur(a), meanB = blur(b);
-    const cv::Mat varA = blur(a.mul(a)) - meanA.mul(meanA), varB = blur(b.mul(b)) - meanB.mul(meanB), cov = blur(a.mul(b)) - meanA.mul(meanB);
+    const cv::Mat varA = blur(a.mul(a)) - meanA.mul(meanA), varB = blur(b.mul(b)) - meanB.mul(meanB),
+                  cov = blur(a.mul(b)) - meanA.mul(meanB);
     const cv::Scalar c1 = cv::Scalar::all(0.01 * 0.01), c2 = cv::Scalar::all(0.03 * 0.03);
-    cv::Mat numerator = (2 * meanA.mul(meanB) + c1), second = (2 * cov + c2), denominator = (meanA.mul(meanA) + meanB.mul(meanB) + c1), third = (varA + varB + c2), map;
+    cv::Mat numerator = (2 * meanA.mul(meanB) + c1), second = (2 * cov + c2), denominator = (meanA.mul(meanA) + meanB.mul(meanB) + c1),
+            third = (varA + varB + c2), map;
     cv::divide(numerator.mul(second), denominator.mul(third), map);
     cv::Mat grey;
     cv::transform(map, grey, cv::Matx13f(1.0f / 3, 1.0f / 3, 1.0f / 3));
@@ -85,7 +90,8 @@ std::vector<uint8_t> cutOut(const ImageRgb8& image, const ImageGrey8& mask) {
     if (image.pixels.size() != mask.pixels.size() * 3) return rgba;
     rgba.reserve(mask.pixels.size() * 4);
     for (size_t i = 0; i < mask.pixels.size(); ++i)
-        rgba.insert(rgba.end(), {image.pixels[i * 3], image.pixels[i * 3 + 1], image.pixels[i * 3 + 2], uint8_t(mask.pixels[i] >= 128 ? 255 : 0)});
+        rgba.insert(rgba.end(),
+                    {image.pixels[i * 3], image.pixels[i * 3 + 1], image.pixels[i * 3 + 2], uint8_t(mask.pixels[i] >= 128 ? 255 : 0)});
     return rgba;
 }
 
@@ -103,13 +109,15 @@ std::vector<uint8_t> LabelColours::paint(const ImageGrey8& mask, const ImageGrey
     for (size_t i = 0; i < mask.pixels.size(); ++i) {
         if (mask.pixels[i] < 128) continue;
         const auto found = sums_.find(i < labels.pixels.size() ? labels.pixels[i] : uint8_t(0));
-        for (int c = 0; c < 3; ++c) rgba[i * 4 + c] = found == sums_.end() ? 128 : uint8_t(found->second.rgb[c] / found->second.count + 0.5);
+        for (int c = 0; c < 3; ++c)
+            rgba[i * 4 + c] = found == sums_.end() ? 128 : uint8_t(found->second.rgb[c] / found->second.count + 0.5);
         rgba[i * 4 + 3] = 255;
     }
     return rgba;
 }
 
-std::vector<uint8_t> paintMesh(std::span<const Vec3f> positions, std::span<const Triangle> triangles, std::span<const glm::u8vec4> colours, const Camerad& camera) {
+std::vector<uint8_t> paintMesh(std::span<const Vec3f> positions, std::span<const Triangle> triangles, std::span<const glm::u8vec4> colours,
+                               const Camerad& camera) {
     const MeshRaster raster = rasteriseMesh(positions, triangles, camera);
     std::vector<uint8_t> rgba(raster.triangle.size() * 4, 0);
     for (size_t i = 0; i < raster.triangle.size(); ++i) {
@@ -123,7 +131,8 @@ std::vector<uint8_t> paintMesh(std::span<const Vec3f> positions, std::span<const
     return rgba;
 }
 
-std::vector<uint8_t> areaAveraged(const std::vector<uint8_t>& rgba, uint32_t widthPx, uint32_t heightPx, uint32_t toWidthPx, uint32_t toHeightPx) {
+std::vector<uint8_t> areaAveraged(const std::vector<uint8_t>& rgba, uint32_t widthPx, uint32_t heightPx, uint32_t toWidthPx,
+                                  uint32_t toHeightPx) {
     cv::Mat weighted(int(heightPx), int(widthPx), CV_32FC4), small;
     float* to = weighted.ptr<float>();
     for (size_t i = 0; i < size_t(widthPx) * heightPx; ++i) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Scores of pictures with their own alpha against frames, and the two floors that an avatar must beat.
 #pragma once
 
@@ -10,8 +11,8 @@
 
 namespace dpl {
 
-/** Scores an RGBA picture (straight alpha, 4 bytes a pixel) against a true one of the same size; where the truth's alpha is at least 128 is the
- *  mask. Sizes must agree; an empty mask scores 0. */
+/** Scores an RGBA picture (straight alpha, 4 bytes a pixel) against a true one of the same size; where the truth's alpha is at least 128 is
+ * the mask. Sizes must agree; an empty mask scores 0. */
 FrameScore scorePicture(const std::vector<uint8_t>& rgba, const std::vector<uint8_t>& truthRgba, uint32_t widthPx, uint32_t heightPx);
 /** Against a frame cut out with its mask. */
 FrameScore scorePicture(const std::vector<uint8_t>& rgba, const ImageRgb8& truth, const ImageGrey8& mask);
@@ -35,10 +36,12 @@ private:
 };
 
 /** Second floor: a posed mesh with vertex colours, drawn with the z-buffer of reconstruction/surface. RGBA, alpha 0 or 255. */
-std::vector<uint8_t> paintMesh(std::span<const Vec3f> positions, std::span<const Triangle> triangles, std::span<const glm::u8vec4> colours, const Camerad& camera);
+std::vector<uint8_t> paintMesh(std::span<const Vec3f> positions, std::span<const Triangle> triangles, std::span<const glm::u8vec4> colours,
+                               const Camerad& camera);
 
 /** An RGBA picture (straight alpha) area-averaged to another size, colours weighted by alpha. */
-std::vector<uint8_t> areaAveraged(const std::vector<uint8_t>& rgba, uint32_t widthPx, uint32_t heightPx, uint32_t toWidthPx, uint32_t toHeightPx);
+std::vector<uint8_t> areaAveraged(const std::vector<uint8_t>& rgba, uint32_t widthPx, uint32_t heightPx, uint32_t toWidthPx,
+                                  uint32_t toHeightPx);
 
 /** The picture without the outermost pixels of its opaque part (3 × 3): where coverage of the outline does not count. */
 std::vector<uint8_t> insideOutline(const std::vector<uint8_t>& rgba, uint32_t widthPx, uint32_t heightPx);

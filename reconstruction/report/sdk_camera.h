@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Our camera as the public API takes it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/report/svg_plot.h"
 
 #include <algorithm>
@@ -42,7 +43,8 @@ double tickStep(double span, int wanted) {
     return 10 * power;
 }
 
-/** Round values inside a range of scaled values; of a logarithmic one 1, 2 and 5 of each decade, powers of ten alone when those are many. */
+/** Round values inside a range of scaled values; of a logarithmic one 1, 2 and 5 of each decade, powers of ten alone when those are many.
+ */
 std::vector<double> ticks(const Range& range, int wanted, bool log) {
     std::vector<double> out;
     const auto even = [&](double low, double high) {
@@ -73,11 +75,20 @@ std::string escapeHtml(std::string_view text) {
     std::string out;
     for (char c : text) {
         switch (c) {
-            case '&': out += "&amp;"; break;
-            case '<': out += "&lt;"; break;
-            case '>': out += "&gt;"; break;
-            case '"': out += "&quot;"; break;
-            default: out += c;
+            case '&':
+                out += "&amp;";
+                break;
+            case '<':
+                out += "&lt;";
+                break;
+            case '>':
+                out += "&gt;";
+                break;
+            case '"':
+                out += "&quot;";
+                break;
+            default:
+                out += c;
         }
     }
     return out;
@@ -95,22 +106,29 @@ std::string svgPlot(const std::vector<PlotSeries>& series, const PlotOptions& op
     rangeX.settle();
     rangeY.settle();
     if (options.points) rangeX.widen(0.09), rangeY.widen(0.08);
-    const double width = options.widthPx, height = options.heightPx, plotWidth = width - kLeft - kRight, plotHeight = height - kTop - kBottom;
+    const double width = options.widthPx, height = options.heightPx, plotWidth = width - kLeft - kRight,
+                 plotHeight = height - kTop - kBottom;
     const auto toX = [&](double x) { return kLeft + (x - rangeX.low) / (rangeX.high - rangeX.low) * plotWidth; };  // of scaled values
     const auto toY = [&](double y) { return kTop + plotHeight - (y - rangeY.low) / (rangeY.high - rangeY.low) * plotHeight; };
 
-    std::string svg = element("<svg viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" height=\"%.0f\" class=\"plot\">", width, height, width, height);
+    std::string svg =
+        element("<svg viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" height=\"%.0f\" class=\"plot\">", width, height, width, height);
     svg += element("<text x=\"%.0f\" y=\"%.0f\" class=\"title\">", kLeft, 18, 0, 0) + escapeHtml(options.title) + "</text>";
     for (const double x : ticks(rangeX, 6, options.logX)) {
-        svg += element("<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" class=\"grid\"/>", toX(scaleX(x)), kTop, toX(scaleX(x)), kTop + plotHeight);
-        svg += element("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">", toX(scaleX(x)), kTop + plotHeight + 15, 0, 0) + number(x) + "</text>";
+        svg += element("<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" class=\"grid\"/>", toX(scaleX(x)), kTop, toX(scaleX(x)),
+                       kTop + plotHeight);
+        svg += element("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">", toX(scaleX(x)), kTop + plotHeight + 15, 0, 0) + number(x) +
+               "</text>";
     }
     for (const double y : ticks(rangeY, 5, options.logY)) {
-        svg += element("<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" class=\"grid\"/>", kLeft, toY(scaleY(y)), kLeft + plotWidth, toY(scaleY(y)));
+        svg += element("<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" class=\"grid\"/>", kLeft, toY(scaleY(y)), kLeft + plotWidth,
+                       toY(scaleY(y)));
         svg += element("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">", kLeft - 6, toY(scaleY(y)) + 4, 0, 0) + number(y) + "</text>";
     }
-    svg += element("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">", kLeft + plotWidth / 2, height - 8, 0, 0) + escapeHtml(options.xLabel) + "</text>";
-    svg += element("<text transform=\"translate(13 %.1f) rotate(-90)\" text-anchor=\"middle\">", kTop + plotHeight / 2, 0, 0, 0) + escapeHtml(options.yLabel) + "</text>";
+    svg += element("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">", kLeft + plotWidth / 2, height - 8, 0, 0) +
+           escapeHtml(options.xLabel) + "</text>";
+    svg += element("<text transform=\"translate(13 %.1f) rotate(-90)\" text-anchor=\"middle\">", kTop + plotHeight / 2, 0, 0, 0) +
+           escapeHtml(options.yLabel) + "</text>";
     double legendX = kLeft + plotWidth;
     for (size_t k = series.size(); k-- > 0;) {
         const PlotSeries& s = series[k];
@@ -125,14 +143,20 @@ std::string svgPlot(const std::vector<PlotSeries>& series, const PlotOptions& op
             const double x = toX(scaleX(s.x[i])), y = toY(scaleY(s.y[i]));
             if (options.points) {
                 svg += element("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"3.5\" ", x, y, 0, 0) + fill + "/>";
-                if (i < s.pointNames.size()) svg += element("<text x=\"%.1f\" y=\"%.1f\" ", x + 5, y - 4, 0, 0) + fill + ">" + escapeHtml(s.pointNames[i]) + "</text>";
+                if (i < s.pointNames.size())
+                    svg +=
+                        element("<text x=\"%.1f\" y=\"%.1f\" ", x + 5, y - 4, 0, 0) + fill + ">" + escapeHtml(s.pointNames[i]) + "</text>";
             } else {
                 path += element(penDown ? "L%.1f %.1f" : "M%.1f %.1f", x, y, 0, 0);
                 penDown = true;
             }
         }
-        if (!options.points) svg += "<path fill=\"none\" stroke-width=\"1.5\" stroke=\"" + std::string(kColours[k % kColours.size()]) + "\" d=\"" + path + "\"/>";
-        svg += element("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\" ", legendX - (options.points ? 8 : 0), options.points ? kTop + 14 * double(k + 1) : 18, 0, 0) + fill + ">" + escapeHtml(s.name) + "</text>";
+        if (!options.points)
+            svg += "<path fill=\"none\" stroke-width=\"1.5\" stroke=\"" + std::string(kColours[k % kColours.size()]) + "\" d=\"" + path +
+                   "\"/>";
+        svg += element("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\" ", legendX - (options.points ? 8 : 0),
+                       options.points ? kTop + 14 * double(k + 1) : 18, 0, 0) +
+               fill + ">" + escapeHtml(s.name) + "</text>";
         if (!options.points) legendX -= 12 + 7.0 * double(s.name.size());
     }
     return svg + "</svg>";
@@ -140,8 +164,10 @@ std::string svgPlot(const std::vector<PlotSeries>& series, const PlotOptions& op
 
 std::string svgFile(const std::string& plot) {
     constexpr std::string_view kOpen = "<svg ";
-    return "<svg xmlns=\"http://www.w3.org/2000/svg\" style=\"background:#fff\" " + plot.substr(kOpen.size(), plot.find('>') + 1 - kOpen.size()) +
-           "<style>text{font:11px system-ui,sans-serif}text.title{font-size:13px;fill:#111}.grid{stroke:#e5e7eb}</style>" + plot.substr(plot.find('>') + 1) + "\n";
+    return "<svg xmlns=\"http://www.w3.org/2000/svg\" style=\"background:#fff\" " +
+           plot.substr(kOpen.size(), plot.find('>') + 1 - kOpen.size()) +
+           "<style>text{font:11px system-ui,sans-serif}text.title{font-size:13px;fill:#111}.grid{stroke:#e5e7eb}</style>" +
+           plot.substr(plot.find('>') + 1) + "\n";
 }
 
 }  // namespace dpl

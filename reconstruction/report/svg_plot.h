@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Small charts as SVG: lines for the report, points for the bench.
 #pragma once
 
@@ -9,15 +10,15 @@ namespace dpl {
 
 struct PlotSeries {
     std::string name;
-    std::vector<double> x, y;   // same length; non-finite points break the line
-    std::vector<std::string> pointNames = {};   // beside the points, when there are any
+    std::vector<double> x, y;                  // same length; non-finite points break the line
+    std::vector<std::string> pointNames = {};  // beside the points, when there are any
 };
 
 struct PlotOptions {
     std::string title, xLabel, yLabel;
     bool logX = false, logY = false;
     int widthPx = 560, heightPx = 260;
-    bool points = false;   // points and no lines; the series' names in a column inside the frame instead of a row above it
+    bool points = false;  // points and no lines; the series' names in a column inside the frame instead of a row above it
 };
 
 /** An <svg> element with axes, round tick values, one colour a series and a legend. Empty series give an empty frame. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/sample/body_field.h"
 
 namespace dpl {
@@ -7,7 +8,9 @@ namespace {
 
 Tube makeTorso() {
     // Axis up from y = 0.79, u = left, so v = axis × u runs back: radiusV is the back, radiusVBack the front.
-    auto at = [](float y, float halfWidth, float front, float back) { return TubeStation{y - 0.79f, 0, 0, halfWidth, halfWidth, back, front}; };
+    auto at = [](float y, float halfWidth, float front, float back) {
+        return TubeStation{y - 0.79f, 0, 0, halfWidth, halfWidth, back, front};
+    };
     return Tube({0, 0.79f, 0}, {0, 1, 0}, {1, 0, 0},
                 {at(0.790f, 0.070f, 0.035f, 0.060f), at(0.830f, 0.128f, 0.074f, 0.094f), at(0.870f, 0.162f, 0.092f, 0.110f),
                  at(0.910f, 0.170f, 0.100f, 0.114f), at(0.960f, 0.167f, 0.106f, 0.106f), at(1.010f, 0.158f, 0.108f, 0.095f),
@@ -21,20 +24,29 @@ Tube makeThigh() {
     const Vec3f hip(0.092f, 0.902f, -0.004f), knee(0.121f, 0.495f, 0.008f);
     // axis down, u = outward: v = axis × u runs forward.
     return Tube(hip, knee - hip, {1, 0, 0},
-                {{-0.040f, 0, 0, 0.066f, 0.075f, 0.078f, 0.086f}, {0.020f, 0, 0, 0.079f, 0.083f, 0.085f, 0.092f},
-                 {0.080f, 0, 0, 0.082f, 0.083f, 0.086f, 0.088f}, {0.160f, 0, 0, 0.077f, 0.076f, 0.083f, 0.079f},
-                 {0.240f, 0, 0, 0.068f, 0.066f, 0.075f, 0.069f}, {0.320f, 0, 0, 0.057f, 0.057f, 0.064f, 0.060f},
-                 {0.380f, 0, 0, 0.052f, 0.053f, 0.055f, 0.054f}, {0.410f, 0, 0, 0.049f, 0.051f, 0.051f, 0.051f},
+                {{-0.040f, 0, 0, 0.066f, 0.075f, 0.078f, 0.086f},
+                 {0.020f, 0, 0, 0.079f, 0.083f, 0.085f, 0.092f},
+                 {0.080f, 0, 0, 0.082f, 0.083f, 0.086f, 0.088f},
+                 {0.160f, 0, 0, 0.077f, 0.076f, 0.083f, 0.079f},
+                 {0.240f, 0, 0, 0.068f, 0.066f, 0.075f, 0.069f},
+                 {0.320f, 0, 0, 0.057f, 0.057f, 0.064f, 0.060f},
+                 {0.380f, 0, 0, 0.052f, 0.053f, 0.055f, 0.054f},
+                 {0.410f, 0, 0, 0.049f, 0.051f, 0.051f, 0.051f},
                  {0.450f, 0, 0, 0.043f, 0.044f, 0.043f, 0.044f}});
 }
 
 Tube makeCalf() {
     const Vec3f knee(0.121f, 0.495f, 0.008f), ankle = leftFootChain()[0];
     return Tube(knee, ankle - knee, {1, 0, 0},
-                {{-0.050f, 0, 0, 0.044f, 0.045f, 0.044f, 0.046f}, {-0.010f, 0, 0, 0.048f, 0.050f, 0.050f, 0.050f}, {0.030f, 0, 0, 0.048f, 0.049f, 0.050f, 0.052f},
-                 {0.080f, 0, 0, 0.052f, 0.053f, 0.047f, 0.062f}, {0.130f, 0, 0, 0.054f, 0.055f, 0.044f, 0.067f},
-                 {0.190f, 0, 0, 0.049f, 0.050f, 0.042f, 0.060f}, {0.260f, 0, 0, 0.039f, 0.041f, 0.038f, 0.045f},
-                 {0.330f, 0, 0, 0.031f, 0.032f, 0.033f, 0.036f}, {0.390f, 0, 0, 0.030f, 0.031f, 0.034f, 0.038f},
+                {{-0.050f, 0, 0, 0.044f, 0.045f, 0.044f, 0.046f},
+                 {-0.010f, 0, 0, 0.048f, 0.050f, 0.050f, 0.050f},
+                 {0.030f, 0, 0, 0.048f, 0.049f, 0.050f, 0.052f},
+                 {0.080f, 0, 0, 0.052f, 0.053f, 0.047f, 0.062f},
+                 {0.130f, 0, 0, 0.054f, 0.055f, 0.044f, 0.067f},
+                 {0.190f, 0, 0, 0.049f, 0.050f, 0.042f, 0.060f},
+                 {0.260f, 0, 0, 0.039f, 0.041f, 0.038f, 0.045f},
+                 {0.330f, 0, 0, 0.031f, 0.032f, 0.033f, 0.036f},
+                 {0.390f, 0, 0, 0.030f, 0.031f, 0.034f, 0.038f},
                  {0.430f, 0, 0, 0.033f, 0.034f, 0.036f, 0.040f}});
 }
 
@@ -60,26 +72,35 @@ Tube makeFoot() {
 Tube makeUpperArm(const Vec3f& shoulder, const Vec3f& elbow) {
     // axis along the arm, u = forward (biceps), v = axis × u: outward and up or its opposite; both are alike here.
     return Tube(shoulder, elbow - shoulder, {0, 0, 1},
-                {{-0.010f, 0, 0, 0.050f, 0.052f, 0.050f, 0.050f}, {0.050f, 0, 0, 0.050f, 0.052f, 0.050f, 0.048f},
-                 {0.110f, 0.002f, 0, 0.049f, 0.049f, 0.046f, 0.045f}, {0.160f, 0.003f, 0, 0.048f, 0.047f, 0.043f, 0.042f},
-                 {0.210f, 0.002f, 0, 0.043f, 0.043f, 0.040f, 0.039f}, {0.260f, 0, 0, 0.039f, 0.041f, 0.038f, 0.038f},
+                {{-0.010f, 0, 0, 0.050f, 0.052f, 0.050f, 0.050f},
+                 {0.050f, 0, 0, 0.050f, 0.052f, 0.050f, 0.048f},
+                 {0.110f, 0.002f, 0, 0.049f, 0.049f, 0.046f, 0.045f},
+                 {0.160f, 0.003f, 0, 0.048f, 0.047f, 0.043f, 0.042f},
+                 {0.210f, 0.002f, 0, 0.043f, 0.043f, 0.040f, 0.039f},
+                 {0.260f, 0, 0, 0.039f, 0.041f, 0.038f, 0.038f},
                  {0.295f, 0, 0, 0.038f, 0.041f, 0.038f, 0.038f}});
 }
 
 Tube makeForearm(const Vec3f& elbow, const Vec3f& wrist) {
     return Tube(elbow, wrist - elbow, {0, 0, 1},
-                {{-0.015f, 0, 0, 0.038f, 0.041f, 0.038f, 0.038f}, {0.030f, 0.002f, 0, 0.042f, 0.041f, 0.040f, 0.040f},
-                 {0.070f, 0.002f, 0, 0.043f, 0.041f, 0.040f, 0.040f}, {0.120f, 0.001f, 0, 0.039f, 0.037f, 0.036f, 0.035f},
-                 {0.175f, 0, 0, 0.033f, 0.031f, 0.028f, 0.028f}, {0.225f, 0, 0, 0.029f, 0.028f, 0.022f, 0.022f},
+                {{-0.015f, 0, 0, 0.038f, 0.041f, 0.038f, 0.038f},
+                 {0.030f, 0.002f, 0, 0.042f, 0.041f, 0.040f, 0.040f},
+                 {0.070f, 0.002f, 0, 0.043f, 0.041f, 0.040f, 0.040f},
+                 {0.120f, 0.001f, 0, 0.039f, 0.037f, 0.036f, 0.035f},
+                 {0.175f, 0, 0, 0.033f, 0.031f, 0.028f, 0.028f},
+                 {0.225f, 0, 0, 0.029f, 0.028f, 0.022f, 0.022f},
                  {0.262f, 0, 0, 0.029f, 0.029f, 0.021f, 0.021f}});
 }
 
 Tube makePalm(const HandFrame& h) {
     // u = thumbward, v = axis × u: ± dorsal (sections are nearly alike on both sides).
     return Tube(h.wrist, h.along, h.thumbward,
-                {{-0.012f, 0, 0, 0.028f, 0.028f, 0.019f, 0.019f}, {0.012f, 0, 0, 0.031f, 0.031f, 0.018f, 0.018f},
-                 {0.035f, 0, 0, 0.037f, 0.037f, 0.0165f, 0.0165f}, {0.060f, 0, 0, 0.040f, 0.041f, 0.015f, 0.015f},
-                 {0.078f, 0, 0, 0.041f, 0.0425f, 0.0135f, 0.0135f}, {0.092f, 0.002f, 0, 0.037f, 0.037f, 0.011f, 0.011f},
+                {{-0.012f, 0, 0, 0.028f, 0.028f, 0.019f, 0.019f},
+                 {0.012f, 0, 0, 0.031f, 0.031f, 0.018f, 0.018f},
+                 {0.035f, 0, 0, 0.037f, 0.037f, 0.0165f, 0.0165f},
+                 {0.060f, 0, 0, 0.040f, 0.041f, 0.015f, 0.015f},
+                 {0.078f, 0, 0, 0.041f, 0.0425f, 0.0135f, 0.0135f},
+                 {0.092f, 0.002f, 0, 0.037f, 0.037f, 0.011f, 0.011f},
                  {0.100f, 0.004f, 0, 0.030f, 0.028f, 0.008f, 0.008f}},
                 2.6f);
 }
@@ -100,12 +121,16 @@ Tube makeFace() {
 Tube makeNeck() {
     const Vec3f low(0, 1.415f, -0.030f), high(0, 1.590f, -0.008f);
     return Tube(low, high - low, {1, 0, 0},
-                {{0, 0, 0, 0.072f, 0.072f, 0.055f, 0.056f}, {0.035f, 0, 0, 0.062f, 0.062f, 0.056f, 0.056f},
-                 {0.075f, 0, 0, 0.056f, 0.056f, 0.056f, 0.055f}, {0.120f, 0, 0, 0.055f, 0.055f, 0.055f, 0.055f},
+                {{0, 0, 0, 0.072f, 0.072f, 0.055f, 0.056f},
+                 {0.035f, 0, 0, 0.062f, 0.062f, 0.056f, 0.056f},
+                 {0.075f, 0, 0, 0.056f, 0.056f, 0.056f, 0.055f},
+                 {0.120f, 0, 0, 0.055f, 0.055f, 0.055f, 0.055f},
                  {0.175f, 0, 0, 0.056f, 0.056f, 0.055f, 0.055f}});
 }
 
-Vec3f mirrored(const Vec3f& p) { return {std::abs(p.x), p.y, p.z}; }
+Vec3f mirrored(const Vec3f& p) {
+    return {std::abs(p.x), p.y, p.z};
+}
 
 constexpr float kFingerRadius[kFingerCount][4] = {
     {0.0098f, 0.0092f, 0.0085f, 0.0074f},  // index
@@ -118,7 +143,13 @@ constexpr float kFingerRadius[kFingerCount][4] = {
 }  // namespace
 
 BodyField::BodyField()
-    : torso_(makeTorso()), thigh_(makeThigh()), calf_(makeCalf()), foot_(makeFoot()), face_(makeFace()), neck_(makeNeck()), hand_(leftHandFrame()) {
+    : torso_(makeTorso()),
+      thigh_(makeThigh()),
+      calf_(makeCalf()),
+      foot_(makeFoot()),
+      face_(makeFace()),
+      neck_(makeNeck()),
+      hand_(leftHandFrame()) {
     const auto joints = builtinSkeleton();
     upperArm_ = makeUpperArm(joints[kLeftShoulder].restPosition, joints[kLeftElbow].restPosition);
     forearm_ = makeForearm(joints[kLeftElbow].restPosition, joints[kLeftWrist].restPosition);
@@ -128,18 +159,22 @@ BodyField::BodyField()
 
 float BodyField::torso(const Vec3f& p) const {
     float d = torso_.distance(p);
-    d = smoothUnion(d, ellipsoid(p, {0.076f, 0.885f, -0.060f}, {0.084f, 0.086f, 0.070f}), 0.05f);   // glutes
-    d = smoothUnion(d, ellipsoid(p, {0.076f, 1.306f, 0.066f}, {0.084f, 0.062f, 0.043f}), 0.055f);   // pectorals
-    d = smoothUnion(d, taperedCapsule(p, {0.100f, 1.330f, 0.045f}, {0.182f, 1.388f, 0.000f}, 0.034f, 0.038f), 0.05f);    // ... and where they meet the arm
-    d = smoothUnion(d, taperedCapsule(p, {0.100f, 1.335f, -0.070f}, {0.182f, 1.388f, -0.040f}, 0.034f, 0.038f), 0.05f);  // the back of the armpit
-    d = smoothUnion(d, taperedCapsule(p, {0.120f, 1.436f, -0.026f}, {0.182f, 1.424f, -0.022f}, 0.032f, 0.040f), 0.04f);  // top of the shoulder
-    d = smoothUnion(d, ellipsoid(p, {0.085f, 1.330f, -0.088f}, {0.052f, 0.072f, 0.030f}), 0.04f);   // shoulder blades
+    d = smoothUnion(d, ellipsoid(p, {0.076f, 0.885f, -0.060f}, {0.084f, 0.086f, 0.070f}), 0.05f);  // glutes
+    d = smoothUnion(d, ellipsoid(p, {0.076f, 1.306f, 0.066f}, {0.084f, 0.062f, 0.043f}), 0.055f);  // pectorals
+    d = smoothUnion(d, taperedCapsule(p, {0.100f, 1.330f, 0.045f}, {0.182f, 1.388f, 0.000f}, 0.034f, 0.038f),
+                    0.05f);  // ... and where they meet the arm
+    d = smoothUnion(d, taperedCapsule(p, {0.100f, 1.335f, -0.070f}, {0.182f, 1.388f, -0.040f}, 0.034f, 0.038f),
+                    0.05f);  // the back of the armpit
+    d = smoothUnion(d, taperedCapsule(p, {0.120f, 1.436f, -0.026f}, {0.182f, 1.424f, -0.022f}, 0.032f, 0.040f),
+                    0.04f);                                                                        // top of the shoulder
+    d = smoothUnion(d, ellipsoid(p, {0.085f, 1.330f, -0.088f}, {0.052f, 0.072f, 0.030f}), 0.04f);  // shoulder blades
     d = smoothUnion(d, taperedCapsule(p, {0.030f, 1.500f, -0.038f}, {0.150f, 1.434f, -0.028f}, 0.038f, 0.036f), 0.05f);  // trapezius
-    d = smoothUnion(d, taperedCapsule(p, {0.016f, 1.424f, 0.042f}, {0.135f, 1.445f, 0.002f}, 0.011f, 0.012f), 0.025f);    // collarbone
-    d = smoothUnion(d, ellipsoid(p, {0.128f, 1.285f, -0.045f}, {0.034f, 0.085f, 0.060f}), 0.04f);   // latissimus
-    d = smoothDifference(d, taperedCapsule(p, {0, 1.02f, -0.118f}, {0, 1.36f, -0.142f}, 0.014f, 0.012f), 0.035f);  // the groove of the spine
-    d = smoothDifference(d, taperedCapsule(p, {0, 1.12f, 0.125f}, {0, 1.33f, 0.137f}, 0.010f, 0.012f), 0.030f);    // between the pectorals
-    d = smoothDifference(d, ellipsoid(p, {0, 1.052f, 0.112f}, {0.006f, 0.007f, 0.009f}), 0.012f);                  // navel
+    d = smoothUnion(d, taperedCapsule(p, {0.016f, 1.424f, 0.042f}, {0.135f, 1.445f, 0.002f}, 0.011f, 0.012f), 0.025f);   // collarbone
+    d = smoothUnion(d, ellipsoid(p, {0.128f, 1.285f, -0.045f}, {0.034f, 0.085f, 0.060f}), 0.04f);                        // latissimus
+    d = smoothDifference(d, taperedCapsule(p, {0, 1.02f, -0.118f}, {0, 1.36f, -0.142f}, 0.014f, 0.012f),
+                         0.035f);                                                                                // the groove of the spine
+    d = smoothDifference(d, taperedCapsule(p, {0, 1.12f, 0.125f}, {0, 1.33f, 0.137f}, 0.010f, 0.012f), 0.030f);  // between the pectorals
+    d = smoothDifference(d, ellipsoid(p, {0, 1.052f, 0.112f}, {0.006f, 0.007f, 0.009f}), 0.012f);                // navel
     return d;
 }
 
@@ -158,7 +193,9 @@ float BodyField::toes(const Vec3f& p) const {
     return smoothUnion(d, taperedCapsule(p, at(0.125f, 0.039f, 0.010f), at(0.160f, 0.046f, 0.0078f), 0.0090f, 0.0075f), 0.004f);
 }
 
-float BodyField::foot(const Vec3f& p) const { return foot_.distance(p); }
+float BodyField::foot(const Vec3f& p) const {
+    return foot_.distance(p);
+}
 
 float BodyField::leg(const Vec3f& p) const {
     if (p.y > 1.1f) return glm::length(p - Vec3f(0.1f, 0.95f, 0)) - 0.12f;
@@ -188,8 +225,8 @@ float BodyField::palm(const Vec3f& p) const {
     const Vec3f q = p - hand_.wrist;
     const Vec3f local(glm::dot(q, hand_.along), glm::dot(q, hand_.thumbward), glm::dot(q, hand_.dorsal));
     float d = palm_.distance(p);
-    d = smoothUnion(d, ellipsoid(local, {0.042f, 0.026f, -0.011f}, {0.034f, 0.019f, 0.014f}), 0.018f);   // ball of the thumb
-    d = smoothUnion(d, ellipsoid(local, {0.040f, -0.026f, -0.010f}, {0.036f, 0.015f, 0.012f}), 0.016f);  // heel of the hand
+    d = smoothUnion(d, ellipsoid(local, {0.042f, 0.026f, -0.011f}, {0.034f, 0.019f, 0.014f}), 0.018f);           // ball of the thumb
+    d = smoothUnion(d, ellipsoid(local, {0.040f, -0.026f, -0.010f}, {0.036f, 0.015f, 0.012f}), 0.016f);          // heel of the hand
     return smoothDifference(d, ellipsoid(local, {0.060f, -0.002f, -0.026f}, {0.028f, 0.018f, 0.014f}), 0.016f);  // hollow
 }
 
@@ -213,30 +250,34 @@ float BodyField::cranium(const Vec3f& p) const {
 
 float BodyField::neck(const Vec3f& p) const {
     float d = neck_.distance(p);
-    d = smoothUnion(d, taperedCapsule(p, {0.055f, 1.580f, -0.022f}, {0.014f, 1.440f, 0.030f}, 0.012f, 0.009f), 0.022f);  // the turning muscle
-    return smoothUnion(d, ellipsoid(p, {0, 1.508f, 0.034f}, {0.012f, 0.014f, 0.010f}), 0.016f);                          // Adam's apple
+    d = smoothUnion(d, taperedCapsule(p, {0.055f, 1.580f, -0.022f}, {0.014f, 1.440f, 0.030f}, 0.012f, 0.009f),
+                    0.022f);                                                                     // the turning muscle
+    return smoothUnion(d, ellipsoid(p, {0, 1.508f, 0.034f}, {0.012f, 0.014f, 0.010f}), 0.016f);  // Adam's apple
 }
 
-float BodyField::scalp(const Vec3f& p) const { return smoothUnion(smoothUnion(cranium(p), face_.distance(p), 0.030f), neck_.distance(p), 0.022f); }
+float BodyField::scalp(const Vec3f& p) const {
+    return smoothUnion(smoothUnion(cranium(p), face_.distance(p), 0.030f), neck_.distance(p), 0.022f);
+}
 
 float BodyField::head(const Vec3f& p) const {
     float d = smoothUnion(cranium(p), face_.distance(p), 0.030f);
     if (p.y < 1.75f && p.y > 1.49f && p.z > -0.03f) {
-        d = smoothUnion(d, ellipsoid(p, {0.0455f, 1.620f, 0.0585f}, {0.021f, 0.018f, 0.022f}), 0.030f);                      // cheekbone
-        d = smoothUnion(d, ellipsoid(p, {0.0400f, 1.592f, 0.056f}, {0.0215f, 0.026f, 0.0240f}), 0.030f);                   // cheek
+        d = smoothUnion(d, ellipsoid(p, {0.0455f, 1.620f, 0.0585f}, {0.021f, 0.018f, 0.022f}), 0.030f);                       // cheekbone
+        d = smoothUnion(d, ellipsoid(p, {0.0400f, 1.592f, 0.056f}, {0.0215f, 0.026f, 0.0240f}), 0.030f);                      // cheek
         d = smoothUnion(d, taperedCapsule(p, {0.010f, 1.668f, 0.085f}, {0.046f, 1.669f, 0.068f}, 0.0095f, 0.0085f), 0.016f);  // brow
-        d = smoothUnion(d, ellipsoid(p, {0, 1.538f, 0.086f}, {0.020f, 0.014f, 0.013f}), 0.014f);                           // chin
-        d = smoothUnion(d, taperedCapsule(p, {0.049f, 1.583f, 0.006f}, {0.022f, 1.537f, 0.067f}, 0.011f, 0.010f), 0.028f);  // jaw line
-        d = smoothDifference(d, ellipsoid(p, {0.0325f, 1.6455f, 0.102f}, {0.0185f, 0.0115f, 0.0165f}), 0.012f);            // eye socket
-        d = smoothUnion(d, ellipsoid(p, {0.0318f, 1.6455f, 0.0745f}, {0.0155f, 0.0128f, 0.0142f}), 0.0040f);                          // eyeball and lids
-        d = smoothUnion(d, taperedCapsule(p, {0, 1.662f, 0.0865f}, {0, 1.6150f, 0.1070f}, 0.0078f, 0.0102f), 0.014f);       // nose
-        d = smoothUnion(d, ellipsoid(p, {0, 1.6100f, 0.1080f}, {0.0105f, 0.0088f, 0.0092f}), 0.010f);                       // its tip
-        d = smoothUnion(d, ellipsoid(p, {0.0108f, 1.6075f, 0.0985f}, {0.0078f, 0.0074f, 0.0110f}), 0.011f);               // nostril wings
-        d = smoothDifference(d, ellipsoid(p, {0.0062f, 1.5990f, 0.1040f}, {0.0030f, 0.0040f, 0.0045f}), 0.004f);           // nostrils
-        d = smoothUnion(d, ellipsoid(p, {0, 1.581f, 0.0870f}, {0.028f, 0.022f, 0.0095f}), 0.022f);                          // mouth region
+        d = smoothUnion(d, ellipsoid(p, {0, 1.538f, 0.086f}, {0.020f, 0.014f, 0.013f}), 0.014f);                              // chin
+        d = smoothUnion(d, taperedCapsule(p, {0.049f, 1.583f, 0.006f}, {0.022f, 1.537f, 0.067f}, 0.011f, 0.010f), 0.028f);    // jaw line
+        d = smoothDifference(d, ellipsoid(p, {0.0325f, 1.6455f, 0.102f}, {0.0185f, 0.0115f, 0.0165f}), 0.012f);               // eye socket
+        d = smoothUnion(d, ellipsoid(p, {0.0318f, 1.6455f, 0.0745f}, {0.0155f, 0.0128f, 0.0142f}), 0.0040f);           // eyeball and lids
+        d = smoothUnion(d, taperedCapsule(p, {0, 1.662f, 0.0865f}, {0, 1.6150f, 0.1070f}, 0.0078f, 0.0102f), 0.014f);  // nose
+        d = smoothUnion(d, ellipsoid(p, {0, 1.6100f, 0.1080f}, {0.0105f, 0.0088f, 0.0092f}), 0.010f);                  // its tip
+        d = smoothUnion(d, ellipsoid(p, {0.0108f, 1.6075f, 0.0985f}, {0.0078f, 0.0074f, 0.0110f}), 0.011f);            // nostril wings
+        d = smoothDifference(d, ellipsoid(p, {0.0062f, 1.5990f, 0.1040f}, {0.0030f, 0.0040f, 0.0045f}), 0.004f);       // nostrils
+        d = smoothUnion(d, ellipsoid(p, {0, 1.581f, 0.0870f}, {0.028f, 0.022f, 0.0095f}), 0.022f);                     // mouth region
         d = smoothUnion(d, taperedCapsule(p, {0, 1.5815f, 0.0948f}, {0.0225f, 1.5780f, 0.0845f}, 0.0048f, 0.0028f), 0.0055f);  // upper lip
         d = smoothUnion(d, taperedCapsule(p, {0, 1.5720f, 0.0935f}, {0.0200f, 1.5755f, 0.0850f}, 0.0060f, 0.0032f), 0.0055f);  // lower lip
-        d = smoothDifference(d, taperedCapsule(p, {0, 1.5772f, 0.1005f}, {0.0170f, 1.5768f, 0.0935f}, 0.0012f, 0.0008f), 0.0040f);  // mouth line
+        d = smoothDifference(d, taperedCapsule(p, {0, 1.5772f, 0.1005f}, {0.0170f, 1.5768f, 0.0935f}, 0.0012f, 0.0008f),
+                             0.0040f);  // mouth line
     }
     // The ear leans back and stands off a little.
     Vec3f e = p - Vec3f(0.0775f, 1.628f, -0.016f);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The built-in body as one implicit solid: anatomy hung on the skeleton, left-right symmetric.
 #pragma once
 
@@ -22,11 +23,11 @@ public:
 
     // Single solids, x ≥ 0 side only (callers mirror), for garments that must not follow every groove.
     float torso(const Vec3f& p) const;
-    float leg(const Vec3f& p) const;       // with the foot
-    float foot(const Vec3f& p) const;      // without toes
-    float arm(const Vec3f& p) const;       // shoulder to wrist
-    float head(const Vec3f& p) const;      // with the neck
-    float scalp(const Vec3f& p) const;     // skull and neck without face details and ears
+    float leg(const Vec3f& p) const;    // with the foot
+    float foot(const Vec3f& p) const;   // without toes
+    float arm(const Vec3f& p) const;    // shoulder to wrist
+    float head(const Vec3f& p) const;   // with the neck
+    float scalp(const Vec3f& p) const;  // skull and neck without face details and ears
 
 private:
     float cranium(const Vec3f& p) const;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/sample/builtin_body.h"
 
 #include "reconstruction/sample/builtin_parts.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The built-in body: the parametric human that Doppel uses when the user brings none. Made by our own code, no data files.
 #pragma once
 
@@ -6,10 +7,10 @@
 
 namespace dpl {
 
-/** A neutral adult, 1.75 m tall, in an A-pose (arms 42° down, feet apart): one closed 2-manifold of 10k to 16k vertices with face, ears, five
- *  separate fingers and toes; 55 joints in SMPL-X order with VRM humanoid names; four unorm8 weights a vertex, sum 255; shape morphs "height",
- *  "weight", "build", "shoulder_width", "hip_width", "arm_length", "leg_length", "torso_length", "head_size", "hair_volume", "chest";
- *  24 keypoints named as in docs/formats/scan.md. Takes about two seconds; deterministic for any thread count. */
+/** A neutral adult, 1.75 m tall, in an A-pose (arms 42° down, feet apart): one closed 2-manifold of 10k to 16k vertices with face, ears,
+ * five separate fingers and toes; 55 joints in SMPL-X order with VRM humanoid names; four unorm8 weights a vertex, sum 255; shape morphs
+ * "height", "weight", "build", "shoulder_width", "hip_width", "arm_length", "leg_length", "torso_length", "head_size", "hair_volume",
+ * "chest"; 24 keypoints named as in docs/formats/scan.md. Takes about two seconds; deterministic for any thread count. */
 BodyModel makeBuiltinBody(Jobs& jobs);
 
 /** The same on a pool of its own (one thread per core). */

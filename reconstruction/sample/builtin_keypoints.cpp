@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <limits>
 
 #include "reconstruction/sample/builtin_parts.h"
@@ -24,7 +25,9 @@ BodyKeypoint onSurface(const char* name, const SurfaceMesh& mesh, const Vec3f& l
     return k;
 }
 
-BodyKeypoint atJoint(const char* name, uint8_t joint) { return {name, {}, {{joint, 1.0f}}}; }
+BodyKeypoint atJoint(const char* name, uint8_t joint) {
+    return {name, {}, {{joint, 1.0f}}};
+}
 
 }  // namespace
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
 #include "reconstruction/sample/builtin_parts.h"
@@ -33,7 +34,8 @@ struct MorphMaker {
                 Vec3f move = morph.jointOffsets[j];
                 if (child[j] >= 0) {
                     const Vec3f bone = joints[child[j]].restPosition - joints[j].restPosition;
-                    const float t = glm::clamp(glm::dot(mesh.positions[v] - joints[j].restPosition, bone) / glm::dot(bone, bone), 0.0f, 1.0f);
+                    const float t =
+                        glm::clamp(glm::dot(mesh.positions[v] - joints[j].restPosition, bone) / glm::dot(bone, bone), 0.0f, 1.0f);
                     move += t * (morph.jointOffsets[child[j]] - morph.jointOffsets[j]);
                 }
                 morph.vertexOffsets[v] += w[j] * move;
@@ -79,38 +81,41 @@ float bump(const Vec3f& p, const Vec3f& centre, const Vec3f& radius) {
 
 /** Weight of a limb coordinate between two heights with soft ends. */
 float band(float x, float low, float high, float soft) {
-    auto step = [&](float t) { t = glm::clamp(t, 0.0f, 1.0f); return t * t * (3 - 2 * t); };
+    auto step = [&](float t) {
+        t = glm::clamp(t, 0.0f, 1.0f);
+        return t * t * (3 - 2 * t);
+    };
     return step((x - low) / soft + 0.5f) * step((high - x) / soft + 0.5f);
 }
 
 float weightGrowth(const Vec3f& w) {
     const Vec3f p(std::abs(w.x), w.y, w.z);
-    float g = 0.0165f * bump(p, {0, 1.06f, 0.06f}, {0.20f, 0.15f, 0.11f});               // belly
-    g += 0.0085f * bump(p, {0.12f, 1.03f, -0.02f}, {0.09f, 0.13f, 0.12f});               // flanks
-    g += 0.0090f * bump(p, {0.09f, 0.89f, -0.08f}, {0.13f, 0.12f, 0.12f});               // seat
-    g += 0.0070f * bump(p, {0.08f, 1.29f, 0.05f}, {0.13f, 0.11f, 0.12f});                // chest
-    g += 0.0060f * bump(p, {0.10f, 1.25f, -0.08f}, {0.14f, 0.17f, 0.10f});               // back
-    g += 0.0085f * bump(p, {0.10f, 0.76f, 0}, {0.14f, 0.16f, 0.14f});                    // thighs
-    g += 0.0038f * bump(p, {0.13f, 0.36f, -0.02f}, {0.10f, 0.14f, 0.12f});               // calves
-    g += 0.0052f * bump(p, {0.27f, 1.33f, -0.02f}, {0.12f, 0.12f, 0.12f});               // upper arms
-    g += 0.0024f * bump(p, {0.46f, 1.16f, -0.02f}, {0.10f, 0.10f, 0.10f});               // forearms
-    g += 0.0045f * bump(p, {0.02f, 1.50f, 0.02f}, {0.08f, 0.05f, 0.08f});                // neck, chin
-    g += 0.0036f * bump(p, {0.045f, 1.585f, 0.05f}, {0.04f, 0.035f, 0.06f});             // cheeks
+    float g = 0.0165f * bump(p, {0, 1.06f, 0.06f}, {0.20f, 0.15f, 0.11f});    // belly
+    g += 0.0085f * bump(p, {0.12f, 1.03f, -0.02f}, {0.09f, 0.13f, 0.12f});    // flanks
+    g += 0.0090f * bump(p, {0.09f, 0.89f, -0.08f}, {0.13f, 0.12f, 0.12f});    // seat
+    g += 0.0070f * bump(p, {0.08f, 1.29f, 0.05f}, {0.13f, 0.11f, 0.12f});     // chest
+    g += 0.0060f * bump(p, {0.10f, 1.25f, -0.08f}, {0.14f, 0.17f, 0.10f});    // back
+    g += 0.0085f * bump(p, {0.10f, 0.76f, 0}, {0.14f, 0.16f, 0.14f});         // thighs
+    g += 0.0038f * bump(p, {0.13f, 0.36f, -0.02f}, {0.10f, 0.14f, 0.12f});    // calves
+    g += 0.0052f * bump(p, {0.27f, 1.33f, -0.02f}, {0.12f, 0.12f, 0.12f});    // upper arms
+    g += 0.0024f * bump(p, {0.46f, 1.16f, -0.02f}, {0.10f, 0.10f, 0.10f});    // forearms
+    g += 0.0045f * bump(p, {0.02f, 1.50f, 0.02f}, {0.08f, 0.05f, 0.08f});     // neck, chin
+    g += 0.0036f * bump(p, {0.045f, 1.585f, 0.05f}, {0.04f, 0.035f, 0.06f});  // cheeks
     return g;
 }
 
 float buildGrowth(const Vec3f& w) {
     const Vec3f p(std::abs(w.x), w.y, w.z);
-    float g = 0.0085f * bump(p, {0.085f, 1.30f, 0.09f}, {0.08f, 0.06f, 0.06f});          // pectorals
-    g += 0.0075f * bump(p, {0.21f, 1.405f, -0.02f}, {0.07f, 0.07f, 0.08f});              // deltoids
-    g += 0.0065f * bump(p, {0.13f, 1.27f, -0.07f}, {0.07f, 0.12f, 0.08f});               // lats
-    g += 0.0070f * bump(p, {0.09f, 1.455f, -0.035f}, {0.07f, 0.04f, 0.05f});             // trapezius
-    g += 0.0062f * bump(p, {0.29f, 1.315f, -0.02f}, {0.09f, 0.09f, 0.09f});              // upper arms
-    g += 0.0040f * bump(p, {0.43f, 1.19f, -0.02f}, {0.07f, 0.07f, 0.08f});               // forearms
-    g += 0.0055f * bump(p, {0.10f, 0.74f, 0.03f}, {0.11f, 0.15f, 0.10f});                // thighs
-    g += 0.0048f * bump(p, {0.13f, 0.37f, -0.05f}, {0.09f, 0.09f, 0.06f});               // calves
-    g += 0.0035f * bump(p, {0.08f, 0.88f, -0.09f}, {0.08f, 0.08f, 0.07f});               // seat
-    g -= 0.0045f * bump(p, {0.03f, 1.06f, 0.08f}, {0.14f, 0.11f, 0.10f});                // a flatter belly
+    float g = 0.0085f * bump(p, {0.085f, 1.30f, 0.09f}, {0.08f, 0.06f, 0.06f});  // pectorals
+    g += 0.0075f * bump(p, {0.21f, 1.405f, -0.02f}, {0.07f, 0.07f, 0.08f});      // deltoids
+    g += 0.0065f * bump(p, {0.13f, 1.27f, -0.07f}, {0.07f, 0.12f, 0.08f});       // lats
+    g += 0.0070f * bump(p, {0.09f, 1.455f, -0.035f}, {0.07f, 0.04f, 0.05f});     // trapezius
+    g += 0.0062f * bump(p, {0.29f, 1.315f, -0.02f}, {0.09f, 0.09f, 0.09f});      // upper arms
+    g += 0.0040f * bump(p, {0.43f, 1.19f, -0.02f}, {0.07f, 0.07f, 0.08f});       // forearms
+    g += 0.0055f * bump(p, {0.10f, 0.74f, 0.03f}, {0.11f, 0.15f, 0.10f});        // thighs
+    g += 0.0048f * bump(p, {0.13f, 0.37f, -0.05f}, {0.09f, 0.09f, 0.06f});       // calves
+    g += 0.0035f * bump(p, {0.08f, 0.88f, -0.09f}, {0.08f, 0.08f, 0.07f});       // seat
+    g -= 0.0045f * bump(p, {0.03f, 1.06f, 0.08f}, {0.14f, 0.11f, 0.10f});        // a flatter belly
     return g;
 }
 
@@ -167,7 +172,8 @@ std::vector<ShapeMorph> bodyMorphs(const SurfaceMesh& mesh, const std::vector<fl
     }
     {
         auto o = maker.noOffsets();
-        for (const auto& [from, to] : {std::pair{kLeftShoulder, kLeftElbow}, {kLeftElbow, kLeftWrist}, {kRightShoulder, kRightElbow}, {kRightElbow, kRightWrist}})
+        for (const auto& [from, to] :
+             {std::pair{kLeftShoulder, kLeftElbow}, {kLeftElbow, kLeftWrist}, {kRightShoulder, kRightElbow}, {kRightElbow, kRightWrist}})
             maker.moveBranch(o, to, 0.045f * (joints[to].restPosition - joints[from].restPosition));
         morphs.push_back(maker.follow("arm_length", o));
     }
@@ -194,7 +200,8 @@ std::vector<ShapeMorph> bodyMorphs(const SurfaceMesh& mesh, const std::vector<fl
         const Vec3f base = joints[kHead].restPosition;
         for (int j : {kJaw, kLeftEye, kRightEye}) o[j] = 0.04f * (joints[j].restPosition - base);
         ShapeMorph m = maker.follow("head_size", o);
-        for (size_t v = 0; v < mesh.positions.size(); ++v) m.vertexOffsets[v] = dense[v * joints.size() + kHead] * 0.04f * (mesh.positions[v] - base);
+        for (size_t v = 0; v < mesh.positions.size(); ++v)
+            m.vertexOffsets[v] = dense[v * joints.size() + kHead] * 0.04f * (mesh.positions[v] - base);
         morphs.push_back(std::move(m));
     }
     {  // A cap of hair on the skull: 1 is short hair, 3 a full head.
@@ -210,7 +217,9 @@ std::vector<ShapeMorph> bodyMorphs(const SurfaceMesh& mesh, const std::vector<fl
     }
     {
         ShapeMorph m = maker.follow("chest", maker.noOffsets());
-        maker.grow(m, [](const Vec3f& w) { return 0.015f * bump({std::abs(w.x), w.y, w.z}, {0.072f, 1.275f, 0.10f}, {0.055f, 0.055f, 0.06f}); });
+        maker.grow(m, [](const Vec3f& w) {
+            return 0.015f * bump({std::abs(w.x), w.y, w.z}, {0.072f, 1.275f, 0.10f}, {0.055f, 0.055f, 0.06f});
+        });
         morphs.push_back(std::move(m));
     }
     return morphs;

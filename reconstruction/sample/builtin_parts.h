@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The steps of makeBuiltinBody. Private to reconstruction/sample.
 #pragma once
 

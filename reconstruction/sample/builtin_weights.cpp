@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
 
@@ -10,7 +11,9 @@ namespace {
 uint8_t owner(BodyPart part, const Vec3f& p, const std::vector<JointData>& joints) {
     auto at = [&](int j) { return joints[j].restPosition; };
     // Beyond joint b along the mean direction of its two bones.
-    auto past = [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) { return glm::dot(p - b, glm::normalize(b - a) + glm::normalize(c - b)) > 0; };
+    auto past = [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) {
+        return glm::dot(p - b, glm::normalize(b - a) + glm::normalize(c - b)) > 0;
+    };
     auto spine = [&] {
         if (p.y < 0.985f) return kPelvis;
         if (p.y < 1.100f) return kSpine1;
@@ -70,13 +73,13 @@ uint8_t owner(BodyPart part, const Vec3f& p, const std::vector<JointData>& joint
 /** How far skin slides at a joint: rounds of diffusion (each spreads by about 0.6 edge lengths). */
 int roundsAt(const Vec3f& world) {
     const Vec3f p(std::abs(world.x), world.y, world.z);
-    if (p.x > 0.60f) return 6;                                // fingers
-    if (p.x > 0.50f) return 12;                               // wrist
-    if (p.y > 1.50f) return p.z > 0.05f ? 4 : 16;             // face hardly bends, the neck does
-    if (p.y < 0.15f) return 10;                               // ankle, toes
-    if (p.y < 0.65f) return 12;                               // knee
-    if (p.x > 0.30f) return 9;                                // elbow
-    return 20;                                                // shoulders, spine, hips
+    if (p.x > 0.60f) return 6;                     // fingers
+    if (p.x > 0.50f) return 12;                    // wrist
+    if (p.y > 1.50f) return p.z > 0.05f ? 4 : 16;  // face hardly bends, the neck does
+    if (p.y < 0.15f) return 10;                    // ankle, toes
+    if (p.y < 0.65f) return 12;                    // knee
+    if (p.x > 0.30f) return 9;                     // elbow
+    return 20;                                     // shoulders, spine, hips
 }
 
 }  // namespace
@@ -116,8 +119,10 @@ std::vector<float> bodyWeights(const BodyField& field, const SurfaceMesh& mesh, 
         // Vertices whose rounds are over keep the same values in both arrays.
         std::swap(weights, next);
         for (size_t v = 0; v < count; ++v)
-            if (round >= rounds[v]) continue;
-            else if (round + 1 == rounds[v]) std::copy_n(&weights[v * jointCount], jointCount, &next[v * jointCount]);
+            if (round >= rounds[v])
+                continue;
+            else if (round + 1 == rounds[v])
+                std::copy_n(&weights[v * jointCount], jointCount, &next[v * jointCount]);
     }
     return weights;
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/sample/field.h"
 
 namespace dpl {
@@ -33,8 +34,13 @@ Tube::Tube(const Vec3f& origin, const Vec3f& axis, const Vec3f& u, std::vector<T
         if (k + 2 > last) after.s = stations[last].s + (stations[last].s - stations[last - 1].s);
         const TubeStation &a = stations[k], &b = stations[k + 1];
         auto at = [&](float TubeStation::*m) { return catmullRom(before.*m, a.*m, b.*m, after.*m, before.s, a.s, b.s, after.s, s); };
-        fine_[i] = {s, at(&TubeStation::centreU), at(&TubeStation::centreV), at(&TubeStation::radiusU), at(&TubeStation::radiusUBack),
-                    at(&TubeStation::radiusV), at(&TubeStation::radiusVBack)};
+        fine_[i] = {s,
+                    at(&TubeStation::centreU),
+                    at(&TubeStation::centreV),
+                    at(&TubeStation::radiusU),
+                    at(&TubeStation::radiusUBack),
+                    at(&TubeStation::radiusV),
+                    at(&TubeStation::radiusVBack)};
         widest = std::max({widest, std::abs(fine_[i].centreU) + std::max(fine_[i].radiusU, fine_[i].radiusUBack),
                            std::abs(fine_[i].centreV) + std::max(fine_[i].radiusV, fine_[i].radiusVBack)});
     }

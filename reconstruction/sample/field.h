@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Implicit shapes: the few smooth solids the procedural subject is modelled from. Negative inside, about metres outside.
 #pragma once
 
@@ -15,9 +16,13 @@ inline float smoothUnion(float a, float b, float k) {
     const float h = std::max(k - std::abs(a - b), 0.0f) / k;
     return std::min(a, b) - h * h * h * k * (1.0f / 6.0f);
 }
-inline float smoothIntersection(float a, float b, float k) { return -smoothUnion(-a, -b, k); }
+inline float smoothIntersection(float a, float b, float k) {
+    return -smoothUnion(-a, -b, k);
+}
 /** `a` without `b`. */
-inline float smoothDifference(float a, float b, float k) { return smoothIntersection(a, -b, k); }
+inline float smoothDifference(float a, float b, float k) {
+    return smoothIntersection(a, -b, k);
+}
 
 /** First-order distance to an axis-parallel ellipsoid. */
 inline float ellipsoid(const Vec3f& p, const Vec3f& centre, const Vec3f& radii) {
@@ -35,12 +40,12 @@ inline float taperedCapsule(const Vec3f& p, const Vec3f& a, const Vec3f& b, floa
 
 /** One cross-section of a Tube, metres: where its centre sits beside the axis, and four quadrant radii. */
 struct TubeStation {
-    float s;                         // along the axis from the origin
+    float s;  // along the axis from the origin
     float centreU = 0, centreV = 0;
-    float radiusU = 0.01f;           // towards +u
-    float radiusUBack = 0.01f;       // towards −u
-    float radiusV = 0.01f;           // towards +v
-    float radiusVBack = 0.01f;       // towards −v
+    float radiusU = 0.01f;      // towards +u
+    float radiusUBack = 0.01f;  // towards −u
+    float radiusV = 0.01f;      // towards +v
+    float radiusVBack = 0.01f;  // towards −v
 };
 
 /** A limb: cross-sections strung on a straight axis and interpolated by a Catmull-Rom curve. Each section is a superellipse of

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <memory>
 
@@ -6,7 +7,9 @@
 namespace dpl {
 namespace {
 
-Vec3f mirroredSide(const Vec3f& p) { return {std::abs(p.x), p.y, p.z}; }
+Vec3f mirroredSide(const Vec3f& p) {
+    return {std::abs(p.x), p.y, p.z};
+}
 
 float ramp(float x, float from, float to) {
     const float t = std::clamp((x - from) / (to - from), 0.0f, 1.0f);
@@ -33,9 +36,9 @@ Tube makeDrape(float looseness) {
         return TubeStation{y, 0, 0, halfWidth + l * share, halfWidth + l * share, back + l * share, front + l * share};
     };
     return Tube({0, 0, 0}, {0, 1, 0}, {1, 0, 0},
-                {at(0.70f, 0.187f, 0.114f, 0.134f, 3), at(0.80f, 0.187f, 0.116f, 0.136f, 2.6f), at(0.90f, 0.185f, 0.118f, 0.135f, 2.2f), at(1.00f, 0.176f, 0.121f, 0.124f, 2),
-                 at(1.10f, 0.170f, 0.122f, 0.118f, 2), at(1.20f, 0.172f, 0.122f, 0.120f, 1.6f), at(1.30f, 0.172f, 0.120f, 0.128f, 1),
-                 at(1.38f, 0.150f, 0.094f, 0.118f, 0.5f), at(1.43f, 0.105f, 0.060f, 0.095f, 0)},
+                {at(0.70f, 0.187f, 0.114f, 0.134f, 3), at(0.80f, 0.187f, 0.116f, 0.136f, 2.6f), at(0.90f, 0.185f, 0.118f, 0.135f, 2.2f),
+                 at(1.00f, 0.176f, 0.121f, 0.124f, 2), at(1.10f, 0.170f, 0.122f, 0.118f, 2), at(1.20f, 0.172f, 0.122f, 0.120f, 1.6f),
+                 at(1.30f, 0.172f, 0.120f, 0.128f, 1), at(1.38f, 0.150f, 0.094f, 0.118f, 0.5f), at(1.43f, 0.105f, 0.060f, 0.095f, 0)},
                 2.3f);
 }
 
@@ -62,7 +65,8 @@ float shirtField(const BodyField& body, const Tube& drape, const WardrobeChoice&
     folds += 0.0020f * ramp(glm::length(p - Vec3f(0.17f, 1.31f, 0.0f)), 0.14f, 0.02f) * std::sin(120 * (p.y - 0.55f * p.x) + c.foldPhase);
     const float trunk = smoothUnion(body.torso(p) - 0.0065f, drape.distance(p), 0.03f) - folds;
     const float s = alongArm(p), flare = ramp(s, 0.02f, c.sleeveM);
-    const float cuff = 0.010f + 0.014f * c.looseness * flare + 0.0024f * flare * std::sin(3.0f * std::atan2(p.z + 0.02f, p.y - 1.35f) + c.foldPhase) +
+    const float cuff = 0.010f + 0.014f * c.looseness * flare +
+                       0.0024f * flare * std::sin(3.0f * std::atan2(p.z + 0.02f, p.y - 1.35f) + c.foldPhase) +
                        0.0018f * std::sin(95 * s + 30 * p.z) * ramp(s, -0.02f, 0.05f);
     float sleeve = p.x > 0.06f ? body.arm(p) - cuff : 1.0f;
     float d = smoothUnion(trunk, sleeve, 0.05f);
@@ -72,11 +76,13 @@ float shirtField(const BodyField& body, const Tube& drape, const WardrobeChoice&
 
 float hairline(float z) {
     // Height where the hair ends, from the forehead over the ear to the nape; z in metres forward.
-    constexpr float table[][2] = {{-0.13f, 1.578f}, {-0.085f, 1.580f}, {-0.058f, 1.598f}, {-0.044f, 1.650f}, {-0.020f, 1.668f}, {0.008f, 1.662f},
-                                  {0.020f, 1.640f}, {0.032f, 1.648f}, {0.040f, 1.690f}, {0.055f, 1.706f}, {0.12f, 1.708f}};
+    constexpr float table[][2] = {{-0.13f, 1.578f},  {-0.085f, 1.580f}, {-0.058f, 1.598f}, {-0.044f, 1.650f},
+                                  {-0.020f, 1.668f}, {0.008f, 1.662f},  {0.020f, 1.640f},  {0.032f, 1.648f},
+                                  {0.040f, 1.690f},  {0.055f, 1.706f},  {0.12f, 1.708f}};
     if (z <= table[0][0]) return table[0][1];
     for (size_t i = 1; i < std::size(table); ++i)
-        if (z < table[i][0]) return table[i - 1][1] + (table[i][1] - table[i - 1][1]) * (z - table[i - 1][0]) / (table[i][0] - table[i - 1][0]);
+        if (z < table[i][0])
+            return table[i - 1][1] + (table[i][1] - table[i - 1][1]) * (z - table[i - 1][0]) / (table[i][0] - table[i - 1][0]);
     return table[std::size(table) - 1][1];
 }
 
@@ -94,11 +100,14 @@ GarmentPattern shirtPattern(const BodyField& body, const WardrobeChoice& choice)
     g.field = [&body, drape, choice](const Vec3f& p) { return shirtField(body, *drape, choice, p); };
     g.keep = [choice](const Vec3f& world) {
         const Vec3f p = mirroredSide(world);
-        const float hem = p.y - (choice.shirtHemY - 0.012f * ramp(p.z, 0.05f, -0.10f) + 0.006f * std::sin(2.2f * world.x * 10 + choice.foldPhase));
+        const float hem =
+            p.y - (choice.shirtHemY - 0.012f * ramp(p.z, 0.05f, -0.10f) + 0.006f * std::sin(2.2f * world.x * 10 + choice.foldPhase));
         const float cuff = choice.sleeveM - alongArm(p);
         // A crew neck: outside an oval around the neck, which leans with the spine.
         const float z = p.z + 0.006f - 0.20f * (p.y - 1.45f);
-        const float neck = p.y > 1.33f ? (std::sqrt(p.x * p.x / (0.080f * 0.080f) + z * z / (z > 0 ? 0.073f * 0.073f : 0.059f * 0.059f)) - 1) * 0.072f : 1.0f;
+        const float neck =
+            p.y > 1.33f ? (std::sqrt(p.x * p.x / (0.080f * 0.080f) + z * z / (z > 0 ? 0.073f * 0.073f : 0.059f * 0.059f)) - 1) * 0.072f
+                        : 1.0f;
         return std::min({hem, p.x > 0.15f && besideArm(p) ? cuff : 1.0f, neck});
     };
     g.low = {-0.42f, 0.79f, -0.21f}, g.high = {0.42f, 1.56f, 0.20f};
@@ -119,8 +128,12 @@ GarmentPattern shoePattern(const BodyField& body, const WardrobeChoice&) {
     GarmentPattern g;
     g.field = [&body](const Vec3f& p) {
         // A blunt toe box over the toes, then an upper, then a sole that stands out a little.
-        float d = smoothUnion(body.leg({p.x, std::max(p.y, 0.004f), p.z}), ellipsoid(p, {0.167f, 0.019f, 0.146f}, {0.043f, 0.017f, 0.044f}), 0.02f) - 0.0060f;
-        const float outline = smoothUnion(body.foot({p.x, 0.022f, p.z}), ellipsoid({p.x, 0.02f, p.z}, {0.168f, 0.02f, 0.142f}, {0.046f, 0.03f, 0.052f}), 0.03f) - 0.0095f;
+        float d = smoothUnion(body.leg({p.x, std::max(p.y, 0.004f), p.z}), ellipsoid(p, {0.167f, 0.019f, 0.146f}, {0.043f, 0.017f, 0.044f}),
+                              0.02f) -
+                  0.0060f;
+        const float outline = smoothUnion(body.foot({p.x, 0.022f, p.z}),
+                                          ellipsoid({p.x, 0.02f, p.z}, {0.168f, 0.02f, 0.142f}, {0.046f, 0.03f, 0.052f}), 0.03f) -
+                              0.0095f;
         const float slab = std::max(outline, std::abs(p.y - 0.003f) - (kSoleM + 0.003f));
         d = smoothUnion(d, slab, 0.006f);
         return smoothIntersection(d, -p.y - kSoleM, 0.006f);
@@ -138,7 +151,8 @@ GarmentPattern hairPattern(const BodyField& body, const WardrobeChoice& choice) 
         const float inside = ramp(hairKeep(p), -0.004f, 0.055f), crown = ramp(p.y, 1.63f, 1.74f);
         // Locks run back from the forehead.
         const float across = p.x + 0.010f * std::sin(34 * p.z + choice.foldPhase);
-        const float locks = 0.0022f * std::sin(across * 300 + 9 * std::sin(p.z * 24 + choice.foldPhase)) + 0.0012f * std::sin(across * 710 + 55 * p.y + 2);
+        const float locks =
+            0.0022f * std::sin(across * 300 + 9 * std::sin(p.z * 24 + choice.foldPhase)) + 0.0012f * std::sin(across * 710 + 55 * p.y + 2);
         const float quiff = 0.008f * ramp(p.z, 0.02f, 0.075f) * crown;
         const float thickness = 0.0022f + inside * (choice.hairM * (0.55f + 0.45f * crown) + quiff + locks);
         return body.scalp(p) - thickness;

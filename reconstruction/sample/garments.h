@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Clothes, shoes and hair as open sheets around the built-in body. Private to reconstruction/sample.
 #pragma once
 
@@ -11,17 +12,17 @@ namespace dpl {
 /** A garment as drawn: the part of the zero surface of `field` where `keep` > 0 (metres from the hem, inwards). */
 struct GarmentPattern {
     ScalarField field, keep;
-    Vec3f low, high;          // box that holds it
+    Vec3f low, high;  // box that holds it
     float edgeLengthM = 0.012f;
     bool mirroredPair = false;  // meshed for x > 0 and copied to the other side (shoes)
 };
 
 struct WardrobeChoice {
-    float looseness = 1;      // 0.7 … 1.4: how far cloth stands off
-    float sleeveM = 0.175f;   // from the shoulder joint along the arm
+    float looseness = 1;     // 0.7 … 1.4: how far cloth stands off
+    float sleeveM = 0.175f;  // from the shoulder joint along the arm
     float shirtHemY = 0.835f;
     float shortsHemY = 0.565f;
-    float hairM = 0.018f;     // volume on the crown
+    float hairM = 0.018f;  // volume on the crown
     float foldPhase = 0;
 };
 

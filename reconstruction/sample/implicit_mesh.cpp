@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/sample/implicit_mesh.h"
 
 #include <algorithm>
@@ -8,11 +9,11 @@
 namespace dpl {
 namespace {
 
-constexpr int kBlock = 6;                // cells per side of a block that is skipped as a whole when it is far from the surface
-constexpr float kSlopeMargin = 1.35f;    // the field may rise this much faster than distance
+constexpr int kBlock = 6;              // cells per side of a block that is skipped as a whole when it is far from the surface
+constexpr float kSlopeMargin = 1.35f;  // the field may rise this much faster than distance
 
 struct GridValues {
-    std::vector<float> values;           // kUnknown where nobody needed one
+    std::vector<float> values;  // kUnknown where nobody needed one
     size_t nx, ny, nz;
     size_t index(size_t x, size_t y, size_t z) const { return (z * ny + y) * nx + x; }
 };
@@ -100,11 +101,15 @@ SurfaceMesh marchField(const ScalarField& field, const SampleGrid& grid, Jobs& j
                         for (int i = 0; i < inCount; ++i) away -= at[in[i]] / float(inCount);
                         auto emit = [&](uint32_t p, uint32_t q, uint32_t r) {
                             const Vec3f n = glm::cross(mesh.positions[q] - mesh.positions[p], mesh.positions[r] - mesh.positions[p]);
-                            if (glm::dot(n, away) >= 0) mesh.triangles.push_back({p, q, r});
-                            else mesh.triangles.push_back({p, r, q});
+                            if (glm::dot(n, away) >= 0)
+                                mesh.triangles.push_back({p, q, r});
+                            else
+                                mesh.triangles.push_back({p, r, q});
                         };
-                        if (inCount == 1) emit(on(in[0], out[0]), on(in[0], out[1]), on(in[0], out[2]));
-                        else if (outCount == 1) emit(on(in[0], out[0]), on(in[1], out[0]), on(in[2], out[0]));
+                        if (inCount == 1)
+                            emit(on(in[0], out[0]), on(in[0], out[1]), on(in[0], out[2]));
+                        else if (outCount == 1)
+                            emit(on(in[0], out[0]), on(in[1], out[0]), on(in[2], out[0]));
                         else {
                             const uint32_t p = on(in[0], out[0]), q = on(in[0], out[1]), r = on(in[1], out[1]), s = on(in[1], out[0]);
                             emit(p, q, r);

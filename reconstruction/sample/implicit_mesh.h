@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // From an implicit solid to a clean triangle mesh: marching tetrahedra, then edge collapse, flips and smoothing on the surface.
 #pragma once
 

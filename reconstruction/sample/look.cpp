@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/sample/look.h"
 
 #include <algorithm>
@@ -26,13 +27,20 @@ float ramp(float x, float from, float to) {
 }
 
 /** 1 inside (distance < 0), 0 outside, over one footprint. */
-float coverage(float distance, float footprint) { return std::clamp(0.5f - distance / std::max(footprint, 1e-5f), 0.0f, 1.0f); }
+float coverage(float distance, float footprint) {
+    return std::clamp(0.5f - distance / std::max(footprint, 1e-5f), 0.0f, 1.0f);
+}
 
 /** How visible a pattern of this period is at this footprint. */
-float resolved(float periodM, float footprintM) { return std::clamp(1.5f - 2.0f * footprintM / periodM, 0.0f, 1.0f); }
+float resolved(float periodM, float footprintM) {
+    return std::clamp(1.5f - 2.0f * footprintM / periodM, 0.0f, 1.0f);
+}
 
 float lattice(int x, int y, int z, uint64_t seed) {
-    return float(mixBits(uint64_t(uint32_t(x)) * 0x8da6b343u ^ uint64_t(uint32_t(y)) * 0xd8163841u << 16 ^ uint64_t(uint32_t(z)) * 0xcb1ab31fu << 24 ^ seed) >> 40) * 0x1p-24f;
+    return float(mixBits(uint64_t(uint32_t(x)) * 0x8da6b343u ^ uint64_t(uint32_t(y)) * 0xd8163841u << 16 ^
+                         uint64_t(uint32_t(z)) * 0xcb1ab31fu << 24 ^ seed) >>
+                 40) *
+           0x1p-24f;
 }
 
 /** Smooth noise in [0,1], one lattice cell per metre of p. */
@@ -57,10 +65,13 @@ float segment(const Vec2f& p, const Vec2f& a, const Vec2f& b) {
 
 /** Letters on a 1 × 1.5 cell as strokes. */
 const std::vector<std::vector<Vec2f>>& lettersDoppel() {
-    static const std::vector<Vec2f> d{{0, 0}, {0, 1.5f}, {0.45f, 1.5f}, {0.78f, 1.35f}, {0.92f, 1.05f}, {0.92f, 0.45f}, {0.78f, 0.15f}, {0.45f, 0}, {0, 0}};
-    static const std::vector<Vec2f> o{{0.3f, 0}, {0.08f, 0.2f}, {0, 0.5f}, {0, 1}, {0.08f, 1.3f}, {0.3f, 1.5f}, {0.62f, 1.5f}, {0.84f, 1.3f}, {0.92f, 1},
-                                      {0.92f, 0.5f}, {0.84f, 0.2f}, {0.62f, 0}, {0.3f, 0}};
-    static const std::vector<Vec2f> p{{0, 0}, {0, 1.5f}, {0.55f, 1.5f}, {0.82f, 1.38f}, {0.9f, 1.12f}, {0.82f, 0.86f}, {0.55f, 0.72f}, {0, 0.72f}};
+    static const std::vector<Vec2f> d{{0, 0},         {0, 1.5f},      {0.45f, 1.5f}, {0.78f, 1.35f}, {0.92f, 1.05f},
+                                      {0.92f, 0.45f}, {0.78f, 0.15f}, {0.45f, 0},    {0, 0}};
+    static const std::vector<Vec2f> o{{0.3f, 0},     {0.08f, 0.2f}, {0, 0.5f},     {0, 1},     {0.08f, 1.3f},
+                                      {0.3f, 1.5f},  {0.62f, 1.5f}, {0.84f, 1.3f}, {0.92f, 1}, {0.92f, 0.5f},
+                                      {0.84f, 0.2f}, {0.62f, 0},    {0.3f, 0}};
+    static const std::vector<Vec2f> p{{0, 0},        {0, 1.5f},      {0.55f, 1.5f},  {0.82f, 1.38f},
+                                      {0.9f, 1.12f}, {0.82f, 0.86f}, {0.55f, 0.72f}, {0, 0.72f}};
     static const std::vector<Vec2f> e{{0.85f, 1.5f}, {0, 1.5f}, {0, 0.78f}, {0.7f, 0.78f}, {0, 0.78f}, {0, 0}, {0.85f, 0}};
     static const std::vector<Vec2f> l{{0, 1.5f}, {0, 0}, {0.82f, 0}};
     static const std::vector<std::vector<Vec2f>> word{d, o, p, p, e, l};
@@ -69,8 +80,8 @@ const std::vector<std::vector<Vec2f>>& lettersDoppel() {
 
 struct SkinPaint {
     const Look& look;
-    Vec3f p;          // x mirrored
-    float x;          // signed
+    Vec3f p;  // x mirrored
+    float x;  // signed
     float footprint;
 
     SurfaceColour paint() const {
@@ -78,10 +89,12 @@ struct SkinPaint {
         Vec3f c = look.skin;
         // Blood near the surface: cheeks, nose, ears, knuckles, knees; a slow mottling everywhere.
         auto near = [&](Vec3f centre, float radius) { return std::exp(-glm::dot(p - centre, p - centre) / (radius * radius)); };
-        const float red = 0.55f * near({0.046f, 1.610f, 0.075f}, 0.024f) + 0.5f * near({0, 1.608f, 0.115f}, 0.014f) + 0.6f * near({0.085f, 1.628f, -0.012f}, 0.030f) +
-                          0.5f * near({0.121f, 0.50f, 0.05f}, 0.05f) + 0.35f * near({0.37f, 1.22f, -0.06f}, 0.05f);
+        const float red = 0.55f * near({0.046f, 1.610f, 0.075f}, 0.024f) + 0.5f * near({0, 1.608f, 0.115f}, 0.014f) +
+                          0.6f * near({0.085f, 1.628f, -0.012f}, 0.030f) + 0.5f * near({0.121f, 0.50f, 0.05f}, 0.05f) +
+                          0.35f * near({0.37f, 1.22f, -0.06f}, 0.05f);
         c *= Vec3f(1 + 0.10f * red, 1 - 0.12f * red, 1 - 0.10f * red);
-        const float mottle = noise(Vec3f(x, p.y, p.z) * 45.0f, look.seed) - 0.5f, fine = noise(Vec3f(x, p.y, p.z) * 220.0f, look.seed + 1) - 0.5f;
+        const float mottle = noise(Vec3f(x, p.y, p.z) * 45.0f, look.seed) - 0.5f,
+                    fine = noise(Vec3f(x, p.y, p.z) * 220.0f, look.seed + 1) - 0.5f;
         c *= 1 + 0.10f * mottle + 0.10f * fine * resolved(0.009f, footprint);
         if (fine > 0.38f && p.y > 0.3f) c *= 1 - 0.22f * resolved(0.006f, footprint) * ramp(fine, 0.38f, 0.46f);  // freckles and moles
         out.sheen = 0.25f;
@@ -94,7 +107,8 @@ struct SkinPaint {
     void face(Vec3f& c, SurfaceColour& out) const {
         // Stubble: jaw, chin and upper lip.
         const float jaw = ramp(p.y, 1.612f, 1.585f) * ramp(p.y, 1.505f, 1.528f) * ramp(p.z, -0.010f, 0.020f);
-        const float moustache = std::exp(-glm::dot((p - Vec3f(0.008f, 1.592f, 0.098f)) / Vec3f(0.020f, 0.0055f, 0.02f), (p - Vec3f(0.008f, 1.592f, 0.098f)) / Vec3f(0.020f, 0.0055f, 0.02f)));
+        const float moustache = std::exp(-glm::dot((p - Vec3f(0.008f, 1.592f, 0.098f)) / Vec3f(0.020f, 0.0055f, 0.02f),
+                                                   (p - Vec3f(0.008f, 1.592f, 0.098f)) / Vec3f(0.020f, 0.0055f, 0.02f)));
         const float grain = 0.75f + 0.5f * noise(Vec3f(x, p.y, p.z) * 700.0f, look.seed + 2) * resolved(0.003f, footprint);
         c = glm::mix(c, look.hair * 0.8f + Vec3f(0.05f), std::clamp(look.stubble * (jaw + moustache) * 0.42f * grain, 0.0f, 0.6f));
         // Lips with a dark line between them.
@@ -105,7 +119,8 @@ struct SkinPaint {
             const float lip = lx < 1 ? coverage(inside, std::max(footprint, 0.0016f)) : 0;
             c = glm::mix(c, look.lips, 0.75f * lip);
             out.gloss += 0.18f * lip;
-            const float line = coverage(std::abs(y) - 0.0009f * (1 - lx * lx * 0.6f), std::max(footprint, 0.0012f)) * ramp(lx, 1.08f, 0.98f);
+            const float line =
+                coverage(std::abs(y) - 0.0009f * (1 - lx * lx * 0.6f), std::max(footprint, 0.0012f)) * ramp(lx, 1.08f, 0.98f);
             c = glm::mix(c, look.lips * 0.22f, 0.85f * line);
         }
         // Nostrils.
@@ -114,9 +129,11 @@ struct SkinPaint {
         // Brows: an arc of short hairs.
         const float bx = (p.x - 0.0125f) / 0.040f;
         if (bx > -0.1f && bx < 1.1f && p.z > 0.03f) {
-            const float arc = 1.6635f + 0.0085f * bx * (1.55f - bx) , half = 0.0042f * (1 - 0.55f * std::max(bx, 0.0f)) * ramp(bx, -0.08f, 0.10f) * ramp(bx, 1.08f, 0.85f);
+            const float arc = 1.6635f + 0.0085f * bx * (1.55f - bx),
+                        half = 0.0042f * (1 - 0.55f * std::max(bx, 0.0f)) * ramp(bx, -0.08f, 0.10f) * ramp(bx, 1.08f, 0.85f);
             const float hairs = 0.86f + 0.14f * std::sin(1900 * p.x + 900 * p.y) * resolved(0.003f, footprint);
-            c = glm::mix(c, look.hair * 0.9f, hairs * coverage(std::abs(p.y - arc) - half, std::max(footprint, 0.0022f)) * float(half > 2e-4f));
+            c = glm::mix(c, look.hair * 0.9f,
+                         hairs * coverage(std::abs(p.y - arc) - half, std::max(footprint, 0.0022f)) * float(half > 2e-4f));
         }
         // Eyes: an almond with white, iris, pupil and a lash line; lids shade it.
         const Vec2f e(p.x - 0.0318f, p.y - 1.6450f);
@@ -156,8 +173,9 @@ struct SkinPaint {
             }();
             const auto& chain = chains[f];
             const Vec3f along = glm::normalize(chain[3] - chain[2]);
-            const Vec3f up = glm::normalize((f == kThumb ? hand.dorsal * 0.6f + hand.thumbward * 0.8f : hand.dorsal) -
-                                            along * glm::dot(f == kThumb ? hand.dorsal * 0.6f + hand.thumbward * 0.8f : hand.dorsal, along));
+            const Vec3f up =
+                glm::normalize((f == kThumb ? hand.dorsal * 0.6f + hand.thumbward * 0.8f : hand.dorsal) -
+                               along * glm::dot(f == kThumb ? hand.dorsal * 0.6f + hand.thumbward * 0.8f : hand.dorsal, along));
             const Vec3f q = p - (chain[3] - along * 0.0055f);
             const float s = glm::dot(q, along), w = glm::dot(q, glm::cross(along, up)), n = glm::dot(q, up);
             if (n < 0.001f || std::abs(s) > 0.02f || std::abs(w) > 0.012f) continue;
@@ -177,13 +195,15 @@ SurfaceColour shirtColour(const Look& look, const Vec3f& p, float footprint) {
     const float s = glm::dot(a - shoulder, arm);
     const bool sleeve = s > -0.005f && glm::dot(a - shoulder, Vec3f(0.669f, 0.743f, 0)) > kSleeveReachM;
     // Rows run around the trunk, and around the sleeve beyond the seam.
-    const float row = sleeve ? s : p.y, column = sleeve ? std::atan2(a.z + 0.02f, glm::dot(a - shoulder, Vec3f(-arm.y, arm.x, 0))) * 0.06f : std::atan2(p.x, p.z) * 0.15f;
+    const float row = sleeve ? s : p.y, column = sleeve ? std::atan2(a.z + 0.02f, glm::dot(a - shoulder, Vec3f(-arm.y, arm.x, 0))) * 0.06f
+                                                        : std::atan2(p.x, p.z) * 0.15f;
     Vec3f c = look.shirt;
     auto stripe = [&](float x, float period, float width) {
         const float d = std::abs(x - period * std::round(x / period)) - 0.5f * width;
         return glm::mix(width / period, coverage(d, footprint), resolved(period, footprint));
     };
-    if (look.shirtPattern == 0) c = glm::mix(c, look.shirtStripe, stripe(row, 0.042f, 0.010f));
+    if (look.shirtPattern == 0)
+        c = glm::mix(c, look.shirtStripe, stripe(row, 0.042f, 0.010f));
     else if (look.shirtPattern == 1) {
         const float across = stripe(row, 0.036f, 0.012f), down = stripe(column, 0.036f, 0.012f);
         c = glm::mix(c, look.shirtStripe, 0.30f * (across + down) + 0.25f * across * down);
@@ -197,10 +217,13 @@ SurfaceColour shirtColour(const Look& look, const Vec3f& p, float footprint) {
     // Stitching at seams and hems.
     const float hemLine = std::min(std::abs(p.y - look.shirtHemY - 0.022f), std::abs(look.sleeveM - s - 0.020f) + (sleeve ? 0.0f : 1.0f));
     c *= 1 - 0.35f * coverage(hemLine - 0.0012f, std::max(footprint, 0.001f)) * resolved(0.012f, footprint);
-    if (!sleeve) c *= 1 - 0.30f * coverage(std::abs(s + 0.006f) - 0.0012f, std::max(footprint, 0.001f)) * float(a.y > 1.30f) * resolved(0.012f, footprint);
+    if (!sleeve)
+        c *= 1 - 0.30f * coverage(std::abs(s + 0.006f) - 0.0012f, std::max(footprint, 0.001f)) * float(a.y > 1.30f) *
+                     resolved(0.012f, footprint);
     const float neckZ = p.z + 0.006f - 0.20f * (p.y - 1.45f);
     const float neck = std::sqrt(p.x * p.x / (0.094f * 0.094f) + neckZ * neckZ / (neckZ > 0 ? 0.087f * 0.087f : 0.073f * 0.073f)) - 1;
-    if (p.y > 1.36f && neck < 0) c = look.shirt * (0.62f + 0.10f * std::sin(6.2832f * std::atan2(p.x, p.z) * 0.08f / 0.004f) * resolved(0.005f, footprint));
+    if (p.y > 1.36f && neck < 0)
+        c = look.shirt * (0.62f + 0.10f * std::sin(6.2832f * std::atan2(p.x, p.z) * 0.08f / 0.004f) * resolved(0.005f, footprint));
     // The print on the chest, and a number on the back.
     if (!sleeve && p.z > 0.02f && p.y > 1.05f) {
         const Vec2f ink = logoInk({p.x, p.y - 1.225f}, footprint);
@@ -208,7 +231,8 @@ SurfaceColour shirtColour(const Look& look, const Vec3f& p, float footprint) {
     }
     if (!sleeve && p.z < -0.04f && p.y > 1.1f) {
         const Vec2f q(-p.x, p.y - 1.27f);  // "2": read from behind
-        const Vec2f strokes[] = {{-0.035f, 0.035f}, {-0.02f, 0.06f}, {0.02f, 0.06f}, {0.036f, 0.035f}, {0.03f, 0.01f}, {-0.036f, -0.06f}, {0.038f, -0.06f}};
+        const Vec2f strokes[] = {{-0.035f, 0.035f}, {-0.02f, 0.06f},   {0.02f, 0.06f},  {0.036f, 0.035f},
+                                 {0.03f, 0.01f},    {-0.036f, -0.06f}, {0.038f, -0.06f}};
         float d = 1;
         for (int i = 0; i + 1 < int(std::size(strokes)); ++i) d = std::min(d, segment(q, strokes[i], strokes[i + 1]));
         c = glm::mix(c, look.logoInk, 0.92f * coverage(d - 0.010f, footprint));
@@ -251,7 +275,8 @@ Look makeLook(uint64_t seed) {
     look.hair = hairs[random.below(4)];
     look.stubble = float(random.uniform(0.1, 0.9));
     const Vec3f shirts[] = {linear(36, 74, 118), linear(150, 44, 40), linear(44, 104, 84), linear(196, 188, 172), linear(72, 60, 110)};
-    const Vec3f stripes[] = {linear(226, 222, 210), linear(240, 214, 180), linear(230, 226, 200), linear(60, 84, 120), linear(214, 200, 226)};
+    const Vec3f stripes[] = {linear(226, 222, 210), linear(240, 214, 180), linear(230, 226, 200), linear(60, 84, 120),
+                             linear(214, 200, 226)};
     const Vec3f inks[] = {linear(250, 244, 226), linear(252, 240, 220), linear(248, 240, 196), linear(28, 34, 52), linear(250, 240, 250)};
     const Vec3f accents[] = {linear(236, 150, 40), linear(248, 204, 90), linear(232, 112, 60), linear(196, 60, 44), linear(240, 190, 70)};
     const uint32_t shirt = random.below(5);
@@ -268,15 +293,18 @@ Look makeLook(uint64_t seed) {
 SurfaceColour surfaceColour(const Look& look, uint8_t label, const Vec3f& p, float footprint) {
     SurfaceColour out;
     switch (label) {
-        case kLabelTop: return shirtColour(look, p, footprint);
+        case kLabelTop:
+            return shirtColour(look, p, footprint);
         case kLabelBottom: {
             // Twill: slanted rows; pocket and side seams, a fly, a stitched hem.
             const float twill = std::sin(6.2832f * (p.y + 0.6f * std::atan2(std::abs(p.x) - 0.1f, p.z) * 0.09f) / 0.0040f);
             Vec3f c = look.shorts * (1 + 0.10f * twill * resolved(0.0042f, footprint) + 0.16f * (noise(p * 38.0f, look.seed + 6) - 0.5f));
             const float side = std::abs(p.z + 0.005f) + (std::abs(p.x) > 0.12f ? 0.0f : 1.0f);
-            const float pocket = std::abs(p.z - 0.055f + 0.55f * (p.y - 0.93f)) + (std::abs(p.x) > 0.09f && p.y > 0.80f && p.y < 0.95f && p.z > 0.0f ? 0.0f : 1.0f);
+            const float pocket = std::abs(p.z - 0.055f + 0.55f * (p.y - 0.93f)) +
+                                 (std::abs(p.x) > 0.09f && p.y > 0.80f && p.y < 0.95f && p.z > 0.0f ? 0.0f : 1.0f);
             const float hem = std::abs(p.y - look.shortsHemY - 0.028f), fly = std::abs(p.x) + (p.z > 0.05f && p.y > 0.83f ? 0.0f : 1.0f);
-            for (float seam : {side, pocket, hem, fly}) c *= 1 - 0.40f * coverage(seam - 0.0016f, std::max(footprint, 0.0012f)) * resolved(0.014f, footprint);
+            for (float seam : {side, pocket, hem, fly})
+                c *= 1 - 0.40f * coverage(seam - 0.0016f, std::max(footprint, 0.0012f)) * resolved(0.014f, footprint);
             out.albedo = c;
             out.sheen = 0.30f;
             return out;
@@ -291,14 +319,18 @@ SurfaceColour surfaceColour(const Look& look, uint8_t label, const Vec3f& p, flo
         }
         case kLabelShoes: {
             const Vec3f a(std::abs(p.x), p.y, p.z);
-            Vec3f c = look.shoes * (1 + 0.06f * std::sin(6.2832f * (p.z + 0.3f * p.y) / 0.005f) * resolved(0.005f, footprint) + 0.08f * (noise(p * 120.0f, look.seed + 9) - 0.5f));
-            if (p.y < 0.006f) c = Vec3f(0.72f, 0.71f, 0.68f) * (1 - 0.25f * coverage(std::abs(p.y + 0.004f) - 0.0016f, std::max(footprint, 0.001f)));
+            Vec3f c = look.shoes * (1 + 0.06f * std::sin(6.2832f * (p.z + 0.3f * p.y) / 0.005f) * resolved(0.005f, footprint) +
+                                    0.08f * (noise(p * 120.0f, look.seed + 9) - 0.5f));
+            if (p.y < 0.006f)
+                c = Vec3f(0.72f, 0.71f, 0.68f) * (1 - 0.25f * coverage(std::abs(p.y + 0.004f) - 0.0016f, std::max(footprint, 0.001f)));
             else {
                 // Laces over the instep, a side flash, a toe cap.
                 const Vec3f forward = glm::normalize(Vec3f(0.026f, 0, 0.202f));
-                const float s = glm::dot(a - Vec3f(0.146f, 0, -0.030f), forward), w = glm::dot(a - Vec3f(0.146f, 0, -0.030f), Vec3f(forward.z, 0, -forward.x));
+                const float s = glm::dot(a - Vec3f(0.146f, 0, -0.030f), forward),
+                            w = glm::dot(a - Vec3f(0.146f, 0, -0.030f), Vec3f(forward.z, 0, -forward.x));
                 const float lace = std::abs(s - 0.014f * std::round(s / 0.014f)) - 0.003f;
-                if (s > 0.045f && s < 0.115f && std::abs(w) < 0.020f) c = glm::mix(look.shoeAccent, Vec3f(0.8f), coverage(lace, footprint) * resolved(0.012f, footprint));
+                if (s > 0.045f && s < 0.115f && std::abs(w) < 0.020f)
+                    c = glm::mix(look.shoeAccent, Vec3f(0.8f), coverage(lace, footprint) * resolved(0.012f, footprint));
                 const float flash = std::max(std::abs(p.y - 0.030f - 0.22f * (s - 0.05f)) - 0.006f, std::abs(s - 0.05f) - 0.055f);
                 if (std::abs(w) > 0.022f) c = glm::mix(c, look.shoeAccent, coverage(flash, footprint));
                 if (s > 0.155f) c *= 0.80f;
@@ -308,7 +340,8 @@ SurfaceColour surfaceColour(const Look& look, uint8_t label, const Vec3f& p, flo
             out.gloss = 0.12f;
             return out;
         }
-        default: return SkinPaint{look, {std::abs(p.x), p.y, p.z}, p.x, footprint}.paint();
+        default:
+            return SkinPaint{look, {std::abs(p.x), p.y, p.z}, p.x, footprint}.paint();
     }
 }
 

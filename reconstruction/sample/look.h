@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Colours of the procedural subject: every surface point's albedo as a function of its canonical rest position.
 #pragma once
 
@@ -14,7 +15,7 @@ struct Look {
     Vec3f skin{0.55f, 0.36f, 0.27f}, lips{0.50f, 0.22f, 0.20f}, iris{0.12f, 0.20f, 0.25f}, hair{0.05f, 0.03f, 0.02f};
     float stubble = 0.3f;
     Vec3f shirt{0.05f, 0.12f, 0.25f}, shirtStripe{0.6f, 0.6f, 0.6f}, logoInk{0.8f, 0.75f, 0.6f}, logoAccent{0.75f, 0.15f, 0.08f};
-    int shirtPattern = 0;    // 0 stripes, 1 check, 2 melange
+    int shirtPattern = 0;  // 0 stripes, 1 check, 2 melange
     Vec3f shorts{0.25f, 0.22f, 0.15f}, shoes{0.6f, 0.6f, 0.6f}, shoeAccent{0.05f, 0.1f, 0.3f};
     float shirtHemY = 0.835f, sleeveM = 0.175f, shortsHemY = 0.565f;
 };
@@ -27,10 +28,12 @@ struct SurfaceColour {
     float gloss = 0;     // weak highlight (eyes, lips, sneakers)
 };
 
-/** Colour of a point. `label` is a SubjectLabel; `footprintM` is the size of a sample on the surface: patterns finer than it fade to their mean. */
+/** Colour of a point. `label` is a SubjectLabel; `footprintM` is the size of a sample on the surface: patterns finer than it fade to their
+ * mean. */
 SurfaceColour surfaceColour(const Look& look, uint8_t label, const Vec3f& canonical, float footprintM);
 
-/** Ink coverage of the shirt's print at chest coordinates (metres left and up of its centre): x letters, y the emblem. Edges are as sharp as the footprint. */
+/** Ink coverage of the shirt's print at chest coordinates (metres left and up of its centre): x letters, y the emblem. Edges are as sharp
+ * as the footprint. */
 Vec2f logoInk(const Vec2f& at, float footprintM);
 
 }  // namespace dpl

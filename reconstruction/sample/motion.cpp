@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/sample/motion.h"
 
 #include <algorithm>
@@ -54,7 +55,8 @@ Motion Motion::dynamicSequence(uint64_t seed, double durationS) {
     add(kRightAnkle, {0.25, 0, 0}, 13.5, 0.6, 0.2, 0.6);
     add(kLeftShoulder, {0, 0, 0.30}, 13.4, 0.7, 0.2, 0.7);
     // A turn left and right with a twist of the trunk, head leading.
-    for (const auto& [joint, share] : {std::pair{kPelvis, 0.30}, {kSpine1, 0.12}, {kSpine2, 0.14}, {kSpine3, 0.14}, {kNeck, 0.16}, {kHead, 0.22}}) {
+    for (const auto& [joint, share] :
+         {std::pair{kPelvis, 0.30}, {kSpine1, 0.12}, {kSpine2, 0.14}, {kSpine3, 0.14}, {kNeck, 0.16}, {kHead, 0.22}}) {
         add(joint, {0, share, 0}, 15.0, 0.7, 0.2, 0.7);
         add(joint, {0, -share, 0}, 16.6, 0.7, 0.2, 0.7);
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the subject does in front of the camera: a smooth script of named actions on the 55-joint skeleton.
 #pragma once
 

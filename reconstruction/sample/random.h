@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Counter-based random numbers: the same value for the same (seed, stream, index) on any thread.
 #pragma once
 

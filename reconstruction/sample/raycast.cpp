@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/sample/raycast.h"
 
 #if __has_include(<embree4/rtcore.h>)  // Debian 13
@@ -24,7 +25,9 @@ const Vec3f kSunDirection = glm::normalize(Vec3f(0.52f, 0.78f, 0.62f));
 const Vec3f kSunColour(1.62f, 1.50f, 1.32f);
 const Vec3f kSkyColour(0.60f, 0.66f, 0.76f), kGroundBounce(0.24f, 0.21f, 0.18f);
 
-Vec3f skyLight(const Vec3f& d) { return d.y >= 0 ? kSkyColour * (0.75f + 0.45f * d.y) : kGroundBounce; }
+Vec3f skyLight(const Vec3f& d) {
+    return d.y >= 0 ? kSkyColour * (0.75f + 0.45f * d.y) : kGroundBounce;
+}
 
 /** Light to display: a soft shoulder, then the sRGB curve. */
 float display(float x) {
@@ -37,11 +40,17 @@ void basis(const Vec3f& n, Vec3f& a, Vec3f& b) {
     b = glm::cross(n, a);
 }
 
-float hash01(uint32_t x, uint32_t y, uint32_t salt) { return float(mixBits(uint64_t(x) << 40 ^ uint64_t(y) << 20 ^ salt) >> 40) * 0x1p-24f; }
+float hash01(uint32_t x, uint32_t y, uint32_t salt) {
+    return float(mixBits(uint64_t(x) << 40 ^ uint64_t(y) << 20 ^ salt) >> 40) * 0x1p-24f;
+}
 
 #if RTC_VERSION_MAJOR >= 4
-void castRay(RTCScene scene, RTCRayHit& ray) { rtcIntersect1(scene, &ray); }
-void shadowRay(RTCScene scene, RTCRay& ray) { rtcOccluded1(scene, &ray); }
+void castRay(RTCScene scene, RTCRayHit& ray) {
+    rtcIntersect1(scene, &ray);
+}
+void shadowRay(RTCScene scene, RTCRay& ray) {
+    rtcOccluded1(scene, &ray);
+}
 #else
 void castRay(RTCScene scene, RTCRayHit& ray) {
     RTCIntersectContext context;
@@ -62,10 +71,10 @@ struct PersonTracer::State {
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
     // The drawn mesh: outer vertices first, then the inner side of sheets.
-    std::vector<uint32_t> sourceVertex;      // of each drawn vertex
+    std::vector<uint32_t> sourceVertex;  // of each drawn vertex
     std::vector<Triangle> triangles;
-    std::vector<uint8_t> label;              // of each drawn triangle
-    std::vector<uint8_t> inner;              // drawn vertex lies on the inner side
+    std::vector<uint8_t> label;  // of each drawn triangle
+    std::vector<uint8_t> inner;  // drawn vertex lies on the inner side
     std::vector<Vec3f> at, normal;
     Vec3f low{0}, high{0};
 
@@ -94,7 +103,8 @@ struct PersonTracer::State {
             }
             for (const auto& [edge, one] : edges)
                 if (!edges.contains({edge.second, edge.first})) {  // a hem: close the sheet's edge
-                    const uint32_t a = edge.first, b = edge.second, ia = innerOf[a - layer.firstVertex], ib = innerOf[b - layer.firstVertex];
+                    const uint32_t a = edge.first, b = edge.second, ia = innerOf[a - layer.firstVertex],
+                                   ib = innerOf[b - layer.firstVertex];
                     add({b, a, ia}, s.parts[i].label);
                     add({b, ia, ib}, s.parts[i].label);
                 }
@@ -178,12 +188,14 @@ struct PersonTracer::State {
     Vec3f background(const Vec3f& eye, const Vec3f& d, const Vec4f& r) const {
         constexpr float roomRadius = 5.0f;
         // Distance to the round wall.
-        const float dd = d.x * d.x + d.z * d.z, ed = eye.x * d.x + eye.z * d.z, ee = eye.x * eye.x + eye.z * eye.z - roomRadius * roomRadius;
+        const float dd = d.x * d.x + d.z * d.z, ed = eye.x * d.x + eye.z * d.z,
+                    ee = eye.x * eye.x + eye.z * eye.z - roomRadius * roomRadius;
         const float wall = dd > 1e-9f ? (-ed + std::sqrt(std::max(0.0f, ed * ed - dd * ee))) / dd : 1e9f;
         const float floor = d.y < -1e-6f ? -eye.y / d.y : 1e9f;
         if (floor < wall) {
             const Vec3f p = eye + d * floor;
-            const float board = std::floor(p.x / 0.22f), tone = hash01(uint32_t(int(board) + 1000), uint32_t(int(std::floor(p.z / 1.3f + 0.5f * board)) + 1000), 7);
+            const float board = std::floor(p.x / 0.22f),
+                        tone = hash01(uint32_t(int(board) + 1000), uint32_t(int(std::floor(p.z / 1.3f + 0.5f * board)) + 1000), 7);
             const float gap = std::abs(p.x / 0.22f - board - 0.5f) > 0.488f ? 0.80f : 1.0f;
             const Vec3f albedo = Vec3f(0.42f, 0.34f, 0.26f) * (0.86f + 0.22f * tone) * gap;
             const float from = std::sqrt(p.x * p.x + p.z * p.z);
@@ -192,18 +204,22 @@ struct PersonTracer::State {
                 Vec3f a, b;
                 basis(kSunDirection, a, b);
                 const float radius = 0.035f * std::sqrt(r.x), angle = 6.2831853f * r.y;
-                if (blocked(p + Vec3f(0, kRayOffsetM, 0), glm::normalize(kSunDirection + a * (radius * std::cos(angle)) + b * (radius * std::sin(angle))), 5)) light = Vec3f(0);
+                if (blocked(p + Vec3f(0, kRayOffsetM, 0),
+                            glm::normalize(kSunDirection + a * (radius * std::cos(angle)) + b * (radius * std::sin(angle))), 5))
+                    light = Vec3f(0);
             }
             if (from < 0.8f) {
                 const float sinT = std::sqrt(r.z), phi = 6.2831853f * r.w;
-                if (blocked(p + Vec3f(0, kRayOffsetM, 0), {sinT * std::cos(phi), std::sqrt(1 - r.z), sinT * std::sin(phi)}, 0.6f)) sky *= 0.25f;
+                if (blocked(p + Vec3f(0, kRayOffsetM, 0), {sinT * std::cos(phi), std::sqrt(1 - r.z), sinT * std::sin(phi)}, 0.6f))
+                    sky *= 0.25f;
             }
             return albedo * (light + sky);
         }
         const Vec3f p = eye + d * wall;
         const float turn = std::atan2(p.x, p.z), panel = std::floor(turn * 9);
         const float tone = hash01(uint32_t(int(panel) + 100), 3, 11);
-        return Vec3f(0.50f, 0.52f, 0.54f) * (0.85f + 0.18f * tone) * (0.75f + 0.16f * std::min(p.y, 3.0f)) + Vec3f(0.02f) * float(p.y < 0.12f);
+        return Vec3f(0.50f, 0.52f, 0.54f) * (0.85f + 0.18f * tone) * (0.75f + 0.16f * std::min(p.y, 3.0f)) +
+               Vec3f(0.02f) * float(p.y < 0.12f);
     }
 };
 
@@ -231,10 +247,13 @@ void PersonTracer::setVertices(const std::vector<Vec3d>& vertices) {
     if (s.scene) rtcReleaseScene(s.scene);
     s.scene = rtcNewScene(s.device);
     RTCGeometry geometry = rtcNewGeometry(s.device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* points = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), s.at.size()));
+    auto* points = static_cast<float*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), s.at.size()));
     for (size_t v = 0; v < s.at.size(); ++v) points[3 * v] = s.at[v].x, points[3 * v + 1] = s.at[v].y, points[3 * v + 2] = s.at[v].z;
-    auto* faces = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), s.triangles.size()));
-    for (size_t t = 0; t < s.triangles.size(); ++t) faces[3 * t] = s.triangles[t].x, faces[3 * t + 1] = s.triangles[t].y, faces[3 * t + 2] = s.triangles[t].z;
+    auto* faces = static_cast<uint32_t*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), s.triangles.size()));
+    for (size_t t = 0; t < s.triangles.size(); ++t)
+        faces[3 * t] = s.triangles[t].x, faces[3 * t + 1] = s.triangles[t].y, faces[3 * t + 2] = s.triangles[t].z;
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(s.scene, geometry);
     rtcReleaseGeometry(geometry);
@@ -276,12 +295,16 @@ RaycastFrame PersonTracer::render(const Camerad& camera, const RaycastOptions& o
             Vec3f sum(0);
             std::array<uint8_t, 6> votes{};
             // Independent lattices, turned by a hash of the pixel: stratified within the pixel, blue-ish between pixels.
-            const float h0 = hash01(x, y, frameSalt), h1 = hash01(x, y, frameSalt + 1), h2 = hash01(x, y, frameSalt + 2), h3 = hash01(x, y, frameSalt + 3);
+            const float h0 = hash01(x, y, frameSalt), h1 = hash01(x, y, frameSalt + 1), h2 = hash01(x, y, frameSalt + 2),
+                        h3 = hash01(x, y, frameSalt + 3);
             for (uint32_t i = 0; i < n; ++i) {
                 const float jx = hash01(x, y, frameSalt + 16 + 2 * i), jy = hash01(x, y, frameSalt + 17 + 2 * i);
                 const float px = float(x) + (float(i % columns) + jx) / float(columns);
                 const float py = float(y) + (float(i / columns) + jy) / float(rows);
-                auto turned = [&](float base, float step) { const float v = base + step * float(i); return v - std::floor(v); };
+                auto turned = [&](float base, float step) {
+                    const float v = base + step * float(i);
+                    return v - std::floor(v);
+                };
                 const Vec4f r{turned(h0, 0.6180340f), turned(h1, 0.7548777f), turned(h2, 0.5698403f), turned(h3, 0.8191725f)};
                 const Vec3f view((px - float(camera.cx)) / float(camera.fx), (py - float(camera.cy)) / float(camera.fy), 1);
                 const Vec3f direction = glm::normalize(worldFromView * view);
@@ -302,7 +325,9 @@ RaycastFrame PersonTracer::render(const Camerad& camera, const RaycastOptions& o
             if (person) frame.labels[pixel] = uint8_t(std::max_element(votes.begin() + 1, votes.end()) - votes.begin());
             for (int c = 0; c < 3; ++c) {
                 // Sum of three uniforms: close to a Gaussian, cheap and repeatable.
-                const float noise = (hash01(x, y, frameSalt + 101 + 3 * c) + hash01(x, y, frameSalt + 102 + 3 * c) + hash01(x, y, frameSalt + 103 + 3 * c) - 1.5f) * 2;
+                const float noise = (hash01(x, y, frameSalt + 101 + 3 * c) + hash01(x, y, frameSalt + 102 + 3 * c) +
+                                     hash01(x, y, frameSalt + 103 + 3 * c) - 1.5f) *
+                                    2;
                 const float value = display(float(options.gain) * sum[c] / float(n)) + float(options.sensorNoise) * noise;
                 frame.rgb[3 * pixel + c] = uint8_t(std::clamp(value * 255 + 0.5f, 0.0f, 255.0f));
             }

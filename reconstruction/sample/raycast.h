@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pictures of the subject by ray casting (Embree): its own camera rays, light, shadows and sampling; no splat code.
 #pragma once
 
@@ -12,9 +13,9 @@
 namespace dpl {
 
 struct RaycastOptions {
-    uint32_t samplesPerPixel = 4;   // stratified in a grid; numbers like 4, 6, 9 fill it
-    double sensorNoise = 0.004;     // standard deviation, display-referred
-    double gain = 1;                // exposure of this frame
+    uint32_t samplesPerPixel = 4;  // stratified in a grid; numbers like 4, 6, 9 fill it
+    double sensorNoise = 0.004;    // standard deviation, display-referred
+    double gain = 1;               // exposure of this frame
     uint64_t seed = 1;
 };
 

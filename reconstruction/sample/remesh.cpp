@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Edge collapse, flips and smoothing (the moves of Botsch and Kobbelt's incremental remeshing), on a mesh that follows an implicit field.
 #include <algorithm>
 #include <array>
@@ -116,7 +117,7 @@ private:
             const float l0 = glm::length(n0), l1 = glm::length(n1);
             const Vec3f e0 = after[1] - after[0], e1 = after[2] - after[1], e2 = after[0] - after[2];
             const float edge2 = std::max({glm::dot(e0, e0), glm::dot(e1, e1), glm::dot(e2, e2)});
-            if (l1 < 0.12f * edge2) return false;                              // a sliver
+            if (l1 < 0.12f * edge2) return false;                                // a sliver
             if (l0 > 1e-12f && glm::dot(n0, n1) < 0.5f * l0 * l1) return false;  // turned by more than 60°
         }
         return true;
@@ -177,7 +178,8 @@ private:
                     const int d = int(trianglesOf_[v].size()) + change - (boundary_[v] ? 3 : 6);
                     return d * d;
                 };
-                const int before = off(a, 0) + off(b, 0) + off(o0, 0) + off(o1, 0), after = off(a, -1) + off(b, -1) + off(o0, 1) + off(o1, 1);
+                const int before = off(a, 0) + off(b, 0) + off(o0, 0) + off(o1, 0),
+                          after = off(a, -1) + off(b, -1) + off(o0, 1) + off(o1, 1);
                 if (after >= before) continue;
                 // The two new triangles: (o0, a, o1) and (o1, b, o0).
                 const Vec3f n0 = areaNormal(at_[a], at_[b], at_[o0]) + areaNormal(at_[b], at_[a], at_[o1]);

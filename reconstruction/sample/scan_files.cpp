@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/sample/scan_files.h"
 
 #include <cmath>
@@ -15,7 +16,9 @@ double rounded(double x, double steps) {
     return r == 0 ? 0.0 : r;  // no −0
 }
 
-Json triple(const Vec3d& v, double steps = 1e6) { return Json::array({rounded(v.x, steps), rounded(v.y, steps), rounded(v.z, steps)}); }
+Json triple(const Vec3d& v, double steps = 1e6) {
+    return Json::array({rounded(v.x, steps), rounded(v.y, steps), rounded(v.z, steps)});
+}
 
 Json cameraJson(const Camerad& c) {
     // Rows of R·M with M = [x, z, −y]: a file point (x, y, z) is the world point (x, z, −y).
@@ -24,7 +27,12 @@ Json cameraJson(const Camerad& c) {
         const double x = c.viewFromWorldRotation[0][row], y = c.viewFromWorldRotation[1][row], z = c.viewFromWorldRotation[2][row];
         for (double v : {x, -z, y}) r.push_back(rounded(v, 1e12));
     }
-    return {{"fx", rounded(c.fx, 1e9)}, {"fy", rounded(c.fy, 1e9)}, {"cx", c.cx}, {"cy", c.cy}, {"R", r}, {"t", triple(c.viewFromWorldTranslation, 1e12)}};
+    return {{"fx", rounded(c.fx, 1e9)},
+            {"fy", rounded(c.fy, 1e9)},
+            {"cx", c.cx},
+            {"cy", c.cy},
+            {"R", r},
+            {"t", triple(c.viewFromWorldTranslation, 1e12)}};
 }
 
 Json nameList(const Subject& subject) {
@@ -62,19 +70,33 @@ std::string scanJson(const Subject& subject, const std::vector<PlannedFrame>& fr
     constexpr const char* kLabelNames[] = {"background", "body", "top", "bottom", "hair", "shoes"};
     for (size_t i = 0; i < subject.parts.size(); ++i) {
         const LayerData& layer = subject.mesh.layers[i];
-        parts.push_back({{"name", subject.parts[i].name}, {"label", kLabelNames[subject.parts[i].label]}, {"first_vertex", layer.firstVertex},
-                         {"vertex_count", layer.vertexCount}, {"first_triangle", layer.firstTriangle}, {"triangle_count", layer.triangleCount},
+        parts.push_back({{"name", subject.parts[i].name},
+                         {"label", kLabelNames[subject.parts[i].label]},
+                         {"first_vertex", layer.firstVertex},
+                         {"vertex_count", layer.vertexCount},
+                         {"first_triangle", layer.firstTriangle},
+                         {"triangle_count", layer.triangleCount},
                          {"cloth", subject.parts[i].cloth}});
     }
-    j["geometry"] = {{"template", "geometry/template.ply"}, {"weights", "geometry/weights.bin"}, {"parts", parts},
-                     {"vertex_count", subject.mesh.restPositions.size()}, {"triangle_count", subject.mesh.triangles.size()}};
+    j["geometry"] = {{"template", "geometry/template.ply"},
+                     {"weights", "geometry/weights.bin"},
+                     {"parts", parts},
+                     {"vertex_count", subject.mesh.restPositions.size()},
+                     {"triangle_count", subject.mesh.triangles.size()}};
     j["truth"] = "truth.json";
     j["counts"] = {{"static_full", o.fullFrames}, {"static_closeup", o.closeupFrames}, {"dynamic", o.dynamicFrames}};
     Json list = Json::array();
     for (size_t i = 0; i < frames.size(); ++i) {
         const PlannedFrame& f = frames[i];
-        Json entry{{"id", i}, {"name", f.name}, {"kind", f.kind}, {"split", f.split}, {"image", "images/" + f.name + ".jpg"}, {"mask", "masks/" + f.name + ".png"},
-                   {"labels", "labels/" + f.name + ".png"}, {"keypoints", "keypoints/" + f.name + ".json"}, {"camera", cameraJson(f.camera)}};
+        Json entry{{"id", i},
+                   {"name", f.name},
+                   {"kind", f.kind},
+                   {"split", f.split},
+                   {"image", "images/" + f.name + ".jpg"},
+                   {"mask", "masks/" + f.name + ".png"},
+                   {"labels", "labels/" + f.name + ".png"},
+                   {"keypoints", "keypoints/" + f.name + ".json"},
+                   {"camera", cameraJson(f.camera)}};
         if (!f.closeupOf.empty()) entry["closeup_of"] = f.closeupOf;
         if (f.kind == "dynamic") entry["time"] = rounded(f.timeS, 1e6);
         list.push_back(std::move(entry));
@@ -83,7 +105,8 @@ std::string scanJson(const Subject& subject, const std::vector<PlannedFrame>& fr
     return j.dump(1) + "\n";
 }
 
-std::string truthJson(const Subject& subject, const std::vector<PlannedFrame>& frames, const std::vector<std::vector<Vec3d>>& keypointsWorld) {
+std::string truthJson(const Subject& subject, const std::vector<PlannedFrame>& frames,
+                      const std::vector<std::vector<Vec3d>>& keypointsWorld) {
     Json j;
     j["format"] = "avatar-scan-truth";
     j["version"] = 1;
@@ -97,7 +120,10 @@ std::string truthJson(const Subject& subject, const std::vector<PlannedFrame>& f
         Json rotations = Json::array(), points = Json::array();
         for (const Vec3d& r : f.pose.rotations) rotations.push_back(triple(fileFromWorld(r), 1e9));
         for (const Vec3d& p : keypointsWorld[i]) points.push_back(triple(fileFromWorld(p), 1e7));
-        Json entry{{"name", f.name}, {"rotations", rotations}, {"translation", triple(fileFromWorld(f.pose.translation), 1e9)}, {"keypoints_world", points}};
+        Json entry{{"name", f.name},
+                   {"rotations", rotations},
+                   {"translation", triple(fileFromWorld(f.pose.translation), 1e9)},
+                   {"keypoints_world", points}};
         entry["posed"] = f.keepPosed ? Json("posed/" + f.name + ".bin") : Json(nullptr);
         list.push_back(std::move(entry));
     }
@@ -115,15 +141,17 @@ std::string keypointsJson(const Subject& subject, const PlannedFrame& frame, con
         confidence.push_back(rounded(k.confidence, 1e3));
         sigma.push_back(rounded(k.sigmaPx, 1e3));
     }
-    const Json j{{"image", frame.name}, {"names", nameList(subject)}, {"xy", xy}, {"xy_noisy", noisy}, {"visibility", visibility}, {"confidence", confidence}, {"noise_sigma_px", sigma}};
+    const Json j{{"image", frame.name},      {"names", nameList(subject)}, {"xy", xy}, {"xy_noisy", noisy}, {"visibility", visibility},
+                 {"confidence", confidence}, {"noise_sigma_px", sigma}};
     return j.dump() + "\n";
 }
 
 std::vector<uint8_t> templatePly(const Subject& subject) {
     const MeshData& mesh = subject.mesh;
-    const std::string header = "ply\nformat binary_little_endian 1.0\ncomment " + subject.name + "\nelement vertex " + std::to_string(mesh.restPositions.size()) +
-                               "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar label\nelement face " + std::to_string(mesh.triangles.size()) +
-                               "\nproperty list uchar int vertex_indices\nproperty uchar hidden\nend_header\n";
+    const std::string header =
+        "ply\nformat binary_little_endian 1.0\ncomment " + subject.name + "\nelement vertex " + std::to_string(mesh.restPositions.size()) +
+        "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar label\nelement face " +
+        std::to_string(mesh.triangles.size()) + "\nproperty list uchar int vertex_indices\nproperty uchar hidden\nend_header\n";
     Writer out;
     out.append({reinterpret_cast<const uint8_t*>(header.data()), header.size()});
     for (size_t i = 0; i < subject.parts.size(); ++i)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The text and binary files of a sample scan as bytes. World +Y up comes in, the files' z-up goes out. Private to reconstruction/sample.
 #pragma once
 
@@ -10,17 +11,20 @@
 namespace dpl {
 
 /** World (+Y up, facing +Z) to file (z up, facing −y). */
-inline Vec3d fileFromWorld(const Vec3d& p) { return {p.x, -p.z, p.y}; }
+inline Vec3d fileFromWorld(const Vec3d& p) {
+    return {p.x, -p.z, p.y};
+}
 
 struct KeypointTruth {
     bool inFront = false;
     Vec2d px{0}, noisyPx{0};
-    int visibility = 0;       // 0 outside, 1 hidden, 2 visible
+    int visibility = 0;  // 0 outside, 1 hidden, 2 visible
     double confidence = 0, sigmaPx = 0;
 };
 
 std::string scanJson(const Subject& subject, const std::vector<PlannedFrame>& frames, const SampleScanOptions& options);
-std::string truthJson(const Subject& subject, const std::vector<PlannedFrame>& frames, const std::vector<std::vector<Vec3d>>& keypointsWorld);
+std::string truthJson(const Subject& subject, const std::vector<PlannedFrame>& frames,
+                      const std::vector<std::vector<Vec3d>>& keypointsWorld);
 std::string keypointsJson(const Subject& subject, const PlannedFrame& frame, const std::vector<KeypointTruth>& keypoints);
 std::vector<uint8_t> templatePly(const Subject& subject);
 std::vector<uint8_t> weightsBin(const Subject& subject);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/sample/scan_plan.h"
 
 #include <cmath>
@@ -50,33 +51,42 @@ std::vector<PlannedFrame> planScan(const Subject& subject, const SampleScanOptio
     // Three rings; neighbours in time lie on one ring, as a person walks.
     for (uint32_t i = 0; i < o.fullFrames; ++i) {
         const double turn = 3.0 * i / o.fullFrames, ring = std::floor(turn);
-        const double azimuth = kTau * (turn + ring * 0.17) + random.uniform(-0.04, 0.04), height = ring == 0 ? 1.25 : ring == 1 ? 0.75 : 1.80;
+        const double azimuth = kTau * (turn + ring * 0.17) + random.uniform(-0.04, 0.04), height = ring == 0   ? 1.25
+                                                                                                   : ring == 1 ? 0.75
+                                                                                                               : 1.80;
         const double distance = reach * random.uniform(0.97, 1.05);
         const Vec3d eye(distance * std::sin(azimuth), height * top / 1.78 + random.uniform(-0.05, 0.05), distance * std::cos(azimuth));
         PlannedFrame f;
         f.name = numbered("full", i);
         f.kind = "static_full";
         f.split = i % 10 == 5 ? "test" : "train";
-        f.camera = cameraAt(o, eye, middle + Vec3d(random.uniform(-0.03, 0.03), random.uniform(-0.03, 0.03), random.uniform(-0.03, 0.03)), random.uniform(-0.02, 0.02));
+        f.camera = cameraAt(o, eye, middle + Vec3d(random.uniform(-0.03, 0.03), random.uniform(-0.03, 0.03), random.uniform(-0.03, 0.03)),
+                            random.uniform(-0.02, 0.02));
         f.pose = staticPose(o.seed, i);
         frames.push_back(std::move(f));
     }
 
     const Vec3d head(subject.joints[kHead].restPosition), chest(subject.joints[kSpine3].restPosition);
-    const Vec3d left(subject.joints[kLeftMiddle1].restPosition), right(left * Vec3d(-1, 1, 1)), foot(subject.joints[kLeftFoot].restPosition);
+    const Vec3d left(subject.joints[kLeftMiddle1].restPosition), right(left * Vec3d(-1, 1, 1)),
+        foot(subject.joints[kLeftFoot].restPosition);
     const CloseUp views[] = {
-        {"logo", {0, chest.y - 0.05, 0.05}, 0, 0.85, 0.55, 0.12},        {"back", {0, chest.y - 0.02, -0.05}, kTau / 2, 0.90, 0.60, 0.15},
-        {"face", {0, head.y + 0.075, 0.03}, 0, 0.58, 0.85, 0.08},         {"hand_l", left, 1.35, 0.50, 0.60, 0.25},
-        {"hand_r", right, -1.35, 0.50, 0.60, 0.25},                       {"feet", {0, 0.10, foot.z - 0.06}, 0, 0.85, 0.9, 0.75},
+        {"logo", {0, chest.y - 0.05, 0.05}, 0, 0.85, 0.55, 0.12},
+        {"back", {0, chest.y - 0.02, -0.05}, kTau / 2, 0.90, 0.60, 0.15},
+        {"face", {0, head.y + 0.075, 0.03}, 0, 0.58, 0.85, 0.08},
+        {"hand_l", left, 1.35, 0.50, 0.60, 0.25},
+        {"hand_r", right, -1.35, 0.50, 0.60, 0.25},
+        {"feet", {0, 0.10, foot.z - 0.06}, 0, 0.85, 0.9, 0.75},
     };
     for (uint32_t i = 0; i < o.closeupFrames; ++i) {
         const CloseUp& v = views[i * std::size(views) / o.closeupFrames];
         // Where this shot stands among those of its subject.
         uint32_t first = i, last = i;
         while (first > 0 && (first - 1) * std::size(views) / o.closeupFrames == i * std::size(views) / o.closeupFrames) --first;
-        while (last + 1 < o.closeupFrames && (last + 1) * std::size(views) / o.closeupFrames == i * std::size(views) / o.closeupFrames) ++last;
+        while (last + 1 < o.closeupFrames && (last + 1) * std::size(views) / o.closeupFrames == i * std::size(views) / o.closeupFrames)
+            ++last;
         const double share = last > first ? 2.0 * (i - first) / (last - first) - 1 : 0;
-        const double azimuth = v.azimuthRad + v.spreadRad * share + random.uniform(-0.06, 0.06), distance = v.distanceM * random.uniform(0.95, 1.05);
+        const double azimuth = v.azimuthRad + v.spreadRad * share + random.uniform(-0.06, 0.06),
+                     distance = v.distanceM * random.uniform(0.95, 1.05);
         const Vec3d eye = v.target + distance * Vec3d(std::sin(azimuth), v.lift + random.uniform(-0.06, 0.06), std::cos(azimuth));
         PlannedFrame f;
         f.name = numbered("close", i);
@@ -99,13 +109,16 @@ std::vector<PlannedFrame> planScan(const Subject& subject, const SampleScanOptio
         f.pose = motion.pose(f.timeS);
         f.lag = swing.at(f.timeS);
         f.keepPosed = i % 3 == 0 || f.split == "test";
-        const double azimuth = kTau * 1.5 * i / std::max(1u, o.dynamicFrames) + random.uniform(-0.03, 0.03), distance = 1.09 * reach * random.uniform(0.98, 1.04);
+        const double azimuth = kTau * 1.5 * i / std::max(1u, o.dynamicFrames) + random.uniform(-0.03, 0.03),
+                     distance = 1.09 * reach * random.uniform(0.98, 1.04);
         const Vec3d eye(distance * std::sin(azimuth), (1.15 + 0.25 * std::sin(0.7 * f.timeS)) * top / 1.78, distance * std::cos(azimuth));
         f.camera = cameraAt(o, eye, middle + Vec3d(0, 0.10, 0), random.uniform(-0.02, 0.02));
         frames.push_back(std::move(f));
     }
     for (const char* kind : {"static_full", "dynamic"})
-        if (const auto f = std::find_if(frames.begin(), frames.end(), [&](const PlannedFrame& p) { return p.kind == kind && p.split == "test"; }); f != frames.end())
+        if (const auto f =
+                std::find_if(frames.begin(), frames.end(), [&](const PlannedFrame& p) { return p.kind == kind && p.split == "test"; });
+            f != frames.end())
             f->keepFine = true;
     return frames;
 }

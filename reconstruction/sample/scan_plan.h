@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which pictures a sample scan holds: cameras, poses and splits. Private to reconstruction/sample.
 #pragma once
 
@@ -12,12 +13,12 @@ namespace dpl {
 
 struct PlannedFrame {
     std::string name, kind, split, closeupOf;
-    double timeS = 0;                 // dynamic frames
-    Camerad camera;                   // world +Y up
+    double timeS = 0;  // dynamic frames
+    Camerad camera;    // world +Y up
     TruthPose pose;
-    std::vector<Vec3d> lag;           // dynamic frames: of each swing driver
-    bool keepPosed = false;           // its vertices go to posed/
-    bool keepFine = false;            // its picture at ×4 goes to hires/
+    std::vector<Vec3d> lag;  // dynamic frames: of each swing driver
+    bool keepPosed = false;  // its vertices go to posed/
+    bool keepFine = false;   // its picture at ×4 goes to hires/
 };
 
 /** Static orbit at three heights, close-ups, and the dynamic sequence with one and a half turns of the camera. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/sample/scan_writer.h"
 
 #include <algorithm>
@@ -31,7 +32,9 @@ Status writeFile(const fs::path& path, std::span<const uint8_t> bytes) {
     return {};
 }
 
-Status writeText(const fs::path& path, const std::string& text) { return writeFile(path, {reinterpret_cast<const uint8_t*>(text.data()), text.size()}); }
+Status writeText(const fs::path& path, const std::string& text) {
+    return writeFile(path, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+}
 
 Status writeImage(const fs::path& path, const cv::Mat& image, const std::vector<int>& settings) {
     std::vector<uint8_t> bytes;
@@ -56,7 +59,8 @@ double limbThickness(const std::string& name) {
     return 0.05;
 }
 
-std::vector<KeypointTruth> observe(const Subject& subject, const PersonTracer& tracer, const Camerad& camera, const std::vector<Vec3d>& points, uint64_t seed, size_t frame) {
+std::vector<KeypointTruth> observe(const Subject& subject, const PersonTracer& tracer, const Camerad& camera,
+                                   const std::vector<Vec3d>& points, uint64_t seed, size_t frame) {
     std::vector<KeypointTruth> out;
     Random random(seed, 50000 + frame);
     // 1.5 px at 378 px width, a good detector's error; 3.75 px for guessed points.
@@ -85,8 +89,8 @@ std::vector<KeypointTruth> observe(const Subject& subject, const PersonTracer& t
     return out;
 }
 
-Status writeFrame(const fs::path& folder, const Subject& subject, const PlannedFrame& frame, size_t index, const SampleScanOptions& o, PersonTracer& tracer,
-                  std::vector<Vec3d>& keypoints) {
+Status writeFrame(const fs::path& folder, const Subject& subject, const PlannedFrame& frame, size_t index, const SampleScanOptions& o,
+                  PersonTracer& tracer, std::vector<Vec3d>& keypoints) {
     const std::vector<Vec3d> vertices = poseSubject(subject, frame.pose, frame.kind == "dynamic" ? &frame.lag : nullptr);
     keypoints = keypointsWorld(subject, frame.pose, vertices);
     tracer.setVertices(vertices);
@@ -98,12 +102,15 @@ Status writeFrame(const fs::path& folder, const Subject& subject, const PlannedF
     RaycastFrame picture = tracer.render(frame.camera, ray);
     const cv::Size size(int(o.widthPx), int(o.heightPx));
     DPL_CHECK_OK(writeColours(folder / "images" / (frame.name + ".jpg"), picture, size, o.jpegQuality));
-    DPL_CHECK_OK(writeImage(folder / "masks" / (frame.name + ".png"), cv::Mat(size, CV_8UC1, picture.mask.data()), {cv::IMWRITE_PNG_COMPRESSION, 3}));
-    DPL_CHECK_OK(writeImage(folder / "labels" / (frame.name + ".png"), cv::Mat(size, CV_8UC1, picture.labels.data()), {cv::IMWRITE_PNG_COMPRESSION, 3}));
+    DPL_CHECK_OK(writeImage(folder / "masks" / (frame.name + ".png"), cv::Mat(size, CV_8UC1, picture.mask.data()),
+                            {cv::IMWRITE_PNG_COMPRESSION, 3}));
+    DPL_CHECK_OK(writeImage(folder / "labels" / (frame.name + ".png"), cv::Mat(size, CV_8UC1, picture.labels.data()),
+                            {cv::IMWRITE_PNG_COMPRESSION, 3}));
     if (frame.keepFine) {
         RaycastFrame fine = tracer.render(frame.camera.scaled(kFineScale), ray);
         DPL_CHECK_OK(writeColours(folder / kFineFolder / (frame.name + ".jpg"), fine, size * kFineScale, o.jpegQuality));
-        DPL_CHECK_OK(writeImage(folder / kFineFolder / (frame.name + ".mask.png"), cv::Mat(size * kFineScale, CV_8UC1, fine.mask.data()), {cv::IMWRITE_PNG_COMPRESSION, 3}));
+        DPL_CHECK_OK(writeImage(folder / kFineFolder / (frame.name + ".mask.png"), cv::Mat(size * kFineScale, CV_8UC1, fine.mask.data()),
+                                {cv::IMWRITE_PNG_COMPRESSION, 3}));
     }
     const auto seen = observe(subject, tracer, frame.camera, keypoints, o.seed, index);
     DPL_CHECK_OK(writeText(folder / "keypoints" / (frame.name + ".json"), keypointsJson(subject, frame, seen)));
@@ -152,8 +159,10 @@ Status makeSampleScan(const fs::path& folder, const SampleScanOptions& o, Jobs& 
     if (o.widthPx < 16 || o.heightPx < 16 || o.widthPx > 8192 || o.heightPx > 8192)
         return fail(Code::InvalidArgument, "image size {}x{}: each side must be 16 to 8192 pixels", o.widthPx, o.heightPx);
     if (o.fullFrames < 4) return fail(Code::InvalidArgument, "{} full-body frames: at least 4 are needed", o.fullFrames);
-    if (o.fullFrames + o.closeupFrames + o.dynamicFrames > 2700) return fail(Code::InvalidArgument, "more than 2700 frames asked for; names have three digits");
-    if (!(o.dynamicS > 1) || o.samplesPerPixel < 1 || o.samplesPerPixel > 1024) return fail(Code::InvalidArgument, "the motion must be longer than 1 s, samples per pixel 1 to 1024");
+    if (o.fullFrames + o.closeupFrames + o.dynamicFrames > 2700)
+        return fail(Code::InvalidArgument, "more than 2700 frames asked for; names have three digits");
+    if (!(o.dynamicS > 1) || o.samplesPerPixel < 1 || o.samplesPerPixel > 1024)
+        return fail(Code::InvalidArgument, "the motion must be longer than 1 s, samples per pixel 1 to 1024");
     std::error_code error;
     const fs::path target = fs::absolute(folder, error).lexically_normal();
     if (fs::exists(target, error) && !(fs::is_directory(target, error) && fs::is_empty(target, error)))

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pattern to sheet: mesh the whole solid, cut along the hem, lay the border on the hem line, even out.
 #include <algorithm>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/sample/skeleton.h"
 
 #include <cmath>
@@ -43,11 +44,11 @@ constexpr JointRow kRows[kBuiltinJointCount] = {
 
 // Joint 1..3 and tip in the hand frame (along, thumbward, dorsal), metres. A relaxed hand: fingers spread and a little bent.
 constexpr float kFingerPoints[kFingerCount][4][3] = {
-    {{0.092f, 0.031f, 0.003f}, {0.133f, 0.039f, -0.001f}, {0.157f, 0.0435f, -0.006f}, {0.177f, 0.047f, -0.012f}},       // index
-    {{0.096f, 0.008f, 0.005f}, {0.142f, 0.0095f, 0.001f}, {0.170f, 0.0105f, -0.005f}, {0.192f, 0.011f, -0.012f}},       // middle
-    {{0.081f, -0.035f, -0.002f}, {0.112f, -0.046f, -0.007f}, {0.130f, -0.0525f, -0.012f}, {0.147f, -0.0585f, -0.018f}},  // pinky
-    {{0.090f, -0.0145f, 0.003f}, {0.132f, -0.0210f, -0.002f}, {0.158f, -0.0250f, -0.008f}, {0.179f, -0.0285f, -0.015f}}, // ring
-    {{0.020f, 0.022f, -0.008f}, {0.056f, 0.052f, -0.016f}, {0.083f, 0.068f, -0.021f}, {0.107f, 0.080f, -0.025f}},       // thumb
+    {{0.092f, 0.031f, 0.003f}, {0.133f, 0.039f, -0.001f}, {0.157f, 0.0435f, -0.006f}, {0.177f, 0.047f, -0.012f}},         // index
+    {{0.096f, 0.008f, 0.005f}, {0.142f, 0.0095f, 0.001f}, {0.170f, 0.0105f, -0.005f}, {0.192f, 0.011f, -0.012f}},         // middle
+    {{0.081f, -0.035f, -0.002f}, {0.112f, -0.046f, -0.007f}, {0.130f, -0.0525f, -0.012f}, {0.147f, -0.0585f, -0.018f}},   // pinky
+    {{0.090f, -0.0145f, 0.003f}, {0.132f, -0.0210f, -0.002f}, {0.158f, -0.0250f, -0.008f}, {0.179f, -0.0285f, -0.015f}},  // ring
+    {{0.020f, 0.022f, -0.008f}, {0.056f, 0.052f, -0.016f}, {0.083f, 0.068f, -0.021f}, {0.107f, 0.080f, -0.025f}},         // thumb
 };
 
 }  // namespace
@@ -57,8 +58,16 @@ uint8_t mirroredJoint(uint8_t joint) {
     if (joint >= kRightIndex1) return uint8_t(joint - fingers);
     if (joint >= kLeftIndex1) return uint8_t(joint + fingers);
     switch (joint) {
-        case kPelvis: case kSpine1: case kSpine2: case kSpine3: case kNeck: case kHead: case kJaw: return joint;
-        default: break;
+        case kPelvis:
+        case kSpine1:
+        case kSpine2:
+        case kSpine3:
+        case kNeck:
+        case kHead:
+        case kJaw:
+            return joint;
+        default:
+            break;
     }
     const char side = kRows[joint].name[0];
     return uint8_t(side == 'l' ? joint + 1 : joint - 1);  // left and right stand side by side in the list
@@ -85,7 +94,9 @@ std::array<Vec3f, 4> leftFingerChain(Finger finger) {
     return chain;
 }
 
-std::array<Vec3f, 3> leftFootChain() { return {Vec3f(0.146f, 0.082f, -0.030f), Vec3f(0.163f, 0.024f, 0.098f), Vec3f(0.172f, 0.012f, 0.172f)}; }
+std::array<Vec3f, 3> leftFootChain() {
+    return {Vec3f(0.146f, 0.082f, -0.030f), Vec3f(0.163f, 0.024f, 0.098f), Vec3f(0.172f, 0.012f, 0.172f)};
+}
 
 std::vector<JointData> builtinSkeleton() {
     std::array<Vec3f, kBuiltinJointCount> at;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The 55-joint skeleton of the built-in body: SMPL-X's joint list and order, VRM humanoid names, our own A-pose positions.
 #pragma once
 
@@ -11,16 +12,46 @@
 namespace dpl {
 
 enum BuiltinJoint : uint8_t {
-    kPelvis, kLeftHip, kRightHip, kSpine1, kLeftKnee, kRightKnee, kSpine2, kLeftAnkle, kRightAnkle, kSpine3, kLeftFoot, kRightFoot, kNeck,
-    kLeftCollar, kRightCollar, kHead, kLeftShoulder, kRightShoulder, kLeftElbow, kRightElbow, kLeftWrist, kRightWrist, kJaw, kLeftEye,
-    kRightEye, kLeftIndex1, kLeftMiddle1 = kLeftIndex1 + 3, kLeftPinky1 = kLeftMiddle1 + 3, kLeftRing1 = kLeftPinky1 + 3,
-    kLeftThumb1 = kLeftRing1 + 3, kRightIndex1 = kLeftThumb1 + 3, kBuiltinJointCount = 55
+    kPelvis,
+    kLeftHip,
+    kRightHip,
+    kSpine1,
+    kLeftKnee,
+    kRightKnee,
+    kSpine2,
+    kLeftAnkle,
+    kRightAnkle,
+    kSpine3,
+    kLeftFoot,
+    kRightFoot,
+    kNeck,
+    kLeftCollar,
+    kRightCollar,
+    kHead,
+    kLeftShoulder,
+    kRightShoulder,
+    kLeftElbow,
+    kRightElbow,
+    kLeftWrist,
+    kRightWrist,
+    kJaw,
+    kLeftEye,
+    kRightEye,
+    kLeftIndex1,
+    kLeftMiddle1 = kLeftIndex1 + 3,
+    kLeftPinky1 = kLeftMiddle1 + 3,
+    kLeftRing1 = kLeftPinky1 + 3,
+    kLeftThumb1 = kLeftRing1 + 3,
+    kRightIndex1 = kLeftThumb1 + 3,
+    kBuiltinJointCount = 55
 };
 
 enum Finger : uint8_t { kIndex, kMiddle, kPinky, kRing, kThumb, kFingerCount };
 
 /** Joint `bone` (0..2) of a finger of the left hand; add kRightIndex1 − kLeftIndex1 for the right one. */
-constexpr uint8_t leftFingerJoint(Finger finger, int bone) { return uint8_t(kLeftIndex1 + 3 * finger + bone); }
+constexpr uint8_t leftFingerJoint(Finger finger, int bone) {
+    return uint8_t(kLeftIndex1 + 3 * finger + bone);
+}
 
 /** The joint on the other side; joints of the middle answer themselves. */
 uint8_t mirroredJoint(uint8_t joint);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/sample/skinning.h"
 
 #include <cmath>
@@ -10,9 +11,9 @@ Mat3d rotationOf(const Vec3d& axisAngle) {
     if (angle < 1e-12) return Mat3d(1);
     const Vec3d a = axisAngle / angle;
     const double c = std::cos(angle), s = std::sin(angle), k = 1 - c;
-    return Mat3d(c + a.x * a.x * k, a.x * a.y * k + a.z * s, a.x * a.z * k - a.y * s,   // first column
-                 a.x * a.y * k - a.z * s, c + a.y * a.y * k, a.y * a.z * k + a.x * s,
-                 a.x * a.z * k + a.y * s, a.y * a.z * k - a.x * s, c + a.z * a.z * k);
+    return Mat3d(c + a.x * a.x * k, a.x * a.y * k + a.z * s, a.x * a.z * k - a.y * s,  // first column
+                 a.x * a.y * k - a.z * s, c + a.y * a.y * k, a.y * a.z * k + a.x * s, a.x * a.z * k + a.y * s, a.y * a.z * k - a.x * s,
+                 c + a.z * a.z * k);
 }
 
 }  // namespace

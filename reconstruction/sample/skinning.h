@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Plain linear blend skinning in double precision: the truth of the scan, independent of the product's own skinning.
 #pragma once
 
@@ -16,7 +17,9 @@ struct TruthPose {
 /** worldFromRest[j] = G_j (docs/formats/scan.md). */
 std::vector<Mat3x4d> truthTransforms(const std::vector<JointData>& joints, const TruthPose& pose);
 
-inline Vec3d transformed(const Mat3x4d& m, const Vec3d& p) { return m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3]; }
+inline Vec3d transformed(const Mat3x4d& m, const Vec3d& p) {
+    return m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3];
+}
 
 /** One vertex with its four unorm8 weights. */
 Vec3d skinned(const std::vector<Mat3x4d>& worldFromRest, const glm::u16vec4& joints, const glm::u8vec4& weights, const Vec3d& rest);

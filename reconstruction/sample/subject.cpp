@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/sample/subject.h"
 
 #include <algorithm>
@@ -19,7 +20,7 @@ struct Fitting {
     const BodyModel& body;
     const std::vector<Vec3f>& displacement;  // of body vertices, by morphs
     std::vector<Vec3f> bodyNormals;
-    std::vector<uint8_t> usable;             // body vertices that clothes follow (no hands)
+    std::vector<uint8_t> usable;  // body vertices that clothes follow (no hands)
 };
 
 float smooth01(float t) {
@@ -28,7 +29,8 @@ float smooth01(float t) {
 }
 
 /** Appends a sheet to the subject: weights, morphs and anchors come from the nearest body vertices, smoothed along the sheet. */
-void addGarment(Subject& subject, const Fitting& fit, const SurfaceMesh& sheet, const SubjectPart& part, const char* role, bool rigidHead, Jobs& jobs) {
+void addGarment(Subject& subject, const Fitting& fit, const SurfaceMesh& sheet, const SubjectPart& part, const char* role, bool rigidHead,
+                Jobs& jobs) {
     const size_t count = sheet.positions.size(), jointCount = fit.body.joints.size();
     const auto& bodyAt = fit.body.mesh.restPositions;
     std::vector<float> dense(count * jointCount, 0.0f);
@@ -57,7 +59,8 @@ void addGarment(Subject& subject, const Fitting& fit, const SurfaceMesh& sheet, 
                 const float share = 1 / ((best[k] + 1e-5f) * total);
                 sum += share * fit.displacement[who[k]];
                 for (int w = 0; w < 4; ++w)
-                    dense[v * jointCount + fit.body.mesh.jointIndices[who[k]][w]] += share * float(fit.body.mesh.jointWeights[who[k]][w]) / 255;
+                    dense[v * jointCount + fit.body.mesh.jointIndices[who[k]][w]] +=
+                        share * float(fit.body.mesh.jointWeights[who[k]][w]) / 255;
             }
             moved[v] = sum;
             if (rigidHead) {
@@ -110,7 +113,9 @@ void addGarment(Subject& subject, const Fitting& fit, const SurfaceMesh& sheet, 
 uint32_t vertexNear(const Subject& subject, const LayerData& layer, const Vec3f& p) {
     uint32_t best = layer.firstVertex;
     for (uint32_t v = layer.firstVertex; v < layer.firstVertex + layer.vertexCount; ++v)
-        if (glm::dot(subject.canonical[v] - p, subject.canonical[v] - p) < glm::dot(subject.canonical[best] - p, subject.canonical[best] - p)) best = v;
+        if (glm::dot(subject.canonical[v] - p, subject.canonical[v] - p) <
+            glm::dot(subject.canonical[best] - p, subject.canonical[best] - p))
+            best = v;
     return best;
 }
 
@@ -126,7 +131,8 @@ void addClothDynamics(Subject& subject, const WardrobeChoice& wardrobe) {
         const uint8_t first = uint8_t(subject.drivers.size());
         const bool top = subject.parts[i].label == kLabelTop;
         if (top) {
-            for (const Vec3f& at : {Vec3f(0, wardrobe.shirtHemY, 0.14f), Vec3f(0.19f, wardrobe.shirtHemY, 0), Vec3f(0, wardrobe.shirtHemY, -0.16f), Vec3f(-0.19f, wardrobe.shirtHemY, 0)})
+            for (const Vec3f& at : {Vec3f(0, wardrobe.shirtHemY, 0.14f), Vec3f(0.19f, wardrobe.shirtHemY, 0),
+                                    Vec3f(0, wardrobe.shirtHemY, -0.16f), Vec3f(-0.19f, wardrobe.shirtHemY, 0)})
                 subject.drivers.push_back({vertexNear(subject, layer, at), 1.25f, 0.22f});
             for (float side : {1.0f, -1.0f}) {
                 const Vec3f cuff = shoulder + arm * wardrobe.sleeveM + Vec3f(0, -0.06f, 0);
@@ -134,7 +140,8 @@ void addClothDynamics(Subject& subject, const WardrobeChoice& wardrobe) {
             }
         } else {
             for (float side : {1.0f, -1.0f})
-                for (float z : {0.10f, -0.10f}) subject.drivers.push_back({vertexNear(subject, layer, {side * 0.12f, wardrobe.shortsHemY, z}), 1.4f, 0.22f});
+                for (float z : {0.10f, -0.10f})
+                    subject.drivers.push_back({vertexNear(subject, layer, {side * 0.12f, wardrobe.shortsHemY, z}), 1.4f, 0.22f});
         }
         const uint8_t last = uint8_t(subject.drivers.size());
         for (uint32_t v = layer.firstVertex; v < layer.firstVertex + layer.vertexCount; ++v) {
@@ -147,7 +154,8 @@ void addClothDynamics(Subject& subject, const WardrobeChoice& wardrobe) {
                 const float trunk = smooth01((1.16f - p.y) / (1.16f - wardrobe.shirtHemY));
                 free = sleeve * 0.75f * smooth01((s - 0.05f) / (wardrobe.sleeveM - 0.05f)) + (1 - sleeve) * trunk;
                 // Raised arms pull the shirt up; most at the sides, less at the hem's back.
-                cloth.slide = (1 - sleeve) * (0.012f + 0.030f * smooth01((1.38f - p.y) / 0.5f)) * (0.75f + 0.25f * std::abs(p.x) / 0.18f) * smooth01((1.44f - p.y) / 0.10f);
+                cloth.slide = (1 - sleeve) * (0.012f + 0.030f * smooth01((1.38f - p.y) / 0.5f)) * (0.75f + 0.25f * std::abs(p.x) / 0.18f) *
+                              smooth01((1.44f - p.y) / 0.10f);
             } else {
                 free = 0.85f * smooth01((0.84f - p.y) / (0.84f - wardrobe.shortsHemY));
             }
@@ -224,7 +232,8 @@ Subject makeSubject(uint64_t seed, Jobs& jobs) {
     std::vector<uint8_t> deep(displacement.size(), 0);
     for (size_t v = 0; v < deep.size(); ++v) {
         const Vec3f p = body.mesh.restPositions[v];
-        const bool underShirt = shirt.keep(p) > 0.045f && shirt.field(p) < -0.003f, underShorts = shorts.keep(p) > 0.060f && shorts.field(p) < -0.003f;
+        const bool underShirt =
+            shirt.keep(p) > 0.045f && shirt.field(p)<-0.003f, underShorts = shorts.keep(p)> 0.060f && shorts.field(p) < -0.003f;
         const bool inShoe = p.y < 0.055f && std::abs(p.x) < 0.4f;
         deep[v] = underShirt || underShorts || inShoe;
     }
@@ -239,9 +248,12 @@ Subject makeSubject(uint64_t seed, Jobs& jobs) {
 
     subject.mesh.colours.resize(subject.mesh.restPositions.size());
     for (size_t i = 0; i < subject.parts.size(); ++i)
-        for (uint32_t v = subject.mesh.layers[i].firstVertex; v < subject.mesh.layers[i].firstVertex + subject.mesh.layers[i].vertexCount; ++v) {
+        for (uint32_t v = subject.mesh.layers[i].firstVertex; v < subject.mesh.layers[i].firstVertex + subject.mesh.layers[i].vertexCount;
+             ++v) {
             const Vec3f c = surfaceColour(subject.look, subject.parts[i].label, subject.canonical[v], 0.012f).albedo;
-            auto encode = [](float x) { return uint8_t(std::clamp(std::pow(std::clamp(x, 0.0f, 1.0f), 1 / 2.2f) * 255 + 0.5f, 0.0f, 255.0f)); };
+            auto encode = [](float x) {
+                return uint8_t(std::clamp(std::pow(std::clamp(x, 0.0f, 1.0f), 1 / 2.2f) * 255 + 0.5f, 0.0f, 255.0f));
+            };
             subject.mesh.colours[v] = {encode(c.x), encode(c.y), encode(c.z), 255};
         }
     return subject;

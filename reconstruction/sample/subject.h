@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The procedural subject: a clothed person from a seed, posed with exactly known truth.
 #pragma once
 
@@ -17,36 +18,36 @@ namespace dpl {
 enum SubjectLabel : uint8_t { kLabelBackground, kLabelBody, kLabelTop, kLabelBottom, kLabelHair, kLabelShoes };
 
 struct SubjectPart {
-    std::string name;     // "body", "hair", "shoes", "top", "bottom": also the layer names of the mesh
+    std::string name;  // "body", "hair", "shoes", "top", "bottom": also the layer names of the mesh
     uint8_t label = 0;
-    bool cloth = false;   // slides and swings in dynamic frames
+    bool cloth = false;  // slides and swings in dynamic frames
 };
 
 /** How one cloth vertex leaves its skinned place (all zero for other vertices). */
 struct ClothVertex {
-    float slide = 0;                             // metres along the trunk at full arm raise
-    std::array<uint8_t, 3> drivers{0, 0, 0};     // swing drivers
-    std::array<float, 3> swing{0, 0, 0};         // and how much of each (0 where cloth is held, at most 1 in sum)
+    float slide = 0;                          // metres along the trunk at full arm raise
+    std::array<uint8_t, 3> drivers{0, 0, 0};  // swing drivers
+    std::array<float, 3> swing{0, 0, 0};      // and how much of each (0 where cloth is held, at most 1 in sum)
 };
 
 /** A hem point whose lag behind the body the cloth around it follows. */
 struct SwingDriver {
-    uint32_t vertex = 0;          // a cloth vertex; its skinned track drives the spring
+    uint32_t vertex = 0;  // a cloth vertex; its skinned track drives the spring
     float frequencyHz = 2.2f, damping = 0.28f;
 };
 
 struct Subject {
     uint64_t seed = 0;
     std::string name;
-    std::vector<JointData> joints;            // 55, morphs and soles included
-    MeshData mesh;                            // layers in the order of `parts`; clothes are their outer surface
+    std::vector<JointData> joints;  // 55, morphs and soles included
+    MeshData mesh;                  // layers in the order of `parts`; clothes are their outer surface
     std::vector<SubjectPart> parts;
-    std::vector<Vec3f> canonical;             // V: where the vertex was before morphs: textures are functions of it
-    std::vector<uint8_t> hiddenFace;          // F: 1 for body faces deep under clothes, left out of pictures
-    std::vector<ClothVertex> cloth;           // V
-    std::vector<uint32_t> anchor;             // V: nearest body vertex of each cloth vertex (itself elsewhere)
+    std::vector<Vec3f> canonical;     // V: where the vertex was before morphs: textures are functions of it
+    std::vector<uint8_t> hiddenFace;  // F: 1 for body faces deep under clothes, left out of pictures
+    std::vector<ClothVertex> cloth;   // V
+    std::vector<uint32_t> anchor;     // V: nearest body vertex of each cloth vertex (itself elsewhere)
     std::vector<SwingDriver> drivers;
-    std::vector<BodyKeypoint> keypoints;      // 24
+    std::vector<BodyKeypoint> keypoints;  // 24
     std::vector<std::pair<std::string, float>> morphValues;
     Look look;
 };

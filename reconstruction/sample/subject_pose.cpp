@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
 
@@ -82,7 +83,8 @@ std::vector<Vec3d> SwingSimulation::tracks(double timeS) const {
     const auto g = truthTransforms(subject_.joints, motion_.pose(timeS));
     std::vector<Vec3d> out;
     for (const SwingDriver& d : subject_.drivers)
-        out.push_back(skinned(g, subject_.mesh.jointIndices[d.vertex], subject_.mesh.jointWeights[d.vertex], Vec3d(subject_.mesh.restPositions[d.vertex])));
+        out.push_back(skinned(g, subject_.mesh.jointIndices[d.vertex], subject_.mesh.jointWeights[d.vertex],
+                              Vec3d(subject_.mesh.restPositions[d.vertex])));
     return out;
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/shape/large_steps.h"
 
 #include <Eigen/SparseCholesky>
@@ -11,13 +12,13 @@ namespace dpl {
 /** M = I + λL in rows of neighbours, and P·M·Pᵀ = L·D·Lᵀ with L unit lower triangular in columns. */
 struct LargeSteps::Factor {
     double lambda = 0;
-    std::vector<uint32_t> mergedOf;       // per vertex
+    std::vector<uint32_t> mergedOf;  // per vertex
     std::vector<uint32_t> neighbourStart, neighbours;
     std::vector<uint32_t> component;      // per merged vertex
     std::vector<uint32_t> componentSize;  // in vertices, duplicates counted once
     std::vector<int> columnStart, rowIndex;
     std::vector<double> lower, inverseDiagonal;
-    std::vector<uint32_t> permuted;       // position of each unknown in the factor's order
+    std::vector<uint32_t> permuted;  // position of each unknown in the factor's order
 
     void removeMeans(std::span<Vec3d> x) const {
         std::vector<Vec3d> mean(componentSize.size(), Vec3d(0));
@@ -32,9 +33,15 @@ LargeSteps::LargeSteps(LargeSteps&&) noexcept = default;
 LargeSteps& LargeSteps::operator=(LargeSteps&&) noexcept = default;
 LargeSteps::~LargeSteps() = default;
 
-uint32_t LargeSteps::size() const { return uint32_t(factor_->permuted.size()); }
-double LargeSteps::lambda() const { return factor_->lambda; }
-uint32_t LargeSteps::componentCount() const { return uint32_t(factor_->componentSize.size()); }
+uint32_t LargeSteps::size() const {
+    return uint32_t(factor_->permuted.size());
+}
+double LargeSteps::lambda() const {
+    return factor_->lambda;
+}
+uint32_t LargeSteps::componentCount() const {
+    return uint32_t(factor_->componentSize.size());
+}
 
 Result<LargeSteps> LargeSteps::create(std::span<const Vec3f> positions, std::span<const Triangle> triangles, double smoothingLengthM) {
     double sum = 0, count = 0;
@@ -44,17 +51,20 @@ Result<LargeSteps> LargeSteps::create(std::span<const Vec3f> positions, std::spa
             sum += glm::length(Vec3d(positions[t[c]]) - Vec3d(positions[t[(c + 1) % 3]])), count += 1;
         }
     const double edge = count > 0 ? sum / count : 0;
-    if (!(edge > 0) || !std::isfinite(edge)) return fail(Code::InvalidArgument, "the mesh has no edges of finite length; LargeSteps needs triangles");
+    if (!(edge > 0) || !std::isfinite(edge))
+        return fail(Code::InvalidArgument, "the mesh has no edges of finite length; LargeSteps needs triangles");
     return createWithLambda(positions, triangles, smoothingLengthM * smoothingLengthM / (edge * edge));
 }
 
 Result<LargeSteps> LargeSteps::createWithLambda(std::span<const Vec3f> positions, std::span<const Triangle> triangles, double lambda) {
-    if (!(lambda >= 0) || !std::isfinite(lambda)) return fail(Code::InvalidArgument, "LargeSteps: lambda {} is not a number at or above 0", lambda);
+    if (!(lambda >= 0) || !std::isfinite(lambda))
+        return fail(Code::InvalidArgument, "LargeSteps: lambda {} is not a number at or above 0", lambda);
     auto f = std::make_unique<Factor>();
     f->lambda = lambda;
     for (size_t v = 0; v < positions.size(); ++v) {
         const Vec3f p = positions[v];
-        if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return fail(Code::InvalidArgument, "LargeSteps: vertex {} is not finite", v);
+        if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+            return fail(Code::InvalidArgument, "LargeSteps: vertex {} is not finite", v);
     }
     MergedVertices merged = mergeVertices(positions);
     f->mergedOf = std::move(merged.placeOf);
@@ -62,7 +72,8 @@ Result<LargeSteps> LargeSteps::createWithLambda(std::span<const Vec3f> positions
     std::vector<std::vector<uint32_t>> adjacent(n);
     for (size_t t = 0; t < triangles.size(); ++t)
         for (int c = 0; c < 3; ++c) {
-            if (triangles[t][c] >= positions.size()) return fail(Code::InvalidArgument, "LargeSteps: triangle {} names vertex {} of {}", t, triangles[t][c], positions.size());
+            if (triangles[t][c] >= positions.size())
+                return fail(Code::InvalidArgument, "LargeSteps: triangle {} names vertex {} of {}", t, triangles[t][c], positions.size());
             if (triangles[t][(c + 1) % 3] >= positions.size()) continue;
             const uint32_t a = f->mergedOf[triangles[t][c]], b = f->mergedOf[triangles[t][(c + 1) % 3]];
             if (a != b) adjacent[a].push_back(b), adjacent[b].push_back(a);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "reconstruction/splat/adam.cpp"
 #include "hwy/foreach_target.h"
@@ -14,7 +15,8 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 /** One row; correction1/2 undo the bias of the moments. */
-void adamRow(size_t stride, const float* gradient, const float* rate, float correction1, float correction2, float* first, float* second, float* value) {
+void adamRow(size_t stride, const float* gradient, const float* rate, float correction1, float correction2, float* first, float* second,
+             float* value) {
     const hn::CappedTag<float, 8> d;
     const auto b1 = hn::Set(d, kAdamBeta1), b2 = hn::Set(d, kAdamBeta2), r1 = hn::Set(d, 1 - kAdamBeta1), r2 = hn::Set(d, 1 - kAdamBeta2);
     // Losses are means over a picture, so gradients are around 1e-7: ε must be far below.
@@ -39,7 +41,9 @@ namespace dpl {
 HWY_EXPORT(adamRow);
 
 namespace {
-float correction(float beta, uint32_t steps) { return steps > 20000 ? 1.0f : float(1 / (1 - std::pow(double(beta), double(steps)))); }
+float correction(float beta, uint32_t steps) {
+    return steps > 20000 ? 1.0f : float(1 / (1 - std::pow(double(beta), double(steps))));
+}
 }  // namespace
 
 void AdamRows::resize(size_t count, uint32_t rowStride) {
@@ -49,8 +53,8 @@ void AdamRows::resize(size_t count, uint32_t rowStride) {
     steps.assign(count, 0);
 }
 
-void AdamRows::update(size_t begin, size_t end, std::span<const uint8_t> active, std::span<const float> gradients, std::span<const float> rate,
-                      std::span<float> values) {
+void AdamRows::update(size_t begin, size_t end, std::span<const uint8_t> active, std::span<const float> gradients,
+                      std::span<const float> rate, std::span<float> values) {
     constexpr uint32_t kTable = 4096;  // after 4096 steps the first correction is 1; the second is computed
     static const std::vector<float> first1 = [] {
         std::vector<float> t(kTable, 1.0f);
@@ -67,8 +71,8 @@ void AdamRows::update(size_t begin, size_t end, std::span<const uint8_t> active,
         const uint32_t n = ++steps[i];
         const size_t at = i * stride;
         HWY_DYNAMIC_DISPATCH(adamRow)
-        (stride, gradients.data() + at, rate.data(), n < kTable ? first1[n] : 1.0f, n < kTable ? first2[n] : correction(kAdamBeta2, n), first.data() + at,
-         second.data() + at, values.data() + at);
+        (stride, gradients.data() + at, rate.data(), n < kTable ? first1[n] : 1.0f, n < kTable ? first2[n] : correction(kAdamBeta2, n),
+         first.data() + at, second.data() + at, values.data() + at);
     }
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Adam over parameter rows (SIMD, sparse) and its uniform variant for meshes (technical reference §6.3).
 #pragma once
 

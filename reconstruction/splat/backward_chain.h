@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Backward of one bound splat: gradient on its screen record -> its parameters and its triangle (technical reference §5.1, §17).
 // Templates: the trainer runs them in float, the gradient tests in double.
 //
@@ -32,7 +33,7 @@ struct SplatParameters {
     Vec2<T> uv{0};
     T phi = 0;
     Vec2<T> scaleM{0};
-    T opacity = 0;          // linear
+    T opacity = 0;  // linear
     bool singleFace = false;
     uint32_t shDegree = 0;
     const T* sh = nullptr;  // coefficient-major

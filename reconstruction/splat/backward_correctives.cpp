@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/splat/backward_correctives.h"
 
 #include <algorithm>
@@ -57,7 +58,8 @@ void addCorrectivePoseGradient(const PoseCorrectiveData& c, const Pose& pose, st
             for (size_t f = 0; f < 6; ++f) g[f] += (gk[i] - 2 * gOff2 * onMode[i]) * double(c.modes[i * features + j * 6 + f]);
         for (size_t f = 0; f < 6; ++f) g[f] += 2 * gOff2 * away[j * 6 + f];
         const double* d = column.data() + j * 6;  // columns minus the identity's
-        rotation[c.joints[j]] += glm::cross(Vec3d(d[0] + 1, d[1], d[2]), Vec3d(g[0], g[1], g[2])) + glm::cross(Vec3d(d[3], d[4] + 1, d[5]), Vec3d(g[3], g[4], g[5]));
+        rotation[c.joints[j]] += glm::cross(Vec3d(d[0] + 1, d[1], d[2]), Vec3d(g[0], g[1], g[2])) +
+                                 glm::cross(Vec3d(d[3], d[4] + 1, d[5]), Vec3d(g[3], g[4], g[5]));
     }
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/splat/backward_mesh.h"
 
 #include <algorithm>
@@ -14,9 +15,10 @@ VertexIncidence::VertexIncidence(std::span<const Triangle> triangles, size_t ver
         for (int c = 0; c < 3; ++c) corners[next[triangles[t][c]]++] = uint32_t(t * 3 + size_t(c));
 }
 
-void backwardSkin(const MeshData& mesh, std::span<const Vec3f> rest, std::span<const JointData> joints, std::span<const Mat3x4f> worldFromRest,
-                  std::span<const Vec3f> posed, std::span<const Vec3f> gPosed, const Mat3f& viewRotation, const Vec3f& viewTranslation, Jobs& jobs,
-                  std::vector<Vec3f>& gRest, PoseGradient<double>& pose) {
+void backwardSkin(const MeshData& mesh, std::span<const Vec3f> rest, std::span<const JointData> joints,
+                  std::span<const Mat3x4f> worldFromRest, std::span<const Vec3f> posed, std::span<const Vec3f> gPosed,
+                  const Mat3f& viewRotation, const Vec3f& viewTranslation, Jobs& jobs, std::vector<Vec3f>& gRest,
+                  PoseGradient<double>& pose) {
     constexpr size_t kGrain = 2048;
     const size_t count = rest.size(), blocks = (count + kGrain - 1) / kGrain, jointCount = joints.size();
     gRest.resize(count);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // From gradients on posed vertices to the rest mesh, the pose and the camera (technical reference §5.1, §6).
 //
 // A joint that turns by ω about its place moves every point it carries by W×(x − q), W = ω in world axes, q the joint in the world.
@@ -80,8 +81,9 @@ inline void backwardJoints(std::span<const JointData> joints, std::span<const Ma
 
 /** The whole mesh in fixed blocks of vertices, reduced in block order. rest: the rest positions that were skinned. posed: their
  *  skinned places. gPosed: gradient on them. gRest is resized to V. The camera part needs the view rotation and translation. */
-void backwardSkin(const MeshData& mesh, std::span<const Vec3f> rest, std::span<const JointData> joints, std::span<const Mat3x4f> worldFromRest,
-                  std::span<const Vec3f> posed, std::span<const Vec3f> gPosed, const Mat3f& viewRotation, const Vec3f& viewTranslation, Jobs& jobs,
-                  std::vector<Vec3f>& gRest, PoseGradient<double>& pose);
+void backwardSkin(const MeshData& mesh, std::span<const Vec3f> rest, std::span<const JointData> joints,
+                  std::span<const Mat3x4f> worldFromRest, std::span<const Vec3f> posed, std::span<const Vec3f> gPosed,
+                  const Mat3f& viewRotation, const Vec3f& viewTranslation, Jobs& jobs, std::vector<Vec3f>& gRest,
+                  PoseGradient<double>& pose);
 
 }  // namespace dpl

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "reconstruction/splat/backward_pixels.cpp"
-#include "hwy/foreach_target.h"
 #include "hwy/cache_control.h"
+#include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 
 #include <algorithm>
@@ -100,8 +101,8 @@ HWY_INLINE void replayEntry(TileState& tile, const ProjectedSplat& p, int32_t in
             red = hn::MulAdd(w, gr, red), green = hn::MulAdd(w, gg, green), blue = hn::MulAdd(w, gb, blue);
             weight = hn::Add(weight, w);
             // g_σ = −α·g_α, zero where α was capped.
-            const V gSigma = hn::IfThenElseZero(hn::And(mask, hn::Le(raw, maxAlpha)),
-                                                hn::Sub(hn::Div(hn::Mul(alpha, rest), through), hn::Mul(w, v)));
+            const V gSigma =
+                hn::IfThenElseZero(hn::And(mask, hn::Le(raw, maxAlpha)), hn::Sub(hn::Div(hn::Mul(alpha, rest), through), hn::Mul(w, v)));
             const V gSigmaX = hn::Mul(gSigma, dx);
             rowS = hn::Add(rowS, gSigma), rowX = hn::Add(rowX, gSigmaX), rowXx = hn::MulAdd(gSigmaX, dx, rowXx);
         }
@@ -174,7 +175,8 @@ void PixelBackward::run(const SplatEngine& engine, const SplatImage& image, cons
                 used = std::max(used, stop);
             }
         HWY_DYNAMIC_DISPATCH(replayTile)
-        (tile, projected.data(), tiles.entries.data() + first, std::min(used, count), float(x0) + 0.5f, float(y0) + 0.5f, entries_.data() + first);
+        (tile, projected.data(), tiles.entries.data() + first, std::min(used, count), float(x0) + 0.5f, float(y0) + 0.5f,
+         entries_.data() + first);
     });
 
     // Per splat, in tile order. Each block owns a range of splats and reads the whole entry list: the order of additions is the

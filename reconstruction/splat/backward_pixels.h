@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Backward of the blend: gradient image -> one ScreenGradient a splat.
 //
 // Forward-order replay. The loss sees the blend only through Σ αTc', c' = (r, g, b, cloth, 1), so with v_i = g·c'_i and

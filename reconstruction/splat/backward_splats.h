@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Second half of the backward pass: gradients on screen records -> parameter rows, triangles and posed vertices.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // CoOptimiser::checkpoint and restore: every number that the next step reads, in one versioned file.
 //
 //   "DPLT" | version u32 | fingerprint u64 | payload bytes u64 | payload hash u64 | payload
@@ -16,7 +17,9 @@ namespace {
 
 constexpr uint32_t kMagic = 0x544C5044, kVersion = 2;
 
-void putAdam(Writer& w, const AdamVector& a) { putArray(w, a.first), putArray(w, a.second), w.value(a.steps); }
+void putAdam(Writer& w, const AdamVector& a) {
+    putArray(w, a.first), putArray(w, a.second), w.value(a.steps);
+}
 Status getAdam(Reader& r, AdamVector& a) {
     DPL_CHECK_OK(getArray(r, a.first));
     DPL_CHECK_OK(getArray(r, a.second));
@@ -48,12 +51,43 @@ uint64_t CoOptimiser::State::fingerprint() const {
     const CoOptimiseSettings& s = settings;
     w.value(s.seed), w.value(s.steps), w.value(s.maxSplats), w.value(s.init.splatCount), w.value(s.init.shDegree);
     putArray(w, s.init.clothLabels), putArray(w, s.init.openLabels), putArray(w, s.levelStarts);
-    for (float x : {s.loss.l1, s.loss.ssim, s.loss.mask, s.loss.cloth, s.earlyMaskFactor, s.regularise.scaleHinge, s.regularise.anisotropy,
-                    s.regularise.edgeRatio, s.regularise.laplacian, s.regularise.pose, s.regularise.camera, s.closeupGradientScale, s.rateUv, s.endUv,
-                    s.ratePhi, s.rateLogScale, s.endLogScale, s.rateOpacity, s.endOpacity, s.rateDc, s.rateRest, s.endColour, s.rateOffsets, s.endOffsets,
-                    s.rateRotation, s.rateTranslation, s.endPose, s.rateCamera, s.rateNodeOffset, s.rateNodeLight, s.endNodes, s.nodeDecay, float(s.smoothingLengthM)})
+    for (float x : {s.loss.l1,
+                    s.loss.ssim,
+                    s.loss.mask,
+                    s.loss.cloth,
+                    s.earlyMaskFactor,
+                    s.regularise.scaleHinge,
+                    s.regularise.anisotropy,
+                    s.regularise.edgeRatio,
+                    s.regularise.laplacian,
+                    s.regularise.pose,
+                    s.regularise.camera,
+                    s.closeupGradientScale,
+                    s.rateUv,
+                    s.endUv,
+                    s.ratePhi,
+                    s.rateLogScale,
+                    s.endLogScale,
+                    s.rateOpacity,
+                    s.endOpacity,
+                    s.rateDc,
+                    s.rateRest,
+                    s.endColour,
+                    s.rateOffsets,
+                    s.endOffsets,
+                    s.rateRotation,
+                    s.rateTranslation,
+                    s.endPose,
+                    s.rateCamera,
+                    s.rateNodeOffset,
+                    s.rateNodeLight,
+                    s.endNodes,
+                    s.nodeDecay,
+                    float(s.smoothingLengthM)})
         w.value(x);
-    for (bool b : {s.learnSplats, s.learnGeometry, s.learnPoses, s.learnCameras, s.learnCorrectives, s.densify, s.learnPlacement, s.fullResolutionOnly}) w.value(uint8_t(b));
+    for (bool b : {s.learnSplats, s.learnGeometry, s.learnPoses, s.learnCameras, s.learnCorrectives, s.densify, s.learnPlacement,
+                   s.fullResolutionOnly})
+        w.value(uint8_t(b));
     w.value(s.geometryEvery), w.value(s.densityEvents);
     putArray(w, templatePositions), putArray(w, input.mesh.triangles), putArray(w, input.triangleLabel);
     putCorrectiveModel(w, input.correctives);
@@ -105,9 +139,12 @@ Status CoOptimiser::restore(const std::filesystem::path& path) {
     DPL_TRY(const uint32_t magic, r.u32());
     if (magic != kMagic) return damaged("not a checkpoint");
     DPL_TRY(const uint32_t version, r.u32());
-    if (version != kVersion) return fail(Code::Version, "checkpoint '{}' has version {}, this build reads {}: delete it and train again", path.string(), version, kVersion);
+    if (version != kVersion)
+        return fail(Code::Version, "checkpoint '{}' has version {}, this build reads {}: delete it and train again", path.string(), version,
+                    kVersion);
     DPL_TRY(const uint64_t fingerprint, r.value<uint64_t>());
-    if (fingerprint != s.fingerprint()) return fail(Code::InvalidArgument, "checkpoint '{}' belongs to other input or settings: delete it and train again", path.string());
+    if (fingerprint != s.fingerprint())
+        return fail(Code::InvalidArgument, "checkpoint '{}' belongs to other input or settings: delete it and train again", path.string());
     DPL_TRY(const uint64_t size, r.value<uint64_t>());
     DPL_TRY(const uint64_t hash, r.value<uint64_t>());
     if (size != r.remaining() || hash != XXH3_64bits(bytes.data() + r.position(), size)) return damaged("wrong length or hash");
@@ -135,8 +172,8 @@ Status CoOptimiser::restore(const std::filesystem::path& path) {
     DPL_CHECK_OK(getArray(r, statistics.seen));
     adam.stride = splats.stride;
     const size_t values = n * splats.stride;
-    if (splats.flags.size() != n || splats.rows.size() != values || splats.sizeFloorM.size() != f || adam.first.size() != values || adam.second.size() != values ||
-        adam.steps.size() != n || statistics.gradientSum.size() != n || statistics.seen.size() != n)
+    if (splats.flags.size() != n || splats.rows.size() != values || splats.sizeFloorM.size() != f || adam.first.size() != values ||
+        adam.second.size() != values || adam.steps.size() != n || statistics.gradientSum.size() != n || statistics.seen.size() != n)
         return damaged("array sizes");
     for (size_t i = 0; i < n; ++i)
         if (splats.triangle[i] >= f || (i > 0 && splats.triangle[i] < splats.triangle[i - 1])) return damaged("triangle order");
@@ -149,10 +186,11 @@ Status CoOptimiser::restore(const std::filesystem::path& path) {
     DPL_TRY(adamOffsets.steps, r.u32());
     DPL_CHECK_OK(getArray(r, gradientSum));
     DPL_TRY(gradientCount, r.u32());
-    if (u.size() != s.u.size() || gradientSum.size() != s.restGradientSum.size() || (adamOffsets.first.size() != u.size() && !adamOffsets.first.empty()) ||
-        adamOffsets.second.size() != adamOffsets.first.size())
+    if (u.size() != s.u.size() || gradientSum.size() != s.restGradientSum.size() ||
+        (adamOffsets.first.size() != u.size() && !adamOffsets.first.empty()) || adamOffsets.second.size() != adamOffsets.first.size())
         return damaged("offset sizes");
-    if (!allFinite(splats.rows) || !allFinite(adam.first) || !allFinite(adam.second) || !allFinite(u) || !allFinite(gradientSum)) return damaged("numbers that are not finite");
+    if (!allFinite(splats.rows) || !allFinite(adam.first) || !allFinite(adam.second) || !allFinite(u) || !allFinite(gradientSum))
+        return damaged("numbers that are not finite");
     std::vector<Vec4f> nodes;
     AdamRows adamNodes = s.adamNodes;
     DPL_CHECK_OK(getArray(r, nodes));
@@ -188,7 +226,8 @@ Status CoOptimiser::restore(const std::filesystem::path& path) {
     s.splats.indexTriangles(f);
     s.splats.activateAll(s.jobs);
     s.adam = std::move(adam), s.statistics = std::move(statistics);
-    s.u = std::move(u), s.adamOffsets = std::move(adamOffsets), s.restGradientSum = std::move(gradientSum), s.restGradientCount = gradientCount;
+    s.u = std::move(u), s.adamOffsets = std::move(adamOffsets), s.restGradientSum = std::move(gradientSum),
+    s.restGradientCount = gradientCount;
     s.input.correctives.nodes = std::move(nodes), s.adamNodes = std::move(adamNodes);
     s.poses = std::move(poses), s.adamPoses = std::move(adamPoses), s.adamCameras = std::move(adamCameras);
     s.cameraTurn = std::move(turn), s.cameraShift = std::move(shift);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/splat/co_optimise.h"
 
 #include <algorithm>
@@ -20,9 +21,13 @@ double millisecondsSince(std::chrono::steady_clock::time_point start) {
 }
 
 /** Floats a row of Adam: four a mode, padded to whole vectors. */
-uint32_t nodeStride(const PoseCorrectiveData& c) { return (c.modeCount * 4 + 7) / 8 * 8; }
+uint32_t nodeStride(const PoseCorrectiveData& c) {
+    return (c.modeCount * 4 + 7) / 8 * 8;
+}
 
-bool finite(const Vec3f& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+bool finite(const Vec3f& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
 
 }  // namespace
 
@@ -31,28 +36,35 @@ Status CoOptimiser::State::prepare() {
     const size_t vertexCount = m.restPositions.size();
     if (vertexCount == 0 || m.triangles.empty()) return fail(Code::InvalidArgument, "the template mesh is empty");
     if (m.jointIndices.size() != vertexCount || m.jointWeights.size() != vertexCount)
-        return fail(Code::InvalidArgument, "the template has {} vertices but {} skin indices and {} weights", vertexCount, m.jointIndices.size(), m.jointWeights.size());
+        return fail(Code::InvalidArgument, "the template has {} vertices but {} skin indices and {} weights", vertexCount,
+                    m.jointIndices.size(), m.jointWeights.size());
     if (!input.triangleLabel.empty() && input.triangleLabel.size() != m.triangles.size())
         return fail(Code::InvalidArgument, "{} triangle labels for {} triangles", input.triangleLabel.size(), m.triangles.size());
     for (size_t v = 0; v < vertexCount; ++v) {
         if (!finite(m.restPositions[v])) return fail(Code::InvalidArgument, "template vertex {} is not finite", v);
         for (int k = 0; k < 4; ++k)
             if (m.jointWeights[v][k] && m.jointIndices[v][k] >= input.joints.size())
-                return fail(Code::InvalidArgument, "template vertex {} is skinned to joint {} of {}", v, m.jointIndices[v][k], input.joints.size());
+                return fail(Code::InvalidArgument, "template vertex {} is skinned to joint {} of {}", v, m.jointIndices[v][k],
+                            input.joints.size());
     }
     for (const Triangle& t : m.triangles)
-        if (t.x >= vertexCount || t.y >= vertexCount || t.z >= vertexCount) return fail(Code::InvalidArgument, "a template triangle names a vertex beyond {}", vertexCount);
+        if (t.x >= vertexCount || t.y >= vertexCount || t.z >= vertexCount)
+            return fail(Code::InvalidArgument, "a template triangle names a vertex beyond {}", vertexCount);
     if (settings.steps == 0) return fail(Code::InvalidArgument, "a training run needs at least one step");
-    if (settings.init.shDegree > kMaxShDegree) return fail(Code::InvalidArgument, "SH degree {} is above {}", settings.init.shDegree, kMaxShDegree);
-    if (settings.levelStarts.empty() || settings.geometryEvery == 0) return fail(Code::InvalidArgument, "the schedule needs a level and geometryEvery of at least 1");
+    if (settings.init.shDegree > kMaxShDegree)
+        return fail(Code::InvalidArgument, "SH degree {} is above {}", settings.init.shDegree, kMaxShDegree);
+    if (settings.levelStarts.empty() || settings.geometryEvery == 0)
+        return fail(Code::InvalidArgument, "the schedule needs a level and geometryEvery of at least 1");
     for (uint32_t i = 0; i < input.frames.size(); ++i) {
         const TrainFrame& f = input.frames[i];
         DPL_CHECK_OK(checkTrainFrame(f));
-        if (auto status = checkPose(input.joints, f.pose); !status) return fail(status.error().code, "frame '{}': {}", f.name, status.error().message);
+        if (auto status = checkPose(input.joints, f.pose); !status)
+            return fail(status.error().code, "frame '{}': {}", f.name, status.error().message);
         poses.push_back(f.pose);
         if (std::any_of(f.mask.pixels.begin(), f.mask.pixels.end(), [](uint8_t v) { return v >= 128; })) usedFrames.push_back(i);
     }
-    if (usedFrames.empty()) return fail(Code::InvalidArgument, "none of the {} training frames has a person in its mask", input.frames.size());
+    if (usedFrames.empty())
+        return fail(Code::InvalidArgument, "none of the {} training frames has a person in its mask", input.frames.size());
     settings.init.seed = settings.seed;
     firstPoses = poses;
     adamPoses.resize(poses.size());
@@ -91,13 +103,15 @@ Result<std::unique_ptr<CoOptimiser>> CoOptimiser::create(CoOptimiseInput input, 
     return std::unique_ptr<CoOptimiser>(new CoOptimiser(std::move(state)));
 }
 
-Result<std::unique_ptr<CoOptimiser>> CoOptimiser::createFrom(CoOptimiseInput input, const SplatData& splats, const CoOptimiseSettings& settings, Jobs& jobs) {
+Result<std::unique_ptr<CoOptimiser>> CoOptimiser::createFrom(CoOptimiseInput input, const SplatData& splats,
+                                                             const CoOptimiseSettings& settings, Jobs& jobs) {
     auto state = std::make_unique<State>(std::move(input), settings, jobs);
     DPL_CHECK_OK(state->prepare());
     State& s = *state;
     const size_t n = splats.count();
-    if (splats.triangleStart.size() != s.mesh.triangles.size() + 1 || splats.triangleStart.back() != n || splats.phi.size() != n || splats.scaleM.size() != n ||
-        splats.opacity.size() != n || splats.flags.size() != n || splats.sh.size() != n * shCoefficientCount(splats.shDegree) * 3)
+    if (splats.triangleStart.size() != s.mesh.triangles.size() + 1 || splats.triangleStart.back() != n || splats.phi.size() != n ||
+        splats.scaleM.size() != n || splats.opacity.size() != n || splats.flags.size() != n ||
+        splats.sh.size() != n * shCoefficientCount(splats.shDegree) * 3)
         return fail(Code::InvalidArgument, "the splats do not fit the mesh of {} triangles", s.mesh.triangles.size());
     s.splats = TrainableSplats::fromSplatData(splats, sizeFloors(s.input.joints, s.mesh, s.input.frames, jobs));
     s.splats.activateAll(jobs);
@@ -108,10 +122,16 @@ Result<std::unique_ptr<CoOptimiser>> CoOptimiser::createFrom(CoOptimiseInput inp
 
 CoOptimiser::CoOptimiser(std::unique_ptr<State> state) : state_(std::move(state)) {}
 CoOptimiser::~CoOptimiser() = default;
-bool CoOptimiser::finished() const { return state_->step >= state_->settings.steps; }
-uint32_t CoOptimiser::step() const { return state_->step; }
+bool CoOptimiser::finished() const {
+    return state_->step >= state_->settings.steps;
+}
+uint32_t CoOptimiser::step() const {
+    return state_->step;
+}
 
-float CoOptimiser::State::decay(float end) const { return std::pow(end, float(step) / float(settings.steps)); }
+float CoOptimiser::State::decay(float end) const {
+    return std::pow(end, float(step) / float(settings.steps));
+}
 
 void CoOptimiser::State::selectLevel() {
     const float at = float(step) / float(settings.steps);
@@ -135,7 +155,8 @@ uint32_t CoOptimiser::State::frameOf(uint32_t atStep) {
     if (epoch != orderEpoch) {
         orderEpoch = epoch;
         order = usedFrames;
-        for (size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[hashBits(settings.seed, kOrderStream + (epoch << 8), i) % i]);
+        for (size_t i = order.size(); i > 1; --i)
+            std::swap(order[i - 1], order[hashBits(settings.seed, kOrderStream + (epoch << 8), i) % i]);
     }
     return order[atStep % usedFrames.size()];
 }
@@ -156,7 +177,8 @@ Status CoOptimiser::State::stepOnce() {
     LossWeights weights = settings.loss;
     if (!settings.fullResolutionOnly && step < settings.steps / 4) weights.mask *= settings.earlyMaskFactor;
     const uint64_t at = uint64_t(step) * 3;
-    const Vec3f background(float(hashUniform(settings.seed, kBackgroundStream, at)), float(hashUniform(settings.seed, kBackgroundStream, at + 1)),
+    const Vec3f background(float(hashUniform(settings.seed, kBackgroundStream, at)),
+                           float(hashUniform(settings.seed, kBackgroundStream, at + 1)),
                            float(hashUniform(settings.seed, kBackgroundStream, at + 2)));
     Cameraf camera = level[frame].camera;
     if (settings.learnCameras) {
@@ -181,7 +203,8 @@ Status CoOptimiser::State::stepOnce() {
     sumSquared += loss.squaredError, sumSquaredCount += loss.squaredCount;
     ++step;
     if (settings.densify && settings.densityEvents > 0) {
-        const uint32_t first = uint32_t(0.08 * settings.steps), last = uint32_t(0.55 * settings.steps), every = std::max(1u, (last - first) / settings.densityEvents);
+        const uint32_t first = uint32_t(0.08 * settings.steps), last = uint32_t(0.55 * settings.steps),
+                       every = std::max(1u, (last - first) / settings.densityEvents);
         if (step > first && step <= last && (step - first) % every == 0) {
             DensitySettings d;
             d.seed = settings.seed, d.maxSplats = settings.maxSplats;
@@ -206,7 +229,8 @@ void CoOptimiser::State::updateSplats(uint32_t frame) {
     SplatBackward& b = pass.splatBackward();
     const bool isStatic = input.frames[frame].kind != FrameKind::Dynamic;
     const float gain = input.frames[frame].kind == FrameKind::StaticCloseup ? settings.closeupGradientScale : 1.0f;
-    const float halfHeight = 0.5f * float(level[frame].camera.fy) / float(input.frames[frame].camera.fy) * float(input.frames[frame].camera.heightPx);
+    const float halfHeight =
+        0.5f * float(level[frame].camera.fy) / float(input.frames[frame].camera.fy) * float(input.frames[frame].camera.heightPx);
     std::vector<float> rate(splats.stride, 0.0f);
     const float colour = decay(settings.endColour);
     if (settings.learnPlacement) {
@@ -243,14 +267,17 @@ void CoOptimiser::State::updatePose(uint32_t frame) {
         std::vector<double> gradient(jointCount * 3 + 3), rates(jointCount * 3 + 3);
         const float fall = decay(settings.endPose);
         for (size_t j = 0; j < jointCount; ++j) {
-            const Vec3d away = logQuaternion(Quatd(pose.localRotations[j]) * glm::conjugate(glm::normalize(Quatd(firstPoses[frame].localRotations[j]))));
+            const Vec3d away =
+                logQuaternion(Quatd(pose.localRotations[j]) * glm::conjugate(glm::normalize(Quatd(firstPoses[frame].localRotations[j]))));
             for (int a = 0; a < 3; ++a) {
                 gradient[j * 3 + size_t(a)] = g.rotation[j][a] + 2 * settings.regularise.pose * away[a];
                 rates[j * 3 + size_t(a)] = settings.rateRotation * fall;
             }
         }
         for (int a = 0; a < 3; ++a) {
-            gradient[jointCount * 3 + size_t(a)] = g.rootTranslation[a] + 2 * settings.regularise.pose * 100 * (pose.rootTranslation[a] - firstPoses[frame].rootTranslation[a]);
+            gradient[jointCount * 3 + size_t(a)] =
+                g.rootTranslation[a] +
+                2 * settings.regularise.pose * 100 * (pose.rootTranslation[a] - firstPoses[frame].rootTranslation[a]);
             rates[jointCount * 3 + size_t(a)] = settings.rateTranslation * fall;
         }
         const std::vector<double> delta = adamPoses[frame].step(gradient, rates);
@@ -311,7 +338,8 @@ void CoOptimiser::State::updateCorrectives() {
         for (uint32_t i = 0; i < c.modeCount; ++i) {
             const Vec4f& value = c.nodes[size_t(n) * c.modeCount + i];
             const Vec4f gradient = k[i] * g;
-            for (uint32_t a = 0; a < 4; ++a) values[n * stride + i * 4 + a] = value[int(a)], gradients[n * stride + i * 4 + a] = gradient[int(a)];
+            for (uint32_t a = 0; a < 4; ++a)
+                values[n * stride + i * 4 + a] = value[int(a)], gradients[n * stride + i * 4 + a] = gradient[int(a)];
         }
     }
     const float keep = 1 - fall * settings.nodeDecay;  // decoupled from Adam, which would undo the scale of a penalty
@@ -360,7 +388,8 @@ CoOptimiseResult CoOptimiser::result() const {
     r.restPositions = s.mesh.restPositions;
     r.correctives = s.input.correctives;
     r.poses = s.poses;
-    for (uint32_t f = 0; f < s.input.frames.size(); ++f) r.cameras.push_back(s.settings.learnCameras ? s.cameraOf(f) : s.input.frames[f].camera);
+    for (uint32_t f = 0; f < s.input.frames.size(); ++f)
+        r.cameras.push_back(s.settings.learnCameras ? s.cameraOf(f) : s.input.frames[f].camera);
     r.curve = s.curve;
     r.framesUsed = uint32_t(s.usedFrames.size());
     StepProfile p = s.profile;

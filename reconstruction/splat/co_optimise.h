@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Co-optimisation: splats, static offsets ΔVˢ and per-frame poses learned together from the training pictures.
 //
 //   for each step: one frame ─► FramePass ─► Adam on the splats it saw, Adam on its pose; every fourth step LargeSteps on ΔVˢ;
@@ -21,43 +22,44 @@ namespace dpl {
 /** Everything is copied or moved in; frames are training frames only (held-out ones must not be in the list). */
 struct CoOptimiseInput {
     std::vector<JointData> joints;
-    MeshData mesh;                        // template at rest; weights already cut to 4 × unorm8
-    PoseCorrectiveData correctives;       // where training starts (usually zero nodes), or empty: none are learned
-    std::vector<uint8_t> triangleLabel;   // F label values of the scan, or empty: all body
+    MeshData mesh;                       // template at rest; weights already cut to 4 × unorm8
+    PoseCorrectiveData correctives;      // where training starts (usually zero nodes), or empty: none are learned
+    std::vector<uint8_t> triangleLabel;  // F label values of the scan, or empty: all body
     std::vector<TrainFrame> frames;
 };
 
 struct CoOptimiseSettings {
     uint64_t seed = 1;
     uint32_t steps = 8000;
-    InitSettings init;                    // its seed is replaced by `seed`
+    InitSettings init;  // its seed is replaced by `seed`
     uint32_t maxSplats = 90000;
     LossWeights loss{0.8f, 0.2f, 1.0f, 0.1f};
-    float earlyMaskFactor = 5.0f;         // mask weight in the first quarter
+    float earlyMaskFactor = 5.0f;  // mask weight in the first quarter
     RegulariserWeights regularise;
-    float closeupGradientScale = 5.0f;    // on splat attributes of close-ups (reference §10)
+    float closeupGradientScale = 5.0f;  // on splat attributes of close-ups (reference §10)
     bool learnSplats = true;
     bool learnGeometry = true;
     bool learnPoses = true;
     bool learnCorrectives = true;
     bool learnCameras = false;
     bool densify = true;
-    bool learnPlacement = true;           // uv and φ; off in polish
-    bool fullResolutionOnly = false;      // no progressive levels
+    bool learnPlacement = true;       // uv and φ; off in polish
+    bool fullResolutionOnly = false;  // no progressive levels
     // Learning rates at the start; each falls geometrically to `end` times itself.
     float rateUv = 5e-3f, endUv = 0.02f;
     float ratePhi = 2e-3f, rateLogScale = 5e-3f, endLogScale = 0.2f;
     float rateOpacity = 5e-2f, endOpacity = 0.2f;
     float rateDc = 5e-3f, rateRest = 2.5e-4f, endColour = 0.2f;
-    float rateOffsets = 2e-3f, endOffsets = 0.1f;       // metres, AdamUniform on u
+    float rateOffsets = 2e-3f, endOffsets = 0.1f;  // metres, AdamUniform on u
     float rateRotation = 1.5e-3f, rateTranslation = 1e-3f, endPose = 0.1f;
     float rateCamera = 1e-4f;
     float rateNodeOffset = 2e-4f, rateNodeLight = 4e-3f, endNodes = 0.1f;  // metres and brightness a unit of a mode
-    float nodeDecay = 2e-3f;              // of node values a step that saw them, times the rates' fall: what pictures do not ask for goes
+    float nodeDecay = 2e-3f;  // of node values a step that saw them, times the rates' fall: what pictures do not ask for goes
     double smoothingLengthM = 0.04;
-    uint32_t geometryEvery = 4;           // steps whose rest gradients are averaged into one LargeSteps update
-    uint32_t densityEvents = 20;          // between 8 % and 55 % of the run
-    std::vector<float> levelStarts{0.0f, 0.25f, 0.35f, 0.45f, 0.55f};  // fractions of the run; the first level is the coarsest, the last is 1
+    uint32_t geometryEvery = 4;   // steps whose rest gradients are averaged into one LargeSteps update
+    uint32_t densityEvents = 20;  // between 8 % and 55 % of the run
+    std::vector<float> levelStarts{0.0f, 0.25f, 0.35f, 0.45f,
+                                   0.55f};  // fractions of the run; the first level is the coarsest, the last is 1
 };
 
 struct CurvePoint {
@@ -68,7 +70,7 @@ struct CurvePoint {
 
 struct CoOptimiseProgress {
     uint32_t step = 0, steps = 0, splats = 0;
-    float scale = 1;                      // of the present level
+    float scale = 1;  // of the present level
     CurvePoint recent;
 };
 
@@ -78,16 +80,16 @@ struct StepProfile {
     double stepMs = 0;
     PassTimes partsMs;
     double updateMs = 0;
-    double pairs = 0;                     // pixel-splat pairs a step
+    double pairs = 0;                                    // pixel-splat pairs a step
     double forwardNsPerPair = 0, backwardNsPerPair = 0;  // blend, and its backward
 };
 
 struct CoOptimiseResult {
-    SplatData splats;                     // bound to `restPositions`
-    std::vector<Vec3f> restPositions;     // template + ΔVˢ
+    SplatData splats;                  // bound to `restPositions`
+    std::vector<Vec3f> restPositions;  // template + ΔVˢ
     PoseCorrectiveData correctives;
-    std::vector<Pose> poses;              // refined, in the order of the frames
-    std::vector<Camerad> cameras;         // refined when learnCameras, else as given
+    std::vector<Pose> poses;       // refined, in the order of the frames
+    std::vector<Camerad> cameras;  // refined when learnCameras, else as given
     std::vector<CurvePoint> curve;
     StepProfile profile;
     uint32_t framesUsed = 0;
@@ -98,7 +100,8 @@ public:
     /** Checks the input and sets the first state up. Errors name the frame or the array. `jobs` must outlive it. */
     static Result<std::unique_ptr<CoOptimiser>> create(CoOptimiseInput input, const CoOptimiseSettings& settings, Jobs& jobs);
     /** Starts from given splats instead of new ones (bound to input.mesh): for polish. */
-    static Result<std::unique_ptr<CoOptimiser>> createFrom(CoOptimiseInput input, const SplatData& splats, const CoOptimiseSettings& settings, Jobs& jobs);
+    static Result<std::unique_ptr<CoOptimiser>> createFrom(CoOptimiseInput input, const SplatData& splats,
+                                                           const CoOptimiseSettings& settings, Jobs& jobs);
     ~CoOptimiser();
 
     /** Steps until the end, or for maxSteps steps. progress (may be empty) is called after every `reportEvery` steps. Cancelled when

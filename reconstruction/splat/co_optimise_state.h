@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Everything a training run carries from step to step. Private to co_optimise.cpp and checkpoint.cpp.
 #pragma once
 
@@ -16,8 +17,8 @@ struct CoOptimiser::State {
     CoOptimiseSettings settings;
     Jobs& jobs;
     std::vector<Vec3f> templatePositions;
-    std::vector<RestTriangle<float>> bind;       // D of the template: constant in training
-    std::vector<float> referenceSizeM;           // per triangle, for the scale hinge and splits
+    std::vector<RestTriangle<float>> bind;  // D of the template: constant in training
+    std::vector<float> referenceSizeM;      // per triangle, for the scale hinge and splits
     VertexIncidence incidence;
     std::optional<MeshRegulariser> meshRegulariser;
     std::optional<LargeSteps> largeSteps;
@@ -29,10 +30,10 @@ struct CoOptimiser::State {
     TrainableSplats splats;
     AdamRows adam;
     DensityStatistics statistics;
-    std::vector<Vec3f> u;                        // LargeSteps parameters
+    std::vector<Vec3f> u;  // LargeSteps parameters
     AdamUniform adamOffsets;
-    AdamRows adamNodes;                          // of input.correctives.nodes: a row a node
-    std::vector<Vec3f> restGradientSum;          // since the last LargeSteps update
+    AdamRows adamNodes;                  // of input.correctives.nodes: a row a node
+    std::vector<Vec3f> restGradientSum;  // since the last LargeSteps update
     uint32_t restGradientCount = 0;
     std::vector<Pose> poses;
     std::vector<AdamVector> adamPoses;
@@ -43,7 +44,7 @@ struct CoOptimiser::State {
     uint32_t sumSteps = 0;
 
     // Follows from the above.
-    MeshData mesh;                               // input.mesh at template + ΔVˢ
+    MeshData mesh;  // input.mesh at template + ΔVˢ
     std::vector<LevelFrame> level;
     int levelIndex = -1;
     std::vector<uint32_t> order;
@@ -64,7 +65,7 @@ struct CoOptimiser::State {
     void updateCorrectives();
     float decay(float end) const;
     CurvePoint recentPoint() const;
-    uint64_t fingerprint() const;                // of input sizes and settings: a checkpoint of another run is refused
+    uint64_t fingerprint() const;  // of input sizes and settings: a checkpoint of another run is refused
 };
 
 }  // namespace dpl

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pose correctives in our own binary files and fingerprints. One list of fields: a new one cannot be forgotten in one place.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/splat/density.h"
 
 #include <algorithm>
@@ -69,7 +70,8 @@ DensityReport densify(TrainableSplats& splats, AdamRows& adam, DensityStatistics
             std::copy_n(source, stride, row.data());
             if (!big && child == 0) {
                 // The two clones together are about as opaque as the one was.
-                row[kRowOpacityLogit] = std::log(std::max(1e-4f, 1 - std::sqrt(1 - splats.opacity[i])) / std::max(1e-4f, std::sqrt(1 - splats.opacity[i])));
+                row[kRowOpacityLogit] =
+                    std::log(std::max(1e-4f, 1 - std::sqrt(1 - splats.opacity[i])) / std::max(1e-4f, std::sqrt(1 - splats.opacity[i])));
                 place(i, row.data(), true);
                 continue;
             }
@@ -82,7 +84,8 @@ DensityReport densify(TrainableSplats& splats, AdamRows& adam, DensityStatistics
             if (big) {
                 row[kRowLogScale1] -= std::log(1.6f), row[kRowLogScale2] -= std::log(1.6f);
             } else {
-                row[kRowOpacityLogit] = std::log(std::max(1e-4f, 1 - std::sqrt(1 - splats.opacity[i])) / std::max(1e-4f, std::sqrt(1 - splats.opacity[i])));
+                row[kRowOpacityLogit] =
+                    std::log(std::max(1e-4f, 1 - std::sqrt(1 - splats.opacity[i])) / std::max(1e-4f, std::sqrt(1 - splats.opacity[i])));
             }
             place(i, row.data(), false);
         }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Density control: split, clone and prune (technical reference §11). Statistics come from static frames only.
 #pragma once
 
@@ -9,8 +10,8 @@
 namespace dpl {
 
 struct DensityStatistics {
-    std::vector<float> gradientSum;   // |∂loss/∂centre|, in units of half the picture's height, per splat
-    std::vector<uint32_t> seen;       // number of static frames that saw it since the last event
+    std::vector<float> gradientSum;  // |∂loss/∂centre|, in units of half the picture's height, per splat
+    std::vector<uint32_t> seen;      // number of static frames that saw it since the last event
 
     void resize(size_t count) { gradientSum.assign(count, 0.0f), seen.assign(count, 0); }
 };
@@ -18,9 +19,9 @@ struct DensityStatistics {
 struct DensitySettings {
     uint64_t seed = 1;
     uint32_t maxSplats = 100000;
-    uint32_t maxGrowth = 4000;        // new splats an event
-    float minOpacity = 0.005f;        // pruned below, unless it is its triangle's last splat
-    float bigM = 0.008f;              // split above this or above 0.6·triangle size, clone below
+    uint32_t maxGrowth = 4000;  // new splats an event
+    float minOpacity = 0.005f;  // pruned below, unless it is its triangle's last splat
+    float bigM = 0.008f;        // split above this or above 0.6·triangle size, clone below
 };
 
 struct DensityReport {

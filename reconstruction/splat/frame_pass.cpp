@@ -1,11 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/splat/frame_pass.h"
 
 #include <chrono>
 
 namespace dpl {
 
-LossValues FramePass::run(const PassSubject& s, const Pose& pose, const LevelFrame& level, const Cameraf& camera, const LossWeights& weights,
-                          const Vec3f& background, bool geometry) {
+LossValues FramePass::run(const PassSubject& s, const Pose& pose, const LevelFrame& level, const Cameraf& camera,
+                          const LossWeights& weights, const Vec3f& background, bool geometry) {
     auto last = std::chrono::steady_clock::now();
     const auto lap = [&last](double& sum) {
         const auto now = std::chrono::steady_clock::now();

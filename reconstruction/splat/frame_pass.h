@@ -1,15 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
 // One picture forward and backward: pose the mesh, draw, compare, and bring the gradient back. Shared by training, polish and pose fit.
 #pragma once
 
+#include "reconstruction/splat/backward_correctives.h"
 #include "reconstruction/splat/backward_splats.h"
 #include "reconstruction/splat/losses.h"
-#include "reconstruction/splat/backward_correctives.h"
 #include "reconstruction/splat/train_images.h"
 #include "sdk/avatar/posed_mesh.h"
 
 namespace dpl {
 
-/** What is drawn, borrowed. `mesh.restPositions` and the correctives' offsets are skinned; `bind` are the triangles that splat sizes refer to. */
+/** What is drawn, borrowed. `mesh.restPositions` and the correctives' offsets are skinned; `bind` are the triangles that splat sizes refer
+ * to. */
 struct PassSubject {
     const TrainableSplats& splats;
     const MeshData& mesh;
@@ -31,7 +33,8 @@ public:
     /** geometry: also fill restGradient(), poseGradient() and nodeGradient(). `camera` replaces the level's (same size). */
     LossValues run(const PassSubject& subject, const Pose& pose, const LevelFrame& level, const Cameraf& camera, const LossWeights& weights,
                    const Vec3f& background, bool geometry);
-    LossValues run(const PassSubject& subject, const Pose& pose, const LevelFrame& level, const LossWeights& weights, const Vec3f& background, bool geometry) {
+    LossValues run(const PassSubject& subject, const Pose& pose, const LevelFrame& level, const LossWeights& weights,
+                   const Vec3f& background, bool geometry) {
         return run(subject, pose, level, level.camera, weights, background, geometry);
     }
 

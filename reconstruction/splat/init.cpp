@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/splat/init.h"
 
 #include <algorithm>
@@ -12,7 +13,9 @@
 namespace dpl {
 namespace {
 
-bool contains(const std::vector<uint8_t>& list, uint8_t value) { return std::find(list.begin(), list.end(), value) != list.end(); }
+bool contains(const std::vector<uint8_t>& list, uint8_t value) {
+    return std::find(list.begin(), list.end(), value) != list.end();
+}
 
 void poseMesh(std::span<const JointData> joints, const MeshData& mesh, const Pose& pose, Jobs& jobs, std::vector<Vec3f>& posed) {
     std::vector<Mat3x4f> transforms;
@@ -22,8 +25,8 @@ void poseMesh(std::span<const JointData> joints, const MeshData& mesh, const Pos
 
 }  // namespace
 
-std::vector<uint8_t> triangleFlags(std::span<const Vec3f> restPositions, std::span<const Triangle> triangles, std::span<const uint8_t> labels,
-                                   const InitSettings& settings) {
+std::vector<uint8_t> triangleFlags(std::span<const Vec3f> restPositions, std::span<const Triangle> triangles,
+                                   std::span<const uint8_t> labels, const InitSettings& settings) {
     const auto [merged, placeCount] = mergeVertices(restPositions);
     std::map<std::pair<uint32_t, uint32_t>, int> uses;
     for (const Triangle& t : triangles)
@@ -73,8 +76,8 @@ std::vector<float> sizeFloors(std::span<const JointData> joints, const MeshData&
     return density;
 }
 
-TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData& mesh, std::span<const uint8_t> flags, std::span<const float> floors,
-                              std::span<const TrainFrame> frames, const InitSettings& settings, Jobs& jobs) {
+TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData& mesh, std::span<const uint8_t> flags,
+                              std::span<const float> floors, std::span<const TrainFrame> frames, const InitSettings& settings, Jobs& jobs) {
     const size_t triangleCount = mesh.triangles.size();
     std::vector<double> area(triangleCount, 0.0);
     double total = 0;

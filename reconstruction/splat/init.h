@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where splats start: area-weighted over the mesh, coloured by what the training pictures show.
 #pragma once
 
@@ -13,13 +14,13 @@ struct InitSettings {
     uint32_t splatCount = 60000;
     uint32_t shDegree = 1;
     std::vector<uint8_t> clothLabels{2, 3};
-    std::vector<uint8_t> openLabels{4};      // faces with these labels draw from both sides (hair)
+    std::vector<uint8_t> openLabels{4};  // faces with these labels draw from both sides (hair)
 };
 
 /** kSplatSingleFace and kSplatCloth of every triangle (reference §14.2): single-face except open labels and faces within two rings
  *  of a boundary edge. Vertices at one place count as one, so seams are no boundary. labels may be empty (all body). */
-std::vector<uint8_t> triangleFlags(std::span<const Vec3f> restPositions, std::span<const Triangle> triangles, std::span<const uint8_t> labels,
-                                   const InitSettings& settings);
+std::vector<uint8_t> triangleFlags(std::span<const Vec3f> restPositions, std::span<const Triangle> triangles,
+                                   std::span<const uint8_t> labels, const InitSettings& settings);
 
 /** In-plane size floor 0.35/ν of every triangle, ν the highest px/m at which any frame saw it; triangles that no frame saw take the
  *  median. Metres. */
@@ -27,7 +28,7 @@ std::vector<float> sizeFloors(std::span<const JointData> joints, const MeshData&
 
 /** At least one splat a valid triangle, the rest by area; s = 0.8·spacing, opacity 0.8; SH dc from the frames (static ones first),
  *  weighted by cos²θ of visible surface. */
-TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData& mesh, std::span<const uint8_t> flags, std::span<const float> floors,
-                              std::span<const TrainFrame> frames, const InitSettings& settings, Jobs& jobs);
+TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData& mesh, std::span<const uint8_t> flags,
+                              std::span<const float> floors, std::span<const TrainFrame> frames, const InitSettings& settings, Jobs& jobs);
 
 }  // namespace dpl

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/splat/losses.h"
 
 #include <algorithm>
@@ -6,10 +7,12 @@
 namespace dpl {
 namespace {
 
-constexpr size_t kGrain = 16;                // rows a block
-constexpr uint32_t kWindowReachPx = 10;      // SSIM's gradient at a pixel reads two windows of radius 5
+constexpr size_t kGrain = 16;            // rows a block
+constexpr uint32_t kWindowReachPx = 10;  // SSIM's gradient at a pixel reads two windows of radius 5
 
-float sign(float x) { return x > 0 ? 1.0f : x < 0 ? -1.0f : 0.0f; }
+float sign(float x) {
+    return x > 0 ? 1.0f : x < 0 ? -1.0f : 0.0f;
+}
 
 }  // namespace
 
@@ -107,7 +110,8 @@ LossValues PictureLoss::run(const SplatImage& image, const PictureTarget& target
                     gradient.red[i] = gradient.green[i] = gradient.blue[i] = 0;
                     continue;
                 }
-                const float r = colourGradient_.values[at], g = colourGradient_.values[boxPixels + at], b = colourGradient_.values[2 * boxPixels + at];
+                const float r = colourGradient_.values[at], g = colourGradient_.values[boxPixels + at],
+                            b = colourGradient_.values[2 * boxPixels + at];
                 gradient.red[i] = r, gradient.green[i] = g, gradient.blue[i] = b;
                 gradient.alpha[i] -= r * background.x + g * background.y + b * background.z;
             }

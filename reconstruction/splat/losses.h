@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The picture's loss and its gradient on the blend: 0.8·L1 + 0.2·(1 − SSIM) on one random background, mask L1 on alpha, cloth label L1
 // (technical reference §9.1, §9.2).
 #pragma once
@@ -36,7 +37,8 @@ public:
     /** Loss of `image` (premultiplied, same size as the target) with both sides composited on `background`. Fills `gradient`.
      *  Pixels of the band take the rendered colour as their target, so they add no colour loss and get no colour gradient.
      *  Work is done in the box of what either side shows; beyond it both are background and every term is exactly zero. */
-    LossValues run(const SplatImage& image, const PictureTarget& target, const LossWeights& weights, const Vec3f& background, ImageGradient& gradient);
+    LossValues run(const SplatImage& image, const PictureTarget& target, const LossWeights& weights, const Vec3f& background,
+                   ImageGradient& gradient);
 
 private:
     /** Pixels [x0, x1) × [y0, y1). */

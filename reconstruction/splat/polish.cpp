@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/splat/polish.h"
 
 #include <cmath>
@@ -14,7 +15,7 @@ CoOptimiseSettings polishSettings(uint32_t steps, uint64_t seed, uint32_t shDegr
     s.loss.cloth = 0;
     // The start is already good: small steps, falling to a tenth.
     s.rateLogScale = 1e-3f, s.rateOpacity = 1e-2f, s.rateDc = 2e-3f;
-    s.rateRest = 0;   // beyond coefficient 0 splats share the rows of a palette
+    s.rateRest = 0;  // beyond coefficient 0 splats share the rows of a palette
     s.endLogScale = s.endOpacity = s.endColour = 0.1f;
     return s;
 }
@@ -23,7 +24,8 @@ Result<CoOptimiseResult> polish(AvatarData& avatar, std::vector<TrainFrame> fram
                                 const std::function<void(const CoOptimiseProgress&)>& progress, const std::atomic<bool>* cancel) {
     CoOptimiseInput input;
     input.joints = avatar.joints, input.mesh = avatar.mesh, input.correctives = avatar.correctives, input.frames = std::move(frames);
-    DPL_TRY(auto trainer, CoOptimiser::createFrom(std::move(input), avatar.splats, polishSettings(steps, seed, avatar.splats.shDegree), jobs));
+    DPL_TRY(auto trainer,
+            CoOptimiser::createFrom(std::move(input), avatar.splats, polishSettings(steps, seed, avatar.splats.shDegree), jobs));
     DPL_CHECK_OK(trainer->run(progress, cancel));
     CoOptimiseResult result = trainer->result();
     avatar.splats = result.splats;
@@ -53,19 +55,25 @@ Result<PoseFitResult> fitPose(const AvatarData& avatar, const TrainFrame& frame,
     AdamVector adam;
     std::vector<double> gradient(joints * 3 + 3), rates(joints * 3 + 3);
     for (uint32_t i = 0; i < settings.iterations; ++i) {
-        const Vec3f background(float(hashUniform(settings.seed, 20, 3 * i)), float(hashUniform(settings.seed, 20, 3 * i + 1)), float(hashUniform(settings.seed, 20, 3 * i + 2)));
+        const Vec3f background(float(hashUniform(settings.seed, 20, 3 * i)), float(hashUniform(settings.seed, 20, 3 * i + 1)),
+                               float(hashUniform(settings.seed, 20, 3 * i + 2)));
         const bool late = 2 * i >= settings.iterations;
         pass.run(subject, pose, late ? fine : coarse, settings.loss, background, true);
         const PoseGradient<double>& g = pass.poseGradient();
         const double fall = std::pow(settings.end, double(i) / settings.iterations);
         for (size_t j = 0; j < joints; ++j) {
-            const Vec3d away = logQuaternion(Quatd(pose.localRotations[j]) * glm::conjugate(glm::normalize(Quatd(frame.pose.localRotations[j]))));
-            for (int a = 0; a < 3; ++a) gradient[j * 3 + size_t(a)] = g.rotation[j][a] + 2.0 * settings.posePull * away[a], rates[j * 3 + size_t(a)] = settings.rateRotation * fall;
+            const Vec3d away =
+                logQuaternion(Quatd(pose.localRotations[j]) * glm::conjugate(glm::normalize(Quatd(frame.pose.localRotations[j]))));
+            for (int a = 0; a < 3; ++a)
+                gradient[j * 3 + size_t(a)] = g.rotation[j][a] + 2.0 * settings.posePull * away[a],
+                                 rates[j * 3 + size_t(a)] = settings.rateRotation * fall;
         }
-        for (int a = 0; a < 3; ++a) gradient[joints * 3 + size_t(a)] = g.rootTranslation[a], rates[joints * 3 + size_t(a)] = settings.rateTranslation * fall;
+        for (int a = 0; a < 3; ++a)
+            gradient[joints * 3 + size_t(a)] = g.rootTranslation[a], rates[joints * 3 + size_t(a)] = settings.rateTranslation * fall;
         const std::vector<double> delta = adam.step(gradient, rates);
         for (size_t j = 0; j < joints; ++j)
-            pose.localRotations[j] = Quatf(glm::normalize(turnQuaternion(-Vec3d(delta[j * 3], delta[j * 3 + 1], delta[j * 3 + 2])) * Quatd(pose.localRotations[j])));
+            pose.localRotations[j] = Quatf(
+                glm::normalize(turnQuaternion(-Vec3d(delta[j * 3], delta[j * 3 + 1], delta[j * 3 + 2])) * Quatd(pose.localRotations[j])));
         for (int a = 0; a < 3; ++a) pose.rootTranslation[a] -= float(delta[joints * 3 + size_t(a)]);
         const bool last = i + 1 == settings.iterations;
         if (last || (late && i % 10 == 9)) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/splat/regularisers.h"
 
 #include <algorithm>
@@ -46,7 +47,8 @@ double splatRegulariserValue(const TrainableSplats& splats, std::span<const floa
     return sum / std::max(1u, splats.count());
 }
 
-MeshRegulariser::MeshRegulariser(std::span<const Vec3f> positions, std::span<const Triangle> triangles) : rest_(positions.begin(), positions.end()) {
+MeshRegulariser::MeshRegulariser(std::span<const Vec3f> positions, std::span<const Triangle> triangles)
+    : rest_(positions.begin(), positions.end()) {
     for (const Triangle& t : triangles)
         for (int c = 0; c < 3; ++c) edges_.emplace_back(std::min(t[c], t[(c + 1) % 3]), std::max(t[c], t[(c + 1) % 3]));
     std::sort(edges_.begin(), edges_.end());

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The terms of the loss that look at parameters instead of pictures (technical reference §9.4).
 #pragma once
 
@@ -9,11 +10,11 @@
 namespace dpl {
 
 struct RegulariserWeights {
-    float scaleHinge = 1.0f;        // mean of max(0, s/h − 0.6), h the size of the splat's triangle or 8 mm, whichever is larger
-    float anisotropy = 0.01f;       // mean of max(0, ln(s_max/s_min) − ln 10)
-    float edgeRatio = 1e-2f;        // mean of max(0, ||e'|/|e| − 1| − 0.5)²
-    float laplacian = 1e-2f;        // mean of |L ΔV|²/(mean edge)², L the uniform Laplacian divided by valence
-    float pose = 1e-2f;             // ‖log(R R0ᵀ)‖² of every joint, ‖Δt‖²/(0.1 m)²
+    float scaleHinge = 1.0f;   // mean of max(0, s/h − 0.6), h the size of the splat's triangle or 8 mm, whichever is larger
+    float anisotropy = 0.01f;  // mean of max(0, ln(s_max/s_min) − ln 10)
+    float edgeRatio = 1e-2f;   // mean of max(0, ||e'|/|e| − 1| − 0.5)²
+    float laplacian = 1e-2f;   // mean of |L ΔV|²/(mean edge)², L the uniform Laplacian divided by valence
+    float pose = 1e-2f;        // ‖log(R R0ᵀ)‖² of every joint, ‖Δt‖²/(0.1 m)²
     float camera = 1e-1f;
 };
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Rotation vectors (axis times angle) and unit quaternions.
 #pragma once
 

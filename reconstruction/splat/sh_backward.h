@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Derivatives of the SH basis of sdk/math/sh.h.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "reconstruction/splat/ssim.cpp"
 #include "hwy/foreach_target.h"
@@ -77,7 +78,8 @@ HWY_INLINE void blurRow(const SsimRow& r, const float* HWY_RESTRICT in, float* H
             s0 = hn::MulAdd(w, hn::LoadU(d, at), s0), s1 = hn::MulAdd(w, hn::LoadU(d, at + lanes), s1);
             s2 = hn::MulAdd(w, hn::LoadU(d, at + 2 * lanes), s2), s3 = hn::MulAdd(w, hn::LoadU(d, at + 3 * lanes), s3);
         }
-        hn::StoreU(s0, d, out + x), hn::StoreU(s1, d, out + x + lanes), hn::StoreU(s2, d, out + x + 2 * lanes), hn::StoreU(s3, d, out + x + 3 * lanes);
+        hn::StoreU(s0, d, out + x), hn::StoreU(s1, d, out + x + lanes), hn::StoreU(s2, d, out + x + 2 * lanes),
+            hn::StoreU(s3, d, out + x + 3 * lanes);
     }
     for (; x < r.width; x += lanes) {
         V sum = hn::Zero(d);
@@ -117,7 +119,8 @@ HWY_INLINE void blurColumns(const ColumnWindow& w, const Ring& ring, size_t x, V
         sum[0] = hn::MulAdd(weight, hn::LoadU(d, at), sum[0]), sum[1] = hn::MulAdd(weight, hn::LoadU(d, at + planeStride), sum[1]);
         sum[2] = hn::MulAdd(weight, hn::LoadU(d, at + 2 * planeStride), sum[2]);
         if constexpr (kPlanes > 3)
-            sum[3] = hn::MulAdd(weight, hn::LoadU(d, at + 3 * planeStride), sum[3]), sum[4] = hn::MulAdd(weight, hn::LoadU(d, at + 4 * planeStride), sum[4]);
+            sum[3] = hn::MulAdd(weight, hn::LoadU(d, at + 3 * planeStride), sum[3]),
+            sum[4] = hn::MulAdd(weight, hn::LoadU(d, at + 4 * planeStride), sum[4]);
     }
 }
 
@@ -153,7 +156,8 @@ void blurMaps(const SsimRow& r, const float* scratch, size_t lineStride, const R
 }
 
 /** gradient[x] += scale · (blur(dMean) + 2x·blur(dSquare) + y·blur(dCross)) for one row. */
-void gradientRow(const SsimRow& r, const Ring& maps, const ColumnWindow& window, const float* x, const float* y, float scale, float* gradient) {
+void gradientRow(const SsimRow& r, const Ring& maps, const ColumnWindow& window, const float* x, const float* y, float scale,
+                 float* gradient) {
     const D d;
     alignas(64) float lane[16];
     for (size_t i = 0; i < r.width; i += hn::Lanes(d)) {
@@ -207,18 +211,20 @@ double Ssim::run(const PlanarImage& x, const PlanarImage& y, PlanarImage* gradie
             if (ahead < height)
                 HWY_DYNAMIC_DISPATCH(blurProducts)(r, xs + size_t(ahead) * width, ys + size_t(ahead) * width, scratch, products, ahead);
             const int at = ahead - kRadius, done = ahead - kHalo;
-            const int firstMap = gradient ? std::max(0, begin - kRadius) : begin, lastMap = gradient ? std::min(height, end + kRadius) : end;
+            const int firstMap = gradient ? std::max(0, begin - kRadius) : begin,
+                      lastMap = gradient ? std::min(height, end + kRadius) : end;
             if (at >= firstMap && at < lastMap) {
                 float* const row = derivatives + kPad;
-                const double sum = HWY_DYNAMIC_DISPATCH(similarityRow)(r, products, ColumnWindow(products, window.tap, at, height), row, row + line, row + 2 * line);
+                const double sum = HWY_DYNAMIC_DISPATCH(similarityRow)(r, products, ColumnWindow(products, window.tap, at, height), row,
+                                                                       row + line, row + 2 * line);
                 if (at >= begin && at < end) rowSums_[channel * size_t(height) + size_t(at)] = sum;
-                for (int k = 0; k < 3; ++k) std::fill(row + size_t(k) * line + width, row + size_t(k) * line + stride, 0.0f);  // beyond the picture
+                for (int k = 0; k < 3; ++k)
+                    std::fill(row + size_t(k) * line + width, row + size_t(k) * line + stride, 0.0f);  // beyond the picture
                 if (gradient) HWY_DYNAMIC_DISPATCH(blurMaps)(r, derivatives, line, maps, at);
             }
-            if (gradient && done >= begin && done < end)
-                HWY_DYNAMIC_DISPATCH(gradientRow)
-                (r, maps, ColumnWindow(maps, window.tap, done, height), xs + size_t(done) * width, ys + size_t(done) * width, scale,
-                 gradient->values.data() + plane + size_t(done) * width);
+            if (gradient && done >= begin && done < end) HWY_DYNAMIC_DISPATCH(gradientRow)
+            (r, maps, ColumnWindow(maps, window.tap, done, height), xs + size_t(done) * width, ys + size_t(done) * width, scale,
+             gradient->values.data() + plane + size_t(done) * width);
         }
     });
     double sum = double(equal);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/splat/train_images.h"
 
 #include <algorithm>
@@ -28,7 +29,8 @@ std::vector<Span1d> overlaps(uint32_t from, uint32_t to) {
 
 /** Area average of one plane given as a function of (x, y). */
 template <class Source>
-std::vector<float> areaAverage(uint32_t width, uint32_t height, const std::vector<Span1d>& columns, const std::vector<Span1d>& rows, Source&& at) {
+std::vector<float> areaAverage(uint32_t width, uint32_t height, const std::vector<Span1d>& columns, const std::vector<Span1d>& rows,
+                               Source&& at) {
     std::vector<float> narrow(columns.size() * height), out(columns.size() * rows.size());
     for (uint32_t y = 0; y < height; ++y)
         for (size_t o = 0; o < columns.size(); ++o) {
@@ -39,13 +41,16 @@ std::vector<float> areaAverage(uint32_t width, uint32_t height, const std::vecto
     for (size_t o = 0; o < rows.size(); ++o)
         for (size_t x = 0; x < columns.size(); ++x) {
             float sum = 0;
-            for (size_t k = 0; k < rows[o].weights.size(); ++k) sum += rows[o].weights[k] * narrow[(rows[o].first + k) * columns.size() + x];
+            for (size_t k = 0; k < rows[o].weights.size(); ++k)
+                sum += rows[o].weights[k] * narrow[(rows[o].first + k) * columns.size() + x];
             out[o * columns.size() + x] = sum;
         }
     return out;
 }
 
-uint8_t toByte(float x) { return uint8_t(std::clamp(x + 0.5f, 0.0f, 255.0f)); }
+uint8_t toByte(float x) {
+    return uint8_t(std::clamp(x + 0.5f, 0.0f, 255.0f));
+}
 
 }  // namespace
 
@@ -55,7 +60,8 @@ Status checkTrainFrame(const TrainFrame& f) {
         return fail(Code::InvalidArgument, "frame '{}': the camera has no size or focal length", f.name);
     const auto check = [&](const char* what, uint32_t iw, uint32_t ih, size_t bytes, size_t channels) -> Status {
         if (iw != w || ih != h || bytes != size_t(w) * h * channels)
-            return fail(Code::InvalidArgument, "frame '{}': the {} is {}x{} with {} bytes, the camera says {}x{}", f.name, what, iw, ih, bytes, w, h);
+            return fail(Code::InvalidArgument, "frame '{}': the {} is {}x{} with {} bytes, the camera says {}x{}", f.name, what, iw, ih,
+                        bytes, w, h);
         return {};
     };
     DPL_CHECK_OK(check("image", f.image.widthPx, f.image.heightPx, f.image.pixels.size(), 3));
@@ -80,12 +86,14 @@ LevelFrame makeLevelFrame(const TrainFrame& f, float scale, std::span<const uint
     uint32_t x0 = width, x1 = 0, y0 = height, y1 = 0;
     for (uint32_t y = 0; y < height; ++y)
         for (uint32_t x = 0; x < width; ++x)
-            if (f.mask.pixels[size_t(y) * width + x] >= 128) x0 = std::min(x0, x), x1 = std::max(x1, x + 1), y0 = std::min(y0, y), y1 = std::max(y1, y + 1);
+            if (f.mask.pixels[size_t(y) * width + x] >= 128)
+                x0 = std::min(x0, x), x1 = std::max(x1, x + 1), y0 = std::min(y0, y), y1 = std::max(y1, y + 1);
     if (x1 <= x0) return level;
     level.used = true;
     const double margin = 0.1 * std::max(x1 - x0, y1 - y0);
     const double sx = double(camera.widthPx) / width, sy = double(camera.heightPx) / height;
-    const uint32_t left = uint32_t(std::max(0.0, std::floor((x0 - margin) * sx))), top = uint32_t(std::max(0.0, std::floor((y0 - margin) * sy)));
+    const uint32_t left = uint32_t(std::max(0.0, std::floor((x0 - margin) * sx))),
+                   top = uint32_t(std::max(0.0, std::floor((y0 - margin) * sy)));
     const uint32_t right = uint32_t(std::min(double(camera.widthPx), std::ceil((x1 + margin) * sx)));
     const uint32_t bottom = uint32_t(std::min(double(camera.heightPx), std::ceil((y1 + margin) * sy)));
     level.leftPx = left, level.topPx = top;
@@ -105,11 +113,13 @@ LevelFrame makeLevelFrame(const TrainFrame& f, float scale, std::span<const uint
         });
         for (size_t i = 0; i < pixels; ++i) level.rgb[c * pixels + i] = toByte(plane[i]);
     }
-    const auto mask = areaAverage(width, height, columns, rows, [&](uint32_t x, uint32_t y) { return inside(size_t(y) * width + x) ? 255.0f : 0.0f; });
+    const auto mask =
+        areaAverage(width, height, columns, rows, [&](uint32_t x, uint32_t y) { return inside(size_t(y) * width + x) ? 255.0f : 0.0f; });
     for (size_t i = 0; i < pixels; ++i) level.mask[i] = toByte(mask[i]);
     if (!f.labels.pixels.empty()) {
         const auto cloth = areaAverage(width, height, columns, rows, [&](uint32_t x, uint32_t y) {
-            return std::find(clothLabels.begin(), clothLabels.end(), f.labels.pixels[size_t(y) * width + x]) != clothLabels.end() ? 255.0f : 0.0f;
+            return std::find(clothLabels.begin(), clothLabels.end(), f.labels.pixels[size_t(y) * width + x]) != clothLabels.end() ? 255.0f
+                                                                                                                                  : 0.0f;
         });
         level.cloth.resize(pixels);
         for (size_t i = 0; i < pixels; ++i) level.cloth[i] = toByte(cloth[i]);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Training frames and what a step reads of them: one resolution level, cropped to the person.
 #pragma once
 
@@ -21,20 +22,20 @@ struct TrainFrame {
     ImageGrey8 labels;
 };
 
-/** The low-pass that avatars are trained and drawn with, target pixels² at every scale: the variance of a pixel's own square. Drawing at one
- *  size is then the area average of drawing at a larger one; with more (0.3 px² is common) splats learn to undo the blur of their training
- *  size, and look ragged at any other. */
+/** The low-pass that avatars are trained and drawn with, target pixels² at every scale: the variance of a pixel's own square. Drawing at
+ * one size is then the area average of drawing at a larger one; with more (0.3 px² is common) splats learn to undo the blur of their
+ * training size, and look ragged at any other. */
 constexpr float kTrainedKappaPx2 = 1.0f / 12;
 
 /** A frame at one level: area-averaged, cropped to the person's box + 10 %, eight bits. `used` is false when the mask is empty. */
 struct LevelFrame {
     bool used = false;
     uint32_t widthPx = 0, heightPx = 0;
-    uint32_t leftPx = 0, topPx = 0;   // of the crop in the level's whole image
-    float scale = 1;                  // level width / full width
+    uint32_t leftPx = 0, topPx = 0;  // of the crop in the level's whole image
+    float scale = 1;                 // level width / full width
     float kappaPx2 = 0;
-    Cameraf camera;                   // of the crop
-    std::vector<uint8_t> rgb;         // planar, premultiplied by the mask
+    Cameraf camera;            // of the crop
+    std::vector<uint8_t> rgb;  // planar, premultiplied by the mask
     std::vector<uint8_t> mask, cloth, band;
 
     PictureTarget target() const { return {widthPx, heightPx, rgb, mask, cloth, band}; }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/splat/trainable.h"
 
 #include <algorithm>
@@ -63,7 +64,8 @@ void TrainableSplats::activateAll(Jobs& jobs) {
 
 BoundSplatView TrainableSplats::view() const {
     BoundSplatView v;
-    v.triangle = triangle, v.uv = uv, v.phi = phi, v.scaleM = scaleM, v.opacity = opacity, v.flags = flags, v.shDegree = shDegree, v.sh = sh;
+    v.triangle = triangle, v.uv = uv, v.phi = phi, v.scaleM = scaleM, v.opacity = opacity, v.flags = flags, v.shDegree = shDegree,
+    v.sh = sh;
     return v;
 }
 

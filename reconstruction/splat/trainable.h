@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Splats as the optimiser sees them: one row of raw parameters a splat, and the linear values that the engine draws.
 #pragma once
 
@@ -15,8 +16,8 @@ namespace dpl {
 // Columns of a row. A row is padded to a multiple of eight floats so that Adam updates whole vectors.
 constexpr uint32_t kRowU = 0, kRowV = 1, kRowPhi = 2, kRowLogScale1 = 3, kRowLogScale2 = 4, kRowOpacityLogit = 5, kRowSh = 6;
 
-constexpr float kMinLogScale = -9.0f;   // 0.12 mm: smaller ones get no gradient (reference §18)
-constexpr float kMaxLogScale = -2.3f;   // 10 cm
+constexpr float kMinLogScale = -9.0f;  // 0.12 mm: smaller ones get no gradient (reference §18)
+constexpr float kMaxLogScale = -2.3f;  // 10 cm
 constexpr float kMaxOpacityLogit = 8.0f;
 
 /** N splats, always sorted by triangle (stable), so that sums over a triangle's splats are contiguous. */
@@ -29,7 +30,7 @@ struct TrainableSplats {
     std::vector<float> sizeFloorM;        // F: in-plane size floor 0.35/ν of the triangle (reference §5.5), metres at rest
 
     // Linear values, kept in step by activate().
-    std::vector<Vec2f> uv, scaleM;        // scaleM² = exp(2·logScale) + floor²
+    std::vector<Vec2f> uv, scaleM;  // scaleM² = exp(2·logScale) + floor²
     std::vector<float> phi, opacity, sh;
 
     uint32_t count() const { return uint32_t(triangle.size()); }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Outlines of binary pictures as points with normals, and which point of one outline belongs to which of another.
 #pragma once
 

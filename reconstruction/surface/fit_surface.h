@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The clothed surface, first version: static rest-pose offsets of a body mesh so that its silhouettes fill the masks of the still pictures.
 //
 // In every view the outline of the posed mesh and the outline of the mask are matched both ways (a mesh point goes to the nearest outline

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/surface/mesh_raster.h"
 
 #include <algorithm>
@@ -9,7 +10,9 @@
 namespace dpl {
 namespace {
 
-double edge(const Vec2d& a, const Vec2d& b, const Vec2d& p) { return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x); }
+double edge(const Vec2d& a, const Vec2d& b, const Vec2d& p) {
+    return (b.x - a.x) * (p.y - a.y) - (b.y - a.y) * (p.x - a.x);
+}
 
 }  // namespace
 
@@ -62,8 +65,8 @@ double silhouetteIou(const MeshRaster& raster, std::span<const uint8_t> mask) {
     return either ? double(both) / double(either) : 1;
 }
 
-void VertexColours::add(const MeshRaster& raster, std::span<const Vec3f> positions, std::span<const Triangle> triangles, const Camerad& camera,
-                        std::span<const uint8_t> rgb, std::span<const uint8_t> mask) {
+void VertexColours::add(const MeshRaster& raster, std::span<const Vec3f> positions, std::span<const Triangle> triangles,
+                        const Camerad& camera, std::span<const uint8_t> rgb, std::span<const uint8_t> mask) {
     const Vec3d eye = camera.eye();
     for (size_t pixel = 0; pixel < raster.triangle.size(); ++pixel) {
         if (raster.triangle[pixel] == kNoTriangle || mask[pixel] < 128) continue;

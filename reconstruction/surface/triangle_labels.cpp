@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/surface/triangle_labels.h"
 
 #include <algorithm>
@@ -29,8 +30,8 @@ std::vector<std::array<uint32_t, 3>> edgeNeighbours(std::span<const Triangle> tr
 
 }  // namespace
 
-void TriangleLabels::add(const MeshRaster& raster, std::span<const Vec3f> positions, std::span<const Triangle> triangles, const Camerad& camera,
-                         std::span<const uint8_t> labels, std::span<const uint8_t> mask) {
+void TriangleLabels::add(const MeshRaster& raster, std::span<const Vec3f> positions, std::span<const Triangle> triangles,
+                         const Camerad& camera, std::span<const uint8_t> labels, std::span<const uint8_t> mask) {
     const Vec3d eye = camera.eye();
     for (size_t pixel = 0; pixel < raster.triangle.size(); ++pixel) {
         const uint32_t id = raster.triangle[pixel];

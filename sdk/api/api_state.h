@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What handles stand for, and the two things every entry point does: find the object and keep errors inside. Internal to sdk/api.
 #pragma once
 
@@ -19,26 +20,26 @@ namespace dpl::api {
 
 /** Behind a DplContext. Avatars share it, so that either may be destroyed first. */
 struct Context {
-    std::mutex mutex;                        // held by every call on the context or one of its avatars
-    std::unique_ptr<Renderer> renderer;      // null once the context is destroyed
+    std::mutex mutex;                    // held by every call on the context or one of its avatars
+    std::unique_ptr<Renderer> renderer;  // null once the context is destroyed
     std::string rendererName;
-    std::vector<Cameraf> cameras;            // of the frame; kept to save allocations
+    std::vector<Cameraf> cameras;  // of the frame; kept to save allocations
 };
 
 /** Behind a DplAvatar. Guarded by context->mutex, except what never changes after loading. */
 struct Avatar {
     std::shared_ptr<Context> context;
-    std::shared_ptr<const AvatarData> data;   // of general splats: their name, no joints
+    std::shared_ptr<const AvatarData> data;  // of general splats: their name, no joints
     uint32_t splatCount = 0, shDegree = 0;
     RenderAvatarId renderId = 0;
     Vec3f restMin{0}, restMax{0};
-    Pose pose, givenPose;                           // givenPose: scratch of dplSetPose
+    Pose pose, givenPose;                                          // givenPose: scratch of dplSetPose
     uint32_t drawnViews = 0, drawnWidthPx = 0, drawnHeightPx = 0;  // of the last frame
     bool drawnDepth = false, drawnMeshDepth = false;
-    std::vector<std::unique_ptr<ClipData>> added;   // by dplLoadClip
-    std::vector<const ClipData*> clips;             // the file's own, then the added
-    std::vector<Mat3x4f> transforms;                // scratch
-    FrameStats stats;                               // of the last dplGetFrameStats
+    std::vector<std::unique_ptr<ClipData>> added;  // by dplLoadClip
+    std::vector<const ClipData*> clips;            // the file's own, then the added
+    std::vector<Mat3x4f> transforms;               // scratch
+    FrameStats stats;                              // of the last dplGetFrameStats
     ~Avatar();
 };
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Avatars: loading, queries and poses.
 #include <algorithm>
 
@@ -22,7 +23,8 @@ Result<std::shared_ptr<Avatar>> avatarOf(DplAvatar handle) {
 
 Status checkPosable(const Avatar& avatar) {
     if (!avatar.data->joints.empty()) return {};
-    return fail(Code::InvalidArgument, "these are general splats ({}): they have no joints, so there is nothing to pose", avatar.data->name);
+    return fail(Code::InvalidArgument, "these are general splats ({}): they have no joints, so there is nothing to pose",
+                avatar.data->name);
 }
 
 namespace {
@@ -37,10 +39,11 @@ Status checkLoaded(const AvatarData& data) {
 /** An avatar file, ready to be handed to the renderer with its splats. */
 Result<std::shared_ptr<Avatar>> decodeAvatar(const std::shared_ptr<Context>& owner, std::span<const uint8_t> bytes, CodedSplats& splats) {
     if (bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) != 0)
-        return fail(Code::Unsupported, "neither an avatar (.glb) nor general splats (PLY, compressed PLY, SPZ, .glb with KHR_gaussian_splatting)");
+        return fail(Code::Unsupported,
+                    "neither an avatar (.glb) nor general splats (PLY, compressed PLY, SPZ, .glb with KHR_gaussian_splatting)");
     DPL_TRY(CodedAvatar coded, readCodedAvatar(bytes));
     AvatarData& decoded = coded.avatar;
-    decoded.mesh.colours = {};   // for stock viewers
+    decoded.mesh.colours = {};  // for stock viewers
     DPL_CHECK_OK(checkLoaded(decoded));
     if (std::all_of(decoded.joints.begin(), decoded.joints.end(), [](const JointData& j) { return j.humanoidBone.empty(); }))
         assignHumanoidBones(decoded.joints);
@@ -113,7 +116,8 @@ DplResult dplLoadAvatar(DplContext context, const uint8_t* data, size_t size, Dp
 DplResult dplDestroyAvatar(DplAvatar avatar) {
     return guarded("dplDestroyAvatar", [&]() -> Status {
         if (avatar == nullptr) return {};
-        if (!avatars().take(reinterpret_cast<uintptr_t>(avatar))) return fail(Code::InvalidArgument, "the handle is not a live avatar; was it destroyed before?");
+        if (!avatars().take(reinterpret_cast<uintptr_t>(avatar)))
+            return fail(Code::InvalidArgument, "the handle is not a live avatar; was it destroyed before?");
         return {};
     });
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Clips of an avatar: its own and loaded ones.
 #include <cmath>
 
@@ -67,8 +68,10 @@ DplResult dplLoadClip(DplAvatar avatar, const uint8_t* data, size_t size, const 
         DPL_TRY(ClipData made, retarget(motion, found->data->joints, how));  // outside the lock: the rig never changes
         DPL_CHECK_OK(checkClip(made, found->data->joints));
         std::lock_guard lock(found->context->mutex);
-        if (wanted.name) made.name = wanted.name;
-        else if (made.name == "the clip") made.name = formatText("clip {}", found->clips.size());
+        if (wanted.name)
+            made.name = wanted.name;
+        else if (made.name == "the clip")
+            made.name = formatText("clip {}", found->clips.size());
         found->added.push_back(std::make_unique<ClipData>(std::move(made)));
         found->clips.push_back(found->added.back().get());
         *clip = uint32_t(found->clips.size() - 1);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/api/compose.h"
 
 #include <algorithm>
@@ -12,14 +13,17 @@ namespace dpl::api {
 namespace {
 
 /** Of x / 255, x ≥ 0. There are no ties: 255 is odd. */
-uint8_t nearest255th(uint32_t x) { return uint8_t((x + 127) / 255); }
+uint8_t nearest255th(uint32_t x) {
+    return uint8_t((x + 127) / 255);
+}
 
 /** What decoding and encoding need; made once a process, exact to the last bit of a float. */
 class LinearTables {
 public:
     LinearTables() {
         for (uint32_t alpha = 0; alpha < 256; ++alpha)
-            for (uint32_t c = 0; c <= alpha; ++c) premultiplied_[at(c, alpha)] = alpha == 0 ? 0.0f : float(linearFromSrgb(double(c) / alpha) * alpha / 255);
+            for (uint32_t c = 0; c <= alpha; ++c)
+                premultiplied_[at(c, alpha)] = alpha == 0 ? 0.0f : float(linearFromSrgb(double(c) / alpha) * alpha / 255);
         for (uint32_t code = 1; code < 256; ++code) threshold_[code] = float(linearFromSrgb((code - 0.5) / 255));
         threshold_[0] = 0, threshold_[256] = std::numeric_limits<float>::infinity();
         for (uint32_t i = 0, code = 0; i <= kSteps; ++i) {
@@ -103,9 +107,12 @@ void composeHalf(const uint8_t* in, size_t pixels, const Composition& how, uint8
 }  // namespace
 
 void composeRow(const uint8_t* layer, size_t pixels, const Composition& how, uint8_t* target) {
-    if (how.format == DPL_FORMAT_RGBA16F) composeHalf(layer, pixels, how, target);
-    else if (how.format == DPL_FORMAT_RGBA8_SRGB && !how.straight) composeSrgb(layer, pixels, how.over, target);
-    else composeDisplay(layer, pixels, how, target);  // straight colour is the same code in both: encoding undoes decoding
+    if (how.format == DPL_FORMAT_RGBA16F)
+        composeHalf(layer, pixels, how, target);
+    else if (how.format == DPL_FORMAT_RGBA8_SRGB && !how.straight)
+        composeSrgb(layer, pixels, how.over, target);
+    else
+        composeDisplay(layer, pixels, how, target);  // straight colour is the same code in both: encoding undoes decoding
 }
 
 }  // namespace dpl::api

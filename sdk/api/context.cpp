@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Contexts, versions, errors and the log.
 #include <algorithm>
 #include <string>
@@ -30,16 +31,25 @@ thread_local std::string lastError;
 
 DplResult publicCode(Code code) {
     switch (code) {
-        case Code::InvalidArgument: return DPL_ERROR_INVALID_ARGUMENT;
-        case Code::NotFound: return DPL_ERROR_NOT_FOUND;
-        case Code::CorruptData: return DPL_ERROR_CORRUPT_DATA;
-        case Code::Version: return DPL_ERROR_VERSION;
-        case Code::Unsupported: return DPL_ERROR_UNSUPPORTED;
-        case Code::OutOfMemory: return DPL_ERROR_OUT_OF_MEMORY;
-        case Code::Io: return DPL_ERROR_IO;
-        case Code::Device: return DPL_ERROR_DEVICE;
+        case Code::InvalidArgument:
+            return DPL_ERROR_INVALID_ARGUMENT;
+        case Code::NotFound:
+            return DPL_ERROR_NOT_FOUND;
+        case Code::CorruptData:
+            return DPL_ERROR_CORRUPT_DATA;
+        case Code::Version:
+            return DPL_ERROR_VERSION;
+        case Code::Unsupported:
+            return DPL_ERROR_UNSUPPORTED;
+        case Code::OutOfMemory:
+            return DPL_ERROR_OUT_OF_MEMORY;
+        case Code::Io:
+            return DPL_ERROR_IO;
+        case Code::Device:
+            return DPL_ERROR_DEVICE;
         case Code::Cancelled:
-        case Code::Internal: break;
+        case Code::Internal:
+            break;
     }
     return DPL_ERROR_INTERNAL;
 }
@@ -65,23 +75,38 @@ using namespace dpl::api;
 
 extern "C" {
 
-uint32_t dplGetVersion(void) { return DPL_VERSION_MAJOR << 16 | DPL_VERSION_MINOR << 8 | DPL_VERSION_PATCH; }
+uint32_t dplGetVersion(void) {
+    return DPL_VERSION_MAJOR << 16 | DPL_VERSION_MINOR << 8 | DPL_VERSION_PATCH;
+}
 
-const char* dplGetLastError(void) { return lastError.c_str(); }
+const char* dplGetLastError(void) {
+    return lastError.c_str();
+}
 
 const char* dplGetResultName(DplResult result) {
     switch (int(result)) {
-        case DPL_OK: return "DPL_OK";
-        case DPL_ERROR_INVALID_ARGUMENT: return "DPL_ERROR_INVALID_ARGUMENT";
-        case DPL_ERROR_NOT_FOUND: return "DPL_ERROR_NOT_FOUND";
-        case DPL_ERROR_CORRUPT_DATA: return "DPL_ERROR_CORRUPT_DATA";
-        case DPL_ERROR_VERSION: return "DPL_ERROR_VERSION";
-        case DPL_ERROR_UNSUPPORTED: return "DPL_ERROR_UNSUPPORTED";
-        case DPL_ERROR_OUT_OF_MEMORY: return "DPL_ERROR_OUT_OF_MEMORY";
-        case DPL_ERROR_IO: return "DPL_ERROR_IO";
-        case DPL_ERROR_DEVICE: return "DPL_ERROR_DEVICE";
-        case DPL_ERROR_INTERNAL: return "DPL_ERROR_INTERNAL";
-        default: return "unknown result";
+        case DPL_OK:
+            return "DPL_OK";
+        case DPL_ERROR_INVALID_ARGUMENT:
+            return "DPL_ERROR_INVALID_ARGUMENT";
+        case DPL_ERROR_NOT_FOUND:
+            return "DPL_ERROR_NOT_FOUND";
+        case DPL_ERROR_CORRUPT_DATA:
+            return "DPL_ERROR_CORRUPT_DATA";
+        case DPL_ERROR_VERSION:
+            return "DPL_ERROR_VERSION";
+        case DPL_ERROR_UNSUPPORTED:
+            return "DPL_ERROR_UNSUPPORTED";
+        case DPL_ERROR_OUT_OF_MEMORY:
+            return "DPL_ERROR_OUT_OF_MEMORY";
+        case DPL_ERROR_IO:
+            return "DPL_ERROR_IO";
+        case DPL_ERROR_DEVICE:
+            return "DPL_ERROR_DEVICE";
+        case DPL_ERROR_INTERNAL:
+            return "DPL_ERROR_INTERNAL";
+        default:
+            return "unknown result";
     }
 }
 
@@ -91,7 +116,9 @@ DplResult dplSetLogCallback(DplLogCallback callback, void* user) {
             setLogSink({});
             return {};
         }
-        setLogSink([callback, user](LogLevel level, std::string_view text) { callback(user, DplLogLevel(int(level)), std::string(text).c_str()); });
+        setLogSink([callback, user](LogLevel level, std::string_view text) {
+            callback(user, DplLogLevel(int(level)), std::string(text).c_str());
+        });
         return {};
     });
 }
@@ -111,7 +138,8 @@ DplResult dplCreateContext(const DplContextInfo* info, DplContext* context) {
             std::memcpy(&fill, &given.fill, sizeof fill);
             if (given.cacheFolder) cacheFolder = given.cacheFolder;
         }
-        constexpr uint32_t kKnownFlags = DPL_CONTEXT_WITHOUT_CULLING | DPL_CONTEXT_WITHOUT_SHARED_STEREO | DPL_CONTEXT_WITHOUT_DEPTH_QUANTISATION;
+        constexpr uint32_t kKnownFlags =
+            DPL_CONTEXT_WITHOUT_CULLING | DPL_CONTEXT_WITHOUT_SHARED_STEREO | DPL_CONTEXT_WITHOUT_DEPTH_QUANTISATION;
         if (flags & ~kKnownFlags) return fail(Code::InvalidArgument, "info has unknown flags {}", flags);
         if (kind < DPL_RENDERER_AUTO || kind > DPL_RENDERER_VULKAN) return fail(Code::InvalidArgument, "there is no renderer {}", kind);
         if (fill < DPL_FILL_AUTO || fill > DPL_FILL_TILES) return fail(Code::InvalidArgument, "there is no fill {}", fill);

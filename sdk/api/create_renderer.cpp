@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/api/create_renderer.h"
 
 #include "sdk/api/software_renderer.h"
@@ -27,7 +28,9 @@ Result<std::unique_ptr<Renderer>> createGpuRenderer(DplRenderer kind, const Rend
     vulkan.quantiseDepth = options.quantiseDepth;
     auto gpu = createVulkanRenderer(vulkan);
     // "No usable loader" and "no device" are one thing to the caller: not on this machine.
-    if (!gpu) return fail(Code::Unsupported, "no Vulkan renderer on this machine: {}; use DPL_RENDERER_AUTO or DPL_RENDERER_SOFTWARE", gpu.error().message);
+    if (!gpu)
+        return fail(Code::Unsupported, "no Vulkan renderer on this machine: {}; use DPL_RENDERER_AUTO or DPL_RENDERER_SOFTWARE",
+                    gpu.error().message);
     if (options.fill == DPL_FILL_AUTO) {
         DPL_CHECK_OK(setBestFill(**gpu, options.cacheFolder, softwarePicture));
     } else {
@@ -44,11 +47,13 @@ Result<std::unique_ptr<Renderer>> createRenderer(DplRenderer kind, const Rendere
     if (kind != DPL_RENDERER_SOFTWARE) {
         auto gpu = createGpuRenderer(kind, options);
         if (gpu || kind == DPL_RENDERER_VULKAN) return gpu;
-        log(gpu.error().code == Code::Unsupported ? LogLevel::Info : LogLevel::Warning, "no GPU to draw with, the CPU draws: {}", gpu.error().message);
+        log(gpu.error().code == Code::Unsupported ? LogLevel::Info : LogLevel::Warning, "no GPU to draw with, the CPU draws: {}",
+            gpu.error().message);
     }
 #else
     if (kind == DPL_RENDERER_VULKAN)
-        return fail(Code::Unsupported, "this build of Doppel is without Vulkan (DOPPEL_VULKAN=OFF); use DPL_RENDERER_AUTO or DPL_RENDERER_SOFTWARE");
+        return fail(Code::Unsupported,
+                    "this build of Doppel is without Vulkan (DOPPEL_VULKAN=OFF); use DPL_RENDERER_AUTO or DPL_RENDERER_SOFTWARE");
 #endif
     return createSoftwareRenderer(options.threadCount);
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which renderer a context gets.
 #pragma once
 
@@ -12,11 +13,11 @@ namespace dpl::api {
 
 struct RendererOptions {
     uint32_t threadCount = 0;
-    bool cull = true;     // as VulkanOptions says
-    bool shareViews = true;        // the same
-    bool quantiseDepth = true;     // the same
+    bool cull = true;           // as VulkanOptions says
+    bool shareViews = true;     // the same
+    bool quantiseDepth = true;  // the same
     DplFill fill = DPL_FILL_AUTO;
-    std::string cacheFolder;       // empty: none
+    std::string cacheFolder;  // empty: none
 };
 
 /** As DplRenderer says. Unsupported when the wanted one is not in this build or finds no device; Device when it draws wrong pixels. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Drawing: the caller's cameras and buffers are checked, then the renderer does the rest.
 #include <algorithm>
 #include <cmath>
@@ -11,14 +12,15 @@ using namespace dpl::api;
 namespace {
 
 static_assert(DPL_MAX_TOGETHER == kMaxDrawnTogether);
-constexpr float kMaxIntrinsicPx = 1e7f;   // far beyond any lens; keeps products finite
+constexpr float kMaxIntrinsicPx = 1e7f;  // far beyond any lens; keeps products finite
 constexpr float kMaxDistanceM = 1e5f;
 constexpr float kRotationTolerance = 1e-3f;
 
 Result<Cameraf> cameraOf(const DplCamera& c, size_t view) {
     Cameraf camera;
     if (c.widthPx == 0 || c.heightPx == 0 || c.widthPx > DPL_MAX_IMAGE_SIDE_PX || c.heightPx > DPL_MAX_IMAGE_SIDE_PX)
-        return fail(Code::InvalidArgument, "view {} is {} x {} pixels; sides of 1 to {} are drawn", view, c.widthPx, c.heightPx, DPL_MAX_IMAGE_SIDE_PX);
+        return fail(Code::InvalidArgument, "view {} is {} x {} pixels; sides of 1 to {} are drawn", view, c.widthPx, c.heightPx,
+                    DPL_MAX_IMAGE_SIDE_PX);
     if (!(c.fx > 0 && c.fy > 0 && c.fx <= kMaxIntrinsicPx && c.fy <= kMaxIntrinsicPx))
         return fail(Code::InvalidArgument, "view {} has focal lengths {} and {} px", view, c.fx, c.fy);
     if (!(std::abs(c.cx) <= kMaxIntrinsicPx && std::abs(c.cy) <= kMaxIntrinsicPx))
@@ -36,18 +38,23 @@ Result<Cameraf> cameraOf(const DplCamera& c, size_t view) {
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
             if (!(std::abs(unit[i][j] - (i == j ? 1.0f : 0.0f)) <= kRotationTolerance))
-                return fail(Code::InvalidArgument, "the 3x3 part of viewFromWorld of view {} is not a rotation (rows are R0 R1 R2 t)", view);
+                return fail(Code::InvalidArgument, "the 3x3 part of viewFromWorld of view {} is not a rotation (rows are R0 R1 R2 t)",
+                            view);
     if (!(glm::determinant(r) > 0)) return fail(Code::InvalidArgument, "viewFromWorld of view {} mirrors; a rotation is needed", view);
     return camera;
 }
 
 Status checkImage(const DplImage& image, size_t width, size_t height, size_t view) {
     const uint32_t flags = image.flags;
-    if (flags & ~uint32_t(DPL_IMAGE_STRAIGHT_ALPHA | DPL_IMAGE_OVER)) return fail(Code::InvalidArgument, "image {} has unknown flags {}", view, flags);
+    if (flags & ~uint32_t(DPL_IMAGE_STRAIGHT_ALPHA | DPL_IMAGE_OVER))
+        return fail(Code::InvalidArgument, "image {} has unknown flags {}", view, flags);
     if ((flags & DPL_IMAGE_STRAIGHT_ALPHA) && (flags & DPL_IMAGE_OVER))
-        return fail(Code::InvalidArgument, "image {} is to be drawn over and to have straight alpha; only premultiplied pixels are drawn over", view);
-    if (const auto format = uint32_t(image.format); format > DPL_FORMAT_RGBA16F) return fail(Code::InvalidArgument, "image {}: there is no format {}", view, format);
-    if (image.rgba == nullptr && image.depthM == nullptr && image.meshDepthM == nullptr) return fail(Code::InvalidArgument, "image {} has neither rgba nor depthM nor meshDepthM", view);
+        return fail(Code::InvalidArgument,
+                    "image {} is to be drawn over and to have straight alpha; only premultiplied pixels are drawn over", view);
+    if (const auto format = uint32_t(image.format); format > DPL_FORMAT_RGBA16F)
+        return fail(Code::InvalidArgument, "image {}: there is no format {}", view, format);
+    if (image.rgba == nullptr && image.depthM == nullptr && image.meshDepthM == nullptr)
+        return fail(Code::InvalidArgument, "image {} has neither rgba nor depthM nor meshDepthM", view);
     if (image.rgba != nullptr) {
         const size_t tight = width * pixelBytes(image.format), row = image.rowBytes == 0 ? tight : image.rowBytes;
         if (row < tight) return fail(Code::InvalidArgument, "image {} has rows of {} bytes; {} pixels need {}", view, row, width, tight);
@@ -57,7 +64,8 @@ Status checkImage(const DplImage& image, size_t width, size_t height, size_t vie
     if (image.depthM != nullptr && image.depthCount < width * height)
         return fail(Code::InvalidArgument, "image {} has room for {} depths; {} are needed", view, image.depthCount, width * height);
     if (image.meshDepthM != nullptr && image.meshDepthCount < width * height)
-        return fail(Code::InvalidArgument, "image {} has room for {} depths of the mesh; {} are needed", view, image.meshDepthCount, width * height);
+        return fail(Code::InvalidArgument, "image {} has room for {} depths of the mesh; {} are needed", view, image.meshDepthCount,
+                    width * height);
     return {};
 }
 
@@ -89,7 +97,8 @@ struct Scene {
 };
 
 Result<Scene> sceneOf(DplContext context, std::span<const DplAvatar> handles, uint32_t viewCount) {
-    if (viewCount == 0 || viewCount > DPL_MAX_VIEWS) return fail(Code::InvalidArgument, "{} views; 1 to {} are drawn at once", viewCount, DPL_MAX_VIEWS);
+    if (viewCount == 0 || viewCount > DPL_MAX_VIEWS)
+        return fail(Code::InvalidArgument, "{} views; 1 to {} are drawn at once", viewCount, DPL_MAX_VIEWS);
     Scene s;
     DPL_TRY(s.context, contextOf(context));
     for (DplAvatar handle : handles) {
@@ -112,7 +121,8 @@ Status takeViews(Scene& s, const DplCamera* views, uint32_t viewCount) {
         cameras.push_back(camera);
         s.sceneDepthM[v] = given.sceneDepthM ? std::span(given.sceneDepthM, given.sceneDepthCount) : std::span<const float>();
         if (given.sceneDepthM && given.sceneDepthCount < size_t(given.widthPx) * given.heightPx)
-            return fail(Code::InvalidArgument, "view {} has {} depths of the scene; {} are needed", v, given.sceneDepthCount, size_t(given.widthPx) * given.heightPx);
+            return fail(Code::InvalidArgument, "view {} has {} depths of the scene; {} are needed", v, given.sceneDepthCount,
+                        size_t(given.widthPx) * given.heightPx);
         if (camera.widthPx != cameras[0].widthPx || camera.heightPx != cameras[0].heightPx)
             return fail(Code::InvalidArgument, "the views of one call have the same size; view {} differs from view 0", v);
     }
@@ -173,7 +183,8 @@ Status draw(DplContext context, std::span<const DplAvatar> avatars, const DplCam
 
 Result<std::span<const DplAvatar>> together(const DplAvatar* avatars, uint32_t count) {
     if (avatars == nullptr) return fail(Code::InvalidArgument, "avatars is NULL");
-    if (count == 0 || count > DPL_MAX_TOGETHER) return fail(Code::InvalidArgument, "{} avatars; 1 to {} are drawn together", count, DPL_MAX_TOGETHER);
+    if (count == 0 || count > DPL_MAX_TOGETHER)
+        return fail(Code::InvalidArgument, "{} avatars; 1 to {} are drawn together", count, DPL_MAX_TOGETHER);
     return std::span<const DplAvatar>(avatars, count);
 }
 
@@ -187,14 +198,16 @@ extern "C" DplResult dplDraw(DplContext context, DplAvatar avatar, const DplCame
     return guarded("dplDraw", [&] { return draw(context, {&avatar, 1}, views, viewCount, flags); });
 }
 
-extern "C" DplResult dplRenderTogether(DplContext context, const DplAvatar* avatars, uint32_t avatarCount, const DplCamera* views, uint32_t viewCount, const DplImage* images) {
+extern "C" DplResult dplRenderTogether(DplContext context, const DplAvatar* avatars, uint32_t avatarCount, const DplCamera* views,
+                                       uint32_t viewCount, const DplImage* images) {
     return guarded("dplRenderTogether", [&]() -> Status {
         DPL_TRY(const auto row, together(avatars, avatarCount));
         return render(context, row, views, viewCount, images);
     });
 }
 
-extern "C" DplResult dplDrawTogether(DplContext context, const DplAvatar* avatars, uint32_t avatarCount, const DplCamera* views, uint32_t viewCount, uint32_t flags) {
+extern "C" DplResult dplDrawTogether(DplContext context, const DplAvatar* avatars, uint32_t avatarCount, const DplCamera* views,
+                                     uint32_t viewCount, uint32_t flags) {
     return guarded("dplDrawTogether", [&]() -> Status {
         DPL_TRY(const auto row, together(avatars, avatarCount));
         return draw(context, row, views, viewCount, flags);
@@ -210,7 +223,8 @@ extern "C" DplResult dplReadImages(DplContext context, DplAvatar avatar, const D
         DplImage targets[DPL_MAX_VIEWS];
         FrameWants wants;
         DPL_CHECK_OK(takeImages(images, viewCount, a.drawnWidthPx, a.drawnHeightPx, targets, wants));
-        if (wants.meshDepth && !a.drawnMeshDepth) return fail(Code::InvalidArgument, "depth of the mesh was not drawn; give dplDraw the flag DPL_DRAW_MESH_DEPTH");
+        if (wants.meshDepth && !a.drawnMeshDepth)
+            return fail(Code::InvalidArgument, "depth of the mesh was not drawn; give dplDraw the flag DPL_DRAW_MESH_DEPTH");
         if (wants.depth && !a.drawnDepth) return fail(Code::InvalidArgument, "depth was not drawn; give dplDraw the flag DPL_DRAW_DEPTH");
         return readInto(scene, targets);
     });
@@ -222,7 +236,8 @@ extern "C" DplResult dplSetDetail(DplContext context, const DplDetail* detail) {
         if (detail != nullptr) {
             DPL_TRY(const DplDetail given, readStruct<DplDetail>(detail, "detail"));
             if (!(given.splatsPerPixel >= 0 && std::isfinite(given.splatsPerPixel)))
-                return fail(Code::InvalidArgument, "{} splats a pixel; 0 (no level of detail) or a finite number above it is possible", given.splatsPerPixel);
+                return fail(Code::InvalidArgument, "{} splats a pixel; 0 (no level of detail) or a finite number above it is possible",
+                            given.splatsPerPixel);
             wanted = {given.splatsPerPixel, given.splatBudget};
         }
         DPL_TRY(const auto found, contextOf(context));
@@ -253,7 +268,8 @@ extern "C" DplResult dplGetFrameStats(DplAvatar avatar, DplFrameStats* stats) {
         for (const PassTime& pass : found->stats.passes) out.gpuMs += pass.milliseconds;
         out.tileEntries = found->stats.tileEntries;
         out.tilesOverflowed = found->stats.tilesOverflowed ? 1 : 0;
-        out.splatsAllowed = uint32_t(std::min<uint64_t>(found->stats.splatsAllowed, UINT32_MAX)), out.detailShare = found->stats.detailShare;
+        out.splatsAllowed = uint32_t(std::min<uint64_t>(found->stats.splatsAllowed, UINT32_MAX)),
+        out.detailShare = found->stats.detailShare;
         out.componentCount = found->stats.components, out.componentsInView = found->stats.componentsInView;
         return writeStruct(stats, out, "stats", offsetof(DplFrameStats, avatarBytes));
     });

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/api/software_renderer.h"
 
 #include <algorithm>
@@ -25,14 +26,17 @@ Status checkMesh(const AvatarData& avatar) {
     DPL_CHECK_OK(checkRig(avatar.joints));
     if (avatar.joints.empty()) return fail(Code::CorruptData, "avatar '{}' has no joints", avatar.name);
     if (mesh.jointIndices.size() != vertices || mesh.jointWeights.size() != vertices)
-        return fail(Code::CorruptData, "avatar '{}' has {} vertices and skin weights for {}", avatar.name, vertices, mesh.jointWeights.size());
+        return fail(Code::CorruptData, "avatar '{}' has {} vertices and skin weights for {}", avatar.name, vertices,
+                    mesh.jointWeights.size());
     for (size_t v = 0; v < vertices; ++v)
         for (int i = 0; i < 4; ++i)
             if (mesh.jointWeights[v][i] != 0 && mesh.jointIndices[v][i] >= avatar.joints.size())
-                return fail(Code::CorruptData, "vertex {} hangs on joint {}; the rig has {}", v, mesh.jointIndices[v][i], avatar.joints.size());
+                return fail(Code::CorruptData, "vertex {} hangs on joint {}; the rig has {}", v, mesh.jointIndices[v][i],
+                            avatar.joints.size());
     for (size_t t = 0; t < triangles; ++t)
         for (int i = 0; i < 3; ++i)
-            if (mesh.triangles[t][i] >= vertices) return fail(Code::CorruptData, "triangle {} uses vertex {} of {}", t, mesh.triangles[t][i], vertices);
+            if (mesh.triangles[t][i] >= vertices)
+                return fail(Code::CorruptData, "triangle {} uses vertex {} of {}", t, mesh.triangles[t][i], vertices);
     return checkCorrectives(avatar.correctives, avatar.joints.size(), vertices);
 }
 
@@ -51,22 +55,22 @@ Status checkSplats(const AvatarData& avatar) {
 }
 
 struct Drawable {
-    PackedSplats general;     // one of the two
+    PackedSplats general;  // one of the two
     CodedSplats splats;
     float kappaPx2 = 0, trainedPixelM = 0, detailShare = 0;
     bool compensated = false;
     GeneralDetailSubject generalSubject;
-    GeneralDetail generalDetail;   // of the last frame, as is its share of the splats
+    GeneralDetail generalDetail;  // of the last frame, as is its share of the splats
     // Of avatars only.
     std::shared_ptr<const AvatarData> avatar;
     Components components;
     DetailSubject detailSubject;
-    SplatDetail detail;       // of the last frame
+    SplatDetail detail;  // of the last frame
     // The last pose and what follows from it.
     Pose pose;
-    bool posed = false;       // the joints ...
-    bool surfaced = false;    // ... and the surface, which waits until somebody sees it
-    bool seen = true;         // in the last frame; general splats always
+    bool posed = false;     // the joints ...
+    bool surfaced = false;  // ... and the surface, which waits until somebody sees it
+    bool seen = true;       // in the last frame; general splats always
     uint32_t componentsInView = 0;
     PosedMesh mesh;
     std::vector<RenderedView> pictures;
@@ -75,9 +79,11 @@ struct Drawable {
 
     uint64_t bytes() const {
         uint64_t pictureBytes = 0;
-        for (const RenderedView& p : pictures) pictureBytes += p.rgba.capacity() + (p.depthM.capacity() + p.meshDepthM.capacity()) * sizeof(float);
-        return pictureBytes + general.bytes() + splats.bytes() + (avatar ? posingBytes(*avatar) : 0) + mesh.frames().size_bytes() + mesh.positions().size_bytes() + mesh.rest().size_bytes() + mesh.light().size_bytes() +
-               mesh.worldFromRest().size_bytes() + mesh.coefficients().size_bytes() + mesh.nodes().size_bytes();
+        for (const RenderedView& p : pictures)
+            pictureBytes += p.rgba.capacity() + (p.depthM.capacity() + p.meshDepthM.capacity()) * sizeof(float);
+        return pictureBytes + general.bytes() + splats.bytes() + (avatar ? posingBytes(*avatar) : 0) + mesh.frames().size_bytes() +
+               mesh.positions().size_bytes() + mesh.rest().size_bytes() + mesh.light().size_bytes() + mesh.worldFromRest().size_bytes() +
+               mesh.coefficients().size_bytes() + mesh.nodes().size_bytes();
     }
 };
 
@@ -109,7 +115,8 @@ public:
         drawable->splats = std::move(splats);
         measureDetail(*avatar, drawable->splats);
         drawable->detailSubject = DetailSubject(*avatar, drawable->splats);
-        drawable->components = Components(*avatar, componentsOf(*avatar), reachOfTriangles(drawable->splats, avatar->mesh.triangles.size()));
+        drawable->components =
+            Components(*avatar, componentsOf(*avatar), reachOfTriangles(drawable->splats, avatar->mesh.triangles.size()));
         drawable->kappaPx2 = avatar->kappaPx2, drawable->compensated = avatar->compensated, drawable->trainedPixelM = avatar->trainedPixelM;
         drawable->avatar = std::move(avatar);
         return keep(std::move(drawable));
@@ -117,9 +124,11 @@ public:
 
     Result<RenderAvatarId> addSplats(const StaticSplatData& splats) override {
         auto drawable = std::make_unique<Drawable>();
-        const std::vector<uint32_t> order = spatialOrder(splats.position);  // files keep the order of training, level of detail thins out neighbours
+        const std::vector<uint32_t> order =
+            spatialOrder(splats.position);  // files keep the order of training, level of detail thins out neighbours
         drawable->general = PackedSplats(splats, order);
-        if (drawable->general.count() != splats.count()) return fail(Code::InvalidArgument, "the arrays of {} splats differ in length", splats.count());
+        if (drawable->general.count() != splats.count())
+            return fail(Code::InvalidArgument, "the arrays of {} splats differ in length", splats.count());
         drawable->generalSubject = GeneralDetailSubject(measureGroups(splats, order), splats.count());
         drawable->kappaPx2 = splats.kappaPx2, drawable->compensated = splats.compensated;
         return keep(std::move(drawable));
@@ -212,7 +221,8 @@ private:
     void leaveOutUnseen(std::span<const Cameraf> views) {
         for (Drawable* d : together_) {
             if (!d->avatar) continue;
-            const uint32_t unseen = d->components.unseen(d->mesh.worldFromRest(), d->mesh.coefficients(), views, d->kappaPx2, d->detailSubject.largestGrowth(d->detail.perM2));
+            const uint32_t unseen = d->components.unseen(d->mesh.worldFromRest(), d->mesh.coefficients(), views, d->kappaPx2,
+                                                         d->detailSubject.largestGrowth(d->detail.perM2));
             d->componentsInView = d->components.count() - uint32_t(std::popcount(unseen));
             d->seen = d->componentsInView > 0 || d->components.count() == 0;
             if (d->seen && !d->surfaced) d->mesh.surface(posedSubject(*d), jobs_), d->surfaced = true;
@@ -221,23 +231,30 @@ private:
 
     void project(const Drawable& d, const Cameraf& view, uint32_t samples, bool behind) {
         const auto put = [&](const auto& splats, const auto&... detail) {
-            if (behind) engine_.add(splats, d.mesh.frames(), view, d.kappaPx2, d.compensated, samples, detail...);
-            else engine_.project(splats, d.mesh.frames(), view, d.kappaPx2, d.compensated, samples, detail...);
+            if (behind)
+                engine_.add(splats, d.mesh.frames(), view, d.kappaPx2, d.compensated, samples, detail...);
+            else
+                engine_.project(splats, d.mesh.frames(), view, d.kappaPx2, d.compensated, samples, detail...);
         };
-        if (d.avatar) put(d.splats, d.detail);
-        else put(d.general, d.generalDetail, d.generalSubject.groups());
+        if (d.avatar)
+            put(d.splats, d.detail);
+        else
+            put(d.general, d.generalDetail, d.generalSubject.groups());
     }
 
     /** How much of each of together_ is drawn. */
     void setDetails(std::span<const Cameraf> views) {
         DetailMember members[kMaxDrawnTogether];
         for (size_t k = 0; k < together_.size(); ++k) {
-            if (Drawable& d = *together_[k]; d.avatar) members[k].avatar = &d.detailSubject, members[k].worldFromRest = d.mesh.worldFromRest();
-            else members[k].general = &d.generalSubject;
+            if (Drawable& d = *together_[k]; d.avatar)
+                members[k].avatar = &d.detailSubject, members[k].worldFromRest = d.mesh.worldFromRest();
+            else
+                members[k].general = &d.generalSubject;
         }
         allowed_ = chooseDetails(detail_, views, {members, together_.size()});
         for (size_t k = 0; k < together_.size(); ++k)
-            together_[k]->detail = members[k].detail, together_[k]->generalDetail = members[k].generalDetail, together_[k]->detailShare = members[k].share;
+            together_[k]->detail = members[k].detail, together_[k]->generalDetail = members[k].generalDetail,
+            together_[k]->detailShare = members[k].share;
     }
 
     /** The nearest of the meshes that are drawn together. */
@@ -271,6 +288,8 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Renderer> createSoftwareRenderer(uint32_t threadCount) { return std::make_unique<SoftwareRenderer>(threadCount); }
+std::unique_ptr<Renderer> createSoftwareRenderer(uint32_t threadCount) {
+    return std::make_unique<SoftwareRenderer>(threadCount);
+}
 
 }  // namespace dpl

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The CPU renderer: rig and splat engine behind the Renderer seam.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Biovision hierarchy: a text of nested joints with offsets and channels, then one line of numbers a frame.
 #include <array>
 #include <charconv>
@@ -18,7 +19,9 @@ constexpr double kMaxNumber = 1e9;  // beyond this squares are no longer exact e
 
 enum Channel : uint8_t { PositionX, PositionY, PositionZ, RotationX, RotationY, RotationZ };
 
-bool isSpace(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\f' || c == '\v'; }
+bool isSpace(char c) {
+    return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\f' || c == '\v';
+}
 
 bool sameWord(std::string_view a, std::string_view lower) {
     if (a.size() != lower.size()) return false;
@@ -32,7 +35,8 @@ public:
     BvhReader(std::string_view text, std::string_view name) : text_(text) { motion_.name = name; }
 
     Result<Motion> read() {
-        if (text_.size() > kMaxTextBytes) return fail(Code::CorruptData, "{}: a BVH text of {} bytes is refused", motion_.name, text_.size());
+        if (text_.size() > kMaxTextBytes)
+            return fail(Code::CorruptData, "{}: a BVH text of {} bytes is refused", motion_.name, text_.size());
         if (text_.size() >= 3 && text_.substr(0, 3) == "\xEF\xBB\xBF") position_ = 3;  // byte order mark
         if (!sameWord(word(), "hierarchy")) return error("a BVH file begins with the word HIERARCHY");
         if (!sameWord(word(), "root")) return error("ROOT is missing after HIERARCHY");
@@ -76,7 +80,8 @@ private:
         double value = 0;
         const auto [end, code] = std::from_chars(w.data(), w.data() + w.size(), value);
         if (code != std::errc() || end != w.data() + w.size()) return error(formatText("'{}' is not a number ({})", w.substr(0, 40), what));
-        if (!std::isfinite(value) || std::abs(value) > kMaxNumber) return error(formatText("{} is '{}', not a usable number", what, w.substr(0, 40)));
+        if (!std::isfinite(value) || std::abs(value) > kMaxNumber)
+            return error(formatText("{} is '{}', not a usable number", what, w.substr(0, 40)));
         return value;
     }
     Result<Vec3f> offset(std::string_view what) {
@@ -116,7 +121,8 @@ private:
             return error(formatText("CHANNELS in the wrong place after joint '{}'", joint));
         uint32_t seen = 0;
         for (int i = 0; i < int(count); ++i) {
-            static constexpr std::array<std::string_view, 6> kNames = {"xposition", "yposition", "zposition", "xrotation", "yrotation", "zrotation"};
+            static constexpr std::array<std::string_view, 6> kNames = {"xposition", "yposition", "zposition",
+                                                                       "xrotation", "yrotation", "zrotation"};
             const std::string_view w = word();
             size_t channel = 0;
             while (channel < kNames.size() && !sameWord(w, kNames[channel])) ++channel;
@@ -152,7 +158,8 @@ private:
 
     Status readFrames() {
         std::string_view w = word();
-        if (sameWord(w, "root")) return fail(Code::Unsupported, "{}, line {}: a second ROOT; one skeleton a file, please", motion_.name, line_);
+        if (sameWord(w, "root"))
+            return fail(Code::Unsupported, "{}, line {}: a second ROOT; one skeleton a file, please", motion_.name, line_);
         if (!sameWord(w, "motion")) return error("MOTION is missing after the hierarchy");
         if (!sameWord(word(), "frames:")) return error("'Frames:' is missing after MOTION");
         DPL_TRY(const double frames, number("the number of frames"));
@@ -164,8 +171,8 @@ private:
         const size_t keys = size_t(frames), joints = motion_.joints.size();
         // A number and its separator take two bytes at least: nothing is allocated for numbers that cannot be there.
         if (channels_.size() * keys > (text_.size() - position_ + 1) / 2)
-            return error(formatText("{} frames of {} numbers do not fit into the {} bytes left; the file is cut off", keys, channels_.size(),
-                                    text_.size() - position_));
+            return error(formatText("{} frames of {} numbers do not fit into the {} bytes left; the file is cut off", keys,
+                                    channels_.size(), text_.size() - position_));
         if (channels_.empty()) return error("no joint has a channel");
         motion_.timesS.resize(keys);
         motion_.rotations.assign(keys * joints, Quatf(1, 0, 0, 0));
@@ -218,14 +225,16 @@ private:
     size_t position_ = 0;
     size_t line_ = 1;
     Motion motion_;
-    std::vector<int32_t> open_;            // joints whose '{' is not closed yet
+    std::vector<int32_t> open_;  // joints whose '{' is not closed yet
     std::vector<Vec3f> offsets_;
-    std::vector<Channel> channels_;        // of all joints, in file order
-    std::vector<size_t> firstChannel_;     // J+1
+    std::vector<Channel> channels_;     // of all joints, in file order
+    std::vector<size_t> firstChannel_;  // J+1
 };
 
 }  // namespace
 
-Result<Motion> readBvh(std::string_view text, std::string_view name) { return BvhReader(text, name).read(); }
+Result<Motion> readBvh(std::string_view text, std::string_view name) {
+    return BvhReader(text, name).read();
+}
 
 }  // namespace dpl

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/avatar/clip.h"
 
 #include <algorithm>
@@ -24,7 +25,8 @@ Status checkClip(const ClipData& clip, std::span<const JointData> joints) {
         if (seen[channel.joint]) return fail(Code::CorruptData, "clip '{}' moves joint '{}' twice", clip.name, name);
         seen[channel.joint] = true;
         if (channel.rotations.size() != keys)
-            return fail(Code::CorruptData, "clip '{}' has {} times and {} rotations of joint '{}'", clip.name, keys, channel.rotations.size(), name);
+            return fail(Code::CorruptData, "clip '{}' has {} times and {} rotations of joint '{}'", clip.name, keys,
+                        channel.rotations.size(), name);
         for (size_t k = 0; k < keys; ++k) {
             const float norm2 = glm::dot(channel.rotations[k], channel.rotations[k]);
             if (!(norm2 > 1e-6f && norm2 < 1e6f))
@@ -34,7 +36,9 @@ Status checkClip(const ClipData& clip, std::span<const JointData> joints) {
     return {};
 }
 
-double clipDurationS(const ClipData& clip) { return clip.timesS.empty() ? 0.0 : double(clip.timesS.back()) - double(clip.timesS.front()); }
+double clipDurationS(const ClipData& clip) {
+    return clip.timesS.empty() ? 0.0 : double(clip.timesS.back()) - double(clip.timesS.front());
+}
 
 Pose samplePose(const ClipData& clip, std::span<const JointData> joints, double timeS) {
     Pose pose;
@@ -53,7 +57,8 @@ void samplePose(const ClipData& clip, std::span<const JointData> joints, double 
     const double t0 = clip.timesS[k0], t1 = clip.timesS[k1];
     const float f = t1 > t0 ? float(std::clamp((t - t0) / (t1 - t0), 0.0, 1.0)) : 0.0f;
     for (const ClipChannel& channel : clip.channels)
-        pose.localRotations[channel.joint] = glm::normalize(glm::slerp(glm::normalize(channel.rotations[k0]), glm::normalize(channel.rotations[k1]), f));
+        pose.localRotations[channel.joint] =
+            glm::normalize(glm::slerp(glm::normalize(channel.rotations[k0]), glm::normalize(channel.rotations[k1]), f));
     if (!clip.rootTranslations.empty()) pose.rootTranslation = glm::mix(clip.rootTranslations[k0], clip.rootTranslations[k1], f);
 }
 

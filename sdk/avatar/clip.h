@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Clips on an avatar's own rig: checking and sampling.
 #pragma once
 
@@ -9,7 +10,8 @@
 
 namespace dpl {
 
-/** Refuses clips that do not fit the rig: sizes, joints out of range or named twice, times that do not rise, numbers that are not finite. */
+/** Refuses clips that do not fit the rig: sizes, joints out of range or named twice, times that do not rise, numbers that are not finite.
+ */
 Status checkClip(const ClipData& clip, std::span<const JointData> joints);
 
 /** Last time minus first, seconds. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/avatar/components.h"
 
 #include <algorithm>
@@ -16,7 +17,12 @@ enum Region : uint8_t { kTrunk, kHead, kLeftHand, kRightHand, kLeftLeg, kRightLe
 
 /** Where a humanoid bone begins a region; its children belong to it. */
 int regionBegunBy(std::string_view bone) {
-    constexpr std::pair<std::string_view, Region> kBegins[] = {{"neck", kHead}, {"head", kHead}, {"leftHand", kLeftHand}, {"rightHand", kRightHand}, {"leftUpperLeg", kLeftLeg}, {"rightUpperLeg", kRightLeg}};
+    constexpr std::pair<std::string_view, Region> kBegins[] = {{"neck", kHead},
+                                                               {"head", kHead},
+                                                               {"leftHand", kLeftHand},
+                                                               {"rightHand", kRightHand},
+                                                               {"leftUpperLeg", kLeftLeg},
+                                                               {"rightUpperLeg", kRightLeg}};
     for (const auto& [name, region] : kBegins)
         if (bone == name) return region;
     return -1;
@@ -56,7 +62,8 @@ double weightOf(const MeshData& mesh, uint32_t vertex, uint32_t joint) {
 void moveBy(const PoseCorrectiveData& c, uint32_t mode, std::vector<Vec3f>& moved) {
     moved.assign(c.nodeWeights.size(), Vec3f(0));
     for (size_t v = 0; v < moved.size(); ++v)
-        for (int k = 0; k < 4; ++k) moved[v] += float(c.nodeWeights[v][k]) * (1.0f / 255) * Vec3f(c.nodes[size_t(c.nodeIndices[v][k]) * c.modeCount + mode]);
+        for (int k = 0; k < 4; ++k)
+            moved[v] += float(c.nodeWeights[v][k]) * (1.0f / 255) * Vec3f(c.nodes[size_t(c.nodeIndices[v][k]) * c.modeCount + mode]);
 }
 
 bool addsUp(const std::vector<glm::u8vec4>& weights) {
@@ -78,7 +85,8 @@ ComponentMap componentsOf(const AvatarData& avatar) {
             std::array<int, 6> share{};
             for (int corner = 0; corner < 3; ++corner)
                 for (int k = 0; k < 4; ++k)
-                    if (const int w = mesh.jointWeights[mesh.triangles[t][corner]][k]; w > 0) share[regions[mesh.jointIndices[mesh.triangles[t][corner]][k]]] += w;
+                    if (const int w = mesh.jointWeights[mesh.triangles[t][corner]][k]; w > 0)
+                        share[regions[mesh.jointIndices[mesh.triangles[t][corner]][k]]] += w;
             region = uint8_t(std::max_element(share.begin(), share.end()) - share.begin());
         }
         const auto [it, isNew] = numbers.try_emplace({layer, region}, std::min(map.count, kMaxComponents - 1));
@@ -95,12 +103,12 @@ Components::Components(const AvatarData& avatar, const ComponentMap& map, std::s
     const MeshData& mesh = avatar.mesh;
     if (!addsUp(mesh.jointWeights) || !addsUp(avatar.correctives.nodeWeights)) return;
     struct Growing {
-        std::vector<Box> boxes;   // one a joint
+        std::vector<Box> boxes;  // one a joint
         std::map<std::pair<uint32_t, uint32_t>, std::pair<Box, Crease>> creases;
     };
     std::vector<Growing> growing(map.count);
     components_.resize(map.count);
-    std::vector<Vec3f> stretch(mesh.triangles.size(), Vec3f(0));   // rows of D⁻¹ times the reach; 1 where splats overshoot
+    std::vector<Vec3f> stretch(mesh.triangles.size(), Vec3f(0));  // rows of D⁻¹ times the reach; 1 where splats overshoot
     for (Growing& g : growing) g.boxes.resize(avatar.joints.size());
     for (size_t t = 0; t < mesh.triangles.size(); ++t) {
         const Triangle corners = mesh.triangles[t];
@@ -112,11 +120,11 @@ Components::Components(const AvatarData& avatar, const ComponentMap& map, std::s
             for (int k = 0; k < 4; ++k)
                 if (mesh.jointWeights[corners[corner]][k] > 0) g.boxes[mesh.jointIndices[corners[corner]][k]].add(rest[corner]);
         }
-        if (reach[t].rootLevel == 0) continue;   // nothing on it is ever seen
+        if (reach[t].rootLevel == 0) continue;  // nothing on it is ever seen
         const auto frame = restTriangle<double>(rest[0], rest[1], rest[2]);
         if (!frame.valid) continue;
-        // F = [d1 d2] D⁻¹, and by corner 0's weights d_i = (Σ w_0j R_j)(x_i − x_0) + Σ_j (w_ij − w_0j) G_j x_i: the first cannot stretch, the second is what joints
-        // that differ carry apart. Norms of the rows of D⁻¹ turn that into a stretch of F.
+        // F = [d1 d2] D⁻¹, and by corner 0's weights d_i = (Σ w_0j R_j)(x_i − x_0) + Σ_j (w_ij − w_0j) G_j x_i: the first cannot stretch,
+        // the second is what joints that differ carry apart. Norms of the rows of D⁻¹ turn that into a stretch of F.
         const double row[3] = {0, std::hypot(frame.inverse.i00, frame.inverse.i01), std::abs(frame.inverse.i11)};
         const double over = reach[t].overshoots ? 1 : 0;
         c.rootLevel = std::max(c.rootLevel, double(reach[t].rootLevel));
@@ -126,10 +134,12 @@ Components::Components(const AvatarData& avatar, const ComponentMap& map, std::s
         uint32_t main = mesh.jointIndices[corners[0]][0];
         double most = -1;
         for (int k = 0; k < 4; ++k)
-            if (const uint32_t joint = mesh.jointIndices[corners[0]][k]; mesh.jointWeights[corners[0]][k] > 0 && weightOf(mesh, corners[0], joint) > most) main = joint, most = weightOf(mesh, corners[0], joint);
+            if (const uint32_t joint = mesh.jointIndices[corners[0]][k];
+                mesh.jointWeights[corners[0]][k] > 0 && weightOf(mesh, corners[0], joint) > most)
+                main = joint, most = weightOf(mesh, corners[0], joint);
         struct Apart {
             uint32_t joint = 0;
-            double reach = 0, over = 0;   // Σ over the corners of the difference of weight × row, and of itself
+            double reach = 0, over = 0;  // Σ over the corners of the difference of weight × row, and of itself
         };
         std::array<Apart, 12> apart;
         size_t joints = 0;
@@ -138,19 +148,23 @@ Components::Components(const AvatarData& avatar, const ComponentMap& map, std::s
                 for (int k = 0; k < 4; ++k) {
                     const uint32_t joint = mesh.jointIndices[vertex][k];
                     if (mesh.jointWeights[vertex][k] == 0 || joint == main) continue;
-                    bool counted = false;   // of this edge already
-                    for (int other = 0; other < k; ++other) counted |= mesh.jointIndices[vertex][other] == joint && mesh.jointWeights[vertex][other] > 0;
+                    bool counted = false;  // of this edge already
+                    for (int other = 0; other < k; ++other)
+                        counted |= mesh.jointIndices[vertex][other] == joint && mesh.jointWeights[vertex][other] > 0;
                     if (vertex == corners[i])
-                        for (int other = 0; other < 4; ++other) counted |= mesh.jointIndices[corners[0]][other] == joint && mesh.jointWeights[corners[0]][other] > 0;
+                        for (int other = 0; other < 4; ++other)
+                            counted |= mesh.jointIndices[corners[0]][other] == joint && mesh.jointWeights[corners[0]][other] > 0;
                     if (counted) continue;
                     const double difference = std::abs(weightOf(mesh, corners[i], joint) - weightOf(mesh, corners[0], joint));
                     if (!(difference > 0)) continue;
-                    const auto end = apart.begin() + ptrdiff_t(joints), at = std::find_if(apart.begin(), end, [&](const Apart& a) { return a.joint == joint; });
+                    const auto end = apart.begin() + ptrdiff_t(joints),
+                               at = std::find_if(apart.begin(), end, [&](const Apart&a) { return a.joint == joint; });
                     if (at == end) *at = {joint, 0, 0}, ++joints;
                     at->reach += difference * row[i], at->over += difference;
                 }
         }
-        // A triangle with several such joints has the sum of theirs; so that the largest may stand for all, each counts as often as there are.
+        // A triangle with several such joints has the sum of theirs; so that the largest may stand for all, each counts as often as there
+        // are.
         for (size_t k = 0; k < joints; ++k) {
             auto& [box, crease] = g.creases[{apart[k].joint, main}];
             box.add(rest[1]), box.add(rest[2]);
@@ -167,12 +181,14 @@ Components::Components(const AvatarData& avatar, const ComponentMap& map, std::s
             const double apart1 = glm::length(b - a), apart2 = glm::length(c - a);
             Mode& mode = components_[map.ofTriangle[t]].modes.back();
             mode.offsetM = std::max({mode.offsetM, double(glm::length(a)), double(glm::length(b)), double(glm::length(c))});
-            mode.reachM = std::max(mode.reachM, apart1 * double(stretch[t].x) + apart2 * double(stretch[t].y)), mode.overM = std::max(mode.overM, (apart1 + apart2) * double(stretch[t].z));
+            mode.reachM = std::max(mode.reachM, apart1 * double(stretch[t].x) + apart2 * double(stretch[t].y)),
+            mode.overM = std::max(mode.overM, (apart1 + apart2) * double(stretch[t].z));
         }
     }
     for (uint32_t i = 0; i < map.count; ++i) {
         for (uint32_t joint = 0; joint < avatar.joints.size(); ++joint)
-            if (const Box& box = growing[i].boxes[joint]; box.low.x <= box.high.x) components_[i].boxes.push_back({joint, box.centre(), box.half()});
+            if (const Box& box = growing[i].boxes[joint]; box.low.x <= box.high.x)
+                components_[i].boxes.push_back({joint, box.centre(), box.half()});
         for (auto& [joints, what] : growing[i].creases) {
             auto& [box, crease] = what;
             crease.at = {joints.first, box.centre(), box.half()}, crease.against = joints.second;
@@ -181,7 +197,8 @@ Components::Components(const AvatarData& avatar, const ComponentMap& map, std::s
     }
 }
 
-uint32_t Components::unseen(std::span<const Mat3x4f> worldFromRest, std::span<const float> coefficients, std::span<const Cameraf> views, float kappaPx2, float growth) const {
+uint32_t Components::unseen(std::span<const Mat3x4f> worldFromRest, std::span<const float> coefficients, std::span<const Cameraf> views,
+                            float kappaPx2, float growth) const {
     const auto carried = [&](uint32_t joint, const Vec3d& p) {
         const Mat3x4f& m = worldFromRest[joint];
         return Vec3d(m[0]) * p.x + Vec3d(m[1]) * p.y + Vec3d(m[2]) * p.z + Vec3d(m[3]);
@@ -203,33 +220,41 @@ uint32_t Components::unseen(std::span<const Mat3x4f> worldFromRest, std::span<co
             const double k = std::abs(double(coefficients[m]));
             offset += k * c.modes[m].offsetM, reachM += k * c.modes[m].reachM, over += k * c.modes[m].overM;
         }
-        double reachShare = 0, overShare = 0;   // of creases
+        double reachShare = 0, overShare = 0;  // of creases
         for (const Crease& k : c.creases) {
-            const double apart = glm::length(carried(k.at.joint, k.at.centre) - carried(k.against, k.at.centre)) + (glm::length(k.at.half) + offset) * turned(k.at.joint, k.against);
+            const double apart = glm::length(carried(k.at.joint, k.at.centre) - carried(k.against, k.at.centre)) +
+                                 (glm::length(k.at.half) + offset) * turned(k.at.joint, k.against);
             reachShare = std::max(reachShare, k.reachPerM * apart), overShare = std::max(overShare, k.overPerM * apart);
         }
         over += overShare;
         const double reach = double(growth) * (reachM + reachShare);
         const auto shownIn = [&](const Cameraf& view) {
             const JacobianClamp<double> limit(view.cast<double>());
-            const Vec2d focal(view.fx, view.fy), centre(view.cx, view.cy), slope(std::max(std::abs(limit.minX), std::abs(limit.maxX)), std::max(std::abs(limit.minY), std::abs(limit.maxY)));
+            const Vec2d focal(view.fx, view.fy), centre(view.cx, view.cy),
+                slope(std::max(std::abs(limit.minX), std::abs(limit.maxX)), std::max(std::abs(limit.minY), std::abs(limit.maxY)));
             const Vec2d margin = c.rootLevel * std::sqrt(double(kappaPx2)) + double(kCoverageReachPx) + 0.02 + 1e-5 * focal;
-            const Vec2d low = centre + margin, high = Vec2d(view.widthPx, view.heightPx) - centre + margin;   // as lib/cull.glsl
+            const Vec2d low = centre + margin, high = Vec2d(view.widthPx, view.heightPx) - centre + margin;  // as lib/cull.glsl
             const Vec2d splat = 1.001 * reach * focal * glm::sqrt(1.0 + slope * slope);
             struct Side {
-                Vec3d inwards;       // view space, not of unit length
-                double bySplat;      // how far beyond it a vertex may lie whose splats still show
+                Vec3d inwards;   // view space, not of unit length
+                double bySplat;  // how far beyond it a vertex may lie whose splats still show
             };
-            const Side sides[] = {{{0, 0, 1}, -kNearM}, {{focal.x, 0, low.x}, splat.x}, {{-focal.x, 0, high.x}, splat.x}, {{0, focal.y, low.y}, splat.y}, {{0, -focal.y, high.y}, splat.y}};
+            const Side sides[] = {{{0, 0, 1}, -kNearM},
+                                  {{focal.x, 0, low.x}, splat.x},
+                                  {{-focal.x, 0, high.x}, splat.x},
+                                  {{0, focal.y, low.y}, splat.y},
+                                  {{0, -focal.y, high.y}, splat.y}};
             for (const Side& side : sides) {
                 const Vec3d normal = glm::transpose(Mat3d(view.viewFromWorldRotation)) * side.inwards;
-                const double start = glm::dot(side.inwards, Vec3d(view.viewFromWorldTranslation)) + side.bySplat, length = glm::length(normal);
+                const double start = glm::dot(side.inwards, Vec3d(view.viewFromWorldTranslation)) + side.bySplat,
+                             length = glm::length(normal);
                 bool outside = true;
                 for (const Corners& box : c.boxes) {
                     const Vec3d p = carried(box.joint, box.centre);
                     double support = 0;
                     for (int k = 0; k < 3; ++k) support += std::abs(glm::dot(normal, Vec3d(worldFromRest[box.joint][k]))) * box.half[k];
-                    const double rounding = 1e-5 * (1 + glm::length(p) + glm::length(Vec3d(worldFromRest[box.joint][3])) + glm::length(Vec3d(view.viewFromWorldTranslation)));
+                    const double rounding = 1e-5 * (1 + glm::length(p) + glm::length(Vec3d(worldFromRest[box.joint][3])) +
+                                                    glm::length(Vec3d(view.viewFromWorldTranslation)));
                     outside = outside && start + glm::dot(normal, p) + support * 1.0001 + length * (offset + over + rounding) <= 0;
                 }
                 if (outside) return false;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/avatar/detail.h"
 
 #include <algorithm>
@@ -10,7 +11,7 @@ namespace dpl {
 
 namespace {
 
-constexpr float kFace = 3, kHand = 2;   // times the splats of other surface: what people look at, and what talks with the face
+constexpr float kFace = 3, kHand = 2;  // times the splats of other surface: what people look at, and what talks with the face
 
 float favourOf(std::string_view bone) {
     if (bone == "head" || bone == "jaw" || bone.ends_with("Eye")) return kFace;
@@ -28,7 +29,8 @@ std::vector<float> favours(const AvatarData& avatar, const CodedSplats& splats) 
         float more = 0;
         for (int corner = 0; corner < 3; ++corner)
             for (int k = 0; k < 4; ++k)
-                if (const uint32_t weight = mesh.jointWeights[t[corner]][k]; weight > 0) more += float(weight) * (ofJoint[mesh.jointIndices[t[corner]][k]] - 1);
+                if (const uint32_t weight = mesh.jointWeights[t[corner]][k]; weight > 0)
+                    more += float(weight) * (ofJoint[mesh.jointIndices[t[corner]][k]] - 1);
         ofTriangle.push_back(1 + more / (3 * 255));
     }
     std::vector<float> out(splats.groups.size(), 1);
@@ -64,7 +66,9 @@ DetailSubject::DetailSubject(const AvatarData& avatar, const CodedSplats& splats
                 low = glm::min(low, avatar.mesh.restPositions[v]), high = glm::max(high, avatar.mesh.restPositions[v]);
             }
     for (size_t j = 0; j < boxes.size(); ++j)
-        if (boxes[j].first.x <= boxes[j].second.x) balls_.push_back({uint32_t(j), 0.5f * (boxes[j].first + boxes[j].second), 0.5f * glm::length(boxes[j].second - boxes[j].first)});
+        if (boxes[j].first.x <= boxes[j].second.x)
+            balls_.push_back(
+                {uint32_t(j), 0.5f * (boxes[j].first + boxes[j].second), 0.5f * glm::length(boxes[j].second - boxes[j].first)});
 
     // Of each half-chunk: one splat, then its kept share and what fades (drawnRanks rounds up by at most a half), then all.
     double least = 0, most = 0, areaM2 = 0;
@@ -85,7 +89,7 @@ DetailSubject::DetailSubject(const AvatarData& avatar, const CodedSplats& splats
         bends_[i].drawn = bends_[i - 1].drawn + bends_[i - 1].slope * (bends_[i].perM2 - bends_[i - 1].perM2);
         bends_[i].slope += bends_[i - 1].slope;
     }
-    bends_.back().drawn = most, bends_.back().slope = 0;   // without the rounding of the sums
+    bends_.back().drawn = most, bends_.back().slope = 0;  // without the rounding of the sums
 }
 
 double DetailSubject::drawnAtMost(double perM2) const {
@@ -103,7 +107,8 @@ double DetailSubject::finestPixelM(std::span<const Mat3x4f> worldFromRest, std::
     double finest = INFINITY;
     for (const Cameraf& view : views) {
         double nearestM = INFINITY;
-        for (const Ball& ball : balls_) nearestM = std::min(nearestM, double(view.toView(worldFromRest[ball.joint] * Vec4f(ball.centre, 1)).z) - double(ball.radiusM));
+        for (const Ball& ball : balls_)
+            nearestM = std::min(nearestM, double(view.toView(worldFromRest[ball.joint] * Vec4f(ball.centre, 1)).z) - double(ball.radiusM));
         finest = std::min(finest, std::max(nearestM, kDetailNearestM) / double(std::max(view.fx, view.fy)));
     }
     return finest;
@@ -113,8 +118,10 @@ uint64_t chooseDetails(const DetailOptions& options, std::span<const Cameraf> vi
     for (DetailMember& m : members) {
         m.detail = {}, m.generalDetail = {}, m.share = 1;
         if (options.off()) continue;
-        if (m.general) m.general->look(views);
-        else m.pixelM = m.avatar->finestPixelM(m.worldFromRest, views);
+        if (m.general)
+            m.general->look(views);
+        else
+            m.pixelM = m.avatar->finestPixelM(m.worldFromRest, views);
     }
     const auto drawnOf = [](const DetailMember& m, double perPixel) {
         return m.general ? m.general->drawnAtMost(perPixel) : m.avatar->drawnAtMost(perPixel / (m.pixelM * m.pixelM));
@@ -126,7 +133,7 @@ uint64_t chooseDetails(const DetailOptions& options, std::span<const Cameraf> vi
     };
     double perPixel = options.splatsPerPixel > 0 ? double(options.splatsPerPixel) : INFINITY;
     if (options.splatBudget > 0 && drawn(perPixel) > options.splatBudget) {
-        double low = 1e-9, high = std::min(perPixel, 1e9);   // of splats a pixel; the sum rises with it
+        double low = 1e-9, high = std::min(perPixel, 1e9);  // of splats a pixel; the sum rises with it
         for (int step = 0; step < 64; ++step) {
             const double middle = std::sqrt(low * high);
             (drawn(middle) > options.splatBudget ? high : low) = middle;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/avatar/general_detail.h"
 
 #include <algorithm>
@@ -9,16 +10,20 @@
 namespace dpl {
 namespace {
 
-// Bins of pixels that one splat stands for, as 2^(bin / 64): 1.1 % wide, from so few that all are drawn at any number to so many that a splat is a wall.
+// Bins of pixels that one splat stands for, as 2^(bin / 64): 1.1 % wide, from so few that all are drawn at any number to so many that a
+// splat is a wall.
 constexpr int kBinsAnOctave = 64, kFirstOctave = -40, kBins = 80 * kBinsAnOctave;
 
-constexpr double kBehindM = 1;   // half-chunks whose splats are all behind the cameras show nothing and count less and less over so much
+constexpr double kBehindM = 1;  // half-chunks whose splats are all behind the cameras show nothing and count less and less over so much
 
-double binOf(double pixels) { return (std::log2(pixels) - kFirstOctave) * kBinsAnOctave; }
+double binOf(double pixels) {
+    return (std::log2(pixels) - kFirstOctave) * kBinsAnOctave;
+}
 
 }  // namespace
 
-GeneralDetailSubject::GeneralDetailSubject(std::vector<GeneralGroup> groups, uint32_t splatCount) : groups_(std::move(groups)), sums_(kBins + 1), splatCount_(splatCount) {}
+GeneralDetailSubject::GeneralDetailSubject(std::vector<GeneralGroup> groups, uint32_t splatCount)
+    : groups_(std::move(groups)), sums_(kBins + 1), splatCount_(splatCount) {}
 
 void GeneralDetailSubject::look(std::span<const Cameraf> views) {
     if (views.empty()) return;
@@ -33,14 +38,17 @@ void GeneralDetailSubject::look(std::span<const Cameraf> views) {
     // A group lies between two bins; it is shared by the next two, so that what is counted is never below it and moves without steps.
     for (const GeneralGroup& group : groups_) {
         double aheadM = -INFINITY;
-        for (const PixelPlane& p : seen_.planes) aheadM = std::max(aheadM, double(glm::dot(p.axis, group.middle) + p.offsetM + glm::dot(glm::abs(p.axis), group.reach)) / double(glm::length(p.axis)));
+        for (const PixelPlane& p : seen_.planes)
+            aheadM = std::max(aheadM, double(glm::dot(p.axis, group.middle) + p.offsetM + glm::dot(glm::abs(p.axis), group.reach)) /
+                                          double(glm::length(p.axis)));
         const double counts = std::clamp(1 + (aheadM - kNearM) / kBehindM, 0.0, 1.0);
         if (counts == 0) continue;
         const double pixelM = double(seen_.pixelM(group.middle, group.reach));
         const double at = std::clamp(binOf(double(group.detail.areaM2) / (pixelM * pixelM)), 0.0, double(kBins - 3));
         const int bin = int(at);
         const double farther = at - bin;
-        sums_[size_t(bin) + 2].groups += counts * (1 - farther), sums_[size_t(bin) + 3].groups += counts * farther;   // sums before a bin stand one on
+        sums_[size_t(bin) + 2].groups += counts * (1 - farther),
+            sums_[size_t(bin) + 3].groups += counts * farther;  // sums before a bin stand one on
     }
     double pixels = std::exp2(kFirstOctave);
     static const double step = std::exp2(1.0 / kBinsAnOctave);
@@ -63,7 +71,8 @@ double GeneralDetailSubject::drawnAtMost(double perPixel) const {
     if (!(slope < INFINITY)) return splatCount_;
     const auto binFrom = [&](double splats) { return size_t(std::clamp(std::ceil(binOf(splats / slope)), 0.0, double(kBins))); };
     const Sums &one = sums_[binFrom(0.5)], &all = sums_[binFrom(kSplatGroupSize - 0.5)], &end = sums_.back();
-    const double drawn = one.groups + slope * (all.density - one.density) + 0.5 * (all.groups - one.groups) + kSplatGroupSize * (end.groups - all.groups);
+    const double drawn =
+        one.groups + slope * (all.density - one.density) + 0.5 * (all.groups - one.groups) + kSplatGroupSize * (end.groups - all.groups);
     return std::min(drawn, double(splatCount_));
 }
 

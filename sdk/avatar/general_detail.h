@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Level of detail of general splats in a frame (docs/adr/0010): every half-chunk has its own pixel, and how many splats that leaves.
 #pragma once
 
@@ -24,18 +25,19 @@ public:
     void look(std::span<const Cameraf> views);
     /** What `perPixel` splats a pixel are from there. */
     GeneralDetail detail(float perPixel) const;
-    /** Splats that are drawn at most then; continuous and rising with it, and without steps while the views move. A number below infinity: without those behind the cameras. */
+    /** Splats that are drawn at most then; continuous and rising with it, and without steps while the views move. A number below infinity:
+     * without those behind the cameras. */
     double drawnAtMost(double perPixel) const;
     /** Of the splats that are not behind the cameras. */
     float drawnShare(double perPixel) const;
 
 private:
     struct Sums {
-        double groups = 0, density = 0;   // of the bins before this one
+        double groups = 0, density = 0;  // of the bins before this one
     };
     std::vector<GeneralGroup> groups_;
-    std::vector<Sums> sums_;              // by bins of areaM2 / pixelM²
-    GeneralDetail seen_;                  // of the last look
+    std::vector<Sums> sums_;  // by bins of areaM2 / pixelM²
+    GeneralDetail seen_;      // of the last look
     uint32_t splatCount_ = 0;
 };
 

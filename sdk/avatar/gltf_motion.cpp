@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // glTF animations as motions. A glTF joint has any rest rotation Q (world); with animated local rotation A under parent rest Q_p the same
 // turn between frames that are parallel to the world at rest is  R = Q_p · A · Q⁻¹.
 #include <algorithm>
@@ -40,7 +41,8 @@ Result<std::vector<float>> keyTimes(const SkinnedGltf::Animation& animation, std
     if (times.empty()) return fail(Code::CorruptData, "{}: the animation has no keys", name);
     if (cubic) {
         const float begin = times.front(), end = times.back();
-        if ((end - begin) * kCubicRateHz > float(kMaxKeys)) return fail(Code::Unsupported, "{}: the animation lasts {} s", name, end - begin);
+        if ((end - begin) * kCubicRateHz > float(kMaxKeys))
+            return fail(Code::Unsupported, "{}: the animation lasts {} s", name, end - begin);
         const size_t count = size_t((end - begin) * kCubicRateHz);
         for (size_t i = 1; i <= count; ++i) times.push_back(begin + float(i) / kCubicRateHz);
         std::sort(times.begin(), times.end());
@@ -100,12 +102,14 @@ Result<Motion> readGltfMotion(std::span<const uint8_t> bytes, std::string_view n
         } else if (channel.path == SkinnedGltf::Path::Translation) {
             const Mat3f linear = node.parent < 0 ? Mat3f(1) : Mat3f(sceneFromNode[size_t(node.parent)]);
             Motion::Translation translation{uint32_t(joint), std::vector<Vec3f>(keys)};
-            for (size_t k = 0; k < keys; ++k) translation.offsets[k] = linear * (Vec3f(sampleChannel(channel, motion.timesS[k])) - node.translation);
+            for (size_t k = 0; k < keys; ++k)
+                translation.offsets[k] = linear * (Vec3f(sampleChannel(channel, motion.timesS[k])) - node.translation);
             motion.translations.push_back(std::move(translation));
         }
     }
     for (const Quatf& q : motion.rotations)
-        if (!std::isfinite(q.w + q.x + q.y + q.z)) return fail(Code::CorruptData, "{}: a rotation of '{}' is not finite", name, motion.name);
+        if (!std::isfinite(q.w + q.x + q.y + q.z))
+            return fail(Code::CorruptData, "{}: a rotation of '{}' is not finite", name, motion.name);
     const float begin = motion.timesS.front();
     for (float& t : motion.timesS) t -= begin;
     scaleToMetres(motion);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/avatar/humanoid.h"
 
 #include <algorithm>
@@ -8,16 +9,61 @@
 namespace dpl {
 namespace {
 
-constexpr std::array<std::string_view, 55> kBones = {
-    "hips", "spine", "chest", "upperChest", "neck", "head", "leftEye", "rightEye", "jaw",
-    "leftUpperLeg", "leftLowerLeg", "leftFoot", "leftToes", "rightUpperLeg", "rightLowerLeg", "rightFoot", "rightToes",
-    "leftShoulder", "leftUpperArm", "leftLowerArm", "leftHand", "rightShoulder", "rightUpperArm", "rightLowerArm", "rightHand",
-    "leftThumbMetacarpal", "leftThumbProximal", "leftThumbDistal", "leftIndexProximal", "leftIndexIntermediate", "leftIndexDistal",
-    "leftMiddleProximal", "leftMiddleIntermediate", "leftMiddleDistal", "leftRingProximal", "leftRingIntermediate", "leftRingDistal",
-    "leftLittleProximal", "leftLittleIntermediate", "leftLittleDistal",
-    "rightThumbMetacarpal", "rightThumbProximal", "rightThumbDistal", "rightIndexProximal", "rightIndexIntermediate", "rightIndexDistal",
-    "rightMiddleProximal", "rightMiddleIntermediate", "rightMiddleDistal", "rightRingProximal", "rightRingIntermediate", "rightRingDistal",
-    "rightLittleProximal", "rightLittleIntermediate", "rightLittleDistal"};
+constexpr std::array<std::string_view, 55> kBones = {"hips",
+                                                     "spine",
+                                                     "chest",
+                                                     "upperChest",
+                                                     "neck",
+                                                     "head",
+                                                     "leftEye",
+                                                     "rightEye",
+                                                     "jaw",
+                                                     "leftUpperLeg",
+                                                     "leftLowerLeg",
+                                                     "leftFoot",
+                                                     "leftToes",
+                                                     "rightUpperLeg",
+                                                     "rightLowerLeg",
+                                                     "rightFoot",
+                                                     "rightToes",
+                                                     "leftShoulder",
+                                                     "leftUpperArm",
+                                                     "leftLowerArm",
+                                                     "leftHand",
+                                                     "rightShoulder",
+                                                     "rightUpperArm",
+                                                     "rightLowerArm",
+                                                     "rightHand",
+                                                     "leftThumbMetacarpal",
+                                                     "leftThumbProximal",
+                                                     "leftThumbDistal",
+                                                     "leftIndexProximal",
+                                                     "leftIndexIntermediate",
+                                                     "leftIndexDistal",
+                                                     "leftMiddleProximal",
+                                                     "leftMiddleIntermediate",
+                                                     "leftMiddleDistal",
+                                                     "leftRingProximal",
+                                                     "leftRingIntermediate",
+                                                     "leftRingDistal",
+                                                     "leftLittleProximal",
+                                                     "leftLittleIntermediate",
+                                                     "leftLittleDistal",
+                                                     "rightThumbMetacarpal",
+                                                     "rightThumbProximal",
+                                                     "rightThumbDistal",
+                                                     "rightIndexProximal",
+                                                     "rightIndexIntermediate",
+                                                     "rightIndexDistal",
+                                                     "rightMiddleProximal",
+                                                     "rightMiddleIntermediate",
+                                                     "rightMiddleDistal",
+                                                     "rightRingProximal",
+                                                     "rightRingIntermediate",
+                                                     "rightRingDistal",
+                                                     "rightLittleProximal",
+                                                     "rightLittleIntermediate",
+                                                     "rightLittleDistal"};
 
 struct Alias {
     std::string_view base, bone;
@@ -25,23 +71,37 @@ struct Alias {
 
 // Bones with a side; the bone gets "left" or "right" in front.
 constexpr Alias kSided[] = {
-    {"clavicle", "Shoulder"}, {"collar", "Shoulder"}, {"collarbone", "Shoulder"}, {"clav", "Shoulder"}, {"shoulder", "Shoulder"},
-    {"upperarm", "UpperArm"}, {"uparm", "UpperArm"}, {"arm", "UpperArm"}, {"shldr", "UpperArm"}, {"shldrbend", "UpperArm"}, {"bicep", "UpperArm"},
-    {"lowerarm", "LowerArm"}, {"loarm", "LowerArm"}, {"forearm", "LowerArm"}, {"forearmbend", "LowerArm"}, {"elbow", "LowerArm"},
-    {"hand", "Hand"}, {"wrist", "Hand"},
-    {"upperleg", "UpperLeg"}, {"upleg", "UpperLeg"}, {"thigh", "UpperLeg"}, {"thighbend", "UpperLeg"}, {"hip", "UpperLeg"},
-    {"lowerleg", "LowerLeg"}, {"loleg", "LowerLeg"}, {"leg", "LowerLeg"}, {"shin", "LowerLeg"}, {"calf", "LowerLeg"}, {"knee", "LowerLeg"},
-    {"foot", "Foot"}, {"ankle", "Foot"}, {"toe", "Toes"}, {"toes", "Toes"}, {"toebase", "Toes"}, {"ball", "Toes"},
-    {"eye", "Eye"}, {"eyesmplhf", "Eye"},
+    {"clavicle", "Shoulder"}, {"collar", "Shoulder"},    {"collarbone", "Shoulder"}, {"clav", "Shoulder"},     {"shoulder", "Shoulder"},
+    {"upperarm", "UpperArm"}, {"uparm", "UpperArm"},     {"arm", "UpperArm"},        {"shldr", "UpperArm"},    {"shldrbend", "UpperArm"},
+    {"bicep", "UpperArm"},    {"lowerarm", "LowerArm"},  {"loarm", "LowerArm"},      {"forearm", "LowerArm"},  {"forearmbend", "LowerArm"},
+    {"elbow", "LowerArm"},    {"hand", "Hand"},          {"wrist", "Hand"},          {"upperleg", "UpperLeg"}, {"upleg", "UpperLeg"},
+    {"thigh", "UpperLeg"},    {"thighbend", "UpperLeg"}, {"hip", "UpperLeg"},        {"lowerleg", "LowerLeg"}, {"loleg", "LowerLeg"},
+    {"leg", "LowerLeg"},      {"shin", "LowerLeg"},      {"calf", "LowerLeg"},       {"knee", "LowerLeg"},     {"foot", "Foot"},
+    {"ankle", "Foot"},        {"toe", "Toes"},           {"toes", "Toes"},           {"toebase", "Toes"},      {"ball", "Toes"},
+    {"eye", "Eye"},           {"eyesmplhf", "Eye"},
 };
 constexpr Alias kMiddle[] = {
-    {"hips", "hips"}, {"hip", "hips"}, {"pelvis", "hips"}, {"spine", "spine"}, {"lowerback", "spine"}, {"abdomen", "spine"},
-    {"abdomenlower", "spine"}, {"abdomenupper", "chest"}, {"chestlower", "chest"}, {"chest", "chest"}, {"upperchest", "upperChest"},
-    {"chestupper", "upperChest"}, {"neck", "neck"}, {"necklower", "neck"}, {"head", "head"}, {"jaw", "jaw"}, {"lowerjaw", "jaw"},
+    {"hips", "hips"},
+    {"hip", "hips"},
+    {"pelvis", "hips"},
+    {"spine", "spine"},
+    {"lowerback", "spine"},
+    {"abdomen", "spine"},
+    {"abdomenlower", "spine"},
+    {"abdomenupper", "chest"},
+    {"chestlower", "chest"},
+    {"chest", "chest"},
+    {"upperchest", "upperChest"},
+    {"chestupper", "upperChest"},
+    {"neck", "neck"},
+    {"necklower", "neck"},
+    {"head", "head"},
+    {"jaw", "jaw"},
+    {"lowerjaw", "jaw"},
 };
 constexpr Alias kFingers[] = {
-    {"thumb", "Thumb"}, {"index", "Index"}, {"middle", "Middle"}, {"mid", "Middle"}, {"ring", "Ring"},
-    {"little", "Little"}, {"pinky", "Little"}, {"pinkie", "Little"},
+    {"thumb", "Thumb"}, {"index", "Index"},   {"middle", "Middle"}, {"mid", "Middle"},
+    {"ring", "Ring"},   {"little", "Little"}, {"pinky", "Little"},  {"pinkie", "Little"},
 };
 
 template <size_t N>
@@ -63,7 +123,8 @@ struct NameParts {
 
 std::string_view stripPrefix(std::string_view name) {
     if (const size_t colon = name.find_last_of(":|"); colon != std::string_view::npos) name.remove_prefix(colon + 1);
-    for (std::string_view prefix : {"mixamorig_", "mixamorig", "DEF-", "ORG-", "J_Bip_C_", "J_Bip_", "Bip001 ", "Bip01 ", "Bip001_", "Bip01_", "CC_Base_"})
+    for (std::string_view prefix :
+         {"mixamorig_", "mixamorig", "DEF-", "ORG-", "J_Bip_C_", "J_Bip_", "Bip001 ", "Bip01 ", "Bip001_", "Bip01_", "CC_Base_"})
         if (name.size() > prefix.size() && name.substr(0, prefix.size()) == prefix) return name.substr(prefix.size());
     return name;
 }
@@ -111,7 +172,9 @@ NameParts takeApart(std::string_view name) {
     return parts;
 }
 
-std::string sided(int side, std::string_view bone) { return std::string(side > 0 ? "left" : "right").append(bone); }
+std::string sided(int side, std::string_view bone) {
+    return std::string(side > 0 ? "left" : "right").append(bone);
+}
 
 /** "Index" + segment 1..3; the thumb's segments have other names. */
 std::string fingerBone(int side, std::string_view finger, int segment) {
@@ -121,7 +184,9 @@ std::string fingerBone(int side, std::string_view finger, int segment) {
     return sided(side, finger).append(finger == "Thumb" ? kThumbSegments[segment - 1] : kSegments[segment - 1]);
 }
 
-int small(const std::string& digits) { return digits.size() > 3 ? -1 : std::stoi(digits); }
+int small(const std::string& digits) {
+    return digits.size() > 3 ? -1 : std::stoi(digits);
+}
 
 std::string fingerFor(const NameParts& parts) {
     std::string_view base = parts.base;
@@ -165,7 +230,9 @@ std::string spineFor(const NameParts& parts) {
 
 }  // namespace
 
-std::span<const std::string_view> humanoidBoneNames() { return kBones; }
+std::span<const std::string_view> humanoidBoneNames() {
+    return kBones;
+}
 
 std::string humanoidBoneFor(std::string_view jointName) {
     const std::string_view name = stripPrefix(jointName);
@@ -186,8 +253,8 @@ std::string humanoidBoneFor(std::string_view jointName) {
     if (std::string finger = fingerFor(parts); !finger.empty()) return finger;
     if (!n.empty() && !(n.size() == 1 && n[0] == "01")) return {};  // second halves ("upperarm02.L"), separate toes ("toe2-1.L")
     if (parts.base == "shoulder") {
-        if (!n.empty()) return {};                                   // MakeHuman's shoulder01 follows its clavicle
-        if (parts.snakeSide) return sided(parts.side, "UpperArm");   // SMPL: left_collar, left_shoulder, left_elbow
+        if (!n.empty()) return {};                                  // MakeHuman's shoulder01 follows its clavicle
+        if (parts.snakeSide) return sided(parts.side, "UpperArm");  // SMPL: left_collar, left_shoulder, left_elbow
     }
     const std::string_view bone = lookUp(kSided, parts.base);
     return bone.empty() ? std::string() : sided(parts.side, bone);
@@ -259,7 +326,7 @@ private:
         relabel("hips", hips);
         const auto top = head ? common(arms, head) : arms;
         if (!top || *top == *hips || !isAbove(*hips, *top)) return;
-        if (top == head) return;  // arms that hang from the head: no chest and no neck to tell apart, names must do
+        if (top == head) return;    // arms that hang from the head: no chest and no neck to tell apart, names must do
         std::vector<size_t> chain;  // from below the hips up to where the arms leave
         for (size_t j = *top; j != *hips; j = size_t(joints_[j].parent)) chain.insert(chain.begin(), j);
         for (std::string_view bone : {"spine", "chest", "upperChest"}) relabel(bone, std::nullopt);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which human bone a joint is, by its name and its place in the tree. Names are those of the VRM 1.0 humanoid
 // ("hips", "leftUpperArm", "rightIndexProximal" ...), the ones that glTF tools know.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A recorded motion on the skeleton it was recorded with: what the BVH and glTF readers give, and what retargeting takes.
 #pragma once
 
@@ -16,15 +17,15 @@ namespace dpl {
  *  skeleton's height tells (a file has no unit). */
 struct Motion {
     std::string name;
-    std::vector<JointData> joints;        // parents first; end sites are joints too, named "<parent> end"
-    std::vector<float> timesS;            // strictly rising, from 0; K of them
-    std::vector<Quatf> rotations;         // K × J, key-major, unit
+    std::vector<JointData> joints;  // parents first; end sites are joints too, named "<parent> end"
+    std::vector<float> timesS;      // strictly rising, from 0; K of them
+    std::vector<Quatf> rotations;   // K × J, key-major, unit
     struct Translation {
         uint32_t joint = 0;
-        std::vector<Vec3f> offsets;       // K, beside the rest offset, in the parent's frame, metres
+        std::vector<Vec3f> offsets;  // K, beside the rest offset, in the parent's frame, metres
     };
     std::vector<Translation> translations;
-    float metresPerUnit = 1;              // what the file's lengths were multiplied by: 1, 0.1, 0.0254, 0.01 or 0.001
+    float metresPerUnit = 1;  // what the file's lengths were multiplied by: 1, 0.1, 0.0254, 0.01 or 0.001
 
     size_t keyCount() const { return timesS.size(); }
 };

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/avatar/pose_correctives.h"
 
 #include <algorithm>

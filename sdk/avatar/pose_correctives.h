@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pose correctives: surface offsets and brightness that follow the pose (formula in PoseCorrectiveData, technical reference §6–§8).
 #pragma once
 
@@ -31,7 +32,7 @@ CorrectiveDistance correctiveCoefficients(const PoseCorrectiveData& correctives,
 void correctiveNodes(const PoseCorrectiveData& correctives, std::span<const float> coefficients, std::vector<Vec4f>& nodes);
 
 /** Spreads the nodes to the vertices: moved rest positions, and brightness clamped to [kMinLight, kMaxLight]. */
-void spreadCorrectives(const PoseCorrectiveData& correctives, std::span<const Vec4f> nodes, std::span<const Vec3f> restPositions, Jobs& jobs,
-                       std::vector<Vec3f>& moved, std::vector<float>& light);
+void spreadCorrectives(const PoseCorrectiveData& correctives, std::span<const Vec4f> nodes, std::span<const Vec3f> restPositions,
+                       Jobs& jobs, std::vector<Vec3f>& moved, std::vector<float>& light);
 
 }  // namespace dpl

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // From a pose to posed triangles, in one place for the software renderer, the trainer and the exporters:
 //   pose ─► correctives (offsets, light) ─► joint transforms ─► skin ─► triangle frames
 #pragma once
@@ -21,17 +22,18 @@ class PosedMesh {
 public:
     /** The pose must have passed checkPose, the correctives checkCorrectives. */
     void pose(const PosedSubject& subject, const Pose& pose, Jobs& jobs) { control(subject, pose), surface(subject, jobs); }
-    /** The first half, microseconds: joints and control nodes. Then the second, which is left out where nobody would see it: until then frames and positions are those of before. */
+    /** The first half, microseconds: joints and control nodes. Then the second, which is left out where nobody would see it: until then
+     * frames and positions are those of before. */
     void control(const PosedSubject& subject, const Pose& pose);
     void surface(const PosedSubject& subject, Jobs& jobs);
 
     std::span<const TriangleFrame<float>> frames() const { return frames_; }
-    std::span<const Vec3f> positions() const { return positions_; }              // V, world
-    std::span<const Vec3f> rest() const { return moved_; }                       // V, what was skinned
-    std::span<const float> light() const { return light_; }                      // V, or empty without correctives
-    std::span<const Mat3x4f> worldFromRest() const { return worldFromRest_; }    // one a joint
-    std::span<const float> coefficients() const { return coefficients_; }        // K
-    std::span<const Vec4f> nodes() const { return nodes_; }                      // M
+    std::span<const Vec3f> positions() const { return positions_; }            // V, world
+    std::span<const Vec3f> rest() const { return moved_; }                     // V, what was skinned
+    std::span<const float> light() const { return light_; }                    // V, or empty without correctives
+    std::span<const Mat3x4f> worldFromRest() const { return worldFromRest_; }  // one a joint
+    std::span<const float> coefficients() const { return coefficients_; }      // K
+    std::span<const Vec4f> nodes() const { return nodes_; }                    // M
 
 private:
     std::vector<float> coefficients_, light_;

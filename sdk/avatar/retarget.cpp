@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/avatar/retarget.h"
 
 #include <algorithm>
@@ -130,26 +131,40 @@ struct LimbBone {
 };
 
 constexpr LimbBone kLimbs[] = {
-    {"UpperArm", "LowerArm", ""}, {"LowerArm", "Hand", "UpperArm"}, {"Hand", "MiddleProximal", "LowerArm"},
-    {"UpperLeg", "LowerLeg", ""}, {"LowerLeg", "Foot", "UpperLeg"},
-    {"ThumbMetacarpal", "ThumbProximal", "Hand"}, {"ThumbProximal", "ThumbDistal", "ThumbMetacarpal"}, {"ThumbDistal", "", "ThumbProximal"},
-    {"IndexProximal", "IndexIntermediate", "Hand"}, {"IndexIntermediate", "IndexDistal", "IndexProximal"}, {"IndexDistal", "", "IndexIntermediate"},
-    {"MiddleProximal", "MiddleIntermediate", "Hand"}, {"MiddleIntermediate", "MiddleDistal", "MiddleProximal"}, {"MiddleDistal", "", "MiddleIntermediate"},
-    {"RingProximal", "RingIntermediate", "Hand"}, {"RingIntermediate", "RingDistal", "RingProximal"}, {"RingDistal", "", "RingIntermediate"},
-    {"LittleProximal", "LittleIntermediate", "Hand"}, {"LittleIntermediate", "LittleDistal", "LittleProximal"}, {"LittleDistal", "", "LittleIntermediate"},
+    {"UpperArm", "LowerArm", ""},
+    {"LowerArm", "Hand", "UpperArm"},
+    {"Hand", "MiddleProximal", "LowerArm"},
+    {"UpperLeg", "LowerLeg", ""},
+    {"LowerLeg", "Foot", "UpperLeg"},
+    {"ThumbMetacarpal", "ThumbProximal", "Hand"},
+    {"ThumbProximal", "ThumbDistal", "ThumbMetacarpal"},
+    {"ThumbDistal", "", "ThumbProximal"},
+    {"IndexProximal", "IndexIntermediate", "Hand"},
+    {"IndexIntermediate", "IndexDistal", "IndexProximal"},
+    {"IndexDistal", "", "IndexIntermediate"},
+    {"MiddleProximal", "MiddleIntermediate", "Hand"},
+    {"MiddleIntermediate", "MiddleDistal", "MiddleProximal"},
+    {"MiddleDistal", "", "MiddleIntermediate"},
+    {"RingProximal", "RingIntermediate", "Hand"},
+    {"RingIntermediate", "RingDistal", "RingProximal"},
+    {"RingDistal", "", "RingIntermediate"},
+    {"LittleProximal", "LittleIntermediate", "Hand"},
+    {"LittleIntermediate", "LittleDistal", "LittleProximal"},
+    {"LittleDistal", "", "LittleIntermediate"},
 };
 
 /** One driven target joint. */
 struct Driven {
     size_t target = 0, source = 0;
-    Quatf align = kIdentity;              // A_k
-    Vec3f restDirection{0};               // of the target bone; zero: none
-    std::optional<size_t> sourceNext;     // the source joint its direction runs to, when limbs must match exactly
+    Quatf align = kIdentity;           // A_k
+    Vec3f restDirection{0};            // of the target bone; zero: none
+    std::optional<size_t> sourceNext;  // the source joint its direction runs to, when limbs must match exactly
 };
 
 class Retargeter {
 public:
-    Retargeter(const Motion& motion, std::span<const JointData> target) : motion_(motion), source_(motion), target_(target), bones_(bonesOf(target)) {}
+    Retargeter(const Motion& motion, std::span<const JointData> target)
+        : motion_(motion), source_(motion), target_(target), bones_(bonesOf(target)) {}
 
     Result<ClipData> run(const RetargetOptions& options) {
         DPL_CHECK_OK(checkCommon());
@@ -182,7 +197,8 @@ private:
             for (const JointData& joint : joints) text += (text.empty() ? "" : ", ") + joint.name;
             return text;
         };
-        const bool sourceLacks = !find(source_.bones(), "hips") || (!find(source_.bones(), "leftUpperLeg") && !find(source_.bones(), "leftUpperArm"));
+        const bool sourceLacks =
+            !find(source_.bones(), "hips") || (!find(source_.bones(), "leftUpperLeg") && !find(source_.bones(), "leftUpperArm"));
         return fail(Code::Unsupported, "{}: the {} skeleton has no recognisable hips with arms or legs; its joints are: {}", motion_.name,
                     sourceLacks ? "motion's" : "avatar's", sourceLacks ? list(motion_.joints) : list(target_));
     }
@@ -252,7 +268,8 @@ private:
         d->sourceNext = sourceNext;
     }
 
-    /** Palms: the line from little finger to index tells the roll of the hand that its direction leaves open. Half of it goes to the forearm. */
+    /** Palms: the line from little finger to index tells the roll of the hand that its direction leaves open. Half of it goes to the
+     * forearm. */
     void alignPalm(const std::string& side) {
         Driven* hand = drivenBone(side + "Hand");
         const auto across = [&](const BoneMap& bones, auto&& at) -> std::optional<Vec3f> {
@@ -276,7 +293,8 @@ private:
         if (Driven* arm = drivenBone(side + "LowerArm"); arm && arm->sourceNext)
             arm->align = glm::angleAxis(0.5f * roll, glm::normalize(arm->align * arm->restDirection)) * arm->align;
         for (const LimbBone& limb : kLimbs)  // fingers start from the rolled hand
-            if (limb.bone != "Hand" && limb.parent != "" && limb.bone.find("Arm") == std::string_view::npos && limb.bone.find("Leg") == std::string_view::npos)
+            if (limb.bone != "Hand" && limb.parent != "" && limb.bone.find("Arm") == std::string_view::npos &&
+                limb.bone.find("Leg") == std::string_view::npos)
                 alignLimb(side, limb);
     }
 
@@ -310,14 +328,16 @@ private:
         for (size_t j = 0; j < target_.size(); ++j) {
             const int32_t parent = target_[j].parent;
             const Quatf above = parent < 0 ? kIdentity : world_[size_t(parent)];
-            positions_[j] = parent < 0 ? target_[j].restPosition
-                                       : positions_[size_t(parent)] + above * (target_[j].restPosition - target_[size_t(parent)].restPosition);
+            positions_[j] = parent < 0
+                                ? target_[j].restPosition
+                                : positions_[size_t(parent)] + above * (target_[j].restPosition - target_[size_t(parent)].restPosition);
             world_[j] = above;
             if (next >= driven_.size() || driven_[next].target != j) continue;
             const Driven& d = driven_[next];
             Quatf turned = glm::normalize(sourceRotations_[d.source] * d.align);
             if (d.sourceNext)  // joints between this bone and the next may bend too (twist and half bones): follow the posed direction
-                turned = glm::normalize(turn(turned * d.restDirection, sourcePositions_[*d.sourceNext] - sourcePositions_[d.source]) * turned);
+                turned =
+                    glm::normalize(turn(turned * d.restDirection, sourcePositions_[*d.sourceNext] - sourcePositions_[d.source]) * turned);
             world_[j] = turned;
             Quatf local = glm::normalize(glm::conjugate(above) * turned);
             std::vector<Quatf>& keys = clip.channels[next].rotations;
@@ -329,7 +349,8 @@ private:
         clip.rootTranslations.push_back(sourcePositions_[*find(source_.bones(), "hips")] * travelScale() - positions_[hips]);
         float lowest = 1e30f;
         for (std::string_view bone : {"leftFoot", "rightFoot", "leftToes", "rightToes"})
-            if (const auto joint = find(bones_, bone)) lowest = std::min(lowest, positions_[*joint].y + clip.rootTranslations.back().y - target_[*joint].restPosition.y);
+            if (const auto joint = find(bones_, bone))
+                lowest = std::min(lowest, positions_[*joint].y + clip.rootTranslations.back().y - target_[*joint].restPosition.y);
         clearance.push_back(lowest < 1e29f ? lowest : 0.0f);
     }
 
@@ -389,11 +410,12 @@ private:
 }  // namespace
 
 Result<ClipData> retarget(const Motion& source, std::span<const JointData> target, const RetargetOptions& options) {
-    if (auto rig = checkRig(target); !rig) return fail(Code::InvalidArgument, "the rig to retarget onto is not valid: {}", rig.error().message);
+    if (auto rig = checkRig(target); !rig)
+        return fail(Code::InvalidArgument, "the rig to retarget onto is not valid: {}", rig.error().message);
     if (auto rig = checkRig(source.joints); !rig) return rig.error();
     if (source.keyCount() == 0 || source.rotations.size() != source.keyCount() * source.joints.size())
-        return fail(Code::CorruptData, "{}: {} keys of {} joints need {} rotations, there are {}", source.name, source.keyCount(), source.joints.size(),
-                    source.keyCount() * source.joints.size(), source.rotations.size());
+        return fail(Code::CorruptData, "{}: {} keys of {} joints need {} rotations, there are {}", source.name, source.keyCount(),
+                    source.joints.size(), source.keyCount() * source.joints.size(), source.rotations.size());
     for (const Motion::Translation& t : source.translations)
         if (t.joint >= source.joints.size() || t.offsets.size() != source.keyCount())
             return fail(Code::CorruptData, "{}: a translation track does not fit the motion", source.name);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A motion of one skeleton onto another rig, by humanoid bone names.
 //
 // Both skeletons are described by how far every bone has turned in the world since its rest pose (D). Rest poses differ (T against
@@ -15,10 +16,10 @@
 namespace dpl {
 
 struct RetargetOptions {
-    bool keepLeadIn = false;      // many BVH files blend from a rest pose within a few frames, faster than any body: dropped unless kept
-    bool keepPlace = false;       // false: the hips start above where they stand at rest
-    bool inPlace = false;         // no horizontal travel at all
-    bool groundFeet = true;       // shifts the clip up or down so that the lowest foot stands as high as at rest
+    bool keepLeadIn = false;  // many BVH files blend from a rest pose within a few frames, faster than any body: dropped unless kept
+    bool keepPlace = false;   // false: the hips start above where they stand at rest
+    bool inPlace = false;     // no horizontal travel at all
+    bool groundFeet = true;   // shifts the clip up or down so that the lowest foot stands as high as at rest
 };
 
 /** The motion on `target`: channels for the joints that both skeletons name, all others rest. Travel is scaled by the ratio of leg

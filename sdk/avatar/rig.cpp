@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/avatar/rig.h"
 
 #include <algorithm>
@@ -6,13 +7,15 @@
 namespace dpl {
 namespace {
 
-constexpr size_t kVertexGrain = 2048;       // vertices a block: small enough to balance, large enough to hide the hand-out
+constexpr size_t kVertexGrain = 2048;  // vertices a block: small enough to balance, large enough to hide the hand-out
 constexpr size_t kTriangleGrain = 2048;
 constexpr float kMinQuaternionNorm2 = 1e-12f;  // below this the direction of the quaternion is rounding noise
 constexpr float kMaxQuaternionNorm2 = 1e12f;   // above this squares of ordinary products overflow
 constexpr float kMaxRootTranslationM = 1e5f;   // 100 km: float has no millimetres left there
 
-bool finite(const Quatf& q) { return std::isfinite(q.x) && std::isfinite(q.y) && std::isfinite(q.z) && std::isfinite(q.w); }
+bool finite(const Quatf& q) {
+    return std::isfinite(q.x) && std::isfinite(q.y) && std::isfinite(q.z) && std::isfinite(q.w);
+}
 
 Mat3x4f multiply(const Mat3x4f& a, const Mat3x4f& b) {
     const Mat3f ra(a[0], a[1], a[2]);
@@ -27,16 +30,18 @@ Status checkPose(std::span<const JointData> joints, const Pose& pose) {
     for (size_t j = 0; j < joints.size(); ++j) {
         const Quatf& q = pose.localRotations[j];
         if (!finite(q))
-            return fail(Code::InvalidArgument, "rotation of joint '{}' ({}) is not finite: [{}, {}, {}, {}]", joints[j].name, j, q.x, q.y, q.z, q.w);
+            return fail(Code::InvalidArgument, "rotation of joint '{}' ({}) is not finite: [{}, {}, {}, {}]", joints[j].name, j, q.x, q.y,
+                        q.z, q.w);
         const float norm2 = glm::dot(q, q);
         if (!(norm2 > kMinQuaternionNorm2) || !(norm2 < kMaxQuaternionNorm2))
-            return fail(Code::InvalidArgument, "rotation of joint '{}' ({}) has length {}; a rotation is a unit quaternion (xyzw)", joints[j].name, j,
-                        std::sqrt(norm2));
+            return fail(Code::InvalidArgument, "rotation of joint '{}' ({}) has length {}; a rotation is a unit quaternion (xyzw)",
+                        joints[j].name, j, std::sqrt(norm2));
     }
     const Vec3f& t = pose.rootTranslation;
     for (int axis = 0; axis < 3; ++axis)
         if (!(std::abs(t[axis]) <= kMaxRootTranslationM))
-            return fail(Code::InvalidArgument, "the root translation [{}, {}, {}] is not finite or is beyond {} m", t.x, t.y, t.z, kMaxRootTranslationM);
+            return fail(Code::InvalidArgument, "the root translation [{}, {}, {}] is not finite or is beyond {} m", t.x, t.y, t.z,
+                        kMaxRootTranslationM);
     return {};
 }
 
@@ -67,7 +72,8 @@ void jointTransforms(std::span<const JointData> joints, const Pose& pose, std::v
     }
 }
 
-void skin(const MeshData& mesh, std::span<const Vec3f> restPositions, std::span<const Mat3x4f> worldFromRest, Jobs& jobs, std::vector<Vec3f>& positions) {
+void skin(const MeshData& mesh, std::span<const Vec3f> restPositions, std::span<const Mat3x4f> worldFromRest, Jobs& jobs,
+          std::vector<Vec3f>& positions) {
     positions.resize(restPositions.size());
     const auto body = [&](size_t begin, size_t end, uint32_t) {
         for (size_t v = begin; v < end; ++v) {
@@ -101,7 +107,9 @@ void poseTriangles(const MeshData& mesh, std::span<const RestTriangle<float>> re
     const auto body = [&](size_t begin, size_t end, uint32_t) {
         for (size_t t = begin; t < end; ++t) {
             const Triangle& corner = mesh.triangles[t];
-            const RestTriangle<float> bound = rest.empty() ? restTriangle(mesh.restPositions[corner.x], mesh.restPositions[corner.y], mesh.restPositions[corner.z]) : rest[t];
+            const RestTriangle<float> bound =
+                rest.empty() ? restTriangle(mesh.restPositions[corner.x], mesh.restPositions[corner.y], mesh.restPositions[corner.z])
+                             : rest[t];
             frames[t] = poseTriangle(bound, positions[corner.x], positions[corner.y], positions[corner.z]);
             if (!light.empty()) frames[t].light = {light[corner.x], light[corner.y], light[corner.z]};
         }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Rig, pose and linear blend skinning. Formula: G_j = G_parent · [R_j | p_j − R_j p_j], v' = Σ_j w_j G_j v.
 #pragma once
 
@@ -20,7 +21,9 @@ struct Pose {
 };
 
 /** Where the root joint (joint 0, which must exist) of a pose is, world. */
-inline Vec3f rootPosition(std::span<const JointData> joints, const Pose& pose) { return joints[0].restPosition + pose.rootTranslation; }
+inline Vec3f rootPosition(std::span<const JointData> joints, const Pose& pose) {
+    return joints[0].restPosition + pose.rootTranslation;
+}
 
 /** Refuses a wrong joint count and non-finite or zero rotations, naming the joint. */
 Status checkPose(std::span<const JointData> joints, const Pose& pose);
@@ -32,7 +35,8 @@ Status checkRig(std::span<const JointData> joints);
 void jointTransforms(std::span<const JointData> joints, const Pose& pose, std::vector<Mat3x4f>& worldFromRest);
 
 /** Skins `rest` (V positions) with the four unorm8 weights of each vertex of `mesh`. `positions` is resized to V. */
-void skin(const MeshData& mesh, std::span<const Vec3f> rest, std::span<const Mat3x4f> worldFromRest, Jobs& jobs, std::vector<Vec3f>& positions);
+void skin(const MeshData& mesh, std::span<const Vec3f> rest, std::span<const Mat3x4f> worldFromRest, Jobs& jobs,
+          std::vector<Vec3f>& positions);
 /** The same for the mesh's own rest positions. */
 inline void skin(const MeshData& mesh, std::span<const Mat3x4f> worldFromRest, Jobs& jobs, std::vector<Vec3f>& positions) {
     skin(mesh, mesh.restPositions, worldFromRest, jobs, positions);

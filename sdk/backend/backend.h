@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The seam between how a frame is made (sdk/render) and the graphics API that makes it. Few calls, typed handles, no vk*/MTL*.
 //
 //   load:   createBuffer, write, computePipeline, drawPipeline, createTarget, createFrame (checks and records the steps once)
@@ -36,20 +37,20 @@ enum class DeviceKind : uint8_t { Discrete, Integrated, Virtual, Software, Other
 
 struct DeviceInfo {
     std::string name;
-    std::string identity;           // of device, driver version and shader pack: equal only when all three are
+    std::string identity;  // of device, driver version and shader pack: equal only when all three are
     DeviceKind kind = DeviceKind::Other;
-    uint64_t maxBindingBytes = 0;   // of one storage buffer binding
-    uint32_t maxTargetPx = 0;       // width or height of a target
-    uint32_t maxViewportPx = 0;     // of what it is cut from
-    uint32_t maxGroups = 0;         // workgroups of one dispatch
-    bool multiview = false;         // one draw reaches all layers of a target; otherwise a draw a layer
-    bool halfDepth = false;         // depth sums are read back as 2 x f16 instead of 2 x f32
+    uint64_t maxBindingBytes = 0;  // of one storage buffer binding
+    uint32_t maxTargetPx = 0;      // width or height of a target
+    uint32_t maxViewportPx = 0;    // of what it is cut from
+    uint32_t maxGroups = 0;        // workgroups of one dispatch
+    bool multiview = false;        // one draw reaches all layers of a target; otherwise a draw a layer
+    bool halfDepth = false;        // depth sums are read back as 2 x f16 instead of 2 x f32
     bool timestamps = false;
-    bool shuffle = false;           // subgroups of 8 to 64 lanes that follow the order of the workgroup, with shuffles, in compute
-    bool texels = false;            // a CPU plays the GPU: it reads typed buffers several times faster than plain ones (shaders/lib/reads.glsl)
-    bool codes16 = false;           // a CPU plays the GPU: it blends 16-bit codes, which round finer, a tenth faster than halves
-    bool clearDraw = true;          // a draw may clear a target (ClearDraw)
-    bool fourSamples = false;       // targets of 4 samples a pixel at the standard places, each shaded by itself
+    bool shuffle = false;      // subgroups of 8 to 64 lanes that follow the order of the workgroup, with shuffles, in compute
+    bool texels = false;       // a CPU plays the GPU: it reads typed buffers several times faster than plain ones (shaders/lib/reads.glsl)
+    bool codes16 = false;      // a CPU plays the GPU: it blends 16-bit codes, which round finer, a tenth faster than halves
+    bool clearDraw = true;     // a draw may clear a target (ClearDraw)
+    bool fourSamples = false;  // targets of 4 samples a pixel at the standard places, each shaded by itself
     bool isSoftware() const { return kind == DeviceKind::Software; }
 };
 
@@ -64,7 +65,8 @@ struct BufferDesc {
     BufferMemory memory = BufferMemory::Device;
 };
 
-/** In what layers are blended; of more than 8 bits they are rounded once, at the read-back. Codes16: 16-bit UNORM, where DeviceInfo::codes16. */
+/** In what layers are blended; of more than 8 bits they are rounded once, at the read-back. Codes16: 16-bit UNORM, where
+ * DeviceInfo::codes16. */
 enum class ColourFormat : uint8_t { Codes8, Halves, Codes16 };
 
 /** RGBA colour and, if asked, two floats a pixel (Σ α T z, Σ α T), for one or two views of the same size. */
@@ -72,15 +74,15 @@ struct TargetDesc {
     uint32_t widthPx = 0, heightPx = 0;  // of one view
     uint32_t views = 1;
     bool depth = false;
-    bool multiview = true;               // one draw reaches the layers of all views; false: a draw a view
+    bool multiview = true;  // one draw reaches the layers of all views; false: a draw a view
     ColourFormat colour = ColourFormat::Codes8;
-    uint32_t samples = 1;                // a pixel: 1, or 4 where DeviceInfo::fourSamples; they are averaged when a draw ends, on the chip where it can
+    uint32_t samples = 1;  // a pixel: 1, or 4 where DeviceInfo::fourSamples; they are averaged when a draw ends, on the chip where it can
 };
 
 enum class Topology : uint8_t { Strip, List };  // of triangles
 
-/** A pipeline for targets of this shape; premultiplied "over" blending unless it overwrites, no vertex buffers. The bindings of a draw are those of its vertex
- *  shader, then those of its fragment shader, which reads and does not write. */
+/** A pipeline for targets of this shape; premultiplied "over" blending unless it overwrites, no vertex buffers. The bindings of a draw are
+ * those of its vertex shader, then those of its fragment shader, which reads and does not write. */
 struct DrawPipelineDesc {
     std::string vertex, fragment;  // names in the shader pack
     uint32_t views = 1;
@@ -93,13 +95,13 @@ struct DrawPipelineDesc {
 };
 
 enum class Access : uint8_t { Uniform, Read, Write, Update };
-struct Binding {           // its place in the list is the binding number of the shader
+struct Binding {  // its place in the list is the binding number of the shader
     BufferId buffer;
     Access access = Access::Read;
 };
 struct IndirectArgs {
     BufferId buffer;
-    uint64_t offset = 0;   // bytes
+    uint64_t offset = 0;  // bytes
 };
 struct PushBytes {
     std::array<std::byte, 128> bytes{};
@@ -111,39 +113,41 @@ struct ComputeStep {
     PipelineId pipeline;
     std::vector<Binding> bindings;
     PushBytes push;
-    uint32_t groups = 0;       // along x; ignored when indirect is set
-    IndirectArgs indirect;     // three u32
+    uint32_t groups = 0;    // along x; ignored when indirect is set
+    IndirectArgs indirect;  // three u32
 };
-struct ClearDraw {             // of vertices without bindings that overwrite the whole target
+struct ClearDraw {  // of vertices without bindings that overwrite the whole target
     PipelineId pipeline;
-    IndirectArgs args;     // four u32
+    IndirectArgs args;  // four u32
 };
-struct DrawStep {              // clears the target, or the layer of one view, then one indirect draw
+struct DrawStep {  // clears the target, or the layer of one view, then one indirect draw
     std::string label;
     PipelineId pipeline;
     TargetId target;
-    uint32_t view = 0;         // of a target without multiview: whose layer; the last one is drawn last
+    uint32_t view = 0;  // of a target without multiview: whose layer; the last one is drawn last
     std::vector<Binding> bindings;
     PushBytes push;
-    IndirectArgs args;         // four u32
-    ClearDraw clear;           // none: it is always cleared; else by this draw alone: a frame that needs no target spares the clearing too, and leaves nothing to read in it
-    float guard = 1;           // the clip space is so many targets wide and high, the target in its middle: what crosses its edge is cut by pixels and not clipped
+    IndirectArgs args;  // four u32
+    ClearDraw clear;    // none: it is always cleared; else by this draw alone: a frame that needs no target spares the clearing too, and
+                        // leaves nothing to read in it
+    float guard = 1;    // the clip space is so many targets wide and high, the target in its middle: what crosses its edge is cut by pixels
+                        // and not clipped
 };
 struct FillStep {
     std::string label;
     BufferId buffer;
     uint32_t value = 0;
 };
-struct ReadbackStep {          // tight rows, top first, view after view
+struct ReadbackStep {  // tight rows, top first, view after view
     std::string label;
     TargetId target;
-    BufferId colour;           // 4 B a pixel
-    BufferId depth;            // 8 B (4 B when halfDepth) a pixel; none: not wanted
+    BufferId colour;  // 4 B a pixel
+    BufferId depth;   // 8 B (4 B when halfDepth) a pixel; none: not wanted
 };
-struct CopyStep {              // as much of a Device buffer as fills a Readback buffer; or all of an Upload buffer into a part of a Device buffer
+struct CopyStep {  // as much of a Device buffer as fills a Readback buffer; or all of an Upload buffer into a part of a Device buffer
     std::string label;
     BufferId from, to;
-    uint64_t offset = 0;       // bytes, of the Device buffer
+    uint64_t offset = 0;  // bytes, of the Device buffer
 };
 using Step = std::variant<FillStep, ComputeStep, DrawStep, ReadbackStep, CopyStep>;
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/backend/frame_check.h"
 
 #include <set>
@@ -19,25 +20,34 @@ struct Checker {
         return {};
     }
 
-    Status bindings(const std::string& label, const Shader& shader, const Shader* fragment, const std::vector<Binding>& list, const PushBytes& push) {
+    Status bindings(const std::string& label, const Shader& shader, const Shader* fragment, const std::vector<Binding>& list,
+                    const PushBytes& push) {
         const size_t own = shader.bindings.size(), all = own + (fragment ? fragment->bindings.size() : 0);
-        if (list.size() != all) return fail(Code::InvalidArgument, "step {} binds {} buffers, shader {} has {}", label, list.size(), shader.name, all);
+        if (list.size() != all)
+            return fail(Code::InvalidArgument, "step {} binds {} buffers, shader {} has {}", label, list.size(), shader.name, all);
         if (push.size != shader.pushBytes)
-            return fail(Code::InvalidArgument, "step {} pushes {} bytes, shader {} wants {}", label, push.size, shader.name, shader.pushBytes);
+            return fail(Code::InvalidArgument, "step {} pushes {} bytes, shader {} wants {}", label, push.size, shader.name,
+                        shader.pushBytes);
         std::set<uint32_t> seen;
         for (size_t i = 0; i < list.size(); ++i) {
             const ShaderBinding& want = i < own ? shader.bindings[i] : fragment->bindings[i - own];
             const Access access = list[i].access;
             const BufferDesc* desc = resources.buffer(list[i].buffer);
             if (!desc) return fail(Code::InvalidArgument, "step {} binds a buffer that does not exist to {}", label, want.name);
-            if ((access == Access::Uniform) != want.uniform) return fail(Code::InvalidArgument, "step {}: {} is {}a uniform block", label, want.name, want.uniform ? "" : "not ");
+            if ((access == Access::Uniform) != want.uniform)
+                return fail(Code::InvalidArgument, "step {}: {} is {}a uniform block", label, want.name, want.uniform ? "" : "not ");
             const bool writes = access == Access::Write || access == Access::Update, reads = access != Access::Write;
             if (writes != want.writes || (want.reads && !reads))
-                return fail(Code::InvalidArgument, "step {} declares another access to {} than shader {} has", label, want.name, shader.name);
+                return fail(Code::InvalidArgument, "step {} declares another access to {} than shader {} has", label, want.name,
+                            shader.name);
             if (!want.uniform && desc->bytes > device.maxBindingBytes)
-                return fail(Code::Unsupported, "step {}: buffer {} has {} bytes, this device binds at most {}", label, desc->label, desc->bytes, device.maxBindingBytes);
-            if (!seen.insert(list[i].buffer.value).second) return fail(Code::InvalidArgument, "step {} binds buffer {} twice", label, desc->label);
-            if (reads) { DPL_CHECK_OK(readable(label, list[i].buffer)); }
+                return fail(Code::Unsupported, "step {}: buffer {} has {} bytes, this device binds at most {}", label, desc->label,
+                            desc->bytes, device.maxBindingBytes);
+            if (!seen.insert(list[i].buffer.value).second)
+                return fail(Code::InvalidArgument, "step {} binds buffer {} twice", label, desc->label);
+            if (reads) {
+                DPL_CHECK_OK(readable(label, list[i].buffer));
+            }
         }
         for (const Binding& b : list)
             if (b.access == Access::Write || b.access == Access::Update) filled.insert(b.buffer.value);
@@ -47,7 +57,8 @@ struct Checker {
     Status indirect(const std::string& label, const IndirectArgs& args, uint64_t bytes) const {
         DPL_CHECK_OK(readable(label, args.buffer));
         if (args.offset % 4 || args.offset + bytes > resources.buffer(args.buffer)->bytes)
-            return fail(Code::InvalidArgument, "step {}: indirect arguments at {} do not fit buffer {}", label, args.offset, resources.buffer(args.buffer)->label);
+            return fail(Code::InvalidArgument, "step {}: indirect arguments at {} do not fit buffer {}", label, args.offset,
+                        resources.buffer(args.buffer)->label);
         return {};
     }
 
@@ -59,7 +70,8 @@ struct Checker {
 
     Status operator()(const ComputeStep& step) {
         const Shader* shader = resources.shader(step.pipeline);
-        if (!shader || shader->stage != ShaderStage::Compute) return fail(Code::InvalidArgument, "step {} has no compute pipeline", step.label);
+        if (!shader || shader->stage != ShaderStage::Compute)
+            return fail(Code::InvalidArgument, "step {} has no compute pipeline", step.label);
         if (step.indirect.buffer) {
             DPL_CHECK_OK(indirect(step.label, step.indirect, 12));
         } else if (step.groups == 0 || step.groups > device.maxGroups) {
@@ -71,17 +83,24 @@ struct Checker {
     Status operator()(const DrawStep& step) {
         const Shader* shader = resources.shader(step.pipeline);
         if (!shader || shader->stage != ShaderStage::Vertex) return fail(Code::InvalidArgument, "step {} has no draw pipeline", step.label);
-        if (!resources.target(step.target)) return fail(Code::InvalidArgument, "step {} draws into a target that does not exist", step.label);
+        if (!resources.target(step.target))
+            return fail(Code::InvalidArgument, "step {} draws into a target that does not exist", step.label);
         const TargetDesc& target = *resources.target(step.target);
-        if (step.view >= (target.multiview ? 1 : target.views)) return fail(Code::InvalidArgument, "step {} draws view {} of a target that has {}{}", step.label, step.view, target.views, target.multiview ? " at once" : "");
-        if (!(step.guard >= 1) || (step.guard > 1 && step.guard * float(std::max(target.widthPx, target.heightPx)) > float(device.maxViewportPx)))
-            return fail(Code::InvalidArgument, "step {} draws from a clip space of {} targets; this device takes 1 to {} px", step.label, step.guard, device.maxViewportPx);
+        if (step.view >= (target.multiview ? 1 : target.views))
+            return fail(Code::InvalidArgument, "step {} draws view {} of a target that has {}{}", step.label, step.view, target.views,
+                        target.multiview ? " at once" : "");
+        if (!(step.guard >= 1) ||
+            (step.guard > 1 && step.guard * float(std::max(target.widthPx, target.heightPx)) > float(device.maxViewportPx)))
+            return fail(Code::InvalidArgument, "step {} draws from a clip space of {} targets; this device takes 1 to {} px", step.label,
+                        step.guard, device.maxViewportPx);
         if (target.multiview || step.view + 1 == target.views) drawn.insert(step.target.value);
         DPL_CHECK_OK(indirect(step.label, step.args, 16));
         if (step.clear.pipeline) {
             if (!device.clearDraw) return fail(Code::Unsupported, "step {} clears with a draw, which this device cannot do", step.label);
             const Shader* clears = resources.shader(step.clear.pipeline);
-            if (!clears || clears->stage != ShaderStage::Vertex || !bindings(step.label, *clears, resources.fragment(step.clear.pipeline), {}, {})) return fail(Code::InvalidArgument, "step {} clears with a pipeline that is no draw or binds something", step.label);
+            if (!clears || clears->stage != ShaderStage::Vertex ||
+                !bindings(step.label, *clears, resources.fragment(step.clear.pipeline), {}, {}))
+                return fail(Code::InvalidArgument, "step {} clears with a pipeline that is no draw or binds something", step.label);
             DPL_CHECK_OK(indirect(step.label, step.clear.args, 16));
         }
         return bindings(step.label, *shader, resources.fragment(step.pipeline), step.bindings, step.push);
@@ -92,18 +111,22 @@ struct Checker {
         const BufferDesc *from = resources.buffer(step.from), *to = resources.buffer(step.to);
         if (to && to->memory == BufferMemory::Device && from->memory == BufferMemory::Upload) {
             if (step.offset % 4 || step.offset > to->bytes || from->bytes > to->bytes - step.offset)
-                return fail(Code::InvalidArgument, "step {}: {} bytes of {} do not fit buffer {} at {}", step.label, from->bytes, from->label, to->label, step.offset);
+                return fail(Code::InvalidArgument, "step {}: {} bytes of {} do not fit buffer {} at {}", step.label, from->bytes,
+                            from->label, to->label, step.offset);
             filled.insert(step.to.value);
             return {};
         }
-        if (!to || to->memory != BufferMemory::Readback || step.offset % 4 || step.offset > from->bytes || to->bytes > from->bytes - step.offset)
-            return fail(Code::InvalidArgument, "step {} copies {} from byte {} into a buffer that is not a smaller read-back buffer", step.label, from->label, step.offset);
+        if (!to || to->memory != BufferMemory::Readback || step.offset % 4 || step.offset > from->bytes ||
+            to->bytes > from->bytes - step.offset)
+            return fail(Code::InvalidArgument, "step {} copies {} from byte {} into a buffer that is not a smaller read-back buffer",
+                        step.label, from->label, step.offset);
         return {};
     }
 
     Status operator()(const ReadbackStep& step) {
         const TargetDesc* target = resources.target(step.target);
-        if (!target || !(drawn.count(step.target.value) || resources.drawn(step.target))) return fail(Code::InvalidArgument, "step {} reads a target that nothing has drawn", step.label);
+        if (!target || !(drawn.count(step.target.value) || resources.drawn(step.target)))
+            return fail(Code::InvalidArgument, "step {} reads a target that nothing has drawn", step.label);
         const uint64_t pixels = uint64_t(target->widthPx) * target->heightPx * target->views;
         const BufferDesc* colour = resources.buffer(step.colour);
         if (!colour || colour->memory != BufferMemory::Readback || colour->bytes < pixels * 4)
@@ -126,7 +149,9 @@ const std::string& stepLabel(const Step& step) {
 
 Status checkFrame(std::span<const Step> steps, const ResourceView& resources, const DeviceInfo& device) {
     Checker checker{resources, device, {}, {}};
-    for (const Step& step : steps) { DPL_CHECK_OK(std::visit(checker, step)); }
+    for (const Step& step : steps) {
+        DPL_CHECK_OK(std::visit(checker, step));
+    }
     return {};
 }
 

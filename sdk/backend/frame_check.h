@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whether a list of steps is a valid frame: every backend asks here before it records.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/backend/shader_pack.h"
 
 #include "sdk/core/reader.h"
@@ -67,7 +68,9 @@ Result<Shader> takeShader(Reader& in) {
     DPL_TRY(uint32_t stage, in.u32());
     if (stage > uint32_t(ShaderStage::Fragment)) return fail(Code::CorruptData, "shader {} has unknown stage {}", shader.name, stage);
     shader.stage = ShaderStage(stage);
-    for (uint32_t& size : shader.workgroup) { DPL_TRY(size, in.u32()); }
+    for (uint32_t& size : shader.workgroup) {
+        DPL_TRY(size, in.u32());
+    }
     DPL_TRY(shader.pushBytes, in.u32());
     DPL_TRY(shader.sharedBytes, in.u32());
     DPL_TRY(uint32_t bindingCount, takeCount(in));
@@ -77,7 +80,8 @@ Result<Shader> takeShader(Reader& in) {
         DPL_TRY(b.binding, in.u32());
         DPL_TRY(uint32_t flags, in.u32());
         b.uniform = flags & 1, b.writes = flags & 2, b.reads = flags & 4, b.texelWords = flags >> 3;
-        if (b.texelWords > 4 || b.texelWords == 3) return fail(Code::CorruptData, "shader {}: texels of {} words", shader.name, b.texelWords);
+        if (b.texelWords > 4 || b.texelWords == 3)
+            return fail(Code::CorruptData, "shader {}: texels of {} words", shader.name, b.texelWords);
         shader.bindings.push_back(std::move(b));
     }
     DPL_TRY(uint32_t structCount, takeCount(in));
@@ -95,7 +99,8 @@ Result<Shader> takeShader(Reader& in) {
         shader.structs.push_back(std::move(s));
     }
     DPL_TRY(uint32_t words, in.u32());
-    if (words > in.remaining() / 4) return fail(Code::CorruptData, "shader {} claims {} SPIR-V words, {} bytes left", shader.name, words, in.remaining());
+    if (words > in.remaining() / 4)
+        return fail(Code::CorruptData, "shader {} claims {} SPIR-V words, {} bytes left", shader.name, words, in.remaining());
     DPL_TRY(auto code, in.take(size_t(words) * 4));
     shader.spirv.resize(words);
     if (words) std::memcpy(shader.spirv.data(), code.data(), code.size());
@@ -135,16 +140,20 @@ std::vector<uint8_t> writeShaderPack(const ShaderPack& pack) {
 Result<ShaderPack> readShaderPack(std::span<const uint8_t> bytes, std::string_view origin, uint64_t expectedInterface) {
     Reader in(bytes);
     auto magic = in.take(sizeof(kMagic));
-    if (!magic || std::memcmp(magic->data(), kMagic, sizeof(kMagic)) != 0) return fail(Code::CorruptData, "{} is not a Doppel shader pack", origin);
+    if (!magic || std::memcmp(magic->data(), kMagic, sizeof(kMagic)) != 0)
+        return fail(Code::CorruptData, "{} is not a Doppel shader pack", origin);
     DPL_TRY(uint32_t format, in.u32());
-    if (format != kShaderPackFormat) return fail(Code::Version, "{} has shader pack format {}, this build reads {}", origin, format, kShaderPackFormat);
+    if (format != kShaderPackFormat)
+        return fail(Code::Version, "{} has shader pack format {}, this build reads {}", origin, format, kShaderPackFormat);
     ShaderPack pack;
     DPL_TRY(pack.contentHash, in.value<uint64_t>());
     const uint64_t actual = shaderHash(bytes.subspan(in.position()));
-    if (actual != pack.contentHash) return fail(Code::CorruptData, "{} is damaged: content hash {}, expected {}", origin, hex(actual), hex(pack.contentHash));
+    if (actual != pack.contentHash)
+        return fail(Code::CorruptData, "{} is damaged: content hash {}, expected {}", origin, hex(actual), hex(pack.contentHash));
     DPL_TRY(pack.interfaceHash, in.value<uint64_t>());
     if (pack.interfaceHash != expectedInterface)
-        return fail(Code::Version, "{} was built from shared structs {}, this SDK was compiled with {}; rebuild the pack with the SDK's shaders", origin,
+        return fail(Code::Version,
+                    "{} was built from shared structs {}, this SDK was compiled with {}; rebuild the pack with the SDK's shaders", origin,
                     hex(pack.interfaceHash), hex(expectedInterface));
     DPL_TRY(uint32_t count, takeCount(in));
     for (uint32_t i = 0; i < count; ++i) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The product of the shader build: SPIR-V, optionally MSL, and what reflection found, in one checked blob.
 //
 //   "DPLSHADR" | u32 format | u64 contentHash of all that follows | u64 interfaceHash of shaders/shared | u32 count | shaders...
@@ -17,7 +18,8 @@ namespace dpl {
 
 constexpr uint32_t kShaderPackFormat = 2;
 
-/** Behind the name of a shader: the same one with typed buffers where it only reads (shaders/lib/reads.glsl), for devices of DeviceInfo::texels. It has no MSL. */
+/** Behind the name of a shader: the same one with typed buffers where it only reads (shaders/lib/reads.glsl), for devices of
+ * DeviceInfo::texels. It has no MSL. */
 constexpr std::string_view kTexelsSuffix = ".texels";
 
 enum class ShaderStage : uint32_t { Compute, Vertex, Fragment };
@@ -36,14 +38,14 @@ struct ShaderStruct {
 struct ShaderBinding {
     std::string name;
     uint32_t binding = 0;
-    bool uniform = false;   // else a storage buffer
+    bool uniform = false;  // else a storage buffer
     bool writes = false;
     bool reads = false;
     uint32_t texelWords = 0;  // a typed buffer, read in texels of 1, 2 or 4 words; 0: a plain one
 };
 
 struct Shader {
-    std::string name;                     // as in shaders/catalogue.json
+    std::string name;  // as in shaders/catalogue.json
     ShaderStage stage = ShaderStage::Compute;
     uint32_t workgroup[3] = {1, 1, 1};
     uint32_t pushBytes = 0;
@@ -51,7 +53,7 @@ struct Shader {
     std::vector<ShaderBinding> bindings;  // by binding number, dense from 0; a fragment shader's from the number of its vertex shader's
     std::vector<ShaderStruct> structs;
     std::vector<uint32_t> spirv;
-    std::string mslIos, mslMacos;         // empty in a Vulkan-only pack
+    std::string mslIos, mslMacos;  // empty in a Vulkan-only pack
 };
 
 struct ShaderPack {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Vectors of plain values in our own binary files: a 64-bit count, then the values.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/core/files.h"
 
 #include <fcntl.h>
@@ -13,7 +14,7 @@ namespace {
 Error ioError(const char* what, const std::filesystem::path& path) {
     const int reason = errno;
     const Code code = reason == ENOENT ? Code::NotFound : Code::Io;
-    const char* remedy = reason == ENOSPC ? "; free some disk space and run again"
+    const char* remedy = reason == ENOSPC   ? "; free some disk space and run again"
                          : reason == EACCES ? "; check the permissions"
                          : reason == ENOENT ? "; check the path"
                                             : "";
@@ -36,7 +37,8 @@ Result<std::vector<uint8_t>> readFile(const std::filesystem::path& path, uint64_
     if (::fstat(file.fd, &info) != 0) return ioError("read", path);
     if (!S_ISREG(info.st_mode)) return fail(Code::InvalidArgument, "{} is not a file", path.string());
     if (uint64_t(info.st_size) > maxBytes)
-        return fail(Code::Unsupported, "{} has {} bytes, more than the {} that are read; is it the right file?", path.string(), info.st_size, maxBytes);
+        return fail(Code::Unsupported, "{} has {} bytes, more than the {} that are read; is it the right file?", path.string(),
+                    info.st_size, maxBytes);
     std::vector<uint8_t> bytes(static_cast<size_t>(info.st_size));
     for (size_t done = 0; done < bytes.size();) {
         const ssize_t got = ::read(file.fd, bytes.data() + done, bytes.size() - done);

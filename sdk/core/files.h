@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whole files in and out. Writing goes to a temporary name beside the target and is renamed, so a reader never sees half a file.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A borrowed callable: two pointers, no allocation, good for a call that returns before the callable dies.
 #pragma once
 
@@ -14,10 +15,11 @@ template <class R, class... Args>
 class FunctionRef<R(Args...)> {
 public:
     template <class Callable>
-        requires(!std::is_same_v<std::remove_cvref_t<Callable>, FunctionRef> && std::is_invocable_r_v<R, Callable&, Args...>)
-    FunctionRef(Callable&& callable)
-        : object_(const_cast<void*>(static_cast<const void*>(std::addressof(callable)))),
-          call_([](void* object, Args... args) -> R { return (*static_cast<std::remove_reference_t<Callable>*>(object))(std::forward<Args>(args)...); }) {}
+    requires(!std::is_same_v<std::remove_cvref_t<Callable>, FunctionRef> && std::is_invocable_r_v<R, Callable&, Args...>)
+        FunctionRef(Callable&& callable)
+        : object_(const_cast<void*>(static_cast<const void*>(std::addressof(callable)))), call_([](void* object, Args... args) -> R {
+              return (*static_cast<std::remove_reference_t<Callable>*>(object))(std::forward<Args>(args)...);
+          }) {}
 
     R operator()(Args... args) const { return call_(object_, std::forward<Args>(args)...); }
 

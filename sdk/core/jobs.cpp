@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/core/jobs.h"
 
 #include <algorithm>
@@ -33,10 +34,10 @@ struct Jobs::State {
     const FunctionRef<void(size_t, uint32_t)>* body = nullptr;
     std::atomic<size_t> next{0};
     size_t blockCount = 0;
-    std::atomic<uint64_t> generation{0};   // changes under the mutex; published last
+    std::atomic<uint64_t> generation{0};  // changes under the mutex; published last
     std::atomic<uint32_t> running{0};
     std::atomic<bool> quit{false};
-    int looks = 0;   // none where threads share cores: whoever looks keeps another from working
+    int looks = 0;  // none where threads share cores: whoever looks keeps another from working
 
     /** True when `ready()` came true before it was time to sleep. */
     template <class Ready>
@@ -64,7 +65,7 @@ struct Jobs::State {
             seen = generation.load();
             drain(worker);
             if (running.fetch_sub(1) == 1) {
-                std::lock_guard lock(mutex);   // the caller is either before its wait, and will see 0, or in it
+                std::lock_guard lock(mutex);  // the caller is either before its wait, and will see 0, or in it
                 done.notify_one();
             }
         }
@@ -92,7 +93,9 @@ Jobs::~Jobs() {
     for (std::thread& thread : state_->threads) thread.join();
 }
 
-uint32_t Jobs::threadCount() const { return uint32_t(state_->threads.size()) + 1; }
+uint32_t Jobs::threadCount() const {
+    return uint32_t(state_->threads.size()) + 1;
+}
 
 void Jobs::forBlocks(size_t blockCount, FunctionRef<void(size_t, uint32_t)> body) {
     if (blockCount == 0) return;
@@ -119,9 +122,8 @@ void Jobs::forBlocks(size_t blockCount, FunctionRef<void(size_t, uint32_t)> body
 
 void Jobs::forRange(size_t count, size_t grain, FunctionRef<void(size_t, size_t, uint32_t)> body) {
     grain = std::max<size_t>(1, grain);
-    forBlocks((count + grain - 1) / grain, [&](size_t block, uint32_t worker) {
-        body(block * grain, std::min(count, (block + 1) * grain), worker);
-    });
+    forBlocks((count + grain - 1) / grain,
+              [&](size_t block, uint32_t worker) { body(block * grain, std::min(count, (block + 1) * grain), worker); });
 }
 
 }  // namespace dpl

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A fixed pool of worker threads and the one parallel loop that everything uses.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One log sink for the process's library code. Silent below `warning` until somebody sets a sink.
 #pragma once
 

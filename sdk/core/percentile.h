@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One definition of a percentile for everything that reports one.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bounded little-endian reading: every size is checked against what is left before it is used.
 #pragma once
 
@@ -21,15 +22,15 @@ public:
     size_t remaining() const { return bytes_.size() - position_; }
 
     Result<std::span<const uint8_t>> take(size_t byteCount) {
-        if (byteCount > remaining()) return fail(Code::CorruptData, "{} bytes wanted at offset {}, {} left", byteCount, position_, remaining());
+        if (byteCount > remaining())
+            return fail(Code::CorruptData, "{} bytes wanted at offset {}, {} left", byteCount, position_, remaining());
         auto taken = bytes_.subspan(position_, byteCount);
         position_ += byteCount;
         return taken;
     }
 
     template <class T>
-        requires std::is_trivially_copyable_v<T>
-    Result<T> value() {
+    requires std::is_trivially_copyable_v<T> Result<T> value() {
         DPL_TRY(auto raw, take(sizeof(T)));
         T result;
         std::memcpy(&result, raw.data(), sizeof(T));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Errors are values: Result<T> holds a T or an Error (a code and a sentence for a human).
 #pragma once
 
@@ -17,9 +18,9 @@ enum class Code : uint8_t {
     Version,          // a version this build does not read
     Unsupported,      // valid, but not something we do
     OutOfMemory,
-    Io,               // the file system refused (disk full, permissions)
-    Device,           // the graphics device failed or is lost
-    Cancelled,        // the user asked us to stop
+    Io,         // the file system refused (disk full, permissions)
+    Device,     // the graphics device failed or is lost
+    Cancelled,  // the user asked us to stop
     Internal,
 };
 
@@ -29,7 +30,9 @@ struct Error {
 };
 
 namespace detail {
-inline void formatInto(std::ostringstream& out, std::string_view text) { out << text; }
+inline void formatInto(std::ostringstream& out, std::string_view text) {
+    out << text;
+}
 template <class First, class... Rest>
 void formatInto(std::ostringstream& out, std::string_view text, const First& first, const Rest&... rest) {
     const size_t hole = text.find("{}");
@@ -93,11 +96,11 @@ using Status = Result<void>;
 #define DPL_CONCAT(a, b) DPL_CONCAT_(a, b)
 
 // DPL_TRY(auto x, expression): x = *expression, or return its error from the calling function.
-#define DPL_TRY(declaration, ...)                                                   \
-    auto DPL_CONCAT(dplResult_, __LINE__) = (__VA_ARGS__);                          \
+#define DPL_TRY(declaration, ...)                                                           \
+    auto DPL_CONCAT(dplResult_, __LINE__) = (__VA_ARGS__);                                  \
     if (!DPL_CONCAT(dplResult_, __LINE__)) return DPL_CONCAT(dplResult_, __LINE__).error(); \
     declaration = std::move(*DPL_CONCAT(dplResult_, __LINE__))
 
 // DPL_CHECK_OK(status): return its error from the calling function if there is one.
-#define DPL_CHECK_OK(...)                                                           \
+#define DPL_CHECK_OK(...) \
     if (auto dplStatus = (__VA_ARGS__); !dplStatus) return dplStatus.error()

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Little-endian writing into a growing buffer.
 #pragma once
 
@@ -12,10 +13,8 @@ namespace dpl {
 class Writer {
 public:
     template <class T>
-        requires std::is_trivially_copyable_v<T>
-    void value(const T& v) {
-        append({reinterpret_cast<const uint8_t*>(&v), sizeof(T)});
-    }
+    requires std::is_trivially_copyable_v<T>
+    void value(const T& v) { append({reinterpret_cast<const uint8_t*>(&v), sizeof(T)}); }
     void append(std::span<const uint8_t> bytes) { bytes_.insert(bytes_.end(), bytes.begin(), bytes.end()); }
     void alignTo(size_t alignment, uint8_t fill = 0) {
         while (bytes_.size() % alignment) bytes_.push_back(fill);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What an avatar must be before it is written, and the snapping that makes encoding idempotent. Internal.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The avatar file: AvatarData <-> one glTF 2.0 binary (docs/formats/avatar.md). Encoding is lossy once and then idempotent:
 // writeAvatar(readAvatar(writeAvatar(x))) gives the same bytes as writeAvatar(x).
 #pragma once
@@ -14,15 +15,16 @@
 
 namespace dpl {
 
-constexpr uint32_t kAvatarFormatVersion = 2;             // newest; files without pose correctives are written as version 1
-constexpr float kPositionStepM = 1.0f / 65536;        // lattice of vertices, joints and root translations: error ≤ 7.7 µm an axis
-constexpr float kPositionLimitM = 32;                 // coordinates beyond this are refused: Draco rounds exactly up to 22 bits
+constexpr uint32_t kAvatarFormatVersion = 2;    // newest; files without pose correctives are written as version 1
+constexpr float kPositionStepM = 1.0f / 65536;  // lattice of vertices, joints and root translations: error ≤ 7.7 µm an axis
+constexpr float kPositionLimitM = 32;           // coordinates beyond this are refused: Draco rounds exactly up to 22 bits
 
 struct WriteOptions {
-    bool draco = true;        // false: plain accessors, for validators and viewers without Draco; decodes to the same AvatarData
-    bool shPalette = false;   // rows of SH that repeat are written once (splat encoding 2); InvalidArgument above 65,536 different ones
-    bool compact = false;     // splats entropy-coded (splat encoding 3) where that is smaller; loads to the same words, some 0.1 µs a splat slower
-    SplatBits bits = {};      // codes are rounded to so many first
+    bool draco = true;       // false: plain accessors, for validators and viewers without Draco; decodes to the same AvatarData
+    bool shPalette = false;  // rows of SH that repeat are written once (splat encoding 2); InvalidArgument above 65,536 different ones
+    bool compact =
+        false;  // splats entropy-coded (splat encoding 3) where that is smaller; loads to the same words, some 0.1 µs a splat slower
+    SplatBits bits = {};  // codes are rounded to so many first
 };
 
 /** Encodes an avatar. Layers must tile the vertex and triangle arrays in order, joint 0 must be the only root, parents first,
@@ -48,23 +50,23 @@ Result<CodedAvatar> readCodedAvatar(std::span<const uint8_t> bytes, const ReadLi
 struct AvatarInfo {
     std::string name, generator;
     uint32_t version = 0;
-    std::string contentHash;      // "xxh3:" and 16 hex digits
+    std::string contentHash;  // "xxh3:" and 16 hex digits
     bool hashMatches = false;
     uint32_t vertices = 0, triangles = 0, joints = 0, layers = 0, splats = 0, chunks = 0, clips = 0, shDegree = 0;
     uint32_t correctiveModes = 0, correctiveNodes = 0;
-    float trainedPixelM = 0;      // AvatarData's
-    uint32_t shPaletteSize = 0;   // 0: every splat has its own SH
+    float trainedPixelM = 0;     // AvatarData's
+    uint32_t shPaletteSize = 0;  // 0: every splat has its own SH
     uint32_t splatEncoding = 0;
-    SplatBits bits;               // of the splats' fields; less than all only in encoding 3
+    SplatBits bits;  // of the splats' fields; less than all only in encoding 3
     uint64_t fileBytes = 0;
-    uint64_t meshBytes = 0;       // Draco views, or plain vertex and index views
-    uint64_t splatBytes = 0;      // triangle counts, chunk table, three words a splat; encoding 3: palette indices too
-    uint64_t shBytes = 0;         // beyond coefficient 0: of every splat, or palette and indices
-    uint64_t correctiveBytes = 0; // pose correctives
-    uint64_t clipBytes = 0;       // animation samplers
-    uint64_t skinBytes = 0;       // inverse bind matrices
-    uint64_t jsonBytes = 0;       // the JSON chunk
-    uint64_t otherBytes = 0;      // GLB headers, padding
+    uint64_t meshBytes = 0;        // Draco views, or plain vertex and index views
+    uint64_t splatBytes = 0;       // triangle counts, chunk table, three words a splat; encoding 3: palette indices too
+    uint64_t shBytes = 0;          // beyond coefficient 0: of every splat, or palette and indices
+    uint64_t correctiveBytes = 0;  // pose correctives
+    uint64_t clipBytes = 0;        // animation samplers
+    uint64_t skinBytes = 0;        // inverse bind matrices
+    uint64_t jsonBytes = 0;        // the JSON chunk
+    uint64_t otherBytes = 0;       // GLB headers, padding
     std::vector<EvidenceData> evidence;
 };
 
@@ -83,7 +85,8 @@ Result<std::vector<uint32_t>> sortSplats(AvatarData& avatar, std::span<const uin
 
 /** Re-expresses φ, s1, s2 of every splat on the rest mesh of `avatar` so that its posed covariance is unchanged (reference §5.1, closing
  *  paragraph). oldRestPositions: V positions of the mesh that the splats were bound to; same triangles, same u, v. Splats of a triangle
- *  that is degenerate in either mesh keep their values. Afterwards s1 ≥ s2 and φ ∈ [0, π). Returns the number of splats left as they were. */
+ *  that is degenerate in either mesh keep their values. Afterwards s1 ≥ s2 and φ ∈ [0, π). Returns the number of splats left as they were.
+ */
 Result<uint32_t> rebaseSplats(std::span<const Vec3f> oldRestPositions, AvatarData& avatar);
 
 }  // namespace dpl

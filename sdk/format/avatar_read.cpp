@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -25,7 +26,8 @@ public:
 
     Result<uint64_t> number(const char* key, uint64_t limit) const {
         auto it = find(key);
-        if (it == object_.end() || !it->is_number_unsigned() || it->get<uint64_t>() > limit) return fail(Code::CorruptData, "{}: '{}' is missing, negative or too large", where_, key);
+        if (it == object_.end() || !it->is_number_unsigned() || it->get<uint64_t>() > limit)
+            return fail(Code::CorruptData, "{}: '{}' is missing, negative or too large", where_, key);
         return it->get<uint64_t>();
     }
     Result<float> real(const char* key) const {
@@ -58,10 +60,12 @@ public:
     /** An array of whole numbers, at most `most` of them, none above `limit`. */
     Result<std::vector<uint32_t>> numbers(const char* key, size_t most, uint32_t limit) const {
         auto it = find(key);
-        if (it == object_.end() || !it->is_array() || it->size() > most) return fail(Code::CorruptData, "{}: '{}' is not an array of at most {} numbers", where_, key, most);
+        if (it == object_.end() || !it->is_array() || it->size() > most)
+            return fail(Code::CorruptData, "{}: '{}' is not an array of at most {} numbers", where_, key, most);
         std::vector<uint32_t> out;
         for (const Json& element : *it) {
-            if (!element.is_number_unsigned() || element.get<uint64_t>() > limit) return fail(Code::CorruptData, "{}: an entry of '{}' is no number up to {}", where_, key, limit);
+            if (!element.is_number_unsigned() || element.get<uint64_t>() > limit)
+                return fail(Code::CorruptData, "{}: an entry of '{}' is no number up to {}", where_, key, limit);
             out.push_back(element.get<uint32_t>());
         }
         return out;
@@ -84,13 +88,14 @@ struct AvatarReader {
     GltfModel model{};
     Json extension{};
     AvatarInfo info{};
-    AvatarData avatar{};    // all but the splats
+    AvatarData avatar{};  // all but the splats
     CodedSplats coded{};
     std::set<uint32_t> spentViews{};
-    uint64_t budget = 0;   // bytes of the binary chunk not yet decoded: each byte may be decoded about once, so sharing cannot multiply
+    uint64_t budget = 0;  // bytes of the binary chunk not yet decoded: each byte may be decoded about once, so sharing cannot multiply
 
     Status spend(uint64_t bytes) {
-        if (bytes > budget) return fail(Code::CorruptData, "parts of the file are used again and again; it claims to hold more than its own size");
+        if (bytes > budget)
+            return fail(Code::CorruptData, "parts of the file are used again and again; it claims to hold more than its own size");
         budget -= bytes;
         return {};
     }
@@ -98,17 +103,22 @@ struct AvatarReader {
     Status open(std::span<const uint8_t> bytes) {
         DPL_TRY(model, parseGlb(bytes, limits));
         if (model.avatarExtension.empty())
-            return fail(Code::Unsupported, "a glTF without DPL_gaussian_avatar: not a Doppel avatar, or saved again by an editor that drops unknown extensions");
+            return fail(
+                Code::Unsupported,
+                "a glTF without DPL_gaussian_avatar: not a Doppel avatar, or saved again by an editor that drops unknown extensions");
         extension = Json::parse(model.avatarExtension, nullptr, false);
         const Fields root(extension, "DPL_gaussian_avatar");
         DPL_TRY(const uint64_t version, root.number("version", 0xffffffffu));
-        if (version > kAvatarFormatVersion) return fail(Code::Version, "avatar format {}; this build reads up to {}: update Doppel or export again", version, kAvatarFormatVersion);
+        if (version > kAvatarFormatVersion)
+            return fail(Code::Version, "avatar format {}; this build reads up to {}: update Doppel or export again", version,
+                        kAvatarFormatVersion);
         if (version < 1) return fail(Code::CorruptData, "avatar format 0 does not exist");
         const size_t digits = findHashDigits(model.json);
         if (digits == std::string_view::npos) return fail(Code::CorruptData, "DPL_gaussian_avatar: 'contentHash' is missing or malformed");
         info.contentHash = "xxh3:" + std::string(model.json.substr(digits, kHashDigits));
         info.hashMatches = contentHash(model.json, digits, model.bin) == model.json.substr(digits, kHashDigits);
-        if (limits.verifyHash && !info.hashMatches) return fail(Code::CorruptData, "the content hash does not match: the file is damaged or was edited");
+        if (limits.verifyHash && !info.hashMatches)
+            return fail(Code::CorruptData, "the content hash does not match: the file is damaged or was edited");
         info.version = uint32_t(version), info.fileBytes = bytes.size(), info.jsonBytes = model.json.size();
         budget = model.bin.size();
         return {};
@@ -126,7 +136,8 @@ struct AvatarReader {
         DPL_TRY(avatar.compensated, root.flag("compensated"));
         if (root.has("trainedPixelM")) {
             DPL_TRY(avatar.trainedPixelM, root.real("trainedPixelM"));
-            if (avatar.trainedPixelM == 0) return fail(Code::CorruptData, "DPL_gaussian_avatar: 'trainedPixelM' is 0; where it is not known it is left out");
+            if (avatar.trainedPixelM == 0)
+                return fail(Code::CorruptData, "DPL_gaussian_avatar: 'trainedPixelM' is 0; where it is not known it is left out");
         }
         avatar.generator = model.generator;
         DPL_TRY(const Json* evidence, root.array("evidence"));
@@ -146,7 +157,8 @@ struct AvatarReader {
     Status readJoints() {
         const Fields root(extension, "DPL_gaussian_avatar");
         DPL_TRY(const uint64_t skinIndex, root.number("skin", 0xffffffffu));
-        if (skinIndex >= model.skins.size()) return fail(Code::CorruptData, "the avatar names skin {}, there are {}", skinIndex, model.skins.size());
+        if (skinIndex >= model.skins.size())
+            return fail(Code::CorruptData, "the avatar names skin {}, there are {}", skinIndex, model.skins.size());
         const GltfSkin& skin = model.skins[skinIndex];
         if (skin.inverseBind < 0) return fail(Code::CorruptData, "the skin has no inverse bind matrices");
         DPL_CHECK_OK(spend(uint64_t(model.accessors[skin.inverseBind].count) * 64));
@@ -160,22 +172,27 @@ struct AvatarReader {
             JointData joint;
             joint.name = node.name;
             joint.parent = node.parent < 0 ? -1 : jointOfNode[node.parent];
-            if (j > 0 && joint.parent < 0) return fail(Code::CorruptData, "joint {} ('{}') does not come after its parent joint", j, node.name);
+            if (j > 0 && joint.parent < 0)
+                return fail(Code::CorruptData, "joint {} ('{}') does not come after its parent joint", j, node.name);
             const float* m = &binds[j * 16];
             joint.restPosition = Vec3f(0.0f - m[12], 0.0f - m[13], 0.0f - m[14]);
             for (int k = 0; k < 12; ++k)
-                if (m[k] != (k % 5 == 0 ? 1.0f : 0.0f)) return fail(Code::CorruptData, "the bind matrix of joint {} turns or scales; avatar joints are parallel to the world", j);
+                if (m[k] != (k % 5 == 0 ? 1.0f : 0.0f))
+                    return fail(Code::CorruptData, "the bind matrix of joint {} turns or scales; avatar joints are parallel to the world",
+                                j);
             // Written positions lie on a lattice, so node and bind matrix agree to the bit; the slack is for other writers.
             const Vec3f parent = joint.parent < 0 ? Vec3f(0) : avatar.joints[joint.parent].restPosition;
             const bool turned = std::abs(node.rotation.w) < 0.999999f || glm::length(node.scale - Vec3f(1)) > 1e-5f;
-            if (turned || !(glm::length(node.translation + parent - joint.restPosition) < 1e-4f)) return fail(Code::CorruptData, "joint {} ('{}') stands elsewhere than its bind matrix says", j, node.name);
+            if (turned || !(glm::length(node.translation + parent - joint.restPosition) < 1e-4f))
+                return fail(Code::CorruptData, "joint {} ('{}') stands elsewhere than its bind matrix says", j, node.name);
             avatar.joints.push_back(std::move(joint));
         }
         DPL_TRY(const Json* bones, root.array("humanoidBones"));
         for (const Json& entry : *bones) {
             const Fields fields(entry, "humanoidBones");
             DPL_TRY(const uint64_t joint, fields.number("joint", 0xffffffffu));
-            if (joint >= avatar.joints.size()) return fail(Code::CorruptData, "a humanoid bone names joint {} of {}", joint, avatar.joints.size());
+            if (joint >= avatar.joints.size())
+                return fail(Code::CorruptData, "a humanoid bone names joint {} of {}", joint, avatar.joints.size());
             DPL_TRY(avatar.joints[joint].humanoidBone, fields.text("bone"));
         }
         return readClips(jointOfNode);
@@ -188,8 +205,10 @@ struct AvatarReader {
             int64_t input = -1;
             for (const GltfAnimation::Channel& channel : animation.channels) {
                 const auto& sampler = animation.samplers[channel.sampler];
-                if (channel.node < 0 || jointOfNode[channel.node] < 0) return fail(Code::CorruptData, "clip '{}' moves a node that is no joint", clip.name);
-                if (input >= 0 && sampler.input != input) return fail(Code::Unsupported, "clip '{}' has channels with different times; resample it", clip.name);
+                if (channel.node < 0 || jointOfNode[channel.node] < 0)
+                    return fail(Code::CorruptData, "clip '{}' moves a node that is no joint", clip.name);
+                if (input >= 0 && sampler.input != input)
+                    return fail(Code::Unsupported, "clip '{}' has channels with different times; resample it", clip.name);
                 if (sampler.interpolation != "LINEAR") return fail(Code::Unsupported, "clip '{}' is not linear; resample it", clip.name);
                 if (input < 0) {
                     input = sampler.input;
@@ -204,11 +223,14 @@ struct AvatarReader {
                 if (channel.path == "rotation") {
                     ClipChannel& to = clip.channels.emplace_back();
                     to.joint = joint;
-                    for (size_t i = 0; i + 3 < values.size(); i += 4) to.rotations.emplace_back(values[i + 3], values[i], values[i + 1], values[i + 2]);
+                    for (size_t i = 0; i + 3 < values.size(); i += 4)
+                        to.rotations.emplace_back(values[i + 3], values[i], values[i + 1], values[i + 2]);
                 } else if (channel.path == "translation" && joint == 0) {
-                    for (size_t i = 0; i + 2 < values.size(); i += 3) clip.rootTranslations.push_back(Vec3f(values[i], values[i + 1], values[i + 2]) - avatar.joints[0].restPosition);
+                    for (size_t i = 0; i + 2 < values.size(); i += 3)
+                        clip.rootTranslations.push_back(Vec3f(values[i], values[i + 1], values[i + 2]) - avatar.joints[0].restPosition);
                 } else {
-                    return fail(Code::Unsupported, "clip '{}' has a {} channel; joints only turn, and the root may move", clip.name, channel.path);
+                    return fail(Code::Unsupported, "clip '{}' has a {} channel; joints only turn, and the root may move", clip.name,
+                                channel.path);
                 }
             }
             avatar.clips.push_back(std::move(clip));
@@ -225,7 +247,9 @@ struct AvatarReader {
             LayerData layer;
             DPL_TRY(layer.role, fields.text("role"));
             DPL_TRY(const uint64_t meshIndex, fields.number("mesh", 0xffffffffu));
-            if (meshIndex >= model.meshes.size() || model.meshes[meshIndex].primitives.size() != 1) return fail(Code::CorruptData, "layer {} names mesh {}, which is missing or has several parts", mesh.layers.size(), meshIndex);
+            if (meshIndex >= model.meshes.size() || model.meshes[meshIndex].primitives.size() != 1)
+                return fail(Code::CorruptData, "layer {} names mesh {}, which is missing or has several parts", mesh.layers.size(),
+                            meshIndex);
             layer.name = model.meshes[meshIndex].name;
             DPL_CHECK_OK(readLayer(model.meshes[meshIndex].primitives[0], layer));
             mesh.layers.push_back(std::move(layer));
@@ -237,7 +261,8 @@ struct AvatarReader {
         MeshData& mesh = avatar.mesh;
         ReadLimits left = limits;
         left.maxVertices -= uint32_t(mesh.restPositions.size()), left.maxTriangles -= uint32_t(mesh.triangles.size());
-        const uint64_t vertices = primitive.attributes.contains("POSITION") ? model.accessors[primitive.attributes.at("POSITION")].count : 0;
+        const uint64_t vertices =
+            primitive.attributes.contains("POSITION") ? model.accessors[primitive.attributes.at("POSITION")].count : 0;
         const uint64_t indices = primitive.indices >= 0 ? model.accessors[primitive.indices].count : 0;
         const uint64_t bytes = primitive.dracoView >= 0 ? model.views[primitive.dracoView].length : vertices * 28 + indices;
         DPL_CHECK_OK(spend(bytes));
@@ -254,7 +279,8 @@ struct AvatarReader {
             glm::u8vec4 colour, weight;
             glm::u16vec4 joint;
             for (int k = 0; k < 4; ++k) {
-                colour[k] = k < 3 ? srgb8FromLinear(colours[v * 4 + k]) : uint8_t(std::lround(std::clamp(colours[v * 4 + k], 0.0f, 1.0f) * 255));
+                colour[k] =
+                    k < 3 ? srgb8FromLinear(colours[v * 4 + k]) : uint8_t(std::lround(std::clamp(colours[v * 4 + k], 0.0f, 1.0f) * 255));
                 weight[k] = uint8_t(std::lround(std::clamp(weights[v * 4 + k], 0.0f, 1.0f) * 255));
                 joint[k] = uint16_t(std::clamp(joints[v * 4 + k], 0.0f, 65535.0f));
             }
@@ -280,10 +306,12 @@ struct AvatarReader {
         DPL_TRY(const Json* object, root.object("splats"));
         const Fields splats(*object, "splats");
         DPL_TRY(const uint64_t encoding, splats.number("encoding", 0xffffffffu));
-        if (encoding < 1 || encoding > 3) return fail(Code::Version, "splat encoding {}; this build reads 1 to 3: update Doppel or export again", encoding);
+        if (encoding < 1 || encoding > 3)
+            return fail(Code::Version, "splat encoding {}; this build reads 1 to 3: update Doppel or export again", encoding);
         DPL_CHECK_OK(splats.mustBe("shBasis", "3dgs-real"));
         DPL_TRY(const uint64_t chunkSize, splats.number("chunkSize", 0xffffffffu));
-        if (chunkSize != kSplatChunkSize) return fail(Code::Unsupported, "chunks of {} splats; encodings 1 to 3 have {}", chunkSize, kSplatChunkSize);
+        if (chunkSize != kSplatChunkSize)
+            return fail(Code::Unsupported, "chunks of {} splats; encodings 1 to 3 have {}", chunkSize, kSplatChunkSize);
         DPL_TRY(const uint64_t count, splats.number("count", limits.maxSplats));
         DPL_TRY(const uint64_t degree, splats.number("shDegree", 3));
         SplatHead head{uint32_t(count), uint32_t(degree), 0, {}};
@@ -307,7 +335,8 @@ struct AvatarReader {
         DPL_TRY(in.coded, stream(*streams, "coded"));
         DPL_TRY(in.sh, stream(*streams, "sh"));
         DPL_TRY(coded, readSplatStreams(in, avatar.mesh, head, limits));
-        info.splatBytes = in.triangleCounts.size() + in.chunks.size() + in.place.size() + in.size.size() + in.colour.size() + in.ranges.size() + in.coded.size();
+        info.splatBytes = in.triangleCounts.size() + in.chunks.size() + in.place.size() + in.size.size() + in.colour.size() +
+                          in.ranges.size() + in.coded.size();
         info.shBytes = in.sh.size() + in.shIndex.size();
         info.shPaletteSize = head.paletteSize;
         info.splatEncoding = uint32_t(encoding), info.bits = head.bits.value_or(SplatBits());
@@ -335,7 +364,8 @@ struct AvatarReader {
         DPL_TRY(const Json* object, root.object("poseCorrectives"));
         const Fields fields(*object, "poseCorrectives");
         DPL_TRY(const uint64_t encoding, fields.number("encoding", 0xffffffffu));
-        if (encoding != 1 && encoding != 2) return fail(Code::Version, "pose corrective encoding {}; this build reads 1 and 2: update Doppel or export again", encoding);
+        if (encoding != 1 && encoding != 2)
+            return fail(Code::Version, "pose corrective encoding {}; this build reads 1 and 2: update Doppel or export again", encoding);
         PoseCorrectiveData head;
         DPL_TRY(const uint64_t modes, fields.number("modeCount", kMaxCorrectiveModes));
         DPL_TRY(const uint64_t nodes, fields.number("nodeCount", kMaxCorrectiveNodes));
@@ -355,10 +385,12 @@ struct AvatarReader {
         DPL_TRY(in.nodeIndices, stream(*streams, "nodeIndices"));
         DPL_TRY(in.nodeWeights, stream(*streams, "nodeWeights"));
         DPL_TRY(const auto coded, stream(*streams, "coded"));
-        info.correctiveBytes = in.mean.size() + in.modes.size() + in.ranges.size() + in.nodes.size() + in.nodeIndices.size() + in.nodeWeights.size() + coded.size();
+        info.correctiveBytes = in.mean.size() + in.modes.size() + in.ranges.size() + in.nodes.size() + in.nodeIndices.size() +
+                               in.nodeWeights.size() + coded.size();
         CorrectiveStreams<std::vector<uint8_t>> expanded;
         if (encoding == 2) {
-            if (!in.nodes.empty() || !in.nodeIndices.empty() || !in.nodeWeights.empty()) return fail(Code::CorruptData, "pose corrective encoding 2 beside streams of encoding 1");
+            if (!in.nodes.empty() || !in.nodeIndices.empty() || !in.nodeWeights.empty())
+                return fail(Code::CorruptData, "pose corrective encoding 2 beside streams of encoding 1");
             DPL_TRY(expanded, expandCorrectives(coded, head.modeCount, head.nodeCount, avatar.mesh.restPositions.size()));
             in.nodes = expanded.nodes, in.nodeIndices = expanded.nodeIndices, in.nodeWeights = expanded.nodeWeights;
         } else if (!coded.empty()) {
@@ -372,7 +404,8 @@ struct AvatarReader {
     Result<std::span<const uint8_t>> stream(const Json& streams, const char* name) {
         if (!streams.contains(name)) return std::span<const uint8_t>();
         DPL_TRY(const uint64_t view, Fields(streams, "streams").number(name, 0xffffffffu));
-        if (view >= model.views.size()) return fail(Code::CorruptData, "stream '{}' names buffer view {}, there are {}", name, view, model.views.size());
+        if (view >= model.views.size())
+            return fail(Code::CorruptData, "stream '{}' names buffer view {}, there are {}", name, view, model.views.size());
         DPL_CHECK_OK(spend(model.views[view].length));
         return model.viewBytes(uint32_t(view));
     }
@@ -385,17 +418,20 @@ struct AvatarReader {
         DPL_CHECK_OK(readSplats());
         DPL_CHECK_OK(readCorrectives());
         // One place knows what an avatar is: what a writer must not write, a reader does not accept.
-        if (Status valid = checkAvatarWithoutSplats(avatar); !valid) return fail(Code::CorruptData, "the file holds an impossible avatar: {}", valid.error().message);
+        if (Status valid = checkAvatarWithoutSplats(avatar); !valid)
+            return fail(Code::CorruptData, "the file holds an impossible avatar: {}", valid.error().message);
         return {};
     }
 
     void finishInfo() {
-        info.name = avatar.name, info.generator = avatar.generator, info.evidence = avatar.evidence, info.trainedPixelM = avatar.trainedPixelM;
+        info.name = avatar.name, info.generator = avatar.generator, info.evidence = avatar.evidence,
+        info.trainedPixelM = avatar.trainedPixelM;
         info.vertices = uint32_t(avatar.mesh.restPositions.size()), info.triangles = uint32_t(avatar.mesh.triangles.size());
         info.joints = uint32_t(avatar.joints.size()), info.layers = uint32_t(avatar.mesh.layers.size());
         info.clips = uint32_t(avatar.clips.size());
         info.correctiveModes = avatar.correctives.modeCount, info.correctiveNodes = avatar.correctives.nodeCount;
-        const uint64_t known = info.meshBytes + info.splatBytes + info.shBytes + info.correctiveBytes + info.clipBytes + info.skinBytes + info.jsonBytes;
+        const uint64_t known =
+            info.meshBytes + info.splatBytes + info.shBytes + info.correctiveBytes + info.clipBytes + info.skinBytes + info.jsonBytes;
         info.otherBytes = info.fileBytes - std::min(known, info.fileBytes);
     }
 };

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
 #include "sdk/format/avatar_check.h"
@@ -13,12 +14,16 @@
 namespace dpl {
 namespace {
 
-Json triple(const Vec3f& v) { return Json::array({v.x, v.y, v.z}); }
+Json triple(const Vec3f& v) {
+    return Json::array({v.x, v.y, v.z});
+}
 
 LayerMesh layerMesh(const MeshData& mesh, const LayerData& layer, bool wideJoints) {
     LayerMesh out;
     out.wideJoints = wideJoints;
-    auto cut = [&](const auto& values, auto& to) { to.assign(values.begin() + layer.firstVertex, values.begin() + layer.firstVertex + layer.vertexCount); };
+    auto cut = [&](const auto& values, auto& to) {
+        to.assign(values.begin() + layer.firstVertex, values.begin() + layer.firstVertex + layer.vertexCount);
+    };
     cut(mesh.restPositions, out.positions), cut(mesh.jointIndices, out.joints), cut(mesh.jointWeights, out.weights);
     for (uint32_t v = 0; v < layer.vertexCount; ++v) {
         const glm::u8vec4& c = mesh.colours[layer.firstVertex + v];
@@ -56,7 +61,8 @@ Status addLayer(GlbBuilder& glb, const MeshData& mesh, const LayerData& layer, b
         DPL_TRY(const std::vector<uint8_t> bytes, encodeDraco(m));
         primitive["extensions"]["KHR_draco_mesh_compression"] = {
             {"bufferView", glb.addView(bytes)},
-            {"attributes", {{"POSITION", kDracoPosition}, {"COLOR_0", kDracoColour}, {"JOINTS_0", kDracoJoints}, {"WEIGHTS_0", kDracoWeights}}}};
+            {"attributes",
+             {{"POSITION", kDracoPosition}, {"COLOR_0", kDracoColour}, {"JOINTS_0", kDracoJoints}, {"WEIGHTS_0", kDracoWeights}}}};
     } else {
         views = plainViews(glb, m);
     }
@@ -132,7 +138,11 @@ Json poseCorrectives(GlbBuilder& glb, const PoseCorrectiveData& c, bool compact)
     if (compact) coded = compactCorrectives(streams, c.nodeCount);
     if (coded.size() >= streams.nodes.size() + streams.nodeIndices.size() + streams.nodeWeights.size()) coded.clear();
     if (!coded.empty()) streams.nodes.clear(), streams.nodeIndices.clear(), streams.nodeWeights.clear();
-    Json out = {{"encoding", coded.empty() ? 1 : 2}, {"modeCount", c.modeCount}, {"nodeCount", c.nodeCount}, {"joints", c.joints}, {"reach", c.reach}};
+    Json out = {{"encoding", coded.empty() ? 1 : 2},
+                {"modeCount", c.modeCount},
+                {"nodeCount", c.nodeCount},
+                {"joints", c.joints},
+                {"reach", c.reach}};
     if (c.reachOffModes < PoseCorrectiveData().reachOffModes) out["reachOffModes"] = c.reachOffModes;
     auto stream = [&](const char* name, const std::vector<uint8_t>& bytes) {
         if (!bytes.empty()) out["streams"][name] = glb.addView(bytes);
@@ -145,7 +155,13 @@ Json poseCorrectives(GlbBuilder& glb, const PoseCorrectiveData& c, bool compact)
 Json splatsOf(GlbBuilder& glb, const AvatarData& a, const CodedSplats& coded, bool compact) {
     const auto streams = writeSplatStreams(coded, a.mesh.triangles.size(), compact);
     const bool palette = !coded.shIndex.empty();
-    Json splats = {{"encoding", !streams.coded.empty() ? 3 : palette ? 2 : 1}, {"count", coded.count()}, {"chunkSize", kSplatChunkSize}, {"shDegree", coded.shDegree}, {"shBasis", "3dgs-real"}};
+    Json splats = {{"encoding", !streams.coded.empty() ? 3
+                                : palette              ? 2
+                                                       : 1},
+                   {"count", coded.count()},
+                   {"chunkSize", kSplatChunkSize},
+                   {"shDegree", coded.shDegree},
+                   {"shBasis", "3dgs-real"}};
     if (palette) splats["shPaletteSize"] = coded.sh.size() / shEntryBytes(coded.shDegree);
     if (!streams.coded.empty()) {
         const SplatBits bits = neededBits(coded);
@@ -181,7 +197,8 @@ Json avatarExtension(GlbBuilder& glb, const AvatarData& a, const CodedSplats& co
     for (size_t l = 0; l < a.mesh.layers.size(); ++l) ours["layers"].push_back({{"mesh", l}, {"role", a.mesh.layers[l].role}});
     for (size_t j = 0; j < a.joints.size(); ++j)
         if (!a.joints[j].humanoidBone.empty()) ours["humanoidBones"].push_back({{"bone", a.joints[j].humanoidBone}, {"joint", j}});
-    for (const EvidenceData& e : a.evidence) ours["evidence"].push_back({{"part", e.part}, {"kept", e.kept}, {"gainDb", e.gainDb}, {"bytes", e.bytes}, {"reason", e.reason}});
+    for (const EvidenceData& e : a.evidence)
+        ours["evidence"].push_back({{"part", e.part}, {"kept", e.kept}, {"gainDb", e.gainDb}, {"bytes", e.bytes}, {"reason", e.reason}});
 
     ours["splats"] = splatsOf(glb, a, coded, compact);
     if (!a.correctives.empty()) ours["poseCorrectives"] = poseCorrectives(glb, a.correctives, compact);
@@ -221,7 +238,8 @@ Result<std::vector<uint8_t>> writeAvatar(const AvatarData& avatar, const WriteOp
     glb.root["extensions"]["DPL_gaussian_avatar"] = avatarExtension(glb, a, coded, options.compact);
     addNodesAndSkin(glb, a);
     for (const ClipData& clip : a.clips) addClip(glb, a, clip);
-    if (glb.bin().size() > (1ull << 31) - (64u << 20)) return fail(Code::Unsupported, "the avatar has {} bytes, more than a .glb that every reader takes", glb.bin().size());
+    if (glb.bin().size() > (1ull << 31) - (64u << 20))
+        return fail(Code::Unsupported, "the avatar has {} bytes, more than a .glb that every reader takes", glb.bin().size());
     return glb.finish(writeHash);
 } catch (const std::bad_alloc&) {
     return fail(Code::OutOfMemory, "no memory to write an avatar");

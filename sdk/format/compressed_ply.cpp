@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/format/compressed_ply.h"
 
 #include <array>
@@ -12,7 +13,7 @@ namespace dpl {
 namespace {
 
 constexpr size_t kChunkSplats = 256;
-constexpr float kShReach = 4;   // bytes of the sh element cover [−4, 4]
+constexpr float kShReach = 4;  // bytes of the sh element cover [−4, 4]
 
 template <class T>
 T load(const uint8_t* from) {
@@ -32,7 +33,9 @@ float unorm(uint32_t word, uint32_t shift, uint32_t bits) {
     const uint32_t most = (1u << bits) - 1;
     return float(word >> shift & most) / float(most);
 }
-Vec3f unorm111011(uint32_t word) { return {unorm(word, 21, 11), unorm(word, 11, 10), unorm(word, 0, 11)}; }
+Vec3f unorm111011(uint32_t word) {
+    return {unorm(word, 21, 11), unorm(word, 11, 10), unorm(word, 0, 11)};
+}
 
 /** The top two bits say which of w, x, y, z is largest and left out; the others follow in that order, each (q/√2 + ½) in 10 bits. */
 Quatf unpackRotation(uint32_t word) {
@@ -62,7 +65,8 @@ Result<std::vector<Range>> readRanges(const PlyRows& chunks, std::array<const ch
     for (size_t c = 0; c < chunks.count; ++c) {
         for (int k = 0; k < 3; ++k) {
             out[c].low[k] = load<float>(chunks.row(c) + at[size_t(k)]), out[c].high[k] = load<float>(chunks.row(c) + at[size_t(k) + 3]);
-            if (!std::isfinite(out[c].low[k]) || !std::isfinite(out[c].high[k])) return fail(Code::CorruptData, "PLY: {} or {} of chunk {} is not finite", names[size_t(k)], names[size_t(k) + 3], c);
+            if (!std::isfinite(out[c].low[k]) || !std::isfinite(out[c].high[k]))
+                return fail(Code::CorruptData, "PLY: {} or {} of chunk {} is not finite", names[size_t(k)], names[size_t(k) + 3], c);
         }
     }
     return out;
@@ -76,10 +80,12 @@ Result<StaticSplatData> readCompressedPly(std::span<const uint8_t> bytes) try {
     DPL_TRY(const PlyRows chunks, plyRows(header, bytes, "chunk", maxSplats / kChunkSplats + 1));
     DPL_TRY(const PlyRows vertices, plyRows(header, bytes, "vertex", maxSplats));
     const size_t n = vertices.count;
-    if (chunks.count != (n + kChunkSplats - 1) / kChunkSplats) return fail(Code::CorruptData, "PLY: {} chunks for {} splats, {} a chunk", chunks.count, n, kChunkSplats);
+    if (chunks.count != (n + kChunkSplats - 1) / kChunkSplats)
+        return fail(Code::CorruptData, "PLY: {} chunks for {} splats, {} a chunk", chunks.count, n, kChunkSplats);
     DPL_TRY(const auto places, readRanges(chunks, {"min_x", "min_y", "min_z", "max_x", "max_y", "max_z"}));
-    DPL_TRY(const auto logScales, readRanges(chunks, {"min_scale_x", "min_scale_y", "min_scale_z", "max_scale_x", "max_scale_y", "max_scale_z"}));
-    std::vector<Range> colours(chunks.count);   // older files have none: [0, 1]
+    DPL_TRY(const auto logScales,
+            readRanges(chunks, {"min_scale_x", "min_scale_y", "min_scale_z", "max_scale_x", "max_scale_y", "max_scale_z"}));
+    std::vector<Range> colours(chunks.count);  // older files have none: [0, 1]
     if (chunks.element->columns.contains("min_r")) {
         DPL_TRY(colours, readRanges(chunks, {"min_r", "min_g", "min_b", "max_r", "max_g", "max_b"}));
     }
@@ -97,7 +103,8 @@ Result<StaticSplatData> readCompressedPly(std::span<const uint8_t> bytes) try {
     for (size_t i = 0; i < n; ++i) {
         const size_t chunk = i / kChunkSplats;
         const uint8_t* row = vertices.row(i);
-        const uint32_t place = load<uint32_t>(row + packed[0]), rotation = load<uint32_t>(row + packed[1]), scale = load<uint32_t>(row + packed[2]), colour = load<uint32_t>(row + packed[3]);
+        const uint32_t place = load<uint32_t>(row + packed[0]), rotation = load<uint32_t>(row + packed[1]),
+                       scale = load<uint32_t>(row + packed[2]), colour = load<uint32_t>(row + packed[3]);
         s.position[i] = places[chunk].at(unorm111011(place));
         s.rotation[i] = unpackRotation(rotation);
         s.scaleM[i] = glm::exp(logScales[chunk].at(unorm111011(scale)));
@@ -108,7 +115,8 @@ Result<StaticSplatData> readCompressedPly(std::span<const uint8_t> bytes) try {
         for (uint32_t k = 1; k < coefficients; ++k)
             for (uint32_t c = 0; c < 3; ++c) out[k * 3 + c] = shOf(sh.row(i)[rest[c * (coefficients - 1) + k - 1]]);
         const Vec3f all = s.position[i] + s.scaleM[i] + Vec3f(out[0], out[1], out[2]);
-        if (!std::isfinite(all.x + all.y + all.z)) return fail(Code::CorruptData, "PLY: splat {} is not finite; the ranges of chunk {} are damaged", i, chunk);
+        if (!std::isfinite(all.x + all.y + all.z))
+            return fail(Code::CorruptData, "PLY: splat {} is not finite; the ranges of chunk {} are damaged", i, chunk);
     }
     return s;
 } catch (const std::bad_alloc&) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // General splats as PlayCanvas / SuperSplat compressed PLY: 16 bytes a splat in chunks of 256 that share value ranges, SH as bytes beside.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The content hash of an avatar file: XXH3-64 of JSON (its own 16 hex digits read as zeros) and binary chunk. Internal.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/format/correctives.h"
 
 #include <algorithm>
@@ -29,22 +30,29 @@ Status checkCorrectives(const PoseCorrectiveData& c, size_t jointCount, size_t v
     if (c.empty()) return {};
     const size_t features = c.joints.size() * 6;
     if (c.modeCount == 0 || c.modeCount > kMaxCorrectiveModes || c.nodeCount > kMaxCorrectiveNodes)
-        return fail(Code::CorruptData, "pose correctives have {} modes and {} nodes; 1 to {} and at most {} are possible", c.modeCount, c.nodeCount,
-                    kMaxCorrectiveModes, kMaxCorrectiveNodes);
-    if (c.joints.empty() || c.mean.size() != features || c.modes.size() != features * c.modeCount || c.nodes.size() != size_t(c.nodeCount) * c.modeCount)
-        return fail(Code::CorruptData, "the arrays of the pose correctives do not fit {} joints, {} modes and {} nodes", c.joints.size(), c.modeCount, c.nodeCount);
+        return fail(Code::CorruptData, "pose correctives have {} modes and {} nodes; 1 to {} and at most {} are possible", c.modeCount,
+                    c.nodeCount, kMaxCorrectiveModes, kMaxCorrectiveNodes);
+    if (c.joints.empty() || c.mean.size() != features || c.modes.size() != features * c.modeCount ||
+        c.nodes.size() != size_t(c.nodeCount) * c.modeCount)
+        return fail(Code::CorruptData, "the arrays of the pose correctives do not fit {} joints, {} modes and {} nodes", c.joints.size(),
+                    c.modeCount, c.nodeCount);
     if (c.nodeIndices.size() != vertexCount || c.nodeWeights.size() != vertexCount)
-        return fail(Code::CorruptData, "pose correctives have {} indices and {} weights for {} vertices", c.nodeIndices.size(), c.nodeWeights.size(), vertexCount);
+        return fail(Code::CorruptData, "pose correctives have {} indices and {} weights for {} vertices", c.nodeIndices.size(),
+                    c.nodeWeights.size(), vertexCount);
     for (size_t i = 0; i < c.joints.size(); ++i)
         if (c.joints[i] >= jointCount || (i > 0 && c.joints[i] <= c.joints[i - 1]))
-            return fail(Code::CorruptData, "pose correctives hear joint {} of {}; joints are listed once, in rising order", c.joints[i], jointCount);
+            return fail(Code::CorruptData, "pose correctives hear joint {} of {}; joints are listed once, in rising order", c.joints[i],
+                        jointCount);
     for (size_t v = 0; v < vertexCount; ++v) {
         const glm::u8vec4 w = c.nodeWeights[v];
-        if (w.x + w.y + w.z + w.w != 255) return fail(Code::CorruptData, "pose corrective weights of vertex {} sum to {}, not 255", v, w.x + w.y + w.z + w.w);
+        if (w.x + w.y + w.z + w.w != 255)
+            return fail(Code::CorruptData, "pose corrective weights of vertex {} sum to {}, not 255", v, w.x + w.y + w.z + w.w);
         for (int i = 0; i < 4; ++i)
-            if (c.nodeIndices[v][i] >= c.nodeCount) return fail(Code::CorruptData, "vertex {} hangs on pose corrective node {} of {}", v, c.nodeIndices[v][i], c.nodeCount);
+            if (c.nodeIndices[v][i] >= c.nodeCount)
+                return fail(Code::CorruptData, "vertex {} hangs on pose corrective node {} of {}", v, c.nodeIndices[v][i], c.nodeCount);
     }
-    bool good = allSane(c.mean) && allSane(c.modes) && c.reach > 0 && c.reach <= kMaxValue && c.reachOffModes > 0 && c.reachOffModes <= kMaxValue;
+    bool good =
+        allSane(c.mean) && allSane(c.modes) && c.reach > 0 && c.reach <= kMaxValue && c.reachOffModes > 0 && c.reachOffModes <= kMaxValue;
     for (const Vec4f& n : c.nodes) good = good && allSane({&n.x, 4});
     if (!good) return fail(Code::CorruptData, "pose correctives hold a number that is not finite or above {}, or no reach", kMaxValue);
     return {};
@@ -56,15 +64,19 @@ CorrectiveStreams<std::vector<uint8_t>> encodeCorrectives(const PoseCorrectiveDa
     std::vector<glm::i16vec4> codes(c.nodes.size());
     for (size_t e = 0; e < codes.size(); ++e)
         for (int k = 0; k < 4; ++k)
-            if (const float range = ranges[e % c.modeCount][k]; range > 0) codes[e][k] = int16_t(std::lround(double(kSteps) * c.nodes[e][k] / range));
+            if (const float range = ranges[e % c.modeCount][k]; range > 0)
+                codes[e][k] = int16_t(std::lround(double(kSteps) * c.nodes[e][k] / range));
     return {bytesOf(c.mean), bytesOf(c.modes), bytesOf(ranges), bytesOf(codes), bytesOf(c.nodeIndices), bytesOf(c.nodeWeights)};
 }
 
-Result<PoseCorrectiveData> decodeCorrectives(const CorrectiveStreams<std::span<const uint8_t>>& in, PoseCorrectiveData c, size_t vertexCount) {
+Result<PoseCorrectiveData> decodeCorrectives(const CorrectiveStreams<std::span<const uint8_t>>& in, PoseCorrectiveData c,
+                                             size_t vertexCount) {
     const size_t features = c.joints.size() * 6, entries = size_t(c.nodeCount) * c.modeCount;
-    if (in.mean.size() != features * sizeof(float) || in.modes.size() != features * c.modeCount * sizeof(float) || in.ranges.size() != c.modeCount * sizeof(Vec4f) ||
-        in.nodes.size() != entries * sizeof(glm::i16vec4) || in.nodeIndices.size() != vertexCount * sizeof(glm::u16vec4) || in.nodeWeights.size() != vertexCount * sizeof(glm::u8vec4))
-        return fail(Code::CorruptData, "the streams of the pose correctives do not hold {} joints, {} modes, {} nodes and {} vertices", c.joints.size(), c.modeCount, c.nodeCount, vertexCount);
+    if (in.mean.size() != features * sizeof(float) || in.modes.size() != features * c.modeCount * sizeof(float) ||
+        in.ranges.size() != c.modeCount * sizeof(Vec4f) || in.nodes.size() != entries * sizeof(glm::i16vec4) ||
+        in.nodeIndices.size() != vertexCount * sizeof(glm::u16vec4) || in.nodeWeights.size() != vertexCount * sizeof(glm::u8vec4))
+        return fail(Code::CorruptData, "the streams of the pose correctives do not hold {} joints, {} modes, {} nodes and {} vertices",
+                    c.joints.size(), c.modeCount, c.nodeCount, vertexCount);
     fill(c.mean, in.mean), fill(c.modes, in.modes), fill(c.nodeIndices, in.nodeIndices), fill(c.nodeWeights, in.nodeWeights);
     std::vector<Vec4f> ranges;
     fill(ranges, in.ranges);

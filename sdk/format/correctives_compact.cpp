@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/format/correctives_compact.h"
 
 #include <algorithm>
@@ -10,9 +11,10 @@
 namespace dpl {
 namespace {
 
-// Tables, 256 symbols each: rank of a vertex' node among those used last, by slot; its weights, by the one before; upper byte of x, y, z, light.
+// Tables, 256 symbols each: rank of a vertex' node among those used last, by slot; its weights, by the one before; upper byte of x, y, z,
+// light.
 enum Table : uint32_t { kRankTable = 0, kWeightTable = 4, kWeight2Table = 5, kWeight3Table = 13, kNodeTable = 21, kTables = 25 };
-constexpr uint32_t kUnknown = 255;   // a node that is not among the last 255
+constexpr uint32_t kUnknown = 255;  // a node that is not among the last 255
 constexpr std::array<uint16_t, kTables> kAlphabets = [] {
     std::array<uint16_t, kTables> sizes{};
     sizes.fill(256);
@@ -38,7 +40,7 @@ public:
     uint32_t count() const { return count_; }
 
 private:
-    uint32_t add() { return count_ < kUnknown ? count_++ : kUnknown - 1; }   // the oldest goes
+    uint32_t add() { return count_ < kUnknown ? count_++ : kUnknown - 1; }  // the oldest goes
     void moveToFront(uint32_t rank, uint16_t node) {
         std::copy_backward(nodes_.begin(), nodes_.begin() + rank, nodes_.begin() + rank + 1);
         nodes_[0] = node;
@@ -47,7 +49,9 @@ private:
     uint32_t count_ = 0;
 };
 
-uint32_t nodeBits(uint32_t nodeCount) { return uint32_t(std::bit_width(nodeCount - 1)); }
+uint32_t nodeBits(uint32_t nodeCount) {
+    return uint32_t(std::bit_width(nodeCount - 1));
+}
 
 }  // namespace
 
@@ -63,7 +67,8 @@ std::vector<uint8_t> compactCorrectives(const CorrectiveStreams<std::vector<uint
     }
     for (size_t v = 0; v + 3 < streams.nodeWeights.size(); v += 4) {
         const uint8_t* w = &streams.nodeWeights[v];
-        writer.symbol(kWeightTable, w[0]), writer.symbol(kWeight2Table + (w[0] >> 5), w[1]), writer.symbol(kWeight3Table + (w[1] >> 5), w[2]);   // the fourth is what is left of 255
+        writer.symbol(kWeightTable, w[0]), writer.symbol(kWeight2Table + (w[0] >> 5), w[1]),
+            writer.symbol(kWeight3Table + (w[1] >> 5), w[2]);  // the fourth is what is left of 255
     }
     for (size_t i = 0; i < values.size(); ++i) {
         const uint32_t value = uint16_t(values[i] + 0x8000u);
@@ -72,9 +77,12 @@ std::vector<uint8_t> compactCorrectives(const CorrectiveStreams<std::vector<uint
     return writer.finish();
 }
 
-Result<CorrectiveStreams<std::vector<uint8_t>>> expandCorrectives(std::span<const uint8_t> coded, uint32_t modeCount, uint32_t nodeCount, size_t vertexCount) {
+Result<CorrectiveStreams<std::vector<uint8_t>>> expandCorrectives(std::span<const uint8_t> coded, uint32_t modeCount, uint32_t nodeCount,
+                                                                  size_t vertexCount) {
     const size_t count = size_t(modeCount) * nodeCount * 4;
-    if (nodeCount == 0 || coded.size() < count) return fail(Code::CorruptData, "{} coded bytes do not hold {} nodes of {} modes", coded.size(), nodeCount, modeCount);   // their lower bytes lie as they are
+    if (nodeCount == 0 || coded.size() < count)
+        return fail(Code::CorruptData, "{} coded bytes do not hold {} nodes of {} modes", coded.size(), nodeCount,
+                    modeCount);  // their lower bytes lie as they are
     DPL_TRY(EntropyReader reader, EntropyReader::open(coded, kAlphabets));
     CorrectiveStreams<std::vector<uint8_t>> out;
     std::vector<uint16_t> indices(vertexCount * 4), values(count);
@@ -83,7 +91,8 @@ Result<CorrectiveStreams<std::vector<uint8_t>>> expandCorrectives(std::span<cons
         const uint32_t rank = reader.symbol(kRankTable + uint32_t(i % 4));
         if (rank == kUnknown) {
             indices[i] = uint16_t(reader.bits(nodeBits(nodeCount)));
-            if (recent.use(indices[i]) != kUnknown) return fail(Code::CorruptData, "node {} of vertex {} is said to be new and is not", indices[i], i / 4);
+            if (recent.use(indices[i]) != kUnknown)
+                return fail(Code::CorruptData, "node {} of vertex {} is said to be new and is not", indices[i], i / 4);
         } else if (rank < recent.count()) {
             indices[i] = recent.useRank(rank);
         } else {
@@ -93,7 +102,8 @@ Result<CorrectiveStreams<std::vector<uint8_t>>> expandCorrectives(std::span<cons
     out.nodeWeights.resize(vertexCount * 4);
     for (size_t v = 0; v < out.nodeWeights.size(); v += 4) {
         uint8_t* w = &out.nodeWeights[v];
-        w[0] = uint8_t(reader.symbol(kWeightTable)), w[1] = uint8_t(reader.symbol(kWeight2Table + (w[0] >> 5))), w[2] = uint8_t(reader.symbol(kWeight3Table + (w[1] >> 5)));
+        w[0] = uint8_t(reader.symbol(kWeightTable)), w[1] = uint8_t(reader.symbol(kWeight2Table + (w[0] >> 5))),
+        w[2] = uint8_t(reader.symbol(kWeight3Table + (w[1] >> 5)));
         if (w[0] + w[1] + w[2] > 255) return fail(Code::CorruptData, "weights of the nodes of vertex {} sum to more than 255", v / 4);
         w[3] = uint8_t(255 - w[0] - w[1] - w[2]);
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Correctives encoding 2: the three large streams of encoding 1 in fewer bytes, and back to the same bytes.
 #pragma once
 
@@ -14,6 +15,7 @@ namespace dpl {
 std::vector<uint8_t> compactCorrectives(const CorrectiveStreams<std::vector<uint8_t>>& streams, uint32_t nodeCount);
 
 /** The three streams again; the others are left empty. Lengths are checked before anything is allocated. */
-Result<CorrectiveStreams<std::vector<uint8_t>>> expandCorrectives(std::span<const uint8_t> coded, uint32_t modeCount, uint32_t nodeCount, size_t vertexCount);
+Result<CorrectiveStreams<std::vector<uint8_t>>> expandCorrectives(std::span<const uint8_t> coded, uint32_t modeCount, uint32_t nodeCount,
+                                                                  size_t vertexCount);
 
 }  // namespace dpl

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/format/draco_mesh.h"
 
 #include <algorithm>
@@ -35,7 +36,9 @@ protected:
         if (cloud->num_points() != vertexCount_ || cloud->num_attributes() > kMaxAttributes) return false;
         for (int i = 0; i < cloud->num_attributes(); ++i) {
             const draco::PointAttribute* a = cloud->attribute(i);
-            if (a->num_components() < 1 || a->num_components() > 4 || draco::DataTypeLength(a->data_type()) < 1 || draco::DataTypeLength(a->data_type()) > 4) return false;
+            if (a->num_components() < 1 || a->num_components() > 4 || draco::DataTypeLength(a->data_type()) < 1 ||
+                draco::DataTypeLength(a->data_type()) > 4)
+                return false;
         }
         return Base::DecodeAllAttributes();
     }
@@ -97,7 +100,8 @@ bool runDecoder(std::span<const uint8_t> bytes, uint32_t vertexCount, draco::Mes
 }
 
 template <class T, size_t N>
-int addAttribute(draco::Mesh& mesh, draco::GeometryAttribute::Type type, draco::DataType dataType, bool normalized, const std::vector<std::array<T, N>>& values) {
+int addAttribute(draco::Mesh& mesh, draco::GeometryAttribute::Type type, draco::DataType dataType, bool normalized,
+                 const std::vector<std::array<T, N>>& values) {
     draco::GeometryAttribute description;
     description.Init(type, nullptr, N, dataType, normalized, sizeof(T) * N, 0);
     const int id = mesh.AddAttribute(description, true, uint32_t(values.size()));
@@ -163,7 +167,8 @@ Result<std::vector<uint8_t>> encodeDraco(const LayerMesh& mesh) try {
     encoder.options().SetAttributeOptions(position, latticeQuantization(bits, low));
     encoder.options().SetGlobalBool("compress_connectivity", true);
     draco::EncoderBuffer buffer;
-    if (auto status = encoder.EncodeToBuffer(&buffer); !status.ok()) return fail(Code::Internal, "Draco could not encode a layer: {}", status.error_msg_string());
+    if (auto status = encoder.EncodeToBuffer(&buffer); !status.ok())
+        return fail(Code::Internal, "Draco could not encode a layer: {}", status.error_msg_string());
     return std::vector<uint8_t>(buffer.data(), buffer.data() + buffer.size());
 } catch (const std::bad_alloc&) {
     return fail(Code::OutOfMemory, "no memory to compress a mesh");
@@ -175,25 +180,31 @@ Result<DracoDecoded> decodeDraco(std::span<const uint8_t> bytes, uint32_t vertex
     DPL_TRY(const DracoCounts counts, readCounts(bytes));
     // Edgebreaker may split vertices at seams, so its count is a lower bound.
     if (counts.faces != triangleCount || (counts.edgebreaker ? counts.vertices > vertexCount : counts.vertices != vertexCount))
-        return fail(Code::CorruptData, "a Draco mesh of {} vertices and {} triangles, its accessors say {} and {}", counts.vertices, counts.faces, vertexCount, triangleCount);
+        return fail(Code::CorruptData, "a Draco mesh of {} vertices and {} triangles, its accessors say {} and {}", counts.vertices,
+                    counts.faces, vertexCount, triangleCount);
     if (vertexCount > bytes.size() * kVerticesPerByte + kFreeElements || triangleCount > bytes.size() * kTrianglesPerByte + kFreeElements)
-        return fail(Code::CorruptData, "a Draco mesh of {} vertices and {} triangles in {} bytes", vertexCount, triangleCount, bytes.size());
+        return fail(Code::CorruptData, "a Draco mesh of {} vertices and {} triangles in {} bytes", vertexCount, triangleCount,
+                    bytes.size());
     draco::Mesh mesh;
-    const bool ok = counts.edgebreaker ? runDecoder<draco::MeshEdgebreakerDecoder>(bytes, vertexCount, &mesh) : runDecoder<draco::MeshSequentialDecoder>(bytes, vertexCount, &mesh);
+    const bool ok = counts.edgebreaker ? runDecoder<draco::MeshEdgebreakerDecoder>(bytes, vertexCount, &mesh)
+                                       : runDecoder<draco::MeshSequentialDecoder>(bytes, vertexCount, &mesh);
     if (!ok) return fail(Code::CorruptData, "a Draco mesh cannot be decoded; the file is damaged");
-    if (mesh.num_points() != vertexCount || mesh.num_faces() != triangleCount) return fail(Code::CorruptData, "a Draco mesh decodes to other counts than promised");
+    if (mesh.num_points() != vertexCount || mesh.num_faces() != triangleCount)
+        return fail(Code::CorruptData, "a Draco mesh decodes to other counts than promised");
 
     DracoDecoded out;
     out.triangles.resize(triangleCount);
     for (uint32_t f = 0; f < triangleCount; ++f) {
         const draco::Mesh::Face& face = mesh.face(draco::FaceIndex(f));
         out.triangles[f] = {face[0].value(), face[1].value(), face[2].value()};
-        if (std::max({out.triangles[f].x, out.triangles[f].y, out.triangles[f].z}) >= vertexCount) return fail(Code::CorruptData, "triangle {} of a Draco mesh points past its vertices", f);
+        if (std::max({out.triangles[f].x, out.triangles[f].y, out.triangles[f].z}) >= vertexCount)
+            return fail(Code::CorruptData, "triangle {} of a Draco mesh points past its vertices", f);
     }
     for (int i = 0; i < mesh.num_attributes(); ++i) {
         const draco::PointAttribute* a = mesh.attribute(i);
         const uint32_t components = a->num_components();
-        if (out.values.contains(a->unique_id())) return fail(Code::CorruptData, "a Draco mesh has two attributes with id {}", a->unique_id());
+        if (out.values.contains(a->unique_id()))
+            return fail(Code::CorruptData, "a Draco mesh has two attributes with id {}", a->unique_id());
         std::vector<float>& values = out.values[a->unique_id()];
         out.components[a->unique_id()] = components;
         values.resize(size_t(vertexCount) * components);
@@ -210,12 +221,23 @@ Result<DracoDecoded> decodeDraco(std::span<const uint8_t> bytes, uint32_t vertex
                     to[k] = float(x);
                 };
                 switch (a->data_type()) {
-                    case draco::DT_INT8: take(int8_t()); break;
-                    case draco::DT_UINT8: take(uint8_t()); break;
-                    case draco::DT_INT16: take(int16_t()); break;
-                    case draco::DT_UINT16: take(uint16_t()); break;
-                    case draco::DT_FLOAT32: take(float()); break;
-                    default: return fail(Code::Unsupported, "a Draco attribute of type {}", int(a->data_type()));
+                    case draco::DT_INT8:
+                        take(int8_t());
+                        break;
+                    case draco::DT_UINT8:
+                        take(uint8_t());
+                        break;
+                    case draco::DT_INT16:
+                        take(int16_t());
+                        break;
+                    case draco::DT_UINT16:
+                        take(uint16_t());
+                        break;
+                    case draco::DT_FLOAT32:
+                        take(float());
+                        break;
+                    default:
+                        return fail(Code::Unsupported, "a Draco attribute of type {}", int(a->data_type()));
                 }
             }
         }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/format/entropy.h"
 
 #include <algorithm>
@@ -9,7 +10,7 @@ namespace {
 constexpr uint32_t kWhole = 1u << kEntropyBits;
 constexpr size_t kHeadBytes = 12;
 
-void appendNumber(std::vector<uint8_t>& out, uint32_t value) {   // LEB128
+void appendNumber(std::vector<uint8_t>& out, uint32_t value) {  // LEB128
     for (; value >= 0x80; value >>= 7) out.push_back(uint8_t(value | 0x80));
     out.push_back(uint8_t(value));
 }
@@ -18,7 +19,9 @@ void appendU32(std::vector<uint8_t>& out, uint32_t value) {
     for (int k = 0; k < 4; ++k) out.push_back(uint8_t(value >> 8 * k));
 }
 
-uint32_t u32At(std::span<const uint8_t> bytes, size_t at) { return uint32_t(bytes[at]) | uint32_t(bytes[at + 1]) << 8 | uint32_t(bytes[at + 2]) << 16 | uint32_t(bytes[at + 3]) << 24; }
+uint32_t u32At(std::span<const uint8_t> bytes, size_t at) {
+    return uint32_t(bytes[at]) | uint32_t(bytes[at + 1]) << 8 | uint32_t(bytes[at + 2]) << 16 | uint32_t(bytes[at + 3]) << 24;
+}
 
 /** Counts to shares of 4096; what occurs keeps at least one. A table that nobody used says that symbol 0 is certain. */
 std::vector<uint32_t> sharesOf(std::span<const uint32_t> counts) {
@@ -28,7 +31,7 @@ std::vector<uint32_t> sharesOf(std::span<const uint32_t> counts) {
     for (size_t s = 0; s < counts.size(); ++s)
         if (counts[s]) shares[s] = std::max(1u, uint32_t((uint64_t(counts[s]) * kWhole + total / 2) / total));
     for (int64_t off = int64_t(std::accumulate(shares.begin(), shares.end(), 0u)) - kWhole; off != 0;) {
-        uint32_t& largest = *std::max_element(shares.begin(), shares.end());   // at most 256 share 4096, so the largest can spare one
+        uint32_t& largest = *std::max_element(shares.begin(), shares.end());  // at most 256 share 4096, so the largest can spare one
         off > 0 ? (--largest, --off) : (++largest, ++off);
     }
     return shares;
@@ -63,7 +66,7 @@ std::vector<uint8_t> EntropyWriter::finish() {
         }
     }
     uint32_t state[2] = {EntropyReader::kLowest, EntropyReader::kLowest};
-    std::vector<uint16_t> words;   // last first
+    std::vector<uint16_t> words;  // last first
     for (size_t i = symbols_.size(); i-- > 0;) {
         const uint32_t share = counts[symbols_[i].table][symbols_[i].symbol];
         uint32_t& x = state[i & 1];
@@ -80,13 +83,15 @@ std::vector<uint8_t> EntropyWriter::finish() {
 }
 
 Result<EntropyReader> EntropyReader::open(std::span<const uint8_t> bytes, std::span<const uint16_t> alphabets) {
-    if (bytes.size() < kHeadBytes) return fail(Code::CorruptData, "{} bytes of coded splats, the head alone has {}", bytes.size(), kHeadBytes);
+    if (bytes.size() < kHeadBytes)
+        return fail(Code::CorruptData, "{} bytes of coded splats, the head alone has {}", bytes.size(), kHeadBytes);
     EntropyReader r;
     const uint64_t words = u32At(bytes, 0);
     for (int k = 0; k < 2; ++k)
-        if (r.state_[k] = u32At(bytes, 4 + 4 * k); r.state_[k] < kLowest) return fail(Code::CorruptData, "a state of the coded splats is {}, at least {} is possible", r.state_[k], kLowest);
+        if (r.state_[k] = u32At(bytes, 4 + 4 * k); r.state_[k] < kLowest)
+            return fail(Code::CorruptData, "a state of the coded splats is {}, at least {} is possible", r.state_[k], kLowest);
     size_t at = kHeadBytes;
-    const auto number = [&]() -> uint32_t {   // of a table: at most two bytes; anything longer is out of range for the caller
+    const auto number = [&]() -> uint32_t {  // of a table: at most two bytes; anything longer is out of range for the caller
         uint32_t value = 0;
         for (uint32_t shift = 0; at < bytes.size() && shift < 21; shift += 7) {
             const uint8_t byte = bytes[at++];
@@ -101,10 +106,12 @@ Result<EntropyReader> EntropyReader::open(std::span<const uint8_t> bytes, std::s
         uint32_t sum = 0;
         for (uint32_t s = 0; s < alphabets[t]; ++s) {
             const uint32_t share = number();
-            if (share > kWhole - sum) return fail(Code::CorruptData, "frequencies of table {} of the coded splats are cut off or sum to more than {}", t, kWhole);
+            if (share > kWhole - sum)
+                return fail(Code::CorruptData, "frequencies of table {} of the coded splats are cut off or sum to more than {}", t, kWhole);
             if (share == 0) {
                 const uint32_t zeros = number();
-                if (zeros > alphabets[t] - 1 - s) return fail(Code::CorruptData, "table {} of the coded splats has more than {} symbols", t, alphabets[t]);
+                if (zeros > alphabets[t] - 1 - s)
+                    return fail(Code::CorruptData, "table {} of the coded splats has more than {} symbols", t, alphabets[t]);
                 s += zeros;
                 continue;
             }
@@ -112,9 +119,11 @@ Result<EntropyReader> EntropyReader::open(std::span<const uint8_t> bytes, std::s
             std::fill_n(r.symbolOf_.begin() + ptrdiff_t((t << kEntropyBits) + sum), share, uint8_t(s));
             sum += share;
         }
-        if (sum != kWhole) return fail(Code::CorruptData, "frequencies of table {} of the coded splats sum to {} instead of {}", t, sum, kWhole);
+        if (sum != kWhole)
+            return fail(Code::CorruptData, "frequencies of table {} of the coded splats sum to {} instead of {}", t, sum, kWhole);
     }
-    if (words * 2 > bytes.size() - at) return fail(Code::CorruptData, "{} words of coded splats, {} bytes are left", words, bytes.size() - at);
+    if (words * 2 > bytes.size() - at)
+        return fail(Code::CorruptData, "{} words of coded splats, {} bytes are left", words, bytes.size() - at);
     r.words_ = bytes.subspan(at, size_t(words) * 2), r.raw_ = bytes.subspan(at + size_t(words) * 2);
     return r;
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Entropy coder of splat encoding 3: range asymmetric numeral systems (Duda 2013, arXiv:1311.2540) with a fixed table of frequencies
 // per context, and raw bits beside them. Two states take turns, so that a reader decodes two symbols at a time.
 //
@@ -38,8 +39,8 @@ private:
     uint32_t pendingBits_ = 0;
 };
 
-/** Reads what an EntropyWriter of the same alphabets wrote, in the same order. Bytes are borrowed. Past the end it reads zeros, so damaged bytes
- *  give wrong values, never a crash; the caller checks the values and, last, complete(). */
+/** Reads what an EntropyWriter of the same alphabets wrote, in the same order. Bytes are borrowed. Past the end it reads zeros, so damaged
+ * bytes give wrong values, never a crash; the caller checks the values and, last, complete(). */
 class EntropyReader {
 public:
     /** CorruptData: lengths that do not fit, tables that do not sum to 4096. */
@@ -63,8 +64,10 @@ public:
     uint32_t bits(uint32_t count) {
         const size_t at = size_t(nextBit_ >> 3);
         uint64_t window = 0;
-        if (at + 8 <= raw_.size()) std::memcpy(&window, raw_.data() + at, 8);
-        else if (at < raw_.size()) std::memcpy(&window, raw_.data() + at, raw_.size() - at);
+        if (at + 8 <= raw_.size())
+            std::memcpy(&window, raw_.data() + at, 8);
+        else if (at < raw_.size())
+            std::memcpy(&window, raw_.data() + at, raw_.size() - at);
         window >>= nextBit_ & 7;
         nextBit_ += count;
         return uint32_t(window & ((1ull << count) - 1));
@@ -72,16 +75,16 @@ public:
     /** Whether every byte was used, none twice, and the states ended where the writer began. */
     bool complete() const;
 
-    static constexpr uint32_t kLowest = 1u << 16;   // of a state, between symbols
+    static constexpr uint32_t kLowest = 1u << 16;  // of a state, between symbols
 
 private:
     struct Share {
         uint16_t frequency = 0, start = 0;
     };
-    std::vector<uint8_t> symbolOf_;     // table × 4096 slots
-    std::vector<Share> shares_;         // table × 256 symbols
+    std::vector<uint8_t> symbolOf_;  // table × 4096 slots
+    std::vector<Share> shares_;      // table × 256 symbols
     std::span<const uint8_t> words_, raw_;
-    size_t nextWord_ = 0;               // bytes
+    size_t nextWord_ = 0;  // bytes
     uint64_t nextBit_ = 0;
     uint32_t state_[2] = {kLowest, kLowest}, turn_ = 0;
 };

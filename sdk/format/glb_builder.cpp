@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/format/glb_builder.h"
 
 #include "sdk/core/writer.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Puts a .glb together: JSON tables and the binary chunk grow side by side. Internal; included by .cpp files only (heavy JSON header).
 #pragma once
 
@@ -15,11 +16,11 @@ namespace dpl {
 using Json = nlohmann::json;
 
 constexpr int kGltfU8 = 5121, kGltfU16 = 5123, kGltfU32 = 5125, kGltfF32 = 5126;
-constexpr int kGltfVertices = 34962, kGltfIndices = 34963;   // buffer view targets
+constexpr int kGltfVertices = 34962, kGltfIndices = 34963;  // buffer view targets
 
 class GlbBuilder {
 public:
-    Json root;   // everything except buffers, bufferViews and accessors, which finish() adds
+    Json root;  // everything except buffers, bufferViews and accessors, which finish() adds
 
     /** Appends bytes at a multiple of 4; target 0: none. Returns the view. */
     uint32_t addView(std::span<const uint8_t> bytes, int target = 0);

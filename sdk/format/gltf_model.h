@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A glTF 2.0 binary after the bounded reader: every index and byte range below has been checked against the file. Internal.
 #pragma once
 
@@ -16,17 +17,17 @@
 namespace dpl {
 
 struct GltfView {
-    size_t offset = 0, length = 0;   // inside the binary chunk
-    size_t stride = 0;               // 0: tightly packed
+    size_t offset = 0, length = 0;  // inside the binary chunk
+    size_t stride = 0;              // 0: tightly packed
 };
 
 enum class GltfComponent : uint32_t { I8 = 5120, U8 = 5121, I16 = 5122, U16 = 5123, U32 = 5125, F32 = 5126 };
 
 struct GltfAccessor {
-    int32_t view = -1;               // -1: zeros, or filled by Draco
+    int32_t view = -1;  // -1: zeros, or filled by Draco
     size_t offset = 0;
     GltfComponent component = GltfComponent::F32;
-    uint32_t components = 1;         // 1, 2, 3, 4 or 16
+    uint32_t components = 1;  // 1, 2, 3, 4 or 16
     bool normalized = false;
     uint32_t count = 0;
     struct Sparse {
@@ -34,22 +35,22 @@ struct GltfAccessor {
         int32_t indexView = -1, valueView = -1;
         size_t indexOffset = 0, valueOffset = 0;
         GltfComponent indexComponent = GltfComponent::U32;
-    } sparse;                        // count 0: dense
+    } sparse;  // count 0: dense
 };
 
 /** KHR_gaussian_splatting of a primitive, defaults filled in. */
 struct GltfSplatting {
     std::string kernel, colorSpace, projection = "perspective", sortingMethod = "cameraDistance";
-    std::string extension;   // name of an extension inside it (compressions are such), empty when there is none
+    std::string extension;  // name of an extension inside it (compressions are such), empty when there is none
 };
 
 struct GltfPrimitive {
-    std::map<std::string, uint32_t> attributes;               // semantic -> accessor
+    std::map<std::string, uint32_t> attributes;  // semantic -> accessor
     int32_t indices = -1;
     int32_t mode = 4;
     std::vector<std::map<std::string, uint32_t>> targets;
     int32_t dracoView = -1;
-    std::map<std::string, uint32_t> dracoAttributes;          // semantic -> Draco unique id
+    std::map<std::string, uint32_t> dracoAttributes;  // semantic -> Draco unique id
     std::optional<GltfSplatting> splatting;
 };
 
@@ -90,16 +91,16 @@ struct GltfAnimation {
 };
 
 struct GltfModel {
-    std::span<const uint8_t> bin;       // borrowed from the caller's bytes
-    std::string_view json;              // borrowed, the whole JSON chunk
+    std::span<const uint8_t> bin;  // borrowed from the caller's bytes
+    std::string_view json;         // borrowed, the whole JSON chunk
     std::string generator, sceneName;
     std::vector<GltfView> views;
     std::vector<GltfAccessor> accessors;
     std::vector<GltfMesh> meshes;
-    std::vector<GltfNode> nodes;        // a forest: no node has two parents, no cycles
+    std::vector<GltfNode> nodes;  // a forest: no node has two parents, no cycles
     std::vector<GltfSkin> skins;
     std::vector<GltfAnimation> animations;
-    std::string avatarExtension;        // JSON text of DPL_gaussian_avatar, empty when absent
+    std::string avatarExtension;  // JSON text of DPL_gaussian_avatar, empty when absent
 
     std::span<const uint8_t> viewBytes(uint32_t view) const { return bin.subspan(views[view].offset, views[view].length); }
 };
@@ -132,7 +133,7 @@ private:
     const GltfPrimitive* primitive_ = nullptr;
     uint32_t vertexCount_ = 0;
     std::vector<glm::uvec3> triangles_;
-    std::map<uint32_t, std::vector<float>> dracoValues_;   // by unique id, raw component values
+    std::map<uint32_t, std::vector<float>> dracoValues_;  // by unique id, raw component values
 };
 
 }  // namespace dpl

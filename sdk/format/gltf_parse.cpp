@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The bounded reader: nothing is handed to a library before its size, its nesting and its place in the file are known.
 #include <algorithm>
 #include <array>
@@ -22,23 +23,28 @@ struct Glb {
 };
 
 Result<Glb> openGlb(std::span<const uint8_t> bytes, const ReadLimits& limits) {
-    if (bytes.size() > limits.maxFileBytes) return fail(Code::CorruptData, "a file of {} bytes, the limit is {}", bytes.size(), limits.maxFileBytes);
+    if (bytes.size() > limits.maxFileBytes)
+        return fail(Code::CorruptData, "a file of {} bytes, the limit is {}", bytes.size(), limits.maxFileBytes);
     Reader in(bytes);
     DPL_TRY(uint32_t magic, in.u32());
     if (magic != kGlbMagic) return fail(Code::Unsupported, "not a binary glTF (.glb): it does not begin with 'glTF'");
     DPL_TRY(uint32_t version, in.u32());
     if (version != 2) return fail(Code::Unsupported, "glTF container version {}, only 2 is read", version);
     DPL_TRY(uint32_t length, in.u32());
-    if (length != bytes.size()) return fail(Code::CorruptData, "the header says {} bytes, the file has {}: truncated, or with something appended", length, bytes.size());
+    if (length != bytes.size())
+        return fail(Code::CorruptData, "the header says {} bytes, the file has {}: truncated, or with something appended", length,
+                    bytes.size());
     Glb glb;
     for (bool first = true; in.remaining() > 0; first = false) {
         DPL_TRY(uint32_t chunkBytes, in.u32());
         DPL_TRY(uint32_t type, in.u32());
         if (chunkBytes % 4 != 0) return fail(Code::CorruptData, "a chunk of {} bytes, not a multiple of 4", chunkBytes);
         DPL_TRY(auto data, in.take(chunkBytes));
-        if (first != (type == kJsonChunk)) return fail(Code::CorruptData, first ? "the first chunk is not JSON" : "there are two JSON chunks");
+        if (first != (type == kJsonChunk))
+            return fail(Code::CorruptData, first ? "the first chunk is not JSON" : "there are two JSON chunks");
         if (first) {
-            if (chunkBytes > limits.maxJsonBytes) return fail(Code::CorruptData, "{} bytes of JSON, the limit is {}", chunkBytes, limits.maxJsonBytes);
+            if (chunkBytes > limits.maxJsonBytes)
+                return fail(Code::CorruptData, "{} bytes of JSON, the limit is {}", chunkBytes, limits.maxJsonBytes);
             glb.json = {reinterpret_cast<const char*>(data.data()), data.size()};
         } else if (type == kBinChunk) {
             if (glb.bin.data()) return fail(Code::CorruptData, "there are two binary chunks");
@@ -123,7 +129,9 @@ struct PrimitiveLinks {
 
 int64_t integerAt(const Json& object, const char* key) {
     auto it = object.find(key);
-    return it != object.end() && it->is_number_integer() && it->is_number_unsigned() ? int64_t(std::min<uint64_t>(it->get<uint64_t>(), 1ull << 40)) : -1;
+    return it != object.end() && it->is_number_integer() && it->is_number_unsigned()
+               ? int64_t(std::min<uint64_t>(it->get<uint64_t>(), 1ull << 40))
+               : -1;
 }
 
 void textAt(const Json& object, const char* key, std::string& text) {
@@ -134,7 +142,8 @@ GltfSplatting splattingOf(const Json& extension) {
     GltfSplatting out;
     textAt(extension, "kernel", out.kernel), textAt(extension, "colorSpace", out.colorSpace);
     textAt(extension, "projection", out.projection), textAt(extension, "sortingMethod", out.sortingMethod);
-    if (auto inner = extension.find("extensions"); inner != extension.end() && inner->is_object() && !inner->empty()) out.extension = inner->begin().key();
+    if (auto inner = extension.find("extensions"); inner != extension.end() && inner->is_object() && !inner->empty())
+        out.extension = inner->begin().key();
     return out;
 }
 
@@ -156,16 +165,21 @@ Json copyPrimitive(const Json& from, size_t mesh, size_t primitive, PrimitiveLin
     return to;
 }
 
-constexpr std::array<const char*, 4> kKnownRequired = {"KHR_draco_mesh_compression", "KHR_gaussian_splatting", "KHR_mesh_quantization", "KHR_texture_transform"};
+constexpr std::array<const char*, 4> kKnownRequired = {"KHR_draco_mesh_compression", "KHR_gaussian_splatting", "KHR_mesh_quantization",
+                                                       "KHR_texture_transform"};
 
 Status checkRequired(const Json& root) {
     auto required = root.find("extensionsRequired");
     if (required == root.end() || !required->is_array()) return {};
     for (const Json& name : *required) {
-        const bool known = name.is_string() && std::any_of(kKnownRequired.begin(), kKnownRequired.end(), [&](const char* k) { return name == k; });
+        const bool known =
+            name.is_string() && std::any_of(kKnownRequired.begin(), kKnownRequired.end(), [&](const char* k) { return name == k; });
         // Materials and pictures do not matter to us; only what changes geometry does.
-        const bool harmless = name.is_string() && (name.get<std::string>().starts_with("KHR_materials") || name.get<std::string>().find("texture") != std::string::npos);
-        if (!known && !harmless) return fail(Code::Unsupported, "the file requires the glTF extension {}; export it without", name.dump(-1, ' ', false, Json::error_handler_t::replace));
+        const bool harmless = name.is_string() && (name.get<std::string>().starts_with("KHR_materials") ||
+                                                   name.get<std::string>().find("texture") != std::string::npos);
+        if (!known && !harmless)
+            return fail(Code::Unsupported, "the file requires the glTF extension {}; export it without",
+                        name.dump(-1, ' ', false, Json::error_handler_t::replace));
     }
     return {};
 }
@@ -173,11 +187,13 @@ Status checkRequired(const Json& root) {
 Status checkBuffers(const Json& root, std::span<const uint8_t> bin) {
     auto buffers = root.find("buffers");
     if (buffers == root.end()) return {};
-    if (!buffers->is_array() || buffers->size() != 1 || !(*buffers)[0].is_object()) return fail(Code::Unsupported, "a .glb with other than one buffer; export it as a single file");
+    if (!buffers->is_array() || buffers->size() != 1 || !(*buffers)[0].is_object())
+        return fail(Code::Unsupported, "a .glb with other than one buffer; export it as a single file");
     const Json& buffer = (*buffers)[0];
     if (buffer.contains("uri")) return fail(Code::Unsupported, "the buffer lies outside the file; export it as a self-contained .glb");
     const int64_t length = integerAt(buffer, "byteLength");
-    if (length < 1 || uint64_t(length) > bin.size()) return fail(Code::CorruptData, "the buffer claims {} bytes, the binary chunk has {}", length, bin.size());
+    if (length < 1 || uint64_t(length) > bin.size())
+        return fail(Code::CorruptData, "the buffer claims {} bytes, the binary chunk has {}", length, bin.size());
     return {};
 }
 
@@ -187,27 +203,35 @@ Status checkWholeNumbers(const Json& root) {
         if (auto list = root.find(table); list != root.end())
             for (const Json& entry : *list)
                 for (const char* key : {"buffer", "bufferView", "byteOffset", "byteLength", "byteStride", "componentType", "count"})
-                    if (auto it = entry.find(key); it != entry.end() && !it->is_number_unsigned()) return fail(Code::CorruptData, "'{}' in glTF '{}' is not a whole number", key, table);
+                    if (auto it = entry.find(key); it != entry.end() && !it->is_number_unsigned())
+                        return fail(Code::CorruptData, "'{}' in glTF '{}' is not a whole number", key, table);
     return {};
 }
 
 /** JSON of known keys only: extras and unknown extensions can blow tinygltf up to a hundred times their size. */
-Result<Json> knownKeys(const Json& root, std::span<const uint8_t> bin, const ReadLimits& limits, PrimitiveLinks& links, std::vector<std::vector<std::string>>& targetNames) {
+Result<Json> knownKeys(const Json& root, std::span<const uint8_t> bin, const ReadLimits& limits, PrimitiveLinks& links,
+                       std::vector<std::vector<std::string>>& targetNames) {
     if (!root.is_object()) return fail(Code::CorruptData, "the glTF JSON is not an object");
     const auto asset = root.find("asset");
     if (asset == root.end() || !asset->is_object()) return fail(Code::CorruptData, "the glTF has no 'asset'");
     const auto version = asset->find("version");
-    if (version == asset->end() || !version->is_string() || !version->get<std::string>().starts_with("2.")) return fail(Code::Unsupported, "not glTF 2");
+    if (version == asset->end() || !version->is_string() || !version->get<std::string>().starts_with("2."))
+        return fail(Code::Unsupported, "not glTF 2");
     DPL_CHECK_OK(checkRequired(root));
     DPL_CHECK_OK(checkBuffers(root, bin));
     Json out = {{"asset", pick(*asset, {"version", "generator"})}};
     if (!bin.empty()) out["buffers"] = Json::array({{{"byteLength", 4}}});
     DPL_CHECK_OK(copyArray(root, out, "scenes", 64, [](const Json& s) { return pick(s, {"name"}); }));
-    DPL_CHECK_OK(copyArray(root, out, "bufferViews", 65536, [](const Json& v) { return pick(v, {"buffer", "byteOffset", "byteLength", "byteStride"}); }));
-    DPL_CHECK_OK(copyArray(root, out, "accessors", 65536, [](const Json& a) { return pick(a, {"bufferView", "byteOffset", "componentType", "normalized", "count", "type", "sparse"}); }));
+    DPL_CHECK_OK(copyArray(root, out, "bufferViews", 65536, [](const Json& v) {
+        return pick(v, {"buffer", "byteOffset", "byteLength", "byteStride"});
+    }));
+    DPL_CHECK_OK(copyArray(root, out, "accessors", 65536, [](const Json& a) {
+        return pick(a, {"bufferView", "byteOffset", "componentType", "normalized", "count", "type", "sparse"});
+    }));
     DPL_CHECK_OK(checkWholeNumbers(out));
     for (const Json& a : out.value("accessors", Json::array()))
-        if (auto sparse = a.find("sparse"); sparse != a.end() && !sparse->is_object()) return fail(Code::CorruptData, "a sparse accessor is not an object");
+        if (auto sparse = a.find("sparse"); sparse != a.end() && !sparse->is_object())
+            return fail(Code::CorruptData, "a sparse accessor is not an object");
     size_t mesh = 0, primitiveCount = 0;
     DPL_CHECK_OK(copyArray(root, out, "meshes", 4096, [&](const Json& m) {
         Json to = pick(m, {"name", "weights"});
@@ -218,12 +242,15 @@ Result<Json> knownKeys(const Json& root, std::span<const uint8_t> bin, const Rea
         to["primitives"] = Json::array();
         if (auto primitives = m.find("primitives"); primitives != m.end() && primitives->is_array())
             for (const Json& p : *primitives)
-                if (p.is_object() && ++primitiveCount <= 4096) to["primitives"].push_back(copyPrimitive(p, mesh, to["primitives"].size(), links));
+                if (p.is_object() && ++primitiveCount <= 4096)
+                    to["primitives"].push_back(copyPrimitive(p, mesh, to["primitives"].size(), links));
         ++mesh;
         return to;
     }));
     if (primitiveCount > 4096) return fail(Code::CorruptData, "{} mesh primitives, the limit is 4096", primitiveCount);
-    DPL_CHECK_OK(copyArray(root, out, "nodes", limits.maxNodes, [](const Json& n) { return pick(n, {"name", "children", "matrix", "translation", "rotation", "scale", "mesh", "skin"}); }));
+    DPL_CHECK_OK(copyArray(root, out, "nodes", limits.maxNodes, [](const Json& n) {
+        return pick(n, {"name", "children", "matrix", "translation", "rotation", "scale", "mesh", "skin"});
+    }));
     DPL_CHECK_OK(copyArray(root, out, "skins", 1024, [](const Json& s) { return pick(s, {"name", "inverseBindMatrices", "joints"}); }));
     size_t channelCount = 0;
     DPL_CHECK_OK(copyArray(root, out, "animations", 4096, [&](const Json& a) {
@@ -247,15 +274,23 @@ Result<Json> knownKeys(const Json& root, std::span<const uint8_t> bin, const Rea
 
 size_t componentBytes(GltfComponent c) {
     switch (c) {
-        case GltfComponent::I8: case GltfComponent::U8: return 1;
-        case GltfComponent::I16: case GltfComponent::U16: return 2;
-        case GltfComponent::U32: case GltfComponent::F32: return 4;
+        case GltfComponent::I8:
+        case GltfComponent::U8:
+            return 1;
+        case GltfComponent::I16:
+        case GltfComponent::U16:
+            return 2;
+        case GltfComponent::U32:
+        case GltfComponent::F32:
+            return 4;
     }
     return 0;
 }
 
-Status checkRange(const GltfModel& m, int32_t view, size_t offset, size_t elementBytes, size_t stride, uint64_t count, const char* what, size_t index) {
-    if (view < 0 || size_t(view) >= m.views.size()) return fail(Code::CorruptData, "{} {} names buffer view {}, there are {}", what, index, view, m.views.size());
+Status checkRange(const GltfModel& m, int32_t view, size_t offset, size_t elementBytes, size_t stride, uint64_t count, const char* what,
+                  size_t index) {
+    if (view < 0 || size_t(view) >= m.views.size())
+        return fail(Code::CorruptData, "{} {} names buffer view {}, there are {}", what, index, view, m.views.size());
     if (count == 0) return fail(Code::CorruptData, "{} {} is empty", what, index);
     const size_t length = m.views[view].length;
     if (offset > length || elementBytes > length - offset || (count - 1) > (length - offset - elementBytes) / stride)
@@ -266,8 +301,10 @@ Status checkRange(const GltfModel& m, int32_t view, size_t offset, size_t elemen
 Status checkRanges(const GltfModel& m) {
     for (size_t i = 0; i < m.views.size(); ++i) {
         const GltfView& v = m.views[i];
-        if (v.offset > m.bin.size() || v.length > m.bin.size() - v.offset) return fail(Code::CorruptData, "buffer view {} reaches past the binary chunk", i);
-        if (v.stride != 0 && (v.stride < 4 || v.stride > 252)) return fail(Code::CorruptData, "buffer view {} has a stride of {}", i, v.stride);
+        if (v.offset > m.bin.size() || v.length > m.bin.size() - v.offset)
+            return fail(Code::CorruptData, "buffer view {} reaches past the binary chunk", i);
+        if (v.stride != 0 && (v.stride < 4 || v.stride > 252))
+            return fail(Code::CorruptData, "buffer view {} has a stride of {}", i, v.stride);
     }
     for (size_t i = 0; i < m.accessors.size(); ++i) {
         const GltfAccessor& a = m.accessors[i];
@@ -280,8 +317,10 @@ Status checkRanges(const GltfModel& m) {
         }
         if (a.sparse.count) {
             const size_t indexBytes = componentBytes(a.sparse.indexComponent);
-            if (a.sparse.count > a.count || (indexBytes != 1 && indexBytes != 2 && indexBytes != 4)) return fail(Code::CorruptData, "sparse accessor {} is malformed", i);
-            DPL_CHECK_OK(checkRange(m, a.sparse.indexView, a.sparse.indexOffset, indexBytes, indexBytes, a.sparse.count, "sparse accessor", i));
+            if (a.sparse.count > a.count || (indexBytes != 1 && indexBytes != 2 && indexBytes != 4))
+                return fail(Code::CorruptData, "sparse accessor {} is malformed", i);
+            DPL_CHECK_OK(
+                checkRange(m, a.sparse.indexView, a.sparse.indexOffset, indexBytes, indexBytes, a.sparse.count, "sparse accessor", i));
             DPL_CHECK_OK(checkRange(m, a.sparse.valueView, a.sparse.valueOffset, bytes, bytes, a.sparse.count, "sparse accessor", i));
         }
     }
@@ -314,7 +353,8 @@ Status checkReferences(GltfModel& m, const ReadLimits& limits) {
             if (m.nodes[child].parent >= 0) return fail(Code::CorruptData, "node {} has two parents", child);
             m.nodes[child].parent = int32_t(n);
         }
-        const float sum = node.translation.x + node.translation.y + node.translation.z + node.scale.x + node.scale.y + node.scale.z + node.rotation.x + node.rotation.y + node.rotation.z + node.rotation.w;
+        const float sum = node.translation.x + node.translation.y + node.translation.z + node.scale.x + node.scale.y + node.scale.z +
+                          node.rotation.x + node.rotation.y + node.rotation.z + node.rotation.w;
         const float length = glm::length(node.rotation);
         if (!std::isfinite(sum) || !(length > 1e-6f)) return fail(Code::CorruptData, "node {} has a transform that is not finite", n);
         if (std::abs(length - 1) > 1e-5f) node.rotation = node.rotation / length;
@@ -328,10 +368,12 @@ Status checkReferences(GltfModel& m, const ReadLimits& limits) {
         for (at = int32_t(n); at >= 0 && state[at] == 1; at = m.nodes[at].parent) state[at] = 2;
     }
     for (const GltfSkin& skin : m.skins) {
-        if (skin.joints.empty() || skin.joints.size() > limits.maxJoints) return fail(Code::CorruptData, "a skin of {} joints, the limit is {}", skin.joints.size(), limits.maxJoints);
+        if (skin.joints.empty() || skin.joints.size() > limits.maxJoints)
+            return fail(Code::CorruptData, "a skin of {} joints, the limit is {}", skin.joints.size(), limits.maxJoints);
         for (uint32_t joint : skin.joints) DPL_CHECK_OK(checkIndex(joint, m.nodes.size(), "node"));
         DPL_CHECK_OK(checkIndex(skin.inverseBind, m.accessors.size(), "accessor"));
-        if (skin.inverseBind >= 0 && m.accessors[skin.inverseBind].count < skin.joints.size()) return fail(Code::CorruptData, "a skin has fewer bind matrices than joints");
+        if (skin.inverseBind >= 0 && m.accessors[skin.inverseBind].count < skin.joints.size())
+            return fail(Code::CorruptData, "a skin has fewer bind matrices than joints");
     }
     for (const GltfAnimation& animation : m.animations) {
         for (const auto& s : animation.samplers) {
@@ -348,9 +390,12 @@ Status checkReferences(GltfModel& m, const ReadLimits& limits) {
 
 Status linkDraco(GltfModel& m, const std::vector<DracoLink>& draco) {
     for (const DracoLink& link : draco) {
-        if (link.mesh >= m.meshes.size() || link.primitive >= m.meshes[link.mesh].primitives.size()) return fail(Code::CorruptData, "a compressed primitive is malformed");
-        if (link.view < 0 || uint64_t(link.view) >= m.views.size()) return fail(Code::CorruptData, "a compressed primitive names buffer view {}, there are {}", link.view, m.views.size());
-        if (link.indices < 0 || uint64_t(link.indices) >= m.accessors.size()) return fail(Code::CorruptData, "a compressed primitive has no indices");
+        if (link.mesh >= m.meshes.size() || link.primitive >= m.meshes[link.mesh].primitives.size())
+            return fail(Code::CorruptData, "a compressed primitive is malformed");
+        if (link.view < 0 || uint64_t(link.view) >= m.views.size())
+            return fail(Code::CorruptData, "a compressed primitive names buffer view {}, there are {}", link.view, m.views.size());
+        if (link.indices < 0 || uint64_t(link.indices) >= m.accessors.size())
+            return fail(Code::CorruptData, "a compressed primitive has no indices");
         GltfPrimitive& p = m.meshes[link.mesh].primitives[link.primitive];
         p.dracoView = int32_t(link.view), p.indices = int32_t(link.indices), p.dracoAttributes = link.attributes;
     }
@@ -362,7 +407,8 @@ Status linkDraco(GltfModel& m, const std::vector<DracoLink>& draco) {
 Result<GltfModel> parseGlb(std::span<const uint8_t> bytes, const ReadLimits& limits) try {
     DPL_TRY(const Glb glb, openGlb(bytes, limits));
     ShapeCheck shape(limits);
-    if (!Json::sax_parse(glb.json, &shape)) return fail(Code::CorruptData, "the JSON of the file {} (near byte {})", shape.problem, shape.errorAt);
+    if (!Json::sax_parse(glb.json, &shape))
+        return fail(Code::CorruptData, "the JSON of the file {} (near byte {})", shape.problem, shape.errorAt);
     const Json root = Json::parse(glb.json, nullptr, false);
     PrimitiveLinks links;
     std::vector<std::vector<std::string>> targetNames;
@@ -372,11 +418,13 @@ Result<GltfModel> parseGlb(std::span<const uint8_t> bytes, const ReadLimits& lim
     for (size_t i = 0; i < model.meshes.size() && i < targetNames.size(); ++i) model.meshes[i].targetNames = std::move(targetNames[i]);
     DPL_CHECK_OK(linkDraco(model, links.draco));
     for (SplattingLink& link : links.splatting)
-        if (link.mesh < model.meshes.size() && link.primitive < model.meshes[link.mesh].primitives.size()) model.meshes[link.mesh].primitives[link.primitive].splatting = std::move(link.splatting);
+        if (link.mesh < model.meshes.size() && link.primitive < model.meshes[link.mesh].primitives.size())
+            model.meshes[link.mesh].primitives[link.primitive].splatting = std::move(link.splatting);
     DPL_CHECK_OK(checkRanges(model));
     DPL_CHECK_OK(checkReferences(model, limits));
     if (auto extensions = root.find("extensions"); extensions != root.end() && extensions->is_object())
-        if (auto ours = extensions->find("DPL_gaussian_avatar"); ours != extensions->end()) model.avatarExtension = ours->dump(-1, ' ', false, Json::error_handler_t::replace);
+        if (auto ours = extensions->find("DPL_gaussian_avatar"); ours != extensions->end())
+            model.avatarExtension = ours->dump(-1, ' ', false, Json::error_handler_t::replace);
     return model;
 } catch (const std::bad_alloc&) {
     return fail(Code::OutOfMemory, "no memory to read a glTF");

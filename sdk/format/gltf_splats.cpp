@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/format/gltf_splats.h"
 
 #include <cmath>
@@ -14,12 +15,14 @@ constexpr const char* kExtension = "KHR_gaussian_splatting";
 Status checkSplats(const StaticSplatData& s) {
     const size_t n = s.position.size();
     if (n == 0) return fail(Code::InvalidArgument, "there are no splats to write; a glTF accessor cannot be empty");
-    if (s.shDegree > kMaxShDegree || s.rotation.size() != n || s.scaleM.size() != n || s.opacity.size() != n || s.sh.size() != n * shCoefficientCount(s.shDegree) * 3)
+    if (s.shDegree > kMaxShDegree || s.rotation.size() != n || s.scaleM.size() != n || s.opacity.size() != n ||
+        s.sh.size() != n * shCoefficientCount(s.shDegree) * 3)
         return fail(Code::InvalidArgument, "the arrays of {} splats differ in length", n);
     for (size_t i = 0; i < n; ++i) {
         const Vec3f &p = s.position[i], &scale = s.scaleM[i];
         const float all = p.x + p.y + p.z + scale.x + scale.y + scale.z + s.opacity[i], length = glm::length(s.rotation[i]);
-        if (!std::isfinite(all) || !(length > 1e-6f) || !std::isfinite(length) || scale.x < 0 || scale.y < 0 || scale.z < 0) return fail(Code::InvalidArgument, "splat {} has a number that is not finite, a zero rotation or a negative scale", i);
+        if (!std::isfinite(all) || !(length > 1e-6f) || !std::isfinite(length) || scale.x < 0 || scale.y < 0 || scale.z < 0)
+            return fail(Code::InvalidArgument, "splat {} has a number that is not finite, a zero rotation or a negative scale", i);
     }
     for (float v : s.sh)
         if (!std::isfinite(v)) return fail(Code::InvalidArgument, "an SH value is not finite");
@@ -64,11 +67,13 @@ Result<std::vector<uint8_t>> writeGltfSplats(const StaticSplatData& s) try {
         for (uint32_t m = 0; m < 2 * degree + 1; ++m) {
             std::vector<Vec3f> values(n);
             const uint32_t k = degree * degree + m;
-            for (size_t i = 0; i < n; ++i) values[i] = {s.sh[(i * coefficients + k) * 3], s.sh[(i * coefficients + k) * 3 + 1], s.sh[(i * coefficients + k) * 3 + 2]};
+            for (size_t i = 0; i < n; ++i)
+                values[i] = {s.sh[(i * coefficients + k) * 3], s.sh[(i * coefficients + k) * 3 + 1], s.sh[(i * coefficients + k) * 3 + 2]};
             add(prefix + "SH_DEGREE_" + std::to_string(degree) + "_COEF_" + std::to_string(m), values, kGltfF32, "VEC3");
         }
     Json primitive = {{"mode", 0}, {"attributes", std::move(attributes)}};
-    primitive["extensions"][kExtension] = {{"kernel", "ellipse"}, {"colorSpace", "srgb_rec709_display"}, {"projection", "perspective"}, {"sortingMethod", "cameraDistance"}};
+    primitive["extensions"][kExtension] = {
+        {"kernel", "ellipse"}, {"colorSpace", "srgb_rec709_display"}, {"projection", "perspective"}, {"sortingMethod", "cameraDistance"}};
     glb.root["asset"] = {{"version", "2.0"}, {"generator", "Doppel"}};
     glb.root["extensionsUsed"] = Json::array({kExtension});
     glb.root["meshes"] = Json::array({{{"name", "splats"}, {"primitives", Json::array({std::move(primitive)})}}});

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
 
@@ -8,7 +9,7 @@
 namespace dpl {
 namespace {
 
-constexpr float kSameScale = 1e-4f;   // axes of a node may differ by this share: exporters round
+constexpr float kSameScale = 1e-4f;  // axes of a node may differ by this share: exporters round
 
 /** A node's place in the world: the extension allows translation, rotation and positive scale; we draw one scale for all axes. */
 struct Placement {
@@ -25,13 +26,16 @@ Result<Placement> placementOf(const GltfModel& model, uint32_t node) {
         const GltfNode& n = model.nodes[size_t(at)];
         const float scale = n.scale.x;
         if (!(scale > 0) || std::abs(n.scale.y - scale) > kSameScale * scale || std::abs(n.scale.z - scale) > kSameScale * scale)
-            return fail(Code::Unsupported, "node {} ('{}') mirrors its splats or scales their axes differently; apply its transform before the export", at, n.name);
+            return fail(Code::Unsupported,
+                        "node {} ('{}') mirrors its splats or scales their axes differently; apply its transform before the export", at,
+                        n.name);
         world.translation = n.rotation * (scale * world.translation) + n.translation;
         world.rotation = n.rotation * world.rotation;
         world.scale *= scale;
     }
     world.rotation = glm::normalize(world.rotation);
-    if (!std::isfinite(world.scale + world.translation.x + world.translation.y + world.translation.z)) return fail(Code::CorruptData, "the transform of node {} is not finite", node);
+    if (!std::isfinite(world.scale + world.translation.x + world.translation.y + world.translation.z))
+        return fail(Code::CorruptData, "the transform of node {} is not finite", node);
     return world;
 }
 
@@ -40,7 +44,9 @@ Status checkKind(const GltfSplatting& s) {
         if (found == wanted) return {};
         return fail(Code::Unsupported, "KHR_gaussian_splatting: '{}' is '{}', only '{}' is drawn; export it so", what, found, wanted);
     };
-    if (!s.extension.empty()) return fail(Code::Unsupported, "KHR_gaussian_splatting: extended by {}, which is not read; export it without, or as .spz", s.extension);
+    if (!s.extension.empty())
+        return fail(Code::Unsupported, "KHR_gaussian_splatting: extended by {}, which is not read; export it without, or as .spz",
+                    s.extension);
     DPL_CHECK_OK(only("kernel", s.kernel, "ellipse"));
     DPL_CHECK_OK(only("projection", s.projection, "perspective"));
     DPL_CHECK_OK(only("colorSpace", s.colorSpace, "srgb_rec709_display"));
@@ -50,7 +56,7 @@ Status checkKind(const GltfSplatting& s) {
 struct SplatReader {
     const GltfModel& model;
     const ReadLimits& limits;
-    uint64_t budget = 0;    // bytes of the binary chunk not yet decoded
+    uint64_t budget = 0;  // bytes of the binary chunk not yet decoded
     StaticSplatData out{};
     ShRotator rotator{};
 
@@ -60,14 +66,19 @@ struct SplatReader {
         if (found == p.attributes.end()) return fail(Code::CorruptData, "a splat primitive has no {}", semantic);
         const GltfAccessor& a = model.accessors[found->second];
         if (a.count != count) return fail(Code::CorruptData, "{} has {} entries for {} splats", semantic, a.count, count);
-        const uint64_t componentBytes = a.component == GltfComponent::I8 || a.component == GltfComponent::U8 ? 1 : a.component == GltfComponent::I16 || a.component == GltfComponent::U16 ? 2 : 4;
+        const uint64_t componentBytes = a.component == GltfComponent::I8 || a.component == GltfComponent::U8     ? 1
+                                        : a.component == GltfComponent::I16 || a.component == GltfComponent::U16 ? 2
+                                                                                                                 : 4;
         const uint64_t bytes = componentBytes * components * count;
-        if (bytes > budget) return fail(Code::CorruptData, "the splats of this file are used more than once (mesh instances?); write each of them out");
+        if (bytes > budget)
+            return fail(Code::CorruptData, "the splats of this file are used more than once (mesh instances?); write each of them out");
         budget -= bytes;
         return readFloats(model, found->second, components);
     }
 
-    static std::string coefficient(uint32_t degree, uint32_t m) { return "KHR_gaussian_splatting:SH_DEGREE_" + std::to_string(degree) + "_COEF_" + std::to_string(m); }
+    static std::string coefficient(uint32_t degree, uint32_t m) {
+        return "KHR_gaussian_splatting:SH_DEGREE_" + std::to_string(degree) + "_COEF_" + std::to_string(m);
+    }
 
     static uint32_t shDegreeOf(const GltfPrimitive& p) {
         uint32_t degree = 0;
@@ -100,12 +111,16 @@ struct SplatReader {
         const bool turned = std::abs(world.rotation.w) < 1 - 1e-7f;
         for (uint32_t i = 0; i < n; ++i) {
             const Quatf q(rotations[i * 4 + 3], rotations[i * 4], rotations[i * 4 + 1], rotations[i * 4 + 2]);
-            const Vec3f scale = world.scale * Vec3f(scales[i * 3], scales[i * 3 + 1], scales[i * 3 + 2]), centre = world.apply({positions[i * 3], positions[i * 3 + 1], positions[i * 3 + 2]});
+            const Vec3f scale = world.scale * Vec3f(scales[i * 3], scales[i * 3 + 1], scales[i * 3 + 2]),
+                        centre = world.apply({positions[i * 3], positions[i * 3 + 1], positions[i * 3 + 2]});
             const float length = glm::length(q);
             if (!(length > 1e-6f) || !std::isfinite(length)) return fail(Code::CorruptData, "splat {} has no rotation", first + i);
-            if (!(glm::min(scale.x, glm::min(scale.y, scale.z)) >= 0)) return fail(Code::CorruptData, "splat {} has a negative scale", first + i);
-            if (!(opacities[i] >= 0 && opacities[i] <= 1)) return fail(Code::CorruptData, "splat {} has an opacity of {}", first + i, opacities[i]);
-            if (!std::isfinite(glm::dot(scale, Vec3f(1)) + glm::dot(centre, Vec3f(1)))) return fail(Code::CorruptData, "splat {} is not finite", first + i);
+            if (!(glm::min(scale.x, glm::min(scale.y, scale.z)) >= 0))
+                return fail(Code::CorruptData, "splat {} has a negative scale", first + i);
+            if (!(opacities[i] >= 0 && opacities[i] <= 1))
+                return fail(Code::CorruptData, "splat {} has an opacity of {}", first + i, opacities[i]);
+            if (!std::isfinite(glm::dot(scale, Vec3f(1)) + glm::dot(centre, Vec3f(1))))
+                return fail(Code::CorruptData, "splat {} is not finite", first + i);
             out.position.push_back(centre), out.scaleM.push_back(scale), out.opacity.push_back(opacities[i]);
             out.rotation.push_back(world.rotation * (q / length));
             if (turned) rotator.rotate(turn, degree, out.sh.data() + (first + i) * shFloats);
@@ -114,7 +129,7 @@ struct SplatReader {
     }
 
     Status read() {
-        std::vector<std::pair<const GltfPrimitive*, uint32_t>> found;   // with its node
+        std::vector<std::pair<const GltfPrimitive*, uint32_t>> found;  // with its node
         for (uint32_t n = 0; n < model.nodes.size(); ++n)
             if (model.nodes[n].mesh >= 0)
                 for (const GltfPrimitive& p : model.meshes[size_t(model.nodes[n].mesh)].primitives)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Vectors of plain values as the bytes of a buffer view, and back.
 #pragma once
 

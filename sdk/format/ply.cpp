@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/format/ply.h"
 
 #include <algorithm>
@@ -13,7 +14,9 @@
 namespace dpl {
 namespace {
 
-float sigmoid(float x) { return float(1 / (1 + std::exp(-double(x)))); }
+float sigmoid(float x) {
+    return float(1 / (1 + std::exp(-double(x))));
+}
 
 }  // namespace
 
@@ -48,7 +51,7 @@ Result<StaticSplatData> readPly(std::span<const uint8_t> bytes) try {
         };
         s.position[i] = {value(place[0]), value(place[1]), value(place[2])};
         s.scaleM[i] = {std::exp(activated(scale[0])), std::exp(activated(scale[1])), std::exp(activated(scale[2]))};
-        const Quatf q(value(rotation[0]), value(rotation[1]), value(rotation[2]), value(rotation[3]));   // wxyz in these files
+        const Quatf q(value(rotation[0]), value(rotation[1]), value(rotation[2]), value(rotation[3]));  // wxyz in these files
         const float length = glm::length(q);
         s.rotation[i] = length > 1e-8f ? q / length : Quatf(1, 0, 0, 0);
         s.opacity[i] = sigmoid(activated(opacity));
@@ -57,7 +60,8 @@ Result<StaticSplatData> readPly(std::span<const uint8_t> bytes) try {
         // The file has all reds, then all greens, then all blues.
         for (uint32_t k = 1; k < coefficients; ++k)
             for (uint32_t c = 0; c < 3; ++c) sh[k * 3 + c] = value(rest[c * (coefficients - 1) + k - 1]);
-        if (!ok || !std::isfinite(s.scaleM[i].x + s.scaleM[i].y + s.scaleM[i].z) || !std::isfinite(length)) return fail(Code::CorruptData, "PLY: splat {} has a number that is not finite", i);
+        if (!ok || !std::isfinite(s.scaleM[i].x + s.scaleM[i].y + s.scaleM[i].z) || !std::isfinite(length))
+            return fail(Code::CorruptData, "PLY: splat {} has a number that is not finite", i);
     }
     return s;
 } catch (const std::bad_alloc&) {
@@ -67,7 +71,8 @@ Result<StaticSplatData> readPly(std::span<const uint8_t> bytes) try {
 Result<std::vector<uint8_t>> writePly(const StaticSplatData& s, const PlyWriteOptions& options) {
     const size_t n = s.position.size();
     const uint32_t coefficients = shCoefficientCount(s.shDegree);
-    if (s.shDegree > kMaxShDegree || s.rotation.size() != n || s.scaleM.size() != n || s.opacity.size() != n || s.sh.size() != n * coefficients * 3)
+    if (s.shDegree > kMaxShDegree || s.rotation.size() != n || s.scaleM.size() != n || s.opacity.size() != n ||
+        s.sh.size() != n * coefficients * 3)
         return fail(Code::InvalidArgument, "the arrays of {} splats differ in length", n);
     const uint32_t restPerChannel = (options.padToDegree3 ? kMaxShCoefficients : coefficients) - 1;
     std::string header = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(n) + "\n";
@@ -92,7 +97,7 @@ Result<std::vector<uint8_t>> writePly(const StaticSplatData& s, const PlyWriteOp
             for (uint32_t k = 1; k <= restPerChannel; ++k) out.value(k < coefficients ? sh[k * 3 + c] : 0.0f);
         const double alpha = std::clamp(double(s.opacity[i]), 1e-6, 1 - 1e-6);
         out.value(float(std::log(alpha / (1 - alpha))));
-        for (int c = 0; c < 3; ++c) out.value(std::log(std::max(s.scaleM[i][c], 1e-9f)));   // a flat splat's third axis is 0
+        for (int c = 0; c < 3; ++c) out.value(std::log(std::max(s.scaleM[i][c], 1e-9f)));  // a flat splat's third axis is 0
         const Quatf& q = s.rotation[i];
         for (float v : {q.w, q.x, q.y, q.z}) out.value(v);
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // General splats as PLY files in the layout of the first 3D Gaussian splatting release ("INRIA"): binary, little-endian, floats.
 #pragma once
 
@@ -15,8 +16,9 @@ struct PlyWriteOptions {
     bool padToDegree3 = false;  // 45 f_rest columns whatever the degree: 62 floats a splat, for viewers that expect them
 };
 
-/** Reads x y z, f_dc_0..2, f_rest_* (0, 9, 24 or 45; may be absent), opacity (logit), scale_0..2 (log), rot_0..3 (wxyz), in any column order;
- *  other scalar columns are skipped. Rotations are normalised. CorruptData names what is missing or non-finite and at which vertex. */
+/** Reads x y z, f_dc_0..2, f_rest_* (0, 9, 24 or 45; may be absent), opacity (logit), scale_0..2 (log), rot_0..3 (wxyz), in any column
+ * order; other scalar columns are skipped. Rotations are normalised. CorruptData names what is missing or non-finite and at which vertex.
+ */
 Result<StaticSplatData> readPly(std::span<const uint8_t> bytes);
 
 /** InvalidArgument when array lengths differ. Opacities are clamped to [1e-6, 1−1e-6] before the logit. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/format/ply_header.h"
 
 #include <algorithm>
@@ -13,8 +14,9 @@ constexpr size_t kMaxHeaderBytes = 64 * 1024;
 
 std::optional<PlyType> typeOf(std::string_view name) {
     static const std::map<std::string_view, PlyType> types = {
-        {"char", PlyType::I8}, {"int8", PlyType::I8}, {"uchar", PlyType::U8}, {"uint8", PlyType::U8}, {"short", PlyType::I16}, {"int16", PlyType::I16},
-        {"ushort", PlyType::U16}, {"uint16", PlyType::U16}, {"int", PlyType::I32}, {"int32", PlyType::I32}, {"uint", PlyType::U32}, {"uint32", PlyType::U32},
+        {"char", PlyType::I8},   {"int8", PlyType::I8},     {"uchar", PlyType::U8},   {"uint8", PlyType::U8},
+        {"short", PlyType::I16}, {"int16", PlyType::I16},   {"ushort", PlyType::U16}, {"uint16", PlyType::U16},
+        {"int", PlyType::I32},   {"int32", PlyType::I32},   {"uint", PlyType::U32},   {"uint32", PlyType::U32},
         {"float", PlyType::F32}, {"float32", PlyType::F32}, {"double", PlyType::F64}, {"float64", PlyType::F64}};
     const auto it = types.find(name);
     if (it == types.end()) return std::nullopt;
@@ -53,7 +55,8 @@ const PlyElement* PlyHeader::find(std::string_view name) const {
 
 Result<PlyHeader> readPlyHeader(std::span<const uint8_t> bytes) {
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), kMaxHeaderBytes));
-    if (!text.starts_with("ply\n") && !text.starts_with("ply\r\n")) return fail(Code::Unsupported, "not a PLY file: it does not begin with 'ply'");
+    if (!text.starts_with("ply\n") && !text.starts_with("ply\r\n"))
+        return fail(Code::Unsupported, "not a PLY file: it does not begin with 'ply'");
     PlyHeader header;
     bool binary = false;
     for (size_t at = 0; at < text.size();) {
@@ -89,9 +92,12 @@ Result<PlyHeader> readPlyHeader(std::span<const uint8_t> bytes) {
 Result<PlyRows> plyRows(const PlyHeader& header, std::span<const uint8_t> bytes, std::string_view name, uint64_t limit) {
     size_t at = header.bodyAt;
     for (const PlyElement& e : header.elements) {
-        if (e.hasList) return fail(Code::Unsupported, "PLY: element '{}' has a property that is a list or of unknown type; is this a mesh?", e.name);
+        if (e.hasList)
+            return fail(Code::Unsupported, "PLY: element '{}' has a property that is a list or of unknown type; is this a mesh?", e.name);
         const size_t left = bytes.size() - at;
-        if (e.stride != 0 && e.count > left / e.stride) return fail(Code::CorruptData, "PLY: {} rows of {} bytes of '{}' do not fit in {} bytes: truncated", e.count, e.stride, e.name, left);
+        if (e.stride != 0 && e.count > left / e.stride)
+            return fail(Code::CorruptData, "PLY: {} rows of {} bytes of '{}' do not fit in {} bytes: truncated", e.count, e.stride, e.name,
+                        left);
         if (e.name == name) {
             if (e.stride == 0 && e.count != 0) return fail(Code::CorruptData, "PLY: element '{}' has no properties", e.name);
             if (e.count > limit) return fail(Code::CorruptData, "PLY: {} rows of '{}', the limit is {}", e.count, e.name, limit);
@@ -105,7 +111,8 @@ Result<PlyRows> plyRows(const PlyHeader& header, std::span<const uint8_t> bytes,
 Result<size_t> plyColumn(const PlyRows& rows, PlyType type, const std::string& name) {
     const auto it = rows.element->columns.find(name);
     if (it == rows.element->columns.end() || it->second.type != type)
-        return fail(Code::CorruptData, "PLY: element '{}' has no {} property '{}'; is this a Gaussian splat file?", rows.element->name, kTypeNames[size_t(type)], name);
+        return fail(Code::CorruptData, "PLY: element '{}' has no {} property '{}'; is this a Gaussian splat file?", rows.element->name,
+                    kTypeNames[size_t(type)], name);
     return it->second.offset;
 }
 
@@ -126,7 +133,8 @@ Result<std::vector<size_t>> plyRestColumns(const PlyRows& rows, PlyType type, ui
     }
     shDegree = 0;
     while (shDegree < kMaxShDegree && (shCoefficientCount(shDegree) - 1) * 3 < rest.size()) ++shDegree;
-    if ((shCoefficientCount(shDegree) - 1) * 3 != rest.size()) return fail(Code::CorruptData, "PLY: {} f_rest properties; 0, 9, 24 or 45 are possible", rest.size());
+    if ((shCoefficientCount(shDegree) - 1) * 3 != rest.size())
+        return fail(Code::CorruptData, "PLY: {} f_rest properties; 0, 9, 24 or 45 are possible", rest.size());
     return rest;
 }
 

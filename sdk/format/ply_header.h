@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The header of a PLY file and where the rows of its elements lie: what all PLY readers share. Internal.
 #pragma once
 
@@ -23,12 +24,12 @@ struct PlyElement {
     std::string name;
     uint64_t count = 0;
     size_t stride = 0;
-    bool hasList = false;   // rows of unknown length: neither it nor what follows can be found
+    bool hasList = false;  // rows of unknown length: neither it nor what follows can be found
     std::map<std::string, Column, std::less<>> columns;
 };
 
 struct PlyHeader {
-    std::vector<PlyElement> elements;   // in file order
+    std::vector<PlyElement> elements;  // in file order
     size_t bodyAt = 0;
 
     const PlyElement* find(std::string_view name) const;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Codes of splat values between the ends of a chunk's range: how a value is rounded, and why rounding again changes nothing.
 #pragma once
 

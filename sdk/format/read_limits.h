@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the readers refuse before they allocate. Defaults are far above any avatar we expect and far below what hurts.
 #pragma once
 
@@ -9,13 +10,13 @@ struct ReadLimits {
     uint64_t maxFileBytes = 2ull << 30;
     uint32_t maxJsonBytes = 16u << 20;
     uint32_t maxJsonDepth = 64;
-    uint32_t maxJsonValues = 2u << 20;   // keys, scalars, arrays and objects together
+    uint32_t maxJsonValues = 2u << 20;  // keys, scalars, arrays and objects together
     uint32_t maxVertices = 4u << 20;
     uint32_t maxTriangles = 8u << 20;
     uint32_t maxSplats = 16u << 20;
     uint32_t maxJoints = 1024;
     uint32_t maxNodes = 16384;
-    bool verifyHash = true;              // off only for tools that look into files which somebody edited, and for the fuzzer
+    bool verifyHash = true;  // off only for tools that look into files which somebody edited, and for the fuzzer
 };
 
 }  // namespace dpl

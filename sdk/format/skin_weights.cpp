@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/format/skin_weights.h"
 
 #include <algorithm>
@@ -19,7 +20,8 @@ PackedWeights packWeights(std::span<const std::pair<uint32_t, float>> jointAndWe
     PackedWeights packed;
     packed.weights[0] = 255;
     if (merged.empty()) return packed;
-    std::sort(merged.begin(), merged.end(), [](const auto& a, const auto& b) { return a.second != b.second ? a.second > b.second : a.first < b.first; });
+    std::sort(merged.begin(), merged.end(),
+              [](const auto& a, const auto& b) { return a.second != b.second ? a.second > b.second : a.first < b.first; });
     if (merged.size() > 4) merged.resize(4);
     double sum = 0;
     for (const auto& entry : merged) sum += entry.second;

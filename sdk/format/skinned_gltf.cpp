@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/format/skinned_gltf.h"
 
 #include <algorithm>
@@ -17,9 +18,9 @@ struct SkinnedReader {
     const SkinnedGltfOptions& options;
     GltfModel model{};
     SkinnedGltf out{};
-    std::vector<int32_t> nodeOf{};                        // file node -> our node
-    std::vector<std::vector<uint32_t>> jointOf{};         // per skin: its joint -> our joint
-    uint64_t budget = 0;                                  // bytes that may still be decoded: sharing accessors must not multiply memory
+    std::vector<int32_t> nodeOf{};                 // file node -> our node
+    std::vector<std::vector<uint32_t>> jointOf{};  // per skin: its joint -> our joint
+    uint64_t budget = 0;                           // bytes that may still be decoded: sharing accessors must not multiply memory
 
     Status spend(uint64_t bytes) {
         if (bytes > budget) return fail(Code::CorruptData, "the glTF decodes to far more than its own size; it is damaged or hostile");
@@ -57,11 +58,16 @@ struct SkinnedReader {
         for (size_t j = 0; j < skin.joints.size(); ++j) {
             SkinnedGltf::Joint joint{uint32_t(nodeOf[skin.joints[j]]), Mat4f(1)};
             if (!binds.empty())
-                for (int c = 0; c < 4; ++c) joint.jointFromMesh[c] = Vec4f(binds[j * 16 + size_t(c) * 4], binds[j * 16 + size_t(c) * 4 + 1], binds[j * 16 + size_t(c) * 4 + 2], binds[j * 16 + size_t(c) * 4 + 3]);
-            auto same = std::find_if(out.joints.begin(), out.joints.end(), [&](const SkinnedGltf::Joint& other) { return other.node == joint.node && nearlyEqual(other.jointFromMesh, joint.jointFromMesh); });
+                for (int c = 0; c < 4; ++c)
+                    joint.jointFromMesh[c] = Vec4f(binds[j * 16 + size_t(c) * 4], binds[j * 16 + size_t(c) * 4 + 1],
+                                                   binds[j * 16 + size_t(c) * 4 + 2], binds[j * 16 + size_t(c) * 4 + 3]);
+            auto same = std::find_if(out.joints.begin(), out.joints.end(), [&](const SkinnedGltf::Joint& other) {
+                return other.node == joint.node && nearlyEqual(other.jointFromMesh, joint.jointFromMesh);
+            });
             jointOf[index].push_back(uint32_t(same - out.joints.begin()));
             if (same == out.joints.end()) out.joints.push_back(joint);
-            if (out.joints.size() > options.limits.maxJoints) return fail(Code::CorruptData, "more than {} joints", options.limits.maxJoints);
+            if (out.joints.size() > options.limits.maxJoints)
+                return fail(Code::CorruptData, "more than {} joints", options.limits.maxJoints);
         }
         return {};
     }
@@ -79,7 +85,7 @@ struct SkinnedReader {
             if (node.mesh < 0) continue;
             const GltfMesh& mesh = model.meshes[node.mesh];
             for (const GltfPrimitive& primitive : mesh.primitives) {
-                if (primitive.mode != 4) continue;   // points and lines of props are not a body
+                if (primitive.mode != 4) continue;  // points and lines of props are not a body
                 DPL_CHECK_OK(readMesh(mesh, primitive, node, n));
             }
         }
@@ -87,7 +93,8 @@ struct SkinnedReader {
     }
 
     Status readMesh(const GltfMesh& source, const GltfPrimitive& primitive, const GltfNode& node, uint32_t nodeIndex) {
-        const uint64_t promised = primitive.attributes.contains("POSITION") ? model.accessors[primitive.attributes.at("POSITION")].count : 0;
+        const uint64_t promised =
+            primitive.attributes.contains("POSITION") ? model.accessors[primitive.attributes.at("POSITION")].count : 0;
         const uint64_t indices = primitive.indices >= 0 ? model.accessors[primitive.indices].count : promised;
         DPL_CHECK_OK(spend(promised * 80 + indices * 4));
         DPL_TRY(PrimitiveReader reader, PrimitiveReader::open(model, primitive, options.limits));
@@ -105,7 +112,9 @@ struct SkinnedReader {
         if (reader.has("COLOR_0")) {
             const uint32_t components = reader.componentsOf("COLOR_0");
             DPL_TRY(const std::vector<float> c, reader.floats("COLOR_0", components == 4 ? 4 : 3));
-            for (uint32_t v = 0; v < n; ++v) to.colours.push_back(components == 4 ? Vec4f(c[v * 4], c[v * 4 + 1], c[v * 4 + 2], c[v * 4 + 3]) : Vec4f(c[v * 3], c[v * 3 + 1], c[v * 3 + 2], 1));
+            for (uint32_t v = 0; v < n; ++v)
+                to.colours.push_back(components == 4 ? Vec4f(c[v * 4], c[v * 4 + 1], c[v * 4 + 2], c[v * 4 + 3])
+                                                     : Vec4f(c[v * 3], c[v * 3 + 1], c[v * 3 + 2], 1));
         }
         if (node.skin >= 0 && reader.has("JOINTS_0") && reader.has("WEIGHTS_0")) {
             DPL_CHECK_OK(readSkin(uint32_t(node.skin)));
@@ -129,13 +138,17 @@ struct SkinnedReader {
             for (uint32_t k = 0; k < sets * 4; ++k) {
                 const float joint = joints[k / 4][v * 4 + k % 4], weight = weights[k / 4][v * 4 + k % 4];
                 if (!(weight > 0)) continue;
-                if (joint < 0 || joint >= float(jointOf[skin].size())) return fail(Code::CorruptData, "vertex {} of mesh '{}' follows joint {} of {}", v, to.name, joint, jointOf[skin].size());
+                if (joint < 0 || joint >= float(jointOf[skin].size()))
+                    return fail(Code::CorruptData, "vertex {} of mesh '{}' follows joint {} of {}", v, to.name, joint,
+                                jointOf[skin].size());
                 influences[k] = {weight, jointOf[skin][size_t(joint)]};
             }
             std::stable_sort(influences, influences + 8, [](const auto& a, const auto& b) { return a.first > b.first; });
             const float sum = influences[0].first + influences[1].first + influences[2].first + influences[3].first;
-            if (!(sum > 0)) return fail(Code::CorruptData, "vertex {} of mesh '{}' follows no joint: all its skin weights are 0", v, to.name);
-            for (int k = 0; k < 4; ++k) to.jointWeights[v][k] = influences[k].first / sum, to.jointIndices[v][k] = uint16_t(influences[k].second);
+            if (!(sum > 0))
+                return fail(Code::CorruptData, "vertex {} of mesh '{}' follows no joint: all its skin weights are 0", v, to.name);
+            for (int k = 0; k < 4; ++k)
+                to.jointWeights[v][k] = influences[k].first / sum, to.jointIndices[v][k] = uint16_t(influences[k].second);
         }
         return {};
     }
@@ -143,15 +156,17 @@ struct SkinnedReader {
     Status readMorphs(const GltfMesh& source, const GltfPrimitive& primitive, uint32_t vertexCount, Mesh& to) {
         for (size_t t = 0; t < primitive.targets.size(); ++t) {
             SkinnedGltf::Morph& morph = to.morphs.emplace_back();
-            morph.name = t < source.targetNames.size() && !source.targetNames[t].empty() ? source.targetNames[t] : "morph" + std::to_string(t);
+            morph.name =
+                t < source.targetNames.size() && !source.targetNames[t].empty() ? source.targetNames[t] : "morph" + std::to_string(t);
             morph.restWeight = t < source.weights.size() ? source.weights[t] : 0;
             DPL_CHECK_OK(spend(uint64_t(vertexCount) * 12));
             morph.offsets.assign(vertexCount, Vec3f(0));
             const auto position = primitive.targets[t].find("POSITION");
             if (position == primitive.targets[t].end()) continue;
             const GltfAccessor& accessor = model.accessors[position->second];
-            if (accessor.count != vertexCount) return fail(Code::CorruptData, "morph '{}' has {} offsets for {} vertices", morph.name, accessor.count, vertexCount);
-            if (accessor.view < 0 && accessor.sparse.count == 0) continue;   // glTF: no data means zeros
+            if (accessor.count != vertexCount)
+                return fail(Code::CorruptData, "morph '{}' has {} offsets for {} vertices", morph.name, accessor.count, vertexCount);
+            if (accessor.view < 0 && accessor.sparse.count == 0) continue;  // glTF: no data means zeros
             DPL_TRY(const std::vector<float> offsets, floats(position->second, 3));
             for (uint32_t v = 0; v < vertexCount; ++v) morph.offsets[v] = Vec3f(offsets[v * 3], offsets[v * 3 + 1], offsets[v * 3 + 2]);
         }
@@ -175,15 +190,21 @@ struct SkinnedReader {
                     channel.path = SkinnedGltf::Path::Scale;
                 else
                     continue;
-                channel.interpolation = sampler.interpolation == "STEP" ? SkinnedGltf::Interpolation::Step : sampler.interpolation == "CUBICSPLINE" ? SkinnedGltf::Interpolation::Cubic : SkinnedGltf::Interpolation::Linear;
+                channel.interpolation = sampler.interpolation == "STEP"          ? SkinnedGltf::Interpolation::Step
+                                        : sampler.interpolation == "CUBICSPLINE" ? SkinnedGltf::Interpolation::Cubic
+                                                                                 : SkinnedGltf::Interpolation::Linear;
                 DPL_TRY(channel.timesS, floats(sampler.input, 1));
                 const uint32_t components = channel.path == SkinnedGltf::Path::Rotation ? 4 : 3;
                 DPL_TRY(const std::vector<float> values, floats(sampler.output, components));
                 const size_t perKey = channel.interpolation == SkinnedGltf::Interpolation::Cubic ? 3 : 1;
-                if (channel.timesS.empty() || values.size() != channel.timesS.size() * perKey * components) return fail(Code::CorruptData, "animation '{}' has {} times and {} values", to.name, channel.timesS.size(), values.size() / components);
+                if (channel.timesS.empty() || values.size() != channel.timesS.size() * perKey * components)
+                    return fail(Code::CorruptData, "animation '{}' has {} times and {} values", to.name, channel.timesS.size(),
+                                values.size() / components);
                 for (size_t i = 1; i < channel.timesS.size(); ++i)
-                    if (!(channel.timesS[i] > channel.timesS[i - 1])) return fail(Code::CorruptData, "the times of animation '{}' do not rise", to.name);
-                for (size_t i = 0; i < values.size(); i += components) channel.values.emplace_back(values[i], values[i + 1], values[i + 2], components == 4 ? values[i + 3] : 0.0f);
+                    if (!(channel.timesS[i] > channel.timesS[i - 1]))
+                        return fail(Code::CorruptData, "the times of animation '{}' do not rise", to.name);
+                for (size_t i = 0; i < values.size(); i += components)
+                    channel.values.emplace_back(values[i], values[i + 1], values[i + 2], components == 4 ? values[i + 3] : 0.0f);
                 to.channels.push_back(std::move(channel));
             }
         }
@@ -200,12 +221,16 @@ struct SkinnedReader {
         if (!options.requireSkin) return {};
         if (out.meshes.empty()) return fail(Code::NotFound, "the glTF has no triangle mesh");
         if (std::none_of(out.meshes.begin(), out.meshes.end(), [](const Mesh& m) { return m.skinned; }))
-            return fail(Code::NotFound, "the glTF has no skin weights: a body needs a skeleton with JOINTS_0 and WEIGHTS_0 on its mesh; rig it and export with skinning");
+            return fail(Code::NotFound,
+                        "the glTF has no skin weights: a body needs a skeleton with JOINTS_0 and WEIGHTS_0 on its mesh; rig it and export "
+                        "with skinning");
         return {};
     }
 };
 
-Quatf quaternion(const Vec4f& v) { return {v.w, v.x, v.y, v.z}; }
+Quatf quaternion(const Vec4f& v) {
+    return {v.w, v.x, v.y, v.z};
+}
 Vec4f unit(const Quatf& q) {
     const float length = glm::length(q);
     const Quatf r = length > 1e-8f ? q / length : Quatf(1, 0, 0, 0);
@@ -251,7 +276,8 @@ Vec4f sampleChannel(const SkinnedGltf::Channel& c, float timeS) {
     const float span = c.timesS[next] - c.timesS[i], t = (timeS - c.timesS[i]) / span;
     if (cubic) {
         const float t2 = t * t, t3 = t2 * t;
-        return finish((2 * t3 - 3 * t2 + 1) * key(i) + span * (t3 - 2 * t2 + t) * c.values[i * 3 + 2] + (3 * t2 - 2 * t3) * key(next) + span * (t3 - t2) * c.values[next * 3]);
+        return finish((2 * t3 - 3 * t2 + 1) * key(i) + span * (t3 - 2 * t2 + t) * c.values[i * 3 + 2] + (3 * t2 - 2 * t3) * key(next) +
+                      span * (t3 - t2) * c.values[next * 3]);
     }
     if (!rotation) return key(i) + t * (key(next) - key(i));
     return unit(glm::slerp(glm::normalize(quaternion(key(i))), glm::normalize(quaternion(key(next))), t));

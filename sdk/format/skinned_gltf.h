@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Any skinned glTF 2.0 binary as plain arrays: meshes, one joint list, node tree, morph targets, animations. Bodies and clips are
 // read through this; Doppel avatars have their own reader (avatar_file.h). Bytes pass the same bounded checks first.
 #pragma once
@@ -17,24 +18,24 @@ struct SkinnedGltf {
     /** A node at rest: parentFromNode = T(translation)·R(rotation)·S(scale). Any rest rotation may occur. */
     struct Node {
         std::string name;
-        int32_t parent = -1;            // index into nodes; parents come first
+        int32_t parent = -1;  // index into nodes; parents come first
         Vec3f translation{0};
-        Quatf rotation{1, 0, 0, 0};     // unit
+        Quatf rotation{1, 0, 0, 0};  // unit
         Vec3f scale{1};
     };
     struct Joint {
-        uint32_t node = 0;              // index into nodes
-        Mat4f jointFromMesh{1};         // the inverse bind matrix: takes mesh (bind) space to the joint
+        uint32_t node = 0;       // index into nodes
+        Mat4f jointFromMesh{1};  // the inverse bind matrix: takes mesh (bind) space to the joint
     };
     struct Morph {
-        std::string name;               // from mesh.extras.targetNames, else "morph0", "morph1" ...
+        std::string name;  // from mesh.extras.targetNames, else "morph0", "morph1" ...
         float restWeight = 0;
-        std::vector<Vec3f> offsets;     // V, mesh space, at weight 1
+        std::vector<Vec3f> offsets;  // V, mesh space, at weight 1
     };
     /** One primitive. Vertices and triangles keep the file's order. */
     struct Mesh {
         std::string name;
-        int32_t node = -1;                       // node that carries it; skinned meshes ignore that node's transform
+        int32_t node = -1;  // node that carries it; skinned meshes ignore that node's transform
         bool skinned = false;
         std::vector<Vec3f> positions;            // V, mesh space
         std::vector<Vec2f> uv;                   // V or empty (TEXCOORD_0)
@@ -50,8 +51,8 @@ struct SkinnedGltf {
         uint32_t node = 0;
         Path path = Path::Rotation;
         Interpolation interpolation = Interpolation::Linear;
-        std::vector<float> timesS;      // rising, not empty
-        std::vector<Vec4f> values;      // one a time (Cubic: in-tangent, value, out-tangent); rotations as xyzw, others xyz0
+        std::vector<float> timesS;  // rising, not empty
+        std::vector<Vec4f> values;  // one a time (Cubic: in-tangent, value, out-tangent); rotations as xyzw, others xyz0
     };
     struct Animation {
         std::string name;
@@ -60,7 +61,7 @@ struct SkinnedGltf {
     };
 
     std::vector<Node> nodes;
-    std::vector<Joint> joints;          // all skins in use, one after another; the same node with the same bind pose occurs once
+    std::vector<Joint> joints;  // all skins in use, one after another; the same node with the same bind pose occurs once
     std::vector<Mesh> meshes;
     std::vector<Animation> animations;
 
@@ -69,7 +70,7 @@ struct SkinnedGltf {
 };
 
 struct SkinnedGltfOptions {
-    bool requireSkin = true;   // false for clip files, which may hold nodes and animations only
+    bool requireSkin = true;  // false for clip files, which may hold nodes and animations only
     ReadLimits limits;
 };
 

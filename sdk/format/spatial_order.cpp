@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/format/spatial_order.h"
 
 #include <algorithm>
@@ -40,7 +41,8 @@ std::vector<uint32_t> spatialOrder(std::span<const Vec3f> points) {
     std::vector<uint64_t> keys(points.size());
     Range ranges[3];
     float widest = 0;  // one scale for all axes: cells are cubes
-    for (int axis = 0; axis < 3; ++axis) ranges[axis] = rangeOf(points, axis), widest = std::max(widest, ranges[axis].high - ranges[axis].low);
+    for (int axis = 0; axis < 3; ++axis)
+        ranges[axis] = rangeOf(points, axis), widest = std::max(widest, ranges[axis].high - ranges[axis].low);
     const float scale = widest > 0 && std::isfinite(widest) ? float(kCells) / widest : 0;
     for (size_t i = 0; i < points.size(); ++i) {
         for (int axis = 0; axis < 3; ++axis) {

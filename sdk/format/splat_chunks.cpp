@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/format/splat_chunks.h"
 
 #include <cmath>
@@ -32,7 +33,9 @@ std::vector<uint32_t> triangleStarts(const CodedSplats& coded, size_t triangleCo
 
 Status checkRanges(const SplatChunk& c, size_t index) {
     constexpr float kMaxScaleM = 1e3f, kMaxSh = 1e6f;
-    const auto ordered = [](float low, float high, float limit) { return std::isfinite(low) && std::isfinite(high) && low <= high && std::abs(low) <= limit && std::abs(high) <= limit; };
+    const auto ordered = [](float low, float high, float limit) {
+        return std::isfinite(low) && std::isfinite(high) && low <= high && std::abs(low) <= limit && std::abs(high) <= limit;
+    };
     bool ok = ordered(c.scaleMinM, c.scaleMaxM, kMaxScaleM) && c.scaleMinM >= kMinSplatScaleM;
     for (int k = 0; k < 3; ++k) ok = ok && ordered(c.dcMin[k], c.dcMax[k], kMaxSh) && ordered(0, c.shRange[k], kMaxSh);
     if (!ok) return fail(Code::CorruptData, "chunk {} has a range that is not finite, empty or too large", index);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What all splat encodings share: how splats are cut into chunks and hang on triangles, and what a chunk's ranges may be.
 #pragma once
 
@@ -9,7 +10,8 @@
 
 namespace dpl {
 
-/** Splats [first, end) of each layer, in order; of a mesh whose layers do not tile its triangles (avatars made in memory may), all at once. */
+/** Splats [first, end) of each layer, in order; of a mesh whose layers do not tile its triangles (avatars made in memory may), all at once.
+ */
 template <class Visit>
 void forLayers(const MeshData& mesh, const std::vector<uint32_t>& start, Visit&& visit) {
     uint32_t triangle = 0;
@@ -25,7 +27,8 @@ void forLayers(const MeshData& mesh, const std::vector<uint32_t>& start, Visit&&
 template <class Visit>
 void forChunks(const MeshData& mesh, const std::vector<uint32_t>& start, Visit&& visit) {
     forLayers(mesh, start, [&](uint32_t layerFirst, uint32_t layerEnd) {
-        for (uint32_t first = layerFirst; first < layerEnd; first += kSplatChunkSize) visit(first, layerEnd - first < kSplatChunkSize ? layerEnd - first : kSplatChunkSize);
+        for (uint32_t first = layerFirst; first < layerEnd; first += kSplatChunkSize)
+            visit(first, layerEnd - first < kSplatChunkSize ? layerEnd - first : kSplatChunkSize);
     });
 }
 

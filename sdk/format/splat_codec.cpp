@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/format/splat_codec.h"
 
 #include <algorithm>
@@ -13,22 +14,34 @@
 namespace dpl {
 namespace {
 
-constexpr float kMinShRange = 1e-6f;   // below this a band is all zero
+constexpr float kMinShRange = 1e-6f;  // below this a band is all zero
 
-uint32_t encodeUv(float x) { return uint32_t(std::clamp(std::lround(double(x) * kUvSteps) + kUvZero, 0L, 2047L)); }
-float decodeUv(uint32_t code) { return float((int(code) - kUvZero) / kUvSteps); }
+uint32_t encodeUv(float x) {
+    return uint32_t(std::clamp(std::lround(double(x) * kUvSteps) + kUvZero, 0L, 2047L));
+}
+float decodeUv(uint32_t code) {
+    return float((int(code) - kUvZero) / kUvSteps);
+}
 
 // A covariance is the same at φ and φ + π.
 uint32_t encodePhi(float phi) {
     const double turns = double(phi) / std::numbers::pi;
     return uint32_t(std::llround((turns - std::floor(turns)) * kPhiSteps)) % kPhiSteps;
 }
-float decodePhi(uint32_t code) { return float(code * std::numbers::pi / kPhiSteps); }
+float decodePhi(uint32_t code) {
+    return float(code * std::numbers::pi / kPhiSteps);
+}
 
-float clampScale(float s) { return std::max(s, kMinSplatScaleM); }
+float clampScale(float s) {
+    return std::max(s, kMinSplatScaleM);
+}
 
-int8_t encodeSh(float v, float range) { return range > 0 ? int8_t(std::lround(127.0 * v / range)) : int8_t(0); }
-float decodeSh(int8_t code, float range) { return float(double(code) * range / 127.0); }
+int8_t encodeSh(float v, float range) {
+    return range > 0 ? int8_t(std::lround(127.0 * v / range)) : int8_t(0);
+}
+float decodeSh(int8_t code, float range) {
+    return float(double(code) * range / 127.0);
+}
 
 /** Ranges of the chunk's splats; shRange is the caller's. */
 SplatChunk chunkRanges(const SplatData& s, uint32_t first, uint32_t count) {
@@ -55,7 +68,8 @@ void shRanges(const SplatData& s, uint32_t first, uint32_t count, float (&range)
     std::fill(range, range + 3, 0.0f);
     for (uint32_t band = 1; band <= s.shDegree; ++band) {
         for (uint32_t i = first; i < first + count; ++i)
-            for (uint32_t k = band * band * 3; k < (band + 1) * (band + 1) * 3; ++k) range[band - 1] = std::max(range[band - 1], std::abs(s.sh[size_t(i) * stride + k]));
+            for (uint32_t k = band * band * 3; k < (band + 1) * (band + 1) * 3; ++k)
+                range[band - 1] = std::max(range[band - 1], std::abs(s.sh[size_t(i) * stride + k]));
         if (range[band - 1] < kMinShRange) range[band - 1] = 0;
     }
 }
@@ -77,7 +91,9 @@ Status codeShPalette(const SplatData& s, CodedSplats& out) {
     for (uint32_t i = 0; i < n; ++i) {
         codeShEntry(s.sh.data() + size_t(i) * stride, s.shDegree, range, reinterpret_cast<int8_t*>(row.data()));
         const auto [at, added] = known.try_emplace(row, uint32_t(known.size()));
-        if (known.size() > kMaxShPalette) return fail(Code::InvalidArgument, "more than {} different rows of SH for one palette; make them fewer first (paletteSh)", kMaxShPalette);
+        if (known.size() > kMaxShPalette)
+            return fail(Code::InvalidArgument, "more than {} different rows of SH for one palette; make them fewer first (paletteSh)",
+                        kMaxShPalette);
         out.shIndex[i] = uint16_t(at->second);
         if (added) out.sh.insert(out.sh.end(), row.begin(), row.end());
     }
@@ -90,11 +106,12 @@ void codeShOfEachSplat(const SplatData& s, CodedSplats& out) {
     out.sh.assign(size_t(s.count()) * entry, 0);
     for (SplatChunk& c : out.chunks) {
         shRanges(s, c.firstSplat, c.splatCount, c.shRange);
-        for (uint32_t i = c.firstSplat; i < c.firstSplat + c.splatCount; ++i) codeShEntry(s.sh.data() + size_t(i) * stride, s.shDegree, c.shRange, out.sh.data() + size_t(i) * entry);
+        for (uint32_t i = c.firstSplat; i < c.firstSplat + c.splatCount; ++i)
+            codeShEntry(s.sh.data() + size_t(i) * stride, s.shDegree, c.shRange, out.sh.data() + size_t(i) * entry);
     }
 }
 
-uint32_t spread(uint32_t x) {   // 11 bits to every second bit
+uint32_t spread(uint32_t x) {  // 11 bits to every second bit
     x = (x | (x << 8)) & 0x00ff00ffu;
     x = (x | (x << 4)) & 0x0f0f0f0fu;
     x = (x | (x << 2)) & 0x33333333u;
@@ -103,7 +120,9 @@ uint32_t spread(uint32_t x) {   // 11 bits to every second bit
 
 }  // namespace
 
-uint32_t splatMorton(const Vec2f& uv) { return spread(encodeUv(uv.x)) | (spread(encodeUv(uv.y)) << 1); }
+uint32_t splatMorton(const Vec2f& uv) {
+    return spread(encodeUv(uv.x)) | (spread(encodeUv(uv.y)) << 1);
+}
 
 Result<CodedSplats> codeSplats(const MeshData& mesh, const SplatData& s, bool shPalette) {
     CodedSplats out;
@@ -114,7 +133,9 @@ Result<CodedSplats> codeSplats(const MeshData& mesh, const SplatData& s, bool sh
     forChunks(mesh, s.triangleStart, [&](uint32_t first, uint32_t count) { out.chunks.push_back(chunkRanges(s, first, count)); });
     for (const SplatChunk& c : out.chunks) {
         const RangeCode scale(c.scaleMinM, c.scaleMaxM, kScaleCodes, true);
-        const RangeCode dc[3] = {{c.dcMin[0], c.dcMax[0], kColourCodes[0], false}, {c.dcMin[1], c.dcMax[1], kColourCodes[1], false}, {c.dcMin[2], c.dcMax[2], kColourCodes[2], false}};
+        const RangeCode dc[3] = {{c.dcMin[0], c.dcMax[0], kColourCodes[0], false},
+                                 {c.dcMin[1], c.dcMax[1], kColourCodes[1], false},
+                                 {c.dcMin[2], c.dcMax[2], kColourCodes[2], false}};
         for (uint32_t i = c.firstSplat; i < c.firstSplat + c.splatCount; ++i) {
             out.place.push_back(encodeUv(s.uv[i].x) | encodeUv(s.uv[i].y) << 11 | encodePhi(s.phi[i]) << 22);
             const uint32_t opacity = uint32_t(std::lround(std::clamp(s.opacity[i], 0.0f, 1.0f) * 255.0));
@@ -126,8 +147,10 @@ Result<CodedSplats> codeSplats(const MeshData& mesh, const SplatData& s, bool sh
     }
     setParents(out, s.triangleStart);
     if (s.shDegree > 0) {
-        if (shPalette) { DPL_CHECK_OK(codeShPalette(s, out)); }
-        else codeShOfEachSplat(s, out);
+        if (shPalette) {
+            DPL_CHECK_OK(codeShPalette(s, out));
+        } else
+            codeShOfEachSplat(s, out);
     }
     return out;
 }
@@ -140,7 +163,9 @@ SplatData decodeSplats(const CodedSplats& in, size_t triangleCount) {
     s.uv.resize(n), s.phi.resize(n), s.scaleM.resize(n), s.opacity.resize(n), s.flags.resize(n), s.sh.resize(size_t(n) * stride);
     for (const SplatChunk& c : in.chunks) {
         const RangeCode scale(c.scaleMinM, c.scaleMaxM, kScaleCodes, true);
-        const RangeCode dc[3] = {{c.dcMin[0], c.dcMax[0], kColourCodes[0], false}, {c.dcMin[1], c.dcMax[1], kColourCodes[1], false}, {c.dcMin[2], c.dcMax[2], kColourCodes[2], false}};
+        const RangeCode dc[3] = {{c.dcMin[0], c.dcMax[0], kColourCodes[0], false},
+                                 {c.dcMin[1], c.dcMax[1], kColourCodes[1], false},
+                                 {c.dcMin[2], c.dcMax[2], kColourCodes[2], false}};
         for (uint32_t i = c.firstSplat; i < c.firstSplat + c.splatCount; ++i) {
             const uint32_t place = in.place[i], size = in.size[i], colour = in.colour[i];
             s.uv[i] = {decodeUv(place & 2047), decodeUv(place >> 11 & 2047)};

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/format/splat_compact.h"
 
 #include <algorithm>
@@ -25,10 +26,16 @@ constexpr uint32_t widen(uint32_t code, uint32_t top, uint32_t bits) {
     return steps >= top ? code : (2 * code * top + steps) / (2 * steps);
 }
 // φ goes round.
-constexpr uint32_t narrowPhi(uint32_t code, uint32_t bits) { return (code + (kPhiSteps >> (bits + 1))) / (kPhiSteps >> bits) & ((1u << bits) - 1); }
-constexpr uint32_t widenPhi(uint32_t code, uint32_t bits) { return code * (kPhiSteps >> bits); }
+constexpr uint32_t narrowPhi(uint32_t code, uint32_t bits) {
+    return (code + (kPhiSteps >> (bits + 1))) / (kPhiSteps >> bits) & ((1u << bits) - 1);
+}
+constexpr uint32_t widenPhi(uint32_t code, uint32_t bits) {
+    return code * (kPhiSteps >> bits);
+}
 
-constexpr uint32_t colourBits(const SplatBits& bits, int channel) { return bits.colour - (channel == 0); }
+constexpr uint32_t colourBits(const SplatBits& bits, int channel) {
+    return bits.colour - (channel == 0);
+}
 
 /** The fields of one splat's words. */
 struct Fields {
@@ -36,13 +43,20 @@ struct Fields {
 
     Fields() = default;
     Fields(uint32_t place, uint32_t size, uint32_t colourWord)
-        : u(place & 2047), v(place >> 11 & 2047), phi(place >> 22), scale{size & 2047, size >> 11 & 2047}, opacity(size >> 22 & 255), flags(size >> 30),
+        : u(place & 2047),
+          v(place >> 11 & 2047),
+          phi(place >> 22),
+          scale{size & 2047, size >> 11 & 2047},
+          opacity(size >> 22 & 255),
+          flags(size >> 30),
           colour{colourWord & 1023, colourWord >> 10 & 2047, colourWord >> 21} {}
     uint32_t place() const { return u | v << 11 | phi << 22; }
     uint32_t size() const { return scale[0] | scale[1] << 11 | opacity << 22 | flags << 30; }
     uint32_t colourWord() const { return colour[0] | colour[1] << 10 | colour[2] << 21; }
 };
-Fields fieldsOf(const CodedSplats& coded, size_t i) { return {coded.place[i], coded.size[i], coded.colour[i]}; }
+Fields fieldsOf(const CodedSplats& coded, size_t i) {
+    return {coded.place[i], coded.size[i], coded.colour[i]};
+}
 
 Fields narrowed(Fields f, const SplatBits& bits) {
     f.u = narrow(f.u, 2047, bits.uv), f.v = narrow(f.v, 2047, bits.uv), f.phi = narrowPhi(f.phi, bits.phi);
@@ -72,22 +86,22 @@ uint32_t coarse(uint32_t code, const RangeCode& range, uint32_t top, uint32_t bi
 
 // The model: which table a field takes, from what came before. Writer and reader walk it in the same order.
 enum Table : uint32_t {
-    kCountTable = 0,      // splats of a triangle, by those of the triangle before
-    kFlagTable = 4,       // by the splat before
+    kCountTable = 0,  // splats of a triangle, by those of the triangle before
+    kFlagTable = 4,   // by the splat before
     kOpacityTable = 8,
-    kScaleTable = 9,      // first: by that of the splat before
-    kScale2Table = 17,    // second: by the first
+    kScaleTable = 9,    // first: by that of the splat before
+    kScale2Table = 17,  // second: by the first
     kUTable = 25,
-    kVTable = 26,         // by u
+    kVTable = 26,  // by u
     kPhiTable = 42,
-    kGreenTable = 43,     // by that of the splat before
-    kRedTable = 59,       // what the prediction leaves
+    kGreenTable = 43,  // by that of the splat before
+    kRedTable = 59,    // what the prediction leaves
     kBlueTable = 60,
     kIndexTable = 61,
     kTables = 62
 };
-constexpr uint32_t kCountSymbols = 32;   // the last: 31 or more, the rest follows in bits
-constexpr uint32_t kFineSymbolBits = 8, kSymbolBits = 6;   // modelled; what is below goes as it is
+constexpr uint32_t kCountSymbols = 32;                    // the last: 31 or more, the rest follows in bits
+constexpr uint32_t kFineSymbolBits = 8, kSymbolBits = 6;  // modelled; what is below goes as it is
 
 constexpr std::array<uint16_t, kTables> kAlphabets = [] {
     std::array<uint16_t, kTables> sizes{};
@@ -120,7 +134,9 @@ void field(Coder& coder, uint32_t table, uint32_t bits, uint32_t& value) {
 }
 
 /** The upper `count` bits of a value of `bits`. */
-uint32_t upper(uint32_t value, uint32_t bits, uint32_t count) { return bits > count ? value >> (bits - count) : value; }
+uint32_t upper(uint32_t value, uint32_t bits, uint32_t count) {
+    return bits > count ? value >> (bits - count) : value;
+}
 
 /** Colours of a chunk as whole numbers of 2⁻¹⁶, so that every machine predicts the same. */
 class ColourScale {
@@ -148,13 +164,16 @@ private:
 template <class Coder>
 class SplatModel {
 public:
-    SplatModel(Coder& coder, const SplatBits& bits, uint32_t paletteSize) : coder_(coder), bits_(bits), indexBits_(paletteSize ? uint32_t(std::bit_width(paletteSize - 1)) : 0) {}
+    SplatModel(Coder& coder, const SplatBits& bits, uint32_t paletteSize)
+        : coder_(coder), bits_(bits), indexBits_(paletteSize ? uint32_t(std::bit_width(paletteSize - 1)) : 0) {}
 
     void count(uint32_t& splats) {
         uint32_t symbol = std::min(splats, kCountSymbols - 1);
         coder_.symbol(kCountTable + lastCount_, symbol);
-        if (symbol == kCountSymbols - 1) coder_.bits(splats, 32);
-        else splats = symbol;
+        if (symbol == kCountSymbols - 1)
+            coder_.bits(splats, 32);
+        else
+            splats = symbol;
         lastCount_ = std::min(splats, 3u);
     }
     void chunk(const SplatChunk& chunk) {
@@ -201,11 +220,15 @@ private:
 
 Status checkBits(const SplatBits& bits) {
     const auto in = [](uint32_t value, uint32_t from, uint32_t to) { return value >= from && value <= to; };
-    if (in(bits.uv, 1, kAllBits.uv) && in(bits.phi, 1, kAllBits.phi) && in(bits.scale, 1, kAllBits.scale) && in(bits.opacity, 1, kAllBits.opacity) && in(bits.colour, 2, kAllBits.colour)) return {};
+    if (in(bits.uv, 1, kAllBits.uv) && in(bits.phi, 1, kAllBits.phi) && in(bits.scale, 1, kAllBits.scale) &&
+        in(bits.opacity, 1, kAllBits.opacity) && in(bits.colour, 2, kAllBits.colour))
+        return {};
     return fail(Code::CorruptData, "splats of {}, {}, {}, {} and {} bits", bits.uv, bits.phi, bits.scale, bits.opacity, bits.colour);
 }
 
-size_t rangesAChunk(bool ownSh) { return ownSh ? 11 : 8; }
+size_t rangesAChunk(bool ownSh) {
+    return ownSh ? 11 : 8;
+}
 
 }  // namespace
 
@@ -213,7 +236,9 @@ void coarsenSplats(CodedSplats& coded, const SplatBits& bits) {
     if (bits == kAllBits) return;
     for (const SplatChunk& c : coded.chunks) {
         const RangeCode scale(c.scaleMinM, c.scaleMaxM, kScaleCodes, true);
-        const RangeCode dc[3] = {{c.dcMin[0], c.dcMax[0], kColourCodes[0], false}, {c.dcMin[1], c.dcMax[1], kColourCodes[1], false}, {c.dcMin[2], c.dcMax[2], kColourCodes[2], false}};
+        const RangeCode dc[3] = {{c.dcMin[0], c.dcMax[0], kColourCodes[0], false},
+                                 {c.dcMin[1], c.dcMax[1], kColourCodes[1], false},
+                                 {c.dcMin[2], c.dcMax[2], kColourCodes[2], false}};
         for (uint32_t i = c.firstSplat; i < c.firstSplat + c.splatCount; ++i) {
             const Fields whole = fieldsOf(coded, i);
             Fields f = widened(narrowed(whole, bits), bits);
@@ -225,7 +250,7 @@ void coarsenSplats(CodedSplats& coded, const SplatBits& bits) {
 }
 
 SplatBits neededBits(const CodedSplats& coded) {
-    const auto fewest = [&](uint8_t SplatBits::* field, uint8_t from) {
+    const auto fewest = [&](uint8_t SplatBits::*field, uint8_t from) {
         SplatBits bits;
         for (bits.*field = from; bits.*field < kAllBits.*field; ++(bits.*field)) {
             bool exact = true;
@@ -237,7 +262,8 @@ SplatBits neededBits(const CodedSplats& coded) {
         }
         return bits.*field;
     };
-    return {fewest(&SplatBits::uv, 1), fewest(&SplatBits::phi, 1), fewest(&SplatBits::scale, 1), fewest(&SplatBits::opacity, 1), fewest(&SplatBits::colour, 2)};
+    return {fewest(&SplatBits::uv, 1), fewest(&SplatBits::phi, 1), fewest(&SplatBits::scale, 1), fewest(&SplatBits::opacity, 1),
+            fewest(&SplatBits::colour, 2)};
 }
 
 void writeCompact(const CodedSplats& coded, const std::vector<uint32_t>& start, SplatStreams<std::vector<uint8_t>>& out) {
@@ -266,13 +292,17 @@ void writeCompact(const CodedSplats& coded, const std::vector<uint32_t>& start, 
     out.coded = coder.writer.finish();
 }
 
-Result<std::vector<uint32_t>> readCompact(const SplatStreams<std::span<const uint8_t>>& in, const MeshData& mesh, const SplatHead& head, CodedSplats& out) {
+Result<std::vector<uint32_t>> readCompact(const SplatStreams<std::span<const uint8_t>>& in, const MeshData& mesh, const SplatHead& head,
+                                          CodedSplats& out) {
     const uint32_t n = head.count;
     const SplatBits& bits = *head.bits;
     DPL_CHECK_OK(checkBits(bits));
-    if (!in.triangleCounts.empty() || !in.chunks.empty() || !in.place.empty() || !in.size.empty() || !in.colour.empty() || !in.shIndex.empty())
+    if (!in.triangleCounts.empty() || !in.chunks.empty() || !in.place.empty() || !in.size.empty() || !in.colour.empty() ||
+        !in.shIndex.empty())
         return fail(Code::CorruptData, "splat encoding 3 beside streams of encodings 1 and 2");
-    if (n == 0 || in.coded.size() / kMinCompactBytes < n) return fail(Code::CorruptData, "{} splats in {} coded bytes; encoding 3 has at least one splat, and {} bytes for each", n, in.coded.size(), kMinCompactBytes);
+    if (n == 0 || in.coded.size() / kMinCompactBytes < n)
+        return fail(Code::CorruptData, "{} splats in {} coded bytes; encoding 3 has at least one splat, and {} bytes for each", n,
+                    in.coded.size(), kMinCompactBytes);
     DPL_TRY(EntropyReader reader, EntropyReader::open(in.coded, kAlphabets));
     Reading coder{reader};
     SplatModel model(coder, bits, head.paletteSize);
@@ -289,7 +319,8 @@ Result<std::vector<uint32_t>> readCompact(const SplatStreams<std::span<const uin
     size_t chunkCount = 0;
     forChunks(mesh, start, [&](uint32_t, uint32_t) { ++chunkCount; });
     const size_t before = head.paletteSize ? 3 : 0;
-    if (in.ranges.size() != (before + chunkCount * rangesAChunk(ownSh)) * sizeof(float)) return fail(Code::CorruptData, "{} bytes of ranges for {} chunks", in.ranges.size(), chunkCount);
+    if (in.ranges.size() != (before + chunkCount * rangesAChunk(ownSh)) * sizeof(float))
+        return fail(Code::CorruptData, "{} bytes of ranges for {} chunks", in.ranges.size(), chunkCount);
     std::vector<float> ranges;
     fill(ranges, in.ranges);
     const float* range = ranges.data() + before;
@@ -303,8 +334,10 @@ Result<std::vector<uint32_t>> readCompact(const SplatStreams<std::span<const uin
         c.firstSplat = first, c.splatCount = count;
         c.scaleMinM = range[0], c.scaleMaxM = range[1];
         std::copy_n(range + 2, 3, c.dcMin), std::copy_n(range + 5, 3, c.dcMax);
-        if (ownSh) std::copy_n(range + 8, 3, c.shRange);
-        else if (head.paletteSize) std::copy_n(ranges.data(), 3, c.shRange);
+        if (ownSh)
+            std::copy_n(range + 8, 3, c.shRange);
+        else if (head.paletteSize)
+            std::copy_n(ranges.data(), 3, c.shRange);
         range += rangesAChunk(ownSh);
         if (fits = checkRanges(c, out.chunks.size() - 1); !fits) return;
         model.chunk(c);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/format/splat_detail.h"
 
 #include <algorithm>
@@ -14,7 +15,7 @@ static_assert(kSplatChunkSize == 2 * kSplatGroupSize);
 
 namespace {
 
-constexpr float kAt = 0.25f;    // where the gain is measured
+constexpr float kAt = 0.25f;  // where the gain is measured
 
 /** Of the splat at a place, at that share. */
 std::array<float, kSplatGroupSize> weightsThere() {
@@ -23,11 +24,11 @@ std::array<float, kSplatGroupSize> weightsThere() {
     return weight;
 }
 
-/** areaM2: of all its splats. coveredM2, someM2: what these cover together, and the same by their weights at kAt. A flat splat covers 2π σ₁ σ₂ α; what n of them over an area
- *  leave free of it is e^−cover. */
+/** areaM2: of all its splats. coveredM2, someM2: what these cover together, and the same by their weights at kAt. A flat splat covers 2π σ₁
+ * σ₂ α; what n of them over an area leave free of it is e^−cover. */
 SplatGroup groupOf(double areaM2, uint32_t count, double coveredM2, double someM2) {
     SplatGroup group;
-    if (!(coveredM2 > 0 && areaM2 > 0) || !std::isfinite(areaM2) || !std::isfinite(coveredM2)) return group;   // nothing that could be seen
+    if (!(coveredM2 > 0 && areaM2 > 0) || !std::isfinite(areaM2) || !std::isfinite(coveredM2)) return group;  // nothing that could be seen
     const double cover = coveredM2 / areaM2;
     group.areaM2 = float(areaM2 / count);
     group.gain = float(std::clamp(std::log(someM2 / coveredM2) / std::log(double(kAt)), 0.0, 1.0));
@@ -41,11 +42,12 @@ void measureGroups(const MeshData& mesh, CodedSplats& s) {
     std::vector<uint32_t> onTriangle(mesh.triangles.size(), 0);
     for (const SplatChunk& c : s.chunks)
         for (uint32_t i = c.firstSplat; i < c.firstSplat + c.splatCount; ++i) ++onTriangle[s.parents[c.firstParent + s.parent[i]]];
-    std::vector<float> areaM2(mesh.triangles.size());   // of a splat on it
+    std::vector<float> areaM2(mesh.triangles.size());  // of a splat on it
     for (size_t k = 0; k < areaM2.size(); ++k) {
         const Triangle& t = mesh.triangles[k];
         const Vec3f& a = mesh.restPositions[t.x];
-        areaM2[k] = 0.5f * glm::length(glm::cross(mesh.restPositions[t.y] - a, mesh.restPositions[t.z] - a)) / float(std::max(1u, onTriangle[k]));
+        areaM2[k] =
+            0.5f * glm::length(glm::cross(mesh.restPositions[t.y] - a, mesh.restPositions[t.z] - a)) / float(std::max(1u, onTriangle[k]));
     }
     const std::array<float, kSplatGroupSize> weightAt = weightsThere();
     s.groups.assign(2 * s.chunks.size(), {});
@@ -56,11 +58,12 @@ void measureGroups(const MeshData& mesh, CodedSplats& s) {
         const float step = std::log(c.scaleMaxM / c.scaleMinM) / float(kScaleCodes);
         std::array<float, 64> coarse, fine;
         for (uint32_t k = 0; k < 64; ++k) coarse[k] = std::exp(step * 64 * float(k)), fine[k] = std::exp(step * float(k));
-        double area = 0, all = 0, some = 0;              // covered: in units of the smallest splat's
+        double area = 0, all = 0, some = 0;  // covered: in units of the smallest splat's
         for (uint32_t k = 0; k < count; ++k) {
             const uint32_t size = s.size[begin + k], code = (size & 2047) + (size >> 11 & 2047);
             const float covered = float(size >> 22 & 255) * coarse[code >> 6] * fine[code & 63];
-            area += double(areaM2[s.parents[c.firstParent + s.parent[begin + k]]]), all += double(covered), some += double(covered * weightAt[k]);
+            area += double(areaM2[s.parents[c.firstParent + s.parent[begin + k]]]), all += double(covered),
+                some += double(covered * weightAt[k]);
         }
         const double unitM2 = 2 * std::numbers::pi / 255 * double(c.scaleMinM) * double(c.scaleMinM);
         s.groups[g] = groupOf(area, count, all * unitM2, some * unitM2);
@@ -77,8 +80,12 @@ std::vector<GeneralGroup> measureGroups(const StaticSplatData& s, std::span<cons
         Vec3f low(FLT_MAX), high(-FLT_MAX);
         for (const uint32_t i : members) low = glm::min(low, s.position[i]), high = glm::max(high, s.position[i]);
         group.middle = 0.5f * low + 0.5f * high, group.reach = glm::max(high - group.middle, group.middle - low);
-        // Root of the sum of the squares of a shape's shadows along three axes, whichever these are: of a flat shape, what it shows to its front.
-        const auto shadow = [](const Mat3d& m) { return std::sqrt(std::max(0.0, m[0][0] * m[1][1] - m[0][1] * m[0][1] + m[0][0] * m[2][2] - m[0][2] * m[0][2] + m[1][1] * m[2][2] - m[1][2] * m[1][2])); };
+        // Root of the sum of the squares of a shape's shadows along three axes, whichever these are: of a flat shape, what it shows to its
+        // front.
+        const auto shadow = [](const Mat3d& m) {
+            return std::sqrt(std::max(0.0, m[0][0] * m[1][1] - m[0][1] * m[0][1] + m[0][0] * m[2][2] - m[0][2] * m[0][2] +
+                                               m[1][1] * m[2][2] - m[1][2] * m[1][2]));
+        };
         Vec3d sum(0);
         Mat3d squares(0);
         double all = 0, some = 0, n = 0;

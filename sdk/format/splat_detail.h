@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What level of detail needs to know of splats, made when they are loaded.
 #pragma once
 
@@ -27,7 +28,7 @@ void measureGroups(const MeshData& mesh, CodedSplats& splats);
 
 /** kSplatGroupSize neighbours of general splats, the last ones fewer. */
 struct GeneralGroup {
-    Vec3f middle{0}, reach{0};    // of the box about their centres; half its size
+    Vec3f middle{0}, reach{0};  // of the box about their centres; half its size
     SplatGroup detail;
 };
 

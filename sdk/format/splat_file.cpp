@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/format/splat_file.h"
 
 #include <algorithm>
@@ -14,7 +15,7 @@
 namespace dpl {
 namespace {
 
-constexpr double kStrayShare = 0.01;   // left out at either end of an axis
+constexpr double kStrayShare = 0.01;  // left out at either end of an axis
 
 bool beginsWith(std::span<const uint8_t> bytes, std::string_view magic) {
     return bytes.size() >= magic.size() && std::memcmp(bytes.data(), magic.data(), magic.size()) == 0;
@@ -33,11 +34,16 @@ std::string_view jsonOf(std::span<const uint8_t> bytes) {
 
 const char* nameOf(SplatFormat format) {
     switch (format) {
-        case SplatFormat::InriaPly: return "PLY";
-        case SplatFormat::CompressedPly: return "compressed PLY";
-        case SplatFormat::Spz: return "SPZ";
-        case SplatFormat::Gltf: return "glTF KHR_gaussian_splatting";
-        case SplatFormat::None: break;
+        case SplatFormat::InriaPly:
+            return "PLY";
+        case SplatFormat::CompressedPly:
+            return "compressed PLY";
+        case SplatFormat::Spz:
+            return "SPZ";
+        case SplatFormat::Gltf:
+            return "glTF KHR_gaussian_splatting";
+        case SplatFormat::None:
+            break;
     }
     return "no splat file";
 }
@@ -50,17 +56,20 @@ SplatFormat splatFormatOf(std::span<const uint8_t> bytes) {
     }
     if (beginsWith(bytes, "glTF")) {
         const std::string_view json = jsonOf(bytes);
-        if (json.find("\"DPL_gaussian_avatar\"") == json.npos && json.find("\"KHR_gaussian_splatting\"") != json.npos) return SplatFormat::Gltf;
+        if (json.find("\"DPL_gaussian_avatar\"") == json.npos && json.find("\"KHR_gaussian_splatting\"") != json.npos)
+            return SplatFormat::Gltf;
     }
     return SplatFormat::None;
 }
 
 Result<SplatFile> readSplats(std::span<const uint8_t> bytes, const ReadLimits& limits) {
-    if (bytes.size() > limits.maxFileBytes) return fail(Code::CorruptData, "a file of {} bytes, the limit is {}", bytes.size(), limits.maxFileBytes);
+    if (bytes.size() > limits.maxFileBytes)
+        return fail(Code::CorruptData, "a file of {} bytes, the limit is {}", bytes.size(), limits.maxFileBytes);
     SplatFile file;
     file.format = splatFormatOf(bytes);
     SpzInfo spz;
-    Result<StaticSplatData> splats = fail(Code::Unsupported, "not a splat file: PLY, compressed PLY, SPZ and .glb with KHR_gaussian_splatting are read");
+    Result<StaticSplatData> splats =
+        fail(Code::Unsupported, "not a splat file: PLY, compressed PLY, SPZ and .glb with KHR_gaussian_splatting are read");
     if (file.format == SplatFormat::InriaPly) splats = readPly(bytes);
     if (file.format == SplatFormat::CompressedPly) splats = readCompressedPly(bytes);
     if (file.format == SplatFormat::Spz) splats = readSpz(bytes, &spz);

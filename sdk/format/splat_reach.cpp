@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/format/splat_reach.h"
 
 #include <algorithm>
@@ -21,7 +22,8 @@ std::vector<TriangleReach> reachOfTriangles(const CodedSplats& s, size_t triangl
             const int u = int(place & 2047) - kUvZero, v = int(place >> 11 & 2047) - kUvZero;
             triangle.overshoots |= u < 0 || v < 0 || u + v > int(kUvSteps);
             triangle.rootLevel = std::max(triangle.rootLevel, rootLevel);
-            const float largest = std::exp(low + width * float(std::max(size & kScaleCodes, size >> 11 & kScaleCodes)) / kScaleCodes) * 1.00001f;
+            const float largest =
+                std::exp(low + width * float(std::max(size & kScaleCodes, size >> 11 & kScaleCodes)) / kScaleCodes) * 1.00001f;
             triangle.reachM = std::max(triangle.reachM, rootLevel * largest);
         }
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The streams of a file: words as they are (encodings 1 and 2), or what splat_compact.h makes of them (encoding 3).
 #include <algorithm>
 #include <cstring>
@@ -17,7 +18,8 @@ void appendVarint(std::vector<uint8_t>& out, uint32_t value) {
 }
 
 Result<std::vector<uint32_t>> decodeTriangleCounts(std::span<const uint8_t> bytes, uint32_t triangleCount, uint32_t splatCount) {
-    if (bytes.size() < triangleCount) return fail(Code::CorruptData, "{} bytes of splat counts for {} triangles", bytes.size(), triangleCount);
+    if (bytes.size() < triangleCount)
+        return fail(Code::CorruptData, "{} bytes of splat counts for {} triangles", bytes.size(), triangleCount);
     std::vector<uint32_t> start(size_t(triangleCount) + 1, 0);
     size_t at = 0;
     uint64_t total = 0;
@@ -57,22 +59,28 @@ Status readShRows(std::span<const uint8_t> bytes, size_t rows, CodedSplats& out)
     for (size_t e = 0; inFile && e < rows; ++e) {
         std::memcpy(out.sh.data() + e * inMemory, bytes.data() + e * inFile, inFile);
         // −128 is no code: a writer never makes it, and a range would not be attained.
-        if (std::find(out.sh.begin() + ptrdiff_t(e * inMemory), out.sh.begin() + ptrdiff_t(e * inMemory + inFile), int8_t(-128)) != out.sh.begin() + ptrdiff_t(e * inMemory + inFile))
+        if (std::find(out.sh.begin() + ptrdiff_t(e * inMemory), out.sh.begin() + ptrdiff_t(e * inMemory + inFile), int8_t(-128)) !=
+            out.sh.begin() + ptrdiff_t(e * inMemory + inFile))
             return fail(Code::CorruptData, "row {} of SH holds a code of -128", e);
     }
     return {};
 }
 
 /** Encodings 1 and 2: words as they are. */
-Result<std::vector<uint32_t>> readWords(const SplatStreams<std::span<const uint8_t>>& in, const MeshData& mesh, const SplatHead& head, CodedSplats& out) {
+Result<std::vector<uint32_t>> readWords(const SplatStreams<std::span<const uint8_t>>& in, const MeshData& mesh, const SplatHead& head,
+                                        CodedSplats& out) {
     const uint32_t n = head.count;
-    if (in.place.size() != size_t(n) * 4 || in.size.size() != size_t(n) * 4 || in.colour.size() != size_t(n) * 4 || in.shIndex.size() != (head.paletteSize ? size_t(n) * 2 : 0) || !in.ranges.empty() || !in.coded.empty())
-        return fail(Code::CorruptData, "splat streams of {}, {}, {} and {} bytes do not hold {} splats", in.place.size(), in.size.size(), in.colour.size(), in.shIndex.size(), n);
+    if (in.place.size() != size_t(n) * 4 || in.size.size() != size_t(n) * 4 || in.colour.size() != size_t(n) * 4 ||
+        in.shIndex.size() != (head.paletteSize ? size_t(n) * 2 : 0) || !in.ranges.empty() || !in.coded.empty())
+        return fail(Code::CorruptData, "splat streams of {}, {}, {} and {} bytes do not hold {} splats", in.place.size(), in.size.size(),
+                    in.colour.size(), in.shIndex.size(), n);
     DPL_TRY(std::vector<uint32_t> start, decodeTriangleCounts(in.triangleCounts, uint32_t(mesh.triangles.size()), n));
     size_t chunkCount = 0;
     forChunks(mesh, start, [&](uint32_t, uint32_t) { ++chunkCount; });
-    if (in.chunks.size() != chunkCount * sizeof(SplatChunk)) return fail(Code::CorruptData, "{} bytes of chunk records, {} chunks expected", in.chunks.size(), chunkCount);
-    fill(out.chunks, in.chunks), fill(out.place, in.place), fill(out.size, in.size), fill(out.colour, in.colour), fill(out.shIndex, in.shIndex);
+    if (in.chunks.size() != chunkCount * sizeof(SplatChunk))
+        return fail(Code::CorruptData, "{} bytes of chunk records, {} chunks expected", in.chunks.size(), chunkCount);
+    fill(out.chunks, in.chunks), fill(out.place, in.place), fill(out.size, in.size), fill(out.colour, in.colour),
+        fill(out.shIndex, in.shIndex);
     Status chunksFit;
     size_t index = 0;
     forChunks(mesh, start, [&](uint32_t first, uint32_t count) {
@@ -91,21 +99,25 @@ SplatStreams<std::vector<uint8_t>> writeSplatStreams(const CodedSplats& coded, s
     SplatStreams<std::vector<uint8_t>> out;
     const std::vector<uint32_t> start = triangleStarts(coded, triangleCount);
     const uint32_t inMemory = shEntryBytes(coded.shDegree), inFile = (shCoefficientCount(coded.shDegree) - 1) * 3;
-    for (size_t at = 0; at < coded.sh.size(); at += inMemory) out.sh.insert(out.sh.end(), coded.sh.begin() + ptrdiff_t(at), coded.sh.begin() + ptrdiff_t(at + inFile));
+    for (size_t at = 0; at < coded.sh.size(); at += inMemory)
+        out.sh.insert(out.sh.end(), coded.sh.begin() + ptrdiff_t(at), coded.sh.begin() + ptrdiff_t(at + inFile));
     if (compact && coded.count() > 0) {
         writeCompact(coded, start, out);
-        const size_t words = coded.count() * size_t(coded.shIndex.empty() ? 12 : 14) + coded.chunks.size() * sizeof(SplatChunk) + triangleCount;
+        const size_t words =
+            coded.count() * size_t(coded.shIndex.empty() ? 12 : 14) + coded.chunks.size() * sizeof(SplatChunk) + triangleCount;
         if (out.coded.size() >= coded.count() * size_t(kMinCompactBytes) && out.coded.size() + out.ranges.size() < words) return out;
         out.ranges.clear(), out.coded.clear();
     }
     for (size_t t = 0; t < triangleCount; ++t) appendVarint(out.triangleCounts, start[t + 1] - start[t]);
     std::vector<SplatChunk> chunks = coded.chunks;
     for (SplatChunk& c : chunks) c.firstParent = 0;
-    out.chunks = bytesOf(chunks), out.place = bytesOf(coded.place), out.size = bytesOf(coded.size), out.colour = bytesOf(coded.colour), out.shIndex = bytesOf(coded.shIndex);
+    out.chunks = bytesOf(chunks), out.place = bytesOf(coded.place), out.size = bytesOf(coded.size), out.colour = bytesOf(coded.colour),
+    out.shIndex = bytesOf(coded.shIndex);
     return out;
 }
 
-Result<CodedSplats> readSplatStreams(const SplatStreams<std::span<const uint8_t>>& in, const MeshData& mesh, const SplatHead& head, const ReadLimits& limits) {
+Result<CodedSplats> readSplatStreams(const SplatStreams<std::span<const uint8_t>>& in, const MeshData& mesh, const SplatHead& head,
+                                     const ReadLimits& limits) {
     const uint32_t n = head.count;
     if (n > limits.maxSplats) return fail(Code::CorruptData, "{} splats, the limit is {}", n, limits.maxSplats);
     if (head.shDegree > kMaxShDegree) return fail(Code::CorruptData, "SH degree {}, at most {} is possible", head.shDegree, kMaxShDegree);

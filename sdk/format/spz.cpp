@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The packed attributes, one array after the other (versions 2, 3) or one stream each (version 4), n splats:
 //
 //   position 9n (3 × s24 fixed point) | alpha n | colour 3n | log scale 3n | rotation 3n or 4n | SH of bands 1.. 3·coefficients·n
@@ -20,8 +21,8 @@
 namespace dpl {
 namespace {
 
-constexpr uint32_t kMagic = 0x5053474e;   // "NGSP"
-constexpr uint32_t kFileShDegrees = 4;    // of the format; we draw kMaxShDegree
+constexpr uint32_t kMagic = 0x5053474e;  // "NGSP"
+constexpr uint32_t kFileShDegrees = 4;   // of the format; we draw kMaxShDegree
 constexpr uint32_t kMaxFractionalBits = 23;
 constexpr uint8_t kAntialiasedFlag = 1, kExtensionFlag = 2;
 constexpr uint64_t kFreeExpansionBytes = 1 << 20, kMaxExtensionBytes = 1 << 20;
@@ -29,7 +30,7 @@ constexpr size_t kAttributes = 6;
 
 struct Header {
     uint32_t magic, version, splats;
-    uint8_t shDegree, fractionalBits, flags, streams;   // streams: reserved before version 4
+    uint8_t shDegree, fractionalBits, flags, streams;  // streams: reserved before version 4
 };
 static_assert(sizeof(Header) == 16);
 
@@ -47,14 +48,20 @@ std::array<uint64_t, kAttributes> attributeBytes(const Header& h) {
 Status checkHeader(const Header& h, size_t fileBytes) {
     if (h.magic != kMagic) return fail(Code::Unsupported, "not an SPZ file: its header does not say NGSP");
     if (h.version < kMinSpzVersion || h.version > kMaxSpzVersion)
-        return fail(Code::Version, "SPZ version {}; this build reads {} to {}: {}", h.version, kMinSpzVersion, kMaxSpzVersion, h.version > kMaxSpzVersion ? "update Doppel" : "save it again with a newer tool");
-    if (h.shDegree > kFileShDegrees) return fail(Code::CorruptData, "SPZ: SH degree {}, 0 to {} are possible", uint32_t(h.shDegree), kFileShDegrees);
-    if (h.fractionalBits > kMaxFractionalBits) return fail(Code::CorruptData, "SPZ: {} fractional bits in a position of 24", uint32_t(h.fractionalBits));
-    if (h.splats > ReadLimits().maxSplats) return fail(Code::CorruptData, "SPZ: {} splats, the limit is {}", h.splats, ReadLimits().maxSplats);
+        return fail(Code::Version, "SPZ version {}; this build reads {} to {}: {}", h.version, kMinSpzVersion, kMaxSpzVersion,
+                    h.version > kMaxSpzVersion ? "update Doppel" : "save it again with a newer tool");
+    if (h.shDegree > kFileShDegrees)
+        return fail(Code::CorruptData, "SPZ: SH degree {}, 0 to {} are possible", uint32_t(h.shDegree), kFileShDegrees);
+    if (h.fractionalBits > kMaxFractionalBits)
+        return fail(Code::CorruptData, "SPZ: {} fractional bits in a position of 24", uint32_t(h.fractionalBits));
+    if (h.splats > ReadLimits().maxSplats)
+        return fail(Code::CorruptData, "SPZ: {} splats, the limit is {}", h.splats, ReadLimits().maxSplats);
     uint64_t total = 0;
     for (const uint64_t bytes : attributeBytes(h)) total += bytes;
     if (total > kFreeExpansionBytes + kMaxSpzExpansion * fileBytes)
-        return fail(Code::CorruptData, "SPZ: {} splats of SH degree {} from {} bytes: no real file packs that tightly, the header is damaged", h.splats, uint32_t(h.shDegree), fileBytes);
+        return fail(Code::CorruptData,
+                    "SPZ: {} splats of SH degree {} from {} bytes: no real file packs that tightly, the header is damaged", h.splats,
+                    uint32_t(h.shDegree), fileBytes);
     return {};
 }
 
@@ -78,7 +85,7 @@ public:
 
     /** Fills `out`, or less of it where the stream ends. */
     Result<size_t> read(std::span<uint8_t> out) {
-        constexpr size_t kMost = 1u << 30;   // zlib counts in 32 bits
+        constexpr size_t kMost = 1u << 30;  // zlib counts in 32 bits
         size_t done = 0;
         while (done < out.size() && !ended_) {
             const size_t room = std::min(out.size() - done, kMost), given = std::min(left_, kMost);
@@ -106,7 +113,8 @@ Result<Packed> openGzip(std::span<const uint8_t> bytes) {
     if (got != raw.size()) return fail(Code::CorruptData, "SPZ: the file ends in its header");
     std::memcpy(&p.header, raw.data(), sizeof(Header));
     DPL_CHECK_OK(checkHeader(p.header, bytes.size()));
-    if (p.header.version > 3) return fail(Code::CorruptData, "SPZ: version {} inside a gzip stream; only 2 and 3 come so", p.header.version);
+    if (p.header.version > 3)
+        return fail(Code::CorruptData, "SPZ: version {} inside a gzip stream; only 2 and 3 come so", p.header.version);
     const auto sizes = attributeBytes(p.header);
     for (size_t a = 0; a < kAttributes; ++a) {
         p.attributes[a].resize(sizes[a]);
@@ -119,7 +127,8 @@ Result<Packed> openGzip(std::span<const uint8_t> bytes) {
         DPL_TRY(const size_t more, stream->read(rest));
         if (more == 0) return p;
         behind += more;
-        if (behind > (p.header.flags & kExtensionFlag ? kMaxExtensionBytes : 0)) return fail(Code::CorruptData, "SPZ: there is more data than {} splats need", p.header.splats);
+        if (behind > (p.header.flags & kExtensionFlag ? kMaxExtensionBytes : 0))
+            return fail(Code::CorruptData, "SPZ: there is more data than {} splats need", p.header.splats);
     }
 }
 
@@ -135,14 +144,18 @@ Result<Packed> openZstd(std::span<const uint8_t> bytes) {
     if (tableAt < in.position()) return fail(Code::CorruptData, "SPZ: the table of streams at byte {} lies inside the header", tableAt);
     DPL_CHECK_OK(in.skip(tableAt - in.position()));
     const auto sizes = attributeBytes(p.header);
-    const size_t stored = size_t(std::count_if(sizes.begin(), sizes.end(), [](uint64_t bytes) { return bytes > 0; }));   // empty ones are left out
-    if (p.header.streams != stored) return fail(Code::CorruptData, "SPZ: {} streams, {} splats of SH degree {} have {}", uint32_t(p.header.streams), p.header.splats, uint32_t(p.header.shDegree), stored);
+    const size_t stored =
+        size_t(std::count_if(sizes.begin(), sizes.end(), [](uint64_t bytes) { return bytes > 0; }));  // empty ones are left out
+    if (p.header.streams != stored)
+        return fail(Code::CorruptData, "SPZ: {} streams, {} splats of SH degree {} have {}", uint32_t(p.header.streams), p.header.splats,
+                    uint32_t(p.header.shDegree), stored);
     std::array<uint64_t, kAttributes> packedBytes{};
     for (size_t a = 0; a < kAttributes; ++a) {
         if (sizes[a] == 0) continue;
         DPL_TRY(packedBytes[a], in.value<uint64_t>());
         DPL_TRY(const uint64_t unpacked, in.value<uint64_t>());
-        if (unpacked != sizes[a]) return fail(Code::CorruptData, "SPZ: stream {} unpacks to {} bytes, {} are needed", a, unpacked, sizes[a]);
+        if (unpacked != sizes[a])
+            return fail(Code::CorruptData, "SPZ: stream {} unpacks to {} bytes, {} are needed", a, unpacked, sizes[a]);
     }
     for (size_t a = 0; a < kAttributes; ++a) {
         if (sizes[a] == 0) continue;
@@ -204,7 +217,8 @@ StaticSplatData unpack(const Packed& p) {
         }
         s.rotation[i] = h.version == 2 ? rotationFromThree(&rotation[i * 3]) : rotationSmallestThree(&rotation[i * 4]);
         s.opacity[i] = float(alpha[i]) / 255;
-        for (size_t k = 3; k < coefficients * 3; ++k) sh[k] = (float(rest[i * fileRest + k - 3]) - 128) / 128;   // colour runs fastest, as in ours
+        for (size_t k = 3; k < coefficients * 3; ++k)
+            sh[k] = (float(rest[i * fileRest + k - 3]) - 128) / 128;  // colour runs fastest, as in ours
     }
     return s;
 }
@@ -214,7 +228,8 @@ StaticSplatData unpack(const Packed& p) {
 Result<StaticSplatData> readSpz(std::span<const uint8_t> bytes, SpzInfo* info) try {
     const bool gzip = bytes.size() >= 2 && bytes[0] == 0x1f && bytes[1] == 0x8b;
     DPL_TRY(const Packed packed, gzip ? openGzip(bytes) : openZstd(bytes));
-    if (packed.header.shDegree > kMaxShDegree) log(LogLevel::Info, "SPZ: SH degree {}, drawn up to degree {}", uint32_t(packed.header.shDegree), kMaxShDegree);
+    if (packed.header.shDegree > kMaxShDegree)
+        log(LogLevel::Info, "SPZ: SH degree {}, drawn up to degree {}", uint32_t(packed.header.shDegree), kMaxShDegree);
     if (info) *info = {packed.header.version, packed.header.splats, packed.header.shDegree};
     return unpack(packed);
 } catch (const std::bad_alloc&) {

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 // The one translation unit of tinygltf. It gets a JSON of known keys and a placeholder buffer, never the user's binary chunk:
 //  - it would copy that chunk whole, while we read from the caller's bytes;
 //  - its Draco path dereferences an unknown attribute id and writes five-component attributes past a four-element array, so Draco goes
 //    through our own bounded decoder (draco_mesh.h) and TINYGLTF_ENABLE_DRACO stays off.
 #include "sdk/format/tiny_gltf_parse.h"
 
-#include <fstream>   // tiny_gltf.h forgets it under TINYGLTF_NO_FS
+#include <fstream>  // tiny_gltf.h forgets it under TINYGLTF_NO_FS
 
 #define TINYGLTF_IMPLEMENTATION
 #define TINYGLTF_NO_STB_IMAGE
@@ -35,8 +36,12 @@ std::string glbAround(std::string json) {
     return glb;
 }
 
-Quatf quaternionOf(const std::vector<double>& v) { return v.size() == 4 ? Quatf(float(v[3]), float(v[0]), float(v[1]), float(v[2])) : Quatf(1, 0, 0, 0); }
-Vec3f vectorOf(const std::vector<double>& v, float otherwise) { return v.size() == 3 ? Vec3f(v[0], v[1], v[2]) : Vec3f(otherwise); }
+Quatf quaternionOf(const std::vector<double>& v) {
+    return v.size() == 4 ? Quatf(float(v[3]), float(v[0]), float(v[1]), float(v[2])) : Quatf(1, 0, 0, 0);
+}
+Vec3f vectorOf(const std::vector<double>& v, float otherwise) {
+    return v.size() == 3 ? Vec3f(v[0], v[1], v[2]) : Vec3f(otherwise);
+}
 
 /** T·R·S of a matrix; shear is dropped. */
 void decompose(const std::vector<double>& m, GltfNode& node) {
@@ -80,12 +85,16 @@ GltfMesh convertMesh(const tinygltf::Mesh& from) {
 GltfAccessor convertAccessor(const tinygltf::Accessor& from) {
     GltfAccessor a;
     a.view = from.bufferView, a.offset = from.byteOffset, a.component = GltfComponent(from.componentType), a.normalized = from.normalized;
-    a.components = from.type == TINYGLTF_TYPE_MAT4 ? 16 : from.type >= TINYGLTF_TYPE_VEC2 && from.type <= TINYGLTF_TYPE_VEC4 ? uint32_t(from.type) : from.type == TINYGLTF_TYPE_SCALAR ? 1 : 0;
+    a.components = from.type == TINYGLTF_TYPE_MAT4                                      ? 16
+                   : from.type >= TINYGLTF_TYPE_VEC2 && from.type <= TINYGLTF_TYPE_VEC4 ? uint32_t(from.type)
+                   : from.type == TINYGLTF_TYPE_SCALAR                                  ? 1
+                                                                                        : 0;
     a.count = uint32_t(std::min<size_t>(from.count, std::numeric_limits<uint32_t>::max()));
     if (from.sparse.isSparse) {
-        a.sparse = {uint32_t(from.sparse.count), from.sparse.indices.bufferView, from.sparse.values.bufferView, size_t(from.sparse.indices.byteOffset),
+        a.sparse = {uint32_t(from.sparse.count),           from.sparse.indices.bufferView,
+                    from.sparse.values.bufferView,         size_t(from.sparse.indices.byteOffset),
                     size_t(from.sparse.values.byteOffset), GltfComponent(from.sparse.indices.componentType)};
-        if (from.sparse.count < 1) a.sparse.count = std::numeric_limits<uint32_t>::max();   // refused by the range check
+        if (from.sparse.count < 1) a.sparse.count = std::numeric_limits<uint32_t>::max();  // refused by the range check
     }
     return a;
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Flat splats bound to triangles (technical reference §5.1): no 3×3 covariance is ever formed.
 //
 //   rest triangle (a0,a1,a2): T1 = e1/|e1|, n = e1×e2/|e1×e2|, T2 = n×T1, D = [e1·T1 e2·T1; 0 e2·T2]

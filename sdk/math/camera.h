@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A pinhole camera in the OpenCV habit: x right, y down, z forward; (0,0) is the top left corner of the image, so the
 // centre of the first pixel is (0.5, 0.5).
 #pragma once
@@ -11,8 +12,8 @@ namespace dpl {
 template <class T>
 struct PinholeCamera {
     uint32_t widthPx = 0, heightPx = 0;
-    T fx = 0, fy = 0, cx = 0, cy = 0;   // pixels
-    Mat3<T> viewFromWorldRotation{1};   // X_view = R X_world + t
+    T fx = 0, fy = 0, cx = 0, cy = 0;  // pixels
+    Mat3<T> viewFromWorldRotation{1};  // X_view = R X_world + t
     Vec3<T> viewFromWorldTranslation{0};
 
     Vec3<T> toView(const Vec3<T>& world) const { return viewFromWorldRotation * world + viewFromWorldTranslation; }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // IEEE 754 binary16, as graphics APIs keep it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Vertices at the same place are one: seams of texture or normals do not cut a surface.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Screen footprint of a flat splat (technical reference §5.5, §17): the same rule in trainer, software and Vulkan renderer.
 //
 //   B = J_p·W·A (2×2),  Σ' = B·Bᵀ + κI,  det Σ' = det(B)² + κ‖B‖² + κ²   (sum form: a·c−b² loses needles in float)
@@ -12,15 +13,15 @@
 
 namespace dpl {
 
-constexpr double kKappaPx2 = 0.3;             // low-pass variance where nothing else is said, target pixels²; avatars say theirs
+constexpr double kKappaPx2 = 0.3;  // low-pass variance where nothing else is said, target pixels²; avatars say theirs
 constexpr double kMaxAlpha = 0.99;
 constexpr double kMinAlpha = 1.0 / 255.0;
 constexpr double kMinTransmittance = 1e-4;
 constexpr double kMinCompensation = 0.005;
-constexpr double kNearM = 0.05;               // splats whose centre is nearer are not drawn
-constexpr double kNearFadeEndM = 0.15;        // ... and fade in up to here
-constexpr double kClampMargin = 0.3;          // x/z is clamped to the image widened by this fraction of its half field of view
-constexpr double kGateEnd = 0.1;              // single-face splats fade in over cosθ in [0, kGateEnd]
+constexpr double kNearM = 0.05;         // splats whose centre is nearer are not drawn
+constexpr double kNearFadeEndM = 0.15;  // ... and fade in up to here
+constexpr double kClampMargin = 0.3;    // x/z is clamped to the image widened by this fraction of its half field of view
+constexpr double kGateEnd = 0.1;        // single-face splats fade in over cosθ in [0, kGateEnd]
 
 template <class T>
 inline T smoothstep01(T x) {
@@ -47,8 +48,8 @@ struct Footprint {
     T conicA = 0, conicB = 0, conicC = 0;  // σ = ½(A dx² + C dy²) + B dx dy
     T varianceX = 0, varianceY = 0;        // diagonal of Σ', px²: the box of level q is ±√(q·variance)
     T compensation = 0;
-    T depthM = 0;                          // view z
-    bool visible = false;                  // false: behind the near plane or not finite
+    T depthM = 0;          // view z
+    bool visible = false;  // false: behind the near plane or not finite
 };
 
 /** Limits of x/z and y/z for the Jacobian: the image widened by kClampMargin·tan(half field of view) on each side. */

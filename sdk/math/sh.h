@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Real spherical harmonics up to degree 3 in the order and sign of 3D Gaussian splatting files (technical reference §1).
 #pragma once
 
@@ -5,7 +6,9 @@
 
 namespace dpl {
 
-constexpr uint32_t shCoefficientCount(uint32_t degree) { return (degree + 1) * (degree + 1); }
+constexpr uint32_t shCoefficientCount(uint32_t degree) {
+    return (degree + 1) * (degree + 1);
+}
 constexpr uint32_t kMaxShDegree = 3;
 constexpr uint32_t kMaxShCoefficients = 16;
 constexpr double kShC0 = 0.28209479177387814;

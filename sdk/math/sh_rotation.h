@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Spherical harmonics of a thing that was turned.
 #pragma once
 

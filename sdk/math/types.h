@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // GLM types under our names. World: metres, right-handed, +Y up. Quaternions are xyzw in memory. Matrices are column-major.
 #pragma once
 
@@ -7,14 +8,22 @@
 
 namespace dpl {
 
-template <class T> using Vec2 = glm::vec<2, T, glm::defaultp>;
-template <class T> using Vec3 = glm::vec<3, T, glm::defaultp>;
-template <class T> using Vec4 = glm::vec<4, T, glm::defaultp>;
-template <class T> using Mat2 = glm::mat<2, 2, T, glm::defaultp>;
-template <class T> using Mat3 = glm::mat<3, 3, T, glm::defaultp>;
-template <class T> using Mat4 = glm::mat<4, 4, T, glm::defaultp>;
-template <class T> using Mat3x4 = glm::mat<4, 3, T, glm::defaultp>;  // four columns of three: a rigid or affine transform [R | t]
-template <class T> using Quat = glm::qua<T, glm::defaultp>;
+template <class T>
+using Vec2 = glm::vec<2, T, glm::defaultp>;
+template <class T>
+using Vec3 = glm::vec<3, T, glm::defaultp>;
+template <class T>
+using Vec4 = glm::vec<4, T, glm::defaultp>;
+template <class T>
+using Mat2 = glm::mat<2, 2, T, glm::defaultp>;
+template <class T>
+using Mat3 = glm::mat<3, 3, T, glm::defaultp>;
+template <class T>
+using Mat4 = glm::mat<4, 4, T, glm::defaultp>;
+template <class T>
+using Mat3x4 = glm::mat<4, 3, T, glm::defaultp>;  // four columns of three: a rigid or affine transform [R | t]
+template <class T>
+using Quat = glm::qua<T, glm::defaultp>;
 
 using Vec2f = Vec2<float>;
 using Vec3f = Vec3<float>;

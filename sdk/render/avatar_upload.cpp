@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/render/avatar_upload.h"
 
 #include <algorithm>
@@ -18,11 +19,14 @@ namespace {
 
 // The shaders hold the footprint rule a second time; these lines keep the two from drifting.
 static_assert(gpu::kGpuMinTriangleAreaM2 == float(kMinTriangleAreaM2) && gpu::kGpuMaxTriangleAspect == float(kMaxTriangleAspect));
-static_assert(gpu::kGpuMaxAlpha == float(kMaxAlpha) && gpu::kGpuMinAlpha == float(kMinAlpha) && gpu::kGpuMinCompensation == float(kMinCompensation));
+static_assert(gpu::kGpuMaxAlpha == float(kMaxAlpha) && gpu::kGpuMinAlpha == float(kMinAlpha) &&
+              gpu::kGpuMinCompensation == float(kMinCompensation));
 static_assert(gpu::kGpuNearM == float(kNearM) && gpu::kGpuNearFadeEndM == float(kNearFadeEndM) && gpu::kGpuGateEnd == float(kGateEnd));
-static_assert(gpu::kUvZeroCode == float(kUvZero) && gpu::kUvCodeSteps == float(kUvSteps) && kPhiSteps == 1024 && kScaleCodes == 2047 && gpu::kGatedBit == kSingleFaceBit && kColourCodes[0] == 1023);
-static_assert(sizeof(SplatChunk) == gpu::kChunkWords * 4 && offsetof(SplatChunk, scaleMinM) == gpu::kChunkScaleMin * 4 && offsetof(SplatChunk, scaleMaxM) == gpu::kChunkScaleMax * 4 &&
-              offsetof(SplatChunk, dcMin) == gpu::kChunkDcMin * 4 && offsetof(SplatChunk, dcMax) == gpu::kChunkDcMax * 4 && offsetof(SplatChunk, shRange) == gpu::kChunkShRange * 4 &&
+static_assert(gpu::kUvZeroCode == float(kUvZero) && gpu::kUvCodeSteps == float(kUvSteps) && kPhiSteps == 1024 && kScaleCodes == 2047 &&
+              gpu::kGatedBit == kSingleFaceBit && kColourCodes[0] == 1023);
+static_assert(sizeof(SplatChunk) == gpu::kChunkWords * 4 && offsetof(SplatChunk, scaleMinM) == gpu::kChunkScaleMin * 4 &&
+              offsetof(SplatChunk, scaleMaxM) == gpu::kChunkScaleMax * 4 && offsetof(SplatChunk, dcMin) == gpu::kChunkDcMin * 4 &&
+              offsetof(SplatChunk, dcMax) == gpu::kChunkDcMax * 4 && offsetof(SplatChunk, shRange) == gpu::kChunkShRange * 4 &&
               offsetof(SplatChunk, firstParent) == gpu::kChunkFirstParent * 4);
 static_assert(kSplatChunkSize == 2 * gpu::kSplatGroup);
 static_assert(gpu::kGpuDetailFade == float(kDetailFade) && gpu::kSplatGroup == kSplatGroupSize && sizeof(SplatGroup) == 12);
@@ -32,14 +36,16 @@ constexpr uint32_t kMaxJoints = 0xFFFF;
 
 Status checkBinding(const char* what, uint64_t count, uint64_t each, const DeviceInfo& device, const char* remedy) {
     if (count * each <= device.maxBindingBytes) return {};
-    return fail(Code::Unsupported, "{} need {} bytes in one binding, {} allows {}; {}", what, count * each, device.name, device.maxBindingBytes, remedy);
+    return fail(Code::Unsupported, "{} need {} bytes in one binding, {} allows {}; {}", what, count * each, device.name,
+                device.maxBindingBytes, remedy);
 }
 
 /** The chunks' tables of parents, each entry with the kinds of splats that its chunk has on it. */
 std::vector<uint32_t> parentTable(const CodedSplats& s) {
     std::vector<uint32_t> table = s.parents;
     for (const SplatChunk& c : s.chunks)
-        for (uint32_t i = c.firstSplat; i < c.firstSplat + c.splatCount; ++i) table[c.firstParent + s.parent[i]] |= s.size[i] & gpu::kGatedBit ? gpu::kParentGated : gpu::kParentFree;
+        for (uint32_t i = c.firstSplat; i < c.firstSplat + c.splatCount; ++i)
+            table[c.firstParent + s.parent[i]] |= s.size[i] & gpu::kGatedBit ? gpu::kParentGated : gpu::kParentFree;
     return table;
 }
 
@@ -56,15 +62,19 @@ uint32_t appendWords(std::vector<uint32_t>& words, const std::vector<T>& values)
 Status checkSplatArrays(const AvatarData& avatar) {
     const SplatData& splats = avatar.splats;
     const size_t triangles = avatar.mesh.triangles.size(), count = splats.count();
-    if (splats.shDegree > kMaxShDegree) return fail(Code::Unsupported, "avatar {}: SH degree {}, at most {}", avatar.name, splats.shDegree, kMaxShDegree);
+    if (splats.shDegree > kMaxShDegree)
+        return fail(Code::Unsupported, "avatar {}: SH degree {}, at most {}", avatar.name, splats.shDegree, kMaxShDegree);
     const size_t coefficients = shCoefficientCount(splats.shDegree) * 3;
     if (splats.phi.size() != count || splats.scaleM.size() != count || splats.opacity.size() != count || splats.flags.size() != count ||
         splats.sh.size() != count * coefficients)
         return fail(Code::InvalidArgument, "avatar {}: splat arrays differ in length ({} splats)", avatar.name, count);
-    if (count > 0 && (splats.triangleStart.size() != triangles + 1 || splats.triangleStart.front() != 0 || splats.triangleStart.back() != count))
-        return fail(Code::InvalidArgument, "avatar {}: triangleStart does not cover {} triangles and {} splats", avatar.name, triangles, count);
+    if (count > 0 &&
+        (splats.triangleStart.size() != triangles + 1 || splats.triangleStart.front() != 0 || splats.triangleStart.back() != count))
+        return fail(Code::InvalidArgument, "avatar {}: triangleStart does not cover {} triangles and {} splats", avatar.name, triangles,
+                    count);
     for (size_t t = 1; t < splats.triangleStart.size(); ++t)
-        if (splats.triangleStart[t] < splats.triangleStart[t - 1]) return fail(Code::InvalidArgument, "avatar {}: triangleStart falls at triangle {}", avatar.name, t);
+        if (splats.triangleStart[t] < splats.triangleStart[t - 1])
+            return fail(Code::InvalidArgument, "avatar {}: triangleStart falls at triangle {}", avatar.name, t);
     return {};
 }
 
@@ -72,23 +82,34 @@ Status checkAvatar(const AvatarData& avatar, const CodedSplats& splats, const De
     const MeshData& mesh = avatar.mesh;
     const size_t vertices = mesh.restPositions.size(), triangles = mesh.triangles.size();
     if (mesh.jointIndices.size() != vertices || mesh.jointWeights.size() != vertices)
-        return fail(Code::InvalidArgument, "avatar {}: {} vertices but {} joint indices and {} weights", avatar.name, vertices, mesh.jointIndices.size(), mesh.jointWeights.size());
-    if (avatar.joints.empty() || avatar.joints.size() > kMaxJoints) return fail(Code::InvalidArgument, "avatar {}: {} joints; 1 to {} are possible", avatar.name, avatar.joints.size(), kMaxJoints);
+        return fail(Code::InvalidArgument, "avatar {}: {} vertices but {} joint indices and {} weights", avatar.name, vertices,
+                    mesh.jointIndices.size(), mesh.jointWeights.size());
+    if (avatar.joints.empty() || avatar.joints.size() > kMaxJoints)
+        return fail(Code::InvalidArgument, "avatar {}: {} joints; 1 to {} are possible", avatar.name, avatar.joints.size(), kMaxJoints);
     for (const auto& indices : mesh.jointIndices)
         for (int k = 0; k < 4; ++k)
-            if (indices[k] >= avatar.joints.size()) return fail(Code::InvalidArgument, "avatar {}: a vertex names joint {} of {}", avatar.name, indices[k], avatar.joints.size());
+            if (indices[k] >= avatar.joints.size())
+                return fail(Code::InvalidArgument, "avatar {}: a vertex names joint {} of {}", avatar.name, indices[k],
+                            avatar.joints.size());
     for (const Triangle& t : mesh.triangles)
         for (int k = 0; k < 3; ++k)
-            if (t[k] >= vertices) return fail(Code::InvalidArgument, "avatar {}: a triangle names vertex {} of {}", avatar.name, t[k], vertices);
+            if (t[k] >= vertices)
+                return fail(Code::InvalidArgument, "avatar {}: a triangle names vertex {} of {}", avatar.name, t[k], vertices);
     DPL_CHECK_OK(checkCorrectives(avatar.correctives, avatar.joints.size(), vertices));
     const uint64_t detail = splats.groups.empty() ? 2 * splats.chunks.size() * sizeof(SplatGroup) : 0;  // of measureGroups
-    DPL_CHECK_OK(checkBinding("splats", splats.bytes() + detail + 32, 1, device, "export the avatar with a lower SH degree or fewer splats"));
+    DPL_CHECK_OK(
+        checkBinding("splats", splats.bytes() + detail + 32, 1, device, "export the avatar with a lower SH degree or fewer splats"));
     if (2 * splats.chunks.size() > device.maxGroups)
-        return fail(Code::Unsupported, "avatar {}: {} chunks of splats, {} draws at most {}; pack the avatar again", avatar.name, splats.chunks.size(), device.name, device.maxGroups / 2);
-    if (triangles > gpu::kParentMask) return fail(Code::Unsupported, "avatar {}: {} triangles, at most {}; decimate the mesh", avatar.name, triangles, gpu::kParentMask);
-    DPL_CHECK_OK(checkBinding("projected splats", splats.count(), sizeof(gpu::ProjectedSplat) * gpu::kMaxViews, device, "export the avatar with fewer splats"));
+        return fail(Code::Unsupported, "avatar {}: {} chunks of splats, {} draws at most {}; pack the avatar again", avatar.name,
+                    splats.chunks.size(), device.name, device.maxGroups / 2);
+    if (triangles > gpu::kParentMask)
+        return fail(Code::Unsupported, "avatar {}: {} triangles, at most {}; decimate the mesh", avatar.name, triangles, gpu::kParentMask);
+    DPL_CHECK_OK(checkBinding("projected splats", splats.count(), sizeof(gpu::ProjectedSplat) * gpu::kMaxViews, device,
+                              "export the avatar with fewer splats"));
     DPL_CHECK_OK(checkBinding("posed triangles", triangles, sizeof(gpu::TriangleFrame), device, "decimate the mesh"));
-    return checkBinding("posed vertices", vertices, avatar.correctives.empty() ? sizeof(gpu::VertexRecord) : sizeof(gpu::CorrectedVertexRecord), device, "decimate the mesh");
+    return checkBinding("posed vertices", vertices,
+                        avatar.correctives.empty() ? sizeof(gpu::VertexRecord) : sizeof(gpu::CorrectedVertexRecord), device,
+                        "decimate the mesh");
 }
 
 Status checkSplats(const StaticSplatData& s, const DeviceInfo& device) {
@@ -98,8 +119,10 @@ Status checkSplats(const StaticSplatData& s, const DeviceInfo& device) {
     if (s.rotation.size() != count || s.scaleM.size() != count || s.opacity.size() != count || s.sh.size() != count * coefficients)
         return fail(Code::InvalidArgument, "the arrays of {} splats differ in length", count);
     if ((count + gpu::kSplatGroup - 1) / gpu::kSplatGroup > device.maxGroups)
-        return fail(Code::Unsupported, "{} splats, {} draws at most {}; export fewer splats", count, device.name, uint64_t(device.maxGroups) * gpu::kSplatGroup);
-    DPL_CHECK_OK(checkBinding("SH coefficients", count, (coefficients + 7) / 8 * sizeof(gpu::uvec4), device, "export the splats with a lower SH degree, or fewer of them"));
+        return fail(Code::Unsupported, "{} splats, {} draws at most {}; export fewer splats", count, device.name,
+                    uint64_t(device.maxGroups) * gpu::kSplatGroup);
+    DPL_CHECK_OK(checkBinding("SH coefficients", count, (coefficients + 7) / 8 * sizeof(gpu::uvec4), device,
+                              "export the splats with a lower SH degree, or fewer of them"));
     return checkBinding("projected splats", count, sizeof(gpu::ProjectedSplat) * gpu::kMaxViews, device, "export fewer splats");
 }
 
@@ -159,14 +182,20 @@ AvatarRecords packAvatar(const AvatarData& avatar, const CodedSplats& splats) {
                                              bytes(avatar.correctives.nodeWeights[i]), components.ofVertex[i], 0, 0});
         }
     }
-    constexpr float kAnywhere = 1e15f;    // never out of view; its products stay finite
+    constexpr float kAnywhere = 1e15f;  // never out of view; its products stay finite
     for (size_t i = 0; i < mesh.triangles.size(); ++i) {
         const Triangle& t = mesh.triangles[i];
         const TriangleReach& r = reach[i];
         const auto rest = restTriangle<float>(mesh.restPositions[t.x], mesh.restPositions[t.y], mesh.restPositions[t.z]);
         const auto column = [&](int k, float w) { return gpu::vec4{rest.frame[k].x, rest.frame[k].y, rest.frame[k].z, w}; };
-        out.triangles.push_back({column(0, rest.inverse.i00), column(1, rest.inverse.i01), column(2, rest.inverse.i11), {t.x, t.y, t.z, rest.valid ? 1u + components.ofTriangle[i] : 0u},
-                                 r.overshoots ? kAnywhere : r.reachM, r.rootLevel, r.freeSplats, r.gatedSplats});
+        out.triangles.push_back({column(0, rest.inverse.i00),
+                                 column(1, rest.inverse.i01),
+                                 column(2, rest.inverse.i11),
+                                 {t.x, t.y, t.z, rest.valid ? 1u + components.ofTriangle[i] : 0u},
+                                 r.overshoots ? kAnywhere : r.reachM,
+                                 r.rootLevel,
+                                 r.freeSplats,
+                                 r.gatedSplats});
     }
     out.codes.reserve(size_t(splats.bytes()) / 4 + 3);
     appendWords(out.codes, splats.chunks);
@@ -182,7 +211,9 @@ AvatarRecords packAvatar(const AvatarData& avatar, const CodedSplats& splats) {
     return out;
 }
 
-size_t paletteRows(const AvatarData& avatar) { return avatar.joints.size() * 3 + avatar.correctives.nodeCount; }
+size_t paletteRows(const AvatarData& avatar) {
+    return avatar.joints.size() * 3 + avatar.correctives.nodeCount;
+}
 
 void packPalette(std::span<const Mat3x4f> worldFromRest, std::span<const Vec4f> nodes, std::span<gpu::vec4> out) {
     auto row = out.begin();
@@ -191,10 +222,15 @@ void packPalette(std::span<const Mat3x4f> worldFromRest, std::span<const Vec4f> 
     for (const Vec4f& n : nodes) *row++ = {n.x, n.y, n.z, n.w};
 }
 
-SplatSet splatSetOf(const AvatarData& avatar, const CodedSplats& splats) { return {splats.count(), splats.shDegree, avatar.kappaPx2, avatar.compensated}; }
-SplatSet splatSetOf(const StaticSplatData& splats) { return {splats.count(), splats.shDegree, splats.kappaPx2, splats.compensated}; }
+SplatSet splatSetOf(const AvatarData& avatar, const CodedSplats& splats) {
+    return {splats.count(), splats.shDegree, avatar.kappaPx2, avatar.compensated};
+}
+SplatSet splatSetOf(const StaticSplatData& splats) {
+    return {splats.count(), splats.shDegree, splats.kappaPx2, splats.compensated};
+}
 
-gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views, uint32_t samples, const SplatDetail& detail, float largestGrowth, uint32_t unseen) {
+gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views, uint32_t samples, const SplatDetail& detail,
+                         float largestGrowth, uint32_t unseen) {
     gpu::FrameData f{};
     Vec3d axis(0), first(0, 0, 1);
     for (size_t v = 0; v < views.size(); ++v) {
@@ -203,8 +239,12 @@ gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views,
         const Vec3f& t = c.viewFromWorldTranslation;
         const JacobianClamp<float> limit(c);
         const Vec3f eye = c.eye();
-        f.views[v] = {{r[0][0], r[1][0], r[2][0], t.x}, {r[0][1], r[1][1], r[2][1], t.y}, {r[0][2], r[1][2], r[2][2], t.z},
-                      {c.fx, c.fy, c.cx, c.cy}, {limit.minX, limit.maxX, limit.minY, limit.maxY}, {eye.x, eye.y, eye.z, 0}};
+        f.views[v] = {{r[0][0], r[1][0], r[2][0], t.x},
+                      {r[0][1], r[1][1], r[2][1], t.y},
+                      {r[0][2], r[1][2], r[2][2], t.z},
+                      {c.fx, c.fy, c.cx, c.cy},
+                      {limit.minX, limit.maxX, limit.minY, limit.maxY},
+                      {eye.x, eye.y, eye.z, 0}};
         const Vec3d forward(r[0][2], r[1][2], r[2][2]);
         axis += forward;
         if (v == 0) first = forward;
@@ -223,7 +263,8 @@ gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views,
 
 void packGeneralDetail(const GeneralDetail& detail, gpu::FrameData& f) {
     f.detail = {detail.full() ? 0.0f : detail.perPixel, detail.finestM, 0, 0};
-    for (int v = 0; v < 2; ++v) f.pixelPlanes[v] = {detail.planes[v].axis.x, detail.planes[v].axis.y, detail.planes[v].axis.z, detail.planes[v].offsetM};
+    for (int v = 0; v < 2; ++v)
+        f.pixelPlanes[v] = {detail.planes[v].axis.x, detail.planes[v].axis.y, detail.planes[v].axis.z, detail.planes[v].offsetM};
 }
 
 }  // namespace dpl

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // An avatar, or general splats, as the GPU reads them: static records, checked against the device before any upload.
 #pragma once
 
@@ -16,11 +17,11 @@ namespace dpl {
 
 struct AvatarRecords {
     std::vector<gpu::VertexRecord> vertices;
-    std::vector<gpu::CorrectedVertexRecord> correctedVertices;   // instead of `vertices` when the avatar has pose correctives
+    std::vector<gpu::CorrectedVertexRecord> correctedVertices;  // instead of `vertices` when the avatar has pose correctives
     std::vector<gpu::TriangleRecord> triangles;
-    std::vector<uint32_t> codes;       // the splats' streams, one behind the other
-    gpu::CodesPush where{};            // ... and where each begins
-    Components components;             // numbered as in the records
+    std::vector<uint32_t> codes;  // the splats' streams, one behind the other
+    gpu::CodesPush where{};       // ... and where each begins
+    Components components;        // numbered as in the records
 };
 
 /** Refuses meshes with arrays of different lengths or indices out of range, and avatars above a limit of the device's bindings; the text
@@ -32,7 +33,8 @@ Status checkSplatArrays(const AvatarData& avatar);
 /** Both must have passed checkAvatar; splats with groups (measureGroups) if there is to be a level of detail. */
 AvatarRecords packAvatar(const AvatarData& avatar, const CodedSplats& splats);
 
-/** Whether splats reach farther than 16 bits of depth resolve as finely as they do a person with both arms out: beyond 8 m, 0.12 mm a step. */
+/** Whether splats reach farther than 16 bits of depth resolve as finely as they do a person with both arms out: beyond 8 m, 0.12 mm a step.
+ */
 bool reachFar(const StaticSplatData& splats);
 
 /** The same for general splats. */
@@ -49,15 +51,17 @@ void packPalette(std::span<const Mat3x4f> worldFromRest, std::span<const Vec4f> 
 /** What a frame must know of the splats it draws. */
 struct SplatSet {
     uint32_t count = 0, shDegree = 0;
-    float kappaPx2 = 0;   // of a pixel
+    float kappaPx2 = 0;  // of a pixel
     bool compensated = false;
 };
 SplatSet splatSetOf(const AvatarData& avatar, const CodedSplats& splats);
 SplatSet splatSetOf(const StaticSplatData& splats);
 
-/** What one frame takes from the CPU: the block itself, and the sort axis inside it (mean forward axis of the views). samples: a pixel, which share the low-pass.
- *  largestGrowth: of a splat at this detail. unseen: bits of components, which are not posed. Culls, and is alone in its frame, until flags say otherwise. */
-gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views, uint32_t samples = 1, const SplatDetail& detail = {}, float largestGrowth = 1, uint32_t unseen = 0);
+/** What one frame takes from the CPU: the block itself, and the sort axis inside it (mean forward axis of the views). samples: a pixel,
+ * which share the low-pass. largestGrowth: of a splat at this detail. unseen: bits of components, which are not posed. Culls, and is alone
+ * in its frame, until flags say otherwise. */
+gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views, uint32_t samples = 1, const SplatDetail& detail = {},
+                         float largestGrowth = 1, uint32_t unseen = 0);
 /** The part of it that is of general splats alone. */
 void packGeneralDetail(const GeneralDetail& detail, gpu::FrameData& frame);
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/render/choose_fill.h"
 
 #include <algorithm>
@@ -8,14 +9,17 @@ namespace dpl {
 namespace {
 
 constexpr int kTimedFrames = 3;
-constexpr double kMinPsnrDb = 42;   // 8-bit blending keeps 46 dB on harder pictures; one 8 x 8 tile in a picture of this size that is wrong leaves less than 35
-constexpr int kMaxErrorLevels = 24; // of one channel: a splat at the 1/255 cut-off may flip, and layers of equal depth may swap
+constexpr double kMinPsnrDb =
+    42;  // 8-bit blending keeps 46 dB on harder pictures; one 8 x 8 tile in a picture of this size that is wrong leaves less than 35
+constexpr int kMaxErrorLevels = 24;  // of one channel: a splat at the 1/255 cut-off may flip, and layers of equal depth may swap
 
-const char* nameOf(Fill fill) { return fill == Fill::Tiles ? "tiles" : "quads"; }
+const char* nameOf(Fill fill) {
+    return fill == Fill::Tiles ? "tiles" : "quads";
+}
 
 struct Trial {
     double milliseconds = 0;
-    std::string fault;   // empty: right
+    std::string fault;  // empty: right
 };
 
 std::string faultOf(std::span<const uint8_t> got, std::span<const uint8_t> want) {
@@ -49,7 +53,8 @@ Trial trialOf(Renderer& renderer, RenderAvatarId id, const FillScene& scene, std
         const Status drawn = renderer.draw(id, {}, {&scene.camera, 1}, false);
         const auto pixels = drawn ? renderer.read(id) : Result<std::span<const PixelView>>(drawn.error());
         if (!pixels) return {0, pixels.error().message};
-        const double wall = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count(), device = deviceMilliseconds(renderer, id);
+        const double wall = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count(),
+                     device = deviceMilliseconds(renderer, id);
         if (trial.fault = faultOf((*pixels)[0].rgba, want); !trial.fault.empty()) return trial;
         const double took = device > 0 ? device : wall;
         if (frame > 0) trial.milliseconds = frame == 1 ? took : std::min(trial.milliseconds, took);
@@ -78,7 +83,8 @@ FillScene fillTestScene() {
         s.rotation.push_back(glm::normalize(turn));
         s.scaleM.push_back(large * Vec3f(0.004f + 0.02f * random(), 0.004f + 0.01f * random(), 0.002f));
         s.opacity.push_back(0.3f + 0.6f * random());
-        for (int c = 0; c < 3; ++c) s.sh.push_back(0.8f * (height * float(c - 1) + 0.5f * (random() - 0.5f)));  // neighbours are alike, as on a person
+        for (int c = 0; c < 3; ++c)
+            s.sh.push_back(0.8f * (height * float(c - 1) + 0.5f * (random() - 0.5f)));  // neighbours are alike, as on a person
     }
     Cameraf& c = scene.camera;
     c.widthPx = 157, c.heightPx = 219;  // no multiple of a tile

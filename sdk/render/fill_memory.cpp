@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/render/fill_memory.h"
 
 #include <filesystem>
@@ -12,7 +13,9 @@ namespace {
 
 constexpr uint64_t kMaxFileBytes = 64;
 
-const char* fileText(Fill fill) { return fill == Fill::Tiles ? "tiles\n" : "quads\n"; }
+const char* fileText(Fill fill) {
+    return fill == Fill::Tiles ? "tiles\n" : "quads\n";
+}
 
 std::optional<Fill> readFill(const std::filesystem::path& path) {
     const auto bytes = path.empty() ? Result<std::vector<uint8_t>>(fail(Code::NotFound, "no folder")) : readFile(path, kMaxFileBytes);
@@ -41,14 +44,16 @@ Status setBestFill(Renderer& renderer, const std::string& cacheFolder, TrustedPi
     std::lock_guard lock(mutex);
     const std::string identity = renderer.identity();
     std::filesystem::path path;
-    if (!cacheFolder.empty()) path = std::filesystem::path(reinterpret_cast<const char8_t*>(cacheFolder.c_str())) / ("doppel-fill-" + identity + ".txt");
+    if (!cacheFolder.empty())
+        path = std::filesystem::path(reinterpret_cast<const char8_t*>(cacheFolder.c_str())) / ("doppel-fill-" + identity + ".txt");
     const std::optional<Fill> kept = readFill(path);
     auto found = known->find(identity);
     if (found == known->end()) found = known->emplace(identity, kept ? Result<Fill>(*kept) : runSelfTest(renderer, trusted)).first;
     if (!found->second) return found->second.error();
     const Fill fill = *found->second;
     if (!path.empty() && kept != fill)
-        if (const Status written = writeFileAtomically(path, fileText(fill)); !written) log(LogLevel::Warning, "what the self-test found is not kept: {}", written.error().message);
+        if (const Status written = writeFileAtomically(path, fileText(fill)); !written)
+            log(LogLevel::Warning, "what the self-test found is not kept: {}", written.error().message);
     renderer.setFill(fill);
     return {};
 }

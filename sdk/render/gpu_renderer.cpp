@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/render/gpu_renderer.h"
 
 #include <algorithm>
@@ -18,16 +19,19 @@ namespace {
 static_assert(kMaxDrawnTogether == gpu::kMaxDrawn);
 
 constexpr float kSharedOrderRad = 0.035f;  // two views whose axes are further apart than 2 degrees are sorted each for itself (ADR 0002)
-constexpr size_t kRowsKept = 4;    // of avatars that are drawn together; a room keeps one until somebody comes or goes
+constexpr size_t kRowsKept = 4;            // of avatars that are drawn together; a room keeps one until somebody comes or goes
 
 Status checkViews(std::span<const Cameraf> views) {
-    if (views.empty() || views.size() > gpu::kMaxViews) return fail(Code::InvalidArgument, "{} views; 1 to {} are drawn at once", views.size(), gpu::kMaxViews);
+    if (views.empty() || views.size() > gpu::kMaxViews)
+        return fail(Code::InvalidArgument, "{} views; 1 to {} are drawn at once", views.size(), gpu::kMaxViews);
     for (const Cameraf& c : views) {
-        if (c.widthPx != views[0].widthPx || c.heightPx != views[0].heightPx) return fail(Code::InvalidArgument, "the views have different sizes");
+        if (c.widthPx != views[0].widthPx || c.heightPx != views[0].heightPx)
+            return fail(Code::InvalidArgument, "the views have different sizes");
         if (c.widthPx == 0 || c.heightPx == 0) return fail(Code::InvalidArgument, "a view of {} x {} px", c.widthPx, c.heightPx);
         float sum = c.fx + c.fy + c.cx + c.cy + c.viewFromWorldTranslation.x + c.viewFromWorldTranslation.y + c.viewFromWorldTranslation.z;
         for (int k = 0; k < 3; ++k) sum += c.viewFromWorldRotation[k].x + c.viewFromWorldRotation[k].y + c.viewFromWorldRotation[k].z;
-        if (!std::isfinite(sum) || !(c.fx > 0) || !(c.fy > 0)) return fail(Code::InvalidArgument, "a camera has a non-finite number or no focal length");
+        if (!std::isfinite(sum) || !(c.fx > 0) || !(c.fy > 0))
+            return fail(Code::InvalidArgument, "a camera has a non-finite number or no focal length");
     }
     return {};
 }
@@ -58,7 +62,9 @@ Result<BufferId> GpuRenderer::makeBuffer(std::vector<BufferId>& owned, std::stri
 template <class T>
 Result<BufferId> GpuRenderer::uploadBuffer(std::vector<BufferId>& owned, std::string label, std::span<const T> items) {
     DPL_TRY(BufferId id, makeBuffer(owned, std::move(label), items.size_bytes()));
-    if (!items.empty()) { DPL_CHECK_OK(backend_->write(id, 0, std::as_bytes(items))); }
+    if (!items.empty()) {
+        DPL_CHECK_OK(backend_->write(id, 0, std::as_bytes(items)));
+    }
     return id;
 }
 
@@ -112,7 +118,8 @@ Status GpuRenderer::loadSplats(LoadedAvatar& a, const StaticSplatData& splats) {
     ids.splatCount = splats.count();
     ids.shDegree = splats.shDegree;
     ids.groupCount = (ids.splatCount + gpu::kSplatGroup - 1) / gpu::kSplatGroup;
-    const std::vector<uint32_t> order = spatialOrder(splats.position);  // files keep the order of training: every fetch a cache line of its own
+    const std::vector<uint32_t> order =
+        spatialOrder(splats.position);  // files keep the order of training: every fetch a cache line of its own
     a.generalSubject = GeneralDetailSubject(measureGroups(splats, order), splats.count());
     const std::vector<gpu::vec4> records = packSplats(splats, order, a.generalSubject.groups());
     const std::vector<gpu::uvec4> sh = packSh(splats, order);
@@ -139,7 +146,8 @@ Status GpuRenderer::loadAvatar(LoadedAvatar& a, const CodedSplats& splats) {
     for (const SplatChunk& c : splats.chunks) ids.filledGroups += (c.splatCount + gpu::kSplatGroup - 1) / gpu::kSplatGroup;
     ids.codes = records.where;
     a.splatBytes = splats.bytes();
-    a.avatarBytes = splats.bytes() + posingBytes(data) + records.triangles.size() * sizeof(gpu::TriangleRecord) + records.vertices.size() * sizeof(gpu::VertexRecord) +
+    a.avatarBytes = splats.bytes() + posingBytes(data) + records.triangles.size() * sizeof(gpu::TriangleRecord) +
+                    records.vertices.size() * sizeof(gpu::VertexRecord) +
                     records.correctedVertices.size() * sizeof(gpu::CorrectedVertexRecord);
     if (ids.corrected) {
         DPL_TRY(ids.vertices, uploadBuffer<gpu::CorrectedVertexRecord>(a.owned, "vertices", records.correctedVertices));
@@ -166,8 +174,10 @@ void GpuRenderer::removeAvatar(RenderAvatarId id) {
     const auto it = avatars_.find(id);
     if (it == avatars_.end()) return;
     for (auto row = rows_.begin(); row != rows_.end();) {
-        if (row->second.holds(id)) freeRow(row->second), row = rows_.erase(row);
-        else ++row;
+        if (row->second.holds(id))
+            freeRow(row->second), row = rows_.erase(row);
+        else
+            ++row;
     }
     freeBuffers(it->second.owned);
     avatars_.erase(it);
@@ -183,7 +193,9 @@ Result<GpuRenderer::Row*> GpuRenderer::rowOf(std::span<const Drawn> what) {
     auto oldest = rows_.end();
     for (auto it = rows_.begin(); it != rows_.end(); ++it) {
         Row& row = it->second;
-        if (std::equal(what.begin(), what.end(), row.members.begin(), row.members.end(), [](const Drawn& d, RenderAvatarId member) { return d.avatar == member; })) return &row;
+        if (std::equal(what.begin(), what.end(), row.members.begin(), row.members.end(),
+                       [](const Drawn& d, RenderAvatarId member) { return d.avatar == member; }))
+            return &row;
         if (row.members.size() == 1) continue;
         ++together;
         if (oldest == rows_.end() || row.lastUse < oldest->second.lastUse) oldest = it;
@@ -202,7 +214,7 @@ Result<GpuRenderer::Row*> GpuRenderer::rowOf(std::span<const Drawn> what) {
 Status GpuRenderer::drawTogether(std::span<const Drawn> what, std::span<const Cameraf> views, const FrameWants& wants) {
     DPL_CHECK_OK(checkViews(views));
     DPL_CHECK_OK(checkScene(wants, views));
-    DPL_TRY(Row* row, rowOf(what));
+    DPL_TRY(Row * row, rowOf(what));
     bool mesh = false;
     uint32_t samples = 1;
     float kappaPx2 = INFINITY;
@@ -210,14 +222,17 @@ Status GpuRenderer::drawTogether(std::span<const Drawn> what, std::span<const Ca
         const auto& data = avatars_.at(d.avatar).data;
         mesh |= data != nullptr;
         kappaPx2 = std::min(kappaPx2, avatars_.at(d.avatar).splats.kappaPx2);
-        if (data && backend_->info().fourSamples) samples = std::max(samples, coverageSamples(data->trainedPixelM, rootPosition(data->joints, *d.pose), views));
+        if (data && backend_->info().fourSamples)
+            samples = std::max(samples, coverageSamples(data->trainedPixelM, rootPosition(data->joints, *d.pose), views));
     }
     if (wants.meshDepth && !mesh) return fail(Code::InvalidArgument, "general splats have no mesh and no depth of one");
     poseRow(*row, what, views);
     avatars_.at(what[0].avatar).lastRow = 0;
     std::fill(std::begin(row->drawn), std::end(row->drawn), 0);
-    const Fill fill = kappaPx2 >= kTileMinKappaPx2 ? options_.fill : Fill::Quads;  // whatever the samples: they share κ, and their columns are shorter
-    const Shape shape{views[0].widthPx, views[0].heightPx, uint32_t(views.size()), wants.depth, wants.meshDepth, wants.behindScene(), 0, samples, fill};
+    const Fill fill =
+        kappaPx2 >= kTileMinKappaPx2 ? options_.fill : Fill::Quads;  // whatever the samples: they share κ, and their columns are shorter
+    const Shape shape{
+        views[0].widthPx, views[0].heightPx, uint32_t(views.size()), wants.depth, wants.meshDepth, wants.behindScene(), 0, samples, fill};
     Status drawn;
     if (views.size() == 1 || (options_.shareViews && shareOrder(views))) {
         drawn = drawFrame(*row, what, views, shape, {wants.sceneDepthM, views.size()});
@@ -251,8 +266,9 @@ void GpuRenderer::poseRow(Row& row, std::span<const Drawn> what, std::span<const
     }
 }
 
-Status GpuRenderer::drawFrame(Row& row, std::span<const Drawn> what, std::span<const Cameraf> views, const Shape& shape, std::span<const std::span<const float>> sceneDepthM) {
-    DPL_TRY(ShapedFrame* frame, frameOf(row, shape));
+Status GpuRenderer::drawFrame(Row& row, std::span<const Drawn> what, std::span<const Cameraf> views, const Shape& shape,
+                              std::span<const std::span<const float>> sceneDepthM) {
+    DPL_TRY(ShapedFrame * frame, frameOf(row, shape));
     Slot& slot = frame->slots[frame->next];
     if (!backend_->finished(slot.draw)) {
         ++waits_;
@@ -274,7 +290,9 @@ void GpuRenderer::fill(const Row& row, Slot& slot, std::span<const Drawn> what, 
         uint32_t unseen = 0;
         if (avatar.data) {
             writePalette(avatar, *what[k].pose, slot.palette[k]);
-            if (!shape.meshDepth) unseen = avatar.components.unseen(avatar.worldFromRest, coefficients_, views, avatar.splats.kappaPx2, growth);  // the depth of the mesh is drawn from every triangle
+            if (!shape.meshDepth)
+                unseen = avatar.components.unseen(avatar.worldFromRest, coefficients_, views, avatar.splats.kappaPx2,
+                                                  growth);  // the depth of the mesh is drawn from every triangle
             slot.componentsInView += avatar.components.count() - uint32_t(std::popcount(unseen));
             if (unseen != 0 && unseen == avatar.components.all()) unseen = ~0u;
         }
@@ -290,8 +308,10 @@ void GpuRenderer::writeScene(const Slot& slot, const Shape& shape, std::span<con
     float* to = reinterpret_cast<float*>(backend_->mapped(slot.scene).data());
     for (size_t v = 0; v < shape.views; ++v, to += pixels) {
         const std::span<const float> from = sceneDepthM[v];
-        if (from.empty()) std::fill_n(to, pixels, INFINITY);
-        else std::transform(from.begin(), from.begin() + ptrdiff_t(pixels), to, farthestSeenM);
+        if (from.empty())
+            std::fill_n(to, pixels, INFINITY);
+        else
+            std::transform(from.begin(), from.begin() + ptrdiff_t(pixels), to, farthestSeenM);
     }
 }
 

@@ -1,8 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 // The renderer over any backend. Everything a frame needs is created by addAvatar and by the first frame of a shape
-// (size, number of views, depths or not, samples a pixel); a warm frame fills two mapped buffers (views; joints and control nodes) and submits one recorded frame.
+// (size, number of views, depths or not, samples a pixel); a warm frame fills two mapped buffers (views; joints and control nodes) and
+// submits one recorded frame.
 //
-//   draw:  slot 0 ─► slot 1 ─► slot 2 ─► slot 0 ...   each with its own mapped buffers, fence and timestamps; the rest is shared, the queue runs one after the other
-//   read:  waits, copies the target into mapped memory; its buffers are made when it is first called
+//   draw:  slot 0 ─► slot 1 ─► slot 2 ─► slot 0 ...   each with its own mapped buffers, fence and timestamps; the rest is shared, the queue
+//   runs one after the other read:  waits, copies the target into mapped memory; its buffers are made when it is first called
 #pragma once
 
 #include <algorithm>
@@ -50,8 +52,8 @@ private:
     struct Shape {
         uint32_t widthPx = 0, heightPx = 0, views = 0;
         bool depth = false, meshDepth = false, sceneDepth = false;
-        uint32_t eye = 0;              // 1: the second of two frames that draw a canted pair
-        uint32_t samples = 1;          // a pixel
+        uint32_t eye = 0;      // 1: the second of two frames that draw a canted pair
+        uint32_t samples = 1;  // a pixel
         Fill fill = Fill::Quads;
         bool operator==(const Shape&) const = default;
     };
@@ -59,41 +61,41 @@ private:
         std::vector<BufferId> frame, palette;  // one a subject
         BufferId scene, finalCounts;
         FrameId draw;
-        uint64_t number = 0;           // of the frame it drew last; 0: none
-        uint32_t componentsInView = 0; // of that frame
+        uint64_t number = 0;            // of the frame it drew last; 0: none
+        uint32_t componentsInView = 0;  // of that frame
     };
     struct ShapedFrame {
         Shape shape;
-        FrameIds ids;                  // of what the slots share
+        FrameIds ids;  // of what the slots share
         Slot slots[kFramesInFlight];
         uint32_t next = 0;
-        FrameId readback[2];           // of the target; of what the tiles have filled
+        FrameId readback[2];  // of the target; of what the tiles have filled
         std::vector<BufferId> owned;
-        uint64_t firstTileDepth = 0;   // in tilePixels, bytes
+        uint64_t firstTileDepth = 0;         // in tilePixels, bytes
         uint64_t lastUse = 0, lastRead = 0;  // numbers of frames
-        bool readTiles = false;        // by the last read-back
+        bool readTiles = false;              // by the last read-back
     };
     struct LoadedAvatar {
-        std::shared_ptr<const AvatarData> data;   // null: general splats
+        std::shared_ptr<const AvatarData> data;  // null: general splats
         SplatSet splats;
         SubjectIds ids;
         std::vector<BufferId> owned;
         uint64_t avatarBytes = 0, splatBytes = 0;
         Components components;
-        std::vector<Mat3x4f> worldFromRest;       // of the joints, in the last frame
-        DetailSubject detailSubject;              // the one or the other
+        std::vector<Mat3x4f> worldFromRest;  // of the joints, in the last frame
+        DetailSubject detailSubject;         // the one or the other
         GeneralDetailSubject generalSubject;
         GeneralDetail generalDetail;
-        SplatDetail detail;            // of the last frame that it was in, as is its share of the splats
+        SplatDetail detail;  // of the last frame that it was in, as is its share of the splats
         float detailShare = 0;
-        uint32_t lastRow = 0;          // of the last frame that is this one's; 0: none
+        uint32_t lastRow = 0;  // of the last frame that is this one's; 0: none
     };
     /** What is drawn together, in order, and the lists that a frame of it needs. */
     struct Row {
         uint32_t number = 0;
         std::vector<RenderAvatarId> members;
-        std::vector<SubjectIds> subjects;         // of the members, with their places in the lists
-        FrameIds ids;                             // of what does not depend on the shape
+        std::vector<SubjectIds> subjects;  // of the members, with their places in the lists
+        FrameIds ids;                      // of what does not depend on the shape
         std::vector<BufferId> owned;
         std::vector<ShapedFrame> frames;
         uint64_t drawn[gpu::kMaxViews] = {};      // numbers of the frames of the last draw, in order of the views; 0: none
@@ -102,7 +104,8 @@ private:
     };
 
     Result<TableIds> makeTable(std::vector<BufferId>& owned, const std::string& label, uint64_t cells, uint64_t sums);
-    Result<BufferId> makeBuffer(std::vector<BufferId>& owned, std::string label, uint64_t bytes, BufferMemory memory = BufferMemory::Device);
+    Result<BufferId> makeBuffer(std::vector<BufferId>& owned, std::string label, uint64_t bytes,
+                                BufferMemory memory = BufferMemory::Device);
     template <class T>
     Result<BufferId> uploadBuffer(std::vector<BufferId>& owned, std::string label, std::span<const T> items);
     Status loadAvatar(LoadedAvatar& avatar, const CodedSplats& splats);
@@ -112,7 +115,8 @@ private:
     Result<Row*> rowOf(std::span<const Drawn> what);
     void writePalette(const LoadedAvatar& avatar, const Pose& pose, BufferId palette);
     void poseRow(Row& row, std::span<const Drawn> what, std::span<const Cameraf> views);
-    Status drawFrame(Row& row, std::span<const Drawn> what, std::span<const Cameraf> views, const Shape& shape, std::span<const std::span<const float>> sceneDepthM);
+    Status drawFrame(Row& row, std::span<const Drawn> what, std::span<const Cameraf> views, const Shape& shape,
+                     std::span<const std::span<const float>> sceneDepthM);
     Result<ShapedFrame*> frameOf(Row& row, const Shape& shape);
     Status build(const Row& row, ShapedFrame& frame);
     Status buildSlot(const Row& row, ShapedFrame& frame, Slot& slot, const std::optional<TilePlan>& tiles);
@@ -130,12 +134,12 @@ private:
     std::string name_;
     GpuOptions options_;
     std::map<RenderAvatarId, LoadedAvatar> avatars_;
-    std::map<uint32_t, Row> rows_;         // by number; an avatar by itself: that of the avatar
-    std::vector<float> coefficients_;      // of the last pose
+    std::map<uint32_t, Row> rows_;     // by number; an avatar by itself: that of the avatar
+    std::vector<float> coefficients_;  // of the last pose
     std::vector<Vec4f> nodes_;
-    PixelView pixels_[gpu::kMaxViews];     // of the last read
+    PixelView pixels_[gpu::kMaxViews];  // of the last read
     std::vector<float> depthM_[gpu::kMaxViews], meshDepthM_[gpu::kMaxViews];
-    uint32_t lastId_ = 0;                  // of avatars and rows
+    uint32_t lastId_ = 0;  // of avatars and rows
     uint64_t frameNumber_ = 0, waits_ = 0;
 };
 

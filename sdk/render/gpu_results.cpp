@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What frames have left: pixels, and what they drew and cost.
 #include "sdk/render/gpu_renderer.h"
 
@@ -29,7 +30,9 @@ Result<std::span<const PixelView>> GpuRenderer::read(RenderAvatarId id) {
         DPL_CHECK_OK(backend_->wait(slot.draw));
         frame.readTiles = frame.ids.tilePixels && countsOf(slot).tilesOverflowed == 0;
         FrameId& readback = frame.readback[frame.readTiles];
-        if (!readback) { DPL_CHECK_OK(buildReadback(frame, frame.readTiles)); }
+        if (!readback) {
+            DPL_CHECK_OK(buildReadback(frame, frame.readTiles));
+        }
         DPL_CHECK_OK(backend_->run(readback));
         frame.lastRead = frame.lastUse;
         takePixels(frame, views);
@@ -68,7 +71,8 @@ Result<FrameStats> GpuRenderer::stats(RenderAvatarId id) {
         std::pair<const ShapedFrame*, const Slot*> found{};
         for (const ShapedFrame& frame : row->frames)
             for (const Slot& slot : frame.slots)
-                if (slot.number > (found.second ? found.second->number : 0) && backend_->finished(slot.draw) && isIt(frame, slot)) found = {&frame, &slot};
+                if (slot.number > (found.second ? found.second->number : 0) && backend_->finished(slot.draw) && isIt(frame, slot))
+                    found = {&frame, &slot};
         return found;
     };
     const auto add = [&](const ShapedFrame& frame, const Slot& slot) {
@@ -78,8 +82,10 @@ Result<FrameStats> GpuRenderer::stats(RenderAvatarId id) {
         stats.chunks = frame.ids.filledGroups;
         stats.components = frame.ids.componentCount;
         raise(stats.componentsInView, slot.componentsInView);
-        raise(stats.trianglesInView, counts.trianglesInView), raise(stats.trianglesFacing, counts.trianglesFacing), raise(stats.chunksProjected, counts.chunksProjected);
-        raise(stats.splatsInView, counts.splatsInView), raise(stats.splatsFacing, counts.splatsFacing), raise(stats.splatsDrawn, counts.visible);
+        raise(stats.trianglesInView, counts.trianglesInView), raise(stats.trianglesFacing, counts.trianglesFacing),
+            raise(stats.chunksProjected, counts.chunksProjected);
+        raise(stats.splatsInView, counts.splatsInView), raise(stats.splatsFacing, counts.splatsFacing),
+            raise(stats.splatsDrawn, counts.visible);
         // From survivors and layout: the GPU counts no bytes. Of several avatars the widest SH entry counts for all.
         uint64_t shBytes = 0;
         for (const SubjectIds& subject : row->subjects) {
@@ -101,7 +107,8 @@ Result<FrameStats> GpuRenderer::stats(RenderAvatarId id) {
     const auto [frame, slot] = slotOf([](const ShapedFrame&, const Slot&) { return true; });
     if (!frame) return stats;
     if (frame->shape.eye == 1) {  // the other eye of the canted pair ran just before
-        const auto [first, firstSlot] = slotOf([number = slot->number](const ShapedFrame& f, const Slot& s) { return f.shape.eye == 0 && s.number + 1 == number; });
+        const auto [first, firstSlot] =
+            slotOf([number = slot->number](const ShapedFrame& f, const Slot& s) { return f.shape.eye == 0 && s.number + 1 == number; });
         if (first) add(*first, *firstSlot);
     }
     add(*frame, *slot);
@@ -133,7 +140,8 @@ void GpuRenderer::takePixels(const ShapedFrame& f, size_t firstView) {
             std::memcpy(meshDepthM.data(), backend_->mapped(f.ids.meshDepthPixels).data() + v * pixels * 4, pixels * 4);
             std::replace(meshDepthM.begin(), meshDepthM.end(), INFINITY, 0.0f);
         }
-        pixels_[firstView + v] = {f.shape.widthPx, f.shape.heightPx, {reinterpret_cast<const uint8_t*>(colour) + v * pixels * 4, pixels * 4}, depthM, meshDepthM};
+        pixels_[firstView + v] = {
+            f.shape.widthPx, f.shape.heightPx, {reinterpret_cast<const uint8_t*>(colour) + v * pixels * 4, pixels * 4}, depthM, meshDepthM};
     }
 }
 

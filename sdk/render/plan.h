@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A frame as a list of steps that passes append to. A pass names its shader, its buffers in binding order and its threads;
 // barriers follow from the access it declares.
 //
@@ -23,11 +24,17 @@ public:
         // Binding numbers follow the order of these calls.
         Builder& uniform(BufferId buffer) { return bind(Access::Uniform, buffer); }
         template <class... Buffers>
-        Builder& reads(Buffers... buffers) { return (bind(Access::Read, buffers), ..., *this); }
+        Builder& reads(Buffers... buffers) {
+            return (bind(Access::Read, buffers), ..., *this);
+        }
         template <class... Buffers>
-        Builder& writes(Buffers... buffers) { return (bind(Access::Write, buffers), ..., *this); }
+        Builder& writes(Buffers... buffers) {
+            return (bind(Access::Write, buffers), ..., *this);
+        }
         template <class... Buffers>
-        Builder& updates(Buffers... buffers) { return (bind(Access::Update, buffers), ..., *this); }
+        Builder& updates(Buffers... buffers) {
+            return (bind(Access::Update, buffers), ..., *this);
+        }
         template <class Push>
         Builder& push(const Push& value) {
             static_assert(std::is_trivially_copyable_v<Push> && sizeof(Push) <= 128);
@@ -46,8 +53,10 @@ public:
         Builder& guard(float targets) { return step_.guard = targets, *this; }
         /** Otherwise the target is cleared in every frame. */
         Builder& clearedBy(const DrawPipelineDesc& pipeline, BufferId args, uint64_t offset) {
-            if (auto made = plan_.backend_.drawPipeline(pipeline)) step_.clear = {*made, {args, offset}};
-            else plan_.keepError(made.error());
+            if (auto made = plan_.backend_.drawPipeline(pipeline))
+                step_.clear = {*made, {args, offset}};
+            else
+                plan_.keepError(made.error());
             return *this;
         }
         Builder& argsFrom(BufferId args, uint64_t offset) { return step_.args = {args, offset}, *this; }
@@ -66,7 +75,9 @@ public:
         steps_.push_back(ReadbackStep{std::move(label), target, colour, depth});
     }
 
-    void copy(std::string label, BufferId from, BufferId to, uint64_t offset = 0) { steps_.push_back(CopyStep{std::move(label), from, to, offset}); }
+    void copy(std::string label, BufferId from, BufferId to, uint64_t offset = 0) {
+        steps_.push_back(CopyStep{std::move(label), from, to, offset});
+    }
 
     /** The recorded frame, or the first error of any step. */
     Result<FrameId> finish();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/render/vulkan_renderer.h"
 
 #include "sdk/render/gpu_renderer.h"
@@ -7,7 +8,9 @@ namespace dpl {
 Result<std::unique_ptr<Renderer>> createVulkanRenderer(const VulkanOptions& options, Fill fill) {
     DPL_TRY(auto backend, createVulkanBackend(options));
     std::string name = "vulkan: " + backend->info().name;
-    return std::unique_ptr<Renderer>(std::make_unique<GpuRenderer>(std::move(backend), std::move(name), GpuOptions{options.preciseBlending, options.cull, options.shareViews, options.quantiseDepth, fill}));
+    return std::unique_ptr<Renderer>(
+        std::make_unique<GpuRenderer>(std::move(backend), std::move(name),
+                                      GpuOptions{options.preciseBlending, options.cull, options.shareViews, options.quantiseDepth, fill}));
 }
 
 }  // namespace dpl

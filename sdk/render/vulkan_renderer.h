@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The Vulkan renderer, ready made. `auto` asks listVulkanDevices() whether a device that is not software is there.
 //
 //   auto renderer = createVulkanRenderer({.allowSoftwareDevice = true});

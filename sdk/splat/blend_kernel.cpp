@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Blends the splats of one tile front to back, a row of pixels at a time.
 //
 // With k = B/A the exponent of a row at distance dy is  −σ = −½A (x − x_row)² − ½ dy²/Σ'yy,  x_row = x − k·dy:  no cancellation on
@@ -9,8 +10,8 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sdk/splat/blend_kernel.cpp"
-#include <hwy/foreach_target.h>
 #include <hwy/cache_control.h>
+#include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
 #include "sdk/splat/blend_kernel.h"
@@ -26,7 +27,9 @@ constexpr uint32_t kLanes = uint32_t(hn::MaxLanes(D())), kChunks = kTileSizePx /
 constexpr float kLog2E = 1.44269504f;
 constexpr float kLog2MinAlpha = -7.99435344f;  // log2(1/255)
 
-HWY_INLINE V set(float x) { return hn::Set(D(), x); }
+HWY_INLINE V set(float x) {
+    return hn::Set(D(), x);
+}
 
 /** 2^p for p in [-126, 127]: minimax polynomial of degree 5 on [-½, ½], relative error 8e-8. Garbage, but no trap, outside. */
 HWY_INLINE V exp2Of(V p) {
@@ -58,7 +61,8 @@ struct SplatRow {
 };
 
 template <bool kCloth, bool kDepth, bool kStops, bool kScene>
-HWY_INLINE void blendChunk(const SplatRow& s, V pixelX, float rowX, float rowExponent, uint32_t at, const float* farthestSeenM, TileAccumulators& tile) {
+HWY_INLINE void blendChunk(const SplatRow& s, V pixelX, float rowX, float rowExponent, uint32_t at, const float* farthestSeenM,
+                           TileAccumulators& tile) {
     const D d;
     const hn::RebindToUnsigned<D> du;
     const V dx = pixelX - set(rowX);
@@ -122,12 +126,14 @@ void blendTileAs(const BlendTileTask& task, TileAccumulators& tile) {
             const float dy = float(int32_t(row)) - y;
             const float rowX = x - slope * dy, rowExponent = logOpacity + rowScale * dy * dy;
             for (uint32_t c = firstChunk; c <= lastChunk; ++c)
-                blendChunk<kCloth, kDepth, kStops, kScene>(s, pixelX[c], rowX, rowExponent, row * kTileSizePx + c * kLanes, task.farthestSeenM, tile);
+                blendChunk<kCloth, kDepth, kStops, kScene>(s, pixelX[c], rowX, rowExponent, row * kTileSizePx + c * kLanes,
+                                                           task.farthestSeenM, tile);
         }
         if ((e - task.begin) % kCheckEvery == kCheckEvery - 1) {
             for (uint32_t row = 0; row < kTileSizePx; ++row) {
                 V most = hn::Load(d, tile.transmittance + row * kTileSizePx);
-                for (uint32_t c = 1; c < kChunks; ++c) most = hn::Max(most, hn::Load(d, tile.transmittance + row * kTileSizePx + c * kLanes));
+                for (uint32_t c = 1; c < kChunks; ++c)
+                    most = hn::Max(most, hn::Load(d, tile.transmittance + row * kTileSizePx + c * kLanes));
                 if (hn::AllTrue(d, most <= set(float(kMinTransmittance)))) doneRows |= 1u << row;
             }
             if (doneRows == kAllRows) break;
@@ -138,15 +144,18 @@ void blendTileAs(const BlendTileTask& task, TileAccumulators& tile) {
 template <bool kScene>
 void blendTileIn(const BlendTileTask& task, TileAccumulators& tile) {
     using Kernel = void (*)(const BlendTileTask&, TileAccumulators&);
-    static constexpr Kernel kKernels[2][2][2] = {
-        {{blendTileAs<false, false, false, kScene>, blendTileAs<false, false, true, kScene>}, {blendTileAs<false, true, false, kScene>, blendTileAs<false, true, true, kScene>}},
-        {{blendTileAs<true, false, false, kScene>, blendTileAs<true, false, true, kScene>}, {blendTileAs<true, true, false, kScene>, blendTileAs<true, true, true, kScene>}}};
+    static constexpr Kernel kKernels[2][2][2] = {{{blendTileAs<false, false, false, kScene>, blendTileAs<false, false, true, kScene>},
+                                                  {blendTileAs<false, true, false, kScene>, blendTileAs<false, true, true, kScene>}},
+                                                 {{blendTileAs<true, false, false, kScene>, blendTileAs<true, false, true, kScene>},
+                                                  {blendTileAs<true, true, false, kScene>, blendTileAs<true, true, true, kScene>}}};
     kKernels[task.cloth][task.depth][task.stops](task, tile);
 }
 
 void blendTile(const BlendTileTask& task, TileAccumulators& tile) {
-    if (task.farthestSeenM) blendTileIn<true>(task, tile);
-    else blendTileIn<false>(task, tile);
+    if (task.farthestSeenM)
+        blendTileIn<true>(task, tile);
+    else
+        blendTileIn<false>(task, tile);
 }
 
 void packRgba8(const TileAccumulators& tile, uint32_t row, uint32_t width, uint8_t* rgba) {
@@ -156,7 +165,8 @@ void packRgba8(const TileAccumulators& tile, uint32_t row, uint32_t width, uint8
     const auto unorm8 = [&](V x) HWY_ATTR { return hn::BitCast(du, hn::NearestInt(hn::Min(x, set(1)) * set(255))); };
     for (uint32_t x = 0; x < kTileSizePx; x += kLanes) {
         const uint32_t at = row * kTileSizePx + x;
-        const auto r = unorm8(hn::Load(d, tile.red + at)), g = unorm8(hn::Load(d, tile.green + at)), b = unorm8(hn::Load(d, tile.blue + at));
+        const auto r = unorm8(hn::Load(d, tile.red + at)), g = unorm8(hn::Load(d, tile.green + at)),
+                   b = unorm8(hn::Load(d, tile.blue + at));
         const auto a = unorm8(set(1) - hn::Load(d, tile.transmittance + at));
         hn::Store(hn::Or(hn::Or(r, hn::ShiftLeft<8>(g)), hn::Or(hn::ShiftLeft<16>(b), hn::ShiftLeft<24>(a))), du, pixels + x);
     }
@@ -184,8 +194,12 @@ namespace dpl {
 HWY_EXPORT(blendTile);
 HWY_EXPORT(packRgba8);
 HWY_EXPORT(storeRow);
-void blendTile(const BlendTileTask& task, TileAccumulators& tile) { HWY_DYNAMIC_DISPATCH(blendTile)(task, tile); }
-void packRgba8(const TileAccumulators& tile, uint32_t row, uint32_t width, uint8_t* rgba) { HWY_DYNAMIC_DISPATCH(packRgba8)(tile, row, width, rgba); }
+void blendTile(const BlendTileTask& task, TileAccumulators& tile) {
+    HWY_DYNAMIC_DISPATCH(blendTile)(task, tile);
+}
+void packRgba8(const TileAccumulators& tile, uint32_t row, uint32_t width, uint8_t* rgba) {
+    HWY_DYNAMIC_DISPATCH(packRgba8)(tile, row, width, rgba);
+}
 void storeRow(const TileAccumulators& tile, uint32_t row, uint32_t width, float* rgb, float* alpha) {
     HWY_DYNAMIC_DISPATCH(storeRow)(tile, row, width, rgb, alpha);
 }

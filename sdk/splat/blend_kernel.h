@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The seam between blending's plumbing (splat_blend.cpp) and its SIMD kernel (blend_kernel.cpp). Private to sdk/splat.
 #pragma once
 
@@ -10,8 +11,8 @@ constexpr uint32_t kTilePixels = kTileSizePx * kTileSizePx;
 /** Accumulators of one tile, row-major. 14 KB: they stay in L1 with the splats that come and go. */
 struct alignas(64) TileAccumulators {
     float red[kTilePixels], green[kTilePixels], blue[kTilePixels], transmittance[kTilePixels];
-    float cloth[kTilePixels], depth[kTilePixels];   // only when asked for
-    uint32_t stop[kTilePixels];                     // the same
+    float cloth[kTilePixels], depth[kTilePixels];  // only when asked for
+    uint32_t stop[kTilePixels];                    // the same
 };
 
 struct BlendTileTask {

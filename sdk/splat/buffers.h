@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the engine keeps between frames, and the four steps that fill it. Private to sdk/splat.
 #pragma once
 
@@ -54,17 +55,17 @@ constexpr uint32_t kProjectBlock = 4096;  // splats a block; the shape of the wo
 struct BlockVisible {
     uint32_t count = 0, minKey = 0xffffffffu, maxKey = 0;
     uint64_t tileEntries = 0;
-    uint64_t decidedBytes = 0, decodedBytes = 0;   // of codes, see SplatEngine
+    uint64_t decidedBytes = 0, decodedBytes = 0;  // of codes, see SplatEngine
 };
 
 /** What a splat needs of its triangle in one view: 128 bytes, eight quads. Directions are in the rest frame. */
 struct alignas(32) TriangleView {
-    float v0[3], planeDot;      // first corner in view space; n·(eye − v0)
-    float e1[3], valid;         // edges in view space; 1 or 0
-    float e2[3], light0;        // brightness at the first corner
-    float f0[3], light1;        // columns of F in view space; what brightness gains towards the second corner
-    float f1[3], light2;        // ... and towards the third
-    float rest0[3], pad0;       // worldFromRestᵀ·(v0 − eye), and the same of the edges
+    float v0[3], planeDot;  // first corner in view space; n·(eye − v0)
+    float e1[3], valid;     // edges in view space; 1 or 0
+    float e2[3], light0;    // brightness at the first corner
+    float f0[3], light1;    // columns of F in view space; what brightness gains towards the second corner
+    float f1[3], light2;    // ... and towards the third
+    float rest0[3], pad0;   // worldFromRestᵀ·(v0 − eye), and the same of the edges
     float rest1[3], pad1;
     float rest2[3], pad2;
 };
@@ -72,16 +73,16 @@ static_assert(sizeof(TriangleView) == 128);
 
 struct SplatEngine::Buffers {
     uint32_t widthPx = 0, heightPx = 0, splatCount = 0, visibleCount = 0;
-    bool sortedFrame = false;      // sort() has run since project()
-    uint32_t samples = 1;          // a pixel
+    bool sortedFrame = false;  // sort() has run since project()
+    uint32_t samples = 1;      // a pixel
     Scratch<TriangleView> triangles;
-    Scratch<uint8_t> parentShows;  // kShows..., one an entry of CodedSplats::parents
+    Scratch<uint8_t> parentShows;       // kShows..., one an entry of CodedSplats::parents
     Scratch<ProjectedSplat> projected;  // splatCount, padded to whole groups
-    Scratch<float> rowScale;       // 1/Σ'yy a splat: with B/A it gives σ without the cancellation of A dx² + 2B dx dy + C dy²
+    Scratch<float> rowScale;            // 1/Σ'yy a splat: with B/A it gives σ without the cancellation of A dx² + 2B dx dy + C dy²
     Scratch<TileBox> boxes;
     std::vector<BlockVisible> blocks;
     Scratch<uint32_t> keys[2], values[2];
-    uint32_t* sorted = nullptr;    // visible splats, near first; points into values
+    uint32_t* sorted = nullptr;  // visible splats, near first; points into values
     std::vector<uint32_t> histogram;
     Scratch<TileBox> sortedBoxes;  // boxes in depth order
     Scratch<uint32_t> tileCounts;  // tiles × workers
@@ -90,18 +91,20 @@ struct SplatEngine::Buffers {
     Scratch<float> stopTransmittance;
 };
 
-void projectBound(Jobs& jobs, SplatEngine::Buffers& buffers, const BoundSplatView& splats,
-                  std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated);
+void projectBound(Jobs& jobs, SplatEngine::Buffers& buffers, const BoundSplatView& splats, std::span<const TriangleFrame<float>> triangles,
+                  const Cameraf& camera, float kappaPx2, bool compensated);
 void projectStatic(Jobs& jobs, SplatEngine::Buffers& buffers, const StaticSplatData& splats, const Cameraf& camera, float kappaPx2,
                    bool compensated);
 // behind: added to what has been projected for this camera, instead of replacing it.
 void projectCoded(Jobs& jobs, SplatEngine::Buffers& buffers, const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles,
                   const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples, bool behind, const SplatDetail& detail);
 void projectPacked(Jobs& jobs, SplatEngine::Buffers& buffers, const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles,
-                   const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples, bool behind, const GeneralDetail& detail, std::span<const GeneralGroup> groups);
+                   const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples, bool behind, const GeneralDetail& detail,
+                   std::span<const GeneralGroup> groups);
 void sortByDepth(Jobs& jobs, SplatEngine::Buffers& buffers);
 void binIntoTiles(Jobs& jobs, SplatEngine::Buffers& buffers);
 void blendTiles(Jobs& jobs, SplatEngine::Buffers& buffers, SplatImage& image, const BlendOptions& options);
-void blendTilesRgba8(Jobs& jobs, SplatEngine::Buffers& buffers, std::vector<uint8_t>& rgba, std::vector<float>* depthM, std::span<const float> sceneDepthM);
+void blendTilesRgba8(Jobs& jobs, SplatEngine::Buffers& buffers, std::vector<uint8_t>& rgba, std::vector<float>* depthM,
+                     std::span<const float> sceneDepthM);
 
 }  // namespace dpl

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/splat/coded_groups.h"
 
 #include <algorithm>
@@ -18,7 +19,8 @@ struct Turn {
 const std::array<Turn, kPhiSteps>& turns() {
     static const std::array<Turn, kPhiSteps> table = [] {
         std::array<Turn, kPhiSteps> t;
-        for (uint32_t c = 0; c < kPhiSteps; ++c) t[c] = {float(std::cos(c * std::numbers::pi / kPhiSteps)), float(std::sin(c * std::numbers::pi / kPhiSteps))};
+        for (uint32_t c = 0; c < kPhiSteps; ++c)
+            t[c] = {float(std::cos(c * std::numbers::pi / kPhiSteps)), float(std::sin(c * std::numbers::pi / kPhiSteps))};
         return t;
     }();
     return table;
@@ -26,8 +28,10 @@ const std::array<Turn, kPhiSteps>& turns() {
 
 }  // namespace
 
-CodedGroups::CodedGroups(const CodedSplats& splats, uint32_t firstSplat, float shShare) : splats_(splats), shDegree_(shShare > 0 ? splats.shDegree : 0), shShare_(shShare) {
-    const auto after = std::upper_bound(splats.chunks.begin(), splats.chunks.end(), firstSplat, [](uint32_t i, const SplatChunk& c) { return i < c.firstSplat; });
+CodedGroups::CodedGroups(const CodedSplats& splats, uint32_t firstSplat, float shShare)
+    : splats_(splats), shDegree_(shShare > 0 ? splats.shDegree : 0), shShare_(shShare) {
+    const auto after = std::upper_bound(splats.chunks.begin(), splats.chunks.end(), firstSplat,
+                                        [](uint32_t i, const SplatChunk& c) { return i < c.firstSplat; });
     if (after != splats.chunks.begin()) enter(size_t(after - splats.chunks.begin()) - 1);
 }
 
@@ -62,7 +66,7 @@ void CodedGroups::decode(std::span<const ChosenSplat> chosen, float* out) {
 void CodedGroups::decodeOne(uint32_t i, uint32_t lane, float* out) {
     using namespace bound_field;
     constexpr float kUvStep = float(1 / kUvSteps);
-    while (i >= chunkEnd_) enter(chunk_ + 1);   // chunks tile the splats; culled groups may have skipped some
+    while (i >= chunkEnd_) enter(chunk_ + 1);  // chunks tile the splats; culled groups may have skipped some
     const auto put = [&](uint32_t field, float value) { out[field * kGroupSplats + lane] = value; };
     const uint32_t place = splats_.place[i], size = splats_.size[i], colour = splats_.colour[i];
     const auto scale = [&](uint32_t code) { return coarse_[code >> 6] * fine_[code & 63]; };

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Coded splats to packed groups, a few at a time: the renderer keeps codes and decodes what a view needs. Private to sdk/splat.
 #pragma once
 
@@ -35,7 +36,7 @@ private:
     uint32_t shDegree_;
     float shShare_;
     size_t chunk_ = 0;
-    uint32_t chunkEnd_ = 0;         // its last splat plus one
+    uint32_t chunkEnd_ = 0;  // its last splat plus one
     uint32_t firstParent_ = 0;
     // s = coarse[c / 64] · fine[c % 64]: two short tables instead of an exponential a splat and axis.
     float coarse_[32], fine_[64];

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/splat/mesh_depth.h"
 
 #include <algorithm>
@@ -55,7 +56,8 @@ MeshDepth::PixelBox MeshDepth::boxOf(const Vec3f (&c)[3], uint32_t widthPx, uint
     return box;
 }
 
-void MeshDepth::draw(Jobs& jobs, std::span<const Vec3f> positions, std::span<const Triangle> triangles, const Cameraf& camera, std::vector<float>& depthM) {
+void MeshDepth::draw(Jobs& jobs, std::span<const Vec3f> positions, std::span<const Triangle> triangles, const Cameraf& camera,
+                     std::vector<float>& depthM) {
     const uint32_t width = camera.widthPx, height = camera.heightPx;
     depthM.resize(size_t(width) * height);
     corners_.resize(positions.size());
@@ -67,7 +69,8 @@ void MeshDepth::draw(Jobs& jobs, std::span<const Vec3f> positions, std::span<con
         }
     });
     jobs.forRange(triangles.size(), kTriangleGrain, [&](size_t begin, size_t end, uint32_t) {
-        for (size_t t = begin; t < end; ++t) boxes_[t] = boxOf({corners_[triangles[t].x], corners_[triangles[t].y], corners_[triangles[t].z]}, width, height);
+        for (size_t t = begin; t < end; ++t)
+            boxes_[t] = boxOf({corners_[triangles[t].x], corners_[triangles[t].y], corners_[triangles[t].z]}, width, height);
     });
     jobs.forBlocks((height + kBandRows - 1) / kBandRows, [&](size_t band, uint32_t) {
         const uint32_t top = uint32_t(band * kBandRows), bottom = std::min<uint32_t>(top + kBandRows, height);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Field numbers inside a packed group, and packing of one group. Private to sdk/splat.
 #pragma once
 
@@ -10,8 +11,8 @@ constexpr uint32_t kGroupSplats = 16;
 
 /** A1 = axis10·F0 + axis11·F1 and A2 = axis20·F0 + axis21·F1: the angle and the scales are folded in. */
 namespace bound_field {
-constexpr uint32_t kU = 0, kV = 1, kAxis10 = 2, kAxis11 = 3, kAxis20 = 4, kAxis21 = 5, kOpacity = 6, kSingleFace = 7, kCloth = 8, kTriangle = 9,
-                   kSh = 10;
+constexpr uint32_t kU = 0, kV = 1, kAxis10 = 2, kAxis11 = 3, kAxis20 = 4, kAxis21 = 5, kOpacity = 6, kSingleFace = 7, kCloth = 8,
+                   kTriangle = 9, kSh = 10;
 }
 /** kAxes: three columns of R·diag(s), metres. */
 namespace static_field {
@@ -22,7 +23,9 @@ constexpr uint32_t groupFields(bool bound, uint32_t shDegree) {
     return (bound ? bound_field::kSh : static_field::kSh) + shCoefficientCount(shDegree) * 3;
 }
 constexpr uint32_t kMaxGroupFloats = groupFields(false, kMaxShDegree) * kGroupSplats;
-constexpr size_t groupCount(size_t splats) { return (splats + kGroupSplats - 1) / kGroupSplats; }
+constexpr size_t groupCount(size_t splats) {
+    return (splats + kGroupSplats - 1) / kGroupSplats;
+}
 
 /** count(), or 0 with an error in the log when arrays differ in length or the SH degree is unknown. */
 uint32_t usableCount(const BoundSplatView& splats);

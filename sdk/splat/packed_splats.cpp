@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/splat/packed_splats.h"
 
 #include <algorithm>
@@ -23,7 +24,7 @@ template <class Splats, class... Order>
 float* packAll(const Splats& splats, bool bound, const Order&... order) {
     const size_t groups = groupCount(usableCount(splats)), floats = size_t(groupFields(bound, splats.shDegree)) * kGroupSplats;
     if (groups == 0) return nullptr;
-    float* data = static_cast<float*>(::operator new[](groups * floats * sizeof(float), std::align_val_t(kAlignment)));
+    float* data = static_cast<float*>(::operator new[](groups* floats * sizeof(float), std::align_val_t(kAlignment)));
     for (size_t g = 0; g < groups; ++g) packGroup(splats, uint32_t(g * kGroupSplats), data + g * floats, order...);
     return data;
 }
@@ -38,8 +39,8 @@ uint32_t countOrNone(bool complete, uint32_t count) {
 
 uint32_t usableCount(const BoundSplatView& s) {
     const size_t n = s.count();
-    return countOrNone(s.shDegree <= kMaxShDegree && s.uv.size() == n && s.phi.size() == n && s.scaleM.size() == n && s.opacity.size() == n &&
-                           s.flags.size() == n && s.sh.size() == n * shCoefficientCount(s.shDegree) * 3,
+    return countOrNone(s.shDegree <= kMaxShDegree && s.uv.size() == n && s.phi.size() == n && s.scaleM.size() == n &&
+                           s.opacity.size() == n && s.flags.size() == n && s.sh.size() == n * shCoefficientCount(s.shDegree) * 3,
                        s.count());
 }
 
@@ -50,7 +51,9 @@ uint32_t usableCount(const StaticSplatData& s) {
                        s.count());
 }
 
-void PackedSplats::Free::operator()(float* p) const { ::operator delete[](p, std::align_val_t(kAlignment)); }
+void PackedSplats::Free::operator()(float* p) const {
+    ::operator delete[](p, std::align_val_t(kAlignment));
+}
 
 PackedSplats::PackedSplats(const BoundSplatView& splats)
     : data_(packAll(splats, true)), count_(data_ ? splats.count() : 0), shDegree_(splats.shDegree), bound_(true) {}

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Splats rearranged once for the engine: what never changes between frames, in groups of sixteen, structure of arrays inside a group.
 #pragma once
 
@@ -20,7 +21,7 @@ struct BoundSplatView {
     std::span<const float> opacity;
     std::span<const uint8_t> flags;
     uint32_t shDegree = 0;
-    std::span<const float> sh;             // coefficient-major, (degree+1)²·3 a splat
+    std::span<const float> sh;  // coefficient-major, (degree+1)²·3 a splat
     uint32_t count() const { return uint32_t(triangle.size()); }
 };
 
@@ -42,7 +43,9 @@ public:
     uint64_t bytes() const;
 
 private:
-    struct Free { void operator()(float* p) const; };
+    struct Free {
+        void operator()(float* p) const;
+    };
     std::unique_ptr<float[], Free> data_;
     uint32_t count_ = 0, shDegree_ = 0;
     bool bound_ = false;

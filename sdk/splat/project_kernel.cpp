@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One vector of splats at a time: packed fields in, ProjectedSplat records, tile boxes and depth keys out. The formulas are those of
 // sdk/math/{projection,binding,sh}.h; tests/reference holds both to the same double-precision referee.
 #include "sdk/splat/simd.h"
@@ -6,9 +7,9 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sdk/splat/project_kernel.cpp"
+#include <hwy/contrib/math/math-inl.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
-#include <hwy/contrib/math/math-inl.h>
 
 #include "sdk/splat/project_kernel.h"
 
@@ -22,13 +23,19 @@ using V = hn::Vec<D>;
 using M = hn::Mask<D>;
 constexpr size_t kLanes = hn::MaxLanes(D());
 
-HWY_INLINE V set(float x) { return hn::Set(D(), x); }
-HWY_INLINE V fma(V a, V b, V c) { return hn::MulAdd(a, b, c); }
+HWY_INLINE V set(float x) {
+    return hn::Set(D(), x);
+}
+HWY_INLINE V fma(V a, V b, V c) {
+    return hn::MulAdd(a, b, c);
+}
 
 struct V3 {
     V x, y, z;
 };
-HWY_INLINE V dot(const V3& a, const V3& b) { return fma(a.x, b.x, fma(a.y, b.y, a.z * b.z)); }
+HWY_INLINE V dot(const V3& a, const V3& b) {
+    return fma(a.x, b.x, fma(a.y, b.y, a.z * b.z));
+}
 
 HWY_INLINE V smoothStep01(V x) {
     x = hn::Min(hn::Max(x, hn::Zero(D())), set(1));
@@ -37,7 +44,7 @@ HWY_INLINE V smoothStep01(V x) {
 
 /** Everything about a splat but its colour. */
 struct Shape {
-    V3 view, restDirection;        // centre in view space; eye → centre in the rest frame, not normalised
+    V3 view, restDirection;  // centre in view space; eye → centre in the rest frame, not normalised
     V varianceX, varianceY, covariance, detB2;
     V opacity, fade, cloth, light;
     M valid;
@@ -57,7 +64,9 @@ struct Jacobian {
 };
 
 /** Four floats, without a loop: at -O2 the compiler leaves short ones rolled. */
-HWY_INLINE void copyQuad(const float* from, float* to) { std::memcpy(to, from, 16); }
+HWY_INLINE void copyQuad(const float* from, float* to) {
+    std::memcpy(to, from, 16);
+}
 
 HWY_INLINE V3 load3(const float* fields) {
     const D d;
@@ -66,7 +75,8 @@ HWY_INLINE V3 load3(const float* fields) {
 
 HWY_INLINE V3 turn(const ProjectView& c, const V3& a) {
     const float* r = c.rotation;
-    return {dot({set(r[0]), set(r[1]), set(r[2])}, a), dot({set(r[3]), set(r[4]), set(r[5])}, a), dot({set(r[6]), set(r[7]), set(r[8])}, a)};
+    return {dot({set(r[0]), set(r[1]), set(r[2])}, a), dot({set(r[3]), set(r[4]), set(r[5])}, a),
+            dot({set(r[6]), set(r[7]), set(r[8])}, a)};
 }
 
 HWY_INLINE void staticShape(const ProjectTask& task, const float* fields, Shape& s, Jacobian& j) {
@@ -84,7 +94,8 @@ HWY_INLINE void staticShape(const ProjectTask& task, const float* fields, Shape&
     row0.x = j.row0({set(r[0]), set(r[3]), set(r[6])}), row1.x = j.row1({set(r[0]), set(r[3]), set(r[6])});
     row0.y = j.row0({set(r[1]), set(r[4]), set(r[7])}), row1.y = j.row1({set(r[1]), set(r[4]), set(r[7])});
     row0.z = j.row0({set(r[2]), set(r[5]), set(r[8])}), row1.z = j.row1({set(r[2]), set(r[5]), set(r[8])});
-    const V3 a0 = load3(fields + kAxes * kGroupSplats), a1 = load3(fields + (kAxes + 3) * kGroupSplats), a2 = load3(fields + (kAxes + 6) * kGroupSplats);
+    const V3 a0 = load3(fields + kAxes * kGroupSplats), a1 = load3(fields + (kAxes + 3) * kGroupSplats),
+             a2 = load3(fields + (kAxes + 6) * kGroupSplats);
     const V3 b0 = {dot(row0, a0), dot(row0, a1), dot(row0, a2)}, b1 = {dot(row1, a0), dot(row1, a1), dot(row1, a2)};
     s.varianceX = dot(b0, b0), s.varianceY = dot(b1, b1), s.covariance = dot(b0, b1);
     const V3 minors = {b0.y * b1.z - b0.z * b1.y, b0.z * b1.x - b0.x * b1.z, b0.x * b1.y - b0.y * b1.x};
@@ -185,7 +196,8 @@ void projectAs(const ProjectTask& task) {
     const hn::RebindToUnsigned<D> du;
     const hn::RebindToSigned<D> di;
     const ProjectView& c = *task.view;
-    const V zero = hn::Zero(d), one = set(1), kappa = set(c.kappaPx2), nearest = set(0.5f + c.reachPx), farthest = set(0.5f - c.reachPx), huge = set(1e30f);
+    const V zero = hn::Zero(d), one = set(1), kappa = set(c.kappaPx2), nearest = set(0.5f + c.reachPx), farthest = set(0.5f - c.reachPx),
+            huge = set(1e30f);
     constexpr uint32_t kFields = groupFields(kBound, kDegree), kShField = kBound ? bound_field::kSh : static_field::kSh;
     BlockVisible& visible = *task.visible;
     auto minKey = hn::Set(du, visible.minKey), maxKey = hn::Set(du, visible.maxKey), tileEntries = hn::Zero(du);
@@ -196,8 +208,10 @@ void projectAs(const ProjectTask& task) {
         const float* fields = task.packed + offset / kGroupSplats * (kFields * kGroupSplats) + offset % kGroupSplats;
         Shape s;
         Jacobian j;
-        if constexpr (kBound) boundShape(task, fields, s, j);
-        else staticShape(task, fields, s, j);
+        if constexpr (kBound)
+            boundShape(task, fields, s, j);
+        else
+            staticShape(task, fields, s, j);
 
         const V det = fma(kappa, s.varianceX + s.varianceY + kappa, s.detB2);  // κ² + κ‖B‖² + det(B)²
         const V invDet = one / det;
@@ -221,7 +235,9 @@ void projectAs(const ProjectTask& task) {
         if (!hn::AllFalse(d, shown)) {
             colour = colourOf<kDegree>(s.restDirection, fields + kShField * kGroupSplats, s.light);
             // Clamped to the target first: lanes that are not shown may hold anything.
-            const auto tile = [&](V a, V last) HWY_ATTR { return hn::BitCast(du, hn::ShiftRight<4>(hn::ConvertTo(di, hn::Min(hn::Max(a, zero), last)))); };
+            const auto tile = [&](V a, V last) HWY_ATTR {
+                return hn::BitCast(du, hn::ShiftRight<4>(hn::ConvertTo(di, hn::Min(hn::Max(a, zero), last))));
+            };
             static_assert(kTileSizePx == 16);
             const auto tx0 = tile(x0, lastX), tx1 = tile(x1, lastX), ty0 = tile(y0, lastY), ty1 = tile(y1, lastY);
             hn::StoreInterleaved2(hn::Or(tx0, hn::ShiftLeft<16>(ty0)), hn::Or(tx1, hn::ShiftLeft<16>(ty1)), du,
@@ -267,6 +283,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace dpl {
 HWY_EXPORT(projectGroups);
-void projectGroups(const ProjectTask& task) { HWY_DYNAMIC_DISPATCH(projectGroups)(task); }
+void projectGroups(const ProjectTask& task) {
+    HWY_DYNAMIC_DISPATCH(projectGroups)(task);
+}
 }  // namespace dpl
 #endif

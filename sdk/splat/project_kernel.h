@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The seam between the projection's plumbing (splat_project.cpp) and its SIMD kernel (project_kernel.cpp). Private to sdk/splat.
 #pragma once
 
@@ -8,13 +9,13 @@ namespace dpl {
 
 /** Constants of one view. */
 struct ProjectView {
-    float rotation[9];                    // row-major, view from world
+    float rotation[9];  // row-major, view from world
     float translation[3], eye[3];
     float fx, fy, cx, cy, width, height;
-    float minX, maxX, minY, maxY;         // limits of x/z and y/z in the Jacobian
-    float kappaPx2;                       // of a sample
-    float reachPx;                        // of a sample from the pixel's centre, along an axis
-    uint32_t samples;                     // a pixel
+    float minX, maxX, minY, maxY;  // limits of x/z and y/z in the Jacobian
+    float kappaPx2;                // of a sample
+    float reachPx;                 // of a sample from the pixel's centre, along an axis
+    uint32_t samples;              // a pixel
     bool compensated;
 };
 
@@ -23,14 +24,14 @@ struct ProjectTask {
     const ProjectView* view;
     const float* packed;
     uint32_t groups, firstSplat, shDegree;
-    const TriangleView* triangles;        // null: general splats
-    uint32_t triangleCount;               // triangles[triangleCount] is an invalid record for indices out of range
-    uint32_t firstIndex;                  // of splat 0 among all that are drawn
-    ProjectedSplat* projected;            // from firstIndex on, indexed by splat
+    const TriangleView* triangles;  // null: general splats
+    uint32_t triangleCount;         // triangles[triangleCount] is an invalid record for indices out of range
+    uint32_t firstIndex;            // of splat 0 among all that are drawn
+    ProjectedSplat* projected;      // from firstIndex on, indexed by splat
     float* rowScale;
     TileBox* boxes;
-    uint32_t *keys, *values;              // where this block's visible splats go
-    BlockVisible* visible;                // counts so far, continued
+    uint32_t *keys, *values;  // where this block's visible splats go
+    BlockVisible* visible;    // counts so far, continued
 };
 
 void projectGroups(const ProjectTask& task);

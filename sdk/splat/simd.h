@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which Highway targets we build. Private to sdk/splat; include before any Highway header.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Depth-ordered tile lists by count, prefix sum and stable scatter. Each worker owns one contiguous range of the sorted splats and
 // its own column of counters, so every list is in depth order whatever the number of workers.
 #include <algorithm>
@@ -10,7 +11,7 @@
 namespace dpl {
 namespace {
 
-constexpr size_t kAhead = 16;  // splats to prefetch ahead
+constexpr size_t kAhead = 16;                        // splats to prefetch ahead
 constexpr uint64_t kMaxEntries = uint64_t(1) << 27;  // 512 MiB of tile lists; thousands of screen-filling layers
 
 /** How many of the nearest splats fit into kMaxEntries. Layers behind so many others are drawn nowhere near T = 1e-4. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Blending's plumbing: hands tiles to workers and copies finished accumulators into images.
 #include <algorithm>
 #include <cstring>
@@ -56,11 +57,22 @@ void forTiles(Jobs& jobs, const SplatEngine::Buffers& buffers, const BlendOption
                 finish(index, rect, static_cast<const TileAccumulators*>(nullptr));
                 continue;
             }
-            const BlendTileTask task{buffers.projected.data(), buffers.rowScale.data(), tiles.entries.data(), begin, end, float(rect.x), float(rect.y),
-                                     options.cloth, options.depth, options.recordStops, options.sceneDepthM.empty() ? nullptr : seen};
+            const BlendTileTask task{buffers.projected.data(),
+                                     buffers.rowScale.data(),
+                                     tiles.entries.data(),
+                                     begin,
+                                     end,
+                                     float(rect.x),
+                                     float(rect.y),
+                                     options.cloth,
+                                     options.depth,
+                                     options.recordStops,
+                                     options.sceneDepthM.empty() ? nullptr : seen};
             if (!options.sceneDepthM.empty()) farthestSeenOf(options.sceneDepthM, rect, buffers.widthPx, seen);
-            if (buffers.samples > 1) blendSamples(task, tile);
-            else blendTile(task, tile);
+            if (buffers.samples > 1)
+                blendSamples(task, tile);
+            else
+                blendTile(task, tile);
             finish(index, rect, static_cast<const TileAccumulators*>(&tile));
         }
     });
@@ -86,41 +98,48 @@ void blendTiles(Jobs& jobs, SplatEngine::Buffers& buffers, SplatImage& image, co
     const bool stops = options.recordStops && buffers.samples == 1;
     buffers.stops.resize(stops ? pixels : 0);
     buffers.stopTransmittance.resize(stops ? pixels : 0);
-    forTiles(jobs, buffers, {.cloth = options.cloth, .depth = options.depth, .recordStops = stops, .sceneDepthM = options.sceneDepthM}, [&](size_t index, const TileRect& rect, const TileAccumulators* tile) {
-        for (uint32_t row = 0; row < rect.height; ++row) {
-            const size_t pixel = (rect.y + row) * width + rect.x, at = row * kTileSizePx;
-            if (tile) {
-                storeRow(*tile, row, rect.width, image.rgb.data() + pixel * 3, image.alpha.data() + pixel);
-            } else {
-                std::fill_n(image.rgb.data() + pixel * 3, rect.width * 3, 0.f);
-                std::fill_n(image.alpha.data() + pixel, rect.width, 0.f);
-            }
-            if (options.cloth) {
-                if (tile) std::copy_n(tile->cloth + at, rect.width, image.cloth.data() + pixel);
-                else std::fill_n(image.cloth.data() + pixel, rect.width, 0.f);
-            }
-            if (options.depth) storeDepthRow(tile, row, rect.width, image.depthM.data() + pixel);
-            if (!stops) continue;
-            for (uint32_t x = 0; x < rect.width; ++x) {
-                buffers.stops[pixel + x] = tile ? tile->stop[at + x] : buffers.tiles.offset[index];
-                buffers.stopTransmittance[pixel + x] = tile ? tile->transmittance[at + x] : 1.f;
-            }
-        }
-    });
+    forTiles(jobs, buffers, {.cloth = options.cloth, .depth = options.depth, .recordStops = stops, .sceneDepthM = options.sceneDepthM},
+             [&](size_t index, const TileRect& rect, const TileAccumulators* tile) {
+                 for (uint32_t row = 0; row < rect.height; ++row) {
+                     const size_t pixel = (rect.y + row) * width + rect.x, at = row * kTileSizePx;
+                     if (tile) {
+                         storeRow(*tile, row, rect.width, image.rgb.data() + pixel * 3, image.alpha.data() + pixel);
+                     } else {
+                         std::fill_n(image.rgb.data() + pixel * 3, rect.width * 3, 0.f);
+                         std::fill_n(image.alpha.data() + pixel, rect.width, 0.f);
+                     }
+                     if (options.cloth) {
+                         if (tile)
+                             std::copy_n(tile->cloth + at, rect.width, image.cloth.data() + pixel);
+                         else
+                             std::fill_n(image.cloth.data() + pixel, rect.width, 0.f);
+                     }
+                     if (options.depth) storeDepthRow(tile, row, rect.width, image.depthM.data() + pixel);
+                     if (!stops) continue;
+                     for (uint32_t x = 0; x < rect.width; ++x) {
+                         buffers.stops[pixel + x] = tile ? tile->stop[at + x] : buffers.tiles.offset[index];
+                         buffers.stopTransmittance[pixel + x] = tile ? tile->transmittance[at + x] : 1.f;
+                     }
+                 }
+             });
 }
 
-void blendTilesRgba8(Jobs& jobs, SplatEngine::Buffers& buffers, std::vector<uint8_t>& rgba, std::vector<float>* depthM, std::span<const float> sceneDepthM) {
+void blendTilesRgba8(Jobs& jobs, SplatEngine::Buffers& buffers, std::vector<uint8_t>& rgba, std::vector<float>* depthM,
+                     std::span<const float> sceneDepthM) {
     const size_t width = buffers.widthPx, pixels = width * buffers.heightPx;
     rgba.resize(pixels * 4);
     if (depthM) depthM->resize(pixels);
-    forTiles(jobs, buffers, {.depth = depthM != nullptr, .sceneDepthM = sceneDepthM}, [&](size_t, const TileRect& rect, const TileAccumulators* tile) {
-        for (uint32_t row = 0; row < rect.height; ++row) {
-            const size_t pixel = (rect.y + row) * width + rect.x;
-            if (tile) packRgba8(*tile, row, rect.width, rgba.data() + pixel * 4);
-            else std::memset(rgba.data() + pixel * 4, 0, rect.width * 4);
-            if (depthM) storeDepthRow(tile, row, rect.width, depthM->data() + pixel);
-        }
-    });
+    forTiles(jobs, buffers, {.depth = depthM != nullptr, .sceneDepthM = sceneDepthM},
+             [&](size_t, const TileRect& rect, const TileAccumulators* tile) {
+                 for (uint32_t row = 0; row < rect.height; ++row) {
+                     const size_t pixel = (rect.y + row) * width + rect.x;
+                     if (tile)
+                         packRgba8(*tile, row, rect.width, rgba.data() + pixel * 4);
+                     else
+                         std::memset(rgba.data() + pixel * 4, 0, rect.width * 4);
+                     if (depthM) storeDepthRow(tile, row, rect.width, depthM->data() + pixel);
+                 }
+             });
 }
 
 }  // namespace dpl

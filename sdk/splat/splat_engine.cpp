@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/splat/splat_engine.h"
 
 #include "sdk/splat/buffers.h"
@@ -16,47 +17,60 @@ void SplatEngine::project(const StaticSplatData& splats, const Cameraf& camera, 
     projectStatic(jobs_, *buffers_, splats, camera, kappaPx2, compensated);
 }
 
-void SplatEngine::project(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera,
-                          float kappaPx2, bool compensated, uint32_t samples, const SplatDetail& detail) {
+void SplatEngine::project(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2,
+                          bool compensated, uint32_t samples, const SplatDetail& detail) {
     projectCoded(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, samples, false, detail);
 }
 
 void SplatEngine::project(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera,
-                          float kappaPx2, bool compensated, uint32_t samples, const GeneralDetail& detail, std::span<const GeneralGroup> groups) {
+                          float kappaPx2, bool compensated, uint32_t samples, const GeneralDetail& detail,
+                          std::span<const GeneralGroup> groups) {
     projectPacked(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, samples, false, detail, groups);
 }
 
-void SplatEngine::add(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples,
-                      const SplatDetail& detail) {
+void SplatEngine::add(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2,
+                      bool compensated, uint32_t samples, const SplatDetail& detail) {
     projectCoded(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, samples, true, detail);
 }
 
-void SplatEngine::add(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples,
-                      const GeneralDetail& detail, std::span<const GeneralGroup> groups) {
+void SplatEngine::add(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2,
+                      bool compensated, uint32_t samples, const GeneralDetail& detail, std::span<const GeneralGroup> groups) {
     projectPacked(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, samples, true, detail, groups);
 }
 
-void SplatEngine::sort() { sortByDepth(jobs_, *buffers_); }
+void SplatEngine::sort() {
+    sortByDepth(jobs_, *buffers_);
+}
 
 void SplatEngine::bin() {
     if (!buffers_->sortedFrame) sort();
     binIntoTiles(jobs_, *buffers_);
 }
 
-void SplatEngine::blend(SplatImage& image, const BlendOptions& options) { blendTiles(jobs_, *buffers_, image, options); }
+void SplatEngine::blend(SplatImage& image, const BlendOptions& options) {
+    blendTiles(jobs_, *buffers_, image, options);
+}
 
 void SplatEngine::blendRgba8(std::vector<uint8_t>& rgba, std::vector<float>* depthM, std::span<const float> sceneDepthM) {
     blendTilesRgba8(jobs_, *buffers_, rgba, depthM, sceneDepthM);
 }
 
-std::span<const ProjectedSplat> SplatEngine::projected() const { return {buffers_->projected.data(), buffers_->splatCount}; }
-const TileLists& SplatEngine::tiles() const { return buffers_->tiles; }
-std::span<const uint32_t> SplatEngine::stops() const { return {buffers_->stops.data(), buffers_->stops.size()}; }
+std::span<const ProjectedSplat> SplatEngine::projected() const {
+    return {buffers_->projected.data(), buffers_->splatCount};
+}
+const TileLists& SplatEngine::tiles() const {
+    return buffers_->tiles;
+}
+std::span<const uint32_t> SplatEngine::stops() const {
+    return {buffers_->stops.data(), buffers_->stops.size()};
+}
 std::span<const float> SplatEngine::stopTransmittance() const {
     return {buffers_->stopTransmittance.data(), buffers_->stopTransmittance.size()};
 }
 
-uint32_t SplatEngine::visibleCount() const { return buffers_->visibleCount; }
+uint32_t SplatEngine::visibleCount() const {
+    return buffers_->visibleCount;
+}
 
 uint64_t SplatEngine::decidedBytes() const {
     uint64_t bytes = 0;
@@ -72,10 +86,11 @@ uint64_t SplatEngine::decodedBytes() const {
 
 uint64_t SplatEngine::bufferBytes() const {
     const Buffers& b = *buffers_;
-    return b.triangles.bytes() + b.parentShows.bytes() + b.sortedBoxes.bytes() + b.projected.bytes() + b.rowScale.bytes() + b.boxes.bytes() + b.blocks.capacity() * sizeof(BlockVisible) + b.keys[0].bytes() +
-           b.keys[1].bytes() + b.values[0].bytes() + b.values[1].bytes() + b.histogram.capacity() * sizeof(uint32_t) +
-           b.tileCounts.bytes() + b.tiles.offset.capacity() * sizeof(uint32_t) + b.tiles.entries.capacity() * sizeof(uint32_t) +
-           b.stops.bytes() + b.stopTransmittance.bytes();
+    return b.triangles.bytes() + b.parentShows.bytes() + b.sortedBoxes.bytes() + b.projected.bytes() + b.rowScale.bytes() +
+           b.boxes.bytes() + b.blocks.capacity() * sizeof(BlockVisible) + b.keys[0].bytes() + b.keys[1].bytes() + b.values[0].bytes() +
+           b.values[1].bytes() + b.histogram.capacity() * sizeof(uint32_t) + b.tileCounts.bytes() +
+           b.tiles.offset.capacity() * sizeof(uint32_t) + b.tiles.entries.capacity() * sizeof(uint32_t) + b.stops.bytes() +
+           b.stopTransmittance.bytes();
 }
 
 }  // namespace dpl

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The CPU splat engine: project, sort, bin, blend. Forward only; it is the software renderer and the trainer's forward pass.
 // One engine serves one thread at a time and keeps its buffers between frames, so a warm frame allocates nothing.
 //
@@ -33,26 +34,26 @@ constexpr uint32_t kMaxTargetPx = 32768;  // wider or higher targets give an emp
 
 /** One projected splat as binning and blending read it; 64 bytes, one cache line. Invisible ones have opacity 0. */
 struct alignas(64) ProjectedSplat {
-    float x, y;                        // centre, target pixels, pixel centres at +0.5
-    float conicA, conicB, conicC;      // σ = ½(A dx² + C dy²) + B dx dy
-    float opacity;                     // after compensation, gate and near fade
-    float red, green, blue;            // clamped to [0,1]
-    float radiusX, radiusY;            // half extents of the box outside which α < 1/255
-    float depthM;                      // view z
-    float compensation;                // for the backward pass
-    float fade;                        // gate · nearFade, for the backward pass
-    uint32_t splat;                    // index in the input
-    float cloth;                       // 1 when kSplatCloth is set, else 0
+    float x, y;                    // centre, target pixels, pixel centres at +0.5
+    float conicA, conicB, conicC;  // σ = ½(A dx² + C dy²) + B dx dy
+    float opacity;                 // after compensation, gate and near fade
+    float red, green, blue;        // clamped to [0,1]
+    float radiusX, radiusY;        // half extents of the box outside which α < 1/255
+    float depthM;                  // view z
+    float compensation;            // for the backward pass
+    float fade;                    // gate · nearFade, for the backward pass
+    uint32_t splat;                // index in the input
+    float cloth;                   // 1 when kSplatCloth is set, else 0
 };
 static_assert(sizeof(ProjectedSplat) == 64);
 
 /** Output image; premultiplied, float, row-major, top row first. Buffers are resized by blend(). */
 struct SplatImage {
     uint32_t widthPx = 0, heightPx = 0;
-    std::vector<float> rgb;      // 3 a pixel, premultiplied by coverage, display-referred
-    std::vector<float> alpha;    // 1 − T
-    std::vector<float> cloth;    // Σ α T over cloth splats (only when asked for)
-    std::vector<float> depthM;   // Σ α T z / Σ α T, 0 where alpha is 0 (only when asked for)
+    std::vector<float> rgb;     // 3 a pixel, premultiplied by coverage, display-referred
+    std::vector<float> alpha;   // 1 − T
+    std::vector<float> cloth;   // Σ α T over cloth splats (only when asked for)
+    std::vector<float> depthM;  // Σ α T z / Σ α T, 0 where alpha is 0 (only when asked for)
 };
 
 /** Depth-ordered tile lists: entries of tile k are [offset[k], offset[k+1]) in `entries`, indices into projected().
@@ -66,7 +67,7 @@ struct TileLists {
 struct BlendOptions {
     bool cloth = false;
     bool depth = false;
-    bool recordStops = false;   // the trainer wants to know where each pixel stopped; with one sample a pixel only
+    bool recordStops = false;                 // the trainer wants to know where each pixel stopped; with one sample a pixel only
     std::span<const float> sceneDepthM = {};  // one a pixel: splats behind it add nothing there (sdk/math/scene_depth.h); empty: no scene
 };
 
@@ -84,21 +85,21 @@ public:
     void project(const StaticSplatData& splats, const Cameraf& camera, float kappaPx2, bool compensated = false);
 
     /** The same for splats that were packed before: faster, for sets that do not change. `triangles` is for bound ones, else empty.
-     *  samples: 1, or kCoverageSamples: blending then composites at so many places of a pixel, each low-passed to its share of kappaPx2, and
-     *  gives their mean (sdk/math/coverage.h). groups: of general splats, in their order; empty: all are drawn. */
-    void project(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated,
-                 uint32_t samples = 1, const GeneralDetail& detail = {}, std::span<const GeneralGroup> groups = {});
+     *  samples: 1, or kCoverageSamples: blending then composites at so many places of a pixel, each low-passed to its share of kappaPx2,
+     * and gives their mean (sdk/math/coverage.h). groups: of general splats, in their order; empty: all are drawn. */
+    void project(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2,
+                 bool compensated, uint32_t samples = 1, const GeneralDetail& detail = {}, std::span<const GeneralGroup> groups = {});
     /** Bound splats as they lie in the file: 16 bytes a splat and the SH entries stay in memory, and only splats whose triangle the view
      *  may show are decoded. The others keep nothing but opacity 0 in projected(). detail: how many are kept, where splats.groups is there;
      *  projected() then holds the kept ones densely from each multiple of 4096 on. */
-    void project(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated,
-                 uint32_t samples = 1, const SplatDetail& detail = {});
-    /** Projects more splats into the same picture: after a project() with the same camera and samples. All are sorted and blended together. Indices into
-     *  projected() go on at the next multiple of 4096; ties in depth stay in the order of the calls. */
-    void add(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples = 1,
-             const SplatDetail& detail = {});
-    void add(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples = 1,
-             const GeneralDetail& detail = {}, std::span<const GeneralGroup> groups = {});
+    void project(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2,
+                 bool compensated, uint32_t samples = 1, const SplatDetail& detail = {});
+    /** Projects more splats into the same picture: after a project() with the same camera and samples. All are sorted and blended together.
+     * Indices into projected() go on at the next multiple of 4096; ties in depth stay in the order of the calls. */
+    void add(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2,
+             bool compensated, uint32_t samples = 1, const SplatDetail& detail = {});
+    void add(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2,
+             bool compensated, uint32_t samples = 1, const GeneralDetail& detail = {}, std::span<const GeneralGroup> groups = {});
     /** Since the last project(): bytes of codes that were read to decide, and to decode. */
     uint64_t decidedBytes() const;
     uint64_t decodedBytes() const;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Projection: splats in, ProjectedSplat + tile box + depth key out, in blocks of kProjectBlock splats.
 #include <algorithm>
 #include <cmath>
@@ -27,7 +28,9 @@ ProjectView viewOf(const Cameraf& camera, float kappaPx2, bool compensated, uint
     return v;
 }
 
-void store(float* out, const Vec3f& v) { out[0] = v.x, out[1] = v.y, out[2] = v.z; }
+void store(float* out, const Vec3f& v) {
+    out[0] = v.x, out[1] = v.y, out[2] = v.z;
+}
 
 /** One record a triangle, and an invalid one behind the last. */
 const TriangleView* viewTriangles(Jobs& jobs, Scratch<TriangleView>& scratch, std::span<const TriangleFrame<float>> triangles,
@@ -72,7 +75,8 @@ void forProjectBlocks(Jobs& jobs, SplatEngine::Buffers& buffers, const Cameraf& 
     buffers.widthPx = drawable ? camera.widthPx : 0, buffers.heightPx = drawable ? camera.heightPx : 0;
     if (!drawable) count = 0;
     // The kernel writes whole groups: room for the padding of the last one.
-    const size_t before = behind ? buffers.blocks.size() : 0, first = before * kProjectBlock, padded = first + groupCount(count) * kGroupSplats;
+    const size_t before = behind ? buffers.blocks.size() : 0, first = before * kProjectBlock,
+                 padded = first + groupCount(count) * kGroupSplats;
     if (behind) hideTail(buffers, first);
     buffers.projected.grow(padded), buffers.boxes.grow(padded), buffers.rowScale.grow(padded);
     buffers.keys[0].grow(padded), buffers.values[0].grow(padded);
@@ -82,32 +86,46 @@ void forProjectBlocks(Jobs& jobs, SplatEngine::Buffers& buffers, const Cameraf& 
     buffers.blocks.resize(before + (count + kProjectBlock - 1) / kProjectBlock);
     jobs.forRange(count, kProjectBlock, [&](size_t begin, size_t end, uint32_t) {
         BlockVisible visible;
-        ProjectTask task{&view, nullptr, uint32_t(groupCount(end - begin)), uint32_t(begin), shDegree, triangles, uint32_t(triangleCount), uint32_t(first),
-                         buffers.projected.data() + first, buffers.rowScale.data() + first, buffers.boxes.data() + first, buffers.keys[0].data() + first + begin,
-                         buffers.values[0].data() + first + begin, &visible};
+        ProjectTask task{&view,
+                         nullptr,
+                         uint32_t(groupCount(end - begin)),
+                         uint32_t(begin),
+                         shDegree,
+                         triangles,
+                         uint32_t(triangleCount),
+                         uint32_t(first),
+                         buffers.projected.data() + first,
+                         buffers.rowScale.data() + first,
+                         buffers.boxes.data() + first,
+                         buffers.keys[0].data() + first + begin,
+                         buffers.values[0].data() + first + begin,
+                         &visible};
         body(task);
         buffers.blocks[before + begin / kProjectBlock] = visible;
     });
 }
 
-constexpr uint8_t kShowsFree = 1, kShowsGated = 2;   // of its splats: those that show both faces, those that show one
+constexpr uint8_t kShowsFree = 1, kShowsGated = 2;  // of its splats: those that show both faces, those that show one
 
-/** Whether `view` may show a splat of the triangle, wherever in the range of (u, v) codes it sits. False only where the kernel would hide all
- *  of them: what holds at no corner of that parallelogram holds nowhere on it (shaders/lib/cull.glsl has the argument). */
+/** Whether `view` may show a splat of the triangle, wherever in the range of (u, v) codes it sits. False only where the kernel would hide
+ * all of them: what holds at no corner of that parallelogram holds nowhere on it (shaders/lib/cull.glsl has the argument). */
 uint8_t showsOf(const ProjectView& view, const TriangleView& t, float scaleMaxM) {
     if (!(t.valid > 0)) return 0;
     constexpr float kLow = float((0 - kUvZero) / kUvSteps), kHigh = float((2047 - kUvZero) / kUvSteps);
-    constexpr float kRootLevel = 3.33f;   // √(2 ln 255): opacity 1
-    const float a = t.f0[0] * t.f0[0] + t.f0[1] * t.f0[1] + t.f0[2] * t.f0[2], c = t.f1[0] * t.f1[0] + t.f1[1] * t.f1[1] + t.f1[2] * t.f1[2];
+    constexpr float kRootLevel = 3.33f;  // √(2 ln 255): opacity 1
+    const float a = t.f0[0] * t.f0[0] + t.f0[1] * t.f0[1] + t.f0[2] * t.f0[2],
+                c = t.f1[0] * t.f1[0] + t.f1[1] * t.f1[1] + t.f1[2] * t.f1[2];
     const float b = t.f0[0] * t.f1[0] + t.f0[1] * t.f1[1] + t.f0[2] * t.f1[2], d = 0.5f * (a - c);
     const float reachM = kRootLevel * scaleMaxM * std::sqrt(0.5f * (a + c) + std::sqrt(d * d + b * b)) * 1.0001f;
     const float slopeX = std::max(std::abs(view.minX), std::abs(view.maxX)), slopeY = std::max(std::abs(view.minY), std::abs(view.maxY));
     const float reachX = view.fx * reachM * std::sqrt(1 + slopeX * slopeX), reachY = view.fy * reachM * std::sqrt(1 + slopeY * slopeY);
-    const float marginX = kRootLevel * std::sqrt(view.kappaPx2) + 1 + view.reachPx + 1e-5f * view.fx, marginY = kRootLevel * std::sqrt(view.kappaPx2) + 1 + view.reachPx + 1e-5f * view.fy;
-    bool left = true, right = true, above = true, below = true, behind = true;   // out of the picture on that side
+    const float marginX = kRootLevel * std::sqrt(view.kappaPx2) + 1 + view.reachPx + 1e-5f * view.fx,
+                marginY = kRootLevel * std::sqrt(view.kappaPx2) + 1 + view.reachPx + 1e-5f * view.fy;
+    bool left = true, right = true, above = true, below = true, behind = true;  // out of the picture on that side
     for (int corner = 0; corner < 4; ++corner) {
         const float u = corner & 1 ? kHigh : kLow, v = corner & 2 ? kHigh : kLow;
-        const float x = t.v0[0] + u * t.e1[0] + v * t.e2[0], y = t.v0[1] + u * t.e1[1] + v * t.e2[1], z = t.v0[2] + u * t.e1[2] + v * t.e2[2];
+        const float x = t.v0[0] + u * t.e1[0] + v * t.e2[0], y = t.v0[1] + u * t.e1[1] + v * t.e2[1],
+                    z = t.v0[2] + u * t.e1[2] + v * t.e2[2];
         left = left && view.fx * x + (view.cx + marginX) * z + reachX <= 0;
         right = right && (view.width - view.cx + marginX) * z - view.fx * x + reachX <= 0;
         above = above && view.fy * y + (view.cy + marginY) * z + reachY <= 0;
@@ -115,7 +133,7 @@ uint8_t showsOf(const ProjectView& view, const TriangleView& t, float scaleMaxM)
         behind = behind && z <= float(kNearM) * 0.999f;
     }
     if (left || right || above || below || behind) return 0;
-    return t.planeDot > 0 ? kShowsFree | kShowsGated : kShowsFree;   // the gate is exactly 0 at planeDot ≤ 0
+    return t.planeDot > 0 ? kShowsFree | kShowsGated : kShowsFree;  // the gate is exactly 0 at planeDot ≤ 0
 }
 
 /** Decodes the groups of a block of which the view may show a splat, a few at a time, and projects them. */
@@ -125,7 +143,10 @@ void projectBlockOfCodes(const CodedSplats& splats, const uint8_t* shows, Projec
     const uint32_t end = std::min(task.firstSplat + task.groups * kGroupSplats, splats.count());
     const uint64_t splatBytes = 13 + (splats.shIndex.empty() ? 0 : 2) + (splats.shDegree ? shEntryBytes(splats.shDegree) : 0);
     CodedGroups groups(splats, task.firstSplat);
-    size_t chunk = size_t(std::upper_bound(splats.chunks.begin(), splats.chunks.end(), task.firstSplat, [](uint32_t i, const SplatChunk& c) { return i < c.firstSplat; }) - splats.chunks.begin()) - 1;
+    size_t chunk = size_t(std::upper_bound(splats.chunks.begin(), splats.chunks.end(), task.firstSplat,
+                                           [](uint32_t i, const SplatChunk& c) { return i < c.firstSplat; }) -
+                          splats.chunks.begin()) -
+                   1;
     task.packed = packed;
     task.groups = 0;
     const auto flush = [&] {
@@ -155,7 +176,8 @@ void projectBlockOfCodes(const CodedSplats& splats, const uint8_t* shows, Projec
     flush();
 }
 
-/** The same for the splats that level of detail keeps: packed densely at the start of the block's entries, in order; the rest of these shows nothing. */
+/** The same for the splats that level of detail keeps: packed densely at the start of the block's entries, in order; the rest of these
+ * shows nothing. */
 void projectChosenOfCodes(const CodedSplats& splats, const uint8_t* shows, const SplatDetail& detail, ProjectTask task) {
     alignas(64) float packed[kPackAhead / kGroupSplats * kMaxGroupFloats];
     CodedGroups groups(splats, task.firstSplat, detail.shShare);
@@ -165,7 +187,7 @@ void projectChosenOfCodes(const CodedSplats& splats, const uint8_t* shows, const
     const uint64_t splatBytes = 13 + (splats.shIndex.empty() ? 0 : 2) + (task.shDegree ? shEntryBytes(splats.shDegree) : 0);
     task.packed = packed;
     task.groups = 0;
-    uint32_t next = begin;   // entry of the block
+    uint32_t next = begin;  // entry of the block
     ChosenSplat chosen[kGroupSplats];
     uint32_t chosenCount = 0;
     const auto flush = [&] {
@@ -180,13 +202,18 @@ void projectChosenOfCodes(const CodedSplats& splats, const uint8_t* shows, const
         task.visible->decodedBytes += chosenCount * splatBytes;
         next += chosenCount, chosenCount = 0;
     };
-    size_t chunk = size_t(std::upper_bound(splats.chunks.begin(), splats.chunks.end(), begin, [](uint32_t i, const SplatChunk& c) { return i < c.firstSplat; }) - splats.chunks.begin()) - 1;
+    size_t chunk = size_t(std::upper_bound(splats.chunks.begin(), splats.chunks.end(), begin,
+                                           [](uint32_t i, const SplatChunk& c) { return i < c.firstSplat; }) -
+                          splats.chunks.begin()) -
+                   1;
     for (size_t g = 2 * chunk; g < splats.groups.size(); ++g) {
         const SplatChunk& c = splats.chunks[g / 2];
-        const uint32_t first = c.firstSplat + g % 2 * kSplatGroupSize, last = std::min(first + kSplatGroupSize, c.firstSplat + c.splatCount);
+        const uint32_t first = c.firstSplat + g % 2 * kSplatGroupSize,
+                       last = std::min(first + kSplatGroupSize, c.firstSplat + c.splatCount);
         if (first >= end) break;
         if (first >= last || last <= begin) continue;
-        const float share = keptShare(detail.perM2, splats.groups[g].areaM2), growth = detailGrowth(share, splats.groups[g].gain, splats.groups[g].enough);
+        const float share = keptShare(detail.perM2, splats.groups[g].areaM2),
+                    growth = detailGrowth(share, splats.groups[g].gain, splats.groups[g].enough);
         float weight[kSplatGroupSize] = {};
         for (uint32_t rank = 0, drawn = drawnRanks(share); rank < drawn; ++rank) weight[placeOfRank(rank)] = detailWeight(share, rank);
         for (uint32_t i = std::max(first, begin); i < std::min(last, end); ++i) {
@@ -203,14 +230,17 @@ void projectChosenOfCodes(const CodedSplats& splats, const uint8_t* shows, const
     for (uint32_t i = next; i < end; ++i) task.projected[i].opacity = 0;
 }
 
-/** General splats that level of detail keeps: half-chunks that are whole from where they lie, of the others the kept ones densely. What is left of the block's entries shows nothing. */
-void projectChosenOfPacked(const PackedSplats& splats, std::span<const GeneralGroup> groups, const GeneralDetail& detail, ProjectTask task) {
+/** General splats that level of detail keeps: half-chunks that are whole from where they lie, of the others the kept ones densely. What is
+ * left of the block's entries shows nothing. */
+void projectChosenOfPacked(const PackedSplats& splats, std::span<const GeneralGroup> groups, const GeneralDetail& detail,
+                           ProjectTask task) {
     using namespace static_field;
     static_assert(kProjectBlock % kSplatGroupSize == 0 && kSplatGroupSize % kGroupSplats == 0);
     alignas(64) float packed[kMaxGroupFloats];
-    const uint32_t fields = groupFields(false, splats.shDegree()), begin = task.firstSplat, end = std::min(begin + task.groups * kGroupSplats, splats.count());
+    const uint32_t fields = groupFields(false, splats.shDegree()), begin = task.firstSplat,
+                   end = std::min(begin + task.groups * kGroupSplats, splats.count());
     const auto groupAt = [&](uint32_t splat) { return splats.data() + size_t(splat / kGroupSplats) * fields * kGroupSplats; };
-    uint32_t next = begin, lanes = 0;   // entry of the block; gathered
+    uint32_t next = begin, lanes = 0;  // entry of the block; gathered
     const auto put = [&] {
         if (lanes == 0) return;
         for (uint32_t f = 0; f < fields; ++f) std::fill(packed + f * kGroupSplats + lanes, packed + (f + 1) * kGroupSplats, 0.0f);
@@ -221,7 +251,8 @@ void projectChosenOfPacked(const PackedSplats& splats, std::span<const GeneralGr
     for (uint32_t first = begin; first < end; first += kSplatGroupSize) {
         const GeneralGroup& group = groups[first / kSplatGroupSize];
         const uint32_t count = std::min(kSplatGroupSize, end - first);
-        const float pixelM = detail.pixelM(group.middle, group.reach), share = keptShare(detail.perPixel, group.detail.areaM2 / (pixelM * pixelM));
+        const float pixelM = detail.pixelM(group.middle, group.reach),
+                    share = keptShare(detail.perPixel, group.detail.areaM2 / (pixelM * pixelM));
         if (share >= 1) {
             put();
             task.packed = groupAt(first), task.groups = uint32_t(groupCount(count)), task.firstSplat = next;
@@ -263,8 +294,8 @@ void projectUnpacked(const Splats& splats, ProjectTask task) {
 
 }  // namespace
 
-void projectBound(Jobs& jobs, SplatEngine::Buffers& buffers, const BoundSplatView& splats,
-                  std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2, bool compensated) {
+void projectBound(Jobs& jobs, SplatEngine::Buffers& buffers, const BoundSplatView& splats, std::span<const TriangleFrame<float>> triangles,
+                  const Cameraf& camera, float kappaPx2, bool compensated) {
     const ProjectView view = viewOf(camera, kappaPx2, compensated);
     const TriangleView* posed = viewTriangles(jobs, buffers.triangles, triangles, camera);
     forProjectBlocks(jobs, buffers, camera, view, usableCount(splats), splats.shDegree, posed, triangles.size(), false,
@@ -287,30 +318,37 @@ void projectCoded(Jobs& jobs, SplatEngine::Buffers& buffers, const CodedSplats& 
     jobs.forRange(splats.chunks.size(), 16, [&](size_t begin, size_t end, uint32_t) {
         for (size_t c = begin; c < end; ++c) {
             float growth = 1;
-            for (size_t g = 2 * c; g < 2 * c + 2 && !all; ++g) growth = std::max(growth, detailGrowth(keptShare(detail.perM2, splats.groups[g].areaM2), splats.groups[g].gain, splats.groups[g].enough));
+            for (size_t g = 2 * c; g < 2 * c + 2 && !all; ++g)
+                growth = std::max(
+                    growth, detailGrowth(keptShare(detail.perM2, splats.groups[g].areaM2), splats.groups[g].gain, splats.groups[g].enough));
             const float largestM = growth * splats.chunks[c].scaleMaxM;
             const size_t parentsEnd = c + 1 < splats.chunks.size() ? splats.chunks[c + 1].firstParent : splats.parents.size();
-            for (size_t p = splats.chunks[c].firstParent; p < parentsEnd; ++p) shows[p] = showsOf(view, posed[std::min<size_t>(splats.parents[p], triangles.size())], largestM);
+            for (size_t p = splats.chunks[c].firstParent; p < parentsEnd; ++p)
+                shows[p] = showsOf(view, posed[std::min<size_t>(splats.parents[p], triangles.size())], largestM);
         }
     });
     forProjectBlocks(jobs, buffers, camera, view, splats.count(), splats.shDegree, posed, triangles.size(), behind,
                      [&](const ProjectTask& task) {
-                         if (all) projectBlockOfCodes(splats, shows, task);
-                         else projectChosenOfCodes(splats, shows, detail, task);
+                         if (all)
+                             projectBlockOfCodes(splats, shows, task);
+                         else
+                             projectChosenOfCodes(splats, shows, detail, task);
                      });
 }
 
 void projectPacked(Jobs& jobs, SplatEngine::Buffers& buffers, const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles,
-                   const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples, bool behind, const GeneralDetail& detail, std::span<const GeneralGroup> groups) {
+                   const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples, bool behind, const GeneralDetail& detail,
+                   std::span<const GeneralGroup> groups) {
     const ProjectView view = viewOf(camera, kappaPx2, compensated, samples == kCoverageSamples ? kCoverageSamples : 1);
     const TriangleView* posed = splats.bound() ? viewTriangles(jobs, buffers.triangles, triangles, camera) : nullptr;
     const size_t groupFloats = size_t(groupFields(splats.bound(), splats.shDegree())) * kGroupSplats;
     const bool all = detail.full() || groups.empty() || splats.bound();
-    forProjectBlocks(jobs, buffers, camera, view, splats.count(), splats.shDegree(), posed, triangles.size(), behind, [&](ProjectTask task) {
-        if (!all) return projectChosenOfPacked(splats, groups, detail, task);
-        task.packed = splats.data() + task.firstSplat / kGroupSplats * groupFloats;
-        projectGroups(task);
-    });
+    forProjectBlocks(jobs, buffers, camera, view, splats.count(), splats.shDegree(), posed, triangles.size(), behind,
+                     [&](ProjectTask task) {
+                         if (!all) return projectChosenOfPacked(splats, groups, detail, task);
+                         task.packed = splats.data() + task.firstSplat / kGroupSplats * groupFloats;
+                         projectGroups(task);
+                     });
 }
 
 }  // namespace dpl

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Stable LSD radix sort of the visible splats by view depth, near first; ties keep splat order.
 //
 // Positive floats order like their bits, so the key is bits(z) − bits(nearest z): an avatar three metres away needs two digits of

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Splats as they lie in the file (sdk/format/coded_splats.h), by a workgroup that works on one half-chunk. The includer declares the buffer by
 // DPL_WORDS `codes` and the push constants as CodesPush `push`, and includes lib/sh_degree.glsl.
 #include "shaders/lib/parent_byte.glsl"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Whether a triangle's splats can show in a view. Lossless: it is false only where lib/footprint.glsl and project.comp would drop every one of them.
 //
 // A splat shows when its centre px ± radius touches the target. radius ≤ √level (f/z · σ |w| + √κ), w = (1, 0, −slope) with the slope clamped, so

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Level of detail: sdk/math/detail.h line by line.
 struct SplatShare {
     uint within;     // its number within the half-chunk

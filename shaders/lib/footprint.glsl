@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Screen footprint of a splat: sdk/math/projection.h line by line, and its form with three axes.
 float dplSmoothstep01(float x) {
     x = clamp(x, 0.0, 1.0);

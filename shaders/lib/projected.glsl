@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How a ProjectedSplat packs what it holds.
 uint dplPackColour(vec3 rgb) { return uint(rgb.r * 2047.0 + 0.5) | (uint(rgb.g * 2047.0 + 0.5) << 11u) | (uint(rgb.b * 1023.0 + 0.5) << 22u); }
 vec3 dplUnpackColour(uint rgb) { return vec3(float(rgb & 2047u) * (1.0 / 2047.0), float((rgb >> 11u) & 2047u) * (1.0 / 2047.0), float(rgb >> 22u) * (1.0 / 1023.0)); }

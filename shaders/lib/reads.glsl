@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What a kernel reads and nothing writes while it runs: words, pairs or fours of them. DPL_TEXELS: as typed buffers, which a CPU that plays a GPU gathers
 // eight lanes at a time, where it reads a plain buffer lane by lane (DeviceInfo::texels). shaderpack builds NAME.texels beside every NAME that includes
 // this and uses it; the same bytes come out.

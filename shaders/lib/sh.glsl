@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Real spherical harmonics in the order and sign of sdk/math/sh.h. `d` is a unit vector from the eye to the splat, rest frame; `light` multiplies the colour before it is clamped.
 // Coefficients are read through dplSh(base, k), which the includer defines, as it includes lib/sh_degree.glsl.
 vec3 dplShColour(vec3 d, uint base, float light) {

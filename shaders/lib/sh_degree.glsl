@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A kernel is built for one degree of SH: DPL_SH1, DPL_SH2 or DPL_SH3, else 0.
 #if defined(DPL_SH3)
 const uint kShDegree = 3u;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A footprint as the passes that fill pixels read it.
 #include "shaders/lib/projected.glsl"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which tiles a splat touches. The includer declares the push constants as TilePush `push`.
 
 // First and last tile that hold pixels with samples in [low, high], of `size` pixels. Always one at least: an entry too many shows nothing.

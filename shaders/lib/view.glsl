@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The only place that knows how a draw reaches several views. Mono is stereo with one view.
 //   DPL_VIEW_MULTIVIEW  one draw reaches all of them, target layer = view (VK_KHR_multiview, core in 1.1)
 //   otherwise           a draw a view, into its layer

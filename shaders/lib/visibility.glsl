@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the passes tell each other of half-chunks (kSplatGroup neighbouring splats) and of their splats.
 // `visibility`: a flag each whether it lives, the live ones in order, which splats each has; then the sort depth of every splat.
 uint dplFirstLive(uint groups) { return groups; }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Maps GLSL type names to C++ so that both languages read the same structs. GLSL sees nothing of this file but its guard.
 #ifndef DPL_SHARED_SHIM_H
 #define DPL_SHARED_SHIM_H
@@ -7,10 +8,18 @@
 #include <cstdint>
 namespace dpl::gpu {
 using uint = uint32_t;
-struct alignas(8) vec2 { float x, y; };
-struct alignas(16) vec4 { float x, y, z, w; };
-struct alignas(8) uvec2 { uint x, y; };
-struct alignas(16) uvec4 { uint x, y, z, w; };
+struct alignas(8) vec2 {
+    float x, y;
+};
+struct alignas(16) vec4 {
+    float x, y, z, w;
+};
+struct alignas(8) uvec2 {
+    uint x, y;
+};
+struct alignas(16) uvec4 {
+    uint x, y, z, w;
+};
 }  // namespace dpl::gpu
 #define DPL_SHARED_BEGIN namespace dpl::gpu {
 #define DPL_SHARED_END }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* doppel.h as a strict C99 program sees it: it compiles without a warning, its constants fold, its structs keep their layout. */
 #include <doppel/doppel.h>
 
@@ -7,12 +8,12 @@
 
 static int failures = 0;
 
-#define CHECK(condition)                                                     \
-    do {                                                                     \
-        if (!(condition)) {                                                  \
-            printf("%s:%d: failed: %s\n", __FILE__, __LINE__, #condition);   \
-            ++failures;                                                      \
-        }                                                                    \
+#define CHECK(condition)                                                   \
+    do {                                                                   \
+        if (!(condition)) {                                                \
+            printf("%s:%d: failed: %s\n", __FILE__, __LINE__, #condition); \
+            ++failures;                                                    \
+        }                                                                  \
     } while (0)
 
 int main(void) {
@@ -26,16 +27,20 @@ int main(void) {
     if (sizeof(void*) == 8) {
         CHECK(sizeof(DplContextInfo) == 32 && offsetof(DplContextInfo, threadCount) == 8 && offsetof(DplContextInfo, fill) == 16);
         CHECK(sizeof(DplCamera) == 96 && offsetof(DplCamera, viewFromWorld) == 28 && offsetof(DplCamera, sceneDepthM) == 80);
-        CHECK(sizeof(DplImage) == 72 && offsetof(DplImage, rgba) == 8 && offsetof(DplImage, depthM) == 32 && offsetof(DplImage, format) == 48 && offsetof(DplImage, meshDepthM) == 56);
+        CHECK(sizeof(DplImage) == 72 && offsetof(DplImage, rgba) == 8 && offsetof(DplImage, depthM) == 32 &&
+              offsetof(DplImage, format) == 48 && offsetof(DplImage, meshDepthM) == 56);
         CHECK(sizeof(DplAvatarInfo) == 72 && offsetof(DplAvatarInfo, name) == 8 && offsetof(DplAvatarInfo, restMin) == 44);
         CHECK(sizeof(DplJointInfo) == 40 && offsetof(DplJointInfo, restPosition) == 28);
         CHECK(sizeof(DplClipInfo) == 32 && offsetof(DplClipInfo, durationS) == 16);
         CHECK(sizeof(DplClipOptions) == 24 && offsetof(DplClipOptions, animation) == 16);
         CHECK(sizeof(DplDetail) == 12);
-        CHECK(sizeof(DplFrameStats) == 120 && offsetof(DplFrameStats, splatsAllowed) == 104 && offsetof(DplFrameStats, componentCount) == 112 && offsetof(DplFrameStats, avatarBytes) == 64 && offsetof(DplFrameStats, tileEntries) == 96 && offsetof(DplFrameStats, residentBytes) == 40);
+        CHECK(sizeof(DplFrameStats) == 120 && offsetof(DplFrameStats, splatsAllowed) == 104 &&
+              offsetof(DplFrameStats, componentCount) == 112 && offsetof(DplFrameStats, avatarBytes) == 64 &&
+              offsetof(DplFrameStats, tileEntries) == 96 && offsetof(DplFrameStats, residentBytes) == 40);
         CHECK(sizeof(DplPassTime) == 24 && offsetof(DplPassTime, milliseconds) == 16);
     }
-    CHECK(sizeof(DplResult) == 4 && sizeof(DplRenderer) == 4 && sizeof(DplFill) == 4 && sizeof(DplDrawFlag) == 4 && sizeof(DplImageFormat) == 4);
+    CHECK(sizeof(DplResult) == 4 && sizeof(DplRenderer) == 4 && sizeof(DplFill) == 4 && sizeof(DplDrawFlag) == 4 &&
+          sizeof(DplImageFormat) == 4);
 
     CHECK(dplGetVersion() == ((DPL_VERSION_MAJOR << 16) | (DPL_VERSION_MINOR << 8) | DPL_VERSION_PATCH));
     CHECK(strcmp(dplGetResultName(DPL_ERROR_VERSION), "DPL_ERROR_VERSION") == 0);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/baseline/plain_file.h"
 
 #include "sdk/format/avatar_file.h"
@@ -8,7 +9,7 @@
 namespace dpl {
 
 struct PlainFile::State {
-    std::shared_ptr<const AvatarData> avatar;   // empty: general splats
+    std::shared_ptr<const AvatarData> avatar;  // empty: general splats
     Pose pose;
     plain::Frame frame;
     State(std::unique_ptr<Backend> backend, PlainFill fill) : frame(std::move(backend), fill) {}
@@ -40,9 +41,12 @@ Result<PlainFile> PlainFile::open(std::span<const uint8_t> bytes, PlainFill fill
 Status PlainFile::draw(std::span<const float> rotations, const Vec3f& rootTranslation, std::span<const Cameraf> views) {
     Pose& pose = state_->pose;
     pose.localRotations.clear();
-    for (size_t j = 0; j + 4 <= rotations.size(); j += 4) pose.localRotations.emplace_back(rotations[j + 3], rotations[j], rotations[j + 1], rotations[j + 2]);
+    for (size_t j = 0; j + 4 <= rotations.size(); j += 4)
+        pose.localRotations.emplace_back(rotations[j + 3], rotations[j], rotations[j + 1], rotations[j + 2]);
     pose.rootTranslation = rootTranslation;
-    if (state_->avatar) { DPL_CHECK_OK(checkPose(state_->avatar->joints, pose)); }
+    if (state_->avatar) {
+        DPL_CHECK_OK(checkPose(state_->avatar->joints, pose));
+    }
     return state_->frame.draw(pose, views);
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The plain frame for programs: an avatar file or general splats drawn as they were before any optimisation (README.md).
 //
 //   auto plain = PlainFile::open(bytes);
@@ -16,7 +17,7 @@
 namespace dpl {
 
 struct PlainPassTime {
-    std::string label;       // as today's pass of that work is called
+    std::string label;  // as today's pass of that work is called
     double milliseconds = 0;
 };
 
@@ -27,14 +28,15 @@ struct PlainStats {
     std::vector<PlainPassTime> passes;         // of the frames read last, in the order they ran, eye after eye; empty without timestamps
 };
 
-/** How it fills pixels: quads blended in f16, as the plain frame did; or tiles as they were first made, behind the plain frame's records and sort. */
+/** How it fills pixels: quads blended in f16, as the plain frame did; or tiles as they were first made, behind the plain frame's records
+ * and sort. */
 enum class PlainFill { Quads, Tiles };
 
 /** One thread at a time. */
 class PlainFile {
 public:
-    /** On the best Vulkan device, a software one included, as DPL_RENDERER_VULKAN chooses. The bytes may be freed afterwards. Errors of readAvatar and
-     *  readSplats; Unsupported: no Vulkan here, a build without it, or a device that cannot hold the splats as floats. */
+    /** On the best Vulkan device, a software one included, as DPL_RENDERER_VULKAN chooses. The bytes may be freed afterwards. Errors of
+     * readAvatar and readSplats; Unsupported: no Vulkan here, a build without it, or a device that cannot hold the splats as floats. */
     static Result<PlainFile> open(std::span<const uint8_t> bytes, PlainFill fill = PlainFill::Quads);
     PlainFile(PlainFile&&) noexcept;
     PlainFile& operator=(PlainFile&&) noexcept;
@@ -43,9 +45,11 @@ public:
     /** "vulkan: DEVICE (plain float)", or "(plain float, tiles)". */
     const std::string& name() const { return name_; }
 
-    /** rotations: xyzw a joint, as dplGetPose gives them; general splats take no notice of the pose. One or two views of equal size. Starts the frames. */
+    /** rotations: xyzw a joint, as dplGetPose gives them; general splats take no notice of the pose. One or two views of equal size. Starts
+     * the frames. */
     Status draw(std::span<const float> rotations, const Vec3f& rootTranslation, std::span<const Cameraf> views);
-    /** Waits, and copies one picture a view out: RGBA8 premultiplied, display-referred, top row first. Unsupported: the lists of tiles could not hold the frame. */
+    /** Waits, and copies one picture a view out: RGBA8 premultiplied, display-referred, top row first. Unsupported: the lists of tiles
+     * could not hold the frame. */
     Status read(std::span<std::vector<uint8_t>> pictures);
 
     PlainStats stats() const;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/baseline/plain_frame.h"
 
 #include <algorithm>
@@ -12,7 +13,9 @@ namespace {
 
 constexpr uint32_t kMaxEyes = 2;
 
-uint32_t blocksOf(uint32_t count, uint32_t block) { return (count + block - 1) / block; }
+uint32_t blocksOf(uint32_t count, uint32_t block) {
+    return (count + block - 1) / block;
+}
 
 }  // namespace
 
@@ -36,7 +39,9 @@ Result<BufferId> Frame::makeBuffer(std::vector<BufferId>& owned, const char* lab
 template <class T>
 Result<BufferId> Frame::upload(const char* label, const std::vector<T>& items) {
     DPL_TRY(BufferId id, makeBuffer(owned_, label, items.size() * sizeof(T)));
-    if (!items.empty()) { DPL_CHECK_OK(backend_->write(id, 0, std::as_bytes(std::span(items)))); }
+    if (!items.empty()) {
+        DPL_CHECK_OK(backend_->write(id, 0, std::as_bytes(std::span(items))));
+    }
     return id;
 }
 
@@ -120,8 +125,16 @@ void addSort(FramePlan& plan, BufferId counts, BufferId histogram, BufferId pair
 Status Frame::addQuads(FramePlan& plan, Eye& eye, uint32_t widthPx, uint32_t heightPx) {
     const Buffers& b = buffers_;
     const bool layered = backend_->info().multiview;
-    DPL_TRY(eye.target, backend_->createTarget({.widthPx = widthPx, .heightPx = heightPx, .views = 1, .depth = false, .multiview = layered, .colour = ColourFormat::Halves}));
-    const DrawPipelineDesc pipeline{.vertex = layered ? "draw.vert.multiview" : "draw.vert.instances", .fragment = "draw.frag", .views = 1, .multiview = layered, .depth = false, .colour = ColourFormat::Halves};
+    DPL_TRY(
+        eye.target,
+        backend_->createTarget(
+            {.widthPx = widthPx, .heightPx = heightPx, .views = 1, .depth = false, .multiview = layered, .colour = ColourFormat::Halves}));
+    const DrawPipelineDesc pipeline{.vertex = layered ? "draw.vert.multiview" : "draw.vert.instances",
+                                    .fragment = "draw.frag",
+                                    .views = 1,
+                                    .multiview = layered,
+                                    .depth = false,
+                                    .colour = ColourFormat::Halves};
     plan.draw("draw.splats", pipeline, eye.target, 0)
         .reads(b.counts, b.pairs, b.projected)
         .push(DrawPush{float(widthPx), float(heightPx), 1, 1})
@@ -134,7 +147,9 @@ Status Frame::addTiles(FramePlan& plan, Eye& eye, uint32_t widthPx, uint32_t hei
     DPL_TRY(t.counts, makeBuffer(eye.owned, "tile counts", sizeof(TileCounts)));
     DPL_TRY(t.pixels, makeBuffer(eye.owned, "tile pixels", uint64_t(widthPx) * heightPx * 4));
     DPL_TRY(eye.tileCounts, makeBuffer(eye.owned, "tile counts read back", sizeof(TileCounts), BufferMemory::Readback));
-    for (const BufferId id : {t.counts, t.pixels}) { DPL_CHECK_OK(backend_->write(id, 0, std::array<std::byte, 4>{})); }  // every frame fills them; this is for the check of the read-back
+    for (const BufferId id : {t.counts, t.pixels}) {
+        DPL_CHECK_OK(backend_->write(id, 0, std::array<std::byte, 4>{}));
+    }  // every frame fills them; this is for the check of the read-back
     if (splats_.count == 0) {
         plan.fill("tiles.begin", t.counts, 0);
         plan.fill("tiles.clear", t.pixels, 0);
@@ -171,8 +186,17 @@ Status Frame::build(Eye& eye, uint32_t widthPx, uint32_t heightPx) {
                 .writes(b.posed)
                 .push(VertexPush{vertexCount_, 3 * uint32_t(avatar_->joints.size())})
                 .threads(vertexCount_);
-            plan.compute("pose.triangles", "triangles").reads(b.triangles, b.posed).writes(b.triangleFrames).push(TrianglePush{triangleCount_}).threads(triangleCount_);
-            plan.compute("splat.project", "project").uniform(eye.frame).reads(b.splats, b.triangleFrames).writes(b.projected, b.sortDepth).push(splatPush).threads(splats_.count);
+            plan.compute("pose.triangles", "triangles")
+                .reads(b.triangles, b.posed)
+                .writes(b.triangleFrames)
+                .push(TrianglePush{triangleCount_})
+                .threads(triangleCount_);
+            plan.compute("splat.project", "project")
+                .uniform(eye.frame)
+                .reads(b.splats, b.triangleFrames)
+                .writes(b.projected, b.sortDepth)
+                .push(splatPush)
+                .threads(splats_.count);
             plan.compute("splat.colour", corrected ? "colour.lit" : "colour")
                 .uniform(eye.frame)
                 .reads(b.splats, b.triangleFrames, b.sh)
@@ -180,8 +204,18 @@ Status Frame::build(Eye& eye, uint32_t widthPx, uint32_t heightPx) {
                 .push(colourPush)
                 .threads(splats_.count);
         } else {
-            plan.compute("splat.project", "project.general").uniform(eye.frame).reads(b.splats).writes(b.projected, b.sortDepth).push(splatPush).threads(splats_.count);
-            plan.compute("splat.colour", "colour.general").uniform(eye.frame).reads(b.splats, b.sh).updates(b.projected).push(colourPush).threads(splats_.count);
+            plan.compute("splat.project", "project.general")
+                .uniform(eye.frame)
+                .reads(b.splats)
+                .writes(b.projected, b.sortDepth)
+                .push(splatPush)
+                .threads(splats_.count);
+            plan.compute("splat.colour", "colour.general")
+                .uniform(eye.frame)
+                .reads(b.splats, b.sh)
+                .updates(b.projected)
+                .push(colourPush)
+                .threads(splats_.count);
         }
         addCompact(plan, splats_.count, b.sortDepth, b.blockSums, b.counts, b.pairs);
         addSort(plan, b.counts, b.histogram, b.pairs, b.pairsSwap);
@@ -224,8 +258,10 @@ void Frame::writePalette(const Pose& pose, BufferId palette) {
 
 Status Frame::draw(const Pose& pose, std::span<const Cameraf> views) {
     drawn_ = 0;
-    if (views.empty() || views.size() > kMaxEyes) return fail(Code::InvalidArgument, "{} views; the plain frame draws 1 to {}", views.size(), kMaxEyes);
-    if (views.front().widthPx != views.back().widthPx || views.front().heightPx != views.back().heightPx) return fail(Code::InvalidArgument, "the views have different sizes");
+    if (views.empty() || views.size() > kMaxEyes)
+        return fail(Code::InvalidArgument, "{} views; the plain frame draws 1 to {}", views.size(), kMaxEyes);
+    if (views.front().widthPx != views.back().widthPx || views.front().heightPx != views.back().heightPx)
+        return fail(Code::InvalidArgument, "the views have different sizes");
     if (views[0].widthPx != widthPx_ || views[0].heightPx != heightPx_) {
         for (Eye& eye : eyes_) free(eye);
         eyes_.clear();
@@ -255,7 +291,7 @@ Result<std::vector<std::span<const uint8_t>>> Frame::read() {
     if (drawn_ == 0) return fail(Code::InvalidArgument, "nothing was drawn");
     std::vector<std::span<const uint8_t>> pictures;
     for (size_t v = 0; v < drawn_; ++v) {
-        DPL_CHECK_OK(backend_->wait(eyes_[v].draw));   // so that its times and counts are there
+        DPL_CHECK_OK(backend_->wait(eyes_[v].draw));  // so that its times and counts are there
         DPL_CHECK_OK(backend_->run(eyes_[v].readback));
         if (fill_ == PlainFill::Tiles) {
             TileCounts counts;

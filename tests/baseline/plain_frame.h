@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The plain frame on a backend: one avatar or one set of general splats, one or two views, each a frame of its own. Frozen (README.md).
 #pragma once
 
@@ -28,39 +29,42 @@ public:
     Frame(const Frame&) = delete;
     Frame& operator=(const Frame&) = delete;
 
-    /** Uploads; one of the two, once. The avatar is one that readAvatar gave, or holds what it promises; the splats may be freed on return. */
+    /** Uploads; one of the two, once. The avatar is one that readAvatar gave, or holds what it promises; the splats may be freed on return.
+     */
     Status load(std::shared_ptr<const AvatarData> avatar);
     Status load(const StaticSplatData& splats);
 
-    /** Starts the frames of the views (1 or 2, of equal size), and makes what they need when the size is another than before. The pose has passed
-     *  checkPose; general splats take no notice of it. */
+    /** Starts the frames of the views (1 or 2, of equal size), and makes what they need when the size is another than before. The pose has
+     * passed checkPose; general splats take no notice of it. */
     Status draw(const Pose& pose, std::span<const Cameraf> views);
-    /** Waits for what was drawn. One picture a view: RGBA8 premultiplied, display-referred, top row first; valid until the next draw. Unsupported: the lists
-     *  of tiles could not hold the frame. */
+    /** Waits for what was drawn. One picture a view: RGBA8 premultiplied, display-referred, top row first; valid until the next draw.
+     * Unsupported: the lists of tiles could not hold the frame. */
     Result<std::vector<std::span<const uint8_t>>> read();
 
     /** Of the frames that were read last, eye after eye; empty without timestamps. */
     std::vector<PassTime> passTimes() const;
-    uint32_t splatsDrawn() const;   // of the eye that sees most
+    uint32_t splatsDrawn() const;  // of the eye that sees most
     uint64_t avatarBytes() const { return avatarBytes_; }
     uint64_t splatBytes() const { return splatBytes_; }
     uint64_t residentBytes() const { return backend_->residentBytes(); }
     const DeviceInfo& device() const { return backend_->info(); }
 
 private:
-    struct Buffers {   // what both eyes share, one after the other
-        BufferId vertices, triangles, splats, sh, posed, triangleFrames, projected, sortDepth, blockSums, counts, pairs, pairsSwap, histogram;
+    struct Buffers {  // what both eyes share, one after the other
+        BufferId vertices, triangles, splats, sh, posed, triangleFrames, projected, sortDepth, blockSums, counts, pairs, pairsSwap,
+            histogram;
     };
     struct Eye {
         BufferId frame, palette, colourPixels, finalCounts;
-        TargetId target;       // of quads
-        TileBuffers tiles;     // of tiles
-        BufferId tileCounts;   // read back
+        TargetId target;      // of quads
+        TileBuffers tiles;    // of tiles
+        BufferId tileCounts;  // read back
         FrameId draw, readback;
         std::vector<BufferId> owned;
     };
 
-    Result<BufferId> makeBuffer(std::vector<BufferId>& owned, const char* label, uint64_t bytes, BufferMemory memory = BufferMemory::Device);
+    Result<BufferId> makeBuffer(std::vector<BufferId>& owned, const char* label, uint64_t bytes,
+                                BufferMemory memory = BufferMemory::Device);
     template <class T>
     Result<BufferId> upload(const char* label, const std::vector<T>& items);
     Status makeWorkBuffers();
@@ -72,7 +76,7 @@ private:
 
     std::unique_ptr<Backend> backend_;
     PlainFill fill_;
-    std::shared_ptr<const AvatarData> avatar_;   // empty: general splats
+    std::shared_ptr<const AvatarData> avatar_;  // empty: general splats
     SplatSet splats_;
     uint32_t vertexCount_ = 0, triangleCount_ = 0, widthPx_ = 0, heightPx_ = 0;
     uint64_t avatarBytes_ = 0, splatBytes_ = 0;
@@ -80,7 +84,7 @@ private:
     std::vector<BufferId> owned_;
     std::vector<Eye> eyes_;
     size_t drawn_ = 0;
-    std::vector<Mat3x4f> worldFromRest_;   // of the last pose, as are these
+    std::vector<Mat3x4f> worldFromRest_;  // of the last pose, as are these
     std::vector<float> coefficients_;
     std::vector<Vec4f> nodes_;
 };

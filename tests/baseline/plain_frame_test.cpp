@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The plain frame against the double-precision referee, at the bars it had when it was frozen, and that it stays frozen.
 #include "tests/baseline/plain_frame.h"
 
@@ -29,8 +30,10 @@ struct TestPlain {
             options.enableValidation = false;
             backend = plain::createBackend(options);
         }
-        if (backend) frame = std::make_unique<plain::Frame>(std::move(*backend), fill);
-        else missing = backend.error().message;
+        if (backend)
+            frame = std::make_unique<plain::Frame>(std::move(*backend), fill);
+        else
+            missing = backend.error().message;
     }
     ~TestPlain() {
         frame.reset();
@@ -47,14 +50,16 @@ std::vector<RenderedView> draw(plain::Frame& frame, const Pose& pose, std::span<
     EXPECT_TRUE(drawn) << (drawn ? "" : drawn.error().message);
     const auto read = frame.read();
     EXPECT_TRUE(read) << (read ? "" : read.error().message);
-    for (size_t v = 0; read && v < read->size(); ++v) pictures.push_back({views[v].widthPx, views[v].heightPx, {(*read)[v].begin(), (*read)[v].end()}, {}});
+    for (size_t v = 0; read && v < read->size(); ++v)
+        pictures.push_back({views[v].widthPx, views[v].heightPx, {(*read)[v].begin(), (*read)[v].end()}, {}});
     pictures.resize(views.size());
     return pictures;
 }
 
 void expectAgrees(const std::string& name, const RenderedView& picture, const ReferenceImage& want, double minCovered = 0.005) {
     const Difference d = compare(picture, want);
-    std::printf("[  IMAGE   ] plain, %-20s: colour %.1f dB (max %.4f), alpha %.1f dB, covered %.1f %%\n", name.c_str(), d.psnrDb, d.maxError, d.alphaPsnrDb, d.covered * 100);
+    std::printf("[  IMAGE   ] plain, %-20s: colour %.1f dB (max %.4f), alpha %.1f dB, covered %.1f %%\n", name.c_str(), d.psnrDb,
+                d.maxError, d.alphaPsnrDb, d.covered * 100);
     dumpPicture(("plain_" + name).c_str(), picture);
     EXPECT_GT(d.covered, minCovered) << name;
     EXPECT_GE(d.psnrDb, kMinPsnrDb) << name;
@@ -73,16 +78,29 @@ void expectAvatarAgrees(const std::string& name, const std::shared_ptr<const Ava
 }
 
 TEST(PlainFrame, equalsTheReferenceInSeveralPosesAndViews) {
-    struct Case { const char* name; bool singleFace; uint32_t shDegree; float bend, turn, azimuth, distanceM; };
-    const Case cases[] = {{"rest", true, 2, 0, 0, 0, 1.8f},          {"bent", true, 3, 1.1f, 0.4f, 0.7f, 1.8f},
-                          {"bent_back", false, 2, -0.8f, 2, 2.5f, 1.8f}, {"close", true, 1, 0.5f, 0, -1.2f, 0.32f},
+    struct Case {
+        const char* name;
+        bool singleFace;
+        uint32_t shDegree;
+        float bend, turn, azimuth, distanceM;
+    };
+    const Case cases[] = {{"rest", true, 2, 0, 0, 0, 1.8f},
+                          {"bent", true, 3, 1.1f, 0.4f, 0.7f, 1.8f},
+                          {"bent_back", false, 2, -0.8f, 2, 2.5f, 1.8f},
+                          {"close", true, 1, 0.5f, 0, -1.2f, 0.32f},
                           {"far", false, 0, 0.3f, 1, 3.1f, 8.0f}};
     for (const Case& c : cases)
-        expectAvatarAgrees(c.name, std::make_shared<const AvatarData>(makeTube({.shDegree = c.shDegree, .singleFace = c.singleFace})), tubePose(c.bend, c.turn), tubeCamera(160, 192, c.azimuth, c.distanceM));
+        expectAvatarAgrees(c.name, std::make_shared<const AvatarData>(makeTube({.shDegree = c.shDegree, .singleFace = c.singleFace})),
+                           tubePose(c.bend, c.turn), tubeCamera(160, 192, c.azimuth, c.distanceM));
 }
 
 TEST(PlainFrame, correctivesMoveAndLightTheSurfaceAsInTheReference) {
-    struct Case { const char* name; test::CorrectiveOptions correctives; uint32_t shDegree; float bend, turn; };
+    struct Case {
+        const char* name;
+        test::CorrectiveOptions correctives;
+        uint32_t shDegree;
+        float bend, turn;
+    };
     const Case cases[] = {{"moderate", {.light = 0.3f, .reach = 100}, 3, 1.1f, 0.4f},
                           {"clamped", {.modes = 5, .nodes = 40, .light = 2, .reach = 100}, 2, -0.8f, 2},
                           {"beyond", {.modes = 64, .nodes = 500, .offsetM = 0.05f, .light = 3, .reach = 0.8f}, 0, 0.9f, 1}};
@@ -91,7 +109,11 @@ TEST(PlainFrame, correctivesMoveAndLightTheSurfaceAsInTheReference) {
         const auto avatar = std::make_shared<const AvatarData>(test::withCorrectives(bare, 6, c.correctives));
         const Pose pose = tubePose(c.bend, c.turn);
         const Cameraf camera = tubeCamera(160, 192, 0.7f, 1.6f);
-        EXPECT_LT(compareImages(renderReference(bare, pose, referenceCamera(camera)).rgb, renderReference(*avatar, pose, referenceCamera(camera)).rgb).psnrDb, 35) << c.name << ": this case shows nothing";
+        EXPECT_LT(compareImages(renderReference(bare, pose, referenceCamera(camera)).rgb,
+                                renderReference(*avatar, pose, referenceCamera(camera)).rgb)
+                      .psnrDb,
+                  35)
+            << c.name << ": this case shows nothing";
         expectAvatarAgrees(c.name, avatar, pose, camera);
     }
 }
@@ -105,7 +127,8 @@ TEST(PlainFrame, generalSplatsEqualTheReferenceAtEveryShDegree) {
         const Status loaded = plain.frame->load(splats);
         ASSERT_TRUE(loaded) << loaded.error().message;
         const Cameraf camera = tubeCamera(160, 192, 0.7f, 2.2f);
-        expectAgrees("general, SH " + std::to_string(degree), draw(*plain.frame, {}, {&camera, 1})[0], renderReference(splats, referenceCamera(camera), {.compensated = splats.compensated}), 0.05);
+        expectAgrees("general, SH " + std::to_string(degree), draw(*plain.frame, {}, {&camera, 1})[0],
+                     renderReference(splats, referenceCamera(camera), {.compensated = splats.compensated}), 0.05);
     }
 }
 
@@ -115,9 +138,11 @@ TEST(PlainFrame, tilesDrawWhatQuadsDrawOrSayThatTheyCannot) {
     DPL_NEED_PLAIN(tiles);
     const StaticSplatData splats = randomStaticSplats(5, 1500, 1, 0.5f);
     ASSERT_TRUE(tiles.frame->load(splats) && quads.frame->load(splats));
-    const Cameraf far[2] = {tubeCamera(157, 139, 0.3f, 40, -0.03f), tubeCamera(157, 139, 0.3f, 40, 0.03f)}, near = tubeCamera(157, 139, 0.3f, 1.2f), small = tubeCamera(61, 45, 0.3f, 40);
+    const Cameraf far[2] = {tubeCamera(157, 139, 0.3f, 40, -0.03f), tubeCamera(157, 139, 0.3f, 40, 0.03f)},
+                  near = tubeCamera(157, 139, 0.3f, 1.2f), small = tubeCamera(61, 45, 0.3f, 40);
     const std::vector<RenderedView> got = draw(*tiles.frame, {}, far);
-    for (size_t v = 0; v < 2; ++v) expectAgrees("general, tiles, view " + std::to_string(v), got[v], renderReference(splats, referenceCamera(far[v])));
+    for (size_t v = 0; v < 2; ++v)
+        expectAgrees("general, tiles, view " + std::to_string(v), got[v], renderReference(splats, referenceCamera(far[v])));
     ASSERT_TRUE(tiles.frame->draw({}, {&near, 1}));
     const auto refused = tiles.frame->read();
     ASSERT_FALSE(refused) << "lists of 1500 splats of half a metre seen from inside";
@@ -135,7 +160,7 @@ TEST(PlainFrame, twoViewsAreTwoFramesAndAnotherSizeIsMadeAnew) {
     const Cameraf views[2] = {tubeCamera(160, 144, 0.3f, 1.2f, -0.032f), tubeCamera(160, 144, 0.3f, 1.2f, 0.032f)};
     const std::vector<RenderedView> both = draw(*plain.frame, pose, views);
     const std::vector<PassTime> times = plain.frame->passTimes();
-    draw(*plain.frame, tubePose(-0.3f), {views, 1});   // leaves nothing behind
+    draw(*plain.frame, tubePose(-0.3f), {views, 1});  // leaves nothing behind
     EXPECT_TRUE(draw(*plain.frame, pose, {views, 1})[0].rgba == both[0].rgba);
     EXPECT_TRUE(draw(*plain.frame, pose, {views + 1, 1})[0].rgba == both[1].rgba);
     EXPECT_FALSE(both[0].rgba == both[1].rgba);
@@ -144,7 +169,9 @@ TEST(PlainFrame, twoViewsAreTwoFramesAndAnotherSizeIsMadeAnew) {
     EXPECT_TRUE(draw(*plain.frame, pose, {views, 1})[0].rgba == both[0].rgba);
     EXPECT_GT(plain.frame->splatsDrawn(), 1000u);
     if (times.empty()) GTEST_SKIP() << "the device has no timestamps";
-    const auto count = [&](const char* label) { return std::count_if(times.begin(), times.end(), [&](const PassTime& t) { return t.label == label; }); };
+    const auto count = [&](const char* label) {
+        return std::count_if(times.begin(), times.end(), [&](const PassTime& t) { return t.label == label; });
+    };
     EXPECT_EQ(count("pose.skin"), 2);
     EXPECT_EQ(count("sort.scatter"), 2 * 8) << "32-bit keys, four bits a round, each eye for itself";
     EXPECT_EQ(count("draw.splats"), 2);
@@ -188,7 +215,9 @@ TEST(PlainFrame, aFileIsDrawnInThePoseThatItIsGiven) {
     EXPECT_FALSE(file->draw({}, pose.rootTranslation, views)) << "a pose without its joints";
     ASSERT_TRUE(file->draw(rotations, pose.rootTranslation, views));
     ASSERT_TRUE(file->read(pictures));
-    for (size_t v = 0; v < 2; ++v) expectAgrees("a file, view " + std::to_string(v), {120, 144, pictures[v], {}}, renderReference(*decoded, pose, referenceCamera(views[v])));
+    for (size_t v = 0; v < 2; ++v)
+        expectAgrees("a file, view " + std::to_string(v), {120, 144, pictures[v], {}},
+                     renderReference(*decoded, pose, referenceCamera(views[v])));
     const PlainStats stats = file->stats();
     EXPECT_GT(stats.splatsDrawn, 1000u);
     EXPECT_EQ(stats.splatBytes, decoded->splats.count() * (sizeof(plain::SplatRecord) + 12 * sizeof(float)));
@@ -227,7 +256,8 @@ TEST(PlainFrame, itsShadersAreFrozenAndIncludeNothingOfTodays) {
             EXPECT_EQ(line.find("#include \""), line.find("#include \"tests/baseline/shaders/")) << file << ": " << line;
     }
     EXPECT_EQ(files.size(), 35u);
-    EXPECT_EQ(shaderHash({reinterpret_cast<const uint8_t*>(all.data()), all.size()}), 17658099465962435657u) << "a frozen shader was edited (tests/baseline/README.md)";
+    EXPECT_EQ(shaderHash({reinterpret_cast<const uint8_t*>(all.data()), all.size()}), 17658099465962435657u)
+        << "a frozen shader was edited (tests/baseline/README.md)";
 }
 
 }  // namespace

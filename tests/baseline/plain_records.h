@@ -1,4 +1,6 @@
-// An avatar, or general splats, as the plain frame reads them: static records of floats, checked against the device before any upload. Frozen.
+// SPDX-License-Identifier: Apache-2.0
+// An avatar, or general splats, as the plain frame reads them: static records of floats, checked against the device before any upload.
+// Frozen.
 #pragma once
 
 #include <span>
@@ -12,7 +14,7 @@ namespace dpl::plain {
 
 struct Records {
     std::vector<VertexRecord> vertices;
-    std::vector<CorrectedVertexRecord> correctedVertices;   // instead of `vertices` when the avatar has pose correctives
+    std::vector<CorrectedVertexRecord> correctedVertices;  // instead of `vertices` when the avatar has pose correctives
     std::vector<TriangleRecord> triangles;
     std::vector<SplatRecord> splats;
 };

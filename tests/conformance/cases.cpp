@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/conformance/cases.h"
 
 #include <cmath>
@@ -22,7 +23,8 @@ struct Splat {
 };
 
 /** Loose triangles, each corner on joint 0 or 1; splats of degree 0 on them. Joint 1 hangs on joint 0 at `joint`. */
-AvatarData triangles(const std::vector<Vec3f>& corners, std::vector<Splat> splats, const std::vector<int>& jointOfCorner = {}, const Vec3f& joint = Vec3f(0, 0.5f, 0)) {
+AvatarData triangles(const std::vector<Vec3f>& corners, std::vector<Splat> splats, const std::vector<int>& jointOfCorner = {},
+                     const Vec3f& joint = Vec3f(0, 0.5f, 0)) {
     AvatarData a;
     a.name = "conformance";
     a.joints = {{"root", -1, Vec3f(0), "hips"}, {"upper", 0, joint, "spine"}};
@@ -38,7 +40,8 @@ AvatarData triangles(const std::vector<Vec3f>& corners, std::vector<Splat> splat
     SplatData& s = a.splats;
     s.triangleStart.assign(a.mesh.triangles.size() + 1, 0);
     for (const Splat& splat : splats) {
-        s.uv.push_back(splat.uv), s.phi.push_back(splat.phi), s.scaleM.push_back(splat.scaleM), s.opacity.push_back(splat.opacity), s.flags.push_back(splat.flags);
+        s.uv.push_back(splat.uv), s.phi.push_back(splat.phi), s.scaleM.push_back(splat.scaleM), s.opacity.push_back(splat.opacity),
+            s.flags.push_back(splat.flags);
         for (int c = 0; c < 3; ++c) s.sh.push_back(splat.colour[c]);
         for (size_t t = splat.triangle + 1; t < s.triangleStart.size(); ++t) ++s.triangleStart[t];
     }
@@ -48,7 +51,9 @@ AvatarData triangles(const std::vector<Vec3f>& corners, std::vector<Splat> splat
 
 const std::vector<Vec3f> kFlat = {{0, 0, 0}, {0.1f, 0, 0}, {0, 0.1f, 0}};
 
-Cameraf facing(float distanceM, uint32_t widthPx, uint32_t heightPx, float focalPx) { return lookAt({0.03f, 0.03f, distanceM}, {0.03f, 0.03f, 0}, widthPx, heightPx, focalPx); }
+Cameraf facing(float distanceM, uint32_t widthPx, uint32_t heightPx, float focalPx) {
+    return lookAt({0.03f, 0.03f, distanceM}, {0.03f, 0.03f, 0}, widthPx, heightPx, focalPx);
+}
 
 Pose turned(float radians, const Vec3f& axis) {
     Pose pose = Pose::rest(2);
@@ -67,7 +72,9 @@ Cameraf eye(Cameraf c, float rightM, float yawRad) {
 
 std::vector<Splat> needles() {
     std::vector<Splat> splats;
-    for (int i = 0; i < 12; ++i) splats.push_back({.phi = 0.26f * float(i), .scaleM = {0.05f, 1e-4f}, .opacity = 0.95f, .colour = {0.1f * float(i), 0.8f, -0.05f * float(i)}});
+    for (int i = 0; i < 12; ++i)
+        splats.push_back(
+            {.phi = 0.26f * float(i), .scaleM = {0.05f, 1e-4f}, .opacity = 0.95f, .colour = {0.1f * float(i), 0.8f, -0.05f * float(i)}});
     return splats;
 }
 
@@ -80,7 +87,11 @@ AvatarData sheets(int layers, int side, float apartM) {
         corners.insert(corners.end(), {{-0.2f, -0.2f, z}, {0.6f, -0.2f, z}, {-0.2f, 0.6f, z}});
         for (int i = 0; i < side; ++i)
             for (int j = 0; j < side; ++j)
-                splats.push_back({.triangle = uint32_t(l), .uv = {(float(i) + 0.5f) / float(2 * side), (float(j) + 0.5f) / float(2 * side)}, .phi = 0.3f * float(i + j), .scaleM = {0.05f, 0.04f}, .opacity = 1,
+                splats.push_back({.triangle = uint32_t(l),
+                                  .uv = {(float(i) + 0.5f) / float(2 * side), (float(j) + 0.5f) / float(2 * side)},
+                                  .phi = 0.3f * float(i + j),
+                                  .scaleM = {0.05f, 0.04f},
+                                  .opacity = 1,
                                   .colour = {std::sin(float(7 * l + i)), std::cos(float(3 * l + j)), std::sin(float(l + i * j))}});
     }
     return triangles(corners, splats);
@@ -91,54 +102,80 @@ AvatarData sheets(int layers, int side, float apartM) {
 std::vector<ConformanceCase> conformanceCases() {
     std::vector<ConformanceCase> cases;
     const Pose rest = Pose::rest(2);
-    const auto add = [&](const char* name, const char* about, AvatarData avatar, Pose pose, std::vector<Cameraf> views) -> ConformanceCase& {
+    const auto add = [&](const char* name, const char* about, AvatarData avatar, Pose pose,
+                         std::vector<Cameraf> views) -> ConformanceCase& {
         return cases.emplace_back(ConformanceCase{name, about, std::move(avatar), std::move(pose), std::move(views), false, {}});
     };
-    add("one-splat", "a single flat Gaussian: footprint, low-pass, pixel centres at +0.5", triangles(kFlat, {{.scaleM = {0.02f, 0.03f}}}), rest, {facing(1, 64, 48, 300)});
+    add("one-splat", "a single flat Gaussian: footprint, low-pass, pixel centres at +0.5", triangles(kFlat, {{.scaleM = {0.02f, 0.03f}}}),
+        rest, {facing(1, 64, 48, 300)});
     add("one-pixel", "an image of one pixel", triangles(kFlat, {{.scaleM = {0.02f, 0.03f}}}), rest, {facing(1, 1, 1, 30)});
-    add("nothing", "a splat seen only from its wrong side: every pixel stays transparent", triangles(kFlat, {{.flags = kSplatSingleFace}}), rest, {facing(-1, 64, 48, 300)}).mayBeBlank = true;
-    add("needles", "aspect 500 across and along the pixels: conics of bad condition", triangles(kFlat, needles()), rest, {facing(1, 160, 160, 1600)});
-    add("edge-on", "discs seen within half a degree of their plane", triangles(kFlat, {{}, {.phi = 1.2f, .scaleM = {0.01f, 0.02f}}}), rest, {lookAt({0.03f, 1, 0.008f}, {0.03f, 0.03f, 0}, 100, 80, 900)});
-    add("grazing-gate", "a single-faced splat inside the ramp of its gate", triangles(kFlat, {{.flags = kSplatSingleFace}}), rest, {lookAt({0.03f, 1, 0.09f}, {0.03f, 0.03f, 0}, 80, 60, 1200)});
-    add("larger-than-the-screen", "a splat of 5 m behind one of 2 cm: nothing may be culled by size", triangles(kFlat, {{.scaleM = {5, 3}, .opacity = 0.6f}, {}}), rest, {facing(1, 120, 90, 100)});
-    add("specks", "splats far below a pixel keep their energy", triangles(kFlat, {{.scaleM = {1e-4f, 1e-4f}}, {.uv = {0.1f, 0.6f}, .scaleM = {1e-3f, 1e-3f}, .opacity = 1}, {.uv = {0.6f, 0.1f}, .scaleM = {3e-4f, 1e-3f}, .opacity = 1}}), rest,
-        {facing(1, 80, 80, 600)});
-    add("off-screen-tail", "a splat centred far outside the image whose tail reaches in: the clamped Jacobian", triangles({{1.2f, 0, 0}, {1.2f, 0.1f, 0}, {1.2f, 0, 0.1f}}, {{.scaleM = {0.4f, 0.3f}, .opacity = 0.99f}}), rest,
+    add("nothing", "a splat seen only from its wrong side: every pixel stays transparent", triangles(kFlat, {{.flags = kSplatSingleFace}}),
+        rest, {facing(-1, 64, 48, 300)})
+        .mayBeBlank = true;
+    add("needles", "aspect 500 across and along the pixels: conics of bad condition", triangles(kFlat, needles()), rest,
+        {facing(1, 160, 160, 1600)});
+    add("edge-on", "discs seen within half a degree of their plane", triangles(kFlat, {{}, {.phi = 1.2f, .scaleM = {0.01f, 0.02f}}}), rest,
+        {lookAt({0.03f, 1, 0.008f}, {0.03f, 0.03f, 0}, 100, 80, 900)});
+    add("grazing-gate", "a single-faced splat inside the ramp of its gate", triangles(kFlat, {{.flags = kSplatSingleFace}}), rest,
+        {lookAt({0.03f, 1, 0.09f}, {0.03f, 0.03f, 0}, 80, 60, 1200)});
+    add("larger-than-the-screen", "a splat of 5 m behind one of 2 cm: nothing may be culled by size",
+        triangles(kFlat, {{.scaleM = {5, 3}, .opacity = 0.6f}, {}}), rest, {facing(1, 120, 90, 100)});
+    add("specks", "splats far below a pixel keep their energy",
+        triangles(kFlat, {{.scaleM = {1e-4f, 1e-4f}},
+                          {.uv = {0.1f, 0.6f}, .scaleM = {1e-3f, 1e-3f}, .opacity = 1},
+                          {.uv = {0.6f, 0.1f}, .scaleM = {3e-4f, 1e-3f}, .opacity = 1}}),
+        rest, {facing(1, 80, 80, 600)});
+    add("off-screen-tail", "a splat centred far outside the image whose tail reaches in: the clamped Jacobian",
+        triangles({{1.2f, 0, 0}, {1.2f, 0.1f, 0}, {1.2f, 0, 0.1f}}, {{.scaleM = {0.4f, 0.3f}, .opacity = 0.99f}}), rest,
         {lookAt({0, 0, 1}, {0, 0, 0}, 100, 100, 70)});
-    add("near-fade", "splats from the near limit through the end of the fade", [] {
-        std::vector<Vec3f> corners;
-        std::vector<Splat> splats;
-        for (int i = 0; i < 24; ++i) {
-            const float z = 0.96f - 0.008f * float(i), x = 0.006f * float(i) - 0.07f;
-            corners.insert(corners.end(), {{x, 0, z}, {x + 0.02f, 0, z}, {x, 0.02f, z}});
-            splats.push_back({.triangle = uint32_t(i), .scaleM = {0.004f, 0.003f}, .colour = {std::sin(float(i)), 0.4f, std::cos(float(i))}});
-        }
-        return triangles(corners, splats);
-    }(), rest, {lookAt({0, 0.01f, 1}, {0, 0.01f, 0}, 160, 100, 100)});
-    add("folded", "a pose that folds a triangle flat (it is not drawn) beside one that it inverts", triangles({{0, 0, 0}, {0.1f, 0, 0}, {0.05f, 0.1f, 0}, {0.2f, 0, 0}, {0.3f, 0, 0}, {0.25f, 0.15f, 0}}, {{}, {.triangle = 1}, {.triangle = 1, .uv = {0.2f, 0.5f}, .flags = kSplatSingleFace}}, {0, 0, 1, 0, 0, 1}, Vec3f(0.05f, 0.05f, 0)),
+    add("near-fade", "splats from the near limit through the end of the fade",
+        [] {
+            std::vector<Vec3f> corners;
+            std::vector<Splat> splats;
+            for (int i = 0; i < 24; ++i) {
+                const float z = 0.96f - 0.008f * float(i), x = 0.006f * float(i) - 0.07f;
+                corners.insert(corners.end(), {{x, 0, z}, {x + 0.02f, 0, z}, {x, 0.02f, z}});
+                splats.push_back(
+                    {.triangle = uint32_t(i), .scaleM = {0.004f, 0.003f}, .colour = {std::sin(float(i)), 0.4f, std::cos(float(i))}});
+            }
+            return triangles(corners, splats);
+        }(),
+        rest, {lookAt({0, 0.01f, 1}, {0, 0.01f, 0}, 160, 100, 100)});
+    add("folded", "a pose that folds a triangle flat (it is not drawn) beside one that it inverts",
+        triangles({{0, 0, 0}, {0.1f, 0, 0}, {0.05f, 0.1f, 0}, {0.2f, 0, 0}, {0.3f, 0, 0}, {0.25f, 0.15f, 0}},
+                  {{}, {.triangle = 1}, {.triangle = 1, .uv = {0.2f, 0.5f}, .flags = kSplatSingleFace}}, {0, 0, 1, 0, 0, 1},
+                  Vec3f(0.05f, 0.05f, 0)),
         turned(kPi, Vec3f(1, 0, 0)), {lookAt({0.15f, 0.03f, 1}, {0.15f, 0.03f, 0}, 120, 80, 300)});
-    add("equal-depths", "1,024 splats at one depth, hundreds on a pixel: ties go by index, and a blend in half floats rounds each time", sheets(1, 32, 0), rest, {lookAt({0.05f, 0.05f, 1}, {0.05f, 0.05f, 0}, 96, 96, 150)}).band =
-        {45, 45, 8};
-    add("opaque-layers", "thirty opaque sheets: transmittance runs out", sheets(30, 4, 0.01f), rest, {lookAt({0.05f, 0.05f, 1}, {0.05f, 0.05f, 0}, 96, 96, 150)});
-    add("joint-at-180-degrees", "half-and-half weights between 0 and 180 degrees", randomAvatar(31, 8, 4), turned(kPi, Vec3f(0, 1, 0)), {lookAt({0.3f, 1, 1.8f}, {0, 1, 0}, 120, 120, 130)});
-    add("view-dependent-colour", "SH of degree 3 that turns with the surface", randomAvatar(5, 8, 4, 3), randomPose(randomAvatar(5, 8, 4, 3), 7), {lookAt({0.9f, 1.6f, 1.3f}, {0, 1, 0}, 140, 120, 130)});
-    add("pose-correctives", "offsets and light that follow the pose", test::withCorrectives(randomAvatar(11, 8, 4, 1), 11), randomPose(randomAvatar(11, 8, 4, 1), 3), {lookAt({-0.6f, 1.2f, 1.6f}, {0, 1, 0}, 140, 120, 130)});
-    add("off-axis", "a principal point outside the middle and two focal lengths", randomAvatar(61, 8, 4), randomPose(randomAvatar(61, 8, 4), 2), [] {
-        Cameraf camera = lookAt({0.5f, 1.2f, 1.6f}, {0, 1, 0}, 150, 130, 140);
-        camera.cx = 20.3f, camera.cy = 100.7f, camera.fy = 170;
-        return std::vector<Cameraf>{camera};
-    }());
-    add("ten-centimetres", "the camera 10 cm from the surface", randomAvatar(21, 10, 6), rest, {lookAt({0, 1, 0.6f}, {0, 1, 0}, 160, 140, 150)});
+    add("equal-depths", "1,024 splats at one depth, hundreds on a pixel: ties go by index, and a blend in half floats rounds each time",
+        sheets(1, 32, 0), rest, {lookAt({0.05f, 0.05f, 1}, {0.05f, 0.05f, 0}, 96, 96, 150)})
+        .band = {45, 45, 8};
+    add("opaque-layers", "thirty opaque sheets: transmittance runs out", sheets(30, 4, 0.01f), rest,
+        {lookAt({0.05f, 0.05f, 1}, {0.05f, 0.05f, 0}, 96, 96, 150)});
+    add("joint-at-180-degrees", "half-and-half weights between 0 and 180 degrees", randomAvatar(31, 8, 4), turned(kPi, Vec3f(0, 1, 0)),
+        {lookAt({0.3f, 1, 1.8f}, {0, 1, 0}, 120, 120, 130)});
+    add("view-dependent-colour", "SH of degree 3 that turns with the surface", randomAvatar(5, 8, 4, 3),
+        randomPose(randomAvatar(5, 8, 4, 3), 7), {lookAt({0.9f, 1.6f, 1.3f}, {0, 1, 0}, 140, 120, 130)});
+    add("pose-correctives", "offsets and light that follow the pose", test::withCorrectives(randomAvatar(11, 8, 4, 1), 11),
+        randomPose(randomAvatar(11, 8, 4, 1), 3), {lookAt({-0.6f, 1.2f, 1.6f}, {0, 1, 0}, 140, 120, 130)});
+    add("off-axis", "a principal point outside the middle and two focal lengths", randomAvatar(61, 8, 4),
+        randomPose(randomAvatar(61, 8, 4), 2), [] {
+            Cameraf camera = lookAt({0.5f, 1.2f, 1.6f}, {0, 1, 0}, 150, 130, 140);
+            camera.cx = 20.3f, camera.cy = 100.7f, camera.fy = 170;
+            return std::vector<Cameraf>{camera};
+        }());
+    add("ten-centimetres", "the camera 10 cm from the surface", randomAvatar(21, 10, 6), rest,
+        {lookAt({0, 1, 0.6f}, {0, 1, 0}, 160, 140, 150)});
     add("far-away", "a whole avatar within twenty pixels", randomAvatar(71, 8, 8), rest, {lookAt({0, 1, 12}, {0, 1, 0}, 48, 48, 240)});
     const Cameraf centre = lookAt({0.2f, 1.1f, 1.7f}, {0, 1, 0}, 140, 120, 130);
-    add("stereo-parallel", "two eyes of one frame, 63 mm apart", randomAvatar(81, 8, 6, 1), randomPose(randomAvatar(81, 8, 6, 1), 5), {eye(centre, -0.0315f, 0), eye(centre, 0.0315f, 0)});
-    add("stereo-canted", "two eyes turned 5 degrees outwards: one order of depth does not serve both", randomAvatar(81, 8, 6, 1), randomPose(randomAvatar(81, 8, 6, 1), 5),
-        {eye(centre, -0.0315f, 0.0873f), eye(centre, 0.0315f, -0.0873f)});
+    add("stereo-parallel", "two eyes of one frame, 63 mm apart", randomAvatar(81, 8, 6, 1), randomPose(randomAvatar(81, 8, 6, 1), 5),
+        {eye(centre, -0.0315f, 0), eye(centre, 0.0315f, 0)});
+    add("stereo-canted", "two eyes turned 5 degrees outwards: one order of depth does not serve both", randomAvatar(81, 8, 6, 1),
+        randomPose(randomAvatar(81, 8, 6, 1), 5), {eye(centre, -0.0315f, 0.0873f), eye(centre, 0.0315f, -0.0873f)});
     AvatarData fine = randomAvatar(91, 12, 10, 1);
     fine.trainedPixelM = 0.004f;
     const Cameraf away = lookAt({0.2f, 1.1f, 4}, {0, 1, 0}, 90, 70, 130);
-    add("coarser-than-trained", "pixels eight times as coarse as those of the training, in a canted pair: four samples a pixel", std::move(fine), randomPose(randomAvatar(91, 12, 10, 1), 4),
-        {eye(away, -0.0315f, 0.0873f), eye(away, 0.0315f, -0.0873f)});
+    add("coarser-than-trained", "pixels eight times as coarse as those of the training, in a canted pair: four samples a pixel",
+        std::move(fine), randomPose(randomAvatar(91, 12, 10, 1), 4), {eye(away, -0.0315f, 0.0873f), eye(away, 0.0315f, -0.0873f)});
     return cases;
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The kit holds both of our renderers to the referee, and notices renderers that are wrong.
 #include "tests/conformance/kit.h"
 
@@ -60,8 +61,10 @@ TEST_F(Conformance, everyCaseShowsSomethingOrSaysThatItDoesNot) {
     const auto scores = score("software");
     ASSERT_EQ(scores.size(), cases->size());
     for (size_t i = 0; i < scores.size(); ++i) {
-        if ((*cases)[i].mayBeBlank) EXPECT_EQ(scores[i].coverage, 0) << scores[i].name;
-        else EXPECT_GT(scores[i].coverage, 0.002) << scores[i].name;
+        if ((*cases)[i].mayBeBlank)
+            EXPECT_EQ(scores[i].coverage, 0) << scores[i].name;
+        else
+            EXPECT_GT(scores[i].coverage, 0.002) << scores[i].name;
     }
 }
 
@@ -84,7 +87,8 @@ TEST_F(Conformance, theVulkanRendererPassesWithBothFills) {
 }
 
 TEST_F(Conformance, halfAPixelOffIsNoticed) {
-    spoil("shifted", "needles.png", [](cv::Mat& image) { cv::warpAffine(image.clone(), image, cv::Mat(cv::Matx23d(1, 0, 0.5, 0, 1, 0)), image.size()); });
+    spoil("shifted", "needles.png",
+          [](cv::Mat& image) { cv::warpAffine(image.clone(), image, cv::Mat(cv::Matx23d(1, 0, 0.5, 0, 1, 0)), image.size()); });
     EXPECT_FALSE(scoreOf("shifted", "needles").passed);
     EXPECT_TRUE(scoreOf("shifted", "one-splat").passed);
 }
@@ -121,7 +125,8 @@ TEST_F(Conformance, missingDamagedAndMisshapenPicturesFailTheirCase) {
 
 TEST_F(Conformance, aDamagedKitIsAnErrorThatNamesTheFile) {
     fs::create_directories(root_ / "bad");
-    ASSERT_TRUE(writeFileAtomically(root_ / "bad/kit.json", std::string_view("{\"format\": \"doppel-conformance\", \"version\": 1, \"cases\": [{}]}")));
+    ASSERT_TRUE(writeFileAtomically(root_ / "bad/kit.json",
+                                    std::string_view("{\"format\": \"doppel-conformance\", \"version\": 1, \"cases\": [{}]}")));
     const auto cases = readKit(root_ / "bad");
     ASSERT_FALSE(cases);
     EXPECT_NE(cases.error().message.find("kit.json"), std::string::npos);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/conformance/kit.h"
 
 #include <cmath>
@@ -36,8 +37,10 @@ Result<cv::Mat> readPng(const fs::path& path) {
         picture.release();
     }
     if (picture.empty()) return fail(Code::CorruptData, "{} is not a picture that OpenCV reads", path.string());
-    if (picture.channels() != 4) return fail(Code::CorruptData, "{} has {} channels; premultiplied RGBA is asked for", path.string(), picture.channels());
-    if (picture.depth() != CV_8U && picture.depth() != CV_16U) return fail(Code::CorruptData, "{} has neither 8 nor 16 bits a channel", path.string());
+    if (picture.channels() != 4)
+        return fail(Code::CorruptData, "{} has {} channels; premultiplied RGBA is asked for", path.string(), picture.channels());
+    if (picture.depth() != CV_8U && picture.depth() != CV_16U)
+        return fail(Code::CorruptData, "{} has neither 8 nor 16 bits a channel", path.string());
     cv::Mat wide, rgba;
     picture.convertTo(wide, CV_16U, picture.depth() == CV_8U ? 257 : 1);
     cv::cvtColor(wide, rgba, cv::COLOR_BGRA2RGBA);
@@ -67,7 +70,13 @@ ReferencePicture referenceOf(const cv::Mat& rgba) {
 
 nlohmann::ordered_json cameraJson(const Cameraf& camera) {
     const DplCamera c = sdkCamera(camera);
-    return {{"width_px", c.widthPx}, {"height_px", c.heightPx}, {"fx", c.fx}, {"fy", c.fy}, {"cx", c.cx}, {"cy", c.cy}, {"view_from_world", std::vector<float>(c.viewFromWorld, c.viewFromWorld + 12)}};
+    return {{"width_px", c.widthPx},
+            {"height_px", c.heightPx},
+            {"fx", c.fx},
+            {"fy", c.fy},
+            {"cx", c.cx},
+            {"cy", c.cy},
+            {"view_from_world", std::vector<float>(c.viewFromWorld, c.viewFromWorld + 12)}};
 }
 
 Cameraf cameraFrom(const nlohmann::json& j) {
@@ -102,24 +111,33 @@ cv::Mat sheetRow(const cv::Mat& reference, const cv::Mat& picture) {
                 const bool same = picture.size() == reference.size();
                 for (int c = 0; c < 3; ++c) {
                     const double want = over(reference, c), is = same ? over(picture, c) : 0;
-                    out[2 - c] = cv::saturate_cast<uint8_t>(255 * (panel == 0 ? want : panel == 1 ? is : 0.5 + kDifferenceGain * (is - want)));
+                    out[2 - c] = cv::saturate_cast<uint8_t>(255 * (panel == 0   ? want
+                                                                   : panel == 1 ? is
+                                                                                : 0.5 + kDifferenceGain * (is - want)));
                 }
             }
     return row;
 }
 
-std::string decibels(double db) { return std::isfinite(db) ? formatText("{}", std::round(db * 10) / 10) : "equal"; }
+std::string decibels(double db) {
+    return std::isfinite(db) ? formatText("{}", std::round(db * 10) / 10) : "equal";
+}
 
 }  // namespace
 
 Status writeKit(const fs::path& folder) {
     std::error_code ignored;
     fs::create_directories(folder / "reference", ignored);
-    nlohmann::ordered_json json = {{"format", "doppel-conformance"},
-                                   {"version", kVersion},
-                                   {"pictures", "One PNG a view, named as `picture` says: premultiplied RGBA, 8 or 16 bits, display-referred numbers as the avatar has them, no background, top row first."},
-                                   {"conventions", "Cameras: X_view = R X_world + t, rows [R0 R1 R2 t]; x right, y down, z forward; pixel (0,0) has its centre at (0.5, 0.5). Rotations: local, x y z w, identity is the rest pose; docs/formats/avatar.md has the rest."},
-                                   {"cases", nlohmann::ordered_json::array()}};
+    nlohmann::ordered_json json = {
+        {"format", "doppel-conformance"},
+        {"version", kVersion},
+        {"pictures",
+         "One PNG a view, named as `picture` says: premultiplied RGBA, 8 or 16 bits, display-referred numbers as the avatar has them, no "
+         "background, top row first."},
+        {"conventions",
+         "Cameras: X_view = R X_world + t, rows [R0 R1 R2 t]; x right, y down, z forward; pixel (0,0) has its centre at (0.5, 0.5). "
+         "Rotations: local, x y z w, identity is the rest pose; docs/formats/avatar.md has the rest."},
+        {"cases", nlohmann::ordered_json::array()}};
     for (const ConformanceCase& c : conformanceCases()) {
         DPL_TRY(const auto bytes, writeAvatar(c.avatar));
         DPL_CHECK_OK(writeFileAtomically(folder / (c.name + ".glb"), bytes));
@@ -135,8 +153,15 @@ Status writeKit(const fs::path& folder) {
             views.push_back(std::move(view));
         }
         const Vec3f& root = c.pose.rootTranslation;
-        json["cases"].push_back({{"name", c.name}, {"about", c.about}, {"avatar", c.name + ".glb"}, {"rotations", rotations}, {"root_translation", {root.x, root.y, root.z}}, {"views", std::move(views)},
-                                 {"may_be_blank", c.mayBeBlank}, {"band", {{"psnr_db", c.band.psnrDb}, {"covered_psnr_db", c.band.coveredPsnrDb}, {"max_levels", c.band.maxLevels}}}});
+        json["cases"].push_back(
+            {{"name", c.name},
+             {"about", c.about},
+             {"avatar", c.name + ".glb"},
+             {"rotations", rotations},
+             {"root_translation", {root.x, root.y, root.z}},
+             {"views", std::move(views)},
+             {"may_be_blank", c.mayBeBlank},
+             {"band", {{"psnr_db", c.band.psnrDb}, {"covered_psnr_db", c.band.coveredPsnrDb}, {"max_levels", c.band.maxLevels}}}});
     }
     return writeFileAtomically(folder / "kit.json", json.dump(1) + "\n");
 }
@@ -147,7 +172,9 @@ Result<std::vector<KitCase>> readKit(const fs::path& folder) {
     std::vector<KitCase> cases;
     try {
         const auto json = nlohmann::json::parse(bytes.begin(), bytes.end());
-        if (json.at("format") != "doppel-conformance" || json.at("version") != kVersion) return fail(Code::Version, "{} is not a conformance kit of version {}; write it again with `tools/conformance write`", path.string(), kVersion);
+        if (json.at("format") != "doppel-conformance" || json.at("version") != kVersion)
+            return fail(Code::Version, "{} is not a conformance kit of version {}; write it again with `tools/conformance write`",
+                        path.string(), kVersion);
         for (const auto& c : json.at("cases")) {
             KitCase k{c.at("name"), c.at("about"), c.at("avatar"), c.at("rotations"), Vec3f(0), {}, c.at("may_be_blank"), {}};
             for (int a = 0; a < 3; ++a) k.rootTranslation[a] = c.at("root_translation").at(size_t(a));
@@ -163,7 +190,9 @@ Result<std::vector<KitCase>> readKit(const fs::path& folder) {
 }
 
 Result<std::string> drawKit(const fs::path& kit, const fs::path& pictures, DplRenderer renderer, DplFill fill) {
-    const auto sdk = [](const doppel::Error& error) { return fail(error.code == DPL_ERROR_UNSUPPORTED ? Code::Unsupported : Code::Internal, "{}", error.message); };
+    const auto sdk = [](const doppel::Error& error) {
+        return fail(error.code == DPL_ERROR_UNSUPPORTED ? Code::Unsupported : Code::Internal, "{}", error.message);
+    };
     DPL_TRY(const auto cases, readKit(kit));
     auto context = doppel::Context::create(renderer, 0, 0, fill);
     if (!context) return sdk(context.error());
@@ -180,7 +209,13 @@ Result<std::string> drawKit(const fs::path& kit, const fs::path& pictures, DplRe
         for (const KitView& view : c.views) {
             cameras.push_back(sdkCamera(view.camera));
             pixels.emplace_back(size_t(view.camera.widthPx) * view.camera.heightPx * 4);
-            images.push_back({.structSize = sizeof(DplImage), .flags = 0, .rgba = pixels.back().data(), .rgbaBytes = pixels.back().size(), .rowBytes = 0, .depthM = nullptr, .depthCount = 0});
+            images.push_back({.structSize = sizeof(DplImage),
+                              .flags = 0,
+                              .rgba = pixels.back().data(),
+                              .rgbaBytes = pixels.back().size(),
+                              .rowBytes = 0,
+                              .depthM = nullptr,
+                              .depthCount = 0});
         }
         if (auto drawn = avatar->render(cameras, images); !drawn) return sdk(drawn.error());
         for (size_t v = 0; v < c.views.size(); ++v) {
@@ -203,16 +238,25 @@ Result<std::vector<CaseScore>> scoreKit(const fs::path& kit, const fs::path& pic
             const ReferencePicture reference = referenceOf(want);
             for (const double a : reference.alpha) score.coverage += (a > 1.0 / 255) / double(reference.alpha.size() * c.views.size());
             auto is = readPng(pictures / view.picture);
-            if (!is) score.trouble = is.error().message;
-            else if (is->size() != want.size()) score.trouble = formatText("{} has {} x {} px, {} x {} are asked for", (pictures / view.picture).string(), is->cols, is->rows, want.cols, want.rows);
-            else score.error += compareWith(reference, {is->ptr<uint16_t>(), size_t(is->total()) * 4});
+            if (!is)
+                score.trouble = is.error().message;
+            else if (is->size() != want.size())
+                score.trouble = formatText("{} has {} x {} px, {} x {} are asked for", (pictures / view.picture).string(), is->cols,
+                                           is->rows, want.cols, want.rows);
+            else
+                score.error += compareWith(reference, {is->ptr<uint16_t>(), size_t(is->total()) * 4});
             if (!sheet.empty()) rows.push_back(sheetRow(want, is ? *is : cv::Mat()));
         }
         if (score.trouble.empty()) {
             const PictureError& e = score.error;
-            if (e.psnrDb() < c.band.psnrDb) score.trouble = formatText("{} dB, at least {} are asked for", decibels(e.psnrDb()), c.band.psnrDb);
-            else if (e.coveredPsnrDb() < c.band.coveredPsnrDb) score.trouble = formatText("{} dB on covered pixels, at least {} are asked for", decibels(e.coveredPsnrDb()), c.band.coveredPsnrDb);
-            else if (e.maxLevels > c.band.maxLevels) score.trouble = formatText("a channel is {} levels off, at most {} are allowed", std::round(e.maxLevels * 10) / 10, c.band.maxLevels);
+            if (e.psnrDb() < c.band.psnrDb)
+                score.trouble = formatText("{} dB, at least {} are asked for", decibels(e.psnrDb()), c.band.psnrDb);
+            else if (e.coveredPsnrDb() < c.band.coveredPsnrDb)
+                score.trouble =
+                    formatText("{} dB on covered pixels, at least {} are asked for", decibels(e.coveredPsnrDb()), c.band.coveredPsnrDb);
+            else if (e.maxLevels > c.band.maxLevels)
+                score.trouble =
+                    formatText("a channel is {} levels off, at most {} are allowed", std::round(e.maxLevels * 10) / 10, c.band.maxLevels);
         }
         score.passed = score.trouble.empty();
         scores.push_back(std::move(score));
@@ -231,8 +275,9 @@ Result<std::vector<CaseScore>> scoreKit(const fs::path& kit, const fs::path& pic
 std::string scoreTable(const std::vector<CaseScore>& scores) {
     std::string table = "| case | verdict | PSNR dB | covered pixels dB | largest error, levels | covered |\n|---|---|---|---|---|---|\n";
     for (const CaseScore& s : scores)
-        table += formatText("| {} | {} | {} | {} | {} | {} % |\n", s.name, s.passed ? "pass" : "FAIL: " + s.trouble, decibels(s.error.psnrDb()), decibels(s.error.coveredPsnrDb()), std::round(s.error.maxLevels * 10) / 10,
-                            std::round(s.coverage * 1000) / 10);
+        table +=
+            formatText("| {} | {} | {} | {} | {} | {} % |\n", s.name, s.passed ? "pass" : "FAIL: " + s.trouble, decibels(s.error.psnrDb()),
+                       decibels(s.error.coveredPsnrDb()), std::round(s.error.maxLevels * 10) / 10, std::round(s.coverage * 1000) / 10);
     return table;
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // doppel-conformance: writes the conformance kit, draws it with our renderers, scores any renderer's pictures.
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -8,15 +9,20 @@
 using namespace dpl;
 
 int main(int argc, char** argv) {
-    CLI::App app("Is a renderer of Doppel avatars right? Writes tiny avatars with double-precision pictures, and scores the pictures that a renderer makes of them", "conformance");
+    CLI::App app(
+        "Is a renderer of Doppel avatars right? Writes tiny avatars with double-precision pictures, and scores the pictures that a "
+        "renderer makes of them",
+        "conformance");
     app.require_subcommand(1);
-    app.footer("Examples:\n"
-               "  tools/conformance                                   our renderers, into ./conformance\n"
-               "  tools/conformance write kit                         then draw the views that kit/kit.json lists, with any renderer\n"
-               "  tools/conformance score kit pictures --sheet s.png  exit code 1 when a case fails");
+    app.footer(
+        "Examples:\n"
+        "  tools/conformance                                   our renderers, into ./conformance\n"
+        "  tools/conformance write kit                         then draw the views that kit/kit.json lists, with any renderer\n"
+        "  tools/conformance score kit pictures --sheet s.png  exit code 1 when a case fails");
     std::filesystem::path kit, pictures, sheet;
     DplRenderer renderer = DPL_RENDERER_AUTO;
-    const std::map<std::string, DplRenderer> names = {{"auto", DPL_RENDERER_AUTO}, {"software", DPL_RENDERER_SOFTWARE}, {"vulkan", DPL_RENDERER_VULKAN}};
+    const std::map<std::string, DplRenderer> names = {
+        {"auto", DPL_RENDERER_AUTO}, {"software", DPL_RENDERER_SOFTWARE}, {"vulkan", DPL_RENDERER_VULKAN}};
     CLI::App* write = app.add_subcommand("write", "Write the kit: avatars, kit.json, reference pictures");
     write->add_option("kit", kit, "Folder of the kit")->required();
     CLI::App* draw = app.add_subcommand("draw", "Draw the kit with one of our renderers");

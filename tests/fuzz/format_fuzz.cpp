@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Fuzz target of the format readers. Any bytes may come in; nothing may crash, and an avatar that is accepted must be writable and
 // come back as the same bytes. libFuzzer finds LLVMFuzzerTestOneInput; without clang fuzz_driver.cpp calls it.
 #include <cstdint>
@@ -25,19 +26,21 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     if (const dpl::SplatFormat format = dpl::splatFormatOf(bytes); format != dpl::SplatFormat::None) {
         dpl::test::startMemoryWatch();
         auto splats = dpl::readSplats(bytes);
-        mustHold(dpl::test::peakMemoryBytes() <= (64ull << 20) + 1280 * uint64_t(size), "readSplats took more memory than splat_file.h promises");
+        mustHold(dpl::test::peakMemoryBytes() <= (64ull << 20) + 1280 * uint64_t(size),
+                 "readSplats took more memory than splat_file.h promises");
         mustHold(splats || !splats.error().message.empty(), "an error without a sentence");
-        if (format != dpl::SplatFormat::Gltf) return 0;   // a glTF goes on to the other readers
+        if (format != dpl::SplatFormat::Gltf) return 0;  // a glTF goes on to the other readers
     }
     dpl::ReadLimits limits;
-    limits.verifyHash = false;   // else every mutation would end at the hash
+    limits.verifyHash = false;  // else every mutation would end at the hash
     dpl::test::startMemoryWatch();
     auto avatar = dpl::readAvatar(bytes, limits);
     const uint64_t peak = dpl::test::peakMemoryBytes();
     mustHold(peak <= (64ull << 20) + (64 + 1024) * uint64_t(size), "readAvatar took more memory than avatar_file.h promises");
     mustHold(avatar || !avatar.error().message.empty(), "an error without a sentence");
     if (avatar) {
-        const dpl::WriteOptions ways[] = {{}, {.shPalette = true}, {.shPalette = true, .compact = true}, {.compact = true, .bits = {8, 7, 8, 6, 8}}};
+        const dpl::WriteOptions ways[] = {
+            {}, {.shPalette = true}, {.shPalette = true, .compact = true}, {.compact = true, .bits = {8, 7, 8, 6, 8}}};
         for (const dpl::WriteOptions& way : ways) {
             auto written = dpl::writeAvatar(*avatar, way);
             mustHold(bool(written), "an accepted avatar cannot be written");

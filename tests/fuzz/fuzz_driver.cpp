@@ -1,6 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 // A bounded mutational driver for builds without libFuzzer: fuzz_driver CORPUS_DIR [--seconds N] [--runs N] [--seed N].
 // Runs every corpus file as it is, then mutations of them from a fixed seed; input k is the same in every run. An input that crashes
 // is found again with --seed S --first K, both printed before a run that takes long and on exit.
+#include <unistd.h>
 #include <algorithm>
 #include <chrono>
 #include <csignal>
@@ -13,7 +15,6 @@
 #include <iterator>
 #include <random>
 #include <string>
-#include <unistd.h>
 #include <vector>
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
@@ -26,7 +27,9 @@ uint64_t currentSeed = 1;
 
 void reportCrash(int signal) {
     char text[160];
-    const int length = std::snprintf(text, sizeof(text), "\nfuzz: signal %d at input %llu; again with --seed %llu --first %llu --runs 1\n", signal, (unsigned long long)currentInput, (unsigned long long)currentSeed, (unsigned long long)currentInput);
+    const int length =
+        std::snprintf(text, sizeof(text), "\nfuzz: signal %d at input %llu; again with --seed %llu --first %llu --runs 1\n", signal,
+                      (unsigned long long)currentInput, (unsigned long long)currentSeed, (unsigned long long)currentInput);
     if (write(2, text, size_t(length)) < 0) _exit(2);
     std::signal(signal, SIG_DFL);
     std::raise(signal);
@@ -52,7 +55,7 @@ public:
     Bytes make() {
         Bytes bytes = corpus_[below(corpus_.size())];
         for (size_t rounds = 1 + below(4); rounds-- > 0 && !bytes.empty();) mutate(bytes);
-        if (below(8) != 0) repairGlb(bytes);   // most inputs should get past the container
+        if (below(8) != 0) repairGlb(bytes);  // most inputs should get past the container
         return bytes;
     }
 
@@ -62,15 +65,22 @@ private:
     void mutate(Bytes& bytes) {
         const size_t at = below(bytes.size());
         switch (below(8)) {
-            case 0: bytes[at] ^= uint8_t(1 << below(8)); break;
-            case 1: bytes[at] = uint8_t(random_()); break;
+            case 0:
+                bytes[at] ^= uint8_t(1 << below(8));
+                break;
+            case 1:
+                bytes[at] = uint8_t(random_());
+                break;
             case 2: {
-                static constexpr uint32_t kWords[] = {0, 1, 0x7f, 0x80, 0xff, 0xffff, 0x10000, 0x7fffffff, 0x80000000, 0xffffffff, 0x7fc00000, 0x7f800000, 0xff800000, 0x00000001};
+                static constexpr uint32_t kWords[] = {0,          1,          0x7f,       0x80,       0xff,       0xffff,     0x10000,
+                                                      0x7fffffff, 0x80000000, 0xffffffff, 0x7fc00000, 0x7f800000, 0xff800000, 0x00000001};
                 const uint32_t word = kWords[below(std::size(kWords))];
                 if (bytes.size() >= 4) std::memcpy(bytes.data() + std::min(at, bytes.size() - 4), &word, 4);
                 break;
             }
-            case 3: bytes.erase(bytes.begin() + ptrdiff_t(at), bytes.begin() + ptrdiff_t(std::min(bytes.size(), at + 1 + below(16)))); break;
+            case 3:
+                bytes.erase(bytes.begin() + ptrdiff_t(at), bytes.begin() + ptrdiff_t(std::min(bytes.size(), at + 1 + below(16))));
+                break;
             case 4: {
                 const Bytes copy(bytes.begin() + ptrdiff_t(at), bytes.begin() + ptrdiff_t(std::min(bytes.size(), at + 1 + below(64))));
                 bytes.insert(bytes.begin() + ptrdiff_t(below(bytes.size())), copy.begin(), copy.end());
@@ -83,8 +93,12 @@ private:
                 std::copy_n(other.begin() + ptrdiff_t(from), count, bytes.begin() + ptrdiff_t(at));
                 break;
             }
-            case 6: changeNumber(bytes, at); break;
-            case 7: bytes.resize(at); break;
+            case 6:
+                changeNumber(bytes, at);
+                break;
+            case 7:
+                bytes.resize(at);
+                break;
         }
     }
 
@@ -93,7 +107,20 @@ private:
         auto isDigit = [](uint8_t c) { return c >= '0' && c <= '9'; };
         auto begin = std::find_if(bytes.begin() + ptrdiff_t(from), bytes.end(), isDigit);
         auto end = std::find_if_not(begin, bytes.end(), isDigit);
-        static const std::string kNumbers[] = {"0", "1", "2", "3", "7", "255", "256", "65535", "2147483647", "4294967296", "1099511627776", "-1", "1e30", "18446744073709551615"};
+        static const std::string kNumbers[] = {"0",
+                                               "1",
+                                               "2",
+                                               "3",
+                                               "7",
+                                               "255",
+                                               "256",
+                                               "65535",
+                                               "2147483647",
+                                               "4294967296",
+                                               "1099511627776",
+                                               "-1",
+                                               "1e30",
+                                               "18446744073709551615"};
         const std::string& text = kNumbers[below(std::size(kNumbers))];
         begin = bytes.erase(begin, end);
         bytes.insert(begin, text.begin(), text.end());
@@ -156,6 +183,7 @@ int main(int argc, char** argv) {
         const Bytes bytes = Mutator(corpus, currentSeed, currentInput).make();
         LLVMFuzzerTestOneInput(bytes.data(), bytes.size());
     }
-    std::printf("fuzz: %zu corpus files, %llu mutations from seed %llu, no finding\n", corpus.size(), (unsigned long long)done, (unsigned long long)currentSeed);
+    std::printf("fuzz: %zu corpus files, %llu mutations from seed %llu, no finding\n", corpus.size(), (unsigned long long)done,
+                (unsigned long long)currentSeed);
     return 0;
 }

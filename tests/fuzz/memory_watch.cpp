@@ -1,10 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/fuzz/memory_watch.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(DOPPEL_LIBFUZZER)
 
 namespace dpl::test {
 void startMemoryWatch() {}
-uint64_t peakMemoryBytes() { return 0; }
+uint64_t peakMemoryBytes() {
+    return 0;
+}
 }  // namespace dpl::test
 
 #else
@@ -17,7 +20,7 @@ uint64_t peakMemoryBytes() { return 0; }
 
 namespace {
 
-int64_t live = 0, peak = 0;   // the driver is single-threaded
+int64_t live = 0, peak = 0;  // the driver is single-threaded
 
 void* counted(size_t size) {
     void* p = std::malloc(size ? size : 1);
@@ -33,16 +36,32 @@ void release(void* p) noexcept {
 
 }  // namespace
 
-void* operator new(size_t size) { return counted(size); }
-void* operator new[](size_t size) { return counted(size); }
-void operator delete(void* p) noexcept { release(p); }
-void operator delete[](void* p) noexcept { release(p); }
-void operator delete(void* p, size_t) noexcept { release(p); }
-void operator delete[](void* p, size_t) noexcept { release(p); }
+void* operator new(size_t size) {
+    return counted(size);
+}
+void* operator new[](size_t size) {
+    return counted(size);
+}
+void operator delete(void* p) noexcept {
+    release(p);
+}
+void operator delete[](void* p) noexcept {
+    release(p);
+}
+void operator delete(void* p, size_t) noexcept {
+    release(p);
+}
+void operator delete[](void* p, size_t) noexcept {
+    release(p);
+}
 
 namespace dpl::test {
-void startMemoryWatch() { live = 0, peak = 0; }
-uint64_t peakMemoryBytes() { return uint64_t(peak); }
+void startMemoryWatch() {
+    live = 0, peak = 0;
+}
+uint64_t peakMemoryBytes() {
+    return uint64_t(peak);
+}
 }  // namespace dpl::test
 
 #endif

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Writes the sample files of the format tests into a folder: the fuzz corpus (checked in) and the input of the glTF validator.
 #include <cstdio>
 #include <filesystem>
@@ -25,13 +26,16 @@ int main(int argc, char** argv) {
     std::filesystem::create_directories(folder);
     dpl::StaticSplatData splats;
     splats.position = {{0, 1, 0}, {0.5f, 1, 0}}, splats.rotation = {{1, 0, 0, 0}, {0.5f, 0.5f, 0.5f, 0.5f}};
-    splats.scaleM = {{0.01f, 0.02f, 0.03f}, {0.1f, 0.1f, 0.001f}}, splats.opacity = {0.9f, 0.1f}, splats.sh.assign(2 * 12, 0.25f), splats.shDegree = 1;
+    splats.scaleM = {{0.01f, 0.02f, 0.03f}, {0.1f, 0.1f, 0.001f}}, splats.opacity = {0.9f, 0.1f}, splats.sh.assign(2 * 12, 0.25f),
+    splats.shDegree = 1;
     bool ok = save(folder / "tiny.glb", dpl::writeAvatar(dpl::test::tinyAvatar()));
     ok &= save(folder / "tiny_plain.glb", dpl::writeAvatar(dpl::test::tinyAvatar(), {.draco = false}));
     ok &= save(folder / "small.glb", dpl::writeAvatar(dpl::test::randomAvatar(1, 1, 8, 3)));
     ok &= save(folder / "small_plain.glb", dpl::writeAvatar(dpl::test::randomAvatar(1, 1, 8, 3), {.draco = false}));
     ok &= save(folder / "palette_plain.glb", dpl::writeAvatar(dpl::test::randomAvatar(1, 1, 8, 3), {.draco = false, .shPalette = true}));
-    ok &= save(folder / "compact_plain.glb", dpl::writeAvatar(dpl::test::withCorrectives(dpl::test::randomAvatar(1, 1, 8, 5), 1, {.modes = 6, .nodes = 60}), {.draco = false, .shPalette = true, .compact = true, .bits = {6, 5, 6, 4, 6}}));
+    ok &= save(folder / "compact_plain.glb",
+               dpl::writeAvatar(dpl::test::withCorrectives(dpl::test::randomAvatar(1, 1, 8, 5), 1, {.modes = 6, .nodes = 60}),
+                                {.draco = false, .shPalette = true, .compact = true, .bits = {6, 5, 6, 4, 6}}));
     ok &= save(folder / "correctives.glb", dpl::writeAvatar(dpl::test::tinyCorrectedAvatar()));
     ok &= save(folder / "correctives_plain.glb", dpl::writeAvatar(dpl::test::tinyCorrectedAvatar(), {.draco = false}));
     ok &= save(folder / "splats.ply", dpl::writePly(splats));

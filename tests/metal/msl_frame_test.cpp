@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The frame's kernels as Metal text, executed on the CPU from skinning to the sorted list, in three lane orders; what they
 // leave is blended in double and compared with the referee.
 #include <gtest/gtest.h>
@@ -7,21 +8,21 @@
 #include <cstring>
 
 #include "sdk/avatar/detail.h"
+#include "sdk/format/spatial_order.h"
 #include "sdk/format/splat_detail.h"
 #include "sdk/math/half.h"
 #include "sdk/math/scene_depth.h"
 #include "sdk/render/avatar_upload.h"
 #include "sdk/render/passes/scan.h"
 #include "sdk/render/passes/tiles.h"
-#include "sdk/format/spatial_order.h"
 #include "tests/reference/corrective_cases.h"
 #include "tests/reference/image_compare.h"
 #include "tests/reference/random_avatar.h"
 #include "tests/reference/random_scene_depth.h"
 #include "tests/reference/reference_detail.h"
-#include "tests/reference/splat_room.h"
 #include "tests/reference/reference_mesh.h"
 #include "tests/reference/reference_renderer.h"
+#include "tests/reference/splat_room.h"
 #include "tests/unit/render/palette_of.h"
 #include "tests/unit/render/tube_avatar.h"
 
@@ -68,7 +69,9 @@ struct MslFrame {
     gpu::FrameCounts counts{};
 };
 
-uint32_t groupsFor(size_t count, uint32_t size) { return uint32_t((count + size - 1) / size); }
+uint32_t groupsFor(size_t count, uint32_t size) {
+    return uint32_t((count + size - 1) / size);
+}
 
 /** One dispatch: buffers in binding order, then the push constants. */
 template <class Push>
@@ -83,7 +86,8 @@ void setRuns(gpu::FrameCounts& counts) {
     counts.runGroupsX = groupsFor(counts.runs, gpu::kRunGroup);
 }
 
-void scan(gpu::FrameCounts& counts, std::vector<uint32_t>& table, std::vector<uint32_t>& sums, std::vector<uint32_t>& places, const gpu::RowScanPush& push, uint32_t rows, int order) {
+void scan(gpu::FrameCounts& counts, std::vector<uint32_t>& table, std::vector<uint32_t>& sums, std::vector<uint32_t>& places,
+          const gpu::RowScanPush& push, uint32_t rows, int order) {
     run(msl_scan_totals, rows, order, {&counts, table.data(), sums.data()}, push);
     run(msl_scan_sums, 1, order, {sums.data()}, gpu::ScanPush{push.firstSum, rows * gpu::kRowScanGroup});
     run(msl_scan_places, rows, order, {&counts, table.data(), sums.data(), places.data()}, push);
@@ -100,7 +104,10 @@ std::vector<uint32_t> sortPairs(std::vector<gpu::uvec2> pairs, gpu::FrameCounts&
         std::vector<uint32_t> table(cells);
         run(left == 0 ? msl_sort_count_packed : msl_sort_count, counts.runGroupsX, order, {&counts, from, table.data()}, push);
         scan(counts, table, sums, places, {}, gpu::kSortDigits, order);
-        run(left == 0 ? msl_sort_scatter_packed : left == 1 ? msl_sort_scatter_pack : msl_sort_scatter, counts.runGroupsX, order, {&counts, from, places.data(), to}, push);
+        run(left == 0   ? msl_sort_scatter_packed
+            : left == 1 ? msl_sort_scatter_pack
+                        : msl_sort_scatter,
+            counts.runGroupsX, order, {&counts, from, places.data(), to}, push);
         std::swap(from, to);
     }
     std::vector<uint32_t> sorted(pairs.size());
@@ -124,9 +131,14 @@ void compactAndSort(MslFrame& out, std::vector<uint32_t>& visibility, uint32_t g
     run(msl_compact_masks, groupsFor(groups, gpu::kCompactGroup), order, {visibility.data(), survivors.data()}, gpu::MaskPush{groups});
     run(msl_scan_sums, 1, order, {survivors.data()}, gpu::ScanPush{ids.firstSum(), groups});
     run(msl_compact_args, 1, order, {survivors.data(), &out.counts}, gpu::ArgsPush{groups, (1u << (rounds * gpu::kSortDigitBits)) - 1, 1});
-    const gpu::FrameCounts want = [&] { auto counts = out.counts; setRuns(counts); return counts; }();
+    const gpu::FrameCounts want = [&] {
+        auto counts = out.counts;
+        setRuns(counts);
+        return counts;
+    }();
     EXPECT_EQ(out.counts.runGroupsX, want.runGroupsX);
-    run(msl_compact_scatter, groupsFor(groups * gpu::kMaskWords, gpu::kCompactGroup), order, {visibility.data(), survivors.data(), &out.counts, out.compacted.data()},
+    run(msl_compact_scatter, groupsFor(groups * gpu::kMaskWords, gpu::kCompactGroup), order,
+        {visibility.data(), survivors.data(), &out.counts, out.compacted.data()},
         gpu::CompactPush{groups, (1u << (rounds * gpu::kSortDigitBits)) - 1, 1, {groups}});
     out.compacted.resize(out.counts.visible);
     out.sorted = sortPairs(out.compacted, out.counts, order, rounds);
@@ -149,17 +161,20 @@ MslFrame runGeneralFrame(const StaticSplatData& splats, std::span<const Cameraf>
     std::vector<gpu::uvec4> sh = packSh(splats, inSpace);
     MslFrame out;
     out.projected.resize(size_t(count) * viewCount);
-    run(msl_project_general_stereo, groups, order, {&frame, records.data(), out.projected.data(), visibility.data(), &out.counts}, gpu::SplatPush{count, groups, 0, 0, 0});
+    run(msl_project_general_stereo, groups, order, {&frame, records.data(), out.projected.data(), visibility.data(), &out.counts},
+        gpu::SplatPush{count, groups, 0, 0, 0});
     run(msl_colour_general_sh3_stereo, groups, order, {&frame, records.data(), sh.data(), out.projected.data()}, gpu::ColourPush{count, 0});
     compactAndSort(out, visibility, groups, count, order, gpu::kWideSortRounds);
     return out;
 }
 
-MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Cameraf> views, int order, const SplatDetail& detail = {}, uint32_t samples = 1) {
+MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Cameraf> views, int order, const SplatDetail& detail = {},
+                  uint32_t samples = 1) {
     CodedSplats coded = *codeSplats(avatar.mesh, avatar.splats);
     measureDetail(avatar, coded);
     AvatarRecords records = packAvatar(avatar, coded);
-    gpu::FrameData frame = packFrame(splatSetOf(avatar, coded), views, samples, detail, DetailSubject(avatar, coded).largestGrowth(detail.perM2));
+    gpu::FrameData frame =
+        packFrame(splatSetOf(avatar, coded), views, samples, detail, DetailSubject(avatar, coded).largestGrowth(detail.perM2));
     const bool corrected = !avatar.correctives.empty();
     std::vector<gpu::vec4> palette = paletteOf(avatar, pose, pose);
     MslFrame out;
@@ -170,21 +185,25 @@ MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Ca
     std::vector<uint32_t> visibility = visibilityOf(groups, splats);
     out.projected.resize(size_t(splats) * viewCount);
     void* vertices = corrected ? static_cast<void*>(records.correctedVertices.data()) : records.vertices.data();
-    run(corrected ? msl_skin_corrected : msl_skin, groupsFor(posed.size(), gpu::kVertexGroup), order, {&frame, palette.data(), vertices, posed.data(), &out.counts},
+    run(corrected ? msl_skin_corrected : msl_skin, groupsFor(posed.size(), gpu::kVertexGroup), order,
+        {&frame, palette.data(), vertices, posed.data(), &out.counts},
         gpu::VertexPush{uint32_t(posed.size()), uint32_t(3 * avatar.joints.size()), 0});
-    run(msl_triangles_stereo, groupsFor(frames.size(), gpu::kVertexGroup), order, {&frame, records.triangles.data(), posed.data(), frames.data(), &out.counts},
-        gpu::TrianglePush{uint32_t(frames.size())});
+    run(msl_triangles_stereo, groupsFor(frames.size(), gpu::kVertexGroup), order,
+        {&frame, records.triangles.data(), posed.data(), frames.data(), &out.counts}, gpu::TrianglePush{uint32_t(frames.size())});
     gpu::CodesPush push = records.where;
     push.groupCount = push.allGroups = groups;
     run(msl_chunks_mark, groupsFor(groups, gpu::kChunkGroup), order, {records.codes.data(), frames.data(), visibility.data()}, push);
     run(msl_chunks_list, 1, order, {visibility.data(), &out.counts}, gpu::ChunkPush{groups, groups, 0});
-    run(msl_project_sh3_stereo, out.counts.chunkGroupsX, order, {&frame, records.codes.data(), frames.data(), out.projected.data(), visibility.data()}, push);
+    run(msl_project_sh3_stereo, out.counts.chunkGroupsX, order,
+        {&frame, records.codes.data(), frames.data(), out.projected.data(), visibility.data()}, push);
     compactAndSort(out, visibility, groups, splats, order, gpu::kSortRounds);
     return out;
 }
 
-/** The tile passes on a frame that was sorted: 8-bit colour of all views, then the depth sums. farthestSeenM: of the app's scene, all views; empty: none. */
-std::vector<uint32_t> fillTiles(MslFrame& f, std::span<const Cameraf> views, int order, std::span<const float> farthestSeenM = {}, uint32_t samples = 1) {
+/** The tile passes on a frame that was sorted: 8-bit colour of all views, then the depth sums. farthestSeenM: of the app's scene, all
+ * views; empty: none. */
+std::vector<uint32_t> fillTiles(MslFrame& f, std::span<const Cameraf> views, int order, std::span<const float> farthestSeenM = {},
+                                uint32_t samples = 1) {
     FrameIds ids;
     ids.viewCount = uint32_t(views.size()), ids.widthPx = views[0].widthPx, ids.heightPx = views[0].heightPx, ids.depth = true;
     ids.splatCount = uint32_t(f.projected.size()) / ids.viewCount;
@@ -192,7 +211,8 @@ std::vector<uint32_t> fillTiles(MslFrame& f, std::span<const Cameraf> views, int
     const auto tiles = planTiles(ids, {.maxBindingBytes = 128u << 20, .maxGroups = 65535});
     EXPECT_TRUE(tiles);
     const gpu::TilePush& push = tiles->push;
-    std::vector<uint32_t> table(tiles->tableWords), sums(tiles->sumWords), places(tiles->tableWords, 0xCDCDCDCD), spans(tiles->spanBytes / 4), entries(tiles->entryBytes / 4), pixels(tiles->pixelBytes / 4);
+    std::vector<uint32_t> table(tiles->tableWords), sums(tiles->sumWords), places(tiles->tableWords, 0xCDCDCDCD),
+        spans(tiles->spanBytes / 4), entries(tiles->entryBytes / 4), pixels(tiles->pixelBytes / 4);
     run(msl_tiles_runs_stereo, f.counts.runGroupsX, order, {f.sorted.data(), f.projected.data(), &f.counts, table.data()}, push);
     scan(f.counts, table, sums, places, {0, push.firstRunTable, push.firstSpanSum}, tiles->rows(), order);
     run(msl_tiles_args_spans, 1, order, {sums.data(), &f.counts, places.data()}, push);
@@ -205,7 +225,9 @@ std::vector<uint32_t> fillTiles(MslFrame& f, std::span<const Cameraf> views, int
     EXPECT_GT(f.counts.tileEntries, f.counts.visible);
     run(msl_tiles_entries, f.counts.entryGroupsX, order, {spans.data(), sums.data(), places.data(), entries.data()}, push);
     if (ids.sceneDepth) std::memcpy(pixels.data() + push.firstScene, farthestSeenM.data(), farthestSeenM.size_bytes());
-    const auto fill = samples == 1 ? ids.sceneDepth ? msl_tiles_fill_depth_scene : msl_tiles_fill_depth : ids.sceneDepth ? msl_tiles_fill_depth_scene_four : msl_tiles_fill_depth_four;
+    const auto fill = samples == 1     ? ids.sceneDepth ? msl_tiles_fill_depth_scene : msl_tiles_fill_depth
+                      : ids.sceneDepth ? msl_tiles_fill_depth_scene_four
+                                       : msl_tiles_fill_depth_four;
     run(fill, f.counts.fillGroupsX, order, {places.data(), entries.data(), f.projected.data(), pixels.data()}, push);
     return pixels;
 }
@@ -216,7 +238,9 @@ std::vector<double> blend(const MslFrame& f, const Cameraf& camera, uint32_t vie
     for (const uint32_t splat : f.sorted) {
         const gpu::ProjectedSplat& p = f.projected[view * f.projected.size() / viewCount + splat];
         const auto floatOf = [](uint32_t bits) { return std::bit_cast<float>(bits); };
-        const double conicC = floatOf(p.look.x), opacity = (p.look.y & 0xFFFF) / 65535.0, radiusX = floatFromHalf(uint16_t(p.look.y >> 16)), radiusY = radiusX * std::sqrt(p.place.z / conicC), colour[3] = {(p.look.z & 2047) / 2047.0, (p.look.z >> 11 & 2047) / 2047.0, (p.look.z >> 22) / 1023.0};
+        const double conicC = floatOf(p.look.x), opacity = (p.look.y & 0xFFFF) / 65535.0, radiusX = floatFromHalf(uint16_t(p.look.y >> 16)),
+                     radiusY = radiusX * std::sqrt(p.place.z / conicC),
+                     colour[3] = {(p.look.z & 2047) / 2047.0, (p.look.z >> 11 & 2047) / 2047.0, (p.look.z >> 22) / 1023.0};
         for (uint32_t y = 0; y < camera.heightPx; ++y) {
             if (std::abs(y + 0.5 - p.place.y) > radiusY) continue;
             for (uint32_t x = 0; x < camera.widthPx; ++x) {
@@ -251,12 +275,14 @@ void expectKernelsMatchTheReference(const Cameraf (&views)[2], uint32_t splatCou
         EXPECT_TRUE(f.sorted == first.sorted) << "lane order " << order;
         EXPECT_EQ(0, std::memcmp(f.projected.data(), first.projected.data(), f.projected.size() * sizeof(gpu::ProjectedSplat)));
         EXPECT_TRUE(f.sorted == stablySorted(f.compacted)) << "lane order " << order;
-        for (size_t i = 1; i < f.compacted.size(); ++i) ASSERT_LT(f.compacted[i - 1].y, f.compacted[i].y) << "compaction must keep splat order";
+        for (size_t i = 1; i < f.compacted.size(); ++i)
+            ASSERT_LT(f.compacted[i - 1].y, f.compacted[i].y) << "compaction must keep splat order";
     }
     for (uint32_t v = 0; v < 2; ++v) {
         const ReferenceImage want = referenceOf(views[v]);
         const ImageDifference d = compareImages(blend(first, views[v], v, 2), want.rgb);
-        std::printf("[   MSL    ] view %u: %u of %u splats, %.1f dB to the reference, max %.4f\n", v, first.counts.visible, splatCount, d.psnrDb, d.maxError);
+        std::printf("[   MSL    ] view %u: %u of %u splats, %.1f dB to the reference, max %.4f\n", v, first.counts.visible, splatCount,
+                    d.psnrDb, d.maxError);
         EXPECT_GT(coverage(want.alpha), 0.05);
         EXPECT_GE(d.psnrDb, 50);  // what is left is the 16-bit key: equal keys keep splat order
         std::vector<double> tiles;
@@ -273,8 +299,9 @@ void expectKernelsMatchTheReference(const AvatarData& uncoded) {
     const AvatarData avatar = codedOnce(uncoded);
     const Pose pose = tubePose(0.9f, 0.4f);
     const Cameraf views[2] = {tubeCamera(96, 96, 0.6f, 1.6f, -0.03f), tubeCamera(96, 96, 0.6f, 1.6f, 0.03f)};
-    expectKernelsMatchTheReference(views, avatar.splats.count(), [&](int order) { return runFrame(avatar, pose, views, order); },
-                                   [&](const Cameraf& view) { return renderReference(avatar, pose, referenceCamera(view)); });
+    expectKernelsMatchTheReference(
+        views, avatar.splats.count(), [&](int order) { return runFrame(avatar, pose, views, order); },
+        [&](const Cameraf& view) { return renderReference(avatar, pose, referenceCamera(view)); });
     const gpu::FrameCounts counts = runFrame(avatar, pose, views, 0).counts;
     EXPECT_EQ(counts.splatsInView, avatar.splats.count()) << "the whole tube is in view";
     EXPECT_LT(counts.splatsFacing, counts.splatsInView) << "single-face splats at the back are gone before projection";
@@ -284,29 +311,40 @@ void expectKernelsMatchTheReference(const AvatarData& uncoded) {
 TEST(MetalFrame, kernelsOfGeneralSplatsMatchTheReference) {
     const StaticSplatData splats = randomStaticSplats(5, 3000, 3);
     const Cameraf views[2] = {tubeCamera(96, 96, 0.6f, 2.5f, -0.03f), tubeCamera(96, 96, 0.6f, 2.5f, 0.03f)};
-    expectKernelsMatchTheReference(views, splats.count(), [&](int order) { return runGeneralFrame(splats, views, order); },
-                                   [&](const Cameraf& view) { return renderReference(splats, referenceCamera(view)); });
+    expectKernelsMatchTheReference(
+        views, splats.count(), [&](int order) { return runGeneralFrame(splats, views, order); },
+        [&](const Cameraf& view) { return renderReference(splats, referenceCamera(view)); });
 }
 
 TEST(MetalFrame, kernelsOfGeneralSplatsAtALevelOfDetailMatchTheReference) {
     const StaticSplatData room = splatRoom(1, 9005, 3);
-    const Cameraf views[2] = {lookAt({0.27f, 0.2f, 3}, {0.27f, 0.2f, -8}, 96, 96, 80), lookAt({0.33f, 0.2f, 2.6f}, {0.33f, 0.2f, -8}, 96, 96, 80)};
+    const Cameraf views[2] = {lookAt({0.27f, 0.2f, 3}, {0.27f, 0.2f, -8}, 96, 96, 80),
+                              lookAt({0.33f, 0.2f, 2.6f}, {0.33f, 0.2f, -8}, 96, 96, 80)};
     const std::vector<uint32_t> order = spatialOrder(room.position);
     GeneralDetailSubject subject(measureGroups(room, order), room.count());
     subject.look(views);
     constexpr float kPerPixel = 0.03f;
-    const auto referenceOf = [&](const Cameraf& view) { return renderReference(reducedSplats(room, {views[0], views[1]}, double(kPerPixel)), referenceCamera(view), {.compensated = false}); };
-    EXPECT_LT(compareImages(referenceOf(views[0]).rgb, renderReference(room, referenceCamera(views[0])).rgb).psnrDb, 45) << "the case shows nothing";
-    expectKernelsMatchTheReference(views, room.count(), [&](int order) { return runGeneralFrame(room, views, order, subject.detail(kPerPixel)); }, referenceOf);
+    const auto referenceOf = [&](const Cameraf& view) {
+        return renderReference(reducedSplats(room, {views[0], views[1]}, double(kPerPixel)), referenceCamera(view), {.compensated = false});
+    };
+    EXPECT_LT(compareImages(referenceOf(views[0]).rgb, renderReference(room, referenceCamera(views[0])).rgb).psnrDb, 45)
+        << "the case shows nothing";
+    expectKernelsMatchTheReference(
+        views, room.count(), [&](int order) { return runGeneralFrame(room, views, order, subject.detail(kPerPixel)); }, referenceOf);
 }
 
-TEST(MetalFrame, kernelsFromSkinningToSortMatchTheReference) { expectKernelsMatchTheReference(makeTube({.splatsPerTriangle = 4, .shDegree = 3})); }
+TEST(MetalFrame, kernelsFromSkinningToSortMatchTheReference) {
+    expectKernelsMatchTheReference(makeTube({.splatsPerTriangle = 4, .shDegree = 3}));
+}
 
 TEST(MetalFrame, kernelsMoveAndLightAnAvatarWithCorrectives) {
     const AvatarData plain = makeTube({.splatsPerTriangle = 4, .shDegree = 3});
     const AvatarData corrected = test::withCorrectives(plain, 2, {.nodes = 20, .offsetM = 0.04f, .light = 6, .reach = 1});
     const ReferenceCamera camera = referenceCamera(tubeCamera(96, 96, 0.6f));
-    EXPECT_LT(compareImages(renderReference(plain, tubePose(0.9f, 0.4f), camera).rgb, renderReference(corrected, tubePose(0.9f, 0.4f), camera).rgb).psnrDb, 35);
+    EXPECT_LT(compareImages(renderReference(plain, tubePose(0.9f, 0.4f), camera).rgb,
+                            renderReference(corrected, tubePose(0.9f, 0.4f), camera).rgb)
+                  .psnrDb,
+              35);
     const auto [darkest, brightest] = std::ranges::minmax(referenceCorrection(corrected, tubePose(0.9f, 0.4f)).light);
     EXPECT_EQ(darkest, 0.2);
     EXPECT_EQ(brightest, 3.0);
@@ -327,8 +365,10 @@ TEST(MetalFrame, kernelsAtALevelOfDetailMatchTheReference) {
         reduceReference(scene, avatar, coded, 2000);
         return renderReference(scene, referenceCamera(view), {.kappaPx2 = avatar.kappaPx2, .compensated = avatar.compensated});
     };
-    EXPECT_LT(compareImages(referenceOf(views[0]).rgb, renderReference(avatar, pose, referenceCamera(views[0])).rgb).psnrDb, 45) << "the case shows nothing";
-    expectKernelsMatchTheReference(views, avatar.splats.count(), [&](int order) { return runFrame(avatar, pose, views, order, detail); }, referenceOf);
+    EXPECT_LT(compareImages(referenceOf(views[0]).rgb, renderReference(avatar, pose, referenceCamera(views[0])).rgb).psnrDb, 45)
+        << "the case shows nothing";
+    expectKernelsMatchTheReference(
+        views, avatar.splats.count(), [&](int order) { return runFrame(avatar, pose, views, order, detail); }, referenceOf);
 }
 
 TEST(MetalFrame, correctedVerticesAreTheRefereesToAThousandthOfTheirRange) {
@@ -340,7 +380,8 @@ TEST(MetalFrame, correctedVerticesAreTheRefereesToAThousandthOfTheirRange) {
         std::vector<gpu::vec4> palette = paletteOf(avatar, skinned ? pose : Pose::rest(avatar.joints.size()), pose);
         gpu::FrameCounts counts{};
         std::vector<Vec4f> posed(avatar.mesh.restPositions.size());
-        run(msl_skin_corrected, groupsFor(posed.size(), gpu::kVertexGroup), 0, {&frame, palette.data(), records.correctedVertices.data(), posed.data(), &counts},
+        run(msl_skin_corrected, groupsFor(posed.size(), gpu::kVertexGroup), 0,
+            {&frame, palette.data(), records.correctedVertices.data(), posed.data(), &counts},
             gpu::VertexPush{uint32_t(posed.size()), uint32_t(3 * avatar.joints.size()), 0});
         return posed;
     });
@@ -366,7 +407,8 @@ TEST(MetalFrame, tilesBehindASceneMatchTheReference) {
     }
     for (size_t v = 0; v < 2; ++v) {
         const ReferenceImage want = renderReference(avatar, pose, referenceCamera(views[v]), scenes[v]);
-        EXPECT_LT(compareImages(renderReference(avatar, pose, referenceCamera(views[v])).rgb, want.rgb).psnrDb, 30) << "the scene hides nothing: this case shows nothing";
+        EXPECT_LT(compareImages(renderReference(avatar, pose, referenceCamera(views[v])).rgb, want.rgb).psnrDb, 30)
+            << "the scene hides nothing: this case shows nothing";
         std::vector<double> rgb;
         for (size_t i = v * 93 * 91; i < (v + 1) * 93 * 91; ++i)
             for (int c = 0; c < 3; ++c) rgb.push_back((first[i] >> 8 * c & 255) / 255.0);
@@ -390,7 +432,8 @@ TEST(MetalFrame, tilesOfFourSamplesMatchTheReferenceFreeAndBehindAScene) {
         std::vector<uint32_t> first;
         for (int order = 0; order < 3; ++order) {
             MslFrame f = runFrame(avatar, pose, views, order, {}, 4);
-            const std::vector<uint32_t> pixels = fillTiles(f, views, order, behind ? std::span<const float>(seen) : std::span<const float>(), 4);
+            const std::vector<uint32_t> pixels =
+                fillTiles(f, views, order, behind ? std::span<const float>(seen) : std::span<const float>(), 4);
             if (order == 0) first = pixels;
             EXPECT_TRUE(pixels == first) << "lane order " << order;
         }
@@ -400,7 +443,8 @@ TEST(MetalFrame, tilesOfFourSamplesMatchTheReferenceFreeAndBehindAScene) {
             for (size_t i = v * 93 * 91; i < (v + 1) * 93 * 91; ++i)
                 for (int c = 0; c < 3; ++c) rgb.push_back((first[i] >> 8 * c & 255) / 255.0);
             const ImageDifference d = compareImages(rgb, want.rgb);
-            std::printf("[   MSL    ] view %zu, four samples%s: %.1f dB to the reference, max %.4f\n", v, behind ? " behind a scene" : "", d.psnrDb, d.maxError);
+            std::printf("[   MSL    ] view %zu, four samples%s: %.1f dB to the reference, max %.4f\n", v, behind ? " behind a scene" : "",
+                        d.psnrDb, d.maxError);
             EXPECT_GE(d.psnrDb, 50);
             EXPECT_GT(coverage(want.alpha), 0.05);
         }
@@ -421,11 +465,13 @@ TEST(MetalFrame, meshDepthMatchesTheReference) {
         std::vector<uint32_t> first;
         for (int order = 0; order < 3; ++order) {
             gpu::FrameCounts counts{};
-            run(msl_skin, groupsFor(posed.size(), gpu::kVertexGroup), order, {&frame, palette.data(), records.vertices.data(), posed.data(), &counts},
+            run(msl_skin, groupsFor(posed.size(), gpu::kVertexGroup), order,
+                {&frame, palette.data(), records.vertices.data(), posed.data(), &counts},
                 gpu::VertexPush{uint32_t(posed.size()), uint32_t(3 * avatar.joints.size()), 0});
             std::vector<uint32_t> bits(2 * 80 * 70, std::bit_cast<uint32_t>(INFINITY));
             const uint32_t triangles = uint32_t(avatar.mesh.triangles.size());
-            run(msl_mesh_depth, groupsFor(triangles, gpu::kVertexGroup), order, {&frame, records.triangles.data(), posed.data(), bits.data()}, gpu::MeshDepthPush{triangles, 2, 80, 70});
+            run(msl_mesh_depth, groupsFor(triangles, gpu::kVertexGroup), order,
+                {&frame, records.triangles.data(), posed.data(), bits.data()}, gpu::MeshDepthPush{triangles, 2, 80, 70});
             if (order == 0) first = bits;
             EXPECT_EQ(bits, first) << "lane order " << order;
         }
@@ -433,7 +479,8 @@ TEST(MetalFrame, meshDepthMatchesTheReference) {
             std::vector<float> depthM(80 * 70);
             for (size_t i = 0; i < depthM.size(); ++i) depthM[i] = std::bit_cast<float>(first[v * depthM.size() + i]);
             std::replace(depthM.begin(), depthM.end(), INFINITY, 0.0f);
-            const MeshDepthReport r = compareMeshDepth(depthM, referenceSkin(avatar, pose), avatar.mesh.triangles, referenceCamera(views[v]), 0.01, 2e-5);
+            const MeshDepthReport r =
+                compareMeshDepth(depthM, referenceSkin(avatar, pose), avatar.mesh.triangles, referenceCamera(views[v]), 0.01, 2e-5);
             EXPECT_EQ(r.wrong, 0u) << r.firstWrong;
             EXPECT_GT(r.covered, depthM.size() / 20);
         }

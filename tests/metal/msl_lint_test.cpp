@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Every shader has MSL that passes the lint, its buffers sit where the map says, and the lint itself catches what it should.
 #include <gtest/gtest.h>
 
@@ -72,7 +73,9 @@ TEST(MetalText, barriersOfSharedMemoryKeepTheThreadgroupFlag) {
 
 TEST(MetalLint, catchesWhatApplesCompilerWould) {
     const std::string head = "kernel void main0(";
-    const auto lint = [&](const std::string& parameters, const std::string& body) { return bool(lintMsl("t", head + parameters + ")\n{\n" + body + "}\n")); };
+    const auto lint = [&](const std::string& parameters, const std::string& body) {
+        return bool(lintMsl("t", head + parameters + ")\n{\n" + body + "}\n"));
+    };
     EXPECT_TRUE(lint("device A& a [[buffer(0)]], constant B& b [[buffer(29)]]", "    threadgroup uint x[256];\n"));
     EXPECT_FALSE(lint("device A& a [[buffer(0)]], constant B& b [[buffer(0)]]", ""));
     EXPECT_FALSE(lint("device A& a [[buffer(31)]]", ""));

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Installs the SDK's component, builds the consumer outside the tree against it, runs it.
 function(step)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE result)

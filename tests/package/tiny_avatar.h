@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The smallest person: two joints, a square of two triangles, a grid of opaque red splats facing +Z, one clip.
 #pragma once
 

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Broken input to the command line: a sentence that names the file, a non-zero exit that is no signal, nothing half-written.
 # usage: bad_input.sh DOPPEL WORKDIR
 set -euo pipefail

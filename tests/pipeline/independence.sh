@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # What an avatar may depend on, shown on a small procedural scan:
 #   same bytes on 1, 2 and 3 threads; after kill -9 and a rerun; with every truth file moved away; with every held-out image, mask and label replaced by noise.
 #   different bytes when a training image changes (so that the comparison can fail).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Draws the same thing with the software renderer and with the referee and compares every channel.
 #pragma once
 
@@ -41,9 +42,10 @@ inline void expectSameImage(const char* name, const SplatImage& image, const Ref
     const ImageDifference colour = compareImages(image.rgb, reference.rgb), alpha = compareImages(image.alpha, reference.alpha);
     double depthError = 0;
     for (size_t i = 0; i < image.depthM.size(); ++i)
-        if (reference.alpha[i] > 0.5) depthError = std::max(depthError, std::abs(image.depthM[i] - reference.depthM[i]) / reference.depthM[i]);
-    std::printf("%-34s colour %6.1f dB, max %.2e | alpha %6.1f dB, max %.2e | depth max %.1e | covered %4.1f %%\n", name, colour.psnrDb, colour.maxError,
-                alpha.psnrDb, alpha.maxError, depthError, 100 * coverage(reference.alpha, 0.004));
+        if (reference.alpha[i] > 0.5)
+            depthError = std::max(depthError, std::abs(image.depthM[i] - reference.depthM[i]) / reference.depthM[i]);
+    std::printf("%-34s colour %6.1f dB, max %.2e | alpha %6.1f dB, max %.2e | depth max %.1e | covered %4.1f %%\n", name, colour.psnrDb,
+                colour.maxError, alpha.psnrDb, alpha.maxError, depthError, 100 * coverage(reference.alpha, 0.004));
     EXPECT_GE(colour.psnrDb, psnrDb) << name;
     EXPECT_GE(alpha.psnrDb, psnrDb) << name;
     if (!image.cloth.empty()) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Components that are left out show nothing: against the double reference, over rigs, poses, correctives, lenses and places of the camera.
 #include "sdk/avatar/components.h"
 
@@ -39,12 +40,15 @@ uint32_t seenByReferee(const Subject& s, const ReferenceScene& scene, const Came
         if (!f.visible || !(splat.opacity > 1.0 / 255)) continue;
         const double level = 2 * std::log(255 * splat.opacity);
         const glm::dvec2 reach(std::sqrt(level * f.covariance[0][0]), std::sqrt(level * f.covariance[1][1]));
-        if (f.centrePx.x + reach.x > 0 && f.centrePx.y + reach.y > 0 && f.centrePx.x - reach.x < camera.widthPx && f.centrePx.y - reach.y < camera.heightPx) bits |= 1u << s.map.ofTriangle[splat.triangle];
+        if (f.centrePx.x + reach.x > 0 && f.centrePx.y + reach.y > 0 && f.centrePx.x - reach.x < camera.widthPx &&
+            f.centrePx.y - reach.y < camera.heightPx)
+            bits |= 1u << s.map.ofTriangle[splat.triangle];
     }
     for (size_t v = 0; v < scene.posed.size(); ++v) {
         const glm::dvec3 p = camera.rotation * scene.posed[v] + camera.translation;
         const double x = camera.fx * p.x / p.z + camera.cx, y = camera.fy * p.y / p.z + camera.cy;
-        if (p.z > 0.05 && x >= 0 && y >= 0 && x <= camera.widthPx && y <= camera.heightPx && s.map.ofVertex[v] != ~0u) bits |= s.map.ofVertex[v];
+        if (p.z > 0.05 && x >= 0 && y >= 0 && x <= camera.widthPx && y <= camera.heightPx && s.map.ofVertex[v] != ~0u)
+            bits |= s.map.ofVertex[v];
     }
     return bits;
 }
@@ -52,7 +56,8 @@ uint32_t seenByReferee(const Subject& s, const ReferenceScene& scene, const Came
 /** From some side at some distance, past the subject by `aside` (0: at it, 1: away from it). */
 Cameraf viewPast(const Vec3f& target, const Vec3f& eye, const Vec3f& towards, float aside, const Cameraf& lens) {
     const Vec3f at = glm::normalize(target - eye);
-    const Vec3f forward = glm::normalize(std::cos(3.0f * aside) * at + std::sin(3.0f * aside) * glm::normalize(towards - glm::dot(towards, at) * at));
+    const Vec3f forward =
+        glm::normalize(std::cos(3.0f * aside) * at + std::sin(3.0f * aside) * glm::normalize(towards - glm::dot(towards, at) * at));
     Cameraf c = lookAt(eye, eye + forward, lens.widthPx, lens.heightPx, lens.fx);
     c.cx = lens.cx, c.cy = lens.cy;
     return c;
@@ -61,19 +66,28 @@ Cameraf viewPast(const Vec3f& target, const Vec3f& eye, const Vec3f& towards, fl
 struct Case {
     const char* name;
     bool corrected = false, overshooting = false;
-    float scale = 1;        // of the splats
-    float turnRad = 0;      // of every joint, at random
+    float scale = 1;    // of the splats
+    float turnRad = 0;  // of every joint, at random
     float growth = 1;
-    bool torn = false;      // every vertex on one joint alone: triangles between are torn apart
-    float correction = 1;   // of the offsets
-    bool wide = false;      // views of 136 degrees
+    bool torn = false;     // every vertex on one joint alone: triangles between are torn apart
+    float correction = 1;  // of the offsets
+    bool wide = false;     // views of 136 degrees
 };
 
 // The views are turned away until the referee sees the last of a component: there every part of the bound is needed.
 TEST(Components, whatIsLeftOutShowsNothing) {
-    constexpr Case kCases[] = {{"rest"}, {"large splats", false, false, 20}, {"larger ones, wide lens", false, false, 60, 0, 1, false, 1, true}, {"splats off their triangles", false, true, 0.1f}, {"turned", false, false, 1, 0.4f}, {"torn", false, false, 10, 0.8f, 1, true},
-                               {"torn, off their triangles", false, true, 0.1f, 1.2f, 1, true}, {"level of detail", false, false, 30, 0, 2.5f}, {"correctives", true, false, 1, 0.2f},
-                               {"correctives of half a metre", true, false, 0.1f, 0, 1, false, 20}, {"large splats on them", true, false, 60, 0, 1, false, 40}, {"correctives, off their triangles", true, true, 0.1f, 0.1f, 1, false, 20}};
+    constexpr Case kCases[] = {{"rest"},
+                               {"large splats", false, false, 20},
+                               {"larger ones, wide lens", false, false, 60, 0, 1, false, 1, true},
+                               {"splats off their triangles", false, true, 0.1f},
+                               {"turned", false, false, 1, 0.4f},
+                               {"torn", false, false, 10, 0.8f, 1, true},
+                               {"torn, off their triangles", false, true, 0.1f, 1.2f, 1, true},
+                               {"level of detail", false, false, 30, 0, 2.5f},
+                               {"correctives", true, false, 1, 0.2f},
+                               {"correctives of half a metre", true, false, 0.1f, 0, 1, false, 20},
+                               {"large splats on them", true, false, 60, 0, 1, false, 40},
+                               {"correctives, off their triangles", true, true, 0.1f, 0.1f, 1, false, 20}};
     std::mt19937 random(11);
     std::uniform_real_distribution<float> uniform(0, 1);
     std::normal_distribution<float> normal;
@@ -87,7 +101,8 @@ TEST(Components, whatIsLeftOutShowsNothing) {
             const Subject subject(std::move(avatar));
             ASSERT_GE(subject.components.count(), 3u);
             Pose pose = Pose::rest(subject.avatar.joints.size());
-            for (Quatf& q : pose.localRotations) q = glm::angleAxis(c.turnRad * normal(random), glm::normalize(Vec3f(normal(random), normal(random), normal(random))));
+            for (Quatf& q : pose.localRotations)
+                q = glm::angleAxis(c.turnRad * normal(random), glm::normalize(Vec3f(normal(random), normal(random), normal(random))));
             pose.rootTranslation = Vec3f(normal(random), normal(random), normal(random));
             std::vector<Mat3x4f> worldFromRest;
             std::vector<float> coefficients;
@@ -95,12 +110,17 @@ TEST(Components, whatIsLeftOutShowsNothing) {
             if (c.corrected) correctiveCoefficients(subject.avatar.correctives, pose, coefficients);
             const ReferenceScene scene = sceneOf(subject.avatar, pose);
             for (int round = 0; round < 24; ++round) {
-                const auto around = [&](float reach) { return reach * Vec3f(2 * uniform(random) - 1, 2 * uniform(random) - 1, 2 * uniform(random) - 1); };
-                const Vec3f target = Vec3f(scene.posed[random() % scene.posed.size()]), eye = target + (0.3f + 2 * uniform(random)) * glm::normalize(around(1)), towards = around(1);
+                const auto around = [&](float reach) {
+                    return reach * Vec3f(2 * uniform(random) - 1, 2 * uniform(random) - 1, 2 * uniform(random) - 1);
+                };
+                const Vec3f target = Vec3f(scene.posed[random() % scene.posed.size()]),
+                            eye = target + (0.3f + 2 * uniform(random)) * glm::normalize(around(1)), towards = around(1);
                 Cameraf lens;
                 lens.widthPx = 200, lens.heightPx = 150, lens.fx = lens.fy = c.wide ? 40 : 60 + 400 * uniform(random) * uniform(random);
                 lens.cx = 100 + 80 * (uniform(random) - 0.5f), lens.cy = 75 + 80 * (uniform(random) - 0.5f);
-                const auto seenAt = [&](float aside) { return seenByReferee(subject, scene, viewPast(target, eye, towards, aside, lens), double(c.growth)); };
+                const auto seenAt = [&](float aside) {
+                    return seenByReferee(subject, scene, viewPast(target, eye, towards, aside, lens), double(c.growth));
+                };
                 const auto leftAt = [&](float aside) {
                     const Cameraf view = viewPast(target, eye, towards, aside, lens);
                     return subject.components.unseen(worldFromRest, coefficients, {&view, 1}, float(kKappaPx2), c.growth);
@@ -120,7 +140,8 @@ TEST(Components, whatIsLeftOutShowsNothing) {
         std::printf("[ COMPONENTS] %-34s %2u edges, %3u components turned away from, %3u of them left out\n", c.name, edges, beyond, left);
         EXPECT_EQ(wrong, 0u) << c.name;
         EXPECT_GE(edges, 8u) << c.name;
-        EXPECT_GT(left, c.overshooting ? beyond / 16 : beyond / 2) << c.name << ": a bound that never leaves anything out is sound and useless";
+        EXPECT_GT(left, c.overshooting ? beyond / 16 : beyond / 2)
+            << c.name << ": a bound that never leaves anything out is sound and useless";
     }
 }
 
@@ -150,7 +171,8 @@ TEST(Components, nothingIsLeftOutForNumbersThatSayNothing) {
     for (Mat3x4f& m : worldFromRest) m[3] = Vec3f(NAN);
     EXPECT_EQ(subject.components.unseen(worldFromRest, {}, {&view, 1}, float(kKappaPx2), 1), 0u);
     subject.avatar.mesh.jointWeights[5].x += 1;
-    EXPECT_EQ(Components(subject.avatar, subject.map, reachOfTriangles(subject.coded, subject.map.ofTriangle.size())).count(), 0u) << "weights that do not add up";
+    EXPECT_EQ(Components(subject.avatar, subject.map, reachOfTriangles(subject.coded, subject.map.ofTriangle.size())).count(), 0u)
+        << "weights that do not add up";
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What "deformation and light match the double reference to 1e-3 of their range" means, for every renderer: hard avatars and poses, and the
 // error of each vertex' rest offset, brightness and posed place. The referee takes the node values as they were trained, the renderer as a
 // file ships them (16 bits).
@@ -18,9 +19,9 @@
 
 namespace dpl {
 
-constexpr double kCorrectiveBar = 1e-3;   // asked for, and held by every case
-// Measured: 7.5e-5 on every renderer, of which the file's 16-bit node values are the most; and places a metre away are floats: 0.3 µm on the GPU,
-// where joints at rest are multiplied too. Twice that.
+constexpr double kCorrectiveBar = 1e-3;  // asked for, and held by every case
+// Measured: 7.5e-5 on every renderer, of which the file's 16-bit node values are the most; and places a metre away are floats: 0.3 µm on
+// the GPU, where joints at rest are multiplied too. Twice that.
 constexpr double kCorrectiveShare = 1.5e-4, kPlaceRoundingM = 6e-7;
 
 /** The blob of random_avatar.h on a rig of `joints` joints in a random tree; vertices hang on four of them. */
@@ -38,20 +39,23 @@ inline AvatarData riggedBlob(uint32_t seed, uint32_t joints) {
     }
     for (size_t v = 0; v < a.mesh.restPositions.size(); ++v) {
         std::vector<std::pair<uint32_t, float>> near;
-        for (uint32_t j = 0; j < joints; ++j) near.emplace_back(j, 1 / (0.05f + glm::length(a.mesh.restPositions[v] - a.joints[j].restPosition)));
+        for (uint32_t j = 0; j < joints; ++j)
+            near.emplace_back(j, 1 / (0.05f + glm::length(a.mesh.restPositions[v] - a.joints[j].restPosition)));
         const PackedWeights packed = packWeights(near);
         a.mesh.jointIndices[v] = packed.joints, a.mesh.jointWeights[v] = packed.weights;
     }
     return a;
 }
 
-/** A blob whose joints are bones of a person, in two layers: several components. Splats of millimetres, some of them off their triangles. */
+/** A blob whose joints are bones of a person, in two layers: several components. Splats of millimetres, some of them off their triangles.
+ */
 inline AvatarData randomPerson(uint32_t seed, bool corrected, bool overshooting) {
     AvatarData a = riggedBlob(seed, 9);
     constexpr const char* kBones[] = {"hips", "spine", "neck", "head", "leftHand", "rightHand", "leftUpperLeg", "rightUpperLeg", ""};
     for (size_t j = 0; j < a.joints.size(); ++j) a.joints[j].humanoidBone = kBones[j];
     const uint32_t triangles = uint32_t(a.mesh.triangles.size()), vertices = uint32_t(a.mesh.restPositions.size());
-    a.mesh.layers = {{"body", "body", 0, vertices, 0, triangles * 3 / 4}, {"top", "garment", 0, vertices, triangles * 3 / 4, triangles - triangles * 3 / 4}};
+    a.mesh.layers = {{"body", "body", 0, vertices, 0, triangles * 3 / 4},
+                     {"top", "garment", 0, vertices, triangles * 3 / 4, triangles - triangles * 3 / 4}};
     for (Vec2f& scale : a.splats.scaleM) scale *= 0.1f;
     for (size_t i = 0; overshooting && i < a.splats.uv.size(); i += 3) a.splats.uv[i] = i % 2 ? Vec2f(1.05f, -0.05f) : Vec2f(1, 1);
     return corrected ? test::withCorrectives(std::move(a), seed) : a;
@@ -62,7 +66,11 @@ inline void separateModes(PoseCorrectiveData& c) {
     const size_t features = 6 * c.joints.size();
     for (uint32_t i = 0; i < c.modeCount; ++i) {
         std::vector<double> row(c.modes.begin() + ptrdiff_t(i * features), c.modes.begin() + ptrdiff_t((i + 1) * features));
-        const auto dot = [&](auto&& a, auto&& b) { double sum = 0; for (size_t f = 0; f < features; ++f) sum += double(a[f]) * double(b[f]); return sum; };
+        const auto dot = [&](auto&& a, auto&& b) {
+            double sum = 0;
+            for (size_t f = 0; f < features; ++f) sum += double(a[f]) * double(b[f]);
+            return sum;
+        };
         const double length2 = dot(row, row);
         for (uint32_t j = 0; j < i; ++j) {
             const std::span<const float> other(&c.modes[j * features], features);
@@ -84,13 +92,24 @@ struct CorrectiveCase {
 
 constexpr std::array kCorrectiveCases = {
     CorrectiveCase{"two joints, nothing limits", 2, {.reach = 1e5f}, false, false, false},
-    CorrectiveCase{"17 joints, 12 modes, 1,500 nodes", 17, {.modes = 12, .nodes = 1500, .light = 0.15f, .reach = 3.25f, .reachOffModes = 1e6f}, true, false, false},
+    CorrectiveCase{"17 joints, 12 modes, 1,500 nodes",
+                   17,
+                   {.modes = 12, .nodes = 1500, .light = 0.15f, .reach = 3.25f, .reachOffModes = 1e6f},
+                   true,
+                   false,
+                   false},
     CorrectiveCase{"64 modes", 17, {.modes = 64, .nodes = 300, .light = 0.05f, .reach = 1e5f}, false, false, false},
     CorrectiveCase{"far beyond reach", 17, {.modes = 7, .light = 0.2f, .reach = 0.3f}, true, false, false},
     CorrectiveCase{"off the modes", 17, {.modes = 12, .nodes = 200, .reach = 100, .reachOffModes = 0.25f}, false, true, false},
-    CorrectiveCase{"11 modes of 12 numbers: off is a small difference", 2, {.modes = 11, .nodes = 60, .light = 0.1f, .reach = 100, .reachOffModes = 0.05f}, false, true, false},
+    CorrectiveCase{"11 modes of 12 numbers: off is a small difference",
+                   2,
+                   {.modes = 11, .nodes = 60, .light = 0.1f, .reach = 100, .reachOffModes = 0.05f},
+                   false,
+                   true,
+                   false},
     CorrectiveCase{"brightness clamped both ways", 17, {.modes = 5, .light = 4, .reach = 3}, true, false, true},
-    CorrectiveCase{"offsets of a millimetre", 17, {.modes = 12, .nodes = 200, .offsetM = 4e-4f, .light = 1e-3f, .reach = 3.25f}, true, false, false},
+    CorrectiveCase{
+        "offsets of a millimetre", 17, {.modes = 12, .nodes = 200, .offsetM = 4e-4f, .light = 1e-3f, .reach = 3.25f}, true, false, false},
 };
 
 /** Joints turned by 0.001 to several turns, quaternions of any length and sign; the last pose is a quarter of a turn of every joint. */
@@ -115,7 +134,8 @@ inline std::vector<Pose> correctivePoses(size_t joints, uint32_t seed) {
 /** The vertices of a pose: place in metres (corrected and not yet skinned, or posed), w: brightness. */
 using CorrectedVertices = std::function<std::vector<Vec4f>(const AvatarData& avatar, const Pose& pose, bool skinned)>;
 
-/** Every case and pose against the referee. Errors are shares of the avatar's range: the largest offset, and the largest change of brightness, of all its poses. */
+/** Every case and pose against the referee. Errors are shares of the avatar's range: the largest offset, and the largest change of
+ * brightness, of all its poses. */
 inline void expectCorrectivesMatch(const char* renderer, const CorrectedVertices& verticesOf) {
     double worstOffset = 0, worstLight = 0, worstPosed = 0;
     uint32_t seed = 40;
@@ -128,7 +148,9 @@ inline void expectCorrectivesMatch(const char* renderer, const CorrectedVertices
         PoseCorrectiveData head;
         head.joints = trained.correctives.joints, head.modeCount = c.options.modes, head.nodeCount = c.options.nodes;
         head.reach = c.options.reach, head.reachOffModes = c.options.reachOffModes;
-        const auto decoded = decodeCorrectives({streams.mean, streams.modes, streams.ranges, streams.nodes, streams.nodeIndices, streams.nodeWeights}, head, trained.mesh.restPositions.size());
+        const auto decoded =
+            decodeCorrectives({streams.mean, streams.modes, streams.ranges, streams.nodes, streams.nodeIndices, streams.nodeWeights}, head,
+                              trained.mesh.restPositions.size());
         ASSERT_TRUE(decoded) << c.name;
         shipped.correctives = *decoded;
 
@@ -152,13 +174,17 @@ inline void expectCorrectivesMatch(const char* renderer, const CorrectedVertices
             }
             PoseCorrectiveData free = trained.correctives;
             free.reachOffModes = 1e6f;
-            const auto lengthOf = [&](const PoseCorrectiveData& data) { double sum = 0; for (const double k : referenceCoefficients(data, pose)) sum += k * k; return std::sqrt(sum); };
+            const auto lengthOf = [&](const PoseCorrectiveData& data) {
+                double sum = 0;
+                for (const double k : referenceCoefficients(data, pose)) sum += k * k;
+                return std::sqrt(sum);
+            };
             const double whole = lengthOf(free);
             faded |= lengthOf(trained.correctives) < 0.9 * whole;
             shortened |= whole > 0.999 * c.options.reach;
         }
-        std::printf("%-9s %-50s offset %.1e of %7.3f mm | brightness %.1e of %.4f | posed %.1e of the offset\n", renderer, c.name, offsetError / offsetRange, offsetRange * 1e3,
-                    lightError / lightRange, lightRange, posedError / offsetRange);
+        std::printf("%-9s %-50s offset %.1e of %7.3f mm | brightness %.1e of %.4f | posed %.1e of the offset\n", renderer, c.name,
+                    offsetError / offsetRange, offsetRange * 1e3, lightError / lightRange, lightRange, posedError / offsetRange);
         EXPECT_GT(offsetRange, 1e-5) << c.name;
         EXPECT_GT(lightRange, 1e-4) << c.name;
         EXPECT_EQ(shortened, c.shortens) << c.name;
@@ -172,7 +198,8 @@ inline void expectCorrectivesMatch(const char* renderer, const CorrectedVertices
         worstPosed = std::max(worstPosed, posedError);
     }
     EXPECT_LT(worstPosed, 5e-6) << "metres, and roots stand some metres away: measured 1.8e-6";
-    std::printf("%-9s largest error of the offsets %.1e of their range, of the brightness %.1e; of posed places %.1e m\n", renderer, worstOffset, worstLight, worstPosed);
+    std::printf("%-9s largest error of the offsets %.1e of their range, of the brightness %.1e; of posed places %.1e m\n", renderer,
+                worstOffset, worstLight, worstPosed);
 }
 
 }  // namespace dpl

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Deformation and light of the CPU renderer's vertices against the referee.
 #include "sdk/avatar/posed_mesh.h"
 #include "tests/reference/corrective_cases.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Level of detail of the software renderer against the referee, at densities from none left out to a splat of 128.
 #include "sdk/avatar/detail.h"
 #include "sdk/avatar/posed_mesh.h"
@@ -17,14 +18,16 @@ struct Subject {
     Pose pose;
     Cameraf camera;
 
-    explicit Subject(uint32_t seed, uint32_t splatsPerTriangle = 12) : avatar(randomAvatar(seed, 10, splatsPerTriangle, seed % 4)), pose(randomPose(avatar, seed)) {
+    explicit Subject(uint32_t seed, uint32_t splatsPerTriangle = 12)
+        : avatar(randomAvatar(seed, 10, splatsPerTriangle, seed % 4)), pose(randomPose(avatar, seed)) {
         avatar.joints[1].humanoidBone = seed == 1 ? "spine" : seed == 2 ? "leftIndexProximal" : "head";
         coded = *codeSplats(avatar.mesh, avatar.splats);
         measureDetail(avatar, coded);
         avatar.splats = decodeSplats(coded, avatar.mesh.triangles.size());
-        camera = lookAt({1.7f * std::sin(float(seed)), 1 + 0.3f * float(seed % 3), 1.7f * std::cos(float(seed))}, {0, 1, 0}, 150 + 7 * seed, 200 - 9 * seed, 180);
+        camera = lookAt({1.7f * std::sin(float(seed)), 1 + 0.3f * float(seed % 3), 1.7f * std::cos(float(seed))}, {0, 1, 0}, 150 + 7 * seed,
+                        200 - 9 * seed, 180);
     }
-    double perM2() const {   // of all splats
+    double perM2() const {  // of all splats
         double area = 0;
         for (const SplatChunk& c : coded.chunks)
             for (uint32_t k = 0; k < c.splatCount; ++k) area += double(coded.groups[2 * size_t(&c - coded.chunks.data()) + k / 128].areaM2);
@@ -48,19 +51,22 @@ TEST(Detail, agreesWithTheRefereeAtEveryDensity) {
     for (uint32_t seed = 1; seed <= 4; ++seed) {
         const Subject s(seed);
         const ReferenceScene full = sceneOf(s.avatar, s.pose);
-        const ReferenceImage all = renderReference(full, referenceCamera(s.camera), {.kappaPx2 = s.avatar.kappaPx2, .compensated = s.avatar.compensated});
+        const ReferenceImage all =
+            renderReference(full, referenceCamera(s.camera), {.kappaPx2 = s.avatar.kappaPx2, .compensated = s.avatar.compensated});
         uint32_t drawnBefore = 0;
         for (const double share : {0.004, 0.03, 0.14, 0.19, 0.45, 0.7}) {
             ReferenceScene scene = full;
             SplatDetail detail{float(s.perM2() * share), 1};
             detail.shShare = detailShShare(float(share));
             reduceReference(scene, s.avatar, s.coded, double(detail.perM2));
-            const ReferenceImage want = renderReference(scene, referenceCamera(s.camera), {.kappaPx2 = s.avatar.kappaPx2, .compensated = s.avatar.compensated});
+            const ReferenceImage want =
+                renderReference(scene, referenceCamera(s.camera), {.kappaPx2 = s.avatar.kappaPx2, .compensated = s.avatar.compensated});
             ASSERT_GT(coverage(want.alpha), 0.1);
             EXPECT_LT(compareImages(all.rgb, want.rgb).psnrDb, 75) << "nothing was left out";
             uint32_t drawn = 0;
             const SplatImage image = s.draw(detail, 2, &drawn);
-            expectSameImage(formatText("detail {}, avatar {}", share, seed).c_str(), image, want, 88);  // as without level of detail; measured 92 and more
+            expectSameImage(formatText("detail {}, avatar {}", share, seed).c_str(), image, want,
+                            88);  // as without level of detail; measured 92 and more
             EXPECT_EQ(image.rgb, s.draw(detail, 3).rgb) << "on three threads";
             EXPECT_GT(drawn, drawnBefore);
             drawnBefore = drawn;
@@ -97,7 +103,7 @@ TEST(Detail, followsTheDensityWithoutSteps) {
     const double coarse = largestChange(0.98, 1.05, 0.3), fine = largestChange(0.995, 1.05, 0.7);
     std::printf("largest change of a value: %.4f in steps of 2 %%, %.4f in steps of 0.5 %%\n", coarse, fine);
     EXPECT_GT(coarse, 0.002);
-    EXPECT_LT(coarse, 0.1);     // measured 0.053; a splat that went at once would change its pixels by up to its opacity
+    EXPECT_LT(coarse, 0.1);  // measured 0.053; a splat that went at once would change its pixels by up to its opacity
     EXPECT_LT(fine, 0.6 * coarse);
 }
 
@@ -137,12 +143,13 @@ struct Room {
 
 TEST(Detail, ofGeneralSplatsAgreesWithTheRefereeNearAndFar) {
     for (uint32_t seed = 1; seed <= 3; ++seed) {
-        Room room(seed, 9000 + 37 * seed);   // the last half-chunk is not full
-        const Cameraf views[2] = {Room::camera(), Room::camera(seed == 2 ? -0.5f : 0)};   // of two eyes the finer one decides
+        Room room(seed, 9000 + 37 * seed);                                               // the last half-chunk is not full
+        const Cameraf views[2] = {Room::camera(), Room::camera(seed == 2 ? -0.5f : 0)};  // of two eyes the finer one decides
         const ReferenceImage all = renderReference(room.splats, referenceCamera(views[0]));
         uint32_t drawnBefore = 0;
         for (const double perPixel : {0.003, 0.02, 0.06, 0.2}) {
-            const ReferenceImage want = renderReference(reducedSplats(room.splats, {views[0], views[1]}, perPixel), referenceCamera(views[0]), {.compensated = false});
+            const ReferenceImage want = renderReference(reducedSplats(room.splats, {views[0], views[1]}, perPixel),
+                                                        referenceCamera(views[0]), {.compensated = false});
             ASSERT_GT(coverage(want.alpha), 0.9);
             EXPECT_LT(compareImages(all.rgb, want.rgb).psnrDb, 60) << "nothing was left out";
             uint32_t drawn = 0;
@@ -193,7 +200,7 @@ TEST(Detail, ofGeneralSplatsFollowsTheCameraWithoutSteps) {
     const double coarse = largestChange(0.04f, 20), fine = largestChange(0.01f, 80);
     std::printf("largest change of a value: %.4f in steps of 4 cm, %.4f in steps of 1 cm\n", coarse, fine);
     EXPECT_GT(coarse, 0.004);
-    EXPECT_LT(coarse, 0.03);    // measured 0.009
+    EXPECT_LT(coarse, 0.03);  // measured 0.009
     EXPECT_LT(fine, 0.5 * coarse);
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/reference/flip.h"
 
 #include <algorithm>
@@ -19,10 +20,13 @@ struct Size {
 
 // ---- colour spaces ----
 
-double toLinear(double s) { return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4); }
+double toLinear(double s) {
+    return s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+}
 
 Colour toXyz(const Colour& c) {
-    return {(10135552.0 * c[0] + 8788810.0 * c[1] + 4435075.0 * c[2]) / 24577794.0, (2613072.0 * c[0] + 8788810.0 * c[1] + 887015.0 * c[2]) / 12288897.0,
+    return {(10135552.0 * c[0] + 8788810.0 * c[1] + 4435075.0 * c[2]) / 24577794.0,
+            (2613072.0 * c[0] + 8788810.0 * c[1] + 887015.0 * c[2]) / 12288897.0,
             (1425312.0 * c[0] + 8788810.0 * c[1] + 70074185.0 * c[2]) / 73733382.0};
 }
 
@@ -61,13 +65,15 @@ Colour toHuntLab(const Colour& linear) {
     return {lightness, 0.01 * lightness * 500 * (x - y), 0.01 * lightness * 200 * (y - z)};
 }
 
-double hyAb(const Colour& a, const Colour& b) { return std::abs(a[0] - b[0]) + std::hypot(a[1] - b[1], a[2] - b[2]); }
+double hyAb(const Colour& a, const Colour& b) {
+    return std::abs(a[0] - b[0]) + std::hypot(a[1] - b[1], a[2] - b[2]);
+}
 
 // ---- filters ----
 
 struct Taps {
     int radius;
-    std::vector<double> weight;   // 2·radius + 1
+    std::vector<double> weight;  // 2·radius + 1
 
     Taps(int r, const std::function<double(double)>& f) : radius(r) {
         for (int k = -r; k <= r; ++k) weight.push_back(f(double(k)));
@@ -115,12 +121,14 @@ struct Sensitivity {
 
 /** One or two Gaussians of the plane, together of weight one. */
 Plane seenThrough(const Plane& in, Size size, std::span<const Sensitivity> terms, double pixelsPerDegree) {
-    constexpr double kWidest = 0.04;   // of all terms: every filter has one radius
+    constexpr double kWidest = 0.04;  // of all terms: every filter has one radius
     const int radius = int(std::ceil(3 * std::sqrt(kWidest / (2 * std::numbers::pi * std::numbers::pi)) * pixelsPerDegree));
     Plane out(size.count(), 0.0);
     double total = 0;
     for (const Sensitivity& term : terms) {
-        Taps taps(radius, [&](double k) { return std::exp(-std::numbers::pi * std::numbers::pi * (k / pixelsPerDegree) * (k / pixelsPerDegree) / term.b); });
+        Taps taps(radius, [&](double k) {
+            return std::exp(-std::numbers::pi * std::numbers::pi * (k / pixelsPerDegree) * (k / pixelsPerDegree) / term.b);
+        });
         const double share = term.a * std::sqrt(std::numbers::pi / term.b) * taps.sum() * taps.sum();
         taps.scale(1 / taps.sum());
         const Plane part = filtered(in, size, taps, taps);
@@ -140,7 +148,8 @@ struct Features {
         const double sigma = 0.5 * kWidthDegrees * pixelsPerDegree;
         const int radius = int(std::ceil(3 * sigma));
         const auto gauss = [&](double k) { return std::exp(-k * k / (2 * sigma * sigma)); };
-        Taps smooth(radius, gauss), slope(radius, [&](double k) { return -k * gauss(k); }), bend(radius, [&](double k) { return (k * k / (sigma * sigma) - 1) * gauss(k); });
+        Taps smooth(radius, gauss), slope(radius, [&](double k) { return -k * gauss(k); }),
+            bend(radius, [&](double k) { return (k * k / (sigma * sigma) - 1) * gauss(k); });
         smooth.scale(1 / smooth.sum());
         slope.balance(), bend.balance();
         edges = lengths(filtered(luma, size, slope, smooth), filtered(luma, size, smooth, slope));
@@ -195,14 +204,16 @@ double spread(double distance) {
 
 }  // namespace
 
-std::vector<double> flipMap(std::span<const double> reference, std::span<const double> test, uint32_t widthPx, uint32_t heightPx, double pixelsPerDegree) {
+std::vector<double> flipMap(std::span<const double> reference, std::span<const double> test, uint32_t widthPx, uint32_t heightPx,
+                            double pixelsPerDegree) {
     const Size size{int(widthPx), int(heightPx)};
     if (size.count() == 0 || reference.size() != size.count() * 3 || test.size() != reference.size()) return {};
     const Seen want = see(reference, size, pixelsPerDegree), have = see(test, size, pixelsPerDegree);
     std::vector<double> out(size.count());
     for (size_t i = 0; i < out.size(); ++i) {
         const double colour = std::min(1.0, spread(hyAb(want.lab[i], have.lab[i])));
-        const double edge = std::abs(want.features.edges[i] - have.features.edges[i]), point = std::abs(want.features.points[i] - have.features.points[i]);
+        const double edge = std::abs(want.features.edges[i] - have.features.edges[i]),
+                     point = std::abs(want.features.points[i] - have.features.points[i]);
         const double feature = std::min(1.0, std::sqrt(std::max(edge, point) / std::numbers::sqrt2));
         out[i] = std::pow(colour, 1 - feature);
     }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // FLIP against what its paper says of it; the numbers for flat pictures were worked out by hand from the formulas.
 #include "tests/reference/flip.h"
 
@@ -23,21 +24,28 @@ std::vector<double> picture(Of&& of) {
     return out;
 }
 
-double meanOf(const std::vector<double>& map) { return std::accumulate(map.begin(), map.end(), 0.0) / double(map.size()); }
-double meanFlip(const std::vector<double>& a, const std::vector<double>& b) { return meanOf(flipMap(a, b, kSize, kSize)); }
+double meanOf(const std::vector<double>& map) {
+    return std::accumulate(map.begin(), map.end(), 0.0) / double(map.size());
+}
+double meanFlip(const std::vector<double>& a, const std::vector<double>& b) {
+    return meanOf(flipMap(a, b, kSize, kSize));
+}
 
 TEST(Flip, equalPicturesAreZeroAndOppositeOnesNearlyOne) {
     const auto black = picture([](auto, auto, int) { return 0.0; }), white = picture([](auto, auto, int) { return 1.0; });
-    const auto green = picture([](auto, auto, int c) { return c == 1 ? 1.0 : 0.0; }), blue = picture([](auto, auto, int c) { return c == 2 ? 1.0 : 0.0; });
+    const auto green = picture([](auto, auto, int c) { return c == 1 ? 1.0 : 0.0; }),
+               blue = picture([](auto, auto, int c) { return c == 2 ? 1.0 : 0.0; });
     EXPECT_EQ(meanFlip(white, white), 0);
     EXPECT_NEAR(meanFlip(black, white), 0.967, 0.002);  // lightness 100: 100^0.7 = 25.12 of 41.2, past the knee at 16.5
-    EXPECT_NEAR(meanFlip(green, blue), 1, 1e-9);         // by definition the largest distance
+    EXPECT_NEAR(meanFlip(green, blue), 1, 1e-9);        // by definition the largest distance
     EXPECT_EQ(meanFlip(black, white), meanFlip(white, black));
 }
 
 TEST(Flip, whatTheEyeBlursCountsLess) {
     const auto grey = picture([](auto, auto, int) { return 0.5; });
-    const auto wave = [](uint32_t period) { return picture([=](uint32_t x, uint32_t, int) { return 0.5 + 0.08 * (x / (period / 2) % 2 ? 1 : -1); }); };
+    const auto wave = [](uint32_t period) {
+        return picture([=](uint32_t x, uint32_t, int) { return 0.5 + 0.08 * (x / (period / 2) % 2 ? 1 : -1); });
+    };
     const double fine = meanFlip(grey, wave(2)), coarse = meanFlip(grey, wave(16));
     EXPECT_LT(fine, 0.6 * coarse);
     EXPECT_GT(fine, 0);
@@ -45,10 +53,11 @@ TEST(Flip, whatTheEyeBlursCountsLess) {
 
 TEST(Flip, anEdgeThatAppearsCountsMoreThanAFlatChange) {
     const auto grey = picture([](auto, auto, int) { return 0.5; });
-    const auto lighter = picture([](auto, auto, int) { return 0.6; }), step = picture([](uint32_t x, auto, int) { return x < kSize / 2 ? 0.5 : 0.6; });
+    const auto lighter = picture([](auto, auto, int) { return 0.6; }),
+               step = picture([](uint32_t x, auto, int) { return x < kSize / 2 ? 0.5 : 0.6; });
     const auto map = flipMap(grey, step, kSize, kSize);
     EXPECT_GT(map[kSize * 10 + kSize / 2], 1.1 * meanFlip(grey, lighter));  // though blur leaves half of the change there
-    EXPECT_LT(map[kSize * 10 + 2], 1e-6);               // far from it nothing changed
+    EXPECT_LT(map[kSize * 10 + 2], 1e-6);                                   // far from it nothing changed
 }
 
 TEST(Flip, coveredPixelsAloneCount) {
@@ -62,7 +71,7 @@ TEST(Flip, coveredPixelsAloneCount) {
             for (size_t c = 0; c < 3; ++c) want.rgb[p * 3 + c] = 1, have[p * 4 + c] = 255;
         }
     EXPECT_EQ(coveredFlip(want, have), 0);
-    have[(24 * kSize + 24) * 4] = 0;                    // one pixel turns cyan
+    have[(24 * kSize + 24) * 4] = 0;  // one pixel turns cyan
     const double one = coveredFlip(want, have);
     EXPECT_GT(one, 0.005);
     EXPECT_LT(one, 0.2);

@@ -1,4 +1,6 @@
-// A captured object from somebody else's tool, read from its file: our picture against an independent rasteriser's, and against the referee.
+// SPDX-License-Identifier: Apache-2.0
+// A captured object from somebody else's tool, read from its file: our picture against an independent rasteriser's, and against the
+// referee.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -15,10 +17,10 @@
 namespace dpl {
 namespace {
 
-/** Measured over grey: 68.7 to 70.6 dB, mean error 0.02 levels. That is the rounding of the reference PNGs: ±½ of 1/255 on the 7 to 10 % of pixels
- *  that are covered gives 69 to 70 dB. Splats 1 % larger give 63 to 65 dB, half a pixel to the side 35 to 38 dB. */
+/** Measured over grey: 68.7 to 70.6 dB, mean error 0.02 levels. That is the rounding of the reference PNGs: ±½ of 1/255 on the 7 to 10 % of
+ * pixels that are covered gives 69 to 70 dB. Splats 1 % larger give 63 to 65 dB, half a pixel to the side 35 to 38 dB. */
 constexpr double kPictureBarDb = 67, kMeanErrorBar = 0.05 / 255;
-constexpr double kReferenceBarDb = 88;   // as software_vs_reference_test.cpp: the product's 50 dB, and a row of lost pixels, lie below
+constexpr double kReferenceBarDb = 88;  // as software_vs_reference_test.cpp: the product's 50 dB, and a row of lost pixels, lie below
 
 struct Guitar {
     StaticSplatData splats;
@@ -42,7 +44,7 @@ std::optional<Guitar> readGuitar() {
     const Vec3f c(place["c"][0].get<float>(), place["c"][1].get<float>(), place["c"][2].get<float>());
     for (Vec3f& p : g.splats.position) p = s * Vec3f(1, -1, -1) * (p - c);
     for (Vec3f& scale : g.splats.scaleM) scale *= s;
-    for (Quatf& q : g.splats.rotation) q = Quatf(0, 1, 0, 0) * q;   // diag(1, −1, −1) is half a turn about x
+    for (Quatf& q : g.splats.rotation) q = Quatf(0, 1, 0, 0) * q;  // diag(1, −1, −1) is half a turn about x
     return g;
 }
 
@@ -51,7 +53,8 @@ Cameraf cameraOf(const nlohmann::json& all, const nlohmann::json& frame) {
     c.widthPx = all["width"].get<uint32_t>(), c.heightPx = all["height"].get<uint32_t>();
     c.fx = all["fx"].get<float>(), c.fy = all["fy"].get<float>(), c.cx = all["cx"].get<float>(), c.cy = all["cy"].get<float>();
     for (int row = 0; row < 3; ++row) {
-        for (int column = 0; column < 3; ++column) c.viewFromWorldRotation[column][row] = frame["world_to_camera"][size_t(row)][size_t(column)].get<float>();
+        for (int column = 0; column < 3; ++column)
+            c.viewFromWorldRotation[column][row] = frame["world_to_camera"][size_t(row)][size_t(column)].get<float>();
         c.viewFromWorldTranslation[row] = frame["world_to_camera"][size_t(row)][3].get<float>();
     }
     return c;
@@ -62,7 +65,7 @@ TEST(Guitar, looksAsAnIndependentRasteriserDrawsIt) {
     if (!guitar) GTEST_SKIP() << "no shared data with splats/guitar.compressed.ply and splats/guitar-reference";
     for (const auto& frame : guitar->cameras["frames"]) {
         const std::string name = frame["file"].get<std::string>();
-        const cv::Mat picture = cv::imread((guitar->folder / name).string(), cv::IMREAD_UNCHANGED);   // BGRA, straight
+        const cv::Mat picture = cv::imread((guitar->folder / name).string(), cv::IMREAD_UNCHANGED);  // BGRA, straight
         const Cameraf camera = cameraOf(guitar->cameras, frame);
         ASSERT_EQ(picture.channels(), 4);
         const SplatImage image = drawSoftware(guitar->splats, camera);
@@ -79,8 +82,8 @@ TEST(Guitar, looksAsAnIndependentRasteriserDrawsIt) {
             }
         }
         const ImageDifference d = compareImages(ours, theirs);
-        std::printf("[  GUITAR  ] %s: %.2f dB, mean error %.2f levels, max %.3f, covered %.1f %%\n", name.c_str(), d.psnrDb, 255 * sum / double(ours.size()), d.maxError,
-                    100 * coverage(image.alpha));
+        std::printf("[  GUITAR  ] %s: %.2f dB, mean error %.2f levels, max %.3f, covered %.1f %%\n", name.c_str(), d.psnrDb,
+                    255 * sum / double(ours.size()), d.maxError, 100 * coverage(image.alpha));
         EXPECT_GT(coverage(image.alpha), 0.03);
         EXPECT_GE(d.psnrDb, kPictureBarDb) << name;
         EXPECT_LT(sum / double(ours.size()), kMeanErrorBar) << name;

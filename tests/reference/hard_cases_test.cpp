@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The drawing hard cases of design.md, each with what is expected: agreement with the referee, or nothing drawn, or no overrun.
 #include "tests/reference/compare_renderers.h"
 #include "tests/reference/random_avatar.h"
@@ -26,12 +27,15 @@ ReferenceImage check(const char* name, const ReferenceScene& scene, const Camera
     return reference;
 }
 
-ReferenceScene flatTriangle() { return oneTriangle({0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}); }
+ReferenceScene flatTriangle() {
+    return oneTriangle({0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0});
+}
 
 TEST(HardCases, nearPlane) {
     // A row of splats whose depth runs through the near plane and the fade.
     StaticSplatData s = randomStaticSplats(9, 60, 0);
-    for (uint32_t i = 0; i < s.count(); ++i) s.position[i] = {0.003f * float(i) - 0.09f, 0, 0.02f + 0.003f * float(i)}, s.scaleM[i] = Vec3f(0.004f);
+    for (uint32_t i = 0; i < s.count(); ++i)
+        s.position[i] = {0.003f * float(i) - 0.09f, 0, 0.02f + 0.003f * float(i)}, s.scaleM[i] = Vec3f(0.004f);
     Cameraf camera;
     camera.widthPx = 160, camera.heightPx = 120, camera.fx = camera.fy = 100, camera.cx = 80, camera.cy = 60;
     const ReferenceImage reference = renderReference(s, referenceCamera(camera));
@@ -58,14 +62,17 @@ TEST(HardCases, splatOfTenMicrometres) {
     // Compensation makes a 0.01 px splat fainter than 1/255; the floor 0.005 keeps it from 0 but not visible.
     check("1e-5 m", scene, lookAt({0.03f, 0.03f, 1}, {0.03f, 0.03f, 0}, 60, 60, 1000));
     scene.splats.resize(1);
-    EXPECT_GT(coverage(check("1e-5 m, seen from 2 cm per 100 px", scene, lookAt({0.03f, 0.03f, 0.2f}, {0.03f, 0.03f, 0}, 60, 60, 20000)).alpha), 0.0005);
+    EXPECT_GT(
+        coverage(check("1e-5 m, seen from 2 cm per 100 px", scene, lookAt({0.03f, 0.03f, 0.2f}, {0.03f, 0.03f, 0}, 60, 60, 20000)).alpha),
+        0.0005);
 }
 
 TEST(HardCases, needlesOfRatioThousand) {
     ReferenceScene scene = flatTriangle();
     for (int i = 0; i < 12; ++i) scene.splats.push_back(splat(0.05, 5e-5, 0.26 * i, 0.95));
     EXPECT_GT(coverage(check("needles, 100 px", scene, lookAt({0.03f, 0.03f, 1}, {0.03f, 0.03f, 0}, 200, 200, 2000)).alpha, 0.004), 0.01);
-    EXPECT_GT(coverage(check("needles, 1000 px", scene, lookAt({0.03f, 0.03f, 0.5f}, {0.03f, 0.03f, 0}, 400, 300, 10000)).alpha, 0.004), 0.01);
+    EXPECT_GT(coverage(check("needles, 1000 px", scene, lookAt({0.03f, 0.03f, 0.5f}, {0.03f, 0.03f, 0}, 400, 300, 10000)).alpha, 0.004),
+              0.01);
 }
 
 TEST(HardCases, edgeOnDiscs) {
@@ -80,7 +87,8 @@ TEST(HardCases, opposedGateFromBehindDrawsNothing) {
     ReferenceScene scene = flatTriangle();
     scene.splats = {splat(0.02, 0.01)};
     scene.splats[0].flags = kSplatSingleFace;
-    const Cameraf front = lookAt({0.03f, 0.03f, 1}, {0.03f, 0.03f, 0}, 80, 80, 300), behind = lookAt({0.03f, 0.03f, -1}, {0.03f, 0.03f, 0}, 80, 80, 300);
+    const Cameraf front = lookAt({0.03f, 0.03f, 1}, {0.03f, 0.03f, 0}, 80, 80, 300),
+                  behind = lookAt({0.03f, 0.03f, -1}, {0.03f, 0.03f, 0}, 80, 80, 300);
     EXPECT_GT(coverage(check("single face, front", scene, front).alpha), 0.01);
     EXPECT_EQ(coverage(check("single face, behind", scene, behind).alpha, 0), 0);
     for (const float height : {0.02f, 0.05f, 0.09f, 0.12f})  // inside the gate's ramp
@@ -125,7 +133,8 @@ TEST(HardCases, opposingBlendOfTwoJoints) {
 
 TEST(HardCases, opaqueLayersStopTheBlend) {
     StaticSplatData s = randomStaticSplats(41, 400, 0);
-    for (uint32_t i = 0; i < s.count(); ++i) s.position[i].x *= 0.2f, s.position[i].y *= 0.2f, s.scaleM[i] = Vec3f(0.3f), s.opacity[i] = 1.f;
+    for (uint32_t i = 0; i < s.count(); ++i)
+        s.position[i].x *= 0.2f, s.position[i].y *= 0.2f, s.scaleM[i] = Vec3f(0.3f), s.opacity[i] = 1.f;
     const Cameraf camera = lookAt({0, 0, -3}, {0, 0, 0}, 100, 90, 100);
     const ReferenceImage reference = renderReference(s, referenceCamera(camera));
     EXPECT_GT(*std::max_element(reference.alpha.begin(), reference.alpha.end()), 0.9999);
@@ -145,7 +154,8 @@ TEST(HardCases, hundredThousandEqualDepthKeys) {
 
 TEST(HardCases, emptyOneSplatOneTriangleOnePixel) {
     ReferenceScene scene = flatTriangle();
-    const Cameraf camera = lookAt({0.03f, 0.03f, 1}, {0.03f, 0.03f, 0}, 50, 50, 300), pixel = lookAt({0.03f, 0.03f, 1}, {0.03f, 0.03f, 0}, 1, 1, 30);
+    const Cameraf camera = lookAt({0.03f, 0.03f, 1}, {0.03f, 0.03f, 0}, 50, 50, 300),
+                  pixel = lookAt({0.03f, 0.03f, 1}, {0.03f, 0.03f, 0}, 1, 1, 30);
     EXPECT_EQ(coverage(check("empty", scene, camera).alpha, 0), 0);
     scene.splats = {splat(0.02, 0.03)};
     EXPECT_GT(coverage(check("one splat", scene, camera).alpha), 0.01);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Comparing pictures: PSNR, largest error, and "is anything there at all".
 #pragma once
 

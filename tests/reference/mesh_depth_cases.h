@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Meshes that are hard to draw depth of, for every renderer that does.
 #pragma once
 
@@ -27,13 +28,15 @@ inline std::vector<MeshDepthCase> meshDepthCases() {
         std::normal_distribution<float> normal;
         Vec3f direction = glm::normalize(Vec3f(normal(random), 0.5f * normal(random), normal(random)));
         const auto add = [&](const char* name, const Cameraf& camera, double minCovered) {
-            cases.push_back({std::string(name) + ", " + std::to_string(seed), avatar.mesh.restPositions, avatar.mesh.triangles, camera, minCovered});
+            cases.push_back(
+                {std::string(name) + ", " + std::to_string(seed), avatar.mesh.restPositions, avatar.mesh.triangles, camera, minCovered});
         };
         const Vec3f middle(0, 1, 0);
         add("random avatar", lookAt(middle + 1.8f * direction, middle, 71, 64, 90), 0.1);
         add("far away", lookAt(middle + 400.0f * direction, middle, 40, 40, 9000), 0.1);
         add("camera inside", lookAt(middle, middle + direction, 64, 48, 30), 0.99);
-        add("near plane through the surface", lookAt(middle + 0.5f * direction, middle + 2.0f * glm::vec3(direction.z, 0.1f, -direction.x), 64, 64, 30), 0.05);
+        add("near plane through the surface",
+            lookAt(middle + 0.5f * direction, middle + 2.0f * glm::vec3(direction.z, 0.1f, -direction.x), 64, 64, 30), 0.05);
         add("one pixel", lookAt(middle + 1.8f * direction, middle, 1, 1, 1), 1);
         Cameraf offAxis = lookAt(middle + 1.5f * direction, middle, 50, 60, 70);
         offAxis.cx = -20, offAxis.cy = 90, offAxis.fy = 40;
@@ -76,7 +79,8 @@ inline std::vector<MeshDepthCase> meshDepthCases() {
                 grid.triangles.push_back(turned ? Triangle(a, c, b) : Triangle(a, b, c));
                 grid.triangles.push_back(turned ? Triangle(b, c, d) : Triangle(b, d, c));
             }
-        std::vector<uint32_t> place(grid.positions.size());  // shuffled: corners are taken in order of their index, so neighbours turn either way
+        std::vector<uint32_t> place(
+            grid.positions.size());  // shuffled: corners are taken in order of their index, so neighbours turn either way
         std::iota(place.begin(), place.end(), 0u);
         std::shuffle(place.begin(), place.end(), std::mt19937(17));
         const std::vector<Vec3f> inOrder = grid.positions;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The CPU's mesh depth against a ray caster in double precision.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Random but reproducible avatars and static splats for tests of the renderers.
 #pragma once
 
@@ -60,7 +61,8 @@ inline Pose randomPose(const AvatarData& avatar, uint32_t seed) {
     std::normal_distribution<float> normal;
     Pose pose = Pose::rest(avatar.joints.size());
     for (size_t j = 0; j < pose.localRotations.size(); ++j)
-        pose.localRotations[j] = glm::angleAxis((j ? 0.8f : 3.f) * normal(random), glm::normalize(Vec3f(normal(random), normal(random), normal(random))));
+        pose.localRotations[j] =
+            glm::angleAxis((j ? 0.8f : 3.f) * normal(random), glm::normalize(Vec3f(normal(random), normal(random), normal(random))));
     pose.rootTranslation = 0.1f * Vec3f(normal(random), normal(random), normal(random));
     return pose;
 }

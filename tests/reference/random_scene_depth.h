@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Depth buffers of an app, for tests: a tilted plane through the subject, rough in places, with every value that means "nothing is there".
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pose correctives, skinning and binding in double precision.
 #include <algorithm>
 #include <cmath>
@@ -71,7 +72,7 @@ std::vector<double> referenceCoefficients(const PoseCorrectiveData& c, const Pos
         for (size_t f = 0; f < heard.size(); ++f) mode += double(c.modes[i * heard.size() + f]) * double(c.modes[i * heard.size() + f]);
         if (mode > 0) off -= k[i] * k[i] / mode;
     }
-    const double shorter = std::min(1.0, double(c.reach) / std::sqrt(squares));   // k = 0: reach/0 is infinite, and 1 is taken
+    const double shorter = std::min(1.0, double(c.reach) / std::sqrt(squares));  // k = 0: reach/0 is infinite, and 1 is taken
     const double fade = off > 0 ? std::min(1.0, double(c.reachOffModes) / std::sqrt(off)) : 1.0;
     for (double& x : k) x *= shorter * fade;
     return k;
@@ -158,7 +159,8 @@ ReferenceGaussian referenceGaussian(const ReferenceScene& scene, const Reference
     g.cloth = splat.flags & kSplatCloth;
     g.shDegree = scene.shDegree;
     g.sh = splat.sh;
-    if (!scene.light.empty()) g.light = (1 - splat.uv.x - splat.uv.y) * scene.light[t.x] + splat.uv.x * scene.light[t.y] + splat.uv.y * scene.light[t.z];
+    if (!scene.light.empty())
+        g.light = (1 - splat.uv.x - splat.uv.y) * scene.light[t.x] + splat.uv.x * scene.light[t.y] + splat.uv.y * scene.light[t.z];
     g.valid = true;
     return g;
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/reference/reference_detail.h"
 
 #include <algorithm>
@@ -10,7 +11,8 @@ namespace {
 constexpr double kNearestM = 0.25, kFade = 0.5, kThrough = 0.02, kMeasuredAt = 0.25;
 constexpr uint32_t kHalfChunk = 128;
 
-/** Of the splat at a place of its half-chunk. Its rank is the place with its seven bits in reverse; 1 up to the kept share of the ranks, then a straight line to 0 half as far again. */
+/** Of the splat at a place of its half-chunk. Its rank is the place with its seven bits in reverse; 1 up to the kept share of the ranks,
+ * then a straight line to 0 half as far again. */
 double weightOf(double share, uint32_t at) {
     if (share >= 1) return 1;
     double place = 0.5 / kHalfChunk, half = 0.5;
@@ -25,7 +27,9 @@ double favourOf(const AvatarData& avatar, uint32_t triangle) {
         for (int k = 0; k < 4; ++k) {
             const uint32_t vertex = avatar.mesh.triangles[triangle][corner];
             const std::string& bone = avatar.joints[avatar.mesh.jointIndices[vertex][k]].humanoidBone;
-            const double favour = bone == "head" || bone == "jaw" || bone == "leftEye" || bone == "rightEye" ? 3 : bone.starts_with("leftIndex") || bone == "leftHand" || bone == "rightHand" ? 2 : 1;
+            const double favour = bone == "head" || bone == "jaw" || bone == "leftEye" || bone == "rightEye"   ? 3
+                                  : bone.starts_with("leftIndex") || bone == "leftHand" || bone == "rightHand" ? 2
+                                                                                                               : 1;
             mean += favour * avatar.mesh.jointWeights[vertex][k] / 255.0 / 3;
         }
     return mean;
@@ -39,12 +43,14 @@ struct Kept {
 Kept keptOf(double wanted, double cover, double coverThere) {
     Kept kept;
     kept.share = std::clamp(wanted, 1.0 / kHalfChunk, 1.0);
-    const double gain = std::clamp(std::log(coverThere / cover) / std::log(kMeasuredAt), 0.0, 1.0), enough = std::clamp(-std::log(std::exp(-cover) + kThrough) / cover, 0.0, 1.0);
+    const double gain = std::clamp(std::log(coverThere / cover) / std::log(kMeasuredAt), 0.0, 1.0),
+                 enough = std::clamp(-std::log(std::exp(-cover) + kThrough) / cover, 0.0, 1.0);
     if (kept.share < 1) kept.growth = std::sqrt(std::max(1.0, enough / std::pow(kept.share, gain)));
     return kept;
 }
 
-/** Of a symmetric matrix, the product of its two largest eigenvalues and those of the others with the smallest: squares of what it shows along its axes. */
+/** Of a symmetric matrix, the product of its two largest eigenvalues and those of the others with the smallest: squares of what it shows
+ * along its axes. */
 double shadows(const glm::dmat3& m) {
     const glm::dmat3 square = m * m;
     const double trace = m[0][0] + m[1][1] + m[2][2];
@@ -63,7 +69,8 @@ double referenceFinestPixelM(const AvatarData& avatar, const Pose& pose, const s
             for (size_t v = 0; v < avatar.mesh.restPositions.size(); ++v)
                 for (int k = 0; k < 4; ++k)
                     if (avatar.mesh.jointIndices[v][k] == j && avatar.mesh.jointWeights[v][k] > 0)
-                        low = glm::min(low, glm::dvec3(avatar.mesh.restPositions[v])), high = glm::max(high, glm::dvec3(avatar.mesh.restPositions[v]));
+                        low = glm::min(low, glm::dvec3(avatar.mesh.restPositions[v])),
+                        high = glm::max(high, glm::dvec3(avatar.mesh.restPositions[v]));
             if (!(low.x <= high.x)) continue;
             const glm::dvec3 world(joints[j] * glm::dvec4(0.5 * (low + high), 1));
             nearest = std::min(nearest, (camera.rotation * world + camera.translation).z - 0.5 * glm::length(high - low));
@@ -74,7 +81,7 @@ double referenceFinestPixelM(const AvatarData& avatar, const Pose& pose, const s
 }
 
 void reduceReference(ReferenceScene& scene, const AvatarData& avatar, const CodedSplats& coded, double perM2) {
-    std::vector<double> areaOf(avatar.mesh.triangles.size());   // of a splat on a triangle
+    std::vector<double> areaOf(avatar.mesh.triangles.size());  // of a splat on a triangle
     double surface = 0;
     for (size_t t = 0; t < areaOf.size(); ++t) {
         const glm::uvec3 c = avatar.mesh.triangles[t];
@@ -108,7 +115,8 @@ void reduceReference(ReferenceScene& scene, const AvatarData& avatar, const Code
                 const double own = 2 * std::numbers::pi * s.opacity * s.scaleM.x * s.scaleM.y;
                 area += areaOf[s.triangle], covered += own, coveredThere += weightOf(kMeasuredAt, r) * own;
             }
-            const auto [share, growth] = keptOf(perM2 * area / n * favourOfChunk(first, n) * surface / favoured, covered / area, coveredThere / area);
+            const auto [share, growth] =
+                keptOf(perM2 * area / n * favourOfChunk(first, n) * surface / favoured, covered / area, coveredThere / area);
             for (uint32_t r = 0; r < n; ++r) {
                 ReferenceBoundSplat& s = scene.splats[first + r];
                 s.opacity *= weightOf(share, r);
@@ -118,7 +126,8 @@ void reduceReference(ReferenceScene& scene, const AvatarData& avatar, const Code
         }
 }
 
-std::vector<ReferenceGaussian> reducedReference(const StaticSplatData& splats, const std::vector<uint32_t>& order, const std::vector<ReferenceCamera>& cameras, double perPixel) {
+std::vector<ReferenceGaussian> reducedReference(const StaticSplatData& splats, const std::vector<uint32_t>& order,
+                                                const std::vector<ReferenceCamera>& cameras, double perPixel) {
     std::vector<ReferenceGaussian> out;
     for (const uint32_t i : order) out.push_back(referenceGaussian(splats, i));
     for (size_t first = 0; first < out.size(); first += kHalfChunk) {
@@ -126,7 +135,9 @@ std::vector<ReferenceGaussian> reducedReference(const StaticSplatData& splats, c
         glm::dvec3 low(INFINITY), high(-INFINITY), mean(0);
         double covered = 0, coveredThere = 0;
         glm::dmat3 spread(0);
-        for (size_t r = 0; r < n; ++r) low = glm::min(low, out[first + r].centre), high = glm::max(high, out[first + r].centre), mean += out[first + r].centre / double(n);
+        for (size_t r = 0; r < n; ++r)
+            low = glm::min(low, out[first + r].centre), high = glm::max(high, out[first + r].centre),
+            mean += out[first + r].centre / double(n);
         for (size_t r = 0; r < n; ++r) {
             const ReferenceGaussian& s = out[first + r];
             glm::dmat3 own(0);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/reference/reference_file.h"
 
 #include <algorithm>
@@ -10,7 +11,9 @@
 namespace dpl {
 namespace {
 
-double decibels(double squares, uint64_t values) { return squares > 0 ? -10 * std::log10(squares / double(values)) : std::numeric_limits<double>::infinity(); }
+double decibels(double squares, uint64_t values) {
+    return squares > 0 ? -10 * std::log10(squares / double(values)) : std::numeric_limits<double>::infinity();
+}
 
 template <class T>
 PictureError compare(const ReferencePicture& reference, std::span<const T> rgba) {
@@ -20,7 +23,8 @@ PictureError compare(const ReferencePicture& reference, std::span<const T> rgba)
     for (size_t p = 0; p < reference.alpha.size(); ++p) {
         const bool covered = reference.alpha[p] > 0 || rgba[p * 4 + 3] > 0;
         for (size_t c = 0; c < 3; ++c) {
-            const double actual = rgba[p * 4 + c] / kPeak + 0.5 * (1 - rgba[p * 4 + 3] / kPeak), want = reference.rgb[p * 3 + c] + 0.5 * (1 - reference.alpha[p]);
+            const double actual = rgba[p * 4 + c] / kPeak + 0.5 * (1 - rgba[p * 4 + 3] / kPeak),
+                         want = reference.rgb[p * 3 + c] + 0.5 * (1 - reference.alpha[p]);
             const double square = (actual - want) * (actual - want);
             e.squares += square;
             e.coveredSquares += covered ? square : 0;
@@ -48,13 +52,17 @@ Result<ReferenceFile> ReferenceFile::read(std::span<const uint8_t> bytes) {
 
 ReferencePicture ReferenceFile::draw(std::span<const float> rotations, const Vec3f& rootTranslation, const Cameraf& camera) const {
     Pose pose;
-    for (size_t j = 0; j + 4 <= rotations.size(); j += 4) pose.localRotations.emplace_back(rotations[j + 3], rotations[j], rotations[j + 1], rotations[j + 2]);
+    for (size_t j = 0; j + 4 <= rotations.size(); j += 4)
+        pose.localRotations.emplace_back(rotations[j + 3], rotations[j], rotations[j + 1], rotations[j + 2]);
     pose.rootTranslation = rootTranslation;
-    ReferenceImage image = avatar_ ? renderReference(*avatar_, pose, referenceCamera(camera)) : renderReference(*splats_, referenceCamera(camera));
+    ReferenceImage image =
+        avatar_ ? renderReference(*avatar_, pose, referenceCamera(camera)) : renderReference(*splats_, referenceCamera(camera));
     return {image.widthPx, image.heightPx, std::move(image.rgb), std::move(image.alpha)};
 }
 
-bool ReferenceFile::hasPoseCorrectives() const { return avatar_ && !avatar_->correctives.empty(); }
+bool ReferenceFile::hasPoseCorrectives() const {
+    return avatar_ && !avatar_->correctives.empty();
+}
 
 uint32_t ReferenceFile::samples(const Vec3f& rootTranslation, const Cameraf& camera) const {
     Pose pose;
@@ -62,8 +70,12 @@ uint32_t ReferenceFile::samples(const Vec3f& rootTranslation, const Cameraf& cam
     return avatar_ && referenceFourSamples(*avatar_, pose, referenceCamera(camera)) ? 4 : 1;
 }
 
-double PictureError::psnrDb() const { return decibels(squares, values); }
-double PictureError::coveredPsnrDb() const { return decibels(coveredSquares, coveredValues); }
+double PictureError::psnrDb() const {
+    return decibels(squares, values);
+}
+double PictureError::coveredPsnrDb() const {
+    return decibels(coveredSquares, coveredValues);
+}
 
 PictureError& PictureError::operator+=(const PictureError& other) {
     squares += other.squares, coveredSquares += other.coveredSquares;
@@ -72,20 +84,26 @@ PictureError& PictureError::operator+=(const PictureError& other) {
     return *this;
 }
 
-PictureError compareWith(const ReferencePicture& reference, std::span<const uint8_t> rgba) { return compare(reference, rgba); }
-PictureError compareWith(const ReferencePicture& reference, std::span<const uint16_t> rgba) { return compare(reference, rgba); }
+PictureError compareWith(const ReferencePicture& reference, std::span<const uint8_t> rgba) {
+    return compare(reference, rgba);
+}
+PictureError compareWith(const ReferencePicture& reference, std::span<const uint16_t> rgba) {
+    return compare(reference, rgba);
+}
 
 double coveredFlip(const ReferencePicture& reference, std::span<const uint8_t> rgba) {
     if (rgba.size() != reference.alpha.size() * 4) return 1;
-    constexpr uint32_t kMarginPx = 16;   // farther than FLIP's filters reach
+    constexpr uint32_t kMarginPx = 16;  // farther than FLIP's filters reach
     const uint32_t width = reference.widthPx, height = reference.heightPx;
     const auto covered = [&](size_t p) { return reference.alpha[p] > 0 || rgba[p * 4 + 3] > 0; };
     uint32_t x0 = width, x1 = 0, y0 = height, y1 = 0;
     for (uint32_t y = 0; y < height; ++y)
         for (uint32_t x = 0; x < width; ++x)
-            if (covered(size_t(y) * width + x)) x0 = std::min(x0, x), x1 = std::max(x1, x + 1), y0 = std::min(y0, y), y1 = std::max(y1, y + 1);
+            if (covered(size_t(y) * width + x))
+                x0 = std::min(x0, x), x1 = std::max(x1, x + 1), y0 = std::min(y0, y), y1 = std::max(y1, y + 1);
     if (x1 == 0) return 0;
-    x0 -= std::min(x0, kMarginPx), y0 -= std::min(y0, kMarginPx), x1 = std::min(width, x1 + kMarginPx), y1 = std::min(height, y1 + kMarginPx);
+    x0 -= std::min(x0, kMarginPx), y0 -= std::min(y0, kMarginPx), x1 = std::min(width, x1 + kMarginPx),
+                                                                  y1 = std::min(height, y1 + kMarginPx);
     std::vector<double> want, have;
     std::vector<size_t> at;
     for (uint32_t y = y0; y < y1; ++y)

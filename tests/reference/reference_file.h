@@ -1,4 +1,6 @@
-// The referee for programs: what doppel.h would draw of an avatar file or of general splats, in double precision, and how far a picture is from it.
+// SPDX-License-Identifier: Apache-2.0
+// The referee for programs: what doppel.h would draw of an avatar file or of general splats, in double precision, and how far a picture is
+// from it.
 //
 //   auto avatar = ReferenceFile::read(bytes);
 //   PictureError error = compareWith(avatar->draw(rotations, root, camera), rgba);
@@ -27,7 +29,8 @@ public:
     /** The bytes may be freed afterwards. Errors of readAvatar and readSplats. */
     static Result<ReferenceFile> read(std::span<const uint8_t> bytes);
 
-    /** rotations: xyzw a joint, as dplGetPose gives them; their number is not checked, and general splats take no notice of them. Slow: 50,000 splats take about a second a megapixel. */
+    /** rotations: xyzw a joint, as dplGetPose gives them; their number is not checked, and general splats take no notice of them. Slow:
+     * 50,000 splats take about a second a megapixel. */
     ReferencePicture draw(std::span<const float> rotations, const Vec3f& rootTranslation, const Cameraf& camera) const;
 
     bool hasPoseCorrectives() const;
@@ -35,14 +38,14 @@ public:
     uint32_t samples(const Vec3f& rootTranslation, const Cameraf& camera) const;
 
 private:
-    std::shared_ptr<const AvatarData> avatar_;        // one of the two
+    std::shared_ptr<const AvatarData> avatar_;  // one of the two
     std::shared_ptr<const StaticSplatData> splats_;
 };
 
 struct PictureError {
-    double squares = 0, coveredSquares = 0;   // of colour over mid grey, peak 1; so that alpha counts too
-    uint64_t values = 0, coveredValues = 0;   // covered: the pixels that the referee or the picture draws
-    double maxLevels = 0;                     // largest error of one channel in 8-bit levels
+    double squares = 0, coveredSquares = 0;  // of colour over mid grey, peak 1; so that alpha counts too
+    uint64_t values = 0, coveredValues = 0;  // covered: the pixels that the referee or the picture draws
+    double maxLevels = 0;                    // largest error of one channel in 8-bit levels
 
     /** Of all pixels, and of the covered ones alone: empty background flatters the first. Infinite for equal pictures. */
     double psnrDb() const;
@@ -54,7 +57,8 @@ struct PictureError {
 PictureError compareWith(const ReferencePicture& reference, std::span<const uint8_t> rgba);
 PictureError compareWith(const ReferencePicture& reference, std::span<const uint16_t> rgba);
 
-/** Mean FLIP (flip.h) of the pixels that the referee or the picture draws, both over mid grey; 0 where neither draws any, 1 for another size. */
+/** Mean FLIP (flip.h) of the pixels that the referee or the picture draws, both over mid grey; 0 where neither draws any, 1 for another
+ * size. */
 double coveredFlip(const ReferencePicture& reference, std::span<const uint8_t> rgba);
 
 }  // namespace dpl

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tests/reference/reference_mesh.h"
 
 #include <algorithm>
@@ -16,7 +17,8 @@ struct ViewTriangle {
     glm::dvec2 low{-kNone}, high{kNone};
 };
 
-std::vector<ViewTriangle> inView(std::span<const glm::dvec3> positions, std::span<const glm::uvec3> triangles, const ReferenceCamera& camera) {
+std::vector<ViewTriangle> inView(std::span<const glm::dvec3> positions, std::span<const glm::uvec3> triangles,
+                                 const ReferenceCamera& camera) {
     std::vector<ViewTriangle> list;
     for (const glm::uvec3& t : triangles) {
         glm::dvec3 c[3];
@@ -52,12 +54,13 @@ double depthAt(const std::vector<ViewTriangle>& triangles, const ReferenceCamera
 
 }  // namespace
 
-double referenceMeshDepth(std::span<const glm::dvec3> positions, std::span<const glm::uvec3> triangles, const ReferenceCamera& camera, const glm::dvec2& pointPx) {
+double referenceMeshDepth(std::span<const glm::dvec3> positions, std::span<const glm::uvec3> triangles, const ReferenceCamera& camera,
+                          const glm::dvec2& pointPx) {
     return depthAt(inView(positions, triangles, camera), camera, pointPx);
 }
 
-MeshDepthReport compareMeshDepth(std::span<const float> depthM, std::span<const glm::dvec3> positions, std::span<const glm::uvec3> triangles, const ReferenceCamera& camera, double slackPx,
-                                 double slack) {
+MeshDepthReport compareMeshDepth(std::span<const float> depthM, std::span<const glm::dvec3> positions,
+                                 std::span<const glm::uvec3> triangles, const ReferenceCamera& camera, double slackPx, double slack) {
     MeshDepthReport report{depthM.size(), 0, 0, 0, {}};
     const std::vector<ViewTriangle> list = inView(positions, triangles, camera);
     for (size_t i = 0; i < depthM.size(); ++i) {
@@ -74,7 +77,8 @@ MeshDepthReport compareMeshDepth(std::span<const float> depthM, std::span<const 
         if (got >= low * (1 - slack) && got <= high * (1 + slack)) continue;
         if (report.wrong++ > 0) continue;
         std::ostringstream text;
-        text << "pixel " << i % camera.widthPx << ", " << i / camera.widthPx << ": " << got << " m, the referee sees " << low << " to " << high << " m";
+        text << "pixel " << i % camera.widthPx << ", " << i / camera.widthPx << ": " << got << " m, the referee sees " << low << " to "
+             << high << " m";
         report.firstWrong = text.str();
     }
     return report;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Projection, spherical harmonics and blending in double precision. Splats are blended one after the other in depth order over the
 // whole image, which has nothing in common with the tile lists it is compared with.
 #include "tests/reference/reference_renderer.h"
@@ -27,18 +28,22 @@ std::vector<double> sphericalHarmonics(const glm::dvec3& d, uint32_t degree) {
     }
     if (degree >= 2) {
         const double c = std::sqrt(15 / (4 * pi));
-        b.insert(b.end(), {c * x * y, -c * y * z, std::sqrt(5 / (16 * pi)) * (2 * z * z - x * x - y * y), -c * x * z, c / 2 * (x * x - y * y)});
+        b.insert(b.end(),
+                 {c * x * y, -c * y * z, std::sqrt(5 / (16 * pi)) * (2 * z * z - x * x - y * y), -c * x * z, c / 2 * (x * x - y * y)});
     }
     if (degree >= 3) {
-        const double c3 = std::sqrt(35 / (32 * pi)), c2 = std::sqrt(105 / (4 * pi)), c1 = std::sqrt(21 / (32 * pi)), c0 = std::sqrt(7 / (16 * pi));
+        const double c3 = std::sqrt(35 / (32 * pi)), c2 = std::sqrt(105 / (4 * pi)), c1 = std::sqrt(21 / (32 * pi)),
+                     c0 = std::sqrt(7 / (16 * pi));
         b.insert(b.end(), {-c3 * y * (3 * x * x - y * y), c2 * x * y * z, -c1 * y * (4 * z * z - x * x - y * y),
-                           c0 * z * (2 * z * z - 3 * x * x - 3 * y * y), -c1 * x * (4 * z * z - x * x - y * y), c2 / 2 * z * (x * x - y * y),
-                           -c3 * x * (x * x - 3 * y * y)});
+                           c0 * z * (2 * z * z - 3 * x * x - 3 * y * y), -c1 * x * (4 * z * z - x * x - y * y),
+                           c2 / 2 * z * (x * x - y * y), -c3 * x * (x * x - 3 * y * y)});
     }
     return b;
 }
 
-bool finite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+bool finite(const glm::dvec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
 
 }  // namespace
 
@@ -52,7 +57,8 @@ ReferenceFootprint projectReference(const ReferenceGaussian& splat, const Refere
 
     const double marginX = kMargin * camera.widthPx / (2 * camera.fx), marginY = kMargin * camera.heightPx / (2 * camera.fy);
     const double slopeX = std::clamp(view.x / view.z, -camera.cx / camera.fx - marginX, (camera.widthPx - camera.cx) / camera.fx + marginX);
-    const double slopeY = std::clamp(view.y / view.z, -camera.cy / camera.fy - marginY, (camera.heightPx - camera.cy) / camera.fy + marginY);
+    const double slopeY =
+        std::clamp(view.y / view.z, -camera.cy / camera.fy - marginY, (camera.heightPx - camera.cy) / camera.fy + marginY);
     glm::dvec2 b[3];  // columns of J·W·A
     for (int k = 0; k < 3; ++k) {
         const glm::dvec3 a = camera.rotation * splat.axes[k];
@@ -95,8 +101,8 @@ double referenceAlpha(const ReferenceFootprint& footprint, const glm::dvec2& poi
 namespace {
 
 /** Blends `order` front to back at one place of every pixel and adds `share` of the result to the image; alpha collects 1 − T. */
-void addSample(const std::vector<ReferenceFootprint>& footprints, const std::vector<size_t>& order, const glm::dvec2& placePx, double share, const ReferenceOptions& options,
-               ReferenceImage& image) {
+void addSample(const std::vector<ReferenceFootprint>& footprints, const std::vector<size_t>& order, const glm::dvec2& placePx, double share,
+               const ReferenceOptions& options, ReferenceImage& image) {
     std::vector<double> transmittance(image.alpha.size(), 1.0);
     for (const size_t index : order) {
         const ReferenceFootprint& f = footprints[index];
@@ -113,7 +119,8 @@ void addSample(const std::vector<ReferenceFootprint>& footprints, const std::vec
                 double& t = transmittance[pixel];
                 const double alpha = referenceAlpha(f, {x + placePx.x, y + placePx.y});
                 if (t <= options.minTransmittance || alpha < faintest) continue;
-                if (!options.sceneDepthM.empty() && options.sceneDepthM[pixel] > 0 && f.depthM > double(options.sceneDepthM[pixel])) continue;
+                if (!options.sceneDepthM.empty() && options.sceneDepthM[pixel] > 0 && f.depthM > double(options.sceneDepthM[pixel]))
+                    continue;
                 const double weight = alpha * t * share;
                 for (int c = 0; c < 3; ++c) image.rgb[pixel * 3 + size_t(c)] += weight * f.colour[c];
                 image.cloth[pixel] += f.cloth ? weight : 0;
@@ -126,7 +133,8 @@ void addSample(const std::vector<ReferenceFootprint>& footprints, const std::vec
 
 }  // namespace
 
-ReferenceImage renderReference(const std::vector<ReferenceGaussian>& splats, const ReferenceCamera& camera, const ReferenceOptions& options) {
+ReferenceImage renderReference(const std::vector<ReferenceGaussian>& splats, const ReferenceCamera& camera,
+                               const ReferenceOptions& options) {
     ReferenceImage image{camera.widthPx, camera.heightPx, {}, {}, {}, {}};
     const size_t pixels = size_t(image.widthPx) * image.heightPx;
     image.rgb.assign(pixels * 3, 0), image.alpha.assign(pixels, 0), image.cloth.assign(pixels, 0), image.depthM.assign(pixels, 0);
@@ -145,7 +153,8 @@ ReferenceImage renderReference(const std::vector<ReferenceGaussian>& splats, con
 
     if (options.fourSamples) {
         // The standard sample locations of Vulkan, Metal and Direct3D, in sixteenths of a pixel.
-        for (const glm::dvec2 place : {glm::dvec2(6, 2), glm::dvec2(14, 6), glm::dvec2(2, 10), glm::dvec2(10, 14)}) addSample(footprints, order, place / 16.0, 0.25, options, image);
+        for (const glm::dvec2 place : {glm::dvec2(6, 2), glm::dvec2(14, 6), glm::dvec2(2, 10), glm::dvec2(10, 14)})
+            addSample(footprints, order, place / 16.0, 0.25, options, image);
     } else {
         addSample(footprints, order, {0.5, 0.5}, 1, options, image);
     }
@@ -166,9 +175,13 @@ bool referenceFourSamples(const AvatarData& avatar, const Pose& pose, const Refe
     return avatar.trainedPixelM > 0 && distanceM / std::max(camera.fx, camera.fy) > 1.25 * avatar.trainedPixelM;
 }
 
-ReferenceImage renderReference(const AvatarData& avatar, const Pose& pose, const ReferenceCamera& camera, const std::vector<float>& sceneDepthM) {
+ReferenceImage renderReference(const AvatarData& avatar, const Pose& pose, const ReferenceCamera& camera,
+                               const std::vector<float>& sceneDepthM) {
     return renderReference(sceneOf(avatar, pose), camera,
-                           {.kappaPx2 = avatar.kappaPx2, .compensated = avatar.compensated, .sceneDepthM = sceneDepthM, .fourSamples = referenceFourSamples(avatar, pose, camera)});
+                           {.kappaPx2 = avatar.kappaPx2,
+                            .compensated = avatar.compensated,
+                            .sceneDepthM = sceneDepthM,
+                            .fourSamples = referenceFourSamples(avatar, pose, camera)});
 }
 
 ReferenceImage renderReference(const StaticSplatData& splats, const ReferenceCamera& camera, const ReferenceOptions& options) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The referee (technical reference §1, §5.1, §5.5, §6–§8, §14.2, §17): pose correctives, skinning, binding, projection, SH and blending in
 // double precision.
 //
@@ -29,7 +30,13 @@ struct ReferenceCamera {
 /** From any camera struct with the fields of PinholeCamera. */
 template <class Camera>
 ReferenceCamera referenceCamera(const Camera& c) {
-    return {c.widthPx, c.heightPx, double(c.fx), double(c.fy), double(c.cx), double(c.cy), glm::dmat3(c.viewFromWorldRotation),
+    return {c.widthPx,
+            c.heightPx,
+            double(c.fx),
+            double(c.fy),
+            double(c.cx),
+            double(c.cy),
+            glm::dmat3(c.viewFromWorldRotation),
             glm::dvec3(c.viewFromWorldTranslation)};
 }
 
@@ -40,8 +47,9 @@ struct ReferenceOptions {
     double minAlpha = 1.0 / 255.0;
     double minTransmittance = 1e-4;  // a pixel whose T is at or below this takes no further splat
     bool clampColour = true;
-    std::vector<float> sceneDepthM;  // of the app's scene, one a pixel: what lies behind it is not seen there; empty, or not above 0: nothing is there
-    bool fourSamples = false;        // composite at four places of a pixel, each low-passed to a quarter of it, and average
+    std::vector<float>
+        sceneDepthM;  // of the app's scene, one a pixel: what lies behind it is not seen there; empty, or not above 0: nothing is there
+    bool fourSamples = false;  // composite at four places of a pixel, each low-passed to a quarter of it, and average
 };
 
 /** One splat in the world: two axes (flat) or three (general). */
@@ -53,18 +61,18 @@ struct ReferenceGaussian {
     double opacity = 0;
     bool singleFace = false, cloth = false, valid = true;
     uint32_t shDegree = 0;
-    std::vector<double> sh;          // (degree+1)²·3, coefficient-major
-    double light = 1;                // brightness L: multiplies the colour before it is clamped
+    std::vector<double> sh;  // (degree+1)²·3, coefficient-major
+    double light = 1;        // brightness L: multiplies the colour before it is clamped
 };
 
 /** What one splat is in one view. visible is false behind the near plane (0.05 m) or for numbers that are not finite. */
 struct ReferenceFootprint {
     bool visible = false;
     glm::dvec2 centrePx{0};
-    glm::dmat2 covariance{1};        // Σ' with κ, px²
-    glm::dmat2 conic{1};             // its inverse
+    glm::dmat2 covariance{1};  // Σ' with κ, px²
+    glm::dmat2 conic{1};       // its inverse
     double compensation = 1, gate = 1, nearFade = 1;
-    double opacity = 0;              // opacity · compensation · gate · nearFade
+    double opacity = 0;  // opacity · compensation · gate · nearFade
     double depthM = 0;
     glm::dvec3 colour{0};
     bool cloth = false;
@@ -82,14 +90,14 @@ struct ReferenceBoundSplat {
     double phi = 0;
     glm::dvec2 scaleM{0};
     double opacity = 0;
-    uint8_t flags = 0;               // kSplatSingleFace | kSplatCloth
+    uint8_t flags = 0;  // kSplatSingleFace | kSplatCloth
     std::vector<double> sh;
 };
 
 /** A posed avatar with double numbers everywhere. */
 struct ReferenceScene {
-    std::vector<glm::dvec3> rest, posed;   // V; rest: what splats are bound to, without correctives
-    std::vector<double> light;             // V, brightness; empty: 1
+    std::vector<glm::dvec3> rest, posed;  // V; rest: what splats are bound to, without correctives
+    std::vector<double> light;            // V, brightness; empty: 1
     std::vector<glm::uvec3> triangles;
     std::vector<ReferenceBoundSplat> splats;
     uint32_t shDegree = 0;
@@ -126,14 +134,17 @@ struct ReferenceImage {
 };
 
 /** Blends in order of view depth, ties by index. */
-ReferenceImage renderReference(const std::vector<ReferenceGaussian>& splats, const ReferenceCamera& camera, const ReferenceOptions& options = {});
+ReferenceImage renderReference(const std::vector<ReferenceGaussian>& splats, const ReferenceCamera& camera,
+                               const ReferenceOptions& options = {});
 ReferenceImage renderReference(const ReferenceScene& scene, const ReferenceCamera& camera, const ReferenceOptions& options = {});
-/** Whether one view of the avatar is drawn with four samples a pixel: its pixels are more than 5/4 times as coarse at the root joint as those of the training.
- *  Both eyes of a frame follow the finer one; ask with that. */
+/** Whether one view of the avatar is drawn with four samples a pixel: its pixels are more than 5/4 times as coarse at the root joint as
+ * those of the training. Both eyes of a frame follow the finer one; ask with that. */
 bool referenceFourSamples(const AvatarData& avatar, const Pose& pose, const ReferenceCamera& camera);
 /** κ, compensation and samples as the avatar says. */
-ReferenceImage renderReference(const AvatarData& avatar, const Pose& pose, const ReferenceCamera& camera, const std::vector<float>& sceneDepthM = {});
+ReferenceImage renderReference(const AvatarData& avatar, const Pose& pose, const ReferenceCamera& camera,
+                               const std::vector<float>& sceneDepthM = {});
 /** Uncompensated by default, as plain 3D Gaussian splatting files are trained. */
-ReferenceImage renderReference(const StaticSplatData& splats, const ReferenceCamera& camera, const ReferenceOptions& options = {.compensated = false});
+ReferenceImage renderReference(const StaticSplatData& splats, const ReferenceCamera& camera,
+                               const ReferenceOptions& options = {.compensated = false});
 
 }  // namespace dpl

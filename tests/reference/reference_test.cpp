@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The referee has tests of its own: closed forms, and determinants in long double.
 #include "tests/reference/reference_renderer.h"
 
@@ -11,7 +12,9 @@
 namespace dpl {
 namespace {
 
-ReferenceCamera camera(uint32_t size, double focal) { return {size, size, focal, focal, size / 2.0, size / 2.0, glm::dmat3(1), glm::dvec3(0)}; }
+ReferenceCamera camera(uint32_t size, double focal) {
+    return {size, size, focal, focal, size / 2.0, size / 2.0, glm::dmat3(1), glm::dvec3(0)};
+}
 
 ReferenceGaussian disc(const glm::dvec3& centre, double radius, double opacity) {
     ReferenceGaussian g;
@@ -110,7 +113,7 @@ AvatarData correctedPoint() {
     c.modeCount = 2, c.nodeCount = 2, c.reach = 10;
     c.joints = {1}, c.mean = {0, 0.5f, 0, 0, 0, 0};
     c.modes = {1, 2, 0, 0, 0, 0, 0, 0, 0, 0, -3, 0};
-    c.nodeIndices = {{1, 0, 0, 0}}, c.nodeWeights = {{204, 51, 0, 0}};   // 0.8 and 0.2
+    c.nodeIndices = {{1, 0, 0, 0}}, c.nodeWeights = {{204, 51, 0, 0}};  // 0.8 and 0.2
     c.nodes = {{0.1f, 0, 0, 1}, {0, 0.2f, 0, 0}, {0, 0, 0.05f, 0}, {0, 0, 0, -0.25f}};
     return avatar;
 }
@@ -118,7 +121,7 @@ AvatarData correctedPoint() {
 Pose quarterTurnOfTheChild() {
     Pose pose = Pose::rest(2);
     const float half = std::sqrt(0.5f);
-    pose.localRotations[1] = Quatf(half, 0, 0, half);   // features: −1, 1, 0, −1, −1, 0
+    pose.localRotations[1] = Quatf(half, 0, 0, half);  // features: −1, 1, 0, −1, −1, 0
     return pose;
 }
 
@@ -129,13 +132,13 @@ TEST(Reference, correctivesFollowTheirFormula) {
     EXPECT_NEAR(k[0], -1 + 2 * (1 - 0.5), 1e-7);
     EXPECT_NEAR(k[1], 3, 1e-7);
     avatar.correctives.mean[1] = 0;
-    k = referenceCoefficients(avatar.correctives, pose);   // (1, 3)
+    k = referenceCoefficients(avatar.correctives, pose);  // (1, 3)
     EXPECT_NEAR(k[0], 1, 1e-7);
     const ReferenceCorrection whole = referenceCorrection(avatar, pose);
     EXPECT_NEAR(glm::length(whole.offset[0] - glm::dvec3(0.2 * 0.1, 0.2 * 3 * 0.2, 0.8 * 0.05)), 0, 1e-7);
     EXPECT_NEAR(whole.light[0], 1 + 0.2 * 1 - 0.8 * 3 * 0.25, 1e-7);
     EXPECT_NEAR(glm::length(referenceSkin(avatar, pose)[0] - glm::dvec3(0, 3, 0) - whole.offset[0]), 0, 1e-7);
-    avatar.correctives.reach = std::sqrt(10.0f) / 2;       // half of ‖k‖
+    avatar.correctives.reach = std::sqrt(10.0f) / 2;  // half of ‖k‖
     const ReferenceCorrection half = referenceCorrection(avatar, pose);
     EXPECT_NEAR(glm::length(half.offset[0] - 0.5 * whole.offset[0]), 0, 1e-7);
     EXPECT_NEAR(half.light[0], 1 + 0.5 * (whole.light[0] - 1), 1e-7);
@@ -148,12 +151,12 @@ TEST(Reference, lightIsClampedThenMultipliesTheColourBeforeItsClamp) {
     AvatarData avatar = correctedPoint();
     for (const auto& [change, expected] : {std::pair{-40.0f, 3.0}, {40.0f, 0.2}}) {
         avatar.correctives.nodes[3].w = change, avatar.correctives.nodes[0].w = 0;
-        avatar.correctives.modes[10] = 3;                  // k_1 = −3
+        avatar.correctives.modes[10] = 3;  // k_1 = −3
         EXPECT_EQ(referenceCorrection(avatar, quarterTurnOfTheChild()).light[0], expected);
     }
     ReferenceGaussian g = disc({0, 0, 2}, 0.1, 1);
     const double c0 = 1 / std::sqrt(4 * std::acos(-1.0));
-    g.sh = {-0.1 / c0, 0.3 / c0, -0.7 / c0};               // 0.4, 0.8, −0.2
+    g.sh = {-0.1 / c0, 0.3 / c0, -0.7 / c0};  // 0.4, 0.8, −0.2
     g.light = 2;
     glm::dvec3 colour = projectReference(g, camera(10, 20), {}).colour;
     EXPECT_LT(glm::length(colour - glm::dvec3(0.8, 1, 0)), 1e-12);

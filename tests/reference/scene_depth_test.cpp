@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The CPU's depth test against an app's scene, against the referee's.
 #include "tests/reference/compare_renderers.h"
 #include "tests/reference/random_avatar.h"
@@ -8,7 +9,8 @@ namespace {
 
 constexpr double kBarDb = 50;  // the product's bar
 
-SplatImage drawBehind(const ReferenceScene& scene, const Cameraf& camera, std::span<const float> sceneDepthM, uint32_t samples = 1, uint32_t threads = 2) {
+SplatImage drawBehind(const ReferenceScene& scene, const Cameraf& camera, std::span<const float> sceneDepthM, uint32_t samples = 1,
+                      uint32_t threads = 2) {
     Jobs jobs(threads);
     SplatEngine engine(jobs);
     const EngineInput input(scene);
@@ -23,16 +25,24 @@ TEST(SceneDepth, hidesWhatTheRefereeHides) {
     for (uint32_t seed = 1; seed <= 6; ++seed) {
         for (const bool four : {false, true}) {
             const AvatarData avatar = randomAvatar(seed, 8, 4, seed % 4);
-            const Cameraf camera = lookAt({1.7f * std::sin(float(seed)), 1, 1.7f * std::cos(float(seed))}, {0, 1, 0}, 101 + 7 * seed, 130 - 9 * seed, 110).scaled(four ? 0.5f : 1.0f);
+            const Cameraf camera =
+                lookAt({1.7f * std::sin(float(seed)), 1, 1.7f * std::cos(float(seed))}, {0, 1, 0}, 101 + 7 * seed, 130 - 9 * seed, 110)
+                    .scaled(four ? 0.5f : 1.0f);
             const ReferenceScene scene = sceneOf(avatar, randomPose(avatar, seed));
             ReferenceOptions options{.sceneDepthM = randomSceneDepth(seed, camera.widthPx, camera.heightPx, 1.7f), .fourSamples = four};
             const ReferenceImage want = renderReference(scene, referenceCamera(camera), options);
             const SplatImage image = drawBehind(scene, camera, options.sceneDepthM, four ? kCoverageSamples : 1);
-            expectSameImage(("behind a scene, avatar " + std::to_string(seed) + (four ? ", four samples" : "")).c_str(), image, want, kBarDb);
+            expectSameImage(("behind a scene, avatar " + std::to_string(seed) + (four ? ", four samples" : "")).c_str(), image, want,
+                            kBarDb);
             EXPECT_GT(coverage(want.alpha), 0.05);
             options.sceneDepthM.clear();
-            EXPECT_LT(compareImages(renderReference(scene, referenceCamera(camera), options).rgb, want.rgb).psnrDb, 30) << "the scene hides nothing: this case shows nothing";
-            EXPECT_EQ(drawBehind(scene, camera, randomSceneDepth(seed, camera.widthPx, camera.heightPx, 1.7f), four ? kCoverageSamples : 1, 3).rgb, image.rgb) << "on three threads";
+            EXPECT_LT(compareImages(renderReference(scene, referenceCamera(camera), options).rgb, want.rgb).psnrDb, 30)
+                << "the scene hides nothing: this case shows nothing";
+            EXPECT_EQ(
+                drawBehind(scene, camera, randomSceneDepth(seed, camera.widthPx, camera.heightPx, 1.7f), four ? kCoverageSamples : 1, 3)
+                    .rgb,
+                image.rgb)
+                << "on three threads";
         }
     }
 }
@@ -46,7 +56,8 @@ TEST(SceneDepth, aSceneWithNothingInItLeavesEveryBit) {
     const float inf = std::numeric_limits<float>::infinity();
     for (const float nothing : {0.0f, -0.0f, -3.0f, inf, -inf, std::numeric_limits<float>::quiet_NaN(), 1e9f}) {
         const SplatImage image = drawBehind(scene, camera, std::vector<float>(90 * 77, nothing));
-        EXPECT_TRUE(image.rgb == alone.rgb && image.alpha == alone.alpha && image.cloth == alone.cloth && image.depthM == alone.depthM) << nothing;
+        EXPECT_TRUE(image.rgb == alone.rgb && image.alpha == alone.alpha && image.cloth == alone.cloth && image.depthM == alone.depthM)
+            << nothing;
     }
     const SplatImage hidden = drawBehind(scene, camera, std::vector<float>(90 * 77, 0.06f));
     EXPECT_EQ(*std::max_element(hidden.alpha.begin(), hidden.alpha.end()), 0.0f);
@@ -68,7 +79,9 @@ TEST(SceneDepth, equalDepthIsSeenAndTheNextFloatBeforeItHides) {
     engine.blend(image, {.sceneDepthM = scene});
     size_t seen = 0;
     for (size_t i = 0; i < scene.size(); ++i) {
-        if (i % 2 == 0) { ASSERT_EQ(image.alpha[i], 0.0f); }
+        if (i % 2 == 0) {
+            ASSERT_EQ(image.alpha[i], 0.0f);
+        }
         seen += image.alpha[i] > 0.1f;
     }
     EXPECT_GT(seen, 20u);

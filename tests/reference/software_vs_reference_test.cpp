@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 // The software renderer against the referee on random meshes, splats, poses and views.
+#include "sdk/avatar/posed_mesh.h"
 #include "sdk/format/splat_codec.h"
 #include "tests/reference/compare_renderers.h"
 #include "tests/reference/random_avatar.h"
-#include "sdk/avatar/posed_mesh.h"
 #include "tests/unit/format/sample_correctives.h"
 
 namespace dpl {
@@ -40,8 +41,13 @@ SplatImage drawPosed(const AvatarData& avatar, const Pose& pose, const Cameraf& 
 }
 
 TEST(SoftwareVsReference, correctivesMoveAndLightTheSurface) {
-    struct Case { const char* name; test::CorrectiveOptions options; bool beyondReach; };
-    const Case cases[] = {{"correctives, short pose", {.light = 0.2f, .reach = 100}, false}, {"correctives, beyond reach", {.modes = 7, .light = 0.8f, .reach = 0.6f}, true},
+    struct Case {
+        const char* name;
+        test::CorrectiveOptions options;
+        bool beyondReach;
+    };
+    const Case cases[] = {{"correctives, short pose", {.light = 0.2f, .reach = 100}, false},
+                          {"correctives, beyond reach", {.modes = 7, .light = 0.8f, .reach = 0.6f}, true},
                           {"correctives, light clamped", {.modes = 2, .nodes = 30, .light = 2, .reach = 3}, false},
                           {"correctives, off the modes", {.light = 0.4f, .reach = 100, .reachOffModes = 0.6f}, false}};
     double darkest = 1, brightest = 1;
@@ -68,7 +74,7 @@ TEST(SoftwareVsReference, correctivesMoveAndLightTheSurface) {
         }
         std::printf("%-34s moved up to %.1f mm; error of positions %.1e m, of light %.1e\n", "", farthest * 1e3, positionError, lightError);
         EXPECT_GT(farthest, 0.005);
-        EXPECT_LT(positionError, 2e-6);   // a few float roundings at 1 to 2 m
+        EXPECT_LT(positionError, 2e-6);  // a few float roundings at 1 to 2 m
         EXPECT_LT(lightError, 5e-6);
         AvatarData unlimited = avatar;
         unlimited.correctives.reach = unlimited.correctives.reachOffModes = 1e6f;
@@ -98,7 +104,8 @@ TEST(SoftwareVsReference, staticSplatsWithAnEnergyPreservingLowPass) {
     const Cameraf camera = lookAt({0.7f, 0.4f, -2.f}, {0, 0, 0}, 211, 173, 200);
     const ReferenceImage reference = renderReference(splats, referenceCamera(camera), {.compensated = true});
     ASSERT_GT(coverage(reference.alpha), 0.1);
-    EXPECT_LT(compareImages(renderReference(splats, referenceCamera(camera)).rgb, reference.rgb).psnrDb, 45) << "compensation shows nothing here";
+    EXPECT_LT(compareImages(renderReference(splats, referenceCamera(camera)).rgb, reference.rgb).psnrDb, 45)
+        << "compensation shows nothing here";
     Jobs jobs(2);
     SplatEngine engine(jobs);
     SplatImage image;
@@ -128,9 +135,11 @@ TEST(SoftwareVsReference, fourSamplesAPixelAtHalfAndAQuarterOfTheSize) {
             const ReferenceScene scene = sceneOf(avatar, randomPose(avatar, seed));
             const ReferenceImage reference = renderReference(scene, referenceCamera(camera), {.fourSamples = true});
             ASSERT_GT(coverage(reference.alpha), 0.1);
-            EXPECT_LT(compareImages(renderReference(scene, referenceCamera(camera)).rgb, reference.rgb).psnrDb, kBarDb - 30) << "one sample shows the same: this case shows nothing";
+            EXPECT_LT(compareImages(renderReference(scene, referenceCamera(camera)).rgb, reference.rgb).psnrDb, kBarDb - 30)
+                << "one sample shows the same: this case shows nothing";
             const SplatImage image = drawFourSamples(scene, camera);
-            expectSameImage(("four samples, x" + std::to_string(size).substr(0, 4) + ", avatar " + std::to_string(seed)).c_str(), image, reference, kBarDb);
+            expectSameImage(("four samples, x" + std::to_string(size).substr(0, 4) + ", avatar " + std::to_string(seed)).c_str(), image,
+                            reference, kBarDb);
             EXPECT_EQ(image.rgb, drawFourSamples(scene, camera, 3).rgb) << "on three threads";
         }
     }
@@ -160,7 +169,7 @@ TEST(SoftwareVsReference, setsThatAreAddedToOnePictureAreSortedTogether) {
     Jobs jobs(2);
     SplatEngine engine(jobs);
     std::vector<ReferenceGaussian> all;
-    for (int repeat = 0; repeat < 2; ++repeat) {   // growing buffers, and warm ones
+    for (int repeat = 0; repeat < 2; ++repeat) {  // growing buffers, and warm ones
         all.clear();
         for (int k = 0; k < 2; ++k) {
             const CodedSplats coded = *codeSplats(avatars[k].mesh, avatars[k].splats);
@@ -168,8 +177,10 @@ TEST(SoftwareVsReference, setsThatAreAddedToOnePictureAreSortedTogether) {
             decoded.splats = decodeSplats(coded, decoded.mesh.triangles.size());
             const ReferenceScene scene = sceneOf(decoded, randomPose(decoded, uint32_t(k)));
             const EngineInput input(scene);
-            if (k == 0) engine.project(coded, input.frames, camera, float(kKappaPx2), true);
-            else engine.add(coded, input.frames, camera, float(kKappaPx2), true);
+            if (k == 0)
+                engine.project(coded, input.frames, camera, float(kKappaPx2), true);
+            else
+                engine.add(coded, input.frames, camera, float(kKappaPx2), true);
             for (const ReferenceBoundSplat& s : scene.splats) {
                 all.push_back(referenceGaussian(scene, s));
                 all.back().shDegree = scene.shDegree;
@@ -187,9 +198,9 @@ TEST(SoftwareVsReference, setsThatAreAddedToOnePictureAreSortedTogether) {
 
 // Where every splat of several chunks is turned away, decoding goes on in the right chunk behind them.
 TEST(SoftwareVsReference, wholeChunksThatAreSkippedLeaveTheNextOnesRight) {
-    AvatarData a = randomAvatar(60, 24, 16, 0);   // 1,536 splats a ring: half of them, three chunks, look away
+    AvatarData a = randomAvatar(60, 24, 16, 0);  // 1,536 splats a ring: half of them, three chunks, look away
     for (uint32_t i = 0; i < a.splats.count(); ++i) {
-        a.splats.scaleM[i] *= 0.02f * float(1 + 3 * (i / 256 % 5));   // chunks of different range
+        a.splats.scaleM[i] *= 0.02f * float(1 + 3 * (i / 256 % 5));  // chunks of different range
         a.splats.flags[i] = kSplatSingleFace;
     }
     auto coded = codeSplats(a.mesh, a.splats, false);
@@ -206,7 +217,8 @@ TEST(SoftwareVsReference, wholeChunksThatAreSkippedLeaveTheNextOnesRight) {
         engine.bin();
         engine.blend(image, {.cloth = true, .depth = true});
         EXPECT_LT(engine.decodedBytes(), 13u * 9 * coded->count() / 10) << "nothing was skipped";
-        expectSameImage("skipped chunks", image, renderReference(scene, referenceCamera(camera)), 75);  // two splats at one depth may swap: 78 dB
+        expectSameImage("skipped chunks", image, renderReference(scene, referenceCamera(camera)),
+                        75);  // two splats at one depth may swap: 78 dB
     }
 }
 
@@ -214,16 +226,18 @@ TEST(SoftwareVsReference, wholeChunksThatAreSkippedLeaveTheNextOnesRight) {
 TEST(SoftwareVsReference, codedSplatsDrawWhatTheyDecodeTo) {
     for (uint32_t round = 0; round < 8; ++round) {
         AvatarData a = randomAvatar(40 + round, 12, 16, round % 4);
-        for (Vec2f& s : a.splats.scaleM) s *= 0.2f;   // of the size of its triangle, as a person's are
+        for (Vec2f& s : a.splats.scaleM) s *= 0.2f;  // of the size of its triangle, as a person's are
         const uint32_t stride = (a.splats.shDegree + 1) * (a.splats.shDegree + 1) * 3;
-        for (uint32_t i = 9; round >= 4 && i < a.splats.count(); ++i) std::copy_n(&a.splats.sh[i % 9 * stride + 3], stride - 3, &a.splats.sh[i * stride + 3]);  // nine rows
+        for (uint32_t i = 9; round >= 4 && i < a.splats.count(); ++i)
+            std::copy_n(&a.splats.sh[i % 9 * stride + 3], stride - 3, &a.splats.sh[i * stride + 3]);  // nine rows
         auto coded = codeSplats(a.mesh, a.splats, round >= 4);
         ASSERT_TRUE(coded) << coded.error().message;
         EXPECT_EQ(coded->shIndex.empty(), round < 4 || a.splats.shDegree == 0);
         a.splats = decodeSplats(*coded, a.mesh.triangles.size());
         const ReferenceScene scene = sceneOf(a, randomPose(a, round));
         const EngineInput input(scene);
-        const Cameraf camera = lookAt({0.9f * std::sin(float(round)), 1.1f, 0.9f * std::cos(float(round))}, {0.1f * float(round % 3), 1, 0}, 150, 130, round % 2 ? 500 : 120);
+        const Cameraf camera = lookAt({0.9f * std::sin(float(round)), 1.1f, 0.9f * std::cos(float(round))}, {0.1f * float(round % 3), 1, 0},
+                                      150, 130, round % 2 ? 500 : 120);
         Jobs jobs(2);
         SplatEngine engine(jobs), plain(jobs);
         SplatImage image, all;
@@ -236,14 +250,18 @@ TEST(SoftwareVsReference, codedSplatsDrawWhatTheyDecodeTo) {
         expectSameImage(("coded, round " + std::to_string(round)).c_str(), image, renderReference(scene, referenceCamera(camera)), 80);
         EXPECT_NEAR(double(engine.visibleCount()), double(plain.visibleCount()), 1) << "one splat may stand at the edge of 1/255";
         EXPECT_GT(plain.visibleCount(), 20u);
-        for (size_t i = 0; i < engine.projected().size(); ++i) ASSERT_NEAR(engine.projected()[i].opacity, plain.projected()[i].opacity, 1e-2) << "splat " << i;
+        for (size_t i = 0; i < engine.projected().size(); ++i)
+            ASSERT_NEAR(engine.projected()[i].opacity, plain.projected()[i].opacity, 1e-2) << "splat " << i;
         // Bytes: one or five a splat to decide, the rest only of groups that have a splat to show.
-        const uint64_t n = coded->count(), each = 13 + (coded->shIndex.empty() ? 0 : 2) + (a.splats.shDegree ? shEntryBytes(a.splats.shDegree) : 0);
+        const uint64_t n = coded->count(),
+                       each = 13 + (coded->shIndex.empty() ? 0 : 2) + (a.splats.shDegree ? shEntryBytes(a.splats.shDegree) : 0);
         EXPECT_GE(engine.decidedBytes(), n / 16);
         EXPECT_LE(engine.decidedBytes(), 5 * n);
         EXPECT_GE(engine.decodedBytes(), plain.visibleCount() * each);
         EXPECT_LE(engine.decodedBytes(), n * each);
-        if (round % 2) { EXPECT_LT(engine.decodedBytes(), n * each * 3 / 4) << "most of it is out of this view"; }
+        if (round % 2) {
+            EXPECT_LT(engine.decodedBytes(), n * each * 3 / 4) << "most of it is out of this view";
+        }
     }
 }
 

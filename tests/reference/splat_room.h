@@ -1,5 +1,6 @@
-// General splats that are a room to stand in: walls, floor and ceiling of flat splats several deep, and a ball in its middle. For level of detail, which
-// must serve what is near and what is far in one picture.
+// SPDX-License-Identifier: Apache-2.0
+// General splats that are a room to stand in: walls, floor and ceiling of flat splats several deep, and a ball in its middle. For level of
+// detail, which must serve what is near and what is far in one picture.
 #pragma once
 
 #include <random>
@@ -18,7 +19,7 @@ inline StaticSplatData splatRoom(uint32_t seed, uint32_t count, uint32_t shDegre
     const Vec3f half(2, 1.5f, 4);
     StaticSplatData s;
     s.shDegree = shDegree;
-    const float sizeM = 8 / std::sqrt(float(count));   // 76 m² of each pair of sides, about four deep
+    const float sizeM = 8 / std::sqrt(float(count));  // 76 m² of each pair of sides, about four deep
     for (uint32_t i = 0; i < count; ++i) {
         Vec3f at, front;
         if (i % 8 == 0) {
@@ -29,14 +30,17 @@ inline StaticSplatData splatRoom(uint32_t seed, uint32_t count, uint32_t shDegre
             for (int k = 0; k < 3; ++k) at[k] = half[k] * (2 * uniform(random) - 1);
             front = Vec3f(0), front[axis] = i % 2 ? 1.0f : -1.0f, at[axis] = half[axis] * front[axis];
         }
-        const Vec3f turnAxis(-front.y, front.x, 0);   // z to front
-        const Quatf toFront = glm::length(turnAxis) > 1e-4f ? glm::angleAxis(std::acos(front.z), glm::normalize(turnAxis)) : front.z > 0 ? Quatf(1, 0, 0, 0) : Quatf(0, 1, 0, 0);
+        const Vec3f turnAxis(-front.y, front.x, 0);  // z to front
+        const Quatf toFront = glm::length(turnAxis) > 1e-4f ? glm::angleAxis(std::acos(front.z), glm::normalize(turnAxis))
+                              : front.z > 0                 ? Quatf(1, 0, 0, 0)
+                                                            : Quatf(0, 1, 0, 0);
         s.position.push_back(at);
         s.rotation.push_back(glm::normalize(toFront * glm::angleAxis(6.28f * uniform(random), Vec3f(0, 0, 1))));
         const float size = (i % 8 == 0 ? 0.4f : 1.0f) * sizeM;
         s.scaleM.push_back(size * Vec3f(std::exp(0.4f * normal(random)), std::exp(0.4f * normal(random)), 0.1f));
         s.opacity.push_back(0.2f + 0.75f * uniform(random));
-        for (uint32_t c = 0; c < (shDegree + 1) * (shDegree + 1) * 3; ++c) s.sh.push_back((c < 3 ? 0.5f * std::sin(at[int(c)] * 3) : 0.1f) * (1 + 0.3f * normal(random)));
+        for (uint32_t c = 0; c < (shDegree + 1) * (shDegree + 1) * 3; ++c)
+            s.sh.push_back((c < 3 ? 0.5f * std::sin(at[int(c)] * 3) : 0.1f) * (1 + 0.3f * normal(random)));
     }
     return s;
 }

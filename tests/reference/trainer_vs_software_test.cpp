@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What is trained is what ships: the trainer's forward pass on a decoded avatar against the pictures of the public SDK's software renderer.
 #include <gtest/gtest.h>
 
@@ -36,7 +37,8 @@ std::vector<uint8_t> drawWithTrainer(const AvatarData& avatar, const Pose& pose,
     const std::vector<RestTriangle<float>> bind = restTriangles(avatar.mesh);
     const VertexIncidence incidence(avatar.mesh.triangles, avatar.mesh.restPositions.size());
     LevelFrame level;
-    level.used = true, level.widthPx = camera.widthPx, level.heightPx = camera.heightPx, level.kappaPx2 = avatar.kappaPx2, level.camera = camera;
+    level.used = true, level.widthPx = camera.widthPx, level.heightPx = camera.heightPx, level.kappaPx2 = avatar.kappaPx2,
+    level.camera = camera;
     const size_t pixels = size_t(camera.widthPx) * camera.heightPx;
     level.rgb.resize(pixels * 3), level.mask.resize(pixels), level.band.resize(pixels);
     FramePass pass(jobs);
@@ -59,7 +61,8 @@ TEST(TrainerVsSoftware, agreesOnDecodedAvatars) {
         ASSERT_TRUE(avatar) << avatar.error().message;
         for (const uint32_t view : {0u, 1u}) {
             const Pose pose = randomPose(*avatar, 10 * seed + view);
-            const Cameraf camera = lookAt(view ? Vec3f(0.2f, 1.2f, 1.1f) : Vec3f(-1.4f, 1.5f, 1.7f), Vec3f(0, 1, 0), 230, 310, view ? 350.0f : 260.0f);
+            const Cameraf camera =
+                lookAt(view ? Vec3f(0.2f, 1.2f, 1.1f) : Vec3f(-1.4f, 1.5f, 1.7f), Vec3f(0, 1, 0), 230, 310, view ? 350.0f : 260.0f);
             const std::vector<uint8_t> sdk = drawWithSdk(*bytes, pose, camera), trainer = drawWithTrainer(*avatar, pose, camera);
             ASSERT_EQ(sdk.size(), trainer.size());
             std::vector<double> a, b, alpha;

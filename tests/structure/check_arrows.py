@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
 """Holds the include arrows of the house: which room may include which (docs/overview.md). Exit 1 names each line that breaks one."""
 import pathlib
 import re

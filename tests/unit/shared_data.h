@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Where the source tree and the shared real data lie, for tests that read them; tests GTEST_SKIP with the reason when the data is absent.
 #pragma once
 
@@ -7,8 +8,8 @@
 
 namespace dpl {
 
-/** The source tree: $DOPPEL_SOURCE_DIR (ctest sets it), else the folder above the current one that holds this file (a build folder lies inside the tree).
- *  Not by __FILE__: ccache shortens paths so that every checkout finds the same object. */
+/** The source tree: $DOPPEL_SOURCE_DIR (ctest sets it), else the folder above the current one that holds this file (a build folder lies
+ * inside the tree). Not by __FILE__: ccache shortens paths so that every checkout finds the same object. */
 inline std::filesystem::path sourceFolder() {
     namespace fs = std::filesystem;
     if (const char* stated = std::getenv("DOPPEL_SOURCE_DIR"); stated && *stated) return stated;
@@ -18,7 +19,8 @@ inline std::filesystem::path sourceFolder() {
     return at;
 }
 
-/** The folder of scan-a, real-orbit-biker, models ...: $DOPPEL_SHARED_DATA, else <source>/../shared/data or the same above it, else nothing. */
+/** The folder of scan-a, real-orbit-biker, models ...: $DOPPEL_SHARED_DATA, else <source>/../shared/data or the same above it, else
+ * nothing. */
 inline std::optional<std::filesystem::path> sharedData() {
     namespace fs = std::filesystem;
     std::error_code ignored;

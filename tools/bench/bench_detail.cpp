@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 // bench_detail AVATAR|SPLATS [splats a pixel] [frames] [software|quads|tiles] [sheet.png]
 //
-// Level of detail against distance: time, splats and error of the full avatar and of the reduced one at rising distances, in the middle of its first clip.
-// And what leaving out SH bands, or pose correctives, of all its splats would lose there. General splats (a PLY) the same,
+// Level of detail against distance: time, splats and error of the full avatar and of the reduced one at rising distances, in the middle of
+// its first clip. And what leaving out SH bands, or pose correctives, of all its splats would lose there. General splats (a PLY) the same,
 // without that. The truth at each is the full
-// avatar drawn at four times the size on the CPU and averaged; errors are over what either covers, over mid grey. The sheet shows full, reduced
-// and truth beside each other, one distance a row, pixels enlarged without smoothing.
+// avatar drawn at four times the size on the CPU and averaged; errors are over what either covers, over mid grey. The sheet shows full,
+// reduced and truth beside each other, one distance a row, pixels enlarged without smoothing.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -20,16 +21,18 @@
 #include "sdk/avatar/pose_correctives.h"
 #include "sdk/core/files.h"
 #include "sdk/format/avatar_file.h"
-#include "sdk/math/sh.h"
 #include "sdk/include/doppel/doppel.hpp"
+#include "sdk/math/sh.h"
 
 namespace {
 
-using Pixels = std::vector<uint8_t>;   // premultiplied RGBA8
+using Pixels = std::vector<uint8_t>;  // premultiplied RGBA8
 constexpr uint32_t kWidthPx = 512, kHeightPx = 768, kFiner = 4;
-constexpr double kDistances[] = {1, 1.5, 2, 3, 4, 6, 8, 12, 16, 24};   // times that at which the avatar fills the picture
+constexpr double kDistances[] = {1, 1.5, 2, 3, 4, 6, 8, 12, 16, 24};  // times that at which the avatar fills the picture
 
-int failed(const std::string& why) { return std::fprintf(stderr, "bench_detail: %s\n", why.c_str()), 1; }
+int failed(const std::string& why) {
+    return std::fprintf(stderr, "bench_detail: %s\n", why.c_str()), 1;
+}
 
 DplCamera cameraAt(const DplAvatarInfo& info, double times, uint32_t finer, double azimuthRad) {
     DplCamera c{};
@@ -39,7 +42,8 @@ DplCamera cameraAt(const DplAvatarInfo& info, double times, uint32_t finer, doub
     c.cx = float(c.widthPx) / 2, c.cy = float(c.heightPx) / 2;
     double middle[3], tall = info.restMax[1] - info.restMin[1];
     for (int k = 0; k < 3; ++k) middle[k] = 0.5 * (info.restMin[k] + info.restMax[k]);
-    for (int k = 0; k < 3 && info.jointCount == 0; ++k) tall = std::max(tall, double(info.restMax[k] - info.restMin[k]));   // these stand as they like
+    for (int k = 0; k < 3 && info.jointCount == 0; ++k)
+        tall = std::max(tall, double(info.restMax[k] - info.restMin[k]));  // these stand as they like
     const double distance = 1.25 * 1.2 * tall * times, s = std::sin(azimuthRad), co = std::cos(azimuthRad);
     // Right, down and forward of a camera at middle + distance·(s, 0, co) that looks at the middle.
     const double rows[3][3] = {{co, 0, -s}, {0, -1, 0}, {-s, 0, -co}};
@@ -102,8 +106,10 @@ dpl::Result<std::vector<uint8_t>> regionAlone(const std::vector<uint8_t>& bytes,
         uint32_t on = 0;
         for (int c = 0; c < 3; ++c)
             for (int k = 0; k < 4; ++k)
-                if (const auto v = avatar.mesh.triangles[t][c]; wanted[avatar.mesh.jointIndices[v][k]]) on += avatar.mesh.jointWeights[v][k];
-        for (uint32_t i = avatar.splats.triangleStart[t]; i < avatar.splats.triangleStart[t + 1] && 2 * on < 3 * 255; ++i) avatar.splats.opacity[i] = 0;
+                if (const auto v = avatar.mesh.triangles[t][c]; wanted[avatar.mesh.jointIndices[v][k]])
+                    on += avatar.mesh.jointWeights[v][k];
+        for (uint32_t i = avatar.splats.triangleStart[t]; i < avatar.splats.triangleStart[t + 1] && 2 * on < 3 * 255; ++i)
+            avatar.splats.opacity[i] = 0;
     }
     return dpl::writeAvatar(avatar);
 }
@@ -116,7 +122,8 @@ dpl::Result<std::vector<uint8_t>> without(const std::vector<uint8_t>& bytes, boo
     } else {
         const size_t from = size_t(dpl::shCoefficientCount(avatar.splats.shDegree)) * 3;
         std::vector<float> sh;
-        for (size_t i = 0; i < avatar.splats.count(); ++i) sh.insert(sh.end(), avatar.splats.sh.begin() + ptrdiff_t(i * from), avatar.splats.sh.begin() + ptrdiff_t(i * from + 3));
+        for (size_t i = 0; i < avatar.splats.count(); ++i)
+            sh.insert(sh.end(), avatar.splats.sh.begin() + ptrdiff_t(i * from), avatar.splats.sh.begin() + ptrdiff_t(i * from + 3));
         avatar.splats.sh = std::move(sh), avatar.splats.shDegree = 0;
     }
     return dpl::writeAvatar(avatar);
@@ -143,11 +150,14 @@ std::vector<float> averaged(const Pixels& fine) {
     std::vector<float> out(size_t(kWidthPx) * kHeightPx * 4, 0);
     for (size_t y = 0; y < kHeightPx * kFiner; ++y)
         for (size_t x = 0; x < kWidthPx * kFiner; ++x)
-            for (size_t c = 0; c < 4; ++c) out[(y / kFiner * kWidthPx + x / kFiner) * 4 + c] += float(fine[(y * kWidthPx * kFiner + x) * 4 + c]) / (kFiner * kFiner);
+            for (size_t c = 0; c < 4; ++c)
+                out[(y / kFiner * kWidthPx + x / kFiner) * 4 + c] += float(fine[(y * kWidthPx * kFiner + x) * 4 + c]) / (kFiner * kFiner);
     return out;
 }
 
-std::vector<float> floatOf(const Pixels& p) { return {p.begin(), p.end()}; }
+std::vector<float> floatOf(const Pixels& p) {
+    return {p.begin(), p.end()};
+}
 
 /** dB over what either covers, over mid grey; within a region where that covers half of a pixel. */
 double psnr(const std::vector<float>& a, const std::vector<float>& b, const std::vector<float>* region = nullptr) {
@@ -173,7 +183,9 @@ double swelling(const std::vector<float>& a, const std::vector<float>& truth) {
 class Sheet {
 public:
     void addRow(const std::vector<float>& full, const std::vector<float>& reduced, const std::vector<float>& truth, double times) {
-        const uint32_t side = std::min<uint32_t>(kWidthPx, uint32_t(kCellPx / std::max(1.0, std::floor(kCellPx / (kHeightPx * 0.9 / times))))), zoom = kCellPx / side;
+        const uint32_t side =
+                           std::min<uint32_t>(kWidthPx, uint32_t(kCellPx / std::max(1.0, std::floor(kCellPx / (kHeightPx * 0.9 / times))))),
+                       zoom = kCellPx / side;
         const size_t top = pixels_.size() / 3 / kAcross;
         pixels_.resize((top + kCellPx) * kAcross * 3, 40);
         const std::vector<float>* cells[3] = {&full, &reduced, &truth};
@@ -182,7 +194,9 @@ public:
                 for (uint32_t x = 0; x < side * zoom; ++x) {
                     const size_t fromX = (kWidthPx - side) / 2 + x / zoom, fromY = (kHeightPx - side) / 2 + y / zoom;
                     const float* p = cells[k]->data() + (fromY * kWidthPx + fromX) * 4;
-                    for (size_t c = 0; c < 3; ++c) pixels_[((top + y) * kAcross + k * kCellPx + x) * 3 + c] = uint8_t(std::clamp(p[c] + 235 * (1 - p[3] / 255), 0.0f, 255.0f));
+                    for (size_t c = 0; c < 3; ++c)
+                        pixels_[((top + y) * kAcross + k * kCellPx + x) * 3 + c] =
+                            uint8_t(std::clamp(p[c] + 235 * (1 - p[3] / 255), 0.0f, 255.0f));
                 }
     }
     bool write(const std::string& path) const {
@@ -199,13 +213,16 @@ private:
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc < 2) return std::fprintf(stderr, "usage: bench_detail AVATAR|SPLATS [splats a pixel] [frames] [software|quads|tiles] [sheet.png]\n"), 2;
+    if (argc < 2)
+        return std::fprintf(stderr, "usage: bench_detail AVATAR|SPLATS [splats a pixel] [frames] [software|quads|tiles] [sheet.png]\n"), 2;
     const float perPixel = argc > 2 ? float(std::atof(argv[2])) : DPL_DETAIL_USUAL;
     const int frames = argc > 3 ? std::max(1, std::atoi(argv[3])) : 5;
     const std::string kind = argc > 4 ? argv[4] : "software";
     const auto bytes = dpl::readFile(argv[1]);
     if (!bytes) return failed(bytes.error().message);
-    auto context = kind == "software" ? doppel::Context::create(DPL_RENDERER_SOFTWARE) : doppel::Context::create(DPL_RENDERER_VULKAN, 0, 0, kind == "tiles" ? DPL_FILL_TILES : DPL_FILL_QUADS);
+    auto context = kind == "software"
+                       ? doppel::Context::create(DPL_RENDERER_SOFTWARE)
+                       : doppel::Context::create(DPL_RENDERER_VULKAN, 0, 0, kind == "tiles" ? DPL_FILL_TILES : DPL_FILL_QUADS);
     auto judge = doppel::Context::create(DPL_RENDERER_SOFTWARE);
     if (!context || !judge) return failed(context ? judge.error().message : context.error().message);
     auto avatar = context->loadAvatar(*bytes);
@@ -214,7 +231,7 @@ int main(int argc, char** argv) {
     const auto info = avatar->info();
     if (!info) return failed(info.error().message);
     const bool posable = info->jointCount > 0;
-    std::vector<doppel::Avatar> lesser, regions;   // without SH, without correctives; face, hands
+    std::vector<doppel::Avatar> lesser, regions;  // without SH, without correctives; face, hands
     const auto loadPosed = [&](std::vector<doppel::Avatar>& into, const auto& file) -> std::optional<std::string> {
         if (!file) return file.error().message;
         auto loaded = judge->loadAvatar(*file);
@@ -230,14 +247,19 @@ int main(int argc, char** argv) {
     }
     for (doppel::Avatar* a : {&*avatar, &*finest})
         if (auto posed = poseInClip(*a); !posed) return failed(posed.error().message);
-    std::printf("%s, %u splats, %s, %g splats a pixel, %ux%u px, median of %d", argv[1], info->splatCount, context->rendererName().c_str(), double(perPixel), kWidthPx, kHeightPx, frames);
+    std::printf("%s, %u splats, %s, %g splats a pixel, %ux%u px, median of %d", argv[1], info->splatCount, context->rendererName().c_str(),
+                double(perPixel), kWidthPx, kHeightPx, frames);
     if (posable) {
         const auto us = correctivesUs(*bytes);
         if (!us) return failed(us.error().message);
         std::printf("; pose correctives take %.1f us of the CPU a frame", *us);
     }
-    std::printf("\n\n| tall, px | full: ms | splats drawn | MB read | dB to truth | alpha %% | reduced: ms | splats allowed | drawn | MB read | dB to truth | alpha %% | dB to full |%s\n|---|---|---|---|---|---|---|---|---|---|---|---|---|%s\n",
-                posable ? " all splats: without SH, dB to truth | without correctives | face, full: dB to truth | reduced | hands, full | reduced |" : "", posable ? "---|---|---|---|---|---|" : "");
+    std::printf(
+        "\n\n| tall, px | full: ms | splats drawn | MB read | dB to truth | alpha %% | reduced: ms | splats allowed | drawn | MB read | dB "
+        "to truth | alpha %% | dB to full |%s\n|---|---|---|---|---|---|---|---|---|---|---|---|---|%s\n",
+        posable ? " all splats: without SH, dB to truth | without correctives | face, full: dB to truth | reduced | hands, full | reduced |"
+                : "",
+        posable ? "---|---|---|---|---|---|" : "");
     Sheet sheet;
     for (const double times : kDistances) {
         const DplCamera camera = cameraAt(*info, times, 1, 0.4), fineCamera = cameraAt(*info, times, kFiner, 0.4);
@@ -249,8 +271,9 @@ int main(int argc, char** argv) {
         for (const auto* drawn : {&full, &reduced, &fine})
             if (!*drawn) return failed(drawn->error().message);
         const std::vector<float> truth = averaged(fine->pixels), a = floatOf(full->pixels), b = floatOf(reduced->pixels);
-        std::printf("| %.0f | %.1f | %u | %.2f | %.2f | %+.2f | %.1f | %u | %u | %.2f | %.2f | %+.2f | %.2f |", kHeightPx * 0.8 / times, full->ms, full->splats, double(full->decoded) / 1e6, psnr(a, truth), swelling(a, truth),
-                    reduced->ms, reduced->allowed, reduced->splats, double(reduced->decoded) / 1e6, psnr(b, truth), swelling(b, truth), psnr(b, a));
+        std::printf("| %.0f | %.1f | %u | %.2f | %.2f | %+.2f | %.1f | %u | %u | %.2f | %.2f | %+.2f | %.2f |", kHeightPx * 0.8 / times,
+                    full->ms, full->splats, double(full->decoded) / 1e6, psnr(a, truth), swelling(a, truth), reduced->ms, reduced->allowed,
+                    reduced->splats, double(reduced->decoded) / 1e6, psnr(b, truth), swelling(b, truth), psnr(b, a));
         for (const doppel::Avatar& less : lesser) {
             const auto drawn = draw(less, camera, 1);
             if (!drawn) return failed(drawn.error().message);

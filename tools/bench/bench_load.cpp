@@ -1,5 +1,8 @@
-// How long loading takes and how much memory it needs at its peak: an avatar blown up to N splats, through the public SDK and the CPU renderer.
-//   bench_load AVATAR.glb [SPLATS = 533695] [SH degree = 1] [BIG.glb: keep the blown-up avatar, for doppel bench; - : no] [compact: in splat encoding 3]
+// SPDX-License-Identifier: Apache-2.0
+// How long loading takes and how much memory it needs at its peak: an avatar blown up to N splats, through the public SDK and the CPU
+// renderer.
+//   bench_load AVATAR.glb [SPLATS = 533695] [SH degree = 1] [BIG.glb: keep the blown-up avatar, for doppel bench; - : no] [compact: in
+//   splat encoding 3]
 #include <doppel/doppel.hpp>
 
 #include <malloc.h>
@@ -21,13 +24,14 @@
 
 namespace {
 
-std::atomic<int64_t> live = 0, peak = 0;   // of all threads: the renderer has some
+std::atomic<int64_t> live = 0, peak = 0;  // of all threads: the renderer has some
 
 void* counted(size_t size, size_t alignment) {
     void* p = alignment > 16 ? std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment) : std::malloc(size ? size : 1);
     if (!p) throw std::bad_alloc();
     const int64_t now = live += int64_t(malloc_usable_size(p));
-    for (int64_t seen = peak; now > seen && !peak.compare_exchange_weak(seen, now);) {}
+    for (int64_t seen = peak; now > seen && !peak.compare_exchange_weak(seen, now);) {
+    }
     return p;
 }
 void release(void* p) noexcept {
@@ -43,7 +47,8 @@ dpl::AvatarData blownUp(const dpl::AvatarData& a, uint32_t count, uint32_t shDeg
     out.splats.shDegree = shDegree;
     const size_t from = dpl::shCoefficientCount(s.shDegree) * 3, to = dpl::shCoefficientCount(shDegree) * 3;
     std::vector<uint32_t> triangle, triangleOfSplat(s.count());
-    for (uint32_t t = 0; t + 1 < s.triangleStart.size(); ++t) std::fill(triangleOfSplat.begin() + s.triangleStart[t], triangleOfSplat.begin() + s.triangleStart[t + 1], t);
+    for (uint32_t t = 0; t + 1 < s.triangleStart.size(); ++t)
+        std::fill(triangleOfSplat.begin() + s.triangleStart[t], triangleOfSplat.begin() + s.triangleStart[t + 1], t);
     std::mt19937 random(1);
     const auto signedUnit = [&] { return float(double(random()) * 0x1p-31 - 1); };
     const float shrink = std::sqrt(float(s.count()) / float(count));
@@ -61,26 +66,53 @@ dpl::AvatarData blownUp(const dpl::AvatarData& a, uint32_t count, uint32_t shDeg
     return out;
 }
 
-int failed(const std::string& why) { return std::fprintf(stderr, "bench_load: %s\n", why.c_str()), 1; }
+int failed(const std::string& why) {
+    return std::fprintf(stderr, "bench_load: %s\n", why.c_str()), 1;
+}
 
 }  // namespace
 
-void* operator new(size_t size) { return counted(size, 0); }
-void* operator new[](size_t size) { return counted(size, 0); }
-void* operator new(size_t size, std::align_val_t a) { return counted(size, size_t(a)); }
-void* operator new[](size_t size, std::align_val_t a) { return counted(size, size_t(a)); }
-void operator delete(void* p) noexcept { release(p); }
-void operator delete[](void* p) noexcept { release(p); }
-void operator delete(void* p, size_t) noexcept { release(p); }
-void operator delete[](void* p, size_t) noexcept { release(p); }
-void operator delete(void* p, std::align_val_t) noexcept { release(p); }
-void operator delete[](void* p, std::align_val_t) noexcept { release(p); }
-void operator delete(void* p, size_t, std::align_val_t) noexcept { release(p); }
-void operator delete[](void* p, size_t, std::align_val_t) noexcept { release(p); }
+void* operator new(size_t size) {
+    return counted(size, 0);
+}
+void* operator new[](size_t size) {
+    return counted(size, 0);
+}
+void* operator new(size_t size, std::align_val_t a) {
+    return counted(size, size_t(a));
+}
+void* operator new[](size_t size, std::align_val_t a) {
+    return counted(size, size_t(a));
+}
+void operator delete(void* p) noexcept {
+    release(p);
+}
+void operator delete[](void* p) noexcept {
+    release(p);
+}
+void operator delete(void* p, size_t) noexcept {
+    release(p);
+}
+void operator delete[](void* p, size_t) noexcept {
+    release(p);
+}
+void operator delete(void* p, std::align_val_t) noexcept {
+    release(p);
+}
+void operator delete[](void* p, std::align_val_t) noexcept {
+    release(p);
+}
+void operator delete(void* p, size_t, std::align_val_t) noexcept {
+    release(p);
+}
+void operator delete[](void* p, size_t, std::align_val_t) noexcept {
+    release(p);
+}
 
 int main(int argc, char** argv) {
     if (argc < 2) return std::fprintf(stderr, "usage: %s AVATAR.glb [SPLATS] [SH DEGREE] [BIG.glb | -] [compact]\n", argv[0]), 2;
-    const uint32_t count = argc > 2 ? uint32_t(std::strtoul(argv[2], nullptr, 10)) : 533695, degree = argc > 3 ? uint32_t(std::strtoul(argv[3], nullptr, 10)) : 1;
+    const uint32_t count = argc > 2 ? uint32_t(std::strtoul(argv[2], nullptr, 10)) : 533695,
+                   degree = argc > 3 ? uint32_t(std::strtoul(argv[3], nullptr, 10)) : 1;
     if (count == 0 || count > (16u << 20) || degree > dpl::kMaxShDegree) return failed("1 to 16777216 splats of SH degree 0 to 3");
     std::vector<uint8_t> file;
     {
@@ -119,10 +151,13 @@ int main(int argc, char** argv) {
     std::sort(milliseconds.begin(), milliseconds.end());
     const double ply = 248.0 * count;
     std::printf("%u splats of SH degree %u, %zu bytes in the file\n", count, degree, file.size());
-    std::printf("splats in memory  %9.2f MB  %5.2f B a splat  %5.2f %% of 62 floats a splat\n", double(stats.splatBytes) / 1e6, double(stats.splatBytes) / count, 100 * double(stats.splatBytes) / ply);
-    std::printf("avatar in memory  %9.2f MB  %5.2f B a splat  %5.2f %%   (counted by the allocator: %.2f MB)\n", double(stats.avatarBytes) / 1e6, double(stats.avatarBytes) / count,
-                100 * double(stats.avatarBytes) / ply, keptBytes / 1e6);
-    std::printf("peak of loading   %9.2f MB  %5.2f x what is kept; the file's bytes are the caller's\n", peakBytes / 1e6, peakBytes / keptBytes);
-    std::printf("load              %9.1f ms median, %.1f fastest, of %zu\n", milliseconds[milliseconds.size() / 2], milliseconds[0], milliseconds.size());
+    std::printf("splats in memory  %9.2f MB  %5.2f B a splat  %5.2f %% of 62 floats a splat\n", double(stats.splatBytes) / 1e6,
+                double(stats.splatBytes) / count, 100 * double(stats.splatBytes) / ply);
+    std::printf("avatar in memory  %9.2f MB  %5.2f B a splat  %5.2f %%   (counted by the allocator: %.2f MB)\n",
+                double(stats.avatarBytes) / 1e6, double(stats.avatarBytes) / count, 100 * double(stats.avatarBytes) / ply, keptBytes / 1e6);
+    std::printf("peak of loading   %9.2f MB  %5.2f x what is kept; the file's bytes are the caller's\n", peakBytes / 1e6,
+                peakBytes / keptBytes);
+    std::printf("load              %9.1f ms median, %.1f fastest, of %zu\n", milliseconds[milliseconds.size() / 2], milliseconds[0],
+                milliseconds.size());
     return 0;
 }

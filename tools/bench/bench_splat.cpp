@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 // bench_splat FILE [width height eyeY eyeZ threads frames [picture.ppm]]
 //
-// Draws one file of general splats with the software renderer from (0, eyeY, eyeZ) along −z with a 45° horizontal field of view (the camera of
-// research/proto-splat/floor.cpp) and prints medians per step, so that floor_compare.sh can race the two.
+// Draws one file of general splats with the software renderer from (0, eyeY, eyeZ) along −z with a 45° horizontal field of view (the camera
+// of research/proto-splat/floor.cpp) and prints medians per step, so that floor_compare.sh can race the two.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -25,7 +26,9 @@ bool load(const char* path, StaticSplatData& out) {
     return out.count() > 0;
 }
 
-double nowMs() { return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+double nowMs() {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 double median(std::vector<double> v) {
     std::nth_element(v.begin(), v.begin() + ptrdiff_t(v.size() / 2), v.end());
@@ -76,9 +79,10 @@ int main(int argc, char** argv) {
         times[0].push_back(t1 - t0), times[1].push_back(t2 - t1), times[2].push_back(t3 - t2), times[3].push_back(t4 - t3);
         times[4].push_back(t4 - t0);
     }
-    std::printf("doppel %s %ux%u threads=%u splats=%u inst=%u | project+SH %.2f sort %.2f bin %.2f raster %.2f total-median %.2f min %.2f ms\n",
-                argv[1], camera.widthPx, camera.heightPx, threads, splats.count(), engine.tiles().offset.back(), median(times[0]), median(times[1]),
-                median(times[2]), median(times[3]), median(times[4]), *std::min_element(times[4].begin(), times[4].end()));
+    std::printf(
+        "doppel %s %ux%u threads=%u splats=%u inst=%u | project+SH %.2f sort %.2f bin %.2f raster %.2f total-median %.2f min %.2f ms\n",
+        argv[1], camera.widthPx, camera.heightPx, threads, splats.count(), engine.tiles().offset.back(), median(times[0]), median(times[1]),
+        median(times[2]), median(times[3]), median(times[4]), *std::min_element(times[4].begin(), times[4].end()));
     if (argc > 8) writePpm(argv[8], camera, rgba);
     return 0;
 }

@@ -1,7 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 // bench_vulkan FILE [width height eyeY eyeZ frames [quads|tiles [picture.ppm]]]
 //
-// Draws one file of general splats on Vulkan, an emulated device included, with the camera of bench_splat, through the public API, and prints the
-// medians of the device's passes in the words of bench_splat, so that floor_compare.sh can race the two.
+// Draws one file of general splats on Vulkan, an emulated device included, with the camera of bench_splat, through the public API, and
+// prints the medians of the device's passes in the words of bench_splat, so that floor_compare.sh can race the two.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -19,13 +20,19 @@ double median(std::vector<double> v) {
     return v[v.size() / 2];
 }
 
-int failed(const std::string& why) { return std::fprintf(stderr, "bench_vulkan: %s\n", why.c_str()), 1; }
+int failed(const std::string& why) {
+    return std::fprintf(stderr, "bench_vulkan: %s\n", why.c_str()), 1;
+}
 
 }  // namespace
 
 int main(int argc, char** argv) {
     const auto argument = [&](int i, double fallback) { return argc > i ? std::atof(argv[i]) : fallback; };
-    if (argc < 2) return std::fprintf(stderr, "usage: bench_vulkan FILE [width height eyeY eyeZ frames [quads|tiles [picture.ppm]]]; FILE holds general splats\n"), 2;
+    if (argc < 2)
+        return std::fprintf(
+                   stderr,
+                   "usage: bench_vulkan FILE [width height eyeY eyeZ frames [quads|tiles [picture.ppm]]]; FILE holds general splats\n"),
+               2;
     const auto bytes = dpl::readFile(argv[1]);
     if (!bytes) return failed(bytes.error().message);
     const bool tiles = argc <= 7 || std::strcmp(argv[7], "tiles") == 0;
@@ -60,14 +67,19 @@ int main(int argc, char** argv) {
             if (!pass) return failed(pass.error().message);
             const std::string label = pass->label;
             const bool raster = label == "tiles.fill" || label == "draw.splats" || label == "readback";
-            const int part = label.starts_with("splat.") ? 0 : label.starts_with("sort.") || label.starts_with("compact.") ? 1 : raster ? 3 : 2;
+            const int part = label.starts_with("splat.")                                   ? 0
+                             : label.starts_with("sort.") || label.starts_with("compact.") ? 1
+                             : raster                                                      ? 3
+                                                                                           : 2;
             parts[part] += pass->milliseconds, parts[4] += pass->milliseconds;
         }
         for (int k = 0; k < 5; ++k) times[k].push_back(parts[k]);
         drawn = stats->splatsDrawn, entries = stats->tileEntries, overflowed = stats->tilesOverflowed;
     }
-    std::printf("%s %s %ux%u splats=%u entries=%u%s | project+SH %.2f sort %.2f bin %.2f raster %.2f total-median %.2f min %.2f ms\n", context->rendererName().c_str(), argv[1], camera.widthPx,
-                camera.heightPx, drawn, entries, overflowed ? " (overflowed: quads)" : "", median(times[0]), median(times[1]), median(times[2]), median(times[3]), median(times[4]), *std::min_element(times[4].begin(), times[4].end()));
+    std::printf("%s %s %ux%u splats=%u entries=%u%s | project+SH %.2f sort %.2f bin %.2f raster %.2f total-median %.2f min %.2f ms\n",
+                context->rendererName().c_str(), argv[1], camera.widthPx, camera.heightPx, drawn, entries,
+                overflowed ? " (overflowed: quads)" : "", median(times[0]), median(times[1]), median(times[2]), median(times[3]),
+                median(times[4]), *std::min_element(times[4].begin(), times[4].end()));
     if (argc > 8) {
         std::FILE* file = std::fopen(argv[8], "wb");
         if (!file) return failed(std::string("cannot write ") + argv[8]);

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Races the software renderer against the research floor on the same PLY in the same run and prints the ratio of medians.
 #
 #   tools/bench/floor_compare.sh BENCH_SPLAT [PROTO_DIR [ROUNDS]]

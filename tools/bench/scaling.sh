@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # Time against the number of splats and against pixels, of one avatar blown up (bench_load) to several sizes, as Markdown.
 #
 #   tools/bench/scaling.sh BENCH_LOAD DOPPEL AVATAR.glb [SPLATS...]      default: 60000 133000 267000 533695 1000000 2000000

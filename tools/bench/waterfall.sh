@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
 # Error waterfall of a procedural scan (`doppel sample`): what the body fit costs, by reconstructing once with it and once with the truth in its place,
 # and what follows it, from the two reports.
 #   tools/bench/waterfall.sh DOPPEL SCAN OUT [options of doppel reconstruct, such as --preset draft]
 set -euo pipefail
-[ $# -ge 3 ] || { sed -n '2,4p' "$0" | cut -c3-; exit 2; }
+[ $# -ge 3 ] || { sed -n '3,5p' "$0" | cut -c3-; exit 2; }
 doppel="$1" scan="$2" out="$3"
 shift 3
 "$doppel" reconstruct "$scan" -o "$out/ours" "$@"

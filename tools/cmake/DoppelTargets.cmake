@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Warnings, sanitizers and the include root, in one interface target that every target of ours links.
 add_library(doppel_options INTERFACE)
 target_compile_features(doppel_options INTERFACE cxx_std_20)

@@ -1,5 +1,6 @@
-// nlohmann/json, with its parser and writer compiled once (json_once.cpp) and not in every file that uses them: about half of such a file's compile time.
-// Part of the precompiled header of targets marked JSON (DoppelTargets.cmake); sources include <nlohmann/json.hpp> as ever.
+// SPDX-License-Identifier: Apache-2.0
+// nlohmann/json, with its parser and writer compiled once (json_once.cpp) and not in every file that uses them: about half of such a file's
+// compile time. Part of the precompiled header of targets marked JSON (DoppelTargets.cmake); sources include <nlohmann/json.hpp> as ever.
 #pragma once
 
 #include <nlohmann/json.hpp>

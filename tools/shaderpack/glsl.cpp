@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tools/shaderpack/glsl.h"
 
 #include <glslang/Public/ResourceLimits.h>

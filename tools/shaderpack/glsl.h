@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // GLSL to SPIR-V through glslang, with includes rooted at the source tree.
 #pragma once
 
@@ -11,7 +12,7 @@
 namespace dpl {
 
 struct GlslInput {
-    std::filesystem::path root;        // what #include "shaders/..." starts from
+    std::filesystem::path root;  // what #include "shaders/..." starts from
     std::filesystem::path file;
     ShaderStage stage = ShaderStage::Compute;
     std::vector<std::string> defines;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <map>
 #include <regex>
 
@@ -9,14 +10,15 @@ namespace {
 constexpr uint32_t kMaxMetalBufferIndex = 30;
 constexpr uint64_t kMaxThreadgroupBytes = 32 * 1024;
 
-const std::map<std::string, uint32_t> kScalarBytes = {{"uint", 4}, {"int", 4}, {"float", 4}, {"atomic_uint", 4}, {"uint2", 8}, {"float2", 8},
-                                                      {"uint4", 16}, {"float4", 16}, {"half", 2}, {"ushort", 2}};
+const std::map<std::string, uint32_t> kScalarBytes = {{"uint", 4},   {"int", 4},    {"float", 4},   {"atomic_uint", 4}, {"uint2", 8},
+                                                      {"float2", 8}, {"uint4", 16}, {"float4", 16}, {"half", 2},        {"ushort", 2}};
 
 }  // namespace
 
 Status lintMsl(std::string_view name, std::string_view text) {
     const std::string source(text);
-    if (source.find("kernel ") == std::string::npos && source.find("vertex ") == std::string::npos && source.find("fragment ") == std::string::npos)
+    if (source.find("kernel ") == std::string::npos && source.find("vertex ") == std::string::npos &&
+        source.find("fragment ") == std::string::npos)
         return fail(Code::InvalidArgument, "{}: the MSL has no entry point", name);
 
     std::map<unsigned long, int> uses;
@@ -32,18 +34,21 @@ Status lintMsl(std::string_view name, std::string_view text) {
     for (std::sregex_iterator it(source.begin(), source.end(), local), end; it != end; ++it) {
         const std::string type = (*it)[1].matched ? (*it)[1] : (*it)[3];
         const auto size = kScalarBytes.find(type);
-        if (size == kScalarBytes.end()) return fail(Code::Unsupported, "{}: threadgroup variable of unknown type {}: teach the lint its size", name, type);
+        if (size == kScalarBytes.end())
+            return fail(Code::Unsupported, "{}: threadgroup variable of unknown type {}: teach the lint its size", name, type);
         uint64_t count = (*it)[2].matched ? std::stoull((*it)[2]) : 1;
         const std::string extents = (*it)[4];
         const std::regex number(R"(\d+)");
         for (std::sregex_iterator e(extents.begin(), extents.end(), number); e != end; ++e) count *= std::stoull(e->str());
         groupBytes += count * size->second;
     }
-    if (groupBytes > kMaxThreadgroupBytes) return fail(Code::InvalidArgument, "{}: {} bytes of threadgroup memory, at most {}", name, groupBytes, kMaxThreadgroupBytes);
+    if (groupBytes > kMaxThreadgroupBytes)
+        return fail(Code::InvalidArgument, "{}: {} bytes of threadgroup memory, at most {}", name, groupBytes, kMaxThreadgroupBytes);
 
     // Text that SPIRV-Cross 1.3 emits although it is not MSL.
     const std::regex leftover(R"(\b(atomicAdd|atomicMin|atomicMax|gl_ViewIndex\s*=\s*0)\b)");
-    if (std::smatch found; std::regex_search(source, found, leftover)) return fail(Code::InvalidArgument, "{}: '{}' is not MSL", name, found.str());
+    if (std::smatch found; std::regex_search(source, found, leftover))
+        return fail(Code::InvalidArgument, "{}: '{}' is not MSL", name, found.str());
     return {};
 }
 

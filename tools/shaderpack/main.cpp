@@ -1,5 +1,6 @@
-// shaderpack ROOT CATALOGUE OUT [PACK INTERFACE]: compiles every shader of the catalogue and writes into OUT. Includes are sought from ROOT, the
-// catalogue's files beside it; shared/ beside it is the interface with C++.
+// SPDX-License-Identifier: Apache-2.0
+// shaderpack ROOT CATALOGUE OUT [PACK INTERFACE]: compiles every shader of the catalogue and writes into OUT. Includes are sought from
+// ROOT, the catalogue's files beside it; shared/ beside it is the interface with C++.
 //   shader_pack.cpp       the Vulkan pack as bytes (no MSL), for the SDK, behind the functions PACK and INTERFACE (qualified names)
 //   shaders.dplpack       the full pack, with MSL
 //   msl/NAME.{ios,macos}.metal
@@ -59,24 +60,28 @@ struct FunctionNames {
 /** `function`: a name with its namespace before it. */
 std::string definition(const std::string& type, const std::string& function, const std::string& body) {
     const size_t colons = function.rfind("::");
-    return "namespace " + function.substr(0, colons) + " {\n" + type + " " + function.substr(colons + 2) + "();\n" + type + " " + function.substr(colons + 2) + "() { return " + body + "; }\n}\n";
+    return "namespace " + function.substr(0, colons) + " {\n" + type + " " + function.substr(colons + 2) + "();\n" + type + " " +
+           function.substr(colons + 2) + "() { return " + body + "; }\n}\n";
 }
 
 std::string embedText(const std::vector<uint8_t>& bytes, uint64_t interfaceHash, const FunctionNames& names) {
-    std::string text = "// Written by tools/shaderpack; do not edit.\n#include <cstdint>\n#include <span>\nnamespace {\nconst uint8_t kPack[] = {";
+    std::string text =
+        "// Written by tools/shaderpack; do not edit.\n#include <cstdint>\n#include <span>\nnamespace {\nconst uint8_t kPack[] = {";
     text.reserve(text.size() + bytes.size() * 4 + 512);
     for (size_t i = 0; i < bytes.size(); ++i) {
         if (i % 32 == 0) text += '\n';
         text += std::to_string(bytes[i]) + ',';
     }
     text += "\n};\n}  // namespace\n";
-    return text + definition("std::span<const uint8_t>", names.pack, "kPack") + definition("uint64_t", names.interface, std::to_string(interfaceHash) + "ull");
+    return text + definition("std::span<const uint8_t>", names.pack, "kPack") +
+           definition("uint64_t", names.interface, std::to_string(interfaceHash) + "ull");
 }
 
 Status run(const fs::path& root, const fs::path& cataloguePath, const fs::path& out, const FunctionNames& names) {
     DPL_TRY(std::string text, readTextFile(cataloguePath));
     const auto catalogue = nlohmann::json::parse(text, nullptr, false);
-    if (catalogue.is_discarded() || !catalogue.contains("shaders")) return fail(Code::CorruptData, "{} is not a shader catalogue", cataloguePath.string());
+    if (catalogue.is_discarded() || !catalogue.contains("shaders"))
+        return fail(Code::CorruptData, "{} is not a shader catalogue", cataloguePath.string());
     std::set<std::string> dependencies = {cataloguePath.string()};
     ShaderPack pack;
     DPL_TRY(pack.interfaceHash, hashInterface(cataloguePath.parent_path() / "shared"));
@@ -101,7 +106,8 @@ Status run(const fs::path& root, const fs::path& cataloguePath, const fs::path& 
         Shader texels{.name = pack.shaders.back().name + std::string(kTexelsSuffix), .stage = input.stage};
         DPL_TRY(texels.spirv, compileGlsl(input, dependencies));
         DPL_CHECK_OK(reflectShader(texels));
-        if (std::any_of(texels.bindings.begin(), texels.bindings.end(), [](const ShaderBinding& b) { return b.texelWords > 0; })) pack.shaders.push_back(std::move(texels));
+        if (std::any_of(texels.bindings.begin(), texels.bindings.end(), [](const ShaderBinding& b) { return b.texelWords > 0; }))
+            pack.shaders.push_back(std::move(texels));
     }
     fs::create_directories(out / "msl");
     for (const Shader& shader : pack.shaders) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tools/shaderpack/msl.h"
 
 #include <spirv_cross/spirv_cross_c.h>
@@ -18,7 +19,9 @@ struct Module {
     Context context;
     spvc_compiler compiler = nullptr;
     spvc_resources resources = nullptr;
-    Error error(std::string_view name) const { return fail(Code::Internal, "{}: SPIRV-Cross: {}", name, spvc_context_get_last_error_string(context.get())); }
+    Error error(std::string_view name) const {
+        return fail(Code::Internal, "{}: SPIRV-Cross: {}", name, spvc_context_get_last_error_string(context.get()));
+    }
 };
 
 Result<Module> openModule(const Shader& shader, spvc_backend backend) {
@@ -28,7 +31,8 @@ Result<Module> openModule(const Shader& shader, spvc_backend backend) {
     m.context.reset(raw);
     spvc_parsed_ir ir = nullptr;
     if (spvc_context_parse_spirv(raw, shader.spirv.data(), shader.spirv.size(), &ir) != SPVC_SUCCESS) return m.error(shader.name);
-    if (spvc_context_create_compiler(raw, backend, ir, SPVC_CAPTURE_MODE_TAKE_OWNERSHIP, &m.compiler) != SPVC_SUCCESS) return m.error(shader.name);
+    if (spvc_context_create_compiler(raw, backend, ir, SPVC_CAPTURE_MODE_TAKE_OWNERSHIP, &m.compiler) != SPVC_SUCCESS)
+        return m.error(shader.name);
     if (spvc_compiler_create_shader_resources(m.compiler, &m.resources) != SPVC_SUCCESS) return m.error(shader.name);
     return m;
 }
@@ -72,15 +76,20 @@ void collectStructs(spvc_compiler compiler, spvc_type_id id, std::vector<ShaderS
 }
 
 bool memberFlag(const Module& m, const spvc_reflected_resource& r, SpvDecoration decoration) {
-    return spvc_compiler_has_member_decoration(m.compiler, r.base_type_id, 0, decoration) || spvc_compiler_has_decoration(m.compiler, r.id, decoration);
+    return spvc_compiler_has_member_decoration(m.compiler, r.base_type_id, 0, decoration) ||
+           spvc_compiler_has_decoration(m.compiler, r.id, decoration);
 }
 
 uint32_t texelWordsOf(SpvImageFormat format) {
     switch (format) {
-        case SpvImageFormatR32ui: return 1;
-        case SpvImageFormatRg32ui: return 2;
-        case SpvImageFormatRgba32ui: return 4;
-        default: return 0;
+        case SpvImageFormatR32ui:
+            return 1;
+        case SpvImageFormatRg32ui:
+            return 2;
+        case SpvImageFormatRgba32ui:
+            return 4;
+        default:
+            return 0;
     }
 }
 
@@ -91,7 +100,8 @@ Status reflectShader(Shader& shader) {
     if (shader.stage == ShaderStage::Compute)
         for (unsigned i = 0; i < 3; ++i)
             shader.workgroup[i] = spvc_compiler_get_execution_mode_argument_by_index(m.compiler, SpvExecutionModeLocalSize, i);
-    for (spvc_resource_type type : {SPVC_RESOURCE_TYPE_UNIFORM_BUFFER, SPVC_RESOURCE_TYPE_STORAGE_BUFFER, SPVC_RESOURCE_TYPE_STORAGE_IMAGE}) {
+    for (spvc_resource_type type :
+         {SPVC_RESOURCE_TYPE_UNIFORM_BUFFER, SPVC_RESOURCE_TYPE_STORAGE_BUFFER, SPVC_RESOURCE_TYPE_STORAGE_IMAGE}) {
         for (const spvc_reflected_resource& r : resourcesOf(m, type)) {
             if (spvc_compiler_get_decoration(m.compiler, r.id, SpvDecorationDescriptorSet) != 0)
                 return fail(Code::InvalidArgument, "{}: {} is not in descriptor set 0, the only one we use", shader.name, r.name);
@@ -103,8 +113,11 @@ Status reflectShader(Shader& shader) {
             b.reads = b.uniform || !memberFlag(m, r, SpvDecorationNonReadable);
             if (type == SPVC_RESOURCE_TYPE_STORAGE_IMAGE) {
                 spvc_type image = spvc_compiler_get_type_handle(m.compiler, r.type_id);
-                if (spvc_type_get_image_dimension(image) == SpvDimBuffer) b.texelWords = texelWordsOf(spvc_type_get_image_storage_format(image));
-                if (b.texelWords == 0 || b.writes) return fail(Code::InvalidArgument, "{}: {} is not a read-only buffer of r32ui, rg32ui or rgba32ui", shader.name, r.name);
+                if (spvc_type_get_image_dimension(image) == SpvDimBuffer)
+                    b.texelWords = texelWordsOf(spvc_type_get_image_storage_format(image));
+                if (b.texelWords == 0 || b.writes)
+                    return fail(Code::InvalidArgument, "{}: {} is not a read-only buffer of r32ui, rg32ui or rgba32ui", shader.name,
+                                r.name);
                 shader.bindings.push_back(std::move(b));
                 continue;
             }
@@ -113,10 +126,13 @@ Status reflectShader(Shader& shader) {
         }
     }
     std::sort(shader.bindings.begin(), shader.bindings.end(), [](auto& a, auto& b) { return a.binding < b.binding; });
-    const uint32_t first = shader.stage == ShaderStage::Fragment && !shader.bindings.empty() ? shader.bindings[0].binding : 0;  // behind those of its vertex stage
+    const uint32_t first = shader.stage == ShaderStage::Fragment && !shader.bindings.empty() ? shader.bindings[0].binding
+                                                                                             : 0;  // behind those of its vertex stage
     for (uint32_t i = 0; i < shader.bindings.size(); ++i)
-        if (shader.bindings[i].binding != first + i) return fail(Code::InvalidArgument, "{}: bindings must be 0, 1, 2 ... without gaps or doubles", shader.name);
-    const auto storage = std::count_if(shader.bindings.begin(), shader.bindings.end(), [](auto& b) { return !b.uniform && b.texelWords == 0; });
+        if (shader.bindings[i].binding != first + i)
+            return fail(Code::InvalidArgument, "{}: bindings must be 0, 1, 2 ... without gaps or doubles", shader.name);
+    const auto storage =
+        std::count_if(shader.bindings.begin(), shader.bindings.end(), [](auto& b) { return !b.uniform && b.texelWords == 0; });
     if (storage > 4) return fail(Code::InvalidArgument, "{}: {} storage buffers, Vulkan 1.1 promises four a stage", shader.name, storage);
     for (const spvc_reflected_resource& r : resourcesOf(m, SPVC_RESOURCE_TYPE_PUSH_CONSTANT)) {
         size_t size = 0;
@@ -124,7 +140,8 @@ Status reflectShader(Shader& shader) {
         shader.pushBytes = uint32_t(size);
         collectStructs(m.compiler, r.base_type_id, shader.structs);
     }
-    if (shader.pushBytes > 128) return fail(Code::InvalidArgument, "{}: {} push constant bytes, at most 128", shader.name, shader.pushBytes);
+    if (shader.pushBytes > 128)
+        return fail(Code::InvalidArgument, "{}: {} push constant bytes, at most 128", shader.name, shader.pushBytes);
     return {};
 }
 
@@ -139,7 +156,8 @@ Result<std::string> translateToMsl(const Shader& shader, MslPlatform platform, b
         spvc_compiler_options_set_bool(options, SPVC_COMPILER_OPTION_MSL_IOS_USE_SIMDGROUP_FUNCTIONS, SPVC_TRUE);
         spvc_compiler_options_set_bool(options, SPVC_COMPILER_OPTION_MSL_IOS_SUPPORT_BASE_VERTEX_INSTANCE, SPVC_TRUE);
     }
-    if (shader.stage == ShaderStage::Vertex) spvc_compiler_options_set_bool(options, SPVC_COMPILER_OPTION_FLIP_VERTEX_Y, SPVC_TRUE);  // Metal clip space: y up
+    if (shader.stage == ShaderStage::Vertex)
+        spvc_compiler_options_set_bool(options, SPVC_COMPILER_OPTION_FLIP_VERTEX_Y, SPVC_TRUE);  // Metal clip space: y up
     if (multiview) spvc_compiler_options_set_bool(options, SPVC_COMPILER_OPTION_MSL_MULTIVIEW, SPVC_TRUE);
     if (spvc_compiler_install_compiler_options(m.compiler, options) != SPVC_SUCCESS) return m.error(shader.name);
 

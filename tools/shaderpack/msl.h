@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // SPIR-V to Metal Shading Language and reflection through the SPIRV-Cross C API.
 #pragma once
 

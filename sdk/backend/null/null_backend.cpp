@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/backend/null/null_backend.h"
 
 #include <algorithm>
@@ -29,7 +30,8 @@ public:
 
     Status write(BufferId id, uint64_t offset, std::span<const std::byte> bytes) override {
         const auto it = buffers_.find(id.value);
-        if (it == buffers_.end() || offset + bytes.size() > it->second.desc.bytes) return fail(Code::InvalidArgument, "write outside a buffer");
+        if (it == buffers_.end() || offset + bytes.size() > it->second.desc.bytes)
+            return fail(Code::InvalidArgument, "write outside a buffer");
         it->second.written = true;
         return {};
     }
@@ -50,9 +52,11 @@ public:
     uint32_t workgroupSize(PipelineId id) const override { return shader(id) ? shader(id)->workgroup[0] : 0; }
 
     Result<TargetId> createTarget(const TargetDesc& desc) override {
-        if (desc.samples != 1 && !(desc.samples == 4 && info_.fourSamples)) return fail(Code::Unsupported, "a target of {} samples a pixel", desc.samples);
+        if (desc.samples != 1 && !(desc.samples == 4 && info_.fourSamples))
+            return fail(Code::Unsupported, "a target of {} samples a pixel", desc.samples);
         if (desc.widthPx == 0 || desc.heightPx == 0 || desc.widthPx > info_.maxTargetPx || desc.heightPx > info_.maxTargetPx)
-            return fail(Code::Unsupported, "a target of {} x {} px; this device draws 1 to {}", desc.widthPx, desc.heightPx, info_.maxTargetPx);
+            return fail(Code::Unsupported, "a target of {} x {} px; this device draws 1 to {}", desc.widthPx, desc.heightPx,
+                        info_.maxTargetPx);
         targets_.emplace(++lastId_, desc);
         ++record_->liveTargets, ++record_->createdObjects;
         return TargetId{lastId_};

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A backend without a GPU: checks every frame as the others do, moves no pixels, and remembers what ran.
 #pragma once
 
@@ -8,7 +9,14 @@
 namespace dpl {
 
 struct NullOptions {
-    DeviceInfo info = {.name = "null", .kind = DeviceKind::Software, .maxBindingBytes = 128u << 20, .maxTargetPx = 8192, .maxViewportPx = 8192, .maxGroups = 65535, .multiview = true, .fourSamples = true};
+    DeviceInfo info = {.name = "null",
+                       .kind = DeviceKind::Software,
+                       .maxBindingBytes = 128u << 20,
+                       .maxTargetPx = 8192,
+                       .maxViewportPx = 8192,
+                       .maxGroups = 65535,
+                       .multiview = true,
+                       .fourSamples = true};
 };
 
 /** What a test may ask afterwards. Owned by the test, shared with the backend. */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The Vulkan side of backend.h, split by subject: vk_resources.cpp (buffers, targets), vk_pipelines.cpp, vk_frames.cpp.
 #pragma once
 
@@ -15,7 +16,7 @@ struct Buffer {
     VkBuffer buffer = VK_NULL_HANDLE;
     VkDeviceMemory memory = VK_NULL_HANDLE;
     std::byte* mapped = nullptr;
-    VkBufferView texels[3] = {};          // made when a frame reads it in texels of 1, 2 or 4 words
+    VkBufferView texels[3] = {};  // made when a frame reads it in texels of 1, 2 or 4 words
     uint64_t allocatedBytes = 0;
     bool written = false;
 };
@@ -23,37 +24,41 @@ struct Buffer {
 struct Image {
     VkImage image = VK_NULL_HANDLE;
     VkDeviceMemory memory = VK_NULL_HANDLE;
-    VkImageView view = VK_NULL_HANDLE;    // of all layers; none of what is only copied
+    VkImageView view = VK_NULL_HANDLE;  // of all layers; none of what is only copied
     uint64_t allocatedBytes = 0;
 };
 
 /** What one draw fills. */
 struct Surface {
     Image colour, depth;
-    Image rounded;                        // RGBA8 copy of a target of more bits
-    Image colourSamples, depthSamples;    // of a target with several samples a pixel; never leave the chip where it has its own memory for them
+    Image rounded;  // RGBA8 copy of a target of more bits
+    Image colourSamples,
+        depthSamples;  // of a target with several samples a pixel; never leave the chip where it has its own memory for them
     VkFramebuffer framebuffer = VK_NULL_HANDLE;
 };
 
 struct Target {
     TargetDesc desc;
     VkExtent2D extent{};
-    std::vector<Surface> surfaces;        // one with a layer a view, or one a view: lavapipe 22.3.6 averages the samples of layer 0 into layer 0, whichever layers are drawn
+    std::vector<Surface> surfaces;  // one with a layer a view, or one a view: lavapipe 22.3.6 averages the samples of layer 0 into layer 0,
+                                    // whichever layers are drawn
     bool drawn = false;
 };
 
 inline VkDescriptorType descriptorType(const ShaderBinding& b) {
-    return b.uniform ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER : b.texelWords ? VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    return b.uniform      ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER
+           : b.texelWords ? VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER
+                          : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
 }
 
 struct Pipeline {
     std::string key;
-    const Shader* shader = nullptr;       // compute or vertex
-    const Shader* fragment = nullptr;     // of draws
+    const Shader* shader = nullptr;    // compute or vertex
+    const Shader* fragment = nullptr;  // of draws
     VkDescriptorSetLayout setLayout = VK_NULL_HANDLE;
     VkPipelineLayout layout = VK_NULL_HANDLE;
     VkPipeline pipeline = VK_NULL_HANDLE;
-    VkShaderStageFlags stages = 0;        // that see the push constants
+    VkShaderStageFlags stages = 0;  // that see the push constants
 };
 
 struct Frame {
@@ -62,17 +67,20 @@ struct Frame {
     VkCommandBuffer commandBuffer = VK_NULL_HANDLE;
     VkQueryPool timestamps = VK_NULL_HANDLE;
     VkFence fence = VK_NULL_HANDLE;
-    bool running = false;                 // submitted, and the fence not seen since
+    bool running = false;  // submitted, and the fence not seen since
     std::vector<std::string> labels;
     std::vector<uint64_t> ticks;
-    bool timed = false;                   // ticks hold a run
+    bool timed = false;  // ticks hold a run
 };
 
 inline VkFormat vulkanFormat(ColourFormat colour) {
     switch (colour) {
-        case ColourFormat::Halves: return VK_FORMAT_R16G16B16A16_SFLOAT;
-        case ColourFormat::Codes16: return VK_FORMAT_R16G16B16A16_UNORM;
-        default: return VK_FORMAT_R8G8B8A8_UNORM;
+        case ColourFormat::Halves:
+            return VK_FORMAT_R16G16B16A16_SFLOAT;
+        case ColourFormat::Codes16:
+            return VK_FORMAT_R16G16B16A16_UNORM;
+        default:
+            return VK_FORMAT_R8G8B8A8_UNORM;
     }
 }
 
@@ -149,8 +157,9 @@ private:
     std::map<uint32_t, Buffer> buffers_;
     std::map<uint32_t, Target> targets_;
     std::map<uint32_t, Frame> frames_;
-    std::vector<Pipeline> pipelines_;                       // id - 1
-    std::map<std::tuple<uint32_t, bool, ColourFormat, uint32_t, bool>, VkRenderPass> renderPasses_;  // layers, depth, colour, samples, clears
+    std::vector<Pipeline> pipelines_;  // id - 1
+    std::map<std::tuple<uint32_t, bool, ColourFormat, uint32_t, bool>, VkRenderPass>
+        renderPasses_;  // layers, depth, colour, samples, clears
     uint32_t lastId_ = 0;
 };
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/backend/vulkan/vk_device.h"
 
 #include <algorithm>
@@ -55,7 +56,8 @@ Status createInstance(Device& d, bool validation) {
     messenger.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
     messenger.pfnUserCallback = onMessage;
     messenger.pUserData = &d;
-    const auto create = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(vkGetInstanceProcAddr(d.instance, "vkCreateDebugUtilsMessengerEXT"));
+    const auto create =
+        reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(vkGetInstanceProcAddr(d.instance, "vkCreateDebugUtilsMessengerEXT"));
     if (!create) return fail(Code::Unsupported, "the validation layer has no VK_EXT_debug_utils");
     DPL_VK(create(d.instance, &messenger, nullptr, &d.messenger));
     return {};
@@ -63,21 +65,31 @@ Status createInstance(Device& d, bool validation) {
 
 DeviceKind kindOf(VkPhysicalDeviceType type) {
     switch (type) {
-        case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return DeviceKind::Discrete;
-        case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return DeviceKind::Integrated;
-        case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return DeviceKind::Virtual;
-        case VK_PHYSICAL_DEVICE_TYPE_CPU: return DeviceKind::Software;
-        default: return DeviceKind::Other;
+        case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+            return DeviceKind::Discrete;
+        case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+            return DeviceKind::Integrated;
+        case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+            return DeviceKind::Virtual;
+        case VK_PHYSICAL_DEVICE_TYPE_CPU:
+            return DeviceKind::Software;
+        default:
+            return DeviceKind::Other;
     }
 }
 
 int rank(DeviceKind kind) {
     switch (kind) {
-        case DeviceKind::Discrete: return 0;
-        case DeviceKind::Integrated: return 1;
-        case DeviceKind::Virtual: return 2;
-        case DeviceKind::Other: return 3;
-        default: return 4;
+        case DeviceKind::Discrete:
+            return 0;
+        case DeviceKind::Integrated:
+            return 1;
+        case DeviceKind::Virtual:
+            return 2;
+        case DeviceKind::Other:
+            return 3;
+        default:
+            return 4;
     }
 }
 
@@ -95,8 +107,11 @@ struct Workaround {
     const char* reason;
 };
 constexpr Workaround kWorkarounds[] = {
-    {"512 bits", false, true, "2026-11-22, Mesa 22.3.6: with LP_NATIVE_VECTOR_WIDTH=512 its compiler dies of a fragment shader that overwrites colour and depth sums without blending"},
-    {"llvmpipe", true, false, "2026-11-21, Mesa 22.3.6: with viewMask 3 the first 16 instances of an indirect strip draw land in layer 0 for both views"},
+    {"512 bits", false, true,
+     "2026-11-22, Mesa 22.3.6: with LP_NATIVE_VECTOR_WIDTH=512 its compiler dies of a fragment shader that overwrites colour and depth "
+     "sums without blending"},
+    {"llvmpipe", true, false,
+     "2026-11-21, Mesa 22.3.6: with viewMask 3 the first 16 instances of an indirect strip draw land in layer 0 for both views"},
 };
 
 struct Candidate {
@@ -130,8 +145,10 @@ bool describe(VkPhysicalDevice physical, Candidate& out) {
     VkPhysicalDeviceSubgroupProperties subgroups{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
     ids.pNext = &subgroups;
     vkGetPhysicalDeviceProperties2(physical, &properties2);
-    for (uint8_t byte : ids.deviceUUID) out.info.identity += "0123456789abcdef"[byte >> 4], out.info.identity += "0123456789abcdef"[byte & 15];
-    for (uint8_t byte : ids.driverUUID) out.info.identity += "0123456789abcdef"[byte >> 4], out.info.identity += "0123456789abcdef"[byte & 15];
+    for (uint8_t byte : ids.deviceUUID)
+        out.info.identity += "0123456789abcdef"[byte >> 4], out.info.identity += "0123456789abcdef"[byte & 15];
+    for (uint8_t byte : ids.driverUUID)
+        out.info.identity += "0123456789abcdef"[byte >> 4], out.info.identity += "0123456789abcdef"[byte & 15];
     out.info.identity += formatText("-{}", properties.driverVersion);
 
     out.physical = physical;
@@ -141,16 +158,21 @@ bool describe(VkPhysicalDevice physical, Candidate& out) {
     out.info.name = properties.deviceName;
     out.info.kind = kindOf(properties.deviceType);
     out.info.maxBindingBytes = properties.limits.maxStorageBufferRange;
-    out.info.maxTargetPx = std::min({properties.limits.maxImageDimension2D, properties.limits.maxFramebufferWidth, properties.limits.maxFramebufferHeight});
+    out.info.maxTargetPx =
+        std::min({properties.limits.maxImageDimension2D, properties.limits.maxFramebufferWidth, properties.limits.maxFramebufferHeight});
     out.info.maxViewportPx = std::min(properties.limits.maxViewportDimensions[0], properties.limits.maxViewportDimensions[1]);
     out.info.maxGroups = properties.limits.maxComputeWorkGroupCount[0];
     out.info.multiview = multiview.multiview == VK_TRUE;
     out.info.halfDepth = !canBlend(physical, VK_FORMAT_R32G32_SFLOAT, VK_FORMAT_FEATURE_TRANSFER_SRC_BIT);
     out.info.codes16 = out.info.isSoftware() && canBlend(physical, VK_FORMAT_R16G16B16A16_UNORM, VK_FORMAT_FEATURE_BLIT_SRC_BIT);
     out.info.timestamps = family->timestampValidBits > 0;
-    out.info.shuffle = subgroups.subgroupSize >= 8 && subgroups.subgroupSize <= 64 && (subgroups.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) && (subgroups.supportedOperations & VK_SUBGROUP_FEATURE_SHUFFLE_BIT);
-    out.info.texels = out.info.isSoftware() && features.features.shaderStorageImageExtendedFormats && properties.limits.maxTexelBufferElements >= properties.limits.maxStorageBufferRange / 4;
-    out.info.fourSamples = features.features.sampleRateShading && properties.limits.standardSampleLocations && (properties.limits.framebufferColorSampleCounts & VK_SAMPLE_COUNT_4_BIT);
+    out.info.shuffle = subgroups.subgroupSize >= 8 && subgroups.subgroupSize <= 64 &&
+                       (subgroups.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) &&
+                       (subgroups.supportedOperations & VK_SUBGROUP_FEATURE_SHUFFLE_BIT);
+    out.info.texels = out.info.isSoftware() && features.features.shaderStorageImageExtendedFormats &&
+                      properties.limits.maxTexelBufferElements >= properties.limits.maxStorageBufferRange / 4;
+    out.info.fourSamples = features.features.sampleRateShading && properties.limits.standardSampleLocations &&
+                           (properties.limits.framebufferColorSampleCounts & VK_SAMPLE_COUNT_4_BIT);
     return true;
 }
 
@@ -176,7 +198,8 @@ Error failVk(const char* what, VkResult result) {
 Device::~Device() {
     if (device) vkDestroyDevice(device, nullptr);
     if (messenger) {
-        const auto destroy = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(vkGetInstanceProcAddr(instance, "vkDestroyDebugUtilsMessengerEXT"));
+        const auto destroy =
+            reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(vkGetInstanceProcAddr(instance, "vkDestroyDebugUtilsMessengerEXT"));
         if (destroy) destroy(instance, messenger, nullptr);
     }
     if (instance) vkDestroyInstance(instance, nullptr);

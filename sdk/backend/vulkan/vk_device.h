@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Instance, device and queue: made once, torn down in order.
 #pragma once
 
@@ -10,9 +11,8 @@ namespace dpl::vk {
 Error failVk(const char* what, VkResult result);
 
 // DPL_VK(call): return the error of a failed Vulkan call from the calling function.
-#define DPL_VK(...)                                                                \
-    if (const VkResult dplVkResult = (__VA_ARGS__); dplVkResult != VK_SUCCESS)     \
-    return dpl::vk::failVk(#__VA_ARGS__, dplVkResult)
+#define DPL_VK(...) \
+    if (const VkResult dplVkResult = (__VA_ARGS__); dplVkResult != VK_SUCCESS) return dpl::vk::failVk(#__VA_ARGS__, dplVkResult)
 
 struct Device {
     VkInstance instance = VK_NULL_HANDLE;

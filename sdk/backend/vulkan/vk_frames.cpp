@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstring>
 #include <set>
@@ -9,8 +10,8 @@ namespace {
 
 constexpr uint64_t kFrameTimeoutNs = 120ull * 1000 * 1000 * 1000;  // a software device may take long; a hung one must not hang us
 
-constexpr VkPipelineStageFlags kGpuStages =
-    VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT;
+constexpr VkPipelineStageFlags kGpuStages = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT |
+                                            VK_PIPELINE_STAGE_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT;
 
 }  // namespace
 
@@ -24,7 +25,8 @@ struct VulkanBackend::Recorder {
     void barrier() {
         VkMemoryBarrier memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
         memory.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
-        memory.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_INDIRECT_COMMAND_READ_BIT;
+        memory.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_READ_BIT |
+                               VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_INDIRECT_COMMAND_READ_BIT;
         vkCmdPipelineBarrier(commands, kGpuStages, kGpuStages, 0, 1, &memory, 0, nullptr, 0, nullptr);
         read.clear();
         written.clear();
@@ -113,8 +115,10 @@ struct VulkanBackend::Recorder {
     Status operator()(const CopyStep& step) {
         const Buffer &from = backend.buffers_.at(step.from.value), &to = backend.buffers_.at(step.to.value);
         const bool back = to.desc.memory == BufferMemory::Readback;
-        if (back) touch({{step.from, false}});
-        else touch({{step.from, false}, {step.to, true}});
+        if (back)
+            touch({{step.from, false}});
+        else
+            touch({{step.from, false}, {step.to, true}});
         const VkBufferCopy region{back ? step.offset : 0, back ? 0 : step.offset, back ? to.desc.bytes : from.desc.bytes};
         vkCmdCopyBuffer(commands, from.buffer, to.buffer, 1, &region);
         if (back) hostBarrier();
@@ -132,7 +136,10 @@ struct VulkanBackend::Recorder {
     void roundColour(const Target& target) {
         const uint32_t layers = target.desc.multiview ? target.desc.views : 1;
         std::vector<VkImageMemoryBarrier> images(target.surfaces.size(), VkImageMemoryBarrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER});
-        const auto barrier = [&] { vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, nullptr, 0, nullptr, uint32_t(images.size()), images.data()); };
+        const auto barrier = [&] {
+            vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, nullptr, 0, nullptr,
+                                 uint32_t(images.size()), images.data());
+        };
         for (size_t i = 0; i < images.size(); ++i) {
             VkImageMemoryBarrier& image = images[i];
             image.image = target.surfaces[i].rounded.image;
@@ -147,7 +154,8 @@ struct VulkanBackend::Recorder {
         blit.srcSubresource = blit.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, layers};
         blit.srcOffsets[1] = blit.dstOffsets[1] = {int32_t(target.extent.width), int32_t(target.extent.height), 1};
         for (const Surface& surface : target.surfaces)
-            vkCmdBlitImage(commands, surface.colour.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, surface.rounded.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, VK_FILTER_NEAREST);
+            vkCmdBlitImage(commands, surface.colour.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, surface.rounded.image,
+                           VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, VK_FILTER_NEAREST);
         for (VkImageMemoryBarrier& image : images) {
             image.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
             image.dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT;
@@ -162,7 +170,8 @@ struct VulkanBackend::Recorder {
         region.bufferOffset = uint64_t(view) * target.desc.widthPx * target.desc.heightPx * pixelBytes;
         region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, target.desc.multiview ? view : 0, 1};
         region.imageExtent = {target.desc.widthPx, target.desc.heightPx, 1};
-        vkCmdCopyImageToBuffer(commands, image.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, backend.buffers_.at(to.value).buffer, 1, &region);
+        vkCmdCopyImageToBuffer(commands, image.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, backend.buffers_.at(to.value).buffer, 1,
+                               &region);
     }
 };
 
@@ -176,7 +185,9 @@ Status VulkanBackend::makeDescriptorPool(Frame& frame, std::span<const Step> ste
         if (const auto* compute = std::get_if<ComputeStep>(&step)) count(compute->bindings);
         if (const auto* draw = std::get_if<DrawStep>(&step)) count(draw->bindings);
     }
-    const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, uniforms + 1}, {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, storages + 1}, {VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER, storages + 1}};
+    const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, uniforms + 1},
+                                          {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, storages + 1},
+                                          {VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER, storages + 1}};
     VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
     info.maxSets = sets + 1;
     info.poolSizeCount = 3;
@@ -206,7 +217,9 @@ Result<VkDescriptorSet> VulkanBackend::descriptorSet(const Frame& frame, const P
         writes[i].descriptorCount = 1;
         writes[i].descriptorType = descriptorType(want);
         writes[i].pBufferInfo = &infos[i];
-        if (want.texelWords) { DPL_TRY(views[i], texels(b, want.texelWords)); }
+        if (want.texelWords) {
+            DPL_TRY(views[i], texels(b, want.texelWords));
+        }
         writes[i].pTexelBufferView = &views[i];
     }
     vkUpdateDescriptorSets(device_->device, uint32_t(writes.size()), writes.data(), 0, nullptr);
@@ -328,8 +341,8 @@ Status VulkanBackend::waitFor(Frame& frame) {
 void VulkanBackend::ended(Frame& frame) {
     frame.running = false;
     if (frame.timestamps)
-        frame.timed = vkGetQueryPoolResults(device_->device, frame.timestamps, 0, uint32_t(frame.ticks.size()), frame.ticks.size() * 8, frame.ticks.data(), 8,
-                                            VK_QUERY_RESULT_64_BIT) == VK_SUCCESS;
+        frame.timed = vkGetQueryPoolResults(device_->device, frame.timestamps, 0, uint32_t(frame.ticks.size()), frame.ticks.size() * 8,
+                                            frame.ticks.data(), 8, VK_QUERY_RESULT_64_BIT) == VK_SUCCESS;
 }
 
 std::vector<PassTime> VulkanBackend::passTimes(FrameId id) const {
@@ -377,7 +390,9 @@ namespace dpl {
 
 Result<std::unique_ptr<Backend>> createVulkanBackend(const VulkanOptions& options) {
     const bool own = options.shaderPack.empty();
-    DPL_TRY(ShaderPack pack, readShaderPack(own ? embeddedShaderPack() : options.shaderPack, own ? "the embedded shader pack" : "the given shader pack", own ? embeddedShaderInterface() : options.shaderInterface));
+    DPL_TRY(ShaderPack pack,
+            readShaderPack(own ? embeddedShaderPack() : options.shaderPack, own ? "the embedded shader pack" : "the given shader pack",
+                           own ? embeddedShaderInterface() : options.shaderInterface));
     DPL_TRY(auto device, vk::openDevice(options));
     device->info.identity += formatText("-{}", pack.contentHash);
     auto backend = std::make_unique<vk::VulkanBackend>(std::move(device), std::move(pack));

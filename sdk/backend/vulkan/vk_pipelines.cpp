@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <array>
 
 #include "sdk/backend/vulkan/vk_backend.h"
@@ -127,7 +128,8 @@ Status VulkanBackend::makeDraw(Pipeline& p, const DrawPipelineDesc& desc) {
     p.stages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
     const Shader& fragment = *p.fragment;
     if (!fragment.bindings.empty() && fragment.bindings[0].binding != p.shader->bindings.size())
-        return fail(Code::Unsupported, "{}: its bindings do not follow the {} of {}", fragment.name, p.shader->bindings.size(), p.shader->name);
+        return fail(Code::Unsupported, "{}: its bindings do not follow the {} of {}", fragment.name, p.shader->bindings.size(),
+                    p.shader->name);
     DPL_CHECK_OK(makeLayouts(p));
     VkPipelineShaderStageCreateInfo stages[2]{};
     stages[0].sType = stages[1].sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
@@ -219,7 +221,8 @@ Result<PipelineId> VulkanBackend::computePipeline(std::string_view name) {
 
 Result<PipelineId> VulkanBackend::drawPipeline(const DrawPipelineDesc& desc) {
     Pipeline p;
-    p.key = formatText("{}+{}+{}{}{}{}+{}{}{}", desc.vertex, desc.fragment, desc.views, desc.multiview ? "M" : "", desc.depth ? "D" : "", "8HC"[int(desc.colour)], desc.samples, desc.topology == Topology::List ? "T" : "", desc.overwrites ? "O" : "");
+    p.key = formatText("{}+{}+{}{}{}{}+{}{}{}", desc.vertex, desc.fragment, desc.views, desc.multiview ? "M" : "", desc.depth ? "D" : "",
+                       "8HC"[int(desc.colour)], desc.samples, desc.topology == Topology::List ? "T" : "", desc.overwrites ? "O" : "");
     if (PipelineId known = findPipeline(p.key)) return known;
     p.shader = findShader(desc.vertex);
     p.fragment = findShader(desc.fragment);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstring>
 
@@ -36,7 +37,8 @@ Status VulkanBackend::makeBuffer(Buffer& b) {
     DPL_TRY(allocation.memoryTypeIndex, memoryType(needs.memoryTypeBits, wanted, preferred));
     if (VkResult result = vkAllocateMemory(device_->device, &allocation, nullptr, &b.memory); result != VK_SUCCESS) {
         b.memory = VK_NULL_HANDLE;
-        return fail(Code::OutOfMemory, "{} bytes of graphics memory for {} are not to be had (Vulkan {})", needs.size, b.desc.label, int(result));
+        return fail(Code::OutOfMemory, "{} bytes of graphics memory for {} are not to be had (Vulkan {})", needs.size, b.desc.label,
+                    int(result));
     }
     b.allocatedBytes = needs.size;
     DPL_VK(vkBindBufferMemory(device_->device, b.buffer, b.memory, 0));
@@ -113,7 +115,8 @@ Status VulkanBackend::makeImage(Image& image, VkFormat format, const Target& tar
     info.arrayLayers = target.desc.multiview ? target.desc.views : 1;
     info.samples = VkSampleCountFlagBits(samples);
     info.tiling = VK_IMAGE_TILING_OPTIMAL;
-    info.usage = usage | (samples > 1 ? VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT : VK_IMAGE_USAGE_TRANSFER_SRC_BIT);  // samples are only averaged
+    info.usage =
+        usage | (samples > 1 ? VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT : VK_IMAGE_USAGE_TRANSFER_SRC_BIT);  // samples are only averaged
     DPL_VK(vkCreateImage(device_->device, &info, nullptr, &image.image));
     VkMemoryRequirements needs{};
     vkGetImageMemoryRequirements(device_->device, image.image, &needs);
@@ -121,8 +124,11 @@ Status VulkanBackend::makeImage(Image& image, VkFormat format, const Target& tar
     allocation.allocationSize = needs.size;
     // Tilers have memory that is never allocated for what never leaves the chip; it is offered to transient images only.
     const auto onChip = memoryType(needs.memoryTypeBits, VK_MEMORY_PROPERTY_LAZILY_ALLOCATED_BIT, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
-    if (onChip) allocation.memoryTypeIndex = *onChip;
-    else { DPL_TRY(allocation.memoryTypeIndex, memoryType(needs.memoryTypeBits, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT)); }
+    if (onChip)
+        allocation.memoryTypeIndex = *onChip;
+    else {
+        DPL_TRY(allocation.memoryTypeIndex, memoryType(needs.memoryTypeBits, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT));
+    }
     DPL_VK(vkAllocateMemory(device_->device, &allocation, nullptr, &image.memory));
     image.allocatedBytes = onChip ? 0 : needs.size;
     DPL_VK(vkBindImageMemory(device_->device, image.image, image.memory, 0));
@@ -147,12 +153,18 @@ Status VulkanBackend::makeSurface(Surface& s, const Target& t) {
     constexpr VkImageUsageFlags kDrawn = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
     const VkFormat colour = vulkanFormat(t.desc.colour);
     DPL_CHECK_OK(makeImage(s.colour, colour, t, kDrawn));
-    if (t.desc.colour != ColourFormat::Codes8) { DPL_CHECK_OK(makeImage(s.rounded, VK_FORMAT_R8G8B8A8_UNORM, t, VK_IMAGE_USAGE_TRANSFER_DST_BIT)); }
-    if (t.desc.depth) { DPL_CHECK_OK(makeImage(s.depth, device_->depthSumFormat, t, kDrawn)); }
+    if (t.desc.colour != ColourFormat::Codes8) {
+        DPL_CHECK_OK(makeImage(s.rounded, VK_FORMAT_R8G8B8A8_UNORM, t, VK_IMAGE_USAGE_TRANSFER_DST_BIT));
+    }
+    if (t.desc.depth) {
+        DPL_CHECK_OK(makeImage(s.depth, device_->depthSumFormat, t, kDrawn));
+    }
     std::vector<VkImageView> views;  // in the order of renderPass()
     if (t.desc.samples > 1) {
         DPL_CHECK_OK(makeImage(s.colourSamples, colour, t, kDrawn, t.desc.samples));
-        if (t.desc.depth) { DPL_CHECK_OK(makeImage(s.depthSamples, device_->depthSumFormat, t, kDrawn, t.desc.samples)); }
+        if (t.desc.depth) {
+            DPL_CHECK_OK(makeImage(s.depthSamples, device_->depthSumFormat, t, kDrawn, t.desc.samples));
+        }
         views.push_back(s.colourSamples.view);
         if (t.desc.depth) views.push_back(s.depthSamples.view);
     }
@@ -177,11 +189,15 @@ void VulkanBackend::freeSurface(Surface& s) {
 Status VulkanBackend::makeTarget(Target& t) {
     const uint32_t limit = device_->info.maxTargetPx;
     if (t.desc.widthPx == 0 || t.desc.heightPx == 0 || t.desc.widthPx > limit || t.desc.heightPx > limit)
-        return fail(Code::Unsupported, "a target of {} x {} px; {} draws 1 to {} a side", t.desc.widthPx, t.desc.heightPx, device_->info.name, limit);
-    if (t.desc.samples != 1 && (!device_->info.fourSamples || t.desc.samples != 4)) return fail(Code::Unsupported, "a target of {} samples a pixel on {}", t.desc.samples, device_->info.name);
+        return fail(Code::Unsupported, "a target of {} x {} px; {} draws 1 to {} a side", t.desc.widthPx, t.desc.heightPx,
+                    device_->info.name, limit);
+    if (t.desc.samples != 1 && (!device_->info.fourSamples || t.desc.samples != 4))
+        return fail(Code::Unsupported, "a target of {} samples a pixel on {}", t.desc.samples, device_->info.name);
     t.extent = {t.desc.widthPx, t.desc.heightPx};
     t.surfaces.resize(t.desc.multiview ? 1 : t.desc.views);
-    for (Surface& surface : t.surfaces) { DPL_CHECK_OK(makeSurface(surface, t)); }
+    for (Surface& surface : t.surfaces) {
+        DPL_CHECK_OK(makeSurface(surface, t));
+    }
     return {};
 }
 
@@ -211,7 +227,9 @@ uint64_t VulkanBackend::residentBytes() const {
     uint64_t bytes = 0;
     for (const auto& [id, b] : buffers_) bytes += b.allocatedBytes;
     for (const auto& [id, t] : targets_)
-        for (const Surface& s : t.surfaces) bytes += s.colour.allocatedBytes + s.depth.allocatedBytes + s.rounded.allocatedBytes + s.colourSamples.allocatedBytes + s.depthSamples.allocatedBytes;
+        for (const Surface& s : t.surfaces)
+            bytes += s.colour.allocatedBytes + s.depth.allocatedBytes + s.rounded.allocatedBytes + s.colourSamples.allocatedBytes +
+                     s.depthSamples.allocatedBytes;
     return bytes;
 }
 
@@ -240,7 +258,11 @@ const Shader* VulkanBackend::shader(PipelineId id) const {
 const Shader* VulkanBackend::fragment(PipelineId id) const {
     return id.value == 0 || id.value > pipelines_.size() ? nullptr : pipelines_[id.value - 1].fragment;
 }
-bool VulkanBackend::written(BufferId id) const { return buffers_.at(id.value).written; }
-bool VulkanBackend::drawn(TargetId id) const { return targets_.at(id.value).drawn; }
+bool VulkanBackend::written(BufferId id) const {
+    return buffers_.at(id.value).written;
+}
+bool VulkanBackend::drawn(TargetId id) const {
+    return targets_.at(id.value).drawn;
+}
 
 }  // namespace dpl::vk

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Thin C++20 owner over doppel.h: owns, spans and forwards; nothing else. Header only, no exceptions of its own.
 //
 //   auto context = doppel::Context::create();
@@ -27,7 +28,9 @@ struct Error {
 };
 
 /** The error of this thread's last call. */
-inline Error lastError(DplResult code) { return {code, dplGetLastError()}; }
+inline Error lastError(DplResult code) {
+    return {code, dplGetLastError()};
+}
 
 /** A value or an error. Test it before use; reading the wrong side is undefined. */
 template <class T>
@@ -101,9 +104,12 @@ public:
     Status setPose(std::span<const float> rotations, std::span<const float> rootTranslation = {}) {
         if (rotations.size() % 4 != 0 || (!rootTranslation.empty() && rootTranslation.size() != 3))
             return Error{DPL_ERROR_INVALID_ARGUMENT, "a pose has 4 floats a joint and a root translation of 3 floats or none"};
-        return status(dplSetPose(handle_, rotations.data(), uint32_t(rotations.size() / 4), rootTranslation.empty() ? nullptr : rootTranslation.data()));
+        return status(dplSetPose(handle_, rotations.data(), uint32_t(rotations.size() / 4),
+                                 rootTranslation.empty() ? nullptr : rootTranslation.data()));
     }
-    Status setPoseFromClip(uint32_t clip, double timeS, bool loop = true) { return status(dplSetPoseFromClip(handle_, clip, timeS, loop ? DPL_TRUE : DPL_FALSE)); }
+    Status setPoseFromClip(uint32_t clip, double timeS, bool loop = true) {
+        return status(dplSetPoseFromClip(handle_, clip, timeS, loop ? DPL_TRUE : DPL_FALSE));
+    }
     /** Index of the new clip. */
     Result<uint32_t> loadClip(std::span<const uint8_t> bytes, const DplClipOptions* options = nullptr) {
         uint32_t index = 0;
@@ -127,8 +133,12 @@ public:
     }
 
     /** The two halves of render(). flags: DplDrawFlag. */
-    Status draw(std::span<const DplCamera> views, uint32_t flags = 0) const { return status(dplDraw(context_, handle_, views.data(), uint32_t(views.size()), flags)); }
-    Status readImages(std::span<const DplImage> images) const { return status(dplReadImages(context_, handle_, images.data(), uint32_t(images.size()))); }
+    Status draw(std::span<const DplCamera> views, uint32_t flags = 0) const {
+        return status(dplDraw(context_, handle_, views.data(), uint32_t(views.size()), flags));
+    }
+    Status readImages(std::span<const DplImage> images) const {
+        return status(dplReadImages(context_, handle_, images.data(), uint32_t(images.size())));
+    }
 
 private:
     DplContext context_ = nullptr;
@@ -138,7 +148,8 @@ private:
 /** Owns one context. Move-only. Destroy its avatars in any order. */
 class Context {
 public:
-    static Result<Context> create(DplRenderer renderer = DPL_RENDERER_AUTO, uint32_t threadCount = 0, uint32_t flags = 0, DplFill fill = DPL_FILL_AUTO) {
+    static Result<Context> create(DplRenderer renderer = DPL_RENDERER_AUTO, uint32_t threadCount = 0, uint32_t flags = 0,
+                                  DplFill fill = DPL_FILL_AUTO) {
         DplContextInfo info{};
         info.structSize = sizeof info;
         info.renderer = renderer;
@@ -171,7 +182,8 @@ public:
     /** Several in one picture, which is the first one's. One image a view. */
     Status renderTogether(std::span<const DplAvatar> avatars, std::span<const DplCamera> views, std::span<const DplImage> images) const {
         if (views.size() != images.size()) return Error{DPL_ERROR_INVALID_ARGUMENT, "as many images as views are needed"};
-        return status(dplRenderTogether(handle_, avatars.data(), uint32_t(avatars.size()), views.data(), uint32_t(views.size()), images.data()));
+        return status(
+            dplRenderTogether(handle_, avatars.data(), uint32_t(avatars.size()), views.data(), uint32_t(views.size()), images.data()));
     }
     Status drawTogether(std::span<const DplAvatar> avatars, std::span<const DplCamera> views, uint32_t flags = 0) const {
         return status(dplDrawTogether(handle_, avatars.data(), uint32_t(avatars.size()), views.data(), uint32_t(views.size()), flags));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/render/passes/chunks.h"
 
 namespace dpl {
@@ -8,7 +9,10 @@ void addChunks(FramePlan& plan, const FrameIds& ids) {
         .writes(ids.visibility)
         .push(ids.codesPush())
         .threads(ids.groupCount);
-    plan.compute("chunks.list", "chunks.list").updates(ids.visibility, ids.counts).push(gpu::ChunkPush{ids.groupCount, ids.allGroups, ids.firstGroup}).groups(1);
+    plan.compute("chunks.list", "chunks.list")
+        .updates(ids.visibility, ids.counts)
+        .push(gpu::ChunkPush{ids.groupCount, ids.allGroups, ids.firstGroup})
+        .groups(1);
 }
 
 }  // namespace dpl

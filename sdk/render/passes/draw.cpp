@@ -1,10 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/render/passes/draw.h"
 
 namespace dpl {
 
 DrawPipelineDesc drawPipelineOf(const FrameIds& ids, uint32_t samples) {
     const std::string fragment = std::string("draw.frag") + (ids.depth ? ".depth" : "") + (ids.sceneDepth ? ".scene" : "");
-    return {ids.multiview ? "draw.vert.multiview" : "draw.vert", fragment, ids.viewCount, ids.multiview, ids.depth, ids.colour, samples, Topology::List};
+    return {ids.multiview ? "draw.vert.multiview" : "draw.vert",
+            fragment,
+            ids.viewCount,
+            ids.multiview,
+            ids.depth,
+            ids.colour,
+            samples,
+            Topology::List};
 }
 
 void addDraw(FramePlan& plan, const FrameIds& ids, bool mayBeIdle) {
@@ -14,7 +22,9 @@ void addDraw(FramePlan& plan, const FrameIds& ids, bool mayBeIdle) {
         auto draw = plan.draw("draw.splats", drawPipelineOf(ids, ids.samples), ids.target, view);
         draw.reads(ids.counts, ids.pairs, ids.projected);
         if (ids.sceneDepth) draw.reads(ids.scene);
-        draw.guard(ids.guard).push(gpu::DrawPush{float(ids.widthPx), float(ids.heightPx), ids.guard, ids.splatCount, view}).argsFrom(ids.counts, offsetof(gpu::FrameCounts, drawVertices));
+        draw.guard(ids.guard)
+            .push(gpu::DrawPush{float(ids.widthPx), float(ids.heightPx), ids.guard, ids.splatCount, view})
+            .argsFrom(ids.counts, offsetof(gpu::FrameCounts, drawVertices));
         if (mayBeIdle) draw.clearedBy(clear, ids.counts, offsetof(gpu::FrameCounts, clearVertices));
     }
 }

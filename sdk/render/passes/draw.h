@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "sdk/render/frame_ids.h"
@@ -8,7 +9,8 @@ namespace dpl {
 /** What draws a frame of this shape with so many samples a pixel. */
 DrawPipelineDesc drawPipelineOf(const FrameIds& ids, uint32_t samples);
 
-/** One indirect draw of all survivors into every view. mayBeIdle: the counts say whether it has anything to draw, and the target is only cleared if so. */
+/** One indirect draw of all survivors into every view. mayBeIdle: the counts say whether it has anything to draw, and the target is only
+ * cleared if so. */
 void addDraw(FramePlan& plan, const FrameIds& ids, bool mayBeIdle);
 
 }  // namespace dpl

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/render/passes/project.h"
 
 namespace dpl {
@@ -11,7 +12,12 @@ void addProject(FramePlan& plan, const FrameIds& ids) {
             .updates(ids.counts)
             .push(gpu::SplatPush{ids.splatCount, ids.allGroups, ids.firstGroup, ids.firstSplat, ids.drawn})
             .groups(ids.groupCount);
-        plan.compute("splat.colour", ids.ofColour("colour.general")).uniform(ids.frame).reads(ids.splats, ids.sh).updates(ids.projected).push(gpu::ColourPush{ids.splatCount, ids.firstSplat}).threads(ids.splatCount);
+        plan.compute("splat.colour", ids.ofColour("colour.general"))
+            .uniform(ids.frame)
+            .reads(ids.splats, ids.sh)
+            .updates(ids.projected)
+            .push(gpu::ColourPush{ids.splatCount, ids.firstSplat})
+            .threads(ids.splatCount);
         return;
     }
     plan.compute("splat.project", ids.ofColour("project"))

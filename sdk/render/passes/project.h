@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "sdk/render/frame_ids.h"
@@ -5,7 +6,8 @@
 
 namespace dpl {
 
-/** Footprint, colour and visibility of every splat in every view. For general splats also their extent along the sort axis, which must be 0 before. */
+/** Footprint, colour and visibility of every splat in every view. For general splats also their extent along the sort axis, which must be 0
+ * before. */
 void addProject(FramePlan& plan, const FrameIds& ids);
 
 }  // namespace dpl

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/render/passes/sort.h"
 
 #include "sdk/render/passes/scan.h"
@@ -14,9 +15,20 @@ void addSort(FramePlan& plan, const FrameIds& ids) {
         const gpu::SortPush push{round * gpu::kSortDigitBits};
         plan.fill("sort.clear", ids.digits.cells, 0);
         const uint32_t left = ids.sortRounds() - 1 - round;
-        plan.compute("sort.count", left == 0 ? "sort.count.packed" : "sort.count").reads(ids.counts, from).updates(ids.digits.cells).push(push).groupsFrom(ids.counts, args);
+        plan.compute("sort.count", left == 0 ? "sort.count.packed" : "sort.count")
+            .reads(ids.counts, from)
+            .updates(ids.digits.cells)
+            .push(push)
+            .groupsFrom(ids.counts, args);
         addScan(plan, "sort.scan", ids.counts, ids.digits, {}, gpu::kSortDigits);
-        plan.compute("sort.scatter", left == 0 ? "sort.scatter.packed" : left == 1 ? "sort.scatter.pack" : "sort.scatter").reads(ids.counts, from).updates(ids.digits.places).writes(to).push(push).groupsFrom(ids.counts, args);
+        plan.compute("sort.scatter", left == 0   ? "sort.scatter.packed"
+                                     : left == 1 ? "sort.scatter.pack"
+                                                 : "sort.scatter")
+            .reads(ids.counts, from)
+            .updates(ids.digits.places)
+            .writes(to)
+            .push(push)
+            .groupsFrom(ids.counts, args);
         std::swap(from, to);
     }
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/render/passes/tiles.h"
 
 #include <algorithm>
@@ -8,8 +9,8 @@
 namespace dpl {
 namespace {
 
-// What the lists hold, from both ends: small splats touch a few tiles each, and however large splats are, so many deep is a tile on average. The latter is
-// counted in 64 pixels, a tile of one sample, so that a frame takes the same memory with smaller tiles.
+// What the lists hold, from both ends: small splats touch a few tiles each, and however large splats are, so many deep is a tile on
+// average. The latter is counted in 64 pixels, a tile of one sample, so that a frame takes the same memory with smaller tiles.
 constexpr uint64_t kSpansPerSplat = 3, kSpansPer64Px = 48, kEntriesPerSplat = 4, kEntriesPer64Px = 128;
 
 constexpr uint32_t kTableHead = 2;  // of the places: how many splats and runs there are
@@ -24,7 +25,8 @@ std::optional<TilePlan> planTiles(const FrameIds& ids, const DeviceInfo& device)
     const uint32_t side = 1u << p.tileShift;
     p.viewCount = ids.viewCount, p.columns = (ids.widthPx + side - 1) / side, p.rows = (ids.heightPx + side - 1) / side;
     p.widthPx = ids.widthPx, p.heightPx = ids.heightPx, p.splatCount = ids.splatCount;
-    const uint64_t rows = plan.rows(), tiles = rows * p.columns, records = uint64_t(ids.splatCount) * ids.viewCount, pixels = uint64_t(p.widthPx) * p.heightPx * p.viewCount;
+    const uint64_t rows = plan.rows(), tiles = rows * p.columns, records = uint64_t(ids.splatCount) * ids.viewCount,
+                   pixels = uint64_t(p.widthPx) * p.heightPx * p.viewCount;
     const uint64_t blocks = (tiles * side * side + 63) / 64;
     const uint64_t runs = (ids.splatCount + gpu::kRun - 1) / gpu::kRun;
     p.firstSpanSum = 0;
@@ -41,7 +43,9 @@ std::optional<TilePlan> planTiles(const FrameIds& ids, const DeviceInfo& device)
     p.entryCapacity = uint32_t(std::min(kEntriesPerSplat * records + kEntriesPer64Px * blocks, limit));
     p.fillGroups = uint32_t(std::min<uint64_t>((tiles * side + gpu::kTileGroup - 1) / gpu::kTileGroup, device.maxGroups));
     p.halfDepth = device.halfDepth ? 1 : 0;
-    const auto part = [](uint64_t bytes) { return std::max<uint64_t>((bytes + 7) / 8 * 8, 16); };  // 16: the smallest buffer, which a part is copied to or from
+    const auto part = [](uint64_t bytes) {
+        return std::max<uint64_t>((bytes + 7) / 8 * 8, 16);
+    };  // 16: the smallest buffer, which a part is copied to or from
     const uint64_t depthOffset = part(pixels * 4);
     plan.spanBytes = p.spanCapacity * 8ull;
     plan.entryBytes = p.entryCapacity * 4ull;
@@ -54,26 +58,50 @@ std::optional<TilePlan> planTiles(const FrameIds& ids, const DeviceInfo& device)
 }
 
 std::string tileFillOf(const FrameIds& ids, uint32_t samples) {
-    return std::string(ids.shuffle ? "tiles.fill.shuffle" : "tiles.fill") + (ids.depth ? ".depth" : "") + (ids.sceneDepth ? ".scene" : "") + (samples > 1 ? ".four" : "");
+    return std::string(ids.shuffle ? "tiles.fill.shuffle" : "tiles.fill") + (ids.depth ? ".depth" : "") + (ids.sceneDepth ? ".scene" : "") +
+           (samples > 1 ? ".four" : "");
 }
 
 void addTiles(FramePlan& plan, const FrameIds& ids, const TilePlan& tiles) {
     const gpu::TilePush& push = tiles.push;
     plan.fill("tiles.clear", ids.tiles.cells, 0);
-    plan.compute("tiles.runs", ids.ofViews("tiles.runs")).reads(ids.pairs, ids.projected, ids.counts).updates(ids.tiles.cells).push(push).groupsFrom(ids.counts, offsetof(gpu::FrameCounts, runGroupsX));
+    plan.compute("tiles.runs", ids.ofViews("tiles.runs"))
+        .reads(ids.pairs, ids.projected, ids.counts)
+        .updates(ids.tiles.cells)
+        .push(push)
+        .groupsFrom(ids.counts, offsetof(gpu::FrameCounts, runGroupsX));
     addScan(plan, "tiles.scan", ids.counts, ids.tiles, {0, push.firstRunTable, push.firstSpanSum}, tiles.rows());
     plan.compute("tiles.args", "tiles.args.spans").reads(ids.tiles.sums).updates(ids.counts).writes(ids.tiles.places).push(push).groups(1);
-    plan.compute("tiles.spans", ids.ofViews("tiles.spans")).reads(ids.pairs, ids.projected).updates(ids.tiles.places).writes(ids.tileSpans).push(push).groupsFrom(ids.counts, offsetof(gpu::FrameCounts, spanGroupsX));
-    plan.compute("tiles.count", "tiles.count").reads(ids.tileSpans, ids.tiles.sums).updates(ids.tiles.cells).push(push).groupsFrom(ids.counts, offsetof(gpu::FrameCounts, rowGroupsX));
-    addScan(plan, "tiles.scan", ids.counts, ids.tiles, {push.columns * gpu::kTileSegments, push.firstTileTable, push.firstEntrySum}, tiles.rows());
+    plan.compute("tiles.spans", ids.ofViews("tiles.spans"))
+        .reads(ids.pairs, ids.projected)
+        .updates(ids.tiles.places)
+        .writes(ids.tileSpans)
+        .push(push)
+        .groupsFrom(ids.counts, offsetof(gpu::FrameCounts, spanGroupsX));
+    plan.compute("tiles.count", "tiles.count")
+        .reads(ids.tileSpans, ids.tiles.sums)
+        .updates(ids.tiles.cells)
+        .push(push)
+        .groupsFrom(ids.counts, offsetof(gpu::FrameCounts, rowGroupsX));
+    addScan(plan, "tiles.scan", ids.counts, ids.tiles, {push.columns * gpu::kTileSegments, push.firstTileTable, push.firstEntrySum},
+            tiles.rows());
     plan.compute("tiles.args", "tiles.args.entries").reads(ids.tiles.sums).updates(ids.counts).push(push).groups(1);
-    plan.compute("tiles.entries", "tiles.entries").reads(ids.tileSpans, ids.tiles.sums).updates(ids.tiles.places).writes(ids.tileEntries).push(push).groupsFrom(ids.counts, offsetof(gpu::FrameCounts, entryGroupsX));
+    plan.compute("tiles.entries", "tiles.entries")
+        .reads(ids.tileSpans, ids.tiles.sums)
+        .updates(ids.tiles.places)
+        .writes(ids.tileEntries)
+        .push(push)
+        .groupsFrom(ids.counts, offsetof(gpu::FrameCounts, entryGroupsX));
     plan.fill("tiles.clear", ids.tilePixels, 0);
-    if (ids.sceneDepth) plan.copy("tiles.scene", ids.scene, ids.tilePixels, push.firstScene * 4ull);  // a stage has four buffers: the scene lies behind the pixels
+    if (ids.sceneDepth)
+        plan.copy("tiles.scene", ids.scene, ids.tilePixels,
+                  push.firstScene * 4ull);  // a stage has four buffers: the scene lies behind the pixels
     auto fill = plan.compute("tiles.fill", tileFillOf(ids, ids.samples));
     fill.reads(ids.tiles.places, ids.tileEntries, ids.projected);
-    if (ids.sceneDepth) fill.updates(ids.tilePixels);
-    else fill.writes(ids.tilePixels);
+    if (ids.sceneDepth)
+        fill.updates(ids.tilePixels);
+    else
+        fill.writes(ids.tilePixels);
     fill.push(push).groupsFrom(ids.counts, offsetof(gpu::FrameCounts, fillGroupsX));
 }
 

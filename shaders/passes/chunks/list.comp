@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The numbers of the live half-chunks of one avatar in order, and the arguments of the dispatches over them. One workgroup: they are few.
 #version 450
 #extension GL_GOOGLE_include_directive : require

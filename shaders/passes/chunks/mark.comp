@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Phase 1: which half-chunks (kSplatGroup neighbouring splats) have a splat whose triangle some view may show. A lane asks the triangles of one, as
 // the chunk's table of parents lists them, until one answers. The others show nothing, and nothing more of them is read in this frame.
 #version 450

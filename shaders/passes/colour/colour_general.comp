@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // SH colour of every general splat for the views that show it. Its coefficients live in the world: no turn, no brightness.
 #version 450
 #extension GL_GOOGLE_include_directive : require

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Turns the survivor count into the arguments of the sort's dispatches and of the one draw, and the depth intervals of what is drawn into the mapping
 // of depth to key: intervals that overlap share a stretch of keys, the gaps between the others take none. Its own dispatch: no barrier
 // inside a kernel reaches other workgroups on Metal.

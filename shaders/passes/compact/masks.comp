@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which splats of each half-chunk some view shows, and how many. A lane has a half-chunk: its splats lie side by side.
 #version 450
 #extension GL_GOOGLE_include_directive : require

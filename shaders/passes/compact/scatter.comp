@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Writes (depth key, splat) of each survivor in splat order, so equal keys never change places between frames. A lane has 32 splats of a half-chunk.
 #version 450
 #extension GL_GOOGLE_include_directive : require

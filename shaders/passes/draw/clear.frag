@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Transparent black, no depth, in place of what was there.
 #version 450
 layout(location = 0) out vec4 colour;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // α of one splat at one pixel, premultiplied; the depth target collects Σ α T z and Σ α T.
 // DPL_SCENE_DEPTH: nothing where the splat lies behind the app's scene. Samples of a pixel share its depth.
 #version 450

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One triangle a survivor and view, far first, around the ellipse outside which the splat is below 1/255. Two triangles of a quad would shade the pixels along
 // their diagonal twice, and cost lavapipe a third of the draw.
 #version 450

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Depth of the posed mesh at pixel centres, for the caller and as a depth buffer of everything that could hide a splat: sdk/splat/mesh_depth.h has the
 // formulas. The nearest z wins by an atomic minimum of its bits, so the order of lanes does not show. A lane draws a small triangle by itself; all lanes of
 // the group share the pixels of a large one.

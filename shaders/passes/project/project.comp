@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Footprint, opacity, colour and visibility of the splats of one live half-chunk in every view, and the sort depth of those that some view shows.
 #version 450
 #extension GL_GOOGLE_include_directive : require

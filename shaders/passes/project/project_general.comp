@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The same for general splats: three axes, no gate; their colour is another pass. Nothing poses them, so their extent along the sort axis, the range
 // of the depth keys, is that of the boxes about their groups: of all splats, seen or not, so that two views sort as each alone.
 #version 450

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Last of three: where each cell of the table begins, from where its share begins.
 #version 450
 #extension GL_GOOGLE_include_directive : require

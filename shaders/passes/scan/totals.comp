@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // First of three steps to the exclusive prefix sum of a table, row after row: what each of the kRowScanGroup shares of a row holds. The next are
 // sums.comp, over the shares of all rows, and places.comp.
 #version 450

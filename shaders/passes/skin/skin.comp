@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Poses every vertex with its four unorm8 weights and keeps the posed extent along the sort axis, the range of the depth keys.
 // A vertex that only components nobody sees use is left as it was: nothing reads it in this frame.
 // DPL_CORRECTED: the control nodes of the pose move the rest position first and give the vertex its brightness (sdk/avatar/pose_correctives.h).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How often each digit occurs in each run of keys: [digit][run], zero before, so that prefix sums give every run its places. A lane counts a run by itself.
 #version 450
 #extension GL_GOOGLE_include_directive : require

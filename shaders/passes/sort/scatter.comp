@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Moves each pair to its place for one digit. A lane moves a run of neighbours in order, so equal digits keep theirs (stable).
 // Key and splat are two words until one digit is left. DPL_PACK: it moves into the word of the splat. DPL_PACKED: the round after, which leaves the splats alone.
 #version 450

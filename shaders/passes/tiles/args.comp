@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Compares what the lists would hold with what they can: once when the spans are counted, once (DPL_ENTRIES) when the entries are. A list that is
 // too small leaves the rest of the tile passes without work, and the quads draw the frame.
 #version 450

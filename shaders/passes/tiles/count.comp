@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Entries of each tile: [row][column][segment]. kTileSegments lanes share the spans of a row in equal, ordered parts.
 #version 450
 #extension GL_GOOGLE_include_directive : require

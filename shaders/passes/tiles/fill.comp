@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The pixels of each tile from its list, near first. A lane owns one column of a tile, takes its splats by fours (twos at four samples) and stops when no
 // sample of it lets light through.
 // DPL_SHUFFLE: the eight (four) lanes of a tile fetch together, a pair of them half a record each, and hand the words around: as many records as there are

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One posed frame a triangle: corners, the columns of F, the polar rotation and the brightness (sdk/math/binding.h); and which views may show
 // its splats: those whose frustum it touches (lib/cull.glsl), for single-face splats only those on its front side, where their gate is above 0.
 // Of triangles of components that no view sees nothing more is read, and no view shows them.

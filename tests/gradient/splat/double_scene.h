@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A small skinned, splatted scene drawn by the referee of tests/reference: the function that the trainer's gradients are checked on.
 // Only skinning is spelled out here, because poses are perturbed in double.
 #pragma once
@@ -14,22 +15,22 @@ namespace dpl::test {
 struct DoubleScene {
     // Constant.
     std::vector<JointData> joints;
-    MeshData mesh;                        // weights, triangles; restPositions are the bind mesh (D is taken from them)
+    MeshData mesh;  // weights, triangles; restPositions are the bind mesh (D is taken from them)
     uint32_t shDegree = 1;
-    std::vector<uint32_t> triangle;       // per splat, ascending
+    std::vector<uint32_t> triangle;  // per splat, ascending
     std::vector<uint8_t> flags;
-    std::vector<double> sizeFloorM;       // per triangle
+    std::vector<double> sizeFloorM;  // per triangle
     Camerad camera;
     double kappa = 0.3;
     std::vector<Quatd> rotations;
     Vec3d rootTranslation{0};
-    PoseCorrectiveData correctives;       // its nodes are the start of `nodes`
-    std::vector<double> pixelWeights;     // 5 a pixel: premultiplied r, g, b, alpha, cloth
+    PoseCorrectiveData correctives;    // its nodes are the start of `nodes`
+    std::vector<double> pixelWeights;  // 5 a pixel: premultiplied r, g, b, alpha, cloth
     // Variable.
-    std::vector<double> rows;             // per splat: u, v, φ, ln s1, ln s2, opacity logit, sh
-    std::vector<double> nodes;            // M × K × 4: offset, brightness
+    std::vector<double> rows;   // per splat: u, v, φ, ln s1, ln s2, opacity logit, sh
+    std::vector<double> nodes;  // M × K × 4: offset, brightness
     std::vector<Vec3d> rest;
-    std::vector<Vec3d> jointTurn;         // R_j ← exp(ω_j) R_j
+    std::vector<Vec3d> jointTurn;  // R_j ← exp(ω_j) R_j
     Vec3d rootShift{0}, cameraTurn{0}, cameraShift{0};
 
     size_t rowLength() const { return 6 + shCoefficientCount(shDegree) * 3; }
@@ -40,7 +41,8 @@ inline Mat3d turnMatrix(const Vec3d& w) {
     return angle > 0 ? glm::mat3_cast(glm::angleAxis(angle, w / angle)) : Mat3d(1);
 }
 
-/** Offset and change of brightness of every vertex: k = modes·(columns of R − identity − mean), shortened to reach, faded off the modes, spread by weights. */
+/** Offset and change of brightness of every vertex: k = modes·(columns of R − identity − mean), shortened to reach, faded off the modes,
+ * spread by weights. */
 inline std::vector<glm::dvec4> correction(const DoubleScene& s, const std::vector<Mat3d>& local) {
     const PoseCorrectiveData& c = s.correctives;
     std::vector<glm::dvec4> out(s.rest.size(), glm::dvec4(0));
@@ -123,7 +125,8 @@ inline double renderLoss(const DoubleScene& s) {
     double loss = 0;
     for (size_t i = 0; i < image.alpha.size(); ++i) {
         const double* w = s.pixelWeights.data() + i * 5;
-        loss += w[0] * image.rgb[i * 3] + w[1] * image.rgb[i * 3 + 1] + w[2] * image.rgb[i * 3 + 2] + w[3] * image.alpha[i] + w[4] * image.cloth[i];
+        loss += w[0] * image.rgb[i * 3] + w[1] * image.rgb[i * 3 + 1] + w[2] * image.rgb[i * 3 + 2] + w[3] * image.alpha[i] +
+                w[4] * image.cloth[i];
     }
     return loss;
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Central differences in double, and the one comparison that all gradient tests use.
 #pragma once
 
@@ -26,8 +27,8 @@ inline std::vector<double> differences(std::vector<double> x, const std::functio
 }
 
 /** Every entry within `relative` of the largest; the largest must be well away from zero unless expectZero. */
-inline void expectGradients(const std::vector<double>& analytic, const std::vector<double>& numeric, double relative, const std::string& what,
-                            bool expectZero = false) {
+inline void expectGradients(const std::vector<double>& analytic, const std::vector<double>& numeric, double relative,
+                            const std::string& what, bool expectZero = false) {
     ASSERT_EQ(analytic.size(), numeric.size()) << what;
     double largest = 0;
     for (double g : numeric) largest = std::max(largest, std::abs(g));
@@ -37,8 +38,7 @@ inline void expectGradients(const std::vector<double>& analytic, const std::vect
         return;
     }
     EXPECT_GT(largest, 1e-9) << what << ": the case must not be flat";
-    for (size_t i = 0; i < analytic.size(); ++i)
-        EXPECT_NEAR(analytic[i], numeric[i], relative * largest) << what << " entry " << i;
+    for (size_t i = 0; i < analytic.size(); ++i) EXPECT_NEAR(analytic[i], numeric[i], relative * largest) << what << " entry " << i;
 }
 
 }  // namespace dpl::test

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The losses' gradients against central differences of a double-precision restatement.
 #include "reconstruction/splat/losses.h"
 
@@ -21,7 +22,8 @@ double referenceSsim(const std::vector<double>& x, const std::vector<double>& y,
                         if (px + i < 0 || px + i >= w || py + j < 0 || py + j >= h) continue;
                         const double g = window[i + 5] * window[j + 5] / (sum * sum);
                         const size_t at = size_t(c * w * h + (py + j) * w + px + i);
-                        m[0] += g * x[at], m[1] += g * y[at], m[2] += g * x[at] * x[at], m[3] += g * y[at] * y[at], m[4] += g * x[at] * y[at];
+                        m[0] += g * x[at], m[1] += g * y[at], m[2] += g * x[at] * x[at], m[3] += g * y[at] * y[at],
+                            m[4] += g * x[at] * y[at];
                     }
                 const double c1 = 1e-4, c2 = 9e-4, vx = m[2] - m[0] * m[0], vy = m[3] - m[1] * m[1], vxy = m[4] - m[0] * m[1];
                 total += (2 * m[0] * m[1] + c1) * (2 * vxy + c2) / ((m[0] * m[0] + m[1] * m[1] + c1) * (vx + vy + c2));
@@ -76,7 +78,8 @@ double referenceLoss(const Scene& s, const std::vector<double>& image, const Los
         mask += std::abs(alpha - m), cloth += std::abs(image[4 * n + i] - s.cloth[i] / 255.0);
     }
     const double count = double(n);
-    return w.l1 * l1 / (3 * count) + w.mask * mask / count + w.cloth * cloth / count + w.ssim * (1 - referenceSsim(drawn, wanted, s.width, s.height));
+    return w.l1 * l1 / (3 * count) + w.mask * mask / count + w.cloth * cloth / count +
+           w.ssim * (1 - referenceSsim(drawn, wanted, s.width, s.height));
 }
 
 TEST(PictureLoss, gradientOfEveryTerm) {
@@ -90,12 +93,15 @@ TEST(PictureLoss, gradientOfEveryTerm) {
         const LossValues v = loss.run(s.image, s.target(), w, background, g);
         const std::vector<double> x = s.drawn();
         EXPECT_NEAR(v.total, referenceLoss(s, x, w, Vec3d(background)), 1e-5);
-        const auto numeric = differences(x, [&](const auto& y) { return referenceLoss(s, y, w, Vec3d(background)); }, 1e-6);
+        const auto numeric = differences(
+            x, [&](const auto& y) { return referenceLoss(s, y, w, Vec3d(background)); }, 1e-6);
         std::vector<double> analytic;
         for (size_t i = 0; i < kPixels; ++i) analytic.insert(analytic.end(), {g.red[i], g.green[i], g.blue[i]});
         analytic.insert(analytic.end(), g.alpha.begin(), g.alpha.end());
-        if (g.cloth.empty()) analytic.insert(analytic.end(), size_t(kPixels), 0.0);
-        else analytic.insert(analytic.end(), g.cloth.begin(), g.cloth.end());
+        if (g.cloth.empty())
+            analytic.insert(analytic.end(), size_t(kPixels), 0.0);
+        else
+            analytic.insert(analytic.end(), g.cloth.begin(), g.cloth.end());
         expectGradients(analytic, numeric, 2e-4, "image");  // float sums over 121 taps against double
     }
 }
@@ -137,8 +143,10 @@ TEST(PictureLoss, bandHasNoColourGradient) {
     loss.run(s.image, s.target(), {0.8f, 0.2f, 0, 0}, Vec3f(0.5f), g);
     double outside = 0;
     for (size_t i = 0; i < kPixels; ++i) {
-        if (i % 4 == 0) EXPECT_EQ(g.red[i], 0) << i;
-        else outside += std::abs(g.red[i]);
+        if (i % 4 == 0)
+            EXPECT_EQ(g.red[i], 0) << i;
+        else
+            outside += std::abs(g.red[i]);
     }
     EXPECT_GT(outside, 0);
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // backwardSplat + finishTriangle in double against central differences of project-one-splat, one test per branch.
 #include <random>
 
@@ -90,18 +91,23 @@ std::vector<double> backward(const Case& c) {
     return x;
 }
 
-std::vector<double> slice(const std::vector<double>& x, size_t begin, size_t end) { return {x.begin() + long(begin), x.begin() + long(end)}; }
+std::vector<double> slice(const std::vector<double>& x, size_t begin, size_t end) {
+    return {x.begin() + long(begin), x.begin() + long(end)};
+}
 
 /** Each parameter group against its own scale, so that a small group cannot hide behind a large one. */
 void check(const Case& c, double relative = kRelative, double step = kStep) {
-    const std::vector<double> analytic = backward(c), numeric = differences(pack(c), [&](const auto& x) { return forward(unpack(c, x)); }, step);
+    const std::vector<double> analytic = backward(c), numeric = differences(
+                                                          pack(c), [&](const auto&x) { return forward(unpack(c, x)); }, step);
     const size_t sh = 6 + c.sh.size();
-    const std::tuple<const char*, size_t, size_t> groups[] = {{"uv", 0, 2},      {"phi", 2, 3},          {"log scale", 3, 5},
+    const std::tuple<const char*, size_t, size_t> groups[] = {{"uv", 0, 2},      {"phi", 2, 3}, {"log scale", 3, 5},
                                                               {"opacity", 5, 6}, {"sh", 6, sh}, {"vertices", sh, sh + 9}};
     for (const auto& [name, begin, end] : groups) expectGradients(slice(analytic, begin, end), slice(numeric, begin, end), relative, name);
 }
 
-TEST(SplatChain, visibleSplat) { check(Case()); }
+TEST(SplatChain, visibleSplat) {
+    check(Case());
+}
 
 TEST(SplatChain, mirroredSplatHasNegativeDeterminant) {
     Case c;
@@ -125,7 +131,8 @@ TEST(SplatChain, partiallyOpenGate) {
     // Turn the triangle until cosθ = 0.05: the gate is half open.
     const Vec3d eye = c.camera.eye(), centre = (c.posed[0] + c.posed[1] + c.posed[2]) / 3.0;
     const Vec3d toEye = glm::normalize(eye - centre), side = glm::normalize(glm::cross(toEye, Vec3d(0, 1, 0)));
-    const Vec3d normal = glm::normalize(0.05 * toEye + side), t1 = glm::normalize(glm::cross(Vec3d(0, 1, 0), normal)), t2 = glm::cross(normal, t1);
+    const Vec3d normal = glm::normalize(0.05 * toEye + side), t1 = glm::normalize(glm::cross(Vec3d(0, 1, 0), normal)),
+                t2 = glm::cross(normal, t1);
     c.posed[0] = centre - 0.05 * t1 - 0.04 * t2, c.posed[1] = centre + 0.06 * t1 - 0.03 * t2, c.posed[2] = centre + 0.07 * t2;
     const auto frame = poseTriangle(restTriangle(c.rest[0], c.rest[1], c.rest[2]), c.posed[0], c.posed[1], c.posed[2]);
     const double gate = singleFaceGate(frame.normal, splatCentre(frame, c.uv), eye);

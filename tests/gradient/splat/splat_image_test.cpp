@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The trainer's whole backward pass (float, SIMD, tiles) against finite differences of a double-precision picture.
 #include <random>
 
@@ -25,7 +26,8 @@ DoubleScene makeScene(double opacityLogit, uint8_t flags, uint32_t splatCount = 
     s.mesh.jointIndices = {{0, 1, 0, 0}, {0, 1, 2, 0}, {1, 0, 2, 0}, {1, 2, 0, 0}, {2, 1, 0, 0}};
     s.mesh.jointWeights = {{200, 55, 0, 0}, {155, 60, 40, 0}, {120, 75, 60, 0}, {130, 125, 0, 0}, {200, 55, 0, 0}};
     for (const Vec3f& v : s.mesh.restPositions) s.rest.push_back(Vec3d(v) + 0.004 * Vec3d(std::sin(v.x * 90), std::cos(v.y * 70), v.x));
-    s.rotations = {glm::normalize(Quatd(0.98, 0.1, 0.15, -0.05)), glm::normalize(Quatd(0.95, -0.2, 0.1, 0.1)), glm::normalize(Quatd(0.97, 0.1, 0, 0.2))};
+    s.rotations = {glm::normalize(Quatd(0.98, 0.1, 0.15, -0.05)), glm::normalize(Quatd(0.95, -0.2, 0.1, 0.1)),
+                   glm::normalize(Quatd(0.97, 0.1, 0, 0.2))};
     s.rootTranslation = {0.01, -0.05, 0.02};
     s.jointTurn.assign(3, Vec3d(0));
     s.sizeFloorM = {0.004, 0.002, 0};
@@ -40,7 +42,12 @@ DoubleScene makeScene(double opacityLogit, uint8_t flags, uint32_t splatCount = 
         s.flags.push_back(uint8_t(flags | (i % 2 ? kSplatCloth : 0)));
         double a = u01(random), b = u01(random);
         if (a + b > 1) a = 1 - a, b = 1 - b;
-        const double head[6] = {a, b, 3 * u01(random), std::log(0.012 + 0.03 * u01(random)), std::log(0.008 + 0.02 * u01(random)), opacityLogit + 0.3 * normal(random)};
+        const double head[6] = {a,
+                                b,
+                                3 * u01(random),
+                                std::log(0.012 + 0.03 * u01(random)),
+                                std::log(0.008 + 0.02 * u01(random)),
+                                opacityLogit + 0.3 * normal(random)};
         s.rows.insert(s.rows.end(), head, head + 6);
         for (uint32_t k = 0; k < shCoefficientCount(s.shDegree) * 3; ++k) s.rows.push_back(0.25 * normal(random));
     }
@@ -56,7 +63,9 @@ DoubleScene withCorrectives(DoubleScene s, float reach, float reachOffModes = 1e
     for (int f = 0; f < 24; ++f) c.modes.push_back(0.9f * std::sin(1.7f * float(f) + 0.4f));
     c.nodeIndices = {{0, 1, 0, 0}, {1, 0, 2, 0}, {2, 1, 0, 0}, {0, 2, 0, 0}, {1, 2, 0, 0}};
     c.nodeWeights = {{155, 100, 0, 0}, {205, 30, 20, 0}, {200, 55, 0, 0}, {130, 125, 0, 0}, {128, 127, 0, 0}};
-    for (int n = 0; n < 6; ++n) c.nodes.push_back({0.01f * std::sin(2.3f * float(n)), 0.012f * std::cos(1.9f * float(n)), 0.008f * std::sin(float(n)), 0.25f * std::cos(2.9f * float(n))});
+    for (int n = 0; n < 6; ++n)
+        c.nodes.push_back({0.01f * std::sin(2.3f * float(n)), 0.012f * std::cos(1.9f * float(n)), 0.008f * std::sin(float(n)),
+                           0.25f * std::cos(2.9f * float(n))});
     for (const Vec4f& n : c.nodes) s.nodes.insert(s.nodes.end(), {n.x, n.y, n.z, n.w});
     return s;
 }
@@ -65,7 +74,7 @@ struct Analytic {
     std::vector<double> rows, rest, joints, root, camera, nodes;
     std::vector<float> bytes;  // everything, for the thread test
     bool sawCap = false;
-    double loss = 0;           // of the float picture
+    double loss = 0;  // of the float picture
 };
 
 Analytic backward(const DoubleScene& s, uint32_t threads) {
@@ -109,8 +118,8 @@ Analytic backward(const DoubleScene& s, uint32_t threads) {
     std::vector<float> gLight;
     backward.gatherVertices(VertexIncidence(mesh.triangles, s.rest.size()), gPosed, gLight);
     PoseGradient<double> g;
-    backwardSkin(mesh, posed.rest(), s.joints, posed.worldFromRest(), posed.positions(), gPosed, camera.viewFromWorldRotation, camera.viewFromWorldTranslation,
-                 jobs, gRest, g);
+    backwardSkin(mesh, posed.rest(), s.joints, posed.worldFromRest(), posed.positions(), gPosed, camera.viewFromWorldRotation,
+                 camera.viewFromWorldTranslation, jobs, gRest, g);
     std::vector<Vec4f> gNodes;
     if (!s.correctives.empty()) {
         gatherNodes(s.correctives, posed.nodes(), gRest, gLight, gNodes);
@@ -120,11 +129,13 @@ Analytic backward(const DoubleScene& s, uint32_t threads) {
     Analytic out;
     for (size_t i = 0; i < image.alpha.size(); ++i) {
         const double* w = s.pixelWeights.data() + i * 5;
-        out.loss += w[0] * image.rgb[i * 3] + w[1] * image.rgb[i * 3 + 1] + w[2] * image.rgb[i * 3 + 2] + w[3] * image.alpha[i] + w[4] * image.cloth[i];
+        out.loss += w[0] * image.rgb[i * 3] + w[1] * image.rgb[i * 3 + 1] + w[2] * image.rgb[i * 3 + 2] + w[3] * image.alpha[i] +
+                    w[4] * image.cloth[i];
     }
     for (const ProjectedSplat& p : engine.projected()) out.sawCap |= p.opacity > float(kMaxAlpha);
     for (size_t i = 0; i < splats.count(); ++i)
-        for (size_t k = 0; k < s.rowLength(); ++k) out.rows.push_back(backward.active()[i] ? double(backward.rowGradients()[i * splats.stride + k]) : 0.0);
+        for (size_t k = 0; k < s.rowLength(); ++k)
+            out.rows.push_back(backward.active()[i] ? double(backward.rowGradients()[i * splats.stride + k]) : 0.0);
     for (const Vec3f& v : gRest) out.rest.insert(out.rest.end(), {v.x, v.y, v.z});
     for (const Vec3d& v : g.rotation) out.joints.insert(out.joints.end(), {v.x, v.y, v.z});
     out.root = {g.rootTranslation.x, g.rootTranslation.y, g.rootTranslation.z};
@@ -141,13 +152,22 @@ std::vector<double> flat(const std::vector<Vec3d>& v) {
     for (const Vec3d& p : v) x.insert(x.end(), {p.x, p.y, p.z});
     return x;
 }
-Vec3d at(const std::vector<double>& x, size_t i) { return {x[i * 3], x[i * 3 + 1], x[i * 3 + 2]}; }
+Vec3d at(const std::vector<double>& x, size_t i) {
+    return {x[i * 3], x[i * 3 + 1], x[i * 3 + 2]};
+}
 
 void check(const DoubleScene& s) {
     const Analytic a = backward(s, 2);
     const double loss = renderLoss(s);
     EXPECT_NEAR(a.loss, loss, 1e-3 * std::abs(loss)) << "both sides must look at the same picture";
-    const auto numericRows = differences(s.rows, [&](const auto& x) { DoubleScene m = s; m.rows = x; return renderLoss(m); }, kStep);
+    const auto numericRows = differences(
+        s.rows,
+        [&](const auto& x) {
+            DoubleScene m = s;
+            m.rows = x;
+            return renderLoss(m);
+        },
+        kStep);
     const char* names[] = {"u", "v", "phi", "log s1", "log s2", "opacity logit", "sh"};
     for (size_t k = 0; k < 7; ++k) {  // each column against its own scale
         std::vector<double> analytic, numeric;
@@ -158,28 +178,51 @@ void check(const DoubleScene& s) {
             }
         expectGradients(analytic, numeric, kRelative, names[k]);
     }
-    const auto rest = differences(flat(s.rest), [&](const auto& x) {
-        DoubleScene m = s;
-        for (size_t v = 0; v < m.rest.size(); ++v) m.rest[v] = at(x, v);
-        return renderLoss(m);
-    }, kStep);
+    const auto rest = differences(
+        flat(s.rest),
+        [&](const auto& x) {
+            DoubleScene m = s;
+            for (size_t v = 0; v < m.rest.size(); ++v) m.rest[v] = at(x, v);
+            return renderLoss(m);
+        },
+        kStep);
     expectGradients(a.rest, rest, kRelative, "rest vertices");
-    const auto joints = differences(flat(s.jointTurn), [&](const auto& x) {
-        DoubleScene m = s;
-        for (size_t j = 0; j < m.joints.size(); ++j) m.jointTurn[j] = at(x, j);
-        return renderLoss(m);
-    }, kStep);
+    const auto joints = differences(
+        flat(s.jointTurn),
+        [&](const auto& x) {
+            DoubleScene m = s;
+            for (size_t j = 0; j < m.joints.size(); ++j) m.jointTurn[j] = at(x, j);
+            return renderLoss(m);
+        },
+        kStep);
     expectGradients(a.joints, joints, kRelative, "joint rotations");
-    const auto root = differences({0, 0, 0}, [&](const auto& x) { DoubleScene m = s; m.rootShift = at(x, 0); return renderLoss(m); }, kStep);
+    const auto root = differences(
+        {0, 0, 0},
+        [&](const auto& x) {
+            DoubleScene m = s;
+            m.rootShift = at(x, 0);
+            return renderLoss(m);
+        },
+        kStep);
     expectGradients(a.root, root, kRelative, "root translation");
-    const auto camera = differences(std::vector<double>(6, 0.0), [&](const auto& x) {
-        DoubleScene m = s;
-        m.cameraTurn = at(x, 0), m.cameraShift = at(x, 1);
-        return renderLoss(m);
-    }, kStep);
+    const auto camera = differences(
+        std::vector<double>(6, 0.0),
+        [&](const auto& x) {
+            DoubleScene m = s;
+            m.cameraTurn = at(x, 0), m.cameraShift = at(x, 1);
+            return renderLoss(m);
+        },
+        kStep);
     expectGradients(a.camera, camera, kRelative, "camera");
     if (s.correctives.empty()) return;
-    const auto nodes = differences(s.nodes, [&](const auto& x) { DoubleScene m = s; m.nodes = x; return renderLoss(m); }, kStep);
+    const auto nodes = differences(
+        s.nodes,
+        [&](const auto& x) {
+            DoubleScene m = s;
+            m.nodes = x;
+            return renderLoss(m);
+        },
+        kStep);
     const char* components[] = {"node offset x", "node offset y", "node offset z", "node brightness"};
     for (size_t c = 0; c < 4; ++c) {
         std::vector<double> analytic, numeric;
@@ -188,16 +231,27 @@ void check(const DoubleScene& s) {
     }
 }
 
-TEST(SplatImageGradient, translucentSplats) { check(makeScene(0.0, 0)); }
-TEST(SplatImageGradient, singleFaceSplats) { check(makeScene(0.0, kSplatSingleFace)); }
+TEST(SplatImageGradient, translucentSplats) {
+    check(makeScene(0.0, 0));
+}
+TEST(SplatImageGradient, singleFaceSplats) {
+    check(makeScene(0.0, kSplatSingleFace));
+}
 
-TEST(SplatImageGradient, poseCorrectives) { check(withCorrectives(makeScene(0.0, 0), 10)); }
-TEST(SplatImageGradient, poseCorrectivesOffTheirModes) { check(withCorrectives(makeScene(0.0, 0), 0.3f, 0.1f)); }
-TEST(SplatImageGradient, poseCorrectivesBeyondTheirReach) { check(withCorrectives(makeScene(0.0, kSplatSingleFace), 0.3f)); }
+TEST(SplatImageGradient, poseCorrectives) {
+    check(withCorrectives(makeScene(0.0, 0), 10));
+}
+TEST(SplatImageGradient, poseCorrectivesOffTheirModes) {
+    check(withCorrectives(makeScene(0.0, 0), 0.3f, 0.1f));
+}
+TEST(SplatImageGradient, poseCorrectivesBeyondTheirReach) {
+    check(withCorrectives(makeScene(0.0, kSplatSingleFace), 0.3f));
+}
 
 TEST(SplatImageGradient, cappedAlphaStopsItsOwnGradient) {
     DoubleScene s = makeScene(7.4, 0);
-    for (size_t i = 0; i < s.triangle.size(); ++i) s.rows[i * s.rowLength() + 3] = std::log(0.095), s.rows[i * s.rowLength() + 4] = std::log(0.075);
+    for (size_t i = 0; i < s.triangle.size(); ++i)
+        s.rows[i * s.rowLength() + 3] = std::log(0.095), s.rows[i * s.rowLength() + 4] = std::log(0.075);
     EXPECT_TRUE(backward(s, 1).sawCap) << "large opaque splats reach α = 0.99";
     check(s);
 }

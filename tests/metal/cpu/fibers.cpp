@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <ucontext.h>
 
 #include <algorithm>
@@ -70,6 +71,8 @@ bool runGroup(uint32_t lanes, int order, const std::function<void(uint32_t lane)
     }
 }
 
-void barrier() { swapcontext(&group.current->context, &group.scheduler); }
+void barrier() {
+    swapcontext(&group.current->context, &group.scheduler);
+}
 
 }  // namespace msl

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Enough of the Metal standard library, on GLM, to compile the kernels that SPIRV-Cross emits as C++ and run them on the CPU.
 // One fiber a thread of a threadgroup; a barrier switches fibers. It checks meaning, not acceptance by Apple's compiler.
 #pragma once
@@ -44,23 +45,63 @@ using atomic_uint = uint32_t;
 
 enum class mem_flags { mem_none, mem_device, mem_threadgroup };
 constexpr int memory_order_relaxed = 0;
-inline void threadgroup_barrier(mem_flags) { msl::barrier(); }
-inline uint atomic_fetch_max_explicit(atomic_uint* a, uint v, int) { const uint old = *a; *a = std::max(old, v); return old; }
-inline uint atomic_fetch_or_explicit(atomic_uint* a, uint v, int) { const uint old = *a; *a = old | v; return old; }
-inline uint atomic_fetch_min_explicit(atomic_uint* a, uint v, int) { const uint old = *a; *a = std::min(old, v); return old; }
-inline uint atomic_fetch_add_explicit(atomic_uint* a, uint v, int) { const uint old = *a; *a = old + v; return old; }
+inline void threadgroup_barrier(mem_flags) {
+    msl::barrier();
+}
+inline uint atomic_fetch_max_explicit(atomic_uint* a, uint v, int) {
+    const uint old = *a;
+    *a = std::max(old, v);
+    return old;
+}
+inline uint atomic_fetch_or_explicit(atomic_uint* a, uint v, int) {
+    const uint old = *a;
+    *a = old | v;
+    return old;
+}
+inline uint atomic_fetch_min_explicit(atomic_uint* a, uint v, int) {
+    const uint old = *a;
+    *a = std::min(old, v);
+    return old;
+}
+inline uint atomic_fetch_add_explicit(atomic_uint* a, uint v, int) {
+    const uint old = *a;
+    *a = old + v;
+    return old;
+}
 
-inline float dot(const float3& a, const float3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-inline float dot(const float4& a, const float4& b) { return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w; }
-inline float3 cross(const float3& a, const float3& b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
-inline float length(const float3& a) { return std::sqrt(dot(a, a)); }
-inline float3x3 transpose(const float3x3& m) { return glm::transpose(m); }
-inline float sqrt(float x) { return std::sqrt(x); }
-inline float2 sqrt(const float2& v) { return {std::sqrt(v.x), std::sqrt(v.y)}; }
-inline float rsqrt(float x) { return 1.0f / std::sqrt(x); }
-inline float floor(float x) { return std::floor(x); }
-inline float ceil(float x) { return std::ceil(x); }
-inline int clamp(int x, int low, int high) { return std::min(std::max(x, low), high); }
+inline float dot(const float3& a, const float3& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+inline float dot(const float4& a, const float4& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
+}
+inline float3 cross(const float3& a, const float3& b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline float length(const float3& a) {
+    return std::sqrt(dot(a, a));
+}
+inline float3x3 transpose(const float3x3& m) {
+    return glm::transpose(m);
+}
+inline float sqrt(float x) {
+    return std::sqrt(x);
+}
+inline float2 sqrt(const float2& v) {
+    return {std::sqrt(v.x), std::sqrt(v.y)};
+}
+inline float rsqrt(float x) {
+    return 1.0f / std::sqrt(x);
+}
+inline float floor(float x) {
+    return std::floor(x);
+}
+inline float ceil(float x) {
+    return std::ceil(x);
+}
+inline int clamp(int x, int low, int high) {
+    return std::min(std::max(x, low), high);
+}
 struct half2 {
     uint bits;
     half2() = default;
@@ -68,35 +109,78 @@ struct half2 {
     operator float2() const { return glm::unpackHalf2x16(bits); }
 };
 template <class T>
-T ctz(T x) { return x ? T(std::countr_zero(uint32_t(x))) : T(32); }
+T ctz(T x) {
+    return x ? T(std::countr_zero(uint32_t(x))) : T(32);
+}
 template <class T>
-T popcount(T x) { return T(std::popcount(uint32_t(x))); }
+T popcount(T x) {
+    return T(std::popcount(uint32_t(x)));
+}
 inline uint32_t reverse_bits(uint32_t x) {
     uint32_t out = 0;
     for (int bit = 0; bit < 32; ++bit, x >>= 1) out = out << 1 | (x & 1);
     return out;
 }
 template <class T, class C>
-T select(T otherwise, T value, C condition) { return condition ? value : otherwise; }
-inline uint pack_float_to_snorm2x16(const float2& v) { return glm::packSnorm2x16(v); }
-inline float2 unpack_snorm2x16_to_float(uint bits) { return glm::unpackSnorm2x16(bits); }
-inline uint pack_float_to_unorm4x8(const float4& v) { return glm::packUnorm4x8(v); }
-inline float log(float x) { return std::log(x); }
-inline float exp(float x) { return std::exp(x); }
-inline float powr(float x, float y) { return std::pow(x, y); }  // newer SPIRV-Cross writes pow so
-inline float cos(float x) { return std::cos(x); }
-inline float sin(float x) { return std::sin(x); }
-inline float abs(float x) { return std::fabs(x); }
-inline float2 abs(const float2& v) { return {std::fabs(v.x), std::fabs(v.y)}; }
-inline uint min(uint a, uint b) { return std::min(a, b); }
-inline uint max(uint a, uint b) { return std::max(a, b); }
+T select(T otherwise, T value, C condition) {
+    return condition ? value : otherwise;
+}
+inline uint pack_float_to_snorm2x16(const float2& v) {
+    return glm::packSnorm2x16(v);
+}
+inline float2 unpack_snorm2x16_to_float(uint bits) {
+    return glm::unpackSnorm2x16(bits);
+}
+inline uint pack_float_to_unorm4x8(const float4& v) {
+    return glm::packUnorm4x8(v);
+}
+inline float log(float x) {
+    return std::log(x);
+}
+inline float exp(float x) {
+    return std::exp(x);
+}
+inline float powr(float x, float y) {
+    return std::pow(x, y);
+}  // newer SPIRV-Cross writes pow so
+inline float cos(float x) {
+    return std::cos(x);
+}
+inline float sin(float x) {
+    return std::sin(x);
+}
+inline float abs(float x) {
+    return std::fabs(x);
+}
+inline float2 abs(const float2& v) {
+    return {std::fabs(v.x), std::fabs(v.y)};
+}
+inline uint min(uint a, uint b) {
+    return std::min(a, b);
+}
+inline uint max(uint a, uint b) {
+    return std::max(a, b);
+}
 namespace fast {
-inline float clamp(float x, float low, float high) { return std::min(std::max(x, low), high); }
-inline float3 clamp(const float3& v, const float3& low, const float3& high) { return {clamp(v.x, low.x, high.x), clamp(v.y, low.y, high.y), clamp(v.z, low.z, high.z)}; }
-inline float max(float a, float b) { return std::max(a, b); }
-inline float2 max(const float2& a, const float2& b) { return {std::max(a.x, b.x), std::max(a.y, b.y)}; }
-inline float min(float a, float b) { return std::min(a, b); }
-inline float3 normalize(const float3& v) { const float s = 1.0f / std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); return {v.x * s, v.y * s, v.z * s}; }
+inline float clamp(float x, float low, float high) {
+    return std::min(std::max(x, low), high);
+}
+inline float3 clamp(const float3& v, const float3& low, const float3& high) {
+    return {clamp(v.x, low.x, high.x), clamp(v.y, low.y, high.y), clamp(v.z, low.z, high.z)};
+}
+inline float max(float a, float b) {
+    return std::max(a, b);
+}
+inline float2 max(const float2& a, const float2& b) {
+    return {std::max(a.x, b.x), std::max(a.y, b.y)};
+}
+inline float min(float a, float b) {
+    return std::min(a, b);
+}
+inline float3 normalize(const float3& v) {
+    const float s = 1.0f / std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
+    return {v.x * s, v.y * s, v.z * s};
+}
 }  // namespace fast
 template <class To, class From>
 inline To as_type(const From& from) {

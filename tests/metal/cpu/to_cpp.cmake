@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # cmake -DIN=x.metal -DOUT=x.cpp -DENTRY=name -P to_cpp.cmake: one emitted kernel as a C++ file with a C dispatcher.
 file(READ ${IN} text)
 # Newer SPIRV-Cross defines its array type with one overload an address space, which C++ has not: msl_cpu.h holds the plain one.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 /* Loads an avatar, poses it by its clip, draws two views, looks at the middle. */
 #include <doppel/doppel.h>
 
@@ -15,9 +16,22 @@ int main(int argc, char** argv) {
     DplContext context;
     DplAvatar avatar;
     DplAvatarInfo info = {0};
-    DplCamera views[2] = {
-        {.structSize = sizeof(DplCamera), .widthPx = 64, .heightPx = 64, .fx = 60, .fy = 60, .cx = 32, .cy = 32, .viewFromWorld = {1, 0, 0, 0.03f, 0, -1, 0, 1, 0, 0, -1, 3}},
-        {.structSize = sizeof(DplCamera), .widthPx = 64, .heightPx = 64, .fx = 60, .fy = 60, .cx = 32, .cy = 32, .viewFromWorld = {1, 0, 0, -0.03f, 0, -1, 0, 1, 0, 0, -1, 3}}};
+    DplCamera views[2] = {{.structSize = sizeof(DplCamera),
+                           .widthPx = 64,
+                           .heightPx = 64,
+                           .fx = 60,
+                           .fy = 60,
+                           .cx = 32,
+                           .cy = 32,
+                           .viewFromWorld = {1, 0, 0, 0.03f, 0, -1, 0, 1, 0, 0, -1, 3}},
+                          {.structSize = sizeof(DplCamera),
+                           .widthPx = 64,
+                           .heightPx = 64,
+                           .fx = 60,
+                           .fy = 60,
+                           .cx = 32,
+                           .cy = 32,
+                           .viewFromWorld = {1, 0, 0, -0.03f, 0, -1, 0, 1, 0, 0, -1, 3}}};
     DplImage images[2] = {{0}};
     size_t size, middle = (32 * 64 + 32);
     FILE* in = argc == 2 ? fopen(argv[1], "rb") : NULL;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A context with one thread, a tiny avatar, a silent log.
 #pragma once
 
@@ -28,7 +29,8 @@ inline DplCamera frontCamera(uint32_t width = 64, uint32_t height = 64, float sh
 class ApiTest : public ::testing::Test {
 protected:
     void SetUp() override {
-        dplSetLogCallback([](void* user, DplLogLevel, const char* text) { static_cast<ApiTest*>(user)->log_ += std::string(text) + "\n"; }, this);
+        dplSetLogCallback([](void* user, DplLogLevel, const char* text) { static_cast<ApiTest*>(user)->log_ += std::string(text) + "\n"; },
+                          this);
         const DplContextInfo info{sizeof(DplContextInfo), DPL_RENDERER_SOFTWARE, 1};
         ASSERT_EQ(dplCreateContext(&info, &context_), DPL_OK) << dplGetLastError();
         const auto bytes = tinyFile();

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Pictures through the public API, on a red square 3 m away whose right answer is known.
 #include <algorithm>
 #include <cstring>
@@ -155,7 +156,7 @@ TEST_F(ApiTest, statsOfTheLastFrameAreThereAfterIt) {
     EXPECT_GT(stats.bytesDecided, 0u);
     EXPECT_GE(stats.bytesDecoded, 13u * stats.splatsDrawn);
     DplFrameStats first{};
-    first.structSize = 64;   // of a program that was built with version 0.1
+    first.structSize = 64;  // of a program that was built with version 0.1
     ASSERT_EQ(dplGetFrameStats(avatar_, &first), DPL_OK) << dplGetLastError();
     EXPECT_EQ(first.splatsDrawn, stats.splatsDrawn);
     EXPECT_EQ(first.avatarBytes, 0u);
@@ -231,7 +232,9 @@ TEST_F(ApiTest, depthOfTheMeshIsThereWhereTheSquareIs) {
     for (size_t p = 0; p < mesh.size(); ++p) {
         ASSERT_TRUE(mesh[p] == 0 || std::abs(mesh[p] - 3) < 1e-5f) << p << ": " << mesh[p];
         covered += mesh[p] > 0;
-        if (mesh[p] > 0) { EXPECT_NEAR(splats[p], mesh[p], 0.01f) << "its splats lie on it"; }
+        if (mesh[p] > 0) {
+            EXPECT_NEAR(splats[p], mesh[p], 0.01f) << "its splats lie on it";
+        }
     }
     EXPECT_EQ(covered, 400u) << "1 m at 3 m with f = 60 px";
     // The two halves, the mesh alone.
@@ -340,7 +343,8 @@ TEST_F(ApiTest, rowsMayBeWiderThanThePicture) {
     image = {sizeof(DplImage), 0, wide.data(), wide.size(), 100, nullptr, 0};
     ASSERT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK) << dplGetLastError();
     for (size_t y = 0; y < 16; ++y) {
-        EXPECT_TRUE(std::equal(tight.begin() + std::ptrdiff_t(y * 64), tight.begin() + std::ptrdiff_t(y * 64 + 64), wide.begin() + std::ptrdiff_t(y * 100)));
+        EXPECT_TRUE(std::equal(tight.begin() + std::ptrdiff_t(y * 64), tight.begin() + std::ptrdiff_t(y * 64 + 64),
+                               wide.begin() + std::ptrdiff_t(y * 100)));
         for (size_t x = 64; x < 100; ++x) EXPECT_EQ(wide[y * 100 + x], 0xAA) << "padding is the caller's";
     }
 }
@@ -369,7 +373,9 @@ TEST_F(ApiTest, hostileCamerasAndImagesAreRefusedByASentence) {
     EXPECT_TRUE(refusedCamera([](DplCamera& c) { c.viewFromWorld[0] = kNan; }));
     EXPECT_TRUE(refusedCamera([](DplCamera& c) { c.viewFromWorld[0] = 2; }));
     EXPECT_TRUE(refusedCamera([](DplCamera& c) { c.viewFromWorld[0] = -1; })) << "a mirror";
-    EXPECT_TRUE(refusedCamera([](DplCamera& c) { for (float& f : c.viewFromWorld) f = 0; }));
+    EXPECT_TRUE(refusedCamera([](DplCamera& c) {
+        for (float& f : c.viewFromWorld) f = 0;
+    }));
     const auto refusedImage = [&](auto&& change) {
         DplImage image = goodImage;
         change(image);
@@ -379,7 +385,10 @@ TEST_F(ApiTest, hostileCamerasAndImagesAreRefusedByASentence) {
     EXPECT_TRUE(refusedImage([](DplImage& i) { i.flags = 0x10; }));
     EXPECT_TRUE(refusedImage([](DplImage& i) { i.flags = DPL_IMAGE_STRAIGHT_ALPHA | DPL_IMAGE_OVER; }));
     EXPECT_TRUE(errorSays("only premultiplied")) << dplGetLastError();
-    EXPECT_TRUE(refusedImage([](DplImage& i) { const int32_t unknown = -1; std::memcpy(&i.format, &unknown, sizeof unknown); }));
+    EXPECT_TRUE(refusedImage([](DplImage& i) {
+        const int32_t unknown = -1;
+        std::memcpy(&i.format, &unknown, sizeof unknown);
+    }));
     EXPECT_TRUE(errorSays("there is no format")) << dplGetLastError();
     EXPECT_TRUE(refusedImage([](DplImage& i) { i.format = DPL_FORMAT_RGBA16F; })) << "4 bytes a pixel are too few";
     EXPECT_TRUE(refusedImage([](DplImage& i) { i.format = DPL_FORMAT_RGBA16F, i.rowBytes = 511; }));

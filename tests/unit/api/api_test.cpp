@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Handles, queries, poses, clips; and every argument that can be wrong.
 #include <limits>
 #include <thread>
@@ -95,8 +96,9 @@ TEST_F(ApiTest, clipsPlayLoopAndClamp) {
 }
 
 TEST_F(ApiTest, aBvhOfAnotherKindOfCreatureIsUnsupportedAndListsIts) {
-    const std::string bvh = "HIERARCHY\nROOT box\n{\nOFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site\n{\nOFFSET 0 1 0\n}\n}\n"
-                            "MOTION\nFrames: 1\nFrame Time: 0.1\n0 0 0\n";
+    const std::string bvh =
+        "HIERARCHY\nROOT box\n{\nOFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site\n{\nOFFSET 0 1 0\n}\n}\n"
+        "MOTION\nFrames: 1\nFrame Time: 0.1\n0 0 0\n";
     const auto* bytes = reinterpret_cast<const uint8_t*>(bvh.data());
     uint32_t clip = 77;
     EXPECT_EQ(dplLoadClip(avatar_, bytes, bvh.size(), nullptr, &clip), DPL_ERROR_UNSUPPORTED);
@@ -113,7 +115,8 @@ TEST_F(ApiTest, staleForeignAndInventedHandlesAreFoundOut) {
     DplAvatarInfo info{};
     info.structSize = sizeof info;
     const auto invented = [](uintptr_t n) { return reinterpret_cast<DplAvatar>(n); };
-    for (const uintptr_t n : {uintptr_t(0), uintptr_t(1), uintptr_t(0xdeadbeef), reinterpret_cast<uintptr_t>(context_), reinterpret_cast<uintptr_t>(&info), ~uintptr_t(0)})
+    for (const uintptr_t n : {uintptr_t(0), uintptr_t(1), uintptr_t(0xdeadbeef), reinterpret_cast<uintptr_t>(context_),
+                              reinterpret_cast<uintptr_t>(&info), ~uintptr_t(0)})
         EXPECT_EQ(dplGetAvatarInfo(invented(n), &info), DPL_ERROR_INVALID_ARGUMENT);
     EXPECT_EQ(dplDestroyContext(reinterpret_cast<DplContext>(avatar_)), DPL_ERROR_INVALID_ARGUMENT);
     EXPECT_EQ(dplDestroyAvatar(invented(0xdeadbeef)), DPL_ERROR_INVALID_ARGUMENT);
@@ -168,7 +171,8 @@ TEST_F(ApiTest, damagedFilesGiveASentenceAndNoAvatar) {
     const auto good = tinyFile();
     DplAvatar avatar = nullptr;
     for (size_t size = 1; size < good.size(); size += 37) {
-        const std::vector<uint8_t> cut(good.begin(), good.begin() + std::ptrdiff_t(size));  // its own allocation: reading past it shows under ASan
+        const std::vector<uint8_t> cut(good.begin(),
+                                       good.begin() + std::ptrdiff_t(size));  // its own allocation: reading past it shows under ASan
         EXPECT_NE(dplLoadAvatar(context_, cut.data(), cut.size(), &avatar), DPL_OK) << size;
         EXPECT_NE(dplGetLastError()[0], 0);
     }

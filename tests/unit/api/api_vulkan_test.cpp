@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Both renderers behind the same API draw the same picture; `auto` never picks an emulated GPU.
 #include <algorithm>
 #include <cmath>
@@ -36,7 +37,9 @@ TEST_P(ApiVulkan, drawsWhatTheCpuDraws) {
     EXPECT_EQ(std::string(name).find("vulkan: "), 0u) << name;
     const bool tiles = std::string(name).ends_with(" (tiles)"), quads = std::string(name).ends_with(" (quads)");
     EXPECT_NE(tiles, quads) << "the name says what was chosen: " << name;
-    if (GetParam() != DPL_FILL_AUTO) { EXPECT_EQ(tiles, GetParam() == DPL_FILL_TILES) << name; }
+    if (GetParam() != DPL_FILL_AUTO) {
+        EXPECT_EQ(tiles, GetParam() == DPL_FILL_TILES) << name;
+    }
     const auto bytes = tinyFile();
     DplAvatar avatar = nullptr;
     ASSERT_EQ(dplLoadAvatar(context, bytes.data(), bytes.size(), &avatar), DPL_OK) << dplGetLastError();
@@ -57,7 +60,8 @@ TEST_P(ApiVulkan, drawsWhatTheCpuDraws) {
         ASSERT_EQ(dplRender(context, avatar, cameras, 2, gpuImages), DPL_OK) << dplGetLastError();
         for (int v = 0; v < 2; ++v) {
             EXPECT_GT(*std::max_element(cpu[v].begin(), cpu[v].end()), 200);
-            EXPECT_GT(psnrDb(cpu[v], gpu[v]), 45.0) << "view " << v << ": 8-bit blending of 128 splats rounds each one, half a level at a time";
+            EXPECT_GT(psnrDb(cpu[v], gpu[v]), 45.0)
+                << "view " << v << ": 8-bit blending of 128 splats rounds each one, half a level at a time";
             size_t compared = 0;
             for (size_t p = 0; p < cpuDepth[v].size(); ++p) {
                 if (cpu[v][p * 4 + 3] < 128 || gpu[v][p * 4 + 3] < 128) continue;
@@ -97,7 +101,9 @@ TEST_P(ApiVulkan, drawsGeneralSplatsAsTheCpuDoes) {
     DplFrameStats stats{};
     stats.structSize = sizeof stats;
     ASSERT_EQ(dplGetFrameStats(gpu, &stats), DPL_OK) << dplGetLastError();
-    if (GetParam() != DPL_FILL_AUTO) { EXPECT_EQ(stats.tileEntries > 0, GetParam() == DPL_FILL_TILES); }
+    if (GetParam() != DPL_FILL_AUTO) {
+        EXPECT_EQ(stats.tileEntries > 0, GetParam() == DPL_FILL_TILES);
+    }
     EXPECT_EQ(stats.tilesOverflowed, 0u);
     EXPECT_EQ(dplDestroyAvatar(cpu), DPL_OK);
     EXPECT_EQ(dplDestroyAvatar(gpu), DPL_OK);

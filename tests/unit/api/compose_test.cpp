@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A layer into every kind of target, against the same in double precision.
 #include <gtest/gtest.h>
 
@@ -13,8 +14,12 @@ namespace {
 
 constexpr Composition kOver[] = {{DPL_FORMAT_RGBA8, true}, {DPL_FORMAT_RGBA8_SRGB, true}, {DPL_FORMAT_RGBA16F, true}};
 
-double decodeSrgb(double v) { return v > 0.04045 ? std::exp(2.4 * std::log((v + 0.055) / 1.055)) : v / 12.92; }
-double encodeSrgb(double v) { return v > 0.0031308 ? 1.055 * std::exp(std::log(v) / 2.4) - 0.055 : v * 12.92; }
+double decodeSrgb(double v) {
+    return v > 0.04045 ? std::exp(2.4 * std::log((v + 0.055) / 1.055)) : v / 12.92;
+}
+double encodeSrgb(double v) {
+    return v > 0.0031308 ? 1.055 * std::exp(std::log(v) / 2.4) - 0.055 : v * 12.92;
+}
 
 double halfValue(uint16_t half) {
     const int exponent = half >> 10 & 31, mantissa = half & 1023;
@@ -24,7 +29,9 @@ double halfValue(uint16_t half) {
 }
 
 /** Half the distance between neighbouring halves at a magnitude. */
-double halfUlp(double magnitude) { return std::ldexp(1, std::max(-24, std::ilogb(std::max(magnitude, 1e-9)) - 10) - 1); }
+double halfUlp(double magnitude) {
+    return std::ldexp(1, std::max(-24, std::ilogb(std::max(magnitude, 1e-9)) - 10) - 1);
+}
 
 using Rgba8 = std::array<uint8_t, 4>;
 using Rgba16 = std::array<uint16_t, 4>;
@@ -62,10 +69,12 @@ TEST(Compose, eightBitsAreWithinHalfACodeOfDoublePrecision) {
                 const double through = over ? 1 - a : 0;
                 for (size_t c = 0; c < 4; ++c) {
                     double want = layer[c] / 255.0 + through * target[c] / 255.0;
-                    if (srgb && c < 3) want = encodeSrgb((a > 0 ? a * decodeSrgb(layer[c] / 255.0 / a) : 0) + through * decodeSrgb(target[c] / 255.0));
+                    if (srgb && c < 3)
+                        want = encodeSrgb((a > 0 ? a * decodeSrgb(layer[c] / 255.0 / a) : 0) + through * decodeSrgb(target[c] / 255.0));
                     const double error = std::abs(got[c] - 255 * want);
                     worst[srgb] = std::max(worst[srgb], error);
-                    ASSERT_LE(error, kHalfCode) << "layer " << int(layer[c]) << '/' << int(layer[3]) << " target " << int(target[c]) << (srgb ? " sRGB" : "") << (over ? " over" : "");
+                    ASSERT_LE(error, kHalfCode) << "layer " << int(layer[c]) << '/' << int(layer[3]) << " target " << int(target[c])
+                                                << (srgb ? " sRGB" : "") << (over ? " over" : "");
                 }
             }
         }
@@ -102,9 +111,12 @@ TEST(Compose, halvesAreWithinHalfAStepOfDoublePrecision) {
         for (const bool over : {false, true}) {
             const Rgba16 got = composed16(layer, {DPL_FORMAT_RGBA16F, over}, target);
             for (size_t c = 0; c < 4; ++c) {
-                const double linear = c == 3 ? a : a > 0 ? a * decodeSrgb(layer[c] / 255.0 / a) : 0, want = linear + (over ? (1 - a) * halfValue(target[c]) : 0);
+                const double linear = c == 3  ? a
+                                      : a > 0 ? a * decodeSrgb(layer[c] / 255.0 / a)
+                                              : 0,
+                             want = linear + (over ? (1 - a) * halfValue(target[c]) : 0);
                 ASSERT_LE(std::abs(halfValue(got[c]) - want), halfUlp(want) * (1 + 1e-3)) << want;
-                denormal += want > 0 && want < 6e-5, bright += want > 1;
+                denormal += want > 0 && want<6e-5, bright += want> 1;
             }
         }
     }
@@ -136,7 +148,8 @@ TEST(Compose, straightAlphaIsTheSameColourInEveryFormat) {
     std::mt19937 random(5);
     for (int i = 0; i < 100000; ++i) {
         const Rgba8 layer = randomPixel(random);
-        const Rgba8 display = composed8(layer, {DPL_FORMAT_RGBA8, false, true}, {}), srgb = composed8(layer, {DPL_FORMAT_RGBA8_SRGB, false, true}, {});
+        const Rgba8 display = composed8(layer, {DPL_FORMAT_RGBA8, false, true}, {}),
+                    srgb = composed8(layer, {DPL_FORMAT_RGBA8_SRGB, false, true}, {});
         const Rgba16 linear = composed16(layer, {DPL_FORMAT_RGBA16F, false, true}, {});
         EXPECT_EQ(display, srgb);
         EXPECT_EQ(display[3], layer[3]);
@@ -150,7 +163,8 @@ TEST(Compose, straightAlphaIsTheSameColourInEveryFormat) {
 }
 
 TEST(Compose, colourAboveItsAlphaCountsAsWhite) {  // no renderer of ours leaves it
-    EXPECT_EQ(composed8({255, 20, 0, 20}, {DPL_FORMAT_RGBA8_SRGB, false}, {}), composed8({20, 20, 0, 20}, {DPL_FORMAT_RGBA8_SRGB, false}, {}));
+    EXPECT_EQ(composed8({255, 20, 0, 20}, {DPL_FORMAT_RGBA8_SRGB, false}, {}),
+              composed8({20, 20, 0, 20}, {DPL_FORMAT_RGBA8_SRGB, false}, {}));
     EXPECT_EQ(composed8({255, 20, 0, 20}, kOver[0], {255, 255, 255, 255}), (Rgba8{255, 255, 235, 255}));
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Level of detail and the budget of splats through the public API.
 #include <cmath>
 #include <limits>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Several avatars in one picture through the public API: the red square of the fixture, another one, and general splats.
 #include <algorithm>
 
@@ -14,7 +15,8 @@ protected:
         const auto bytes = tinyFile();
         ASSERT_EQ(dplLoadAvatar(context_, bytes.data(), bytes.size(), &other_), DPL_OK) << dplGetLastError();
         StaticSplatData green;
-        green.position = {{0, 1, 0.2f}}, green.rotation = {{1, 0, 0, 0}}, green.scaleM = {{0.12f, 0.12f, 0.01f}}, green.opacity = {0.95f}, green.sh = {-1.7f, 1.7f, -1.7f};
+        green.position = {{0, 1, 0.2f}}, green.rotation = {{1, 0, 0, 0}}, green.scaleM = {{0.12f, 0.12f, 0.01f}}, green.opacity = {0.95f},
+        green.sh = {-1.7f, 1.7f, -1.7f};
         const auto file = *writePly(green);
         ASSERT_EQ(dplLoadAvatar(context_, file.data(), file.size(), &green_), DPL_OK) << dplGetLastError();
     }
@@ -51,7 +53,8 @@ TEST_F(TogetherTest, theNearerOneIsInFrontWhicheverIsNamedFirst) {
     EXPECT_GT(first[middle * 4 + 1], 150) << "the green splat is nearer than the square";
     EXPECT_LT(first[middle * 4], 60);
     EXPECT_NEAR(depth[middle], 2.8f, 0.05f);
-    EXPECT_GT(std::count_if(depth.begin(), depth.end(), [](float z) { return z > 3.3f && z < 3.6f; }), 20) << "of the square behind, what the others leave";
+    EXPECT_GT(std::count_if(depth.begin(), depth.end(), [](float z) { return z > 3.3f && z < 3.6f; }), 20)
+        << "of the square behind, what the others leave";
     image = imageFor(camera, last);
     ASSERT_EQ(dplRenderTogether(context_, rows[1], 3, &camera, 1, &image), DPL_OK) << dplGetLastError();
     EXPECT_EQ(first, last);
@@ -96,7 +99,7 @@ TEST_F(TogetherTest, whoeverIsOutOfViewIsLeftOutAndComesBack) {
     image = imageFor(camera, alone);
     ASSERT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK);
     EXPECT_EQ(seen(avatar_) * 2, ofBoth);
-    for (const auto& row : rows) {   // the one out of view first, and last
+    for (const auto& row : rows) {  // the one out of view first, and last
         place(9, 0);
         std::vector<uint8_t> pixels;
         image = imageFor(camera, pixels);

@@ -1,5 +1,6 @@
-// A warm frame allocates nothing and waits for nothing: what an app calls at display rate, on both renderers. A program of its own, because its
-// operator new counts: every allocation of C++ code in the process, those of libdoppel and its threads too.
+// SPDX-License-Identifier: Apache-2.0
+// A warm frame allocates nothing and waits for nothing: what an app calls at display rate, on both renderers. A program of its own, because
+// its operator new counts: every allocation of C++ code in the process, those of libdoppel and its threads too.
 #include <gtest/gtest.h>
 
 #include "apps/doppel/count_allocations.h"
@@ -51,7 +52,8 @@ void setDetail(DplContext context, bool on, float t) {
 }
 
 /** Allocations of `frames` frames with new poses and views, three at a time as an app has them in flight. */
-uint64_t playFrames(DplContext context, DplAvatar avatar, int frames, uint32_t viewCount, uint32_t flags, bool scene = false, DplAvatar other = nullptr, bool detail = false) {
+uint64_t playFrames(DplContext context, DplAvatar avatar, int frames, uint32_t viewCount, uint32_t flags, bool scene = false,
+                    DplAvatar other = nullptr, bool detail = false) {
     const DplAvatar row[2] = {avatar, other};
     uint64_t allocations = 0;
     std::vector<uint8_t> pixels[2] = {std::vector<uint8_t>(120 * 96 * 4), std::vector<uint8_t>(120 * 96 * 4)};
@@ -67,7 +69,8 @@ uint64_t playFrames(DplContext context, DplAvatar avatar, int frames, uint32_t v
         AllocationCount count;
         setDetail(context, detail, t);
         const DplResult posed = frame % 2 ? dplSetPose(avatar, rotations, 2, root) : dplSetPoseFromClip(avatar, 0, t, DPL_TRUE);
-        const DplResult drawn = other ? dplDrawTogether(context, row, 2, cameras, viewCount, flags) : dplDraw(context, avatar, cameras, viewCount, flags);
+        const DplResult drawn =
+            other ? dplDrawTogether(context, row, 2, cameras, viewCount, flags) : dplDraw(context, avatar, cameras, viewCount, flags);
         allocations += count.stop();
         EXPECT_EQ(posed, DPL_OK) << dplGetLastError();
         EXPECT_EQ(drawn, DPL_OK) << dplGetLastError();
@@ -101,7 +104,8 @@ void expectWarmFramesAreFree(DplRenderer renderer, DplFill fill = DPL_FILL_AUTO)
         playFrames(context, avatar, 9, viewCount, 0);
         const uint64_t waited = waits(avatar);
         for (int frame = 0; frame < 6; ++frame) {
-            EXPECT_EQ(playFrames(context, avatar, 6, viewCount, 0, false, nullptr, true), 0u) << viewCount << " views, a level of detail that changes";
+            EXPECT_EQ(playFrames(context, avatar, 6, viewCount, 0, false, nullptr, true), 0u)
+                << viewCount << " views, a level of detail that changes";
             DplFrameStats stats{};
             stats.structSize = sizeof stats;
             ASSERT_EQ(dplGetFrameStats(avatar, &stats), DPL_OK);
@@ -116,7 +120,8 @@ void expectWarmFramesAreFree(DplRenderer renderer, DplFill fill = DPL_FILL_AUTO)
     playFrames(context, avatar, 9, 2, DPL_DRAW_MESH_DEPTH, false, other);
     const uint64_t waited = waits(avatar);
     EXPECT_EQ(playFrames(context, avatar, 18, 2, DPL_DRAW_MESH_DEPTH, false, other), 0u) << "two avatars together";
-    EXPECT_EQ(playFrames(context, avatar, 18, 2, DPL_DRAW_MESH_DEPTH, false, other, true), 0u) << "two avatars and a level of detail that changes";
+    EXPECT_EQ(playFrames(context, avatar, 18, 2, DPL_DRAW_MESH_DEPTH, false, other, true), 0u)
+        << "two avatars and a level of detail that changes";
     EXPECT_EQ(waits(avatar), waited) << "two avatars together";
     const std::vector<uint8_t> cloud = *writePly(randomStaticSplats(3, 3000, 1));
     DplAvatar general = nullptr;
@@ -135,9 +140,15 @@ void expectWarmFramesAreFree(DplRenderer renderer, DplFill fill = DPL_FILL_AUTO)
     EXPECT_EQ(dplDestroyContext(context), DPL_OK);
 }
 
-TEST(WarmFrame, allocatesAndWaitsForNothingOnTheCpu) { expectWarmFramesAreFree(DPL_RENDERER_SOFTWARE); }
-TEST(WarmFrame, allocatesAndWaitsForNothingOnVulkanWithQuads) { expectWarmFramesAreFree(DPL_RENDERER_VULKAN, DPL_FILL_QUADS); }
-TEST(WarmFrame, allocatesAndWaitsForNothingOnVulkanWithTiles) { expectWarmFramesAreFree(DPL_RENDERER_VULKAN, DPL_FILL_TILES); }
+TEST(WarmFrame, allocatesAndWaitsForNothingOnTheCpu) {
+    expectWarmFramesAreFree(DPL_RENDERER_SOFTWARE);
+}
+TEST(WarmFrame, allocatesAndWaitsForNothingOnVulkanWithQuads) {
+    expectWarmFramesAreFree(DPL_RENDERER_VULKAN, DPL_FILL_QUADS);
+}
+TEST(WarmFrame, allocatesAndWaitsForNothingOnVulkanWithTiles) {
+    expectWarmFramesAreFree(DPL_RENDERER_VULKAN, DPL_FILL_TILES);
+}
 
 }  // namespace
 }  // namespace dpl

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Hostile and odd BVH texts.
 #include <gtest/gtest.h>
 
@@ -24,7 +25,8 @@ TEST(Bvh, readsAnyChannelOrderEndSitesAndOddSpacing) {
     std::vector<Quatf> rotations;
     std::vector<Vec3f> positions;
     motionAt(*motion, 0, rotations, positions);
-    EXPECT_LT(glm::length(positions[0] - Vec3f(0.01f, 1.03f, 0.02f)), 1e-6f) << "the root's position is nearer to its OFFSET than to 0: it replaces it";
+    EXPECT_LT(glm::length(positions[0] - Vec3f(0.01f, 1.03f, 0.02f)), 1e-6f)
+        << "the root's position is nearer to its OFFSET than to 0: it replaces it";
     // A quarter turn about z takes the thigh (0,−1,0) to (1,0,0); the knee's own quarter turn about x follows inside.
     EXPECT_LT(glm::length(positions[1] - positions[0] - Vec3f(0.5f, 0, 0)), 1e-6f);
     EXPECT_LT(glm::length(positions[2] - positions[1] - Vec3f(0, 0, -1)), 1e-6f);
@@ -82,7 +84,9 @@ TEST(Bvh, deepAndWideTreesAreRefusedWithoutHarm) {
     std::string wide = "HIERARCHY\nROOT r\n{\nOFFSET 0 0 0\n";
     for (int i = 0; i < 5000; ++i) wide += "JOINT j\n{\nOFFSET 0 0 0\n}\n";
     EXPECT_FALSE(readBvh(wide, "wide.bvh"));
-    EXPECT_FALSE(readBvh("HIERARCHY ROOT a { OFFSET 0 0 0 CHANNELS 3 Xrotation Yrotation Zrotation CHANNELS 3 Xrotation Yrotation Zrotation } MOTION", "twice.bvh"));
+    EXPECT_FALSE(readBvh(
+        "HIERARCHY ROOT a { OFFSET 0 0 0 CHANNELS 3 Xrotation Yrotation Zrotation CHANNELS 3 Xrotation Yrotation Zrotation } MOTION",
+        "twice.bvh"));
     EXPECT_FALSE(readBvh(std::string_view("HIERARCHY\0\0\0", 12), "zeros.bvh"));
     EXPECT_FALSE(readBvh("HIERARCHY ROOT a { End Site { End Site { OFFSET 0 0 0 } } }", "ends.bvh"));
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -13,7 +14,8 @@ ClipData quarterTurn() {
     ClipData clip;
     clip.name = "turn";
     clip.timesS = {10.0f, 11.0f};
-    clip.channels = {{1, {Quatf(1, 0, 0, 0), -glm::angleAxis(glm::half_pi<float>(), Vec3f(0, 0, 1))}}};  // the long way round unless the arc is chosen
+    clip.channels = {
+        {1, {Quatf(1, 0, 0, 0), -glm::angleAxis(glm::half_pi<float>(), Vec3f(0, 0, 1))}}};  // the long way round unless the arc is chosen
     clip.rootTranslations = {{0, 0, 0}, {0, 0, 2}};
     return clip;
 }
@@ -32,7 +34,8 @@ TEST(Clip, samplesHalfwayAlongTheShorterArc) {
 
 TEST(Clip, holdsBeyondItsEndsAndAtStrangeTimes) {
     const ClipData clip = quarterTurn();
-    for (const double t : {-5.0, 0.0, std::numeric_limits<double>::quiet_NaN()}) EXPECT_FLOAT_EQ(samplePose(clip, kJoints, t).rootTranslation.z, 0.0f);
+    for (const double t : {-5.0, 0.0, std::numeric_limits<double>::quiet_NaN()})
+        EXPECT_FLOAT_EQ(samplePose(clip, kJoints, t).rootTranslation.z, 0.0f);
     for (const double t : {1.0, 7.0, 1e300}) EXPECT_FLOAT_EQ(samplePose(clip, kJoints, t).rootTranslation.z, 2.0f);
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Level of detail: which splats go first, how many splats a density draws, and one budget for several avatars.
 #include "sdk/avatar/detail.h"
 
@@ -6,9 +7,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "sdk/format/spatial_order.h"
 #include "sdk/format/splat_codec.h"
 #include "sdk/format/splat_detail.h"
-#include "sdk/format/spatial_order.h"
 #include "sdk/math/projection.h"
 #include "tests/reference/random_avatar.h"
 
@@ -31,17 +32,19 @@ struct Subject {
         return subject.finestPixelM(transforms, views);
     }
     template <class Body>
-    void forGroups(Body&& body) const {   // first splat, count, group
+    void forGroups(Body&& body) const {  // first splat, count, group
         for (size_t g = 0; g < splats.groups.size(); ++g) {
             const SplatChunk& c = splats.chunks[g / 2];
-            const uint32_t first = std::min<uint32_t>(c.splatCount, g % 2 * kSplatGroupSize), count = std::min(kSplatGroupSize, c.splatCount - first);
+            const uint32_t first = std::min<uint32_t>(c.splatCount, g % 2 * kSplatGroupSize),
+                           count = std::min(kSplatGroupSize, c.splatCount - first);
             if (count > 0) body(c.firstSplat + first, count, splats.groups[g]);
         }
     }
     uint64_t drawn(float perM2) const {
         uint64_t sum = 0;
-        forGroups([&](uint32_t, uint32_t count, const SplatGroup& g) { 
-            for (uint32_t rank = 0, most = drawnRanks(keptShare(perM2, g.areaM2)); rank < most; ++rank) sum += placeOfRank(rank) < count ? 1 : 0;
+        forGroups([&](uint32_t, uint32_t count, const SplatGroup& g) {
+            for (uint32_t rank = 0, most = drawnRanks(keptShare(perM2, g.areaM2)); rank < most; ++rank)
+                sum += placeOfRank(rank) < count ? 1 : 0;
         });
         return sum;
     }
@@ -63,10 +66,14 @@ struct Cloud {
             bool ahead = false;
             for (const Cameraf& view : views)
                 for (int corner = 0; corner < 8; ++corner)
-                    ahead |= view.toView(group.middle + group.reach * Vec3f(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1)).z >= float(kNearM);
+                    ahead |=
+                        view.toView(group.middle + group.reach * Vec3f(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1)).z >=
+                        float(kNearM);
             const float pixelM = detail.pixelM(group.middle, group.reach);
             const uint32_t count = std::min<uint32_t>(kSplatGroupSize, subject.splatCount() - uint32_t(g) * kSplatGroupSize);
-            for (uint32_t rank = 0, most = ahead ? drawnRanks(keptShare(detail.perPixel, group.detail.areaM2 / (pixelM * pixelM))) : 0; rank < most; ++rank) sum += placeOfRank(rank) < count ? 1 : 0;
+            for (uint32_t rank = 0, most = ahead ? drawnRanks(keptShare(detail.perPixel, group.detail.areaM2 / (pixelM * pixelM))) : 0;
+                 rank < most; ++rank)
+                sum += placeOfRank(rank) < count ? 1 : 0;
         }
         return sum;
     }
@@ -94,7 +101,8 @@ TEST(SplatGroups, standForTheWholeSurfaceTogether) {
             area += double(g.areaM2) * count;
         });
         for (const Triangle& t : s.avatar.mesh.triangles)
-            surface += 0.5 * double(glm::length(glm::cross(s.avatar.mesh.restPositions[t.y] - s.avatar.mesh.restPositions[t.x], s.avatar.mesh.restPositions[t.z] - s.avatar.mesh.restPositions[t.x])));
+            surface += 0.5 * double(glm::length(glm::cross(s.avatar.mesh.restPositions[t.y] - s.avatar.mesh.restPositions[t.x],
+                                                           s.avatar.mesh.restPositions[t.z] - s.avatar.mesh.restPositions[t.x])));
         EXPECT_NEAR(area / surface, 1, 1e-4) << "every triangle carries splats";
     }
 }
@@ -107,7 +115,8 @@ TEST(SplatGroups, nothingVisibleNothingBound) {
     AvatarData none = randomAvatar(5, 6, 0, 0);
     for (const AvatarData& avatar : {invisible, flat, none}) {
         const Subject s(avatar);
-        for (const SplatGroup& g : s.splats.groups) EXPECT_TRUE(std::isfinite(g.areaM2) && std::isfinite(g.gain) && g.enough >= 0 && g.enough <= 1);
+        for (const SplatGroup& g : s.splats.groups)
+            EXPECT_TRUE(std::isfinite(g.areaM2) && std::isfinite(g.gain) && g.enough >= 0 && g.enough <= 1);
         for (const float perM2 : {0.0f, 1.0f, 1e30f}) {
             EXPECT_TRUE(s.subject.largestGrowth(perM2) >= 1 && std::isfinite(s.subject.largestGrowth(perM2))) << perM2;
             const double most = s.subject.drawnAtMost(double(perM2));
@@ -141,17 +150,20 @@ TEST(Detail, theCurveIsNeverBelowWhatIsDrawnAndRisesWithoutSteps) {
 
 TEST(SplatGroups, faceAndHandsKeepMoreWithinTheSameNumber) {
     const Subject plain(4, 9);
-    for (const auto& [bone, times] : {std::pair{"head", 3.0f}, {"rightEye", 3.0f}, {"rightHand", 2.0f}, {"leftLittleDistal", 2.0f}, {"chest", 1.0f}}) {
+    for (const auto& [bone, times] :
+         {std::pair{"head", 3.0f}, {"rightEye", 3.0f}, {"rightHand", 2.0f}, {"leftLittleDistal", 2.0f}, {"chest", 1.0f}}) {
         AvatarData avatar = plain.avatar;
         avatar.joints[1].humanoidBone = bone;
-        for (auto& w : avatar.mesh.jointWeights) w = w[1] > 127 ? glm::u8vec4(0, 255, 0, 0) : glm::u8vec4(255, 0, 0, 0);   // each on one joint
-        for (auto& j : avatar.mesh.jointIndices) j = {0, 1, 60000, 60000};   // what weighs nothing is not looked up
+        for (auto& w : avatar.mesh.jointWeights)
+            w = w[1] > 127 ? glm::u8vec4(0, 255, 0, 0) : glm::u8vec4(255, 0, 0, 0);  // each on one joint
+        for (auto& j : avatar.mesh.jointIndices) j = {0, 1, 60000, 60000};           // what weighs nothing is not looked up
         const Subject s(std::move(avatar));
         double area = 0, plainArea = 0;
         float least = INFINITY, most = 0;
         for (size_t g = 0; g < s.splats.groups.size(); ++g) {
             const SplatChunk& c = s.splats.chunks[g / 2];
-            const uint32_t before = std::min<uint32_t>(c.splatCount, g % 2 * kSplatGroupSize), count = std::min(kSplatGroupSize, c.splatCount - before);
+            const uint32_t before = std::min<uint32_t>(c.splatCount, g % 2 * kSplatGroupSize),
+                           count = std::min(kSplatGroupSize, c.splatCount - before);
             if (count == 0) continue;
             area += double(s.splats.groups[g].areaM2) * count, plainArea += double(plain.splats.groups[g].areaM2) * count;
             const float ratio = s.splats.groups[g].areaM2 / plain.splats.groups[g].areaM2;
@@ -174,15 +186,17 @@ TEST(SplatGroups, ofGeneralSplatsStandForTheSurfaceTheyLieOn) {
     // A square of 2 m with a splat every 2 cm, and one that is crumpled into a ball, which is seen from all sides.
     StaticSplatData flat;
     for (int i = 0; i < 10000; ++i) {
-        flat.position.emplace_back(0.02f * float(i % 100), 0.02f * float(i / 100), 1), flat.rotation.emplace_back(glm::normalize(Quatf(1, 0.2f, 0, 0.1f)));
+        flat.position.emplace_back(0.02f * float(i % 100), 0.02f * float(i / 100), 1),
+            flat.rotation.emplace_back(glm::normalize(Quatf(1, 0.2f, 0, 0.1f)));
         flat.scaleM.emplace_back(1e-4f), flat.opacity.push_back(0.5f), flat.sh.insert(flat.sh.end(), {1, 1, 1});
     }
     double area = 0;
     const std::vector<GeneralGroup> groups = measureGroups(flat, spatialOrder(flat.position));
-    for (size_t g = 0; g < groups.size(); ++g) area += double(groups[g].detail.areaM2) * std::min<double>(kSplatGroupSize, 10000 - double(g) * kSplatGroupSize);
+    for (size_t g = 0; g < groups.size(); ++g)
+        area += double(groups[g].detail.areaM2) * std::min<double>(kSplatGroupSize, 10000 - double(g) * kSplatGroupSize);
     EXPECT_EQ(groups.size(), 79u);
     EXPECT_GT(area, 3.9);
-    EXPECT_LT(area, 8);   // some half-chunks lie in two places
+    EXPECT_LT(area, 8);  // some half-chunks lie in two places
     // One large splat stands for its own size, wherever its neighbours are.
     StaticSplatData one = flat;
     std::fill(one.position.begin(), one.position.end(), Vec3f(0));
@@ -192,7 +206,8 @@ TEST(SplatGroups, ofGeneralSplatsStandForTheSurfaceTheyLieOn) {
     EXPECT_TRUE(large.enough > 0 && large.enough < 0.2f) << "128 in one place, of which a few are enough: " << large.enough;
     // What is not finite or not seen leaves the numbers finite.
     one.position[7].x = INFINITY, one.scaleM[9].y = NAN;
-    for (const GeneralGroup& g : measureGroups(one, spatialOrder(one.position))) EXPECT_TRUE(std::isfinite(g.detail.areaM2) && std::isfinite(g.detail.gain) && std::isfinite(g.detail.enough));
+    for (const GeneralGroup& g : measureGroups(one, spatialOrder(one.position)))
+        EXPECT_TRUE(std::isfinite(g.detail.areaM2) && std::isfinite(g.detail.gain) && std::isfinite(g.detail.enough));
     std::fill(one.opacity.begin(), one.opacity.end(), 0.0f);
     for (const GeneralGroup& g : measureGroups(one, spatialOrder(one.position))) EXPECT_EQ(g.detail.areaM2, 0);
 }
@@ -200,18 +215,24 @@ TEST(SplatGroups, ofGeneralSplatsStandForTheSurfaceTheyLieOn) {
 TEST(Detail, theSumOfGeneralSplatsIsNeverBelowWhatIsDrawnAndMovesWithoutSteps) {
     Cloud cloud(2);
     for (const float distanceM : {0.1f, 1.0f, 4.0f, 20.0f}) {
-        const Cameraf pair[2] = {lookAt({0, 1, distanceM}, {0, 1, -9}, 200, 200, 240), lookAt({0.1f, 1, distanceM}, {1, 1, -9}, 200, 200, 240)};
+        const Cameraf pair[2] = {lookAt({0, 1, distanceM}, {0, 1, -9}, 200, 200, 240),
+                                 lookAt({0.1f, 1, distanceM}, {1, 1, -9}, 200, 200, 240)};
         cloud.subject.look(pair);
         double before = 0;
         for (double perPixel = 1e-4; perPixel < 1e4; perPixel *= 1.1) {
-            const double most = cloud.subject.drawnAtMost(perPixel), drawn = double(cloud.drawn(cloud.subject.detail(float(perPixel)), pair));
+            const double most = cloud.subject.drawnAtMost(perPixel),
+                         drawn = double(cloud.drawn(cloud.subject.detail(float(perPixel)), pair));
             EXPECT_GE(most + 1e-6, drawn) << distanceM << " " << perPixel;
             EXPECT_GE(most, before);
-            if (distanceM > 3) { EXPECT_LE(most, 1.03 * drawn + double(cloud.subject.groups().size() + kSplatGroupSize)) << distanceM << " " << perPixel; }
+            if (distanceM > 3) {
+                EXPECT_LE(most, 1.03 * drawn + double(cloud.subject.groups().size() + kSplatGroupSize)) << distanceM << " " << perPixel;
+            }
             before = most;
         }
         EXPECT_EQ(cloud.subject.drawnAtMost(INFINITY), cloud.subject.splatCount());
-        if (distanceM > 3) { EXPECT_EQ(cloud.subject.drawnAtMost(1e9), cloud.subject.splatCount()); }
+        if (distanceM > 3) {
+            EXPECT_EQ(cloud.subject.drawnAtMost(1e9), cloud.subject.splatCount());
+        }
     }
     // Through the cloud and out of it behind.
     const auto largestStep = [&](float stepM) {
@@ -254,11 +275,13 @@ TEST(Detail, oneBudgetLowersAllAlike) {
             const uint64_t allowed = choose({perPixel, budget});
             EXPECT_LE(allowed, budget);
             EXPECT_GT(allowed, budget * 95 / 100);
-            EXPECT_LE(near.drawn(out[0].detail.perM2) + far.drawn(out[1].detail.perM2) + cloud.drawn(out[2].generalDetail, {&camera, 1}), budget);
+            EXPECT_LE(near.drawn(out[0].detail.perM2) + far.drawn(out[1].detail.perM2) + cloud.drawn(out[2].generalDetail, {&camera, 1}),
+                      budget);
             EXPECT_LT(out[2].share, 1);
             // As many splats a pixel on all.
             EXPECT_NEAR(double(out[0].detail.perM2) * out[0].pixelM * out[0].pixelM / double(out[2].generalDetail.perPixel), 1, 1e-4);
-            const double a = double(out[0].detail.perM2) * out[0].pixelM * out[0].pixelM, b = double(out[1].detail.perM2) * out[1].pixelM * out[1].pixelM;
+            const double a = double(out[0].detail.perM2) * out[0].pixelM * out[0].pixelM,
+                         b = double(out[1].detail.perM2) * out[1].pixelM * out[1].pixelM;
             EXPECT_NEAR(a / b, 1, 1e-4);
         }
     }
@@ -274,9 +297,10 @@ TEST(Detail, oneBudgetLowersAllAlike) {
 
 TEST(Detail, theNearestPointInTheFinestViewDecides) {
     const Subject s(3);
-    const Cameraf front = lookAt({0, 1, 4}, {0, 1, 0}, 200, 200, 240), nearer = lookAt({0, 1, 3.5f}, {0, 1, 0}, 200, 200, 240), wider = lookAt({0, 1, 4}, {0, 1, 0}, 200, 200, 120);
+    const Cameraf front = lookAt({0, 1, 4}, {0, 1, 0}, 200, 200, 240), nearer = lookAt({0, 1, 3.5f}, {0, 1, 0}, 200, 200, 240),
+                  wider = lookAt({0, 1, 4}, {0, 1, 0}, 200, 200, 120);
     const double one = s.pixelM(s.rest(), {&front, 1});
-    EXPECT_GT(one, (4 - 0.55) / 240 - 0.004);   // the surface is within half a metre of (0, 1, 0), its balls a little farther out
+    EXPECT_GT(one, (4 - 0.55) / 240 - 0.004);  // the surface is within half a metre of (0, 1, 0), its balls a little farther out
     EXPECT_LT(one, 4.0 / 240);
     const Cameraf pair[2] = {front, nearer}, swapped[2] = {nearer, front};
     EXPECT_EQ(s.pixelM(s.rest(), pair), s.pixelM(s.rest(), {&nearer, 1}));

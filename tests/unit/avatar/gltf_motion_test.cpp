@@ -1,11 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 // glTF clips: joints with rolled axes under a turned and scaled armature give the motion they show, not the numbers they hold.
 #include <gtest/gtest.h>
 
 #include <random>
 
+#include "sdk/avatar/clip.h"
 #include "sdk/avatar/motion.h"
 #include "sdk/avatar/retarget.h"
-#include "sdk/avatar/clip.h"
 #include "sdk/avatar/rig.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/glb_builder.h"
@@ -20,24 +21,34 @@ using test::personRig;
 
 constexpr float kArmatureScale = 0.01f;
 
-Json xyzw(const Quatf& q) { return {q.x, q.y, q.z, q.w}; }
-Json xyz(const Vec3f& v) { return {v.x, v.y, v.z}; }
+Json xyzw(const Quatf& q) {
+    return {q.x, q.y, q.z, q.w};
+}
+Json xyz(const Vec3f& v) {
+    return {v.x, v.y, v.z};
+}
 
-/** personRig as glTF nodes: every joint has its own random roll; an armature above turns z-up centimetres into y-up metres. Two keys: rest, and
- *  the left elbow bent by `bend` (in axes parallel to the world at rest) with the pelvis 0.5 m further along z. */
+/** personRig as glTF nodes: every joint has its own random roll; an armature above turns z-up centimetres into y-up metres. Two keys: rest,
+ * and the left elbow bent by `bend` (in axes parallel to the world at rest) with the pelvis 0.5 m further along z. */
 std::vector<uint8_t> rolledGlb(const std::vector<JointData>& rig, const Quatf& bend) {
     std::mt19937 random(7);
     std::normal_distribution<float> normal;
     const Quatf armature = glm::angleAxis(-glm::half_pi<float>(), Vec3f(1, 0, 0));
     std::vector<Quatf> world;
-    for (size_t j = 0; j < rig.size(); ++j) world.push_back(glm::normalize(Quatf(normal(random), normal(random), normal(random), normal(random))));
+    for (size_t j = 0; j < rig.size(); ++j)
+        world.push_back(glm::normalize(Quatf(normal(random), normal(random), normal(random), normal(random))));
     GlbBuilder glb;
     glb.root = {{"asset", {{"version", "2.0"}}}, {"scene", 0}, {"scenes", {{{"nodes", {0}}}}}};
     Json nodes = Json::array();
-    nodes.push_back({{"name", "Armature"}, {"rotation", xyzw(armature)}, {"scale", {kArmatureScale, kArmatureScale, kArmatureScale}}, {"children", Json::array()}});
+    nodes.push_back({{"name", "Armature"},
+                     {"rotation", xyzw(armature)},
+                     {"scale", {kArmatureScale, kArmatureScale, kArmatureScale}},
+                     {"children", Json::array()}});
     const size_t elbow = jointOf(rig, "leftLowerArm");
     Json channels = Json::array(), samplers = Json::array();
-    const uint32_t times = (glb.addAccessor(glb.addView(std::vector<float>{0, 1}), kGltfF32, "SCALAR", 2).update({{"min", {0}}, {"max", {1}}}), glb.lastAccessor());
+    const uint32_t times =
+        (glb.addAccessor(glb.addView(std::vector<float>{0, 1}), kGltfF32, "SCALAR", 2).update({{"min", {0}}, {"max", {1}}}),
+         glb.lastAccessor());
     const auto animate = [&](size_t joint, const char* path, const std::vector<float>& values, const char* type) {
         glb.addAccessor(glb.addView(values), kGltfF32, type, 2);
         samplers.push_back({{"input", times}, {"output", glb.lastAccessor()}});

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,25 +12,86 @@ namespace {
 
 TEST(Humanoid, namesOfManyHouses) {
     const char* const kCases[][2] = {
-        {"pelvis", "hips"}, {"left_hip", "leftUpperLeg"}, {"left_knee", "leftLowerLeg"}, {"left_ankle", "leftFoot"}, {"spine1", "spine"},          // SMPL-X
-        {"spine3", "upperChest"}, {"left_collar", "leftShoulder"}, {"left_shoulder", "leftUpperArm"}, {"left_elbow", "leftLowerArm"},
-        {"right_wrist", "rightHand"}, {"left_index1", "leftIndexProximal"}, {"right_pinky3", "rightLittleDistal"}, {"left_thumb1", "leftThumbMetacarpal"},
-        {"left_eye_smplhf", "leftEye"}, {"jaw", "jaw"},
-        {"thigh_l", "leftUpperLeg"}, {"upperarm_r", "rightUpperArm"}, {"spine_01", "spine"}, {"index_01_l", "leftIndexProximal"},                 // game engine
-        {"calf_r", "rightLowerLeg"}, {"ball_l", "leftToes"}, {"clavicle_l", "leftShoulder"}, {"neck_01", "neck"}, {"thumb_02_r", "rightThumbProximal"},
-        {"upperleg01.L", "leftUpperLeg"}, {"upperleg02.L", ""}, {"lowerarm01.R", "rightLowerArm"}, {"shoulder01.L", ""}, {"wrist.L", "leftHand"},  // MakeHuman
-        {"finger1-1.L", "leftThumbMetacarpal"}, {"finger5-3.R", "rightLittleDistal"}, {"spine05", "spine"}, {"spine01", "upperChest"},
-        {"metacarpal1.L", ""}, {"toe2-1.L", ""}, {"pelvis.L", ""}, {"UpArm_L", "leftUpperArm"}, {"LoLeg_R", "rightLowerLeg"}, {"__UpLeg_L", ""},
-        {"mixamorig:Hips", "hips"}, {"mixamorig:LeftArm", "leftUpperArm"}, {"mixamorig:LeftForeArm", "leftLowerArm"},                           // Mixamo
-        {"mixamorig:LeftShoulder", "leftShoulder"}, {"mixamorig:Spine1", "chest"}, {"mixamorig:RightUpLeg", "rightUpperLeg"},
-        {"mixamorig:LeftToeBase", "leftToes"}, {"mixamorig:LeftHandIndex3", "leftIndexDistal"}, {"mixamorig:LeftHandIndex4", ""},
-        {"hip", "hips"}, {"abdomen", "spine"}, {"chest", "chest"}, {"lCollar", "leftShoulder"}, {"rShldr", "rightUpperArm"},                    // Daz / CMU
-        {"lForeArm", "leftLowerArm"}, {"rThigh", "rightUpperLeg"}, {"lShin", "leftLowerLeg"}, {"rButtock", ""}, {"lMid1", "leftMiddleProximal"},
-        {"LeftHip", "leftUpperLeg"}, {"LHipJoint", ""}, {"RightElbow", "rightLowerArm"}, {"lowerback", "spine"}, {"lhand", "leftHand"},          // bvh11
-        {"upper_arm.L", "leftUpperArm"}, {"DEF-forearm.R", "rightLowerArm"}, {"f_index.02.L", "leftIndexIntermediate"}, {"shoulder.L", "leftShoulder"},
-        {"J_Bip_L_UpperArm", "leftUpperArm"}, {"leftUpperLeg", "leftUpperLeg"}, {"rightLittleIntermediate", "rightLittleIntermediate"},          // VRM
-        {"leftThumbMetacarpal", "leftThumbMetacarpal"}, {"upperChest", "upperChest"},
-        {"", ""}, {"l", ""}, {"_", ""}, {"12345678901234567890", ""}, {"left", ""}, {"Armature|", ""}, {"camera", ""}, {"left_index99999999999", ""},
+        {"pelvis", "hips"},
+        {"left_hip", "leftUpperLeg"},
+        {"left_knee", "leftLowerLeg"},
+        {"left_ankle", "leftFoot"},
+        {"spine1", "spine"},  // SMPL-X
+        {"spine3", "upperChest"},
+        {"left_collar", "leftShoulder"},
+        {"left_shoulder", "leftUpperArm"},
+        {"left_elbow", "leftLowerArm"},
+        {"right_wrist", "rightHand"},
+        {"left_index1", "leftIndexProximal"},
+        {"right_pinky3", "rightLittleDistal"},
+        {"left_thumb1", "leftThumbMetacarpal"},
+        {"left_eye_smplhf", "leftEye"},
+        {"jaw", "jaw"},
+        {"thigh_l", "leftUpperLeg"},
+        {"upperarm_r", "rightUpperArm"},
+        {"spine_01", "spine"},
+        {"index_01_l", "leftIndexProximal"},  // game engine
+        {"calf_r", "rightLowerLeg"},
+        {"ball_l", "leftToes"},
+        {"clavicle_l", "leftShoulder"},
+        {"neck_01", "neck"},
+        {"thumb_02_r", "rightThumbProximal"},
+        {"upperleg01.L", "leftUpperLeg"},
+        {"upperleg02.L", ""},
+        {"lowerarm01.R", "rightLowerArm"},
+        {"shoulder01.L", ""},
+        {"wrist.L", "leftHand"},  // MakeHuman
+        {"finger1-1.L", "leftThumbMetacarpal"},
+        {"finger5-3.R", "rightLittleDistal"},
+        {"spine05", "spine"},
+        {"spine01", "upperChest"},
+        {"metacarpal1.L", ""},
+        {"toe2-1.L", ""},
+        {"pelvis.L", ""},
+        {"UpArm_L", "leftUpperArm"},
+        {"LoLeg_R", "rightLowerLeg"},
+        {"__UpLeg_L", ""},
+        {"mixamorig:Hips", "hips"},
+        {"mixamorig:LeftArm", "leftUpperArm"},
+        {"mixamorig:LeftForeArm", "leftLowerArm"},  // Mixamo
+        {"mixamorig:LeftShoulder", "leftShoulder"},
+        {"mixamorig:Spine1", "chest"},
+        {"mixamorig:RightUpLeg", "rightUpperLeg"},
+        {"mixamorig:LeftToeBase", "leftToes"},
+        {"mixamorig:LeftHandIndex3", "leftIndexDistal"},
+        {"mixamorig:LeftHandIndex4", ""},
+        {"hip", "hips"},
+        {"abdomen", "spine"},
+        {"chest", "chest"},
+        {"lCollar", "leftShoulder"},
+        {"rShldr", "rightUpperArm"},  // Daz / CMU
+        {"lForeArm", "leftLowerArm"},
+        {"rThigh", "rightUpperLeg"},
+        {"lShin", "leftLowerLeg"},
+        {"rButtock", ""},
+        {"lMid1", "leftMiddleProximal"},
+        {"LeftHip", "leftUpperLeg"},
+        {"LHipJoint", ""},
+        {"RightElbow", "rightLowerArm"},
+        {"lowerback", "spine"},
+        {"lhand", "leftHand"},  // bvh11
+        {"upper_arm.L", "leftUpperArm"},
+        {"DEF-forearm.R", "rightLowerArm"},
+        {"f_index.02.L", "leftIndexIntermediate"},
+        {"shoulder.L", "leftShoulder"},
+        {"J_Bip_L_UpperArm", "leftUpperArm"},
+        {"leftUpperLeg", "leftUpperLeg"},
+        {"rightLittleIntermediate", "rightLittleIntermediate"},  // VRM
+        {"leftThumbMetacarpal", "leftThumbMetacarpal"},
+        {"upperChest", "upperChest"},
+        {"", ""},
+        {"l", ""},
+        {"_", ""},
+        {"12345678901234567890", ""},
+        {"left", ""},
+        {"Armature|", ""},
+        {"camera", ""},
+        {"left_index99999999999", ""},
     };
     for (const auto& c : kCases) EXPECT_EQ(humanoidBoneFor(c[0]), c[1]) << c[0];
 }
@@ -60,8 +122,7 @@ TEST(Humanoid, theTreeSettlesWhatNamesLeaveOpen) {
     EXPECT_EQ(bones[size_t(neck)], "neck");
     EXPECT_EQ(bones[size_t(chest2)], "upperChest");
     std::set<std::string> once;
-    for (const std::string& bone : bones)
-        EXPECT_TRUE(bone.empty() || once.insert(bone).second) << bone << " twice";
+    for (const std::string& bone : bones) EXPECT_TRUE(bone.empty() || once.insert(bone).second) << bone << " twice";
 }
 
 TEST(Humanoid, smplFootBelowAnkleIsToes) {
@@ -77,9 +138,15 @@ TEST(Humanoid, labelsThatAreSetAreKept) {
 }
 
 TEST(Humanoid, armsThatHangFromTheHeadLeaveNoNeck) {
-    const std::vector<JointData> joints = {{"pelvis", -1, {0, 1, 0}},          {"left_hip", 0, {0.1f, 0.9f, 0}},       {"right_hip", 0, {-0.1f, 0.9f, 0}},
-                                           {"spine1", 0, {0, 1.2f, 0}},        {"head", 3, {0, 1.5f, 0}},              {"left_shoulder", 4, {0.2f, 1.4f, 0}},
-                                           {"right_shoulder", 4, {-0.2f, 1.4f, 0}}, {"left_elbow", 5, {0.5f, 1.4f, 0}}, {"right_elbow", 6, {-0.5f, 1.4f, 0}}};
+    const std::vector<JointData> joints = {{"pelvis", -1, {0, 1, 0}},
+                                           {"left_hip", 0, {0.1f, 0.9f, 0}},
+                                           {"right_hip", 0, {-0.1f, 0.9f, 0}},
+                                           {"spine1", 0, {0, 1.2f, 0}},
+                                           {"head", 3, {0, 1.5f, 0}},
+                                           {"left_shoulder", 4, {0.2f, 1.4f, 0}},
+                                           {"right_shoulder", 4, {-0.2f, 1.4f, 0}},
+                                           {"left_elbow", 5, {0.5f, 1.4f, 0}},
+                                           {"right_elbow", 6, {-0.5f, 1.4f, 0}}};
     const auto bones = humanoidBones(joints);  // once looped forever
     EXPECT_EQ(bones[0], "hips");
     EXPECT_EQ(bones[4], "head");

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Coefficients, control nodes and their spread to the vertices; and the way from a pose to posed triangles that uses them.
 #include "sdk/avatar/pose_correctives.h"
 
@@ -146,7 +147,8 @@ TEST_F(PoseCorrectives, sameBytesOnAnyThreadCount) {
     PoseCorrectiveData wide = c_;
     std::vector<Vec3f> rest(9000, Vec3f(0.1f, 0.2f, 0.3f)), one, three;
     wide.nodeIndices.clear(), wide.nodeWeights.clear();
-    for (uint32_t v = 0; v < rest.size(); ++v) wide.nodeIndices.emplace_back(v % 5, (v + 1) % 5, (v + 2) % 5, 0), wide.nodeWeights.emplace_back(v % 200, 50, 5, 200 - v % 200);
+    for (uint32_t v = 0; v < rest.size(); ++v)
+        wide.nodeIndices.emplace_back(v % 5, (v + 1) % 5, (v + 2) % 5, 0), wide.nodeWeights.emplace_back(v % 200, 50, 5, 200 - v % 200);
     std::vector<Vec4f> nodes;
     correctiveNodes(wide, std::vector<float>{1, -1, 0.3f, 2}, nodes);
     std::vector<float> light1, light3;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Real CMU clips on rigs they were not recorded with.
 #include <gtest/gtest.h>
 
@@ -17,9 +18,11 @@ namespace {
 using test::jointOf;
 using test::personRig;
 
-const char* const kLimbs[][2] = {{"leftUpperArm", "leftLowerArm"}, {"leftLowerArm", "leftHand"}, {"rightUpperArm", "rightLowerArm"}, {"rightLowerArm", "rightHand"},
-                                 {"leftUpperLeg", "leftLowerLeg"}, {"leftLowerLeg", "leftFoot"}, {"rightUpperLeg", "rightLowerLeg"}, {"rightLowerLeg", "rightFoot"}};
-const char* const kClips[] = {"02_01", "02_03", "02_05", "05_01", "05_09", "07_01", "09_01", "scaled_131_01", "mh_tpose", "mh_walk1", "mh_zombieWalk1"};
+const char* const kLimbs[][2] = {{"leftUpperArm", "leftLowerArm"},   {"leftLowerArm", "leftHand"},     {"rightUpperArm", "rightLowerArm"},
+                                 {"rightLowerArm", "rightHand"},     {"leftUpperLeg", "leftLowerLeg"}, {"leftLowerLeg", "leftFoot"},
+                                 {"rightUpperLeg", "rightLowerLeg"}, {"rightLowerLeg", "rightFoot"}};
+const char* const kClips[] = {"02_01", "02_03",         "02_05",    "05_01",    "05_09",         "07_01",
+                              "09_01", "scaled_131_01", "mh_tpose", "mh_walk1", "mh_zombieWalk1"};
 
 std::optional<Motion> mocap(const std::string& name) {
     const auto shared = sharedData();
@@ -46,14 +49,18 @@ Vec3f direction(const std::vector<JointData>& rig, const std::vector<Vec3f>& p, 
     return glm::normalize(p[jointOf(rig, to)] - p[jointOf(rig, from)]);
 }
 
-float degreesBetween(const Vec3f& a, const Vec3f& b) { return glm::degrees(std::acos(glm::clamp(glm::dot(a, b), -1.0f, 1.0f))); }
+float degreesBetween(const Vec3f& a, const Vec3f& b) {
+    return glm::degrees(std::acos(glm::clamp(glm::dot(a, b), -1.0f, 1.0f)));
+}
 
-#define NEED_MOCAP(motion, name)                                                                      \
-    const auto motion = mocap(name);                                                                  \
+#define NEED_MOCAP(motion, name)     \
+    const auto motion = mocap(name); \
     if (!motion) GTEST_SKIP() << "shared/data/mocap-cmu is not at hand (set DOPPEL_SHARED_DATA)"
 
 /** The MakeHuman files are z-up, facing −y; the retargeter turns them as the scan reader does: x, z, −y. */
-Vec3f toYUp(const Motion& motion, const Vec3f& v) { return motion.name.starts_with("mh_") ? Vec3f(v.x, v.z, -v.y) : v; }
+Vec3f toYUp(const Motion& motion, const Vec3f& v) {
+    return motion.name.starts_with("mh_") ? Vec3f(v.x, v.z, -v.y) : v;
+}
 
 TEST(Retarget, everyClipGivesItsLimbDirectionsToAnAPoseRig) {
     const auto rig = personRig(0.8f);
@@ -75,7 +82,8 @@ TEST(Retarget, everyClipGivesItsLimbDirectionsToAnAPoseRig) {
             motionAt(*motion, k, rotations, from);
             const auto to = positionsAt(*clip, rig, double(clip->timesS[k]));
             for (const auto& limb : kLimbs)
-                worst = std::max(worst, degreesBetween(toYUp(*motion, direction(source, from, limb[0], limb[1])), direction(rig, to, limb[0], limb[1])));
+                worst = std::max(
+                    worst, degreesBetween(toYUp(*motion, direction(source, from, limb[0], limb[1])), direction(rig, to, limb[0], limb[1])));
         }
         EXPECT_LT(worst, 0.1f) << "degrees; the construction is exact, acos of floats near 1 resolves 0.03°";
     }
@@ -125,7 +133,8 @@ TEST(Retarget, walkingSwingsTheHandsAndBendsTheKneesForward) {
             const float swing = glm::dot(p[jointOf(rig, "leftHand")] - p[jointOf(rig, "hips")], forward);
             swingMin = std::min(swingMin, swing), swingMax = std::max(swingMax, swing);
             for (const std::string side : {"left", "right"}) {
-                const Vec3f hip = p[jointOf(rig, side + "UpperLeg")], knee = p[jointOf(rig, side + "LowerLeg")], foot = p[jointOf(rig, side + "Foot")];
+                const Vec3f hip = p[jointOf(rig, side + "UpperLeg")], knee = p[jointOf(rig, side + "LowerLeg")],
+                            foot = p[jointOf(rig, side + "Foot")];
                 const Vec3f bow = knee - 0.5f * (hip + foot);  // where the knee stands out of the line from hip to ankle
                 kneeMax = std::max(kneeMax, glm::dot(bow, forward));
                 kneeBackMax = std::max(kneeBackMax, -glm::dot(bow, forward));
@@ -156,7 +165,8 @@ TEST(Retarget, everyClipKeepsItsFeetOnTheFloor) {
         float lowest = 1e9f;
         for (double t = 0; t <= clipDurationS(*clip); t += 0.05) {
             const auto p = positionsAt(*clip, rig, t);
-            for (const char* bone : {"leftFoot", "rightFoot", "leftToes", "rightToes"}) lowest = std::min(lowest, p[jointOf(rig, bone)].y - rig[jointOf(rig, bone)].restPosition.y);
+            for (const char* bone : {"leftFoot", "rightFoot", "leftToes", "rightToes"})
+                lowest = std::min(lowest, p[jointOf(rig, bone)].y - rig[jointOf(rig, bone)].restPosition.y);
         }
         EXPECT_NEAR(lowest, 0, 0.05f);
     }
@@ -183,8 +193,10 @@ TEST(Retarget, metresAndDecimetresAreToldApart) {
 }
 
 TEST(Retarget, aSkeletonWithoutAPersonListsItsJoints) {
-    const auto motion = readBvh("HIERARCHY\nROOT box\n{\nOFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nJOINT lid\n{\nOFFSET 0 1 0\n"
-                                "CHANNELS 0\n}\n}\nMOTION\nFrames: 1\nFrame Time: 0.1\n0 0 0\n", "box.bvh");
+    const auto motion = readBvh(
+        "HIERARCHY\nROOT box\n{\nOFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nJOINT lid\n{\nOFFSET 0 1 0\n"
+        "CHANNELS 0\n}\n}\nMOTION\nFrames: 1\nFrame Time: 0.1\n0 0 0\n",
+        "box.bvh");
     ASSERT_TRUE(motion) << motion.error().message;
     const auto clip = retarget(*motion, personRig(0));
     ASSERT_FALSE(clip);
@@ -209,7 +221,8 @@ TEST(Retarget, aRigInTPoseAndOneInAPoseMoveAlike) {
     const auto clipA = retarget(*motion, a), clipT = retarget(*motion, t);
     ASSERT_TRUE(clipA && clipT);
     const auto pa = positionsAt(*clipA, a, 4.0), pt = positionsAt(*clipT, t, 4.0);
-    for (const auto& limb : kLimbs) EXPECT_LT(degreesBetween(direction(a, pa, limb[0], limb[1]), direction(t, pt, limb[0], limb[1])), 0.1f) << limb[0];
+    for (const auto& limb : kLimbs)
+        EXPECT_LT(degreesBetween(direction(a, pa, limb[0], limb[1]), direction(t, pt, limb[0], limb[1])), 0.1f) << limb[0];
     // Same limb lengths and hips: the hands are in the same place (hips differ by how the feet are grounded).
     EXPECT_LT(glm::length(pa[jointOf(a, "leftHand")] - pt[jointOf(t, "leftHand")]), 0.03f);
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -26,7 +27,8 @@ TEST(Pose, restPosePassesAndLeavesEveryPointWhereItIs) {
     ASSERT_TRUE(checkPose(joints, rest));
     std::vector<Mat3x4f> g;
     jointTransforms(joints, rest, g);
-    for (size_t j = 0; j < joints.size(); ++j) EXPECT_LT(glm::length(Mat3f(g[j]) * joints[j].restPosition + g[j][3] - joints[j].restPosition), 1e-6f);
+    for (size_t j = 0; j < joints.size(); ++j)
+        EXPECT_LT(glm::length(Mat3f(g[j]) * joints[j].restPosition + g[j][3] - joints[j].restPosition), 1e-6f);
 }
 
 TEST(Pose, nanIsRefusedByJointName) {
@@ -131,7 +133,8 @@ TEST(Skin, sameBytesOnAnyThreadCount) {
         mesh.jointWeights.push_back(glm::u8vec4(v % 256, 255 - v % 256, 0, 0));
     }
     Pose pose = Pose::rest(joints.size());
-    for (size_t j = 0; j < joints.size(); ++j) pose.localRotations[j] = glm::angleAxis(0.1f * float(j), glm::normalize(Vec3f(1, float(j), 2)));
+    for (size_t j = 0; j < joints.size(); ++j)
+        pose.localRotations[j] = glm::angleAxis(0.1f * float(j), glm::normalize(Vec3f(1, float(j), 2)));
     std::vector<Mat3x4f> g;
     jointTransforms(joints, pose, g);
     std::vector<Vec3f> one, three;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Small rigs for the avatar tests: a person of 1.7 m in A- or T-pose with SMPL-X names.
 #pragma once
 
@@ -35,7 +36,8 @@ inline std::vector<JointData> personRig(float armsDownRad, float legSpreadRad = 
         add(s + "knee", s + "hip", m(knee));
         add(s + "ankle", s + "knee", m(ankle));
         add(s + "foot", s + "ankle", m({ankle.x, 0.02f, 0.13f}));
-        const Vec3f shoulder(0.18f, 1.4f, -0.02f), elbow = shoulder + 0.27f * arm + 0.01f * across, wrist = elbow + 0.25f * arm + 0.02f * across;
+        const Vec3f shoulder(0.18f, 1.4f, -0.02f), elbow = shoulder + 0.27f * arm + 0.01f * across,
+                                                   wrist = elbow + 0.25f * arm + 0.02f * across;
         add(s + "collar", "spine3", m({0.06f, 1.38f, -0.01f}));
         add(s + "shoulder", s + "collar", m(shoulder));
         add(s + "elbow", s + "shoulder", m(elbow));
@@ -44,7 +46,8 @@ inline std::vector<JointData> personRig(float armsDownRad, float legSpreadRad = 
         for (const char* finger : {"index", "middle", "ring", "pinky"}) {
             const Vec3f knuckle = wrist + 0.09f * arm + z * across;
             for (int i = 0; i < 3; ++i)
-                add(s + finger + std::to_string(i + 1), i == 0 ? s + "wrist" : s + finger + std::to_string(i), m(knuckle + float(i) * 0.03f * arm));
+                add(s + finger + std::to_string(i + 1), i == 0 ? s + "wrist" : s + finger + std::to_string(i),
+                    m(knuckle + float(i) * 0.03f * arm));
             z -= 0.02f;
         }
     }

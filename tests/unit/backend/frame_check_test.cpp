@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What createFrame refuses, on the null backend: the same check runs before Vulkan records.
 #include <gtest/gtest.h>
 
@@ -62,20 +63,64 @@ TEST(FrameCheck, acceptsALoadTimeWriteInstead) {
 }
 
 TEST(FrameCheck, refusesBindingsThatDifferFromTheShader) {
-    { OneStep s; s.step.bindings.pop_back(); s.expectRefused("binds 1 buffers"); }
-    { OneStep s; s.step.bindings[1].access = Access::Read; s.expectRefused("another access"); }
-    { OneStep s; s.step.bindings[0].access = Access::Update; s.expectRefused("another access"); }
-    { OneStep s; s.step.bindings[0].access = Access::Uniform; s.expectRefused("not a uniform block"); }
-    { OneStep s; s.step.bindings[0].buffer = BufferId{99}; s.expectRefused("does not exist"); }
-    { OneStep s; s.step.bindings[0].buffer = s.counts; s.expectRefused("twice"); }
-    { OneStep s; s.step.push.size = 8; s.expectRefused("pushes 8 bytes"); }
+    {
+        OneStep s;
+        s.step.bindings.pop_back();
+        s.expectRefused("binds 1 buffers");
+    }
+    {
+        OneStep s;
+        s.step.bindings[1].access = Access::Read;
+        s.expectRefused("another access");
+    }
+    {
+        OneStep s;
+        s.step.bindings[0].access = Access::Update;
+        s.expectRefused("another access");
+    }
+    {
+        OneStep s;
+        s.step.bindings[0].access = Access::Uniform;
+        s.expectRefused("not a uniform block");
+    }
+    {
+        OneStep s;
+        s.step.bindings[0].buffer = BufferId{99};
+        s.expectRefused("does not exist");
+    }
+    {
+        OneStep s;
+        s.step.bindings[0].buffer = s.counts;
+        s.expectRefused("twice");
+    }
+    {
+        OneStep s;
+        s.step.push.size = 8;
+        s.expectRefused("pushes 8 bytes");
+    }
 }
 
 TEST(FrameCheck, refusesImpossibleDispatches) {
-    { OneStep s; s.step.groups = 0; s.expectRefused("0 workgroups"); }
-    { OneStep s; s.step.groups = 70000; s.expectRefused("70000 workgroups"); }
-    { OneStep s; s.step.indirect = {s.counts, 56}; s.expectRefused("do not fit"); }
-    { OneStep s; s.step.pipeline = PipelineId{}; s.expectRefused("no compute pipeline"); }
+    {
+        OneStep s;
+        s.step.groups = 0;
+        s.expectRefused("0 workgroups");
+    }
+    {
+        OneStep s;
+        s.step.groups = 70000;
+        s.expectRefused("70000 workgroups");
+    }
+    {
+        OneStep s;
+        s.step.indirect = {s.counts, 56};
+        s.expectRefused("do not fit");
+    }
+    {
+        OneStep s;
+        s.step.pipeline = PipelineId{};
+        s.expectRefused("no compute pipeline");
+    }
 }
 
 /** 8 x 4 px in two views with depth. */
@@ -129,7 +174,7 @@ TEST(FrameCheck, aFragmentShadersBuffersFollowThoseOfItsVertexShader) {
 }
 
 TEST(FrameCheck, clipSpaceHoldsTheTargetAndFitsTheDevice) {
-    for (const float guard : {0.5f, -1.0f, std::nanf(""), 8192.0f, INFINITY}) {   // of a target 8 px wide, on a device of 8192
+    for (const float guard : {0.5f, -1.0f, std::nanf(""), 8192.0f, INFINITY}) {  // of a target 8 px wide, on a device of 8192
         OneDraw p;
         p.draw.guard = guard;
         p.expectRefused("draws from a clip space");
@@ -142,7 +187,8 @@ TEST(FrameCheck, clipSpaceHoldsTheTargetAndFitsTheDevice) {
 
 TEST(FrameCheck, aTargetIsClearedByADrawThatBindsNothingOnDevicesThatCan) {
     OneDraw p;
-    const PipelineId clear = *p.backend->drawPipeline({.vertex = "clear.vert", .fragment = "clear.frag.depth", .views = 2, .multiview = true, .depth = true, .overwrites = true});
+    const PipelineId clear = *p.backend->drawPipeline(
+        {.vertex = "clear.vert", .fragment = "clear.frag.depth", .views = 2, .multiview = true, .depth = true, .overwrites = true});
     p.draw.clear = {clear, {p.buffers[0], 16}};
     const Status status = p.create();
     EXPECT_TRUE(status) << status.error().message;
@@ -152,7 +198,10 @@ TEST(FrameCheck, aTargetIsClearedByADrawThatBindsNothingOnDevicesThatCan) {
     p.expectRefused("binds something");
 
     OneDraw q(DeviceInfo{.name = "null", .maxTargetPx = 64, .maxViewportPx = 64, .maxGroups = 1, .multiview = true, .clearDraw = false});
-    q.draw.clear = {*q.backend->drawPipeline({.vertex = "clear.vert", .fragment = "clear.frag.depth", .views = 2, .multiview = true, .depth = true, .overwrites = true}), {q.buffers[0], 16}};
+    q.draw.clear = {
+        *q.backend->drawPipeline(
+            {.vertex = "clear.vert", .fragment = "clear.frag.depth", .views = 2, .multiview = true, .depth = true, .overwrites = true}),
+        {q.buffers[0], 16}};
     q.expectRefused("cannot do");
 }
 
@@ -178,7 +227,8 @@ TEST(FrameCheck, aDrawAViewMustReachThemAllBeforeTheyAreRead) {
 
 TEST(FrameCheck, anUploadBufferIsCopiedWholeIntoADeviceBufferThatHoldsIt) {
     OneStep s;
-    const BufferId upload = *s.backend->createBuffer({"upload", 32, BufferMemory::Upload}), back = *s.backend->createBuffer({"back", 32, BufferMemory::Readback});
+    const BufferId upload = *s.backend->createBuffer({"upload", 32, BufferMemory::Upload}),
+                   back = *s.backend->createBuffer({"back", 32, BufferMemory::Readback});
     const auto copied = [&](const CopyStep& copy) {
         auto frame = s.backend->createFrame({copy, FillStep{"fill", s.counts, 0}, s.step});  // s.step reads what the copy has written
         return frame ? Status() : Status(frame.error());

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The shader pack: what the build made, whether C++ and GLSL agree on every struct, and whether hostile packs are refused.
 #include <gtest/gtest.h>
 
@@ -16,7 +17,8 @@ ShaderPack embedded() {
 }
 
 using Layout = std::map<std::string, size_t>;
-#define DPL_AT(type, member) {#member, offsetof(gpu::type, member)}
+#define DPL_AT(type, member) \
+    { #member, offsetof(gpu::type, member) }
 
 void expectLayout(const char* name, size_t size, const Layout& layout) {
     int found = 0;
@@ -38,40 +40,95 @@ void expectLayout(const char* name, size_t size, const Layout& layout) {
 
 TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
     using namespace gpu;
-    expectLayout("ViewData", sizeof(ViewData), {DPL_AT(ViewData, viewFromWorldRow0), DPL_AT(ViewData, viewFromWorldRow1), DPL_AT(ViewData, viewFromWorldRow2),
-                                                DPL_AT(ViewData, focalCentrePx), DPL_AT(ViewData, slopeLimits), DPL_AT(ViewData, eyeWorld)});
-    expectLayout("FrameData", sizeof(FrameData), {DPL_AT(FrameData, views), DPL_AT(FrameData, sortAxis), DPL_AT(FrameData, target), DPL_AT(FrameData, flags), DPL_AT(FrameData, detail), DPL_AT(FrameData, pixelPlanes)});
-    expectLayout("TriangleRecord", sizeof(TriangleRecord), {DPL_AT(TriangleRecord, restT1), DPL_AT(TriangleRecord, restT2), DPL_AT(TriangleRecord, restNormal), DPL_AT(TriangleRecord, corners), DPL_AT(TriangleRecord, reach),
-                 DPL_AT(TriangleRecord, rootLevel), DPL_AT(TriangleRecord, freeSplats), DPL_AT(TriangleRecord, gatedSplats)});
-    expectLayout("TriangleFrame", sizeof(TriangleFrame), {DPL_AT(TriangleFrame, corner0), DPL_AT(TriangleFrame, corner1), DPL_AT(TriangleFrame, corner2), DPL_AT(TriangleFrame, column0), DPL_AT(TriangleFrame, column1)});
+    expectLayout("ViewData", sizeof(ViewData),
+                 {DPL_AT(ViewData, viewFromWorldRow0), DPL_AT(ViewData, viewFromWorldRow1), DPL_AT(ViewData, viewFromWorldRow2),
+                  DPL_AT(ViewData, focalCentrePx), DPL_AT(ViewData, slopeLimits), DPL_AT(ViewData, eyeWorld)});
+    expectLayout("FrameData", sizeof(FrameData),
+                 {DPL_AT(FrameData, views), DPL_AT(FrameData, sortAxis), DPL_AT(FrameData, target), DPL_AT(FrameData, flags),
+                  DPL_AT(FrameData, detail), DPL_AT(FrameData, pixelPlanes)});
+    expectLayout("TriangleRecord", sizeof(TriangleRecord),
+                 {DPL_AT(TriangleRecord, restT1), DPL_AT(TriangleRecord, restT2), DPL_AT(TriangleRecord, restNormal),
+                  DPL_AT(TriangleRecord, corners), DPL_AT(TriangleRecord, reach), DPL_AT(TriangleRecord, rootLevel),
+                  DPL_AT(TriangleRecord, freeSplats), DPL_AT(TriangleRecord, gatedSplats)});
+    expectLayout("TriangleFrame", sizeof(TriangleFrame),
+                 {DPL_AT(TriangleFrame, corner0), DPL_AT(TriangleFrame, corner1), DPL_AT(TriangleFrame, corner2),
+                  DPL_AT(TriangleFrame, column0), DPL_AT(TriangleFrame, column1)});
     // Read in fours: they must lie as the kernels count them.
-    static_assert(offsetof(VertexRecord, joints01) == 12 && offsetof(VertexRecord, joints23) == 16 && offsetof(VertexRecord, weights) == 20 && sizeof(VertexRecord) == 32);
-    static_assert(offsetof(CorrectedVertexRecord, joints01) == 12 && offsetof(CorrectedVertexRecord, weights) == 20 && offsetof(CorrectedVertexRecord, nodes01) == 24 && offsetof(CorrectedVertexRecord, nodes23) == 28 && offsetof(CorrectedVertexRecord, nodeWeights) == 32 && sizeof(CorrectedVertexRecord) == 48);
-    static_assert(offsetof(TriangleRecord, corners) == 48 && offsetof(TriangleRecord, reach) == 64 && offsetof(TriangleRecord, rootLevel) == 68 && offsetof(TriangleRecord, freeSplats) == 72 && offsetof(TriangleRecord, gatedSplats) == 76);
-    static_assert(offsetof(GroupBox, reach) == 16 && offsetof(GroupBox, detail) == 32 && sizeof(GeneralSplatRecord) == 64 && sizeof(GroupBox) == 48);
-    static_assert(offsetof(GeneralSplatRecord, axis1) == 16 && offsetof(GeneralSplatRecord, axis2) == 32 && offsetof(GeneralSplatRecord, axis3) == 48);
+    static_assert(offsetof(VertexRecord, joints01) == 12 && offsetof(VertexRecord, joints23) == 16 &&
+                  offsetof(VertexRecord, weights) == 20 && sizeof(VertexRecord) == 32);
+    static_assert(offsetof(CorrectedVertexRecord, joints01) == 12 && offsetof(CorrectedVertexRecord, weights) == 20 &&
+                  offsetof(CorrectedVertexRecord, nodes01) == 24 && offsetof(CorrectedVertexRecord, nodes23) == 28 &&
+                  offsetof(CorrectedVertexRecord, nodeWeights) == 32 && sizeof(CorrectedVertexRecord) == 48);
+    static_assert(offsetof(TriangleRecord, corners) == 48 && offsetof(TriangleRecord, reach) == 64 &&
+                  offsetof(TriangleRecord, rootLevel) == 68 && offsetof(TriangleRecord, freeSplats) == 72 &&
+                  offsetof(TriangleRecord, gatedSplats) == 76);
+    static_assert(offsetof(GroupBox, reach) == 16 && offsetof(GroupBox, detail) == 32 && sizeof(GeneralSplatRecord) == 64 &&
+                  sizeof(GroupBox) == 48);
+    static_assert(offsetof(GeneralSplatRecord, axis1) == 16 && offsetof(GeneralSplatRecord, axis2) == 32 &&
+                  offsetof(GeneralSplatRecord, axis3) == 48);
     static_assert(offsetof(ProjectedSplat, look) == 16 && sizeof(ProjectedSplat) == 32 && sizeof(TriangleFrame) == 80);
     expectLayout("ProjectedSplat", sizeof(ProjectedSplat), {DPL_AT(ProjectedSplat, place), DPL_AT(ProjectedSplat, look)});
-    expectLayout("FrameCounts", sizeof(FrameCounts), {DPL_AT(FrameCounts, visible), DPL_AT(FrameCounts, runs), DPL_AT(FrameCounts, trianglesInView), DPL_AT(FrameCounts, trianglesFacing), DPL_AT(FrameCounts, runGroupsX), DPL_AT(FrameCounts, runGroupsY), DPL_AT(FrameCounts, runGroupsZ), DPL_AT(FrameCounts, chunksProjected), DPL_AT(FrameCounts, drawVertices), DPL_AT(FrameCounts, drawInstances), DPL_AT(FrameCounts, drawFirstVertex), DPL_AT(FrameCounts, drawFirstInstance), DPL_AT(FrameCounts, splatsInView), DPL_AT(FrameCounts, splatsFacing), DPL_AT(FrameCounts, chunkGroupsX), DPL_AT(FrameCounts, chunkGroupsY), DPL_AT(FrameCounts, chunkGroupsZ), DPL_AT(FrameCounts, tileSpans), DPL_AT(FrameCounts, spanGroupsX), DPL_AT(FrameCounts, spanGroupsY), DPL_AT(FrameCounts, spanGroupsZ), DPL_AT(FrameCounts, tileEntries), DPL_AT(FrameCounts, rowGroupsX), DPL_AT(FrameCounts, rowGroupsY), DPL_AT(FrameCounts, rowGroupsZ), DPL_AT(FrameCounts, tilesOverflowed), DPL_AT(FrameCounts, entryGroupsX), DPL_AT(FrameCounts, entryGroupsY), DPL_AT(FrameCounts, entryGroupsZ), DPL_AT(FrameCounts, fillGroupsX), DPL_AT(FrameCounts, fillGroupsY), DPL_AT(FrameCounts, fillGroupsZ), DPL_AT(FrameCounts, clearVertices), DPL_AT(FrameCounts, clearInstances), DPL_AT(FrameCounts, clearFirstVertex), DPL_AT(FrameCounts, clearFirstInstance), DPL_AT(FrameCounts, depthMaxBits), DPL_AT(FrameCounts, depthMinBitsInverted), DPL_AT(FrameCounts, keyStart), DPL_AT(FrameCounts, keyOffset), DPL_AT(FrameCounts, keyScale)});
-    expectLayout("TilePush", sizeof(TilePush), {DPL_AT(TilePush, viewCount), DPL_AT(TilePush, columns), DPL_AT(TilePush, rows), DPL_AT(TilePush, widthPx), DPL_AT(TilePush, heightPx), DPL_AT(TilePush, firstSpanSum), DPL_AT(TilePush, firstEntrySum), DPL_AT(TilePush, firstRunTable),
-                                                DPL_AT(TilePush, firstTileTable), DPL_AT(TilePush, spanCapacity), DPL_AT(TilePush, entryCapacity), DPL_AT(TilePush, fillGroups), DPL_AT(TilePush, firstDepth), DPL_AT(TilePush, halfDepth), DPL_AT(TilePush, firstScene), DPL_AT(TilePush, tileShift), DPL_AT(TilePush, reachPx), DPL_AT(TilePush, splatCount)});
-    expectLayout("RowScanPush", sizeof(RowScanPush), {DPL_AT(RowScanPush, perRow), DPL_AT(RowScanPush, firstTable), DPL_AT(RowScanPush, firstSum)});
-    expectLayout("VertexPush", sizeof(VertexPush), {DPL_AT(VertexPush, vertexCount), DPL_AT(VertexPush, firstNode), DPL_AT(VertexPush, drawn)});
+    expectLayout("FrameCounts", sizeof(FrameCounts), {DPL_AT(FrameCounts, visible),          DPL_AT(FrameCounts, runs),
+                                                      DPL_AT(FrameCounts, trianglesInView),  DPL_AT(FrameCounts, trianglesFacing),
+                                                      DPL_AT(FrameCounts, runGroupsX),       DPL_AT(FrameCounts, runGroupsY),
+                                                      DPL_AT(FrameCounts, runGroupsZ),       DPL_AT(FrameCounts, chunksProjected),
+                                                      DPL_AT(FrameCounts, drawVertices),     DPL_AT(FrameCounts, drawInstances),
+                                                      DPL_AT(FrameCounts, drawFirstVertex),  DPL_AT(FrameCounts, drawFirstInstance),
+                                                      DPL_AT(FrameCounts, splatsInView),     DPL_AT(FrameCounts, splatsFacing),
+                                                      DPL_AT(FrameCounts, chunkGroupsX),     DPL_AT(FrameCounts, chunkGroupsY),
+                                                      DPL_AT(FrameCounts, chunkGroupsZ),     DPL_AT(FrameCounts, tileSpans),
+                                                      DPL_AT(FrameCounts, spanGroupsX),      DPL_AT(FrameCounts, spanGroupsY),
+                                                      DPL_AT(FrameCounts, spanGroupsZ),      DPL_AT(FrameCounts, tileEntries),
+                                                      DPL_AT(FrameCounts, rowGroupsX),       DPL_AT(FrameCounts, rowGroupsY),
+                                                      DPL_AT(FrameCounts, rowGroupsZ),       DPL_AT(FrameCounts, tilesOverflowed),
+                                                      DPL_AT(FrameCounts, entryGroupsX),     DPL_AT(FrameCounts, entryGroupsY),
+                                                      DPL_AT(FrameCounts, entryGroupsZ),     DPL_AT(FrameCounts, fillGroupsX),
+                                                      DPL_AT(FrameCounts, fillGroupsY),      DPL_AT(FrameCounts, fillGroupsZ),
+                                                      DPL_AT(FrameCounts, clearVertices),    DPL_AT(FrameCounts, clearInstances),
+                                                      DPL_AT(FrameCounts, clearFirstVertex), DPL_AT(FrameCounts, clearFirstInstance),
+                                                      DPL_AT(FrameCounts, depthMaxBits),     DPL_AT(FrameCounts, depthMinBitsInverted),
+                                                      DPL_AT(FrameCounts, keyStart),         DPL_AT(FrameCounts, keyOffset),
+                                                      DPL_AT(FrameCounts, keyScale)});
+    expectLayout("TilePush", sizeof(TilePush),
+                 {DPL_AT(TilePush, viewCount), DPL_AT(TilePush, columns), DPL_AT(TilePush, rows), DPL_AT(TilePush, widthPx),
+                  DPL_AT(TilePush, heightPx), DPL_AT(TilePush, firstSpanSum), DPL_AT(TilePush, firstEntrySum),
+                  DPL_AT(TilePush, firstRunTable), DPL_AT(TilePush, firstTileTable), DPL_AT(TilePush, spanCapacity),
+                  DPL_AT(TilePush, entryCapacity), DPL_AT(TilePush, fillGroups), DPL_AT(TilePush, firstDepth), DPL_AT(TilePush, halfDepth),
+                  DPL_AT(TilePush, firstScene), DPL_AT(TilePush, tileShift), DPL_AT(TilePush, reachPx), DPL_AT(TilePush, splatCount)});
+    expectLayout("RowScanPush", sizeof(RowScanPush),
+                 {DPL_AT(RowScanPush, perRow), DPL_AT(RowScanPush, firstTable), DPL_AT(RowScanPush, firstSum)});
+    expectLayout("VertexPush", sizeof(VertexPush),
+                 {DPL_AT(VertexPush, vertexCount), DPL_AT(VertexPush, firstNode), DPL_AT(VertexPush, drawn)});
     expectLayout("TrianglePush", sizeof(TrianglePush), {DPL_AT(TrianglePush, triangleCount)});
-    expectLayout("MeshDepthPush", sizeof(MeshDepthPush), {DPL_AT(MeshDepthPush, triangleCount), DPL_AT(MeshDepthPush, viewCount), DPL_AT(MeshDepthPush, widthPx), DPL_AT(MeshDepthPush, heightPx)});
-    expectLayout("SplatPush", sizeof(SplatPush), {DPL_AT(SplatPush, splatCount), DPL_AT(SplatPush, allGroups), DPL_AT(SplatPush, firstGroup), DPL_AT(SplatPush, firstSplat), DPL_AT(SplatPush, drawn)});
-    expectLayout("CodesPush", sizeof(CodesPush), {DPL_AT(CodesPush, groupCount), DPL_AT(CodesPush, allGroups), DPL_AT(CodesPush, firstGroup), DPL_AT(CodesPush, firstSplat), DPL_AT(CodesPush, firstParent), DPL_AT(CodesPush, firstPlace), DPL_AT(CodesPush, firstSize), DPL_AT(CodesPush, firstColour), DPL_AT(CodesPush, firstParentByte), DPL_AT(CodesPush, firstGroupDetail), DPL_AT(CodesPush, firstShIndex), DPL_AT(CodesPush, firstSh), DPL_AT(CodesPush, shWords)});
-    expectLayout("ChunkPush", sizeof(ChunkPush), {DPL_AT(ChunkPush, groupCount), DPL_AT(ChunkPush, allGroups), DPL_AT(ChunkPush, firstGroup)});
+    expectLayout("MeshDepthPush", sizeof(MeshDepthPush),
+                 {DPL_AT(MeshDepthPush, triangleCount), DPL_AT(MeshDepthPush, viewCount), DPL_AT(MeshDepthPush, widthPx),
+                  DPL_AT(MeshDepthPush, heightPx)});
+    expectLayout("SplatPush", sizeof(SplatPush),
+                 {DPL_AT(SplatPush, splatCount), DPL_AT(SplatPush, allGroups), DPL_AT(SplatPush, firstGroup), DPL_AT(SplatPush, firstSplat),
+                  DPL_AT(SplatPush, drawn)});
+    expectLayout("CodesPush", sizeof(CodesPush),
+                 {DPL_AT(CodesPush, groupCount), DPL_AT(CodesPush, allGroups), DPL_AT(CodesPush, firstGroup), DPL_AT(CodesPush, firstSplat),
+                  DPL_AT(CodesPush, firstParent), DPL_AT(CodesPush, firstPlace), DPL_AT(CodesPush, firstSize),
+                  DPL_AT(CodesPush, firstColour), DPL_AT(CodesPush, firstParentByte), DPL_AT(CodesPush, firstGroupDetail),
+                  DPL_AT(CodesPush, firstShIndex), DPL_AT(CodesPush, firstSh), DPL_AT(CodesPush, shWords)});
+    expectLayout("ChunkPush", sizeof(ChunkPush),
+                 {DPL_AT(ChunkPush, groupCount), DPL_AT(ChunkPush, allGroups), DPL_AT(ChunkPush, firstGroup)});
     expectLayout("ColourPush", sizeof(ColourPush), {DPL_AT(ColourPush, splatCount), DPL_AT(ColourPush, firstSplat)});
-    expectLayout("CompactPush", sizeof(CompactPush), {DPL_AT(CompactPush, groupCount), DPL_AT(CompactPush, maxDepthKey), DPL_AT(CompactPush, drawnCount), DPL_AT(CompactPush, endGroup)});
+    expectLayout("CompactPush", sizeof(CompactPush),
+                 {DPL_AT(CompactPush, groupCount), DPL_AT(CompactPush, maxDepthKey), DPL_AT(CompactPush, drawnCount),
+                  DPL_AT(CompactPush, endGroup)});
     expectLayout("MaskPush", sizeof(MaskPush), {DPL_AT(MaskPush, groupCount)});
     expectLayout("ScanPush", sizeof(ScanPush), {DPL_AT(ScanPush, first), DPL_AT(ScanPush, count)});
     expectLayout("ArgsPush", sizeof(ArgsPush), {DPL_AT(ArgsPush, groupCount), DPL_AT(ArgsPush, maxDepthKey), DPL_AT(ArgsPush, drawnCount)});
     expectLayout("SortPush", sizeof(SortPush), {DPL_AT(SortPush, shift)});
-    expectLayout("DrawPush", sizeof(DrawPush), {DPL_AT(DrawPush, targetWidthPx), DPL_AT(DrawPush, targetHeightPx), DPL_AT(DrawPush, guard), DPL_AT(DrawPush, splatCount), DPL_AT(DrawPush, view)});
+    expectLayout("DrawPush", sizeof(DrawPush),
+                 {DPL_AT(DrawPush, targetWidthPx), DPL_AT(DrawPush, targetHeightPx), DPL_AT(DrawPush, guard), DPL_AT(DrawPush, splatCount),
+                  DPL_AT(DrawPush, view)});
 }
 
-std::string plainName(const Shader& shader) { return shader.name.substr(0, shader.name.size() - (shader.name.ends_with(kTexelsSuffix) ? kTexelsSuffix.size() : 0)); }
+std::string plainName(const Shader& shader) {
+    return shader.name.substr(0, shader.name.size() - (shader.name.ends_with(kTexelsSuffix) ? kTexelsSuffix.size() : 0));
+}
 
 TEST(ShaderPack, typedTwinsHaveTheBindingsOfThePlainKernel) {
     int twins = 0;
@@ -98,17 +155,39 @@ TEST(ShaderPack, typedTwinsHaveTheBindingsOfThePlainKernel) {
 }
 
 TEST(ShaderPack, workgroupsAreThoseThatTheSharedLimitsName) {
-    std::map<std::string, uint32_t> want = {
-        {"skin", gpu::kVertexGroup}, {"skin.corrected", gpu::kVertexGroup}, {"triangles", gpu::kVertexGroup}, {"triangles.stereo", gpu::kVertexGroup}, {"mesh.depth", gpu::kVertexGroup}, {"chunks.mark", gpu::kChunkGroup}, {"chunks.list", gpu::kScanGroup},
-        {"project.general", gpu::kSplatGroup}, {"project.general.stereo", gpu::kSplatGroup},
-        {"scan.totals", gpu::kRowScanGroup}, {"scan.sums", gpu::kScanGroup}, {"scan.places", gpu::kRowScanGroup},
-        {"compact.masks", gpu::kCompactGroup}, {"compact.args", 1}, {"compact.scatter", gpu::kCompactGroup}, {"sort.count", gpu::kRunGroup}, {"sort.count.packed", gpu::kRunGroup}, {"sort.scatter", gpu::kRunGroup}, {"sort.scatter.pack", gpu::kRunGroup}, {"sort.scatter.packed", gpu::kRunGroup}, {"tiles.runs", gpu::kRunGroup}, {"tiles.runs.stereo", gpu::kRunGroup},
-        {"tiles.args.spans", 1}, {"tiles.args.entries", 1}, {"tiles.spans", gpu::kRunGroup}, {"tiles.spans.stereo", gpu::kRunGroup}, {"tiles.count", gpu::kRunGroup},
-        {"tiles.entries", gpu::kRunGroup}};
+    std::map<std::string, uint32_t> want = {{"skin", gpu::kVertexGroup},
+                                            {"skin.corrected", gpu::kVertexGroup},
+                                            {"triangles", gpu::kVertexGroup},
+                                            {"triangles.stereo", gpu::kVertexGroup},
+                                            {"mesh.depth", gpu::kVertexGroup},
+                                            {"chunks.mark", gpu::kChunkGroup},
+                                            {"chunks.list", gpu::kScanGroup},
+                                            {"project.general", gpu::kSplatGroup},
+                                            {"project.general.stereo", gpu::kSplatGroup},
+                                            {"scan.totals", gpu::kRowScanGroup},
+                                            {"scan.sums", gpu::kScanGroup},
+                                            {"scan.places", gpu::kRowScanGroup},
+                                            {"compact.masks", gpu::kCompactGroup},
+                                            {"compact.args", 1},
+                                            {"compact.scatter", gpu::kCompactGroup},
+                                            {"sort.count", gpu::kRunGroup},
+                                            {"sort.count.packed", gpu::kRunGroup},
+                                            {"sort.scatter", gpu::kRunGroup},
+                                            {"sort.scatter.pack", gpu::kRunGroup},
+                                            {"sort.scatter.packed", gpu::kRunGroup},
+                                            {"tiles.runs", gpu::kRunGroup},
+                                            {"tiles.runs.stereo", gpu::kRunGroup},
+                                            {"tiles.args.spans", 1},
+                                            {"tiles.args.entries", 1},
+                                            {"tiles.spans", gpu::kRunGroup},
+                                            {"tiles.spans.stereo", gpu::kRunGroup},
+                                            {"tiles.count", gpu::kRunGroup},
+                                            {"tiles.entries", gpu::kRunGroup}};
     for (const char* fetch : {"", ".shuffle"})
         for (const char* depth : {"", ".depth"})
             for (const char* scene : {"", ".scene"})
-                for (const char* samples : {"", ".four"}) want[formatText("tiles.fill{}{}{}{}", fetch, depth, scene, samples)] = gpu::kTileGroup;
+                for (const char* samples : {"", ".four"})
+                    want[formatText("tiles.fill{}{}{}{}", fetch, depth, scene, samples)] = gpu::kTileGroup;
     for (const char* name : {"project", "colour.general"})
         for (uint32_t degree = 0; degree <= 3; ++degree)
             for (const char* views : {"", ".stereo"}) want[formatText("{}.sh{}{}", name, degree, views)] = gpu::kSplatGroup;
@@ -136,8 +215,13 @@ TEST(ShaderPack, staysWithinWhatEveryVulkan11DeviceHas) {
 TEST(ShaderPack, roundTripsAndRefusesEveryTruncationAndFlippedBytes) {
     ShaderPack small;
     small.interfaceHash = 42;
-    small.shaders.push_back({.name = "one", .pushBytes = 8, .bindings = {{"Block", 0, false, true, true, 0}, {"Texels", 1, false, false, true, 4}}, .structs = {{"S", 16, {{"a", 0}, {"b", 8}}}},
-                             .spirv = {1, 2, 3}, .mslIos = "kernel", .mslMacos = "kernel"});
+    small.shaders.push_back({.name = "one",
+                             .pushBytes = 8,
+                             .bindings = {{"Block", 0, false, true, true, 0}, {"Texels", 1, false, false, true, 4}},
+                             .structs = {{"S", 16, {{"a", 0}, {"b", 8}}}},
+                             .spirv = {1, 2, 3},
+                             .mslIos = "kernel",
+                             .mslMacos = "kernel"});
     const std::vector<uint8_t> bytes = writeShaderPack(small);
     auto back = readShaderPack(bytes, "test", 42);
     ASSERT_TRUE(back) << back.error().message;
@@ -156,7 +240,8 @@ TEST(ShaderPack, otherSharedStructsAreAVersionErrorNamingBothHashes) {
     auto refused = readShaderPack(writeShaderPack(pack), "old.dplpack", 0xBBBB);
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, Code::Version);
-    for (const char* part : {"old.dplpack", "000000000000aaaa", "000000000000bbbb"}) EXPECT_NE(refused.error().message.find(part), std::string::npos) << refused.error().message;
+    for (const char* part : {"old.dplpack", "000000000000aaaa", "000000000000bbbb"})
+        EXPECT_NE(refused.error().message.find(part), std::string::npos) << refused.error().message;
 }
 
 }  // namespace

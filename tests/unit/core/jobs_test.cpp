@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/core/jobs.h"
 
 #include <gtest/gtest.h>
@@ -38,7 +39,7 @@ TEST(Jobs, rangesCoverEverythingWithoutOverlap) {
 }
 
 TEST(Jobs, loopsInARowAndLoopsAfterASleepAllFinish) {
-    for (uint32_t threads : {2u, 5u}) {   // as many as cores, and more
+    for (uint32_t threads : {2u, 5u}) {  // as many as cores, and more
         Jobs jobs(threads);
         std::vector<uint32_t> sums(37, 0);
         uint32_t loops = 0;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The model of a frame's bytes on frames that are counted by hand.
 #include "apps/doppel/frame_model.h"
 
@@ -24,8 +25,18 @@ uint64_t sum(const std::vector<ModelledPass>& passes) {
 
 /** 10,000 splats of SH degree 1 on 2,000 triangles, a fifth of them drawn. */
 FrameWork known() {
-    return {.vertices = 1000, .triangles = 2000, .splats = 10000, .shDegree = 1, .views = 1, .pixels = 100 * 100, .trianglesFacing = 500, .groups = 79, .liveGroups = 20, .splatsDrawn = 2000,
-            .bytesDecided = 30000, .bytesDecoded = 40000};
+    return {.vertices = 1000,
+            .triangles = 2000,
+            .splats = 10000,
+            .shDegree = 1,
+            .views = 1,
+            .pixels = 100 * 100,
+            .trianglesFacing = 500,
+            .groups = 79,
+            .liveGroups = 20,
+            .splatsDrawn = 2000,
+            .bytesDecided = 30000,
+            .bytesDecoded = 40000};
 }
 
 TEST(FrameModel, thePlainFrameIsWhatOneCountsByHand) {
@@ -52,14 +63,15 @@ TEST(FrameModel, todaysFrameReadsCodesAndWritesSurvivors) {
     EXPECT_EQ(project.readBytes, 30000u + 40000u + 2000u * 16 + 500u * sizeof(TriangleFrame) + 2 * 79u * 4);
     EXPECT_EQ(project.writtenBytes, 3 * 79u * 4 + 2000u * sizeof(ProjectedSplat) + (20u * kSplatGroup - 2000u) * 4 + 20u * kSplatGroup * 4);
     const uint64_t runs = (2000 + kRun - 1) / kRun;
-    EXPECT_EQ(passOf(passes, "sort").bytes(), 2000u * (2 * 8 + 4 + 2 * 4 + 4) + kSortRounds * 5 * kSortDigits * runs * 4) << "pairs in the first round, words from there";
+    EXPECT_EQ(passOf(passes, "sort").bytes(), 2000u * (2 * 8 + 4 + 2 * 4 + 4) + kSortRounds * 5 * kSortDigits * runs * 4)
+        << "pairs in the first round, words from there";
     EXPECT_EQ(passOf(passes, "pixels").writtenBytes, 10000u * 8);
     EXPECT_LT(sum(passes), sum(modelPlainFloat(known())));
 }
 
 TEST(FrameModel, culledSplatsCostTodayNothingAndThePlainFrameAll) {
     FrameWork work = known(), twice = work;
-    twice.splats *= 2;   // those added are in chunks that nothing shows
+    twice.splats *= 2;  // those added are in chunks that nothing shows
     EXPECT_EQ(sum(modelToday(work)), sum(modelToday(twice)));
     EXPECT_GT(sum(modelPlainFloat(twice)), sum(modelPlainFloat(work)));
 }
@@ -93,8 +105,10 @@ TEST(FrameModel, workFollowsWhatIsLeftOfEachTier) {
     more = work, more.tileEntries *= 3;
     EXPECT_EQ(ops(more, "pixels"), 3 * ops(work, "pixels"));
     more = work, more.splats *= 2;
-    EXPECT_EQ(ops(more, "chunks, splat.project and splat.colour"), ops(work, "chunks, splat.project and splat.colour")) << "what is culled is no work";
-    EXPECT_GT(passOf(modelPlainFloat(more), "chunks, splat.project and splat.colour").operations, passOf(modelPlainFloat(work), "chunks, splat.project and splat.colour").operations);
+    EXPECT_EQ(ops(more, "chunks, splat.project and splat.colour"), ops(work, "chunks, splat.project and splat.colour"))
+        << "what is culled is no work";
+    EXPECT_GT(passOf(modelPlainFloat(more), "chunks, splat.project and splat.colour").operations,
+              passOf(modelPlainFloat(work), "chunks, splat.project and splat.colour").operations);
     more = work, more.shDegree = 3;
     EXPECT_GT(ops(more, "chunks, splat.project and splat.colour"), ops(work, "chunks, splat.project and splat.colour"));
     EXPECT_GT(ops(work, "pose.skin"), 100u * work.vertices);
@@ -111,7 +125,8 @@ TEST(FrameModel, aPassTakesAsLongAsTheSlowerOfMovingAndWorking) {
     const ModelledPass pass{"x", 30'000'000, 20'000'000, 4'000'000};
     EXPECT_DOUBLE_EQ(pass.milliseconds({50, 4}), 1.0);
     EXPECT_DOUBLE_EQ(pass.milliseconds({50, 1}), 4.0);
-    const std::string rows = modelRows("case", {{"sort", 1'000'000, 500'000, 600'000}, {"pixels", 0, 0, 3'000'000}}, {{"sort", 500'000, 250'000}, {"tile lists", 1, 1}, {"pixels", 0, 0}}, {1.5, 1});
+    const std::string rows = modelRows("case", {{"sort", 1'000'000, 500'000, 600'000}, {"pixels", 0, 0, 3'000'000}},
+                                       {{"sort", 500'000, 250'000}, {"tile lists", 1, 1}, {"pixels", 0, 0}}, {1.5, 1});
     EXPECT_NE(rows.find("| case | sort | 1.00 + 0.50 | 0.6 | 1.000 | 0.50 + 0.25 | 0.0 | 0.500 |"), std::string::npos) << rows;
     EXPECT_NE(rows.find("| case | tile lists | – | – | – |"), std::string::npos) << rows;
     EXPECT_LT(rows.find("tile lists"), rows.find("pixels"));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Splat encoding 3: the entropy coder, the bits of fields, and that a file of it loads to the same words as one without.
 #include <gtest/gtest.h>
 
@@ -23,7 +24,9 @@ AvatarData sorted(AvatarData a) {
     sortSplats(a);
     return a;
 }
-AvatarData tube(uint32_t degree = 1) { return sorted(makeTube({.splatsPerTriangle = 6, .shDegree = degree})); }
+AvatarData tube(uint32_t degree = 1) {
+    return sorted(makeTube({.splatsPerTriangle = 6, .shDegree = degree}));
+}
 
 CodedSplats wordsOf(std::span<const uint8_t> file) {
     auto read = readCodedAvatar(file);
@@ -32,8 +35,9 @@ CodedSplats wordsOf(std::span<const uint8_t> file) {
 }
 
 bool sameWords(const CodedSplats& a, const CodedSplats& b) {
-    return a.place == b.place && a.size == b.size && a.colour == b.colour && a.shIndex == b.shIndex && a.sh == b.sh && a.parents == b.parents && a.parent == b.parent &&
-           a.chunks.size() == b.chunks.size() && std::memcmp(a.chunks.data(), b.chunks.data(), a.chunks.size() * sizeof(SplatChunk)) == 0;
+    return a.place == b.place && a.size == b.size && a.colour == b.colour && a.shIndex == b.shIndex && a.sh == b.sh &&
+           a.parents == b.parents && a.parent == b.parent && a.chunks.size() == b.chunks.size() &&
+           std::memcmp(a.chunks.data(), b.chunks.data(), a.chunks.size() * sizeof(SplatChunk)) == 0;
 }
 
 TEST(Entropy, whatIsWrittenIsReadAndCostsAboutItsEntropy) {
@@ -41,18 +45,21 @@ TEST(Entropy, whatIsWrittenIsReadAndCostsAboutItsEntropy) {
     std::mt19937 random(3);
     std::geometric_distribution<uint32_t> falling(0.2);
     for (const size_t count : {size_t(0), size_t(1), size_t(2), size_t(1000), size_t(200001)}) {
-        std::vector<std::array<uint32_t, 4>> items;   // table, symbol, bits, how many
+        std::vector<std::array<uint32_t, 4>> items;  // table, symbol, bits, how many
         double entropy = 0;
         EntropyWriter writer(alphabets);
         for (size_t i = 0; i < count; ++i) {
-            const uint32_t table = random() % 4, symbol = table == 0 ? std::min(255u, falling(random)) : random() % alphabets[table], bits = random() % 33;
+            const uint32_t table = random() % 4, symbol = table == 0 ? std::min(255u, falling(random)) : random() % alphabets[table],
+                           bits = random() % 33;
             const uint32_t value = bits == 32 ? uint32_t(random()) : uint32_t(random()) & ((1u << bits) - 1);
             items.push_back({table, symbol, value, bits});
             writer.symbol(table, symbol), writer.bits(value, bits);
             entropy += bits + (table == 0 ? -std::log2(0.2) - symbol * std::log2(0.8) : std::log2(double(alphabets[table])));
         }
         const std::vector<uint8_t> bytes = writer.finish();
-        if (count > 100000) { EXPECT_LT(double(bytes.size()) * 8, entropy * 1.005 + 4000); }
+        if (count > 100000) {
+            EXPECT_LT(double(bytes.size()) * 8, entropy * 1.005 + 4000);
+        }
         auto reader = EntropyReader::open(bytes, alphabets);
         ASSERT_TRUE(reader) << reader.error().message;
         for (const auto& [table, symbol, value, bits] : items) {
@@ -65,7 +72,7 @@ TEST(Entropy, whatIsWrittenIsReadAndCostsAboutItsEntropy) {
         EXPECT_EQ(fewer->complete(), count == 0);
         (void)reader->bits(8);
         EXPECT_FALSE(reader->complete());
-        for (int k = 0; k < 100; ++k) (void)reader->symbol(uint32_t(k) % 5), (void)reader->bits(32);   // past the end: zeros, no crash
+        for (int k = 0; k < 100; ++k) (void)reader->symbol(uint32_t(k) % 5), (void)reader->bits(32);  // past the end: zeros, no crash
     }
 }
 
@@ -73,7 +80,7 @@ TEST(Entropy, tablesAndLengthsThatCannotBeAreRefused) {
     const uint16_t alphabets[] = {4};
     EntropyWriter writer(alphabets);
     for (uint32_t i = 0; i < 100; ++i) writer.symbol(0, i % 3);
-    const std::vector<uint8_t> good = writer.finish();   // 12 B of head, then 1366, 1365, 1365 and a run of zeros
+    const std::vector<uint8_t> good = writer.finish();  // 12 B of head, then 1366, 1365, 1365 and a run of zeros
     ASSERT_TRUE(EntropyReader::open(good, alphabets));
     for (size_t size = 0; size < good.size(); ++size) EXPECT_FALSE(EntropyReader::open(std::span(good).first(size), alphabets)) << size;
     const auto refused = [&](size_t at, uint8_t value) {
@@ -98,16 +105,22 @@ TEST(CompactSplats, loadToTheSameWordsAsAFileOfWords) {
                 for (size_t k = 0, stride = shCoefficientCount(degree) * 3; k < a.splats.sh.size(); ++k)
                     if (k % stride >= 3) a.splats.sh[k] = a.splats.sh[k % (100 * stride)];
             for (const SplatBits& bits : kBits) {
-                const auto plain = writeAvatar(a, {.shPalette = palette, .bits = bits}), compact = writeAvatar(a, {.shPalette = palette, .compact = true, .bits = bits});
+                const auto plain = writeAvatar(a, {.shPalette = palette, .bits = bits}),
+                           compact = writeAvatar(a, {.shPalette = palette, .compact = true, .bits = bits});
                 ASSERT_TRUE(plain && compact);
                 EXPECT_LE(compact->size(), plain->size());
                 const AvatarInfo info = *inspectAvatar(*compact);
                 const bool tooFew = bits.uv == 1;
-                if (bits != SplatBits()) { EXPECT_EQ(info.splatEncoding, tooFew ? (palette && degree ? 2u : 1u) : 3u) << "less than 4 bytes a splat would be an invitation to exhaust memory"; }
+                if (bits != SplatBits()) {
+                    EXPECT_EQ(info.splatEncoding, tooFew ? (palette && degree ? 2u : 1u) : 3u)
+                        << "less than 4 bytes a splat would be an invitation to exhaust memory";
+                }
                 EXPECT_TRUE(sameWords(wordsOf(*plain), wordsOf(*compact))) << "degree " << degree << ", " << int(bits.uv) << " bits";
                 if (info.splatEncoding != 3) continue;
                 EXPECT_EQ(info.bits, bits);
-                EXPECT_EQ(info.meshBytes + info.splatBytes + info.shBytes + info.correctiveBytes + info.clipBytes + info.skinBytes + info.jsonBytes + info.otherBytes, compact->size());
+                EXPECT_EQ(info.meshBytes + info.splatBytes + info.shBytes + info.correctiveBytes + info.clipBytes + info.skinBytes +
+                              info.jsonBytes + info.otherBytes,
+                          compact->size());
                 EXPECT_EQ(info.shPaletteSize > 0, palette && degree > 0);
                 // What is read and written again is the same bytes, asked for fewer bits or not.
                 const AvatarData back = *readAvatar(*compact);
@@ -123,7 +136,11 @@ TEST(CompactSplats, pinnedBytesStillReadAndAreWrittenAgain) {
     ASSERT_TRUE(bytes);
     const CodedSplats s = wordsOf(*bytes);
     ASSERT_EQ(inspectAvatar(*bytes)->splatEncoding, 3u);
-    const auto hash = [](auto& words) { uint64_t h = 14695981039346656037ull; for (const auto w : words) h = (h ^ uint64_t(w)) * 1099511628211ull; return h; };   // FNV
+    const auto hash = [](auto& words) {
+        uint64_t h = 14695981039346656037ull;
+        for (const auto w : words) h = (h ^ uint64_t(w)) * 1099511628211ull;
+        return h;
+    };  // FNV
     EXPECT_EQ(hash(s.place), 17513995115256210650ull);
     EXPECT_EQ(hash(s.size), 16501676253954177683ull);
     EXPECT_EQ(hash(s.colour), 16171394449161400075ull);
@@ -153,7 +170,7 @@ TEST(CompactSplats, roundingStaysWithinHalfAStep) {
         EXPECT_EQ(farthest([](auto& s, uint32_t i) { return int(s.size[i] >> 30); }), 0);
         EXPECT_LE(farthest([](auto& s, uint32_t i) { return int(s.colour[i] & 1023); }), half(1023, bits.colour - 1));
         EXPECT_LE(farthest([](auto& s, uint32_t i) { return int(s.colour[i] >> 21); }), half(2047, bits.colour));
-        int phi = 0;   // goes round
+        int phi = 0;  // goes round
         for (uint32_t i = 0; i < whole.count(); ++i) {
             const int off = std::abs(int(whole.place[i] >> 22) - int(coarse.place[i] >> 22));
             phi = std::max(phi, std::min(off, 1024 - off));
@@ -167,7 +184,10 @@ TEST(CompactSplats, rangesOfAFewUlpsAreAFixedPointToo) {
     for (int seed = 0; seed < 6; ++seed) {
         AvatarData a = tube();
         for (uint32_t i = 0; i < a.splats.count(); ++i) {
-            const auto ulps = [&](float x) { for (uint32_t k = random() % (seed < 3 ? 4u : 300u); k > 0; --k) x = std::nextafter(x, 10.0f); return x; };
+            const auto ulps = [&](float x) {
+                for (uint32_t k = random() % (seed < 3 ? 4u : 300u); k > 0; --k) x = std::nextafter(x, 10.0f);
+                return x;
+            };
             a.splats.scaleM[i] = {ulps(0.01f), ulps(0.01f)};
             for (int k = 0; k < 3; ++k) a.splats.sh[i * 12 + k] = ulps(seed % 3 == 0 ? -0.5f : 0.5f);
         }
@@ -187,7 +207,8 @@ TEST(CompactSplats, manySplatsOnATriangleAndNoneOnMost) {
     a.splats = {};
     for (uint32_t i = 0; i < 3000; ++i) {
         const uint32_t j = i % one.count();
-        a.splats.uv.push_back(one.uv[j]), a.splats.phi.push_back(one.phi[j] + 0.001f * float(i)), a.splats.scaleM.push_back(one.scaleM[j]), a.splats.opacity.push_back(one.opacity[j]), a.splats.flags.push_back(one.flags[j]);
+        a.splats.uv.push_back(one.uv[j]), a.splats.phi.push_back(one.phi[j] + 0.001f * float(i)), a.splats.scaleM.push_back(one.scaleM[j]),
+            a.splats.opacity.push_back(one.opacity[j]), a.splats.flags.push_back(one.flags[j]);
         for (int k = 0; k < 3; ++k) a.splats.sh.push_back(one.sh[j * 3 + k] + 0.001f * float(i % 77));
         triangle.push_back(i < 2000 ? 3 : 40 + i % 3);
     }
@@ -198,17 +219,21 @@ TEST(CompactSplats, manySplatsOnATriangleAndNoneOnMost) {
     EXPECT_TRUE(sameWords(wordsOf(*bytes), wordsOf(*writeAvatar(a))));
 }
 
-AvatarData corrected() { return test::withCorrectives(tube(0), 4, {.modes = 7, .nodes = 300}); }
+AvatarData corrected() {
+    return test::withCorrectives(tube(0), 4, {.modes = 7, .nodes = 300});
+}
 
 TEST(CompactCorrectives, loadToTheSameAsTheStreams) {
-    for (const uint32_t nodes : {1u, 2u, 40u, 300u, 2000u}) {   // 255 and fewer are always known; one takes no bits
+    for (const uint32_t nodes : {1u, 2u, 40u, 300u, 2000u}) {  // 255 and fewer are always known; one takes no bits
         const AvatarData a = test::withCorrectives(tube(0), nodes, {.modes = nodes > 1000 ? 2u : 7u, .nodes = nodes});
         const auto plain = writeAvatar(a), compact = writeAvatar(a, {.compact = true});
         ASSERT_TRUE(plain && compact);
         const AvatarInfo before = *inspectAvatar(*plain), after = *inspectAvatar(*compact);
         EXPECT_LT(after.correctiveBytes, before.correctiveBytes) << nodes;
         const PoseCorrectiveData one = readAvatar(*plain)->correctives, two = readAvatar(*compact)->correctives;
-        EXPECT_TRUE(one.nodes == two.nodes && one.nodeIndices == two.nodeIndices && one.nodeWeights == two.nodeWeights && one.modes == two.modes && one.mean == two.mean) << nodes;
+        EXPECT_TRUE(one.nodes == two.nodes && one.nodeIndices == two.nodeIndices && one.nodeWeights == two.nodeWeights &&
+                    one.modes == two.modes && one.mean == two.mean)
+            << nodes;
         EXPECT_TRUE(*writeAvatar(*readAvatar(*compact), {.compact = true}) == *compact);
     }
 }
@@ -274,7 +299,10 @@ TEST(CompactSplats, damagedFilesAreRefusedAndNothingCrashes) {
         {"12 bits", [&](GlbParts& p) { splats(p)["bits"]["scale"] = 12; }},
         {"259 bits", [&](GlbParts& p) { splats(p)["bits"]["opacity"] = 259; }},
         {"1 bit of colour", [&](GlbParts& p) { splats(p)["bits"]["colour"] = 1; }},
-        {"bits as a list", [&](GlbParts& p) { splats(p)["bits"] = Json::array({11, 10, 11, 8, 11}); }},
+        {"bits as a list",
+         [&](GlbParts& p) {
+             splats(p)["bits"] = Json::array({11, 10, 11, 8, 11});
+         }},
         {"other bits", [&](GlbParts& p) { splats(p)["bits"]["uv"] = 8; }},
         {"one splat more", [&](GlbParts& p) { splats(p)["count"] = splats(p)["count"].get<int>() + 1; }},
         {"one splat less", [&](GlbParts& p) { splats(p)["count"] = splats(p)["count"].get<int>() - 1; }},
@@ -295,7 +323,9 @@ TEST(CompactSplats, damagedFilesAreRefusedAndNothingCrashes) {
         apply(parts);
         auto read = readAvatar(parts.bytes(), trusting);
         EXPECT_FALSE(read) << what;
-        if (!read) { EXPECT_FALSE(read.error().message.empty()) << what; }
+        if (!read) {
+            EXPECT_FALSE(read.error().message.empty()) << what;
+        }
     }
     // Any byte of the coded stream, changed: an error, or an avatar that can be written and read like another.
     std::mt19937 random(7);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // PlayCanvas compressed PLY: word by word, files of splat-transform, and hostile ones.
 #include "sdk/format/compressed_ply.h"
 
@@ -13,9 +14,9 @@ using namespace test;
 
 TEST(CompressedPly, decodesWordByWordAsDefined) {
     CompressedPlyByHand f;
-    f.words[0] = {0xffffffff, 512u << 20 | 512u << 10 | 1023u, 0xffffffff, 0xff8000ff};   // rotation: w left out, z at its largest
-    f.words[1] = {2047u << 21, 1u << 30 | 1023u << 20 | 512u << 10 | 512u, 1023u << 11, 0x00ff0033};   // x left out, w at its largest
-    f.words[299] = {0, 3u << 30 | 512u << 20 | 512u << 10 | 0u, 0, 0xff00ff00};           // z left out, y at its smallest
+    f.words[0] = {0xffffffff, 512u << 20 | 512u << 10 | 1023u, 0xffffffff, 0xff8000ff};  // rotation: w left out, z at its largest
+    f.words[1] = {2047u << 21, 1u << 30 | 1023u << 20 | 512u << 10 | 512u, 1023u << 11, 0x00ff0033};  // x left out, w at its largest
+    f.words[299] = {0, 3u << 30 | 512u << 20 | 512u << 10 | 0u, 0, 0xff00ff00};                       // z left out, y at its smallest
     f.sh[0] = {0, 255, 128, 127, 1, 2, 3, 4, 5};
     auto s = readCompressedPly(f.bytes());
     ASSERT_TRUE(s) << s.error().message;
@@ -51,7 +52,8 @@ TEST(CompressedPly, readsWhatSplatTransformWrites) {
     auto file = readSplats(pinned("splats.compressed.ply"));
     ASSERT_TRUE(file) << file.error().message;
     EXPECT_EQ(file->format, SplatFormat::CompressedPly);
-    // Half a step over the range of one chunk: 1.5 m in 11 or 10 bits; 10-bit rotations; e^1.95 in 11 bits; 8 bits; 8 bits over [−4, 4], floored.
+    // Half a step over the range of one chunk: 1.5 m in 11 or 10 bits; 10-bit rotations; e^1.95 in 11 bits; 8 bits; 8 bits over [−4, 4],
+    // floored.
     expectSplats(file->splats, pinnedSplats(), {0.0008f, 4e-6f, 0.002f, 0.002f, 0.0085f, 0.0157f});
 }
 
@@ -67,7 +69,8 @@ TEST(CompressedPly, rejectList) {
     expectRefused(changed([](auto& f) { f.chunks = 4'000'000'000; }), "4 billion chunks", Code::CorruptData, "truncated");
     expectRefused(changed([](auto& f) { f.shRows = 299; }), "a row of SH too few", Code::CorruptData, "299 rows of SH");
     expectRefused(changed([](auto& f) { f.ranges[1][4] = NAN; }), "a range that is no number", Code::CorruptData, "chunk 1 is not finite");
-    expectRefused(changed([](auto& f) { f.ranges[0][9] = 200, f.words[0][2] = 0xffffffff; }), "a scale of e^200", Code::CorruptData, "splat 0 is not finite");
+    expectRefused(changed([](auto& f) { f.ranges[0][9] = 200, f.words[0][2] = 0xffffffff; }), "a scale of e^200", Code::CorruptData,
+                  "splat 0 is not finite");
     const auto renamed = [](const std::string& from, const std::string& to) {
         const Bytes good = CompressedPlyByHand().bytes();
         std::string text(good.begin(), good.end());
@@ -84,7 +87,9 @@ TEST(CompressedPly, rejectList) {
     expectRefused(renamed("binary_little_endian", "ascii"), "an ASCII file", Code::Unsupported, "binary");
 }
 
-TEST(CompressedPly, truncatedAndFlippedFilesDoNoHarm) { expectSturdy(pinned("splats.compressed.ply")); }
+TEST(CompressedPly, truncatedAndFlippedFilesDoNoHarm) {
+    expectSturdy(pinned("splats.compressed.ply"));
+}
 
 }  // namespace
 }  // namespace dpl

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // checkCorrectives: one test per kind of array that may be wrong. The file's own damage is in hostile_test.cpp.
 #include "sdk/format/correctives.h"
 
@@ -17,7 +18,7 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInfinite = std:
 struct Bad {
     const char* what;
     void (*damage)(PoseCorrectiveData&);
-    const char* sentence;   // a piece of it
+    const char* sentence;  // a piece of it
 };
 
 TEST(CheckCorrectives, refusesEachKindOfBadArray) {
@@ -28,25 +29,42 @@ TEST(CheckCorrectives, refusesEachKindOfBadArray) {
     EXPECT_TRUE(checkCorrectives({}, joints, vertices));
     const Bad list[] = {
         {"no modes", [](PoseCorrectiveData& c) { c.modeCount = 0, c.modes.clear(), c.nodes.clear(); }, "0 modes"},
-        {"too many modes", [](PoseCorrectiveData& c) { c.modeCount = 65, c.modes.resize(65 * c.mean.size()), c.nodes.resize(65 * 5); }, "65 modes"},
+        {"too many modes", [](PoseCorrectiveData& c) { c.modeCount = 65, c.modes.resize(65 * c.mean.size()), c.nodes.resize(65 * 5); },
+         "65 modes"},
         {"too many nodes", [](PoseCorrectiveData& c) { c.nodeCount = 65536, c.nodes.resize(65536 * 2); }, "65536 nodes"},
         {"no joints", [](PoseCorrectiveData& c) { c.joints.clear(), c.mean.clear(), c.modes.clear(); }, "0 joints"},
         {"short mean", [](PoseCorrectiveData& c) { c.mean.pop_back(); }, "do not fit"},
         {"long modes", [](PoseCorrectiveData& c) { c.modes.push_back(0); }, "do not fit"},
         {"short nodes", [](PoseCorrectiveData& c) { c.nodes.pop_back(); }, "do not fit"},
         {"short indices", [](PoseCorrectiveData& c) { c.nodeIndices.pop_back(); }, "indices"},
-        {"long weights", [](PoseCorrectiveData& c) { c.nodeWeights.push_back({255, 0, 0, 0}); }, "weights"},
+        {"long weights",
+         [](PoseCorrectiveData& c) {
+             c.nodeWeights.push_back({255, 0, 0, 0});
+         },
+         "weights"},
         {"joint out of range", [](PoseCorrectiveData& c) { c.joints.back() = 8; }, "joint 8"},
         {"joint twice", [](PoseCorrectiveData& c) { c.joints[3] = c.joints[2]; }, "rising"},
         {"joints falling", [](PoseCorrectiveData& c) { std::swap(c.joints[0], c.joints[1]); }, "rising"},
         {"weights of 254", [](PoseCorrectiveData& c) { c.nodeWeights[7].x -= 1; }, "vertex 7 sum to 254"},
-        {"weights of 511", [](PoseCorrectiveData& c) { c.nodeWeights[7] = {255, 255, 1, 0}; }, "vertex 7 sum to 511"},
+        {"weights of 511",
+         [](PoseCorrectiveData& c) {
+             c.nodeWeights[7] = {255, 255, 1, 0};
+         },
+         "vertex 7 sum to 511"},
         {"node out of range", [](PoseCorrectiveData& c) { c.nodeIndices[4].y = 5; }, "vertex 4 hangs on pose corrective node 5"},
-        {"node out of range, weight 0", [](PoseCorrectiveData& c) { c.nodeWeights[4] = {255, 0, 0, 0}, c.nodeIndices[4].w = 9; }, "node 9"},
+        {"node out of range, weight 0",
+         [](PoseCorrectiveData& c) {
+             c.nodeWeights[4] = {255, 0, 0, 0}, c.nodeIndices[4].w = 9;
+         },
+         "node 9"},
         {"mean NaN", [](PoseCorrectiveData& c) { c.mean[1] = kNan; }, "finite"},
         {"mode infinite", [](PoseCorrectiveData& c) { c.modes[1] = -kInfinite; }, "finite"},
         {"node NaN in light", [](PoseCorrectiveData& c) { c.nodes.back().w = kNan; }, "finite"},
-        {"node whose sum would cancel", [](PoseCorrectiveData& c) { c.nodes[0] = {3e38f, -3e38f, 0, 0}; }, "above"},
+        {"node whose sum would cancel",
+         [](PoseCorrectiveData& c) {
+             c.nodes[0] = {3e38f, -3e38f, 0, 0};
+         },
+         "above"},
         {"no reach", [](PoseCorrectiveData& c) { c.reach = 0; }, "reach"},
         {"negative reach", [](PoseCorrectiveData& c) { c.reach = -1; }, "reach"},
         {"reach NaN", [](PoseCorrectiveData& c) { c.reach = kNan; }, "reach"},

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Takes a .glb apart and puts it together again, so that tests can damage one thing at a time.
 #pragma once
 
@@ -35,8 +36,12 @@ struct GlbParts {
     }
 
     /** Bytes of the buffer view that stream `name` of our extension names. */
-    std::span<uint8_t> stream(const char* name) { return view(json["extensions"]["DPL_gaussian_avatar"]["splats"]["streams"][name].get<size_t>()); }
-    std::span<uint8_t> correctiveStream(const char* name) { return view(json["extensions"]["DPL_gaussian_avatar"]["poseCorrectives"]["streams"][name].get<size_t>()); }
+    std::span<uint8_t> stream(const char* name) {
+        return view(json["extensions"]["DPL_gaussian_avatar"]["splats"]["streams"][name].get<size_t>());
+    }
+    std::span<uint8_t> correctiveStream(const char* name) {
+        return view(json["extensions"]["DPL_gaussian_avatar"]["poseCorrectives"]["streams"][name].get<size_t>());
+    }
     std::span<uint8_t> view(size_t index) {
         const auto& v = json["bufferViews"][index];
         return std::span(bin).subspan(v.value("byteOffset", size_t(0)), v["byteLength"].get<size_t>());

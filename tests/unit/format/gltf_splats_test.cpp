@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // glTF KHR_gaussian_splatting: ours, those of splat-transform, and hostile ones.
 #include "sdk/format/gltf_splats.h"
 
@@ -29,7 +30,7 @@ TEST(GltfSplats, readsWhatSplatTransformWrites) {
     auto file = readSplats(pinned("splats_khr.glb"));
     ASSERT_TRUE(file) << file.error().message;
     StaticSplatData want = pinnedSplats();
-    const Mat3d halfTurn(-1, 0, 0, 0, -1, 0, 0, 0, 1);   // it takes a PLY to be y-down and turns it upright about z
+    const Mat3d halfTurn(-1, 0, 0, 0, -1, 0, 0, 0, 1);  // it takes a PLY to be y-down and turns it upright about z
     const ShRotator rotator;
     for (size_t i = 0; i < want.count(); ++i) {
         want.position[i] = Mat3f(halfTurn) * want.position[i];
@@ -50,7 +51,8 @@ TEST(GltfSplats, nodesPlaceTheirSplats) {
     const Quatf outer(0.70710678f, 0, 0.70710678f, 0), turn = outer * Quatf(0.8f, 0.6f, 0, 0);
     const Vec3f direction = glm::normalize(Vec3f(0.3f, -0.5f, 0.8f));
     for (size_t i = 0; i < one.count(); ++i) {
-        EXPECT_LT(glm::length(placed->position[i] - (turn * (2.0f * one.position[i]) + outer * Vec3f(0.5f, -1, 2) + Vec3f(1, 2, 3))), 1e-5f);
+        EXPECT_LT(glm::length(placed->position[i] - (turn * (2.0f * one.position[i]) + outer * Vec3f(0.5f, -1, 2) + Vec3f(1, 2, 3))),
+                  1e-5f);
         EXPECT_LT(glm::length(placed->scaleM[i] - 2.0f * one.scaleM[i]), 1e-6f);
         EXPECT_GT(std::abs(glm::dot(placed->rotation[i], turn * one.rotation[i])), 0.99999f);
         const Vec3f was = shColour(&one.sh[i * 48], 3, direction), is = shColour(&placed->sh[i * 48], 3, turn * direction);
@@ -71,7 +73,11 @@ TEST(GltfSplats, primitivesAreJoinedAndIntegersDecoded) {
         parts.bin.insert(parts.bin.end(), raw.begin(), raw.end());
         while (parts.bin.size() % 4) parts.bin.push_back(0);
         parts.json["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", offset}, {"byteLength", raw.size()}});
-        parts.json["accessors"].push_back({{"bufferView", parts.json["bufferViews"].size() - 1}, {"componentType", component}, {"type", type}, {"count", 1}, {"normalized", normalized}});
+        parts.json["accessors"].push_back({{"bufferView", parts.json["bufferViews"].size() - 1},
+                                           {"componentType", component},
+                                           {"type", type},
+                                           {"count", 1},
+                                           {"normalized", normalized}});
         return index;
     };
     Bytes place, colour;
@@ -114,26 +120,43 @@ TEST(GltfSplats, rejectList) {
     expectRefused(with("projection", "fisheye"), "a projection", Code::Unsupported, "'fisheye'");
     expectRefused(with("colorSpace", "lin_rec709_display"), "linear colour", Code::Unsupported, "srgb_rec709_display");
     expectRefused(with("sortingMethod", "none"), "unsorted", Code::Unsupported, "'none'");
-    expectRefused(changed([](auto&, auto& p) { p["extensions"]["KHR_gaussian_splatting"]["extensions"]["KHR_gaussian_splatting_compression_spz_2"]["bufferView"] = 0; }),
+    expectRefused(changed([](auto&, auto& p) {
+                      p["extensions"]["KHR_gaussian_splatting"]["extensions"]["KHR_gaussian_splatting_compression_spz_2"]["bufferView"] = 0;
+                  }),
                   "compressed", Code::Unsupported, "compression_spz_2");
     expectRefused(changed([](auto&, auto& p) { p["mode"] = 4; }), "triangles", Code::CorruptData, "mode 4");
-    for (const char* name : {"POSITION", "KHR_gaussian_splatting:ROTATION", "KHR_gaussian_splatting:SCALE", "KHR_gaussian_splatting:OPACITY", "KHR_gaussian_splatting:SH_DEGREE_0_COEF_0",
-                             "KHR_gaussian_splatting:SH_DEGREE_1_COEF_2"})
+    for (const char* name :
+         {"POSITION", "KHR_gaussian_splatting:ROTATION", "KHR_gaussian_splatting:SCALE", "KHR_gaussian_splatting:OPACITY",
+          "KHR_gaussian_splatting:SH_DEGREE_0_COEF_0", "KHR_gaussian_splatting:SH_DEGREE_1_COEF_2"})
         expectRefused(changed([&](auto&, auto& p) { p["attributes"].erase(name); }), name, Code::CorruptData, name);
-    expectRefused(changed([](auto& parts, auto& p) { parts.json["accessors"][p["attributes"]["KHR_gaussian_splatting:OPACITY"].template get<size_t>()]["count"] = 6; }), "six opacities", Code::CorruptData, "6 entries");
+    expectRefused(changed([](auto& parts, auto& p) {
+                      parts.json["accessors"][p["attributes"]["KHR_gaussian_splatting:OPACITY"].template get<size_t>()]["count"] = 6;
+                  }),
+                  "six opacities", Code::CorruptData, "6 entries");
     const auto damaged = [&](const char* attribute, size_t index, float value) {
-        return changed([&](auto& parts, auto& p) { std::memcpy(parts.accessor(p["attributes"][attribute].template get<size_t>()).data() + index * 4, &value, 4); });
+        return changed([&](auto& parts, auto& p) {
+            std::memcpy(parts.accessor(p["attributes"][attribute].template get<size_t>()).data() + index * 4, &value, 4);
+        });
     };
     expectRefused(damaged("KHR_gaussian_splatting:SCALE", 4, -0.1f), "a negative scale", Code::CorruptData, "negative");
     expectRefused(damaged("KHR_gaussian_splatting:OPACITY", 3, 1.5f), "an opacity of 1.5", Code::CorruptData, "opacity");
     expectRefused(damaged("KHR_gaussian_splatting:OPACITY", 3, NAN), "an opacity that is no number", Code::CorruptData, "finite");
     expectRefused(damaged("KHR_gaussian_splatting:ROTATION", 3, 0.0f), "no rotation", Code::CorruptData, "rotation");
-    expectRefused(changed([](auto& parts, auto&) { parts.json["nodes"][0].erase("mesh"); }), "shown by no node", Code::Unsupported, "no node");
-    expectRefused(changed([](auto& parts, auto&) { for (int i = 0; i < 9; ++i) parts.json["nodes"].push_back({{"mesh", 0}}); }), "ten instances", Code::CorruptData, "more than once");
-    expectRefused(changed([](auto& parts, auto&) { parts.json["nodes"][0]["scale"] = {1e38, 1e38, 1e38}, parts.json["nodes"][0]["translation"] = {1e38, 3e38, 0}; }), "beyond float", Code::CorruptData, "not finite");
+    expectRefused(changed([](auto& parts, auto&) { parts.json["nodes"][0].erase("mesh"); }), "shown by no node", Code::Unsupported,
+                  "no node");
+    expectRefused(changed([](auto& parts, auto&) {
+                      for (int i = 0; i < 9; ++i) parts.json["nodes"].push_back({{"mesh", 0}});
+                  }),
+                  "ten instances", Code::CorruptData, "more than once");
+    expectRefused(changed([](auto& parts, auto&) {
+                      parts.json["nodes"][0]["scale"] = {1e38, 1e38, 1e38}, parts.json["nodes"][0]["translation"] = {1e38, 3e38, 0};
+                  }),
+                  "beyond float", Code::CorruptData, "not finite");
 }
 
-TEST(GltfSplats, truncatedFilesAndFlippedBitsDoNoHarm) { expectSturdy(*writeGltfSplats(ofDegree(0))); }
+TEST(GltfSplats, truncatedFilesAndFlippedBitsDoNoHarm) {
+    expectSturdy(*writeGltfSplats(ofDegree(0)));
+}
 
 }  // namespace
 }  // namespace dpl

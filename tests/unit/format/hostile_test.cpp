@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Bytes from outside: each damaged file must end in an error with a sentence, never in a crash or a huge allocation.
 #include <gtest/gtest.h>
 
@@ -19,12 +20,16 @@ constexpr const char* kOurs = "DPL_gaussian_avatar";
 
 ReadLimits trusting() {
     ReadLimits limits;
-    limits.verifyHash = false;   // the damage must be found for what it is, not for the hash
+    limits.verifyHash = false;  // the damage must be found for what it is, not for the hash
     return limits;
 }
 
-std::vector<uint8_t> goodFile(bool draco = true) { return *writeAvatar(test::withCorrectives(test::randomAvatar(1, 1, 8, 3), 1, {.modes = 2, .nodes = 5}), {.draco = draco}); }
-AvatarData tinyWithCorrectives() { return test::withCorrectives(test::tinyAvatar(), 1, {.modes = 2, .nodes = 3}); }
+std::vector<uint8_t> goodFile(bool draco = true) {
+    return *writeAvatar(test::withCorrectives(test::randomAvatar(1, 1, 8, 3), 1, {.modes = 2, .nodes = 5}), {.draco = draco});
+}
+AvatarData tinyWithCorrectives() {
+    return test::withCorrectives(test::tinyAvatar(), 1, {.modes = 2, .nodes = 3});
+}
 
 void expectRefused(const char* what, std::span<const uint8_t> bytes, Code code = Code::CorruptData) {
     auto result = readAvatar(bytes, trusting());
@@ -44,10 +49,18 @@ template <class T>
 void put(std::span<uint8_t> bytes, size_t index, T value) {
     std::memcpy(bytes.data() + index * sizeof(T), &value, sizeof(T));
 }
-json& ours(GlbParts& p) { return p.json["extensions"][kOurs]; }
-json& correctives(GlbParts& p) { return ours(p)["poseCorrectives"]; }
-json& draco(GlbParts& p) { return p.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"]; }
-size_t attribute(GlbParts& p, const char* name) { return p.json["meshes"][0]["primitives"][0]["attributes"][name].get<size_t>(); }
+json& ours(GlbParts& p) {
+    return p.json["extensions"][kOurs];
+}
+json& correctives(GlbParts& p) {
+    return ours(p)["poseCorrectives"];
+}
+json& draco(GlbParts& p) {
+    return p.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"];
+}
+size_t attribute(GlbParts& p, const char* name) {
+    return p.json["meshes"][0]["primitives"][0]["attributes"][name].get<size_t>();
+}
 
 json nested(int depth) {
     json inner = json::array();
@@ -237,8 +250,13 @@ TEST(HostileAvatar, containerHeader) {
 
 TEST(HostileAvatar, fortyKilobytesOfBrackets) {
     GlbParts parts;
-    expectRefused("nested arrays", parts.join("{\"asset\":{\"version\":\"2.0\"},\"a\":" + std::string(20000, '[') + std::string(20000, ']') + "}"));
-    expectRefused("nested objects", parts.join("{\"asset\":" + [] { std::string s; for (int i = 0; i < 8000; ++i) s += "{\"a\":"; return s + "1" + std::string(8000, '}'); }() + "}"));
+    expectRefused("nested arrays",
+                  parts.join("{\"asset\":{\"version\":\"2.0\"},\"a\":" + std::string(20000, '[') + std::string(20000, ']') + "}"));
+    expectRefused("nested objects", parts.join("{\"asset\":" + [] {
+        std::string s;
+        for (int i = 0; i < 8000; ++i) s += "{\"a\":";
+        return s + "1" + std::string(8000, '}');
+    }() + "}"));
     expectRefused("brackets that never close", parts.join(std::string(40000, '[')));
     expectRefused("number too large", parts.join("{\"asset\":{\"version\":\"2.0\"},\"a\":1e999}"));
     expectRefused("no JSON at all", parts.join("hello"));
@@ -265,7 +283,8 @@ TEST(HostileAvatar, everyTruncationIsAnError) {
 
 TEST(HostileAvatar, everyBitFlipIsNoticed) {
     std::vector<uint8_t> bytes = *writeAvatar(tinyWithCorrectives());
-    for (size_t bit = 0; bit < bytes.size() * 8; bit += 15) {   // about every second byte, at another bit each time: keeps the test at seconds
+    for (size_t bit = 0; bit < bytes.size() * 8;
+         bit += 15) {  // about every second byte, at another bit each time: keeps the test at seconds
         bytes[bit / 8] ^= uint8_t(1 << bit % 8);
         ASSERT_FALSE(readAvatar(bytes)) << "bit " << bit % 8 << " of byte " << bit / 8;
         bytes[bit / 8] ^= uint8_t(1 << bit % 8);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // PLY, KHR_gaussian_splatting and skinned glTF: what other programs write and read; and the pinned files of versions 1 and 2.
 #include <gtest/gtest.h>
 
@@ -50,7 +51,7 @@ TEST(AvatarVersion1, pinnedBytesStillRead) {
     // Exact: the codes of the file and the documented decoding, in double, rounded to float.
     EXPECT_EQ(a->splats.uv[1], Vec2f(0.5f, 0.25f));
     EXPECT_EQ(a->splats.phi[1], float(326 * 3.14159265358979323846 / 1024));
-    EXPECT_EQ(a->splats.scaleM[0].y, 0.002f);   // the smallest and the largest scale of a chunk are exact
+    EXPECT_EQ(a->splats.scaleM[0].y, 0.002f);  // the smallest and the largest scale of a chunk are exact
     EXPECT_EQ(a->splats.scaleM[1], Vec2f(0.02f, 0.02f));
     EXPECT_NEAR(a->splats.scaleM[0].x, 0.01f, 0.01f * std::log(10.0) / 2047 / 2);
     EXPECT_EQ(a->splats.opacity[1], float(128 / 255.0));
@@ -99,8 +100,8 @@ TEST(Ply, writesAndReadsEveryDegreeWithAndWithoutNormals) {
             EXPECT_TRUE(back->position == s.position);
             EXPECT_TRUE(back->sh == s.sh);
             for (int i = 0; i < 5; ++i) {
-                EXPECT_NEAR(back->opacity[i], s.opacity[i], 1e-6);            // logit and sigmoid in float
-                EXPECT_NEAR(back->scaleM[i].x / s.scaleM[i].x, 1, 1e-6);      // log and exp in float
+                EXPECT_NEAR(back->opacity[i], s.opacity[i], 1e-6);        // logit and sigmoid in float
+                EXPECT_NEAR(back->scaleM[i].x / s.scaleM[i].x, 1, 1e-6);  // log and exp in float
                 EXPECT_LT(glm::length(back->rotation[i] - s.rotation[i]), 1e-6f);
             }
         }
@@ -135,7 +136,8 @@ TEST(Ply, damagedFilesAreRefused) {
 
 TEST(Ply, readsAFileOfSomebodyElse) {
     const auto shared = sharedData();
-    if (!shared || !std::filesystem::exists(*shared / "splats/donut.inria-sh0.ply")) GTEST_SKIP() << "no shared data with splats/donut.inria-sh0.ply";
+    if (!shared || !std::filesystem::exists(*shared / "splats/donut.inria-sh0.ply"))
+        GTEST_SKIP() << "no shared data with splats/donut.inria-sh0.ply";
     auto s = readPly(fileBytes(*shared / "splats/donut.inria-sh0.ply"));
     ASSERT_TRUE(s) << s.error().message;
     EXPECT_EQ(s->count(), 45624u);
@@ -154,7 +156,7 @@ TEST(GltfSplats, holdsWhatTheExtensionAsksFor) {
     const auto scale = parts.accessor(primitive["attributes"]["KHR_gaussian_splatting:SCALE"].get<size_t>());
     float first;
     std::memcpy(&first, scale.data(), 4);
-    EXPECT_EQ(first, 0.01f);   // linear, as ratified
+    EXPECT_EQ(first, 0.01f);  // linear, as ratified
     EXPECT_FALSE(writeGltfSplats({}));
 }
 
@@ -169,7 +171,7 @@ TEST(SkinnedGltf, readsAnAvatarAsAnyBody) {
         EXPECT_EQ(body->meshes[0].positions.size(), a.mesh.layers[0].vertexCount);
         EXPECT_EQ(body->meshes[0].triangles[3], a.mesh.triangles[3]);
         const auto world = body->restTransforms();
-        for (const auto& joint : body->joints) {   // at rest, joint and bind matrix cancel
+        for (const auto& joint : body->joints) {  // at rest, joint and bind matrix cancel
             const Mat4f m = world[joint.node] * joint.jointFromMesh;
             for (int c = 0; c < 4; ++c) EXPECT_LT(glm::length(m[c] - Mat4f(1)[c]), 1e-5f);
         }
@@ -203,7 +205,12 @@ TEST(SkinnedGltf, morphTargetsWithNamesAlsoSparse) {
     const size_t values = j["bufferViews"].size(), accessor = j["accessors"].size();
     j["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", at}, {"byteLength", 12}});
     j["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", at + 12}, {"byteLength", 2}});
-    j["accessors"].push_back({{"componentType", 5126}, {"type", "VEC3"}, {"count", 4}, {"sparse", {{"count", 1}, {"indices", {{"bufferView", values + 1}, {"componentType", 5123}}}, {"values", {{"bufferView", values}}}}}});
+    j["accessors"].push_back(
+        {{"componentType", 5126},
+         {"type", "VEC3"},
+         {"count", 4},
+         {"sparse",
+          {{"count", 1}, {"indices", {{"bufferView", values + 1}, {"componentType", 5123}}}, {"values", {{"bufferView", values}}}}}});
     j["meshes"][0]["primitives"][0]["targets"] = nlohmann::json::array({{{"POSITION", accessor}}, {{"POSITION", 0}}});
     j["meshes"][0]["extras"]["targetNames"] = {"height"};
     j["meshes"][0]["weights"] = {0.25, 0};
@@ -230,10 +237,10 @@ TEST(SkinnedGltf, sampleChannelInterpolates) {
     EXPECT_EQ(sampleChannel(c, 2.9f), Vec4f(0));
     c.interpolation = SkinnedGltf::Interpolation::Cubic;
     c.values = {{}, {0, 0, 0, 0}, {}, {}, {2, 4, 6, 0}, {}};
-    EXPECT_EQ(sampleChannel(c, 2), Vec4f(1, 2, 3, 0));   // flat tangents: the middle is the mean
+    EXPECT_EQ(sampleChannel(c, 2), Vec4f(1, 2, 3, 0));  // flat tangents: the middle is the mean
     c.interpolation = SkinnedGltf::Interpolation::Linear, c.path = SkinnedGltf::Path::Rotation;
     const float h = std::sqrt(0.5f);
-    c.values = {{0, 0, 0, 1}, {0, 0, -h, -h}};   // the short way round, although the sign differs
+    c.values = {{0, 0, 0, 1}, {0, 0, -h, -h}};  // the short way round, although the sign differs
     EXPECT_NEAR(sampleChannel(c, 2).z, std::sin(0.7853981634 / 2), 1e-6);
 }
 

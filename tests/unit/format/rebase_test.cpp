@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Sorting and re-basing: order is deterministic, and a re-based splat draws the same ellipse in any pose.
 #include <gtest/gtest.h>
 
@@ -19,7 +20,9 @@ Mat3d posedCovariance(const Vec3f rest[3], const Vec3d posed[3], float phi, cons
     return glm::outerProduct(a1, a1) + glm::outerProduct(a2, a2);
 }
 
-double norm(const Mat3d& m) { return std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2])); }
+double norm(const Mat3d& m) {
+    return std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]));
+}
 
 TEST(RebaseSplats, posedCovarianceIsUnchanged) {
     std::mt19937 random(7);
@@ -34,18 +37,23 @@ TEST(RebaseSplats, posedCovarianceIsUnchanged) {
         Vec3d posed[3];
         for (int k = 0; k < 4; ++k) oldRest[k] = Vec3f(corner(0.02)), newRest[k] = oldRest[k] + Vec3f(corner(0.01));
         for (int k = 0; k < 3; ++k) posed[k] = corner(0.03);
-        auto fair = [](const auto& p0, const auto& p1, const auto& p2) { return glm::length(glm::cross(Vec3d(p1) - Vec3d(p0), Vec3d(p2) - Vec3d(p0))) > 4e-5; };
-        if (!fair(oldRest[0], oldRest[1], oldRest[2]) || !fair(newRest[0], newRest[1], newRest[2]) || !fair(posed[0], posed[1], posed[2])) continue;
+        auto fair = [](const auto& p0, const auto& p1, const auto& p2) {
+            return glm::length(glm::cross(Vec3d(p1) - Vec3d(p0), Vec3d(p2) - Vec3d(p0))) > 4e-5;
+        };
+        if (!fair(oldRest[0], oldRest[1], oldRest[2]) || !fair(newRest[0], newRest[1], newRest[2]) || !fair(posed[0], posed[1], posed[2]))
+            continue;
         const float phi = float(real(-4, 4));
         const Vec2f scale(float(std::exp(real(-8, -4))), float(std::exp(real(-8, -4))));
         a.splats = {};
-        a.splats.triangleStart = {0, 1}, a.splats.uv = {{0.3f, 0.3f}}, a.splats.phi = {phi}, a.splats.scaleM = {scale}, a.splats.opacity = {1}, a.splats.flags = {0}, a.splats.sh = {0, 0, 0};
+        a.splats.triangleStart = {0, 1}, a.splats.uv = {{0.3f, 0.3f}}, a.splats.phi = {phi}, a.splats.scaleM = {scale},
+        a.splats.opacity = {1}, a.splats.flags = {0}, a.splats.sh = {0, 0, 0};
         auto left = rebaseSplats(std::span(oldRest, 4), a);
         ASSERT_TRUE(left);
         ASSERT_EQ(*left, 0u);
         EXPECT_GE(a.splats.scaleM[0].x, a.splats.scaleM[0].y);
         EXPECT_GE(a.splats.phi[0], 0);
-        const Mat3d before = posedCovariance(oldRest, posed, phi, scale), after = posedCovariance(newRest, posed, a.splats.phi[0], a.splats.scaleM[0]);
+        const Mat3d before = posedCovariance(oldRest, posed, phi, scale),
+                    after = posedCovariance(newRest, posed, a.splats.phi[0], a.splats.scaleM[0]);
         worst = std::max(worst, norm(after - before) / norm(before));
         ++cases;
     }
@@ -58,7 +66,7 @@ TEST(RebaseSplats, posedCovarianceIsUnchanged) {
 TEST(RebaseSplats, degenerateTrianglesKeepTheirSplats) {
     AvatarData a = test::tinyAvatar();
     const std::vector<Vec3f> old = a.mesh.restPositions;
-    a.mesh.restPositions[2] = a.mesh.restPositions[1];   // triangle 0 collapses, triangle 1 does not
+    a.mesh.restPositions[2] = a.mesh.restPositions[1];  // triangle 0 collapses, triangle 1 does not
     auto left = rebaseSplats(old, a);
     ASSERT_TRUE(left);
     EXPECT_EQ(*left, 2u);
@@ -75,14 +83,16 @@ TEST(SortSplats, ordersByTriangleThenMortonWhateverTheInputOrder) {
     const uint32_t n = sorted.splats.count();
     std::vector<uint32_t> triangle(n), order(n);
     for (size_t t = 0; t + 1 < sorted.splats.triangleStart.size(); ++t)
-        for (uint32_t i = sorted.splats.triangleStart[t]; i < sorted.splats.triangleStart[t + 1]; ++i) triangle[i] = uint32_t(t), order[i] = i;
+        for (uint32_t i = sorted.splats.triangleStart[t]; i < sorted.splats.triangleStart[t + 1]; ++i)
+            triangle[i] = uint32_t(t), order[i] = i;
     std::mt19937 random(11);
     for (uint32_t i = n; i-- > 1;) std::swap(order[i], order[random() % (i + 1)]);
     std::vector<uint32_t> shuffledTriangle(n);
     for (uint32_t i = 0; i < n; ++i) {
         const uint32_t from = order[i];
         shuffledTriangle[i] = triangle[from];
-        shuffled.splats.uv[i] = sorted.splats.uv[from], shuffled.splats.phi[i] = sorted.splats.phi[from], shuffled.splats.scaleM[i] = sorted.splats.scaleM[from];
+        shuffled.splats.uv[i] = sorted.splats.uv[from], shuffled.splats.phi[i] = sorted.splats.phi[from],
+        shuffled.splats.scaleM[i] = sorted.splats.scaleM[from];
         shuffled.splats.opacity[i] = sorted.splats.opacity[from], shuffled.splats.flags[i] = sorted.splats.flags[from];
         std::copy_n(sorted.splats.sh.begin() + from * 12, 12, shuffled.splats.sh.begin() + i * 12);
     }
@@ -116,7 +126,8 @@ TEST(PackWeights, sumsTo255AndKeepsTheLargest) {
     EXPECT_EQ(packWeights(bad).weights, glm::u8vec4(255, 0, 0, 0));
     for (int i = 0; i < 1000; ++i) {
         std::mt19937 random{uint32_t(i)};
-        const std::pair<uint32_t, float> w[4] = {{0, float(random() % 997)}, {1, float(random() % 997)}, {2, float(random() % 997)}, {3, 1.0f}};
+        const std::pair<uint32_t, float> w[4] = {
+            {0, float(random() % 997)}, {1, float(random() % 997)}, {2, float(random() % 997)}, {3, 1.0f}};
         const auto q = packWeights(w);
         ASSERT_EQ(int(q.weights.x) + q.weights.y + q.weights.z + q.weights.w, 255);
     }

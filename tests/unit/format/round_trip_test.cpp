@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What comes back from a file, how exact it is, and that writing it again changes no byte.
 #include <gtest/gtest.h>
 
@@ -70,7 +71,9 @@ TEST(AvatarRoundTrip, verticesAndTrianglesKeepTheirOrderAndWeightsAreExact) {
     EXPECT_TRUE(a.mesh.jointWeights == b.mesh.jointWeights);
     ASSERT_EQ(a.mesh.restPositions.size(), b.mesh.restPositions.size());
     for (size_t v = 0; v < a.mesh.restPositions.size(); ++v) {
-        for (int k = 0; k < 3; ++k) EXPECT_LE(std::abs(a.mesh.restPositions[v][k] - b.mesh.restPositions[v][k]), kPositionStepM / 2 * 1.01f);  // half a step, plus the float's own rounding
+        for (int k = 0; k < 3; ++k)
+            EXPECT_LE(std::abs(a.mesh.restPositions[v][k] - b.mesh.restPositions[v][k]),
+                      kPositionStepM / 2 * 1.01f);  // half a step, plus the float's own rounding
         for (int k = 0; k < 4; ++k) EXPECT_EQ(a.mesh.jointWeights[v][k] ? a.mesh.jointIndices[v][k] : 0, b.mesh.jointIndices[v][k]);
     }
 }
@@ -107,7 +110,8 @@ TEST(AvatarRoundTrip, quantisationIsUnbiased) {
     // Floor instead of rounding would shift u by a quarter of a step of 1/1820 on average over many splats (1.4e-4 after √n: 5e-6).
     const AvatarData a = randomAvatar(5, 0, 20, 20, 10), b = throughFile(a);
     double mean = 0, opacity = 0;
-    for (uint32_t i = 0; i < a.splats.count(); ++i) mean += a.splats.uv[i].x - b.splats.uv[i].x, opacity += a.splats.opacity[i] - b.splats.opacity[i];
+    for (uint32_t i = 0; i < a.splats.count(); ++i)
+        mean += a.splats.uv[i].x - b.splats.uv[i].x, opacity += a.splats.opacity[i] - b.splats.opacity[i];
     EXPECT_LT(std::abs(mean / a.splats.count()), 2e-5);
     EXPECT_LT(std::abs(opacity / a.splats.count()), 1e-4);
 }
@@ -120,9 +124,11 @@ TEST(AvatarRoundTrip, clipsComeBack) {
     ASSERT_EQ(a.clips[1].channels.size(), b.clips[1].channels.size());
     for (size_t c = 0; c < a.clips[1].channels.size(); ++c) {
         EXPECT_EQ(a.clips[1].channels[c].joint, b.clips[1].channels[c].joint);
-        for (size_t i = 0; i < 5; ++i) EXPECT_LT(glm::length(a.clips[1].channels[c].rotations[i] - b.clips[1].channels[c].rotations[i]), 1e-6f);
+        for (size_t i = 0; i < 5; ++i)
+            EXPECT_LT(glm::length(a.clips[1].channels[c].rotations[i] - b.clips[1].channels[c].rotations[i]), 1e-6f);
     }
-    for (size_t i = 0; i < 5; ++i) EXPECT_LT(glm::length(a.clips[1].rootTranslations[i] - b.clips[1].rootTranslations[i]), 2 * kPositionStepM);
+    for (size_t i = 0; i < 5; ++i)
+        EXPECT_LT(glm::length(a.clips[1].rootTranslations[i] - b.clips[1].rootTranslations[i]), 2 * kPositionStepM);
 }
 
 TEST(AvatarRoundTrip, writingWhatWasReadGivesTheSameBytes) {
@@ -130,7 +136,8 @@ TEST(AvatarRoundTrip, writingWhatWasReadGivesTheSameBytes) {
     for (uint32_t degree = 0; degree <= 3; ++degree) expectSameBytes(randomAvatar(10 + degree, degree));
     expectSameBytes(randomAvatar(20, 1, 300, 5));
     expectSameBytes(withCorrectives(tinyAvatar(), 1, {.modes = 1, .nodes = 1}));
-    for (uint32_t seed = 0; seed < 8; ++seed) expectSameBytes(withCorrectives(randomAvatar(21, 0), seed, {.modes = 1 + 9 * seed, .nodes = 40}));
+    for (uint32_t seed = 0; seed < 8; ++seed)
+        expectSameBytes(withCorrectives(randomAvatar(21, 0), seed, {.modes = 1 + 9 * seed, .nodes = 40}));
 }
 
 TEST(AvatarRoundTrip, rangesOfAFewUlpsAreIdempotentToo) {
@@ -174,7 +181,10 @@ TEST(AvatarRoundTrip, correctivesNearAndBelowTheSmallestFloatsAreIdempotentToo) 
 }
 
 TEST(AvatarRoundTrip, correctivesComeBack) {
-    const AvatarData a = withCorrectives(randomAvatar(70, 1), 5, {.modes = 12, .nodes = 100, .offsetM = 0.03f, .light = 0.5f, .reach = 3.25f, .reachOffModes = 0.7f}), b = throughFile(a);
+    const AvatarData a = withCorrectives(
+                         randomAvatar(70, 1), 5,
+                         {.modes = 12, .nodes = 100, .offsetM = 0.03f, .light = 0.5f, .reach = 3.25f, .reachOffModes = 0.7f}),
+                     b = throughFile(a);
     const PoseCorrectiveData &x = a.correctives, &y = b.correctives;
     EXPECT_EQ(x.modeCount, y.modeCount);
     EXPECT_EQ(x.nodeCount, y.nodeCount);
@@ -195,7 +205,8 @@ TEST(AvatarRoundTrip, correctivesComeBack) {
             const Vec4<double> e = Vec4<double>(x.nodes[n * x.modeCount + i]) - Vec4<double>(y.nodes[n * x.modeCount + i]);
             squares += e * e;
         }
-        offset = std::max(offset, std::sqrt(squares.x + squares.y + squares.z) * x.reach), light = std::max(light, std::sqrt(squares.w) * x.reach);
+        offset = std::max(offset, std::sqrt(squares.x + squares.y + squares.z) * x.reach),
+        light = std::max(light, std::sqrt(squares.w) * x.reach);
     }
     std::printf("[ NUMBERS  ] largest error of a node at reach: %.5f mm, light %.6f\n", offset * 1e3, light);
     EXPECT_GT(offset, 0);
@@ -207,7 +218,7 @@ TEST(AvatarRoundTrip, onlyFilesWithCorrectivesNeedVersion2) {
     EXPECT_EQ(inspectAvatar(*writeAvatar(tinyAvatar()))->version, 1u);
     EXPECT_EQ(inspectAvatar(*writeAvatar(withCorrectives(tinyAvatar(), 1)))->version, 2u);
     AvatarData leftovers = tinyAvatar();
-    leftovers.correctives.joints = {0};   // without nodes there are none
+    leftovers.correctives.joints = {0};  // without nodes there are none
     EXPECT_TRUE(*writeAvatar(leftovers) == *writeAvatar(tinyAvatar()));
 }
 
@@ -238,10 +249,11 @@ TEST(AvatarRoundTrip, emptyAvatarOneSplatOneTriangle) {
     one.mesh.triangles.resize(1), one.mesh.layers[0].triangleCount = 1, one.mesh.layers[0].vertexCount = 3;
     one.mesh.restPositions.resize(3), one.mesh.colours.resize(3), one.mesh.jointIndices.resize(3), one.mesh.jointWeights.resize(3);
     one.splats = {};
-    one.splats.triangleStart = {0, 1}, one.splats.uv = {{0, 1}}, one.splats.phi = {0}, one.splats.scaleM = {{0.01f, 0.01f}}, one.splats.opacity = {1}, one.splats.flags = {0}, one.splats.sh = {0, 0, 0};
+    one.splats.triangleStart = {0, 1}, one.splats.uv = {{0, 1}}, one.splats.phi = {0}, one.splats.scaleM = {{0.01f, 0.01f}},
+    one.splats.opacity = {1}, one.splats.flags = {0}, one.splats.sh = {0, 0, 0};
     expectSameBytes(one);
     const AvatarData back = throughFile(one);
-    EXPECT_EQ(back.splats.uv[0], Vec2f(0, 1));   // corners of a triangle are exact codes
+    EXPECT_EQ(back.splats.uv[0], Vec2f(0, 1));  // corners of a triangle are exact codes
 }
 
 /** SH rows of only `rows` kinds, as paletteSh leaves them. */
@@ -264,9 +276,11 @@ TEST(AvatarShPalette, writesEachRowOnceAndIsAFixedPoint) {
         auto back = readAvatar(*bytes);
         ASSERT_TRUE(back) << back.error().message;
         for (size_t k = 0; k < a.splats.sh.size(); ++k)
-            if (k % (row + 3) >= 3) { ASSERT_LE(std::abs(a.splats.sh[k] - back->splats.sh[k]), 0.3 / 127 / 2 * 1.01) << k; }
+            if (k % (row + 3) >= 3) {
+                ASSERT_LE(std::abs(a.splats.sh[k] - back->splats.sh[k]), 0.3 / 127 / 2 * 1.01) << k;
+            }
         EXPECT_TRUE(*writeAvatar(*back, {.shPalette = true}) == *bytes);
-        EXPECT_EQ(inspectAvatar(*writeAvatar(*back))->shPaletteSize, 0u);   // without being asked nobody makes one
+        EXPECT_EQ(inspectAvatar(*writeAvatar(*back))->shPaletteSize, 0u);  // without being asked nobody makes one
     }
 }
 
@@ -279,7 +293,7 @@ TEST(AvatarShPalette, valuesBelowEveryRangeAndDegreeZeroNeedNoRows) {
 }
 
 TEST(AvatarShPalette, tooManyRowsAreRefusedWithTheRemedy) {
-    const AvatarData many = randomAvatar(91, 1, 4, 60, 5);   // 88,000 splats
+    const AvatarData many = randomAvatar(91, 1, 4, 60, 5);  // 88,000 splats
     ASSERT_GT(many.splats.count(), kMaxShPalette);
     auto refused = writeAvatar(many, {.shPalette = true});
     ASSERT_FALSE(refused);
@@ -298,14 +312,18 @@ TEST(CodedAvatar, holdsTheBytesOfTheFileAndDecodesToTheSameSplats) {
         EXPECT_EQ(coded->splats.shIndex.empty(), !palette);
         const SplatData s = decodeSplats(coded->splats, a.mesh.triangles.size());
         EXPECT_TRUE(s.triangleStart == whole.splats.triangleStart);
-        EXPECT_TRUE(s.uv == whole.splats.uv && s.phi == whole.splats.phi && s.scaleM == whole.splats.scaleM && s.opacity == whole.splats.opacity);
+        EXPECT_TRUE(s.uv == whole.splats.uv && s.phi == whole.splats.phi && s.scaleM == whole.splats.scaleM &&
+                    s.opacity == whole.splats.opacity);
         EXPECT_TRUE(s.flags == whole.splats.flags && s.sh == whole.splats.sh);
         // Its triangle costs a byte, and a chunk knows the first and the last.
         for (const SplatChunk& c : coded->splats.chunks) {
             EXPECT_EQ(coded->splats.parents[c.firstParent + coded->splats.parent[c.firstSplat]], c.firstTriangle);
             EXPECT_EQ(coded->splats.parents[c.firstParent + coded->splats.parent[c.firstSplat + c.splatCount - 1]], c.endTriangle - 1);
         }
-        if (palette) { EXPECT_LE(coded->splats.bytes(), a.splats.count() * 16u + a.mesh.triangles.size() * 5u + 50u * 24u + coded->splats.chunks.size() * 64u); }
+        if (palette) {
+            EXPECT_LE(coded->splats.bytes(),
+                      a.splats.count() * 16u + a.mesh.triangles.size() * 5u + 50u * 24u + coded->splats.chunks.size() * 64u);
+        }
     }
 }
 
@@ -317,8 +335,10 @@ TEST(AvatarRoundTrip, inspectAddsUpToTheFile) {
         auto info = inspectAvatar(*bytes);
         ASSERT_TRUE(info) << info.error().message;
         EXPECT_EQ(info->fileBytes, bytes->size());
-        EXPECT_EQ(info->meshBytes + info->splatBytes + info->shBytes + info->correctiveBytes + info->clipBytes + info->skinBytes + info->jsonBytes + info->otherBytes, bytes->size());
-        EXPECT_LT(info->otherBytes, 100u);   // headers and padding only
+        EXPECT_EQ(info->meshBytes + info->splatBytes + info->shBytes + info->correctiveBytes + info->clipBytes + info->skinBytes +
+                      info->jsonBytes + info->otherBytes,
+                  bytes->size());
+        EXPECT_LT(info->otherBytes, 100u);  // headers and padding only
         EXPECT_EQ(info->shBytes, info->splats * 9u);
         EXPECT_EQ(info->correctiveModes, 3u);
         EXPECT_EQ(info->correctiveNodes, 11u);

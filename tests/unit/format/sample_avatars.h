@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Small avatars for the format tests, made from a seed.
 #pragma once
 
@@ -50,22 +51,30 @@ inline AvatarData tinyCorrectedAvatar() {
 }
 
 /** Three layers of wavy grids with skin, splats of every size, and two clips. */
-inline AvatarData randomAvatar(uint32_t seed, uint32_t shDegree, uint32_t joints = 20, uint32_t cells = 12, uint32_t splatsPerTriangle = 4) {
+inline AvatarData randomAvatar(uint32_t seed, uint32_t shDegree, uint32_t joints = 20, uint32_t cells = 12,
+                               uint32_t splatsPerTriangle = 4) {
     std::mt19937 random(seed);
     auto real = [&](double low, double high) { return float(low + (high - low) * (random() / 4294967295.0)); };
     AvatarData a;
     a.name = "random", a.generator = "doppel tests", a.kappaPx2 = 0.3f;
-    for (uint32_t j = 0; j < joints; ++j) a.joints.push_back({"joint" + std::to_string(j), j == 0 ? -1 : int32_t(random() % j), {real(-1, 1), real(0, 2), real(-1, 1)}, ""});
+    for (uint32_t j = 0; j < joints; ++j)
+        a.joints.push_back({"joint" + std::to_string(j), j == 0 ? -1 : int32_t(random() % j), {real(-1, 1), real(0, 2), real(-1, 1)}, ""});
     a.joints[0].humanoidBone = "hips";
     const char* roles[3] = {"body", "garment", "hair"};
     for (uint32_t l = 0; l < 3; ++l) {
-        LayerData layer{std::string("layer") + char('0' + l), roles[l], uint32_t(a.mesh.restPositions.size()), 0, uint32_t(a.mesh.triangles.size()), 0};
+        LayerData layer{std::string("layer") + char('0' + l), roles[l], uint32_t(a.mesh.restPositions.size()), 0,
+                        uint32_t(a.mesh.triangles.size()),    0};
         const uint32_t n = cells + l;
         for (uint32_t y = 0; y <= n; ++y)
             for (uint32_t x = 0; x <= n; ++x) {
-                a.mesh.restPositions.emplace_back(x * 0.05f + real(-0.01, 0.01), y * 0.07f + real(-0.01, 0.01), l * 0.1f + real(-0.02, 0.02));
+                a.mesh.restPositions.emplace_back(x * 0.05f + real(-0.01, 0.01), y * 0.07f + real(-0.01, 0.01),
+                                                  l * 0.1f + real(-0.02, 0.02));
                 a.mesh.colours.emplace_back(random() & 255, random() & 255, random() & 255, 255);
-                const std::pair<uint32_t, float> weights[5] = {{random() % joints, real(0, 1)}, {random() % joints, real(0, 1)}, {random() % joints, real(0, 1)}, {random() % joints, real(0, 1)}, {random() % joints, real(0, 1)}};
+                const std::pair<uint32_t, float> weights[5] = {{random() % joints, real(0, 1)},
+                                                               {random() % joints, real(0, 1)},
+                                                               {random() % joints, real(0, 1)},
+                                                               {random() % joints, real(0, 1)},
+                                                               {random() % joints, real(0, 1)}};
                 const PackedWeights packed = packWeights(weights);
                 a.mesh.jointIndices.push_back(packed.joints), a.mesh.jointWeights.push_back(packed.weights);
             }
@@ -75,7 +84,8 @@ inline AvatarData randomAvatar(uint32_t seed, uint32_t shDegree, uint32_t joints
                 a.mesh.triangles.emplace_back(v, v + 1, v + n + 2);
                 a.mesh.triangles.emplace_back(v, v + n + 2, v + n + 1);
             }
-        layer.vertexCount = uint32_t(a.mesh.restPositions.size()) - layer.firstVertex, layer.triangleCount = uint32_t(a.mesh.triangles.size()) - layer.firstTriangle;
+        layer.vertexCount = uint32_t(a.mesh.restPositions.size()) - layer.firstVertex,
+        layer.triangleCount = uint32_t(a.mesh.triangles.size()) - layer.firstTriangle;
         a.mesh.layers.push_back(layer);
     }
     SplatData& s = a.splats;
@@ -86,7 +96,8 @@ inline AvatarData randomAvatar(uint32_t seed, uint32_t shDegree, uint32_t joints
         for (uint32_t i = 0; i < count; ++i) {
             float u = real(0, 1), v = real(0, 1);
             if (u + v > 1) u = 1 - u, v = 1 - v;
-            s.uv.emplace_back(u, v), s.phi.push_back(real(0, 3.14159)), s.scaleM.emplace_back(std::exp(real(-8, -4)), std::exp(real(-8, -4)));
+            s.uv.emplace_back(u, v), s.phi.push_back(real(0, 3.14159)),
+                s.scaleM.emplace_back(std::exp(real(-8, -4)), std::exp(real(-8, -4)));
             s.opacity.push_back(real(0, 1)), s.flags.push_back(uint8_t(random() & 3));
             for (uint32_t k = 0; k < shCoefficientCount(shDegree) * 3; ++k) s.sh.push_back(k < 3 ? real(-1.7, 1.7) : real(-0.3, 0.3));
         }
@@ -95,15 +106,18 @@ inline AvatarData randomAvatar(uint32_t seed, uint32_t shDegree, uint32_t joints
     sortSplats(a);
     for (uint32_t c = 0; c < 2; ++c) {
         ClipData clip{"clip" + std::to_string(c), {}, {}, {}};
-        for (uint32_t i = 0; i < 5; ++i) clip.timesS.push_back(i / 30.0f), clip.rootTranslations.emplace_back(real(-3, 3), real(-1, 1), real(-3, 3));
+        for (uint32_t i = 0; i < 5; ++i)
+            clip.timesS.push_back(i / 30.0f), clip.rootTranslations.emplace_back(real(-3, 3), real(-1, 1), real(-3, 3));
         for (uint32_t j = 0; j < joints; j += 2) {
             ClipChannel channel{j, {}};
-            for (uint32_t i = 0; i < 5; ++i) channel.rotations.push_back(glm::normalize(Quatf(real(0.1, 1), real(-1, 1), real(-1, 1), real(-1, 1))));
+            for (uint32_t i = 0; i < 5; ++i)
+                channel.rotations.push_back(glm::normalize(Quatf(real(0.1, 1), real(-1, 1), real(-1, 1), real(-1, 1))));
             clip.channels.push_back(channel);
         }
         a.clips.push_back(clip);
     }
-    a.evidence = {{"sh degree " + std::to_string(shDegree), true, 0.5f, 1234, "held-out gain"}, {"pose offsets", false, 0, 0, "not measured"}};
+    a.evidence = {{"sh degree " + std::to_string(shDegree), true, 0.5f, 1234, "held-out gain"},
+                  {"pose offsets", false, 0, 0, "not measured"}};
     return a;
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Random but reproducible pose correctives for any avatar with joints and vertices.
 #pragma once
 
@@ -11,7 +12,7 @@ namespace dpl::test {
 
 struct CorrectiveOptions {
     uint32_t modes = 3, nodes = 12;
-    float offsetM = 0.02f, light = 0.4f;   // standard deviation of a node's values, for ‖k‖ = 1
+    float offsetM = 0.02f, light = 0.4f;  // standard deviation of a node's values, for ‖k‖ = 1
     float reach = 1.5f, reachOffModes = 1e6f;
 };
 

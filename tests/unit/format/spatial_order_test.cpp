@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "sdk/format/spatial_order.h"
 
 #include <gtest/gtest.h>
@@ -37,7 +38,8 @@ TEST(SpatialOrder, putsNeighboursInSpaceSideBySide) {
     for (uint32_t i = 0; i < points.size(); ++i) asGiven[i] = i;
     const std::vector<uint32_t> order = spatialOrder(points);
     EXPECT_TRUE(isPermutation(order));
-    EXPECT_LT(meanStepM(points, order), meanStepM(points, asGiven) / 8) << "8 m³ over 20,000 points is 0.07 m apart; as given they are 1.3 m apart";
+    EXPECT_LT(meanStepM(points, order), meanStepM(points, asGiven) / 8)
+        << "8 m³ over 20,000 points is 0.07 m apart; as given they are 1.3 m apart";
     for (uint32_t i = 0; i < 100; ++i) points[i * 100] = Vec3f(1e30f, -1e30f, 1e9f);  // a few far out must not cost the others their order
     EXPECT_LT(meanStepM(randomPoints(20000), spatialOrder(points)), meanStepM(randomPoints(20000), asGiven) / 6);
 }

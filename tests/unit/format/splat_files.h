@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What tests of general splat files share: files that other people's programs wrote and what they hold, refusals, and files with damage.
 #pragma once
 
@@ -20,14 +21,17 @@ inline Bytes fileBytes(const std::filesystem::path& path) {
     EXPECT_TRUE(bytes) << path;
     return bytes ? *bytes : Bytes{};
 }
-inline Bytes pinned(const char* name) { return fileBytes(sourceFolder() / "tests/unit/format/pinned" / name); }
+inline Bytes pinned(const char* name) {
+    return fileBytes(sourceFolder() / "tests/unit/format/pinned" / name);
+}
 
 /** What the pinned files hold. splats_v*.spz come from the reference library (@adobe/spz, 8 bits of SH), splats.compressed.ply and
  *  splats_khr.glb from PlayCanvas' splat-transform 2.7.1, which sorts them in its own way and turns the .glb half around z. */
 inline StaticSplatData pinnedSplats() {
     StaticSplatData s;
     s.shDegree = 3;
-    const Quatf turns[] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}, {0.5f, 0.5f, -0.5f, 0.5f}, {0.8f, 0, 0, -0.6f}, {-0.1f, 0.7f, 0.1f, -0.7f}};
+    const Quatf turns[] = {
+        {1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}, {0.5f, 0.5f, -0.5f, 0.5f}, {0.8f, 0, 0, -0.6f}, {-0.1f, 0.7f, 0.1f, -0.7f}};
     for (int i = 0; i < 7; ++i) {
         s.position.emplace_back(0.25f * i - 1, 0.5f - 0.125f * i, 0.0625f * i);
         s.rotation.push_back(glm::normalize(turns[i]));
@@ -60,7 +64,8 @@ inline void expectSplats(const StaticSplatData& read, const StaticSplatData& wan
         EXPECT_NEAR(glm::length(read.rotation[j]), 1, 1e-5) << i;
         for (int a = 0; a < 3; ++a) EXPECT_NEAR(read.scaleM[j][a] / want.scaleM[i][a], 1, t.scaleShare) << i << " axis " << a;
         EXPECT_NEAR(read.opacity[j], want.opacity[i], t.opacity) << i;
-        for (size_t k = 0; k < floats; ++k) EXPECT_NEAR(read.sh[j * floats + k], want.sh[i * floats + k], k < 3 ? t.dc : t.rest) << i << " SH " << k;
+        for (size_t k = 0; k < floats; ++k)
+            EXPECT_NEAR(read.sh[j * floats + k], want.sh[i * floats + k], k < 3 ? t.dc : t.rest) << i << " SH " << k;
     }
 }
 
@@ -93,7 +98,8 @@ inline void expectSturdy(const Bytes& good) {
 inline StaticSplatData ofDegree(uint32_t degree) {
     StaticSplatData s = pinnedSplats(), out = s;
     out.shDegree = degree, out.sh.clear();
-    for (size_t i = 0; i < s.count(); ++i) out.sh.insert(out.sh.end(), s.sh.begin() + ptrdiff_t(i * 48), s.sh.begin() + ptrdiff_t(i * 48 + shCoefficientCount(degree) * 3));
+    for (size_t i = 0; i < s.count(); ++i)
+        out.sh.insert(out.sh.end(), s.sh.begin() + ptrdiff_t(i * 48), s.sh.begin() + ptrdiff_t(i * 48 + shCoefficientCount(degree) * 3));
     return out;
 }
 
@@ -109,15 +115,19 @@ struct CompressedPlyByHand {
     bool chunkColours = true;
     std::vector<std::array<uint32_t, 4>> words = std::vector<std::array<uint32_t, 4>>(300, {0, 0, 0, 0});
     std::vector<std::array<uint8_t, 9>> sh = std::vector<std::array<uint8_t, 9>>(300);
-    float ranges[2][18] = {{0, 0, 0, 1, 2, 4, -5, -5, -5, -3, -3, -3, 0, 0, 0, 1, 1, 1}, {10, 20, 30, 10, 20, 30, -4, -4, -4, -4, -4, -4, -1, -1, -1, 2, 2, 2}};
+    float ranges[2][18] = {{0, 0, 0, 1, 2, 4, -5, -5, -5, -3, -3, -3, 0, 0, 0, 1, 1, 1},
+                           {10, 20, 30, 10, 20, 30, -4, -4, -4, -4, -4, -4, -1, -1, -1, 2, 2, 2}};
     Bytes bytes() const {
         std::string header = "ply\nformat binary_little_endian 1.0\ncomment by hand\nelement chunk " + std::to_string(chunks) + "\n";
-        for (const char* name : {"min_x", "min_y", "min_z", "max_x", "max_y", "max_z", "min_scale_x", "min_scale_y", "min_scale_z", "max_scale_x", "max_scale_y", "max_scale_z"})
+        for (const char* name : {"min_x", "min_y", "min_z", "max_x", "max_y", "max_z", "min_scale_x", "min_scale_y", "min_scale_z",
+                                 "max_scale_x", "max_scale_y", "max_scale_z"})
             header += std::string("property float ") + name + "\n";
         if (chunkColours)
-            for (const char* name : {"min_r", "min_g", "min_b", "max_r", "max_g", "max_b"}) header += std::string("property float ") + name + "\n";
+            for (const char* name : {"min_r", "min_g", "min_b", "max_r", "max_g", "max_b"})
+                header += std::string("property float ") + name + "\n";
         header += "element vertex " + std::to_string(count) + "\n";
-        for (const char* name : {"packed_position", "packed_rotation", "packed_scale", "packed_color"}) header += std::string("property uint ") + name + "\n";
+        for (const char* name : {"packed_position", "packed_rotation", "packed_scale", "packed_color"})
+            header += std::string("property uint ") + name + "\n";
         header += "element sh " + std::to_string(shRows) + "\n";
         for (int k = 0; k < 9; ++k) header += "property uchar f_rest_" + std::to_string(k) + "\n";
         header += "end_header\n";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Files of general splats as one: told by content, plain PLY, boxes, the shared scans.
 #include "sdk/format/splat_file.h"
 
@@ -42,7 +43,7 @@ TEST(SplatFile, plainPlyStillReads) {
 /** splat-transform writes the logit of 1 as +∞. */
 TEST(SplatFile, plyWithInfiniteLogitsAndLogScalesReads) {
     const Bytes good = *writePly(ofDegree(0), {.normals = false});
-    const size_t body = good.size() - 7 * 14 * 4;   // x y z, dc, opacity, scale, rotation
+    const size_t body = good.size() - 7 * 14 * 4;  // x y z, dc, opacity, scale, rotation
     const auto with = [&](size_t splat, size_t column, float value) {
         Bytes bytes = good;
         std::memcpy(&bytes[body + (splat * 14 + column) * 4], &value, 4);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // SPZ: what its definition says about the bytes, files of the reference library, and hostile ones.
 #include "sdk/format/spz.h"
 
@@ -13,7 +14,8 @@ namespace {
 
 using namespace test;
 
-// Half a step of: 12 fractional bits an axis, 10-bit rotations (in version 2 8 bits, and w = √(1 − …) makes more of their error where it is small), 1/16 in log scale, 1/255, 1/255/0.15, 1/128.
+// Half a step of: 12 fractional bits an axis, 10-bit rotations (in version 2 8 bits, and w = √(1 − …) makes more of their error where it is
+// small), 1/16 in log scale, 1/255, 1/255/0.15, 1/128.
 constexpr Tolerance kSpz = {0.00025f, 4e-6f, 0.033f, 0.0021f, 0.014f, 0.0041f}, kSpz2 = {0.00025f, 6e-4f, 0.033f, 0.0021f, 0.014f, 0.0041f};
 
 TEST(Spz, readsWhatTheReferenceLibraryWrites) {
@@ -28,7 +30,6 @@ TEST(Spz, readsWhatTheReferenceLibraryWrites) {
         expectSplats(file->splats, want, version == 2 ? kSpz2 : kSpz);
     }
 }
-
 
 Bytes gzip(const Bytes& in) {
     Bytes out(in.size() + 1024);
@@ -60,11 +61,11 @@ struct SpzByHand {
 
 SpzByHand oneSpzSplat() {
     SpzByHand f;
-    f.body = {0x00, 0x10, 0x00, 0xff, 0xff, 0xff, 0x00, 0x00, 0x80,   // 4096 = 1 m, −1 step, −2^23 steps
-              51,                                                      // opacity 0.2
-              0, 128, 255,                                             // colour
-              160, 0, 255,                                             // log scale 0, −10, 5.9375
-              0xff, 0x01, 0x00, 0xc0};                                 // w left out, x = y = 0, z = 511/511/√2: a quarter turn about z
+    f.body = {0x00, 0x10, 0x00, 0xff, 0xff, 0xff, 0x00, 0x00, 0x80,  // 4096 = 1 m, −1 step, −2^23 steps
+              51,                                                    // opacity 0.2
+              0,    128,  255,                                       // colour
+              160,  0,    255,                                       // log scale 0, −10, 5.9375
+              0xff, 0x01, 0x00, 0xc0};                               // w left out, x = y = 0, z = 511/511/√2: a quarter turn about z
     return f;
 }
 
@@ -84,10 +85,10 @@ TEST(Spz, decodesByteByByteAsDefined) {
     coarse.fractionalBits = 8;
     EXPECT_EQ(readSpz(coarse.packed())->position[0].x, 16);
     SpzByHand negative = oneSpzSplat();
-    negative.body[17] |= 0x02;   // the sign of z
+    negative.body[17] |= 0x02;  // the sign of z
     EXPECT_NEAR(readSpz(negative.packed())->rotation[0].z, -std::sqrt(0.5), 1e-6);
     SpzByHand old = oneSpzSplat();
-    old.version = 2, old.body.resize(16), old.body.insert(old.body.end(), {0, 255, 0});   // −1, +1, −1: longer than a unit quaternion may be
+    old.version = 2, old.body.resize(16), old.body.insert(old.body.end(), {0, 255, 0});  // −1, +1, −1: longer than a unit quaternion may be
     EXPECT_NEAR(readSpz(old.packed())->rotation[0].y, std::sqrt(1 / 3.0), 1e-6);
 }
 
@@ -127,7 +128,8 @@ TEST(Spz, rejectList) {
     expectRefused(changed([](SpzByHand& f) { f.count = 0xffffffff; }), "4 billion splats", Code::CorruptData, "limit");
     expectRefused(changed([](SpzByHand& f) { f.count = 10'000'000; }), "10 million splats in 60 bytes", Code::CorruptData, "no real file");
     expectRefused(changed([](SpzByHand& f) { f.body.push_back(0); }), "a byte too many", Code::CorruptData, "more data");
-    expectRefused(changed([](SpzByHand& f) { f.flags = 2, f.body.insert(f.body.end(), 3 << 20, 0); }), "3 MiB of extensions", Code::CorruptData, "more data");
+    expectRefused(changed([](SpzByHand& f) { f.flags = 2, f.body.insert(f.body.end(), 3 << 20, 0); }), "3 MiB of extensions",
+                  Code::CorruptData, "more data");
     expectRefused(readSplats(oneSpzSplat().plain()), "version 3 without gzip", Code::CorruptData, "outside a gzip stream");
     const auto changed4 = [](size_t at, auto value) {
         Bytes bytes = pinned("splats_v4.spz");

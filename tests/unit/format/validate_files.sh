@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
 # validate_files.sh NPM_FOLDER FILE...: installs gltf-validator into NPM_FOLDER when it is not there and runs it. Exit 77: skipped.
 folder=$1
 shift

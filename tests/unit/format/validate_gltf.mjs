@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Runs the Khronos validator over .glb files: node validate_gltf.mjs NPM_FOLDER FILE...
 // 0 errors and 0 warnings wanted; NPM_FOLDER holds node_modules/gltf-validator (validate_files.sh installs it).
 import fs from 'node:fs';

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The binding of splats to triangles: deformation gradient, polar rotation, and which triangles are refused.
 #include "sdk/math/binding.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How many samples a pixel: a switch that follows distance, and that no number can push over.
 #include <gtest/gtest.h>
 
@@ -48,7 +49,8 @@ TEST(CoverageSamples, areThoseOfTheFinerEyeForBoth) {
 
 TEST(CoverageSamples, areOneWhereNothingIsKnown) {
     const Cameraf far = cameraOf(10 * kTrainedM);
-    for (const float trained : {0.0f, -1.0f, kNan, kInfinity, -kInfinity}) EXPECT_EQ(coverageSamples(trained, kSubject, {&far, 1}), 1u) << trained;
+    for (const float trained : {0.0f, -1.0f, kNan, kInfinity, -kInfinity})
+        EXPECT_EQ(coverageSamples(trained, kSubject, {&far, 1}), 1u) << trained;
     EXPECT_EQ(coverageSamples(kTrainedM, kSubject, {}), 1u);
     for (const float bad : {kNan, kInfinity, -kInfinity, -5.0f, 0.0f}) {
         std::vector<Cameraf> views(3, far);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -28,8 +29,10 @@ TEST(Half, everyHalfIsItsValueAndComesBack) {
             EXPECT_TRUE(std::isnan(floatFromHalf(halfFromFloat(x))));
             continue;
         }
-        if ((h & 0x7FFF) == 0x7C00) ASSERT_EQ(x, h & 0x8000 ? -kInfinity : kInfinity);
-        else ASSERT_EQ(double(x), valueOf(half)) << h;
+        if ((h & 0x7FFF) == 0x7C00)
+            ASSERT_EQ(x, h & 0x8000 ? -kInfinity : kInfinity);
+        else
+            ASSERT_EQ(double(x), valueOf(half)) << h;
         ASSERT_EQ(halfFromFloat(x), half) << h;
     }
     EXPECT_TRUE(std::signbit(floatFromHalf(0x8000)));

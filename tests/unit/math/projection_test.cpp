@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The screen footprint, its determinant, and the fades.
 #include "sdk/math/projection.h"
 
@@ -23,9 +24,11 @@ TEST(Projection, sumFormKeepsTheDeterminantOfNeedlesInFloat) {
     for (const double majorPx : {50.0, 200.0, 800.0, 2000.0})
         for (int i = 0; i < 100; ++i) {
             const double a = angle(random), z = 2, major = majorPx * z / d.fx, minor = 0.3 * z / d.fx;
-            const Vec3d centre(0.1, -0.05, z), axis1 = major * Vec3d(std::cos(a), std::sin(a), 0.3), axis2 = minor * Vec3d(-std::sin(a), std::cos(a), 0);
+            const Vec3d centre(0.1, -0.05, z), axis1 = major * Vec3d(std::cos(a), std::sin(a), 0.3),
+                                               axis2 = minor * Vec3d(-std::sin(a), std::cos(a), 0);
             const Footprint<double> exact = projectSplat(d, JacobianClamp<double>(d), centre, axis1, axis2, kKappaPx2);
-            const Footprint<float> fast = projectSplat(f, JacobianClamp<float>(f), Vec3f(centre), Vec3f(axis1), Vec3f(axis2), float(kKappaPx2));
+            const Footprint<float> fast =
+                projectSplat(f, JacobianClamp<float>(f), Vec3f(centre), Vec3f(axis1), Vec3f(axis2), float(kKappaPx2));
             ASSERT_TRUE(exact.visible && fast.visible);
             EXPECT_NEAR(fast.conicA / exact.conicA, 1, 5e-5) << majorPx;
             EXPECT_NEAR(fast.conicC / exact.conicC, 1, 5e-5) << majorPx;
@@ -41,7 +44,8 @@ TEST(Projection, floatAgreesWithDoubleOnOrdinarySplats) {
     int visible = 0;
     for (int i = 0; i < 1000; ++i) {
         const Vec3d centre(0.5 * normal(random), 0.5 * normal(random), 1.5 + normal(random));
-        const Vec3d axis1 = 0.01 * Vec3d(normal(random), normal(random), normal(random)), axis2 = 0.01 * Vec3d(normal(random), normal(random), normal(random));
+        const Vec3d axis1 = 0.01 * Vec3d(normal(random), normal(random), normal(random)),
+                    axis2 = 0.01 * Vec3d(normal(random), normal(random), normal(random));
         const Footprint<double> exact = projectSplat(d, JacobianClamp<double>(d), centre, axis1, axis2, kKappaPx2);
         const Footprint<float> fast = projectSplat(f, JacobianClamp<float>(f), Vec3f(centre), Vec3f(axis1), Vec3f(axis2), float(kKappaPx2));
         ASSERT_EQ(exact.visible, fast.visible);
@@ -58,7 +62,8 @@ TEST(Projection, floatAgreesWithDoubleOnOrdinarySplats) {
 
 TEST(Projection, conicIsTheInverseOfTheVariance) {
     const Camerad c = camera();
-    const Footprint<double> f = projectSplat(c, JacobianClamp<double>(c), Vec3d(0.2, 0.1, 2), Vec3d(0.02, 0.01, 0.005), Vec3d(-0.003, 0.01, 0.01), kKappaPx2);
+    const Footprint<double> f =
+        projectSplat(c, JacobianClamp<double>(c), Vec3d(0.2, 0.1, 2), Vec3d(0.02, 0.01, 0.005), Vec3d(-0.003, 0.01, 0.01), kKappaPx2);
     // A·Σxx + B·Σxy = 1 with Σxy = −B·det, det = (Σxx)/C.
     const double det = f.varianceX / f.conicC, covariance = -f.conicB * det;
     EXPECT_NEAR(f.conicA * f.varianceX + f.conicB * covariance, 1, 1e-12);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Real spherical harmonics: orthonormal over the sphere, right signs, clamped colour.
 #include "sdk/math/sh.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/body/body_io.h"
 
 #include <gtest/gtest.h>
@@ -48,7 +49,9 @@ TEST(BodyTools, boneMorphsStretchOneBoneAndKeepTheFeetDown) {
         std::vector<double> shape(body.morphs.size(), 0.0);
         shape[m] = 1;
         const BodyModel longer = shapedBody(body, shape);
-        EXPECT_NEAR(longer.joints[size_t(findHumanoid(longer, "leftFoot"))].restPosition.y, plain.joints[size_t(findHumanoid(plain, "leftFoot"))].restPosition.y, 1e-5f) << body.morphs[m].name;
+        EXPECT_NEAR(longer.joints[size_t(findHumanoid(longer, "leftFoot"))].restPosition.y,
+                    plain.joints[size_t(findHumanoid(plain, "leftFoot"))].restPosition.y, 1e-5f)
+            << body.morphs[m].name;
         const float thigh = length(longer, "leftUpperLeg", "leftLowerLeg") / length(plain, "leftUpperLeg", "leftLowerLeg");
         const float forearm = length(longer, "rightLowerArm", "rightHand") / length(plain, "rightLowerArm", "rightHand");
         EXPECT_NEAR(thigh, body.morphs[m].name == "bone_upper_leg" ? 1.04f : 1.0f, 1e-4f) << body.morphs[m].name;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The fit on a subject made up here: known shape and motion, cameras around it, noisy keypoints with gaps and outliers.
 #include "reconstruction/body/fit_body.h"
 
@@ -38,7 +39,9 @@ Made make(uint32_t seed, double unitsPerMetre = 1, bool moving = true) {
     m.scan.metricWorld = unitsPerMetre == 1;
     m.scan.keypointNames = {scanKeypointNames().begin(), scanKeypointNames().end()};
     const BodyModel shaped = shapedBody(m.body, m.shape);
-    const auto turn = [&](Pose& pose, const char* bone, Vec3d w) { pose.localRotations[size_t(findHumanoid(m.body, bone))] = Quatf(glm::quat_cast(rotationOf(w))); };
+    const auto turn = [&](Pose& pose, const char* bone, Vec3d w) {
+        pose.localRotations[size_t(findHumanoid(m.body, bone))] = Quatf(glm::quat_cast(rotationOf(w)));
+    };
     const auto add = [&](FrameKind kind, Split split, double time, double azimuth, const Pose& pose) {
         ScanFrame f;
         f.name = formatText("f{}", m.scan.frames.size());
@@ -94,8 +97,10 @@ TEST(FitBody, findsStillAndMovingPosesDespiteNoiseGapsAndOutliers) {
     const Made m = make(3);
     const auto fit = fitBody(m.body, m.scan, m.keypoints);
     ASSERT_TRUE(fit) << fit.error().message;
-    EXPECT_LT(meanErrorMm(m, *fit, FrameKind::StaticFull, Split::Train), 8);  // 1 px is 6 mm here; 14 views average it down, shape and sway cost some
-    EXPECT_LT(meanErrorMm(m, *fit, FrameKind::Dynamic, Split::Train), 20);    // the bar of the whole product is 15 mm; this body has few keypoints a limb
+    EXPECT_LT(meanErrorMm(m, *fit, FrameKind::StaticFull, Split::Train),
+              8);  // 1 px is 6 mm here; 14 views average it down, shape and sway cost some
+    EXPECT_LT(meanErrorMm(m, *fit, FrameKind::Dynamic, Split::Train),
+              20);  // the bar of the whole product is 15 mm; this body has few keypoints a limb
     EXPECT_LT(meanErrorMm(m, *fit, FrameKind::Dynamic, Split::Test), 20);
     EXPECT_NEAR(fit->shape[0], 0.8, 0.4);  // 0.4 of a standard deviation: 16 mm of 1 m
     for (const SolveEnd& s : fit->solves) EXPECT_TRUE(s.usable) << s.what << ": " << s.how;

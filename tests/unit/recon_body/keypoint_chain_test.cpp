@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/body/keypoint_chain.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +19,9 @@ std::vector<uint32_t> posedJoints(const BodyModel& body) {
     return joints;
 }
 
-std::vector<std::string> names() { return {scanKeypointNames().begin(), scanKeypointNames().end()}; }
+std::vector<std::string> names() {
+    return {scanKeypointNames().begin(), scanKeypointNames().end()};
+}
 
 struct Case {
     Mat3d reference{1};
@@ -47,7 +50,9 @@ TEST(KeypointChain, agreesWithSkinningTheShapedBody) {
     Pose pose = Pose::rest(body.joints.size());
     pose.localRotations[0] = Quatf(glm::quat_cast(rotationOf({c.root[0], c.root[1], c.root[2]}) * c.reference));
     pose.rootTranslation = Vec3f(c.root[3], c.root[4], c.root[5]);
-    for (size_t s = 0; s < chain.posedCount(); ++s) pose.localRotations[chain.posedJoints()[s]] = Quatf(glm::quat_cast(rotationOf({c.pose[3 * s], c.pose[3 * s + 1], c.pose[3 * s + 2]})));
+    for (size_t s = 0; s < chain.posedCount(); ++s)
+        pose.localRotations[chain.posedJoints()[s]] =
+            Quatf(glm::quat_cast(rotationOf({c.pose[3 * s], c.pose[3 * s + 1], c.pose[3 * s + 2]})));
     const auto skinned = posedKeypoints(shaped, pose, names());
     for (size_t k = 0; k < skinned.size(); ++k) {
         ASSERT_EQ(skinned[k].present, chain.hasKeypoint(k));
@@ -78,7 +83,8 @@ TEST(KeypointChain, jacobianIsTheDerivative) {
         for (size_t k = 0; k < chain.keypointCount(); ++k)
             for (int r = 0; r < 3; ++r) {
                 const double analytic = out.jacobian[(k * 3 + size_t(r)) * chain.columns() + column];
-                EXPECT_NEAR(analytic, (plus.points[k][r] - minus.points[k][r]) / (2 * h), 1e-7) << "keypoint " << k << " column " << column;  // second order in h, and 1e-16/h of rounding
+                EXPECT_NEAR(analytic, (plus.points[k][r] - minus.points[k][r]) / (2 * h), 1e-7)
+                    << "keypoint " << k << " column " << column;  // second order in h, and 1e-16/h of rounding
                 largest = std::max(largest, std::abs(analytic));
             }
     }
@@ -86,7 +92,8 @@ TEST(KeypointChain, jacobianIsTheDerivative) {
 }
 
 TEST(KeypointChain, rotationVectorUndoesRotationOf) {
-    for (const Vec3d& w : {Vec3d(0), Vec3d(1e-7, 0, 0), Vec3d(0.3, -0.4, 0.5), Vec3d(0, 3.1, 0), Vec3d(2, 2, -1)}) EXPECT_LT(glm::length(rotationVector(rotationOf(w)) - w), 1e-9);
+    for (const Vec3d& w : {Vec3d(0), Vec3d(1e-7, 0, 0), Vec3d(0.3, -0.4, 0.5), Vec3d(0, 3.1, 0), Vec3d(2, 2, -1)})
+        EXPECT_LT(glm::length(rotationVector(rotationOf(w)) - w), 1e-9);
 }
 
 TEST(PosePriors, elbowsBendForwardAndKneesBackward) {
@@ -100,7 +107,8 @@ TEST(PosePriors, elbowsBendForwardAndKneesBackward) {
     };
     // A positive turn about the hinge takes the forearm's end forward (+Z) and the foot backward.
     const auto lowerEnd = [&](const char* from, const char* to, double angle) {
-        const Vec3d bone(body.joints[size_t(findHumanoid(body, to))].restPosition - body.joints[size_t(findHumanoid(body, from))].restPosition);
+        const Vec3d bone(body.joints[size_t(findHumanoid(body, to))].restPosition -
+                         body.joints[size_t(findHumanoid(body, from))].restPosition);
         return (rotationOf(axis(from) * angle) * bone - bone).z;
     };
     EXPECT_GT(lowerEnd("leftLowerArm", "leftHand", 0.5), 0.02);

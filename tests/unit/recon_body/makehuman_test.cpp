@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/body/makehuman.h"
 
 #include <gtest/gtest.h>
@@ -24,9 +25,9 @@ const BodyModel* makeHuman() {
     return body ? &*body : nullptr;
 }
 
-#define NEED_MAKEHUMAN() \
+#define NEED_MAKEHUMAN()                                                                                    \
     if (!sharedData("body-makehuman")) GTEST_SKIP() << "shared/data/body-makehuman is not on this machine"; \
-    ASSERT_NE(makeHuman(), nullptr); \
+    ASSERT_NE(makeHuman(), nullptr);                                                                        \
     const BodyModel& body = *makeHuman()
 
 const BodyKeypoint* keypoint(const BodyModel& body, std::string_view name) {
@@ -60,8 +61,9 @@ TEST(MakeHuman, isAnAdultInMetresOnTheFloorFacingForward) {
 TEST(MakeHuman, has24KeypointsAndTheHumanoidBones) {
     NEED_MAKEHUMAN();
     for (const std::string_view name : scanKeypointNames()) EXPECT_NE(keypoint(body, name), nullptr) << name;
-    for (const char* bone : {"hips", "spine", "chest", "upperChest", "neck", "head", "leftShoulder", "leftUpperArm", "leftLowerArm", "leftHand", "rightUpperLeg", "rightLowerLeg", "rightFoot",
-                             "rightToes", "leftThumbProximal", "leftIndexProximal", "rightLittleDistal"})
+    for (const char* bone :
+         {"hips", "spine", "chest", "upperChest", "neck", "head", "leftShoulder", "leftUpperArm", "leftLowerArm", "leftHand",
+          "rightUpperLeg", "rightLowerLeg", "rightFoot", "rightToes", "leftThumbProximal", "leftIndexProximal", "rightLittleDistal"})
         EXPECT_GE(findHumanoid(body, bone), 0) << bone;
     EXPECT_LT(std::abs(place(body, *keypoint(body, "eye_l")).x - 0.03f), 0.01f);  // half the distance between adult pupils is 31 mm
 }
@@ -88,7 +90,8 @@ TEST(MakeHuman, jointsStayInsideTheBodyWhenItMorphs) {
         return glm::length(b.joints[size_t(findHumanoid(b, from))].restPosition - b.joints[size_t(findHumanoid(b, to))].restPosition);
     };
     EXPECT_GT(length(longArms, "leftUpperArm", "leftLowerArm"), length(body, "leftUpperArm", "leftLowerArm") + 0.005f);
-    EXPECT_NEAR(length(longArms, "leftUpperArm", "leftLowerArm"), length(longArms, "rightUpperArm", "rightLowerArm"), 2e-3f);  // hm08's targets are symmetric to a millimetre or two
+    EXPECT_NEAR(length(longArms, "leftUpperArm", "leftLowerArm"), length(longArms, "rightUpperArm", "rightLowerArm"),
+                2e-3f);  // hm08's targets are symmetric to a millimetre or two
 }
 
 TEST(MakeHuman, survivesTheRoundTripThroughGltf) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A body of a few boxes along a humanoid skeleton, small enough to reason about, with the joints that the fit moves.
 #pragma once
 
@@ -12,7 +13,9 @@ namespace dpl {
 inline BodyModel smallBody() {
     BodyModel body;
     body.name = "small";
-    const auto joint = [&](const char* name, const char* parent, Vec3f p) { body.joints.push_back({name, findJoint(body.joints, parent), p, ""}); };
+    const auto joint = [&](const char* name, const char* parent, Vec3f p) {
+        body.joints.push_back({name, findJoint(body.joints, parent), p, ""});
+    };
     joint("pelvis", "", {0, 0.95f, 0});
     joint("spine1", "pelvis", {0, 1.05f, 0});
     joint("spine2", "spine1", {0, 1.18f, 0});
@@ -46,14 +49,17 @@ inline BodyModel smallBody() {
             body.mesh.jointIndices.push_back({j, 0, 0, 0});
             body.mesh.jointWeights.push_back({255, 0, 0, 0});
         }
-        for (const Triangle& t : {Triangle(0, 2, 3), Triangle(2, 1, 3), Triangle(1, 0, 3), Triangle(0, 1, 2)}) body.mesh.triangles.push_back(t + first);
+        for (const Triangle& t : {Triangle(0, 2, 3), Triangle(2, 1, 3), Triangle(1, 0, 3), Triangle(0, 1, 2)})
+            body.mesh.triangles.push_back(t + first);
     }
     const uint32_t vertexCount = uint32_t(body.mesh.restPositions.size());
     body.mesh.layers = {{"body", "body", 0, vertexCount, 0, uint32_t(body.mesh.triangles.size())}};
     // "height" stretches everything upward, "width" everything sideways.
     ShapeMorph height{"height", -3, 3, {}, {}}, width{"width", -3, 3, {}, {}};
-    for (const Vec3f& p : body.mesh.restPositions) height.vertexOffsets.push_back({0, 0.04f * p.y, 0}), width.vertexOffsets.push_back({0.06f * p.x, 0, 0});
-    for (const JointData& j : body.joints) height.jointOffsets.push_back({0, 0.04f * j.restPosition.y, 0}), width.jointOffsets.push_back({0.06f * j.restPosition.x, 0, 0});
+    for (const Vec3f& p : body.mesh.restPositions)
+        height.vertexOffsets.push_back({0, 0.04f * p.y, 0}), width.vertexOffsets.push_back({0.06f * p.x, 0, 0});
+    for (const JointData& j : body.joints)
+        height.jointOffsets.push_back({0, 0.04f * j.restPosition.y, 0}), width.jointOffsets.push_back({0.06f * j.restPosition.x, 0, 0});
     body.morphs = {height, width};
     body.keypoints = deriveKeypoints(body);
     return body;

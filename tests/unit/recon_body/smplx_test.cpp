@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The SMPL-X importer on an .npz made here: a column of joints with a few vertices each. No real SMPL-X file is involved.
 #include "reconstruction/body/smplx.h"
 
@@ -55,20 +56,23 @@ std::vector<uint8_t> zip(const std::vector<std::pair<std::string, std::vector<ui
         out.append(nameBytes), out.append(stored);
         directory.value(uint32_t(0x02014b50)), directory.value(uint16_t(20)), directory.value(uint16_t(20));
         common(directory);
-        directory.value(uint16_t(0)), directory.value(uint16_t(0)), directory.value(uint16_t(0)), directory.value(uint32_t(0)), directory.value(offset);
+        directory.value(uint16_t(0)), directory.value(uint16_t(0)), directory.value(uint16_t(0)), directory.value(uint32_t(0)),
+            directory.value(offset);
         directory.append(nameBytes);
         ++count;
     }
     const uint32_t begin = uint32_t(out.size());
     const auto bytes = directory.finish();
     out.append(bytes);
-    out.value(uint32_t(0x06054b50)), out.value(uint16_t(0)), out.value(uint16_t(0)), out.value(count), out.value(count), out.value(uint32_t(bytes.size())), out.value(begin), out.value(uint16_t(0));
+    out.value(uint32_t(0x06054b50)), out.value(uint16_t(0)), out.value(uint16_t(0)), out.value(count), out.value(count),
+        out.value(uint32_t(bytes.size())), out.value(begin), out.value(uint16_t(0));
     return out.finish();
 }
 
 constexpr size_t kJoints = 55, kPerJoint = 4, kVertices = kJoints * kPerJoint;
-constexpr int kParents[kJoints] = {-1, 0,  0,  0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  9,  9,  12, 13, 14, 16, 17, 18, 19, 15, 15, 15, 20, 25, 26,
-                                   20, 28, 29, 20, 31, 32, 20, 34, 35, 20, 37, 38, 21, 40, 41, 21, 43, 44, 21, 46, 47, 21, 49, 50, 21, 52, 53};
+constexpr int kParents[kJoints] = {-1, 0,  0,  0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  9,  9,  12, 13, 14, 16,
+                                   17, 18, 19, 15, 15, 15, 20, 25, 26, 20, 28, 29, 20, 31, 32, 20, 34, 35, 20,
+                                   37, 38, 21, 40, 41, 21, 43, 44, 21, 46, 47, 21, 49, 50, 21, 52, 53};
 
 std::vector<std::pair<std::string, std::vector<uint8_t>>> smplxEntries() {
     std::vector<double> vertices, shapeDirs, regressor(kJoints * kVertices, 0.0), weights(kVertices * kJoints, 0.0);
@@ -76,7 +80,8 @@ std::vector<std::pair<std::string, std::vector<uint8_t>>> smplxEntries() {
     std::vector<int64_t> tree;
     for (size_t v = 0; v < kVertices; ++v) {
         const size_t j = v / kPerJoint, corner = v % kPerJoint;
-        const double p[3] = {0.02 * double(corner == 1) + 0.01 * double(j % 3), -0.8 + 0.03 * double(j) + 0.02 * double(corner == 2), 0.02 * double(corner == 3)};
+        const double p[3] = {0.02 * double(corner == 1) + 0.01 * double(j % 3), -0.8 + 0.03 * double(j) + 0.02 * double(corner == 2),
+                             0.02 * double(corner == 3)};
         for (double x : p) {
             vertices.push_back(x);
             shapeDirs.push_back(0.1 * x), shapeDirs.push_back(0.5), shapeDirs.push_back(-1);
@@ -140,10 +145,10 @@ TEST(Smplx, everyDamageIsASentenceThatNamesTheFile) {
 
 TEST(Npy, refusesWhatItCannotRead) {
     EXPECT_TRUE(parseNpy(npy("<f4", "(2,)", std::vector<float>{1, 2})));
-    EXPECT_FALSE(parseNpy(npy("<f4", "(3,)", std::vector<float>{1, 2})));                      // longer than its data
-    EXPECT_FALSE(parseNpy(npy("<f4", "(99999999999, 99999999999)", std::vector<float>{1})));   // overflow
-    EXPECT_FALSE(parseNpy(npy("|O", "(1,)", std::vector<uint8_t>{0, 0, 0, 0, 0, 0, 0, 0})));   // a pickle
-    EXPECT_FALSE(parseNpy(npy(">f4", "(1,)", std::vector<float>{1})));                         // big endian
+    EXPECT_FALSE(parseNpy(npy("<f4", "(3,)", std::vector<float>{1, 2})));                     // longer than its data
+    EXPECT_FALSE(parseNpy(npy("<f4", "(99999999999, 99999999999)", std::vector<float>{1})));  // overflow
+    EXPECT_FALSE(parseNpy(npy("|O", "(1,)", std::vector<uint8_t>{0, 0, 0, 0, 0, 0, 0, 0})));  // a pickle
+    EXPECT_FALSE(parseNpy(npy(">f4", "(1,)", std::vector<float>{1})));                        // big endian
 }
 
 }  // namespace

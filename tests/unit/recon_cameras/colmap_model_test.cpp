@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // COLMAP models, text and binary: the same cameras from both, every truncation refused.
 #include "reconstruction/cameras/colmap_model.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A COLMAP model as a camera source of a scan: images, optional masks, arbitrary gauge.
 #include "reconstruction/capture/scan.h"
 #include "tests/unit/recon_capture/scan_builder.h"
@@ -9,7 +10,8 @@ void writeModel(const std::filesystem::path& root, const std::string& camera) {
     ScanBuilder builder(root, 12);
     std::string images = "# images\n";
     for (int i = 0; i < 12; ++i)
-        images += std::to_string(i + 1) + " 1 0 0 0 0 0 3 1 full_" + std::to_string(100 + i) + ".jpg\n" + (i % 2 ? "10 10 -1 20 20 4\n" : "\n");
+        images +=
+            std::to_string(i + 1) + " 1 0 0 0 0 0 3 1 full_" + std::to_string(100 + i) + ".jpg\n" + (i % 2 ? "10 10 -1 20 20 4\n" : "\n");
     writeText(root / "sparse/0/cameras.txt", "# cameras\n1 " + camera + "\n");
     writeText(root / "sparse/0/images.txt", images);
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Broken scan folders: each is refused with a sentence that names the file or frame and what to do.
 #include <functional>
 
@@ -20,7 +21,9 @@ void expectRefused(const std::function<void(ScanBuilder&)>& breakIt, std::initia
     EXPECT_TRUE(mentions(scan.error().message, words));
 }
 
-json& frame(ScanBuilder& b) { return b.manifest["frames"][1]; }
+json& frame(ScanBuilder& b) {
+    return b.manifest["frames"][1];
+}
 
 TEST(HostileScan, missingImage) {
     expectRefused([](ScanBuilder& b) { fs::remove(b.root / "images/full_101.jpg"); }, {"full_101.jpg", "missing", "restore"});
@@ -39,13 +42,15 @@ TEST(HostileScan, emptyImageFile) {
     expectRefused([](ScanBuilder& b) { writeText(b.root / "images/full_101.jpg", ""); }, {"full_101.jpg", "empty"});
 }
 TEST(HostileScan, imageOfAnotherFormat) {
-    expectRefused([](ScanBuilder& b) { writeText(b.root / "images/full_101.jpg", "GIF89a....................."); }, {"full_101.jpg", "JPEG nor PNG", "convert"});
+    expectRefused([](ScanBuilder& b) { writeText(b.root / "images/full_101.jpg", "GIF89a....................."); },
+                  {"full_101.jpg", "JPEG nor PNG", "convert"});
 }
 TEST(HostileScan, zeroFocalLength) {
     expectRefused([](ScanBuilder& b) { frame(b)["camera"]["fx"] = 0; }, {"full_101", "fx", "focal length"});
 }
 TEST(HostileScan, focalLengthInMillimetres) {
-    expectRefused([](ScanBuilder& b) { frame(b)["camera"]["fx"] = 4.2, frame(b)["camera"]["fy"] = 4.2; }, {"full_101", "field of view", "pixels"});
+    expectRefused([](ScanBuilder& b) { frame(b)["camera"]["fx"] = 4.2, frame(b)["camera"]["fy"] = 4.2; },
+                  {"full_101", "field of view", "pixels"});
 }
 TEST(HostileScan, absentIntrinsics) {
     expectRefused([](ScanBuilder& b) { frame(b)["camera"].erase("fy"); }, {"full_101", "fy", "missing"});
@@ -68,11 +73,18 @@ TEST(HostileScan, notANumberInTheFile) {
     }
 }
 TEST(HostileScan, mirroredRotation) {
-    expectRefused([](ScanBuilder& b) { for (int i = 0; i < 3; ++i) frame(b)["camera"]["R"][i] = -frame(b)["camera"]["R"][i].get<double>(); },
-                  {"full_101", "mirrors"});
+    expectRefused(
+        [](ScanBuilder& b) {
+            for (int i = 0; i < 3; ++i) frame(b)["camera"]["R"][i] = -frame(b)["camera"]["R"][i].get<double>();
+        },
+        {"full_101", "mirrors"});
 }
 TEST(HostileScan, scaledRotation) {
-    expectRefused([](ScanBuilder& b) { for (auto& v : frame(b)["camera"]["R"]) v = v.get<double>() * 1.01; }, {"full_101", "not a rotation"});
+    expectRefused(
+        [](ScanBuilder& b) {
+            for (auto& v : frame(b)["camera"]["R"]) v = v.get<double>() * 1.01;
+        },
+        {"full_101", "not a rotation"});
 }
 TEST(HostileScan, rotationOfEightNumbers) {
     expectRefused([](ScanBuilder& b) { frame(b)["camera"]["R"].erase(8); }, {"full_101", "8 numbers", "9"});
@@ -121,10 +133,12 @@ TEST(HostileScan, deepNestingIsRefused) {
     EXPECT_TRUE(mentions(scan.error().message, {"scan.json", "nested"}));
 }
 TEST(HostileScan, hugePictureIsRefusedBeforeDecoding) {
-    expectRefused([](ScanBuilder& b) {
-        std::string png("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\1\0\0\0\1\0\0\x08\2\0\0\0\0\0\0\0", 33);
-        writeText(b.root / "images/full_101.jpg", png);
-    }, {"full_101.jpg", "65536 x 65536", "scale"});
+    expectRefused(
+        [](ScanBuilder& b) {
+            std::string png("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\1\0\0\0\1\0\0\x08\2\0\0\0\0\0\0\0", 33);
+            writeText(b.root / "images/full_101.jpg", png);
+        },
+        {"full_101.jpg", "65536 x 65536", "scale"});
 }
 TEST(HostileScan, emptyFolder) {
     TemporaryFolder folder;
@@ -168,8 +182,10 @@ TEST(HostileScan, flippedBytesInAnImageNeverCrash) {
             random = random * 1664525u + 1013904223u;
             bytes[(random >> 8) % bytes.size()] ^= char(1 << (random & 7));
             writeText(path, bytes);
-            if (path == scan->frames[0].imagePath) (void)readFrameImage(scan->frames[0]);
-            else (void)readFrameMask(scan->frames[0]);
+            if (path == scan->frames[0].imagePath)
+                (void)readFrameImage(scan->frames[0]);
+            else
+                (void)readFrameMask(scan->frames[0]);
         }
         writeText(path, whole);
     }
@@ -180,9 +196,10 @@ TEST(HostileScan, keypointFilesThatDoNotFit) {
     ScanBuilder builder(folder.path, 1);
     auto scan = readScan(builder.write());
     ASSERT_TRUE(scan) << scan.error().message;
-    for (const char* bad : {R"({"xy_noisy":[[1,2]]})", R"({"names":["nose","pelvis"],"xy_noisy":[[1,2]]})", R"({"names":["nose"],"xy_noisy":[[1]]})",
-                            R"({"names":["nose"],"xy_noisy":[["a",2]]})", R"({"names":["nose"],"xy_noisy":[[1,2]],"confidence":[]})",
-                            R"({"names":[7],"xy_noisy":[[1,2]]})", R"({"xy_noisy":7})", "nonsense"}) {
+    for (const char* bad :
+         {R"({"xy_noisy":[[1,2]]})", R"({"names":["nose","pelvis"],"xy_noisy":[[1,2]]})", R"({"names":["nose"],"xy_noisy":[[1]]})",
+          R"({"names":["nose"],"xy_noisy":[["a",2]]})", R"({"names":["nose"],"xy_noisy":[[1,2]],"confidence":[]})",
+          R"({"names":[7],"xy_noisy":[[1,2]]})", R"({"xy_noisy":7})", "nonsense"}) {
         writeText(scan->frames[0].keypointsPath, bad);
         auto points = readKeypoints(*scan, scan->frames[0]);
         ASSERT_FALSE(points) << bad;

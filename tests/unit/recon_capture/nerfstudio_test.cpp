@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // nerfstudio's transforms.json as a camera source.
 #include <functional>
 
@@ -13,9 +14,11 @@ using nlohmann::json;
 /** Two pictures of the builder, seen from +z (Doppel's front) at 1 m height, in OpenGL axes: identity rotation looks along −z. */
 json transforms(const std::filesystem::path& root) {
     ScanBuilder builder(root, 2);
-    json m = {{"camera_model", "OPENCV"}, {"w", 96}, {"h", 128}, {"fl_x", 100.0}, {"fl_y", 100.0}, {"cx", 48.0}, {"cy", 64.0}, {"frames", json::array()}};
+    json m = {{"camera_model", "OPENCV"}, {"w", 96}, {"h", 128}, {"fl_x", 100.0}, {"fl_y", 100.0}, {"cx", 48.0}, {"cy", 64.0},
+              {"frames", json::array()}};
     for (const char* name : {"full_100", "full_101"})
-        m["frames"].push_back({{"file_path", std::string("images/") + name + ".jpg"}, {"mask_path", std::string("masks/") + name + ".png"},
+        m["frames"].push_back({{"file_path", std::string("images/") + name + ".jpg"},
+                               {"mask_path", std::string("masks/") + name + ".png"},
                                {"transform_matrix", {{1, 0, 0, 0}, {0, 1, 0, 1}, {0, 0, 1, 2.5}, {0, 0, 0, 1}}}});
     return m;
 }
@@ -28,9 +31,9 @@ TEST(Nerfstudio, openglCameraBecomesOpencv) {
     EXPECT_EQ(scan->source, ScanSource::Nerfstudio);
     const Camerad& c = scan->frames[0].camera;
     EXPECT_NEAR(glm::length(c.eye() - Vec3d(0, 1, 2.5)), 0, 1e-12);
-    EXPECT_NEAR(c.toView({0, 1, 0}).z, 2.5, 1e-12);                      // the subject is in front
-    EXPECT_LT(c.pixelOf(c.toView({0, 1.5, 0})).y, c.cy);                  // up is up
-    EXPECT_GT(c.pixelOf(c.toView({0.5, 1, 0})).x, c.cx);                  // the subject's left is on the right
+    EXPECT_NEAR(c.toView({0, 1, 0}).z, 2.5, 1e-12);       // the subject is in front
+    EXPECT_LT(c.pixelOf(c.toView({0, 1.5, 0})).y, c.cy);  // up is up
+    EXPECT_GT(c.pixelOf(c.toView({0.5, 1, 0})).x, c.cx);  // the subject's left is on the right
     EXPECT_EQ(scan->frames[1].name, "full_101");
     EXPECT_FALSE(scan->frames[0].maskPath.empty());
 }
@@ -57,7 +60,12 @@ TEST(Nerfstudio, refusals) {
         ASSERT_FALSE(scan);
         EXPECT_TRUE(mentions(scan.error().message, words));
     };
-    expect([](json& m) { m.erase("fl_x"); m.erase("fl_y"); }, {"fx"});
+    expect(
+        [](json& m) {
+            m.erase("fl_x");
+            m.erase("fl_y");
+        },
+        {"fx"});
     expect([](json& m) { m["camera_model"] = "OPENCV_FISHEYE"; }, {"OPENCV_FISHEYE", "undistort"});
     expect([](json& m) { m["k3"] = 0.1; }, {"k3", "undistort"});
     expect([](json& m) { m["k1"] = -3.0; }, {"folds", "undistort"});

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Neural front-ends: the networks give the numbers they gave elsewhere, landmarks become our keypoints, real pictures make sense.
 #include "reconstruction/capture/observations.h"
 
@@ -18,7 +19,10 @@ TEST(OnnxNet, agreesWithTheGoldenValuesOfAnotherRuntime) {
     if (!models) GTEST_SKIP() << "shared data (models) is not on this machine";
     std::ifstream in(*models / "golden.json");
     const auto golden = nlohmann::json::parse(in);
-    for (const auto& [file, side] : {std::pair{"blazepose_full.onnx", 256}, {"blazepose_lite.onnx", 256}, {"selfie_seg.onnx", 256}, {"skin_clothes_hair_pan.onnx", 512}}) {
+    for (const auto& [file, side] : {std::pair{"blazepose_full.onnx", 256},
+                                     {"blazepose_lite.onnx", 256},
+                                     {"selfie_seg.onnx", 256},
+                                     {"skin_clothes_hair_pan.onnx", 512}}) {
         auto net = OnnxNet::load(*models / file);
         ASSERT_TRUE(net) << net.error().message;
         std::vector<float> input(size_t(3) * side * side);
@@ -31,7 +35,8 @@ TEST(OnnxNet, agreesWithTheGoldenValuesOfAnotherRuntime) {
         const auto found = std::find_if(outputs->begin(), outputs->end(), [&](const Tensor& t) { return t.data.size() == count; });
         ASSERT_NE(found, outputs->end()) << file;
         for (size_t i = 0; i < want.at("first8").size(); ++i)
-            EXPECT_NEAR(found->data[i], want.at("first8")[i].get<double>(), 2e-5) << file;  // 4e-6 stated by golden.json, five times for other CPUs
+            EXPECT_NEAR(found->data[i], want.at("first8")[i].get<double>(), 2e-5)
+                << file;  // 4e-6 stated by golden.json, five times for other CPUs
     }
 }
 

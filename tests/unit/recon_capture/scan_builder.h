@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Small scan folders on disk for the reader's tests: written good, then broken one thing at a time.
 #pragma once
 
@@ -8,8 +9,8 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
-#include <cmath>
 #include <unistd.h>
+#include <cmath>
 
 #include <gtest/gtest.h>
 
@@ -43,11 +44,19 @@ struct ScanBuilder {
     nlohmann::json manifest;
 
     explicit ScanBuilder(const std::filesystem::path& folder, int staticFrames = 20, int dynamicFrames = 0) : root(folder) {
-        manifest = {{"format", "avatar-scan"}, {"version", 1}, {"name", "tiny"}, {"image_size", {kWidth, kHeight}}, {"camera_model", "pinhole"},
-                    {"distortion", {0.0, 0.0}}, {"labels", {{"background", 0}, {"body", 1}, {"top", 2}}},
-                    {"keypoint_names", {"nose", "pelvis", "ankle_l"}}, {"frames", nlohmann::json::array()}};
-        for (int i = 0; i < staticFrames; ++i) addFrame("full_" + std::to_string(100 + i), "static_full", 6.283185307179586 * i / staticFrames);
-        for (int i = 0; i < dynamicFrames; ++i) addFrame("dyn_" + std::to_string(100 + i), "dynamic", 6.283185307179586 * i / dynamicFrames);
+        manifest = {{"format", "avatar-scan"},
+                    {"version", 1},
+                    {"name", "tiny"},
+                    {"image_size", {kWidth, kHeight}},
+                    {"camera_model", "pinhole"},
+                    {"distortion", {0.0, 0.0}},
+                    {"labels", {{"background", 0}, {"body", 1}, {"top", 2}}},
+                    {"keypoint_names", {"nose", "pelvis", "ankle_l"}},
+                    {"frames", nlohmann::json::array()}};
+        for (int i = 0; i < staticFrames; ++i)
+            addFrame("full_" + std::to_string(100 + i), "static_full", 6.283185307179586 * i / staticFrames);
+        for (int i = 0; i < dynamicFrames; ++i)
+            addFrame("dyn_" + std::to_string(100 + i), "dynamic", 6.283185307179586 * i / dynamicFrames);
     }
 
     static cv::Mat picture(int seed, cv::Mat& mask) {
@@ -65,8 +74,12 @@ struct ScanBuilder {
         const double c = std::cos(angle), s = std::sin(angle);
         // Eye at (2.5 s, −2.5 c, 1); forward (−s, c, 0); right (c, s, 0); down (0, 0, −1).
         const double ex = 2.5 * s, ey = -2.5 * c, ez = 1;
-        return {{"fx", 100.0}, {"fy", 100.0}, {"cx", kWidth / 2.0}, {"cy", kHeight / 2.0},
-                {"R", {c, s, 0, 0, 0, -1, -s, c, 0}}, {"t", {-(c * ex + s * ey), ez, -(-s * ex + c * ey)}}};
+        return {{"fx", 100.0},
+                {"fy", 100.0},
+                {"cx", kWidth / 2.0},
+                {"cy", kHeight / 2.0},
+                {"R", {c, s, 0, 0, 0, -1, -s, c, 0}},
+                {"t", {-(c * ex + s * ey), ez, -(-s * ex + c * ey)}}};
     }
 
     void addFrame(const std::string& name, const std::string& kind, double angle) {
@@ -77,13 +90,20 @@ struct ScanBuilder {
         cv::imwrite((root / "images" / (name + ".jpg")).string(), image, {cv::IMWRITE_JPEG_QUALITY, 95});
         cv::imwrite((root / "masks" / (name + ".png")).string(), mask);
         cv::imwrite((root / "labels.png").string(), mask / 255);
-        const nlohmann::json points = {{"names", {"pelvis", "nose", "ankle_l"}}, {"xy", {{0, 0}, {0, 0}, {0, 0}}},
-                                       {"xy_noisy", {{48.0, 64.0}, {48.0, 20.0}, nullptr}}, {"confidence", {0.5, 1.0, 1.0}}};
+        const nlohmann::json points = {{"names", {"pelvis", "nose", "ankle_l"}},
+                                       {"xy", {{0, 0}, {0, 0}, {0, 0}}},
+                                       {"xy_noisy", {{48.0, 64.0}, {48.0, 20.0}, nullptr}},
+                                       {"confidence", {0.5, 1.0, 1.0}}};
         writeText(root / "keypoints" / (name + ".json"), points.dump());
         const bool test = manifest["frames"].size() % 10 == 5;
-        manifest["frames"].push_back({{"id", manifest["frames"].size()}, {"name", name}, {"kind", kind}, {"split", test ? "test" : "train"},
-                                      {"image", "images/" + name + ".jpg"}, {"mask", "masks/" + name + ".png"},
-                                      {"keypoints", "keypoints/" + name + ".json"}, {"camera", camera(angle)}});
+        manifest["frames"].push_back({{"id", manifest["frames"].size()},
+                                      {"name", name},
+                                      {"kind", kind},
+                                      {"split", test ? "test" : "train"},
+                                      {"image", "images/" + name + ".jpg"},
+                                      {"mask", "masks/" + name + ".png"},
+                                      {"keypoints", "keypoints/" + name + ".json"},
+                                      {"camera", camera(angle)}});
     }
 
     const std::filesystem::path& write() {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The ingest check: good scans pass, each way of spoiling one is named, and what cannot work is refused.
 #include "reconstruction/capture/scan_check.h"
 
@@ -89,7 +90,8 @@ TEST(ScanCheck, aFewBlurredAreLeftOut) {
 TEST(ScanCheck, halfTheMasksEmptyIsRefusedOneIsLeftOut) {
     for (const size_t step : {2, 28}) {
         Spoiled s;
-        s.eachImage([&](const cv::Mat& mask, size_t i) { return i % step == 1 ? cv::Mat(cv::Mat::zeros(mask.size(), CV_8U)) : mask; }, "mask", cv::IMREAD_GRAYSCALE);
+        s.eachImage([&](const cv::Mat& mask, size_t i) { return i % step == 1 ? cv::Mat(cv::Mat::zeros(mask.size(), CV_8U)) : mask; },
+                    "mask", cv::IMREAD_GRAYSCALE);
         const auto c = check(s.builder.write());
         EXPECT_EQ(c.verdict, step == 2 ? ScanVerdict::Refuse : ScanVerdict::Usable);
         const auto* why = finding(c, "masks", step == 2);
@@ -126,7 +128,8 @@ TEST(ScanCheck, missingMasksAreFlaggedNotRefused) {
 TEST(ScanCheck, aTruncatedImageIsNamed) {
     Spoiled s;
     s.builder.write();
-    std::filesystem::resize_file(s.folder.path / "images/full_104.jpg", std::filesystem::file_size(s.folder.path / "images/full_104.jpg") / 2);
+    std::filesystem::resize_file(s.folder.path / "images/full_104.jpg",
+                                 std::filesystem::file_size(s.folder.path / "images/full_104.jpg") / 2);
     const auto c = check(s.folder.path);
     EXPECT_EQ(c.verdict, ScanVerdict::Refuse);
     const auto* why = finding(c, "files", true);
@@ -153,9 +156,11 @@ TEST(ScanCheck, heldOutPicturesHaveNoSay) {
         if (b.builder.manifest["frames"][i]["split"] == "test") cv::RNG(7).fill(noise, cv::RNG::UNIFORM, 0, 255);
         return noise;
     });
-    b.eachImage([&](const cv::Mat& mask, size_t i) {
-        return b.builder.manifest["frames"][i]["split"] == "test" ? cv::Mat(cv::Mat::zeros(mask.size(), CV_8U)) : mask;
-    }, "mask", cv::IMREAD_GRAYSCALE);
+    b.eachImage(
+        [&](const cv::Mat& mask, size_t i) {
+            return b.builder.manifest["frames"][i]["split"] == "test" ? cv::Mat(cv::Mat::zeros(mask.size(), CV_8U)) : mask;
+        },
+        "mask", cv::IMREAD_GRAYSCALE);
     const auto scanA = readScan(a.builder.write()), scanB = readScan(b.builder.write());
     ASSERT_TRUE(scanA && scanB);
     Jobs one(1), three(3);

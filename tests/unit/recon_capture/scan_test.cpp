@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Good scan folders: axes, splits, optional files, pixels and keypoints.
 #include "reconstruction/capture/scan.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/distill/corrective_model.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +28,8 @@ MeshData twoWalls() {
 
 std::vector<JointData> joints() {
     std::vector<JointData> j(4);
-    j[0].humanoidBone = "hips", j[1].humanoidBone = "leftUpperArm", j[2].humanoidBone = "leftLowerArm", j[3].humanoidBone = "leftIndexProximal";
+    j[0].humanoidBone = "hips", j[1].humanoidBone = "leftUpperArm", j[2].humanoidBone = "leftLowerArm",
+    j[3].humanoidBone = "leftIndexProximal";
     for (int i = 1; i < 4; ++i) j[size_t(i)].parent = i - 1;
     return j;
 }

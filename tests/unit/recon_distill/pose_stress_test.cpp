@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/distill/pose_stress.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +27,8 @@ TEST(PoseStress, nothingWithoutCorrectives) {
 
 TEST(PoseStress, oneOffsetEverywhereMovesAndDoesNotStrain) {
     Jobs jobs(1);
-    const PoseStress even = poseStress(withNodes({0.01f, 0, 0, 0.1f}, false), jobs), torn = poseStress(withNodes({0.01f, 0, 0, 0.1f}, true), jobs);
+    const PoseStress even = poseStress(withNodes({0.01f, 0, 0, 0.1f}, false), jobs),
+                     torn = poseStress(withNodes({0.01f, 0, 0, 0.1f}, true), jobs);
     EXPECT_GT(even.offsetMm, 5);
     EXPECT_LT(even.strainPercent, 1e-2);
     EXPECT_NEAR(even.lightPercent, even.offsetMm, 1e-2 * even.offsetMm) << "10 % of brightness with every 10 mm";
@@ -35,7 +37,8 @@ TEST(PoseStress, oneOffsetEverywhereMovesAndDoesNotStrain) {
 
 TEST(PoseStress, growsWithTheValuesOfTheNodes) {
     Jobs jobs(2);
-    const PoseStress one = poseStress(withNodes({0, 0.01f, 0, 0.05f}, true), jobs), two = poseStress(withNodes({0, 0.02f, 0, 0.1f}, true), jobs);
+    const PoseStress one = poseStress(withNodes({0, 0.01f, 0, 0.05f}, true), jobs),
+                     two = poseStress(withNodes({0, 0.02f, 0, 0.1f}, true), jobs);
     EXPECT_NEAR(two.offsetMm, 2 * one.offsetMm, 1e-3 * two.offsetMm);
     EXPECT_NEAR(two.strainPercent, 2 * one.strainPercent, 1e-3 * two.strainPercent);
 }

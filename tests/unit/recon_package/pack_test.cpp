@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The palette, the pictures and the walk of doppel pack.
 #include <gtest/gtest.h>
 
@@ -26,7 +27,8 @@ AvatarData codedTube(TubeOptions o = {.splatsPerTriangle = 6, .rings = 10, .shDe
 std::set<std::vector<float>> rowsOf(const SplatData& s) {
     const size_t stride = shCoefficientCount(s.shDegree) * 3;
     std::set<std::vector<float>> rows;
-    for (size_t i = 0; i < s.count(); ++i) rows.insert({s.sh.begin() + ptrdiff_t(i * stride + 3), s.sh.begin() + ptrdiff_t((i + 1) * stride)});
+    for (size_t i = 0; i < s.count(); ++i)
+        rows.insert({s.sh.begin() + ptrdiff_t(i * stride + 3), s.sh.begin() + ptrdiff_t((i + 1) * stride)});
     return rows;
 }
 
@@ -90,7 +92,9 @@ TEST(ShPalette, isTheSameOnAnyNumberOfThreadsAndSurvivesTheFile) {
         // The codec's range is that of the rows in use: at most half a step of it is lost, none when the largest row is used.
         const AvatarData back = *readAvatar(*bytes);
         for (size_t k = 0; k < back.splats.sh.size(); ++k)
-            if (k % 12 >= 3) { ASSERT_NEAR(back.splats.sh[k], packed.splats.sh[k], 1e-6); }
+            if (k % 12 >= 3) {
+                ASSERT_NEAR(back.splats.sh[k], packed.splats.sh[k], 1e-6);
+            }
     }
 }
 
@@ -123,7 +127,9 @@ TEST(PackPictures, knowWhatIsThereAndWhatIsMissing) {
     EXPECT_GT(without(most), 20 * without(least));
 }
 
-Status quietly(double, const std::string&) { return {}; }
+Status quietly(double, const std::string&) {
+    return {};
+}
 
 TEST(Pack, meetsASizeAndStaysOnTheCurve) {
     const AvatarData a = codedTube({.splatsPerTriangle = 6, .rings = 10, .shDegree = 2, .colourSpread = 0.3f}, true);
@@ -152,7 +158,8 @@ TEST(Pack, aFileWithAPaletteStartsAsItIsAndItsPaletteShrinks) {
     ASSERT_TRUE(file) << file.error().message;
     const auto decoded = readAvatar(*file);
     ASSERT_TRUE(decoded) << decoded.error().message;
-    const auto packed = packToLimits(*decoded, {.maxBytes = file->size() * 40 / 100}, {.seed = 1, .pictures = 4}, jobs, [](double, const std::string&) { return Status(); });
+    const auto packed = packToLimits(*decoded, {.maxBytes = file->size() * 40 / 100}, {.seed = 1, .pictures = 4}, jobs,
+                                     [](double, const std::string&) { return Status(); });
     ASSERT_TRUE(packed) << packed.error().message;
     EXPECT_EQ(packed->curve[0].bytes, file->size());
     EXPECT_EQ(packed->curve[0].shEntries, rowsOf(avatar.splats).size());
@@ -186,7 +193,8 @@ TEST(Pack, entropyCodesFirstThenTakesBitsAndAPackedFileGoesOnFromThere) {
 TEST(Pack, goesAsFarAsTheLossAllows) {
     const AvatarData a = codedTube();
     Jobs jobs(2);
-    auto strict = packToLimits(a, {.minPsnrDb = 42}, {.pictures = 6}, jobs, quietly), loose = packToLimits(a, {.minPsnrDb = 30}, {.pictures = 6}, jobs, quietly);
+    auto strict = packToLimits(a, {.minPsnrDb = 42}, {.pictures = 6}, jobs, quietly),
+         loose = packToLimits(a, {.minPsnrDb = 30}, {.pictures = 6}, jobs, quietly);
     ASSERT_TRUE(strict && loose);
     EXPECT_GE(strict->curve.back().psnrDb, 42);
     EXPECT_GE(loose->curve.back().psnrDb, 30);
@@ -206,7 +214,8 @@ TEST(Pack, saysWhatIsTheNearestWhenLimitsCannotBeMet) {
     ASSERT_FALSE(both);
     EXPECT_NE(both.error().message.find("the nearest"), std::string::npos) << both.error().message;
     EXPECT_FALSE(packToLimits(a, {}, {}, jobs, quietly));
-    auto stopped = packToLimits(a, {.minPsnrDb = 40}, {.pictures = 4}, jobs, [](double, const std::string&) { return Status(fail(Code::Cancelled, "stopped")); });
+    auto stopped = packToLimits(a, {.minPsnrDb = 40}, {.pictures = 4}, jobs,
+                                [](double, const std::string&) { return Status(fail(Code::Cancelled, "stopped")); });
     ASSERT_FALSE(stopped);
     EXPECT_EQ(int(stopped.error().code), int(Code::Cancelled));
 }

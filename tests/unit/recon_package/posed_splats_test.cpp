@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/package/posed_splats.h"
 
 #include <gtest/gtest.h>
@@ -72,7 +73,8 @@ TEST(PosedSplats, covarianceIsThatOfTheBoundSplatPlusItsThickness) {
     for (uint32_t i = 0; i < 3; ++i) {
         Vec3f a1, a2;
         splatAxes(p.frame, p.avatar.splats.phi[i], p.avatar.splats.scaleM[i].x, p.avatar.splats.scaleM[i].y, a1, a2);
-        const Mat3f expected = glm::outerProduct(a1, a1) + glm::outerProduct(a2, a2) + kFlatThicknessM * kFlatThicknessM * glm::outerProduct(p.frame.normal, p.frame.normal);
+        const Mat3f expected = glm::outerProduct(a1, a1) + glm::outerProduct(a2, a2) +
+                               kFlatThicknessM * kFlatThicknessM * glm::outerProduct(p.frame.normal, p.frame.normal);
         const Mat3f r = glm::mat3_cast(p.out.rotation[i]);
         Mat3f scaled = r;
         for (int k = 0; k < 3; ++k) scaled[k] *= p.out.scaleM[i][k];
@@ -130,7 +132,8 @@ TEST(PosedSplats, offsetsMoveThemAndLightIsFoldedIntoTheirSh) {
         for (int trial = 0; trial < 20; ++trial) {
             const Vec3f d = glm::normalize(Vec3f(normal(random), normal(random), normal(random)));
             // What a plain viewer shows is what Doppel shows, clamps included.
-            const Vec3f shown = shColour(&corrected->sh[i * 48], 3, d), meant = shColour(&avatar.splats.sh[i * 48], 3, glm::transpose(frame.worldFromRest) * d, light);
+            const Vec3f shown = shColour(&corrected->sh[i * 48], 3, d),
+                        meant = shColour(&avatar.splats.sh[i * 48], 3, glm::transpose(frame.worldFromRest) * d, light);
             EXPECT_LT(glm::length(shown - meant), 3e-5f);
         }
     }

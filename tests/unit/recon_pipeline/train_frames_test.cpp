@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
 #include "reconstruction/pipeline/train_frames.h"
@@ -16,7 +17,8 @@ std::vector<JointData> pole(size_t joints) {
 /** A camera that looks along −z at (0, heightM, 0) from distanceM. */
 TrainFrame frameAt(double distanceM, double heightM, uint32_t sizePx, size_t joints) {
     TrainFrame f;
-    f.camera = {sizePx, sizePx, kFocalPx, kFocalPx, sizePx / 2.0, sizePx / 2.0, Mat3d(1, 0, 0, 0, -1, 0, 0, 0, -1), Vec3d(0, heightM, distanceM)};
+    f.camera = {
+        sizePx, sizePx, kFocalPx, kFocalPx, sizePx / 2.0, sizePx / 2.0, Mat3d(1, 0, 0, 0, -1, 0, 0, 0, -1), Vec3d(0, heightM, distanceM)};
     f.pose = Pose::rest(joints);
     return f;
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/pipeline/trained_file.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/report/score.h"
 
 #include <gtest/gtest.h>
@@ -11,8 +12,8 @@ using namespace dpl;
 constexpr uint32_t kWidth = 40, kHeight = 30;
 
 struct Scene {
-    ImageRgb8 truth{kWidth, kHeight, std::vector<uint8_t>(kWidth * kHeight * 3)};
-    ImageGrey8 mask{kWidth, kHeight, std::vector<uint8_t>(kWidth * kHeight, 0)};
+    ImageRgb8 truth{kWidth, kHeight, std::vector<uint8_t>(kWidth* kHeight * 3)};
+    ImageGrey8 mask{kWidth, kHeight, std::vector<uint8_t>(kWidth* kHeight, 0)};
     std::vector<uint8_t> rgba = std::vector<uint8_t>(kWidth * kHeight * 4, 0);
     /** A person of 20×20 pixels with a gradient; the picture equals it. */
     Scene() {
@@ -70,8 +71,8 @@ TEST(ScorePicture, paintOutsideTheMaskLowersTheIouNotTheMaskedPsnr) {
 
 TEST(AreaAveraged, weighsColoursByCoverageAndKeepsTheirBrightness) {
     // 4 × 2 -> 2 × 1: left half one opaque red among three empty pixels, right half two reds and two blues.
-    const std::vector<uint8_t> rgba = {200, 0, 0, 255, 9, 9, 9, 0, 200, 0, 0, 255, 0, 0, 100, 255,
-                                       9,   9, 9, 0,   9, 9, 9, 0, 0,   0, 100, 255, 200, 0, 0, 255};
+    const std::vector<uint8_t> rgba = {200, 0, 0, 255, 9, 9, 9, 0, 200, 0, 0,   255, 0,   0, 100, 255,
+                                       9,   9, 9, 0,   9, 9, 9, 0, 0,   0, 100, 255, 200, 0, 0,   255};
     EXPECT_EQ(areaAveraged(rgba, 4, 2, 2, 1), (std::vector<uint8_t>{200, 0, 0, 64, 100, 0, 50, 255}));
 }
 

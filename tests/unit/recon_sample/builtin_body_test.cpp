@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the header of makeBuiltinBody promises.
 #include "reconstruction/sample/builtin_body.h"
 
@@ -33,7 +34,9 @@ std::vector<Vec3d> posed(const TruthPose& pose) {
     return out;
 }
 
-TruthPose restPose() { return {std::vector<Vec3d>(body().joints.size(), Vec3d(0)), Vec3d(0)}; }
+TruthPose restPose() {
+    return {std::vector<Vec3d>(body().joints.size(), Vec3d(0)), Vec3d(0)};
+}
 
 TEST(BuiltinBody, meshIsAClosedManifoldInOnePiece) {
     const MeshData& mesh = body().mesh;
@@ -67,11 +70,13 @@ TEST(BuiltinBody, noFaceIsDegenerateOrNearlySo) {
 TEST(BuiltinBody, standsOnTheFloorFacingForward) {
     Vec3f low(1e3f), high(-1e3f);
     for (const Vec3f& p : body().mesh.restPositions) low = glm::min(low, p), high = glm::max(high, p);
-    EXPECT_NEAR(low.y, 0, 0.005);            // the sole is rounded over a few millimetres
+    EXPECT_NEAR(low.y, 0, 0.005);  // the sole is rounded over a few millimetres
     EXPECT_NEAR(high.y, 1.75, 0.01);
-    EXPECT_NEAR(low.x + high.x, 0, 0.004);   // symmetric to about an edge length
+    EXPECT_NEAR(low.x + high.x, 0, 0.004);  // symmetric to about an edge length
     for (const BodyKeypoint& k : body().keypoints)
-        if (k.name == "nose") { EXPECT_GT(body().mesh.restPositions[k.vertices[0].first].z, 0.10f); }
+        if (k.name == "nose") {
+            EXPECT_GT(body().mesh.restPositions[k.vertices[0].first].z, 0.10f);
+        }
     EXPECT_GT(volume(posed(restPose()), body().mesh.triangles), 0.05);  // outward faces, a grown person
 }
 
@@ -83,7 +88,8 @@ TEST(BuiltinBody, skeletonHas55JointsWithHumanoidNames) {
         EXPECT_LT(joints[j].parent, int(j));
         EXPECT_TRUE(bones.insert(joints[j].humanoidBone).second) << joints[j].name;
     }
-    for (const char* bone : {"hips", "leftUpperArm", "rightFoot", "leftLittleDistal", "rightThumbMetacarpal", "head"}) EXPECT_TRUE(bones.contains(bone));
+    for (const char* bone : {"hips", "leftUpperArm", "rightFoot", "leftLittleDistal", "rightThumbMetacarpal", "head"})
+        EXPECT_TRUE(bones.contains(bone));
     for (uint8_t j = 0; j < 55; ++j) {
         const Vec3f a = joints[j].restPosition, b = joints[mirroredJoint(j)].restPosition;
         EXPECT_LT(glm::length(a - Vec3f(-b.x, b.y, b.z)), 1e-6f) << joints[j].name;
@@ -131,11 +137,14 @@ TEST(BuiltinBody, morphsMoveSkinAndJointsTogether) {
         EXPECT_GT(most, 0.002f) << m.name;
         EXPECT_LT(most, 0.08f) << m.name;
     }
-    for (const char* name : {"height", "weight", "build", "shoulder_width", "hip_width", "arm_length", "leg_length", "torso_length", "head_size", "hair_volume", "chest"})
+    for (const char* name : {"height", "weight", "build", "shoulder_width", "hip_width", "arm_length", "leg_length", "torso_length",
+                             "head_size", "hair_volume", "chest"})
         ASSERT_TRUE(byName.contains(name)) << name;
     for (const char* name : {"leg_length", "height", "torso_length"})  // feet stay on the floor
         for (size_t v = 0; v < body().mesh.restPositions.size(); ++v)
-            if (body().mesh.restPositions[v].y < 0.02f) { ASSERT_LT(std::abs(byName[name]->vertexOffsets[v].y), 0.002f) << name; }
+            if (body().mesh.restPositions[v].y < 0.02f) {
+                ASSERT_LT(std::abs(byName[name]->vertexOffsets[v].y), 0.002f) << name;
+            }
     const auto& arms = byName["arm_length"]->jointOffsets;
     EXPECT_GT(arms[kLeftWrist].x, arms[kLeftElbow].x);
     EXPECT_LT(glm::length(arms[kLeftShoulder]), 1e-6f);

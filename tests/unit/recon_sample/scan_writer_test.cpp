@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A small sample scan, read back through the product's reader and checked against its own truth.
 #include "reconstruction/sample/scan_writer.h"
 
@@ -57,7 +58,9 @@ std::string bytesOf(const fs::path& path) {
     std::ifstream in(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
 }
-Json jsonOf(const fs::path& path) { return Json::parse(bytesOf(path)); }
+Json jsonOf(const fs::path& path) {
+    return Json::parse(bytesOf(path));
+}
 
 TEST(SampleScan, isReadByTheProductsReader) {
     const auto scan = readScan(scanFolder());
@@ -111,7 +114,8 @@ TEST(SampleScan, truthProjectsOntoItsKeypoints) {
             double view[3];
             for (int r = 0; r < 3; ++r) {
                 view[r] = camera["t"][r];
-                for (int c = 0; c < 3; ++c) view[r] += camera["R"][3 * r + c].get<double>() * truth["frames"][i]["keypoints_world"][k][c].get<double>();
+                for (int c = 0; c < 3; ++c)
+                    view[r] += camera["R"][3 * r + c].get<double>() * truth["frames"][i]["keypoints_world"][k][c].get<double>();
             }
             const double u = camera["fx"].get<double>() * view[0] / view[2] + camera["cx"].get<double>();
             const double v = camera["fy"].get<double>() * view[1] / view[2] + camera["cy"].get<double>();
@@ -172,7 +176,8 @@ TEST(SampleScan, finePicturesOfOneHeldOutFrameAKindShowTheSameView) {
         cv::Mat small;
         cv::resize(fine, small, mask.size(), 0, 0, cv::INTER_AREA);
         // Off the outline the two agree; on it two samples a pixel decide by chance.
-        EXPECT_LE(cv::countNonZero((small == 0) & (mask == 255)) + cv::countNonZero((small == 255) & (mask == 0)), 0.005 * cv::countNonZero(mask));
+        EXPECT_LE(cv::countNonZero((small == 0) & (mask == 255)) + cv::countNonZero((small == 255) & (mask == 0)),
+                  0.005 * cv::countNonZero(mask));
         EXPECT_EQ(cv::imread((scanFolder() / "hires" / "x4" / (name + ".jpg")).string()).size(), fine.size());
     }
     EXPECT_EQ(kinds, (std::set<std::string>{"static_full", "dynamic"}));

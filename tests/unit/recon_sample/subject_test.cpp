@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The clothed subject: clothes outside the body, truth that is plain skinning where it says so, cloth that slides and remembers.
 #include "reconstruction/sample/subject.h"
 
@@ -18,7 +19,9 @@ const Subject& subject() {
     return kSubject;
 }
 
-TruthPose restPose() { return {std::vector<Vec3d>(subject().joints.size(), Vec3d(0)), Vec3d(0)}; }
+TruthPose restPose() {
+    return {std::vector<Vec3d>(subject().joints.size(), Vec3d(0)), Vec3d(0)};
+}
 
 TEST(Subject, wearsFiveLayersThatShareNoVertices) {
     const MeshData& mesh = subject().mesh;
@@ -53,7 +56,9 @@ TEST(Subject, clothesAreOpenManifoldSheetsWithWholeHems) {
         std::map<uint32_t, uint32_t> next;
         for (const auto& [edge, count] : edges) {
             ASSERT_EQ(count, 1) << name;
-            if (!edges.contains({edge.second, edge.first})) { ASSERT_TRUE(next.try_emplace(edge.first, edge.second).second) << name << ": borders touch"; }
+            if (!edges.contains({edge.second, edge.first})) {
+                ASSERT_TRUE(next.try_emplace(edge.first, edge.second).second) << name << ": borders touch";
+            }
         }
         size_t loops = 0;
         while (!next.empty()) {
@@ -74,7 +79,8 @@ TEST(Subject, clothesStayOutsideTheBodyAtRest) {
     std::vector<Vec3f> normal(body.vertexCount, Vec3f(0));
     for (uint32_t t = 0; t < body.triangleCount; ++t) {
         const Triangle& f = s.mesh.triangles[t];
-        const Vec3f n = glm::cross(s.mesh.restPositions[f.y] - s.mesh.restPositions[f.x], s.mesh.restPositions[f.z] - s.mesh.restPositions[f.x]);
+        const Vec3f n =
+            glm::cross(s.mesh.restPositions[f.y] - s.mesh.restPositions[f.x], s.mesh.restPositions[f.z] - s.mesh.restPositions[f.x]);
         normal[f.x] += n, normal[f.y] += n, normal[f.z] += n;
     }
     for (size_t i = 1; i < s.parts.size(); ++i) {
@@ -139,7 +145,9 @@ TEST(Subject, clothRemembersTheMotion) {
     double cloth = 0;
     for (size_t v = 0; v < a.size(); ++v) {
         const double d = glm::length(a[v] - b[v]);
-        if (v < s.mesh.layers[0].vertexCount) { ASSERT_EQ(d, 0); }
+        if (v < s.mesh.layers[0].vertexCount) {
+            ASSERT_EQ(d, 0);
+        }
         cloth = std::max(cloth, d);
     }
     EXPECT_GT(cloth, 0.002);

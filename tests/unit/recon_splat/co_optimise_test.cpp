@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/splat/co_optimise.h"
 
 #include <gtest/gtest.h>
@@ -43,7 +44,9 @@ std::unique_ptr<CoOptimiser> make(Jobs& jobs, const CoOptimiseSettings& settings
     return t ? std::move(*t) : nullptr;
 }
 
-std::filesystem::path scratch(const char* name) { return std::filesystem::path(::testing::TempDir()) / name; }
+std::filesystem::path scratch(const char* name) {
+    return std::filesystem::path(::testing::TempDir()) / name;
+}
 
 TEST(CoOptimise, lossFallsAndPictureGetsClose) {
     Jobs jobs(2);
@@ -163,7 +166,8 @@ TEST(CoOptimise, correctivesAreFoundAgain) {
         if (!learn) continue;
         for (int n = 0; n < 2; ++n) {
             EXPECT_NEAR(r.correctives.nodes[size_t(n)].w, truth.nodes[size_t(n)].w, 0.1) << "light of node " << n;
-            for (int a = 0; a < 3; ++a) EXPECT_NEAR(r.correctives.nodes[size_t(n)][a], truth.nodes[size_t(n)][a], 0.006) << "offset of node " << n;
+            for (int a = 0; a < 3; ++a)
+                EXPECT_NEAR(r.correctives.nodes[size_t(n)][a], truth.nodes[size_t(n)][a], 0.006) << "offset of node " << n;
         }
     }
     std::printf("without %.2f dB, with %.2f dB\n", psnr[0], psnr[1]);
@@ -198,7 +202,11 @@ TEST(CoOptimise, badInputIsRefusedByName) {
     refuse([](auto& in) { in.mesh.restPositions[3].y = INFINITY; }, "vertex 3");
     refuse([](auto& in) { in.mesh.jointIndices[0].x = 9; }, "joint 9");
     refuse([](auto& in) { in.triangleLabel.assign(3, 1); }, "labels");
-    refuse([](auto& in) { for (auto& f : in.frames) std::fill(f.mask.pixels.begin(), f.mask.pixels.end(), uint8_t(0)); }, "none of the 4");
+    refuse(
+        [](auto& in) {
+            for (auto& f : in.frames) std::fill(f.mask.pixels.begin(), f.mask.pixels.end(), uint8_t(0));
+        },
+        "none of the 4");
 }
 
 TEST(PoseFit, bringsADisplacedFrameBack) {
@@ -239,7 +247,9 @@ TEST(Polish, keepsMeshAndOrderAndLowersTheLoss) {
     size_t moved = 0;
     for (size_t k = 0; k < before.sh.size(); ++k) {
         moved += avatar.splats.sh[k] != before.sh[k];
-        if (k % stride >= 3) { ASSERT_EQ(avatar.splats.sh[k], before.sh[k]) << "splats share the rows of a palette"; }
+        if (k % stride >= 3) {
+            ASSERT_EQ(avatar.splats.sh[k], before.sh[k]) << "splats share the rows of a palette";
+        }
     }
     EXPECT_GT(moved, before.count());
     EXPECT_LT(lossOf(), 0.96 * dull);  // 120 small steps: a polish mends rounding, it does not repaint

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A small skinned ball with a pattern, seen by a ring of cameras; pictures are drawn by the splat engine from known splats.
 #pragma once
 
@@ -16,7 +17,9 @@ inline MeshData ballMesh(uint32_t rings = 10, uint32_t sides = 14, float radius 
             const float theta = 3.14159265f * float(r) / float(rings), phi = 6.2831853f * float(s) / float(sides);
             m.restPositions.push_back(radius * Vec3f(std::sin(theta) * std::sin(phi), std::cos(theta), std::sin(theta) * std::cos(phi)));
         }
-    const auto at = [&](uint32_t r, uint32_t s) -> uint32_t { return r == 0 ? 0 : r == rings ? uint32_t(m.restPositions.size()) - 1 : 1 + (r - 1) * sides + s % sides; };
+    const auto at = [&](uint32_t r, uint32_t s) -> uint32_t {
+        return r == 0 ? 0 : r == rings ? uint32_t(m.restPositions.size()) - 1 : 1 + (r - 1) * sides + s % sides;
+    };
     for (uint32_t r = 0; r < rings; ++r)
         for (uint32_t s = 0; s < sides; ++s) {
             if (r > 0) m.triangles.push_back({at(r, s), at(r + 1, s), at(r, s + 1)});
@@ -66,7 +69,8 @@ inline CoOptimiseInput toyScene(Jobs& jobs, uint32_t frameCount = 8, float swayM
     TrainableSplats splats = initialSplats(in.joints, in.mesh, flags, floors, {}, init, jobs);
     for (uint32_t i = 0; i < splats.count(); ++i) {
         const Triangle& t = in.mesh.triangles[splats.triangle[i]];
-        const Vec3f p = (1 - splats.uv[i].x - splats.uv[i].y) * in.mesh.restPositions[t.x] + splats.uv[i].x * in.mesh.restPositions[t.y] + splats.uv[i].y * in.mesh.restPositions[t.z];
+        const Vec3f p = (1 - splats.uv[i].x - splats.uv[i].y) * in.mesh.restPositions[t.x] + splats.uv[i].x * in.mesh.restPositions[t.y] +
+                        splats.uv[i].y * in.mesh.restPositions[t.z];
         float* row = splats.rows.data() + i * splats.stride;
         const Vec3f colour(0.5f + 0.4f * std::sin(30 * p.x), 0.5f + 0.4f * std::cos(26 * p.y), p.z > 0 ? 0.8f : 0.2f);
         for (int c = 0; c < 3; ++c) row[kRowSh + uint32_t(c)] = (colour[c] - 0.5f) / float(kShC0);
@@ -104,7 +108,8 @@ inline CoOptimiseInput toyScene(Jobs& jobs, uint32_t frameCount = 8, float swayM
         for (size_t i = 0; i < image.alpha.size(); ++i) {
             f.mask.pixels.push_back(image.alpha[i] >= 0.5f ? 255 : 0);
             for (size_t c = 0; c < 3; ++c)
-                f.image.pixels.push_back(uint8_t(std::clamp(255 * (image.rgb[i * 3 + c] + (1 - image.alpha[i]) * 0.3f) + 0.5f, 0.0f, 255.0f)));
+                f.image.pixels.push_back(
+                    uint8_t(std::clamp(255 * (image.rgb[i * 3 + c] + (1 - image.alpha[i]) * 0.3f) + 0.5f, 0.0f, 255.0f)));
         }
         in.frames.push_back(std::move(f));
     }

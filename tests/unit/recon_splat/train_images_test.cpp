@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/splat/train_images.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +11,8 @@ namespace {
 TrainFrame frame(uint32_t width, uint32_t height) {
     TrainFrame f;
     f.name = "test";
-    f.camera.widthPx = width, f.camera.heightPx = height, f.camera.fx = f.camera.fy = 100, f.camera.cx = width / 2.0, f.camera.cy = height / 2.0;
+    f.camera.widthPx = width, f.camera.heightPx = height, f.camera.fx = f.camera.fy = 100, f.camera.cx = width / 2.0,
+    f.camera.cy = height / 2.0;
     f.image = {width, height, std::vector<uint8_t>(size_t(width) * height * 3)};
     f.mask = {width, height, std::vector<uint8_t>(size_t(width) * height, 0)};
     for (size_t i = 0; i < f.image.pixels.size(); ++i) f.image.pixels[i] = uint8_t((i * 37) % 251);
@@ -30,13 +32,15 @@ TEST(LevelFrame, cropsToThePersonPlusTenPercentAndKeepsTheRays) {
     EXPECT_FLOAT_EQ(full.camera.cx, 50.0f);
     EXPECT_EQ(full.rgb[(10 * 70) + 10], f.image.pixels[(100 * 200 + 60) * 3]) << "masked pixels are copied";
     EXPECT_EQ(full.rgb[0], 0) << "colour is premultiplied by the mask";
-    EXPECT_EQ(std::accumulate(full.band.begin(), full.band.end(), 0), 2 * (2 * 50 + 2 * 100)) << "one pixel inside, one outside; corners counted once each side";
+    EXPECT_EQ(std::accumulate(full.band.begin(), full.band.end(), 0), 2 * (2 * 50 + 2 * 100))
+        << "one pixel inside, one outside; corners counted once each side";
     const LevelFrame half = makeLevelFrame(f, 0.5f, {}, false);
     EXPECT_EQ(half.widthPx, 35u);
     EXPECT_FLOAT_EQ(half.camera.fx, 50.0f);
     EXPECT_FLOAT_EQ(half.kappaPx2, kTrainedKappaPx2) << "the same at every size";
     const Vec3f ray(0.1f, -0.2f, 1);
-    const Vec2f a = full.camera.pixelOf(ray) + Vec2f(full.leftPx, full.topPx), b = half.camera.pixelOf(ray) + Vec2f(half.leftPx, half.topPx);
+    const Vec2f a = full.camera.pixelOf(ray) + Vec2f(full.leftPx, full.topPx),
+                b = half.camera.pixelOf(ray) + Vec2f(half.leftPx, half.topPx);
     EXPECT_NEAR(a.x, 2 * b.x, 1e-3);
     EXPECT_NEAR(a.y, 2 * b.y, 1e-3);
 }
@@ -51,7 +55,9 @@ TEST(LevelFrame, areaAverageKeepsTheMean) {
     EXPECT_NEAR(a / double(f.image.pixels.size()), b / double(level.rgb.size()), 0.2);
 }
 
-TEST(LevelFrame, emptyMaskIsNotUsed) { EXPECT_FALSE(makeLevelFrame(frame(20, 20), 1, {}, true).used); }
+TEST(LevelFrame, emptyMaskIsNotUsed) {
+    EXPECT_FALSE(makeLevelFrame(frame(20, 20), 1, {}, true).used);
+}
 
 TEST(LevelFrame, coarsestIs160PixelsOrATenth) {
     EXPECT_FLOAT_EQ(coarsestScale(frame(378, 504)), 160.0f / 378);

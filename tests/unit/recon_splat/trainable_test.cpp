@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/splat/trainable.h"
 
 #include <gtest/gtest.h>
@@ -93,12 +94,15 @@ TEST(Regularisers, splatGradientIsTheDerivativeOfTheValue) {
     std::vector<double> x, analytic;
     for (uint32_t i = 0; i < 4; ++i)
         for (uint32_t k = 0; k < 2; ++k) x.push_back(logs[i][k]), analytic.push_back(rows[i * t.stride + kRowLogScale1 + k]);
-    const auto numeric = test::differences(x, [&](const auto& y) {
-        TrainableSplats m = t;
-        for (uint32_t i = 0; i < 8; ++i) m.rows[i / 2 * t.stride + kRowLogScale1 + i % 2] = float(y[i]);
-        m.activate(0, 4);
-        return splatRegulariserValue(m, size, active, w);
-    }, 1e-3);
+    const auto numeric = test::differences(
+        x,
+        [&](const auto& y) {
+            TrainableSplats m = t;
+            for (uint32_t i = 0; i < 8; ++i) m.rows[i / 2 * t.stride + kRowLogScale1 + i % 2] = float(y[i]);
+            m.activate(0, 4);
+            return splatRegulariserValue(m, size, active, w);
+        },
+        1e-3);
     test::expectGradients(analytic, numeric, 5e-3, "log scales");  // float values under a step of 1e-3
 }
 
@@ -117,7 +121,8 @@ TEST(Regularisers, meshGradientIsTheDerivativeOfTheValue) {
     };
     std::vector<Vec3f> g(4, Vec3f(0));
     EXPECT_GT(r.run(place(x), w, 1, g), 0);
-    const auto numeric = test::differences(x, [&](const auto& y) { return r.run(place(y), w, 1, {}); }, 1e-4);
+    const auto numeric = test::differences(
+        x, [&](const auto& y) { return r.run(place(y), w, 1, {}); }, 1e-4);
     std::vector<double> analytic;
     for (const Vec3f& v : g) analytic.insert(analytic.end(), {v.x, v.y, v.z});
     test::expectGradients(analytic, numeric, 5e-3, "vertices");  // float positions under a step of 1e-4

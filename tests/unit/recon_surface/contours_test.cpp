@@ -1,9 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/surface/contours.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
-
 
 namespace dpl {
 namespace {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The surface fit on a subject whose truth is known: a posed, swaying capsule that carries a bump must become what the masks show.
 #include "reconstruction/surface/fit_surface.h"
 
@@ -39,11 +40,14 @@ MeshData egg(Radius radius) {
             m.triangles.push_back({at(i + 1, k), at(i, k + 1), at(i + 1, k + 1)});
         }
     const uint32_t low = kRings * kSides, high = low + 1;
-    for (int k = 0; k < kSides; ++k) m.triangles.push_back({low, at(0, k + 1), at(0, k)}), m.triangles.push_back({high, at(kRings - 1, k), at(kRings - 1, k + 1)});
+    for (int k = 0; k < kSides; ++k)
+        m.triangles.push_back({low, at(0, k + 1), at(0, k)}), m.triangles.push_back({high, at(kRings - 1, k), at(kRings - 1, k + 1)});
     return m;
 }
 
-std::vector<JointData> joints() { return {{"root", -1, {0, 0, 0}, ""}, {"upper", 0, {0, 0.8f, 0}, ""}}; }
+std::vector<JointData> joints() {
+    return {{"root", -1, {0, 0, 0}, ""}, {"upper", 0, {0, 0.8f, 0}, ""}};
+}
 
 MeshData bare() {
     return egg([](double, double) { return 0.22; });

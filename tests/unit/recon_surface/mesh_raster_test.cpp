@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/surface/mesh_raster.h"
 
 #include <gtest/gtest.h>
@@ -33,7 +34,8 @@ TEST(MeshRaster, seesTheNearerOfTwoTrianglesAndItsPoint) {
 
 TEST(MeshRaster, nearerTriangleWinsAndBehindTheCameraNothingIsDrawn) {
     const Camerad camera{32, 32, 32, 32, 16, 16};
-    const std::vector<Vec3f> p{{-5, -5, 4}, {5, -5, 4}, {0, 9, 4}, {-0.5f, -0.5f, 2}, {0.5f, -0.5f, 2}, {0, 0.9f, 2}, {-1, -1, -1}, {1, -1, -1}, {0, 1, -1}};
+    const std::vector<Vec3f> p{{-5, -5, 4},  {5, -5, 4},   {0, 9, 4},   {-0.5f, -0.5f, 2}, {0.5f, -0.5f, 2},
+                               {0, 0.9f, 2}, {-1, -1, -1}, {1, -1, -1}, {0, 1, -1}};
     const std::vector<Triangle> t{{0, 1, 2}, {3, 4, 5}, {6, 7, 8}};
     const auto image = rasteriseMesh(p, t, camera);
     EXPECT_EQ(image.triangle[16 * 32 + 16], 1u);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The start-up self-test on devices that draw one way wrongly, both, or slowly: renderers made for the purpose.
 #include <gtest/gtest.h>
 
@@ -24,20 +25,23 @@ std::vector<uint8_t> truth() {
 
 struct Behaviour {
     double milliseconds = 1;
-    bool oneWrongTile = false;   // 8 x 8 pixels
-    int levelsOff = 0;           // every byte
+    bool oneWrongTile = false;  // 8 x 8 pixels
+    int levelsOff = 0;          // every byte
     bool fails = false;
 };
 
 /** A device that behaves as told. */
 class FakeRenderer final : public Renderer {
 public:
-    FakeRenderer(Behaviour quads, Behaviour tiles, std::string identity = "fake") : behaviour_{quads, tiles}, identity_(std::move(identity)) {}
+    FakeRenderer(Behaviour quads, Behaviour tiles, std::string identity = "fake")
+        : behaviour_{quads, tiles}, identity_(std::move(identity)) {}
     std::string name() const override { return "fake"; }
     void setFill(Fill fill) override { this->fill = fill; }
     std::string identity() const override { return identity_; }
     Result<RenderAvatarId> addAvatar(std::shared_ptr<const AvatarData>) override { return fail(Code::Unsupported, "no avatars"); }
-    Result<RenderAvatarId> addCodedAvatar(std::shared_ptr<const AvatarData>, CodedSplats) override { return fail(Code::Unsupported, "no avatars"); }
+    Result<RenderAvatarId> addCodedAvatar(std::shared_ptr<const AvatarData>, CodedSplats) override {
+        return fail(Code::Unsupported, "no avatars");
+    }
     Result<RenderAvatarId> addSplats(const StaticSplatData&) override { return ++live, RenderAvatarId(1); }
     void removeAvatar(RenderAvatarId) override { --live; }
     Status drawTogether(std::span<const Drawn>, std::span<const Cameraf>, const FrameWants&) override {
@@ -107,7 +111,8 @@ TEST(ChooseFill, noneOfTwoWrongOnesAndSaysHowWrong) {
     const auto chosen = choose(renderer, reason);
     ASSERT_FALSE(chosen);
     EXPECT_EQ(chosen.error().code, Code::Device);
-    for (const char* word : {"quads: wrong pixels", "tiles: wrong pixels", "dB", "levels"}) EXPECT_NE(chosen.error().message.find(word), std::string::npos) << chosen.error().message;
+    for (const char* word : {"quads: wrong pixels", "tiles: wrong pixels", "dB", "levels"})
+        EXPECT_NE(chosen.error().message.find(word), std::string::npos) << chosen.error().message;
 }
 
 const auto trusted = [](const FillScene&) -> Result<std::vector<uint8_t>> { return truth(); };
@@ -144,7 +149,7 @@ TEST(FillMemory, aFolderKeepsTheChoiceForTheNextProcess) {
     FakeRenderer first({.milliseconds = 2}, {}, "c");
     ASSERT_TRUE(setBestFill(first, folder.path.string(), trusted));
     EXPECT_EQ(folder.text("c"), "tiles\n");
-    ASSERT_TRUE(writeFileAtomically(folder.file("d"), "quads\n"));   // what another process left: its device is new to this one
+    ASSERT_TRUE(writeFileAtomically(folder.file("d"), "quads\n"));  // what another process left: its device is new to this one
     FakeRenderer kept({.milliseconds = 2}, {}, "d");
     ASSERT_TRUE(setBestFill(kept, folder.path.string(), trusted));
     EXPECT_EQ(kept.draws, 0);
@@ -154,7 +159,8 @@ TEST(FillMemory, aFolderKeepsTheChoiceForTheNextProcess) {
 TEST(FillMemory, aDamagedFileIsReplacedAndAMissingFolderIsNoError) {
     const Folder folder;
     int device = 0;
-    for (const std::string& damaged : {std::string(), std::string("tiles"), std::string("tiles\nquads\n"), std::string("\0\xff", 2), std::string(100000, 't')}) {
+    for (const std::string& damaged :
+         {std::string(), std::string("tiles"), std::string("tiles\nquads\n"), std::string("\0\xff", 2), std::string(100000, 't')}) {
         const std::string identity = "damaged" + std::to_string(device++);
         ASSERT_TRUE(writeFileAtomically(folder.file(identity), damaged));
         FakeRenderer renderer({.milliseconds = 2}, {}, identity);
@@ -173,8 +179,11 @@ TEST(FillMemory, aDamagedFileIsReplacedAndAMissingFolderIsNoError) {
 TEST(FillMemory, wrongPixelsAreLoggedAndNoneRightIsAnErrorThatNoFileKeeps) {
     const Folder folder;
     std::string logged;
-    setLogSink([&](LogLevel level, std::string_view text) { if (level == LogLevel::Warning) logged += text; });
-    FakeRenderer half({.oneWrongTile = true}, {.milliseconds = 9}, "half"), broken({.oneWrongTile = true}, {.fails = true}, "broken"), again({}, {}, "broken");
+    setLogSink([&](LogLevel level, std::string_view text) {
+        if (level == LogLevel::Warning) logged += text;
+    });
+    FakeRenderer half({.oneWrongTile = true}, {.milliseconds = 9}, "half"), broken({.oneWrongTile = true}, {.fails = true}, "broken"),
+        again({}, {}, "broken");
     EXPECT_TRUE(setBestFill(half, folder.path.string(), trusted));
     EXPECT_NE(logged.find("quads: wrong pixels"), std::string::npos) << logged;
     EXPECT_EQ(setBestFill(broken, folder.path.string(), trusted).error().code, Code::Device);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The frame without a GPU: what the renderer plans, creates and refuses, on the null backend.
 #include <gtest/gtest.h>
 
@@ -26,9 +27,13 @@ struct NullSetup {
     }
 };
 
-std::shared_ptr<const AvatarData> tube(TubeOptions o = {.splatsPerTriangle = 2, .rings = 6}) { return std::make_shared<const AvatarData>(makeTube(o)); }
+std::shared_ptr<const AvatarData> tube(TubeOptions o = {.splatsPerTriangle = 2, .rings = 6}) {
+    return std::make_shared<const AvatarData>(makeTube(o));
+}
 
-std::shared_ptr<const AvatarData> correctedTube() { return std::make_shared<const AvatarData>(test::withCorrectives(*tube(), 1)); }
+std::shared_ptr<const AvatarData> correctedTube() {
+    return std::make_shared<const AvatarData>(test::withCorrectives(*tube(), 1));
+}
 
 TEST(FramePlan, runsThePassesInOrder) {
     NullSetup gpu;
@@ -36,8 +41,10 @@ TEST(FramePlan, runsThePassesInOrder) {
     ASSERT_TRUE(id) << id.error().message;
     const Status status = gpu.draw(*id, 32, 2, true);
     ASSERT_TRUE(status) << status.error().message;
-    std::vector<std::string> want = {"begin", "pose.skin", "pose.triangles", "chunks.mark", "chunks.list", "splat.project", "compact.masks", "compact.scan", "compact.args", "compact.scatter"};
-    for (int round = 0; round < 2; ++round) want.insert(want.end(), {"sort.clear", "sort.count", "sort.scan", "sort.scan", "sort.scan", "sort.scatter"});
+    std::vector<std::string> want = {"begin",         "pose.skin",     "pose.triangles", "chunks.mark",  "chunks.list",
+                                     "splat.project", "compact.masks", "compact.scan",   "compact.args", "compact.scatter"};
+    for (int round = 0; round < 2; ++round)
+        want.insert(want.end(), {"sort.clear", "sort.count", "sort.scan", "sort.scan", "sort.scan", "sort.scatter"});
     want.insert(want.end(), {"draw.splats", "counts"});
     EXPECT_EQ(gpu.record->lastLabels, want);
 }
@@ -124,7 +131,8 @@ TEST(FramePlan, tilesRunBetweenSortAndDraw) {
     ASSERT_TRUE(status) << status.error().message;
     const std::vector<std::string>& labels = gpu.record->lastLabels;
     const auto from = std::find(labels.begin(), labels.end(), "tiles.clear");
-    const std::vector<std::string> want = {"tiles.clear", "tiles.runs", "tiles.scan", "tiles.scan", "tiles.scan", "tiles.args", "tiles.spans", "tiles.count", "tiles.scan", "tiles.scan", "tiles.scan", "tiles.args",
+    const std::vector<std::string> want = {"tiles.clear",   "tiles.runs",  "tiles.scan", "tiles.scan",  "tiles.scan", "tiles.args",
+                                           "tiles.spans",   "tiles.count", "tiles.scan", "tiles.scan",  "tiles.scan", "tiles.args",
                                            "tiles.entries", "tiles.clear", "tiles.fill", "draw.splats", "counts"};
     ASSERT_NE(from, labels.begin());
     EXPECT_EQ(*(from - 1), "sort.scatter");
@@ -160,14 +168,16 @@ TEST(FramePlan, generalSplatsTakeTheSameFrameWithoutAPose) {
     ASSERT_TRUE(id) << id.error().message;
     const Status status = gpu.draw(*id, 32, 2, true);
     ASSERT_TRUE(status) << status.error().message;
-    std::vector<std::string> want = {"begin", "splat.project", "splat.colour", "compact.masks", "compact.scan", "compact.args", "compact.scatter"};
-    for (int round = 0; round < 2; ++round) want.insert(want.end(), {"sort.clear", "sort.count", "sort.scan", "sort.scan", "sort.scan", "sort.scatter"});
+    std::vector<std::string> want = {"begin",        "splat.project", "splat.colour",   "compact.masks",
+                                     "compact.scan", "compact.args",  "compact.scatter"};
+    for (int round = 0; round < 2; ++round)
+        want.insert(want.end(), {"sort.clear", "sort.count", "sort.scan", "sort.scan", "sort.scan", "sort.scatter"});
     want.insert(want.end(), {"draw.splats", "counts"});
     EXPECT_EQ(gpu.record->lastLabels, want);
     const uint64_t created = gpu.record->createdObjects;
     ASSERT_TRUE(gpu.draw(*id, 32, 2, true));
     EXPECT_EQ(gpu.record->createdObjects, created);
-    splats.position[7].x += 900;   // a scene: its depths want 24 bits
+    splats.position[7].x += 900;  // a scene: its depths want 24 bits
     auto scene = gpu.renderer->addSplats(splats);
     ASSERT_TRUE(scene && gpu.draw(*scene));
     EXPECT_EQ(std::count(gpu.record->lastLabels.begin(), gpu.record->lastLabels.end(), "sort.scatter"), 3);
@@ -187,7 +197,8 @@ TEST(FramePlan, refusesGeneralSplatsThatTheDeviceCannotBindAndBrokenOnes) {
     NullOptions fewGroups;
     fewGroups.info.maxGroups = 3;
     NullSetup narrow(fewGroups);
-    auto manyChunks = narrow.renderer->addAvatar(tube({.splatsPerTriangle = 4}));   // 2,560 splats in ten chunks: twenty workgroups of projection, at worst
+    auto manyChunks = narrow.renderer->addAvatar(
+        tube({.splatsPerTriangle = 4}));  // 2,560 splats in ten chunks: twenty workgroups of projection, at worst
     ASSERT_FALSE(manyChunks);
     EXPECT_EQ(manyChunks.error().code, Code::Unsupported);
     EXPECT_NE(manyChunks.error().message.find("chunks"), std::string::npos) << manyChunks.error().message;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the renderer writes into a palette before each frame, for tests of single passes.
 #pragma once
 
@@ -12,7 +13,8 @@ inline std::vector<gpu::vec4> paletteOf(const AvatarData& avatar, const Pose& jo
     jointTransforms(avatar.joints, jointPose, joints);
     std::vector<float> coefficients;
     std::vector<Vec4f> nodes;
-    if (!avatar.correctives.empty()) correctiveCoefficients(avatar.correctives, nodePose, coefficients), correctiveNodes(avatar.correctives, coefficients, nodes);
+    if (!avatar.correctives.empty())
+        correctiveCoefficients(avatar.correctives, nodePose, coefficients), correctiveNodes(avatar.correctives, coefficients, nodes);
     std::vector<gpu::vec4> palette(paletteRows(avatar));
     packPalette(joints, nodes, palette);
     return palette;

@@ -1,12 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 // A small procedural subject for renderer tests: a bending tube along +Y with two joints, layered splats of every kind.
 #pragma once
 
 #include <cmath>
 #include <random>
 
+#include "sdk/avatar/rig.h"
 #include "sdk/format/avatar_data.h"
 #include "sdk/format/splat_codec.h"
-#include "sdk/avatar/rig.h"
 #include "sdk/math/camera.h"
 #include "sdk/math/sh.h"
 
@@ -14,8 +15,8 @@ namespace dpl {
 
 struct TubeOptions {
     uint32_t splatsPerTriangle = 8, rings = 20, segments = 16, shDegree = 2, seed = 7;
-    bool singleFace = true;   // every second triangle ring; false: none
-    float colourSpread = 1;   // of the random SH coefficients
+    bool singleFace = true;  // every second triangle ring; false: none
+    float colourSpread = 1;  // of the random SH coefficients
 };
 
 /** About 5,000 splats at the defaults; 1 m tall, 0.18 m radius, joint 1 bends it at y = 0.5. */
@@ -57,8 +58,10 @@ inline AvatarData makeTube(const TubeOptions& o = {}) {
             s.phi.push_back(uniform(random) * 3.14159f);
             s.scaleM.push_back({0.006f + 0.015f * uniform(random), 0.003f + 0.008f * uniform(random)});
             s.opacity.push_back(0.3f + 0.69f * uniform(random));
-            s.flags.push_back(uint8_t((o.singleFace && (t / (2 * o.segments)) % 2 == 0 ? kSplatSingleFace : 0) | (k % 3 == 0 ? kSplatCloth : 0)));
-            for (uint32_t c = 0; c < shCoefficientCount(o.shDegree) * 3; ++c) s.sh.push_back(o.colourSpread * normal(random) * (c < 3 ? 0.9f : 0.15f));
+            s.flags.push_back(
+                uint8_t((o.singleFace && (t / (2 * o.segments)) % 2 == 0 ? kSplatSingleFace : 0) | (k % 3 == 0 ? kSplatCloth : 0)));
+            for (uint32_t c = 0; c < shCoefficientCount(o.shDegree) * 3; ++c)
+                s.sh.push_back(o.colourSpread * normal(random) * (c < 3 ? 0.9f : 0.15f));
         }
         s.triangleStart.push_back(s.count());
     }

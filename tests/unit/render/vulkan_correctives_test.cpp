@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Deformation and light as the skin pass leaves them, against the referee: the `posed` buffer itself is read back.
 #include <cstring>
 
@@ -58,7 +59,8 @@ TEST(VulkanCorrectives, deviceVerticesAreTheRefereesToAThousandthOfTheirRange) {
     VulkanOptions options = testVulkanOptions();
     auto backend = createVulkanBackend(options);
     if (!backend) GTEST_SKIP() << backend.error().message;
-    expectCorrectivesMatch("Vulkan", [&](const AvatarData& avatar, const Pose& pose, bool skinned) { return skinOnDevice(**backend, avatar, pose, skinned); });
+    expectCorrectivesMatch(
+        "Vulkan", [&](const AvatarData& avatar, const Pose& pose, bool skinned) { return skinOnDevice(**backend, avatar, pose, skinned); });
     backend->reset();
     EXPECT_EQ(options.validationMessages->load(), 0u);
 }

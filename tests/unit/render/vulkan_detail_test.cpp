@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Level of detail on Vulkan: the referee at levels in between, both eyes alike, and no pop while a camera walks away.
 #include "sdk/format/splat_detail.h"
 #include "tests/reference/random_avatar.h"
@@ -12,7 +13,7 @@ namespace {
 struct Subject {
     std::shared_ptr<const AvatarData> avatar = [] {
         AvatarData tube = makeTube({.splatsPerTriangle = 16, .colourSpread = 0.4f});
-        tube.joints[1].humanoidBone = "head";   // its upper half keeps more
+        tube.joints[1].humanoidBone = "head";  // its upper half keeps more
         return share(std::move(tube));
     }();
     CodedSplats coded = *codeSplats(avatar->mesh, avatar->splats);
@@ -42,8 +43,10 @@ TEST_P(VulkanImage, levelOfDetailAgreesWithTheReferee) {
         const Difference d = compare(picture, want), all = compare(picture, reducedReference(s, pose, camera, 0));
         const auto stats = vulkan.renderer->stats(*id);
         ASSERT_TRUE(stats);
-        std::printf("[  IMAGE   ] %4.2f splats a pixel, %5u drawn of %5.1f %%: colour %.1f dB (max %.4f), alpha %.1f dB; against all splats %.1f dB\n", perPixel, stats->splatsDrawn,
-                    100 * double(stats->detailShare), d.psnrDb, d.maxError, d.alphaPsnrDb, all.psnrDb);
+        std::printf(
+            "[  IMAGE   ] %4.2f splats a pixel, %5u drawn of %5.1f %%: colour %.1f dB (max %.4f), alpha %.1f dB; against all splats %.1f "
+            "dB\n",
+            perPixel, stats->splatsDrawn, 100 * double(stats->detailShare), d.psnrDb, d.maxError, d.alphaPsnrDb, all.psnrDb);
         EXPECT_GE(d.psnrDb, crashesOnMoreThanBytes() ? kMinBytePsnrDb : kMinPsnrDb);
         EXPECT_GE(d.alphaPsnrDb, kMinBytePsnrDb);
         EXPECT_LT(all.psnrDb, d.psnrDb) << "nothing was left out";
@@ -88,14 +91,16 @@ TEST_P(VulkanImage, bothEyesShowTheSameSplats) {
     vulkan.renderer->setDetail({kPerPixel, 0});
     std::vector<RenderedView> both(2);
     ASSERT_TRUE(vulkan.renderer->render(*id, pose, pair, {}, both));
-    EXPECT_TRUE(both[1].rgba == drawOne(*vulkan.renderer, *id, pose, near).rgba || compare(both[1], reducedReference(s, pose, near, kPerPixel)).psnrDb > kMinBytePsnrDb);
+    EXPECT_TRUE(both[1].rgba == drawOne(*vulkan.renderer, *id, pose, near).rgba ||
+                compare(both[1], reducedReference(s, pose, near, kPerPixel)).psnrDb > kMinBytePsnrDb);
     const std::vector<uint8_t> coarser = drawOne(*vulkan.renderer, *id, pose, far).rgba;
     const double ratio = pixelM(far) / pixelM(near);
     ASSERT_GT(ratio, 1.2);
     vulkan.renderer->setDetail({float(kPerPixel * ratio * ratio), 0});
     const RenderedView alone = drawOne(*vulkan.renderer, *id, pose, far);
     std::vector<double> a, b, c;
-    for (size_t i = 0; i < alone.rgba.size(); ++i) a.push_back(alone.rgba[i] / 255.0), b.push_back(both[0].rgba[i] / 255.0), c.push_back(coarser[i] / 255.0);
+    for (size_t i = 0; i < alone.rgba.size(); ++i)
+        a.push_back(alone.rgba[i] / 255.0), b.push_back(both[0].rgba[i] / 255.0), c.push_back(coarser[i] / 255.0);
     EXPECT_GT(compareImages(a, b).psnrDb, 60) << "the far eye of the pair is not what the near one wants";
     EXPECT_LT(compareImages(c, b).psnrDb, 50) << "the case shows nothing";
 }
@@ -134,13 +139,17 @@ TEST_P(VulkanImage, nothingPopsWhileTheCameraWalksAway) {
         const std::vector<uint8_t> some = drawOne(*vulkan.renderer, *id, pose, camera).rgba;
         full.emplace_back(all.begin(), all.end()), reduced.emplace_back(some.begin(), some.end()), taken.emplace_back(all.size());
         for (size_t i = 0; i < all.size(); ++i) taken.back()[i] = float(all[i]) - float(some[i]);
-        for (size_t i = 0; i < all.size() && t > 0; ++i) largestStep = std::max(largestStep, std::abs(taken[size_t(t)][i] - taken[size_t(t) - 1][i]));
+        for (size_t i = 0; i < all.size() && t > 0; ++i)
+            largestStep = std::max(largestStep, std::abs(taken[size_t(t)][i] - taken[size_t(t) - 1][i]));
         lastShare = vulkan.renderer->stats(*id)->detailShare;
         if (t == 0) firstShare = lastShare;
     }
     const Pops without = popsOf(full), with = popsOf(reduced), difference = popsOf(taken);
-    std::printf("[ FLICKER  ] share %.2f to %.2f; a covered value: %.4f levels (all splats %.4f), largest %.0f (%.0f); of what was taken away %.4f, largest %.0f, largest step %.0f\n", double(firstShare),
-                double(lastShare), with.mean, without.mean, with.largest, without.largest, difference.mean, difference.largest, double(largestStep));
+    std::printf(
+        "[ FLICKER  ] share %.2f to %.2f; a covered value: %.4f levels (all splats %.4f), largest %.0f (%.0f); of what was taken away "
+        "%.4f, largest %.0f, largest step %.0f\n",
+        double(firstShare), double(lastShare), with.mean, without.mean, with.largest, without.largest, difference.mean, difference.largest,
+        double(largestStep));
     EXPECT_GT(firstShare, 0.7f);
     EXPECT_LT(lastShare, 0.6f);
     EXPECT_LE(with.mean, 1.05 * without.mean);
@@ -174,10 +183,12 @@ TEST_P(VulkanImage, levelOfDetailOfGeneralSplatsAgreesWithTheReferee) {
             EXPECT_EQ(stats->detailShare, 1);
             continue;
         }
-        const ReferenceImage want = renderReference(reducedSplats(room, {camera}, double(perPixel)), referenceCamera(camera), {.compensated = false});
+        const ReferenceImage want =
+            renderReference(reducedSplats(room, {camera}, double(perPixel)), referenceCamera(camera), {.compensated = false});
         const Difference d = compare(picture, want), toAll = compare(picture, all);
-        std::printf("[  IMAGE   ] room, %5.3f splats a pixel, %5u drawn of %5.1f %%: colour %.1f dB (max %.4f); against all splats %.1f dB\n", double(perPixel), stats->splatsDrawn,
-                    100 * double(stats->detailShare), d.psnrDb, d.maxError, toAll.psnrDb);
+        std::printf(
+            "[  IMAGE   ] room, %5.3f splats a pixel, %5u drawn of %5.1f %%: colour %.1f dB (max %.4f); against all splats %.1f dB\n",
+            double(perPixel), stats->splatsDrawn, 100 * double(stats->detailShare), d.psnrDb, d.maxError, toAll.psnrDb);
         EXPECT_GE(d.psnrDb, crashesOnMoreThanBytes() ? kMinBytePsnrDb : kMinPsnrDb);
         EXPECT_LT(toAll.psnrDb, d.psnrDb) << "nothing was left out";
     }
@@ -198,12 +209,17 @@ TEST_P(VulkanImage, bothEyesShowTheSameGeneralSplats) {
         std::vector<RenderedView> both(2);
         ASSERT_TRUE(vulkan.renderer->render(*id, {}, pair, {}, both));
         for (int v = 0; v < 2; ++v) {
-            const auto referee = [&](std::initializer_list<Cameraf> views) { return renderReference(reducedSplats(room, views, 0.02), referenceCamera(pair[v]), {.compensated = false}); };
+            const auto referee = [&](std::initializer_list<Cameraf> views) {
+                return renderReference(reducedSplats(room, views, 0.02), referenceCamera(pair[v]), {.compensated = false});
+            };
             const Difference together = compare(both[size_t(v)], referee({pair[0], pair[1]}));
             const Difference alone = compare(both[size_t(v)], referee({pair[v]}));
-            std::printf("[  IMAGE   ] eye %d, turned %.1f: %.1f dB to what both want, %.1f dB to what it wants alone\n", v, double(turnRad), together.psnrDb, alone.psnrDb);
+            std::printf("[  IMAGE   ] eye %d, turned %.1f: %.1f dB to what both want, %.1f dB to what it wants alone\n", v, double(turnRad),
+                        together.psnrDb, alone.psnrDb);
             EXPECT_GE(together.psnrDb, kMinPsnrDb);
-            if (v == 0) { EXPECT_LT(alone.psnrDb, kMinPsnrDb - 5) << "the case shows nothing"; }
+            if (v == 0) {
+                EXPECT_LT(alone.psnrDb, kMinPsnrDb - 5) << "the case shows nothing";
+            }
         }
     }
 }
@@ -228,7 +244,7 @@ TEST_P(VulkanImage, oneBudgetHoldsForAnAvatarAndGeneralSplats) {
         EXPECT_LE(stats->splatsAllowed, budget);
         EXPECT_GE(stats->splatsAllowed, budget * 95 / 100);
         EXPECT_LE(stats->splatsDrawn, budget);
-        EXPECT_GT(stats->splatsDrawn, budget / 8);   // half of the room is behind the camera, half of the tube turned away
+        EXPECT_GT(stats->splatsDrawn, budget / 8);  // half of the room is behind the camera, half of the tube turned away
         EXPECT_LE(stats->detailShare, shares[0]);
         EXPECT_LE(other->detailShare, shares[1]);
         shares[0] = stats->detailShare, shares[1] = other->detailShare;
@@ -255,7 +271,8 @@ TEST_P(VulkanImage, nothingPopsWhileTheCameraWalksThroughARoom) {
         share = std::min(share, vulkan.renderer->stats(*id)->detailShare);
     }
     const Pops without = popsOf(full), with = popsOf(reduced);
-    std::printf("[ FLICKER  ] room, share down to %.2f; a covered value: %.4f levels (all splats %.4f), largest %.0f (%.0f)\n", double(share), with.mean, without.mean, with.largest, without.largest);
+    std::printf("[ FLICKER  ] room, share down to %.2f; a covered value: %.4f levels (all splats %.4f), largest %.0f (%.0f)\n",
+                double(share), with.mean, without.mean, with.largest, without.largest);
     EXPECT_LT(share, 0.7f);
     EXPECT_LE(with.mean, 1.05 * without.mean);
     EXPECT_LE(with.largest, without.largest + 8);

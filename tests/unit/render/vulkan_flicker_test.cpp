@@ -1,5 +1,6 @@
-// A slowly turning camera: what a picture does from frame to frame beyond moving smoothly is flicker. The referee has some of its own (splats
-// swap their order, pixels are bytes); a renderer may add little to it.
+// SPDX-License-Identifier: Apache-2.0
+// A slowly turning camera: what a picture does from frame to frame beyond moving smoothly is flicker. The referee has some of its own
+// (splats swap their order, pixels are bytes); a renderer may add little to it.
 #include "tests/unit/render/vulkan_image.h"
 
 namespace dpl {
@@ -11,7 +12,7 @@ constexpr float kStepRad = 0.0015f;  // 0.09 degrees a frame: a head that turns 
 /** Second differences in time, in levels: zero where brightness is still or changes steadily. */
 struct Flicker {
     double mean = 0, largest = 0;
-    size_t pops = 0;   // values above kPopLevels
+    size_t pops = 0;  // values above kPopLevels
 };
 constexpr double kPopLevels = 40;
 
@@ -52,8 +53,8 @@ TEST_P(VulkanImage, aSlowlyTurningCameraFlickersNoMoreThanTheReference) {
         wanted.push_back(bytesOf(renderReference(*avatar, pose, referenceCamera(camera))));
     }
     const Flicker ours = flickerOf(drawn), reference = flickerOf(wanted);
-    std::printf("[ FLICKER  ] a covered value: %.4f levels (reference %.4f), largest %.0f (%.0f), above %.0f levels: %zu (%zu)\n", ours.mean, reference.mean, ours.largest, reference.largest,
-                kPopLevels, ours.pops, reference.pops);
+    std::printf("[ FLICKER  ] a covered value: %.4f levels (reference %.4f), largest %.0f (%.0f), above %.0f levels: %zu (%zu)\n",
+                ours.mean, reference.mean, ours.largest, reference.largest, kPopLevels, ours.pops, reference.pops);
     EXPECT_GT(reference.mean, 0.01);  // the picture does move
     EXPECT_LE(ours.mean, reference.mean * 1.05);
     EXPECT_LE(ours.pops, reference.pops + reference.pops / 10 + 4);

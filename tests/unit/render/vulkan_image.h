@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What tests of Vulkan pictures share: both fills, both blendings, the distance to the referee.
 #pragma once
 
@@ -41,9 +42,13 @@ inline VulkanOptions withPreciseBlendingOfAnyWidth() {
 }
 
 /** In what layers are blended, for what tests print. */
-inline const char* blendedIn(const VulkanOptions& options) { return !options.preciseBlending ? "8 bit" : options.codes16 ? "16 bit" : "f16"; }
+inline const char* blendedIn(const VulkanOptions& options) {
+    return !options.preciseBlending ? "8 bit" : options.codes16 ? "16 bit" : "f16";
+}
 
-inline std::shared_ptr<const AvatarData> share(AvatarData a) { return std::make_shared<const AvatarData>(codedOnce(std::move(a))); }
+inline std::shared_ptr<const AvatarData> share(AvatarData a) {
+    return std::make_shared<const AvatarData>(codedOnce(std::move(a)));
+}
 
 struct Difference {
     double psnrDb = 0, maxError = 0, alphaPsnrDb = 0, maxDepthErrorM = 0, covered = 0;

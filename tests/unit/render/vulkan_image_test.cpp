@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The Vulkan picture against the double-precision referee, repeated, of hard sizes, and refused.
 #include "tests/unit/render/vulkan_image.h"
 
@@ -9,7 +10,8 @@
 namespace dpl {
 namespace {
 
-INSTANTIATE_TEST_SUITE_P(Fill, VulkanImage, testing::Values(Fill::Quads, Fill::Tiles), [](const auto& info) { return std::string(info.param == Fill::Tiles ? "Tiles" : "Quads"); });
+INSTANTIATE_TEST_SUITE_P(Fill, VulkanImage, testing::Values(Fill::Quads, Fill::Tiles),
+                         [](const auto& info) { return std::string(info.param == Fill::Tiles ? "Tiles" : "Quads"); });
 
 /** What a picture may miss of the referee's. */
 struct Bounds {
@@ -17,7 +19,8 @@ struct Bounds {
 };
 
 /** Draws `id` with depth, prints how far it is from the referee and holds it to the bounds. */
-RenderedView expectAgrees(TestVulkan& vulkan, const std::string& name, const Result<RenderAvatarId>& id, const Pose& pose, const Cameraf& camera, const ReferenceImage& want, const Bounds& bounds = {}) {
+RenderedView expectAgrees(TestVulkan& vulkan, const std::string& name, const Result<RenderAvatarId>& id, const Pose& pose,
+                          const Cameraf& camera, const ReferenceImage& want, const Bounds& bounds = {}) {
     if (!id) {
         ADD_FAILURE() << name << ": " << id.error().message;
         return {};
@@ -26,8 +29,8 @@ RenderedView expectAgrees(TestVulkan& vulkan, const std::string& name, const Res
     const Difference d = compare(image, want);
     const bool precise = vulkan.options.preciseBlending;
     const double minPsnrDb = precise ? kMinPsnrDb : bounds.minBytePsnrDb;
-    std::printf("[  IMAGE   ] %-24s %s: colour %.1f dB (max %.4f), alpha %.1f dB, depth max %.5f m, covered %.1f %%\n", name.c_str(), blendedIn(vulkan.options), d.psnrDb, d.maxError, d.alphaPsnrDb,
-                d.maxDepthErrorM, d.covered * 100);
+    std::printf("[  IMAGE   ] %-24s %s: colour %.1f dB (max %.4f), alpha %.1f dB, depth max %.5f m, covered %.1f %%\n", name.c_str(),
+                blendedIn(vulkan.options), d.psnrDb, d.maxError, d.alphaPsnrDb, d.maxDepthErrorM, d.covered * 100);
     dumpPicture(name.c_str(), image);
     EXPECT_GT(d.covered, bounds.covered) << name;
     EXPECT_GE(d.psnrDb, minPsnrDb) << name;
@@ -43,9 +46,16 @@ TEST_P(VulkanImage, equalsTheReferenceInSeveralPosesAndViews) {
     TestVulkan precise(withPreciseBlending(), GetParam()), halves(inHalves, GetParam()), byte(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(precise);
     std::printf("[  DEVICE  ] %s\n", precise.renderer->name().c_str());
-    struct Case { const char* name; bool singleFace; uint32_t shDegree; float bend, turn, azimuth, distanceM; };
-    const Case cases[] = {{"rest", true, 2, 0, 0, 0, 1.8f},          {"bent", true, 3, 1.1f, 0.4f, 0.7f, 1.8f},
-                          {"bent_back", false, 2, -0.8f, 2, 2.5f, 1.8f}, {"close", true, 1, 0.5f, 0, -1.2f, 0.32f},
+    struct Case {
+        const char* name;
+        bool singleFace;
+        uint32_t shDegree;
+        float bend, turn, azimuth, distanceM;
+    };
+    const Case cases[] = {{"rest", true, 2, 0, 0, 0, 1.8f},
+                          {"bent", true, 3, 1.1f, 0.4f, 0.7f, 1.8f},
+                          {"bent_back", false, 2, -0.8f, 2, 2.5f, 1.8f},
+                          {"close", true, 1, 0.5f, 0, -1.2f, 0.32f},
                           {"far", false, 0, 0.3f, 1, 3.1f, 8.0f}};
     for (const Case& c : cases) {
         const auto avatar = share(makeTube({.shDegree = c.shDegree, .singleFace = c.singleFace}));
@@ -54,7 +64,8 @@ TEST_P(VulkanImage, equalsTheReferenceInSeveralPosesAndViews) {
         const ReferenceImage want = renderReference(*avatar, pose, referenceCamera(camera));
         for (TestVulkan* vulkan : {&precise, &halves, &byte}) {
             auto id = vulkan->renderer->addAvatar(avatar);
-            expectAgrees(*vulkan, c.name, id, pose, camera, want);  // depth: a splat at the 1/255 cut-off may flip; it moves depth by α times the tube's thickness
+            expectAgrees(*vulkan, c.name, id, pose, camera,
+                         want);  // depth: a splat at the 1/255 cut-off may flip; it moves depth by α times the tube's thickness
             if (id) vulkan->renderer->removeAvatar(*id);
         }
     }
@@ -76,7 +87,8 @@ TEST_P(VulkanImage, floatKeysTakeTwiceTheRoundsAndAgreeWithTheReferenceToo) {
         const auto stats = vulkan.renderer->stats(*id);
         ASSERT_TRUE(stats);
         if (stats->passes.empty()) GTEST_SKIP() << "the device has no timestamps, so passes cannot be counted";
-        rounds[k] = std::count_if(stats->passes.begin(), stats->passes.end(), [](const PassTime& pass) { return pass.label == "sort.scatter"; });
+        rounds[k] =
+            std::count_if(stats->passes.begin(), stats->passes.end(), [](const PassTime& pass) { return pass.label == "sort.scatter"; });
     }
     EXPECT_EQ(rounds[0], 2);
     EXPECT_EQ(rounds[1], 4);
@@ -98,7 +110,9 @@ TEST_P(VulkanImage, fourSamplesAPixelEqualTheReference) {
             EXPECT_LT(compareImages(one.rgb, want.rgb).psnrDb, 45) << "one sample shows the same: this case shows nothing";
             for (TestVulkan* vulkan : {&precise, &byte}) {
                 auto id = vulkan->renderer->addAvatar(avatar);
-                const RenderedView image = expectAgrees(*vulkan, "4 samples, x" + std::to_string(size).substr(0, 4) + ", " + std::to_string(seed), id, pose, camera, want, {.minBytePsnrDb = kMinPsnrDb});  // in 8 bits too: four roundings average
+                const RenderedView image =
+                    expectAgrees(*vulkan, "4 samples, x" + std::to_string(size).substr(0, 4) + ", " + std::to_string(seed), id, pose,
+                                 camera, want, {.minBytePsnrDb = kMinPsnrDb});  // in 8 bits too: four roundings average
                 ASSERT_TRUE(id);
                 EXPECT_TRUE(drawOne(*vulkan->renderer, *id, pose, camera).rgba == image.rgba) << "depth or not";
                 vulkan->renderer->removeAvatar(*id);
@@ -107,7 +121,8 @@ TEST_P(VulkanImage, fourSamplesAPixelEqualTheReference) {
     }
 }
 
-/** Opaque limbs in front of each other: beside an outline some samples of a tile are done after three layers, their neighbours see what lies behind. */
+/** Opaque limbs in front of each other: beside an outline some samples of a tile are done after three layers, their neighbours see what
+ * lies behind. */
 TEST_P(VulkanImage, samplesBesideOneThatIsDoneStillSeeWhatLiesBehind) {
     TestVulkan vulkan(withPreciseBlending(), GetParam());
     DPL_NEED_VULKAN(vulkan);
@@ -140,14 +155,20 @@ TEST_P(VulkanImage, anAvatarThatSaysItsTrainedPixelIsTheSameByteForByteUpToThatS
     ASSERT_TRUE(plain && sized);
     for (const float size : {1.5f, 1.0f, 0.85f, 0.75f}) {
         const Cameraf camera = trained.scaled(size);
-        EXPECT_EQ(drawOne(*vulkan.renderer, *plain, pose, camera).rgba == drawOne(*vulkan.renderer, *sized, pose, camera).rgba, size > 0.8f) << size;
+        EXPECT_EQ(drawOne(*vulkan.renderer, *plain, pose, camera).rgba == drawOne(*vulkan.renderer, *sized, pose, camera).rgba, size > 0.8f)
+            << size;
     }
 }
 
 TEST_P(VulkanImage, correctivesMoveAndLightTheSurfaceAsInTheReference) {
     TestVulkan precise(withPreciseBlending(), GetParam()), byte(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(precise);
-    struct Case { const char* name; test::CorrectiveOptions correctives; uint32_t shDegree; float bend, turn; };
+    struct Case {
+        const char* name;
+        test::CorrectiveOptions correctives;
+        uint32_t shDegree;
+        float bend, turn;
+    };
     const Case cases[] = {{"moderate", {.light = 0.3f, .reach = 100}, 3, 1.1f, 0.4f},
                           {"clamped", {.modes = 5, .nodes = 40, .light = 2, .reach = 100}, 2, -0.8f, 2},
                           {"beyond", {.modes = 64, .nodes = 500, .offsetM = 0.05f, .light = 3, .reach = 0.8f}, 0, 0.9f, 1}};
@@ -158,7 +179,8 @@ TEST_P(VulkanImage, correctivesMoveAndLightTheSurfaceAsInTheReference) {
         const Pose pose = tubePose(c.bend, c.turn);
         const Cameraf camera = tubeCamera(160, 192, 0.7f, 1.6f);
         const ReferenceImage want = renderReference(*avatar, pose, referenceCamera(camera));
-        EXPECT_LT(compareImages(renderReference(plain, pose, referenceCamera(camera)).rgb, want.rgb).psnrDb, 35) << c.name << ": this case shows nothing";
+        EXPECT_LT(compareImages(renderReference(plain, pose, referenceCamera(camera)).rgb, want.rgb).psnrDb, 35)
+            << c.name << ": this case shows nothing";
         for (const double l : referenceCorrection(*avatar, pose).light) darkest = std::min(darkest, l), brightest = std::max(brightest, l);
         for (TestVulkan* vulkan : {&precise, &byte}) {
             auto id = vulkan->renderer->addAvatar(avatar);
@@ -175,7 +197,7 @@ TEST_P(VulkanImage, generalSplatsEqualTheReferenceAtEveryShDegree) {
     DPL_NEED_VULKAN(precise);
     for (uint32_t degree = 0; degree <= 3; ++degree) {
         StaticSplatData splats = randomStaticSplats(degree + 1, 1500, degree);
-        splats.compensated = degree % 2 == 1;   // as SPZ files may ask for
+        splats.compensated = degree % 2 == 1;  // as SPZ files may ask for
         const Cameraf camera = tubeCamera(160, 192, 0.7f, 2.2f);
         const ReferenceImage want = renderReference(splats, referenceCamera(camera), {.compensated = splats.compensated});
         const ReferenceImage other = renderReference(splats, referenceCamera(camera), {.compensated = !splats.compensated});
@@ -231,7 +253,8 @@ TEST_P(VulkanImage, hundredFramesAreByteIdentical) {
     const Cameraf camera = tubeCamera(96, 96, 0.5f);
     const RenderedView first = drawOne(*vulkan.renderer, *id, tubePose(0.6f), camera);
     for (int frame = 1; frame < 100; ++frame) {
-        if (frame % 10 == 0) drawOne(*vulkan.renderer, *id, tubePose(0.01f * float(frame)), camera);  // another pose in between leaves nothing behind
+        if (frame % 10 == 0)
+            drawOne(*vulkan.renderer, *id, tubePose(0.01f * float(frame)), camera);  // another pose in between leaves nothing behind
         ASSERT_EQ(drawOne(*vulkan.renderer, *id, tubePose(0.6f), camera).rgba, first.rgba) << "frame " << frame;
     }
 }
@@ -239,10 +262,12 @@ TEST_P(VulkanImage, hundredFramesAreByteIdentical) {
 TEST_P(VulkanImage, framesInFlightDrawWhatFramesAloneDraw) {
     TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(vulkan);
-    auto first = vulkan.renderer->addAvatar(share(makeTube())), second = vulkan.renderer->addAvatar(share(test::withCorrectives(makeTube({.seed = 3}), 1)));
+    auto first = vulkan.renderer->addAvatar(share(makeTube())),
+         second = vulkan.renderer->addAvatar(share(test::withCorrectives(makeTube({.seed = 3}), 1)));
     ASSERT_TRUE(first && second);
     const Cameraf views[2] = {tubeCamera(96, 80, 0.5f, 1.8f, -0.03f), tubeCamera(96, 80, 0.5f, 1.8f, 0.03f)};
-    const RenderedView alone = drawOne(*vulkan.renderer, *first, tubePose(0.7f), views[0]), other = drawOne(*vulkan.renderer, *second, tubePose(-0.4f), views[1], true);
+    const RenderedView alone = drawOne(*vulkan.renderer, *first, tubePose(0.7f), views[0]),
+                       other = drawOne(*vulkan.renderer, *second, tubePose(-0.4f), views[1], true);
     for (int frame = 0; frame < 12; ++frame) {  // four times round the ring, poses, avatars and shapes mixed, nothing waited for
         const float bend = 0.1f * float(frame - 4);
         ASSERT_TRUE(vulkan.renderer->draw(*first, tubePose(bend), {views, 1}, false));
@@ -283,7 +308,8 @@ TEST_P(VulkanImage, drawsNothingForAnEmptyAvatarAndOneSplatForOne) {
     one = codedOnce(one);
     auto oneId = vulkan.renderer->addAvatar(share(one));
     ASSERT_TRUE(oneId) << oneId.error().message;
-    const Difference d = compare(drawOne(*vulkan.renderer, *oneId, tubePose(0.2f), camera), renderReference(one, tubePose(0.2f), referenceCamera(camera)));
+    const Difference d =
+        compare(drawOne(*vulkan.renderer, *oneId, tubePose(0.2f), camera), renderReference(one, tubePose(0.2f), referenceCamera(camera)));
     std::printf("[ ONE SPLAT] %.1f dB, max %.4f, covered %.2f %%\n", d.psnrDb, d.maxError, d.covered * 100);
     EXPECT_GE(d.psnrDb, kMinPsnrDb);
     EXPECT_GT(d.covered, 0.001);
@@ -331,9 +357,12 @@ TEST_P(VulkanImage, reportsATimeForEachPassOfTheLastFrame) {
     EXPECT_EQ(times.size(), 1 + 2 + 2 + 1 + 4 + 12 + 3u + (GetParam() == Fill::Tiles ? 15u : 0u));
 }
 
-// Without a low-pass a splat may be far smaller than a pixel: α falls by more from row to row than a float holds. Trained avatars have κ = 1/12 px².
+// Without a low-pass a splat may be far smaller than a pixel: α falls by more from row to row than a float holds. Trained avatars have κ =
+// 1/12 px².
 constexpr float kWeakLowPassesPx2[] = {0, 0.02f, 0.075f, 0.077f, 1 / 12.0f, 0.2f};
-Fill fillAt(Fill fill, float kappaPx2) { return kappaPx2 < kTileMinKappaPx2 ? Fill::Quads : fill; }
+Fill fillAt(Fill fill, float kappaPx2) {
+    return kappaPx2 < kTileMinKappaPx2 ? Fill::Quads : fill;
+}
 
 TEST_P(VulkanImage, splatsSmallerThanAPixelAreDrawnWithoutALowPassToo) {
     TestVulkan vulkan(withPreciseBlending(), GetParam());
@@ -345,8 +374,10 @@ TEST_P(VulkanImage, splatsSmallerThanAPixelAreDrawnWithoutALowPassToo) {
         ASSERT_TRUE(id) << id.error().message;
         const Cameraf camera = tubeCamera(160, 144, 0.3f, 3);
         const RenderedView picture = drawOne(*vulkan.renderer, *id, {}, camera);
-        const Difference d = compare(picture, renderReference(splats, referenceCamera(camera), {.kappaPx2 = kappaPx2, .compensated = false}));
-        std::printf("[  IMAGE   ] kappa %.2f px²: colour %.1f dB (max %.4f), covered %.1f %%\n", double(kappaPx2), d.psnrDb, d.maxError, 100 * d.covered);
+        const Difference d =
+            compare(picture, renderReference(splats, referenceCamera(camera), {.kappaPx2 = kappaPx2, .compensated = false}));
+        std::printf("[  IMAGE   ] kappa %.2f px²: colour %.1f dB (max %.4f), covered %.1f %%\n", double(kappaPx2), d.psnrDb, d.maxError,
+                    100 * d.covered);
         EXPECT_GE(d.psnrDb, kMinPsnrDb) << kappaPx2;
         EXPECT_GT(d.covered, 0.01) << kappaPx2;
         expectFilledBy(*vulkan.renderer, *id, fillAt(GetParam(), kappaPx2));
@@ -359,13 +390,15 @@ TEST_P(VulkanImage, oneTinySplatIsRightWhereverItLiesInItsTile) {
     DPL_NEED_VULKAN(vulkan);
     for (const float kappaPx2 : {kTileMinKappaPx2, 1 / 12.0f}) {
         StaticSplatData splats = randomStaticSplats(1, 1, 0);
-        splats.position = {{0, 0, 2}}, splats.scaleM = {{1e-5f, 1e-5f, 1e-5f}}, splats.opacity = {0.95f}, splats.kappaPx2 = kappaPx2, splats.compensated = false;
+        splats.position = {{0, 0, 2}}, splats.scaleM = {{1e-5f, 1e-5f, 1e-5f}}, splats.opacity = {0.95f}, splats.kappaPx2 = kappaPx2,
+        splats.compensated = false;
         const auto id = vulkan.renderer->addSplats(splats);
         ASSERT_TRUE(id) << id.error().message;
         for (int eighth = 0; eighth <= 128; ++eighth) {
             Cameraf camera;
             camera.widthPx = 5, camera.heightPx = 16, camera.fx = camera.fy = 30, camera.cx = 2.6f, camera.cy = float(eighth) / 8;
-            const Difference d = compare(drawOne(*vulkan.renderer, *id, {}, camera), renderReference(splats, referenceCamera(camera), {.kappaPx2 = kappaPx2, .compensated = false}));
+            const Difference d = compare(drawOne(*vulkan.renderer, *id, {}, camera),
+                                         renderReference(splats, referenceCamera(camera), {.kappaPx2 = kappaPx2, .compensated = false}));
             ASSERT_LE(d.maxError, 0.5 / 255 + 1e-4) << "κ " << kappaPx2 << ", centre at " << camera.cy;
             ASSERT_GT(d.covered, 0.005) << camera.cy;
         }
@@ -387,8 +420,10 @@ TEST_P(VulkanImage, splatsSmallerThanASampleAreDrawnToo) {
         ASSERT_TRUE(id) << id.error().message;
         const Cameraf camera = tubeCamera(160, 192, 0.7f, 1.8f);
         ASSERT_TRUE(referenceFourSamples(*avatar, tubePose(0.4f), referenceCamera(camera)));
-        const Difference d = compare(drawOne(*vulkan.renderer, *id, tubePose(0.4f), camera), renderReference(*avatar, tubePose(0.4f), referenceCamera(camera)));
-        std::printf("[  IMAGE   ] 4 samples, kappa %.3f px²: colour %.1f dB (max %.4f), covered %.1f %%\n", double(kappaPx2), d.psnrDb, d.maxError, 100 * d.covered);
+        const Difference d = compare(drawOne(*vulkan.renderer, *id, tubePose(0.4f), camera),
+                                     renderReference(*avatar, tubePose(0.4f), referenceCamera(camera)));
+        std::printf("[  IMAGE   ] 4 samples, kappa %.3f px²: colour %.1f dB (max %.4f), covered %.1f %%\n", double(kappaPx2), d.psnrDb,
+                    d.maxError, 100 * d.covered);
         EXPECT_GE(d.psnrDb, 60) << kappaPx2;  // 57 where the lists forget samples that reach into a tile
         EXPECT_GT(d.covered, 0.01) << kappaPx2;
         expectFilledBy(*vulkan.renderer, *id, fillAt(GetParam(), kappaPx2));

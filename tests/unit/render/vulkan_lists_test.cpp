@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the frame's lists hold: culling leaves out only what no view shows, and no list loses a splat.
 #include "shaders/shared/frame.h"
 #include "tests/reference/corrective_cases.h"
@@ -11,7 +12,9 @@ namespace {
 /** A view of part of the subject at (0, middle, 0): from near or far, past it, off-axis, with any lens. */
 Cameraf randomView(std::mt19937& random, float middle) {
     std::uniform_real_distribution<float> uniform(0, 1);
-    const auto around = [&](float reach) { return reach * Vec3f(2 * uniform(random) - 1, 2 * uniform(random) - 1, 2 * uniform(random) - 1); };
+    const auto around = [&](float reach) {
+        return reach * Vec3f(2 * uniform(random) - 1, 2 * uniform(random) - 1, 2 * uniform(random) - 1);
+    };
     const Vec3f target = Vec3f(0, middle, 0) + around(0.4f);
     const float azimuth = 6.2831853f * uniform(random), distance = 0.35f + 1.6f * uniform(random);
     const Vec3f eye = target + distance * Vec3f(std::sin(azimuth), 0.6f * uniform(random) - 0.3f, std::cos(azimuth));
@@ -20,8 +23,8 @@ Cameraf randomView(std::mt19937& random, float middle) {
     return c;
 }
 
-// Culling only leaves out what no view shows: the same bytes with and without any tier of it, and the referee's picture. (Tiles look every four splats whether a
-// pixel is done, and splats that add nothing move these places: one level.)
+// Culling only leaves out what no view shows: the same bytes with and without any tier of it, and the referee's picture. (Tiles look every
+// four splats whether a pixel is done, and splats that add nothing move these places: one level.)
 TEST_P(VulkanImage, cullingLosesNoVisibleSplat) {
     VulkanOptions options = withPreciseBlendingOfAnyWidth(), without = withPreciseBlendingOfAnyWidth();
     without.cull = false;
@@ -33,8 +36,11 @@ TEST_P(VulkanImage, cullingLosesNoVisibleSplat) {
     double worstDb = 1000;
     for (int round = 0; round < 12; ++round) {
         const bool blob = round % 2 == 0;
-        AvatarData data = blob ? randomAvatar(uint32_t(round) + 1, 8, 4, 1) : test::withCorrectives(makeTube({.shDegree = 1, .colourSpread = 0.3f}), uint32_t(round));
-        if (blob) for (float& c : data.splats.sh) c *= 0.3f;  // neighbours of a person agree; ties of the 16-bit key are not what this test is about
+        AvatarData data = blob ? randomAvatar(uint32_t(round) + 1, 8, 4, 1)
+                               : test::withCorrectives(makeTube({.shDegree = 1, .colourSpread = 0.3f}), uint32_t(round));
+        if (blob)
+            for (float& c : data.splats.sh)
+                c *= 0.3f;  // neighbours of a person agree; ties of the 16-bit key are not what this test is about
         const auto avatar = share(std::move(data));
         const Pose pose = blob ? randomPose(*avatar, uint32_t(round)) : tubePose(1.5f * std::sin(float(round)), float(round));
         const Cameraf first = randomView(random, blob ? 1 : 0.5f);
@@ -55,10 +61,12 @@ TEST_P(VulkanImage, cullingLosesNoVisibleSplat) {
         EXPECT_LE(stats->splatsFacing, stats->chunksProjected * gpu::kSplatGroup);
         EXPECT_EQ(allStats->chunksProjected, allStats->chunks);
         chunks += stats->chunks, projected += stats->chunksProjected;
-        splats += avatar->splats.count(), inView += stats->splatsInView, facing += stats->splatsFacing, drawn += stats->splatsDrawn, drawnOfAll += allStats->splatsDrawn;
+        splats += avatar->splats.count(), inView += stats->splatsInView, facing += stats->splatsFacing, drawn += stats->splatsDrawn,
+            drawnOfAll += allStats->splatsDrawn;
         for (size_t v = 0; v < viewCount; ++v) {
             int levels = 0;
-            for (size_t i = 0; i < all[v].rgba.size(); ++i) levels = std::max(levels, std::abs(int(culled[v].rgba[i]) - int(all[v].rgba[i])));
+            for (size_t i = 0; i < all[v].rgba.size(); ++i)
+                levels = std::max(levels, std::abs(int(culled[v].rgba[i]) - int(all[v].rgba[i])));
             EXPECT_LE(levels, GetParam() == Fill::Tiles ? 1 : 0) << "round " << round << ", view " << v;
             EXPECT_TRUE(GetParam() == Fill::Tiles || culled[v].depthM == all[v].depthM) << "round " << round << ", view " << v;
             const Difference d = compare(culled[v], renderReference(*avatar, pose, referenceCamera(views[v])));
@@ -69,8 +77,9 @@ TEST_P(VulkanImage, cullingLosesNoVisibleSplat) {
         culling.renderer->removeAvatar(*id);
         projectingAll.renderer->removeAvatar(*allId);
     }
-    std::printf("[ SURVIVORS] %llu splats, %llu in view, %llu facing, %llu drawn, %llu of all; worst %.1f dB\n", static_cast<unsigned long long>(splats), static_cast<unsigned long long>(inView),
-                static_cast<unsigned long long>(facing), static_cast<unsigned long long>(drawn), static_cast<unsigned long long>(drawnOfAll), worstDb);
+    std::printf("[ SURVIVORS] %llu splats, %llu in view, %llu facing, %llu drawn, %llu of all; worst %.1f dB\n",
+                static_cast<unsigned long long>(splats), static_cast<unsigned long long>(inView), static_cast<unsigned long long>(facing),
+                static_cast<unsigned long long>(drawn), static_cast<unsigned long long>(drawnOfAll), worstDb);
     EXPECT_LT(projected, chunks * 9 / 10);
     EXPECT_LT(inView, splats * 9 / 10);
     EXPECT_LT(facing, inView * 9 / 10);
@@ -78,7 +87,8 @@ TEST_P(VulkanImage, cullingLosesNoVisibleSplat) {
     EXPECT_LT(drawn, drawnOfAll * 9 / 10);
 }
 
-// A component that no view shows is not posed. Whoever looks back sees it in the pose of that frame, and nothing of an old one is ever seen.
+// A component that no view shows is not posed. Whoever looks back sees it in the pose of that frame, and nothing of an old one is ever
+// seen.
 TEST_P(VulkanImage, whatIsOutOfViewIsNotPosedAndComesBack) {
     const VulkanOptions options = withPreciseBlendingOfAnyWidth();
     VulkanOptions without = options;
@@ -89,12 +99,13 @@ TEST_P(VulkanImage, whatIsOutOfViewIsNotPosedAndComesBack) {
         const auto avatar = share(randomPerson(7, corrected, false));
         auto id = vulkan.renderer->addAvatar(avatar), allId = posingAll.renderer->addAvatar(avatar);
         ASSERT_TRUE(id && allId);
-        const Cameraf whole = lookAt({0, 1, 2.2f}, {0, 1, 0}, 140, 112, 120), away = lookAt({0, 1, 2.2f}, {0, 1, 6}, 140, 112, 120), close = lookAt({0, 1.55f, 1}, {0, 1.6f, 0}, 140, 112, 400);
+        const Cameraf whole = lookAt({0, 1, 2.2f}, {0, 1, 0}, 140, 112, 120), away = lookAt({0, 1, 2.2f}, {0, 1, 6}, 140, 112, 120),
+                      close = lookAt({0, 1.55f, 1}, {0, 1.6f, 0}, 140, 112, 400);
         uint32_t least = 100, most = 0, parts = 0, frame = 0;
         for (const Cameraf& view : {whole, away, whole, close, away, close, whole, close, close, close}) {
             Pose pose = randomPose(*avatar, ++frame);
             for (Quatf& q : pose.localRotations) q = glm::slerp(Quatf(1, 0, 0, 0), q, 0.2f);
-            if (frame == 3) pose.rootTranslation.x += 6;   // gone from where the view still looks
+            if (frame == 3) pose.rootTranslation.x += 6;  // gone from where the view still looks
             std::vector<RenderedView> shown(1), all(1);
             ASSERT_TRUE(vulkan.renderer->render(*id, pose, {&view, 1}, true, shown));
             ASSERT_TRUE(posingAll.renderer->render(*allId, pose, {&view, 1}, true, all));
@@ -103,7 +114,8 @@ TEST_P(VulkanImage, whatIsOutOfViewIsNotPosedAndComesBack) {
             EXPECT_LE(stats->splatsDrawn, allStats->splatsDrawn);
             const Difference d = compare(shown[0], renderReference(*avatar, pose, referenceCamera(view)));
             EXPECT_GE(d.psnrDb, options.preciseBlending ? kMinPsnrDb : kMinBytePsnrDb);
-            least = std::min(least, stats->componentsInView), most = std::max(most, stats->componentsInView), parts += stats->componentsInView > 0 && stats->componentsInView < stats->components ? 1 : 0;
+            least = std::min(least, stats->componentsInView), most = std::max(most, stats->componentsInView),
+            parts += stats->componentsInView > 0 && stats->componentsInView < stats->components ? 1 : 0;
             EXPECT_EQ(allStats->components, 0u) << "without culling nothing is left out";
         }
         EXPECT_EQ(least, 0u);
@@ -122,8 +134,8 @@ AvatarData tubeOf(uint32_t count, TubeOptions options) {
     return a;
 }
 
-// Lists cannot overflow: each has one entry a splat (docs/adr/0002). The worst case is a frame in which every splat is seen by every view, at
-// counts that fill the runs of the sort exactly, and one more or less.
+// Lists cannot overflow: each has one entry a splat (docs/adr/0002). The worst case is a frame in which every splat is seen by every view,
+// at counts that fill the runs of the sort exactly, and one more or less.
 TEST_P(VulkanImage, everyListHoldsAFrameThatShowsEverySplat) {
     const VulkanOptions options = withPreciseBlendingOfAnyWidth();
     TestVulkan vulkan(options, GetParam());
@@ -142,7 +154,8 @@ TEST_P(VulkanImage, everyListHoldsAFrameThatShowsEverySplat) {
             EXPECT_EQ(stats->splatsDrawn, count) << viewCount << " views";
             for (size_t v = 0; v < viewCount; ++v) {
                 const Difference d = compare(out[v], renderReference(*avatar, tubePose(0.3f), referenceCamera(views[v])));
-                EXPECT_GE(d.psnrDb, options.preciseBlending ? kMinPsnrDb : kMinBytePsnrDb) << count << " splats, view " << v << " of " << viewCount;
+                EXPECT_GE(d.psnrDb, options.preciseBlending ? kMinPsnrDb : kMinBytePsnrDb)
+                    << count << " splats, view " << v << " of " << viewCount;
             }
         }
         vulkan.renderer->removeAvatar(*id);
@@ -167,11 +180,14 @@ TEST(VulkanTiles, aFrameThatTheListsCannotHoldIsFilledByQuads) {
                 auto stats = tiles.renderer->stats(*id);
                 ASSERT_TRUE(stats);
                 EXPECT_EQ(stats->tilesOverflowed, views == near) << count << " splats, " << viewCount << " views";
-                if (views == near) { EXPECT_EQ(stats->tileEntries > 0, count == 400) << "entries are counted where the spans fit"; }
+                if (views == near) {
+                    EXPECT_EQ(stats->tileEntries > 0, count == 400) << "entries are counted where the spans fit";
+                }
                 for (size_t v = 0; v < viewCount; ++v) {
                     EXPECT_GT(coverage(want[v].depthM, 0.0), 0.001);
                     if (views != near) continue;  // the other tests compare tiles with the referee
-                    EXPECT_TRUE(got[v].rgba == want[v].rgba && got[v].depthM == want[v].depthM) << count << " splats, view " << v << " of " << viewCount;
+                    EXPECT_TRUE(got[v].rgba == want[v].rgba && got[v].depthM == want[v].depthM)
+                        << count << " splats, view " << v << " of " << viewCount;
                 }
             }
         }
@@ -202,11 +218,14 @@ TEST(VulkanTiles, aFrameOfFourSamplesThatTheListsCannotHoldIsFilledByQuads) {
                 auto stats = tiles.renderer->stats(*id);
                 ASSERT_TRUE(stats);
                 EXPECT_EQ(stats->tilesOverflowed, views == near) << count << " splats, " << viewCount << " views";
-                if (views == near) { EXPECT_EQ(stats->tileEntries > 0, count == 150) << "entries are counted where the spans fit"; }
+                if (views == near) {
+                    EXPECT_EQ(stats->tileEntries > 0, count == 150) << "entries are counted where the spans fit";
+                }
                 for (size_t v = 0; v < viewCount; ++v) {
                     EXPECT_GT(coverage(want[v].depthM, 0.0), 0.001);
                     const bool same = got[v].rgba == want[v].rgba && got[v].depthM == want[v].depthM;
-                    EXPECT_EQ(same, views == near) << count << " splats, view " << v << " of " << viewCount << ": tiles round once, quads a layer";
+                    EXPECT_EQ(same, views == near)
+                        << count << " splats, view " << v << " of " << viewCount << ": tiles round once, quads a layer";
                 }
             }
         }

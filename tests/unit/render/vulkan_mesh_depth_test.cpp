@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The GPU's mesh depth against a ray caster in double precision: random avatars in several poses, and meshes that are hard to draw.
 #include "tests/reference/mesh_depth_cases.h"
 #include "tests/reference/reference_mesh.h"
@@ -8,7 +9,8 @@ namespace dpl {
 namespace {
 
 /** A frame that leaves the depth of the mesh, and that of the splats as well or not. */
-std::vector<RenderedView> drawMeshDepth(Renderer& renderer, RenderAvatarId id, const Pose& pose, std::span<const Cameraf> views, bool splatDepth = false) {
+std::vector<RenderedView> drawMeshDepth(Renderer& renderer, RenderAvatarId id, const Pose& pose, std::span<const Cameraf> views,
+                                        bool splatDepth = false) {
     FrameWants wants;
     wants.depth = splatDepth, wants.meshDepth = true;
     std::vector<RenderedView> out(views.size());
@@ -17,11 +19,13 @@ std::vector<RenderedView> drawMeshDepth(Renderer& renderer, RenderAvatarId id, c
     return out;
 }
 
-void expectDepth(const char* name, const std::vector<float>& depthM, const AvatarData& avatar, const Pose& pose, const Cameraf& camera, double minCovered, double maxCovered = 1) {
+void expectDepth(const char* name, const std::vector<float>& depthM, const AvatarData& avatar, const Pose& pose, const Cameraf& camera,
+                 double minCovered, double maxCovered = 1) {
     SCOPED_TRACE(name);
     ASSERT_EQ(depthM.size(), size_t(camera.widthPx) * camera.heightPx);
     // Skinning in float moves vertices by 1e-7 m of metres; of a camera that is 400 m away half a micrometre is left of a position.
-    const MeshDepthReport r = compareMeshDepth(depthM, referenceSkin(avatar, pose), avatar.mesh.triangles, referenceCamera(camera), 0.01, 2e-5);
+    const MeshDepthReport r =
+        compareMeshDepth(depthM, referenceSkin(avatar, pose), avatar.mesh.triangles, referenceCamera(camera), 0.01, 2e-5);
     EXPECT_EQ(r.wrong, 0u) << r.firstWrong;
     EXPECT_GE(double(r.covered), minCovered * double(r.pixels));
     EXPECT_LE(double(r.covered), maxCovered * double(r.pixels));
@@ -50,7 +54,8 @@ TEST(VulkanMeshDepth, equalsTheReferenceInSeveralPosesAndViews) {
         ASSERT_TRUE(id) << id.error().message;
         const Pose pose = seed % 2 ? tubePose(0.5f * float(seed), 0.3f) : randomPose(*avatar, seed);
         const Cameraf views[2] = {tubeCamera(80, 72, float(seed), 1.6f, -0.03f), tubeCamera(80, 72, float(seed), 1.6f, 0.03f)};
-        const auto pair = drawMeshDepth(*vulkan.renderer, *id, pose, views), again = drawMeshDepth(*vulkan.renderer, *id, pose, views, true);
+        const auto pair = drawMeshDepth(*vulkan.renderer, *id, pose, views),
+                   again = drawMeshDepth(*vulkan.renderer, *id, pose, views, true);
         for (size_t v = 0; v < 2; ++v) {
             expectDepth("pair", pair[v].meshDepthM, *avatar, pose, views[v], 0.05);
             EXPECT_TRUE(pair[v].depthM.empty());
@@ -72,7 +77,8 @@ TEST(VulkanMeshDepth, equalsTheReferenceInRandomAndHardCases) {
     DPL_NEED_VULKAN(vulkan);
     size_t drawn = 0;
     for (const MeshDepthCase& c : meshDepthCases()) {
-        const bool finite = std::all_of(c.positions.begin(), c.positions.end(), [](const Vec3f& p) { return std::isfinite(p.x + p.y + p.z); });
+        const bool finite =
+            std::all_of(c.positions.begin(), c.positions.end(), [](const Vec3f& p) { return std::isfinite(p.x + p.y + p.z); });
         if (!finite || c.triangles.empty()) continue;  // no avatar
         const auto avatar = std::make_shared<const AvatarData>(avatarOf(c));
         auto id = vulkan.renderer->addAvatar(avatar);
@@ -95,7 +101,8 @@ TEST(VulkanMeshDepth, isTheSameHundredTimesWithLargeTrianglesToo) {
     const Cameraf close = tubeCamera(256, 256, 0.3f, 0.3f);
     const std::vector<float> first = drawMeshDepth(*vulkan.renderer, *id, tubePose(0.4f), {&close, 1})[0].meshDepthM;
     expectDepth("close", first, *avatar, tubePose(0.4f), close, 0.5);
-    for (int frame = 1; frame < 100; ++frame) ASSERT_EQ(drawMeshDepth(*vulkan.renderer, *id, tubePose(0.4f), {&close, 1})[0].meshDepthM, first) << "frame " << frame;
+    for (int frame = 1; frame < 100; ++frame)
+        ASSERT_EQ(drawMeshDepth(*vulkan.renderer, *id, tubePose(0.4f), {&close, 1})[0].meshDepthM, first) << "frame " << frame;
 }
 
 TEST(VulkanMeshDepth, generalSplatsHaveNone) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Splats behind an app's scene on Vulkan, by quads and by tiles, against the referee.
 #include "sdk/math/coverage.h"
 #include "tests/reference/random_avatar.h"
@@ -8,10 +9,12 @@ namespace dpl {
 namespace {
 
 class VulkanSceneDepth : public testing::TestWithParam<Fill> {};
-INSTANTIATE_TEST_SUITE_P(Fill, VulkanSceneDepth, testing::Values(Fill::Quads, Fill::Tiles), [](const auto& info) { return std::string(info.param == Fill::Tiles ? "VulkanTiles" : "Quads"); });
+INSTANTIATE_TEST_SUITE_P(Fill, VulkanSceneDepth, testing::Values(Fill::Quads, Fill::Tiles),
+                         [](const auto& info) { return std::string(info.param == Fill::Tiles ? "VulkanTiles" : "Quads"); });
 
 /** scenes: one a view, may be empty. */
-std::vector<RenderedView> drawBehind(Renderer& renderer, RenderAvatarId id, const Pose& pose, std::span<const Cameraf> views, const std::vector<std::vector<float>>& scenes, bool depth) {
+std::vector<RenderedView> drawBehind(Renderer& renderer, RenderAvatarId id, const Pose& pose, std::span<const Cameraf> views,
+                                     const std::vector<std::vector<float>>& scenes, bool depth) {
     FrameWants wants(depth);
     for (size_t v = 0; v < scenes.size(); ++v) wants.sceneDepthM[v] = scenes[v];
     std::vector<RenderedView> out(views.size());
@@ -23,8 +26,8 @@ std::vector<RenderedView> drawBehind(Renderer& renderer, RenderAvatarId id, cons
 void expectAgrees(const char* name, const RenderedView& image, const ReferenceImage& want, const VulkanOptions& options) {
     const bool precise = options.preciseBlending;
     const Difference d = compare(image, want);
-    std::printf("[  SCENE   ] %-16s %s: colour %.1f dB (max %.4f), alpha %.1f dB, depth max %.5f m, covered %.1f %%\n", name, blendedIn(options), d.psnrDb, d.maxError, d.alphaPsnrDb,
-                d.maxDepthErrorM, d.covered * 100);
+    std::printf("[  SCENE   ] %-16s %s: colour %.1f dB (max %.4f), alpha %.1f dB, depth max %.5f m, covered %.1f %%\n", name,
+                blendedIn(options), d.psnrDb, d.maxError, d.alphaPsnrDb, d.maxDepthErrorM, d.covered * 100);
     EXPECT_GE(d.psnrDb, precise ? kMinPsnrDb : kMinBytePsnrDb) << name;
     EXPECT_GE(d.alphaPsnrDb, precise ? kMinPsnrDb : kMinBytePsnrDb) << name;
     EXPECT_LT(d.maxDepthErrorM, 0.02) << name;
@@ -42,7 +45,8 @@ TEST_P(VulkanSceneDepth, equalsTheReferenceForOneViewAndTwo) {
         ReferenceImage want[2];
         for (size_t v = 0; v < 2; ++v) {
             want[v] = renderReference(*avatar, pose, referenceCamera(views[v]), scenes[v]);
-            EXPECT_LT(compareImages(renderReference(*avatar, pose, referenceCamera(views[v])).rgb, want[v].rgb).psnrDb, 30) << "the scene hides nothing: this case shows nothing";
+            EXPECT_LT(compareImages(renderReference(*avatar, pose, referenceCamera(views[v])).rgb, want[v].rgb).psnrDb, 30)
+                << "the scene hides nothing: this case shows nothing";
         }
         for (TestVulkan* vulkan : {&precise, &byte}) {
             auto id = vulkan->renderer->addAvatar(avatar);
@@ -50,11 +54,13 @@ TEST_P(VulkanSceneDepth, equalsTheReferenceForOneViewAndTwo) {
             const auto pair = drawBehind(*vulkan->renderer, *id, pose, views, scenes, true);
             for (size_t v = 0; v < 2; ++v) {
                 expectAgrees(v ? "pair, right" : "pair, left", pair[v], want[v], vulkan->options);
-                EXPECT_TRUE(drawBehind(*vulkan->renderer, *id, pose, views, scenes, false)[v].rgba == pair[v].rgba) << "with depth or without";
+                EXPECT_TRUE(drawBehind(*vulkan->renderer, *id, pose, views, scenes, false)[v].rgba == pair[v].rgba)
+                    << "with depth or without";
             }
             EXPECT_TRUE(drawBehind(*vulkan->renderer, *id, pose, {views, 1}, {scenes[0]}, true)[0].rgba == pair[0].rgba) << "alone";
             // A scene for the right eye only; the left is as it is without one.
-            const auto right = drawBehind(*vulkan->renderer, *id, pose, views, {{}, scenes[1]}, false), free = drawBehind(*vulkan->renderer, *id, pose, views, {}, false);
+            const auto right = drawBehind(*vulkan->renderer, *id, pose, views, {{}, scenes[1]}, false),
+                       free = drawBehind(*vulkan->renderer, *id, pose, views, {}, false);
             EXPECT_TRUE(right[0].rgba == free[0].rgba);
             EXPECT_TRUE(right[1].rgba == pair[1].rgba);
             EXPECT_FALSE(free[1].rgba == pair[1].rgba);
@@ -76,7 +82,8 @@ TEST_P(VulkanSceneDepth, equalsTheReferenceWithFourSamplesAPixel) {
     auto id = vulkan.renderer->addAvatar(avatar);
     ASSERT_TRUE(id) << id.error().message;
     ASSERT_TRUE(referenceFourSamples(*avatar, pose, referenceCamera(camera)));
-    expectAgrees("four samples", drawBehind(*vulkan.renderer, *id, pose, {&camera, 1}, {scene}, true)[0], renderReference(*avatar, pose, referenceCamera(camera), scene), vulkan.options);
+    expectAgrees("four samples", drawBehind(*vulkan.renderer, *id, pose, {&camera, 1}, {scene}, true)[0],
+                 renderReference(*avatar, pose, referenceCamera(camera), scene), vulkan.options);
 }
 
 TEST_P(VulkanSceneDepth, aSceneWithNothingInItLeavesEveryByteAndOneInFrontNone) {
@@ -88,10 +95,12 @@ TEST_P(VulkanSceneDepth, aSceneWithNothingInItLeavesEveryByteAndOneInFrontNone) 
         const Cameraf camera = tubeCamera(side, side, 0.5f);
         const auto alone = drawBehind(*vulkan.renderer, *id, tubePose(0.5f), {&camera, 1}, {}, true)[0];
         for (const float nothing : {0.0f, -1.0f, INFINITY, NAN, 100.0f}) {
-            const auto image = drawBehind(*vulkan.renderer, *id, tubePose(0.5f), {&camera, 1}, {std::vector<float>(side * side, nothing)}, true)[0];
+            const auto image =
+                drawBehind(*vulkan.renderer, *id, tubePose(0.5f), {&camera, 1}, {std::vector<float>(side * side, nothing)}, true)[0];
             EXPECT_TRUE(image.rgba == alone.rgba && image.depthM == alone.depthM) << nothing << ", " << side << " px";
         }
-        const auto hidden = drawBehind(*vulkan.renderer, *id, tubePose(0.5f), {&camera, 1}, {std::vector<float>(side * side, 0.06f)}, false)[0];
+        const auto hidden =
+            drawBehind(*vulkan.renderer, *id, tubePose(0.5f), {&camera, 1}, {std::vector<float>(side * side, 0.06f)}, false)[0];
         EXPECT_EQ(*std::max_element(hidden.rgba.begin(), hidden.rgba.end()), 0);
     }
 }
@@ -108,7 +117,8 @@ TEST_P(VulkanSceneDepth, equalDepthIsSeenAndTheNextFloatBeforeItHides) {
     ASSERT_TRUE(id) << id.error().message;
     std::vector<float> scene(33 * 33, 2.0f);
     for (size_t i = 0; i < scene.size(); i += 2) scene[i] = std::nextafter(2.0f, 0.0f);
-    const RenderedView alone = drawBehind(*vulkan.renderer, *id, {}, {&camera, 1}, {}, false)[0], image = drawBehind(*vulkan.renderer, *id, {}, {&camera, 1}, {scene}, false)[0];
+    const RenderedView alone = drawBehind(*vulkan.renderer, *id, {}, {&camera, 1}, {}, false)[0],
+                       image = drawBehind(*vulkan.renderer, *id, {}, {&camera, 1}, {scene}, false)[0];
     size_t seen = 0;
     for (size_t i = 0; i < scene.size(); ++i) {
         ASSERT_EQ(image.rgba[4 * i + 3], i % 2 ? alone.rgba[4 * i + 3] : 0) << i;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The radix sort on the device against std::stable_sort. CMake runs it at lavapipe's vector widths 128, 256 and 512 (subgroups of
 // 4, 8 and 16 lanes): a kernel that assumes a subgroup width fails at one of them.
 #include <gtest/gtest.h>
@@ -30,7 +31,8 @@ std::vector<uint32_t> sortOnDevice(Backend& backend, const Pairs& input, uint32_
     ids.counts = make("counts", sizeof(gpu::FrameCounts));
     ids.pairs = make("pairs", ids.splatCount * 8ull);
     ids.pairsSwap = make("swap", ids.splatCount * 8ull);
-    ids.digits = {make("cells", ids.digitWords() * 4), make("sums", scanSumWords(gpu::kSortDigits) * 4), make("places", ids.digitWords() * 4)};
+    ids.digits = {make("cells", ids.digitWords() * 4), make("sums", scanSumWords(gpu::kSortDigits) * 4),
+                  make("places", ids.digitWords() * 4)};
     const BufferId result = make("result", ids.splatCount * 4ull, BufferMemory::Readback);
     gpu::FrameCounts counts{};
     counts.visible = uint32_t(input.size());
@@ -48,7 +50,8 @@ std::vector<uint32_t> sortOnDevice(Backend& backend, const Pairs& input, uint32_
     std::vector<uint32_t> sorted(input.size());
     if (!sorted.empty()) std::memcpy(sorted.data(), backend.mapped(result).data(), sorted.size() * 4);
     backend.destroyFrame(*frame);
-    for (BufferId id : {ids.counts, ids.pairs, ids.pairsSwap, ids.digits.cells, ids.digits.sums, ids.digits.places, result}) backend.destroyBuffer(id);
+    for (BufferId id : {ids.counts, ids.pairs, ids.pairsSwap, ids.digits.cells, ids.digits.sums, ids.digits.places, result})
+        backend.destroyBuffer(id);
     return sorted;
 }
 
@@ -59,15 +62,20 @@ TEST(VulkanSort, equalsStableSort) {
     const char* width = std::getenv("LP_NATIVE_VECTOR_WIDTH");
     std::printf("[  DEVICE  ] %s, LP_NATIVE_VECTOR_WIDTH=%s\n", (*backend)->info().name.c_str(), width ? width : "default");
     std::mt19937 random(11);
-    for (size_t count : {size_t(0), size_t(1), size_t(2), size_t(127), size_t(gpu::kRun - 1), size_t(gpu::kRun), size_t(gpu::kRun + 1), size_t(30011), size_t(100000)}) {
+    for (size_t count : {size_t(0), size_t(1), size_t(2), size_t(127), size_t(gpu::kRun - 1), size_t(gpu::kRun), size_t(gpu::kRun + 1),
+                         size_t(30011), size_t(100000)}) {
         for (uint32_t rounds : {gpu::kSortRounds, gpu::kWideSortRounds, gpu::kFloatSortRounds}) {
-            for (uint32_t keys : {1u, 7u, rounds == gpu::kFloatSortRounds ? ~0u : 1u << rounds * gpu::kSortDigitBits}) {  // all equal (10⁵ equal depth keys), heavy ties, spread
+            for (uint32_t keys : {1u, 7u,
+                                  rounds == gpu::kFloatSortRounds
+                                      ? ~0u
+                                      : 1u << rounds * gpu::kSortDigitBits}) {  // all equal (10⁵ equal depth keys), heavy ties, spread
                 Pairs input(count);
                 for (size_t i = 0; i < count; ++i) input[i] = {uint32_t(random() % keys), uint32_t(i)};
                 Pairs want = input;
                 std::stable_sort(want.begin(), want.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
                 const std::vector<uint32_t> got = sortOnDevice(**backend, input, rounds);
-                EXPECT_TRUE(std::equal(want.begin(), want.end(), got.begin(), got.end(), [](const gpu::uvec2& pair, uint32_t splat) { return pair.y == splat; }))
+                EXPECT_TRUE(std::equal(want.begin(), want.end(), got.begin(), got.end(),
+                                       [](const gpu::uvec2& pair, uint32_t splat) { return pair.y == splat; }))
                     << count << " pairs, " << keys << " keys, " << rounds << " rounds";
             }
         }

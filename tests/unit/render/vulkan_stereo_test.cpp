@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Two views at once: equal to each alone, whether one order of depth serves both or each has its own.
 #include "tests/reference/random_avatar.h"
 #include "tests/unit/format/sample_correctives.h"
@@ -30,8 +31,10 @@ void expectStereoEqualsMono(const VulkanOptions& options, Fill fill, const std::
     expectStereoEqualsMono(vulkan, vulkan.renderer->addAvatar(share(test::withCorrectives(makeTube(), 3))), tubePose(0.7f), picture);
     AvatarData fine = makeTube();
     fine.trainedPixelM = 1e-4f;
-    if (crashesOnMoreThanBytes()) std::printf("[   NOTE   ] four samples a pixel are left out at this vector width\n");
-    else expectStereoEqualsMono(vulkan, vulkan.renderer->addAvatar(share(fine)), tubePose(0.7f), picture + "_four_samples");
+    if (crashesOnMoreThanBytes())
+        std::printf("[   NOTE   ] four samples a pixel are left out at this vector width\n");
+    else
+        expectStereoEqualsMono(vulkan, vulkan.renderer->addAvatar(share(fine)), tubePose(0.7f), picture + "_four_samples");
     expectStereoEqualsMono(vulkan, vulkan.renderer->addSplats(randomStaticSplats(7, 1500, 2)), {}, picture + "_general");
 }
 
@@ -64,7 +67,8 @@ TEST_P(VulkanImage, aPairDrawnAsTwoFramesIsTheSamePair) {
         const auto stats = vulkan.renderer->stats(*id);
         ASSERT_TRUE(stats);
         EXPECT_EQ(stats->views, 2u);
-        passes[k] = uint32_t(std::count_if(stats->passes.begin(), stats->passes.end(), [](const PassTime& pass) { return pass.label == "pose.skin"; }));
+        passes[k] = uint32_t(
+            std::count_if(stats->passes.begin(), stats->passes.end(), [](const PassTime& pass) { return pass.label == "pose.skin"; }));
     }
     EXPECT_EQ(passes[0], 1u);
     EXPECT_EQ(passes[1], 2u);
@@ -93,7 +97,8 @@ ImageDifference cantedPairAgainstAlone(TestVulkan& vulkan, float degrees) {
     for (int v = 0; v < 2; ++v) {
         const RenderedView alone = drawOne(*vulkan.renderer, *id, pose, views[v]);
         EXPECT_GT(std::count_if(alone.rgba.begin(), alone.rgba.end(), [](uint8_t x) { return x > 20; }), 1000);
-        const ImageDifference d = compareImages(std::vector<double>(alone.rgba.begin(), alone.rgba.end()), std::vector<double>(both[size_t(v)].rgba.begin(), both[size_t(v)].rgba.end()));
+        const ImageDifference d = compareImages(std::vector<double>(alone.rgba.begin(), alone.rgba.end()),
+                                                std::vector<double>(both[size_t(v)].rgba.begin(), both[size_t(v)].rgba.end()));
         worst.psnrDb = std::min(worst.psnrDb, d.psnrDb + 20 * std::log10(255.0));
         worst.maxError = std::max(worst.maxError, d.maxError);
     }

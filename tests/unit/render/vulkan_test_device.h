@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One Vulkan renderer for a test, or a skip with the reason. Validation is always on where the layer is installed.
 #pragma once
 
@@ -9,7 +10,8 @@
 
 namespace dpl {
 
-/** Device by DOPPEL_VULKAN_DEVICE (part of its name), else the best one, software included. DOPPEL_PLAIN_BUFFERS: the kernels that GPUs run, and their blending. */
+/** Device by DOPPEL_VULKAN_DEVICE (part of its name), else the best one, software included. DOPPEL_PLAIN_BUFFERS: the kernels that GPUs
+ * run, and their blending. */
 inline VulkanOptions testVulkanOptions() {
     VulkanOptions options;
     options.allowSoftwareDevice = true;
@@ -41,8 +43,10 @@ struct TestVulkan {
             options.enableValidation = false;
             made = createVulkanRenderer(options, fill);
         }
-        if (made) renderer = std::move(*made);
-        else missing = made.error().message;
+        if (made)
+            renderer = std::move(*made);
+        else
+            missing = made.error().message;
     }
     ~TestVulkan() {
         renderer.reset();  // leaks are reported when the device goes

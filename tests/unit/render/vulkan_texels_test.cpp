@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Typed buffers, and lanes that fetch for each other, are other ways to fetch, not other pictures.
 #include "sdk/backend/vulkan/vulkan_backend.h"
 #include "tests/reference/random_avatar.h"
@@ -6,7 +7,8 @@
 namespace dpl {
 namespace {
 
-/** Colour and depth of avatars of these SH degrees and of general splats, one and two views, free and behind a scene; then all in one picture. Two of them at four samples a pixel too. */
+/** Colour and depth of avatars of these SH degrees and of general splats, one and two views, free and behind a scene; then all in one
+ * picture. Two of them at four samples a pixel too. */
 std::vector<RenderedView> everything(Renderer& r, const std::vector<uint32_t>& degrees) {
     std::vector<RenderedView> pictures;
     const Cameraf views[2] = {tubeCamera(150, 141, 0.3f, 1.5f, -0.03f), tubeCamera(150, 141, 0.3f, 1.5f, 0.03f)};
@@ -21,7 +23,8 @@ std::vector<RenderedView> everything(Renderer& r, const std::vector<uint32_t>& d
                 const auto pixels = r.read(row[0].avatar);
                 EXPECT_TRUE(pixels) << (pixels ? "" : pixels.error().message);
                 if (!pixels) return;
-                for (const PixelView& p : *pixels) pictures.push_back({p.widthPx, p.heightPx, {p.rgba.begin(), p.rgba.end()}, {p.depthM.begin(), p.depthM.end()}, {}});
+                for (const PixelView& p : *pixels)
+                    pictures.push_back({p.widthPx, p.heightPx, {p.rgba.begin(), p.rgba.end()}, {p.depthM.begin(), p.depthM.end()}, {}});
             }
         }
     };
@@ -81,7 +84,8 @@ TEST(VulkanTiles, lanesThatFetchForEachOtherGiveTheSameBytesAsLanesThatDoNot) {
     DPL_NEED_VULKAN(a);
     const auto backend = createVulkanBackend(testVulkanOptions());
     ASSERT_TRUE(backend);
-    if (!(*backend)->info().shuffle) GTEST_SKIP() << "subgroups of " << (*backend)->info().name << " do not hold whole tiles, or cannot shuffle";
+    if (!(*backend)->info().shuffle)
+        GTEST_SKIP() << "subgroups of " << (*backend)->info().name << " do not hold whole tiles, or cannot shuffle";
     expectSameBytes(*a.renderer, *b.renderer, {1});
 }
 

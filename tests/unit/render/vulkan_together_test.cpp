@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Several avatars in one picture: one order of depth for all, against the referee who blends their splats as one set.
 #include "tests/reference/random_avatar.h"
 #include "tests/unit/render/vulkan_image.h"
@@ -48,7 +49,8 @@ TEST_P(VulkanImage, avatarsThatPierceEachOtherAreSortedTogether) {
     TestVulkan vulkan(withPreciseBlending(), GetParam());
     DPL_NEED_VULKAN(vulkan);
     const Crowd crowd;
-    const auto a = vulkan.renderer->addAvatar(crowd.upright), b = vulkan.renderer->addAvatar(crowd.lying), c = vulkan.renderer->addSplats(crowd.cloud);
+    const auto a = vulkan.renderer->addAvatar(crowd.upright), b = vulkan.renderer->addAvatar(crowd.lying),
+               c = vulkan.renderer->addSplats(crowd.cloud);
     ASSERT_TRUE(a && b && c);
     const Pose none;
     const Drawn row[3] = {{*a, &crowd.uprightPose}, {*b, &crowd.lyingPose}, {*c, &none}};
@@ -57,7 +59,8 @@ TEST_P(VulkanImage, avatarsThatPierceEachOtherAreSortedTogether) {
         for (size_t v = 0; v < viewCount; ++v) {
             const RenderedView picture = drawRow(*vulkan.renderer, row, {views, viewCount}, v);
             const Difference d = compare(picture, renderReference(crowd.gaussians, referenceCamera(views[v])));
-            std::printf("[  IMAGE   ] view %zu of %zu: colour %.1f dB (max %.4f), alpha %.1f dB, covered %.1f %%\n", v, viewCount, d.psnrDb, d.maxError, d.alphaPsnrDb, 100 * d.covered);
+            std::printf("[  IMAGE   ] view %zu of %zu: colour %.1f dB (max %.4f), alpha %.1f dB, covered %.1f %%\n", v, viewCount, d.psnrDb,
+                        d.maxError, d.alphaPsnrDb, 100 * d.covered);
             EXPECT_GE(d.psnrDb, kMinPsnrDb);
             EXPECT_GE(d.alphaPsnrDb, kMinPsnrDb);
             EXPECT_GT(d.covered, 0.15);
@@ -74,8 +77,10 @@ TEST_P(VulkanImage, avatarsThatPierceEachOtherAreSortedTogether) {
 
     // What makes the case hard: one over the other would be another picture.
     const ReferenceCamera camera = referenceCamera(views[0]);
-    const ReferenceImage near = renderReference(gaussiansOf(*crowd.upright, crowd.uprightPose), camera), far = renderReference(gaussiansOf(*crowd.lying, crowd.lyingPose), camera),
-                         both = renderReference(gaussiansOf(*crowd.upright, crowd.uprightPose) + gaussiansOf(*crowd.lying, crowd.lyingPose), camera);
+    const ReferenceImage near = renderReference(gaussiansOf(*crowd.upright, crowd.uprightPose), camera),
+                         far = renderReference(gaussiansOf(*crowd.lying, crowd.lyingPose), camera),
+                         both = renderReference(gaussiansOf(*crowd.upright, crowd.uprightPose) + gaussiansOf(*crowd.lying, crowd.lyingPose),
+                                                camera);
     std::vector<double> over = near.rgb;
     for (size_t i = 0; i < over.size(); ++i) over[i] += (1 - near.alpha[i / 3]) * far.rgb[i];
     EXPECT_LT(compareImages(over, both.rgb).psnrDb, 35);
@@ -85,7 +90,8 @@ TEST_P(VulkanImage, depthKeysSpendNothingOnTheGapBetweenAvatars) {
     TestVulkan vulkan(withPreciseBlending(), GetParam());
     DPL_NEED_VULKAN(vulkan);
     const auto avatar = share(makeTube());
-    const auto near = vulkan.renderer->addAvatar(avatar), far = vulkan.renderer->addAvatar(avatar), behind = vulkan.renderer->addAvatar(avatar);
+    const auto near = vulkan.renderer->addAvatar(avatar), far = vulkan.renderer->addAvatar(avatar),
+               behind = vulkan.renderer->addAvatar(avatar);
     ASSERT_TRUE(near && far && behind);
     const Cameraf camera = tubeCamera(160, 144, 0, 1.6f);
     Pose away[2] = {tubePose(0.2f), tubePose(0.2f)};
@@ -94,7 +100,8 @@ TEST_P(VulkanImage, depthKeysSpendNothingOnTheGapBetweenAvatars) {
     const Pose pose = tubePose(0.5f);
     const ReferenceImage want = renderReference(*avatar, pose, referenceCamera(camera));
     const Drawn alone[1] = {{*near, &pose}}, row[3] = {{*far, &away[0]}, {*near, &pose}, {*behind, &away[1]}};
-    const Difference d = compare(drawRow(*vulkan.renderer, alone, {&camera, 1}), want), together = compare(drawRow(*vulkan.renderer, row, {&camera, 1}), want);
+    const Difference d = compare(drawRow(*vulkan.renderer, alone, {&camera, 1}), want),
+                     together = compare(drawRow(*vulkan.renderer, row, {&camera, 1}), want);
     std::printf("[  IMAGE   ] alone %.1f dB, with one 2 km away and one 2 km behind the camera %.1f dB\n", d.psnrDb, together.psnrDb);
     EXPECT_GE(together.psnrDb, d.psnrDb - 4) << "three intervals of the same length share the keys: a third of them is left";
     EXPECT_GE(together.psnrDb, kMinPsnrDb);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Behaviour of the engine that needs no reference: sizes, emptiness, culling, order, threads, hostile numbers.
 #include <gtest/gtest.h>
 
@@ -126,18 +127,30 @@ TEST(SplatEngine, nothingBehindTheNearPlane) {
 }
 
 TEST(SplatEngine, hostileNumbersAreSkippedAndTheRestIsDrawn) {
-    const float values[] = {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
-                            3e38f, -3e38f, 1e20f, 1e-38f, 0.f, -1.f};
+    const float values[] = {std::numeric_limits<float>::quiet_NaN(),
+                            std::numeric_limits<float>::infinity(),
+                            -std::numeric_limits<float>::infinity(),
+                            3e38f,
+                            -3e38f,
+                            1e20f,
+                            1e-38f,
+                            0.f,
+                            -1.f};
     StaticSplatData s = grey(1);
     for (float v : values)
         for (int field = 0; field < 12; ++field) {
             s.position.push_back({0.1f, 0, 2}), s.rotation.push_back(Quatf(1, 0, 0, 0)), s.scaleM.push_back(Vec3f(0.05f));
             s.opacity.push_back(0.5f), s.sh.insert(s.sh.end(), 3, 0.f);
-            if (field < 3) s.position.back()[field] = v;
-            else if (field < 6) s.scaleM.back()[field - 3] = v;
-            else if (field < 10) s.rotation.back()[field - 6] = v;
-            else if (field == 10) s.opacity.back() = v;
-            else s.sh.back() = v;
+            if (field < 3)
+                s.position.back()[field] = v;
+            else if (field < 6)
+                s.scaleM.back()[field - 3] = v;
+            else if (field < 10)
+                s.rotation.back()[field - 6] = v;
+            else if (field == 10)
+                s.opacity.back() = v;
+            else
+                s.sh.back() = v;
         }
     Jobs jobs(2);
     SplatEngine engine(jobs);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Screen footprint of a splat with three axes: sdk/math/projection.h line by line.
 float dplSmoothstep01(float x) {
     x = clamp(x, 0.0, 1.0);

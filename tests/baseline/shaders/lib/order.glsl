@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Floats as unsigned integers that sort alike.
 uint dplOrderedBits(float x) {
     uint bits = floatBitsToUint(x);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Exclusive prefix sum over one workgroup through shared memory; right for any subgroup width. The includer defines
 // DPL_SCAN_LANES, the workgroup size. All lanes must call it.
 shared uint dplScanSums[DPL_SCAN_LANES];

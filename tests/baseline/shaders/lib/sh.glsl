@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Real spherical harmonics in the order and sign of sdk/math/sh.h. `d` is a unit vector from the eye to the splat, rest frame; `light` multiplies the colour before it is clamped.
 // Coefficients are read through dplSh(k), which the includer defines.
 vec3 dplShColour(vec3 d, uint degree, uint base, float light) {

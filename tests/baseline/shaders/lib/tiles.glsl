@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Which tiles a splat touches.
 
 // First and last pixel whose centres lie in [low, high], cut to 0 .. size - 1; first > last: none.

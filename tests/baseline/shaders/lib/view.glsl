@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The only place that knows how a draw reaches several views. Two build-time bodies:
 //   DPL_VIEW_MULTIVIEW  the pass runs once per view, target layer = view (VK_KHR_multiview, core in 1.1)
 //   DPL_VIEW_INSTANCES  instances are splats × views; views lie side by side in one wide image

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Frozen (tests/baseline/README.md). Work sizes and numbers that C++ and GLSL must agree on. The footprint constants equal those of
 // sdk/math/projection.h and binding.h, brightness those of sdk/avatar/pose_correctives.h; plain_records.cpp holds them together.
 #ifndef DPL_PLAIN_LIMITS_H
@@ -12,13 +13,13 @@ DPL_PLAIN_CONST uint kVertexGroup = 128u;
 DPL_PLAIN_CONST uint kSplatGroup = 128u;
 DPL_PLAIN_CONST uint kScanGroup = 256u;
 DPL_PLAIN_CONST uint kCompactItemsPerLane = 4u;
-DPL_PLAIN_CONST uint kCompactBlock = 1024u;    // kScanGroup * kCompactItemsPerLane
+DPL_PLAIN_CONST uint kCompactBlock = 1024u;  // kScanGroup * kCompactItemsPerLane
 DPL_PLAIN_CONST uint kSortGroup = 128u;
 DPL_PLAIN_CONST uint kSortItemsPerLane = 16u;
-DPL_PLAIN_CONST uint kSortBlock = 2048u;       // kSortGroup * kSortItemsPerLane
+DPL_PLAIN_CONST uint kSortBlock = 2048u;  // kSortGroup * kSortItemsPerLane
 DPL_PLAIN_CONST uint kSortDigitBits = 4u;
 DPL_PLAIN_CONST uint kSortDigits = 16u;
-DPL_PLAIN_CONST uint kSortRounds = 8u;         // 32-bit float keys
+DPL_PLAIN_CONST uint kSortRounds = 8u;  // 32-bit float keys
 
 DPL_PLAIN_CONST uint kTriangleMask = 0x00FFFFFFu;  // SplatRecord.triangleAndFlags: triangle in the low 24 bits, flags above
 DPL_PLAIN_CONST uint kFlagShift = 24u;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // SH colour of every splat for the views that show it. The direction is turned into the rest frame of the splat's triangle.
 // DPL_LIT: multiplied by the brightness that the pose gives its triangle.
 #version 450

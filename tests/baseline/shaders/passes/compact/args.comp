@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Turns the survivor count into the arguments of the sort's dispatches and of the one draw. Its own dispatch: no barrier
 // inside a kernel reaches other workgroups on Metal.
 #version 450

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Survivors in each block of kCompactBlock splats.
 #version 450
 #extension GL_GOOGLE_include_directive : require

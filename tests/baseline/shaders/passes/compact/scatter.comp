@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Writes (float depth key, splat) of each survivor in splat order, so equal keys never change places between frames.
 #version 450
 #extension GL_GOOGLE_include_directive : require

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // α of one splat at one pixel, premultiplied; the depth target collects Σ α T z and Σ α T.
 #version 450
 #extension GL_GOOGLE_include_directive : require

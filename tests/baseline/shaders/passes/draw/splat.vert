@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One quad a survivor and view, far first: the box outside which the splat is below 1/255, cut to the view.
 #version 450
 #extension GL_GOOGLE_include_directive : require

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Footprint, opacity and visibility of every splat in every view; the sort depth of those that some view shows.
 #version 450
 #extension GL_GOOGLE_include_directive : require

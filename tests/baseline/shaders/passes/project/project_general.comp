@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The same for general splats: three axes, no gate.
 #version 450
 #extension GL_GOOGLE_include_directive : require

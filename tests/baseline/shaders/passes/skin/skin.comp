@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Poses every vertex with its four unorm8 weights.
 // DPL_CORRECTED: the control nodes of the pose move the rest position first and give the vertex its brightness (sdk/avatar/pose_correctives.h).
 #version 450

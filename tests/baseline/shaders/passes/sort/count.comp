@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Digit histogram of each block of kSortBlock keys, digit-major so that one prefix sum gives every block its places.
 #version 450
 #extension GL_GOOGLE_include_directive : require

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Moves each pair to its place for one digit. Lanes own runs of neighbouring pairs and the lane counters are summed
 // digit-major, so equal digits keep their order (stable) whatever the subgroup width.
 #version 450

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Writes the records of each tile's splats, near first. Afterwards the table says where the part of each segment ends.
 #version 450
 #extension GL_GOOGLE_include_directive : require

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The pixels of each tile from its list, near first. A lane owns one column of a tile and stops when no pixel of it lets light through.
 #version 450
 #extension GL_GOOGLE_include_directive : require

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // How many rows of tiles the splats of each run touch: [row][run]. A run is kTileRun neighbours of the sorted list; one lane counts it, so that the
 // order of the lists is the order of depth without atomics or barriers.
 #version 450

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Exclusive prefix sum of each row of a table, a workgroup a row; the totals go to the row sums.
 #version 450
 #extension GL_GOOGLE_include_directive : require

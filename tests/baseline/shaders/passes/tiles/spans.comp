@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Writes the spans: for each splat and row of tiles the columns that it touches there. They end up row after row, in the order of depth within a row.
 #version 450
 #extension GL_GOOGLE_include_directive : require

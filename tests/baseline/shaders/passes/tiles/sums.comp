@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Exclusive prefix sum in place by one workgroup; the total goes one past the end.
 #version 450
 #extension GL_GOOGLE_include_directive : require

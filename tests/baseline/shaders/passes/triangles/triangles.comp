@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // One posed frame a triangle: corners, the columns of F, the unit normal and the polar rotation (sdk/math/binding.h).
 #version 450
 #extension GL_GOOGLE_include_directive : require
