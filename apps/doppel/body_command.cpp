@@ -46,33 +46,33 @@ void addBodyCommand(CLI::App& app, CommandRun& run) {
     command->require_subcommand(1);
     auto options = std::make_shared<BodyOptions>();
 
-    CLI::App* import = command->add_subcommand("import", "Make a glTF body from MakeHuman/MPFB2 data, SMPL-X .npz or a rigged .glb");
-    import->add_option("source", options->source, "MakeHuman/MPFB2 folder, SMPL-X .npz (your own copy), rigged .glb, or 'builtin'")
+    CLI::App* importCommand = command->add_subcommand("import", "Make a glTF body from MakeHuman/MPFB2 data, SMPL-X .npz or a rigged .glb");
+    importCommand->add_option("source", options->source, "MakeHuman/MPFB2 folder, SMPL-X .npz (your own copy), rigged .glb, or 'builtin'")
         ->required();
-    import->add_option("-o,--out", options->out, "The body to write (.glb)")->required();
-    import->footer("Examples:\n  doppel body import body-makehuman -o makehuman.glb\n  doppel body import SMPLX_NEUTRAL.npz -o smplx.glb");
-    import->callback([options, &run] {
+    importCommand->add_option("-o,--out", options->out, "The body to write (.glb)")->required();
+    importCommand->footer(
+        "Examples:\n  doppel body import body-makehuman -o makehuman.glb\n  doppel body import SMPLX_NEUTRAL.npz -o smplx.glb");
+    importCommand->callback([options, &run] {
         run = [options] {
             auto body = importBody(options->source);
-    if (!body) return reportError(body.error());
-    if (Status written = writeBody(*body, options->out); !written) return reportError(written.error());
-    std::printf("%s\nwritten to %s\n", describe(*body).c_str(), options->out.string().c_str());
-    return int(kExitOk);
-};
-}  // namespace dpl
-);
+            if (!body) return reportError(body.error());
+            if (Status written = writeBody(*body, options->out); !written) return reportError(written.error());
+            std::printf("%s\nwritten to %s\n", describe(*body).c_str(), options->out.string().c_str());
+            return int(kExitOk);
+        };
+    });
 
-CLI::App* show = command->add_subcommand("show", "Say what a body has");
-show->add_option("source", options->source, "As for import")->required();
-show->footer("Examples:\n  doppel body show builtin\n  doppel body show makehuman.glb");
-show->callback([options, &run] {
-    run = [options] {
-        auto body = importBody(options->source);
-        if (!body) return reportError(body.error());
-        std::printf("%s\n", describe(*body).c_str());
-        return int(kExitOk);
-    };
-});
+    CLI::App* showCommand = command->add_subcommand("show", "Say what a body has");
+    showCommand->add_option("source", options->source, "As for import")->required();
+    showCommand->footer("Examples:\n  doppel body show builtin\n  doppel body show makehuman.glb");
+    showCommand->callback([options, &run] {
+        run = [options] {
+            auto body = importBody(options->source);
+            if (!body) return reportError(body.error());
+            std::printf("%s\n", describe(*body).c_str());
+            return int(kExitOk);
+        };
+    });
 }
 
 }  // namespace dpl

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "reconstruction/splat/backward_pixels.cpp"
+#include "hwy/foreach_target.h"  // compiles this file once per instruction set; must come before the other Highway headers
+
 #include "hwy/cache_control.h"
-#include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 
 #include <algorithm>

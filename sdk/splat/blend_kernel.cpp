@@ -10,8 +10,9 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sdk/splat/blend_kernel.cpp"
+#include <hwy/foreach_target.h>  // compiles this file once per instruction set; must come before the other Highway headers
+
 #include <hwy/cache_control.h>
-#include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
 #include "sdk/splat/blend_kernel.h"

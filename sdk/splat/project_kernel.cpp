@@ -7,8 +7,9 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sdk/splat/project_kernel.cpp"
+#include <hwy/foreach_target.h>  // compiles this file once per instruction set; must come before the other Highway headers
+
 #include <hwy/contrib/math/math-inl.h>
-#include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
 #include "sdk/splat/project_kernel.h"
