@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A palette of spherical harmonics: k-means over the rows beyond coefficient 0, so that a splat needs an index of 16 bits instead of
-// 9, 24 or 45 bytes (technical reference §13.6).
+// 9, 24 or 45 bytes (docs/formats/avatar.md).
 #pragma once
 
 #include "sdk/core/jobs.h"

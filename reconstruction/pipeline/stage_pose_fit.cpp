@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// pose-fit: everything frozen but the poses of held-out frames (technical reference §20). After packaging: it cannot reach the avatar.
+// pose-fit: everything frozen but the poses of held-out frames (docs/reference/registration.md). After packaging: it cannot reach the
+// avatar.
 #include "reconstruction/package/poses_file.h"
 #include "reconstruction/pipeline/preset.h"
 #include "reconstruction/pipeline/train_frames.h"

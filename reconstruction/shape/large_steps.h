@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// LargeSteps (technical reference §6.2–§6.5): offsets = (I + λL)⁻¹ u with L the uniform graph Laplacian of the merged mesh.
+// LargeSteps (docs/reference/large-steps.md): offsets = (I + λL)⁻¹ u with L the uniform graph Laplacian of the merged mesh.
 //
 // Vertices at the same place are one unknown, so seams do not tear. M is symmetric: the backward pass is the same solve. M passes
 // constants with gain 1, so the mean of every connected component can be projected out.

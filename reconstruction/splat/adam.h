@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Adam over parameter rows (SIMD, sparse) and its uniform variant for meshes (technical reference §6.3).
+// Adam over parameter rows (SIMD, sparse) and its uniform variant for meshes (docs/reference/large-steps.md).
 #pragma once
 
 #include <cstdint>

@@ -36,7 +36,7 @@ struct CoOptimiseSettings {
     LossWeights loss{0.8f, 0.2f, 1.0f, 0.1f};
     float earlyMaskFactor = 5.0f;  // mask weight in the first quarter
     RegulariserWeights regularise;
-    float closeupGradientScale = 5.0f;  // on splat attributes of close-ups (reference §10)
+    float closeupGradientScale = 5.0f;  // on splat attributes of close-ups (docs/reference/losses.md)
     bool learnSplats = true;
     bool learnGeometry = true;
     bool learnPoses = true;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Density control: split, clone and prune (technical reference §11). Statistics come from static frames only.
+// Density control: split, clone and prune (docs/reference/losses.md). Statistics come from static frames only.
 #pragma once
 
 #include <vector>

@@ -17,7 +17,7 @@ struct InitSettings {
     std::vector<uint8_t> openLabels{4};  // faces with these labels draw from both sides (hair)
 };
 
-/** kSplatSingleFace and kSplatCloth of every triangle (reference §14.2): single-face except open labels and faces within two rings
+/** kSplatSingleFace and kSplatCloth of every triangle (docs/reference/gate.md): single-face except open labels and faces within two rings
  *  of a boundary edge. Vertices at one place count as one, so seams are no boundary. labels may be empty (all body). */
 std::vector<uint8_t> triangleFlags(std::span<const Vec3f> restPositions, std::span<const Triangle> triangles,
                                    std::span<const uint8_t> labels, const InitSettings& settings);

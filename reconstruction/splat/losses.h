@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The picture's loss and its gradient on the blend: 0.8·L1 + 0.2·(1 − SSIM) on one random background, mask L1 on alpha, cloth label L1
-// (technical reference §9.1, §9.2).
+// (docs/reference/losses.md).
 #pragma once
 
 #include <span>

@@ -29,7 +29,8 @@ struct PoseFitResult {
     double lossBefore = 0, lossAfter = 0;  // total loss on one fixed background
 };
 
-/** Test-time pose fit: everything frozen except frame.pose (technical reference §20). Keeps the best pose seen; never worse than the start.
+/** Test-time pose fit: everything frozen except frame.pose (docs/reference/registration.md). Keeps the best pose seen; never worse than the
+ * start.
  */
 Result<PoseFitResult> fitPose(const AvatarData& avatar, const TrainFrame& frame, const PoseFitSettings& settings, Jobs& jobs);
 

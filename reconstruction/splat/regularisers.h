@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The terms of the loss that look at parameters instead of pictures (technical reference §9.4).
+// The terms of the loss that look at parameters instead of pictures (docs/reference/losses.md).
 #pragma once
 
 #include <span>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Structural similarity with its gradient: 11×11 Gaussian window, σ = 1.5, C1 = 0.01², C2 = 0.03² (technical reference §9.1).
+// Structural similarity with its gradient: 11×11 Gaussian window, σ = 1.5, C1 = 0.01², C2 = 0.03² (docs/reference/metrics.md).
 #pragma once
 
 #include <cstdint>

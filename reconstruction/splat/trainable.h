@@ -16,7 +16,7 @@ namespace dpl {
 // Columns of a row. A row is padded to a multiple of eight floats so that Adam updates whole vectors.
 constexpr uint32_t kRowU = 0, kRowV = 1, kRowPhi = 2, kRowLogScale1 = 3, kRowLogScale2 = 4, kRowOpacityLogit = 5, kRowSh = 6;
 
-constexpr float kMinLogScale = -9.0f;  // 0.12 mm: smaller ones get no gradient (reference §18)
+constexpr float kMinLogScale = -9.0f;  // 0.12 mm: smaller ones get no gradient (docs/reference/footprint.md)
 constexpr float kMaxLogScale = -2.3f;  // 10 cm
 constexpr float kMaxOpacityLogit = 8.0f;
 
@@ -27,7 +27,7 @@ struct TrainableSplats {
     std::vector<uint32_t> triangleStart;  // F+1
     std::vector<uint8_t> flags;           // N
     std::vector<float> rows;              // N × stride: raw parameters
-    std::vector<float> sizeFloorM;        // F: in-plane size floor 0.35/ν of the triangle (reference §5.5), metres at rest
+    std::vector<float> sizeFloorM;        // F: in-plane size floor 0.35/ν of the triangle (docs/reference/footprint.md), metres at rest
 
     // Linear values, kept in step by activate().
     std::vector<Vec2f> uv, scaleM;  // scaleM² = exp(2·logScale) + floor²

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The coarsest tier of culling: whole components of an avatar that no view can see are not even posed (technical reference §14.1).
+// The coarsest tier of culling: whole components of an avatar that no view can see are not even posed (docs/reference/gate.md).
 //
 //   load:   triangles ─► components (layer × region of the body) ─► of each: one box a joint, and how far its splats reach
 //   frame:  joints, modes ─► boxes against the sides of the views ─► bits of the components that nobody sees

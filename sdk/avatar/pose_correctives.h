@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pose correctives: surface offsets and brightness that follow the pose (formula in PoseCorrectiveData, technical reference §6–§8).
+// Pose correctives: surface offsets and brightness that follow the pose (formula in PoseCorrectiveData, docs/reference/correctives.md).
 #pragma once
 
 #include <span>
@@ -10,7 +10,7 @@
 
 namespace dpl {
 
-constexpr float kMinLight = 0.2f, kMaxLight = 3.0f;  // brightness is clamped to this (reference §7)
+constexpr float kMinLight = 0.2f, kMaxLight = 3.0f;  // brightness is clamped to this (docs/reference/correctives.md)
 
 /** What a joint's local rotation says: its first two columns minus the identity's, six numbers. */
 template <class T>

@@ -54,7 +54,7 @@ struct SplatData {
     uint32_t count() const { return uint32_t(uv.size()); }
 };
 
-/** How the surface and its brightness follow the pose (technical reference §6–§8): offsets and light of coarse control nodes, linear in
+/** How the surface and its brightness follow the pose (docs/reference/correctives.md): offsets and light of coarse control nodes, linear in
  *  K numbers of the pose, spread to the vertices by four weights each. Empty (nodeCount 0): the avatar has none.
  *
  *      d = feature(pose) − mean;   k = modes · d;   off² = ‖d‖² − Σ_i k_i² / ‖mode_i‖²

@@ -83,9 +83,10 @@ std::vector<uint32_t> sortSplats(AvatarData& avatar);
  *  InvalidArgument: a triangle out of range or arrays of different length. */
 Result<std::vector<uint32_t>> sortSplats(AvatarData& avatar, std::span<const uint32_t> triangleOfSplat);
 
-/** Re-expresses φ, s1, s2 of every splat on the rest mesh of `avatar` so that its posed covariance is unchanged (reference §5.1, closing
- *  paragraph). oldRestPositions: V positions of the mesh that the splats were bound to; same triangles, same u, v. Splats of a triangle
- *  that is degenerate in either mesh keep their values. Afterwards s1 ≥ s2 and φ ∈ [0, π). Returns the number of splats left as they were.
+/** Re-expresses φ, s1, s2 of every splat on the rest mesh of `avatar` so that its posed covariance is unchanged
+ * (docs/reference/binding.md). oldRestPositions: V positions of the mesh that the splats were bound to; same triangles, same u, v. Splats
+ * of a triangle that is degenerate in either mesh keep their values. Afterwards s1 ≥ s2 and φ ∈ [0, π). Returns the number of splats left
+ * as they were.
  */
 Result<uint32_t> rebaseSplats(std::span<const Vec3f> oldRestPositions, AvatarData& avatar);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The referee (technical reference §1, §5.1, §5.5, §6–§8, §14.2, §17): pose correctives, skinning, binding, projection, SH and blending in
+// The referee (docs/reference): pose correctives, skinning, binding, projection, SH and blending in
 // double precision.
 //
 // It reads the plain structs of sdk/format and sdk/avatar but calls nothing of sdk/math or sdk/splat. Units are metres, radians and
@@ -120,7 +120,7 @@ ReferenceCorrection referenceCorrection(const AvatarData& avatar, const Pose& po
 std::vector<glm::dvec3> referenceSkin(const AvatarData& avatar, const Pose& pose);
 ReferenceScene sceneOf(const AvatarData& avatar, const Pose& pose);
 
-/** Binding of §5.1: world axes, centre, normal and polar rotation. valid is false on degenerate triangles (§14.4). */
+/** Binding (docs/reference/binding.md): world axes, centre, normal and polar rotation. valid is false on degenerate triangles. */
 ReferenceGaussian referenceGaussian(const ReferenceScene& scene, const ReferenceBoundSplat& splat);
 ReferenceGaussian referenceGaussian(const StaticSplatData& splats, uint32_t index);
 

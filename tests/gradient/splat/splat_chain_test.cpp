@@ -160,7 +160,7 @@ TEST(SplatChain, nearFadePartlyOpen) {
 TEST(SplatChain, needleStaysFinite) {
     Case c;
     c.logScale = {std::log(0.2), std::log(2e-4)};
-    check(c, 1e-4, 1e-6);  // the quotient is the noisy side (reference §17)
+    check(c, 1e-4, 1e-6);  // the quotient is the noisy side (docs/reference/projection.md)
 }
 
 TEST(SplatChain, rigidMotionHasNoEffectTogetherWithTheCamera) {

@@ -16,7 +16,8 @@ Camerad camera() {
 }
 
 TEST(Projection, sumFormKeepsTheDeterminantOfNeedlesInFloat) {
-    // Minor axis 0.3 px, major axis up to 2000 px: a·c − b² would be wrong by up to 83 % (reference §5.5); the sum form by rounding only.
+    // Minor axis 0.3 px, major axis up to 2000 px: a·c − b² would be wrong by up to 83 % (docs/reference/footprint.md); the sum form by
+    // rounding only.
     const Camerad d = camera();
     const Cameraf f = d.cast<float>();
     std::mt19937 random(4);

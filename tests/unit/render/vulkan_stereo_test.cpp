@@ -109,7 +109,7 @@ ImageDifference cantedPairAgainstAlone(TestVulkan& vulkan, float degrees) {
 TEST_P(VulkanImage, eyesThatShareAnOrderStayCloseToTheirOwn) {
     TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(vulkan);
-    EXPECT_GE(cantedPairAgainstAlone(vulkan, 1.9f).psnrDb, 45.0);  // technical reference §16
+    EXPECT_GE(cantedPairAgainstAlone(vulkan, 1.9f).psnrDb, 45.0);  // docs/adr/0015-stereo.md
 }
 
 TEST_P(VulkanImage, cantedEyesAreSortedEachForItself) {
