@@ -12,9 +12,9 @@
 
 #include "sdk/avatar/rig.h"
 #include "sdk/core/result.h"
+#include "sdk/draw/renderer.h"
 #include "sdk/format/avatar_data.h"
 #include "sdk/include/doppel/doppel.h"
-#include "sdk/render/renderer.h"
 
 namespace dpl::api {
 

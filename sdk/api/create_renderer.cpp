@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/api/create_renderer.h"
 
-#include "sdk/api/software_renderer.h"
 #include "sdk/core/log.h"
+#include "sdk/splat/software_renderer.h"
 #if DOPPEL_VULKAN
 #include "sdk/render/fill_memory.h"
 #include "sdk/render/vulkan_renderer.h"

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "sdk/core/result.h"
+#include "sdk/draw/renderer.h"
 #include "sdk/include/doppel/doppel.h"
-#include "sdk/render/renderer.h"
 
 namespace dpl::api {
 

@@ -18,6 +18,7 @@
 #include <variant>
 #include <vector>
 
+#include "sdk/core/pass_time.h"
 #include "sdk/core/result.h"
 
 namespace dpl {
@@ -152,12 +153,6 @@ struct CopyStep {  // as much of a Device buffer as fills a Readback buffer; or 
 using Step = std::variant<FillStep, ComputeStep, DrawStep, ReadbackStep, CopyStep>;
 
 const std::string& stepLabel(const Step& step);
-
-/** GPU time of one step of the last run. */
-struct PassTime {
-    std::string label;
-    double milliseconds = 0;
-};
 
 class Backend {
 public:

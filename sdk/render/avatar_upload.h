@@ -5,12 +5,12 @@
 #include <span>
 #include <vector>
 
-#include "sdk/avatar/components.h"
 #include "sdk/backend/backend.h"
 #include "sdk/format/avatar_data.h"
 #include "sdk/format/coded_splats.h"
 #include "sdk/format/splat_detail.h"
 #include "sdk/math/detail.h"
+#include "sdk/visibility/components.h"
 #include "shaders/shared/frame.h"
 
 namespace dpl {

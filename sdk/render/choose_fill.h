@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "sdk/render/renderer.h"
+#include "sdk/draw/renderer.h"
 
 namespace dpl {
 

@@ -13,7 +13,7 @@ struct SubjectIds {
     uint32_t vertexCount = 0, triangleCount = 0, splatCount = 0, shDegree = 0;
     uint32_t jointCount = 0;
     uint32_t groupCount = 0, filledGroups = 0;           // half-chunks; those with any splats
-    uint32_t componentCount = 0;                         // that may be left out (sdk/avatar/components.h)
+    uint32_t componentCount = 0;                         // that may be left out (sdk/visibility/components.h)
     uint32_t drawn = 0, firstGroup = 0, firstSplat = 0;  // its number, and what lies before its own in the lists of the frame
     gpu::CodesPush codes{};                              // where its streams begin; what belongs to the frame is filled in there
     bool corrected = false;                    // pose correctives: other vertex records, control nodes behind the joints in the palette

@@ -10,13 +10,13 @@
 #include <algorithm>
 #include <map>
 
-#include "sdk/avatar/components.h"
-#include "sdk/avatar/detail.h"
 #include "sdk/avatar/rig.h"
+#include "sdk/draw/renderer.h"
 #include "sdk/render/avatar_upload.h"
 #include "sdk/render/frame_ids.h"
 #include "sdk/render/passes/tiles.h"
-#include "sdk/render/renderer.h"
+#include "sdk/visibility/components.h"
+#include "sdk/visibility/detail.h"
 
 namespace dpl {
 

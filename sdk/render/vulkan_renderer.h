@@ -8,7 +8,7 @@
 #pragma once
 
 #include "sdk/backend/vulkan/vulkan_backend.h"
-#include "sdk/render/renderer.h"
+#include "sdk/draw/renderer.h"
 
 namespace dpl {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/baseline/plain_file.h"
 
+#include "sdk/draw/renderer.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/splat_file.h"
-#include "sdk/render/renderer.h"
 #include "tests/baseline/plain_frame.h"
 
 namespace dpl {

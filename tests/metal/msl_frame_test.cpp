@@ -7,7 +7,6 @@
 #include <bit>
 #include <cstring>
 
-#include "sdk/avatar/detail.h"
 #include "sdk/format/spatial_order.h"
 #include "sdk/format/splat_detail.h"
 #include "sdk/math/half.h"
@@ -15,6 +14,7 @@
 #include "sdk/render/avatar_upload.h"
 #include "sdk/render/passes/scan.h"
 #include "sdk/render/passes/tiles.h"
+#include "sdk/visibility/detail.h"
 #include "tests/reference/corrective_cases.h"
 #include "tests/reference/image_compare.h"
 #include "tests/reference/random_avatar.h"

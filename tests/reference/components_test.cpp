@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Components that are left out show nothing: against the double reference, over rigs, poses, correctives, lenses and places of the camera.
-#include "sdk/avatar/components.h"
+#include "sdk/visibility/components.h"
 
 #include <gtest/gtest.h>
 

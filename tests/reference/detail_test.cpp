@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Level of detail of the software renderer against the referee, at densities from none left out to a splat of 128.
-#include "sdk/avatar/detail.h"
+#include "sdk/visibility/detail.h"
 #include "sdk/avatar/posed_mesh.h"
 #include "sdk/format/splat_codec.h"
 #include "sdk/format/splat_detail.h"

@@ -10,9 +10,11 @@ SDK = {
     "sdk/math": ["sdk/core"],
     "sdk/format": ["sdk/core", "sdk/math"],
     "sdk/avatar": ["sdk/core", "sdk/math", "sdk/format"],
-    "sdk/splat": ["sdk/core", "sdk/math", "sdk/format", "sdk/avatar"],
+    "sdk/visibility": ["sdk/core", "sdk/math", "sdk/format", "sdk/avatar"],
+    "sdk/draw": ["sdk/core", "sdk/math", "sdk/format", "sdk/avatar", "sdk/visibility"],
+    "sdk/splat": ["sdk/core", "sdk/math", "sdk/format", "sdk/avatar", "sdk/visibility", "sdk/draw"],
     "sdk/backend": ["sdk/core", "shaders/shared"],
-    "sdk/render": ["sdk/core", "sdk/math", "sdk/format", "sdk/avatar", "sdk/backend", "shaders/shared"],
+    "sdk/render": ["sdk/core", "sdk/math", "sdk/format", "sdk/avatar", "sdk/visibility", "sdk/draw", "sdk/backend", "shaders/shared"],
     "sdk/api": ["sdk"],
     "sdk/include": [],
 }

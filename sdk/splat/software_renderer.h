@@ -2,7 +2,7 @@
 // The CPU renderer: rig and splat engine behind the Renderer seam.
 #pragma once
 
-#include "sdk/render/renderer.h"
+#include "sdk/draw/renderer.h"
 
 namespace dpl {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Level of detail: which splats go first, how many splats a density draws, and one budget for several avatars.
-#include "sdk/avatar/detail.h"
+#include "sdk/visibility/detail.h"
 
 #include <gtest/gtest.h>
 

@@ -7,11 +7,11 @@
 #include <span>
 #include <vector>
 
-#include "sdk/avatar/general_detail.h"
 #include "sdk/avatar/rig.h"
 #include "sdk/format/coded_splats.h"
 #include "sdk/math/camera.h"
 #include "sdk/math/detail.h"
+#include "sdk/visibility/general_detail.h"
 
 namespace dpl {
 

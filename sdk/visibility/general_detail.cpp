@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sdk/avatar/general_detail.h"
+#include "sdk/visibility/general_detail.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "sdk/avatar/detail.h"
 #include "sdk/math/projection.h"
+#include "sdk/visibility/detail.h"
 
 namespace dpl {
 namespace {

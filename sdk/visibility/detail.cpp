@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sdk/avatar/detail.h"
+#include "sdk/visibility/detail.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sdk/avatar/components.h"
+#include "sdk/visibility/components.h"
 
 #include <algorithm>
 #include <array>

@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sdk/api/software_renderer.h"
+#include "sdk/splat/software_renderer.h"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <map>
 
-#include "sdk/avatar/components.h"
-#include "sdk/avatar/detail.h"
 #include "sdk/avatar/posed_mesh.h"
 #include "sdk/format/spatial_order.h"
 #include "sdk/format/splat_codec.h"
@@ -15,6 +13,8 @@
 #include "sdk/math/sh.h"
 #include "sdk/splat/mesh_depth.h"
 #include "sdk/splat/splat_engine.h"
+#include "sdk/visibility/components.h"
+#include "sdk/visibility/detail.h"
 
 namespace dpl {
 namespace {

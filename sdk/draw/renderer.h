@@ -8,13 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "sdk/avatar/detail.h"
 #include "sdk/avatar/rig.h"
-#include "sdk/backend/backend.h"
+#include "sdk/core/pass_time.h"
 #include "sdk/core/result.h"
 #include "sdk/format/avatar_data.h"
 #include "sdk/format/coded_splats.h"
 #include "sdk/math/camera.h"
+#include "sdk/visibility/detail.h"
 
 namespace dpl {
 
