@@ -1,0 +1,143 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Holds the commands in the documents: subcommands, options, presets and scripts exist; cheap commands on avatar.glb are run."""
+import argparse
+import functools
+import json
+import pathlib
+import re
+import shlex
+import subprocess
+import sys
+import tempfile
+
+import markdown
+
+TINY_AVATAR = "avatar.glb"  # commands that read just this file are run on a tiny avatar of that name
+RUN = ("inspect", "export", "render")
+TOO_DEAR = (".mp4",)
+
+
+class Checker:
+    def __init__(self, root, doppel):
+        self.root, self.doppel = root, doppel
+        self.presets = {p["name"] for p in json.loads((root / "CMakePresets.json").read_text())["configurePresets"]}
+        self.commands = 0
+
+    @functools.cached_property
+    def build_text(self):
+        files = [f for f in self.root.rglob("CMakeLists.txt") if "build" not in f.relative_to(self.root).parts]
+        return "\n".join(f.read_text() for f in files + sorted((self.root / "tools/cmake").glob("*.cmake")))
+
+    @functools.lru_cache(maxsize=None)
+    def help(self, subcommands):
+        result = subprocess.run([self.doppel, *subcommands, "--help"], capture_output=True, text=True)
+        return result.stdout if result.returncode == 0 else None
+
+    def check(self, line):
+        """What is wrong with a command line, or nothing. Other programs than ours give None of both."""
+        words = [w.strip("[]") for w in shlex.split(line, comments=True)]
+        while words and re.fullmatch(r"\w+=.*", words[0]):  # VARIABLE=value
+            words.pop(0)
+        if not words:
+            return []
+        program = words[0]
+        if program == "doppel" or program.endswith("/doppel"):
+            return self.check_doppel(words[1:])
+        if program.startswith("tools/"):
+            return self.check_script(program, words[1:])
+        if program in ("cmake", "ctest"):
+            return self.check_build(words[1:])
+        return [f"'{program}' is no program that this test knows"]
+
+    def check_doppel(self, words):
+        self.commands += 1
+        subcommands = []
+        while words and re.fullmatch(r"[a-z]+", words[0]) and len(subcommands) < 2:
+            if subcommands and not self.help((*subcommands, words[0])):
+                break
+            subcommands.append(words.pop(0))
+        text = self.help(tuple(subcommands))
+        if text is None:
+            return [f"'doppel {' '.join(subcommands)}' does not exist"]
+        wanted = [w.split("=")[0] for w in words if re.match(r"--?[a-z]", w)]
+        return [f"'doppel {' '.join(subcommands)}' has no option {o}" for o in wanted if not re.search(rf"(?<![\w-]){o}(?![\w-])", text)]
+
+    def check_script(self, program, words):
+        self.commands += 1
+        path = self.root / program
+        if not path.exists():
+            return [] if path.with_suffix(".cpp").exists() else [f"{program} does not exist"]
+        text = path.read_text()
+        return [f"{program} does not know {w}" for w in words if w.startswith("--") and w not in text]
+
+    def check_build(self, words):
+        self.commands += 1
+        wrong = []
+        for before, word in zip([""] + words, words):
+            if before == "--preset" and word not in self.presets:
+                wrong.append(f"there is no preset '{word}'")
+            if before == "--component" and word not in self.build_text:
+                wrong.append(f"there is no component '{word}'")
+            option = re.match(r"-D(DOPPEL_\w+)", word)
+            if option and option.group(1) not in self.build_text:
+                wrong.append(f"there is no build option {option.group(1)}")
+        return wrong
+
+
+def lines_of(block):
+    """Commands of a sh block, continued lines joined."""
+    text = block.text.replace("\\\n", " ")
+    for number, line in enumerate(text.splitlines(), block.line):
+        if line.strip() and not line.lstrip().startswith("#"):
+            yield from ((number, part.strip()) for part in line.split("&&"))
+
+
+def commands_of(page):
+    for block in page.blocks:
+        if block.language == "sh":
+            yield from lines_of(block)
+    for number, span in page.spans():
+        if re.match(r"(doppel [a-z]|tools/[\w/]+ -|(cmake|ctest) --)", span) and "…" not in span:
+            yield number, span
+
+
+def is_cheap(line):
+    words = shlex.split(line, comments=True)
+    return len(words) > 2 and words[0] == "doppel" and words[1] in RUN and words[2] == TINY_AVATAR and not line.endswith(TOO_DEAR) and not any(
+        w.endswith(TOO_DEAR) for w in words)
+
+
+def problems(root, doppel, make_avatar=None):
+    checker, cheap = Checker(root, doppel), []
+    for page in markdown.pages(root):
+        if page.is_history():
+            continue
+        for number, line in commands_of(page):
+            for problem in checker.check(line):
+                yield f"{page.name}:{number}: {problem}"
+            if is_cheap(line):
+                cheap.append((page.name, number, line))
+    if not make_avatar:
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        subprocess.run([make_avatar, pathlib.Path(folder) / TINY_AVATAR], check=True)
+        for name, number, line in cheap:
+            words = [doppel] + shlex.split(line, comments=True)[1:]
+            result = subprocess.run(words, cwd=folder, capture_output=True, text=True)
+            if result.returncode != 0:
+                yield f"{name}:{number}: '{line}' failed ({result.returncode}): {result.stderr.strip()}"
+    print(f"{checker.commands} commands, {len(cheap)} of them run")
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("root", type=pathlib.Path)
+    parser.add_argument("--doppel", required=True)
+    parser.add_argument("--make-avatar", required=True)
+    arguments = parser.parse_args()
+    return markdown.report(list(problems(arguments.root.resolve(), arguments.doppel, arguments.make_avatar)), "commands")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,83 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Holds the pages of the repository: links and anchors lead somewhere, paths in backticks exist, tables are whole, ADRs fit on a page."""
+import pathlib
+import re
+import sys
+
+import markdown
+
+ROOMS = ("sdk", "shaders", "apps", "reconstruction", "tools", "tests", "docs", "platform")
+PATH = re.compile(r"(?:%s)/[\w./+-]*" % "|".join(ROOMS))
+MAX_ADR_WORDS = 500
+
+
+def link_problems(root, page, known):
+    for number, target in page.links():
+        if re.match(r"[a-z]+:", target):
+            continue
+        file, _, anchor = target.partition("#")
+        path = (page.path.parent / file).resolve() if file else page.path.resolve()
+        if not path.exists():
+            yield f"{page.name}:{number}: the link {target} leads nowhere"
+        elif anchor and path in known and anchor not in known[path].anchors():
+            yield f"{page.name}:{number}: {path.relative_to(root)} has no heading '{anchor}'"
+
+
+def path_problems(root, page):
+    """A span that begins like a path of ours. Programs are named without .cpp, where their source is."""
+    for number, span in page.spans():
+        match = PATH.match(span)
+        if not match or match.end() < len(span) and span[match.end()] not in " ,;:":
+            continue  # no path, or a pattern with * or {}
+        path = root / match.group().rstrip(".")
+        if not path.exists() and not path.with_suffix(".cpp").exists():
+            yield f"{page.name}:{number}: `{match.group()}` does not exist"
+
+
+def cells(line):
+    return len(re.findall(r"(?<!\\)\|", line.strip())) - 1
+
+
+def table_problems(page):
+    previous = {number: line for number, line in page.prose}
+    width, start = 0, 0
+    for number, line in page.prose:
+        if not line.strip().startswith("|"):
+            width = 0
+        elif not width and re.fullmatch(r"\|[\s:|-]+\|", line.strip()):
+            width, start = cells(line), number
+            if cells(previous.get(number - 1, "")) != width:
+                yield f"{page.name}:{number - 1}: the table has {cells(previous.get(number - 1, ''))} headings for {width} columns"
+        elif width and cells(line) != width:
+            yield f"{page.name}:{number}: a table row of {cells(line)} cells in a table of {width} columns (from line {start})"
+
+
+def adr_problems(page):
+    if not re.fullmatch(r"docs/adr/\d{4}-.*\.md", page.name):
+        return
+    words = len(page.path.read_text(encoding="utf-8").split())
+    if words > MAX_ADR_WORDS:
+        yield f"{page.name}: {words} words; a decision has at most {MAX_ADR_WORDS}"
+    if not any(line.startswith("Status: ") for _, line in page.prose):
+        yield f"{page.name}: no line 'Status: ...'"
+
+
+def problems(root):
+    all_pages = list(markdown.pages(root))
+    known = {page.path.resolve(): page for page in all_pages}
+    for page in all_pages:
+        yield from link_problems(root, page, known)
+        yield from table_problems(page)
+        yield from adr_problems(page)
+        if not page.is_history():
+            yield from path_problems(root, page)
+
+
+def main():
+    root = pathlib.Path(sys.argv[1]).resolve()
+    return markdown.report(list(problems(root)), f"{len(list(markdown.pages(root)))} pages")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,83 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Feeds the checkers broken pages: each must complain about exactly what is broken."""
+import pathlib
+import shutil
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import check_commands
+import check_pages
+import check_snippets
+
+# A stand-in for doppel: knows `render` with --size, and `body import`.
+DOPPEL = """#!/bin/sh
+case "$*" in
+    "render --help") echo "--size TEXT  Size" ;;
+    "body import --help") echo "-o,--out TEXT" ;;
+    "body --help") echo "import" ;;
+    *) exit 2 ;;
+esac
+"""
+
+
+class Checkers(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = pathlib.Path(folder.name).resolve()
+        (self.root / "docs/adr").mkdir(parents=True)
+        (self.root / "sdk/math").mkdir(parents=True)
+        (self.root / "CMakePresets.json").write_text('{"configurePresets": [{"name": "dev"}]}')
+        (self.root / "CMakeLists.txt").write_text("option(DOPPEL_TESTS)")
+        self.doppel = self.root / "doppel"
+        self.doppel.write_text(DOPPEL)
+        self.doppel.chmod(0o755)
+
+    def page(self, text, name="docs/page.md"):
+        (self.root / name).write_text(text)
+
+    def complaints(self, expected, got):
+        got = list(got)
+        self.assertEqual(len(got), len(expected), got)
+        for part, problem in zip(expected, got):
+            self.assertIn(part, problem)
+
+    def test_links(self):
+        self.page("# One two\n[good](page.md#one-two) [bad](no.md) [anchor](#three) [web](https://example.org)\n")
+        self.complaints(["no.md leads nowhere", "no heading 'three'"], check_pages.problems(self.root))
+
+    def test_paths(self):
+        self.page("`sdk/math` `sdk/gone.h` `sdk/*` `other/thing`\n```\n`sdk/in_a_block`\n```\n")
+        self.complaints(["`sdk/gone.h` does not exist"], check_pages.problems(self.root))
+
+    def test_tables(self):
+        self.page("| a | b |\n|---|---|\n| 1 | 2 |\n| 1 | `x \\| y` |\n| 1 | 2 | 3 |\n")
+        self.complaints(["5: a table row of 3 cells"], check_pages.problems(self.root))
+
+    def test_decisions(self):
+        self.page("# Long\nStatus: accepted\n" + "word " * 500, "docs/adr/0001-long.md")
+        self.page("# No status\n", "docs/adr/0002-none.md")
+        self.complaints(["504 words", "no line 'Status"], check_pages.problems(self.root))
+
+    def test_commands(self):
+        self.page("```sh\ndoppel render a.glb --size 8x8\ndoppel render a.glb --sise 8x8\ndoppel body import x -o y\ndoppel gone\n"
+                  "cmake --preset dev -DDOPPEL_TESTS=ON\ncmake --preset no -DDOPPEL_NO=ON\ntools/no\nrm x\n```\n`doppel render --inline`\n")
+        self.complaints(["no option --sise", "'doppel gone' does not exist", "no preset 'no'", "no build option DOPPEL_NO", "tools/no does not exist",
+                         "'rm' is no program", "no option --inline"], check_commands.problems(self.root, self.doppel))
+
+    @unittest.skipUnless(shutil.which("cc") and shutil.which("c++"), "no cc and c++ in the path")
+    def test_snippets(self):
+        self.page("```c\nint main(void) { return 0; }\n```\n```cpp\nint main() { return 3; }\n```\n```c\nint main(void) { return gone(); }\n```\n"
+                  "```cpp\nnothing();\n```\n```cpp\n// given: int x\nint y = x + gone;\n```\n")
+        (self.root / "sdk/include/doppel").mkdir(parents=True)
+        (self.root / "sdk/include/doppel/doppel.hpp").touch()
+        compiler = check_snippets.Compiler(self.root, "-lc", "cc", "c++", self.root)
+        self.complaints(["fails: (3)", "does not build", "neither a program", "does not compile"],
+                        check_snippets.problems(self.root, compiler, "tiny"))
+
+
+if __name__ == "__main__":
+    unittest.main()
