@@ -3,6 +3,7 @@
 """Holds the pages of the repository: links and anchors lead somewhere, paths in backticks exist, tables are whole, ADRs fit on a page."""
 import pathlib
 import re
+import runpy
 import sys
 
 import markdown
@@ -63,7 +64,25 @@ def adr_problems(page):
         yield f"{page.name}: no line 'Status: ...'"
 
 
+def arrow_problems(root):
+    """The overview's table of rooms says what the test of the include arrows holds."""
+    arrows, overview = root / "tests/structure/check_arrows.py", root / "docs/overview.md"
+    if not arrows.exists() or not overview.exists():
+        return
+    rules = runpy.run_path(str(arrows))["SDK"]
+    text = overview.read_text(encoding="utf-8")
+    for room, allowed in rules.items():
+        if room == "sdk/include":
+            continue
+        row = re.search(rf"^\| `{room}` \| (.*) \|$", text, re.MULTILINE)
+        wanted = ", ".join(f"`{a}`" if not a.startswith("sdk/") else a[4:] for a in allowed) or "nobody"
+        wanted = "anything in `sdk`" if allowed == ["sdk"] else wanted
+        if not row or row.group(1) != wanted:
+            yield f"docs/overview.md: the row of `{room}` should say: {wanted}"
+
+
 def problems(root):
+    yield from arrow_problems(root)
     all_pages = list(markdown.pages(root))
     known = {page.path.resolve(): page for page in all_pages}
     for page in all_pages:

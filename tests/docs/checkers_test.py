@@ -62,6 +62,13 @@ class Checkers(unittest.TestCase):
         self.page("# No status\n", "docs/adr/0002-none.md")
         self.complaints(["504 words", "no line 'Status"], check_pages.problems(self.root))
 
+    def test_arrows(self):
+        (self.root / "tests/structure").mkdir(parents=True)
+        (self.root / "tests/structure/check_arrows.py").write_text('SDK = {"sdk/a": [], "sdk/b": ["sdk/a", "shaders/x"], "sdk/c": ["sdk"]}')
+        self.page("| `sdk/a` | nobody |\n| `sdk/b` | a |\n| `sdk/c` | anything in `sdk` |\n", "docs/overview.md")
+        (self.root / "sdk/a").mkdir(), (self.root / "sdk/b").mkdir(), (self.root / "sdk/c").mkdir()
+        self.complaints(["the row of `sdk/b` should say: a, `shaders/x`"], check_pages.problems(self.root))
+
     def test_commands(self):
         self.page("```sh\ndoppel render a.glb --size 8x8\ndoppel render a.glb --sise 8x8\ndoppel body import x -o y\ndoppel gone\n"
                   "cmake --preset dev -DDOPPEL_TESTS=ON\ncmake --preset no -DDOPPEL_NO=ON\ntools/no\nrm x\n```\n`doppel render --inline`\n")
