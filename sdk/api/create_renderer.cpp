@@ -27,7 +27,7 @@ Result<std::unique_ptr<Renderer>> createGpuRenderer(DplRenderer kind, const Rend
     vulkan.shareViews = options.shareViews;
     vulkan.quantiseDepth = options.quantiseDepth;
     auto gpu = createVulkanRenderer(vulkan);
-    // "No usable loader" and "no device" are one thing to the caller: not on this machine.
+    if (!gpu && gpu.error().code != Code::Unsupported) return gpu.error();
     if (!gpu)
         return fail(Code::Unsupported, "no Vulkan renderer on this machine: {}; use DPL_RENDERER_AUTO or DPL_RENDERER_SOFTWARE",
                     gpu.error().message);

@@ -150,6 +150,7 @@ private:
     struct Recorder;
 
     std::unique_ptr<Device> device_;
+    const Functions& vk_;  // of device_
     ShaderPack pack_;
     VkFence fence_ = VK_NULL_HANDLE;  // of uploads
     VkCommandPool uploadPool_ = VK_NULL_HANDLE;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "sdk/backend/vulkan/vk_loader.h"
 #include "sdk/core/log.h"
 
 namespace dpl::vk {
@@ -18,19 +19,21 @@ VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT,
     return VK_FALSE;
 }
 
-bool hasLayer(const char* name) {
+bool hasLayer(const Functions& vk, const char* name) {
     uint32_t count = 0;
-    vkEnumerateInstanceLayerProperties(&count, nullptr);
+    vk.vkEnumerateInstanceLayerProperties(&count, nullptr);
     std::vector<VkLayerProperties> layers(count);
-    vkEnumerateInstanceLayerProperties(&count, layers.data());
+    vk.vkEnumerateInstanceLayerProperties(&count, layers.data());
     return std::any_of(layers.begin(), layers.end(), [&](const auto& l) { return std::strcmp(l.layerName, name) == 0; });
 }
 
 Status createInstance(Device& d, bool validation) {
+    DPL_TRY(const PFN_vkGetInstanceProcAddr getInstanceProcAddr, findVulkanLoader());
+    DPL_CHECK_OK(d.vk.loadGlobal(getInstanceProcAddr));
     uint32_t version = VK_API_VERSION_1_0;
-    vkEnumerateInstanceVersion(&version);
+    d.vk.vkEnumerateInstanceVersion(&version);
     if (version < VK_API_VERSION_1_1) return fail(Code::Unsupported, "the Vulkan loader is older than 1.1");
-    if (validation && !hasLayer(kValidationLayer))
+    if (validation && !hasLayer(d.vk, kValidationLayer))
         return fail(Code::NotFound, "{} is not installed (Debian: vulkan-validationlayers)", kValidationLayer);
     VkApplicationInfo app{VK_STRUCTURE_TYPE_APPLICATION_INFO};
     app.pApplicationName = app.pEngineName = "doppel";
@@ -49,17 +52,19 @@ Status createInstance(Device& d, bool validation) {
         info.ppEnabledExtensionNames = extensions;
         info.pNext = &features;
     }
-    DPL_VK(vkCreateInstance(&info, nullptr, &d.instance));
+    const VkResult created = d.vk.vkCreateInstance(&info, nullptr, &d.instance);
+    if (created == VK_ERROR_INCOMPATIBLE_DRIVER) return fail(Code::Unsupported, "the Vulkan loader finds no driver");
+    if (created != VK_SUCCESS) return failVk("vkCreateInstance", created);
+    DPL_CHECK_OK(d.vk.loadInstance(d.instance));
     if (!validation) return {};
     VkDebugUtilsMessengerCreateInfoEXT messenger{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
     messenger.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
     messenger.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
     messenger.pfnUserCallback = onMessage;
     messenger.pUserData = &d;
-    const auto create =
-        reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(vkGetInstanceProcAddr(d.instance, "vkCreateDebugUtilsMessengerEXT"));
-    if (!create) return fail(Code::Unsupported, "the validation layer has no VK_EXT_debug_utils");
-    DPL_VK(create(d.instance, &messenger, nullptr, &d.messenger));
+    if (!d.vk.vkCreateDebugUtilsMessengerEXT || !d.vk.vkDestroyDebugUtilsMessengerEXT)
+        return fail(Code::Unsupported, "the validation layer has no VK_EXT_debug_utils");
+    DPL_VK(d.vk.vkCreateDebugUtilsMessengerEXT(d.instance, &messenger, nullptr, &d.messenger));
     return {};
 }
 
@@ -93,9 +98,9 @@ int rank(DeviceKind kind) {
     }
 }
 
-bool canBlend(VkPhysicalDevice physical, VkFormat format, VkFormatFeatureFlags andThen) {
+bool canBlend(const Functions& vk, VkPhysicalDevice physical, VkFormat format, VkFormatFeatureFlags andThen) {
     VkFormatProperties properties{};
-    vkGetPhysicalDeviceFormatProperties(physical, format, &properties);
+    vk.vkGetPhysicalDeviceFormatProperties(physical, format, &properties);
     const VkFormatFeatureFlags wanted = VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT | andThen;
     return (properties.optimalTilingFeatures & wanted) == wanted;
 }
@@ -122,14 +127,14 @@ struct Candidate {
 };
 
 /** False when the device cannot run us at all. */
-bool describe(VkPhysicalDevice physical, Candidate& out) {
+bool describe(const Functions& vk, VkPhysicalDevice physical, Candidate& out) {
     VkPhysicalDeviceProperties properties{};
-    vkGetPhysicalDeviceProperties(physical, &properties);
+    vk.vkGetPhysicalDeviceProperties(physical, &properties);
     if (properties.apiVersion < VK_API_VERSION_1_1) return false;
     uint32_t count = 0;
-    vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
+    vk.vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
     std::vector<VkQueueFamilyProperties> families(count);
-    vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
+    vk.vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
     const VkQueueFlags wanted = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
     const auto family = std::find_if(families.begin(), families.end(), [&](const auto& f) { return (f.queueFlags & wanted) == wanted; });
     if (family == families.end()) return false;
@@ -137,14 +142,14 @@ bool describe(VkPhysicalDevice physical, Candidate& out) {
     VkPhysicalDeviceMultiviewFeatures multiview{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MULTIVIEW_FEATURES};
     VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
     features.pNext = &multiview;
-    vkGetPhysicalDeviceFeatures2(physical, &features);
+    vk.vkGetPhysicalDeviceFeatures2(physical, &features);
 
     VkPhysicalDeviceIDProperties ids{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES};
     VkPhysicalDeviceProperties2 properties2{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
     properties2.pNext = &ids;
     VkPhysicalDeviceSubgroupProperties subgroups{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
     ids.pNext = &subgroups;
-    vkGetPhysicalDeviceProperties2(physical, &properties2);
+    vk.vkGetPhysicalDeviceProperties2(physical, &properties2);
     for (uint8_t byte : ids.deviceUUID)
         out.info.identity += "0123456789abcdef"[byte >> 4], out.info.identity += "0123456789abcdef"[byte & 15];
     for (uint8_t byte : ids.driverUUID)
@@ -163,8 +168,8 @@ bool describe(VkPhysicalDevice physical, Candidate& out) {
     out.info.maxViewportPx = std::min(properties.limits.maxViewportDimensions[0], properties.limits.maxViewportDimensions[1]);
     out.info.maxGroups = properties.limits.maxComputeWorkGroupCount[0];
     out.info.multiview = multiview.multiview == VK_TRUE;
-    out.info.halfDepth = !canBlend(physical, VK_FORMAT_R32G32_SFLOAT, VK_FORMAT_FEATURE_TRANSFER_SRC_BIT);
-    out.info.codes16 = out.info.isSoftware() && canBlend(physical, VK_FORMAT_R16G16B16A16_UNORM, VK_FORMAT_FEATURE_BLIT_SRC_BIT);
+    out.info.halfDepth = !canBlend(vk, physical, VK_FORMAT_R32G32_SFLOAT, VK_FORMAT_FEATURE_TRANSFER_SRC_BIT);
+    out.info.codes16 = out.info.isSoftware() && canBlend(vk, physical, VK_FORMAT_R16G16B16A16_UNORM, VK_FORMAT_FEATURE_BLIT_SRC_BIT);
     out.info.timestamps = family->timestampValidBits > 0;
     out.info.shuffle = subgroups.subgroupSize >= 8 && subgroups.subgroupSize <= 64 &&
                        (subgroups.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) &&
@@ -176,40 +181,39 @@ bool describe(VkPhysicalDevice physical, Candidate& out) {
     return true;
 }
 
-std::vector<Candidate> candidates(VkInstance instance) {
+std::vector<Candidate> candidates(const Functions& vk, VkInstance instance) {
     uint32_t count = 0;
-    vkEnumeratePhysicalDevices(instance, &count, nullptr);
+    vk.vkEnumeratePhysicalDevices(instance, &count, nullptr);
     std::vector<VkPhysicalDevice> all(count);
-    vkEnumeratePhysicalDevices(instance, &count, all.data());
+    vk.vkEnumeratePhysicalDevices(instance, &count, all.data());
     std::vector<Candidate> list;
     for (VkPhysicalDevice physical : all)
-        if (Candidate c; describe(physical, c)) list.push_back(std::move(c));
+        if (Candidate c; describe(vk, physical, c)) list.push_back(std::move(c));
     std::stable_sort(list.begin(), list.end(), [](const auto& a, const auto& b) { return rank(a.info.kind) < rank(b.info.kind); });
     return list;
 }
 
 }  // namespace
 
-Error failVk(const char* what, VkResult result) {
+Error failVk(std::string_view what, VkResult result) {
     const Code code = result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_OUT_OF_DEVICE_MEMORY ? Code::OutOfMemory : Code::Device;
-    return fail(code, "Vulkan error {} from {}", int(result), std::string_view(what).substr(0, std::string_view(what).find('(')));
+    what = what.substr(0, what.find('('));
+    what = what.substr(what.find_last_of(".>") + 1);  // npos + 1 is 0
+    return fail(code, "Vulkan error {} from {}", int(result), what);
 }
 
 Device::~Device() {
-    if (device) vkDestroyDevice(device, nullptr);
-    if (messenger) {
-        const auto destroy =
-            reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(vkGetInstanceProcAddr(instance, "vkDestroyDebugUtilsMessengerEXT"));
-        if (destroy) destroy(instance, messenger, nullptr);
-    }
-    if (instance) vkDestroyInstance(instance, nullptr);
+    // Opening may have stopped before the functions were there.
+    if (device && vk.vkDestroyDevice) vk.vkDestroyDevice(device, nullptr);
+    if (messenger) vk.vkDestroyDebugUtilsMessengerEXT(instance, messenger, nullptr);
+    if (instance && vk.vkDestroyInstance) vk.vkDestroyInstance(instance, nullptr);
 }
 
 Result<std::unique_ptr<Device>> openDevice(const VulkanOptions& options) {
     auto d = std::make_unique<Device>();
     d->validationMessages = options.validationMessages ? options.validationMessages : std::make_shared<std::atomic<uint32_t>>(0);
     DPL_CHECK_OK(createInstance(*d, options.enableValidation));
-    const std::vector<Candidate> list = candidates(d->instance);
+    const std::vector<Candidate> list = candidates(d->vk, d->instance);
     if (list.empty()) return fail(Code::Unsupported, "no Vulkan 1.1 device with graphics and compute; use the software renderer");
     const Candidate* chosen = nullptr;
     for (const Candidate& c : list) {
@@ -239,7 +243,7 @@ Result<std::unique_ptr<Device>> openDevice(const VulkanOptions& options) {
         if (w.noClearDraw) d->info.clearDraw = false;
     }
     d->depthSumFormat = d->info.halfDepth ? VK_FORMAT_R16G16_SFLOAT : VK_FORMAT_R32G32_SFLOAT;
-    vkGetPhysicalDeviceMemoryProperties(d->physical, &d->memory);
+    d->vk.vkGetPhysicalDeviceMemoryProperties(d->physical, &d->memory);
 
     const float priority = 1;
     VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
@@ -256,8 +260,9 @@ Result<std::unique_ptr<Device>> openDevice(const VulkanOptions& options) {
     info.pNext = &multiview;
     info.queueCreateInfoCount = 1;
     info.pQueueCreateInfos = &queue;
-    DPL_VK(vkCreateDevice(d->physical, &info, nullptr, &d->device));
-    vkGetDeviceQueue(d->device, d->queueFamily, 0, &d->queue);
+    DPL_VK(d->vk.vkCreateDevice(d->physical, &info, nullptr, &d->device));
+    DPL_CHECK_OK(d->vk.loadDevice(d->device));
+    d->vk.vkGetDeviceQueue(d->device, d->queueFamily, 0, &d->queue);
     return d;
 }
 
@@ -269,7 +274,7 @@ Result<std::vector<DeviceInfo>> listVulkanDevices() {
     vk::Device d;
     DPL_CHECK_OK(vk::createInstance(d, false));
     std::vector<DeviceInfo> list;
-    for (const auto& c : vk::candidates(d.instance)) list.push_back(c.info);
+    for (const auto& c : vk::candidates(d.vk, d.instance)) list.push_back(c.info);
     return list;
 }
 

@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// Instance, device and queue: made once, torn down in order.
+// Opens the Vulkan instance, device and queue that a backend uses until it is destroyed.
 #pragma once
 
-#include <vulkan/vulkan.h>
-
+#include "sdk/backend/vulkan/vk_functions.h"
 #include "sdk/backend/vulkan/vulkan_backend.h"
 
 namespace dpl::vk {
 
-Error failVk(const char* what, VkResult result);
+/** The error of a failed call. `what`: its text as DPL_VK sees it, from which the name of the function is taken, or a phrase. */
+Error failVk(std::string_view what, VkResult result);
 
-// DPL_VK(call): return the error of a failed Vulkan call from the calling function.
+// DPL_VK(call): if the Vulkan call fails, return its error from the calling function.
 #define DPL_VK(...) \
     if (const VkResult dplVkResult = (__VA_ARGS__); dplVkResult != VK_SUCCESS) return dpl::vk::failVk(#__VA_ARGS__, dplVkResult)
 
 struct Device {
+    Functions vk;
     VkInstance instance = VK_NULL_HANDLE;
     VkDebugUtilsMessengerEXT messenger = VK_NULL_HANDLE;
     VkPhysicalDevice physical = VK_NULL_HANDLE;
@@ -34,6 +35,7 @@ struct Device {
     ~Device();
 };
 
+/** Code::Unsupported when there is no loader, no driver or no device that fits; Code::NotFound when the validation layer is missing. */
 Result<std::unique_ptr<Device>> openDevice(const VulkanOptions& options);
 
 }  // namespace dpl::vk

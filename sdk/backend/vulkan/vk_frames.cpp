@@ -21,13 +21,14 @@ struct VulkanBackend::Recorder {
     Frame& frame;
     VkCommandBuffer commands;
     std::set<uint32_t> read, written;  // since the last barrier
+    const Functions& vk = backend.vk_;
 
     void barrier() {
         VkMemoryBarrier memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
         memory.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
         memory.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_READ_BIT |
                                VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_INDIRECT_COMMAND_READ_BIT;
-        vkCmdPipelineBarrier(commands, kGpuStages, kGpuStages, 0, 1, &memory, 0, nullptr, 0, nullptr);
+        vk.vkCmdPipelineBarrier(commands, kGpuStages, kGpuStages, 0, 1, &memory, 0, nullptr, 0, nullptr);
         read.clear();
         written.clear();
     }
@@ -48,15 +49,15 @@ struct VulkanBackend::Recorder {
 
     Status bind(VkPipelineBindPoint point, const Pipeline& pipeline, const std::vector<Binding>& bindings, const PushBytes& push) {
         DPL_TRY(VkDescriptorSet set, backend.descriptorSet(frame, pipeline, bindings));
-        vkCmdBindPipeline(commands, point, pipeline.pipeline);
-        vkCmdBindDescriptorSets(commands, point, pipeline.layout, 0, 1, &set, 0, nullptr);
-        if (push.size) vkCmdPushConstants(commands, pipeline.layout, pipeline.stages, 0, push.size, push.bytes.data());
+        vk.vkCmdBindPipeline(commands, point, pipeline.pipeline);
+        vk.vkCmdBindDescriptorSets(commands, point, pipeline.layout, 0, 1, &set, 0, nullptr);
+        if (push.size) vk.vkCmdPushConstants(commands, pipeline.layout, pipeline.stages, 0, push.size, push.bytes.data());
         return {};
     }
 
     Status operator()(const FillStep& step) {
         touch({{step.buffer, true}});
-        vkCmdFillBuffer(commands, backend.buffers_.at(step.buffer.value).buffer, 0, VK_WHOLE_SIZE, step.value);
+        vk.vkCmdFillBuffer(commands, backend.buffers_.at(step.buffer.value).buffer, 0, VK_WHOLE_SIZE, step.value);
         return {};
     }
 
@@ -64,9 +65,9 @@ struct VulkanBackend::Recorder {
         touch(accessesOf(step.bindings, step.indirect));
         DPL_CHECK_OK(bind(VK_PIPELINE_BIND_POINT_COMPUTE, backend.pipelines_[step.pipeline.value - 1], step.bindings, step.push));
         if (step.indirect.buffer) {
-            vkCmdDispatchIndirect(commands, backend.buffers_.at(step.indirect.buffer.value).buffer, step.indirect.offset);
+            vk.vkCmdDispatchIndirect(commands, backend.buffers_.at(step.indirect.buffer.value).buffer, step.indirect.offset);
         } else {
-            vkCmdDispatch(commands, step.groups, 1, 1);
+            vk.vkCmdDispatch(commands, step.groups, 1, 1);
         }
         return {};
     }
@@ -83,19 +84,19 @@ struct VulkanBackend::Recorder {
         begin.renderArea.extent = target.extent;
         begin.clearValueCount = target.desc.depth ? 2 : 1;
         begin.pClearValues = clear;
-        vkCmdBeginRenderPass(commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
+        vk.vkCmdBeginRenderPass(commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
         const float width = float(target.extent.width), height = float(target.extent.height), before = 0.5f * (1 - step.guard);
         const VkViewport viewport{before * width, before * height, step.guard * width, step.guard * height, 0, 1};
         const VkRect2D scissor{{0, 0}, target.extent};
-        vkCmdSetViewport(commands, 0, 1, &viewport);
-        vkCmdSetScissor(commands, 0, 1, &scissor);
+        vk.vkCmdSetViewport(commands, 0, 1, &viewport);
+        vk.vkCmdSetScissor(commands, 0, 1, &scissor);
         if (step.clear.pipeline) {
-            vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, backend.pipelines_[step.clear.pipeline.value - 1].pipeline);
-            vkCmdDrawIndirect(commands, backend.buffers_.at(step.clear.args.buffer.value).buffer, step.clear.args.offset, 1, 16);
+            vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, backend.pipelines_[step.clear.pipeline.value - 1].pipeline);
+            vk.vkCmdDrawIndirect(commands, backend.buffers_.at(step.clear.args.buffer.value).buffer, step.clear.args.offset, 1, 16);
         }
         const Status status = bind(VK_PIPELINE_BIND_POINT_GRAPHICS, backend.pipelines_[step.pipeline.value - 1], step.bindings, step.push);
-        if (status) vkCmdDrawIndirect(commands, backend.buffers_.at(step.args.buffer.value).buffer, step.args.offset, 1, 16);
-        vkCmdEndRenderPass(commands);
+        if (status) vk.vkCmdDrawIndirect(commands, backend.buffers_.at(step.args.buffer.value).buffer, step.args.offset, 1, 16);
+        vk.vkCmdEndRenderPass(commands);
         return status;
     }
 
@@ -120,7 +121,7 @@ struct VulkanBackend::Recorder {
         else
             touch({{step.from, false}, {step.to, true}});
         const VkBufferCopy region{back ? step.offset : 0, back ? 0 : step.offset, back ? to.desc.bytes : from.desc.bytes};
-        vkCmdCopyBuffer(commands, from.buffer, to.buffer, 1, &region);
+        vk.vkCmdCopyBuffer(commands, from.buffer, to.buffer, 1, &region);
         if (back) hostBarrier();
         return {};
     }
@@ -129,7 +130,8 @@ struct VulkanBackend::Recorder {
         VkMemoryBarrier memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
         memory.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
         memory.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
-        vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &memory, 0, nullptr, 0, nullptr);
+        vk.vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &memory, 0, nullptr, 0,
+                                nullptr);
     }
 
     /** f16 colour to its RGBA8 copy; a blit converts and rounds. */
@@ -137,8 +139,8 @@ struct VulkanBackend::Recorder {
         const uint32_t layers = target.desc.multiview ? target.desc.views : 1;
         std::vector<VkImageMemoryBarrier> images(target.surfaces.size(), VkImageMemoryBarrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER});
         const auto barrier = [&] {
-            vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, nullptr, 0, nullptr,
-                                 uint32_t(images.size()), images.data());
+            vk.vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 0, nullptr, 0, nullptr,
+                                    uint32_t(images.size()), images.data());
         };
         for (size_t i = 0; i < images.size(); ++i) {
             VkImageMemoryBarrier& image = images[i];
@@ -154,8 +156,8 @@ struct VulkanBackend::Recorder {
         blit.srcSubresource = blit.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, layers};
         blit.srcOffsets[1] = blit.dstOffsets[1] = {int32_t(target.extent.width), int32_t(target.extent.height), 1};
         for (const Surface& surface : target.surfaces)
-            vkCmdBlitImage(commands, surface.colour.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, surface.rounded.image,
-                           VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, VK_FILTER_NEAREST);
+            vk.vkCmdBlitImage(commands, surface.colour.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, surface.rounded.image,
+                              VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, VK_FILTER_NEAREST);
         for (VkImageMemoryBarrier& image : images) {
             image.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
             image.dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT;
@@ -170,8 +172,8 @@ struct VulkanBackend::Recorder {
         region.bufferOffset = uint64_t(view) * target.desc.widthPx * target.desc.heightPx * pixelBytes;
         region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, target.desc.multiview ? view : 0, 1};
         region.imageExtent = {target.desc.widthPx, target.desc.heightPx, 1};
-        vkCmdCopyImageToBuffer(commands, image.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, backend.buffers_.at(to.value).buffer, 1,
-                               &region);
+        vk.vkCmdCopyImageToBuffer(commands, image.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, backend.buffers_.at(to.value).buffer, 1,
+                                  &region);
     }
 };
 
@@ -192,7 +194,7 @@ Status VulkanBackend::makeDescriptorPool(Frame& frame, std::span<const Step> ste
     info.maxSets = sets + 1;
     info.poolSizeCount = 3;
     info.pPoolSizes = sizes;
-    DPL_VK(vkCreateDescriptorPool(device_->device, &info, nullptr, &frame.descriptors));
+    DPL_VK(vk_.vkCreateDescriptorPool(device_->device, &info, nullptr, &frame.descriptors));
     return {};
 }
 
@@ -202,7 +204,7 @@ Result<VkDescriptorSet> VulkanBackend::descriptorSet(const Frame& frame, const P
     allocation.descriptorSetCount = 1;
     allocation.pSetLayouts = &pipeline.setLayout;
     VkDescriptorSet set = VK_NULL_HANDLE;
-    DPL_VK(vkAllocateDescriptorSets(device_->device, &allocation, &set));
+    DPL_VK(vk_.vkAllocateDescriptorSets(device_->device, &allocation, &set));
     std::vector<VkDescriptorBufferInfo> infos(bindings.size());
     std::vector<VkBufferView> views(bindings.size());
     std::vector<VkWriteDescriptorSet> writes(bindings.size());
@@ -222,45 +224,45 @@ Result<VkDescriptorSet> VulkanBackend::descriptorSet(const Frame& frame, const P
         }
         writes[i].pTexelBufferView = &views[i];
     }
-    vkUpdateDescriptorSets(device_->device, uint32_t(writes.size()), writes.data(), 0, nullptr);
+    vk_.vkUpdateDescriptorSets(device_->device, uint32_t(writes.size()), writes.data(), 0, nullptr);
     return set;
 }
 
 Status VulkanBackend::record(Frame& frame, std::span<const Step> steps) {
     DPL_CHECK_OK(makeDescriptorPool(frame, steps));
     VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-    DPL_VK(vkCreateFence(device_->device, &fence, nullptr, &frame.fence));
+    DPL_VK(vk_.vkCreateFence(device_->device, &fence, nullptr, &frame.fence));
     VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
     pool.queueFamilyIndex = device_->queueFamily;
-    DPL_VK(vkCreateCommandPool(device_->device, &pool, nullptr, &frame.commands));
+    DPL_VK(vk_.vkCreateCommandPool(device_->device, &pool, nullptr, &frame.commands));
     VkCommandBufferAllocateInfo allocation{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
     allocation.commandPool = frame.commands;
     allocation.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
     allocation.commandBufferCount = 1;
-    DPL_VK(vkAllocateCommandBuffers(device_->device, &allocation, &frame.commandBuffer));
+    DPL_VK(vk_.vkAllocateCommandBuffers(device_->device, &allocation, &frame.commandBuffer));
     const uint32_t stamps = uint32_t(steps.size()) + 1;
     if (device_->info.timestamps) {
         VkQueryPoolCreateInfo query{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
         query.queryType = VK_QUERY_TYPE_TIMESTAMP;
         query.queryCount = stamps;
-        DPL_VK(vkCreateQueryPool(device_->device, &query, nullptr, &frame.timestamps));
+        DPL_VK(vk_.vkCreateQueryPool(device_->device, &query, nullptr, &frame.timestamps));
         frame.ticks.resize(stamps);
     }
     VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
-    DPL_VK(vkBeginCommandBuffer(frame.commandBuffer, &begin));
+    DPL_VK(vk_.vkBeginCommandBuffer(frame.commandBuffer, &begin));
     Recorder recorder{*this, frame, frame.commandBuffer, {}, {}};
     recorder.barrier();  // after the frame before
     const auto stamp = [&](uint32_t index) {
-        if (frame.timestamps) vkCmdWriteTimestamp(frame.commandBuffer, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, frame.timestamps, index);
+        if (frame.timestamps) vk_.vkCmdWriteTimestamp(frame.commandBuffer, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, frame.timestamps, index);
     };
-    if (frame.timestamps) vkCmdResetQueryPool(frame.commandBuffer, frame.timestamps, 0, stamps);
+    if (frame.timestamps) vk_.vkCmdResetQueryPool(frame.commandBuffer, frame.timestamps, 0, stamps);
     stamp(0);
     for (uint32_t i = 0; i < steps.size(); ++i) {
         DPL_CHECK_OK(std::visit(recorder, steps[i]));
         stamp(i + 1);
         frame.labels.push_back(stepLabel(steps[i]));
     }
-    DPL_VK(vkEndCommandBuffer(frame.commandBuffer));
+    DPL_VK(vk_.vkEndCommandBuffer(frame.commandBuffer));
     return {};
 }
 
@@ -279,10 +281,10 @@ Result<FrameId> VulkanBackend::createFrame(std::vector<Step> steps) {
 
 void VulkanBackend::freeFrame(Frame& frame) {
     (void)waitFor(frame);  // a lost device runs nothing any more
-    vkDestroyFence(device_->device, frame.fence, nullptr);
-    vkDestroyQueryPool(device_->device, frame.timestamps, nullptr);
-    vkDestroyCommandPool(device_->device, frame.commands, nullptr);
-    vkDestroyDescriptorPool(device_->device, frame.descriptors, nullptr);
+    vk_.vkDestroyFence(device_->device, frame.fence, nullptr);
+    vk_.vkDestroyQueryPool(device_->device, frame.timestamps, nullptr);
+    vk_.vkDestroyCommandPool(device_->device, frame.commands, nullptr);
+    vk_.vkDestroyDescriptorPool(device_->device, frame.descriptors, nullptr);
     frame = {};
 }
 
@@ -297,9 +299,9 @@ Status VulkanBackend::submitAndWait(VkCommandBuffer commands) {
     VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
     submit.commandBufferCount = 1;
     submit.pCommandBuffers = &commands;
-    DPL_VK(vkResetFences(device_->device, 1, &fence_));
-    DPL_VK(vkQueueSubmit(device_->queue, 1, &submit, fence_));
-    DPL_VK(vkWaitForFences(device_->device, 1, &fence_, VK_TRUE, kFrameTimeoutNs));
+    DPL_VK(vk_.vkResetFences(device_->device, 1, &fence_));
+    DPL_VK(vk_.vkQueueSubmit(device_->queue, 1, &submit, fence_));
+    DPL_VK(vk_.vkWaitForFences(device_->device, 1, &fence_, VK_TRUE, kFrameTimeoutNs));
     return {};
 }
 
@@ -311,8 +313,8 @@ Status VulkanBackend::submit(FrameId id) {
     VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
     submit.commandBufferCount = 1;
     submit.pCommandBuffers = &frame.commandBuffer;
-    DPL_VK(vkResetFences(device_->device, 1, &frame.fence));
-    DPL_VK(vkQueueSubmit(device_->queue, 1, &submit, frame.fence));
+    DPL_VK(vk_.vkResetFences(device_->device, 1, &frame.fence));
+    DPL_VK(vk_.vkQueueSubmit(device_->queue, 1, &submit, frame.fence));
     frame.running = true;
     return {};
 }
@@ -320,7 +322,7 @@ Status VulkanBackend::submit(FrameId id) {
 bool VulkanBackend::finished(FrameId id) {
     const auto it = frames_.find(id.value);
     if (it == frames_.end() || !it->second.running) return true;
-    if (vkGetFenceStatus(device_->device, it->second.fence) != VK_SUCCESS) return false;
+    if (vk_.vkGetFenceStatus(device_->device, it->second.fence) != VK_SUCCESS) return false;
     ended(it->second);
     return true;
 }
@@ -332,7 +334,7 @@ Status VulkanBackend::wait(FrameId id) {
 
 Status VulkanBackend::waitFor(Frame& frame) {
     if (!frame.running) return {};
-    DPL_VK(vkWaitForFences(device_->device, 1, &frame.fence, VK_TRUE, kFrameTimeoutNs));
+    DPL_VK(vk_.vkWaitForFences(device_->device, 1, &frame.fence, VK_TRUE, kFrameTimeoutNs));
     ended(frame);
     return {};
 }
@@ -341,8 +343,8 @@ Status VulkanBackend::waitFor(Frame& frame) {
 void VulkanBackend::ended(Frame& frame) {
     frame.running = false;
     if (frame.timestamps)
-        frame.timed = vkGetQueryPoolResults(device_->device, frame.timestamps, 0, uint32_t(frame.ticks.size()), frame.ticks.size() * 8,
-                                            frame.ticks.data(), 8, VK_QUERY_RESULT_64_BIT) == VK_SUCCESS;
+        frame.timed = vk_.vkGetQueryPoolResults(device_->device, frame.timestamps, 0, uint32_t(frame.ticks.size()), frame.ticks.size() * 8,
+                                                frame.ticks.data(), 8, VK_QUERY_RESULT_64_BIT) == VK_SUCCESS;
 }
 
 std::vector<PassTime> VulkanBackend::passTimes(FrameId id) const {
@@ -356,32 +358,33 @@ std::vector<PassTime> VulkanBackend::passTimes(FrameId id) const {
     return times;
 }
 
-VulkanBackend::VulkanBackend(std::unique_ptr<Device> device, ShaderPack pack) : device_(std::move(device)), pack_(std::move(pack)) {}
+VulkanBackend::VulkanBackend(std::unique_ptr<Device> device, ShaderPack pack)
+    : device_(std::move(device)), vk_(device_->vk), pack_(std::move(pack)) {}
 
 Status VulkanBackend::start() {
     VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-    DPL_VK(vkCreateFence(device_->device, &fence, nullptr, &fence_));
+    DPL_VK(vk_.vkCreateFence(device_->device, &fence, nullptr, &fence_));
     VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
     pool.queueFamilyIndex = device_->queueFamily;
     pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
-    DPL_VK(vkCreateCommandPool(device_->device, &pool, nullptr, &uploadPool_));
+    DPL_VK(vk_.vkCreateCommandPool(device_->device, &pool, nullptr, &uploadPool_));
     VkCommandBufferAllocateInfo allocation{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
     allocation.commandPool = uploadPool_;
     allocation.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
     allocation.commandBufferCount = 1;
-    DPL_VK(vkAllocateCommandBuffers(device_->device, &allocation, &uploadCommands_));
+    DPL_VK(vk_.vkAllocateCommandBuffers(device_->device, &allocation, &uploadCommands_));
     return {};
 }
 
 VulkanBackend::~VulkanBackend() {
-    vkDeviceWaitIdle(device_->device);
+    vk_.vkDeviceWaitIdle(device_->device);
     for (auto& [id, frame] : frames_) freeFrame(frame);
     for (auto& [id, target] : targets_) freeTarget(target);
     for (auto& [id, buffer] : buffers_) freeBuffer(buffer);
     for (Pipeline& pipeline : pipelines_) freePipeline(pipeline);
-    for (auto& [key, pass] : renderPasses_) vkDestroyRenderPass(device_->device, pass, nullptr);
-    vkDestroyCommandPool(device_->device, uploadPool_, nullptr);
-    vkDestroyFence(device_->device, fence_, nullptr);
+    for (auto& [key, pass] : renderPasses_) vk_.vkDestroyRenderPass(device_->device, pass, nullptr);
+    vk_.vkDestroyCommandPool(device_->device, uploadPool_, nullptr);
+    vk_.vkDestroyFence(device_->device, fence_, nullptr);
 }
 
 }  // namespace dpl::vk

@@ -68,7 +68,7 @@ Result<VkRenderPass> VulkanBackend::renderPass(const TargetDesc& target, bool cl
     multiview.pCorrelationMasks = &mask;
     if (layers > 0) info.pNext = &multiview;
     VkRenderPass pass = VK_NULL_HANDLE;
-    DPL_VK(vkCreateRenderPass(device_->device, &info, nullptr, &pass));
+    DPL_VK(vk_.vkCreateRenderPass(device_->device, &info, nullptr, &pass));
     renderPasses_[{layers, depth, colour, samples, clears}] = pass;
     return pass;
 }
@@ -78,7 +78,7 @@ Result<VkShaderModule> VulkanBackend::shaderModule(const Shader& shader) {
     info.codeSize = shader.spirv.size() * 4;
     info.pCode = shader.spirv.data();
     VkShaderModule module = VK_NULL_HANDLE;
-    DPL_VK(vkCreateShaderModule(device_->device, &info, nullptr, &module));
+    DPL_VK(vk_.vkCreateShaderModule(device_->device, &info, nullptr, &module));
     return module;
 }
 
@@ -99,14 +99,14 @@ Status VulkanBackend::makeLayouts(Pipeline& p) {
     VkDescriptorSetLayoutCreateInfo set{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
     set.bindingCount = uint32_t(bindings.size());
     set.pBindings = bindings.data();
-    DPL_VK(vkCreateDescriptorSetLayout(device_->device, &set, nullptr, &p.setLayout));
+    DPL_VK(vk_.vkCreateDescriptorSetLayout(device_->device, &set, nullptr, &p.setLayout));
     const VkPushConstantRange push{p.stages, 0, p.shader->pushBytes};
     VkPipelineLayoutCreateInfo layout{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
     layout.setLayoutCount = 1;
     layout.pSetLayouts = &p.setLayout;
     layout.pushConstantRangeCount = push.size ? 1 : 0;
     layout.pPushConstantRanges = &push;
-    DPL_VK(vkCreatePipelineLayout(device_->device, &layout, nullptr, &p.layout));
+    DPL_VK(vk_.vkCreatePipelineLayout(device_->device, &layout, nullptr, &p.layout));
     return {};
 }
 
@@ -119,8 +119,8 @@ Status VulkanBackend::makeCompute(Pipeline& p) {
     info.stage.pName = "main";
     DPL_TRY(info.stage.module, shaderModule(*p.shader));
     info.layout = p.layout;
-    const VkResult result = vkCreateComputePipelines(device_->device, VK_NULL_HANDLE, 1, &info, nullptr, &p.pipeline);
-    vkDestroyShaderModule(device_->device, info.stage.module, nullptr);
+    const VkResult result = vk_.vkCreateComputePipelines(device_->device, VK_NULL_HANDLE, 1, &info, nullptr, &p.pipeline);
+    vk_.vkDestroyShaderModule(device_->device, info.stage.module, nullptr);
     return result == VK_SUCCESS ? Status() : Status(failVk("vkCreateComputePipelines", result));
 }
 
@@ -179,19 +179,19 @@ Status VulkanBackend::makeDraw(Pipeline& p, const DrawPipelineDesc& desc) {
     DPL_TRY(stages[0].module, shaderModule(*p.shader));
     auto second = shaderModule(fragment);
     if (!second) {
-        vkDestroyShaderModule(device_->device, stages[0].module, nullptr);
+        vk_.vkDestroyShaderModule(device_->device, stages[0].module, nullptr);
         return second.error();
     }
     stages[1].module = *second;
-    const VkResult result = vkCreateGraphicsPipelines(device_->device, VK_NULL_HANDLE, 1, &info, nullptr, &p.pipeline);
-    for (const auto& stage : stages) vkDestroyShaderModule(device_->device, stage.module, nullptr);
+    const VkResult result = vk_.vkCreateGraphicsPipelines(device_->device, VK_NULL_HANDLE, 1, &info, nullptr, &p.pipeline);
+    for (const auto& stage : stages) vk_.vkDestroyShaderModule(device_->device, stage.module, nullptr);
     return result == VK_SUCCESS ? Status() : Status(failVk("vkCreateGraphicsPipelines", result));
 }
 
 void VulkanBackend::freePipeline(Pipeline& p) {
-    vkDestroyPipeline(device_->device, p.pipeline, nullptr);
-    vkDestroyPipelineLayout(device_->device, p.layout, nullptr);
-    vkDestroyDescriptorSetLayout(device_->device, p.setLayout, nullptr);
+    vk_.vkDestroyPipeline(device_->device, p.pipeline, nullptr);
+    vk_.vkDestroyPipelineLayout(device_->device, p.layout, nullptr);
+    vk_.vkDestroyDescriptorSetLayout(device_->device, p.setLayout, nullptr);
 }
 
 PipelineId VulkanBackend::findPipeline(std::string_view key) const {

@@ -26,34 +26,34 @@ Status VulkanBackend::makeBuffer(Buffer& b) {
     if (b.desc.memory == BufferMemory::Device) info.usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
     if (b.desc.memory == BufferMemory::Upload) info.usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT;
     if (device_->info.texels && b.desc.memory != BufferMemory::Readback) info.usage |= VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT;
-    DPL_VK(vkCreateBuffer(device_->device, &info, nullptr, &b.buffer));
+    DPL_VK(vk_.vkCreateBuffer(device_->device, &info, nullptr, &b.buffer));
     VkMemoryRequirements needs{};
-    vkGetBufferMemoryRequirements(device_->device, b.buffer, &needs);
+    vk_.vkGetBufferMemoryRequirements(device_->device, b.buffer, &needs);
     VkMemoryPropertyFlags wanted = 0, preferred = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
     if (b.desc.memory != BufferMemory::Device) wanted = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
     if (b.desc.memory == BufferMemory::Readback) preferred = VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
     VkMemoryAllocateInfo allocation{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
     allocation.allocationSize = needs.size;
     DPL_TRY(allocation.memoryTypeIndex, memoryType(needs.memoryTypeBits, wanted, preferred));
-    if (VkResult result = vkAllocateMemory(device_->device, &allocation, nullptr, &b.memory); result != VK_SUCCESS) {
+    if (VkResult result = vk_.vkAllocateMemory(device_->device, &allocation, nullptr, &b.memory); result != VK_SUCCESS) {
         b.memory = VK_NULL_HANDLE;
         return fail(Code::OutOfMemory, "{} bytes of graphics memory for {} are not to be had (Vulkan {})", needs.size, b.desc.label,
                     int(result));
     }
     b.allocatedBytes = needs.size;
-    DPL_VK(vkBindBufferMemory(device_->device, b.buffer, b.memory, 0));
+    DPL_VK(vk_.vkBindBufferMemory(device_->device, b.buffer, b.memory, 0));
     if (wanted) {
         void* mapped = nullptr;
-        DPL_VK(vkMapMemory(device_->device, b.memory, 0, VK_WHOLE_SIZE, 0, &mapped));
+        DPL_VK(vk_.vkMapMemory(device_->device, b.memory, 0, VK_WHOLE_SIZE, 0, &mapped));
         b.mapped = static_cast<std::byte*>(mapped);
     }
     return {};
 }
 
 void VulkanBackend::freeBuffer(Buffer& b) {
-    for (VkBufferView view : b.texels) vkDestroyBufferView(device_->device, view, nullptr);
-    vkDestroyBuffer(device_->device, b.buffer, nullptr);
-    vkFreeMemory(device_->device, b.memory, nullptr);
+    for (VkBufferView view : b.texels) vk_.vkDestroyBufferView(device_->device, view, nullptr);
+    vk_.vkDestroyBuffer(device_->device, b.buffer, nullptr);
+    vk_.vkFreeMemory(device_->device, b.memory, nullptr);
     b = {};
 }
 
@@ -88,10 +88,10 @@ Status VulkanBackend::write(BufferId id, uint64_t offset, std::span<const std::b
         std::memcpy(staging.mapped, bytes.data() + done, part);
         VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
         begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-        VkResult result = vkBeginCommandBuffer(uploadCommands_, &begin);
+        VkResult result = vk_.vkBeginCommandBuffer(uploadCommands_, &begin);
         const VkBufferCopy region{0, offset + done, part};
-        if (result == VK_SUCCESS) vkCmdCopyBuffer(uploadCommands_, staging.buffer, it->second.buffer, 1, &region);
-        if (result == VK_SUCCESS) result = vkEndCommandBuffer(uploadCommands_);
+        if (result == VK_SUCCESS) vk_.vkCmdCopyBuffer(uploadCommands_, staging.buffer, it->second.buffer, 1, &region);
+        if (result == VK_SUCCESS) result = vk_.vkEndCommandBuffer(uploadCommands_);
         status = result == VK_SUCCESS ? submitAndWait(uploadCommands_) : Status(failVk("recording an upload", result));
         done += part;
     }
@@ -117,9 +117,9 @@ Status VulkanBackend::makeImage(Image& image, VkFormat format, const Target& tar
     info.tiling = VK_IMAGE_TILING_OPTIMAL;
     info.usage =
         usage | (samples > 1 ? VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT : VK_IMAGE_USAGE_TRANSFER_SRC_BIT);  // samples are only averaged
-    DPL_VK(vkCreateImage(device_->device, &info, nullptr, &image.image));
+    DPL_VK(vk_.vkCreateImage(device_->device, &info, nullptr, &image.image));
     VkMemoryRequirements needs{};
-    vkGetImageMemoryRequirements(device_->device, image.image, &needs);
+    vk_.vkGetImageMemoryRequirements(device_->device, image.image, &needs);
     VkMemoryAllocateInfo allocation{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
     allocation.allocationSize = needs.size;
     // Tilers have memory that is never allocated for what never leaves the chip; it is offered to transient images only.
@@ -129,23 +129,23 @@ Status VulkanBackend::makeImage(Image& image, VkFormat format, const Target& tar
     else {
         DPL_TRY(allocation.memoryTypeIndex, memoryType(needs.memoryTypeBits, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT));
     }
-    DPL_VK(vkAllocateMemory(device_->device, &allocation, nullptr, &image.memory));
+    DPL_VK(vk_.vkAllocateMemory(device_->device, &allocation, nullptr, &image.memory));
     image.allocatedBytes = onChip ? 0 : needs.size;
-    DPL_VK(vkBindImageMemory(device_->device, image.image, image.memory, 0));
+    DPL_VK(vk_.vkBindImageMemory(device_->device, image.image, image.memory, 0));
     if (!(usage & VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT)) return {};  // only copied: needs no view
     VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
     view.image = image.image;
     view.viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY;
     view.format = format;
     view.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, info.arrayLayers};
-    DPL_VK(vkCreateImageView(device_->device, &view, nullptr, &image.view));
+    DPL_VK(vk_.vkCreateImageView(device_->device, &view, nullptr, &image.view));
     return {};
 }
 
 void VulkanBackend::freeImage(Image& image) {
-    vkDestroyImageView(device_->device, image.view, nullptr);
-    vkDestroyImage(device_->device, image.image, nullptr);
-    vkFreeMemory(device_->device, image.memory, nullptr);
+    vk_.vkDestroyImageView(device_->device, image.view, nullptr);
+    vk_.vkDestroyImage(device_->device, image.image, nullptr);
+    vk_.vkFreeMemory(device_->device, image.memory, nullptr);
     image = {};
 }
 
@@ -177,12 +177,12 @@ Status VulkanBackend::makeSurface(Surface& s, const Target& t) {
     info.width = t.extent.width;
     info.height = t.extent.height;
     info.layers = 1;  // multiview counts its layers by the view mask
-    DPL_VK(vkCreateFramebuffer(device_->device, &info, nullptr, &s.framebuffer));
+    DPL_VK(vk_.vkCreateFramebuffer(device_->device, &info, nullptr, &s.framebuffer));
     return {};
 }
 
 void VulkanBackend::freeSurface(Surface& s) {
-    vkDestroyFramebuffer(device_->device, s.framebuffer, nullptr);
+    vk_.vkDestroyFramebuffer(device_->device, s.framebuffer, nullptr);
     for (Image* image : {&s.colour, &s.depth, &s.rounded, &s.colourSamples, &s.depthSamples}) freeImage(*image);
 }
 
@@ -240,7 +240,7 @@ Result<VkBufferView> VulkanBackend::texels(Buffer& b, uint32_t words) {
     info.buffer = b.buffer;
     info.format = words == 1 ? VK_FORMAT_R32_UINT : words == 2 ? VK_FORMAT_R32G32_UINT : VK_FORMAT_R32G32B32A32_UINT;
     info.range = VK_WHOLE_SIZE;
-    DPL_VK(vkCreateBufferView(device_->device, &info, nullptr, &view));
+    DPL_VK(vk_.vkCreateBufferView(device_->device, &info, nullptr, &view));
     return view;
 }
 

@@ -35,7 +35,7 @@ struct VulkanOptions {
 };
 
 /** Devices with a graphics + compute queue and Vulkan 1.1, best first: discrete, integrated, virtual, other, software.
- *  An empty list when there is a loader but no device; Code::Device when there is no usable loader. Any thread. */
+ *  Code::Unsupported when there is no Vulkan loader or no driver; an empty list when no device fits. Any thread. */
 Result<std::vector<DeviceInfo>> listVulkanDevices();
 
 Result<std::unique_ptr<Backend>> createVulkanBackend(const VulkanOptions& options);
