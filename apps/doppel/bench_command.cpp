@@ -6,6 +6,7 @@
 #include "apps/doppel/bench_contestants.h"
 #include "apps/doppel/bench_tables.h"
 #include "apps/doppel/bench_worth.h"
+#include "apps/doppel/checks.h"
 #include "apps/doppel/commands.h"
 #include "apps/doppel/pictures.h"
 #include "reconstruction/pipeline/progress.h"
@@ -121,9 +122,9 @@ void addBenchCommand(CLI::App& app, CommandRun& run) {
         ->check(CLI::IsMember(kFillNames))
         ->capture_default_str();
     command->add_option("--clip", options->clip, "Pose: a clip of the avatar by name, or a BVH or glTF file (default: the rest pose)");
-    command->add_option("--time", options->timeS, "Pose: time in the clip, seconds")->check(CLI::Range(0.0, 1e6));
-    command->add_option("--repeats", options->repeats, "Timed frames a case")->check(CLI::Range(1, 1000))->capture_default_str();
-    command->add_option("--threads", options->threadCount, "CPU threads, 0: one a core")->check(CLI::Range(0, 256));
+    command->add_option("--time", options->timeS, "Pose: time in the clip, seconds")->check(inRange(0.0, 1e6));
+    command->add_option("--repeats", options->repeats, "Timed frames a case")->check(inRange(1, 1000))->capture_default_str();
+    command->add_option("--threads", options->threadCount, "CPU threads, 0: one a core")->check(inRange(0, 256));
     command->add_option("--axes", options->axes, "How the file stands; many 3D Gaussian splatting PLYs are y-down")
         ->check(CLI::IsMember(kAxesNames))
         ->capture_default_str();
@@ -135,7 +136,7 @@ void addBenchCommand(CLI::App& app, CommandRun& run) {
             },
             formatText("The machine of the model table (docs/model.md): 10^9 bytes and 10^9 operations a second; {} {} without it",
                        options->model.gbps, options->model.gflops))
-        ->check(CLI::Range(0.1, 1e6));
+        ->check(inRange(0.1, 1e6));
     command->add_option("--json", options->jsonFile, "Write the figures to this file as JSON lines too");
     CLI::Option* withoutReference =
         command->add_flag("--no-reference", options->withoutReference, "Only time: the reference takes seconds a picture");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 
+#include "apps/doppel/checks.h"
 #include "apps/doppel/commands.h"
 #include "reconstruction/body/body_io.h"
 #include "reconstruction/body/body_tools.h"
@@ -49,7 +50,7 @@ void addBodyCommand(CLI::App& app, CommandRun& run) {
     CLI::App* importCommand = command->add_subcommand("import", "Make a glTF body from MakeHuman/MPFB2 data, SMPL-X .npz or a rigged .glb");
     importCommand->add_option("source", options->source, "MakeHuman/MPFB2 folder, SMPL-X .npz (your own copy), rigged .glb, or 'builtin'")
         ->required();
-    importCommand->add_option("-o,--out", options->out, "The body to write (.glb)")->required();
+    importCommand->add_option("-o,--out", options->out, "The body to write (.glb)")->required()->check(isOutputFile({".glb"}));
     importCommand->footer(
         "Examples:\n  doppel body import body-makehuman -o makehuman.glb\n  doppel body import SMPLX_NEUTRAL.npz -o smplx.glb");
     importCommand->callback([options, &run] {

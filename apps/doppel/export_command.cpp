@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 
+#include "apps/doppel/checks.h"
 #include "apps/doppel/commands.h"
 #include "reconstruction/package/posed_splats.h"
 
@@ -14,9 +15,11 @@ void addExportCommand(CLI::App& app, CommandRun& run) {
         ->add_option("avatar", options->avatar,
                      "Avatar file (.glb), or general splats (.ply, compressed .ply, .spz, .glb with KHR_gaussian_splatting)")
         ->required();
-    command->add_option("-o,--out", options->out, "A .ply (INRIA layout) or a .glb (KHR_gaussian_splatting)")->required();
+    command->add_option("-o,--out", options->out, "A .ply (INRIA layout) or a .glb (KHR_gaussian_splatting)")
+        ->required()
+        ->check(isOutputFile({".ply", ".glb"}));
     command->add_option("--clip", options->clip, "A clip of the avatar by name, or a BVH or glTF file; default: the rest pose");
-    command->add_option("--time", options->timeS, "Time in the clip, seconds")->check(CLI::Range(0.0, 1e6));
+    command->add_option("--time", options->timeS, "Time in the clip, seconds")->check(inRange(0.0, 1e6));
     command->footer(
         "Examples:\n"
         "  doppel export ada/avatar.glb -o ada.ply\n"

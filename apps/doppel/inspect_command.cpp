@@ -20,10 +20,12 @@ void addInspectCommand(CLI::App& app, CommandRun& run) {
         "guitar.compressed.ply");
     command->callback([path, json, &run] {
         run = [path, json] {
-            auto text = *json ? inspectAsJson(*path) : inspectAsText(*path);
-            if (!text) return reportError(text.error());
-            std::printf("%s\n", text->c_str());
-            return int(kExitOk);
+            const auto found = *json ? inspectAsJson(*path) : inspectAsText(*path);
+            if (!found) return reportError(found.error());
+            std::printf("%s\n", found->text.c_str());
+            if (found->intact) return int(kExitOk);
+            return reportError(fail(Code::CorruptData, "{}: the content hash does not match, the file was damaged or edited; copy it again",
+                                    path->string()));
         };
     });
 }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 
+#include "apps/doppel/checks.h"
 #include "apps/doppel/commands.h"
 #include "reconstruction/pipeline/progress.h"
 
@@ -11,6 +14,15 @@ int reportError(const Error& error) {
     return error.code == Code::Cancelled ? kExitCancelled : error.code == Code::InvalidArgument ? kExitUsage : kExitFailed;
 }
 
+namespace {
+
+/** Tables and JSON go to standard output. A full disk or a closed pipe behind it is a failure like any other. */
+int flushOutput(int exitCode) {
+    if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exitCode;
+    return reportError(fail(Code::Io, "cannot write to standard output: {}", std::strerror(errno)));
+}
+
+}  // namespace
 }  // namespace dpl
 
 int main(int argc, char** argv) {
@@ -35,6 +47,8 @@ int main(int argc, char** argv) {
     addPackCommand(app, run);
     addBodyCommand(app, run);
     addBenchCommand(app, run);
+    if (const std::string unknown = unknownCommand(app, argc, argv); !unknown.empty())
+        return reportError(fail(Code::InvalidArgument, "{}. See doppel --help", unknown));
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
@@ -42,10 +56,10 @@ int main(int argc, char** argv) {
     }
     installSignalHandlers();
     try {
-        return run();
+        return flushOutput(run());
     } catch (const std::bad_alloc&) {
         return reportError(fail(Code::OutOfMemory, "out of memory; close other programs or use a smaller preset"));
-    } catch (const std::exception& error) {  // reconstruction may throw inside a stage; here it becomes one sentence
+    } catch (const std::exception& error) {  // a stage of the reconstruction may throw
         return reportError(fail(Code::Internal, "{}", error.what()));
     }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 
+#include "apps/doppel/checks.h"
 #include "apps/doppel/commands.h"
 #include "reconstruction/package/pack.h"
 #include "reconstruction/pipeline/progress.h"
@@ -46,19 +47,19 @@ void addPackCommand(CLI::App& app, CommandRun& run) {
     auto options = std::make_shared<PackOptions>();
     CLI::App* command = app.add_subcommand("pack", "Make an avatar smaller along its measured rate-distortion curve, and print the curve");
     command->add_option("avatar", options->avatar, "Avatar file (.glb)")->required();
-    command->add_option("-o,--out", options->out, "The packed avatar (.glb)")->required();
-    command->add_option("--max-mb", options->maxMb, "Largest size of the file, 10^6 bytes")->check(CLI::PositiveNumber);
+    command->add_option("-o,--out", options->out, "The packed avatar (.glb)")->required()->check(isOutputFile({".glb"}));
+    command->add_option("--max-mb", options->maxMb, "Largest size of the file, 10^6 bytes")->check(inRange(1e-6, 1e6));
     command
         ->add_option(
             "--max-loss", options->maxLossDb,
             "Lowest PSNR (dB) of the packed avatar's pictures against the unpacked one's, covered pixels; default without --max-mb: 42")
-        ->check(CLI::Range(1.0, 200.0));
+        ->check(inRange(1.0, 200.0));
     command->add_option("--pictures", options->pictures, "Random views and poses that are drawn to measure")
-        ->check(CLI::Range(1, 1000))
+        ->check(inRange(1, 1000))
         ->capture_default_str();
     command->add_option("--seed", options->seed, "Seed of views and poses; same seed, same bytes")->capture_default_str();
     command->add_option("--threads", options->threadCount, "CPU threads, 0: one a core; results do not depend on it")
-        ->check(CLI::Range(0, 256));
+        ->check(inRange(0, 256));
     command->footer(
         "Examples:\n"
         "  doppel pack ada/avatar.glb -o ada-small.glb                          as small as 42 dB allow\n"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
-#include <map>
 
+#include "apps/doppel/checks.h"
 #include "apps/doppel/commands.h"
 #include "reconstruction/pipeline/reconstruct.h"
 
@@ -16,20 +16,22 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
     command->add_option("-o,--out", options->out, "Output folder: avatar.glb, poses.json, report.html and the stages")->required();
     command->add_option("--body", options->body, "Body to start from (.glb made by `doppel body import`); default: the built-in body");
     command->add_option("--models", options->models, "Folder of ONNX networks that find keypoints and clothing where the scan brings none");
-    const std::map<std::string, Preset> presets = {{"draft", Preset::Draft}, {"standard", Preset::Standard}, {"high", Preset::High}};
-    command->add_option("--preset", options->preset, "draft (minutes), standard, high")
-        ->transform(CLI::CheckedTransformer(presets, CLI::ignore_case))
+    const auto choosePreset = [options](const std::string& name) {
+        options->preset = name == "draft" ? Preset::Draft : name == "high" ? Preset::High : Preset::Standard;
+    };
+    command->add_option_function<std::string>("--preset", choosePreset, "How long to train: draft takes minutes")
+        ->check(CLI::IsMember({"draft", "standard", "high"}))
         ->default_str("standard");
     command->add_option("--time-budget", options->timeBudgetMinutes, "Minutes for training; becomes a step count once, after a probe")
-        ->check(CLI::Range(0.0, 1e5));
+        ->check(inRange(0.0, 1e5));
     command->add_option("--steps", options->steps, "Exactly this many training steps instead of the preset's (for comparisons)")
-        ->check(CLI::Range(0, 10000000))
+        ->check(inRange(0, 10000000))
         ->excludes("--time-budget");
     command->add_flag("--true-body", options->trueBody,
                       "Measuring only: shape and poses from the scan's truth.json (of `doppel sample`) instead of the body fit");
     command->add_option("--seed", options->seed, "Seed of every random choice; same seed, same bytes")->capture_default_str();
     command->add_option("--threads", options->threadCount, "CPU threads, 0: one a core; results do not depend on it")
-        ->check(CLI::Range(0, 256))
+        ->check(inRange(0, 256))
         ->capture_default_str();
     command->footer(
         "Examples:\n"

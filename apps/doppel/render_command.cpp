@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // doppel render: stills, turntables, clips and stereo from an avatar, or every frame of a scan from its own cameras.
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
 
+#include "apps/doppel/checks.h"
 #include "apps/doppel/commands.h"
 #include "apps/doppel/pictures.h"
 #include "apps/doppel/video_writer.h"
 #include "reconstruction/capture/scan.h"
+#include "reconstruction/package/avatar_bytes.h"
 #include "reconstruction/package/poses_file.h"
 #include "reconstruction/pipeline/progress.h"
 #include "reconstruction/report/png.h"
@@ -28,23 +29,6 @@ struct RenderOptions {
     bool turntable = false, stereo = false, unfitted = false;
     uint32_t threadCount = 0, splatBudget = 0;
 };
-
-struct PictureSize {
-    uint32_t widthPx = 0, heightPx = 0;
-};
-
-Result<PictureSize> parseSize(const std::string& text) {
-    PictureSize size;
-    const char* end = text.data() + text.size();
-    auto width = std::from_chars(text.data(), end, size.widthPx);
-    if (width.ec == std::errc() && width.ptr != end && *width.ptr == 'x') {
-        auto height = std::from_chars(width.ptr + 1, end, size.heightPx);
-        if (height.ec == std::errc() && height.ptr == end && size.widthPx >= 1 && size.heightPx >= 1 && size.widthPx <= 8192 &&
-            size.heightPx <= 8192)
-            return size;
-    }
-    return fail(Code::InvalidArgument, "--size {} is not WIDTHxHEIGHT with sides from 1 to 8192, like 720x1280", text);
-}
 
 Result<doppel::Context> makeContext(const RenderOptions& options) {
     const DplRenderer kind = options.renderer == "software" ? DPL_RENDERER_SOFTWARE
@@ -141,7 +125,7 @@ Result<DplAvatarInfo> boxOf(const Company& company) {
 
 /** Stills, turntables and clips from our own camera. */
 Status renderShots(const RenderOptions& options, const doppel::Context& context, Company& company, Progress& progress) {
-    DPL_TRY(PictureSize size, parseSize(options.size));
+    const PictureSize size = parsePictureSize(options.size).value_or(PictureSize{});  // checked when it was parsed
     double duration = options.turntable ? 6 : 0;
     for (size_t i = 0; i < company.avatars.size(); ++i) {
         doppel::Avatar& avatar = company.avatars[i];
@@ -162,8 +146,6 @@ Status renderShots(const RenderOptions& options, const doppel::Context& context,
 
     const std::string extension = options.out.extension().string();
     const bool still = extension == ".png", video = extension == ".mp4";
-    if (!still && !video && !extension.empty())
-        return fail(Code::InvalidArgument, "-o {}: write a .png, a .mp4 or a folder of PNG frames", options.out.string());
     const size_t frameCount = still ? 1 : std::max<size_t>(1, size_t(std::lround(duration * options.framesPerSecond)));
     const uint32_t viewCount = options.stereo ? 2 : 1, outWidthPx = size.widthPx * viewCount;
     if (video && (outWidthPx % 2 || size.heightPx % 2))
@@ -230,7 +212,7 @@ Status renderAll(const RenderOptions& options) {
     DPL_TRY(auto context, makeContext(options));
     Company company;
     for (const fs::path& file : files) {
-        DPL_TRY(auto bytes, readFile(file));
+        DPL_TRY(auto bytes, readAvatarBytes(file));
         auto avatar = context.loadAvatar(bytes);
         if (!avatar) return fail(fromSdk(avatar.error()).code, "{}: {}", file.string(), avatar.error().message);
         auto info = avatar->info();
@@ -256,21 +238,21 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
     command->add_option("--with", options->beside, "More avatars in the same picture, side by side; their splats are sorted together")
         ->expected(1, int(DPL_MAX_TOGETHER) - 1);
     command->add_option("--apart", options->apartM, "Metres from one to the next")
-        ->check(CLI::Range(0.0, 100.0))
+        ->check(inRange(0.0, 100.0))
         ->capture_default_str()
         ->needs("--with");
     command->add_option("--clip", options->clip, "A clip of the avatar by name, or a BVH or glTF file to drive it with");
-    command->add_option("--time", options->timeS, "Start time in the clip, seconds")->check(CLI::Range(0.0, 1e6));
+    command->add_option("--time", options->timeS, "Start time in the clip, seconds")->check(inRange(0.0, 1e6));
     command->add_option("--seconds", options->seconds, "Length of the video (default: the clip's, or 6 s for a turntable)")
-        ->check(CLI::Range(0.0, 3600.0));
-    command->add_option("--fps", options->framesPerSecond, "Frames per second")->check(CLI::Range(1.0, 240.0))->capture_default_str();
+        ->check(inRange(0.0, 3600.0));
+    command->add_option("--fps", options->framesPerSecond, "Frames per second")->check(inRange(1.0, 240.0))->capture_default_str();
     command->add_flag("--turntable", options->turntable, "Walk once around the avatar");
-    command->add_option("--azimuth", options->azimuthDeg, "Degrees around the avatar, 0: from the front")->check(CLI::Range(-360.0, 360.0));
+    command->add_option("--azimuth", options->azimuthDeg, "Degrees around the avatar, 0: from the front")->check(inRange(-360.0, 360.0));
     command->add_option("--axes", options->axes, "How the file stands; many 3D Gaussian splatting PLYs are y-down")
         ->check(CLI::IsMember(kAxesNames))
         ->capture_default_str();
     command->add_flag("--stereo", options->stereo, "Left and right eye side by side, 63 mm apart");
-    command->add_option("--size", options->size, "Size of one view, WIDTHxHEIGHT")->capture_default_str();
+    command->add_option("--size", options->size, "Size of one view")->check(isPictureSize())->capture_default_str();
     command->add_option("--scan", options->scan, "Draw this scan's frames from its own cameras, one PNG with alpha a frame");
     command->get_option("--scan")->excludes("--with");
     command->add_option("--split", options->split, "Which frames of the scan")
@@ -278,7 +260,7 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
         ->capture_default_str();
     command->add_option("--poses", options->poses, "poses.json of the reconstruction (default: beside the avatar)");
     command->add_option("--scale", options->scale, "With --scan: times the scan's resolution")
-        ->check(CLI::Range(0.05, 16.0))
+        ->check(inRange(0.05, 16.0))
         ->capture_default_str();
     command->add_flag("--without-pose-fit", options->unfitted, "With --scan: the registered poses, not those fitted at test time");
     command->add_option("--renderer", options->renderer, "auto: a real GPU, else the CPU")
@@ -291,9 +273,9 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
         ->add_option("--splats-per-pixel", options->splatsPerPixel,
                      formatText("Level of detail: keep so many splats where a pixel covers more; {} is hard to tell from all, 0: all",
                                 DPL_DETAIL_USUAL))
-        ->check(CLI::Range(0.0, 1e6));
+        ->check(inRange(0.0, 1e6));
     command->add_option("--splat-budget", options->splatBudget, "Draw at most so many splats of all avatars together; 0: no limit");
-    command->add_option("--threads", options->threadCount, "CPU threads, 0: one a core")->check(CLI::Range(0, 256));
+    command->add_option("--threads", options->threadCount, "CPU threads, 0: one a core")->check(inRange(0, 256));
     command->footer(
         "Examples:\n"
         "  doppel render ada/avatar.glb -o ada.png --azimuth 30\n"
@@ -305,6 +287,9 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
         "  doppel render guitar.compressed.ply -o guitar.mp4 --turntable --axes y-down\n"
         "  doppel render ada/avatar.glb -o views --scan scan --split test      (score them with your own tools)");
     command->callback([options, &run] {
+        std::string out = options->out.string();
+        const std::string wrong = options->scan.empty() ? isOutputFile({".png", ".mp4"}, /*orFolder=*/true)(out) : std::string();
+        if (!wrong.empty()) throw CLI::ValidationError("--out", wrong);
         run = [options] {
             Status drawn = renderAll(*options);
             return drawn ? int(kExitOk) : reportError(drawn.error());

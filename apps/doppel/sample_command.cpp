@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 
+#include "apps/doppel/checks.h"
 #include "apps/doppel/commands.h"
 #include "reconstruction/pipeline/progress.h"
 #include "reconstruction/sample/scan_writer.h"
@@ -20,7 +21,7 @@ void addSampleCommand(CLI::App& app, CommandRun& run) {
     command->add_option("--seed", options->seed, "Which person: shape, colours, clothes, motion")->capture_default_str();
     command->add_flag("--small", options->small, "Half the size and fewer frames, for tries");
     command->add_option("--threads", options->threadCount, "CPU threads, 0: one a core; the bytes do not depend on it")
-        ->check(CLI::Range(0, 256));
+        ->check(inRange(0, 256));
     command->footer("Examples:\n  doppel sample -o scan\n  doppel sample -o scan-7 --seed 7 --small");
     command->callback([options, &run] {
         run = [options] {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
+#include "reconstruction/package/avatar_bytes.h"
 #include "reconstruction/package/posed_splats.h"
 #include "sdk/avatar/clip.h"
 #include "sdk/avatar/motion.h"
@@ -47,7 +48,7 @@ Result<std::string> exportPosedSplats(const ExportOptions& options) {
     const std::string extension = options.out.extension().string();
     if (extension != ".ply" && extension != ".glb")
         return fail(Code::InvalidArgument, "-o {}: the file must end in .ply or .glb", options.out.string());
-    DPL_TRY(auto bytes, readFile(options.avatar));
+    DPL_TRY(auto bytes, readAvatarBytes(options.avatar));
     auto splats = splatsOf(options, bytes);
     if (!splats) return fail(splats.error().code, "{}: {}", options.avatar.string(), splats.error().message);
     DPL_TRY(auto file, extension == ".ply" ? writePly(*splats) : writeGltfSplats(*splats));

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "sdk/core/files.h"
+#include "reconstruction/package/avatar_bytes.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/splat_file.h"
 
@@ -94,11 +94,11 @@ std::vector<std::pair<const char*, uint64_t>> parts(const AvatarInfo& info) {
 
 }  // namespace
 
-Result<std::string> inspectAsText(const std::filesystem::path& path) {
-    DPL_TRY(const auto bytes, readFile(path));
+Result<Inspection> inspectAsText(const std::filesystem::path& path) {
+    DPL_TRY(const auto bytes, readAvatarBytes(path));
     if (splatFormatOf(bytes) != SplatFormat::None) {
         DPL_TRY(const SplatSummary splats, summarise(path, bytes));
-        return asText(path, splats);
+        return Inspection{asText(path, splats)};
     }
     DPL_TRY(AvatarInfo info, inspectFile(path, bytes));
     std::string out = formatText("{}  \"{}\"\nformat version {}, by {}\n", path.string(), info.name, info.version, info.generator);
@@ -128,14 +128,14 @@ Result<std::string> inspectAsText(const std::filesystem::path& path) {
         std::snprintf(line, sizeof line, "  %-30s  %-4s  %5.2f dB  ", e.part.c_str(), e.kept ? "yes" : "no", e.gainDb);
         out += line + e.reason + "\n";
     }
-    return out;
+    return Inspection{std::move(out), info.hashMatches};
 }
 
-Result<std::string> inspectAsJson(const std::filesystem::path& path) {
-    DPL_TRY(const auto bytes, readFile(path));
+Result<Inspection> inspectAsJson(const std::filesystem::path& path) {
+    DPL_TRY(const auto bytes, readAvatarBytes(path));
     if (splatFormatOf(bytes) != SplatFormat::None) {
         DPL_TRY(const SplatSummary splats, summarise(path, bytes));
-        return asJson(path, splats);
+        return Inspection{asJson(path, splats)};
     }
     DPL_TRY(AvatarInfo info, inspectFile(path, bytes));
     nlohmann::ordered_json out = {{"file", path.string()},
@@ -161,7 +161,7 @@ Result<std::string> inspectAsJson(const std::filesystem::path& path) {
     out["bytes"]["file"] = info.fileBytes;
     for (const EvidenceData& e : info.evidence)
         out["evidence"].push_back({{"part", e.part}, {"kept", e.kept}, {"gain_db", e.gainDb}, {"bytes", e.bytes}, {"reason", e.reason}});
-    return out.dump(1);
+    return Inspection{out.dump(1), info.hashMatches};
 }
 
 }  // namespace dpl

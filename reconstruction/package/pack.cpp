@@ -10,9 +10,9 @@
 #include <numeric>
 #include <span>
 
+#include "reconstruction/package/avatar_bytes.h"
 #include "reconstruction/package/pack_pictures.h"
 #include "reconstruction/package/sh_palette.h"
-#include "sdk/core/files.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/splat_codec.h"
 #include "sdk/math/sh.h"
@@ -382,7 +382,7 @@ Result<PackResult> packToLimits(const AvatarData& avatar, const PackLimits& limi
 
 Result<PackResult> packFile(const std::filesystem::path& path, const PackLimits& limits, const PackSettings& settings, Jobs& jobs,
                             const std::function<Status(double, const std::string&)>& progress) {
-    DPL_TRY(const auto bytes, readFile(path));
+    DPL_TRY(const auto bytes, readAvatarBytes(path));
     const auto avatar = readAvatar(bytes);
     if (!avatar) return fail(avatar.error().code, "{}: {}", path.string(), avatar.error().message);
     DPL_TRY(const AvatarInfo info, inspectAvatar(bytes));

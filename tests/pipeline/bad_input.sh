@@ -58,11 +58,23 @@ open("plain.glb", "wb").write(struct.pack("<4sII", b"glTF", 2, 12 + 8 + len(text
     + struct.pack("<I4s", len(positions), b"BIN\0") + positions)
 P
 refuses "a body without skin weights" "weights|skin" "$doppel" reconstruct scan -o out --body plain.glb
+refuses "unknown command" "unknown command 'rendr' .did you mean 'render'" "$doppel" rendr scan
+refuses "NaN as a number" "nan" "$doppel" render none.glb -o a.png --time nan
+refuses "a size that is none, before any work" "720by1280" "$doppel" render none.glb -o a.png --size 720by1280
+refuses "an output name that cannot be, before any work" "must end in" "$doppel" render none.glb -o a.jpg
+refuses "an output folder that is not there, before any work" "no folder" "$doppel" pack none.glb -o nowhere/a.glb
 refuses "unknown option" "frobnicate" "$doppel" reconstruct scan -o out --frobnicate
 refuses "no such avatar" "none.glb" "$doppel" render none.glb -o out.png
 head -c 300 /dev/urandom >noise.glb
 refuses "noise as an avatar" "noise.glb" "$doppel" render noise.glb -o out.png
 refuses "noise inspected" "noise.glb" "$doppel" inspect noise.glb
+truncate -s 3G huge.glb
+refuses "3 GB that are no avatar, by their first bytes" "huge.glb" timeout 5 "$doppel" inspect huge.glb
+rm huge.glb
+"$doppel" body import builtin -o body.glb >/dev/null
+truncate -s -1 body.glb
+refuses "a truncated .glb" "states" "$doppel" inspect body.glb
+refuses "JSON to a full disk" "No space left" bash -c '"$0" body show builtin >/dev/full' "$doppel"
 refuses "output that cannot be written" "full|Not a directory|cannot" "$doppel" sample -o /dev/full/x --small
 [ ! -e out.png ] || { echo "FAILED: a refused render left out.png" >&2; failures=$((failures + 1)); }
 [ ! -e out/avatar.glb ] || { echo "FAILED: a refused reconstruction left an avatar" >&2; failures=$((failures + 1)); }

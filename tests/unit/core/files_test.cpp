@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/core/files.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
+
+#include <thread>
 
 namespace {
 
@@ -53,6 +57,75 @@ TEST_F(Files, fullDiskLeavesTheOldFileAlone) {
     auto status = writeFileAtomically("/dev/full/x", "1");
     ASSERT_FALSE(status);
     EXPECT_NE(status.error().message.find("/dev/full/x"), std::string::npos);
+}
+
+TEST_F(Files, aLinkStaysALinkAndItsFileIsReplaced) {
+    ASSERT_TRUE(writeFileAtomically(folder_ / "file", "old"));
+    std::filesystem::create_symlink("file", folder_ / "link");
+    ASSERT_TRUE(writeFileAtomically(folder_ / "link", "new"));
+    EXPECT_TRUE(std::filesystem::is_symlink(folder_ / "link"));
+    const auto bytes = readFile(folder_ / "file");
+    ASSERT_TRUE(bytes);
+    EXPECT_EQ(std::string(bytes->begin(), bytes->end()), "new");
+}
+
+TEST_F(Files, aLinkToNothingMakesTheFileItNames) {
+    std::filesystem::create_symlink("later", folder_ / "link");
+    ASSERT_TRUE(writeFileAtomically(folder_ / "link", "made"));
+    EXPECT_TRUE(std::filesystem::is_symlink(folder_ / "link"));
+    EXPECT_TRUE(std::filesystem::is_regular_file(folder_ / "later"));
+}
+
+TEST_F(Files, aPipeIsWrittenToAndNotReplaced) {
+    const std::filesystem::path pipe = folder_ / "pipe";
+    ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+    std::string got(3, ' ');
+    std::thread reader([&] {
+        const int fd = ::open(pipe.c_str(), O_RDONLY);
+        for (size_t done = 0; done < got.size();) {
+            const ssize_t n = ::read(fd, got.data() + done, got.size() - done);
+            if (n <= 0) break;
+            done += size_t(n);
+        }
+        ::close(fd);
+    });
+    const Status written = writeFileAtomically(pipe, "abc");
+    reader.join();
+    EXPECT_TRUE(written);
+    EXPECT_EQ(got, "abc");
+    EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+}
+
+TEST_F(Files, aFullDeviceIsAnErrorAndStaysADevice) {
+    if (::access("/dev/full", W_OK) != 0) GTEST_SKIP() << "/dev/full is not there";
+    std::filesystem::create_symlink("/dev/full", folder_ / "full");
+    const Status written = writeFileAtomically(folder_ / "full", "x");
+    ASSERT_FALSE(written);
+    EXPECT_NE(written.error().message.find("No space left"), std::string::npos) << written.error().message;
+    EXPECT_TRUE(std::filesystem::is_character_file("/dev/full"));
+}
+
+TEST_F(Files, aFileIsRefusedByItsFirstBytes) {
+    // 8 TiB of nothing: reading it whole could not be tried.
+    const std::filesystem::path huge = folder_ / "huge";
+    ASSERT_TRUE(writeFileAtomically(huge, "wrong"));
+    std::filesystem::resize_file(huge, uint64_t(8) << 40);
+    const auto refuse = [](std::span<const uint8_t> head, uint64_t fileBytes) -> Status {
+        EXPECT_EQ(head.size(), kFileHeadBytes);
+        return fail(Code::Unsupported, "{} of {} bytes seen", head.size(), fileBytes);
+    };
+    const auto bytes = readFile(huge, UINT64_MAX, refuse);
+    ASSERT_FALSE(bytes);
+    EXPECT_EQ(bytes.error().code, Code::Unsupported);
+    EXPECT_NE(bytes.error().message.find("huge"), std::string::npos);
+}
+
+TEST_F(Files, aFileThatIsAcceptedIsReadWhole) {
+    const std::string text(3 * kFileHeadBytes + 7, 'a');
+    ASSERT_TRUE(writeFileAtomically(folder_ / "a", text));
+    const auto bytes = readFile(folder_ / "a", text.size(), [](std::span<const uint8_t>, uint64_t) { return Status(); });
+    ASSERT_TRUE(bytes);
+    EXPECT_EQ(std::string(bytes->begin(), bytes->end()), text);
 }
 
 }  // namespace

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/package/inspect.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "sdk/core/files.h"
+#include "sdk/format/avatar_file.h"
+#include "tests/unit/render/tube_avatar.h"
+
+namespace dpl {
+namespace {
+
+class Inspect : public testing::Test {
+protected:
+    void SetUp() override {
+        path_ = std::filesystem::temp_directory_path() / ("doppel_inspect_" + std::to_string(::getpid()) + ".glb");
+        AvatarData avatar = makeTube({.splatsPerTriangle = 6, .rings = 10});
+        sortSplats(avatar);
+        auto bytes = writeAvatar(avatar);
+        ASSERT_TRUE(bytes) << bytes.error().message;
+        bytes_ = std::move(*bytes);
+    }
+    void TearDown() override { std::filesystem::remove(path_); }
+    Result<Inspection> asText() {
+        const Status written = writeFileAtomically(path_, bytes_);
+        return written ? inspectAsText(path_) : Result<Inspection>(written.error());
+    }
+    std::filesystem::path path_;
+    std::vector<uint8_t> bytes_;
+};
+
+TEST_F(Inspect, aGoodFileIsIntact) {
+    const auto found = asText();
+    ASSERT_TRUE(found) << found.error().message;
+    EXPECT_TRUE(found->intact);
+    EXPECT_NE(found->text.find("(matches)"), std::string::npos);
+}
+
+TEST_F(Inspect, aChangedBitThatNoOtherCheckSeesIsSeenInTextAndJson) {
+    auto found = asText();
+    for (size_t i = bytes_.size(); i-- > bytes_.size() / 2;) {  // splat streams fill the end of the file
+        bytes_[i] ^= 1;
+        found = asText();
+        if (found) break;
+        bytes_[i] ^= 1;
+    }
+    ASSERT_TRUE(found) << found.error().message;
+    EXPECT_FALSE(found->intact);
+    const auto json = inspectAsJson(path_);
+    ASSERT_TRUE(json);
+    EXPECT_FALSE(json->intact);
+    EXPECT_FALSE(nlohmann::json::parse(json->text)["hash_matches"].get<bool>());
+}
+
+TEST_F(Inspect, aFileThatIsNoAvatarIsRefusedByItsFirstBytes) {
+    bytes_.assign(5, 'x');
+    const auto found = asText();
+    ASSERT_FALSE(found);
+    EXPECT_EQ(found.error().code, Code::Unsupported);
+    EXPECT_NE(found.error().message.find(path_.filename().string()), std::string::npos);
+}
+
+}  // namespace
+}  // namespace dpl
