@@ -9,10 +9,10 @@
 #include "apps/doppel/pictures.h"
 #include "apps/doppel/video_writer.h"
 #include "reconstruction/capture/scan.h"
+#include "reconstruction/image/image_codec.h"
 #include "reconstruction/package/avatar_bytes.h"
 #include "reconstruction/package/poses_file.h"
 #include "reconstruction/pipeline/progress.h"
-#include "reconstruction/report/png.h"
 #include "sdk/core/files.h"
 
 namespace dpl {

@@ -5,11 +5,11 @@
 #include <cstring>
 #include <map>
 #include <opencv2/calib3d.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "reconstruction/capture/image_file.h"
 #include "reconstruction/capture/scan_paths.h"
+#include "reconstruction/image/image_codec.h"
 
 namespace dpl {
 
@@ -26,20 +26,15 @@ cv::Vec4d opencvLens(const LensDistortion& d) {
     return {d.k1, d.k2, d.p1, d.p2};
 }
 
-Result<cv::Mat> decode(const fs::path& path, const ScanFrame& frame, int flags) {
+Result<cv::Mat> decode(const fs::path& path, const ScanFrame& frame, PictureChannels channels) {
     DPL_TRY(const auto bytes, readCompleteImage(path));
-    cv::Mat image;
-    try {
-        image = cv::imdecode(bytes, flags);
-    } catch (const cv::Exception& e) {
-        return fail(Code::CorruptData, "{}: cannot be decoded ({}); copy the image again", path.string(), e.err);
-    }
-    if (image.empty()) return fail(Code::CorruptData, "{}: cannot be decoded; the file is damaged, copy it again", path.string());
+    auto picture = decodePicture(bytes, channels);
+    if (!picture) return fail(picture.error().code, "{}: {}; copy the image again", path.string(), picture.error().message);
+    const cv::Mat image =
+        cv::Mat(int(picture->heightPx), int(picture->widthPx), CV_8UC(int(picture->channels)), picture->pixels.data()).clone();
     if (uint32_t(image.cols) != frame.camera.widthPx || uint32_t(image.rows) != frame.camera.heightPx)
         return fail(Code::CorruptData, "frame '{}': {} is {} x {} pixels, its camera says {} x {}; resize it or correct the intrinsics",
                     frame.name, path.string(), image.cols, image.rows, frame.camera.widthPx, frame.camera.heightPx);
-    if (image.depth() == CV_16U) image.convertTo(image, CV_8U, 1.0 / 257);
-    if (image.depth() != CV_8U) return fail(Code::Unsupported, "{}: neither 8 nor 16 bit; save it as 8 bit", path.string());
     return image;
 }
 
@@ -64,27 +59,23 @@ Image takePixels(const cv::Mat& image) {
 }  // namespace
 
 Result<ImageRgb8> readFrameImage(const ScanFrame& frame) {
-    // EXIF rotation is ignored: intrinsics speak of the pixels as stored.
-    DPL_TRY(cv::Mat image, decode(frame.imagePath, frame, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION));
+    DPL_TRY(cv::Mat image, decode(frame.imagePath, frame, PictureChannels::Rgb));
     undistort(image, frame, cv::INTER_LINEAR);
-    cv::cvtColor(image, image, cv::COLOR_BGR2RGB);
     return takePixels<ImageRgb8>(image);
 }
 
 Result<ImageGrey8> readFrameMask(const ScanFrame& frame) {
     if (frame.maskPath.empty()) return fail(Code::NotFound, "frame '{}' has no mask; add one to the scan", frame.name);
-    DPL_TRY(cv::Mat image, decode(frame.maskPath, frame, cv::IMREAD_UNCHANGED));
+    DPL_TRY(cv::Mat image, decode(frame.maskPath, frame, PictureChannels::AsStored));
     if (image.channels() == 4) {  // a cut-out: the matte is its alpha, unless that is opaque everywhere
         cv::Mat alpha;
         cv::extractChannel(image, alpha, 3);
         if (cv::countNonZero(alpha != 255) > 0)
             image = alpha;
         else
-            cv::cvtColor(image, image, cv::COLOR_BGRA2GRAY);
+            cv::cvtColor(image, image, cv::COLOR_RGBA2GRAY);
     } else if (image.channels() == 3) {
-        cv::cvtColor(image, image, cv::COLOR_BGR2GRAY);
-    } else if (image.channels() != 1) {
-        return fail(Code::Unsupported, "{}: {} channels; save the mask as 8-bit grey", frame.maskPath.string(), image.channels());
+        cv::cvtColor(image, image, cv::COLOR_RGB2GRAY);
     }
     double most = 0;
     cv::minMaxLoc(image, nullptr, &most);
@@ -95,7 +86,7 @@ Result<ImageGrey8> readFrameMask(const ScanFrame& frame) {
 
 Result<ImageGrey8> readFrameLabels(const ScanFrame& frame) {
     if (frame.labelsPath.empty()) return fail(Code::NotFound, "frame '{}' has no labels; add them to the scan", frame.name);
-    DPL_TRY(cv::Mat image, decode(frame.labelsPath, frame, cv::IMREAD_UNCHANGED));
+    DPL_TRY(cv::Mat image, decode(frame.labelsPath, frame, PictureChannels::AsStored));
     if (image.channels() != 1)
         return fail(Code::CorruptData, "{}: labels must be 8-bit grey, the value is the label; save without a palette",
                     frame.labelsPath.string());

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <mutex>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "reconstruction/capture/observations.h"
+#include "reconstruction/image/image_codec.h"
 #include "sdk/core/files.h"
 
 namespace dpl {
@@ -21,13 +21,7 @@ Status writeFile(const fs::path& path, std::span<const uint8_t> bytes) {
 }
 
 Status writePng(const fs::path& path, const ImageGrey8& image) {
-    std::vector<uint8_t> bytes;
-    const cv::Mat view(int(image.heightPx), int(image.widthPx), CV_8U, const_cast<uint8_t*>(image.pixels.data()));
-    try {
-        if (!cv::imencode(".png", view, bytes)) return fail(Code::Internal, "{}: PNG encoding failed", path.string());
-    } catch (const cv::Exception& e) {
-        return fail(Code::Internal, "{}: PNG encoding failed ({})", path.string(), e.err);
-    }
+    DPL_TRY(const auto bytes, encodePng(image.pixels, image.widthPx, image.heightPx, 1));
     return writeFile(path, bytes);
 }
 

@@ -7,10 +7,9 @@
 #include <cstdio>
 #include <memory>
 #include <mutex>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <span>
 
+#include "reconstruction/image/image_codec.h"
 #include "reconstruction/sample/random.h"
 #include "reconstruction/sample/raycast.h"
 #include "reconstruction/sample/scan_files.h"
@@ -36,17 +35,14 @@ Status writeText(const fs::path& path, const std::string& text) {
     return writeFile(path, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
 }
 
-Status writeImage(const fs::path& path, const cv::Mat& image, const std::vector<int>& settings) {
-    std::vector<uint8_t> bytes;
-    if (!cv::imencode(path.extension().string(), image, bytes, settings)) return fail(Code::Internal, "cannot encode {}", path.string());
+Status writeGrey(const fs::path& path, std::span<const uint8_t> pixels, uint32_t widthPx, uint32_t heightPx) {
+    DPL_TRY(const auto bytes, encodePng(pixels, widthPx, heightPx, 1));
     return writeFile(path, bytes);
 }
 
-Status writeColours(const fs::path& path, RaycastFrame& picture, cv::Size size, int quality) {
-    const cv::Mat rgb(size, CV_8UC3, picture.rgb.data());
-    cv::Mat bgr;
-    cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
-    return writeImage(path, bgr, {cv::IMWRITE_JPEG_QUALITY, quality});
+Status writeColours(const fs::path& path, const RaycastFrame& picture, uint32_t widthPx, uint32_t heightPx, int quality) {
+    DPL_TRY(const auto bytes, encodeJpeg(picture.rgb, widthPx, heightPx, 3, quality));
+    return writeFile(path, bytes);
 }
 
 /** How deep under the surface a keypoint may lie and still count as visible, metres: the thickness of the limb around it. */
@@ -99,18 +95,15 @@ Status writeFrame(const fs::path& folder, const Subject& subject, const PlannedF
     ray.sensorNoise = o.sensorNoise;
     ray.seed = mixBits(o.seed ^ mixBits(index));
     ray.gain = std::exp(o.exposureSpread * Random(o.seed, 90000 + index).normal());
-    RaycastFrame picture = tracer.render(frame.camera, ray);
-    const cv::Size size(int(o.widthPx), int(o.heightPx));
-    DPL_CHECK_OK(writeColours(folder / "images" / (frame.name + ".jpg"), picture, size, o.jpegQuality));
-    DPL_CHECK_OK(writeImage(folder / "masks" / (frame.name + ".png"), cv::Mat(size, CV_8UC1, picture.mask.data()),
-                            {cv::IMWRITE_PNG_COMPRESSION, 3}));
-    DPL_CHECK_OK(writeImage(folder / "labels" / (frame.name + ".png"), cv::Mat(size, CV_8UC1, picture.labels.data()),
-                            {cv::IMWRITE_PNG_COMPRESSION, 3}));
+    const RaycastFrame picture = tracer.render(frame.camera, ray);
+    DPL_CHECK_OK(writeColours(folder / "images" / (frame.name + ".jpg"), picture, o.widthPx, o.heightPx, o.jpegQuality));
+    DPL_CHECK_OK(writeGrey(folder / "masks" / (frame.name + ".png"), picture.mask, o.widthPx, o.heightPx));
+    DPL_CHECK_OK(writeGrey(folder / "labels" / (frame.name + ".png"), picture.labels, o.widthPx, o.heightPx));
     if (frame.keepFine) {
-        RaycastFrame fine = tracer.render(frame.camera.scaled(kFineScale), ray);
-        DPL_CHECK_OK(writeColours(folder / kFineFolder / (frame.name + ".jpg"), fine, size * kFineScale, o.jpegQuality));
-        DPL_CHECK_OK(writeImage(folder / kFineFolder / (frame.name + ".mask.png"), cv::Mat(size * kFineScale, CV_8UC1, fine.mask.data()),
-                                {cv::IMWRITE_PNG_COMPRESSION, 3}));
+        const Camerad camera = frame.camera.scaled(kFineScale);
+        const RaycastFrame fine = tracer.render(camera, ray);
+        DPL_CHECK_OK(writeColours(folder / kFineFolder / (frame.name + ".jpg"), fine, camera.widthPx, camera.heightPx, o.jpegQuality));
+        DPL_CHECK_OK(writeGrey(folder / kFineFolder / (frame.name + ".mask.png"), fine.mask, camera.widthPx, camera.heightPx));
     }
     const auto seen = observe(subject, tracer, frame.camera, keypoints, o.seed, index);
     DPL_CHECK_OK(writeText(folder / "keypoints" / (frame.name + ".json"), keypointsJson(subject, frame, seen)));

@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "reconstruction/report/png.h"
+#include "reconstruction/image/image_codec.h"
 #include "sdk/avatar/humanoid.h"
 #include "sdk/avatar/pose_correctives.h"
 #include "sdk/core/files.h"

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "reconstruction/report/png.h"
+#include "reconstruction/image/image_codec.h"
 
 namespace {
 
