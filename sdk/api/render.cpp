@@ -201,16 +201,16 @@ extern "C" DplResult dplDraw(DplContext context, DplAvatar avatar, const DplCame
 extern "C" DplResult dplRenderTogether(DplContext context, const DplAvatar* avatars, uint32_t avatarCount, const DplCamera* views,
                                        uint32_t viewCount, const DplImage* images) {
     return guarded("dplRenderTogether", [&]() -> Status {
-        DPL_TRY(const auto row, together(avatars, avatarCount));
-        return render(context, row, views, viewCount, images);
+        DPL_TRY(const auto set, together(avatars, avatarCount));
+        return render(context, set, views, viewCount, images);
     });
 }
 
 extern "C" DplResult dplDrawTogether(DplContext context, const DplAvatar* avatars, uint32_t avatarCount, const DplCamera* views,
                                      uint32_t viewCount, uint32_t flags) {
     return guarded("dplDrawTogether", [&]() -> Status {
-        DPL_TRY(const auto row, together(avatars, avatarCount));
-        return draw(context, row, views, viewCount, flags);
+        DPL_TRY(const auto set, together(avatars, avatarCount));
+        return draw(context, set, views, viewCount, flags);
     });
 }
 

@@ -100,7 +100,7 @@ struct Drawn {
 constexpr size_t kMaxDrawnTogether = 16;
 
 /** InvalidArgument for too many avatars, none, or one twice. */
-inline Status checkRow(std::span<const Drawn> what) {
+inline Status checkDrawn(std::span<const Drawn> what) {
     if (what.empty() || what.size() > kMaxDrawnTogether)
         return fail(Code::InvalidArgument, "{} avatars; 1 to {} are drawn together", what.size(), kMaxDrawnTogether);
     for (size_t i = 0; i < what.size(); ++i)
@@ -136,9 +136,9 @@ public:
         const Drawn one{avatar, &pose};
         return drawTogether({&one, 1}, views, wants);
     }
-    /** Draws up to kMaxDrawnTogether different ones into the same views: their splats are sorted together, so they may embrace. The frame
-     * is the first one's: read() and stats() of that one are about it. What was said of warm frames holds for every row of avatars once it
-     * has been drawn; the last four rows are kept. */
+    /** Draws up to kMaxDrawnTogether different avatars, a scene set, into the same views. Their splats are sorted together, so avatars may
+     * embrace. The frame belongs to the first one: read() and stats() of that one describe it. A scene set allocates nothing and waits for
+     * nothing once it has been drawn, as one avatar; the last four scene sets are kept. */
     virtual Status drawTogether(std::span<const Drawn> what, std::span<const Cameraf> views, const FrameWants& wants) = 0;
     /** Waits for the avatar's last frame and gives its pixels. For files and tests: a program with a screen shows the frame where it is. */
     virtual Result<std::span<const PixelView>> read(RenderAvatarId avatar) = 0;

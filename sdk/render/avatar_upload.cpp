@@ -211,7 +211,7 @@ AvatarRecords packAvatar(const AvatarData& avatar, const CodedSplats& splats) {
     return out;
 }
 
-size_t paletteRows(const AvatarData& avatar) {
+size_t paletteSize(const AvatarData& avatar) {
     return avatar.joints.size() * 3 + avatar.correctives.nodeCount;
 }
 

@@ -44,8 +44,8 @@ std::vector<gpu::vec4> packSplats(const StaticSplatData& splats, std::span<const
 /** Their SH coefficients as halves, each splat padded to whole uvec4; values beyond the range of a half are clamped to it. */
 std::vector<gpu::uvec4> packSh(const StaticSplatData& splats, std::span<const uint32_t> order);
 
-/** The palette of a pose: three rows a joint, then the control nodes. `out` has paletteRows entries; it may be mapped memory. */
-size_t paletteRows(const AvatarData& avatar);
+/** The palette of a pose: three rows a joint, then the control nodes. `out` has paletteSize entries; it may be mapped memory. */
+size_t paletteSize(const AvatarData& avatar);
 void packPalette(std::span<const Mat3x4f> worldFromRest, std::span<const Vec4f> nodes, std::span<gpu::vec4> out);
 
 /** What a frame must know of the splats it draws. */

@@ -140,7 +140,7 @@ public:
     }
 
     Status drawTogether(std::span<const Drawn> what, std::span<const Cameraf> views, const FrameWants& wants) override {
-        DPL_CHECK_OK(checkRow(what));
+        DPL_CHECK_OK(checkDrawn(what));
         DPL_CHECK_OK(checkScene(wants, views));
         together_.clear();
         bool mesh = false;

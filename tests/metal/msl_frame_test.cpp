@@ -457,7 +457,7 @@ TEST(MetalFrame, meshDepthMatchesTheReference) {
     std::vector<Mat3x4f> joints;
     jointTransforms(avatar.joints, pose, joints);
     AvatarRecords records = packAvatar(avatar, *codeSplats(avatar.mesh, avatar.splats));
-    std::vector<gpu::vec4> palette(paletteRows(avatar)), posed(avatar.mesh.restPositions.size());
+    std::vector<gpu::vec4> palette(paletteSize(avatar)), posed(avatar.mesh.restPositions.size());
     packPalette(joints, {}, palette);
     for (const float distanceM : {1.6f, 0.2f}) {  // small triangles, and some that a group shares
         const Cameraf views[2] = {tubeCamera(80, 70, 0.6f, distanceM, -0.03f), tubeCamera(80, 70, 0.6f, distanceM, 0.03f)};

@@ -15,7 +15,7 @@ inline std::vector<gpu::vec4> paletteOf(const AvatarData& avatar, const Pose& jo
     std::vector<Vec4f> nodes;
     if (!avatar.correctives.empty())
         correctiveCoefficients(avatar.correctives, nodePose, coefficients), correctiveNodes(avatar.correctives, coefficients, nodes);
-    std::vector<gpu::vec4> palette(paletteRows(avatar));
+    std::vector<gpu::vec4> palette(paletteSize(avatar));
     packPalette(joints, nodes, palette);
     return palette;
 }

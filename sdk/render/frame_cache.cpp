@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/render/frame_cache.h"
+
+#include <array>
+#include <optional>
+
+#include "sdk/core/log.h"
+#include "sdk/math/coverage.h"
+#include "sdk/render/frame_steps.h"
+#include "sdk/render/passes/draw.h"
+#include "sdk/render/passes/scan.h"
+
+namespace dpl {
+namespace {
+
+static_assert(kMaxDrawnTogether == gpu::kMaxDrawn);
+
+constexpr std::array<std::byte, 4> kZero{};
+constexpr uint32_t kGuard = 3;        // clip space in targets: a splat no larger than the target that touches it stays inside
+constexpr size_t kLargeSetsKept = 4;  // scene sets of several avatars; a room draws one set until somebody comes or goes
+constexpr size_t kShapesKept = 4;  // of one set: an app uses one or two sizes, each with one or four samples; resizing leaves others behind
+
+Result<TableIds> makeTable(DeviceBuffers& buffers, const std::string& label, uint64_t cells, uint64_t sums) {
+    TableIds table;
+    DPL_TRY(table.cells, buffers.create(label + " cells", cells * 4));
+    DPL_TRY(table.sums, buffers.create(label + " sums", sums * 4));
+    DPL_TRY(table.places, buffers.create(label + " places", cells * 4));
+    return table;
+}
+
+uint64_t pixelsOf(const FrameShape& shape) {
+    return uint64_t(shape.widthPx) * shape.heightPx * shape.views;
+}
+
+/** Numbers the subjects and lays them one behind the other in the lists of a frame. Unsupported: too many splats together. */
+Status placeSubjects(SceneSet& set, const DeviceInfo& device) {
+    FrameIds& ids = set.ids;
+    const uint64_t most =
+        std::min<uint64_t>(device.maxBindingBytes / (sizeof(gpu::ProjectedSplat) * gpu::kMaxViews), 1u << gpu::kSortIndexBits);
+    uint64_t splats = 0;
+    for (SubjectIds& subject : set.subjects) {
+        subject.drawn = uint32_t(ids.endGroups.size());
+        subject.firstGroup = ids.allGroups;
+        subject.firstSplat = uint32_t(splats);
+        splats += subject.splatCount;
+        if (splats > most)
+            return fail(Code::Unsupported, "{} avatars together have more splats than {} draws at once ({}); draw fewer together",
+                        set.subjects.size(), device.name, most);
+        ids.allGroups += subject.groupCount;
+        ids.endGroups.push_back(ids.allGroups);
+        ids.filledGroups += subject.filledGroups;
+        ids.componentCount += subject.componentCount;
+        ids.wide |= subject.wide;
+        ids.mayTakeFourSamples |= subject.mayTakeFourSamples;
+    }
+    ids.splatCount = uint32_t(splats);
+    return {};
+}
+
+}  // namespace
+
+SubmittedFrame SceneSet::submitted(uint64_t frameNumber) const {
+    for (const RecordedFrame& frame : frames)
+        for (const FrameSlot& slot : frame.slots)
+            if (frame.lastUse == frameNumber && slot.number == frameNumber) return {&frame, &slot};
+    return {};
+}
+
+FrameCache::FrameCache(Backend& backend, const AvatarStore& store, const FrameCacheOptions& options,
+                       std::function<void(const RecordedFrame&)> onFree)
+    : backend_(backend), store_(store), options_(options), onFree_(std::move(onFree)) {}
+
+FrameCache::~FrameCache() {
+    for (auto& [number, set] : sets_) free(set);
+}
+
+Result<SceneSet*> FrameCache::sceneSet(std::span<const RenderAvatarId> members) {
+    size_t largeSets = 0;
+    auto oldest = sets_.end();
+    for (auto it = sets_.begin(); it != sets_.end(); ++it) {
+        SceneSet& set = it->second;
+        if (std::equal(members.begin(), members.end(), set.members.begin(), set.members.end())) return &set;
+        if (set.members.size() == 1) continue;
+        ++largeSets;
+        if (oldest == sets_.end() || set.lastUse < oldest->second.lastUse) oldest = it;
+    }
+    if (members.size() > 1 && largeSets >= kLargeSetsKept) {
+        free(oldest->second);
+        sets_.erase(oldest);
+    }
+    SceneSet set(backend_);
+    set.members.assign(members.begin(), members.end());
+    for (const RenderAvatarId id : members) set.subjects.push_back(store_.at(id).ids);
+    DPL_CHECK_OK(makeLists(set));
+    set.number = ++lastNumber_;
+    return &sets_.emplace(set.number, std::move(set)).first->second;
+}
+
+const SceneSet* FrameCache::find(uint32_t number) const {
+    const auto found = sets_.find(number);
+    return found == sets_.end() ? nullptr : &found->second;
+}
+
+void FrameCache::remove(RenderAvatarId avatar) {
+    for (auto it = sets_.begin(); it != sets_.end();) {
+        if (!it->second.holds(avatar)) {
+            ++it;
+            continue;
+        }
+        free(it->second);
+        it = sets_.erase(it);
+    }
+}
+
+Status FrameCache::makeLists(SceneSet& set) {
+    FrameIds& ids = set.ids;
+    ids.multiview = backend_.info().multiview;
+    ids.floatKeys = options_.floatKeys;
+    DPL_CHECK_OK(placeSubjects(set, backend_.info()));
+    DPL_TRY(ids.visibility, set.buffers.create("visibility", ids.visibilityWords() * 4));
+    DPL_TRY(ids.survivors, set.buffers.create("survivors", ids.survivorWords() * 4));
+    DPL_TRY(ids.counts, set.buffers.create("counts", sizeof(gpu::FrameCounts)));
+    DPL_TRY(ids.pairs, set.buffers.create("pairs", ids.splatCount * 8ull));
+    // With two rounds of sorting, pairs have shrunk to one word when they are first written here.
+    DPL_TRY(ids.pairsSwap, set.buffers.create("pairs swap", ids.splatCount * (ids.sortRounds() == 2 ? 4ull : 8ull)));
+    DPL_TRY(ids.digits, makeTable(set.buffers, "digits", ids.digitWords(), scanSumWords(gpu::kSortDigits)));
+    return {};
+}
+
+FrameIds FrameCache::idsOf(const SceneSet& set, const FrameShape& shape) const {
+    const DeviceInfo& device = backend_.info();
+    FrameIds ids = set.ids;
+    ids.viewCount = shape.views;
+    ids.widthPx = shape.widthPx;
+    ids.heightPx = shape.heightPx;
+    ids.depth = shape.depth;
+    ids.sceneDepth = shape.sceneDepth;
+    ids.samples = shape.samples;
+    ids.colour = !options_.preciseBlending ? ColourFormat::Codes8 : device.codes16 ? ColourFormat::Codes16 : ColourFormat::Halves;
+    ids.shuffle = device.shuffle;
+    ids.guard = float(std::clamp(device.maxViewportPx / std::max({ids.widthPx, ids.heightPx, 1u}), 1u, kGuard));
+    return ids;
+}
+
+TargetDesc FrameCache::targetOf(const FrameIds& ids) const {
+    return {ids.widthPx, ids.heightPx, ids.viewCount, ids.depth, ids.multiview, ids.colour, ids.samples};
+}
+
+Result<RecordedFrame*> FrameCache::frame(SceneSet& set, const FrameShape& shape, TargetMaker makeTarget) {
+    for (RecordedFrame& frame : set.frames)
+        if (frame.shape == shape) return &frame;
+    if (set.frames.size() >= kShapesKept) {
+        const auto oldest = std::min_element(set.frames.begin(), set.frames.end(),
+                                             [](const RecordedFrame& a, const RecordedFrame& b) { return a.lastUse < b.lastUse; });
+        free(*oldest);
+        set.frames.erase(oldest);
+    }
+    const FrameIds ids = idsOf(set, shape);
+    DPL_TRY(FrameTarget target, makeTarget(targetOf(ids)));
+    RecordedFrame made(backend_, shape, std::move(target));
+    made.key = ++lastKey_;
+    made.ids = ids;
+    made.ids.target = made.target.id();
+    if (const Status recorded = record(set, made); !recorded) {
+        free(made);
+        return recorded.error();
+    }
+    set.frames.push_back(std::move(made));
+    return &set.frames.back();
+}
+
+Status FrameCache::record(const SceneSet& set, RecordedFrame& frame) {
+    FrameIds& ids = frame.ids;
+    DPL_CHECK_OK(preparePipelines(set, frame));
+    DPL_TRY(ids.projected, frame.buffers.create("projected", uint64_t(ids.splatCount) * ids.viewCount * sizeof(gpu::ProjectedSplat)));
+    if (frame.shape.meshDepth) {
+        DPL_TRY(ids.meshDepth, frame.buffers.create("mesh depth", pixelsOf(frame.shape) * 4));
+        // Every frame overwrites it. The backend refuses to record a read-back of a buffer that nothing has written yet.
+        DPL_CHECK_OK(backend_.write(ids.meshDepth, 0, kZero));
+    }
+    std::optional<TilePlan> tiles;
+    if (frame.shape.fill == Fill::Tiles && ids.splatCount > 0) {
+        tiles = planTiles(ids, backend_.info());
+        if (!tiles)
+            log(LogLevel::Info, "{} x {} px, {} splats: the lists of compute tiles do not fit the device, quads fill this size",
+                ids.widthPx, ids.heightPx, ids.splatCount);
+    }
+    if (tiles) {
+        DPL_CHECK_OK(makeTileLists(frame, *tiles));
+    }
+    for (FrameSlot& slot : frame.slots) {
+        DPL_CHECK_OK(recordSlot(set, frame, slot, tiles ? &*tiles : nullptr));
+    }
+    return {};
+}
+
+Status FrameCache::makeTileLists(RecordedFrame& frame, const TilePlan& tiles) {
+    FrameIds& ids = frame.ids;
+    frame.tileDepthOffset = tiles.push.firstDepth * 4ull;
+    DPL_TRY(ids.tiles, makeTable(frame.buffers, "tile table", tiles.tableWords, tiles.sumWords));
+    DPL_TRY(ids.tileSpans, frame.buffers.create("tile spans", tiles.spanBytes));
+    DPL_TRY(ids.tileEntries, frame.buffers.create("tile entries", tiles.entryBytes));
+    DPL_TRY(ids.tilePixels, frame.buffers.create("tile pixels", tiles.pixelBytes));
+    return backend_.write(ids.tilePixels, 0, kZero);  // as the mesh depth
+}
+
+/** Creates the pipelines for the other number of samples too: whoever walks away from an avatar must not wait for a shader compiler. Its
+ *  target and lists are made when they are needed. */
+Status FrameCache::preparePipelines(const SceneSet& set, const RecordedFrame& frame) {
+    if (!set.ids.mayTakeFourSamples || !backend_.info().fourSamples) return {};
+    const uint32_t other = frame.shape.samples == 1 ? kCoverageSamples : 1;
+    DPL_CHECK_OK(backend_.drawPipeline(drawPipelineOf(frame.ids, other)));
+    if (frame.shape.fill == Fill::Tiles) {
+        DPL_CHECK_OK(backend_.computePipeline(tileFillOf(frame.ids, other)));
+    }
+    return {};
+}
+
+Status FrameCache::recordSlot(const SceneSet& set, RecordedFrame& frame, FrameSlot& slot, const TilePlan* tiles) {
+    std::vector<FrameIds> subjects;
+    for (const SubjectIds& ids : set.subjects) {
+        FrameSlot::Upload& upload = slot.uploads.emplace_back();
+        DPL_TRY(upload.frame, frame.buffers.create("frame", sizeof(gpu::FrameData), BufferMemory::Upload));
+        if (!ids.general) {
+            DPL_TRY(upload.palette, frame.buffers.create("palette", ids.paletteSize * sizeof(gpu::vec4), BufferMemory::Upload));
+        }
+        FrameIds& subject = subjects.emplace_back(frame.ids.of(ids));
+        subject.frame = upload.frame, subject.palette = upload.palette;
+    }
+    if (frame.shape.sceneDepth) {
+        DPL_TRY(slot.scene, frame.buffers.create("scene depth", pixelsOf(frame.shape) * 4, BufferMemory::Upload));
+    }
+    DPL_TRY(slot.finalCounts, frame.buffers.create("final counts", sizeof(gpu::FrameCounts), BufferMemory::Readback));
+    FrameIds ids = frame.ids;
+    ids.scene = slot.scene;
+    FramePlan plan(backend_);
+    planFrame(plan, ids, subjects, tiles, backend_.info().clearDraw, slot.finalCounts);
+    DPL_TRY(slot.recorded, plan.finish());
+    return {};
+}
+
+void FrameCache::free(RecordedFrame& frame) {
+    onFree_(frame);
+    for (const FrameSlot& slot : frame.slots) backend_.destroyFrame(slot.recorded);
+}
+
+void FrameCache::free(SceneSet& set) {
+    for (RecordedFrame& frame : set.frames) free(frame);
+}
+
+}  // namespace dpl

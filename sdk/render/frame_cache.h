@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// Recorded frames. A scene set (subjects that are drawn together) has its lists on the device; for each shape that it is drawn in, a frame
+// is recorded once for every slot, and replayed from then on.
+//
+//   SceneSet ─► RecordedFrame (one for each shape) ─► FrameSlot (kFramesInFlight of each): own upload and read-back buffers
+//
+// The cache records and never submits: whoever draws fills the buffers of a slot and submits what was recorded for it. It does not create
+// targets either: the caller brings one for each frame.
+#pragma once
+
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <vector>
+
+#include "sdk/core/function_ref.h"
+#include "sdk/render/avatar_store.h"
+#include "sdk/render/device_buffers.h"
+#include "sdk/render/frame_ids.h"
+#include "sdk/render/frame_target.h"
+#include "sdk/render/passes/tiles.h"
+
+namespace dpl {
+
+/** Everything about a draw that needs other buffers, another target or other steps. */
+struct FrameShape {
+    uint32_t widthPx = 0, heightPx = 0, views = 0;
+    bool depth = false, meshDepth = false, sceneDepth = false;
+    uint32_t eye = 0;      // 1: the second of two frames that draw a canted pair
+    uint32_t samples = 1;  // of a pixel
+    Fill fill = Fill::Quads;
+    bool operator==(const FrameShape&) const = default;
+};
+
+/** One of the frames in flight. */
+struct FrameSlot {
+    struct Upload {
+        BufferId frame, palette;  // palette: none for general splats
+    };
+    std::vector<Upload> uploads;  // of each subject, written by the CPU before each frame
+    BufferId scene;               // the app's depth, likewise; none: not wanted
+    BufferId finalCounts;         // FrameCounts, read back
+    FrameId recorded;
+    uint64_t number = 0;            // of the frame that it was submitted for last; 0: none
+    uint32_t componentsInView = 0;  // of that frame
+};
+
+/** A scene set in one shape. Owns its buffers and recordings, and its target unless that is lent. */
+struct RecordedFrame {
+    RecordedFrame(Backend& backend, const FrameShape& shape, FrameTarget target)
+        : shape(shape), target(std::move(target)), buffers(backend) {}
+
+    uint64_t key = 0;  // no other frame of the cache ever has it
+    FrameShape shape;
+    FrameIds ids;  // of what the slots share
+    FrameTarget target;
+    DeviceBuffers buffers;
+    FrameSlot slots[kFramesInFlight];
+    uint32_t next = 0;             // the slot of the next frame
+    uint64_t tileDepthOffset = 0;  // in ids.tilePixels, bytes
+    uint64_t lastUse = 0;          // number of its last frame
+};
+
+/** A recorded frame and the slot that was submitted. Null: none. */
+struct SubmittedFrame {
+    const RecordedFrame* frame = nullptr;
+    const FrameSlot* slot = nullptr;
+    explicit operator bool() const { return frame != nullptr; }
+};
+
+/** Subjects that are drawn together, in this order, and the lists on the device that every frame of them uses. */
+struct SceneSet {
+    explicit SceneSet(Backend& backend) : buffers(backend) {}
+
+    uint32_t number = 0;  // from 1
+    std::vector<RenderAvatarId> members;
+    std::vector<SubjectIds> subjects;  // of the members, with their places in the lists
+    FrameIds ids;                      // totals, and what does not depend on the shape
+    DeviceBuffers buffers;
+    std::vector<RecordedFrame> frames;
+    uint64_t lastUse = 0;  // number of its last frame
+
+    bool holds(RenderAvatarId avatar) const { return std::find(members.begin(), members.end(), avatar) != members.end(); }
+    /** The frame of a number, if it is the last one of its shape: only that one's pixels are still in the target. */
+    SubmittedFrame submitted(uint64_t frameNumber) const;
+};
+
+struct FrameCacheOptions {
+    bool preciseBlending = false;  // blend in more than 8 bits
+    bool floatKeys = false;        // sort by 32-bit float depths
+};
+
+/** Owns the scene sets and their frames. Backend and store must live longer. One thread at a time. */
+class FrameCache {
+public:
+    /** onFree: called before a frame is destroyed, so that whoever keeps something for it drops that. */
+    FrameCache(Backend& backend, const AvatarStore& store, const FrameCacheOptions& options,
+               std::function<void(const RecordedFrame&)> onFree);
+    ~FrameCache();
+
+    /** Makes the target of a frame that is about to be recorded. */
+    using TargetMaker = FunctionRef<Result<FrameTarget>(const TargetDesc&)>;
+
+    /** The scene set of these subjects, which the store holds. Made on first use: its lists are created then. A set of one is kept as long
+     *  as its avatar; of larger sets only the four drawn last. Valid until one of its avatars is removed or another set is made. */
+    Result<SceneSet*> sceneSet(std::span<const RenderAvatarId> members);
+    /** Null when it is gone. */
+    const SceneSet* find(uint32_t number) const;
+    /** The frame of a shape. Recorded on first use; the four shapes drawn last are kept. Valid until another shape is recorded. */
+    Result<RecordedFrame*> frame(SceneSet& set, const FrameShape& shape, TargetMaker makeTarget);
+    /** Frees every scene set that holds the avatar. Waits for their frames. */
+    void remove(RenderAvatarId avatar);
+
+private:
+    Status makeLists(SceneSet& set);
+    TargetDesc targetOf(const FrameIds& ids) const;
+    FrameIds idsOf(const SceneSet& set, const FrameShape& shape) const;
+    Status record(const SceneSet& set, RecordedFrame& frame);
+    Status makeTileLists(RecordedFrame& frame, const TilePlan& tiles);
+    Status recordSlot(const SceneSet& set, RecordedFrame& frame, FrameSlot& slot, const TilePlan* tiles);
+    Status preparePipelines(const SceneSet& set, const RecordedFrame& frame);
+    void free(RecordedFrame& frame);
+    void free(SceneSet& set);
+
+    Backend& backend_;
+    const AvatarStore& store_;
+    FrameCacheOptions options_;
+    std::function<void(const RecordedFrame&)> onFree_;
+    std::map<uint32_t, SceneSet> sets_;  // by number
+    uint32_t lastNumber_ = 0;
+    uint64_t lastKey_ = 0;
+};
+
+}  // namespace dpl

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/render/frame_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "sdk/math/half.h"
+#include "sdk/render/plan.h"
+
+namespace dpl {
+
+Result<std::span<const PixelView>> FrameReader::read(std::span<const SubmittedFrame> frames) {
+    size_t views = 0;
+    for (const SubmittedFrame& drawn : frames) {
+        Readback& readback = readbacks_.try_emplace(drawn.frame->key, backend_).first->second;
+        DPL_CHECK_OK(copy(*drawn.frame, *drawn.slot, readback));
+        takePixels(*drawn.frame, readback, views);
+        views += drawn.frame->shape.views;
+    }
+    return std::span<const PixelView>(pixels_, views);
+}
+
+Status FrameReader::copy(const RecordedFrame& frame, const FrameSlot& slot, Readback& readback) {
+    DPL_CHECK_OK(backend_.wait(slot.recorded));
+    readback.fromTiles = frame.ids.tilePixels && countsOf(slot).tilesOverflowed == 0;
+    FrameId& recorded = readback.copy[readback.fromTiles];
+    if (!recorded) {
+        DPL_TRY(recorded, recordCopy(frame, readback.fromTiles, readback));
+    }
+    readback.lastNumber = slot.number;
+    return backend_.run(recorded);
+}
+
+Result<FrameId> FrameReader::recordCopy(const RecordedFrame& frame, bool fromTiles, Readback& readback) {
+    const FrameIds& ids = frame.ids;
+    const uint64_t pixels = uint64_t(ids.widthPx) * ids.heightPx * ids.viewCount;
+    const auto bufferOf = [&](BufferId& buffer, const char* label, uint64_t bytes) -> Status {
+        if (buffer) return {};
+        DPL_TRY(buffer, readback.buffers.create(label, bytes, BufferMemory::Readback));
+        return {};
+    };
+    FramePlan plan(backend_);
+    DPL_CHECK_OK(bufferOf(readback.colour, "colour pixels", pixels * 4));
+    if (ids.depth) {
+        DPL_CHECK_OK(bufferOf(readback.depth, "depth pixels", pixels * (backend_.info().halfDepth ? 4 : 8)));
+    }
+    if (fromTiles) {
+        plan.copy("readback", ids.tilePixels, readback.colour);
+        if (ids.depth) plan.copy("readback", ids.tilePixels, readback.depth, frame.tileDepthOffset);
+    } else {
+        plan.readback("readback", ids.target, readback.colour, readback.depth);
+    }
+    if (ids.meshDepth) {
+        DPL_CHECK_OK(bufferOf(readback.meshDepth, "mesh depth pixels", pixels * 4));
+        plan.copy("mesh readback", ids.meshDepth, readback.meshDepth);
+    }
+    return plan.finish();
+}
+
+void FrameReader::takePixels(const RecordedFrame& frame, const Readback& readback, size_t firstView) {
+    const FrameShape& shape = frame.shape;
+    const size_t pixels = size_t(shape.widthPx) * shape.heightPx;
+    const auto* colour = reinterpret_cast<const uint8_t*>(backend_.mapped(readback.colour).data());
+    for (size_t v = 0; v < shape.views; ++v) {
+        std::vector<float>& depthM = depthM_[firstView + v];
+        depthM.resize(shape.depth ? pixels : 0);
+        if (shape.depth) takeDepth(backend_.mapped(readback.depth), v * pixels, depthM);
+        std::vector<float>& meshDepthM = meshDepthM_[firstView + v];
+        meshDepthM.resize(shape.meshDepth ? pixels : 0);
+        if (shape.meshDepth) {
+            std::memcpy(meshDepthM.data(), backend_.mapped(readback.meshDepth).data() + v * pixels * 4, pixels * 4);
+            std::replace(meshDepthM.begin(), meshDepthM.end(), INFINITY, 0.0f);
+        }
+        pixels_[firstView + v] = {shape.widthPx, shape.heightPx, {colour + v * pixels * 4, pixels * 4}, depthM, meshDepthM};
+    }
+}
+
+/** Depth from the two sums of a pixel, Σ α T z and Σ α T. */
+void FrameReader::takeDepth(std::span<const std::byte> sums, size_t firstPixel, std::vector<float>& depthM) const {
+    const bool half = backend_.info().halfDepth;
+    for (size_t i = 0; i < depthM.size(); ++i) {
+        float pixel[2];
+        if (half) {
+            uint16_t raw[2];
+            std::memcpy(raw, sums.data() + (firstPixel + i) * 4, 4);
+            pixel[0] = floatFromHalf(raw[0]), pixel[1] = floatFromHalf(raw[1]);
+        } else {
+            std::memcpy(pixel, sums.data() + (firstPixel + i) * 8, 8);
+        }
+        depthM[i] = pixel[1] > 0 ? pixel[0] / pixel[1] : 0.0f;
+    }
+}
+
+gpu::FrameCounts FrameReader::countsOf(const FrameSlot& slot) const {
+    gpu::FrameCounts counts;
+    std::memcpy(&counts, backend_.mapped(slot.finalCounts).data(), sizeof(counts));
+    return counts;
+}
+
+SubmittedFrame FrameReader::lastFinished(const SceneSet& set) const {
+    SubmittedFrame last;
+    for (const RecordedFrame& frame : set.frames)
+        for (const FrameSlot& slot : frame.slots)
+            if (slot.number > (last ? last.slot->number : 0) && backend_.finished(slot.recorded)) last = {&frame, &slot};
+    return last;
+}
+
+/** The frame of the other eye of a canted pair, which was submitted just before. */
+SubmittedFrame FrameReader::firstEyeOf(const SceneSet& set, const FrameSlot& second) const {
+    for (const RecordedFrame& frame : set.frames)
+        for (const FrameSlot& slot : frame.slots)
+            if (frame.shape.eye == 0 && slot.number > 0 && slot.number + 1 == second.number && backend_.finished(slot.recorded))
+                return {&frame, &slot};
+    return {};
+}
+
+void FrameReader::addStats(const SceneSet& set, uint64_t splatsAllowed, FrameStats& stats) {
+    stats.splatsAllowed = splatsAllowed;
+    const SubmittedFrame last = lastFinished(set);
+    if (!last) return;
+    const SubmittedFrame first = last.frame->shape.eye == 1 ? firstEyeOf(set, *last.slot) : SubmittedFrame{};
+    for (const SubmittedFrame& drawn : {first, last}) {
+        if (!drawn) continue;
+        addCounts(set, drawn, splatsAllowed, stats);
+        addPassTimes(drawn, stats);
+    }
+}
+
+void FrameReader::addCounts(const SceneSet& set, const SubmittedFrame& drawn, uint64_t splatsAllowed, FrameStats& stats) const {
+    const gpu::FrameCounts counts = countsOf(*drawn.slot);
+    const auto raise = [](uint32_t& value, uint32_t other) { value = std::max(value, other); };
+    stats.views += drawn.frame->shape.views;
+    stats.chunks = set.ids.filledGroups;
+    stats.components = set.ids.componentCount;
+    raise(stats.componentsInView, drawn.slot->componentsInView);
+    raise(stats.trianglesInView, counts.trianglesInView);
+    raise(stats.trianglesFacing, counts.trianglesFacing);
+    raise(stats.chunksProjected, counts.chunksProjected);
+    raise(stats.splatsInView, counts.splatsInView);
+    raise(stats.splatsFacing, counts.splatsFacing);
+    raise(stats.splatsDrawn, counts.visible);
+    stats.tileEntries += counts.tileEntries;
+    stats.tilesOverflowed |= counts.tilesOverflowed != 0;
+    // The GPU counts no bytes: they follow from the survivors and the layout. The widest SH entry stands for those of all subjects.
+    uint64_t shBytes = 0;
+    for (const SubjectIds& subject : set.subjects) {
+        stats.bytesDecided += uint64_t(subject.codes.firstPlace - subject.codes.firstParent) * 4;
+        shBytes = std::max<uint64_t>(shBytes, (subject.codes.firstShIndex ? 2 : 0) + subject.codes.shWords * 4);
+    }
+    if (counts.splatsFacing == 0) return;
+    // Splats that level of detail leaves out are not read.
+    const double kept = set.ids.splatCount > 0 ? double(splatsAllowed) / set.ids.splatCount : 1;
+    stats.bytesDecided += uint64_t(double(counts.chunksProjected) * gpu::kSplatGroup * 5 * kept);
+    stats.bytesDecoded += uint64_t(counts.splatsFacing) * 4 + uint64_t(counts.visible) * (4 + shBytes);
+}
+
+void FrameReader::addPassTimes(const SubmittedFrame& drawn, FrameStats& stats) const {
+    const auto append = [&](FrameId recorded) {
+        for (PassTime& pass : backend_.passTimes(recorded)) stats.passes.push_back(std::move(pass));
+    };
+    append(drawn.slot->recorded);
+    const auto readback = readbacks_.find(drawn.frame->key);
+    if (readback != readbacks_.end() && readback->second.lastNumber == drawn.slot->number)
+        append(readback->second.copy[readback->second.fromTiles]);
+}
+
+void FrameReader::forget(const RecordedFrame& frame) {
+    const auto found = readbacks_.find(frame.key);
+    if (found == readbacks_.end()) return;
+    for (const FrameId recorded : found->second.copy) backend_.destroyFrame(recorded);
+    readbacks_.erase(found);
+}
+
+}  // namespace dpl

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// What comes back from the device: pixels, for files and tests, and what frames drew and cost. One of the consumers of recorded frames; a
+// program that never reads pays for none of it.
+#pragma once
+
+#include <map>
+#include <span>
+#include <vector>
+
+#include "sdk/render/frame_cache.h"
+
+namespace dpl {
+
+/** Reads frames that were recorded by a FrameCache and submitted by whoever draws. Owns the read-back buffers, which are made when a frame
+ *  is first read. The backend must live longer. One thread at a time. */
+class FrameReader {
+public:
+    explicit FrameReader(Backend& backend) : backend_(backend) {}
+
+    /** Waits for the frames of one draw, in the order of their views, and gives the pixels of all views. They are good until the next
+     *  read, or until one of the frames is drawn again or freed. */
+    Result<std::span<const PixelView>> read(std::span<const SubmittedFrame> frames);
+    /** Adds what the last finished frame of the set drew and cost; of a canted pair, both frames. splatsAllowed: of the set's last draw.
+     *  Never waits. */
+    void addStats(const SceneSet& set, uint64_t splatsAllowed, FrameStats& stats);
+    /** Drops the read-back buffers of a frame that is about to be freed. */
+    void forget(const RecordedFrame& frame);
+
+private:
+    struct Readback {
+        explicit Readback(Backend& backend) : buffers(backend) {}
+        DeviceBuffers buffers;
+        BufferId colour, depth, meshDepth;
+        FrameId copy[2];          // from the target; from what tiles have filled
+        uint64_t lastNumber = 0;  // of the frame that was read last
+        bool fromTiles = false;   // how that one was read
+    };
+
+    Status copy(const RecordedFrame& frame, const FrameSlot& slot, Readback& readback);
+    Result<FrameId> recordCopy(const RecordedFrame& frame, bool fromTiles, Readback& readback);
+    void takePixels(const RecordedFrame& frame, const Readback& readback, size_t firstView);
+    void takeDepth(std::span<const std::byte> sums, size_t firstPixel, std::vector<float>& depthM) const;
+    gpu::FrameCounts countsOf(const FrameSlot& slot) const;
+    SubmittedFrame lastFinished(const SceneSet& set) const;
+    SubmittedFrame firstEyeOf(const SceneSet& set, const FrameSlot& second) const;
+    void addCounts(const SceneSet& set, const SubmittedFrame& drawn, uint64_t splatsAllowed, FrameStats& stats) const;
+    void addPassTimes(const SubmittedFrame& drawn, FrameStats& stats) const;
+
+    Backend& backend_;
+    std::map<uint64_t, Readback> readbacks_;  // by RecordedFrame::key
+    PixelView pixels_[gpu::kMaxViews];        // of the last read
+    std::vector<float> depthM_[gpu::kMaxViews], meshDepthM_[gpu::kMaxViews];
+};
+
+}  // namespace dpl

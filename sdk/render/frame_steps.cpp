@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/render/frame_steps.h"
+
+#include "sdk/render/passes/chunks.h"
+#include "sdk/render/passes/compact.h"
+#include "sdk/render/passes/draw.h"
+#include "sdk/render/passes/mesh_depth.h"
+#include "sdk/render/passes/project.h"
+#include "sdk/render/passes/skin.h"
+#include "sdk/render/passes/sort.h"
+#include "sdk/render/passes/triangles.h"
+
+namespace dpl {
+
+void planFrame(FramePlan& plan, const FrameIds& frame, std::span<const FrameIds> subjects, const TilePlan* tiles, bool mayLeaveTarget,
+               BufferId finalCounts) {
+    plan.fill("begin", frame.counts, 0);
+    for (const FrameIds& subject : subjects) {
+        if (!subject.general && subject.vertexCount > 0 && (subject.splatCount > 0 || frame.meshDepth)) addSkin(plan, subject);
+        if (frame.meshDepth) addMeshDepth(plan, subject);
+    }
+    for (const FrameIds& subject : subjects) {
+        if (subject.splatCount == 0) continue;
+        if (!subject.general) {
+            addTriangles(plan, subject);
+            addChunks(plan, subject);
+        }
+        addProject(plan, subject);
+    }
+    if (frame.splatCount > 0) {
+        addCompact(plan, frame);
+        addSort(plan, frame);
+        if (tiles) addTiles(plan, frame, *tiles);
+    } else {  // the draw has no vertices, because its arguments are zero, but still clears the target
+        plan.fill("no pairs", frame.pairs, 0);
+        plan.fill("no splats", frame.projected, 0);
+    }
+    addDraw(plan, frame, tiles && mayLeaveTarget);
+    plan.copy("counts", frame.counts, finalCounts);
+}
+
+}  // namespace dpl

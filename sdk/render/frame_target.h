@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// The target that a recorded frame draws into, and who owns it.
+#pragma once
+
+#include <utility>
+
+#include "sdk/backend/backend.h"
+
+namespace dpl {
+
+/** Either a target made for one frame, which is destroyed with it, or one lent by its owner, who keeps it until the frame is gone. The
+ *  backend must live longer. Move-only. One thread at a time, as the backend. */
+class FrameTarget {
+public:
+    static Result<FrameTarget> create(Backend& backend, const TargetDesc& desc) {
+        DPL_TRY(const TargetId id, backend.createTarget(desc));
+        return FrameTarget(&backend, id);
+    }
+    static FrameTarget lent(TargetId id) { return FrameTarget(nullptr, id); }
+
+    FrameTarget(FrameTarget&& other) noexcept : owner_(std::exchange(other.owner_, nullptr)), id_(other.id_) {}
+    FrameTarget& operator=(FrameTarget&& other) noexcept {
+        std::swap(owner_, other.owner_);
+        std::swap(id_, other.id_);
+        return *this;
+    }
+    ~FrameTarget() {
+        if (owner_) owner_->destroyTarget(id_);
+    }
+
+    TargetId id() const { return id_; }
+
+private:
+    FrameTarget(Backend* owner, TargetId id) : owner_(owner), id_(id) {}
+
+    Backend* owner_;  // null: lent
+    TargetId id_;
+};
+
+}  // namespace dpl

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/render/posed_subject.h"
+
+#include "sdk/avatar/pose_correctives.h"
+
+namespace dpl {
+namespace {
+
+void poseAvatar(const AvatarData& avatar, const Pose& pose, PosedSubject& out) {
+    jointTransforms(avatar.joints, pose, out.worldFromRest);
+    if (avatar.correctives.empty()) return;
+    correctiveCoefficients(avatar.correctives, pose, out.coefficients);
+    correctiveNodes(avatar.correctives, out.coefficients, out.nodes);
+}
+
+}  // namespace
+
+PosedSet SubjectPoser::pose(std::span<const Drawn> what, std::span<LoadedSubject* const> subjects, const FrameViews& views,
+                            const DetailOptions& detail, bool cullComponents) {
+    DetailMember members[kMaxDrawnTogether];
+    for (size_t k = 0; k < subjects.size(); ++k) {
+        PosedSubject& out = posed_[k];
+        out.worldFromRest.clear(), out.coefficients.clear(), out.nodes.clear();
+        if (!subjects[k]->avatar) {
+            members[k].general = &subjects[k]->generalDetail;
+            continue;
+        }
+        poseAvatar(*subjects[k]->avatar, *what[k].pose, out);
+        members[k].avatar = &subjects[k]->detail;
+        members[k].worldFromRest = out.worldFromRest;
+    }
+    const uint64_t splatsAllowed = chooseDetails(detail, views.all, {members, subjects.size()});
+    for (size_t k = 0; k < subjects.size(); ++k) {
+        const LoadedSubject& subject = *subjects[k];
+        PosedSubject& out = posed_[k];
+        out.detail = members[k].detail;
+        out.generalDetail = members[k].generalDetail;
+        out.drawnShare = members[k].share;
+        out.largestGrowth = subject.detail.largestGrowth(out.detail.perM2);
+        out.unseen = {};
+        if (!subject.avatar || !cullComponents) continue;
+        for (size_t frame = 0; frame < views.frameCount(); ++frame)
+            out.unseen[frame] =
+                subject.components.unseen(out.worldFromRest, out.coefficients, views.of(frame), subject.splats.kappaPx2, out.largestGrowth);
+    }
+    return {{posed_.data(), subjects.size()}, splatsAllowed};
+}
+
+}  // namespace dpl

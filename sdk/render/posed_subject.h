@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a pose and the views make of each subject of a frame: values that are computed once and then only read.
+//
+//   pose, joints ─► joint transforms ─► level of detail (of all subjects together) ─► components out of view
+//   pose ─► coefficients of the pose correctives ─► control nodes
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "sdk/render/avatar_store.h"
+
+namespace dpl {
+
+/** One subject in one draw call. General splats have no pose: their vectors are empty. */
+struct PosedSubject {
+    std::vector<Mat3x4f> worldFromRest;             // of each joint
+    std::vector<float> coefficients;                // of the pose correctives; empty without them
+    std::vector<Vec4f> nodes;                       // their control nodes
+    SplatDetail detail;                             // of an avatar
+    GeneralDetail generalDetail;                    // of general splats
+    float drawnShare = 1;                           // of its splats, at this level of detail, at most
+    float largestGrowth = 1;                        // of a splat's scales at this level of detail
+    std::array<uint32_t, gpu::kMaxViews> unseen{};  // by frame of the draw: bits of the components that none of its views can show
+};
+
+/** How the views of a draw call are shared out to frames: all views in one frame, or one frame for each view. */
+struct FrameViews {
+    std::span<const Cameraf> all;
+    bool shared = true;
+    size_t frameCount() const { return shared ? 1 : all.size(); }
+    std::span<const Cameraf> of(size_t frame) const { return shared ? all : all.subspan(frame, 1); }
+};
+
+/** All subjects of one draw call. */
+struct PosedSet {
+    std::span<const PosedSubject> subjects;  // in the order they were given in; valid until the next pose
+    uint64_t splatsAllowed = 0;              // what level of detail and budget allow to be drawn, of all subjects
+};
+
+/** Poses the subjects of one draw call after the other in memory of its own, so that a warm frame allocates nothing. One thread at a time.
+ */
+class SubjectPoser {
+public:
+    /** subjects[k] belongs to what[k]. Level of detail is chosen for all views at once, so that both eyes see the same splats.
+     *  cullComponents: otherwise no component counts as unseen. */
+    PosedSet pose(std::span<const Drawn> what, std::span<LoadedSubject* const> subjects, const FrameViews& views,
+                  const DetailOptions& detail, bool cullComponents);
+
+private:
+    std::array<PosedSubject, kMaxDrawnTogether> posed_;
+};
+
+}  // namespace dpl

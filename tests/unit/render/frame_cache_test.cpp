@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// Recorded frames by themselves, on the null backend: who owns a target, and what the cache leaves to whoever draws.
+#include <gtest/gtest.h>
+
+#include "sdk/backend/null/null_backend.h"
+#include "sdk/render/frame_cache.h"
+#include "tests/unit/render/tube_avatar.h"
+
+namespace dpl {
+namespace {
+
+struct CacheSetup {
+    std::shared_ptr<NullRecord> record = std::make_shared<NullRecord>();
+    std::unique_ptr<Backend> backend = std::move(*createNullBackend(record, {}));
+    AvatarStore store{*backend, true};
+    std::vector<uint64_t> freed;
+    FrameCache cache{*backend, store, {}, [this](const RecordedFrame& frame) { freed.push_back(frame.key); }};
+
+    RenderAvatarId add() { return *store.addAvatar(std::make_shared<const AvatarData>(makeTube({.splatsPerTriangle = 2, .rings = 6}))); }
+    RecordedFrame* own(SceneSet& set, const FrameShape& shape) {
+        return *cache.frame(set, shape, [&](const TargetDesc& desc) { return FrameTarget::create(*backend, desc); });
+    }
+};
+
+constexpr FrameShape kShape{.widthPx = 32, .heightPx = 16, .views = 1};
+
+TEST(FrameCache, recordsIntoATargetOfTheCallerAndSubmitsNothing) {
+    CacheSetup s;
+    SceneSet& set = **s.cache.sceneSet(std::vector{s.add()});
+    TargetId lent;
+    const auto frame = s.cache.frame(set, kShape, [&](const TargetDesc& desc) -> Result<FrameTarget> {
+        EXPECT_EQ(desc.widthPx, 32u);
+        lent = *s.backend->createTarget(desc);
+        return FrameTarget::lent(lent);
+    });
+    ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_EQ((*frame)->ids.target, lent);
+    EXPECT_EQ(s.record->liveFrames, kFramesInFlight);
+    EXPECT_EQ(s.record->runs, 0u);
+    s.cache.remove(set.members[0]);
+    EXPECT_EQ(s.record->liveFrames, 0u);
+    EXPECT_EQ(s.record->liveTargets, 1u) << "the caller's target stays";
+    s.backend->destroyTarget(lent);
+}
+
+TEST(FrameCache, destroysATargetThatItWasGiven) {
+    CacheSetup s;
+    SceneSet& set = **s.cache.sceneSet(std::vector{s.add()});
+    s.own(set, kShape);
+    EXPECT_EQ(s.record->liveTargets, 1u);
+    s.cache.remove(set.members[0]);
+    EXPECT_EQ(s.record->liveTargets, 0u);
+}
+
+TEST(FrameCache, keepsTheShapesDrawnLastAndTellsOfTheOthers) {
+    CacheSetup s;
+    SceneSet& set = **s.cache.sceneSet(std::vector{s.add()});
+    std::vector<uint64_t> keys;
+    for (uint32_t width = 8; width < 13; ++width) {
+        FrameShape shape = kShape;
+        shape.widthPx = width;
+        RecordedFrame* frame = s.own(set, shape);
+        frame->lastUse = width;
+        keys.push_back(frame->key);
+    }
+    EXPECT_EQ(s.freed, std::vector{keys[0]});
+    EXPECT_EQ(set.frames.size(), 4u);
+}
+
+TEST(FrameCache, keepsEveryAvatarAloneAndTheFourLargerSetsDrawnLast) {
+    CacheSetup s;
+    std::vector<RenderAvatarId> ids;
+    for (int k = 0; k < 4; ++k) ids.push_back(s.add());
+    std::vector<uint32_t> numbers;
+    for (const RenderAvatarId id : ids) numbers.push_back((*s.cache.sceneSet(std::vector{id}))->number);
+    const auto pairOf = [&](size_t a, size_t b) { return (*s.cache.sceneSet(std::vector{ids[a], ids[b]}))->number; };
+    const uint32_t first = pairOf(0, 1);
+    EXPECT_EQ(pairOf(0, 1), first);
+    EXPECT_NE(pairOf(1, 0), first) << "the order counts: the first one owns the frame";
+    pairOf(1, 2), pairOf(2, 3);
+    EXPECT_NE(s.cache.find(first), nullptr);
+    pairOf(3, 0);
+    EXPECT_EQ(s.cache.find(first), nullptr);
+    for (const uint32_t number : numbers) EXPECT_NE(s.cache.find(number), nullptr);
+    for (const RenderAvatarId id : ids) s.cache.remove(id), s.store.remove(id);
+    EXPECT_EQ(s.record->liveBuffers, 0u);
+}
+
+}  // namespace
+}  // namespace dpl
