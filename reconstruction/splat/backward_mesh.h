@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From gradients on posed vertices to the rest mesh, the pose and the camera (technical reference §5.1, §6).
+// From gradients on posed vertices to the rest mesh, the pose and the camera (docs/reference/binding.md).
 //
 // A joint that turns by ω about its place moves every point it carries by W×(x − q), W = ω in world axes, q the joint in the world.
 // So all joint gradients are torques: sums of x×g over what hangs on the joint. The camera's are the same sums over everything.

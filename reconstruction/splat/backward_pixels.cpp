@@ -70,7 +70,6 @@ HWY_INLINE void replayEntry(TileState& tile, const ProjectedSplat& p, int32_t in
     const int start = std::min(x0, kTile - vectors * lanes);
 
     const V ratio = hn::Set(d, p.conicB / p.conicA);
-    const float rowScale = float((double(p.conicA) * p.conicC - double(p.conicB) * p.conicB) / p.conicA);
     const V halfA = hn::Set(d, -0.5f * p.conicA), opacity = hn::Set(d, p.opacity);
     const V r = hn::Set(d, p.red), g = hn::Set(d, p.green), b = hn::Set(d, p.blue), cloth = hn::Set(d, p.cloth);
     const V one = hn::Set(d, 1.0f), minAlpha = hn::Set(d, float(kMinAlpha)), maxAlpha = hn::Set(d, float(kMaxAlpha));
@@ -79,7 +78,7 @@ HWY_INLINE void replayEntry(TileState& tile, const ProjectedSplat& p, int32_t in
     for (int y = y0; y <= y1; ++y) {
         const float dyScalar = float(y) - relY;
         const V dy = hn::Set(d, dyScalar);
-        const V rowPower = hn::Set(d, -0.5f * rowScale * dyScalar * dyScalar);
+        const V rowPower = hn::Set(d, -0.5f * p.inverseVarianceY * dyScalar * dyScalar);
         V rowS = zero, rowX = zero, rowXx = zero;
         for (int k = 0; k < vectors; ++k) {
             const int x = start + k * lanes, at = y * kTile + x;

@@ -13,7 +13,7 @@ void SplatBackward::run(const SplatBackwardInput& in, bool geometry) {
     active_.resize(count);
     screenLength_.resize(count);
     if (geometry) corners_.resize(triangleCount * 3), lights_.resize(triangleCount * 3);
-    const ViewConstants<float> view(in.camera, in.kappaPx2);
+    const ViewConstants<float> view(in.camera);
     const uint32_t coefficients = shCoefficientCount(s.shDegree) * 3;
     constexpr size_t kTrianglesPerBlock = 512;
     jobs_.forRange(triangleCount, kTrianglesPerBlock, [&](size_t begin, size_t end, uint32_t) {
@@ -29,15 +29,15 @@ void SplatBackward::run(const SplatBackwardInput& in, bool geometry) {
                 const ScreenGradient<float> screen = screenGradient(in.projected[i], sums);
                 screenLength_[i] = std::sqrt(screen.x * screen.x + screen.y * screen.y);
                 SplatParameters<float> p;
-                p.uv = s.uv[i], p.phi = s.phi[i], p.scaleM = s.scaleM[i], p.opacity = s.opacity[i];
+                p.uv = s.uv[i], p.opacity = s.opacity[i];
                 p.singleFace = s.flags[i] & kSplatSingleFace;
                 p.shDegree = s.shDegree, p.sh = s.sh.data() + size_t(i) * coefficients;
-                backwardSplat(view, in.frames[t], p, screen, g, triangle);
+                backwardSplat(view, in.frames[t], p, in.records[i], screen, g, triangle);
                 float* row = rowGradients_.data() + i * stride;
                 row[kRowU] = g.uv.x, row[kRowV] = g.uv.y, row[kRowPhi] = g.phi;
                 const float floor2 = s.sizeFloorM[t] * s.sizeFloorM[t];
                 for (int k = 0; k < 2; ++k) {
-                    const float s2 = p.scaleM[k] * p.scaleM[k];
+                    const float s2 = s.scaleM[i][k] * s.scaleM[i][k];
                     row[kRowLogScale1 + uint32_t(k)] = g.logScale[k] * std::max(0.0f, s2 - floor2) / s2;
                 }
                 row[kRowOpacityLogit] = g.opacity * p.opacity * (1 - p.opacity);

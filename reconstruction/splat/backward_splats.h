@@ -16,8 +16,8 @@ struct SplatBackwardInput {
     std::span<const TriangleFrame<float>> frames;
     std::span<const RestTriangle<float>> rest;
     const Cameraf& camera;
-    float kappaPx2;
-    std::span<const ProjectedSplat> projected;  // one entry a splat
+    std::span<const ProjectedSplat> projected;      // one a splat
+    std::span<const ForwardRecord<float>> records;  // one a splat
     std::span<const EntrySums> sums;
 };
 

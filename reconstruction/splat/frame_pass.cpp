@@ -15,7 +15,7 @@ LossValues FramePass::run(const PassSubject& s, const Pose& pose, const LevelFra
     };
     posed_.pose({s.joints, s.mesh, s.correctives, s.bind}, pose, jobs_);
     lap(times.pose);
-    engine_.project(s.splats.view(), posed_.frames(), camera, level.kappaPx2);
+    engine_.project(s.splats.view(), posed_.frames(), camera, level.kappaPx2, /*compensated=*/true, /*record=*/true);
     engine_.bin();
     lap(times.project);
     engine_.blend(image_, {.cloth = weights.cloth > 0 && !level.cloth.empty(), .depth = false, .recordStops = true});
@@ -24,7 +24,8 @@ LossValues FramePass::run(const PassSubject& s, const Pose& pose, const LevelFra
     lap(times.loss);
     pixels_.run(engine_, image_, gradient_);
     lap(times.pixels);
-    splatBackward_.run({s.splats, posed_.frames(), s.bind, camera, level.kappaPx2, engine_.projected(), pixels_.sums()}, geometry);
+    splatBackward_.run({s.splats, posed_.frames(), s.bind, camera, engine_.projected(), engine_.forwardRecords(), pixels_.sums()},
+                       geometry);
     lap(times.splats);
     if (geometry) {
         splatBackward_.gatherVertices(s.incidence, gPosed_, gLight_);

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Level of detail (docs/adr/0010): which splats of a half-chunk are drawn when its surface covers few pixels, how much of each, and by how
-// much those grow.
+// Level of detail (docs/reference/level-of-detail.md): which splats of a group are drawn when its surface covers few pixels, how
+// much of each, and by how much they grow. The formulas are those of sdk/math/formulas/detail.inl, which the shaders compile, too.
 //
-//   splats wanted a square metre ─► share of the half-chunk ─► weight of each by its rank ─► opacity · weight, scale · growth
+//   splats wanted per m² ─► share of the group ─► weight of each splat by its rank ─► opacity · weight, scale · growth
 //
-// Everything is continuous in the wanted density, so nothing pops while a camera moves; at a share of 1 all weights and the growth are
-// exactly 1. shaders/lib/detail.glsl holds the same lines.
+// Everything is continuous in the wanted density, so nothing pops while a camera moves.
 #pragma once
 
 #include <algorithm>
@@ -14,19 +13,19 @@
 #include <limits>
 
 #include "sdk/math/camera.h"
+#include "sdk/math/formulas.h"
 
 namespace dpl {
 
-constexpr uint32_t kSplatGroupSize = 128;  // a half-chunk: splats [0, 128) or [128, 256) of a chunk
-constexpr double kDetailFade = 0.5;        // splats whose rank lies within this share beyond the kept ones are fading
-constexpr double kDetailThrough =
-    0.02;  // of the light behind a surface: what may shine through it more than through all its splats, before the kept ones grow
-constexpr double kDetailShFull = 0.25, kDetailShGone = 0.125;  // of an avatar's splats: bands of SH beyond 0 fade between these kept shares
+constexpr uint32_t kSplatGroupSize = 128;  // a group: splats [0, 128) or [128, 256) of a chunk
+static_assert(kSplatGroupSize == uint32_t(kDetailGroup));
+constexpr double kDetailThrough = 0.02;  // light that the kept splats may let through beyond what all let through, before they grow
+constexpr double kDetailShFull = 0.25, kDetailShGone = 0.125;  // kept shares of an avatar's splats between which SH bands above 0 fade
 
-/** What drawing wants of one avatar. */
+/** How much of one avatar is drawn. */
 struct SplatDetail {
-    float perM2 = std::numeric_limits<float>::infinity();  // splats a square metre of surface at rest; infinite: all, exactly
-    float shShare = 1;                                     // of SH beyond coefficient 0
+    float perM2 = std::numeric_limits<float>::infinity();  // splats wanted per m² of surface at rest; infinite: all, exactly
+    float shShare = 1;                                     // factor of SH coefficients above 0
     bool full() const { return !(perM2 < std::numeric_limits<float>::infinity()); }
 };
 
@@ -42,60 +41,54 @@ inline PixelPlane pixelPlane(const Cameraf& view) {
     return {Vec3f(r[0][2], r[1][2], r[2][2]) * perPixel, view.viewFromWorldTranslation.z * perPixel};
 }
 
-/** What drawing wants of general splats, which may be a room around the camera: each half-chunk has its own pixel, where its box comes
- * nearest to the view that sees it finest. */
+/** How much of a set of general splats is drawn. The set may be a room around the camera, so each group has its own pixel size: that
+ *  of the finest view, where the group's box comes nearest to it. */
 struct GeneralDetail {
-    float perPixel = std::numeric_limits<float>::infinity();  // splats a pixel; infinite: all, exactly
+    float perPixel = std::numeric_limits<float>::infinity();  // splats wanted per pixel; infinite: all, exactly
     PixelPlane planes[2];
-    float finestM = 0;  // no pixel counts as smaller
+    float finestM = 0;  // lower bound of the pixel size, m
     bool full() const { return !(perPixel < std::numeric_limits<float>::infinity()); }
 
-    /** Of a box: its middle and half its size. */
+    /** Pixel size of a box, m. reach: half its size. */
     float pixelM(const Vec3f& middle, const Vec3f& reach) const {
         float nearest = std::numeric_limits<float>::infinity();
-        for (const PixelPlane& p : planes)
-            nearest = std::min(nearest, glm::dot(p.axis, middle) + p.offsetM - glm::dot(glm::abs(p.axis), reach));
+        for (const PixelPlane& p : planes) nearest = std::min(nearest, Formulas<float>::nearestPixelM(p.axis, p.offsetM, middle, reach));
         return nearest > finestM ? nearest : finestM;
     }
 };
 
-/** Number within its half-chunk of the splat of a rank: bits in reverse, so that every prefix of the ranks is spread evenly over neighbours
- * (van der Corput). A half-chunk with fewer than 128 splats lacks some ranks. */
-constexpr uint32_t placeOfRank(uint32_t rank) {
-    uint32_t place = 0;
-    for (uint32_t bit = 1; bit < kSplatGroupSize; bit <<= 1) place = place << 1 | (rank & bit ? 1u : 0u);
-    return place;
+/** Number within its group of the splat of a rank. */
+inline uint32_t placeOfRank(uint32_t rank) {
+    return Formulas<float>::placeOfRank(rank);
 }
 
-/** Of a half-chunk whose splats stand for areaM2 each: the share that is kept whole. At least one splat. */
+/** The share of a group that is kept whole; its splats stand for areaM2 each. At least one splat. */
 template <class T>
 T keptShare(T perM2, T areaM2) {
-    return std::clamp(perM2 * areaM2, T(1) / T(kSplatGroupSize), T(1));
+    return Formulas<T>::keptShare(perM2 * areaM2);
 }
 
-/** Ranks that are drawn at all. */
+/** How many ranks are drawn at all. */
 template <class T>
 uint32_t drawnRanks(T share) {
     return share >= 1 ? kSplatGroupSize
                       : std::min(kSplatGroupSize, uint32_t(std::ceil(share * T((1 + kDetailFade) * kSplatGroupSize) - T(0.5))));
 }
 
-/** Of its opacity, of the splat of a rank. */
+/** Factor of the opacity of the splat of a rank. */
 template <class T>
 T detailWeight(T share, uint32_t rank) {
-    if (share >= 1) return 1;
-    const T kept = share * T(kSplatGroupSize);
-    return std::clamp((kept * T(1 + kDetailFade) - (T(rank) + T(0.5))) / (kept * T(kDetailFade)), T(0), T(1));
+    return Formulas<T>::detailWeight(share, rank);
 }
 
 /** Factor of the standard deviations that keeps enough area covered; gain, enough: of SplatGroup. Splats lie many deep, so the first ones
- * to go leave no gap. */
+ *  to go leave no gap. */
 template <class T>
 T detailGrowth(T share, T gain, T enough) {
-    return share >= 1 ? T(1) : std::sqrt(std::max(T(1), enough * std::pow(share, -gain)));
+    return Formulas<T>::detailGrowth(share, gain, enough);
 }
 
-/** Of SH beyond coefficient 0, where so much of an avatar is kept. */
+/** Factor of SH coefficients above 0 where this share of an avatar's splats is kept. */
 template <class T>
 T detailShShare(T share) {
     return std::clamp((share - T(kDetailShGone)) / T(kDetailShFull - kDetailShGone), T(0), T(1));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Real spherical harmonics up to degree 3 in the order and sign of 3D Gaussian splatting files (technical reference §1).
+// Real spherical harmonics up to degree 3 in the order and sign of 3D Gaussian splatting files (docs/reference/spherical-harmonics.md).
 #pragma once
 
-#include "sdk/math/types.h"
+#include "sdk/math/formulas.h"
 
 namespace dpl {
 
@@ -11,33 +11,22 @@ constexpr uint32_t shCoefficientCount(uint32_t degree) {
 }
 constexpr uint32_t kMaxShDegree = 3;
 constexpr uint32_t kMaxShCoefficients = 16;
-constexpr double kShC0 = 0.28209479177387814;
 
 /** basis[0 .. (degree+1)²): values for the unit direction d (from the eye to the splat). */
 template <class T>
 inline void shBasis(const Vec3<T>& d, uint32_t degree, T* basis) {
-    const T x = d.x, y = d.y, z = d.z;
+    using F = Formulas<T>;
     basis[0] = T(kShC0);
     if (degree < 1) return;
-    constexpr double c1 = 0.4886025119029199;
-    basis[1] = T(-c1) * y;
-    basis[2] = T(c1) * z;
-    basis[3] = T(-c1) * x;
+    const auto one = F::shBand1(d);
+    basis[1] = one.b1, basis[2] = one.b2, basis[3] = one.b3;
     if (degree < 2) return;
-    const T xx = x * x, yy = y * y, zz = z * z, xy = x * y, yz = y * z, xz = x * z;
-    basis[4] = T(1.0925484305920792) * xy;
-    basis[5] = T(-1.0925484305920792) * yz;
-    basis[6] = T(0.31539156525252005) * (T(2) * zz - xx - yy);
-    basis[7] = T(-1.0925484305920792) * xz;
-    basis[8] = T(0.5462742152960396) * (xx - yy);
+    const auto two = F::shBand2(d);
+    basis[4] = two.b4, basis[5] = two.b5, basis[6] = two.b6, basis[7] = two.b7, basis[8] = two.b8;
     if (degree < 3) return;
-    basis[9] = T(-0.5900435899266435) * y * (T(3) * xx - yy);
-    basis[10] = T(2.890611442640554) * xy * z;
-    basis[11] = T(-0.4570457994644658) * y * (T(4) * zz - xx - yy);
-    basis[12] = T(0.3731763325901154) * z * (T(2) * zz - T(3) * xx - T(3) * yy);
-    basis[13] = T(-0.4570457994644658) * x * (T(4) * zz - xx - yy);
-    basis[14] = T(1.445305721320277) * z * (xx - yy);
-    basis[15] = T(-0.5900435899266435) * x * (xx - T(3) * yy);
+    const auto three = F::shBand3(d);
+    basis[9] = three.b9, basis[10] = three.b10, basis[11] = three.b11, basis[12] = three.b12, basis[13] = three.b13;
+    basis[14] = three.b14, basis[15] = three.b15;
 }
 
 /** (0.5 + Σ basis·sh)·light, clamped to [0,1]. sh: coefficient-major, sh[k*3 + channel]. Display-referred colour. */

@@ -17,11 +17,7 @@
 namespace dpl {
 namespace {
 
-// The shaders hold the footprint rule a second time; these lines keep the two from drifting.
-static_assert(gpu::kGpuMinTriangleAreaM2 == float(kMinTriangleAreaM2) && gpu::kGpuMaxTriangleAspect == float(kMaxTriangleAspect));
-static_assert(gpu::kGpuMaxAlpha == float(kMaxAlpha) && gpu::kGpuMinAlpha == float(kMinAlpha) &&
-              gpu::kGpuMinCompensation == float(kMinCompensation));
-static_assert(gpu::kGpuNearM == float(kNearM) && gpu::kGpuNearFadeEndM == float(kNearFadeEndM) && gpu::kGpuGateEnd == float(kGateEnd));
+// shaders/shared/limits.h repeats these numbers of other rooms.
 static_assert(gpu::kUvZeroCode == float(kUvZero) && gpu::kUvCodeSteps == float(kUvSteps) && kPhiSteps == 1024 && kScaleCodes == 2047 &&
               gpu::kGatedBit == kSingleFaceBit && kColourCodes[0] == 1023);
 static_assert(sizeof(SplatChunk) == gpu::kChunkWords * 4 && offsetof(SplatChunk, scaleMinM) == gpu::kChunkScaleMin * 4 &&
@@ -29,7 +25,7 @@ static_assert(sizeof(SplatChunk) == gpu::kChunkWords * 4 && offsetof(SplatChunk,
               offsetof(SplatChunk, dcMax) == gpu::kChunkDcMax * 4 && offsetof(SplatChunk, shRange) == gpu::kChunkShRange * 4 &&
               offsetof(SplatChunk, firstParent) == gpu::kChunkFirstParent * 4);
 static_assert(kSplatChunkSize == 2 * gpu::kSplatGroup);
-static_assert(gpu::kGpuDetailFade == float(kDetailFade) && gpu::kSplatGroup == kSplatGroupSize && sizeof(SplatGroup) == 12);
+static_assert(gpu::kSplatGroup == kSplatGroupSize && sizeof(SplatGroup) == 12);
 static_assert(gpu::kGpuMinLight == kMinLight && gpu::kGpuMaxLight == kMaxLight);
 
 constexpr uint32_t kMaxJoints = 0xFFFF;

@@ -100,21 +100,15 @@ void blendTileAs(const BlendTileTask& task, TileAccumulators& tile) {
     uint32_t doneRows = 0;
 
     for (uint32_t e = task.begin; e < task.end; ++e) {
-        if (e + kAhead < task.end) {
-            const uint32_t later = task.entries[e + kAhead];
-            hwy::Prefetch(task.projected + later);
-            hwy::Prefetch(task.rowScale + later);
-        }
-        const uint32_t splat = task.entries[e];
-        const ProjectedSplat& p = task.projected[splat];
+        if (e + kAhead < task.end) hwy::Prefetch(task.projected + task.entries[e + kAhead]);
+        const ProjectedSplat& p = task.projected[task.entries[e]];
         const float x = p.x - originX, y = p.y - originY;
         uint32_t firstX, lastX, firstY, lastY;
         if (!clipToTile(x, p.radiusX, firstX, lastX)) continue;
         if (!clipToTile(y, p.radiusY, firstY, lastY)) continue;
-        const float inverseVarianceY = task.rowScale[splat];
-        const float slope = p.conicB / p.conicA, rowScale = -0.5f * kLog2E * inverseVarianceY;
+        const float slope = p.conicB / p.conicA, rowScale = -0.5f * kLog2E * p.inverseVarianceY;
         // radiusY² / Σ'yy = 2 ln(255·opacity)
-        const float logOpacity = 0.5f * kLog2E * inverseVarianceY * p.radiusY * p.radiusY + kLog2MinAlpha;
+        const float logOpacity = 0.5f * kLog2E * p.inverseVarianceY * p.radiusY * p.radiusY + kLog2MinAlpha;
         SplatRow s;
         s.scale = set(-0.5f * kLog2E * p.conicA);
         s.red = set(p.red), s.green = set(p.green), s.blue = set(p.blue);

@@ -17,7 +17,6 @@ struct alignas(64) TileAccumulators {
 
 struct BlendTileTask {
     const ProjectedSplat* projected;
-    const float* rowScale;
     const uint32_t* entries;     // the whole array
     uint32_t begin, end;         // this tile's part of it
     float x0, y0;                // top left pixel of the tile

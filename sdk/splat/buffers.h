@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the engine keeps between frames, and the four steps that fill it. Private to sdk/splat.
+// The buffers that the engine keeps between frames, and the four steps that fill them. Private to sdk/splat.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ public:
         size_ = count;
         return data_.get();
     }
-    /** The same, and what is there stays. */
+    /** Resizes and keeps the content. */
     T* grow(size_t count) {
         if (count > capacity_ && size_ > 0) {
             const std::unique_ptr<T[]> old = std::move(data_);
@@ -58,14 +58,14 @@ struct BlockVisible {
     uint64_t decidedBytes = 0, decodedBytes = 0;  // of codes, see SplatEngine
 };
 
-/** What a splat needs of its triangle in one view: 128 bytes, eight quads. Directions are in the rest frame. */
+/** What a splat reads of its triangle in one view: 128 bytes, eight quads. */
 struct alignas(32) TriangleView {
     float v0[3], planeDot;  // first corner in view space; n·(eye − v0)
     float e1[3], valid;     // edges in view space; 1 or 0
     float e2[3], light0;    // brightness at the first corner
-    float f0[3], light1;    // columns of F in view space; what brightness gains towards the second corner
-    float f1[3], light2;    // ... and towards the third
-    float rest0[3], pad0;   // worldFromRestᵀ·(v0 − eye), and the same of the edges
+    float f0[3], light1;    // columns of F in view space; brightness at the second corner minus light0
+    float f1[3], light2;    // the same of the third corner
+    float rest0[3], pad0;   // v0 − eye in the rest frame, then both edges in the rest frame
     float rest1[3], pad1;
     float rest2[3], pad2;
 };
@@ -76,9 +76,9 @@ struct SplatEngine::Buffers {
     bool sortedFrame = false;  // sort() has run since project()
     uint32_t samples = 1;      // a pixel
     Scratch<TriangleView> triangles;
-    Scratch<uint8_t> parentShows;       // kShows..., one an entry of CodedSplats::parents
-    Scratch<ProjectedSplat> projected;  // splatCount, padded to whole groups
-    Scratch<float> rowScale;            // 1/Σ'yy a splat: with B/A it gives σ without the cancellation of A dx² + 2B dx dy + C dy²
+    Scratch<uint8_t> parentShows;           // kShows..., one an entry of CodedSplats::parents
+    Scratch<ProjectedSplat> projected;      // splatCount, padded to whole groups
+    Scratch<ForwardRecord<float>> records;  // the same, when the frame is recorded
     Scratch<TileBox> boxes;
     std::vector<BlockVisible> blocks;
     Scratch<uint32_t> keys[2], values[2];
@@ -92,10 +92,10 @@ struct SplatEngine::Buffers {
 };
 
 void projectBound(Jobs& jobs, SplatEngine::Buffers& buffers, const BoundSplatView& splats, std::span<const TriangleFrame<float>> triangles,
-                  const Cameraf& camera, float kappaPx2, bool compensated);
+                  const Cameraf& camera, float kappaPx2, bool compensated, bool record);
 void projectStatic(Jobs& jobs, SplatEngine::Buffers& buffers, const StaticSplatData& splats, const Cameraf& camera, float kappaPx2,
                    bool compensated);
-// behind: added to what has been projected for this camera, instead of replacing it.
+// behind: add to what this camera has projected already instead of replacing it.
 void projectCoded(Jobs& jobs, SplatEngine::Buffers& buffers, const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles,
                   const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples, bool behind, const SplatDetail& detail);
 void projectPacked(Jobs& jobs, SplatEngine::Buffers& buffers, const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles,

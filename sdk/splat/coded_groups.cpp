@@ -71,9 +71,9 @@ void CodedGroups::decodeOne(uint32_t i, uint32_t lane, float* out) {
     const uint32_t place = splats_.place[i], size = splats_.size[i], colour = splats_.colour[i];
     const auto scale = [&](uint32_t code) { return coarse_[code >> 6] * fine_[code & 63]; };
     const Turn t = turns()[place >> 22];
-    const float s1 = scale(size & 2047), s2 = scale(size >> 11 & 2047);
+    const auto a = Formulas<float>::planeAxes(t.cosine, t.sine, scale(size & 2047), scale(size >> 11 & 2047));
     put(kU, float(int(place & 2047) - kUvZero) * kUvStep), put(kV, float(int(place >> 11 & 2047) - kUvZero) * kUvStep);
-    put(kAxis10, s1 * t.cosine), put(kAxis11, s1 * t.sine), put(kAxis20, -s2 * t.sine), put(kAxis21, s2 * t.cosine);
+    put(kAxis10, a.a10), put(kAxis11, a.a11), put(kAxis20, a.a20), put(kAxis21, a.a21);
     put(kOpacity, float(size >> 22 & 255) * (1.0f / 255));
     put(kSingleFace, float(size >> 30 & 1)), put(kCloth, float(size >> 31));
     put(kTriangle, std::bit_cast<float>(splats_.parents[firstParent_ + splats_.parent[i]]));

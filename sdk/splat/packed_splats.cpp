@@ -72,10 +72,9 @@ void packGroup(const BoundSplatView& splats, uint32_t first, float* out) {
     const auto put = [&](uint32_t field, uint32_t lane, float value) { out[field * kGroupSplats + lane] = value; };
     for (uint32_t lane = 0; lane < lanes; ++lane) {
         const uint32_t i = first + lane;
-        const float c = std::cos(splats.phi[i]), s = std::sin(splats.phi[i]);
+        const auto a = Formulas<float>::planeAxes(std::cos(splats.phi[i]), std::sin(splats.phi[i]), splats.scaleM[i].x, splats.scaleM[i].y);
         put(kU, lane, splats.uv[i].x), put(kV, lane, splats.uv[i].y);
-        put(kAxis10, lane, splats.scaleM[i].x * c), put(kAxis11, lane, splats.scaleM[i].x * s);
-        put(kAxis20, lane, -splats.scaleM[i].y * s), put(kAxis21, lane, splats.scaleM[i].y * c);
+        put(kAxis10, lane, a.a10), put(kAxis11, lane, a.a11), put(kAxis20, lane, a.a20), put(kAxis21, lane, a.a21);
         put(kOpacity, lane, splats.opacity[i]);
         put(kSingleFace, lane, splats.flags[i] & kSplatSingleFace ? 1.f : 0.f);
         put(kCloth, lane, splats.flags[i] & kSplatCloth ? 1.f : 0.f);

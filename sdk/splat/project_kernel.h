@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The seam between the projection's plumbing (splat_project.cpp) and its SIMD kernel (project_kernel.cpp). Private to sdk/splat.
+// Interface between splat_project.cpp, which hands out the work of projection, and its SIMD kernel project_kernel.cpp. Private to
+// sdk/splat.
 #pragma once
 
 #include "sdk/splat/buffers.h"
@@ -28,7 +29,7 @@ struct ProjectTask {
     uint32_t triangleCount;         // triangles[triangleCount] is an invalid record for indices out of range
     uint32_t firstIndex;            // of splat 0 among all that are drawn
     ProjectedSplat* projected;      // from firstIndex on, indexed by splat
-    float* rowScale;
+    ForwardRecord<float>* records;  // the same for bound splats; null: none wanted
     TileBox* boxes;
     uint32_t *keys, *values;  // where this block's visible splats go
     BlockVisible* visible;    // counts so far, continued

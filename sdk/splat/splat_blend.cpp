@@ -58,7 +58,6 @@ void forTiles(Jobs& jobs, const SplatEngine::Buffers& buffers, const BlendOption
                 continue;
             }
             const BlendTileTask task{buffers.projected.data(),
-                                     buffers.rowScale.data(),
                                      tiles.entries.data(),
                                      begin,
                                      end,

@@ -9,8 +9,8 @@ SplatEngine::SplatEngine(Jobs& jobs) : jobs_(jobs), buffers_(std::make_unique<Bu
 SplatEngine::~SplatEngine() = default;
 
 void SplatEngine::project(const BoundSplatView& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera,
-                          float kappaPx2, bool compensated) {
-    projectBound(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated);
+                          float kappaPx2, bool compensated, bool record) {
+    projectBound(jobs_, *buffers_, splats, triangles, camera, kappaPx2, compensated, record);
 }
 
 void SplatEngine::project(const StaticSplatData& splats, const Cameraf& camera, float kappaPx2, bool compensated) {
@@ -58,6 +58,9 @@ void SplatEngine::blendRgba8(std::vector<uint8_t>& rgba, std::vector<float>* dep
 std::span<const ProjectedSplat> SplatEngine::projected() const {
     return {buffers_->projected.data(), buffers_->splatCount};
 }
+std::span<const ForwardRecord<float>> SplatEngine::forwardRecords() const {
+    return {buffers_->records.data(), std::min<size_t>(buffers_->records.size(), buffers_->splatCount)};
+}
 const TileLists& SplatEngine::tiles() const {
     return buffers_->tiles;
 }
@@ -86,11 +89,10 @@ uint64_t SplatEngine::decodedBytes() const {
 
 uint64_t SplatEngine::bufferBytes() const {
     const Buffers& b = *buffers_;
-    return b.triangles.bytes() + b.parentShows.bytes() + b.sortedBoxes.bytes() + b.projected.bytes() + b.rowScale.bytes() +
-           b.boxes.bytes() + b.blocks.capacity() * sizeof(BlockVisible) + b.keys[0].bytes() + b.keys[1].bytes() + b.values[0].bytes() +
-           b.values[1].bytes() + b.histogram.capacity() * sizeof(uint32_t) + b.tileCounts.bytes() +
-           b.tiles.offset.capacity() * sizeof(uint32_t) + b.tiles.entries.capacity() * sizeof(uint32_t) + b.stops.bytes() +
-           b.stopTransmittance.bytes();
+    return b.triangles.bytes() + b.parentShows.bytes() + b.sortedBoxes.bytes() + b.projected.bytes() + b.records.bytes() + b.boxes.bytes() +
+           b.blocks.capacity() * sizeof(BlockVisible) + b.keys[0].bytes() + b.keys[1].bytes() + b.values[0].bytes() + b.values[1].bytes() +
+           b.histogram.capacity() * sizeof(uint32_t) + b.tileCounts.bytes() + b.tiles.offset.capacity() * sizeof(uint32_t) +
+           b.tiles.entries.capacity() * sizeof(uint32_t) + b.stops.bytes() + b.stopTransmittance.bytes();
 }
 
 }  // namespace dpl

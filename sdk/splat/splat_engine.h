@@ -4,9 +4,9 @@
 //
 //   splats + triangle frames ─► project (SIMD, blocks of splats) ─► stable sort by depth ─► bin into 16×16 tiles ─► blend front to back
 //
-// Stopping rule, the same in reference, trainer and every renderer: an entry is blended while the pixel's T is above 1e-4, and the
-// entry that brings T to or below 1e-4 is still blended. What is left out weighs less than 1e-4, so a renderer that stops later
-// (every n entries, or never) differs by less than 1e-4; stopping *before* that entry, as INRIA does, would lose up to 1e-2.
+// Stopping rule, the same in the referee, the trainer and every renderer: an entry is blended while the pixel's T is above 1e-4, and
+// the entry that brings T to 1e-4 or below is still blended. All later entries together weigh less than 1e-4, so a renderer that stops
+// later, or never, differs by less than 1e-4. Stopping before that entry would lose up to 1e-2.
 //
 // Results do not depend on the thread count: blocks have a fixed shape and each tile is blended by one worker in splat order.
 #pragma once
@@ -25,6 +25,7 @@
 #include "sdk/math/coverage.h"
 #include "sdk/math/detail.h"
 #include "sdk/math/projection.h"
+#include "sdk/splat/forward_record.h"
 #include "sdk/splat/packed_splats.h"
 
 namespace dpl {
@@ -32,7 +33,8 @@ namespace dpl {
 constexpr uint32_t kTileSizePx = 16;
 constexpr uint32_t kMaxTargetPx = 32768;  // wider or higher targets give an empty image of size 0
 
-/** One projected splat as binning and blending read it; 64 bytes, one cache line. Invisible ones have opacity 0. */
+/** One projected splat as binning and blending read it; 64 bytes, one cache line. Invisible ones have opacity 0; the rest of theirs may
+ *  hold anything. */
 struct alignas(64) ProjectedSplat {
     float x, y;                    // centre, target pixels, pixel centres at +0.5
     float conicA, conicB, conicC;  // σ = ½(A dx² + C dy²) + B dx dy
@@ -40,10 +42,10 @@ struct alignas(64) ProjectedSplat {
     float red, green, blue;        // clamped to [0,1]
     float radiusX, radiusY;        // half extents of the box outside which α < 1/255
     float depthM;                  // view z
-    float compensation;            // for the backward pass
-    float fade;                    // gate · nearFade, for the backward pass
+    float inverseVarianceY;        // 1/Σ'yy: σ = ½(A (dx + B/A dy)² + dy²/Σ'yy) does not cancel as A dx² + 2B dx dy + C dy² does
     uint32_t splat;                // index in the input
     float cloth;                   // 1 when kSplatCloth is set, else 0
+    float pad0;
 };
 static_assert(sizeof(ProjectedSplat) == 64);
 
@@ -77,34 +79,35 @@ public:
     ~SplatEngine();
 
     /** Projects every bound splat into `camera`. triangles: one frame a triangle of the avatar, world space. Splats of invalid
-     *  frames, of triangle indices out of range and with non-finite numbers are invisible. compensated: AvatarData::compensated. */
+     *  frames, of triangle indices out of range and with non-finite numbers are invisible. compensated: AvatarData::compensated.
+     *  record: fill forwardRecords(), for a backward pass. */
     void project(const BoundSplatView& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2,
-                 bool compensated = true);
+                 bool compensated = true, bool record = false);
     /** Projects general splats (full 3×3 covariance, no gate). compensated: energy-preserving low-pass as for bound splats; plain
      *  3D Gaussian splatting files were trained without. Arrays shorter than count() is a caller's mistake. */
     void project(const StaticSplatData& splats, const Cameraf& camera, float kappaPx2, bool compensated = false);
 
     /** The same for splats that were packed before: faster, for sets that do not change. `triangles` is for bound ones, else empty.
-     *  samples: 1, or kCoverageSamples: blending then composites at so many places of a pixel, each low-passed to its share of kappaPx2,
-     * and gives their mean (sdk/math/coverage.h). groups: of general splats, in their order; empty: all are drawn. */
+     *  samples: 1 or kCoverageSamples. With more than 1, blending composites at that many positions of a pixel, each with its share of
+     *  kappaPx2, and takes their mean (sdk/math/coverage.h). groups: of general splats, in their order; empty: all are drawn. */
     void project(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2,
                  bool compensated, uint32_t samples = 1, const GeneralDetail& detail = {}, std::span<const GeneralGroup> groups = {});
-    /** Bound splats as they lie in the file: 16 bytes a splat and the SH entries stay in memory, and only splats whose triangle the view
-     *  may show are decoded. The others keep nothing but opacity 0 in projected(). detail: how many are kept, where splats.groups is there;
-     *  projected() then holds the kept ones densely from each multiple of 4096 on. */
+    /** Bound splats as the file codes them: 16 bytes a splat and the SH entries stay in memory, and only splats whose triangle the view
+     *  may show are decoded. The others have opacity 0 in projected(). detail needs splats.groups; with it projected() holds the kept
+     *  splats densely from each multiple of 4096 on. */
     void project(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2,
                  bool compensated, uint32_t samples = 1, const SplatDetail& detail = {});
-    /** Projects more splats into the same picture: after a project() with the same camera and samples. All are sorted and blended together.
-     * Indices into projected() go on at the next multiple of 4096; ties in depth stay in the order of the calls. */
+    /** Projects more splats into the same picture, after a project() with the same camera and samples. All are sorted and blended
+     *  together. Their indices into projected() begin at the next multiple of 4096; ties in depth keep the order of the calls. */
     void add(const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2,
              bool compensated, uint32_t samples = 1, const SplatDetail& detail = {});
     void add(const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles, const Cameraf& camera, float kappaPx2,
              bool compensated, uint32_t samples = 1, const GeneralDetail& detail = {}, std::span<const GeneralGroup> groups = {});
-    /** Since the last project(): bytes of codes that were read to decide, and to decode. */
+    /** Bytes of codes read since the last project(): to decide what may show, and to decode it. */
     uint64_t decidedBytes() const;
     uint64_t decodedBytes() const;
 
-    /** Stable sort by view depth, ties by index. Optional: bin() sorts when nobody has. */
+    /** Stable sort by view depth, ties by index. Optional: bin() sorts when this was not called. */
     void sort();
     /** Stable sort by view depth, then tile lists. After project(). */
     void bin();
@@ -117,6 +120,8 @@ public:
     void blendRgba8(std::vector<uint8_t>& rgba, std::vector<float>* depthM = nullptr, std::span<const float> sceneDepthM = {});
 
     std::span<const ProjectedSplat> projected() const;
+    /** One a splat of the last project() that recorded, else empty. Those of splats that are not shown hold anything. */
+    std::span<const ForwardRecord<float>> forwardRecords() const;
     const TileLists& tiles() const;
     /** Per pixel, row-major: one past the last entry that was blended, as an index into tiles().entries (tiles().offset of the
      *  pixel's tile when nothing was). Only after blend with recordStops. */

@@ -60,7 +60,7 @@ const TriangleView* viewTriangles(Jobs& jobs, Scratch<TriangleView>& scratch, st
     return out;
 }
 
-/** Of what has been projected, the entries between the last splat and `end` show nothing. */
+/** Hides the entries of projected() between the last splat and `end`. */
 void hideTail(SplatEngine::Buffers& buffers, size_t end) {
     ProjectedSplat* projected = buffers.projected.grow(end);
     for (size_t i = buffers.splatCount; i < end; ++i) projected[i].opacity = 0;
@@ -69,7 +69,7 @@ void hideTail(SplatEngine::Buffers& buffers, size_t end) {
 /** Sizes the buffers, then runs body(task) for each block with everything but the packed groups filled in. */
 template <class Body>
 void forProjectBlocks(Jobs& jobs, SplatEngine::Buffers& buffers, const Cameraf& camera, const ProjectView& view, uint32_t count,
-                      uint32_t shDegree, const TriangleView* triangles, size_t triangleCount, bool behind, Body&& body) {
+                      uint32_t shDegree, const TriangleView* triangles, size_t triangleCount, bool behind, bool record, Body&& body) {
     const auto allowed = [](uint32_t size) { return size > 0 && size <= kMaxTargetPx; };
     const bool drawable = allowed(camera.widthPx) && allowed(camera.heightPx);
     buffers.widthPx = drawable ? camera.widthPx : 0, buffers.heightPx = drawable ? camera.heightPx : 0;
@@ -78,7 +78,8 @@ void forProjectBlocks(Jobs& jobs, SplatEngine::Buffers& buffers, const Cameraf& 
     const size_t before = behind ? buffers.blocks.size() : 0, first = before * kProjectBlock,
                  padded = first + groupCount(count) * kGroupSplats;
     if (behind) hideTail(buffers, first);
-    buffers.projected.grow(padded), buffers.boxes.grow(padded), buffers.rowScale.grow(padded);
+    buffers.projected.grow(padded), buffers.boxes.grow(padded);
+    buffers.records.resize(record ? padded : 0);
     buffers.keys[0].grow(padded), buffers.values[0].grow(padded);
     buffers.splatCount = uint32_t(first) + count;
     buffers.sortedFrame = false;
@@ -95,7 +96,7 @@ void forProjectBlocks(Jobs& jobs, SplatEngine::Buffers& buffers, const Cameraf& 
                          uint32_t(triangleCount),
                          uint32_t(first),
                          buffers.projected.data() + first,
-                         buffers.rowScale.data() + first,
+                         record ? buffers.records.data() + first : nullptr,
                          buffers.boxes.data() + first,
                          buffers.keys[0].data() + first + begin,
                          buffers.values[0].data() + first + begin,
@@ -105,38 +106,29 @@ void forProjectBlocks(Jobs& jobs, SplatEngine::Buffers& buffers, const Cameraf& 
     });
 }
 
-constexpr uint8_t kShowsFree = 1, kShowsGated = 2;  // of its splats: those that show both faces, those that show one
+constexpr uint8_t kShowsFree = 1, kShowsGated = 2;  // a triangle's splats that show both faces, and those that show one
 
-/** Whether `view` may show a splat of the triangle, wherever in the range of (u, v) codes it sits. False only where the kernel would hide
- * all of them: what holds at no corner of that parallelogram holds nowhere on it (shaders/lib/cull.glsl has the argument). */
+/** Whether `view` may show a splat of the triangle, wherever in the range of (u, v) codes it sits: the corners of that parallelogram
+ *  decide (sdk/math/formulas/cull.inl). False only where the kernel would hide all of them. */
 uint8_t showsOf(const ProjectView& view, const TriangleView& t, float scaleMaxM) {
+    using F = Formulas<float>;
     if (!(t.valid > 0)) return 0;
     constexpr float kLow = float((0 - kUvZero) / kUvSteps), kHigh = float((2047 - kUvZero) / kUvSteps);
     constexpr float kRootLevel = 3.33f;  // √(2 ln 255): opacity 1
-    const float a = t.f0[0] * t.f0[0] + t.f0[1] * t.f0[1] + t.f0[2] * t.f0[2],
-                c = t.f1[0] * t.f1[0] + t.f1[1] * t.f1[1] + t.f1[2] * t.f1[2];
-    const float b = t.f0[0] * t.f1[0] + t.f0[1] * t.f1[1] + t.f0[2] * t.f1[2], d = 0.5f * (a - c);
-    const float reachM = kRootLevel * scaleMaxM * std::sqrt(0.5f * (a + c) + std::sqrt(d * d + b * b)) * 1.0001f;
-    const float slopeX = std::max(std::abs(view.minX), std::abs(view.maxX)), slopeY = std::max(std::abs(view.minY), std::abs(view.maxY));
-    const float reachX = view.fx * reachM * std::sqrt(1 + slopeX * slopeX), reachY = view.fy * reachM * std::sqrt(1 + slopeY * slopeY);
-    const float marginX = kRootLevel * std::sqrt(view.kappaPx2) + 1 + view.reachPx + 1e-5f * view.fx,
-                marginY = kRootLevel * std::sqrt(view.kappaPx2) + 1 + view.reachPx + 1e-5f * view.fy;
-    bool left = true, right = true, above = true, below = true, behind = true;  // out of the picture on that side
-    for (int corner = 0; corner < 4; ++corner) {
-        const float u = corner & 1 ? kHigh : kLow, v = corner & 2 ? kHigh : kLow;
-        const float x = t.v0[0] + u * t.e1[0] + v * t.e2[0], y = t.v0[1] + u * t.e1[1] + v * t.e2[1],
-                    z = t.v0[2] + u * t.e1[2] + v * t.e2[2];
-        left = left && view.fx * x + (view.cx + marginX) * z + reachX <= 0;
-        right = right && (view.width - view.cx + marginX) * z - view.fx * x + reachX <= 0;
-        above = above && view.fy * y + (view.cy + marginY) * z + reachY <= 0;
-        below = below && (view.height - view.cy + marginY) * z - view.fy * y + reachY <= 0;
-        behind = behind && z <= float(kNearM) * 0.999f;
-    }
-    if (left || right || above || below || behind) return 0;
+    const F::Lens lens{{view.fx, view.fy}, {view.cx, view.cy}, {view.minX, view.minY}, {view.maxX, view.maxY}};
+    const auto vectorOf = [](const float* xyz) { return Vec3f(xyz[0], xyz[1], xyz[2]); };
+    const float reachM = kRootLevel * scaleMaxM * F::largestStretch(vectorOf(t.f0), vectorOf(t.f1)) * 1.0001f;  // the factor: rounding
+    const F::CullMargin margin = F::cullMargin(lens, reachM, kRootLevel, view.kappaPx2, 1 + view.reachPx);
+    const auto sides = [&](float u, float v) {
+        return F::cullSides(lens, margin, {view.width, view.height}, F::barycentric(vectorOf(t.v0), vectorOf(t.e1), vectorOf(t.e2), u, v));
+    };
+    if (!F::mayShow(
+            F::eitherSides(F::eitherSides(sides(kLow, kLow), sides(kHigh, kLow)), F::eitherSides(sides(kLow, kHigh), sides(kHigh, kHigh)))))
+        return 0;
     return t.planeDot > 0 ? kShowsFree | kShowsGated : kShowsFree;  // the gate is exactly 0 at planeDot ≤ 0
 }
 
-/** Decodes the groups of a block of which the view may show a splat, a few at a time, and projects them. */
+/** Decodes and projects, a few at a time, those packed groups of a block that hold a splat which the view may show. */
 void projectBlockOfCodes(const CodedSplats& splats, const uint8_t* shows, ProjectTask task) {
     alignas(64) float packed[kPackAhead / kGroupSplats * kMaxGroupFloats];
     const size_t groupFloats = size_t(groupFields(true, task.shDegree)) * kGroupSplats;
@@ -176,8 +168,8 @@ void projectBlockOfCodes(const CodedSplats& splats, const uint8_t* shows, Projec
     flush();
 }
 
-/** The same for the splats that level of detail keeps: packed densely at the start of the block's entries, in order; the rest of these
- * shows nothing. */
+/** The same for the splats that level of detail keeps: they fill the block's entries densely from the start, in order; the other entries
+ *  are hidden. */
 void projectChosenOfCodes(const CodedSplats& splats, const uint8_t* shows, const SplatDetail& detail, ProjectTask task) {
     alignas(64) float packed[kPackAhead / kGroupSplats * kMaxGroupFloats];
     CodedGroups groups(splats, task.firstSplat, detail.shShare);
@@ -230,8 +222,8 @@ void projectChosenOfCodes(const CodedSplats& splats, const uint8_t* shows, const
     for (uint32_t i = next; i < end; ++i) task.projected[i].opacity = 0;
 }
 
-/** General splats that level of detail keeps: half-chunks that are whole from where they lie, of the others the kept ones densely. What is
- * left of the block's entries shows nothing. */
+/** General splats that level of detail keeps. Groups that are kept whole are read in place, the kept splats of the others are gathered.
+ *  They fill the block's entries densely from the start; the other entries are hidden. */
 void projectChosenOfPacked(const PackedSplats& splats, std::span<const GeneralGroup> groups, const GeneralDetail& detail,
                            ProjectTask task) {
     using namespace static_field;
@@ -295,17 +287,17 @@ void projectUnpacked(const Splats& splats, ProjectTask task) {
 }  // namespace
 
 void projectBound(Jobs& jobs, SplatEngine::Buffers& buffers, const BoundSplatView& splats, std::span<const TriangleFrame<float>> triangles,
-                  const Cameraf& camera, float kappaPx2, bool compensated) {
+                  const Cameraf& camera, float kappaPx2, bool compensated, bool record) {
     const ProjectView view = viewOf(camera, kappaPx2, compensated);
     const TriangleView* posed = viewTriangles(jobs, buffers.triangles, triangles, camera);
-    forProjectBlocks(jobs, buffers, camera, view, usableCount(splats), splats.shDegree, posed, triangles.size(), false,
+    forProjectBlocks(jobs, buffers, camera, view, usableCount(splats), splats.shDegree, posed, triangles.size(), false, record,
                      [&](const ProjectTask& task) { projectUnpacked(splats, task); });
 }
 
 void projectStatic(Jobs& jobs, SplatEngine::Buffers& buffers, const StaticSplatData& splats, const Cameraf& camera, float kappaPx2,
                    bool compensated) {
     const ProjectView view = viewOf(camera, kappaPx2, compensated);
-    forProjectBlocks(jobs, buffers, camera, view, usableCount(splats), splats.shDegree, nullptr, 0, false,
+    forProjectBlocks(jobs, buffers, camera, view, usableCount(splats), splats.shDegree, nullptr, 0, false, false,
                      [&](const ProjectTask& task) { projectUnpacked(splats, task); });
 }
 
@@ -327,7 +319,7 @@ void projectCoded(Jobs& jobs, SplatEngine::Buffers& buffers, const CodedSplats& 
                 shows[p] = showsOf(view, posed[std::min<size_t>(splats.parents[p], triangles.size())], largestM);
         }
     });
-    forProjectBlocks(jobs, buffers, camera, view, splats.count(), splats.shDegree, posed, triangles.size(), behind,
+    forProjectBlocks(jobs, buffers, camera, view, splats.count(), splats.shDegree, posed, triangles.size(), behind, false,
                      [&](const ProjectTask& task) {
                          if (all)
                              projectBlockOfCodes(splats, shows, task);
@@ -343,7 +335,7 @@ void projectPacked(Jobs& jobs, SplatEngine::Buffers& buffers, const PackedSplats
     const TriangleView* posed = splats.bound() ? viewTriangles(jobs, buffers.triangles, triangles, camera) : nullptr;
     const size_t groupFloats = size_t(groupFields(splats.bound(), splats.shDegree())) * kGroupSplats;
     const bool all = detail.full() || groups.empty() || splats.bound();
-    forProjectBlocks(jobs, buffers, camera, view, splats.count(), splats.shDegree(), posed, triangles.size(), behind,
+    forProjectBlocks(jobs, buffers, camera, view, splats.count(), splats.shDegree(), posed, triangles.size(), behind, false,
                      [&](ProjectTask task) {
                          if (!all) return projectChosenOfPacked(splats, groups, detail, task);
                          task.packed = splats.data() + task.firstSplat / kGroupSplats * groupFloats;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Work sizes and numbers that C++ and GLSL must agree on. The footprint constants equal those of sdk/math/projection.h and
-// binding.h, brightness those of sdk/avatar/pose_correctives.h; sdk/render/avatar_upload.cpp holds them together.
+// Work sizes and code layouts that C++ and GLSL share. Numbers of the formulas are in sdk/math/formulas/constants.h. Codes and
+// brightness repeat sdk/format and sdk/avatar/pose_correctives.h; sdk/render/avatar_upload.cpp asserts that they agree.
 #ifndef DPL_SHARED_LIMITS_H
 #define DPL_SHARED_LIMITS_H
 #include "shaders/shared/shim.h"
@@ -52,22 +52,12 @@ DPL_CONST float kTileStop = 1e-4;      // transmittance at which a pixel is done
 
 DPL_CONST uint kMeshDepthOwnPixels = 64u;  // a larger box is shared by the lanes of a group
 
-DPL_CONST float kGpuDetailFade = 0.5;  // kDetailFade of sdk/math/detail.h
-
 DPL_CONST uint kShowsFree = 1u;  // TriangleFrame.corner0.w, shifted by the view
 DPL_CONST uint kShowsGated = 4u;
 DPL_CONST uint kParentFree = 0x40000000u;  // of an entry of the table of parents: the chunk has such splats on it
 DPL_CONST uint kParentGated = 0x80000000u;
 DPL_CONST uint kParentMask = 0x3FFFFFFFu;
 
-DPL_CONST float kGpuMinTriangleAreaM2 = 1e-10;
-DPL_CONST float kGpuMaxTriangleAspect = 1e4;
-DPL_CONST float kGpuMaxAlpha = 0.99;
-DPL_CONST float kGpuMinAlpha = 0.003921568627450980;
-DPL_CONST float kGpuMinCompensation = 0.005;
-DPL_CONST float kGpuNearM = 0.05;
-DPL_CONST float kGpuNearFadeEndM = 0.15;
-DPL_CONST float kGpuGateEnd = 0.1;
 DPL_CONST float kGpuMinLight = 0.2;
 DPL_CONST float kGpuMaxLight = 3.0;
 

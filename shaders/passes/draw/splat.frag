@@ -4,6 +4,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
+#include "sdk/math/formulas/constants.h"
 layout(push_constant) uniform PushBlock { DrawPush push; };
 
 #ifdef DPL_SCENE_DEPTH
@@ -25,8 +26,8 @@ void main() {
 #endif
     vec2 d = gl_FragCoord.xy - centreConic.xy;
     // exp(-σ): the vertex shader has turned the conic into this power of two.
-    float alpha = min(kGpuMaxAlpha, conicOpacity.y * exp2(d.x * (centreConic.z * d.x + centreConic.w * d.y) + conicOpacity.x * d.y * d.y));
-    if (!(alpha >= kGpuMinAlpha)) discard;
+    float alpha = min(kMaxAlpha, conicOpacity.y * exp2(d.x * (centreConic.z * d.x + centreConic.w * d.y) + conicOpacity.x * d.y * d.y));
+    if (!(alpha >= kMinAlpha)) discard;
     colour = vec4(colourDepth.rgb * alpha, alpha);
 #ifdef DPL_DEPTH
     depthSums = vec4(colourDepth.w * alpha, alpha, 0.0, alpha);

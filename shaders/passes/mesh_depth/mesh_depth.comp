@@ -52,14 +52,14 @@ void take(inout Reach r, float x, float y) {
 
 /** The corner `a` if it is seen, and where the edge to `b` meets the near plane. */
 void takeEdge(inout Reach r, vec3 a, vec3 b) {
-    if (a.z > kGpuNearM) take(r, a.x / a.z, a.y / a.z);
-    if ((a.z > kGpuNearM) == (b.z > kGpuNearM)) return;
-    float t = (kGpuNearM - a.z) / (b.z - a.z);
-    take(r, (a.x + t * (b.x - a.x)) / kGpuNearM, (a.y + t * (b.y - a.y)) / kGpuNearM);
+    if (a.z > kNearM) take(r, a.x / a.z, a.y / a.z);
+    if ((a.z > kNearM) == (b.z > kNearM)) return;
+    float t = (kNearM - a.z) / (b.z - a.z);
+    take(r, (a.x + t * (b.x - a.x)) / kNearM, (a.y + t * (b.y - a.y)) / kNearM);
     r.margin = 1.0;
 }
 
-bool finiteCorner(vec3 p) { return dplIsFinite(p.x) && dplIsFinite(p.y) && dplIsFinite(p.z); }
+bool finiteCorner(vec3 p) { return isFinite(p.x) && isFinite(p.y) && isFinite(p.z); }
 
 /** First pixel whose centre lies in [low, high] and one past the last, cut to 0 .. size; a second time after the conversion: what is not a number must not leave the target. */
 ivec2 pixelsIn(float low, float high, uint size) {
@@ -94,7 +94,7 @@ void drawPixels(Corners t, ivec4 box, uint view, uint first, uint step) {
         float ea = edge(ub, vb, uc, vc), eb = -edge(ua, va, uc, vc), ec = edge(ua, va, ub, vb);
         if (!(min(ea, min(eb, ec)) >= 0.0 || max(ea, max(eb, ec)) <= 0.0)) continue;
         float z = (ea * t.a.z + eb * t.b.z + ec * t.c.z) / (ea + eb + ec);
-        if (z > kGpuNearM && dplIsFinite(z)) atomicMin(depths[(view * push.heightPx + y) * push.widthPx + x], floatBitsToUint(z));
+        if (z > kNearM && isFinite(z)) atomicMin(depths[(view * push.heightPx + y) * push.widthPx + x], floatBitsToUint(z));
     }
 }
 

@@ -5,6 +5,7 @@
 #include "shaders/shared/frame.h"
 #include "shaders/lib/reads.glsl"
 #include "shaders/lib/footprint.glsl"
+#include "sdk/math/formulas/binding.inl"
 #include "shaders/lib/show.glsl"
 #include "shaders/lib/views.glsl"
 layout(local_size_x = 128) in;  // kSplatGroup
@@ -39,9 +40,9 @@ vec3 direction(uvec4 bits) { return vec3(uintBitsToFloat(bits.x), uintBitsToFloa
 ProjectedSplat showIn(ViewData view, BoundSplat s, bool mayShow) {
     ProjectedSplat p = dplHiddenSplat();
     if (mayShow) {
-        Footprint f = dplProject(view, dplToView(view, s.centre), dplRotateToView(view, s.axis1), dplRotateToView(view, s.axis2), frame.target.z);
+        Footprint f = projectFlat(dplLens(view), dplToView(view, s.centre), dplRotateToView(view, s.axis1), dplRotateToView(view, s.axis2), frame.target.z);
         if (f.visible) {
-            float opacity = s.opacity * dplNearFade(f.depthM);
+            float opacity = s.opacity * nearFade(f.depthM);
             if (frame.flags.x != 0u) opacity *= f.compensation;
             if (s.gated) opacity *= dplSingleFaceGate(s.normal, s.centre, view.eyeWorld.xyz);
             p = dplShow(f, opacity, frame.target.xy, frame.flags.z != 0u);
@@ -86,16 +87,18 @@ void main() {
         } else {
             uint packed = DPL_WORD(codes, push.firstPlace + s.index);
             vec2 scale = share.growth * dplScale(size);
-            float phi = float(packed >> 22u) * kPhiCodeStep, cosine = cos(phi), sine = sin(phi);
+            float phi = float(packed >> 22u) * kPhiCodeStep;
             vec2 uv = dplUv(packed);
             uvec4 corner1 = DPL_FOUR(triangles, parent + 1u), corner2 = DPL_FOUR(triangles, parent + 2u), column0 = DPL_FOUR(triangles, parent + 3u), column1 = DPL_FOUR(triangles, parent + 4u);
             vec3 f0 = direction(column0), f1 = direction(column1), light = vec3(unpackHalf2x16(column0.w), unpackHalf2x16(column1.w).x);
             s.opacity = share.weight * dplOpacity(size);
-            s.light = light.x + uv.x * (light.y - light.x) + uv.y * (light.z - light.x);
+            s.light = barycentric(light.x, light.y - light.x, light.z - light.x, uv.x, uv.y);
             s.turn = uvec2(corner1.w, corner2.w);
-            s.centre = (1.0 - uv.x - uv.y) * direction(corner0) + uv.x * direction(corner1) + uv.y * direction(corner2);
-            s.axis1 = scale.x * (cosine * f0 + sine * f1);
-            s.axis2 = scale.y * (cosine * f1 - sine * f0);
+            vec3 v0 = direction(corner0);
+            s.centre = barycentric(v0, direction(corner1) - v0, direction(corner2) - v0, uv.x, uv.y);
+            PlaneAxes a = planeAxes(cos(phi), sin(phi), scale.x, scale.y);
+            s.axis1 = a.a10 * f0 + a.a11 * f1;
+            s.axis2 = a.a20 * f0 + a.a21 * f1;
             s.normal = normalize(cross(f0, f1));
             ProjectedSplat p[kViews];
             bool seen = false;

@@ -22,10 +22,10 @@ layout(push_constant) uniform PushBlock { SplatPush push; };
 
 bool showIn(ViewData view, uint slot, GeneralSplatRecord s) {
     ProjectedSplat p = dplHiddenSplat();
-    Footprint f = dplProjectGeneral(view, dplToView(view, s.centre.xyz), dplRotateToView(view, s.axis1.xyz), dplRotateToView(view, s.axis2.xyz),
-                                    dplRotateToView(view, s.axis3.xyz), frame.target.z);
+    Footprint f = projectSolid(dplLens(view), dplToView(view, s.centre.xyz), dplRotateToView(view, s.axis1.xyz), dplRotateToView(view, s.axis2.xyz),
+                               dplRotateToView(view, s.axis3.xyz), frame.target.z);
     if (f.visible) {
-        float opacity = s.centre.w * dplNearFade(f.depthM);
+        float opacity = s.centre.w * nearFade(f.depthM);
         if (frame.flags.x != 0u) opacity *= f.compensation;
         p = dplShow(f, opacity, frame.target.xy, frame.flags.z != 0u);
     }
@@ -36,7 +36,7 @@ bool showIn(ViewData view, uint slot, GeneralSplatRecord s) {
 /** Size of a pixel, metres, where the box comes nearest to the view that sees it finest. */
 float pixelM(vec3 middle, vec3 reach) {
     vec4 a = frame.pixelPlanes[0], b = frame.pixelPlanes[1];
-    float nearest = min(dot(a.xyz, middle) + a.w - dot(abs(a.xyz), reach), dot(b.xyz, middle) + b.w - dot(abs(b.xyz), reach));
+    float nearest = min(nearestPixelM(a.xyz, a.w, middle, reach), nearestPixelM(b.xyz, b.w, middle, reach));
     return nearest > frame.detail.y ? nearest : frame.detail.y;
 }
 

@@ -15,6 +15,7 @@
 #include "shaders/shared/frame.h"
 #include "shaders/lib/reads.glsl"
 #include "shaders/lib/projected.glsl"
+#include "sdk/math/formulas/constants.h"
 layout(local_size_x = 64) in;  // kTileGroup
 
 DPL_WORDS(0, PlaceBlock, places);
@@ -29,8 +30,8 @@ layout(std430, binding = 3) DPL_PIXEL_ACCESS buffer PixelBlock { uint pixels[]; 
 layout(push_constant) uniform PushBlock { TilePush push; };
 
 #ifdef DPL_FOUR_SAMPLES
-const uint kSide = 1u << kFourTilePxShift, kSamples = 4u;
-const vec2 kPlaces[4] = vec2[](vec2(0.375, 0.125), vec2(0.875, 0.375), vec2(0.125, 0.625), vec2(0.625, 0.875));  // kCoverageSamplePx
+const uint kSide = 1u << kFourTilePxShift, kSamples = kCoverageSamples;
+#define kPlaces kCoverageSamplePx
 #else
 const uint kSide = 1u << kTilePxShift, kSamples = 1u;
 const vec2 kPlaces[1] = vec2[](vec2(0.5));
@@ -99,7 +100,7 @@ void main() {
                     }
                     for (uint k = 0u; k < kSide; ++k) {
                         float alpha = first ? steps[k] : steps[kSide - 1u - k];
-                        float part = (alpha >= kGpuMinAlpha ? min(kGpuMaxAlpha, alpha) : 0.0) * through[s * kSide + k];
+                        float part = (alpha >= kMinAlpha ? min(kMaxAlpha, alpha) : 0.0) * through[s * kSide + k];
 #ifdef DPL_SCENE_DEPTH
                         if (uintBitsToFloat(seen.w) > scene[k]) part = 0.0;
 #endif

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One posed frame a triangle: corners, the columns of F, the polar rotation and the brightness (sdk/math/binding.h); and which views may show
+// One posed frame a triangle: corners, the columns of F, the polar rotation and the brightness (docs/reference/binding.md); and which views may show
 // its splats: those whose frustum it touches (lib/cull.glsl), for single-face splats only those on its front side, where their gate is above 0.
 // Of triangles of components that no view sees nothing more is read, and no view shows them.
 #version 450
@@ -7,6 +7,7 @@
 #include "shaders/shared/frame.h"
 #include "shaders/lib/reads.glsl"
 #include "shaders/lib/footprint.glsl"
+#include "sdk/math/formulas/pose.inl"
 #include "shaders/lib/cull.glsl"
 #include "shaders/lib/views.glsl"
 layout(local_size_x = 128) in;  // kVertexGroup
@@ -60,30 +61,19 @@ void main() {
             rest.gatedSplats = last.w;
             vec4 corner0 = dplFloats(DPL_FOUR(posed, rest.corners.x)), corner1 = dplFloats(DPL_FOUR(posed, rest.corners.y)), corner2 = dplFloats(DPL_FOUR(posed, rest.corners.z));  // w: brightness
             vec3 v0 = corner0.xyz, v1 = corner1.xyz, v2 = corner2.xyz;
-            vec3 d1 = v1 - v0, d2 = v2 - v0, d3 = v2 - v1;
-            vec3 normal = cross(d1, d2);
-            float doubleArea = length(normal);
-            float longest2 = max(dot(d1, d1), max(dot(d2, d2), dot(d3, d3)));
-            if (doubleArea > 2.0 * kGpuMinTriangleAreaM2 && longest2 < kGpuMaxTriangleAspect * doubleArea) {
-                vec3 f0 = d1 * rest.restT1.w;
-                vec3 f1 = d1 * rest.restT2.w + d2 * rest.restNormal.w;
-                normal /= doubleArea;
-                // Polar rotation of the 2×2 map between the frames. t1 runs along d1, so m10 = t2·F0 = 0.
-                vec3 t1 = normalize(d1), t2 = cross(normal, t1);
-                float sine = -dot(t1, f1), cosine = dot(t1, f0) + dot(t2, f1);
-                float radius = sqrt(sine * sine + cosine * cosine);
-                float c = radius > 1e-12 ? cosine / radius : 1.0, s = radius > 1e-12 ? sine / radius : 0.0;
-                mat3 turned = mat3(c * t1 + s * t2, c * t2 - s * t1, normal);
-                mat3 worldFromRest = turned * transpose(mat3(rest.restT1.xyz, rest.restT2.xyz, rest.restNormal.xyz));
+            PosedTriangle now = posedTriangle(rest.restT1.w, rest.restT2.w, rest.restNormal.w, v0, v1, v2);
+            if (now.valid) {
+                mat3 worldFromRest = mat3(now.turned1, now.turned2, now.normal) *
+                                     transpose(mat3(rest.restT1.xyz, rest.restT2.xyz, rest.restNormal.xyz));
                 vec4 turn = quaternionOf(worldFromRest);
-                float reach = rest.reach * frame.detail.y * dplLargestStretch(f0, f1) * 1.0001;  // the factor: float rounding
+                float reach = rest.reach * frame.detail.y * largestStretch(now.f0, now.f1) * 1.0001;  // the factor: float rounding
                 uint shown = 0u;
-                for (uint v = 0u; v < kViews; ++v) shown |= shownIn(frame.views[v], v0, v1, v2, normal, reach, rest.rootLevel) << v;
+                for (uint v = 0u; v < kViews; ++v) shown |= shownIn(frame.views[v], v0, v1, v2, now.normal, reach, rest.rootLevel) << v;
                 f.corner0 = bitsOf(v0, shown);
                 f.corner1 = bitsOf(v1, packSnorm2x16(turn.xy));
                 f.corner2 = bitsOf(v2, packSnorm2x16(turn.zw));
-                f.column0 = bitsOf(f0, packHalf2x16(vec2(corner0.w, corner1.w)));
-                f.column1 = bitsOf(f1, packHalf2x16(vec2(corner2.w, 0.0)));
+                f.column0 = bitsOf(now.f0, packHalf2x16(vec2(corner0.w, corner1.w)));
+                f.column1 = bitsOf(now.f1, packHalf2x16(vec2(corner2.w, 0.0)));
                 uint facing = (shown != 0u ? rest.freeSplats : 0u) + (shown >= kShowsGated ? rest.gatedSplats : 0u);
                 if (shown != 0u && rest.freeSplats + rest.gatedSplats != 0u) {
                     atomicAdd(groupTriangles[0], 1u);

@@ -4,6 +4,7 @@
 
 #include "reconstruction/splat/backward_chain.h"
 #include "tests/gradient/splat/finite_difference.h"
+#include "tests/unit/splat/bound_forward.h"
 
 namespace dpl::test {
 namespace {
@@ -52,39 +53,40 @@ Case unpack(Case c, const std::vector<double>& x) {
     return c;
 }
 
+TriangleFrame<double> frameOf(const Case& c) {
+    return poseTriangle(restTriangle(c.rest[0], c.rest[1], c.rest[2]), c.posed[0], c.posed[1], c.posed[2]);
+}
+
+BoundForward<double> forwardOf(const Case& c) {
+    BoundSplat<double> splat;
+    splat.uv = c.uv, splat.phi = c.phi, splat.scaleM = glm::exp(c.logScale), splat.opacity = c.opacity;
+    splat.singleFace = c.singleFace, splat.shDegree = kDegree, splat.sh = c.sh.data();
+    return projectBoundSplat(c.camera, frameOf(c), splat, c.kappa);
+}
+
 double forward(const Case& c) {
-    const auto rest = restTriangle(c.rest[0], c.rest[1], c.rest[2]);
-    const auto frame = poseTriangle(rest, c.posed[0], c.posed[1], c.posed[2]);
-    Vec3d a1, a2;
-    splatAxes(frame, c.phi, std::exp(c.logScale.x), std::exp(c.logScale.y), a1, a2);
-    const Vec3d centre = splatCentre(frame, c.uv), eye = c.camera.eye();
-    const Mat3d& r = c.camera.viewFromWorldRotation;
-    const auto f = projectSplat(c.camera, JacobianClamp<double>(c.camera), c.camera.toView(centre), r * a1, r * a2, c.kappa);
+    const BoundForward<double> f = forwardOf(c);
     if (!f.visible) return 0;
-    double opacity = c.opacity * f.compensation * nearFade(f.depthM);
-    if (c.singleFace) opacity *= singleFaceGate(frame.normal, centre, eye);
-    const Vec3d colour = shColour(c.sh.data(), kDegree, glm::transpose(frame.worldFromRest) * glm::normalize(centre - eye));
-    const double out[9] = {f.centrePx.x, f.centrePx.y, f.conicA, f.conicB, f.conicC, opacity, colour.x, colour.y, colour.z};
+    const ForwardRecord<double>& r = f.record;
+    const double out[9] = {f.centrePx.x, f.centrePx.y, r.conicA, r.conicB, r.conicC, f.opacity, f.colour.x, f.colour.y, f.colour.z};
     double loss = 0;
     for (int i = 0; i < 9; ++i) loss += c.lossWeight[size_t(i)] * out[i];
     return loss;
 }
 
 std::vector<double> backward(const Case& c) {
-    const auto rest = restTriangle(c.rest[0], c.rest[1], c.rest[2]);
-    const auto frame = poseTriangle(rest, c.posed[0], c.posed[1], c.posed[2]);
-    const ViewConstants<double> view(c.camera, c.kappa);
+    const TriangleFrame<double> frame = frameOf(c);
     SplatParameters<double> p;
-    p.uv = c.uv, p.phi = c.phi, p.scaleM = glm::exp(c.logScale), p.opacity = c.opacity, p.singleFace = c.singleFace, p.shDegree = kDegree;
+    p.uv = c.uv, p.opacity = c.opacity, p.singleFace = c.singleFace, p.shDegree = kDegree;
     p.sh = c.sh.data();
     ScreenGradient<double> s;
     const auto& w = c.lossWeight;
     s.x = w[0], s.y = w[1], s.conicA = w[2], s.conicB = w[3], s.conicC = w[4], s.opacity = w[5], s.colour = {w[6], w[7], w[8]};
     ParameterGradient<double> g;
     TriangleGradient<double> triangle;
-    backwardSplat(view, frame, p, s, g, triangle);
+    backwardSplat(ViewConstants<double>(c.camera), frame, p, forwardOf(c).record, s, g, triangle);
     Vec3d corner[3];
-    finishTriangle(frame, rest.inverse, triangle, corner[0], corner[1], corner[2]);
+    finishTriangle(frame, restTriangle(c.rest[0], c.rest[1], c.rest[2]).inverse, triangle, corner[0], corner[1], corner[2]);
     std::vector<double> x{g.uv.x, g.uv.y, g.phi, g.logScale.x, g.logScale.y, g.opacity};
     x.insert(x.end(), g.sh, g.sh + c.sh.size());
     for (const Vec3d& v : corner) x.insert(x.end(), {v.x, v.y, v.z});

@@ -27,9 +27,8 @@ TEST(Projection, sumFormKeepsTheDeterminantOfNeedlesInFloat) {
             const double a = angle(random), z = 2, major = majorPx * z / d.fx, minor = 0.3 * z / d.fx;
             const Vec3d centre(0.1, -0.05, z), axis1 = major * Vec3d(std::cos(a), std::sin(a), 0.3),
                                                axis2 = minor * Vec3d(-std::sin(a), std::cos(a), 0);
-            const Footprint<double> exact = projectSplat(d, JacobianClamp<double>(d), centre, axis1, axis2, kKappaPx2);
-            const Footprint<float> fast =
-                projectSplat(f, JacobianClamp<float>(f), Vec3f(centre), Vec3f(axis1), Vec3f(axis2), float(kKappaPx2));
+            const Footprint<double> exact = projectSplat(lensOf(d), centre, axis1, axis2, kKappaPx2);
+            const Footprint<float> fast = projectSplat(lensOf(f), Vec3f(centre), Vec3f(axis1), Vec3f(axis2), float(kKappaPx2));
             ASSERT_TRUE(exact.visible && fast.visible);
             EXPECT_NEAR(fast.conicA / exact.conicA, 1, 5e-5) << majorPx;
             EXPECT_NEAR(fast.conicC / exact.conicC, 1, 5e-5) << majorPx;
@@ -47,8 +46,8 @@ TEST(Projection, floatAgreesWithDoubleOnOrdinarySplats) {
         const Vec3d centre(0.5 * normal(random), 0.5 * normal(random), 1.5 + normal(random));
         const Vec3d axis1 = 0.01 * Vec3d(normal(random), normal(random), normal(random)),
                     axis2 = 0.01 * Vec3d(normal(random), normal(random), normal(random));
-        const Footprint<double> exact = projectSplat(d, JacobianClamp<double>(d), centre, axis1, axis2, kKappaPx2);
-        const Footprint<float> fast = projectSplat(f, JacobianClamp<float>(f), Vec3f(centre), Vec3f(axis1), Vec3f(axis2), float(kKappaPx2));
+        const Footprint<double> exact = projectSplat(lensOf(d), centre, axis1, axis2, kKappaPx2);
+        const Footprint<float> fast = projectSplat(lensOf(f), Vec3f(centre), Vec3f(axis1), Vec3f(axis2), float(kKappaPx2));
         ASSERT_EQ(exact.visible, fast.visible);
         if (!exact.visible) continue;
         ++visible;
@@ -63,8 +62,7 @@ TEST(Projection, floatAgreesWithDoubleOnOrdinarySplats) {
 
 TEST(Projection, conicIsTheInverseOfTheVariance) {
     const Camerad c = camera();
-    const Footprint<double> f =
-        projectSplat(c, JacobianClamp<double>(c), Vec3d(0.2, 0.1, 2), Vec3d(0.02, 0.01, 0.005), Vec3d(-0.003, 0.01, 0.01), kKappaPx2);
+    const Footprint<double> f = projectSplat(lensOf(c), Vec3d(0.2, 0.1, 2), Vec3d(0.02, 0.01, 0.005), Vec3d(-0.003, 0.01, 0.01), kKappaPx2);
     // A·Σxx + B·Σxy = 1 with Σxy = −B·det, det = (Σxx)/C.
     const double det = f.varianceX / f.conicC, covariance = -f.conicB * det;
     EXPECT_NEAR(f.conicA * f.varianceX + f.conicB * covariance, 1, 1e-12);
@@ -74,7 +72,7 @@ TEST(Projection, conicIsTheInverseOfTheVariance) {
 TEST(Projection, nothingAtOrBehindTheNearPlane) {
     const Camerad c = camera();
     for (const double z : {-1.0, 0.0, kNearM})
-        EXPECT_FALSE(projectSplat(c, JacobianClamp<double>(c), Vec3d(0, 0, z), Vec3d(0.01, 0, 0), Vec3d(0, 0.01, 0), kKappaPx2).visible);
+        EXPECT_FALSE(projectSplat(lensOf(c), Vec3d(0, 0, z), Vec3d(0.01, 0, 0), Vec3d(0, 0.01, 0), kKappaPx2).visible);
     EXPECT_EQ(nearFade(kNearM), 0);
     EXPECT_EQ(nearFade(kNearFadeEndM), 1);
     EXPECT_NEAR(nearFade(0.5 * (kNearM + kNearFadeEndM)), 0.5, 1e-12);
