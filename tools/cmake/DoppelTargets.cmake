@@ -104,6 +104,8 @@ if(DOPPEL_TESTS)
   find_package(GTest REQUIRED)
   # The programs of all tests labelled `sanitize`: what tools/test builds with the sanitizers.
   add_custom_target(sanitized_tests)
+  # The programs of all tests labelled `vulkan`: what tools/prove-drivers builds.
+  add_custom_target(vulkan_tests)
   set(test_pch_headers ${pch_headers} <random> <gtest/gtest.h>)
   # A third less compile time each; the code under test keeps its own level.
   set(test_options $<$<CONFIG:Release>:-O1>)
@@ -131,6 +133,9 @@ function(doppel_test name)
   endif()
   if("sanitize" IN_LIST arg_LABELS)
     add_dependencies(sanitized_tests ${name})
+  endif()
+  if("vulkan" IN_LIST arg_LABELS)
+    add_dependencies(vulkan_tests ${name})
   endif()
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 300)

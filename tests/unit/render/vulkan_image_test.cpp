@@ -313,7 +313,9 @@ TEST_P(VulkanImage, drawsNothingForAnEmptyAvatarAndOneSplatForOne) {
     std::printf("[ ONE SPLAT] %.1f dB, max %.4f, covered %.2f %%\n", d.psnrDb, d.maxError, d.covered * 100);
     EXPECT_GE(d.psnrDb, kMinPsnrDb);
     EXPECT_GT(d.covered, 0.001);
-    EXPECT_LE(d.maxError, 0.5 / 255 + 1e-4);  // one layer: rounding to 8 bits only
+    // One layer is rounded twice: the colour to 11, 11 and 10 bits in its ProjectedSplat, then the pixel to 8 bits. In blue that is at most
+    // 0.9 * 0.5 / 1023 + 0.5 / 255 = 0.0024. SwiftShader reaches 0.00217 where the pixel is half way between two codes, lavapipe 0.00195.
+    EXPECT_LE(d.maxError, 0.9 * 0.5 / 1023 + 0.5 / 255 + 1e-5);
 }
 
 TEST_P(VulkanImage, onePixelTargetAndBehindTheCamera) {
