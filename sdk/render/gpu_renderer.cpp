@@ -12,7 +12,7 @@
 namespace dpl {
 namespace {
 
-constexpr float kSharedOrderRad = 0.035f;  // 2 degrees: views whose axes are further apart are sorted each for itself (ADR 0002)
+constexpr float kSharedOrderRad = 0.035f;  // 2 degrees: views whose axes are further apart are sorted each for itself (docs/adr/0015)
 
 Status checkViews(std::span<const Cameraf> views) {
     if (views.empty() || views.size() > gpu::kMaxViews)
