@@ -1,15 +1,16 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# What an avatar may depend on, shown on a small procedural scan:
-#   same bytes on 1, 2 and 3 threads; after kill -9 and a rerun; with every truth file moved away; with every held-out image, mask and label replaced by noise.
-#   different bytes when a training image changes (so that the comparison can fail).
+# What an avatar may depend on, shown on a small procedural scan. The avatar has
+#   the same bytes on 1 and 3 threads; after a stop, a kill -9 and a rerun; with every truth file removed; with every held-out image, mask,
+#   label picture and keypoint replaced by noise;
+#   different bytes when one training image changes, which shows that the comparison can fail.
 # usage: independence.sh DOPPEL WORKDIR
 set -euo pipefail
 doppel="$1" work="$2"
 rm -rf "$work" && mkdir -p "$work"
 cd "$work"
 "$doppel" sample -o scan --small --seed 5 2>sample.log
-# Half of the standing frames and ten of the moving ones: a third of the time, and every stage still has its work.
+# Half of the still frames and ten of the moving ones: a third of the time, and every stage still has work.
 python3 - <<'P'
 import json, pathlib
 path = pathlib.Path("scan/scan.json")
@@ -23,24 +24,26 @@ assert {("static_full", "test"), ("static_closeup", "train"), ("dynamic", "train
 path.write_text(json.dumps(scan))
 P
 options=(--preset draft --steps 120 --seed 3)
-# reconstruct SCAN OUT [options]: until the avatar is written, which happens whole or not at all; held-out poses and the report are not compared here.
+failed() { echo "FAILED: $1" >&2; exit 1; }
+# reconstruct SCAN OUT [options]: stops when avatar.glb is there. The file is written whole or not at all; held-out poses and the report come later.
 reconstruct() {
-    "$doppel" reconstruct "$1" -o "$2" "${options[@]}" "${@:3}" >"$2.log" 2>&1 &
+    "$doppel" reconstruct "$1" -o "$2" "${options[@]}" "${@:3}" >>"$2.log" 2>&1 &
     local pid=$!
     while kill -0 $pid 2>/dev/null && [ ! -f "$2/avatar.glb" ]; do sleep 0.2; done
-    kill -TERM $pid 2>/dev/null || true
-    wait $pid 2>/dev/null || true
-    [ -f "$2/avatar.glb" ] || { tail -n 20 "$2.log" >&2; echo "reconstruct $2 failed" >&2; exit 1; }
+    kill -TERM $pid 2>/dev/null || true  # it may have ended by itself
+    wait $pid 2>/dev/null || true        # stopped: its exit code says nothing, the file below does
+    [ -f "$2/avatar.glb" ] || { tail -n 20 "$2.log" >&2; failed "reconstruct $2 made no avatar"; }
 }
-same() { cmp -s "$1/avatar.glb" "$2/avatar.glb" && echo "ok: $3" || { echo "FAILED: $3: $1/avatar.glb and $2/avatar.glb differ" >&2; exit 1; }; }
+same() { cmp -s "$1/avatar.glb" "$2/avatar.glb" && echo "ok: $3" || failed "$3: $1/avatar.glb and $2/avatar.glb differ"; }
 
 reconstruct scan one --threads 1
-"$doppel" reconstruct scan -o one "${options[@]}" >>one.log 2>&1 || { tail -n 20 one.log >&2; echo "the rest of reconstruct one failed" >&2; exit 1; }  # poses and report too, on more threads
-[ -f one/report.html ] || { echo "FAILED: no report" >&2; exit 1; }
+# Poses and report too, on more threads.
+"$doppel" reconstruct scan -o one "${options[@]}" >>one.log 2>&1 || { tail -n 20 one.log >&2; failed "the rest of reconstruct one"; }
+[ -f one/report.html ] || failed "no report"
 reconstruct scan three --threads 3
 same one three "1 and 3 threads give the same bytes"
 
-# Truth: everything FORMAT.md calls truth is gone, and `xy` with it.
+# Everything that FORMAT.md calls truth goes, and `xy` with it.
 cp -r scan hidden
 rm -rf hidden/truth.json hidden/geometry hidden/posed hidden/hires
 python3 - <<'P'
@@ -59,53 +62,77 @@ P
 reconstruct hidden blind
 same one blind "without any truth file the bytes are the same"
 
-# Held-out pictures become noise of the same size; the files stay readable.
+# Held-out observations become noise of the same size. The files stay readable: an image may be a PNG whatever its name says.
 cp -r scan noisy
 python3 - <<'P'
 import json, pathlib, random, struct, zlib
 random.seed(1)
-def png(path, width, height, value):
-    rows = b"".join(b"\0" + bytes(value() for _ in range(width)) for _ in range(height))
+def png(path, width, height, channels, value):
+    rows = b"".join(b"\0" + value(width * channels) for _ in range(height))
     chunk = lambda kind, body: struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
-    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
-scan = json.loads(pathlib.Path("noisy/scan.json").read_text())
+    header = struct.pack(">IIBBBBB", width, height, 8, 2 if channels == 3 else 0, 0, 0, 0)
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows, 1)) + chunk(b"IEND", b""))
+def among(values):
+    return lambda count: bytes(random.choices(values, k=count))
+root = pathlib.Path("noisy")
+scan = json.loads((root / "scan.json").read_text())
 width, height = scan["image_size"]
-others = [f for f in scan["frames"] if f["split"] == "train"]
+changed = 0
 for frame in scan["frames"]:
     if frame["split"] != "test":
         continue
-    other = random.choice(others)
-    pathlib.Path("noisy", frame["image"]).write_bytes(pathlib.Path("scan", other["image"]).read_bytes())  # another picture: as wrong as noise, and a JPEG
-    png(pathlib.Path("noisy", frame["mask"]), width, height, lambda: random.choice((0, 255)))
-    png(pathlib.Path("noisy", frame["labels"]), width, height, lambda: random.randrange(6))
+    before = (root / frame["image"]).read_bytes()
+    png(root / frame["image"], width, height, 3, random.randbytes)
+    png(root / frame["mask"], width, height, 1, among((0, 255)))
+    png(root / frame["labels"], width, height, 1, among(range(6)))
+    keypoints = json.loads((root / frame["keypoints"]).read_text())
+    for name in ("xy_noisy", "detections"):
+        if name in keypoints:
+            keypoints[name] = [[random.uniform(0, width), random.uniform(0, height)] for _ in keypoints[name]]
+    (root / frame["keypoints"]).write_text(json.dumps(keypoints))
+    changed += (root / frame["image"]).read_bytes() != before
+assert changed >= 3, changed
 P
 reconstruct noisy deceived
-same one deceived "held-out pictures cannot reach the avatar"
+same one deceived "held-out images, masks, labels and keypoints cannot reach the avatar"
 
-# Stopped in training (a checkpoint is written), killed outright, continued.
-interrupt() {  # interrupt SIGNAL: starts the run, waits until it trains, sends the signal
-    "$doppel" reconstruct scan -o killed "${options[@]}" >>killed.log 2>&1 &
-    local pid=$!
-    for _ in $(seq 600); do
-        [ -d killed/stages/*co-optimise.work ] 2>/dev/null && break
-        kill -0 $pid 2>/dev/null || break
+# Stopped in training, which leaves a checkpoint; continued and killed outright; continued again. One thread: training lasts long enough to be met.
+start_killed() {
+    "$doppel" reconstruct scan -o killed "${options[@]}" --threads 1 >>killed.log 2>&1 &
+    pid=$!
+}
+# await CONDITION: until it holds; fails when the run ends first or after 120 s.
+await() {
+    for _ in $(seq 1200); do
+        if eval "$1"; then return; fi
+        kill -0 $pid 2>/dev/null || failed "the run ended before: $1"
         sleep 0.1
     done
-    sleep 1  # training takes some three seconds
-    kill "$1" $pid 2>/dev/null || echo "note: the run had finished before $1"
-    wait $pid 2>/dev/null || true
+    failed "not within 120 s: $1"
 }
-interrupt -TERM
-ls killed/stages/*co-optimise.work/checkpoint >/dev/null 2>&1 && echo "stopped in training, checkpoint kept"
-interrupt -KILL
+in_training='compgen -G "killed/stages/*co-optimise.work" >/dev/null'
+checkpoint='compgen -G "killed/stages/*co-optimise.work/checkpoint" >/dev/null'
+start_killed
+await "$in_training"
+sleep 1  # some steps
+kill -TERM $pid || failed "the run had ended before it was stopped"
+wait $pid && failed "a stopped run must not exit with 0"
+eval "$checkpoint" || failed "a run stopped in training keeps no checkpoint"
+echo "ok: stopped in training, checkpoint kept"
+start_killed
+await 'grep -q "continuing at step" killed.log'
+kill -KILL $pid || failed "the run had ended before it was killed"
+wait $pid && failed "a killed run must not exit with 0"
+eval "$checkpoint" || failed "the run was not killed in training, or its checkpoint is gone"
 reconstruct scan killed
+[ "$(grep -c "continuing at step" killed.log)" -eq 2 ] || failed "a killed run must continue at its checkpoint"
 same one killed "a stopped and killed run continues to the same bytes"
 
-# The comparison itself can fail: a changed training picture changes the avatar.
+# The comparison can fail: one changed training picture changes the avatar.
 cp -r scan changed
 first=$(python3 -c "import json; print([f['image'] for f in json.load(open('scan/scan.json'))['frames'] if f['split'] == 'train'][0])")
 second=$(python3 -c "import json; print([f['image'] for f in json.load(open('scan/scan.json'))['frames'] if f['split'] == 'train'][5])")
 cp "scan/$second" "changed/$first"
 reconstruct changed other
-cmp -s one/avatar.glb other/avatar.glb && { echo "FAILED: a changed training picture changed nothing" >&2; exit 1; }
+cmp -s one/avatar.glb other/avatar.glb && failed "a changed training picture changed nothing"
 echo "ok: a changed training picture changes the avatar"

@@ -9,8 +9,8 @@
 namespace dpl {
 namespace {
 
-// The product's bar is 50 dB. Measured: 120 dB and more, 93 dB where one pixel falls on the other side of the 1/255 cut-off; a
-// renderer that loses a row of pixels at tile edges measured 60 to 82 dB, so the bar stands between.
+// The product's bar is 50 dB. Measured: 120 dB and more; 93 dB where one pixel falls on the other side of the 1/255 cut-off. A renderer
+// that loses a row of pixels at tile edges measured 60 to 82 dB, so the bar stands above that.
 constexpr double kBarDb = 88;
 
 TEST(SoftwareVsReference, randomAvatarsPosesAndViews) {
@@ -26,7 +26,7 @@ TEST(SoftwareVsReference, randomAvatarsPosesAndViews) {
     }
 }
 
-/** The whole way from a pose, as the product goes it: correctives and skinning in float too. */
+/** Draws as the product does: correctives and skinning run in float too. */
 SplatImage drawPosed(const AvatarData& avatar, const Pose& pose, const Cameraf& camera, PosedMesh& mesh) {
     Jobs jobs(2);
     const std::vector<RestTriangle<float>> bind = restTriangles(avatar.mesh);
@@ -44,16 +44,18 @@ TEST(SoftwareVsReference, correctivesMoveAndLightTheSurface) {
     struct Case {
         const char* name;
         test::CorrectiveOptions options;
-        bool beyondReach;
+        bool beyondReach, offTheModes;  // which of the two limits shortens the coefficients
     };
-    const Case cases[] = {{"correctives, short pose", {.light = 0.2f, .reach = 100}, false},
-                          {"correctives, beyond reach", {.modes = 7, .light = 0.8f, .reach = 0.6f}, true},
-                          {"correctives, light clamped", {.modes = 2, .nodes = 30, .light = 2, .reach = 3}, false},
-                          {"correctives, off the modes", {.light = 0.4f, .reach = 100, .reachOffModes = 0.6f}, false}};
+    const Case cases[] = {
+        {"correctives, short pose", {.light = 0.2f, .reach = 100}, false, false},
+        {"correctives, beyond reach", {.modes = 7, .light = 0.8f, .reach = 0.6f}, true, false},
+        {"correctives, light clamped", {.modes = 2, .nodes = 30, .light = 2, .reach = 3}, false, false},
+        {"correctives, off the modes", {.offsetM = 0.08f, .light = 1.6f, .reach = 100, .reachOffModes = 0.6f}, false, true}};
     double darkest = 1, brightest = 1;
-    for (uint32_t seed = 1; seed <= 3; ++seed) {
-        const Case& c = cases[seed - 1];
-        const AvatarData avatar = test::withCorrectives(randomAvatar(seed, 8, 4, seed), seed + 10, c.options);
+    uint32_t seed = 0;
+    for (const Case& c : cases) {
+        ++seed;
+        const AvatarData avatar = test::withCorrectives(randomAvatar(seed, 8, 4, seed % 4), seed + 10, c.options);
         const Pose pose = randomPose(avatar, seed);
         const Cameraf camera = lookAt({1.2f, 1.2f, -1.2f}, {0, 1, 0}, 150 + 7 * seed, 200 - 9 * seed, 180);
         const ReferenceScene scene = sceneOf(avatar, pose);
@@ -76,13 +78,20 @@ TEST(SoftwareVsReference, correctivesMoveAndLightTheSurface) {
         EXPECT_GT(farthest, 0.005);
         EXPECT_LT(positionError, 2e-6);  // a few float roundings at 1 to 2 m
         EXPECT_LT(lightError, 5e-6);
-        AvatarData unlimited = avatar;
-        unlimited.correctives.reach = unlimited.correctives.reachOffModes = 1e6f;
-        const std::vector<double> k = referenceCoefficients(unlimited.correctives, pose);
-        double squares = 0;
-        for (const double x : k) squares += x * x;
-        EXPECT_EQ(std::sqrt(squares) > avatar.correctives.reach, c.beyondReach) << c.name << ": " << std::sqrt(squares);
-        // The picture depends on it: without correctives it is another one.
+        const auto length = [](const std::vector<double>& k) {
+            double squares = 0;
+            for (const double x : k) squares += x * x;
+            return std::sqrt(squares);
+        };
+        PoseCorrectiveData onlyReach = avatar.correctives, unlimited = avatar.correctives;
+        onlyReach.reachOffModes = 1e6f;
+        unlimited.reach = unlimited.reachOffModes = 1e6f;
+        const double free = length(referenceCoefficients(unlimited, pose));
+        EXPECT_EQ(free > avatar.correctives.reach, c.beyondReach) << c.name << ": " << free;
+        EXPECT_EQ(length(referenceCoefficients(avatar.correctives, pose)) < 0.99 * length(referenceCoefficients(onlyReach, pose)),
+                  c.offTheModes)
+            << c.name;
+        // The case shows something: without correctives the picture is a different one.
         EXPECT_LT(compareImages(renderReference(plain, pose, referenceCamera(camera)).rgb, reference.rgb).psnrDb, 35);
     }
     EXPECT_EQ(darkest, 0.2);
@@ -160,16 +169,17 @@ TEST(SoftwareVsReference, sameBytesOnAnyThreadCount) {
     }
 }
 
-// Several avatars and general splats in one picture are one set of splats to the eye, whoever holds them.
+// Several avatars and static splats in one picture must look like one set of splats.
 TEST(SoftwareVsReference, setsThatAreAddedToOnePictureAreSortedTogether) {
-    const AvatarData avatars[2] = {randomAvatar(70, 30, 40, 1), randomAvatar(71, 12, 16, 2)};  // more than a block of projection, and less
+    const AvatarData avatars[2] = {randomAvatar(70, 30, 40, 1),
+                                   randomAvatar(71, 12, 16, 2)};  // one fills more than a block of projection, one less
     StaticSplatData cloud = randomStaticSplats(5, 300, 3);
     for (Vec3f& p : cloud.position) p.y += 1;
     const Cameraf camera = lookAt({0.9f, 1.2f, 1.1f}, {0, 1, 0}, 150, 130, 120);
     Jobs jobs(2);
     SplatEngine engine(jobs);
     std::vector<ReferenceGaussian> all;
-    for (int repeat = 0; repeat < 2; ++repeat) {  // growing buffers, and warm ones
+    for (int repeat = 0; repeat < 2; ++repeat) {  // first with growing buffers, then with warm ones
         all.clear();
         for (int k = 0; k < 2; ++k) {
             const CodedSplats coded = *codeSplats(avatars[k].mesh, avatars[k].splats);
@@ -196,11 +206,11 @@ TEST(SoftwareVsReference, setsThatAreAddedToOnePictureAreSortedTogether) {
     expectSameImage("three sets", image, renderReference(all, referenceCamera(camera)), 75);
 }
 
-// Where every splat of several chunks is turned away, decoding goes on in the right chunk behind them.
+// Chunks whose splats all face away are skipped. Decoding must go on at the right chunk after them.
 TEST(SoftwareVsReference, wholeChunksThatAreSkippedLeaveTheNextOnesRight) {
-    AvatarData a = randomAvatar(60, 24, 16, 0);  // 1,536 splats a ring: half of them, three chunks, look away
+    AvatarData a = randomAvatar(60, 24, 16, 0);  // 1,536 splats a ring; half of them, three chunks, face away
     for (uint32_t i = 0; i < a.splats.count(); ++i) {
-        a.splats.scaleM[i] *= 0.02f * float(1 + 3 * (i / 256 % 5));  // chunks of different range
+        a.splats.scaleM[i] *= 0.02f * float(1 + 3 * (i / 256 % 5));  // so that chunks differ in range
         a.splats.flags[i] = kSplatSingleFace;
     }
     auto coded = codeSplats(a.mesh, a.splats, false);
@@ -222,14 +232,15 @@ TEST(SoftwareVsReference, wholeChunksThatAreSkippedLeaveTheNextOnesRight) {
     }
 }
 
-// The renderer keeps codes and decodes what a view needs: the same picture as of the numbers behind them, and culling loses nothing.
+// The renderer keeps codes and decodes what a view needs. The picture must equal that of the decoded numbers, and culling must lose
+// nothing.
 TEST(SoftwareVsReference, codedSplatsDrawWhatTheyDecodeTo) {
     for (uint32_t round = 0; round < 8; ++round) {
         AvatarData a = randomAvatar(40 + round, 12, 16, round % 4);
-        for (Vec2f& s : a.splats.scaleM) s *= 0.2f;  // of the size of its triangle, as a person's are
+        for (Vec2f& s : a.splats.scaleM) s *= 0.2f;  // about the size of its triangle, as on a person
         const uint32_t stride = (a.splats.shDegree + 1) * (a.splats.shDegree + 1) * 3;
         for (uint32_t i = 9; round >= 4 && i < a.splats.count(); ++i)
-            std::copy_n(&a.splats.sh[i % 9 * stride + 3], stride - 3, &a.splats.sh[i * stride + 3]);  // nine rows
+            std::copy_n(&a.splats.sh[i % 9 * stride + 3], stride - 3, &a.splats.sh[i * stride + 3]);  // nine distinct rows
         auto coded = codeSplats(a.mesh, a.splats, round >= 4);
         ASSERT_TRUE(coded) << coded.error().message;
         EXPECT_EQ(coded->shIndex.empty(), round < 4 || a.splats.shDegree == 0);
@@ -252,7 +263,7 @@ TEST(SoftwareVsReference, codedSplatsDrawWhatTheyDecodeTo) {
         EXPECT_GT(plain.visibleCount(), 20u);
         for (size_t i = 0; i < engine.projected().size(); ++i)
             ASSERT_NEAR(engine.projected()[i].opacity, plain.projected()[i].opacity, 1e-2) << "splat " << i;
-        // Bytes: one or five a splat to decide, the rest only of groups that have a splat to show.
+        // Bytes read: one or five per splat for the decision, the rest only for groups with a visible splat.
         const uint64_t n = coded->count(),
                        each = 13 + (coded->shIndex.empty() ? 0 : 2) + (a.splats.shDegree ? shEntryBytes(a.splats.shDegree) : 0);
         EXPECT_GE(engine.decidedBytes(), n / 16);
