@@ -166,6 +166,7 @@ TEST_P(VulkanImage, everyListHoldsAFrameThatShowsEverySplat) {
 TEST(VulkanTiles, aFrameThatTheListsCannotHoldIsFilledByQuads) {
     TestVulkan tiles(testVulkanOptions(), Fill::Tiles), quads(testVulkanOptions(), Fill::Quads);
     DPL_NEED_VULKAN(tiles);
+    if (lavapipeCompilerCrashes()) GTEST_SKIP() << "lavapipe dies compiling the quads of this frame with 512-bit vectors";
     const Cameraf far[2] = {tubeCamera(61, 45, 0.3f, 40, -0.03f), tubeCamera(61, 45, 0.3f, 40, 0.03f)};
     const Cameraf near[2] = {tubeCamera(61, 45, 0.3f, 1.2f, -0.03f), tubeCamera(61, 45, 0.3f, 1.2f, 0.03f)};
     for (const uint32_t count : {400u, 1500u}) {
@@ -200,7 +201,7 @@ TEST(VulkanTiles, aFrameThatTheListsCannotHoldIsFilledByQuads) {
 TEST(VulkanTiles, aFrameOfFourSamplesThatTheListsCannotHoldIsFilledByQuads) {
     TestVulkan tiles(testVulkanOptions(), Fill::Tiles), quads(testVulkanOptions(), Fill::Quads);
     DPL_NEED_VULKAN(tiles);
-    if (crashesOnMoreThanBytes()) GTEST_SKIP() << "several samples a pixel with 512-bit vectors";
+    if (lavapipeCompilerCrashes()) GTEST_SKIP() << "several samples a pixel with 512-bit vectors";
     const Cameraf far[2] = {tubeCamera(61, 45, 0.3f, 40, -0.03f), tubeCamera(61, 45, 0.3f, 40, 0.03f)};
     const Cameraf near[2] = {tubeCamera(61, 45, 0.3f, 1.2f, -0.03f), tubeCamera(61, 45, 0.3f, 1.2f, 0.03f)};
     for (const uint32_t count : {150u, 2000u}) {

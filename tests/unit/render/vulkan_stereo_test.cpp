@@ -31,7 +31,7 @@ void expectStereoEqualsMono(const VulkanOptions& options, Fill fill, const std::
     expectStereoEqualsMono(vulkan, vulkan.renderer->addAvatar(share(test::withCorrectives(makeTube(), 3))), tubePose(0.7f), picture);
     AvatarData fine = makeTube();
     fine.trainedPixelM = 1e-4f;
-    if (crashesOnMoreThanBytes())
+    if (lavapipeCompilerCrashes())
         std::printf("[   NOTE   ] four samples a pixel are left out at this vector width\n");
     else
         expectStereoEqualsMono(vulkan, vulkan.renderer->addAvatar(share(fine)), tubePose(0.7f), picture + "_four_samples");

@@ -42,7 +42,7 @@ std::vector<RenderedView> everything(Renderer& r, const std::vector<uint32_t>& d
     }
     for (const Drawn& one : row) draw({&one, 1});
     draw(row);
-    if (crashesOnMoreThanBytes()) return pictures;
+    if (lavapipeCompilerCrashes()) return pictures;
     AvatarData fine = makeTube({.seed = 17});
     fine.trainedPixelM = 1e-4f;
     const auto id = r.addAvatar(share(fine));
