@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "sdk/format/check_mesh.h"
+
 namespace dpl {
 namespace {
 
@@ -35,18 +37,17 @@ Status checkBody(const BodyModel& body) {
                 formatText("joint '{}' has parent {}; joint 0 is the only root and parents come first", body.joints[j].name, parent));
         if (!finite(body.joints[j].restPosition)) return refuse(formatText("joint '{}' is not at a finite place", body.joints[j].name));
     }
-    if (!allFinite(mesh.restPositions)) return refuse("a vertex is not finite");
+    for (const Status& sound : {checkMesh(mesh, joints), checkFinite(mesh)})
+        if (!sound) return refuse(sound.error().message);
     for (size_t v = 0; v < vertices; ++v) {
         int sum = 0;
         for (int i = 0; i < 4; ++i) {
             sum += mesh.jointWeights[v][i];
-            if (mesh.jointIndices[v][i] >= joints)
-                return refuse(formatText("vertex {} hangs on joint {} of {}", v, mesh.jointIndices[v][i], joints));
+            if (mesh.jointIndices[v][i] >= joints)  // keypoints read slots of weight 0 too
+                return refuse(formatText("vertex {} names joint {}; the rig has {}", v, mesh.jointIndices[v][i], joints));
         }
         if (sum != 255) return refuse(formatText("the weights of vertex {} sum to {}, not 255", v, sum));
     }
-    for (const Triangle& t : mesh.triangles)
-        if (t.x >= vertices || t.y >= vertices || t.z >= vertices) return refuse("a triangle names a vertex that is not there");
     for (const LayerData& layer : mesh.layers)
         if (uint64_t(layer.firstVertex) + layer.vertexCount > vertices ||
             uint64_t(layer.firstTriangle) + layer.triangleCount > mesh.triangles.size())

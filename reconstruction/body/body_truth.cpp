@@ -9,6 +9,7 @@
 
 #include "reconstruction/body/body_tools.h"
 #include "sdk/core/files.h"
+#include "sdk/math/skinning.h"
 
 namespace dpl {
 namespace {
@@ -52,9 +53,8 @@ std::vector<PosedKeypoint> posedKeypoints(const BodyModel& shaped, const Pose& p
             places[k].present = true;
             for (auto [joint, weight] : keypoint.joints) places[k].place += double(weight) * move(joint, shaped.joints[joint].restPosition);
             for (auto [vertex, weight] : keypoint.vertices)
-                for (int i = 0; i < 4; ++i)
-                    places[k].place += double(weight) * shaped.mesh.jointWeights[vertex][i] / 255.0 *
-                                       move(shaped.mesh.jointIndices[vertex][i], shaped.mesh.restPositions[vertex]);
+                places[k].place += double(weight) * Vec3d(skinVertex(shaped.mesh.restPositions[vertex], shaped.mesh.jointIndices[vertex],
+                                                                     shaped.mesh.jointWeights[vertex], worldFromRest.data()));
         }
     return places;
 }

@@ -34,19 +34,4 @@ std::vector<Mat3x4d> truthTransforms(const std::vector<JointData>& joints, const
     return global;
 }
 
-Mat3x4d blended(const std::vector<Mat3x4d>& worldFromRest, const glm::u16vec4& joints, const glm::u8vec4& weights) {
-    Mat3x4d m(0.0);
-    for (int k = 0; k < 4; ++k)
-        if (weights[k]) {
-            const double w = weights[k] / 255.0;
-            const Mat3x4d& g = worldFromRest[joints[k]];
-            for (int c = 0; c < 4; ++c) m[c] += w * g[c];
-        }
-    return m;
-}
-
-Vec3d skinned(const std::vector<Mat3x4d>& worldFromRest, const glm::u16vec4& joints, const glm::u8vec4& weights, const Vec3d& rest) {
-    return transformed(blended(worldFromRest, joints, weights), rest);
-}
-
 }  // namespace dpl

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plain linear blend skinning in double precision: the truth of the scan, independent of the product's own skinning.
+// Poses of a synthetic scan, and skinning in double precision: the truth that reconstructions are compared with. Joint transforms are
+// computed here from axis-angle rotations; they do not use the rig of sdk/avatar.
 #pragma once
 
 #include <vector>
 
 #include "sdk/format/avatar_data.h"
+#include "sdk/math/skinning.h"
 
 namespace dpl {
 
@@ -17,14 +19,9 @@ struct TruthPose {
 /** worldFromRest[j] = G_j (docs/formats/scan.md). */
 std::vector<Mat3x4d> truthTransforms(const std::vector<JointData>& joints, const TruthPose& pose);
 
-inline Vec3d transformed(const Mat3x4d& m, const Vec3d& p) {
-    return m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3];
-}
-
 /** One vertex with its four unorm8 weights. */
-Vec3d skinned(const std::vector<Mat3x4d>& worldFromRest, const glm::u16vec4& joints, const glm::u8vec4& weights, const Vec3d& rest);
-
-/** The blended matrix of one vertex. */
-Mat3x4d blended(const std::vector<Mat3x4d>& worldFromRest, const glm::u16vec4& joints, const glm::u8vec4& weights);
+inline Vec3d skinned(const std::vector<Mat3x4d>& worldFromRest, const glm::u16vec4& joints, const glm::u8vec4& weights, const Vec3d& rest) {
+    return transformed(blendedTransform(joints, weights, worldFromRest.data()), rest);
+}
 
 }  // namespace dpl

@@ -47,7 +47,7 @@ std::vector<Vec3d> poseSubject(const Subject& subject, const TruthPose& pose, co
     for (size_t v = 0; v < at.size(); ++v) {
         const ClothVertex& cloth = subject.cloth[v];
         if (cloth.slide == 0 && cloth.swing[0] == 0) continue;
-        const Mat3x4d m = blended(g, mesh.jointIndices[v], mesh.jointWeights[v]);
+        const Mat3x4d m = blendedTransform(mesh.jointIndices[v], mesh.jointWeights[v], g.data());
         at[v] += raise * double(cloth.slide) * glm::normalize(m[1]);  // up along the trunk
         for (int k = 0; k < 3; ++k) at[v] += double(cloth.swing[k]) * (*lag)[cloth.drivers[k]];
         const uint32_t a = subject.anchor[v];

@@ -10,6 +10,7 @@
 #include "reconstruction/splat/random.h"
 #include "reconstruction/splat/rotation_vector.h"
 #include "sdk/format/avatar_file.h"
+#include "sdk/format/check_mesh.h"
 
 namespace dpl {
 namespace {
@@ -35,21 +36,10 @@ Status CoOptimiser::State::prepare() {
     MeshData& m = input.mesh;
     const size_t vertexCount = m.restPositions.size();
     if (vertexCount == 0 || m.triangles.empty()) return fail(Code::InvalidArgument, "the template mesh is empty");
-    if (m.jointIndices.size() != vertexCount || m.jointWeights.size() != vertexCount)
-        return fail(Code::InvalidArgument, "the template has {} vertices but {} skin indices and {} weights", vertexCount,
-                    m.jointIndices.size(), m.jointWeights.size());
+    DPL_CHECK_OK(checkMesh(m, input.joints.size()));
+    DPL_CHECK_OK(checkFinite(m));
     if (!input.triangleLabel.empty() && input.triangleLabel.size() != m.triangles.size())
         return fail(Code::InvalidArgument, "{} triangle labels for {} triangles", input.triangleLabel.size(), m.triangles.size());
-    for (size_t v = 0; v < vertexCount; ++v) {
-        if (!finite(m.restPositions[v])) return fail(Code::InvalidArgument, "template vertex {} is not finite", v);
-        for (int k = 0; k < 4; ++k)
-            if (m.jointWeights[v][k] && m.jointIndices[v][k] >= input.joints.size())
-                return fail(Code::InvalidArgument, "template vertex {} is skinned to joint {} of {}", v, m.jointIndices[v][k],
-                            input.joints.size());
-    }
-    for (const Triangle& t : m.triangles)
-        if (t.x >= vertexCount || t.y >= vertexCount || t.z >= vertexCount)
-            return fail(Code::InvalidArgument, "a template triangle names a vertex beyond {}", vertexCount);
     if (settings.steps == 0) return fail(Code::InvalidArgument, "a training run needs at least one step");
     if (settings.init.shDegree > kMaxShDegree)
         return fail(Code::InvalidArgument, "SH degree {} is above {}", settings.init.shDegree, kMaxShDegree);

@@ -8,7 +8,9 @@
 #include "reconstruction/shape/large_steps.h"
 #include "reconstruction/surface/contours.h"
 #include "reconstruction/surface/mesh_raster.h"
+#include "sdk/format/check_mesh.h"
 #include "sdk/math/merge_vertices.h"
+#include "sdk/math/skinning.h"
 
 namespace dpl {
 namespace {
@@ -30,23 +32,10 @@ Status checkInput(const MeshData& mesh, std::span<const JointData> joints, std::
                   std::span<const SurfaceView> views) {
     const size_t count = mesh.restPositions.size();
     if (count == 0 || mesh.triangles.empty()) return fail(Code::InvalidArgument, "the mesh to fit is empty");
-    if (mesh.jointIndices.size() != count || mesh.jointWeights.size() != count)
-        return fail(Code::InvalidArgument, "the mesh has {} vertices but {} joint indices and {} skin weights; give it skin weights", count,
-                    mesh.jointIndices.size(), mesh.jointWeights.size());
+    DPL_CHECK_OK(checkMesh(mesh, joints.size()));
+    DPL_CHECK_OK(checkFinite(mesh));
     if (!offsets.empty() && offsets.size() != count)
         return fail(Code::InvalidArgument, "{} offsets for {} vertices", offsets.size(), count);
-    for (size_t v = 0; v < count; ++v) {
-        const Vec3f& p = mesh.restPositions[v];
-        if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
-            return fail(Code::InvalidArgument, "rest position {} is not finite", v);
-        for (int i = 0; i < 4; ++i)
-            if (mesh.jointWeights[v][i] && mesh.jointIndices[v][i] >= joints.size())
-                return fail(Code::InvalidArgument, "vertex {} hangs on joint {}, the rig has {}", v, mesh.jointIndices[v][i],
-                            joints.size());
-    }
-    for (const Triangle& t : mesh.triangles)
-        if (t.x >= count || t.y >= count || t.z >= count)
-            return fail(Code::InvalidArgument, "a triangle points beyond the {} vertices", count);
     for (size_t i = 0; i < views.size(); ++i) {
         const auto& view = views[i];
         if (view.mask.widthPx != view.camera.widthPx || view.mask.heightPx != view.camera.heightPx ||
@@ -69,9 +58,7 @@ PosedView poseVertices(const MeshData& mesh, std::span<const JointData> joints, 
     jointTransforms(joints, pose, worldFromRest);
     PosedView out{std::vector<Mat3f>(mesh.restPositions.size()), std::vector<Vec3f>(mesh.restPositions.size())};
     for (size_t v = 0; v < mesh.restPositions.size(); ++v) {
-        Mat3x4f blended(0.0f);
-        for (int i = 0; i < 4; ++i)
-            if (const uint8_t w = mesh.jointWeights[v][i]) blended += float(w) / 255.0f * worldFromRest[mesh.jointIndices[v][i]];
+        const Mat3x4f blended = blendedTransform(mesh.jointIndices[v], mesh.jointWeights[v], worldFromRest.data());
         const Vec3f rest = mesh.restPositions[v] + (offsets.empty() ? Vec3f(0) : offsets[v]);
         out.linear[v] = Mat3f(blended[0], blended[1], blended[2]);
         out.positions[v] = out.linear[v] * rest + blended[3];

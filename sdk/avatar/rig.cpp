@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/math/skinning.h"
+
 namespace dpl {
 namespace {
 
@@ -76,18 +78,8 @@ void skin(const MeshData& mesh, std::span<const Vec3f> restPositions, std::span<
           std::vector<Vec3f>& positions) {
     positions.resize(restPositions.size());
     const auto body = [&](size_t begin, size_t end, uint32_t) {
-        for (size_t v = begin; v < end; ++v) {
-            const Vec3f& rest = restPositions[v];
-            const glm::u16vec4& joint = mesh.jointIndices[v];
-            const glm::u8vec4& weight = mesh.jointWeights[v];
-            Vec3f sum(0);
-            for (int i = 0; i < 4; ++i) {
-                if (weight[i] == 0) continue;
-                const Mat3x4f& g = worldFromRest[joint[i]];
-                sum += float(weight[i]) * (g[0] * rest.x + g[1] * rest.y + g[2] * rest.z + g[3]);
-            }
-            positions[v] = sum * (1.0f / 255.0f);
-        }
+        for (size_t v = begin; v < end; ++v)
+            positions[v] = skinVertex(restPositions[v], mesh.jointIndices[v], mesh.jointWeights[v], worldFromRest.data());
     };
     jobs.forRange(positions.size(), kVertexGrain, body);
 }

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "sdk/format/avatar_file.h"
+#include "sdk/format/check_mesh.h"
 #include "sdk/format/correctives.h"
 #include "sdk/math/sh.h"
 
@@ -71,13 +72,12 @@ Status checkLayers(const MeshData& mesh) {
     return {};
 }
 
-Status checkMesh(const MeshData& mesh, size_t jointCount) {
+Status checkStoredMesh(const MeshData& mesh, size_t jointCount) {
     const size_t n = mesh.restPositions.size();
-    if (mesh.colours.size() != n || mesh.jointIndices.size() != n || mesh.jointWeights.size() != n)
-        return fail(Code::InvalidArgument, "{} vertices with {} colours, {} joint indices and {} weights", n, mesh.colours.size(),
-                    mesh.jointIndices.size(), mesh.jointWeights.size());
+    if (mesh.colours.size() != n) return fail(Code::InvalidArgument, "{} vertices with {} colours", n, mesh.colours.size());
     if (n > ReadLimits().maxVertices || mesh.triangles.size() > ReadLimits().maxTriangles)
         return fail(Code::InvalidArgument, "{} vertices and {} triangles are more than readers accept", n, mesh.triangles.size());
+    DPL_CHECK_OK(checkMesh(mesh, jointCount));
     for (size_t v = 0; v < n; ++v) {
         if (!inside(mesh.restPositions[v]))
             return fail(Code::InvalidArgument, "vertex {} is not finite or more than {} m away; are the units metres?", v, kPositionLimitM);
@@ -85,8 +85,6 @@ Status checkMesh(const MeshData& mesh, size_t jointCount) {
         for (int k = 0; k < 4; ++k) {
             sum += mesh.jointWeights[v][k];
             if (mesh.jointWeights[v][k] == 0) continue;
-            if (mesh.jointIndices[v][k] >= jointCount)
-                return fail(Code::InvalidArgument, "vertex {} follows joint {} of {}", v, mesh.jointIndices[v][k], jointCount);
             for (int other = 0; other < k; ++other)
                 if (mesh.jointWeights[v][other] && mesh.jointIndices[v][other] == mesh.jointIndices[v][k])
                     return fail(Code::InvalidArgument, "vertex {} names joint {} twice; packWeights merges them", v,
@@ -161,7 +159,7 @@ Status checkAvatar(const AvatarData& a) {
 
 Status checkAvatarWithoutSplats(const AvatarData& a) {
     DPL_CHECK_OK(checkJoints(a.joints));
-    DPL_CHECK_OK(checkMesh(a.mesh, a.joints.size()));
+    DPL_CHECK_OK(checkStoredMesh(a.mesh, a.joints.size()));
     if (Status fits = checkCorrectives(a.correctives, a.joints.size(), a.mesh.restPositions.size()); !fits)
         return fail(Code::InvalidArgument, "{}", fits.error().message);
     for (const ClipData& clip : a.clips) DPL_CHECK_OK(checkClip(clip, a.joints.size()));
