@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What handles stand for, and the two things every entry point does: find the object and keep errors inside. Internal to sdk/api.
+// What handles stand for, and what every entry point does: it finds the object and keeps errors inside. Internal to sdk/api.
 #pragma once
 
 #include <cstring>
@@ -20,8 +20,8 @@ namespace dpl::api {
 
 /** Behind a DplContext. Avatars share it, so that either may be destroyed first. */
 struct Context {
-    std::mutex mutex;                    // held by every call on the context or one of its avatars
-    std::unique_ptr<Renderer> renderer;  // null once the context is destroyed
+    std::mutex mutex;  // held by every call on the context or one of its avatars; a load holds it only to add what it has prepared
+    std::shared_ptr<Renderer> renderer;  // null once the context is destroyed; a load that still prepares keeps it alive
     std::string rendererName;
     std::vector<Cameraf> cameras;  // of the frame; kept to save allocations
 };
@@ -43,7 +43,7 @@ struct Avatar {
     ~Avatar();
 };
 
-/** Handles are numbers that are never used twice, so a stale one is found out. */
+/** Handles are numbers that are never used twice, so a stale one is not found. */
 template <class T>
 class HandleTable {
 public:
@@ -87,7 +87,7 @@ Status checkPosable(const Avatar& avatar);
 /** Remembers the error for dplGetLastError, logs a caller's mistake, and gives the public code. */
 DplResult report(const char* function, const Error& error) noexcept;
 
-/** Runs `body`, which returns Status; nothing that is thrown leaves. */
+/** Runs `body`, which returns Status. Exceptions become errors. */
 template <class Body>
 DplResult guarded(const char* function, Body&& body) noexcept {
     try {
@@ -102,7 +102,7 @@ DplResult guarded(const char* function, Body&& body) noexcept {
     }
 }
 
-constexpr uint32_t kMaxStructSize = 4096;  // no struct of ours will be larger: a bigger size is an uninitialised one
+constexpr uint32_t kMaxStructSize = 4096;  // above every struct of ours: a larger structSize is an uninitialised one
 
 /** Reads a caller's struct of a possibly newer or older version; fields that are not there stay zero. `smallest`: size in version 0.1. */
 template <class T>

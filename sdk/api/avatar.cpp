@@ -5,6 +5,7 @@
 #include "sdk/api/api_state.h"
 #include "sdk/avatar/clip.h"
 #include "sdk/avatar/humanoid.h"
+#include "sdk/core/log.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/splat_file.h"
 
@@ -29,15 +30,20 @@ Status checkPosable(const Avatar& avatar) {
 
 namespace {
 
-/** Everything a pose or a query will rely on, beyond what the file reader promises. */
+/** What poses and queries rely on beyond the checks of the file reader. */
 Status checkLoaded(const AvatarData& data) {
     DPL_CHECK_OK(checkRig(data.joints));
     for (const ClipData& clip : data.clips) DPL_CHECK_OK(checkClip(clip, data.joints));
     return {};
 }
 
-/** An avatar file, ready to be handed to the renderer with its splats. */
-Result<std::shared_ptr<Avatar>> decodeAvatar(const std::shared_ptr<Context>& owner, std::span<const uint8_t> bytes, CodedSplats& splats) {
+/** A decoded file: the avatar behind the handle, and what the renderer will draw of it. */
+struct Loaded {
+    std::shared_ptr<Avatar> avatar;
+    std::unique_ptr<PreparedSubject> subject;
+};
+
+Result<Loaded> loadAvatarFile(const std::shared_ptr<Context>& owner, const Renderer& renderer, std::span<const uint8_t> bytes) {
     if (bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) != 0)
         return fail(Code::Unsupported,
                     "neither an avatar (.glb) nor general splats (PLY, compressed PLY, SPZ, .glb with KHR_gaussian_splatting)");
@@ -51,17 +57,18 @@ Result<std::shared_ptr<Avatar>> decodeAvatar(const std::shared_ptr<Context>& own
     made->context = owner;
     made->data = std::make_shared<const AvatarData>(std::move(decoded));
     made->splatCount = coded.splats.count(), made->shDegree = coded.splats.shDegree;
-    splats = std::move(coded.splats);
     made->pose = Pose::rest(made->data->joints.size());
     for (const ClipData& clip : made->data->clips) made->clips.push_back(&clip);
     const std::vector<Vec3f>& vertices = made->data->mesh.restPositions;
     if (!vertices.empty()) made->restMin = made->restMax = vertices.front();
     for (const Vec3f& v : vertices) made->restMin = glm::min(made->restMin, v), made->restMax = glm::max(made->restMax, v);
-    return made;
+    DPL_TRY(auto subject, renderer.prepareAvatar(made->data, std::move(coded.splats)));
+    return Loaded{std::move(made), std::move(subject)};
 }
 
-/** General splats: a thing without joints. */
-std::shared_ptr<Avatar> describeSplats(const std::shared_ptr<Context>& owner, const SplatFile& file) {
+/** General splats become an avatar without joints. */
+Result<Loaded> loadGeneralSplats(const std::shared_ptr<Context>& owner, const Renderer& renderer, std::span<const uint8_t> bytes) {
+    DPL_TRY(const SplatFile file, readSplats(bytes));
     auto made = std::make_shared<Avatar>();
     made->context = owner;
     AvatarData named;
@@ -70,7 +77,16 @@ std::shared_ptr<Avatar> describeSplats(const std::shared_ptr<Context>& owner, co
     made->splatCount = file.splats.count(), made->shDegree = file.splats.shDegree;
     const SplatBox box = boxOf(file.splats);
     made->restMin = box.low, made->restMax = box.high;
-    return made;
+    DPL_TRY(auto subject, renderer.prepareSplats(file.splats));
+    return Loaded{std::move(made), std::move(subject)};
+}
+
+/** Decodes and prepares. The context's mutex must not be held: this takes long, and other threads go on drawing. */
+Result<Loaded> prepareFile(const std::shared_ptr<Context>& owner, const Renderer& renderer, std::span<const uint8_t> bytes) {
+    const bool general = splatFormatOf(bytes) != SplatFormat::None;
+    DPL_TRY(Loaded loaded, general ? loadGeneralSplats(owner, renderer, bytes) : loadAvatarFile(owner, renderer, bytes));
+    log(LogLevel::Debug, "prepared '{}': {} splats", loaded.avatar->data->name, loaded.avatar->splatCount);
+    return loaded;
 }
 
 Status wrongJointCount(const Avatar& avatar, uint32_t jointCount) {
@@ -90,25 +106,19 @@ DplResult dplLoadAvatar(DplContext context, const uint8_t* data, size_t size, Dp
         if (data == nullptr || avatar == nullptr) return fail(Code::InvalidArgument, "{} is NULL", data == nullptr ? "data" : "avatar");
         if (size == 0) return fail(Code::InvalidArgument, "the avatar has 0 bytes");
         DPL_TRY(auto owner, contextOf(context));
-        // Decoded outside the lock: frames go on meanwhile.
-        const bool general = splatFormatOf({data, size}) != SplatFormat::None;
-        std::shared_ptr<Avatar> made;
-        SplatFile file;
-        CodedSplats coded;
-        if (general) {
-            DPL_TRY(file, readSplats({data, size}));
-            made = describeSplats(owner, file);
-        } else {
-            DPL_TRY(made, decodeAvatar(owner, {data, size}, coded));
+        std::shared_ptr<const Renderer> renderer;
+        {
+            std::lock_guard lock(owner->mutex);
+            renderer = owner->renderer;
         }
+        if (!renderer) return fail(Code::InvalidArgument, "the context was destroyed");
+        DPL_TRY(Loaded loaded, prepareFile(owner, *renderer, {data, size}));
         {
             std::lock_guard lock(owner->mutex);
             if (!owner->renderer) return fail(Code::InvalidArgument, "the context was destroyed while the avatar was read");
-            auto id = general ? owner->renderer->addSplats(file.splats) : owner->renderer->addCodedAvatar(made->data, std::move(coded));
-            if (!id) return id.error();
-            made->renderId = *id;
+            DPL_TRY(loaded.avatar->renderId, owner->renderer->add(std::move(loaded.subject)));
         }
-        *avatar = reinterpret_cast<DplAvatar>(avatars().add(std::move(made)));
+        *avatar = reinterpret_cast<DplAvatar>(avatars().add(std::move(loaded.avatar)));
         return {};
     });
 }

@@ -1,46 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
-// Drawing: the caller's cameras and buffers are checked, then the renderer does the rest.
+// Drawing: checks the caller's structs and buffers, draws, and copies pictures out.
 #include <algorithm>
 #include <cmath>
 
 #include "sdk/api/api_state.h"
 #include "sdk/api/compose.h"
+#include "sdk/draw/check_draw.h"
 
 using namespace dpl;
 using namespace dpl::api;
 
 namespace {
 
-static_assert(DPL_MAX_TOGETHER == kMaxDrawnTogether);
-constexpr float kMaxIntrinsicPx = 1e7f;  // far beyond any lens; keeps products finite
-constexpr float kMaxDistanceM = 1e5f;
-constexpr float kRotationTolerance = 1e-3f;
+static_assert(DPL_MAX_TOGETHER == kMaxDrawnTogether && DPL_MAX_VIEWS == kMaxViews && DPL_MAX_IMAGE_SIDE_PX == kMaxImageSidePx);
 
-Result<Cameraf> cameraOf(const DplCamera& c, size_t view) {
+Cameraf cameraOf(const DplCamera& c) {
     Cameraf camera;
-    if (c.widthPx == 0 || c.heightPx == 0 || c.widthPx > DPL_MAX_IMAGE_SIDE_PX || c.heightPx > DPL_MAX_IMAGE_SIDE_PX)
-        return fail(Code::InvalidArgument, "view {} is {} x {} pixels; sides of 1 to {} are drawn", view, c.widthPx, c.heightPx,
-                    DPL_MAX_IMAGE_SIDE_PX);
-    if (!(c.fx > 0 && c.fy > 0 && c.fx <= kMaxIntrinsicPx && c.fy <= kMaxIntrinsicPx))
-        return fail(Code::InvalidArgument, "view {} has focal lengths {} and {} px", view, c.fx, c.fy);
-    if (!(std::abs(c.cx) <= kMaxIntrinsicPx && std::abs(c.cy) <= kMaxIntrinsicPx))
-        return fail(Code::InvalidArgument, "view {} has the principal point ({}, {}) px", view, c.cx, c.cy);
     camera.widthPx = c.widthPx, camera.heightPx = c.heightPx;
     camera.fx = c.fx, camera.fy = c.fy, camera.cx = c.cx, camera.cy = c.cy;
     for (int row = 0; row < 3; ++row) {
         for (int column = 0; column < 3; ++column) camera.viewFromWorldRotation[column][row] = c.viewFromWorld[row * 4 + column];
         camera.viewFromWorldTranslation[row] = c.viewFromWorld[row * 4 + 3];
-        if (!(std::abs(c.viewFromWorld[row * 4 + 3]) <= kMaxDistanceM))
-            return fail(Code::InvalidArgument, "view {} has a translation that is not finite or beyond {} m", view, kMaxDistanceM);
     }
-    const Mat3f& r = camera.viewFromWorldRotation;
-    const Mat3f unit = glm::transpose(r) * r;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-            if (!(std::abs(unit[i][j] - (i == j ? 1.0f : 0.0f)) <= kRotationTolerance))
-                return fail(Code::InvalidArgument, "the 3x3 part of viewFromWorld of view {} is not a rotation (rows are R0 R1 R2 t)",
-                            view);
-    if (!(glm::determinant(r) > 0)) return fail(Code::InvalidArgument, "viewFromWorld of view {} mirrors; a rotation is needed", view);
     return camera;
 }
 
@@ -77,7 +58,7 @@ void copyOut(const PixelView& from, const DplImage& to) {
     if (to.meshDepthM != nullptr) std::memcpy(to.meshDepthM, from.meshDepthM.data(), width * height * sizeof(float));
 }
 
-/** Element i of a caller's array whose elements are as far apart as the first one's structSize says. `smallest`: size in version 0.1. */
+/** Element i of a caller's array. Elements are structSize of the first one apart. `smallest`: size in version 0.1. */
 template <class T>
 Result<T> element(const T* array, size_t i, const char* what, size_t smallest = sizeof(T)) {
     DPL_TRY(const T first, readStruct<T>(array, what, smallest));
@@ -111,25 +92,21 @@ Result<Scene> sceneOf(DplContext context, std::span<const DplAvatar> handles, ui
     return s;
 }
 
-/** Checks the views into context->cameras and s.sceneDepthM. */
+/** Fills context->cameras and s.sceneDepthM, and checks the cameras. */
 Status takeViews(Scene& s, const DplCamera* views, uint32_t viewCount) {
     std::vector<Cameraf>& cameras = s.context->cameras;
     cameras.clear();
     for (uint32_t v = 0; v < viewCount; ++v) {
         DPL_TRY(const DplCamera given, element(views, v, "views", offsetof(DplCamera, viewFromWorld) + sizeof DplCamera::viewFromWorld));
-        DPL_TRY(Cameraf camera, cameraOf(given, v));
-        cameras.push_back(camera);
+        cameras.push_back(cameraOf(given));
+        if (given.sceneDepthM && given.sceneDepthCount == 0)
+            return fail(Code::InvalidArgument, "view {} has sceneDepthM and a sceneDepthCount of 0", v);
         s.sceneDepthM[v] = given.sceneDepthM ? std::span(given.sceneDepthM, given.sceneDepthCount) : std::span<const float>();
-        if (given.sceneDepthM && given.sceneDepthCount < size_t(given.widthPx) * given.heightPx)
-            return fail(Code::InvalidArgument, "view {} has {} depths of the scene; {} are needed", v, given.sceneDepthCount,
-                        size_t(given.widthPx) * given.heightPx);
-        if (camera.widthPx != cameras[0].widthPx || camera.heightPx != cameras[0].heightPx)
-            return fail(Code::InvalidArgument, "the views of one call have the same size; view {} differs from view 0", v);
     }
-    return {};
+    return checkViews(cameras);
 }
 
-/** Checks the images into `targets`, as many as there may be. */
+/** Copies the caller's images to `targets`, checks them, and fills `wants`. targets: viewCount of them. */
 Status takeImages(const DplImage* images, uint32_t viewCount, size_t widthPx, size_t heightPx, DplImage* targets, FrameWants& wants) {
     wants = {};
     for (uint32_t v = 0; v < viewCount; ++v) {

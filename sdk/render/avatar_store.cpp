@@ -2,13 +2,23 @@
 #include "sdk/render/avatar_store.h"
 
 #include "sdk/format/spatial_order.h"
-#include "sdk/format/splat_codec.h"
 #include "sdk/format/splat_detail.h"
 
 namespace dpl {
 namespace {
 
-Status uploadAvatar(LoadedSubject& subject, const CodedSplats& splats, const AvatarRecords& records) {
+/** A subject without its buffers, and the records that add() uploads. */
+struct PreparedUpload final : PreparedSubject {
+    PreparedUpload(Backend& backend, const AvatarStore* owner) : owner(owner), subject(backend) {}
+
+    const AvatarStore* owner;
+    LoadedSubject subject;
+    AvatarRecords avatar;                  // of an avatar
+    std::vector<gpu::vec4> generalSplats;  // of general splats
+    std::vector<gpu::uvec4> sh;
+};
+
+Status uploadAvatar(LoadedSubject& subject, const AvatarRecords& records) {
     SubjectIds& ids = subject.ids;
     if (ids.corrected) {
         DPL_TRY(ids.vertices, subject.buffers.upload<gpu::CorrectedVertexRecord>("vertices", records.correctedVertices));
@@ -19,10 +29,12 @@ Status uploadAvatar(LoadedSubject& subject, const CodedSplats& splats, const Ava
     DPL_TRY(ids.splats, subject.buffers.upload<uint32_t>("splats", records.codes));
     DPL_TRY(ids.posed, subject.buffers.create("posed", ids.vertexCount * uint64_t(sizeof(gpu::vec4))));
     DPL_TRY(ids.triangleFrames, subject.buffers.create("triangle frames", ids.triangleCount * uint64_t(sizeof(gpu::TriangleFrame))));
-    subject.splatBytes = splats.bytes();
-    subject.residentBytes = splats.bytes() + posingBytes(*subject.avatar) + records.triangles.size() * sizeof(gpu::TriangleRecord) +
-                            records.vertices.size() * sizeof(gpu::VertexRecord) +
-                            records.correctedVertices.size() * sizeof(gpu::CorrectedVertexRecord);
+    return {};
+}
+
+Status uploadSplats(LoadedSubject& subject, const PreparedUpload& records) {
+    DPL_TRY(subject.ids.splats, subject.buffers.upload<gpu::vec4>("splats", records.generalSplats));
+    DPL_TRY(subject.ids.sh, subject.buffers.upload<gpu::uvec4>("sh", records.sh));
     return {};
 }
 
@@ -53,48 +65,49 @@ SubjectIds countsOf(const StaticSplatData& splats) {
 
 }  // namespace
 
-Result<RenderAvatarId> AvatarStore::addAvatar(std::shared_ptr<const AvatarData> avatar) {
-    if (!avatar) return fail(Code::InvalidArgument, "no avatar");
-    DPL_CHECK_OK(checkSplatArrays(*avatar));
-    DPL_TRY(CodedSplats coded, codeSplats(avatar->mesh, avatar->splats));
-    return addCodedAvatar(std::move(avatar), std::move(coded));
-}
-
-Result<RenderAvatarId> AvatarStore::addCodedAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats) {
+Result<std::unique_ptr<PreparedSubject>> AvatarStore::prepareAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats) const {
     if (!avatar) return fail(Code::InvalidArgument, "no avatar");
     DPL_CHECK_OK(checkAvatar(*avatar, splats, backend_.info()));
     measureDetail(*avatar, splats);
-    AvatarRecords records = packAvatar(*avatar, splats);
-    LoadedSubject subject(backend_);
+    auto prepared = std::make_unique<PreparedUpload>(backend_, this);
+    AvatarRecords& records = prepared->avatar = packAvatar(*avatar, splats);
+    LoadedSubject& subject = prepared->subject;
     subject.splats = splatSetOf(*avatar, splats);
     subject.detail = DetailSubject(*avatar, splats);
     subject.ids = countsOf(*avatar, splats);
     subject.ids.codes = records.where;
     if (cullComponents_) subject.components = std::move(records.components);
     subject.ids.componentCount = subject.components.count();
+    subject.splatBytes = splats.bytes();
+    subject.residentBytes = splats.bytes() + posingBytes(*avatar) + records.triangles.size() * sizeof(gpu::TriangleRecord) +
+                            records.vertices.size() * sizeof(gpu::VertexRecord) +
+                            records.correctedVertices.size() * sizeof(gpu::CorrectedVertexRecord);
     subject.avatar = std::move(avatar);
-    DPL_CHECK_OK(uploadAvatar(subject, splats, records));
-    return keep(std::move(subject));
+    return std::unique_ptr<PreparedSubject>(std::move(prepared));
 }
 
-Result<RenderAvatarId> AvatarStore::addSplats(const StaticSplatData& splats) {
+Result<std::unique_ptr<PreparedSubject>> AvatarStore::prepareSplats(const StaticSplatData& splats) const {
     DPL_CHECK_OK(checkSplats(splats, backend_.info()));
-    LoadedSubject subject(backend_);
+    auto prepared = std::make_unique<PreparedUpload>(backend_, this);
+    LoadedSubject& subject = prepared->subject;
     subject.splats = splatSetOf(splats);
     subject.ids = countsOf(splats);
     // Files keep the order of training, where neighbours in memory are far apart in space. Sorted, a group is compact and its loads
     // coherent.
     const std::vector<uint32_t> order = spatialOrder(splats.position);
     subject.generalDetail = GeneralDetailSubject(measureGroups(splats, order), splats.count());
-    const std::vector<gpu::vec4> records = packSplats(splats, order, subject.generalDetail.groups());
-    const std::vector<gpu::uvec4> sh = packSh(splats, order);
-    DPL_TRY(subject.ids.splats, subject.buffers.upload<gpu::vec4>("splats", records));
-    DPL_TRY(subject.ids.sh, subject.buffers.upload<gpu::uvec4>("sh", sh));
-    subject.residentBytes = subject.splatBytes = records.size() * sizeof(gpu::vec4) + sh.size() * sizeof(gpu::uvec4);
-    return keep(std::move(subject));
+    prepared->generalSplats = packSplats(splats, order, subject.generalDetail.groups());
+    prepared->sh = packSh(splats, order);
+    subject.residentBytes = subject.splatBytes =
+        prepared->generalSplats.size() * sizeof(gpu::vec4) + prepared->sh.size() * sizeof(gpu::uvec4);
+    return std::unique_ptr<PreparedSubject>(std::move(prepared));
 }
 
-RenderAvatarId AvatarStore::keep(LoadedSubject subject) {
+Result<RenderAvatarId> AvatarStore::add(std::unique_ptr<PreparedSubject> prepared) {
+    auto* upload = dynamic_cast<PreparedUpload*>(prepared.get());
+    if (!upload || upload->owner != this) return fail(Code::InvalidArgument, "the subject was prepared by another renderer");
+    LoadedSubject& subject = upload->subject;
+    DPL_CHECK_OK(subject.avatar ? uploadAvatar(subject, upload->avatar) : uploadSplats(subject, *upload));
     subjects_.emplace(++lastId_, std::move(subject));
     return lastId_;
 }
@@ -102,6 +115,13 @@ RenderAvatarId AvatarStore::keep(LoadedSubject subject) {
 LoadedSubject* AvatarStore::find(RenderAvatarId id) {
     const auto found = subjects_.find(id);
     return found == subjects_.end() ? nullptr : &found->second;
+}
+
+std::optional<std::span<const JointData>> AvatarStore::jointsOf(RenderAvatarId id) const {
+    const auto found = subjects_.find(id);
+    if (found == subjects_.end()) return std::nullopt;
+    const AvatarData* avatar = found->second.avatar.get();
+    return avatar ? std::span<const JointData>(avatar->joints) : std::span<const JointData>();
 }
 
 }  // namespace dpl

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "sdk/draw/renderer.h"
 #include "sdk/render/avatar_upload.h"
@@ -29,27 +30,28 @@ struct LoadedSubject {
     GeneralDetailSubject generalDetail;  // of general splats
 };
 
-/** Owns the loaded subjects and their device buffers. The backend must live longer. One thread at a time. */
+/** Owns the loaded subjects and their device buffers. The backend must live longer. One thread at a time, except to prepare. */
 class AvatarStore {
 public:
     /** cullComponents: find the components of an avatar, so that those out of view need no posing. */
     AvatarStore(Backend& backend, bool cullComponents) : backend_(backend), cullComponents_(cullComponents) {}
 
-    /** Uploads; blocks until the device has the data. InvalidArgument: damaged arrays. Unsupported: above a limit of the device. */
-    Result<RenderAvatarId> addAvatar(std::shared_ptr<const AvatarData> avatar);
-    /** avatar->splats is not read. */
-    Result<RenderAvatarId> addCodedAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats);
-    Result<RenderAvatarId> addSplats(const StaticSplatData& splats);
+    /** Checks the subject and packs its records. Any thread: reads nothing but the limits of the device. avatar->splats is not read.
+     * InvalidArgument: arrays that do not fit. Unsupported: above a limit of the device. */
+    Result<std::unique_ptr<PreparedSubject>> prepareAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats) const;
+    Result<std::unique_ptr<PreparedSubject>> prepareSplats(const StaticSplatData& splats) const;
+    /** Uploads what this store prepared; blocks until the device has the data. */
+    Result<RenderAvatarId> add(std::unique_ptr<PreparedSubject> prepared);
     /** Destroys its buffers. No recorded frame may use them any more. */
     void remove(RenderAvatarId id) { subjects_.erase(id); }
 
     /** Null when there is none. Valid until it is removed. */
     LoadedSubject* find(RenderAvatarId id);
+    /** For checkDraw. */
+    std::optional<std::span<const JointData>> jointsOf(RenderAvatarId id) const;
     const LoadedSubject& at(RenderAvatarId id) const { return subjects_.at(id); }
 
 private:
-    RenderAvatarId keep(LoadedSubject subject);
-
     Backend& backend_;
     bool cullComponents_;
     std::map<RenderAvatarId, LoadedSubject> subjects_;

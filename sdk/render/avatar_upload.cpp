@@ -10,6 +10,7 @@
 #include <glm/gtc/packing.hpp>
 
 #include "sdk/avatar/pose_correctives.h"
+#include "sdk/draw/check_subject.h"
 #include "sdk/math/binding.h"
 #include "sdk/math/detail.h"
 #include "sdk/math/sh.h"
@@ -27,8 +28,6 @@ static_assert(sizeof(SplatChunk) == gpu::kChunkWords * 4 && offsetof(SplatChunk,
 static_assert(kSplatChunkSize == 2 * gpu::kSplatGroup);
 static_assert(gpu::kSplatGroup == kSplatGroupSize && sizeof(SplatGroup) == 12);
 static_assert(gpu::kGpuMinLight == kMinLight && gpu::kGpuMaxLight == kMaxLight);
-
-constexpr uint32_t kMaxJoints = 0xFFFF;
 
 Status checkBinding(const char* what, uint64_t count, uint64_t each, const DeviceInfo& device, const char* remedy) {
     if (count * each <= device.maxBindingBytes) return {};
@@ -55,43 +54,9 @@ uint32_t appendWords(std::vector<uint32_t>& words, const std::vector<T>& values)
 
 }  // namespace
 
-Status checkSplatArrays(const AvatarData& avatar) {
-    const SplatData& splats = avatar.splats;
-    const size_t triangles = avatar.mesh.triangles.size(), count = splats.count();
-    if (splats.shDegree > kMaxShDegree)
-        return fail(Code::Unsupported, "avatar {}: SH degree {}, at most {}", avatar.name, splats.shDegree, kMaxShDegree);
-    const size_t coefficients = shCoefficientCount(splats.shDegree) * 3;
-    if (splats.phi.size() != count || splats.scaleM.size() != count || splats.opacity.size() != count || splats.flags.size() != count ||
-        splats.sh.size() != count * coefficients)
-        return fail(Code::InvalidArgument, "avatar {}: splat arrays differ in length ({} splats)", avatar.name, count);
-    if (count > 0 &&
-        (splats.triangleStart.size() != triangles + 1 || splats.triangleStart.front() != 0 || splats.triangleStart.back() != count))
-        return fail(Code::InvalidArgument, "avatar {}: triangleStart does not cover {} triangles and {} splats", avatar.name, triangles,
-                    count);
-    for (size_t t = 1; t < splats.triangleStart.size(); ++t)
-        if (splats.triangleStart[t] < splats.triangleStart[t - 1])
-            return fail(Code::InvalidArgument, "avatar {}: triangleStart falls at triangle {}", avatar.name, t);
-    return {};
-}
-
 Status checkAvatar(const AvatarData& avatar, const CodedSplats& splats, const DeviceInfo& device) {
-    const MeshData& mesh = avatar.mesh;
-    const size_t vertices = mesh.restPositions.size(), triangles = mesh.triangles.size();
-    if (mesh.jointIndices.size() != vertices || mesh.jointWeights.size() != vertices)
-        return fail(Code::InvalidArgument, "avatar {}: {} vertices but {} joint indices and {} weights", avatar.name, vertices,
-                    mesh.jointIndices.size(), mesh.jointWeights.size());
-    if (avatar.joints.empty() || avatar.joints.size() > kMaxJoints)
-        return fail(Code::InvalidArgument, "avatar {}: {} joints; 1 to {} are possible", avatar.name, avatar.joints.size(), kMaxJoints);
-    for (const auto& indices : mesh.jointIndices)
-        for (int k = 0; k < 4; ++k)
-            if (indices[k] >= avatar.joints.size())
-                return fail(Code::InvalidArgument, "avatar {}: a vertex names joint {} of {}", avatar.name, indices[k],
-                            avatar.joints.size());
-    for (const Triangle& t : mesh.triangles)
-        for (int k = 0; k < 3; ++k)
-            if (t[k] >= vertices)
-                return fail(Code::InvalidArgument, "avatar {}: a triangle names vertex {} of {}", avatar.name, t[k], vertices);
-    DPL_CHECK_OK(checkCorrectives(avatar.correctives, avatar.joints.size(), vertices));
+    DPL_CHECK_OK(checkAvatarPosable(avatar));
+    const size_t vertices = avatar.mesh.restPositions.size(), triangles = avatar.mesh.triangles.size();
     const uint64_t detail = splats.groups.empty() ? 2 * splats.chunks.size() * sizeof(SplatGroup) : 0;  // of measureGroups
     DPL_CHECK_OK(
         checkBinding("splats", splats.bytes() + detail + 32, 1, device, "export the avatar with a lower SH degree or fewer splats"));
@@ -109,11 +74,8 @@ Status checkAvatar(const AvatarData& avatar, const CodedSplats& splats, const De
 }
 
 Status checkSplats(const StaticSplatData& s, const DeviceInfo& device) {
-    const size_t count = s.count();
-    if (s.shDegree > kMaxShDegree) return fail(Code::Unsupported, "splats of SH degree {}, at most {}", s.shDegree, kMaxShDegree);
-    const size_t coefficients = shCoefficientCount(s.shDegree) * 3;
-    if (s.rotation.size() != count || s.scaleM.size() != count || s.opacity.size() != count || s.sh.size() != count * coefficients)
-        return fail(Code::InvalidArgument, "the arrays of {} splats differ in length", count);
+    DPL_CHECK_OK(checkGeneralSplats(s));
+    const size_t count = s.count(), coefficients = shCoefficientCount(s.shDegree) * 3;
     if ((count + gpu::kSplatGroup - 1) / gpu::kSplatGroup > device.maxGroups)
         return fail(Code::Unsupported, "{} splats, {} draws at most {}; export fewer splats", count, device.name,
                     uint64_t(device.maxGroups) * gpu::kSplatGroup);
@@ -168,8 +130,10 @@ AvatarRecords packAvatar(const AvatarData& avatar, const CodedSplats& splats) {
     const auto bytes = [](const glm::u8vec4& w) { return uint32_t(w.x) | uint32_t(w.y) << 8 | uint32_t(w.z) << 16 | uint32_t(w.w) << 24; };
     for (size_t i = 0; i < mesh.restPositions.size(); ++i) {
         const Vec3f& p = mesh.restPositions[i];
-        const auto& j = mesh.jointIndices[i];
         const auto& w = mesh.jointWeights[i];
+        glm::u16vec4 j = mesh.jointIndices[i];
+        for (int k = 0; k < 4; ++k)
+            if (w[k] == 0) j[k] = 0;  // the kernel reads the joint of every slot, and one of weight 0 may name any
         if (avatar.correctives.empty()) {
             out.vertices.push_back({p.x, p.y, p.z, pair(j.x, j.y), pair(j.z, j.w), bytes(w), components.ofVertex[i], 0});
         } else {

@@ -24,11 +24,9 @@ struct AvatarRecords {
     Components components;        // numbered as in the records
 };
 
-/** Refuses meshes with arrays of different lengths or indices out of range, and avatars above a limit of the device's bindings; the text
- *  says which limit and what would help. avatar.splats is not looked at. */
+/** checkAvatarPosable, and the limits of the device's bindings. Unsupported: names the limit and what would help. avatar.splats is not
+ * read. */
 Status checkAvatar(const AvatarData& avatar, const CodedSplats& splats, const DeviceInfo& device);
-/** Refuses splat arrays that do not fit each other or the triangles. */
-Status checkSplatArrays(const AvatarData& avatar);
 
 /** Both must have passed checkAvatar; splats with groups (measureGroups) if there is to be a level of detail. */
 AvatarRecords packAvatar(const AvatarData& avatar, const CodedSplats& splats);
@@ -37,7 +35,7 @@ AvatarRecords packAvatar(const AvatarData& avatar, const CodedSplats& splats);
  */
 bool reachFar(const StaticSplatData& splats);
 
-/** The same for general splats. */
+/** checkGeneralSplats, and the limits of the device's bindings. */
 Status checkSplats(const StaticSplatData& splats, const DeviceInfo& device);
 /** GeneralSplatRecord of each, then GroupBox of each group (measureGroups). order[new] = old. */
 std::vector<gpu::vec4> packSplats(const StaticSplatData& splats, std::span<const uint32_t> order, std::span<const GeneralGroup> groups);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "sdk/draw/check_draw.h"
 #include "sdk/math/coverage.h"
 #include "sdk/math/scene_depth.h"
 
@@ -14,30 +15,11 @@ namespace {
 
 constexpr float kSharedOrderRad = 0.035f;  // 2 degrees: views whose axes are further apart are sorted each for itself (docs/adr/0015)
 
-Status checkViews(std::span<const Cameraf> views) {
-    if (views.empty() || views.size() > gpu::kMaxViews)
-        return fail(Code::InvalidArgument, "{} views; 1 to {} are drawn at once", views.size(), gpu::kMaxViews);
-    for (const Cameraf& c : views) {
-        if (c.widthPx != views[0].widthPx || c.heightPx != views[0].heightPx)
-            return fail(Code::InvalidArgument, "the views have different sizes");
-        if (c.widthPx == 0 || c.heightPx == 0) return fail(Code::InvalidArgument, "a view of {} x {} px", c.widthPx, c.heightPx);
-        float sum = c.fx + c.fy + c.cx + c.cy + c.viewFromWorldTranslation.x + c.viewFromWorldTranslation.y + c.viewFromWorldTranslation.z;
-        for (int k = 0; k < 3; ++k) sum += c.viewFromWorldRotation[k].x + c.viewFromWorldRotation[k].y + c.viewFromWorldRotation[k].z;
-        if (!std::isfinite(sum) || !(c.fx > 0) || !(c.fy > 0))
-            return fail(Code::InvalidArgument, "a camera has a non-finite number or no focal length");
-    }
-    return {};
-}
-
 /** Whether one order of depth, along the mean axis, serves all views. It is exact for parallel axes. */
 bool shareOrder(std::span<const Cameraf> views) {
     const auto forward = [](const Cameraf& c) { return glm::transpose(c.viewFromWorldRotation) * Vec3f(0, 0, 1); };
     const Vec3f first = forward(views.front()), last = forward(views.back());
     return std::atan2(glm::length(glm::cross(first, last)), glm::dot(first, last)) <= kSharedOrderRad;
-}
-
-bool hasMesh(std::span<LoadedSubject* const> subjects) {
-    return std::any_of(subjects.begin(), subjects.end(), [](const LoadedSubject* subject) { return subject->avatar != nullptr; });
 }
 
 }  // namespace
@@ -51,21 +33,17 @@ GpuRenderer::GpuRenderer(std::unique_ptr<Backend> backend, std::string name, con
       cache_(*backend_, store_, {options.preciseBlending, !options.quantiseDepth},
              [this](const RecordedFrame& frame) { reader_.forget(frame); }) {}
 
-Result<RenderAvatarId> GpuRenderer::addAvatar(std::shared_ptr<const AvatarData> avatar) {
-    return makeDrawable(store_.addAvatar(std::move(avatar)));
+Result<std::unique_ptr<PreparedSubject>> GpuRenderer::prepareAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats) const {
+    return store_.prepareAvatar(std::move(avatar), std::move(splats));
 }
 
-Result<RenderAvatarId> GpuRenderer::addCodedAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats) {
-    return makeDrawable(store_.addCodedAvatar(std::move(avatar), std::move(splats)));
+Result<std::unique_ptr<PreparedSubject>> GpuRenderer::prepareSplats(const StaticSplatData& splats) const {
+    return store_.prepareSplats(splats);
 }
 
-Result<RenderAvatarId> GpuRenderer::addSplats(const StaticSplatData& splats) {
-    return makeDrawable(store_.addSplats(splats));
-}
-
-/** Creates the lists that frames of this subject alone need. */
-Result<RenderAvatarId> GpuRenderer::makeDrawable(Result<RenderAvatarId> loaded) {
-    DPL_TRY(const RenderAvatarId id, std::move(loaded));
+/** Uploads, and creates the lists that frames of this subject alone need. */
+Result<RenderAvatarId> GpuRenderer::add(std::unique_ptr<PreparedSubject> subject) {
+    DPL_TRY(const RenderAvatarId id, store_.add(std::move(subject)));
     if (const auto set = cache_.sceneSet({&id, 1}); !set) {
         store_.remove(id);
         return set.error();
@@ -81,19 +59,15 @@ void GpuRenderer::removeAvatar(RenderAvatarId id) {
 }
 
 Status GpuRenderer::drawTogether(std::span<const Drawn> what, std::span<const Cameraf> views, const FrameWants& wants) {
-    DPL_CHECK_OK(checkViews(views));
-    DPL_CHECK_OK(checkScene(wants, views));
-    DPL_CHECK_OK(checkDrawn(what));
+    DPL_CHECK_OK(checkDraw(what, views, wants, [this](RenderAvatarId id) { return store_.jointsOf(id); }));
     LoadedSubject* subjects[kMaxDrawnTogether];
     RenderAvatarId ids[kMaxDrawnTogether];
     for (size_t k = 0; k < what.size(); ++k) {
         ids[k] = what[k].avatar;
         subjects[k] = store_.find(ids[k]);
-        if (!subjects[k]) return fail(Code::InvalidArgument, "avatar {} is not in this renderer", ids[k]);
     }
     const bool shared = views.size() == 1 || (options_.shareViews && shareOrder(views));
     const DrawCall call{what, {subjects, what.size()}, {views, shared}, wants};
-    if (wants.meshDepth && !hasMesh(call.subjects)) return fail(Code::InvalidArgument, "general splats have no mesh and no depth of one");
     DPL_TRY(SceneSet * set, cache_.sceneSet({ids, what.size()}));
     const bool cullComponents = !wants.meshDepth;  // the depth of the mesh is drawn from every triangle
     const PosedSet posed = poser_.pose(what, call.subjects, call.views, detail_, cullComponents);

@@ -36,9 +36,9 @@ public:
     std::string name() const override { return formatText("{} ({})", name_, options_.fill == Fill::Tiles ? "tiles" : "quads"); }
     void setFill(Fill fill) override { options_.fill = fill; }
     std::string identity() const override { return backend_->info().identity; }
-    Result<RenderAvatarId> addAvatar(std::shared_ptr<const AvatarData> avatar) override;
-    Result<RenderAvatarId> addCodedAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats) override;
-    Result<RenderAvatarId> addSplats(const StaticSplatData& splats) override;
+    Result<std::unique_ptr<PreparedSubject>> prepareAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats) const override;
+    Result<std::unique_ptr<PreparedSubject>> prepareSplats(const StaticSplatData& splats) const override;
+    Result<RenderAvatarId> add(std::unique_ptr<PreparedSubject> subject) override;
     void removeAvatar(RenderAvatarId avatar) override;
     Status drawTogether(std::span<const Drawn> what, std::span<const Cameraf> views, const FrameWants& wants) override;
     Result<std::span<const PixelView>> read(RenderAvatarId avatar) override;
@@ -62,7 +62,6 @@ private:
         const FrameWants& wants;
     };
 
-    Result<RenderAvatarId> makeDrawable(Result<RenderAvatarId> loaded);
     FrameShape shapeOf(const DrawCall& call) const;
     Status drawFrames(SceneSet& set, const DrawCall& call, const PosedSet& posed, LastDraw& last);
     Result<uint64_t> drawFrame(SceneSet& set, const DrawCall& call, const PosedSet& posed, const FrameShape& shape);

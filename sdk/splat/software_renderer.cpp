@@ -7,10 +7,11 @@
 #include <map>
 
 #include "sdk/avatar/posed_mesh.h"
+#include "sdk/draw/check_draw.h"
+#include "sdk/draw/check_subject.h"
 #include "sdk/format/spatial_order.h"
-#include "sdk/format/splat_codec.h"
 #include "sdk/format/splat_detail.h"
-#include "sdk/math/sh.h"
+#include "sdk/math/coverage.h"
 #include "sdk/splat/mesh_depth.h"
 #include "sdk/splat/splat_engine.h"
 #include "sdk/visibility/components.h"
@@ -19,63 +20,34 @@
 namespace dpl {
 namespace {
 
-/** What makes drawing safe: lengths and indices. The file reader checks far more; avatars built in memory come here unchecked. */
-Status checkMesh(const AvatarData& avatar) {
-    const MeshData& mesh = avatar.mesh;
-    const size_t vertices = mesh.restPositions.size(), triangles = mesh.triangles.size();
-    DPL_CHECK_OK(checkRig(avatar.joints));
-    if (avatar.joints.empty()) return fail(Code::CorruptData, "avatar '{}' has no joints", avatar.name);
-    if (mesh.jointIndices.size() != vertices || mesh.jointWeights.size() != vertices)
-        return fail(Code::CorruptData, "avatar '{}' has {} vertices and skin weights for {}", avatar.name, vertices,
-                    mesh.jointWeights.size());
-    for (size_t v = 0; v < vertices; ++v)
-        for (int i = 0; i < 4; ++i)
-            if (mesh.jointWeights[v][i] != 0 && mesh.jointIndices[v][i] >= avatar.joints.size())
-                return fail(Code::CorruptData, "vertex {} hangs on joint {}; the rig has {}", v, mesh.jointIndices[v][i],
-                            avatar.joints.size());
-    for (size_t t = 0; t < triangles; ++t)
-        for (int i = 0; i < 3; ++i)
-            if (mesh.triangles[t][i] >= vertices)
-                return fail(Code::CorruptData, "triangle {} uses vertex {} of {}", t, mesh.triangles[t][i], vertices);
-    return checkCorrectives(avatar.correctives, avatar.joints.size(), vertices);
-}
-
-Status checkSplats(const AvatarData& avatar) {
-    const SplatData& splats = avatar.splats;
-    const size_t triangles = avatar.mesh.triangles.size(), count = splats.uv.size();
-    if (splats.shDegree > kMaxShDegree) return fail(Code::CorruptData, "SH degree {}; at most {} is drawn", splats.shDegree, kMaxShDegree);
-    const size_t shFloats = count * shCoefficientCount(splats.shDegree) * 3;
-    if (splats.phi.size() != count || splats.scaleM.size() != count || splats.opacity.size() != count || splats.flags.size() != count ||
-        splats.sh.size() != shFloats)
-        return fail(Code::CorruptData, "the splat arrays of avatar '{}' have different lengths", avatar.name);
-    if (splats.triangleStart.size() != triangles + 1 || splats.triangleStart.front() != 0 || splats.triangleStart.back() != count ||
-        !std::is_sorted(splats.triangleStart.begin(), splats.triangleStart.end()))
-        return fail(Code::CorruptData, "the splats of avatar '{}' do not cover its {} triangles in order", avatar.name, triangles);
-    return {};
-}
-
-struct Drawable {
-    PackedSplats general;  // one of the two
-    CodedSplats splats;
-    float kappaPx2 = 0, trainedPixelM = 0, detailShare = 0;
+/** A loaded subject and what its last draw left: an avatar, or general splats. */
+struct Drawable final : PreparedSubject {
+    const Renderer* owner = nullptr;
+    float kappaPx2 = 0;  // of a pixel
     bool compensated = false;
-    GeneralDetailSubject generalSubject;
-    GeneralDetail generalDetail;  // of the last frame, as is its share of the splats
-    // Of avatars only.
-    std::shared_ptr<const AvatarData> avatar;
-    Components components;
-    DetailSubject detailSubject;
-    SplatDetail detail;  // of the last frame
-    // The last pose and what follows from it.
-    Pose pose;
-    bool posed = false;     // the joints ...
-    bool surfaced = false;  // ... and the surface, which waits until somebody sees it
-    bool seen = true;       // in the last frame; general splats always
-    uint32_t componentsInView = 0;
-    PosedMesh mesh;
+    float detailShare = 0;  // of the last draw
+    bool seen = true;       // in the last draw, by some view; general splats always
     std::vector<RenderedView> pictures;
     std::vector<PixelView> pixels;
-    FrameStats stats;  // of the last frame; the bytes are counted when asked
+    FrameStats stats;  // of the last draw; stats() counts the bytes
+
+    // General splats.
+    PackedSplats general;
+    GeneralDetailSubject generalSubject;
+    GeneralDetail generalDetail;  // of the last draw
+
+    // An avatar; null: general splats.
+    std::shared_ptr<const AvatarData> avatar;
+    CodedSplats splats;
+    float trainedPixelM = 0;
+    Components components;
+    uint32_t componentsInView = 0;
+    DetailSubject detailSubject;
+    SplatDetail detail;  // of the last draw
+    Pose pose;           // of the last draw
+    PosedMesh mesh;
+    bool posed = false;     // the joints of `mesh` follow `pose`
+    bool surfaced = false;  // so does its surface, which is posed when a view first sees it
 
     uint64_t bytes() const {
         uint64_t pictureBytes = 0;
@@ -100,18 +72,11 @@ public:
         return formatText("software ({} {})", jobs_.threadCount(), jobs_.threadCount() == 1 ? "thread" : "threads");
     }
 
-    Result<RenderAvatarId> addAvatar(std::shared_ptr<const AvatarData> avatar) override {
+    Result<std::unique_ptr<PreparedSubject>> prepareAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats) const override {
         if (!avatar) return fail(Code::InvalidArgument, "no avatar");
-        DPL_CHECK_OK(checkMesh(*avatar));
-        DPL_CHECK_OK(checkSplats(*avatar));
-        DPL_TRY(CodedSplats coded, codeSplats(avatar->mesh, avatar->splats));
-        return addCodedAvatar(std::move(avatar), std::move(coded));
-    }
-
-    Result<RenderAvatarId> addCodedAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats) override {
-        if (!avatar) return fail(Code::InvalidArgument, "no avatar");
-        DPL_CHECK_OK(checkMesh(*avatar));
+        DPL_CHECK_OK(checkAvatarPosable(*avatar));
         auto drawable = std::make_unique<Drawable>();
+        drawable->owner = this;
         drawable->splats = std::move(splats);
         measureDetail(*avatar, drawable->splats);
         drawable->detailSubject = DetailSubject(*avatar, drawable->splats);
@@ -119,19 +84,26 @@ public:
             Components(*avatar, componentsOf(*avatar), reachOfTriangles(drawable->splats, avatar->mesh.triangles.size()));
         drawable->kappaPx2 = avatar->kappaPx2, drawable->compensated = avatar->compensated, drawable->trainedPixelM = avatar->trainedPixelM;
         drawable->avatar = std::move(avatar);
-        return keep(std::move(drawable));
+        return std::unique_ptr<PreparedSubject>(std::move(drawable));
     }
 
-    Result<RenderAvatarId> addSplats(const StaticSplatData& splats) override {
+    Result<std::unique_ptr<PreparedSubject>> prepareSplats(const StaticSplatData& splats) const override {
+        DPL_CHECK_OK(checkGeneralSplats(splats));
         auto drawable = std::make_unique<Drawable>();
-        const std::vector<uint32_t> order =
-            spatialOrder(splats.position);  // files keep the order of training, level of detail thins out neighbours
+        drawable->owner = this;
+        // Files keep the order of training. Level of detail thins out groups of neighbours, so the splats are sorted by place.
+        const std::vector<uint32_t> order = spatialOrder(splats.position);
         drawable->general = PackedSplats(splats, order);
-        if (drawable->general.count() != splats.count())
-            return fail(Code::InvalidArgument, "the arrays of {} splats differ in length", splats.count());
         drawable->generalSubject = GeneralDetailSubject(measureGroups(splats, order), splats.count());
         drawable->kappaPx2 = splats.kappaPx2, drawable->compensated = splats.compensated;
-        return keep(std::move(drawable));
+        return std::unique_ptr<PreparedSubject>(std::move(drawable));
+    }
+
+    Result<RenderAvatarId> add(std::unique_ptr<PreparedSubject> subject) override {
+        const auto* drawable = dynamic_cast<const Drawable*>(subject.get());
+        if (!drawable || drawable->owner != this) return fail(Code::InvalidArgument, "the subject was prepared by another renderer");
+        drawables_.emplace(nextId_, std::unique_ptr<Drawable>(static_cast<Drawable*>(subject.release())));
+        return nextId_++;
     }
 
     void removeAvatar(RenderAvatarId avatar) override {
@@ -140,22 +112,16 @@ public:
     }
 
     Status drawTogether(std::span<const Drawn> what, std::span<const Cameraf> views, const FrameWants& wants) override {
-        DPL_CHECK_OK(checkDrawn(what));
-        DPL_CHECK_OK(checkScene(wants, views));
+        DPL_CHECK_OK(checkDraw(what, views, wants, [this](RenderAvatarId id) { return jointsOf(id); }));
         together_.clear();
-        bool mesh = false;
         uint32_t samples = 1;
         for (const Drawn& one : what) {
-            const auto found = drawables_.find(one.avatar);
-            if (found == drawables_.end()) return fail(Code::InvalidArgument, "there is no avatar {} in this renderer", one.avatar);
-            Drawable& d = *found->second;
+            Drawable& d = *drawables_.at(one.avatar);
             together_.push_back(&d);
             if (!d.avatar) continue;
-            DPL_CHECK_OK(setPose(d, *one.pose));
-            mesh = true;
+            setPose(d, *one.pose);
             samples = std::max(samples, coverageSamples(d.trainedPixelM, rootPosition(d.avatar->joints, d.pose), views));
         }
-        if (wants.meshDepth && !mesh) return fail(Code::InvalidArgument, "general splats have no mesh and no depth of one");
         setDetails(views);
         leaveOutUnseen(views);
         Drawable& first = *together_[0];
@@ -173,8 +139,7 @@ public:
             if (!started) engine_.project(PackedSplats(), {}, views[v], 0, false, samples);
             stats.bytesDecided += engine_.decidedBytes(), stats.bytesDecoded += engine_.decodedBytes();
             engine_.bin();
-            const std::span<const float> scene = v < std::size(wants.sceneDepthM) ? wants.sceneDepthM[v] : std::span<const float>();
-            engine_.blendRgba8(picture.rgba, wants.depth ? &picture.depthM : nullptr, scene);
+            engine_.blendRgba8(picture.rgba, wants.depth ? &picture.depthM : nullptr, wants.sceneDepthM[v]);
             first.pixels[v] = {views[v].widthPx, views[v].heightPx, picture.rgba, {}, {}};
             if (wants.depth) first.pixels[v].depthM = picture.depthM;
             if (wants.meshDepth) first.pixels[v].meshDepthM = drawMeshes(views[v], picture.meshDepthM);
@@ -185,14 +150,14 @@ public:
 
     Result<std::span<const PixelView>> read(RenderAvatarId avatar) override {
         const auto found = drawables_.find(avatar);
-        if (found == drawables_.end()) return fail(Code::InvalidArgument, "there is no avatar {} in this renderer", avatar);
+        if (found == drawables_.end()) return fail(Code::InvalidArgument, "avatar {} is not in this renderer", avatar);
         if (found->second->pixels.empty()) return fail(Code::InvalidArgument, "nothing was drawn of avatar {}", avatar);
         return std::span<const PixelView>(found->second->pixels);
     }
 
     Result<FrameStats> stats(RenderAvatarId avatar) override {
         const auto found = drawables_.find(avatar);
-        if (found == drawables_.end()) return fail(Code::InvalidArgument, "there is no avatar {} in this renderer", avatar);
+        if (found == drawables_.end()) return fail(Code::InvalidArgument, "avatar {} is not in this renderer", avatar);
         FrameStats stats = found->second->stats;
         const Drawable& shown = *found->second;
         stats.detailShare = shown.detailShare;
@@ -204,20 +169,24 @@ public:
     }
 
 private:
-    Status setPose(Drawable& d, const Pose& pose) {
-        if (d.posed && samePose(d.pose, pose)) return {};
-        DPL_CHECK_OK(checkPose(d.avatar->joints, pose));
+    std::optional<std::span<const JointData>> jointsOf(RenderAvatarId id) const {
+        const auto found = drawables_.find(id);
+        if (found == drawables_.end()) return std::nullopt;
+        const AvatarData* avatar = found->second->avatar.get();
+        return avatar ? std::span<const JointData>(avatar->joints) : std::span<const JointData>();
+    }
+
+    static void setPose(Drawable& d, const Pose& pose) {
+        if (d.posed && samePose(d.pose, pose)) return;
         d.posed = d.surfaced = false;
-        d.pose.localRotations = pose.localRotations;
-        d.pose.rootTranslation = pose.rootTranslation;
+        d.pose = pose;
         d.mesh.control(posedSubject(d), pose);
         d.posed = true;
-        return {};
     }
 
     static PosedSubject posedSubject(const Drawable& d) { return {d.avatar->joints, d.avatar->mesh, d.avatar->correctives, {}}; }
 
-    /** Poses the surface of those of together_ that some view may show. */
+    /** Poses the surface of each avatar of together_ that some view may show, and marks the others as not seen. */
     void leaveOutUnseen(std::span<const Cameraf> views) {
         for (Drawable* d : together_) {
             if (!d->avatar) continue;
@@ -242,7 +211,7 @@ private:
             put(d.general, d.generalDetail, d.generalSubject.groups());
     }
 
-    /** How much of each of together_ is drawn. */
+    /** Chooses how many splats of each subject of together_ are drawn. */
     void setDetails(std::span<const Cameraf> views) {
         DetailMember members[kMaxDrawnTogether];
         for (size_t k = 0; k < together_.size(); ++k) {
@@ -257,7 +226,7 @@ private:
             together_[k]->detailShare = members[k].share;
     }
 
-    /** The nearest of the meshes that are drawn together. */
+    /** Depth of the nearest mesh of together_ at every pixel. */
     std::span<const float> drawMeshes(const Cameraf& view, std::vector<float>& depthM) {
         bool first = true;
         for (const Drawable* d : together_) {
@@ -271,17 +240,12 @@ private:
         return depthM;
     }
 
-    RenderAvatarId keep(std::unique_ptr<Drawable> drawable) {
-        drawables_.emplace(nextId_, std::move(drawable));
-        return nextId_++;
-    }
-
     Jobs jobs_;
     SplatEngine engine_;
     MeshDepth meshDepth_;
     std::vector<float> anotherDepthM_;
-    uint64_t allowed_ = 0;
-    std::vector<Drawable*> together_;  // of the last draw
+    uint64_t allowed_ = 0;             // splats, by the last setDetails
+    std::vector<Drawable*> together_;  // subjects of the last draw
     std::map<RenderAvatarId, std::unique_ptr<Drawable>> drawables_;
     RenderAvatarId nextId_ = 1;
 };

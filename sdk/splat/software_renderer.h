@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The CPU renderer: rig and splat engine behind the Renderer seam.
 #pragma once
 
 #include "sdk/draw/renderer.h"
 
 namespace dpl {
 
-/** threadCount 0: one a core. A warm frame (same avatar and image size) allocates nothing; the views of one call share skinning and
- *  triangle frames, and so do later calls with the same pose. Pictures do not depend on threadCount. */
+/** The CPU renderer: it poses avatars and draws them with the splat engine. threadCount 0: one a core; pictures do not depend on it. The
+ * views of one draw share posing, and so do later draws with the same pose. A warm frame (same subjects and image size) allocates nothing.
+ */
 std::unique_ptr<Renderer> createSoftwareRenderer(uint32_t threadCount);
 
 }  // namespace dpl

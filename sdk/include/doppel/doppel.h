@@ -12,7 +12,8 @@
  * origin with its feet at y = 0, faces +Z, its left is +X. Quaternions are x, y, z, w. Cameras look along their +z, x right, y down.
  *
  * Threads. Every function may be called from any thread. Calls on one context and its avatars wait for one another; use one
- * context a thread to draw in parallel. The text of dplGetLastError() belongs to the calling thread.
+ * context a thread to draw in parallel. dplLoadAvatar reads and converts without holding up other calls; they wait only while it
+ * adds (on a GPU: uploads) the result. The text of dplGetLastError() belongs to the calling thread.
  *
  * Errors. Functions return DPL_OK or an error and write their outputs only on DPL_OK; dplGetLastError() then has a sentence for a
  * human. NULL where a pointer is needed, stale or foreign handles, sizes that do not fit and numbers that are not finite give

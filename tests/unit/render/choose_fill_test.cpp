@@ -38,11 +38,13 @@ public:
     std::string name() const override { return "fake"; }
     void setFill(Fill fill) override { this->fill = fill; }
     std::string identity() const override { return identity_; }
-    Result<RenderAvatarId> addAvatar(std::shared_ptr<const AvatarData>) override { return fail(Code::Unsupported, "no avatars"); }
-    Result<RenderAvatarId> addCodedAvatar(std::shared_ptr<const AvatarData>, CodedSplats) override {
+    Result<std::unique_ptr<PreparedSubject>> prepareAvatar(std::shared_ptr<const AvatarData>, CodedSplats) const override {
         return fail(Code::Unsupported, "no avatars");
     }
-    Result<RenderAvatarId> addSplats(const StaticSplatData&) override { return ++live, RenderAvatarId(1); }
+    Result<std::unique_ptr<PreparedSubject>> prepareSplats(const StaticSplatData&) const override {
+        return std::make_unique<PreparedSubject>();
+    }
+    Result<RenderAvatarId> add(std::unique_ptr<PreparedSubject>) override { return ++live, RenderAvatarId(1); }
     void removeAvatar(RenderAvatarId) override { --live; }
     Status drawTogether(std::span<const Drawn>, std::span<const Cameraf>, const FrameWants&) override {
         ++draws;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "sdk/backend/null/null_backend.h"
+#include "sdk/format/splat_codec.h"
 #include "sdk/render/frame_cache.h"
 #include "tests/unit/render/tube_avatar.h"
 
@@ -16,7 +17,10 @@ struct CacheSetup {
     std::vector<uint64_t> freed;
     FrameCache cache{*backend, store, {}, [this](const RecordedFrame& frame) { freed.push_back(frame.key); }};
 
-    RenderAvatarId add() { return *store.addAvatar(std::make_shared<const AvatarData>(makeTube({.splatsPerTriangle = 2, .rings = 6}))); }
+    RenderAvatarId add() {
+        const auto tube = std::make_shared<const AvatarData>(makeTube({.splatsPerTriangle = 2, .rings = 6}));
+        return *store.add(std::move(*store.prepareAvatar(tube, *codeSplats(tube->mesh, tube->splats))));
+    }
     RecordedFrame* own(SceneSet& set, const FrameShape& shape) {
         return *cache.frame(set, shape, [&](const TargetDesc& desc) { return FrameTarget::create(*backend, desc); });
     }
