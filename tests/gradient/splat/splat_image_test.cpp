@@ -101,7 +101,7 @@ Analytic backward(const DoubleScene& s, uint32_t threads) {
     const Cameraf camera = s.camera.cast<float>();
     SplatEngine engine(jobs);
     SplatImage image;
-    engine.project(splats.view(), posed.frames(), camera, float(s.kappa));
+    engine.project(splats.view(), posed.frames(), camera, float(s.kappa), /*compensated=*/true, /*record=*/true);
     engine.bin();
     engine.blend(image, {.cloth = true, .depth = false, .recordStops = true});
     ImageGradient gradient;
@@ -114,7 +114,7 @@ Analytic backward(const DoubleScene& s, uint32_t threads) {
     PixelBackward pixels(jobs);
     pixels.run(engine, image, gradient);
     SplatBackward backward(jobs);
-    backward.run({splats, posed.frames(), bind, camera, float(s.kappa), engine.projected(), pixels.sums()}, true);
+    backward.run({splats, posed.frames(), bind, camera, engine.projected(), engine.forwardRecords(), pixels.sums()}, true);
     std::vector<float> gLight;
     backward.gatherVertices(VertexIncidence(mesh.triangles, s.rest.size()), gPosed, gLight);
     PoseGradient<double> g;
