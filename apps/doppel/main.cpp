@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <cstring>
 
-#include "apps/doppel/checks.h"
 #include "apps/doppel/commands.h"
+#include "apps/shared/checks.h"
 #include "reconstruction/pipeline/progress.h"
 
 namespace dpl {

@@ -4,10 +4,10 @@
 #include <cstdio>
 #include <numbers>
 
-#include "apps/doppel/checks.h"
 #include "apps/doppel/commands.h"
-#include "apps/doppel/pictures.h"
 #include "apps/doppel/video_writer.h"
+#include "apps/shared/checks.h"
+#include "apps/shared/pictures.h"
 #include "reconstruction/capture/scan.h"
 #include "reconstruction/image/image_codec.h"
 #include "reconstruction/package/avatar_bytes.h"

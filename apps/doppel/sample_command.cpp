@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 
-#include "apps/doppel/checks.h"
 #include "apps/doppel/commands.h"
+#include "apps/shared/checks.h"
 #include "reconstruction/pipeline/progress.h"
 #include "reconstruction/sample/scan_writer.h"
 

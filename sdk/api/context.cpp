@@ -138,19 +138,12 @@ DplResult dplCreateContext(const DplContextInfo* info, DplContext* context) {
             std::memcpy(&fill, &given.fill, sizeof fill);
             if (given.cacheFolder) cacheFolder = given.cacheFolder;
         }
-        constexpr uint32_t kKnownFlags =
-            DPL_CONTEXT_WITHOUT_CULLING | DPL_CONTEXT_WITHOUT_SHARED_STEREO | DPL_CONTEXT_WITHOUT_DEPTH_QUANTISATION;
-        if (flags & ~kKnownFlags) return fail(Code::InvalidArgument, "info has unknown flags {}", flags);
+        if (flags != 0) return fail(Code::InvalidArgument, "info has unknown flags {}; there are none", flags);
         if (kind < DPL_RENDERER_AUTO || kind > DPL_RENDERER_VULKAN) return fail(Code::InvalidArgument, "there is no renderer {}", kind);
         if (fill < DPL_FILL_AUTO || fill > DPL_FILL_TILES) return fail(Code::InvalidArgument, "there is no fill {}", fill);
         if (threadCount > 256) return fail(Code::InvalidArgument, "{} threads; 0 to 256 are possible", threadCount);
         auto made = std::make_shared<Context>();
-        const RendererOptions options{.threadCount = threadCount,
-                                      .cull = (flags & DPL_CONTEXT_WITHOUT_CULLING) == 0,
-                                      .shareViews = (flags & DPL_CONTEXT_WITHOUT_SHARED_STEREO) == 0,
-                                      .quantiseDepth = (flags & DPL_CONTEXT_WITHOUT_DEPTH_QUANTISATION) == 0,
-                                      .fill = DplFill(fill),
-                                      .cacheFolder = cacheFolder};
+        const RendererOptions options{.threadCount = threadCount, .fill = DplFill(fill), .cacheFolder = cacheFolder};
         DPL_TRY(made->renderer, createRenderer(DplRenderer(kind), options));
         made->rendererName = made->renderer->name();
         *context = reinterpret_cast<DplContext>(contexts().add(std::move(made)));

@@ -13,9 +13,6 @@ namespace dpl::api {
 
 struct RendererOptions {
     uint32_t threadCount = 0;
-    bool cull = true;           // as VulkanOptions says
-    bool shareViews = true;     // the same
-    bool quantiseDepth = true;  // the same
     DplFill fill = DPL_FILL_AUTO;
     std::string cacheFolder;  // empty: none
 };

@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
+#include "apps/reference/reference_file.h"
 #include "sdk/core/result.h"
 #include "tests/conformance/cases.h"
-#include "tests/reference/reference_file.h"
 
 namespace dpl {
 

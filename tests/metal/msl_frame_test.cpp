@@ -7,6 +7,9 @@
 #include <bit>
 #include <cstring>
 
+#include "apps/reference/reference_detail.h"
+#include "apps/reference/reference_mesh.h"
+#include "apps/reference/reference_renderer.h"
 #include "sdk/format/spatial_order.h"
 #include "sdk/format/splat_detail.h"
 #include "sdk/math/half.h"
@@ -19,9 +22,6 @@
 #include "tests/reference/image_compare.h"
 #include "tests/reference/random_avatar.h"
 #include "tests/reference/random_scene_depth.h"
-#include "tests/reference/reference_detail.h"
-#include "tests/reference/reference_mesh.h"
-#include "tests/reference/reference_renderer.h"
 #include "tests/reference/splat_room.h"
 #include "tests/unit/render/palette_of.h"
 #include "tests/unit/render/tube_avatar.h"

@@ -6,9 +6,9 @@
 
 #include <cstdio>
 
+#include "apps/reference/reference_renderer.h"
 #include "sdk/splat/splat_engine.h"
 #include "tests/reference/image_compare.h"
-#include "tests/reference/reference_renderer.h"
 
 namespace dpl {
 

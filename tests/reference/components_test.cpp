@@ -6,10 +6,10 @@
 
 #include <bit>
 
+#include "apps/reference/reference_renderer.h"
 #include "sdk/avatar/pose_correctives.h"
 #include "sdk/format/splat_codec.h"
 #include "tests/reference/corrective_cases.h"
-#include "tests/reference/reference_renderer.h"
 
 namespace dpl {
 namespace {

@@ -11,10 +11,10 @@
 #include <functional>
 #include <random>
 
+#include "apps/reference/reference_renderer.h"
 #include "sdk/avatar/rig.h"
 #include "sdk/format/correctives.h"
 #include "tests/reference/random_avatar.h"
-#include "tests/reference/reference_renderer.h"
 #include "tests/unit/format/sample_correctives.h"
 
 namespace dpl {

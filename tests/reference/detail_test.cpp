@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Level of detail of the software renderer against the referee, at densities from none left out to a splat of 128.
 #include "sdk/visibility/detail.h"
+#include "apps/reference/reference_detail.h"
 #include "sdk/avatar/posed_mesh.h"
 #include "sdk/format/splat_codec.h"
 #include "sdk/format/splat_detail.h"
 #include "tests/reference/compare_renderers.h"
 #include "tests/reference/random_avatar.h"
-#include "tests/reference/reference_detail.h"
 #include "tests/reference/splat_room.h"
 
 namespace dpl {

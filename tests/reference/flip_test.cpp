@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // FLIP against what its paper says of it; the numbers for flat pictures were worked out by hand from the formulas.
-#include "tests/reference/flip.h"
+#include "apps/reference/flip.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "tests/reference/reference_file.h"
+#include "apps/reference/reference_file.h"
 
 namespace dpl {
 namespace {

@@ -2,9 +2,9 @@
 // The CPU's mesh depth against a ray caster in double precision.
 #include <gtest/gtest.h>
 
+#include "apps/reference/reference_mesh.h"
 #include "sdk/splat/mesh_depth.h"
 #include "tests/reference/mesh_depth_cases.h"
-#include "tests/reference/reference_mesh.h"
 
 namespace dpl {
 namespace {

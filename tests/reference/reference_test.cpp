@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The referee has tests of its own: closed forms, and determinants in long double.
-#include "tests/reference/reference_renderer.h"
+#include "apps/reference/reference_renderer.h"
 
 #include <gtest/gtest.h>
 

@@ -5,9 +5,9 @@
 
 #include <random>
 
+#include "apps/reference/reference_detail.h"
 #include "sdk/format/spatial_order.h"
 #include "sdk/math/camera.h"
-#include "tests/reference/reference_detail.h"
 
 namespace dpl {
 

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// bench_detail AVATAR|SPLATS [splats a pixel] [frames] [software|quads|tiles] [sheet.png]
+// bench_detail AVATAR|SPLATS [SPLATS A PIXEL] [FRAMES] [software|quads|tiles] [SHEET.png | -] [--json FILE]
 //
-// Level of detail against distance: time, splats and error of the full avatar and of the reduced one at rising distances, in the middle of
-// its first clip. And what leaving out SH bands, or pose correctives, of all its splats would lose there. General splats (a PLY) the same,
-// without that. The truth at each is the full
-// avatar drawn at four times the size on the CPU and averaged; errors are over what either covers, over mid grey. The sheet shows full,
-// reduced and truth beside each other, one distance a row, pixels enlarged without smoothing.
+// Measures level of detail against distance: time, splats and error of the full subject and of the reduced one, posed in the middle of its
+// first clip. For avatars it also measures what leaving out SH beyond degree 0, or pose correctives, would lose.
+// Truth at each distance is the full subject drawn at four times the size on the CPU and averaged. Errors are over mid grey, over pixels
+// that either picture covers. The sheet shows full, reduced and truth side by side, one distance a row, enlarged without smoothing.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -16,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/bench/json_row.h"
 #include "reconstruction/image/image_codec.h"
 #include "sdk/avatar/humanoid.h"
 #include "sdk/avatar/pose_correctives.h"
@@ -23,6 +23,7 @@
 #include "sdk/format/avatar_file.h"
 #include "sdk/include/doppel/doppel.hpp"
 #include "sdk/math/sh.h"
+#include "tools/bench/arguments.h"
 
 namespace {
 
@@ -43,7 +44,7 @@ DplCamera cameraAt(const DplAvatarInfo& info, double times, uint32_t finer, doub
     double middle[3], tall = info.restMax[1] - info.restMin[1];
     for (int k = 0; k < 3; ++k) middle[k] = 0.5 * (info.restMin[k] + info.restMax[k]);
     for (int k = 0; k < 3 && info.jointCount == 0; ++k)
-        tall = std::max(tall, double(info.restMax[k] - info.restMin[k]));  // these stand as they like
+        tall = std::max(tall, double(info.restMax[k] - info.restMin[k]));  // general splats may lie on their side
     const double distance = 1.25 * 1.2 * tall * times, s = std::sin(azimuthRad), co = std::cos(azimuthRad);
     // Right, down and forward of a camera at middle + distance·(s, 0, co) that looks at the middle.
     const double rows[3][3] = {{co, 0, -s}, {0, -1, 0}, {-s, 0, -co}};
@@ -92,7 +93,7 @@ doppel::Status poseInClip(doppel::Avatar& avatar) {
     return avatar.setPoseFromClip(0, clip->durationS / 2);
 }
 
-/** The file with no splats but those of one region: where it is in the picture. */
+/** The file with only the splats of the face, or of the hands, visible: its picture says where that region is. */
 dpl::Result<std::vector<uint8_t>> regionAlone(const std::vector<uint8_t>& bytes, bool hands) {
     DPL_TRY(dpl::AvatarData avatar, dpl::readAvatar(bytes));
     std::vector<bool> wanted;
@@ -129,7 +130,7 @@ dpl::Result<std::vector<uint8_t>> without(const std::vector<uint8_t>& bytes, boo
     return dpl::writeAvatar(avatar);
 }
 
-/** Time of the CPU's part of pose correctives, microseconds a frame, best of many. */
+/** Time of the CPU's part of pose correctives, microseconds a frame, fastest of 200. */
 doppel::Result<double> correctivesUs(const std::vector<uint8_t>& bytes) {
     const auto avatar = dpl::readAvatar(bytes);
     if (!avatar) return doppel::Error{DPL_ERROR_CORRUPT_DATA, avatar.error().message};
@@ -159,7 +160,7 @@ std::vector<float> floatOf(const Pixels& p) {
     return {p.begin(), p.end()};
 }
 
-/** dB over what either covers, over mid grey; within a region where that covers half of a pixel. */
+/** PSNR in dB over mid grey, over pixels that either picture covers and, with a region, that the region covers by half or more. */
 double psnr(const std::vector<float>& a, const std::vector<float>& b, const std::vector<float>* region = nullptr) {
     double sum = 0;
     size_t count = 0;
@@ -173,7 +174,7 @@ double psnr(const std::vector<float>& a, const std::vector<float>& b, const std:
     return count == 0 || sum == 0 ? 99 : 10 * std::log10(255.0 * 255.0 * double(count) / sum);
 }
 
-/** Sum of alpha, in percent of the other's, minus 100: a swollen outline is above 0. */
+/** By how many percent the sum of alpha is above the truth's: above 0 for a swollen outline. */
 double swelling(const std::vector<float>& a, const std::vector<float>& truth) {
     double x = 0, y = 0;
     for (size_t i = 3; i < a.size(); i += 4) x += double(a[i]), y += double(truth[i]);
@@ -213,12 +214,16 @@ private:
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc < 2)
-        return std::fprintf(stderr, "usage: bench_detail AVATAR|SPLATS [splats a pixel] [frames] [software|quads|tiles] [sheet.png]\n"), 2;
-    const float perPixel = argc > 2 ? float(std::atof(argv[2])) : DPL_DETAIL_USUAL;
-    const int frames = argc > 3 ? std::max(1, std::atoi(argv[3])) : 5;
-    const std::string kind = argc > 4 ? argv[4] : "software";
-    const auto bytes = dpl::readFile(argv[1]);
+    const dpl::BenchArguments arguments(argc, argv);
+    if (arguments.count() < 1)
+        return std::fprintf(stderr,
+                            "usage: bench_detail AVATAR|SPLATS [SPLATS A PIXEL] [FRAMES] [software|quads|tiles] [SHEET.png | -] "
+                            "[--json FILE]\n"),
+               2;
+    const float perPixel = float(arguments.number(1, double(DPL_DETAIL_USUAL)));
+    const int frames = std::max(1, int(arguments.number(2, 5)));
+    const std::string kind = arguments.text(3, "software"), sheetFile = arguments.text(4, "-");
+    const auto bytes = dpl::readFile(arguments.text(0));
     if (!bytes) return failed(bytes.error().message);
     auto context = kind == "software"
                        ? doppel::Context::create(DPL_RENDERER_SOFTWARE)
@@ -247,8 +252,8 @@ int main(int argc, char** argv) {
     }
     for (doppel::Avatar* a : {&*avatar, &*finest})
         if (auto posed = poseInClip(*a); !posed) return failed(posed.error().message);
-    std::printf("%s, %u splats, %s, %g splats a pixel, %ux%u px, median of %d", argv[1], info->splatCount, context->rendererName().c_str(),
-                double(perPixel), kWidthPx, kHeightPx, frames);
+    std::printf("%s, %u splats, %s, %g splats a pixel, %ux%u px, median of %d", arguments.text(0).c_str(), info->splatCount,
+                context->rendererName().c_str(), double(perPixel), kWidthPx, kHeightPx, frames);
     if (posable) {
         const auto us = correctivesUs(*bytes);
         if (!us) return failed(us.error().message);
@@ -261,6 +266,7 @@ int main(int argc, char** argv) {
                 : "",
         posable ? "---|---|---|---|---|---|" : "");
     Sheet sheet;
+    std::string json;
     for (const double times : kDistances) {
         const DplCamera camera = cameraAt(*info, times, 1, 0.4), fineCamera = cameraAt(*info, times, kFiner, 0.4);
         (void)context->setDetail(0);
@@ -274,21 +280,34 @@ int main(int argc, char** argv) {
         std::printf("| %.0f | %.1f | %u | %.2f | %.2f | %+.2f | %.1f | %u | %u | %.2f | %.2f | %+.2f | %.2f |", kHeightPx * 0.8 / times,
                     full->ms, full->splats, double(full->decoded) / 1e6, psnr(a, truth), swelling(a, truth), reduced->ms, reduced->allowed,
                     reduced->splats, double(reduced->decoded) / 1e6, psnr(b, truth), swelling(b, truth), psnr(b, a));
-        for (const doppel::Avatar& less : lesser) {
-            const auto drawn = draw(less, camera, 1);
+        dpl::JsonRow row;
+        row.add("device", context->rendererName()).add("splats", info->splatCount).add("tall_px", kHeightPx * 0.8 / times);
+        row.add("full_ms", full->ms).add("full_drawn", full->splats).add("full_bytes_read", full->decoded);
+        row.add("full_db", psnr(a, truth)).add("full_alpha_percent", swelling(a, truth));
+        row.add("reduced_ms", reduced->ms).add("reduced_allowed", reduced->allowed).add("reduced_drawn", reduced->splats);
+        row.add("reduced_bytes_read", reduced->decoded).add("reduced_db", psnr(b, truth));
+        row.add("reduced_alpha_percent", swelling(b, truth)).add("reduced_to_full_db", psnr(b, a));
+        for (size_t i = 0; i < lesser.size(); ++i) {
+            const auto drawn = draw(lesser[i], camera, 1);
             if (!drawn) return failed(drawn.error().message);
-            std::printf(" %.2f |", psnr(floatOf(drawn->pixels), truth));
+            const double db = psnr(floatOf(drawn->pixels), truth);
+            std::printf(" %.2f |", db);
+            row.add(i == 0 ? "without_sh_db" : "without_correctives_db", db);
         }
-        for (const doppel::Avatar& region : regions) {
-            const auto drawn = draw(region, camera, 1);
+        for (size_t i = 0; i < regions.size(); ++i) {
+            const auto drawn = draw(regions[i], camera, 1);
             if (!drawn) return failed(drawn.error().message);
             const std::vector<float> where = floatOf(drawn->pixels);
-            std::printf(" %.2f | %.2f |", psnr(a, truth, &where), psnr(b, truth, &where));
+            const double of = psnr(a, truth, &where), reducedOf = psnr(b, truth, &where);
+            std::printf(" %.2f | %.2f |", of, reducedOf);
+            row.add(i == 0 ? "face_full_db" : "hands_full_db", of).add(i == 0 ? "face_reduced_db" : "hands_reduced_db", reducedOf);
         }
+        json += row.line();
         std::printf("\n");
         std::fflush(stdout);
         sheet.addRow(a, b, truth, times);
     }
-    if (argc > 5 && !sheet.write(argv[5])) return failed(std::string("cannot write ") + argv[5]);
-    return 0;
+    if (sheetFile != "-" && !sheet.write(sheetFile)) return failed("cannot write " + sheetFile);
+    const dpl::Status written = arguments.writeJson(json);
+    return written ? 0 : failed(written.error().message);
 }

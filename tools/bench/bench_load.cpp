@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long loading takes and how much memory it needs at its peak: an avatar blown up to N splats, through the public SDK and the CPU
-// renderer.
-//   bench_load AVATAR.glb [SPLATS = 533695] [SH degree = 1] [BIG.glb: keep the blown-up avatar, for doppel bench; - : no] [compact: in
-//   splat encoding 3]
+// bench_load AVATAR.glb [SPLATS = 533695] [SH DEGREE = 1] [BIG.glb | -] [compact] [--json FILE]
+//
+// Measures how long loading takes and how much memory it needs at its peak, for an avatar blown up to SPLATS splats, through the public
+// SDK and the CPU renderer. BIG.glb keeps the blown-up avatar for other benches. compact: splat encoding 3.
 #include <doppel/doppel.hpp>
 
 #include <malloc.h>
@@ -17,14 +17,16 @@
 #include <random>
 #include <string>
 
+#include "apps/bench/json_row.h"
 #include "reconstruction/package/sh_palette.h"
 #include "sdk/core/files.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/math/sh.h"
+#include "tools/bench/arguments.h"
 
 namespace {
 
-std::atomic<int64_t> live = 0, peak = 0;  // of all threads: the renderer has some
+std::atomic<int64_t> live = 0, peak = 0;  // bytes on the heap, of all threads
 
 void* counted(size_t size, size_t alignment) {
     void* p = alignment > 16 ? std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment) : std::malloc(size ? size : 1);
@@ -39,7 +41,7 @@ void release(void* p) noexcept {
     std::free(p);
 }
 
-/** The avatar with `count` splats: its own again and again, each a little aside, smaller and of another colour. */
+/** The avatar with `count` splats: copies of its own, each moved a little, smaller and with another colour. */
 dpl::AvatarData blownUp(const dpl::AvatarData& a, uint32_t count, uint32_t shDegree) {
     dpl::AvatarData out = a;
     const dpl::SplatData& s = a.splats;
@@ -110,13 +112,16 @@ void operator delete[](void* p, size_t, std::align_val_t) noexcept {
 }
 
 int main(int argc, char** argv) {
-    if (argc < 2) return std::fprintf(stderr, "usage: %s AVATAR.glb [SPLATS] [SH DEGREE] [BIG.glb | -] [compact]\n", argv[0]), 2;
-    const uint32_t count = argc > 2 ? uint32_t(std::strtoul(argv[2], nullptr, 10)) : 533695,
-                   degree = argc > 3 ? uint32_t(std::strtoul(argv[3], nullptr, 10)) : 1;
+    const dpl::BenchArguments arguments(argc, argv);
+    if (arguments.count() < 1)
+        return std::fprintf(stderr, "usage: bench_load AVATAR.glb [SPLATS] [SH DEGREE] [BIG.glb | -] [compact] [--json FILE]\n"), 2;
+    const uint32_t count = uint32_t(arguments.number(1, 533695)), degree = uint32_t(arguments.number(2, 1));
+    const std::string keep = arguments.text(3, "-");
+    const bool compact = arguments.text(4) == "compact";
     if (count == 0 || count > (16u << 20) || degree > dpl::kMaxShDegree) return failed("1 to 16777216 splats of SH degree 0 to 3");
     std::vector<uint8_t> file;
     {
-        auto bytes = dpl::readFile(argv[1]);
+        auto bytes = dpl::readFile(arguments.text(0));
         if (!bytes) return failed(bytes.error().message);
         auto avatar = dpl::readAvatar(*bytes);
         if (!avatar) return failed(avatar.error().message);
@@ -125,11 +130,11 @@ int main(int argc, char** argv) {
         dpl::Jobs jobs(2);
         auto palette = dpl::paletteSh(big.splats, {.maxEntries = 4096, .refinements = 1}, jobs);
         if (!palette) return failed(palette.error().message);
-        auto written = dpl::writeAvatar(big, {.shPalette = true, .compact = argc > 5 && std::string(argv[5]) == "compact"});
+        auto written = dpl::writeAvatar(big, {.shPalette = true, .compact = compact});
         if (!written) return failed(written.error().message);
         file = std::move(*written);
-        if (argc > 4 && std::string(argv[4]) != "-")
-            if (auto kept = dpl::writeFileAtomically(argv[4], file); !kept) return failed(kept.error().message);
+        if (keep != "-")
+            if (auto kept = dpl::writeFileAtomically(keep, file); !kept) return failed(kept.error().message);
     }
     auto context = doppel::Context::create(DPL_RENDERER_SOFTWARE, 2);
     if (!context) return failed(context.error().message);
@@ -159,5 +164,13 @@ int main(int argc, char** argv) {
                 peakBytes / keptBytes);
     std::printf("load              %9.1f ms median, %.1f fastest, of %zu\n", milliseconds[milliseconds.size() / 2], milliseconds[0],
                 milliseconds.size());
-    return 0;
+    dpl::JsonRow row;
+    row.add("device", context->rendererName()).add("splats", count).add("sh_degree", degree);
+    row.add("encoding", compact ? "compact" : "plain").add("file_bytes", file.size());
+    row.add("splat_bytes", stats.splatBytes).add("avatar_bytes", stats.avatarBytes);
+    row.add("splat_share", double(stats.splatBytes) / ply).add("avatar_share", double(stats.avatarBytes) / ply);
+    row.add("kept_bytes", uint64_t(keptBytes)).add("peak_bytes", uint64_t(peakBytes)).add("peak_ratio", peakBytes / keptBytes);
+    row.add("load_ms", milliseconds[milliseconds.size() / 2]).add("load_ms_fastest", milliseconds[0]);
+    const dpl::Status written = arguments.writeJson(row.line());
+    return written ? 0 : failed(written.error().message);
 }

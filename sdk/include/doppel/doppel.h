@@ -110,16 +110,6 @@ typedef enum DplRenderer {
     DPL_RENDERER_FORCE_INT32 = 0x7fffffff
 } DplRenderer;
 
-typedef enum DplContextFlag {
-    DPL_CONTEXT_WITHOUT_CULLING = 1, /**< for measuring: no tier of culling on the GPU. Splats that are turned away, or too faint to be
-                                        seen, are sorted and drawn as well and add nothing; same pictures */
-    DPL_CONTEXT_WITHOUT_SHARED_STEREO = 2, /**< for measuring: the GPU draws two views as two frames, each with its own pose, culling and
-                                              order; where the axes are parallel the pictures are the same */
-    DPL_CONTEXT_WITHOUT_DEPTH_QUANTISATION = 4, /**< for measuring: the GPU sorts by 32-bit float depths and not by 16 bits of the visible
-                                                   interval (24 for general splats that reach beyond 8 m) */
-    DPL_CONTEXT_FORCE_INT32 = 0x7fffffff
-} DplContextFlag;
-
 /** How a GPU fills pixels. The pictures agree within the rounding of blending; the times do not. */
 typedef enum DplFill {
     DPL_FILL_AUTO = 0,  /**< a self-test draws known pixels both ways on the device, and the faster right one is kept: once a process,
@@ -134,7 +124,7 @@ typedef struct DplContextInfo {
     uint32_t structSize;
     DplRenderer renderer;
     uint32_t threadCount;    /**< CPU threads, the caller's included; 0: one a core. At most 256. Pictures do not depend on it. */
-    uint32_t flags;          /**< DplContextFlag, or-ed */
+    uint32_t flags;          /**< none is defined: 0 */
     DplFill fill;            /**< of GPUs; experimental */
     const char* cacheFolder; /**< an existing folder (UTF-8) that keeps what the self-test of DPL_FILL_AUTO found, one small file a device,
                                 for the next process; NULL: not kept. Experimental */

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <vector>
 
+#include "apps/reference/reference_renderer.h"
 #include "sdk/math/camera.h"
 #include "sdk/math/sh.h"
-#include "tests/reference/reference_renderer.h"
 
 namespace dpl::test {
 

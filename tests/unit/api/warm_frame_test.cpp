@@ -3,7 +3,7 @@
 // its operator new counts: every allocation of C++ code in the process, those of libdoppel and its threads too.
 #include <gtest/gtest.h>
 
-#include "apps/doppel/count_allocations.h"
+#include "apps/bench/count_allocations.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/ply.h"
 #include "sdk/include/doppel/doppel.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/doppel/checks.h"
+#include "apps/shared/checks.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

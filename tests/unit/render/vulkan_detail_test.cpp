@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Level of detail on Vulkan: the referee at levels in between, both eyes alike, and no pop while a camera walks away.
+#include "apps/reference/reference_detail.h"
 #include "sdk/format/splat_detail.h"
 #include "tests/reference/random_avatar.h"
-#include "tests/reference/reference_detail.h"
 #include "tests/reference/splat_room.h"
 #include "tests/unit/render/vulkan_image.h"
 

@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "apps/reference/reference_renderer.h"
 #include "tests/reference/image_compare.h"
-#include "tests/reference/reference_renderer.h"
 #include "tests/unit/render/tube_avatar.h"
 #include "tests/unit/render/vulkan_test_device.h"
 

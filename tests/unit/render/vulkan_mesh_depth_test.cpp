@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The GPU's mesh depth against a ray caster in double precision: random avatars in several poses, and meshes that are hard to draw.
+#include "apps/reference/reference_mesh.h"
 #include "tests/reference/mesh_depth_cases.h"
-#include "tests/reference/reference_mesh.h"
 #include "tests/unit/format/sample_correctives.h"
 #include "tests/unit/render/vulkan_image.h"
 

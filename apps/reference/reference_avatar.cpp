@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pose correctives, skinning and binding in double precision.
+#include <algorithm>
+#include <cmath>
+
+#include "apps/reference/reference_renderer.h"
+
+namespace dpl {
+namespace {
+
+constexpr double kMinAreaM2 = 1e-10, kMaxAspect = 1e4;
+constexpr double kDarkest = 0.2, kBrightest = 3;
+
+/** Rotation part of J = Q·S by Newton's iteration Q ← ½(Q + Q⁻ᵀ); J must have a positive determinant. */
+glm::dmat3 polarRotation(const glm::dmat3& j) {
+    glm::dmat3 q = j;
+    for (int i = 0; i < 100; ++i) {
+        const glm::dmat3 next = 0.5 * (q + glm::transpose(glm::inverse(q)));
+        double change = 0;
+        for (int c = 0; c < 3; ++c) change += glm::length(next[c] - q[c]);
+        q = next;
+        if (change < 1e-15) break;
+    }
+    return q;
+}
+
+glm::dmat3 rotationOf(const Quatf& rotation) {
+    const double x = rotation.x, y = rotation.y, z = rotation.z, w = rotation.w;
+    const double s = 2 / (x * x + y * y + z * z + w * w);
+    return glm::dmat3(1 - s * (y * y + z * z), s * (x * y + w * z), s * (x * z - w * y),   // column 0
+                      s * (x * y - w * z), 1 - s * (x * x + z * z), s * (y * z + w * x),   // column 1
+                      s * (x * z + w * y), s * (y * z - w * x), 1 - s * (x * x + y * y));  // column 2
+}
+
+}  // namespace
+
+std::vector<glm::dmat4> referenceJointTransforms(const std::vector<JointData>& joints, const Pose& pose) {
+    std::vector<glm::dmat4> world(joints.size());
+    for (size_t j = 0; j < joints.size(); ++j) {
+        const glm::dmat3 r = rotationOf(pose.localRotations[j]);
+        const glm::dvec3 p(joints[j].restPosition);
+        glm::dmat4 local(r);
+        local[3] = glm::dvec4(p - r * p, 1);
+        if (joints[j].parent >= 0) {
+            world[j] = world[size_t(joints[j].parent)] * local;
+        } else {
+            local[3] += glm::dvec4(glm::dvec3(pose.rootTranslation), 0);
+            world[j] = local;
+        }
+    }
+    return world;
+}
+
+std::vector<double> referenceCoefficients(const PoseCorrectiveData& c, const Pose& pose) {
+    std::vector<double> heard;
+    for (const uint32_t joint : c.joints) {
+        const glm::dmat3 turned = rotationOf(pose.localRotations[joint]) - glm::dmat3(1);
+        for (int column = 0; column < 2; ++column)
+            for (int row = 0; row < 3; ++row) heard.push_back(turned[column][row] - double(c.mean[heard.size()]));
+    }
+    std::vector<double> k(c.modeCount, 0.0);
+    double squares = 0;
+    for (size_t i = 0; i < k.size(); ++i) {
+        for (size_t f = 0; f < heard.size(); ++f) k[i] += double(c.modes[i * heard.size() + f]) * heard[f];
+        squares += k[i] * k[i];
+    }
+    // The part of the features that is orthogonal to every mode.
+    double off = 0;
+    for (const double f : heard) off += f * f;
+    for (size_t i = 0; i < k.size(); ++i) {
+        double mode = 0;
+        for (size_t f = 0; f < heard.size(); ++f) mode += double(c.modes[i * heard.size() + f]) * double(c.modes[i * heard.size() + f]);
+        if (mode > 0) off -= k[i] * k[i] / mode;
+    }
+    const double shorter = std::min(1.0, double(c.reach) / std::sqrt(squares));  // k = 0: reach/0 is infinite, and 1 is taken
+    const double fade = off > 0 ? std::min(1.0, double(c.reachOffModes) / std::sqrt(off)) : 1.0;
+    for (double& x : k) x *= shorter * fade;
+    return k;
+}
+
+ReferenceCorrection referenceCorrection(const AvatarData& avatar, const Pose& pose) {
+    const size_t vertices = avatar.mesh.restPositions.size();
+    ReferenceCorrection out{std::vector<glm::dvec3>(vertices, glm::dvec3(0)), std::vector<double>(vertices, 1.0)};
+    const PoseCorrectiveData& c = avatar.correctives;
+    if (c.nodeCount == 0) return out;
+    const std::vector<double> k = referenceCoefficients(c, pose);
+    for (size_t v = 0; v < vertices; ++v) {
+        for (int slot = 0; slot < 4; ++slot)
+            for (uint32_t i = 0; i < c.modeCount; ++i) {
+                const glm::dvec4 value(c.nodes[size_t(c.nodeIndices[v][slot]) * c.modeCount + i]);
+                const double share = k[i] * double(c.nodeWeights[v][slot]) / 255.0;
+                out.offset[v] += share * glm::dvec3(value);
+                out.light[v] += share * value.w;
+            }
+        out.light[v] = std::clamp(out.light[v], kDarkest, kBrightest);
+    }
+    return out;
+}
+
+std::vector<glm::dvec3> referenceSkin(const AvatarData& avatar, const Pose& pose) {
+    const std::vector<glm::dmat4> joints = referenceJointTransforms(avatar.joints, pose);
+    const MeshData& mesh = avatar.mesh;
+    const ReferenceCorrection correction = referenceCorrection(avatar, pose);
+    std::vector<glm::dvec3> positions(mesh.restPositions.size());
+    for (size_t v = 0; v < positions.size(); ++v) {
+        glm::dvec4 sum(0);
+        const glm::dvec4 rest(glm::dvec3(mesh.restPositions[v]) + correction.offset[v], 1);
+        for (int k = 0; k < 4; ++k) {
+            const double weight = double(mesh.jointWeights[v][k]) / 255.0;
+            if (weight > 0) sum += weight * (joints[mesh.jointIndices[v][k]] * rest);
+        }
+        positions[v] = glm::dvec3(sum);
+    }
+    return positions;
+}
+
+ReferenceScene sceneOf(const AvatarData& avatar, const Pose& pose) {
+    ReferenceScene scene;
+    for (const Vec3f& p : avatar.mesh.restPositions) scene.rest.emplace_back(p);
+    scene.posed = referenceSkin(avatar, pose);
+    if (avatar.correctives.nodeCount) scene.light = referenceCorrection(avatar, pose).light;
+    scene.triangles = avatar.mesh.triangles;
+    scene.shDegree = avatar.splats.shDegree;
+    const SplatData& s = avatar.splats;
+    const size_t coefficients = size_t(s.shDegree + 1) * (s.shDegree + 1) * 3;
+    for (uint32_t t = 0; t < scene.triangles.size() && t + 1 < s.triangleStart.size(); ++t)
+        for (uint32_t i = s.triangleStart[t]; i < s.triangleStart[t + 1]; ++i) {
+            ReferenceBoundSplat b{t, glm::dvec2(s.uv[i]), s.phi[i], glm::dvec2(s.scaleM[i]), s.opacity[i], s.flags[i], {}};
+            b.sh.assign(s.sh.begin() + ptrdiff_t(i * coefficients), s.sh.begin() + ptrdiff_t((i + 1) * coefficients));
+            scene.splats.push_back(std::move(b));
+        }
+    return scene;
+}
+
+ReferenceGaussian referenceGaussian(const ReferenceScene& scene, const ReferenceBoundSplat& splat) {
+    ReferenceGaussian g;
+    g.valid = false;
+    const glm::uvec3 t = scene.triangles[splat.triangle];
+    const glm::dvec3 a0 = scene.rest[t.x], e1 = scene.rest[t.y] - a0, e2 = scene.rest[t.z] - a0;
+    const glm::dvec3 v0 = scene.posed[t.x], v1 = scene.posed[t.y], v2 = scene.posed[t.z], d1 = v1 - v0, d2 = v2 - v0, d3 = v2 - v1;
+    const glm::dvec3 restCross = glm::cross(e1, e2), posedCross = glm::cross(d1, d2);
+    const double restArea = glm::length(restCross) / 2, posedArea = glm::length(posedCross) / 2;
+    if (!(restArea > kMinAreaM2) || !(posedArea > kMinAreaM2)) return g;
+    const double longest = std::max({glm::length(d1), glm::length(d2), glm::length(d3)});
+    if (!(longest * longest / (2 * posedArea) < kMaxAspect)) return g;
+
+    const glm::dvec3 n = glm::normalize(restCross), t1 = glm::normalize(e1), t2 = glm::cross(n, t1);
+    const glm::dmat2 d(glm::dot(e1, t1), glm::dot(e1, t2), glm::dot(e2, t1), glm::dot(e2, t2));  // columns: edges in the plane
+    const glm::dmat2 inverse = glm::inverse(d);
+    const glm::dvec3 f0 = d1 * inverse[0][0] + d2 * inverse[0][1], f1 = d1 * inverse[1][0] + d2 * inverse[1][1];  // F = [d1 d2]·D⁻¹
+    const double c = std::cos(splat.phi), s = std::sin(splat.phi);
+    g.axes[0] = splat.scaleM.x * (c * f0 + s * f1);
+    g.axes[1] = splat.scaleM.y * (-s * f0 + c * f1);
+    g.centre = (1 - splat.uv.x - splat.uv.y) * v0 + splat.uv.x * v1 + splat.uv.y * v2;
+    g.normal = glm::normalize(posedCross);
+    g.worldFromRest = polarRotation(glm::dmat3(f0, f1, g.normal) * glm::transpose(glm::dmat3(t1, t2, n)));
+    g.opacity = splat.opacity;
+    g.singleFace = splat.flags & kSplatSingleFace;
+    g.cloth = splat.flags & kSplatCloth;
+    g.shDegree = scene.shDegree;
+    g.sh = splat.sh;
+    if (!scene.light.empty())
+        g.light = (1 - splat.uv.x - splat.uv.y) * scene.light[t.x] + splat.uv.x * scene.light[t.y] + splat.uv.y * scene.light[t.z];
+    g.valid = true;
+    return g;
+}
+
+ReferenceGaussian referenceGaussian(const StaticSplatData& splats, uint32_t index) {
+    ReferenceGaussian g;
+    const glm::dmat3 r = rotationOf(splats.rotation[index]);
+    for (int k = 0; k < 3; ++k) g.axes[k] = r[k] * double(splats.scaleM[index][k]);
+    g.centre = glm::dvec3(splats.position[index]);
+    g.opacity = splats.opacity[index];
+    g.shDegree = splats.shDegree;
+    const size_t coefficients = size_t(splats.shDegree + 1) * (splats.shDegree + 1) * 3;
+    g.sh.assign(splats.sh.begin() + ptrdiff_t(index * coefficients), splats.sh.begin() + ptrdiff_t((index + 1) * coefficients));
+    return g;
+}
+
+}  // namespace dpl

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// The referee (docs/reference): pose correctives, skinning, binding, projection, SH and blending in double precision.
+//
+// It reads the plain structs of sdk/format and sdk/avatar but calls nothing of sdk/math or sdk/splat. Units are metres, radians and
+// pixels; pixel (i, j) has its centre at (i + 0.5, j + 0.5); everything is single-threaded, pure and slow.
+//
+// A finite difference of a whole image:
+//     ReferenceScene scene = sceneOf(avatar, pose);
+//     scene.splats[7].phi += h;                      // or scene.posed[vertex].x, scene.splats[i].sh[k] ...
+//     ReferenceImage plus = renderReference(scene, camera, {.minAlpha = 0, .minTransmittance = 0, .clampColour = false});
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "sdk/avatar/rig.h"
+#include "sdk/format/avatar_data.h"
+
+namespace dpl {
+
+/** x right, y down, z forward; X_view = R X_world + t. Same meaning as PinholeCamera, no code shared. */
+struct ReferenceCamera {
+    uint32_t widthPx = 0, heightPx = 0;
+    double fx = 0, fy = 0, cx = 0, cy = 0;
+    glm::dmat3 rotation{1};
+    glm::dvec3 translation{0};
+};
+
+/** From any camera struct with the fields of PinholeCamera. */
+template <class Camera>
+ReferenceCamera referenceCamera(const Camera& c) {
+    return {c.widthPx,
+            c.heightPx,
+            double(c.fx),
+            double(c.fy),
+            double(c.cx),
+            double(c.cy),
+            glm::dmat3(c.viewFromWorldRotation),
+            glm::dvec3(c.viewFromWorldTranslation)};
+}
+
+/** Switches for tests. The cut-offs make the image discontinuous: set both to 0 for finite differences. */
+struct ReferenceOptions {
+    double kappaPx2 = 0.3;
+    bool compensated = true;
+    double minAlpha = 1.0 / 255.0;
+    double minTransmittance = 1e-4;  // a pixel whose T is at or below this takes no further splat
+    bool clampColour = true;
+    std::vector<float>
+        sceneDepthM;  // depth of the app's opaque scene, one a pixel; splats behind it are hidden. Empty, or values of 0 and less: no scene
+    bool fourSamples = false;  // average four samples of each pixel, each low-passed to a quarter of it
+};
+
+/** One splat in the world: two axes (flat) or three (general). */
+struct ReferenceGaussian {
+    glm::dvec3 centre{0};
+    glm::dvec3 axes[3] = {glm::dvec3(0), glm::dvec3(0), glm::dvec3(0)};  // unit vectors × standard deviation
+    glm::dvec3 normal{0, 0, 1};
+    glm::dmat3 worldFromRest{1};
+    double opacity = 0;
+    bool singleFace = false, cloth = false, valid = true;
+    uint32_t shDegree = 0;
+    std::vector<double> sh;  // (degree+1)²·3, coefficient-major
+    double light = 1;        // brightness L: multiplies the colour before it is clamped
+};
+
+/** One splat in one view. visible is false behind the near plane (0.05 m) and for numbers that are not finite. */
+struct ReferenceFootprint {
+    bool visible = false;
+    glm::dvec2 centrePx{0};
+    glm::dmat2 covariance{1};  // Σ' with κ, px²
+    glm::dmat2 conic{1};       // its inverse
+    double compensation = 1, gate = 1, nearFade = 1;
+    double opacity = 0;  // opacity · compensation · gate · nearFade
+    double depthM = 0;
+    glm::dvec3 colour{0};
+    bool cloth = false;
+};
+
+ReferenceFootprint projectReference(const ReferenceGaussian& splat, const ReferenceCamera& camera, const ReferenceOptions& options = {});
+
+/** min(0.99, opacity·exp(−σ)) at a point of the image, before the cut-off. */
+double referenceAlpha(const ReferenceFootprint& footprint, const glm::dvec2& pointPx);
+
+/** A bound splat with double parameters, free to be perturbed. */
+struct ReferenceBoundSplat {
+    uint32_t triangle = 0;
+    glm::dvec2 uv{0};
+    double phi = 0;
+    glm::dvec2 scaleM{0};
+    double opacity = 0;
+    uint8_t flags = 0;  // kSplatSingleFace | kSplatCloth
+    std::vector<double> sh;
+};
+
+/** A posed avatar with double numbers everywhere. */
+struct ReferenceScene {
+    std::vector<glm::dvec3> rest, posed;  // V; rest: what splats are bound to, without correctives
+    std::vector<double> light;            // V, brightness; empty: 1
+    std::vector<glm::uvec3> triangles;
+    std::vector<ReferenceBoundSplat> splats;
+    uint32_t shDegree = 0;
+};
+
+/** G_j = G_parent·[R_j | p_j − R_j p_j] with the root shifted by pose.rootTranslation; rotations are normalised. */
+std::vector<glm::dmat4> referenceJointTransforms(const std::vector<JointData>& joints, const Pose& pose);
+
+/** Coefficients k of a pose: features (two columns of the rotation of each joint that counts, minus the identity's), minus the mean,
+ *  projected on the modes, shortened to `reach` and faded beyond `reachOffModes`. */
+std::vector<double> referenceCoefficients(const PoseCorrectiveData& correctives, const Pose& pose);
+/** Offset of the rest surface (metres) and brightness of each vertex, L in [0.2, 3]; zeros and ones without correctives. */
+struct ReferenceCorrection {
+    std::vector<glm::dvec3> offset;
+    std::vector<double> light;
+};
+ReferenceCorrection referenceCorrection(const AvatarData& avatar, const Pose& pose);
+
+/** Skins the corrected rest surface. */
+std::vector<glm::dvec3> referenceSkin(const AvatarData& avatar, const Pose& pose);
+ReferenceScene sceneOf(const AvatarData& avatar, const Pose& pose);
+
+/** Binding (docs/reference/binding.md): world axes, centre, normal and polar rotation. valid is false on degenerate triangles. */
+ReferenceGaussian referenceGaussian(const ReferenceScene& scene, const ReferenceBoundSplat& splat);
+ReferenceGaussian referenceGaussian(const StaticSplatData& splats, uint32_t index);
+
+/** Premultiplied, display-referred, row-major, top row first. */
+struct ReferenceImage {
+    uint32_t widthPx = 0, heightPx = 0;
+    std::vector<double> rgb;     // 3 a pixel
+    std::vector<double> alpha;   // 1 − T
+    std::vector<double> cloth;   // Σ αT over cloth splats
+    std::vector<double> depthM;  // Σ αTz / Σ αT, 0 where nothing is
+};
+
+/** Blends in order of view depth, ties by index. */
+ReferenceImage renderReference(const std::vector<ReferenceGaussian>& splats, const ReferenceCamera& camera,
+                               const ReferenceOptions& options = {});
+ReferenceImage renderReference(const ReferenceScene& scene, const ReferenceCamera& camera, const ReferenceOptions& options = {});
+/** Whether a view of the avatar is drawn with four samples a pixel: at the root joint its pixels are more than 5/4 times as coarse as those
+ *  of the training. Both eyes of a frame take the answer of the finer one. */
+bool referenceFourSamples(const AvatarData& avatar, const Pose& pose, const ReferenceCamera& camera);
+/** κ, compensation and samples as the avatar says. */
+ReferenceImage renderReference(const AvatarData& avatar, const Pose& pose, const ReferenceCamera& camera,
+                               const std::vector<float>& sceneDepthM = {});
+/** Uncompensated by default, as plain 3D Gaussian splatting files are trained. */
+ReferenceImage renderReference(const StaticSplatData& splats, const ReferenceCamera& camera,
+                               const ReferenceOptions& options = {.compensated = false});
+
+}  // namespace dpl

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/shared/checks.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <numeric>
+
+#include "sdk/core/result.h"
+
+namespace dpl {
+namespace {
+
+constexpr uint32_t kMaxSidePx = 8192;
+
+/** Levenshtein distance: the fewest letters inserted, removed or replaced that turn one word into the other. */
+size_t editDistance(std::string_view a, std::string_view b) {
+    std::vector<size_t> row(b.size() + 1);
+    std::iota(row.begin(), row.end(), size_t(0));
+    for (size_t i = 0; i < a.size(); ++i) {
+        size_t diagonal = row[0]++;
+        for (size_t j = 0; j < b.size(); ++j) {
+            const size_t replaced = diagonal + (a[i] != b[j]);
+            diagonal = row[j + 1];
+            row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
+        }
+    }
+    return row.back();
+}
+
+std::vector<const CLI::App*> commandsOf(const CLI::App& app) {
+    return app.get_subcommands([](const CLI::App*) { return true; });
+}
+
+}  // namespace
+
+CLI::Validator inRange(double low, double high) {
+    const auto check = [low, high](const std::string& text) -> std::string {
+        double value = 0;
+        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+        if (error == std::errc() && end == text.data() + text.size() && std::isfinite(value) && value >= low && value <= high) return {};
+        return formatText("'{}' is not a number from {} to {}", text, low, high);
+    };
+    return {check, formatText("from {} to {}", low, high)};
+}
+
+std::optional<PictureSize> parsePictureSize(std::string_view text) {
+    PictureSize size;
+    const char* const end = text.data() + text.size();
+    const auto width = std::from_chars(text.data(), end, size.widthPx);
+    if (width.ec != std::errc() || width.ptr == end || *width.ptr != 'x') return std::nullopt;
+    const auto height = std::from_chars(width.ptr + 1, end, size.heightPx);
+    if (height.ec != std::errc() || height.ptr != end) return std::nullopt;
+    const auto allowed = [](uint32_t sidePx) { return sidePx >= 1 && sidePx <= kMaxSidePx; };
+    if (!allowed(size.widthPx) || !allowed(size.heightPx)) return std::nullopt;
+    return size;
+}
+
+CLI::Validator isPictureSize() {
+    const auto check = [](const std::string& text) -> std::string {
+        if (parsePictureSize(text)) return {};
+        return formatText("'{}' is not WIDTHxHEIGHT with sides from 1 to {}, like 720x1280", text, kMaxSidePx);
+    };
+    return {check, "WIDTHxHEIGHT"};
+}
+
+CLI::Validator isOutputFile(std::vector<std::string> extensions, bool orFolder) {
+    std::string allowed;
+    for (const std::string& extension : extensions) allowed += (allowed.empty() ? "" : ", ") + extension;
+    const auto check = [=](const std::string& text) -> std::string {
+        namespace fs = std::filesystem;
+        const fs::path path = text;
+        std::error_code ignored;
+        const std::string extension = path.extension().string();
+        if (orFolder && extension.empty()) return {};
+        if (fs::is_directory(path, ignored)) return formatText("{} is a folder; name a file in it", text);
+        if (!extensions.empty() && std::find(extensions.begin(), extensions.end(), extension) == extensions.end())
+            return formatText("{}: the name must end in {}{}", text, allowed, orFolder ? ", or name a folder" : "");
+        const fs::path folder = path.has_parent_path() ? path.parent_path() : ".";
+        if (!fs::is_directory(folder, ignored)) return formatText("{}: there is no folder {}; make it first", text, folder.string());
+        return {};
+    };
+    return {check, allowed.empty() ? "FILE" : allowed};
+}
+
+std::string unknownCommand(const CLI::App& app, int argc, const char* const* argv) {
+    const CLI::App* at = &app;
+    for (int i = 1; i < argc; ++i) {
+        const std::string_view word = argv[i];
+        const std::vector<const CLI::App*> commands = commandsOf(*at);
+        if (commands.empty()) return {};
+        if (word.starts_with('-')) continue;
+        const auto found = std::find_if(commands.begin(), commands.end(), [&](const CLI::App* c) { return c->get_name() == word; });
+        if (found != commands.end()) {
+            at = *found;
+            continue;
+        }
+        std::string names;
+        for (const CLI::App* c : commands) names += (names.empty() ? "" : ", ") + c->get_name();
+        const CLI::App* nearest = *std::min_element(commands.begin(), commands.end(), [&](const CLI::App* a, const CLI::App* b) {
+            return editDistance(word, a->get_name()) < editDistance(word, b->get_name());
+        });
+        const bool alike = editDistance(word, nearest->get_name()) <= 2;
+        return formatText("unknown command '{}'{}; the commands are {}", word,
+                          alike ? formatText(" (did you mean '{}'?)", nearest->get_name()) : "", names);
+    }
+    return {};
+}
+
+}  // namespace dpl

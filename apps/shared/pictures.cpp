@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/shared/pictures.h"
+
+#include <cmath>
+
+#include "reconstruction/report/sdk_camera.h"
+#include "sdk/core/files.h"
+
+namespace dpl {
+
+Error fromSdk(const doppel::Error& error) {
+    const Code code = error.code == DPL_ERROR_INVALID_ARGUMENT ? Code::InvalidArgument
+                      : error.code == DPL_ERROR_CORRUPT_DATA   ? Code::CorruptData
+                      : error.code == DPL_ERROR_UNSUPPORTED    ? Code::Unsupported
+                      : error.code == DPL_ERROR_NOT_FOUND      ? Code::NotFound
+                      : error.code == DPL_ERROR_VERSION        ? Code::Version
+                                                               : Code::Device;
+    return {code, error.message};
+}
+
+Result<uint32_t> chooseClip(doppel::Avatar& avatar, const std::string& clip) {
+    auto info = avatar.info();
+    if (!info) return fromSdk(info.error());
+    std::string names;
+    for (uint32_t i = 0; i < info->clipCount; ++i) {
+        auto about = avatar.clip(i);
+        if (!about) return fromSdk(about.error());
+        if (clip == about->name) return i;
+        names += (names.empty() ? "" : ", ") + std::string(about->name);
+    }
+    auto bytes = readFile(clip, uint64_t(512) << 20);
+    if (!bytes)
+        return fail(bytes.error().code, "--clip {} is neither a clip of the avatar ({}) nor a readable BVH or glTF file", clip,
+                    names.empty() ? "it has none" : names);
+    DplClipOptions how{};
+    how.structSize = sizeof how;
+    how.flags = DPL_CLIP_IN_PLACE;  // the camera stands still, so the walker walks on the spot
+    auto loaded = avatar.loadClip(*bytes, &how);
+    if (!loaded) return fail(fromSdk(loaded.error()).code, "{}: {}", clip, loaded.error().message);
+    return *loaded;
+}
+
+DplFill fillOf(const std::string& name) {
+    return name == "quads" ? DPL_FILL_QUADS : name == "tiles" ? DPL_FILL_TILES : DPL_FILL_AUTO;
+}
+
+Mat3d uprightFromFile(const std::string& axes) {
+    if (axes == "y-down") return Mat3d(1, 0, 0, 0, -1, 0, 0, 0, -1);
+    if (axes == "z-up") return Mat3d(1, 0, 0, 0, 0, -1, 0, 1, 0);
+    if (axes == "z-down") return Mat3d(1, 0, 0, 0, 0, 1, 0, -1, 0);
+    return Mat3d(1);
+}
+
+Cameraf frameAvatar(const DplAvatarInfo& avatar, uint32_t widthPx, uint32_t heightPx, double azimuthRad, const Mat3d& uprightFromFile) {
+    const Vec3d corner = uprightFromFile * Vec3d(avatar.restMin[0], avatar.restMin[1], avatar.restMin[2]);
+    const Vec3d opposite = uprightFromFile * Vec3d(avatar.restMax[0], avatar.restMax[1], avatar.restMax[2]);
+    const Vec3d low = glm::min(corner, opposite), high = glm::max(corner, opposite);
+    const Vec3d middle = 0.5 * (low + high);
+    const double halfHeight = 0.5 * (high.y - low.y), halfWidth = 0.5 * std::hypot(high.x - low.x, high.z - low.z);
+    constexpr double kHalfFovY = 0.3, kMargin = 1.12;  // a 34° lens, as for a portrait of a whole person
+    const double focal = 0.5 * heightPx / std::tan(kHalfFovY);
+    const double distance = kMargin * std::max(halfHeight * focal / (0.5 * heightPx), halfWidth * focal / (0.5 * widthPx)) + halfWidth;
+    // View axes in the world: z looks from the eye to the middle, y is down.
+    const Vec3d back(std::sin(azimuthRad), 0, std::cos(azimuthRad));
+    const Vec3d eye = middle + distance * back, z = -back, y(0, -1, 0), x = glm::cross(y, z);
+    Camerad camera;
+    camera.widthPx = widthPx, camera.heightPx = heightPx;
+    camera.fx = camera.fy = focal;
+    camera.cx = 0.5 * widthPx, camera.cy = 0.5 * heightPx;
+    camera.viewFromWorldRotation = glm::transpose(Mat3d(x, y, z));
+    camera.viewFromWorldTranslation = -(camera.viewFromWorldRotation * eye);
+    camera.viewFromWorldRotation = camera.viewFromWorldRotation * uprightFromFile;  // quarter turns: the box stays a box
+    return camera.cast<float>();
+}
+
+Cameraf shiftedSideways(const Cameraf& camera, double metres) {
+    Cameraf shifted = camera;
+    shifted.viewFromWorldTranslation.x -= float(metres);
+    return shifted;
+}
+
+Result<std::vector<std::vector<uint8_t>>> drawViews(const doppel::Context& context, std::span<const DplAvatar> row,
+                                                    std::span<const Cameraf> views) {
+    std::vector<std::vector<uint8_t>> pixels(views.size());
+    std::vector<DplCamera> cameras;
+    std::vector<DplImage> images;
+    for (size_t i = 0; i < views.size(); ++i) {
+        pixels[i].resize(size_t(views[i].widthPx) * views[i].heightPx * 4);
+        cameras.push_back(sdkCamera(views[i]));
+        DplImage image{};
+        image.structSize = sizeof image;
+        image.flags = DPL_IMAGE_STRAIGHT_ALPHA;
+        image.rgba = pixels[i].data();
+        image.rgbaBytes = pixels[i].size();
+        images.push_back(image);
+    }
+    if (auto drawn = context.renderTogether(row, cameras, images); !drawn) return fromSdk(drawn.error());
+    return pixels;
+}
+
+std::vector<uint8_t> sideBySide(std::span<const std::vector<uint8_t>> views, uint32_t widthPx, uint32_t heightPx) {
+    std::vector<uint8_t> rgb(views.size() * widthPx * heightPx * 3);
+    for (uint32_t row = 0; row < heightPx; ++row) {
+        const float background = 236.0f - 40.0f * float(row) / float(heightPx);
+        for (size_t view = 0; view < views.size(); ++view)
+            for (uint32_t column = 0; column < widthPx; ++column) {
+                const uint8_t* in = &views[view][(size_t(row) * widthPx + column) * 4];
+                uint8_t* out = &rgb[((size_t(row) * views.size() + view) * widthPx + column) * 3];
+                const float alpha = float(in[3]) / 255.0f;
+                for (int c = 0; c < 3; ++c) out[c] = uint8_t(float(in[c]) * alpha + background * (1 - alpha) + 0.5f);
+            }
+    }
+    return rgb;
+}
+
+}  // namespace dpl

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// An avatar, or general splats, as the plain frame reads them: static records of floats, checked against the device before any upload.
+// Frozen.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "sdk/backend/backend.h"
+#include "sdk/format/avatar_data.h"
+#include "tools/bench/baseline/shaders/shared/frame.h"
+
+namespace dpl::plain {
+
+struct Records {
+    std::vector<VertexRecord> vertices;
+    std::vector<CorrectedVertexRecord> correctedVertices;  // instead of `vertices` when the avatar has pose correctives
+    std::vector<TriangleRecord> triangles;
+    std::vector<SplatRecord> splats;
+};
+
+/** Refuses records that do not fit a binding of the device. The avatar is valid as readAvatar promises. */
+Status checkFits(const AvatarData& avatar, const DeviceInfo& device);
+Status checkFits(const StaticSplatData& splats, const DeviceInfo& device);
+
+Records pack(const AvatarData& avatar);
+std::vector<GeneralSplatRecord> pack(const StaticSplatData& splats);
+
+/** The palette of a pose: three rows a joint, then the control nodes. `out` has paletteRows entries; it may be mapped memory. */
+size_t paletteRows(const AvatarData& avatar);
+void packPalette(std::span<const Mat3x4f> worldFromRest, std::span<const Vec4f> nodes, std::span<vec4> out);
+
+/** What a frame must know of the splats it draws. */
+struct SplatSet {
+    uint32_t count = 0, shDegree = 0;
+    float kappaPx2 = 0;
+    bool compensated = false;
+};
+
+/** What a frame of one view takes from the CPU. */
+FrameData packFrame(const SplatSet& splats, const Cameraf& view);
+
+}  // namespace dpl::plain
