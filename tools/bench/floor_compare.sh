@@ -2,16 +2,17 @@
 # SPDX-License-Identifier: Apache-2.0
 # Races the software renderer against the research floor on the same PLY in the same run and prints the ratio of medians.
 #
-#   tools/bench/floor_compare.sh BENCH_SPLAT [PROTO_DIR [ROUNDS]]
+#   tools/bench/floor_compare.sh BENCH_SPLAT [PROTO_DIR [ROUNDS [--json FILE]]]
 #
 # BENCH_SPLAT: the built bench_splat. PROTO_DIR: folder with floor.cpp and scene.cpp (default ../shared/research/proto-splat beside
-# this checkout). Their programs and the 132 MB PLY are built in ${DOPPEL_FLOOR_DIR:-/tmp/doppel-floor} and kept for the next run.
+# this checkout). Its programs and a PLY of 132 MB are made in ${DOPPEL_FLOOR_DIR:-/tmp/doppel-floor} and kept for the next run.
 # Exit code 1 when the ratio is above DOPPEL_FLOOR_BAR (default 1.5).
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 bench=${1:?usage: floor_compare.sh BENCH_SPLAT [PROTO_DIR [ROUNDS]]}
 proto=${2:-$here/../../../shared/research/proto-splat}
 rounds=${3:-5}
+json=${5:-}  # behind --json
 work=${DOPPEL_FLOOR_DIR:-/tmp/doppel-floor}
 [ -f "$proto/floor.cpp" ] || { echo "floor_compare: no floor.cpp in $proto; give its folder as second argument" >&2; exit 2; }
 mkdir -p "$work"
@@ -39,5 +40,11 @@ echo "step         floor    doppel"
 for step in project+SH sort bin raster total-median; do
     printf '%-12s %7s  %7s\n' "$step" "$(field "$work/floor.txt" "$step")" "$(field "$work/ours.txt" "$step")"
 done
+if [ -n "$json" ]; then
+    for step in project+SH sort bin raster total-median; do
+        awk -v step="$step" -v rounds="$rounds" -v a="$(field "$work/ours.txt" "$step")" -v b="$(field "$work/floor.txt" "$step")" 'BEGIN {
+            printf "{\"device\":\"software\",\"step\":\"%s\",\"rounds\":%d,\"floor_ms\":%s,\"doppel_ms\":%s,\"ratio\":%.4f}\n", step, rounds, b, a, a / b}'
+    done >"$json"
+fi
 awk -v a="$(field "$work/ours.txt" total-median)" -v b="$(field "$work/floor.txt" total-median)" -v bar="${DOPPEL_FLOOR_BAR:-1.5}" \
     'BEGIN {printf "ratio %.2f (bar %.2f)\n", a / b, bar; exit a / b > bar}'

@@ -1,0 +1,101 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of tools/bench/publish: tables, bars, raw files, and a run that is cut off."""
+import contextlib
+import io
+import pathlib
+import sys
+import tempfile
+import unittest
+from unittest import mock
+
+sys.dont_write_bytecode = True
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tools/bench"))
+
+from publishing import benches, command, machine, markdown, pages, raw  # noqa: E402
+
+
+class Tables(unittest.TestCase):
+    def test_a_row_with_a_cell_too_many_is_refused(self):
+        with self.assertRaisesRegex(ValueError, "3 cells under 2 headings"):
+            markdown.table(["a", "b"], [["1", "2"], ["1", "2", "3"]])
+
+    def test_a_bar_is_marked_as_met_or_missed(self):
+        row = {"ms": 30, "db": 22.5, "bars": {"ms": benches.at_most(40), "db": benches.at_least(23)}}
+        self.assertEqual(markdown.barred(row, "ms", 1, "ms"), "30.0 ms (met: ≤ 40)")
+        self.assertEqual(markdown.barred(row, "db", 2, "dB"), "22.50 dB (**missed**: ≥ 23)")
+        self.assertEqual(markdown.barred(row, "nothing"), markdown.NOTHING)
+        row = {"load": 976.4, "share": 0.071, "bars": {"load": benches.at_most(500), "share": benches.at_most(0.14)}}
+        self.assertEqual(markdown.barred(row, "load", 0, "ms"), "976 ms (**missed**: ≤ 500)")
+        self.assertEqual(markdown.barred(row, "share", 1, "%", 100), "7.1 % (met: ≤ 14)")
+        self.assertIs(raw.met({"ms": 40, "bars": {"ms": benches.at_most(40)}}, "ms"), True)
+
+    def test_a_page_is_written_when_nothing_was_taken(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            (root / "docs/benchmarks").mkdir(parents=True)
+            written = pages.write_all(root, root / "docs")
+            self.assertIn("Not taken yet: `tools/bench/publish --only floor`", (root / "docs/benchmarks/floor.md").read_text())
+            self.assertEqual(len(written), len(pages.PAGES) + 1)
+
+
+class Runs(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = pathlib.Path(folder.name)
+        self.taken = []
+
+    def bench(self, name, fails=lambda: None):
+        def take(place):
+            self.taken.append(name)
+            fails()
+            return [{"device": "test", "ms": 1.5, "bars": {"ms": benches.at_most(2)}}]
+        return benches.Bench(name, "quick", 1, name, name, (), take)
+
+    def run_all(self, wanted):
+        options = command.parse(["--work", str(self.root / "work"), "--build", str(self.root)])
+        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()) as errors:
+            failed = command.run_benches(options, self.root, wanted)
+        return failed, errors.getvalue()
+
+    def test_raw_figures_say_on_what_they_were_taken(self):
+        self.assertEqual(self.run_all([self.bench("one")])[0], [])
+        file = raw.Store(self.root / "docs/benchmarks").get("one")
+        self.assertEqual(file["rows"][0]["ms"], 1.5)
+        for field in ("date", "commit", "compiler", "processor", "driver", "loaded", "other_work_cores"):
+            self.assertIn(field, file["run"])
+
+    def test_a_run_that_is_cut_off_continues_where_it_stopped(self):
+        def interrupted():
+            raise KeyboardInterrupt
+        with self.assertRaises(KeyboardInterrupt):
+            self.run_all([self.bench("one"), self.bench("two", interrupted)])
+        self.run_all([self.bench("one"), self.bench("two")])
+        self.assertEqual(self.taken, ["one", "two", "two"])
+        self.run_all([self.bench("one"), self.bench("two")])
+        self.assertEqual(self.taken, ["one", "two", "two", "one", "two"], "a finished run is not continued")
+
+    def test_a_bench_that_fails_leaves_the_old_figures_and_the_others_run(self):
+        def broken():
+            raise benches.BenchError("no device")
+        self.run_all([self.bench("one"), self.bench("two")])
+        before = (self.root / "docs/benchmarks/one.json").read_text()
+        failed, errors = self.run_all([self.bench("one", broken), self.bench("two")])
+        self.assertEqual(failed, ["one"])
+        self.assertIn("no device", errors)
+        self.assertEqual((self.root / "docs/benchmarks/one.json").read_text(), before)
+        self.assertEqual(self.taken[-2:], ["one", "two"])
+
+    def test_other_work_makes_a_run_loaded(self):
+        with mock.patch.object(machine, "busy_seconds", side_effect=[0.0, 1000.0]):
+            other = machine.OtherWork()
+            self.assertTrue(other.stop()["loaded"])
+        with mock.patch.object(machine, "busy_seconds", side_effect=[5.0, 5.0]):
+            other = machine.OtherWork()
+            self.assertFalse(other.stop()["loaded"])
+
+
+if __name__ == "__main__":
+    unittest.main()

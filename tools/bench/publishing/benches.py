@@ -1,0 +1,290 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every bench: the programs it needs, how it is run, and the rows that are kept of it."""
+import dataclasses
+import json
+import pathlib
+import shutil
+import subprocess
+
+
+class BenchError(Exception):
+    """One sentence for a person."""
+
+
+class Skipped(Exception):
+    """The bench cannot run here; says what is missing."""
+
+
+def at_most(value):
+    return {"value": value, "kind": "at most"}
+
+
+def at_least(value):
+    return {"value": value, "kind": "at least"}
+
+
+@dataclasses.dataclass
+class Place:
+    """Where things lie, and what was asked for."""
+
+    root: pathlib.Path
+    build: pathlib.Path
+    shared: pathlib.Path
+    work: pathlib.Path
+    given_avatar: pathlib.Path | None = None
+    repeats: int = 9
+
+    def program(self, target):
+        folder = self.build / ("apps/doppel" if target == "doppel" else "tools/bench")
+        if not (folder / target).exists():
+            raise BenchError(f"{folder / target} is not built: build it, or leave out --no-build")
+        return folder / target
+
+    def avatar(self):
+        """The procedural subject of seed 1 at draft quality: what tools/demo makes."""
+        if self.given_avatar:
+            return self.given_avatar
+        made = self.work / "quality-procedural-1/avatar.glb"
+        if not made.exists():
+            reconstruct(self, "quality-procedural-1", sample(self, 1), ["--preset", "draft"])
+        return made
+
+    def run(self, log, command):
+        """Runs a program, its output into a log. Gives its standard output."""
+        self.work.mkdir(parents=True, exist_ok=True)
+        path = self.work / f"{log}.log"
+        with open(path, "w", encoding="utf-8") as errors:
+            done = subprocess.run([str(c) for c in command], cwd=self.root, stdout=subprocess.PIPE, stderr=errors, text=True)
+        if done.returncode != 0:
+            last = [line for line in path.read_text(errors="replace").replace("\r", "\n").splitlines() if line.strip()][-1:]
+            raise BenchError(f"{pathlib.Path(command[0]).name} failed with code {done.returncode}: {' '.join(last)} (log: {path})")
+        return done.stdout
+
+    def json_lines(self, log, command):
+        """Runs a bench program with --json FILE behind its arguments and reads that file."""
+        path = self.work / f"{log}.jsonl"
+        path.unlink(missing_ok=True)
+        self.run(log, [*command, "--json", path])
+        return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
+
+
+@dataclasses.dataclass
+class Bench:
+    name: str
+    group: str  # quick, long or unseen
+    minutes: float  # on two quiet cores
+    about: str
+    command: str  # as a person would type it, for the page
+    programs: tuple
+    take: object  # Place -> rows
+
+
+# ---- frames
+
+def with_passes(lines):
+    """The bench prints a line a renderer and a line a pass; here the passes lie in their renderer's row."""
+    rows, by_device = [], {}
+    for line in lines:
+        key = line.get("case"), line.get("device")
+        if "pass" in line:
+            by_device[key].setdefault("pass_gpu_ms", {})[line["pass"]] = line["gpu_ms_p50"]
+        else:
+            rows.append(line)
+            by_device[key] = line
+    return rows
+
+
+def take_speed_error(place):
+    return with_passes(place.json_lines("speed-error", [place.program("doppel"), "bench", place.avatar(), "--repeats", place.repeats]))
+
+
+def take_baselines(place):
+    return with_passes(place.json_lines("baselines", [place.program("bench_frames"), place.avatar(), "--repeats", place.repeats]))
+
+
+def blown_up(place, splats):
+    big = place.work / f"{splats}.glb"
+    if not big.exists():
+        place.run(f"blow-up-{splats}", [place.program("bench_load"), place.avatar(), splats, 1, big])
+    return big
+
+
+def take_baselines_large(place):
+    command = [place.program("bench_frames"), blown_up(place, 533695), "--no-reference", "--repeats", place.repeats]
+    return with_passes(place.json_lines("baselines-large", command))
+
+
+SCALING = (60000, 133000, 267000, 533695, 1000000, 2000000)
+
+
+def take_scaling(place):
+    rows = []
+    for splats in SCALING:
+        big = blown_up(place, splats)
+        command = [place.program("doppel"), "bench", big, "--no-reference", "--repeats", 5]
+        rows += [row for row in place.json_lines(f"scaling-{splats}", command) if "pass" not in row]
+        if splats != 533695:
+            big.unlink()
+    return rows
+
+
+# ---- loading, memory, level of detail
+
+LOAD_BARS = {"load_ms": at_most(500), "peak_ratio": at_most(1.2), "splat_share": at_most(0.08), "avatar_share": at_most(0.14)}
+
+
+def take_load(place):
+    rows = []
+    for degree, encoding in ((1, ""), (3, ""), (1, "compact")):
+        command = [place.program("bench_load"), place.avatar(), 533695, degree, "-", *([encoding] if encoding else [])]
+        for row in place.json_lines(f"load-{degree}{encoding}", command):
+            rows.append({**row, "bars": LOAD_BARS})
+    return rows
+
+
+def take_detail(place):
+    rows = []
+    for subject, fill in ((place.avatar(), "software"), (blown_up(place, 533695), "tiles")):
+        rows += place.json_lines(f"detail-{fill}", [place.program("bench_detail"), subject, 12, 5, fill])
+    return rows
+
+
+def take_floor(place):
+    proto = place.shared / "research/proto-splat"
+    if not (proto / "floor.cpp").exists():
+        raise Skipped(f"{proto}/floor.cpp is not there")
+    script = ["env", f"DOPPEL_FLOOR_DIR={place.work / 'floor'}", "DOPPEL_FLOOR_BAR=100", place.root / "tools/bench/floor_compare.sh"]
+    rows = place.json_lines("floor", [*script, place.program("bench_splat"), proto, 5])
+    return [{**row, "bars": {"ratio": at_most(1.2)} if row["step"] == "total-median" else {}} for row in rows]
+
+
+# ---- quality
+
+REGISTRATION_BARS = {"keypoints_mean_mm": at_most(15), "keypoints_p95_mm": at_most(40), "limbs_median_deg": at_most(3),
+                     "limbs_p95_deg": at_most(10)}
+
+
+def sample(place, seed):
+    folder = place.work / f"scan-{seed}"
+    if not (folder / "scan.json").exists():
+        shutil.rmtree(folder, ignore_errors=True)
+        place.run(f"scan-{seed}", [place.program("doppel"), "sample", "-o", folder, "--seed", seed])
+    return folder
+
+
+def data(place, name):
+    folder = place.shared / "data" / name
+    if not folder.exists():
+        raise Skipped(f"{folder} is not there")
+    return folder
+
+
+def makehuman(place):
+    body = place.work / "makehuman.glb"
+    if not body.exists():
+        place.run("makehuman", [place.program("doppel"), "body", "import", data(place, "body-makehuman"), "-o", body])
+    return body
+
+
+def reconstruct(place, name, scan, options):
+    """Continues where a run that was cut off stopped: the stages that are done are not run again."""
+    place.run(name, [place.program("doppel"), "reconstruct", scan, "-o", place.work / name, *options])
+    return json.loads((place.work / name / "report.json").read_text(encoding="utf-8"))
+
+
+def figure(report, group, name):
+    for f in report["figures"]:
+        if f["group"].startswith(group) and f["name"] == name:
+            return f["value"]
+    return None
+
+
+def quality_rows(report, bars, registration_bars):
+    """Of a report: means of the held-out frames, registration, training, file, stages, evidence and every held-out frame."""
+    rows = []
+    for kind, means in report["means"].items():
+        fit, plain = means["with_pose_fit"], means["without_pose_fit"]
+        labels, colours = means["floor_flat_labels"]["masked_psnr_db"], means["floor_vertex_colours"]["masked_psnr_db"]
+        row = {"row": "held out", "kind": kind, "psnr_db": fit["masked_psnr_db"], "psnr_without_pose_fit_db": plain["masked_psnr_db"],
+               "iou": fit["alpha_iou"], "iou_without_pose_fit": plain["alpha_iou"], "ssim": fit["masked_ssim"],
+               "floor_labels_db": labels, "floor_vertex_colours_db": colours, "above_floors_db": fit["masked_psnr_db"] - max(labels, colours),
+               "full_psnr_db": fit["full_psnr_db"], "full_ssim": fit["full_ssim"]}
+        rows.append({**row, "bars": bars.get(kind, {})})
+    for after in ("after the body fit", "after training and pose fit"):
+        group = f"registration against the truth, held-out dynamic frames, {after}"
+        values = {"keypoints_mean_mm": figure(report, group, "keypoints, mean"),
+                  "keypoints_p95_mm": figure(report, group, "keypoints, 95th percentile"),
+                  "limbs_median_deg": figure(report, group, "limb directions, median"),
+                  "limbs_p95_deg": figure(report, group, "limb directions, 95th percentile")}
+        if values["keypoints_mean_mm"] is not None:
+            rows.append({"row": "registration", "after": after, **values, "bars": registration_bars})
+    step = "training step"
+    rows.append({"row": "training", "step_ms": figure(report, step, "step"), "pairs": figure(report, step, "pixel-splat pairs"),
+                 "forward_ns": figure(report, step, "forward"), "backward_ns": figure(report, step, "backward"),
+                 "bars": bars.get("training", {})})
+    rows.append({"row": "file", "splats": int(report["facts"]["splats"]), "bytes": figure(report, "avatar file", "whole file"),
+                 "bytes_a_splat": figure(report, "avatar file", "splats and SH"), "body": report["facts"]["body"],
+                 "preset": report["facts"]["preset"], "scan": report["facts"]["scan"]})
+    rows += [{"row": "stage", **{key: s[key] for key in ("name", "seconds", "peak_bytes", "reused")}} for s in report["stages"]]
+    rows += [{"row": "evidence", **{key: e[key] for key in ("part", "kept", "gain_db", "bytes")}} for e in report["evidence"]]
+    rows += [{"row": "figure", **f} for f in report["figures"]]
+    rows += [{"row": "frame", "name": f["name"], "kind": f["kind"], "psnr_db": f["with_pose_fit"]["masked_psnr_db"],
+              "psnr_without_pose_fit_db": f["without_pose_fit"]["masked_psnr_db"], "iou": f["with_pose_fit"]["alpha_iou"]}
+             for f in report["frames"]]
+    return rows
+
+
+ABOVE = {"above_floors_db": at_least(4)}
+SCAN_A_BARS = {"static": {"psnr_db": at_least(23), **ABOVE}, "dynamic": {"psnr_db": at_least(21), **ABOVE}, "training": {"step_ms": at_most(40)}}
+BIKER_BARS = {"static": {"psnr_without_pose_fit_db": at_least(22), "iou_without_pose_fit": at_least(0.95)}}
+
+
+def procedural(seed, name, body=None):
+    def take(place):
+        options = ["--preset", "draft"] + (["--body", body(place)] if body else [])
+        return quality_rows(reconstruct(place, name, sample(place, seed), options), {}, REGISTRATION_BARS)
+    return take
+
+
+def real(name, folder, bars, options=lambda place: []):
+    def take(place):
+        return quality_rows(reconstruct(place, name, data(place, folder), options(place)), bars, {})
+    return take
+
+
+DOPPEL = ("doppel",)
+DRAFT = "doppel sample -o scan --seed {0} && doppel reconstruct scan -o OUT --preset draft"
+
+BENCHES = [
+    Bench("quality-procedural-1", "quick", 3, "the procedural subject of seed 1, the demo's", DRAFT.format(1), DOPPEL,
+          procedural(1, "quality-procedural-1")),
+    Bench("quality-procedural-1-makehuman", "quick", 3, "the same scan with the MakeHuman body",
+          "doppel body import ../shared/data/body-makehuman -o makehuman.glb && doppel reconstruct scan -o OUT --preset draft --body makehuman.glb",
+          DOPPEL, procedural(1, "quality-procedural-1-makehuman", makehuman)),
+    Bench("speed-error", "quick", 3, "frames of what users can choose, against the double-precision referee",
+          "doppel bench demo/avatar/avatar.glb --repeats 9", DOPPEL, take_speed_error),
+    Bench("baselines", "quick", 4, "frames with one optimisation switched off, and the frozen plain frame",
+          "build/release/tools/bench/bench_frames demo/avatar/avatar.glb --repeats 9", ("bench_frames",), take_baselines),
+    Bench("baselines-large", "quick", 4, "the same with 533,695 splats, without the referee",
+          "build/release/tools/bench/bench_frames big.glb --no-reference --repeats 9", ("bench_frames", "bench_load"), take_baselines_large),
+    Bench("load", "quick", 0.5, "loading and memory of 533,695 splats",
+          "build/release/tools/bench/bench_load demo/avatar/avatar.glb 533695 1", ("bench_load",), take_load),
+    Bench("detail", "quick", 1.5, "level of detail against distance",
+          "build/release/tools/bench/bench_detail demo/avatar/avatar.glb 12 5 software", ("bench_detail", "bench_load"), take_detail),
+    Bench("scaling", "quick", 3, "frame time against the number of splats", "doppel bench BIG.glb --no-reference --repeats 5",
+          ("doppel", "bench_load"), take_scaling),
+    Bench("floor", "quick", 1, "the CPU renderer against the research floor program",
+          "tools/bench/floor_compare.sh build/release/tools/bench/bench_splat", ("bench_splat",), take_floor),
+    Bench("quality-scan-a", "long", 8, "scan-a, preset standard", "doppel reconstruct ../shared/data/scan-a -o OUT", DOPPEL,
+          real("quality-scan-a", "scan-a", SCAN_A_BARS)),
+    Bench("quality-scan-a-makehuman", "long", 8, "scan-a with the MakeHuman body",
+          "doppel reconstruct ../shared/data/scan-a -o OUT --body makehuman.glb", DOPPEL,
+          real("quality-scan-a-makehuman", "scan-a", SCAN_A_BARS, lambda place: ["--body", makehuman(place)])),
+    Bench("quality-biker", "long", 8, "a real man holding a helmet, one pose, keypoints by the networks",
+          "doppel reconstruct ../shared/data/real-orbit-biker -o OUT --models ../shared/data/models", DOPPEL,
+          real("quality-biker", "real-orbit-biker", BIKER_BARS, lambda place: ["--models", data(place, "models")])),
+] + [
+    Bench(f"quality-procedural-{seed}", "unseen", 3, f"the procedural subject of seed {seed}, which nobody looked at", DRAFT.format(seed),
+          DOPPEL, procedural(seed, f"quality-procedural-{seed}"))
+    for seed in range(4, 10)
+]

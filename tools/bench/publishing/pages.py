@@ -1,0 +1,416 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One function per page. Every number comes from docs/benchmarks/*.json."""
+import pathlib
+import statistics
+
+from . import raw
+from .markdown import NOTHING, barred, number, table, taken
+from .plot import scatter
+
+GENERATED = "<!-- Written by tools/bench/publish from docs/benchmarks/*.json. Do not edit. -->\n"
+BACK = "[All benchmarks](../benchmarks.md)\n\n"
+PHONE, HEADSET = "phone 945x2048", "headset 1920x1824 stereo"
+DEVELOPMENT = (("quality-procedural-1", "procedural seed 1 (the demo's)"), ("quality-procedural-1-makehuman", "procedural seed 1, MakeHuman body"),
+               ("quality-scan-a", "scan-a"), ("quality-scan-a-makehuman", "scan-a, MakeHuman body"), ("quality-biker", "biker"))
+UNSEEN = tuple((f"quality-procedural-{seed}", f"procedural seed {seed}") for seed in range(4, 10))
+RENDERERS = {"software": "CPU", "vulkan-quads": "Vulkan quads", "vulkan-tiles": "Vulkan tiles", "vulkan-plain-float": "plain float, quads",
+             "vulkan-plain-tiles": "plain float, tiles", "vulkan-without-culling": "quads, no culling",
+             "vulkan-float-keys": "quads, 32-bit keys", "vulkan-two-frames": "quads, a frame an eye",
+             "vulkan-tiles-all-off": "tiles, all switches off"}
+
+
+def find(rows, **wanted):
+    """The first row with these values, or None."""
+    return next((r for r in rows if all(r.get(k) == v for k, v in wanted.items())), None)
+
+
+def missing(*names):
+    return "Not taken yet: `tools/bench/publish " + " ".join(f"--only {n}" for n in names) + "`.\n\n"
+
+
+def missing_of(store, names):
+    """One sentence for all of these benches that were never taken."""
+    absent = [name for name, _ in names if not store.get(name)]
+    return missing(*absent) if absent else ""
+
+
+def section(store, name, title, body):
+    """A heading, the body of one bench, and how its figures came about."""
+    file = store.get(name)
+    return f"## {title}\n\n" + (body(file["rows"]) + "\n" + taken(file) + "\n" if file else missing(name))
+
+
+# ---- quality
+
+HELD_OUT = ["scan, frames", "masked PSNR dB", "without pose fit", "alpha IoU", "without pose fit", "masked SSIM", "dB above the better floor",
+            "full frame on white, PSNR dB", "SSIM"]
+
+
+def held_out_rows(store, names):
+    out = []
+    for name, label in names:
+        for row in (r for r in store.rows(name) if r["row"] == "held out"):
+            out.append([f"{label}, {row['kind']}", barred(row, "psnr_db"), barred(row, "psnr_without_pose_fit_db"), barred(row, "iou", 4),
+                        barred(row, "iou_without_pose_fit", 4), barred(row, "ssim", 3), barred(row, "above_floors_db"),
+                        barred(row, "full_psnr_db"), barred(row, "full_ssim", 3)])
+    return out
+
+
+REGISTRATION = ["scan", "when", "keypoints, mean mm", "95th percentile mm", "limb directions, median °", "95th percentile °"]
+
+
+def registration_rows(store, names):
+    return [[label, row["after"], barred(row, "keypoints_mean_mm", 1), barred(row, "keypoints_p95_mm", 1), barred(row, "limbs_median_deg", 2),
+             barred(row, "limbs_p95_deg", 1)]
+            for name, label in names for row in store.rows(name) if row["row"] == "registration"]
+
+
+COST = ["scan", "preset", "body", "splats", "file, MB", "bytes a splat", "minutes", "peak memory, MiB", "training step, ms", "pairs a step",
+        "forward, ns a pair", "backward, ns a pair"]
+
+
+def cost_rows(store, names):
+    out = []
+    for name, label in names:
+        rows = store.rows(name)
+        file, training, stages = find(rows, row="file"), find(rows, row="training"), [r for r in rows if r["row"] == "stage"]
+        if not file:
+            continue
+        seconds = sum(s["seconds"] for s in stages)
+        out.append([label, file["preset"], file["body"], number(file["splats"], 0), number(file["bytes"] / 1e6),
+                    number(file["bytes_a_splat"], 1), number(seconds / 60, 1), number(max(s["peak_bytes"] for s in stages) / 2**20, 0),
+                    barred(training, "step_ms", 1), number(training["pairs"], 0), number(training["forward_ns"], 1),
+                    number(training["backward_ns"], 1)])
+    return out
+
+
+def spread(store, names, row_name, field, **wanted):
+    """(mean, standard deviation, count) of a figure over several scans, or None."""
+    values = [r[field] for name, _ in names for r in [find(store.rows(name), row=row_name, **wanted)] if r and r.get(field) is not None]
+    if not values:
+        return None
+    return statistics.mean(values), statistics.stdev(values) if len(values) > 1 else 0.0, len(values)
+
+
+def spread_text(found, digits, unit):
+    return f"{number(found[0], digits)} ± {number(found[1], digits)} {unit}" if found else NOTHING
+
+
+def evidence_rows(store, names):
+    return [[label, row["part"], "yes" if row["kept"] else "no", number(row["gain_db"]), number(row["bytes"] / 1000, 0)]
+            for name, label in names for row in store.rows(name) if row["row"] == "evidence"]
+
+
+def taken_all(store, names):
+    return "".join(f"- {label}: {taken(store.get(name), '  ')}" for name, label in names if store.get(name))
+
+
+def quality(store):
+    text = BACK + (
+        "# Quality\n\nFrames that nothing before the report has seen, drawn by the shipped avatar. Masked figures use the render's own alpha and take the "
+        "worst of white, black and grey backgrounds. *Static* frames hold one pose; *dynamic* frames are of a moving subject. *Floors*: flat "
+        "colours of the segmentation, and vertex colours on the same mesh. *Pose fit* adjusts the pose of each held-out frame to its picture; "
+        "the columns without it are the honest ones for a pose that was never measured.\n\n"
+        "## Development set\n\nWe look at these scans while we work, and what is tuned is tuned on them.\n\n"
+        "The procedural subject is made from the built-in body, and the built-in body is then fitted to it: that flatters its figures. The row "
+        "with the MakeHuman body fits another body to the same scan.\n\n")
+    rows = held_out_rows(store, DEVELOPMENT)
+    text += (table(HELD_OUT, rows) + "\n" if rows else "") + missing_of(store, DEVELOPMENT)
+    text += ("Distance of fitted joints to the true ones, on held-out dynamic frames. *After the body fit* is the figure to trust: *after "
+             "training and pose fit* each pose was fitted to the held-out picture that it is measured on.\n\n")
+    text += table(REGISTRATION, registration_rows(store, DEVELOPMENT)) + "\n"
+    text += "## What nobody looked at\n\nProcedural subjects that no code was tuned on, preset draft.\n\n"
+    rows = held_out_rows(store, UNSEEN)
+    if rows:
+        text += table(HELD_OUT, rows) + "\n"
+        summary = []
+        for kind in ("static", "dynamic"):
+            found = spread(store, UNSEEN, "held out", "psnr_db", kind=kind)
+            if found:
+                summary.append([f"{kind}, {found[2]} subjects", spread_text(found, 2, "dB"),
+                                spread_text(spread(store, UNSEEN, "held out", "psnr_without_pose_fit_db", kind=kind), 2, "dB"),
+                                spread_text(spread(store, UNSEEN, "held out", "iou", kind=kind), 4, "")])
+        text += table(["mean ± standard deviation", "masked PSNR", "without pose fit", "alpha IoU"], summary) + "\n"
+        text += table(REGISTRATION, registration_rows(store, UNSEEN)) + "\n"
+    text += missing_of(store, UNSEEN)
+    everything = DEVELOPMENT + UNSEEN
+    text += "## What the parts are worth\n\nMasked PSNR of training frames with the part, less that without it.\n\n"
+    text += table(["scan", "part", "kept", "gain, dB", "kB"], evidence_rows(store, everything)) + "\n"
+    return text + "## How these figures were taken\n\n" + taken_all(store, everything)
+
+
+def training(store):
+    everything = DEVELOPMENT + UNSEEN
+    text = BACK + ("# Reconstruction: time, memory, file\n\n*Pairs*: pixels times the splats that touch them, in one training step. *Minutes*: "
+                   "all stages together. A step is the mean over the last epoch.\n\n")
+    text += table(COST, cost_rows(store, everything)) + "\n"
+    stages = list(dict.fromkeys(r["name"] for name, _ in everything for r in store.rows(name) if r["row"] == "stage"))
+    body = []
+    for name, label in everything:
+        rows = {r["name"]: r for r in store.rows(name) if r["row"] == "stage"}
+        if rows:
+            body.append([label] + [number(rows[s]["seconds"], 1) if s in rows else NOTHING for s in stages])
+    text += "Seconds of each stage:\n\n" + table(["scan", *stages], body) + "\n"
+    return text + "## How these figures were taken\n\n" + taken_all(store, everything)
+
+
+SHOWN_ELSEWHERE = ("registration against", "training step", "avatar file")
+
+
+def reports(store):
+    text = BACK + ("# Other figures of the reports\n\nOf the development set: pictures drawn at other sizes than the trained one, keypoint residuals, and pose "
+                   "correctives in poses that nobody trained.\n\n")
+    for name, label in DEVELOPMENT:
+        rows = [[r["group"], r["name"], f"{r['value']:.4g} {r['unit']}"] for r in store.rows(name)
+                if r["row"] == "figure" and not r["group"].startswith(SHOWN_ELSEWHERE)]
+        if rows:
+            text += f"## {label}\n\n" + table(["figure", "of what", "value"], rows) + "\n" + taken(store.get(name)) + "\n"
+    return text + missing_of(store, DEVELOPMENT)
+
+
+# ---- frames
+
+def short(row):
+    return RENDERERS.get(row["renderer"], row["renderer"])
+
+
+def frame_table(rows):
+    body = []
+    for r in rows:
+        gpu = number(r["gpu_ms_p50"]) if r["gpu_ms_p50"] else NOTHING
+        body.append([r["case"], short(r), number(r["ms_p50"]), number(r["ms_p95"]), number(r["draw_ms_p50"]), gpu, number(r.get("psnr_db"), 1),
+                     number(r.get("covered_psnr_db"), 1), number(r.get("max_error_levels"), 1), number(r.get("covered_flip"), 4),
+                     number(r["splats_drawn"], 0), number(r["resident_bytes"] / 2**20, 1)])
+    return table(["case", "renderer", "ms", "95th percentile", "dplDraw, ms", "GPU, ms", "PSNR dB", "of covered pixels", "largest error, levels",
+                  "FLIP", "splats drawn", "resident, MiB"], body)
+
+
+def pass_table(rows, case):
+    chosen = [r for r in rows if r.get("case") == case and r.get("pass_gpu_ms")]
+    labels = list(dict.fromkeys(label for r in chosen for label in r["pass_gpu_ms"]))
+    if not labels:
+        return ""
+    return f"GPU ms of each pass, {case}:\n\n" + table(["pass", *(short(r) for r in chosen)],
+                                                      [[label, *(number(r["pass_gpu_ms"].get(label), 2) for r in chosen)] for label in labels]) + "\n"
+
+
+FRAME_WORDS = (
+    "*ms*: draw and read, until the pictures are in memory, median. *dplDraw*: what an app's drawing thread pays. *GPU*: the device's own clock; on "
+    "lavapipe, Mesa's Vulkan on the CPU, that clock counts CPU time. PSNR, largest error and FLIP are against the double-precision referee, "
+    "over mid grey; empty background flatters the PSNR of the whole picture. Renderers take turns, a frame each. Warm frames of every row "
+    "allocate nothing and never wait, or the bench fails.\n\n")
+
+
+def devices(rows):
+    names = sorted({r["device"] for r in rows if r.get("renderer") in ("software", "vulkan-quads", "vulkan-tiles")})
+    return "Devices: " + "; ".join(names) + ".\n\n" if names else ""
+
+
+def frames(store):
+    def body(rows):
+        return devices(rows) + frame_table(rows) + "\n" + pass_table(rows, PHONE) + pass_table(rows, HEADSET)
+    text = BACK + "# Frames: speed against error\n\n" + FRAME_WORDS
+    text += "![Speed against error](speed-error.svg)\n\n" if store.get("speed-error") else ""
+    return text + section(store, "speed-error", "What users can choose", body)
+
+
+def worth_cell(row, what):
+    if row.get(f"{what}_worth") is None:
+        return NOTHING
+    return (f"{number(row[f'{what}_off_ms'])} → {number(row[f'{what}_on_ms'])}: {number(row[f'{what}_worth'])} × "
+            f"({number(row[f'{what}_worth_p25'])} – {number(row[f'{what}_worth_p75'])})")
+
+
+def worth_table(rows):
+    body = [[r["case"], f"{RENDERERS.get(r['off'], r['off'])} → {RENDERERS.get(r['on'], r['on'])}",
+             f"{number(r['drawn_off'], 0)} → {number(r['drawn_on'], 0)}", worth_cell(r, "frame"), worth_cell(r, "before_pixels"),
+             worth_cell(r, "projection"), worth_cell(r, "sort")] for r in rows if "off" in r]
+    return table(["case", "off → on", "splats drawn", "whole frame, ms", "before pixels are filled, GPU ms", "projection and colour, GPU ms",
+                  "sort, GPU ms"], body)
+
+
+def baselines(store):
+    def body(rows):
+        drawn = [r for r in rows if "renderer" in r]
+        return devices(drawn) + frame_table(drawn) + "\n" + worth_table(rows) + "\n" + pass_table(drawn, PHONE)
+    text = BACK + (
+        "# Baselines: what each optimisation is worth\n\n"
+        "Two baselines, which do different work; the splats that each draws stand in the tables.\n\n"
+        "- *Plain float*: the frame before anything was made fast, frozen in `tools/bench/baseline`: records of floats, every splat projected, "
+        "32-bit float keys, a frame an eye, one sample a pixel. It draws only splats that face the view and reach 1/255.\n"
+        "- *No culling* and *all switches off*: today's frame with switches off. It sorts and draws every splat, also those that are turned away "
+        "or too faint to add anything, over their box of 3 σ. It works harder than the plain frame did, so this baseline flatters culling.\n\n"
+        "Worth: the ratio of each round, median and quartiles. Bars that earlier issues set for these ratios on lavapipe 22.3.6 no longer hold, "
+        "because passes that only lavapipe gains from may go.\n\n")
+    text += section(store, "baselines", "The demo's avatar", body)
+    return text + section(store, "baselines-large", "The same avatar blown up to 533,695 splats", body)
+
+
+def memory(store):
+    def body(rows):
+        return table(["splats", "SH degree", "encoding", "file, MB", "splats, B each", "of 62 floats", "whole avatar, MB", "of 62 floats",
+                      "peak of loading / kept", "load, ms", "fastest, ms"],
+                     [[number(r["splats"], 0), r["sh_degree"], r["encoding"], number(r["file_bytes"] / 1e6), number(r["splat_bytes"] / r["splats"], 1),
+                       barred(r, "splat_share", 1, "%", 100), number(r["avatar_bytes"] / 1e6), barred(r, "avatar_share", 1, "%", 100),
+                       barred(r, "peak_ratio", 2), barred(r, "load_ms", 0), number(r["load_ms_fastest"], 0)] for r in rows])
+
+    def drawn(rows):
+        return table(["case", "renderer", "avatar, MB", "frames of the case, MB", "bytes read a splat: deciding", "decoding"],
+                     [[r["case"], short(r), number(r["avatar_bytes"] / 1e6), number((r["resident_bytes"] - r["avatar_bytes"]) / 1e6, 1),
+                       number(r["bytes_decided"] / r["splats"]), number(r["bytes_decoded"] / r["splats"])] for r in rows])
+    text = BACK + ("# Loading and memory\n\nThe avatar stays packed in memory. *62 floats* is a splat of SH degree 3 in a PLY. The file's own "
+                   "bytes belong to the caller and are not counted.\n\n")
+    return text + section(store, "load", "533,695 splats, CPU renderer", body) + section(store, "speed-error", "The demo's avatar, by renderer", drawn)
+
+
+def detail(store):
+    def body(rows):
+        text = ""
+        for splats in sorted({r["splats"] for r in rows}):
+            chosen = [r for r in rows if r["splats"] == splats]
+            text += f"{number(splats, 0)} splats, {chosen[0]['device']}:\n\n"
+            text += table(["tall, px", "full: ms", "splats drawn", "MB read", "dB", "alpha, %", "reduced: ms", "allowed", "drawn", "MB read", "dB",
+                           "alpha, %", "face, full: dB", "reduced", "hands, full: dB", "reduced"],
+                          [[number(r["tall_px"], 0), number(r["full_ms"], 1), number(r["full_drawn"], 0), number(r["full_bytes_read"] / 1e6),
+                            number(r["full_db"]), f"{r['full_alpha_percent']:+.2f}", number(r["reduced_ms"], 1), number(r["reduced_allowed"], 0),
+                            number(r["reduced_drawn"], 0), number(r["reduced_bytes_read"] / 1e6), number(r["reduced_db"]),
+                            f"{r['reduced_alpha_percent']:+.2f}", number(r.get("face_full_db")), number(r.get("face_reduced_db")),
+                            number(r.get("hands_full_db")), number(r.get("hands_reduced_db"))] for r in chosen]) + "\n"
+        return text
+    text = BACK + (
+        "# Level of detail\n\nThe avatar walks away from the camera, 512×768 px, `DPL_DETAIL_USUAL`. Truth is the full avatar drawn at four times "
+        "the size and averaged. *Alpha* is the sum of alpha above the truth's: a swollen outline is above 0. Small avatars have four samples a "
+        "pixel ([coverage samples](../adr/0005-coverage-samples.md)).\n\n")
+    return text + section(store, "detail", "Full and reduced against distance", body)
+
+
+def scaling(store):
+    def body(rows):
+        text = ""
+        for case in dict.fromkeys(r["case"] for r in rows):
+            chosen = [r for r in rows if r["case"] == case]
+            names = list(dict.fromkeys(r["renderer"] for r in chosen))
+            lines = []
+            for splats in sorted({r["splats"] for r in chosen}):
+                by = {r["renderer"]: r["ms_p50"] for r in chosen if r["splats"] == splats}
+                lines.append([number(splats, 0)] + [f"{number(by[n], 1)} ms, {number(by[n] * 1e6 / splats, 0)} ns" if n in by else NOTHING for n in names])
+            text += f"{case}, ms a frame and ns a splat:\n\n" + table(["splats", *(RENDERERS[n] for n in names)], lines) + "\n"
+        return text
+    text = BACK + ("# Time against the number of splats\n\nThe demo's avatar blown up, SH degree 1, medians of five. Where the time grows more "
+                   "slowly than the splats, the nanoseconds a splat fall down a column.\n\n")
+    return text + section(store, "scaling", "Frames", body)
+
+
+def floor(store):
+    def body(rows):
+        return table(["step", "floor program, ms", "Doppel, ms", "Doppel / floor"],
+                     [[r["step"], number(r["floor_ms"], 1), number(r["doppel_ms"], 1), barred(r, "ratio")] for r in rows])
+    text = BACK + ("# The CPU renderer against a floor\n\nThe floor program is the fastest CPU rasteriser that our research found, without formats, "
+                   "poses or levels of detail. 533,695 general splats of SH degree 3, 2048×945, alternating rounds of 15 frames, medians.\n\n")
+    return text + section(store, "floor", "General splats", body)
+
+
+# ---- the front page
+
+def best_vulkan(rows, case):
+    chosen = [r for r in rows if r.get("case") == case and r.get("renderer", "").startswith("vulkan")]
+    return min(chosen, key=lambda r: r["ms_p50"]) if chosen else None
+
+
+def loaded_mark(store, *names):
+    return " (loaded)" if any(store.get(n) and store.get(n)["run"]["loaded"] for n in names) else ""
+
+
+def headline(store):
+    """Ten rows: what, figure, what it means, where the table is."""
+    def held(name, kind, field="psnr_db", digits=2, unit="dB"):
+        row = find(store.rows(name), row="held out", kind=kind)
+        return barred(row, field, digits, unit) if row else NOTHING
+    speed = store.rows("speed-error")
+    cpu = {case: find(speed, case=case, renderer="software") for case in (PHONE, HEADSET)}
+    gpu = {case: best_vulkan(speed, case) for case in (PHONE, HEADSET)}
+
+    def ms(row):
+        return f"{number(row['ms_p50'], 1)} ms, {number(row['covered_psnr_db'], 1)} dB" if row else NOTHING
+    load = store.rows("load")
+    first = load[0] if load else {}
+    registration = find(store.rows("quality-scan-a"), row="registration", after="after the body fit")
+    unseen = spread(store, UNSEEN, "registration", "keypoints_mean_mm", after="after the body fit")
+    steps = find(store.rows("quality-scan-a"), row="training")
+    file = find(store.rows("quality-scan-a"), row="file") or find(store.rows("quality-procedural-1"), row="file")
+    timed = loaded_mark(store, "speed-error")
+    biker = find(store.rows("quality-biker"), row="held out", kind="static")
+    rows = [
+        ["scan-a, held-out frames, static / dynamic", f"{held('quality-scan-a', 'static')} / {held('quality-scan-a', 'dynamic')}",
+         "how near the avatar's pictures are to photographs that it never saw", "[quality](benchmarks/quality.md)"],
+        ["a real man, one pose, without pose fit", f"{barred(biker, 'psnr_without_pose_fit_db', 2, 'dB')}, IoU {barred(biker, 'iou_without_pose_fit', 4)}"
+         if biker else NOTHING, "the same for a real scan with keypoints by a network", "[quality](benchmarks/quality.md)"],
+        ["procedural seeds 4 to 9, static / dynamic",
+         f"{spread_text(spread(store, UNSEEN, 'held out', 'psnr_db', kind='static'), 2, 'dB')} / "
+         f"{spread_text(spread(store, UNSEEN, 'held out', 'psnr_db', kind='dynamic'), 2, 'dB')}", "the same for subjects that nobody tuned on, preset draft",
+         "[quality](benchmarks/quality.md)"],
+        ["keypoints after the body fit, scan-a / seeds 4 to 9",
+         f"{barred(registration, 'keypoints_mean_mm', 1, 'mm') if registration else NOTHING} / {spread_text(unseen, 1, 'mm')}",
+         "how far the joints of a pose are from the true ones", "[quality](benchmarks/quality.md)"],
+        ["avatar file", f"{number(file['bytes'] / 1e6)} MB, {number(file['bytes_a_splat'], 1)} bytes a splat" if file else NOTHING,
+         "what an app downloads", "[reconstruction](benchmarks/training.md)"],
+        ["training step, scan-a", (barred(steps, "step_ms", 1, "ms") if steps else NOTHING) + loaded_mark(store, "quality-scan-a"),
+         "10,000 of these make an avatar of preset standard", "[reconstruction](benchmarks/training.md)"],
+        ["phone frame 945×2048, CPU / Vulkan on the CPU", f"{ms(cpu[PHONE])} / {ms(gpu[PHONE])}{timed}",
+         "time of a frame, and its error against the double-precision referee", "[frames](benchmarks/frames.md)"],
+        ["headset 1920×1824 in stereo, CPU / Vulkan on the CPU", f"{ms(cpu[HEADSET])} / {ms(gpu[HEADSET])}{timed}",
+         "both eyes of a headset", "[frames](benchmarks/frames.md)"],
+        ["loading 533,695 splats", (barred(first, "load_ms", 0, "ms") if first else NOTHING) + loaded_mark(store, "load"),
+         "from bytes in memory to ready to draw", "[memory](benchmarks/memory.md)"],
+        ["memory of these, of 62 floats a splat", barred(first, "avatar_share", 1, "%", 100) if first else NOTHING,
+         "splats stay packed; mesh, weights and correctives included", "[memory](benchmarks/memory.md)"],
+    ]
+    return table(["what", "figure", "what it means", "all of it"], rows)
+
+
+def machines(store):
+    """One line for each kind of machine that figures were taken on."""
+    seen = {}
+    for name, file in store.files.items():
+        run = file["run"]
+        cpu = run["processor"]
+        key = f"{cpu['name']}, {cpu['cores']} cores, {cpu['vectors']}; {run['driver']}; {run['compiler']}"
+        seen.setdefault(key, []).append(f"{name} ({run['date']}, `{run['commit']}`{', loaded' if run['loaded'] else ''})")
+    return "".join(f"- {key}: {', '.join(names)}.\n" for key, names in seen.items())
+
+
+def front(store):
+    template = (pathlib.Path(__file__).parent / "front_page.txt").read_text(encoding="utf-8")
+    parts = {"headline": headline(store), "machines": machines(store),
+             "plot": "![Speed against error](benchmarks/speed-error.svg)\n" if store.get("speed-error") else missing("speed-error")}
+    for name, text in parts.items():
+        template = template.replace("{{" + name + "}}\n", text)
+    return template
+
+
+def speed_plot(store):
+    series = {}
+    for r in store.rows("speed-error"):
+        if r.get("covered_psnr_db") is not None:
+            series.setdefault(short(r), []).append((r["ms_p50"], r["covered_psnr_db"], r["case"].split(" ")[0]))
+    return scatter("Speed against error: left is faster, up is nearer to the referee", "ms a frame, median", "PSNR of covered pixels, dB",
+                   list(series.items()))
+
+
+PAGES = {"quality": quality, "reports": reports, "training": training, "frames": frames, "baselines": baselines, "memory": memory, "detail": detail,
+         "scaling": scaling, "floor": floor}
+
+
+def write_all(root, out):
+    """Writes every page below `out`, from the raw figures of docs/benchmarks. Gives their paths."""
+    store = raw.Store(root / "docs/benchmarks")
+    folder = out / "benchmarks"
+    folder.mkdir(parents=True, exist_ok=True)
+    written = {out / "benchmarks.md": GENERATED + front(store)}
+    for name, page in PAGES.items():
+        written[folder / f"{name}.md"] = GENERATED + page(store)
+    if store.get("speed-error"):
+        written[folder / "speed-error.svg"] = speed_plot(store)
+    for path, text in written.items():
+        raw.write_text(path, text.rstrip("\n") + "\n")
+    return list(written)
