@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The seam between how a frame is made (sdk/render) and the graphics API that makes it. Few calls, typed handles, no vk*/MTL*.
+// The seam between sdk/render, which plans frames, and a graphics API, which runs them. No Vulkan or Metal type appears here.
 //
-//   load:   createBuffer, write, computePipeline, drawPipeline, createTarget, createFrame (checks and records the steps once)
-//   frame:  fill the mapped upload buffers, submit(frame); once finished(frame), read the mapped read-back buffers
+//   at load:      createBuffer, write, computePipeline, drawPipeline, createTarget, createFrame (checks and records the steps once)
+//   each frame:   fill the mapped upload buffers, submit(frame); once finished(frame), read the mapped read-back buffers
 //
-// Frames run in the order of their submits. Give each frame in flight its own upload and read-back buffers; the rest may be shared.
+// Frames run in the order in which they are submitted. Each frame in flight needs its own upload and read-back buffers; all else may be
+// shared.
 //
-// One thread at a time. Handles are small numbers; using one that was destroyed is an error of createFrame, not a crash.
+// One thread at a time. Handles are small numbers: createFrame refuses one that was destroyed.
 #pragma once
 
 #include <array>
@@ -38,20 +39,18 @@ enum class DeviceKind : uint8_t { Discrete, Integrated, Virtual, Software, Other
 
 struct DeviceInfo {
     std::string name;
-    std::string identity;  // of device, driver version and shader pack: equal only when all three are
+    std::string identity;  // equal only when device, driver version and shader pack are equal
     DeviceKind kind = DeviceKind::Other;
     uint64_t maxBindingBytes = 0;  // of one storage buffer binding
     uint32_t maxTargetPx = 0;      // width or height of a target
-    uint32_t maxViewportPx = 0;    // of what it is cut from
     uint32_t maxGroups = 0;        // workgroups of one dispatch
-    bool multiview = false;        // one draw reaches all layers of a target; otherwise a draw a layer
+    bool multiview = false;        // one draw fills all layers of a target; otherwise each layer needs its own draw
     bool halfDepth = false;        // depth sums are read back as 2 x f16 instead of 2 x f32
     bool timestamps = false;
-    bool shuffle = false;      // subgroups of 8 to 64 lanes that follow the order of the workgroup, with shuffles, in compute
-    bool texels = false;       // a CPU plays the GPU: it reads typed buffers several times faster than plain ones (shaders/lib/reads.glsl)
-    bool codes16 = false;      // a CPU plays the GPU: it blends 16-bit codes, which round finer, a tenth faster than halves
-    bool clearDraw = true;     // a draw may clear a target (ClearDraw)
-    bool fourSamples = false;  // targets of 4 samples a pixel at the standard places, each shaded by itself
+    bool shuffle = false;       // compute subgroups have 8 to 64 lanes in the order of the workgroup, and can shuffle
+    bool typedFormats = false;  // typed buffers of 1, 2 and 4 words hold as much as plain bindings
+    bool texels = false;        // kernels read typed buffers (shaders/lib/reads.glsl); only where a driver needs it (vulkan/vk_quirks.cpp)
+    bool fourSamples = false;   // targets may have 4 samples a pixel at the standard places, each shaded by itself
     bool isSoftware() const { return kind == DeviceKind::Software; }
 };
 
@@ -66,23 +65,22 @@ struct BufferDesc {
     BufferMemory memory = BufferMemory::Device;
 };
 
-/** In what layers are blended; of more than 8 bits they are rounded once, at the read-back. Codes16: 16-bit UNORM, where
- * DeviceInfo::codes16. */
-enum class ColourFormat : uint8_t { Codes8, Halves, Codes16 };
+/** The format in which splats are blended: 8-bit UNORM, or 16-bit floats that are rounded to 8 bits once, at the read-back. */
+enum class ColourFormat : uint8_t { Codes8, Halves };
 
 /** RGBA colour and, if asked, two floats a pixel (Σ α T z, Σ α T), for one or two views of the same size. */
 struct TargetDesc {
     uint32_t widthPx = 0, heightPx = 0;  // of one view
     uint32_t views = 1;
     bool depth = false;
-    bool multiview = true;  // one draw reaches the layers of all views; false: a draw a view
+    bool multiview = true;  // one draw fills the layers of all views; false: each view has its own draw
     ColourFormat colour = ColourFormat::Codes8;
-    uint32_t samples = 1;  // a pixel: 1, or 4 where DeviceInfo::fourSamples; they are averaged when a draw ends, on the chip where it can
+    uint32_t samples = 1;  // a pixel: 1, or 4 where DeviceInfo::fourSamples; averaged when a draw ends
 };
 
 enum class Topology : uint8_t { Strip, List };  // of triangles
 
-/** A pipeline for targets of this shape; premultiplied "over" blending unless it overwrites, no vertex buffers. The bindings of a draw are
+/** A pipeline for targets of this shape; premultiplied "over" blending, no vertex buffers. The bindings of a draw are
  * those of its vertex shader, then those of its fragment shader, which reads and does not write. */
 struct DrawPipelineDesc {
     std::string vertex, fragment;  // names in the shader pack
@@ -92,11 +90,10 @@ struct DrawPipelineDesc {
     ColourFormat colour = ColourFormat::Codes8;
     uint32_t samples = 1;
     Topology topology = Topology::Strip;
-    bool overwrites = false;
 };
 
 enum class Access : uint8_t { Uniform, Read, Write, Update };
-struct Binding {  // its place in the list is the binding number of the shader
+struct Binding {  // its index in the list is the binding number in the shader
     BufferId buffer;
     Access access = Access::Read;
 };
@@ -117,22 +114,14 @@ struct ComputeStep {
     uint32_t groups = 0;    // along x; ignored when indirect is set
     IndirectArgs indirect;  // three u32
 };
-struct ClearDraw {  // of vertices without bindings that overwrite the whole target
-    PipelineId pipeline;
-    IndirectArgs args;  // four u32
-};
-struct DrawStep {  // clears the target, or the layer of one view, then one indirect draw
+struct DrawStep {  // clears the target, or the layer of one view, then makes one indirect draw
     std::string label;
     PipelineId pipeline;
     TargetId target;
-    uint32_t view = 0;  // of a target without multiview: whose layer; the last one is drawn last
+    uint32_t view = 0;  // whose layer, in a target without multiview; the highest view is drawn last
     std::vector<Binding> bindings;
     PushBytes push;
     IndirectArgs args;  // four u32
-    ClearDraw clear;    // none: it is always cleared; else by this draw alone: a frame that needs no target spares the clearing too, and
-                        // leaves nothing to read in it
-    float guard = 1;    // the clip space is so many targets wide and high, the target in its middle: what crosses its edge is cut by pixels
-                        // and not clipped
 };
 struct FillStep {
     std::string label;
@@ -143,9 +132,10 @@ struct ReadbackStep {  // tight rows, top first, view after view
     std::string label;
     TargetId target;
     BufferId colour;  // 4 B a pixel
-    BufferId depth;   // 8 B (4 B when halfDepth) a pixel; none: not wanted
+    BufferId depth;   // 8 B a pixel, 4 B when DeviceInfo::halfDepth; no id: depth is not read
 };
-struct CopyStep {  // as much of a Device buffer as fills a Readback buffer; or all of an Upload buffer into a part of a Device buffer
+struct CopyStep {  // fills a Readback buffer from a part of a Device buffer, or copies all of an Upload buffer into a part of a Device
+                   // buffer
     std::string label;
     BufferId from, to;
     uint64_t offset = 0;  // bytes, of the Device buffer
@@ -177,18 +167,18 @@ public:
 
     /** Checks the steps against the shaders' reflection and records them. Barriers follow from the bindings' access. */
     virtual Result<FrameId> createFrame(std::vector<Step> steps) = 0;
-    /** Waits when it is running. */
+    /** Waits if the frame is running. */
     virtual void destroyFrame(FrameId frame) = 0;
 
     /** Graphics memory of all buffers and targets. */
     virtual uint64_t residentBytes() const = 0;
 
-    /** Starts a recorded frame and returns at once, unless the same frame is still running: then it waits for that. Allocates
-     *  nothing. Code::Device when the device is lost. */
+    /** Starts a recorded frame and returns. If the same frame is still running it waits for that first. Allocates nothing.
+     *  Code::Device when the device is lost. */
     virtual Status submit(FrameId frame) = 0;
     /** Whether a frame is not running now. Never waits. */
     virtual bool finished(FrameId frame) = 0;
-    /** Until a frame is not running. */
+    /** Waits until a frame is not running. */
     virtual Status wait(FrameId frame) = 0;
     Status run(FrameId frame) {
         DPL_CHECK_OK(submit(frame));

@@ -89,20 +89,8 @@ struct Checker {
         if (step.view >= (target.multiview ? 1 : target.views))
             return fail(Code::InvalidArgument, "step {} draws view {} of a target that has {}{}", step.label, step.view, target.views,
                         target.multiview ? " at once" : "");
-        if (!(step.guard >= 1) ||
-            (step.guard > 1 && step.guard * float(std::max(target.widthPx, target.heightPx)) > float(device.maxViewportPx)))
-            return fail(Code::InvalidArgument, "step {} draws from a clip space of {} targets; this device takes 1 to {} px", step.label,
-                        step.guard, device.maxViewportPx);
         if (target.multiview || step.view + 1 == target.views) drawn.insert(step.target.value);
         DPL_CHECK_OK(indirect(step.label, step.args, 16));
-        if (step.clear.pipeline) {
-            if (!device.clearDraw) return fail(Code::Unsupported, "step {} clears with a draw, which this device cannot do", step.label);
-            const Shader* clears = resources.shader(step.clear.pipeline);
-            if (!clears || clears->stage != ShaderStage::Vertex ||
-                !bindings(step.label, *clears, resources.fragment(step.clear.pipeline), {}, {}))
-                return fail(Code::InvalidArgument, "step {} clears with a pipeline that is no draw or binds something", step.label);
-            DPL_CHECK_OK(indirect(step.label, step.clear.args, 16));
-        }
         return bindings(step.label, *shader, resources.fragment(step.pipeline), step.bindings, step.push);
     }
 

@@ -16,7 +16,6 @@ namespace {
 static_assert(kMaxDrawnTogether == gpu::kMaxDrawn);
 
 constexpr std::array<std::byte, 4> kZero{};
-constexpr uint32_t kGuard = 3;        // clip space in targets: a splat no larger than the target that touches it stays inside
 constexpr size_t kLargeSetsKept = 4;  // scene sets of several avatars; a room draws one set until somebody comes or goes
 constexpr size_t kShapesKept = 4;  // of one set: an app uses one or two sizes, each with one or four samples; resizing leaves others behind
 
@@ -128,7 +127,6 @@ Status FrameCache::makeLists(SceneSet& set) {
 }
 
 FrameIds FrameCache::idsOf(const SceneSet& set, const FrameShape& shape) const {
-    const DeviceInfo& device = backend_.info();
     FrameIds ids = set.ids;
     ids.viewCount = shape.views;
     ids.widthPx = shape.widthPx;
@@ -136,9 +134,8 @@ FrameIds FrameCache::idsOf(const SceneSet& set, const FrameShape& shape) const {
     ids.depth = shape.depth;
     ids.sceneDepth = shape.sceneDepth;
     ids.samples = shape.samples;
-    ids.colour = !options_.preciseBlending ? ColourFormat::Codes8 : device.codes16 ? ColourFormat::Codes16 : ColourFormat::Halves;
-    ids.shuffle = device.shuffle;
-    ids.guard = float(std::clamp(device.maxViewportPx / std::max({ids.widthPx, ids.heightPx, 1u}), 1u, kGuard));
+    ids.colour = options_.preciseBlending ? ColourFormat::Halves : ColourFormat::Codes8;
+    ids.shuffle = backend_.info().shuffle;
     return ids;
 }
 
@@ -234,7 +231,7 @@ Status FrameCache::recordSlot(const SceneSet& set, RecordedFrame& frame, FrameSl
     FrameIds ids = frame.ids;
     ids.scene = slot.scene;
     FramePlan plan(backend_);
-    planFrame(plan, ids, subjects, tiles, backend_.info().clearDraw, slot.finalCounts);
+    planFrame(plan, ids, subjects, tiles, slot.finalCounts);
     DPL_TRY(slot.recorded, plan.finish());
     return {};
 }

@@ -47,7 +47,6 @@ struct FrameIds : SubjectIds {
     bool shuffle = false;     // subgroups hold whole tiles (DeviceInfo::shuffle)
     bool sceneDepth = false;  // splats behind the app's scene are hidden
     uint32_t samples = 1;     // a pixel (sdk/math/coverage.h)
-    float guard = 1;          // of the draw: clip space over target
 
     BufferId scene;  // of a slot: view z of the app's scene by view, row and column; infinite where there is nothing
 

@@ -12,8 +12,7 @@
 
 namespace dpl {
 
-void planFrame(FramePlan& plan, const FrameIds& frame, std::span<const FrameIds> subjects, const TilePlan* tiles, bool mayLeaveTarget,
-               BufferId finalCounts) {
+void planFrame(FramePlan& plan, const FrameIds& frame, std::span<const FrameIds> subjects, const TilePlan* tiles, BufferId finalCounts) {
     plan.fill("begin", frame.counts, 0);
     for (const FrameIds& subject : subjects) {
         if (!subject.general && subject.vertexCount > 0 && (subject.splatCount > 0 || frame.meshDepth)) addSkin(plan, subject);
@@ -35,7 +34,7 @@ void planFrame(FramePlan& plan, const FrameIds& frame, std::span<const FrameIds>
         plan.fill("no pairs", frame.pairs, 0);
         plan.fill("no splats", frame.projected, 0);
     }
-    addDraw(plan, frame, tiles && mayLeaveTarget);
+    addDraw(plan, frame);
     plan.copy("counts", frame.counts, finalCounts);
 }
 

@@ -50,15 +50,6 @@ public:
         }
         Builder& groups(uint32_t count) { return step_.groups = count, *this; }
         Builder& groupsFrom(BufferId args, uint64_t offset) { return step_.indirect = {args, offset}, *this; }
-        Builder& guard(float targets) { return step_.guard = targets, *this; }
-        /** Otherwise the target is cleared in every frame. */
-        Builder& clearedBy(const DrawPipelineDesc& pipeline, BufferId args, uint64_t offset) {
-            if (auto made = plan_.backend_.drawPipeline(pipeline))
-                step_.clear = {*made, {args, offset}};
-            else
-                plan_.keepError(made.error());
-            return *this;
-        }
         Builder& argsFrom(BufferId args, uint64_t offset) { return step_.args = {args, offset}, *this; }
 
     private:

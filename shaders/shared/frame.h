@@ -122,15 +122,13 @@ struct FrameCounts {                          // written by the GPU for itself; 
     uint tilesOverflowed;                           // 1: a list was too small, the quads draw this frame
     uint entryGroupsX, entryGroupsY, entryGroupsZ;  // over the rows, and over the tiles: zero when the entries do not fit
     uint fillGroupsX, fillGroupsY, fillGroupsZ;
-    uint clearVertices, clearInstances, clearFirstVertex,
-        clearFirstInstance;  // VkDrawIndirectCommand: when tiles have left the frame to the quads, these clear the target first
     uint depthMaxBits[16];  // kMaxDrawn: posed bounds of each along the sort axis, order-preserving float bits (lib/order.glsl); 0: nothing
     uint depthMinBitsInverted[16];
     float keyStart[16];  // depth key = (depth - keyStart) * keyScale + keyOffset
     float keyOffset[16];
     float keyScale;
 };
-DPL_SHARED_SIZE(FrameCounts, 404)
+DPL_SHARED_SIZE(FrameCounts, 388)
 
 struct TilePush {                   // of every tile pass; `first...`: offsets in words
     uint viewCount, columns, rows;  // tiles across and down one view
@@ -225,10 +223,9 @@ struct SortPush {
 struct DrawPush {
     float targetWidthPx;
     float targetHeightPx;
-    float guard;
     uint splatCount;
     uint view;
-};  // guard: clip space over target; splatCount: of all that is drawn; view: without multiview
+};  // splatCount: of all that is drawn; view: without multiview
 
 DPL_SHARED_END
 #endif

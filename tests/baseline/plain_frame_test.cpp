@@ -19,7 +19,7 @@ namespace {
 
 /** One plain frame, or the reason why there is none. Validation is on where the layer is installed. */
 struct TestPlain {
-    VulkanOptions options = testVulkanOptions();
+    VulkanTestOptions options = testVulkanOptions();
     std::unique_ptr<plain::Frame> frame;
     std::string missing;
 
@@ -227,7 +227,7 @@ TEST(PlainFrame, aFileIsDrawnInThePoseThatItIsGiven) {
 }
 
 TEST(PlainFrame, aPackOfAnotherInterfaceIsRefused) {
-    VulkanOptions options = testVulkanOptions();
+    VulkanTestOptions options = testVulkanOptions();
     options.enableValidation = false;
     options.shaderPack = plain::shaderPack();
     options.shaderInterface = embeddedShaderInterface();

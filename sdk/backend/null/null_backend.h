@@ -13,7 +13,6 @@ struct NullOptions {
                        .kind = DeviceKind::Software,
                        .maxBindingBytes = 128u << 20,
                        .maxTargetPx = 8192,
-                       .maxViewportPx = 8192,
                        .maxGroups = 65535,
                        .multiview = true,
                        .fourSamples = true};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The Vulkan side of backend.h, split by subject: vk_resources.cpp (buffers, targets), vk_pipelines.cpp, vk_frames.cpp.
+// Implements backend.h with Vulkan. Buffers and targets are in vk_resources.cpp, pipelines in vk_pipelines.cpp, frames in vk_frames.cpp.
 #pragma once
 
 #include <map>
@@ -24,14 +24,14 @@ struct Buffer {
 struct Image {
     VkImage image = VK_NULL_HANDLE;
     VkDeviceMemory memory = VK_NULL_HANDLE;
-    VkImageView view = VK_NULL_HANDLE;  // of all layers; none of what is only copied
+    VkImageView view = VK_NULL_HANDLE;  // of all layers; null for images that are only copied
     uint64_t allocatedBytes = 0;
 };
 
-/** What one draw fills. */
+/** The images that one draw fills. */
 struct Surface {
     Image colour, depth;
-    Image rounded;  // RGBA8 copy of a target of more bits
+    Image rounded;  // RGBA8 copy of a target with more than 8 bits
     Image colourSamples,
         depthSamples;  // of a target with several samples a pixel; never leave the chip where it has its own memory for them
     VkFramebuffer framebuffer = VK_NULL_HANDLE;
@@ -58,7 +58,7 @@ struct Pipeline {
     VkDescriptorSetLayout setLayout = VK_NULL_HANDLE;
     VkPipelineLayout layout = VK_NULL_HANDLE;
     VkPipeline pipeline = VK_NULL_HANDLE;
-    VkShaderStageFlags stages = 0;  // that see the push constants
+    VkShaderStageFlags stages = 0;  // stages that read the push constants
 };
 
 struct Frame {
@@ -67,7 +67,7 @@ struct Frame {
     VkCommandBuffer commandBuffer = VK_NULL_HANDLE;
     VkQueryPool timestamps = VK_NULL_HANDLE;
     VkFence fence = VK_NULL_HANDLE;
-    bool running = false;  // submitted, and the fence not seen since
+    bool running = false;  // submitted, and its fence not seen yet
     std::vector<std::string> labels;
     std::vector<uint64_t> ticks;
     bool timed = false;  // ticks hold a run
@@ -77,8 +77,6 @@ inline VkFormat vulkanFormat(ColourFormat colour) {
     switch (colour) {
         case ColourFormat::Halves:
             return VK_FORMAT_R16G16B16A16_SFLOAT;
-        case ColourFormat::Codes16:
-            return VK_FORMAT_R16G16B16A16_UNORM;
         default:
             return VK_FORMAT_R8G8B8A8_UNORM;
     }
@@ -130,7 +128,7 @@ private:
     void freeTarget(Target& target);
 
     // vk_pipelines.cpp
-    Result<VkRenderPass> renderPass(const TargetDesc& target, bool clears = true);  // compatible with that of the other kind
+    Result<VkRenderPass> renderPass(const TargetDesc& target);
     Result<VkShaderModule> shaderModule(const Shader& shader);
     Status makeLayouts(Pipeline& pipeline);
     Status makeCompute(Pipeline& pipeline);
@@ -158,9 +156,8 @@ private:
     std::map<uint32_t, Buffer> buffers_;
     std::map<uint32_t, Target> targets_;
     std::map<uint32_t, Frame> frames_;
-    std::vector<Pipeline> pipelines_;  // id - 1
-    std::map<std::tuple<uint32_t, bool, ColourFormat, uint32_t, bool>, VkRenderPass>
-        renderPasses_;  // layers, depth, colour, samples, clears
+    std::vector<Pipeline> pipelines_;                                                          // id - 1
+    std::map<std::tuple<uint32_t, bool, ColourFormat, uint32_t>, VkRenderPass> renderPasses_;  // layers, depth, colour, samples
     uint32_t lastId_ = 0;
 };
 

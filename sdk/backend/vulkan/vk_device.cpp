@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "sdk/backend/vulkan/vk_loader.h"
+#include "sdk/backend/vulkan/vk_quirks.h"
 #include "sdk/core/log.h"
 
 namespace dpl::vk {
@@ -105,20 +106,6 @@ bool canBlend(const Functions& vk, VkPhysicalDevice physical, VkFormat format, V
     return (properties.optimalTilingFeatures & wanted) == wanted;
 }
 
-/** Driver faults we step around. Each has a match, a reason and a date; ask for ignoreWorkarounds to see whether it still holds. */
-struct Workaround {
-    const char* deviceName;  // part of it
-    bool noMultiview, noClearDraw;
-    const char* reason;
-};
-constexpr Workaround kWorkarounds[] = {
-    {"512 bits", false, true,
-     "2026-11-22, Mesa 22.3.6: with LP_NATIVE_VECTOR_WIDTH=512 its compiler dies of a fragment shader that overwrites colour and depth "
-     "sums without blending"},
-    {"llvmpipe", true, false,
-     "2026-11-21, Mesa 22.3.6: with viewMask 3 the first 16 instances of an indirect strip draw land in layer 0 for both views"},
-};
-
 struct Candidate {
     VkPhysicalDevice physical = VK_NULL_HANDLE;
     uint32_t queueFamily = 0, timestampBits = 0;
@@ -126,7 +113,7 @@ struct Candidate {
     DeviceInfo info;
 };
 
-/** False when the device cannot run us at all. */
+/** False when the device lacks what Doppel needs: Vulkan 1.1 and a queue for graphics and compute. */
 bool describe(const Functions& vk, VkPhysicalDevice physical, Candidate& out) {
     VkPhysicalDeviceProperties properties{};
     vk.vkGetPhysicalDeviceProperties(physical, &properties);
@@ -165,17 +152,15 @@ bool describe(const Functions& vk, VkPhysicalDevice physical, Candidate& out) {
     out.info.maxBindingBytes = properties.limits.maxStorageBufferRange;
     out.info.maxTargetPx =
         std::min({properties.limits.maxImageDimension2D, properties.limits.maxFramebufferWidth, properties.limits.maxFramebufferHeight});
-    out.info.maxViewportPx = std::min(properties.limits.maxViewportDimensions[0], properties.limits.maxViewportDimensions[1]);
     out.info.maxGroups = properties.limits.maxComputeWorkGroupCount[0];
     out.info.multiview = multiview.multiview == VK_TRUE;
     out.info.halfDepth = !canBlend(vk, physical, VK_FORMAT_R32G32_SFLOAT, VK_FORMAT_FEATURE_TRANSFER_SRC_BIT);
-    out.info.codes16 = out.info.isSoftware() && canBlend(vk, physical, VK_FORMAT_R16G16B16A16_UNORM, VK_FORMAT_FEATURE_BLIT_SRC_BIT);
     out.info.timestamps = family->timestampValidBits > 0;
     out.info.shuffle = subgroups.subgroupSize >= 8 && subgroups.subgroupSize <= 64 &&
                        (subgroups.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) &&
                        (subgroups.supportedOperations & VK_SUBGROUP_FEATURE_SHUFFLE_BIT);
-    out.info.texels = out.info.isSoftware() && features.features.shaderStorageImageExtendedFormats &&
-                      properties.limits.maxTexelBufferElements >= properties.limits.maxStorageBufferRange / 4;
+    out.info.typedFormats = features.features.shaderStorageImageExtendedFormats &&
+                            properties.limits.maxTexelBufferElements >= properties.limits.maxStorageBufferRange / 4;
     out.info.fourSamples = features.features.sampleRateShading && properties.limits.standardSampleLocations &&
                            (properties.limits.framebufferColorSampleCounts & VK_SAMPLE_COUNT_4_BIT);
     return true;
@@ -209,7 +194,7 @@ Device::~Device() {
     if (instance && vk.vkDestroyInstance) vk.vkDestroyInstance(instance, nullptr);
 }
 
-Result<std::unique_ptr<Device>> openDevice(const VulkanOptions& options) {
+Result<std::unique_ptr<Device>> openDevice(const VulkanTestOptions& options) {
     auto d = std::make_unique<Device>();
     d->validationMessages = options.validationMessages ? options.validationMessages : std::make_shared<std::atomic<uint32_t>>(0);
     DPL_CHECK_OK(createInstance(*d, options.enableValidation));
@@ -231,17 +216,9 @@ Result<std::unique_ptr<Device>> openDevice(const VulkanOptions& options) {
     d->nanosecondsPerTick = chosen->nanosecondsPerTick;
     d->info = chosen->info;
     if (options.withoutMultiview) d->info.multiview = false;
-    if (!options.typedBuffers) d->info.texels = false;
-    if (!options.codes16) d->info.codes16 = false;
     if (!options.shuffle) d->info.shuffle = false;
-    for (const Workaround& w : kWorkarounds) {
-        if (options.ignoreWorkarounds || d->info.name.find(w.deviceName) == std::string::npos) continue;
-        if (w.noMultiview && d->info.multiview) {
-            d->info.multiview = false;
-            log(LogLevel::Info, "{}: multiview is off ({})", d->info.name, w.reason);
-        }
-        if (w.noClearDraw) d->info.clearDraw = false;
-    }
+    if (!options.ignoreQuirks) applyQuirks(d->info);
+    if (!options.typedBuffers) d->info.texels = false;
     d->depthSumFormat = d->info.halfDepth ? VK_FORMAT_R16G16_SFLOAT : VK_FORMAT_R32G32_SFLOAT;
     d->vk.vkGetPhysicalDeviceMemoryProperties(d->physical, &d->memory);
 

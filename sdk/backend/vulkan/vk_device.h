@@ -3,7 +3,7 @@
 #pragma once
 
 #include "sdk/backend/vulkan/vk_functions.h"
-#include "sdk/backend/vulkan/vulkan_backend.h"
+#include "sdk/backend/vulkan/vulkan_test_options.h"
 
 namespace dpl::vk {
 
@@ -36,6 +36,6 @@ struct Device {
 };
 
 /** Code::Unsupported when there is no loader, no driver or no device that fits; Code::NotFound when the validation layer is missing. */
-Result<std::unique_ptr<Device>> openDevice(const VulkanOptions& options);
+Result<std::unique_ptr<Device>> openDevice(const VulkanTestOptions& options);
 
 }  // namespace dpl::vk

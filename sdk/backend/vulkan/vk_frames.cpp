@@ -8,14 +8,14 @@
 namespace dpl::vk {
 namespace {
 
-constexpr uint64_t kFrameTimeoutNs = 120ull * 1000 * 1000 * 1000;  // a software device may take long; a hung one must not hang us
+constexpr uint64_t kFrameTimeoutNs = 120ull * 1000 * 1000 * 1000;  // long enough for a slow software device; a hung device ends in an error
 
 constexpr VkPipelineStageFlags kGpuStages = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT |
                                             VK_PIPELINE_STAGE_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT;
 
 }  // namespace
 
-/** Records steps and puts a barrier before each one that touches what an earlier one has written (or writes what it has read). */
+/** Records steps. A barrier comes before each step that reads or writes what an earlier one wrote, or writes what an earlier one read. */
 struct VulkanBackend::Recorder {
     VulkanBackend& backend;
     Frame& frame;
@@ -73,27 +73,20 @@ struct VulkanBackend::Recorder {
     }
 
     Status operator()(const DrawStep& step) {
-        auto accesses = accessesOf(step.bindings, step.args);
-        if (step.clear.args.buffer) accesses.push_back({step.clear.args.buffer, false});
-        touch(accesses);
+        touch(accessesOf(step.bindings, step.args));
         const Target& target = backend.targets_.at(step.target.value);
         const VkClearValue clear[2]{};  // transparent black, no depth
         VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
-        DPL_TRY(begin.renderPass, backend.renderPass(target.desc, !step.clear.pipeline));
+        DPL_TRY(begin.renderPass, backend.renderPass(target.desc));
         begin.framebuffer = target.surfaces[target.desc.multiview ? 0 : step.view].framebuffer;
         begin.renderArea.extent = target.extent;
         begin.clearValueCount = target.desc.depth ? 2 : 1;
         begin.pClearValues = clear;
         vk.vkCmdBeginRenderPass(commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
-        const float width = float(target.extent.width), height = float(target.extent.height), before = 0.5f * (1 - step.guard);
-        const VkViewport viewport{before * width, before * height, step.guard * width, step.guard * height, 0, 1};
+        const VkViewport viewport{0, 0, float(target.extent.width), float(target.extent.height), 0, 1};
         const VkRect2D scissor{{0, 0}, target.extent};
         vk.vkCmdSetViewport(commands, 0, 1, &viewport);
         vk.vkCmdSetScissor(commands, 0, 1, &scissor);
-        if (step.clear.pipeline) {
-            vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, backend.pipelines_[step.clear.pipeline.value - 1].pipeline);
-            vk.vkCmdDrawIndirect(commands, backend.buffers_.at(step.clear.args.buffer.value).buffer, step.clear.args.offset, 1, 16);
-        }
         const Status status = bind(VK_PIPELINE_BIND_POINT_GRAPHICS, backend.pipelines_[step.pipeline.value - 1], step.bindings, step.push);
         if (status) vk.vkCmdDrawIndirect(commands, backend.buffers_.at(step.args.buffer.value).buffer, step.args.offset, 1, 16);
         vk.vkCmdEndRenderPass(commands);
@@ -134,7 +127,7 @@ struct VulkanBackend::Recorder {
                                 nullptr);
     }
 
-    /** f16 colour to its RGBA8 copy; a blit converts and rounds. */
+    /** Copies f16 colour into the RGBA8 image by a blit, which converts and rounds. */
     void roundColour(const Target& target) {
         const uint32_t layers = target.desc.multiview ? target.desc.views : 1;
         std::vector<VkImageMemoryBarrier> images(target.surfaces.size(), VkImageMemoryBarrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER});
@@ -251,7 +244,7 @@ Status VulkanBackend::record(Frame& frame, std::span<const Step> steps) {
     VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
     DPL_VK(vk_.vkBeginCommandBuffer(frame.commandBuffer, &begin));
     Recorder recorder{*this, frame, frame.commandBuffer, {}, {}};
-    recorder.barrier();  // after the frame before
+    recorder.barrier();  // against the frame before this one
     const auto stamp = [&](uint32_t index) {
         if (frame.timestamps) vk_.vkCmdWriteTimestamp(frame.commandBuffer, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, frame.timestamps, index);
     };
@@ -280,7 +273,7 @@ Result<FrameId> VulkanBackend::createFrame(std::vector<Step> steps) {
 }
 
 void VulkanBackend::freeFrame(Frame& frame) {
-    (void)waitFor(frame);  // a lost device runs nothing any more
+    (void)waitFor(frame);  // an error means that the device is lost, and then nothing runs
     vk_.vkDestroyFence(device_->device, frame.fence, nullptr);
     vk_.vkDestroyQueryPool(device_->device, frame.timestamps, nullptr);
     vk_.vkDestroyCommandPool(device_->device, frame.commands, nullptr);
@@ -339,7 +332,7 @@ Status VulkanBackend::waitFor(Frame& frame) {
     return {};
 }
 
-/** Its fence was seen: the timestamps are there without waiting. */
+/** Call it once the fence of a frame has been seen: its timestamps are then there without waiting. */
 void VulkanBackend::ended(Frame& frame) {
     frame.running = false;
     if (frame.timestamps)
@@ -392,6 +385,10 @@ VulkanBackend::~VulkanBackend() {
 namespace dpl {
 
 Result<std::unique_ptr<Backend>> createVulkanBackend(const VulkanOptions& options) {
+    return createVulkanBackend(VulkanTestOptions{options});
+}
+
+Result<std::unique_ptr<Backend>> createVulkanBackend(const VulkanTestOptions& options) {
     const bool own = options.shaderPack.empty();
     DPL_TRY(ShaderPack pack,
             readShaderPack(own ? embeddedShaderPack() : options.shaderPack, own ? "the embedded shader pack" : "the given shader pack",

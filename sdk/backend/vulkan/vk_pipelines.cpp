@@ -5,16 +5,17 @@
 
 namespace dpl::vk {
 
-Result<VkRenderPass> VulkanBackend::renderPass(const TargetDesc& target, bool clears) {
+Result<VkRenderPass> VulkanBackend::renderPass(const TargetDesc& target) {
     const uint32_t layers = target.multiview ? target.views : 0, samples = target.samples;
     const bool depth = target.depth;
     const ColourFormat colour = target.colour;
-    if (const auto it = renderPasses_.find({layers, depth, colour, samples, clears}); it != renderPasses_.end()) return it->second;
+    if (const auto it = renderPasses_.find({layers, depth, colour, samples}); it != renderPasses_.end()) return it->second;
     const uint32_t targets = depth ? 2 : 1;
-    std::array<VkAttachmentDescription, 4> attachments{};  // what is drawn; behind it what its samples are averaged into
+    std::array<VkAttachmentDescription, 4>
+        attachments{};  // first the images that are drawn, then those that their samples are averaged into
     for (VkAttachmentDescription& a : attachments) {
         a.samples = VK_SAMPLE_COUNT_1_BIT;
-        a.loadOp = clears ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_DONT_CARE;
+        a.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
         a.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
         a.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
         a.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
@@ -41,13 +42,13 @@ Result<VkRenderPass> VulkanBackend::renderPass(const TargetDesc& target, bool cl
     subpass.pColorAttachments = references;
     if (samples > 1) subpass.pResolveAttachments = references + targets;
     VkSubpassDependency dependencies[2]{};
-    dependencies[0].srcSubpass = VK_SUBPASS_EXTERNAL;  // the read-back of the frame before has ended
+    dependencies[0].srcSubpass = VK_SUBPASS_EXTERNAL;  // waits for the read-back of the frame before
     dependencies[0].srcStageMask = VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
     dependencies[0].srcAccessMask = VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
     dependencies[0].dstStageMask = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
     dependencies[0].dstAccessMask = VK_ACCESS_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
     dependencies[1].srcSubpass = 0;
-    dependencies[1].dstSubpass = VK_SUBPASS_EXTERNAL;  // the copy to memory comes next
+    dependencies[1].dstSubpass = VK_SUBPASS_EXTERNAL;  // the copy to memory waits for the draw
     dependencies[1].srcStageMask = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
     dependencies[1].srcAccessMask = VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
     dependencies[1].dstStageMask = VK_PIPELINE_STAGE_TRANSFER_BIT;
@@ -69,7 +70,7 @@ Result<VkRenderPass> VulkanBackend::renderPass(const TargetDesc& target, bool cl
     if (layers > 0) info.pNext = &multiview;
     VkRenderPass pass = VK_NULL_HANDLE;
     DPL_VK(vk_.vkCreateRenderPass(device_->device, &info, nullptr, &pass));
-    renderPasses_[{layers, depth, colour, samples, clears}] = pass;
+    renderPasses_[{layers, depth, colour, samples}] = pass;
     return pass;
 }
 
@@ -147,12 +148,12 @@ Status VulkanBackend::makeDraw(Pipeline& p, const DrawPipelineDesc& desc) {
     raster.lineWidth = 1;
     VkPipelineMultisampleStateCreateInfo samples{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
     samples.rasterizationSamples = VkSampleCountFlagBits(desc.samples);
-    samples.sampleShadingEnable = desc.samples > 1;  // every sample is shaded where it lies: gl_FragCoord is its place
+    samples.sampleShadingEnable = desc.samples > 1;  // shade each sample at its own place, which gl_FragCoord then holds
     samples.minSampleShading = 1;
-    // Premultiplied "over", back to front: the sums of the depth target follow the same rule, so it blends alike
-    // (different blend state a target would need the independentBlend feature).
+    // Premultiplied "over", back to front. The depth sums follow the same rule; another blend state for them would need the feature
+    // independentBlend.
     VkPipelineColorBlendAttachmentState blend{};
-    blend.blendEnable = !desc.overwrites;
+    blend.blendEnable = VK_TRUE;
     blend.srcColorBlendFactor = blend.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
     blend.dstColorBlendFactor = blend.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
     blend.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
@@ -221,8 +222,8 @@ Result<PipelineId> VulkanBackend::computePipeline(std::string_view name) {
 
 Result<PipelineId> VulkanBackend::drawPipeline(const DrawPipelineDesc& desc) {
     Pipeline p;
-    p.key = formatText("{}+{}+{}{}{}{}+{}{}{}", desc.vertex, desc.fragment, desc.views, desc.multiview ? "M" : "", desc.depth ? "D" : "",
-                       "8HC"[int(desc.colour)], desc.samples, desc.topology == Topology::List ? "T" : "", desc.overwrites ? "O" : "");
+    p.key = formatText("{}+{}+{}{}{}{}+{}{}", desc.vertex, desc.fragment, desc.views, desc.multiview ? "M" : "", desc.depth ? "D" : "",
+                       "8H"[int(desc.colour)], desc.samples, desc.topology == Topology::List ? "T" : "");
     if (PipelineId known = findPipeline(p.key)) return known;
     p.shader = findShader(desc.vertex);
     p.fragment = findShader(desc.fragment);

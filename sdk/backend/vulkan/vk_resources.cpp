@@ -122,7 +122,7 @@ Status VulkanBackend::makeImage(Image& image, VkFormat format, const Target& tar
     vk_.vkGetImageMemoryRequirements(device_->device, image.image, &needs);
     VkMemoryAllocateInfo allocation{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
     allocation.allocationSize = needs.size;
-    // Tilers have memory that is never allocated for what never leaves the chip; it is offered to transient images only.
+    // Tile-based GPUs offer transient images a memory type that is never allocated, because the image never leaves the chip.
     const auto onChip = memoryType(needs.memoryTypeBits, VK_MEMORY_PROPERTY_LAZILY_ALLOCATED_BIT, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
     if (onChip)
         allocation.memoryTypeIndex = *onChip;
@@ -132,7 +132,7 @@ Status VulkanBackend::makeImage(Image& image, VkFormat format, const Target& tar
     DPL_VK(vk_.vkAllocateMemory(device_->device, &allocation, nullptr, &image.memory));
     image.allocatedBytes = onChip ? 0 : needs.size;
     DPL_VK(vk_.vkBindImageMemory(device_->device, image.image, image.memory, 0));
-    if (!(usage & VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT)) return {};  // only copied: needs no view
+    if (!(usage & VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT)) return {};  // images that are only copied need no view
     VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
     view.image = image.image;
     view.viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY;
@@ -159,7 +159,7 @@ Status VulkanBackend::makeSurface(Surface& s, const Target& t) {
     if (t.desc.depth) {
         DPL_CHECK_OK(makeImage(s.depth, device_->depthSumFormat, t, kDrawn));
     }
-    std::vector<VkImageView> views;  // in the order of renderPass()
+    std::vector<VkImageView> views;  // in the order of the attachments in renderPass()
     if (t.desc.samples > 1) {
         DPL_CHECK_OK(makeImage(s.colourSamples, colour, t, kDrawn, t.desc.samples));
         if (t.desc.depth) {

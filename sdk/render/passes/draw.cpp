@@ -15,17 +15,13 @@ DrawPipelineDesc drawPipelineOf(const FrameIds& ids, uint32_t samples) {
             Topology::List};
 }
 
-void addDraw(FramePlan& plan, const FrameIds& ids, bool mayBeIdle) {
-    DrawPipelineDesc clear = drawPipelineOf(ids, ids.samples);
-    clear.vertex = "clear.vert", clear.fragment = ids.depth ? "clear.frag.depth" : "clear.frag", clear.overwrites = true;
+void addDraw(FramePlan& plan, const FrameIds& ids) {
     for (uint32_t view = 0; view < (ids.multiview ? 1 : ids.viewCount); ++view) {
         auto draw = plan.draw("draw.splats", drawPipelineOf(ids, ids.samples), ids.target, view);
         draw.reads(ids.counts, ids.pairs, ids.projected);
         if (ids.sceneDepth) draw.reads(ids.scene);
-        draw.guard(ids.guard)
-            .push(gpu::DrawPush{float(ids.widthPx), float(ids.heightPx), ids.guard, ids.splatCount, view})
+        draw.push(gpu::DrawPush{float(ids.widthPx), float(ids.heightPx), ids.splatCount, view})
             .argsFrom(ids.counts, offsetof(gpu::FrameCounts, drawVertices));
-        if (mayBeIdle) draw.clearedBy(clear, ids.counts, offsetof(gpu::FrameCounts, clearVertices));
     }
 }
 

@@ -9,8 +9,7 @@ namespace dpl {
 /** What draws a frame of this shape with so many samples a pixel. */
 DrawPipelineDesc drawPipelineOf(const FrameIds& ids, uint32_t samples);
 
-/** One indirect draw of all survivors into every view. mayBeIdle: the counts say whether it has anything to draw, and the target is only
- * cleared if so. */
-void addDraw(FramePlan& plan, const FrameIds& ids, bool mayBeIdle);
+/** One indirect draw of all survivors into every view. Where tiles have filled the frame it has no instance and only clears the target. */
+void addDraw(FramePlan& plan, const FrameIds& ids);
 
 }  // namespace dpl

@@ -38,6 +38,6 @@ void main() {
         vec2 low = clamp(p.place.xy - ellipse.xy, vec2(0.0), size), high = clamp(p.place.xy + ellipse.xy, vec2(0.0), size);
         px = low + 2.0 * (high - low) * vec2(corner == 1u ? 1.0 : 0.0, corner == 2u ? 1.0 : 0.0);
     }
-    vec2 ndc = (2.0 * px / size - 1.0) / push.guard;
+    vec2 ndc = 2.0 * px / size - 1.0;
     gl_Position = dplShown(p.look) ? vec4(ndc, 0.0, 1.0) : vec4(0.0, 0.0, 0.0, 1.0);
 }

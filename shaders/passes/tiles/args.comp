@@ -27,8 +27,6 @@ void main() {
     counts.fillGroupsY = 1u;
     counts.fillGroupsZ = 1u;
     if (fits) counts.drawInstances = 0u;
-    counts.clearVertices = 3u;
-    counts.clearInstances = fits ? 0u : 1u;
 #else
     uint spans = sums[push.firstSpanSum + rows * kRowScanGroup];
     bool fits = spans <= push.spanCapacity;

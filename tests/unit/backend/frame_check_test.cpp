@@ -173,38 +173,6 @@ TEST(FrameCheck, aFragmentShadersBuffersFollowThoseOfItsVertexShader) {
     p.expectRefused("binds 4 buffers");
 }
 
-TEST(FrameCheck, clipSpaceHoldsTheTargetAndFitsTheDevice) {
-    for (const float guard : {0.5f, -1.0f, std::nanf(""), 8192.0f, INFINITY}) {  // of a target 8 px wide, on a device of 8192
-        OneDraw p;
-        p.draw.guard = guard;
-        p.expectRefused("draws from a clip space");
-    }
-    OneDraw p;
-    p.draw.guard = 1024;
-    const Status status = p.create();
-    EXPECT_TRUE(status) << status.error().message;
-}
-
-TEST(FrameCheck, aTargetIsClearedByADrawThatBindsNothingOnDevicesThatCan) {
-    OneDraw p;
-    const PipelineId clear = *p.backend->drawPipeline(
-        {.vertex = "clear.vert", .fragment = "clear.frag.depth", .views = 2, .multiview = true, .depth = true, .overwrites = true});
-    p.draw.clear = {clear, {p.buffers[0], 16}};
-    const Status status = p.create();
-    EXPECT_TRUE(status) << status.error().message;
-    p.draw.clear.args.offset = 248;
-    p.expectRefused("do not fit");
-    p.draw.clear = {p.draw.pipeline, {p.buffers[0], 16}};
-    p.expectRefused("binds something");
-
-    OneDraw q(DeviceInfo{.name = "null", .maxTargetPx = 64, .maxViewportPx = 64, .maxGroups = 1, .multiview = true, .clearDraw = false});
-    q.draw.clear = {
-        *q.backend->drawPipeline(
-            {.vertex = "clear.vert", .fragment = "clear.frag.depth", .views = 2, .multiview = true, .depth = true, .overwrites = true}),
-        {q.buffers[0], 16}};
-    q.expectRefused("cannot do");
-}
-
 TEST(FrameCheck, aDrawAViewMustReachThemAllBeforeTheyAreRead) {
     OneDraw p;
     p.draw.view = 1;

@@ -68,26 +68,24 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
                   offsetof(GeneralSplatRecord, axis3) == 48);
     static_assert(offsetof(ProjectedSplat, look) == 16 && sizeof(ProjectedSplat) == 32 && sizeof(TriangleFrame) == 80);
     expectLayout("ProjectedSplat", sizeof(ProjectedSplat), {DPL_AT(ProjectedSplat, place), DPL_AT(ProjectedSplat, look)});
-    expectLayout("FrameCounts", sizeof(FrameCounts), {DPL_AT(FrameCounts, visible),          DPL_AT(FrameCounts, runs),
-                                                      DPL_AT(FrameCounts, trianglesInView),  DPL_AT(FrameCounts, trianglesFacing),
-                                                      DPL_AT(FrameCounts, runGroupsX),       DPL_AT(FrameCounts, runGroupsY),
-                                                      DPL_AT(FrameCounts, runGroupsZ),       DPL_AT(FrameCounts, chunksProjected),
-                                                      DPL_AT(FrameCounts, drawVertices),     DPL_AT(FrameCounts, drawInstances),
-                                                      DPL_AT(FrameCounts, drawFirstVertex),  DPL_AT(FrameCounts, drawFirstInstance),
-                                                      DPL_AT(FrameCounts, splatsInView),     DPL_AT(FrameCounts, splatsFacing),
-                                                      DPL_AT(FrameCounts, chunkGroupsX),     DPL_AT(FrameCounts, chunkGroupsY),
-                                                      DPL_AT(FrameCounts, chunkGroupsZ),     DPL_AT(FrameCounts, tileSpans),
-                                                      DPL_AT(FrameCounts, spanGroupsX),      DPL_AT(FrameCounts, spanGroupsY),
-                                                      DPL_AT(FrameCounts, spanGroupsZ),      DPL_AT(FrameCounts, tileEntries),
-                                                      DPL_AT(FrameCounts, rowGroupsX),       DPL_AT(FrameCounts, rowGroupsY),
-                                                      DPL_AT(FrameCounts, rowGroupsZ),       DPL_AT(FrameCounts, tilesOverflowed),
-                                                      DPL_AT(FrameCounts, entryGroupsX),     DPL_AT(FrameCounts, entryGroupsY),
-                                                      DPL_AT(FrameCounts, entryGroupsZ),     DPL_AT(FrameCounts, fillGroupsX),
-                                                      DPL_AT(FrameCounts, fillGroupsY),      DPL_AT(FrameCounts, fillGroupsZ),
-                                                      DPL_AT(FrameCounts, clearVertices),    DPL_AT(FrameCounts, clearInstances),
-                                                      DPL_AT(FrameCounts, clearFirstVertex), DPL_AT(FrameCounts, clearFirstInstance),
-                                                      DPL_AT(FrameCounts, depthMaxBits),     DPL_AT(FrameCounts, depthMinBitsInverted),
-                                                      DPL_AT(FrameCounts, keyStart),         DPL_AT(FrameCounts, keyOffset),
+    expectLayout("FrameCounts", sizeof(FrameCounts), {DPL_AT(FrameCounts, visible),         DPL_AT(FrameCounts, runs),
+                                                      DPL_AT(FrameCounts, trianglesInView), DPL_AT(FrameCounts, trianglesFacing),
+                                                      DPL_AT(FrameCounts, runGroupsX),      DPL_AT(FrameCounts, runGroupsY),
+                                                      DPL_AT(FrameCounts, runGroupsZ),      DPL_AT(FrameCounts, chunksProjected),
+                                                      DPL_AT(FrameCounts, drawVertices),    DPL_AT(FrameCounts, drawInstances),
+                                                      DPL_AT(FrameCounts, drawFirstVertex), DPL_AT(FrameCounts, drawFirstInstance),
+                                                      DPL_AT(FrameCounts, splatsInView),    DPL_AT(FrameCounts, splatsFacing),
+                                                      DPL_AT(FrameCounts, chunkGroupsX),    DPL_AT(FrameCounts, chunkGroupsY),
+                                                      DPL_AT(FrameCounts, chunkGroupsZ),    DPL_AT(FrameCounts, tileSpans),
+                                                      DPL_AT(FrameCounts, spanGroupsX),     DPL_AT(FrameCounts, spanGroupsY),
+                                                      DPL_AT(FrameCounts, spanGroupsZ),     DPL_AT(FrameCounts, tileEntries),
+                                                      DPL_AT(FrameCounts, rowGroupsX),      DPL_AT(FrameCounts, rowGroupsY),
+                                                      DPL_AT(FrameCounts, rowGroupsZ),      DPL_AT(FrameCounts, tilesOverflowed),
+                                                      DPL_AT(FrameCounts, entryGroupsX),    DPL_AT(FrameCounts, entryGroupsY),
+                                                      DPL_AT(FrameCounts, entryGroupsZ),    DPL_AT(FrameCounts, fillGroupsX),
+                                                      DPL_AT(FrameCounts, fillGroupsY),     DPL_AT(FrameCounts, fillGroupsZ),
+                                                      DPL_AT(FrameCounts, depthMaxBits),    DPL_AT(FrameCounts, depthMinBitsInverted),
+                                                      DPL_AT(FrameCounts, keyStart),        DPL_AT(FrameCounts, keyOffset),
                                                       DPL_AT(FrameCounts, keyScale)});
     expectLayout("TilePush", sizeof(TilePush),
                  {DPL_AT(TilePush, viewCount), DPL_AT(TilePush, columns), DPL_AT(TilePush, rows), DPL_AT(TilePush, widthPx),
@@ -122,8 +120,7 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
     expectLayout("ArgsPush", sizeof(ArgsPush), {DPL_AT(ArgsPush, groupCount), DPL_AT(ArgsPush, maxDepthKey), DPL_AT(ArgsPush, drawnCount)});
     expectLayout("SortPush", sizeof(SortPush), {DPL_AT(SortPush, shift)});
     expectLayout("DrawPush", sizeof(DrawPush),
-                 {DPL_AT(DrawPush, targetWidthPx), DPL_AT(DrawPush, targetHeightPx), DPL_AT(DrawPush, guard), DPL_AT(DrawPush, splatCount),
-                  DPL_AT(DrawPush, view)});
+                 {DPL_AT(DrawPush, targetWidthPx), DPL_AT(DrawPush, targetHeightPx), DPL_AT(DrawPush, splatCount), DPL_AT(DrawPush, view)});
 }
 
 std::string plainName(const Shader& shader) {

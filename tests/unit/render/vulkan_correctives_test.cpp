@@ -56,7 +56,7 @@ std::vector<Vec4f> skinOnDevice(Backend& backend, const AvatarData& avatar, cons
 }
 
 TEST(VulkanCorrectives, deviceVerticesAreTheRefereesToAThousandthOfTheirRange) {
-    VulkanOptions options = testVulkanOptions();
+    VulkanTestOptions options = testVulkanOptions();
     auto backend = createVulkanBackend(options);
     if (!backend) GTEST_SKIP() << backend.error().message;
     expectCorrectivesMatch(

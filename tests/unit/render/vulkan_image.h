@@ -22,8 +22,8 @@ constexpr double kMinBytePsnrDb = 46;
 /** Every test is run for both ways of filling pixels. */
 class VulkanImage : public testing::TestWithParam<Fill> {};
 
-inline VulkanOptions withPreciseBlending() {
-    VulkanOptions options = testVulkanOptions();
+inline VulkanTestOptions withPreciseBlending() {
+    VulkanTestOptions options = testVulkanOptions();
     options.preciseBlending = true;
     return options;
 }
@@ -36,16 +36,16 @@ inline bool lavapipeCompilerCrashes() {
     return width && std::string(width) == "512";
 }
 
-/** 16-bit blending where the driver can. For tests that run at every width. */
-inline VulkanOptions withPreciseBlendingOfAnyWidth() {
-    VulkanOptions options = withPreciseBlending();
+/** 16-bit blending where the driver survives it. For tests that run at every width. */
+inline VulkanTestOptions withPreciseBlendingOfAnyWidth() {
+    VulkanTestOptions options = withPreciseBlending();
     options.preciseBlending = !lavapipeCompilerCrashes();
     return options;
 }
 
 /** In what layers are blended, for what tests print. */
-inline const char* blendedIn(const VulkanOptions& options) {
-    return !options.preciseBlending ? "8 bit" : options.codes16 ? "16 bit" : "f16";
+inline const char* blendedIn(const VulkanTestOptions& options) {
+    return options.preciseBlending ? "f16" : "8 bit";
 }
 
 inline std::shared_ptr<const AvatarData> share(AvatarData a) {

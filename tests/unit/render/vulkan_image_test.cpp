@@ -41,9 +41,7 @@ RenderedView expectAgrees(TestVulkan& vulkan, const std::string& name, const Res
 }
 
 TEST_P(VulkanImage, equalsTheReferenceInSeveralPosesAndViews) {
-    VulkanOptions inHalves = withPreciseBlending();
-    inHalves.codes16 = false;
-    TestVulkan precise(withPreciseBlending(), GetParam()), halves(inHalves, GetParam()), byte(testVulkanOptions(), GetParam());
+    TestVulkan precise(withPreciseBlending(), GetParam()), byte(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(precise);
     std::printf("[  DEVICE  ] %s\n", precise.renderer->name().c_str());
     struct Case {
@@ -62,7 +60,7 @@ TEST_P(VulkanImage, equalsTheReferenceInSeveralPosesAndViews) {
         const Pose pose = tubePose(c.bend, c.turn);
         const Cameraf camera = tubeCamera(160, 192, c.azimuth, c.distanceM);
         const ReferenceImage want = renderReference(*avatar, pose, referenceCamera(camera));
-        for (TestVulkan* vulkan : {&precise, &halves, &byte}) {
+        for (TestVulkan* vulkan : {&precise, &byte}) {
             auto id = vulkan->renderer->addAvatar(avatar);
             expectAgrees(*vulkan, c.name, id, pose, camera,
                          want);  // depth: a splat at the 1/255 cut-off may flip; it moves depth by α times the tube's thickness
@@ -72,7 +70,7 @@ TEST_P(VulkanImage, equalsTheReferenceInSeveralPosesAndViews) {
 }
 
 TEST_P(VulkanImage, floatKeysTakeTwiceTheRoundsAndAgreeWithTheReferenceToo) {
-    VulkanOptions options[2] = {withPreciseBlending(), withPreciseBlending()};
+    VulkanTestOptions options[2] = {withPreciseBlending(), withPreciseBlending()};
     options[1].quantiseDepth = false;
     const auto avatar = share(makeTube({.shDegree = 1}));
     const Pose pose = tubePose(0.9f, 0.3f);

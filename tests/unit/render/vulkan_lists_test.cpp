@@ -26,7 +26,7 @@ Cameraf randomView(std::mt19937& random, float middle) {
 // Culling only leaves out what no view shows: the same bytes with and without any tier of it, and the referee's picture. (Tiles look every
 // four splats whether a pixel is done, and splats that add nothing move these places: one level.)
 TEST_P(VulkanImage, cullingLosesNoVisibleSplat) {
-    VulkanOptions options = withPreciseBlendingOfAnyWidth(), without = withPreciseBlendingOfAnyWidth();
+    VulkanTestOptions options = withPreciseBlendingOfAnyWidth(), without = withPreciseBlendingOfAnyWidth();
     without.cull = false;
     TestVulkan culling(options, GetParam()), projectingAll(without, GetParam());
     DPL_NEED_VULKAN(culling);
@@ -90,8 +90,8 @@ TEST_P(VulkanImage, cullingLosesNoVisibleSplat) {
 // A component that no view shows is not posed. Whoever looks back sees it in the pose of that frame, and nothing of an old one is ever
 // seen.
 TEST_P(VulkanImage, whatIsOutOfViewIsNotPosedAndComesBack) {
-    const VulkanOptions options = withPreciseBlendingOfAnyWidth();
-    VulkanOptions without = options;
+    const VulkanTestOptions options = withPreciseBlendingOfAnyWidth();
+    VulkanTestOptions without = options;
     without.cull = false;
     TestVulkan vulkan(options, GetParam()), posingAll(without, GetParam());
     DPL_NEED_VULKAN(vulkan);
@@ -137,7 +137,7 @@ AvatarData tubeOf(uint32_t count, TubeOptions options) {
 // Lists cannot overflow: each has one entry a splat (docs/adr/0002). The worst case is a frame in which every splat is seen by every view,
 // at counts that fill the runs of the sort exactly, and one more or less.
 TEST_P(VulkanImage, everyListHoldsAFrameThatShowsEverySplat) {
-    const VulkanOptions options = withPreciseBlendingOfAnyWidth();
+    const VulkanTestOptions options = withPreciseBlendingOfAnyWidth();
     TestVulkan vulkan(options, GetParam());
     DPL_NEED_VULKAN(vulkan);
     const Cameraf views[2] = {tubeCamera(160, 144, 0.3f, 1.6f, -0.03f), tubeCamera(160, 144, 0.3f, 1.6f, 0.03f)};

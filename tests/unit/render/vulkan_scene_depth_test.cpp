@@ -23,7 +23,7 @@ std::vector<RenderedView> drawBehind(Renderer& renderer, RenderAvatarId id, cons
     return out;
 }
 
-void expectAgrees(const char* name, const RenderedView& image, const ReferenceImage& want, const VulkanOptions& options) {
+void expectAgrees(const char* name, const RenderedView& image, const ReferenceImage& want, const VulkanTestOptions& options) {
     const bool precise = options.preciseBlending;
     const Difference d = compare(image, want);
     std::printf("[  SCENE   ] %-16s %s: colour %.1f dB (max %.4f), alpha %.1f dB, depth max %.5f m, covered %.1f %%\n", name,

@@ -56,7 +56,7 @@ std::vector<uint32_t> sortOnDevice(Backend& backend, const Pairs& input, uint32_
 }
 
 TEST(VulkanSort, equalsStableSort) {
-    const VulkanOptions options = testVulkanOptions();
+    const VulkanTestOptions options = testVulkanOptions();
     auto backend = createVulkanBackend(options);
     if (!backend) GTEST_SKIP() << backend.error().message;
     const char* width = std::getenv("LP_NATIVE_VECTOR_WIDTH");

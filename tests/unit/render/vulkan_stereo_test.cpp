@@ -25,7 +25,7 @@ void expectStereoEqualsMono(TestVulkan& vulkan, const Result<RenderAvatarId>& id
 }
 
 /** For an avatar and for general splats. */
-void expectStereoEqualsMono(const VulkanOptions& options, Fill fill, const std::string& picture) {
+void expectStereoEqualsMono(const VulkanTestOptions& options, Fill fill, const std::string& picture) {
     TestVulkan vulkan(options, fill);
     DPL_NEED_VULKAN(vulkan);
     expectStereoEqualsMono(vulkan, vulkan.renderer->addAvatar(share(test::withCorrectives(makeTube(), 3))), tubePose(0.7f), picture);
@@ -39,7 +39,7 @@ void expectStereoEqualsMono(const VulkanOptions& options, Fill fill, const std::
 }
 
 TEST_P(VulkanImage, twoViewsAtOnceEqualEachViewAloneByADrawEach) {
-    VulkanOptions options = testVulkanOptions();
+    VulkanTestOptions options = testVulkanOptions();
     options.withoutMultiview = true;
     expectStereoEqualsMono(options, GetParam(), "a_draw_each");
 }
@@ -52,7 +52,7 @@ TEST_P(VulkanImage, twoViewsAtOnceEqualEachViewAloneByMultiview) {
 }
 
 TEST_P(VulkanImage, aPairDrawnAsTwoFramesIsTheSamePair) {
-    VulkanOptions apart = testVulkanOptions();
+    VulkanTestOptions apart = testVulkanOptions();
     apart.shareViews = false;
     const Cameraf views[2] = {tubeCamera(160, 144, 0.3f, 1.2f, -0.032f), tubeCamera(160, 144, 0.3f, 1.2f, 0.032f)};
     std::vector<RenderedView> pictures[2] = {std::vector<RenderedView>(2), std::vector<RenderedView>(2)};

@@ -6,18 +6,19 @@
 
 #include <cstdlib>
 
+#include "sdk/backend/vulkan/vulkan_test_options.h"
 #include "sdk/render/vulkan_renderer.h"
 
 namespace dpl {
 
-/** Device by DOPPEL_VULKAN_DEVICE (part of its name), else the best one, software included. DOPPEL_PLAIN_BUFFERS: the kernels that GPUs
- * run, and their blending. */
-inline VulkanOptions testVulkanOptions() {
-    VulkanOptions options;
+/** The device whose name contains DOPPEL_VULKAN_DEVICE, else the best one; software devices are allowed. DOPPEL_PLAIN_BUFFERS: the kernels
+ * that GPUs run, on lavapipe too. */
+inline VulkanTestOptions testVulkanOptions() {
+    VulkanTestOptions options;
     options.allowSoftwareDevice = true;
     options.preciseBlending = false;  // the harder path; the tests of the default ask for it
     options.enableValidation = !std::getenv("DOPPEL_NO_VALIDATION");
-    options.typedBuffers = options.codes16 = !std::getenv("DOPPEL_PLAIN_BUFFERS");
+    options.typedBuffers = !std::getenv("DOPPEL_PLAIN_BUFFERS");
     if (const char* name = std::getenv("DOPPEL_VULKAN_DEVICE")) options.deviceName = name;
     options.validationMessages = std::make_shared<std::atomic<uint32_t>>(0);
     return options;
@@ -25,13 +26,13 @@ inline VulkanOptions testVulkanOptions() {
 
 /** Renderer and message counter; every test ends with expectSilent(). */
 struct TestVulkan {
-    VulkanOptions options;
+    VulkanTestOptions options;
     Fill fill;
     std::unique_ptr<Renderer> renderer;
     std::string missing;  // why there is none
 
     TestVulkan() : TestVulkan(testVulkanOptions()) {}
-    explicit TestVulkan(VulkanOptions wanted, Fill fill = Fill::Quads) : options(std::move(wanted)), fill(fill) {
+    explicit TestVulkan(VulkanTestOptions wanted, Fill fill = Fill::Quads) : options(std::move(wanted)), fill(fill) {
         auto devices = listVulkanDevices();
         if (!devices || devices->empty()) {
             missing = devices ? "no Vulkan 1.1 device here" : devices.error().message;

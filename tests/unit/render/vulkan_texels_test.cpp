@@ -66,7 +66,7 @@ void expectSameBytes(Renderer& a, Renderer& b, const std::vector<uint32_t>& degr
 }
 
 TEST_P(VulkanImage, typedBuffersGiveTheSameBytesAsPlainOnes) {
-    VulkanOptions plain = testVulkanOptions(), typed = testVulkanOptions();
+    VulkanTestOptions plain = testVulkanOptions(), typed = testVulkanOptions();
     plain.typedBuffers = false;
     typed.typedBuffers = true;
     TestVulkan a(plain, GetParam()), b(typed, GetParam());
@@ -78,7 +78,7 @@ TEST_P(VulkanImage, typedBuffersGiveTheSameBytesAsPlainOnes) {
 }
 
 TEST(VulkanTiles, lanesThatFetchForEachOtherGiveTheSameBytesAsLanesThatDoNot) {
-    VulkanOptions alone = testVulkanOptions();
+    VulkanTestOptions alone = testVulkanOptions();
     alone.shuffle = false;
     TestVulkan a(alone, Fill::Tiles), b(testVulkanOptions(), Fill::Tiles);
     DPL_NEED_VULKAN(a);

@@ -21,7 +21,7 @@ PlainFile& PlainFile::operator=(PlainFile&&) noexcept = default;
 PlainFile::~PlainFile() = default;
 
 Result<PlainFile> PlainFile::open(std::span<const uint8_t> bytes, PlainFill fill) {
-    VulkanOptions options;
+    VulkanTestOptions options;
     options.allowSoftwareDevice = true;
     auto backend = plain::createBackend(options);
     if (!backend) return fail(Code::Unsupported, "no Vulkan on this machine: {}", backend.error().message);

@@ -19,7 +19,7 @@ uint32_t blocksOf(uint32_t count, uint32_t block) {
 
 }  // namespace
 
-Result<std::unique_ptr<Backend>> createBackend(VulkanOptions options) {
+Result<std::unique_ptr<Backend>> createBackend(VulkanTestOptions options) {
     options.shaderPack = shaderPack();
     options.shaderInterface = shaderInterface();
     return createVulkanBackend(options);

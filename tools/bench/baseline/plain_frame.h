@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "sdk/avatar/rig.h"
-#include "sdk/backend/vulkan/vulkan_backend.h"
+#include "sdk/backend/vulkan/vulkan_test_options.h"
 #include "sdk/format/avatar_data.h"
 #include "sdk/math/camera.h"
 #include "tools/bench/baseline/plain_file.h"
@@ -15,7 +15,7 @@
 namespace dpl::plain {
 
 /** A Vulkan backend with the frozen shaders in place of the SDK's. */
-Result<std::unique_ptr<Backend>> createBackend(VulkanOptions options);
+Result<std::unique_ptr<Backend>> createBackend(VulkanTestOptions options);
 
 /** What the frozen build embeds, and the interface it was built with. */
 std::span<const uint8_t> shaderPack();

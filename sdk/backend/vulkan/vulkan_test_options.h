@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// Switches of the Vulkan backend for tests and benches. The product never sets them.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "sdk/backend/vulkan/vulkan_backend.h"
+
+namespace dpl {
+
+struct VulkanTestOptions : VulkanOptions {
+    bool enableValidation = false;  // VK_LAYER_KHRONOS_validation with synchronisation checks; Code::NotFound when it is not installed
+    std::string deviceName;         // part of the name of the wanted device; empty: the best device
+    bool withoutMultiview = false;  // draw each view by itself, as on devices without multiview
+    bool preciseBlending = true;    // blend in 16-bit floats and round once; false: blend in 8 bits, which is below 50 dB close up
+    bool typedBuffers = true;       // false: plain kernels even where a driver needs typed buffers (vk_quirks.cpp); the same bytes
+    bool shuffle = true;            // false: use the kernels without subgroup shuffles even where DeviceInfo::shuffle; the same bytes
+    bool ignoreQuirks = false;      // try a driver without the rows of vk_quirks.cpp
+    std::span<const uint8_t> shaderPack;  // used instead of the SDK's shaders; copied
+    uint64_t shaderInterface = 0;         // interface hash that the C++ code of shaderPack was compiled with
+    /** Counts validation warnings and errors; their texts go to the log. */
+    std::shared_ptr<std::atomic<uint32_t>> validationMessages;
+};
+
+/** As createVulkanBackend(VulkanOptions). */
+Result<std::unique_ptr<Backend>> createVulkanBackend(const VulkanTestOptions& options);
+
+}  // namespace dpl
