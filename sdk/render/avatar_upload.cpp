@@ -204,7 +204,7 @@ gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views,
                       {r[0][2], r[1][2], r[2][2], t.z},
                       {c.fx, c.fy, c.cx, c.cy},
                       {limit.minX, limit.maxX, limit.minY, limit.maxY},
-                      {eye.x, eye.y, eye.z, 0}};
+                      {eye.x, eye.y, eye.z}};
         const Vec3d forward(r[0][2], r[1][2], r[2][2]);
         axis += forward;
         if (v == 0) first = forward;
@@ -214,15 +214,22 @@ gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views,
     // Nothing is seen that lies behind the eyes along their axis. On a grid of a millimetre, so that two eyes side by side agree with one.
     double nearest = std::numeric_limits<double>::infinity();
     for (const Cameraf& c : views) nearest = std::min(nearest, glm::dot(axis, Vec3d(c.eye())));
-    f.sortAxis = {float(axis.x), float(axis.y), float(axis.z), float(std::floor(nearest * 1024) / 1024)};
-    f.target = {float(views[0].widthPx), float(views[0].heightPx), splats.kappaPx2 / float(samples), 0};
-    f.flags = {splats.compensated ? 1u : 0u, unseen, 0, splats.count};
-    f.detail = {detail.full() ? 0.0f : detail.perM2, detail.full() ? 1.0f : largestGrowth, detail.shShare, 0};
+    f.sortAxis = {float(axis.x), float(axis.y), float(axis.z)};
+    f.sortStartM = float(std::floor(nearest * 1024) / 1024);
+    f.targetPx = {float(views[0].widthPx), float(views[0].heightPx)};
+    f.kappaPx2 = splats.kappaPx2 / float(samples);
+    f.compensated = splats.compensated ? 1 : 0;
+    f.unseenComponents = unseen;
+    f.splatCount = splats.count;
+    f.splatsPerM2 = detail.full() ? 0.0f : detail.perM2;
+    f.largestGrowth = detail.full() ? 1.0f : largestGrowth;
+    f.shShare = detail.shShare;
     return f;
 }
 
 void packGeneralDetail(const GeneralDetail& detail, gpu::FrameData& f) {
-    f.detail = {detail.full() ? 0.0f : detail.perPixel, detail.finestM, 0, 0};
+    f.splatsPerPixel = detail.full() ? 0.0f : detail.perPixel;
+    f.finestPixelM = detail.finestM;
     for (int v = 0; v < 2; ++v)
         f.pixelPlanes[v] = {detail.planes[v].axis.x, detail.planes[v].axis.y, detail.planes[v].axis.z, detail.planes[v].offsetM};
 }

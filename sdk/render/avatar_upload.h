@@ -55,12 +55,12 @@ struct SplatSet {
 SplatSet splatSetOf(const AvatarData& avatar, const CodedSplats& splats);
 SplatSet splatSetOf(const StaticSplatData& splats);
 
-/** What one frame takes from the CPU: the block itself, and the sort axis inside it (mean forward axis of the views). samples: a pixel,
- * which share the low-pass. largestGrowth: of a splat at this detail. unseen: bits of components, which are not posed. Culls, and is alone
- * in its frame, until flags say otherwise. */
+/** The uniform block of one subject. samples: of a pixel; they share the low-pass. largestGrowth: of a splat at this level of detail.
+ *  unseen: bits of the components that are not posed. Culls, and counts the subject's own splats as all that is drawn: whoever draws
+ *  otherwise sets these fields. */
 gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views, uint32_t samples = 1, const SplatDetail& detail = {},
                          float largestGrowth = 1, uint32_t unseen = 0);
-/** The part of it that is of general splats alone. */
+/** Sets the fields that only general splats use. */
 void packGeneralDetail(const GeneralDetail& detail, gpu::FrameData& frame);
 
 }  // namespace dpl

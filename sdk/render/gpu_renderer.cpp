@@ -142,7 +142,8 @@ void GpuRenderer::fillSlot(FrameSlot& slot, const SceneSet& set, const DrawCall&
             packPalette(pose.worldFromRest, pose.nodes,
                         {reinterpret_cast<gpu::vec4*>(backend_->mapped(upload.palette).data()), subject.ids.paletteSize});
         gpu::FrameData block = packFrame(subject.splats, call.views.of(shape.eye), shape.samples, pose.detail, pose.largestGrowth, unseen);
-        block.flags.z = options_.cull ? 0 : 1, block.flags.w = set.ids.splatCount;
+        block.cullNothing = options_.cull ? 0 : 1;
+        block.splatCount = set.ids.splatCount;
         if (!subject.avatar) packGeneralDetail(pose.generalDetail, block);
         std::memcpy(backend_->mapped(upload.frame).data(), &block, sizeof(block));
     }

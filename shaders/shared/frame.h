@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every struct that crosses from C++ to a shader or from one pass to the next. Four-byte scalars and 8/16-byte vectors only.
+// Every struct that crosses from C++ to a shader or from one pass to the next. Scalars of four bytes and vectors of 8, 12 and 16 bytes
+// only; a vec3 lies at a multiple of 16 with a scalar behind it, so that both languages agree.
 //
 //   VertexRecord ─skin► vec4 posed (w: brightness) ─triangles► TriangleFrame ─project► ProjectedSplat (splat × view) + sort depth
-////   splat codes, uints: chunk records │ parents │ place │ size │ colour │ parent bytes │ half-chunks │ SH indices │ SH entries
-///(lib/codes.glsl)
-//   visibility and survivors, uints: which half-chunks live, which of their splats show, and their sort depths (lib/visibility.glsl)
+//   splat codes, uints: chunk records │ parents │ place │ size │ colour │ parent bytes │ detail of groups │ SH indices │ SH entries
+//                       (lib/codes.glsl)
+//   visibility and survivors, uints: which groups live, which of their splats show, and their sort depths (lib/visibility.glsl)
 //   sort depth ─compact► uvec2 (key, splat) ─sort► splats, near first ─draw► pixels
 //                                                                      └─tiles► spans by row of tiles ► entries by tile ─fill► pixels
 //   GeneralSplatRecord ─project.general► the same two ─...  (general splats: no pose, no triangles)
@@ -19,20 +20,28 @@ struct ViewData {            // one eye of the frame
     vec4 viewFromWorldRow2;
     vec4 focalCentrePx;  // fx, fy, cx, cy
     vec4 slopeLimits;    // x/z and y/z limits of the Jacobian: min x, max x, min y, max y
-    vec4 eyeWorld;       // xyz
+    vec3 eyeWorld;
+    float pad0;
 };
 DPL_SHARED_SIZE(ViewData, 96)
 
-struct FrameData {  // the only uniform block; written by the CPU before each frame
+// The only uniform block, one for each subject; written by the CPU before each frame.
+struct FrameData {
     ViewData views[2];
-    vec4 sortAxis;  // unit mean forward axis of the views, world; w: depth along it before which no view sees anything
-    vec4 target;    // width px, height px, kappa px², 0
-    uvec4 flags;    // 1 = energy-preserving low-pass; bits of the components that no view sees (sdk/avatar/components.h); 1 = nothing is
-                    // culled; splats of all that is drawn
-    vec4 detail;    // splats wanted a square metre at rest, 0: all; largest growth of a splat; share of SH beyond coefficient 0
-                    // (lib/detail.glsl) general splats: wanted a pixel, 0: all; no pixel counts as smaller than y, metres
-    vec4 pixelPlanes[2];  // general splats: size of a pixel in metres at a point, of both eyes also where this frame draws one: dot(xyz,
-                          // point) + w
+    vec3 sortAxis;          // unit mean forward axis of the views, world
+    float sortStartM;       // depth along it before which no view sees anything
+    vec2 targetPx;          // size of a view
+    float kappaPx2;         // low-pass of a sample
+    float splatsPerM2;      // avatars: density that level of detail wants, at rest; 0: all splats (lib/detail.glsl)
+    uint compensated;       // 1: the low-pass keeps energy
+    uint unseenComponents;  // bits of the components that no view sees (sdk/visibility/components.h)
+    uint cullNothing;       // 1: for measuring
+    uint splatCount;        // of the scene set: records of one view
+    float largestGrowth;    // avatars: of a splat's scales at this level of detail
+    float shShare;          // avatars: of the SH bands beyond coefficient 0
+    float splatsPerPixel;   // general splats: density that level of detail wants; 0: all splats
+    float finestPixelM;     // general splats: no pixel counts as smaller
+    vec4 pixelPlanes[2];    // general splats: a pixel at a point is dot(xyz, point) + w metres wide; one for each eye of the draw
 };
 DPL_SHARED_SIZE(FrameData, 288)
 
@@ -152,7 +161,7 @@ struct RowScanPush {
     uint firstSum;
 };  // perRow 0: counts.runs; firstTable: in table and places
 
-// Several avatars share a frame: `drawn` is the number of one, its half-chunks and splats come behind those of the ones before it.
+// Several avatars share a frame: `drawn` is the number of one, its groups and splats come behind those of the ones before it.
 struct VertexPush {
     uint vertexCount;
     uint firstNode;
@@ -204,7 +213,7 @@ struct CompactPush {
     uint maxDepthKey;
     uint drawnCount;
     uint endGroup[16];
-};  // kMaxDrawn: where the half-chunks of each end
+};  // kMaxDrawn: where the groups of each end
 struct MaskPush {
     uint groupCount;
 };

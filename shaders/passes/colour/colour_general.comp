@@ -35,5 +35,5 @@ void shadeIn(ViewData view, uint index, uint slot) {
 void main() {
     uint index = gl_GlobalInvocationID.x;
     if (index >= push.splatCount) return;
-    for (uint v = 0u; v < kViews; ++v) shadeIn(frame.views[v], index, v * frame.flags.w + push.firstSplat + index);
+    for (uint v = 0u; v < kViews; ++v) shadeIn(frame.views[v], index, v * frame.splatCount + push.firstSplat + index);
 }

@@ -22,8 +22,8 @@ layout(push_constant) uniform PushBlock { CodesPush push; };
 #include "shaders/lib/detail.glsl"
 
 vec3 dplSh(uint base, uint k) {
-    if (k > 0u && frame.detail.z <= 0.0) return vec3(0.0);  // nothing of it was read
-    return k > 0u ? frame.detail.z * dplShCode(k) : dplShCode(k);
+    if (k > 0u && frame.shShare <= 0.0) return vec3(0.0);  // nothing of it was read
+    return k > 0u ? frame.shShare * dplShCode(k) : dplShCode(k);
 }
 #include "shaders/lib/sh.glsl"
 
@@ -40,12 +40,12 @@ vec3 direction(uvec4 bits) { return vec3(uintBitsToFloat(bits.x), uintBitsToFloa
 ProjectedSplat showIn(ViewData view, BoundSplat s, bool mayShow) {
     ProjectedSplat p = dplHiddenSplat();
     if (mayShow) {
-        Footprint f = projectFlat(dplLens(view), dplToView(view, s.centre), dplRotateToView(view, s.axis1), dplRotateToView(view, s.axis2), frame.target.z);
+        Footprint f = projectFlat(dplLens(view), dplToView(view, s.centre), dplRotateToView(view, s.axis1), dplRotateToView(view, s.axis2), frame.kappaPx2);
         if (f.visible) {
             float opacity = s.opacity * nearFade(f.depthM);
-            if (frame.flags.x != 0u) opacity *= f.compensation;
+            if (frame.compensated != 0u) opacity *= f.compensation;
             if (s.gated) opacity *= dplSingleFaceGate(s.normal, s.centre, view.eyeWorld.xyz);
-            p = dplShow(f, opacity, frame.target.xy, frame.flags.z != 0u);
+            p = dplShow(f, opacity, frame.targetPx, frame.cullNothing != 0u);
         }
     }
     return p;
@@ -67,9 +67,9 @@ void main() {
     dplFirstChunkWord = (group >> 1u) * kChunkWords;
     uint firstSplat = dplFirstOf(group);
     vec3 detail = vec3(1.0, 0.0, 1.0);  // all
-    if (frame.detail.x > 0.0) {
+    if (frame.splatsPerM2 > 0.0) {
         uint at = push.firstGroupDetail + 3u * group;
-        detail = vec3(frame.detail.x * uintBitsToFloat(DPL_WORD(codes, at)), uintBitsToFloat(DPL_WORD(codes, at + 1u)), uintBitsToFloat(DPL_WORD(codes, at + 2u)));
+        detail = vec3(frame.splatsPerM2 * uintBitsToFloat(DPL_WORD(codes, at)), uintBitsToFloat(DPL_WORD(codes, at + 1u)), uintBitsToFloat(DPL_WORD(codes, at + 2u)));
     }
     SplatShare share = dplShareOf(lane, detail);
     if (share.within >= dplCountOf(group)) return;
@@ -83,7 +83,7 @@ void main() {
         uvec4 corner0 = DPL_FOUR(triangles, parent);
         uint shown = corner0.w & (s.gated ? 3u * kShowsGated : 3u * kShowsFree);
         if (shown == 0u) {  // its triangle is in no view, or turned away: nothing else of it is read
-            for (uint v = 0u; v < kViews; ++v) projected[v * frame.flags.w + push.firstSplat + s.index].look.y = 0u;
+            for (uint v = 0u; v < kViews; ++v) projected[v * frame.splatCount + push.firstSplat + s.index].look.y = 0u;
         } else {
             uint packed = DPL_WORD(codes, push.firstPlace + s.index);
             vec2 scale = share.growth * dplScale(size);
@@ -107,12 +107,12 @@ void main() {
                 seen = seen || dplShown(p[v].look);
             }
             if (seen) {
-                dplFetchSh(s.index, frame.detail.z > 0.0);
+                dplFetchSh(s.index, frame.shShare > 0.0);
                 for (uint v = 0u; v < kViews; ++v) p[v].look.z = shadeIn(frame.views[v], s);
-                depth = floatBitsToUint(dot(frame.sortAxis.xyz, s.centre));
+                depth = floatBitsToUint(dot(frame.sortAxis, s.centre));
             }
             for (uint v = 0u; v < kViews; ++v) {
-                uint slot = v * frame.flags.w + push.firstSplat + s.index;
+                uint slot = v * frame.splatCount + push.firstSplat + s.index;
                 projected[slot] = p[v];
             }
         }

@@ -23,11 +23,11 @@ layout(push_constant) uniform PushBlock { SplatPush push; };
 bool showIn(ViewData view, uint slot, GeneralSplatRecord s) {
     ProjectedSplat p = dplHiddenSplat();
     Footprint f = projectSolid(dplLens(view), dplToView(view, s.centre.xyz), dplRotateToView(view, s.axis1.xyz), dplRotateToView(view, s.axis2.xyz),
-                               dplRotateToView(view, s.axis3.xyz), frame.target.z);
+                               dplRotateToView(view, s.axis3.xyz), frame.kappaPx2);
     if (f.visible) {
         float opacity = s.centre.w * nearFade(f.depthM);
-        if (frame.flags.x != 0u) opacity *= f.compensation;
-        p = dplShow(f, opacity, frame.target.xy, frame.flags.z != 0u);
+        if (frame.compensated != 0u) opacity *= f.compensation;
+        p = dplShow(f, opacity, frame.targetPx, frame.cullNothing != 0u);
     }
     projected[slot] = p;
     return dplShown(p.look);
@@ -37,16 +37,16 @@ bool showIn(ViewData view, uint slot, GeneralSplatRecord s) {
 float pixelM(vec3 middle, vec3 reach) {
     vec4 a = frame.pixelPlanes[0], b = frame.pixelPlanes[1];
     float nearest = min(nearestPixelM(a.xyz, a.w, middle, reach), nearestPixelM(b.xyz, b.w, middle, reach));
-    return nearest > frame.detail.y ? nearest : frame.detail.y;
+    return nearest > frame.finestPixelM ? nearest : frame.finestPixelM;
 }
 
 void main() {
     uint lane = gl_LocalInvocationIndex, group = gl_WorkGroupID.x, box = 4u * push.splatCount + 3u * group;
     vec3 middle = dplFloats(DPL_FOUR(splats, box)).xyz, reach = dplFloats(DPL_FOUR(splats, box + 1u)).xyz, detail = vec3(1.0, 0.0, 1.0);  // all
-    if (frame.detail.x > 0.0) {
+    if (frame.splatsPerPixel > 0.0) {
         float pixel = pixelM(middle, reach);
         detail = dplFloats(DPL_FOUR(splats, box + 2u)).xyz;
-        detail.x = frame.detail.x * (detail.x / (pixel * pixel));
+        detail.x = frame.splatsPerPixel * (detail.x / (pixel * pixel));
     }
     SplatShare share = dplShareOf(lane, detail);
     uint index = group * kSplatGroup + share.within;
@@ -60,18 +60,18 @@ void main() {
             s.axis2 = share.growth * dplFloats(DPL_FOUR(splats, 4u * index + 2u));
             s.axis3 = share.growth * dplFloats(DPL_FOUR(splats, 4u * index + 3u));
             s.centre.w *= share.weight;
-            for (uint v = 0u; v < kViews; ++v) seen = showIn(frame.views[v], v * frame.flags.w + push.firstSplat + index, s) || seen;
-            if (seen) depth = floatBitsToUint(dot(frame.sortAxis.xyz, s.centre.xyz));
+            for (uint v = 0u; v < kViews; ++v) seen = showIn(frame.views[v], v * frame.splatCount + push.firstSplat + index, s) || seen;
+            if (seen) depth = floatBitsToUint(dot(frame.sortAxis, s.centre.xyz));
         } else {
-            for (uint v = 0u; v < kViews; ++v) projected[v * frame.flags.w + push.firstSplat + index].look.y = 0u;  // what the colour pass asks for
+            for (uint v = 0u; v < kViews; ++v) projected[v * frame.splatCount + push.firstSplat + index].look.y = 0u;  // what the colour pass asks for
         }
         visibility[dplFirstDepth(push.allGroups) + push.firstSplat + index] = depth;
     }
     if (lane == 0u) {
         visibility[push.firstGroup + group] = 1u;
         visibility[dplFirstRange(push.allGroups) + push.firstGroup + group] = dplRange(push.firstSplat + group * kSplatGroup, min(push.splatCount - group * kSplatGroup, kSplatGroup));
-        float there = dot(frame.sortAxis.xyz, middle), either = dot(abs(frame.sortAxis.xyz), reach);
-        atomicMax(counts.depthMaxBits[push.drawn], dplOrderedBits(max(there + either, frame.sortAxis.w)));
-        atomicMax(counts.depthMinBitsInverted[push.drawn], ~dplOrderedBits(max(there - either, frame.sortAxis.w)));
+        float there = dot(frame.sortAxis, middle), either = dot(abs(frame.sortAxis), reach);
+        atomicMax(counts.depthMaxBits[push.drawn], dplOrderedBits(max(there + either, frame.sortStartM)));
+        atomicMax(counts.depthMinBitsInverted[push.drawn], ~dplOrderedBits(max(there - either, frame.sortStartM)));
     }
 }

@@ -27,11 +27,11 @@ void addJoint(inout vec3 sum, vec4 rest, uint joint, uint weight) {
 }
 
 bool seen(uint vertex) {
-    if (frame.flags.y == 0u) return true;
+    if (frame.unseenComponents == 0u) return true;
 #ifdef DPL_CORRECTED
-    return (DPL_FOUR(vertices, 3u * vertex + 2u).y & ~frame.flags.y) != 0u;
+    return (DPL_FOUR(vertices, 3u * vertex + 2u).y & ~frame.unseenComponents) != 0u;
 #else
-    return (DPL_FOUR(vertices, 2u * vertex + 1u).z & ~frame.flags.y) != 0u;
+    return (DPL_FOUR(vertices, 2u * vertex + 1u).z & ~frame.unseenComponents) != 0u;
 #endif
 }
 
@@ -67,7 +67,7 @@ void main() {
         addJoint(p, rest, joints.x & 0xFFFFu, (weights >> 16u) & 0xFFu);
         addJoint(p, rest, joints.x >> 16u, weights >> 24u);
         posed[vertex] = vec4(p, light);
-        uint depth = dplOrderedBits(max(dot(frame.sortAxis.xyz, p), frame.sortAxis.w));
+        uint depth = dplOrderedBits(max(dot(frame.sortAxis, p), frame.sortStartM));
         atomicMax(groupMax, depth);
         atomicMax(groupMinInverted, ~depth);
     }

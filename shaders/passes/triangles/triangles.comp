@@ -24,8 +24,8 @@ shared uint groupSplats[2];
 
 /** The bits of TriangleFrame.corner0.w for view 0. */
 uint shownIn(ViewData view, vec3 v0, vec3 v1, vec3 v2, vec3 normal, float reach, float rootLevel) {
-    if (frame.flags.z != 0u) return kShowsFree | kShowsGated;
-    if (!dplTriangleInView(view, v0, v1, v2, reach, rootLevel, frame.target.xy, frame.target.z)) return 0u;
+    if (frame.cullNothing != 0u) return kShowsFree | kShowsGated;
+    if (!dplTriangleInView(view, v0, v1, v2, reach, rootLevel, frame.targetPx, frame.kappaPx2)) return 0u;
     return dot(normal, view.eyeWorld.xyz - v0) > 0.0 ? kShowsFree | kShowsGated : kShowsFree;
 }
 
@@ -50,7 +50,7 @@ void main() {
         f.corner0 = f.corner1 = f.corner2 = f.column0 = f.column1 = uvec4(0u);
         TriangleRecord rest;
         rest.corners = DPL_FOUR(triangles, 5u * index + 3u);
-        if (rest.corners.w != 0u && (frame.flags.y >> (rest.corners.w - 1u) & 1u) == 0u) {
+        if (rest.corners.w != 0u && (frame.unseenComponents >> (rest.corners.w - 1u) & 1u) == 0u) {
             rest.restT1 = dplFloats(DPL_FOUR(triangles, 5u * index));
             rest.restT2 = dplFloats(DPL_FOUR(triangles, 5u * index + 1u));
             rest.restNormal = dplFloats(DPL_FOUR(triangles, 5u * index + 2u));
@@ -66,7 +66,7 @@ void main() {
                 mat3 worldFromRest = mat3(now.turned1, now.turned2, now.normal) *
                                      transpose(mat3(rest.restT1.xyz, rest.restT2.xyz, rest.restNormal.xyz));
                 vec4 turn = quaternionOf(worldFromRest);
-                float reach = rest.reach * frame.detail.y * largestStretch(now.f0, now.f1) * 1.0001;  // the factor: float rounding
+                float reach = rest.reach * frame.largestGrowth * largestStretch(now.f0, now.f1) * 1.0001;  // the factor: float rounding
                 uint shown = 0u;
                 for (uint v = 0u; v < kViews; ++v) shown |= shownIn(frame.views[v], v0, v1, v2, now.normal, reach, rest.rootLevel) << v;
                 f.corner0 = bitsOf(v0, shown);

@@ -34,6 +34,7 @@ namespace metal {
 using uint = uint32_t;
 using float2 = glm::vec2;
 using float3 = glm::vec3;
+using packed_float3 = glm::vec3;
 using float4 = glm::vec4;
 using int2 = glm::ivec2;
 using int4 = glm::ivec4;

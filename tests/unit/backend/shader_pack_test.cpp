@@ -42,10 +42,13 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
     using namespace gpu;
     expectLayout("ViewData", sizeof(ViewData),
                  {DPL_AT(ViewData, viewFromWorldRow0), DPL_AT(ViewData, viewFromWorldRow1), DPL_AT(ViewData, viewFromWorldRow2),
-                  DPL_AT(ViewData, focalCentrePx), DPL_AT(ViewData, slopeLimits), DPL_AT(ViewData, eyeWorld)});
-    expectLayout("FrameData", sizeof(FrameData),
-                 {DPL_AT(FrameData, views), DPL_AT(FrameData, sortAxis), DPL_AT(FrameData, target), DPL_AT(FrameData, flags),
-                  DPL_AT(FrameData, detail), DPL_AT(FrameData, pixelPlanes)});
+                  DPL_AT(ViewData, focalCentrePx), DPL_AT(ViewData, slopeLimits), DPL_AT(ViewData, eyeWorld), DPL_AT(ViewData, pad0)});
+    expectLayout(
+        "FrameData", sizeof(FrameData),
+        {DPL_AT(FrameData, views), DPL_AT(FrameData, sortAxis), DPL_AT(FrameData, sortStartM), DPL_AT(FrameData, targetPx),
+         DPL_AT(FrameData, kappaPx2), DPL_AT(FrameData, splatsPerM2), DPL_AT(FrameData, compensated), DPL_AT(FrameData, unseenComponents),
+         DPL_AT(FrameData, cullNothing), DPL_AT(FrameData, splatCount), DPL_AT(FrameData, largestGrowth), DPL_AT(FrameData, shShare),
+         DPL_AT(FrameData, splatsPerPixel), DPL_AT(FrameData, finestPixelM), DPL_AT(FrameData, pixelPlanes)});
     expectLayout("TriangleRecord", sizeof(TriangleRecord),
                  {DPL_AT(TriangleRecord, restT1), DPL_AT(TriangleRecord, restT2), DPL_AT(TriangleRecord, restNormal),
                   DPL_AT(TriangleRecord, corners), DPL_AT(TriangleRecord, reach), DPL_AT(TriangleRecord, rootLevel),
