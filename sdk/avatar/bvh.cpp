@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Biovision hierarchy: a text of nested joints with offsets and channels, then one line of numbers a frame.
+// BVH (Biovision hierarchy) is a text: nested joints with offsets and channels, then one line of numbers per frame.
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -15,7 +15,7 @@ constexpr size_t kMaxDepth = 256;
 constexpr size_t kMaxFrames = 1000000;
 constexpr size_t kMaxNameBytes = 256;
 constexpr size_t kMaxTextBytes = size_t(1) << 30;
-constexpr double kMaxNumber = 1e9;  // beyond this squares are no longer exact enough to be a motion
+constexpr double kMaxNumber = 1e9;  // sanity limit of lengths and degrees; keeps squares and products finite in float
 
 enum Channel : uint8_t { PositionX, PositionY, PositionZ, RotationX, RotationY, RotationZ };
 
@@ -52,7 +52,7 @@ private:
     void skipSpace() {
         while (position_ < text_.size() && isSpace(text_[position_])) line_ += text_[position_++] == '\n';
     }
-    /** Next word, or empty at the end of the text. Braces are words of their own. */
+    /** Next word; empty at the end of the text. A brace is a word of its own. */
     std::string_view word() {
         skipSpace();
         const size_t begin = position_;
@@ -64,7 +64,7 @@ private:
         }
         return text_.substr(begin, position_ - begin);
     }
-    /** What is left of the line, trimmed, up to a brace: names may hold spaces. */
+    /** Rest of the line up to an opening brace, without spaces around it. Joint names may contain spaces. */
     std::string_view restOfLine() {
         size_t begin = position_;
         while (position_ < text_.size() && text_[position_] != '\n' && text_[position_] != '{') ++position_;
@@ -94,7 +94,7 @@ private:
         return v;
     }
 
-    /** Opens a joint whose keyword was just read. */
+    /** Reads name, brace and OFFSET of a joint whose keyword was just read. */
     Status openJoint(bool endSite) {
         if (motion_.joints.size() >= kMaxJoints) return error(formatText("more than {} joints", kMaxJoints));
         if (open_.size() >= kMaxDepth) return error(formatText("joints nest deeper than {}", kMaxDepth));
@@ -102,7 +102,7 @@ private:
         const std::string_view text = restOfLine();
         joint.parent = open_.empty() ? -1 : open_.back();
         joint.name = endSite ? motion_.joints[size_t(joint.parent)].name + " end" : std::string(text);
-        if (joint.name.empty() || joint.name.size() > kMaxNameBytes) return error("a joint has no name or an endless one");
+        if (joint.name.empty() || joint.name.size() > kMaxNameBytes) return error("a joint has no name or a name that is too long");
         if (word() != "{") return error(formatText("an opening brace is missing after joint '{}'", joint.name));
         DPL_TRY(const Vec3f at, offset(formatText("joint '{}'", joint.name)));
         joint.restPosition = at + (joint.parent < 0 ? Vec3f(0) : motion_.joints[size_t(joint.parent)].restPosition);
@@ -159,7 +159,7 @@ private:
     Status readFrames() {
         std::string_view w = word();
         if (sameWord(w, "root"))
-            return fail(Code::Unsupported, "{}, line {}: a second ROOT; one skeleton a file, please", motion_.name, line_);
+            return fail(Code::Unsupported, "{}, line {}: a second ROOT; only one skeleton per file is read", motion_.name, line_);
         if (!sameWord(w, "motion")) return error("MOTION is missing after the hierarchy");
         if (!sameWord(word(), "frames:")) return error("'Frames:' is missing after MOTION");
         DPL_TRY(const double frames, number("the number of frames"));
@@ -167,9 +167,10 @@ private:
             return error(formatText("{} frames; 1 to {} are read", frames, kMaxFrames));
         if (!sameWord(word(), "frame") || !sameWord(word(), "time:")) return error("'Frame Time:' is missing");
         DPL_TRY(const double frameTimeS, number("the frame time"));
-        if (!(frameTimeS > 1e-5 && frameTimeS < 1e3)) return error(formatText("a frame time of {} s", frameTimeS));
+        if (!(frameTimeS > 1e-5 && frameTimeS < 1e3))
+            return error(formatText("the frame time is {} s; 0.00001 to 1000 are possible", frameTimeS));
         const size_t keys = size_t(frames), joints = motion_.joints.size();
-        // A number and its separator take two bytes at least: nothing is allocated for numbers that cannot be there.
+        // A number and its separator take at least two bytes. Checked before the allocations below.
         if (channels_.size() * keys > (text_.size() - position_ + 1) / 2)
             return error(formatText("{} frames of {} numbers do not fit into the {} bytes left; the file is cut off", keys,
                                     channels_.size(), text_.size() - position_));
@@ -212,7 +213,8 @@ private:
         return {};
     }
 
-    /** Some programs write positions that replace OFFSET, some that add to it. The first frame is nearer to one of the two. */
+    /** Position channels replace OFFSET in files of some programs and add to it in others. If the first frame lies nearer to OFFSET than to
+     *  zero, they replace it, and it is subtracted here. */
     void settleTranslations() {
         for (Motion::Translation& translation : motion_.translations) {
             const Vec3f offset = offsets_[translation.joint], first = translation.offsets.front();
@@ -227,8 +229,8 @@ private:
     Motion motion_;
     std::vector<int32_t> open_;  // joints whose '{' is not closed yet
     std::vector<Vec3f> offsets_;
-    std::vector<Channel> channels_;     // of all joints, in file order
-    std::vector<size_t> firstChannel_;  // J+1
+    std::vector<Channel> channels_;     // of all joints, file order
+    std::vector<size_t> firstChannel_;  // J+1: channels of joint j are [firstChannel_[j], firstChannel_[j+1])
 };
 
 }  // namespace

@@ -10,17 +10,17 @@
 
 namespace dpl {
 
-/** Refuses clips that do not fit the rig: sizes, joints out of range or named twice, times that do not rise, numbers that are not finite.
- */
+/** Refuses a clip that does not fit the rig: wrong array lengths, joints out of range or named twice, times that do not rise, numbers that
+ *  are not finite (CorruptData). */
 Status checkClip(const ClipData& clip, std::span<const JointData> joints);
 
 /** Last time minus first, seconds. */
 double clipDurationS(const ClipData& clip);
 
-/** The pose `timeS` after the clip's first key: slerp between keys along the shorter arc, held beyond the ends. Joints without a channel
- *  rest. The clip must have passed checkClip. */
+/** The pose `timeS` seconds after the first key. Rotations are interpolated by slerp along the shorter arc. Before the first and after the
+ *  last key the pose is held. Joints without a channel stay at rest. The clip must have passed checkClip. */
 Pose samplePose(const ClipData& clip, std::span<const JointData> joints, double timeS);
-/** The same without an allocation once `pose` has the rig's size. */
+/** The same into `pose`; allocates nothing once it has the rig's size. */
 void samplePose(const ClipData& clip, std::span<const JointData> joints, double timeS, Pose& pose);
 
 }  // namespace dpl

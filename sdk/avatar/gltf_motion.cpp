@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// glTF animations as motions. A glTF joint has any rest rotation Q (world); with animated local rotation A under parent rest Q_p the same
-// turn between frames that are parallel to the world at rest is  R = Q_p · A · Q⁻¹.
+// Reads glTF animations as motions. A glTF joint may have any rest rotation Q (world); that of its parent is Q_p. Motions use joint frames
+// that are parallel to the world at rest. There the animated local rotation A becomes  R = Q_p · A · Q⁻¹.
 #include <algorithm>
 #include <cmath>
 
@@ -11,10 +11,10 @@ namespace dpl {
 namespace {
 
 constexpr size_t kMaxKeys = 200000;
-constexpr size_t kMaxRotations = size_t(32) << 20;  // keys × joints: 512 MiB
+constexpr size_t kMaxRotations = size_t(32) << 20;  // keys × joints; 512 MiB
 constexpr float kCubicRateHz = 60;
 
-/** Rest rotation of every node in the scene, scale taken out. */
+/** World rotation of every node at rest, without scale. */
 std::vector<Quatf> restRotations(const SkinnedGltf& gltf) {
     std::vector<Quatf> world(gltf.nodes.size());
     for (size_t n = 0; n < world.size(); ++n) {
@@ -47,7 +47,7 @@ Result<std::vector<float>> keyTimes(const SkinnedGltf::Animation& animation, std
         for (size_t i = 1; i <= count; ++i) times.push_back(begin + float(i) / kCubicRateHz);
         std::sort(times.begin(), times.end());
     }
-    // Keys nearer than 10 µs are one key: exporters round the same time differently in different channels.
+    // Keys less than 10 µs apart count as one: exporters round the same time differently in different channels.
     times.erase(std::unique(times.begin(), times.end(), [](float a, float b) { return b - a < 1e-5f; }), times.end());
     return times;
 }
@@ -66,8 +66,8 @@ Result<Motion> readGltfMotion(std::span<const uint8_t> bytes, std::string_view n
     }
     const SkinnedGltf::Animation& clip = gltf.animations[animation];
 
-    // Joints of the motion: skin joints and animated nodes, with everything above them. A clip file without a skin does not say which
-    // nodes are its skeleton: all are.
+    // The joints of the motion are the skin's joints, the animated nodes and all their ancestors. A file without a skin does not name its
+    // skeleton, so all its nodes are joints.
     std::vector<bool> wanted(gltf.nodes.size(), gltf.joints.empty());
     for (const SkinnedGltf::Joint& joint : gltf.joints) wanted[joint.node] = true;
     for (const SkinnedGltf::Channel& channel : clip.channels) wanted[channel.node] = true;

@@ -69,7 +69,7 @@ struct Alias {
     std::string_view base, bone;
 };
 
-// Bones with a side; the bone gets "left" or "right" in front.
+// Names of bones that exist on both sides. "left" or "right" is put in front of the bone.
 constexpr Alias kSided[] = {
     {"clavicle", "Shoulder"}, {"collar", "Shoulder"},    {"collarbone", "Shoulder"}, {"clav", "Shoulder"},     {"shoulder", "Shoulder"},
     {"upperarm", "UpperArm"}, {"uparm", "UpperArm"},     {"arm", "UpperArm"},        {"shldr", "UpperArm"},    {"shldrbend", "UpperArm"},
@@ -111,12 +111,12 @@ std::string_view lookUp(const Alias (&table)[N], std::string_view base) {
     return {};
 }
 
-/** A joint name taken apart: "mixamorig:LeftHandIndex2" is {left, "handindex", {"2"}}. */
+/** Parts of a joint name: "mixamorig:LeftHandIndex2" is {left, "handindex", {"2"}}. */
 struct NameParts {
     int side = 0;                      // +1 left, -1 right
     std::string base;                  // lower-case words without side and numbers
-    std::vector<std::string> numbers;  // as written, so "01" and "1" differ
-    bool snakeSide = false;            // the side is a whole lower-case word in front: "left_shoulder"
+    std::vector<std::string> numbers;  // as written: "01" and "1" differ
+    bool snakeSide = false;            // the side is a lower-case word in front: "left_shoulder"
     bool capital = false;              // the first word starts with a capital
     bool separatedNumber = false;      // a separator stands before the first number
 };
@@ -176,7 +176,7 @@ std::string sided(int side, std::string_view bone) {
     return std::string(side > 0 ? "left" : "right").append(bone);
 }
 
-/** "Index" + segment 1..3; the thumb's segments have other names. */
+/** Bone name of a finger and its segment 1 to 3. The thumb's segments have names of their own. */
 std::string fingerBone(int side, std::string_view finger, int segment) {
     static constexpr std::string_view kSegments[] = {"Proximal", "Intermediate", "Distal"};
     static constexpr std::string_view kThumbSegments[] = {"Metacarpal", "Proximal", "Distal"};
@@ -221,7 +221,7 @@ std::string spineFor(const NameParts& parts) {
     static constexpr std::string_view kUp[] = {"spine", "chest", "upperChest"};
     const std::string& digits = parts.numbers[0];
     const int number = small(digits);
-    if (digits.size() == 2 && !parts.separatedNumber)  // MakeHuman counts five vertebrae from the neck down
+    if (digits.size() == 2 && !parts.separatedNumber)  // MakeHuman numbers five vertebrae from the neck down
         return number == 5 ? "spine" : number == 3 ? "chest" : number == 1 ? "upperChest" : "";
     if (digits.size() == 1 && parts.capital && !parts.separatedNumber)  // Mixamo: Spine, Spine1, Spine2
         return number == 1 ? "chest" : number == 2 ? "upperChest" : "";
@@ -236,7 +236,7 @@ std::span<const std::string_view> humanoidBoneNames() {
 
 std::string humanoidBoneFor(std::string_view jointName) {
     const std::string_view name = stripPrefix(jointName);
-    if (name.empty() || name.starts_with("__")) return {};  // MakeHuman's BVH helpers between real joints
+    if (name.empty() || name.starts_with("__")) return {};  // helper joints in MakeHuman's BVH files
     NameParts parts = takeApart(name);
     if (parts.side == 0 && parts.base.size() > 2 && lookUp(kMiddle, parts.base).empty() && lookUp(kSided, parts.base).empty() &&
         (parts.base[0] == 'l' || parts.base[0] == 'r') && !lookUp(kSided, std::string_view(parts.base).substr(1)).empty()) {
@@ -251,10 +251,10 @@ std::string humanoidBoneFor(std::string_view jointName) {
         return n.empty() ? std::string(lookUp(kMiddle, parts.base)) : std::string();
     }
     if (std::string finger = fingerFor(parts); !finger.empty()) return finger;
-    if (!n.empty() && !(n.size() == 1 && n[0] == "01")) return {};  // second halves ("upperarm02.L"), separate toes ("toe2-1.L")
+    if (!n.empty() && !(n.size() == 1 && n[0] == "01")) return {};  // second half of a bone ("upperarm02.L"), single toes ("toe2-1.L")
     if (parts.base == "shoulder") {
-        if (!n.empty()) return {};                                  // MakeHuman's shoulder01 follows its clavicle
-        if (parts.snakeSide) return sided(parts.side, "UpperArm");  // SMPL: left_collar, left_shoulder, left_elbow
+        if (!n.empty()) return {};                                  // MakeHuman's shoulder01 lies below its clavicle, which is the shoulder
+        if (parts.snakeSide) return sided(parts.side, "UpperArm");  // SMPL calls them left_collar, left_shoulder, left_elbow
     }
     const std::string_view bone = lookUp(kSided, parts.base);
     return bone.empty() ? std::string() : sided(parts.side, bone);
@@ -262,7 +262,7 @@ std::string humanoidBoneFor(std::string_view jointName) {
 
 namespace {
 
-/** The tree questions that names leave open. */
+/** Decides by the place in the tree what names leave ambiguous; see humanoidBones(). */
 class TreeResolver {
 public:
     explicit TreeResolver(std::span<const JointData> joints) : joints_(joints), bones_(joints.size()) {
@@ -299,7 +299,7 @@ private:
             if (size_t(j) == *b || isAbove(size_t(j), *b)) return size_t(j);
         return std::nullopt;
     }
-    /** A second joint named `bone` below the first becomes `next`, if nothing else is. */
+    /** If a second joint named `bone` lies below the first and no joint is `next`, the second becomes `next`. */
     void settleSecond(const std::string& bone, const std::string& next) {
         const auto first = find(bone);
         if (!first || find(next)) return;
@@ -322,12 +322,12 @@ private:
         const auto head = find("head");
         const auto arms = common(find("leftUpperArm"), find("rightUpperArm"));
         const auto hips = common(legs, head ? head : arms);
-        if (!hips) return;  // no legs or nothing above them: names must do
+        if (!hips) return;  // no legs, or nothing above them: keep what the names say
         relabel("hips", hips);
         const auto top = head ? common(arms, head) : arms;
         if (!top || *top == *hips || !isAbove(*hips, *top)) return;
-        if (top == head) return;    // arms that hang from the head: no chest and no neck to tell apart, names must do
-        std::vector<size_t> chain;  // from below the hips up to where the arms leave
+        if (top == head) return;    // arms below the head: chest and neck cannot be told apart; keep what the names say
+        std::vector<size_t> chain;  // from the joint above the hips up to the joint where the arms branch off
         for (size_t j = *top; j != *hips; j = size_t(joints_[j].parent)) chain.insert(chain.begin(), j);
         for (std::string_view bone : {"spine", "chest", "upperChest"}) relabel(bone, std::nullopt);
         bones_[chain.front()] = "spine";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a pose to posed triangles, in one place for the software renderer, the trainer and the exporters:
+// From a pose to posed triangles, shared by the software renderer, the trainer and the exporters:
 //   pose ─► correctives (offsets, light) ─► joint transforms ─► skin ─► triangle frames
 #pragma once
 
@@ -9,7 +9,7 @@
 
 namespace dpl {
 
-/** What is posed, borrowed for the call. `bind`: the rest triangles that splat sizes refer to; empty: the mesh's own. */
+/** An avatar to pose, borrowed for the call. bind: the rest triangles that splat sizes refer to; empty: those of the mesh. */
 struct PosedSubject {
     std::span<const JointData> joints;
     const MeshData& mesh;
@@ -17,23 +17,24 @@ struct PosedSubject {
     std::span<const RestTriangle<float>> bind;
 };
 
-/** A mesh in a pose. Keeps its buffers: posing again allocates nothing. One thread at a time. */
+/** A mesh in a pose. It keeps its buffers, so posing again allocates nothing. One thread at a time. */
 class PosedMesh {
 public:
     /** The pose must have passed checkPose, the correctives checkCorrectives. */
     void pose(const PosedSubject& subject, const Pose& pose, Jobs& jobs) { control(subject, pose), surface(subject, jobs); }
-    /** The first half, microseconds: joints and control nodes. Then the second, which is left out where nobody would see it: until then
-     * frames and positions are those of before. */
+    /** First half of pose(): joints and control nodes. Takes microseconds. */
     void control(const PosedSubject& subject, const Pose& pose);
+    /** Second half: vertices and triangles. Callers skip it for an avatar that no view shows; frames() and positions() are then those of
+     *  the earlier pose. */
     void surface(const PosedSubject& subject, Jobs& jobs);
 
     std::span<const TriangleFrame<float>> frames() const { return frames_; }
     std::span<const Vec3f> positions() const { return positions_; }            // V, world
-    std::span<const Vec3f> rest() const { return moved_; }                     // V, what was skinned
-    std::span<const float> light() const { return light_; }                    // V, or empty without correctives
-    std::span<const Mat3x4f> worldFromRest() const { return worldFromRest_; }  // one a joint
-    std::span<const float> coefficients() const { return coefficients_; }      // K
-    std::span<const Vec4f> nodes() const { return nodes_; }                    // M
+    std::span<const Vec3f> rest() const { return moved_; }                     // V, rest positions with correctives, before skinning
+    std::span<const float> light() const { return light_; }                    // V brightness factors; empty without correctives
+    std::span<const Mat3x4f> worldFromRest() const { return worldFromRest_; }  // one per joint
+    std::span<const float> coefficients() const { return coefficients_; }      // K, of the correctives
+    std::span<const Vec4f> nodes() const { return nodes_; }                    // M, of the correctives
 
 private:
     std::vector<float> coefficients_, light_;

@@ -15,12 +15,12 @@ namespace {
 
 const Quatf kIdentity(1, 0, 0, 0);
 
-/** The shortest rotation that turns direction `from` into `to` (any lengths). */
+/** The shortest rotation from direction `from` to `to`; lengths do not matter. */
 Quatf turn(const Vec3f& from, const Vec3f& to) {
     const float lengths = glm::length(from) * glm::length(to);
     if (!(lengths > 1e-12f)) return kIdentity;
     const float cosine = glm::dot(from, to) / lengths;
-    if (cosine < -0.999999f) {  // opposite: any axis across
+    if (cosine < -0.999999f) {  // opposite directions: any perpendicular axis will do
         const Vec3f axis = glm::cross(from, std::abs(from.x) < 0.9f * glm::length(from) ? Vec3f(1, 0, 0) : Vec3f(0, 1, 0));
         return glm::angleAxis(glm::pi<float>(), glm::normalize(axis));
     }
@@ -47,7 +47,8 @@ std::optional<size_t> find(const BoneMap& bones, std::string_view bone) {
     return at == bones.end() ? std::nullopt : std::optional(at->second);
 }
 
-/** Which axes of a skeleton at rest are up and forward: the rotation that makes them +Y and +Z. Small leans are kept. */
+/** The rotation that turns up and forward of a skeleton at rest to +Y and +Z. Both are snapped to an axis, so a small lean stays. Empty if
+ *  the skeleton does not stand. */
 std::optional<Quatf> uprightFrom(const BoneMap& bones, std::span<const Vec3f> at) {
     const auto mean = [&](std::string_view a, std::string_view b) -> std::optional<Vec3f> {
         const auto i = find(bones, a), j = find(bones, b);
@@ -69,10 +70,11 @@ std::optional<Quatf> uprightFrom(const BoneMap& bones, std::span<const Vec3f> at
     if (!left || glm::length(*left) < 1e-4f) left = spread("leftUpperArm", "rightUpperArm");
     if (!low || !left) return std::nullopt;
     const Vec3f legs = at[*hips] - *low, torso = *high - at[*hips];
-    if (head && glm::dot(glm::normalize(legs), glm::normalize(torso)) < 0.7f) return std::nullopt;  // not standing: no rest pose to trust
+    if (head && glm::dot(glm::normalize(legs), glm::normalize(torso)) < 0.7f)
+        return std::nullopt;  // torso and legs not in line: not a standing rest pose
     Vec3f up = *high - *low;
     if (!(glm::length(up) > 1e-3f) || !(glm::length(*left) > 1e-4f)) return std::nullopt;
-    const auto snap = [](const Vec3f& v) {  // the nearest axis when it is within 30°
+    const auto snap = [](const Vec3f& v) {  // the nearest axis if it is within 30°
         const Vec3f unit = glm::normalize(v);
         for (int axis = 0; axis < 3; ++axis)
             if (std::abs(unit[axis]) > 0.866f) {
@@ -90,7 +92,8 @@ std::optional<Quatf> uprightFrom(const BoneMap& bones, std::span<const Vec3f> at
     return glm::normalize(glm::quat_cast(glm::transpose(Mat3f(side, up, forward))));
 }
 
-/** The source as D and world positions at every key, upright, facing +Z; relative to a rest pose that stands. */
+/** World rotations D and positions of the source at every key, turned so that it stands along +Y and faces +Z. D is relative to a standing
+ *  rest pose. */
 class UprightSource {
 public:
     explicit UprightSource(const Motion& motion) : motion_(motion), bones_(bonesOf(motion.joints)) {
@@ -98,7 +101,7 @@ public:
         for (const JointData& joint : motion.joints) rest_.push_back(joint.restPosition);
         restInverse_.assign(rest_.size(), kIdentity);
         auto upright = uprightFrom(bones_, rest_);
-        if (!upright && motion.keyCount() > 0) {  // a rest pose that does not stand: the first frame serves
+        if (!upright && motion.keyCount() > 0) {  // the rest pose does not stand: use the first frame instead
             std::vector<Quatf> rotations;
             motionAt(motion, 0, rotations, rest_);
             for (size_t j = 0; j < rest_.size(); ++j) restInverse_[j] = glm::conjugate(rotations[j]);
@@ -127,7 +130,7 @@ private:
 };
 
 struct LimbBone {
-    std::string_view bone, next, parent;  // its direction runs to `next`; its alignment starts from `parent`'s
+    std::string_view bone, next, parent;  // the bone points to `next`; its alignment starts from that of `parent`
 };
 
 constexpr LimbBone kLimbs[] = {
@@ -153,12 +156,12 @@ constexpr LimbBone kLimbs[] = {
     {"LittleDistal", "", "LittleIntermediate"},
 };
 
-/** One driven target joint. */
+/** A target joint that follows a source joint. */
 struct Driven {
     size_t target = 0, source = 0;
-    Quatf align = kIdentity;           // A_k
-    Vec3f restDirection{0};            // of the target bone; zero: none
-    std::optional<size_t> sourceNext;  // the source joint its direction runs to, when limbs must match exactly
+    Quatf align = kIdentity;           // A_k of retarget.h
+    Vec3f restDirection{0};            // direction of the target bone at rest, unit; zero: none
+    std::optional<size_t> sourceNext;  // source joint that the bone points to; set if the direction must match exactly
 };
 
 class Retargeter {
@@ -205,7 +208,7 @@ private:
 
     Vec3f sourceRest(size_t joint) const { return source_.rest()[joint]; }
 
-    /** First child of a joint, for bones that end the chain: an end site or fingertip. */
+    /** The child of a joint that has exactly one, such as an end site or a fingertip. */
     static std::optional<size_t> onlyChild(std::span<const JointData> joints, size_t joint) {
         std::optional<size_t> child;
         for (size_t j = joint + 1; j < joints.size(); ++j)
@@ -219,7 +222,7 @@ private:
     void mapBones() {
         for (const auto& [bone, joint] : bones_)
             if (const auto from = find(source_.bones(), bone)) driven_.push_back({joint, *from, kIdentity, Vec3f(0), std::nullopt});
-        // The top of the spine carries the arms: where the target's chain is shorter, its last bone follows the source's last.
+        // The top of the spine carries the arms. If the target has fewer spine bones, its last one follows the last one of the source.
         if (auto top = topOfSpine(bones_), from = topOfSpine(source_.bones()); top && from)
             if (Driven* d = drivenBy(*top)) d->source = *from;
         std::sort(driven_.begin(), driven_.end(), [](const Driven& a, const Driven& b) { return a.target < b.target; });
@@ -254,7 +257,7 @@ private:
             targetNext = find(bones_, side + std::string(limb.next));
             sourceNext = find(source_.bones(), side + std::string(limb.next));
         }
-        if (!targetNext || !sourceNext) {  // the last mapped bone of its chain: tips on both sides, or none
+        if (!targetNext || !sourceNext) {  // last mapped bone of its chain: needs a tip in both skeletons
             if (limb.bone == "Hand") return;
             targetNext = onlyChild(target_, d->target);
             sourceNext = onlyChild(motion_.joints, d->source);
@@ -268,8 +271,8 @@ private:
         d->sourceNext = sourceNext;
     }
 
-    /** Palms: the line from little finger to index tells the roll of the hand that its direction leaves open. Half of it goes to the
-     * forearm. */
+    /** Aligns the roll of a hand about its own direction, by the line from the little finger to the index finger. The forearm takes half of
+     *  the roll. */
     void alignPalm(const std::string& side) {
         Driven* hand = drivenBone(side + "Hand");
         const auto across = [&](const BoneMap& bones, auto&& at) -> std::optional<Vec3f> {
@@ -288,18 +291,18 @@ private:
         const Vec3f flatA = a - axis * glm::dot(a, axis), flatB = b - axis * glm::dot(b, axis);
         if (!(glm::length(flatA) > 1e-4f) || !(glm::length(flatB) > 1e-4f)) return;
         const float roll = std::atan2(glm::dot(axis, glm::cross(flatA, flatB)), glm::dot(flatA, flatB));
-        if (std::abs(roll) > glm::radians(120.0f)) return;  // no wrist starts there: one of the skeletons has its fingers in another order
+        if (std::abs(roll) > glm::radians(120.0f)) return;  // no wrist can: one of the skeletons names its fingers in another order
         hand->align = glm::angleAxis(roll, axis) * hand->align;
         if (Driven* arm = drivenBone(side + "LowerArm"); arm && arm->sourceNext)
             arm->align = glm::angleAxis(0.5f * roll, glm::normalize(arm->align * arm->restDirection)) * arm->align;
-        for (const LimbBone& limb : kLimbs)  // fingers start from the rolled hand
+        for (const LimbBone& limb : kLimbs)  // fingers inherit the roll of the hand
             if (limb.bone != "Hand" && limb.parent != "" && limb.bone.find("Arm") == std::string_view::npos &&
                 limb.bone.find("Leg") == std::string_view::npos)
                 alignLimb(side, limb);
     }
 
-    /** First key to keep. Many BVH files start from one frame of rest pose, low-passed with the motion: a blend of a few frames that
-     *  no body can follow (CMU/Daz clips: 25-48° a frame for five frames at 120 Hz; their fastest real motion is 15°). */
+    /** First key to keep. Many BVH files blend from a rest pose into the motion within a few frames, faster than a body can move. (CMU/Daz
+     *  clips: 25-48° per frame for five frames at 120 Hz; their fastest real motion is 15°.) */
     size_t firstKey() const {
         constexpr float kStartRadPerS = glm::radians(1800.0f), kStopRadPerS = glm::radians(720.0f), kLongestS = 0.1f;
         std::vector<Quatf> before, after;
@@ -335,7 +338,7 @@ private:
             if (next >= driven_.size() || driven_[next].target != j) continue;
             const Driven& d = driven_[next];
             Quatf turned = glm::normalize(sourceRotations_[d.source] * d.align);
-            if (d.sourceNext)  // joints between this bone and the next may bend too (twist and half bones): follow the posed direction
+            if (d.sourceNext)  // joints between this bone and the next (twist bones, half bones) may bend too: match the posed direction
                 turned =
                     glm::normalize(turn(turned * d.restDirection, sourcePositions_[*d.sourceNext] - sourcePositions_[d.source]) * turned);
             world_[j] = turned;
@@ -354,7 +357,7 @@ private:
         clearance.push_back(lowest < 1e29f ? lowest : 0.0f);
     }
 
-    /** Ratio of leg lengths, else of heights of the hips above the lowest joint. */
+    /** Ratio of leg lengths, target to source. Without legs: of the heights of the hips above the lowest joint. */
     float travelScale() const {
         if (travelScale_ > 0) return travelScale_;
         const auto legs = [](const BoneMap& bones, auto&& at) {
@@ -387,7 +390,7 @@ private:
         const Vec3f start = clip.rootTranslations.front();
         if (!options.keepPlace) shift = Vec3f(-start.x, 0, -start.z);
         if (options.groundFeet) {
-            std::vector<float> sorted = clearance;  // the lowest of a hundred frames, so that one glitch does not lift the person
+            std::vector<float> sorted = clearance;  // 1st percentile, so that a single wrong frame does not lift the avatar
             std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 100), sorted.end());
             shift.y = -sorted[sorted.size() / 100];
         }

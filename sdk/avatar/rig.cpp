@@ -9,11 +9,11 @@
 namespace dpl {
 namespace {
 
-constexpr size_t kVertexGrain = 2048;  // vertices a block: small enough to balance, large enough to hide the hand-out
+constexpr size_t kVertexGrain = 2048;  // vertices per block: small enough to balance threads, large enough to hide the cost of a block
 constexpr size_t kTriangleGrain = 2048;
-constexpr float kMinQuaternionNorm2 = 1e-12f;  // below this the direction of the quaternion is rounding noise
-constexpr float kMaxQuaternionNorm2 = 1e12f;   // above this squares of ordinary products overflow
-constexpr float kMaxRootTranslationM = 1e5f;   // 100 km: float has no millimetres left there
+constexpr float kMinQuaternionNorm2 = 1e-12f;  // below this, the direction of the quaternion is rounding noise
+constexpr float kMaxQuaternionNorm2 = 1e12f;   // above this, squares of ordinary products overflow
+constexpr float kMaxRootTranslationM = 1e5f;   // 100 km; float resolves no millimetres beyond
 
 bool finite(const Quatf& q) {
     return std::isfinite(q.x) && std::isfinite(q.y) && std::isfinite(q.z) && std::isfinite(q.w);

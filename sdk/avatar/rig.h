@@ -12,7 +12,8 @@
 
 namespace dpl {
 
-/** A pose of a rig: one local rotation a joint (about its rest position, relative to its parent) and the root's translation, metres. */
+/** A pose of a rig: one local rotation per joint (about its rest position, relative to its parent) and the translation of the root, metres.
+ */
 struct Pose {
     std::vector<Quatf> localRotations;
     Vec3f rootTranslation{0};
@@ -20,21 +21,22 @@ struct Pose {
     static Pose rest(size_t jointCount) { return {std::vector<Quatf>(jointCount, Quatf(1, 0, 0, 0)), Vec3f(0)}; }
 };
 
-/** Where the root joint (joint 0, which must exist) of a pose is, world. */
+/** World position of the root joint (joint 0, which must exist) in a pose. */
 inline Vec3f rootPosition(std::span<const JointData> joints, const Pose& pose) {
     return joints[0].restPosition + pose.rootTranslation;
 }
 
-/** Refuses a wrong joint count and non-finite or zero rotations, naming the joint. */
+/** Refuses a wrong joint count, rotations that are zero or not finite (naming the joint), and a root translation beyond 100 km
+ *  (InvalidArgument). */
 Status checkPose(std::span<const JointData> joints, const Pose& pose);
 
-/** Refuses parents that do not come first and rest positions that are not finite, naming the joint (CorruptData). */
+/** Refuses a joint whose parent does not come first or whose rest position is not finite, and names it (CorruptData). */
 Status checkRig(std::span<const JointData> joints);
 
-/** worldFromRest[j] = G_j as [R | t]. Rotations are normalised here. The pose must have passed checkPose. */
+/** worldFromRest[j] = G_j as [R | t]. Normalises the rotations. The pose must have passed checkPose. */
 void jointTransforms(std::span<const JointData> joints, const Pose& pose, std::vector<Mat3x4f>& worldFromRest);
 
-/** Skins `rest` (V positions) with the four unorm8 weights of each vertex of `mesh`. `positions` is resized to V. */
+/** Skins `rest` (V positions) with the weights of `mesh`: four unorm8 per vertex. positions: V, world, resized. */
 void skin(const MeshData& mesh, std::span<const Vec3f> rest, std::span<const Mat3x4f> worldFromRest, Jobs& jobs,
           std::vector<Vec3f>& positions);
 /** The same for the mesh's own rest positions. */
@@ -42,11 +44,11 @@ inline void skin(const MeshData& mesh, std::span<const Mat3x4f> worldFromRest, J
     skin(mesh, mesh.restPositions, worldFromRest, jobs, positions);
 }
 
-/** Rest frames of all triangles; invalid ones carry no splats. */
+/** Rest frames of all triangles. Those of degenerate triangles are marked invalid and carry no splats. */
 std::vector<RestTriangle<float>> restTriangles(const MeshData& mesh);
 
-/** Posed frames of all triangles. rest: restTriangles, or empty: made on the way from the mesh's rest positions, so that nobody must keep
- *  52 bytes a triangle. light: brightness a vertex, or empty for 1. */
+/** Posed frames of all triangles. rest: restTriangles(mesh); empty: computed here, which saves the caller 52 bytes per triangle.
+ *  light: V brightness factors; empty: 1. */
 void poseTriangles(const MeshData& mesh, std::span<const RestTriangle<float>> rest, std::span<const Vec3f> positions, Jobs& jobs,
                    std::vector<TriangleFrame<float>>& frames, std::span<const float> light = {});
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vectors of plain values in our own binary files: a 64-bit count, then the values.
+// Vectors of trivially copyable values in Doppel's own binary files: a 64-bit count, then the values.
 #pragma once
 
 #include <vector>
@@ -15,7 +15,7 @@ void putArray(Writer& out, const std::vector<T>& values) {
     out.append({reinterpret_cast<const uint8_t*>(values.data()), values.size() * sizeof(T)});
 }
 
-/** Refuses a count that the rest of the file cannot hold, before anything is allocated (CorruptData). */
+/** Before it allocates, it refuses a count that the rest of the file cannot hold (CorruptData). */
 template <class T>
 Status getArray(Reader& in, std::vector<T>& values) {
     DPL_TRY(const uint64_t count, in.value<uint64_t>());

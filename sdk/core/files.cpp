@@ -51,9 +51,9 @@ Status writeFully(int fd, std::span<const uint8_t> bytes, const std::filesystem:
     return {};
 }
 
-/** Where a chain of symbolic links ends, whether or not a file is there. */
+/** The path at the end of a chain of symbolic links. A file need not exist there. */
 std::filesystem::path endOfLinks(std::filesystem::path path) {
-    constexpr int kMaxLinks = 40;  // as the kernel follows; a longer chain is a loop, and opening it is an error
+    constexpr int kMaxLinks = 40;  // limit of the Linux kernel; opening a longer chain fails
     std::error_code error;
     for (int i = 0; i < kMaxLinks && std::filesystem::is_symlink(path, error); ++i) {
         const std::filesystem::path next = std::filesystem::read_symlink(path, error);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whole files in and out. A file is written under a temporary name beside its target and then renamed, so nobody reads half a file.
+// Reads and writes whole files. A file is written under a temporary name beside its target and then renamed, so that no reader sees half
+// a file.
 #pragma once
 
 #include <cstdint>
@@ -14,15 +15,16 @@ namespace dpl {
 
 constexpr uint64_t kMaxFileBytes = uint64_t(4) << 30;
 
-/** Looks at the first bytes of a file (fewer than kFileHeadBytes in a short one) and at its size; refuses it before the rest is read. */
 constexpr size_t kFileHeadBytes = 4096;
+/** Decides from the first kFileHeadBytes (fewer if the file is shorter) and the size whether a file is read. An error stops readFile before
+ *  it reads the rest. */
 using CheckFileHead = Status (*)(std::span<const uint8_t> head, uint64_t fileBytes);
 
-/** Reads a regular file of at most `maxBytes`. Errors name the path and the remedy. `check` may be null. */
+/** Reads a regular file of at most `maxBytes`. `check` may be null. Errors name the path and, where known, a remedy. */
 Result<std::vector<uint8_t>> readFile(const std::filesystem::path& path, uint64_t maxBytes = kMaxFileBytes, CheckFileHead check = nullptr);
 
-/** Writes `path` completely or not at all; parent folders must exist. The bytes are on disk (fsync) before the rename. A symbolic link
- * stays a link: the file that it names is replaced. What is no regular file (a device, a pipe) is written to as it stands, not replaced. */
+/** Writes `path` completely or not at all. Parent folders must exist. The bytes are on disk (fsync) before the rename. A symbolic link is
+ *  kept and its target is replaced. A device or a pipe is written to directly, not replaced. */
 Status writeFileAtomically(const std::filesystem::path& path, std::span<const uint8_t> bytes);
 Status writeFileAtomically(const std::filesystem::path& path, std::string_view text);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A borrowed callable: two pointers, no allocation, good for a call that returns before the callable dies.
+// Non-owning reference to a callable: two pointers, no allocation. The callable must outlive the reference.
 #pragma once
 
 #include <memory>

@@ -13,8 +13,8 @@ namespace dpl {
 
 namespace {
 
-/** How often a thread looks again before it sleeps: some 30 µs. A step of training or a frame is twenty short loops, and waking a sleeper
- *  costs as much as the shortest of them. */
+/** How often a waiting thread polls before it sleeps, about 30 µs. A training step or a frame has some twenty short loops, and waking a
+ *  sleeping thread takes as long as the shortest of them. */
 constexpr int kLooks = 1000;
 
 void relax() {
@@ -34,12 +34,12 @@ struct Jobs::State {
     const FunctionRef<void(size_t, uint32_t)>* body = nullptr;
     std::atomic<size_t> next{0};
     size_t blockCount = 0;
-    std::atomic<uint64_t> generation{0};  // changes under the mutex; published last
+    std::atomic<uint64_t> generation{0};  // counts the loops; changed under the mutex, after all other fields
     std::atomic<uint32_t> running{0};
     std::atomic<bool> quit{false};
-    int looks = 0;  // none where threads share cores: whoever looks keeps another from working
+    int looks = 0;  // 0 if there are more threads than cores: polling would keep another thread from working
 
-    /** True when `ready()` came true before it was time to sleep. */
+    /** Polls ready(); false if it did not become true within `looks` polls. */
     template <class Ready>
     bool soon(Ready&& ready) const {
         for (int look = 0; look < looks; ++look) {
@@ -65,7 +65,7 @@ struct Jobs::State {
             seen = generation.load();
             drain(worker);
             if (running.fetch_sub(1) == 1) {
-                std::lock_guard lock(mutex);  // the caller is either before its wait, and will see 0, or in it
+                std::lock_guard lock(mutex);  // so that the caller either sees 0 before it waits, or waits already and is woken
                 done.notify_one();
             }
         }
@@ -80,7 +80,7 @@ Jobs::Jobs(uint32_t threadCount) : state_(std::make_unique<State>()) {
         for (uint32_t worker = 1; worker < threadCount; ++worker)
             state_->threads.emplace_back([state = state_.get(), worker] { state->workerLoop(worker); });
     } catch (const std::system_error&) {
-        // The system grants no more threads: the pool works with those it has, and results do not depend on how many.
+        // The system grants no more threads. The pool works with those it has; results do not depend on their number.
     }
 }
 

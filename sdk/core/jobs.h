@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A fixed pool of worker threads and the one parallel loop that everything uses.
+// A fixed pool of worker threads with parallel loops.
 #pragma once
 
 #include <cstddef>
@@ -10,8 +10,8 @@
 
 namespace dpl {
 
-/** A pool of `threadCount` threads, the caller's included. Results must not depend on which worker runs which block:
- *  split work into blocks of fixed shape and reduce them in block order, and any thread count gives the same bytes. */
+/** A pool of `threadCount` threads, the caller's included. Results must not depend on the number of threads: split work into blocks of
+ *  fixed size and reduce them in block order. */
 class Jobs {
 public:
     /** threadCount 0: one thread per core. */
@@ -22,8 +22,8 @@ public:
 
     uint32_t threadCount() const;
 
-    /** Calls body(block, worker) for each block in [0, blockCount), worker < threadCount(). Blocks are handed out in
-     *  order by an atomic counter. Returns when all are done. Allocates nothing. Not re-entrant: one loop at a time per pool. */
+    /** Calls body(block, worker) for each block in [0, blockCount), worker < threadCount(). Blocks start in order.
+     *  Returns when all are done. Allocates nothing. Not re-entrant: a pool runs one loop at a time. */
     void forBlocks(size_t blockCount, FunctionRef<void(size_t block, uint32_t worker)> body);
 
     /** Splits [0, count) into blocks of `grain` and calls body(begin, end, worker) for each. */

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One log sink for the process's library code. Silent below `warning` until somebody sets a sink.
+// The log of all library code in the process. The default sink prints warnings and errors to stderr.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@ enum class LogLevel : uint8_t { Debug, Info, Warning, Error };
 
 using LogSink = std::function<void(LogLevel, std::string_view)>;
 
-/** Replaces the sink (default: warnings and errors to stderr). Any thread; the sink is called under a lock. */
+/** Replaces the sink; an empty one restores the default. Any thread. The sink is called under a lock and must not log. */
 void setLogSink(LogSink sink);
 void logText(LogLevel level, std::string_view text);
 

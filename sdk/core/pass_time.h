@@ -5,7 +5,7 @@
 
 namespace dpl {
 
-/** GPU time of one step of a frame: measured by a backend, reported by a renderer. */
+/** GPU time of one pass of a frame. A backend measures it, a renderer reports it. */
 struct PassTime {
     std::string label;
     double milliseconds = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One definition of a percentile for everything that reports one.
+// The one definition of a percentile, for all reports.
 #pragma once
 
 #include <algorithm>
@@ -8,8 +8,8 @@
 
 namespace dpl {
 
-/** The value that `share` of the values lie below (of n sorted ones number ⌊share·n⌋, the last for a share of 1); 0 when there are none.
- *  share in [0, 1]. */
+/** The value at index min(⌊share·n⌋, n − 1) of the n values in rising order, without interpolation. share: 0 to 1. 0 if there are no
+ *  values. */
 template <class T>
 T percentile(std::vector<T> values, double share) {
     if (values.empty()) return T{};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bounded little-endian reading: every size is checked against what is left before it is used.
+// Reads little-endian bytes and checks every size against the bytes left before it uses it.
 #pragma once
 
 #include <bit>

@@ -14,13 +14,13 @@ namespace dpl {
 enum class Code : uint8_t {
     InvalidArgument,  // the caller's mistake
     NotFound,         // a file or a name that is not there
-    CorruptData,      // bytes that cannot be what they claim to be
-    Version,          // a version this build does not read
-    Unsupported,      // valid, but not something we do
+    CorruptData,      // damaged bytes
+    Version,          // a file version that this build does not read
+    Unsupported,      // valid, but this build or machine cannot do it
     OutOfMemory,
     Io,         // the file system refused (disk full, permissions)
     Device,     // the graphics device failed or is lost
-    Cancelled,  // the user asked us to stop
+    Cancelled,  // the user asked to stop
     Internal,
 };
 
@@ -43,7 +43,7 @@ void formatInto(std::ostringstream& out, std::string_view text, const First& fir
 }
 }  // namespace detail
 
-/** Replaces each "{}" of `text` by the next argument, as operator<< prints it. */
+/** Replaces each "{}" of `text` by the next argument, printed with operator<<. Arguments without a "{}" are dropped. */
 template <class... Args>
 std::string formatText(std::string_view text, const Args&... args) {
     std::ostringstream out;
@@ -56,7 +56,7 @@ Error fail(Code code, std::string_view text, const Args&... args) {
     return Error{code, formatText(text, args...)};
 }
 
-/** A value or an error. Test it, then use `*r` / `r->`; reading the wrong side is undefined. */
+/** A value or an error. Test it before `*r`, `r->` or error(): reading the one that is not there is undefined. */
 template <class T>
 class [[nodiscard]] Result {
 public:
@@ -95,12 +95,12 @@ using Status = Result<void>;
 #define DPL_CONCAT_(a, b) a##b
 #define DPL_CONCAT(a, b) DPL_CONCAT_(a, b)
 
-// DPL_TRY(auto x, expression): x = *expression, or return its error from the calling function.
+// DPL_TRY(auto x, expression): declares x as the value of the Result, or returns its error from the calling function.
 #define DPL_TRY(declaration, ...)                                                           \
     auto DPL_CONCAT(dplResult_, __LINE__) = (__VA_ARGS__);                                  \
     if (!DPL_CONCAT(dplResult_, __LINE__)) return DPL_CONCAT(dplResult_, __LINE__).error(); \
     declaration = std::move(*DPL_CONCAT(dplResult_, __LINE__))
 
-// DPL_CHECK_OK(status): return its error from the calling function if there is one.
+// DPL_CHECK_OK(status): returns the error of a Status, if it has one, from the calling function.
 #define DPL_CHECK_OK(...) \
     if (auto dplStatus = (__VA_ARGS__); !dplStatus) return dplStatus.error()

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Little-endian writing into a growing buffer.
+// Appends little-endian values to a growing buffer.
 #pragma once
 
 #include <cstdint>

@@ -19,7 +19,7 @@ bool inside(const Vec3f& p) {  // false for NaN too
 
 float snap(float x) {
     return std::nearbyint(x / kPositionStepM) * kPositionStepM + 0.0f;
-}  // + 0 turns −0 into 0
+}  // + 0.0f turns −0 into 0
 Vec3f snap(const Vec3f& p) {
     return {snap(p.x), snap(p.y), snap(p.z)};
 }
@@ -54,7 +54,7 @@ Status checkLayers(const MeshData& mesh) {
             return fail(Code::InvalidArgument, "layer '{}' has the role '{}': body, garment or hair is meant", layer.name, layer.role);
         if (layer.vertexCount > mesh.restPositions.size() - vertex || layer.triangleCount > mesh.triangles.size() - triangle)
             return fail(Code::InvalidArgument, "layer '{}' reaches past the mesh", layer.name);
-        if (layer.vertexCount > uint64_t(layer.triangleCount) * 3)  // Draco refuses to decode those
+        if (layer.vertexCount > uint64_t(layer.triangleCount) * 3)  // Draco refuses to decode such a mesh
             return fail(Code::InvalidArgument, "layer '{}' has {} vertices that no triangle can name; drop unused vertices", layer.name,
                         layer.vertexCount - layer.triangleCount * 3);
         for (uint32_t t = 0; t < layer.triangleCount; ++t)
@@ -167,7 +167,7 @@ Status checkAvatarWithoutSplats(const AvatarData& a) {
         if (!std::isfinite(e.gainDb)) return fail(Code::InvalidArgument, "the evidence for '{}' has a gain that is not finite", e.part);
     if (!(a.kappaPx2 >= 0 && a.kappaPx2 < 1e3f)) return fail(Code::InvalidArgument, "kappa is {} px²", a.kappaPx2);
     if (!(a.trainedPixelM == 0 || (a.trainedPixelM >= 1e-6f && a.trainedPixelM <= 1)))
-        return fail(Code::InvalidArgument, "a pixel of the training has {} m; 1e-6 to 1 are possible, 0 says nothing", a.trainedPixelM);
+        return fail(Code::InvalidArgument, "trainedPixelM is {} m; 1e-6 to 1 are possible, or 0 for not known", a.trainedPixelM);
     return {};
 }
 
@@ -180,7 +180,7 @@ void snapAvatar(AvatarData& a) {
     for (ClipData& clip : a.clips) {
         std::sort(clip.channels.begin(), clip.channels.end(), [](const ClipChannel& x, const ClipChannel& y) { return x.joint < y.joint; });
         for (ClipChannel& channel : clip.channels)
-            for (Quatf& q : channel.rotations)  // 1e-6: what one normalisation in float may leave, so that a second changes nothing
+            for (Quatf& q : channel.rotations)  // 1e-6: error of a normalisation in float. Within it, a second pass changes nothing
                 if (std::abs(glm::dot(q, q) - 1) > 1e-6f) q = glm::normalize(q);
         for (Vec3f& t : clip.rootTranslations) t = snap(t);
     }

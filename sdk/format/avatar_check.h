@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an avatar must be before it is written, and the snapping that makes encoding idempotent. Internal.
+// Checks an avatar before it is written, and snaps it to values that the file stores exactly. Internal.
 #pragma once
 
 #include "sdk/core/result.h"
@@ -7,13 +7,13 @@
 
 namespace dpl {
 
-/** Array lengths, tiling of layers, joint order, weights, finiteness. The sentence names array and index. */
+/** Checks array lengths, tiling of layers, joint order, weights and that numbers are finite. The error names array and index. */
 Status checkAvatar(const AvatarData& avatar);
-/** All of it but the splats: coded ones are checked as they are read. */
+/** The same without the splats; coded splats are checked while they are read. */
 Status checkAvatarWithoutSplats(const AvatarData& avatar);
 
-/** The same avatar with vertices, joints and root translations on the lattice of kPositionStepM, unit clip rotations, and joint
- *  slots of weight 0 pointing at joint 0 (glTF wants that). Splats are left alone. Applying it twice changes nothing. */
+/** Rounds vertices, joints and root translations to multiples of kPositionStepM, normalises the rotations of clips, and points joint
+ *  slots of weight 0 at joint 0 as glTF demands. Splats do not change. Applying it twice changes nothing more. */
 void snapAvatar(AvatarData& avatar);
 
 }  // namespace dpl

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An avatar as plain arrays: what the file holds after decoding, and what packaging hands to the writer. No behaviour.
+// An avatar as plain arrays: the decoded content of a file, and the input of the writer. No behaviour.
 #pragma once
 
 #include <cstdint>
@@ -11,16 +11,16 @@
 
 namespace dpl {
 
-/** A joint of the rig. All joint frames are parallel to the world at rest, so a rest pose is positions only; joint j turns
+/** A joint of the rig. All joint frames are parallel to the world at rest, so the rest pose consists of positions alone. Joint j rotates
  *  about restPosition relative to its parent:  G_j = G_parent · [R_j | p_j − R_j p_j],  v' = Σ_j w_j G_j v. */
 struct JointData {
     std::string name;
-    int32_t parent = -1;       // parents come first
+    int32_t parent = -1;       // index; parents come first; -1: root
     Vec3f restPosition{0};     // metres, avatar space (world at rest)
     std::string humanoidBone;  // VRM humanoid name ("hips", "leftUpperArm" ...) or empty
 };
 
-/** A contiguous range of vertices and triangles with one role; never shares vertices with another layer. */
+/** A contiguous range of vertices and triangles with one role. Layers share no vertices. */
 struct LayerData {
     std::string name;  // "body", "top", ...
     std::string role;  // "body" | "garment" | "hair"
@@ -29,18 +29,18 @@ struct LayerData {
 };
 
 struct MeshData {
-    std::vector<Vec3f> restPositions;        // V, metres, rest pose, static offsets folded in
-    std::vector<glm::u8vec4> colours;        // V, sRGB + alpha 255, for stock viewers
+    std::vector<Vec3f> restPositions;        // V, metres, rest pose, fitted vertex offsets included
+    std::vector<glm::u8vec4> colours;        // V, sRGB, alpha 255; for viewers that draw no splats
     std::vector<glm::u16vec4> jointIndices;  // V
     std::vector<glm::u8vec4> jointWeights;   // V, unorm8, each sums to 255
     std::vector<Triangle> triangles;         // F, indices into the whole vertex array
     std::vector<LayerData> layers;
 };
 
-constexpr uint8_t kSplatSingleFace = 1;  // draws only from outside (gate of projection.h)
-constexpr uint8_t kSplatCloth = 2;       // label channel: cloth, else body
+constexpr uint8_t kSplatSingleFace = 1;  // visible only from the outside (docs/reference/gate.md)
+constexpr uint8_t kSplatCloth = 2;       // set: cloth; else body
 
-/** N flat splats, sorted by triangle (layers are triangle ranges), then Morton order inside it: the parent costs no bytes. */
+/** N flat splats, sorted by triangle and within a triangle by Morton code. The order stores the parent triangles, so they need no array. */
 struct SplatData {
     std::vector<uint32_t> triangleStart;  // F+1: splats of triangle t are [triangleStart[t], triangleStart[t+1])
     std::vector<Vec2f> uv;                // barycentric of corners 1 and 2
@@ -54,21 +54,21 @@ struct SplatData {
     uint32_t count() const { return uint32_t(uv.size()); }
 };
 
-/** How the surface and its brightness follow the pose (docs/reference/correctives.md): offsets and light of coarse control nodes, linear in
- *  K numbers of the pose, spread to the vertices by four weights each. Empty (nodeCount 0): the avatar has none.
+/** Pose correctives: how the surface and its brightness follow the pose (docs/reference/correctives.md). M control nodes carry an offset
+ *  and a brightness that are linear in K coefficients of the pose. Each vertex takes them from four nodes by weights. nodeCount 0: none.
  *
  *      d = feature(pose) − mean;   k = modes · d;   off² = ‖d‖² − Σ_i k_i² / ‖mode_i‖²
  *      k ← k · min(1, reach / ‖k‖) · min(1, reachOffModes / off);   node = Σ_i k_i · nodes[n][i];   (ΔV, L − 1)_v = Σ weight · node
  *
- *  The feature is the first two columns of each named joint's local rotation, minus those of the identity: 6 numbers a joint. Modes are
- *  orthogonal, so `off` is the pose's distance from what they span: what was learned fades where nothing was learned. */
+ *  The feature holds 6 numbers per joint of `joints`: the first two columns of its local rotation minus those of the identity. Modes are
+ *  orthogonal, so `off` is the distance of the pose from their span. The correctives fade in poses that training did not see. */
 struct PoseCorrectiveData {
     uint32_t modeCount = 0, nodeCount = 0;  // K, M
-    std::vector<uint32_t> joints;           // J: rising indices of the joints that are heard
+    std::vector<uint32_t> joints;           // J: rising indices of the joints that the feature reads
     std::vector<float> mean;                // 6·J
     std::vector<float> modes;               // K × 6·J
-    float reach = 0;                        // ‖k‖ of far training poses: longer ones are shortened to it
-    float reachOffModes = 1e6f;             // `off` of far training poses, or so much that nothing fades
+    float reach = 0;                        // limit of ‖k‖, taken from far training poses
+    float reachOffModes = 1e6f;             // limit of `off`, taken from far training poses; 1e6: never fades
     std::vector<glm::u16vec4> nodeIndices;  // V
     std::vector<glm::u8vec4> nodeWeights;   // V, unorm8, each sums to 255
     std::vector<Vec4f> nodes;               // M × K: offset in metres (rest pose), change of brightness
@@ -76,26 +76,26 @@ struct PoseCorrectiveData {
     bool empty() const { return nodeCount == 0; }
 };
 
-/** One row of the evidence table: a part that was kept or left out, and why. */
+/** One table row of the evidence: an optional part of the avatar, whether it was kept, and why. */
 struct EvidenceData {
     std::string part;  // "sh degree 2", "pose-dependent offsets" ...
     bool kept = false;
-    float gainDb = 0;    // held-out gain when kept (0 when not measured; then `reason` says so)
-    uint64_t bytes = 0;  // its cost in the file
+    float gainDb = 0;    // PSNR gain on held-out frames; 0 if not measured (`reason` then says so)
+    uint64_t bytes = 0;  // in the file
     std::string reason;
 };
 
 struct ClipChannel {
     uint32_t joint = 0;
-    std::vector<Quatf> rotations;  // one per time
+    std::vector<Quatf> rotations;  // one per time of the clip
 };
 
-/** A clip on this avatar's own rig: local rotations as in JointData, and the root's translation. */
+/** A clip on the avatar's own rig: local rotations as in JointData, and the translation of the root. */
 struct ClipData {
     std::string name;
     std::vector<float> timesS;            // strictly rising
     std::vector<ClipChannel> channels;    // joints without a channel stay at rest
-    std::vector<Vec3f> rootTranslations;  // one per time, or empty: stays at the origin
+    std::vector<Vec3f> rootTranslations;  // one per time, metres; empty: none
 };
 
 struct AvatarData {
@@ -108,11 +108,11 @@ struct AvatarData {
     std::vector<ClipData> clips;
     std::vector<EvidenceData> evidence;
     float kappaPx2 = float(kKappaPx2);
-    bool compensated = true;  // energy-preserving low-pass (projection.h)
-    float trainedPixelM = 0;  // size of a pixel of the training at the subject, metres (sdk/math/coverage.h); 0: not known
+    bool compensated = true;  // energy-preserving low-pass (docs/reference/footprint.md)
+    float trainedPixelM = 0;  // size of a training pixel at the subject, metres (docs/reference/coverage.md); 0: not known
 };
 
-/** General (unbound) splats, as in INRIA PLY and SPZ files: means, full covariances, in the file's own coordinates. */
+/** General splats, as in INRIA PLY and SPZ files, in the coordinates of the file. Bound to no mesh; three axes each. */
 struct StaticSplatData {
     std::vector<Vec3f> position;  // metres
     std::vector<Quatf> rotation;  // unit
@@ -120,8 +120,8 @@ struct StaticSplatData {
     std::vector<float> opacity;   // [0,1]
     uint32_t shDegree = 0;
     std::vector<float> sh;              // N × (degree+1)² × 3, coefficient-major
-    float kappaPx2 = float(kKappaPx2);  // the low-pass that they were trained with ...
-    bool compensated = false;           // ... and whether it kept their energy ("antialiased")
+    float kappaPx2 = float(kKappaPx2);  // variance of the low-pass used in training, px²
+    bool compensated = false;           // the low-pass in training preserved energy ("antialiased")
     uint32_t count() const { return uint32_t(position.size()); }
 };
 

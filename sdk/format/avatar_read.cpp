@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/** Typed fields of our extension; a missing or wrong one is an error that names it. */
+/** Typed access to the fields of the extension. The error names a field that is missing or of the wrong type. */
 class Fields {
 public:
     Fields(const Json& object, std::string where) : object_(object), where_(std::move(where)) {}
@@ -57,7 +57,7 @@ public:
             if (!element.is_object()) return fail(Code::CorruptData, "{}: an entry of '{}' is not an object", where_, key);
         return &*it;
     }
-    /** An array of whole numbers, at most `most` of them, none above `limit`. */
+    /** An array of at most `most` whole numbers, each at most `limit`. */
     Result<std::vector<uint32_t>> numbers(const char* key, size_t most, uint32_t limit) const {
         auto it = find(key);
         if (it == object_.end() || !it->is_array() || it->size() > most)
@@ -88,14 +88,15 @@ struct AvatarReader {
     GltfModel model{};
     Json extension{};
     AvatarInfo info{};
-    AvatarData avatar{};  // all but the splats
+    AvatarData avatar{};  // without splats
     CodedSplats coded{};
     std::set<uint32_t> spentViews{};
-    uint64_t budget = 0;  // bytes of the binary chunk not yet decoded: each byte may be decoded about once, so sharing cannot multiply
+    uint64_t budget =
+        0;  // bytes that may still be decoded. Each byte of the file counts about once, so shared views cannot multiply memory
 
     Status spend(uint64_t bytes) {
         if (bytes > budget)
-            return fail(Code::CorruptData, "parts of the file are used again and again; it claims to hold more than its own size");
+            return fail(Code::CorruptData, "the file uses the same bytes many times; it claims to hold more than its own size");
         budget -= bytes;
         return {};
     }
@@ -137,7 +138,7 @@ struct AvatarReader {
         if (root.has("trainedPixelM")) {
             DPL_TRY(avatar.trainedPixelM, root.real("trainedPixelM"));
             if (avatar.trainedPixelM == 0)
-                return fail(Code::CorruptData, "DPL_gaussian_avatar: 'trainedPixelM' is 0; where it is not known it is left out");
+                return fail(Code::CorruptData, "DPL_gaussian_avatar: 'trainedPixelM' is 0; a file leaves it out if it is not known");
         }
         avatar.generator = model.generator;
         DPL_TRY(const Json* evidence, root.array("evidence"));
@@ -180,11 +181,11 @@ struct AvatarReader {
                 if (m[k] != (k % 5 == 0 ? 1.0f : 0.0f))
                     return fail(Code::CorruptData, "the bind matrix of joint {} turns or scales; avatar joints are parallel to the world",
                                 j);
-            // Written positions lie on a lattice, so node and bind matrix agree to the bit; the slack is for other writers.
+            // Doppel writes positions on a lattice, so node and bind matrix agree exactly. The tolerance is for other writers.
             const Vec3f parent = joint.parent < 0 ? Vec3f(0) : avatar.joints[joint.parent].restPosition;
             const bool turned = std::abs(node.rotation.w) < 0.999999f || glm::length(node.scale - Vec3f(1)) > 1e-5f;
             if (turned || !(glm::length(node.translation + parent - joint.restPosition) < 1e-4f))
-                return fail(Code::CorruptData, "joint {} ('{}') stands elsewhere than its bind matrix says", j, node.name);
+                return fail(Code::CorruptData, "joint {} ('{}') is not where its bind matrix places it", j, node.name);
             avatar.joints.push_back(std::move(joint));
         }
         DPL_TRY(const Json* bones, root.array("humanoidBones"));
@@ -400,7 +401,7 @@ struct AvatarReader {
         return {};
     }
 
-    /** An absent stream is an empty one: glTF has no empty buffer views. */
+    /** A stream that is absent is empty: glTF has no empty buffer views. */
     Result<std::span<const uint8_t>> stream(const Json& streams, const char* name) {
         if (!streams.contains(name)) return std::span<const uint8_t>();
         DPL_TRY(const uint64_t view, Fields(streams, "streams").number(name, 0xffffffffu));
@@ -417,7 +418,7 @@ struct AvatarReader {
         DPL_CHECK_OK(readLayers());
         DPL_CHECK_OK(readSplats());
         DPL_CHECK_OK(readCorrectives());
-        // One place knows what an avatar is: what a writer must not write, a reader does not accept.
+        // The reader accepts exactly what the writer may write.
         if (Status valid = checkAvatarWithoutSplats(avatar); !valid)
             return fail(Code::CorruptData, "the file holds an impossible avatar: {}", valid.error().message);
         return {};

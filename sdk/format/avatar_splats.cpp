@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Order of splats in the file, and moving them to another rest mesh.
+// Sorts splats into file order and rebinds them to another rest mesh.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -78,8 +78,8 @@ Result<uint32_t> rebaseSplats(std::span<const Vec3f> oldRest, AvatarData& avatar
             left += s.triangleStart[t + 1] - s.triangleStart[t];
             continue;
         }
-        // The deformation gradient old rest -> new rest, seen in the new plane's frame. Posing the new rest by F' and the old by
-        // F gives F = F'·M, so A = F·R·S = F'·(M·R·S): any A₀' with the same A₀'A₀'ᵀ draws the same ellipse.
+        // M: deformation gradient from the old to the new rest triangle, in the frame of the new one. With F and F' the gradients from the
+        // old and the new rest to the pose, F = F'·M and A = F·R·S = F'·(M·R·S). Any A₀' with the same A₀'A₀'ᵀ draws the same ellipse.
         const Vec3d d1 = corners(mesh.restPositions, 1) - corners(mesh.restPositions, 0),
                     d2 = corners(mesh.restPositions, 2) - corners(mesh.restPositions, 0);
         const Vec3d f0 = d1 * from.inverse.i00, f1 = d1 * from.inverse.i01 + d2 * from.inverse.i11;

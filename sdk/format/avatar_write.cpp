@@ -33,7 +33,7 @@ LayerMesh layerMesh(const MeshData& mesh, const LayerData& layer, bool wideJoint
     return out;
 }
 
-/** Views of the plain variant, -1 when Draco fills the accessors. */
+/** Buffer views of a layer without Draco; -1 if Draco fills the accessors. */
 struct LayerViews {
     int64_t positions = -1, colours = -1, joints = -1, weights = -1, indices = -1;
 };
@@ -83,7 +83,7 @@ Status addLayer(GlbBuilder& glb, const MeshData& mesh, const LayerData& layer, b
     return {};
 }
 
-/** Joints are nodes 0..J−1, layers the nodes after them: skinned meshes stand at the root, where no transform can reach them. */
+/** Nodes 0..J−1 are the joints, the nodes after them the layers. Layers are root nodes, so that no transform applies to skinned meshes. */
 void addNodesAndSkin(GlbBuilder& glb, const AvatarData& a) {
     Json nodes = Json::array(), roots = Json::array({0}), joints = Json::array();
     std::vector<Mat4f> inverseBind;
@@ -178,7 +178,7 @@ Json splatsOf(GlbBuilder& glb, const AvatarData& a, const CodedSplats& coded, bo
 }
 
 Json avatarExtension(GlbBuilder& glb, const AvatarData& a, const CodedSplats& coded, bool compact) {
-    // The lowest version that can say it: readers of version 1 would drop correctives and draw another person.
+    // The lowest version that can hold the avatar. Readers of version 1 would ignore correctives and draw a wrong surface.
     Json ours = {{"version", a.correctives.empty() ? 1 : kAvatarFormatVersion},
                  {"name", a.name},
                  {"contentHash", "xxh3:0000000000000000"},
@@ -223,7 +223,7 @@ Result<std::vector<uint8_t>> writeAvatar(const AvatarData& avatar, const WriteOp
     glb.root["asset"] = {{"version", "2.0"}, {"generator", a.generator}};
     glb.root["extensionsUsed"] = {"DPL_gaussian_avatar"};
     if (!a.mesh.layers.empty()) {
-        // Captured colours already hold the light of the scan, so viewers are asked not to light them again.
+        // The colours contain the light of the scan, so viewers must not light them again.
         glb.root["extensionsUsed"].push_back("KHR_materials_unlit");
         glb.root["materials"] = Json::array({{{"name", "captured"},
                                               {"doubleSided", true},

@@ -13,7 +13,7 @@ namespace dpl {
 namespace {
 
 constexpr size_t kChunkSplats = 256;
-constexpr float kShReach = 4;  // bytes of the sh element cover [−4, 4]
+constexpr float kShReach = 4;  // bytes of element `sh` cover [−4, 4]
 
 template <class T>
 T load(const uint8_t* from) {
@@ -22,13 +22,13 @@ T load(const uint8_t* from) {
     return value;
 }
 
-/** What the values of a chunk lie between. */
+/** Limits of a value within a chunk. */
 struct Range {
     Vec3f low{0}, high{1};
     Vec3f at(const Vec3f& t) const { return low * (Vec3f(1) - t) + high * t; }
 };
 
-/** `bits` bits from `shift` as [0, 1]. */
+/** The `bits` bits from bit `shift` on, as a number in [0, 1]. */
 float unorm(uint32_t word, uint32_t shift, uint32_t bits) {
     const uint32_t most = (1u << bits) - 1;
     return float(word >> shift & most) / float(most);
@@ -37,7 +37,7 @@ Vec3f unorm111011(uint32_t word) {
     return {unorm(word, 21, 11), unorm(word, 11, 10), unorm(word, 0, 11)};
 }
 
-/** The top two bits say which of w, x, y, z is largest and left out; the others follow in that order, each (q/√2 + ½) in 10 bits. */
+/** The top two bits tell which of w, x, y, z is the largest; it is left out. The others follow in this order as q/√2 + ½, 10 bits each. */
 Quatf unpackRotation(uint32_t word) {
     std::array<float, 4> q{};
     const uint32_t largest = word >> 30;
@@ -52,7 +52,7 @@ Quatf unpackRotation(uint32_t word) {
     return glm::normalize(Quatf(q[0], q[1], q[2], q[3]));
 }
 
-/** The writer floors into 256 bins; the two end bins stand for the ends. */
+/** The writer floors to 256 bins. The first and the last bin decode to the ends of the range, the others to their middles. */
 float shOf(uint8_t code) {
     const float t = code == 0 ? 0.0f : code == 255 ? 1.0f : (float(code) + 0.5f) / 256;
     return (t - 0.5f) * 2 * kShReach;
@@ -85,7 +85,7 @@ Result<StaticSplatData> readCompressedPly(std::span<const uint8_t> bytes) try {
     DPL_TRY(const auto places, readRanges(chunks, {"min_x", "min_y", "min_z", "max_x", "max_y", "max_z"}));
     DPL_TRY(const auto logScales,
             readRanges(chunks, {"min_scale_x", "min_scale_y", "min_scale_z", "max_scale_x", "max_scale_y", "max_scale_z"}));
-    std::vector<Range> colours(chunks.count);  // older files have none: [0, 1]
+    std::vector<Range> colours(chunks.count);  // older files have no ranges of colour: [0, 1]
     if (chunks.element->columns.contains("min_r")) {
         DPL_TRY(colours, readRanges(chunks, {"min_r", "min_g", "min_b", "max_r", "max_g", "max_b"}));
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// General splats as PlayCanvas / SuperSplat compressed PLY: 16 bytes a splat in chunks of 256 that share value ranges, SH as bytes beside.
+// Reads PlayCanvas / SuperSplat compressed PLY: general splats of 16 bytes in chunks of 256 with common value ranges, and SH as bytes.
 #pragma once
 
 #include <cstdint>

@@ -10,7 +10,7 @@
 namespace dpl {
 namespace {
 
-constexpr float kMaxValue = 1e6f;  // far above any avatar; products of three stay finite in float
+constexpr float kMaxValue = 1e6f;  // far above the values of any avatar; products of three stay finite in float
 constexpr int kSteps = 32767;
 
 bool allSane(std::span<const float> values) {
@@ -41,7 +41,7 @@ Status checkCorrectives(const PoseCorrectiveData& c, size_t jointCount, size_t v
                     c.nodeWeights.size(), vertexCount);
     for (size_t i = 0; i < c.joints.size(); ++i)
         if (c.joints[i] >= jointCount || (i > 0 && c.joints[i] <= c.joints[i - 1]))
-            return fail(Code::CorruptData, "pose correctives hear joint {} of {}; joints are listed once, in rising order", c.joints[i],
+            return fail(Code::CorruptData, "pose correctives name joint {} of {}; each joint is listed once, in rising order", c.joints[i],
                         jointCount);
     for (size_t v = 0; v < vertexCount; ++v) {
         const glm::u8vec4 w = c.nodeWeights[v];
@@ -49,7 +49,7 @@ Status checkCorrectives(const PoseCorrectiveData& c, size_t jointCount, size_t v
             return fail(Code::CorruptData, "pose corrective weights of vertex {} sum to {}, not 255", v, w.x + w.y + w.z + w.w);
         for (int i = 0; i < 4; ++i)
             if (c.nodeIndices[v][i] >= c.nodeCount)
-                return fail(Code::CorruptData, "vertex {} hangs on pose corrective node {} of {}", v, c.nodeIndices[v][i], c.nodeCount);
+                return fail(Code::CorruptData, "vertex {} uses pose corrective node {} of {}", v, c.nodeIndices[v][i], c.nodeCount);
     }
     bool good =
         allSane(c.mean) && allSane(c.modes) && c.reach > 0 && c.reach <= kMaxValue && c.reachOffModes > 0 && c.reachOffModes <= kMaxValue;

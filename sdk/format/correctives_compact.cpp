@@ -11,27 +11,28 @@
 namespace dpl {
 namespace {
 
-// Tables, 256 symbols each: rank of a vertex' node among those used last, by slot; its weights, by the one before; upper byte of x, y, z,
-// light.
+// First tables of each kind, 256 symbols a table. Rank: position of a vertex's node among the recently used ones, one table per slot.
+// Weights 1 to 3: the second and third have one table for each value of the upper three bits of the weight before. Node: upper byte of x,
+// y, z, brightness, one table each.
 enum Table : uint32_t { kRankTable = 0, kWeightTable = 4, kWeight2Table = 5, kWeight3Table = 13, kNodeTable = 21, kTables = 25 };
-constexpr uint32_t kUnknown = 255;  // a node that is not among the last 255
+constexpr uint32_t kUnknown = 255;  // rank of a node that is not among the last 255; its index follows as bits
 constexpr std::array<uint16_t, kTables> kAlphabets = [] {
     std::array<uint16_t, kTables> sizes{};
     sizes.fill(256);
     return sizes;
 }();
 
-/** Nodes used last, the latest first. Neighbours in the mesh are neighbours in the file and hang on the same nodes. */
+/** The recently used nodes, latest first. Vertices that are neighbours in the file mostly use the same nodes. */
 class Recent {
 public:
-    /** Its rank, or kUnknown; it is the latest afterwards. */
+    /** Rank of the node, or kUnknown. Moves it to the front. */
     uint32_t use(uint16_t node) {
         const uint32_t rank = uint32_t(std::find(nodes_.begin(), nodes_.begin() + count_, node) - nodes_.begin());
         const bool known = rank < count_;
         moveToFront(known ? rank : add(), node);
         return known ? rank : kUnknown;
     }
-    /** rank < count(). */
+    /** Node of this rank (< count()). Moves it to the front. */
     uint16_t useRank(uint32_t rank) {
         const uint16_t node = nodes_[rank];
         moveToFront(rank, node);
@@ -40,7 +41,7 @@ public:
     uint32_t count() const { return count_; }
 
 private:
-    uint32_t add() { return count_ < kUnknown ? count_++ : kUnknown - 1; }  // the oldest goes
+    uint32_t add() { return count_ < kUnknown ? count_++ : kUnknown - 1; }  // a full list drops the oldest
     void moveToFront(uint32_t rank, uint16_t node) {
         std::copy_backward(nodes_.begin(), nodes_.begin() + rank, nodes_.begin() + rank + 1);
         nodes_[0] = node;
@@ -68,7 +69,7 @@ std::vector<uint8_t> compactCorrectives(const CorrectiveStreams<std::vector<uint
     for (size_t v = 0; v + 3 < streams.nodeWeights.size(); v += 4) {
         const uint8_t* w = &streams.nodeWeights[v];
         writer.symbol(kWeightTable, w[0]), writer.symbol(kWeight2Table + (w[0] >> 5), w[1]),
-            writer.symbol(kWeight3Table + (w[1] >> 5), w[2]);  // the fourth is what is left of 255
+            writer.symbol(kWeight3Table + (w[1] >> 5), w[2]);  // the fourth is the rest to 255
     }
     for (size_t i = 0; i < values.size(); ++i) {
         const uint32_t value = uint16_t(values[i] + 0x8000u);
@@ -82,7 +83,7 @@ Result<CorrectiveStreams<std::vector<uint8_t>>> expandCorrectives(std::span<cons
     const size_t count = size_t(modeCount) * nodeCount * 4;
     if (nodeCount == 0 || coded.size() < count)
         return fail(Code::CorruptData, "{} coded bytes do not hold {} nodes of {} modes", coded.size(), nodeCount,
-                    modeCount);  // their lower bytes lie as they are
+                    modeCount);  // the lower byte of each value is stored uncoded, so fewer bytes cannot be enough
     DPL_TRY(EntropyReader reader, EntropyReader::open(coded, kAlphabets));
     CorrectiveStreams<std::vector<uint8_t>> out;
     std::vector<uint16_t> indices(vertexCount * 4), values(count);
@@ -92,11 +93,11 @@ Result<CorrectiveStreams<std::vector<uint8_t>>> expandCorrectives(std::span<cons
         if (rank == kUnknown) {
             indices[i] = uint16_t(reader.bits(nodeBits(nodeCount)));
             if (recent.use(indices[i]) != kUnknown)
-                return fail(Code::CorruptData, "node {} of vertex {} is said to be new and is not", indices[i], i / 4);
+                return fail(Code::CorruptData, "node {} of vertex {} is stored as new, but it was used recently", indices[i], i / 4);
         } else if (rank < recent.count()) {
             indices[i] = recent.useRank(rank);
         } else {
-            return fail(Code::CorruptData, "vertex {} hangs on a node that was not named before", i / 4);
+            return fail(Code::CorruptData, "vertex {} refers to a recent node that does not exist", i / 4);
         }
     }
     out.nodeWeights.resize(vertexCount * 4);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Correctives encoding 2: the three large streams of encoding 1 in fewer bytes, and back to the same bytes.
+// Correctives encoding 2: codes the three large streams of encoding 1 without loss in fewer bytes.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,10 @@
 
 namespace dpl {
 
-/** `nodes`, `nodeIndices` and `nodeWeights` of streams that encodeCorrectives made, entropy-coded (sdk/format/entropy.h). */
+/** Entropy-codes `nodes`, `nodeIndices` and `nodeWeights` of streams from encodeCorrectives (sdk/format/entropy.h). */
 std::vector<uint8_t> compactCorrectives(const CorrectiveStreams<std::vector<uint8_t>>& streams, uint32_t nodeCount);
 
-/** The three streams again; the others are left empty. Lengths are checked before anything is allocated. */
+/** Restores these three streams; the others stay empty. Checks lengths before it allocates. */
 Result<CorrectiveStreams<std::vector<uint8_t>>> expandCorrectives(std::span<const uint8_t> coded, uint32_t modeCount, uint32_t nodeCount,
                                                                   size_t vertexCount);
 

@@ -24,7 +24,7 @@ namespace {
 constexpr int kMaxAttributes = 16;
 constexpr uint64_t kVerticesPerByte = 8, kTrianglesPerByte = 16, kFreeElements = 256;
 
-/** Stops between the attribute headers and the attribute values, the last moment before memory is taken for them. */
+/** A Draco decoder that checks the attributes after their headers and before Draco allocates their values. */
 template <class Base>
 class Bounded : public Base {
 public:
@@ -64,7 +64,7 @@ struct DracoCounts {
     uint32_t faces = 0, vertices = 0;
 };
 
-/** Reads Draco's header and the counts behind it (bitstream 2.2), before Draco sees a byte. */
+/** Reads the header and the counts behind it (Draco bitstream 2.2) without Draco. */
 Result<DracoCounts> readCounts(std::span<const uint8_t> bytes) {
     Reader in(bytes);
     DPL_TRY(auto magic, in.take(5));
@@ -110,7 +110,7 @@ int addAttribute(draco::Mesh& mesh, draco::GeometryAttribute::Type type, draco::
     return id;
 }
 
-/** Draco keeps options as text, and its setters print six decimals: too few for the lattice, so the text is written here. */
+/** Draco keeps options as text. Its setters print six decimals, too few for the lattice, so this writes the text itself. */
 draco::Options latticeQuantization(int bits, const Vec3f& origin) {
     char text[96];
     draco::Options options;
@@ -156,7 +156,7 @@ Result<std::vector<uint8_t>> encodeDraco(const LayerMesh& mesh) try {
     addAttribute(out, draco::GeometryAttribute::GENERIC, draco::DT_UINT8, true, asArrays<uint8_t>(mesh.weights));
     for (int i = 0; i < out.num_attributes(); ++i) out.attribute(i)->set_unique_id(uint32_t(i));
 
-    // A power-of-two step, with the range a whole number of steps: quantising lattice positions is exact both ways.
+    // The step is a power of two and the range a whole number of steps, so quantising lattice positions is exact in both directions.
     const Vec3f extent = (high - low) / kPositionStepM;
     const float steps = std::max({extent.x, extent.y, extent.z});
     int bits = 14;
@@ -178,7 +178,7 @@ Result<std::vector<uint8_t>> encodeDraco(const LayerMesh& mesh) try {
 
 Result<DracoDecoded> decodeDraco(std::span<const uint8_t> bytes, uint32_t vertexCount, uint32_t triangleCount) try {
     DPL_TRY(const DracoCounts counts, readCounts(bytes));
-    // Edgebreaker may split vertices at seams, so its count is a lower bound.
+    // Edgebreaker may split vertices at seams later, so its count is a lower bound.
     if (counts.faces != triangleCount || (counts.edgebreaker ? counts.vertices > vertexCount : counts.vertices != vertexCount))
         return fail(Code::CorruptData, "a Draco mesh of {} vertices and {} triangles, its accessors say {} and {}", counts.vertices,
                     counts.faces, vertexCount, triangleCount);
@@ -211,7 +211,7 @@ Result<DracoDecoded> decodeDraco(std::span<const uint8_t> bytes, uint32_t vertex
         for (uint32_t v = 0; v < vertexCount; ++v) {
             const draco::AttributeValueIndex at = a->mapped_index(draco::PointIndex(v));
             if (at.value() >= a->size()) return fail(Code::CorruptData, "a Draco attribute has fewer values than vertices");
-            // Converting a normalised integer to float would divide by its maximum; raw values are asked for.
+            // ConvertValue<float> would divide a normalised integer by its maximum; the raw value is needed.
             float* to = values.data() + size_t(v) * components;
             const uint8_t* raw = a->GetAddress(at);
             for (uint32_t k = 0; k < components; ++k) {

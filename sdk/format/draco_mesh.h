@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draco at arm's length: order-preserving encoding of one layer, bounded decoding of anybody's mesh. Internal.
+// All use of Draco: encodes a layer and keeps its order; decodes foreign meshes within limits. Internal.
 #pragma once
 
 #include <cstdint>
@@ -12,29 +12,29 @@
 
 namespace dpl {
 
-/** One layer with its own vertex numbers. Positions lie on the lattice of kPositionStepM. */
+/** One layer; triangles index its own vertices. Positions are multiples of kPositionStepM. */
 struct LayerMesh {
     std::vector<Vec3f> positions;
-    std::vector<glm::u16vec4> colours;  // linear light, as COLOR_0 wants it
+    std::vector<glm::u16vec4> colours;  // linear light, as glTF's COLOR_0
     std::vector<glm::u16vec4> joints;
     std::vector<glm::u8vec4> weights;
     std::vector<glm::uvec3> triangles;
     bool wideJoints = false;  // joints as u16 in the file, else u8
 };
 
-constexpr uint32_t kDracoPosition = 0, kDracoColour = 1, kDracoJoints = 2, kDracoWeights = 3;  // unique ids as we write them
+constexpr uint32_t kDracoPosition = 0, kDracoColour = 1, kDracoJoints = 2, kDracoWeights = 3;  // unique ids in files by Doppel
 
-/** Sequential encoding: vertices, triangles and corners keep their order; integers are exact, lattice positions too. */
+/** Encodes sequentially: vertices, triangles and corners keep their order. Integers and lattice positions are exact. */
 Result<std::vector<uint8_t>> encodeDraco(const LayerMesh& mesh);
 
 struct DracoDecoded {
     std::vector<glm::uvec3> triangles;
-    std::map<uint32_t, std::vector<float>> values;  // by unique id: vertexCount × components raw values
+    std::map<uint32_t, std::vector<float>> values;  // by unique id: vertexCount × components values, not normalised
     std::map<uint32_t, uint32_t> components;
 };
 
-/** Decodes after checking the counts in Draco's own header against what the accessors promise, and against the bytes: at most 8
- *  vertices and 16 triangles a byte. Attributes are checked (≤ 16, ≤ 4 components, ≤ 4 bytes) before their values are allocated. */
+/** Decodes a mesh. First checks the counts in Draco's header against those of the accessors and against the size: at most 8 vertices and
+ *  16 triangles per byte. Checks the attributes (≤ 16, ≤ 4 components, ≤ 4 bytes each) before their values are allocated. */
 Result<DracoDecoded> decodeDraco(std::span<const uint8_t> bytes, uint32_t vertexCount, uint32_t triangleCount);
 
 }  // namespace dpl

@@ -23,7 +23,7 @@ uint32_t u32At(std::span<const uint8_t> bytes, size_t at) {
     return uint32_t(bytes[at]) | uint32_t(bytes[at + 1]) << 8 | uint32_t(bytes[at + 2]) << 16 | uint32_t(bytes[at + 3]) << 24;
 }
 
-/** Counts to shares of 4096; what occurs keeps at least one. A table that nobody used says that symbol 0 is certain. */
+/** Scales counts to shares that sum to 4096. A symbol that occurs has a share of at least 1. An unused table gives all to symbol 0. */
 std::vector<uint32_t> sharesOf(std::span<const uint32_t> counts) {
     std::vector<uint32_t> shares(counts.size(), 0);
     const uint64_t total = std::accumulate(counts.begin(), counts.end(), uint64_t(0));
@@ -31,7 +31,7 @@ std::vector<uint32_t> sharesOf(std::span<const uint32_t> counts) {
     for (size_t s = 0; s < counts.size(); ++s)
         if (counts[s]) shares[s] = std::max(1u, uint32_t((uint64_t(counts[s]) * kWhole + total / 2) / total));
     for (int64_t off = int64_t(std::accumulate(shares.begin(), shares.end(), 0u)) - kWhole; off != 0;) {
-        uint32_t& largest = *std::max_element(shares.begin(), shares.end());  // at most 256 share 4096, so the largest can spare one
+        uint32_t& largest = *std::max_element(shares.begin(), shares.end());  // ≥ 16, because at most 256 symbols share 4096
         off > 0 ? (--largest, --off) : (++largest, ++off);
     }
     return shares;
@@ -66,7 +66,7 @@ std::vector<uint8_t> EntropyWriter::finish() {
         }
     }
     uint32_t state[2] = {EntropyReader::kLowest, EntropyReader::kLowest};
-    std::vector<uint16_t> words;  // last first
+    std::vector<uint16_t> words;  // in reverse order: the coder writes backwards
     for (size_t i = symbols_.size(); i-- > 0;) {
         const uint32_t share = counts[symbols_[i].table][symbols_[i].symbol];
         uint32_t& x = state[i & 1];
@@ -91,7 +91,7 @@ Result<EntropyReader> EntropyReader::open(std::span<const uint8_t> bytes, std::s
         if (r.state_[k] = u32At(bytes, 4 + 4 * k); r.state_[k] < kLowest)
             return fail(Code::CorruptData, "a state of the coded splats is {}, at least {} is possible", r.state_[k], kLowest);
     size_t at = kHeadBytes;
-    const auto number = [&]() -> uint32_t {  // of a table: at most two bytes; anything longer is out of range for the caller
+    const auto number = [&]() -> uint32_t {  // LEB128 of at most two bytes; a longer one gives a value that the caller refuses
         uint32_t value = 0;
         for (uint32_t shift = 0; at < bytes.size() && shift < 21; shift += 7) {
             const uint8_t byte = bytes[at++];

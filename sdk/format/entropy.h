@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Entropy coder of splat encoding 3: range asymmetric numeral systems (Duda 2013, arXiv:1311.2540) with a fixed table of frequencies
-// per context, and raw bits beside them. Two states take turns, so that a reader decodes two symbols at a time.
+// Entropy coder of splat encoding 3 and correctives encoding 2: range asymmetric numeral systems (Duda 2013, arXiv:1311.2540) with a fixed
+// table of frequencies per context, and uncoded bits in a separate stream. Two states alternate, so that a reader can overlap two symbols.
 //
 //   bytes:  u32 words │ u32 state 0 │ u32 state 1 │ tables │ words, u16 each │ raw bits, lowest first
-//   table:  LEB128 frequencies of its symbols, sum 4096; a frequency of 0 is followed by how many more zeros come
+//   table:  frequencies of its symbols as LEB128, sum 4096; after a frequency of 0, the number of further zeros
 #pragma once
 
 #include <cstdint>
@@ -16,15 +16,15 @@
 namespace dpl {
 
 constexpr uint32_t kEntropyBits = 12;         // frequencies sum to 2^12
-constexpr uint32_t kMaxEntropySymbols = 256;  // of one table
+constexpr uint32_t kMaxEntropySymbols = 256;  // per table
 
-/** Collects symbols and bits, then codes them all: tables hold what was counted. 8 bytes of memory a symbol. */
+/** Collects symbols and bits; finish() counts the symbols into tables and codes them. Up to 8 bytes of memory per symbol. */
 class EntropyWriter {
 public:
     /** alphabets: the number of symbols of each table, 1 to 256. */
     explicit EntropyWriter(std::span<const uint16_t> alphabets);
     void symbol(uint32_t table, uint32_t symbol) { symbols_.push_back({uint16_t(table), uint16_t(symbol)}); }
-    /** count ≤ 32; `value` must fit. */
+    /** Appends the lowest `count` bits (≤ 32) of `value`; the others must be 0. */
     void bits(uint32_t value, uint32_t count);
     std::vector<uint8_t> finish();
 
@@ -39,11 +39,11 @@ private:
     uint32_t pendingBits_ = 0;
 };
 
-/** Reads what an EntropyWriter of the same alphabets wrote, in the same order. Bytes are borrowed. Past the end it reads zeros, so damaged
- * bytes give wrong values, never a crash; the caller checks the values and, last, complete(). */
+/** Reads what an EntropyWriter with the same alphabets wrote, in the same order. Borrows the bytes. Past the end it reads zeros: damaged
+ *  bytes give wrong values but never a crash. The caller must check the values, and complete() at the end. */
 class EntropyReader {
 public:
-    /** CorruptData: lengths that do not fit, tables that do not sum to 4096. */
+    /** CorruptData: lengths that do not fit, or a table that does not sum to 4096. */
     static Result<EntropyReader> open(std::span<const uint8_t> bytes, std::span<const uint16_t> alphabets);
 
     uint32_t symbol(uint32_t table) {
@@ -60,7 +60,7 @@ public:
         state_[turn_] = x, turn_ ^= 1;
         return symbol;
     }
-    /** count ≤ 32. */
+    /** Reads `count` bits, ≤ 32. */
     uint32_t bits(uint32_t count) {
         const size_t at = size_t(nextBit_ >> 3);
         uint64_t window = 0;
@@ -72,10 +72,10 @@ public:
         nextBit_ += count;
         return uint32_t(window & ((1ull << count) - 1));
     }
-    /** Whether every byte was used, none twice, and the states ended where the writer began. */
+    /** True if all bytes were read, none past the end, and both states are back at the writer's initial value. */
     bool complete() const;
 
-    static constexpr uint32_t kLowest = 1u << 16;  // of a state, between symbols
+    static constexpr uint32_t kLowest = 1u << 16;  // smallest value of a state between symbols
 
 private:
     struct Share {

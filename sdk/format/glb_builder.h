@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Puts a .glb together: JSON tables and the binary chunk grow side by side. Internal; included by .cpp files only (heavy JSON header).
+// Builds a .glb: collects views and accessors as JSON and their bytes in the binary chunk. Internal. Only .cpp files include it, because
+// the JSON header is slow to compile.
 #pragma once
 
 #include <cstdint>
@@ -20,20 +21,20 @@ constexpr int kGltfVertices = 34962, kGltfIndices = 34963;  // buffer view targe
 
 class GlbBuilder {
 public:
-    Json root;  // everything except buffers, bufferViews and accessors, which finish() adds
+    Json root;  // finish() adds buffers, bufferViews and accessors
 
-    /** Appends bytes at a multiple of 4; target 0: none. Returns the view. */
+    /** Appends bytes at the next multiple of 4 and returns the index of their view. target: kGltfVertices, kGltfIndices or 0 for none. */
     uint32_t addView(std::span<const uint8_t> bytes, int target = 0);
     template <class T>
     uint32_t addView(const std::vector<T>& values, int target = 0) {
         return addView(std::span(reinterpret_cast<const uint8_t*>(values.data()), values.size() * sizeof(T)), target);
     }
-    /** An accessor over a whole view; view -1: filled by an extension. Fields like min and max can be added to the result. */
+    /** Adds an accessor over a whole view; view -1: an extension supplies the data. The caller may add fields such as min and max. */
     Json& addAccessor(int64_t view, int component, const char* type, size_t count, bool normalized = false);
     uint32_t lastAccessor() const { return uint32_t(accessors_.size() - 1); }
     const std::vector<uint8_t>& bin() const { return bin_; }
 
-    /** The finished file. `patchJson` may change bytes of the JSON chunk, not its length (content hash). */
+    /** The finished file. patchJson may change bytes of the JSON text but not its length; the content hash is written this way. */
     template <class Patch>
     std::vector<uint8_t> finish(Patch patchJson) {
         std::string json = takeJson();

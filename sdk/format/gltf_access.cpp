@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Values out of a checked glTF: accessors and primitives.
+// Reads the values of accessors and primitives of a checked glTF.
 #include <algorithm>
 #include <cmath>
 #include <cstring>

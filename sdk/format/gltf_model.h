@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A glTF 2.0 binary after the bounded reader: every index and byte range below has been checked against the file. Internal.
+// A glTF 2.0 binary. parseGlb has checked every index and byte range against the file. Internal.
 #pragma once
 
 #include <cstdint>
@@ -38,10 +38,10 @@ struct GltfAccessor {
     } sparse;  // count 0: dense
 };
 
-/** KHR_gaussian_splatting of a primitive, defaults filled in. */
+/** Extension KHR_gaussian_splatting of a primitive, with defaults filled in. */
 struct GltfSplatting {
     std::string kernel, colorSpace, projection = "perspective", sortingMethod = "cameraDistance";
-    std::string extension;  // name of an extension inside it (compressions are such), empty when there is none
+    std::string extension;  // name of an extension inside it, such as a compression; empty: none
 };
 
 struct GltfPrimitive {
@@ -97,34 +97,34 @@ struct GltfModel {
     std::vector<GltfView> views;
     std::vector<GltfAccessor> accessors;
     std::vector<GltfMesh> meshes;
-    std::vector<GltfNode> nodes;  // a forest: no node has two parents, no cycles
+    std::vector<GltfNode> nodes;  // a forest: each node has at most one parent, no cycles
     std::vector<GltfSkin> skins;
     std::vector<GltfAnimation> animations;
-    std::string avatarExtension;  // JSON text of DPL_gaussian_avatar, empty when absent
+    std::string avatarExtension;  // JSON text of DPL_gaussian_avatar; empty if absent
 
     std::span<const uint8_t> viewBytes(uint32_t view) const { return bin.subspan(views[view].offset, views[view].length); }
 };
 
-/** Opens a .glb: header and chunk lengths, JSON depth and size by a SAX pass, then tinygltf on the known keys only, then every
- *  range. The result borrows `bytes`. No exception escapes. */
+/** Opens a .glb. Checks header and chunk lengths, then depth and size of the JSON by a SAX pass; parses the known keys by tinygltf; checks
+ *  every index and range. The result borrows `bytes`. Throws nothing. */
 Result<GltfModel> parseGlb(std::span<const uint8_t> bytes, const ReadLimits& limits);
 
-/** All of an accessor's values as floats, components in a row; integers are normalised when the accessor says so. Sparse values are
- *  applied. `wanted` components must match. Memory: 4 bytes a value. */
+/** All values of an accessor as floats, the components of an element one after another. Integers are normalised if the accessor says so;
+ *  sparse values are applied. The accessor must have `wanted` components. Memory: 4 bytes per value. */
 Result<std::vector<float>> readFloats(const GltfModel& model, uint32_t accessor, uint32_t wanted);
-/** A scalar unsigned accessor (indices). */
+/** Values of an accessor of unsigned scalars. */
 Result<std::vector<uint32_t>> readIndices(const GltfModel& model, uint32_t accessor);
 
-/** Vertices and triangles of one primitive, Draco or plain. Attributes by semantic; absent ones are empty. */
+/** Vertices and triangles of one primitive, with or without Draco. Borrows model and primitive. */
 class PrimitiveReader {
 public:
-    /** Checks counts against `limits` before Draco decodes anything. Only triangle lists. */
+    /** Opens a triangle list. Checks counts against `limits` before Draco decodes anything. */
     static Result<PrimitiveReader> open(const GltfModel& model, const GltfPrimitive& primitive, const ReadLimits& limits);
 
     uint32_t vertexCount() const { return vertexCount_; }
     std::vector<glm::uvec3>& triangles() { return triangles_; }
     bool has(const char* semantic) const { return primitive_->attributes.contains(semantic); }
-    /** vertexCount × components floats. CorruptData when the attribute is absent. */
+    /** vertexCount × components floats. CorruptData if the attribute is absent. */
     Result<std::vector<float>> floats(const char* semantic, uint32_t components) const;
     uint32_t componentsOf(const char* semantic) const { return model_->accessors[primitive_->attributes.at(semantic)].components; }
 
@@ -133,7 +133,7 @@ private:
     const GltfPrimitive* primitive_ = nullptr;
     uint32_t vertexCount_ = 0;
     std::vector<glm::uvec3> triangles_;
-    std::map<uint32_t, std::vector<float>> dracoValues_;  // by unique id, raw component values
+    std::map<uint32_t, std::vector<float>> dracoValues_;  // by unique id; not normalised
 };
 
 }  // namespace dpl

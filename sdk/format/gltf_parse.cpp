@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The bounded reader: nothing is handed to a library before its size, its nesting and its place in the file are known.
+// parseGlb. Libraries receive bytes only after their size, nesting and place in the file have been checked.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -55,7 +55,7 @@ Result<Glb> openGlb(std::span<const uint8_t> bytes, const ReadLimits& limits) {
     return glb;
 }
 
-/** Counts nesting and values without building anything; nlohmann's SAX parser does not recurse. */
+/** Measures nesting depth and number of values without building a tree. nlohmann's SAX parser does not recurse, so depth is safe. */
 struct ShapeCheck : nlohmann::json_sax<Json> {
     explicit ShapeCheck(const ReadLimits& limits) : limits_(limits) {}
     bool value() { return ++values_ <= limits_.maxJsonValues || refuse("has too many values"); }
@@ -86,7 +86,7 @@ private:
     uint32_t depth_ = 0, values_ = 0;
 };
 
-/** Copies the named keys of `from`, if it is an object. */
+/** A copy of `from` with the named keys only; empty if it is no object. */
 Json pick(const Json& from, std::initializer_list<const char*> keys) {
     Json to = Json::object();
     if (from.is_object())
@@ -95,7 +95,7 @@ Json pick(const Json& from, std::initializer_list<const char*> keys) {
     return to;
 }
 
-/** Applies `change` to each element of array `key`, with a ceiling on the count. */
+/** Applies `change` to each element of array `key` and limits their number. */
 template <class Change>
 Status copyArray(const Json& root, Json& out, const char* key, size_t limit, Change change) {
     auto it = root.find(key);
@@ -121,7 +121,7 @@ struct SplattingLink {
     GltfSplatting splatting;
 };
 
-/** What the parser does not carry through tinygltf. */
+/** Data of primitives that bypasses tinygltf. */
 struct PrimitiveLinks {
     std::vector<DracoLink> draco;
     std::vector<SplattingLink> splatting;
@@ -147,7 +147,7 @@ GltfSplatting splattingOf(const Json& extension) {
     return out;
 }
 
-/** A primitive of known keys. tinygltf refuses indices without a view, so those of Draco primitives are kept aside. */
+/** Copies the known keys of a primitive. tinygltf refuses indices without a view, so those of Draco primitives go to `links`. */
 Json copyPrimitive(const Json& from, size_t mesh, size_t primitive, PrimitiveLinks& links) {
     Json to = pick(from, {"attributes", "indices", "mode", "targets"});
     const auto extensions = from.find("extensions");
@@ -174,7 +174,7 @@ Status checkRequired(const Json& root) {
     for (const Json& name : *required) {
         const bool known =
             name.is_string() && std::any_of(kKnownRequired.begin(), kKnownRequired.end(), [&](const char* k) { return name == k; });
-        // Materials and pictures do not matter to us; only what changes geometry does.
+        // Materials and textures are not read; only extensions that change geometry matter.
         const bool harmless = name.is_string() && (name.get<std::string>().starts_with("KHR_materials") ||
                                                    name.get<std::string>().find("texture") != std::string::npos);
         if (!known && !harmless)
@@ -197,7 +197,7 @@ Status checkBuffers(const Json& root, std::span<const uint8_t> bin) {
     return {};
 }
 
-/** tinygltf reads a number of the wrong kind as absent, and so as 0: refuse it here. */
+/** Refuses indices that are not whole numbers; tinygltf would read them as 0. */
 Status checkWholeNumbers(const Json& root) {
     for (const char* table : {"bufferViews", "accessors"})
         if (auto list = root.find(table); list != root.end())
@@ -208,7 +208,7 @@ Status checkWholeNumbers(const Json& root) {
     return {};
 }
 
-/** JSON of known keys only: extras and unknown extensions can blow tinygltf up to a hundred times their size. */
+/** Copies the known keys only: for extras and unknown extensions tinygltf takes up to a hundred times their size. */
 Result<Json> knownKeys(const Json& root, std::span<const uint8_t> bin, const ReadLimits& limits, PrimitiveLinks& links,
                        std::vector<std::vector<std::string>>& targetNames) {
     if (!root.is_object()) return fail(Code::CorruptData, "the glTF JSON is not an object");
@@ -359,7 +359,7 @@ Status checkReferences(GltfModel& m, const ReadLimits& limits) {
         if (!std::isfinite(sum) || !(length > 1e-6f)) return fail(Code::CorruptData, "node {} has a transform that is not finite", n);
         if (std::abs(length - 1) > 1e-5f) node.rotation = node.rotation / length;
     }
-    // One parent each and every chain ends at a root: a forest. Each node is walked once.
+    // The nodes must be a forest: one parent each, and every chain of parents ends at a root. Visits each node once.
     std::vector<uint8_t> state(m.nodes.size(), 0);
     for (uint32_t n = 0; n < m.nodes.size(); ++n) {
         int32_t at = int32_t(n);

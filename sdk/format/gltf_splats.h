@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// General splats as a glTF 2.0 binary with KHR_gaussian_splatting: written, so that other viewers can show a posed frame, and read.
+// Writes and reads general splats as a glTF 2.0 binary with KHR_gaussian_splatting. Written files show a posed frame in other viewers.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +12,16 @@
 
 namespace dpl {
 
-/** One POINTS primitive: POSITION, COLOR_0 (a plain fallback for viewers without the extension) and the extension's ROTATION (xyzw),
- *  SCALE (linear standard deviations, as ratified; drafts had logarithms), OPACITY and SH_DEGREE_l_COEF_n, all float. InvalidArgument when
- * array lengths differ or a number is not finite. */
+/** Writes one POINTS primitive with POSITION, COLOR_0 (for viewers without the extension) and the extension's attributes ROTATION (xyzw),
+ *  SCALE (linear standard deviations, as ratified; drafts had logarithms), OPACITY and SH_DEGREE_l_COEF_n, all float. InvalidArgument if
+ *  array lengths differ or a number is not finite. */
 Result<std::vector<uint8_t>> writeGltfSplats(const StaticSplatData& splats);
 
-/** All splat primitives of all nodes as one set in world space, SH turned along; primitives of other kinds are skipped. A primitive with
- * fewer SH bands than another is filled up with zeros. Attribute types as the extension lists them, integers included. Unsupported, with
- * what would help: a kernel, projection, colour space or compression other than the ratified base (ellipse, perspective,
- *  srgb_rec709_display), nodes that scale their axes differently, files without splats. CorruptData: damaged or hostile bytes; no byte of
- * the file is decoded more than about once, so mesh instances are refused. Any thread. */
+/** Reads the splat primitives of all nodes as one set in world space, with rotated SH; other primitives are skipped. Missing SH bands of a
+ *  primitive become zeros. All attribute types of the extension are read, also integers. Any thread.
+ *  Unsupported (the text says what would help): a kernel, projection, colour space or compression other than the ratified base (ellipse,
+ *  perspective, srgb_rec709_display); a node with different scales of its axes; a file without splats.
+ *  CorruptData: damaged or hostile bytes. Each byte may be decoded about once, so instances of a mesh are refused. */
 Result<StaticSplatData> readGltfSplats(std::span<const uint8_t> bytes, const ReadLimits& limits = {});
 
 }  // namespace dpl

@@ -9,9 +9,9 @@
 namespace dpl {
 namespace {
 
-constexpr float kSameScale = 1e-4f;  // axes of a node may differ by this share: exporters round
+constexpr float kSameScale = 1e-4f;  // relative; the scales of a node's axes may differ by rounding
 
-/** A node's place in the world: the extension allows translation, rotation and positive scale; we draw one scale for all axes. */
+/** World placement of a node. The extension allows translation, rotation and positive scale; Doppel needs one scale for all axes. */
 struct Placement {
     Quatf rotation{1, 0, 0, 0};
     Vec3f translation{0};
@@ -56,11 +56,11 @@ Status checkKind(const GltfSplatting& s) {
 struct SplatReader {
     const GltfModel& model;
     const ReadLimits& limits;
-    uint64_t budget = 0;  // bytes of the binary chunk not yet decoded
+    uint64_t budget = 0;  // bytes that may still be decoded: each byte of the file about once
     StaticSplatData out{};
     ShRotator rotator{};
 
-    /** count × components floats of a required attribute. */
+    /** count × components floats of an attribute that must be there. */
     Result<std::vector<float>> floats(const GltfPrimitive& p, const std::string& semantic, uint32_t components, uint32_t count) {
         const auto found = p.attributes.find(semantic);
         if (found == p.attributes.end()) return fail(Code::CorruptData, "a splat primitive has no {}", semantic);
@@ -129,7 +129,7 @@ struct SplatReader {
     }
 
     Status read() {
-        std::vector<std::pair<const GltfPrimitive*, uint32_t>> found;  // with its node
+        std::vector<std::pair<const GltfPrimitive*, uint32_t>> found;  // primitive, node
         for (uint32_t n = 0; n < model.nodes.size(); ++n)
             if (model.nodes[n].mesh >= 0)
                 for (const GltfPrimitive& p : model.meshes[size_t(model.nodes[n].mesh)].primitives)

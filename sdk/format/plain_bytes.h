@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vectors of plain values as the bytes of a buffer view, and back.
+// Converts vectors of trivially copyable values to bytes and back.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ std::vector<uint8_t> bytesOf(const std::vector<T>& values) {
     return {raw, raw + values.size() * sizeof(T)};
 }
 
-/** bytes.size() is a multiple of sizeof(T): checked by whoever read the view. */
+/** bytes.size() must be a multiple of sizeof(T). */
 template <class T>
 void fill(std::vector<T>& values, std::span<const uint8_t> bytes) {
     values.resize(bytes.size() / sizeof(T));

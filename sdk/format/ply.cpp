@@ -37,7 +37,7 @@ Result<StaticSplatData> readPly(std::span<const uint8_t> bytes) try {
     for (size_t i = 0; i < n; ++i) {
         const uint8_t* row = vertices.row(i);
         bool ok = true;
-        // Converters write opacities of 0 and 1 as −∞ and +∞, axes of no thickness as −∞: fine once activated.
+        // Converters write opacities of 0 and 1 as −∞ and +∞, and axes without thickness as −∞. exp and sigmoid make them finite.
         auto activated = [&](size_t at) {
             float v;
             std::memcpy(&v, row + at, 4);
@@ -57,7 +57,7 @@ Result<StaticSplatData> readPly(std::span<const uint8_t> bytes) try {
         s.opacity[i] = sigmoid(activated(opacity));
         float* sh = s.sh.data() + i * coefficients * 3;
         for (int c = 0; c < 3; ++c) sh[c] = value(dc[size_t(c)]);
-        // The file has all reds, then all greens, then all blues.
+        // The file holds all reds, then all greens, then all blues.
         for (uint32_t k = 1; k < coefficients; ++k)
             for (uint32_t c = 0; c < 3; ++c) sh[k * 3 + c] = value(rest[c * (coefficients - 1) + k - 1]);
         if (!ok || !std::isfinite(s.scaleM[i].x + s.scaleM[i].y + s.scaleM[i].z) || !std::isfinite(length))
@@ -97,7 +97,7 @@ Result<std::vector<uint8_t>> writePly(const StaticSplatData& s, const PlyWriteOp
             for (uint32_t k = 1; k <= restPerChannel; ++k) out.value(k < coefficients ? sh[k * 3 + c] : 0.0f);
         const double alpha = std::clamp(double(s.opacity[i]), 1e-6, 1 - 1e-6);
         out.value(float(std::log(alpha / (1 - alpha))));
-        for (int c = 0; c < 3; ++c) out.value(std::log(std::max(s.scaleM[i][c], 1e-9f)));  // a flat splat's third axis is 0
+        for (int c = 0; c < 3; ++c) out.value(std::log(std::max(s.scaleM[i][c], 1e-9f)));  // the third axis of a flat splat is 0
         const Quatf& q = s.rotation[i];
         for (float v : {q.w, q.x, q.y, q.z}) out.value(v);
     }

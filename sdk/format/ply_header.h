@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The header of a PLY file and where the rows of its elements lie: what all PLY readers share. Internal.
+// The header of a PLY file and the place of its elements, for all PLY readers. Internal.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ struct PlyElement {
     std::string name;
     uint64_t count = 0;
     size_t stride = 0;
-    bool hasList = false;  // rows of unknown length: neither it nor what follows can be found
+    bool hasList = false;  // its rows vary in length, so neither they nor later elements can be found
     std::map<std::string, Column, std::less<>> columns;
 };
 
@@ -35,7 +35,7 @@ struct PlyHeader {
     const PlyElement* find(std::string_view name) const;
 };
 
-/** Rows of one element, all inside the file. Borrows the header and the bytes. */
+/** The rows of one element; all lie inside the file. Borrows the header and the bytes. */
 struct PlyRows {
     const PlyElement* element = nullptr;
     const uint8_t* first = nullptr;
@@ -44,17 +44,18 @@ struct PlyRows {
     const uint8_t* row(size_t i) const { return first + i * element->stride; }
 };
 
-/** Binary little-endian files only, a header of at most 64 KiB. Unsupported: other bytes or an ASCII file. */
+/** Reads the header, at most 64 KiB, of a binary little-endian file. Unsupported: any other file, also an ASCII PLY. */
 Result<PlyHeader> readPlyHeader(std::span<const uint8_t> bytes);
 
-/** CorruptData when the element is absent, longer than the file or above `limit` rows. */
+/** CorruptData if the element is absent, longer than the file or has more than `limit` rows. */
 Result<PlyRows> plyRows(const PlyHeader& header, std::span<const uint8_t> bytes, std::string_view element, uint64_t limit);
 
-/** Offsets in a row of columns that must be there with this type. CorruptData names what is missing. */
+/** Byte offsets within a row of columns that must have this type. CorruptData names a column that is missing. */
 Result<size_t> plyColumn(const PlyRows& rows, PlyType type, const std::string& name);
 Result<std::vector<size_t>> plyColumns(const PlyRows& rows, PlyType type, std::initializer_list<const char*> names);
 
-/** f_rest_0 and on: none, 9, 24 or 45 of them, and so the SH degree. They are all reds, then all greens, then all blues. */
+/** Offsets of the columns f_rest_0, f_rest_1 ...: all reds, then all greens, then all blues. Their number (0, 9, 24 or 45) gives the SH
+ *  degree. */
 Result<std::vector<size_t>> plyRestColumns(const PlyRows& rows, PlyType type, uint32_t& shDegree);
 
 }  // namespace dpl

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Codes of splat values between the ends of a chunk's range: how a value is rounded, and why rounding again changes nothing.
+// Codes values between the ends of a chunk's range, so that coding a decoded value again gives the same code.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace dpl {
 
-/** Codes 0..top between two attained values, evenly in `value` or in its logarithm. The ends decode exactly. */
+/** Codes 0..top spaced evenly from low to high, in the value or in its logarithm. The ends decode exactly. */
 class RangeCode {
 public:
     RangeCode(float low, float high, uint32_t top, bool logarithmic) : low_(low), high_(high), top_(top), logarithmic_(logarithmic) {
@@ -20,8 +20,8 @@ public:
         const double x = from_ + width_ * code / top_;
         return std::clamp(float(logarithmic_ ? std::exp(x) : x), low_, high_);
     }
-    /** Nearest code, then moved until decode and nearest agree: in a range of a few ulps several codes decode alike, and the
-     *  code must not change when the decoded value is encoded again. nearest∘decode is monotone, so this ends. */
+    /** The nearest code, moved until nearest(decode(code)) = code. In a range of a few ulps several codes decode to the same value, so
+     *  the nearest code may differ from that of the decoded value. nearest∘decode is monotone, so the loop ends. */
     uint32_t encode(float value) const {
         uint32_t code = nearest(value);
         for (uint32_t round = 0; round < top_; ++round) {

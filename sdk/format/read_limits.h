@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the readers refuse before they allocate. Defaults are far above any avatar we expect and far below what hurts.
+// Limits that readers check before they allocate. The defaults are far above expected avatars and far below the memory of a machine.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ struct ReadLimits {
     uint32_t maxSplats = 16u << 20;
     uint32_t maxJoints = 1024;
     uint32_t maxNodes = 16384;
-    bool verifyHash = true;  // off only for tools that look into files which somebody edited, and for the fuzzer
+    bool verifyHash = true;  // false only for tools that inspect edited files, and for the fuzzer
 };
 
 }  // namespace dpl

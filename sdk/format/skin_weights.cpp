@@ -25,7 +25,7 @@ PackedWeights packWeights(std::span<const std::pair<uint32_t, float>> jointAndWe
     if (merged.size() > 4) merged.resize(4);
     double sum = 0;
     for (const auto& entry : merged) sum += entry.second;
-    // Largest remainder; the list is sorted, so an equal remainder goes to the larger weight.
+    // Largest remainder. The list is sorted by weight, so of equal remainders the larger weight wins.
     int given = 0;
     double remainder[4] = {-1, -1, -1, -1};
     int units[4] = {0, 0, 0, 0};

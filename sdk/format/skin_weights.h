@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Skin weights as they ship: four joints a vertex, unorm8, sum 255.
+// Skin weights as avatars store them: four joints per vertex, unorm8, sum 255.
 #pragma once
 
 #include <span>
@@ -14,9 +14,8 @@ struct PackedWeights {
     glm::u8vec4 weights{0};
 };
 
-/** Keeps the four largest weights, renormalises and rounds to unorm8 by largest remainder, so that they sum to 255; sorted by falling
- *  weight, equal weights by joint. Equal joints are merged, negative and non-finite weights count as 0. All zero: joint 0 with weight 255.
- */
+/** Merges equal joints, keeps the four largest weights, scales them and rounds them by largest remainder to unorm8 with the sum 255. Sorted
+ *  by falling weight, then by joint. Negative and non-finite weights count as 0. If all are 0, joint 0 has weight 255. */
 PackedWeights packWeights(std::span<const std::pair<uint32_t, float>> jointAndWeight);
 
 }  // namespace dpl

@@ -18,9 +18,9 @@ struct SkinnedReader {
     const SkinnedGltfOptions& options;
     GltfModel model{};
     SkinnedGltf out{};
-    std::vector<int32_t> nodeOf{};                 // file node -> our node
-    std::vector<std::vector<uint32_t>> jointOf{};  // per skin: its joint -> our joint
-    uint64_t budget = 0;                           // bytes that may still be decoded: sharing accessors must not multiply memory
+    std::vector<int32_t> nodeOf{};                 // node in the file -> index in out.nodes
+    std::vector<std::vector<uint32_t>> jointOf{};  // per skin: joint of the skin -> index in out.joints
+    uint64_t budget = 0;                           // bytes that may still be decoded, so that shared accessors cannot multiply memory
 
     Status spend(uint64_t bytes) {
         if (bytes > budget) return fail(Code::CorruptData, "the glTF decodes to far more than its own size; it is damaged or hostile");
@@ -85,7 +85,7 @@ struct SkinnedReader {
             if (node.mesh < 0) continue;
             const GltfMesh& mesh = model.meshes[node.mesh];
             for (const GltfPrimitive& primitive : mesh.primitives) {
-                if (primitive.mode != 4) continue;  // points and lines of props are not a body
+                if (primitive.mode != 4) continue;  // not triangles, so no part of a body
                 DPL_CHECK_OK(readMesh(mesh, primitive, node, n));
             }
         }
@@ -123,7 +123,7 @@ struct SkinnedReader {
         return readMorphs(source, primitive, n, to);
     }
 
-    /** Up to eight influences, the four largest stay. */
+    /** Reads up to eight influences per vertex and keeps the four largest. */
     Status readWeights(const PrimitiveReader& reader, uint32_t skin, Mesh& to) {
         const uint32_t n = reader.vertexCount(), sets = reader.has("JOINTS_1") && reader.has("WEIGHTS_1") ? 2 : 1;
         std::vector<float> joints[2], weights[2];
@@ -166,7 +166,7 @@ struct SkinnedReader {
             const GltfAccessor& accessor = model.accessors[position->second];
             if (accessor.count != vertexCount)
                 return fail(Code::CorruptData, "morph '{}' has {} offsets for {} vertices", morph.name, accessor.count, vertexCount);
-            if (accessor.view < 0 && accessor.sparse.count == 0) continue;  // glTF: no data means zeros
+            if (accessor.view < 0 && accessor.sparse.count == 0) continue;  // glTF: an accessor without data is all zeros
             DPL_TRY(const std::vector<float> offsets, floats(position->second, 3));
             for (uint32_t v = 0; v < vertexCount; ++v) morph.offsets[v] = Vec3f(offsets[v * 3], offsets[v * 3 + 1], offsets[v * 3 + 2]);
         }

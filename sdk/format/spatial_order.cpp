@@ -11,7 +11,7 @@ namespace {
 constexpr uint32_t kCells = 1u << 21;
 constexpr size_t kSamples = 4096;
 
-/** The k-th bit to place 3k, of 21. */
+/** Moves bit k to bit 3k, for 21 bits. */
 uint64_t spreadBits(uint64_t v) {
     v = (v | v << 32) & 0x001F00000000FFFFull;
     v = (v | v << 16) & 0x001F0000FF0000FFull;
@@ -24,7 +24,7 @@ struct Range {
     float low = 0, high = 0;
 };
 
-/** Where most of the points lie along one axis: a quarter beyond the middle nine tenths of a sample. */
+/** Extent of most points along one axis: the middle 90 % of a sample, widened by a quarter at each end. */
 Range rangeOf(std::span<const Vec3f> points, int axis) {
     std::vector<float> sample;
     for (size_t i = 0, step = points.size() / kSamples + 1; i < points.size(); i += step)
@@ -40,14 +40,14 @@ Range rangeOf(std::span<const Vec3f> points, int axis) {
 std::vector<uint32_t> spatialOrder(std::span<const Vec3f> points) {
     std::vector<uint64_t> keys(points.size());
     Range ranges[3];
-    float widest = 0;  // one scale for all axes: cells are cubes
+    float widest = 0;  // one scale for all axes, so that cells are cubes
     for (int axis = 0; axis < 3; ++axis)
         ranges[axis] = rangeOf(points, axis), widest = std::max(widest, ranges[axis].high - ranges[axis].low);
     const float scale = widest > 0 && std::isfinite(widest) ? float(kCells) / widest : 0;
     for (size_t i = 0; i < points.size(); ++i) {
         for (int axis = 0; axis < 3; ++axis) {
             const float cell = (points[i][axis] - ranges[axis].low) * scale;
-            keys[i] |= spreadBits(cell >= 1 ? uint64_t(std::min(cell, float(kCells - 1))) : 0) << axis;  // not a number: 0
+            keys[i] |= spreadBits(cell >= 1 ? uint64_t(std::min(cell, float(kCells - 1))) : 0) << axis;  // NaN: 0
         }
     }
     std::vector<uint32_t> order(points.size());

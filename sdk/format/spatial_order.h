@@ -9,9 +9,9 @@
 
 namespace dpl {
 
-/** order[new] = old: points along a Morton curve of 2^21 cells an axis over where most of them are, so that neighbours in memory are
- * neighbours in space. What lies outside of that, is infinite or not a number goes to the cells at its ends. Equal cells keep their order.
- */
+/** Sorts points along a Morton curve, so that neighbours in memory are neighbours in space; order[new] = old. The grid has 2^21 cells per
+ *  axis and covers most of the points. Points outside it or not finite count as points of its border cells. Points of the same cell keep
+ *  their order. */
 std::vector<uint32_t> spatialOrder(std::span<const Vec3f> points);
 
 }  // namespace dpl

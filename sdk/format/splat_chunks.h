@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What all splat encodings share: how splats are cut into chunks and hang on triangles, and what a chunk's ranges may be.
+// Shared by all splat encodings: cuts splats into chunks, finds their parent triangles, checks the ranges of chunks.
 #pragma once
 
 #include <vector>
@@ -10,8 +10,8 @@
 
 namespace dpl {
 
-/** Splats [first, end) of each layer, in order; of a mesh whose layers do not tile its triangles (avatars made in memory may), all at once.
- */
+/** Calls visit(first, end) with the splats of each layer, in order. If the layers do not tile the triangles, as in some avatars made in
+ *  memory, it calls once with all splats. */
 template <class Visit>
 void forLayers(const MeshData& mesh, const std::vector<uint32_t>& start, Visit&& visit) {
     uint32_t triangle = 0;
@@ -23,7 +23,7 @@ void forLayers(const MeshData& mesh, const std::vector<uint32_t>& start, Visit&&
     for (const LayerData& layer : mesh.layers) visit(start[layer.firstTriangle], start[layer.firstTriangle + layer.triangleCount]);
 }
 
-/** visit(first, count) for each chunk: kSplatChunkSize splats, the last of a layer fewer. */
+/** Calls visit(first, count) for each chunk: kSplatChunkSize splats, fewer in the last chunk of a layer. */
 template <class Visit>
 void forChunks(const MeshData& mesh, const std::vector<uint32_t>& start, Visit&& visit) {
     forLayers(mesh, start, [&](uint32_t layerFirst, uint32_t layerEnd) {
@@ -32,13 +32,13 @@ void forChunks(const MeshData& mesh, const std::vector<uint32_t>& start, Visit&&
     });
 }
 
-/** parents, parent and the chunks' triangles, from the chunks' splats and the triangles' (start: a prefix sum). */
+/** Fills parents, parent and the triangle ranges of the chunks. start: prefix sum of the splats of each triangle. */
 void setParents(CodedSplats& out, const std::vector<uint32_t>& start);
 
-/** Splats of each triangle, as a prefix sum. */
+/** Prefix sum of the splats of each triangle; triangleCount + 1 entries. */
 std::vector<uint32_t> triangleStarts(const CodedSplats& coded, size_t triangleCount);
 
-/** Refuses ranges that are not finite, empty or too large (CorruptData). */
+/** Refuses ranges that are not finite, empty or too large (CorruptData). index: of the chunk, for the text. */
 Status checkRanges(const SplatChunk& chunk, size_t index);
 
 }  // namespace dpl

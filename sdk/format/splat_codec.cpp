@@ -23,7 +23,7 @@ float decodeUv(uint32_t code) {
     return float((int(code) - kUvZero) / kUvSteps);
 }
 
-// A covariance is the same at φ and φ + π.
+// φ and φ + π give the same covariance.
 uint32_t encodePhi(float phi) {
     const double turns = double(phi) / std::numbers::pi;
     return uint32_t(std::llround((turns - std::floor(turns)) * kPhiSteps)) % kPhiSteps;
@@ -43,7 +43,7 @@ float decodeSh(int8_t code, float range) {
     return float(double(code) * range / 127.0);
 }
 
-/** Ranges of the chunk's splats; shRange is the caller's. */
+/** The chunk of these splats with its ranges. The caller sets shRange. */
 SplatChunk chunkRanges(const SplatData& s, uint32_t first, uint32_t count) {
     const uint32_t stride = shCoefficientCount(s.shDegree) * 3;
     SplatChunk c;
@@ -74,13 +74,13 @@ void shRanges(const SplatData& s, uint32_t first, uint32_t count, float (&range)
     }
 }
 
-/** Codes of one splat's SH beyond coefficient 0. */
+/** Codes the SH of one splat beyond coefficient 0. */
 void codeShEntry(const float* sh, uint32_t degree, const float (&range)[3], int8_t* out) {
     for (uint32_t band = 1; band <= degree; ++band)
         for (uint32_t k = band * band * 3; k < (band + 1) * (band + 1) * 3; ++k) out[k - 3] = encodeSh(sh[k], range[band - 1]);
 }
 
-/** Each different row of SH codes once, in order of first use, and which one a splat has. */
+/** Stores each different row of SH codes once, in order of first use, and the index of each splat's row. */
 Status codeShPalette(const SplatData& s, CodedSplats& out) {
     const uint32_t n = s.count(), stride = shCoefficientCount(s.shDegree) * 3, entry = shEntryBytes(s.shDegree);
     float range[3];
@@ -111,7 +111,7 @@ void codeShOfEachSplat(const SplatData& s, CodedSplats& out) {
     }
 }
 
-uint32_t spread(uint32_t x) {  // 11 bits to every second bit
+uint32_t spread(uint32_t x) {  // moves bit k to bit 2k, for 11 bits
     x = (x | (x << 8)) & 0x00ff00ffu;
     x = (x | (x << 4)) & 0x0f0f0f0fu;
     x = (x | (x << 2)) & 0x33333333u;

@@ -14,41 +14,41 @@
 
 namespace dpl {
 
-/** The streams of a file. The three words a splat are CodedSplats' own. */
+/** The streams of a file. place, size and colour are those of CodedSplats. */
 template <class Bytes>
 struct SplatStreams {
-    Bytes triangleCounts;  // LEB128, one a triangle
+    Bytes triangleCounts;  // LEB128, one per triangle
     Bytes chunks;          // SplatChunk records
     Bytes place, size, colour;
-    Bytes shIndex;        // u16 a splat; encoding 2
-    Bytes ranges, coded;  // encoding 3, instead of those above (splat_compact.h)
-    Bytes sh;             // i8, ((degree+1)² − 1)·3 a splat, or a palette entry when there is a palette
+    Bytes shIndex;        // u16 per splat; encoding 2
+    Bytes ranges, coded;  // encoding 3: replace the streams above (splat_compact.h)
+    Bytes sh;             // i8, ((degree+1)² − 1)·3 per splat, or per palette row
 };
 
-/** What the file says beside the streams. paletteSize 0: every splat has its own SH. */
+/** Numbers that the file stores beside the streams. paletteSize 0: every splat has its own SH. */
 struct SplatHead {
     uint32_t count = 0, shDegree = 0, paletteSize = 0;
     std::optional<SplatBits> bits;  // encoding 3
 };
 
-/** Rounds to the nearest code. The splats must have passed checkAvatar; layers that do not tile the triangles count as one.
- *  shPalette: SH beyond coefficient 0 as a palette of its different rows; InvalidArgument when there are more than kMaxShPalette. */
+/** Rounds each value to its nearest code. The splats must have passed checkAvatar; layers that do not tile the triangles count as one.
+ *  shPalette: stores each different SH row once; InvalidArgument if there are more than kMaxShPalette. */
 Result<CodedSplats> codeSplats(const MeshData& mesh, const SplatData& splats, bool shPalette = false);
 
-/** The numbers behind the codes, computed in double. */
+/** Decodes, in double precision. */
 SplatData decodeSplats(const CodedSplats& coded, size_t triangleCount);
 
-/** Rounds the codes to so many bits, in place and so that decoding and coding again changes nothing. Range ends stay as they are. */
+/** Rounds the codes to these numbers of bits, in place. Decoding and coding again changes nothing. Ends of ranges do not change. */
 void coarsenSplats(CodedSplats& coded, const SplatBits& bits);
 
-/** The fewest bits of each field that say all codes exactly. */
+/** The fewest bits per field that represent all codes exactly. */
 SplatBits neededBits(const CodedSplats& coded);
 
-/** compact: `ranges` and `coded` instead of words, where that is smaller and no reader would be asked for more memory than a file may cost.
- */
+/** compact: writes `ranges` and `coded` instead of words, if that is smaller and within the bound of memory per byte of file
+ *  (kMinCompactBytes). */
 SplatStreams<std::vector<uint8_t>> writeSplatStreams(const CodedSplats& coded, size_t triangleCount, bool compact = false);
 
-/** Copies and checks splats bound to `mesh`. Every stream's length is checked before anything is allocated. */
+/** Copies and checks splats bound to `mesh`. Checks the length of each stream before it allocates. */
 Result<CodedSplats> readSplatStreams(const SplatStreams<std::span<const uint8_t>>& streams, const MeshData& mesh, const SplatHead& head,
                                      const ReadLimits& limits);
 

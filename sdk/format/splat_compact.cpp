@@ -16,7 +16,7 @@ namespace {
 
 constexpr SplatBits kAllBits;
 
-// Codes of fewer bits: evenly over 0..top, both ends kept, so that the ranges of a chunk are still attained.
+// Codes of fewer bits, spread evenly over 0..top. Both ends are kept, so that the ends of a chunk's ranges still occur.
 constexpr uint32_t narrow(uint32_t code, uint32_t top, uint32_t bits) {
     const uint32_t steps = (1u << bits) - 1;
     return steps >= top ? code : (2 * code * steps + top) / (2 * top);
@@ -25,7 +25,7 @@ constexpr uint32_t widen(uint32_t code, uint32_t top, uint32_t bits) {
     const uint32_t steps = (1u << bits) - 1;
     return steps >= top ? code : (2 * code * top + steps) / (2 * steps);
 }
-// φ goes round.
+// φ is periodic: the code after the last is 0.
 constexpr uint32_t narrowPhi(uint32_t code, uint32_t bits) {
     return (code + (kPhiSteps >> (bits + 1))) / (kPhiSteps >> bits) & ((1u << bits) - 1);
 }
@@ -37,7 +37,7 @@ constexpr uint32_t colourBits(const SplatBits& bits, int channel) {
     return bits.colour - (channel == 0);
 }
 
-/** The fields of one splat's words. */
+/** The words of one splat, split into fields. */
 struct Fields {
     uint32_t u, v, phi, scale[2], opacity, flags, colour[3];
 
@@ -73,7 +73,8 @@ Fields widened(Fields f, const SplatBits& bits) {
     return f;
 }
 
-/** A code of `bits` that decoding and coding again leaves alone; in a range of a few ulps that may be one of the ends. */
+/** The code rounded to `bits` bits such that decoding and coding again does not change it. In a range of a few ulps this may be an end of
+ *  the range. */
 uint32_t coarse(uint32_t code, const RangeCode& range, uint32_t top, uint32_t bits) {
     uint32_t to = widen(narrow(code, top, bits), top, bits);
     for (int round = 0; round < 4; ++round) {
@@ -84,24 +85,26 @@ uint32_t coarse(uint32_t code, const RangeCode& range, uint32_t top, uint32_t bi
     return code * 2 < top ? 0 : top;
 }
 
-// The model: which table a field takes, from what came before. Writer and reader walk it in the same order.
+// Model: chooses the table of a field by fields that came before. Writer and reader visit fields in the same order. Each name is the first
+// table of its kind; tables are chosen by the upper bits of the value named beside it.
 enum Table : uint32_t {
-    kCountTable = 0,  // splats of a triangle, by those of the triangle before
-    kFlagTable = 4,   // by the splat before
+    kCountTable = 0,  // number of splats of a triangle; by that of the triangle before
+    kFlagTable = 4,   // by the flags of the splat before
     kOpacityTable = 8,
-    kScaleTable = 9,    // first: by that of the splat before
-    kScale2Table = 17,  // second: by the first
+    kScaleTable = 9,    // first scale; by that of the splat before
+    kScale2Table = 17,  // second scale; by the first
     kUTable = 25,
     kVTable = 26,  // by u
     kPhiTable = 42,
-    kGreenTable = 43,  // by that of the splat before
-    kRedTable = 59,    // what the prediction leaves
+    kGreenTable = 43,  // by green of the splat before
+    kRedTable = 59,    // red and blue: difference from the prediction
     kBlueTable = 60,
     kIndexTable = 61,
     kTables = 62
 };
-constexpr uint32_t kCountSymbols = 32;                    // the last: 31 or more, the rest follows in bits
-constexpr uint32_t kFineSymbolBits = 8, kSymbolBits = 6;  // modelled; what is below goes as it is
+constexpr uint32_t kCountSymbols = 32;  // the last symbol is 31 or more; the remainder follows as bits
+constexpr uint32_t kFineSymbolBits = 8,
+                   kSymbolBits = 6;  // upper bits of a field that are entropy-coded; the lower ones are stored as they are
 
 constexpr std::array<uint16_t, kTables> kAlphabets = [] {
     std::array<uint16_t, kTables> sizes{};
@@ -123,7 +126,7 @@ struct Reading {
     void bits(uint32_t& value, uint32_t count) { value = reader.bits(count); }
 };
 
-/** `bits` bits of a value: the upper ones by the table, the others as they are. */
+/** Codes a value of `bits` bits: the upper `modelled` bits by the table, the others as they are. */
 template <uint32_t modelled = kSymbolBits, class Coder>
 void field(Coder& coder, uint32_t table, uint32_t bits, uint32_t& value) {
     const uint32_t below = bits > modelled ? bits - modelled : 0;
@@ -133,12 +136,12 @@ void field(Coder& coder, uint32_t table, uint32_t bits, uint32_t& value) {
     value = upper << below | lower;
 }
 
-/** The upper `count` bits of a value of `bits`. */
+/** The upper `count` bits of a value of `bits` bits. */
 uint32_t upper(uint32_t value, uint32_t bits, uint32_t count) {
     return bits > count ? value >> (bits - count) : value;
 }
 
-/** Colours of a chunk as whole numbers of 2⁻¹⁶, so that every machine predicts the same. */
+/** Colour ranges of a chunk in units of 2⁻¹⁶. Integers make the prediction the same on every machine. */
 class ColourScale {
 public:
     ColourScale() = default;
@@ -149,7 +152,7 @@ public:
             step_[k] = (width_[k] << 16) / top_[k], inverse_[k] = width_[k] > 0 ? (int64_t(top_[k]) << 32) / width_[k] : 0;
         }
     }
-    /** The code of channel `to` that has the value of green's code. */
+    /** The code of channel `to` with the same value as this code of green. */
     int32_t likeGreen(uint32_t green, int to) const {
         const int64_t value = low_[1] + (step_[1] * green >> 16);
         return int32_t((std::clamp<int64_t>(value - low_[to], 0, width_[to]) * inverse_[to] + (int64_t(1) << 31)) >> 32);
@@ -200,7 +203,7 @@ public:
     }
 
 private:
-    /** Red or blue: as far from green as in the splat before. */
+    /** Codes red or blue. Predicts that it differs from green as in the splat before (`aside`). */
     void beside(uint32_t table, Fields& f, int channel, int32_t& aside) {
         const uint32_t bits = colourBits(bits_, channel), mask = (1u << bits) - 1, half = (mask + 1) / 2;
         const int32_t like = scale_.likeGreen(f.colour[1], channel), expected = std::clamp(like + aside, 0, scale_.top(channel));
@@ -223,7 +226,8 @@ Status checkBits(const SplatBits& bits) {
     if (in(bits.uv, 1, kAllBits.uv) && in(bits.phi, 1, kAllBits.phi) && in(bits.scale, 1, kAllBits.scale) &&
         in(bits.opacity, 1, kAllBits.opacity) && in(bits.colour, 2, kAllBits.colour))
         return {};
-    return fail(Code::CorruptData, "splats of {}, {}, {}, {} and {} bits", bits.uv, bits.phi, bits.scale, bits.opacity, bits.colour);
+    return fail(Code::CorruptData, "splat fields of {}, {}, {}, {} and {} bits (position, angle, scale, opacity, colour)", bits.uv,
+                bits.phi, bits.scale, bits.opacity, bits.colour);
 }
 
 size_t rangesAChunk(bool ownSh) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Splat encoding 3: the same words in fewer bytes. Fields rounded to fewer bits (SplatBits), predicted from the splats before,
-// entropy-coded.
+// Splat encoding 3: stores the words without loss in fewer bytes. Fields may use fewer bits (SplatBits), are predicted from the splats
+// before and entropy-coded.
 #pragma once
 
 #include <span>
@@ -11,13 +11,13 @@
 
 namespace dpl {
 
-constexpr uint32_t kMinCompactBytes = 4;  // of `coded` a splat: what a reader allocates is bounded by what it was given
+constexpr uint32_t kMinCompactBytes = 4;  // bytes of `coded` per splat; bounds a reader's memory by the size of its input
 
-/** Fills `ranges` and `coded` from words that need neededBits(coded). start: splats of each triangle, a prefix sum. */
+/** Fills `ranges` and `coded` with fields of neededBits(coded) bits. start: prefix sum of the splats of each triangle. */
 void writeCompact(const CodedSplats& coded, const std::vector<uint32_t>& start, SplatStreams<std::vector<uint8_t>>& out);
 
-/** Chunks, words and palette indices into `out`; returns the splats of each triangle, a prefix sum. Lengths are checked before anything is
- *  allocated, everything decoded after; that indices are in the palette is the caller's to check. head.bits must be there. */
+/** Reads chunks, words and palette indices into `out`. Returns the prefix sum of the splats of each triangle. Checks lengths before it
+ *  allocates, and all decoded values except that palette indices are in range: the caller checks those. head.bits must be set. */
 Result<std::vector<uint32_t>> readCompact(const SplatStreams<std::span<const uint8_t>>& in, const MeshData& mesh, const SplatHead& head,
                                           CodedSplats& out);
 

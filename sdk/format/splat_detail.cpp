@@ -15,20 +15,20 @@ static_assert(kSplatChunkSize == 2 * kSplatGroupSize);
 
 namespace {
 
-constexpr float kAt = 0.25f;  // where the gain is measured
+constexpr float kAt = 0.25f;  // share of splats at which the gain is measured
 
-/** Of the splat at a place, at that share. */
+/** Detail weight of the splat at each place of a group, at the share kAt. */
 std::array<float, kSplatGroupSize> weightsThere() {
     std::array<float, kSplatGroupSize> weight;
     for (uint32_t rank = 0; rank < kSplatGroupSize; ++rank) weight[placeOfRank(rank)] = detailWeight(kAt, rank);
     return weight;
 }
 
-/** areaM2: of all its splats. coveredM2, someM2: what these cover together, and the same by their weights at kAt. A flat splat covers 2π σ₁
- * σ₂ α; what n of them over an area leave free of it is e^−cover. */
+/** areaM2: surface of the group. coveredM2: sum of the areas that its splats cover, each 2π σ₁ σ₂ α. someM2: the same sum with the weights
+ *  at kAt. With cover = coveredM2 / areaM2, the share e^−cover of the light passes through. */
 SplatGroup groupOf(double areaM2, uint32_t count, double coveredM2, double someM2) {
     SplatGroup group;
-    if (!(coveredM2 > 0 && areaM2 > 0) || !std::isfinite(areaM2) || !std::isfinite(coveredM2)) return group;  // nothing that could be seen
+    if (!(coveredM2 > 0 && areaM2 > 0) || !std::isfinite(areaM2) || !std::isfinite(coveredM2)) return group;  // nothing visible
     const double cover = coveredM2 / areaM2;
     group.areaM2 = float(areaM2 / count);
     group.gain = float(std::clamp(std::log(someM2 / coveredM2) / std::log(double(kAt)), 0.0, 1.0));
@@ -42,7 +42,7 @@ void measureGroups(const MeshData& mesh, CodedSplats& s) {
     std::vector<uint32_t> onTriangle(mesh.triangles.size(), 0);
     for (const SplatChunk& c : s.chunks)
         for (uint32_t i = c.firstSplat; i < c.firstSplat + c.splatCount; ++i) ++onTriangle[s.parents[c.firstParent + s.parent[i]]];
-    std::vector<float> areaM2(mesh.triangles.size());  // of a splat on it
+    std::vector<float> areaM2(mesh.triangles.size());  // of the triangle, per splat on it
     for (size_t k = 0; k < areaM2.size(); ++k) {
         const Triangle& t = mesh.triangles[k];
         const Vec3f& a = mesh.restPositions[t.x];
@@ -54,11 +54,11 @@ void measureGroups(const MeshData& mesh, CodedSplats& s) {
     for (size_t g = 0; g < s.groups.size(); ++g) {
         const SplatChunk& c = s.chunks[g / 2];
         const uint32_t begin = groupRange(s, g).first, count = groupRange(s, g).count();
-        // Areas of splats are evenly spaced in the logarithm by the sum of the codes.
+        // The logarithm of a splat's area is linear in the sum of its two scale codes; two tables of 64 give its exponential.
         const float step = std::log(c.scaleMaxM / c.scaleMinM) / float(kScaleCodes);
         std::array<float, 64> coarse, fine;
         for (uint32_t k = 0; k < 64; ++k) coarse[k] = std::exp(step * 64 * float(k)), fine[k] = std::exp(step * float(k));
-        double area = 0, all = 0, some = 0;  // covered: in units of the smallest splat's
+        double area = 0, all = 0, some = 0;  // all, some: in units of unitM2
         for (uint32_t k = 0; k < count; ++k) {
             const uint32_t size = s.size[begin + k], code = (size & 2047) + (size >> 11 & 2047);
             const float covered = float(size >> 22 & 255) * coarse[code >> 6] * fine[code & 63];
@@ -80,8 +80,8 @@ std::vector<GeneralGroup> measureGroups(const StaticSplatData& s, std::span<cons
         Vec3f low(FLT_MAX), high(-FLT_MAX);
         for (const uint32_t i : members) low = glm::min(low, s.position[i]), high = glm::max(high, s.position[i]);
         group.middle = 0.5f * low + 0.5f * high, group.reach = glm::max(high - group.middle, group.middle - low);
-        // Root of the sum of the squares of a shape's shadows along three axes, whichever these are: of a flat shape, what it shows to its
-        // front.
+        // √(sum of the principal 2×2 minors of a covariance), independent of the choice of axes. For a flat shape it measures the area seen
+        // from its front.
         const auto shadow = [](const Mat3d& m) {
             return std::sqrt(std::max(0.0, m[0][0] * m[1][1] - m[0][1] * m[0][1] + m[0][0] * m[2][2] - m[0][2] * m[0][2] +
                                                m[1][1] * m[2][2] - m[1][2] * m[1][2]));
@@ -99,7 +99,7 @@ std::vector<GeneralGroup> measureGroups(const StaticSplatData& s, std::span<cons
             const double covered = 2 * std::numbers::pi * double(s.opacity[i]) * std::sqrt(v.x * v.y + v.x * v.z + v.y * v.z);
             all += covered, some += covered * double(weightAt[k]);
         }
-        // 12: of a rectangle of evenly spread points, its area to the root of the product of both variances.
+        // For points spread evenly over a rectangle, 12·√(var_x·var_y) is its area.
         group.detail = groupOf(12 * shadow(squares / n - glm::outerProduct(sum, sum) / (n * n)), uint32_t(members.size()), all, some);
     }
     return groups;

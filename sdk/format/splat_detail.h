@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What level of detail needs to know of splats, made when they are loaded.
+// Measures the groups of splats for level of detail when they are loaded.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace dpl {
 
-/** Splats [first, end) of half-chunk g, in file order; a chunk's second half may be empty. */
+/** Splats [first, end) of a group, in file order. The second group of a chunk may be empty. */
 struct GroupRange {
     uint32_t first = 0, end = 0;
     uint32_t count() const { return end - first; }
@@ -23,16 +23,16 @@ inline GroupRange groupRange(const CodedSplats& splats, size_t g) {
     return {first, std::min(first + kSplatGroupSize, c.firstSplat + c.splatCount)};
 }
 
-/** Fills splats.groups (12 bytes a half-chunk). Parents must lie within the mesh. */
+/** Fills splats.groups (12 bytes per group). Parents must be triangles of the mesh. */
 void measureGroups(const MeshData& mesh, CodedSplats& splats);
 
-/** kSplatGroupSize neighbours of general splats, the last ones fewer. */
+/** A group of general splats: kSplatGroupSize neighbours, fewer in the last group. */
 struct GeneralGroup {
-    Vec3f middle{0}, reach{0};  // of the box about their centres; half its size
+    Vec3f middle{0}, reach{0};  // centre and half size of the box around the splats' centres
     SplatGroup detail;
 };
 
-/** Of general splats in an order that keeps neighbours together (spatialOrder); order[new] = old. */
+/** Measures the groups of general splats. order[new] = old; it must keep neighbours together (spatialOrder). */
 std::vector<GeneralGroup> measureGroups(const StaticSplatData& splats, std::span<const uint32_t> order);
 
 }  // namespace dpl

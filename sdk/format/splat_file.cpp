@@ -15,13 +15,13 @@
 namespace dpl {
 namespace {
 
-constexpr double kStrayShare = 0.01;  // left out at either end of an axis
+constexpr double kStrayShare = 0.01;  // of the centres, left out at each end of an axis
 
 bool beginsWith(std::span<const uint8_t> bytes, std::string_view magic) {
     return bytes.size() >= magic.size() && std::memcmp(bytes.data(), magic.data(), magic.size()) == 0;
 }
 
-/** The JSON chunk of a .glb; empty when there is none. */
+/** The JSON chunk of a .glb; empty if there is none. */
 std::string_view jsonOf(std::span<const uint8_t> bytes) {
     constexpr size_t kChunkAt = 12, kJsonAt = 20;
     if (bytes.size() < kJsonAt) return {};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far the splats of each triangle reach from it: what culling asks before anything is decoded.
+// Bounds how far the splats of each triangle reach, so that culling needs no decoded splats.
 #pragma once
 
 #include <vector>
@@ -8,15 +8,15 @@
 
 namespace dpl {
 
-/** Of one triangle at rest. A splat is below 1/255 beyond √level · σ, level = 2 ln(255 α). */
+/** Bounds for one triangle at rest. Beyond √level · σ with level = 2 ln(255 α), a splat of opacity α adds less than 1/255. */
 struct TriangleReach {
     float reachM = 0;                          // largest √level · standard deviation of its splats
     float rootLevel = 0;                       // largest √level
-    uint32_t freeSplats = 0, gatedSplats = 0;  // that show both faces, one face
-    bool overshoots = false;                   // a splat that can be seen has its centre off the triangle
+    uint32_t freeSplats = 0, gatedSplats = 0;  // splats visible from both sides; single-face splats
+    bool overshoots = false;                   // a visible splat has its centre outside the triangle
 };
 
-/** Scales and opacities as decodeSplats gives them, but for float rounding (1e-5). Parents must lie within the triangles. */
+/** Uses scales and opacities as decodeSplats gives them, up to float rounding (1e-5). Parents must be below `triangles`. */
 std::vector<TriangleReach> reachOfTriangles(const CodedSplats& splats, size_t triangles);
 
 }  // namespace dpl

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The streams of a file: words as they are (encodings 1 and 2), or what splat_compact.h makes of them (encoding 3).
+// Writes and reads the streams of a file: plain words (encodings 1 and 2), or compact ones (encoding 3, splat_compact.h).
 #include <algorithm>
 #include <cstring>
 
@@ -51,14 +51,14 @@ Status checkChunk(const SplatChunk& c, size_t index, uint32_t first, uint32_t co
     return checkRanges(c, index);
 }
 
-/** Rows of SH codes into memory; refused when there is a code that no writer makes. */
+/** Copies rows of SH codes and refuses codes that no writer makes. */
 Status readShRows(std::span<const uint8_t> bytes, size_t rows, CodedSplats& out) {
     const uint32_t inFile = (shCoefficientCount(out.shDegree) - 1) * 3, inMemory = shEntryBytes(out.shDegree);
     if (bytes.size() != rows * inFile) return fail(Code::CorruptData, "{} bytes do not hold {} rows of SH", bytes.size(), rows);
     out.sh.resize(inFile ? rows * inMemory : 0);
     for (size_t e = 0; inFile && e < rows; ++e) {
         std::memcpy(out.sh.data() + e * inMemory, bytes.data() + e * inFile, inFile);
-        // −128 is no code: a writer never makes it, and a range would not be attained.
+        // Writers code −127 to 127; −128 would lie outside the range of its band.
         if (std::find(out.sh.begin() + ptrdiff_t(e * inMemory), out.sh.begin() + ptrdiff_t(e * inMemory + inFile), int8_t(-128)) !=
             out.sh.begin() + ptrdiff_t(e * inMemory + inFile))
             return fail(Code::CorruptData, "row {} of SH holds a code of -128", e);
@@ -66,7 +66,7 @@ Status readShRows(std::span<const uint8_t> bytes, size_t rows, CodedSplats& out)
     return {};
 }
 
-/** Encodings 1 and 2: words as they are. */
+/** Reads encodings 1 and 2: plain words. */
 Result<std::vector<uint32_t>> readWords(const SplatStreams<std::span<const uint8_t>>& in, const MeshData& mesh, const SplatHead& head,
                                         CodedSplats& out) {
     const uint32_t n = head.count;

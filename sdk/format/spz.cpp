@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The packed attributes, one array after the other (versions 2, 3) or one stream each (version 4), n splats:
+// Packed attributes of n splats, as consecutive arrays (versions 2 and 3) or as one stream each (version 4):
 //
 //   position 9n (3 × s24 fixed point) | alpha n | colour 3n | log scale 3n | rotation 3n or 4n | SH of bands 1.. 3·coefficients·n
 #include "sdk/format/spz.h"
@@ -22,7 +22,7 @@ namespace dpl {
 namespace {
 
 constexpr uint32_t kMagic = 0x5053474e;  // "NGSP"
-constexpr uint32_t kFileShDegrees = 4;   // of the format; we draw kMaxShDegree
+constexpr uint32_t kFileShDegrees = 4;   // of the format; Doppel draws up to kMaxShDegree
 constexpr uint32_t kMaxFractionalBits = 23;
 constexpr uint8_t kAntialiasedFlag = 1, kExtensionFlag = 2;
 constexpr uint64_t kFreeExpansionBytes = 1 << 20, kMaxExtensionBytes = 1 << 20;
@@ -30,7 +30,7 @@ constexpr size_t kAttributes = 6;
 
 struct Header {
     uint32_t magic, version, splats;
-    uint8_t shDegree, fractionalBits, flags, streams;  // streams: reserved before version 4
+    uint8_t shDegree, fractionalBits, flags, streams;  // streams: their number in version 4; else reserved
 };
 static_assert(sizeof(Header) == 16);
 
@@ -65,7 +65,7 @@ Status checkHeader(const Header& h, size_t fileBytes) {
     return {};
 }
 
-/** One gzip stream, inflated piece by piece into memory that the caller has sized. */
+/** Inflates one gzip stream piece by piece into memory of the caller. */
 class Gunzip {
 public:
     static Result<std::unique_ptr<Gunzip>> open(std::span<const uint8_t> bytes) {
@@ -83,7 +83,7 @@ public:
         if (open_) inflateEnd(&stream_);
     }
 
-    /** Fills `out`, or less of it where the stream ends. */
+    /** Fills `out`; returns the number of bytes, fewer at the end of the stream. */
     Result<size_t> read(std::span<uint8_t> out) {
         constexpr size_t kMost = 1u << 30;  // zlib counts in 32 bits
         size_t done = 0;
@@ -121,7 +121,7 @@ Result<Packed> openGzip(std::span<const uint8_t> bytes) {
         DPL_TRY(const size_t filled, stream->read(p.attributes[a]));
         if (filled != sizes[a]) return fail(Code::CorruptData, "SPZ: {} splats announced, the data ends early: truncated", p.header.splats);
     }
-    // To the end of the stream: zlib checks the sum of all bytes there.
+    // Reads to the end of the stream, where zlib checks the checksum.
     std::vector<uint8_t> rest(4096);
     for (uint64_t behind = 0; true;) {
         DPL_TRY(const size_t more, stream->read(rest));
@@ -132,7 +132,8 @@ Result<Packed> openGzip(std::span<const uint8_t> bytes) {
     }
 }
 
-/** 32 bytes of header (the last 12 reserved), extensions up to the table, u64 pairs (packed, unpacked) a stream, the streams in a row. */
+/** Layout: 32 bytes of header (the last 12 reserved); extensions; a table with two u64 (packed and unpacked size) per stream; the streams.
+ */
 Result<Packed> openZstd(std::span<const uint8_t> bytes) {
     Reader in(bytes);
     Packed p;
@@ -145,7 +146,7 @@ Result<Packed> openZstd(std::span<const uint8_t> bytes) {
     DPL_CHECK_OK(in.skip(tableAt - in.position()));
     const auto sizes = attributeBytes(p.header);
     const size_t stored =
-        size_t(std::count_if(sizes.begin(), sizes.end(), [](uint64_t bytes) { return bytes > 0; }));  // empty ones are left out
+        size_t(std::count_if(sizes.begin(), sizes.end(), [](uint64_t bytes) { return bytes > 0; }));  // empty streams are not stored
     if (p.header.streams != stored)
         return fail(Code::CorruptData, "SPZ: {} streams, {} splats of SH degree {} have {}", uint32_t(p.header.streams), p.header.splats,
                     uint32_t(p.header.shDegree), stored);
@@ -179,8 +180,8 @@ Quatf rotationFromThree(const uint8_t* r) {
     return glm::normalize(Quatf(std::sqrt(std::max(0.0f, 1 - glm::dot(v, v))), v.x, v.y, v.z));
 }
 
-/** Versions 3 and 4: the largest of x, y, z, w is left out and named by the top two bits; the others take 10 bits each, the last in the
- *  lowest: 9 of magnitude (511 = 1/√2) below a sign. */
+/** Versions 3 and 4: the top two bits tell which of x, y, z, w is the largest; it is left out. The others take 10 bits each, the last one
+ *  in the lowest bits: a sign above 9 bits of magnitude (511 = 1/√2). */
 Quatf rotationSmallestThree(const uint8_t* r) {
     uint32_t word;
     std::memcpy(&word, r, 4);
@@ -218,7 +219,8 @@ StaticSplatData unpack(const Packed& p) {
         s.rotation[i] = h.version == 2 ? rotationFromThree(&rotation[i * 3]) : rotationSmallestThree(&rotation[i * 4]);
         s.opacity[i] = float(alpha[i]) / 255;
         for (size_t k = 3; k < coefficients * 3; ++k)
-            sh[k] = (float(rest[i * fileRest + k - 3]) - 128) / 128;  // colour runs fastest, as in ours
+            sh[k] = (float(rest[i * fileRest + k - 3]) - 128) /
+                    128;  // coefficient-major with the colour channel fastest, as in StaticSplatData
     }
     return s;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// General splats as SPZ, versions 2, 3 (one gzip stream) and 4 (a zstd stream an attribute).
+// Reads general splats from SPZ, versions 2 and 3 (one gzip stream) and 4 (a zstd stream per attribute).
 #pragma once
 
 #include <cstdint>
@@ -11,18 +11,18 @@
 namespace dpl {
 
 constexpr uint32_t kMinSpzVersion = 2, kMaxSpzVersion = 4;
-constexpr uint64_t kMaxSpzExpansion = 256;  // files that claim to unpack to more than this times their size (and 1 MiB) are refused
+constexpr uint64_t kMaxSpzExpansion = 256;  // a file may unpack to at most this × its size, and always to 1 MiB
 
-/** What the header says. */
+/** Values of the header. */
 struct SpzInfo {
     uint32_t version = 0;
     uint32_t splats = 0;
     uint32_t shDegree = 0;  // of the file, 0..4
 };
 
-/** Coordinates stay as they are in the file, which by its definition is x right, y up, z back: ours. Bands above SH degree 3 are dropped
- *  with a log line, extensions are skipped. `compensated` is set when the file says that it was trained antialiased.
- *  Version: one that this build does not read. CorruptData: damaged, truncated, or a claim above kMaxSpzExpansion. Any thread. */
+/** Keeps the coordinates of the file; SPZ defines x right, y up, z back, as Doppel does. SH bands above degree 3 are dropped with a line in
+ *  the log; extensions are skipped. Sets `compensated` if the file says that it was trained antialiased. Any thread.
+ *  Version: a version that this build does not read. CorruptData: damaged or truncated, or it would unpack beyond kMaxSpzExpansion. */
 Result<StaticSplatData> readSpz(std::span<const uint8_t> bytes, SpzInfo* info = nullptr);
 
 }  // namespace dpl

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one translation unit of tinygltf. It gets a JSON of known keys and a placeholder buffer, never the user's binary chunk:
-//  - it would copy that chunk whole, while we read from the caller's bytes;
-//  - its Draco path dereferences an unknown attribute id and writes five-component attributes past a four-element array, so Draco goes
-//    through our own bounded decoder (draco_mesh.h) and TINYGLTF_ENABLE_DRACO stays off.
+// The only translation unit with tinygltf. It passes a JSON of known keys and a placeholder buffer, never the binary chunk of the file:
+//  - tinygltf would copy the chunk; Doppel reads from the caller's bytes;
+//  - tinygltf's Draco code dereferences unknown attribute ids and writes attributes of five components past an array of four. Draco data
+//    therefore goes through draco_mesh.h, and TINYGLTF_ENABLE_DRACO stays off.
 #include "sdk/format/tiny_gltf_parse.h"
 
 #include <fstream>  // tiny_gltf.h forgets it under TINYGLTF_NO_FS
@@ -43,7 +43,7 @@ Vec3f vectorOf(const std::vector<double>& v, float otherwise) {
     return v.size() == 3 ? Vec3f(v[0], v[1], v[2]) : Vec3f(otherwise);
 }
 
-/** T·R·S of a matrix; shear is dropped. */
+/** Splits a matrix into T·R·S; shear is lost. */
 void decompose(const std::vector<double>& m, GltfNode& node) {
     Mat3f r;
     for (int c = 0; c < 3; ++c) r[c] = Vec3f(m[c * 4], m[c * 4 + 1], m[c * 4 + 2]);
@@ -94,7 +94,7 @@ GltfAccessor convertAccessor(const tinygltf::Accessor& from) {
         a.sparse = {uint32_t(from.sparse.count),           from.sparse.indices.bufferView,
                     from.sparse.values.bufferView,         size_t(from.sparse.indices.byteOffset),
                     size_t(from.sparse.values.byteOffset), GltfComponent(from.sparse.indices.componentType)};
-        if (from.sparse.count < 1) a.sparse.count = std::numeric_limits<uint32_t>::max();  // refused by the range check
+        if (from.sparse.count < 1) a.sparse.count = std::numeric_limits<uint32_t>::max();  // fails the range check later
     }
     return a;
 }

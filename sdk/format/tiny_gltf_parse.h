@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The seam to tinygltf. Internal.
+// The only use of tinygltf. Internal.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace dpl {
 
-/** Parses glTF JSON that holds known keys only and one placeholder buffer of 4 bytes (gltf_parse.cpp makes it). Fills everything
- *  except bin, json, extension and Draco fields. Indices are NOT checked yet. No exception escapes. */
+/** Parses the JSON that gltf_parse.cpp makes: known keys only, and one placeholder buffer of 4 bytes. Fills all fields but bin, json,
+ *  extensions and Draco. Does NOT check indices. Throws nothing. */
 Result<GltfModel> parseWithTinyGltf(const std::string& json);
 
 }  // namespace dpl

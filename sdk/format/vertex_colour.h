@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// COLOR_0 of glTF is linear light; ours is sRGB bytes. 16 bits keep every sRGB byte apart, so the way there and back is exact. Internal.
+// Converts vertex colours between sRGB bytes and the linear light of glTF's COLOR_0. 16 bits tell all sRGB bytes apart, so the round trip
+// is exact. Internal.
 #pragma once
 
 #include <algorithm>

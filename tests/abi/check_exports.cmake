@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# cmake -DNM=... -DLIBRARY=... -DEXPECTED=... -P check_exports.cmake: the shared library exports the listed symbols and no other.
+# cmake -DNM=... -DLIBRARY=... -DEXPECTED=... -P check_exports.cmake: checks that the shared library exports the listed symbols and no others.
 execute_process(COMMAND ${NM} -D --defined-only ${LIBRARY} OUTPUT_VARIABLE output RESULT_VARIABLE result)
 if(NOT result EQUAL 0)
   message(FATAL_ERROR "${NM} could not read ${LIBRARY}")

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# cmake -DREADELF=... -DFILES="a;b" -P check_needed.cmake: these files start on a machine without a Vulkan loader.
+# cmake -DREADELF=... -DFILES="a;b" -P check_needed.cmake: checks that these files do not link the Vulkan loader, so that
+# they start on a machine without it.
 foreach(file IN LISTS FILES)
   execute_process(COMMAND ${READELF} -d ${file} OUTPUT_VARIABLE output RESULT_VARIABLE result)
   if(NOT result EQUAL 0)

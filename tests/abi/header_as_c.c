@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-/* doppel.h as a strict C99 program sees it: it compiles without a warning, its constants fold, its structs keep their layout. */
+/* Includes doppel.h in a strict C99 program: it compiles without warnings, its constants are constant expressions, its structs keep their
+ * layout. */
 #include <doppel/doppel.h>
 
 #include <stddef.h>
@@ -23,7 +24,7 @@ int main(void) {
     const char* name = NULL;
     unsigned char junk[4] = {1, 2, 3, 4};
 
-    /* A field may be added at the end of a struct; none may move. Offsets are those of version 0.1 on a 64-bit machine. */
+    /* Fields may be added at the end of a struct; none may move. The offsets are those of version 0.1 on a 64-bit machine. */
     if (sizeof(void*) == 8) {
         CHECK(sizeof(DplContextInfo) == 32 && offsetof(DplContextInfo, threadCount) == 8 && offsetof(DplContextInfo, fill) == 16);
         CHECK(sizeof(DplCamera) == 96 && offsetof(DplCamera, viewFromWorld) == 28 && offsetof(DplCamera, sceneDepthM) == 80);

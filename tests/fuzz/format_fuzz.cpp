@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fuzz target of the format readers. Any bytes may come in; nothing may crash, and an avatar that is accepted must be writable and
-// come back as the same bytes. libFuzzer finds LLVMFuzzerTestOneInput; without clang fuzz_driver.cpp calls it.
+// Fuzz target of the format readers. No input may crash. An accepted avatar must be writable, and writing it again must give the same
+// bytes. libFuzzer calls LLVMFuzzerTestOneInput; without clang fuzz_driver.cpp does.
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -29,10 +29,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         mustHold(dpl::test::peakMemoryBytes() <= (64ull << 20) + 1280 * uint64_t(size),
                  "readSplats took more memory than splat_file.h promises");
         mustHold(splats || !splats.error().message.empty(), "an error without a sentence");
-        if (format != dpl::SplatFormat::Gltf) return 0;  // a glTF goes on to the other readers
+        if (format != dpl::SplatFormat::Gltf) return 0;  // glTF also goes to the other readers
     }
     dpl::ReadLimits limits;
-    limits.verifyHash = false;  // else every mutation would end at the hash
+    limits.verifyHash = false;  // else the hash check would refuse every mutation
     dpl::test::startMemoryWatch();
     auto avatar = dpl::readAvatar(bytes, limits);
     const uint64_t peak = dpl::test::peakMemoryBytes();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A bounded mutational driver for builds without libFuzzer: fuzz_driver CORPUS_DIR [--seconds N] [--runs N] [--seed N].
-// Runs every corpus file as it is, then mutations of them from a fixed seed; input k is the same in every run. An input that crashes
-// is found again with --seed S --first K, both printed before a run that takes long and on exit.
+// A mutational fuzz driver for builds without libFuzzer: fuzz_driver CORPUS_DIR [--seconds N] [--runs N] [--seed N] [--first K].
+// Runs every file of the corpus unchanged, then mutations of them from the seed. Input k is the same in every run. --seed S --first K
+// repeats a crash; the driver prints both numbers before a long run and on exit.
 #include <unistd.h>
 #include <algorithm>
 #include <chrono>
@@ -55,7 +55,7 @@ public:
     Bytes make() {
         Bytes bytes = corpus_[below(corpus_.size())];
         for (size_t rounds = 1 + below(4); rounds-- > 0 && !bytes.empty();) mutate(bytes);
-        if (below(8) != 0) repairGlb(bytes);  // most inputs should get past the container
+        if (below(8) != 0) repairGlb(bytes);  // so that most inputs pass the checks of the container
         return bytes;
     }
 
@@ -102,7 +102,7 @@ private:
         }
     }
 
-    /** Puts another number in place of the next one in the text: indices, counts and offsets of the JSON. */
+    /** Replaces the next number in the text, such as an index, count or offset in the JSON. */
     void changeNumber(Bytes& bytes, size_t from) {
         auto isDigit = [](uint8_t c) { return c >= '0' && c <= '9'; };
         auto begin = std::find_if(bytes.begin() + ptrdiff_t(from), bytes.end(), isDigit);
@@ -126,7 +126,7 @@ private:
         bytes.insert(begin, text.begin(), text.end());
     }
 
-    /** Makes lengths agree again: the JSON chunk ends at the last '}' in front of "BIN". */
+    /** Corrects the lengths: the JSON chunk ends at the last '}' before "BIN". */
     static void repairGlb(Bytes& bytes) {
         if (bytes.size() < 28 || bytes[0] != 'g') return;
         static constexpr uint8_t kBin[4] = {'B', 'I', 'N', 0};

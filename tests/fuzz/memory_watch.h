@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Peak of live heap bytes since the watch began, counted in operator new. Always 0 under a sanitizer or libFuzzer, which own the heap.
+// Peak of live heap bytes since the watch began, counted in operator new. Always 0 under a sanitizer or libFuzzer, which replace the heap.
 #pragma once
 
 #include <cstdint>

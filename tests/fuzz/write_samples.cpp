@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes the sample files of the format tests into a folder: the fuzz corpus (checked in) and the input of the glTF validator.
+// Writes sample files into a folder: the fuzz corpus, which is checked in, and the input of the glTF validator.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>

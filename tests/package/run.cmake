@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Installs the SDK, moves the installation elsewhere, and builds and runs three consumers outside the tree against it: with find_package, shared
-# and static, and with pkg-config. With TOOL set, the installed `doppel` must start from the moved prefix too.
+# Installs the SDK, moves the installation, and builds and runs three consumers outside the source tree: with find_package, shared and static,
+# and with pkg-config. With TOOL set, the installed `doppel` must start from the moved prefix too.
 function(step)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE result)
   if(NOT result EQUAL 0)

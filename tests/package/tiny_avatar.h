@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The smallest person: two joints, a square of two triangles, a grid of opaque red splats facing +Z, one clip.
+// A minimal avatar: two joints, a square of two triangles with a grid of opaque red splats facing +Z, one clip.
 #pragma once
 
 #include "sdk/format/avatar_data.h"
@@ -21,7 +21,7 @@ inline AvatarData tinyAvatar(uint32_t splatsPerTriangle = 64) {
     const uint32_t side = 8;
     for (uint32_t t = 0; t < 2; ++t)
         for (uint32_t i = 0; i < splatsPerTriangle; ++i) {
-            // A grid over the triangle: (u, v) of the unit square folded into u + v < 1.
+            // A grid on the triangle: (u, v) of the unit square, folded into u + v < 1.
             float u = (float(i % side) + 0.5f) / float(side), v = (float(i / side % side) + 0.5f) / float(side);
             if (u + v > 1) u = 1 - u, v = 1 - v;
             a.splats.uv.push_back({u, v});

@@ -8,19 +8,20 @@
  *   DplImage image = {sizeof image, 0, pixels, sizeof pixels};
  *   dplRender(context, avatar, &camera, 1, &image);
  *
- * Units and frames. Metres, seconds, radians, pixels. World and avatar: right-handed, +Y up; at rest the avatar stands at the
- * origin with its feet at y = 0, faces +Z, its left is +X. Quaternions are x, y, z, w. Cameras look along their +z, x right, y down.
+ * Units and frames. Lengths are metres, times seconds, angles radians, image positions pixels. World and avatar are right-handed,
+ * +Y up. An avatar at rest stands at the origin with its feet at y = 0 and faces +Z; its left is +X. Quaternions are x, y, z, w.
+ * A camera looks along its +z axis, with x to the right and y down.
  *
- * Threads. Every function may be called from any thread. Calls on one context and its avatars wait for one another; use one
- * context a thread to draw in parallel. dplLoadAvatar reads and converts without holding up other calls; they wait only while it
- * adds (on a GPU: uploads) the result. The text of dplGetLastError() belongs to the calling thread.
+ * Threads. Every function may be called from any thread. Calls on the same context and its avatars wait for one another. To draw in
+ * parallel, give each thread its own context. The text of dplGetLastError() belongs to the calling thread.
  *
- * Errors. Functions return DPL_OK or an error and write their outputs only on DPL_OK; dplGetLastError() then has a sentence for a
- * human. NULL where a pointer is needed, stale or foreign handles, sizes that do not fit and numbers that are not finite give
- * DPL_ERROR_INVALID_ARGUMENT, with a log line; nothing aborts and no C++ exception crosses this header.
+ * Errors. A function returns DPL_OK or an error code, and writes its outputs only on DPL_OK. After an error, dplGetLastError() has a
+ * sentence for a human. These mistakes give DPL_ERROR_INVALID_ARGUMENT and a line in the log: NULL where a pointer is needed, a
+ * destroyed or foreign handle, a size that does not fit, a number that is not finite. Nothing aborts, and no C++ exception leaves
+ * the library.
  *
- * Growth. Structs begin with structSize: set it to sizeof the struct. Newer versions only add fields at the end; zero in an
- * added field means "as before". In arrays of structs all elements have the same structSize. */
+ * Growth. Structs begin with structSize: set it to sizeof the struct. Later versions only add fields at the end, and zero in an
+ * added field keeps the earlier behaviour. All elements of an array of structs must have the same structSize. */
 #ifndef DOPPEL_DOPPEL_H
 #define DOPPEL_DOPPEL_H
 
@@ -39,7 +40,7 @@
 #define DPL_API __attribute__((visibility("default")))
 #endif
 
-/** Exported like DPL_API, but may still change before 1.0. */
+/** Marks a function that is exported like DPL_API but may still change before 1.0. */
 #define DPL_EXPERIMENTAL DPL_API
 
 #ifdef __cplusplus
@@ -50,39 +51,39 @@ extern "C" {
 #define DPL_VERSION_MINOR 1
 #define DPL_VERSION_PATCH 0
 
-/** Splats nearer to the camera than this are not drawn; they fade in up to DPL_NEAR_FADE_END_M. Metres. */
+/** Near plane, metres of view z. Nearer splats are not drawn; they fade in between here and DPL_NEAR_FADE_END_M. */
 #define DPL_NEAR_LIMIT_M 0.05f
 #define DPL_NEAR_FADE_END_M 0.15f
-#define DPL_MAX_VIEWS 2u /**< views in one dplRender */
+#define DPL_MAX_VIEWS 2u /**< views in one drawing call */
 #define DPL_MAX_IMAGE_SIDE_PX 8192u
 #define DPL_FALSE 0
 #define DPL_TRUE 1
 
-/** Opaque handles; 0 is no handle. They are numbers in disguise, never pointers: a stale one is detected. */
+/** Opaque handles; NULL is no handle. They hold numbers, not addresses, so the library detects the use of a destroyed one. */
 typedef struct DplContextHandle* DplContext;
 typedef struct DplAvatarHandle* DplAvatar;
 
 typedef enum DplResult {
     DPL_OK = 0,
-    DPL_ERROR_INVALID_ARGUMENT = -1, /**< the call is wrong: fix the program */
-    DPL_ERROR_NOT_FOUND = -2,        /**< a name or index that is not there */
-    DPL_ERROR_CORRUPT_DATA = -3,     /**< the bytes are damaged or are not what they should be: get the file again */
-    DPL_ERROR_VERSION = -4,          /**< the file is newer than this library: update the library */
-    DPL_ERROR_UNSUPPORTED = -5,      /**< valid, but this build or machine does not do it */
+    DPL_ERROR_INVALID_ARGUMENT = -1, /**< the call is wrong; fix the program */
+    DPL_ERROR_NOT_FOUND = -2,        /**< there is no such name or index */
+    DPL_ERROR_CORRUPT_DATA = -3,     /**< the bytes are damaged or of another kind; get the file again */
+    DPL_ERROR_VERSION = -4,          /**< the file is newer than this library; update the library */
+    DPL_ERROR_UNSUPPORTED = -5,      /**< valid, but this build or this machine cannot do it */
     DPL_ERROR_OUT_OF_MEMORY = -6,
     DPL_ERROR_IO = -7,
-    DPL_ERROR_DEVICE = -8,   /**< the graphics device failed or was lost: make a new context */
-    DPL_ERROR_INTERNAL = -9, /**< a defect of this library: please report the text */
+    DPL_ERROR_DEVICE = -8,   /**< the graphics device failed or was lost; create a new context */
+    DPL_ERROR_INTERNAL = -9, /**< a defect of this library; please report the text */
     DPL_RESULT_FORCE_INT32 = 0x7fffffff
 } DplResult;
 
-/** Version of the library that runs, major<<16 | minor<<8 | patch. Compare with the macros above to detect a mismatch. */
+/** Version of the loaded library: major<<16 | minor<<8 | patch. Compare it with the macros above to detect a mismatch. */
 DPL_API uint32_t dplGetVersion(void);
 
-/** The sentence of this thread's last failed call; "" when none failed. Valid until this thread's next call. Never NULL. */
+/** Describes the last call that failed on this thread; "" if none has. Never NULL. Valid until the next call on this thread. */
 DPL_API const char* dplGetLastError(void);
 
-/** "DPL_ERROR_CORRUPT_DATA" for a code; "unknown result" for a number that is none. Static text. */
+/** Name of a result code, such as "DPL_ERROR_CORRUPT_DATA"; "unknown result" for any other number. Static text. */
 DPL_API const char* dplGetResultName(DplResult result);
 
 /* ---------------------------------------------------------------- log */
@@ -95,78 +96,84 @@ typedef enum DplLogLevel {
     DPL_LOG_FORCE_INT32 = 0x7fffffff
 } DplLogLevel;
 
-/** text: UTF-8, not kept after the call. Called under a lock from any thread: do not call Doppel from it. */
+/** Receives one log line. text is UTF-8 and valid only during the call. The library may call from any thread and holds a lock while it
+ *  does: do not call Doppel from the callback. */
 typedef void (*DplLogCallback)(void* user, DplLogLevel level, const char* text);
 
-/** Sends the library's log to `callback` (NULL: back to stderr, warnings and errors). For the whole process. */
+/** Sends the log of the whole process to `callback`. user is passed on to it. NULL restores the default: warnings and errors to stderr. */
 DPL_API DplResult dplSetLogCallback(DplLogCallback callback, void* user);
 
 /* ---------------------------------------------------------------- context */
 
 typedef enum DplRenderer {
-    DPL_RENDERER_AUTO = 0,     /**< a real GPU if there is one, else the CPU; never a GPU emulated on the CPU */
+    DPL_RENDERER_AUTO = 0,     /**< a GPU if there is one, else the CPU; never a GPU that is emulated on the CPU */
     DPL_RENDERER_SOFTWARE = 1, /**< the CPU */
-    DPL_RENDERER_VULKAN = 2,   /**< Vulkan 1.1 on any device, an emulated one too; DPL_ERROR_UNSUPPORTED where there is none */
+    DPL_RENDERER_VULKAN = 2,   /**< Vulkan 1.1 on any device, also an emulated one; DPL_ERROR_UNSUPPORTED if there is none */
     DPL_RENDERER_FORCE_INT32 = 0x7fffffff
 } DplRenderer;
 
-/** How a GPU fills pixels. The pictures agree within the rounding of blending; the times do not. */
+/** How a GPU fills pixels. The pictures agree within the rounding of blending; the times differ. */
 typedef enum DplFill {
-    DPL_FILL_AUTO = 0,  /**< a self-test draws known pixels both ways on the device, and the faster right one is kept: once a process,
-                           device, driver version and library */
-    DPL_FILL_QUADS = 1, /**< one blended quad a splat; not tested */
-    DPL_FILL_TILES = 2, /**< compute tiles that walk their splats front to back; a frame whose lists would overflow, or whose splats have a
-                           low-pass below 0.076 px² (trained avatars: 1/12), is filled by quads; not tested */
+    /** A self-test draws a known picture both ways on the device. The faster of the correct ways is used. The test runs once in a process
+     *  for each device, driver version and version of this library. */
+    DPL_FILL_AUTO = 0,
+    DPL_FILL_QUADS = 1, /**< one blended quad per splat; no self-test */
+    /** A compute kernel walks the splats of each tile from front to back; no self-test. Quads fill a frame if its tile lists would
+     *  overflow, or if its splats have a low-pass variance below 0.076 px² (trained avatars have 1/12). */
+    DPL_FILL_TILES = 2,
     DPL_FILL_FORCE_INT32 = 0x7fffffff
 } DplFill;
 
 typedef struct DplContextInfo {
     uint32_t structSize;
     DplRenderer renderer;
-    uint32_t threadCount;    /**< CPU threads, the caller's included; 0: one a core. At most 256. Pictures do not depend on it. */
-    uint32_t flags;          /**< none is defined: 0 */
-    DplFill fill;            /**< of GPUs; experimental */
-    const char* cacheFolder; /**< an existing folder (UTF-8) that keeps what the self-test of DPL_FILL_AUTO found, one small file a device,
-                                for the next process; NULL: not kept. Experimental */
+    uint32_t threadCount; /**< CPU threads including the caller's, at most 256; 0: one per core. Pictures do not depend on it. */
+    uint32_t flags;       /**< 0: no flag is defined */
+    DplFill fill;         /**< GPU only. Experimental */
+    /** An existing folder (UTF-8 path). The result of the self-test of DPL_FILL_AUTO is kept there for later processes, in one small file
+     *  per device. NULL: the result is not kept. Experimental */
+    const char* cacheFolder;
 } DplContextInfo;
 
-/** Makes a context: a renderer and its threads. info NULL: all defaults. Free it with dplDestroyContext.
- *  DPL_ERROR_UNSUPPORTED: the wanted renderer is not in this build or finds no device. DPL_ERROR_DEVICE: DPL_RENDERER_VULKAN with
- * DPL_FILL_AUTO, and the device draws wrong pixels both ways; the text says how wrong. DPL_RENDERER_AUTO then draws on the CPU and logs
- * why. */
+/** Creates a context, which owns a renderer and its threads. info NULL: all defaults. Free it with dplDestroyContext.
+ *  DPL_ERROR_UNSUPPORTED: this build lacks the renderer, or it found no device.
+ *  DPL_ERROR_DEVICE: the device failed, or the self-test of DPL_FILL_AUTO found wrong pixels both ways; the text says how wrong.
+ *  DPL_RENDERER_AUTO uses the CPU in all these cases and logs the reason. */
 DPL_API DplResult dplCreateContext(const DplContextInfo* info, DplContext* context);
 
-/** Frees a context. Its avatars stay valid handles for queries and poses, and are still to be destroyed; drawing them fails.
- *  0 does nothing and is DPL_OK. */
+/** Frees a context, after the frame that another thread may be drawing with it. Its avatars can still be queried and posed, but not drawn;
+ *  they must still be destroyed. NULL does nothing and gives DPL_OK. */
 DPL_API DplResult dplDestroyContext(DplContext context);
 
-/** What draws, for people: "software (2 threads)", "vulkan: NVIDIA H100 ... (tiles)". *name lives as long as the context. */
+/** Names the renderer for people: "software (2 threads)", "vulkan: NVIDIA H100 ... (tiles)". *name lives as long as the context. */
 DPL_API DplResult dplGetRendererName(DplContext context, const char** name);
 
 /* ---------------------------------------------------------------- avatars */
 
-/** Loads an avatar (.glb) from memory, or general splats: 3D Gaussian splatting PLY, PlayCanvas compressed PLY, SPZ 2 to 4, .glb with
- *  KHR_gaussian_splatting; told apart by content. The bytes are copied or decoded; the caller may free them on return.
- *  *avatar is written only on DPL_OK; free it with dplDestroyAvatar. An avatar starts in its rest pose. General splats stand still in the
- *  coordinates of their file (many PLY files have y down), have no joints and no clips, and are drawn by the same dplRender.
- *  DPL_ERROR_CORRUPT_DATA: damaged file. DPL_ERROR_VERSION: the text names both versions. DPL_ERROR_UNSUPPORTED: a kind that is not
- *  drawn, or more splats than the device can bind; the text says what would help. */
+/** Loads an avatar (.glb) or general splats from memory and recognises the format by the content. General splats may be 3D Gaussian
+ *  splatting PLY, PlayCanvas compressed PLY, SPZ 2 to 4, or .glb with KHR_gaussian_splatting.
+ *  The library copies or decodes the bytes; the caller may free them on return. Free *avatar with dplDestroyAvatar.
+ *  An avatar starts in its rest pose. General splats stand still in the coordinates of their file (in many PLY files y points down). They
+ *  have no joints and no clips; the same functions draw them.
+ *  DPL_ERROR_CORRUPT_DATA: damaged file. DPL_ERROR_VERSION: the text names the versions of file and library. DPL_ERROR_UNSUPPORTED: another
+ *  kind of file, or more splats than the device can bind; the text says what would help. */
 DPL_API DplResult dplLoadAvatar(DplContext context, const uint8_t* data, size_t size, DplAvatar* avatar);
 
-/** Frees an avatar. 0 does nothing and is DPL_OK. Before or after its context. */
+/** Frees an avatar, before or after its context. NULL does nothing and gives DPL_OK. */
 DPL_API DplResult dplDestroyAvatar(DplAvatar avatar);
 
 typedef struct DplAvatarInfo {
-    uint32_t structSize; /**< set by the caller; fields beyond it are not written */
+    uint32_t structSize; /**< set by the caller; the library writes no field beyond this size */
     const char* name;    /**< UTF-8; lives as long as the avatar */
     uint32_t jointCount; /**< 0: general splats, which cannot be posed */
     uint32_t splatCount;
     uint32_t vertexCount;
     uint32_t triangleCount;
     uint32_t layerCount;
-    uint32_t clipCount; /**< grows by dplLoadClip */
-    uint32_t shDegree;
-    float restMin[3]; /**< box of the mesh at rest, metres; of general splats: of the middle 98 % of their centres along each axis */
+    uint32_t clipCount; /**< dplLoadClip adds one */
+    uint32_t shDegree;  /**< highest degree of the spherical harmonics; 0: the colour does not depend on the direction */
+    /** Bounding box of the mesh at rest, metres. For general splats: of the middle 98 % of their centres along each axis. */
+    float restMin[3];
     float restMax[3];
 } DplAvatarInfo;
 
@@ -176,29 +183,29 @@ typedef struct DplJointInfo {
     uint32_t structSize;
     const char* name;         /**< lives as long as the avatar */
     const char* humanoidBone; /**< VRM humanoid name ("leftUpperArm") or ""; lives as long as the avatar */
-    int32_t parent;           /**< index of the parent, which is smaller; -1: a root */
+    int32_t parent;           /**< index of the parent, always smaller than the joint's own; -1: a root */
     float restPosition[3];    /**< metres, avatar space at rest */
 } DplJointInfo;
 
-/** joint < jointCount, else DPL_ERROR_NOT_FOUND. */
+/** joint: 0 to jointCount - 1, else DPL_ERROR_NOT_FOUND. */
 DPL_API DplResult dplGetJointInfo(DplAvatar avatar, uint32_t joint, DplJointInfo* info);
 
-/** Index of the joint with this name, or with this humanoid bone if no joint has the name. DPL_ERROR_NOT_FOUND: the text lists the names.
- */
+/** Finds a joint by its name, or else by its humanoid bone. DPL_ERROR_NOT_FOUND: the text lists all names. */
 DPL_API DplResult dplFindJoint(DplAvatar avatar, const char* name, uint32_t* joint);
 
 /* ---------------------------------------------------------------- poses and clips */
 
-/** Poses the avatar. rotations: jointCount local quaternions (x, y, z, w), normalised here; joint frames are parallel to the
- *  world at rest, so the identity everywhere is the rest pose. rootTranslation: three floats, metres, or NULL for the origin.
- *  The arrays are copied. DPL_ERROR_INVALID_ARGUMENT: wrong joint count, or a rotation that is not finite or zero: the text
- *  names the joint; the old pose stays. Also for general splats, as in the other functions that pose. */
+/** Poses the avatar; the arrays are copied.
+ *  rotations: one local quaternion (x, y, z, w) per joint; the library normalises them. Joint frames are parallel to the world at rest, so
+ *  the identity at every joint is the rest pose. rootTranslation: three floats, metres; NULL: zero.
+ *  DPL_ERROR_INVALID_ARGUMENT: wrong jointCount, general splats, or a rotation that is zero or not finite (the text names the joint). The
+ *  previous pose then stays. */
 DPL_API DplResult dplSetPose(DplAvatar avatar, const float* rotations, uint32_t jointCount, const float* rootTranslation);
 
-/** Copies the pose of the avatar: rotations of 4·jointCount floats and rootTranslation of 3 floats; either may be NULL. */
+/** Copies the current pose: 4·jointCount floats to rotations, 3 floats to rootTranslation. Either may be NULL. */
 DPL_API DplResult dplGetPose(DplAvatar avatar, float* rotations, uint32_t jointCount, float* rootTranslation);
 
-/** World positions of all joints in the present pose, 3·jointCount floats, metres. */
+/** World positions of all joints in the current pose: 3·jointCount floats, metres. */
 DPL_API DplResult dplGetJointPositions(DplAvatar avatar, float* positions, uint32_t jointCount);
 
 typedef struct DplClipInfo {
@@ -208,175 +215,187 @@ typedef struct DplClipInfo {
     uint32_t keyCount;
 } DplClipInfo;
 
-/** clip < clipCount, else DPL_ERROR_NOT_FOUND. */
+/** clip: 0 to clipCount - 1, else DPL_ERROR_NOT_FOUND. */
 DPL_API DplResult dplGetClipInfo(DplAvatar avatar, uint32_t clip, DplClipInfo* info);
 
-/** Poses the avatar by a clip at a time in seconds from its start. loop: the time wraps around; else it is clamped to the clip. */
+/** Poses the avatar as a clip does at timeS, in seconds from the start of the clip. loop DPL_TRUE: the time wraps around; DPL_FALSE: it is
+ *  clamped to the clip. DPL_ERROR_NOT_FOUND: no such clip. DPL_ERROR_INVALID_ARGUMENT: timeS is not finite, or general splats. */
 DPL_API DplResult dplSetPoseFromClip(DplAvatar avatar, uint32_t clip, double timeS, int loop);
 
 typedef enum DplClipFlag {
-    DPL_CLIP_KEEP_LEAD_IN = 1, /**< keep the blend from a rest pose with which many BVH files begin; else those few frames are dropped */
-    DPL_CLIP_KEEP_PLACE = 2,   /**< keep the place in the recorded room; else the clip starts above the origin */
-    DPL_CLIP_IN_PLACE = 4,     /**< no horizontal travel at all: a treadmill */
+    /** Keeps the frames of up to 0.1 s in which many BVH files blend from a rest pose into the motion. Otherwise they are dropped. */
+    DPL_CLIP_KEEP_LEAD_IN = 1,
+    DPL_CLIP_KEEP_PLACE = 2, /**< keeps the place in the recorded room; otherwise the clip starts above the origin */
+    DPL_CLIP_IN_PLACE = 4,   /**< removes all horizontal travel, as on a treadmill */
     DPL_CLIP_FORCE_INT32 = 0x7fffffff
 } DplClipFlag;
 
 typedef struct DplClipOptions {
     uint32_t structSize;
-    uint32_t flags;     /**< DplClipFlag, or-ed */
-    const char* name;   /**< name of the new clip; NULL: the file's own, or "clip N" */
-    uint32_t animation; /**< which animation of a glTF file with several; 0 for BVH */
+    uint32_t flags;     /**< DplClipFlag, combined by | */
+    const char* name;   /**< name of the new clip; NULL: the name in the file, or "clip N" */
+    uint32_t animation; /**< index of the animation in a glTF file; 0 for BVH */
 } DplClipOptions;
 
-/** Reads a motion (BVH text, or glTF/GLB with a skin and an animation) and retargets it onto this avatar by humanoid bone names.
- *  *clip: its index. The bytes are not kept; options may be NULL. Scale, rest pose and axes of the file may differ from the avatar's.
- *  DPL_ERROR_CORRUPT_DATA: damaged file. DPL_ERROR_UNSUPPORTED: the skeletons share too few bones; the text lists the joints. */
+/** Reads a motion (BVH text, or glTF/GLB with an animation) and retargets it onto this avatar by humanoid bone names. Scale, rest pose and
+ *  axes of the file may differ from the avatar's. The bytes are not kept. options may be NULL. *clip: index of the new clip.
+ *  DPL_ERROR_CORRUPT_DATA: damaged file. DPL_ERROR_NOT_FOUND: no such animation in the file. DPL_ERROR_UNSUPPORTED: the skeletons have too
+ *  few bones in common; the text lists joints. DPL_ERROR_INVALID_ARGUMENT: general splats, which have no joints. */
 DPL_API DplResult dplLoadClip(DplAvatar avatar, const uint8_t* data, size_t size, const DplClipOptions* options, uint32_t* clip);
 
 /* ---------------------------------------------------------------- drawing */
 
-/** A pinhole camera in the OpenCV habit. (0,0) is the top left corner of the image: the first pixel's centre is (0.5, 0.5). */
+/** A pinhole camera with OpenCV axes. (0, 0) is the top left corner of the image; the first pixel's centre is (0.5, 0.5). */
 typedef struct DplCamera {
     uint32_t structSize;
-    uint32_t widthPx, heightPx; /**< 1 .. DPL_MAX_IMAGE_SIDE_PX; all views of one call have the same size */
+    uint32_t widthPx, heightPx; /**< 1 to DPL_MAX_IMAGE_SIDE_PX; all views of one call have the same size */
     float fx, fy;               /**< focal lengths, pixels, > 0 */
-    float cx, cy;               /**< principal point, pixels; off-axis frusta are welcome */
+    float cx, cy;               /**< principal point, pixels; may lie outside the image (off-axis frustum) */
     float viewFromWorld[12];    /**< 3×4, row by row: X_view = R X_world + t with rows [R0 R1 R2 t]; R must be a rotation */
-    const float* sceneDepthM;   /**< depth of what the app has drawn already: view z in metres of its opaque scene at the pixel centres of
-                                   this view, tight rows; read during   the call. A splat adds nothing to a pixel where its centre's own view
-                                   z   is larger; equal is seen. 0, less, infinite and NaN: nothing is   there. A depth buffer holds something
-                                   else:   z = near·far / (far − d·(far − near)) for the usual d of 0 … 1. NULL: no scene */
-    size_t sceneDepthCount;     /**< floats in sceneDepthM, at least widthPx·heightPx */
+    /** Depth of the opaque scene that the application has drawn: view z in metres at the pixel centres of this view, rows without padding.
+     *  A splat adds nothing to a pixel if the view z of the splat's centre is larger than this. Zero, negative, infinite and NaN mean that
+     *  nothing is there. A usual depth buffer d from 0 to 1 must be converted: z = near·far / (far − d·(far − near)). Read during the
+     *  call. NULL: no scene. */
+    const float* sceneDepthM;
+    size_t sceneDepthCount; /**< floats in sceneDepthM, at least widthPx·heightPx */
 } DplCamera;
 
 typedef enum DplImageFlag {
-    DPL_IMAGE_STRAIGHT_ALPHA = 1, /**< colour divided by alpha; else premultiplied */
-    DPL_IMAGE_OVER = 2, /**< composite over the premultiplied pixels that rgba holds; else over transparent black. Not with straight alpha:
-                           an invalid argument */
+    DPL_IMAGE_STRAIGHT_ALPHA = 1, /**< colour divided by alpha; otherwise premultiplied */
+    /** Composites over the premultiplied pixels that rgba holds; otherwise over transparent black. Together with
+     *  DPL_IMAGE_STRAIGHT_ALPHA: DPL_ERROR_INVALID_ARGUMENT. */
+    DPL_IMAGE_OVER = 2,
     DPL_IMAGE_FORCE_INT32 = 0x7fffffff
 } DplImageFlag;
 
-/** What the pixels of an image mean. Avatars are blended in a layer of their own, 8 bits a channel and display-referred as they were
- * trained; the layer meets the image once, and the format says in which light. Alpha is linear in all of them. Where the layer is empty an
- * image that is drawn over keeps its bytes. */
+/** What the pixels of an image mean. Splats are blended into a separate layer of 8-bit display-referred (sRGB) values, as in training. The
+ *  layer is then composited once into the image, in the light that the format names. Alpha is linear in all formats. With DPL_IMAGE_OVER,
+ *  pixels where the layer is empty keep their bytes. */
 typedef enum DplImageFormat {
-    DPL_FORMAT_RGBA8 = 0, /**< 4 bytes a pixel, display-referred (sRGB) values that are blended as they are: a *_UNORM target of a
-                             display-referred renderer */
-    DPL_FORMAT_RGBA8_SRGB =
-        1, /**< 4 bytes a pixel, blended in linear light: the layer is un-premultiplied, decoded by the sRGB curve and premultiplied, what
-              the image holds is decoded, the sum encoded and rounded to the nearest code. What blending into a *_SRGB attachment gives */
-    DPL_FORMAT_RGBA16F = 2, /**< 8 bytes a pixel, four IEEE halves of linear light (1 = display white, above it is kept): the layer is
-                               un-premultiplied, decoded and premultiplied */
+    /** 4 bytes per pixel, display-referred (sRGB), blended without conversion: a *_UNORM target of a display-referred renderer. */
+    DPL_FORMAT_RGBA8 = 0,
+    /** 4 bytes per pixel, stored by the sRGB curve and blended in linear light, as a *_SRGB attachment does. The layer is un-premultiplied,
+     *  decoded by the sRGB curve and premultiplied again; the pixels of the image are decoded; the sum is encoded and rounded to the
+     *  nearest code. */
+    DPL_FORMAT_RGBA8_SRGB = 1,
+    /** 8 bytes per pixel: four IEEE half floats of linear light. 1 is display white; larger values are kept. The layer is un-premultiplied,
+     *  decoded and premultiplied again. */
+    DPL_FORMAT_RGBA16F = 2,
     DPL_FORMAT_FORCE_INT32 = 0x7fffffff
 } DplImageFormat;
 
-/** Where one view goes: the caller's memory, written row by row, top row first, during the call. Nothing is written unless the call returns
- * DPL_OK. */
+/** Receives one view: memory of the caller, written during the call, top row first. Nothing is written unless the call returns DPL_OK. */
 typedef struct DplImage {
     uint32_t structSize;
-    uint32_t flags;    /**< DplImageFlag, or-ed */
-    uint8_t* rgba;     /**< pixels of `format`, R first, any alignment; NULL: not wanted */
-    size_t rgbaBytes;  /**< size of rgba, at least heightPx·rowBytes */
-    size_t rowBytes;   /**< bytes from row to row of rgba; 0: tight */
-    float* depthM;     /**< view z in metres, weighted by what each splat adds to the pixel, tight rows, 0 where nothing is drawn; NULL: not
-                          wanted */
-    size_t depthCount; /**< floats in depthM, at least widthPx·heightPx */
+    uint32_t flags;   /**< DplImageFlag, combined by | */
+    uint8_t* rgba;    /**< pixels of `format`, R first, any alignment; NULL: not wanted */
+    size_t rgbaBytes; /**< size of rgba, at least heightPx·rowBytes */
+    size_t rowBytes;  /**< bytes from one row of rgba to the next; 0: rows without padding */
+    /** View z in metres, averaged over the splats of a pixel with the weight that each has in its colour; 0 where nothing is drawn. Rows
+     *  without padding. NULL: not wanted. */
+    float* depthM;
+    size_t depthCount;     /**< floats in depthM, at least widthPx·heightPx */
     DplImageFormat format; /**< of rgba */
-    float* meshDepthM; /**< view z in metres of the posed mesh's nearest surface at pixel centres, either side of it and whatever its splats
-                          show there, tight rows, 0 where it has none beyond DPL_NEAR_LIMIT_M; NULL: not wanted. General splats have no
-                          mesh: an invalid argument */
+    /** View z in metres of the nearest surface of the posed mesh at each pixel centre. Both sides of the mesh count, whatever its splats
+     *  show there. 0 where no surface lies beyond DPL_NEAR_LIMIT_M. Rows without padding. NULL: not wanted. General splats have no mesh:
+     *  DPL_ERROR_INVALID_ARGUMENT. */
+    float* meshDepthM;
     size_t meshDepthCount; /**< floats in meshDepthM, at least widthPx·heightPx */
 } DplImage;
 
-/** Draws the avatar in its present pose into 1 or 2 views and returns when the pixels are in the caller's memory.
- *  views and images: viewCount elements each. An avatar belongs to the context it was loaded with; another is an invalid argument. */
+/** Draws the avatar in its current pose and returns when the pixels are in the caller's memory.
+ *  viewCount: 1 or 2 (DPL_MAX_VIEWS); views and images have that many elements. The avatar must have been loaded with this context, else
+ *  DPL_ERROR_INVALID_ARGUMENT. */
 DPL_API DplResult dplRender(DplContext context, DplAvatar avatar, const DplCamera* views, uint32_t viewCount, const DplImage* images);
 
-/* dplRender in two halves, for programs that draw every frame: dplDraw never waits for pixels. */
+/* dplRender in two halves, for programs that draw every frame: dplDraw does not wait for its pixels. */
 
 typedef enum DplDrawFlag {
-    DPL_DRAW_DEPTH = 1,      /**< depth too; needed when dplReadImages is to give it */
-    DPL_DRAW_MESH_DEPTH = 2, /**< the same of DplImage::meshDepthM */
+    DPL_DRAW_DEPTH = 1,      /**< draws depth too; dplReadImages needs it for DplImage::depthM */
+    DPL_DRAW_MESH_DEPTH = 2, /**< draws the depth of the mesh too; dplReadImages needs it for DplImage::meshDepthM */
     DPL_DRAW_FORCE_INT32 = 0x7fffffff
 } DplDrawFlag;
 
-/** Starts drawing the avatar in its present pose and returns; on the CPU it draws here. From the fourth frame of a size, view count,
- *  flags and scene depth or none on it allocates nothing, and it waits only when three such frames are still being drawn
- * (DplFrameStats::waits). The pose and the views are copied. */
+/** Starts to draw the avatar in its current pose and returns. The CPU renderer draws within this call. Pose and views are copied.
+ *  flags: DplDrawFlag, combined by |. Frames are alike if they share size, view count, flags and whether there is a scene depth. From the
+ *  fourth alike frame on, the call allocates nothing. It waits only if three alike frames are still being drawn
+ *  (DplFrameStats::waits). */
 DPL_EXPERIMENTAL DplResult dplDraw(DplContext context, DplAvatar avatar, const DplCamera* views, uint32_t viewCount, uint32_t flags);
 
-/** Waits for the avatar's last dplDraw and writes its pixels to the caller's memory. viewCount as there. DPL_ERROR_INVALID_ARGUMENT:
- * nothing was drawn yet, another viewCount, an image too small, or a depth that was not drawn. */
+/** Waits for the avatar's last dplDraw and writes its pixels to the caller's memory. viewCount must be that of dplDraw.
+ *  DPL_ERROR_INVALID_ARGUMENT: nothing was drawn yet, another viewCount, an image too small, or a depth that was not drawn. */
 DPL_EXPERIMENTAL DplResult dplReadImages(DplContext context, DplAvatar avatar, const DplImage* images, uint32_t viewCount);
 
 /* ---------------------------------------------------------------- several avatars in one picture */
 
 #define DPL_MAX_TOGETHER 16u /**< avatars and sets of general splats in one picture */
 
-/** dplRender of several avatars in one picture: their splats are sorted together, so they may stand close, hold hands and embrace. avatars:
- * avatarCount different ones of this context, 1 to DPL_MAX_TOGETHER, general splats among them; place them by their root translation. The
- * picture is the first one's: dplReadImages, dplGetFrameStats and dplGetPassTime of that avatar are about it. The context keeps what it
- * needs for the last four rows of avatars; a row is its avatars in their order. DPL_ERROR_UNSUPPORTED: together they have more splats than
- * the device can bind. */
+/** dplRender for several avatars in one picture. Their splats are sorted together, so the avatars may overlap: stand close, hold hands,
+ *  embrace. avatars: 1 to DPL_MAX_TOGETHER different avatars or general splats of this context. Place avatars by their root translations.
+ *  The picture belongs to the first avatar: pass that one to dplReadImages, dplGetFrameStats and dplGetPassTime.
+ *  The avatars of one picture, in their order, are a scene set. The context keeps resources for the last four sets of several avatars.
+ *  DPL_ERROR_UNSUPPORTED: together they have more splats than the device can bind. */
 DPL_EXPERIMENTAL DplResult dplRenderTogether(DplContext context, const DplAvatar* avatars, uint32_t avatarCount, const DplCamera* views,
                                              uint32_t viewCount, const DplImage* images);
 
-/** dplDraw of several avatars in one picture. */
+/** dplDraw for several avatars in one picture; see dplRenderTogether. */
 DPL_EXPERIMENTAL DplResult dplDrawTogether(DplContext context, const DplAvatar* avatars, uint32_t avatarCount, const DplCamera* views,
                                            uint32_t viewCount, uint32_t flags);
 
 /* ---------------------------------------------------------------- level of detail */
 
-/** How many splats are drawn of avatars and general splats that cover few pixels, or of many at once. Zeros: all of them, always. What is
- * left out is made up for by what is kept, which grows; all of it follows distance, pose and lens without steps, and both eyes of a frame
- * show the same splats. */
+/** Limits how many splats are drawn when avatars or general splats cover few pixels, or when there are many of them. Kept splats grow to
+ *  make up for those left out. The choice changes continuously with distance, pose and lens, and both views of a frame use the same splats.
+ *  With zeros, all splats are drawn. Formulas: docs/reference/level-of-detail.md. */
 typedef struct DplDetail {
     uint32_t structSize;
-    float splatsPerPixel; /**< of a surface, kept at least where a pixel covers more of them than that: DPL_DETAIL_USUAL (12) is hard to
-                             tell from all, 6 is a little coarser; nearer, all are drawn, and the picture has the same bytes as without. 0:
-                             no level of detail by distance. Counted at the point of the avatar nearest to the camera, for each of its
-                             regions by its own density; of general splats, which may be a room about the camera, where each region of 128
-                             comes nearest to it */
-    uint32_t splatBudget; /**< of all that one call draws, whatever the views show of it: splatsPerPixel is lowered, for all alike, until
-                             they fit. 0: no limit. Regions of general splats that lie behind the cameras do not count; at least one splat
-                             of 128 is kept, even when the budget has no room for that */
+    /** Splats per pixel of a surface to keep where a pixel covers more. DPL_DETAIL_USUAL (12) is hard to tell from all splats; 6 is a
+     *  little coarser. Where a pixel covers fewer, all are drawn and the picture has the same bytes as without level of detail. 0: no level
+     *  of detail by distance. The pixel is taken at the point of the avatar nearest to the camera, and each region of the avatar counts by
+     *  its own density. For general splats, which may be a room around the camera, each group of 128 splats has its own nearest point. */
+    float splatsPerPixel;
+    /** Most splats that one call may draw, over all its avatars, before culling. splatsPerPixel is lowered for all alike until they fit.
+     *  Groups of general splats behind the cameras do not count. At least one splat of each group of 128 is kept, even if that exceeds the
+     *  budget. 0: no limit. */
+    uint32_t splatBudget;
 } DplDetail;
 
 #define DPL_DETAIL_USUAL 12.0f
 
-/** For all drawing of this context from the next call on; may change with every frame and costs nothing to change. detail: copied; NULL: as
- * after creation, everything is drawn. DPL_ERROR_INVALID_ARGUMENT: splatsPerPixel is negative or not finite. Set a budget to hold a frame
- * rate with several avatars; set splatsPerPixel where people walk away from the camera. */
+/** Sets the level of detail of everything this context draws from the next call on. Set splatsPerPixel where people walk away from the
+ *  camera; set a budget to hold a frame rate with several avatars. It may change every frame at no cost. detail is copied; NULL: draw
+ *  everything, as after creation. DPL_ERROR_INVALID_ARGUMENT: splatsPerPixel is negative or not finite. */
 DPL_EXPERIMENTAL DplResult dplSetDetail(DplContext context, const DplDetail* detail);
 
 /* ---------------------------------------------------------------- measuring */
 
-/** What the avatar's last finished frame drew and cost. All but residentBytes is 0 before the first. */
+/** What the avatar's last finished frame drew and cost. Before the avatar's first frame all are 0 except memory sizes and waits. */
 typedef struct DplFrameStats {
     uint32_t structSize;
     uint32_t viewCount;
-    uint32_t splatsDrawn; /**< that some view shows; the CPU draws view by view and gives the largest of them */
-    uint32_t trianglesInView,
-        trianglesFacing; /**< survivors on the GPU: triangles with splats that touch a view; of these, with splats not turned away */
-    uint32_t splatsInView, splatsFacing; /**< the splats on them */
-    uint32_t chunkCount,
-        chunksProjected;    /**< runs of 128 neighbouring splats; those that have one left are projected. On the CPU these six are 0 */
-    uint32_t passCount;     /**< of dplGetPassTime; 0 on the CPU and on GPUs without timestamps */
-    uint64_t residentBytes; /**< held for all avatars and frames of the context by what draws: graphics memory, or memory on the CPU */
-    uint64_t waits;         /**< since the context was made: how often drawing found three frames in flight and waited for the first */
+    uint32_t splatsDrawn; /**< splats that at least one view shows. The CPU draws view by view and gives the largest count of a view */
+    /** Triangles that carry splats and touch a view; those of them with splats that do not face away. 0 on the CPU. */
+    uint32_t trianglesInView, trianglesFacing;
+    uint32_t splatsInView, splatsFacing; /**< splats on these triangles; 0 on the CPU */
+    /** Groups of up to 128 neighbouring splats; those that have a splat left after culling and are projected. 0 on the CPU. */
+    uint32_t chunkCount, chunksProjected;
+    uint32_t passCount;     /**< passes for dplGetPassTime; 0 on the CPU and on GPUs without timestamps */
+    uint64_t residentBytes; /**< memory that the renderer holds for all avatars and frames of the context: of the GPU, or of the CPU */
+    uint64_t waits;         /**< how often, since the context was created, drawing waited because three frames were in flight */
     double gpuMs;           /**< GPU time of the frame, the sum over its passes; 0 without timestamps */
-    uint64_t avatarBytes;   /**< of this avatar alone, whatever is drawn: splats, mesh, weights and pose correctives, on the CPU and the GPU
-                               together */
-    uint64_t splatBytes;    /**< of these: the splats */
-    uint64_t bytesDecided, bytesDecoded; /**< of splat codes that the frame read: to tell which splats may show, and of those splats. On a
-                                            GPU from survivors and layout */
-    uint32_t tileEntries;                /**< splat-tile pairs of all views; 0 where quads or the CPU fill */
-    uint32_t tilesOverflowed;            /**< 1: these did not fit, quads have filled this frame */
-    uint32_t
-        splatsAllowed; /**< of all that was drawn together: how many dplSetDetail left to draw at most, whatever the views show of them */
-    float detailShare; /**< of this avatar's splats, 0 to 1: the same when it was drawn last, by itself or together */
-    uint32_t componentCount, componentsInView; /**< head, trunk, hands, legs and garments of all that was drawn together; those that some
-                                                  view may show. The others are not posed. 0 where nothing is culled */
+    /** Memory of this avatar alone on CPU and GPU together: splats, mesh, weights and pose correctives. */
+    uint64_t avatarBytes;
+    uint64_t splatBytes; /**< the part of avatarBytes that the splats take */
+    /** Bytes of splat codes that the frame read: first to decide which splats may show, then to decode those. On a GPU they are computed
+     *  from the counts above and the layout. */
+    uint64_t bytesDecided, bytesDecoded;
+    uint32_t tileEntries;     /**< pairs of splat and tile over all views; 0 where quads or the CPU fill */
+    uint32_t tilesOverflowed; /**< 1: the tile lists overflowed, so quads filled this frame */
+    uint32_t splatsAllowed;   /**< most splats that dplSetDetail allowed for the whole scene set, before culling */
+    float detailShare;        /**< share of this avatar's splats that level of detail kept when it was last drawn, 0 to 1 */
+    /** Components of the whole scene set (head, trunk, hands, legs, garments); those that a view may show. The others are not posed. 0
+     *  where nothing is culled. */
+    uint32_t componentCount, componentsInView;
 } DplFrameStats;
 
 /** Never waits for a frame that is still being drawn. */
@@ -384,11 +403,11 @@ DPL_EXPERIMENTAL DplResult dplGetFrameStats(DplAvatar avatar, DplFrameStats* sta
 
 typedef struct DplPassTime {
     uint32_t structSize;
-    const char* label;   /**< "splat.project"; lives until the next dplGetFrameStats of the avatar */
-    double milliseconds; /**< GPU time; a pass that runs in several rounds is listed once a round */
+    const char* label;   /**< for example "splat.project"; lives until the avatar's next dplGetFrameStats */
+    double milliseconds; /**< GPU time. A pass of several rounds appears once per round */
 } DplPassTime;
 
-/** pass < passCount of the last dplGetFrameStats of this avatar, else DPL_ERROR_NOT_FOUND; in the order in which they ran. */
+/** pass: 0 to passCount - 1 of the avatar's last dplGetFrameStats, in the order in which they ran; else DPL_ERROR_NOT_FOUND. */
 DPL_EXPERIMENTAL DplResult dplGetPassTime(DplAvatar avatar, uint32_t pass, DplPassTime* time);
 
 #ifdef __cplusplus

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Thin C++20 owner over doppel.h: owns, spans and forwards; nothing else. Header only, no exceptions of its own.
+// C++20 wrapper of doppel.h: owns handles, takes spans and forwards to the C functions. Header only. It throws nothing itself; its
+// std::string and std::vector may throw std::bad_alloc.
 //
 //   auto context = doppel::Context::create();
 //   if (!context) return report(context.error());
@@ -27,12 +28,12 @@ struct Error {
     std::string message;  // a sentence for a human
 };
 
-/** The error of this thread's last call. */
+/** `code` with the text of the last call that failed on this thread. */
 inline Error lastError(DplResult code) {
     return {code, dplGetLastError()};
 }
 
-/** A value or an error. Test it before use; reading the wrong side is undefined. */
+/** A value or an error. Test it before use: reading the value of an error, or the error of a value, is undefined. */
 template <class T>
 class [[nodiscard]] Result {
 public:
@@ -64,12 +65,13 @@ private:
 
 using Status = Result<void>;
 
+/** The Status of a C call that has just returned `result` on this thread. */
 inline Status status(DplResult result) {
     if (result == DPL_OK) return {};
     return lastError(result);
 }
 
-/** The struct that get(arguments..., &out) fills. */
+/** Calls get(arguments..., &out) with a struct of type T whose structSize is set, and returns the struct. */
 template <class T, class Get, class... Arguments>
 Result<T> filled(Get get, Arguments... arguments) {
     T out{};
@@ -78,9 +80,10 @@ Result<T> filled(Get get, Arguments... arguments) {
     return out;
 }
 
-/** Owns one avatar. Move-only. */
+/** Owns one avatar, which it destroys. Move-only; empty after a move. */
 class Avatar {
 public:
+    /** Takes ownership of `handle`, which was loaded with `context`. The context is not owned. */
     Avatar(DplContext context, DplAvatar handle) : context_(context), handle_(handle) {}
     Avatar(Avatar&& other) noexcept : context_(other.context_), handle_(std::exchange(other.handle_, nullptr)) {}
     Avatar& operator=(Avatar&& other) noexcept {
@@ -100,23 +103,24 @@ public:
         return index;
     }
     Result<DplClipInfo> clip(uint32_t index) const { return filled<DplClipInfo>(dplGetClipInfo, handle_, index); }
-    /** rotations: 4 floats (xyzw) a joint; rootTranslation: 3 floats or empty. */
+    /** rotations: 4 floats (x, y, z, w) per joint, local. rootTranslation: 3 floats, metres, or empty for zero. */
     Status setPose(std::span<const float> rotations, std::span<const float> rootTranslation = {}) {
         if (rotations.size() % 4 != 0 || (!rootTranslation.empty() && rootTranslation.size() != 3))
             return Error{DPL_ERROR_INVALID_ARGUMENT, "a pose has 4 floats a joint and a root translation of 3 floats or none"};
         return status(dplSetPose(handle_, rotations.data(), uint32_t(rotations.size() / 4),
                                  rootTranslation.empty() ? nullptr : rootTranslation.data()));
     }
+    /** timeS: seconds from the start of the clip; it wraps around if `loop`, else it is clamped. */
     Status setPoseFromClip(uint32_t clip, double timeS, bool loop = true) {
         return status(dplSetPoseFromClip(handle_, clip, timeS, loop ? DPL_TRUE : DPL_FALSE));
     }
-    /** Index of the new clip. */
+    /** Retargets a BVH or glTF motion onto this avatar. Returns the index of the new clip. */
     Result<uint32_t> loadClip(std::span<const uint8_t> bytes, const DplClipOptions* options = nullptr) {
         uint32_t index = 0;
         if (const DplResult r = dplLoadClip(handle_, bytes.data(), bytes.size(), options, &index); r != DPL_OK) return lastError(r);
         return index;
     }
-    /** World positions of all joints, 3 floats each. */
+    /** World positions of all joints in the current pose, 3 floats each, metres. */
     Result<std::vector<float>> jointPositions() const {
         auto about = info();
         if (!about) return about.error();
@@ -126,13 +130,13 @@ public:
     }
     Result<DplFrameStats> frameStats() const { return filled<DplFrameStats>(dplGetFrameStats, handle_); }
     Result<DplPassTime> passTime(uint32_t pass) const { return filled<DplPassTime>(dplGetPassTime, handle_, pass); }
-    /** One image a view. */
+    /** Draws and returns when the pixels are in the images. One image per view. */
     Status render(std::span<const DplCamera> views, std::span<const DplImage> images) const {
         if (views.size() != images.size()) return Error{DPL_ERROR_INVALID_ARGUMENT, "as many images as views are needed"};
         return status(dplRender(context_, handle_, views.data(), uint32_t(views.size()), images.data()));
     }
 
-    /** The two halves of render(). flags: DplDrawFlag. */
+    /** render() in two halves, as dplDraw and dplReadImages. flags: DplDrawFlag, combined by |. */
     Status draw(std::span<const DplCamera> views, uint32_t flags = 0) const {
         return status(dplDraw(context_, handle_, views.data(), uint32_t(views.size()), flags));
     }
@@ -145,9 +149,10 @@ private:
     DplAvatar handle_ = nullptr;
 };
 
-/** Owns one context. Move-only. Destroy its avatars in any order. */
+/** Owns one context, which it destroys. Move-only. Its avatars may be destroyed before or after it. */
 class Context {
 public:
+    /** Parameters: the fields of DplContextInfo. */
     static Result<Context> create(DplRenderer renderer = DPL_RENDERER_AUTO, uint32_t threadCount = 0, uint32_t flags = 0,
                                   DplFill fill = DPL_FILL_AUTO) {
         DplContextInfo info{};
@@ -160,6 +165,7 @@ public:
         if (const DplResult r = dplCreateContext(&info, &handle); r != DPL_OK) return lastError(r);
         return Context(handle);
     }
+    /** Takes ownership of `handle`. */
     explicit Context(DplContext handle) : handle_(handle) {}
     Context(Context&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
     Context& operator=(Context&& other) noexcept {
@@ -169,17 +175,19 @@ public:
     ~Context() { dplDestroyContext(handle_); }
 
     DplContext handle() const { return handle_; }
+    /** Empty on failure. */
     std::string rendererName() const {
         const char* name = "";
         return dplGetRendererName(handle_, &name) == DPL_OK ? name : "";
     }
+    /** Loads an avatar or general splats; see dplLoadAvatar. The bytes may be freed on return. */
     Result<Avatar> loadAvatar(std::span<const uint8_t> bytes) const {
         DplAvatar avatar = nullptr;
         if (const DplResult r = dplLoadAvatar(handle_, bytes.data(), bytes.size(), &avatar); r != DPL_OK) return lastError(r);
         return Avatar(handle_, avatar);
     }
 
-    /** Several in one picture, which is the first one's. One image a view. */
+    /** Draws several avatars in one picture, which belongs to the first one. One image per view. */
     Status renderTogether(std::span<const DplAvatar> avatars, std::span<const DplCamera> views, std::span<const DplImage> images) const {
         if (views.size() != images.size()) return Error{DPL_ERROR_INVALID_ARGUMENT, "as many images as views are needed"};
         return status(
@@ -188,7 +196,7 @@ public:
     Status drawTogether(std::span<const DplAvatar> avatars, std::span<const DplCamera> views, uint32_t flags = 0) const {
         return status(dplDrawTogether(handle_, avatars.data(), uint32_t(avatars.size()), views.data(), uint32_t(views.size()), flags));
     }
-    /** Level of detail and a budget of splats for all drawing from the next call on; zeros: everything is drawn. */
+    /** Sets level of detail and splat budget from the next call on; zeros draw everything. See DplDetail. */
     Status setDetail(float splatsPerPixel, uint32_t splatBudget = 0) const {
         DplDetail detail{};
         detail.structSize = sizeof detail, detail.splatsPerPixel = splatsPerPixel, detail.splatBudget = splatBudget;

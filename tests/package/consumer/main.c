@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Loads an avatar, poses it by its clip, draws two views, looks at the middle. */
+/* Loads an avatar, poses it by its clip, draws two views and checks the pixel in the middle. */
 #include <doppel/doppel.h>
 
 #include <stdio.h>

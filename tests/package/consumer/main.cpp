@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The same through the C++ owner.
+// The same through the C++ wrapper.
 #include <doppel/doppel.hpp>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
     if (auto broken = context->loadAvatar(std::span(bytes).first(bytes.size() / 2))) return std::printf("half a file was accepted\n"), 1;
     if (auto posed = avatar->setPoseFromClip(0, 0.25); !posed) return std::printf("%s\n", posed.error().message.c_str()), 1;
     std::vector<uint8_t> pixels(64 * 64 * 4);
-    DplCamera camera{};  // field by field: structs grow, and zero in what is new means "as before"
+    DplCamera camera{};  // set by field: later versions add fields, and zero in them keeps the earlier behaviour
     camera.structSize = sizeof camera;
     camera.widthPx = camera.heightPx = 64;
     camera.fx = camera.fy = 60, camera.cx = camera.cy = 32;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A context with one thread, a tiny avatar, a silent log.
+// Test fixture: a context with one thread, a tiny avatar, a silent log.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures through the public API, on a red square 3 m away whose right answer is known.
+// Pictures through the public API: a red square 3 m away, whose correct picture is known.
 #include <algorithm>
 #include <cstring>
 #include <limits>
@@ -25,7 +25,7 @@ TEST_F(ApiTest, redSquareIsRedHasDepthAndLeavesTheCornerEmpty) {
     EXPECT_NEAR(depth[middle], 3.0f, 0.01f);
     for (int c = 0; c < 4; ++c) EXPECT_EQ(pixels[size_t(c)], 0);
     EXPECT_EQ(depth[0], 0.0f);
-    // The square spans 1 m at 3 m with f = 60 px: 20 px around the middle, so about 400 of 4096 pixels.
+    // The square is 1 m wide at 3 m with f = 60 px, so it covers 20 × 20 pixels in the middle.
     const auto covered = std::count_if(depth.begin(), depth.end(), [](float z) { return z > 0; });
     EXPECT_GT(covered, 400);
     EXPECT_LT(covered, 1600);
@@ -33,7 +33,7 @@ TEST_F(ApiTest, redSquareIsRedHasDepthAndLeavesTheCornerEmpty) {
         for (size_t c = 0; c < 3; ++c) ASSERT_LE(pixels[p * 4 + c], pixels[p * 4 + 3]) << "premultiplied";
 }
 
-/** A red square of one fat splat and a green one behind it, as a plain PLY. */
+/** A plain PLY of one large red splat and a green one behind it. */
 std::vector<uint8_t> splatFile() {
     StaticSplatData s;
     s.position = {{0, 1, 0}, {0, 1, -0.5f}}, s.rotation = {{1, 0, 0, 0}, {1, 0, 0, 0}};
@@ -106,7 +106,7 @@ TEST_F(ApiTest, twoViewsAtOnceEqualEachAlone) {
 }
 
 TEST_F(ApiTest, aContextInfoWithoutFlagsIsStillRead) {
-    DplContextInfo info{12, DPL_RENDERER_SOFTWARE, 1, 0xFFFFFFFFu};  // version 0.1 ended before flags: what lies there is not ours
+    DplContextInfo info{12, DPL_RENDERER_SOFTWARE, 1, 0xFFFFFFFFu};  // version 0.1 ends before flags; the library must not read on
     DplContext context = nullptr;
     ASSERT_EQ(dplCreateContext(&info, &context), DPL_OK) << dplGetLastError();
     EXPECT_EQ(dplDestroyContext(context), DPL_OK);
@@ -122,7 +122,7 @@ TEST_F(ApiTest, aContextInfoWithoutFlagsIsStillRead) {
     std::memcpy(&info.fill, &unknown, sizeof unknown);
     EXPECT_EQ(dplCreateContext(&info, &context), DPL_ERROR_INVALID_ARGUMENT);
     EXPECT_TRUE(errorSays("there is no fill 7"));
-    info.structSize = offsetof(DplContextInfo, fill);  // as before fills: what lies there is not ours
+    info.structSize = offsetof(DplContextInfo, fill);  // the struct before `fill` was added; the library must not read on
     ASSERT_EQ(dplCreateContext(&info, &context), DPL_OK) << dplGetLastError();
     EXPECT_EQ(dplDestroyContext(context), DPL_OK);
 }
@@ -158,7 +158,7 @@ TEST_F(ApiTest, statsOfTheLastFrameAreThereAfterIt) {
     EXPECT_GT(stats.bytesDecided, 0u);
     EXPECT_GE(stats.bytesDecoded, 13u * stats.splatsDrawn);
     DplFrameStats first{};
-    first.structSize = 64;  // of a program that was built with version 0.1
+    first.structSize = 64;  // size in a program built with version 0.1
     ASSERT_EQ(dplGetFrameStats(avatar_, &first), DPL_OK) << dplGetLastError();
     EXPECT_EQ(first.splatsDrawn, stats.splatsDrawn);
     EXPECT_EQ(first.avatarBytes, 0u);
@@ -239,7 +239,7 @@ TEST_F(ApiTest, depthOfTheMeshIsThereWhereTheSquareIs) {
         }
     }
     EXPECT_EQ(covered, 400u) << "1 m at 3 m with f = 60 px";
-    // The two halves, the mesh alone.
+    // dplDraw and dplReadImages; the depth of the mesh alone.
     ASSERT_EQ(dplDraw(context_, avatar_, &camera, 1, DPL_DRAW_DEPTH), DPL_OK);
     std::vector<float> again(4096, -1);
     image = {sizeof(DplImage), 0, nullptr, 0, 0, nullptr, 0, DPL_FORMAT_RGBA8, again.data(), again.size()};
@@ -266,7 +266,7 @@ TEST_F(ApiTest, theAppsSceneHidesWhatIsBehindIt) {
     DplImage image = imageFor(camera, alone);
     ASSERT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK);
     std::vector<float> scene(4096, 0.0f);
-    for (size_t y = 0; y < 64; ++y) std::fill_n(scene.begin() + std::ptrdiff_t(y * 64), 32, 2.5f);  // a wall before the left half
+    for (size_t y = 0; y < 64; ++y) std::fill_n(scene.begin() + std::ptrdiff_t(y * 64), 32, 2.5f);  // a wall in front of the left half
     scene[30 * 64 + 10] = kNan;
     camera.sceneDepthM = scene.data(), camera.sceneDepthCount = scene.size();
     image = imageFor(camera, behind);
@@ -281,7 +281,7 @@ TEST_F(ApiTest, theAppsSceneHidesWhatIsBehindIt) {
     camera.sceneDepthCount -= 1;
     EXPECT_EQ(dplDraw(context_, avatar_, &camera, 1, 0), DPL_ERROR_INVALID_ARGUMENT);
     EXPECT_TRUE(errorSays("4095 depths of the scene")) << dplGetLastError();
-    camera.structSize = 76;  // of version 0.1: what lies behind it is not ours
+    camera.structSize = 76;  // size in version 0.1; the library must not read on
     image = imageFor(camera, behind);
     ASSERT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK) << dplGetLastError();
     EXPECT_EQ(behind, alone);
@@ -316,7 +316,7 @@ TEST_F(ApiTest, imagesAreDrawnOverWhatTheyHoldInTheirOwnLight) {
         EXPECT_GT(srgb[p * 4 + 2], display[p * 4 + 2] + 10) << "half the light is more than half the code";
     }
     EXPECT_GT(between, 10);
-    image = imageFor(camera, srgb);  // the layer alone, with premultiplied light
+    image = imageFor(camera, srgb);  // the layer alone, premultiplied in linear light
     image.format = DPL_FORMAT_RGBA8_SRGB;
     ASSERT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK);
     for (size_t p = 0; p < 4096; ++p) {

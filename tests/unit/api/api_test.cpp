@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Handles, queries, poses, clips; and every argument that can be wrong.
+// Handles, queries, poses, clips, and wrong arguments of every kind.
 #include <limits>
 #include <thread>
 
@@ -45,7 +45,7 @@ TEST_F(ApiTest, answersWhatIsInTheAvatar) {
 }
 
 TEST_F(ApiTest, poseMovesTheJointsAndComesBackNormalised) {
-    const float rotations[8] = {0, 0, 2, 2, 0, 0, 0, 1};  // a quarter turn about z, twice too long
+    const float rotations[8] = {0, 0, 2, 2, 0, 0, 0, 1};  // a quarter turn about z, not normalised
     const float root[3] = {0, 0, 1};
     ASSERT_EQ(dplSetPose(avatar_, rotations, 2, root), DPL_OK) << dplGetLastError();
     float positions[6];
@@ -95,7 +95,7 @@ TEST_F(ApiTest, clipsPlayLoopAndClamp) {
     EXPECT_EQ(dplSetPoseFromClip(avatar_, 9, 0, DPL_TRUE), DPL_ERROR_NOT_FOUND);
 }
 
-TEST_F(ApiTest, aBvhOfAnotherKindOfCreatureIsUnsupportedAndListsIts) {
+TEST_F(ApiTest, aBvhWithoutHumanBonesIsUnsupportedAndListsIts) {
     const std::string bvh =
         "HIERARCHY\nROOT box\n{\nOFFSET 0 0 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site\n{\nOFFSET 0 1 0\n}\n}\n"
         "MOTION\nFrames: 1\nFrame Time: 0.1\n0 0 0\n";
@@ -111,7 +111,7 @@ TEST_F(ApiTest, aBvhOfAnotherKindOfCreatureIsUnsupportedAndListsIts) {
     EXPECT_EQ(clip, 77u) << "outputs are written only on DPL_OK";
 }
 
-TEST_F(ApiTest, staleForeignAndInventedHandlesAreFoundOut) {
+TEST_F(ApiTest, staleForeignAndInventedHandlesAreDetected) {
     DplAvatarInfo info{};
     info.structSize = sizeof info;
     const auto invented = [](uintptr_t n) { return reinterpret_cast<DplAvatar>(n); };
@@ -148,7 +148,7 @@ TEST_F(ApiTest, structSizesAreHeld) {
     EXPECT_EQ(dplGetAvatarInfo(avatar_, nullptr), DPL_ERROR_INVALID_ARGUMENT);
 }
 
-TEST_F(ApiTest, contextsRefuseNonsense) {
+TEST_F(ApiTest, contextsRefuseInvalidSettings) {
     DplContext other = nullptr;
     EXPECT_EQ(dplCreateContext(nullptr, nullptr), DPL_ERROR_INVALID_ARGUMENT);
     DplContextInfo info{sizeof info, DPL_RENDERER_SOFTWARE, 100000};
@@ -171,8 +171,9 @@ TEST_F(ApiTest, damagedFilesGiveASentenceAndNoAvatar) {
     const auto good = tinyFile();
     DplAvatar avatar = nullptr;
     for (size_t size = 1; size < good.size(); size += 37) {
-        const std::vector<uint8_t> cut(good.begin(),
-                                       good.begin() + std::ptrdiff_t(size));  // its own allocation: reading past it shows under ASan
+        const std::vector<uint8_t> cut(
+            good.begin(),
+            good.begin() + std::ptrdiff_t(size));  // an allocation of its own, so that ASan sees reads past its end
         EXPECT_NE(dplLoadAvatar(context_, cut.data(), cut.size(), &avatar), DPL_OK) << size;
         EXPECT_NE(dplGetLastError()[0], 0);
     }
@@ -180,7 +181,7 @@ TEST_F(ApiTest, damagedFilesGiveASentenceAndNoAvatar) {
         std::vector<uint8_t> flipped = good;
         flipped[at] ^= 0x40;
         avatar = nullptr;
-        dplLoadAvatar(context_, flipped.data(), flipped.size(), &avatar);  // either answer; no crash, no leak
+        dplLoadAvatar(context_, flipped.data(), flipped.size(), &avatar);  // may fail or not; must not crash or leak
         EXPECT_EQ(dplDestroyAvatar(avatar), DPL_OK);
     }
     EXPECT_EQ(dplLoadAvatar(context_, nullptr, 10, &avatar), DPL_ERROR_INVALID_ARGUMENT);

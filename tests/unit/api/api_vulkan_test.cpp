@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Both renderers behind the same API draw the same picture; `auto` never picks an emulated GPU.
+// Both renderers draw the same pictures through the API. DPL_RENDERER_AUTO never picks an emulated GPU.
 #include <algorithm>
 #include <cmath>
 
@@ -16,7 +16,7 @@ double psnrDb(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
     return 10 * std::log10(255.0 * 255.0 * double(a.size()) / std::max(sum, 1e-9));
 }
 
-/** Every test is run with the fill that the self-test chooses and with each of the two. */
+/** Each test runs with the fill that the self-test chooses, with quads and with tiles. */
 class ApiVulkan : public ApiTest, public testing::WithParamInterface<DplFill> {
 protected:
     DplContextInfo info{sizeof(DplContextInfo), DPL_RENDERER_VULKAN, 1, 0, GetParam(), nullptr};

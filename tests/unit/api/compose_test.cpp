@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A layer into every kind of target, against the same in double precision.
+// Composes a layer into every format of target and compares with double precision.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -28,7 +28,7 @@ double halfValue(uint16_t half) {
     return half & 0x8000 ? -magnitude : magnitude;
 }
 
-/** Half the distance between neighbouring halves at a magnitude. */
+/** Half the distance between neighbouring half floats at a magnitude. */
 double halfUlp(double magnitude) {
     return std::ldexp(1, std::max(-24, std::ilogb(std::max(magnitude, 1e-9)) - 10) - 1);
 }
@@ -45,7 +45,7 @@ Rgba16 composed16(const Rgba8& layer, const Composition& how, Rgba16 target) {
     return target;
 }
 
-/** Premultiplied, with the alphas at the ends as likely as all between them. */
+/** A premultiplied pixel; alphas 0 and 255 are frequent. */
 Rgba8 randomPixel(std::mt19937& random) {
     const auto below = [&](uint32_t n) { return uint8_t(random() % n); };
     const uint32_t kind = random() % 4;
@@ -54,7 +54,7 @@ Rgba8 randomPixel(std::mt19937& random) {
     return p;
 }
 
-/** What is left of an 8-bit code when a float sum in linear light is encoded: at the dark end 1e-7 of light are 3e-4 codes. */
+/** Half an 8-bit code plus the rounding of a float sum in linear light: at the dark end 1e-7 of light are 3e-4 codes. */
 constexpr double kHalfCode = 0.5 + 1e-3;
 
 TEST(Compose, eightBitsAreWithinHalfACodeOfDoublePrecision) {
@@ -91,8 +91,8 @@ TEST(Compose, everySrgbByteComesBackAndEveryEncodedCodeIsTheNearest) {
         EXPECT_EQ(composed8(opaque, {DPL_FORMAT_RGBA8_SRGB}, other), opaque) << v;
         const Rgba16 linear = composed16(opaque, kOver[2], {0x3C00, 0x4900, 0x7C00, 0x7E00});
         for (size_t c = 0; c < 3; ++c) EXPECT_EQ(std::lround(255 * encodeSrgb(halfValue(linear[c]))), v) << "f16 keeps every code apart";
-        EXPECT_EQ(halfValue(linear[3]), 1.0) << "an opaque pixel replaces what was there, infinite or not";
-        // Black at every alpha over this grey sweeps the encoder through fractions of all linear values.
+        EXPECT_EQ(halfValue(linear[3]), 1.0) << "an opaque pixel replaces the target, even an infinite one";
+        // Black at every alpha over this grey gives the encoder many values between the codes.
         for (int a = 1; a < 256; ++a) {
             const Rgba8 got = composed8({0, 0, 0, uint8_t(a)}, kOver[1], opaque);
             ASSERT_LE(std::abs(got[0] - 255 * encodeSrgb((1 - a / 255.0) * decodeSrgb(v / 255.0))), kHalfCode) << v << ' ' << a;
@@ -106,7 +106,7 @@ TEST(Compose, halvesAreWithinHalfAStepOfDoublePrecision) {
     for (int i = 0; i < 400000; ++i) {
         const Rgba8 layer = randomPixel(random);
         Rgba16 target;
-        for (uint16_t& h : target) h = uint16_t(random() % 0x7C00);  // every finite half ≥ 0 alike: up to 65504
+        for (uint16_t& h : target) h = uint16_t(random() % 0x7C00);  // any finite half ≥ 0, up to 65504
         const double a = layer[3] / 255.0;
         for (const bool over : {false, true}) {
             const Rgba16 got = composed16(layer, {DPL_FORMAT_RGBA16F, over}, target);
@@ -162,7 +162,7 @@ TEST(Compose, straightAlphaIsTheSameColourInEveryFormat) {
     }
 }
 
-TEST(Compose, colourAboveItsAlphaCountsAsWhite) {  // no renderer of ours leaves it
+TEST(Compose, colourAboveItsAlphaCountsAsWhite) {  // Doppel's renderers never produce such a pixel
     EXPECT_EQ(composed8({255, 20, 0, 20}, {DPL_FORMAT_RGBA8_SRGB, false}, {}),
               composed8({20, 20, 0, 20}, {DPL_FORMAT_RGBA8_SRGB, false}, {}));
     EXPECT_EQ(composed8({255, 20, 0, 20}, kOver[0], {255, 255, 255, 255}), (Rgba8{255, 255, 235, 255}));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Level of detail and the budget of splats through the public API.
+// Level of detail and splat budget through the public API.
 #include <cmath>
 #include <limits>
 
@@ -11,7 +11,7 @@
 namespace dpl::test {
 namespace {
 
-/** Beside the fixture's square, two tubes of 5,120 splats. */
+/** Adds two tubes of 5,120 splats to the fixture's square. */
 class DetailTest : public ApiTest {
 protected:
     void SetUp() override {
@@ -107,7 +107,7 @@ TEST_F(DetailTest, generalSplatsHaveALevelOfDetailAndShareTheBudget) {
     EXPECT_EQ(dplDestroyAvatar(general), DPL_OK);
 }
 
-TEST_F(DetailTest, whatIsNoLevelOfDetailIsRefusedAndChangesNothing) {
+TEST_F(DetailTest, invalidDetailIsRefusedAndChangesNothing) {
     ASSERT_EQ(set(0.5f), DPL_OK);
     const std::vector<uint8_t> before = draw(tubes_);
     for (const float bad : {-1.0f, std::nanf(""), std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()}) {
@@ -122,7 +122,7 @@ TEST_F(DetailTest, whatIsNoLevelOfDetailIsRefusedAndChangesNothing) {
     EXPECT_EQ(dplSetDetail(nullptr, &good), DPL_ERROR_INVALID_ARGUMENT);
     EXPECT_TRUE(errorSays("context")) << dplGetLastError();
     EXPECT_EQ(draw(tubes_), before);
-    // The ends of the range: everything, and a splat of 128.
+    // The ends of the range: all splats, and one splat of each group of 128.
     ASSERT_EQ(set(std::numeric_limits<float>::max()), DPL_OK);
     draw(tubes_);
     EXPECT_EQ(stats(tubes_[0]).splatsAllowed, 2u * 5120u);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A machine without the Vulkan loader: asking for Vulkan is an error that names the loader, and the CPU draws.
-// This program brings its own dlopen, which finds no file with "vulkan" in its name.
+// A machine without the Vulkan loader: asking for Vulkan gives an error that names the loader; DPL_RENDERER_AUTO draws on the CPU.
+// This program defines its own dlopen, which finds no file with "vulkan" in its name.
 #include <dlfcn.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Several avatars in one picture through the public API: the red square of the fixture, another one, and general splats.
+// Several avatars in one picture through the public API: the fixture's red square, a second one, and general splats.
 #include <algorithm>
 
 #include "sdk/format/ply.h"
@@ -25,7 +25,7 @@ protected:
         EXPECT_EQ(dplDestroyAvatar(green_), DPL_OK);
         ApiTest::TearDown();
     }
-    /** The other square, aside and in depth. */
+    /** Moves the second square to x, z (metres). */
     void place(float x, float z) {
         DplAvatarInfo info{};
         info.structSize = sizeof info;
@@ -47,19 +47,19 @@ TEST_F(TogetherTest, theNearerOneIsInFrontWhicheverIsNamedFirst) {
     DplImage image = imageFor(camera, alone, &depth);
     ASSERT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK);
     EXPECT_EQ(alone[aside * 4 + 1], alone[middle * 4 + 1]);
-    const DplAvatar rows[2][3] = {{avatar_, other_, green_}, {green_, other_, avatar_}};
+    const DplAvatar sets[2][3] = {{avatar_, other_, green_}, {green_, other_, avatar_}};
     image = imageFor(camera, first, &depth);
-    ASSERT_EQ(dplRenderTogether(context_, rows[0], 3, &camera, 1, &image), DPL_OK) << dplGetLastError();
+    ASSERT_EQ(dplRenderTogether(context_, sets[0], 3, &camera, 1, &image), DPL_OK) << dplGetLastError();
     EXPECT_GT(first[middle * 4 + 1], 150) << "the green splat is nearer than the square";
     EXPECT_LT(first[middle * 4], 60);
     EXPECT_NEAR(depth[middle], 2.8f, 0.05f);
     EXPECT_GT(std::count_if(depth.begin(), depth.end(), [](float z) { return z > 3.3f && z < 3.6f; }), 20)
-        << "of the square behind, what the others leave";
+        << "pixels where only the square behind shows";
     image = imageFor(camera, last);
-    ASSERT_EQ(dplRenderTogether(context_, rows[1], 3, &camera, 1, &image), DPL_OK) << dplGetLastError();
+    ASSERT_EQ(dplRenderTogether(context_, sets[1], 3, &camera, 1, &image), DPL_OK) << dplGetLastError();
     EXPECT_EQ(first, last);
     EXPECT_FALSE(first == alone);
-    // One alone again, and a row of one, are what they were.
+    // A scene set of one avatar draws the same picture as dplRender.
     std::vector<uint8_t> again;
     image = imageFor(camera, again);
     ASSERT_EQ(dplRenderTogether(context_, &avatar_, 1, &camera, 1, &image), DPL_OK);
@@ -72,15 +72,15 @@ TEST_F(TogetherTest, meshDepthIsThatOfTheNearestMesh) {
     std::vector<float> depth(64 * 64, -1);
     DplImage image{};
     image.structSize = sizeof image, image.meshDepthM = depth.data(), image.meshDepthCount = depth.size();
-    const DplAvatar row[3] = {avatar_, green_, other_};
-    ASSERT_EQ(dplRenderTogether(context_, row, 3, &camera, 1, &image), DPL_OK) << dplGetLastError();
+    const DplAvatar set[3] = {avatar_, green_, other_};
+    ASSERT_EQ(dplRenderTogether(context_, set, 3, &camera, 1, &image), DPL_OK) << dplGetLastError();
     EXPECT_NEAR(depth[32 * 64 + 32], 2.5f, 1e-3f);
     EXPECT_EQ(depth[0], 0);
     EXPECT_EQ(dplRenderTogether(context_, &green_, 1, &camera, 1, &image), DPL_ERROR_INVALID_ARGUMENT);
     EXPECT_TRUE(errorSays("no mesh")) << dplGetLastError();
 }
 
-TEST_F(TogetherTest, whoeverIsOutOfViewIsLeftOutAndComesBack) {
+TEST_F(TogetherTest, anAvatarOutOfViewIsSkippedAndComesBack) {
     const DplCamera camera = frontCamera();
     const auto seen = [&](DplAvatar first) {
         DplFrameStats stats{};
@@ -89,26 +89,26 @@ TEST_F(TogetherTest, whoeverIsOutOfViewIsLeftOutAndComesBack) {
         EXPECT_GT(stats.componentCount, 0u);
         return stats.componentsInView;
     };
-    const DplAvatar rows[2][2] = {{avatar_, other_}, {other_, avatar_}};
+    const DplAvatar sets[2][2] = {{avatar_, other_}, {other_, avatar_}};
     std::vector<uint8_t> both, alone, nobody;
     std::vector<float> depth(64 * 64), meshDepth(64 * 64);
     place(0.25f, -0.5f);
     DplImage image = imageFor(camera, both);
-    ASSERT_EQ(dplRenderTogether(context_, rows[0], 2, &camera, 1, &image), DPL_OK) << dplGetLastError();
+    ASSERT_EQ(dplRenderTogether(context_, sets[0], 2, &camera, 1, &image), DPL_OK) << dplGetLastError();
     const uint32_t ofBoth = seen(avatar_);
     image = imageFor(camera, alone);
     ASSERT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK);
     EXPECT_EQ(seen(avatar_) * 2, ofBoth);
-    for (const auto& row : rows) {  // the one out of view first, and last
+    for (const auto& set : sets) {  // the avatar out of view comes last, then first
         place(9, 0);
         std::vector<uint8_t> pixels;
         image = imageFor(camera, pixels);
-        ASSERT_EQ(dplRenderTogether(context_, row, 2, &camera, 1, &image), DPL_OK);
-        EXPECT_EQ(seen(row[0]) * 2, ofBoth);
+        ASSERT_EQ(dplRenderTogether(context_, set, 2, &camera, 1, &image), DPL_OK);
+        EXPECT_EQ(seen(set[0]) * 2, ofBoth);
         EXPECT_EQ(pixels, alone);
         place(0.25f, -0.5f);
         image = imageFor(camera, pixels);
-        ASSERT_EQ(dplRenderTogether(context_, row, 2, &camera, 1, &image), DPL_OK);
+        ASSERT_EQ(dplRenderTogether(context_, set, 2, &camera, 1, &image), DPL_OK);
         EXPECT_EQ(pixels, both);
     }
     place(9, 0);
@@ -118,22 +118,22 @@ TEST_F(TogetherTest, whoeverIsOutOfViewIsLeftOutAndComesBack) {
     ASSERT_EQ(dplRender(context_, other_, &camera, 1, &image), DPL_OK) << dplGetLastError();
     EXPECT_EQ(seen(other_), 0u);
     EXPECT_EQ(nobody, std::vector<uint8_t>(64 * 64 * 4, 0));
-    EXPECT_EQ(depth, std::vector<float>(64 * 64, 0)) << "nothing of the frame before";
+    EXPECT_EQ(depth, std::vector<float>(64 * 64, 0)) << "no pixel of the frame before";
     EXPECT_EQ(meshDepth, std::vector<float>(64 * 64, 0));
 }
 
-TEST_F(TogetherTest, thePictureIsTheFirstOnes) {
+TEST_F(TogetherTest, thePictureBelongsToTheFirstAvatar) {
     const DplCamera camera = frontCamera();
-    const DplAvatar row[2] = {avatar_, other_};
+    const DplAvatar set[2] = {avatar_, other_};
     place(0.5f, 0);
-    ASSERT_EQ(dplDrawTogether(context_, row, 2, &camera, 1, DPL_DRAW_DEPTH), DPL_OK) << dplGetLastError();
+    ASSERT_EQ(dplDrawTogether(context_, set, 2, &camera, 1, DPL_DRAW_DEPTH), DPL_OK) << dplGetLastError();
     std::vector<uint8_t> drawn, rendered;
     DplImage image = imageFor(camera, drawn);
     EXPECT_EQ(dplReadImages(context_, other_, &image, 1), DPL_ERROR_INVALID_ARGUMENT);
     EXPECT_TRUE(errorSays("nothing was drawn")) << dplGetLastError();
     ASSERT_EQ(dplReadImages(context_, avatar_, &image, 1), DPL_OK) << dplGetLastError();
     image = imageFor(camera, rendered);
-    ASSERT_EQ(dplRenderTogether(context_, row, 2, &camera, 1, &image), DPL_OK);
+    ASSERT_EQ(dplRenderTogether(context_, set, 2, &camera, 1, &image), DPL_OK);
     EXPECT_EQ(drawn, rendered);
     DplFrameStats one{}, two{};
     one.structSize = two.structSize = sizeof one;
@@ -143,13 +143,13 @@ TEST_F(TogetherTest, thePictureIsTheFirstOnes) {
     EXPECT_EQ(two.splatsDrawn, 2 * one.splatsDrawn);
 }
 
-TEST_F(TogetherTest, wrongRowsAreRefused) {
+TEST_F(TogetherTest, invalidSceneSetsAreRefused) {
     const DplCamera camera = frontCamera();
     std::vector<uint8_t> pixels;
     const DplImage image = imageFor(camera, pixels);
-    const auto refused = [&](const DplAvatar* row, uint32_t count, const char* why) {
-        const bool refusedBoth = dplRenderTogether(context_, row, count, &camera, 1, &image) == DPL_ERROR_INVALID_ARGUMENT &&
-                                 dplDrawTogether(context_, row, count, &camera, 1, 0) == DPL_ERROR_INVALID_ARGUMENT;
+    const auto refused = [&](const DplAvatar* set, uint32_t count, const char* why) {
+        const bool refusedBoth = dplRenderTogether(context_, set, count, &camera, 1, &image) == DPL_ERROR_INVALID_ARGUMENT &&
+                                 dplDrawTogether(context_, set, count, &camera, 1, 0) == DPL_ERROR_INVALID_ARGUMENT;
         EXPECT_TRUE(errorSays(why)) << dplGetLastError();
         return refusedBoth && std::all_of(pixels.begin(), pixels.end(), [](uint8_t b) { return b == 0xAA; });
     };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A warm frame allocates nothing and waits for nothing: what an app calls at display rate, on both renderers. A program of its own, because
-// its operator new counts: every allocation of C++ code in the process, those of libdoppel and its threads too.
+// A warm frame allocates nothing and does not wait, on both renderers. A program of its own, because its operator new counts every C++
+// allocation of the process, including those of libdoppel and its threads.
 #include <gtest/gtest.h>
 
 #include "apps/bench/count_allocations.h"
@@ -26,7 +26,7 @@ std::vector<uint8_t> avatarFile() {
     return bytes ? *bytes : std::vector<uint8_t>{};
 }
 
-/** Every second frame is so far away that it is drawn with four samples a pixel. */
+/** far: so far away that four coverage samples per pixel are drawn. */
 DplCamera cameraAt(float azimuth, float shiftM, bool far) {
     const Cameraf c = tubeCamera(120, 96, azimuth, far ? 3.2f : 1.6f, shiftM);
     DplCamera out{sizeof(DplCamera), c.widthPx, c.heightPx, c.fx, c.fy, c.cx, c.cy, {}};
@@ -45,13 +45,13 @@ uint64_t waits(DplAvatar avatar) {
     return stats.waits;
 }
 
-/** A level of detail that is another one in every frame, or none. */
+/** Sets a level of detail that depends on t, or none. */
 void setDetail(DplContext context, bool on, float t) {
     const DplDetail detail{sizeof(DplDetail), on ? 0.05f + 2 * t : 0, on && t > 0.5f ? uint32_t(600 - 300 * t) : 0};
     EXPECT_EQ(dplSetDetail(context, &detail), DPL_OK) << dplGetLastError();
 }
 
-/** Allocations of `frames` frames with new poses and views, three at a time as an app has them in flight. */
+/** Draws `frames` frames with new poses and views, three in flight, and returns the number of allocations. */
 uint64_t playFrames(DplContext context, DplAvatar avatar, int frames, uint32_t viewCount, uint32_t flags, bool scene = false,
                     DplAvatar other = nullptr, bool detail = false) {
     const DplAvatar row[2] = {avatar, other};
@@ -75,7 +75,7 @@ uint64_t playFrames(DplContext context, DplAvatar avatar, int frames, uint32_t v
         EXPECT_EQ(posed, DPL_OK) << dplGetLastError();
         EXPECT_EQ(drawn, DPL_OK) << dplGetLastError();
         if (frame % 3 != 2) continue;
-        EXPECT_EQ(dplReadImages(context, avatar, images, viewCount), DPL_OK) << dplGetLastError();  // the device catches up
+        EXPECT_EQ(dplReadImages(context, avatar, images, viewCount), DPL_OK) << dplGetLastError();  // waits for the device
     }
     return allocations;
 }

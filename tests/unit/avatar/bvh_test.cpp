@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hostile and odd BVH texts.
+// BVH texts: unusual but valid ones, damaged ones and hostile ones.
 #include <gtest/gtest.h>
 
 #include "sdk/avatar/motion.h"
@@ -26,8 +26,8 @@ TEST(Bvh, readsAnyChannelOrderEndSitesAndOddSpacing) {
     std::vector<Vec3f> positions;
     motionAt(*motion, 0, rotations, positions);
     EXPECT_LT(glm::length(positions[0] - Vec3f(0.01f, 1.03f, 0.02f)), 1e-6f)
-        << "the root's position is nearer to its OFFSET than to 0: it replaces it";
-    // A quarter turn about z takes the thigh (0,−1,0) to (1,0,0); the knee's own quarter turn about x follows inside.
+        << "the first position of the root is nearer to its OFFSET than to 0, so it replaces OFFSET";
+    // A quarter turn about z takes the thigh (0,−1,0) to (1,0,0). The knee adds a quarter turn about x in the thigh's frame.
     EXPECT_LT(glm::length(positions[1] - positions[0] - Vec3f(0.5f, 0, 0)), 1e-6f);
     EXPECT_LT(glm::length(positions[2] - positions[1] - Vec3f(0, 0, -1)), 1e-6f);
 }
@@ -37,7 +37,7 @@ TEST(Bvh, everyTruncationIsAnErrorOrTheWholeMotion) {
     ASSERT_TRUE(whole);
     for (size_t size = 0; size < kGood.size(); ++size) {
         const auto motion = readBvh(std::string_view(kGood).substr(0, size), "cut.bvh");
-        if (motion) {  // only trailing blanks, or digits that end a number early
+        if (motion) {  // only trailing blanks were cut, or last digits of the last number
             EXPECT_GE(size, kGood.find("1e-3"));
             EXPECT_EQ(motion->keyCount(), 2u);
         } else {

@@ -15,7 +15,8 @@ ClipData quarterTurn() {
     clip.name = "turn";
     clip.timesS = {10.0f, 11.0f};
     clip.channels = {
-        {1, {Quatf(1, 0, 0, 0), -glm::angleAxis(glm::half_pi<float>(), Vec3f(0, 0, 1))}}};  // the long way round unless the arc is chosen
+        {1,
+         {Quatf(1, 0, 0, 0), -glm::angleAxis(glm::half_pi<float>(), Vec3f(0, 0, 1))}}};  // negated: plain slerp would take the longer arc
     clip.rootTranslations = {{0, 0, 0}, {0, 0, 2}};
     return clip;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// glTF clips: joints with rolled axes under a turned and scaled armature give the motion they show, not the numbers they hold.
+// glTF clips: joints with arbitrary axes under a rotated and scaled armature give the motion that a viewer would show.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -28,8 +28,8 @@ Json xyz(const Vec3f& v) {
     return {v.x, v.y, v.z};
 }
 
-/** personRig as glTF nodes: every joint has its own random roll; an armature above turns z-up centimetres into y-up metres. Two keys: rest,
- * and the left elbow bent by `bend` (in axes parallel to the world at rest) with the pelvis 0.5 m further along z. */
+/** personRig as glTF nodes. Every joint has a random rest rotation; an armature above converts z-up centimetres to y-up metres. Two keys:
+ *  rest; and the left elbow bent by `bend` (in axes parallel to the world at rest) with the pelvis moved by 0.5 m along z. */
 std::vector<uint8_t> rolledGlb(const std::vector<JointData>& rig, const Quatf& bend) {
     std::mt19937 random(7);
     std::normal_distribution<float> normal;
@@ -89,7 +89,7 @@ TEST(GltfMotion, rolledJointsUnderAScaledArmatureMoveAsShown) {
     std::vector<Quatf> rotations;
     std::vector<Vec3f> positions;
     motionAt(*motion, 0, rotations, positions);
-    const auto at = [&](const std::string& name) {  // the reader may order nodes as it likes, parents first
+    const auto at = [&](const std::string& name) {  // the reader may use any order with parents first
         for (size_t j = 0; j < motion->joints.size(); ++j)
             if (motion->joints[j].name == name) return positions[j];
         ADD_FAILURE() << name;

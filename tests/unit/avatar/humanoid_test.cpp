@@ -10,7 +10,7 @@
 namespace dpl {
 namespace {
 
-TEST(Humanoid, namesOfManyHouses) {
+TEST(Humanoid, namesOfManyRigs) {
     const char* const kCases[][2] = {
         {"pelvis", "hips"},
         {"left_hip", "leftUpperLeg"},
@@ -101,7 +101,7 @@ TEST(Humanoid, everyBoneNameIsItsOwn) {
 }
 
 TEST(Humanoid, theTreeSettlesWhatNamesLeaveOpen) {
-    // bvh11: collars exist, so shoulders are upper arms; the first neck joint is the neck.
+    // In files like bvh11 collars exist, so shoulders are upper arms. The first neck joint is the neck.
     std::vector<JointData> joints;
     const auto add = [&](const char* name, int parent) {
         joints.push_back({name, parent, {}, {}});
@@ -147,7 +147,7 @@ TEST(Humanoid, armsThatHangFromTheHeadLeaveNoNeck) {
                                            {"right_shoulder", 4, {-0.2f, 1.4f, 0}},
                                            {"left_elbow", 5, {0.5f, 1.4f, 0}},
                                            {"right_elbow", 6, {-0.5f, 1.4f, 0}}};
-    const auto bones = humanoidBones(joints);  // once looped forever
+    const auto bones = humanoidBones(joints);  // must end: the walk from the head never meets the top of the spine
     EXPECT_EQ(bones[0], "hips");
     EXPECT_EQ(bones[4], "head");
     EXPECT_EQ(std::count(bones.begin(), bones.end(), "neck"), 0);

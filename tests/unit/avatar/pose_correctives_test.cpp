@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Coefficients, control nodes and their spread to the vertices; and the way from a pose to posed triangles that uses them.
+// Pose correctives: coefficients, control nodes, interpolation at vertices; and PosedMesh, which uses them.
 #include "sdk/avatar/pose_correctives.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 namespace dpl {
 namespace {
 
-/** Two joints in a row, a strip of triangles along +Y between them. */
+/** Two joints, and a strip of triangles along +Y between them. */
 AvatarData strip() {
     AvatarData a;
     a.joints = {{"root", -1, {0, 0, 0}, ""}, {"tip", 0, {0, 0.5f, 0}, ""}};
@@ -68,7 +68,7 @@ TEST_F(PoseCorrectives, aFeatureIsTwoColumnsOfTheRotationMinusTheIdentity) {
     for (const float x : feature) EXPECT_EQ(x, 0.0f);
 }
 
-TEST_F(PoseCorrectives, onlyHeardJointsCount) {
+TEST_F(PoseCorrectives, onlyJointsOfTheFeatureCount) {
     c_.joints = {1}, c_.mean.resize(6), c_.modes.resize(4 * 6);
     EXPECT_EQ(coefficients(turned(0.3f, 0.9f)), coefficients(turned(-2, 0.9f)));
     EXPECT_NE(coefficients(turned(0.3f, 0.9f)), coefficients(turned(0.3f, 0.8f)));
@@ -84,7 +84,7 @@ TEST_F(PoseCorrectives, longerPosesAreShortenedToReachAndKeepTheirDirection) {
     ASSERT_GT(length, 0.5f);
     c_.reach = 0.25f * length;
     std::vector<float> k;
-    EXPECT_NEAR(correctiveCoefficients(c_, pose, k).length, length, 1e-5f * length);  // what it says is the length before
+    EXPECT_NEAR(correctiveCoefficients(c_, pose, k).length, length, 1e-5f * length);  // returns the length before shortening
     for (size_t i = 0; i < k.size(); ++i) EXPECT_NEAR(k[i], 0.25f * whole[i], 1e-6f);
     c_.reach = 1.01f * length;
     EXPECT_EQ(coefficients(pose), whole);
@@ -92,7 +92,7 @@ TEST_F(PoseCorrectives, longerPosesAreShortenedToReachAndKeepTheirDirection) {
 
 TEST_F(PoseCorrectives, fadeInProportionOffTheModesAndNotAlongThem) {
     c_.joints = {1}, c_.modeCount = 1;
-    c_.mean.assign(6, 0.0f), c_.modes = {0, 0, 0, 0, 2, 0};  // hears R_yy − 1
+    c_.mean.assign(6, 0.0f), c_.modes = {0, 0, 0, 0, 2, 0};  // reads R_yy − 1
     c_.nodes.resize(c_.nodeCount);
     Pose pose = Pose::rest(2);
     pose.localRotations[1] = glm::angleAxis(1.2f, Vec3f(0, 0, 1));  // features (cos − 1, sin, 0, −sin, cos − 1, 0)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Real CMU clips on rigs they were not recorded with.
+// Retargets recorded CMU clips onto other rigs.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -57,7 +57,7 @@ float degreesBetween(const Vec3f& a, const Vec3f& b) {
     const auto motion = mocap(name); \
     if (!motion) GTEST_SKIP() << "shared/data/mocap-cmu is not at hand (set DOPPEL_SHARED_DATA)"
 
-/** The MakeHuman files are z-up, facing −y; the retargeter turns them as the scan reader does: x, z, −y. */
+/** The MakeHuman files are z-up and face −y. Retargeting turns (x, y, z) to (x, z, −y). */
 Vec3f toYUp(const Motion& motion, const Vec3f& v) {
     return motion.name.starts_with("mh_") ? Vec3f(v.x, v.z, -v.y) : v;
 }
@@ -97,7 +97,7 @@ TEST(Retarget, tPoseFrameMakesATPoseOfAnAPoseRig) {
     const auto clip = retarget(*motion, rig, options);
     ASSERT_TRUE(clip) << clip.error().message;
     const auto p = positionsAt(*clip, rig, 0);
-    // The Daz skeleton's own T-pose bends elbows and wrists by up to 18° (lHand's OFFSET 22.6 0.77 7.07).
+    // The T-pose of the Daz skeleton bends elbows and wrists by up to 18° (OFFSET of lHand: 22.6 0.77 7.07).
     EXPECT_LT(degreesBetween(direction(rig, p, "leftUpperArm", "leftLowerArm"), {1, 0, 0}), 8.0f);
     EXPECT_LT(degreesBetween(direction(rig, p, "rightUpperArm", "rightLowerArm"), {-1, 0, 0}), 8.0f);
     EXPECT_LT(degreesBetween(direction(rig, p, "leftLowerArm", "leftHand"), {1, 0, 0}), 20.0f);
@@ -135,7 +135,7 @@ TEST(Retarget, walkingSwingsTheHandsAndBendsTheKneesForward) {
             for (const std::string side : {"left", "right"}) {
                 const Vec3f hip = p[jointOf(rig, side + "UpperLeg")], knee = p[jointOf(rig, side + "LowerLeg")],
                             foot = p[jointOf(rig, side + "Foot")];
-                const Vec3f bow = knee - 0.5f * (hip + foot);  // where the knee stands out of the line from hip to ankle
+                const Vec3f bow = knee - 0.5f * (hip + foot);  // offset of the knee from the line between hip and ankle
                 kneeMax = std::max(kneeMax, glm::dot(bow, forward));
                 kneeBackMax = std::max(kneeBackMax, -glm::dot(bow, forward));
                 lowest = std::min(lowest, foot.y);
@@ -223,7 +223,7 @@ TEST(Retarget, aRigInTPoseAndOneInAPoseMoveAlike) {
     const auto pa = positionsAt(*clipA, a, 4.0), pt = positionsAt(*clipT, t, 4.0);
     for (const auto& limb : kLimbs)
         EXPECT_LT(degreesBetween(direction(a, pa, limb[0], limb[1]), direction(t, pt, limb[0], limb[1])), 0.1f) << limb[0];
-    // Same limb lengths and hips: the hands are in the same place (hips differ by how the feet are grounded).
+    // Limb lengths and hips are the same, so the hands are in the same place up to the height at which the feet are grounded.
     EXPECT_LT(glm::length(pa[jointOf(a, "leftHand")] - pt[jointOf(t, "leftHand")]), 0.03f);
 }
 

@@ -53,7 +53,7 @@ TEST_F(Files, refusesMoreThanTheLimitAndFolders) {
 
 TEST_F(Files, fullDiskLeavesTheOldFileAlone) {
     if (::access("/dev/full", W_OK) != 0) GTEST_SKIP() << "/dev/full is not there";
-    // A target whose folder cannot take the temporary stands in for a disk that cannot.
+    // The temporary file cannot be created in the target's folder; this stands for a full disk.
     auto status = writeFileAtomically("/dev/full/x", "1");
     ASSERT_FALSE(status);
     EXPECT_NE(status.error().message.find("/dev/full/x"), std::string::npos);
@@ -69,7 +69,7 @@ TEST_F(Files, aLinkStaysALinkAndItsFileIsReplaced) {
     EXPECT_EQ(std::string(bytes->begin(), bytes->end()), "new");
 }
 
-TEST_F(Files, aLinkToNothingMakesTheFileItNames) {
+TEST_F(Files, aDanglingLinkCreatesItsTarget) {
     std::filesystem::create_symlink("later", folder_ / "link");
     ASSERT_TRUE(writeFileAtomically(folder_ / "link", "made"));
     EXPECT_TRUE(std::filesystem::is_symlink(folder_ / "link"));
@@ -106,7 +106,7 @@ TEST_F(Files, aFullDeviceIsAnErrorAndStaysADevice) {
 }
 
 TEST_F(Files, aFileIsRefusedByItsFirstBytes) {
-    // 8 TiB of nothing: reading it whole could not be tried.
+    // A sparse file of 8 TiB, far too large to read.
     const std::filesystem::path huge = folder_ / "huge";
     ASSERT_TRUE(writeFileAtomically(huge, "wrong"));
     std::filesystem::resize_file(huge, uint64_t(8) << 40);

@@ -39,12 +39,13 @@ TEST(Jobs, rangesCoverEverythingWithoutOverlap) {
 }
 
 TEST(Jobs, loopsInARowAndLoopsAfterASleepAllFinish) {
-    for (uint32_t threads : {2u, 5u}) {  // as many as cores, and more
+    for (uint32_t threads : {2u, 5u}) {  // at most as many as cores; more (on 2 to 4 cores)
         Jobs jobs(threads);
         std::vector<uint32_t> sums(37, 0);
         uint32_t loops = 0;
         for (int round = 0; round < 400; ++round) {
-            if (round % 100 == 99) std::this_thread::sleep_for(std::chrono::milliseconds(2));  // workers look for some 30 µs, then sleep
+            if (round % 100 == 99)
+                std::this_thread::sleep_for(std::chrono::milliseconds(2));  // longer than the 30 µs for which workers poll
             const size_t count = size_t(round) % (sums.size() + 1);
             jobs.forBlocks(count, [&](size_t block, uint32_t) { sums[block] += uint32_t(block) + 1; });
             for (size_t block = 0; block < count; ++block) loops += uint32_t(block) + 1;

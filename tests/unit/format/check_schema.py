@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""check_schema.py SCHEMA FILE...: DPL_gaussian_avatar of each .glb against the JSON Schema. Exit 77: skipped, the reason is printed.
+"""check_schema.py SCHEMA FILE...: checks DPL_gaussian_avatar of each .glb against the JSON Schema. Exit 77: skipped, the reason is printed.
 
 It also checks that the schema can fail: damaged copies of the extension must be refused."""
 import copy

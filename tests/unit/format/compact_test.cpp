@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Splat encoding 3: the entropy coder, the bits of fields, and that a file of it loads to the same words as one without.
+// Splat encoding 3 and correctives encoding 2: the entropy coder, bits of fields, and the same words after loading as from other encodings.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -45,7 +45,7 @@ TEST(Entropy, whatIsWrittenIsReadAndCostsAboutItsEntropy) {
     std::mt19937 random(3);
     std::geometric_distribution<uint32_t> falling(0.2);
     for (const size_t count : {size_t(0), size_t(1), size_t(2), size_t(1000), size_t(200001)}) {
-        std::vector<std::array<uint32_t, 4>> items;  // table, symbol, bits, how many
+        std::vector<std::array<uint32_t, 4>> items;  // table, symbol, bits, number of bits
         double entropy = 0;
         EntropyWriter writer(alphabets);
         for (size_t i = 0; i < count; ++i) {
@@ -67,12 +67,13 @@ TEST(Entropy, whatIsWrittenIsReadAndCostsAboutItsEntropy) {
             ASSERT_EQ(reader->bits(bits), value);
         }
         EXPECT_TRUE(reader->complete());
-        // One symbol or bit more than there was is noticed, and so is one less.
+        // complete() notices a symbol or bit too few or too many.
         auto fewer = EntropyReader::open(bytes, alphabets);
         EXPECT_EQ(fewer->complete(), count == 0);
         (void)reader->bits(8);
         EXPECT_FALSE(reader->complete());
-        for (int k = 0; k < 100; ++k) (void)reader->symbol(uint32_t(k) % 5), (void)reader->bits(32);  // past the end: zeros, no crash
+        for (int k = 0; k < 100; ++k)
+            (void)reader->symbol(uint32_t(k) % 5), (void)reader->bits(32);  // reads zeros past the end; must not crash
     }
 }
 
@@ -80,7 +81,7 @@ TEST(Entropy, tablesAndLengthsThatCannotBeAreRefused) {
     const uint16_t alphabets[] = {4};
     EntropyWriter writer(alphabets);
     for (uint32_t i = 0; i < 100; ++i) writer.symbol(0, i % 3);
-    const std::vector<uint8_t> good = writer.finish();  // 12 B of head, then 1366, 1365, 1365 and a run of zeros
+    const std::vector<uint8_t> good = writer.finish();  // 12 bytes of head, then frequencies 1366, 1365, 1365, then one zero
     ASSERT_TRUE(EntropyReader::open(good, alphabets));
     for (size_t size = 0; size < good.size(); ++size) EXPECT_FALSE(EntropyReader::open(std::span(good).first(size), alphabets)) << size;
     const auto refused = [&](size_t at, uint8_t value) {
@@ -122,7 +123,7 @@ TEST(CompactSplats, loadToTheSameWordsAsAFileOfWords) {
                               info.jsonBytes + info.otherBytes,
                           compact->size());
                 EXPECT_EQ(info.shPaletteSize > 0, palette && degree > 0);
-                // What is read and written again is the same bytes, asked for fewer bits or not.
+                // Reading and writing again gives the same bytes, also with fewer bits.
                 const AvatarData back = *readAvatar(*compact);
                 EXPECT_TRUE(*writeAvatar(back, {.shPalette = palette, .compact = true, .bits = bits}) == *compact);
                 EXPECT_TRUE(*writeAvatar(back, {.shPalette = palette, .compact = true}) == *compact);
@@ -170,7 +171,7 @@ TEST(CompactSplats, roundingStaysWithinHalfAStep) {
         EXPECT_EQ(farthest([](auto& s, uint32_t i) { return int(s.size[i] >> 30); }), 0);
         EXPECT_LE(farthest([](auto& s, uint32_t i) { return int(s.colour[i] & 1023); }), half(1023, bits.colour - 1));
         EXPECT_LE(farthest([](auto& s, uint32_t i) { return int(s.colour[i] >> 21); }), half(2047, bits.colour));
-        int phi = 0;  // goes round
+        int phi = 0;  // periodic
         for (uint32_t i = 0; i < whole.count(); ++i) {
             const int off = std::abs(int(whole.place[i] >> 22) - int(coarse.place[i] >> 22));
             phi = std::max(phi, std::min(off, 1024 - off));
@@ -224,7 +225,8 @@ AvatarData corrected() {
 }
 
 TEST(CompactCorrectives, loadToTheSameAsTheStreams) {
-    for (const uint32_t nodes : {1u, 2u, 40u, 300u, 2000u}) {  // 255 and fewer are always known; one takes no bits
+    for (const uint32_t nodes :
+         {1u, 2u, 40u, 300u, 2000u}) {  // up to 255 nodes all stay in the list of recent ones; a single node takes 0 bits
         const AvatarData a = test::withCorrectives(tube(0), nodes, {.modes = nodes > 1000 ? 2u : 7u, .nodes = nodes});
         const auto plain = writeAvatar(a), compact = writeAvatar(a, {.compact = true});
         ASSERT_TRUE(plain && compact);
@@ -327,7 +329,7 @@ TEST(CompactSplats, damagedFilesAreRefusedAndNothingCrashes) {
             EXPECT_FALSE(read.error().message.empty()) << what;
         }
     }
-    // Any byte of the coded stream, changed: an error, or an avatar that can be written and read like another.
+    // A changed byte of the coded stream gives an error, or an avatar that can be written and read again.
     std::mt19937 random(7);
     uint32_t refused = 0, changed = 0;
     for (int round = 0; round < 400; ++round) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// PlayCanvas compressed PLY: word by word, files of splat-transform, and hostile ones.
+// PlayCanvas compressed PLY: single words, files by splat-transform, and damaged files.
 #include "sdk/format/compressed_ply.h"
 
 #include <cstring>
@@ -37,7 +37,7 @@ TEST(CompressedPly, decodesWordByWordAsDefined) {
     EXPECT_FLOAT_EQ(s->sh[0], 0.5f / float(kShC0));
     EXPECT_NEAR(s->sh[1], (128 / 255.0 - 0.5) / kShC0, 1e-6);
     EXPECT_FLOAT_EQ(s->sh[299 * floats], 1.5f / float(kShC0)) << "colours of the second chunk reach 2";
-    // Nine bytes: three of red, of green, of blue; 256 bins over [−4, 4], the end bins are the ends.
+    // Nine bytes: three each of red, green, blue. 256 bins cover [−4, 4]; the first and the last decode to the ends.
     EXPECT_EQ(s->sh[3], -4);
     EXPECT_EQ(s->sh[6], 4);
     EXPECT_EQ(s->sh[9], 0.015625f);
@@ -52,8 +52,8 @@ TEST(CompressedPly, readsWhatSplatTransformWrites) {
     auto file = readSplats(pinned("splats.compressed.ply"));
     ASSERT_TRUE(file) << file.error().message;
     EXPECT_EQ(file->format, SplatFormat::CompressedPly);
-    // Half a step over the range of one chunk: 1.5 m in 11 or 10 bits; 10-bit rotations; e^1.95 in 11 bits; 8 bits; 8 bits over [−4, 4],
-    // floored.
+    // Tolerances are half a step of each code: positions 1.5 m in 11 or 10 bits; rotations 10 bits; scales e^1.95 in 11 bits; opacities 8
+    // bits. SH has 8 bits over [−4, 4].
     expectSplats(file->splats, pinnedSplats(), {0.0008f, 4e-6f, 0.002f, 0.002f, 0.0085f, 0.0157f});
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// checkCorrectives: one test per kind of array that may be wrong. The file's own damage is in hostile_test.cpp.
+// checkCorrectives: one case for each kind of bad array. hostile_test.cpp tests damaged files.
 #include "sdk/format/correctives.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInfinite = std:
 struct Bad {
     const char* what;
     void (*damage)(PoseCorrectiveData&);
-    const char* sentence;  // a piece of it
+    const char* sentence;  // part of the expected error
 };
 
 TEST(CheckCorrectives, refusesEachKindOfBadArray) {
@@ -51,7 +51,7 @@ TEST(CheckCorrectives, refusesEachKindOfBadArray) {
              c.nodeWeights[7] = {255, 255, 1, 0};
          },
          "vertex 7 sum to 511"},
-        {"node out of range", [](PoseCorrectiveData& c) { c.nodeIndices[4].y = 5; }, "vertex 4 hangs on pose corrective node 5"},
+        {"node out of range", [](PoseCorrectiveData& c) { c.nodeIndices[4].y = 5; }, "vertex 4 uses pose corrective node 5"},
         {"node out of range, weight 0",
          [](PoseCorrectiveData& c) {
              c.nodeWeights[4] = {255, 0, 0, 0}, c.nodeIndices[4].w = 9;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Takes a .glb apart and puts it together again, so that tests can damage one thing at a time.
+// Splits a .glb into its parts and joins them again, so that tests can damage one part at a time.
 #pragma once
 
 #include <cstring>
@@ -35,7 +35,7 @@ struct GlbParts {
         return out;
     }
 
-    /** Bytes of the buffer view that stream `name` of our extension names. */
+    /** Bytes of the buffer view of stream `name` of the extension DPL_gaussian_avatar. */
     std::span<uint8_t> stream(const char* name) {
         return view(json["extensions"]["DPL_gaussian_avatar"]["splats"]["streams"][name].get<size_t>());
     }

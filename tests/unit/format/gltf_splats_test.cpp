@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// glTF KHR_gaussian_splatting: ours, those of splat-transform, and hostile ones.
+// glTF KHR_gaussian_splatting: files by Doppel, by splat-transform, and damaged ones.
 #include "sdk/format/gltf_splats.h"
 
 #include <cstring>
@@ -30,7 +30,7 @@ TEST(GltfSplats, readsWhatSplatTransformWrites) {
     auto file = readSplats(pinned("splats_khr.glb"));
     ASSERT_TRUE(file) << file.error().message;
     StaticSplatData want = pinnedSplats();
-    const Mat3d halfTurn(-1, 0, 0, 0, -1, 0, 0, 0, 1);  // it takes a PLY to be y-down and turns it upright about z
+    const Mat3d halfTurn(-1, 0, 0, 0, -1, 0, 0, 0, 1);  // splat-transform takes a PLY as y-down and rotates it upright about z
     const ShRotator rotator;
     for (size_t i = 0; i < want.count(); ++i) {
         want.position[i] = Mat3f(halfTurn) * want.position[i];
@@ -40,7 +40,7 @@ TEST(GltfSplats, readsWhatSplatTransformWrites) {
     expectSplats(file->splats, want, {1e-6f, 1e-6f, 1e-5f, 1e-6f, 1e-6f, 2e-6f});
 }
 
-/** Nodes place their splats: position, axes and the directions of SH turn along. */
+/** The transform of a node applies to positions, axes and the directions of SH. */
 TEST(GltfSplats, nodesPlaceTheirSplats) {
     const StaticSplatData one = ofDegree(3);
     auto parts = test::split(*writeGltfSplats(one));
@@ -64,7 +64,7 @@ TEST(GltfSplats, nodesPlaceTheirSplats) {
     expectRefused(readSplats(parts.bytes()), "a mirror", Code::Unsupported, "mirrors");
 }
 
-/** Two primitives of different SH degree become one set; a mesh beside them is skipped. Integer attributes count as the extension says. */
+/** Two primitives of different SH degree become one set; a mesh beside them is skipped. Integer attributes decode as the extension says. */
 TEST(GltfSplats, primitivesAreJoinedAndIntegersDecoded) {
     auto parts = test::split(*writeGltfSplats(ofDegree(1)));
     const size_t at = parts.bin.size();

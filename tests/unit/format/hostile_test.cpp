@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bytes from outside: each damaged file must end in an error with a sentence, never in a crash or a huge allocation.
+// Damaged and hostile avatar files: each must give an error with a text, never a crash or a huge allocation.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ constexpr const char* kOurs = "DPL_gaussian_avatar";
 
 ReadLimits trusting() {
     ReadLimits limits;
-    limits.verifyHash = false;  // the damage must be found for what it is, not for the hash
+    limits.verifyHash = false;  // so that the reader finds the damage itself, not the wrong hash
     return limits;
 }
 
@@ -159,13 +159,13 @@ TEST(HostileAvatar, rejectList) {
         {"reach off the modes as text", [](GlbParts& p) { correctives(p)["reachOffModes"] = "far"; }},
         {"reach off the modes above every float", [](GlbParts& p) { correctives(p)["reachOffModes"] = 1e300; }},
         {"reach above every float", [](GlbParts& p) { correctives(p)["reach"] = 1e300; }},
-        {"heard joints missing", [](GlbParts& p) { correctives(p).erase("joints"); }},
-        {"heard joint out of range", [](GlbParts& p) { correctives(p)["joints"].back() = 8; }},
-        {"heard joint negative", [](GlbParts& p) { correctives(p)["joints"][0] = -1; }},
-        {"heard joint 2^40", [](GlbParts& p) { correctives(p)["joints"].back() = 1ull << 40; }},
-        {"heard joints not rising", [](GlbParts& p) { correctives(p)["joints"][1] = 0; }},
-        {"heard joints as text", [](GlbParts& p) { correctives(p)["joints"][0] = "hips"; }},
-        {"5000 heard joints", [](GlbParts& p) { for (int j = 0; j < 5000; ++j) correctives(p)["joints"].push_back(j); }},
+        {"feature joints missing", [](GlbParts& p) { correctives(p).erase("joints"); }},
+        {"feature joint out of range", [](GlbParts& p) { correctives(p)["joints"].back() = 8; }},
+        {"feature joint negative", [](GlbParts& p) { correctives(p)["joints"][0] = -1; }},
+        {"feature joint 2^40", [](GlbParts& p) { correctives(p)["joints"].back() = 1ull << 40; }},
+        {"feature joints not rising", [](GlbParts& p) { correctives(p)["joints"][1] = 0; }},
+        {"feature joints as text", [](GlbParts& p) { correctives(p)["joints"][0] = "hips"; }},
+        {"5000 feature joints", [](GlbParts& p) { for (int j = 0; j < 5000; ++j) correctives(p)["joints"].push_back(j); }},
         {"corrective streams missing", [](GlbParts& p) { correctives(p).erase("streams"); }},
         {"corrective mean missing", [](GlbParts& p) { correctives(p)["streams"].erase("mean"); }},
         {"corrective ranges missing", [](GlbParts& p) { correctives(p)["streams"].erase("ranges"); }},
@@ -265,7 +265,7 @@ TEST(HostileAvatar, fortyKilobytesOfBrackets) {
 void expectTruncationsRefused(const AvatarData& avatar) {
     const std::vector<uint8_t> good = *writeAvatar(avatar);
     for (size_t size = 0; size < good.size(); ++size) ASSERT_FALSE(readAvatar(std::span(good).first(size))) << size;
-    // The same with the header and the last chunk's length made to agree, so that the inner checks see it.
+    // The same with corrected lengths in the header and the last chunk, so that the inner checks are reached.
     GlbParts parts = test::split(good);
     for (size_t cut = parts.bin.size() - 4; cut > 4; cut -= 4) {
         GlbParts shorter = parts;
@@ -283,8 +283,7 @@ TEST(HostileAvatar, everyTruncationIsAnError) {
 
 TEST(HostileAvatar, everyBitFlipIsNoticed) {
     std::vector<uint8_t> bytes = *writeAvatar(tinyWithCorrectives());
-    for (size_t bit = 0; bit < bytes.size() * 8;
-         bit += 15) {  // about every second byte, at another bit each time: keeps the test at seconds
+    for (size_t bit = 0; bit < bytes.size() * 8; bit += 15) {  // about every second byte, at varying bits, to keep the test at seconds
         bytes[bit / 8] ^= uint8_t(1 << bit % 8);
         ASSERT_FALSE(readAvatar(bytes)) << "bit " << bit % 8 << " of byte " << bit / 8;
         bytes[bit / 8] ^= uint8_t(1 << bit % 8);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// PLY, KHR_gaussian_splatting and skinned glTF: what other programs write and read; and the pinned files of versions 1 and 2.
+// PLY, KHR_gaussian_splatting and skinned glTF, as other programs use them; and pinned avatar files of versions 1 and 2.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -48,7 +48,7 @@ TEST(AvatarVersion1, pinnedBytesStillRead) {
     EXPECT_EQ(a->mesh.jointWeights[1], glm::u8vec4(128, 127, 0, 0));
     EXPECT_EQ(a->mesh.triangles[1], glm::uvec3(0, 2, 3));
     EXPECT_EQ(a->splats.triangleStart, (std::vector<uint32_t>{0, 2, 3}));
-    // Exact: the codes of the file and the documented decoding, in double, rounded to float.
+    // Exact: the codes decoded in double by the documented formulas, rounded to float.
     EXPECT_EQ(a->splats.uv[1], Vec2f(0.5f, 0.25f));
     EXPECT_EQ(a->splats.phi[1], float(326 * 3.14159265358979323846 / 1024));
     EXPECT_EQ(a->splats.scaleM[0].y, 0.002f);  // the smallest and the largest scale of a chunk are exact
@@ -79,7 +79,7 @@ TEST(AvatarVersion2, pinnedBytesStillRead) {
     ASSERT_EQ(c.nodeIndices.size(), 4u);
     EXPECT_EQ(c.nodeIndices[2], glm::u16vec4(1, 0, 0, 0));
     EXPECT_EQ(c.nodeWeights[2], glm::u8vec4(200, 55, 0, 0));
-    // Exact: the largest magnitude of a mode and component decodes exactly, the rest is a code over 32767.
+    // Exact: the largest magnitude of a mode and component is stored as float, other values are code / 32767 of it.
     ASSERT_EQ(c.nodes.size(), 4u);
     EXPECT_EQ(c.nodes[0], Vec4f(0.02f, 0, 0, -0.5f));
     EXPECT_EQ(c.nodes[1], Vec4f(0, -0.01f, 0, 0.25f));
@@ -134,7 +134,7 @@ TEST(Ply, damagedFilesAreRefused) {
     EXPECT_FALSE(readPly(bad));
 }
 
-TEST(Ply, readsAFileOfSomebodyElse) {
+TEST(Ply, readsAFileOfAnotherProgram) {
     const auto shared = sharedData();
     if (!shared || !std::filesystem::exists(*shared / "splats/donut.inria-sh0.ply"))
         GTEST_SKIP() << "no shared data with splats/donut.inria-sh0.ply";
@@ -171,7 +171,7 @@ TEST(SkinnedGltf, readsAnAvatarAsAnyBody) {
         EXPECT_EQ(body->meshes[0].positions.size(), a.mesh.layers[0].vertexCount);
         EXPECT_EQ(body->meshes[0].triangles[3], a.mesh.triangles[3]);
         const auto world = body->restTransforms();
-        for (const auto& joint : body->joints) {  // at rest, joint and bind matrix cancel
+        for (const auto& joint : body->joints) {  // at rest, joint transform and inverse bind matrix cancel
             const Mat4f m = world[joint.node] * joint.jointFromMesh;
             for (int c = 0; c < 4; ++c) EXPECT_LT(glm::length(m[c] - Mat4f(1)[c]), 1e-5f);
         }
@@ -237,10 +237,10 @@ TEST(SkinnedGltf, sampleChannelInterpolates) {
     EXPECT_EQ(sampleChannel(c, 2.9f), Vec4f(0));
     c.interpolation = SkinnedGltf::Interpolation::Cubic;
     c.values = {{}, {0, 0, 0, 0}, {}, {}, {2, 4, 6, 0}, {}};
-    EXPECT_EQ(sampleChannel(c, 2), Vec4f(1, 2, 3, 0));  // flat tangents: the middle is the mean
+    EXPECT_EQ(sampleChannel(c, 2), Vec4f(1, 2, 3, 0));  // with zero tangents the middle is the mean
     c.interpolation = SkinnedGltf::Interpolation::Linear, c.path = SkinnedGltf::Path::Rotation;
     const float h = std::sqrt(0.5f);
-    c.values = {{0, 0, 0, 1}, {0, 0, -h, -h}};  // the short way round, although the sign differs
+    c.values = {{0, 0, 0, 1}, {0, 0, -h, -h}};  // takes the shorter arc, although the signs differ
     EXPECT_NEAR(sampleChannel(c, 2).z, std::sin(0.7853981634 / 2), 1e-6);
 }
 

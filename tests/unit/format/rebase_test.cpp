@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sorting and re-basing: order is deterministic, and a re-based splat draws the same ellipse in any pose.
+// sortSplats, rebaseSplats and packWeights. Order is deterministic; a rebased splat draws the same ellipse in any pose.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -57,7 +57,7 @@ TEST(RebaseSplats, posedCovarianceIsUnchanged) {
         worst = std::max(worst, norm(after - before) / norm(before));
         ++cases;
     }
-    // φ, s1, s2 come back as floats (6e-8 each); poses that squeeze the major axis by up to some tens magnify that.
+    // φ, s1, s2 are rounded to floats (6e-8 each). Poses that shrink the major axis up to some tens of times magnify the error.
     EXPECT_LT(worst, 1e-5);
     RecordProperty("worst_relative", std::to_string(worst));
     std::printf("posed covariance: worst relative change %.2e over %d cases\n", worst, cases);
@@ -66,7 +66,7 @@ TEST(RebaseSplats, posedCovarianceIsUnchanged) {
 TEST(RebaseSplats, degenerateTrianglesKeepTheirSplats) {
     AvatarData a = test::tinyAvatar();
     const std::vector<Vec3f> old = a.mesh.restPositions;
-    a.mesh.restPositions[2] = a.mesh.restPositions[1];  // triangle 0 collapses, triangle 1 does not
+    a.mesh.restPositions[2] = a.mesh.restPositions[1];  // makes triangle 0 degenerate, not triangle 1
     auto left = rebaseSplats(old, a);
     ASSERT_TRUE(left);
     EXPECT_EQ(*left, 2u);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What comes back from a file, how exact it is, and that writing it again changes no byte.
+// Writes and reads avatars: precision of what comes back, and the same bytes when it is written again.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -73,7 +73,7 @@ TEST(AvatarRoundTrip, verticesAndTrianglesKeepTheirOrderAndWeightsAreExact) {
     for (size_t v = 0; v < a.mesh.restPositions.size(); ++v) {
         for (int k = 0; k < 3; ++k)
             EXPECT_LE(std::abs(a.mesh.restPositions[v][k] - b.mesh.restPositions[v][k]),
-                      kPositionStepM / 2 * 1.01f);  // half a step, plus the float's own rounding
+                      kPositionStepM / 2 * 1.01f);  // half a step, plus the rounding of float
         for (int k = 0; k < 4; ++k) EXPECT_EQ(a.mesh.jointWeights[v][k] ? a.mesh.jointIndices[v][k] : 0, b.mesh.jointIndices[v][k]);
     }
 }
@@ -91,7 +91,7 @@ TEST(AvatarRoundTrip, splatErrorsStayWithinHalfAStep) {
     ASSERT_EQ(x.count(), y.count());
     EXPECT_TRUE(x.triangleStart == y.triangleStart);
     EXPECT_TRUE(x.flags == y.flags);
-    // The widest range a chunk can have here is the range of the generator; half a step of it, with 1 % for rounding.
+    // The range of a chunk is at most that of the generator. Half a step of it, plus 1 % for rounding.
     const double logStep = 4.0 / 2047, uvStep = 1.0 / 1820;
     for (uint32_t i = 0; i < x.count(); ++i) {
         EXPECT_LE(std::abs(x.uv[i].x - y.uv[i].x), uvStep / 2 * 1.01);
@@ -107,7 +107,7 @@ TEST(AvatarRoundTrip, splatErrorsStayWithinHalfAStep) {
 }
 
 TEST(AvatarRoundTrip, quantisationIsUnbiased) {
-    // Floor instead of rounding would shift u by a quarter of a step of 1/1820 on average over many splats (1.4e-4 after √n: 5e-6).
+    // Floor instead of rounding would shift the mean of u by about 1.4e-4, a quarter of the step 1/1820. The noise of the mean is 5e-6.
     const AvatarData a = randomAvatar(5, 0, 20, 20, 10), b = throughFile(a);
     double mean = 0, opacity = 0;
     for (uint32_t i = 0; i < a.splats.count(); ++i)
@@ -141,7 +141,7 @@ TEST(AvatarRoundTrip, writingWhatWasReadGivesTheSameBytes) {
 }
 
 TEST(AvatarRoundTrip, rangesOfAFewUlpsAreIdempotentToo) {
-    // 2048 codes over a dozen floats: several codes decode alike, and the writer must settle on one of them.
+    // 2048 codes over a dozen floats: several codes decode to the same value, and the writer must always choose the same one.
     AvatarData a = randomAvatar(30, 1);
     for (uint32_t i = 0; i < a.splats.count(); ++i) {
         a.splats.scaleM[i] = Vec2f(std::nextafter(0.01f, 1.0f) + float(i % 13) * 1e-9f, 0.01f);
@@ -195,8 +195,8 @@ TEST(AvatarRoundTrip, correctivesComeBack) {
     EXPECT_TRUE(x.modes == y.modes);
     EXPECT_TRUE(x.nodeIndices == y.nodeIndices);
     EXPECT_TRUE(x.nodeWeights == y.nodeWeights);
-    // What a vertex can feel: a node's sum over the modes with ‖k‖ ≤ reach, at worst √(Σ_i error_i²)·reach. 16 bits keep it far inside
-    // the bar of 0.05 mm and 0.002; 8 bits would miss it (range 0.03 m / 254 a mode: 1 mm).
+    // Largest error at a vertex: the sum over the modes of a node with ‖k‖ ≤ reach, at worst √(Σ_i error_i²)·reach. 16 bits are far inside
+    // the bars of 0.05 mm and 0.002. 8 bits would miss them (range 0.03 m / 254 per mode: 1 mm).
     double offset = 0, light = 0;
     ASSERT_EQ(x.nodes.size(), y.nodes.size());
     for (uint32_t n = 0; n < x.nodeCount; ++n) {
@@ -218,7 +218,7 @@ TEST(AvatarRoundTrip, onlyFilesWithCorrectivesNeedVersion2) {
     EXPECT_EQ(inspectAvatar(*writeAvatar(tinyAvatar()))->version, 1u);
     EXPECT_EQ(inspectAvatar(*writeAvatar(withCorrectives(tinyAvatar(), 1)))->version, 2u);
     AvatarData leftovers = tinyAvatar();
-    leftovers.correctives.joints = {0};  // without nodes there are none
+    leftovers.correctives.joints = {0};  // ignored: an avatar without nodes has no correctives
     EXPECT_TRUE(*writeAvatar(leftovers) == *writeAvatar(tinyAvatar()));
 }
 
@@ -253,10 +253,10 @@ TEST(AvatarRoundTrip, emptyAvatarOneSplatOneTriangle) {
     one.splats.opacity = {1}, one.splats.flags = {0}, one.splats.sh = {0, 0, 0};
     expectSameBytes(one);
     const AvatarData back = throughFile(one);
-    EXPECT_EQ(back.splats.uv[0], Vec2f(0, 1));  // corners of a triangle are exact codes
+    EXPECT_EQ(back.splats.uv[0], Vec2f(0, 1));  // corners of a triangle have exact codes
 }
 
-/** SH rows of only `rows` kinds, as paletteSh leaves them. */
+/** Replaces the SH by `rows` different rows, as paletteSh does. */
 AvatarData withRepeatedSh(AvatarData a, uint32_t rows) {
     const uint32_t stride = shCoefficientCount(a.splats.shDegree) * 3;
     for (uint32_t i = rows; i < a.splats.count(); ++i)
@@ -280,7 +280,7 @@ TEST(AvatarShPalette, writesEachRowOnceAndIsAFixedPoint) {
                 ASSERT_LE(std::abs(a.splats.sh[k] - back->splats.sh[k]), 0.3 / 127 / 2 * 1.01) << k;
             }
         EXPECT_TRUE(*writeAvatar(*back, {.shPalette = true}) == *bytes);
-        EXPECT_EQ(inspectAvatar(*writeAvatar(*back))->shPaletteSize, 0u);  // without being asked nobody makes one
+        EXPECT_EQ(inspectAvatar(*writeAvatar(*back))->shPaletteSize, 0u);  // no palette unless asked for
     }
 }
 
@@ -315,7 +315,7 @@ TEST(CodedAvatar, holdsTheBytesOfTheFileAndDecodesToTheSameSplats) {
         EXPECT_TRUE(s.uv == whole.splats.uv && s.phi == whole.splats.phi && s.scaleM == whole.splats.scaleM &&
                     s.opacity == whole.splats.opacity);
         EXPECT_TRUE(s.flags == whole.splats.flags && s.sh == whole.splats.sh);
-        // Its triangle costs a byte, and a chunk knows the first and the last.
+        // A splat stores its triangle in one byte; a chunk stores the range of its triangles.
         for (const SplatChunk& c : coded->splats.chunks) {
             EXPECT_EQ(coded->splats.parents[c.firstParent + coded->splats.parent[c.firstSplat]], c.firstTriangle);
             EXPECT_EQ(coded->splats.parents[c.firstParent + coded->splats.parent[c.firstSplat + c.splatCount - 1]], c.endTriangle - 1);
@@ -342,7 +342,7 @@ TEST(AvatarRoundTrip, inspectAddsUpToTheFile) {
         EXPECT_EQ(info->shBytes, info->splats * 9u);
         EXPECT_EQ(info->correctiveModes, 3u);
         EXPECT_EQ(info->correctiveNodes, 11u);
-        // mean and modes of 20 joints, a range a mode, a node and mode, a vertex
+        // mean and modes of 20 joints; ranges per mode; values per node and mode; indices and weights per vertex
         EXPECT_EQ(info->correctiveBytes, 20 * 6 * 4 * (1 + 3) + 3 * 16 + 11 * 3 * 8 + info->vertices * 12u);
         EXPECT_TRUE(info->hashMatches);
         EXPECT_GT(info->chunks, 2u);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small avatars for the format tests, made from a seed.
+// Small avatars for the format tests.
 #pragma once
 
 #include <cmath>
@@ -12,7 +12,7 @@
 
 namespace dpl::test {
 
-/** Two joints, one layer of two triangles, three splats of SH degree 0, one clip: the pinned file of version 1. */
+/** Two joints, one layer of two triangles, three splats of SH degree 0, one clip. The pinned file of version 1 holds it. */
 inline AvatarData tinyAvatar() {
     AvatarData a;
     a.name = "tiny", a.generator = "doppel tests";
@@ -36,7 +36,7 @@ inline AvatarData tinyAvatar() {
     return a;
 }
 
-/** The same with pose correctives of two nodes and two modes: the pinned file of version 2. */
+/** The same with pose correctives of two nodes and two modes. The pinned file of version 2 holds it. */
 inline AvatarData tinyCorrectedAvatar() {
     AvatarData a = tinyAvatar();
     PoseCorrectiveData& c = a.correctives;
@@ -50,7 +50,7 @@ inline AvatarData tinyCorrectedAvatar() {
     return a;
 }
 
-/** Three layers of wavy grids with skin, splats of every size, and two clips. */
+/** Random but reproducible: three layers of wavy grids with skin weights, splats of all sizes, two clips. */
 inline AvatarData randomAvatar(uint32_t seed, uint32_t shDegree, uint32_t joints = 20, uint32_t cells = 12,
                                uint32_t splatsPerTriangle = 4) {
     std::mt19937 random(seed);

@@ -16,7 +16,7 @@ struct CorrectiveOptions {
     float reach = 1.5f, reachOffModes = 1e6f;
 };
 
-/** Hears every joint. Nodes sit at vertices; a vertex hangs on the four nearest. Coefficients of a turned joint are about 1. */
+/** All joints are in the feature. Nodes lie at vertices; a vertex uses the four nearest. A rotated joint gives coefficients of about 1. */
 inline PoseCorrectiveData randomCorrectives(const AvatarData& avatar, uint32_t seed, const CorrectiveOptions& o = {}) {
     std::mt19937 random(seed);
     std::normal_distribution<float> normal;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What tests of general splat files share: files that other people's programs wrote and what they hold, refusals, and files with damage.
+// Shared by tests of general splat files: pinned files by other programs and their content, refusals, damaged files.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -25,8 +25,8 @@ inline Bytes pinned(const char* name) {
     return fileBytes(sourceFolder() / "tests/unit/format/pinned" / name);
 }
 
-/** What the pinned files hold. splats_v*.spz come from the reference library (@adobe/spz, 8 bits of SH), splats.compressed.ply and
- *  splats_khr.glb from PlayCanvas' splat-transform 2.7.1, which sorts them in its own way and turns the .glb half around z. */
+/** Content of the pinned files. splats_v*.spz are by the reference library (@adobe/spz, 8 bits of SH); splats.compressed.ply and
+ *  splats_khr.glb are by PlayCanvas' splat-transform 2.7.1, which reorders the splats and rotates the .glb by half a turn about z. */
 inline StaticSplatData pinnedSplats() {
     StaticSplatData s;
     s.shDegree = 3;
@@ -44,12 +44,12 @@ inline StaticSplatData pinnedSplats() {
     return s;
 }
 
-/** See expectSplats. */
+/** Largest differences that expectSplats accepts. */
 struct Tolerance {
     float place, turn, scaleShare, opacity, dc, rest;
 };
 
-/** `read` holds the splats of `want` in any order, told apart by place. */
+/** Expects the splats of `want` in `read`, in any order; matches them by position. */
 inline void expectSplats(const StaticSplatData& read, const StaticSplatData& want, const Tolerance& t) {
     ASSERT_EQ(read.count(), want.count());
     ASSERT_EQ(read.shDegree, want.shDegree);
@@ -75,7 +75,7 @@ inline void expectRefused(const Result<SplatFile>& result, const char* what, Cod
     EXPECT_NE(result.error().message.find(says), std::string::npos) << what << ": " << result.error().message;
 }
 
-/** Every truncation is refused; a flipped bit is refused or read, never worse. */
+/** Expects that every truncation is refused, and that a flipped bit is refused or read without harm. */
 inline void expectSturdy(const Bytes& good) {
     ASSERT_TRUE(readSplats(good));
     for (size_t size = 0; size < good.size(); ++size) {
@@ -94,7 +94,7 @@ inline void expectSturdy(const Bytes& good) {
         }
 }
 
-/** The pinned splats with fewer bands. */
+/** The pinned splats cut to this SH degree. */
 inline StaticSplatData ofDegree(uint32_t degree) {
     StaticSplatData s = pinnedSplats(), out = s;
     out.shDegree = degree, out.sh.clear();
@@ -109,7 +109,7 @@ void append(Bytes& out, T value) {
     out.insert(out.end(), raw, raw + sizeof(T));
 }
 
-/** 300 splats in two chunks, SH degree 1, by hand. */
+/** A hand-made file: 300 splats in two chunks, SH degree 1. */
 struct CompressedPlyByHand {
     uint32_t count = 300, chunks = 2, shRows = 300;
     bool chunkColours = true;

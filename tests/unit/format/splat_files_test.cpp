@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files of general splats as one: told by content, plain PLY, boxes, the shared scans.
+// readSplats and its helpers: recognised formats, plain PLY, bounding boxes, the scans of shared/data.
 #include "sdk/format/splat_file.h"
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 
 using namespace test;
 
-TEST(SplatFile, isToldByItsContent) {
+TEST(SplatFile, isRecognisedByItsContent) {
     EXPECT_EQ(splatFormatOf(*writePly(ofDegree(0))), SplatFormat::InriaPly);
     EXPECT_EQ(splatFormatOf(CompressedPlyByHand().bytes()), SplatFormat::CompressedPly);
     EXPECT_EQ(splatFormatOf(pinned("splats_v2.spz")), SplatFormat::Spz);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// SPZ: what its definition says about the bytes, files of the reference library, and hostile ones.
+// SPZ: single bytes by the definition of the format, files by the reference library, and damaged files.
 #include "sdk/format/spz.h"
 
 #include <zlib.h>
@@ -14,8 +14,8 @@ namespace {
 
 using namespace test;
 
-// Half a step of: 12 fractional bits an axis, 10-bit rotations (in version 2 8 bits, and w = √(1 − …) makes more of their error where it is
-// small), 1/16 in log scale, 1/255, 1/255/0.15, 1/128.
+// Half a step of: positions with 12 fractional bits; rotations of 10 bits (in version 2 of 8 bits, and w = √(1 − …) magnifies their error
+// where it is small); log scales in 1/16; opacities in 1/255; colours in 1/255/0.15; SH in 1/128.
 constexpr Tolerance kSpz = {0.00025f, 4e-6f, 0.033f, 0.0021f, 0.014f, 0.0041f}, kSpz2 = {0.00025f, 6e-4f, 0.033f, 0.0021f, 0.014f, 0.0041f};
 
 TEST(Spz, readsWhatTheReferenceLibraryWrites) {
@@ -43,7 +43,7 @@ Bytes gzip(const Bytes& in) {
     return out;
 }
 
-/** One splat by hand. */
+/** A hand-made file of one splat. */
 struct SpzByHand {
     uint32_t magic = 0x5053474e, version = 3, count = 1;
     uint8_t degree = 0, fractionalBits = 12, flags = 0;
@@ -65,7 +65,7 @@ SpzByHand oneSpzSplat() {
               51,                                                    // opacity 0.2
               0,    128,  255,                                       // colour
               160,  0,    255,                                       // log scale 0, −10, 5.9375
-              0xff, 0x01, 0x00, 0xc0};                               // w left out, x = y = 0, z = 511/511/√2: a quarter turn about z
+              0xff, 0x01, 0x00, 0xc0};                               // w is left out, x = y = 0, z = 511/511/√2: a quarter turn about z
     return f;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs the Khronos validator over .glb files: node validate_gltf.mjs NPM_FOLDER FILE...
-// 0 errors and 0 warnings wanted; NPM_FOLDER holds node_modules/gltf-validator (validate_files.sh installs it).
+// Passes with 0 errors and 0 warnings. NPM_FOLDER holds node_modules/gltf-validator (validate_files.sh installs it).
 import fs from 'node:fs';
 import path from 'node:path';
 import { createRequire } from 'node:module';
