@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "sdk/backend/vulkan/vulkan_backend.h"
+#include "sdk/backend/vulkan/vulkan_test_options.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/splat_file.h"
 #include "sdk/render/gpu_renderer.h"
@@ -112,7 +112,7 @@ Result<Contestant> plainContestant(const std::string& renderer, const BenchSubje
 }
 
 Result<Contestant> switchedContestant(const Switch& off, const BenchSubject& subject, std::span<const Cameraf> views) {
-    VulkanOptions vulkan;
+    VulkanTestOptions vulkan;
     vulkan.allowSoftwareDevice = true;
     auto backend = createVulkanBackend(vulkan);
     if (!backend) return fail(Code::Unsupported, "no Vulkan on this machine: {}", backend.error().message);
