@@ -100,8 +100,10 @@ Result<std::vector<Keypoint>> readKeypoints(const Scan& scan, const ScanFrame& f
     DPL_TRY(const json file, readJsonObject(frame.keypointsPath));
     const std::string where = frame.keypointsPath.string();
     JsonFields fields(file, where);
-    DPL_TRY(const json* positions, fields.array("xy_noisy"));
-    // Order: by the file's own names when it has them, else that of the scan.
+    // "xy_noisy" is the name of "detections" in older scans. "xy" holds the true positions of synthetic scans and is never read.
+    const char* key = fields.has("xy_noisy") && !fields.has("detections") ? "xy_noisy" : "detections";
+    DPL_TRY(const json* positions, fields.array(key));
+    // The file's own names give the order; without them it is the order of the scan.
     std::vector<size_t> slot(positions->size(), SIZE_MAX);
     if (fields.has("names")) {
         DPL_TRY(const json* names, fields.array("names"));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Observations for a whole scan, as files in the layout of our scan folders.
+// Observations of a whole scan, written as files in the layout of a scan folder.
 #include <cmath>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -29,27 +29,41 @@ Status writeKeypoints(const fs::path& path, const ScanFrame& frame, const std::v
     nlohmann::ordered_json file;
     file["image"] = frame.name;
     file["names"] = nlohmann::ordered_json::array();
-    file["xy_noisy"] = nlohmann::ordered_json::array();
+    file["detections"] = nlohmann::ordered_json::array();
     file["confidence"] = nlohmann::ordered_json::array();
     const auto names = observedKeypointNames();
     for (size_t k = 0; k < keypoints.size(); ++k) {
         file["names"].push_back(std::string(names[k]));
-        file["xy_noisy"].push_back({std::round(keypoints[k].px.x * 1000) / 1000, std::round(keypoints[k].px.y * 1000) / 1000});
+        file["detections"].push_back({std::round(keypoints[k].px.x * 1000) / 1000, std::round(keypoints[k].px.y * 1000) / 1000});
         file["confidence"].push_back(std::round(keypoints[k].confidence * 1000) / 1000);
     }
     const std::string text = file.dump() + "\n";
     return writeFile(path, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
 }
 
+/** What the scan lacks for one frame, and so the networks make. */
 struct Wanted {
     bool keypoints = false, labels = false, mask = false;
     bool any() const { return keypoints || labels || mask; }
 };
 
-/** want.labels is cleared when nobody was found: no label picture is better than an empty one. */
-Status observeFrame(Observer& observer, const ScanFrame& frame, Wanted& want, const fs::path& output) {
-    // The networks look at the picture as stored, lens distortion and all, because files of a scan speak of stored pixels; the reader
-    // takes the lens out of everything alike.
+Wanted wantedOf(const Scan& scan, const ScanFrame& frame) {
+    return {scan.keypointNames.empty(), frame.labelsPath.empty(), frame.maskPath.empty()};
+}
+
+/** Paths of one frame's files in an output folder. */
+struct FramePaths {
+    fs::path keypoints, labels, mask;
+    FramePaths(const fs::path& folder, const ScanFrame& frame)
+        : keypoints(folder / "keypoints" / (frame.name + ".json")),
+          labels(folder / "labels" / (frame.name + ".png")),
+          mask(folder / "masks" / (frame.name + ".png")) {}
+};
+
+/** Writes no label picture when nobody was found. */
+Status observeFrame(Observer& observer, const ScanFrame& frame, const Wanted& want, const fs::path& output) {
+    // The networks see the stored pixels, lens distortion included: files of a scan give positions in stored pixels, and the readers
+    // undistort them.
     ScanFrame stored = frame;
     stored.lens = {};
     DPL_TRY(const ImageRgb8 image, readFrameImage(stored));
@@ -58,48 +72,56 @@ Status observeFrame(Observer& observer, const ScanFrame& frame, Wanted& want, co
         DPL_TRY(mask, readFrameMask(stored));
     }
     DPL_TRY(const Observation seen, observer.observe(image, mask ? &*mask : nullptr));
-    if (want.keypoints) DPL_CHECK_OK(writeKeypoints(output / "keypoints" / (frame.name + ".json"), frame, seen.keypoints));
-    if (want.mask) DPL_CHECK_OK(writePng(output / "masks" / (frame.name + ".png"), seen.mask));
-    want.labels = want.labels && !seen.labels.pixels.empty();
-    if (want.labels) DPL_CHECK_OK(writePng(output / "labels" / (frame.name + ".png"), seen.labels));
+    const FramePaths paths(output, frame);
+    if (want.keypoints) DPL_CHECK_OK(writeKeypoints(paths.keypoints, frame, seen.keypoints));
+    if (want.mask) DPL_CHECK_OK(writePng(paths.mask, seen.mask));
+    if (want.labels && !seen.labels.pixels.empty()) DPL_CHECK_OK(writePng(paths.labels, seen.labels));
     return {};
 }
 
 }  // namespace
 
-Status observeScan(Scan& scan, const ObserveOptions& options, Jobs& jobs) {
-    const bool wantKeypoints = scan.keypointNames.empty();
+Status observeScan(const Scan& scan, const ObserveOptions& options, Jobs& jobs) {
     std::vector<std::optional<Observer>> observers(jobs.threadCount());
-    DPL_TRY(observers[0], Observer::load(options.models));
-    const bool labelsPossible = observers[0]->hasLabels();
-    for (size_t i = 1; i < observers.size(); ++i) {
-        DPL_TRY(observers[i], Observer::load(options.models));
+    for (auto& observer : observers) {
+        DPL_TRY(observer, Observer::load(options.models));
     }
-    std::vector<Wanted> wanted;
-    for (const auto& frame : scan.frames)
-        wanted.push_back({wantKeypoints, labelsPossible && frame.labelsPath.empty(), frame.maskPath.empty()});
     std::vector<Status> results(scan.frames.size());
     std::mutex progressLock;
     size_t done = 0;
     jobs.forBlocks(scan.frames.size(), [&](size_t i, uint32_t worker) {
-        if (wanted[i].any()) results[i] = observeFrame(*observers[worker], scan.frames[i], wanted[i], options.output);
+        const ScanFrame& frame = scan.frames[i];
+        Wanted want = wantedOf(scan, frame);
+        want.labels = want.labels && observers[worker]->hasLabels();
+        if (want.any()) results[i] = observeFrame(*observers[worker], frame, want, options.output);
         if (!options.progress) return;
         const std::lock_guard lock(progressLock);
         options.progress(++done, scan.frames.size());
     });
     for (const auto& result : results) DPL_CHECK_OK(result);
-    if (wantKeypoints)
-        for (const auto name : observedKeypointNames()) scan.keypointNames.emplace_back(name);
+    return {};
+}
+
+Scan withObservations(Scan scan, const fs::path& folder) {
     bool newLabels = false;
-    for (size_t i = 0; i < scan.frames.size(); ++i) {
-        ScanFrame& frame = scan.frames[i];
-        if (wanted[i].keypoints) frame.keypointsPath = options.output / "keypoints" / (frame.name + ".json");
-        if (wanted[i].labels) frame.labelsPath = options.output / "labels" / (frame.name + ".png"), newLabels = true;
-        if (wanted[i].mask) frame.maskPath = options.output / "masks" / (frame.name + ".png");
+    for (ScanFrame& frame : scan.frames) {
+        const Wanted want = wantedOf(scan, frame);
+        const FramePaths made(folder, frame);
+        const auto take = [](bool wanted, const fs::path& from, fs::path& to) {
+            std::error_code error;
+            if (!wanted || !fs::is_regular_file(from, error)) return false;
+            to = from;
+            return true;
+        };
+        take(want.keypoints, made.keypoints, frame.keypointsPath);
+        take(want.mask, made.mask, frame.maskPath);
+        newLabels |= take(want.labels, made.labels, frame.labelsPath);
     }
+    if (scan.keypointNames.empty())
+        for (const auto name : observedKeypointNames()) scan.keypointNames.emplace_back(name);
     if (newLabels && scan.labels.empty())
         scan.labels = {{"background", 0}, {"body", 1}, {"top", 2}, {"bottom", 3}, {"hair", 4}, {"shoes", 5}};
-    return {};
+    return scan;
 }
 
 }  // namespace dpl

@@ -56,7 +56,8 @@ struct Scan {
  *  Checks every path, number and size; truth files are never opened. Errors name the file and the remedy. */
 Result<Scan> readScan(const std::filesystem::path& root);
 
-/** Keypoints of one frame ("xy_noisy" only); an empty vector when the frame has none. */
+/** Keypoints of one frame, from "detections" (older scans: "xy_noisy") of its file and never from "xy", the truth of synthetic scans.
+ *  Empty when the frame has none. */
 Result<std::vector<Keypoint>> readKeypoints(const Scan& scan, const ScanFrame& frame);
 
 /** 8-bit RGB, row-major. */

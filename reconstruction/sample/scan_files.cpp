@@ -141,7 +141,7 @@ std::string keypointsJson(const Subject& subject, const PlannedFrame& frame, con
         confidence.push_back(rounded(k.confidence, 1e3));
         sigma.push_back(rounded(k.sigmaPx, 1e3));
     }
-    const Json j{{"image", frame.name},      {"names", nameList(subject)}, {"xy", xy}, {"xy_noisy", noisy}, {"visibility", visibility},
+    const Json j{{"image", frame.name},      {"names", nameList(subject)}, {"xy", xy}, {"detections", noisy}, {"visibility", visibility},
                  {"confidence", confidence}, {"noise_sigma_px", sigma}};
     return j.dump() + "\n";
 }

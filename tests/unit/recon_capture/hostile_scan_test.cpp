@@ -197,9 +197,9 @@ TEST(HostileScan, keypointFilesThatDoNotFit) {
     auto scan = readScan(builder.write());
     ASSERT_TRUE(scan) << scan.error().message;
     for (const char* bad :
-         {R"({"xy_noisy":[[1,2]]})", R"({"names":["nose","pelvis"],"xy_noisy":[[1,2]]})", R"({"names":["nose"],"xy_noisy":[[1]]})",
-          R"({"names":["nose"],"xy_noisy":[["a",2]]})", R"({"names":["nose"],"xy_noisy":[[1,2]],"confidence":[]})",
-          R"({"names":[7],"xy_noisy":[[1,2]]})", R"({"xy_noisy":7})", "nonsense"}) {
+         {R"({"detections":[[1,2]]})", R"({"names":["nose","pelvis"],"detections":[[1,2]]})", R"({"names":["nose"],"detections":[[1]]})",
+          R"({"names":["nose"],"detections":[["a",2]]})", R"({"names":["nose"],"detections":[[1,2]],"confidence":[]})",
+          R"({"names":[7],"detections":[[1,2]]})", R"({"detections":7})", "nonsense"}) {
         writeText(scan->frames[0].keypointsPath, bad);
         auto points = readKeypoints(*scan, scan->frames[0]);
         ASSERT_FALSE(points) << bad;

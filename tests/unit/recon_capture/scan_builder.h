@@ -92,7 +92,7 @@ struct ScanBuilder {
         cv::imwrite((root / "labels.png").string(), mask / 255);
         const nlohmann::json points = {{"names", {"pelvis", "nose", "ankle_l"}},
                                        {"xy", {{0, 0}, {0, 0}, {0, 0}}},
-                                       {"xy_noisy", {{48.0, 64.0}, {48.0, 20.0}, nullptr}},
+                                       {"detections", {{48.0, 64.0}, {48.0, 20.0}, nullptr}},
                                        {"confidence", {0.5, 1.0, 1.0}}};
         writeText(root / "keypoints" / (name + ".json"), points.dump());
         const bool test = manifest["frames"].size() % 10 == 5;

@@ -47,9 +47,27 @@ TEST(ScanFolder, keypointsFollowTheScansNamesAndNeverTheTrueOnes) {
     EXPECT_DOUBLE_EQ((*points)[1].px.y, 64);
     EXPECT_DOUBLE_EQ((*points)[1].confidence, 0.5);
     EXPECT_EQ((*points)[2].confidence, 0) << "null is a missing point whatever its confidence";
-    // A file that offers only the true positions offers nothing.
+    // A file with nothing but the true positions is refused, by the name of what it lacks.
     writeText(scan->frames[0].keypointsPath, R"({"names":["nose"],"xy":[[1,2]]})");
-    EXPECT_FALSE(readKeypoints(*scan, scan->frames[0]));
+    auto truthOnly = readKeypoints(*scan, scan->frames[0]);
+    ASSERT_FALSE(truthOnly);
+    EXPECT_TRUE(mentions(truthOnly.error().message, {"full_100.json", "detections"}));
+}
+
+TEST(ScanFolder, keypointsMayHaveTheirOlderNameButDetectionsComeFirst) {
+    TemporaryFolder folder;
+    ScanBuilder builder(folder.path, 1);
+    auto scan = readScan(builder.write());
+    ASSERT_TRUE(scan) << scan.error().message;
+    const auto noseOf = [&](const char* text) {
+        writeText(scan->frames[0].keypointsPath, text);
+        auto points = readKeypoints(*scan, scan->frames[0]);
+        EXPECT_TRUE(points) << points.error().message;
+        return points ? (*points)[0].px : Vec2d(-1);
+    };
+    EXPECT_EQ(noseOf(R"({"names":["nose"],"xy":[[5,6]],"xy_noisy":[[3,4]]})"), Vec2d(3, 4));
+    EXPECT_EQ(noseOf(R"({"names":["nose"],"xy":[[5,6]],"xy_noisy":[[3,4]],"detections":[[1,2]]})"), Vec2d(1, 2));
+    EXPECT_EQ(noseOf(R"({"names":["nose"],"xy":"not even a list","detections":[[1,2]]})"), Vec2d(1, 2));
 }
 
 TEST(ScanFolder, masksMayBeAbsentAndHeldOutFramesAreChosenWhenNoneAreStated) {
@@ -90,7 +108,7 @@ TEST(ScanFolder, radialLensIsTakenOutOfPixelsAndKeypointsAlike) {
     cv::Mat dot = cv::Mat::zeros(ScanBuilder::kHeight, ScanBuilder::kWidth, CV_8U);
     cv::circle(dot, cv::Point(int(distorted.x), int(distorted.y)), 2, 255, -1);
     cv::imwrite((folder.path / "masks/full_100.png").string(), dot);
-    nlohmann::json points = {{"names", {"nose"}}, {"xy_noisy", {{distorted.x, distorted.y}}}};
+    nlohmann::json points = {{"names", {"nose"}}, {"detections", {{distorted.x, distorted.y}}}};
     writeText(folder.path / "keypoints/full_100.json", points.dump());
     auto scan = readScan(folder.path);
     ASSERT_TRUE(scan) << scan.error().message;

@@ -123,7 +123,7 @@ TEST(SampleScan, truthProjectsOntoItsKeypoints) {
             ASSERT_NEAR(u, keypoints["xy"][k][0].get<double>(), 0.01);
             ASSERT_NEAR(v, keypoints["xy"][k][1].get<double>(), 0.01);
             const double sigma = keypoints["noise_sigma_px"][k];
-            squares += std::pow((keypoints["xy_noisy"][k][0].get<double>() - keypoints["xy"][k][0].get<double>()) / sigma, 2);
+            squares += std::pow((keypoints["detections"][k][0].get<double>() - keypoints["xy"][k][0].get<double>()) / sigma, 2);
             ++count;
         }
     }
