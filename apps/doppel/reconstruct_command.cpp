@@ -27,8 +27,6 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
     command->add_option("--steps", options->steps, "Exactly this many training steps instead of the preset's (for comparisons)")
         ->check(inRange(0, 10000000))
         ->excludes("--time-budget");
-    command->add_flag("--true-body", options->trueBody,
-                      "Measuring only: shape and poses from the scan's truth.json (of `doppel sample`) instead of the body fit");
     command->add_option("--seed", options->seed, "Seed of every random choice; same seed, same bytes")->capture_default_str();
     command->add_option("--threads", options->threadCount, "CPU threads, 0: one a core; results do not depend on it")
         ->check(inRange(0, 256))

@@ -78,50 +78,6 @@ Vec3d upright(const nlohmann::json& p) {
 
 }  // namespace
 
-Result<BodyFit> fitFromTruth(const std::filesystem::path& scanRoot, const Scan& scan, const BodyModel& body) {
-    const std::filesystem::path path = scanRoot / "truth.json";
-    DPL_TRY(const nlohmann::json truth, readTruth(path));
-    const auto unfit = [&] {
-        return fail(Code::NotFound,
-                    "{} does not give the shape and poses of body '{}'; only a `doppel sample` scan with the built-in body does",
-                    path.string(), body.name);
-    };
-    BodyFit fit;
-    fit.shape.assign(body.morphs.size(), 0.0);
-    fit.poses.assign(scan.frames.size(), Pose::rest(body.joints.size()));
-    fit.fitted.assign(scan.frames.size(), true);
-    try {
-        size_t known = 0;
-        for (size_t m = 0; m < body.morphs.size(); ++m)
-            if (const auto& values = truth.at("shape").at("morphs"); values.contains(body.morphs[m].name))
-                fit.shape[m] = values[body.morphs[m].name].get<double>(), ++known;
-        if (known == 0 || known != truth["shape"]["morphs"].size() || truth["shape"].at("body") != body.name) return unfit();
-        // The scan stands its rest skeleton on the floor; the body's own rest may hang some millimetres off it.
-        DPL_TRY(const auto manifest, readFile(scanRoot / "scan.json", kMaxTruthBytes));
-        const Vec3d shift = upright(nlohmann::json::parse(manifest.begin(), manifest.end()).at("skeleton").at("rest_positions").at(0)) -
-                            Vec3d(shapedBody(body, fit.shape).joints[0].restPosition);
-        std::map<std::string, const nlohmann::json*> byName;
-        for (const auto& frame : truth["frames"]) byName[frame.at("name").get<std::string>()] = &frame;
-        for (size_t f = 0; f < scan.frames.size(); ++f) {
-            const auto found = byName.find(scan.frames[f].name);
-            if (found == byName.end() || found->second->at("rotations").size() != body.joints.size()) return unfit();
-            for (size_t j = 0; j < body.joints.size(); ++j) {
-                const Vec3d turn = upright(found->second->at("rotations")[j]);
-                const double angle = glm::length(turn);
-                if (angle > 0) fit.poses[f].localRotations[j] = Quatf(glm::angleAxis(angle, turn / angle));
-            }
-            fit.poses[f].rootTranslation = Vec3f(shift + upright(found->second->at("translation")));
-            if (Status good = checkPose(body.joints, fit.poses[f]); !good)
-                return fail(Code::CorruptData, "{}: frame '{}': {}", path.string(), scan.frames[f].name, good.error().message);
-            if (scan.frames[f].kind == FrameKind::StaticFull && fit.staticPose.localRotations.empty()) fit.staticPose = fit.poses[f];
-        }
-    } catch (const nlohmann::json::exception&) {
-        return unfit();
-    }
-    if (fit.staticPose.localRotations.empty()) fit.staticPose = Pose::rest(body.joints.size());
-    return fit;
-}
-
 Result<TruthComparison> compareWithTruth(const std::filesystem::path& scanRoot, const Scan& scan, const BodyModel& body,
                                          const BodyFit& fit) {
     DPL_TRY(const nlohmann::json truth, readTruth(scanRoot / "truth.json"));

@@ -32,10 +32,6 @@ struct TruthComparison {
 Result<TruthComparison> compareWithTruth(const std::filesystem::path& scanRoot, const Scan& scan, const BodyModel& body,
                                          const BodyFit& fit);
 
-/** Shape and poses of every frame as truth.json has them, for a procedural scan of `body` itself: the body-fit stage swapped for the truth,
- *  to see what the stage costs. NotFound: no truth, or one that does not give morphs and rotations of this body. */
-Result<BodyFit> fitFromTruth(const std::filesystem::path& scanRoot, const Scan& scan, const BodyModel& body);
-
 /** World places of a body's keypoints at a pose, in the order of `names`; the mean of the body for a name it lacks is not made up:
  *  `present` is false there. Metres. */
 struct PosedKeypoint {

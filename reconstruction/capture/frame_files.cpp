@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pixels and keypoints of one frame. Lens distortion is taken out here, so that everything downstream is a pinhole.
+// Pixels and keypoints of one frame. Lens distortion is removed here: every later stage sees a pinhole camera.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -7,6 +7,7 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "reconstruction/capture/frame_picture.h"
 #include "reconstruction/capture/image_file.h"
 #include "reconstruction/capture/scan_paths.h"
 #include "reconstruction/image/image_codec.h"
@@ -18,7 +19,7 @@ using nlohmann::json;
 
 namespace {
 
-// OpenCV puts (0,0) at the centre of the first pixel, Doppel at the corner of the image: half a pixel apart.
+// OpenCV's (0,0) is the centre of the first pixel, Doppel's is the corner of the image.
 cv::Matx33d opencvIntrinsics(const Camerad& c) {
     return {c.fx, 0, c.cx - 0.5, 0, c.fy, c.cy - 0.5, 0, 0, 1};
 }
@@ -59,6 +60,7 @@ Image takePixels(const cv::Mat& image) {
 }  // namespace
 
 Result<ImageRgb8> readFrameImage(const ScanFrame& frame) {
+    // EXIF rotation is ignored: intrinsics refer to the pixels as stored.
     DPL_TRY(cv::Mat image, decode(frame.imagePath, frame, PictureChannels::Rgb));
     undistort(image, frame, cv::INTER_LINEAR);
     return takePixels<ImageRgb8>(image);
@@ -67,7 +69,7 @@ Result<ImageRgb8> readFrameImage(const ScanFrame& frame) {
 Result<ImageGrey8> readFrameMask(const ScanFrame& frame) {
     if (frame.maskPath.empty()) return fail(Code::NotFound, "frame '{}' has no mask; add one to the scan", frame.name);
     DPL_TRY(cv::Mat image, decode(frame.maskPath, frame, PictureChannels::AsStored));
-    if (image.channels() == 4) {  // a cut-out: the matte is its alpha, unless that is opaque everywhere
+    if (image.channels() == 4) {  // a cut-out picture: its alpha is the mask, unless it is opaque everywhere
         cv::Mat alpha;
         cv::extractChannel(image, alpha, 3);
         if (cv::countNonZero(alpha != 255) > 0)
@@ -79,7 +81,7 @@ Result<ImageGrey8> readFrameMask(const ScanFrame& frame) {
     }
     double most = 0;
     cv::minMaxLoc(image, nullptr, &most);
-    if (most == 1) image *= 255;  // masks of 0 and 1 are common
+    if (most == 1) image *= 255;  // masks of 0 and 1 are common, too
     undistort(image, frame, cv::INTER_LINEAR);
     return takePixels<ImageGrey8>(image);
 }
@@ -92,6 +94,18 @@ Result<ImageGrey8> readFrameLabels(const ScanFrame& frame) {
                     frame.labelsPath.string());
     undistort(image, frame, cv::INTER_NEAREST);
     return takePixels<ImageGrey8>(image);
+}
+
+Result<FramePicture> readFramePicture(const ScanFrame& frame) {
+    if (frame.maskPath.empty())
+        return fail(Code::NotFound, "frame '{}' has no mask; add masks/{}.png, or let --models find the person", frame.name, frame.name);
+    FramePicture picture;
+    DPL_TRY(picture.image, readFrameImage(frame));
+    DPL_TRY(picture.mask, readFrameMask(frame));
+    if (!frame.labelsPath.empty()) {
+        DPL_TRY(picture.labels, readFrameLabels(frame));
+    }
+    return picture;
 }
 
 Result<std::vector<Keypoint>> readKeypoints(const Scan& scan, const ScanFrame& frame) {
@@ -135,7 +149,7 @@ Result<std::vector<Keypoint>> readKeypoints(const Scan& scan, const ScanFrame& f
         Keypoint& k = keypoints[slot[i]];
         k.px = {p[0].get<double>(), p[1].get<double>()};
         k.confidence = std::clamp(confidence[i], 0.0, 1.0);
-        if (!(std::abs(k.px.x) < 1e6 && std::abs(k.px.y) < 1e6)) k = {};  // behind the camera plane, as good as missing
+        if (!(std::abs(k.px.x) < 1e6 && std::abs(k.px.y) < 1e6)) k = {};  // a point this far out projects from behind the camera
     }
     if (frame.lens.any()) {
         for (Keypoint& k : keypoints) {

@@ -48,8 +48,8 @@ private:
 };
 
 struct ObserveOptions {
-    std::filesystem::path models;  // folder of the networks
-    std::filesystem::path output;  // gets keypoints/, labels/ and masks/, in the layout of docs/formats/scan.md
+    std::filesystem::path models;                             // folder of the networks
+    std::filesystem::path output;                             // gets keypoints/, labels/ and masks/, in the layout of docs/formats/scan.md
     std::function<void(size_t done, size_t count)> progress;  // called from worker threads, one at a time; may be empty
 };
 

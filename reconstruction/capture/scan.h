@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scan folder in memory: frames, cameras, splits and observations. World is Doppel's: metres, right-handed, +Y up, subject facing +Z
-// (files are z-up facing −y; the reader turns everything by (x, z, −y), so nothing after ingest knows z-up).
+// A scan folder in memory: frames, cameras, splits and observations. The world is metric, right-handed, +Y up, the subject faces +Z.
+// Files are z-up and face −y; the readers turn every point by (x, z, −y).
 #pragma once
 
 #include <filesystem>
@@ -30,7 +30,7 @@ struct ScanFrame {
     Camerad camera;
     double timeS = 0;  // dynamic frames
     std::string closeupOf;
-    LensDistortion lens;  // of the files on disk; readFrame…() and readKeypoints() hand out undistorted data that fit `camera`
+    LensDistortion lens;  // of the files on disk; readFrame…() and readKeypoints() return undistorted data that fit `camera`
 };
 
 /** Detected 2D keypoints of one frame, in the order of Scan::keypointNames. */
@@ -45,8 +45,8 @@ struct Scan {
     std::filesystem::path root;
     std::string name;
     ScanSource source = ScanSource::Folder;
-    bool metricWorld = true;  // false (COLMAP): scale, origin and up are arbitrary until the body fit finds them
-    bool splitStated = true;  // false: the source had no test split, so one static full-body frame in ten was held out here
+    bool metricWorld = true;  // false (COLMAP): scale, origin and up are arbitrary; the body fit finds them
+    bool splitStated = true;  // false: the source states no split; the reader held out one static full-body frame in ten
     std::vector<ScanLabel> labels;
     std::vector<std::string> keypointNames;
     std::vector<ScanFrame> frames;

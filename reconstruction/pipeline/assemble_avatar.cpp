@@ -4,8 +4,6 @@
 #include <algorithm>
 
 #include "reconstruction/package/sh_palette.h"
-#include "reconstruction/pipeline/train_frames.h"
-#include "reconstruction/pipeline/trained_file.h"
 #include "sdk/core/log.h"
 #include "sdk/format/avatar_file.h"
 
@@ -13,10 +11,10 @@ namespace dpl {
 namespace {
 
 /** The subject's own movement in the training frames as a clip, so that an avatar can be played without any other file. */
-std::vector<ClipData> scanMotion(const SubjectData& subject, const std::vector<size_t>& trainIndices, const std::vector<Pose>& poses) {
+std::vector<ClipData> scanMotion(const Scan& scan, const std::vector<size_t>& trainIndices, const std::vector<Pose>& poses) {
     std::vector<std::pair<double, size_t>> order;
     for (size_t i = 0; i < trainIndices.size(); ++i) {
-        const ScanFrame& frame = subject.scan.frames[trainIndices[i]];
+        const ScanFrame& frame = scan.frames[trainIndices[i]];
         if (frame.kind == FrameKind::Dynamic) order.emplace_back(frame.timeS, i);
     }
     std::sort(order.begin(), order.end());
@@ -24,7 +22,7 @@ std::vector<ClipData> scanMotion(const SubjectData& subject, const std::vector<s
     if (order.size() < 2) return {};
     ClipData clip;
     clip.name = "scan-motion";
-    clip.channels.resize(subject.shaped.joints.size());
+    clip.channels.resize(poses.front().localRotations.size());
     for (size_t j = 0; j < clip.channels.size(); ++j) clip.channels[j].joint = uint32_t(j);
     for (const auto& [time, i] : order) {
         clip.timesS.push_back(float(time - order.front().first));
@@ -36,53 +34,54 @@ std::vector<ClipData> scanMotion(const SubjectData& subject, const std::vector<s
             keys.push_back(q);
         }
     }
-    // Joints that never move cost no bytes.
+    // Joints that never move are left out.
     std::erase_if(clip.channels, [](const ClipChannel& channel) {
         return std::all_of(channel.rotations.begin(), channel.rotations.end(), [](const Quatf& q) { return std::abs(q.w) > 1 - 1e-9f; });
     });
     return {clip};
 }
 
-// 0.5 levels is 54 dB on its own; 4,096 entries of degree 1 cost 0.5 bytes a splat at 80,000 splats.
+// An error of 0.5 levels is 54 dB. 4,096 entries of degree 1 cost 0.5 bytes a splat at 80,000 splats.
 constexpr uint32_t kShPaletteEntries = 4096;
 constexpr double kShPaletteLevels = 0.5;
 
 }  // namespace
 
-Result<AssembledAvatar> assembleAvatar(const SubjectData& subject) {
-    const MeshData& mesh = subject.shaped.mesh;
-    DPL_TRY(CoOptimiseResult trained, readTrainedFile(subject.trainedFolder / "trained.bin", mesh.triangles.size(),
-                                                      mesh.restPositions.size(), subject.shaped.joints.size()));
-    std::vector<size_t> indices;
+nlohmann::json assembleInputs() {
+    return {{"shPaletteEntries", kShPaletteEntries}, {"shPaletteLevels", kShPaletteLevels}};
+}
+
+Result<AssembledAvatar> assembleAvatar(const BodyModel& shaped, const CoOptimiseResult& trained, const Scan& scan, FrameSet set,
+                                       Jobs& jobs) {
     AssembledAvatar out;
-    DPL_TRY(out.frames, loadTrainFrames(subject, Split::Train, &indices));
+    out.frames = std::move(set.frames);
     if (trained.poses.size() != out.frames.size())
-        return fail(Code::CorruptData, "the trained file has {} poses for {} frames; delete {} and run again", trained.poses.size(),
-                    out.frames.size(), subject.trainedFolder.string());
+        return fail(Code::CorruptData, "the trained file has {} poses for {} frames; delete the co-optimise stage and run again",
+                    trained.poses.size(), out.frames.size());
     for (size_t i = 0; i < out.frames.size(); ++i) out.frames[i].pose = trained.poses[i];
 
     AvatarData& avatar = out.avatar;
-    avatar.name = subject.scan.name;
+    avatar.name = scan.name;
     avatar.generator = "doppel reconstruct";
-    avatar.joints = subject.shaped.joints;
+    avatar.joints = shaped.joints;
     avatar.kappaPx2 = kTrainedKappaPx2;
     avatar.trainedPixelM = trainedPixelM(avatar.joints, out.frames);
-    avatar.mesh = mesh;
+    avatar.mesh = shaped.mesh;
     avatar.mesh.restPositions = trained.restPositions;
-    avatar.mesh.colours = gatherVertexColours(avatar.joints, avatar.mesh, out.frames, subject.jobs);
-    avatar.splats = std::move(trained.splats);
-    avatar.correctives = std::move(trained.correctives);
-    avatar.clips = scanMotion(subject, indices, trained.poses);
+    avatar.mesh.colours = gatherVertexColours(avatar.joints, avatar.mesh, out.frames, jobs);
+    avatar.splats = trained.splats;
+    avatar.correctives = trained.correctives;
+    avatar.clips = scanMotion(scan, set.indices, trained.poses);
     sortSplats(avatar);
 
     const std::vector<Vec3f> trainedRest = avatar.mesh.restPositions;
     DPL_TRY(AvatarData decoded, decodedAvatar(avatar));
-    avatar.mesh = decoded.mesh;  // every reader sees these vertices
+    avatar.mesh = decoded.mesh;  // the vertices that every reader decodes
     DPL_TRY([[maybe_unused]] uint32_t unchanged, rebaseSplats(trainedRest, avatar));
     DPL_TRY(avatar, decodedAvatar(avatar));
     if (avatar.splats.shDegree > 0) {
         DPL_TRY(const ShPaletteReport palette,
-                paletteSh(avatar.splats, {.maxEntries = kShPaletteEntries, .maxRmsLevels = kShPaletteLevels}, subject.jobs));
+                paletteSh(avatar.splats, {.maxEntries = kShPaletteEntries, .maxRmsLevels = kShPaletteLevels}, jobs));
         log(LogLevel::Info, "SH palette of {} entries, {} levels off", palette.entries, palette.rmsLevels);
         DPL_TRY(const auto bytes, writeAvatar(avatar, {.shPalette = true}));
         DPL_TRY(avatar, readAvatar(bytes));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The parts of an avatar that must earn their place, how to take one away, and the file in which the evidence stage says what it found.
+// The optional parts of an avatar, how to remove one, and the file of what the evidence stage measured about them.
 #pragma once
 
 #include <filesystem>
@@ -19,9 +19,9 @@ struct PartEvidence {
 
 /** Whether the avatar has the part at all. */
 bool hasPart(const AvatarData& avatar, AvatarPart part);
-/** Offsets or light of all control nodes to zero; SH to degree 0. */
+/** Sets the offsets or the light of all control nodes to zero, or SH to degree 0. */
 void removePart(AvatarData& avatar, AvatarPart part);
-/** Correctives whose nodes are all zero go. */
+/** Removes the correctives when all their nodes are zero. */
 void dropEmptyCorrectives(AvatarData& avatar);
 
 Status writeEvidence(const std::vector<PartEvidence>& parts, const std::filesystem::path& path);

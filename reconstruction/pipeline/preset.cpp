@@ -1,36 +1,44 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/pipeline/preset.h"
 
+#include <algorithm>
+
 namespace dpl {
 
-PresetSettings presetOf(Preset preset) {
-    PresetSettings p{"standard", {}, 600, 80};
-    p.training.init.splatCount = 60000;
-    p.training.init.shDegree = 1;
-    switch (preset) {
+RunSettings settingsOf(const ReconstructOptions& options) {
+    RunSettings s;
+    s.training.seed = options.seed;
+    switch (options.preset) {
         case Preset::Draft:
-            p.name = "draft";
-            p.training.steps = 3000;
-            p.training.init.splatCount = 40000;
-            p.training.maxSplats = 50000;
-            p.polishSteps = 200;
-            p.poseFitSteps = 40;
+            s.training.steps = 3000;
+            s.training.init.splatCount = 40000;
+            s.training.maxSplats = 50000;
+            s.polishSteps = 200;
+            s.poseFit.iterations = 40;
             break;
         case Preset::Standard:
-            p.training.steps = 10000;
-            p.training.maxSplats = 80000;
+            s.training.steps = 10000;
+            s.training.init.splatCount = 60000;
+            s.training.maxSplats = 80000;
+            s.polishSteps = 600;
+            s.poseFit.iterations = 80;
             break;
         case Preset::High:
-            p.name = "high";
-            p.training.steps = 60000;
-            p.training.init.splatCount = 120000;
-            p.training.maxSplats = 300000;
-            p.training.init.shDegree = 2;
-            p.polishSteps = 2000;
-            p.poseFitSteps = 120;
+            s.training.steps = 60000;
+            s.training.init.splatCount = 120000;
+            s.training.maxSplats = 300000;
+            s.training.init.shDegree = 2;
+            s.polishSteps = 2000;
+            s.poseFit.iterations = 120;
             break;
     }
-    return p;
+    if (options.steps > 0) {
+        s.training.steps = options.steps;
+        s.polishSteps = std::min(s.polishSteps, std::max(20u, options.steps / 10));
+    } else {
+        s.timeBudgetMinutes = options.timeBudgetMinutes;
+    }
+    return s;
 }
 
 }  // namespace dpl

@@ -1,31 +1,39 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/pipeline/reconstruct.h"
 
-#include <cmath>
-
-#include "reconstruction/body/body_io.h"
-#include "reconstruction/body/body_tools.h"
-#include "reconstruction/pipeline/subject_data.h"
-#include "reconstruction/sample/builtin_body.h"
+#include "reconstruction/pipeline/stages.h"
+#include "sdk/core/files.h"
 
 namespace dpl {
-namespace {
 
-Status loadBody(SubjectData& subject) {
-    if (subject.options.body.empty()) {
-        subject.body = withBoneMorphs(makeBuiltinBody(subject.jobs));
-    } else {
-        DPL_TRY(subject.body, readBody(subject.options.body));
+Result<ReconstructResult> reconstructFrom(const StageRun& run, const IngestedScan& ingested, const FittedBody& body,
+                                          const ReconstructOptions& options) {
+    const RunSettings settings = settingsOf(options);
+    const ReconstructResult paths{options.out / "avatar.glb", options.out / "poses.json", options.out / "report.html", ""};
+    Pictures pictures(ingested.scan);
+    DPL_TRY(const FittedSurface surface, runSurface(run, ingested, body, pictures));
+    DPL_TRY(const std::vector<EvidenceData> decided, runGarments(run));
+    DPL_TRY(const Training training, runCoOptimise(run, ingested, body, surface, pictures, settings));
+    Lazy<AssembledAvatar> trained([&]() -> Result<AssembledAvatar> {
+        DPL_TRY(FrameSet set, framesOf(ingested, Split::Train, body.cameras, surface.poses, pictures));
+        return assembleAvatar(body.shaped, training.result, ingested.scan, std::move(set), run.jobs);
+    });
+    DPL_TRY(const MeasuredParts measured, runEvidence(run, ingested, training, trained));
+    DPL_TRY(const Package package, runPackage(run, ingested, training, trained, measured, decided, settings));
+    DPL_CHECK_OK(writeFileAtomically(paths.avatar, package.bytes));
+    DPL_TRY(const FoundPoses found, runPoseFit(run, ingested, body, surface, training, package, pictures, settings));
+    DPL_TRY(const auto posesBytes, readFile(found.file));
+    DPL_CHECK_OK(writeFileAtomically(paths.poses, posesBytes));
+    DPL_TRY(const StageOutput report, runReport(run, ingested, body, decided, training, package, found, pictures, settings));
+    for (const char* name : {"report.html", "report.json"}) {
+        DPL_TRY(const auto bytes, readFile(report.folder / name));
+        DPL_CHECK_OK(writeFileAtomically(options.out / name, bytes));
     }
-    if (Status checked = checkBody(subject.body); !checked)
-        return fail(checked.error().code, "{}: {}", subject.options.body.empty() ? "the built-in body" : subject.options.body.string(),
-                    checked.error().message);
-    DPL_TRY(auto bytes, encodeBody(subject.body));
-    subject.bodyHash = hashBytes(bytes);
-    return {};
+    DPL_TRY(const auto summary, readFile(report.folder / "summary.txt"));
+    ReconstructResult result = paths;
+    result.summary.assign(summary.begin(), summary.end());
+    return result;
 }
-
-}  // namespace
 
 Result<ReconstructResult> reconstruct(const ReconstructOptions& options, Progress& progress) {
     std::error_code error;
@@ -33,19 +41,17 @@ Result<ReconstructResult> reconstruct(const ReconstructOptions& options, Progres
     if (error) return fail(Code::Io, "cannot create {}: {}; choose another output with -o", options.out.string(), error.message());
     Jobs jobs(options.threadCount);
     StageChain chain(options.out, progress);
-    SubjectData subject{options, jobs, chain};
-    DPL_CHECK_OK(runIngest(subject));
-    progress.note(subject.verdict.substr(0, subject.verdict.find_last_not_of('\n') + 1));
-    DPL_CHECK_OK(loadBody(subject));
-    DPL_CHECK_OK(runBodyFit(subject));
-    DPL_CHECK_OK(runSurface(subject));
-    DPL_CHECK_OK(runGarments(subject));
-    DPL_CHECK_OK(runCoOptimise(subject));
-    DPL_CHECK_OK(runEvidence(subject));
-    DPL_CHECK_OK(runPackage(subject));
-    DPL_CHECK_OK(runPoseFit(subject));
-    DPL_CHECK_OK(runReport(subject));
-    return ReconstructResult{options.out / "avatar.glb", options.out / "poses.json", options.out / "report.html", subject.summary};
+    const StageRun run{chain, jobs, progress};
+    if (const std::vector<std::string> old = chain.numberedFolders(); !old.empty())
+        progress.note(
+            formatText("{} has {} stage folders of an earlier version ({} ...). Stages run anew; the old folders are kept, delete "
+                       "them to free the space",
+                       (options.out / "stages").string(), old.size(), old.front()));
+    DPL_TRY(const IngestedScan ingested, runIngest(run, options.scan, options.models));
+    progress.note(ingested.verdict.substr(0, ingested.verdict.find_last_not_of('\n') + 1));
+    DPL_TRY(ChosenBody chosen, chooseBody(options.body, jobs));
+    DPL_TRY(const FittedBody body, runBodyFit(run, ingested, std::move(chosen)));
+    return reconstructFrom(run, ingested, body, options);
 }
 
 }  // namespace dpl

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a scan folder to an avatar: the whole chain of stages.
+// From a scan folder to an avatar.
 //
-//   ingest → body-fit → surface → garments → co-optimise → evidence → package → pose-fit → report
+//   (observe, with networks →) ingest → body-fit → surface → garments → co-optimise → evidence → package → pose-fit → report
 #pragma once
 
 #include <filesystem>
@@ -18,12 +18,11 @@ struct ReconstructOptions {
     std::filesystem::path scan;    // scan folder, nerfstudio or COLMAP folder
     std::filesystem::path out;     // made if absent
     std::filesystem::path body;    // glTF body; empty: the built-in one
-    std::filesystem::path models;  // ONNX networks for keypoints and labels; empty: only what the scan brings
+    std::filesystem::path models;  // ONNX networks for keypoints, labels and masks; empty: only what the scan brings
     Preset preset = Preset::Standard;
-    double timeBudgetMinutes = 0;  // 0: the preset's own step counts
-    uint32_t steps = 0;            // 0: the preset's; otherwise exactly this many training steps
+    double timeBudgetMinutes = 0;  // of training; 0: the preset's number of steps
+    uint32_t steps = 0;            // of training; 0: the preset's. Above 0 the time budget is ignored
     uint64_t seed = 1;
-    bool trueBody = false;     // measuring only: shape and poses from the scan's truth.json instead of the body fit
     uint32_t threadCount = 0;  // 0: one a core; results do not depend on it
 };
 
@@ -35,7 +34,7 @@ struct ReconstructResult {
 };
 
 /** Runs or continues a reconstruction. Only this function writes under `out`. Errors name the stage, the file and the remedy;
- *  Code::Cancelled after Ctrl-C, when everything finished so far is kept. */
+ *  Code::Cancelled after Ctrl-C: finished stages and the last checkpoint are kept. */
 Result<ReconstructResult> reconstruct(const ReconstructOptions& options, Progress& progress);
 
 }  // namespace dpl

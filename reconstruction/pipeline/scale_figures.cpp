@@ -10,14 +10,14 @@ namespace dpl {
 namespace {
 
 constexpr double kScales[] = {0.5, 1, 2, 4}, kComparedAt[] = {1, 0.5};
-constexpr double kMaxPixels = 16e6;  // larger pictures are left out: the figure would cost more than the avatar
+constexpr double kMaxPixels = 16e6;  // larger pictures are left out: they take too long to draw
 
 struct Truth {
     std::vector<uint8_t> rgba;
     uint32_t widthPx = 0, heightPx = 0;
 };
 
-/** The frame at ×4, else ×2. None when the scan has neither, or they cannot be read or have another size. */
+/** The frame at ×4, or at ×2. None when the scan has neither, or they cannot be read or have another size. */
 std::optional<Truth> fineTruth(const std::filesystem::path& scan, const TrainFrame& frame) {
     for (const uint32_t times : {4u, 2u}) {
         ScanFrame file;
@@ -27,9 +27,8 @@ std::optional<Truth> fineTruth(const std::filesystem::path& scan, const TrainFra
         file.camera = frame.camera.scaled(times);
         std::error_code missing;
         if (!std::filesystem::exists(file.imagePath, missing) || !std::filesystem::exists(file.maskPath, missing)) continue;
-        const auto image = readFrameImage(file);
-        const auto mask = readFrameMask(file);
-        if (image && mask) return Truth{cutOut(*image, *mask), file.camera.widthPx, file.camera.heightPx};
+        if (const auto picture = readFramePicture(file))
+            return Truth{cutOut(picture->image, picture->mask), file.camera.widthPx, file.camera.heightPx};
     }
     return std::nullopt;
 }
@@ -41,24 +40,24 @@ struct Sums {
 
 }  // namespace
 
-Status addScaleFigures(const std::filesystem::path& scan, Progress& progress, AvatarView& view, std::span<const TrainFrame> frames,
-                       std::span<const size_t> indices, const PosesFile& poses, ReportData& data) {
+Status addScaleFigures(const std::filesystem::path& scan, Progress& progress, AvatarView& view, const FrameSet& heldOut,
+                       const PosesFile& poses, ReportData& data) {
     for (const bool dynamic : {false, true}) {
         const auto isOfKind = [&](const TrainFrame& f) { return (f.kind == FrameKind::Dynamic) == dynamic; };
         bool fine = false;
         Sums sums[std::size(kComparedAt)][std::size(kScales)] = {};
-        for (size_t i = 0; i < frames.size(); ++i) {
-            const TrainFrame& frame = frames[i];
+        for (size_t i = 0; i < heldOut.frames.size(); ++i) {
+            const TrainFrame& frame = heldOut.frames[i];
             if (!isOfKind(frame)) continue;
             if (progress.cancelled()) return fail(Code::Cancelled, "stopped");
             auto truth = fineTruth(scan, frame);
-            if (truth && !fine) {  // frames without one do not mix in
+            if (truth && !fine) {  // only frames with a finer truth count from here on
                 fine = true;
                 for (auto& row : sums) std::fill(std::begin(row), std::end(row), Sums{});
             }
             if (!truth && fine) continue;
-            if (!truth) truth = Truth{cutOut(frame.image, frame.mask), frame.camera.widthPx, frame.camera.heightPx};
-            const FramePose& found = poses.frames[indices[i]];
+            if (!truth) truth = Truth{cutOut(frame.picture->image, frame.picture->mask), frame.camera.widthPx, frame.camera.heightPx};
+            const FramePose& found = poses.frames[heldOut.indices[i]];
             for (size_t s = 0; s < std::size(kScales); ++s) {
                 const Camerad camera = frame.camera.scaled(kScales[s]);
                 if (double(camera.widthPx) * camera.heightPx > kMaxPixels || camera.widthPx == 0 || camera.heightPx == 0) continue;

@@ -6,6 +6,8 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
+#include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <cstdio>
 #include <fstream>
@@ -18,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-// Linux forgets the peak resident size when 5 is written there, so that each stage reports its own.
+// Writing 5 makes Linux forget the process's peak resident size, so each stage reports its own.
 void resetPeakMemory() {
     std::ofstream("/proc/self/clear_refs") << 5;
 }
@@ -59,6 +61,10 @@ std::string hashBytes(std::span<const uint8_t> bytes) {
     return text;
 }
 
+std::string hashText(std::string_view text) {
+    return hashBytes({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+}
+
 Result<std::string> hashFile(const fs::path& path) {
     DPL_TRY(auto bytes, readFile(path));
     return hashBytes(bytes);
@@ -66,25 +72,22 @@ Result<std::string> hashFile(const fs::path& path) {
 
 StageChain::StageChain(fs::path outFolder, Progress& progress) : stagesFolder_(std::move(outFolder) / "stages"), progress_(progress) {}
 
-Result<fs::path> StageChain::run(const std::string& name, uint32_t version, const json& inputs,
-                                 const std::function<Status(StageContext&)>& work) {
-    char prefix[8];
-    std::snprintf(prefix, sizeof prefix, "%02zu-", records_.size() + 1);
-    const fs::path folder = stagesFolder_ / (prefix + name), workFolder = folder.string() + ".work";
-    const std::string described = json{{"stage", name}, {"version", version}, {"inputs", inputs}}.dump();
-    const std::string key = hashBytes({reinterpret_cast<const uint8_t*>(described.data()), described.size()});
+Result<StageOutput> StageChain::run(const std::string& name, uint32_t version, const json& inputs,
+                                    const std::function<Status(StageContext&)>& work) {
+    const fs::path folder = stagesFolder_ / name, workFolder = folder.string() + ".work";
+    const std::string key = hashText(json{{"stage", name}, {"version", version}, {"inputs", inputs}}.dump());
 
     progress_.beginStage(name);
     std::error_code ignored;
-    // A kill between the last write and the rename leaves a work folder that is whole: adopt it.
+    // A kill between the last write and the rename leaves a complete work folder: adopt it.
     if (const json manifest = readManifest(workFolder); stringField(manifest, "key") == key && manifest.value("finished", false)) {
         fs::remove_all(folder, ignored);
         fs::rename(workFolder, folder, ignored);
     }
     if (const json manifest = readManifest(folder); stringField(manifest, "key") == key) {
-        records_.push_back({name, key, manifest.value("seconds", 0.0), manifest.value("peakBytes", uint64_t(0)), true});
+        records_.push_back({name, manifest.value("seconds", 0.0), manifest.value("peakBytes", uint64_t(0)), true});
         progress_.endStage("up to date");
-        return folder;
+        return StageOutput{folder, key};
     }
     if (stringField(readManifest(workFolder), "key") != key) fs::remove_all(workFolder, ignored);
     DPL_CHECK_OK(makeFolder(workFolder));
@@ -104,15 +107,22 @@ Result<fs::path> StageChain::run(const std::string& name, uint32_t version, cons
     std::error_code error;
     fs::rename(workFolder, folder, error);
     if (error) return fail(Code::Io, "cannot rename {} to {}: {}", workFolder.string(), folder.string(), error.message());
-    records_.push_back({name, key, seconds, peakBytes, false});
+    records_.push_back({name, seconds, peakBytes, false});
     progress_.endStage("done");
-    return folder;
+    return StageOutput{folder, key};
 }
 
-std::string StageChain::keyOf(const std::string& name) const {
-    for (auto record = records_.rbegin(); record != records_.rend(); ++record)
-        if (record->name == name) return record->key;
-    return {};
+std::vector<std::string> StageChain::numberedFolders() const {
+    std::vector<std::string> names;
+    std::error_code error;
+    for (const fs::directory_entry& entry : fs::directory_iterator(stagesFolder_, error)) {
+        const std::string name = entry.path().filename().string();
+        if (name.size() > 3 && std::isdigit(static_cast<unsigned char>(name[0])) && std::isdigit(static_cast<unsigned char>(name[1])) &&
+            name[2] == '-')
+            names.push_back(name);
+    }
+    std::sort(names.begin(), names.end());
+    return names;
 }
 
 }  // namespace dpl

@@ -1,56 +1,55 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/body/body_io.h"
 #include "reconstruction/body/body_tools.h"
-#include "reconstruction/body/body_truth.h"
 #include "reconstruction/pipeline/fit_file.h"
-#include "reconstruction/pipeline/subject_data.h"
+#include "reconstruction/pipeline/stage_keys.h"
+#include "reconstruction/pipeline/stages.h"
+#include "reconstruction/sample/builtin_body.h"
 #include "sdk/core/files.h"
 
 namespace dpl {
-namespace {
 
-using nlohmann::json;
-
-/** All that the fit reads: keypoints of every frame (held-out poses start from theirs), masks of training frames, cameras. */
-Result<json> fitInputs(const SubjectData& subject) {
-    json frames = json::array();
-    for (const ScanFrame& frame : subject.scan.frames) {
-        std::string keypoints = "none";
-        if (!frame.keypointsPath.empty()) {
-            DPL_TRY(keypoints, hashFile(frame.keypointsPath));
-        }
-        frames.push_back({frame.name, keypoints});
+Result<ChosenBody> chooseBody(const std::filesystem::path& file, Jobs& jobs) {
+    ChosenBody chosen;
+    if (file.empty()) {
+        chosen.body = withBoneMorphs(makeBuiltinBody(jobs));
+    } else {
+        DPL_TRY(chosen.body, readBody(file));
     }
-    DPL_TRY(std::string training, trainingDataHash(subject));
-    json inputs{{"frames", frames}, {"training", training}, {"body", subject.bodyHash}};
-    if (subject.options.trueBody) {
-        DPL_TRY(inputs["truth"], hashFile(subject.options.scan / "truth.json"));
-    }
-    return inputs;
+    if (Status checked = checkBody(chosen.body); !checked)
+        return fail(checked.error().code, "{}: {}", file.empty() ? "the built-in body" : file.string(), checked.error().message);
+    DPL_TRY(auto bytes, encodeBody(chosen.body));
+    chosen.hash = hashBytes(bytes);
+    return chosen;
 }
 
-}  // namespace
+Result<FittedBody> readFittedBody(const StageOutput& stage, const IngestedScan& ingested, BodyModel body) {
+    FittedBody fitted;
+    fitted.body = std::move(body);
+    fitted.key = stage.key;
+    DPL_TRY(fitted.fit,
+            readFitFile(stage.folder / "fit.json", ingested.scan.frames.size(), fitted.body.joints.size(), fitted.body.morphs.size()));
+    fitted.shaped = shapedBody(fitted.body, fitted.fit.shape);
+    for (const ScanFrame& frame : ingested.scan.frames) fitted.cameras.push_back(metricCamera(frame.camera, fitted.fit.metresPerUnit));
+    return fitted;
+}
 
-Status runBodyFit(SubjectData& subject) {
-    DPL_TRY(json inputs, fitInputs(subject));
-    auto folder = subject.chain.run("body-fit", 2, inputs, [&](StageContext& context) -> Status {
-        if (subject.options.trueBody) {
-            DPL_TRY(BodyFit truth, fitFromTruth(subject.options.scan, subject.scan, subject.body));
-            return writeFileAtomically(context.folder / "fit.json", fitToJson(truth));
-        }
-        BodyFitSettings settings;
+Result<FittedBody> runBodyFit(const StageRun& run, const IngestedScan& ingested, ChosenBody chosen) {
+    BodyFitSettings settings;
+    // The fit reads keypoints of every frame (poses of held-out frames start from theirs), and masks of training frames.
+    nlohmann::json keypoints = nlohmann::json::array();
+    for (size_t f = 0; f < ingested.hashes.size(); ++f) keypoints.push_back({ingested.scan.frames[f].name, ingested.hashes[f].keypoints});
+    const nlohmann::json inputs = {
+        {"keypoints", keypoints}, {"training", ingested.trainingHash}, {"body", chosen.hash}, {"settings", fieldsJson(settings)}};
+    DPL_TRY(const StageOutput stage, run.chain.run("body-fit", 3, inputs, [&](StageContext& context) -> Status {
         settings.progress = [&](double fraction, std::string_view what) {
             context.progress.update(fraction, what);
             return !context.progress.cancelled();
         };
-        DPL_TRY(BodyFit fit, fitBody(subject.body, subject.scan, settings));
+        DPL_TRY(BodyFit fit, fitBody(chosen.body, ingested.scan, settings));
         return writeFileAtomically(context.folder / "fit.json", fitToJson(fit));
-    });
-    if (!folder) return folder.error();
-    DPL_TRY(subject.fit,
-            readFitFile(*folder / "fit.json", subject.scan.frames.size(), subject.body.joints.size(), subject.body.morphs.size()));
-    subject.shaped = shapedBody(subject.body, subject.fit.shape);
-    for (ScanFrame& frame : subject.scan.frames) frame.camera = metricCamera(frame.camera, subject.fit.metresPerUnit);
-    return {};
+    }));
+    return readFittedBody(stage, ingested, std::move(chosen.body));
 }
 
 }  // namespace dpl

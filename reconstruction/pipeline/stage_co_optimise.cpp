@@ -2,8 +2,8 @@
 #include <chrono>
 
 #include "reconstruction/distill/corrective_model.h"
-#include "reconstruction/pipeline/preset.h"
-#include "reconstruction/pipeline/train_frames.h"
+#include "reconstruction/pipeline/stage_keys.h"
+#include "reconstruction/pipeline/stages.h"
 #include "reconstruction/pipeline/trained_file.h"
 #include "sdk/core/files.h"
 
@@ -13,48 +13,43 @@ namespace {
 constexpr double kCheckpointSeconds = 30;  // a kill loses at most about this much training
 constexpr uint32_t kProbeSteps = 60;
 
-Result<CoOptimiseInput> trainingInput(const SubjectData& subject, std::vector<TrainFrame> frames) {
+Result<CoOptimiseInput> trainingInput(const FittedBody& body, const FittedSurface& surface, std::vector<TrainFrame> frames, Jobs& jobs) {
     CoOptimiseInput input;
-    input.joints = subject.shaped.joints;
-    input.mesh = subject.shaped.mesh;
-    for (size_t v = 0; v < input.mesh.restPositions.size(); ++v) input.mesh.restPositions[v] += subject.surfaceOffsets[v];
+    input.joints = body.shaped.joints;
+    input.mesh = body.shaped.mesh;
+    for (size_t v = 0; v < input.mesh.restPositions.size(); ++v) input.mesh.restPositions[v] += surface.restOffsets[v];
     std::vector<Pose> moving;
     for (const TrainFrame& frame : frames)
         if (frame.kind == FrameKind::Dynamic) moving.push_back(frame.pose);
     DPL_TRY(input.correctives, correctiveModel(input.joints, input.mesh, moving));
-    input.triangleLabel = voteTriangleLabels(input.joints, input.mesh, frames, subject.jobs);
+    input.triangleLabel = voteTriangleLabels(input.joints, input.mesh, frames, jobs);
     input.frames = std::move(frames);
     return input;
 }
 
-/** A time budget becomes a step count once: a probe at the preset's settings is timed and thrown away; the count is remembered beside the
- * checkpoint. */
-Result<uint32_t> chooseSteps(const SubjectData& subject, const CoOptimiseInput& input, CoOptimiseSettings settings,
-                             const std::filesystem::path& folder) {
-    if (subject.options.steps > 0) return subject.options.steps;
-    if (subject.options.timeBudgetMinutes <= 0) return settings.steps;
+/** The number of steps that fits into the time budget. A probe is timed and thrown away; the number is remembered beside the checkpoint,
+ *  so that a continued run keeps it. */
+Result<uint32_t> stepsInBudget(const CoOptimiseInput& input, const RunSettings& settings, Jobs& jobs, const std::filesystem::path& folder) {
     const std::filesystem::path remembered = folder / "steps.txt";
     if (auto bytes = readFile(remembered, 64))
         return uint32_t(std::max(1L, std::strtol(std::string(bytes->begin(), bytes->end()).c_str(), nullptr, 10)));
-    settings.fullResolutionOnly = true;  // the dearest steps: a budget is not overrun
-    DPL_TRY(auto probe, CoOptimiser::create(input, settings, subject.jobs));
+    CoOptimiseSettings slowest = settings.training;
+    slowest.fullResolutionOnly = true;  // the slowest steps: the budget is not overrun
+    DPL_TRY(auto probe, CoOptimiser::create(input, slowest, jobs));
     const auto start = std::chrono::steady_clock::now();
     DPL_CHECK_OK(probe->run({}, nullptr, kProbeSteps));
     const double secondsPerStep = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / kProbeSteps;
-    const uint32_t steps = uint32_t(std::clamp(subject.options.timeBudgetMinutes * 60 / secondsPerStep, 100.0, 1e6));
+    const uint32_t steps = uint32_t(std::clamp(settings.timeBudgetMinutes * 60 / secondsPerStep, 100.0, 1e6));
     DPL_CHECK_OK(writeFileAtomically(remembered, std::to_string(steps)));
     return steps;
 }
 
-Status train(const SubjectData& subject, StageContext& context) {
-    context.progress.update(0, "reading pictures");
-    DPL_TRY(auto frames, loadTrainFrames(subject, Split::Train));
-    if (frames.empty()) return fail(Code::InvalidArgument, "no usable training frames");
-    DPL_TRY(CoOptimiseInput input, trainingInput(subject, std::move(frames)));
-    CoOptimiseSettings settings = presetOf(subject.options.preset).training;
-    settings.seed = subject.options.seed;
-    DPL_TRY(settings.steps, chooseSteps(subject, input, settings, context.folder));
-    DPL_TRY(auto optimiser, CoOptimiser::create(std::move(input), settings, subject.jobs));
+Status train(CoOptimiseInput input, const RunSettings& settings, Jobs& jobs, StageContext& context) {
+    CoOptimiseSettings training = settings.training;
+    if (settings.timeBudgetMinutes > 0) {
+        DPL_TRY(training.steps, stepsInBudget(input, settings, jobs, context.folder));
+    }
+    DPL_TRY(auto optimiser, CoOptimiser::create(std::move(input), training, jobs));
     const std::filesystem::path checkpoint = context.folder / "checkpoint";
     if (std::filesystem::exists(checkpoint)) {
         if (Status restored = optimiser->restore(checkpoint); restored)
@@ -86,19 +81,21 @@ Status train(const SubjectData& subject, StageContext& context) {
 
 }  // namespace
 
-Status runCoOptimise(SubjectData& subject) {
-    DPL_TRY(std::string training, trainingDataHash(subject));
-    const nlohmann::json inputs = {{"training", training},
-                                   {"body_fit", subject.chain.keyOf("body-fit")},
-                                   {"surface", subject.chain.keyOf("surface")},
-                                   {"preset", presetOf(subject.options.preset).name},
-                                   {"steps", subject.options.steps},
-                                   {"budget", subject.options.timeBudgetMinutes},
-                                   {"seed", subject.options.seed}};
-    auto folder = subject.chain.run("co-optimise", 4, inputs, [&](StageContext& context) { return train(subject, context); });
-    if (!folder) return folder.error();
-    subject.trainedFolder = *folder;
-    return {};
+Result<Training> runCoOptimise(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
+                               Pictures& pictures, const RunSettings& settings) {
+    const nlohmann::json inputs = {
+        {"training", ingested.trainingHash}, {"body_fit", body.key}, {"surface", surface.key}, {"settings", trainingInputs(settings)}};
+    DPL_TRY(const StageOutput stage, run.chain.run("co-optimise", 4, inputs, [&](StageContext& context) -> Status {
+        context.progress.update(0, "reading pictures");
+        DPL_TRY(FrameSet set, framesOf(ingested, Split::Train, body.cameras, surface.poses, pictures));
+        if (set.frames.empty()) return fail(Code::InvalidArgument, "no usable training frames");
+        DPL_TRY(CoOptimiseInput input, trainingInput(body, surface, std::move(set.frames), run.jobs));
+        return train(std::move(input), settings, run.jobs, context);
+    }));
+    const MeshData& mesh = body.shaped.mesh;
+    DPL_TRY(CoOptimiseResult result,
+            readTrainedFile(stage.folder / "trained.bin", mesh.triangles.size(), mesh.restPositions.size(), body.shaped.joints.size()));
+    return Training{std::move(result), stage.key};
 }
 
 }  // namespace dpl

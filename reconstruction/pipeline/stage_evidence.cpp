@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// evidence: what is each optional part worth? It is taken out of the trained avatar, and training frames are scored with and without,
-// through the public SDK. Held-out frames decide nothing: the report scores those afterwards.
-#include "reconstruction/pipeline/assemble_avatar.h"
-#include "reconstruction/pipeline/evidence_file.h"
+// evidence: what is each optional part worth? Training frames are scored, through the public SDK, with the part and without it. Held-out
+// frames decide nothing.
+#include "reconstruction/pipeline/stages.h"
 #include "reconstruction/report/draw_view.h"
 #include "reconstruction/report/score.h"
 #include "sdk/core/files.h"
@@ -11,10 +10,10 @@
 namespace dpl {
 namespace {
 
-constexpr double kWorthItDb = 0.05;    // less is below what a change of seed does
-constexpr size_t kFramesOfAKind = 12;  // scored: moving ones and still ones, evenly spaced
+constexpr double kWorthItDb = 0.05;    // less is lost in the spread between seeds
+constexpr size_t kFramesOfAKind = 12;  // that many moving and that many still frames are scored
 
-/** Evenly spaced frames of a kind. */
+/** Adds evenly spaced frames of a kind. */
 void chooseFrames(const std::vector<TrainFrame>& frames, FrameKind kind, std::vector<const TrainFrame*>& chosen) {
     std::vector<const TrainFrame*> all;
     for (const TrainFrame& frame : frames)
@@ -35,17 +34,16 @@ Result<Measured> measure(const AvatarData& avatar, const std::vector<const Train
     m.bytes = bytes.size();
     for (const TrainFrame* frame : frames) {
         DPL_TRY(auto picture, view.draw(frame->pose, frame->camera));
-        m.maskedPsnrDb += scorePicture(picture, frame->image, frame->mask).maskedPsnrDb / double(frames.size());
+        m.maskedPsnrDb += scorePicture(picture, frame->picture->image, frame->picture->mask).maskedPsnrDb / double(frames.size());
     }
     return m;
 }
 
-Status weigh(const SubjectData& subject, StageContext& context) {
-    DPL_TRY(AssembledAvatar assembled, assembleAvatar(subject));
+Status weigh(const AssembledAvatar& assembled, uint32_t threadCount, StageContext& context) {
     std::vector<const TrainFrame*> frames;
     chooseFrames(assembled.frames, FrameKind::Dynamic, frames);
     chooseFrames(assembled.frames, FrameKind::StaticFull, frames);
-    DPL_TRY(const Measured whole, measure(assembled.avatar, frames, subject.options.threadCount));
+    DPL_TRY(const Measured whole, measure(assembled.avatar, frames, threadCount));
     const std::pair<AvatarPart, std::string> kParts[] = {
         {AvatarPart::CorrectiveOffsets, "pose-dependent offsets"},
         {AvatarPart::CorrectiveLight, "pose-dependent light"},
@@ -62,10 +60,10 @@ Status weigh(const SubjectData& subject, StageContext& context) {
         }
         AvatarData without = assembled.avatar;
         removePart(without, part);
-        DPL_TRY(const Measured rest, measure(without, frames, subject.options.threadCount));
+        DPL_TRY(const Measured rest, measure(without, frames, threadCount));
         const double gain = whole.maskedPsnrDb - rest.maskedPsnrDb;
         const bool kept = gain >= kWorthItDb;
-        // Node values of one kind keep their place in the file while the other kind is there: six bytes of eight, or two.
+        // A node takes eight bytes while either kind is there: six of offset, two of light.
         const uint64_t values = uint64_t(assembled.avatar.correctives.nodes.size());
         const uint64_t bytes = part == AvatarPart::CorrectiveOffsets ? 6 * values
                                : part == AvatarPart::CorrectiveLight ? 2 * values
@@ -80,12 +78,19 @@ Status weigh(const SubjectData& subject, StageContext& context) {
 
 }  // namespace
 
-Status runEvidence(SubjectData& subject) {
-    const nlohmann::json inputs = {{"trained", subject.chain.keyOf("co-optimise")}, {"name", subject.scan.name}};
-    auto folder = subject.chain.run("evidence", 2, inputs, [&](StageContext& context) { return weigh(subject, context); });
-    if (!folder) return folder.error();
-    subject.evidenceFolder = *folder;
-    return {};
+Result<MeasuredParts> runEvidence(const StageRun& run, const IngestedScan& ingested, const Training& training,
+                                  Lazy<AssembledAvatar>& trained) {
+    const nlohmann::json inputs = {{"trained", training.key},
+                                   {"assemble", assembleInputs()},
+                                   {"name", ingested.scan.name},
+                                   {"worthItDb", kWorthItDb},
+                                   {"framesOfAKind", kFramesOfAKind}};
+    DPL_TRY(const StageOutput stage, run.chain.run("evidence", 2, inputs, [&](StageContext& context) -> Status {
+        DPL_TRY(const AssembledAvatar* assembled, trained.get());
+        return weigh(*assembled, run.jobs.threadCount(), context);
+    }));
+    DPL_TRY(std::vector<PartEvidence> parts, readEvidence(stage.folder / "evidence.json"));
+    return MeasuredParts{std::move(parts), stage.key};
 }
 
 }  // namespace dpl

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// report: scores the shipped bytes, through the public SDK, on the frames that nothing before has seen.
+// report: scores the shipped bytes, through the public SDK, on held-out frames. Only figures come from here.
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "reconstruction/body/body_truth.h"
 #include "reconstruction/distill/pose_stress.h"
 #include "reconstruction/image/image_codec.h"
-#include "reconstruction/package/poses_file.h"
 #include "reconstruction/pipeline/scale_figures.h"
-#include "reconstruction/pipeline/subject_data.h"
-#include "reconstruction/pipeline/train_frames.h"
-#include "reconstruction/pipeline/trained_file.h"
+#include "reconstruction/pipeline/stages.h"
 #include "reconstruction/report/draw_view.h"
 #include "reconstruction/report/report.h"
 #include "reconstruction/report/score.h"
@@ -20,46 +18,51 @@
 namespace dpl {
 namespace {
 
-Status scoreHeldOut(const SubjectData& subject, StageContext& context, const AvatarData& avatar, AvatarView& view,
-                    std::span<const TrainFrame> frames, std::span<const size_t> indices, const PosesFile& poses, ReportData& data) {
-    LabelColours labelColours;
-    {
-        DPL_TRY(auto training, loadTrainFrames(subject, Split::Train));
-        for (const TrainFrame& frame : training)
-            if (frame.kind != FrameKind::StaticCloseup) labelColours.add(frame.image, frame.mask, frame.labels);
+/** First floor of the report: one colour a label, from training frames. */
+Result<LabelColours> gatherLabelColours(const IngestedScan& ingested, Pictures& pictures) {
+    LabelColours colours;
+    for (size_t f = 0; f < ingested.scan.frames.size(); ++f) {
+        if (!isTrainingFrame(ingested, f) || ingested.scan.frames[f].kind == FrameKind::StaticCloseup) continue;
+        DPL_TRY(const auto picture, pictures.of(f));
+        colours.add(picture->image, picture->mask, picture->labels);
     }
+    return colours;
+}
+
+Status scoreHeldOut(const LabelColours& labelColours, const FrameSet& heldOut, const AvatarData& avatar, AvatarView& view,
+                    const PosesFile& poses, Jobs& jobs, StageContext& context, ReportData& data) {
     const std::vector<RestTriangle<float>> bind = restTriangles(avatar.mesh);
     PosedMesh posed;
-    for (size_t i = 0; i < frames.size(); ++i) {
+    for (size_t i = 0; i < heldOut.frames.size(); ++i) {
         if (context.progress.cancelled()) return fail(Code::Cancelled, "stopped");
-        const TrainFrame& frame = frames[i];
-        const FramePose& found = poses.frames[indices[i]];
+        const TrainFrame& frame = heldOut.frames[i];
+        const auto& [image, mask, labels] = *frame.picture;
+        const FramePose& found = poses.frames[heldOut.indices[i]];
         const Pose& fitted = found.fittedPose ? *found.fittedPose : found.pose;
         HeldOutFrame out;
         out.name = frame.name;
         out.kind = frame.kind == FrameKind::Dynamic ? "dynamic" : "static";
         DPL_TRY(auto plain, view.draw(found.pose, frame.camera));
         DPL_TRY(auto best, view.draw(fitted, frame.camera));
-        out.withoutPoseFit = scorePicture(plain, frame.image, frame.mask);
-        out.withPoseFit = scorePicture(best, frame.image, frame.mask);
-        out.labelFloor = scorePicture(labelColours.paint(frame.mask, frame.labels), frame.image, frame.mask);
-        posed.pose({avatar.joints, avatar.mesh, avatar.correctives, bind}, fitted, subject.jobs);
-        out.meshFloor =
-            scorePicture(paintMesh(posed.positions(), avatar.mesh.triangles, avatar.mesh.colours, frame.camera), frame.image, frame.mask);
-        const auto truth = overWhite(cutOut(frame.image, frame.mask)), shown = overWhite(best);
+        out.withoutPoseFit = scorePicture(plain, image, mask);
+        out.withPoseFit = scorePicture(best, image, mask);
+        out.labelFloor = scorePicture(labelColours.paint(mask, labels), image, mask);
+        posed.pose({avatar.joints, avatar.mesh, avatar.correctives, bind}, fitted, jobs);
+        out.meshFloor = scorePicture(paintMesh(posed.positions(), avatar.mesh.triangles, avatar.mesh.colours, frame.camera), image, mask);
+        const auto truth = overWhite(cutOut(image, mask)), shown = overWhite(best);
         const uint32_t w = frame.camera.widthPx, h = frame.camera.heightPx;
         DPL_TRY(out.truthPng, encodePng(truth, w, h, 3));
         DPL_TRY(out.renderPng, encodePng(shown, w, h, 3));
         DPL_TRY(out.differencePng, encodePng(differenceTimesFour(shown, truth), w, h, 3));
         data.frames.push_back(std::move(out));
-        context.progress.update(double(i + 1) / double(frames.size()), frame.name);
+        context.progress.update(double(i + 1) / double(heldOut.frames.size()), frame.name);
     }
     return {};
 }
 
-/** Places against the truth of a synthetic scan, if it has one. */
-void addTruth(const SubjectData& subject, const BodyFit& fit, const std::string& after, ReportData& data) {
-    const auto truth = compareWithTruth(subject.options.scan, subject.scan, subject.body, fit);
+/** Distances to the truth of a synthetic scan, if it has one. Nothing that ships is written after this. */
+void addTruth(const Scan& scan, const BodyModel& body, const BodyFit& fit, const std::string& after, ReportData& data) {
+    const auto truth = compareWithTruth(scan.root, scan, body, fit);
     if (!truth) return;
     const std::string group = "registration against the truth, held-out dynamic frames, " + after;
     data.figures.push_back({group, "keypoints, mean", "mm", truth->keypointsMm.mean});
@@ -68,19 +71,18 @@ void addTruth(const SubjectData& subject, const BodyFit& fit, const std::string&
     data.figures.push_back({group, "limb directions, 95th percentile", "degrees", truth->limbDegrees.p95});
 }
 
-void addRegistration(const SubjectData& subject, const PosesFile& poses, ReportData& data) {
-    for (const KindResidual& r : subject.fit.residuals) {
+void addRegistration(const Scan& scan, const FittedBody& body, const PosesFile& poses, ReportData& data) {
+    for (const KindResidual& r : body.fit.residuals) {
         const std::string kind = r.kind == FrameKind::Dynamic ? "dynamic" : r.kind == FrameKind::StaticFull ? "static" : "close-up";
         const std::string group = "keypoint residual, " + kind + (r.split == Split::Test ? ", held out" : ", training");
         data.figures.push_back({group, "median", "px", r.medianPx});
         data.figures.push_back({group, "95th percentile", "px", r.p95Px});
     }
-    // Measuring only: everything that ships is written before this is read.
-    addTruth(subject, subject.fit, "after the body fit", data);
-    BodyFit final = subject.fit;
+    addTruth(scan, body.body, body.fit, "after the body fit", data);
+    BodyFit final = body.fit;
     for (size_t f = 0; f < final.poses.size(); ++f)
         final.poses[f] = poses.frames[f].fittedPose ? *poses.frames[f].fittedPose : poses.frames[f].pose;
-    addTruth(subject, final, "after training and pose fit", data);
+    addTruth(scan, body.body, final, "after training and pose fit", data);
 }
 
 /** What the report can attribute: the two steps that it measures with and without. */
@@ -110,73 +112,77 @@ std::string summaryOf(const ReportData& data, size_t splats, size_t bytes) {
     return text;
 }
 
-Status report(SubjectData& subject, StageContext& context) {
-    DPL_TRY(auto bytes, readFile(subject.packageFolder / "avatar.glb"));
-    DPL_TRY(AvatarData avatar, readAvatar(bytes));
-    DPL_TRY(AvatarInfo info, inspectAvatar(bytes));
-    DPL_TRY(PosesFile poses, readPosesFile(subject.poseFitFolder / "poses.json"));
-    DPL_TRY(CoOptimiseResult trained, readTrainedFile(subject.trainedFolder / "trained.bin", subject.shaped.mesh.triangles.size(),
-                                                      subject.shaped.mesh.restPositions.size(), subject.shaped.joints.size()));
-    ReportData data;
-    data.title = "Doppel: " + subject.scan.name;
-    const char* presets[] = {"draft", "standard", "high"};
-    data.facts = {{"scan", subject.options.scan.filename().string()},
-                  {"body", subject.body.name + (subject.options.trueBody ? " (shape and poses from truth.json)" : "")},
-                  {"preset", presets[size_t(subject.options.preset)]},
-                  {"seed", std::to_string(subject.options.seed)},
-                  {"splats", std::to_string(avatar.splats.count())},
-                  {"file", std::to_string(bytes.size()) + " bytes"},
-                  {"content hash", info.contentHash}};
-    data.verdict = subject.verdict;
-    DPL_TRY(auto view, AvatarView::open(bytes, subject.options.threadCount));
-    std::vector<size_t> indices;
-    DPL_TRY(auto heldOut, loadTrainFrames(subject, Split::Test, &indices));
-    DPL_CHECK_OK(scoreHeldOut(subject, context, avatar, view, heldOut, indices, poses, data));
-    DPL_CHECK_OK(addScaleFigures(subject.options.scan, context.progress, view, heldOut, indices, poses, data));
-    for (const StageRecord& s : subject.chain.records()) data.stages.push_back({s.name, s.seconds, s.peakBytes, s.reused});
-    PlotSeries loss{"total", {}, {}}, psnr{"masked", {}, {}};
-    for (const CurvePoint& p : trained.curve) {
-        loss.x.push_back(p.step), loss.y.push_back(p.loss);
-        psnr.x.push_back(p.step), psnr.y.push_back(p.psnr);
-    }
-    data.lossCurves = {loss};
-    data.psnrCurves = {psnr};
-    addRegistration(subject, poses, data);
-    const std::string speed = "training step, mean over the last epoch";
-    data.figures.push_back({speed, "step", "ms", trained.profile.stepMs});
-    data.figures.push_back({speed, "pixel-splat pairs", "a step", trained.profile.pairs});
-    data.figures.push_back({speed, "forward", "ns a pair", trained.profile.forwardNsPerPair});
-    data.figures.push_back({speed, "backward", "ns a pair", trained.profile.backwardNsPerPair});
-    if (const PoseStress stress = poseStress(avatar, subject.jobs); stress.offsetMm > 0) {
-        const std::string strange = "pose correctives on 64 random poses that nobody trained, 99th percentiles";
-        data.figures.push_back({strange, "offset", "mm", stress.offsetMm});
-        data.figures.push_back({strange, "strain of an edge", "%", stress.strainPercent});
-        data.figures.push_back({strange, "change of brightness", "%", stress.lightPercent});
-    }
-    const std::string size = "avatar file";
-    data.figures.push_back({size, "splats and SH", "bytes a splat", double(info.splatBytes + info.shBytes) / std::max(1u, info.splats)});
-    data.figures.push_back({size, "whole file", "bytes", double(bytes.size())});
-    addWaterfall(data);
-    data.evidence = avatar.evidence;
-    data.limits = subject.limits;
-    subject.summary = summaryOf(data, avatar.splats.count(), bytes.size());
-    DPL_CHECK_OK(writeFileAtomically(context.folder / "summary.txt", subject.summary));
-    return writeReport(data, context.folder);
+/** Hashes of the files that only a report reads: the truth, and held-out pictures at other sizes. */
+nlohmann::json measuringFiles(const std::filesystem::path& scan) {
+    namespace fs = std::filesystem;
+    std::vector<fs::path> files{scan / "truth.json"};
+    std::error_code error;
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(scan / "hires", error)) files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    nlohmann::json hashes = nlohmann::json::array();
+    for (const fs::path& file : files)
+        if (auto hash = fs::is_regular_file(file, error) ? hashFile(file) : Result<std::string>(std::string()))
+            if (!hash->empty()) hashes.push_back({file.lexically_relative(scan).string(), *hash});
+    return hashes;
 }
 
 }  // namespace
 
-Status runReport(SubjectData& subject) {
-    const nlohmann::json inputs = {{"pose_fit", subject.chain.keyOf("pose-fit")}, {"threads", subject.options.threadCount}};
-    auto folder = subject.chain.run("report", 4, inputs, [&](StageContext& context) { return report(subject, context); });
-    if (!folder) return folder.error();
-    for (const char* name : {"report.html", "report.json"}) {
-        DPL_TRY(auto bytes, readFile(*folder / name));
-        DPL_CHECK_OK(writeFileAtomically(subject.options.out / name, bytes));
-    }
-    DPL_TRY(auto summary, readFile(*folder / "summary.txt"));
-    subject.summary.assign(summary.begin(), summary.end());
-    return {};
+Result<StageOutput> runReport(const StageRun& run, const IngestedScan& ingested, const FittedBody& body,
+                              const std::vector<EvidenceData>& decided, const Training& training, const Package& package,
+                              const FoundPoses& found, Pictures& pictures, const RunSettings& settings) {
+    const nlohmann::json inputs = {{"pose_fit", found.key}, {"measuring", measuringFiles(ingested.scan.root)}};
+    return run.chain.run("report", 5, inputs, [&](StageContext& context) -> Status {
+        DPL_TRY(AvatarData avatar, readAvatar(package.bytes));
+        DPL_TRY(AvatarInfo info, inspectAvatar(package.bytes));
+        ReportData data;
+        data.title = "Doppel: " + ingested.scan.name;
+        data.facts = {{"scan", ingested.scan.root.filename().string()},
+                      {"body", body.body.name},
+                      {"training", formatText("{} steps, at most {} splats; polish {} steps, pose fit {}",
+                                              training.result.curve.empty() ? 0u : training.result.curve.back().step,
+                                              settings.training.maxSplats, settings.polishSteps, settings.poseFit.iterations)},
+                      {"seed", std::to_string(settings.training.seed)},
+                      {"splats", std::to_string(avatar.splats.count())},
+                      {"file", std::to_string(package.bytes.size()) + " bytes"},
+                      {"content hash", info.contentHash}};
+        data.verdict = ingested.verdict;
+        DPL_TRY(auto view, AvatarView::open(package.bytes, run.jobs.threadCount()));
+        DPL_TRY(const LabelColours labelColours, gatherLabelColours(ingested, pictures));
+        DPL_TRY(const FrameSet heldOut, framesOf(ingested, Split::Test, body.cameras, body.fit.poses, pictures));
+        DPL_CHECK_OK(scoreHeldOut(labelColours, heldOut, avatar, view, found.poses, run.jobs, context, data));
+        DPL_CHECK_OK(addScaleFigures(ingested.scan.root, context.progress, view, heldOut, found.poses, data));
+        for (const StageRecord& s : run.chain.records()) data.stages.push_back({s.name, s.seconds, s.peakBytes, s.reused});
+        PlotSeries loss{"total", {}, {}}, psnr{"masked", {}, {}};
+        for (const CurvePoint& p : training.result.curve) {
+            loss.x.push_back(p.step), loss.y.push_back(p.loss);
+            psnr.x.push_back(p.step), psnr.y.push_back(p.psnr);
+        }
+        data.lossCurves = {loss};
+        data.psnrCurves = {psnr};
+        addRegistration(ingested.scan, body, found.poses, data);
+        const StepProfile& profile = training.result.profile;
+        const std::string speed = "training step, mean over the last epoch";
+        data.figures.push_back({speed, "step", "ms", profile.stepMs});
+        data.figures.push_back({speed, "pixel-splat pairs", "a step", profile.pairs});
+        data.figures.push_back({speed, "forward", "ns a pair", profile.forwardNsPerPair});
+        data.figures.push_back({speed, "backward", "ns a pair", profile.backwardNsPerPair});
+        if (const PoseStress stress = poseStress(avatar, run.jobs); stress.offsetMm > 0) {
+            const std::string strange = "pose correctives on 64 random poses that nobody trained, 99th percentiles";
+            data.figures.push_back({strange, "offset", "mm", stress.offsetMm});
+            data.figures.push_back({strange, "strain of an edge", "%", stress.strainPercent});
+            data.figures.push_back({strange, "change of brightness", "%", stress.lightPercent});
+        }
+        const std::string size = "avatar file";
+        data.figures.push_back(
+            {size, "splats and SH", "bytes a splat", double(info.splatBytes + info.shBytes) / std::max(1u, info.splats)});
+        data.figures.push_back({size, "whole file", "bytes", double(package.bytes.size())});
+        addWaterfall(data);
+        data.evidence = avatar.evidence;
+        for (const EvidenceData& row : decided) data.limits.push_back(row.part + ": " + row.reason);
+        DPL_CHECK_OK(writeFileAtomically(context.folder / "summary.txt", summaryOf(data, avatar.splats.count(), package.bytes.size())));
+        return writeReport(data, context.folder);
+    });
 }
 
 }  // namespace dpl

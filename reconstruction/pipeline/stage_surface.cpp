@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstring>
 
-#include "reconstruction/pipeline/subject_data.h"
+#include "reconstruction/pipeline/stage_keys.h"
+#include "reconstruction/pipeline/stages.h"
 #include "reconstruction/surface/fit_surface.h"
 #include "sdk/core/files.h"
 
@@ -9,12 +10,11 @@ namespace dpl {
 namespace {
 
 /** Still training frames with a mask: the silhouettes that shape the surface. */
-std::vector<size_t> silhouetteFrames(const SubjectData& subject) {
+std::vector<size_t> silhouetteFrames(const IngestedScan& ingested) {
     std::vector<size_t> frames;
-    for (size_t f = 0; f < subject.scan.frames.size(); ++f) {
-        const ScanFrame& frame = subject.scan.frames[f];
-        if (frame.split == Split::Train && frame.kind == FrameKind::StaticFull && subject.usable[f] && !frame.maskPath.empty())
-            frames.push_back(f);
+    for (size_t f = 0; f < ingested.scan.frames.size(); ++f) {
+        const ScanFrame& frame = ingested.scan.frames[f];
+        if (isTrainingFrame(ingested, f) && frame.kind == FrameKind::StaticFull && !frame.maskPath.empty()) frames.push_back(f);
     }
     return frames;
 }
@@ -32,19 +32,19 @@ Result<std::vector<Vec3f>> readVectors(const std::filesystem::path& path, size_t
     return values;
 }
 
-Status fit(const SubjectData& subject, StageContext& context) {
+Status fit(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, Pictures& pictures, SurfaceFitSettings settings,
+           StageContext& context) {
     std::vector<SurfaceView> views;
-    for (size_t f : silhouetteFrames(subject)) {
-        DPL_TRY(ImageGrey8 mask, readFrameMask(subject.scan.frames[f]));
-        views.push_back({subject.scan.frames[f].camera, std::move(mask), subject.fit.poses[f]});
+    for (size_t f : silhouetteFrames(ingested)) {
+        DPL_TRY(const auto picture, pictures.of(f));
+        views.push_back({body.cameras[f], picture->mask, body.fit.poses[f]});
     }
     if (views.empty()) return fail(Code::InvalidArgument, "no still training frame has a mask; add masks, or let --models find the person");
-    SurfaceFitSettings settings;
     settings.progress = [&](double fraction) {
         context.progress.update(fraction, formatText("{} silhouettes", views.size()));
         return !context.progress.cancelled();
     };
-    DPL_TRY(SurfaceFit surface, fitSurface(subject.shaped.mesh, subject.shaped.joints, views, settings, subject.jobs));
+    DPL_TRY(SurfaceFit surface, fitSurface(body.shaped.mesh, body.shaped.joints, views, settings, run.jobs));
     const nlohmann::json info = {{"mean_iou_before", surface.meanIouBefore},
                                  {"mean_iou_after", surface.meanIouAfter},
                                  {"mean_offset_m", surface.meanOffsetM},
@@ -56,16 +56,20 @@ Status fit(const SubjectData& subject, StageContext& context) {
 
 }  // namespace
 
-Status runSurface(SubjectData& subject) {
-    DPL_TRY(std::string training, trainingDataHash(subject));
-    const nlohmann::json inputs = {{"training", training}, {"body_fit", subject.chain.keyOf("body-fit")}};
-    auto folder = subject.chain.run("surface", 1, inputs, [&](StageContext& context) { return fit(subject, context); });
-    if (!folder) return folder.error();
-    DPL_TRY(subject.surfaceOffsets, readVectors(*folder / "offsets.bin", subject.shaped.mesh.restPositions.size()));
-    const std::vector<size_t> frames = silhouetteFrames(subject);
-    DPL_TRY(std::vector<Vec3f> sway, readVectors(*folder / "sway.bin", frames.size()));
-    for (size_t i = 0; i < frames.size(); ++i) subject.fit.poses[frames[i]].rootTranslation += sway[i];
-    return {};
+Result<FittedSurface> runSurface(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, Pictures& pictures) {
+    const SurfaceFitSettings settings;
+    const nlohmann::json inputs = {{"training", ingested.trainingHash}, {"body_fit", body.key}, {"settings", fieldsJson(settings)}};
+    DPL_TRY(const StageOutput stage, run.chain.run("surface", 1, inputs, [&](StageContext& context) {
+        return fit(run, ingested, body, pictures, settings, context);
+    }));
+    FittedSurface surface;
+    surface.key = stage.key;
+    DPL_TRY(surface.restOffsets, readVectors(stage.folder / "offsets.bin", body.shaped.mesh.restPositions.size()));
+    surface.poses = body.fit.poses;
+    const std::vector<size_t> frames = silhouetteFrames(ingested);
+    DPL_TRY(const std::vector<Vec3f> sway, readVectors(stage.folder / "sway.bin", frames.size()));
+    for (size_t i = 0; i < frames.size(); ++i) surface.poses[frames[i]].rootTranslation += sway[i];
+    return surface;
 }
 
 }  // namespace dpl

@@ -22,32 +22,31 @@ void posedMesh(const std::vector<JointData>& joints, const MeshData& mesh, const
 
 }  // namespace
 
-Result<TrainFrame> loadTrainFrame(const ScanFrame& frame, const Pose& pose) {
-    if (frame.maskPath.empty())
-        return fail(Code::InvalidArgument, "frame {} has no mask; add masks/{}.png, or let --models find the person", frame.name,
-                    frame.name);
-    TrainFrame out;
-    out.name = frame.name;
-    out.kind = frame.kind;
-    out.camera = frame.camera;
-    out.pose = pose;
-    DPL_TRY(out.image, readFrameImage(frame));
-    DPL_TRY(out.mask, readFrameMask(frame));
-    if (!frame.labelsPath.empty()) {
-        DPL_TRY(out.labels, readFrameLabels(frame));
+Result<std::shared_ptr<const FramePicture>> Pictures::of(size_t frame) {
+    if (!pictures_[frame]) {
+        DPL_TRY(FramePicture picture, readFramePicture(scan_.frames[frame]));
+        pictures_[frame] = std::make_shared<const FramePicture>(std::move(picture));
     }
+    return pictures_[frame];
+}
+
+Result<TrainFrame> frameAt(const IngestedScan& ingested, size_t index, const Camerad& camera, const Pose& pose, Pictures& pictures) {
+    const ScanFrame& frame = ingested.scan.frames[index];
+    TrainFrame out{frame.name, frame.kind, camera, pose, nullptr};
+    DPL_TRY(out.picture, pictures.of(index));
     return out;
 }
 
-Result<std::vector<TrainFrame>> loadTrainFrames(const SubjectData& subject, Split split, std::vector<size_t>* indices) {
-    std::vector<TrainFrame> frames;
-    for (size_t f = 0; f < subject.scan.frames.size(); ++f) {
-        if (subject.scan.frames[f].split != split || (split == Split::Train && !subject.usable[f])) continue;
-        DPL_TRY(TrainFrame frame, loadTrainFrame(subject.scan.frames[f], subject.fit.poses[f]));
-        frames.push_back(std::move(frame));
-        if (indices) indices->push_back(f);
+Result<FrameSet> framesOf(const IngestedScan& ingested, Split split, std::span<const Camerad> cameras, std::span<const Pose> poses,
+                          Pictures& pictures) {
+    FrameSet set;
+    for (size_t f = 0; f < ingested.scan.frames.size(); ++f) {
+        if (split == Split::Train ? !isTrainingFrame(ingested, f) : ingested.scan.frames[f].split != split) continue;
+        DPL_TRY(TrainFrame frame, frameAt(ingested, f, cameras[f], poses[f], pictures));
+        set.frames.push_back(std::move(frame));
+        set.indices.push_back(f);
     }
-    return frames;
+    return set;
 }
 
 std::vector<uint8_t> voteTriangleLabels(const std::vector<JointData>& joints, const MeshData& mesh, const std::vector<TrainFrame>& frames,
@@ -56,10 +55,10 @@ std::vector<uint8_t> voteTriangleLabels(const std::vector<JointData>& joints, co
     bool any = false;
     std::vector<Vec3f> positions;
     for (const TrainFrame& frame : frames) {
-        if (frame.kind == FrameKind::Dynamic || frame.labels.pixels.empty()) continue;
+        if (frame.kind == FrameKind::Dynamic || frame.picture->labels.pixels.empty()) continue;
         posedMesh(joints, mesh, frame.pose, jobs, positions);
         const MeshRaster raster = rasteriseMesh(positions, mesh.triangles, frame.camera);
-        votes.add(raster, positions, mesh.triangles, frame.camera, frame.labels.pixels, frame.mask.pixels);
+        votes.add(raster, positions, mesh.triangles, frame.camera, frame.picture->labels.pixels, frame.picture->mask.pixels);
         any = true;
     }
     return any ? votes.finish(mesh.triangles, kLabelBody) : std::vector<uint8_t>();
@@ -97,7 +96,7 @@ std::vector<glm::u8vec4> gatherVertexColours(const std::vector<JointData>& joint
     for (const TrainFrame& frame : frames) {
         posedMesh(joints, mesh, frame.pose, jobs, positions);
         const MeshRaster raster = rasteriseMesh(positions, mesh.triangles, frame.camera);
-        colours.add(raster, positions, mesh.triangles, frame.camera, frame.image.pixels, frame.mask.pixels);
+        colours.add(raster, positions, mesh.triangles, frame.camera, frame.picture->image.pixels, frame.picture->mask.pixels);
     }
     return colours.finish(mesh.triangles);
 }

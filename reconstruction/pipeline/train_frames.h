@@ -1,28 +1,72 @@
 // SPDX-License-Identifier: Apache-2.0
-// Frames as training, polish and pose fit take them: decoded pictures with cameras and poses.
+// The scan as stages learn from it: which frames count, their pictures (decoded once) and their cameras and poses.
 #pragma once
 
-#include "reconstruction/pipeline/subject_data.h"
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "reconstruction/capture/frame_picture.h"
 #include "reconstruction/splat/train_images.h"
+#include "sdk/core/jobs.h"
+#include "sdk/format/avatar_data.h"
 
 namespace dpl {
 
-/** Decodes one frame with the pose given; frames without a mask are an error that names the remedy. */
-Result<TrainFrame> loadTrainFrame(const ScanFrame& frame, const Pose& pose);
+/** Content hashes of a frame's files; "none" for a file that the frame lacks. */
+struct FrameHashes {
+    std::string image, mask, labels, keypoints;
+};
 
-/** Usable frames of a split that have a mask, with the registered poses. `indices` (into Scan::frames) may be null. */
-Result<std::vector<TrainFrame>> loadTrainFrames(const SubjectData& subject, Split split, std::vector<size_t>* indices = nullptr);
+/** A scan that passed its check. Nothing after ingest changes it. */
+struct IngestedScan {
+    Scan scan;
+    std::vector<bool> usable;         // of Scan::frames; false: left out of training
+    std::vector<FrameHashes> hashes;  // of Scan::frames
+    std::string trainingHash;         // of all that may be learned from: usable training frames, with their files and cameras
+    std::string verdict;              // of the check, several lines
+};
 
-/** Clothing label of every triangle of `mesh`, voted by still training frames that bring labels; empty when none does. */
+/** Whether the frame may be learned from. */
+inline bool isTrainingFrame(const IngestedScan& ingested, size_t frame) {
+    return ingested.scan.frames[frame].split == Split::Train && ingested.usable[frame];
+}
+
+/** Pictures of a scan's frames, decoded when first asked for and kept. One thread. */
+class Pictures {
+public:
+    explicit Pictures(const Scan& scan) : scan_(scan), pictures_(scan.frames.size()) {}
+    Pictures(const Pictures&) = delete;
+
+    Result<std::shared_ptr<const FramePicture>> of(size_t frame);
+
+private:
+    const Scan& scan_;
+    std::vector<std::shared_ptr<const FramePicture>> pictures_;
+};
+
+/** Frames of one split with their pictures. */
+struct FrameSet {
+    std::vector<TrainFrame> frames;
+    std::vector<size_t> indices;  // into Scan::frames, one a frame
+};
+
+/** Frame `index` of the scan. The camera is in metres. */
+Result<TrainFrame> frameAt(const IngestedScan& ingested, size_t index, const Camerad& camera, const Pose& pose, Pictures& pictures);
+
+/** All training frames, or all held-out ones. cameras (metres) and poses: one a frame of the scan. */
+Result<FrameSet> framesOf(const IngestedScan& ingested, Split split, std::span<const Camerad> cameras, std::span<const Pose> poses,
+                          Pictures& pictures);
+
+/** Label of every triangle of `mesh`, voted by still training frames that bring labels; empty when none does. */
 std::vector<uint8_t> voteTriangleLabels(const std::vector<JointData>& joints, const MeshData& mesh, const std::vector<TrainFrame>& frames,
                                         Jobs& jobs);
 
-/** AvatarData::trainedPixelM of these frames: the median of their pixels at the root joint, each frame weighing as many joints as it shows.
- * So a close-up of a hand hardly counts, and half of what was seen of the body was seen at least as coarse. 0 when no frame shows a joint.
- */
+/** AvatarData::trainedPixelM of these frames: the median size of a pixel at the root joint, metres. Each frame weighs as many joints as it
+ *  shows, so close-ups hardly count. 0 when no frame shows a joint. */
 float trainedPixelM(const std::vector<JointData>& joints, const std::vector<TrainFrame>& frames);
 
-/** Vertex colours for stock viewers and for the report's floor, gathered from training frames. */
+/** Vertex colours for viewers without splats and for the report's floor, gathered from training frames. */
 std::vector<glm::u8vec4> gatherVertexColours(const std::vector<JointData>& joints, const MeshData& mesh,
                                              const std::vector<TrainFrame>& frames, Jobs& jobs);
 

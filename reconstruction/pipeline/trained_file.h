@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What training hands to packaging, exactly as trained: our own binary, read back with bounds.
+// The result of training as a binary file, bit for bit. Reading checks every size before it allocates.
 #pragma once
 
 #include <filesystem>

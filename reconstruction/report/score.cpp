@@ -5,6 +5,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "reconstruction/capture/frame_picture.h"
 #include "reconstruction/surface/mesh_raster.h"
 
 namespace dpl {
@@ -91,13 +92,13 @@ std::vector<uint8_t> cutOut(const ImageRgb8& image, const ImageGrey8& mask) {
     rgba.reserve(mask.pixels.size() * 4);
     for (size_t i = 0; i < mask.pixels.size(); ++i)
         rgba.insert(rgba.end(),
-                    {image.pixels[i * 3], image.pixels[i * 3 + 1], image.pixels[i * 3 + 2], uint8_t(mask.pixels[i] >= 128 ? 255 : 0)});
+                    {image.pixels[i * 3], image.pixels[i * 3 + 1], image.pixels[i * 3 + 2], uint8_t(isPerson(mask.pixels[i]) ? 255 : 0)});
     return rgba;
 }
 
 void LabelColours::add(const ImageRgb8& image, const ImageGrey8& mask, const ImageGrey8& labels) {
     for (size_t i = 0; i < mask.pixels.size() && i < labels.pixels.size(); ++i) {
-        if (mask.pixels[i] < 128) continue;
+        if (!isPerson(mask.pixels[i])) continue;
         Sum& sum = sums_[labels.pixels[i]];
         for (int c = 0; c < 3; ++c) sum.rgb[c] += image.pixels[i * 3 + c];
         sum.count += 1;
@@ -107,7 +108,7 @@ void LabelColours::add(const ImageRgb8& image, const ImageGrey8& mask, const Ima
 std::vector<uint8_t> LabelColours::paint(const ImageGrey8& mask, const ImageGrey8& labels) const {
     std::vector<uint8_t> rgba(mask.pixels.size() * 4, 0);
     for (size_t i = 0; i < mask.pixels.size(); ++i) {
-        if (mask.pixels[i] < 128) continue;
+        if (!isPerson(mask.pixels[i])) continue;
         const auto found = sums_.find(i < labels.pixels.size() ? labels.pixels[i] : uint8_t(0));
         for (int c = 0; c < 3; ++c)
             rgba[i * 4 + c] = found == sums_.end() ? 128 : uint8_t(found->second.rgb[c] / found->second.count + 0.5);

@@ -21,7 +21,7 @@ double millisecondsSince(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-/** Floats a row of Adam: four a mode, padded to whole vectors. */
+/** Floats in a row of Adam: four for each mode, padded to whole vectors. */
 uint32_t nodeStride(const PoseCorrectiveData& c) {
     return (c.modeCount * 4 + 7) / 8 * 8;
 }
@@ -33,7 +33,7 @@ bool finite(const Vec3f& v) {
 }  // namespace
 
 Status CoOptimiser::State::prepare() {
-    MeshData& m = input.mesh;
+    const MeshData& m = input.mesh;
     const size_t vertexCount = m.restPositions.size();
     if (vertexCount == 0 || m.triangles.empty()) return fail(Code::InvalidArgument, "the template mesh is empty");
     DPL_CHECK_OK(checkMesh(m, input.joints.size()));
@@ -50,17 +50,11 @@ Status CoOptimiser::State::prepare() {
         DPL_CHECK_OK(checkTrainFrame(f));
         if (auto status = checkPose(input.joints, f.pose); !status)
             return fail(status.error().code, "frame '{}': {}", f.name, status.error().message);
-        poses.push_back(f.pose);
-        if (std::any_of(f.mask.pixels.begin(), f.mask.pixels.end(), [](uint8_t v) { return v >= 128; })) usedFrames.push_back(i);
+        learned.frames.push_back({.pose = f.pose});
+        if (std::any_of(f.picture->mask.pixels.begin(), f.picture->mask.pixels.end(), isPerson)) usedFrames.push_back(i);
     }
     if (usedFrames.empty())
         return fail(Code::InvalidArgument, "none of the {} training frames has a person in its mask", input.frames.size());
-    settings.init.seed = settings.seed;
-    firstPoses = poses;
-    adamPoses.resize(poses.size());
-    cameraTurn.assign(poses.size(), Vec3d(0)), cameraShift.assign(poses.size(), Vec3d(0));
-    adamCameras.resize(poses.size());
-    templatePositions = m.restPositions;
     bind = restTriangles(m);
     for (const Triangle& t : m.triangles) {
         const Vec3f e1 = m.restPositions[t.y] - m.restPositions[t.x], e2 = m.restPositions[t.z] - m.restPositions[t.x];
@@ -68,15 +62,16 @@ Status CoOptimiser::State::prepare() {
         referenceSizeM.push_back(std::max(0.008f, 0.5f * (base + glm::length(glm::cross(e1, e2)) / base)));
     }
     DPL_CHECK_OK(checkCorrectives(input.correctives, input.joints.size(), vertexCount));
-    if (!input.correctives.empty()) adamNodes.resize(input.correctives.nodeCount, nodeStride(input.correctives));
+    learned.layer.correctives = input.correctives;
+    if (!input.correctives.empty()) learned.layer.adamNodes.resize(input.correctives.nodeCount, nodeStride(input.correctives));
     incidence = VertexIncidence(m.triangles, vertexCount);
     meshRegulariser.emplace(m.restPositions, m.triangles);
     mesh = m;
     if (settings.learnGeometry) {
         DPL_TRY(LargeSteps factor, LargeSteps::create(m.restPositions, m.triangles, settings.smoothingLengthM));
         largeSteps.emplace(std::move(factor));
-        u.assign(largeSteps->size(), Vec3f(0));
-        restGradientSum.assign(vertexCount, Vec3f(0));
+        learned.layer.u.assign(largeSteps->size(), Vec3f(0));
+        learned.layer.restGradientSum.assign(vertexCount, Vec3f(0));
     }
     return {};
 }
@@ -86,10 +81,8 @@ Result<std::unique_ptr<CoOptimiser>> CoOptimiser::create(CoOptimiseInput input, 
     DPL_CHECK_OK(state->prepare());
     State& s = *state;
     const std::vector<float> floors = sizeFloors(s.input.joints, s.mesh, s.input.frames, jobs);
-    const std::vector<uint8_t> flags = triangleFlags(s.templatePositions, s.mesh.triangles, s.input.triangleLabel, s.settings.init);
-    s.splats = initialSplats(s.input.joints, s.mesh, flags, floors, s.input.frames, s.settings.init, jobs);
-    s.adam.resize(s.splats.count(), s.splats.stride);
-    s.statistics.resize(s.splats.count());
+    const std::vector<uint8_t> flags = triangleFlags(s.mesh.restPositions, s.mesh.triangles, s.input.triangleLabel, s.settings.init);
+    s.start(initialSplats(s.input.joints, s.mesh, flags, floors, s.input.frames, s.settings.init, s.settings.seed, jobs));
     return std::unique_ptr<CoOptimiser>(new CoOptimiser(std::move(state)));
 }
 
@@ -103,28 +96,34 @@ Result<std::unique_ptr<CoOptimiser>> CoOptimiser::createFrom(CoOptimiseInput inp
         splats.scaleM.size() != n || splats.opacity.size() != n || splats.flags.size() != n ||
         splats.sh.size() != n * shCoefficientCount(splats.shDegree) * 3)
         return fail(Code::InvalidArgument, "the splats do not fit the mesh of {} triangles", s.mesh.triangles.size());
-    s.splats = TrainableSplats::fromSplatData(splats, sizeFloors(s.input.joints, s.mesh, s.input.frames, jobs));
-    s.splats.activateAll(jobs);
-    s.adam.resize(s.splats.count(), s.splats.stride);
-    s.statistics.resize(s.splats.count());
+    TrainableSplats first = TrainableSplats::fromSplatData(splats, sizeFloors(s.input.joints, s.mesh, s.input.frames, jobs));
+    first.activateAll(jobs);
+    s.start(std::move(first));
     return std::unique_ptr<CoOptimiser>(new CoOptimiser(std::move(state)));
+}
+
+void CoOptimiser::State::start(TrainableSplats splats) {
+    LearnedLayer& layer = learned.layer;
+    layer.splats = std::move(splats);
+    layer.adam.resize(layer.splats.count(), layer.splats.stride);
+    layer.statistics.resize(layer.splats.count());
 }
 
 CoOptimiser::CoOptimiser(std::unique_ptr<State> state) : state_(std::move(state)) {}
 CoOptimiser::~CoOptimiser() = default;
 bool CoOptimiser::finished() const {
-    return state_->step >= state_->settings.steps;
+    return state_->learned.step >= state_->settings.steps;
 }
 uint32_t CoOptimiser::step() const {
-    return state_->step;
+    return state_->learned.step;
 }
 
 float CoOptimiser::State::decay(float end) const {
-    return std::pow(end, float(step) / float(settings.steps));
+    return std::pow(end, float(learned.step) / float(settings.steps));
 }
 
 void CoOptimiser::State::selectLevel() {
-    const float at = float(step) / float(settings.steps);
+    const float at = float(learned.step) / float(settings.steps);
     const int last = int(settings.levelStarts.size()) - 1;
     int index = last;
     if (!settings.fullResolutionOnly)
@@ -139,7 +138,7 @@ void CoOptimiser::State::selectLevel() {
     });
 }
 
-/** Every frame once an epoch, in an order that is a function of (seed, epoch): the shares of the kinds are constant. */
+/** Every frame comes once in an epoch, in an order that depends on (seed, epoch) only. */
 uint32_t CoOptimiser::State::frameOf(uint32_t atStep) {
     const uint64_t epoch = atStep / usedFrames.size();
     if (epoch != orderEpoch) {
@@ -153,15 +152,18 @@ uint32_t CoOptimiser::State::frameOf(uint32_t atStep) {
 
 Camerad CoOptimiser::State::cameraOf(uint32_t frame) const {
     Camerad c = input.frames[frame].camera;
-    const Mat3d turn = glm::mat3_cast(turnQuaternion(cameraTurn[frame]));
+    const Mat3d turn = glm::mat3_cast(turnQuaternion(learned.frames[frame].cameraTurn));
     c.viewFromWorldRotation = turn * c.viewFromWorldRotation;
-    c.viewFromWorldTranslation = turn * c.viewFromWorldTranslation + cameraShift[frame];
+    c.viewFromWorldTranslation = turn * c.viewFromWorldTranslation + learned.frames[frame].cameraShift;
     return c;
 }
 
 Status CoOptimiser::State::stepOnce() {
     const auto start = std::chrono::steady_clock::now();
     selectLevel();
+    LearnedLayer& layer = learned.layer;
+    LossSums& sums = learned.sums;
+    uint32_t& step = learned.step;
     const uint32_t frame = frameOf(step);
     const TrainFrame& f = input.frames[frame];
     LossWeights weights = settings.loss;
@@ -175,9 +177,9 @@ Status CoOptimiser::State::stepOnce() {
         const Cameraf moved = cameraOf(frame).cast<float>();
         camera.viewFromWorldRotation = moved.viewFromWorldRotation, camera.viewFromWorldTranslation = moved.viewFromWorldTranslation;
     }
-    const PassSubject subject{splats, mesh, input.correctives, input.joints, bind, incidence};
+    const PassSubject subject{layer.splats, mesh, layer.correctives, input.joints, bind, incidence};
     const bool geometry = settings.learnGeometry || settings.learnPoses || settings.learnCameras || learnsCorrectives();
-    const LossValues loss = pass.run(subject, poses[frame], level[frame], camera, weights, background, geometry);
+    const LossValues loss = pass.run(subject, learned.frames[frame].pose, level[frame], camera, weights, background, geometry);
     if (!std::isfinite(loss.total)) return fail(Code::Internal, "training step {} (frame '{}'): the loss is not finite", step, f.name);
 
     const auto update = std::chrono::steady_clock::now();
@@ -185,12 +187,12 @@ Status CoOptimiser::State::stepOnce() {
     if (settings.learnPoses || settings.learnCameras) updatePose(frame);
     if (settings.learnGeometry) {
         const auto& g = pass.restGradient();
-        for (size_t v = 0; v < g.size(); ++v) restGradientSum[v] += g[v];
-        if (++restGradientCount >= settings.geometryEvery) updateOffsets();
+        for (size_t v = 0; v < g.size(); ++v) layer.restGradientSum[v] += g[v];
+        if (++layer.restGradientCount >= settings.geometryEvery) updateOffsets();
     }
     if (learnsCorrectives()) updateCorrectives();
-    sumLoss += loss.total, sumL1 += loss.l1, sumSsim += loss.ssim, sumMask += loss.mask, ++sumSteps;
-    sumSquared += loss.squaredError, sumSquaredCount += loss.squaredCount;
+    sums.loss += loss.total, sums.l1 += loss.l1, sums.ssim += loss.ssim, sums.mask += loss.mask, ++sums.steps;
+    sums.squaredError += loss.squaredError, sums.squaredCount += loss.squaredCount;
     ++step;
     if (settings.densify && settings.densityEvents > 0) {
         const uint32_t first = uint32_t(0.08 * settings.steps), last = uint32_t(0.55 * settings.steps),
@@ -200,23 +202,25 @@ Status CoOptimiser::State::stepOnce() {
             d.seed = settings.seed, d.maxSplats = settings.maxSplats;
             const uint32_t start0 = settings.init.splatCount;
             d.maxGrowth = std::max(500u, settings.maxSplats > start0 ? 2 * (settings.maxSplats - start0) / settings.densityEvents : 500u);
-            densify(splats, adam, statistics, bind, referenceSizeM, d, (step - first) / every);
+            densify(layer.splats, layer.adam, layer.statistics, bind, referenceSizeM, d, (step - first) / every);
         }
     }
-    if (sumSteps >= std::max<uint32_t>(1, std::min<uint32_t>(100, settings.steps / 20)) || step == settings.steps) {
-        curve.push_back(recentPoint());
-        sumLoss = sumL1 = sumSsim = sumMask = sumSquared = sumSquaredCount = 0, sumSteps = 0;
+    if (sums.steps >= std::max<uint32_t>(1, std::min<uint32_t>(100, settings.steps / 20)) || step == settings.steps) {
+        learned.curve.push_back(recentPoint());
+        sums = {};
     }
     const auto lastEpoch = uint32_t(std::min<size_t>(settings.steps, usedFrames.size()));
     if (step + lastEpoch == settings.steps + 1) pass.times = {}, profile = {};
     profile.updateMs += millisecondsSince(update), profile.stepMs += millisecondsSince(start), ++profile.steps;
-    if (step + lastEpoch > settings.steps)  // counted outside the clock
+    if (step + lastEpoch > settings.steps)  // counting is not part of stepMs
         profile.pairs += double(countPixelSplatPairs(pass.engine(), pass.image().widthPx, pass.image().heightPx));
     return {};
 }
 
 void CoOptimiser::State::updateSplats(uint32_t frame) {
     SplatBackward& b = pass.splatBackward();
+    TrainableSplats& splats = learned.layer.splats;
+    DensityStatistics& statistics = learned.layer.statistics;
     const bool isStatic = input.frames[frame].kind != FrameKind::Dynamic;
     const float gain = input.frames[frame].kind == FrameKind::StaticCloseup ? settings.closeupGradientScale : 1.0f;
     const float halfHeight =
@@ -244,21 +248,23 @@ void CoOptimiser::State::updateSplats(uint32_t frame) {
             for (uint32_t k = 0; k < splats.stride; ++k) row[k] *= gain, sum += row[k];
             if (!std::isfinite(sum)) std::fill_n(row, splats.stride, 0.0f);
         }
-        adam.update(begin, end, active, rows, rate, splats.rows);
+        learned.layer.adam.update(begin, end, active, rows, rate, splats.rows);
         splats.activate(begin, end, active);
     });
 }
 
 void CoOptimiser::State::updatePose(uint32_t frame) {
     const PoseGradient<double>& g = pass.poseGradient();
+    LearnedFrame& own = learned.frames[frame];
+    const Pose& first = input.frames[frame].pose;
     if (settings.learnPoses) {
-        Pose& pose = poses[frame];
+        Pose& pose = own.pose;
         const size_t jointCount = input.joints.size();
         std::vector<double> gradient(jointCount * 3 + 3), rates(jointCount * 3 + 3);
         const float fall = decay(settings.endPose);
         for (size_t j = 0; j < jointCount; ++j) {
             const Vec3d away =
-                logQuaternion(Quatd(pose.localRotations[j]) * glm::conjugate(glm::normalize(Quatd(firstPoses[frame].localRotations[j]))));
+                logQuaternion(Quatd(pose.localRotations[j]) * glm::conjugate(glm::normalize(Quatd(first.localRotations[j]))));
             for (int a = 0; a < 3; ++a) {
                 gradient[j * 3 + size_t(a)] = g.rotation[j][a] + 2 * settings.regularise.pose * away[a];
                 rates[j * 3 + size_t(a)] = settings.rateRotation * fall;
@@ -266,11 +272,10 @@ void CoOptimiser::State::updatePose(uint32_t frame) {
         }
         for (int a = 0; a < 3; ++a) {
             gradient[jointCount * 3 + size_t(a)] =
-                g.rootTranslation[a] +
-                2 * settings.regularise.pose * 100 * (pose.rootTranslation[a] - firstPoses[frame].rootTranslation[a]);
+                g.rootTranslation[a] + 2 * settings.regularise.pose * 100 * (pose.rootTranslation[a] - first.rootTranslation[a]);
             rates[jointCount * 3 + size_t(a)] = settings.rateTranslation * fall;
         }
-        const std::vector<double> delta = adamPoses[frame].step(gradient, rates);
+        const std::vector<double> delta = own.adamPose.step(gradient, rates);
         for (size_t j = 0; j < jointCount; ++j) {
             const Vec3d w(delta[j * 3], delta[j * 3 + 1], delta[j * 3 + 2]);
             pose.localRotations[j] = Quatf(glm::normalize(turnQuaternion(-w) * Quatd(pose.localRotations[j])));
@@ -280,40 +285,42 @@ void CoOptimiser::State::updatePose(uint32_t frame) {
     if (settings.learnCameras) {
         std::vector<double> gradient(6), rates(6, double(settings.rateCamera * decay(settings.endPose)));
         for (int a = 0; a < 3; ++a) {
-            gradient[size_t(a)] = g.cameraRotation[a] + 2 * settings.regularise.camera * cameraTurn[frame][a];
-            gradient[3 + size_t(a)] = g.cameraTranslation[a] + 2 * settings.regularise.camera * cameraShift[frame][a];
+            gradient[size_t(a)] = g.cameraRotation[a] + 2 * settings.regularise.camera * own.cameraTurn[a];
+            gradient[3 + size_t(a)] = g.cameraTranslation[a] + 2 * settings.regularise.camera * own.cameraShift[a];
         }
-        const std::vector<double> delta = adamCameras[frame].step(gradient, rates);
+        const std::vector<double> delta = own.adamCamera.step(gradient, rates);
         const Quatd turn = turnQuaternion({-delta[0], -delta[1], -delta[2]});
-        cameraTurn[frame] = logQuaternion(turn * turnQuaternion(cameraTurn[frame]));
-        cameraShift[frame] = glm::mat3_cast(turn) * cameraShift[frame] - Vec3d(delta[3], delta[4], delta[5]);
+        own.cameraTurn = logQuaternion(turn * turnQuaternion(own.cameraTurn));
+        own.cameraShift = glm::mat3_cast(turn) * own.cameraShift - Vec3d(delta[3], delta[4], delta[5]);
     }
 }
 
 void CoOptimiser::State::updateOffsets() {
-    const float scale = 1.0f / float(restGradientCount);
+    LearnedLayer& layer = learned.layer;
+    const float scale = 1.0f / float(layer.restGradientCount);
     bool good = true;
-    for (Vec3f& g : restGradientSum) g *= scale, good &= finite(g);
-    if (good) {  // one NaN vertex would pollute the whole mesh through M⁻¹
-        meshRegulariser->run(mesh.restPositions, settings.regularise, 1.0f, restGradientSum);
-        std::vector<Vec3f> uGradient(u.size());
-        largeSteps->backward(restGradientSum, uGradient, true);
-        adamOffsets.update(uGradient, settings.rateOffsets * decay(settings.endOffsets), u);
+    for (Vec3f& g : layer.restGradientSum) g *= scale, good &= finite(g);
+    if (good) {  // M⁻¹ would spread a vertex that is not finite over the whole mesh
+        meshRegulariser->run(mesh.restPositions, settings.regularise, 1.0f, layer.restGradientSum);
+        std::vector<Vec3f> uGradient(layer.u.size());
+        largeSteps->backward(layer.restGradientSum, uGradient, true);
+        layer.adamOffsets.update(uGradient, settings.rateOffsets * decay(settings.endOffsets), layer.u);
         applyOffsets();
     }
-    std::fill(restGradientSum.begin(), restGradientSum.end(), Vec3f(0));
-    restGradientCount = 0;
+    std::fill(layer.restGradientSum.begin(), layer.restGradientSum.end(), Vec3f(0));
+    layer.restGradientCount = 0;
 }
 
 void CoOptimiser::State::applyOffsets() {
     if (!largeSteps) return;
-    std::vector<Vec3f> offsets(templatePositions.size());
-    largeSteps->offsets(u, offsets, true);
-    for (size_t v = 0; v < offsets.size(); ++v) mesh.restPositions[v] = templatePositions[v] + offsets[v];
+    std::vector<Vec3f> offsets(mesh.restPositions.size());
+    largeSteps->offsets(learned.layer.u, offsets, true);
+    for (size_t v = 0; v < offsets.size(); ++v) mesh.restPositions[v] = input.mesh.restPositions[v] + offsets[v];
 }
 
 void CoOptimiser::State::updateCorrectives() {
-    PoseCorrectiveData& c = input.correctives;
+    PoseCorrectiveData& c = learned.layer.correctives;
+    AdamRows& adamNodes = learned.layer.adamNodes;
     const std::span<const float> k = pass.posed().coefficients();
     const std::span<const Vec4f> gNodes = pass.nodeGradient();
     const uint32_t stride = adamNodes.stride;
@@ -332,7 +339,7 @@ void CoOptimiser::State::updateCorrectives() {
                 values[n * stride + i * 4 + a] = value[int(a)], gradients[n * stride + i * 4 + a] = gradient[int(a)];
         }
     }
-    const float keep = 1 - fall * settings.nodeDecay;  // decoupled from Adam, which would undo the scale of a penalty
+    const float keep = 1 - fall * settings.nodeDecay;  // outside Adam, which would rescale a penalty's gradient
     adamNodes.update(0, c.nodeCount, active, gradients, rate, values);
     for (uint32_t n = 0; n < c.nodeCount; ++n)
         if (active[n])
@@ -341,25 +348,27 @@ void CoOptimiser::State::updateCorrectives() {
 }
 
 CurvePoint CoOptimiser::State::recentPoint() const {
+    const LossSums& sums = learned.sums;
     CurvePoint p;
-    p.step = step, p.splats = splats.count();
-    const double n = std::max(1u, sumSteps);
-    p.loss = float(sumLoss / n), p.l1 = float(sumL1 / n), p.ssim = float(sumSsim / n), p.mask = float(sumMask / n);
-    p.psnr = sumSquared > 0 ? float(-10 * std::log10(sumSquared / sumSquaredCount)) : 0;
+    p.step = learned.step, p.splats = learned.layer.splats.count();
+    const double n = std::max(1u, sums.steps);
+    p.loss = float(sums.loss / n), p.l1 = float(sums.l1 / n), p.ssim = float(sums.ssim / n), p.mask = float(sums.mask / n);
+    p.psnr = sums.squaredError > 0 ? float(-10 * std::log10(sums.squaredError / sums.squaredCount)) : 0;
     return p;
 }
 
 Status CoOptimiser::run(const std::function<void(const CoOptimiseProgress&)>& progress, const std::atomic<bool>* cancel, uint32_t maxSteps,
                         uint32_t reportEvery) {
     State& s = *state_;
-    for (uint32_t done = 0; s.step < s.settings.steps && done < maxSteps; ++done) {
-        if (cancel && cancel->load()) return fail(Code::Cancelled, "training was stopped at step {} of {}", s.step, s.settings.steps);
+    const Learned& now = s.learned;
+    for (uint32_t done = 0; now.step < s.settings.steps && done < maxSteps; ++done) {
+        if (cancel && cancel->load()) return fail(Code::Cancelled, "training was stopped at step {} of {}", now.step, s.settings.steps);
         DPL_CHECK_OK(s.stepOnce());
-        if (progress && (s.step % std::max(1u, reportEvery) == 0 || s.step == s.settings.steps)) {
+        if (progress && (now.step % std::max(1u, reportEvery) == 0 || now.step == s.settings.steps)) {
             CoOptimiseProgress p;
-            p.step = s.step, p.steps = s.settings.steps, p.splats = s.splats.count();
+            p.step = now.step, p.steps = s.settings.steps, p.splats = now.layer.splats.count();
             p.scale = s.level[s.usedFrames[0]].scale;
-            p.recent = s.sumSteps > 0 || s.curve.empty() ? s.recentPoint() : s.curve.back();
+            p.recent = now.sums.steps > 0 || now.curve.empty() ? s.recentPoint() : now.curve.back();
             progress(p);
         }
     }
@@ -372,15 +381,15 @@ CoOptimiseResult CoOptimiser::result() const {
     AvatarData avatar;
     avatar.joints = s.input.joints;
     avatar.mesh = s.mesh;
-    avatar.splats = s.splats.toSplatData();
-    if (s.settings.learnGeometry) (void)rebaseSplats(s.templatePositions, avatar);
+    avatar.splats = s.learned.layer.splats.toSplatData();
+    if (s.settings.learnGeometry) (void)rebaseSplats(s.input.mesh.restPositions, avatar);
     r.splats = std::move(avatar.splats);
     r.restPositions = s.mesh.restPositions;
-    r.correctives = s.input.correctives;
-    r.poses = s.poses;
+    r.correctives = s.learned.layer.correctives;
+    for (const LearnedFrame& frame : s.learned.frames) r.poses.push_back(frame.pose);
     for (uint32_t f = 0; f < s.input.frames.size(); ++f)
         r.cameras.push_back(s.settings.learnCameras ? s.cameraOf(f) : s.input.frames[f].camera);
-    r.curve = s.curve;
+    r.curve = s.learned.curve;
     r.framesUsed = uint32_t(s.usedFrames.size());
     StepProfile p = s.profile;
     if (p.steps > 0) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Co-optimisation: splats, static offsets ΔVˢ and per-frame poses learned together from the training pictures.
+// Co-optimisation: splats, static offsets ΔVˢ and per-frame poses are learned together from the training pictures.
 //
-//   for each step: one frame ─► FramePass ─► Adam on the splats it saw, Adam on its pose; every fourth step LargeSteps on ΔVˢ;
-//   now and then densify; resolution rises by levels. Batch of one, seeded, same bytes on any number of threads.
+//   each step: one frame ─► FramePass ─► Adam on the splats it saw and on its pose; every fourth step LargeSteps on ΔVˢ.
+//   Density control runs at intervals, and the resolution rises by levels. Seeded; the same bytes on any number of threads.
 #pragma once
 
 #include <atomic>
@@ -19,11 +19,11 @@
 
 namespace dpl {
 
-/** Everything is copied or moved in; frames are training frames only (held-out ones must not be in the list). */
+/** Not changed by training. frames: training frames only. */
 struct CoOptimiseInput {
     std::vector<JointData> joints;
     MeshData mesh;                       // template at rest; weights already cut to 4 × unorm8
-    PoseCorrectiveData correctives;      // where training starts (usually zero nodes), or empty: none are learned
+    PoseCorrectiveData correctives;      // where training starts (usually with nodes of zero); empty: none are learned
     std::vector<uint8_t> triangleLabel;  // F label values of the scan, or empty: all body
     std::vector<TrainFrame> frames;
 };
@@ -31,7 +31,7 @@ struct CoOptimiseInput {
 struct CoOptimiseSettings {
     uint64_t seed = 1;
     uint32_t steps = 8000;
-    InitSettings init;  // its seed is replaced by `seed`
+    InitSettings init;
     uint32_t maxSplats = 90000;
     LossWeights loss{0.8f, 0.2f, 1.0f, 0.1f};
     float earlyMaskFactor = 5.0f;  // mask weight in the first quarter
@@ -54,12 +54,12 @@ struct CoOptimiseSettings {
     float rateRotation = 1.5e-3f, rateTranslation = 1e-3f, endPose = 0.1f;
     float rateCamera = 1e-4f;
     float rateNodeOffset = 2e-4f, rateNodeLight = 4e-3f, endNodes = 0.1f;  // metres and brightness a unit of a mode
-    float nodeDecay = 2e-3f;  // of node values a step that saw them, times the rates' fall: what pictures do not ask for goes
+    float nodeDecay = 2e-3f;  // share by which a step shrinks the nodes that it saw, falling like the rates
     double smoothingLengthM = 0.04;
     uint32_t geometryEvery = 4;   // steps whose rest gradients are averaged into one LargeSteps update
     uint32_t densityEvents = 20;  // between 8 % and 55 % of the run
     std::vector<float> levelStarts{0.0f, 0.25f, 0.35f, 0.45f,
-                                   0.55f};  // fractions of the run; the first level is the coarsest, the last is 1
+                                   0.55f};  // fractions of the run; the first level is the coarsest, the last is full size
 };
 
 struct CurvePoint {
@@ -74,7 +74,7 @@ struct CoOptimiseProgress {
     CurvePoint recent;
 };
 
-/** Speed of training steps, means over the last epoch of the run (not part of the result's bytes). */
+/** Speed of training steps: means over the last epoch. The avatar does not depend on it. */
 struct StepProfile {
     uint32_t steps = 0;
     double stepMs = 0;
@@ -97,24 +97,25 @@ struct CoOptimiseResult {
 
 class CoOptimiser {
 public:
-    /** Checks the input and sets the first state up. Errors name the frame or the array. `jobs` must outlive it. */
+    /** Checks the input and makes the first state. Errors name the frame or the array. `jobs` must outlive the trainer. */
     static Result<std::unique_ptr<CoOptimiser>> create(CoOptimiseInput input, const CoOptimiseSettings& settings, Jobs& jobs);
-    /** Starts from given splats instead of new ones (bound to input.mesh): for polish. */
+    /** Starts from given splats, bound to input.mesh, instead of new ones: for polish. */
     static Result<std::unique_ptr<CoOptimiser>> createFrom(CoOptimiseInput input, const SplatData& splats,
                                                            const CoOptimiseSettings& settings, Jobs& jobs);
     ~CoOptimiser();
 
     /** Steps until the end, or for maxSteps steps. progress (may be empty) is called after every `reportEvery` steps. Cancelled when
-     *  *cancel turns true: the state stays good and run() may be called again. */
+     *  *cancel turns true; run() may then be called again to go on. */
     Status run(const std::function<void(const CoOptimiseProgress&)>& progress = {}, const std::atomic<bool>* cancel = nullptr,
                uint32_t maxSteps = ~0u, uint32_t reportEvery = 25);
     bool finished() const;
     uint32_t step() const;
 
-    /** Writes the whole state to `path` (atomically). A run restored from it goes on to the same bytes as one that was never stopped. */
+    /** Writes the whole state to `path`, atomically. A run that is restored from it ends in the same bytes as one that was never stopped.
+     */
     Status checkpoint(const std::filesystem::path& path) const;
-    /** Reads a state written with the same input and settings; refuses any other, damaged files and non-finite numbers, and then leaves
-     *  the present state as it was. */
+    /** Reads a state that was written with the same input and settings. Any other, a damaged file and numbers that are not finite are
+     *  refused; the present state then stays as it was. */
     Status restore(const std::filesystem::path& path);
 
     CoOptimiseResult result() const;

@@ -77,7 +77,8 @@ std::vector<float> sizeFloors(std::span<const JointData> joints, const MeshData&
 }
 
 TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData& mesh, std::span<const uint8_t> flags,
-                              std::span<const float> floors, std::span<const TrainFrame> frames, const InitSettings& settings, Jobs& jobs) {
+                              std::span<const float> floors, std::span<const TrainFrame> frames, const InitSettings& settings,
+                              uint64_t seed, Jobs& jobs) {
     const size_t triangleCount = mesh.triangles.size();
     std::vector<double> area(triangleCount, 0.0);
     double total = 0;
@@ -87,7 +88,7 @@ TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData&
         if (restTriangle(a, b, d).valid) total += area[t] = 0.5 * glm::length(glm::cross(b - a, d - a));
     }
     std::vector<uint32_t> perTriangle(triangleCount, 0);
-    double carried = 0;  // error diffusion along the triangle list keeps the total and spreads the rounding
+    double carried = 0;  // rounding errors carry over to the next triangle, so the total is kept
     for (size_t t = 0; t < triangleCount; ++t) {
         if (!(area[t] > 0)) continue;
         const double want = area[t] / total * settings.splatCount + carried;
@@ -105,9 +106,9 @@ TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData&
             s.triangle[at] = uint32_t(t);
             s.flags[at] = flags[t];
             float* row = s.rows.data() + size_t(at) * s.stride;
-            // R2 low-discrepancy points, folded into the triangle; shifted by triangle so that neighbours do not line up.
-            double u = 0.5 + 0.7548776662466927 * k + hashUniform(settings.seed, 1, t) * (perTriangle[t] > 1 ? 1 : 0);
-            double v = 0.5 + 0.5698402909980532 * k + hashUniform(settings.seed, 2, t) * (perTriangle[t] > 1 ? 1 : 0);
+            // R2 low-discrepancy points, folded into the triangle. Each triangle shifts them by its own random amount.
+            double u = 0.5 + 0.7548776662466927 * k + hashUniform(seed, 1, t) * (perTriangle[t] > 1 ? 1 : 0);
+            double v = 0.5 + 0.5698402909980532 * k + hashUniform(seed, 2, t) * (perTriangle[t] > 1 ? 1 : 0);
             u -= std::floor(u), v -= std::floor(v);
             if (u + v > 1) u = 1 - u, v = 1 - v;
             if (perTriangle[t] == 1) u = v = 1.0 / 3;
@@ -117,7 +118,7 @@ TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData&
         }
     s.indexTriangles(triangleCount);
 
-    // Colours: each frame adds what it sees at every splat's place.
+    // Each frame adds the colour that it shows at every splat's place.
     std::vector<Vec3f> sum(count, Vec3f(0));
     std::vector<float> weight(count, 0.0f);
     std::vector<Vec3f> posed;
@@ -136,14 +137,14 @@ TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData&
                 const Vec2d px = f.camera.pixelOf(view);
                 if (!(px.x >= 1 && px.y >= 1 && px.x < f.camera.widthPx - 1.0 && px.y < f.camera.heightPx - 1.0)) continue;
                 const size_t pixel = size_t(px.y) * f.camera.widthPx + size_t(px.x);
-                if (f.mask.pixels[pixel] < 128 || !(std::abs(raster.depthM[pixel] - view.z) < 0.01)) continue;
+                if (!isPerson(f.picture->mask.pixels[pixel]) || !(std::abs(raster.depthM[pixel] - view.z) < 0.01)) continue;
                 const Vec3f cross = glm::cross(posed[c.y] - posed[c.x], posed[c.z] - posed[c.x]);
                 const float length = glm::length(cross);
                 const Vec3f toEye = glm::normalize(Vec3f(eye) - p);
                 const float cosine = length > 0 ? glm::dot(cross, toEye) / length : 0;
                 if (cosine < 0.2f) continue;
                 const float w = trust * cosine * cosine / float(view.z);
-                const uint8_t* rgb = f.image.pixels.data() + pixel * 3;
+                const uint8_t* rgb = f.picture->image.pixels.data() + pixel * 3;
                 sum[i] += w / 255.0f * Vec3f(rgb[0], rgb[1], rgb[2]);
                 weight[i] += w;
             }
@@ -155,7 +156,7 @@ TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData&
     mean = seen > 0 ? mean / seen : Vec3d(0.5);
     Vec3f previous(mean);
     for (size_t i = 0; i < count; ++i) {
-        // A splat that nobody saw takes its predecessor's colour: the nearest in triangle order.
+        // A splat that no frame shows takes the colour of its predecessor in triangle order.
         const Vec3f colour = weight[i] > 0 ? sum[i] / weight[i] : previous;
         previous = colour;
         for (int c = 0; c < 3; ++c) s.rows[i * s.stride + kRowSh + uint32_t(c)] = (colour[c] - 0.5f) / float(kShC0);

@@ -7,29 +7,29 @@
 #include "reconstruction/splat/rotation_vector.h"
 
 namespace dpl {
+
 CoOptimiseSettings polishSettings(uint32_t steps, uint64_t seed, uint32_t shDegree) {
     CoOptimiseSettings s;
     s.seed = seed, s.steps = steps, s.init.shDegree = shDegree;
     s.learnGeometry = s.learnPoses = s.learnCameras = s.learnCorrectives = s.densify = s.learnPlacement = false;
     s.fullResolutionOnly = true;
     s.loss.cloth = 0;
-    // The start is already good: small steps, falling to a tenth.
+    // The splats are nearly right: small steps, falling to a tenth.
     s.rateLogScale = 1e-3f, s.rateOpacity = 1e-2f, s.rateDc = 2e-3f;
-    s.rateRest = 0;  // beyond coefficient 0 splats share the rows of a palette
+    s.rateRest = 0;  // splats share palette rows for the coefficients above 0
     s.endLogScale = s.endOpacity = s.endColour = 0.1f;
     return s;
 }
 
-Result<CoOptimiseResult> polish(AvatarData& avatar, std::vector<TrainFrame> frames, uint32_t steps, uint64_t seed, Jobs& jobs,
-                                const std::function<void(const CoOptimiseProgress&)>& progress, const std::atomic<bool>* cancel) {
+Result<AvatarData> polish(AvatarData avatar, std::vector<TrainFrame> frames, uint32_t steps, uint64_t seed, Jobs& jobs,
+                          const std::function<void(const CoOptimiseProgress&)>& progress, const std::atomic<bool>* cancel) {
     CoOptimiseInput input;
     input.joints = avatar.joints, input.mesh = avatar.mesh, input.correctives = avatar.correctives, input.frames = std::move(frames);
     DPL_TRY(auto trainer,
             CoOptimiser::createFrom(std::move(input), avatar.splats, polishSettings(steps, seed, avatar.splats.shDegree), jobs));
     DPL_CHECK_OK(trainer->run(progress, cancel));
-    CoOptimiseResult result = trainer->result();
-    avatar.splats = result.splats;
-    return result;
+    avatar.splats = trainer->result().splats;
+    return avatar;
 }
 
 Result<PoseFitResult> fitPose(const AvatarData& avatar, const TrainFrame& frame, const PoseFitSettings& settings, Jobs& jobs) {

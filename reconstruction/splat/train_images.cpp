@@ -64,9 +64,11 @@ Status checkTrainFrame(const TrainFrame& f) {
                         bytes, w, h);
         return {};
     };
-    DPL_CHECK_OK(check("image", f.image.widthPx, f.image.heightPx, f.image.pixels.size(), 3));
-    DPL_CHECK_OK(check("mask", f.mask.widthPx, f.mask.heightPx, f.mask.pixels.size(), 1));
-    if (!f.labels.pixels.empty()) DPL_CHECK_OK(check("label image", f.labels.widthPx, f.labels.heightPx, f.labels.pixels.size(), 1));
+    if (!f.picture) return fail(Code::InvalidArgument, "frame '{}' has no picture", f.name);
+    const auto& [image, mask, labels] = *f.picture;
+    DPL_CHECK_OK(check("image", image.widthPx, image.heightPx, image.pixels.size(), 3));
+    DPL_CHECK_OK(check("mask", mask.widthPx, mask.heightPx, mask.pixels.size(), 1));
+    if (!labels.pixels.empty()) DPL_CHECK_OK(check("label image", labels.widthPx, labels.heightPx, labels.pixels.size(), 1));
     return {};
 }
 
@@ -75,6 +77,8 @@ float coarsestScale(const TrainFrame& f) {
 }
 
 LevelFrame makeLevelFrame(const TrainFrame& f, float scale, std::span<const uint8_t> clothLabels, bool withBand) {
+    const ImageRgb8& image = f.picture->image;
+    const ImageGrey8 &mask = f.picture->mask, &labels = f.picture->labels;
     LevelFrame level;
     Camerad camera = f.camera.scaled(std::min(1.0f, scale));
     camera.widthPx = std::max(1u, camera.widthPx), camera.heightPx = std::max(1u, camera.heightPx);
@@ -82,11 +86,11 @@ LevelFrame makeLevelFrame(const TrainFrame& f, float scale, std::span<const uint
     level.scale = float(camera.widthPx) / float(width);
     level.kappaPx2 = kTrainedKappaPx2;
 
-    // The person's box in the level, +10 % of its longer side.
+    // The person's box in the level, with a margin of 10 % of its longer side.
     uint32_t x0 = width, x1 = 0, y0 = height, y1 = 0;
     for (uint32_t y = 0; y < height; ++y)
         for (uint32_t x = 0; x < width; ++x)
-            if (f.mask.pixels[size_t(y) * width + x] >= 128)
+            if (isPerson(mask.pixels[size_t(y) * width + x]))
                 x0 = std::min(x0, x), x1 = std::max(x1, x + 1), y0 = std::min(y0, y), y1 = std::max(y1, y + 1);
     if (x1 <= x0) return level;
     level.used = true;
@@ -104,22 +108,21 @@ LevelFrame makeLevelFrame(const TrainFrame& f, float scale, std::span<const uint
     rows = {rows.begin() + top, rows.begin() + bottom};
     const size_t pixels = size_t(level.widthPx) * level.heightPx;
     level.rgb.resize(pixels * 3), level.mask.resize(pixels), level.band.assign(pixels, 0);
-    // The mask decides pixel by pixel who is in the picture, as scores do: half-covered edges would teach a translucent outline.
-    const auto inside = [&](size_t at) { return f.mask.pixels[at] >= 128; };
+    const auto inside = [&](size_t at) { return isPerson(mask.pixels[at]); };
     for (size_t c = 0; c < 3; ++c) {
         const auto plane = areaAverage(width, height, columns, rows, [&](uint32_t x, uint32_t y) {
             const size_t at = size_t(y) * width + x;
-            return inside(at) ? float(f.image.pixels[at * 3 + c]) : 0.0f;
+            return inside(at) ? float(image.pixels[at * 3 + c]) : 0.0f;
         });
         for (size_t i = 0; i < pixels; ++i) level.rgb[c * pixels + i] = toByte(plane[i]);
     }
-    const auto mask =
+    const auto coverage =
         areaAverage(width, height, columns, rows, [&](uint32_t x, uint32_t y) { return inside(size_t(y) * width + x) ? 255.0f : 0.0f; });
-    for (size_t i = 0; i < pixels; ++i) level.mask[i] = toByte(mask[i]);
-    if (!f.labels.pixels.empty()) {
+    for (size_t i = 0; i < pixels; ++i) level.mask[i] = toByte(coverage[i]);
+    if (!labels.pixels.empty()) {
         const auto cloth = areaAverage(width, height, columns, rows, [&](uint32_t x, uint32_t y) {
-            return std::find(clothLabels.begin(), clothLabels.end(), f.labels.pixels[size_t(y) * width + x]) != clothLabels.end() ? 255.0f
-                                                                                                                                  : 0.0f;
+            return std::find(clothLabels.begin(), clothLabels.end(), labels.pixels[size_t(y) * width + x]) != clothLabels.end() ? 255.0f
+                                                                                                                                : 0.0f;
         });
         level.cloth.resize(pixels);
         for (size_t i = 0; i < pixels; ++i) level.cloth[i] = toByte(cloth[i]);
@@ -128,10 +131,10 @@ LevelFrame makeLevelFrame(const TrainFrame& f, float scale, std::span<const uint
         const int w = int(level.widthPx), h = int(level.heightPx);
         for (int y = 0; y < h; ++y)
             for (int x = 0; x < w; ++x) {
-                const bool inside = level.mask[size_t(y * w + x)] >= 128;
+                const bool within = isPerson(level.mask[size_t(y * w + x)]);
                 for (int j = std::max(0, y - 1); j <= std::min(h - 1, y + 1); ++j)
                     for (int i = std::max(0, x - 1); i <= std::min(w - 1, x + 1); ++i)
-                        if ((level.mask[size_t(j * w + i)] >= 128) != inside) level.band[size_t(y * w + x)] = 1;
+                        if (isPerson(level.mask[size_t(j * w + i)]) != within) level.band[size_t(y * w + x)] = 1;
             }
     }
     camera.cx -= left, camera.cy -= top;

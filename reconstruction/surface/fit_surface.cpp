@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "reconstruction/capture/frame_picture.h"
 #include "reconstruction/shape/large_steps.h"
 #include "reconstruction/surface/contours.h"
 #include "reconstruction/surface/mesh_raster.h"
@@ -189,7 +190,7 @@ public:
         jobs_.forBlocks(views_.size(), [&](size_t i, uint32_t) {
             const auto& mask = views_[i].mask;
             std::vector<uint8_t> inside(mask.pixels.size());
-            for (size_t k = 0; k < inside.size(); ++k) inside[k] = mask.pixels[k] >= 128;
+            for (size_t k = 0; k < inside.size(); ++k) inside[k] = isPerson(mask.pixels[k]);
             targets_[i] = contourPoints(inside, mask.widthPx, mask.heightPx);
         });
         if (std::all_of(targets_.begin(), targets_.end(), [](const auto& t) { return t.empty(); }))

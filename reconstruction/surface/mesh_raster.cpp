@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "reconstruction/capture/frame_picture.h"
 #include "sdk/math/projection.h"
 
 namespace dpl {
@@ -58,7 +59,7 @@ MeshRaster rasteriseMesh(std::span<const Vec3f> positions, std::span<const Trian
 double silhouetteIou(const MeshRaster& raster, std::span<const uint8_t> mask) {
     size_t both = 0, either = 0;
     for (size_t i = 0; i < raster.triangle.size() && i < mask.size(); ++i) {
-        const bool drawn = raster.triangle[i] != kNoTriangle, person = mask[i] >= 128;
+        const bool drawn = raster.triangle[i] != kNoTriangle, person = isPerson(mask[i]);
         both += drawn && person;
         either += drawn || person;
     }
@@ -69,7 +70,7 @@ void VertexColours::add(const MeshRaster& raster, std::span<const Vec3f> positio
                         const Camerad& camera, std::span<const uint8_t> rgb, std::span<const uint8_t> mask) {
     const Vec3d eye = camera.eye();
     for (size_t pixel = 0; pixel < raster.triangle.size(); ++pixel) {
-        if (raster.triangle[pixel] == kNoTriangle || mask[pixel] < 128) continue;
+        if (raster.triangle[pixel] == kNoTriangle || !isPerson(mask[pixel])) continue;
         const Triangle& t = triangles[raster.triangle[pixel]];
         const Vec3d a(positions[t.x]), b(positions[t.y]), c(positions[t.z]);
         const Vec3d normal = glm::cross(b - a, c - a), toEye = eye - a;

@@ -5,6 +5,8 @@
 #include <array>
 #include <map>
 
+#include "reconstruction/capture/frame_picture.h"
+
 namespace dpl {
 namespace {
 
@@ -35,7 +37,7 @@ void TriangleLabels::add(const MeshRaster& raster, std::span<const Vec3f> positi
     const Vec3d eye = camera.eye();
     for (size_t pixel = 0; pixel < raster.triangle.size(); ++pixel) {
         const uint32_t id = raster.triangle[pixel];
-        if (id == kNoTriangle || mask[pixel] < 128 || labels[pixel] == 0 || labels[pixel] >= kLabels) continue;
+        if (id == kNoTriangle || !isPerson(mask[pixel]) || labels[pixel] == 0 || labels[pixel] >= kLabels) continue;
         const Vec3d a(positions[triangles[id].x]), b(positions[triangles[id].y]), c(positions[triangles[id].z]);
         const Vec3d normal = glm::cross(b - a, c - a), toEye = eye - a;
         const double cosine = glm::dot(normal, toEye) / std::max(1e-20, glm::length(normal) * glm::length(toEye));

@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Error waterfall of a procedural scan (`doppel sample`): what the body fit costs, by reconstructing once with it and once with the truth in its place,
-# and what follows it, from the two reports.
-#   tools/bench/waterfall.sh DOPPEL SCAN OUT [options of doppel reconstruct, such as --preset draft]
+# Error waterfall of a `doppel sample` scan: what the body fit costs. The scan is reconstructed once with the fit and once with the truth in its place.
+#   tools/bench/waterfall.sh DOPPEL BENCH_TRUE_BODY SCAN OUT [--preset P] [--steps N] [--seed N] [--threads N]
+# BENCH_TRUE_BODY: build/release/tools/bench/bench_true_body
 set -euo pipefail
-[ $# -ge 3 ] || { sed -n '3,5p' "$0" | cut -c3-; exit 2; }
-doppel="$1" scan="$2" out="$3"
-shift 3
+[ $# -ge 4 ] || { sed -n '3,5p' "$0" | cut -c3-; exit 2; }
+doppel="$1" true_body="$2" scan="$3" out="$4"
+shift 4
 "$doppel" reconstruct "$scan" -o "$out/ours" "$@"
-"$doppel" reconstruct "$scan" -o "$out/true-body" --true-body "$@"
+"$true_body" "$scan" "$out/true-body" "$@"
 python3 - "$out" <<'P'
 import json, sys
 reports = {name: json.load(open(f"{sys.argv[1]}/{name}/report.json")) for name in ("ours", "true-body")}

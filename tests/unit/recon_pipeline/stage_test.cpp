@@ -19,7 +19,7 @@ protected:
     }
     void TearDown() override { std::filesystem::remove_all(folder_); }
 
-    Result<std::filesystem::path> runOnce(const json& inputs, const std::function<Status(StageContext&)>& work) {
+    Result<StageOutput> runOnce(const json& inputs, const std::function<Status(StageContext&)>& work) {
         StageChain chain(folder_, progress_);
         return chain.run("probe", 1, inputs, work);
     }
@@ -33,11 +33,26 @@ TEST_F(Stages, runsOnceAndIsReusedUntilItsInputsChange) {
     auto work = [&](StageContext& context) { return ++runs, writeFileAtomically(context.folder / "result", "x"); };
     auto first = runOnce({{"a", 1}}, work);
     ASSERT_TRUE(first) << first.error().message;
-    EXPECT_TRUE(std::filesystem::exists(*first / "result"));
+    EXPECT_EQ(first->folder, folder_ / "stages/probe");
+    EXPECT_TRUE(std::filesystem::exists(first->folder / "result"));
     ASSERT_TRUE(runOnce({{"a", 1}}, work));
     EXPECT_EQ(runs, 1);
-    ASSERT_TRUE(runOnce({{"a", 2}}, work));
+    auto second = runOnce({{"a", 2}}, work);
+    ASSERT_TRUE(second);
     EXPECT_EQ(runs, 2);
+    EXPECT_NE(second->key, first->key);
+}
+
+TEST_F(Stages, anOlderLayoutIsNamedAndKept) {
+    for (const char* name : {"stages/01-ingest", "stages/03-body-fit", "stages/ingest"})
+        std::filesystem::create_directories(folder_ / name);
+    StageChain chain(folder_, progress_);
+    EXPECT_EQ(chain.numberedFolders(), (std::vector<std::string>{"01-ingest", "03-body-fit"}));
+    int runs = 0;
+    ASSERT_TRUE(chain.run("body-fit", 1, {{"a", 1}}, [&](StageContext&) { return ++runs, Status{}; }));
+    EXPECT_EQ(runs, 1) << "a numbered folder is never taken for a finished stage";
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "stages/03-body-fit"));
+    EXPECT_TRUE(StageChain(folder_ / "nowhere", progress_).numberedFolders().empty());
 }
 
 TEST_F(Stages, aFailedStageLeavesNoFinishedFolderButKeepsItsCheckpoint) {
@@ -49,7 +64,7 @@ TEST_F(Stages, aFailedStageLeavesNoFinishedFolderButKeepsItsCheckpoint) {
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code, Code::Cancelled);
     EXPECT_EQ(result.error().message, "probe: stopped");
-    EXPECT_FALSE(std::filesystem::exists(folder_ / "stages/01-probe"));
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "stages/probe"));
 
     bool sawCheckpoint = false;
     ASSERT_TRUE(runOnce({{"a", 1}}, [&](StageContext& context) -> Status {

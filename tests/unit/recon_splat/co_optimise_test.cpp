@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
 #include <cstring>
 #include <filesystem>
 #include <map>
@@ -132,6 +135,58 @@ TEST(CoOptimise, damagedOrForeignCheckpointIsRefusedAndChangesNothing) {
     EXPECT_TRUE(t->restore(path));
 }
 
+/** A checkpoint with another payload, length and hash set to match. */
+std::vector<uint8_t> withPayload(std::span<const uint8_t> checkpoint, std::span<const uint8_t> payload) {
+    constexpr size_t kSizeAt = 16, kHashAt = 24, kPayloadAt = 32;
+    std::vector<uint8_t> out(checkpoint.begin(), checkpoint.begin() + kPayloadAt);
+    const uint64_t size = payload.size(), hash = XXH3_64bits(payload.data(), payload.size());
+    std::memcpy(out.data() + kSizeAt, &size, 8), std::memcpy(out.data() + kHashAt, &hash, 8);
+    out.insert(out.end(), payload.begin(), payload.end());
+    return out;
+}
+
+TEST(CoOptimise, aCheckpointWhoseFieldsDoNotFitIsRefusedAndChangesNothing) {
+    Jobs jobs(1);
+    auto t = make(jobs, toySettings(16));
+    ASSERT_TRUE(t->run({}, nullptr, 8));
+    const auto path = scratch("trainer_hostile.checkpoint");
+    ASSERT_TRUE(t->checkpoint(path));
+    const auto bytes = readFile(path);
+    ASSERT_TRUE(bytes);
+    const std::vector<uint8_t> payload(bytes->begin() + 32, bytes->end());
+    const auto before = bytesOf(t->result());
+    const auto refuses = [&](const std::vector<uint8_t>& bad, const char* word) {
+        ASSERT_TRUE(writeFileAtomically(path, withPayload(*bytes, bad)));
+        const Status restored = t->restore(path);
+        ASSERT_FALSE(restored) << word;
+        EXPECT_NE(restored.error().message.find(word), std::string::npos) << restored.error().message;
+        EXPECT_NE(restored.error().message.find(path.string()), std::string::npos) << restored.error().message;
+        EXPECT_TRUE(bytesOf(t->result()) == before) << word;
+    };
+    for (size_t cut = 0; cut < payload.size(); cut += payload.size() / 61 + 1)
+        refuses({payload.begin(), payload.begin() + long(cut)}, "damaged");
+
+    // step u32, SH degree u32, count u64 and triangles u32, count u64 and flags u8, count u64 and rows f32
+    uint64_t splats = 0;
+    std::memcpy(&splats, payload.data() + 8, 8);
+    ASSERT_GT(splats, 1000u);
+    const auto changed = [&](size_t at, auto value) {
+        std::vector<uint8_t> out = payload;
+        std::memcpy(out.data() + at, &value, sizeof value);
+        return out;
+    };
+    refuses(changed(0, 17u), "more steps");
+    refuses(changed(4, 9u), "SH degree");
+    refuses(changed(16, 70000u), "triangle order");
+    refuses(changed(8, ~uint64_t(0)), "does not fit");
+    refuses(changed(8, splats - 1), "damaged");
+    refuses(changed(16 + splats * 4, splats - 1), "flags");
+    refuses(changed(16 + splats * 4 + 8 + splats + 8, NAN), "rows: numbers that are not finite");
+
+    ASSERT_TRUE(writeFileAtomically(path, withPayload(*bytes, payload)));
+    EXPECT_TRUE(t->restore(path)) << "the header that this test writes is a good one";
+}
+
 TEST(CoOptimise, posesAreFoundAgain) {
     // Every frame's subject stands 8 mm and 3 degrees from where its pose says; with poses learned the picture fits better.
     Jobs jobs(2);
@@ -197,14 +252,20 @@ TEST(CoOptimise, badInputIsRefusedByName) {
         ASSERT_FALSE(t);
         EXPECT_NE(t.error().message.find(word), std::string::npos) << t.error().message;
     };
-    refuse([](auto& in) { in.frames[2].image.pixels.pop_back(); }, "toy_2");
+    const auto change = [](TrainFrame& frame, auto&& how) {
+        FramePicture picture = *frame.picture;
+        how(picture);
+        frame.picture = std::make_shared<const FramePicture>(std::move(picture));
+    };
+    refuse([&](auto& in) { change(in.frames[2], [](FramePicture& p) { p.image.pixels.pop_back(); }); }, "toy_2");
+    refuse([](auto& in) { in.frames[3].picture = nullptr; }, "toy_3");
     refuse([](auto& in) { in.frames[1].pose.localRotations[1].x = NAN; }, "toy_1");
     refuse([](auto& in) { in.mesh.restPositions[3].y = INFINITY; }, "vertex 3");
     refuse([](auto& in) { in.mesh.jointIndices[0].x = 9; }, "joint 9");
     refuse([](auto& in) { in.triangleLabel.assign(3, 1); }, "labels");
     refuse(
-        [](auto& in) {
-            for (auto& f : in.frames) std::fill(f.mask.pixels.begin(), f.mask.pixels.end(), uint8_t(0));
+        [&](auto& in) {
+            for (auto& f : in.frames) change(f, [](FramePicture& p) { std::fill(p.mask.pixels.begin(), p.mask.pixels.end(), uint8_t(0)); });
         },
         "none of the 4");
 }
@@ -240,6 +301,7 @@ TEST(Polish, keepsMeshAndOrderAndLowersTheLoss) {
     const double dull = lossOf();
     auto polished = polish(avatar, in.frames, 120, 5, jobs);
     ASSERT_TRUE(polished) << polished.error().message;
+    avatar = std::move(*polished);
     EXPECT_EQ(avatar.splats.uv, before.uv);
     EXPECT_EQ(avatar.splats.phi, before.phi);
     EXPECT_EQ(avatar.splats.triangleStart, before.triangleStart);

@@ -66,7 +66,7 @@ inline CoOptimiseInput toyScene(Jobs& jobs, uint32_t frameCount = 8, float swayM
     InitSettings init;
     init.splatCount = 3000, init.shDegree = 0;
     const auto flags = triangleFlags(in.mesh.restPositions, in.mesh.triangles, {}, init);
-    TrainableSplats splats = initialSplats(in.joints, in.mesh, flags, floors, {}, init, jobs);
+    TrainableSplats splats = initialSplats(in.joints, in.mesh, flags, floors, {}, init, 1, jobs);
     for (uint32_t i = 0; i < splats.count(); ++i) {
         const Triangle& t = in.mesh.triangles[splats.triangle[i]];
         const Vec3f p = (1 - splats.uv[i].x - splats.uv[i].y) * in.mesh.restPositions[t.x] + splats.uv[i].x * in.mesh.restPositions[t.y] +
@@ -104,13 +104,14 @@ inline CoOptimiseInput toyScene(Jobs& jobs, uint32_t frameCount = 8, float swayM
         engine.project(splats.view(), posed.frames(), f.camera.cast<float>(), kTrainedKappaPx2);
         engine.bin();
         engine.blend(image);
-        f.image.widthPx = f.mask.widthPx = f.image.heightPx = f.mask.heightPx = sizePx;
+        FramePicture picture{{sizePx, sizePx, {}}, {sizePx, sizePx, {}}, {}};
         for (size_t i = 0; i < image.alpha.size(); ++i) {
-            f.mask.pixels.push_back(image.alpha[i] >= 0.5f ? 255 : 0);
+            picture.mask.pixels.push_back(image.alpha[i] >= 0.5f ? 255 : 0);
             for (size_t c = 0; c < 3; ++c)
-                f.image.pixels.push_back(
+                picture.image.pixels.push_back(
                     uint8_t(std::clamp(255 * (image.rgb[i * 3 + c] + (1 - image.alpha[i]) * 0.3f) + 0.5f, 0.0f, 255.0f)));
         }
+        f.picture = std::make_shared<const FramePicture>(std::move(picture));
         in.frames.push_back(std::move(f));
     }
     return in;

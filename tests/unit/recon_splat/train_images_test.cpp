@@ -8,21 +8,27 @@
 namespace dpl {
 namespace {
 
-TrainFrame frame(uint32_t width, uint32_t height) {
-    TrainFrame f;
+/** A frame whose picture the test may still change. */
+struct Given : TrainFrame {
+    std::shared_ptr<FramePicture> shown = std::make_shared<FramePicture>();
+};
+
+Given frame(uint32_t width, uint32_t height) {
+    Given f;
+    f.picture = f.shown;
     f.name = "test";
     f.camera.widthPx = width, f.camera.heightPx = height, f.camera.fx = f.camera.fy = 100, f.camera.cx = width / 2.0,
     f.camera.cy = height / 2.0;
-    f.image = {width, height, std::vector<uint8_t>(size_t(width) * height * 3)};
-    f.mask = {width, height, std::vector<uint8_t>(size_t(width) * height, 0)};
-    for (size_t i = 0; i < f.image.pixels.size(); ++i) f.image.pixels[i] = uint8_t((i * 37) % 251);
+    f.shown->image = {width, height, std::vector<uint8_t>(size_t(width) * height * 3)};
+    f.shown->mask = {width, height, std::vector<uint8_t>(size_t(width) * height, 0)};
+    for (size_t i = 0; i < f.shown->image.pixels.size(); ++i) f.shown->image.pixels[i] = uint8_t((i * 37) % 251);
     return f;
 }
 
 TEST(LevelFrame, cropsToThePersonPlusTenPercentAndKeepsTheRays) {
-    TrainFrame f = frame(200, 300);
+    Given f = frame(200, 300);
     for (uint32_t y = 100; y < 200; ++y)
-        for (uint32_t x = 60; x < 110; ++x) f.mask.pixels[y * 200 + x] = 255;
+        for (uint32_t x = 60; x < 110; ++x) f.shown->mask.pixels[y * 200 + x] = 255;
     const LevelFrame full = makeLevelFrame(f, 1, {}, true);
     EXPECT_EQ(full.leftPx, 50u);
     EXPECT_EQ(full.topPx, 90u);
@@ -30,7 +36,7 @@ TEST(LevelFrame, cropsToThePersonPlusTenPercentAndKeepsTheRays) {
     EXPECT_EQ(full.heightPx, 120u);
     EXPECT_FLOAT_EQ(full.kappaPx2, kTrainedKappaPx2);
     EXPECT_FLOAT_EQ(full.camera.cx, 50.0f);
-    EXPECT_EQ(full.rgb[(10 * 70) + 10], f.image.pixels[(100 * 200 + 60) * 3]) << "masked pixels are copied";
+    EXPECT_EQ(full.rgb[(10 * 70) + 10], f.shown->image.pixels[(100 * 200 + 60) * 3]) << "masked pixels are copied";
     EXPECT_EQ(full.rgb[0], 0) << "colour is premultiplied by the mask";
     EXPECT_EQ(std::accumulate(full.band.begin(), full.band.end(), 0), 2 * (2 * 50 + 2 * 100))
         << "one pixel inside, one outside; corners counted once each side";
@@ -46,13 +52,13 @@ TEST(LevelFrame, cropsToThePersonPlusTenPercentAndKeepsTheRays) {
 }
 
 TEST(LevelFrame, areaAverageKeepsTheMean) {
-    TrainFrame f = frame(97, 61);
-    std::fill(f.mask.pixels.begin(), f.mask.pixels.end(), uint8_t(255));
+    Given f = frame(97, 61);
+    std::fill(f.shown->mask.pixels.begin(), f.shown->mask.pixels.end(), uint8_t(255));
     const LevelFrame level = makeLevelFrame(f, 0.37f, {}, false);
     double a = 0, b = 0;
-    for (uint8_t v : f.image.pixels) a += v;
+    for (uint8_t v : f.shown->image.pixels) a += v;
     for (uint8_t v : level.rgb) b += v;
-    EXPECT_NEAR(a / double(f.image.pixels.size()), b / double(level.rgb.size()), 0.2);
+    EXPECT_NEAR(a / double(f.shown->image.pixels.size()), b / double(level.rgb.size()), 0.2);
 }
 
 TEST(LevelFrame, emptyMaskIsNotUsed) {
@@ -66,8 +72,8 @@ TEST(LevelFrame, coarsestIs160PixelsOrATenth) {
 }
 
 TEST(LevelFrame, wrongSizesNameTheFrame) {
-    TrainFrame f = frame(20, 10);
-    f.mask.pixels.pop_back();
+    Given f = frame(20, 10);
+    f.shown->mask.pixels.pop_back();
     const Status s = checkTrainFrame(f);
     ASSERT_FALSE(s);
     EXPECT_NE(s.error().message.find("'test'"), std::string::npos);

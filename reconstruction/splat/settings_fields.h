@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// The fields of training settings, listed once. A checkpoint's fingerprint and a stage's key are made from these lists.
+//
+// Each function calls visit(name, value) for every field. The structured binding names them all, so a field that is added to a struct but
+// not to its list does not compile.
+#pragma once
+
+#include "reconstruction/splat/co_optimise.h"
+#include "reconstruction/splat/polish.h"
+
+namespace dpl {
+
+template <class Visit>
+void visitFields(const LossWeights& weights, Visit&& visit) {
+    const auto& [l1, ssim, mask, cloth] = weights;
+    visit("l1", l1), visit("ssim", ssim), visit("mask", mask), visit("cloth", cloth);
+}
+
+template <class Visit>
+void visitFields(const RegulariserWeights& weights, Visit&& visit) {
+    const auto& [scaleHinge, anisotropy, edgeRatio, laplacian, pose, camera] = weights;
+    visit("scaleHinge", scaleHinge), visit("anisotropy", anisotropy), visit("edgeRatio", edgeRatio);
+    visit("laplacian", laplacian), visit("pose", pose), visit("camera", camera);
+}
+
+template <class Visit>
+void visitFields(const InitSettings& settings, Visit&& visit) {
+    const auto& [splatCount, shDegree, clothLabels, openLabels] = settings;
+    visit("splatCount", splatCount), visit("shDegree", shDegree);
+    visit("clothLabels", clothLabels), visit("openLabels", openLabels);
+}
+
+template <class Visit>
+void visitFields(const CoOptimiseSettings& settings, Visit&& visit) {
+    const auto& [seed, steps, init, maxSplats, loss, earlyMaskFactor, regularise, closeupGradientScale, learnSplats, learnGeometry,
+                 learnPoses, learnCorrectives, learnCameras, densify, learnPlacement, fullResolutionOnly, rateUv, endUv, ratePhi,
+                 rateLogScale, endLogScale, rateOpacity, endOpacity, rateDc, rateRest, endColour, rateOffsets, endOffsets, rateRotation,
+                 rateTranslation, endPose, rateCamera, rateNodeOffset, rateNodeLight, endNodes, nodeDecay, smoothingLengthM, geometryEvery,
+                 densityEvents, levelStarts] = settings;
+    visit("seed", seed), visit("steps", steps), visit("init", init), visit("maxSplats", maxSplats);
+    visit("loss", loss), visit("earlyMaskFactor", earlyMaskFactor), visit("regularise", regularise);
+    visit("closeupGradientScale", closeupGradientScale);
+    visit("learnSplats", learnSplats), visit("learnGeometry", learnGeometry), visit("learnPoses", learnPoses);
+    visit("learnCorrectives", learnCorrectives), visit("learnCameras", learnCameras), visit("densify", densify);
+    visit("learnPlacement", learnPlacement), visit("fullResolutionOnly", fullResolutionOnly);
+    visit("rateUv", rateUv), visit("endUv", endUv), visit("ratePhi", ratePhi);
+    visit("rateLogScale", rateLogScale), visit("endLogScale", endLogScale);
+    visit("rateOpacity", rateOpacity), visit("endOpacity", endOpacity);
+    visit("rateDc", rateDc), visit("rateRest", rateRest), visit("endColour", endColour);
+    visit("rateOffsets", rateOffsets), visit("endOffsets", endOffsets);
+    visit("rateRotation", rateRotation), visit("rateTranslation", rateTranslation), visit("endPose", endPose);
+    visit("rateCamera", rateCamera);
+    visit("rateNodeOffset", rateNodeOffset), visit("rateNodeLight", rateNodeLight), visit("endNodes", endNodes);
+    visit("nodeDecay", nodeDecay), visit("smoothingLengthM", smoothingLengthM);
+    visit("geometryEvery", geometryEvery), visit("densityEvents", densityEvents), visit("levelStarts", levelStarts);
+}
+
+template <class Visit>
+void visitFields(const PoseFitSettings& settings, Visit&& visit) {
+    const auto& [iterations, seed, rateRotation, rateTranslation, end, loss, posePull] = settings;
+    visit("iterations", iterations), visit("seed", seed), visit("rateRotation", rateRotation), visit("rateTranslation", rateTranslation);
+    visit("end", end), visit("loss", loss), visit("posePull", posePull);
+}
+
+}  // namespace dpl

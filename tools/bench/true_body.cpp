@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+// Measuring only: reconstructs a `doppel sample` scan with the true shape and poses in place of the body fit, to see what the fit costs.
+// All other stages are those of `doppel reconstruct`.
+//   bench_true_body SCAN OUT [--preset draft|standard|high] [--steps N] [--seed N] [--threads N]
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <map>
+
+#include "reconstruction/body/body_tools.h"
+#include "reconstruction/pipeline/fit_file.h"
+#include "reconstruction/pipeline/stages.h"
+#include "sdk/core/files.h"
+
+namespace dpl {
+namespace {
+
+constexpr uint64_t kMaxTruthBytes = uint64_t(256) << 20;
+
+Result<nlohmann::json> readJson(const std::filesystem::path& path) {
+    DPL_TRY(const auto bytes, readFile(path, kMaxTruthBytes));
+    nlohmann::json value = nlohmann::json::parse(bytes.begin(), bytes.end(), nullptr, false);
+    if (!value.is_object()) return fail(Code::CorruptData, "{}: not a JSON object", path.string());
+    return value;
+}
+
+/** Three numbers of a z-up file in the y-up world. */
+Vec3d upright(const nlohmann::json& p) {
+    return {p.at(0).get<double>(), p.at(2).get<double>(), -p.at(1).get<double>()};
+}
+
+/** Shape and poses of every frame as truth.json gives them. NotFound when it does not give those of `body`. */
+Result<BodyFit> fitFromTruth(const Scan& scan, const BodyModel& body) {
+    const std::filesystem::path path = scan.root / "truth.json";
+    DPL_TRY(const nlohmann::json truth, readJson(path));
+    DPL_TRY(const nlohmann::json manifest, readJson(scan.root / "scan.json"));
+    const auto unfit = [&] {
+        return fail(Code::NotFound,
+                    "{} does not give the shape and poses of body '{}'; only a `doppel sample` scan with the built-in body does",
+                    path.string(), body.name);
+    };
+    BodyFit fit;
+    fit.shape.assign(body.morphs.size(), 0.0);
+    fit.poses.assign(scan.frames.size(), Pose::rest(body.joints.size()));
+    fit.fitted.assign(scan.frames.size(), true);
+    try {
+        size_t known = 0;
+        for (size_t m = 0; m < body.morphs.size(); ++m)
+            if (const auto& values = truth.at("shape").at("morphs"); values.contains(body.morphs[m].name))
+                fit.shape[m] = values[body.morphs[m].name].get<double>(), ++known;
+        if (known == 0 || known != truth["shape"]["morphs"].size() || truth["shape"].at("body") != body.name) return unfit();
+        // The rest skeleton of a scan stands on the floor; that of the body may be some millimetres off it.
+        const Vec3d shift =
+            upright(manifest.at("skeleton").at("rest_positions").at(0)) - Vec3d(shapedBody(body, fit.shape).joints[0].restPosition);
+        std::map<std::string, const nlohmann::json*> byName;
+        for (const auto& frame : truth["frames"]) byName[frame.at("name").get<std::string>()] = &frame;
+        for (size_t f = 0; f < scan.frames.size(); ++f) {
+            const auto found = byName.find(scan.frames[f].name);
+            if (found == byName.end() || found->second->at("rotations").size() != body.joints.size()) return unfit();
+            for (size_t j = 0; j < body.joints.size(); ++j) {
+                const Vec3d turn = upright(found->second->at("rotations")[j]);
+                const double angle = glm::length(turn);
+                if (angle > 0) fit.poses[f].localRotations[j] = Quatf(glm::angleAxis(angle, turn / angle));
+            }
+            fit.poses[f].rootTranslation = Vec3f(shift + upright(found->second->at("translation")));
+            if (Status good = checkPose(body.joints, fit.poses[f]); !good)
+                return fail(Code::CorruptData, "{}: frame '{}': {}", path.string(), scan.frames[f].name, good.error().message);
+            if (scan.frames[f].kind == FrameKind::StaticFull && fit.staticPose.localRotations.empty()) fit.staticPose = fit.poses[f];
+        }
+    } catch (const nlohmann::json::exception&) {
+        return unfit();
+    }
+    if (fit.staticPose.localRotations.empty()) fit.staticPose = Pose::rest(body.joints.size());
+    return fit;
+}
+
+Result<ReconstructResult> reconstructWithTruth(const ReconstructOptions& options, Progress& progress) {
+    std::error_code error;
+    std::filesystem::create_directories(options.out, error);
+    if (error) return fail(Code::Io, "cannot create {}: {}", options.out.string(), error.message());
+    Jobs jobs(options.threadCount);
+    StageChain chain(options.out, progress);
+    const StageRun run{chain, jobs, progress};
+    DPL_TRY(const IngestedScan ingested, runIngest(run, options.scan, {}));
+    DPL_TRY(ChosenBody chosen, chooseBody({}, jobs));
+    DPL_TRY(const std::string truth, hashFile(ingested.scan.root / "truth.json"));
+    const nlohmann::json inputs = {{"truth", truth}, {"training", ingested.trainingHash}, {"body", chosen.hash}};
+    DPL_TRY(const StageOutput stage, chain.run("body-fit", 1, inputs, [&](StageContext& context) -> Status {
+        DPL_TRY(const BodyFit fit, fitFromTruth(ingested.scan, chosen.body));
+        return writeFileAtomically(context.folder / "fit.json", fitToJson(fit));
+    }));
+    chosen.body.name += " (shape and poses from truth.json)";
+    DPL_TRY(const FittedBody body, readFittedBody(stage, ingested, std::move(chosen.body)));
+    return reconstructFrom(run, ingested, body, options);
+}
+
+}  // namespace
+}  // namespace dpl
+
+int main(int argc, char** argv) {
+    using namespace dpl;
+    CLI::App app("Reconstructs a sample scan with its true shape and poses in place of the body fit (measuring only)");
+    ReconstructOptions options;
+    const std::map<std::string, Preset> presets = {{"draft", Preset::Draft}, {"standard", Preset::Standard}, {"high", Preset::High}};
+    app.add_option("scan", options.scan, "Scan folder made by `doppel sample`")->required();
+    app.add_option("out", options.out, "Output folder")->required();
+    app.add_option("--preset", options.preset, "draft, standard, high")->transform(CLI::CheckedTransformer(presets, CLI::ignore_case));
+    app.add_option("--steps", options.steps, "Training steps instead of the preset's");
+    app.add_option("--seed", options.seed, "Seed of every random choice");
+    app.add_option("--threads", options.threadCount, "CPU threads, 0: one a core");
+    CLI11_PARSE(app, argc, argv);
+    installSignalHandlers();
+    Progress progress;
+    const auto result = reconstructWithTruth(options, progress);
+    if (!result) {
+        std::fprintf(stderr, "bench_true_body: %s\n", result.error().message.c_str());
+        return 1;
+    }
+    std::printf("%s\n", result->summary.c_str());
+    return 0;
+}
