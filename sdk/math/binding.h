@@ -6,7 +6,7 @@
 
 namespace dpl {
 
-/** D⁻¹ = [i00 i01; 0 i11] of a rest triangle, metres⁻¹. All zero for a degenerate triangle. */
+/** D⁻¹ = [i00 i01; 0 i11] of a rest triangle, 1/m. All zero for a degenerate triangle. */
 template <class T>
 struct RestInverse {
     T i00 = 0, i01 = 0, i11 = 0;
@@ -20,7 +20,8 @@ struct RestTriangle {
     bool valid = false;
 };
 
-/** T1 = e1/|e1|, N = e1×e2/|e1×e2|, T2 = N×T1 and D = [e1·T1 e2·T1; 0 e2·T2] of the edges e1, e2 from the first corner. */
+/** Frame and D⁻¹ of a triangle at rest; corners in metres. With e1 = a1 − a0 and e2 = a2 − a0: T1 = e1/|e1|, N = e1×e2/|e1×e2|,
+ *  T2 = N×T1, D = [e1·T1 e2·T1; 0 e2·T2]. Not valid where the area is too small or not finite. */
 template <class T>
 inline RestTriangle<T> restTriangle(const Vec3<T>& a0, const Vec3<T>& a1, const Vec3<T>& a2) {
     RestTriangle<T> r;
@@ -36,17 +37,18 @@ inline RestTriangle<T> restTriangle(const Vec3<T>& a0, const Vec3<T>& a1, const 
     return r;
 }
 
-/** The posed side of one triangle: all that its splats need. */
+/** A posed triangle, as far as its splats need it. */
 template <class T>
 struct TriangleFrame {
     Vec3<T> v0, v1, v2;        // posed corners, world
-    Vec3<T> f0, f1;            // columns of F
+    Vec3<T> f0, f1;            // columns of F: deformation gradient of the plane, no unit
     Vec3<T> normal;            // unit, world
-    Mat3<T> worldFromRest{1};  // polar rotation of the triangle: turns rest directions into the world
+    Mat3<T> worldFromRest{1};  // polar rotation: turns rest directions into the world
     Vec3<T> light{1};          // brightness at the three corners (docs/reference/correctives.md)
-    bool valid = false;        // false: degenerate at rest or posed, draw nothing
+    bool valid = false;        // false: degenerate at rest or posed; its splats are not drawn
 };
 
+/** v0, v1, v2: posed corners, world. `light` of the result stays 1. */
 template <class T>
 inline TriangleFrame<T> poseTriangle(const RestTriangle<T>& rest, const Vec3<T>& v0, const Vec3<T>& v1, const Vec3<T>& v2) {
     TriangleFrame<T> f;
@@ -74,7 +76,7 @@ inline Vec3<T> splatCentre(const TriangleFrame<T>& f, const Vec2<T>& uv) {
     return Formulas<T>::barycentric(f.v0, f.v1 - f.v0, f.v2 - f.v0, uv.x, uv.y);
 }
 
-/** Brightness there. */
+/** Brightness at the barycentric point (1−u−v, u, v). */
 template <class T>
 inline T splatLight(const TriangleFrame<T>& f, const Vec2<T>& uv) {
     return Formulas<T>::barycentric(f.light.x, f.light.y - f.light.x, f.light.z - f.light.x, uv.x, uv.y);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A pinhole camera in the OpenCV habit: x right, y down, z forward; (0,0) is the top left corner of the image, so the
-// centre of the first pixel is (0.5, 0.5).
+// A pinhole camera with OpenCV axes: x right, y down, z forward. (0,0) is the top left corner of the image, so the centre of the first
+// pixel is (0.5, 0.5).
 #pragma once
 
 #include <cstdint>
@@ -19,14 +19,15 @@ struct PinholeCamera {
     Vec3<T> toView(const Vec3<T>& world) const { return viewFromWorldRotation * world + viewFromWorldTranslation; }
     /** World position of the eye. */
     Vec3<T> eye() const { return -(glm::transpose(viewFromWorldRotation) * viewFromWorldTranslation); }
-    /** Pixel of a view-space point; z must not be 0. */
+    /** Image position, px, of a view-space point; z must not be 0. */
     Vec2<T> pixelOf(const Vec3<T>& view) const { return {fx * view.x / view.z + cx, fy * view.y / view.z + cy}; }
 
     template <class U>
     PinholeCamera<U> cast() const {
         return {widthPx, heightPx, U(fx), U(fy), U(cx), U(cy), Mat3<U>(viewFromWorldRotation), Vec3<U>(viewFromWorldTranslation)};
     }
-    /** The same camera for an image of `factor` times the size. Sizes are rounded to whole pixels; the rays stay. */
+    /** The same camera for an image of `factor` times the size. Sizes are rounded to whole pixels; focal lengths follow the rounded sizes,
+     *  so the field of view stays. */
     PinholeCamera scaled(T factor) const {
         PinholeCamera c = *this;
         c.widthPx = uint32_t(T(widthPx) * factor + T(0.5));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shared formulas (sdk/math/formulas/README.md) as C++ over float or double. Functions and structs are static members of
-// Formulas<T>; binding.h, projection.h, detail.h and sh.h wrap those that take cameras and triangles.
+// The shared formulas (sdk/math/formulas/README.md) as C++ over float or double: static members of Formulas<T>. binding.h, projection.h,
+// detail.h and sh.h wrap them with cameras and triangles.
 #pragma once
 
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "sdk/math/types.h"
 
 namespace dpl {
-namespace formula_scope {  // the functions that the formulas call without a namespace
+namespace formula_scope {  // makes the functions visible that the formulas call without a namespace
 
 using glm::clamp;
 using glm::cross;

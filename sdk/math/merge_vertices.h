@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Vertices at the same place are one: seams of texture or normals do not cut a surface.
+// Merges vertices at the same place. Files split vertices at seams of texture or normals; merging makes the surface connected again.
 #pragma once
 
 #include <cstdint>
@@ -12,13 +12,13 @@
 
 namespace dpl {
 
-/** For every vertex the number of its place; places are numbered from 0 in the order in which they first appear. */
+/** Places are numbered from 0 in order of first appearance. */
 struct MergedVertices {
-    std::vector<uint32_t> placeOf;  // V
-    uint32_t count = 0;
+    std::vector<uint32_t> placeOf;  // V: number of the vertex' place
+    uint32_t count = 0;             // of places
 };
 
-/** positions must be finite. */
+/** Compares exactly. positions must be finite: NaN has no order in the map. */
 inline MergedVertices mergeVertices(std::span<const Vec3f> positions) {
     std::map<std::tuple<float, float, float>, uint32_t> places;
     MergedVertices merged;

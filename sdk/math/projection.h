@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Screen footprint of a flat splat (docs/reference/projection.md, docs/reference/footprint.md): sdk/math/formulas/footprint.inl
-// for cameras. Trainer, CPU renderer and GPU renderer compile the same text.
+// Screen footprint of a flat splat (docs/reference/projection.md, docs/reference/footprint.md): wraps sdk/math/formulas/footprint.inl,
+// which trainer, CPU renderer and GPU renderer compile.
 //
-//   α(pixel) = min(0.99, opacity'·exp(−σ)), dropped below 1/255. An entry is blended while T > 1e-4, so the entry that brings T to
-//   1e-4 or below still counts: a renderer that stops later, or never, differs by less than 1e-4 (sdk/splat/splat_engine.h).
+//   α(pixel) = min(0.99, opacity'·exp(−σ)), dropped below 1/255. When a pixel stops blending: sdk/splat/splat_engine.h.
 #pragma once
 
 #include "sdk/math/camera.h"
@@ -11,7 +10,7 @@
 
 namespace dpl {
 
-constexpr double kKappaPx2 = 0.3;  // default low-pass variance, target px²; avatars carry their own
+constexpr double kKappaPx2 = 0.3;  // low-pass variance where a file has none, px² of the target
 
 template <class T>
 using Lens = typename Formulas<T>::Lens;
@@ -23,13 +22,14 @@ inline T smoothstep01(T x) {
     return Formulas<T>::smoothstep01(x);
 }
 
-/** Opacity factor of a single-face splat: 0 from behind, 1 above cosθ = kGateEnd, with cosθ = n·(eye−c)/|eye−c|. World space. */
+/** Opacity factor of a single-face splat: 0 from behind, 1 from cosθ = kGateEnd on, cosθ = n·(eye−c)/|eye−c|. All in world space. */
 template <class T>
 inline T singleFaceGate(const Vec3<T>& normal, const Vec3<T>& centre, const Vec3<T>& eye) {
     const Vec3<T> toEye = eye - centre;
     return Formulas<T>::singleFaceGate(glm::dot(normal, toEye), glm::length(toEye));
 }
 
+/** Opacity factor at view z: 0 up to kNearM, 1 from kNearFadeEndM on. */
 template <class T>
 inline T nearFade(T depthM) {
     return Formulas<T>::nearFade(depthM);
@@ -54,14 +54,14 @@ inline Lens<T> lensOf(const PinholeCamera<T>& c) {
     return {{c.fx, c.fy}, {c.cx, c.cy}, {limit.minX, limit.minY}, {limit.maxX, limit.maxY}};
 }
 
-/** Projects a flat splat: centre and axes in view space, κ in target pixels². */
+/** Projects a flat splat: centre and axes in view space, metres; κ in px² of the target. */
 template <class T>
 inline Footprint<T> projectSplat(const Lens<T>& lens, const Vec3<T>& centreView, const Vec3<T>& axis1View, const Vec3<T>& axis2View,
                                  T kappaPx2) {
     return Formulas<T>::projectFlat(lens, centreView, axis1View, axis2View, kappaPx2);
 }
 
-/** Squared Mahalanobis radius at which opacity·exp(−q/2) falls to kMinAlpha; negative when the splat is invisible. */
+/** Squared Mahalanobis radius q at which opacity·exp(−q/2) falls to kMinAlpha; negative when the splat is invisible. */
 template <class T>
 inline T visibleRadius2(T opacity) {
     return Formulas<T>::visibleRadius2(opacity);

@@ -12,7 +12,7 @@ constexpr uint32_t shCoefficientCount(uint32_t degree) {
 constexpr uint32_t kMaxShDegree = 3;
 constexpr uint32_t kMaxShCoefficients = 16;
 
-/** basis[0 .. (degree+1)²): values for the unit direction d (from the eye to the splat). */
+/** Writes basis[0 .. (degree+1)²) for the unit direction d, which runs from the eye to the splat. */
 template <class T>
 inline void shBasis(const Vec3<T>& d, uint32_t degree, T* basis) {
     using F = Formulas<T>;
@@ -29,7 +29,7 @@ inline void shBasis(const Vec3<T>& d, uint32_t degree, T* basis) {
     basis[14] = three.b14, basis[15] = three.b15;
 }
 
-/** (0.5 + Σ basis·sh)·light, clamped to [0,1]. sh: coefficient-major, sh[k*3 + channel]. Display-referred colour. */
+/** Display-referred colour (0.5 + Σ basis·sh)·light, clamped to [0,1]. sh: coefficient-major, sh[k*3 + channel]. */
 template <class T>
 inline Vec3<T> shColour(const T* sh, uint32_t degree, const Vec3<T>& d, T light = T(1)) {
     T basis[kMaxShCoefficients];

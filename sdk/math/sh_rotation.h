@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spherical harmonics of a thing that was turned.
+// Rotates spherical harmonics coefficients.
 #pragma once
 
 #include <array>
@@ -10,8 +10,9 @@
 
 namespace dpl {
 
-/** Turns SH coefficients by a rotation. Band l is a (2l+1)-dimensional space of functions: its values at 2l+1 well-spread directions
- *  determine it, so coefficients' = P⁻¹·Q·coefficients with P the band at those directions and Q the band at the turned-back ones. */
+/** Rotates SH coefficients. Band l spans 2l+1 functions, so its values at 2l+1 well-spread directions determine it: coefficients' =
+ *  P⁻¹·Q·coefficients, with P the band at those directions and Q the band at the same directions turned back. Immutable after
+ *  construction; any thread. */
 class ShRotator {
 public:
     ShRotator() {
@@ -27,7 +28,7 @@ public:
         }
     }
 
-    /** sh: coefficient-major, turned in place so that evaluating at R·d gives what evaluating at d gave before. */
+    /** Rotates `sh` (coefficient-major) in place: its value at R·d becomes what its value at d was. */
     void rotate(const Mat3d& rotation, uint32_t degree, float* sh) const {
         const Mat3d back = glm::transpose(rotation);
         for (uint32_t band = 1; band <= degree; ++band) {
@@ -48,7 +49,7 @@ public:
 private:
     using Square = std::array<std::array<double, 7>, 7>;
 
-    // Irrational steps around a spiral that is not symmetric about any axis: the band matrices are well conditioned.
+    // A spiral in golden-angle steps. The offsets break its symmetry, which keeps the band matrices well conditioned.
     static Vec3d spreadDirection(uint32_t i, uint32_t n) {
         const double z = 0.93 - 1.81 * (i + 0.4) / n, angle = 2.399963229728653 * i + 0.37, r = std::sqrt(1 - z * z);
         return {r * std::cos(angle), r * std::sin(angle), z};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Linear blend skinning of one vertex. A transform is [R | t] and takes rest positions to the world; four joints pull at a vertex with
-// unorm8 weights that sum to 255.
+// Linear blend skinning of one vertex (docs/reference/binding.md). Four joints move a vertex, with unorm8 weights that sum to 255. The
+// transform [R | t] of a joint takes rest positions to the world.
 #pragma once
 
 #include "sdk/math/types.h"
@@ -13,7 +13,7 @@ Vec3<T> transformed(const Mat3x4<T>& m, const Vec3<T>& p) {
     return m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3];
 }
 
-/** Σ w_k · (G_k · rest) / 255. worldFromRest: G of every joint. Joints of weight 0 are not read. */
+/** Σ w_k · (G_k · rest) / 255. worldFromRest: G of every joint. Joints with weight 0 are not read, so their index may be out of range. */
 template <class T>
 Vec3<T> skinVertex(const Vec3<T>& rest, const glm::u16vec4& joints, const glm::u8vec4& weights, const Mat3x4<T>* worldFromRest) {
     Vec3<T> sum(0);
@@ -22,7 +22,7 @@ Vec3<T> skinVertex(const Vec3<T>& rest, const glm::u16vec4& joints, const glm::u
     return sum * (T(1) / T(255));
 }
 
-/** Σ w_k · G_k / 255: the matrix that carries the vertex and turns its directions. Use it where both are needed. */
+/** Σ w_k · G_k / 255. Use it when both the position and directions of a vertex are transformed. */
 template <class T>
 Mat3x4<T> blendedTransform(const glm::u16vec4& joints, const glm::u8vec4& weights, const Mat3x4<T>* worldFromRest) {
     Mat3x4<T> sum(T(0));

@@ -21,7 +21,7 @@ using Mat3 = glm::mat<3, 3, T, glm::defaultp>;
 template <class T>
 using Mat4 = glm::mat<4, 4, T, glm::defaultp>;
 template <class T>
-using Mat3x4 = glm::mat<4, 3, T, glm::defaultp>;  // four columns of three: a rigid or affine transform [R | t]
+using Mat3x4 = glm::mat<4, 3, T, glm::defaultp>;  // 3 rows, 4 columns: a rigid or affine transform [R | t]
 template <class T>
 using Quat = glm::qua<T, glm::defaultp>;
 

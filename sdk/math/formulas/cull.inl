@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether splats around a set of points can show in a view (docs/reference/footprint.md). Lossless: false only where every one of
+// Whether splats whose centres lie in a convex set can show in a view (docs/reference/gate.md). The answer is "no" only when every one of
 // them is invisible. Needs footprint.inl.
 //
-// A splat shows when its centre px ± radius touches the target. radius ≤ √level · (f/z · σ |w| + √κ), w = (1, 0, −slope) with the
-// slope clamped. Multiplied by z the condition is linear in the centre: what holds at no corner of a convex set holds nowhere in it.
+// A splat shows when its centre px ± radius touches the target. radius ≤ √level · (f/z · σ |w| + √κ), with w = (1, 0, −slope) and the
+// slope clamped. Multiplied by z, the condition for each side of the target is linear in the centre. So if it fails at every corner of the
+// set, it fails everywhere in it.
 
-/** How far splats reach beyond their centres: metres × px, and px. */
+/** How far splats reach beyond their centres: (reach / z + marginPx) pixels, along x and y. */
 struct CullMargin {
-    real2 reach;
+    real2 reach;  // px · m
     real2 marginPx;
 };
 
-/** reachM: largest √level · standard deviation, m; rootLevel: largest √level; slackPx: rounding, and reach of a pixel's samples. */
+/** reachM: largest √level · standard deviation, m; rootLevel: largest √level; slackPx: room for rounding and for the coverage samples.
+ *  level = 2 ln(255 · opacity). */
 DPL_FN CullMargin cullMargin(Lens lens, real reachM, real rootLevel, real kappaPx2, real slackPx) {
     CullMargin m;
     real slopeX = max(abs(lens.minSlope.x), abs(lens.maxSlope.x)), slopeY = max(abs(lens.minSlope.y), abs(lens.maxSlope.y));
@@ -21,7 +23,8 @@ DPL_FN CullMargin cullMargin(Lens lens, real reachM, real rootLevel, real kappaP
     return m;
 }
 
-/** How far a point, with the reach of its splats, lies inside each side of the target (× its z; below 0: outside), and its view z. */
+/** Distance of a view-space point to each side of the target, with the reach of its splats added and times its z: px · m, negative =
+ *  outside. And its view z. */
 struct CullSides {
     real left;
     real right;
@@ -41,7 +44,7 @@ DPL_FN CullSides cullSides(Lens lens, CullMargin m, real2 targetPx, real3 point)
     return s;
 }
 
-/** Of two points, the more visible one on each side. */
+/** Side by side, the value of the point that lies farther inside. */
 DPL_FN CullSides eitherSides(CullSides a, CullSides b) {
     CullSides s;
     s.left = max(a.left, b.left);
@@ -52,12 +55,12 @@ DPL_FN CullSides eitherSides(CullSides a, CullSides b) {
     return s;
 }
 
-/** Whether a splat of the set may show. The factor of the near plane is room for rounding. */
+/** Whether a splat of the set may show. s: eitherSides of all corners. The factor 0.999 is room for rounding. */
 DPL_FN truth mayShow(CullSides s) {
     return s.left > real(0) && s.right > real(0) && s.above > real(0) && s.below > real(0) && s.depthM > real(0.999 * kNearM);
 }
 
-/** The largest factor by which the 3×2 matrix [f0 f1] stretches: its larger singular value. */
+/** Larger singular value of the 3×2 matrix [f0 f1]: the largest factor by which it stretches a vector. */
 DPL_FN real largestStretch(real3 f0, real3 f1) {
     real a = dot(f0, f0), c = dot(f1, f1), b = dot(f0, f1), d = real(0.5) * (a - c);
     return sqrt(real(0.5) * (a + c) + sqrt(d * d + b * b));

@@ -14,17 +14,18 @@ DPL_FN real nearFade(real depthM) {
     return smoothstep01((depthM - real(kNearM)) * real(1.0 / (kNearFadeEndM - kNearM)));
 }
 
-/** Opacity factor of a single-face splat: 0 from behind, 1 above cosθ = kGateEnd. planeDot: n·(eye − centre); distanceM: |eye − centre|. */
+/** Opacity factor of a single-face splat: 0 from behind, 1 from cosθ = kGateEnd on. planeDot: n·(eye − centre), m; distanceM: |eye −
+ *  centre|. */
 DPL_FN real singleFaceGate(real planeDot, real distanceM) {
     return smoothstep01(planeDot / (distanceM * real(kGateEnd)));
 }
 
-/** False for NaN, too. */
+/** False for NaN too. */
 DPL_FN truth isFinite(real x) {
     return abs(x) < real(3.0e38);
 }
 
-/** Pinhole projection of one view. minSlope, maxSlope: limits of x/z and y/z in the Jacobian. */
+/** Pinhole projection of one view. minSlope, maxSlope: limits of x/z and y/z in the Jacobian (kClampMargin). */
 struct Lens {
     real2 focalPx;
     real2 centrePx;
@@ -32,7 +33,7 @@ struct Lens {
     real2 maxSlope;
 };
 
-/** First derivative of the projection at a view-space point: row k of J·a is pxPerM.k · (a.k − clampedSlope.k · a.z). */
+/** Derivative of the projection at a view-space point: component k of J·a is pxPerM.k · (a.k − clampedSlope.k · a.z). */
 struct Jacobian {
     real inverseZ;
     real2 slope;  // x/z, y/z
@@ -49,7 +50,7 @@ DPL_FN Jacobian jacobianAt(Lens lens, real3 centre) {
     return j;
 }
 
-/** Pixel of the point that `j` was made at. */
+/** Image position, px, of the point that `j` was made for. */
 DPL_FN real2 centreOnScreen(Lens lens, Jacobian j) {
     return real2(lens.focalPx.x * j.slope.x + lens.centrePx.x, lens.focalPx.y * j.slope.y + lens.centrePx.y);
 }
@@ -64,7 +65,7 @@ DPL_FN real determinantOf(real2 a, real2 b) {
     return a.x * b.y - b.x * a.y;
 }
 
-/** B·Bᵀ, px², before the low-pass. detB2: its determinant. */
+/** B·Bᵀ, px², before the low-pass: the screen covariance of a splat. detB2: its determinant, px⁴. */
 struct Spread {
     real varianceX;
     real varianceY;
@@ -72,7 +73,7 @@ struct Spread {
     real detB2;
 };
 
-/** Of a splat with two axes; b1, b2: the axes on the screen. */
+/** For a splat with two axes; b1, b2: the axes on the screen, px. */
 DPL_FN Spread flatSpread(real2 b1, real2 b2) {
     Spread s;
     s.varianceX = b1.x * b1.x + b2.x * b2.x;
@@ -83,7 +84,7 @@ DPL_FN Spread flatSpread(real2 b1, real2 b2) {
     return s;
 }
 
-/** Of a splat with three axes: det(B·Bᵀ) is the sum of the squared minors (Cauchy-Binet). */
+/** For a splat with three axes. det(B·Bᵀ) is the sum of the squared 2×2 minors (Cauchy-Binet). */
 DPL_FN Spread solidSpread(real2 b1, real2 b2, real2 b3) {
     Spread s;
     s.varianceX = b1.x * b1.x + b2.x * b2.x + b3.x * b3.x;
@@ -94,13 +95,13 @@ DPL_FN Spread solidSpread(real2 b1, real2 b2, real2 b3) {
     return s;
 }
 
-/** What a splat looks like in one view before colour. */
+/** A splat in one view, without its colour. */
 struct Footprint {
     real2 centrePx;
-    real conicA;  // σ = ½(A dx² + C dy²) + B dx dy
+    real conicA;  // [A B; B C] = Σ'⁻¹, 1/px²: σ = ½(A dx² + C dy²) + B dx dy
     real conicB;
     real conicC;
-    real varianceX;  // diagonal of Σ', px²: the box of level q is ±√(q·variance)
+    real varianceX;  // diagonal of Σ', px²: the ellipse of squared radius q has the half widths √(q·variance)
     real varianceY;
     real inverseDet;  // 1/det Σ'
     real compensation;
@@ -110,7 +111,7 @@ struct Footprint {
 
 DPL_FN Footprint footprintOf(Lens lens, Jacobian j, real depthM, Spread s, real kappaPx2) {
     Footprint f;
-    // The sum form of det Σ': a·c − b² cancels for needles in float.
+    // det Σ' as a sum of positive terms: a·c − b² cancels in float for needles.
     real det = s.detB2 + kappaPx2 * (s.varianceX + s.varianceY + kappaPx2);
     f.inverseDet = real(1) / det;
     f.centrePx = centreOnScreen(lens, j);
@@ -125,20 +126,20 @@ DPL_FN Footprint footprintOf(Lens lens, Jacobian j, real depthM, Spread s, real 
     return f;
 }
 
-/** Projects a splat with two axes; centre and axes in view space. */
+/** Projects a splat with two axes; centre and axes in view space, m. */
 DPL_FN Footprint projectFlat(Lens lens, real3 centre, real3 axis1, real3 axis2, real kappaPx2) {
     Jacobian j = jacobianAt(lens, centre);
     return footprintOf(lens, j, centre.z, flatSpread(axisOnScreen(j, axis1), axisOnScreen(j, axis2)), kappaPx2);
 }
 
-/** Projects a splat with three axes. */
+/** The same for three axes. */
 DPL_FN Footprint projectSolid(Lens lens, real3 centre, real3 axis1, real3 axis2, real3 axis3, real kappaPx2) {
     Jacobian j = jacobianAt(lens, centre);
     Spread s = solidSpread(axisOnScreen(j, axis1), axisOnScreen(j, axis2), axisOnScreen(j, axis3));
     return footprintOf(lens, j, centre.z, s, kappaPx2);
 }
 
-/** Squared Mahalanobis radius at which opacity·exp(−q/2) falls to kMinAlpha; negative when the splat is invisible. */
+/** Squared Mahalanobis radius q at which opacity·exp(−q/2) falls to kMinAlpha; negative when the splat is invisible. */
 DPL_FN real visibleRadius2(real opacity) {
     return real(2) * log(opacity * real(1.0 / kMinAlpha));
 }

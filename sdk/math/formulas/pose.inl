@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A posed triangle and its polar rotation (docs/reference/binding.md).
 
-/** f0, f1: columns of F. normal: unit, world. The polar rotation is worldFromRest = [turned1 turned2 normal]·restFrameᵀ. */
+/** f0, f1: columns of F. normal: unit, world. Polar rotation: worldFromRest = [turned1 turned2 normal]·restFrameᵀ, where restFrame =
+ *  [T1 T2 N] of the triangle at rest. */
 struct PosedTriangle {
     real3 f0;
     real3 f1;
@@ -11,7 +12,7 @@ struct PosedTriangle {
     truth valid;  // false: degenerate or not finite; the other fields may then hold anything
 };
 
-/** i00, i01, i11: D⁻¹ = [i00 i01; 0 i11] of the triangle at rest, 1/m. */
+/** i00, i01, i11: D⁻¹ = [i00 i01; 0 i11] of the triangle at rest, 1/m. v0, v1, v2: posed corners, world. */
 DPL_FN PosedTriangle posedTriangle(real i00, real i01, real i11, real3 v0, real3 v1, real3 v2) {
     PosedTriangle t;
     real3 d1 = v1 - v0, d2 = v2 - v0, d3 = v2 - v1;
@@ -22,7 +23,7 @@ DPL_FN PosedTriangle posedTriangle(real i00, real i01, real i11, real3 v0, real3
     t.f0 = d1 * i00;
     t.f1 = d1 * i01 + d2 * i11;
     t.normal = area / doubleArea;
-    // Polar rotation of the 2×2 map between the frames. t1 runs along d1, so m10 = t2·F0 = 0.
+    // Polar rotation of F as a 2×2 matrix m between the planes' frames. t1 runs along d1, so m10 = t2·F0 = 0.
     real3 t1 = normalize(d1), t2 = cross(t.normal, t1);
     real sine = -dot(t1, t.f1), cosine = dot(t1, t.f0) + dot(t2, t.f1);
     real radius = sqrt(sine * sine + cosine * cosine);

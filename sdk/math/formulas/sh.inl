@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Real spherical harmonics up to degree 3 in the order and sign of 3D Gaussian splatting files (docs/reference/spherical-harmonics.md).
-// d: unit direction from the eye to the splat. Band 0 is the constant kShC0.
+// d: unit direction from the eye to the splat, in the rest frame. Band 0 is the constant kShC0.
 
 struct ShBand1 {  // coefficients 1 to 3
     real b1;
