@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Blends the splats of one tile front to back, a row of pixels at a time.
 //
-// With k = B/A the exponent of a row at distance dy is  −σ = −½A (x − x_row)² − ½ dy²/Σ'yy,  x_row = x − k·dy:  no cancellation on
-// needles and two operations a pixel. The opacity is folded in as its logarithm, so that the cut-off α ≥ 1/255 is a comparison of
-// exponents, made before the exponential.
+// In a row at distance dy from the splat's centre, −σ = −½A (x − x_row)² − ½ dy²/Σ'yy with x_row = centre − (B/A)·dy. This form does not
+// cancel for needles and costs two operations a pixel. The logarithm of the opacity is added to the exponent, so the cut-off α ≥ 1/255 is
+// a comparison before the exponential.
 #include "sdk/splat/simd.h"
 
 #include <cstring>
@@ -32,7 +32,8 @@ HWY_INLINE V set(float x) {
     return hn::Set(D(), x);
 }
 
-/** 2^p for p in [-126, 127]: minimax polynomial of degree 5 on [-½, ½], relative error 8e-8. Garbage, but no trap, outside. */
+/** 2^p for p in [-126, 127]: minimax polynomial of degree 5 on [-½, ½], relative error 8e-8. Outside, the result is undefined but nothing
+ *  traps. */
 HWY_INLINE V exp2Of(V p) {
     const D d;
     const hn::RebindToSigned<D> di;
@@ -46,19 +47,19 @@ HWY_INLINE V exp2Of(V p) {
     return hn::BitCast(d, hn::BitCast(di, r) + hn::ShiftLeft<23>(whole));
 }
 
-/** Pixel range [first, last] of centre ± radius in a tile; false when it is empty. */
+/** Pixels [first, last] of the tile within centre ± radius; false when there are none. Positions count from the centre of pixel 0. */
 HWY_INLINE bool clipToTile(float centre, float radius, uint32_t& first, uint32_t& last) {
     constexpr float kLast = float(kTileSizePx - 1);
-    const float low = centre - radius + 0.9999f, high = centre + radius;  // cut to integers, low becomes its ceiling
+    const float low = centre - radius + 0.9999f, high = centre + radius;  // truncation below then rounds low up and high down
     if (!(high >= 0) || !(low < kLast + 1)) return false;
     first = uint32_t(int32_t(low > 0 ? low : 0)), last = uint32_t(int32_t(high < kLast ? high : kLast));
     return true;
 }
 
-/** What the inner loop needs of one splat. */
+/** Constants of one splat in the inner loop. */
 struct SplatRow {
     V scale, red, green, blue, cloth, depth;
-    hn::Vec<hn::RebindToUnsigned<D>> next;  // one past the entry
+    hn::Vec<hn::RebindToUnsigned<D>> next;  // index of the entry + 1
 };
 
 template <bool kCloth, bool kDepth, bool kStops, bool kScene>
@@ -107,7 +108,7 @@ void blendTileAs(const BlendTileTask& task, TileAccumulators& tile) {
         if (!clipToTile(x, p.radiusX, firstX, lastX)) continue;
         if (!clipToTile(y, p.radiusY, firstY, lastY)) continue;
         const float slope = p.conicB / p.conicA, rowScale = -0.5f * kLog2E * p.inverseVarianceY;
-        // radiusY² / Σ'yy = 2 ln(255·opacity)
+        // log2(opacity): radiusY² / Σ'yy = 2 ln(255·opacity)
         const float logOpacity = 0.5f * kLog2E * p.inverseVarianceY * p.radiusY * p.radiusY + kLog2MinAlpha;
         SplatRow s;
         s.scale = set(-0.5f * kLog2E * p.conicA);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The buffers that the engine keeps between frames, and the four steps that fill them. Private to sdk/splat.
+// The buffers that the engine keeps between frames, and the functions that fill them. Private to sdk/splat.
 #pragma once
 
 #include <algorithm>
@@ -10,10 +10,11 @@
 
 namespace dpl {
 
-/** A growing array that never zero-fills and never shrinks: a warm frame allocates and clears nothing. */
+/** A growing array that never zero-fills and never shrinks, so a warm frame allocates and clears nothing. */
 template <class T>
 class Scratch {
 public:
+    /** The content is undefined afterwards. */
     T* resize(size_t count) {
         if (count > capacity_) {
             capacity_ = count + count / 4;
@@ -22,7 +23,7 @@ public:
         size_ = count;
         return data_.get();
     }
-    /** Resizes and keeps the content. */
+    /** Keeps the content. */
     T* grow(size_t count) {
         if (count > capacity_ && size_ > 0) {
             const std::unique_ptr<T[]> old = std::move(data_);
@@ -44,29 +45,29 @@ private:
     size_t size_ = 0, capacity_ = 0;
 };
 
-/** Tiles covered by a splat, both ends included. */
+/** Tiles that a splat may touch, both ends included. */
 struct TileBox {
     uint16_t x0, y0, x1, y1;
 };
 
-constexpr uint32_t kProjectBlock = 4096;  // splats a block; the shape of the work never depends on the thread count
+constexpr uint32_t kProjectBlock = 4096;  // splats a block of projection; fixed, so that results do not depend on the thread count
 
-/** Visible splats of one projection block: keys[block·kProjectBlock .. + count) hold their depth bits in splat order. */
+/** Visible splats of block b: keys[b·kProjectBlock .. + count) hold the bits of their depths, in splat order. */
 struct BlockVisible {
     uint32_t count = 0, minKey = 0xffffffffu, maxKey = 0;
-    uint64_t tileEntries = 0;
-    uint64_t decidedBytes = 0, decodedBytes = 0;  // of codes, see SplatEngine
+    uint64_t tileEntries = 0;                     // splat-tile pairs
+    uint64_t decidedBytes = 0, decodedBytes = 0;  // SplatEngine::decidedBytes, decodedBytes
 };
 
-/** What a splat reads of its triangle in one view: 128 bytes, eight quads. */
+/** A triangle in one view, as its splats read it: eight quads of four floats, which the kernel loads as such. Metres. */
 struct alignas(32) TriangleView {
     float v0[3], planeDot;  // first corner in view space; n·(eye − v0)
     float e1[3], valid;     // edges in view space; 1 or 0
-    float e2[3], light0;    // brightness at the first corner
-    float f0[3], light1;    // columns of F in view space; brightness at the second corner minus light0
-    float f1[3], light2;    // the same of the third corner
-    float rest0[3], pad0;   // v0 − eye in the rest frame, then both edges in the rest frame
-    float rest1[3], pad1;
+    float e2[3], light0;    // light0: brightness at the first corner
+    float f0[3], light1;    // columns of F in view space; light1: brightness at the second corner minus light0
+    float f1[3], light2;    // light2: the same for the third corner
+    float rest0[3], pad0;   // v0 − eye, turned into the rest frame
+    float rest1[3], pad1;   // edges, turned into the rest frame
     float rest2[3], pad2;
 };
 static_assert(sizeof(TriangleView) == 128);
@@ -76,9 +77,9 @@ struct SplatEngine::Buffers {
     bool sortedFrame = false;  // sort() has run since project()
     uint32_t samples = 1;      // a pixel
     Scratch<TriangleView> triangles;
-    Scratch<uint8_t> parentShows;           // kShows..., one an entry of CodedSplats::parents
-    Scratch<ProjectedSplat> projected;      // splatCount, padded to whole groups
-    Scratch<ForwardRecord<float>> records;  // the same, when the frame is recorded
+    Scratch<uint8_t> parentShows;           // kShows... flags, one an entry of CodedSplats::parents
+    Scratch<ProjectedSplat> projected;      // splatCount, padded to whole packed groups
+    Scratch<ForwardRecord<float>> records;  // the same size when the frame is recorded, else empty
     Scratch<TileBox> boxes;
     std::vector<BlockVisible> blocks;
     Scratch<uint32_t> keys[2], values[2];
@@ -95,7 +96,7 @@ void projectBound(Jobs& jobs, SplatEngine::Buffers& buffers, const BoundSplatVie
                   const Cameraf& camera, float kappaPx2, bool compensated, bool record);
 void projectStatic(Jobs& jobs, SplatEngine::Buffers& buffers, const StaticSplatData& splats, const Cameraf& camera, float kappaPx2,
                    bool compensated);
-// behind: add to what this camera has projected already instead of replacing it.
+// behind: appends to the splats already projected with this camera instead of replacing them.
 void projectCoded(Jobs& jobs, SplatEngine::Buffers& buffers, const CodedSplats& splats, std::span<const TriangleFrame<float>> triangles,
                   const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples, bool behind, const SplatDetail& detail);
 void projectPacked(Jobs& jobs, SplatEngine::Buffers& buffers, const PackedSplats& splats, std::span<const TriangleFrame<float>> triangles,

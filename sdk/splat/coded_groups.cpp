@@ -15,7 +15,7 @@ struct Turn {
     float cosine, sine;
 };
 
-/** One a code of φ: 8 KB. */
+/** cos and sin of every code of φ: 8 KB. */
 const std::array<Turn, kPhiSteps>& turns() {
     static const std::array<Turn, kPhiSteps> table = [] {
         std::array<Turn, kPhiSteps> t;
@@ -66,7 +66,7 @@ void CodedGroups::decode(std::span<const ChosenSplat> chosen, float* out) {
 void CodedGroups::decodeOne(uint32_t i, uint32_t lane, float* out) {
     using namespace bound_field;
     constexpr float kUvStep = float(1 / kUvSteps);
-    while (i >= chunkEnd_) enter(chunk_ + 1);  // chunks tile the splats; culled groups may have skipped some
+    while (i >= chunkEnd_) enter(chunk_ + 1);  // culling may have skipped whole chunks
     const auto put = [&](uint32_t field, float value) { out[field * kGroupSplats + lane] = value; };
     const uint32_t place = splats_.place[i], size = splats_.size[i], colour = splats_.colour[i];
     const auto scale = [&](uint32_t code) { return coarse_[code >> 6] * fine_[code & 63]; };

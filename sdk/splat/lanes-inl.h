@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The language of sdk/math/formulas (its README) over SIMD lanes, and those formulas. Private to sdk/splat; include it once per
-// Highway target, between HWY_BEFORE_NAMESPACE() and HWY_AFTER_NAMESPACE(). It has no guard for that reason.
+// The types and functions that sdk/math/formulas (see its README) needs, over SIMD lanes, and the formulas compiled with them. Private to
+// sdk/splat. Include it once per Highway target, between HWY_BEFORE_NAMESPACE() and HWY_AFTER_NAMESPACE(); therefore it has no guard.
 namespace dpl {
 namespace HWY_NAMESPACE {
 
@@ -9,7 +9,7 @@ using D = hn::CappedTag<float, 16>;
 using V = hn::Vec<D>;
 using M = hn::Mask<D>;
 
-/** A truth value a lane. */
+/** One truth value per lane. */
 struct truth {
     M mask;
     HWY_INLINE truth() = default;
@@ -19,14 +19,14 @@ HWY_INLINE truth operator&&(truth a, truth b) {
     return hn::And(a.mask, b.mask);
 }
 
-/** A float a lane. */
+/** One float per lane. */
 struct real {
     V v;
     HWY_INLINE real() = default;
     HWY_INLINE real(V lanes) : v(lanes) {}
     HWY_INLINE explicit real(double number) : v(hn::Set(D(), float(number))) {}
 };
-/** a·b, not yet rounded: adding to it is one fused multiply-add where the target has that, whatever -ffp-contract says. */
+/** a·b, not yet rounded: adding to it becomes one fused multiply-add where the target has it, independent of -ffp-contract. */
 struct product {
     V a, b;
     HWY_INLINE operator real() const { return hn::Mul(a, b); }

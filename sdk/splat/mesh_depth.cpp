@@ -12,14 +12,14 @@ namespace {
 constexpr size_t kVertexGrain = 4096, kTriangleGrain = 2048, kBandRows = 32;
 constexpr float kNear = float(kNearM), kNone = std::numeric_limits<float>::infinity();
 
-/** First pixel centre at or after `low` and one past the last at or before `high`, cut to the target; the margin takes float rounding. */
+/** Range [first, end) of the pixels whose centres lie in [low − margin, high + margin], cut to the target. The margin covers rounding. */
 void pixelsIn(float low, float high, float margin, uint32_t size, uint16_t& first, uint16_t& end) {
     const float top = float(size);
     first = uint16_t(std::clamp(std::ceil(low - 0.5f - margin), 0.0f, top));
     end = uint16_t(std::clamp(std::floor(high - 0.5f + margin) + 1, 0.0f, top));
 }
 
-/** Draws columns [x0, x1) of one row whose centre is at y. Branchless, so that it vectorises. */
+/** Draws one triangle into columns [x0, x1) of the row of pixels whose centres are at y. Without branches, so that it vectorises. */
 void drawRow(const Vec3f (&c)[3], uint32_t x0, uint32_t x1, float y, float* depth) {
     const float v0 = c[0].y - c[0].z * y, v1 = c[1].y - c[1].z * y, v2 = c[2].y - c[2].z * y;
     for (uint32_t x = x0; x < x1; ++x) {
@@ -28,7 +28,7 @@ void drawRow(const Vec3f (&c)[3], uint32_t x0, uint32_t x1, float y, float* dept
         const float e0 = u1 * v2 - u2 * v1, e1 = u2 * v0 - u0 * v2, e2 = u0 * v1 - u1 * v0;
         const float least = std::min(e0, std::min(e1, e2)), most = std::max(e0, std::max(e1, e2));
         const float z = (e0 * c[0].z + e1 * c[1].z + e2 * c[2].z) / (e0 + e1 + e2);
-        const bool there = ((least >= 0) | (most <= 0)) & (z > kNear) & (z < depth[x]);  // 0/0 is no z
+        const bool there = ((least >= 0) | (most <= 0)) & (z > kNear) & (z < depth[x]);  // false where z is 0/0
         depth[x] = there ? z : depth[x];
     }
 }
@@ -50,7 +50,7 @@ MeshDepth::PixelBox MeshDepth::boxOf(const Vec3f (&c)[3], uint32_t widthPx, uint
     }
     PixelBox box{};
     if (!finite || !(low.x <= high.x)) return box;
-    const float margin = crosses ? 1.0f : 0.01f;
+    const float margin = crosses ? 1.0f : 0.01f;  // px; wider when the triangle crosses the near plane
     pixelsIn(low.x, high.x, margin, widthPx, box.x0, box.x1);
     pixelsIn(low.y, high.y, margin, heightPx, box.y0, box.y1);
     return box;

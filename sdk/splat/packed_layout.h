@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Field numbers inside a packed group, and packing of one group. Private to sdk/splat.
+// Layout and packing of a packed group: kGroupSplats = 16 splats, field by field. (A *group* is something else: 128 splats of a chunk.)
+// Private to sdk/splat.
 #pragma once
 
 #include "sdk/math/sh.h"
@@ -9,12 +10,12 @@ namespace dpl {
 
 constexpr uint32_t kGroupSplats = 16;
 
-/** A1 = axis10·F0 + axis11·F1 and A2 = axis20·F0 + axis21·F1: the angle and the scales are folded in. */
+/** Fields of bound splats. Angle and scales are stored as axes: A1 = axis10·F0 + axis11·F1, A2 = axis20·F0 + axis21·F1. */
 namespace bound_field {
 constexpr uint32_t kU = 0, kV = 1, kAxis10 = 2, kAxis11 = 3, kAxis20 = 4, kAxis21 = 5, kOpacity = 6, kSingleFace = 7, kCloth = 8,
                    kTriangle = 9, kSh = 10;
 }
-/** kAxes: three columns of R·diag(s), metres. */
+/** Fields of general splats. kAxes: the three columns of R·diag(s), metres. */
 namespace static_field {
 constexpr uint32_t kPosition = 0, kAxes = 3, kOpacity = 12, kSh = 13;
 }
@@ -27,11 +28,12 @@ constexpr size_t groupCount(size_t splats) {
     return (splats + kGroupSplats - 1) / kGroupSplats;
 }
 
-/** count(), or 0 with an error in the log when arrays differ in length or the SH degree is unknown. */
+/** count(), or 0 and an error in the log when arrays differ in length or the SH degree is above kMaxShDegree. */
 uint32_t usableCount(const BoundSplatView& splats);
 uint32_t usableCount(const StaticSplatData& splats);
 
-/** Packs splats [first, first+16) into `out`; missing ones become invisible. The triangle index is stored as bits. */
+/** Packs splats [first, first + 16) into `out`; lanes past the last splat become invisible. The triangle index is stored as the bits of a
+ *  float. order[new] = old; empty: as they come. */
 void packGroup(const BoundSplatView& splats, uint32_t first, float* out);
 void packGroup(const StaticSplatData& splats, uint32_t first, float* out, std::span<const uint32_t> order = {});
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Splats rearranged once for the engine: what never changes between frames, in groups of sixteen, structure of arrays inside a group.
+// Splats in the engine's own layout: packed groups of sixteen splats, one array a field within a packed group.
 #pragma once
 
 #include <cstdint>
@@ -12,12 +12,12 @@
 
 namespace dpl {
 
-/** Splats bound to triangles, structure of arrays, borrowed for the call. All spans have one entry a splat except sh. */
+/** Splats bound to triangles, one array a field, borrowed for the call. All spans but sh have one entry a splat. */
 struct BoundSplatView {
     std::span<const uint32_t> triangle;
     std::span<const Vec2f> uv;
-    std::span<const float> phi;
-    std::span<const Vec2f> scaleM;
+    std::span<const float> phi;     // radians
+    std::span<const Vec2f> scaleM;  // standard deviations at rest
     std::span<const float> opacity;
     std::span<const uint8_t> flags;
     uint32_t shDegree = 0;
@@ -25,9 +25,10 @@ struct BoundSplatView {
     uint32_t count() const { return uint32_t(triangle.size()); }
 };
 
-/** A copy of splats in the engine's own layout, for sets that are drawn more than once. Immutable; share it between threads freely.
+/** A copy of splats in the engine's layout, for sets that are drawn more than once. Immutable, so threads may share it. Empty, with an
+ *  error in the log, when the input's arrays differ in length or its SH degree is above kMaxShDegree.
  *
- *      field 0: 16 floats | field 1: 16 floats | ...      one group = sixteen splats; the last one is padded with invisible splats
+ *      field 0: 16 floats | field 1: 16 floats | ...      one packed group; the last is padded with invisible splats
  */
 class PackedSplats {
 public:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One vector of splats at a time: packed fields in, ProjectedSplat records, tile boxes and depth keys out. The formulas are the text of
-// sdk/math/formulas over lanes (sdk/splat/lanes-inl.h); this file loads, selects and stores.
+// Projects one vector of splats at a time: packed fields in, ProjectedSplat records, tile boxes and depth keys out. The formulas are those
+// of sdk/math/formulas over lanes (sdk/splat/lanes-inl.h); this file loads, selects and stores.
 #include "sdk/splat/simd.h"
 
 #include <cstring>
@@ -30,9 +30,9 @@ HWY_INLINE real3 load3(const float* fields, uint32_t field) {
     return {load(fields, field), load(fields, field + 1), load(fields, field + 2)};
 }
 
-/** Everything about a splat but its colour. */
+/** A splat in one view, without its colour. */
 struct Shape {
-    real3 view, restDirection;  // centre in view space; eye → centre in the rest frame, not normalised
+    real3 view, restDirection;  // centre in view space; from the eye to the centre in the rest frame, not normalised
     Jacobian jacobian;
     Spread spread;
     real opacity, nearFade, gate, cloth, light;
@@ -44,7 +44,7 @@ struct Shape {
     real planeDot, distanceM;
 };
 
-/** Four floats, without a loop: at -O2 the compiler leaves short ones rolled. */
+/** Copies four floats with one memcpy: at -O2 the compiler does not unroll short loops. */
 HWY_INLINE void copyQuad(const float* from, float* to) {
     std::memcpy(to, from, 16);
 }
@@ -86,7 +86,7 @@ HWY_INLINE void staticShape(const ProjectTask& task, const Lens& lens, const flo
     s.valid = s.view.z > real(kNearM);
 }
 
-/** xyz of quad `q` of every lane's triangle; w: the fourth float. */
+/** From one quad a lane: its first three floats; w: the fourth. */
 HWY_INLINE real3 loadQuad(const float* quad, real& w) {
     real3 a;
     hn::LoadInterleaved4(D(), quad, a.x.v, a.y.v, a.z.v, w.v);
@@ -147,7 +147,7 @@ HWY_INLINE real3 shSum(const real3& direction, const float* sh) {
     return c;
 }
 
-/** Four floats a lane, kStride floats from lane to lane. */
+/** Stores (a, b, c, d) of each lane, kStride floats apart. */
 template <size_t kStride>
 HWY_INLINE void storeQuads(real a, real b, real c, real d, float* out) {
     HWY_ALIGN float quads[kLanes * 4];
@@ -182,11 +182,11 @@ void projectAs(const ProjectTask& task) {
         const real opacity = s.opacity * f.compensation * (s.nearFade * s.gate);
         const real x = f.centrePx.x, y = f.centrePx.y;
 
-        // Comparisons with NaN are false, so everything that is not finite ends here.
+        // Comparisons with NaN are false, so splats with numbers that are not finite are hidden here.
         truth shown = s.valid && f.visible && opacity > real(kMinAlpha) && opacity < huge && abs(x) < huge && abs(y) < huge;
         const real q = visibleRadius2(choose(shown, opacity, real(kMinAlpha)));
         const real radiusX = sqrt(q * f.varianceX), radiusY = sqrt(q * f.varianceY);
-        // A pixel is in the box when one of its samples may be.
+        // The box holds every pixel of which a sample may lie within the radius.
         const real lastX(c.width - 1), lastY(c.height - 1);
         const real x0 = max(hn::Ceil((x - radiusX - nearest).v), zero), x1 = min(hn::Floor((x + radiusX - farthest).v), lastX);
         const real y0 = max(hn::Ceil((y - radiusY - nearest).v), zero), y1 = min(hn::Floor((y + radiusY - farthest).v), lastY);
@@ -213,7 +213,7 @@ void projectAs(const ProjectTask& task) {
                 store(6, direction.x, direction.y, direction.z, inverseDistance);
                 store(7, unlit.x, unlit.y, unlit.z, s.light);
             }
-            // Clamped to the target first: lanes that are not shown may hold anything.
+            // Clamped to the target first: hidden lanes may hold values that do not convert to an integer.
             const auto tile = [&](real a, real last)
                                   HWY_ATTR { return hn::BitCast(du, hn::ShiftRight<4>(hn::ConvertTo(di, clamp(a, zero, last).v))); };
             static_assert(kTileSizePx == 16);

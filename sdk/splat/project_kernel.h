@@ -20,19 +20,19 @@ struct ProjectView {
     bool compensated;
 };
 
-/** Projects `groups` packed groups, the first of which holds splat `firstSplat`. */
+/** Projects `groups` packed groups; the first splat of the first one is `firstSplat`. */
 struct ProjectTask {
     const ProjectView* view;
     const float* packed;
     uint32_t groups, firstSplat, shDegree;
     const TriangleView* triangles;  // null: general splats
-    uint32_t triangleCount;         // triangles[triangleCount] is an invalid record for indices out of range
-    uint32_t firstIndex;            // of splat 0 among all that are drawn
-    ProjectedSplat* projected;      // from firstIndex on, indexed by splat
-    ForwardRecord<float>* records;  // the same for bound splats; null: none wanted
-    TileBox* boxes;
-    uint32_t *keys, *values;  // where this block's visible splats go
-    BlockVisible* visible;    // counts so far, continued
+    uint32_t triangleCount;         // triangles[triangleCount] is invalid; indices out of range read it
+    uint32_t firstIndex;            // index of this call's splat 0 in SplatEngine::projected()
+    ProjectedSplat* projected;      // at firstIndex; indexed by splat
+    ForwardRecord<float>* records;  // the same, for bound splats; null: not recorded
+    TileBox* boxes;                 // the same
+    uint32_t *keys, *values;        // output: depth bits and indices of the block's visible splats
+    BlockVisible* visible;          // in and out: counts of the block so far
 };
 
 void projectGroups(const ProjectTask& task);

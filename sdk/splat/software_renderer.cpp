@@ -20,16 +20,16 @@
 namespace dpl {
 namespace {
 
-/** A loaded subject and what its last draw left: an avatar, or general splats. */
+/** A loaded subject, an avatar or general splats, and the results of its last draw. */
 struct Drawable final : PreparedSubject {
     const Renderer* owner = nullptr;
-    float kappaPx2 = 0;  // of a pixel
+    float kappaPx2 = 0;  // low-pass of a pixel
     bool compensated = false;
     float detailShare = 0;  // of the last draw
-    bool seen = true;       // in the last draw, by some view; general splats always
+    bool seen = true;       // by some view of the last draw; always true for general splats
     std::vector<RenderedView> pictures;
     std::vector<PixelView> pixels;
-    FrameStats stats;  // of the last draw; stats() counts the bytes
+    FrameStats stats;  // of the last draw, without bytes, which stats() adds
 
     // General splats.
     PackedSplats general;
@@ -47,7 +47,7 @@ struct Drawable final : PreparedSubject {
     Pose pose;           // of the last draw
     PosedMesh mesh;
     bool posed = false;     // the joints of `mesh` follow `pose`
-    bool surfaced = false;  // so does its surface, which is posed when a view first sees it
+    bool surfaced = false;  // the surface of `mesh` follows `pose`; it is posed when a view first sees it
 
     uint64_t bytes() const {
         uint64_t pictureBytes = 0;
@@ -91,7 +91,7 @@ public:
         DPL_CHECK_OK(checkGeneralSplats(splats));
         auto drawable = std::make_unique<Drawable>();
         drawable->owner = this;
-        // Files keep the order of training. Level of detail thins out groups of neighbours, so the splats are sorted by place.
+        // Level of detail thins out groups of neighbours. Files keep the order of training, so the splats are sorted by position here.
         const std::vector<uint32_t> order = spatialOrder(splats.position);
         drawable->general = PackedSplats(splats, order);
         drawable->generalSubject = GeneralDetailSubject(measureGroups(splats, order), splats.count());
@@ -186,7 +186,7 @@ private:
 
     static PosedSubject posedSubject(const Drawable& d) { return {d.avatar->joints, d.avatar->mesh, d.avatar->correctives, {}}; }
 
-    /** Poses the surface of each avatar of together_ that some view may show, and marks the others as not seen. */
+    /** Poses the surface of each avatar of together_ that some view may show, and sets `seen` of all. */
     void leaveOutUnseen(std::span<const Cameraf> views) {
         for (Drawable* d : together_) {
             if (!d->avatar) continue;
@@ -226,7 +226,7 @@ private:
             together_[k]->detailShare = members[k].share;
     }
 
-    /** Depth of the nearest mesh of together_ at every pixel. */
+    /** Depth of the nearest mesh of together_ at every pixel: view z, metres, 0 = none. */
     std::span<const float> drawMeshes(const Cameraf& view, std::vector<float>& depthM) {
         bool first = true;
         for (const Drawable* d : together_) {
@@ -243,9 +243,9 @@ private:
     Jobs jobs_;
     SplatEngine engine_;
     MeshDepth meshDepth_;
-    std::vector<float> anotherDepthM_;
-    uint64_t allowed_ = 0;             // splats, by the last setDetails
-    std::vector<Drawable*> together_;  // subjects of the last draw
+    std::vector<float> anotherDepthM_;  // scratch of drawMeshes
+    uint64_t allowed_ = 0;              // splats, by the last setDetails
+    std::vector<Drawable*> together_;   // subjects of the last draw
     std::map<RenderAvatarId, std::unique_ptr<Drawable>> drawables_;
     RenderAvatarId nextId_ = 1;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Depth-ordered tile lists by count, prefix sum and stable scatter. Each worker owns one contiguous range of the sorted splats and
-// its own column of counters, so every list is in depth order whatever the number of workers.
+// Depth-ordered tile lists by count, prefix sum and stable scatter. Each worker owns one contiguous range of the sorted splats and one
+// array of counters, so every list is in depth order for any number of workers.
 #include <algorithm>
 #include <cstring>
 #include <utility>
@@ -12,9 +12,9 @@ namespace dpl {
 namespace {
 
 constexpr size_t kAhead = 16;                        // splats to prefetch ahead
-constexpr uint64_t kMaxEntries = uint64_t(1) << 27;  // 512 MiB of tile lists; thousands of screen-filling layers
+constexpr uint64_t kMaxEntries = uint64_t(1) << 27;  // 512 MiB of tile lists
 
-/** How many of the nearest splats fit into kMaxEntries. Layers behind so many others are drawn nowhere near T = 1e-4. */
+/** How many of the nearest splats fit into kMaxEntries. */
 size_t nearestThatFit(const uint32_t* sorted, const TileBox* boxes, size_t visible) {
     uint64_t total = 0;
     for (size_t i = 0; i < visible; ++i) {
@@ -46,7 +46,7 @@ void binIntoTiles(Jobs& jobs, SplatEngine::Buffers& buffers) {
     for (const BlockVisible& block : buffers.blocks) total += block.tileEntries;
     if (total > kMaxEntries) visible = nearestThatFit(sorted, boxes, visible);
 
-    // The first round reads boxes in depth order, which is anywhere in memory, and leaves them in a row for the second.
+    // Counting reads the boxes in depth order, so at random addresses; it copies them in sequence for the scatter below.
     TileBox* sortedBoxes = buffers.sortedBoxes.resize(visible);
     const auto rangeOf = [&](size_t worker) { return std::pair(visible * worker / workers, visible * (worker + 1) / workers); };
     jobs.forBlocks(workers, [&](size_t worker, uint32_t) {
@@ -71,7 +71,7 @@ void binIntoTiles(Jobs& jobs, SplatEngine::Buffers& buffers) {
         }
     }
     tiles.offset[tileCount] = sum;
-    if (tiles.entries.size() < sum) tiles.entries.resize(sum);  // never shrinks: growing back would clear it
+    if (tiles.entries.size() < sum) tiles.entries.resize(sum);  // never shrinks: vector::resize clears what it adds
     uint32_t* entries = tiles.entries.data();
     jobs.forBlocks(workers, [&](size_t worker, uint32_t) {
         uint32_t* next = counts + worker * tileCount;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Blending's plumbing: hands tiles to workers and copies finished accumulators into images.
+// Blending: hands tiles to workers and copies the finished accumulators into images.
 #include <algorithm>
 #include <cstring>
 
@@ -14,7 +14,7 @@ struct TileRect {
     uint32_t x, y, width, height;
 };
 
-/** tile ← mean of what the samples of its pixels see. */
+/** Blends the tile once per coverage sample and writes the mean to `tile`. */
 void blendSamples(BlendTileTask task, TileAccumulators& tile) {
     constexpr float kShare = 1.0f / kCoverageSamples;
     const float left = task.x0, top = task.y0;
@@ -32,7 +32,7 @@ void blendSamples(BlendTileTask task, TileAccumulators& tile) {
     }
 }
 
-/** The scene of one tile; where the tile is outside the image nothing is there. */
+/** farthestSeenM of each pixel of one tile; outside the image there is no scene. seen: kTilePixels. */
 void farthestSeenOf(std::span<const float> sceneDepthM, const TileRect& rect, size_t widthPx, float* seen) {
     std::fill_n(seen, kTilePixels, farthestSeenM(0));
     for (uint32_t row = 0; row < rect.height; ++row) {
@@ -41,7 +41,7 @@ void farthestSeenOf(std::span<const float> sceneDepthM, const TileRect& rect, si
     }
 }
 
-/** Blends every tile and calls finish(rect, accumulators) for it; accumulators is null for tiles that hold nothing. */
+/** Blends every tile and calls finish(tile index, rect, accumulators); accumulators is null for tiles without splats. */
 template <class Finish>
 void forTiles(Jobs& jobs, const SplatEngine::Buffers& buffers, const BlendOptions& options, Finish&& finish) {
     const TileLists& tiles = buffers.tiles;

@@ -9,7 +9,7 @@
 namespace dpl {
 namespace {
 
-constexpr uint32_t kPackAhead = 64;  // splats packed at a time when they come unpacked: 15 KB at SH degree 3, so it stays in L1
+constexpr uint32_t kPackAhead = 64;  // splats packed or decoded at a time: 15 KB at SH degree 3, which fits the L1 cache
 
 ProjectView viewOf(const Cameraf& camera, float kappaPx2, bool compensated, uint32_t samples = 1) {
     ProjectView v;
@@ -32,7 +32,7 @@ void store(float* out, const Vec3f& v) {
     out[0] = v.x, out[1] = v.y, out[2] = v.z;
 }
 
-/** One record a triangle, and an invalid one behind the last. */
+/** One record for each triangle, and an invalid one after the last. */
 const TriangleView* viewTriangles(Jobs& jobs, Scratch<TriangleView>& scratch, std::span<const TriangleFrame<float>> triangles,
                                   const Cameraf& camera) {
     TriangleView* out = scratch.resize(triangles.size() + 1);
@@ -60,13 +60,13 @@ const TriangleView* viewTriangles(Jobs& jobs, Scratch<TriangleView>& scratch, st
     return out;
 }
 
-/** Hides the entries of projected() between the last splat and `end`. */
+/** Makes entries [splatCount, end) of projected() invisible. */
 void hideTail(SplatEngine::Buffers& buffers, size_t end) {
     ProjectedSplat* projected = buffers.projected.grow(end);
     for (size_t i = buffers.splatCount; i < end; ++i) projected[i].opacity = 0;
 }
 
-/** Sizes the buffers, then runs body(task) for each block with everything but the packed groups filled in. */
+/** Sizes the buffers, then runs body(task) for each block of splats; all of the task but `packed` is set. */
 template <class Body>
 void forProjectBlocks(Jobs& jobs, SplatEngine::Buffers& buffers, const Cameraf& camera, const ProjectView& view, uint32_t count,
                       uint32_t shDegree, const TriangleView* triangles, size_t triangleCount, bool behind, bool record, Body&& body) {
@@ -74,7 +74,7 @@ void forProjectBlocks(Jobs& jobs, SplatEngine::Buffers& buffers, const Cameraf& 
     const bool drawable = allowed(camera.widthPx) && allowed(camera.heightPx);
     buffers.widthPx = drawable ? camera.widthPx : 0, buffers.heightPx = drawable ? camera.heightPx : 0;
     if (!drawable) count = 0;
-    // The kernel writes whole groups: room for the padding of the last one.
+    // The kernel writes whole packed groups, so there is room for the padding of the last one.
     const size_t before = behind ? buffers.blocks.size() : 0, first = before * kProjectBlock,
                  padded = first + groupCount(count) * kGroupSplats;
     if (behind) hideTail(buffers, first);
@@ -106,15 +106,16 @@ void forProjectBlocks(Jobs& jobs, SplatEngine::Buffers& buffers, const Cameraf& 
     });
 }
 
-constexpr uint8_t kShowsFree = 1, kShowsGated = 2;  // a triangle's splats that show both faces, and those that show one
+constexpr uint8_t kShowsFree = 1, kShowsGated = 2;  // free splats of a triangle may show; its single-face splats may show
 
-/** Whether `view` may show a splat of the triangle, wherever in the range of (u, v) codes it sits: the corners of that parallelogram
- *  decide (sdk/math/formulas/cull.inl). False only where the kernel would hide all of them. */
+/** Which splats of the triangle `view` may show, wherever they lie in the range of (u, v) codes: the corners of that parallelogram are
+ *  tested (sdk/math/formulas/cull.inl). A flag is missing only where the kernel would hide every such splat. scaleMaxM: largest standard
+ *  deviation at rest. */
 uint8_t showsOf(const ProjectView& view, const TriangleView& t, float scaleMaxM) {
     using F = Formulas<float>;
     if (!(t.valid > 0)) return 0;
     constexpr float kLow = float((0 - kUvZero) / kUvSteps), kHigh = float((2047 - kUvZero) / kUvSteps);
-    constexpr float kRootLevel = 3.33f;  // √(2 ln 255): opacity 1
+    constexpr float kRootLevel = 3.33f;  // √(2 ln 255), for opacity 1
     const F::Lens lens{{view.fx, view.fy}, {view.cx, view.cy}, {view.minX, view.minY}, {view.maxX, view.maxY}};
     const auto vectorOf = [](const float* xyz) { return Vec3f(xyz[0], xyz[1], xyz[2]); };
     const float reachM = kRootLevel * scaleMaxM * F::largestStretch(vectorOf(t.f0), vectorOf(t.f1)) * 1.0001f;  // the factor: rounding
@@ -128,11 +129,12 @@ uint8_t showsOf(const ProjectView& view, const TriangleView& t, float scaleMaxM)
     return t.planeDot > 0 ? kShowsFree | kShowsGated : kShowsFree;  // the gate is exactly 0 at planeDot ≤ 0
 }
 
-/** Decodes and projects, a few at a time, those packed groups of a block that hold a splat which the view may show. */
+/** Decodes and projects, a few at a time, the packed groups of a block that hold a splat which may show. */
 void projectBlockOfCodes(const CodedSplats& splats, const uint8_t* shows, ProjectTask task) {
     alignas(64) float packed[kPackAhead / kGroupSplats * kMaxGroupFloats];
     const size_t groupFloats = size_t(groupFields(true, task.shDegree)) * kGroupSplats;
     const uint32_t end = std::min(task.firstSplat + task.groups * kGroupSplats, splats.count());
+    // place, size and colour: 4 bytes each; parent: 1
     const uint64_t splatBytes = 13 + (splats.shIndex.empty() ? 0 : 2) + (splats.shDegree ? shEntryBytes(splats.shDegree) : 0);
     CodedGroups groups(splats, task.firstSplat);
     size_t chunk = size_t(std::upper_bound(splats.chunks.begin(), splats.chunks.end(), task.firstSplat,
@@ -152,7 +154,7 @@ void projectBlockOfCodes(const CodedSplats& splats, const uint8_t* shows, Projec
             if (i >= splats.chunks[chunk].firstSplat + splats.chunks[chunk].splatCount) ++chunk;
             if (shown) continue;
             const uint8_t show = shows[splats.chunks[chunk].firstParent + splats.parent[i]];
-            task.visible->decidedBytes += show == kShowsFree ? 5 : 1;
+            task.visible->decidedBytes += show == kShowsFree ? 5 : 1;  // parent: 1 byte; size, for the single-face bit: 4
             shown = show == (kShowsFree | kShowsGated) || (show == kShowsFree && (splats.size[i] >> 30 & 1) == 0);
         }
         if (!shown) {
@@ -168,18 +170,19 @@ void projectBlockOfCodes(const CodedSplats& splats, const uint8_t* shows, Projec
     flush();
 }
 
-/** The same for the splats that level of detail keeps: they fill the block's entries densely from the start, in order; the other entries
- *  are hidden. */
+/** The same for the splats that level of detail keeps. They fill the block's entries densely from its start, in order; the other entries
+ *  are made invisible. */
 void projectChosenOfCodes(const CodedSplats& splats, const uint8_t* shows, const SplatDetail& detail, ProjectTask task) {
     alignas(64) float packed[kPackAhead / kGroupSplats * kMaxGroupFloats];
     CodedGroups groups(splats, task.firstSplat, detail.shShare);
     task.shDegree = groups.shDegree();
     const size_t groupFloats = size_t(groupFields(true, task.shDegree)) * kGroupSplats;
     const uint32_t begin = task.firstSplat, end = std::min(begin + task.groups * kGroupSplats, splats.count());
+    // place, size and colour: 4 bytes each; parent: 1
     const uint64_t splatBytes = 13 + (splats.shIndex.empty() ? 0 : 2) + (task.shDegree ? shEntryBytes(splats.shDegree) : 0);
     task.packed = packed;
     task.groups = 0;
-    uint32_t next = begin;  // entry of the block
+    uint32_t next = begin;  // next free entry of projected()
     ChosenSplat chosen[kGroupSplats];
     uint32_t chosenCount = 0;
     const auto flush = [&] {
@@ -211,7 +214,7 @@ void projectChosenOfCodes(const CodedSplats& splats, const uint8_t* shows, const
         for (uint32_t i = std::max(first, begin); i < std::min(last, end); ++i) {
             if (!(weight[i - first] > 0)) continue;
             const uint8_t show = shows[c.firstParent + splats.parent[i]];
-            task.visible->decidedBytes += show == kShowsFree ? 5 : 1;
+            task.visible->decidedBytes += show == kShowsFree ? 5 : 1;  // parent: 1 byte; size, for the single-face bit: 4
             if (show == 0 || (show == kShowsFree && (splats.size[i] >> 30 & 1) != 0)) continue;
             chosen[chosenCount++] = {i, weight[i - first], growth};
             if (chosenCount == kGroupSplats) put();
@@ -222,8 +225,8 @@ void projectChosenOfCodes(const CodedSplats& splats, const uint8_t* shows, const
     for (uint32_t i = next; i < end; ++i) task.projected[i].opacity = 0;
 }
 
-/** General splats that level of detail keeps. Groups that are kept whole are read in place, the kept splats of the others are gathered.
- *  They fill the block's entries densely from the start; the other entries are hidden. */
+/** Projects the general splats that level of detail keeps. Groups that are kept whole are read in place; the kept splats of other groups
+ *  are gathered into packed groups. They fill the block's entries densely from its start; the other entries are made invisible. */
 void projectChosenOfPacked(const PackedSplats& splats, std::span<const GeneralGroup> groups, const GeneralDetail& detail,
                            ProjectTask task) {
     using namespace static_field;
@@ -232,7 +235,7 @@ void projectChosenOfPacked(const PackedSplats& splats, std::span<const GeneralGr
     const uint32_t fields = groupFields(false, splats.shDegree()), begin = task.firstSplat,
                    end = std::min(begin + task.groups * kGroupSplats, splats.count());
     const auto groupAt = [&](uint32_t splat) { return splats.data() + size_t(splat / kGroupSplats) * fields * kGroupSplats; };
-    uint32_t next = begin, lanes = 0;  // entry of the block; gathered
+    uint32_t next = begin, lanes = 0;  // next free entry of projected(); splats gathered so far
     const auto put = [&] {
         if (lanes == 0) return;
         for (uint32_t f = 0; f < fields; ++f) std::fill(packed + f * kGroupSplats + lanes, packed + (f + 1) * kGroupSplats, 0.0f);
@@ -268,7 +271,7 @@ void projectChosenOfPacked(const PackedSplats& splats, std::span<const GeneralGr
     for (uint32_t i = next; i < end; ++i) task.projected[i].opacity = 0;
 }
 
-/** Packs a few splats at a time into the worker's cache and projects them. */
+/** Packs a few splats at a time, so that they stay in the worker's cache, and projects them. */
 template <class Splats>
 void projectUnpacked(const Splats& splats, ProjectTask task) {
     alignas(64) float packed[kPackAhead / kGroupSplats * kMaxGroupFloats];

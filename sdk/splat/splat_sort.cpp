@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stable LSD radix sort of the visible splats by view depth, near first; ties keep splat order.
 //
-// Positive floats order like their bits, so the key is bits(z) − bits(nearest z): an avatar three metres away needs two digits of
-// twelve bits. Each worker owns one contiguous range; a stable sort has one answer, so the ranges do not show in the result.
+// Positive floats order like their bits, so the key is bits(z) − bits(nearest z). An avatar three metres away needs two digits of twelve
+// bits. Each worker owns one contiguous range; a stable sort has only one result, so it does not depend on the number of workers.
 #include <algorithm>
 #include <bit>
 
@@ -13,7 +13,7 @@ namespace {
 
 constexpr uint32_t kDigitBits = 12, kBins = 1u << kDigitBits;
 
-/** Counts per (bin, worker) become start positions, bins outermost so that the scatter is stable. */
+/** Turns counts per (bin, worker) into start positions, bin by bin, so that the scatter is stable. */
 void exclusiveScan(std::vector<uint32_t>& histogram, uint32_t workers) {
     uint32_t sum = 0;
     for (uint32_t bin = 0; bin < kBins; ++bin)
@@ -42,10 +42,10 @@ void sortByDepth(Jobs& jobs, SplatEngine::Buffers& buffers) {
 
     const uint32_t bits = uint32_t(std::bit_width(maxKey - minKey));
     const uint32_t passes = std::max(1u, (bits + kDigitBits - 1) / kDigitBits);
-    const uint32_t workers = std::min(jobs.threadCount(), std::max(1u, visible / 8192));  // small jobs: one histogram, one core
+    const uint32_t workers = std::min(jobs.threadCount(), std::max(1u, visible / 8192));  // small frames: one worker
     buffers.histogram.resize(size_t(workers) * kBins);
 
-    // The first pass reads the blocks of projection, later ones plain ranges; both as [begin, end) pieces in splat order.
+    // The first pass reads the visible splats of each block of projection, later passes one range each; both in splat order.
     const auto forPieces = [&](uint32_t pass, uint32_t worker, auto&& body) {
         if (pass == 0) {
             const size_t first = buffers.blocks.size() * worker / workers, last = buffers.blocks.size() * (worker + 1) / workers;
