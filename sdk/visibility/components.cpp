@@ -15,7 +15,7 @@ namespace {
 
 enum Region : uint8_t { kTrunk, kHead, kLeftHand, kRightHand, kLeftLeg, kRightLeg };
 
-/** Where a humanoid bone begins a region; its children belong to it. */
+/** The region that a humanoid bone begins, or -1. Children of the bone belong to it, unless they begin their own. */
 int regionBegunBy(std::string_view bone) {
     constexpr std::pair<std::string_view, Region> kBegins[] = {{"neck", kHead},
                                                                {"head", kHead},
@@ -37,7 +37,7 @@ std::vector<uint8_t> regionsOf(std::span<const JointData> joints) {
     return regions;
 }
 
-/** Of all layers those in front; triangles in none belong to a last one. */
+/** Index of the first layer that holds the triangle; the number of layers when none does. */
 size_t layerOf(const MeshData& mesh, size_t triangle) {
     for (size_t l = 0; l < mesh.layers.size(); ++l)
         if (triangle >= mesh.layers[l].firstTriangle && triangle - mesh.layers[l].firstTriangle < mesh.layers[l].triangleCount) return l;
@@ -58,7 +58,7 @@ double weightOf(const MeshData& mesh, uint32_t vertex, uint32_t joint) {
     return sum;
 }
 
-/** What a mode moves the vertices by, for a coefficient of 1. */
+/** Offsets of the vertices, metres, that a mode adds for a coefficient of 1. */
 void moveBy(const PoseCorrectiveData& c, uint32_t mode, std::vector<Vec3f>& moved) {
     moved.assign(c.nodeWeights.size(), Vec3f(0));
     for (size_t v = 0; v < moved.size(); ++v)
@@ -108,7 +108,7 @@ Components::Components(const AvatarData& avatar, const ComponentMap& map, std::s
     };
     std::vector<Growing> growing(map.count);
     components_.resize(map.count);
-    std::vector<Vec3f> stretch(mesh.triangles.size(), Vec3f(0));  // rows of D⁻¹ times the reach; 1 where splats overshoot
+    std::vector<Vec3f> stretch(mesh.triangles.size(), Vec3f(0));  // x, y: norms of the rows of D⁻¹ times the reach; z: 1 for overshoot
     for (Growing& g : growing) g.boxes.resize(avatar.joints.size());
     for (size_t t = 0; t < mesh.triangles.size(); ++t) {
         const Triangle corners = mesh.triangles[t];
@@ -120,11 +120,12 @@ Components::Components(const AvatarData& avatar, const ComponentMap& map, std::s
             for (int k = 0; k < 4; ++k)
                 if (mesh.jointWeights[corners[corner]][k] > 0) g.boxes[mesh.jointIndices[corners[corner]][k]].add(rest[corner]);
         }
-        if (reach[t].rootLevel == 0) continue;  // nothing on it is ever seen
+        if (reach[t].rootLevel == 0) continue;  // all of its splats are invisible
         const auto frame = restTriangle<double>(rest[0], rest[1], rest[2]);
         if (!frame.valid) continue;
-        // F = [d1 d2] D⁻¹, and by corner 0's weights d_i = (Σ w_0j R_j)(x_i − x_0) + Σ_j (w_ij − w_0j) G_j x_i: the first cannot stretch,
-        // the second is what joints that differ carry apart. Norms of the rows of D⁻¹ turn that into a stretch of F.
+        // Bound of the stretch of F = [d1 d2] D⁻¹ (docs/reference/gate.md). A posed edge is d_i = (Σ_j w_0j R_j)(x_i − x_0) +
+        // Σ_j (w_ij − w_0j) G_j x_i, with the weights w_0j of corner 0. The first term cannot stretch. The second grows with the distance
+        // by which joints carry a point apart. The norms of the rows of D⁻¹ turn that into a stretch of F.
         const double row[3] = {0, std::hypot(frame.inverse.i00, frame.inverse.i01), std::abs(frame.inverse.i11)};
         const double over = reach[t].overshoots ? 1 : 0;
         c.rootLevel = std::max(c.rootLevel, double(reach[t].rootLevel));
@@ -139,7 +140,7 @@ Components::Components(const AvatarData& avatar, const ComponentMap& map, std::s
                 main = joint, most = weightOf(mesh, corners[0], joint);
         struct Apart {
             uint32_t joint = 0;
-            double reach = 0, over = 0;  // Σ over the corners of the difference of weight × row, and of itself
+            double reach = 0, over = 0;  // over both edges: Σ |w_ij − w_0j| · row, and Σ |w_ij − w_0j|
         };
         std::array<Apart, 12> apart;
         size_t joints = 0;
@@ -148,7 +149,7 @@ Components::Components(const AvatarData& avatar, const ComponentMap& map, std::s
                 for (int k = 0; k < 4; ++k) {
                     const uint32_t joint = mesh.jointIndices[vertex][k];
                     if (mesh.jointWeights[vertex][k] == 0 || joint == main) continue;
-                    bool counted = false;  // of this edge already
+                    bool counted = false;  // for this edge
                     for (int other = 0; other < k; ++other)
                         counted |= mesh.jointIndices[vertex][other] == joint && mesh.jointWeights[vertex][other] > 0;
                     if (vertex == corners[i])
@@ -163,8 +164,8 @@ Components::Components(const AvatarData& avatar, const ComponentMap& map, std::s
                     at->reach += difference * row[i], at->over += difference;
                 }
         }
-        // A triangle with several such joints has the sum of theirs; so that the largest may stand for all, each counts as often as there
-        // are.
+        // unseen() takes the largest crease, but a triangle on n creases stretches by their sum. That is at most n times the largest, so
+        // each counts n-fold.
         for (size_t k = 0; k < joints; ++k) {
             auto& [box, crease] = g.creases[{apart[k].joint, main}];
             box.add(rest[1]), box.add(rest[2]);
@@ -203,7 +204,7 @@ uint32_t Components::unseen(std::span<const Mat3x4f> worldFromRest, std::span<co
         const Mat3x4f& m = worldFromRest[joint];
         return Vec3d(m[0]) * p.x + Vec3d(m[1]) * p.y + Vec3d(m[2]) * p.z + Vec3d(m[3]);
     };
-    /** The norm of the difference of two rotations: that of Frobenius over √2, and a little for float rounding. */
+    /** Spectral norm of the difference of two rotations, which is its Frobenius norm / √2, plus 1e-5 for float rounding. */
     const auto turned = [&](uint32_t a, uint32_t b) {
         double sum = 0;
         for (int k = 0; k < 3; ++k) {
@@ -220,7 +221,7 @@ uint32_t Components::unseen(std::span<const Mat3x4f> worldFromRest, std::span<co
             const double k = std::abs(double(coefficients[m]));
             offset += k * c.modes[m].offsetM, reachM += k * c.modes[m].reachM, over += k * c.modes[m].overM;
         }
-        double reachShare = 0, overShare = 0;  // of creases
+        double reachShare = 0, overShare = 0;  // metres, added by creases
         for (const Crease& k : c.creases) {
             const double apart = glm::length(carried(k.at.joint, k.at.centre) - carried(k.against, k.at.centre)) +
                                  (glm::length(k.at.half) + offset) * turned(k.at.joint, k.against);
@@ -233,11 +234,11 @@ uint32_t Components::unseen(std::span<const Mat3x4f> worldFromRest, std::span<co
             const Vec2d focal(view.fx, view.fy), centre(view.cx, view.cy),
                 slope(std::max(std::abs(limit.minX), std::abs(limit.maxX)), std::max(std::abs(limit.minY), std::abs(limit.maxY)));
             const Vec2d margin = c.rootLevel * std::sqrt(double(kappaPx2)) + double(kCoverageReachPx) + 0.02 + 1e-5 * focal;
-            const Vec2d low = centre + margin, high = Vec2d(view.widthPx, view.heightPx) - centre + margin;  // as lib/cull.glsl
+            const Vec2d low = centre + margin, high = Vec2d(view.widthPx, view.heightPx) - centre + margin;  // as formulas/cull.inl
             const Vec2d splat = 1.001 * reach * focal * glm::sqrt(1.0 + slope * slope);
             struct Side {
-                Vec3d inwards;   // view space, not of unit length
-                double bySplat;  // how far beyond it a vertex may lie whose splats still show
+                Vec3d inwards;   // normal in view space, not of unit length
+                double bySplat;  // how far beyond the side a centre may lie while its splat shows, in units of dot(inwards, point)
             };
             const Side sides[] = {{{0, 0, 1}, -kNearM},
                                   {{focal.x, 0, low.x}, splat.x},

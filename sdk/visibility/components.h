@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The coarsest tier of culling: whole components of an avatar that no view can see are not even posed (docs/reference/gate.md).
+// The coarsest tier of culling: components of an avatar that no view can see are not posed (docs/reference/gate.md).
 //
-//   load:   triangles ─► components (layer × region of the body) ─► of each: one box a joint, and how far its splats reach
-//   frame:  joints, modes ─► boxes against the sides of the views ─► bits of the components that nobody sees
+//   load:   triangles ─► components (layer × region of the body) ─► for each: one box a joint, and how far its splats reach
+//   frame:  joints, modes ─► boxes against the sides of the views ─► bits of the components that no view sees
 //
-// Decided on the CPU from the joints alone, so that nothing must be skinned to tell what need not be skinned. A posed vertex is a mean of
-// where its joints carry it, so it lies in the hull of their boxes; what is beyond one side of a view with all its boxes is beyond it with
-// all its vertices.
+// The CPU decides from joints and modes alone, so nothing is skinned for it. A posed vertex is a weighted mean of the places where its
+// joints carry it, so it lies in the hull of the boxes of its joints. If all boxes of a component lie beyond one side of a view, all its
+// vertices do.
 #pragma once
 
 #include <span>
@@ -19,47 +19,51 @@
 
 namespace dpl {
 
-constexpr uint32_t kMaxComponents = 32;  // of an avatar; what is beyond belongs to the last
+constexpr uint32_t kMaxComponents = 32;  // of an avatar: one bit each; further components are merged into the last
 
-/** Which component each triangle belongs to. Every layer is one, and of a body's layer also trunk, head, hands and legs, by the joint that
- * holds most of the triangle. */
+/** Which component each triangle belongs to. A layer is one component; the body's layer has several: trunk, head, each hand and each leg,
+ * chosen by the joints with most weight on the triangle. */
 struct ComponentMap {
     uint32_t count = 0;
-    std::vector<uint8_t> ofTriangle;  // F
-    std::vector<uint32_t> ofVertex;   // V: bits of the components whose triangles use it; all bits where none does
+    std::vector<uint8_t> ofTriangle;  // one a triangle
+    std::vector<uint32_t> ofVertex;   // one a vertex: bits of the components whose triangles use it; all bits where none does
 };
+/** The avatar's mesh must have passed checkMesh. */
 ComponentMap componentsOf(const AvatarData& avatar);
 
-/** What must be known of an avatar's components to leave them out. */
+/** Bounds of an avatar's components, made at load. Immutable afterwards; any thread. */
 class Components {
 public:
     Components() = default;
-    /** reach: reachOfTriangles. An avatar whose weights do not add up to 255 everywhere is always seen: its vertices may lie anywhere. */
+    /** reach: reachOfTriangles. If some skin or node weights do not sum to 255, vertices may lie outside the boxes; then there are no
+     * components, and nothing is left out. */
     Components(const AvatarData& avatar, const ComponentMap& map, std::span<const TriangleReach> reach);
 
     uint32_t count() const { return uint32_t(components_.size()); }
-    /** The bits of all of them. */
+    /** The bits of all components. */
     uint32_t all() const { return count() == kMaxComponents ? ~0u : (1u << count()) - 1; }
-    /** Bits of the components of which no view can show a splat or a vertex. worldFromRest: jointTransforms; coefficients:
-     * correctiveCoefficients or empty; kappaPx2: of a pixel; growth: the largest of a splat (level of detail), ≥ 1. Never a component that
-     * shows: proven in components_test against the double reference. Allocates nothing. */
+    /** Bits of the components of which no view can show a splat or a vertex. Conservative: a component that shows is never among them
+     * (tests/reference/components_test.cpp). worldFromRest: jointTransforms; coefficients: correctiveCoefficients or empty; kappaPx2: of a
+     * pixel; growth: largest growth of a splat by level of detail, ≥ 1. Numbers that are not finite leave nothing out. Allocates nothing.
+     */
     uint32_t unseen(std::span<const Mat3x4f> worldFromRest, std::span<const float> coefficients, std::span<const Cameraf> views,
                     float kappaPx2, float growth) const;
 
 private:
-    struct Corners {  // the box about vertices at rest that hang on a joint
+    struct Corners {  // box around the rest positions of the vertices that hang on a joint
         uint32_t joint = 0;
         Vec3d centre{0}, half{0};
     };
-    /** Vertices whose share of `joint` differs from that of their triangle's first corner: where the two joints carry them apart by x
-     * metres, triangles may stretch by reachPerM · x of their splats' reach and by overPerM · x of their own size. */
+    /** Triangles on which the weight of joint `at.joint` differs between corners. `against` is the main joint of their first corner. Where
+     * the two joints carry a point apart by x metres, the reach of the splats grows by at most reachPerM · x metres, and the size of
+     * triangles with overshooting splats by overPerM · x metres. */
     struct Crease {
         Corners at;
         uint32_t against = 0;  // joint
         double reachPerM = 0, overPerM = 0;
     };
-    /** What a mode of the pose correctives adds at most, for a coefficient of 1: to where vertices are, to the reach of splats and to the
-     * size of triangles. */
+    /** The most that a mode of the pose correctives adds for a coefficient of 1: to positions of vertices, to the reach of splats, and to
+     * the size of triangles with overshooting splats. */
     struct Mode {
         double offsetM = 0, reachM = 0, overM = 0;
     };
@@ -67,9 +71,9 @@ private:
         std::vector<Corners> boxes;
         std::vector<Crease> creases;
         std::vector<Mode> modes;
-        double reachM = 0;  // of its splats at rest
-        double overM = 0;   // size of the triangles whose splats overshoot them
-        double rootLevel = 0;
+        double reachM = 0;     // of its splats at rest
+        double overM = 0;      // largest |e1| + |e2| of the triangles with splats that overshoot them (TriangleReach)
+        double rootLevel = 0;  // TriangleReach
     };
     std::vector<Component> components_;
 };

@@ -11,7 +11,7 @@ namespace dpl {
 
 namespace {
 
-constexpr float kFace = 3, kHand = 2;  // times the splats of other surface: what people look at, and what talks with the face
+constexpr float kFace = 3, kHand = 2;  // favour: so many times the splats of other surface, because people look at face and hands
 
 float favourOf(std::string_view bone) {
     if (bone == "head" || bone == "jaw" || bone.ends_with("Eye")) return kFace;
@@ -20,7 +20,7 @@ float favourOf(std::string_view bone) {
     return 1;
 }
 
-/** Of each half-chunk, the mean of its splats' favours: how much their triangles hang on a joint times that of the joint. */
+/** One a group: the mean favour of its splats. A triangle's favour is the mean of its joints' favours by skin weight. */
 std::vector<float> favours(const AvatarData& avatar, const CodedSplats& splats) {
     const MeshData& mesh = avatar.mesh;
     std::vector<float> ofJoint, ofTriangle;
@@ -70,7 +70,8 @@ DetailSubject::DetailSubject(const AvatarData& avatar, const CodedSplats& splats
             balls_.push_back(
                 {uint32_t(j), 0.5f * (boxes[j].first + boxes[j].second), 0.5f * glm::length(boxes[j].second - boxes[j].first)});
 
-    // Of each half-chunk: one splat, then its kept share and what fades (drawnRanks rounds up by at most a half), then all.
+    // Each group draws 1 splat up to the density 0.5 / slope, then at most slope · density + ½ (kept and fading ranks; drawnRanks rounds up
+    // by at most ½), then all. `least` and `most` are the sums of the ends.
     double least = 0, most = 0, areaM2 = 0;
     for (size_t g = 0; g < splats.groups.size(); ++g) {
         const SplatGroup& group = splats.groups[g];
@@ -133,7 +134,7 @@ uint64_t chooseDetails(const DetailOptions& options, std::span<const Cameraf> vi
     };
     double perPixel = options.splatsPerPixel > 0 ? double(options.splatsPerPixel) : INFINITY;
     if (options.splatBudget > 0 && drawn(perPixel) > options.splatBudget) {
-        double low = 1e-9, high = std::min(perPixel, 1e9);  // of splats a pixel; the sum rises with it
+        double low = 1e-9, high = std::min(perPixel, 1e9);  // splats a pixel; `drawn` rises with it
         for (int step = 0; step < 64; ++step) {
             const double middle = std::sqrt(low * high);
             (drawn(middle) > options.splatBudget ? high : low) = middle;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Level of detail of a frame (docs/adr/0010): how large a pixel is on each avatar that is drawn, and how many of its splats that leaves,
-// all of them within one budget.
+// Level of detail of a frame (docs/reference/level-of-detail.md): the size of a pixel on each subject gives the number of its splats that
+// are drawn, within one budget for all.
 #pragma once
 
 #include <cmath>
@@ -17,44 +17,45 @@ namespace dpl {
 
 /** What the host asks for. */
 struct DetailOptions {
-    float splatsPerPixel = 0;  // wanted of each avatar's surface that fills a pixel; 0: all its splats, however far it is
-    uint32_t splatBudget = 0;  // of all that is drawn together; 0: no limit
+    float splatsPerPixel = 0;  // wanted on surface that fills a pixel; 0: all splats at any distance
+    uint32_t splatBudget = 0;  // for all subjects of a frame together; 0: no limit
     bool off() const { return splatsPerPixel == 0 && splatBudget == 0; }
 };
 
-/** Fills splats.groups: measureGroups, and the areas of face and hands are counted larger than they are, so that these keep three and two
- * times the splats of other surface; all areas together stay what they are. Joints by humanoidBones; an avatar without these has none to
- * favour. The avatar must be fit to be drawn. */
+/** Fills splats.groups (measureGroups). The areas of face and hands are then multiplied by 3 and 2, so that they keep more splats than
+ * other surface, and all areas divided by one number so that their sum stays. Joints are found by humanoidBones; without them no surface is
+ * favoured. The avatar must have passed checkAvatarPosable. */
 void measureDetail(const AvatarData& avatar, CodedSplats& splats);
 
-/** What an avatar is to all that, made when it is loaded. */
+/** Constants of an avatar for level of detail, made at load. Immutable afterwards; any thread. */
 class DetailSubject {
 public:
     DetailSubject() = default;
-    /** splats: with groups. */
+    /** splats.groups must be filled (measureDetail). */
     DetailSubject(const AvatarData& avatar, const CodedSplats& splats);
 
-    /** Size of a pixel, metres, at the nearest point that the posed surface may have, in the view that sees it finest: along the axis of
-     * that view, at least at kDetailNearestM. Moves continuously with pose and views. worldFromRest: jointTransforms. Pose correctives may
-     * carry the surface a little nearer. */
+    /** Smallest size of a pixel on the posed surface, metres, over the views: at the smallest view depth that the surface may have, but at
+     * least kDetailNearestM. Continuous in pose and views. worldFromRest: jointTransforms. Pose correctives are not counted and may carry
+     * the surface a little nearer. */
     double finestPixelM(std::span<const Mat3x4f> worldFromRest, std::span<const Cameraf> views) const;
-    /** Splats that are drawn at most at a wanted density; continuous and rising with it. */
+    /** Upper bound of the splats drawn at a wanted density (1/m²); continuous, and rises with it. */
     double drawnAtMost(double perM2) const;
     uint32_t splatCount() const { return splatCount_; }
     float drawnShare(const SplatDetail& detail) const {
         return splatCount_ == 0 ? 1.0f : float(drawnAtMost(double(detail.perM2)) / splatCount_);
     }
-    /** Of the SH beyond coefficient 0 at a density; no growth of a splat there is larger than largestGrowth. */
+    /** Factor of the SH coefficients above band 0 at a wanted density. */
     float shShare(float perM2) const { return detailShShare(std::min(perM2 * meanAreaM2_, 1.0f)); }
+    /** Upper bound of the growth of any splat at a wanted density. */
     float largestGrowth(float perM2) const;
 
 private:
-    struct Ball {  // in the rest pose, about all vertices that hang on a joint
+    struct Ball {  // around the rest positions of all vertices that hang on a joint
         uint32_t joint = 0;
         Vec3f centre{0};
         float radiusM = 0;
     };
-    struct Bend {  // of drawnAtMost: from this density on
+    struct Bend {  // piece of the curve drawnAtMost: its value at perM2, and the slope from there on
         double perM2 = 0, drawn = 0, slope = 0;
     };
     std::vector<Ball> balls_;
@@ -63,23 +64,24 @@ private:
     float smallestAreaM2_ = INFINITY, meanAreaM2_ = 0, largestGain_ = 0;
 };
 
-constexpr double kDetailNearestM =
-    0.25;  // nearer surface counts as this near, so that whom the camera touches does not take the whole budget
+/** Surface nearer than this counts as this near. Otherwise an avatar that touches the camera would take the whole budget. */
+constexpr double kDetailNearestM = 0.25;
 
-/** One of those that a frame draws together: an avatar, or general splats. */
+/** One subject of a scene set: either `avatar` or `general` is set. */
 struct DetailMember {
     const DetailSubject* avatar = nullptr;
     std::span<const Mat3x4f> worldFromRest;  // jointTransforms of this frame's pose
     GeneralDetailSubject* general = nullptr;
+    // Set by chooseDetails.
     double pixelM = 1;            // of an avatar: finestPixelM
-    SplatDetail detail;           // what is chosen, for an avatar
-    GeneralDetail generalDetail;  // ... for general splats
-    float share = 1;              // of its splats that are drawn at most
+    SplatDetail detail;           // of an avatar
+    GeneralDetail generalDetail;  // of general splats
+    float share = 1;              // detail share: upper bound of drawn splats over all
 };
 
-/** Sets the last four of each: splatsPerPixel on its finest pixel, and less of that for all alike when the budget is too small. One splat
- * of 128 neighbours is kept, whatever the budget. For all views of the frame at once (two at most), so that both eyes see the same splats.
- * Gives how many are drawn at most. Allocates nothing. */
+/** Chooses the detail of all subjects of a frame: splatsPerPixel on each one's finest pixel. When the budget is too small, splatsPerPixel
+ * is lowered for all alike; one splat a group stays for any budget. views: all views of the frame, at most two, so that both eyes see the
+ * same splats. Returns an upper bound of the splats that are drawn. Allocates nothing. */
 uint64_t chooseDetails(const DetailOptions& options, std::span<const Cameraf> views, std::span<DetailMember> members);
 
 }  // namespace dpl

@@ -10,11 +10,10 @@
 namespace dpl {
 namespace {
 
-// Bins of pixels that one splat stands for, as 2^(bin / 64): 1.1 % wide, from so few that all are drawn at any number to so many that a
-// splat is a wall.
+// Groups are sorted into bins by the pixels that one of their splats stands for: from 2^-40 to 2^40, in steps of 2^(1/64), which is 1.1 %.
 constexpr int kBinsAnOctave = 64, kFirstOctave = -40, kBins = 80 * kBinsAnOctave;
 
-constexpr double kBehindM = 1;  // half-chunks whose splats are all behind the cameras show nothing and count less and less over so much
+constexpr double kBehindM = 1;  // a group that lies wholly behind the cameras counts less, and from this distance on not at all
 
 double binOf(double pixels) {
     return (std::log2(pixels) - kFirstOctave) * kBinsAnOctave;
@@ -35,7 +34,7 @@ void GeneralDetailSubject::look(std::span<const Cameraf> views) {
     }
     seen_.finestM = float(kDetailNearestM) / longest;
     std::fill(sums_.begin(), sums_.end(), Sums{});
-    // A group lies between two bins; it is shared by the next two, so that what is counted is never below it and moves without steps.
+    // A group at position `at` is shared between the two bins above ⌊at⌋. So the sums are never too low, and they move without steps.
     for (const GeneralGroup& group : groups_) {
         double aheadM = -INFINITY;
         for (const PixelPlane& p : seen_.planes)
@@ -48,7 +47,7 @@ void GeneralDetailSubject::look(std::span<const Cameraf> views) {
         const int bin = int(at);
         const double farther = at - bin;
         sums_[size_t(bin) + 2].groups += counts * (1 - farther),
-            sums_[size_t(bin) + 3].groups += counts * farther;  // sums before a bin stand one on
+            sums_[size_t(bin) + 3].groups += counts * farther;  // bin b is stored at b + 1: sums_[b] gets the sum of the bins before b
     }
     double pixels = std::exp2(kFirstOctave);
     static const double step = std::exp2(1.0 / kBinsAnOctave);
@@ -66,7 +65,8 @@ GeneralDetail GeneralDetailSubject::detail(float perPixel) const {
 }
 
 double GeneralDetailSubject::drawnAtMost(double perPixel) const {
-    // Of a half-chunk: one splat, then its kept share and what fades (drawnRanks rounds up by at most a half), then all.
+    // With x = slope · pixels a splat stands for, a group draws 1 splat up to x = ½, then at most x + ½ (drawnRanks rounds up by at most
+    // ½), then all.
     const double slope = (1 + kDetailFade) * kSplatGroupSize * perPixel;
     if (!(slope < INFINITY)) return splatCount_;
     const auto binFrom = [&](double splats) { return size_t(std::clamp(std::ceil(binOf(splats / slope)), 0.0, double(kBins))); };

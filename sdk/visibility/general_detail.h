@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Level of detail of general splats in a frame (docs/adr/0010): every half-chunk has its own pixel, and how many splats that leaves.
+// Level of detail of general splats in a frame (docs/reference/level-of-detail.md). Each group has its own pixel size.
 #pragma once
 
 #include <span>
@@ -11,7 +11,7 @@
 
 namespace dpl {
 
-/** What general splats are to level of detail, made when they are loaded. One thread at a time. */
+/** Constants of general splats for level of detail, made at load, and the views of the current frame. One thread at a time. */
 class GeneralDetailSubject {
 public:
     GeneralDetailSubject() = default;
@@ -21,19 +21,20 @@ public:
     std::span<const GeneralGroup> groups() const { return groups_; }
     uint32_t splatCount() const { return splatCount_; }
 
-    /** From these views; up to two. Allocates nothing; work: two dot products a half-chunk and view. */
+    /** Sets the views of the frame, one or two; the functions below refer to them. Costs a few dot products for each group and view.
+     * Allocates nothing. */
     void look(std::span<const Cameraf> views);
-    /** What `perPixel` splats a pixel are from there. */
+    /** The detail with which `perPixel` splats a pixel are drawn. */
     GeneralDetail detail(float perPixel) const;
-    /** Splats that are drawn at most then; continuous and rising with it, and without steps while the views move. A number below infinity:
-     * without those behind the cameras. */
+    /** Upper bound of the splats drawn; continuous in perPixel and the views, and rises with perPixel. Splats behind the cameras count only
+     * when perPixel is infinite. */
     double drawnAtMost(double perPixel) const;
-    /** Of the splats that are not behind the cameras. */
+    /** drawnAtMost as a share of the splats that are not behind the cameras. */
     float drawnShare(double perPixel) const;
 
 private:
     struct Sums {
-        double groups = 0, density = 0;  // of the bins before this one
+        double groups = 0, density = 0;  // over the bins before this one: number of groups, and Σ groups · pixels a splat stands for
     };
     std::vector<GeneralGroup> groups_;
     std::vector<Sums> sums_;  // by bins of areaM2 / pixelM²
