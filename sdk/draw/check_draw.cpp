@@ -7,20 +7,20 @@
 namespace dpl {
 namespace {
 
-constexpr float kMaxIntrinsicPx = 1e7f;  // far beyond any lens
-constexpr float kMaxDistanceM = 1e5f;    // as far as the root of a pose
-constexpr float kRotationTolerance = 1e-3f;
+constexpr float kMaxIntrinsicPx = 1e7f;      // beyond any lens; keeps products finite
+constexpr float kMaxDistanceM = 1e5f;        // per coordinate; checkPose has the same limit for the root
+constexpr float kRotationTolerance = 1e-3f;  // of each entry of RᵀR
 
 Status checkView(const Cameraf& c, size_t view) {
     if (c.widthPx == 0 || c.heightPx == 0 || c.widthPx > kMaxImageSidePx || c.heightPx > kMaxImageSidePx)
         return fail(Code::InvalidArgument, "view {} is {} x {} pixels; sides of 1 to {} are drawn", view, c.widthPx, c.heightPx,
                     kMaxImageSidePx);
     if (!(c.fx > 0 && c.fy > 0 && c.fx <= kMaxIntrinsicPx && c.fy <= kMaxIntrinsicPx))
-        return fail(Code::InvalidArgument, "view {} has focal lengths {} and {} px; 0 (excluded) to {} are possible", view, c.fx, c.fy,
+        return fail(Code::InvalidArgument, "view {} has focal lengths {} and {} px; they must be above 0 and at most {}", view, c.fx, c.fy,
                     kMaxIntrinsicPx);
     if (!(std::abs(c.cx) <= kMaxIntrinsicPx && std::abs(c.cy) <= kMaxIntrinsicPx))
-        return fail(Code::InvalidArgument, "view {} has the principal point ({}, {}) px; it is not finite or beyond {} px", view, c.cx,
-                    c.cy, kMaxIntrinsicPx);
+        return fail(Code::InvalidArgument, "view {} has the principal point ({}, {}) px; its coordinates must be finite and at most {} px",
+                    view, c.cx, c.cy, kMaxIntrinsicPx);
     for (int axis = 0; axis < 3; ++axis)
         if (!(std::abs(c.viewFromWorldTranslation[axis]) <= kMaxDistanceM))
             return fail(Code::InvalidArgument, "view {} has a translation that is not finite or beyond {} m", view, kMaxDistanceM);
@@ -65,7 +65,7 @@ Status checkDraw(std::span<const Drawn> what, std::span<const Cameraf> views, co
     for (size_t i = 0; i < what.size(); ++i) {
         for (size_t k = 0; k < i; ++k)
             if (what[k].avatar == what[i].avatar)
-                return fail(Code::InvalidArgument, "avatar {} is named twice; it has one pose", what[i].avatar);
+                return fail(Code::InvalidArgument, "avatar {} is named twice; a draw takes each avatar once", what[i].avatar);
         const std::optional<std::span<const JointData>> joints = findJoints(what[i].avatar);
         if (!joints) return fail(Code::InvalidArgument, "avatar {} is not in this renderer", what[i].avatar);
         if (joints->empty()) continue;
@@ -73,7 +73,7 @@ Status checkDraw(std::span<const Drawn> what, std::span<const Cameraf> views, co
         if (what[i].pose == nullptr) return fail(Code::InvalidArgument, "avatar {} is drawn without a pose", what[i].avatar);
         DPL_CHECK_OK(checkPose(*joints, *what[i].pose));
     }
-    if (wants.meshDepth && !mesh) return fail(Code::InvalidArgument, "general splats have no mesh and no depth of one");
+    if (wants.meshDepth && !mesh) return fail(Code::InvalidArgument, "mesh depth was asked for, but general splats have no mesh");
     return {};
 }
 

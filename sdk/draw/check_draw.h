@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What both renderers require of a draw. One check, so that a fault gives the same code and sentence on every renderer.
+// Checks the arguments of a draw for every renderer, so that a fault gives the same code and sentence on all of them.
 #pragma once
 
 #include <optional>
@@ -10,15 +10,15 @@
 
 namespace dpl {
 
-/** One to kMaxViews cameras of the same size, whose sides are 1 to kMaxImageSidePx pixels. Focal lengths are above 0, the rotation is a
- * rotation, and all numbers are finite and in a range whose products stay finite. InvalidArgument names the view. */
+/** Requires 1 to kMaxViews cameras of the same size, with sides of 1 to kMaxImageSidePx pixels, focal lengths above 0, rotations without
+ * mirroring, and finite numbers small enough that products of them stay finite. InvalidArgument names the view. */
 Status checkViews(std::span<const Cameraf> views);
 
-/** The joints of a loaded avatar, an empty span for general splats, nothing where the renderer has no such subject. */
+/** Returns the joints of a loaded avatar, an empty span for general splats, and nullopt for an id that the renderer does not have. */
 using FindJoints = FunctionRef<std::optional<std::span<const JointData>>(RenderAvatarId)>;
 
-/** Everything about a draw: views, scene depths, and 1 to kMaxDrawnTogether different loaded subjects, avatars with a pose that passes
- * checkPose. InvalidArgument. Allocates nothing unless it fails. */
+/** Requires views that pass checkViews, scene depths of their size, and 1 to kMaxDrawnTogether different loaded subjects; avatars need a
+ * pose that passes checkPose. InvalidArgument otherwise. Allocates nothing unless it fails. */
 Status checkDraw(std::span<const Drawn> what, std::span<const Cameraf> views, const FrameWants& wants, FindJoints findJoints);
 
 }  // namespace dpl

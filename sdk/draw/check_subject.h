@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What both renderers require of a subject before they load it. Avatars from files have passed stricter checks; avatars built in memory
-// come here unchecked. Limits of a device are checked by its renderer.
+// Checks a subject for both renderers before they load it. Avatars from files have passed stricter checks; avatars built in memory come
+// here unchecked. Each renderer checks the limits of its device itself.
 #pragma once
 
 #include "sdk/core/result.h"
@@ -8,14 +8,14 @@
 
 namespace dpl {
 
-/** All of an avatar but its splats: rig, mesh and pose correctives. InvalidArgument names what does not fit. */
+/** Checks rig, mesh and pose correctives of an avatar, but not its splats. InvalidArgument names what does not fit. */
 Status checkAvatarPosable(const AvatarData& avatar);
 
-/** Splats bound to the avatar's triangles: arrays of one length, covered by triangleStart. InvalidArgument; Unsupported for an SH degree
- * above kMaxShDegree. */
+/** Checks avatar.splats: arrays of one length, and a triangleStart that covers triangles and splats. InvalidArgument; Unsupported for an SH
+ * degree above kMaxShDegree. */
 Status checkBoundSplats(const AvatarData& avatar);
 
-/** The same for general splats. */
+/** Checks general splats: arrays of one length. The same errors. */
 Status checkGeneralSplats(const StaticSplatData& splats);
 
 }  // namespace dpl

@@ -24,54 +24,54 @@ namespace dpl {
 constexpr size_t kMaxViews = 2;             // of one draw: two eyes
 constexpr uint32_t kMaxImageSidePx = 8192;  // of a view
 constexpr size_t kMaxDrawnTogether = 16;    // subjects of one draw
-constexpr uint32_t kFramesInFlight = 3;     // of one shape: the CPU may be two frames ahead
+constexpr uint32_t kFramesInFlight = 3;     // slots of one shape: the CPU may be two frames ahead of the GPU
 
-/** Pixels of one view in the renderer's memory: RGBA8 premultiplied, display-referred, top row first. Depth of the splats and of the posed
- * mesh in metres, 0 = nothing; empty when not asked for. Valid until the subject is drawn, read or removed. */
+/** Pixels of one view in the renderer's memory, top row first: RGBA8 (premultiplied, display-referred), and view z of the splats and of the
+ * posed mesh in metres, 0 = nothing; empty when not asked for. Valid until the subject is drawn, read or removed. */
 struct PixelView {
     uint32_t widthPx = 0, heightPx = 0;
     std::span<const uint8_t> rgba;
     std::span<const float> depthM, meshDepthM;
 };
 
-/** The same in memory of its own. */
+/** The same, owning its memory. */
 struct RenderedView {
     uint32_t widthPx = 0, heightPx = 0;
     std::vector<uint8_t> rgba;
     std::vector<float> depthM, meshDepthM;
 };
 
-/** What a draw makes besides colour, and the opaque scene it is drawn behind. */
+/** What a draw makes besides colour, and the app's opaque scene that may hide splats. */
 struct FrameWants {
     bool depth = false;      // of the splats
     bool meshDepth = false;  // of the posed mesh; InvalidArgument when only general splats are drawn
-    /** One span a view: view z of an opaque scene (sdk/math/scene_depth.h), metres, tight rows. Empty: no scene. Copied by the draw. */
+    /** One span a view: view z of the scene (sdk/math/scene_depth.h), metres, rows without padding. Empty: no scene. The draw copies it. */
     std::span<const float> sceneDepthM[kMaxViews] = {};
     bool behindScene() const { return !sceneDepthM[0].empty() || !sceneDepthM[1].empty(); }
     FrameWants(bool depth = false) : depth(depth) {}
 };
 
-/** What the last finished frame of a subject drew and cost. All 0 before the first. */
+/** What the last finished frame of a subject drew and cost. All 0 before the first frame. */
 struct FrameStats {
     uint32_t views = 0;
-    // Survivors of each step of culling, of splats and of their triangles. 0 on the CPU, which has no such steps.
+    // Survivors of the GPU's tiers of culling. 0 on the CPU, which has no such tiers.
     uint32_t trianglesInView = 0, trianglesFacing = 0;
     uint32_t splatsInView = 0, splatsFacing = 0;
     uint32_t chunks = 0, chunksProjected = 0;
-    // Of all subjects drawn together. Components out of view are not posed; the CPU poses an avatar whole or not at all.
+    // Of the scene set. The GPU does not pose components out of view; the CPU poses an avatar whole or not at all.
     uint32_t components = 0, componentsInView = 0;
-    uint32_t splatsDrawn = 0;      // that some view shows
+    uint32_t splatsDrawn = 0;      // shown by some view; on the CPU the largest count of one view
     uint32_t tileEntries = 0;      // splat-tile pairs of all views; 0 when quads fill
     bool tilesOverflowed = false;  // the tile lists were too small for this frame, so quads filled it
     std::vector<PassTime> passes;  // GPU time in the order the passes ran; empty without timestamps
-    uint64_t residentBytes = 0;    // of all subjects and frames of the renderer, in the memory it draws from
-    uint64_t avatarBytes = 0;      // of this subject alone: splats, and what poses them
-    uint64_t splatBytes = 0;       // the splats' part: codes, parents and SH entries
+    uint64_t residentBytes = 0;    // all subjects and frames of the renderer, in the memory it draws from
+    uint64_t avatarBytes = 0;      // this subject: splats, mesh, skin weights and pose correctives
+    uint64_t splatBytes = 0;       // its splats alone: codes, parents and SH entries
     uint64_t bytesDecided = 0;     // codes read to decide which splats may show
-    uint64_t bytesDecoded = 0;     // codes read of the splats that may show
-    uint64_t splatsAllowed = 0;    // of all subjects drawn together: at most so many after level of detail and budget
-    float detailShare = 0;         // of this subject's splats, the share its last draw kept
-    uint64_t waits = 0;            // draws since the renderer was made that found every frame in flight still running
+    uint64_t bytesDecoded = 0;     // codes read to decode those splats
+    uint64_t splatsAllowed = 0;    // upper bound of the scene set's splats after level of detail and budget
+    float detailShare = 0;         // share of this subject's splats that its last draw kept
+    uint64_t waits = 0;            // draws since the renderer was made that had to wait because all slots were in flight
 };
 
 /** Bytes that posing an avatar keeps on the CPU: mesh, weights and correctives. */
@@ -85,42 +85,43 @@ inline uint64_t posingBytes(const AvatarData& a) {
            c.nodes.size() * sizeof(c.nodes[0]);
 }
 
-/** How a GPU fills pixels: one blended quad a splat, or compute tiles that walk their splats front to back. The pictures agree. */
+/** How a GPU fills pixels: Quads rasterises and blends one quad a splat; Tiles is a compute kernel that walks each tile's splats front to
+ * back. Both draw the same picture up to rounding. */
 enum class Fill : uint8_t { Quads, Tiles };
 
 using RenderAvatarId = uint32_t;
 
-/** A subject of a draw. The pose of general splats is not read. */
+/** A subject of a draw. pose: not read for general splats. */
 struct Drawn {
     RenderAvatarId avatar = 0;
     const Pose* pose = nullptr;
 };
 
-/** A subject that one renderer has checked and converted, ready for its add(). */
+/** A subject that a renderer has checked and converted, ready for add() of the same renderer. */
 class PreparedSubject {
 public:
     virtual ~PreparedSubject() = default;
 };
 
-/** Draws posed avatars and general splats into one or two views. One thread at a time, except prepareAvatar and prepareSplats. */
+/** Draws posed avatars and general splats into one or two views. One thread at a time, but for prepareAvatar and prepareSplats. */
 class Renderer {
 public:
     virtual ~Renderer() = default;
-    /** For people: "software (2 threads)", "vulkan: llvmpipe ... (tiles)". */
+    /** A text for people: "software (2 threads)", "vulkan: llvmpipe ... (tiles)". */
     virtual std::string name() const = 0;
     /** DeviceInfo::identity of a GPU; empty on the CPU. */
     virtual std::string identity() const { return {}; }
-    /** How a GPU fills pixels from the next draw on. The CPU has one way and ignores it. */
+    /** Takes effect with the next draw. Ignored by the CPU renderer. */
     virtual void setFill(Fill) {}
-    /** Level of detail and the budget of splats, from the next draw on. */
+    /** Takes effect with the next draw. */
     void setDetail(const DetailOptions& detail) { detail_ = detail; }
 
-    /** The slow half of loading: checks, converts and indexes, and changes nothing of the renderer. Any thread, also while another one
-     * draws. avatar->splats is not read. InvalidArgument: arrays that do not fit. Unsupported: above a limit of the device. */
+    /** The slow half of loading: checks and converts, and does not change the renderer. Any thread, also while another one draws. `splats`
+     * replaces avatar->splats, which is not read. InvalidArgument: arrays do not fit. Unsupported: above a limit of the device. */
     virtual Result<std::unique_ptr<PreparedSubject>> prepareAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats) const = 0;
-    /** The same for general splats, which stand still. */
+    /** The same for general splats. */
     virtual Result<std::unique_ptr<PreparedSubject>> prepareSplats(const StaticSplatData& splats) const = 0;
-    /** The short half: keeps, and on a GPU uploads, what this renderer prepared. */
+    /** The short half: keeps the prepared subject and, on a GPU, uploads it. InvalidArgument when another renderer prepared it. */
     virtual Result<RenderAvatarId> add(std::unique_ptr<PreparedSubject> subject) = 0;
     /** Both halves in one call. addAvatar encodes avatar->splats first. */
     Result<RenderAvatarId> addAvatar(std::shared_ptr<const AvatarData> avatar);
@@ -128,20 +129,20 @@ public:
     Result<RenderAvatarId> addSplats(const StaticSplatData& splats);
     virtual void removeAvatar(RenderAvatarId avatar) = 0;
 
-    /** Starts a frame of up to kMaxDrawnTogether subjects. Their splats are sorted together, so they may embrace. The frame belongs to the
-     * first subject: read() and stats() of that one are about it. checkDraw (check_draw.h) says what is refused. A draw allocates when a
-     * scene set or a shape (size, views, wants, samples a pixel) is new; the last four scene sets are kept. It waits only when
-     * kFramesInFlight frames of the shape are still running. A CPU renderer draws before it returns. */
+    /** Starts a frame of a scene set of up to kMaxDrawnTogether subjects. All splats are sorted together, so subjects may interlock. The
+     * frame belongs to the first subject: its read() and stats() refer to it. checkDraw (check_draw.h) lists the errors. A draw allocates
+     * when the scene set or the shape (size, views, wants, samples a pixel) is new; the last four scene sets are kept. It waits only when
+     * kFramesInFlight frames of the shape are still running. The CPU renderer has drawn when it returns. */
     virtual Status drawTogether(std::span<const Drawn> what, std::span<const Cameraf> views, const FrameWants& wants) = 0;
-    /** drawTogether of one subject. */
+    /** drawTogether with one subject. */
     Status draw(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, const FrameWants& wants);
-    /** Waits for the subject's last frame and gives its pixels. For files and tests: a program with a screen shows the frame where it is.
-     */
+    /** Waits for the subject's last frame and returns its pixels. For files and tests; a program with a screen shows the frame without
+     * reading it back. InvalidArgument when nothing was drawn. */
     virtual Result<std::span<const PixelView>> read(RenderAvatarId avatar) = 0;
-    /** Draws and copies the pixels out. */
+    /** draw() and read() with the pixels copied into `out`, one element a view. */
     Status render(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, const FrameWants& wants,
                   std::span<RenderedView> out);
-    /** For measuring. Never waits for a frame. Allocates. */
+    /** For measuring. Does not wait for a frame. Allocates. */
     virtual Result<FrameStats> stats(RenderAvatarId avatar) = 0;
 
 protected:
