@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What handles stand for, and what every entry point does: it finds the object and keeps errors inside. Internal to sdk/api.
+// The objects behind handles, and the helpers of every entry point: find the object, turn errors and exceptions into a DplResult. Internal
+// to sdk/api.
 #pragma once
 
 #include <cstring>
@@ -18,32 +19,32 @@
 
 namespace dpl::api {
 
-/** Behind a DplContext. Avatars share it, so that either may be destroyed first. */
+/** The object behind a DplContext. Avatars share ownership, so that context and avatars may be destroyed in any order. */
 struct Context {
-    std::mutex mutex;  // held by every call on the context or one of its avatars; a load holds it only to add what it has prepared
-    std::shared_ptr<Renderer> renderer;  // null once the context is destroyed; a load that still prepares keeps it alive
+    std::mutex mutex;  // guards the renderer, the cameras and the avatars; a load prepares without it and holds it only to add
+    std::shared_ptr<Renderer> renderer;  // null once the context is destroyed; a load that is preparing keeps it alive
     std::string rendererName;
-    std::vector<Cameraf> cameras;  // of the frame; kept to save allocations
+    std::vector<Cameraf> cameras;  // scratch of a draw, kept to save allocations
 };
 
-/** Behind a DplAvatar. Guarded by context->mutex, except what never changes after loading. */
+/** The object behind a DplAvatar. context->mutex guards all that changes after loading. */
 struct Avatar {
     std::shared_ptr<Context> context;
-    std::shared_ptr<const AvatarData> data;  // of general splats: their name, no joints
+    std::shared_ptr<const AvatarData> data;  // for general splats: a name and no joints
     uint32_t splatCount = 0, shDegree = 0;
     RenderAvatarId renderId = 0;
     Vec3f restMin{0}, restMax{0};
     Pose pose, givenPose;                                          // givenPose: scratch of dplSetPose
-    uint32_t drawnViews = 0, drawnWidthPx = 0, drawnHeightPx = 0;  // of the last frame
+    uint32_t drawnViews = 0, drawnWidthPx = 0, drawnHeightPx = 0;  // of the last frame that belongs to this avatar; 0 views: none
     bool drawnDepth = false, drawnMeshDepth = false;
     std::vector<std::unique_ptr<ClipData>> added;  // by dplLoadClip
-    std::vector<const ClipData*> clips;            // the file's own, then the added
-    std::vector<Mat3x4f> transforms;               // scratch
-    FrameStats stats;                              // of the last dplGetFrameStats
+    std::vector<const ClipData*> clips;            // of the file, then of `added`
+    std::vector<Mat3x4f> transforms;               // scratch of dplGetJointPositions
+    FrameStats stats;                              // result of the last dplGetFrameStats
     ~Avatar();
 };
 
-/** Handles are numbers that are never used twice, so a stale one is not found. */
+/** Objects by handle. Handles are numbers that are never reused, so a stale handle is not found. Any thread. */
 template <class T>
 class HandleTable {
 public:
@@ -76,18 +77,18 @@ private:
 };
 
 HandleTable<Context>& contexts();  // odd numbers
-HandleTable<Avatar>& avatars();    // even numbers: one kind is never taken for the other
+HandleTable<Avatar>& avatars();    // even numbers, so that a context is never taken for an avatar
 
 Result<std::shared_ptr<Context>> contextOf(DplContext handle);
 Result<std::shared_ptr<Avatar>> avatarOf(DplAvatar handle);
 
-/** InvalidArgument for general splats: they have no joints. */
+/** InvalidArgument for general splats, which have no joints. */
 Status checkPosable(const Avatar& avatar);
 
-/** Remembers the error for dplGetLastError, logs a caller's mistake, and gives the public code. */
+/** Stores the error for dplGetLastError, logs it if it is a caller's mistake (InvalidArgument), and returns its public code. */
 DplResult report(const char* function, const Error& error) noexcept;
 
-/** Runs `body`, which returns Status. Exceptions become errors. */
+/** Runs `body`, which returns a Status. Exceptions become errors. function: name of the entry point, for the error text. */
 template <class Body>
 DplResult guarded(const char* function, Body&& body) noexcept {
     try {
@@ -102,9 +103,9 @@ DplResult guarded(const char* function, Body&& body) noexcept {
     }
 }
 
-constexpr uint32_t kMaxStructSize = 4096;  // above every struct of ours: a larger structSize is an uninitialised one
+constexpr uint32_t kMaxStructSize = 4096;  // larger than every struct of the API: a larger structSize was not initialised
 
-/** Reads a caller's struct of a possibly newer or older version; fields that are not there stay zero. `smallest`: size in version 0.1. */
+/** Reads a caller's struct, which may be of an older or newer version; fields that it lacks are 0. `smallest`: size in version 0.1. */
 template <class T>
 Result<T> readStruct(const void* from, const char* what, size_t smallest = sizeof(T)) {
     if (from == nullptr) return fail(Code::InvalidArgument, "{} is NULL", what);
@@ -117,7 +118,7 @@ Result<T> readStruct(const void* from, const char* what, size_t smallest = sizeo
     return value;
 }
 
-/** Copies `value` into the caller's struct without touching its structSize or anything beyond it. */
+/** Copies `value` into the caller's struct, but neither its structSize nor bytes beyond the caller's structSize. */
 template <class T>
 Status writeStruct(T* to, T value, const char* what, size_t smallest = sizeof(T)) {
     DPL_TRY(const T given, readStruct<T>(to, what, smallest));

@@ -30,14 +30,14 @@ Status checkPosable(const Avatar& avatar) {
 
 namespace {
 
-/** What poses and queries rely on beyond the checks of the file reader. */
+/** Checks that posing and queries need and the file reader does not make. */
 Status checkLoaded(const AvatarData& data) {
     DPL_CHECK_OK(checkRig(data.joints));
     for (const ClipData& clip : data.clips) DPL_CHECK_OK(checkClip(clip, data.joints));
     return {};
 }
 
-/** A decoded file: the avatar behind the handle, and what the renderer will draw of it. */
+/** A decoded file: the object behind the handle, and the subject prepared for the renderer. */
 struct Loaded {
     std::shared_ptr<Avatar> avatar;
     std::unique_ptr<PreparedSubject> subject;
@@ -49,7 +49,7 @@ Result<Loaded> loadAvatarFile(const std::shared_ptr<Context>& owner, const Rende
                     "neither an avatar (.glb) nor general splats (PLY, compressed PLY, SPZ, .glb with KHR_gaussian_splatting)");
     DPL_TRY(CodedAvatar coded, readCodedAvatar(bytes));
     AvatarData& decoded = coded.avatar;
-    decoded.mesh.colours = {};  // for stock viewers
+    decoded.mesh.colours = {};  // only other glTF viewers use them
     DPL_CHECK_OK(checkLoaded(decoded));
     if (std::all_of(decoded.joints.begin(), decoded.joints.end(), [](const JointData& j) { return j.humanoidBone.empty(); }))
         assignHumanoidBones(decoded.joints);
@@ -66,7 +66,7 @@ Result<Loaded> loadAvatarFile(const std::shared_ptr<Context>& owner, const Rende
     return Loaded{std::move(made), std::move(subject)};
 }
 
-/** General splats become an avatar without joints. */
+/** Makes an avatar without joints. */
 Result<Loaded> loadGeneralSplats(const std::shared_ptr<Context>& owner, const Renderer& renderer, std::span<const uint8_t> bytes) {
     DPL_TRY(const SplatFile file, readSplats(bytes));
     auto made = std::make_shared<Avatar>();
@@ -81,7 +81,7 @@ Result<Loaded> loadGeneralSplats(const std::shared_ptr<Context>& owner, const Re
     return Loaded{std::move(made), std::move(subject)};
 }
 
-/** Decodes and prepares. The context's mutex must not be held: this takes long, and other threads go on drawing. */
+/** Decodes and prepares. Takes long: the context's mutex must not be held, so that other threads can draw meanwhile. */
 Result<Loaded> prepareFile(const std::shared_ptr<Context>& owner, const Renderer& renderer, std::span<const uint8_t> bytes) {
     const bool general = splatFormatOf(bytes) != SplatFormat::None;
     DPL_TRY(Loaded loaded, general ? loadGeneralSplats(owner, renderer, bytes) : loadAvatarFile(owner, renderer, bytes));
@@ -189,7 +189,7 @@ DplResult dplSetPose(DplAvatar avatar, const float* rotations, uint32_t jointCou
         DPL_CHECK_OK(checkPosable(*found));
         if (jointCount != found->data->joints.size()) return wrongJointCount(*found, jointCount);
         std::lock_guard lock(found->context->mutex);
-        Pose& pose = found->givenPose;  // keeps its memory: an app poses every frame
+        Pose& pose = found->givenPose;  // reused, because apps set a pose every frame; found->pose stays unless all checks pass
         pose.localRotations.resize(jointCount);
         for (uint32_t j = 0; j < jointCount; ++j) {
             const float* q = rotations + size_t(j) * 4;

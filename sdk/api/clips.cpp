@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Clips of an avatar: its own and loaded ones.
+// Clips of an avatar: those of its file and those that dplLoadClip added.
 #include <cmath>
 
 #include "sdk/api/api_state.h"

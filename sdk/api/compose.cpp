@@ -12,12 +12,12 @@
 namespace dpl::api {
 namespace {
 
-/** Of x / 255, x ≥ 0. There are no ties: 255 is odd. */
+/** x / 255, rounded to nearest. There are no ties, because 255 is odd. */
 uint8_t nearest255th(uint32_t x) {
     return uint8_t((x + 127) / 255);
 }
 
-/** What decoding and encoding need; made once a process, exact to the last bit of a float. */
+/** Tables for decoding and encoding sRGB. Computed in double and rounded to float once; 137 KB, made at first use. */
 class LinearTables {
 public:
     LinearTables() {
@@ -31,10 +31,10 @@ public:
             first_[i] = uint8_t(code);
         }
     }
-    /** Linear light times alpha of a premultiplied display-referred colour. A colour above its alpha counts as white. */
+    /** Premultiplied linear light of a premultiplied display-referred colour. A colour above its alpha counts as white. */
     float premultiplied(uint8_t c, uint8_t alpha) const { return premultiplied_[at(std::min(c, alpha), alpha)]; }
     float decode(uint8_t code) const { return premultiplied_[at(code, 255)]; }
-    /** The nearest code of a linear value ≥ 0: thresholds are further apart than a step, so each step holds at most one. */
+    /** Nearest sRGB code of a linear value ≥ 0. Thresholds are farther apart than 1 / kSteps, so a step holds at most one. */
     uint8_t encode(float linear) const {
         const uint32_t code = first_[uint32_t(std::min(linear, 1.0f) * kSteps)];
         return uint8_t(code + (linear >= threshold_[code + 1] ? 1 : 0));
@@ -44,7 +44,7 @@ private:
     static constexpr uint32_t kSteps = 4096;
     static uint32_t at(uint32_t c, uint32_t alpha) { return alpha * (alpha + 1) / 2 + c; }
     float premultiplied_[256 * 257 / 2];
-    float threshold_[257];       // linear value from which on a code is the nearest
+    float threshold_[257];       // smallest linear value whose nearest code is the index
     uint8_t first_[kSteps + 1];  // code at the start of a step
 };
 
@@ -112,7 +112,7 @@ void composeRow(const uint8_t* layer, size_t pixels, const Composition& how, uin
     else if (how.format == DPL_FORMAT_RGBA8_SRGB && !how.straight)
         composeSrgb(layer, pixels, how.over, target);
     else
-        composeDisplay(layer, pixels, how, target);  // straight colour is the same code in both: encoding undoes decoding
+        composeDisplay(layer, pixels, how, target);  // also straight RGBA8_SRGB: without blending, encoding undoes decoding
 }
 
 }  // namespace dpl::api

@@ -10,7 +10,7 @@
 namespace dpl::api {
 
 HandleTable<Context>& contexts() {
-    static auto* table = new HandleTable<Context>(0x1001);  // never freed: threads may still call while the process ends
+    static auto* table = new HandleTable<Context>(0x1001);  // never freed: threads may still call the API at process exit
     return *table;
 }
 
@@ -63,7 +63,7 @@ DplResult report(const char* function, const Error& error) noexcept {
         lastError = std::string(function) + ": " + text;
         if (error.code == Code::InvalidArgument) logText(LogLevel::Warning, lastError);
     } catch (...) {
-        lastError.clear();  // not even memory for a sentence
+        lastError.clear();  // out of memory
     }
     return publicCode(error.code);
 }
@@ -132,7 +132,7 @@ DplResult dplCreateContext(const DplContextInfo* info, DplContext* context) {
         std::string cacheFolder;
         if (info != nullptr) {
             DPL_TRY(const DplContextInfo given, readStruct<DplContextInfo>(info, "info", offsetof(DplContextInfo, flags)));
-            std::memcpy(&kind, &given.renderer, sizeof kind);  // a caller may have put any number into the enum
+            std::memcpy(&kind, &given.renderer, sizeof kind);  // copied as an integer: the caller's value may be outside the enum
             threadCount = given.threadCount;
             flags = given.flags;
             std::memcpy(&fill, &given.fill, sizeof fill);
@@ -156,7 +156,7 @@ DplResult dplDestroyContext(DplContext context) {
         if (context == nullptr) return {};
         const auto taken = contexts().take(reinterpret_cast<uintptr_t>(context));
         if (!taken) return fail(Code::InvalidArgument, "the handle is not a live context; was it destroyed before?");
-        std::lock_guard lock(taken->mutex);  // a frame that another thread draws is finished first
+        std::lock_guard lock(taken->mutex);  // waits for a draw on another thread
         taken->renderer.reset();
         return {};
     });

@@ -44,7 +44,7 @@ Result<std::unique_ptr<Renderer>> createRenderer(DplRenderer kind, const Rendere
     if (kind != DPL_RENDERER_SOFTWARE) {
         auto gpu = createGpuRenderer(kind, options);
         if (gpu || kind == DPL_RENDERER_VULKAN) return gpu;
-        log(gpu.error().code == Code::Unsupported ? LogLevel::Info : LogLevel::Warning, "no GPU to draw with, the CPU draws: {}",
+        log(gpu.error().code == Code::Unsupported ? LogLevel::Info : LogLevel::Warning, "no usable GPU, drawing on the CPU: {}",
             gpu.error().message);
     }
 #else

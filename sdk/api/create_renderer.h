@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which renderer a context gets.
+// Makes the renderer of a context.
 #pragma once
 
 #include <memory>
@@ -14,10 +14,10 @@ namespace dpl::api {
 struct RendererOptions {
     uint32_t threadCount = 0;
     DplFill fill = DPL_FILL_AUTO;
-    std::string cacheFolder;  // empty: none
+    std::string cacheFolder;  // DplContextInfo::cacheFolder; empty: none
 };
 
-/** As DplRenderer says. Unsupported when the wanted one is not in this build or finds no device; Device when it draws wrong pixels. */
+/** Makes the renderer that DplRenderer describes. Unsupported: not in this build, or no device. Device: the device draws wrong pixels. */
 Result<std::unique_ptr<Renderer>> createRenderer(DplRenderer kind, const RendererOptions& options);
 
 }  // namespace dpl::api

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Drawing: checks the caller's structs and buffers, draws, and copies pictures out.
+// Drawing: checks the caller's structs and buffers, draws, and copies the pictures into the caller's memory.
 #include <algorithm>
 #include <cmath>
 
@@ -31,7 +31,7 @@ Status checkImage(const DplImage& image, size_t width, size_t height, size_t vie
         return fail(Code::InvalidArgument, "image {} has unknown flags {}", view, flags);
     if ((flags & DPL_IMAGE_STRAIGHT_ALPHA) && (flags & DPL_IMAGE_OVER))
         return fail(Code::InvalidArgument,
-                    "image {} is to be drawn over and to have straight alpha; only premultiplied pixels are drawn over", view);
+                    "image {} has both DPL_IMAGE_OVER and DPL_IMAGE_STRAIGHT_ALPHA; only premultiplied pixels can be drawn over", view);
     if (const auto format = uint32_t(image.format); format > DPL_FORMAT_RGBA16F)
         return fail(Code::InvalidArgument, "image {}: there is no format {}", view, format);
     if (image.rgba == nullptr && image.depthM == nullptr && image.meshDepthM == nullptr)
@@ -58,7 +58,7 @@ void copyOut(const PixelView& from, const DplImage& to) {
     if (to.meshDepthM != nullptr) std::memcpy(to.meshDepthM, from.meshDepthM.data(), width * height * sizeof(float));
 }
 
-/** Element i of a caller's array. Elements are structSize of the first one apart. `smallest`: size in version 0.1. */
+/** Element i of a caller's array, whose stride is the structSize of element 0. `smallest`: size in version 0.1. */
 template <class T>
 Result<T> element(const T* array, size_t i, const char* what, size_t smallest = sizeof(T)) {
     DPL_TRY(const T first, readStruct<T>(array, what, smallest));
@@ -67,7 +67,7 @@ Result<T> element(const T* array, size_t i, const char* what, size_t smallest = 
     return value;
 }
 
-/** Context and avatars of a drawing call, checked; the context is locked while it lives. */
+/** Context, avatars and scene depths of a drawing call. Locks the context for its lifetime. */
 struct Scene {
     std::shared_ptr<Context> context;
     std::shared_ptr<Avatar> avatars[DPL_MAX_TOGETHER];
@@ -196,7 +196,8 @@ extern "C" DplResult dplReadImages(DplContext context, DplAvatar avatar, const D
         DPL_TRY(Scene scene, sceneOf(context, {&avatar, 1}, viewCount));
         const Avatar& a = scene.first();
         if (a.drawnViews == 0) return fail(Code::InvalidArgument, "nothing was drawn yet; call dplDraw first");
-        if (a.drawnViews != viewCount) return fail(Code::InvalidArgument, "{} images of a frame with {} views", viewCount, a.drawnViews);
+        if (a.drawnViews != viewCount)
+            return fail(Code::InvalidArgument, "viewCount is {}, but the frame has {} views", viewCount, a.drawnViews);
         DplImage targets[DPL_MAX_VIEWS];
         FrameWants wants;
         DPL_CHECK_OK(takeImages(images, viewCount, a.drawnWidthPx, a.drawnHeightPx, targets, wants));
