@@ -40,7 +40,7 @@ const Colour& white() {
     return w;
 }
 
-/** Linear opponent space of the contrast sensitivity filters: achromatic, red-green, blue-yellow. */
+/** The linear opponent space in which contrast sensitivity is filtered: achromatic, red-green, blue-yellow. */
 Colour toOpponent(const Colour& linear) {
     const Colour xyz = toXyz(linear), w = white();
     const double x = xyz[0] / w[0], y = xyz[1] / w[1], z = xyz[2] / w[2];
@@ -53,7 +53,7 @@ Colour fromOpponent(const Colour& c) {
     return toRgb({x * w[0], y * w[1], z * w[2]});
 }
 
-/** CIELAB with the Hunt effect: chroma counts for less in the dark. */
+/** CIELAB with the Hunt effect: chroma counts less in dark colours. */
 Colour toHuntLab(const Colour& linear) {
     const Colour xyz = toXyz(linear), w = white();
     const auto f = [](double t) {
@@ -94,7 +94,7 @@ struct Taps {
     }
 };
 
-/** Rows by `across`, then columns by `down`; the border repeats. */
+/** Filters rows by `across`, then columns by `down`. Beyond the border, its pixels repeat. */
 Plane filtered(const Plane& in, Size size, const Taps& across, const Taps& down) {
     Plane rows(size.count()), out(size.count());
     for (int y = 0; y < size.height; ++y)
@@ -119,9 +119,9 @@ struct Sensitivity {
     double a, b;
 };
 
-/** One or two Gaussians of the plane, together of weight one. */
+/** The plane filtered by the sum of one or two Gaussians, of total weight 1. */
 Plane seenThrough(const Plane& in, Size size, std::span<const Sensitivity> terms, double pixelsPerDegree) {
-    constexpr double kWidest = 0.04;  // of all terms: every filter has one radius
+    constexpr double kWidest = 0.04;  // largest b of all terms: every filter gets the same radius
     const int radius = int(std::ceil(3 * std::sqrt(kWidest / (2 * std::numbers::pi * std::numbers::pi)) * pixelsPerDegree));
     Plane out(size.count(), 0.0);
     double total = 0;
@@ -139,7 +139,7 @@ Plane seenThrough(const Plane& in, Size size, std::span<const Sensitivity> terms
     return out;
 }
 
-/** Lengths of the gradients (edges) and of the second derivatives (points) of an achromatic plane in [0,1]. */
+/** Of an achromatic plane in [0,1]: magnitudes of the gradient (edges) and of the second derivative (points). */
 struct Features {
     Plane edges, points;
 
@@ -164,7 +164,7 @@ private:
     }
 };
 
-/** A picture as FLIP compares it. */
+/** A picture after FLIP's filters. */
 struct Seen {
     std::vector<Colour> lab;
     Features features;
@@ -194,7 +194,7 @@ Seen see(std::span<const double> rgb, Size size, double pixelsPerDegree) {
     return seen;
 }
 
-/** Colour distance -> [0,1]: the first 40 % of what is possible take 95 % of the range. */
+/** Maps a colour distance to [0,1]. The lower 40 % of possible errors take 95 % of the range. */
 double spread(double distance) {
     constexpr double kPower = 0.7, kShare = 0.4, kTarget = 0.95;
     static const double largest = std::pow(hyAb(toHuntLab({0, 1, 0}), toHuntLab({0, 0, 1})), kPower);

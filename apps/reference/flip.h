@@ -9,7 +9,7 @@
 
 namespace dpl {
 
-/** The paper's viewing conditions: a 3840 px wide monitor of 0.7 m at 0.7 m. */
+/** The paper's viewing conditions: a monitor 3840 px and 0.7 m wide, seen from 0.7 m. */
 constexpr double kFlipPixelsPerDegree = 67.0206;
 
 /** One value a pixel: 0 is no visible difference, 1 the largest. Pictures are display-referred (sRGB) RGB in [0,1], interleaved, row-major,

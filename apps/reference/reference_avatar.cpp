@@ -72,7 +72,7 @@ std::vector<double> referenceCoefficients(const PoseCorrectiveData& c, const Pos
         for (size_t f = 0; f < heard.size(); ++f) mode += double(c.modes[i * heard.size() + f]) * double(c.modes[i * heard.size() + f]);
         if (mode > 0) off -= k[i] * k[i] / mode;
     }
-    const double shorter = std::min(1.0, double(c.reach) / std::sqrt(squares));  // k = 0: reach/0 is infinite, and 1 is taken
+    const double shorter = std::min(1.0, double(c.reach) / std::sqrt(squares));  // k = 0: reach/0 is infinite, so 1
     const double fade = off > 0 ? std::min(1.0, double(c.reachOffModes) / std::sqrt(off)) : 1.0;
     for (double& x : k) x *= shorter * fade;
     return k;

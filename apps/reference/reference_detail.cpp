@@ -82,7 +82,7 @@ double referenceFinestPixelM(const AvatarData& avatar, const Pose& pose, const s
 }
 
 void reduceReference(ReferenceScene& scene, const AvatarData& avatar, const CodedSplats& coded, double perM2) {
-    std::vector<double> areaOf(avatar.mesh.triangles.size());  // of a splat on a triangle
+    std::vector<double> areaOf(avatar.mesh.triangles.size());  // m² that one splat of the triangle stands for
     double surface = 0;
     for (size_t t = 0; t < areaOf.size(); ++t) {
         const glm::uvec3 c = avatar.mesh.triangles[t];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Level of detail in double precision, from the maths of docs/adr/0010: which splats of a posed avatar are drawn, how opaque and how large.
+// Level of detail in double precision, from docs/reference/level-of-detail.md: which splats are drawn, how opaque and how large.
 #pragma once
 
 #include "apps/reference/reference_renderer.h"

@@ -25,7 +25,7 @@ struct ReferencePicture {
 
 class ReferenceFile {
 public:
-    /** The bytes may be freed afterwards. Errors of readAvatar and readSplats. */
+    /** The bytes may be freed afterwards. Errors: those of readAvatar and readSplats. */
     static Result<ReferenceFile> read(std::span<const uint8_t> bytes);
 
     /** rotations: xyzw a joint, as dplGetPose gives them; their number is not checked, and general splats ignore them. Slow: 50,000 splats
@@ -37,7 +37,7 @@ public:
     uint32_t samples(const Vec3f& rootTranslation, const Cameraf& camera) const;
 
 private:
-    std::shared_ptr<const AvatarData> avatar_;  // one of the two
+    std::shared_ptr<const AvatarData> avatar_;  // one of the two is set
     std::shared_ptr<const StaticSplatData> splats_;
 };
 
@@ -56,8 +56,7 @@ struct PictureError {
 PictureError compareWith(const ReferencePicture& reference, std::span<const uint8_t> rgba);
 PictureError compareWith(const ReferencePicture& reference, std::span<const uint16_t> rgba);
 
-/** Mean FLIP (flip.h) of the pixels that the referee or the picture draws, both over mid grey; 0 where neither draws any, 1 for another
- * size. */
+/** Mean FLIP (flip.h) over the covered pixels, both pictures over mid grey. 0 when nothing is covered, 1 for another size. */
 double coveredFlip(const ReferencePicture& reference, std::span<const uint8_t> rgba);
 
 }  // namespace dpl

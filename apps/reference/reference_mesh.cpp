@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
-/** Triangles in view space, and where each may be hit: a box in the image, all of it for those that reach the near plane. */
+/** A triangle in view space, and its box in the image, px; unbounded when the triangle reaches the near plane. */
 struct ViewTriangle {
     glm::dvec3 a, e1, e2;
     glm::dvec2 low{-kNone}, high{kNone};

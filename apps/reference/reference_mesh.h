@@ -9,7 +9,7 @@
 
 namespace dpl {
 
-/** View z of the nearest surface beyond 0.05 m on the ray through a point of the image; infinite where there is none. positions: world. */
+/** View z of the nearest surface beyond 0.05 m on the ray through a point of the image; infinite if there is none. positions: world. */
 double referenceMeshDepth(std::span<const glm::dvec3> positions, std::span<const glm::uvec3> triangles, const ReferenceCamera& camera,
                           const glm::dvec2& pointPx);
 

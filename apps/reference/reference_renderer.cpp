@@ -18,7 +18,7 @@ double smoothStep(double edge0, double edge1, double x) {
     return t * t * (3 - 2 * t);
 }
 
-/** Real spherical harmonics by their normalisation constants rather than by decimal literals; Condon-Shortley signs as in 3DGS. */
+/** Real spherical harmonics with constants computed from their definition, not literals; Condon-Shortley signs as in 3DGS files. */
 std::vector<double> sphericalHarmonics(const glm::dvec3& d, uint32_t degree) {
     const double pi = std::numbers::pi, x = d.x, y = d.y, z = d.z;
     std::vector<double> b = {std::sqrt(1 / (4 * pi))};

@@ -2,7 +2,7 @@
 // The referee (docs/reference): pose correctives, skinning, binding, projection, SH and blending in double precision.
 //
 // It reads the plain structs of sdk/format and sdk/avatar but calls nothing of sdk/math or sdk/splat. Units are metres, radians and
-// pixels; pixel (i, j) has its centre at (i + 0.5, j + 0.5); everything is single-threaded, pure and slow.
+// pixels; pixel (i, j) has its centre at (i + 0.5, j + 0.5). All functions are pure, single-threaded and slow.
 //
 // A finite difference of a whole image:
 //     ReferenceScene scene = sceneOf(avatar, pose);
@@ -18,7 +18,7 @@
 
 namespace dpl {
 
-/** x right, y down, z forward; X_view = R X_world + t. Same meaning as PinholeCamera, no code shared. */
+/** x right, y down, z forward; X_view = R X_world + t. Same meaning as PinholeCamera; no code is shared. */
 struct ReferenceCamera {
     uint32_t widthPx = 0, heightPx = 0;
     double fx = 0, fy = 0, cx = 0, cy = 0;
@@ -82,7 +82,7 @@ ReferenceFootprint projectReference(const ReferenceGaussian& splat, const Refere
 /** min(0.99, opacity·exp(−σ)) at a point of the image, before the cut-off. */
 double referenceAlpha(const ReferenceFootprint& footprint, const glm::dvec2& pointPx);
 
-/** A bound splat with double parameters, free to be perturbed. */
+/** A bound splat with double parameters, which tests may perturb. */
 struct ReferenceBoundSplat {
     uint32_t triangle = 0;
     glm::dvec2 uv{0};
@@ -115,7 +115,7 @@ struct ReferenceCorrection {
 };
 ReferenceCorrection referenceCorrection(const AvatarData& avatar, const Pose& pose);
 
-/** Skins the corrected rest surface. */
+/** Posed vertices, world: the corrected rest surface, skinned. */
 std::vector<glm::dvec3> referenceSkin(const AvatarData& avatar, const Pose& pose);
 ReferenceScene sceneOf(const AvatarData& avatar, const Pose& pose);
 
@@ -129,7 +129,7 @@ struct ReferenceImage {
     std::vector<double> rgb;     // 3 a pixel
     std::vector<double> alpha;   // 1 − T
     std::vector<double> cloth;   // Σ αT over cloth splats
-    std::vector<double> depthM;  // Σ αTz / Σ αT, 0 where nothing is
+    std::vector<double> depthM;  // Σ αTz / Σ αT, 0 where alpha is 0
 };
 
 /** Blends in order of view depth, ties by index. */
@@ -139,10 +139,10 @@ ReferenceImage renderReference(const ReferenceScene& scene, const ReferenceCamer
 /** Whether a view of the avatar is drawn with four samples a pixel: at the root joint its pixels are more than 5/4 times as coarse as those
  *  of the training. Both eyes of a frame take the answer of the finer one. */
 bool referenceFourSamples(const AvatarData& avatar, const Pose& pose, const ReferenceCamera& camera);
-/** κ, compensation and samples as the avatar says. */
+/** With κ, compensation and number of samples from the avatar. */
 ReferenceImage renderReference(const AvatarData& avatar, const Pose& pose, const ReferenceCamera& camera,
                                const std::vector<float>& sceneDepthM = {});
-/** Uncompensated by default, as plain 3D Gaussian splatting files are trained. */
+/** Uncompensated by default, as plain 3D Gaussian splatting files were trained. */
 ReferenceImage renderReference(const StaticSplatData& splats, const ReferenceCamera& camera,
                                const ReferenceOptions& options = {.compensated = false});
 

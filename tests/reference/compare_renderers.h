@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws the same thing with the software renderer and with the referee and compares every channel.
+// Draws a scene with the CPU splat engine and compares every channel with the referee's picture.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 
 namespace dpl {
 
-/** Frames and splats in float, from double scene data: the skinning of sdk/avatar has its own tests. */
+/** Triangle frames and splats in float from the referee's scene. Skinning is the referee's; that of sdk/avatar has its own tests. */
 struct EngineInput {
     std::vector<TriangleFrame<float>> frames;
     std::vector<uint32_t> triangle;
@@ -36,7 +36,7 @@ struct EngineInput {
     BoundSplatView view() const { return {triangle, uv, phi, scaleM, opacity, flags, shDegree, sh}; }
 };
 
-/** Expects ≥ psnrDb in colour, alpha and cloth, and prints PSNR and largest error. Depth is compared where alpha > 0.5. */
+/** Expects at least psnrDb in colour, alpha and cloth, and prints PSNR and largest error. Depth is compared where alpha > 0.5. */
 inline void expectSameImage(const char* name, const SplatImage& image, const ReferenceImage& reference, double psnrDb) {
     ASSERT_EQ(image.alpha.size(), reference.alpha.size()) << name;
     const ImageDifference colour = compareImages(image.rgb, reference.rgb), alpha = compareImages(image.alpha, reference.alpha);
@@ -51,7 +51,7 @@ inline void expectSameImage(const char* name, const SplatImage& image, const Ref
     if (!image.cloth.empty()) {
         EXPECT_GE(compareImages(image.cloth, reference.cloth).psnrDb, psnrDb) << name;
     }
-    // A splat that flips across the 1/255 cut-off or a depth tie moves depth by at most its weight times the depth spread.
+    // Float rounding may flip a splat across the 1/255 cut-off or a depth tie. That moves depth by its weight times the spread of depths.
     EXPECT_LT(depthError, 0.02) << name;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Components that are left out show nothing: against the double reference, over rigs, poses, correctives, lenses and places of the camera.
+// Component culling against the referee: components that are left out show nothing, for random rigs, poses, correctives, lenses and
+// cameras.
 #include "sdk/visibility/components.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +15,7 @@
 namespace dpl {
 namespace {
 
-/** What is drawn of it is what its codes say. */
+/** An avatar whose splats are those that its codes decode to. */
 struct Subject {
     AvatarData avatar;
     CodedSplats coded;
@@ -30,7 +31,7 @@ struct Subject {
     }
 };
 
-/** Bits of the components of which the referee sees a splat's box or, in front of the eye, a vertex. */
+/** Bits of the components of which the referee has the box of a splat, or a vertex beyond the near plane, in the picture. */
 uint32_t seenByReferee(const Subject& s, const ReferenceScene& scene, const Cameraf& view, double growth) {
     const ReferenceCamera camera = referenceCamera(view);
     uint32_t bits = 0;
@@ -53,7 +54,7 @@ uint32_t seenByReferee(const Subject& s, const ReferenceScene& scene, const Came
     return bits;
 }
 
-/** From some side at some distance, past the subject by `aside` (0: at it, 1: away from it). */
+/** A camera at `eye`, turned from `target` in the direction of `towards` by 3 · aside radians: 0 looks at the target, 1 away from it. */
 Cameraf viewPast(const Vec3f& target, const Vec3f& eye, const Vec3f& towards, float aside, const Cameraf& lens) {
     const Vec3f at = glm::normalize(target - eye);
     const Vec3f forward =
@@ -69,12 +70,12 @@ struct Case {
     float scale = 1;    // of the splats
     float turnRad = 0;  // of every joint, at random
     float growth = 1;
-    bool torn = false;     // every vertex on one joint alone: triangles between are torn apart
+    bool torn = false;     // every vertex follows one joint alone, so triangles between joints are torn apart
     float correction = 1;  // of the offsets
     bool wide = false;     // views of 136 degrees
 };
 
-// The views are turned away until the referee sees the last of a component: there every part of the bound is needed.
+// Each view is turned by bisection to the angle at which the referee sees a component just no more. There the bound is tightest.
 TEST(Components, whatIsLeftOutShowsNothing) {
     constexpr Case kCases[] = {{"rest"},
                                {"large splats", false, false, 20},
@@ -160,7 +161,7 @@ TEST(Components, aPersonOutOfViewIsLeftOutAndOneInViewIsNot) {
     EXPECT_EQ(unseen({0, 1, 3}, {0, 7, 2}), subject.components.all()) << "below";
 }
 
-// Numbers that say nothing leave nothing out: what is drawn then is for the renderer to decide.
+// Transforms that are not finite, and weights that do not sum to 255, leave nothing out.
 TEST(Components, nothingIsLeftOutForNumbersThatSayNothing) {
     Subject subject(randomPerson(4, false, false));
     const Pose pose = Pose::rest(subject.avatar.joints.size());

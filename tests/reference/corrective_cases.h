@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What "deformation and light match the double reference to 1e-3 of their range" means, for every renderer: hard avatars and poses, and the
-// error of each vertex' rest offset, brightness and posed place. The referee takes the node values as they were trained, the renderer as a
-// file ships them (16 bits).
+// Tests of pose correctives for every renderer: rest offset, brightness and posed position of each vertex match the referee to 1e-3 of
+// their range, for hard avatars and poses. The referee uses the node values as trained, the renderer as a file stores them (16 bits).
 #pragma once
 
 #include <gtest/gtest.h>
@@ -19,12 +18,12 @@
 
 namespace dpl {
 
-constexpr double kCorrectiveBar = 1e-3;  // asked for, and held by every case
-// Measured: 7.5e-5 on every renderer, of which the file's 16-bit node values are the most; and places a metre away are floats: 0.3 µm on
-// the GPU, where joints at rest are multiplied too. Twice that.
+constexpr double kCorrectiveBar = 1e-3;  // required: share of the range
+// Twice what was measured: an error of 7.5e-5 of the range on every renderer, mostly from the 16-bit node values; and 0.3 µm on the GPU
+// from float positions a metre from the origin.
 constexpr double kCorrectiveShare = 1.5e-4, kPlaceRoundingM = 6e-7;
 
-/** The blob of random_avatar.h on a rig of `joints` joints in a random tree; vertices hang on four of them. */
+/** The mesh of randomAvatar on a random tree of `joints` joints; each vertex follows up to four of them. */
 inline AvatarData riggedBlob(uint32_t seed, uint32_t joints) {
     AvatarData a = randomAvatar(seed, 12, 1, 0);
     std::mt19937 random(seed);
@@ -47,8 +46,8 @@ inline AvatarData riggedBlob(uint32_t seed, uint32_t joints) {
     return a;
 }
 
-/** A blob whose joints are bones of a person, in two layers: several components. Splats of millimetres, some of them off their triangles.
- */
+/** riggedBlob with humanoid bones and two layers, so that it has several components. Splats are millimetres large. overshooting: every
+ * third splat has its centre off its triangle. */
 inline AvatarData randomPerson(uint32_t seed, bool corrected, bool overshooting) {
     AvatarData a = riggedBlob(seed, 9);
     constexpr const char* kBones[] = {"hips", "spine", "neck", "head", "leftHand", "rightHand", "leftUpperLeg", "rightUpperLeg", ""};
@@ -61,7 +60,7 @@ inline AvatarData randomPerson(uint32_t seed, bool corrected, bool overshooting)
     return corrected ? test::withCorrectives(std::move(a), seed) : a;
 }
 
-/** Modes that do not overlap, as training leaves them (PoseCorrectiveData): Gram and Schmidt, lengths kept. */
+/** Makes the modes orthogonal, as trained ones are (PoseCorrectiveData): Gram-Schmidt, keeping their lengths. */
 inline void separateModes(PoseCorrectiveData& c) {
     const size_t features = 6 * c.joints.size();
     for (uint32_t i = 0; i < c.modeCount; ++i) {
@@ -82,7 +81,8 @@ inline void separateModes(PoseCorrectiveData& c) {
     }
 }
 
-/** An avatar and poses of it. Every case must show what it is for: see expectCorrectivesMatch. */
+/** An avatar, and which limits its poses must reach: coefficients shortened to `reach`, faded off the modes, brightness clamped at both
+ * ends. */
 struct CorrectiveCase {
     const char* name;
     uint32_t joints;
@@ -112,7 +112,7 @@ constexpr std::array kCorrectiveCases = {
         "offsets of a millimetre", 17, {.modes = 12, .nodes = 200, .offsetM = 4e-4f, .light = 1e-3f, .reach = 3.25f}, true, false, false},
 };
 
-/** Joints turned by 0.001 to several turns, quaternions of any length and sign; the last pose is a quarter of a turn of every joint. */
+/** Poses with joints turned by 0 to several turns, and quaternions of any length and sign. The last turns every joint by a quarter turn. */
 inline std::vector<Pose> correctivePoses(size_t joints, uint32_t seed) {
     std::mt19937 random(seed);
     std::normal_distribution<float> normal;
@@ -131,11 +131,11 @@ inline std::vector<Pose> correctivePoses(size_t joints, uint32_t seed) {
     return poses;
 }
 
-/** The vertices of a pose: place in metres (corrected and not yet skinned, or posed), w: brightness. */
+/** Vertices of a pose. xyz: position in metres, corrected at rest or (skinned) posed; w: brightness. */
 using CorrectedVertices = std::function<std::vector<Vec4f>(const AvatarData& avatar, const Pose& pose, bool skinned)>;
 
-/** Every case and pose against the referee. Errors are shares of the avatar's range: the largest offset, and the largest change of
- * brightness, of all its poses. */
+/** Compares every case and pose with the referee. Errors are divided by the range of the avatar: the largest offset and the largest change
+ * of brightness over all its poses. */
 inline void expectCorrectivesMatch(const char* renderer, const CorrectedVertices& verticesOf) {
     double worstOffset = 0, worstLight = 0, worstPosed = 0;
     uint32_t seed = 40;
@@ -197,7 +197,7 @@ inline void expectCorrectivesMatch(const char* renderer, const CorrectedVertices
         worstOffset = std::max(worstOffset, offsetError / offsetRange), worstLight = std::max(worstLight, lightError / lightRange);
         worstPosed = std::max(worstPosed, posedError);
     }
-    EXPECT_LT(worstPosed, 5e-6) << "metres, and roots stand some metres away: measured 1.8e-6";
+    EXPECT_LT(worstPosed, 5e-6) << "metres; roots stand some metres from the origin; measured 1.8e-6";
     std::printf("%-9s largest error of the offsets %.1e of their range, of the brightness %.1e; of posed places %.1e m\n", renderer,
                 worstOffset, worstLight, worstPosed);
 }

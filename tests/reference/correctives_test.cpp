@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Deformation and light of the CPU renderer's vertices against the referee.
+// Pose correctives of the CPU renderer against the referee: positions and brightness of vertices.
 #include "sdk/avatar/posed_mesh.h"
 #include "tests/reference/corrective_cases.h"
 

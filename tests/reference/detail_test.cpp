@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Level of detail of the software renderer against the referee, at densities from none left out to a splat of 128.
+// Level of detail of the software renderer against the referee, at densities from all splats down to one splat a group.
 #include "sdk/visibility/detail.h"
 #include "apps/reference/reference_detail.h"
 #include "sdk/avatar/posed_mesh.h"
@@ -27,7 +27,7 @@ struct Subject {
         camera = lookAt({1.7f * std::sin(float(seed)), 1 + 0.3f * float(seed % 3), 1.7f * std::cos(float(seed))}, {0, 1, 0}, 150 + 7 * seed,
                         200 - 9 * seed, 180);
     }
-    double perM2() const {  // of all splats
+    double perM2() const {  // density of all splats
         double area = 0;
         for (const SplatChunk& c : coded.chunks)
             for (uint32_t k = 0; k < c.splatCount; ++k) area += double(coded.groups[2 * size_t(&c - coded.chunks.data()) + k / 128].areaM2);
@@ -85,7 +85,7 @@ TEST(Detail, atFullDensityBytesAreThoseWithout) {
     EXPECT_FALSE(without.rgb == s.draw({0.5f / smallest, 1}).rgb);
 }
 
-/** Nothing jumps while the density falls in small steps, and what a step changes shrinks with it. */
+/** While the density falls in small steps, the picture changes little, and less for smaller steps. */
 TEST(Detail, followsTheDensityWithoutSteps) {
     const Subject s(3);
     const auto largestChange = [&](double ratio, double from, double to) {
@@ -103,7 +103,7 @@ TEST(Detail, followsTheDensityWithoutSteps) {
     const double coarse = largestChange(0.98, 1.05, 0.3), fine = largestChange(0.995, 1.05, 0.7);
     std::printf("largest change of a value: %.4f in steps of 2 %%, %.4f in steps of 0.5 %%\n", coarse, fine);
     EXPECT_GT(coarse, 0.002);
-    EXPECT_LT(coarse, 0.1);  // measured 0.053; a splat that went at once would change its pixels by up to its opacity
+    EXPECT_LT(coarse, 0.1);  // measured 0.053; a splat that vanished in one step would change pixels by up to its opacity
     EXPECT_LT(fine, 0.6 * coarse);
 }
 
@@ -143,8 +143,8 @@ struct Room {
 
 TEST(Detail, ofGeneralSplatsAgreesWithTheRefereeNearAndFar) {
     for (uint32_t seed = 1; seed <= 3; ++seed) {
-        Room room(seed, 9000 + 37 * seed);                                               // the last half-chunk is not full
-        const Cameraf views[2] = {Room::camera(), Room::camera(seed == 2 ? -0.5f : 0)};  // of two eyes the finer one decides
+        Room room(seed, 9000 + 37 * seed);                                               // the last group is not full
+        const Cameraf views[2] = {Room::camera(), Room::camera(seed == 2 ? -0.5f : 0)};  // the finer of two views decides
         const ReferenceImage all = renderReference(room.splats, referenceCamera(views[0]));
         uint32_t drawnBefore = 0;
         for (const double perPixel : {0.003, 0.02, 0.06, 0.2}) {
@@ -175,10 +175,10 @@ TEST(Detail, ofGeneralSplatsAtFullDensityBytesAreThoseWithout) {
     EXPECT_FALSE(without.rgb == room.draw({&view, 1}, 0.1f).rgb);
 }
 
-/** As the camera walks through the room, what level of detail takes away changes by less the shorter the steps are. */
+/** While the camera walks through the room, the picture changes little, and less for shorter steps. */
 TEST(Detail, ofGeneralSplatsFollowsTheCameraWithoutSteps) {
     Room room(4);
-    // The lens follows the level alone: the picture of the full room stays the same, and with it what moves.
+    // Only level of detail sees the moving camera. The picture is always drawn from one camera, so all changes come from level of detail.
     const Cameraf seen = Room::camera();
     const auto largestChange = [&](float stepM, int steps) {
         double largest = 0;

@@ -56,8 +56,8 @@ TEST(Flip, anEdgeThatAppearsCountsMoreThanAFlatChange) {
     const auto lighter = picture([](auto, auto, int) { return 0.6; }),
                step = picture([](uint32_t x, auto, int) { return x < kSize / 2 ? 0.5 : 0.6; });
     const auto map = flipMap(grey, step, kSize, kSize);
-    EXPECT_GT(map[kSize * 10 + kSize / 2], 1.1 * meanFlip(grey, lighter));  // though blur leaves half of the change there
-    EXPECT_LT(map[kSize * 10 + 2], 1e-6);                                   // far from it nothing changed
+    EXPECT_GT(map[kSize * 10 + kSize / 2], 1.1 * meanFlip(grey, lighter));  // although blur halves the colour change at the edge
+    EXPECT_LT(map[kSize * 10 + 2], 1e-6);                                   // unchanged far from the edge
 }
 
 TEST(Flip, coveredPixelsAloneCount) {

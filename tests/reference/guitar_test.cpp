@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A captured object from somebody else's tool, read from its file: our picture against an independent rasteriser's, and against the
-// referee.
+// A captured object in a file of another tool: our picture against that of an independent rasteriser, and against the referee.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -17,10 +16,10 @@
 namespace dpl {
 namespace {
 
-/** Measured over grey: 68.7 to 70.6 dB, mean error 0.02 levels. That is the rounding of the reference PNGs: ±½ of 1/255 on the 7 to 10 % of
- * pixels that are covered gives 69 to 70 dB. Splats 1 % larger give 63 to 65 dB, half a pixel to the side 35 to 38 dB. */
+/** Measured over grey: 68.7 to 70.6 dB, mean error 0.02 levels. The 8-bit rounding of the reference PNGs explains it: ±½ level on the 7 to
+ * 10 % of pixels that are covered gives 69 to 70 dB. Splats 1 % larger give 63 to 65 dB, a shift by half a pixel 35 to 38 dB. */
 constexpr double kPictureBarDb = 67, kMeanErrorBar = 0.05 / 255;
-constexpr double kReferenceBarDb = 88;  // as software_vs_reference_test.cpp: the product's 50 dB, and a row of lost pixels, lie below
+constexpr double kReferenceBarDb = 88;  // as in software_vs_reference_test.cpp
 
 struct Guitar {
     StaticSplatData splats;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The drawing hard cases of design.md, each with what is expected: agreement with the referee, or nothing drawn, or no overrun.
+// Hard cases of drawing. Each expects agreement with the referee, and some of them an empty picture.
 #include "tests/reference/compare_renderers.h"
 #include "tests/reference/random_avatar.h"
 
 namespace dpl {
 namespace {
 
-constexpr double kBarDb = 50;  // the product's bar
+constexpr double kBarDb = 50;  // required of every renderer
 
-/** One equilateral-like triangle in the z = 0 plane, corners given, and splats on it. */
+/** One right triangle with legs of 0.1 m at rest, and its posed corners. */
 ReferenceScene oneTriangle(const glm::dvec3& v0, const glm::dvec3& v1, const glm::dvec3& v2) {
     ReferenceScene scene;
     scene.rest = {{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}};
@@ -32,7 +32,7 @@ ReferenceScene flatTriangle() {
 }
 
 TEST(HardCases, nearPlane) {
-    // A row of splats whose depth runs through the near plane and the fade.
+    // A line of splats whose depths cross the near plane and the near fade.
     StaticSplatData s = randomStaticSplats(9, 60, 0);
     for (uint32_t i = 0; i < s.count(); ++i)
         s.position[i] = {0.003f * float(i) - 0.09f, 0, 0.02f + 0.003f * float(i)}, s.scaleM[i] = Vec3f(0.004f);
@@ -59,7 +59,7 @@ TEST(HardCases, splatLargerThanTheScreen) {
 TEST(HardCases, splatOfTenMicrometres) {
     ReferenceScene scene = flatTriangle();
     scene.splats = {splat(1e-5, 1e-5), splat(1e-3, 1e-3)};
-    // Compensation makes a 0.01 px splat fainter than 1/255; the floor 0.005 keeps it from 0 but not visible.
+    // Compensation makes a splat of 0.01 px fainter than 1/255, also at its floor of 0.005.
     check("1e-5 m", scene, lookAt({0.03f, 0.03f, 1}, {0.03f, 0.03f, 0}, 60, 60, 1000));
     scene.splats.resize(1);
     EXPECT_GT(
@@ -122,7 +122,7 @@ TEST(HardCases, invertedAndStretchedTriangles) {
 }
 
 TEST(HardCases, opposingBlendOfTwoJoints) {
-    // Half-and-half weights between 0 and 180 degrees: skinning collapses the middle onto the axis.
+    // Where two joints half a turn apart have equal weights, skinning collapses vertices onto the axis.
     AvatarData avatar = randomAvatar(31, 8, 4);
     Pose pose = Pose::rest(2);
     pose.localRotations[1] = glm::angleAxis(3.14159265f, Vec3f(0, 1, 0));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Comparing pictures: PSNR, largest error, and "is anything there at all".
+// Comparison of pictures: PSNR, largest error, and the share of covered pixels.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@ struct ImageDifference {
     size_t worst = 0;     // index of the largest error
 };
 
-/** Values of both images on the same scale, [0,1] for colours. */
+/** Both images must use the same scale, [0,1] for colours. */
 template <class A, class B>
 ImageDifference compareImages(const A& actual, const B& expected) {
     constexpr double kInfinite = std::numeric_limits<double>::infinity();
@@ -33,7 +33,7 @@ ImageDifference compareImages(const A& actual, const B& expected) {
     return d;
 }
 
-/** Share of pixels with alpha above `threshold`. A golden test that compares two empty images proves nothing. */
+/** Share of pixels with alpha above `threshold`. Tests require some, because comparing two empty images proves nothing. */
 template <class Image>
 double coverage(const Image& alpha, double threshold = 0.1) {
     if (alpha.empty()) return 0;

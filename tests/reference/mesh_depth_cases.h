@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Meshes that are hard to draw depth of, for every renderer that does.
+// Meshes whose depth is hard to draw, for the tests of every renderer.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ struct MeshDepthCase {
     double minCovered = 0.1, maxCovered = 1;
 };
 
-/** Cameras around a point 1 m above the origin, which is 0.5 m deep inside the random avatar. */
+/** Random avatars, whose centre is 1 m above the origin, and single triangles and walls. */
 inline std::vector<MeshDepthCase> meshDepthCases() {
     std::vector<MeshDepthCase> cases;
     for (uint32_t seed = 1; seed <= 4; ++seed) {
@@ -42,7 +42,7 @@ inline std::vector<MeshDepthCase> meshDepthCases() {
         offAxis.cx = -20, offAxis.cy = 90, offAxis.fy = 40;
         add("off-axis", offAxis, 0);
     }
-    // One triangle, looked at along +z from the origin.
+    // One triangle, seen from the origin along +z, and the same with its corners in reverse order.
     Cameraf camera;
     camera.widthPx = 64, camera.heightPx = 48, camera.fx = camera.fy = 40, camera.cx = 32, camera.cy = 24;
     const auto one = [&](const char* name, Vec3f a, Vec3f b, Vec3f c, double minCovered, double maxCovered) {
@@ -67,7 +67,7 @@ inline std::vector<MeshDepthCase> meshDepthCases() {
     one("an infinitely far corner", {0, 0, 2}, {1, 0, inf}, {0, 1, 2}, 0, 0);
     one("beside the view", {5, 0, 2}, {6, 0, 2}, {5, 1, 2}, 0, 0);
     cases.push_back({"no triangles", {{0, 0, 2}}, {}, camera, 0, 0});
-    // Two walls whose edges and corners run through pixel centres to the last bit; one faces the camera, one does not.
+    // Two walls whose edges and corners lie exactly on pixel centres; one faces the camera, one faces away.
     for (const bool turned : {false, true}) {
         MeshDepthCase grid{turned ? "centres on edges, turned" : "centres on edges", {}, {}, camera, 1, 1};
         grid.camera.fx = grid.camera.fy = 32, grid.camera.cx = 32.5f, grid.camera.cy = 24.5f;
@@ -80,7 +80,7 @@ inline std::vector<MeshDepthCase> meshDepthCases() {
                 grid.triangles.push_back(turned ? Triangle(b, c, d) : Triangle(b, d, c));
             }
         std::vector<uint32_t> place(
-            grid.positions.size());  // shuffled: corners are taken in order of their index, so neighbours turn either way
+            grid.positions.size());  // shuffled: renderers take corners in order of index, so neighbours then wind either way
         std::iota(place.begin(), place.end(), 0u);
         std::shuffle(place.begin(), place.end(), std::mt19937(17));
         const std::vector<Vec3f> inOrder = grid.positions;
@@ -88,7 +88,7 @@ inline std::vector<MeshDepthCase> meshDepthCases() {
         for (Triangle& t : grid.triangles) t = {place[t.x], place[t.y], place[t.z]};
         cases.push_back(grid);
     }
-    // A wall of 5,000 slivers with shared edges, each through many pixels: no gap may show what is behind.
+    // 5,000 slivers around one point. Their shared edges cross many pixels, and no gap may show.
     MeshDepthCase wall{"a fan of slivers", {{0.013f, 0.017f, 2}}, {}, camera, 1, 1};
     for (uint32_t i = 0; i <= 5000; ++i) {
         const float angle = 6.2831853f * float(i % 5000) / 5000;

@@ -12,7 +12,7 @@ namespace {
 std::vector<float> drawMesh(const MeshDepthCase& c, uint32_t threads = 2) {
     Jobs jobs(threads);
     MeshDepth mesh;
-    std::vector<float> depthM(3, -1.0f);  // of another size
+    std::vector<float> depthM(3, -1.0f);  // wrong size and content: draw must replace both
     mesh.draw(jobs, c.positions, c.triangles, c.camera, depthM);
     return depthM;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Random but reproducible avatars and static splats for tests of the renderers.
+// Random but reproducible avatars and general splats for tests.
 #pragma once
 
 #include <random>
@@ -10,7 +10,7 @@
 
 namespace dpl {
 
-/** A blob of a mesh (a bumpy sphere, 0.5 m around (0, 1, 0)) with two joints and `splatsPerTriangle` splats on each face. */
+/** A bumpy sphere of radius 0.45 to 0.5 m around (0, 1, 0), with two joints and `splatsPerTriangle` splats on each triangle. */
 inline AvatarData randomAvatar(uint32_t seed, uint32_t rings = 8, uint32_t splatsPerTriangle = 4, uint32_t shDegree = 2) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<float> uniform(0, 1);
@@ -67,7 +67,7 @@ inline Pose randomPose(const AvatarData& avatar, uint32_t seed) {
     return pose;
 }
 
-/** A camera at `eye` that looks at `target` with world +Y up. */
+/** A camera at `eye` that looks at `target`, with world +Y up in the image. */
 inline Cameraf lookAt(const Vec3f& eye, const Vec3f& target, uint32_t widthPx, uint32_t heightPx, float focalPx) {
     Cameraf c;
     c.widthPx = widthPx, c.heightPx = heightPx, c.fx = c.fy = focalPx, c.cx = float(widthPx) / 2, c.cy = float(heightPx) / 2;
@@ -78,7 +78,7 @@ inline Cameraf lookAt(const Vec3f& eye, const Vec3f& target, uint32_t widthPx, u
     return c;
 }
 
-/** `count` general splats in a 1 m cloud around the origin. */
+/** `count` general splats, normally distributed around the origin with a standard deviation of 0.4 m. */
 inline StaticSplatData randomStaticSplats(uint32_t seed, uint32_t count, uint32_t shDegree = 3, float sizeM = 0.02f) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<float> uniform(0, 1);

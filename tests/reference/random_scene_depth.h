@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Depth buffers of an app, for tests: a tilted plane through the subject, rough in places, with every value that means "nothing is there".
+// Depth buffers of an app, for tests: a tilted plane through the subject, rough in places, mixed with values that mean "no scene" and with
+// extreme values.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +10,7 @@
 
 namespace dpl {
 
-/** One float a pixel. throughM: the plane's view z in the middle of the image. */
+/** One float a pixel, view z. throughM: the plane's view z in the middle of the image. */
 inline std::vector<float> randomSceneDepth(uint32_t seed, uint32_t widthPx, uint32_t heightPx, float throughM) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<float> uniform(0, 1);

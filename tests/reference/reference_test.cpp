@@ -37,7 +37,7 @@ TEST(Reference, frontalDiscHasTheVarianceOfTheTextbook) {
 }
 
 TEST(Reference, twoLayersBlendFrontToBack) {
-    // In the middle pixel of an odd image σ is 0 for both.
+    // The image has an odd size, so σ is 0 in its middle pixel for both splats.
     ReferenceGaussian front = disc({0, 0, 1}, 10, 0.5), back = disc({0, 0, 2}, 10, 0.5);
     front.sh = {10, -10, -10}, back.sh = {-10, 10, -10};
     const ReferenceImage image = renderReference({back, front}, camera(3, 1), {.kappaPx2 = 0});

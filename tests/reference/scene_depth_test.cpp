@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The CPU's depth test against an app's scene, against the referee's.
+// The CPU engine's depth test against the app's scene, compared with the referee.
 #include "tests/reference/compare_renderers.h"
 #include "tests/reference/random_avatar.h"
 #include "tests/reference/random_scene_depth.h"
@@ -7,7 +7,7 @@
 namespace dpl {
 namespace {
 
-constexpr double kBarDb = 50;  // the product's bar
+constexpr double kBarDb = 50;  // required of every renderer
 
 SplatImage drawBehind(const ReferenceScene& scene, const Cameraf& camera, std::span<const float> sceneDepthM, uint32_t samples = 1,
                       uint32_t threads = 2) {
@@ -63,7 +63,7 @@ TEST(SceneDepth, aSceneWithNothingInItLeavesEveryBit) {
     EXPECT_EQ(*std::max_element(hidden.alpha.begin(), hidden.alpha.end()), 0.0f);
 }
 
-/** Camera and splat on the axis: the depth is 2 to the last bit. */
+/** The camera looks along +z from the origin, so the splat's depth is exactly 2. */
 TEST(SceneDepth, equalDepthIsSeenAndTheNextFloatBeforeItHides) {
     StaticSplatData s = randomStaticSplats(1, 1, 0);
     s.position = {{0, 0, 2}}, s.scaleM = {{0.2f, 0.2f, 0.2f}}, s.opacity = {0.9f};

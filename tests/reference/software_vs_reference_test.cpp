@@ -9,8 +9,8 @@
 namespace dpl {
 namespace {
 
-// The product's bar is 50 dB. Measured: 120 dB and more; 93 dB where one pixel falls on the other side of the 1/255 cut-off. A renderer
-// that loses a row of pixels at tile edges measured 60 to 82 dB, so the bar stands above that.
+// Required of the product: 50 dB. Measured: 120 dB and more; 93 dB where one pixel flips across the 1/255 cut-off. A renderer that loses a
+// row of pixels at tile edges measured 60 to 82 dB, so the bar is above that.
 constexpr double kBarDb = 88;
 
 TEST(SoftwareVsReference, randomAvatarsPosesAndViews) {
@@ -26,7 +26,7 @@ TEST(SoftwareVsReference, randomAvatarsPosesAndViews) {
     }
 }
 
-/** Draws as the product does: correctives and skinning run in float too. */
+/** Draws with the float correctives and skinning of sdk/avatar, as the product does. */
 SplatImage drawPosed(const AvatarData& avatar, const Pose& pose, const Cameraf& camera, PosedMesh& mesh) {
     Jobs jobs(2);
     const std::vector<RestTriangle<float>> bind = restTriangles(avatar.mesh);
@@ -91,7 +91,7 @@ TEST(SoftwareVsReference, correctivesMoveAndLightTheSurface) {
         EXPECT_EQ(length(referenceCoefficients(avatar.correctives, pose)) < 0.99 * length(referenceCoefficients(onlyReach, pose)),
                   c.offTheModes)
             << c.name;
-        // The case shows something: without correctives the picture is a different one.
+        // Without correctives the picture differs clearly, so the comparison above says something.
         EXPECT_LT(compareImages(renderReference(plain, pose, referenceCamera(camera)).rgb, reference.rgb).psnrDb, 35);
     }
     EXPECT_EQ(darkest, 0.2);
@@ -169,10 +169,10 @@ TEST(SoftwareVsReference, sameBytesOnAnyThreadCount) {
     }
 }
 
-// Several avatars and static splats in one picture must look like one set of splats.
+// Avatars and general splats added to one picture are sorted and blended as one set of splats.
 TEST(SoftwareVsReference, setsThatAreAddedToOnePictureAreSortedTogether) {
     const AvatarData avatars[2] = {randomAvatar(70, 30, 40, 1),
-                                   randomAvatar(71, 12, 16, 2)};  // one fills more than a block of projection, one less
+                                   randomAvatar(71, 12, 16, 2)};  // one has more splats than a block of projection, one fewer
     StaticSplatData cloud = randomStaticSplats(5, 300, 3);
     for (Vec3f& p : cloud.position) p.y += 1;
     const Cameraf camera = lookAt({0.9f, 1.2f, 1.1f}, {0, 1, 0}, 150, 130, 120);
@@ -206,7 +206,7 @@ TEST(SoftwareVsReference, setsThatAreAddedToOnePictureAreSortedTogether) {
     expectSameImage("three sets", image, renderReference(all, referenceCamera(camera)), 75);
 }
 
-// Chunks whose splats all face away are skipped. Decoding must go on at the right chunk after them.
+// Chunks whose splats all face away are skipped. Decoding must continue at the right chunk after them.
 TEST(SoftwareVsReference, wholeChunksThatAreSkippedLeaveTheNextOnesRight) {
     AvatarData a = randomAvatar(60, 24, 16, 0);  // 1,536 splats a ring; half of them, three chunks, face away
     for (uint32_t i = 0; i < a.splats.count(); ++i) {
@@ -232,8 +232,7 @@ TEST(SoftwareVsReference, wholeChunksThatAreSkippedLeaveTheNextOnesRight) {
     }
 }
 
-// The renderer keeps codes and decodes what a view needs. The picture must equal that of the decoded numbers, and culling must lose
-// nothing.
+// The renderer keeps codes and decodes only what a view needs. The picture must equal that of all decoded splats.
 TEST(SoftwareVsReference, codedSplatsDrawWhatTheyDecodeTo) {
     for (uint32_t round = 0; round < 8; ++round) {
         AvatarData a = randomAvatar(40 + round, 12, 16, round % 4);
@@ -263,7 +262,7 @@ TEST(SoftwareVsReference, codedSplatsDrawWhatTheyDecodeTo) {
         EXPECT_GT(plain.visibleCount(), 20u);
         for (size_t i = 0; i < engine.projected().size(); ++i)
             ASSERT_NEAR(engine.projected()[i].opacity, plain.projected()[i].opacity, 1e-2) << "splat " << i;
-        // Bytes read: one or five per splat for the decision, the rest only for groups with a visible splat.
+        // Deciding reads one or five bytes a splat; decoding reads all bytes of packed groups with a visible splat.
         const uint64_t n = coded->count(),
                        each = 13 + (coded->shIndex.empty() ? 0 : 2) + (a.splats.shDegree ? shEntryBytes(a.splats.shDegree) : 0);
         EXPECT_GE(engine.decidedBytes(), n / 16);

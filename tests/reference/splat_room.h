@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// General splats that are a room to stand in: walls, floor and ceiling of flat splats several deep, and a ball in its middle. For level of
-// detail, which must serve what is near and what is far in one picture.
+// General splats in the shape of a room: walls, floor and ceiling of flat splats several deep, and a ball in the middle. For tests of level
+// of detail, with near and far splats in one picture.
 #pragma once
 
 #include <random>
@@ -11,7 +11,7 @@
 
 namespace dpl {
 
-/** The room is 4 × 3 × 8 m about the origin, the ball of 0.5 m at (0, 0, -1). */
+/** The room is 4 × 3 × 8 m around the origin; the ball has a radius of 0.5 m around (0, 0, -1). */
 inline StaticSplatData splatRoom(uint32_t seed, uint32_t count, uint32_t shDegree = 1) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<float> uniform(0, 1);
@@ -30,7 +30,7 @@ inline StaticSplatData splatRoom(uint32_t seed, uint32_t count, uint32_t shDegre
             for (int k = 0; k < 3; ++k) at[k] = half[k] * (2 * uniform(random) - 1);
             front = Vec3f(0), front[axis] = i % 2 ? 1.0f : -1.0f, at[axis] = half[axis] * front[axis];
         }
-        const Vec3f turnAxis(-front.y, front.x, 0);  // z to front
+        const Vec3f turnAxis(-front.y, front.x, 0);  // turns z to front
         const Quatf toFront = glm::length(turnAxis) > 1e-4f ? glm::angleAxis(std::acos(front.z), glm::normalize(turnAxis))
                               : front.z > 0                 ? Quatf(1, 0, 0, 0)
                                                             : Quatf(0, 1, 0, 0);
@@ -45,7 +45,7 @@ inline StaticSplatData splatRoom(uint32_t seed, uint32_t count, uint32_t shDegre
     return s;
 }
 
-/** What perPixel splats a pixel leave of general splats for these cameras. */
+/** The referee's splats at a level of detail of perPixel splats a pixel for these cameras. */
 inline std::vector<ReferenceGaussian> reducedSplats(const StaticSplatData& splats, std::initializer_list<Cameraf> views, double perPixel) {
     std::vector<ReferenceCamera> cameras;
     for (const Cameraf& view : views) cameras.push_back(referenceCamera(view));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is trained is what ships: the trainer's forward pass on a decoded avatar against the pictures of the public SDK's software renderer.
+// The trainer's forward pass against the software renderer of the public SDK, on avatars decoded from a file.
 #include <gtest/gtest.h>
 
 #include <doppel/doppel.hpp>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kRequiredDb = 60;
 
-/** Premultiplied RGBA, eight bits, from the SDK. */
+/** Draws with the SDK: premultiplied RGBA8. */
 std::vector<uint8_t> drawWithSdk(const std::vector<uint8_t>& bytes, const Pose& pose, const Cameraf& camera) {
     auto context = doppel::Context::create(DPL_RENDERER_SOFTWARE, 2);
     if (!context) return {};
@@ -29,7 +29,7 @@ std::vector<uint8_t> drawWithSdk(const std::vector<uint8_t>& bytes, const Pose& 
     return avatar->render({&view, 1}, {&image, 1}) ? rgba : std::vector<uint8_t>{};
 }
 
-/** The trainer's picture of the same, rounded to the same eight bits. */
+/** Draws the same with the trainer, rounded to RGBA8. */
 std::vector<uint8_t> drawWithTrainer(const AvatarData& avatar, const Pose& pose, const Cameraf& camera) {
     Jobs jobs(2);
     TrainableSplats splats = TrainableSplats::fromSplatData(avatar.splats, std::vector<float>(avatar.mesh.triangles.size(), 0.0f));
