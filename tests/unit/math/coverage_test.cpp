@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many samples a pixel: a switch that follows distance, and that no number can push over.
+// Coverage samples a pixel: they follow the pixel size at the subject, and numbers that are not finite give one sample.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -13,7 +13,7 @@ namespace {
 const Vec3f kSubject{0, 1, 0};
 constexpr float kTrainedM = 0.002f, kNan = std::numeric_limits<float>::quiet_NaN(), kInfinity = std::numeric_limits<float>::infinity();
 
-/** Looks along +z at the subject from so far that a pixel there has `pixelM`. */
+/** Looks along +z at the subject, from the distance at which a pixel there has the size pixelM. */
 Cameraf cameraOf(float pixelM, float focalPx = 500) {
     Cameraf c;
     c.widthPx = 640, c.heightPx = 480, c.fx = c.fy = focalPx, c.cx = 320, c.cy = 240;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/** By its definition. */
+/** Value of a finite half by its definition. */
 double valueOf(uint16_t half) {
     const int exponent = half >> 10 & 31, mantissa = half & 1023;
     const double magnitude = exponent == 0 ? std::ldexp(mantissa, -24) : std::ldexp(1024 + mantissa, exponent - 25);

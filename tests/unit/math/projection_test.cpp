@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The screen footprint, its determinant, and the fades.
+// The screen footprint, its determinant, the gate and the near fade.
 #include "sdk/math/projection.h"
 
 #include <gtest/gtest.h>
@@ -16,8 +16,7 @@ Camerad camera() {
 }
 
 TEST(Projection, sumFormKeepsTheDeterminantOfNeedlesInFloat) {
-    // Minor axis 0.3 px, major axis up to 2000 px: a·c − b² would be wrong by up to 83 % (docs/reference/footprint.md); the sum form by
-    // rounding only.
+    // Minor axis 0.3 px, major axis up to 2000 px: in float a·c − b² is wrong by up to 83 % (docs/reference/footprint.md).
     const Camerad d = camera();
     const Cameraf f = d.cast<float>();
     std::mt19937 random(4);
@@ -32,7 +31,7 @@ TEST(Projection, sumFormKeepsTheDeterminantOfNeedlesInFloat) {
             ASSERT_TRUE(exact.visible && fast.visible);
             EXPECT_NEAR(fast.conicA / exact.conicA, 1, 5e-5) << majorPx;
             EXPECT_NEAR(fast.conicC / exact.conicC, 1, 5e-5) << majorPx;
-            EXPECT_NEAR(fast.compensation / exact.compensation, 1, 5e-4) << majorPx;  // det(B) itself is a difference
+            EXPECT_NEAR(fast.compensation / exact.compensation, 1, 5e-4) << majorPx;  // det(B) is a difference and loses digits
         }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One bound splat in one view by the scalar formulas of sdk/math: what the SIMD kernel of sdk/splat computes, in float or double.
+// Projects one bound splat with the scalar formulas of sdk/math, in float or double: the counterpart of the SIMD kernel of sdk/splat.
 #pragma once
 
 #include "sdk/math/binding.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The SIMD kernel's records against the same formulas in double, on random and hard splats.
+// The forward records of the SIMD kernel against the same formulas in double, on random and hard splats.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +24,7 @@ struct Scene {
     }
 };
 
-/** One splat a triangle. Some triangles lie across the near fade, beside the picture or edge-on, some splats are needles. */
+/** One splat a triangle. Some triangles lie in the near fade or beside the picture, and some splats are needles. */
 Scene makeScene(uint32_t count) {
     Scene s;
     s.camera.widthPx = 320, s.camera.heightPx = 240, s.camera.fx = 300, s.camera.fy = 310, s.camera.cx = 155, s.camera.cy = 124;
@@ -36,7 +36,7 @@ Scene makeScene(uint32_t count) {
     const Mat3f worldFromView = glm::transpose(s.camera.viewFromWorldRotation);
     for (uint32_t i = 0; i < count; ++i) {
         const auto vector = [&](float size) { return size * Vec3f(normal(random), normal(random), normal(random)); };
-        const bool aside = i % 11 == 0;  // so far that the slopes are clamped, and so large that the splat still reaches the picture
+        const bool aside = i % 11 == 0;  // slopes are clamped, and the splat is large enough to reach the picture
         const float z = i % 7 == 0 ? 0.06f + 0.12f * uniform(random) : 0.5f + 3 * uniform(random), size = (aside ? 0.3f : 0.02f) * z;
         const float spread = aside ? 0.8f : 0.4f;
         const Vec3f view(spread * z * normal(random), spread * z * normal(random), z);
@@ -70,7 +70,7 @@ BoundForward<double> exactForward(const Scene& s, uint32_t i) {
     return projectBoundSplat(s.camera.cast<double>(), frame, splat, 0.3);
 }
 
-/** |got − want| over the size of what was added up, in units of the float's last place (2⁻²³). */
+/** Expects |got − want| ≤ ulps · 2⁻²³ · size, where size is the magnitude of the summands of the value. */
 void expectWithin(double got, double want, double size, double ulps, const char* what, uint32_t splat) {
     EXPECT_LE(std::abs(got - want), ulps * 0x1p-23 * size) << what << " of splat " << splat << ", " << want;
 }
@@ -91,7 +91,8 @@ TEST(ForwardRecord, isWhatTheFormulasGiveInDouble) {
         const ForwardRecord<double>& e = exact.record;
         ASSERT_TRUE(exact.visible);
         const double z = e.depthM, jacobian = 310 / z, far = 1 / (e.inverseDistance * z);
-        // View coordinates are sums of numbers as large as the distance to the eye and to the world's origin (here below 1 m more).
+        // View coordinates are sums of numbers as large as the distances to the eye and to the world's origin, which is within 1 m of the
+        // eye.
         const double place = 1 + 1 / z + far;
         expectWithin(r.a10, e.a10, std::hypot(e.a10, e.a11), 2, "a10", i);
         expectWithin(r.a21, e.a21, std::hypot(e.a20, e.a21), 2, "a21", i);
@@ -108,7 +109,7 @@ TEST(ForwardRecord, isWhatTheFormulasGiveInDouble) {
         expectWithin(r.b2Y, e.b2Y, onScreen2, 8, "b2Y", i);
         expectWithin(r.axis1Z, e.axis1Z, length1, 8, "axis1Z", i);
         expectWithin(r.axis2Z, e.axis2Z, length2, 8, "axis2Z", i);
-        // Errors of B enter the conic with the condition of Σ'.
+        // Errors of B are amplified in the conic by the condition number of Σ'.
         const double variance = onScreen1 * onScreen1 + onScreen2 * onScreen2 + 0.3, condition = variance * (e.conicA + e.conicC);
         expectWithin(r.conicA, e.conicA, condition * (e.conicA + e.conicC), 16, "conicA", i);
         expectWithin(r.conicB, e.conicB, condition * (e.conicA + e.conicC), 16, "conicB", i);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Behaviour of the engine that needs no reference: sizes, emptiness, culling, order, threads, hostile numbers.
+// Behaviour of the splat engine that needs no referee: sizes, empty input, culling, order, threads, numbers that are not finite.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -81,7 +81,7 @@ TEST(SplatEngine, largeTarget) {
     SplatEngine engine(jobs);
     engine.project(grey(1), camera(8192, 8192), 0.3f);
     engine.bin();
-    std::vector<uint8_t> rgba;  // a quarter of the float image's gigabyte
+    std::vector<uint8_t> rgba;  // 256 MiB; the float image would take 1 GiB
     engine.blendRgba8(rgba);
     ASSERT_EQ(rgba.size(), size_t(8192) * 8192 * 4);
     EXPECT_NEAR(rgba[(size_t(4096) * 8192 + 4096) * 4 + 3], 127.5, 1);
@@ -171,7 +171,7 @@ TEST(SplatEngine, stopsTellWhatWasBlended) {
     const SplatImage image = draw(engine, s, camera(17, 17), {.recordStops = true});
     ASSERT_EQ(engine.stops().size(), 17u * 17u);
     const size_t middle = 8 * 17 + 8;
-    // (1 − α)ⁿ ≤ 1e-4 with α slightly below 0.9 (the low-pass has no part in an uncompensated splat): the fifth entry ends it.
+    // (1 − α)ⁿ ≤ 1e-4 with α slightly below 0.9 at the pixel centre: the fourth or fifth entry ends the pixel.
     EXPECT_GE(engine.stops()[middle], 4u);
     EXPECT_LE(engine.stops()[middle], 5u);
     EXPECT_LE(engine.stopTransmittance()[middle], 1e-4f);
@@ -182,7 +182,7 @@ TEST(SplatEngine, stopsTellWhatWasBlended) {
 TEST(SplatEngine, packedSplatsGiveTheSameBytes) {
     std::mt19937 random(7);
     std::normal_distribution<float> normal;
-    StaticSplatData s = grey(5003);  // not a whole number of groups
+    StaticSplatData s = grey(5003);  // not a whole number of packed groups
     s.shDegree = 2;
     s.sh.assign(s.count() * 27, 0.f);
     for (float& x : s.sh) x = 0.3f * normal(random);
@@ -278,7 +278,7 @@ TEST(SplatEngine, arraysOfDifferentLengthDrawNothing) {
 }
 
 TEST(SplatEngine, tooManyTileEntriesDrawTheNearest) {
-    // 600 layers over 512 × 512 tiles would be 1.6e8 entries; the nearest ones must win and nothing may overrun.
+    // 600 layers over 512 × 512 tiles would be 1.6e8 entries, more than the limit of 2²⁷. The nearest splats must be kept.
     StaticSplatData s = grey(600);
     for (size_t i = 0; i < s.count(); ++i) s.position[i].z = 3 - 0.001f * float(i), s.scaleM[i] = Vec3f(30.f);
     Jobs jobs(2);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Level of detail: which splats go first, how many splats a density draws, and one budget for several avatars.
+// Level of detail: which splats are left out first, how many splats a density draws, and one budget for several subjects.
 #include "sdk/visibility/detail.h"
 
 #include <gtest/gtest.h>
@@ -50,7 +50,7 @@ struct Subject {
     }
 };
 
-/** General splats about (0, 1, 0), a metre across, the last half-chunk not full. */
+/** General splats around (0, 1, 0), about a metre across. The last group is not full. */
 struct Cloud {
     GeneralDetailSubject subject;
     explicit Cloud(uint32_t seed, uint32_t count = 3005) {
@@ -58,7 +58,7 @@ struct Cloud {
         for (Vec3f& p : splats.position) p.y += 1;
         subject = GeneralDetailSubject(measureGroups(splats, spatialOrder(splats.position)), count);
     }
-    /** Of half-chunks that reach before the cameras. */
+    /** Splats drawn of the groups that reach in front of a camera. */
     uint64_t drawn(const GeneralDetail& detail, std::span<const Cameraf> views) const {
         uint64_t sum = 0;
         for (size_t g = 0; g < subject.groups().size(); ++g) {
@@ -85,7 +85,7 @@ TEST(SplatGroups, everyPrefixOfTheRanksIsSpreadEvenly) {
         ASSERT_LT(placeOfRank(rank), kSplatGroupSize);
         ASSERT_FALSE(taken[placeOfRank(rank)]);
         taken[placeOfRank(rank)] = true;
-        // No gap is more than twice as long as it must be.
+        // The longest gap is at most twice that of an even spread.
         uint32_t gap = 0, longest = 0;
         for (const bool t : taken) gap = t ? 0 : gap + 1, longest = std::max(longest, gap);
         EXPECT_LE(longest + 1, 2 * kSplatGroupSize / (rank + 1)) << rank;
@@ -156,7 +156,7 @@ TEST(SplatGroups, faceAndHandsKeepMoreWithinTheSameNumber) {
         avatar.joints[1].humanoidBone = bone;
         for (auto& w : avatar.mesh.jointWeights)
             w = w[1] > 127 ? glm::u8vec4(0, 255, 0, 0) : glm::u8vec4(255, 0, 0, 0);  // each on one joint
-        for (auto& j : avatar.mesh.jointIndices) j = {0, 1, 60000, 60000};           // what weighs nothing is not looked up
+        for (auto& j : avatar.mesh.jointIndices) j = {0, 1, 60000, 60000};           // joints of weight 0 are not looked up
         const Subject s(std::move(avatar));
         double area = 0, plainArea = 0;
         float least = INFINITY, most = 0;
@@ -183,7 +183,7 @@ TEST(SplatGroups, faceAndHandsKeepMoreWithinTheSameNumber) {
 }
 
 TEST(SplatGroups, ofGeneralSplatsStandForTheSurfaceTheyLieOn) {
-    // A square of 2 m with a splat every 2 cm, and one that is crumpled into a ball, which is seen from all sides.
+    // A square of 2 m with a splat every 2 cm.
     StaticSplatData flat;
     for (int i = 0; i < 10000; ++i) {
         flat.position.emplace_back(0.02f * float(i % 100), 0.02f * float(i / 100), 1),
@@ -196,15 +196,15 @@ TEST(SplatGroups, ofGeneralSplatsStandForTheSurfaceTheyLieOn) {
         area += double(groups[g].detail.areaM2) * std::min<double>(kSplatGroupSize, 10000 - double(g) * kSplatGroupSize);
     EXPECT_EQ(groups.size(), 79u);
     EXPECT_GT(area, 3.9);
-    EXPECT_LT(area, 8);  // some half-chunks lie in two places
-    // One large splat stands for its own size, wherever its neighbours are.
+    EXPECT_LT(area, 8);  // the Morton curve jumps, so some groups lie in two places and count as larger
+    // Large splats in one place stand for their own size.
     StaticSplatData one = flat;
     std::fill(one.position.begin(), one.position.end(), Vec3f(0));
     std::fill(one.scaleM.begin(), one.scaleM.end(), Vec3f(0.5f, 0.2f, 0));
     const SplatGroup large = measureGroups(one, spatialOrder(one.position))[3].detail;
     EXPECT_NEAR(double(large.areaM2) * kSplatGroupSize, 12 * 0.5 * 0.2, 1e-5);
     EXPECT_TRUE(large.enough > 0 && large.enough < 0.2f) << "128 in one place, of which a few are enough: " << large.enough;
-    // What is not finite or not seen leaves the numbers finite.
+    // Numbers that are not finite, and invisible splats, still give finite groups.
     one.position[7].x = INFINITY, one.scaleM[9].y = NAN;
     for (const GeneralGroup& g : measureGroups(one, spatialOrder(one.position)))
         EXPECT_TRUE(std::isfinite(g.detail.areaM2) && std::isfinite(g.detail.gain) && std::isfinite(g.detail.enough));
@@ -234,7 +234,7 @@ TEST(Detail, theSumOfGeneralSplatsIsNeverBelowWhatIsDrawnAndMovesWithoutSteps) {
             EXPECT_EQ(cloud.subject.drawnAtMost(1e9), cloud.subject.splatCount());
         }
     }
-    // Through the cloud and out of it behind.
+    // A camera that moves through the cloud until all of it is behind.
     const auto largestStep = [&](float stepM) {
         double largest = 0, before = -1;
         for (float z = 4; z > -4; z -= stepM) {
@@ -278,14 +278,14 @@ TEST(Detail, oneBudgetLowersAllAlike) {
             EXPECT_LE(near.drawn(out[0].detail.perM2) + far.drawn(out[1].detail.perM2) + cloud.drawn(out[2].generalDetail, {&camera, 1}),
                       budget);
             EXPECT_LT(out[2].share, 1);
-            // As many splats a pixel on all.
+            // All subjects get the same number of splats a pixel.
             EXPECT_NEAR(double(out[0].detail.perM2) * out[0].pixelM * out[0].pixelM / double(out[2].generalDetail.perPixel), 1, 1e-4);
             const double a = double(out[0].detail.perM2) * out[0].pixelM * out[0].pixelM,
                          b = double(out[1].detail.perM2) * out[1].pixelM * out[1].pixelM;
             EXPECT_NEAR(a / b, 1, 1e-4);
         }
     }
-    // A generous budget changes nothing about the level of detail; one that nothing fits leaves a splat of 128.
+    // A budget that is large enough does not change the level of detail; one that is too small leaves one splat a group.
     const uint64_t asked = choose({2, 0});
     const float wanted = out[0].detail.perM2;
     EXPECT_LT(asked, all);
@@ -300,17 +300,17 @@ TEST(Detail, theNearestPointInTheFinestViewDecides) {
     const Cameraf front = lookAt({0, 1, 4}, {0, 1, 0}, 200, 200, 240), nearer = lookAt({0, 1, 3.5f}, {0, 1, 0}, 200, 200, 240),
                   wider = lookAt({0, 1, 4}, {0, 1, 0}, 200, 200, 120);
     const double one = s.pixelM(s.rest(), {&front, 1});
-    EXPECT_GT(one, (4 - 0.55) / 240 - 0.004);  // the surface is within half a metre of (0, 1, 0), its balls a little farther out
+    EXPECT_GT(one, (4 - 0.55) / 240 - 0.004);  // the surface is within 0.5 m of (0, 1, 0); the joints' balls reach a little farther
     EXPECT_LT(one, 4.0 / 240);
     const Cameraf pair[2] = {front, nearer}, swapped[2] = {nearer, front};
     EXPECT_EQ(s.pixelM(s.rest(), pair), s.pixelM(s.rest(), {&nearer, 1}));
     EXPECT_EQ(s.pixelM(s.rest(), pair), s.pixelM(s.rest(), swapped));
     EXPECT_NEAR(s.pixelM(s.rest(), {&wider, 1}) / one, 2, 1e-6);
-    // The camera within the avatar, and the avatar behind it: as near as it gets.
+    // A camera inside the avatar, and one in front of it that looks away: the depth is limited to kDetailNearestM.
     const Cameraf inside = lookAt({0, 1, 0.1f}, {0, 1, 0}, 200, 200, 240), behind = lookAt({0, 1, -4}, {0, 1, -8}, 200, 200, 240);
     EXPECT_NEAR(s.pixelM(s.rest(), {&inside, 1}), kDetailNearestM / 240, 1e-9);
     EXPECT_NEAR(s.pixelM(s.rest(), {&behind, 1}), kDetailNearestM / 240, 1e-9);
-    // Moves with the pose, without steps.
+    // The pixel size follows the pose without steps.
     Pose pose = s.rest();
     double before = one;
     for (int k = 1; k <= 100; ++k) {
