@@ -306,7 +306,7 @@ TEST(Detail, theNearestPointInTheFinestViewDecides) {
     EXPECT_EQ(s.pixelM(s.rest(), pair), s.pixelM(s.rest(), {&nearer, 1}));
     EXPECT_EQ(s.pixelM(s.rest(), pair), s.pixelM(s.rest(), swapped));
     EXPECT_NEAR(s.pixelM(s.rest(), {&wider, 1}) / one, 2, 1e-6);
-    // A camera inside the avatar, and one in front of it that looks away: the depth is limited to kDetailNearestM.
+    // A camera inside the avatar, and one that looks away from it: the depth is limited to kDetailNearestM.
     const Cameraf inside = lookAt({0, 1, 0.1f}, {0, 1, 0}, 200, 200, 240), behind = lookAt({0, 1, -4}, {0, 1, -8}, 200, 200, 240);
     EXPECT_NEAR(s.pixelM(s.rest(), {&inside, 1}), kDetailNearestM / 240, 1e-9);
     EXPECT_NEAR(s.pixelM(s.rest(), {&behind, 1}), kDetailNearestM / 240, 1e-9);
