@@ -4,10 +4,10 @@
 namespace dpl {
 namespace {
 
-// Stations are {s, centreU, centreV, +u, −u, +v, −v}, metres; proportions of a 1.75 m adult, drawn by eye.
+// Stations are {s, centreU, centreV, radius towards +u, −u, +v, −v}, metres. Sizes of a 1.75 m adult, chosen by eye.
 
 Tube makeTorso() {
-    // Axis up from y = 0.79, u = left, so v = axis × u runs back: radiusV is the back, radiusVBack the front.
+    // The axis points up from y = 0.79 and u points left, so v = axis × u points back: radiusV is the back, radiusVBack the front.
     auto at = [](float y, float halfWidth, float front, float back) {
         return TubeStation{y - 0.79f, 0, 0, halfWidth, halfWidth, back, front};
     };
@@ -22,7 +22,7 @@ Tube makeTorso() {
 
 Tube makeThigh() {
     const Vec3f hip(0.092f, 0.902f, -0.004f), knee(0.121f, 0.495f, 0.008f);
-    // axis down, u = outward: v = axis × u runs forward.
+    // The axis points down and u outward, so v = axis × u points forward.
     return Tube(hip, knee - hip, {1, 0, 0},
                 {{-0.040f, 0, 0, 0.066f, 0.075f, 0.078f, 0.086f},
                  {0.020f, 0, 0, 0.079f, 0.083f, 0.085f, 0.092f},
@@ -56,7 +56,7 @@ Tube makeFoot() {
     forward.y = 0;
     forward = glm::normalize(forward);
     const Vec3f heel(chain[0].x, 0, chain[0].z);
-    // axis forward, u = outward: v = axis × u runs up.
+    // The axis points forward and u outward, so v = axis × u points up.
     auto at = [](float s, float side, float halfOut, float halfIn, float height, float down, float up) {
         return TubeStation{s, side, height, halfOut, halfIn, up, down};
     };
@@ -70,7 +70,7 @@ Tube makeFoot() {
 }
 
 Tube makeUpperArm(const Vec3f& shoulder, const Vec3f& elbow) {
-    // axis along the arm, u = forward (biceps), v = axis × u: outward and up or its opposite; both are alike here.
+    // The axis points along the arm and u forward (biceps). v points up and outward or the opposite way; its two radii are nearly equal.
     return Tube(shoulder, elbow - shoulder, {0, 0, 1},
                 {{-0.010f, 0, 0, 0.050f, 0.052f, 0.050f, 0.050f},
                  {0.050f, 0, 0, 0.050f, 0.052f, 0.050f, 0.048f},
@@ -93,7 +93,7 @@ Tube makeForearm(const Vec3f& elbow, const Vec3f& wrist) {
 }
 
 Tube makePalm(const HandFrame& h) {
-    // u = thumbward, v = axis × u: ± dorsal (sections are nearly alike on both sides).
+    // u points to the thumb. v points out of the back of the hand or of the palm; its two radii are equal.
     return Tube(h.wrist, h.along, h.thumbward,
                 {{-0.012f, 0, 0, 0.028f, 0.028f, 0.019f, 0.019f},
                  {0.012f, 0, 0, 0.031f, 0.031f, 0.018f, 0.018f},
@@ -106,7 +106,7 @@ Tube makePalm(const HandFrame& h) {
 }
 
 Tube makeFace() {
-    // Axis up from the chin, u = left, so v runs back: radiusV is the back, radiusVBack the front; z of the centre is 0.03.
+    // The axis points up from the chin and u left, so v points back: radiusV is the back, radiusVBack the front. Centres are at z = 0.03.
     auto at = [](float y, float halfWidth, float front, float back) {
         return TubeStation{y - 1.522f, 0, -0.03f, halfWidth, halfWidth, back, front - 0.03f};
     };
@@ -162,7 +162,7 @@ float BodyField::torso(const Vec3f& p) const {
     d = smoothUnion(d, ellipsoid(p, {0.076f, 0.885f, -0.060f}, {0.084f, 0.086f, 0.070f}), 0.05f);  // glutes
     d = smoothUnion(d, ellipsoid(p, {0.076f, 1.306f, 0.066f}, {0.084f, 0.062f, 0.043f}), 0.055f);  // pectorals
     d = smoothUnion(d, taperedCapsule(p, {0.100f, 1.330f, 0.045f}, {0.182f, 1.388f, 0.000f}, 0.034f, 0.038f),
-                    0.05f);  // ... and where they meet the arm
+                    0.05f);  // the front of the armpit
     d = smoothUnion(d, taperedCapsule(p, {0.100f, 1.335f, -0.070f}, {0.182f, 1.388f, -0.040f}, 0.034f, 0.038f),
                     0.05f);  // the back of the armpit
     d = smoothUnion(d, taperedCapsule(p, {0.120f, 1.436f, -0.026f}, {0.182f, 1.424f, -0.022f}, 0.032f, 0.040f),
@@ -172,7 +172,7 @@ float BodyField::torso(const Vec3f& p) const {
     d = smoothUnion(d, taperedCapsule(p, {0.016f, 1.424f, 0.042f}, {0.135f, 1.445f, 0.002f}, 0.011f, 0.012f), 0.025f);   // collarbone
     d = smoothUnion(d, ellipsoid(p, {0.128f, 1.285f, -0.045f}, {0.034f, 0.085f, 0.060f}), 0.04f);                        // latissimus
     d = smoothDifference(d, taperedCapsule(p, {0, 1.02f, -0.118f}, {0, 1.36f, -0.142f}, 0.014f, 0.012f),
-                         0.035f);                                                                                // the groove of the spine
+                         0.035f);                                                                                // groove of the spine
     d = smoothDifference(d, taperedCapsule(p, {0, 1.12f, 0.125f}, {0, 1.33f, 0.137f}, 0.010f, 0.012f), 0.030f);  // between the pectorals
     d = smoothDifference(d, ellipsoid(p, {0, 1.052f, 0.112f}, {0.006f, 0.007f, 0.009f}), 0.012f);                // navel
     return d;
@@ -185,7 +185,7 @@ float BodyField::toes(const Vec3f& p) const {
     f = glm::normalize(f);
     const Vec3f side(f.z, 0, -f.x), heel(chain[0].x, 0, chain[0].z);
     auto at = [&](float s, float u, float y) { return heel + f * s + side * u + Vec3f(0, y, 0); };
-    // Big toe (inside) to little toe; distances from the ankle along the foot.
+    // From the big toe (inside) to the little toe. s: metres from the ankle along the foot; u: sideways; y: height.
     float d = taperedCapsule(p, at(0.140f, -0.026f, 0.014f), at(0.192f, -0.022f, 0.012f), 0.0150f, 0.0125f);
     d = smoothUnion(d, taperedCapsule(p, at(0.150f, -0.003f, 0.013f), at(0.196f, 0.0015f, 0.009f), 0.0100f, 0.0085f), 0.004f);
     d = smoothUnion(d, taperedCapsule(p, at(0.146f, 0.013f, 0.012f), at(0.188f, 0.018f, 0.0085f), 0.0095f, 0.0080f), 0.004f);
@@ -251,7 +251,7 @@ float BodyField::cranium(const Vec3f& p) const {
 float BodyField::neck(const Vec3f& p) const {
     float d = neck_.distance(p);
     d = smoothUnion(d, taperedCapsule(p, {0.055f, 1.580f, -0.022f}, {0.014f, 1.440f, 0.030f}, 0.012f, 0.009f),
-                    0.022f);                                                                     // the turning muscle
+                    0.022f);                                                                     // sternomastoid
     return smoothUnion(d, ellipsoid(p, {0, 1.508f, 0.034f}, {0.012f, 0.014f, 0.010f}), 0.016f);  // Adam's apple
 }
 
@@ -279,7 +279,7 @@ float BodyField::head(const Vec3f& p) const {
         d = smoothDifference(d, taperedCapsule(p, {0, 1.5772f, 0.1005f}, {0.0170f, 1.5768f, 0.0935f}, 0.0012f, 0.0008f),
                              0.0040f);  // mouth line
     }
-    // The ear leans back and stands off a little.
+    // The ear is tilted backwards and away from the head.
     Vec3f e = p - Vec3f(0.0775f, 1.628f, -0.016f);
     e = {e.x * 0.94f + e.z * 0.34f, e.y * 0.97f - e.z * 0.22f, e.z * 0.92f - e.x * 0.30f + e.y * 0.22f};
     float ear = ellipsoid(e, {0, 0, 0}, {0.0085f, 0.0310f, 0.0180f});

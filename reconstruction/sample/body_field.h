@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The built-in body as one implicit solid: anatomy hung on the skeleton, left-right symmetric.
+// The built-in body as one implicit solid, left-right symmetric, with body parts placed relative to the skeleton's joints.
 #pragma once
 
 #include "reconstruction/sample/field.h"
@@ -7,21 +7,21 @@
 
 namespace dpl {
 
-/** Which chain of the body a point belongs to; chains never exchange skin weights except where they grow out of each other. */
+/** The part of the body that a point belongs to. Skin weights blend between parts only where the surface joins them. */
 enum class BodyPart : uint8_t { Torso, Head, Leg, Arm, Palm, Index, Middle, Pinky, Ring, Thumb };
 constexpr int kBodyPartCount = 10;
 
 class BodyField {
 public:
     BodyField();
-    /** About metres, negative inside. Any point; sides are mirrored. */
+    /** Approximate signed distance in metres, negative inside. Accepts points of both sides (x is mirrored). */
     float distance(const Vec3f& p) const;
     /** Unit outward direction. */
     Vec3f normal(const Vec3f& p) const;
-    /** The chain whose own solid is nearest. */
+    /** The part whose own solid is nearest. Accepts points of both sides. */
     BodyPart part(const Vec3f& p) const;
 
-    // Single solids, x ≥ 0 side only (callers mirror), for garments that must not follow every groove.
+    // Solids of single parts, for garments, which must not follow every groove. Only for x ≥ 0: the caller mirrors.
     float torso(const Vec3f& p) const;
     float leg(const Vec3f& p) const;    // with the foot
     float foot(const Vec3f& p) const;   // without toes
@@ -42,7 +42,7 @@ private:
     std::array<std::array<Vec3f, 4>, kFingerCount> fingers_;
 };
 
-/** Edge length that the mesh should have at a rest position, metres: fine on face, hands and toes. */
+/** Wanted edge length of the mesh at a rest position, metres. Shorter on face, hands and toes. */
 float bodyEdgeLength(const Vec3f& p);
 
 }  // namespace dpl

@@ -6,7 +6,7 @@
 namespace dpl {
 
 SurfaceMesh meshBody(const BodyField& field, Jobs& jobs) {
-    // Sampled finely where fingers, toes and the face are; the surface itself decides the rest in remesh().
+    // Grid spacing in metres, finer where fingers, toes and the face are. remesh() then sets the final edge lengths.
     SampleGrid grid;
     appendSamples(grid.xs, -0.80f, -0.575f, 0.0042f);
     appendSamples(grid.xs, -0.575f, 0.575f, 0.0075f);

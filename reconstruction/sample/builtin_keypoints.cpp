@@ -6,7 +6,7 @@
 namespace dpl {
 namespace {
 
-/** The landmark as a weighted mean of the corners of the nearest triangle (by its centre). */
+/** The landmark as a weighted mean of the corners of the triangle whose centre is nearest. */
 BodyKeypoint onSurface(const char* name, const SurfaceMesh& mesh, const Vec3f& landmark) {
     float best = std::numeric_limits<float>::max();
     Triangle nearest{0, 0, 0};
@@ -14,7 +14,7 @@ BodyKeypoint onSurface(const char* name, const SurfaceMesh& mesh, const Vec3f& l
         const Vec3f d = (mesh.positions[t.x] + mesh.positions[t.y] + mesh.positions[t.z]) / 3.0f - landmark;
         if (glm::dot(d, d) < best) best = glm::dot(d, d), nearest = t;
     }
-    // Corners weigh in by nearness: exact at a corner, the centre in the middle.
+    // Weights are inverse distances to the corners.
     float weight[3], sum = 0;
     for (int c = 0; c < 3; ++c) {
         weight[c] = 1.0f / (glm::length(mesh.positions[nearest[c]] - landmark) + 1e-4f);

@@ -11,7 +11,7 @@ struct MorphMaker {
     const std::vector<float>& dense;
     const std::vector<JointData>& joints;
     std::vector<Vec3f> normals;
-    std::vector<int> child;  // the joint where a bone ends, or −1
+    std::vector<int> child;  // per joint: the joint at the end of its bone, or −1
 
     MorphMaker(const SurfaceMesh& m, const std::vector<float>& d, const std::vector<JointData>& j)
         : mesh(m), dense(d), joints(j), normals(vertexNormals(m.positions, m.triangles)), child(j.size(), -1) {
@@ -23,7 +23,7 @@ struct MorphMaker {
         child[kRightWrist] = kLeftMiddle1 + (kRightIndex1 - kLeftIndex1);
     }
 
-    /** Moves joints by `offset`; the skin follows its bones, stretched evenly between their ends. */
+    /** Moves joint j by offset[j], metres. The skin follows its bones; a bone stretches evenly between its ends. */
     ShapeMorph follow(const char* name, std::vector<Vec3f> offset) const {
         ShapeMorph morph{name, -3, 3, std::vector<Vec3f>(mesh.positions.size(), Vec3f(0)), std::move(offset)};
         const size_t count = joints.size();
@@ -46,7 +46,7 @@ struct MorphMaker {
 
     std::vector<Vec3f> noOffsets() const { return std::vector<Vec3f>(joints.size(), Vec3f(0)); }
 
-    /** Adds `offset` to a joint and everything that hangs on it. */
+    /** Adds `offset` to a joint and its descendants. */
     void moveBranch(std::vector<Vec3f>& offsets, int root, const Vec3f& offset) const {
         std::vector<uint8_t> below(joints.size(), 0);
         for (size_t j = 0; j < joints.size(); ++j) {
@@ -79,7 +79,7 @@ float bump(const Vec3f& p, const Vec3f& centre, const Vec3f& radius) {
     return std::exp(-glm::dot(q, q));
 }
 
-/** Weight of a limb coordinate between two heights with soft ends. */
+/** 1 for x between low and high, 0 outside, with ramps `soft` wide. */
 float band(float x, float low, float high, float soft) {
     auto step = [&](float t) {
         t = glm::clamp(t, 0.0f, 1.0f);
@@ -125,7 +125,7 @@ std::vector<ShapeMorph> bodyMorphs(const SurfaceMesh& mesh, const std::vector<fl
     const MorphMaker maker(mesh, dense, joints);
     std::vector<ShapeMorph> morphs;
 
-    {  // Everything scales from the floor: 6 cm taller at 1.
+    {  // Scales everything from the floor: 6 cm taller at value 1.
         ShapeMorph m{"height", -3, 3, {}, {}};
         constexpr float s = 0.06f / 1.75f;
         for (const Vec3f& p : mesh.positions) m.vertexOffsets.push_back(s * p);
@@ -149,7 +149,7 @@ std::vector<ShapeMorph> bodyMorphs(const SurfaceMesh& mesh, const std::vector<fl
         o[kLeftCollar] += Vec3f(0.003f, 0, 0);
         o[kRightCollar] += Vec3f(-0.003f, 0, 0);
         ShapeMorph m = maker.follow("shoulder_width", o);
-        for (size_t v = 0; v < mesh.positions.size(); ++v) {  // the ribcage widens with them
+        for (size_t v = 0; v < mesh.positions.size(); ++v) {  // the rib cage widens with the shoulders
             const Vec3f& p = mesh.positions[v];
             const float chest = band(p.y, 1.20f, 1.42f, 0.14f) * band(std::abs(p.x), -1, 0.17f, 0.06f);
             m.vertexOffsets[v].x += chest * 0.035f * p.x;
@@ -177,7 +177,7 @@ std::vector<ShapeMorph> bodyMorphs(const SurfaceMesh& mesh, const std::vector<fl
             maker.moveBranch(o, to, 0.045f * (joints[to].restPosition - joints[from].restPosition));
         morphs.push_back(maker.follow("arm_length", o));
     }
-    {  // Feet stay on the floor, the rest rises.
+    {  // The feet stay on the floor; everything above rises.
         auto o = maker.noOffsets();
         maker.moveBranch(o, kPelvis, {0, 0.030f, 0});
         for (int side = 0; side < 2; ++side) {
@@ -204,7 +204,7 @@ std::vector<ShapeMorph> bodyMorphs(const SurfaceMesh& mesh, const std::vector<fl
             m.vertexOffsets[v] = dense[v * joints.size() + kHead] * 0.04f * (mesh.positions[v] - base);
         morphs.push_back(std::move(m));
     }
-    {  // A cap of hair on the skull: 1 is short hair, 3 a full head.
+    {  // A cap of hair on the skull: value 1 is short hair, 3 a full head of hair.
         ShapeMorph m = maker.follow("hair_volume", maker.noOffsets());
         m.minValue = 0;
         maker.grow(m, [](const Vec3f& p) {

@@ -11,10 +11,11 @@ namespace dpl {
 /** The mesh of the body, metres. */
 SurfaceMesh meshBody(const BodyField& field, Jobs& jobs);
 
-/** V × 55 weights, smooth, rows sum to 1. */
+/** Skin weights, V × jointCount, one row per vertex. Smooth; each row sums to 1. */
 std::vector<float> bodyWeights(const BodyField& field, const SurfaceMesh& mesh, const std::vector<JointData>& joints, Jobs& jobs);
 
-/** Cuts dense weights (V × jointCount) to four unorm8 that sum to 255; ties go to the lower joint. */
+/** Keeps the four largest of each row of dense weights (V × jointCount), as unorm8 that sum to 255. Of equal weights the lower joint wins.
+ */
 void cutWeights(const std::vector<float>& dense, size_t jointCount, std::vector<glm::u16vec4>& indices, std::vector<glm::u8vec4>& weights);
 
 std::vector<ShapeMorph> bodyMorphs(const SurfaceMesh& mesh, const std::vector<float>& dense, const std::vector<JointData>& joints);

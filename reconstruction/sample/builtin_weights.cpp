@@ -7,10 +7,10 @@
 namespace dpl {
 namespace {
 
-/** The left-side bone that owns a point with x ≥ 0 when nothing blends: chains first, then cuts at the joints. */
+/** The joint that a point with x ≥ 0 follows before weights are smoothed. `part` selects the limb; planes at the joints cut it. */
 uint8_t owner(BodyPart part, const Vec3f& p, const std::vector<JointData>& joints) {
     auto at = [&](int j) { return joints[j].restPosition; };
-    // Beyond joint b along the mean direction of its two bones.
+    // Is p beyond joint b, along the mean direction of the bones a-b and b-c?
     auto past = [&](const Vec3f& a, const Vec3f& b, const Vec3f& c) {
         return glm::dot(p - b, glm::normalize(b - a) + glm::normalize(c - b)) > 0;
     };
@@ -20,7 +20,7 @@ uint8_t owner(BodyPart part, const Vec3f& p, const std::vector<JointData>& joint
         if (p.y < 1.205f) return kSpine2;
         return kSpine3;
     };
-    // Above the groin crease and inwards of the hip the leg's solid belongs to the pelvis.
+    // The leg's solid reaches above the groin crease; the part above belongs to the spine and pelvis.
     auto belowGroin = [&] { return p.y < 0.828f + 0.62f * std::clamp(p.x, 0.0f, 0.20f) + (p.z < 0 ? 0.10f * p.z : 0.0f); };
     switch (part) {
         case BodyPart::Head: {
@@ -42,7 +42,7 @@ uint8_t owner(BodyPart part, const Vec3f& p, const std::vector<JointData>& joint
             if (p.y > 0.75f) return belowGroin() ? kLeftHip : spine();
             if (!past(at(kLeftHip), at(kLeftKnee), at(kLeftAnkle))) return kLeftHip;
             const auto foot = leftFootChain();
-            // The foot leaves the shin under a slanted plane through the ankle.
+            // A slanted plane through the ankle separates shin and foot.
             if (glm::dot(p - foot[0], glm::normalize(Vec3f(0, -0.80f, 0.60f))) < -0.004f && p.y > 0.05f) return kLeftKnee;
             Vec3f forward = foot[2] - foot[0];
             forward.y = 0;
@@ -70,12 +70,12 @@ uint8_t owner(BodyPart part, const Vec3f& p, const std::vector<JointData>& joint
     }
 }
 
-/** How far skin slides at a joint: rounds of diffusion (each spreads by about 0.6 edge lengths). */
+/** Rounds of diffusion that smooth the weights at a rest position. Each spreads by about 0.6 edge lengths. */
 int roundsAt(const Vec3f& world) {
     const Vec3f p(std::abs(world.x), world.y, world.z);
     if (p.x > 0.60f) return 6;                     // fingers
     if (p.x > 0.50f) return 12;                    // wrist
-    if (p.y > 1.50f) return p.z > 0.05f ? 4 : 16;  // face hardly bends, the neck does
+    if (p.y > 1.50f) return p.z > 0.05f ? 4 : 16;  // face (bends little), neck
     if (p.y < 0.15f) return 10;                    // ankle, toes
     if (p.y < 0.65f) return 12;                    // knee
     if (p.x > 0.30f) return 9;                     // elbow
@@ -105,7 +105,7 @@ std::vector<float> bodyWeights(const BodyField& field, const SurfaceMesh& mesh, 
                 if (round >= rounds[v]) continue;
                 float* out = &next[v * jointCount];
                 const float* self = &weights[v * jointCount];
-                // Nearer neighbours say more, so uneven edges do not bend the blend.
+                // Nearer neighbours weigh more, so that uneven edge lengths do not distort the blend.
                 float total = 0;
                 for (uint32_t n : neighbours[v]) total += 1 / (glm::length(mesh.positions[n] - mesh.positions[v]) + 1e-4f);
                 for (size_t j = 0; j < jointCount; ++j) out[j] = 0.4f * self[j];
@@ -116,7 +116,7 @@ std::vector<float> bodyWeights(const BodyField& field, const SurfaceMesh& mesh, 
                 }
             }
         });
-        // Vertices whose rounds are over keep the same values in both arrays.
+        // A vertex after its last round must hold the same values in both arrays.
         std::swap(weights, next);
         for (size_t v = 0; v < count; ++v)
             if (round >= rounds[v])

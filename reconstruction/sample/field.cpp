@@ -7,7 +7,7 @@ namespace {
 constexpr int kFineStations = 49;
 
 float catmullRom(float p0, float p1, float p2, float p3, float s0, float s1, float s2, float s3, float s) {
-    // Non-uniform tangents keep the curve from overshooting between uneven stations.
+    // Tangents take the spacing into account, which prevents overshoot between unevenly spaced stations.
     const float m1 = (p2 - p0) / (s2 - s0), m2 = (p3 - p1) / (s3 - s1);
     const float h = s2 - s1, t = (s - s1) / h, t2 = t * t, t3 = t2 * t;
     return (2 * t3 - 3 * t2 + 1) * p1 + (t3 - 2 * t2 + t) * h * m1 + (-2 * t3 + 3 * t2) * p2 + (t3 - t2) * h * m2;
@@ -28,7 +28,7 @@ Tube::Tube(const Vec3f& origin, const Vec3f& axis, const Vec3f& u, std::vector<T
         const float s = start_ + length_ * float(i) / float(kFineStations - 1);
         int k = 0;
         while (k + 1 < last && s > stations[k + 1].s) ++k;
-        // Beyond the ends the curve goes on straight.
+        // The neighbour missing at either end is the end station itself, one spacing further out.
         TubeStation before = stations[std::max(k - 1, 0)], after = stations[std::min(k + 2, last)];
         if (k == 0) before.s = stations[0].s - (stations[1].s - stations[0].s);
         if (k + 2 > last) after.s = stations[last].s + (stations[last].s - stations[last - 1].s);

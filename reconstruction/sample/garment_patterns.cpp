@@ -16,20 +16,20 @@ float ramp(float x, float from, float to) {
     return t * t * (3 - 2 * t);
 }
 
-/** Distance along the upper arm from the shoulder joint, p.x ≥ 0. */
+/** Position along the upper arm, metres from the shoulder joint. p.x ≥ 0. */
 float alongArm(const Vec3f& p) {
     static const auto joints = builtinSkeleton();
     const Vec3f shoulder = joints[kLeftShoulder].restPosition, elbow = joints[kLeftElbow].restPosition;
     return glm::dot(p - shoulder, glm::normalize(elbow - shoulder));
 }
 
-/** True for points around the arm, not for the flank below it. */
+/** True for points around the arm, false for the side of the trunk below it. p.x ≥ 0. */
 bool besideArm(const Vec3f& p) {
     static const Vec3f shoulder = builtinSkeleton()[kLeftShoulder].restPosition;
     return glm::dot(p - shoulder, Vec3f(0.669f, 0.743f, 0)) > kSleeveReachM;
 }
 
-/** A drape over the trunk: cloth hangs from chest and shoulder blades and bridges the hollows. */
+/** The shirt's shape over the trunk: cloth hangs from chest and shoulder blades and bridges the hollows below them. */
 Tube makeDrape(float looseness) {
     const float l = 0.006f * looseness;
     auto at = [&](float y, float halfWidth, float front, float back, float share) {
@@ -60,7 +60,7 @@ float shirtField(const BodyField& body, const Tube& drape, const WardrobeChoice&
     const float angle = std::atan2(world.x / 0.18f, world.z / 0.12f);
     const float low = ramp(p.y, 1.16f, c.shirtHemY);
     float folds = low * (0.0042f * std::sin(6 * angle + c.foldPhase) + 0.0024f * std::sin(11 * angle + 1.3f * c.foldPhase + 9 * p.y));
-    // Slack above the waist gathers in slanted wrinkles; fine ones run from the armpit.
+    // Slanted wrinkles above the waist and fine ones around the armpit.
     folds += 0.0026f * ramp(std::abs(p.y - 1.00f), 0.16f, 0.0f) * std::sin(62 * p.y + 2.5f * std::sin(2 * angle + c.foldPhase) + 7 * angle);
     folds += 0.0020f * ramp(glm::length(p - Vec3f(0.17f, 1.31f, 0.0f)), 0.14f, 0.02f) * std::sin(120 * (p.y - 0.55f * p.x) + c.foldPhase);
     const float trunk = smoothUnion(body.torso(p) - 0.0065f, drape.distance(p), 0.03f) - folds;
@@ -75,7 +75,7 @@ float shirtField(const BodyField& body, const Tube& drape, const WardrobeChoice&
 }
 
 float hairline(float z) {
-    // Height where the hair ends, from the forehead over the ear to the nape; z in metres forward.
+    // Pairs of z (forward, metres) and the height where the hair ends, from the nape over the ear to the forehead.
     constexpr float table[][2] = {{-0.13f, 1.578f},  {-0.085f, 1.580f}, {-0.058f, 1.598f}, {-0.044f, 1.650f},
                                   {-0.020f, 1.668f}, {0.008f, 1.662f},  {0.020f, 1.640f},  {0.032f, 1.648f},
                                   {0.040f, 1.690f},  {0.055f, 1.706f},  {0.12f, 1.708f}};
@@ -87,7 +87,7 @@ float hairline(float z) {
 }
 
 float hairKeep(const Vec3f& p) {
-    float sum = 0;  // the corners of the table are rounded by averaging
+    float sum = 0;  // averaging rounds the corners of the table
     for (float dz : {-0.008f, -0.004f, 0.0f, 0.004f, 0.008f}) sum += hairline(p.z + dz);
     return (p.y - sum / 5) * 0.8f;
 }
@@ -103,7 +103,7 @@ GarmentPattern shirtPattern(const BodyField& body, const WardrobeChoice& choice)
         const float hem =
             p.y - (choice.shirtHemY - 0.012f * ramp(p.z, 0.05f, -0.10f) + 0.006f * std::sin(2.2f * world.x * 10 + choice.foldPhase));
         const float cuff = choice.sleeveM - alongArm(p);
-        // A crew neck: outside an oval around the neck, which leans with the spine.
+        // Crew neck: an oval opening around the neck, tilted like the spine.
         const float z = p.z + 0.006f - 0.20f * (p.y - 1.45f);
         const float neck =
             p.y > 1.33f ? (std::sqrt(p.x * p.x / (0.080f * 0.080f) + z * z / (z > 0 ? 0.073f * 0.073f : 0.059f * 0.059f)) - 1) * 0.072f
@@ -127,7 +127,7 @@ GarmentPattern shortsPattern(const BodyField& body, const WardrobeChoice& choice
 GarmentPattern shoePattern(const BodyField& body, const WardrobeChoice&) {
     GarmentPattern g;
     g.field = [&body](const Vec3f& p) {
-        // A blunt toe box over the toes, then an upper, then a sole that stands out a little.
+        // Upper with a blunt toe box, then a sole that is slightly wider.
         float d = smoothUnion(body.leg({p.x, std::max(p.y, 0.004f), p.z}), ellipsoid(p, {0.167f, 0.019f, 0.146f}, {0.043f, 0.017f, 0.044f}),
                               0.02f) -
                   0.0060f;
@@ -149,7 +149,7 @@ GarmentPattern hairPattern(const BodyField& body, const WardrobeChoice& choice) 
     GarmentPattern g;
     g.field = [&body, choice](const Vec3f& p) {
         const float inside = ramp(hairKeep(p), -0.004f, 0.055f), crown = ramp(p.y, 1.63f, 1.74f);
-        // Locks run back from the forehead.
+        // Locks of hair, running back from the forehead.
         const float across = p.x + 0.010f * std::sin(34 * p.z + choice.foldPhase);
         const float locks =
             0.0022f * std::sin(across * 300 + 9 * std::sin(p.z * 24 + choice.foldPhase)) + 0.0012f * std::sin(across * 710 + 55 * p.y + 2);

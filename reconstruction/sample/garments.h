@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Clothes, shoes and hair as open sheets around the built-in body. Private to reconstruction/sample.
+// Clothes, shoes and hair as open mesh sheets around the built-in body. Private to reconstruction/sample.
 #pragma once
 
 #include <string>
@@ -9,21 +9,21 @@
 
 namespace dpl {
 
-/** A garment as drawn: the part of the zero surface of `field` where `keep` > 0 (metres from the hem, inwards). */
+/** The shape of a garment: the part of the zero surface of `field` where `keep` > 0. `keep` is about the distance to the hem in metres. */
 struct GarmentPattern {
     ScalarField field, keep;
-    Vec3f low, high;  // box that holds it
+    Vec3f low, high;  // bounding box, metres
     float edgeLengthM = 0.012f;
-    bool mirroredPair = false;  // meshed for x > 0 and copied to the other side (shoes)
+    bool mirroredPair = false;  // the mesh is made for x > 0 and copied to x < 0 (shoes)
 };
 
 struct WardrobeChoice {
-    float looseness = 1;     // 0.7 … 1.4: how far cloth stands off
-    float sleeveM = 0.175f;  // from the shoulder joint along the arm
-    float shirtHemY = 0.835f;
-    float shortsHemY = 0.565f;
-    float hairM = 0.018f;  // volume on the crown
-    float foldPhase = 0;
+    float looseness = 1;        // scale of the gap between cloth and body, 0.7 to 1.4
+    float sleeveM = 0.175f;     // length from the shoulder joint along the arm
+    float shirtHemY = 0.835f;   // height, metres
+    float shortsHemY = 0.565f;  // height, metres
+    float hairM = 0.018f;       // thickness on the crown
+    float foldPhase = 0;        // radians, shifts the folds
 };
 
 GarmentPattern shirtPattern(const BodyField& body, const WardrobeChoice& choice);
@@ -31,13 +31,13 @@ GarmentPattern shortsPattern(const BodyField& body, const WardrobeChoice& choice
 GarmentPattern shoePattern(const BodyField& body, const WardrobeChoice& choice);
 GarmentPattern hairPattern(const BodyField& body, const WardrobeChoice& choice);
 
-/** Meshes a pattern: an open 2-manifold sheet whose borders lie on keep = 0. */
+/** Meshes a pattern as an open 2-manifold sheet with its borders on keep = 0. */
 SurfaceMesh sewGarment(const GarmentPattern& pattern, Jobs& jobs);
 
-/** Cloth further than this below the arm's axis (along its normal, metres) belongs to the trunk. */
+/** Separates sleeve and trunk: cloth with a smaller offset from the shoulder, along the arm's upward normal, belongs to the trunk. */
 constexpr float kSleeveReachM = -0.108f;
 
-/** The thickness of soles: the subject stands this much higher than the bare body. */
+/** Thickness of the soles, by which the dressed subject stands higher than the bare body. */
 constexpr float kSoleM = 0.014f;
 
 }  // namespace dpl

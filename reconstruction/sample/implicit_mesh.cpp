@@ -9,17 +9,17 @@
 namespace dpl {
 namespace {
 
-constexpr int kBlock = 6;              // cells per side of a block that is skipped as a whole when it is far from the surface
-constexpr float kSlopeMargin = 1.35f;  // the field may rise this much faster than distance
+constexpr int kBlock = 6;              // cells per side of a block; blocks far from the surface are skipped
+constexpr float kSlopeMargin = 1.35f;  // how much faster than the true distance the field may grow
 
 struct GridValues {
-    std::vector<float> values;  // kUnknown where nobody needed one
+    std::vector<float> values;  // kUnknown where not evaluated
     size_t nx, ny, nz;
     size_t index(size_t x, size_t y, size_t z) const { return (z * ny + y) * nx + x; }
 };
 constexpr float kUnknown = 1e9f;
 
-// The six tetrahedra around the diagonal 0-7 of a cell (corner bits x=1, y=2, z=4), all of the same orientation.
+// The six tetrahedra around the diagonal 0-7 of a cell (corner bits x=1, y=2, z=4), all with the same orientation.
 constexpr int kTetrahedra[6][4] = {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2, 6, 7}, {0, 6, 4, 7}, {0, 4, 5, 7}, {0, 5, 1, 7}};
 
 }  // namespace
@@ -43,7 +43,7 @@ SurfaceMesh marchField(const ScalarField& field, const SampleGrid& grid, Jobs& j
         const Vec3f low = corner(x * kBlock, y * kBlock, z * kBlock), high = corner((x + 1) * kBlock, (y + 1) * kBlock, (z + 1) * kBlock);
         active[b] = std::abs(field(0.5f * (low + high))) < kSlopeMargin * 0.5f * glm::length(high - low) + 1e-4f;
     });
-    // Each grid plane z is written by one job only.
+    // Each grid plane of constant z is written by one job only.
     jobs.forBlocks(g.nz, [&](size_t z, uint32_t) {
         const size_t zb = std::min(z / kBlock, bz - 1), zBefore = z % kBlock == 0 && z > 0 ? std::min((z - 1) / kBlock, bz - 1) : zb;
         for (size_t y = 0; y < g.ny; ++y) {
@@ -69,7 +69,7 @@ SurfaceMesh marchField(const ScalarField& field, const SampleGrid& grid, Jobs& j
         if (fresh) {
             const size_t first = ordered ? a : b, second = ordered ? b : a;
             const float va = g.values[first], vb = g.values[second];
-            const float t = std::clamp(va / (va - vb), 0.06f, 0.94f);  // keeps slivers away; remeshing projects back
+            const float t = std::clamp(va / (va - vb), 0.06f, 0.94f);  // avoids slivers; remesh() moves vertices onto the surface
             mesh.positions.push_back(ordered ? pa + (pb - pa) * t : pb + (pa - pb) * t);
         }
         return it->second;
@@ -95,7 +95,7 @@ SurfaceMesh marchField(const ScalarField& field, const SampleGrid& grid, Jobs& j
                         for (int c : tet) (g.values[id[c]] < 0 ? in[inCount++] : out[outCount++]) = c;
                         if (inCount == 0 || outCount == 0) continue;
                         auto on = [&](int p, int q) { return vertexOn(id[p], id[q], at[p], at[q]); };
-                        // Orientation by geometry: the normal must point away from the inside corners.
+                        // The normal must point away from the inside corners.
                         Vec3f away(0);
                         for (int i = 0; i < outCount; ++i) away += at[out[i]] / float(outCount);
                         for (int i = 0; i < inCount; ++i) away -= at[in[i]] / float(inCount);

@@ -26,12 +26,12 @@ float ramp(float x, float from, float to) {
     return t * t * (3 - 2 * t);
 }
 
-/** 1 inside (distance < 0), 0 outside, over one footprint. */
+/** 1 inside (distance < 0), 0 outside, with a ramp one footprint wide. */
 float coverage(float distance, float footprint) {
     return std::clamp(0.5f - distance / std::max(footprint, 1e-5f), 0.0f, 1.0f);
 }
 
-/** How visible a pattern of this period is at this footprint. */
+/** Contrast that remains of a pattern of this period at this footprint, 0 to 1. */
 float resolved(float periodM, float footprintM) {
     return std::clamp(1.5f - 2.0f * footprintM / periodM, 0.0f, 1.0f);
 }
@@ -43,7 +43,7 @@ float lattice(int x, int y, int z, uint64_t seed) {
            0x1p-24f;
 }
 
-/** Smooth noise in [0,1], one lattice cell per metre of p. */
+/** Smooth noise in [0, 1]; a lattice cell has side 1 in the units of p. */
 float noise(const Vec3f& p, uint64_t seed) {
     const Vec3f f = glm::floor(p);
     Vec3f t = p - f;
@@ -63,7 +63,7 @@ float segment(const Vec2f& p, const Vec2f& a, const Vec2f& b) {
     return glm::length(p - a - ab * t);
 }
 
-/** Letters on a 1 × 1.5 cell as strokes. */
+/** The letters of DOPPEL as polylines in a cell of 1 × 1.5. */
 const std::vector<std::vector<Vec2f>>& lettersDoppel() {
     static const std::vector<Vec2f> d{{0, 0},         {0, 1.5f},      {0.45f, 1.5f}, {0.78f, 1.35f}, {0.92f, 1.05f},
                                       {0.92f, 0.45f}, {0.78f, 0.15f}, {0.45f, 0},    {0, 0}};
@@ -87,7 +87,7 @@ struct SkinPaint {
     SurfaceColour paint() const {
         SurfaceColour out;
         Vec3f c = look.skin;
-        // Blood near the surface: cheeks, nose, ears, knuckles, knees; a slow mottling everywhere.
+        // Redder skin on cheeks, nose, ears, knees and elbows, and mottling everywhere.
         auto near = [&](Vec3f centre, float radius) { return std::exp(-glm::dot(p - centre, p - centre) / (radius * radius)); };
         const float red = 0.55f * near({0.046f, 1.610f, 0.075f}, 0.024f) + 0.5f * near({0, 1.608f, 0.115f}, 0.014f) +
                           0.6f * near({0.085f, 1.628f, -0.012f}, 0.030f) + 0.5f * near({0.121f, 0.50f, 0.05f}, 0.05f) +
@@ -105,7 +105,7 @@ struct SkinPaint {
     }
 
     void face(Vec3f& c, SurfaceColour& out) const {
-        // Stubble: jaw, chin and upper lip.
+        // Stubble on jaw, chin and upper lip.
         const float jaw = ramp(p.y, 1.612f, 1.585f) * ramp(p.y, 1.505f, 1.528f) * ramp(p.z, -0.010f, 0.020f);
         const float moustache = std::exp(-glm::dot((p - Vec3f(0.008f, 1.592f, 0.098f)) / Vec3f(0.020f, 0.0055f, 0.02f),
                                                    (p - Vec3f(0.008f, 1.592f, 0.098f)) / Vec3f(0.020f, 0.0055f, 0.02f)));
@@ -135,7 +135,7 @@ struct SkinPaint {
             c = glm::mix(c, look.hair * 0.9f,
                          hairs * coverage(std::abs(p.y - arc) - half, std::max(footprint, 0.0022f)) * float(half > 2e-4f));
         }
-        // Eyes: an almond with white, iris, pupil and a lash line; lids shade it.
+        // Eyes: an almond shape with white, iris, pupil, highlight and lash line, shaded by the upper lid.
         const Vec2f e(p.x - 0.0318f, p.y - 1.6450f);
         if (std::abs(e.x) < 0.022f && std::abs(e.y) < 0.014f && p.z > 0.055f) {
             const float u = e.x / 0.0150f, tilt = 0.0008f * u;
@@ -194,7 +194,7 @@ SurfaceColour shirtColour(const Look& look, const Vec3f& p, float footprint) {
     const Vec3f arm = glm::normalize(joints[kLeftElbow].restPosition - shoulder);
     const float s = glm::dot(a - shoulder, arm);
     const bool sleeve = s > -0.005f && glm::dot(a - shoulder, Vec3f(0.669f, 0.743f, 0)) > kSleeveReachM;
-    // Rows run around the trunk, and around the sleeve beyond the seam.
+    // `row` is metres along the trunk or sleeve, `column` about metres around it.
     const float row = sleeve ? s : p.y, column = sleeve ? std::atan2(a.z + 0.02f, glm::dot(a - shoulder, Vec3f(-arm.y, arm.x, 0))) * 0.06f
                                                         : std::atan2(p.x, p.z) * 0.15f;
     Vec3f c = look.shirt;
@@ -211,7 +211,7 @@ SurfaceColour shirtColour(const Look& look, const Vec3f& p, float footprint) {
         const float melange = noise(p * Vec3f(720, 300, 720), look.seed + 3) - 0.5f;
         c = glm::mix(c, look.shirtStripe, 0.25f + 0.5f * melange * resolved(0.006f, footprint));
     }
-    // The weave: fine rows and columns, visible only near by.
+    // The weave: fine rows and columns, visible only close up.
     const float weave = std::sin(6.2832f * row / 0.0032f) * std::sin(6.2832f * column / 0.0032f);
     c *= 1 + 0.12f * weave * resolved(0.0034f, footprint) + 0.08f * (noise(p * 70.0f, look.seed + 4) - 0.5f);
     // Stitching at seams and hems.
@@ -230,7 +230,7 @@ SurfaceColour shirtColour(const Look& look, const Vec3f& p, float footprint) {
         c = glm::mix(glm::mix(c, look.logoAccent, ink.y), look.logoInk, ink.x);
     }
     if (!sleeve && p.z < -0.04f && p.y > 1.1f) {
-        const Vec2f q(-p.x, p.y - 1.27f);  // "2": read from behind
+        const Vec2f q(-p.x, p.y - 1.27f);  // "2", mirrored so that it reads correctly from behind
         const Vec2f strokes[] = {{-0.035f, 0.035f}, {-0.02f, 0.06f},   {0.02f, 0.06f},  {0.036f, 0.035f},
                                  {0.03f, 0.01f},    {-0.036f, -0.06f}, {0.038f, -0.06f}};
         float d = 1;
@@ -254,10 +254,10 @@ Vec2f logoInk(const Vec2f& at, float footprintM) {
         if (q.x < -0.02f || q.x > cell + 0.02f || q.y < -0.02f || q.y > 0.07f) continue;
         for (size_t k = 0; k + 1 < word[i].size(); ++k) letters = std::min(letters, segment(q, word[i][k] * cell, word[i][k + 1] * cell));
     }
-    // Two overlapping rings under the word, and a bar.
+    // Two overlapping rings and a bar under the word.
     const Vec2f c1 = at - Vec2f(-0.022f, -0.062f), c2 = at - Vec2f(0.022f, -0.062f);
     float emblem = std::min(std::abs(glm::length(c1) - 0.030f) - 0.0048f, std::abs(glm::length(c2) - 0.030f) - 0.0048f);
-    emblem = std::min(emblem, std::max(glm::length(c1) - 0.025f, glm::length(c2) - 0.025f));  // their common lens
+    emblem = std::min(emblem, std::max(glm::length(c1) - 0.025f, glm::length(c2) - 0.025f));  // the intersection of the rings
     emblem = std::min(emblem, std::max(std::abs(at.x) - 0.105f, std::abs(at.y + 0.014f) - 0.0022f));
     return {coverage(letters - stroke, footprintM), coverage(emblem, footprintM)};
 }
@@ -296,7 +296,7 @@ SurfaceColour surfaceColour(const Look& look, uint8_t label, const Vec3f& p, flo
         case kLabelTop:
             return shirtColour(look, p, footprint);
         case kLabelBottom: {
-            // Twill: slanted rows; pocket and side seams, a fly, a stitched hem.
+            // Twill (slanted rows), pocket and side seams, fly and stitched hem.
             const float twill = std::sin(6.2832f * (p.y + 0.6f * std::atan2(std::abs(p.x) - 0.1f, p.z) * 0.09f) / 0.0040f);
             Vec3f c = look.shorts * (1 + 0.10f * twill * resolved(0.0042f, footprint) + 0.16f * (noise(p * 38.0f, look.seed + 6) - 0.5f));
             const float side = std::abs(p.z + 0.005f) + (std::abs(p.x) > 0.12f ? 0.0f : 1.0f);
@@ -324,7 +324,7 @@ SurfaceColour surfaceColour(const Look& look, uint8_t label, const Vec3f& p, flo
             if (p.y < 0.006f)
                 c = Vec3f(0.72f, 0.71f, 0.68f) * (1 - 0.25f * coverage(std::abs(p.y + 0.004f) - 0.0016f, std::max(footprint, 0.001f)));
             else {
-                // Laces over the instep, a side flash, a toe cap.
+                // Laces over the instep, a stripe on the side, a toe cap.
                 const Vec3f forward = glm::normalize(Vec3f(0.026f, 0, 0.202f));
                 const float s = glm::dot(a - Vec3f(0.146f, 0, -0.030f), forward),
                             w = glm::dot(a - Vec3f(0.146f, 0, -0.030f), Vec3f(forward.z, 0, -forward.x));

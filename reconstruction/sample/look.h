@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colours of the procedural subject: every surface point's albedo as a function of its canonical rest position.
+// Colours of the procedural subject: the albedo of a surface point is a function of its canonical position (at rest, before morphs).
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace dpl {
 
-/** What the seed chose. Colours are linear RGB albedo. */
+/** The appearance chosen by a seed. Colours are linear RGB albedo. */
 struct Look {
     uint64_t seed = 0;
     Vec3f skin{0.55f, 0.36f, 0.27f}, lips{0.50f, 0.22f, 0.20f}, iris{0.12f, 0.20f, 0.25f}, hair{0.05f, 0.03f, 0.02f};
@@ -24,16 +24,16 @@ Look makeLook(uint64_t seed);
 
 struct SurfaceColour {
     Vec3f albedo{0.5f};  // linear
-    float sheen = 0;     // grazing-angle cloth or skin sheen, 0…1
-    float gloss = 0;     // weak highlight (eyes, lips, sneakers)
+    float sheen = 0;     // of cloth or skin at grazing angles, 0 to 1
+    float gloss = 0;     // strength of a narrow highlight (eyes, lips, shoes)
 };
 
-/** Colour of a point. `label` is a SubjectLabel; `footprintM` is the size of a sample on the surface: patterns finer than it fade to their
- * mean. */
+/** Colour of a point. `label` is a SubjectLabel, `footprintM` the size of a sample on the surface. Patterns finer than the footprint fade
+ * to their mean. */
 SurfaceColour surfaceColour(const Look& look, uint8_t label, const Vec3f& canonical, float footprintM);
 
-/** Ink coverage of the shirt's print at chest coordinates (metres left and up of its centre): x letters, y the emblem. Edges are as sharp
- * as the footprint. */
+/** Ink coverage (0 to 1) of the shirt's print: x of the letters, y of the emblem. `at` is in metres to the left of and above the print's
+ *  centre. Edges are one footprint wide. */
 Vec2f logoInk(const Vec2f& at, float footprintM);
 
 }  // namespace dpl

@@ -22,13 +22,13 @@ Motion Motion::dynamicSequence(uint64_t seed, double durationS) {
     Random random(seed, 101);
     Motion motion;
     motion.durationS_ = durationS;
-    // Written on a script of 18.75 s, then fitted to the wanted length.
+    // Times below are for a duration of 18.75 s and are scaled to the wanted one.
     const double scale = durationS / 18.75;
     auto add = [&](uint8_t joint, Vec3d turn, double start, double rise, double hold, double fall) {
         const double amplitude = random.uniform(0.92, 1.08);
         motion.actions_.push_back({joint, turn * amplitude, start * scale, rise * scale, hold * scale, fall * scale});
     };
-    // Arms out and up, one after the other, then both (z turns: + raises the left arm).
+    // Arms out and up, one after the other, then both. A positive z turn raises the left arm.
     add(kLeftShoulder, {0, 0, 1.25}, 0.4, 1.0, 0.3, 0.9);
     add(kLeftCollar, {0, 0, 0.26}, 0.5, 0.9, 0.3, 0.8);
     add(kRightShoulder, {0, 0, -1.25}, 2.3, 1.0, 0.3, 0.9);
@@ -37,15 +37,15 @@ Motion Motion::dynamicSequence(uint64_t seed, double durationS) {
     add(kRightShoulder, {0, 0, -1.60}, 4.2, 1.1, 0.4, 1.0);
     add(kLeftCollar, {0, 0, 0.32}, 4.3, 1.0, 0.4, 0.9);
     add(kRightCollar, {0, 0, -0.32}, 4.3, 1.0, 0.4, 0.9);
-    // A forward raise of the left arm, bent elbow (y turns the arm forward: − for the left).
+    // A forward raise of the left arm with a bent elbow. A negative y turn brings the left arm forward.
     add(kLeftShoulder, {0, -1.25, 0.35}, 6.7, 0.8, 0.3, 0.8);
     add(kLeftElbow, {0, -0.9, 0}, 6.9, 0.8, 0.2, 0.7);
-    // Elbows, together and the right one alone.
+    // Both elbows, then the right one alone.
     add(kLeftElbow, {0, -1.45, 0.5}, 8.6, 0.7, 0.2, 0.7);
     add(kRightElbow, {0, 1.45, -0.5}, 8.6, 0.7, 0.2, 0.7);
     add(kRightShoulder, {0, 0.95, -0.2}, 10.2, 0.7, 0.2, 0.7);
     add(kRightElbow, {0, 1.55, 0}, 10.3, 0.7, 0.2, 0.6);
-    // Legs: left knee up, right knee up (−x lifts the thigh, +x bends the knee).
+    // Left knee up, right knee up. A negative x turn lifts the thigh, a positive one bends the knee.
     add(kLeftHip, {-1.15, 0, 0.05}, 11.8, 0.7, 0.2, 0.7);
     add(kLeftKnee, {1.30, 0, 0}, 11.8, 0.7, 0.2, 0.7);
     add(kLeftAnkle, {0.25, 0, 0}, 11.9, 0.6, 0.2, 0.6);
@@ -83,12 +83,12 @@ TruthPose Motion::pose(double timeS) const {
         const double level = ease(t / a.riseS) - ease((t - a.riseS - a.holdS) / a.fallS);
         pose.rotations[a.joint] += level * a.axisAngle;
     }
-    // Breathing and balance, faded in so that everything starts at rest.
+    // Breathing and balance, faded in because the motion starts at rest.
     const double in = ease(timeS / 0.8);
     for (uint8_t joint : {kSpine1, kSpine2, kSpine3, kNeck, kHead, kLeftShoulder, kRightShoulder})
         for (int c = 0; c < 3; ++c) pose.rotations[joint][c] += in * 0.012 * std::sin((1.1 + 0.35 * c) * timeS + swayPhase_[joint][c]);
     for (int c = 0; c < 3; c += 2) pose.translation[c] = in * 0.004 * std::sin((0.9 + 0.2 * c) * timeS + swayPhase_[0][c]);
-    // A lifted leg shifts the hips over the standing foot.
+    // Lifting a leg shifts the hips over the other foot.
     const double left = std::max(0.0, -pose.rotations[kLeftHip].x), right = std::max(0.0, -pose.rotations[kRightHip].x);
     pose.translation.x += 0.045 * (right - left) / 1.2;
     return pose;

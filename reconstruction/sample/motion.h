@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the subject does in front of the camera: a smooth script of named actions on the 55-joint skeleton.
+// The subject's motion in front of the camera: a smooth sequence of actions on the 55-joint skeleton.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace dpl {
 
-/** One action: joint `joint` turns by `axisAngle` (radians, world axes at rest), eased in, held and eased out. */
+/** Turns `joint` by `axisAngle` (radians, axes parallel to the world at rest): eased in, held and eased out. */
 struct Action {
     uint8_t joint;
     Vec3d axisAngle;
@@ -18,10 +18,10 @@ struct Action {
 
 class Motion {
 public:
-    /** Arm raises, elbow flexion, leg raises, turns and a torso twist, `durationS` long; amplitudes vary a little with the seed. */
+    /** Arm raises, elbow flexion, leg raises, turns and a torso twist within `durationS`. Amplitudes vary by up to 8 % with the seed. */
     static Motion dynamicSequence(uint64_t seed, double durationS);
 
-    /** Twice continuously differentiable in time; at rest before 0. */
+    /** Twice continuously differentiable in time. The rest pose before 0. */
     TruthPose pose(double timeS) const;
     double durationS() const { return durationS_; }
 
@@ -31,7 +31,7 @@ private:
     double durationS_ = 0;
 };
 
-/** The A-pose with the sway of static shot `index`: a few millimetres and degrees. */
+/** The A-pose with the random sway of static shot `index`: up to 9 mm, and up to about two degrees per axis. */
 TruthPose staticPose(uint64_t seed, uint32_t index);
 
 }  // namespace dpl

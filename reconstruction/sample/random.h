@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counter-based random numbers: the same value for the same (seed, stream, index) on any thread.
+// Counter-based random numbers: a value depends only on seed, stream and index, not on the thread.
 #pragma once
 
 #include <cmath>

@@ -19,7 +19,7 @@ namespace dpl {
 namespace {
 
 constexpr float kClothThicknessM = 0.002f;
-constexpr float kRayOffsetM = 4e-4f;
+constexpr float kRayOffsetM = 4e-4f;  // origin of a shadow ray above the surface, so that it does not hit that surface
 
 const Vec3f kSunDirection = glm::normalize(Vec3f(0.52f, 0.78f, 0.62f));
 const Vec3f kSunColour(1.62f, 1.50f, 1.32f);
@@ -29,7 +29,7 @@ Vec3f skyLight(const Vec3f& d) {
     return d.y >= 0 ? kSkyColour * (0.75f + 0.45f * d.y) : kGroundBounce;
 }
 
-/** Light to display: a soft shoulder, then the sRGB curve. */
+/** Linear light to display-referred: exponential tone curve, then the sRGB curve. */
 float display(float x) {
     x = 1 - std::exp(-1.05f * std::max(x, 0.0f));
     return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
@@ -70,11 +70,11 @@ struct PersonTracer::State {
     const Subject& subject;
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
-    // The drawn mesh: outer vertices first, then the inner side of sheets.
-    std::vector<uint32_t> sourceVertex;  // of each drawn vertex
+    // The drawn mesh: all vertices of the subject, then copies for the inner side of clothes, shoes and hair.
+    std::vector<uint32_t> sourceVertex;  // per drawn vertex: vertex of the subject
     std::vector<Triangle> triangles;
-    std::vector<uint8_t> label;  // of each drawn triangle
-    std::vector<uint8_t> inner;  // drawn vertex lies on the inner side
+    std::vector<uint8_t> label;  // per drawn triangle: SubjectLabel
+    std::vector<uint8_t> inner;  // per drawn vertex: 1 on the inner side
     std::vector<Vec3f> at, normal;
     Vec3f low{0}, high{0};
 
@@ -102,7 +102,7 @@ struct PersonTracer::State {
                 for (int c = 0; c < 3; ++c) edges[{f[c], f[(c + 1) % 3]}] = 1;
             }
             for (const auto& [edge, one] : edges)
-                if (!edges.contains({edge.second, edge.first})) {  // a hem: close the sheet's edge
+                if (!edges.contains({edge.second, edge.first})) {  // a hem: connect outer and inner side
                     const uint32_t a = edge.first, b = edge.second, ia = innerOf[a - layer.firstVertex],
                                    ib = innerOf[b - layer.firstVertex];
                     add({b, a, ia}, s.parts[i].label);
@@ -144,7 +144,7 @@ struct PersonTracer::State {
         return {true, ray.ray.tfar, ray.hit.primID, ray.hit.u, ray.hit.v};
     }
 
-    /** Light reflected to the eye; r: two stratified pairs of random numbers. */
+    /** Light reflected to the eye, linear RGB. r: random numbers in [0, 1), xy for the sun and zw for the sky. */
     Vec3f shadePerson(const Hit& hit, const Vec3f& eye, const Vec3f& direction, float footprint, const Vec4f& r) const {
         const Triangle& f = triangles[hit.triangle];
         const float w = 1 - hit.u - hit.v;
@@ -160,7 +160,7 @@ struct PersonTracer::State {
 
         Vec3f a, b;
         basis(kSunDirection, a, b);
-        const float radius = 0.035f * std::sqrt(r.x), angle = 6.2831853f * r.y;  // a sun of 2°: soft shadow edges
+        const float radius = 0.035f * std::sqrt(r.x), angle = 6.2831853f * r.y;  // a sun of 2° radius gives soft shadow edges
         const Vec3f sun = glm::normalize(kSunDirection + a * (radius * std::cos(angle)) + b * (radius * std::sin(angle)));
         const float cosSun = glm::dot(n, sun);
         Vec3f light(0);
@@ -173,7 +173,7 @@ struct PersonTracer::State {
         const Vec3f up = a * (sinT * std::cos(phi)) + b * (sinT * std::sin(phi)) + n * cosT;
         const Vec3f mean = skyLight(n) * 0.5f + (kSkyColour * (0.55f + 0.35f * n.y) + kGroundBounce * (0.45f - 0.35f * n.y)) * 0.5f;
         const bool open = !blocked(origin, up, 0.7f);
-        // Smooth mean light, darkened where the near hemisphere is closed; what closes it gives some of its own colour back.
+        // Mean sky light. A surface within 0.7 m blocks most of it and reflects some light, assumed to have this point's colour.
         light += open ? mean : mean * 0.18f + colour.albedo * 0.10f;
 
         const float grazing = std::pow(1 - std::max(0.0f, glm::dot(n, -direction)), 4.0f);
@@ -187,7 +187,7 @@ struct PersonTracer::State {
 
     Vec3f background(const Vec3f& eye, const Vec3f& d, const Vec4f& r) const {
         constexpr float roomRadius = 5.0f;
-        // Distance to the round wall.
+        // Distance to the cylindrical wall.
         const float dd = d.x * d.x + d.z * d.z, ed = eye.x * d.x + eye.z * d.z,
                     ee = eye.x * eye.x + eye.z * eye.z - roomRadius * roomRadius;
         const float wall = dd > 1e-9f ? (-ed + std::sqrt(std::max(0.0f, ed * ed - dd * ee))) / dd : 1e9f;
@@ -270,14 +270,15 @@ double PersonTracer::firstHit(const Vec3d& from, const Vec3d& to) const {
 RaycastFrame PersonTracer::render(const Camerad& camera, const RaycastOptions& options) const {
     const State& s = *state_;
     const uint32_t w = camera.widthPx, h = camera.heightPx, n = std::max(1u, options.samplesPerPixel);
-    const uint32_t columns = std::max(1u, uint32_t(std::sqrt(double(n)) + 1e-9)), rows = (n + columns - 1) / columns;  // strata of a pixel
+    const uint32_t columns = std::max(1u, uint32_t(std::sqrt(double(n)) + 1e-9)),
+                   rows = (n + columns - 1) / columns;  // grid of strata in a pixel
     RaycastFrame frame;
     frame.rgb.resize(size_t(w) * h * 3);
     frame.mask.resize(size_t(w) * h);
     frame.labels.resize(size_t(w) * h);
     const Vec3f eye(camera.eye());
     const Mat3f worldFromView(glm::transpose(camera.viewFromWorldRotation));
-    // Pixels that can see the person: the box of its projected bounding box (all of the image if a corner is behind the eye).
+    // Pixels that can see the person: those within its projected bounding box, or all if a corner is nearer than 5 cm or behind the eye.
     double minX = 1e9, maxX = -1e9, minY = 1e9, maxY = -1e9;
     for (int c = 0; c < 8; ++c) {
         const Vec3d view = camera.toView({c & 1 ? s.high.x : s.low.x, c & 2 ? s.high.y : s.low.y, c & 4 ? s.high.z : s.low.z});
@@ -294,7 +295,7 @@ RaycastFrame PersonTracer::render(const Camerad& camera, const RaycastOptions& o
             const bool mayHit = x + 1 >= minX && x <= maxX && y + 1 >= minY && y <= maxY;
             Vec3f sum(0);
             std::array<uint8_t, 6> votes{};
-            // Independent lattices, turned by a hash of the pixel: stratified within the pixel, blue-ish between pixels.
+            // Light samples: four additive recurrences, one per dimension, each starting at a hash of the pixel.
             const float h0 = hash01(x, y, frameSalt), h1 = hash01(x, y, frameSalt + 1), h2 = hash01(x, y, frameSalt + 2),
                         h3 = hash01(x, y, frameSalt + 3);
             for (uint32_t i = 0; i < n; ++i) {
@@ -324,7 +325,7 @@ RaycastFrame PersonTracer::render(const Camerad& camera, const RaycastOptions& o
             frame.mask[pixel] = person ? 255 : 0;
             if (person) frame.labels[pixel] = uint8_t(std::max_element(votes.begin() + 1, votes.end()) - votes.begin());
             for (int c = 0; c < 3; ++c) {
-                // Sum of three uniforms: close to a Gaussian, cheap and repeatable.
+                // A sum of three uniform numbers approximates a Gaussian; times 2 its variance is 1.
                 const float noise = (hash01(x, y, frameSalt + 101 + 3 * c) + hash01(x, y, frameSalt + 102 + 3 * c) +
                                      hash01(x, y, frameSalt + 103 + 3 * c) - 1.5f) *
                                     2;

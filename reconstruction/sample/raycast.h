@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of the subject by ray casting (Embree): its own camera rays, light, shadows and sampling; no splat code.
+// Pictures of the subject by ray casting (Embree), with camera rays, light, shadows and sampling of its own. No splat code is used.
 #pragma once
 
 #include <array>
@@ -13,19 +13,19 @@
 namespace dpl {
 
 struct RaycastOptions {
-    uint32_t samplesPerPixel = 4;  // stratified in a grid; numbers like 4, 6, 9 fill it
+    uint32_t samplesPerPixel = 4;  // stratified in a grid of floor(√n) columns: 4, 6 or 9 fill it
     double sensorNoise = 0.004;    // standard deviation, display-referred
-    double gain = 1;               // exposure of this frame
+    double gain = 1;               // exposure: factor of the light
     uint64_t seed = 1;
 };
 
 struct RaycastFrame {
     std::vector<uint8_t> rgb;     // w·h·3, sRGB
     std::vector<uint8_t> mask;    // 255 where at least half of the samples see the person
-    std::vector<uint8_t> labels;  // the label most samples see there, 0 outside the mask
+    std::vector<uint8_t> labels;  // SubjectLabel that most samples see, 0 outside the mask
 };
 
-/** One posed subject in an Embree scene. Not shared between threads: one a worker. */
+/** One posed subject in an Embree scene. Use one per thread. The subject must outlive it. */
 class PersonTracer {
 public:
     explicit PersonTracer(const Subject& subject);
@@ -33,12 +33,13 @@ public:
     PersonTracer(const PersonTracer&) = delete;
     PersonTracer& operator=(const PersonTracer&) = delete;
 
-    /** Rebuilds the scene for posed vertices (V, metres): visible faces, clothes with 2 mm of thickness and closed hems. */
+    /** Rebuilds the scene for posed vertices (V, metres). Hidden triangles are left out; clothes get 2 mm of thickness and closed hems.
+     *  Call before render() and firstHit(). */
     void setVertices(const std::vector<Vec3d>& vertices);
 
     RaycastFrame render(const Camerad& camera, const RaycastOptions& options) const;
 
-    /** Distance along the ray from `from` to the first surface towards `to` over |to − from|; 1e9 when nothing is met. */
+    /** Distance from `from` to the first surface in the direction of `to`, as a multiple of |to − from|. 1e9 when the ray hits nothing. */
     double firstHit(const Vec3d& from, const Vec3d& to) const;
 
 private:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Edge collapse, flips and smoothing (the moves of Botsch and Kobbelt's incremental remeshing), on a mesh that follows an implicit field.
+// Edge collapses, flips and smoothing on a mesh that follows an implicit field, after Botsch and Kobbelt 2004, A Remeshing Approach to
+// Multiresolution Modeling.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +10,7 @@
 namespace dpl {
 namespace {
 
+/** Newton steps along the gradient towards field = 0, each at most 8 mm. */
 Vec3f projected(const ScalarField& field, Vec3f p, int steps) {
     constexpr float h = 4e-4f;
     for (int i = 0; i < steps; ++i) {
@@ -60,7 +62,7 @@ public:
 private:
     struct Across {
         uint32_t triangle[2], opposite[2];
-        int count = 0;
+        int count = 0;  // of all triangles at the edge; only two are kept
     };
 
     /** The triangles at edge a-b and their third corners. */
@@ -102,7 +104,7 @@ private:
 
     static Vec3f areaNormal(const Vec3f& a, const Vec3f& b, const Vec3f& c) { return glm::cross(b - a, c - a); }
 
-    /** True when moving corner `v` of its triangles (those without `other`) to `to` keeps them turned the same way and in shape. */
+    /** May vertex `v` move to `to`? Checks its triangles without corner `other`: no edge longer than √longest2, no sliver, no flip. */
     bool survives(uint32_t v, uint32_t other, const Vec3f& to, float longest2) const {
         for (uint32_t t : trianglesOf_[v]) {
             const Triangle& tri = triangles_[t];
@@ -210,7 +212,7 @@ private:
                     const Triangle& tri = triangles_[t];
                     const Vec3f n = areaNormal(at_[tri[0]], at_[tri[1]], at_[tri[2]]);
                     normal += n;
-                    // Triangles that are larger than wanted pull more: sizes even out along the wanted gradation.
+                    // Triangles larger than wanted pull more, so that sizes approach the wanted ones.
                     const float wanted = (wanted_[tri[0]] + wanted_[tri[1]] + wanted_[tri[2]]) / 3;
                     const float w = glm::length(n) / (wanted * wanted) + 0.05f;
                     sum += w * (at_[tri[0]] + at_[tri[1]] + at_[tri[2]]) / 3.0f;
@@ -236,8 +238,8 @@ private:
     Jobs& jobs_;
     std::vector<std::vector<uint32_t>> trianglesOf_;
     std::vector<uint8_t> dead_, boundary_;
-    std::vector<float> wanted_;
-    std::vector<uint32_t> seen_;
+    std::vector<float> wanted_;   // per vertex: wanted edge length, metres
+    std::vector<uint32_t> seen_;  // per vertex: mark_ of the last visit by commonNeighbours()
     uint32_t mark_ = 0;
 };
 

@@ -13,7 +13,7 @@ using Json = nlohmann::ordered_json;
 
 double rounded(double x, double steps) {
     const double r = std::round(x * steps) / steps;
-    return r == 0 ? 0.0 : r;  // no −0
+    return r == 0 ? 0.0 : r;  // avoids −0
 }
 
 Json triple(const Vec3d& v, double steps = 1e6) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The text and binary files of a sample scan as bytes. World +Y up comes in, the files' z-up goes out. Private to reconstruction/sample.
+// The text and binary files of a sample scan as bytes (docs/formats/scan.md). Inputs have +Y up; the files have z up. Private to
+// reconstruction/sample.
 #pragma once
 
 #include <optional>
@@ -10,7 +11,7 @@
 
 namespace dpl {
 
-/** World (+Y up, facing +Z) to file (z up, facing −y). */
+/** From the world (+Y up, facing +Z) to files (z up, facing −y). */
 inline Vec3d fileFromWorld(const Vec3d& p) {
     return {p.x, -p.z, p.y};
 }
@@ -18,7 +19,7 @@ inline Vec3d fileFromWorld(const Vec3d& p) {
 struct KeypointTruth {
     bool inFront = false;
     Vec2d px{0}, noisyPx{0};
-    int visibility = 0;  // 0 outside, 1 hidden, 2 visible
+    int visibility = 0;  // 0 outside the picture, 1 hidden, 2 visible
     double confidence = 0, sigmaPx = 0;
 };
 

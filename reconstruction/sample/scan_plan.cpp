@@ -15,7 +15,7 @@ constexpr double kTau = 6.283185307179586;
 Camerad cameraAt(const SampleScanOptions& o, const Vec3d& eye, const Vec3d& target, double rollRad) {
     Camerad c;
     c.widthPx = o.widthPx, c.heightPx = o.heightPx;
-    // 26 mm on a 35 mm camera: the diagonal of the image is 43.27 mm of film.
+    // A lens of 26 mm (35 mm equivalent): the image's diagonal corresponds to 43.27 mm of film.
     c.fx = c.fy = 26.0 / 43.266615 * std::hypot(double(o.widthPx), double(o.heightPx));
     c.cx = 0.5 * o.widthPx, c.cy = 0.5 * o.heightPx;
     const Vec3d z = glm::normalize(target - eye), level = glm::normalize(glm::cross(z, Vec3d(0, 1, 0))), down = glm::cross(z, level);
@@ -34,8 +34,8 @@ std::string numbered(const char* stem, uint32_t index) {
 struct CloseUp {
     const char* of;
     Vec3d target;
-    double azimuthRad, distanceM;  // 0: in front, + towards the subject's left
-    double spreadRad, lift;        // azimuths of the shots spread around; eye above the target, as a slope
+    double azimuthRad, distanceM;  // azimuth 0 is in front, positive towards the subject's left
+    double spreadRad, lift;        // shots lie within ±spreadRad of the azimuth; the eye is lift · distanceM above the target
 };
 
 }  // namespace
@@ -45,10 +45,10 @@ std::vector<PlannedFrame> planScan(const Subject& subject, const SampleScanOptio
     Random random(o.seed, 31);
     double top = 0;
     for (const Vec3f& p : subject.mesh.restPositions) top = std::max(top, double(p.y));
-    const double reach = 1.98 * top / 1.78;  // taller people are taken from further away
+    const double reach = 1.98 * top / 1.78;  // camera distance, proportional to the person's height
     const Vec3d middle(0, 0.51 * top, 0);
 
-    // Three rings; neighbours in time lie on one ring, as a person walks.
+    // Three rings, one after the other, as a person with a camera would walk.
     for (uint32_t i = 0; i < o.fullFrames; ++i) {
         const double turn = 3.0 * i / o.fullFrames, ring = std::floor(turn);
         const double azimuth = kTau * (turn + ring * 0.17) + random.uniform(-0.04, 0.04), height = ring == 0   ? 1.25
@@ -79,7 +79,7 @@ std::vector<PlannedFrame> planScan(const Subject& subject, const SampleScanOptio
     };
     for (uint32_t i = 0; i < o.closeupFrames; ++i) {
         const CloseUp& v = views[i * std::size(views) / o.closeupFrames];
-        // Where this shot stands among those of its subject.
+        // `share`: this shot's place among those of the same target, from −1 to 1.
         uint32_t first = i, last = i;
         while (first > 0 && (first - 1) * std::size(views) / o.closeupFrames == i * std::size(views) / o.closeupFrames) --first;
         while (last + 1 < o.closeupFrames && (last + 1) * std::size(views) / o.closeupFrames == i * std::size(views) / o.closeupFrames)

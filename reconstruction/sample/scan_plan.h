@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which pictures a sample scan holds: cameras, poses and splits. Private to reconstruction/sample.
+// The list of a sample scan's pictures: cameras, poses and splits. Private to reconstruction/sample.
 #pragma once
 
 #include <string>
@@ -13,15 +13,15 @@ namespace dpl {
 
 struct PlannedFrame {
     std::string name, kind, split, closeupOf;
-    double timeS = 0;  // dynamic frames
+    double timeS = 0;  // of dynamic frames
     Camerad camera;    // world +Y up
     TruthPose pose;
-    std::vector<Vec3d> lag;  // dynamic frames: of each swing driver
-    bool keepPosed = false;  // its vertices go to posed/
-    bool keepFine = false;   // its picture at ×4 goes to hires/
+    std::vector<Vec3d> lag;  // of dynamic frames: per swing driver, metres
+    bool keepPosed = false;  // write its posed vertices to posed/
+    bool keepFine = false;   // write its picture at 4 times the size to hires/
 };
 
-/** Static orbit at three heights, close-ups, and the dynamic sequence with one and a half turns of the camera. */
+/** A static orbit at three heights, close-ups, and a dynamic sequence during which the camera circles the subject one and a half times. */
 std::vector<PlannedFrame> planScan(const Subject& subject, const SampleScanOptions& options);
 
 }  // namespace dpl

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFineScale = 4;  // of the pictures that measure an avatar drawn larger than it was trained
+constexpr int kFineScale = 4;  // enlarged pictures score avatars that are drawn larger than they were trained
 constexpr const char* kFineFolder = "hires/x4";
 
 Status writeFile(const fs::path& path, std::span<const uint8_t> bytes) {
@@ -45,7 +45,7 @@ Status writeColours(const fs::path& path, const RaycastFrame& picture, uint32_t 
     return writeFile(path, bytes);
 }
 
-/** How deep under the surface a keypoint may lie and still count as visible, metres: the thickness of the limb around it. */
+/** Depth below the surface, metres, at which a keypoint still counts as visible: the thickness of the limb around it. */
 double limbThickness(const std::string& name) {
     const std::string base = name.substr(0, name.find('_'));
     if (base == "nose" || base == "eye" || base == "ear" || base == "head") return 0.025;
@@ -59,7 +59,7 @@ std::vector<KeypointTruth> observe(const Subject& subject, const PersonTracer& t
                                    const std::vector<Vec3d>& points, uint64_t seed, size_t frame) {
     std::vector<KeypointTruth> out;
     Random random(seed, 50000 + frame);
-    // 1.5 px at 378 px width, a good detector's error; 3.75 px for guessed points.
+    // Noise of a good detector: 1.5 px in a picture 378 px wide. Hidden points get 2.5 times as much.
     const double unit = 1.5 * double(camera.widthPx) / 378;
     for (size_t k = 0; k < points.size(); ++k) {
         KeypointTruth truth;
@@ -153,9 +153,9 @@ Status makeSampleScan(const fs::path& folder, const SampleScanOptions& o, Jobs& 
         return fail(Code::InvalidArgument, "image size {}x{}: each side must be 16 to 8192 pixels", o.widthPx, o.heightPx);
     if (o.fullFrames < 4) return fail(Code::InvalidArgument, "{} full-body frames: at least 4 are needed", o.fullFrames);
     if (o.fullFrames + o.closeupFrames + o.dynamicFrames > 2700)
-        return fail(Code::InvalidArgument, "more than 2700 frames asked for; names have three digits");
+        return fail(Code::InvalidArgument, "{} frames: a sample scan has at most 2700", o.fullFrames + o.closeupFrames + o.dynamicFrames);
     if (!(o.dynamicS > 1) || o.samplesPerPixel < 1 || o.samplesPerPixel > 1024)
-        return fail(Code::InvalidArgument, "the motion must be longer than 1 s, samples per pixel 1 to 1024");
+        return fail(Code::InvalidArgument, "the motion must be longer than 1 s, and samples per pixel must be 1 to 1024");
     std::error_code error;
     const fs::path target = fs::absolute(folder, error).lexically_normal();
     if (fs::exists(target, error) && !(fs::is_directory(target, error) && fs::is_empty(target, error)))
@@ -168,7 +168,7 @@ Status makeSampleScan(const fs::path& folder, const SampleScanOptions& o, Jobs& 
     if (error) return fail(Code::Io, "cannot create {}: {}", temporary.string(), error.message());
     Status status = writeAll(temporary, o, jobs, progress);
     if (status) {
-        fs::remove(plain, error);  // an empty folder of that name may stand there
+        fs::remove(plain, error);  // an empty folder of that name may exist
         fs::rename(temporary, plain, error);
         if (error) status = fail(Code::Io, "cannot rename {} to {}: {}", temporary.string(), plain.string(), error.message());
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scan folder of the procedural subject, with its truth: docs/formats/scan.md.
+// Writes a scan folder of the procedural subject with its truth (docs/formats/scan.md).
 #pragma once
 
 #include <cstdint>
@@ -16,9 +16,9 @@ struct SampleScanOptions {
     uint64_t seed = 1;
     uint32_t widthPx = 378, heightPx = 504;
     uint32_t fullFrames = 60, closeupFrames = 24, dynamicFrames = 90;
-    double dynamicS = 18.75;  // length of the motion
+    double dynamicS = 18.75;  // duration of the motion
     uint32_t samplesPerPixel = 6;
-    double exposureSpread = 0;   // standard deviation of the frames' gains (0: constant exposure)
+    double exposureSpread = 0;   // standard deviation of ln(gain) over frames; 0: constant exposure
     double sensorNoise = 0.004;  // display-referred
     int jpegQuality = 92;
 
@@ -33,13 +33,13 @@ struct SampleScanOptions {
     }
 };
 
-/** Called from the calling thread's pool with a share in [0, 1]; return false to stop (Code::Cancelled). Calls do not overlap. */
+/** Called with a share in [0, 1] from any thread of the pool, never two calls at once. Return false to stop with Code::Cancelled. */
 using SampleProgress = std::function<bool(double share, const std::string& what)>;
 
-/** Writes scan.json, truth.json, images/, masks/, labels/, keypoints/, geometry/ and posed/ into `folder`, which must not exist or be
- *  empty. All is written to a neighbour folder with a temporary name that is renamed at the end: nothing half-written stays behind.
- *  Same options, same bytes, for any thread count. InvalidArgument: sizes below 16 px, fewer than 4 full frames. Io: the path that failed.
- */
+/** Writes scan.json, truth.json, images/, masks/, labels/, keypoints/, geometry/, posed/ and hires/ into `folder`, which must be new or
+ *  empty. Files are written to a neighbouring folder FOLDER.partial, which is renamed at the end or removed after an error. The same
+ * options give the same bytes for any thread count. InvalidArgument: options out of range (the message states the range) or a folder in
+ * use. Io: names the path that failed. */
 Status makeSampleScan(const std::filesystem::path& folder, const SampleScanOptions& options, Jobs& jobs,
                       const SampleProgress& progress = {});
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pattern to sheet: mesh the whole solid, cut along the hem, lay the border on the hem line, even out.
+// Turns a garment pattern into a sheet: mesh the whole solid, cut it along the hem, move its border onto the hem line, remesh.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -9,13 +9,14 @@
 namespace dpl {
 namespace {
 
+/** Gradient by finite differences. */
 Vec3f slope(const ScalarField& f, const Vec3f& p) {
     constexpr float h = 8e-4f;
     const Vec3f a(h, -h, -h), b(-h, -h, h), c(-h, h, -h), d(h, h, h);
     return (a * f(p + a) + b * f(p + b) + c * f(p + c) + d * f(p + d)) / (4 * h * h);
 }
 
-/** Steps to the line where both functions vanish. */
+/** Moves p to the hem line, where `keep` and `field` are both 0. Steps are at most 6 mm. */
 Vec3f ontoHem(const GarmentPattern& g, Vec3f p) {
     for (int i = 0; i < 10; ++i) {
         for (const ScalarField* f : {&g.keep, &g.field}) {
@@ -31,7 +32,7 @@ Vec3f ontoHem(const GarmentPattern& g, Vec3f p) {
     return p;
 }
 
-/** Next vertex along the border for each border vertex; vertices where borders touch are reported in `tangled`. */
+/** The next vertex along the border, per border vertex. `tangled` receives the vertices at which borders touch. */
 std::map<uint32_t, uint32_t> borderLoops(const SurfaceMesh& mesh, std::vector<uint32_t>& tangled) {
     std::map<std::pair<uint32_t, uint32_t>, int> edges;
     for (const Triangle& t : mesh.triangles)
@@ -43,6 +44,7 @@ std::map<uint32_t, uint32_t> borderLoops(const SurfaceMesh& mesh, std::vector<ui
     return next;
 }
 
+/** Removes triangles until no vertex has two borders. */
 void dropTangles(SurfaceMesh& mesh) {
     std::vector<uint32_t> tangled;
     for (int round = 0; round < 20; ++round) {
@@ -56,7 +58,7 @@ void dropTangles(SurfaceMesh& mesh) {
     }
 }
 
-/** Closes border loops of a few edges by a fan: where a fold touches the line from inside, the cut leaves a hole beside the hem. */
+/** Closes small border loops with triangle fans. The cut leaves such holes where a fold touches the hem line from inside. */
 void healPinholes(SurfaceMesh& mesh) {
     constexpr size_t kPinholeEdges = 20;  // every real opening has more than 40
     std::vector<uint32_t> tangled;
@@ -78,7 +80,7 @@ void healPinholes(SurfaceMesh& mesh) {
     }
 }
 
-/** Triangles that hang on by one corner or stick out with two border edges make a ragged hem. */
+/** Removes triangles with two or three border edges, which make a hem ragged. */
 void dropEars(SurfaceMesh& mesh) {
     for (int round = 0; round < 3; ++round) {
         std::map<std::pair<uint32_t, uint32_t>, int> edges;
@@ -106,7 +108,7 @@ SurfaceMesh sewGarment(const GarmentPattern& pattern, Jobs& jobs) {
     SurfaceMesh mesh = remesh(marchField(pattern.field, grid, jobs), pattern.field, even, jobs);
     std::vector<float> keep(mesh.positions.size());
     for (size_t v = 0; v < keep.size(); ++v) keep[v] = pattern.keep(mesh.positions[v]);
-    // A little beyond the line counts as inside: those vertices move back onto it below.
+    // Keep triangles up to 0.35 edge lengths beyond the hem line; their border vertices are moved onto it below.
     const float slack = -0.35f * pattern.edgeLengthM;
     std::erase_if(mesh.triangles, [&](const Triangle& t) { return keep[t.x] < slack || keep[t.y] < slack || keep[t.z] < slack; });
     dropTangles(mesh);

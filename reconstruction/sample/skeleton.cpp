@@ -6,7 +6,7 @@
 namespace dpl {
 namespace {
 
-constexpr float kArmDownRad = 0.733f;  // 42°: shirts hang well and arms stay clear of the hips
+constexpr float kArmDownRad = 0.733f;  // 42°: low enough for shirts to hang naturally, high enough to keep arms clear of the hips
 
 struct JointRow {
     const char* name;
@@ -42,7 +42,7 @@ constexpr JointRow kRows[kBuiltinJointCount] = {
     {"right_eye", kHead, "rightEye"},
 };
 
-// Joint 1..3 and tip in the hand frame (along, thumbward, dorsal), metres. A relaxed hand: fingers spread and a little bent.
+// Joints 1 to 3 and tip in the hand frame (along, thumbward, dorsal), metres. A relaxed hand with fingers slightly spread and bent.
 constexpr float kFingerPoints[kFingerCount][4][3] = {
     {{0.092f, 0.031f, 0.003f}, {0.133f, 0.039f, -0.001f}, {0.157f, 0.0435f, -0.006f}, {0.177f, 0.047f, -0.012f}},         // index
     {{0.096f, 0.008f, 0.005f}, {0.142f, 0.0095f, 0.001f}, {0.170f, 0.0105f, -0.005f}, {0.192f, 0.011f, -0.012f}},         // middle
@@ -70,14 +70,14 @@ uint8_t mirroredJoint(uint8_t joint) {
             break;
     }
     const char side = kRows[joint].name[0];
-    return uint8_t(side == 'l' ? joint + 1 : joint - 1);  // left and right stand side by side in the list
+    return uint8_t(side == 'l' ? joint + 1 : joint - 1);  // a right joint follows its left one in the list
 }
 
 HandFrame leftHandFrame() {
     const float c = std::cos(kArmDownRad), s = std::sin(kArmDownRad);
     const Vec3f shoulder(0.178f, 1.413f, -0.022f);
     const Vec3f elbow = shoulder + 0.282f * glm::normalize(Vec3f(c, -s, -0.03f));
-    const Vec3f along = glm::normalize(Vec3f(c, -s, 0.10f));  // a forearm is never quite straight
+    const Vec3f along = glm::normalize(Vec3f(c, -s, 0.10f));  // points slightly forward: a relaxed elbow is bent
     HandFrame hand;
     hand.wrist = elbow + 0.255f * along;
     hand.along = glm::normalize(Vec3f(std::cos(kArmDownRad + 0.10f), -std::sin(kArmDownRad + 0.10f), 0.10f));

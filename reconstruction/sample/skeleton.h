@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The 55-joint skeleton of the built-in body: SMPL-X's joint list and order, VRM humanoid names, our own A-pose positions.
+// The 55-joint skeleton of the built-in body: SMPL-X's joint list and order, VRM humanoid names, and its own A-pose positions.
 #pragma once
 
 #include <array>
@@ -48,28 +48,28 @@ enum BuiltinJoint : uint8_t {
 
 enum Finger : uint8_t { kIndex, kMiddle, kPinky, kRing, kThumb, kFingerCount };
 
-/** Joint `bone` (0..2) of a finger of the left hand; add kRightIndex1 − kLeftIndex1 for the right one. */
+/** Joint `bone` (0 to 2) of a finger of the left hand. Add kRightIndex1 − kLeftIndex1 for the right hand. */
 constexpr uint8_t leftFingerJoint(Finger finger, int bone) {
     return uint8_t(kLeftIndex1 + 3 * finger + bone);
 }
 
-/** The joint on the other side; joints of the middle answer themselves. */
+/** The joint on the other side. Joints in the middle (spine, neck, head, jaw) map to themselves. */
 uint8_t mirroredJoint(uint8_t joint);
 
-/** 55 joints, parents first, rest positions in metres (+Y up, facing +Z, feet on y = 0, 1.75 m tall, arms 42° below the horizontal). */
+/** 55 joints, parents first. Rest positions in metres: +Y up, facing +Z, feet on y = 0, 1.75 m tall, arms 42° below the horizontal. */
 std::vector<JointData> builtinSkeleton();
 
-/** Axes of the left hand at the wrist: along the fingers, towards the thumb, out of the back of the hand. */
+/** Wrist of the left hand and unit axes: along the fingers, towards the thumb, out of the back of the hand. World frame, metres. */
 struct HandFrame {
     Vec3f wrist, along, thumbward, dorsal;
     Vec3f at(float s, float w, float n) const { return wrist + along * s + thumbward * w + dorsal * n; }
 };
 HandFrame leftHandFrame();
 
-/** Joint 1, 2, 3 and tip of a finger of the left hand, metres. */
+/** Positions of joints 1, 2, 3 and the tip of a finger of the left hand, metres. */
 std::array<Vec3f, 4> leftFingerChain(Finger finger);
 
-/** Ankle, ball (joint left_foot) and tip of the second toe of the left foot. */
+/** Positions of the left foot's ankle, ball (joint left_foot) and tip of the second toe, metres. */
 std::array<Vec3f, 3> leftFootChain();
 
 }  // namespace dpl

@@ -12,15 +12,15 @@
 namespace dpl {
 namespace {
 
-constexpr int kNearest = 6;  // body vertices that say how a garment vertex moves
+constexpr int kNearest = 6;  // body vertices from which a garment vertex takes weights and morphs
 constexpr float kClearanceM = 0.004f;
-constexpr float kHairClearanceM = 0.0012f;  // hair grows out of the skin
+constexpr float kHairClearanceM = 0.0012f;  // hair lies closer to the skin than cloth
 
 struct Fitting {
     const BodyModel& body;
-    const std::vector<Vec3f>& displacement;  // of body vertices, by morphs
+    const std::vector<Vec3f>& displacement;  // per body vertex, by morphs
     std::vector<Vec3f> bodyNormals;
-    std::vector<uint8_t> usable;  // body vertices that clothes follow (no hands)
+    std::vector<uint8_t> usable;  // per body vertex: 1 if clothes may follow it (not the hands)
 };
 
 float smooth01(float t) {
@@ -28,7 +28,7 @@ float smooth01(float t) {
     return t * t * (3 - 2 * t);
 }
 
-/** Appends a sheet to the subject: weights, morphs and anchors come from the nearest body vertices, smoothed along the sheet. */
+/** Appends a sheet to the subject. Weights and morphs come from the nearest body vertices and are smoothed along the sheet. */
 void addGarment(Subject& subject, const Fitting& fit, const SurfaceMesh& sheet, const SubjectPart& part, const char* role, bool rigidHead,
                 Jobs& jobs) {
     const size_t count = sheet.positions.size(), jointCount = fit.body.joints.size();
@@ -70,7 +70,7 @@ void addGarment(Subject& subject, const Fitting& fit, const SurfaceMesh& sheet, 
         }
     });
     const auto neighbours = vertexNeighbours(count, sheet.triangles);
-    for (int round = 0; round < 8; ++round) {  // cloth blends more softly than skin
+    for (int round = 0; round < 8; ++round) {  // cloth bends more softly than skin
         std::vector<float> nextDense = dense;
         std::vector<Vec3f> nextMoved = moved;
         jobs.forRange(count, 64, [&](size_t begin, size_t end, uint32_t) {
@@ -153,7 +153,7 @@ void addClothDynamics(Subject& subject, const WardrobeChoice& wardrobe) {
                 const float s = alongArm(p), sleeve = smooth01((s - 0.02f) / 0.05f) * smooth01((below - kSleeveReachM) / 0.04f + 0.5f);
                 const float trunk = smooth01((1.16f - p.y) / (1.16f - wardrobe.shirtHemY));
                 free = sleeve * 0.75f * smooth01((s - 0.05f) / (wardrobe.sleeveM - 0.05f)) + (1 - sleeve) * trunk;
-                // Raised arms pull the shirt up; most at the sides, less at the hem's back.
+                // Raised arms pull the shirt up, most at the sides.
                 cloth.slide = (1 - sleeve) * (0.012f + 0.030f * smooth01((1.38f - p.y) / 0.5f)) * (0.75f + 0.25f * std::abs(p.x) / 0.18f) *
                               smooth01((1.44f - p.y) / 0.10f);
             } else {
@@ -199,7 +199,7 @@ Subject makeSubject(uint64_t seed, Jobs& jobs) {
     const BodyModel body = makeBuiltinBody(jobs);
     const BodyField field;
     for (const ShapeMorph& m : body.morphs) {
-        if (m.name == "hair_volume") continue;  // the subject wears its hair as a layer
+        if (m.name == "hair_volume") continue;  // the subject's hair is a layer of its own
         const double spread = m.name == "weight" || m.name == "build" ? 0.9 : m.name == "chest" ? 0.25 : 0.7;
         subject.morphValues.push_back({m.name, float(spread * std::clamp(random.normal(), -1.8, 1.8))});
     }
@@ -228,7 +228,7 @@ Subject makeSubject(uint64_t seed, Jobs& jobs) {
     addGarment(subject, fit, sewGarment(shirt, jobs), {"top", kLabelTop, true}, "garment", false, jobs);
     addGarment(subject, fit, sewGarment(shorts, jobs), {"bottom", kLabelBottom, true}, "garment", false, jobs);
 
-    // Skin well inside clothes is never seen, in any pose.
+    // Skin far enough inside clothes is hidden in every pose.
     std::vector<uint8_t> deep(displacement.size(), 0);
     for (size_t v = 0; v < deep.size(); ++v) {
         const Vec3f p = body.mesh.restPositions[v];

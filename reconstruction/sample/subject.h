@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The procedural subject: a clothed person from a seed, posed with exactly known truth.
+// The procedural subject: a clothed person made from a seed, with exactly known geometry in every pose.
 #pragma once
 
 #include <array>
@@ -23,51 +23,53 @@ struct SubjectPart {
     bool cloth = false;  // slides and swings in dynamic frames
 };
 
-/** How one cloth vertex leaves its skinned place (all zero for other vertices). */
+/** How one cloth vertex moves relative to its skinned position. All zero for other vertices. */
 struct ClothVertex {
-    float slide = 0;                          // metres along the trunk at full arm raise
-    std::array<uint8_t, 3> drivers{0, 0, 0};  // swing drivers
-    std::array<float, 3> swing{0, 0, 0};      // and how much of each (0 where cloth is held, at most 1 in sum)
+    float slide = 0;                          // metres up the trunk when the arms are fully raised
+    std::array<uint8_t, 3> drivers{0, 0, 0};  // indices into Subject::drivers
+    std::array<float, 3> swing{0, 0, 0};      // share of each driver's lag; 0 where cloth is held, sum at most 1
 };
 
-/** A hem point whose lag behind the body the cloth around it follows. */
+/** A hem point on a spring. The cloth around it follows its lag behind the body. */
 struct SwingDriver {
-    uint32_t vertex = 0;  // a cloth vertex; its skinned track drives the spring
+    uint32_t vertex = 0;  // a cloth vertex; its skinned path drives the spring
     float frequencyHz = 2.2f, damping = 0.28f;
 };
 
 struct Subject {
     uint64_t seed = 0;
     std::string name;
-    std::vector<JointData> joints;  // 55, morphs and soles included
-    MeshData mesh;                  // layers in the order of `parts`; clothes are their outer surface
+    std::vector<JointData> joints;  // 55, with morphs and sole height applied
+    MeshData mesh;                  // layers in the order of `parts`; of clothes only the outer surface
     std::vector<SubjectPart> parts;
-    std::vector<Vec3f> canonical;     // V: where the vertex was before morphs: textures are functions of it
-    std::vector<uint8_t> hiddenFace;  // F: 1 for body faces deep under clothes, left out of pictures
-    std::vector<ClothVertex> cloth;   // V
-    std::vector<uint32_t> anchor;     // V: nearest body vertex of each cloth vertex (itself elsewhere)
+    std::vector<Vec3f> canonical;     // per vertex: position before morphs, the coordinates of textures
+    std::vector<uint8_t> hiddenFace;  // per triangle: 1 on the body deep under clothes, left out of pictures
+    std::vector<ClothVertex> cloth;   // per vertex
+    std::vector<uint32_t> anchor;     // per vertex: nearest body vertex; of body vertices themselves
     std::vector<SwingDriver> drivers;
     std::vector<BodyKeypoint> keypoints;  // 24
     std::vector<std::pair<std::string, float>> morphValues;
     Look look;
 };
 
-/** About three seconds; deterministic for any thread count. Same seed, same person. */
+/** The same seed gives the same person for any thread count. Takes about three seconds. */
 Subject makeSubject(uint64_t seed, Jobs& jobs);
 
-/** Vertices at a pose, metres. Without cloth state this is exactly linear blend skinning of the template; with it, clothes slide by a
- *  function of the pose and swing by `lag[driver]` (metres, from SwingSimulation), then are held out of the body by 3 mm. */
+/** Vertices at a pose, metres. With `lag` null this is exactly linear blend skinning of the template. Otherwise clothes also slide by a
+ *  function of the pose, swing by `lag[driver]` (metres, from SwingSimulation), and are then pushed 3 mm out of the body. */
 std::vector<Vec3d> poseSubject(const Subject& subject, const TruthPose& pose, const std::vector<Vec3d>* lag);
 
 /** World positions of the 24 keypoints for posed vertices. */
 std::vector<Vec3d> keypointsWorld(const Subject& subject, const TruthPose& pose, const std::vector<Vec3d>& vertices);
 
-/** Second-order springs behind each driver: x'' = −ω²x − 2ζωx' − a(t), with a the acceleration of the driver's skinned track,
- *  integrated at a fixed 1/240 s from rest. So cloth depends on the motion so far, and its truth is exact. */
+/** A damped spring per driver: x'' = −ω²x − 2ζωx' − a(t), where a is the acceleration of the driver's skinned path. Integrated from rest
+ *  with a fixed step of 1/240 s, so the lag depends on the motion so far and not on when it is asked for. Subject and motion must outlive
+ *  it. */
 class SwingSimulation {
 public:
     SwingSimulation(const Subject& subject, const Motion& motion);
-    /** Runs on to `timeS` (times must not fall) and returns the lag of each driver, metres, at most 4.5 cm long. */
+    /** Advances to `timeS`, which must not decrease, and returns the lag of each driver: metres, at most 4.5 cm long. Valid until the next
+     *  call. */
     const std::vector<Vec3d>& at(double timeS);
 
 private:

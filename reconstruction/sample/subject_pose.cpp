@@ -12,7 +12,7 @@ constexpr double kStepS = 1.0 / 240;
 constexpr double kMaxLagM = 0.045;
 constexpr double kHoldOffM = 0.003;
 
-/** How far the arms are raised, 0 in the A-pose to about 1 overhead, smooth; a function of the pose alone. */
+/** How far the arms are raised relative to the chest: 0 in the A-pose, about 1 overhead. Smooth. */
 double armRaise(const Subject& subject, const std::vector<Mat3x4d>& g) {
     double sum = 0;
     const Mat3d chest(g[kSpine3][0], g[kSpine3][1], g[kSpine3][2]);
@@ -55,7 +55,7 @@ std::vector<Vec3d> poseSubject(const Subject& subject, const TruthPose& pose, co
         if (length <= 0) continue;
         const Vec3d n = normals[a] / length;
         const double off = glm::dot(at[v] - at[a], n);
-        // Only near misses: further off the anchor is no longer the skin that lies below.
+        // Deeper than 5 cm, the anchor is not the skin that lies below the cloth.
         if (off < kHoldOffM && off > -0.05) at[v] += (kHoldOffM - off) * n;
     }
     return at;
@@ -95,14 +95,14 @@ const std::vector<Vec3d>& SwingSimulation::at(double timeS) {
         for (size_t d = 0; d < lag_.size(); ++d) {
             const double w = 6.283185307179586 * double(subject_.drivers[d].frequencyHz), z = double(subject_.drivers[d].damping);
             const Vec3d acceleration = (next[d] - 2.0 * now_[d] + before_[d]) / (kStepS * kStepS);
-            // Semi-implicit Euler: stable for ω·dt = 0.07.
+            // Semi-implicit Euler is stable here: ω·dt is at most 0.045.
             speed_[d] += kStepS * (-w * w * lag_[d] - 2 * z * w * speed_[d] - acceleration);
             lag_[d] += kStepS * speed_[d];
         }
         before_ = now_;
         now_ = next;
     }
-    for (size_t d = 0; d < lag_.size(); ++d) {  // cloth has an end: long swings saturate smoothly
+    for (size_t d = 0; d < lag_.size(); ++d) {  // limits the lag smoothly to the length of the cloth
         const double length = glm::length(lag_[d]);
         soft_[d] = length > 1e-9 ? lag_[d] * (kMaxLagM * std::tanh(length / kMaxLagM) / length) : Vec3d(0);
     }
