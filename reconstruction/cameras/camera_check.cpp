@@ -7,8 +7,8 @@
 namespace dpl {
 namespace {
 
-constexpr double kMinFovRad = 0.0175, kMaxFovRad = 2.618;  // 1° and 150°: beyond is a wrong unit (mm for px) or a fisheye
-constexpr double kRotationTolerance = 1e-3;                // files with four decimals still pass; a scaled or sheared matrix does not
+constexpr double kMinFovRad = 0.0175, kMaxFovRad = 2.618;  // 1° and 150°; values outside mean a wrong unit (mm for px) or a fisheye
+constexpr double kRotationTolerance = 1e-3;                // accepts matrices written with four decimals, refuses scale and shear
 
 Status checkFov(double focalPx, uint32_t sizePx, const char* name, std::string_view where) {
     if (!std::isfinite(focalPx) || focalPx <= 0)
@@ -42,7 +42,7 @@ Status checkCamera(Camerad& camera, std::string_view where) {
                     camera.fx, camera.fy);
     const bool inX = camera.cx >= -0.5 * camera.widthPx && camera.cx <= 1.5 * camera.widthPx;
     const bool inY = camera.cy >= -0.5 * camera.heightPx && camera.cy <= 1.5 * camera.heightPx;
-    if (!inX || !inY)  // NaN lands here too
+    if (!inX || !inY)  // also true for NaN
         return fail(Code::CorruptData, "{}: principal point ({}, {}) is far outside the {} x {} image; check cx, cy and the image size",
                     where, camera.cx, camera.cy, camera.widthPx, camera.heightPx);
     Mat3d& r = camera.viewFromWorldRotation;
@@ -65,7 +65,8 @@ Status checkCamera(Camerad& camera, std::string_view where) {
                     where, worst);
     if (glm::determinant(r) < 0)
         return fail(Code::CorruptData, "{}: R mirrors (determinant -1); an axis has the wrong sign, check the camera convention", where);
-    for (int i = 0; i < 3; ++i) r = 0.5 * (r + glm::transpose(glm::inverse(r)));  // Newton's polar iteration: 1e-3 -> 1e-7 -> 1e-14
+    for (int i = 0; i < 3; ++i)
+        r = 0.5 * (r + glm::transpose(glm::inverse(r)));  // Newton's polar iteration squares the error: 1e-3, 1e-7, 1e-14
     return {};
 }
 
@@ -75,7 +76,7 @@ Status checkDistortion(const LensDistortion& lens, const Camerad& camera, std::s
     if (std::abs(lens.p1) > 0.1 || std::abs(lens.p2) > 0.1)
         return fail(Code::CorruptData, "{}: tangential distortion ({}, {}) is implausibly large; undistort the images first", where,
                     lens.p1, lens.p2);
-    // d/dr of r(1 + k1 r² + k2 r⁴) must stay positive out to the farthest corner.
+    // Invertible if d/dr of r(1 + k1 r² + k2 r⁴) is positive out to the farthest corner.
     const double x = std::max(camera.cx, camera.widthPx - camera.cx) / camera.fx,
                  y = std::max(camera.cy, camera.heightPx - camera.cy) / camera.fy;
     const double corner2 = x * x + y * y;

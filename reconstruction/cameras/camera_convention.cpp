@@ -7,7 +7,7 @@
 namespace dpl {
 
 void turnZUpWorld(Camerad& camera) {
-    // Cᵀ has the columns C e_x, C e_y, C e_z transposed; R·Cᵀ permutes the columns of R: x stays, new y is old z, new z is minus old y.
+    // P = C p with C p = (x, z, −y), so R p = (R·Cᵀ) P. The columns of R·Cᵀ are those of R: x, z, −y.
     Mat3d& r = camera.viewFromWorldRotation;
     r = Mat3d(r[0], r[2], -r[1]);
 }
@@ -17,7 +17,7 @@ Vec3d turnZUpPoint(const Vec3d& p) {
 }
 
 void setOpenglPose(Camerad& camera, std::span<const double, 16> m) {
-    // Columns of world-from-camera: right, up, backward, position. OpenCV's axes are right, −up, −backward: the rows of R.
+    // The columns of world-from-camera are right, up, backward and position. The rows of R are OpenCV's axes: right, −up, −backward.
     const Vec3d right(m[0], m[4], m[8]), up(m[1], m[5], m[9]), back(m[2], m[6], m[10]), eye(m[3], m[7], m[11]);
     camera.viewFromWorldRotation = glm::transpose(Mat3d(right, -up, -back));
     camera.viewFromWorldTranslation = -(camera.viewFromWorldRotation * eye);

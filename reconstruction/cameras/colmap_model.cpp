@@ -52,7 +52,7 @@ Result<std::string> readWhole(const fs::path& path) {
     return text;
 }
 
-/** Parameters in COLMAP's order -> our camera. */
+/** Camera from parameters in COLMAP's order. */
 ColmapCamera makeCamera(int32_t model, uint64_t width, uint64_t height, std::span<const double> p) {
     ColmapCamera c;
     c.camera.widthPx = uint32_t(std::min<uint64_t>(width, UINT32_MAX));
@@ -70,7 +70,7 @@ ColmapCamera makeCamera(int32_t model, uint64_t width, uint64_t height, std::spa
 
 Status addCamera(Cameras& cameras, uint32_t id, ColmapCamera camera, const std::string& file) {
     const std::string where = formatText("{} camera {}", file, id);
-    Camerad probe = camera.camera;  // intrinsics only: pose is still the identity
+    Camerad probe = camera.camera;  // checks the intrinsics; the pose is still the identity
     DPL_CHECK_OK(checkCamera(probe, where));
     DPL_CHECK_OK(checkDistortion(camera.lens, camera.camera, where));
     if (!cameras.emplace(id, camera).second) return fail(Code::CorruptData, "{} is listed twice; export the model again", where);
@@ -164,7 +164,7 @@ Result<std::vector<ColmapImage>> readImagesText(const fs::path& path, const Came
             return fail(Code::CorruptData, "{} line {}: 'id qw qx qy qz tx ty tz camera name' is expected; export the model again",
                         path.string(), number);
         DPL_CHECK_OK(addImage(images, cameras, std::string(line.substr(begin)), cameraId, q, t, path.string()));
-        lines.next(line);  // the image's 2D points: one line, possibly empty, not used
+        lines.next(line);  // skip the image's 2D points, one line that may be empty
         ++number;
     }
     return images;
@@ -236,7 +236,7 @@ Result<std::vector<ColmapImage>> readImagesBinary(const fs::path& path, std::spa
     return images;
 }
 
-/** A Reader's own errors speak of offsets: put the file and the remedy around them. */
+/** Adds file and remedy to an error of Reader, which only states offsets. */
 Error namingFile(const Error& error, const fs::path& path) {
     if (error.message.find(path.string()) != std::string::npos) return error;
     return fail(error.code, "{}: {}; the file is cut or damaged, export the model again", path.string(), error.message);

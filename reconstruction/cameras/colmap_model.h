@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A COLMAP sparse model (cameras and images; 3D points are not read), text or binary.
+// Reads a COLMAP sparse model, text or binary: cameras and images, without 3D points.
 #pragma once
 
 #include <filesystem>
@@ -10,18 +10,19 @@
 
 namespace dpl {
 
-/** One registered image. `camera` is checked; its world is COLMAP's own: scale, origin and up are arbitrary. */
+/** One registered image. `camera` has passed checkCamera. Its world is COLMAP's: scale, origin and up are arbitrary. */
 struct ColmapImage {
-    std::string name;  // relative to the image folder, as COLMAP wrote it; not yet checked as a path
+    std::string name;  // path relative to the image folder, as COLMAP wrote it; unchecked
     Camerad camera;
     LensDistortion lens;
 };
 
-/** The folder of a model inside a scan folder (root, sparse, sparse/0, colmap/sparse/0), or an empty path. */
+/** The folder of a model inside a scan folder: the first of sparse/0, sparse, colmap/sparse/0 and the root that has one; else empty. */
 std::filesystem::path findColmapModel(const std::filesystem::path& root);
 
-/** Reads cameras.bin + images.bin, or cameras.txt + images.txt (binary wins when both are there), sorted by name. Camera models
- *  SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL and OPENCV; others are refused with the remedy. */
+/** Reads images.bin and cameras.bin, or images.txt and cameras.txt if there is no images.bin. Images are sorted by name. Camera models
+ *  SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL and OPENCV are read; others are Unsupported. At most 1 GiB per file and 100,000 images.
+ *  Errors name file, entry and remedy. */
 Result<std::vector<ColmapImage>> readColmapModel(const std::filesystem::path& folder);
 
 }  // namespace dpl

@@ -24,7 +24,7 @@ std::optional<Vec3d> pointNearRays(std::span<const Ray> rays, std::span<const do
             b += w * (across * rays[i].origin);
             total += w;
         }
-        if (!(total > 0) || !(glm::determinant(a / total) > 1e-6)) return std::nullopt;  // parallel rays: det of I − d dᵀ is 0
+        if (!(total > 0) || !(glm::determinant(a / total) > 1e-6)) return std::nullopt;  // parallel rays: the determinant is 0
         point = glm::inverse(a) * b;
     }
     return point;
