@@ -9,16 +9,16 @@
 
 namespace dpl {
 
-/** M = I + λL in rows of neighbours, and P·M·Pᵀ = L·D·Lᵀ with L unit lower triangular in columns. */
+/** M as lists of neighbours, and its factor P·M·Pᵀ = L·D·Lᵀ with L unit lower triangular, stored by columns. */
 struct LargeSteps::Factor {
     double lambda = 0;
-    std::vector<uint32_t> mergedOf;  // per vertex
+    std::vector<uint32_t> mergedOf;  // per vertex: its merged vertex
     std::vector<uint32_t> neighbourStart, neighbours;
     std::vector<uint32_t> component;      // per merged vertex
-    std::vector<uint32_t> componentSize;  // in vertices, duplicates counted once
+    std::vector<uint32_t> componentSize;  // in merged vertices
     std::vector<int> columnStart, rowIndex;
     std::vector<double> lower, inverseDiagonal;
-    std::vector<uint32_t> permuted;  // position of each unknown in the factor's order
+    std::vector<uint32_t> permuted;  // per unknown: its position in the factor
 
     void removeMeans(std::span<Vec3d> x) const {
         std::vector<Vec3d> mean(componentSize.size(), Vec3d(0));
@@ -47,7 +47,7 @@ Result<LargeSteps> LargeSteps::create(std::span<const Vec3f> positions, std::spa
     double sum = 0, count = 0;
     for (const Triangle& t : triangles)
         for (int c = 0; c < 3; ++c) {
-            if (t[c] >= positions.size() || t[(c + 1) % 3] >= positions.size()) continue;  // createWithLambda says which
+            if (t[c] >= positions.size() || t[(c + 1) % 3] >= positions.size()) continue;  // createWithLambda reports it
             sum += glm::length(Vec3d(positions[t[c]]) - Vec3d(positions[t[(c + 1) % 3]])), count += 1;
         }
     const double edge = count > 0 ? sum / count : 0;

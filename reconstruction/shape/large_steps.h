@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// LargeSteps (docs/reference/large-steps.md): offsets = (I + λL)⁻¹ u with L the uniform graph Laplacian of the merged mesh.
+// Large Steps (docs/reference/large-steps.md): offsets = M⁻¹ u with M = I + λL, where L is the uniform graph Laplacian of the merged mesh.
 //
-// Vertices at the same place are one unknown, so seams do not tear. M is symmetric: the backward pass is the same solve. M passes
-// constants with gain 1, so the mean of every connected component can be projected out.
+// Vertices at the same position share one unknown, so seams do not tear. M is symmetric, so the backward pass is the same solve. M⁻¹ leaves
+// constants unchanged, so the mean of each connected component can be removed from the offsets.
 #pragma once
 
 #include <cstdint>
@@ -17,28 +17,28 @@ namespace dpl {
 
 class LargeSteps {
 public:
-    /** Factors M once. smoothingLengthM: λ = (ℓ / mean edge)², so that a subdivided mesh smooths alike. Fails on indices out of
-     *  range, non-finite positions, or when the factorisation breaks down. */
+    /** Factors M. λ = (smoothingLengthM / mean edge)², so that a subdivided mesh is smoothed over the same distance. InvalidArgument:
+     * indices out of range, non-finite positions, no edges. Internal: the factorisation failed. */
     static Result<LargeSteps> create(std::span<const Vec3f> positions, std::span<const Triangle> triangles, double smoothingLengthM = 0.04);
-    /** The same with λ given. */
+    /** The same with a given λ ≥ 0. */
     static Result<LargeSteps> createWithLambda(std::span<const Vec3f> positions, std::span<const Triangle> triangles, double lambda);
 
     LargeSteps(LargeSteps&&) noexcept;
     LargeSteps& operator=(LargeSteps&&) noexcept;
     ~LargeSteps();
 
-    /** Unknowns: merged vertices. */
+    /** Number of unknowns (merged vertices). */
     uint32_t size() const;
     double lambda() const;
     uint32_t componentCount() const;
 
-    /** u (size() entries) -> offsets of all vertices, mean of each component removed when `removeMean`. */
+    /** Offsets of all vertices (metres) from u (size() entries). `removeMean` removes the mean of each component. */
     void offsets(std::span<const Vec3f> u, std::span<Vec3f> vertexOffsets, bool removeMean) const;
-    /** ∂loss/∂offsets (all vertices) -> ∂loss/∂u: the transpose of offsets(). */
+    /** ∂loss/∂u (size() entries) from ∂loss/∂offsets (all vertices): the transpose of offsets(). */
     void backward(std::span<const Vec3f> vertexGradient, std::span<Vec3f> uGradient, bool removeMean) const;
-    /** M·x for tests and for starting from given offsets. x, y: size() entries. */
+    /** y = M·x, size() entries each: the u that belongs to given offsets. */
     void apply(std::span<const Vec3d> x, std::span<Vec3d> y) const;
-    /** Solves M·x = b in place. Three right-hand sides in one sweep over the factor. */
+    /** Solves M·x = b in place, size() entries, with three right-hand sides (x, y, z) at once. */
     void solve(std::span<Vec3d> x) const;
 
 private:
