@@ -13,7 +13,7 @@ namespace dpl {
 namespace {
 
 constexpr int kPngCompression = 6;
-constexpr png_alloc_size_t kMaxPngChunkBytes = 8u << 20;  // profiles and texts; pixels do not count
+constexpr png_alloc_size_t kMaxPngChunkBytes = 8u << 20;  // limit for chunks of profiles and texts, not for pixels
 
 bool beginsWith(std::span<const uint8_t> file, std::initializer_list<uint8_t> magic) {
     return file.size() >= magic.size() && std::equal(magic.begin(), magic.end(), file.begin());
@@ -40,21 +40,20 @@ Result<Picture> decodeJpeg(std::span<const uint8_t> file, PictureChannels channe
     if (tjDecompressHeader3(turbo.handle, file.data(), static_cast<unsigned long>(file.size()), &widthPx, &heightPx, &subsampling,
                             &colourSpace) != 0)
         return fail(Code::CorruptData, "damaged JPEG ({})", tjGetErrorStr2(turbo.handle));
-    if (colourSpace == TJCS_CMYK || colourSpace == TJCS_YCCK) return fail(Code::Unsupported, "a JPEG in CMYK; save it as RGB");
+    if (colourSpace == TJCS_CMYK || colourSpace == TJCS_YCCK) return fail(Code::Unsupported, "the JPEG is in CMYK; save it as RGB");
     const bool grey = colourSpace == TJCS_GRAY && channels == PictureChannels::AsStored;
     Picture picture{uint32_t(widthPx), uint32_t(heightPx), grey ? 1u : 3u, {}};
     picture.pixels.resize(size_t(picture.widthPx) * picture.heightPx * picture.channels);
     const int decoded = tjDecompress2(turbo.handle, file.data(), static_cast<unsigned long>(file.size()), picture.pixels.data(), widthPx, 0,
                                       heightPx, grey ? TJPF_GRAY : TJPF_RGB, TJFLAG_ACCURATEDCT);
-    // A warning is about bytes between markers that some phones write; the picture is whole.
+    // A warning means extra bytes between markers, which some phones write. The picture is complete.
     if (decoded != 0 && tjGetErrorCode(turbo.handle) != TJERR_WARNING)
         return fail(Code::CorruptData, "damaged JPEG ({})", tjGetErrorStr2(turbo.handle));
     return picture;
 }
 
 // ── PNG ──
-// libpng reports an error by longjmp. Nothing with a destructor may live in a function that it jumps through, so each of these functions
-// gets all it needs from its caller.
+// libpng reports errors by longjmp, which skips destructors. Functions with setjmp therefore own no objects: the caller owns them.
 
 struct PngSource {
     std::span<const uint8_t> left;
@@ -74,7 +73,8 @@ void pngRead(png_structp png, png_bytep to, size_t bytes) {
 }
 void pngIgnore(png_structp, png_const_charp) {}
 
-/** Reads the header and asks for grey, RGB or RGBA of 8 or 16 bits. False: source.error says why not. */
+/** Reads the header and sets libpng up to give grey, RGB or RGBA with 8 or 16 bits. False on an error, whose text is in PngSource::error.
+ */
 bool readPngHeader(png_structp png, png_infop info, PictureChannels channels, Picture& picture, bool& wide) {
     if (setjmp(png_jmpbuf(png))) return false;
     png_set_chunk_malloc_max(png, kMaxPngChunkBytes);
@@ -119,7 +119,7 @@ Result<Picture> decodePng(std::span<const uint8_t> file, PictureChannels channel
     std::vector<png_bytep> rows(picture.heightPx);
     for (size_t y = 0; y < rows.size(); ++y) rows[y] = bytes.data() + y * rowBytes;
     if (!readPngRows(reader.png, rows.data())) return fail(Code::CorruptData, "damaged PNG ({})", source.error);
-    if (wide) {  // big-endian; 65535 is 257 times 255
+    if (wide) {  // 16 bits big-endian to 8 bits: 65535 = 257 · 255
         for (size_t i = 0; i < bytes.size() / 2; ++i) bytes[i] = uint8_t(((uint32_t(bytes[2 * i]) << 8 | bytes[2 * i + 1]) + 128) / 257);
         bytes.resize(bytes.size() / 2);
     }
@@ -149,11 +149,12 @@ bool writePng(png_structp png, png_infop info, std::span<const uint8_t> pixels, 
 Result<Picture> decodePicture(std::span<const uint8_t> file, PictureChannels channels) {
     if (beginsWith(file, {0xff, 0xd8})) return decodeJpeg(file, channels);
     if (beginsWith(file, {0x89, 'P', 'N', 'G'})) return decodePng(file, channels);
-    return fail(Code::Unsupported, "neither JPEG nor PNG; convert the image");
+    return fail(Code::Unsupported, "the image is neither JPEG nor PNG; convert it");
 }
 
 Result<std::vector<uint8_t>> encodePng(std::span<const uint8_t> pixels, uint32_t widthPx, uint32_t heightPx, uint32_t channels) {
-    if (channels != 1 && channels != 3 && channels != 4) return fail(Code::InvalidArgument, "a PNG of {} channels; 1, 3 or 4", channels);
+    if (channels != 1 && channels != 3 && channels != 4)
+        return fail(Code::InvalidArgument, "a PNG cannot have {} channels; use 1, 3 or 4", channels);
     DPL_CHECK_OK(checkPixels(pixels, widthPx, heightPx, channels));
     char error[sizeof PngSource::error] = "";
     struct Writer {
@@ -173,8 +174,8 @@ Result<std::vector<uint8_t>> encodePng(std::span<const uint8_t> pixels, uint32_t
 
 Result<std::vector<uint8_t>> encodeJpeg(std::span<const uint8_t> pixels, uint32_t widthPx, uint32_t heightPx, uint32_t channels,
                                         int quality) {
-    if (channels != 1 && channels != 3) return fail(Code::InvalidArgument, "a JPEG of {} channels; 1 or 3", channels);
-    if (quality < 1 || quality > 100) return fail(Code::InvalidArgument, "a JPEG of quality {}; 1 to 100", quality);
+    if (channels != 1 && channels != 3) return fail(Code::InvalidArgument, "a JPEG cannot have {} channels; use 1 or 3", channels);
+    if (quality < 1 || quality > 100) return fail(Code::InvalidArgument, "JPEG quality {} is out of range; use 1 to 100", quality);
     DPL_CHECK_OK(checkPixels(pixels, widthPx, heightPx, channels));
     const TurboHandle turbo{tjInitCompress()};
     if (!turbo.handle) return fail(Code::OutOfMemory, "no memory to encode a JPEG");

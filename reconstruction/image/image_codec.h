@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// JPEG and PNG bytes to pixels and back. Rows are tight, the top row first; 8 bits a channel; colour is RGB, alpha is straight.
+// Decodes and encodes JPEG and PNG. Pixels have 8 bits per channel, RGB and straight alpha; rows are tightly packed, top row first.
 //
-// The functions may be called from any thread. They check no limit on the size of a picture: readCompleteImage (reconstruction/capture)
-// does that for files from outside before a byte is decoded.
+// Call from any thread. Picture sizes are not limited here: for untrusted files, readCompleteImage (reconstruction/capture) checks the size
+// before decoding.
 #pragma once
 
 #include <cstdint>
@@ -24,14 +24,14 @@ enum class PictureChannels : uint8_t {
     Rgb,       // always 3; grey is repeated, alpha is dropped
 };
 
-/** Decodes a JPEG or PNG. Sixteen bits become eight by rounding. EXIF orientation is ignored: intrinsics speak of the pixels as stored.
- *  CorruptData: the bytes are damaged. Unsupported: neither format, or a JPEG in CMYK. Errors do not name the file: the caller knows it. */
+/** Decodes a JPEG or PNG. 16-bit channels are rounded to 8 bits. EXIF orientation is ignored because intrinsics refer to the pixels as
+ *  stored. CorruptData: the bytes are damaged. Unsupported: neither format, or a JPEG in CMYK. Errors do not name the file. */
 Result<Picture> decodePicture(std::span<const uint8_t> file, PictureChannels channels);
 
-/** PNG bytes. channels: 1, 3 or 4. InvalidArgument: the number of pixels is not widthPx · heightPx · channels, or is zero. */
+/** PNG bytes. channels: 1, 3 or 4. InvalidArgument: other channels, or pixels.size() is zero or not widthPx · heightPx · channels. */
 Result<std::vector<uint8_t>> encodePng(std::span<const uint8_t> pixels, uint32_t widthPx, uint32_t heightPx, uint32_t channels);
 
-/** JPEG bytes, 4:2:0. channels: 1 or 3. quality: 1 to 100. */
+/** JPEG bytes, chroma 4:2:0. channels: 1 or 3. quality: 1 to 100. InvalidArgument as for encodePng. */
 Result<std::vector<uint8_t>> encodeJpeg(std::span<const uint8_t> pixels, uint32_t widthPx, uint32_t heightPx, uint32_t channels,
                                         int quality);
 
