@@ -18,7 +18,8 @@ Status checkHead(std::span<const uint8_t> head, uint64_t fileBytes) {
     if (beginsWith(head, kGzip) || beginsWith(head, kSpz) || beginsWith(head, kPly)) return {};
     if (fileBytes == 0) return fail(Code::CorruptData, "the file is empty; copy it again");
     if (!beginsWith(head, kGlb))
-        return fail(Code::Unsupported, "neither an avatar (.glb) nor general splats (.ply, .spz, .glb with KHR_gaussian_splatting)");
+        return fail(Code::Unsupported,
+                    "the file is neither an avatar (.glb) nor general splats (.ply, .spz, .glb with KHR_gaussian_splatting)");
     constexpr size_t kStatedBytesAt = 8;
     uint32_t statedBytes = 0;
     if (head.size() >= kStatedBytesAt + 4) std::memcpy(&statedBytes, head.data() + kStatedBytesAt, 4);

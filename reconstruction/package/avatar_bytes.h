@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bytes of an avatar or of general splats, from a file that somebody named on a command line.
+// Reads the bytes of an avatar or of general splats from a file named by the user.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,8 @@
 
 namespace dpl {
 
-/** Reads the whole file. One that is neither an avatar nor general splats, or a .glb whose header states another size than the file has, is
- *  refused by its first bytes, however large it is. Errors name the file and the remedy. */
+/** Reads the whole file. Its first bytes are checked before the rest is read: Unsupported if it is neither an avatar nor general splats,
+ *  CorruptData if it is empty or a .glb whose header states another size. Errors name the file and the remedy. */
 Result<std::vector<uint8_t>> readAvatarBytes(const std::filesystem::path& path);
 
 }  // namespace dpl

@@ -32,7 +32,7 @@ Result<Pose> choosePose(const AvatarData& avatar, const ExportOptions& options) 
 Result<StaticSplatData> splatsOf(const ExportOptions& options, std::span<const uint8_t> bytes) {
     if (splatFormatOf(bytes) != SplatFormat::None) {
         if (!options.clip.empty() || options.timeS > 0)
-            return fail(Code::InvalidArgument, "{}: these are general splats, which have no joints to pose; leave it out",
+            return fail(Code::InvalidArgument, "{} does not apply to general splats, which have no joints to pose; leave it out",
                         options.clip.empty() ? "--time" : "--clip");
         DPL_TRY(SplatFile file, readSplats(bytes));
         return std::move(file.splats);

@@ -14,11 +14,11 @@
 namespace dpl {
 namespace {
 
-/** What there is to say about general splats. */
+/** Properties of a file of general splats. */
 struct SplatSummary {
     SplatFile file;
     SplatBox box;
-    float smallestM = 0, medianM = 0, largestM = 0;  // of all standard deviations
+    float smallestM = 0, medianM = 0, largestM = 0;  // over the standard deviations of all axes
     uint64_t fileBytes = 0;
 };
 
@@ -73,7 +73,7 @@ Result<AvatarInfo> inspectFile(const std::filesystem::path& path, std::span<cons
     return info;
 }
 
-/** What splat encoding 3 did to the words. */
+/** Describes splat encoding 3; empty for other encodings. */
 std::string entropyCoded(const AvatarInfo& info) {
     if (info.splatEncoding != 3) return {};
     const SplatBits& b = info.bits;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is in an avatar file, or in a file of general splats, for people and for programs.
+// Describes the contents of an avatar file or of a file of general splats, as text or as JSON.
 #pragma once
 
 #include <filesystem>
@@ -11,12 +11,12 @@ namespace dpl {
 
 struct Inspection {
     std::string text;
-    bool intact = true;  // false: the content hash in an avatar file does not match its bytes; the file was damaged or edited
+    bool intact = true;  // false: an avatar file's content hash does not match its bytes (damaged or edited)
 };
 
-/** A table of counts, bytes by part and the evidence rows; of general splats their format, count, extent and sizes. Errors name the file.
- */
+/** Of avatars: counts, bytes per part and the evidence table. Of general splats: format, count, extent and sizes. Errors name the file. */
 Result<Inspection> inspectAsText(const std::filesystem::path& file);
+/** The same content as a JSON object. */
 Result<Inspection> inspectAsJson(const std::filesystem::path& file);
 
 }  // namespace dpl

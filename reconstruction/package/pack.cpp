@@ -25,10 +25,10 @@ constexpr std::array kModePercents = {100, 85, 70, 55, 40, 25, 10, 0};
 constexpr std::array kPalettes = {8192u, 2048u, 512u, 128u};
 
 struct ShChoice {
-    uint32_t degree = 0, entries = 0;  // 0 entries: as the avatar came, each splat its own or from the palette of its file
+    uint32_t degree = 0, entries = 0;  // entries 0: SH as in the input, with or without a palette
 };
 
-/** From what the avatar has to none at all. */
+/** From the avatar's own SH to none. */
 std::vector<ShChoice> shLadder(uint32_t degree) {
     std::vector<ShChoice> ladder = {{degree, 0}};
     for (uint32_t d = degree; d >= 1; --d)
@@ -37,7 +37,7 @@ std::vector<ShChoice> shLadder(uint32_t degree) {
     return ladder;
 }
 
-/** A field of the splats' words, and the bits that are tried. */
+/** A field of coded splats and the numbers of bits to try. */
 struct BitLadder {
     const char* field;
     uint8_t SplatBits::*bits;
@@ -49,7 +49,7 @@ constexpr std::array kBitLadders = {
     BitLadder{"colour", &SplatBits::colour, {9, 8, 7, 6, 5}}};
 constexpr size_t kLadders = 3 + kBitLadders.size();
 
-/** Where on its ladders a candidate stands. compact: its words are entropy-coded. */
+/** A candidate's position on each ladder. compact: splats are entropy-coded (encoding 3). */
 struct Rungs {
     size_t splats = 0, sh = 0, modes = 0;
     bool compact = false;
@@ -63,7 +63,7 @@ void lowerShDegree(SplatData& s, uint32_t degree) {
     s.shDegree = degree;
 }
 
-/** Keeps the `count` splats that come first in `order`, in their old order. */
+/** Keeps the first `count` splats of `order`, without reordering them. */
 void keepSplats(SplatData& s, const std::vector<uint32_t>& order, size_t count) {
     std::vector<bool> kept(s.count(), false);
     for (size_t i = 0; i < count; ++i) kept[order[i]] = true;
@@ -83,8 +83,8 @@ void keepSplats(SplatData& s, const std::vector<uint32_t>& order, size_t count) 
     s = std::move(out);
 }
 
-/** Different SH rows beyond coefficient 0, when they are few enough for a palette and shared by splats: what a file with a palette holds;
- * else 0. */
+/** Number of different SH rows (without coefficient 0) if the input probably had a palette, else 0. A palette is assumed when the number
+ * fits one and is less than half the splats. */
 uint32_t ownPalette(const SplatData& s) {
     const size_t stride = shCoefficientCount(s.shDegree) * 3;
     if (stride <= 3 || s.count() == 0) return 0;
@@ -100,9 +100,9 @@ uint32_t ownPalette(const SplatData& s) {
     return different <= kMaxShPalette && different * 2 < s.count() ? uint32_t(different) : 0;
 }
 
-/** Modes by how much they move and light at most, strongest first. */
+/** Modes sorted by the sum of squares of their nodes' offsets and brightness, strongest first. */
 std::vector<uint32_t> modesByStrength(const PoseCorrectiveData& c) {
-    constexpr double kMetresOfLight = 0.05;  // a brightness change of 1 is seen like a shift of so much
+    constexpr double kMetresOfLight = 0.05;  // a change of brightness by 1 counts like an offset of 5 cm
     std::vector<double> strength(c.modeCount, 0.0);
     for (size_t e = 0; e < c.nodes.size(); ++e) {
         const Vec4d n(c.nodes[e]);
@@ -131,7 +131,8 @@ void keepModes(PoseCorrectiveData& c, const std::vector<uint32_t>& order, uint32
         if (std::binary_search(kept.begin(), kept.end(), i)) {
             out.modes.insert(out.modes.end(), row, row + ptrdiff_t(features));
         } else {
-            // What lay along a mode that goes is now off the modes: as much of it as training poses had must not fade the others.
+            // The part of a pose along a removed mode now counts as distance off the modes. Allow as much of it as training poses had,
+            // so that the remaining modes do not fade for those poses.
             const double squares = std::inner_product(row, row + ptrdiff_t(features), row, 0.0);
             if (squares > 0) off2 += double(c.reach) * c.reach / squares;
         }
@@ -145,7 +146,7 @@ void keepModes(PoseCorrectiveData& c, const std::vector<uint32_t>& order, uint32
 std::string decibels(double db) {
     return std::isfinite(db) ? formatText("{} dB", std::round(db * 10) / 10) : "equal";
 }
-/** places / angles / sizes / opacity / colour. */
+/** Bits of positions / angles / sizes / opacity / colour. */
 std::string bitsAsText(const SplatBits& b) {
     return formatText("{}/{}/{}/{}/{}", int(b.uv), int(b.phi), int(b.scale), int(b.opacity), int(b.colour));
 }
@@ -153,7 +154,7 @@ double megabytes(uint64_t bytes) {
     return std::round(double(bytes) / 1e4) / 100;
 }
 
-/** The avatar, its ladders, and what is costly to make twice. */
+/** The avatar, its ladders, and results that are expensive to compute twice. The avatar must outlive it. */
 class Walk {
 public:
     Walk(const AvatarData& avatar, const PackSettings& settings, Jobs& jobs)
@@ -171,7 +172,7 @@ public:
         std::stable_sort(splats_.begin(), splats_.end(), [&](uint32_t a, uint32_t b) { return importance[a] > importance[b]; });
     }
 
-    /** As the avatar came. */
+    /** The unpacked avatar. */
     const Rungs& first() const { return first_; }
 
     struct Candidate {
@@ -214,7 +215,7 @@ public:
         Rungs to;
         std::string name;
     };
-    /** One step down each ladder that has one. A step that changes nothing (a few splats, few modes) is taken further. */
+    /** The next step of each ladder that has one. Steps that would change nothing (few splats, few modes) are skipped. */
     std::vector<Move> moves(const Rungs& from) const {
         std::vector<Move> out;
         Rungs next = from;
@@ -262,14 +263,14 @@ private:
     }
     uint32_t modeCount(const Rungs& at) const { return uint32_t(std::llround(double(modes_.size()) * kModePercents[at.modes] / 100)); }
 
-    /** SH of all splats on a rung; palettes are made once, of all splats. */
+    /** SH of all splats on a rung of the SH ladder. Each palette is computed once, from all splats. */
     const std::vector<float>& shRows(size_t rung) {
         auto [made, isNew] = rows_.try_emplace(rung);
         if (isNew) {
             SplatData all = whole_.splats;
             lowerShDegree(all, sh_[rung].degree);
             if (sh_[rung].entries)
-                (void)paletteSh(all, {.maxEntries = sh_[rung].entries}, jobs_);  // its only error is an impossible number of entries
+                (void)paletteSh(all, {.maxEntries = sh_[rung].entries}, jobs_);  // cannot fail: the number of entries is valid
             made->second = std::move(all.sh);
         }
         return made->second;
@@ -280,14 +281,14 @@ private:
     PackPictures pictures_;
     std::vector<ShChoice> sh_;
     Rungs first_;
-    uint32_t ownPalette_;                   // entries of the palette that the avatar came with; 0: none
-    std::vector<uint32_t> modes_, splats_;  // strongest, most visible first
-    std::map<size_t, std::vector<float>> rows_;
+    uint32_t ownPalette_;                        // entries of the input's palette; 0: none
+    std::vector<uint32_t> modes_, splats_;       // indices; strongest modes and most visible splats first
+    std::map<size_t, std::vector<float>> rows_;  // by rung of the SH ladder
 };
 
 Error outOfReach(const PackLimits& limits, const PackPoint& last, const PackPoint* next) {
     if (!limits.minPsnrDb)
-        return fail(Code::InvalidArgument, "{} MB cannot be reached: the smallest that this avatar packs to is {} MB, at {}",
+        return fail(Code::InvalidArgument, "{} MB cannot be reached: the smallest size of this avatar is {} MB, at {}",
                     megabytes(*limits.maxBytes), megabytes(last.bytes), decibels(last.psnrDb));
     const std::string there =
         next ? formatText("; the next step is {} MB at {}", megabytes(next->bytes), decibels(next->psnrDb)) : std::string();
@@ -299,8 +300,7 @@ Error outOfReach(const PackLimits& limits, const PackPoint& last, const PackPoin
 
 Result<PackResult> packToLimits(const AvatarData& avatar, const PackLimits& limits, const PackSettings& settings, Jobs& jobs,
                                 const std::function<Status(double, const std::string&)>& progress) {
-    if (!limits.maxBytes && !limits.minPsnrDb)
-        return fail(Code::InvalidArgument, "nothing limits the packing: give a size, a PSNR or both");
+    if (!limits.maxBytes && !limits.minPsnrDb) return fail(Code::InvalidArgument, "packing needs a limit: give a size, a PSNR or both");
     DPL_CHECK_OK(progress(0, "drawing the unpacked avatar"));
     Walk walk(avatar, settings, jobs);
     DPL_TRY(Walk::Candidate here, walk.measure(walk.first()));
@@ -309,7 +309,7 @@ Result<PackResult> packToLimits(const AvatarData& avatar, const PackLimits& limi
     result.curve.push_back(here.point);
     size_t taken = 0;
     const auto fits = [&](const PackPoint& p) { return !limits.minPsnrDb || p.psnrDb >= *limits.minPsnrDb; };
-    const auto share = [&] {  // of the ladders, or of the way to the size on a logarithmic scale
+    const auto share = [&] {  // of the ladders' steps or, on a logarithmic scale, of the way to maxBytes
         const double climbed = double(taken) / double(walk.rungs());
         if (!limits.maxBytes || result.curve[0].bytes <= *limits.maxBytes) return climbed;
         const double whole = std::log(double(result.curve[0].bytes) / double(*limits.maxBytes)),
@@ -327,15 +327,16 @@ Result<PackResult> packToLimits(const AvatarData& avatar, const PackLimits& limi
             result.curve.push_back(here.point);
         }
     }
-    // The next move of each ladder: what it was worth when it was last measured, and the candidate if that was from here. Whatever looks
-    // best is measured again before it is taken; error only grows, so what did not fit once does not fit later.
+    // The next move of each ladder. `slope` is from its last measurement, which may have started at an earlier point; `fresh` holds the
+    // candidate if it was measured from the current point. The best slope is measured afresh before it is taken. Error only grows, so a
+    // ladder whose move once missed minPsnrDb has ended.
     struct Known {
-        double slope = std::numeric_limits<double>::infinity();  // bytes saved for each unit of new error; infinite: never measured
+        double slope = std::numeric_limits<double>::infinity();  // bytes saved per unit of added error; infinite: not yet measured
         std::optional<Walk::Candidate> fresh;
         bool ended = false;
     };
     std::array<Known, kLadders> known;
-    std::optional<PackPoint> nearest;  // of those that do not fit
+    std::optional<PackPoint> nearest;  // the candidate below minPsnrDb with the highest PSNR
     while (wanted()) {
         const std::vector<Walk::Move> moves = walk.moves(here.at);
         const Walk::Move* best = nullptr;
@@ -355,7 +356,7 @@ Result<PackResult> packToLimits(const AvatarData& avatar, const PackLimits& limi
                 k.ended = true;
                 continue;
             }
-            // A move that costs no error wins over all that do.
+            // The floor of 1e-9 lets a move that adds no error win over all others.
             k.slope =
                 c.point.bytes < here.point.bytes ? double(here.point.bytes - c.point.bytes) / std::max(c.squares - here.squares, 1e-9) : 0;
             k.fresh = std::move(c);
@@ -368,13 +369,13 @@ Result<PackResult> packToLimits(const AvatarData& avatar, const PackLimits& limi
         known[best->ladder] = {};
         for (Known& k : known) {
             k.fresh.reset();
-            if (k.slope == 0) k.slope = Known().slope;  // it saved nothing there
+            if (k.slope == 0) k.slope = Known().slope;  // it saved nothing before; measure it again from here
         }
         result.curve.push_back(here.point);
         ++taken;
     }
     if (!fits(here.point))
-        return fail(Code::InvalidArgument, "{} dB cannot be met: encoding the avatar again gives {}", *limits.minPsnrDb,
+        return fail(Code::InvalidArgument, "{} dB cannot be met: encoding the avatar again already gives {}", *limits.minPsnrDb,
                     decibels(here.point.psnrDb));
     result.file = std::move(here.file);
     return result;

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Making an avatar smaller along its measured rate-distortion curve: which of its parts to thin next is decided by pictures.
+// Makes an avatar smaller along its measured rate-distortion curve. Each step tries the next move on every ladder, measures bytes and
+// picture error of each, and takes the one that saves most bytes for its error, until the limits are met. The ladders:
 //
-//   splats (the least visible go first) ─┐
-//   SH (own rows → palettes → a lower degree → none) ─┤
-//   correctives (the weakest modes go first) ─────────┼─► the move that saves most bytes for its error ─► again, until the limits are met
-//   bits (of places, angles, sizes, opacity, colour) ─┘
+//   splats        drop the least visible
+//   SH            rows per splat → palettes → a lower degree → none
+//   correctives   drop the weakest modes
+//   bits          fewer for positions, angles, sizes, opacity or colour
 //
-// Words are entropy-coded first (splat encoding 3): that costs no error.
+// The very first step entropy-codes the splats (splat encoding 3), which adds no error.
 #pragma once
 
 #include <filesystem>
@@ -23,42 +24,43 @@
 namespace dpl {
 
 struct PackLimits {
-    std::optional<uint64_t> maxBytes;  // of the file
-    std::optional<double> minPsnrDb;   // of the pictures against the unpacked avatar's, covered pixels
+    std::optional<uint64_t> maxBytes;  // file size
+    std::optional<double> minPsnrDb;   // covered pixels, against pictures of the unpacked avatar
 };
 
 /** A point of the curve. */
 struct PackPoint {
-    std::string move;                                             // what changed since the point before
-    uint64_t bytes = 0;                                           // of the whole file
-    double psnrDb = 0, wholePsnrDb = 0;                           // infinite at the start
-    uint32_t splats = 0, shDegree = 0, shEntries = 0, modes = 0;  // shEntries 0: every splat has its own SH
-    SplatBits bits;                                               // of the splats' fields
-    bool compact = false;                                         // splat encoding 3
+    std::string move;                                             // change since the previous point
+    uint64_t bytes = 0;                                           // file size
+    double psnrDb = 0, wholePsnrDb = 0;                           // over covered and all pixels; infinite for equal pictures
+    uint32_t splats = 0, shDegree = 0, shEntries = 0, modes = 0;  // shEntries 0: no palette, every splat has its own SH
+    SplatBits bits;                                               // per field of a splat
+    bool compact = false;                                         // uses splat encoding 3
 };
 
 struct PackResult {
-    std::vector<PackPoint> curve;  // as it was walked; the last point is what `file` holds
+    std::vector<PackPoint> curve;  // in the order of the steps; the last point describes `file`
     std::vector<uint8_t> file;
 };
 
 struct PackSettings {
     uint64_t seed = 1;  // of views and poses
     uint32_t pictures = 16;
-    bool compact = false;  // the avatar came in splat encoding 3: packFile looks
+    bool compact = false;  // the avatar was read from splat encoding 3; packFile sets this
 };
 
-/** Walks until the file is as small as maxBytes allows, or, without it, until nothing more fits minPsnrDb. At least one limit must be set.
- *  InvalidArgument: the limits cannot be met; the sentence says what is the nearest. Cancelled: progress said so.
- *  progress(share, line) is called before each candidate and ends the walk by returning an error. */
+/** Steps until the file has at most maxBytes or, without maxBytes, until every further step would fall below minPsnrDb. Set at least one
+ *  limit. Same input and seed, same bytes. InvalidArgument: the limits cannot be met; the message states the nearest result.
+ *  progress(share in [0, 1], line) is called on the calling thread before each candidate; an error it returns ends the search and is
+ *  returned. */
 Result<PackResult> packToLimits(const AvatarData& avatar, const PackLimits& limits, const PackSettings& settings, Jobs& jobs,
                                 const std::function<Status(double, const std::string&)>& progress);
 
-/** The same for a file; errors name it. */
+/** The same for a file. Errors from reading name it. */
 Result<PackResult> packFile(const std::filesystem::path& avatar, const PackLimits& limits, const PackSettings& settings, Jobs& jobs,
                             const std::function<Status(double, const std::string&)>& progress);
 
-/** The curve as a table for people. */
+/** The curve as a Markdown table. */
 std::string curveAsText(const std::vector<PackPoint>& curve);
 
 }  // namespace dpl

@@ -18,7 +18,7 @@ constexpr uint32_t kWidthPx = 288, kHeightPx = 384;
 constexpr double kMaxTurnRad = 0.52;
 constexpr float kGrey = 0.5f;
 
-/** Uniform in [0, 1): the same on every machine, which std's distributions are not. */
+/** Uniform in [0, 1). Gives the same numbers on every machine, unlike the distributions of std. */
 double uniform(std::mt19937_64& random) {
     return double(random() >> 11) * 0x1p-53;
 }
@@ -29,11 +29,11 @@ Pose randomPose(const AvatarData& avatar, std::mt19937_64& random) {
         const double z = 2 * uniform(random) - 1, angle = 2 * std::numbers::pi * uniform(random), r = std::sqrt(1 - z * z);
         turn = Quatf(glm::angleAxis(kMaxTurnRad * uniform(random), Vec3d(r * std::cos(angle), r * std::sin(angle), z)));
     }
-    pose.localRotations[0] = Quatf(1, 0, 0, 0);  // the camera goes around instead
+    pose.localRotations[0] = Quatf(1, 0, 0, 0);  // the root does not turn; the camera moves around instead
     return pose;
 }
 
-/** Around the posed mesh, which fills the picture; close: its top third does. */
+/** A camera that looks at the posed mesh and fits it into the picture; `close`: only its top third. */
 Cameraf randomCamera(std::span<const Vec3f> positions, bool close, std::mt19937_64& random) {
     Vec3f low(0), high(0);
     if (!positions.empty()) low = high = positions[0];
@@ -55,7 +55,7 @@ Cameraf randomCamera(std::span<const Vec3f> positions, bool close, std::mt19937_
     return c;
 }
 
-/** Poses an avatar and projects it; keeps its buffers from picture to picture. */
+/** Poses and projects an avatar, reusing its buffers between pictures. The avatar must outlive it. */
 class Drawer {
 public:
     Drawer(const AvatarData& avatar, Jobs& jobs)
@@ -142,7 +142,7 @@ std::vector<float> PackPictures::importance(const AvatarData& avatar) const {
         const SplatEngine& engine = drawer.project(shot.pose, shot.camera);
         const TileLists& tiles = engine.tiles();
         const auto projected = engine.projected();
-        // In the order of tiles, pixels and depth, on one thread: sums that depend on nothing else.
+        // One thread and a fixed order (tiles, pixels, depth) make the sums reproducible.
         for (uint32_t tile = 0; tile < tiles.columns * tiles.rows; ++tile) {
             const uint32_t x0 = tile % tiles.columns * kTileSizePx, y0 = tile / tiles.columns * kTileSizePx;
             for (uint32_t y = y0; y < std::min(y0 + kTileSizePx, kHeightPx); ++y)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pictures by which packing is judged: one avatar from seeded random views and poses, drawn by the CPU engine.
+// The pictures that packing compares: one avatar in seeded random views and poses, drawn by the CPU engine.
 #pragma once
 
 #include <vector>
@@ -11,24 +11,26 @@
 
 namespace dpl {
 
-/** How far a packed avatar's pictures are from the unpacked one's: colour over mid grey, peak 1, all pictures together. */
+/** Error of a packed avatar's pictures against the unpacked avatar's, summed over all pictures. Colour is composited over mid grey; peak 1.
+ */
 struct PackError {
-    double squares = 0, values = 0;  // of the pixels that either of the two covers
-    double allValues = 0;            // background too
-    double psnrDb() const;           // of the covered pixels; infinite for equal pictures
-    double wholePsnrDb() const;
+    double squares = 0, values = 0;  // sum of squares and number of channel values, over pixels that either avatar covers
+    double allValues = 0;            // number of channel values with background
+    double psnrDb() const;           // over covered pixels; infinite for equal pictures
+    double wholePsnrDb() const;      // over all pixels
 };
 
 class PackPictures {
 public:
-    /** `count` views of `avatar`, which is drawn once and need not live on: azimuth all around, 20 degrees below to 40 above, every fourth
-     *  close to head and shoulders. Half the poses from the avatar's clips, if it has any; else every joint turned by up to 30 degrees. */
+    /** Draws `count` views of `avatar`, which need not outlive the call. Any azimuth, elevation from −20 to 40 degrees; every fourth view
+     * shows only the top third. If the avatar has clips, half the poses come from them; in all others every joint but the root turns by up
+     * to 30 degrees. `jobs` must outlive the object. */
     PackPictures(const AvatarData& avatar, uint32_t count, uint64_t seed, Jobs& jobs);
 
-    /** Same joints and mesh, whatever splats and correctives. */
+    /** Draws `packed` in the same views. It must have the same joints and mesh; splats and correctives may differ. */
     PackError compare(const AvatarData& packed) const;
 
-    /** Σ α·T over all pictures and pixels, one a splat: what the picture would miss of it. */
+    /** Per splat: its contribution Σ α·T (alpha times transmittance) over all pictures and pixels. */
     std::vector<float> importance(const AvatarData& avatar) const;
 
 private:

@@ -11,7 +11,7 @@
 namespace dpl {
 namespace {
 
-/** Rotation and scales with R·diag(s1,s2,·) spanning the same ellipse as the axes a1, a2 (their 2×2 Gram matrix diagonalised). */
+/** Principal axes of the ellipse that a1 and a2 span (conjugate half axes), from the eigenvectors of their 2×2 Gram matrix. */
 void ellipseOf(const Vec3d& a1, const Vec3d& a2, const Vec3d& normal, Quatf& rotation, Vec3f& scale) {
     const double p = glm::dot(a1, a1), q = glm::dot(a1, a2), r = glm::dot(a2, a2);
     const double angle = 0.5 * std::atan2(2 * q, p - r), c = std::cos(angle), s = std::sin(angle);
@@ -54,7 +54,7 @@ Result<StaticSplatData> posedSplats(const AvatarData& avatar, const Pose& pose) 
             out.sh.insert(out.sh.end(), in.sh.begin() + size_t(i) * shFloats, in.sh.begin() + size_t(i + 1) * shFloats);
             float* sh = out.sh.data() + out.sh.size() - shFloats;
             rotator.rotate(Mat3d(frame.worldFromRest), in.shDegree, sh);
-            // (0.5 + dc·C0 + …)·L as plain SH: the half moves into dc.
+            // Fold the light L into plain SH: 0.5 + C0·dc' + … = L·(0.5 + C0·dc + …), so dc' = L·dc + 0.5·(L − 1)/C0.
             const float light = splatLight(frame, in.uv[i]);
             for (uint32_t k = 0; k < shFloats; ++k) sh[k] = light * sh[k] + (k < 3 ? (light - 1) * 0.5f / float(kShC0) : 0.0f);
         }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One posed frame of an avatar as general splats, for every other viewer.
+// Converts one posed frame of an avatar to general splats, for other viewers.
 #pragma once
 
 #include <filesystem>
@@ -13,17 +13,19 @@ namespace dpl {
 
 constexpr float kFlatThicknessM = 1e-4f;  // standard deviation across the surface of an exported flat splat
 
-/** World-space splats of the avatar in `pose`: axes by the singular values of A, SH turned band by band with each triangle.
- *  Splats of degenerate triangles are left out. Single-face splats lose their gate: other viewers show them from both sides. */
+/** World-space splats of the avatar in `pose`. Axes are the principal axes of each posed splat; SH are rotated with its triangle.
+ *  Splats of degenerate triangles are left out. Single-face splats lose their gate: other viewers show them from both sides.
+ *  InvalidArgument: a pose that does not fit the rig or is not finite. */
 Result<StaticSplatData> posedSplats(const AvatarData& avatar, const Pose& pose);
 
 struct ExportOptions {
-    std::filesystem::path avatar, out;  // kind by the extension of `out`: .ply or .glb
-    std::string clip;                   // name of a clip in the avatar, or a BVH/glTF file; empty: rest pose
+    std::filesystem::path avatar, out;  // the extension of `out` selects the format: .ply or .glb
+    std::string clip;                   // name of a clip of the avatar, or path of a BVH or glTF file; empty: rest pose
     double timeS = 0;
 };
 
-/** Reads, poses, writes; a file of general splats is read and written as it is. Returns a line for people. */
+/** Reads an avatar, poses it and writes its splats. General splats as input are converted without a pose. Returns a line of counts and
+ *  sizes to show the user. */
 Result<std::string> exportPosedSplats(const ExportOptions& options);
 
 }  // namespace dpl

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// poses.json: the poses that a reconstruction found for the frames of its scan, so that anyone can draw them and score the pictures.
+// poses.json: the poses that a reconstruction found for the frames of its scan. With it anyone can draw the frames and score the pictures.
 #pragma once
 
 #include <filesystem>
@@ -13,9 +13,9 @@
 namespace dpl {
 
 struct FramePose {
-    std::string name, kind, split;   // of the scan's frame: kind "static_full" | "static_closeup" | "dynamic"; split "train" | "test"
-    Pose pose;                       // as registered; for training frames as trained
-    std::optional<Pose> fittedPose;  // test frames: after the test-time pose fit
+    std::string name, kind, split;   // as in scan.json: kind static_full, static_closeup or dynamic; split train or test
+    Pose pose;                       // of training frames after training, of others after registration
+    std::optional<Pose> fittedPose;  // of held-out frames, after the test-time pose fit
 };
 
 struct PosesFile {
@@ -25,7 +25,8 @@ struct PosesFile {
 
 std::string posesToJson(const PosesFile& poses);
 
-/** Checks joint counts, names and finiteness; errors name the file, the frame and the joint. */
+/** Reads at most 256 MiB. CorruptData: not a poses file, or numbers are missing or not finite; the message names file, frame and joint.
+ *  Version: not version 1. */
 Result<PosesFile> readPosesFile(const std::filesystem::path& path);
 
 }  // namespace dpl

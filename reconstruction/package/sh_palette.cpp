@@ -13,10 +13,10 @@
 namespace dpl {
 namespace {
 
-constexpr double kMaxProducts = 1.5e10;  // multiply-adds of all refinements together: some seconds on two cores
+constexpr double kMaxProducts = 1.5e10;  // multiply-adds of all Lloyd passes: some seconds on two cores
 constexpr size_t kRowBlock = 1024;
 
-/** Rows to be clustered, how much each counts, and which entry each has. */
+/** The rows to cluster, with their weights and their current entries. */
 struct Rows {
     uint32_t count = 0, width = 0;
     std::vector<float> values;  // count × width
@@ -37,10 +37,10 @@ Rows rowsOf(const SplatData& s) {
     return rows;
 }
 
-/** A run of `order` that shares an entry. */
+/** The range [first, end) of `order`, whose rows share an entry. */
 struct Cluster {
-    uint32_t first = 0, end = 0, axis = 0;  // axis: of the largest spread
-    double squares = 0;
+    uint32_t first = 0, end = 0, axis = 0;  // axis: dimension of the largest spread
+    double squares = 0;                     // weighted sum of squared distances to the mean
     std::vector<double> mean;
 };
 
@@ -64,7 +64,8 @@ Cluster clusterOf(const Rows& rows, const std::vector<uint32_t>& order, uint32_t
     return c;
 }
 
-/** Splits the cluster of the largest error until there are enough, or the error is small enough. Entries of the rows are set. */
+/** Splits the cluster with the largest error until there are maxEntries or the total error is at most maxSquares. Sets rows.entry and
+ *  returns the entries. */
 std::vector<float> splitUp(Rows& rows, uint32_t maxEntries, double maxSquares) {
     std::vector<uint32_t> order(rows.count);
     std::iota(order.begin(), order.end(), 0u);
@@ -82,7 +83,7 @@ std::vector<float> splitUp(Rows& rows, uint32_t maxEntries, double maxSquares) {
         if (!(whole.squares > 0)) break;
         const auto begin = order.begin() + whole.first, end = order.begin() + whole.end;
         const auto middle = std::stable_partition(begin, end, [&](uint32_t i) { return rows.row(i)[whole.axis] < whole.mean[whole.axis]; });
-        if (middle == begin || middle == end) continue;  // equal but for rounding
+        if (middle == begin || middle == end) continue;  // its rows differ only by rounding
         const uint32_t cut = uint32_t(middle - order.begin());
         clusters[id] = clusterOf(rows, order, whole.first, cut);
         clusters.push_back(clusterOf(rows, order, cut, whole.end));
@@ -97,11 +98,11 @@ std::vector<float> splitUp(Rows& rows, uint32_t maxEntries, double maxSquares) {
     return entries;
 }
 
-/** Gives every row its nearest entry, the first of equals. */
+/** Assigns the nearest entry to every row; of equally near ones the first. */
 void assignNearest(Rows& rows, const std::vector<float>& entries, Jobs& jobs) {
     const uint32_t width = rows.width, count = uint32_t(entries.size() / width);
     std::vector<float> columns(entries.size()),
-        norms(count, 0.0f);  // columns: entry by entry for one dimension, so that the inner loop is a vector
+        norms(count, 0.0f);  // columns: entries stored by dimension, so that the inner loop vectorises
     for (uint32_t e = 0; e < count; ++e)
         for (uint32_t d = 0; d < width; ++d)
             columns[size_t(d) * count + e] = entries[size_t(e) * width + d],
@@ -113,14 +114,14 @@ void assignNearest(Rows& rows, const std::vector<float>& entries, Jobs& jobs) {
             for (uint32_t d = 0; d < width; ++d) {
                 const float x = rows.row(i)[d];
                 const float* column = columns.data() + size_t(d) * count;
-                for (uint32_t e = 0; e < count; ++e) far[e] -= x * column[e];  // ‖entry − row‖²/2, a constant aside
+                for (uint32_t e = 0; e < count; ++e) far[e] -= x * column[e];  // ‖entry − row‖²/2 up to a constant
             }
             rows.entry[i] = uint32_t(std::min_element(far.begin(), far.end()) - far.begin());
         }
     });
 }
 
-/** Each entry becomes the mean of its rows; one that lost them all stays. Summed in the order of the rows. */
+/** Moves each entry to the mean of its rows. An entry without rows stays. Sums run in row order, so the result is reproducible. */
 void moveToMeans(const Rows& rows, std::vector<float>& entries) {
     std::vector<double> sums(entries.size(), 0.0), weights(entries.size() / rows.width, 0.0);
     for (uint32_t i = 0; i < rows.count; ++i) {
@@ -131,7 +132,7 @@ void moveToMeans(const Rows& rows, std::vector<float>& entries) {
         if (const double w = weights[k / rows.width]; w > 0) entries[k] = float(sums[k] / w);
 }
 
-/** To what the codec keeps: whole numbers of 1/127 of each band's largest. */
+/** Rounds to the codec's values: multiples of 1/127 of the largest magnitude in each band. */
 void snapToCodes(std::vector<float>& entries, uint32_t width, uint32_t degree) {
     for (uint32_t band = 1; band <= degree; ++band) {
         float range = 0;
@@ -149,11 +150,11 @@ void snapToCodes(std::vector<float>& entries, uint32_t width, uint32_t degree) {
 
 Result<ShPaletteReport> paletteSh(SplatData& splats, const ShPaletteSettings& settings, Jobs& jobs) {
     if (settings.maxEntries < 1 || settings.maxEntries > kMaxShPalette)
-        return fail(Code::InvalidArgument, "an SH palette of {} entries; 1 to {} are possible", settings.maxEntries, kMaxShPalette);
+        return fail(Code::InvalidArgument, "an SH palette cannot have {} entries; use 1 to {}", settings.maxEntries, kMaxShPalette);
     ShPaletteReport report;
     if (splats.shDegree == 0 || splats.count() == 0) return report;
     Rows rows = rowsOf(splats);
-    // The real basis is orthonormal over the sphere: mean square over directions = Σ Δ² / 4π, over three channels.
+    // The basis is orthonormal over the sphere, so the mean square over directions is Σ Δ² / 4π; divide by 3 for the mean over channels.
     const double levels2 = 255.0 * 255.0 / (4 * std::numbers::pi * 3);
     const double weights = std::accumulate(rows.weight.begin(), rows.weight.end(), 0.0);
     std::vector<float> entries = splitUp(rows, settings.maxEntries, settings.maxRmsLevels * settings.maxRmsLevels / levels2 * weights);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A palette of spherical harmonics: k-means over the rows beyond coefficient 0, so that a splat needs an index of 16 bits instead of
-// 9, 24 or 45 bytes (docs/formats/avatar.md).
+// A palette of spherical harmonics: k-means over the SH rows without coefficient 0. A splat then needs a 16-bit index instead of 9, 24 or
+// 45 bytes (docs/formats/avatar.md).
 #pragma once
 
 #include "sdk/core/jobs.h"
@@ -11,20 +11,20 @@ namespace dpl {
 
 struct ShPaletteSettings {
     uint32_t maxEntries = 4096;  // 1 to kMaxShPalette
-    double maxRmsLevels = 0;     // fewer entries when this error is reached sooner; 0: all of them
-    uint32_t refinements = 4;    // passes of Lloyd after the splitting; fewer where they would take more than some seconds
+    double maxRmsLevels = 0;     // stop adding entries at this error, 8-bit levels; 0: use maxEntries
+    uint32_t refinements = 4;    // Lloyd passes after splitting; fewer for inputs on which they would take more than some seconds
 };
 
-/** Errors of colour in 8-bit levels, root mean square over all directions and channels. */
+/** Colour error in 8-bit levels, root mean square over all directions and channels. */
 struct ShPaletteReport {
     uint32_t entries = 0;
-    double rmsLevels = 0;    // over splats, weighted by what they cover: opacity · s1 · s2
-    double worstLevels = 0;  // of one splat
+    double rmsLevels = 0;    // over splats, weighted by opacity · s1 · s2
+    double worstLevels = 0;  // largest of one splat
 };
 
-/** Replaces the SH rows of `splats` by their palette entries, for WriteOptions::shPalette. The entries are values that the codec keeps
- *  exactly, and every splat has the nearest. Clusters come from splitting the worst one at its mean along its longest axis (no random
- * start: same input, same bytes, on any number of threads), then Lloyd's passes. Splats of SH degree 0 are left alone: 0 entries.
+/** Replaces the SH rows of `splats` by the nearest palette entries, as WriteOptions::shPalette expects. Entries are rounded to values that
+ *  the codec keeps exactly. Clusters are made by splitting the one with the largest error at its mean along its longest axis, then refined
+ *  by Lloyd passes. Nothing is random: same input, same result for any thread count. SH of degree 0 are left unchanged (0 entries).
  *  InvalidArgument: maxEntries out of range. */
 Result<ShPaletteReport> paletteSh(SplatData& splats, const ShPaletteSettings& settings, Jobs& jobs);
 
