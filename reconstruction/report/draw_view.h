@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws an avatar in scan cameras through the public SDK, with the renderer that anyone can run: the CPU.
+// Draws an avatar in scan cameras through the public SDK, with the software renderer because it runs everywhere.
 #pragma once
 
 #include <memory>
@@ -14,13 +14,13 @@ namespace dpl {
 
 class AvatarView {
 public:
-    /** Loads the shipped bytes. threadCount 0: one a core; pictures do not depend on it. */
+    /** Loads the bytes of an avatar file. threadCount 0: one thread per core. Pictures do not depend on the number of threads. */
     static Result<AvatarView> open(std::span<const uint8_t> bytes, uint32_t threadCount);
     AvatarView(AvatarView&&) noexcept;
     AvatarView& operator=(AvatarView&&) noexcept;
     ~AvatarView();
 
-    /** RGBA, straight alpha, of the camera's size. */
+    /** RGBA with straight alpha, 4 bytes per pixel, in the camera's size. */
     Result<std::vector<uint8_t>> draw(const Pose& pose, const Camerad& camera);
 
 private:

@@ -13,23 +13,23 @@
 
 namespace dpl {
 
-/** Scores of one picture against its frame. Masked figures look only inside the true mask. */
+/** Scores of one picture against its frame (docs/reference/metrics.md). Masked scores use only pixels inside the true mask. */
 struct FrameScore {
-    double maskedPsnrDb = 0;  // render's own alpha over white, black and grey: the worst of the three
-    double maskedSsim = 0;    // mean of the SSIM map inside the mask, worst of the three
-    double alphaIou = 0;      // alpha ≥ 0.5 against mask ≥ 128
-    double fullPsnrDb = 0;    // whole frame on white, truth cut out with its mask: comparable with the paper
-    double fullSsim = 0;
-    double coverage = 0;  // share of the frame that the mask covers (why full-frame figures flatter)
+    double maskedPsnrDb = 0;  // both composited over white, black and grey: the lowest of the three
+    double maskedSsim = 0;    // mean SSIM inside the mask, the lowest of the three
+    double alphaIou = 0;      // of pixels with alpha ≥ 128 in the picture and in the mask
+    double fullPsnrDb = 0;    // whole frame over white, truth cut out by its mask, as papers report it
+    double fullSsim = 0;      // as fullPsnrDb
+    double coverage = 0;      // share of the frame inside the mask; a small one flatters full-frame scores
 };
 
-/** All that was drawn for one held-out frame. */
+/** Scores and pictures of one held-out frame. */
 struct HeldOutFrame {
     std::string name;
     std::string kind;  // "static" or "dynamic"
     FrameScore withoutPoseFit, withPoseFit;
-    FrameScore labelFloor, meshFloor;  // flat colour per label inside the true mask; posed mesh with fitted vertex colours
-    std::vector<uint8_t> truthPng, renderPng, differencePng;  // pictures for people; may be empty
+    FrameScore labelFloor, meshFloor;  // one flat colour per label inside the true mask; posed mesh with fitted vertex colours
+    std::vector<uint8_t> truthPng, renderPng, differencePng;  // for report.html; may be empty
 };
 
 struct StageCost {
@@ -48,14 +48,14 @@ struct ReportFigure {
 struct ReportData {
     std::string title;
     std::vector<std::pair<std::string, std::string>> facts;  // scan, body, preset, seed, ...
-    std::string verdict;                                     // of the scan check, several lines
+    std::string verdict;                                     // result of the scan check, several lines
     std::vector<HeldOutFrame> frames;
     std::vector<StageCost> stages;
     std::vector<PlotSeries> lossCurves, psnrCurves;
     std::vector<ReportFigure> figures;    // registration residuals, truth comparison, sizes
-    std::vector<ReportFigure> waterfall;  // dB that each stage costs, where truth exists
+    std::vector<ReportFigure> waterfall;  // dB lost by each stage, for scans with truth
     std::vector<EvidenceData> evidence;
-    std::vector<std::string> limits;  // what this version does not do, in sentences
+    std::vector<std::string> limits;  // known limits of this version, one sentence each
 };
 
 /** Mean over the frames of a kind; nullopt when there are none. */
@@ -64,7 +64,7 @@ std::optional<FrameScore> meanScore(const std::vector<HeldOutFrame>& frames, con
 std::string reportJson(const ReportData& data);
 std::string reportHtml(const ReportData& data);
 
-/** Writes both files into `folder` (each atomically). */
+/** Writes report.json and report.html into `folder`, each atomically. */
 Status writeReport(const ReportData& data, const std::filesystem::path& folder);
 
 }  // namespace dpl

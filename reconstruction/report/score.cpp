@@ -11,13 +11,13 @@
 namespace dpl {
 namespace {
 
-constexpr double kInfinitePsnrDb = 100;  // reported for equal pictures
+constexpr double kInfinitePsnrDb = 100;  // stands for infinity: the score of equal pictures
 
 double psnrDb(double meanSquare) {
     return meanSquare > 0 ? std::min(kInfinitePsnrDb, -10 * std::log10(meanSquare)) : kInfinitePsnrDb;
 }
 
-/** picture·alpha + background·(1 − alpha) as floats in [0,1], three channels. */
+/** colour·alpha + background·(1 − alpha), three float channels in [0, 1]. */
 cv::Mat composite(const std::vector<uint8_t>& rgba, int width, int height, float background) {
     cv::Mat out(height, width, CV_32FC3);
     float* to = out.ptr<float>();
@@ -28,7 +28,7 @@ cv::Mat composite(const std::vector<uint8_t>& rgba, int width, int height, float
     return out;
 }
 
-/** SSIM map, mean of the three channels: 11×11 Gaussian σ = 1.5, C1 = 0.01², C2 = 0.03², data range 1. */
+/** SSIM per pixel, mean of the three channels. Gaussian window 11 × 11, σ = 1.5; C1 = 0.01², C2 = 0.03², data range 1. */
 cv::Mat ssimMap(const cv::Mat& a, const cv::Mat& b) {
     const auto blur = [](const cv::Mat& in) {
         cv::Mat out;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Our camera as the public API takes it.
+// Converts a camera to the public API's struct.
 #pragma once
 
 #include <doppel/doppel.h>

@@ -19,7 +19,7 @@ std::string number(double value) {
     return text;
 }
 
-/** A range that contains all finite values and is never empty. */
+/** The range of all finite values. After settle() it is never empty. */
 struct Range {
     double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
     void include(double value) {
@@ -35,7 +35,7 @@ struct Range {
     }
 };
 
-/** Round step (1, 2 or 5 times a power of ten) that gives about `wanted` ticks. */
+/** A round step (1, 2 or 5 times a power of ten) that gives about `wanted` ticks. */
 double tickStep(double span, int wanted) {
     const double rough = span / wanted, power = std::pow(10.0, std::floor(std::log10(rough)));
     for (double factor : {1.0, 2.0, 5.0})
@@ -43,8 +43,8 @@ double tickStep(double span, int wanted) {
     return 10 * power;
 }
 
-/** Round values inside a range of scaled values; of a logarithmic one 1, 2 and 5 of each decade, powers of ten alone when those are many.
- */
+/** Round values inside a range of scaled values. On a logarithmic axis 1, 2 and 5 of each decade, or only powers of ten above three
+ * decades. */
 std::vector<double> ticks(const Range& range, int wanted, bool log) {
     std::vector<double> out;
     const auto even = [&](double low, double high) {
@@ -108,7 +108,7 @@ std::string svgPlot(const std::vector<PlotSeries>& series, const PlotOptions& op
     if (options.points) rangeX.widen(0.09), rangeY.widen(0.08);
     const double width = options.widthPx, height = options.heightPx, plotWidth = width - kLeft - kRight,
                  plotHeight = height - kTop - kBottom;
-    const auto toX = [&](double x) { return kLeft + (x - rangeX.low) / (rangeX.high - rangeX.low) * plotWidth; };  // of scaled values
+    const auto toX = [&](double x) { return kLeft + (x - rangeX.low) / (rangeX.high - rangeX.low) * plotWidth; };  // takes scaled values
     const auto toY = [&](double y) { return kTop + plotHeight - (y - rangeY.low) / (rangeY.high - rangeY.low) * plotHeight; };
 
     std::string svg =
