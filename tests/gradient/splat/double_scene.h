@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A small skinned, splatted scene drawn by the referee of tests/reference: the function that the trainer's gradients are checked on.
-// Only skinning is spelled out here, because poses are perturbed in double.
+// A small skinned scene with splats, drawn by the referee of tests/reference. Its loss is the function whose gradients the trainer must
+// match. Skinning is written out here because finite differences need poses in double precision.
 #pragma once
 
 #include <cmath>
@@ -15,7 +15,7 @@ namespace dpl::test {
 struct DoubleScene {
     // Constant.
     std::vector<JointData> joints;
-    MeshData mesh;  // weights, triangles; restPositions are the bind mesh (D is taken from them)
+    MeshData mesh;  // restPositions: the bind mesh, which defines the rest frame of each triangle
     uint32_t shDegree = 1;
     std::vector<uint32_t> triangle;  // per splat, ascending
     std::vector<uint8_t> flags;
@@ -24,8 +24,8 @@ struct DoubleScene {
     double kappa = 0.3;
     std::vector<Quatd> rotations;
     Vec3d rootTranslation{0};
-    PoseCorrectiveData correctives;    // its nodes are the start of `nodes`
-    std::vector<double> pixelWeights;  // 5 a pixel: premultiplied r, g, b, alpha, cloth
+    PoseCorrectiveData correctives;    // its nodes are the initial values of `nodes`
+    std::vector<double> pixelWeights;  // 5 per pixel: premultiplied r, g, b, alpha, cloth
     // Variable.
     std::vector<double> rows;   // per splat: u, v, φ, ln s1, ln s2, opacity logit, sh
     std::vector<double> nodes;  // M × K × 4: offset, brightness
@@ -41,8 +41,8 @@ inline Mat3d turnMatrix(const Vec3d& w) {
     return angle > 0 ? glm::mat3_cast(glm::angleAxis(angle, w / angle)) : Mat3d(1);
 }
 
-/** Offset and change of brightness of every vertex: k = modes·(columns of R − identity − mean), shortened to reach, faded off the modes,
- * spread by weights. */
+/** Offset (metres) and change of brightness of every vertex (docs/reference/correctives.md): k = modes·(first two columns of R − identity −
+ *  mean), limited by reach and reachOffModes, distributed by node weights. */
 inline std::vector<glm::dvec4> correction(const DoubleScene& s, const std::vector<Mat3d>& local) {
     const PoseCorrectiveData& c = s.correctives;
     std::vector<glm::dvec4> out(s.rest.size(), glm::dvec4(0));
@@ -79,7 +79,7 @@ inline std::vector<glm::dvec4> correction(const DoubleScene& s, const std::vecto
     return out;
 }
 
-/** Σ pixelWeights · channels. */
+/** Draws the scene and returns Σ pixelWeights · channels. */
 inline double renderLoss(const DoubleScene& s) {
     std::vector<Mat3d> rotation(s.joints.size()), locals(s.joints.size());
     std::vector<Vec3d> offset(s.joints.size());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Central differences in double, and the one comparison that all gradient tests use.
+// Central differences in double precision, and the comparison that all gradient tests use.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -26,7 +26,8 @@ inline std::vector<double> differences(std::vector<double> x, const std::functio
     return g;
 }
 
-/** Every entry within `relative` of the largest; the largest must be well away from zero unless expectZero. */
+/** Every entry may differ by `relative` times the largest numeric entry, which must be above 1e-9. With expectZero all analytic entries
+ * must be exactly 0. */
 inline void expectGradients(const std::vector<double>& analytic, const std::vector<double>& numeric, double relative,
                             const std::string& what, bool expectZero = false) {
     ASSERT_EQ(analytic.size(), numeric.size()) << what;

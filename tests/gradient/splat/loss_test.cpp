@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The losses' gradients against central differences of a double-precision restatement.
+// Gradients of the losses against central differences of the same losses written in double precision.
 #include "reconstruction/splat/losses.h"
 
 #include <random>
@@ -33,7 +33,7 @@ double referenceSsim(const std::vector<double>& x, const std::vector<double>& y,
 
 constexpr int kWidth = 14, kHeight = 12, kPixels = kWidth * kHeight;
 
-/** A picture of kWidth × kHeight random pixels; with a margin, background that neither side covers lies around it. */
+/** A picture of kWidth × kHeight random pixels, surrounded by `marginPx` pixels that neither the drawn picture nor the target covers. */
 struct Scene {
     int width, height;
     SplatImage image;
@@ -55,7 +55,7 @@ struct Scene {
     }
     size_t count() const { return size_t(width) * size_t(height); }
     PictureTarget target() const { return {uint32_t(width), uint32_t(height), rgb, mask, cloth, band}; }
-    /** Colour, alpha and cloth in a row, as referenceLoss() takes them. */
+    /** Colour, alpha and cloth of the drawn picture, concatenated as referenceLoss() takes them. */
     std::vector<double> drawn() const {
         std::vector<double> x(image.rgb.begin(), image.rgb.end());
         x.insert(x.end(), image.alpha.begin(), image.alpha.end());
@@ -102,7 +102,7 @@ TEST(PictureLoss, gradientOfEveryTerm) {
             analytic.insert(analytic.end(), size_t(kPixels), 0.0);
         else
             analytic.insert(analytic.end(), g.cloth.begin(), g.cloth.end());
-        expectGradients(analytic, numeric, 2e-4, "image");  // float sums over 121 taps against double
+        expectGradients(analytic, numeric, 2e-4, "image");  // tolerance of float sums over the window's 121 pixels
     }
 }
 
@@ -110,14 +110,14 @@ TEST(PictureLoss, emptyMarginsChangeNothingButTheMean) {
     Jobs jobs(2);
     const Vec3f background(0.2f, 0.7f, 0.45f);
     const LossWeights w{0.8f, 0.2f, 1, 0.3f};
-    constexpr int kMarginPx = 13;  // SSIM's gradient reaches 10
+    constexpr int kMarginPx = 13;  // the gradient of SSIM reaches 10 pixels far
     const Scene s(kMarginPx);
     PictureLoss loss(jobs);
     ImageGradient g;
     const LossValues v = loss.run(s.image, s.target(), w, background, g);
     const std::vector<double> x = s.drawn();
     EXPECT_NEAR(v.total, referenceLoss(s, x, w, Vec3d(background)), 1e-6);
-    // Central differences of red at pixels across the picture's corner and the margin beside it.
+    // Compare gradients of red along the diagonal through the picture's corner, from margin to inside.
     double largest = 0;
     for (int k = -3; k < 8; ++k) {
         const size_t i = size_t((kMarginPx + k) * s.width + kMarginPx + k);

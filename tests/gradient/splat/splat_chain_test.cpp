@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// backwardSplat + finishTriangle in double against central differences of project-one-splat, one test per branch.
+// backwardSplat and finishTriangle in double against central differences of the projection of one splat, one test per branch.
 #include <random>
 
 #include "reconstruction/splat/backward_chain.h"
@@ -9,7 +9,7 @@
 namespace dpl::test {
 namespace {
 
-// Agreement of exact derivatives with central differences, h = 1e-6: truncation 1e-10, rounding 1e-10 relative.
+// With h = 1e-6, central differences have a truncation error of 1e-10 and a rounding error of 1e-10, both relative.
 constexpr double kStep = 1e-6, kRelative = 2e-6;
 constexpr uint32_t kDegree = 3;
 
@@ -24,7 +24,7 @@ struct Case {
     double opacity = 0.8;
     bool singleFace = false;
     std::vector<double> sh;
-    std::vector<double> lossWeight;  // of x, y, A, B, C, opacity', r, g, b
+    std::vector<double> lossWeight;  // of x, y, conic A, B, C, projected opacity, r, g, b
 
     Case() {
         camera.widthPx = 96, camera.heightPx = 128, camera.fx = 140, camera.fy = 150, camera.cx = 47, camera.cy = 65;
@@ -118,7 +118,7 @@ TEST(SplatChain, mirroredSplatHasNegativeDeterminant) {
 }
 
 TEST(SplatChain, clampedSlopes) {
-    Case c;  // far to the left and below: x/z and y/z beyond the widened image
+    Case c;  // far to the left and below, where the Jacobian clamps x/z and y/z
     for (Vec3d& v : c.posed) v += Vec3d(-1.4, 1.6, 0);
     const Vec3d view = c.camera.toView(c.posed[0]);
     const JacobianClamp<double> limit(c.camera);
@@ -130,7 +130,7 @@ TEST(SplatChain, clampedSlopes) {
 TEST(SplatChain, partiallyOpenGate) {
     Case c;
     c.singleFace = true;
-    // Turn the triangle until cosθ = 0.05: the gate is half open.
+    // Turn the triangle to cosθ = 0.05, where the gate is half open.
     const Vec3d eye = c.camera.eye(), centre = (c.posed[0] + c.posed[1] + c.posed[2]) / 3.0;
     const Vec3d toEye = glm::normalize(eye - centre), side = glm::normalize(glm::cross(toEye, Vec3d(0, 1, 0)));
     const Vec3d normal = glm::normalize(0.05 * toEye + side), t1 = glm::normalize(glm::cross(Vec3d(0, 1, 0), normal)),
@@ -156,17 +156,18 @@ TEST(SplatChain, nearFadePartlyOpen) {
     ASSERT_GT(z, kNearM);
     ASSERT_LT(z, kNearFadeEndM);
     c.logScale -= std::log(10.0);
-    check(c, 1e-5, 1e-7);  // everything is ten times nearer, second derivatives a thousand times larger
+    check(c, 1e-5, 1e-7);  // ten times nearer, so derivatives of third order are a thousand times larger
 }
 
 TEST(SplatChain, needleStaysFinite) {
     Case c;
     c.logScale = {std::log(0.2), std::log(2e-4)};
-    check(c, 1e-4, 1e-6);  // the quotient is the noisy side (docs/reference/projection.md)
+    check(c, 1e-4, 1e-6);  // the finite difference is the inaccurate side (docs/reference/projection.md)
 }
 
 TEST(SplatChain, rigidMotionHasNoEffectTogetherWithTheCamera) {
-    // Moving the triangle rigidly equals moving the camera: the torque of the corner gradients about the eye is what the camera feels.
+    // Moving the triangle rigidly is the same as moving the camera. So the sum and the torque of the corner gradients must equal the
+    // gradients with respect to the camera's translation and rotation.
     Case c;
     const std::vector<double> g = backward(c);
     const size_t at = 6 + c.sh.size();
@@ -180,7 +181,7 @@ TEST(SplatChain, rigidMotionHasNoEffectTogetherWithTheCamera) {
         const Vec3d w(x[0], x[1], x[2]);
         const double angle = glm::length(w);
         const Mat3d turn = angle > 0 ? glm::mat3_cast(glm::angleAxis(angle, w / angle)) : Mat3d(1);
-        // World points move by `turn` and x[3..5]; instead move the camera so that view coordinates are the same.
+        // Moves the camera so that view coordinates are the same as if world points were rotated by `turn` and shifted by x[3..5].
         m.camera.viewFromWorldRotation = c.camera.viewFromWorldRotation * turn;
         m.camera.viewFromWorldTranslation = c.camera.viewFromWorldRotation * Vec3d(x[3], x[4], x[5]) + c.camera.viewFromWorldTranslation;
         return forward(m);

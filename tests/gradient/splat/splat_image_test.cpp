@@ -11,8 +11,8 @@
 namespace dpl::test {
 namespace {
 
-// Float forward and backward against double differences: rounding of pixel positions (1e-6 relative) and of sums over a few
-// hundred pixels; measured 3e-5 to 2e-4 of the largest entry of a group.
+// Float forward and backward against differences in double. Rounding of pixel positions (1e-6 relative) and of sums over a few hundred
+// pixels gave errors of 3e-5 to 2e-4 of the largest entry of a parameter group.
 constexpr double kRelative = 1e-3, kStep = 1e-6;
 
 DoubleScene makeScene(double opacityLogit, uint8_t flags, uint32_t splatCount = 12) {
@@ -21,7 +21,7 @@ DoubleScene makeScene(double opacityLogit, uint8_t flags, uint32_t splatCount = 
     s.joints[1].parent = 0, s.joints[2].parent = 1;
     s.joints[0].restPosition = {0, 0, 0}, s.joints[1].restPosition = {0, 0.1f, 0.01f}, s.joints[2].restPosition = {0.02f, 0.2f, 0};
     s.mesh.restPositions = {{-0.1f, -0.1f, 0}, {0.12f, -0.08f, 0.01f}, {-0.09f, 0.11f, 0.02f}, {0.1f, 0.13f, -0.02f}, {0, 0.3f, 0.03f}};
-    // Counter-clockwise seen from the camera at +Z looking down −Z (the view below turns about X by π).
+    // Counter-clockwise seen from the camera, which looks along −Z from +Z (the view rotation below is π about X).
     s.mesh.triangles = {{0, 1, 2}, {1, 3, 2}, {2, 3, 4}};
     s.mesh.jointIndices = {{0, 1, 0, 0}, {0, 1, 2, 0}, {1, 0, 2, 0}, {1, 2, 0, 0}, {2, 1, 0, 0}};
     s.mesh.jointWeights = {{200, 55, 0, 0}, {155, 60, 40, 0}, {120, 75, 60, 0}, {130, 125, 0, 0}, {200, 55, 0, 0}};
@@ -55,7 +55,7 @@ DoubleScene makeScene(double opacityLogit, uint8_t flags, uint32_t splatCount = 
     return s;
 }
 
-/** Two modes of two joints on three nodes, large enough to matter, brightness away from its clamp. */
+/** Adds correctives of two modes, two joints and three nodes. Their effect is visible and the brightness stays inside its clamp. */
 DoubleScene withCorrectives(DoubleScene s, float reach, float reachOffModes = 1e6f) {
     PoseCorrectiveData& c = s.correctives;
     c.modeCount = 2, c.nodeCount = 3, c.joints = {1, 2}, c.reach = reach, c.reachOffModes = reachOffModes;
