@@ -34,7 +34,7 @@ std::vector<JointData> joints() {
     return j;
 }
 
-/** The arm swings, the elbow a little, hips and finger a lot: those two must not be heard. */
+/** Swings the arm and, less, the elbow. Hips and finger move most, but the model must ignore them. */
 std::vector<Pose> swinging(uint32_t count) {
     std::vector<Pose> poses;
     for (uint32_t i = 0; i < count; ++i) {
@@ -48,7 +48,7 @@ std::vector<Pose> swinging(uint32_t count) {
     return poses;
 }
 
-TEST(CorrectiveModel, hearsTheBodyAndNotItsHeadingOrFingers) {
+TEST(CorrectiveModel, followsTheBodyAndIgnoresItsHeadingAndFingers) {
     const auto model = correctiveModel(joints(), twoWalls(), swinging(40));
     ASSERT_TRUE(model) << model.error().message;
     EXPECT_EQ(model->joints, (std::vector<uint32_t>{1, 2}));
@@ -86,7 +86,7 @@ TEST(CorrectiveModel, fadesForPosesOfAnotherMotion) {
     for (const Pose& p : swinging(40)) faded += correctiveCoefficients(*model, p, k).offModes > model->reachOffModes;
     EXPECT_LE(faded, 2) << "its own poses act in full";
     Pose strange = Pose::rest(4);
-    strange.localRotations[1] = glm::angleAxis(0.8f, Vec3f(0, 0, 1));  // the arm only ever swung about x
+    strange.localRotations[1] = glm::angleAxis(0.8f, Vec3f(0, 0, 1));  // in training the arm swings only about x
     EXPECT_GT(correctiveCoefficients(*model, strange, k).offModes, 5 * model->reachOffModes);
     float squares = 0;
     for (const float x : k) squares += x * x;
@@ -108,7 +108,7 @@ TEST(CorrectiveModel, nodesCoverTheSurfaceAndDoNotJumpGaps) {
     EXPECT_EQ(nodesOf[0].size() + nodesOf[1].size(), model->nodeCount) << "every node moves something";
 }
 
-TEST(CorrectiveModel, isEmptyWhereThePoseSaysNothing) {
+TEST(CorrectiveModel, isEmptyForTooFewOrEqualPoses) {
     const auto few = correctiveModel(joints(), twoWalls(), swinging(5));
     ASSERT_TRUE(few);
     EXPECT_TRUE(few->empty());

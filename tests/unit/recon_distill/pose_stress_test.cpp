@@ -9,7 +9,7 @@
 namespace dpl::test {
 namespace {
 
-/** Small avatar whose every node carries `value` on every mode. */
+/** A small avatar with `value` at every node and mode; if `alternating`, negated at every other node. */
 AvatarData withNodes(const Vec4f& value, bool alternating) {
     AvatarData avatar = withCorrectives(randomAvatar(3, 0), 4);
     for (size_t e = 0; e < avatar.correctives.nodes.size(); ++e)

@@ -40,9 +40,9 @@ TEST_F(Inspect, aGoodFileIsIntact) {
     EXPECT_NE(found->text.find("(matches)"), std::string::npos);
 }
 
-TEST_F(Inspect, aChangedBitThatNoOtherCheckSeesIsSeenInTextAndJson) {
+TEST_F(Inspect, aFlippedBitThatOnlyTheHashDetectsIsReportedInTextAndJson) {
     auto found = asText();
-    for (size_t i = bytes_.size(); i-- > bytes_.size() / 2;) {  // splat streams fill the end of the file
+    for (size_t i = bytes_.size(); i-- > bytes_.size() / 2;) {  // the end of the file holds splat streams
         bytes_[i] ^= 1;
         found = asText();
         if (found) break;

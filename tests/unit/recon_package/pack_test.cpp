@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The palette, the pictures and the walk of doppel pack.
+// Tests of doppel pack: the SH palette, the pictures that judge a candidate, and the search.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,7 +16,7 @@
 namespace dpl {
 namespace {
 
-/** A tube that every reader sees the same way: coded once. */
+/** A tube whose values are already rounded by the codec, so that writing and reading it changes nothing. */
 AvatarData codedTube(TubeOptions o = {.splatsPerTriangle = 6, .rings = 10, .shDegree = 1, .colourSpread = 0.3f}, bool correctives = false) {
     AvatarData a = makeTube(o);
     if (correctives) a = test::withCorrectives(a, 3, {.modes = 6, .nodes = 20});
@@ -32,7 +32,7 @@ std::set<std::vector<float>> rowsOf(const SplatData& s) {
     return rows;
 }
 
-TEST(ShPalette, keepsSoManyRowsAndEverySplatHasTheNearest) {
+TEST(ShPalette, keepsAtMostMaxEntriesRowsAndEverySplatHasTheNearest) {
     for (uint32_t degree = 1; degree <= 3; ++degree) {
         const AvatarData before = codedTube({.splatsPerTriangle = 6, .rings = 10, .shDegree = degree});
         SplatData s = before.splats;
@@ -57,12 +57,12 @@ TEST(ShPalette, keepsSoManyRowsAndEverySplatHasTheNearest) {
             const double weight = double(s.opacity[i]) * s.scaleM[i].x * s.scaleM[i].y;
             squares += weight * own, weights += weight;
         }
-        // The error that the header promises, from its own definition.
+        // The reported error, computed from the definition in the header.
         EXPECT_NEAR(report->rmsLevels, 255 * std::sqrt(squares / weights / (12 * 3.14159265358979)), 1e-6 * report->rmsLevels);
     }
 }
 
-TEST(ShPalette, moreEntriesMeanLessErrorAndABudgetEndsIt) {
+TEST(ShPalette, moreEntriesMeanLessErrorAndAnErrorBudgetStopsEarly) {
     const AvatarData a = codedTube();
     Jobs jobs(2);
     double last = 1e9;
@@ -89,7 +89,7 @@ TEST(ShPalette, isTheSameOnAnyNumberOfThreadsAndSurvivesTheFile) {
         ASSERT_TRUE(bytes) << bytes.error().message;
         if (first.empty()) first = *bytes;
         EXPECT_TRUE(*bytes == first);
-        // The codec's range is that of the rows in use: at most half a step of it is lost, none when the largest row is used.
+        // The codec scales by the largest row in use. Here that row is used, so nothing is lost beyond rounding.
         const AvatarData back = *readAvatar(*bytes);
         for (size_t k = 0; k < back.splats.sh.size(); ++k)
             if (k % 12 >= 3) {
@@ -106,7 +106,7 @@ TEST(ShPalette, refusesImpossibleSizesAndLeavesDegreeZeroAlone) {
     EXPECT_FALSE(paletteSh(s, {.maxEntries = 65537}, jobs));
 }
 
-TEST(PackPictures, knowWhatIsThereAndWhatIsMissing) {
+TEST(PackPictures, equalAvatarsHaveNoErrorAndImportantSplatsCauseMost) {
     const AvatarData a = codedTube();
     Jobs jobs(2);
     const PackPictures pictures(a, 8, 1, jobs);
@@ -116,7 +116,7 @@ TEST(PackPictures, knowWhatIsThereAndWhatIsMissing) {
     EXPECT_LT(same.values, 0.95 * same.allValues) << "and background";
     const std::vector<float> importance = pictures.importance(a);
     ASSERT_EQ(importance.size(), a.splats.count());
-    // Without a splat that no picture sees nothing changes; without the most important one much does.
+    // Removing the most important splat must change the pictures much more than removing the least important one.
     const auto without = [&](size_t i) {
         AvatarData b = a;
         b.splats.opacity[i] = 0;
@@ -141,7 +141,7 @@ TEST(Pack, meetsASizeAndStaysOnTheCurve) {
     ASSERT_GE(packed->curve.size(), 2u);
     EXPECT_EQ(packed->curve.back().bytes, packed->file.size());
     for (size_t i = 1; i < packed->curve.size(); ++i) EXPECT_LT(packed->curve[i].bytes, packed->curve[i - 1].bytes);
-    // What the table says is what the file draws.
+    // The PSNR in the curve is that of the written file.
     const AvatarData back = *readAvatar(packed->file);
     const PackPictures pictures(a, 6, 1, jobs);
     EXPECT_NEAR(pictures.compare(back).psnrDb(), packed->curve.back().psnrDb, 1e-9);
@@ -180,7 +180,7 @@ TEST(Pack, entropyCodesFirstThenTakesBitsAndAPackedFileGoesOnFromThere) {
     const AvatarInfo info = *inspectAvatar(packed->file);
     EXPECT_EQ(info.splatEncoding, 3u);
     EXPECT_EQ(info.bits, packed->curve.back().bits);
-    // The file is where its own packing starts: same bytes but for the row of evidence, fewer bits after it.
+    // Packing the result again starts at its own size and bits, and then takes more bits away.
     const AvatarData again = *readAvatar(packed->file);
     auto further = packToLimits(again, {.minPsnrDb = 40}, {.pictures = 4, .compact = true}, jobs, quietly);
     ASSERT_TRUE(further) << further.error().message;
@@ -203,7 +203,7 @@ TEST(Pack, goesAsFarAsTheLossAllows) {
     EXPECT_NE(curveAsText(loose->curve).find("palette of"), std::string::npos);
 }
 
-TEST(Pack, saysWhatIsTheNearestWhenLimitsCannotBeMet) {
+TEST(Pack, statesTheNearestResultWhenLimitsCannotBeMet) {
     const AvatarData a = codedTube({.splatsPerTriangle = 2, .rings = 6, .shDegree = 1});
     Jobs jobs(2);
     auto tooSmall = packToLimits(a, {.maxBytes = 1000}, {.pictures = 4}, jobs, quietly);

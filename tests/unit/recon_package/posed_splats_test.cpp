@@ -14,7 +14,7 @@ namespace {
 
 using namespace dpl;
 
-/** One triangle on two joints, so that a pose shears and turns it; three splats of degree 3. */
+/** One triangle with three splats of SH degree 3. It is skinned to two joints, so that a pose shears and turns it. */
 AvatarData oneTriangle() {
     AvatarData a;
     a.joints = {{"root", -1, Vec3f(0)}, {"tip", 0, Vec3f(0, 0.1f, 0)}};
@@ -80,7 +80,8 @@ TEST(PosedSplats, covarianceIsThatOfTheBoundSplatPlusItsThickness) {
         for (int k = 0; k < 3; ++k) scaled[k] *= p.out.scaleM[i][k];
         const Mat3f actual = scaled * glm::transpose(scaled);
         for (int c = 0; c < 3; ++c)
-            for (int k = 0; k < 3; ++k) EXPECT_NEAR(actual[c][k], expected[c][k], 1e-9f);  // covariances are ~1e-4 m²; float leaves 1e-10
+            for (int k = 0; k < 3; ++k)
+                EXPECT_NEAR(actual[c][k], expected[c][k], 1e-9f);  // covariances are about 1e-4 m², float rounding about 1e-10
     }
 }
 
@@ -102,12 +103,12 @@ TEST(PosedSplats, coloursSeenInTheWorldAreThoseOfTheRestFrame) {
                     b += rest[k] * p.avatar.splats.sh[i * 48 + k * 3 + channel];
                     unturned += world[k] * p.avatar.splats.sh[i * 48 + k * 3 + channel];
                 }
-                EXPECT_NEAR(a, b, 2e-5f);  // sums of 16 float products of size ~1
+                EXPECT_NEAR(a, b, 2e-5f);  // float sums of 16 products of about 1
                 anyDiffers |= std::abs(unturned - b) > 0.1f;
             }
         }
     }
-    EXPECT_TRUE(anyDiffers) << "the pose does not turn the triangle: this test shows nothing";
+    EXPECT_TRUE(anyDiffers) << "the pose does not turn the triangle: this test would prove nothing";
 }
 
 TEST(PosedSplats, offsetsMoveThemAndLightIsFoldedIntoTheirSh) {
@@ -131,13 +132,13 @@ TEST(PosedSplats, offsetsMoveThemAndLightIsFoldedIntoTheirSh) {
         furthestFromOne = std::max(furthestFromOne, std::abs(light - 1));
         for (int trial = 0; trial < 20; ++trial) {
             const Vec3f d = glm::normalize(Vec3f(normal(random), normal(random), normal(random)));
-            // What a plain viewer shows is what Doppel shows, clamps included.
+            // A viewer without correctives must show the same colour as Doppel, clamps included.
             const Vec3f shown = shColour(&corrected->sh[i * 48], 3, d),
                         meant = shColour(&avatar.splats.sh[i * 48], 3, glm::transpose(frame.worldFromRest) * d, light);
             EXPECT_LT(glm::length(shown - meant), 3e-5f);
         }
     }
-    EXPECT_GT(furthestFromOne, 0.1f) << "this test shows nothing";
+    EXPECT_GT(furthestFromOne, 0.1f) << "this test would prove nothing";
 }
 
 TEST(PosedSplats, aPoseThatIsNotFiniteIsRefusedByJointName) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the header of makeBuiltinBody promises.
+// The properties that the header of makeBuiltinBody promises.
 #include "reconstruction/sample/builtin_body.h"
 
 #include <gtest/gtest.h>
@@ -53,16 +53,16 @@ TEST(BuiltinBody, meshIsAClosedManifoldInOnePiece) {
     EXPECT_EQ(int64_t(mesh.restPositions.size()) - int64_t(directed.size() / 2) + int64_t(mesh.triangles.size()), 2);
 }
 
-TEST(BuiltinBody, noFaceIsDegenerateOrNearlySo) {
+TEST(BuiltinBody, noTriangleIsDegenerateOrNearlySo) {
     const MeshData& mesh = body().mesh;
     size_t slender = 0;
     for (const Triangle& t : mesh.triangles) {
         const Vec3d a(mesh.restPositions[t.x]), b(mesh.restPositions[t.y]), c(mesh.restPositions[t.z]);
         const double doubleArea = glm::length(glm::cross(b - a, c - a));
         const double longest2 = std::max({glm::dot(b - a, b - a), glm::dot(c - b, c - b), glm::dot(a - c, a - c)});
-        ASSERT_GT(doubleArea, 2e-7) << "a face below 0.1 mm²";  // the finest edges are 3.6 mm: 6 mm² a face
+        ASSERT_GT(doubleArea, 2e-7) << "a triangle below 0.1 mm²";  // the shortest wanted edge is 3.6 mm, which gives 6 mm²
         ASSERT_LT(longest2, 20 * doubleArea);
-        slender += longest2 > 4 * doubleArea;  // an equilateral triangle has 1.15
+        slender += longest2 > 4 * doubleArea;  // 1.15 for an equilateral triangle
     }
     EXPECT_LT(slender, mesh.triangles.size() / 200);
 }
@@ -77,7 +77,7 @@ TEST(BuiltinBody, standsOnTheFloorFacingForward) {
         if (k.name == "nose") {
             EXPECT_GT(body().mesh.restPositions[k.vertices[0].first].z, 0.10f);
         }
-    EXPECT_GT(volume(posed(restPose()), body().mesh.triangles), 0.05);  // outward faces, a grown person
+    EXPECT_GT(volume(posed(restPose()), body().mesh.triangles), 0.05);  // positive: triangles face outward; at least 50 litres
 }
 
 TEST(BuiltinBody, skeletonHas55JointsWithHumanoidNames) {
@@ -105,7 +105,7 @@ TEST(BuiltinBody, weightsSumTo255AndFingersNeverMix) {
         for (int k = 0; k < 4; ++k) {
             sum += mesh.jointWeights[v][k];
             const int j = mesh.jointIndices[v][k];
-            // The skin between two knuckles follows both first bones; further out fingers are on their own.
+            // Skin between two knuckles may follow the first bones of both fingers. Further out it must follow one finger only.
             if (mesh.jointWeights[v][k] > 0 && j >= kLeftIndex1 && (j - kLeftIndex1) % 3 > 0) fingers.insert((j - kLeftIndex1) / 3);
             if (mesh.jointWeights[v][k] > 20) left |= j == kLeftKnee || j == kLeftAnkle, right |= j == kRightKnee || j == kRightAnkle;
         }

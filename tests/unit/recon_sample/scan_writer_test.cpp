@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A small sample scan, read back through the product's reader and checked against its own truth.
+// Writes a small sample scan, reads it with the product's reader and checks it against its truth.
 #include "reconstruction/sample/scan_writer.h"
 
 #include <gtest/gtest.h>
@@ -71,7 +71,7 @@ TEST(SampleScan, isReadByTheProductsReader) {
     for (const ScanFrame& f : scan->frames) {
         ++kinds[f.kind];
         tests[f.kind] += f.split == Split::Test;
-        // +Y up after reading: cameras stand above the floor and look roughly at the person.
+        // After reading +Y is up, so cameras are above the floor and see the person in front of them.
         EXPECT_GT(f.camera.eye().y, 0.1) << f.name;
         EXPECT_GT(f.camera.toView({0, 0.9, 0}).z, 0) << f.name;
     }
@@ -119,7 +119,7 @@ TEST(SampleScan, truthProjectsOntoItsKeypoints) {
             }
             const double u = camera["fx"].get<double>() * view[0] / view[2] + camera["cx"].get<double>();
             const double v = camera["fy"].get<double>() * view[1] / view[2] + camera["cy"].get<double>();
-            // Rounded to 1e-7 m and 1e-3 px in the files; points 6 cm before the eye magnify the first.
+            // Files round to 1e-7 m and 1e-3 px. For points 6 cm before the eye, 1e-7 m is a larger share of a pixel.
             ASSERT_NEAR(u, keypoints["xy"][k][0].get<double>(), 0.01);
             ASSERT_NEAR(v, keypoints["xy"][k][1].get<double>(), 0.01);
             const double sigma = keypoints["noise_sigma_px"][k];
@@ -128,7 +128,7 @@ TEST(SampleScan, truthProjectsOntoItsKeypoints) {
         }
     }
     ASSERT_GT(count, 300);
-    EXPECT_NEAR(squares / count, 1, 0.3);  // a mean of > 300 squared normals: 3 standard deviations are 0.25
+    EXPECT_NEAR(squares / count, 1, 0.3);  // mean of more than 300 squared normals: 3 standard deviations are 0.25
 }
 
 TEST(SampleScan, fullFramesSeeMostKeypoints) {
@@ -175,7 +175,7 @@ TEST(SampleScan, finePicturesOfOneHeldOutFrameAKindShowTheSameView) {
         ASSERT_EQ(fine.size(), mask.size() * 4);
         cv::Mat small;
         cv::resize(fine, small, mask.size(), 0, 0, cv::INTER_AREA);
-        // Off the outline the two agree; on it two samples a pixel decide by chance.
+        // They must agree away from the outline. On the outline, the two samples per pixel decide by chance.
         EXPECT_LE(cv::countNonZero((small == 0) & (mask == 255)) + cv::countNonZero((small == 255) & (mask == 0)),
                   0.005 * cv::countNonZero(mask));
         EXPECT_EQ(cv::imread((scanFolder() / "hires" / "x4" / (name + ".jpg")).string()).size(), fine.size());

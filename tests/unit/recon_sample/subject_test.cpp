@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The clothed subject: clothes outside the body, truth that is plain skinning where it says so, cloth that slides and remembers.
+// The clothed subject: clothes lie outside the body, static frames are plain skinning, cloth slides and depends on earlier motion.
 #include "reconstruction/sample/subject.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ namespace {
 const Subject& subject() {
     static const Subject kSubject = [] {
         Jobs jobs(2);
-        return makeSubject(6, jobs);  // its quiff once left a pinhole beside the hairline
+        return makeSubject(6, jobs);  // the hair of this seed needs a pinhole closed beside the hairline
     }();
     return kSubject;
 }
@@ -47,7 +47,8 @@ TEST(Subject, wearsFiveLayersThatShareNoVertices) {
 
 TEST(Subject, clothesAreOpenManifoldSheetsWithWholeHems) {
     const MeshData& mesh = subject().mesh;
-    const std::map<std::string, size_t> holes{{"hair", 1}, {"shoes", 2}, {"top", 4}, {"bottom", 3}};  // neck, two cuffs, hem …
+    const std::map<std::string, size_t> holes{
+        {"hair", 1}, {"shoes", 2}, {"top", 4}, {"bottom", 3}};  // openings: of the top its neck, two cuffs and hem
     for (const auto& [name, expected] : holes) {
         const auto layer = *std::find_if(mesh.layers.begin(), mesh.layers.end(), [&](const LayerData& l) { return l.name == name; });
         std::map<std::pair<uint32_t, uint32_t>, int> edges;
@@ -84,7 +85,7 @@ TEST(Subject, clothesStayOutsideTheBodyAtRest) {
         normal[f.x] += n, normal[f.y] += n, normal[f.z] += n;
     }
     for (size_t i = 1; i < s.parts.size(); ++i) {
-        if (s.parts[i].label == kLabelHair) continue;  // lies on the skull, which may show through nowhere but is rigid with it
+        if (s.parts[i].label == kLabelHair) continue;  // hair lies on the skull and moves rigidly with it
         size_t deep = 0;
         for (uint32_t v = s.mesh.layers[i].firstVertex; v < s.mesh.layers[i].firstVertex + s.mesh.layers[i].vertexCount; ++v) {
             uint32_t best = 0;
@@ -93,7 +94,7 @@ TEST(Subject, clothesStayOutsideTheBodyAtRest) {
                 const Vec3f d = s.mesh.restPositions[b] - s.mesh.restPositions[v];
                 if (glm::dot(d, d) < nearest) nearest = glm::dot(d, d), best = b;
             }
-            // Measured against the tangent plane of the nearest skin vertex; in hollows that plane errs by the sagitta of an edge, 1 mm.
+            // Depth below the tangent plane of the nearest skin vertex. In hollows the plane is off by the sagitta of an edge, 1 mm.
             deep += glm::dot(s.mesh.restPositions[v] - s.mesh.restPositions[best], glm::normalize(normal[best])) < -0.001f;
         }
         EXPECT_EQ(deep, 0u) << s.parts[i].name;
@@ -107,7 +108,7 @@ TEST(Subject, staticFramesAreExactlySkinning) {
     const auto at = poseSubject(s, pose, nullptr);
     for (size_t v = 0; v < at.size(); ++v)
         ASSERT_LT(glm::length(at[v] - skinned(g, s.mesh.jointIndices[v], s.mesh.jointWeights[v], Vec3d(s.mesh.restPositions[v]))), 1e-12);
-    EXPECT_GT(glm::length(at[0] - Vec3d(s.mesh.restPositions[0])), 1e-5);  // it does sway
+    EXPECT_GT(glm::length(at[0] - Vec3d(s.mesh.restPositions[0])), 1e-5);  // the pose is not the rest pose
 }
 
 TEST(Subject, shirtSlidesUpWhenArmsRise) {
@@ -127,17 +128,17 @@ TEST(Subject, shirtSlidesUpWhenArmsRise) {
     EXPECT_EQ(bodyMost, 0);
 }
 
-TEST(Subject, clothRemembersTheMotion) {
+TEST(Subject, clothDependsOnEarlierMotion) {
     const Subject& s = subject();
     const Motion motion = Motion::dynamicSequence(7, 18.75);
     SwingSimulation swing(s, motion);
     double most = 0;
     for (double t = 0.5; t < 18; t += 0.5)
         for (const Vec3d& lag : swing.at(t)) most = std::max(most, glm::length(lag));
-    EXPECT_GT(most, 0.005);   // half a centimetre at least, else nobody could see it
-    EXPECT_LT(most, 0.0451);  // the promised end of cloth
+    EXPECT_GT(most, 0.005);   // less than 5 mm would not be visible
+    EXPECT_LT(most, 0.0451);  // the limit stated in the header
 
-    // The same pose reached on two ways: the skin agrees, the shorts do not.
+    // The same pose after motion and at rest: the skin is equal, cloth is not.
     const TruthPose pose = motion.pose(12.7);
     SwingSimulation moving(s, motion);
     const std::vector<Vec3d> lag = moving.at(12.7), still(s.drivers.size(), Vec3d(0));
@@ -162,7 +163,7 @@ TEST(Subject, swingDoesNotDependOnHowOftenItIsAsked) {
 }
 
 TEST(Subject, printIsCrisp) {
-    // A scan line through the letters' stems: full ink and none within a millimetre of each other, several times.
+    // Along a line through the letters, ink must change between none and full within 1 mm several times.
     int crossings = 0;
     for (float x = -0.12f; x < 0.12f; x += 0.0005f) {
         const float a = logoInk({x, 0.022f}, 0.0003f).x, b = logoInk({x + 0.001f, 0.022f}, 0.0003f).x;

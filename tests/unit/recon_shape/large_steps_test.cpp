@@ -74,7 +74,7 @@ TEST(LargeSteps, backwardIsTheTransposeOfForward) {
     }
 }
 
-TEST(LargeSteps, disconnectedPartsDoNotHearEachOtherAndKeepTheirMean) {
+TEST(LargeSteps, disconnectedPartsDoNotAffectEachOtherAndTheirMeanIsRemoved) {
     Grid g = grid(6);
     const size_t first = g.positions.size();
     append(g, grid(6, 0.01f, {0.5f, 0, 0}));
@@ -94,11 +94,11 @@ TEST(LargeSteps, disconnectedPartsDoNotHearEachOtherAndKeepTheirMean) {
 
 TEST(LargeSteps, duplicateVerticesOfASeamMoveTogether) {
     Grid g = grid(8);
-    append(g, grid(8, 0.01f, {0.07f, 0, 0}));  // shares the column x = 0.07 by position only
+    append(g, grid(8, 0.01f, {0.07f, 0, 0}));  // its first column has the same positions as the last column of the first grid
     for (size_t v = 0; v < 64; ++v) {
         g.positions[v].z = 0;
         g.positions[64 + v].z = 0;
-        g.positions[64 + v].x = float((v % 8) + 7) * 0.01f;  // exactly the floats of the first grid
+        g.positions[64 + v].x = float((v % 8) + 7) * 0.01f;  // equal positions need bit-equal floats
         g.positions[v].x = float(v % 8) * 0.01f;
     }
     auto steps = LargeSteps::createWithLambda(g.positions, g.triangles, 50);
@@ -115,7 +115,8 @@ TEST(LargeSteps, lambdaFollowsTheSmoothingLength) {
     const Grid coarse = grid(10, 0.02f), fine = grid(19, 0.01f);
     auto a = LargeSteps::create(coarse.positions, coarse.triangles, 0.04), b = LargeSteps::create(fine.positions, fine.triangles, 0.04);
     ASSERT_TRUE(a && b);
-    EXPECT_NEAR(b->lambda() / a->lambda(), 4, 0.2) << "half the edge, four times the λ; the relief of the grid is not quite scaled";
+    EXPECT_NEAR(b->lambda() / a->lambda(), 4, 0.2)
+        << "half the edge length needs four times the λ; the grid's relief does not scale exactly";
 }
 
 TEST(LargeSteps, refusesWhatItCannotFactor) {
