@@ -22,7 +22,8 @@ struct Splat {
     Vec3f colour{1.6f, -1.2f, 0.5f};  // SH of degree 0
 };
 
-/** Loose triangles, each corner on joint 0 or 1; splats of degree 0 on them. Joint 1 hangs on joint 0 at `joint`. */
+/** Separate triangles (three corners each) with splats of SH degree 0. Each corner follows joint 0 or 1; joint 1 is a child of joint 0 at
+ *  `joint`. */
 AvatarData triangles(const std::vector<Vec3f>& corners, std::vector<Splat> splats, const std::vector<int>& jointOfCorner = {},
                      const Vec3f& joint = Vec3f(0, 0.5f, 0)) {
     AvatarData a;
@@ -61,7 +62,7 @@ Pose turned(float radians, const Vec3f& axis) {
     return pose;
 }
 
-/** The same eye, moved sideways and turned about its own vertical. */
+/** The camera moved to its right and turned about its own vertical axis. */
 Cameraf eye(Cameraf c, float rightM, float yawRad) {
     const Mat3f turn = glm::mat3_cast(glm::angleAxis(yawRad, Vec3f(0, 1, 0)));
     c.viewFromWorldTranslation.x -= rightM;
@@ -78,7 +79,7 @@ std::vector<Splat> needles() {
     return splats;
 }
 
-/** Overlapping opaque discs on `layers` sheets one behind the other. */
+/** Overlapping opaque splats, side × side on each of `layers` parallel sheets. */
 AvatarData sheets(int layers, int side, float apartM) {
     std::vector<Vec3f> corners;
     std::vector<Splat> splats;
@@ -112,7 +113,7 @@ std::vector<ConformanceCase> conformanceCases() {
     add("nothing", "a splat seen only from its wrong side: every pixel stays transparent", triangles(kFlat, {{.flags = kSplatSingleFace}}),
         rest, {facing(-1, 64, 48, 300)})
         .mayBeBlank = true;
-    add("needles", "aspect 500 across and along the pixels: conics of bad condition", triangles(kFlat, needles()), rest,
+    add("needles", "needles of aspect 500 at many angles: ill-conditioned conics", triangles(kFlat, needles()), rest,
         {facing(1, 160, 160, 1600)});
     add("edge-on", "discs seen within half a degree of their plane", triangles(kFlat, {{}, {.phi = 1.2f, .scaleM = {0.01f, 0.02f}}}), rest,
         {lookAt({0.03f, 1, 0.008f}, {0.03f, 0.03f, 0}, 100, 80, 900)});
@@ -146,7 +147,8 @@ std::vector<ConformanceCase> conformanceCases() {
                   {{}, {.triangle = 1}, {.triangle = 1, .uv = {0.2f, 0.5f}, .flags = kSplatSingleFace}}, {0, 0, 1, 0, 0, 1},
                   Vec3f(0.05f, 0.05f, 0)),
         turned(kPi, Vec3f(1, 0, 0)), {lookAt({0.15f, 0.03f, 1}, {0.15f, 0.03f, 0}, 120, 80, 300)});
-    add("equal-depths", "1,024 splats at one depth, hundreds on a pixel: ties go by index, and a blend in half floats rounds each time",
+    add("equal-depths",
+        "1,024 splats at one depth, hundreds on a pixel: equal depths are ordered by index; blending in half floats adds up rounding",
         sheets(1, 32, 0), rest, {lookAt({0.05f, 0.05f, 1}, {0.05f, 0.05f, 0}, 96, 96, 150)})
         .band = {45, 45, 8};
     add("opaque-layers", "thirty opaque sheets: transmittance runs out", sheets(30, 4, 0.01f), rest,
@@ -169,13 +171,13 @@ std::vector<ConformanceCase> conformanceCases() {
     const Cameraf centre = lookAt({0.2f, 1.1f, 1.7f}, {0, 1, 0}, 140, 120, 130);
     add("stereo-parallel", "two eyes of one frame, 63 mm apart", randomAvatar(81, 8, 6, 1), randomPose(randomAvatar(81, 8, 6, 1), 5),
         {eye(centre, -0.0315f, 0), eye(centre, 0.0315f, 0)});
-    add("stereo-canted", "two eyes turned 5 degrees outwards: one order of depth does not serve both", randomAvatar(81, 8, 6, 1),
+    add("stereo-canted", "two eyes turned 5 degrees outwards: each needs its own depth order", randomAvatar(81, 8, 6, 1),
         randomPose(randomAvatar(81, 8, 6, 1), 5), {eye(centre, -0.0315f, 0.0873f), eye(centre, 0.0315f, -0.0873f)});
     AvatarData fine = randomAvatar(91, 12, 10, 1);
     fine.trainedPixelM = 0.004f;
     const Cameraf away = lookAt({0.2f, 1.1f, 4}, {0, 1, 0}, 90, 70, 130);
-    add("coarser-than-trained", "pixels eight times as coarse as those of the training, in a canted pair: four samples a pixel",
-        std::move(fine), randomPose(randomAvatar(91, 12, 10, 1), 4), {eye(away, -0.0315f, 0.0873f), eye(away, 0.0315f, -0.0873f)});
+    add("coarser-than-trained", "pixels eight times coarser than in training, in a canted pair: four samples per pixel", std::move(fine),
+        randomPose(randomAvatar(91, 12, 10, 1), 4), {eye(away, -0.0315f, 0.0873f), eye(away, 0.0315f, -0.0873f)});
     return cases;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The conformance kit's scenes: tiny avatars with a pose and views, each about one thing that a splat renderer gets wrong.
+// The scenes of the conformance kit: tiny avatars with a pose and views. Each tests one thing that splat renderers get wrong.
 #pragma once
 
 #include <string>
@@ -11,24 +11,24 @@
 
 namespace dpl {
 
-/** How far a picture may be from the double-precision one. Colour over mid grey, peak 1; so alpha counts too. */
+/** Allowed difference from the double-precision picture. Colour is composited over mid grey, peak 1, so that alpha counts too. */
 struct ToleranceBand {
-    double psnrDb = 50;         // of all pixels: the product's bar
-    double coveredPsnrDb = 42;  // of the pixels that either picture covers
-    double maxLevels = 48;      // largest error of one channel, 8-bit levels: one splat that swaps places with its neighbour
+    double psnrDb = 50;         // lower limit over all pixels
+    double coveredPsnrDb = 42;  // lower limit over pixels that either picture covers
+    double maxLevels = 48;      // upper limit of one channel's error, 8-bit levels; allows one swap of neighbours in depth order
 };
 
 struct ConformanceCase {
-    std::string name;   // a file name too
-    std::string about;  // what a wrong renderer does here
+    std::string name;   // also the name of its files
+    std::string about;  // what the case tests
     AvatarData avatar;
     Pose pose;
     std::vector<Cameraf> views;  // one, or the two eyes
-    bool mayBeBlank = false;     // nothing is to be drawn
+    bool mayBeBlank = false;     // the reference picture is empty
     ToleranceBand band;
 };
 
-/** Deterministic. */
+/** All cases. Deterministic. */
 std::vector<ConformanceCase> conformanceCases();
 
 }  // namespace dpl

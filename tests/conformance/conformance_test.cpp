@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The kit holds both of our renderers to the referee, and notices renderers that are wrong.
+// Both of Doppel's renderers must pass the kit, and pictures of a wrong renderer must fail it.
 #include "tests/conformance/kit.h"
 
 #include <gtest/gtest.h>
@@ -43,7 +43,7 @@ protected:
         fs::create_directories(root_ / folder);
         fs::copy(root_ / "software", root_ / folder, fs::copy_options::overwrite_existing | fs::copy_options::recursive);
     }
-    /** The software renderer's pictures, one of them changed. */
+    /** Copies the software renderer's pictures into `folder` and changes one of them. */
     static void spoil(const char* folder, const std::string& picture, const std::function<void(cv::Mat&)>& change) {
         copyPictures(folder);
         cv::Mat image = cv::imread((root_ / folder / picture).string(), cv::IMREAD_UNCHANGED);
@@ -54,7 +54,7 @@ protected:
     static inline fs::path root_;
 };
 
-TEST_F(Conformance, everyCaseShowsSomethingOrSaysThatItDoesNot) {
+TEST_F(Conformance, everyCaseDrawsSomethingUnlessItMayBeBlank) {
     const auto cases = readKit(root_ / "kit");
     ASSERT_TRUE(cases) << cases.error().message;
     EXPECT_GE(cases->size(), 20u);

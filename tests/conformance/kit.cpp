@@ -27,7 +27,7 @@ Status writePng(const fs::path& path, const cv::Mat& picture) {
     return writeFileAtomically(path, bytes);
 }
 
-/** RGBA, 16 bits, from a PNG of 8 or 16 bits. */
+/** Reads a PNG of 8 or 16 bits as RGBA of 16 bits. */
 Result<cv::Mat> readPng(const fs::path& path) {
     DPL_TRY(const auto bytes, readFile(path, kMaxPictureBytes));
     cv::Mat picture;
@@ -36,11 +36,11 @@ Result<cv::Mat> readPng(const fs::path& path) {
     } catch (const cv::Exception&) {
         picture.release();
     }
-    if (picture.empty()) return fail(Code::CorruptData, "{} is not a picture that OpenCV reads", path.string());
+    if (picture.empty()) return fail(Code::CorruptData, "{} is not a readable PNG", path.string());
     if (picture.channels() != 4)
-        return fail(Code::CorruptData, "{} has {} channels; premultiplied RGBA is asked for", path.string(), picture.channels());
+        return fail(Code::CorruptData, "{} has {} channels; it must be premultiplied RGBA", path.string(), picture.channels());
     if (picture.depth() != CV_8U && picture.depth() != CV_16U)
-        return fail(Code::CorruptData, "{} has neither 8 nor 16 bits a channel", path.string());
+        return fail(Code::CorruptData, "{} must have 8 or 16 bits per channel", path.string());
     cv::Mat wide, rgba;
     picture.convertTo(wide, CV_16U, picture.depth() == CV_8U ? 257 : 1);
     cv::cvtColor(wide, rgba, cv::COLOR_BGRA2RGBA);
@@ -97,7 +97,7 @@ std::vector<float> rotationsOf(const Pose& pose) {
     return out;
 }
 
-/** Reference, picture, difference; over mid grey, each enlarged. */
+/** Reference, picture and amplified difference side by side, over mid grey and enlarged. A picture of another size is shown black. */
 cv::Mat sheetRow(const cv::Mat& reference, const cv::Mat& picture) {
     cv::Mat row(reference.rows * kSheetScale, reference.cols * kSheetScale * 3 + 2 * kSheetGapPx, CV_8UC3, cv::Scalar::all(255));
     for (int y = 0; y < row.rows; ++y)
@@ -132,7 +132,7 @@ Status writeKit(const fs::path& folder) {
         {"format", "doppel-conformance"},
         {"version", kVersion},
         {"pictures",
-         "One PNG a view, named as `picture` says: premultiplied RGBA, 8 or 16 bits, display-referred numbers as the avatar has them, no "
+         "One PNG per view, named by `picture`: premultiplied RGBA, 8 or 16 bits, display-referred numbers as the avatar has them, no "
          "background, top row first."},
         {"conventions",
          "Cameras: X_view = R X_world + t, rows [R0 R1 R2 t]; x right, y down, z forward; pixel (0,0) has its centre at (0.5, 0.5). "
@@ -241,7 +241,7 @@ Result<std::vector<CaseScore>> scoreKit(const fs::path& kit, const fs::path& pic
             if (!is)
                 score.trouble = is.error().message;
             else if (is->size() != want.size())
-                score.trouble = formatText("{} has {} x {} px, {} x {} are asked for", (pictures / view.picture).string(), is->cols,
+                score.trouble = formatText("{} is {} x {} px; it must be {} x {} px", (pictures / view.picture).string(), is->cols,
                                            is->rows, want.cols, want.rows);
             else
                 score.error += compareWith(reference, {is->ptr<uint16_t>(), size_t(is->total()) * 4});
@@ -250,13 +250,13 @@ Result<std::vector<CaseScore>> scoreKit(const fs::path& kit, const fs::path& pic
         if (score.trouble.empty()) {
             const PictureError& e = score.error;
             if (e.psnrDb() < c.band.psnrDb)
-                score.trouble = formatText("{} dB, at least {} are asked for", decibels(e.psnrDb()), c.band.psnrDb);
+                score.trouble = formatText("{} dB, at least {} required", decibels(e.psnrDb()), c.band.psnrDb);
             else if (e.coveredPsnrDb() < c.band.coveredPsnrDb)
                 score.trouble =
-                    formatText("{} dB on covered pixels, at least {} are asked for", decibels(e.coveredPsnrDb()), c.band.coveredPsnrDb);
+                    formatText("{} dB on covered pixels, at least {} required", decibels(e.coveredPsnrDb()), c.band.coveredPsnrDb);
             else if (e.maxLevels > c.band.maxLevels)
-                score.trouble =
-                    formatText("a channel is {} levels off, at most {} are allowed", std::round(e.maxLevels * 10) / 10, c.band.maxLevels);
+                score.trouble = formatText("largest error of a channel is {} levels, at most {} allowed", std::round(e.maxLevels * 10) / 10,
+                                           c.band.maxLevels);
         }
         score.passed = score.trouble.empty();
         scores.push_back(std::move(score));

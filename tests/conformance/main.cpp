@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// doppel-conformance: writes the conformance kit, draws it with our renderers, scores any renderer's pictures.
+// Command line of the conformance kit: writes the kit, draws it with Doppel's renderers, scores any renderer's pictures.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <map>
