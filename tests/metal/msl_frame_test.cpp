@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The frame's kernels as Metal text, executed on the CPU from skinning to the sorted list, in three lane orders; what they
-// leave is blended in double and compared with the referee.
+// Runs the frame's MSL kernels on the CPU, from skinning to the sorted list and the tile fill, in three lane orders. The projected splats
+// are blended in double, and both pictures are compared with the referee.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -61,7 +61,7 @@ DPL_MSL(msl_tiles_fill_depth_scene_four);
 namespace dpl {
 namespace {
 
-/** Everything the frame leaves behind. */
+/** Results of a frame's kernels. */
 struct MslFrame {
     std::vector<gpu::ProjectedSplat> projected;
     std::vector<gpu::uvec2> compacted;
@@ -73,14 +73,14 @@ uint32_t groupsFor(size_t count, uint32_t size) {
     return uint32_t((count + size - 1) / size);
 }
 
-/** One dispatch: buffers in binding order, then the push constants. */
+/** Dispatches a kernel. Buffers are in binding order; push constants come last. */
 template <class Push>
 void run(bool (*kernel)(void* const*, unsigned, int), uint32_t groups, int order, std::vector<void*> buffers, Push push) {
     buffers.push_back(&push);
     ASSERT_TRUE(kernel(buffers.data(), groups, order)) << "lanes left a barrier alone";
 }
 
-/** What compact.args leaves for the passes over runs. */
+/** Sets the counts that compact.args writes for passes over runs of kRun survivors. */
 void setRuns(gpu::FrameCounts& counts) {
     counts.runs = groupsFor(counts.visible, gpu::kRun);
     counts.runGroupsX = groupsFor(counts.runs, gpu::kRunGroup);
@@ -93,7 +93,7 @@ void scan(gpu::FrameCounts& counts, std::vector<uint32_t>& table, std::vector<ui
     run(msl_scan_places, rows, order, {&counts, table.data(), sums.data(), places.data()}, push);
 }
 
-/** The splats in order. */
+/** Sorts (key, splat) pairs with the sort kernels and returns the splats in order. */
 std::vector<uint32_t> sortPairs(std::vector<gpu::uvec2> pairs, gpu::FrameCounts& counts, int order, uint32_t rounds = gpu::kSortRounds) {
     std::vector<gpu::uvec2> other(pairs.size() + 1);
     const size_t cells = gpu::kSortDigits * counts.runs;
@@ -122,7 +122,7 @@ std::vector<uint32_t> stablySorted(std::vector<gpu::uvec2> pairs) {
     return splats;
 }
 
-/** From what projection leaves in the visibility buffer to the sorted list. */
+/** Compacts the survivors that projection marked in the visibility buffer and sorts them. */
 void compactAndSort(MslFrame& out, std::vector<uint32_t>& visibility, uint32_t groups, uint32_t splats, int order, uint32_t rounds) {
     FrameIds ids;
     ids.allGroups = groups;
@@ -144,7 +144,7 @@ void compactAndSort(MslFrame& out, std::vector<uint32_t>& visibility, uint32_t g
     out.sorted = sortPairs(out.compacted, out.counts, order, rounds);
 }
 
-/** The visibility buffer of a frame, full of what must not be read. */
+/** The visibility buffer of a frame, filled with garbage because no kernel may read it before writing. */
 std::vector<uint32_t> visibilityOf(uint32_t groups, uint32_t splats) {
     FrameIds ids;
     ids.allGroups = groups, ids.splatCount = splats;
@@ -200,8 +200,8 @@ MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Ca
     return out;
 }
 
-/** The tile passes on a frame that was sorted: 8-bit colour of all views, then the depth sums. farthestSeenM: of the app's scene, all
- * views; empty: none. */
+/** Runs the tile passes on a sorted frame. Returns 8-bit colour of all views, then the depth sums. farthestSeenM: depth limits from the
+ * app's scene for all views, or empty without a scene. */
 std::vector<uint32_t> fillTiles(MslFrame& f, std::span<const Cameraf> views, int order, std::span<const float> farthestSeenM = {},
                                 uint32_t samples = 1) {
     FrameIds ids;
@@ -232,7 +232,7 @@ std::vector<uint32_t> fillTiles(MslFrame& f, std::span<const Cameraf> views, int
     return pixels;
 }
 
-/** Front to back in the order of the sorted list, in double. */
+/** Blends one view front to back in the order of the sorted list, in double. Returns RGB. */
 std::vector<double> blend(const MslFrame& f, const Cameraf& camera, uint32_t view, uint32_t viewCount) {
     std::vector<double> rgb(size_t(camera.widthPx) * camera.heightPx * 3, 0), transmittance(size_t(camera.widthPx) * camera.heightPx, 1);
     for (const uint32_t splat : f.sorted) {
@@ -259,7 +259,7 @@ std::vector<double> blend(const MslFrame& f, const Cameraf& camera, uint32_t vie
     return rgb;
 }
 
-/** frameOf(order) runs the kernels, referenceOf(view) is what they must show. */
+/** Compares frameOf(lane order), the kernels' results, with referenceOf(view), the picture that they must show. */
 template <class FrameOf, class ReferenceOf>
 void expectKernelsMatchTheReference(const Cameraf (&views)[2], uint32_t splatCount, FrameOf&& frameOf, ReferenceOf&& referenceOf) {
     MslFrame first;
@@ -284,7 +284,7 @@ void expectKernelsMatchTheReference(const Cameraf (&views)[2], uint32_t splatCou
         std::printf("[   MSL    ] view %u: %u of %u splats, %.1f dB to the reference, max %.4f\n", v, first.counts.visible, splatCount,
                     d.psnrDb, d.maxError);
         EXPECT_GT(coverage(want.alpha), 0.05);
-        EXPECT_GE(d.psnrDb, 50);  // what is left is the 16-bit key: equal keys keep splat order
+        EXPECT_GE(d.psnrDb, 50);  // not higher because depth keys have 16 bits; equal keys keep splat order
         std::vector<double> tiles;
         const size_t pixels = size_t(views[v].widthPx) * views[v].heightPx;
         for (size_t i = v * pixels; i < (v + 1) * pixels; ++i)
@@ -328,7 +328,7 @@ TEST(MetalFrame, kernelsOfGeneralSplatsAtALevelOfDetailMatchTheReference) {
         return renderReference(reducedSplats(room, {views[0], views[1]}, double(kPerPixel)), referenceCamera(view), {.compensated = false});
     };
     EXPECT_LT(compareImages(referenceOf(views[0]).rgb, renderReference(room, referenceCamera(views[0])).rgb).psnrDb, 45)
-        << "the case shows nothing";
+        << "the case would prove nothing";
     expectKernelsMatchTheReference(
         views, room.count(), [&](int order) { return runGeneralFrame(room, views, order, subject.detail(kPerPixel)); }, referenceOf);
 }
@@ -366,7 +366,7 @@ TEST(MetalFrame, kernelsAtALevelOfDetailMatchTheReference) {
         return renderReference(scene, referenceCamera(view), {.kappaPx2 = avatar.kappaPx2, .compensated = avatar.compensated});
     };
     EXPECT_LT(compareImages(referenceOf(views[0]).rgb, renderReference(avatar, pose, referenceCamera(views[0])).rgb).psnrDb, 45)
-        << "the case shows nothing";
+        << "the case would prove nothing";
     expectKernelsMatchTheReference(
         views, avatar.splats.count(), [&](int order) { return runFrame(avatar, pose, views, order, detail); }, referenceOf);
 }
@@ -408,7 +408,7 @@ TEST(MetalFrame, tilesBehindASceneMatchTheReference) {
     for (size_t v = 0; v < 2; ++v) {
         const ReferenceImage want = renderReference(avatar, pose, referenceCamera(views[v]), scenes[v]);
         EXPECT_LT(compareImages(renderReference(avatar, pose, referenceCamera(views[v])).rgb, want.rgb).psnrDb, 30)
-            << "the scene hides nothing: this case shows nothing";
+            << "the scene hides nothing: this case would prove nothing";
         std::vector<double> rgb;
         for (size_t i = v * 93 * 91; i < (v + 1) * 93 * 91; ++i)
             for (int c = 0; c < 3; ++c) rgb.push_back((first[i] >> 8 * c & 255) / 255.0);
@@ -459,7 +459,7 @@ TEST(MetalFrame, meshDepthMatchesTheReference) {
     AvatarRecords records = packAvatar(avatar, *codeSplats(avatar.mesh, avatar.splats));
     std::vector<gpu::vec4> palette(paletteSize(avatar)), posed(avatar.mesh.restPositions.size());
     packPalette(joints, {}, palette);
-    for (const float distanceM : {1.6f, 0.2f}) {  // small triangles, and some that a group shares
+    for (const float distanceM : {1.6f, 0.2f}) {  // small triangles, and triangles so large that all lanes of a threadgroup share one
         const Cameraf views[2] = {tubeCamera(80, 70, 0.6f, distanceM, -0.03f), tubeCamera(80, 70, 0.6f, distanceM, 0.03f)};
         gpu::FrameData frame = packFrame(splatSetOf(avatar, *codeSplats(avatar.mesh, avatar.splats)), views);
         std::vector<uint32_t> first;

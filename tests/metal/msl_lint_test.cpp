@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every shader has MSL that passes the lint, its buffers sit where the map says, and the lint itself catches what it should.
+// Every shader has MSL that passes the lint and has its buffers at the mapped indices. The lint refuses wrong MSL.
 #include <gtest/gtest.h>
 
 #include <regex>
@@ -11,13 +11,13 @@
 namespace dpl {
 namespace {
 
-/** All but what Vulkan on a CPU runs. */
+/** All shaders except the typed-buffer variants, which have no MSL. */
 ShaderPack fullPack() {
     auto text = readTextFile(DOPPEL_SHADER_DIR "/shaders.dplpack");
     EXPECT_TRUE(text) << (text ? "" : text.error().message);
     if (!text) return {};
     const std::span<const uint8_t> bytes(reinterpret_cast<const uint8_t*>(text->data()), text->size());
-    Reader in(bytes.subspan(20));  // magic, format, content hash; then the interface hash
+    Reader in(bytes.subspan(20));  // the interface hash follows magic, format and content hash
     auto pack = readShaderPack(bytes, "shaders.dplpack", *in.value<uint64_t>());
     EXPECT_TRUE(pack) << (pack ? "" : pack.error().message);
     if (pack) std::erase_if(pack->shaders, [](const Shader& s) { return s.name.ends_with(kTexelsSuffix); });
@@ -54,7 +54,7 @@ TEST(MetalText, theViewIndexIsRealAndClipSpaceIsFlipped) {
     for (const Shader& shader : fullPack().shaders) {
         if (shader.stage != ShaderStage::Vertex) continue;
         const bool multiview = shader.name.find("multiview") != std::string::npos;
-        // Without the option SPIRV-Cross writes "gl_ViewIndex = 0" and says nothing.
+        // Without its multiview option, SPIRV-Cross emits "gl_ViewIndex = 0" without a warning.
         EXPECT_EQ(shader.mslIos.find("render_target_array_index") != std::string::npos, multiview) << shader.name;
         EXPECT_EQ(shader.mslIos.find("spvViewMask") != std::string::npos, multiview) << shader.name;
         EXPECT_NE(shader.mslIos.find("gl_Position.y = -"), std::string::npos) << shader.name;

@@ -28,7 +28,7 @@ struct Group {
     const std::function<void(uint32_t)>* body = nullptr;
 };
 
-Group group;  // one threadgroup at a time, one thread
+Group group;  // one threadgroup at a time, from one CPU thread
 
 void enter() {
     (*group.body)(group.currentLane);
@@ -55,12 +55,12 @@ bool runGroup(uint32_t lanes, int order, const std::function<void(uint32_t lane)
     std::iota(lanesInOrder.begin(), lanesInOrder.end(), 0u);
     if (order == 1) std::reverse(lanesInOrder.begin(), lanesInOrder.end());
     std::mt19937 random(5);
-    for (;;) {  // one round runs every lane to its next barrier or its end
+    for (;;) {  // each round runs every lane to its next barrier or to its end
         if (order == 2) std::shuffle(lanesInOrder.begin(), lanesInOrder.end(), random);
         uint32_t ended = 0;
         for (uint32_t lane : lanesInOrder) {
             Fiber& f = group.fibers[lane];
-            if (f.done) return false;  // ended in an earlier round while others wait
+            if (f.done) return false;  // it ended in an earlier round while others wait at a barrier
             group.current = &f;
             group.currentLane = lane;
             swapcontext(&group.scheduler, &f.context);

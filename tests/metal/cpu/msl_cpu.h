@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Enough of the Metal standard library, on GLM, to compile the kernels that SPIRV-Cross emits as C++ and run them on the CPU.
-// One fiber a thread of a threadgroup; a barrier switches fibers. It checks meaning, not acceptance by Apple's compiler.
+// The part of the Metal standard library, built on GLM, that is needed to compile the kernels emitted by SPIRV-Cross as C++ and to run them
+// on the CPU. Each thread of a threadgroup is a fiber; a barrier switches fibers. This tests what kernels compute, not whether Apple's
+// compiler accepts them.
 #pragma once
 
 #define GLM_FORCE_SWIZZLE
@@ -22,9 +23,10 @@
 
 namespace msl {
 
-/** Runs `lanes` fibers of one threadgroup to their end. order: 0 forward, 1 reverse, 2 shuffled by a fixed seed.
- *  Returns false when some lanes end while others wait at a barrier. */
+/** Runs the `lanes` threads of one threadgroup to their end. order: 0 forward, 1 reverse, 2 shuffled with a fixed seed.
+ *  Returns false when some lanes end while others wait at a barrier. Not reentrant; call from one CPU thread. */
 bool runGroup(uint32_t lanes, int order, const std::function<void(uint32_t lane)>& body);
+/** Switches to the next fiber. Only valid inside runGroup(). */
 void barrier();
 
 }  // namespace msl
@@ -143,7 +145,7 @@ inline float exp(float x) {
 }
 inline float powr(float x, float y) {
     return std::pow(x, y);
-}  // newer SPIRV-Cross writes pow so
+}  // newer SPIRV-Cross emits powr for pow
 inline float cos(float x) {
     return std::cos(x);
 }
@@ -204,7 +206,7 @@ namespace msl {
 struct Thread {
     void* const* buffers;  // in the order of the kernel's parameters
     uint32_t lane = 0;
-    glm::uvec3 position{0};  // in the grid, or of the threadgroup: what the kernel asks for
+    glm::uvec3 position{0};  // in the grid or of the threadgroup, as the kernel declares
 };
 
 template <class Parameter>
@@ -222,7 +224,8 @@ struct Argument<glm::uvec3> {
     static glm::uvec3 get(Thread& t) { return t.position; }
 };
 
-/** Runs groups × lanes threads. `global`: the kernel's uint3 is thread_position_in_grid, else threadgroup_position_in_grid. */
+/** Runs `groups` threadgroups of `lanes` threads. The kernel's uint3 is thread_position_in_grid if `global`, else
+ *  threadgroup_position_in_grid. Returns false as runGroup() does. */
 template <class... Parameters>
 bool dispatch(void (*kernel)(Parameters...), void* const* buffers, uint32_t groups, uint32_t lanes, bool global, int order) {
     bool fine = true;
@@ -230,7 +233,7 @@ bool dispatch(void (*kernel)(Parameters...), void* const* buffers, uint32_t grou
         const uint32_t group = order == 1 ? groups - 1 - i : i;
         fine &= runGroup(lanes, order, [&](uint32_t lane) {
             Thread thread{buffers, lane, {global ? group * lanes + lane : group, 0, 0}};
-            std::tuple<Parameters...> arguments{Argument<Parameters>::get(thread)...};  // braces: evaluated left to right
+            std::tuple<Parameters...> arguments{Argument<Parameters>::get(thread)...};  // braces guarantee evaluation from left to right
             std::apply(kernel, arguments);
         });
     }
@@ -243,4 +246,4 @@ bool dispatch(void (*kernel)(Parameters...), void* const* buffers, uint32_t grou
 #define device
 #define thread
 #define constant const
-#define threadgroup  // declarations of group memory have become `static` (to_cpp.cmake)
+#define threadgroup  // to_cpp.cmake has replaced it by `static` where it declares a variable
