@@ -12,6 +12,7 @@
 namespace dpl {
 namespace {
 
+/** Finds includes below `root` and records them. */
 class RootedIncluder : public glslang::TShader::Includer {
 public:
     RootedIncluder(std::filesystem::path root, std::set<std::string>& dependencies) : root_(std::move(root)), dependencies_(dependencies) {}
@@ -50,7 +51,7 @@ Result<std::string> readTextFile(const std::filesystem::path& path) {
 
 Result<std::vector<uint32_t>> compileGlsl(const GlslInput& input, std::set<std::string>& dependencies) {
     static const bool ready = glslang::InitializeProcess();
-    if (!ready) return fail(Code::Internal, "glslang does not start");
+    if (!ready) return fail(Code::Internal, "glslang cannot be initialised");
     DPL_TRY(std::string source, readTextFile(input.file));
     dependencies.insert(input.file.string());
     std::string preamble = "#extension GL_GOOGLE_include_directive : require\n";
@@ -74,10 +75,10 @@ Result<std::vector<uint32_t>> compileGlsl(const GlslInput& input, std::set<std::
     if (!program.link(messages)) return fail(Code::InvalidArgument, "{}: {}", name, program.getInfoLog());
     std::vector<uint32_t> spirv;
     glslang::SpvOptions options;
-    options.disableOptimizer = true;  // Debian's optimiser is a separate version; drivers optimise anyway
+    options.disableOptimizer = true;  // drivers optimise, and Debian's optimiser library may be of another version than glslang
     options.validate = false;
     glslang::GlslangToSpv(*program.getIntermediate(language), spirv, &options);
-    if (spirv.empty()) return fail(Code::Internal, "{}: no SPIR-V came out", name);
+    if (spirv.empty()) return fail(Code::Internal, "{}: glslang produced no SPIR-V", name);
     return spirv;
 }
 

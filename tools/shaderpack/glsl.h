@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// GLSL to SPIR-V through glslang, with includes rooted at the source tree.
+// Compiles GLSL to SPIR-V with glslang. Includes are relative to the root of the source tree.
 #pragma once
 
 #include <filesystem>
@@ -12,15 +12,16 @@
 namespace dpl {
 
 struct GlslInput {
-    std::filesystem::path root;  // what #include "shaders/..." starts from
+    std::filesystem::path root;  // folder that #include paths start from
     std::filesystem::path file;
     ShaderStage stage = ShaderStage::Compute;
     std::vector<std::string> defines;
 };
 
-/** SPIR-V 1.3 for Vulkan 1.1. Adds every included file to `dependencies`. The error text is the compiler's. */
+/** SPIR-V 1.3 for Vulkan 1.1. Adds the file and every included file to `dependencies`. Errors carry the compiler's text. */
 Result<std::vector<uint32_t>> compileGlsl(const GlslInput& input, std::set<std::string>& dependencies);
 
+/** The whole file. NotFound: it cannot be opened. */
 Result<std::string> readTextFile(const std::filesystem::path& path);
 
 }  // namespace dpl

@@ -35,7 +35,7 @@ Status lintMsl(std::string_view name, std::string_view text) {
         const std::string type = (*it)[1].matched ? (*it)[1] : (*it)[3];
         const auto size = kScalarBytes.find(type);
         if (size == kScalarBytes.end())
-            return fail(Code::Unsupported, "{}: threadgroup variable of unknown type {}: teach the lint its size", name, type);
+            return fail(Code::Unsupported, "{}: threadgroup variable of unknown type {}; add its size to kScalarBytes", name, type);
         uint64_t count = (*it)[2].matched ? std::stoull((*it)[2]) : 1;
         const std::string extents = (*it)[4];
         const std::regex number(R"(\d+)");
@@ -45,7 +45,7 @@ Status lintMsl(std::string_view name, std::string_view text) {
     if (groupBytes > kMaxThreadgroupBytes)
         return fail(Code::InvalidArgument, "{}: {} bytes of threadgroup memory, at most {}", name, groupBytes, kMaxThreadgroupBytes);
 
-    // Text that SPIRV-Cross 1.3 emits although it is not MSL.
+    // GLSL text that SPIRV-Cross 1.3 is known to leave in MSL.
     const std::regex leftover(R"(\b(atomicAdd|atomicMin|atomicMax|gl_ViewIndex\s*=\s*0)\b)");
     if (std::smatch found; std::regex_search(source, found, leftover))
         return fail(Code::InvalidArgument, "{}: '{}' is not MSL", name, found.str());

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// shaderpack ROOT CATALOGUE OUT [PACK INTERFACE]: compiles every shader of the catalogue and writes into OUT. Includes are sought from
-// ROOT, the catalogue's files beside it; shared/ beside it is the interface with C++.
-//   shader_pack.cpp       the Vulkan pack as bytes (no MSL), for the SDK, behind the functions PACK and INTERFACE (qualified names)
-//   shaders.dplpack       the full pack, with MSL
-//   msl/NAME.{ios,macos}.metal
-//   shader_pack.d         what ninja must watch
+// shaderpack ROOT CATALOGUE OUT [PACK INTERFACE]: compiles every shader of the catalogue and writes the results into OUT. Include paths
+// start at ROOT, shader paths at the catalogue's folder. Its subfolder shared/ is the interface with C++. Results:
+//   shader_pack.cpp             the pack without MSL as bytes, returned by the functions PACK and INTERFACE (qualified names)
+//   shaders.dplpack             the full pack, with MSL
+//   msl/NAME.{ios,macos}.metal  the MSL as text
+//   shader_pack.d               dependencies for ninja
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -36,10 +36,10 @@ Result<ShaderStage> stageOf(const fs::path& file) {
     if (file.extension() == ".comp") return ShaderStage::Compute;
     if (file.extension() == ".vert") return ShaderStage::Vertex;
     if (file.extension() == ".frag") return ShaderStage::Fragment;
-    return fail(Code::InvalidArgument, "{}: a shader is called .comp, .vert or .frag", file.string());
+    return fail(Code::InvalidArgument, "{}: a shader's file name must end in .comp, .vert or .frag", file.string());
 }
 
-/** All text of the shared headers in name order: what C++ and GLSL must agree on. */
+/** Hash of the names and texts of all shared headers, on which C++ and GLSL must agree. */
 Result<uint64_t> hashInterface(const fs::path& shared) {
     std::vector<fs::path> files;
     for (const auto& entry : fs::directory_iterator(shared)) files.push_back(entry.path());
@@ -52,12 +52,12 @@ Result<uint64_t> hashInterface(const fs::path& shared) {
     return shaderHash({reinterpret_cast<const uint8_t*>(all.data()), all.size()});
 }
 
-/** What the embedded bytes and their interface hash are called in C++. */
+/** Qualified names of the C++ functions that return the embedded pack and its interface hash. */
 struct FunctionNames {
     std::string pack = "dpl::embeddedShaderPack", interface = "dpl::embeddedShaderInterface";
 };
 
-/** `function`: a name with its namespace before it. */
+/** C++ text of a function that returns `body`. `function` is a qualified name. */
 std::string definition(const std::string& type, const std::string& function, const std::string& body) {
     const size_t colons = function.rfind("::");
     return "namespace " + function.substr(0, colons) + " {\n" + type + " " + function.substr(colons + 2) + "();\n" + type + " " +

@@ -27,7 +27,7 @@ struct Module {
 Result<Module> openModule(const Shader& shader, spvc_backend backend) {
     Module m;
     spvc_context raw = nullptr;
-    if (spvc_context_create(&raw) != SPVC_SUCCESS) return fail(Code::Internal, "SPIRV-Cross does not start");
+    if (spvc_context_create(&raw) != SPVC_SUCCESS) return fail(Code::Internal, "SPIRV-Cross cannot be initialised");
     m.context.reset(raw);
     spvc_parsed_ir ir = nullptr;
     if (spvc_context_parse_spirv(raw, shader.spirv.data(), shader.spirv.size(), &ir) != SPVC_SUCCESS) return m.error(shader.name);
@@ -44,7 +44,7 @@ std::span<const spvc_reflected_resource> resourcesOf(const Module& m, spvc_resou
     return {list, count};
 }
 
-/** Adds the struct and those inside it. */
+/** Adds the struct and the structs inside it. Does nothing for other types. */
 void collectStructs(spvc_compiler compiler, spvc_type_id id, std::vector<ShaderStruct>& structs) {
     spvc_type type = spvc_compiler_get_type_handle(compiler, id);
     if (spvc_type_get_basetype(type) != SPVC_BASETYPE_STRUCT) return;
@@ -69,7 +69,7 @@ void collectStructs(spvc_compiler compiler, spvc_type_id id, std::vector<ShaderS
             spvc_compiler_type_struct_member_array_stride(compiler, type, i, &stride) == SPVC_SUCCESS) {
             const char* name = spvc_compiler_get_name(compiler, spvc_type_get_base_type_id(member));
             for (ShaderStruct& known : structs)
-                if (known.name == name) known.size = stride;  // what an array element really takes
+                if (known.name == name) known.size = stride;  // the size of an array element
         }
     }
     structs.push_back(std::move(s));
@@ -104,7 +104,7 @@ Status reflectShader(Shader& shader) {
          {SPVC_RESOURCE_TYPE_UNIFORM_BUFFER, SPVC_RESOURCE_TYPE_STORAGE_BUFFER, SPVC_RESOURCE_TYPE_STORAGE_IMAGE}) {
         for (const spvc_reflected_resource& r : resourcesOf(m, type)) {
             if (spvc_compiler_get_decoration(m.compiler, r.id, SpvDecorationDescriptorSet) != 0)
-                return fail(Code::InvalidArgument, "{}: {} is not in descriptor set 0, the only one we use", shader.name, r.name);
+                return fail(Code::InvalidArgument, "{}: {} must be in descriptor set 0", shader.name, r.name);
             ShaderBinding b;
             b.name = r.name;
             b.binding = spvc_compiler_get_decoration(m.compiler, r.id, SpvDecorationBinding);
@@ -127,13 +127,15 @@ Status reflectShader(Shader& shader) {
     }
     std::sort(shader.bindings.begin(), shader.bindings.end(), [](auto& a, auto& b) { return a.binding < b.binding; });
     const uint32_t first = shader.stage == ShaderStage::Fragment && !shader.bindings.empty() ? shader.bindings[0].binding
-                                                                                             : 0;  // behind those of its vertex stage
+                                                                                             : 0;  // they follow those of its vertex stage
     for (uint32_t i = 0; i < shader.bindings.size(); ++i)
         if (shader.bindings[i].binding != first + i)
-            return fail(Code::InvalidArgument, "{}: bindings must be 0, 1, 2 ... without gaps or doubles", shader.name);
+            return fail(Code::InvalidArgument, "{}: bindings must be 0, 1, 2 ... without gaps or duplicates", shader.name);
     const auto storage =
         std::count_if(shader.bindings.begin(), shader.bindings.end(), [](auto& b) { return !b.uniform && b.texelWords == 0; });
-    if (storage > 4) return fail(Code::InvalidArgument, "{}: {} storage buffers, Vulkan 1.1 promises four a stage", shader.name, storage);
+    if (storage > 4)
+        return fail(Code::InvalidArgument, "{}: {} storage buffers, at most four per stage (the minimum of Vulkan 1.1)", shader.name,
+                    storage);
     for (const spvc_reflected_resource& r : resourcesOf(m, SPVC_RESOURCE_TYPE_PUSH_CONSTANT)) {
         size_t size = 0;
         spvc_compiler_get_declared_struct_size(m.compiler, spvc_compiler_get_type_handle(m.compiler, r.base_type_id), &size);
@@ -157,7 +159,7 @@ Result<std::string> translateToMsl(const Shader& shader, MslPlatform platform, b
         spvc_compiler_options_set_bool(options, SPVC_COMPILER_OPTION_MSL_IOS_SUPPORT_BASE_VERTEX_INSTANCE, SPVC_TRUE);
     }
     if (shader.stage == ShaderStage::Vertex)
-        spvc_compiler_options_set_bool(options, SPVC_COMPILER_OPTION_FLIP_VERTEX_Y, SPVC_TRUE);  // Metal clip space: y up
+        spvc_compiler_options_set_bool(options, SPVC_COMPILER_OPTION_FLIP_VERTEX_Y, SPVC_TRUE);  // in Metal's clip space y points up
     if (multiview) spvc_compiler_options_set_bool(options, SPVC_COMPILER_OPTION_MSL_MULTIVIEW, SPVC_TRUE);
     if (spvc_compiler_install_compiler_options(m.compiler, options) != SPVC_SUCCESS) return m.error(shader.name);
 

@@ -1,23 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// SPIR-V to Metal Shading Language and reflection through the SPIRV-Cross C API.
+// Reflects SPIR-V and translates it to Metal Shading Language through the C API of SPIRV-Cross.
 #pragma once
 
 #include "sdk/backend/shader_pack.h"
 
 namespace dpl {
 
-constexpr uint32_t kMslPushBuffer = 29;  // binding b -> buffer(b), push constants here; 24 and 25 belong to SPIRV-Cross
+constexpr uint32_t kMslPushBuffer = 29;  // buffer index of push constants; binding b is buffer(b); SPIRV-Cross uses 24 and 25
 
-/** Fills workgroup, pushBytes, bindings, structs of `shader` from its SPIR-V. */
+/** Fills workgroup, pushBytes, bindings and structs of `shader` from its SPIR-V. InvalidArgument: it breaks a limit, for example more than
+ *  four storage buffers, more than 128 push-constant bytes, or gaps between bindings. */
 Status reflectShader(Shader& shader);
 
 enum class MslPlatform { Ios, Macos };
 
-/** `multiview`: the vertex or fragment stage reads the view index; Metal then draws instances × views into layers. */
+/** MSL 2.3. `multiview`: the vertex or fragment stage reads the view index; Metal then draws instances × views into layers. */
 Result<std::string> translateToMsl(const Shader& shader, MslPlatform platform, bool multiview);
 
-/** Rules that Apple's compiler would hold and we can read from the text: one resource per buffer index, index ≤ 30,
- *  ≤ 32 KiB of threadgroup memory, none of the GLSL names that SPIRV-Cross is known to leave behind. */
+/** Checks rules of Apple's compiler that can be checked in the text: an entry point, one resource per buffer index, index ≤ 30, at most 32
+ * KiB of threadgroup memory, and no GLSL names that SPIRV-Cross is known to leave. `name` starts the message. */
 Status lintMsl(std::string_view name, std::string_view text);
 
 }  // namespace dpl
