@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Warnings, sanitizers and the include root, in one interface target that every target of ours links.
+# Warnings, sanitizers and the include root: an interface target that every target of this project links.
 add_library(doppel_options INTERFACE)
 target_compile_features(doppel_options INTERFACE cxx_std_20)
 target_compile_options(doppel_options INTERFACE
@@ -11,9 +11,10 @@ if(DOPPEL_SANITIZE)
   target_link_options(doppel_options INTERFACE -fsanitize=${DOPPEL_SANITIZE})
 endif()
 
-# Headers that nearly every file includes, parsed once per kind of target. The kinds with JSON cost half a second a file: for targets of which
-# most files read or write it (JSON).
-# Executables are compiled like libraries so that they can share it. Paths in <>: the same text in every checkout, for ccache.
+# Precompiled headers: headers that nearly every file includes, parsed once per kind of target. The variant with JSON costs half a second
+# per file, so it is only for targets in which most files use JSON (option JSON).
+# Executables are compiled with the PIC flags of libraries so that they can share a precompiled header.
+# Headers in <> keep the text equal in every checkout, so that ccache finds it.
 set(CMAKE_CXX_COMPILE_OPTIONS_PIE ${CMAKE_CXX_COMPILE_OPTIONS_PIC})
 function(doppel_pch name)  # doppel_pch(name HEADERS ... LINKS ... OPTIONS ...)
   cmake_parse_arguments(arg "" "" "HEADERS;LINKS;OPTIONS" ${ARGN})
@@ -38,7 +39,8 @@ doppel_pch(doppel_pch_json HEADERS ${pch_headers} <tools/cmake/json_once.h> LINK
 add_library(doppel_json_once STATIC ${PROJECT_SOURCE_DIR}/tools/cmake/json_once.cpp)
 target_link_libraries(doppel_json_once PRIVATE doppel_options nlohmann_json::nlohmann_json)
 
-# doppel_library(name [HOT] [JSON] SOURCES a.cpp ... LINKS target ...): a static room of the house, by its folder. HOT: its loops are worth -O3.
+# doppel_library(name [HOT] [JSON] SOURCES a.cpp ... LINKS target ... PRIVATE_LINKS target ...): a static library, or an interface library
+# without sources. HOT: compile with -O3 in Release. JSON: use the precompiled header with JSON.
 function(doppel_library name)
   cmake_parse_arguments(arg "HOT;JSON" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
   if(arg_SOURCES)
@@ -46,8 +48,8 @@ function(doppel_library name)
     target_link_libraries(${name} PUBLIC doppel_options ${arg_LINKS} PRIVATE ${arg_PRIVATE_LINKS})
     doppel_use_pch(${name} doppel_pch ${arg_JSON})
     if(arg_HOT AND DOPPEL_SANITIZE)
-      target_compile_options(${name} PRIVATE -O1)  # the presets with sanitizers compile at -O0: half the time, and readers are quick enough
-      set_target_properties(${name} PROPERTIES DISABLE_PRECOMPILE_HEADERS ON)  # those are of -O0
+      target_compile_options(${name} PRIVATE -O1)  # sanitizer presets compile at -O0, which halves build time; hot loops would be too slow
+      set_target_properties(${name} PROPERTIES DISABLE_PRECOMPILE_HEADERS ON)  # a header compiled with -O0 cannot be reused
     elseif(arg_HOT)
       target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O3>)
     endif()
@@ -57,7 +59,7 @@ function(doppel_library name)
   endif()
 endfunction()
 
-# doppel_parts_of(target PARTS): the static libraries of this project that `target` is linked from, itself first.
+# doppel_parts_of(target PARTS): sets PARTS to `target` and all static libraries of this project that it links, directly or not.
 function(doppel_parts_of target parts)
   set(open ${target})
   set(seen)
@@ -66,7 +68,7 @@ function(doppel_parts_of target parts)
     list(POP_FRONT open name)
     list(APPEND seen ${name})
     get_target_property(type ${name} TYPE)
-    if(type STREQUAL "INTERFACE_LIBRARY")  # of headers alone
+    if(type STREQUAL "INTERFACE_LIBRARY")  # has no objects
       get_target_property(links ${name} INTERFACE_LINK_LIBRARIES)
     else()
       list(APPEND found ${name})
@@ -86,9 +88,10 @@ function(doppel_parts_of target parts)
   set(${parts} ${found} PARENT_SCOPE)
 endfunction()
 
-# doppel_shader_pack(name FOLDER [PACK_FUNCTION INTERFACE_FUNCTION]): a library that holds the shaders of FOLDER/catalogue.json, built into this binary folder.
+# doppel_shader_pack(name FOLDER [PACK_FUNCTION INTERFACE_FUNCTION]): a library with the compiled shaders of FOLDER/catalogue.json. The files
+# of tools/shaderpack are written into the current binary folder.
 function(doppel_shader_pack name folder)
-  # One run compiles the whole catalogue; the depfile names every file it read.
+  # One run compiles the whole catalogue; the depfile lists every file that it read.
   file(GLOB shared_headers CONFIGURE_DEPENDS ${folder}/shared/*.h)
   add_custom_command(OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/shader_pack.cpp ${CMAKE_CURRENT_BINARY_DIR}/shaders.dplpack
     COMMAND shaderpack ${PROJECT_SOURCE_DIR} ${folder}/catalogue.json ${CMAKE_CURRENT_BINARY_DIR} ${ARGN}
@@ -98,16 +101,16 @@ function(doppel_shader_pack name folder)
   doppel_library(${name} SOURCES ${CMAKE_CURRENT_BINARY_DIR}/shader_pack.cpp)
 endfunction()
 
-# doppel_test(name SOURCES a.cpp ... LINKS target ... [LABELS quick|slow|vulkan|sanitize ...] [TIMEOUT s]): one GoogleTest program, one CTest entry.
-# Label 'sanitize' marks the tests that the sanitizer build runs too (readers, format, reference).
+# doppel_test(name SOURCES a.cpp ... LINKS target ... [LABELS quick|slow|vulkan|sanitize ...] [TIMEOUT s]): one GoogleTest program and CTest
+# entry. Defaults: label quick, 300 s. Tests labelled sanitize (readers, format, reference) also run in the build with sanitizers.
 if(DOPPEL_TESTS)
   find_package(GTest REQUIRED)
-  # The programs of all tests labelled `sanitize`: what tools/test builds with the sanitizers.
+  # Programs of all tests labelled `sanitize`. tools/test builds them with sanitizers.
   add_custom_target(sanitized_tests)
-  # The programs of all tests labelled `vulkan`: what tools/prove-drivers builds.
+  # Programs of all tests labelled `vulkan`. tools/prove-drivers builds them.
   add_custom_target(vulkan_tests)
   set(test_pch_headers ${pch_headers} <random> <gtest/gtest.h>)
-  # A third less compile time each; the code under test keeps its own level.
+  # -O1 saves a third of a test's compile time. The code under test keeps its own optimisation level.
   set(test_options $<$<CONFIG:Release>:-O1>)
   doppel_pch(doppel_test_pch HEADERS ${test_pch_headers} LINKS GTest::gtest OPTIONS ${test_options})
   doppel_pch(doppel_test_pch_json HEADERS ${test_pch_headers} <tools/cmake/json_once.h> LINKS GTest::gtest nlohmann_json::nlohmann_json OPTIONS ${test_options})

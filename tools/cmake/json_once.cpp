@@ -1,4 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one place where the templates that json_once.h names are compiled.
+// Compiles the templates that json_once.h declares as extern.
 #define DPL_JSON_TEMPLATE template
 #include "tools/cmake/json_once.h"

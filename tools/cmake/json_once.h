@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// nlohmann/json, with its parser and writer compiled once (json_once.cpp) and not in every file that uses them: about half of such a file's
-// compile time. Part of the precompiled header of targets marked JSON (DoppelTargets.cmake); sources include <nlohmann/json.hpp> as ever.
+// nlohmann/json with its parser and writer compiled once, in json_once.cpp. That saves about half the compile time of a file that uses
+// them. The precompiled header of targets marked JSON contains this file (DoppelTargets.cmake); sources still include <nlohmann/json.hpp>.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -16,7 +16,7 @@
 
 NLOHMANN_JSON_NAMESPACE_BEGIN
 namespace detail {
-// What our sources parse from.
+// The inputs that sources of this project parse from.
 using DplFromConstBytes = decltype(input_adapter(std::vector<std::uint8_t>().cbegin(), std::vector<std::uint8_t>().cend()));
 using DplFromBytes = decltype(input_adapter(std::vector<std::uint8_t>().begin(), std::vector<std::uint8_t>().end()));
 using DplFromString = decltype(input_adapter(std::declval<const std::string&>()));

@@ -1,2 +1,2 @@
 // SPDX-License-Identifier: Apache-2.0
-// The translation unit that carries a precompiled header (DoppelTargets.cmake); nothing else.
+// An empty translation unit, needed to build a precompiled header (DoppelTargets.cmake).
