@@ -70,8 +70,11 @@ class Checker:
         path = self.root / program
         if not path.exists():
             return [] if path.with_suffix(".cpp").exists() else [f"{program} does not exist"]
+        options = [w.split("=")[0] for w in words if w.startswith("--")]
         text = path.read_text()
-        return [f"{program} does not know {w}" for w in words if w.startswith("--") and w not in text]
+        if any(o not in text for o in options):  # its options are parsed elsewhere; its help names them
+            text += subprocess.run([path, "--help"], capture_output=True, text=True, timeout=60).stdout
+        return [f"{program} does not know {o}" for o in options if o not in text]
 
     def check_build(self, words):
         self.commands += 1
