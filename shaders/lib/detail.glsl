@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Level of detail: which splat of a group a lane works on, and how much of it is drawn.
+// Level of detail: which splat of a group a lane handles, and with what weight.
 #include "shaders/lib/formulas.glsl"
 #include "sdk/math/formulas/detail.inl"
 
 struct SplatShare {
     uint within;   // number of the splat within its group
-    float weight;  // factor of its opacity; 0: not drawn
-    float growth;  // factor of its scales
+    float weight;  // factor of the opacity; 0: not drawn
+    float growth;  // factor of the scales
 };
 
-/** With all splats drawn, lanes take neighbours in order. Otherwise a lane's number is a rank, so that whole subgroups at the end idle.
- *  detail: splats wanted for each that is there now; gain; enough. */
+/** With all splats drawn, lanes take neighbours in order. Otherwise the lane number is a rank, so that the lanes without work are
+ *  the last ones and whole subgroups idle. detail: share of the splats that is wanted, gain, enough. */
 SplatShare dplShareOf(uint rank, vec3 detail) {
     SplatShare s;
     s.within = rank;

@@ -15,7 +15,7 @@ Lens dplLens(ViewData view) {
     return Lens(view.focalCentrePx.xy, view.focalCentrePx.zw, view.slopeLimits.xz, view.slopeLimits.yw);
 }
 
-/** Gate of a single-face splat; all in world space. */
+/** Gate of a single-face splat. All arguments are in world space. */
 float dplSingleFaceGate(vec3 normal, vec3 centre, vec3 eye) {
     vec3 toEye = eye - centre;
     return singleFaceGate(dot(normal, toEye), length(toEye));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// GLSL names for the language of sdk/math/formulas (its README). Include this before any of those files.
+// Maps the types and keywords of sdk/math/formulas (see its README) to GLSL. Include this before any of those files.
 #ifndef DPL_FORMULAS_GLSL
 #define DPL_FORMULAS_GLSL
 #define DPL_FN

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Floats as unsigned integers that sort alike: lets integer atomics take an order-independent, hence deterministic, min and max.
+// Maps floats to unsigned integers of the same order. Integer atomics then give a min and max that do not depend on the order of lanes.
 uint dplOrderedBits(float x) {
     uint bits = floatBitsToUint(x);
     return (bits & 0x80000000u) != 0u ? ~bits : bits | 0x80000000u;

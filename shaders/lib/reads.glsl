@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a kernel reads and nothing writes while it runs: words, pairs or fours of them. DPL_TEXELS: as typed buffers, which a CPU that plays a GPU gathers
-// eight lanes at a time, where it reads a plain buffer lane by lane (DeviceInfo::texels). shaderpack builds NAME.texels beside every NAME that includes
-// this and uses it; the same bytes come out.
+// Declares and reads buffers that a kernel only reads: words, pairs or fours of words. DPL_TEXELS: as typed buffers, which a Vulkan
+// driver on the CPU gathers eight lanes at a time, where it reads a plain buffer lane by lane (DeviceInfo::texels). shaderpack builds
+// NAME.texels beside every kernel NAME that uses this file. Both give the same bytes.
 #ifdef DPL_TEXELS
 #define DPL_WORDS(number, block, name) layout(r32ui, binding = number) uniform readonly uimageBuffer name
 #define DPL_PAIRS(number, block, name) layout(rg32ui, binding = number) uniform readonly uimageBuffer name

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Exclusive prefix sum over one workgroup through shared memory; right for any subgroup width. The includer defines
-// DPL_SCAN_LANES, the workgroup size. All lanes must call it.
+// Exclusive prefix sum over one workgroup through shared memory, for any subgroup width. The includer defines DPL_SCAN_LANES, the
+// workgroup size. All lanes must call it.
 shared uint dplScanSums[DPL_SCAN_LANES];
 
 uint dplExclusiveScan(uint lane, uint value, out uint total) {

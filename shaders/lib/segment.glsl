@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// kTileSegments lanes share the spans of a row of tiles in equal, ordered parts. The includer declares DPL_WORDS `sums` and the push constants as TilePush `push`.
+// kTileSegments lanes share the spans of a row of tiles in equal parts, in order. The includer declares `sums` by DPL_WORDS and the
+// push constants as TilePush `push`.
 uint dplSegment(uint row, uint segment, out uint end) {
     uint first = DPL_WORD(sums, push.firstSpanSum + row * kRowScanGroup), last = DPL_WORD(sums, push.firstSpanSum + (row + 1u) * kRowScanGroup);
     uint share = (last - first + kTileSegments - 1u) / kTileSegments, begin = first + segment * share;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A kernel is built for one degree of SH: DPL_SH1, DPL_SH2 or DPL_SH3, else 0.
+// A kernel is built for one SH degree: DPL_SH1, DPL_SH2, DPL_SH3, or 0 without them.
 #if defined(DPL_SH3)
 const uint kShDegree = 3u;
 #elif defined(DPL_SH2)

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// A footprint as the record that the passes which fill pixels read. Include lib/footprint.glsl first.
+// Turns a footprint into a ProjectedSplat. Include lib/footprint.glsl first.
 #include "shaders/lib/projected.glsl"
 
 ProjectedSplat dplHiddenSplat() { return dplProjected(uvec4(0u), uvec4(0u)); }
 
-/** Black, with this opacity; hidden when no pixel of the target sees 1/255 of it. all: nothing is culled, for measurements. Then a splat that
- *  is fainter or turned away keeps the box of three standard deviations that plain 3D Gaussian splatting draws, and adds nothing there. */
+/** A black record of this opacity, hidden when α is below 1/255 in every pixel of the target. all: culls nothing, for measurements.
+ *  A splat that is too faint or turned away then covers the box of three standard deviations that plain 3D Gaussian splatting draws,
+ *  and adds nothing there. */
 ProjectedSplat dplShow(Footprint f, float opacity, vec2 targetPx, bool all) {
     ProjectedSplat p = dplHiddenSplat();
     if (opacity >= kMinAlpha || all) {

@@ -1,22 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which tiles a splat touches. The includer declares the push constants as TilePush `push`.
 
-// First and last tile that hold pixels with samples in [low, high], of `size` pixels. Always one at least: an entry too many shows nothing.
+// First and last tile with pixels that have samples in [low, high]; `size` is in pixels. The result has at least one tile: a needless
+// entry draws nothing.
 uvec2 dplTilesIn(float low, float high, uint size) {
     float last = float(size) - 1.0;
     int first = int(clamp(ceil(low - push.reachPx - 0.5), 0.0, last)), end = int(clamp(floor(high + push.reachPx - 0.5), 0.0, last));
-    first = clamp(first, 0, int(size) - 1);  // a second time: what is not a number must not leave the lists
+    first = clamp(first, 0, int(size) - 1);  // clamps again after the conversion to int, so that a NaN cannot leave the lists
     return uvec2(first, clamp(end, first, int(size) - 1)) >> push.tileShift;
 }
 
-// The rows of tiles that its box touches.
+// First and last row of tiles that the bounding box touches.
 uvec2 dplSplatRows(float centrePx, float radiusPx, uint heightPx) { return dplTilesIn(centrePx - radiusPx, centrePx + radiusPx, heightPx); }
 
-// The columns of tiles that its 1/255 ellipse (dplEllipseOf) reaches within a row of tiles, from its first samples to its last. Each side of the ellipse is
-// monotonous on either side of u = ±r.
+// First and last column of tiles that the 1/255 ellipse (dplEllipseOf) touches within a row of tiles, from the first samples of the row
+// to the last. The outline is monotonic on either side of u = r and of u = -r, so the extremes are at those points or at the ends.
 uvec2 dplSplatColumns(vec2 centrePx, vec3 ellipse, uint row, uint widthPx) {
     float top = float(row << push.tileShift) + 0.5 - push.reachPx, bottom = float((row + 1u) << push.tileShift) - 0.5 + push.reachPx;
-    float r = ellipse.z, across = 1.0 - r * r + 1e-6;  // the rest: float rounding of r
+    float r = ellipse.z, across = 1.0 - r * r + 1e-6;  // 1e-6 absorbs float rounding of r
     float u0 = clamp((top - centrePx.y) / ellipse.y, -1.0, 1.0), u1 = clamp((bottom - centrePx.y) / ellipse.y, -1.0, 1.0);
     float right = clamp(r, u0, u1), left = clamp(-r, u0, u1);
     float high = r * right + sqrt(max(across * (1.0 - right * right), 0.0)), low = r * left - sqrt(max(across * (1.0 - left * left), 0.0));

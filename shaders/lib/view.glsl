@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The only place that knows how a draw reaches several views. Mono is stereo with one view.
+// How a draw reaches its views. No other file depends on multiview.
 //   DPL_VIEW_MULTIVIEW  one draw reaches all of them, target layer = view (VK_KHR_multiview, core in 1.1)
 //   otherwise           a draw a view, into its layer
 #ifdef DPL_VIEW_MULTIVIEW
@@ -8,6 +8,7 @@ uint dplViewIndex(uint view) { return uint(gl_ViewIndex); }
 #else
 uint dplViewIndex(uint view) { return view; }
 #endif
-// All in one instance: one of a few vertices leaves lanes of the vertex shader idle, and costs lavapipe a draw.
+// All splats are one instance: an instance with only three vertices would leave lanes of the vertex shader idle, and on lavapipe each
+// instance costs as much as a draw.
 uint dplSplat() { return uint(gl_VertexIndex) / 3u; }
 uint dplCorner() { return uint(gl_VertexIndex) % 3u; }

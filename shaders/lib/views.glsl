@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many views a kernel works for: known when it is built. DPL_STEREO: two.
+// Number of views, a constant of each built kernel. DPL_STEREO: two.
 #ifdef DPL_STEREO
 const uint kViews = 2u;
 #else

@@ -1,62 +1,64 @@
 // SPDX-License-Identifier: Apache-2.0
-// Work sizes and code layouts that C++ and GLSL share. Numbers of the formulas are in sdk/math/formulas/constants.h. Codes and
-// brightness repeat sdk/format and sdk/avatar/pose_correctives.h; sdk/render/avatar_upload.cpp asserts that they agree.
+// Work sizes and code layouts that C++ and GLSL share. Constants of the formulas are in sdk/math/formulas/constants.h. The splat codes
+// and the limits of brightness repeat values of sdk/format and sdk/avatar/pose_correctives.h; sdk/render/avatar_upload.cpp asserts that
+// they agree.
 #ifndef DPL_SHARED_LIMITS_H
 #define DPL_SHARED_LIMITS_H
 #include "shaders/shared/shim.h"
 DPL_SHARED_BEGIN
 
 DPL_CONST uint kMaxViews = 2u;
-DPL_CONST uint kMaxDrawn = 16u;  // avatars and sets of general splats in one frame
+DPL_CONST uint kMaxDrawn = 16u;  // subjects in one frame
 
-// Group sizes. No kernel assumes a subgroup width: scans go through shared memory.
+// Workgroup sizes, unless a comment says otherwise. No kernel assumes a subgroup width: scans go through shared memory.
 DPL_CONST uint kVertexGroup = 128u;
 DPL_CONST uint kSplatGroup = 128u;
-DPL_CONST uint kChunkGroup = 64u;  // half-chunks
+DPL_CONST uint kChunkGroup = 64u;  // groups of splats
 DPL_CONST uint kScanGroup = 256u;
-DPL_CONST uint kRowScanGroup = 16u;  // shares of a row of a table
+DPL_CONST uint kRowScanGroup = 16u;  // shares that a row of a table is divided into
 DPL_CONST uint kCompactGroup = 64u;
-DPL_CONST uint kUnseenDepth = 0xFFFFFFFFu;  // no float of a splat: NaN
-DPL_CONST uint kMaskWords = 4u;             // kSplatGroup bits: which splats of a half-chunk some view shows
+DPL_CONST uint kUnseenDepth = 0xFFFFFFFFu;  // sort depth of a splat that no view shows: a NaN, so no real depth equals it
+DPL_CONST uint kMaskWords = 4u;             // one bit for each splat of a group: set if some view shows it
 
-// Sorting, and the lists of tiles: a lane works through a run of neighbours by itself, so order needs neither atomics nor barriers.
+// Sorting and the lists of tiles. One lane works through kRun neighbouring entries in order, so a stable order needs neither atomics
+// nor barriers.
 DPL_CONST uint kRun = 256u;
 DPL_CONST uint kRunGroup = 32u;
 DPL_CONST uint kSortDigitBits = 8u;
 DPL_CONST uint kSortDigits = 256u;
-DPL_CONST uint kSortIndexBits = 24u;   // of the number of a splat: a digit fits above
+DPL_CONST uint kSortIndexBits = 24u;   // bits of a splat number; a digit of the key fits into the bits above it
 DPL_CONST uint kSortRounds = 2u;       // 16-bit keys: 0.03 mm steps across a person
 DPL_CONST uint kWideSortRounds = 3u;   // 24-bit keys: a scene of general splats may reach a kilometre
 DPL_CONST uint kFloatSortRounds = 4u;  // 32-bit float keys, for measuring
-DPL_CONST uint kFloatDepthKeys = 0u;   // the largest key of float keys: none
+DPL_CONST uint kFloatDepthKeys = 0u;   // value of maxDepthKey that selects float keys
 
-// Splat codes (sdk/format/coded_splats.h): words of a chunk's record, and what the fields of a splat's words mean.
+// Splat codes (sdk/format/coded_splats.h): word offsets in the record of a chunk, and constants that decode the words of a splat.
 DPL_CONST uint kChunkWords = 16u;
 DPL_CONST uint kChunkScaleMin = 4u;
 DPL_CONST uint kChunkScaleMax = 5u;
-DPL_CONST uint kChunkDcMin = 6u;  // three each
-DPL_CONST uint kChunkDcMax = 9u;
-DPL_CONST uint kChunkShRange = 12u;  // three
+DPL_CONST uint kChunkDcMin = 6u;     // three words
+DPL_CONST uint kChunkDcMax = 9u;     // three words
+DPL_CONST uint kChunkShRange = 12u;  // three words
 DPL_CONST uint kChunkFirstParent = 15u;
-DPL_CONST uint kGatedBit = 0x40000000u;  // of the size word: shows one face
+DPL_CONST uint kGatedBit = 0x40000000u;  // in the size word: the splat is single-face
 DPL_CONST float kUvZeroCode = 113.0;
 DPL_CONST float kUvCodeSteps = 1820.0;
 DPL_CONST float kPhiCodeStep = 0.0030679615757712823;  // π / 1024
 
 // Compute tiles. A lane owns one column of a tile.
-DPL_CONST uint kTilePxShift = 3u;      // 8 pixels of one sample each
-DPL_CONST uint kFourTilePxShift = 2u;  // 4 pixels of four: a tile is 64 samples either way
-DPL_CONST uint kTileGroup = 64u;       // of the raster pass: 8 tiles, or 16
-DPL_CONST uint kTileSegments = 4u;     // lanes that share a row of tiles
-DPL_CONST float kTileStop = 1e-4;      // transmittance at which a pixel is done: 0.03 levels
+DPL_CONST uint kTilePxShift = 3u;      // one sample a pixel: a tile is 8 × 8 pixels
+DPL_CONST uint kFourTilePxShift = 2u;  // four samples a pixel: 4 × 4 pixels, so a tile has 64 samples either way
+DPL_CONST uint kTileGroup = 64u;       // of the fill kernel: 8 tiles, or 16 at four samples
+DPL_CONST uint kTileSegments = 4u;     // lanes that share the work on a row of tiles
+DPL_CONST float kTileStop = 1e-4;      // transmittance below which a pixel is done: 0.03 levels
 
-DPL_CONST uint kMeshDepthOwnPixels = 64u;  // a larger box is shared by the lanes of a group
+DPL_CONST uint kMeshDepthOwnPixels = 64u;  // a triangle with a larger bounding box is shared by all lanes of the workgroup
 
-DPL_CONST uint kShowsFree = 1u;  // TriangleFrame.corner0.w, shifted by the view
-DPL_CONST uint kShowsGated = 4u;
-DPL_CONST uint kParentFree = 0x40000000u;  // of an entry of the table of parents: the chunk has such splats on it
-DPL_CONST uint kParentGated = 0x80000000u;
-DPL_CONST uint kParentMask = 0x3FFFFFFFu;
+DPL_CONST uint kShowsFree = 1u;             // in TriangleFrame.corner0.w, shifted left by the view: free splats may show
+DPL_CONST uint kShowsGated = 4u;            // the same for single-face splats
+DPL_CONST uint kParentFree = 0x40000000u;   // in an entry of the table of parents: the chunk has free splats on this triangle
+DPL_CONST uint kParentGated = 0x80000000u;  // the same for single-face splats
+DPL_CONST uint kParentMask = 0x3FFFFFFFu;   // number of the triangle
 
 DPL_CONST float kGpuMinLight = 0.2;
 DPL_CONST float kGpuMaxLight = 3.0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The numbers of the live half-chunks of one avatar in order, and the arguments of the dispatches over them. One workgroup: they are few.
+// Lists the live groups of one avatar in order and writes the arguments of the dispatches over them. One workgroup is enough.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Phase 1: which half-chunks (kSplatGroup neighbouring splats) have a splat whose triangle some view may show. A lane asks the triangles of one, as
-// the chunk's table of parents lists them, until one answers. The others show nothing, and nothing more of them is read in this frame.
+// Marks the groups (kSplatGroup neighbouring splats) that have a splat on a triangle that some view may show. One lane tests the
+// triangles of one group, listed in the table of parents of its chunk, and stops at the first hit. No later pass of the frame reads the
+// other groups.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// SH colour of every general splat for the views that show it. Its coefficients live in the world: no turn, no brightness.
+// SH colour of each general splat in the views that show it. The coefficients are in world space, so there is no rotation and no
+// brightness.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -24,7 +25,7 @@ float dplShHalf(uint base, uint at) {
 vec3 dplSh(uint base, uint k) { return vec3(dplShHalf(base, 3u * k), dplShHalf(base, 3u * k + 1u), dplShHalf(base, 3u * k + 2u)); }
 #include "shaders/lib/sh.glsl"
 
-const uint kShStride = (3u * (kShDegree + 1u) * (kShDegree + 1u) + 7u) / 8u;  // a splat
+const uint kShStride = (3u * (kShDegree + 1u) * (kShDegree + 1u) + 7u) / 8u;  // uvec4s of one splat
 
 void shadeIn(ViewData view, uint index, uint slot) {
     if (!dplShown(projected[slot].look)) return;

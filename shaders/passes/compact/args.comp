@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Turns the survivor count into the arguments of the sort's dispatches and of the one draw, and the depth intervals of what is drawn into the mapping
-// of depth to key: intervals that overlap share a stretch of keys, the gaps between the others take none. Its own dispatch: no barrier
-// inside a kernel reaches other workgroups on Metal.
+// Turns the number of survivors into the arguments of the sort's dispatches and of the draw, and the depth intervals of the subjects
+// into the mapping from depth to key. Intervals that overlap share a range of keys; gaps between intervals take no keys. This is a
+// dispatch of its own, because on Metal no barrier inside a kernel reaches other workgroups.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -13,7 +13,8 @@ layout(std430, binding = 1) buffer CountsBlock { FrameCounts counts; };
 layout(push_constant) uniform PushBlock { ArgsPush push; };
 #include "shaders/lib/visibility.glsl"
 
-/** keyStart, keyOffset and keyScale. A stretch gets keys in proportion to its length, and two keys of distance from the one before. */
+/** Computes keyStart, keyOffset and keyScale. Each range gets keys in proportion to its length and starts two keys after the range
+ *  before. */
 void mapDepths() {
     float low[16], high[16];  // kMaxDrawn
     uint order[16];
@@ -23,7 +24,7 @@ void mapDepths() {
         high[k] = dplFromOrderedBits(counts.depthMaxBits[k]);
         counts.keyStart[k] = counts.keyOffset[k] = 0.0;
         if (counts.depthMaxBits[k] == 0u) continue;
-        uint at = count;  // insertion by low end
+        uint at = count;  // insertion sort by the near end
         for (; at > 0u && low[order[at - 1u]] > low[k]; --at) order[at] = order[at - 1u];
         order[at] = k;
         ++count;

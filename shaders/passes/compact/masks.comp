@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which splats of each half-chunk some view shows, and how many. A lane has a half-chunk: its splats lie side by side.
+// Finds which splats of each group are shown by some view, and counts them. One lane reads one group: its splats are neighbours in
+// memory.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"

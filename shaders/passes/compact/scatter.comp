@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes (depth key, splat) of each survivor in splat order, so equal keys never change places between frames. A lane has 32 splats of a half-chunk.
+// Writes (depth key, splat) of each survivor in splat order, so that equal keys keep their order from frame to frame. One lane handles
+// 32 splats of a group.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -27,7 +28,8 @@ void main() {
     while (left != 0u) {
         uint splat = first + uint(findLSB(left)), bits = DPL_WORD(visibility, dplFirstDepth(push.groupCount) + splat);
         left &= left - 1u;
-        float level = clamp((uintBitsToFloat(bits) - start) * scale + offset, 0.0, most);  // at 24 bits adding the half may round up to 2²⁴
+        // with 24 bits, adding the half may round up to 2²⁴
+        float level = clamp((uintBitsToFloat(bits) - start) * scale + offset, 0.0, most);
         pairs[slot] = uvec2(push.maxDepthKey == kFloatDepthKeys ? dplOrderedBits(uintBitsToFloat(bits)) : uint(level), splat);
         ++slot;
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// α of one splat at one pixel, premultiplied; the depth target collects Σ α T z and Σ α T.
-// DPL_SCENE_DEPTH: nothing where the splat lies behind the app's scene. Samples of a pixel share its depth.
+// α of one splat at one pixel, premultiplied. The depth target collects Σ α T z and Σ α T.
+// DPL_SCENE_DEPTH: a splat behind the app's scene adds nothing. All samples of a pixel use one scene depth.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -8,10 +8,11 @@
 layout(push_constant) uniform PushBlock { DrawPush push; };
 
 #ifdef DPL_SCENE_DEPTH
-layout(std430, binding = 3) readonly buffer SceneBlock { float scene[]; };  // view z, infinite where there is nothing; behind the bindings of the vertex stage
+// view z, infinite where the scene is empty; numbered after the bindings of the vertex shader
+layout(std430, binding = 3) readonly buffer SceneBlock { float scene[]; };
 #endif
 
-layout(location = 0) flat in vec4 centreConic;   // as splat.vert has them
+layout(location = 0) flat in vec4 centreConic;  // packed by splat.vert
 layout(location = 1) flat in vec4 conicOpacity;
 layout(location = 2) flat in vec4 colourDepth;
 layout(location = 0) out vec4 colour;
@@ -25,7 +26,7 @@ void main() {
     if (colourDepth.w > scene[row * uint(push.targetWidthPx) + x]) discard;
 #endif
     vec2 d = gl_FragCoord.xy - centreConic.xy;
-    // exp(-σ): the vertex shader has turned the conic into this power of two.
+    // exp(-σ): the vertex shader scaled the conic for exp2.
     float alpha = min(kMaxAlpha, conicOpacity.y * exp2(d.x * (centreConic.z * d.x + centreConic.w * d.y) + conicOpacity.x * d.y * d.y));
     if (!(alpha >= kMinAlpha)) discard;
     colour = vec4(colourDepth.rgb * alpha, alpha);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Depth of the posed mesh at pixel centres, for the caller and as a depth buffer of everything that could hide a splat: sdk/splat/mesh_depth.h has the
-// formulas. The nearest z wins by an atomic minimum of its bits, so the order of lanes does not show. A lane draws a small triangle by itself; all lanes of
-// the group share the pixels of a large one.
+// Depth of the posed mesh at pixel centres (formulas: sdk/splat/mesh_depth.h). The caller reads it as a depth buffer of everything that
+// can hide a splat. An atomic minimum of the float bits keeps the nearest z, so the result does not depend on the order of lanes. One
+// lane draws a small triangle by itself; all lanes of the workgroup share the pixels of a large one.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -11,13 +11,14 @@ layout(local_size_x = 128) in;  // kVertexGroup
 layout(std140, binding = 0) uniform FrameBlock { FrameData frame; };
 layout(std430, binding = 1) readonly buffer TriangleBlock { TriangleRecord triangles[]; };
 layout(std430, binding = 2) readonly buffer PosedBlock { vec4 posed[]; };
-layout(std430, binding = 3) buffer DepthBlock { uint depths[]; };  // bits of z, infinite before; views, rows, columns
+// float bits of z, set to infinity before this pass; by view, row, column
+layout(std430, binding = 3) buffer DepthBlock { uint depths[]; };
 layout(push_constant) uniform PushBlock { MeshDepthPush push; };
 
 shared uint largeCount;
 shared uint large[256];  // kVertexGroup × kMaxViews: triangle × views + view
 
-struct Corners {  // in order of their index: triangles that share an edge compute it from the same numbers
+struct Corners {  // sorted by vertex index: two triangles compute their common edge from the same numbers, so no gap opens
     vec3 a, b, c;     // (u, v, z)
 };
 
@@ -38,7 +39,7 @@ Corners cornersOf(uint triangle, uint view) {
     return t;
 }
 
-struct Reach {  // where a triangle may be seen
+struct Reach {  // bounds of the visible part of a triangle
     float lowX, lowY, highX, highY;
     float margin;
 };
@@ -50,7 +51,7 @@ void take(inout Reach r, float x, float y) {
     r.highY = max(r.highY, y);
 }
 
-/** The corner `a` if it is seen, and where the edge to `b` meets the near plane. */
+/** Adds the corner `a` if it is in front of the near plane, and the point where the edge to `b` crosses that plane. */
 void takeEdge(inout Reach r, vec3 a, vec3 b) {
     if (a.z > kNearM) take(r, a.x / a.z, a.y / a.z);
     if ((a.z > kNearM) == (b.z > kNearM)) return;
@@ -61,13 +62,14 @@ void takeEdge(inout Reach r, vec3 a, vec3 b) {
 
 bool finiteCorner(vec3 p) { return isFinite(p.x) && isFinite(p.y) && isFinite(p.z); }
 
-/** First pixel whose centre lies in [low, high] and one past the last, cut to 0 .. size; a second time after the conversion: what is not a number must not leave the target. */
+/** First pixel whose centre lies in [low, high], and one past the last, clamped to 0 .. size. The clamp is repeated after the
+ *  conversion to int, so that a NaN cannot leave the target. */
 ivec2 pixelsIn(float low, float high, uint size) {
     int first = clamp(int(clamp(ceil(low - 0.5), 0.0, float(size))), 0, int(size)), end = clamp(int(clamp(floor(high - 0.5) + 1.0, 0.0, float(size))), 0, int(size));
     return ivec2(first, max(first, end));
 }
 
-/** First column, one past the last, first row, one past the last. */
+/** First column, one past the last column, first row, one past the last row. */
 ivec4 boxOf(Corners t) {
     Reach r;
     r.lowX = r.lowY = 1e30;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Footprint, opacity, colour and visibility of the splats of one live half-chunk in every view, and the sort depth of those that some view shows.
+// Footprint, opacity, colour and visibility of the splats of one live group in every view, and the sort depth of the splats that some
+// view shows.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -22,14 +23,14 @@ layout(push_constant) uniform PushBlock { CodesPush push; };
 #include "shaders/lib/detail.glsl"
 
 vec3 dplSh(uint base, uint k) {
-    if (k > 0u && frame.shShare <= 0.0) return vec3(0.0);  // nothing of it was read
+    if (k > 0u && frame.shShare <= 0.0) return vec3(0.0);  // their coefficients were not fetched
     return k > 0u ? frame.shShare * dplShCode(k) : dplShCode(k);
 }
 #include "shaders/lib/sh.glsl"
 
 struct BoundSplat {
     uint index;
-    uvec2 turn;       // the polar rotation of its triangle, as TriangleFrame has it
+    uvec2 turn;  // polar rotation of its triangle, packed as in TriangleFrame
     bool gated;
     float opacity, light;
     vec3 centre, axis1, axis2, normal;
@@ -51,10 +52,10 @@ ProjectedSplat showIn(ViewData view, BoundSplat s, bool mayShow) {
     return p;
 }
 
-/** The colour that the view sees, of the splat that was fetched. */
+/** Colour of the fetched splat in the view. */
 uint shadeIn(ViewData view, BoundSplat s) {
     vec3 rest = vec3(0.0);
-    if (kShDegree > 0u) {  // the direction to the splat in the rest frame of its triangle
+    if (kShDegree > 0u) {  // direction from the eye to the splat, turned into the rest frame of its triangle
         vec4 turn = vec4(unpackSnorm2x16(s.turn.x), unpackSnorm2x16(s.turn.y));
         vec3 world = s.centre - view.eyeWorld.xyz;
         rest = normalize(world + 2.0 * cross(turn.xyz, cross(turn.xyz, world) - turn.w * world));
@@ -66,7 +67,7 @@ void main() {
     uint lane = gl_LocalInvocationIndex, group = visibility[dplFirstLive(push.allGroups) + push.firstGroup + gl_WorkGroupID.x];
     dplFirstChunkWord = (group >> 1u) * kChunkWords;
     uint firstSplat = dplFirstOf(group);
-    vec3 detail = vec3(1.0, 0.0, 1.0);  // all
+    vec3 detail = vec3(1.0, 0.0, 1.0);  // all splats
     if (frame.splatsPerM2 > 0.0) {
         uint at = push.firstGroupDetail + 3u * group;
         detail = vec3(frame.splatsPerM2 * uintBitsToFloat(DPL_WORD(codes, at)), uintBitsToFloat(DPL_WORD(codes, at + 1u)), uintBitsToFloat(DPL_WORD(codes, at + 2u)));
@@ -82,7 +83,7 @@ void main() {
         uint parent = 5u * dplParent(s.index);
         uvec4 corner0 = DPL_FOUR(triangles, parent);
         uint shown = corner0.w & (s.gated ? 3u * kShowsGated : 3u * kShowsFree);
-        if (shown == 0u) {  // its triangle is in no view, or turned away: nothing else of it is read
+        if (shown == 0u) {  // its triangle is out of view or turned away: nothing else of the splat is read
             for (uint v = 0u; v < kViews; ++v) projected[v * frame.splatCount + push.firstSplat + s.index].look.y = 0u;
         } else {
             uint packed = DPL_WORD(codes, push.firstPlace + s.index);

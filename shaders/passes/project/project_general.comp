@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The same for general splats: three axes, no gate; their colour is another pass. Nothing poses them, so their extent along the sort axis, the range
-// of the depth keys, is that of the boxes about their groups: of all splats, seen or not, so that two views sort as each alone.
+// Footprint, opacity and visibility of general splats: three axes, no gate; another pass computes their colour. The range of depth keys
+// comes from the boxes of all groups, seen or not, so that a view is sorted the same alone and in stereo.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -12,7 +12,7 @@
 layout(local_size_x = 128) in;  // kSplatGroup
 
 layout(std140, binding = 0) uniform FrameBlock { FrameData frame; };
-DPL_FOURS(1, SplatBlock, splats);  // GeneralSplatRecord; behind them a GroupBox a group
+DPL_FOURS(1, SplatBlock, splats);  // GeneralSplatRecords, then one GroupBox for each group
 layout(std430, binding = 2) writeonly buffer ProjectedBlock { ProjectedSplat projected[]; };
 layout(std430, binding = 3) writeonly buffer VisibilityBlock { uint visibility[]; };
 layout(std430, binding = 4) buffer CountsBlock { FrameCounts counts; };
@@ -33,7 +33,7 @@ bool showIn(ViewData view, uint slot, GeneralSplatRecord s) {
     return dplShown(p.look);
 }
 
-/** Size of a pixel, metres, where the box comes nearest to the view that sees it finest. */
+/** Width of a pixel in metres at the nearest point of the box, in the view with the smallest pixels. */
 float pixelM(vec3 middle, vec3 reach) {
     vec4 a = frame.pixelPlanes[0], b = frame.pixelPlanes[1];
     float nearest = min(nearestPixelM(a.xyz, a.w, middle, reach), nearestPixelM(b.xyz, b.w, middle, reach));
@@ -42,7 +42,8 @@ float pixelM(vec3 middle, vec3 reach) {
 
 void main() {
     uint lane = gl_LocalInvocationIndex, group = gl_WorkGroupID.x, box = 4u * push.splatCount + 3u * group;
-    vec3 middle = dplFloats(DPL_FOUR(splats, box)).xyz, reach = dplFloats(DPL_FOUR(splats, box + 1u)).xyz, detail = vec3(1.0, 0.0, 1.0);  // all
+    // all splats
+    vec3 middle = dplFloats(DPL_FOUR(splats, box)).xyz, reach = dplFloats(DPL_FOUR(splats, box + 1u)).xyz, detail = vec3(1.0, 0.0, 1.0);
     if (frame.splatsPerPixel > 0.0) {
         float pixel = pixelM(middle, reach);
         detail = dplFloats(DPL_FOUR(splats, box + 2u)).xyz;
@@ -63,7 +64,8 @@ void main() {
             for (uint v = 0u; v < kViews; ++v) seen = showIn(frame.views[v], v * frame.splatCount + push.firstSplat + index, s) || seen;
             if (seen) depth = floatBitsToUint(dot(frame.sortAxis, s.centre.xyz));
         } else {
-            for (uint v = 0u; v < kViews; ++v) projected[v * frame.splatCount + push.firstSplat + index].look.y = 0u;  // what the colour pass asks for
+            // read by the colour pass
+            for (uint v = 0u; v < kViews; ++v) projected[v * frame.splatCount + push.firstSplat + index].look.y = 0u;
         }
         visibility[dplFirstDepth(push.allGroups) + push.firstSplat + index] = depth;
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Last of three: where each cell of the table begins, from where its share begins.
+// Last of three steps of the prefix sum of a table (totals.comp): writes where each cell begins, from where its share begins.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Exclusive prefix sum in place by one workgroup; the total goes one past the end. Of a table: the shares of its rows (totals.comp).
+// Exclusive prefix sum in place by one workgroup. The total is written one past the end. For a table it runs over the shares of its
+// rows (totals.comp).
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// First of three steps to the exclusive prefix sum of a table, row after row: what each of the kRowScanGroup shares of a row holds. The next are
-// sums.comp, over the shares of all rows, and places.comp.
+// First of three steps of the exclusive prefix sum of a table, row after row: adds up each of the kRowScanGroup shares of a row. Then
+// sums.comp scans the shares of all rows, and places.comp the cells.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"

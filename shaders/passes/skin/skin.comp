@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Poses every vertex with its four unorm8 weights and keeps the posed extent along the sort axis, the range of the depth keys.
-// A vertex that only components nobody sees use is left as it was: nothing reads it in this frame.
-// DPL_CORRECTED: the control nodes of the pose move the rest position first and give the vertex its brightness (sdk/avatar/pose_correctives.h).
+// Poses every vertex with its four joints (unorm8 weights) and keeps the extent along the sort axis, which is the range of the depth
+// keys. A vertex of components that no view sees is not written, because no pass reads it in this frame.
+// DPL_CORRECTED: first moves the rest position by the control nodes of the pose, and writes the vertex's brightness
+// (sdk/avatar/pose_correctives.h).
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -10,7 +11,7 @@
 layout(local_size_x = 128) in;  // kVertexGroup
 
 layout(std140, binding = 0) uniform FrameBlock { FrameData frame; };
-DPL_FOURS(1, PaletteBlock, palette);  // three rows of G_j a joint, then a vec4 a control node
+DPL_FOURS(1, PaletteBlock, palette);  // three rows of G_j for each joint, then one vec4 for each control node
 DPL_FOURS(2, VertexBlock, vertices);  // VertexRecord; DPL_CORRECTED: CorrectedVertexRecord
 layout(std430, binding = 3) writeonly buffer PosedBlock { vec4 posed[]; };
 layout(std430, binding = 4) buffer CountsBlock { FrameCounts counts; };

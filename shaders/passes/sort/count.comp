@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How often each digit occurs in each run of keys: [digit][run], zero before, so that prefix sums give every run its places. A lane counts a run by itself.
+// Counts each digit in each run of keys: [digit][run], zero before this pass. Prefix sums over this table give every run its places.
+// One lane counts one run.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Moves each pair to its place for one digit. A lane moves a run of neighbours in order, so equal digits keep theirs (stable).
-// Key and splat are two words until one digit is left. DPL_PACK: it moves into the word of the splat. DPL_PACKED: the round after, which leaves the splats alone.
+// Moves each pair to its place for one digit. One lane moves one run in order, so equal digits keep their order (stable). Key and splat
+// are two words until only one digit is left.
+// DPL_PACK: writes that digit into the upper bits of the splat's word. DPL_PACKED: the round after, which leaves splat numbers alone.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Compares what the lists would hold with what they can: once when the spans are counted, once (DPL_ENTRIES) when the entries are. A list that is
-// too small leaves the rest of the tile passes without work, and the quads draw the frame.
+// Compares the size that the lists need with their capacity: once after the spans are counted, and once (DPL_ENTRIES) after the entries
+// are counted. If a list is too small, the remaining tile passes get no work and the quads draw the frame.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -30,7 +30,7 @@ void main() {
 #else
     uint spans = sums[push.firstSpanSum + rows * kRowScanGroup];
     bool fits = spans <= push.spanCapacity;
-    places[0] = counts.visible;  // for spans.comp, which has no buffer left for the counts
+    places[0] = counts.visible;  // spans.comp reads the counts here, because all its four bindings are taken
     places[1] = counts.runs;
     counts.tileSpans = spans;
     counts.tilesOverflowed = fits ? 0u : 1u;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Entries of each tile: [row][column][segment]. kTileSegments lanes share the spans of a row in equal, ordered parts.
+// Counts the entries of each tile: [row][column][segment]. kTileSegments lanes share the spans of a row in equal parts, in order.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -8,7 +8,7 @@ layout(local_size_x = 32) in;  // kRunGroup
 
 DPL_PAIRS(0, SpanBlock, spans);
 DPL_WORDS(1, SumBlock, sums);
-layout(std430, binding = 2) buffer TableBlock { uint table[]; };  // zero before
+layout(std430, binding = 2) buffer TableBlock { uint table[]; };  // zero before this pass
 layout(push_constant) uniform PushBlock { TilePush push; };
 #include "shaders/lib/segment.glsl"
 
@@ -19,7 +19,7 @@ void main() {
     uint i = dplSegment(row, segment, end);
     if (i >= end) return;
     uint columns = DPL_PAIR(spans, i).y, column = columns & 0xFFFFu;
-    do {  // a column a round, not a span: neighbouring lanes have spans of other lengths
+    do {  // one column in each round, because neighbouring lanes have spans of different lengths
         table[first + column * kTileSegments]++;
         bool last = column >= columns >> 16u;
         i += last ? 1u : 0u;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes the records of each tile's splats, near first. Afterwards the places say where the part of each segment ends.
+// Writes the record numbers of each tile's splats, nearest first. Afterwards the places hold the end of each segment.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -21,7 +21,7 @@ void main() {
     if (i >= end) return;
     uvec2 span = DPL_PAIR(spans, i);
     uint column = span.y & 0xFFFFu;
-    do {  // a column a round, as in count.comp
+    do {  // one column in each round, as in count.comp
         uint cell = first + column * kTileSegments, place = places[cell];
         entries[place] = span.x;
         places[cell] = place + 1u;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pixels of each tile from its list, near first. A lane owns one column of a tile, takes its splats by fours (twos at four samples) and stops when no
-// sample of it lets light through.
-// DPL_SHUFFLE: the eight (four) lanes of a tile fetch together, a pair of them half a record each, and hand the words around: as many records as there are
-// pairs for the loads of one. For devices whose subgroups hold whole tiles (DeviceInfo::shuffle); same bytes.
-// DPL_SCENE_DEPTH: a splat adds nothing to pixels where it lies behind the app's scene, whose depths come in the buffer of pixels.
-// DPL_FOUR_SAMPLES: each pixel is composited at four places and averaged (docs/adr/0005). Averaging is linear: colour and depth are summed over the places
-// at once, only what a place lets through is its own.
+// Composites the pixels of each tile from its list, nearest first. One lane owns one column of a tile. It takes four splats at a time
+// (two at four samples) and stops when the transmittance of all its samples is used up.
+// DPL_SHUFFLE: the eight (four) lanes of a tile fetch together: each pair of lanes loads one record, half each, and shares it by
+// shuffles. For devices whose subgroups hold whole tiles (DeviceInfo::shuffle); the bytes of the picture are the same.
+// DPL_SCENE_DEPTH: a splat adds nothing to pixels where it lies behind the app's scene, whose depths are in the pixel buffer.
+// DPL_FOUR_SAMPLES: each pixel is composited at four places and averaged (docs/adr/0005). Averaging is linear, so colour and depth are
+// summed over the samples at once; only the transmittance is kept for each sample.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #ifdef DPL_SHUFFLE
@@ -26,7 +26,8 @@ DPL_FOURS(2, ProjectedBlock, projected);  // ProjectedSplat: place, look
 #else
 #define DPL_PIXEL_ACCESS writeonly
 #endif
-layout(std430, binding = 3) DPL_PIXEL_ACCESS buffer PixelBlock { uint pixels[]; };  // zero before: a tile without entries is left alone
+// zero before this pass: a tile without entries is not written
+layout(std430, binding = 3) DPL_PIXEL_ACCESS buffer PixelBlock { uint pixels[]; };
 layout(push_constant) uniform PushBlock { TilePush push; };
 
 #ifdef DPL_FOUR_SAMPLES
@@ -37,7 +38,7 @@ const uint kSide = 1u << kTilePxShift, kSamples = 1u;
 const vec2 kPlaces[1] = vec2[](vec2(0.5));
 #endif
 const uint kBatch = kSide / 2u;          // records that the lanes of a tile fetch together
-const float kReach = 0.5 * float(kSide - 1u);  // from the middle of a column to its last sample, px
+const float kReach = 0.5 * float(kSide - 1u);  // from the middle of a column to its last pixel centre, px
 const float kShare = 1.0 / float(kSamples);
 
 void main() {
@@ -47,7 +48,7 @@ void main() {
         uint begin = tile == 0u ? 0u : DPL_WORD(places, push.firstTileTable + tile * kTileSegments - 1u);
         if (begin == end) continue;
         uint view = row / push.rows, x = (tile % push.columns) * kSide + gl_GlobalInvocationID.x % kSide, y = (row % push.rows) * kSide;
-        vec2 middle = vec2(float(x), float(y) + kReach);  // of the column, but for the place of a sample in its pixel
+        vec2 middle = vec2(float(x), float(y) + kReach);  // middle of the column, without the offset of the sample in its pixel
         float through[kSamples * kSide];
         vec3 colour[kSide];
         float depth[kSide];
@@ -66,13 +67,15 @@ void main() {
         uint lane = gl_LocalInvocationIndex % kSide, firstLane = gl_SubgroupInvocationID - lane;
         for (uint batch = begin; batch < end; batch += kBatch) {
             uvec4 mine = DPL_FOUR(projected, 2u * DPL_WORD(entries, min(batch + lane / 2u, end - 1u)) + lane % 2u);
-            float bendOf = exp(-uintBitsToFloat(mine.x)), opacityOf = dplOpacityOf(mine);  // in the lanes that hold a look
+            // meaningful only in lanes that hold the look half of a record
+            float bendOf = exp(-uintBitsToFloat(mine.x)), opacityOf = dplOpacityOf(mine);
             for (uint j = 0u; j < kBatch; ++j) {
                 uint place = firstLane + 2u * j, look = place + 1u;
                 vec4 at = vec4(uintBitsToFloat(subgroupShuffle(mine.x, place)), uintBitsToFloat(subgroupShuffle(mine.y, place)),
                                uintBitsToFloat(subgroupShuffle(mine.z, place)), uintBitsToFloat(subgroupShuffle(mine.w, place)));
                 uvec4 seen = uvec4(subgroupShuffle(mine.x, look), 0u, subgroupShuffle(mine.z, look), subgroupShuffle(mine.w, look));
-                float bend = subgroupShuffle(bendOf, look), opacity = batch + j < end ? live * subgroupShuffle(opacityOf, look) : 0.0;  // behind the end: the last record, again
+                // past the end of the list the last record is fetched again, with opacity 0
+                float bend = subgroupShuffle(bendOf, look), opacity = batch + j < end ? live * subgroupShuffle(opacityOf, look) : 0.0;
 #else
         for (uint batch = begin; batch < end && live > 0.0; batch += kBatch) {
             for (uint i = batch; i < min(batch + kBatch, end); ++i) {
@@ -85,8 +88,9 @@ void main() {
                 float conicC = uintBitsToFloat(seen.x), weight[kSide];
                 for (uint k = 0u; k < kSide; ++k) weight[k] = 0.0;
                 for (uint s = 0u; s < kSamples; ++s) {
-                    // α at that end of the column which lies nearer to its peak, and from there by factors: exp(-σ) of a quadratic σ has factors that change
-                    // by one factor, exp(-C). The peak is half a column away at most, so the low-pass keeps that in range (kTileMinKappaPx2).
+                    // α is computed at the end of the column nearer to its peak, and stepped from there by factors: σ is quadratic, so
+                    // the factor of exp(-σ) itself changes by the constant factor exp(-C). The peak is at most half a column away, so
+                    // the low-pass keeps the factors in float range (kTileMinKappaPx2).
                     vec2 d = middle + kPlaces[s] - at.xy;
                     float slope = at.w * d.x + conicC * d.y;
                     bool first = slope > 0.0;

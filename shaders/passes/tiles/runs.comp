@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many rows of tiles the splats of each run touch: [row][run]. A run is kRun neighbours of the sorted list; one lane counts it, so that the
-// order of the lists is the order of depth without atomics or barriers.
+// Counts the spans of each run in each row of tiles: [row][run]. A run is kRun neighbours of the sorted list, and one lane counts it,
+// so the lists are in depth order without atomics or barriers.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -12,7 +12,7 @@ layout(local_size_x = 32) in;  // kRunGroup
 DPL_WORDS(0, OrderBlock, order);
 DPL_FOURS(1, ProjectedBlock, projected);  // ProjectedSplat
 layout(std430, binding = 2) readonly buffer CountsBlock { FrameCounts counts; };
-layout(std430, binding = 3) buffer TableBlock { uint table[]; };  // zero before
+layout(std430, binding = 3) buffer TableBlock { uint table[]; };  // zero before this pass
 layout(push_constant) uniform PushBlock { TilePush push; };
 #include "shaders/lib/tiles.glsl"
 

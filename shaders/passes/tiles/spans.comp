@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes the spans: for each splat and row of tiles the columns that it touches there. They end up row after row, in the order of depth within a row.
+// Writes the spans. A span holds the columns that one splat touches in one row of tiles. Spans are grouped by row, in depth order
+// within a row.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"

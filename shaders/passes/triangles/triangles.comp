@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// One posed frame a triangle: corners, the columns of F, the polar rotation and the brightness (docs/reference/binding.md); and which views may show
-// its splats: those whose frustum it touches (lib/cull.glsl), for single-face splats only those on its front side, where their gate is above 0.
-// Of triangles of components that no view sees nothing more is read, and no view shows them.
+// Writes one posed frame for each triangle: corners, the columns of F, the polar rotation and the brightness
+// (docs/reference/binding.md). It also finds which views may show its splats: those whose frustum it touches (lib/cull.glsl), and for
+// single-face splats only those on its front side, where their gate is above 0. Triangles of components that no view sees are marked as
+// hidden without reading their vertices.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
@@ -22,7 +23,7 @@ layout(push_constant) uniform PushBlock { TrianglePush push; };
 shared uint groupTriangles[2];  // in view, facing
 shared uint groupSplats[2];
 
-/** The bits of TriangleFrame.corner0.w for view 0. */
+/** Bits of TriangleFrame.corner0.w for view 0. */
 uint shownIn(ViewData view, vec3 v0, vec3 v1, vec3 v2, vec3 normal, float reach, float rootLevel) {
     if (frame.cullNothing != 0u) return kShowsFree | kShowsGated;
     if (!dplTriangleInView(view, v0, v1, v2, reach, rootLevel, frame.targetPx, frame.kappaPx2)) return 0u;
@@ -31,7 +32,7 @@ uint shownIn(ViewData view, vec3 v0, vec3 v1, vec3 v2, vec3 normal, float reach,
 
 uvec4 bitsOf(vec3 v, uint w) { return uvec4(floatBitsToUint(v.x), floatBitsToUint(v.y), floatBitsToUint(v.z), w); }
 
-/** Unit quaternion of a rotation, x, y, z, w. */
+/** Unit quaternion (x, y, z, w) of a rotation. */
 vec4 quaternionOf(mat3 m) {
     vec4 q;
     if (m[0][0] + m[1][1] + m[2][2] > 0.0) q = vec4(m[1][2] - m[2][1], m[2][0] - m[0][2], m[0][1] - m[1][0], 1.0 + m[0][0] + m[1][1] + m[2][2]);
@@ -66,7 +67,8 @@ void main() {
                 mat3 worldFromRest = mat3(now.turned1, now.turned2, now.normal) *
                                      transpose(mat3(rest.restT1.xyz, rest.restT2.xyz, rest.restNormal.xyz));
                 vec4 turn = quaternionOf(worldFromRest);
-                float reach = rest.reach * frame.largestGrowth * largestStretch(now.f0, now.f1) * 1.0001;  // the factor: float rounding
+                // the last factor absorbs float rounding
+                float reach = rest.reach * frame.largestGrowth * largestStretch(now.f0, now.f1) * 1.0001;
                 uint shown = 0u;
                 for (uint v = 0u; v < kViews; ++v) shown |= shownIn(frame.views[v], v0, v1, v2, now.normal, reach, rest.rootLevel) << v;
                 f.corner0 = bitsOf(v0, shown);
