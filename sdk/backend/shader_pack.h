@@ -18,8 +18,7 @@ namespace dpl {
 
 constexpr uint32_t kShaderPackFormat = 2;
 
-/** Behind the name of a shader: the same one with typed buffers where it only reads (shaders/lib/reads.glsl), for devices of
- * DeviceInfo::texels. It has no MSL. */
+/** Suffix of a kernel that reads typed buffers (shaders/lib/reads.glsl), for devices with DeviceInfo::texels. It has no MSL. */
 constexpr std::string_view kTexelsSuffix = ".texels";
 
 enum class ShaderStage : uint32_t { Compute, Vertex, Fragment };

@@ -15,16 +15,17 @@
 
 namespace dpl {
 
-/** One avatar or one set of general splats. Nothing here changes from frame to frame, except the views that `generalDetail` saw last. */
+/** One avatar or one set of general splats. It does not change from frame to frame, except that generalDetail remembers the last
+ *  views. */
 struct LoadedSubject {
     explicit LoadedSubject(Backend& backend) : buffers(backend) {}
 
     std::shared_ptr<const AvatarData> avatar;  // null: general splats
     SplatSet splats;
-    SubjectIds ids;  // counts and buffers; places in the lists of a frame belong to a scene set
+    SubjectIds ids;  // counts and buffers; the scene set adds the places in its lists
     DeviceBuffers buffers;
-    uint64_t residentBytes = 0;          // splats and what poses them
-    uint64_t splatBytes = 0;             // of these, the splats
+    uint64_t residentBytes = 0;          // device memory of the splats and of all that poses them
+    uint64_t splatBytes = 0;             // the part of residentBytes that holds splats
     Components components;               // empty when nothing is culled
     DetailSubject detail;                // of an avatar
     GeneralDetailSubject generalDetail;  // of general splats
@@ -42,7 +43,7 @@ public:
     Result<std::unique_ptr<PreparedSubject>> prepareSplats(const StaticSplatData& splats) const;
     /** Uploads what this store prepared; blocks until the device has the data. */
     Result<RenderAvatarId> add(std::unique_ptr<PreparedSubject> prepared);
-    /** Destroys its buffers. No recorded frame may use them any more. */
+    /** Destroys the subject's buffers. No recorded frame may still use them. */
     void remove(RenderAvatarId id) { subjects_.erase(id); }
 
     /** Null when there is none. Valid until it is removed. */

@@ -28,11 +28,11 @@ struct AvatarRecords {
  * read. */
 Status checkAvatar(const AvatarData& avatar, const CodedSplats& splats, const DeviceInfo& device);
 
-/** Both must have passed checkAvatar; splats with groups (measureGroups) if there is to be a level of detail. */
+/** Both must have passed checkAvatar. Level of detail needs splats with groups (measureGroups). */
 AvatarRecords packAvatar(const AvatarData& avatar, const CodedSplats& splats);
 
-/** Whether splats reach farther than 16 bits of depth resolve as finely as they do a person with both arms out: beyond 8 m, 0.12 mm a step.
- */
+/** Whether the splats reach beyond 8 m, where steps of a 16-bit depth key become coarser than the 0.12 mm of a person with both arms
+ *  out. */
 bool reachFar(const StaticSplatData& splats);
 
 /** checkGeneralSplats, and the limits of the device's bindings. */
@@ -46,7 +46,7 @@ std::vector<gpu::uvec4> packSh(const StaticSplatData& splats, std::span<const ui
 size_t paletteSize(const AvatarData& avatar);
 void packPalette(std::span<const Mat3x4f> worldFromRest, std::span<const Vec4f> nodes, std::span<gpu::vec4> out);
 
-/** What a frame must know of the splats it draws. */
+/** Properties of a splat set that a frame needs. */
 struct SplatSet {
     uint32_t count = 0, shDegree = 0;
     float kappaPx2 = 0;  // of a pixel
@@ -55,9 +55,9 @@ struct SplatSet {
 SplatSet splatSetOf(const AvatarData& avatar, const CodedSplats& splats);
 SplatSet splatSetOf(const StaticSplatData& splats);
 
-/** The uniform block of one subject. samples: of a pixel; they share the low-pass. largestGrowth: of a splat at this level of detail.
- *  unseen: bits of the components that are not posed. Culls, and counts the subject's own splats as all that is drawn: whoever draws
- *  otherwise sets these fields. */
+/** The uniform block of one subject. samples: coverage samples of a pixel, which share the low-pass. largestGrowth: upper bound of
+ *  the factor by which level of detail enlarges splats. unseen: bits of the components that are not posed. Culling is on and
+ *  splatCount is the subject's own; a caller that wants otherwise overwrites these fields. */
 gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views, uint32_t samples = 1, const SplatDetail& detail = {},
                          float largestGrowth = 1, uint32_t unseen = 0);
 /** Sets the fields that only general splats use. */

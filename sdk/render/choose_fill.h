@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which way of filling pixels a device draws rightly, and which of the right ones is faster.
+// Chooses the faster fill of those that a device draws correctly.
 #pragma once
 
 #include <optional>
@@ -8,16 +8,17 @@
 
 namespace dpl {
 
-/** A figure of general splats in front of a camera, made in code: some hundred tiles, layers of translucent splats, some larger than tiles.
- */
+/** A procedural figure of general splats in front of a camera: some hundred tiles, layers of translucent splats, some larger than a
+ *  tile. */
 struct FillScene {
     StaticSplatData splats;
     Cameraf camera;
 };
 FillScene fillTestScene();
 
-/** Draws the scene both ways on `renderer`, compares with `wantRgba` (the scene by a renderer that is trusted) and times both on the
- * device. Leaves the faster of those that are right set, and says in `reason` why, for people. Code::Device when none is right. */
+/** Draws the scene with both fills on `renderer`, compares them with `wantRgba` (the same scene by a trusted renderer) and times
+ *  them on the device. Sets the faster fill of those that are correct, and explains the choice in `reason`. Code::Device when
+ *  neither is correct. */
 Result<Fill> chooseFill(Renderer& renderer, const FillScene& scene, std::span<const uint8_t> wantRgba, std::string& reason);
 
 }  // namespace dpl

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the start-up self-test found, remembered per device, driver version and shader pack: in the process always, in a folder when the
-// host names one.
+// Remembers the result of the start-up self-test for each device, driver version and shader pack: always in the process, and in a
+// folder if the host names one.
 #pragma once
 
 #include "sdk/core/function_ref.h"
@@ -11,9 +11,10 @@ namespace dpl {
 /** Draws the scene by a renderer that is trusted: premultiplied RGBA8, top row first. */
 using TrustedPicture = FunctionRef<Result<std::vector<uint8_t>>(const FillScene&)>;
 
-/** Sets the fill that the self-test found best on this renderer's device; runs the test when nothing remembers it. cacheFolder: UTF-8,
- * empty: none. Code::Device when the device draws wrong pixels both ways (remembered in the process, never in the folder: a driver may be
- * mended). An unreadable or damaged file in the folder is the same as none and is replaced. Any thread; one test runs at a time. */
+/** Sets the fill that the self-test found best on this renderer's device, and runs the test if no result is remembered. cacheFolder:
+ *  UTF-8; empty: none. Code::Device when the device draws wrong pixels with both fills; that result is remembered in the process
+ *  only, because a driver update may fix it. An unreadable or damaged file counts as missing and is replaced. Any thread; one test
+ *  runs at a time. */
 Status setBestFill(Renderer& renderer, const std::string& cacheFolder, TrustedPicture trusted);
 
 }  // namespace dpl

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Recorded frames. A scene set (subjects that are drawn together) has its lists on the device; for each shape that it is drawn in, a frame
-// is recorded once for every slot, and replayed from then on.
+// Recorded frames. A scene set (subjects that are drawn together) has its lists on the device. For each shape it is drawn in, a frame
+// is recorded once for every slot and then replayed.
 //
 //   SceneSet ─► RecordedFrame (one for each shape) ─► FrameSlot (kFramesInFlight of each): own upload and read-back buffers
 //
@@ -22,7 +22,7 @@
 
 namespace dpl {
 
-/** Everything about a draw that needs other buffers, another target or other steps. */
+/** Properties of a draw that need other buffers, another target or other steps. */
 struct FrameShape {
     uint32_t widthPx = 0, heightPx = 0, views = 0;
     bool depth = false, meshDepth = false, sceneDepth = false;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What comes back from the device: pixels, for files and tests, and what frames drew and cost. One of the consumers of recorded frames; a
-// program that never reads pays for none of it.
+// Reads back from the device: pixels, for files and tests, and what frames drew and cost. A program that never reads allocates nothing
+// for it.
 #pragma once
 
 #include <map>

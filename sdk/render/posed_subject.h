@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a pose and the views make of each subject of a frame: values that are computed once and then only read.
+// What the pose and the views give for each subject of a frame. Computed once for each draw, then only read.
 //
 //   pose, joints ─► joint transforms ─► level of detail (of all subjects together) ─► components out of view
 //   pose ─► coefficients of the pose correctives ─► control nodes

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is done otherwise on one driver, and why. Every such case is a row of vk_quirks.cpp and nowhere else.
+// Work-arounds for single drivers, with reasons. Every work-around is a row of vk_quirks.cpp and nowhere else.
 #pragma once
 
 #include <span>

@@ -6,7 +6,7 @@
 
 namespace dpl {
 
-/** The chunks of splats that projection and colour have to look at. */
+/** Finds the groups of splats that projection and colour have to read. */
 void addChunks(FramePlan& plan, const FrameIds& ids);
 
 }  // namespace dpl

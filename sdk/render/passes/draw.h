@@ -6,7 +6,7 @@
 
 namespace dpl {
 
-/** What draws a frame of this shape with so many samples a pixel. */
+/** Pipeline that draws a frame of this shape at this number of samples. */
 DrawPipelineDesc drawPipelineOf(const FrameIds& ids, uint32_t samples);
 
 /** One indirect draw of all survivors into every view. Where tiles have filled the frame it has no instance and only clears the target. */

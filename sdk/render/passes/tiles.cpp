@@ -9,8 +9,8 @@
 namespace dpl {
 namespace {
 
-// What the lists hold, from both ends: small splats touch a few tiles each, and however large splats are, so many deep is a tile on
-// average. The latter is counted in 64 pixels, a tile of one sample, so that a frame takes the same memory with smaller tiles.
+// Capacity of the lists. It allows a few tiles for each splat, for small splats, plus a mean depth of splats for each tile, for large
+// ones. The latter is counted for each 64 pixels, a tile at one sample, so that smaller tiles take no more memory.
 constexpr uint64_t kSpansPerSplat = 3, kSpansPer64Px = 48, kEntriesPerSplat = 4, kEntriesPer64Px = 128;
 
 constexpr uint32_t kTableHead = 2;  // of the places: how many splats and runs there are

@@ -8,10 +8,10 @@
 
 namespace dpl {
 
-/** A column of a tile takes α from the end that lies nearer to its peak, by factors (fill.comp). With conic C ≤ 1/κ, 3.5 px to the peak at
- * most and α ≥ 1/255 there, the exponent at that end is at most ½ 3.5²/κ + ln 255 = 86, what a float holds; with a weaker low-pass it would
- * underflow where a neighbour still shows. With four samples C is up to four times that and the peak 1.5 px away: 65. Trained avatars have
- * κ = 1/12. */
+/** Weakest low-pass that the tile kernel can draw. It computes α at the end of a column nearer to the peak and steps from there by
+ *  factors (fill.comp). With conic C ≤ 1/κ, at most 3.5 px to the peak and α ≥ 1/255 there, the exponent at that end is at most ½
+ *  3.5²/κ + ln 255 = 86, which a float can hold; a weaker low-pass would underflow although a neighbouring pixel still shows the
+ *  splat. With four samples C is up to four times larger and the peak 1.5 px away: 65. Trained avatars have κ = 1/12. */
 constexpr float kTileMinKappaPx2 = 0.076f;
 
 /** What the lists of compute tiles take, all of it before the first frame. Rows of tiles are counted over all views. */
@@ -21,15 +21,15 @@ struct TilePlan {
     uint32_t rows() const { return push.viewCount * push.rows; }
 };
 
-/** None when the tables of this many splats and pixels do not fit the device. Lists that turn out too small in a frame leave that frame to
- * the quads. */
+/** Empty when the tables for this many splats and pixels do not fit the device. If a list overflows in a frame, the quads draw that
+ *  frame. */
 std::optional<TilePlan> planTiles(const FrameIds& ids, const DeviceInfo& device);
 
 /** The kernel that fills such frames at this many samples a pixel. */
 std::string tileFillOf(const FrameIds& ids, uint32_t samples);
 
-/** Sorted survivors to the tiles' lists, near first in each, and these to ids.tilePixels: RGBA8 of all views, then the depth sums. Sets the
- * draw's arguments to nothing unless a list was too small: then the pixels are in the target. */
+/** Turns sorted survivors into the lists of tiles, nearest first in each, and these into ids.tilePixels: RGBA8 of all views, then
+ *  the depth sums. Sets the instance count of the draw to 0, unless a list was too small: then the quads draw into the target. */
 void addTiles(FramePlan& plan, const FrameIds& ids, const TilePlan& tiles);
 
 }  // namespace dpl

@@ -6,7 +6,7 @@
 
 namespace dpl {
 
-/** Posed vertices to one frame a triangle. */
+/** Turns posed vertices into one frame for each triangle. */
 void addTriangles(FramePlan& plan, const FrameIds& ids);
 
 }  // namespace dpl

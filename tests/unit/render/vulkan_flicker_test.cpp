@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A slowly turning camera: what a picture does from frame to frame beyond moving smoothly is flicker. The referee has some of its own
-// (splats swap their order, pixels are bytes); a renderer may add little to it.
+// A slowly turning camera. Flicker is what changes from frame to frame beyond smooth motion. The referee itself flickers a little
+// (splats swap order, pixels are bytes); a renderer may add little to it.
 #include "tests/unit/render/vulkan_image.h"
 
 namespace dpl {

@@ -14,7 +14,8 @@
 
 namespace dpl {
 
-// 16-bit blending leaves the 16-bit depth key (equal keys fall back to splat order) and the 1/255 cut-off: ≥ 50 dB asked for.
+// With 16-bit blending, the remaining errors are the 16-bit depth key (equal keys fall back to splat order) and the 1/255 cut-off: at
+// least 50 dB.
 constexpr double kMinPsnrDb = 50;
 // 8-bit blending rounds once a layer, and tails below half a level vanish: up to 5 levels where a close-up stacks many faint layers.
 constexpr double kMinBytePsnrDb = 46;

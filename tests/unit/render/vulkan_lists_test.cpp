@@ -23,8 +23,9 @@ Cameraf randomView(std::mt19937& random, float middle) {
     return c;
 }
 
-// Culling only leaves out what no view shows: the same bytes with and without any tier of it, and the referee's picture. (Tiles look every
-// four splats whether a pixel is done, and splats that add nothing move these places: one level.)
+// Culling removes only what no view shows: the bytes are the same with and without each tier of culling, and the picture equals the
+// referee's. Tiles may differ by one level: they test every four splats whether a pixel is done, and splats that add nothing shift
+// those tests.
 TEST_P(VulkanImage, cullingLosesNoVisibleSplat) {
     VulkanTestOptions options = withPreciseBlendingOfAnyWidth(), without = withPreciseBlendingOfAnyWidth();
     without.cull = false;
@@ -87,8 +88,7 @@ TEST_P(VulkanImage, cullingLosesNoVisibleSplat) {
     EXPECT_LT(drawn, drawnOfAll * 9 / 10);
 }
 
-// A component that no view shows is not posed. Whoever looks back sees it in the pose of that frame, and nothing of an old one is ever
-// seen.
+// A component that no view shows is not posed. When it comes into view again it has the pose of that frame.
 TEST_P(VulkanImage, whatIsOutOfViewIsNotPosedAndComesBack) {
     const VulkanTestOptions options = withPreciseBlendingOfAnyWidth();
     VulkanTestOptions without = options;

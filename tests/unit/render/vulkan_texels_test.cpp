@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Typed buffers, and lanes that fetch for each other, are other ways to fetch, not other pictures.
+// Kernels with typed buffers, and with lanes that fetch for each other, draw the same pictures.
 #include "sdk/backend/vulkan/vulkan_backend.h"
 #include "tests/reference/random_avatar.h"
 #include "tests/unit/render/vulkan_image.h"
