@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/** mesh.extras.doppelBody of our own files. readSkinnedGltf has already checked the container and the JSON's size and depth. */
+/** mesh.extras.doppelBody of a file from encodeBody(). readSkinnedGltf has already checked the container and the JSON's size and depth. */
 std::optional<Json> findExtras(std::span<const uint8_t> bytes) {
     uint32_t jsonBytes = 0;
     if (bytes.size() < 20) return std::nullopt;
@@ -58,7 +58,7 @@ std::string text(const Json& object, const char* key) {
     return it != object.end() && it->is_string() ? it->get<std::string>() : std::string();
 }
 
-/** Puts what our extras say over the plain reading. False when they do not fit the mesh (somebody edited the file). */
+/** Replaces imported values by those in the extras. False when the extras do not match the mesh, as after an edit of the file. */
 bool applyExtras(const Json& extras, BodyModel& body) {
     const auto list = [&](const char* key) {
         const auto it = extras.find(key);
@@ -104,8 +104,8 @@ bool applyExtras(const Json& extras, BodyModel& body) {
     return true;
 }
 
-/** Joints under one root, in the skin's own order where parents come first there (our files), else in the order of the node tree; and for
- *  each glTF joint its place. */
+/** The joints under one root, parents first, and the new index of each glTF joint. The skin's order is kept when it already has parents
+ *  first, as in files from encodeBody(); otherwise the order is that of the node tree. */
 Status readJoints(const SkinnedGltf& gltf, std::span<const Mat4f> sceneFromNode, BodyModel& body, std::vector<uint32_t>& jointOfGltfJoint) {
     std::vector<bool> isJoint(gltf.nodes.size(), false);
     std::vector<uint32_t> order;
@@ -113,7 +113,7 @@ Status readJoints(const SkinnedGltf& gltf, std::span<const Mat4f> sceneFromNode,
         if (!isJoint[j.node]) order.push_back(j.node);
         isJoint[j.node] = true;
     }
-    std::vector<int32_t> parentNode(gltf.nodes.size(), -1);  // the nearest joint above
+    std::vector<int32_t> parentNode(gltf.nodes.size(), -1);  // nearest ancestor that is a joint
     for (uint32_t n : order) {
         int32_t up = gltf.nodes[n].parent;
         while (up >= 0 && !isJoint[size_t(up)]) up = gltf.nodes[size_t(up)].parent;
@@ -124,7 +124,7 @@ Status readJoints(const SkinnedGltf& gltf, std::span<const Mat4f> sceneFromNode,
     const bool parentsFirst =
         std::all_of(order.begin(), order.end(), [&](uint32_t n) { return parentNode[n] < 0 || place[size_t(parentNode[n])] < place[n]; });
     if (!parentsFirst) {
-        std::sort(order.begin(), order.end());  // nodes come parents first
+        std::sort(order.begin(), order.end());  // ascending node index: parents come first
         for (uint32_t i = 0; i < order.size(); ++i) place[order[i]] = int32_t(i);
     }
     for (uint32_t n : order) {
@@ -147,8 +147,8 @@ Result<BodyModel> decodeBody(std::span<const uint8_t> bytes, std::string_view na
     std::vector<uint32_t> jointOfGltfJoint;
     DPL_CHECK_OK(readJoints(gltf, sceneFromNode, body, jointOfGltfJoint));
 
-    // Vertices are taken where the skin puts them at the node tree's rest pose: Σ w · sceneFromNode · jointFromMesh · v. For our own
-    // files that is the identity up to rounding, so those positions are kept as stored.
+    // A vertex is placed by the skin at the node tree's rest pose: Σ w · sceneFromNode · jointFromMesh · v. In files from encodeBody() this
+    // is the identity up to rounding, so their positions are kept as stored.
     const std::optional<Json> extras = findExtras(bytes);
     std::vector<Mat4f> sceneFromMesh;
     for (const SkinnedGltf::Joint& j : gltf.joints) sceneFromMesh.push_back(sceneFromNode[j.node] * j.jointFromMesh);
@@ -202,7 +202,7 @@ Result<BodyModel> decodeBody(std::span<const uint8_t> bytes, std::string_view na
     } else {
         assignHumanoidBones(body.joints);
         body.keypoints = deriveKeypoints(body);
-        body = withBoneMorphs(std::move(body));  // its own morphs do not move joints
+        body = withBoneMorphs(std::move(body));  // glTF morphs do not move joints
     }
     DPL_CHECK_OK(checkBody(body));
     return body;

@@ -31,7 +31,7 @@ public:
         accessors.push_back(accessor);
         return int(accessors.size()) - 1;
     }
-    /** Positions and morph offsets carry their bounds. */
+    /** glTF requires min and max for positions and morph offsets. */
     int addVec3(std::span<const Vec3f> values) {
         const int index = add(values, kFloat, "VEC3", false, kArrayBuffer);
         Vec3f low(std::numeric_limits<float>::infinity()), high = -low;
@@ -72,7 +72,7 @@ Json bodyExtras(const BodyModel& body) {
                           {"vertexCount", l.vertexCount},
                           {"firstTriangle", l.firstTriangle},
                           {"triangleCount", l.triangleCount}});
-    Json positions = Json::array();  // exact: node translations are differences and would round
+    Json positions = Json::array();  // exact values: node translations are differences and would round
     for (const JointData& j : body.joints) {
         humanoid.push_back(j.humanoidBone);
         positions.push_back({j.restPosition.x, j.restPosition.y, j.restPosition.z});

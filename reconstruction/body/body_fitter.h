@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The solver of fit_body.h: its state and its steps. Private to reconstruction/body; still frames in fit_body.cpp, moving ones in
-// fit_moving.cpp.
+// The solver behind fitBody(). Private to reconstruction/body. fit_body.cpp fits the still frames, fit_moving.cpp the moving ones.
 #pragma once
 
 #include <ceres/problem.h>
@@ -14,9 +13,9 @@
 
 namespace dpl {
 
-constexpr double kLooseOutliers = 40;  // Geman–McClure scale while poses are still coarse, σ
+constexpr double kLooseOutliers = 40;  // Geman–McClure scale in σ for the first solves, whose poses are still coarse
 
-/** The numbers of one frame. Still frames use only `sway`, on top of the shared still pose. */
+/** The unknowns of one frame. A moving frame uses `root` and `pose`; a still frame only `sway`, added to the shared still pose. */
 struct FrameState {
     Mat3d rootReference{1};
     double root[kRootSize] = {};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// BodyModel <-> glTF 2.0 binary. Ours: one skinned primitive with morph targets, and in mesh.extras.doppelBody what glTF has no place
-// for (joint offsets and ranges of morphs, keypoints, layers). A plain rigged glTF is a valid body too.
+// Reads and writes a BodyModel as binary glTF 2.0 (.glb). A body written here is one skinned primitive with morph targets. Data without
+// a glTF field (the morphs' joint offsets and ranges, keypoints, layers) is stored in mesh.extras.doppelBody. Any skinned .glb can be read.
 #pragma once
 
 #include <filesystem>
@@ -13,17 +13,18 @@
 
 namespace dpl {
 
-/** Encodes a body that passes checkBody. Deterministic. Any stock viewer shows it with its morphs as sliders (skin deformation only:
- *  glTF morphs do not move joints). */
+/** Encodes a body that passes checkBody. Deterministic. A stock glTF viewer shows the morphs as sliders that move the skin only, because
+ *  glTF morphs do not move joints. */
 Result<std::vector<uint8_t>> encodeBody(const BodyModel& body);
 
-/** Decodes our own bodies exactly (values as stored), and any skinned .glb: rest rotations and scales are folded into the mesh so that
- *  every joint frame is parallel to the world, skinned primitives become layers, morph joint offsets are zero, bone length morphs are
- * added, humanoid bones and keypoints come from joint names. `name` is used when the file has none, and in messages. Unsupported with a
- * clear sentence when the mesh has no skin weights; CorruptData for damaged bytes. */
+/** Decodes a body from encodeBody() exactly, or imports any other skinned .glb. The import folds rest rotations and scales into the mesh,
+ *  so that every joint frame is parallel to the world. It turns each skinned primitive into a layer, sets the morphs' joint offsets to
+ *  zero, adds the bone length morphs, and finds humanoid bones and keypoints by joint names.
+ *  `name` appears in messages and names the body when the file does not. Errors: Unsupported when the mesh has no skin weights,
+ *  CorruptData when the bytes are damaged. */
 Result<BodyModel> decodeBody(std::span<const uint8_t> bytes, std::string_view name);
 
-/** The same from and to files; writing goes to a temporary name first. Messages name the file. */
+/** The same for files. writeBody writes a temporary file and renames it. Errors name the file. */
 Result<BodyModel> readBody(const std::filesystem::path& path);
 Status writeBody(const BodyModel& body, const std::filesystem::path& path);
 

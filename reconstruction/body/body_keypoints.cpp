@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The 24 keypoints on any humanoid body: joints by humanoid bone, the face from the shape of the head's vertices.
+// The 24 keypoints of a humanoid body: body points at humanoid bones, face points from the head's vertices.
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -16,7 +16,7 @@ constexpr std::array<std::string_view, 24> kScanKeypoints = {"nose",       "eye_
 
 struct JointKeypoint {
     std::string_view keypoint;
-    std::array<std::string_view, 2> bones;  // the first that the body has
+    std::array<std::string_view, 2> bones;  // candidates; the first that the body has is used
 };
 constexpr std::array<JointKeypoint, 21> kJointKeypoints = {{
     {"eye_l", {"leftEye", ""}},
@@ -42,7 +42,7 @@ constexpr std::array<JointKeypoint, 21> kJointKeypoints = {{
     {"head_top", {"", ""}},  // from the head's vertices below
 }};
 
-/** Vertices that hang on the head joint (or a joint below it) by more than half. */
+/** Vertices with more than half of their skin weight on the head joint or its descendants. */
 std::vector<uint32_t> headVertices(const BodyModel& body, int32_t head) {
     std::vector<bool> below(body.joints.size(), false);
     for (size_t j = 0; j < body.joints.size(); ++j)

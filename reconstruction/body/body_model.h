@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A parametric body: a rigged mesh with shape morphs and named keypoints. Made from glTF, MakeHuman, SMPL-X or the built-in subject.
+// A parametric body: a rigged mesh with shape morphs and named keypoints. The importers and the built-in subject produce it.
 #pragma once
 
 #include <string>
@@ -9,17 +9,17 @@
 
 namespace dpl {
 
-/** One shape direction; value 0 is the mean body, ±1 about a standard deviation unless min/max say otherwise. */
+/** One shape direction. Value 0 is the mean body; ±1 is about one standard deviation of the population. */
 struct ShapeMorph {
     std::string name;  // "height", "weight", "build" ...
     float minValue = -3, maxValue = 3;
-    std::vector<Vec3f> vertexOffsets;  // V, metres at value 1
-    std::vector<Vec3f> jointOffsets;   // J, metres at value 1
+    std::vector<Vec3f> vertexOffsets;  // one per vertex, metres at value 1
+    std::vector<Vec3f> jointOffsets;   // one per joint, metres at value 1
 };
 
 /** A named 3D point on the body: a weighted sum of skinned vertices and posed joints (weights sum to 1). */
 struct BodyKeypoint {
-    std::string name;  // names of reconstruction/capture/scan.h: "nose", "shoulder_l" ...
+    std::string name;  // one of scanKeypointNames(): "nose", "shoulder_l" ...
     std::vector<std::pair<uint32_t, float>> vertices;
     std::vector<std::pair<uint32_t, float>> joints;
 };

@@ -43,7 +43,7 @@ Status checkBody(const BodyModel& body) {
         int sum = 0;
         for (int i = 0; i < 4; ++i) {
             sum += mesh.jointWeights[v][i];
-            if (mesh.jointIndices[v][i] >= joints)  // keypoints read slots of weight 0 too
+            if (mesh.jointIndices[v][i] >= joints)  // checked for weight 0 too: keypoints read these indices
                 return refuse(formatText("vertex {} names joint {}; the rig has {}", v, mesh.jointIndices[v][i], joints));
         }
         if (sum != 255) return refuse(formatText("the weights of vertex {} sum to {}, not 255", v, sum));
@@ -111,7 +111,8 @@ std::vector<std::pair<uint32_t, float>> anchorPoint(const MeshData& mesh, std::s
         rows.push_back(a);
         gram += glm::outerProduct(a, a);
     }
-    for (int i = 0; i < 4; ++i) gram[i][i] += 1e-6 * double(nearest.size());  // flat neighbourhoods: stay bounded, give up exactness
+    for (int i = 0; i < 4; ++i)
+        gram[i][i] += 1e-6 * double(nearest.size());  // keeps the weights bounded on flat neighbourhoods, at the cost of exactness
     const Vec4d solution = glm::inverse(gram) * Vec4d(1, 0, 0, 0);
     std::vector<std::pair<uint32_t, float>> weights;
     double sum = 0;

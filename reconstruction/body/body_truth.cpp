@@ -14,7 +14,7 @@
 namespace dpl {
 namespace {
 
-/** The 12 limb bones by their end keypoints. */
+/** The 12 limb bones as pairs of keypoints. */
 constexpr std::array<std::array<const char*, 2>, 12> kLimbs = {{{"shoulder_l", "elbow_l"},
                                                                 {"elbow_l", "wrist_l"},
                                                                 {"wrist_l", "knuckle_l"},
@@ -71,7 +71,7 @@ Result<nlohmann::json> readTruth(const std::filesystem::path& path) {
     return truth;
 }
 
-/** Three numbers of a z-up file in the y-up world. */
+/** A point of a z-up file, converted to the y-up world. */
 Vec3d upright(const nlohmann::json& p) {
     return {p.at(0).get<double>(), p.at(2).get<double>(), -p.at(1).get<double>()};
 }
@@ -93,7 +93,7 @@ Result<TruthComparison> compareWithTruth(const std::filesystem::path& scanRoot, 
         const ScanFrame& frame = scan.frames[f];
         const auto found = byName.find(frame.name);
         if (found == byName.end() || found->second->size() != scan.keypointNames.size()) continue;
-        std::map<std::string, std::pair<Vec3d, Vec3d>> pairs;  // fitted, true
+        std::map<std::string, std::pair<Vec3d, Vec3d>> pairs;  // name -> (fitted, true)
         const auto fitted = posedKeypoints(shaped, fit.poses[f], scan.keypointNames);
         for (size_t k = 0; k < fitted.size(); ++k) {
             const auto& p = (*found->second)[k];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measuring only: how far a body fit is from the ground truth of a synthetic scan. Nothing in the fit includes this;
-// a test hides every truth file and gets the same avatar.
+// Measures how far a body fit is from the ground truth of a synthetic scan. The fit never includes this file; a test hides every truth
+// file and checks that the avatar stays the same.
 #pragma once
 
 #include <filesystem>
@@ -22,9 +22,9 @@ struct KeypointTruth {
 };
 
 struct TruthComparison {
-    ErrorSpread keypointsMm;  // dynamic Test frames, every keypoint
+    ErrorSpread keypointsMm;  // every keypoint of the dynamic Test frames
     std::vector<KeypointTruth> byKeypoint;
-    ErrorSpread limbDegrees;                          // dynamic Test frames, directions of the 12 limb bones
+    ErrorSpread limbDegrees;                          // direction errors of the 12 limb bones, dynamic Test frames
     ErrorSpread trainKeypointsMm, staticKeypointsMm;  // dynamic Train frames; static full-body frames of both splits
 };
 
@@ -32,12 +32,12 @@ struct TruthComparison {
 Result<TruthComparison> compareWithTruth(const std::filesystem::path& scanRoot, const Scan& scan, const BodyModel& body,
                                          const BodyFit& fit);
 
-/** World places of a body's keypoints at a pose, in the order of `names`; the mean of the body for a name it lacks is not made up:
- *  `present` is false there. Metres. */
+/** One keypoint of a posed body. */
 struct PosedKeypoint {
-    Vec3d place{0};
-    bool present = false;
+    Vec3d place{0};        // world, metres
+    bool present = false;  // false: the body has no keypoint of this name
 };
+/** The keypoints of a body at a pose, one per entry of `names`. */
 std::vector<PosedKeypoint> posedKeypoints(const BodyModel& shapedBody, const Pose& pose, const std::vector<std::string>& names);
 
 }  // namespace dpl

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bone lengths as shape morphs, for bodies whose own morphs say little about them. A stretch moves every joint below the bone, and the
-// skin along the bone in proportion, so joints stay where they were inside the limb.
+// Bone lengths as shape morphs, for bodies whose own morphs hardly change them. A stretch moves every joint below the bone, and moves the
+// skin along the bone in proportion, so that joints keep their place inside the limb.
 #include <algorithm>
 #include <array>
 
@@ -9,11 +9,11 @@
 namespace dpl {
 namespace {
 
-constexpr float kStretch = 0.04f;  // of the bone's length at value 1: about a standard deviation between adults of one height
+constexpr float kStretch = 0.04f;  // share of the bone's length at value 1: about one standard deviation among adults of equal height
 
 struct Stretch {
     const char* name;
-    std::array<std::array<const char*, 2>, 2> bones;  // from, to; both sides together
+    std::array<std::array<const char*, 2>, 2> bones;  // (from, to) of the left and the right side
 };
 constexpr Stretch kStretches[] = {{"bone_upper_arm", {{{"leftUpperArm", "leftLowerArm"}, {"rightUpperArm", "rightLowerArm"}}}},
                                   {"bone_lower_arm", {{{"leftLowerArm", "leftHand"}, {"rightLowerArm", "rightHand"}}}},
@@ -32,7 +32,7 @@ void addStretch(const BodyModel& body, int32_t from, int32_t to, ShapeMorph& mor
     const float length2 = glm::dot(bone, bone);
     if (!(length2 > 1e-8f)) return;
     const auto along = [&](const Vec3f& p) { return std::clamp(glm::dot(p - start, bone) / length2, 0.0f, 1.0f); };
-    std::vector<bool> inside(body.joints.size(), false);  // from … the joint above `to`: their skin lies along the bone
+    std::vector<bool> inside(body.joints.size(), false);  // joints from `from` to the parent of `to`: their skin lies along the bone
     for (int32_t j = body.joints[size_t(to)].parent; j >= 0; j = body.joints[size_t(j)].parent) {
         inside[size_t(j)] = true;
         if (j == from) break;
@@ -47,7 +47,7 @@ void addStretch(const BodyModel& body, int32_t from, int32_t to, ShapeMorph& mor
                        : share[size_t(parent)] > 0 || parent == from || inside[size_t(parent)] ? along(body.joints[j].restPosition)
                                                                                                : 0.0f;
         else if (inside[size_t(parent)] && parent != from)
-            share[j] = along(body.joints[j].restPosition);  // a branch off the middle of the bone: the collars
+            share[j] = along(body.joints[j].restPosition);  // joints that branch off along the bone, such as the collars
         else
             share[j] = share[size_t(parent)];
         morph.jointOffsets[j] += kStretch * share[j] * bone;
@@ -77,7 +77,7 @@ BodyModel withBoneMorphs(BodyModel body) {
             found = true;
         }
         if (!found) continue;
-        if (const int32_t foot = findHumanoid(body, "leftFoot"); foot >= 0) {  // feet stay on the floor
+        if (const int32_t foot = findHumanoid(body, "leftFoot"); foot >= 0) {  // keep the feet on the floor
             const float lift = morph.jointOffsets[size_t(foot)].y;
             for (Vec3f& o : morph.jointOffsets) o.y -= lift;
             for (Vec3f& o : morph.vertexOffsets) o.y -= lift;

@@ -14,15 +14,15 @@
 namespace dpl {
 namespace {
 
-constexpr size_t kMinKeypoints = 6;    // fewer seen keypoints in a frame: its pose is not fitted
-constexpr size_t kMinStillFrames = 3;  // with fewer, shape is solved with the moving frames
+constexpr size_t kMinKeypoints = 6;    // a frame with fewer seen keypoints is not fitted
+constexpr size_t kMinStillFrames = 3;  // with fewer still frames, the shape is solved with the moving frames
 constexpr double kSwayTurnRad = 0.01, kSwayM = 0.01;
 constexpr size_t kMaxMasks = 18, kSkinSamples = 900, kMinOutline = 20;
 constexpr uint32_t kMaskSidePx = 512;
 constexpr int kMaskRounds = 2;
-constexpr double kConfident = 0.7;  // keypoints counted in residual reports
+constexpr double kConfident = 0.7;  // minimum confidence of keypoints in KindResidual
 
-/** Reports steps and stops the solver when the caller says so. */
+/** Reports progress after each solver step and stops the solver when the caller cancels. */
 class Watcher final : public ceres::IterationCallback {
 public:
     Watcher(const BodyFitSettings& settings, const char* what, int maxSteps, double from, double to)
@@ -67,14 +67,14 @@ std::vector<size_t> BodyFitter::movingInTime(bool trainOnly) const {
 Status BodyFitter::solve(ceres::Problem& problem, const char* what, int maxSteps, double from, double to) {
     Watcher watcher(settings_, what, maxSteps, from, to);
     ceres::Solver::Options options;
-    options.num_threads = 1;  // results feed on: the same bytes on every machine
+    options.num_threads = 1;  // equal bytes on every machine
     options.max_num_iterations = maxSteps;
-    options.function_tolerance = 1e-6;  // of the cost; keypoint noise is far above what later steps gain
+    options.function_tolerance = 1e-6;  // relative change of the cost; later steps gain far less than the keypoint noise
     options.logging_type = ceres::SILENT;
     options.callbacks.push_back(&watcher);
     options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
     if (ceres::IsSparseLinearAlgebraLibraryTypeAvailable(ceres::EIGEN_SPARSE))
-        options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;  // no BLAS threads
+        options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;  // a BLAS backend would start threads
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem, &summary);
     solves_.push_back({what, std::string(ceres::TerminationTypeToString(summary.termination_type)) + ": " + summary.message,
@@ -122,7 +122,7 @@ Status BodyFitter::start() {
     std::vector<KeypointView> views;
     std::vector<size_t> chosen = select(FrameKind::StaticFull, Split::Train);
     shapeFromMoving_ = chosen.size() < kMinStillFrames;
-    if (shapeFromMoving_) {  // no still orbit: the torso moves little enough between moving frames for a first guess
+    if (shapeFromMoving_) {  // no still frames: triangulate over moving ones; the torso moves little enough for a start
         const auto moving = movingInTime(true);
         chosen.insert(chosen.end(), moving.begin(), moving.end());
     }
@@ -144,7 +144,7 @@ Status BodyFitter::start() {
 Status BodyFitter::fitStill(double from, double to) {
     const std::vector<size_t> frames = select(FrameKind::StaticFull, Split::Train);
     if (frames.empty()) return {};
-    for (int round = 0; round < 3; ++round) {  // root alone, then the mean body's pose, then everything
+    for (int round = 0; round < 3; ++round) {  // root only; then pose; then pose and shape
         context_.outlierSigmas = round < 2 ? kLooseOutliers : settings_.outlierSigmas;
         ceres::Problem problem;
         for (size_t f : frames) addFrame(problem, f);
@@ -161,18 +161,18 @@ Status BodyFitter::fitStill(double from, double to) {
     return {};
 }
 
-/** Shape again, now with the outline in the masks: weight and build show there, not in joints. */
+/** Refines the shape with the masks' outlines, because weight and build show there and not in the joints. */
 Status BodyFitter::refineShape(double from, double to) {
     const std::vector<size_t> frames = select(FrameKind::StaticFull, Split::Train);
     if (!settings_.useMasks || frames.size() < kMinStillFrames || shape_.empty()) return {};
     std::vector<size_t> masked;
     std::vector<MaskDistance> masks;
-    masks.reserve(kMaxMasks);  // costs keep references
+    masks.reserve(kMaxMasks);  // costs keep references: the vector must not reallocate
     const size_t stride = (frames.size() + kMaxMasks - 1) / kMaxMasks;
     for (size_t i = 0; i < frames.size(); i += stride) {
         if (scan_.frames[frames[i]].maskPath.empty()) continue;
         const auto image = readFrameMask(scan_.frames[frames[i]]);
-        if (!image) continue;  // a missing or empty mask costs evidence, not the fit; the scan check has named it
+        if (!image) continue;  // a missing or empty mask is skipped; the ingest check reports it
         auto distance = maskDistance(*image, kMaskSidePx);
         if (!distance) continue;
         masked.push_back(frames[i]);
@@ -203,8 +203,8 @@ Status BodyFitter::refineShape(double from, double to) {
     return {};
 }
 
-/** Still frames that had no say in shape and pose add their own sway. Held-out frames are solved apart from train close-ups: even an
- *  independent frame in the same problem would change when the solver stops. */
+/** Fits the sway of still frames that were not part of the shape and pose solve. Held-out frames are solved apart from train close-ups,
+ *  because even an independent frame in the same problem would change when the solver stops. */
 Status BodyFitter::fitTest(double from, double to) {
     context_.outlierSigmas = settings_.outlierSigmas;
     context_.footSigmaScale = 1;
@@ -246,7 +246,7 @@ Pose BodyFitter::poseOf(const FrameState& s) const {
     return pose;
 }
 
-/** A moving frame without keypoints of its own lies between its neighbours in time; a train frame only between train frames. */
+/** Interpolates a moving frame without keypoints between its neighbours in time; for a train frame only train frames count. */
 void BodyFitter::interpolate(size_t f, BodyFit& fit) const {
     const double t = scan_.frames[f].timeS;
     std::optional<size_t> before, after;

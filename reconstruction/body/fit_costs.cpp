@@ -10,9 +10,9 @@
 namespace dpl {
 namespace {
 
-constexpr double kMinDepthM = 0.05;      // keypoints nearer than this to the eye say nothing
-constexpr double kRangeSigmaRad = 0.03;  // how hard the end of a joint's range is
-constexpr double kMorphWallSigma = 0.1;  // how hard the end of a morph's range is
+constexpr double kMinDepthM = 0.05;      // keypoints nearer to the camera are ignored
+constexpr double kRangeSigmaRad = 0.03;  // σ of the part beyond a joint's range
+constexpr double kMorphWallSigma = 0.1;  // σ of the part beyond a morph's range, in morph values
 
 struct RootSmoothness {
     Mat3d reference[3];

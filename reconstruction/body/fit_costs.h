@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The residuals of the body fit. Only fit_*.cpp include this: Ceres stays out of public headers.
+// The residuals of the body fit. Private to reconstruction/body, so that no public header includes Ceres. "Block" means a Ceres parameter
+// block; each class lists its blocks in order.
 #pragma once
 
 #include <ceres/cost_function.h>
@@ -13,22 +14,22 @@
 
 namespace dpl {
 
-/** Which pose parameters sway: their places in the sway block after its six root values. */
+/** Layout of a sway block: six root values, then three values for each joint that sways. */
 struct SwayLayout {
-    std::vector<uint32_t> slots;  // index into KeypointChain::posedJoints
+    std::vector<uint32_t> slots;  // joints that sway, indices into KeypointChain::posedJoints()
     int size() const { return kRootSize + 3 * int(slots.size()); }
 };
 
-/** Shared by all residuals of one fit; changed only between solves. */
+/** Shared by all residuals of one fit, which keep references to it. Changed only between solves. */
 struct FitContext {
     const KeypointChain* chain = nullptr;
     SwayLayout sway;
     double outlierSigmas = 4;
-    double footSigmaScale = 1;  // widens FootRest while poses are still coarse; its saturated cost stays that of a final outlier
+    double footSigmaScale = 1;  // > 1 widens the σ of FootRest for coarse poses; its saturated cost stays the same
 };
 
-/** Two residuals a seen keypoint. Blocks: shape, log metres per unit, root, pose[, sway]. Geman–McClure inside: r·c/√(|r|²+c²), whose
- * square is ρ. */
+/** Two residuals per seen keypoint. Blocks: shape, log metres per unit, root, pose[, sway]. The Geman–McClure loss is applied inside: the
+ *  residual r·c/√(|r|²+c²) has the square ρ. */
 class ReprojectionCost final : public ceres::CostFunction {
 public:
     ReprojectionCost(const FitContext& context, const Camerad& camera, const Mat3d& rootReference, const std::vector<Keypoint>& keypoints,
@@ -45,7 +46,8 @@ private:
     bool withSway_;
 };
 
-/** Spread about `mean` (3 a joint) and range about the rest pose: 6 residuals a joint. Block: pose. */
+/** Six residuals per joint: three for the distance from `mean` (3 values per joint), three for the part beyond the joint's range.
+ *  Block: pose. */
 class PosePriorCost final : public ceres::CostFunction {
 public:
     PosePriorCost(std::vector<JointPrior> priors, std::vector<double> mean);
@@ -66,7 +68,7 @@ private:
     std::vector<double> mean_, sigma_;
 };
 
-/** Standard normal prior on morph values, and a steep wall outside [min, max]. Block: shape. */
+/** Standard normal prior on each morph value, and a steep cost outside [minValue, maxValue]. Block: shape. */
 class ShapePrior final : public ceres::CostFunction {
 public:
     explicit ShapePrior(const std::vector<ShapeMorph>& morphs);
@@ -76,7 +78,7 @@ private:
     std::vector<double> low_, high_;
 };
 
-/** Angular acceleration of every posed joint over three frames at times t0 < t1 < t2. Blocks: pose0, pose1, pose2. */
+/** Angular acceleration of every posed joint over frames at times t0 < t1 < t2, seconds. Blocks: pose0, pose1, pose2. */
 class PoseSmoothness final : public ceres::CostFunction {
 public:
     PoseSmoothness(std::vector<JointPrior> priors, double t0, double t1, double t2);
@@ -84,22 +86,22 @@ public:
 
 private:
     std::vector<JointPrior> priors_;
-    double weight_[3];  // of each pose in the acceleration
+    double weight_[3];  // coefficient of each pose in the acceleration, 1/s²
 };
 
-/** Acceleration of the root: turn (relative rotations, so any facing) and translation. Blocks: root0, root1, root2.
- *  `up`: the vertical, about which people turn faster than they tilt. */
+/** Angular and linear acceleration of the root. Relative rotations make it independent of the facing. People turn about `up`, the
+ *  vertical, faster than they tilt, so the two have separate σ. Blocks: root0, root1, root2. The caller owns the result. */
 ceres::CostFunction* makeRootSmoothness(const Mat3d (&references)[3], const Vec3d& up, double t0, double t1, double t2);
 
 constexpr double kTurnAccelerationRadS2 = 2.0, kTiltAccelerationRadS2 = 0.15, kRootAccelerationMS2 = 0.6;
 
-/** The pelvis stays about as upright as in the still pose: `bodyUp` (the root's own axis that points `up` there) against `up`. Block: root.
- */
+/** Keeps the pelvis about as upright as in the still pose. `bodyUp` is the axis of the root's frame that points along `up`, the vertical,
+ *  in the still pose. Block: root. The caller owns the result. */
 ceres::CostFunction* makeRootUpright(const Mat3d& reference, const Vec3d& bodyUp, const Vec3d& up);
 constexpr double kTiltRad = 0.04;
 
-/** Feet that stand do not slide: the moves of ankles and toes between two frames, Geman–McClure, so a swinging foot is let go.
- *  With a moving camera this is what fixes the body's depth. Blocks: shape, root0, pose0, root1, pose1. */
+/** Keeps a standing foot in place: penalises the motion of ankles and toes between two frames. The Geman–McClure loss releases a swinging
+ *  foot. This term fixes the body's depth when the camera moves. Blocks: shape, root0, pose0, root1, pose1. */
 class FootRest final : public ceres::CostFunction {
 public:
     FootRest(const FitContext& context, std::vector<size_t> keypoints, const Mat3d& reference0, const Mat3d& reference1, double sigmaM);

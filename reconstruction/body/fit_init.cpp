@@ -11,7 +11,7 @@
 namespace dpl {
 namespace {
 
-constexpr double kSeen = 0.25;  // confidence from which a keypoint helps to triangulate
+constexpr double kSeen = 0.25;  // minimum confidence of a keypoint for triangulation
 constexpr double kMinParallaxRad = 0.1;
 
 Mat3d rotationBetween(const Vec3d& from, const Vec3d& to) {
@@ -109,12 +109,12 @@ Result<FitStart> startFromPoints(const BodyModel& body, const KeypointChain& cha
     for (int c = 0; c < 3; ++c)
         for (int r = 0; r < 3; ++r) start.rootReference[c][r] = fitted(r, c) / scale;
     for (int r = 0; r < 3; ++r) shift[r] = fitted(r, 3) / scale;
-    // The root turns about its own rest place p: R p + t' = p + t.
+    // The chain rotates the root about its rest position p, hence R p + t' = p + t.
     const Vec3d p = chain.restPlace(0, meanShape.data());
     const Vec3d translation = start.rootReference * p + shift - p;
     for (int r = 0; r < 3; ++r) start.root[3 + r] = translation[r];
 
-    // Swing each limb bone to where the points say, parents first.
+    // Rotate each limb bone towards its triangulated points, parents first.
     struct Bone {
         const char *joint, *from, *to;
     };

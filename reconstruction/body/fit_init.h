@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the fit starts: keypoints triangulated over still frames, the body's torso laid onto them, limbs swung to meet them.
+// The start of the fit: triangulate keypoints, align the body's torso to them, then rotate each limb bone towards its points.
 #pragma once
 
 #include <optional>
@@ -16,18 +16,19 @@ struct KeypointView {
     const std::vector<Keypoint>* keypoints = nullptr;
 };
 
-/** 3D places of keypoints seen with confidence in two or more views, scan units; nothing for the others. Robust to a few wrong ones. */
+/** 3D positions, in scan units, of the keypoints that two or more views see with confidence; empty for the others. A few wrong detections
+ *  are tolerated. */
 std::vector<std::optional<Vec3d>> triangulateKeypoints(const std::vector<KeypointView>& views, size_t keypointCount);
 
 struct FitStart {
-    Mat3d rootReference{1};  // root turn, world
+    Mat3d rootReference{1};  // world rotation of the root
     double root[kRootSize] = {};
     std::vector<double> pose;  // 3 × posed joints
     double metresPerUnit = 1;
 };
 
-/** Lays the mean body onto triangulated keypoints. `metric` false solves the scale too. NotFound when the torso (shoulders, hips, neck,
- *  pelvis) has fewer than four points. */
+/** Aligns the mean body to triangulated keypoints. `metric` false: solves the scale as well. NotFound when fewer than four points of the
+ *  torso (shoulders, hips, neck, pelvis) are known. */
 Result<FitStart> startFromPoints(const BodyModel& body, const KeypointChain& chain, const std::vector<std::string>& keypointNames,
                                  const std::vector<std::optional<Vec3d>>& points, bool metric);
 

@@ -11,23 +11,23 @@
 namespace dpl {
 namespace {
 
-constexpr int kStates = 4;  // elbow near/far × wrist near/far
+constexpr int kStates = 4;  // elbow near or far × wrist near or far
 constexpr double kElbowAccelerationMS2 = 4, kWristAccelerationMS2 = 8;
-constexpr double kDepthNoiseM = 0.04;  // spread of a candidate's depth from keypoint noise
+constexpr double kDepthNoiseM = 0.04;  // standard deviation of a candidate's depth, caused by keypoint noise
 constexpr double kMaxGapS = 1.0;
 constexpr int kTwistSteps = 10;
 constexpr double kTwistStepRad = 0.15;
-constexpr double kSidewaysSigmaRad = 0.15, kHyperextensionSigmaRad = 0.15;  // an elbow's place is known to a few centimetres in depth
+constexpr double kSidewaysSigmaRad = 0.15, kHyperextensionSigmaRad = 0.15;  // loose: elbow depth is known to a few cm
 constexpr double kBackwardSigma = 0.1;
-constexpr double kRangeSigmaRad = 0.1;  // how hard the end of the shoulder's range is
+constexpr double kRangeSigmaRad = 0.1;  // σ of the part beyond the shoulder's range
 
 struct Candidate {
     LimbGuess guess;
-    double cost = 0;  // how unnatural the shoulder is
+    double cost = 0;  // shoulder and elbow priors, σ²
 };
 
-/** The two points on the pixel's ray at `length` from `from`; the nearest point of the ray, pulled to that length, when it passes further
- * away. */
+/** The two points of the pixel's ray at distance `length` from `from`. A ray that passes farther away gives its nearest point, moved to
+ *  that distance. */
 std::array<Vec3d, 2> onRay(const Camerad& camera, const Vec2d& px, const Vec3d& from, double length) {
     const Vec3d eye = camera.eye();
     const Vec3d direction = glm::normalize(glm::transpose(camera.viewFromWorldRotation) *
@@ -43,7 +43,7 @@ std::array<Vec3d, 2> onRay(const Camerad& camera, const Vec2d& px, const Vec3d& 
     return {eye + (-b - root) * direction, eye + (-b + root) * direction};
 }
 
-/** Squared deviation, Geman–McClure when there is a tail. */
+/** Cost of a deviation in σ: its square, or the Geman–McClure loss when `tail` is set. */
 double spread(double sigmas, double tail) {
     return tail > 0 ? sigmas * sigmas / (1 + sigmas * sigmas / (tail * tail)) : sigmas * sigmas;
 }
@@ -54,8 +54,8 @@ Candidate makeCandidate(const LimbRig& rig, const LimbView& view, const Vec3d& e
     const Vec3d upper = glm::normalize(toParent * (elbow - view.shoulder)), lower = glm::normalize(toParent * (wrist - elbow));
     const Vec3d cross = glm::cross(upper, lower);
     const double bend = std::atan2(glm::length(cross), glm::dot(upper, lower));
-    // Swing the rest direction onto the upper arm; then the shoulder may twist about it, and what the twist leaves of the bend is flexion
-    // (cosine), sideways bend or hyperextension. The cheapest of a few twists explains the arm.
+    // Rotate the rest direction onto the upper arm, then try several twists about it. The twist splits the elbow's bend into flexion
+    // (cosine; negative is hyperextension) and sideways bend (sine). The twist of least cost is kept.
     const Vec3d swingAxis = glm::cross(rig.upperDirection, upper);
     const double sine = glm::length(swingAxis);
     const Mat3d swing = sine > 1e-9 ? rotationOf(swingAxis * (std::atan2(sine, glm::dot(rig.upperDirection, upper)) / sine)) : Mat3d(1.0);
@@ -108,7 +108,7 @@ std::vector<std::optional<LimbGuess>> untangleLimb(const LimbRig& rig, const std
     }
     if (used.empty()) return guesses;
 
-    // best[i][s][t]: least cost up to frame i with states s at i−1 and t at i.
+    // best[i][s][t]: least cost up to frame i with state s at i−1 and state t at i.
     const size_t n = used.size();
     using Table = std::array<std::array<double, kStates>, kStates>;
     using Links = std::array<std::array<int, kStates>, kStates>;

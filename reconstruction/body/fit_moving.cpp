@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Moving frames of the body fit: a first guess by tracking, depth choices of arms and legs, all frames together, and the held-out ones
-// between them.
+// Moving frames of the body fit: track a first guess, choose the depth of arms and legs, solve all train frames together, and pose the
+// held-out frames between them.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,12 +12,12 @@
 namespace dpl {
 namespace {
 
-constexpr double kMaxGapS = 1.0;                              // moving frames further apart than this are not smoothed over
-constexpr double kFootSlideM = 0.0008, kFootSlideMS = 0.002;  // how far a standing foot moves between frames: at once, and a second
+constexpr double kMaxGapS = 1.0;                              // no smoothness term across a longer gap
+constexpr double kFootSlideM = 0.0008, kFootSlideMS = 0.002;  // σ of a standing foot's motion between frames: constant part, and per second
 constexpr double kLooseFootScale = 5;
-constexpr double kSameLimbM = 0.08;  // a depth choice nearer than this to the present arm or leg is the same one
+constexpr double kSameLimbM = 0.08;  // a depth choice nearer than this to the current limb counts as unchanged
 constexpr int kUntangleRounds = 3;
-constexpr double kTrackStepRad = 0.5, kTrackStepM = 0.3;  // spread of pose and root between moving frames, for the first guess only
+constexpr double kTrackStepRad = 0.5, kTrackStepM = 0.3;  // σ of the change of pose and root from frame to frame; tracking only
 
 }  // namespace
 
@@ -64,7 +64,7 @@ Status BodyFitter::trackMoving(const std::vector<size_t>& order, double from, do
                                  nullptr, s.root);
         DPL_CHECK_OK(solve(problem, "moving frames: first guess", 25, from + (to - from) * double(i) / double(order.size()),
                            from + (to - from) * double(i + 1) / double(order.size())));
-        if (solves_.size() > 1 && solves_[solves_.size() - 2].what == solves_.back().what) {  // one line for the whole track
+        if (solves_.size() > 1 && solves_[solves_.size() - 2].what == solves_.back().what) {  // merge the frames of a track into one entry
             SolveEnd& total = solves_[solves_.size() - 2];
             total.steps += solves_.back().steps, total.costBefore += solves_.back().costBefore, total.costAfter += solves_.back().costAfter,
                 total.how = solves_.back().how;
@@ -75,7 +75,7 @@ Status BodyFitter::trackMoving(const std::vector<size_t>& order, double from, do
     return {};
 }
 
-/** Moves arms and legs of the moving frames to the best chain of depth choices, where that is somewhere else. */
+/** Sets arms and legs of the moving frames to the best sequence of depth choices (fit_limbs.h), where it differs from the current pose. */
 void BodyFitter::untangleLimbs(const std::vector<size_t>& order, const std::function<bool(size_t)>& mayChange) {
     struct Limb {
         const char *upper, *lower, *end, *middleKeypoint, *endKeypoint;
@@ -165,8 +165,8 @@ Status BodyFitter::fitMoving(double from, double to) {
         done += part;
         return solve(problem, what, maxSteps, done - part, done);
     };
-    // Two starts, tracked forwards and backwards in time: a limb that one of them lost in depth the other often did not. Better shoulders
-    // and hips make better depth choices, so limbs are untangled again while that lowers the cost. The least cost wins.
+    // Track once forwards and once backwards in time, because a limb with wrong depth in one track is often right in the other. Better
+    // shoulders and hips give better depth choices, so choose and solve again while the cost falls. Keep the result of least cost.
     struct Best {
         std::vector<FrameState> frames;
         std::vector<double> shape;
@@ -202,12 +202,12 @@ Status BodyFitter::fitMoving(double from, double to) {
     return {};
 }
 
-/** Poses of held-out moving frames, each from its own keypoints between frozen train neighbours. */
+/** Poses held-out moving frames from their own keypoints, with the train frames fixed. */
 Status BodyFitter::fitHeldOutMoving(double from, double to) {
     const std::vector<size_t> order = movingInTime(false);
     const auto isTest = [&](size_t f) { return !isTrain(f); };
     if (std::none_of(order.begin(), order.end(), isTest)) return {};
-    for (size_t f : order) {  // start from the nearest train neighbour in time
+    for (size_t f : order) {  // start from the train frame nearest in time
         if (!isTest(f)) continue;
         const FrameState* nearest = nullptr;
         double distance = 0;

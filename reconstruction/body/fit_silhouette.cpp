@@ -8,13 +8,13 @@
 namespace dpl {
 namespace {
 
-constexpr double kOutsideSigmaM = 0.005;  // how far the body may stick out of the mask
-constexpr double kInsideSigmaM = 0.04;    // how far clothes may stand off the body
-constexpr double kOutlierSigmas = 3;      // Geman–McClure scale: hair, bags and limbs in front of each other
+constexpr double kOutsideSigmaM = 0.005;  // σ where the body sticks out of the mask
+constexpr double kInsideSigmaM = 0.04;    // σ where the body is inside: clothes stand off it
+constexpr double kOutlierSigmas = 3;      // Geman–McClure scale, for hair, bags and occluding limbs
 constexpr double kFrameWeight = 5;        // the outline of one frame counts as this many independent residuals
-constexpr double kGrazing = 0.25;         // |cos| between normal and line of sight on the outline
-constexpr double kReachM = 0.08;          // outline samples further from the mask's edge belong to something else
-constexpr double kSameDirection = 0.7;    // between a sample's normal in the image and the way out of the mask
+constexpr double kGrazing = 0.25;         // largest |cos| between normal and line of sight of an outline sample
+constexpr double kReachM = 0.08;          // samples farther from the mask's edge are not matched to it
+constexpr double kSameDirection = 0.7;    // least cosine between a sample's image normal and the mask's outward direction
 
 }  // namespace
 
@@ -26,7 +26,7 @@ double MaskDistance::sample(const Vec2d& cameraPx, Vec2d& gradient) const {
     const float* row = &distancePx[iy * widthPx + ix];
     const double a = row[0], b = row[1], c = row[widthPx], d = row[widthPx + 1];
     gradient = {(1 - fy) * (b - a) + fy * (d - c),
-                (1 - fx) * (c - a) + fx * (d - b)};  // per mask px of a distance in mask px: the same per camera px
+                (1 - fx) * (c - a) + fx * (d - b)};  // mask px per mask px, which equals camera px per camera px
     return ((1 - fy) * ((1 - fx) * a + fx * b) + fy * ((1 - fx) * c + fx * d)) / maskPerCameraPx;
 }
 
@@ -67,7 +67,8 @@ SkinSamples sampleSkin(const BodyModel& body, size_t count) {
         const Vec3d n = glm::cross(Vec3d(positions[t.y] - positions[t.x]), Vec3d(positions[t.z] - positions[t.x]));
         for (int i = 0; i < 3; ++i) normals[t[i]] += n, area[t[i]] += glm::length(n);
     }
-    // Every vertex adds its area to a running sum; a sample is taken each time it passes the next step. Dense faces do not get more.
+    // Sample by area: each vertex adds its area to a running sum, and a sample is taken whenever the sum passes the next multiple of
+    // `step`.
     double total = 0, sum = 0;
     for (double a : area) total += a;
     const double step = total / double(std::max<size_t>(count, 1));
@@ -132,7 +133,8 @@ bool SilhouetteCost::Evaluate(double const* const* blocks, double* residuals, do
         Vec2d gradient;
         const double distancePx = mask_.sample(camera_.pixelOf(Vec3d(view.x, view.y, z)), gradient);
         const double perPx =
-            z / camera_.fx / (distancePx > 0 ? kOutsideSigmaM : kInsideSigmaM);  // its change with z is far below the gradient's error
+            z / camera_.fx /
+            (distancePx > 0 ? kOutsideSigmaM : kInsideSigmaM);  // its derivative by z is ignored: far below the gradient's error
         const double r = distancePx * perPx, scale = std::sqrt(c2 / (r * r + c2));
         residuals[n] = weight * scale * r;
         if (!jacobians) continue;

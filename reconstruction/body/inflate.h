@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// zlib inflate with a hard limit on what may come out, for the importers' compressed inputs.
+// zlib inflate with a limit on the unpacked size, for compressed files from outside.
 #pragma once
 
 #include <cstdint>
@@ -10,9 +10,9 @@
 
 namespace dpl {
 
-enum class DeflateWrapper : uint8_t { Gzip, Raw };  // a .gz file; a zip entry
+enum class DeflateWrapper : uint8_t { Gzip, Raw };  // Gzip: a .gz file; Raw: a zip entry
 
-/** Inflates all of `compressed`. CorruptData when the stream is damaged, truncated or longer than `maxBytes` when unpacked. */
+/** Inflates all of `compressed`. CorruptData when it is damaged, truncated or unpacks to more than `maxBytes`. */
 Result<std::vector<uint8_t>> inflateBytes(std::span<const uint8_t> compressed, DeflateWrapper wrapper, size_t maxBytes);
 
 }  // namespace dpl

@@ -93,7 +93,7 @@ void KeypointChain::evaluate(const Mat3d& rootReference, const double* root, con
     for (size_t j = 0; j < joints; ++j) rest[j] = restPlace(j, shape);
     out.rotations.resize(joints);
     out.places.resize(joints);
-    std::vector<Mat3d> turn(wantJacobian ? joints : 0);  // world rotation rate per unit of the joint's parameters
+    std::vector<Mat3d> turn(wantJacobian ? joints : 0);  // columns: world rotation per unit of the joint's parameters
     std::vector<Vec3d> placePerShape(wantJacobian ? joints * shapes : 0);
     for (size_t j = 0; j < joints; ++j) {
         const int32_t slot = slotOfJoint_[j];

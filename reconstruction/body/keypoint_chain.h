@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a posed, shaped body's keypoints are, and how they move with shape and pose: the joint chain with the keypoint regressors baked in.
+// Positions of a body's keypoints for a shape and a pose, and their derivatives. The skin weights and the morphs are folded into a few
+// terms per keypoint and joint, so that no vertex is touched during the fit.
 //
 //   world rotation   W_j = W_parent · exp(w_j),  W_root = exp(w_root)·R_ref
-//   joint place      P_j = P_parent + W_parent (p_j − p_parent),  P_root = p_root + t
+//   joint position    P_j = P_parent + W_parent (p_j − p_parent),  P_root = p_root + t
 //   keypoint         X_k = Σ_j W_j a_kj(β) + b_kj P_j      (a, p linear in β: morphs act on vertices and joints linearly)
-//   turning joint j by ω (world):  dX_k = ω × Σ_{i below j} (W_i a_ki + b_ki (P_i − P_j))
+//   rotating joint j by ω (world):  dX_k = ω × Σ_{i below j} (W_i a_ki + b_ki (P_i − P_j))
 #pragma once
 
 #include <span>
@@ -26,7 +27,8 @@ Vec3d rotationVector(const Mat3d& r);
 
 class KeypointChain {
 public:
-    /** `keypointNames`: the scan's; names that the body lacks are absent points. `posedJoints`: joints that turn, without the root. */
+    /** `keypointNames`: those of the scan; hasKeypoint() is false for a name that the body lacks. `posedJoints`: joints that may rotate,
+     *  without the root. */
     KeypointChain(const BodyModel& body, std::span<const std::string> keypointNames, std::vector<uint32_t> posedJoints);
 
     size_t keypointCount() const { return keypoints_.size(); }
@@ -34,20 +36,20 @@ public:
     size_t posedCount() const { return posedJoints_.size(); }
     std::span<const uint32_t> posedJoints() const { return posedJoints_; }
     bool hasKeypoint(size_t k) const { return !keypoints_[k].empty(); }
-    /** Columns of a Jacobian row: root (6), pose (3 each posed joint), shape. */
+    /** Number of columns of the Jacobian: root (6), pose (3 per posed joint), shape, in this order. */
     size_t columns() const { return kRootSize + 3 * posedCount() + shapeCount_; }
 
     struct Output {
-        std::vector<Vec3d> points;     // K
-        std::vector<double> jacobian;  // K × 3 rows × columns(), row-major; empty when not asked for
-        std::vector<Mat3d> rotations;  // J, world
-        std::vector<Vec3d> places;     // J, world
+        std::vector<Vec3d> points;     // one per keypoint, world, metres
+        std::vector<double> jacobian;  // 3 rows per keypoint × columns(), row-major; empty unless asked for
+        std::vector<Mat3d> rotations;  // one per joint, world
+        std::vector<Vec3d> places;     // one per joint, world, metres
     };
-    /** root: kRootSize, pose: 3·posedCount, shape: shapeCount. */
+    /** Reads kRootSize values of root, 3·posedCount() of pose and shapeCount() of shape. */
     void evaluate(const Mat3d& rootReference, const double* root, const double* pose, const double* shape, bool wantJacobian,
                   Output& out) const;
 
-    /** Rest place of a joint at a shape. */
+    /** Rest position of a joint for a shape, metres. */
     Vec3d restPlace(size_t joint, const double* shape) const;
 
 private:
@@ -58,7 +60,7 @@ private:
         double jointWeight = 0;  // b
     };
     size_t shapeCount_ = 0;
-    std::vector<int32_t> parents_, slotOfJoint_;    // slot: index into posedJoints_, −1 still, −2 the root
+    std::vector<int32_t> parents_, slotOfJoint_;    // slot: index into posedJoints_; −1: does not rotate, −2: the root
     std::vector<Vec3d> rest_;                       // J
     std::vector<std::vector<Vec3d>> restPerShape_;  // J × shapes
     std::vector<uint32_t> posedJoints_;

@@ -20,7 +20,7 @@ constexpr float kMetresPerDm = 0.1f;
 constexpr uint32_t kHm08BodyVertices = 13380;  // vertices [0, 13380) of hm08 are skin; the rest are helpers and joint cubes
 constexpr glm::u8vec4 kSkinColour(214, 172, 146, 255);
 
-/** One direction of a morph: `weight`·(positive − negative)/2, the two targets being the ends of a MakeHuman slider. */
+/** Part of a morph: `weight`·(positive − negative)/2. The two targets are the ends of a MakeHuman slider. */
 struct TargetPair {
     const char* positive;
     const char* negative;
@@ -29,7 +29,7 @@ struct TargetPair {
 
 struct MorphRecipe {
     const char* name;
-    float scale;  // slider travel at value 1, so that ±1 is about a standard deviation of adults
+    float scale;  // slider position at value 1; ±1 is about one standard deviation of adults
     float minValue, maxValue;
     std::vector<TargetPair> pairs;
 };
@@ -38,7 +38,7 @@ struct MorphRecipe {
 #define MH_HEIGHT(gender) "macrodetails/height/" gender "-young-averagemuscle-averageweight-"
 #define MH_PROPORTIONS(gender) "macrodetails/proportions/" gender "-young-averagemuscle-averageweight-"
 
-/** Both sides of the body moved alike. */
+/** The same parts for the left and the right side. */
 std::vector<TargetPair> bothSides(const char* lPlus, const char* lMinus, const char* rPlus, const char* rMinus) {
     return {{lPlus, lMinus}, {rPlus, rMinus}};
 }
@@ -58,7 +58,7 @@ std::vector<TargetPair> join(std::initializer_list<std::vector<TargetPair>> part
 
 std::vector<MorphRecipe> recipes() {
     return {
-        // Macro targets, averaged over the sexes. Height's slider runs from −37 to +72 cm: 0.15 of it is about 8 cm.
+        // Macro targets, averaged over the sexes. The height slider spans −37 to +72 cm, so 0.15 is about 8 cm.
         {"height",
          0.15f,
          -4,
@@ -119,7 +119,7 @@ std::vector<MorphRecipe> recipes() {
     };
 }
 
-/** The neutral adult on top of base.obj. */
+/** Targets that turn base.obj into the neutral adult. */
 const std::array<TargetPair, 8> kNeutral = {{
     {MH_MACRO("female") "averagemuscle-averageweight", nullptr, 0.5f},
     {MH_MACRO("male") "averagemuscle-averageweight", nullptr, 0.5f},
@@ -133,7 +133,7 @@ const std::array<TargetPair, 8> kNeutral = {{
 
 Status addTarget(const fs::path& root, const char* name, float factor, std::vector<Vec3f>& offsetsM) {
     fs::path path = root / "targets" / (std::string(name) + ".target.gz");
-    if (!fs::exists(path)) path.replace_extension();  // unpacked copies end in .target
+    if (!fs::exists(path)) path.replace_extension();  // .target.gz -> .target
     DPL_TRY(const auto rows, readMakeHumanTarget(path, offsetsM.size()));
     for (const TargetRow& row : rows) offsetsM[row.vertex] += factor * kMetresPerDm * row.offsetDm;
     return {};
@@ -145,7 +145,7 @@ Vec3f meanOf(std::span<const Vec3f> values, std::span<const uint32_t> vertices) 
     return Vec3f(sum / double(vertices.size()));
 }
 
-/** Soles: the mean of the lowest hundredth of the skin, which both feet share. */
+/** The lowest hundredth of the skin's vertices: the soles of both feet. */
 std::vector<uint32_t> soleVertices(std::span<const Vec3f> positions) {
     std::vector<uint32_t> order(kHm08BodyVertices);
     for (uint32_t v = 0; v < order.size(); ++v) order[v] = v;
@@ -157,7 +157,7 @@ std::vector<uint32_t> soleVertices(std::span<const Vec3f> positions) {
 
 void addKeypoints(const MakeHumanMesh& source, std::span<const Vec3f> positions, BodyModel& body) {
     body.keypoints = deriveKeypoints(body);
-    // hm08 vertices: tip of the nose, tragus of each ear, crown. The pupils are helper vertices, so they are anchored to the lids.
+    // hm08 vertices: tip of the nose, tragus of each ear, crown. The pupils are dropped helper vertices, so they are anchored to the lids.
     const std::pair<const char*, uint32_t> vertices[] = {{"nose", 297}, {"ear_l", 12038}, {"ear_r", 5439}, {"head_top", 881}};
     for (const auto& [name, vertex] : vertices)
         for (BodyKeypoint& k : body.keypoints)
@@ -240,7 +240,7 @@ Result<BodyModel> importMakeHuman(const fs::path& folder, const MakeHumanOptions
     }
     body.mesh.layers = {{"body", "body", 0, kHm08BodyVertices, 0, uint32_t(body.mesh.triangles.size())}};
 
-    // A weightless root above the hips ("Root" on the floor) is a handle for animators; without it the hips are the root.
+    // Drop a root without skin weights above the hips ("Root" on the floor, a handle for animators): the hips become the root.
     std::vector<bool> dropped(rig.bones.size(), false);
     const auto children = [&](const std::string& name) {
         return std::count_if(rig.bones.begin(), rig.bones.end(), [&](const MakeHumanBone& b) { return b.parent == name; });
@@ -266,7 +266,7 @@ Result<BodyModel> importMakeHuman(const fs::path& folder, const MakeHumanOptions
             DPL_CHECK_OK(addTarget(root, pair.positive, 0.5f * recipe.scale * pair.weight, offsets));
             DPL_CHECK_OK(addTarget(root, pair.negative, -0.5f * recipe.scale * pair.weight, offsets));
         }
-        const float lift = meanOf(offsets, soles).y;  // feet stay on the floor
+        const float lift = meanOf(offsets, soles).y;  // keep the feet on the floor
         for (Vec3f& o : offsets) o.y -= lift;
         ShapeMorph morph{recipe.name, recipe.minValue, recipe.maxValue, {offsets.begin(), offsets.begin() + kHm08BodyVertices}, {}};
         for (const uint32_t b : boneOfJoint) morph.jointOffsets.push_back(meanOf(offsets, rig.bones[b].headVertices));

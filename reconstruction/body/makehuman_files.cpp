@@ -18,7 +18,7 @@ namespace {
 constexpr size_t kMaxSourceBytes = 64u << 20;
 constexpr size_t kMaxVertices = 1u << 20;
 
-/** Walks the words of a text line by line without copying. */
+/** Splits a text into lines and words without copying it. */
 class Lines {
 public:
     explicit Lines(std::string_view text) : rest_(text) {}
@@ -168,7 +168,7 @@ Result<MakeHumanRig> readMakeHumanRig(const std::filesystem::path& rigPath, cons
     }
     MakeHumanRig rig;
     std::set<std::string> placed;
-    while (rig.bones.size() < byName.size()) {  // parents first, alphabetic inside a generation: the same order on every machine
+    while (rig.bones.size() < byName.size()) {  // parents first, alphabetic within a level: the same order on every machine
         const size_t before = rig.bones.size();
         std::vector<std::string> generation;
         for (const auto& [name, bone] : byName)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The three file kinds of MakeHuman / MPFB2 data, parsed and checked; no meaning yet.
+// Parses and checks the three kinds of MakeHuman / MPFB2 files. makehuman.cpp makes a body of them.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,7 @@
 
 namespace dpl {
 
-/** base.obj: positions in decimetres, quads and triangles of the group "body" only, and the vertices of every group. */
+/** base.obj: all positions in decimetres, the polygons of the group "body" only, and the vertices of every group. */
 struct MakeHumanMesh {
     std::vector<Vec3f> positionsDm;
     std::vector<std::vector<uint32_t>> bodyFaces;         // 3 or 4 indices each
@@ -25,12 +25,12 @@ struct TargetRow {
     uint32_t vertex = 0;
     Vec3f offsetDm{0};
 };
-/** A `.target` or `.target.gz`; rows beyond `vertexCount` are an error. An empty file is a target that moves nothing. */
+/** Reads a `.target` or `.target.gz` file. A vertex index ≥ `vertexCount` is an error; an empty file moves nothing. */
 Result<std::vector<TargetRow>> readMakeHumanTarget(const std::filesystem::path& path, size_t vertexCount);
 
 struct MakeHumanBone {
     std::string name, parent;            // parent "" for a root
-    std::vector<uint32_t> headVertices;  // the joint is their mean
+    std::vector<uint32_t> headVertices;  // their mean is the joint's position
 };
 struct MakeHumanRig {
     std::vector<MakeHumanBone> bones;                                        // parents first

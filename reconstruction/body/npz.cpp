@@ -128,7 +128,7 @@ Result<NpzFile> NpzFile::open(std::span<const uint8_t> bytes) {
             return fail(Code::Unsupported,
                         "'{}' is encrypted, zip64 or compressed in a way we do not read; save it with np.savez or np.savez_compressed",
                         name);
-        // The local header repeats the name; its extra field may differ from the directory's.
+        // Skip the local header's own name and extra field: their lengths may differ from the directory's.
         if (offset > bytes.size() || bytes.size() - offset < 30 || at<uint32_t>(bytes, offset) != kLocalHeader)
             return fail(Code::CorruptData, "'{}' lies outside the file", name);
         const uint64_t begin = uint64_t(offset) + 30 + at<uint16_t>(bytes, offset + 26) + at<uint16_t>(bytes, offset + 28);

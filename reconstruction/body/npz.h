@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bounded reading of NumPy archives (.npz = zip of .npy): numbers only, never pickles.
+// Reads arrays of numbers from NumPy archives (.npz, a zip of .npy files), with limits on size. Pickled objects are refused.
 #pragma once
 
 #include <cstdint>
@@ -18,15 +18,15 @@ struct NpyArray {
     std::vector<double> values;
 };
 
-/** Entries of an .npz by name (without ".npy"), located but not yet unpacked. The bytes must outlive it. */
+/** The entries of an .npz by name (without ".npy"). read() unpacks one. The bytes given to open() must outlive the object. */
 class NpzFile {
 public:
-    /** Checks the zip directory. CorruptData or Unsupported (zip64, encryption) with a sentence. */
+    /** Checks the zip directory. CorruptData when it is damaged, Unsupported for zip64 and encryption. */
     static Result<NpzFile> open(std::span<const uint8_t> bytes);
 
     bool has(const std::string& name) const { return entries_.count(name) != 0; }
 
-    /** Unpacks one array of floats or integers. Refused: object arrays (they would need Python), big-endian data, more than `maxBytes`. */
+    /** Unpacks one array of floats or integers. Refused: object arrays (pickles), big-endian data, more than `maxBytes`. */
     Result<NpyArray> read(const std::string& name, size_t maxBytes) const;
 
 private:

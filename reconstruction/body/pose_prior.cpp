@@ -11,14 +11,14 @@ namespace dpl {
 namespace {
 
 constexpr double kFree = 3.1;
-constexpr double kTail = 2.5;         // limbs either rest or clearly move
-constexpr double kMinBendRad = 0.17;  // below 10° of rest bend the direction of a hinge cannot be read off the rest pose
+constexpr double kTail = 2.5;         // Geman–McClure scale, σ: limbs either rest or clearly move
+constexpr double kMinBendRad = 0.17;  // below 10° the rest pose does not define the hinge's axis
 
 Vec3d place(const BodyModel& body, int32_t joint) {
     return Vec3d(body.joints[size_t(joint)].restPosition);
 }
 
-/** Axes [flexion, twist along the lower bone, the rest], and the bend at rest. */
+/** Hinge axes [flexion, twist along the lower bone, their normal] and the bend at rest. */
 struct Hinge {
     Mat3d axes{1};
     double restBendRad = 0;
@@ -30,7 +30,7 @@ Hinge hinge(const BodyModel& body, int32_t upper, int32_t middle, int32_t lower,
     const Vec3d cross = glm::cross(above, below);
     Hinge h;
     h.restBendRad = std::atan2(glm::length(cross), glm::dot(above, below));
-    // Elbows bring the hand forward (+Z), knees take the foot back; a clear bend at rest says it better for elbows.
+    // Elbows move the hand forward (+Z), knees move the foot back. A clear bend at rest defines an elbow's axis better.
     Vec3d axis = knee ? Vec3d(1, 0, 0) : h.restBendRad > kMinBendRad ? cross : glm::cross(above, Vec3d(0, 0, 1));
     const Vec3d twist = below;
     axis = glm::normalize(axis - glm::dot(axis, twist) * twist);
@@ -70,8 +70,8 @@ std::vector<JointPrior> posePriors(const BodyModel& body) {
                 {kTail, 0, kTail});
         if (upperArm >= 0 && lowerArm >= 0 && hand >= 0) {
             const Hinge h = hinge(body, upperArm, lowerArm, hand, false);
-            // Forearms roll by a radian in everyday motion, and a rotation vector mixes roll with bend: a tight roll bends the elbow the
-            // wrong way.
+            // Forearms roll by a radian in everyday motion, and a rotation vector mixes roll with bend, so a tight prior on roll would
+            // bend the elbow the wrong way.
             add(side + "LowerArm", h.axes, {0.35, 0.4, 0.1}, {-h.restBendRad - 0.05, -1.5, -0.3}, {2.6, 1.5, 0.3}, 9, 0.02, Vec3d(kTail));
             add(side + "Hand", h.axes, {0.2, 0.2, 0.2}, Vec3d(-1.2), Vec3d(1.2), 1.05, 0.02);
         }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What human joints usually do: which turn, about which anatomical axes, how far, how fast. Numbers are standard deviations of everyday
-// motion in round figures, loose where keypoints see the joint well (hips, shoulders), tight where they do not (twist, side bend of a
+// Priors on the pose: which joints rotate, about which anatomical axes, how far and how fast. The values are rounded standard deviations of
+// everyday motion: wide where keypoints determine the joint well (hips, shoulders), tight where they do not (twist, sideways bend of a
 // hinge).
 #pragma once
 
@@ -13,14 +13,14 @@ namespace dpl {
 struct JointPrior {
     uint32_t joint = 0;
     Mat3d axes{1};        // columns: the anatomical axes in the rest frame; the prior acts on axesᵀ·w
-    Vec3d sigmaRad{0.3};  // spread about the rest pose
-    Vec3d tailSigmas{0};  // an axis with 0 is Gaussian, else Geman–McClure of this scale: "near the still pose, or clearly moved"
-    Vec3d lowRad{-3.1}, highRad{3.1};  // range, rest at 0
-    double accelerationRadS2 = 2;      // spread of the angular acceleration
-    double swayRad = 0;                // spread between "still" frames; 0: this joint does not sway
+    Vec3d sigmaRad{0.3};  // standard deviation about the rest pose
+    Vec3d tailSigmas{0};  // 0: Gaussian; else the scale in σ of a Geman–McClure loss, for joints that either rest or clearly move
+    Vec3d lowRad{-3.1}, highRad{3.1};  // range about the rest pose
+    double accelerationRadS2 = 2;      // standard deviation of the angular acceleration
+    double swayRad = 0;                // standard deviation between still frames; 0: does not sway
 };
 
-/** The joints that the fit turns, in joint order, without the root: those with a humanoid name, no fingers, toes, eyes or jaw. */
+/** Priors of the joints that the fit rotates, in joint order: those with a humanoid name except root, fingers, toes, eyes and jaw. */
 std::vector<JointPrior> posePriors(const BodyModel& body);
 
 }  // namespace dpl

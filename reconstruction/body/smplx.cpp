@@ -54,7 +54,7 @@ Result<BodyModel> importSmplx(const std::filesystem::path& path, const SmplxOpti
         arrays[i] = std::move(*array);
     }
     const auto& [vTemplate, shapeDirs, regressor, weights, tree, faces] = arrays;
-    const auto shapeIs = [](const NpyArray& a, std::initializer_list<size_t> wanted) {  // 0: any
+    const auto shapeIs = [](const NpyArray& a, std::initializer_list<size_t> wanted) {  // 0 accepts any size
         return a.shape.size() == wanted.size() &&
                std::equal(wanted.begin(), wanted.end(), a.shape.begin(), [](size_t w, size_t s) { return w == 0 || w == s; });
     };
