@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the ingest check measures on one frame. Private to the capture room.
+// What the ingest check measures on one frame. Private to reconstruction/capture.
 #pragma once
 
 #include "reconstruction/capture/scan_check.h"
@@ -13,7 +13,7 @@ struct FrameMeasures {
     double labelAgreement = -1;       // IoU of label > 0 with the mask; −1: unknown
 };
 
-/** Held-out frames (split test): files are decoded for completeness and nothing of them is kept. */
+/** For test frames the files are only decoded, to find unreadable ones; nothing else is measured or kept. */
 FrameMeasures measureFrame(const Scan& scan, const ScanFrame& frame);
 
 }  // namespace dpl

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// JPEG and PNG files from outside: size and completeness are known before OpenCV decodes a byte.
+// Checks size and completeness of JPEG and PNG files before OpenCV decodes them.
 #pragma once
 
 #include <filesystem>
@@ -17,8 +17,8 @@ struct ImageHeader {
 /** Size from the first bytes of a JPEG or PNG file; other formats are refused. Reads at most a few hundred kilobytes. */
 Result<ImageHeader> probeImage(const std::filesystem::path& path);
 
-/** The whole file (at most 256 MiB), its size checked against kMaxImagePixels, and every marker (JPEG) or chunk (PNG) walked to the end:
- *  a truncated file is refused here, because decoders fill the missing part with grey and say nothing. */
+/** Reads a whole file of at most 256 MiB. Checks the picture's size against kMaxImagePixels and walks every marker (JPEG) or chunk (PNG)
+ *  to the end. Truncated files are refused, because decoders fill the missing part with grey without an error. */
 Result<std::vector<uint8_t>> readCompleteImage(const std::filesystem::path& path);
 
 }  // namespace dpl

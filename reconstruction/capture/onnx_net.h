@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One ONNX network through OpenCV's dnn module, on one thread. Private to the capture room and its tests.
+// Runs one ONNX network with OpenCV's dnn module. Private to reconstruction/capture and its tests.
 #pragma once
 
 #include <filesystem>
@@ -17,7 +17,8 @@ struct Tensor {
     std::vector<float> data;
 };
 
-/** A network is used by one thread at a time. Results are the same on every run: OpenCV's own threads are switched off in load(). */
+/** One thread at a time may use a network. load() switches off OpenCV's own threads for the whole process, so that results repeat exactly.
+ */
 class OnnxNet {
 public:
     static Result<OnnxNet> load(const std::filesystem::path& path);
@@ -25,7 +26,7 @@ public:
     OnnxNet& operator=(OnnxNet&&) noexcept;
     ~OnnxNet();
 
-    /** Runs a 1×3×S×S input; all graph outputs in the order of the file. */
+    /** Runs on a 1×3×side×side input and returns all graph outputs in the order of the file. */
     Result<std::vector<Tensor>> run(const std::vector<float>& chw, int side);
 
 private:

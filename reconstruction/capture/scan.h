@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scan folder in memory: frames, cameras, splits and observations. The world is metric, right-handed, +Y up, the subject faces +Z.
-// Files are z-up and face −y; the readers turn every point by (x, z, −y).
+// A scan folder in memory: frames, cameras, splits and paths of observations. The world is right-handed, +Y up, in metres (see
+// metricWorld); the subject faces +Z. scan.json is z-up with the subject facing −y; its reader maps every point to (x, z, −y).
 #pragma once
 
 #include <filesystem>
@@ -28,9 +28,9 @@ struct ScanFrame {
     Split split = Split::Train;
     std::filesystem::path imagePath, maskPath, labelsPath, keypointsPath;  // absolute; empty when absent
     Camerad camera;
-    double timeS = 0;  // dynamic frames
+    double timeS = 0;  // dynamic frames only
     std::string closeupOf;
-    LensDistortion lens;  // of the files on disk; readFrame…() and readKeypoints() return undistorted data that fit `camera`
+    LensDistortion lens;  // of the files; readFrame…() and readKeypoints() undistort, so that their data match `camera`
 };
 
 /** Detected 2D keypoints of one frame, in the order of Scan::keypointNames. */
@@ -45,19 +45,19 @@ struct Scan {
     std::filesystem::path root;
     std::string name;
     ScanSource source = ScanSource::Folder;
-    bool metricWorld = true;  // false (COLMAP): scale, origin and up are arbitrary; the body fit finds them
-    bool splitStated = true;  // false: the source states no split; the reader held out one static full-body frame in ten
+    bool metricWorld = true;  // false (COLMAP): arbitrary scale, origin and up; the body fit finds them
+    bool splitStated = true;  // false: the reader chose every tenth static full-body frame for test
     std::vector<ScanLabel> labels;
     std::vector<std::string> keypointNames;
     std::vector<ScanFrame> frames;
 };
 
 /** Reads scan.json (docs/formats/scan.md), a nerfstudio transforms.json or a COLMAP sparse model, whichever `root` holds.
- *  Checks every path, number and size; truth files are never opened. Errors name the file and the remedy. */
+ *  Checks every path, number and size. Never opens truth files. Errors name the file and the remedy. */
 Result<Scan> readScan(const std::filesystem::path& root);
 
-/** Keypoints of one frame, from "detections" (older scans: "xy_noisy") of its file and never from "xy", the truth of synthetic scans.
- *  Empty when the frame has none. */
+/** Keypoints of one frame, from the field "detections" (older scans: "xy_noisy"). The field "xy" holds the truth of synthetic scans and is
+ *  never read. Empty when the frame has no keypoint file. */
 Result<std::vector<Keypoint>> readKeypoints(const Scan& scan, const ScanFrame& frame);
 
 /** 8-bit RGB, row-major. */
@@ -70,7 +70,7 @@ struct ImageGrey8 {
     std::vector<uint8_t> pixels;
 };
 
-/** Decodes and checks against the camera's size. */
+/** Each decodes and undistorts one file. Its size must be that of the camera. */
 Result<ImageRgb8> readFrameImage(const ScanFrame& frame);
 Result<ImageGrey8> readFrameMask(const ScanFrame& frame);    // 0 … 255 (soft mattes are kept)
 Result<ImageGrey8> readFrameLabels(const ScanFrame& frame);  // label values

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The ingest check: is this scan good enough, and if not, what should be captured again?
+// The ingest check: whether a scan is good enough, and what to capture again if it is not.
 #pragma once
 
 #include <array>
@@ -16,26 +16,26 @@ enum class ScanVerdict : uint8_t { Pass, Usable, Refuse };
 struct ScanFinding {
     bool refuses = false;             // false: a warning
     std::string topic;                // "blur", "exposure", "azimuth", "poses", "masks", "border", "files", "cameras", "keypoints"
-    std::string sentence;             // what is wrong and what to do
-    std::vector<std::string> frames;  // names, when it is about some of them
+    std::string sentence;             // the problem and its remedy
+    std::vector<std::string> frames;  // names of the frames concerned; empty: the whole scan
 };
 
-/** What was measured of one training frame. Held-out frames are only checked for being readable: nothing may depend on what they show. */
+/** Measurements of one training frame. Test frames are only checked for readability, because no decision may depend on their content. */
 struct FrameCheck {
     std::string name;
     bool measured = false;
     bool usable = true;             // false: unreadable, blurred or without a person; later stages leave the frame out
     std::string error;              // why a file could not be read
     double sharpness = 0;           // variance of the Laplacian inside the mask, grey levels²
-    double relativeSharpness = 1;   // over the median of the frames of its kind
-    double blurIndex = 0;           // 0 (sharp) … 1: share of local contrast that survives a second blur; does not need other frames
+    double relativeSharpness = 1;   // sharpness divided by the median of the frames of this kind
+    double blurIndex = 0;           // 0 (sharp) … 1: share of local contrast that survives a blur; needs no other frame
     double brightness = 0;          // mean grey level inside the mask, 0 … 255
-    double maskShare = -1;          // of the picture; −1: no mask
-    double borderShare = 0;         // of the picture's edge that the mask touches (full-body frames)
+    double maskShare = -1;          // share of the picture; −1: no mask
+    double borderShare = 0;         // share of the picture's edge that the mask touches (full-body frames)
     double keypointsOnPerson = -1;  // share of confident keypoints near the mask; −1: unknown
 };
 
-/** Range of an angle in the picture over the dynamic training frames, 5th to 95th percentile, degrees. */
+/** Range of a joint's angle, measured in the picture, over the dynamic training frames: 5th to 95th percentile. */
 struct JointCoverage {
     std::string name;  // "elbow_l" ...
     uint32_t frames = 0;
@@ -47,26 +47,25 @@ constexpr uint32_t kAzimuthBins = 24;
 struct ScanCheck {
     ScanVerdict verdict = ScanVerdict::Pass;
     std::vector<ScanFinding> findings;
-    std::vector<FrameCheck> frames;  // same order as the scan's
-    std::array<uint32_t, kAzimuthBins>
-        azimuth{};  // static full-body training frames per 15° about the subject; bin 0 starts at the front (+z) going to +x
+    std::vector<FrameCheck> frames;                // same order as the scan's
+    std::array<uint32_t, kAzimuthBins> azimuth{};  // static full-body training frames per 15° of azimuth; bin 0 starts at +Z, towards +X
     double largestGapDeg = 360;
     double medianBlurIndex = 0;
     double exposureSpreadStops = 0;   // 5th to 95th percentile of log2 brightness, static full-body frames
-    double exposureJumpStops = 0;     // largest change between neighbouring static frames' running medians
+    double exposureJumpStops = 0;     // largest change of the running median between neighbouring static frames
     double silhouetteCoherence = -1;  // silhouettes.h; −1: fewer than four masks
     double keypointErrorPx = -1;      // median reprojection error of triangulated keypoints, static full-body frames; −1: unknown
-    double keypointErrorShare = -1;   // the same over the subject's height in the picture
+    double keypointErrorShare = -1;   // keypointErrorPx divided by the subject's height in the picture
     std::vector<JointCoverage> joints;
 };
 
-/** Opens every file of the scan. Returns an error only when nothing could be examined; what is wrong with the scan is in the findings. */
+/** Opens every file of the scan. Problems of the scan become findings; an error means that nothing could be examined. */
 Result<ScanCheck> checkScan(const Scan& scan, Jobs& jobs);
 
-/** The verdict for people: a few lines, the last one PASS, USABLE or REFUSE with the number of warnings or the reasons. */
+/** The verdict as a few lines of text. The last line is PASS, USABLE or REFUSE with the number of warnings or the reasons. */
 std::string describeScanCheck(const Scan& scan, const ScanCheck& check);
 
-/** The same for machines: one JSON object. */
+/** The verdict as one JSON object. */
 std::string scanCheckJson(const Scan& scan, const ScanCheck& check);
 
 }  // namespace dpl

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Paths and JSON fields of a scan, checked: what the three scan readers share.
+// Checked paths and JSON fields, shared by the three scan readers. Private to reconstruction/capture.
 #pragma once
 
 #include <filesystem>
@@ -14,18 +14,18 @@ namespace dpl {
 constexpr uintmax_t kMaxJsonBytes = 16u << 20;
 constexpr size_t kMaxFrames = 20000;
 
-/** Reads a JSON file of at most kMaxJsonBytes; the top level must be an object. Errors name the file and what to do. */
+/** Reads a JSON file of at most kMaxJsonBytes whose top level is an object. Errors name the file and the remedy. */
 Result<nlohmann::json> readJsonObject(const std::filesystem::path& path);
 
-/** root / relative, for a path taken from a file: relative, without "..", and an existing regular file. */
+/** Returns root / relative. Refuses a path that is absolute, contains "..", or is not an existing regular file. */
 Result<std::filesystem::path> fileInside(const std::filesystem::path& root, const std::string& relative, std::string_view where);
 
-/** Letters, digits, '.', '_' and '-' only, at most 128, no leading dot: stages name their files after frames. */
+/** At most 128 letters, digits, '.', '_' and '-', without a leading dot. Frame names must be safe because stages use them as file names. */
 bool isSafeName(std::string_view name);
-/** "images/left cam/IMG 1.jpg" -> "left_cam_IMG_1": a safe name for a frame whose source has none. */
+/** A safe frame name from a picture's path: "images/left cam/IMG 1.jpg" -> "left_cam_IMG_1". */
 std::string nameFromPath(std::string_view relativePath);
 
-/** Fields of one JSON object with messages that say where they are. */
+/** Typed access to the fields of one JSON object. Errors name the place, `where`. Keeps a reference to the object. */
 class JsonFields {
 public:
     JsonFields(const nlohmann::json& object, std::string where) : object_(object), where_(std::move(where)) {}
@@ -44,7 +44,8 @@ private:
     std::string where_;
 };
 
-/** Names unique and safe, at least one frame, at most kMaxFrames; images exist and have the camera's size; default test split. */
+/** Checks that there are 1 … kMaxFrames frames with unique, safe names and images of the camera's size. Chooses test frames when the source
+ *  states no split. */
 Status finishScan(Scan& scan);
 
 Result<Scan> readScanFolder(const std::filesystem::path& manifest);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Masks seen together: which part of space all silhouettes agree on.
+// Visual hull: the part of space on which the silhouettes of all views agree.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@ struct SilhouetteView {
     ImageGrey8 mask;  // person ≥ 128
 };
 
-/** A box of cubes: voxel (x, y, z) has index (z·ny + y)·nx + x and its centre at origin + (index + ½)·voxelM. */
+/** A grid of cubic voxels. Voxel (x, y, z) has index (z·ny + y)·nx + x and its centre at origin + (index + ½)·voxelM. */
 struct VoxelGrid {
     Vec3d origin{0};
     double voxelM = 0;
@@ -28,24 +28,24 @@ struct VoxelGrid {
 
 struct SilhouetteVotes {
     std::vector<uint16_t> seen;    // views whose picture contains the voxel's centre
-    std::vector<uint16_t> inside;  // ... and whose mask does
-    /** Inside when at least `share` of the views that see it agree, and at least a third of all views see it. */
+    std::vector<uint16_t> inside;  // views whose mask contains it
+    /** True when at least a third of all views see the voxel and at least `share` of those have it inside. */
     bool isInside(size_t voxel, double share, size_t viewCount) const {
         return seen[voxel] * 3 >= viewCount && seen[voxel] > 0 && inside[voxel] >= share * seen[voxel];
     }
 };
 
-/** Where most views look at the subject: the point nearest to the rays through the middles of the masks' boxes. */
+/** The point nearest to the rays through the centres of the masks' bounding boxes, robust to a few wrong masks. */
 std::optional<Vec3d> subjectCentre(std::span<const SilhouetteView> views);
 
 SilhouetteVotes voteSilhouettes(std::span<const SilhouetteView> views, const VoxelGrid& grid, Jobs& jobs);
 
-/** A grid of cubes of voxelM around the space that `share` of the views agree on, with two cubes of margin; found on a coarse grid first.
- *  voxelM ≤ 0: as fine as 64 cubes along the longest side. Nothing when the silhouettes do not meet or the grid would exceed 2²⁸ cubes. */
+/** The voxel grid that bounds the hull of `share` of the views, with a margin of two voxels. A coarse grid is searched first.
+ *  voxelM ≤ 0: 64 voxels along the longest side. Empty when the hull is empty or the grid would exceed 2²⁸ voxels. */
 std::optional<VoxelGrid> boundSilhouettes(std::span<const SilhouetteView> views, double voxelM, double share, Jobs& jobs);
 
-/** Median over the views of the share of the mask that the common space covers when projected back: near 1 when cameras and masks belong
- *  together, near 0 when they do not. 0 when the silhouettes do not meet. */
+/** Projects the hull into each view and returns the median share of the mask that it covers: near 1 when cameras and masks match, lower
+ *  when they do not, 0 when the hull is empty. */
 double silhouetteCoherence(std::span<const SilhouetteView> views, Jobs& jobs);
 
 }  // namespace dpl
