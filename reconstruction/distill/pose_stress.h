@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What learned pose correctives do in poses that nobody trained: held-out frames of one scan cannot show it, walks and dances do.
+// Measures learned pose correctives in random poses far from the training poses, which the held-out frames of a scan do not contain.
 #pragma once
 
 #include "sdk/core/jobs.h"
@@ -9,13 +9,13 @@ namespace dpl {
 
 /** 99th percentiles over 64 seeded random poses. */
 struct PoseStress {
-    double offsetMm = 0;       // length of a vertex's pose-dependent offset
-    double strainPercent = 0;  // difference of the offsets of an edge's ends over the edge's length: torn or crumpled cloth
+    double offsetMm = 0;       // length of a vertex's corrective offset
+    double strainPercent = 0;  // offset difference between an edge's ends, relative to its length: high when cloth tears or crumples
     double lightPercent = 0;   // change of brightness
 };
 
-/** Every joint that the correctives hear is turned by up to 60 degrees about a random axis, the rest stays at rest. All zero without
- *  correctives. The avatar must have passed the reader's checks. */
+/** Rotates every joint that the correctives depend on by up to 60 degrees about a random axis; other joints stay at rest. All zero when the
+ *  avatar has no correctives. The avatar must have passed the checks of the avatar reader. */
 PoseStress poseStress(const AvatarData& avatar, Jobs& jobs);
 
 }  // namespace dpl

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Outlines of binary pictures as points with normals, and which point of one outline belongs to which of another.
+// Extracts outlines of binary pictures as points with normals, and matches the points of two outlines.
 #pragma once
 
 #include <functional>
@@ -10,18 +10,18 @@
 
 namespace dpl {
 
-/** A point on the crack between an inside and an outside pixel. */
+/** The middle of the edge between an inside and an outside pixel. */
 struct ContourPoint {
-    Vec2d px{0};          // pixels; middle of the shared edge
+    Vec2d px{0};          // pixels
     Vec2d normal{0};      // unit, from inside to outside, smoothed over a few pixels
     uint32_t inside = 0;  // index of the inside pixel, y·width + x
 };
 
-/** All cracks of a picture in scan order. Edges of the picture are no outline: what lies beyond is unknown. */
+/** The outline of a picture in scan order. The picture's border is not part of it, because nothing is known beyond it. */
 std::vector<ContourPoint> contourPoints(std::span<const uint8_t> inside, uint32_t widthPx, uint32_t heightPx);
 
-/** For each of `from` the nearest of `to` with a normal that agrees, or UINT32_MAX beyond reachPx. Distance counts a turn of the normal by
- * 60° as turnPx of way, so the two sides of an arm are never confused. */
+/** For each point of `from` the index of the nearest point of `to`, or UINT32_MAX when none lies within reachPx. The distance adds turnPx
+ *  for normals that differ by 60°, so that the two sides of an arm are not confused. */
 std::vector<uint32_t> matchContours(std::span<const ContourPoint> from, std::span<const ContourPoint> to, double reachPx, double turnPx);
 
 }  // namespace dpl

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which clothing label each triangle wears, voted by the frames that see it.
+// The clothing label of each triangle, by a vote of the pixels that see it.
 #pragma once
 
 #include <span>
@@ -9,18 +9,17 @@
 
 namespace dpl {
 
-/** Collects votes: each pixel on the front of a triangle votes for its label, weighted by cosine; background pixels do not vote. */
+/** Each person pixel that sees the front of a triangle votes for its own label, weighted by the cosine of the viewing angle. */
 class TriangleLabels {
 public:
     explicit TriangleLabels(size_t triangleCount) : votes_(triangleCount) {}
 
-    /** labels and mask: one value a pixel of the raster's size. */
+    /** Adds a frame. `labels` and `mask` have the raster's size, one value per pixel. */
     void add(const MeshRaster& raster, std::span<const Vec3f> positions, std::span<const Triangle> triangles, const Camerad& camera,
              std::span<const uint8_t> labels, std::span<const uint8_t> mask);
 
-    /** The label with most votes, after two rounds in which neighbours share half of theirs (lone triangles follow their surroundings).
-     *  Triangles that nobody saw take their neighbours' label, ring by ring; `fallback` where nothing was seen at all. Ties: the smaller
-     * label. */
+    /** The label with most votes; the smaller label wins ties. First, two rounds in which neighbours share half of their votes remove
+     * isolated labels. Unseen triangles take their neighbours' label, ring by ring, or `fallback` when no neighbour has one. */
     std::vector<uint8_t> finish(std::span<const Triangle> triangles, uint8_t fallback) const;
 
 private:
