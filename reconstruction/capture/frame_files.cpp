@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pixels and keypoints of one frame. Lens distortion is removed here: every later stage sees a pinhole camera.
+// Reads pixels and keypoints of one frame and removes lens distortion, so that every later stage works with a pinhole camera.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -69,7 +69,7 @@ Result<ImageRgb8> readFrameImage(const ScanFrame& frame) {
 Result<ImageGrey8> readFrameMask(const ScanFrame& frame) {
     if (frame.maskPath.empty()) return fail(Code::NotFound, "frame '{}' has no mask; add one to the scan", frame.name);
     DPL_TRY(cv::Mat image, decode(frame.maskPath, frame, PictureChannels::AsStored));
-    if (image.channels() == 4) {  // a cut-out picture: its alpha is the mask, unless it is opaque everywhere
+    if (image.channels() == 4) {  // alpha is the mask, unless the picture is opaque everywhere
         cv::Mat alpha;
         cv::extractChannel(image, alpha, 3);
         if (cv::countNonZero(alpha != 255) > 0)
@@ -81,7 +81,7 @@ Result<ImageGrey8> readFrameMask(const ScanFrame& frame) {
     }
     double most = 0;
     cv::minMaxLoc(image, nullptr, &most);
-    if (most == 1) image *= 255;  // masks of 0 and 1 are common, too
+    if (most == 1) image *= 255;  // a mask with the values 0 and 1
     undistort(image, frame, cv::INTER_LINEAR);
     return takePixels<ImageGrey8>(image);
 }
@@ -117,7 +117,7 @@ Result<std::vector<Keypoint>> readKeypoints(const Scan& scan, const ScanFrame& f
     // "xy_noisy" is the name of "detections" in older scans. "xy" holds the true positions of synthetic scans and is never read.
     const char* key = fields.has("xy_noisy") && !fields.has("detections") ? "xy_noisy" : "detections";
     DPL_TRY(const json* positions, fields.array(key));
-    // The file's own names give the order; without them it is the order of the scan.
+    // The order is that of the file's own names, or of the scan when the file has none.
     std::vector<size_t> slot(positions->size(), SIZE_MAX);
     if (fields.has("names")) {
         DPL_TRY(const json* names, fields.array("names"));
@@ -149,7 +149,7 @@ Result<std::vector<Keypoint>> readKeypoints(const Scan& scan, const ScanFrame& f
         Keypoint& k = keypoints[slot[i]];
         k.px = {p[0].get<double>(), p[1].get<double>()};
         k.confidence = std::clamp(confidence[i], 0.0, 1.0);
-        if (!(std::abs(k.px.x) < 1e6 && std::abs(k.px.y) < 1e6)) k = {};  // a point this far out projects from behind the camera
+        if (!(std::abs(k.px.x) < 1e6 && std::abs(k.px.y) < 1e6)) k = {};  // a point this far out was projected from behind the camera
     }
     if (frame.lens.any()) {
         for (Keypoint& k : keypoints) {

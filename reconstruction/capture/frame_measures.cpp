@@ -8,7 +8,8 @@
 namespace dpl {
 namespace {
 
-/** Share of neighbour differences that a 9-tap box blur leaves standing, the larger of both directions (Crete et al. 2007), inside `where`.
+/** Share of the neighbour differences inside `where` that remains after a 9-tap box blur; the larger of both directions (Crete et al.
+ * 2007).
  */
 double blurIndexOf(const cv::Mat& grey, const cv::Mat& where) {
     double worst = 0;
@@ -39,7 +40,7 @@ void measureImage(const ImageRgb8& image, const ImageGrey8& mask, FrameCheck& ch
         where = cv::Mat(grey.size(), CV_8U, cv::Scalar(255));
     } else {
         const cv::Mat soft(int(mask.heightPx), int(mask.widthPx), CV_8U, const_cast<uint8_t*>(mask.pixels.data()));
-        // Inside only: the outline against the background is sharp even when the person is not, and the other way round.
+        // Measure inside the mask only: the outline can be sharp where the person is blurred, and the reverse.
         cv::erode(soft >= 128, where, cv::getStructuringElement(cv::MORPH_ELLIPSE, {7, 7}));
     }
     if (cv::countNonZero(where) < 64) return;

@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 using Bytes = std::span<const uint8_t>;
 
 constexpr uintmax_t kMaxFileBytes = 256u << 20;
-constexpr size_t kProbeBytes = 512u << 10;  // EXIF thumbnails and colour profiles come before the size
+constexpr size_t kProbeBytes = 512u << 10;  // EXIF thumbnails and colour profiles may precede the size
 constexpr uint8_t kPngSignature[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
 
 uint32_t big16(Bytes b, size_t at) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pose landmarks -> the keypoint names of our scans.
+// Converts BlazePose landmarks to the 24 keypoints of a scan.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -40,7 +40,7 @@ enum Name : size_t {
     HeadTop
 };
 
-// Names that are landmarks themselves: (name, BlazePose index).
+// Keypoints that are landmarks themselves: (keypoint, BlazePose index).
 constexpr std::array<std::pair<size_t, size_t>, 17> kDirect{{{Nose, 0},
                                                              {EyeL, 2},
                                                              {EyeR, 5},
@@ -58,12 +58,12 @@ constexpr std::array<std::pair<size_t, size_t>, 17> kDirect{{{Nose, 0},
                                                              {KneeR, 26},
                                                              {AnkleL, 27},
                                                              {AnkleR, 28}}};
-// Shares measured on the skeletons of the shared scans: the neck joint between the shoulders' and the ears' middle, the toe joint between
-// heel and toe tip.
+// Interpolation shares, measured on the skeletons of the shared scans. Neck: from the middle of the shoulders to the middle of the ears.
+// Toe: from heel to toe tip.
 constexpr double kNeckShare = 0.44, kToeShare = 0.72, kHeadTopShare = 0.55;
-// The network marks hips below the hip joints and shoulders above the shoulder joints: on scan-a by 12 and 6 of about 90 px of trunk.
+// Corrections as shares of the trunk: on scan-a the network marks hips 12 px too low and shoulders 6 px too high, at about 90 px of trunk.
 constexpr double kHipRaise = 0.12, kShoulderDrop = 0.06;
-constexpr double kDerivedTrust = 0.7;  // a derived point is less certain than what it was derived from
+constexpr double kDerivedTrust = 0.7;  // confidence factor of a derived point
 
 }  // namespace
 
@@ -89,7 +89,7 @@ std::vector<Keypoint> keypointsFromLandmarks(std::span<const Vec2d> landmarks, s
     out[ToeR] = blend(30, 32, kToeShare);
     out[Pelvis] = blend(23, 24, 0.5);
     const Keypoint shoulders = blend(11, 12, 0.5);
-    // Seen from the side one ear is hidden and its landmark a guess, but the middle stays good: the more certain ear speaks for both.
+    // In a side view one ear is hidden and its landmark uncertain, but the middle of both stays accurate. Use the higher confidence.
     const Keypoint ears{0.5 * (p[7] + p[8]), std::max(confidence[7], confidence[8])};
     const double trust = kDerivedTrust * std::min(shoulders.confidence, ears.confidence);
     const Vec2d neckToEars = ears.px - shoulders.px;
@@ -100,7 +100,7 @@ std::vector<Keypoint> keypointsFromLandmarks(std::span<const Vec2d> landmarks, s
             return px.x >= 0 && px.y >= 0 && px.x < mask->widthPx && px.y < mask->heightPx &&
                    mask->pixels[size_t(px.y) * mask->widthPx + size_t(px.x)] >= 128;
         };
-        if (person(ears.px))  // walk up the neck's line to the outline, within what a head can be
+        if (person(ears.px))  // search along the neck's line for the outline, within the size of a head
             for (reach = 0.3; reach < 1.0 && person(ears.px + reach * neckToEars); reach += 0.01) {
             }
     }

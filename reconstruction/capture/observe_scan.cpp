@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Observations of a whole scan, written as files in the layout of a scan folder.
+// Observes all frames of a scan and writes the results as files in the layout of a scan folder.
 #include <cmath>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -41,7 +41,7 @@ Status writeKeypoints(const fs::path& path, const ScanFrame& frame, const std::v
     return writeFile(path, {reinterpret_cast<const uint8_t*>(text.data()), text.size()});
 }
 
-/** What the scan lacks for one frame, and so the networks make. */
+/** The observations that the scan lacks for one frame. */
 struct Wanted {
     bool keypoints = false, labels = false, mask = false;
     bool any() const { return keypoints || labels || mask; }
@@ -60,10 +60,9 @@ struct FramePaths {
           mask(folder / "masks" / (frame.name + ".png")) {}
 };
 
-/** Writes no label picture when nobody was found. */
+/** Writes no label picture when no person was found. */
 Status observeFrame(Observer& observer, const ScanFrame& frame, const Wanted& want, const fs::path& output) {
-    // The networks see the stored pixels, lens distortion included: files of a scan give positions in stored pixels, and the readers
-    // undistort them.
+    // The networks get the stored, distorted pixels, because the files of a scan hold positions in stored pixels. The readers undistort.
     ScanFrame stored = frame;
     stored.lens = {};
     DPL_TRY(const ImageRgb8 image, readFrameImage(stored));

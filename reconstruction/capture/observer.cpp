@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// BlazePose and the clothes parser on one picture.
+// Runs BlazePose and the clothes parser on one picture.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,10 +20,10 @@ double sigmoid(double x) {
     return 1 / (1 + std::exp(-x));
 }
 
-/** A turned square of the picture. */
+/** A rotated square of the picture. */
 struct Crop {
     Vec2d centrePx{0};
-    double sidePx = 1, angleRad = 0;  // the crop's up is the picture's up turned clockwise by the angle
+    double sidePx = 1, angleRad = 0;  // the crop's up direction is the picture's, rotated clockwise by angleRad
 
     Vec2d toPicture(const Vec2d& inCrop, double cropSide) const {
         const Vec2d d = (inCrop / cropSide - 0.5) * sidePx;
@@ -47,7 +47,8 @@ std::vector<float> cropToTensor(const ImageRgb8& image, const Crop& crop, int si
     cv::Mat cut;
     cv::Mat source = rgbOf(image);
     Crop used = crop;
-    if (const double shrink = double(side) / crop.sidePx; shrink < 0.5) {  // average first: bilinear alone would skip pixels
+    if (const double shrink = double(side) / crop.sidePx;
+        shrink < 0.5) {  // average first, because bilinear sampling alone would skip pixels
         cv::resize(source, source, {}, 2 * shrink, 2 * shrink, cv::INTER_AREA);
         used.centrePx *= Vec2d(double(source.cols) / image.widthPx, double(source.rows) / image.heightPx);
         used.sidePx *= double(source.cols) / image.widthPx;
@@ -62,7 +63,7 @@ std::vector<float> cropToTensor(const ImageRgb8& image, const Crop& crop, int si
     return chw;
 }
 
-/** A crop's plane of numbers spread over the picture; 0 outside the crop. */
+/** Resamples a plane of the crop to the picture; 0 outside the crop. */
 cv::Mat spread(const float* plane, int side, const Crop& crop, uint32_t width, uint32_t height) {
     const cv::Mat small(side, side, CV_32F, const_cast<float*>(plane));
     cv::Mat big;
@@ -87,7 +88,7 @@ double segmentDistance(const Vec2d& p, const Vec2d& a, const Vec2d& b) {
     return glm::length(p - a - t * d);
 }
 
-/** Clothes are told apart by the nearest limb: torso and arms wear the top, legs the bottom, feet the shoes. Landmarks in picture pixels.
+/** Labels clothes by the nearest limb: top at torso and arms, bottom at legs, shoes at feet. Landmarks in picture pixels.
  */
 uint8_t garmentAt(const Vec2d& px, std::span<const Vec2d> p) {
     const Vec2d hips = 0.5 * (p[23] + p[24]), shoulders = 0.5 * (p[11] + p[12]);
@@ -139,7 +140,7 @@ struct Observer::State {
                 found.landmarks[k] = crop.toPicture({v[0], v[1]}, kPoseSide);
                 found.confidence[k] = sigmoid(v[3]) * sigmoid(v[4]);
             }
-            if (found.score < 0.5) break;  // nobody there: a next crop would wander off
+            if (found.score < 0.5) break;  // no person: the next crop would drift away
             const Vec2d up = found.landmarks[34] - found.landmarks[33];
             const double reach = glm::length(up);
             if (!(reach > 1) || !std::isfinite(reach)) break;

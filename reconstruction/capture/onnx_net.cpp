@@ -25,7 +25,7 @@ Result<OnnxNet> OnnxNet::load(const fs::path& path) {
     if (!fs::is_regular_file(path, error))
         return fail(Code::NotFound, "{}: not found; point at a folder that holds this network", path.string());
     if (fs::file_size(path, error) > (512u << 20)) return fail(Code::Unsupported, "{}: larger than 512 MiB", path.string());
-    cv::setNumThreads(1);  // sums in fixed order: same picture, same numbers
+    cv::setNumThreads(1);  // fixed order of sums: equal results on every run
     auto state = std::make_unique<State>();
     state->path = path;
     try {

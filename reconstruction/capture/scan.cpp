@@ -19,12 +19,12 @@ Status checkSize(const fs::path& path, const Camerad& camera, const ScanFrame& f
     return {};
 }
 
-/** One static full-body frame in ten, from the sixth on, so that the first picture of an orbit stays in training. */
+/** Holds out every tenth static full-body frame, starting with the sixth, so that the first picture of an orbit stays in training. */
 void holdOutFrames(Scan& scan) {
     std::vector<ScanFrame*> full;
     for (auto& frame : scan.frames)
         if (frame.kind == FrameKind::StaticFull) full.push_back(&frame);
-    if (full.size() < 4) return;  // too few to give one away
+    if (full.size() < 4) return;  // too few to hold one out
     for (size_t i = std::min<size_t>(5, full.size() / 2); i < full.size(); i += 10) full[i]->split = Split::Test;
 }
 
@@ -56,7 +56,7 @@ Status finishScan(Scan& scan) {
 Result<Scan> readScan(const fs::path& given) {
     std::error_code error;
     fs::path root = given, manifest;
-    if (fs::is_regular_file(given, error)) manifest = given, root = given.parent_path();  // a manifest itself is accepted as well
+    if (fs::is_regular_file(given, error)) manifest = given, root = given.parent_path();  // `given` may be the manifest itself
     if (!fs::is_directory(root.empty() ? "." : root, error))
         return fail(Code::NotFound, "{}: no such folder; give the folder that holds scan.json, transforms.json or a COLMAP model",
                     given.string());

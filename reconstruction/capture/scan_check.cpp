@@ -17,13 +17,13 @@
 namespace dpl {
 namespace {
 
-// Where a scan stops being good. Values in brackets were measured on the shared scans and on scans damaged on purpose (scan_check_test).
-constexpr double kBlurredRelative = 0.25;  // sharpness under a quarter of the median of its kind: motion blur or missed focus
+// Thresholds of the findings. Values in brackets were measured on the shared scans and on scans damaged on purpose (scan_check_test).
+constexpr double kBlurredRelative = 0.25;  // relativeSharpness below this means motion blur or missed focus
 constexpr double kBlurredIndex =
     0.58;  // median blur index above which all pictures are soft [0.25 to 0.30 when sharp, 0.61 after a blur of 4 px]
 constexpr double kEmptyMaskShare = 0.002;  // of the picture
-constexpr double kBorderShare = 0.01;      // of the picture's edge: a foot touching it is less, a cut waist is more
-constexpr double kExposureStops = 0.5;     // jump between neighbours that is not the subject turning
+constexpr double kBorderShare = 0.01;      // of the picture's edge: more than a touching foot, less than a cut waist
+constexpr double kExposureStops = 0.5;     // jump between neighbours after the fit by azimuth and height
 constexpr double kGapWarnDeg = 40, kGapRefuseDeg = 150;
 constexpr double kCoherenceWarn = 0.96,
                  kCoherenceRefuse = 0.6;  // [0.99 when right, 0.68 to 0.95 at half or twice the focal length, 0.52 shuffled]
@@ -58,7 +58,7 @@ private:
     Jobs& jobs_;
     std::vector<FrameMeasures> measures_;
     ScanCheck out_;
-    std::vector<double> azimuthRad_, elevation_;  // per frame, about the subject; elevation is the sine
+    std::vector<double> azimuthRad_, elevation_;  // per frame, about the subject; elevation_ is a sine
 
     void find(bool refuses, const char* topic, std::string sentence, std::vector<std::string> frames = {}) {
         out_.findings.push_back({refuses, topic, std::move(sentence), std::move(frames)});
@@ -165,8 +165,8 @@ private:
             if (measures_[i].check.brightness > 0) used.push_back(i), all.push_back(std::log2(measures_[i].check.brightness));
         if (used.size() < 16) return;
         out_.exposureSpreadStops = percentile(all, 0.95) - percentile(all, 0.05);
-        // A lit side and dark trousers are no exposure drift: take out what azimuth and camera height explain, and look for jumps in the
-        // rest.
+        // A lit side or dark trousers change the brightness without an exposure drift. Subtract the part that azimuth and camera height
+        // explain, and look for jumps in the remainder.
         cv::Mat basis(int(used.size()), 6, CV_64F), value(int(used.size()), 1, CV_64F), weights;
         for (size_t r = 0; r < used.size(); ++r) {
             const double a = azimuthRad_[used[r]];
@@ -201,13 +201,13 @@ private:
         const auto views = staticViews();
         std::optional<Vec3d> centre = subjectCentre(views);
         Vec3d up(0, 1, 0);
-        if (!scan_.metricWorld) {  // arbitrary world: the cameras themselves know up
+        if (!scan_.metricWorld) {  // arbitrary world: take the up direction from the cameras
             up = Vec3d(0);
             for (size_t i : frames) up -= glm::transpose(scan_.frames[i].camera.viewFromWorldRotation) * Vec3d(0, 1, 0);
             if (!(glm::length(up) > 1e-6)) return;
             up = glm::normalize(up);
         }
-        if (!centre) {  // no masks: the point that the optical axes share
+        if (!centre) {  // no masks: the point nearest to the optical axes
             std::vector<Ray> axes;
             for (size_t i : frames)
                 axes.push_back(pixelRay(scan_.frames[i].camera, {scan_.frames[i].camera.cx, scan_.frames[i].camera.cy}));

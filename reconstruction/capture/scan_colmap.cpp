@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A COLMAP sparse model with its image folder. Masks, when there, are masks/NAME.png or masks/NAME.EXT.png (COLMAP's own habit). Frames
-// named close… are close-ups and dyn… dynamic, as in our own scans.
+// Reads a COLMAP sparse model with its image folder. Optional masks are masks/NAME.png or, as COLMAP names them, masks/NAME.EXT.png. Frames
+// named close… are close-ups and frames named dyn… are dynamic, as in avatar-scan folders.
 #include "reconstruction/cameras/colmap_model.h"
 #include "reconstruction/capture/scan_paths.h"
 

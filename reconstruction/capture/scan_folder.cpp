@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The avatar-scan folder (docs/formats/scan.md). Read: images, masks, labels, keypoints, cameras, splits. The skeleton, geometry and truth
-// entries of the manifest are never looked at: they exist for measuring.
+// Reads an avatar-scan folder (docs/formats/scan.md): images, masks, labels, keypoints, cameras, splits. The manifest's skeleton, geometry
+// and truth entries are never read, because they are ground truth for measuring.
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -56,7 +56,7 @@ Result<std::vector<std::string>> readKeypointNames(const JsonFields& fields) {
     return names;
 }
 
-/** What all frames share. */
+/** Values shared by all frames. */
 struct Common {
     fs::path root;
     uint32_t widthPx = 0, heightPx = 0;
@@ -124,7 +124,8 @@ Result<ScanFrame> readFrame(const json& entry, const Common& common, const std::
     DPL_TRY(frame.camera.cy, camera.number("cy"));
     DPL_TRY(const auto r, camera.numbers("R", 9));
     DPL_TRY(const auto t, camera.numbers("t", 3));
-    frame.camera.viewFromWorldRotation = Mat3d(r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8]);  // rows in the file, columns here
+    frame.camera.viewFromWorldRotation =
+        Mat3d(r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8]);  // the file is row-major, glm column-major
     frame.camera.viewFromWorldTranslation = {t[0], t[1], t[2]};
     turnZUpWorld(frame.camera);
     DPL_CHECK_OK(checkCamera(frame.camera, camera.where()));

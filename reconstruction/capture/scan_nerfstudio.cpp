@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// nerfstudio's transforms.json: OpenGL camera-to-world matrices, shared or per-frame intrinsics, optional masks and split lists. The world
-// is taken as y-up and metric unless "world_up": "z" says otherwise, or "applied_transform" tells that it came from a COLMAP model.
+// Reads nerfstudio's transforms.json: OpenGL camera-to-world matrices, shared or per-frame intrinsics, optional masks and split lists. The
+// world is taken as y-up and metric, unless "world_up" is "z" or an "applied_transform" shows that it came from a COLMAP model.
 #include <array>
 #include <cmath>
 #include <map>
@@ -16,7 +16,7 @@ using nlohmann::json;
 
 namespace {
 
-/** A field of the frame, else of the file: nerfstudio lets a frame override every intrinsic. */
+/** A field of the frame, or of the file when the frame has none: nerfstudio allows frames to override every intrinsic. */
 Result<double> eitherNumber(const JsonFields& frame, const JsonFields& file, const char* key, double otherwise) {
     if (frame.has(key)) return frame.number(key);
     return file.number(key, otherwise);
@@ -24,7 +24,7 @@ Result<double> eitherNumber(const JsonFields& frame, const JsonFields& file, con
 
 Result<fs::path> imageOf(const fs::path& root, const std::string& relative, const std::string& where) {
     if (fs::path(relative).has_extension()) return fileInside(root, relative, where);
-    for (const char* extension : {".jpg", ".jpeg", ".png"}) {  // Blender's files leave the extension out
+    for (const char* extension : {".jpg", ".jpeg", ".png"}) {  // Blender's files omit the extension
         std::error_code ignored;
         if (fs::exists(root / (relative + extension), ignored)) return fileInside(root, relative + extension, where);
     }
@@ -74,7 +74,7 @@ Status readPose(const json& entry, const std::string& where, Camerad& camera) {
     return {};
 }
 
-/** file_path -> split, from the three lists; empty when the file has none. Validation images are held out too: nothing may learn from them.
+/** file_path -> split, from the three lists; empty when the file has no lists. Validation images count as test.
  */
 Result<std::map<std::string, Split>> readSplits(const JsonFields& fields) {
     std::map<std::string, Split> splits;

@@ -21,7 +21,7 @@ Result<json> readJsonObject(const fs::path& path) {
     if (!in.read(text.data(), std::streamsize(bytes))) return fail(Code::Io, "{}: cannot be read; check its permissions", path.string());
     json value;
     try {
-        // The callback bounds nesting: every later walk over the value may recurse.
+        // The callback limits nesting, because later code may recurse over the value.
         value = json::parse(text, [](int depth, json::parse_event_t, json&) {
             if (depth > 64) throw std::runtime_error("nested deeper than 64 levels");
             return true;

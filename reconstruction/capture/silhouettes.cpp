@@ -44,7 +44,7 @@ std::optional<Vec3d> subjectCentre(std::span<const SilhouetteView> views) {
     if (!plain) return plain;
     double distance = 0;
     for (const Ray& ray : rays) distance += glm::length(*plain - ray.origin) / double(rays.size());
-    return pointNearRays(rays, weights, 0.1 * distance);  // a mask that is cut or wrong loses its say
+    return pointNearRays(rays, weights, 0.1 * distance);  // robust: a cut or wrong mask gets little weight
 }
 
 SilhouetteVotes voteSilhouettes(std::span<const SilhouetteView> views, const VoxelGrid& grid, Jobs& jobs) {
@@ -94,7 +94,7 @@ std::optional<VoxelGrid> boundSilhouettes(std::span<const SilhouetteView> views,
                     high = glm::max(high, coarse.centre(x, y, z));
                 }
     if (low.x > high.x) return std::nullopt;
-    low -= 1.5 * coarse.voxelM, high += 1.5 * coarse.voxelM;  // the coarse grid may miss a hand that is thinner than a cube
+    low -= 1.5 * coarse.voxelM, high += 1.5 * coarse.voxelM;  // the coarse grid may miss a hand thinner than a voxel
     const Vec3d size = high - low;
     if (voxelM <= 0) voxelM = std::max({size.x, size.y, size.z}) / 64;
     VoxelGrid grid{low - 2.0 * voxelM, voxelM};
@@ -122,7 +122,7 @@ double silhouetteCoherence(std::span<const SilhouetteView> views, Jobs& jobs) {
             const Vec3d view = c.toView(p);
             if (!(view.z > 0.05)) continue;
             const Vec2d px = c.pixelOf(view);
-            const double half = 0.9 * grid->voxelM * c.fx / view.z;  // a cube seen along its diagonal
+            const double half = 0.9 * grid->voxelM * c.fx / view.z;  // projected half diagonal of a voxel, about √3/2
             const int x0 = std::max(0, int(px.x - half)), x1 = std::min(int(c.widthPx) - 1, int(px.x + half));
             const int y0 = std::max(0, int(px.y - half)), y1 = std::min(int(c.heightPx) - 1, int(px.y + half));
             for (int y = y0; y <= y1; ++y)

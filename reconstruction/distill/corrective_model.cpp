@@ -21,7 +21,7 @@ constexpr std::array<std::string_view, 17> kHeardBones{"spine",         "chest",
                                                        "rightLowerArm", "leftUpperLeg",  "rightUpperLeg", "leftLowerLeg",  "rightLowerLeg",
                                                        "leftFoot",      "rightFoot"};
 
-/** The mesh as a graph: vertices at one place are one, edges have lengths. */
+/** The mesh as a graph with edge lengths. Vertices at one position are merged. */
 struct SurfaceGraph {
     std::vector<uint32_t> mergedOf;
     std::vector<std::vector<std::pair<uint32_t, float>>> neighbours;
@@ -39,7 +39,7 @@ struct SurfaceGraph {
             }
     }
 
-    /** Dijkstra from `source`; visit(vertex, distance) returns false where the search need not go on. */
+    /** Dijkstra from `source`; visit(vertex, distance) returns false to stop the search at that vertex. */
     template <class Visit>
     void search(uint32_t source, std::map<uint32_t, float>& settled, Visit&& visit) const {
         using Entry = std::pair<float, uint32_t>;
@@ -56,7 +56,7 @@ struct SurfaceGraph {
     }
 };
 
-/** Farthest-point nodes until every vertex is within `spacing` of one. */
+/** Adds the farthest vertex as a node until every vertex is within `spacing` of a node, or the nodes are kMaxCorrectiveNodes. */
 std::vector<uint32_t> chooseNodes(const SurfaceGraph& graph, float spacing) {
     std::vector<float> nearest(graph.neighbours.size(), 1e30f);
     std::vector<uint32_t> nodes;
@@ -121,7 +121,7 @@ Result<PoseCorrectiveData> correctiveModel(std::span<const JointData> joints, co
     samples.rowwise() -= mean;
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(samples.transpose() * samples / double(rows));
     if (solver.info() != Eigen::Success) return fail(Code::Internal, "the modes of {} poses could not be found", poses.size());
-    const Eigen::VectorXd& variance = solver.eigenvalues();  // rising
+    const Eigen::VectorXd& variance = solver.eigenvalues();  // ascending
     if (!(variance(features - 1) > settings.minSpread * settings.minSpread)) return PoseCorrectiveData{};
     const double total = variance.sum();
     for (Eigen::Index f = 0; f < features; ++f) out.mean.push_back(float(mean(f)));

@@ -13,7 +13,7 @@ namespace {
 constexpr int kPoses = 64;
 constexpr double kMaxTurnRad = 1.05;
 
-/** Uniform in [−1, 1): the same on every machine, which std's distributions are not. */
+/** Uniform in [−1, 1). Equal on every machine, unlike the distributions of std. */
 double signedUniform(std::mt19937& random) {
     return double(random()) * 0x1p-31 - 1;
 }
@@ -46,7 +46,7 @@ PoseStress poseStress(const AvatarData& avatar, Jobs& jobs) {
         for (const Triangle& t : avatar.mesh.triangles)
             for (int c = 0; c < 3; ++c) {
                 const uint32_t a = t[c], b = t[(c + 1) % 3];
-                if (a > b) continue;  // an edge once: its other triangle runs along it the other way
+                if (a > b) continue;  // each edge once: its two triangles run along it in opposite directions
                 const float length = glm::length(rest[a] - rest[b]);
                 if (length > 1e-4f) strains.push_back(glm::length((posed.rest()[a] - rest[a]) - (posed.rest()[b] - rest[b])) / length);
             }

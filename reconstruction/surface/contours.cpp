@@ -7,7 +7,7 @@
 namespace dpl {
 namespace {
 
-/** Points with their scaled normals as nanoflann wants them. */
+/** nanoflann adaptor: points with scaled normals, 4 dimensions. */
 struct Cloud {
     std::span<const ContourPoint> points;
     double turnPx;
@@ -29,7 +29,7 @@ std::vector<ContourPoint> contourPoints(std::span<const uint8_t> inside, uint32_
     const auto at = [&](int x, int y) {
         return x >= 0 && y >= 0 && x < int(width) && y < int(height) && inside[size_t(y) * width + size_t(x)];
     };
-    // Normal: minus the gradient of the picture under a 7 × 7 window around the crack.
+    // Normal: minus the gradient of the picture in a 7 × 7 window around the edge.
     const auto normalAt = [&](int x, int y, Vec2d crack) {
         Vec2d sum = 1e-3 * crack;
         for (int dy = -3; dy <= 3; ++dy)

@@ -16,11 +16,12 @@
 namespace dpl {
 namespace {
 
-constexpr double kTangentShare = 0.25;  // of a pull along the outline: it is mostly noise, but a helmet's far side needs it
-constexpr double kTurnShare = 0.03;     // of the picture's height: price of a turned normal (contours.h)
-constexpr double kReachShare = 0.25;    // of the picture's height: pulls from further away are mistakes
+constexpr double kTangentShare = 0.25;  // kept of a pull's part along the outline: mostly noise, but needed for a helmet's far side
+constexpr double kTurnShare = 0.03;     // of the picture's height: turnPx of matchContours()
+constexpr double kReachShare = 0.25;    // of the picture's height: reachPx of matchContours(); longer pulls are wrong matches
 constexpr double kStep = 0.8;           // of the smoothed pull taken per round
-constexpr double kRelax = 0.03;  // of the offset's difference to its neighbours' mean, per round: more pulls sleeves and hems inwards
+constexpr double kRelax =
+    0.03;  // share of an offset's difference from its neighbours' mean, per round; a higher value pulls sleeves and hems inwards
 
 /** A pull on one vertex, rest space. */
 struct Pull {
@@ -77,7 +78,7 @@ std::vector<double> posedIou(const MeshData& mesh, std::span<const JointData> jo
     return iou;
 }
 
-/** Pulls of one view, and the translation in its picture's plane that would please its outline best. */
+/** Pulls of one view, and the translation parallel to its picture that fits its outline best. */
 class ViewPulls {
 public:
     ViewPulls(const MeshData& mesh, const SurfaceView& view, const PosedView& posed, std::span<const ContourPoint> target)
@@ -122,15 +123,15 @@ private:
         const Vec3d inView(way.x * depth / c.fx, way.y * depth / c.fy, 0);
         const Vec3f inWorld(glm::transpose(c.viewFromWorldRotation) * inView);
         const Triangle& t = mesh_.triangles[image_.triangle[at.inside]];
-        for (int k = 0; k < 3; ++k) {  // all corners alike: the smoothing is wider than a triangle
+        for (int k = 0; k < 3; ++k) {  // equal weights suffice: the smoothing is wider than a triangle
             const Mat3f& linear = posed_.linear[t[k]];
-            if (!(std::abs(glm::determinant(linear)) > 0.05f)) continue;  // opposing blend: no way back to the rest pose
+            if (!(std::abs(glm::determinant(linear)) > 0.05f)) continue;  // opposing rotations cancel: not invertible
             pulls_.push_back({t[k], 1.0f, glm::inverse(linear) * inWorld});
         }
     }
 };
 
-/** For each vertex of a small separate part the vertex of the largest part that it rides on; itself elsewhere. */
+/** For each vertex the vertex whose offset it takes: the nearest of the largest part for a small separate part, else itself. */
 std::vector<uint32_t> carriers(const MeshData& mesh) {
     const size_t count = mesh.restPositions.size();
     std::vector<uint32_t> root(count);
@@ -158,7 +159,8 @@ std::vector<uint32_t> carriers(const MeshData& mesh) {
     std::vector<uint32_t> carrier(count);
     for (uint32_t v = 0; v < count; ++v) {
         carrier[v] = v;
-        if (size[find(v)] * 5 >= size[largest] || size[find(v)] == 1) continue;  // a part of its own (a garment), or a loose vertex
+        if (size[find(v)] * 5 >= size[largest] || size[find(v)] == 1)
+            continue;  // a large part (a garment) moves by itself; a loose vertex has no triangles
         float nearest = 1e30f;
         for (uint32_t u = 0; u < count; ++u) {
             if (find(u) != largest) continue;
@@ -228,7 +230,7 @@ private:
     const SurfaceFitSettings& settings_;
     Jobs& jobs_;
     std::vector<Vec3f> offsets_;
-    std::vector<Pose> poses_;  // the views' own, with sway_ added
+    std::vector<Pose> poses_;  // poses of the views, with sway_ added
     std::vector<Vec3f> sway_;
     std::vector<std::vector<ContourPoint>> targets_;
     std::vector<uint32_t> carrier_;
@@ -246,7 +248,7 @@ private:
         });
         if (moveViews) addSway(translations);
         std::vector<Vec3f> sum(count, Vec3f(0)), weight(count, Vec3f(0)), spreadSum(count), spreadWeight(count), u(smooth.size());
-        for (const auto& list : pulls)  // in the order of the views, whatever thread made them
+        for (const auto& list : pulls)  // in the order of the views, so that sums do not depend on threads
             for (const Pull& p : list) sum[p.vertex] += p.weighted, weight[p.vertex].x += p.weight;
         smooth.backward(sum, u, false);
         smooth.offsets(u, spreadSum, false);
@@ -254,7 +256,7 @@ private:
         smooth.offsets(u, spreadWeight, false);
         double meanWeight = 0;
         for (const Vec3f& w : spreadWeight) meanWeight += w.x / double(count);
-        const float epsilon = float(0.02 * meanWeight) + 1e-12f;  // where nothing pulls for decimetres around, nothing moves
+        const float epsilon = float(0.02 * meanWeight) + 1e-12f;  // keeps vertices at rest where no pull is near
         std::vector<Vec3f> next(offsets_);
         for (size_t v = 0; v < count; ++v) {
             Vec3f move = float(kStep) * spreadSum[v] / (std::max(0.0f, spreadWeight[v].x) + epsilon);
@@ -269,7 +271,7 @@ private:
         offsets_ = std::move(next);
     }
 
-    /** Half of each view's translation is taken per round. The mean over the views is shape, not sway. */
+    /** Adds half of each view's translation per round, minus the mean over the views, which belongs to the shape. */
     void addSway(std::span<const Vec3f> translations) {
         Vec3f mean(0);
         for (size_t i = 0; i < sway_.size(); ++i) {
@@ -283,7 +285,7 @@ private:
         }
     }
 
-    /** A little of each offset goes to the mean of its neighbours': keeps triangles from folding where pulls disagree. */
+    /** Moves each offset slightly towards the mean of its neighbours, so that triangles do not fold where pulls disagree. */
     void relax(std::vector<Vec3f>& offsets) const {
         std::vector<Vec3f> sum(offsets.size(), Vec3f(0));
         std::vector<float> count(offsets.size(), 0);

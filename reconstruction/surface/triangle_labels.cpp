@@ -10,7 +10,7 @@
 namespace dpl {
 namespace {
 
-/** Triangles that share an edge: up to three a triangle (first come where an edge has more than two). */
+/** The up to three neighbours of each triangle across its edges; on an edge of more than two triangles the first ones count. */
 std::vector<std::array<uint32_t, 3>> edgeNeighbours(std::span<const Triangle> triangles) {
     std::map<std::pair<uint32_t, uint32_t>, std::pair<uint32_t, int>> open;
     std::vector<std::array<uint32_t, 3>> neighbours(triangles.size(), {kNoTriangle, kNoTriangle, kNoTriangle});
