@@ -35,13 +35,13 @@ TEST(BodyTools, anchorPointReproducesAPointInsideTheSurface) {
     float total = 0;
     for (auto [v, w] : anchorPoint(body.mesh, all, point)) sum += w * body.mesh.restPositions[v], total += w;
     EXPECT_NEAR(total, 1, 1e-5);
-    EXPECT_LT(glm::length(sum - point), 1e-4f);  // the regularisation of anchorPoint costs some 1e-6 of the neighbourhood's size
+    EXPECT_LT(glm::length(sum - point), 1e-4f);  // anchorPoint's regularisation shifts the point by about 1e-6 of the neighbourhood's size
 }
 
 TEST(BodyTools, boneMorphsStretchOneBoneAndKeepTheFeetDown) {
     const BodyModel plain = smallBody(), body = withBoneMorphs(plain);
     ASSERT_TRUE(checkBody(body)) << checkBody(body).error().message;
-    EXPECT_EQ(withBoneMorphs(body).morphs.size(), body.morphs.size());  // twice is once
+    EXPECT_EQ(withBoneMorphs(body).morphs.size(), body.morphs.size());  // a second call adds nothing
     const auto length = [](const BodyModel& b, const char* from, const char* to) {
         return glm::length(b.joints[size_t(findHumanoid(b, from))].restPosition - b.joints[size_t(findHumanoid(b, to))].restPosition);
     };

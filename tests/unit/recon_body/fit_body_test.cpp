@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fit on a subject made up here: known shape and motion, cameras around it, noisy keypoints with gaps and outliers.
+// The body fit on a synthetic subject of known shape and motion, with noisy keypoints, gaps and outliers.
 #include "reconstruction/body/fit_body.h"
 
 #include <gtest/gtest.h>
@@ -50,10 +50,10 @@ Made make(uint32_t seed, double unitsPerMetre = 1, bool moving = true) {
         const auto places = posedKeypoints(shaped, pose, m.scan.keypointNames);
         std::vector<Keypoint> seen(places.size());
         for (size_t k = 0; k < places.size(); ++k) {
-            if (!places[k].present || random() % 15 == 0) continue;  // a gap now and then
+            if (!places[k].present || random() % 15 == 0) continue;  // gaps
             seen[k].confidence = 0.9;
             seen[k].px = metric.pixelOf(metric.toView(places[k].place)) + Vec2d(normal(random), normal(random));
-            if (random() % 40 == 0) seen[k].px += Vec2d(60, -45);  // and a wrong detection
+            if (random() % 40 == 0) seen[k].px += Vec2d(60, -45);  // wrong detections
         }
         m.scan.frames.push_back(f);
         m.keypoints.push_back(seen);
@@ -98,9 +98,9 @@ TEST(FitBody, findsStillAndMovingPosesDespiteNoiseGapsAndOutliers) {
     const auto fit = fitBody(m.body, m.scan, m.keypoints);
     ASSERT_TRUE(fit) << fit.error().message;
     EXPECT_LT(meanErrorMm(m, *fit, FrameKind::StaticFull, Split::Train),
-              8);  // 1 px is 6 mm here; 14 views average it down, shape and sway cost some
+              8);  // 1 px is 6 mm here; 14 views average the noise, shape and sway add error
     EXPECT_LT(meanErrorMm(m, *fit, FrameKind::Dynamic, Split::Train),
-              20);  // the bar of the whole product is 15 mm; this body has few keypoints a limb
+              20);  // the product's limit is 15 mm; this body has few keypoints per limb
     EXPECT_LT(meanErrorMm(m, *fit, FrameKind::Dynamic, Split::Test), 20);
     EXPECT_NEAR(fit->shape[0], 0.8, 0.4);  // 0.4 of a standard deviation: 16 mm of 1 m
     for (const SolveEnd& s : fit->solves) EXPECT_TRUE(s.usable) << s.what << ": " << s.how;
@@ -126,14 +126,14 @@ TEST(FitBody, heldOutDataReachesNothingThatShips) {
             testDiffers |= a->poses[f].localRotations != b->poses[f].localRotations;
         }
     }
-    EXPECT_TRUE(testDiffers);  // the noise was really read
+    EXPECT_TRUE(testDiffers);  // proves that the noise was read
 }
 
 TEST(FitBody, findsTheScaleOfAWorldWithoutOne) {
     const Made m = make(9, 3.7, /*moving=*/false);
     const auto fit = fitBody(m.body, m.scan, m.keypoints);
     ASSERT_TRUE(fit) << fit.error().message;
-    EXPECT_NEAR(fit->metresPerUnit * 3.7, 1, 0.05);  // the height prior decides between a tall far and a short near person: one sd is 4 %
+    EXPECT_NEAR(fit->metresPerUnit * 3.7, 1, 0.05);  // only the height prior separates tall and far from short and near: 1 σ is 4 %
 }
 
 TEST(FitBody, cancelsWithItsOwnCode) {

@@ -57,7 +57,8 @@ TEST(KeypointChain, agreesWithSkinningTheShapedBody) {
     for (size_t k = 0; k < skinned.size(); ++k) {
         ASSERT_EQ(skinned[k].present, chain.hasKeypoint(k));
         if (skinned[k].present) {
-            EXPECT_LT(glm::length(skinned[k].place - out.points[k]), 2e-5) << names()[k];  // the rig skins in float: some 1e-6 of 2 m
+            EXPECT_LT(glm::length(skinned[k].place - out.points[k]), 2e-5)
+                << names()[k];  // the rig skins in float: error about 1e-6 of 2 m
         }
     }
 }
@@ -66,7 +67,7 @@ TEST(KeypointChain, jacobianIsTheDerivative) {
     const BodyModel body = smallBody();
     const KeypointChain chain(body, names(), posedJoints(body));
     Case c = randomCase(chain, 11);
-    c.pose[4] = 1e-6, c.pose[3] = c.pose[5] = 0;  // the small-angle branch too
+    c.pose[4] = 1e-6, c.pose[3] = c.pose[5] = 0;  // covers the small-angle branch
     KeypointChain::Output out, plus, minus;
     chain.evaluate(c.reference, c.root.data(), c.pose.data(), c.shape.data(), true, out);
     const double h = 1e-6;
@@ -84,11 +85,11 @@ TEST(KeypointChain, jacobianIsTheDerivative) {
             for (int r = 0; r < 3; ++r) {
                 const double analytic = out.jacobian[(k * 3 + size_t(r)) * chain.columns() + column];
                 EXPECT_NEAR(analytic, (plus.points[k][r] - minus.points[k][r]) / (2 * h), 1e-7)
-                    << "keypoint " << k << " column " << column;  // second order in h, and 1e-16/h of rounding
+                    << "keypoint " << k << " column " << column;  // error: second order in h, and rounding of 1e-16/h
                 largest = std::max(largest, std::abs(analytic));
             }
     }
-    EXPECT_GT(largest, 0.5);  // not a test of zeros
+    EXPECT_GT(largest, 0.5);  // the derivatives are not all zero
 }
 
 TEST(KeypointChain, rotationVectorUndoesRotationOf) {
@@ -105,7 +106,7 @@ TEST(PosePriors, elbowsBendForwardAndKneesBackward) {
         ADD_FAILURE() << bone;
         return Vec3d(0);
     };
-    // A positive turn about the hinge takes the forearm's end forward (+Z) and the foot backward.
+    // A positive rotation about the hinge takes the forearm's end forward (+Z) and the foot backward.
     const auto lowerEnd = [&](const char* from, const char* to, double angle) {
         const Vec3d bone(body.joints[size_t(findHumanoid(body, to))].restPosition -
                          body.joints[size_t(findHumanoid(body, from))].restPosition);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A body of a few boxes along a humanoid skeleton, small enough to reason about, with the joints that the fit moves.
+// A small humanoid body for tests: one tetrahedron per joint, with the joints that the fit moves.
 #pragma once
 
 #include <string>
@@ -40,7 +40,7 @@ inline BodyModel smallBody() {
         add("foot", "ankle", {0.14f, 0.03f, 0.1f});
     }
     assignHumanoidBones(body.joints);
-    for (uint32_t j = 0; j < body.joints.size(); ++j) {  // one small tetrahedron a joint, the head's larger
+    for (uint32_t j = 0; j < body.joints.size(); ++j) {  // one tetrahedron per joint, a larger one for the head
         const float r = body.joints[j].name == "head" ? 0.1f : 0.03f;
         const uint32_t first = uint32_t(body.mesh.restPositions.size());
         for (const Vec3f& d : {Vec3f(r, 0, 0), Vec3f(-r, 0, 0), Vec3f(0, 1.6f * r, 0), Vec3f(0, 0.2f * r, r)}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The SMPL-X importer on an .npz made here: a column of joints with a few vertices each. No real SMPL-X file is involved.
+// The SMPL-X importer on a synthetic .npz: a column of joints with a few vertices each. No real SMPL-X file is used.
 #include "reconstruction/body/smplx.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ std::vector<uint8_t> npy(const std::string& type, const std::string& shape, cons
     return out.finish();
 }
 
-/** A zip with deflated and stored entries in turn. */
+/** A zip whose entries are alternately deflated and stored. */
 std::vector<uint8_t> zip(const std::vector<std::pair<std::string, std::vector<uint8_t>>>& entries) {
     Writer out, directory;
     uint16_t count = 0;
@@ -88,7 +88,8 @@ std::vector<std::pair<std::string, std::vector<uint8_t>>> smplxEntries() {
         }
         regressor[j * kVertices + v] = 1.0 / kPerJoint;
         weights[v * kJoints + j] = 0.7;
-        for (size_t other = 1; other < 6; ++other) weights[v * kJoints + (j + other) % kJoints] = 0.06;  // six influences: two must go
+        for (size_t other = 1; other < 6; ++other)
+            weights[v * kJoints + (j + other) % kJoints] = 0.06;  // six influences: two must be dropped
     }
     for (size_t j = 0; j < kJoints; ++j) {
         const uint32_t f = uint32_t(kPerJoint * j);
@@ -96,13 +97,14 @@ std::vector<std::pair<std::string, std::vector<uint8_t>>> smplxEntries() {
         tree.push_back(j == 0 ? int64_t(4294967295) : int64_t(kParents[j]));
     }
     for (size_t j = 0; j < kJoints; ++j) tree.push_back(int64_t(j));
-    return {{"v_template.npy", npy("<f8", "(220, 3)", vertices)},
-            {"shapedirs.npy", npy("<f8", "(220, 3, 3)", shapeDirs)},
-            {"J_regressor.npy", npy("<f8", "(55, 220)", regressor)},
-            {"weights.npy", npy("<f8", "(220, 55)", weights)},
-            {"kintree_table.npy", npy("<i8", "(2, 55)", tree)},
-            {"f.npy", npy("<u4", "(110, 3)", faces)},
-            {"joint2num.npy", npy("|O", "()", std::vector<uint8_t>(40, 7))}};  // real files hold such pickles; they are not touched
+    return {
+        {"v_template.npy", npy("<f8", "(220, 3)", vertices)},
+        {"shapedirs.npy", npy("<f8", "(220, 3, 3)", shapeDirs)},
+        {"J_regressor.npy", npy("<f8", "(55, 220)", regressor)},
+        {"weights.npy", npy("<f8", "(220, 55)", weights)},
+        {"kintree_table.npy", npy("<i8", "(2, 55)", tree)},
+        {"f.npy", npy("<u4", "(110, 3)", faces)},
+        {"joint2num.npy", npy("|O", "()", std::vector<uint8_t>(40, 7))}};  // real files hold such pickles; the importer must ignore them
 }
 
 std::filesystem::path save(const char* name, const std::vector<uint8_t>& bytes) {
@@ -122,7 +124,7 @@ TEST(Smplx, importsShapeSkeletonAndSkin) {
     float low = 1;
     for (const Vec3f& p : body->mesh.restPositions) low = std::min(low, p.y);
     EXPECT_NEAR(low, 0, 1e-6);
-    // Morph 0 is a tenth of the (unlifted) place; joints follow through the regressor.
+    // Morph 0 moves a vertex by a tenth of its position before the lift to y = 0; joints follow through the regressor.
     EXPECT_NEAR(body->morphs[0].jointOffsets[10].y, 0.1 * (-0.8 + 0.3 + 0.005), 1e-6);
     EXPECT_NEAR(body->morphs[1].vertexOffsets[5].x, 0.5, 1e-6);
     for (const glm::u8vec4& w : body->mesh.jointWeights) EXPECT_EQ(w.x + w.y + w.z + w.w, 255);
@@ -145,7 +147,7 @@ TEST(Smplx, everyDamageIsASentenceThatNamesTheFile) {
 
 TEST(Npy, refusesWhatItCannotRead) {
     EXPECT_TRUE(parseNpy(npy("<f4", "(2,)", std::vector<float>{1, 2})));
-    EXPECT_FALSE(parseNpy(npy("<f4", "(3,)", std::vector<float>{1, 2})));                     // longer than its data
+    EXPECT_FALSE(parseNpy(npy("<f4", "(3,)", std::vector<float>{1, 2})));                     // shape larger than the data
     EXPECT_FALSE(parseNpy(npy("<f4", "(99999999999, 99999999999)", std::vector<float>{1})));  // overflow
     EXPECT_FALSE(parseNpy(npy("|O", "(1,)", std::vector<uint8_t>{0, 0, 0, 0, 0, 0, 0, 0})));  // a pickle
     EXPECT_FALSE(parseNpy(npy(">f4", "(1,)", std::vector<float>{1})));                        // big endian

@@ -87,7 +87,7 @@ TEST(Nerfstudio, bikerStandsUprightInsideHisMasks) {
     int held = 0;
     for (const auto& frame : scan->frames) {
         held += frame.split == Split::Test;
-        const Vec2d px = frame.camera.pixelOf(frame.camera.toView({0, 1.2, 0}));  // his chest: 1.80 m tall, feet at y = 0
+        const Vec2d px = frame.camera.pixelOf(frame.camera.toView({0, 1.2, 0}));  // the chest of a 1.80 m subject, feet at y = 0
         auto mask = readFrameMask(frame);
         ASSERT_TRUE(mask) << mask.error().message;
         EXPECT_GT(mask->pixels[size_t(px.y) * mask->widthPx + size_t(px.x)], 128) << frame.name;

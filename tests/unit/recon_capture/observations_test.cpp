@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Neural front-ends: the networks give the numbers they gave elsewhere, landmarks become our keypoints, real pictures make sense.
+// Observations by networks: outputs match reference values, landmarks become keypoints, real pictures give plausible results.
 #include "reconstruction/capture/observations.h"
 
 #include <algorithm>
@@ -36,7 +36,7 @@ TEST(OnnxNet, agreesWithTheGoldenValuesOfAnotherRuntime) {
         ASSERT_NE(found, outputs->end()) << file;
         for (size_t i = 0; i < want.at("first8").size(); ++i)
             EXPECT_NEAR(found->data[i], want.at("first8")[i].get<double>(), 2e-5)
-                << file;  // 4e-6 stated by golden.json, five times for other CPUs
+                << file;  // golden.json states 4e-6; five times that allows for other CPUs
     }
 }
 

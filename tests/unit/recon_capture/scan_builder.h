@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Small scan folders on disk for the reader's tests: written good, then broken one thing at a time.
+// Writes small valid scan folders for the reader's tests, which then break one thing at a time.
 #pragma once
 
 #include <filesystem>
@@ -16,7 +16,7 @@
 
 namespace dpl {
 
-/** A temporary folder that is gone when the test ends. */
+/** A temporary folder, removed by the destructor. */
 struct TemporaryFolder {
     std::filesystem::path path;
     TemporaryFolder() {
@@ -37,7 +37,7 @@ inline void writeText(const std::filesystem::path& path, const std::string& text
     std::ofstream(path, std::ios::binary) << text;
 }
 
-/** A subject that looks like one to the checks: a textured ellipse, upright, in the middle of a grey picture. */
+/** Builds a scan whose subject is an upright textured ellipse in the middle of a grey picture, which passes the ingest check. */
 struct ScanBuilder {
     static constexpr int kWidth = 96, kHeight = 128;
     std::filesystem::path root;
@@ -112,7 +112,7 @@ struct ScanBuilder {
     }
 };
 
-/** True when every word is in the message: the sentence names the file and the remedy. */
+/** Succeeds when the message contains every one of `words`. */
 inline ::testing::AssertionResult mentions(const std::string& message, std::initializer_list<const char*> words) {
     for (const char* word : words)
         if (message.find(word) == std::string::npos) return ::testing::AssertionFailure() << "'" << word << "' is not in: " << message;

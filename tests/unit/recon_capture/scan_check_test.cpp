@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The ingest check: good scans pass, each way of spoiling one is named, and what cannot work is refused.
+// The ingest check: good scans pass, each kind of damage has its finding, and unusable scans are refused.
 #include "reconstruction/capture/scan_check.h"
 
 #include <algorithm>
@@ -172,7 +172,7 @@ TEST(ScanCheck, heldOutPicturesHaveNoSay) {
 TEST(ScanCheck, camerasThatBelongToOtherPicturesAreRefused) {
     const auto data = sharedData("scan-tiny");
     if (!data) GTEST_SKIP() << "shared data (scan-tiny) is not on this machine";
-    // The order of the cameras is rotated against the pictures.
+    // Each picture gets the camera of another frame.
     const auto c = check(*data, [](Scan& scan) {
         std::vector<ScanFrame*> full;
         for (auto& f : scan.frames)

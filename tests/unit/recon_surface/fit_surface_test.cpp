@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The surface fit on a subject whose truth is known: a posed, swaying capsule that carries a bump must become what the masks show.
+// The surface fit on a known subject: the posed, swaying mesh must take the shape in the masks, including a bump.
 #include "reconstruction/surface/fit_surface.h"
 
 #include <cmath>
@@ -71,7 +71,7 @@ std::vector<SurfaceView> views(int count) {
         const Vec3d eye(2.4 * s, height, 2.4 * c);
         view.camera.viewFromWorldRotation = glm::transpose(Mat3d(Vec3d(c, 0, -s), Vec3d(0, -1, 0), Vec3d(-s, 0, -c)));
         view.camera.viewFromWorldTranslation = -(view.camera.viewFromWorldRotation * eye);
-        view.camera.cy = 110 - 200 * (height - 0.8) / 2.4;  // shifted so that the middle of the egg is the middle of the picture
+        view.camera.cy = 110 - 200 * (height - 0.8) / 2.4;  // centres the egg in the picture
         view.pose = Pose::rest(2);
         view.pose.localRotations[1] = glm::angleAxis(0.3f, Vec3f(0, 0, 1));  // bent sideways, and swaying
         view.pose.rootTranslation = {0.004f * float(i % 3 - 1), 0, 0.003f * float(i % 5 - 2)};
