@@ -14,12 +14,12 @@ namespace dpl {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/** One row; correction1/2 undo the bias of the moments. */
+/** Updates one row. correction1 and correction2 undo the bias of the two moments. */
 void adamRow(size_t stride, const float* gradient, const float* rate, float correction1, float correction2, float* first, float* second,
              float* value) {
     const hn::CappedTag<float, 8> d;
     const auto b1 = hn::Set(d, kAdamBeta1), b2 = hn::Set(d, kAdamBeta2), r1 = hn::Set(d, 1 - kAdamBeta1), r2 = hn::Set(d, 1 - kAdamBeta2);
-    // Losses are means over a picture, so gradients are around 1e-7: ε must be far below.
+    // Losses are means over a picture, so gradients are around 1e-7. ε must be far smaller.
     const auto c1 = hn::Set(d, correction1), c2 = hn::Set(d, correction2), epsilon = hn::Set(d, 1e-15f);
     for (size_t i = 0; i < stride; i += hn::Lanes(d)) {
         const auto g = hn::LoadU(d, gradient + i);
@@ -55,7 +55,7 @@ void AdamRows::resize(size_t count, uint32_t rowStride) {
 
 void AdamRows::update(size_t begin, size_t end, std::span<const uint8_t> active, std::span<const float> gradients,
                       std::span<const float> rate, std::span<float> values) {
-    constexpr uint32_t kTable = 4096;  // after 4096 steps the first correction is 1; the second is computed
+    constexpr uint32_t kTable = 4096;  // steps with a tabled correction; later the first is 1 and the second is computed
     static const std::vector<float> first1 = [] {
         std::vector<float> t(kTable, 1.0f);
         for (uint32_t n = 1; n < kTable; ++n) t[n] = correction(kAdamBeta1, n);

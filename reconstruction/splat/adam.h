@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Adam over parameter rows (SIMD, sparse) and its uniform variant for meshes (docs/reference/large-steps.md).
+// The Adam optimiser in three forms: sparse SIMD rows for splats, uniform steps for meshes (docs/reference/large-steps.md), short vectors
+// for poses and cameras.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +14,8 @@ namespace dpl {
 
 constexpr float kAdamBeta1 = 0.9f, kAdamBeta2 = 0.999f;
 
-/** Moments of N rows of `stride` floats (a multiple of eight). Rows that saw no gradient in a step are skipped whole: neither
- *  moments nor parameters move, and each row corrects its bias by the number of its own steps. */
+/** Moments of N rows of `stride` floats (a multiple of eight). A row without a gradient in a step is skipped: its moments and its
+ *  parameters stay. Each row therefore counts its own steps and corrects the bias of its moments by that count. */
 struct AdamRows {
     uint32_t stride = 0;
     std::vector<float> first, second;  // N × stride
@@ -22,12 +23,12 @@ struct AdamRows {
 
     void resize(size_t count, uint32_t rowStride);
 
-    /** value[i] −= rate ∘ m̂/(√v̂ + ε) for rows with active[i], over [begin, end). rate: `stride` learning rates. */
+    /** values[i] −= rate ∘ m̂/(√v̂ + ε) for the rows i of [begin, end) with active[i] set. rate: `stride` learning rates, one a column. */
     void update(size_t begin, size_t end, std::span<const uint8_t> active, std::span<const float> gradients, std::span<const float> rate,
                 std::span<float> values);
 };
 
-/** Adam whose step is m̂/(ε + max√v̂) over a whole tensor of 3-vectors: the direction is not distorted per coordinate. */
+/** Adam with the step m̂/(ε + max√v̂). The maximum is taken over all coordinates, so the step keeps the direction of m̂. */
 struct AdamUniform {
     std::vector<Vec3f> first, second;
     uint32_t steps = 0;
@@ -36,13 +37,13 @@ struct AdamUniform {
     void update(std::span<const Vec3f> gradient, float rate, std::span<Vec3f> value);
 };
 
-/** Plain Adam on a short vector (poses, cameras), with its own moments. */
+/** Plain Adam on a short vector (a pose or a camera). */
 struct AdamVector {
     std::vector<double> first, second;
     uint32_t steps = 0;
     double beta1 = 0.9, beta2 = 0.99;
 
-    /** Returns the step to subtract; rates has one entry a coordinate. */
+    /** Returns the step, which the caller subtracts. rates: one learning rate a coordinate. */
     std::vector<double> step(std::span<const double> gradient, std::span<const double> rates);
 };
 

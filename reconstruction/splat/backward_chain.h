@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Backward of one bound splat: gradient on its screen record -> its parameters and its triangle (docs/reference/binding.md,
-// docs/reference/footprint.md). Templates: the trainer runs them in float, the gradient tests in double.
+// Backward pass of one bound splat: from the gradient on its screen record to the gradients on its parameters and its triangle
+// (docs/reference/binding.md, docs/reference/footprint.md). The trainer instantiates the templates in float, the gradient tests in double.
 //
 //   (x, y, conic, opacity', colour) ─► B, z ─► A1, A2, centre ─► (F, φ, ln s, u, v) and the triangle's corners
 //
-// The forward pass leaves its intermediates in a ForwardRecord; nothing is projected a second time.
-// Every path is differentiated, those through the view direction (SH), the gate and the polar rotation included, so that moving
-// all vertices rigidly is exactly the same as moving the camera. D⁻¹ of the rest triangle is a constant.
+// The forward pass stores its intermediate values in a ForwardRecord, so nothing is projected a second time.
+// Every path is differentiated, also those through the view direction (SH), the gate and the polar rotation. The gradient of a rigid
+// motion of all vertices therefore equals that of the opposite camera motion. D⁻¹ of the rest triangle is a constant.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,8 @@
 
 namespace dpl {
 
-/** ∂loss/∂(what blending reads of one splat). conicB is the coefficient of dx·dy, opacity the effective one. */
+/** ∂loss/∂(screen record of one splat, as blending reads it). x, y in pixels; conicB is the coefficient of dx·dy; opacity is the effective
+ *  opacity' = opacity · compensation · gate · nearFade. */
 template <class T>
 struct ScreenGradient {
     T x = 0, y = 0;
@@ -29,7 +30,7 @@ struct ScreenGradient {
     Vec3<T> colour{0};
 };
 
-/** The parameters of one splat that the backward pass reads, borrowed for the call. */
+/** The parameters of one splat that the backward pass reads. `sh` is borrowed. */
 template <class T>
 struct SplatParameters {
     Vec2<T> uv{0};
@@ -49,11 +50,11 @@ struct ParameterGradient {
     T sh[kMaxShCoefficients * 3] = {};
 };
 
-/** Sums over the splats of one triangle; finished into corner gradients by finishTriangle(). */
+/** Gradients summed over the splats of one triangle. finishTriangle() turns them into corner gradients. */
 template <class T>
 struct TriangleGradient {
     Vec3<T> f0{0}, f1{0};         // wrt the columns of F
-    Vec3<T> turn{0};              // wrt an infinitesimal world rotation of the triangle's frame (normal and polar rotation)
+    Vec3<T> turn{0};              // wrt an infinitesimal world rotation of the triangle's normal and polar rotation
     Vec3<T> c0{0}, c1{0}, c2{0};  // wrt the corners through splat centres
     Vec3<T> light{0};             // wrt the brightness at the corners
 
@@ -63,7 +64,7 @@ struct TriangleGradient {
     }
 };
 
-/** One view as the chain needs it. */
+/** Camera constants of one view. */
 template <class T>
 struct ViewConstants {
     Lens<T> lens;
@@ -72,14 +73,15 @@ struct ViewConstants {
     explicit ViewConstants(const PinholeCamera<T>& c) : lens(lensOf(c)), worldFromView(glm::transpose(c.viewFromWorldRotation)) {}
 };
 
-/** d smoothstep01 / dx. */
+/** Derivative of smoothstep01(). */
 template <class T>
 inline T smoothstep01Slope(T x) {
     return x > T(0) && x < T(1) ? T(6) * x * (T(1) - x) : T(0);
 }
 
-/** Backward of one splat that the forward pass showed; `f` is what it recorded. Adds into `triangle`; overwrites `out`.
- *  The colour clamp passes gradients straight through, except those that would push a clamped colour further out. */
+/** Backward pass of one splat that the forward pass drew. `f` is its forward record, `g` the gradient on its screen record. Overwrites
+ *  `out` and adds to `triangle`. The colour clamp to [0, 1] passes gradients on unchanged, except those that would push a clamped colour
+ *  further out. */
 template <class T>
 inline void backwardSplat(const ViewConstants<T>& view, const TriangleFrame<T>& frame, const SplatParameters<T>& splat,
                           const ForwardRecord<T>& f, const ScreenGradient<T>& g, ParameterGradient<T>& out, TriangleGradient<T>& triangle) {
@@ -171,9 +173,9 @@ inline void backwardSplat(const ViewConstants<T>& view, const TriangleFrame<T>& 
     triangle.c2 += splat.uv.y * gCentre;
 }
 
-/** Corner gradients of a posed triangle from the sums of its splats. `rest` is the D⁻¹ it was posed with; the polar rotation is
- *  P = worldFromRest·[T1 T2 N], found again from F and the normal.
- *  A frame turn ω of the polar rotation is  ω = n·(P2·δF0 − P1·δF1)/tr(PᵀF) + n×δn,  δn = −Σ_k dual_k (n·δF_k). */
+/** Corner gradients of a posed triangle from the sums over its splats. `rest` is the D⁻¹ that the triangle was posed with. The polar
+ *  rotation P = worldFromRest·[T1 T2 N] is computed again from F and the normal n.
+ *  A change δF turns the triangle's frame by  ω = n·(P2·δF0 − P1·δF1)/tr(PᵀF) + n×δn,  with δn = −Σ_k dual_k (n·δF_k). */
 template <class T>
 inline void finishTriangle(const TriangleFrame<T>& frame, const RestInverse<T>& rest, const TriangleGradient<T>& g, Vec3<T>& corner0,
                            Vec3<T>& corner1, Vec3<T>& corner2) {

@@ -42,11 +42,12 @@ void addCorrectivePoseGradient(const PoseCorrectiveData& c, const Pose& pose, st
         length2 += k[i] * k[i], along += k[i] * gk[i], off2 -= k[i] * onMode[i];
     }
     double shortened = 1;
-    if (const double length = std::sqrt(length2); length > double(c.reach)) {  // k was shortened: only what turns it gets through
+    if (const double length = std::sqrt(length2);
+        length > double(c.reach)) {  // k was shortened to `reach`: only the gradient across k passes
         shortened = double(c.reach) / length;
         for (uint32_t i = 0; i < c.modeCount; ++i) gk[i] = shortened * (gk[i] - along / length2 * k[i]);
     }
-    double gOff2 = 0;  // on off², through fade = reachOffModes / off
+    double gOff2 = 0;  // ∂loss/∂(off²), through fade = reachOffModes / off
     if (const double off = std::sqrt(std::max(0.0, off2)); off > double(c.reachOffModes)) {
         const double fade = double(c.reachOffModes) / off;
         gOff2 = -0.5 * fade / off2 * shortened * along;
@@ -57,7 +58,7 @@ void addCorrectivePoseGradient(const PoseCorrectiveData& c, const Pose& pose, st
         for (uint32_t i = 0; i < c.modeCount; ++i)
             for (size_t f = 0; f < 6; ++f) g[f] += (gk[i] - 2 * gOff2 * onMode[i]) * double(c.modes[i * features + j * 6 + f]);
         for (size_t f = 0; f < 6; ++f) g[f] += 2 * gOff2 * away[j * 6 + f];
-        const double* d = column.data() + j * 6;  // columns minus the identity's
+        const double* d = column.data() + j * 6;  // first two columns of R, minus the identity's
         rotation[c.joints[j]] += glm::cross(Vec3d(d[0] + 1, d[1], d[2]), Vec3d(g[0], g[1], g[2])) +
                                  glm::cross(Vec3d(d[3], d[4] + 1, d[5]), Vec3d(g[3], g[4], g[5]));
     }

@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// Backward of the pose correctives: rest positions and brightness of the vertices -> control nodes -> the pose that moved them.
+// Backward pass of the pose correctives: from rest positions and brightness of the vertices to the control nodes, and from these to the
+// pose.
 #pragma once
 
 #include "sdk/avatar/pose_correctives.h"
 
 namespace dpl {
 
-/** ∂loss/∂nodes (M: offset, brightness) of one pose, summed in vertex order. nodes: those of the pose (brightness is clamped, and a clamped
- *  vertex passes nothing on). gRest, gLight: gradients on what spreadCorrectives() gave. */
+/** ∂loss/∂nodes of one pose: M entries of offset (xyz) and brightness (w), summed in vertex order. nodes: the node values of this pose.
+ *  gRest, gLight: gradients on the offsets and brightness that spreadCorrectives() made of them, one a vertex. A vertex whose brightness
+ *  was clamped contributes no brightness gradient. */
 void gatherNodes(const PoseCorrectiveData& correctives, std::span<const Vec4f> nodes, std::span<const Vec3f> gRest,
                  std::span<const float> gLight, std::vector<Vec4f>& gNodes);
 
-/** Adds to rotation[j] (R_j ← exp(ω)·R_j, parent axes) what the pose does through its coefficients, shortening and fading included. */
+/** Adds to rotation[j] the gradient through the pose's mode coefficients, with their shortening and fading. rotation[j] belongs to
+ *  R_j ← exp(ω)·R_j, with ω along the axes of the parent's frame. */
 void addCorrectivePoseGradient(const PoseCorrectiveData& correctives, const Pose& pose, std::span<const Vec4f> gNodes,
                                std::span<Vec3d> rotation);
 

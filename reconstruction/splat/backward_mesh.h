@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// From gradients on posed vertices to the rest mesh, the pose and the camera (docs/reference/binding.md).
+// From gradients on posed vertices to gradients on the rest mesh, the pose and the camera (docs/reference/binding.md).
 //
-// A joint that turns by ω about its place moves every point it carries by W×(x − q), W = ω in world axes, q the joint in the world.
-// So all joint gradients are torques: sums of x×g over what hangs on the joint. The camera's are the same sums over everything.
+// A joint at world position q that turns by ω (world axes) moves each point x of its subtree by ω×(x − q). The gradient on ω is therefore
+// the torque Σ (x − q)×g over the points of the subtree. The camera's gradient is the same sum over all points.
 #pragma once
 
 #include <span>
@@ -13,7 +13,7 @@
 
 namespace dpl {
 
-/** Vertex -> (triangle, corner) incidences in triangle order: the fixed order in which triangle gradients are gathered. */
+/** For each vertex the corners of triangles that lie on it, in triangle order. Gradients are summed in this fixed order. */
 struct VertexIncidence {
     std::vector<uint32_t> offset;   // V+1
     std::vector<uint32_t> corners;  // 3·triangle + corner
@@ -22,7 +22,7 @@ struct VertexIncidence {
     VertexIncidence(std::span<const Triangle> triangles, size_t vertexCount);
 };
 
-/** ∂loss/∂pose. rotation[j]: along the axes of joint j's parent frame, for R_j ← exp(ω)·R_j. */
+/** ∂loss/∂pose. rotation[j] belongs to R_j ← exp(ω)·R_j, with ω along the axes of the parent's frame. */
 template <class T>
 struct PoseGradient {
     std::vector<Vec3<T>> rotation;
@@ -30,13 +30,14 @@ struct PoseGradient {
     Vec3<T> cameraRotation{0}, cameraTranslation{0};  // view frame, X_view ← exp(ω)·X_view + τ
 };
 
-/** One vertex: rest gradient out, and its share of every joint's force and torque about the world's origin. */
+/** Force and torque on one joint, world axes; the torque is about the world's origin. */
 template <class T>
 struct JointWrench {
     Vec3<T> force{0}, torque{0};
 };
 
-/** Gradient on the rest vertex: (Σ w G)ᵀ g. Adds w·g and (G_k v)×g·w to the wrench of each joint. weights: sum to 1. */
+/** Returns the gradient on a rest vertex, (Σ w_k G_k)ᵀ g. Adds force w_k·g and torque (G_k v)×(w_k·g) to the wrench of each joint k, unless
+ *  `wrench` is null. The weights sum to 1. */
 template <class T>
 inline Vec3<T> backwardSkinVertex(const Vec3<T>& rest, const Vec3<T>& g, const glm::u16vec4& joints, const T weights[4],
                                   const Mat3x4<T>* worldFromRest, JointWrench<T>* wrench) {
@@ -55,7 +56,8 @@ inline Vec3<T> backwardSkinVertex(const Vec3<T>& rest, const Vec3<T>& g, const g
     return out;
 }
 
-/** Joint wrenches (own vertices only; overwritten by subtree sums) -> rotation and root gradients. */
+/** Rotation and root gradients from the wrenches of the joints. On entry a wrench covers the joint's own vertices; the call overwrites it
+ *  with the sum over the joint's subtree. */
 template <class T>
 inline void backwardJoints(std::span<const JointData> joints, std::span<const Mat3x4<T>> worldFromRest, std::vector<JointWrench<T>>& wrench,
                            PoseGradient<T>& out) {
@@ -79,8 +81,9 @@ inline void backwardJoints(std::span<const JointData> joints, std::span<const Ma
     }
 }
 
-/** The whole mesh in fixed blocks of vertices, reduced in block order. rest: the rest positions that were skinned. posed: their
- *  skinned places. gPosed: gradient on them. gRest is resized to V. The camera part needs the view rotation and translation. */
+/** Backward pass of skinning for the whole mesh. The sums run over fixed blocks of vertices in block order, so they do not depend on the
+ *  number of threads. rest: rest positions that were skinned. posed: their positions in the world. gPosed: gradient on those. gRest is
+ *  resized to V. The camera gradient needs viewRotation and viewTranslation (view from world). */
 void backwardSkin(const MeshData& mesh, std::span<const Vec3f> rest, std::span<const JointData> joints,
                   std::span<const Mat3x4f> worldFromRest, std::span<const Vec3f> posed, std::span<const Vec3f> gPosed,
                   const Mat3f& viewRotation, const Vec3f& viewTranslation, Jobs& jobs, std::vector<Vec3f>& gRest,

@@ -18,11 +18,11 @@ namespace dpl {
 
 constexpr int kTile = int(kTileSizePx), kTilePixels = kTile * kTile;
 
-/** Inputs and running state of one tile; lives in the first-level cache. Pixels outside the image have stop 0. */
+/** Inputs and running state of one tile, small enough for the first-level cache. Pixels outside the image have stop 0. */
 struct alignas(64) TileState {
     float red[kTilePixels], green[kTilePixels], blue[kTilePixels], cloth[kTilePixels], alpha[kTilePixels];  // gradients
     float transmittance[kTilePixels], rest[kTilePixels];
-    int32_t stop[kTilePixels];  // entries before it count
+    int32_t stop[kTilePixels];  // number of entries that the pixel blended
 };
 
 }  // namespace dpl
@@ -36,7 +36,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::CappedTag<float, 16>;
 using V = hn::Vec<D>;
 
-/** exp(x) for x in [-20, 0]: 2^(i+f), degree-6 polynomial on f in [-½, ½], relative error below 2e-7. */
+/** exp(x) for x in [-20, 0], as 2^(i+f) with a degree-6 polynomial on f in [-½, ½]. Relative error below 2e-7. */
 HWY_INLINE V expNegative(D d, V x) {
     const hn::RebindToSigned<D> di;
     const V t = hn::Max(hn::Mul(x, hn::Set(d, 1.44269504088896f)), hn::Set(d, -126.0f));
@@ -53,7 +53,7 @@ HWY_INLINE V expNegative(D d, V x) {
     return hn::Mul(p, hn::BitCast(d, exponent));
 }
 
-/** Replays entry `index` of the tile over the rows and columns that its box touches. originX/Y: pixel centre of the tile's corner. */
+/** Replays entry `index` of the tile over the rows and columns that its box touches. originX, originY: centre of the tile's first pixel. */
 HWY_INLINE void replayEntry(TileState& tile, const ProjectedSplat& p, int32_t index, float originX, float originY, EntrySums& out) {
     const D d;
     const hn::RebindToSigned<D> di;
@@ -61,7 +61,7 @@ HWY_INLINE void replayEntry(TileState& tile, const ProjectedSplat& p, int32_t in
     const V zero = hn::Zero(d);
     V s = zero, sx = zero, sy = zero, sxx = zero, sxy = zero, syy = zero, red = zero, green = zero, blue = zero, weight = zero;
 
-    // Box relative to the tile, as indices of pixel centres.
+    // The splat's box in pixel indices of the tile.
     const float relX = p.x - originX, relY = p.y - originY;
     const int x0 = int(std::max(0.0f, std::ceil(relX - p.radiusX))), x1 = int(std::min(float(kTile - 1), std::floor(relX + p.radiusX)));
     const int y0 = int(std::max(0.0f, std::ceil(relY - p.radiusY))), y1 = int(std::min(float(kTile - 1), std::floor(relY + p.radiusY)));
@@ -100,7 +100,7 @@ HWY_INLINE void replayEntry(TileState& tile, const ProjectedSplat& p, int32_t in
             hn::StoreU(hn::Mul(t, through), d, tile.transmittance + at);
             red = hn::MulAdd(w, gr, red), green = hn::MulAdd(w, gg, green), blue = hn::MulAdd(w, gb, blue);
             weight = hn::Add(weight, w);
-            // g_σ = −α·g_α, zero where α was capped.
+            // g_σ = −α·g_α, and zero where α was capped.
             const V gSigma =
                 hn::IfThenElseZero(hn::And(mask, hn::Le(raw, maxAlpha)), hn::Sub(hn::Div(hn::Mul(alpha, rest), through), hn::Mul(w, v)));
             const V gSigmaX = hn::Mul(gSigma, dx);
@@ -117,7 +117,7 @@ HWY_INLINE void replayEntry(TileState& tile, const ProjectedSplat& p, int32_t in
 
 void replayTile(TileState& tile, const ProjectedSplat* projected, const uint32_t* entries, uint32_t count, float originX, float originY,
                 EntrySums* out) {
-    constexpr uint32_t kAhead = 12;  // splats to fetch ahead: they lie anywhere in memory
+    constexpr uint32_t kAhead = 12;  // entries to prefetch, since their splats are scattered in memory
     for (uint32_t i = 0; i < count; ++i) {
         if (i + kAhead < count) hwy::Prefetch(projected + entries[i + kAhead]);
         replayEntry(tile, projected[entries[i]], int32_t(i), originX, originY, out[i]);
@@ -145,7 +145,7 @@ void PixelBackward::run(const SplatEngine& engine, const SplatImage& image, cons
     const auto stops = engine.stops();
     const size_t width = image.widthPx, height = image.heightPx;
     const bool withCloth = !gradient.cloth.empty() && !image.cloth.empty();
-    const size_t entryCount = tiles.offset.empty() ? 0 : tiles.offset.back();  // `entries` is longer: it keeps its size between frames
+    const size_t entryCount = tiles.offset.empty() ? 0 : tiles.offset.back();  // tiles.entries may be longer: it never shrinks
     entries_.resize(std::max(entries_.size(), entryCount));
     jobs_.forBlocks(size_t(tiles.columns) * tiles.rows, [&](size_t t, uint32_t) {
         const uint32_t first = tiles.offset[t], count = tiles.offset[t + 1] - first;
@@ -179,8 +179,8 @@ void PixelBackward::run(const SplatEngine& engine, const SplatImage& image, cons
          entries_.data() + first);
     });
 
-    // Per splat, in tile order. Each block owns a range of splats and reads the whole entry list: the order of additions is the
-    // list's whatever the number of blocks.
+    // Sums per splat in tile order. Each block owns a range of splats and reads the whole entry list, so the order of additions does
+    // not depend on the number of blocks.
     sums_.resize(projected.size());
     const size_t blocks = std::max<size_t>(1, jobs_.threadCount());
     jobs_.forBlocks(blocks, [&](size_t block, uint32_t) {

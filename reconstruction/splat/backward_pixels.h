@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Backward of the blend: gradient image -> one ScreenGradient a splat.
+// Backward pass of the blend: from a gradient image to one ScreenGradient a splat.
 //
-// Forward-order replay. The loss sees the blend only through Σ αTc', c' = (r, g, b, cloth, 1), so with v_i = g·c'_i and
-// V = g·out every pixel needs two floats of state, T and the part of V that lies behind:
+// The splats of a tile are replayed front to back. The blend's output is out = Σ αTc' with c' = (r, g, b, cloth, 1). With g the gradient
+// on it, v_i = g·c'_i and rest_0 = g·out, a pixel needs two floats of state: the transmittance T, and `rest`, the part of g·out that comes
+// from the splats behind:
 //     rest_i = rest_{i−1} − α_i T_i v_i,   ∂/∂α_i = T_i v_i − rest_i/(1−α_i)
-// Each (tile, entry) pair writes one record; records are then summed per splat in tile order, so results do not depend on threads.
+// Each (tile, entry) pair writes one record. The records of a splat are summed in tile order, so results do not depend on the number of
+// threads.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +19,7 @@
 
 namespace dpl {
 
-/** ∂loss/∂SplatImage, planar, one float a pixel. `cloth` may be empty when the image was blended without it. */
+/** ∂loss/∂SplatImage, planar, one float a pixel. `cloth` may be empty when the image was blended without cloth. */
 struct ImageGradient {
     uint32_t widthPx = 0, heightPx = 0;
     std::vector<float> red, green, blue;  // wrt premultiplied colour
@@ -26,11 +28,12 @@ struct ImageGradient {
     void resize(uint32_t width, uint32_t height, bool withCloth);
 };
 
-/** One float record of a (tile, entry) pair: moments of g_σ about the splat's centre, colour gradients, blending weight. */
+/** Sums of one (tile, entry) pair, or of one splat. s … syy are moments, about the splat's centre in pixels, of the gradient g_σ on the
+ *  exponent σ in α = opacity'·exp(−σ). */
 struct alignas(16) EntrySums {
     float s, sx, sy, sxx, sxy, syy;
     float red, green, blue;
-    float weight;  // Σ αT: how much of the picture is this splat
+    float weight;  // Σ αT, the splat's weight in the picture
     float pad0, pad1;
 };
 static_assert(sizeof(EntrySums) == 48);
@@ -39,10 +42,10 @@ class PixelBackward {
 public:
     explicit PixelBackward(Jobs& jobs) : jobs_(jobs) {}
 
-    /** `engine` has just blended `image` with recordStops (and cloth, when gradient.cloth is used). */
+    /** Requires that `engine` last blended `image`, with recordStops, and with cloth when gradient.cloth is used. */
     void run(const SplatEngine& engine, const SplatImage& image, const ImageGradient& gradient);
 
-    /** One entry a projected splat; zero for splats in no tile. Valid until the next run. */
+    /** One entry a projected splat; zero for splats that touch no tile. Valid until the next run. */
     std::span<const EntrySums> sums() const { return sums_; }
 
 private:
@@ -50,10 +53,10 @@ private:
     std::vector<EntrySums> entries_, sums_;
 };
 
-/** ScreenGradient of a splat from its sums. */
+/** The ScreenGradient of a splat from its sums. */
 ScreenGradient<float> screenGradient(const ProjectedSplat& p, const EntrySums& s);
 
-/** Number of (pixel, splat) pairs that the last blend of `engine` evaluated inside splat boxes and before each pixel's stop. */
+/** Number of (pixel, splat) pairs in the last blend of `engine`: pixels inside the splat's box that had not stopped before it. */
 uint64_t countPixelSplatPairs(const SplatEngine& engine, uint32_t widthPx, uint32_t heightPx);
 
 }  // namespace dpl

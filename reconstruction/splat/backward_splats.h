@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Second half of the backward pass: gradients on screen records -> parameter rows, triangles and posed vertices.
+// Second half of the backward pass: from gradients on screen records to parameter rows, triangles and posed vertices.
 #pragma once
 
 #include <span>
@@ -25,18 +25,18 @@ class SplatBackward {
 public:
     explicit SplatBackward(Jobs& jobs) : jobs_(jobs) {}
 
-    /** Fills rowGradients (N × stride) and active; rows of splats that nothing saw are left untouched and inactive. With
-     *  `geometry`, also the corner gradients that gatherVertices() needs. */
+    /** Fills rowGradients() (N × stride) and active(). A splat that no pixel shows is inactive, and its row is not written. With
+     *  `geometry`, also computes the corner gradients that gatherVertices() needs. */
     void run(const SplatBackwardInput& in, bool geometry);
 
-    /** ∂loss/∂(posed vertices) and ∂loss/∂(brightness of the vertices), summed over each vertex's triangles in triangle order.
-     *  After run(geometry = true). */
+    /** ∂loss/∂(posed vertices) and ∂loss/∂(vertex brightness), summed over each vertex's triangles in triangle order. Call it after a
+     *  run with `geometry`. */
     void gatherVertices(const VertexIncidence& incidence, std::vector<Vec3f>& gPosed, std::vector<float>& gLight) const;
 
     std::span<float> rowGradients() { return rowGradients_; }
     std::span<const float> rowGradients() const { return rowGradients_; }
     std::span<const uint8_t> active() const { return active_; }
-    /** |∂loss/∂centre| of each active splat, per pixel of displacement. */
+    /** |∂loss/∂(centre on the screen)| of each active splat, per pixel. */
     std::span<const float> screenGradientLength() const { return screenLength_; }
 
 private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// CoOptimiser::checkpoint and restore: every number that the next step reads, in one versioned file.
+// CoOptimiser::checkpoint() and restore(). The versioned file holds every number that the next step reads:
 //
 //   "DPLT" | version u32 | fingerprint u64 | payload bytes u64 | payload hash u64 | payload: the fields of learned.h in order
 #include <xxhash.h>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr uint32_t kMagic = 0x544C5044, kVersion = 3;
 
-/** True when every float or double in `count` values of type T is finite; types of other numbers have nothing to check. */
+/** True when all `count` values are finite. Integers always are. */
 template <class Number>
 bool numbersFinite(const void* data, size_t count) {
     for (const Number* n = static_cast<const Number*>(data); count > 0; ++n, --count)
@@ -46,7 +46,7 @@ Status wrongSize(const char* name, size_t size, size_t wanted) {
     return fail(Code::CorruptData, "{}: {} entries, {} belong there", name, size, wanted);
 }
 
-/** Visitor of visitLearned() that writes. A size that restore would refuse is refused here too. */
+/** Visitor of visitLearned() that writes. It refuses the sizes that restore() would refuse. */
 struct FieldWriter {
     Writer& out;
 
@@ -71,7 +71,7 @@ struct FieldWriter {
     }
 };
 
-/** Visitor of visitLearned() that reads, with sizes and finite numbers checked. */
+/** Visitor of visitLearned() that reads. It checks that sizes are right and numbers finite. */
 struct FieldReader {
     Reader& in;
 
@@ -106,7 +106,7 @@ private:
     }
 };
 
-/** Visitor of the settings' fields that writes them one by one: padding between fields has no fixed value. */
+/** Visitor of the settings' fields that writes them one by one. The bytes of a whole struct would include undefined padding. */
 struct SettingsWriter {
     Writer& out;
     template <class T>
@@ -122,7 +122,7 @@ struct SettingsWriter {
     }
 };
 
-/** What the list of fields cannot say: triangles in order, whole poses, moments that belong together. */
+/** The checks that need several fields: triangle order, complete poses, moments of equal length. */
 Status checkLearned(const Learned& learned, const CoOptimiseInput& input, uint32_t steps) {
     const auto damaged = [](const char* what) { return fail(Code::CorruptData, "{}", what); };
     if (learned.step > steps) return damaged("more steps than the run has");

@@ -21,7 +21,7 @@ double millisecondsSince(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-/** Floats in a row of Adam: four for each mode, padded to whole vectors. */
+/** Floats in a node's Adam row: four for each mode, padded to a multiple of eight. */
 uint32_t nodeStride(const PoseCorrectiveData& c) {
     return (c.modeCount * 4 + 7) / 8 * 8;
 }
@@ -138,7 +138,7 @@ void CoOptimiser::State::selectLevel() {
     });
 }
 
-/** Every frame comes once in an epoch, in an order that depends on (seed, epoch) only. */
+/** The frame of a step. An epoch visits every frame once, in an order that depends on (seed, epoch) only. */
 uint32_t CoOptimiser::State::frameOf(uint32_t atStep) {
     const uint64_t epoch = atStep / usedFrames.size();
     if (epoch != orderEpoch) {
@@ -212,7 +212,7 @@ Status CoOptimiser::State::stepOnce() {
     const auto lastEpoch = uint32_t(std::min<size_t>(settings.steps, usedFrames.size()));
     if (step + lastEpoch == settings.steps + 1) pass.times = {}, profile = {};
     profile.updateMs += millisecondsSince(update), profile.stepMs += millisecondsSince(start), ++profile.steps;
-    if (step + lastEpoch > settings.steps)  // counting is not part of stepMs
+    if (step + lastEpoch > settings.steps)  // the time of counting is not in stepMs
         profile.pairs += double(countPixelSplatPairs(pass.engine(), pass.image().widthPx, pass.image().heightPx));
     return {};
 }
@@ -300,7 +300,7 @@ void CoOptimiser::State::updateOffsets() {
     const float scale = 1.0f / float(layer.restGradientCount);
     bool good = true;
     for (Vec3f& g : layer.restGradientSum) g *= scale, good &= finite(g);
-    if (good) {  // M⁻¹ would spread a vertex that is not finite over the whole mesh
+    if (good) {  // M⁻¹ would spread one non-finite vertex over the whole mesh
         meshRegulariser->run(mesh.restPositions, settings.regularise, 1.0f, layer.restGradientSum);
         std::vector<Vec3f> uGradient(layer.u.size());
         largeSteps->backward(layer.restGradientSum, uGradient, true);
@@ -339,7 +339,7 @@ void CoOptimiser::State::updateCorrectives() {
                 values[n * stride + i * 4 + a] = value[int(a)], gradients[n * stride + i * 4 + a] = gradient[int(a)];
         }
     }
-    const float keep = 1 - fall * settings.nodeDecay;  // outside Adam, which would rescale a penalty's gradient
+    const float keep = 1 - fall * settings.nodeDecay;  // decays outside Adam, which would rescale a penalty's gradient
     adamNodes.update(0, c.nodeCount, active, gradients, rate, values);
     for (uint32_t n = 0; n < c.nodeCount; ++n)
         if (active[n])

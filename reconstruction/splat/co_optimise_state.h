@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything a training run carries from step to step. Private to co_optimise.cpp and checkpoint.cpp.
+// The state of a training run between steps. Private to co_optimise.cpp and checkpoint.cpp.
 #pragma once
 
 #include <optional>
@@ -12,20 +12,20 @@ namespace dpl {
 struct CoOptimiser::State {
     State(CoOptimiseInput in, const CoOptimiseSettings& s, Jobs& j) : input(std::move(in)), settings(s), jobs(j), pass(j) {}
 
-    // Fixed for the run.
+    // Constant during the run.
     const CoOptimiseInput input;
     const CoOptimiseSettings settings;
     Jobs& jobs;
-    std::vector<RestTriangle<float>> bind;  // of the template: constant in training
+    std::vector<RestTriangle<float>> bind;  // of the template, before offsets
     std::vector<float> referenceSizeM;      // per triangle, for the scale hinge and splits
     VertexIncidence incidence;
     std::optional<MeshRegulariser> meshRegulariser;
     std::optional<LargeSteps> largeSteps;
     std::vector<uint32_t> usedFrames;
 
-    Learned learned;  // a checkpoint holds this
+    Learned learned;  // what a checkpoint stores
 
-    // Follows from the above.
+    // Derived from the members above.
     MeshData mesh;  // input.mesh with the learned offsets ΔVˢ added
     std::vector<LevelFrame> level;
     int levelIndex = -1;
@@ -48,7 +48,7 @@ struct CoOptimiser::State {
     void updateCorrectives();
     float decay(float end) const;
     CurvePoint recentPoint() const;
-    uint64_t fingerprint() const;  // of input and settings: a checkpoint of another run is refused
+    uint64_t fingerprint() const;  // hash of input and settings, to refuse a checkpoint of another run
 };
 
 }  // namespace dpl

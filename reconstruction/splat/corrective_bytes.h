@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pose correctives in our own binary files and fingerprints: one list of fields for both.
+// Pose correctives as bytes, for the trainer's binary files and fingerprints. Both use the same list of fields.
 #pragma once
 
 #include "sdk/core/arrays.h"
@@ -7,7 +7,7 @@
 
 namespace dpl {
 
-/** All but the values of the nodes, which alone are trained. */
+/** Everything except the node values, which are the only trained part. */
 inline void putCorrectiveModel(Writer& out, const PoseCorrectiveData& c) {
     out.value(c.modeCount), out.value(c.nodeCount), out.value(c.reach), out.value(c.reachOffModes);
     putArray(out, c.joints), putArray(out, c.mean), putArray(out, c.modes), putArray(out, c.nodeIndices), putArray(out, c.nodeWeights);
@@ -18,7 +18,7 @@ inline void putCorrectives(Writer& out, const PoseCorrectiveData& c) {
     putArray(out, c.nodes);
 }
 
-/** Checks sizes against the file only; call checkCorrectives() next. */
+/** Checks array sizes against the file's length only. The caller must call checkCorrectives() next. */
 inline Status getCorrectives(Reader& in, PoseCorrectiveData& c) {
     DPL_TRY(c.modeCount, in.u32());
     DPL_TRY(c.nodeCount, in.u32());

@@ -69,7 +69,7 @@ DensityReport densify(TrainableSplats& splats, AdamRows& adam, DensityStatistics
         for (uint32_t child = 0; child < 2; ++child) {
             std::copy_n(source, stride, row.data());
             if (!big && child == 0) {
-                // The two clones together are about as opaque as the one was.
+                // The opacity 1 − √(1 − o) makes the two clones together as opaque as the original.
                 row[kRowOpacityLogit] =
                     std::log(std::max(1e-4f, 1 - std::sqrt(1 - splats.opacity[i])) / std::max(1e-4f, std::sqrt(1 - splats.opacity[i])));
                 place(i, row.data(), true);
@@ -78,7 +78,7 @@ DensityReport densify(TrainableSplats& splats, AdamRows& adam, DensityStatistics
             const auto [n0, n1] = hashNormals(settings.seed, 100 + event, uint64_t(i) * 2 + child);
             const float reach = big ? 1.0f : 0.5f;
             const float a = reach * float(n0) * s.x, b = reach * float(n1) * s.y;
-            const float x = c * a - sn * b, y = sn * a + c * b;  // rest plane, metres
+            const float x = c * a - sn * b, y = sn * a + c * b;  // in the triangle's rest plane, metres
             row[kRowU] += inverse.i00 * x + inverse.i01 * y;
             row[kRowV] += inverse.i11 * y;
             if (big) {

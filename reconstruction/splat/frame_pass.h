@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One picture forward and backward: pose the mesh, draw, compare, and bring the gradient back. Shared by training, polish and pose fit.
+// Forward and backward pass of one picture: pose the mesh, draw it, compare, and propagate the gradient. Training, polish and pose fit
+// share it.
 #pragma once
 
 #include "reconstruction/splat/backward_correctives.h"
@@ -10,8 +11,8 @@
 
 namespace dpl {
 
-/** What is drawn, borrowed. `mesh.restPositions` and the correctives' offsets are skinned; `bind` are the triangles that splat sizes refer
- * to. */
+/** The avatar to draw, borrowed. mesh.restPositions plus the correctives' offsets are skinned. Splat sizes refer to the triangles `bind`.
+ */
 struct PassSubject {
     const TrainableSplats& splats;
     const MeshData& mesh;
@@ -21,7 +22,7 @@ struct PassSubject {
     const VertexIncidence& incidence;
 };
 
-/** Wall time of the parts, summed over passes, milliseconds. */
+/** Wall time of each part of a pass in milliseconds, summed over passes. */
 struct PassTimes {
     double pose = 0, project = 0, blend = 0, loss = 0, pixels = 0, splats = 0, mesh = 0;
 };
@@ -30,7 +31,8 @@ class FramePass {
 public:
     explicit FramePass(Jobs& jobs) : jobs_(jobs), engine_(jobs), loss_(jobs), pixels_(jobs), splatBackward_(jobs) {}
 
-    /** geometry: also fill restGradient(), poseGradient() and nodeGradient(). `camera` replaces the level's (same size). */
+    /** Returns the loss of the picture and computes the gradients of the splats. With `geometry`, also fills restGradient(),
+     *  poseGradient() and nodeGradient(). `camera` is used in place of level.camera and must have the same size. */
     LossValues run(const PassSubject& subject, const Pose& pose, const LevelFrame& level, const Cameraf& camera, const LossWeights& weights,
                    const Vec3f& background, bool geometry);
     LossValues run(const PassSubject& subject, const Pose& pose, const LevelFrame& level, const LossWeights& weights,
@@ -41,7 +43,7 @@ public:
     SplatBackward& splatBackward() { return splatBackward_; }
     const std::vector<Vec3f>& restGradient() const { return gRest_; }
     const PoseGradient<double>& poseGradient() const { return poseGradient_; }
-    /** ∂loss/∂(control nodes of this pose), M entries; empty without correctives. */
+    /** ∂loss/∂(control nodes at this pose), M entries; empty without correctives. */
     std::span<const Vec4f> nodeGradient() const { return gNodes_; }
     const PosedMesh& posed() const { return posed_; }
     const SplatImage& image() const { return image_; }

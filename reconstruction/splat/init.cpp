@@ -88,7 +88,7 @@ TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData&
         if (restTriangle(a, b, d).valid) total += area[t] = 0.5 * glm::length(glm::cross(b - a, d - a));
     }
     std::vector<uint32_t> perTriangle(triangleCount, 0);
-    double carried = 0;  // rounding errors carry over to the next triangle, so the total is kept
+    double carried = 0;  // a triangle's rounding error goes to the next one, so the total is exact
     for (size_t t = 0; t < triangleCount; ++t) {
         if (!(area[t] > 0)) continue;
         const double want = area[t] / total * settings.splatCount + carried;
@@ -106,7 +106,7 @@ TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData&
             s.triangle[at] = uint32_t(t);
             s.flags[at] = flags[t];
             float* row = s.rows.data() + size_t(at) * s.stride;
-            // R2 low-discrepancy points, folded into the triangle. Each triangle shifts them by its own random amount.
+            // R2 low-discrepancy points, folded into the triangle and shifted by a random amount for each triangle.
             double u = 0.5 + 0.7548776662466927 * k + hashUniform(seed, 1, t) * (perTriangle[t] > 1 ? 1 : 0);
             double v = 0.5 + 0.5698402909980532 * k + hashUniform(seed, 2, t) * (perTriangle[t] > 1 ? 1 : 0);
             u -= std::floor(u), v -= std::floor(v);
@@ -118,7 +118,7 @@ TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData&
         }
     s.indexTriangles(triangleCount);
 
-    // Each frame adds the colour that it shows at every splat's place.
+    // Each frame adds the colour that it shows at each splat's position.
     std::vector<Vec3f> sum(count, Vec3f(0));
     std::vector<float> weight(count, 0.0f);
     std::vector<Vec3f> posed;
@@ -156,7 +156,7 @@ TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData&
     mean = seen > 0 ? mean / seen : Vec3d(0.5);
     Vec3f previous(mean);
     for (size_t i = 0; i < count; ++i) {
-        // A splat that no frame shows takes the colour of its predecessor in triangle order.
+        // A splat that no frame shows takes the colour of the splat before it, in triangle order.
         const Vec3f colour = weight[i] > 0 ? sum[i] / weight[i] : previous;
         previous = colour;
         for (int c = 0; c < 3; ++c) s.rows[i * s.stride + kRowSh + uint32_t(c)] = (colour[c] - 0.5f) / float(kShC0);

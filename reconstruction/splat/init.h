@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where splats start: spread over the mesh by area, coloured from the training pictures.
+// The splats before training: spread over the mesh by area and coloured from the training pictures.
 #pragma once
 
 #include <vector>
@@ -13,20 +13,22 @@ struct InitSettings {
     uint32_t splatCount = 60000;
     uint32_t shDegree = 1;
     std::vector<uint8_t> clothLabels{2, 3};
-    std::vector<uint8_t> openLabels{4};  // triangles with these labels draw from both sides (hair)
+    std::vector<uint8_t> openLabels{4};  // triangles with these labels are drawn from both sides (hair)
 };
 
-/** kSplatSingleFace and kSplatCloth of every triangle (docs/reference/gate.md): single-face except open labels and faces within two rings
- *  of a boundary edge. Vertices at one place count as one, so seams are no boundary. labels may be empty (all body). */
+/** The flags kSplatSingleFace and kSplatCloth of every triangle (docs/reference/gate.md). Triangles with open labels, and those within two
+ *  rings of a boundary edge, are not single-face. Vertices at equal positions count as one, so a seam is no boundary. labels: one a
+ *  triangle, or empty (all body). */
 std::vector<uint8_t> triangleFlags(std::span<const Vec3f> restPositions, std::span<const Triangle> triangles,
                                    std::span<const uint8_t> labels, const InitSettings& settings);
 
-/** In-plane size floor 0.35/ν of every triangle, ν the highest px/m at which any frame saw it; triangles that no frame saw take the
- *  median. Metres. */
+/** In-plane size floor of every triangle, metres: 0.35/ν, with ν the highest resolution in px/m at which a frame shows it. Triangles that
+ *  no frame shows take the median. */
 std::vector<float> sizeFloors(std::span<const JointData> joints, const MeshData& mesh, std::span<const TrainFrame> frames, Jobs& jobs);
 
-/** At least one splat for each valid triangle, the rest by area; s = 0.8·spacing, opacity 0.8. SH coefficient 0 is the mean colour in the
- *  frames, weighted by cos²θ of the visible surface; moving frames weigh a fifth of still ones. */
+/** Splats before the first step. Each valid triangle has at least one; the rest are spread by area. Scale is 0.8·spacing, opacity 0.8.
+ *  SH coefficient 0 is the mean colour in the frames where the surface is visible, weighted by cos²θ, with θ the angle
+ *  between its normal and the direction to the camera. Moving frames weigh a fifth of still ones. */
 TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData& mesh, std::span<const uint8_t> flags,
                               std::span<const float> floors, std::span<const TrainFrame> frames, const InitSettings& settings,
                               uint64_t seed, Jobs& jobs);

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// What training has learned so far, and the one list of its fields that saving, loading and checking a checkpoint share.
+// The learned state of a training run, and the list of its fields. Saving, loading and checking a checkpoint share that list.
 #pragma once
 
 #include "reconstruction/splat/co_optimise.h"
 
 namespace dpl {
 
-/** What is learned about the surface and its splats. */
+/** The learned state of the surface and its splats, with the optimisers' moments. */
 struct LearnedLayer {
     TrainableSplats splats;
     AdamRows adam;
     DensityStatistics statistics;
-    std::vector<Vec3f> u;  // parameters of LargeSteps; empty when geometry is not learned
+    std::vector<Vec3f> u;  // V parameters of LargeSteps; empty when geometry is not learned
     AdamUniform adamOffsets;
     std::vector<Vec3f> restGradientSum;  // since the last LargeSteps update
     uint32_t restGradientCount = 0;
@@ -19,15 +19,15 @@ struct LearnedLayer {
     AdamRows adamNodes;              // a row a node
 };
 
-/** What is learned about one frame. */
+/** The learned state of one frame. */
 struct LearnedFrame {
     Pose pose;
     AdamVector adamPose;
-    Vec3d cameraTurn{0}, cameraShift{0};  // X_view ← exp(turn)·X_view + shift of the given camera
+    Vec3d cameraTurn{0}, cameraShift{0};  // against the given camera: X_view ← exp(turn)·X_view + shift
     AdamVector adamCamera;
 };
 
-/** Sums over the steps since the last point of the curve. */
+/** Loss sums over the steps since the last point of the curve. */
 struct LossSums {
     double loss = 0, l1 = 0, ssim = 0, mask = 0, squaredError = 0, squaredCount = 0;
     uint32_t steps = 0;
@@ -41,13 +41,13 @@ struct Learned {
     LossSums sums;
 };
 
-/** Visits every stored field of `learned` in the order of the file, with the number of entries that an array must have:
+/** Visits every stored field of `learned`, in the order of the checkpoint file, with the required length of each array:
  *      visit.value(name, field)                   a number or a vector of numbers
  *      visit.array(name, field, count)            exactly `count` entries
  *      visit.arrayOrEmpty(name, field, count)     `count` entries, or none before the first step
  *      visit.arrayOfAnySize(name, field)
- *  `shape` is a state of the same run (prepared, at any step): sizes that never change are taken from it. Counts of splat arrays follow
- *  from fields visited before them. Stops at the first error. */
+ *  `shape` is a prepared state of the same run at any step. It gives the sizes that never change. Sizes of splat arrays follow from the
+ *  fields visited before them. Stops at the first error. */
 template <class LearnedOrConst, class Visit>
 Status visitLearned(LearnedOrConst& learned, const Learned& shape, Visit& visit) {
     auto& layer = learned.layer;

@@ -7,7 +7,7 @@
 namespace dpl {
 namespace {
 
-constexpr size_t kGrain = 16;            // rows a block
+constexpr size_t kGrain = 16;            // pixel rows a job
 constexpr uint32_t kWindowReachPx = 10;  // SSIM's gradient at a pixel reads two windows of radius 5
 
 float sign(float x) {

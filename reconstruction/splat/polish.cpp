@@ -14,9 +14,9 @@ CoOptimiseSettings polishSettings(uint32_t steps, uint64_t seed, uint32_t shDegr
     s.learnGeometry = s.learnPoses = s.learnCameras = s.learnCorrectives = s.densify = s.learnPlacement = false;
     s.fullResolutionOnly = true;
     s.loss.cloth = 0;
-    // The splats are nearly right: small steps, falling to a tenth.
+    // The splats are nearly right, so steps are small and fall to a tenth.
     s.rateLogScale = 1e-3f, s.rateOpacity = 1e-2f, s.rateDc = 2e-3f;
-    s.rateRest = 0;  // splats share palette rows for the coefficients above 0
+    s.rateRest = 0;  // splats share the palette entries of SH coefficients above 0
     s.endLogScale = s.endOpacity = s.endColour = 0.1f;
     return s;
 }

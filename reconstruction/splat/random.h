@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counter-based random numbers: a value is a function of (seed, stream, index), so nothing has to be saved in a checkpoint.
+// Counter-based random numbers. A value is a function of (seed, stream, index), so a checkpoint stores no generator state.
 #pragma once
 
 #include <cmath>

@@ -21,7 +21,7 @@ void addSplatRegularisers(const TrainableSplats& splats, std::span<const float> 
         const float h = referenceSizeM[splats.triangle[i]];
         const float floor = splats.sizeFloorM[splats.triangle[i]];
         const Vec2f s = splats.scaleM[i];
-        float slope[2];  // ∂(ln s)/∂(log scale): the floor takes its share
+        float slope[2];  // ∂(ln s)/∂(log scale), below 1 because of the size floor
         for (int k = 0; k < 2; ++k) {
             slope[k] = std::max(0.0f, s[k] * s[k] - floor * floor) / (s[k] * s[k]);
             if (s[k] > kMaxSizeRatio * h) row[kRowLogScale1 + uint32_t(k)] += w.scaleHinge * n * s[k] / h * slope[k];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rotation vectors (axis times angle) and unit quaternions.
+// Conversions between rotation vectors (axis times angle in radians) and unit quaternions.
 #pragma once
 
 #include <cmath>
@@ -13,7 +13,7 @@ inline Quatd turnQuaternion(const Vec3d& w) {
     return angle > 1e-12 ? glm::angleAxis(angle, w / angle) : Quatd(1, 0, 0, 0);
 }
 
-/** Axis-angle of a unit quaternion, the short way round. */
+/** Rotation vector of a unit quaternion, radians; the angle is at most π. */
 inline Vec3d logQuaternion(Quatd q) {
     if (q.w < 0) q = -q;
     const Vec3d v(q.x, q.y, q.z);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fields of training settings, listed once. A checkpoint's fingerprint and a stage's key are made from these lists.
+// The fields of the training settings. A checkpoint's fingerprint and a stage's key are made from these lists.
 //
-// Each function calls visit(name, value) for every field. The structured binding names them all, so a field that is added to a struct but
-// not to its list does not compile.
+// Each function calls visit(name, value) for every field. The structured binding names all fields, so the code does not compile when a
+// struct has a field that its list lacks.
 #pragma once
 
 #include "reconstruction/splat/co_optimise.h"

@@ -6,8 +6,8 @@
 
 namespace dpl {
 
-/** Σ_k weight[k] · ∂basis[k]/∂d for the unit direction d, treating the basis as a polynomial of (x, y, z). The caller projects
- *  the result onto the sphere. */
+/** Σ_k weight[k] · ∂basis[k]/∂d at the unit direction d. The basis is differentiated as a polynomial in (x, y, z), so the caller removes
+ *  the component along d. */
 template <class T>
 inline Vec3<T> shBasisGradient(const Vec3<T>& d, uint32_t degree, const T* weight) {
     const T x = d.x, y = d.y, z = d.z;

@@ -15,10 +15,10 @@
 namespace dpl {
 
 constexpr int kRadius = 5, kTaps = 2 * kRadius + 1;
-constexpr size_t kPad = 16;  // zeros on both sides of a row: covers the window and the last partial vector
+constexpr size_t kPad = 16;  // zeros on both sides of a row, for the window and the last partial vector
 constexpr float kC1 = 0.01f * 0.01f, kC2 = 0.03f * 0.03f;
 
-/** exp(−k²/2σ²) normalised to one. */
+/** Taps exp(−k²/2σ²), normalised to the sum 1. */
 struct GaussWindow {
     float tap[kTaps];
     GaussWindow() {
@@ -28,20 +28,20 @@ struct GaussWindow {
     }
 };
 
-/** Rows are `stride` floats apart and may be written up to the stride. */
+/** Size of an image row. Rows are `stride` floats apart, and code may write the floats between width and stride. */
 struct SsimRow {
     size_t width, stride;
     const float* window;
 };
 
-/** Planes of kTaps rows each; row j of the image lies in slot j mod kTaps. */
+/** Planes of kTaps rows each. Row j of the image lies in slot j mod kTaps. */
 struct Ring {
     float* rows;
     size_t stride;
     float* row(uint32_t plane, int j) const { return rows + (plane * kTaps + size_t(j % kTaps)) * stride; }
 };
 
-/** The window about one row: the slots of its rows inside the image, as offsets into a plane of the ring, and their weights. */
+/** The vertical window about one row: for each row of it inside the image, the offset into a plane of the ring and the weight. */
 struct ColumnWindow {
     int count = 0;
     size_t offset[kTaps];
@@ -65,7 +65,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::CappedTag<float, 16>;
 using V = hn::Vec<D>;
 
-/** out[x] = Σ_k w_k in[x + k − 5]; `in` has kPad zeros on both sides. Four vectors at a time: one alone waits for its own sum. */
+/** out[x] = Σ_k w_k in[x + k − 5]; `in` has kPad zeros on both sides. Works on four vectors at a time, because additions to a single sum
+ * wait for each other. */
 HWY_INLINE void blurRow(const SsimRow& r, const float* HWY_RESTRICT in, float* HWY_RESTRICT out) {
     const D d;
     const size_t lanes = hn::Lanes(d);
@@ -96,7 +97,7 @@ HWY_INLINE void multiplyRow(size_t width, const float* a, const float* b, float*
     for (size_t i = whole; i < width; ++i) line[i] = a[i] * b[i];
 }
 
-/** Five products of row `at`, blurred horizontally: x, y, x², y², xy -> the planes of `out`. */
+/** Blurs x, y, x², y² and xy of row `at` horizontally, each into a plane of `out`. */
 void blurProducts(const SsimRow& r, const float* x, const float* y, float* scratch, const Ring& out, int at) {
     float* line = scratch + kPad;
     std::memcpy(line, x, r.width * sizeof(float)), blurRow(r, line, out.row(0, at));
@@ -106,7 +107,7 @@ void blurProducts(const SsimRow& r, const float* x, const float* y, float* scrat
     multiplyRow(r.width, x, y, line), blurRow(r, line, out.row(4, at));
 }
 
-/** The window's sums down column x of `kPlanes` planes: as many independent chains of additions. */
+/** The window's weighted sums at columns x … of `kPlanes` planes. Several planes at once give independent chains of additions. */
 template <uint32_t kPlanes>
 HWY_INLINE void blurColumns(const ColumnWindow& w, const Ring& ring, size_t x, V (&sum)[kPlanes]) {
     const D d;
@@ -124,8 +125,8 @@ HWY_INLINE void blurColumns(const ColumnWindow& w, const Ring& ring, size_t x, V
     }
 }
 
-/** One row of the similarity map from the blurred products about it: returns its sum; writes ∂S/∂(blurred x), ∂S/∂(blurred x²),
- *  ∂S/∂(blurred xy) of the row. */
+/** One row of the similarity map S, from the blurred products around it. Returns the row's sum of S and writes ∂S/∂(blurred x),
+ *  ∂S/∂(blurred x²) and ∂S/∂(blurred xy). */
 double similarityRow(const SsimRow& r, const Ring& products, const ColumnWindow& window, float* dMean, float* dSquare, float* dCross) {
     const D d;
     double total = 0;
@@ -150,7 +151,7 @@ double similarityRow(const SsimRow& r, const Ring& products, const ColumnWindow&
     return total;
 }
 
-/** The three derivative rows at scratch + kPad, `lineStride` apart, blurred horizontally into row `at` of `out`. */
+/** Blurs three derivative rows horizontally into row `at` of `out`. They begin at scratch + kPad and lie `lineStride` floats apart. */
 void blurMaps(const SsimRow& r, const float* scratch, size_t lineStride, const Ring& out, int at) {
     for (uint32_t k = 0; k < 3; ++k) blurRow(r, scratch + k * lineStride + kPad, out.row(k, at));
 }
@@ -194,7 +195,7 @@ double Ssim::run(const PlanarImage& x, const PlanarImage& y, PlanarImage* gradie
     const double count = double(rows) * double(width) + double(equal);
     const float scale = float(double(weight) / count);
     rowSums_.resize(rows);
-    // Bands of rows roll through the rings; their number depends on the picture alone.
+    // Rows are processed in bands. The number of bands depends on the picture alone, so the sums do not depend on threads.
     constexpr int kBandRows = 128, kHalo = 2 * kRadius;
     const size_t bands = size_t(std::max(2, height / kBandRows));
     const size_t ringFloats = (5 + 3) * kTaps * stride + 4 * line;
@@ -205,7 +206,7 @@ double Ssim::run(const PlanarImage& x, const PlanarImage& y, PlanarImage* gradie
         const float* const xs = x.values.data() + plane;
         const float* const ys = y.values.data() + plane;
         const Ring products{rings_.data() + ringFloats * worker, stride}, maps{products.rows + 5 * kTaps * stride, stride};
-        float* const scratch = maps.rows + 3 * kTaps * stride;  // one padded line for products, three for maps
+        float* const scratch = maps.rows + 3 * kTaps * stride;  // four padded lines: one of products, three of derivatives
         float* const derivatives = scratch + line;
         for (int ahead = std::max(0, begin - kHalo); ahead < end + kHalo; ++ahead) {
             if (ahead < height)

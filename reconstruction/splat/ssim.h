@@ -24,19 +24,19 @@ struct PlanarImage {
     std::span<const float> plane(uint32_t c) const { return {values.data() + planeSize() * c, planeSize()}; }
 };
 
-/** Separable, SIMD over rows, zero outside the image (so the window shrinks no further than the crop's border). Rows roll through
- *  small rings: what is read eleven times stays in the second-level cache. */
+/** Computes SSIM with separable blurs, with SIMD along rows. Pixels outside the image count as zero. Rows are kept in small rings, so that
+ *  values that are read eleven times stay in the second-level cache. */
 class Ssim {
 public:
     explicit Ssim(Jobs& jobs) : jobs_(jobs) {}
 
-    /** Mean SSIM of x against y over all pixels and channels. With `gradient` (same size as x): adds weight · ∂mean/∂x.
-     *  equalPixels: pixels beyond the pictures in which both agree; each counts as a similarity of 1. */
+    /** Mean SSIM of x against y over all pixels and channels. Adds weight · ∂mean/∂x to `gradient` (same size as x) unless it is null.
+     *  equalPixels: number of further pixels, outside these images, that are equal in both; each counts in the mean with SSIM 1. */
     double run(const PlanarImage& x, const PlanarImage& y, PlanarImage* gradient, float weight, size_t equalPixels = 0);
 
 private:
     Jobs& jobs_;
-    std::vector<float> rings_;  // one set a worker
+    std::vector<float> rings_;  // one set of rings a worker
     std::vector<double> rowSums_;
 };
 

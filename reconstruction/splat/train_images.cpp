@@ -9,7 +9,7 @@
 namespace dpl {
 namespace {
 
-/** Overlap of output pixel `o` with input pixels along one axis. */
+/** The input pixels that one output pixel covers along one axis, with their weights. */
 struct Span1d {
     uint32_t first = 0;
     std::vector<float> weights;  // sum to 1

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Training frames, and the level (resolution, crop) of them that a step reads.
+// Training frames, and their levels: a frame at one resolution, cropped, as a training step reads it.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@
 
 namespace dpl {
 
-/** One picture with its camera and the subject's pose. Copies share the picture, which nobody changes. */
+/** One picture with its camera and the subject's pose. Copies share the picture, which is constant. */
 struct TrainFrame {
     std::string name;
     FrameKind kind = FrameKind::StaticFull;
@@ -21,16 +21,16 @@ struct TrainFrame {
     std::shared_ptr<const FramePicture> picture;  // of the camera's size
 };
 
-/** The low-pass that avatars are trained and drawn with, target pixels² at every scale: the variance of a pixel's own square. A drawing is
- *  then the area average of a larger one. With a wider low-pass (0.3 px² is common) splats learn to undo the blur at their training size
- *  and look ragged at other sizes. */
+/** Variance of the low-pass that avatars are trained and drawn with, in pixels² of the target at every scale. 1/12 is the variance of a
+ *  pixel's square, so a drawing is close to the area average of a larger drawing. With a wider low-pass (0.3 px² is common) splats learn to
+ *  undo the blur at their training size and look ragged at other sizes. */
 constexpr float kTrainedKappaPx2 = 1.0f / 12;
 
-/** A frame at one level: area-averaged, cropped to the person's box + 10 %, eight bits. `used` is false when the mask is empty. */
+/** A frame at one level: area-averaged, cropped to the person's box with a margin of 10 %, 8 bits a channel. */
 struct LevelFrame {
-    bool used = false;
+    bool used = false;  // false when the mask is empty
     uint32_t widthPx = 0, heightPx = 0;
-    uint32_t leftPx = 0, topPx = 0;  // of the crop in the level's whole image
+    uint32_t leftPx = 0, topPx = 0;  // the crop's corner in the whole image of the level
     float scale = 1;                 // level width / full width
     float kappaPx2 = 0;
     Cameraf camera;            // of the crop
@@ -40,14 +40,14 @@ struct LevelFrame {
     PictureTarget target() const { return {widthPx, heightPx, rgb, mask, cloth, band}; }
 };
 
-/** Image and mask must have the camera's size, and so must labels unless they are empty. The error names the frame. */
+/** Checks that image, mask and labels (unless empty) have the camera's size. The error names the frame. */
 Status checkTrainFrame(const TrainFrame& frame);
 
-/** The person's pixels at `scale`, colour premultiplied by the mask as isPerson() cuts it. clothLabels: label values that count as cloth.
- *  withBand: mark the one-pixel band about the mask's edge (full resolution). */
+/** The person's pixels at `scale`. The mask is made yes-or-no by isPerson() and premultiplies the colour. clothLabels: label values that
+ *  count as cloth. withBand: fill `band`, the pixels within one pixel of the mask's edge (for full resolution). */
 LevelFrame makeLevelFrame(const TrainFrame& frame, float scale, std::span<const uint8_t> clothLabels, bool withBand);
 
-/** Coarsest scale of a frame: the larger of 0.1 and a short side of 160 px, at most 1. */
+/** The scale of a frame at the coarsest level: its short side becomes 160 px, but the scale stays in [0.1, 1]. */
 float coarsestScale(const TrainFrame& frame);
 
 }  // namespace dpl

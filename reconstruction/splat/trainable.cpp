@@ -7,9 +7,10 @@
 namespace dpl {
 
 Vec2f projectToSimplex(Vec2f uv) {
-    // The plane b0 + u + v = 1 holds already, so projecting means clipping and sharing the excess among the positive ones.
+    // b already lies in the plane b0 + b1 + b2 = 1, so the projection clips negative coordinates and takes the excess from the others.
     float b[3] = {1 - uv.x - uv.y, uv.x, uv.y};
-    // 1 − u − v of a projected point may be −1e-7: leaving it makes the projection idempotent, so a restored run keeps its bytes.
+    // 1 − u − v of a projected point may be −1e-7 by rounding. Accepting it makes the projection idempotent, so that a restored run gives
+    // the same bytes.
     if (b[0] >= -1e-6f && b[1] >= 0 && b[2] >= 0) return uv;
     float sorted[3] = {b[0], b[1], b[2]};
     std::sort(sorted, sorted + 3, [](float a, float c) { return a > c; });

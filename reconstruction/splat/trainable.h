@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Splats as the optimiser sees them: one row of raw parameters a splat, and the linear values that the engine draws.
+// Splats for the optimiser: one row of raw parameters a splat, and the linear values that the engine draws.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +16,8 @@ namespace dpl {
 // Columns of a row. A row is padded to a multiple of eight floats so that Adam updates whole vectors.
 constexpr uint32_t kRowU = 0, kRowV = 1, kRowPhi = 2, kRowLogScale1 = 3, kRowLogScale2 = 4, kRowOpacityLogit = 5, kRowSh = 6;
 
-constexpr float kMinLogScale = -9.0f;  // 0.12 mm: smaller ones get no gradient (docs/reference/footprint.md)
-constexpr float kMaxLogScale = -2.3f;  // 10 cm
+constexpr float kMinLogScale = -9.0f;  // ln metres, 0.12 mm: smaller splats get no gradient (docs/reference/footprint.md)
+constexpr float kMaxLogScale = -2.3f;  // ln metres, 10 cm
 constexpr float kMaxOpacityLogit = 8.0f;
 
 /** N splats, always sorted by triangle (stable), so that sums over a triangle's splats are contiguous. */
@@ -27,32 +27,32 @@ struct TrainableSplats {
     std::vector<uint32_t> triangleStart;  // F+1
     std::vector<uint8_t> flags;           // N
     std::vector<float> rows;              // N × stride: raw parameters
-    std::vector<float> sizeFloorM;        // F: in-plane size floor 0.35/ν of the triangle (docs/reference/footprint.md), metres at rest
+    std::vector<float> sizeFloorM;        // F: in-plane size floor of the triangle (see sizeFloors()), metres at rest
 
-    // Linear values, kept in step by activate().
+    // Linear values; activate() computes them from `rows`.
     std::vector<Vec2f> uv, scaleM;  // scaleM² = exp(2·logScale) + floor²
     std::vector<float> phi, opacity, sh;
 
     uint32_t count() const { return uint32_t(triangle.size()); }
     static uint32_t strideFor(uint32_t shDegree) { return (kRowSh + shCoefficientCount(shDegree) * 3 + 7) / 8 * 8; }
 
-    /** Sizes everything for `count` splats; rows are zero. triangleStart and sizeFloorM are left to the caller. */
+    /** Resizes the arrays of N to `count` splats and sets rows to zero. The caller fills triangleStart and sizeFloorM. */
     void resize(uint32_t count, uint32_t degree);
-    /** triangleStart from `triangle`. */
+    /** Computes triangleStart from `triangle`. */
     void indexTriangles(size_t triangleCount);
-    /** Projects (u, v) into the triangle, clamps scales and opacity, and refreshes the linear values of [begin, end); with `only`
-     *  (one byte a splat) just of those that are set. */
+    /** Projects (u, v) into the triangle, clamps scales and opacity, and recomputes the linear values of the splats in [begin, end). With
+     *  `only` (one byte a splat), does so only for splats whose byte is not zero. */
     void activate(size_t begin, size_t end, std::span<const uint8_t> only = {});
     void activateAll(Jobs& jobs);
     BoundSplatView view() const;
 
-    /** The linear values as an avatar's splats, in the present order. */
+    /** The linear values as an avatar's splats, in the same order. */
     SplatData toSplatData() const;
-    /** Rows from an avatar's splats (scales below the floor start at the floor). */
+    /** Rows from an avatar's splats. A scale below the floor is raised to it. */
     static TrainableSplats fromSplatData(const SplatData& splats, std::span<const float> sizeFloorM);
 };
 
-/** Euclidean projection of (u, v) onto {u ≥ 0, v ≥ 0, u + v ≤ 1} in barycentric space. */
+/** Projection of (u, v) onto {u ≥ 0, v ≥ 0, u + v ≤ 1}, Euclidean in the barycentric coordinates (1 − u − v, u, v). */
 Vec2f projectToSimplex(Vec2f uv);
 
 }  // namespace dpl
