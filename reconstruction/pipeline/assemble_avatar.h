@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the result of training to an avatar as its readers will see it.
+// Turns the result of training into an avatar, as a reader of its file decodes it.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -11,16 +11,16 @@
 namespace dpl {
 
 struct AssembledAvatar {
-    AvatarData avatar;               // decoded: splats are bound to the vertices that a reader gets
-    std::vector<TrainFrame> frames;  // training frames with their trained poses
+    AvatarData avatar;               // decoded; its splats are bound to the decoded vertices
+    std::vector<TrainFrame> frames;  // training frames with trained poses
 };
 
-/** The trained avatar, encoded and decoded once, splats re-based onto the decoded mesh, SH as a palette (write it with
- *  WriteOptions::shPalette). No evidence rows yet. `shaped` is the body that was trained; `set` holds its training frames. */
+/** The trained avatar after one encoding and decoding, with its splats re-based onto the decoded mesh and its SH as a palette (write it
+ *  with WriteOptions::shPalette). It has no evidence rows. `shaped` is the body that was trained, `set` its training frames. */
 Result<AssembledAvatar> assembleAvatar(const BodyModel& shaped, const CoOptimiseResult& trained, const Scan& scan, FrameSet set,
                                        Jobs& jobs);
 
-/** The numbers that assembling depends on besides its arguments, for keys. */
+/** The constants that assembleAvatar() depends on besides its arguments, as part of a stage's key. */
 nlohmann::json assembleInputs();
 
 }  // namespace dpl

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The optional parts of an avatar, how to remove one, and the file of what the evidence stage measured about them.
+// The optional parts of an avatar, their removal, and the file with the evidence stage's measurements of them.
 #pragma once
 
 #include <filesystem>
@@ -17,11 +17,11 @@ struct PartEvidence {
     EvidenceData row;
 };
 
-/** Whether the avatar has the part at all. */
+/** Whether the avatar has the part. */
 bool hasPart(const AvatarData& avatar, AvatarPart part);
-/** Sets the offsets or the light of all control nodes to zero, or SH to degree 0. */
+/** Sets the offsets or the brightness of all control nodes to zero, or reduces SH to degree 0. */
 void removePart(AvatarData& avatar, AvatarPart part);
-/** Removes the correctives when all their nodes are zero. */
+/** Removes the correctives if all their nodes are zero. */
 void dropEmptyCorrectives(AvatarData& avatar);
 
 Status writeEvidence(const std::vector<PartEvidence>& parts, const std::filesystem::path& path);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The body fit as a JSON file between stages. Reading checks sizes and finite numbers.
+// The body fit as a JSON file, for later stages. Reading checks that sizes are right and numbers finite.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,7 @@
 
 namespace dpl {
 
-/** Numbers are written with enough digits to be read back bit for bit. */
+/** The fit as JSON. Numbers have enough digits to be read back bit for bit. */
 std::string fitToJson(const BodyFit& fit);
 Result<BodyFit> readFitFile(const std::filesystem::path& path, size_t frameCount, size_t jointCount, size_t morphCount);
 

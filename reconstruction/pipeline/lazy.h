@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A value that is made when it is first needed: stages that are up to date need no pictures.
+// A value that is made on first use. Stages that are up to date need no pictures, so these are not decoded.
 #pragma once
 
 #include <functional>
@@ -9,13 +9,13 @@
 
 namespace dpl {
 
-/** One thread. What `make` captures must outlive this object. A failure is not kept: the next get() tries again. */
+/** For use by one thread. What `make` captures must outlive this object. After an error the next get() calls `make` again. */
 template <class T>
 class Lazy {
 public:
     explicit Lazy(std::function<Result<T>()> make) : make_(std::move(make)) {}
 
-    /** Valid as long as this object. */
+    /** The value, made on the first call. The pointer is valid as long as this object. */
     Result<const T*> get() {
         if (!value_) {
             DPL_TRY(value_, make_());

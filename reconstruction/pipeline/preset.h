@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What draft, standard and high mean, as numbers.
+// The numbers behind the presets draft, standard and high.
 #pragma once
 
 #include "reconstruction/pipeline/reconstruct.h"
@@ -8,11 +8,11 @@
 
 namespace dpl {
 
-/** The numbers that a run is made with. Stages and their keys see these and never the name of a preset. */
+/** The settings of a run. Stages and their keys depend on these numbers, and never on the name of a preset. */
 struct RunSettings {
     CoOptimiseSettings training;
-    double timeBudgetMinutes = 0;  // above 0 a probe chooses training.steps
-    uint32_t polishSteps = 0;      // colour, opacity and size on the decoded bytes
+    double timeBudgetMinutes = 0;  // above 0: a timed probe chooses training.steps
+    uint32_t polishSteps = 0;      // of colour, opacity and size, on the decoded avatar
     PoseFitSettings poseFit;       // of held-out frames
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Progress for people: one line a stage, a bar with the time left, and the flag that Ctrl-C sets.
+// Progress on the terminal (one line a stage, a bar with the time left), and the flag that Ctrl-C sets.
 #pragma once
 
 #include <atomic>
@@ -9,20 +9,20 @@
 
 namespace dpl {
 
-/** Draws on stderr: a bar rewritten in place on a terminal, a line every ten seconds otherwise, nothing when quiet. */
+/** Writes to stderr: on a terminal a bar that is rewritten in place, otherwise a line every ten seconds, and nothing when quiet. */
 class Progress {
 public:
     enum class Style { Auto, Quiet };
     explicit Progress(Style style = Style::Auto);
 
     void beginStage(std::string_view name);
-    /** fraction in [0,1]; `detail` is short ("step 300 of 2000, 23.1 dB"). Cheap enough to call at every step. */
+    /** fraction in [0,1]; `detail` is short ("step 300 of 2000, 23.1 dB"). Cheap enough for every step. */
     void update(double fraction, std::string_view detail = {});
     void endStage(std::string_view summary);
-    /** A line of its own, for verdicts and warnings. */
+    /** Writes a separate line, for verdicts and warnings. */
     void note(std::string_view line);
 
-    /** True once the user asked to stop (SIGINT or SIGTERM after installSignalHandlers). */
+    /** True after the first SIGINT or SIGTERM, if installSignalHandlers() was called. */
     bool cancelled() const;
     const std::atomic<bool>& cancelFlag() const;
 

@@ -18,10 +18,10 @@ struct ReconstructOptions {
     std::filesystem::path scan;    // scan folder, nerfstudio or COLMAP folder
     std::filesystem::path out;     // made if absent
     std::filesystem::path body;    // glTF body; empty: the built-in one
-    std::filesystem::path models;  // ONNX networks for keypoints, labels and masks; empty: only what the scan brings
+    std::filesystem::path models;  // folder of ONNX networks for keypoints, labels and masks; empty: none
     Preset preset = Preset::Standard;
     double timeBudgetMinutes = 0;  // of training; 0: the preset's number of steps
-    uint32_t steps = 0;            // of training; 0: the preset's. Above 0 the time budget is ignored
+    uint32_t steps = 0;            // of training; 0: the preset's number; above 0: the time budget is ignored
     uint64_t seed = 1;
     uint32_t threadCount = 0;  // 0: one a core; results do not depend on it
 };
@@ -33,8 +33,8 @@ struct ReconstructResult {
     std::string summary;           // two lines for the terminal
 };
 
-/** Runs or continues a reconstruction. Only this function writes under `out`. Errors name the stage, the file and the remedy;
- *  Code::Cancelled after Ctrl-C: finished stages and the last checkpoint are kept. */
+/** Runs a reconstruction, or continues an interrupted one. Only this function writes under `out`. Errors name the stage, the file and the
+ *  remedy. After Ctrl-C it returns Code::Cancelled and keeps the finished stages and the last checkpoint. */
 Result<ReconstructResult> reconstruct(const ReconstructOptions& options, Progress& progress);
 
 }  // namespace dpl

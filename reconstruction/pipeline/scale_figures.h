@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scores of an avatar that is drawn at other sizes than it was trained at.
+// Scores of an avatar drawn at other sizes than those of its training.
 #pragma once
 
 #include "reconstruction/package/poses_file.h"
@@ -10,10 +10,11 @@
 
 namespace dpl {
 
-/** Adds masked PSNR of held-out frames drawn at ×0.5 to ×4. Picture and truth are area-averaged to one size before they are compared: to ×1
- *  those drawn no smaller, and all of them to ×0.5. Averaging hides error, so figures at two sizes do not compare.
- *  The truth of a frame is the finest picture that the scan has of it (hires/ of docs/formats/scan.md, read for this only); its mask knows
- *  how much of an outline pixel the person covers. Where no frame has one, the truth is the frame with its mask. */
+/** Adds to `data` the masked PSNR of held-out frames drawn at ×0.5 to ×4. Picture and truth are area-averaged to the same size before the
+ *  comparison. Every drawing is compared at ×0.5, and those drawn at ×1 or larger also at ×1. Averaging hides error, so figures at
+ *  different comparison sizes are not comparable.
+ *  The truth of a frame is its finest picture in the scan (hires/ of docs/formats/scan.md, read for this only), whose mask holds the
+ *  partial coverage of outline pixels. If no frame has such a picture, the truth is the frame with its mask. */
 Status addScaleFigures(const std::filesystem::path& scan, Progress& progress, AvatarView& view, const FrameSet& heldOut,
                        const PosesFile& poses, ReportData& data);
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// A stage runs once: its folder appears complete, with a manifest of what it was made from, or not at all.
+// Runs stages, each once. A stage's folder appears complete, with a manifest of its inputs, or not at all.
 //
-//   OUT/stages/body-fit/            appears by rename when the stage has ended
+//   OUT/stages/body-fit/            appears by a rename when the stage has ended
 //       manifest.json               key (hash of name, version and inputs), inputs, seconds, peak memory
-//       ...                         what the stage wrote
-//   OUT/stages/body-fit.work/       while it runs; kept after a kill so that checkpoints survive, removed when the key has changed
+//       ...                         files of the stage
+//   OUT/stages/body-fit.work/       the folder during the run; it and its checkpoints survive a kill, but not a change of the key
 #pragma once
 
 #include <filesystem>
@@ -30,33 +30,32 @@ struct StageRecord {
     bool reused = false;
 };
 
-/** A finished stage. The key names everything that its files were made from: later stages put it into their inputs. */
+/** A finished stage. The key is a hash of everything that its files depend on. Later stages include it in their inputs. */
 struct StageOutput {
     std::filesystem::path folder;
     std::string key;
 };
 
-/** What a running stage is given. */
+/** The arguments of a running stage. */
 struct StageContext {
-    std::filesystem::path folder;  // write here; the same folder holds checkpoints of an interrupted run with the same key
+    std::filesystem::path folder;  // for its files; also holds checkpoints of an interrupted run with the same key
     Progress& progress;
 };
 
-/** Runs stages under OUT/stages and records what each cost. One thread. */
+/** Runs stages under OUT/stages, and records the time and memory of each. For use by one thread. */
 class StageChain {
 public:
     StageChain(std::filesystem::path outFolder, Progress& progress);
 
-    /** Runs `work` unless a finished folder with the same key exists. `inputs` holds every value that the result depends on: numbers of the
-     *  settings, hashes of input files, keys of earlier stages. The version changes when the code makes other files from the same inputs.
-     */
+    /** Runs `work` unless a finished folder with the same key exists. `inputs` holds every value that the result depends on: settings,
+     *  hashes of input files, keys of earlier stages. `version` must change when the code makes other files from the same inputs. */
     Result<StageOutput> run(const std::string& name, uint32_t version, const nlohmann::json& inputs,
                             const std::function<Status(StageContext&)>& work);
 
-    /** In the order in which the stages ran. */
+    /** One record a stage, in the order of the runs. */
     const std::vector<StageRecord>& records() const { return records_; }
 
-    /** Names of folders that an earlier layout numbered ("03-body-fit"). Nothing reads or removes them. */
+    /** Names of stage folders in the numbered layout of earlier versions ("03-body-fit"). Nothing reads or removes these folders. */
     std::vector<std::string> numberedFolders() const;
 
 private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Settings as the inputs of a stage: by value, so that two presets with equal numbers share their work.
+// Settings as inputs of a stage. They are listed by value, so two presets with equal numbers share finished stages.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -11,7 +11,7 @@
 
 namespace dpl {
 
-// As in settings_fields.h: a field that is not named here does not compile. Callbacks are no values.
+// As in settings_fields.h, the code does not compile when a field is missing here. Callbacks are named but not visited.
 template <class Visit>
 void visitFields(const BodyFitSettings& settings, Visit&& visit) {
     const auto& [sigmaAtFullConfidence, outlierSigmas, useMasks, progress] = settings;
@@ -26,7 +26,7 @@ void visitFields(const SurfaceFitSettings& settings, Visit&& visit) {
     visit("maxOffsetM", maxOffsetM), visit("maxStepM", maxStepM), visit("maxSwayM", maxSwayM);
 }
 
-/** Every field of a settings struct, by name. */
+/** All fields of a settings struct as JSON, by name. */
 template <class Settings>
 nlohmann::json fieldsJson(const Settings& settings) {
     nlohmann::json out;
@@ -40,7 +40,7 @@ nlohmann::json fieldsJson(const Settings& settings) {
     return out;
 }
 
-/** All that decides how a run trains. With a time budget the number of steps is a result and no input. */
+/** The inputs of training. With a time budget the number of steps is a result, so the budget takes its place. */
 inline nlohmann::json trainingInputs(const RunSettings& settings) {
     nlohmann::json out = fieldsJson(settings.training);
     if (settings.timeBudgetMinutes > 0) {
@@ -50,7 +50,7 @@ inline nlohmann::json trainingInputs(const RunSettings& settings) {
     return out;
 }
 
-/** All that decides how the trained avatar is polished. */
+/** The inputs of the polish. */
 inline nlohmann::json polishInputs(const RunSettings& settings) {
     return fieldsJson(polishSettings(settings.polishSteps, settings.training.seed, settings.training.init.shDegree));
 }

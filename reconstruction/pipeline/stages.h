@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stages of a reconstruction. Each takes values and returns a value; none changes what another has made. What a stage returns is read
-// back from its folder, so a finished stage and one that has just run give the same.
+// The stages of a reconstruction. Each takes values and returns a value, and none changes another's files. A stage reads its return value
+// back from its folder, so the value is the same whether the stage has just run or was finished before.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -19,7 +19,7 @@
 
 namespace dpl {
 
-/** What stages run with. No result depends on it. */
+/** The services that stages use. No result depends on them. */
 struct StageRun {
     StageChain& chain;
     Jobs& jobs;
@@ -33,7 +33,7 @@ struct ChosenBody {
 };
 
 struct FittedBody {
-    BodyModel body, shaped;  // as chosen, and at the fitted shape
+    BodyModel body, shaped;  // the chosen body, and the same at the fitted shape
     BodyFit fit;
     std::vector<Camerad> cameras;  // of Scan::frames, in metres
     std::string key;
@@ -41,7 +41,7 @@ struct FittedBody {
 
 struct FittedSurface {
     std::vector<Vec3f> restOffsets;  // V, rest pose, metres: from the shaped body to the clothed surface
-    std::vector<Pose> poses;         // of Scan::frames: the body fit's, and what silhouettes show of the sway of still frames
+    std::vector<Pose> poses;         // of Scan::frames; the body fit's, still frames corrected for sway by silhouettes
     std::string key;
 };
 
@@ -61,30 +61,32 @@ struct Package {
 };
 
 struct FoundPoses {
-    std::filesystem::path file;  // poses.json of the stage
+    std::filesystem::path file;  // poses.json in the stage's folder
     PosesFile poses;
     std::string key;
 };
 
-/** Reads and checks the scan. With `models` (a folder of networks; may be empty) what the scan lacks is observed first. */
+/** Reads and checks the scan. `models` is a folder of networks, or empty. The networks first add keypoints, labels and masks that the scan
+ *  lacks. */
 Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path& scan, const std::filesystem::path& models);
-/** The body of a file; empty: the built-in one. */
+/** Reads the body from `file`, or takes the built-in one if `file` is empty. */
 Result<ChosenBody> chooseBody(const std::filesystem::path& file, Jobs& jobs);
 Result<FittedBody> runBodyFit(const StageRun& run, const IngestedScan& ingested, ChosenBody chosen);
-/** What a body-fit stage left in its folder. */
+/** Reads the result of a finished body-fit stage. */
 Result<FittedBody> readFittedBody(const StageOutput& stage, const IngestedScan& ingested, BodyModel body);
 Result<FittedSurface> runSurface(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, Pictures& pictures);
-/** Decides which parts are modelled as layers of their own: in this version none. */
+/** Decides which garments become separate layers. This version has no such layers, so it decides against all. */
 Result<std::vector<EvidenceData>> runGarments(const StageRun& run);
 Result<Training> runCoOptimise(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
                                Pictures& pictures, const RunSettings& settings);
-/** Measures on training frames what each optional part of the trained avatar is worth. */
+/** Measures on training frames how much each optional part improves the trained avatar. */
 Result<MeasuredParts> runEvidence(const StageRun& run, const IngestedScan& ingested, const Training& training,
                                   Lazy<AssembledAvatar>& trained);
-/** Leaves out the parts that did not pay, polishes on the decoded bytes and encodes. `decided`: rows of parts that were never trained. */
+/** Removes the parts that the evidence rejects, polishes the decoded avatar and encodes it. `decided`: evidence rows of parts that were not
+ *  trained. */
 Result<Package> runPackage(const StageRun& run, const IngestedScan& ingested, const Training& training, Lazy<AssembledAvatar>& trained,
                            const MeasuredParts& measured, const std::vector<EvidenceData>& decided, const RunSettings& settings);
-/** Poses of all frames; those of held-out frames are fitted to the finished avatar. */
+/** Poses of all frames. Those of held-out frames are fitted to the finished avatar. */
 Result<FoundPoses> runPoseFit(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
                               const Training& training, const Package& package, Pictures& pictures, const RunSettings& settings);
 /** Writes report.html, report.json and summary.txt into the returned folder. */
@@ -92,7 +94,7 @@ Result<StageOutput> runReport(const StageRun& run, const IngestedScan& ingested,
                               const std::vector<EvidenceData>& decided, const Training& training, const Package& package,
                               const FoundPoses& found, Pictures& pictures, const RunSettings& settings);
 
-/** Every stage after the body fit; writes avatar.glb, poses.json and the report into options.out. */
+/** Runs every stage after the body fit. Writes avatar.glb, poses.json and the report into options.out. */
 Result<ReconstructResult> reconstructFrom(const StageRun& run, const IngestedScan& ingested, const FittedBody& body,
                                           const ReconstructOptions& options);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The scan as stages learn from it: which frames count, their pictures (decoded once) and their cameras and poses.
+// The scan as the stages use it: which frames are usable, their pictures (decoded once), cameras and poses.
 #pragma once
 
 #include <memory>
@@ -13,7 +13,7 @@
 
 namespace dpl {
 
-/** Content hashes of a frame's files; "none" for a file that the frame lacks. */
+/** Content hashes of a frame's files. A file that the frame lacks has the hash "none". */
 struct FrameHashes {
     std::string image, mask, labels, keypoints;
 };
@@ -23,16 +23,16 @@ struct IngestedScan {
     Scan scan;
     std::vector<bool> usable;         // of Scan::frames; false: left out of training
     std::vector<FrameHashes> hashes;  // of Scan::frames
-    std::string trainingHash;         // of all that may be learned from: usable training frames, with their files and cameras
-    std::string verdict;              // of the check, several lines
+    std::string trainingHash;         // of the usable training frames, with their files and cameras
+    std::string verdict;              // result of the check, several lines
 };
 
-/** Whether the frame may be learned from. */
+/** Whether training may use the frame. */
 inline bool isTrainingFrame(const IngestedScan& ingested, size_t frame) {
     return ingested.scan.frames[frame].split == Split::Train && ingested.usable[frame];
 }
 
-/** Pictures of a scan's frames, decoded when first asked for and kept. One thread. */
+/** Pictures of a scan's frames, decoded on first use and then kept. `scan` must outlive it. For use by one thread. */
 class Pictures {
 public:
     explicit Pictures(const Scan& scan) : scan_(scan), pictures_(scan.frames.size()) {}
@@ -51,22 +51,22 @@ struct FrameSet {
     std::vector<size_t> indices;  // into Scan::frames, one a frame
 };
 
-/** Frame `index` of the scan. The camera is in metres. */
+/** Frame `index` of the scan with its picture, and with the given camera (metres) and pose. */
 Result<TrainFrame> frameAt(const IngestedScan& ingested, size_t index, const Camerad& camera, const Pose& pose, Pictures& pictures);
 
-/** All training frames, or all held-out ones. cameras (metres) and poses: one a frame of the scan. */
+/** All training frames, or all held-out frames. cameras (metres) and poses: one a frame of the scan. */
 Result<FrameSet> framesOf(const IngestedScan& ingested, Split split, std::span<const Camerad> cameras, std::span<const Pose> poses,
                           Pictures& pictures);
 
-/** Label of every triangle of `mesh`, voted by still training frames that bring labels; empty when none does. */
+/** Label of every triangle of `mesh`, voted by the still training frames with labels. Empty when no frame has labels. */
 std::vector<uint8_t> voteTriangleLabels(const std::vector<JointData>& joints, const MeshData& mesh, const std::vector<TrainFrame>& frames,
                                         Jobs& jobs);
 
-/** AvatarData::trainedPixelM of these frames: the median size of a pixel at the root joint, metres. Each frame weighs as many joints as it
- *  shows, so close-ups hardly count. 0 when no frame shows a joint. */
+/** AvatarData::trainedPixelM of these frames: the median size of a pixel at the root joint, metres. The weight of a frame is the number of
+ *  joints that it shows, so close-ups count little. 0 when no frame shows a joint. */
 float trainedPixelM(const std::vector<JointData>& joints, const std::vector<TrainFrame>& frames);
 
-/** Vertex colours for viewers without splats and for the report's floor, gathered from training frames. */
+/** Vertex colours from training frames, for viewers without splat support and for the report's mesh baseline. */
 std::vector<glm::u8vec4> gatherVertexColours(const std::vector<JointData>& joints, const MeshData& mesh,
                                              const std::vector<TrainFrame>& frames, Jobs& jobs);
 

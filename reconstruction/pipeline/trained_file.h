@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The result of training as a binary file, bit for bit. Reading checks every size before it allocates.
+// The result of training as a binary file, without loss. Reading checks every size before it allocates.
 #pragma once
 
 #include <filesystem>
