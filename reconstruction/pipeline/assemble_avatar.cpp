@@ -10,7 +10,7 @@
 namespace dpl {
 namespace {
 
-/** The subject's own movement in the training frames as a clip, so that an avatar can be played without any other file. */
+/** The subject's movement in the training frames as a clip, so that an avatar can be played without another file. */
 std::vector<ClipData> scanMotion(const Scan& scan, const std::vector<size_t>& trainIndices, const std::vector<Pose>& poses) {
     std::vector<std::pair<double, size_t>> order;
     for (size_t i = 0; i < trainIndices.size(); ++i) {
@@ -41,7 +41,7 @@ std::vector<ClipData> scanMotion(const Scan& scan, const std::vector<size_t>& tr
     return {clip};
 }
 
-// An error of 0.5 levels is 54 dB. 4,096 entries of degree 1 cost 0.5 bytes a splat at 80,000 splats.
+// A colour error of 0.5 of 255 levels is 54 dB. 4,096 entries of degree 1 cost 0.5 bytes a splat at 80,000 splats.
 constexpr uint32_t kShPaletteEntries = 4096;
 constexpr double kShPaletteLevels = 0.5;
 

@@ -10,14 +10,14 @@ namespace dpl {
 namespace {
 
 constexpr double kScales[] = {0.5, 1, 2, 4}, kComparedAt[] = {1, 0.5};
-constexpr double kMaxPixels = 16e6;  // larger pictures are left out: they take too long to draw
+constexpr double kMaxPixels = 16e6;  // larger pictures are skipped, because they take too long to draw
 
 struct Truth {
     std::vector<uint8_t> rgba;
     uint32_t widthPx = 0, heightPx = 0;
 };
 
-/** The frame at ×4, or at ×2. None when the scan has neither, or they cannot be read or have another size. */
+/** The frame's picture at ×4, else at ×2. None when the scan has neither, or when they are unreadable or of the wrong size. */
 std::optional<Truth> fineTruth(const std::filesystem::path& scan, const TrainFrame& frame) {
     for (const uint32_t times : {4u, 2u}) {
         ScanFrame file;
@@ -51,7 +51,7 @@ Status addScaleFigures(const std::filesystem::path& scan, Progress& progress, Av
             if (!isOfKind(frame)) continue;
             if (progress.cancelled()) return fail(Code::Cancelled, "stopped");
             auto truth = fineTruth(scan, frame);
-            if (truth && !fine) {  // only frames with a finer truth count from here on
+            if (truth && !fine) {  // from here on only frames with a finer truth count
                 fine = true;
                 for (auto& row : sums) std::fill(std::begin(row), std::end(row), Sums{});
             }

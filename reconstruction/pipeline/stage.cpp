@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-// Writing 5 makes Linux forget the process's peak resident size, so each stage reports its own.
+// Writing 5 resets the process's peak resident size on Linux, so each stage reports its own peak.
 void resetPeakMemory() {
     std::ofstream("/proc/self/clear_refs") << 5;
 }
@@ -79,7 +79,7 @@ Result<StageOutput> StageChain::run(const std::string& name, uint32_t version, c
 
     progress_.beginStage(name);
     std::error_code ignored;
-    // A kill between the last write and the rename leaves a complete work folder: adopt it.
+    // After a kill between the last write and the rename, the work folder is complete and can be used.
     if (const json manifest = readManifest(workFolder); stringField(manifest, "key") == key && manifest.value("finished", false)) {
         fs::remove_all(folder, ignored);
         fs::rename(workFolder, folder, ignored);

@@ -36,7 +36,7 @@ Result<FittedBody> readFittedBody(const StageOutput& stage, const IngestedScan& 
 
 Result<FittedBody> runBodyFit(const StageRun& run, const IngestedScan& ingested, ChosenBody chosen) {
     BodyFitSettings settings;
-    // The fit reads keypoints of every frame (poses of held-out frames start from theirs), and masks of training frames.
+    // The fit reads the keypoints of every frame and the masks of training frames. Held-out frames' poses start from their keypoints.
     nlohmann::json keypoints = nlohmann::json::array();
     for (size_t f = 0; f < ingested.hashes.size(); ++f) keypoints.push_back({ingested.scan.frames[f].name, ingested.hashes[f].keypoints});
     const nlohmann::json inputs = {

@@ -10,7 +10,7 @@
 namespace dpl {
 namespace {
 
-constexpr double kCheckpointSeconds = 30;  // a kill loses at most about this much training
+constexpr double kCheckpointSeconds = 30;  // a kill loses about this much training at most
 constexpr uint32_t kProbeSteps = 60;
 
 Result<CoOptimiseInput> trainingInput(const FittedBody& body, const FittedSurface& surface, std::vector<TrainFrame> frames, Jobs& jobs) {
@@ -27,14 +27,14 @@ Result<CoOptimiseInput> trainingInput(const FittedBody& body, const FittedSurfac
     return input;
 }
 
-/** The number of steps that fits into the time budget. A probe is timed and thrown away; the number is remembered beside the checkpoint,
- *  so that a continued run keeps it. */
+/** The number of steps that fits into the time budget, by timing a short probe run. The number is stored beside the checkpoint, so that a
+ *  continued run uses the same one. */
 Result<uint32_t> stepsInBudget(const CoOptimiseInput& input, const RunSettings& settings, Jobs& jobs, const std::filesystem::path& folder) {
     const std::filesystem::path remembered = folder / "steps.txt";
     if (auto bytes = readFile(remembered, 64))
         return uint32_t(std::max(1L, std::strtol(std::string(bytes->begin(), bytes->end()).c_str(), nullptr, 10)));
     CoOptimiseSettings slowest = settings.training;
-    slowest.fullResolutionOnly = true;  // the slowest steps: the budget is not overrun
+    slowest.fullResolutionOnly = true;  // times the slowest steps, so that the run stays within the budget
     DPL_TRY(auto probe, CoOptimiser::create(input, slowest, jobs));
     const auto start = std::chrono::steady_clock::now();
     DPL_CHECK_OK(probe->run({}, nullptr, kProbeSteps));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// evidence: what is each optional part worth? Training frames are scored, through the public SDK, with the part and without it. Held-out
-// frames decide nothing.
+// The stage evidence: how much does each optional part improve the avatar? Training frames are drawn by the public SDK and scored with the
+// part and without it. Held-out frames are not used.
 #include "reconstruction/pipeline/stages.h"
 #include "reconstruction/report/draw_view.h"
 #include "reconstruction/report/score.h"
@@ -10,10 +10,10 @@
 namespace dpl {
 namespace {
 
-constexpr double kWorthItDb = 0.05;    // less is lost in the spread between seeds
-constexpr size_t kFramesOfAKind = 12;  // that many moving and that many still frames are scored
+constexpr double kWorthItDb = 0.05;    // a smaller gain is within the spread between seeds
+constexpr size_t kFramesOfAKind = 12;  // scored frames of each kind (moving, still)
 
-/** Adds evenly spaced frames of a kind. */
+/** Adds up to kFramesOfAKind evenly spaced frames of a kind to `chosen`. */
 void chooseFrames(const std::vector<TrainFrame>& frames, FrameKind kind, std::vector<const TrainFrame*>& chosen) {
     std::vector<const TrainFrame*> all;
     for (const TrainFrame& frame : frames)
@@ -63,7 +63,7 @@ Status weigh(const AssembledAvatar& assembled, uint32_t threadCount, StageContex
         DPL_TRY(const Measured rest, measure(without, frames, threadCount));
         const double gain = whole.maskedPsnrDb - rest.maskedPsnrDb;
         const bool kept = gain >= kWorthItDb;
-        // A node takes eight bytes while either kind is there: six of offset, two of light.
+        // A node value has eight bytes in the file: six of offset, two of light.
         const uint64_t values = uint64_t(assembled.avatar.correctives.nodes.size());
         const uint64_t bytes = part == AvatarPart::CorrectiveOffsets ? 6 * values
                                : part == AvatarPart::CorrectiveLight ? 2 * values

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// observe and ingest: what the scan lacks is found in its pictures; then the scan is checked.
+// The stages observe and ingest. Observe finds missing keypoints, labels and masks in the pictures. Ingest checks the scan.
 #include <algorithm>
 
 #include "reconstruction/capture/observations.h"
@@ -20,7 +20,7 @@ json cameraJson(const Camerad& camera) {
     return out;
 }
 
-/** A file that cannot be read counts by the error's sentence, so that a repaired file runs ingest again. */
+/** The hash of a file, or the error's sentence if it cannot be read. A repaired file thus changes the key, and ingest runs again. */
 std::string hashOrError(const std::filesystem::path& path) {
     if (path.empty()) return "none";
     auto hash = hashFile(path);
@@ -35,7 +35,7 @@ std::vector<FrameHashes> hashFrames(const Scan& scan) {
     return hashes;
 }
 
-/** All that a frame brings. */
+/** The inputs of one frame. */
 json frameInputs(const ScanFrame& frame, const FrameHashes& files) {
     return {{"name", frame.name},
             {"kind", int(frame.kind)},
@@ -46,7 +46,7 @@ json frameInputs(const ScanFrame& frame, const FrameHashes& files) {
             {"files", {files.image, files.mask, files.labels, files.keypoints}}};
 }
 
-/** What all frames share. */
+/** The inputs that all frames share. */
 json commonInputs(const Scan& scan) {
     json labels = json::array();
     for (const ScanLabel& label : scan.labels) labels.push_back({label.name, label.value});
@@ -71,7 +71,7 @@ std::string readText(const std::filesystem::path& path) {
     return bytes ? std::string(bytes->begin(), bytes->end()) : std::string();
 }
 
-/** The scan with what networks find in its pictures, in the stage `observe`, in place of what it lacks. */
+/** Runs the stage observe: the scan, with missing observations replaced by what the networks find in its pictures. */
 Result<Scan> observed(const StageRun& run, const Scan& scan, const std::filesystem::path& models) {
     json networks = json::array();
     for (const char* name : {"blazepose_full.onnx", "blazepose_lite.onnx", "skin_clothes_hair_pan.onnx"})

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// package: the evidence decides what goes into the file, a short polish runs on the decoded bytes, and the avatar is encoded.
+// The stage package. The evidence decides which parts go into the file, a short polish runs on the decoded avatar, and the avatar is
+// encoded.
 #include <algorithm>
 
 #include "reconstruction/pipeline/stage_keys.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// pose-fit: poses of held-out frames, with everything else frozen (docs/reference/registration.md). It runs after packaging, so it cannot
-// affect the avatar.
+// The stage pose-fit: fits the poses of held-out frames and changes nothing else (docs/reference/registration.md). It runs after package,
+// so it cannot affect the avatar.
 #include "reconstruction/pipeline/stage_keys.h"
 #include "reconstruction/pipeline/stages.h"
 #include "sdk/core/files.h"
@@ -15,7 +15,7 @@ const char* kindName(FrameKind kind) {
     return kind == FrameKind::Dynamic ? "dynamic" : kind == FrameKind::StaticCloseup ? "static_closeup" : "static_full";
 }
 
-/** Held-out data that this stage looks at. */
+/** The held-out data that this stage reads. */
 json heldOutInputs(const IngestedScan& ingested) {
     json out = json::array();
     for (size_t f = 0; f < ingested.scan.frames.size(); ++f)
@@ -24,7 +24,7 @@ json heldOutInputs(const IngestedScan& ingested) {
     return out;
 }
 
-/** Trained poses by frame of the scan; null where a frame was not trained on. */
+/** The trained pose of each frame of the scan; null for frames that were not trained on. */
 std::vector<const Pose*> trainedPoses(const IngestedScan& ingested, const CoOptimiseResult& trained) {
     std::vector<const Pose*> byFrame(ingested.scan.frames.size(), nullptr);
     size_t next = 0;
@@ -37,10 +37,10 @@ Quatf shorterSlerp(const Quatf& a, const Quatf& b, float t) {
     return glm::normalize(glm::slerp(a, glm::dot(a, b) < 0 ? -b : b, t));
 }
 
-/** The registered pose of a held-out frame, without its own picture. Training moves poses and surface together, so the pose of the body
- *  fit alone would not match the trained surface.
+/** The registered pose of a held-out frame; it does not use the frame's picture. Training moves poses and surface together, so the body
+ *  fit's pose alone would not match the trained surface.
  *  Still frames: interpolated between the trained poses of the neighbours in capture order. Moving frames: the body fit's pose (from the
- *  frame's own keypoints), corrected by what training changed in the neighbours' poses. `untrained`: all poses before training. */
+ *  frame's own keypoints), corrected by the change of the neighbours' poses in training. `untrained`: all poses before training. */
 Pose registeredPose(const Scan& scan, const std::vector<Pose>& untrained, const std::vector<const Pose*>& trained, size_t f) {
     const ScanFrame& frame = scan.frames[f];
     const Pose& fitted = untrained[f];

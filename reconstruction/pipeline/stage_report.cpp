@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// report: scores the shipped bytes, through the public SDK, on held-out frames. Only figures come from here.
+// The stage report: draws the finished avatar.glb with the public SDK and scores it on held-out frames. Its figures do not affect the
+// avatar.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -18,7 +19,7 @@
 namespace dpl {
 namespace {
 
-/** First floor of the report: one colour a label, from training frames. */
+/** The report's label baseline: one colour a label, from training frames. */
 Result<LabelColours> gatherLabelColours(const IngestedScan& ingested, Pictures& pictures) {
     LabelColours colours;
     for (size_t f = 0; f < ingested.scan.frames.size(); ++f) {
@@ -60,7 +61,7 @@ Status scoreHeldOut(const LabelColours& labelColours, const FrameSet& heldOut, c
     return {};
 }
 
-/** Distances to the truth of a synthetic scan, if it has one. Nothing that ships is written after this. */
+/** Adds the distances to the truth of a synthetic scan, if it has one. The avatar is already written, so the truth cannot affect it. */
 void addTruth(const Scan& scan, const BodyModel& body, const BodyFit& fit, const std::string& after, ReportData& data) {
     const auto truth = compareWithTruth(scan.root, scan, body, fit);
     if (!truth) return;
@@ -85,7 +86,7 @@ void addRegistration(const Scan& scan, const FittedBody& body, const PosesFile& 
     addTruth(scan, body.body, final, "after training and pose fit", data);
 }
 
-/** What the report can attribute: the two steps that it measures with and without. */
+/** Adds the gain of pose fit and of splats, the two steps that the report measures both with and without. */
 void addWaterfall(ReportData& data) {
     for (const char* kind : {"static", "dynamic"}) {
         const auto with = meanScore(data.frames, kind, &HeldOutFrame::withPoseFit),
@@ -112,7 +113,7 @@ std::string summaryOf(const ReportData& data, size_t splats, size_t bytes) {
     return text;
 }
 
-/** Hashes of the files that only a report reads: the truth, and held-out pictures at other sizes. */
+/** Hashes of the files that only the report reads: the truth, and pictures at other sizes. */
 nlohmann::json measuringFiles(const std::filesystem::path& scan) {
     namespace fs = std::filesystem;
     std::vector<fs::path> files{scan / "truth.json"};

@@ -9,7 +9,7 @@
 namespace dpl {
 namespace {
 
-/** Still training frames with a mask: the silhouettes that shape the surface. */
+/** Still training frames with a mask. Their silhouettes shape the surface. */
 std::vector<size_t> silhouetteFrames(const IngestedScan& ingested) {
     std::vector<size_t> frames;
     for (size_t f = 0; f < ingested.scan.frames.size(); ++f) {

@@ -65,7 +65,7 @@ std::vector<uint8_t> voteTriangleLabels(const std::vector<JointData>& joints, co
 }
 
 float trainedPixelM(const std::vector<JointData>& joints, const std::vector<TrainFrame>& frames) {
-    std::vector<std::pair<double, size_t>> pixels;  // size, joints that the frame shows
+    std::vector<std::pair<double, size_t>> pixels;  // pixel size in metres, number of joints that the frame shows
     size_t total = 0;
     std::vector<Mat3x4f> worldFromRest;
     for (const TrainFrame& frame : frames) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The report of one reconstruction: report.json for programs, report.html (self-contained) for people.
+// The report of one reconstruction: report.json for programs, a self-contained report.html for people.
 #pragma once
 
 #include <filesystem>
@@ -13,14 +13,14 @@
 
 namespace dpl {
 
-/** Scores of one picture against its frame (docs/reference/metrics.md). Masked scores use only pixels inside the true mask. */
+/** Scores of one picture against its frame (docs/reference/metrics.md). Masked scores use only pixels inside the frame's mask. */
 struct FrameScore {
-    double maskedPsnrDb = 0;  // both composited over white, black and grey: the lowest of the three
-    double maskedSsim = 0;    // mean SSIM inside the mask, the lowest of the three
-    double alphaIou = 0;      // of pixels with alpha ≥ 128 in the picture and in the mask
-    double fullPsnrDb = 0;    // whole frame over white, truth cut out by its mask, as papers report it
+    double maskedPsnrDb = 0;  // lowest over white, black and grey, with both pictures composited on it
+    double maskedSsim = 0;    // mean SSIM inside the mask, lowest over the same three
+    double alphaIou = 0;      // of the pixels ≥ 128 in the picture's alpha and in the mask
+    double fullPsnrDb = 0;    // whole frame over white, truth cut out by its mask, as in papers
     double fullSsim = 0;      // as fullPsnrDb
-    double coverage = 0;      // share of the frame inside the mask; a small one flatters full-frame scores
+    double coverage = 0;      // share of the frame inside the mask; a small share raises full-frame scores
 };
 
 /** Scores and pictures of one held-out frame. */
@@ -28,7 +28,7 @@ struct HeldOutFrame {
     std::string name;
     std::string kind;  // "static" or "dynamic"
     FrameScore withoutPoseFit, withPoseFit;
-    FrameScore labelFloor, meshFloor;  // one flat colour per label inside the true mask; posed mesh with fitted vertex colours
+    FrameScore labelFloor, meshFloor;  // baselines: one colour a label inside the frame's mask; posed mesh with vertex colours
     std::vector<uint8_t> truthPng, renderPng, differencePng;  // for report.html; may be empty
 };
 

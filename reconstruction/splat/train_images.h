@@ -43,7 +43,7 @@ struct LevelFrame {
 /** Checks that image, mask and labels (unless empty) have the camera's size. The error names the frame. */
 Status checkTrainFrame(const TrainFrame& frame);
 
-/** The person's pixels at `scale`. The mask is made yes-or-no by isPerson() and premultiplies the colour. clothLabels: label values that
+/** The person's pixels at `scale`. The colour is premultiplied by isPerson() of the mask. clothLabels: label values that
  *  count as cloth. withBand: fill `band`, the pixels within one pixel of the mask's edge (for full resolution). */
 LevelFrame makeLevelFrame(const TrainFrame& frame, float scale, std::span<const uint8_t> clothLabels, bool withBand);
 
