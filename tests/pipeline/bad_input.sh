@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Broken input to the command line: a sentence that names the file, a non-zero exit that is no signal, nothing half-written.
+# Gives broken input to the command line. It must print a sentence that names the file, exit with an error code and not by a signal, and
+# write no partial output.
 # usage: bad_input.sh DOPPEL WORKDIR
 set -euo pipefail
 doppel="$1" work="$2"
@@ -8,7 +9,7 @@ rm -rf "$work" && mkdir -p "$work"
 cd "$work"
 "$doppel" sample -o scan --small --seed 5 2>sample.log
 failures=0
-# refuses NAME PATTERN COMMAND...: the command must fail by itself (exit 1 … 127) and say PATTERN.
+# refuses NAME PATTERN COMMAND...: COMMAND must exit with 1 … 127 and print PATTERN.
 refuses() {
     local name="$1" pattern="$2" status=0
     shift 2

@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# What an avatar may depend on, shown on a small procedural scan. The avatar has
+# Tests what an avatar depends on, with a small procedural scan. The avatar must have
 #   the same bytes on 1 and 3 threads; after a stop, a kill -9 and a rerun; with every truth file removed; with every held-out image, mask,
 #   label picture and keypoint replaced by noise;
-#   different bytes when one training image changes, which shows that the comparison can fail.
+#   different bytes when one training image changes. This shows that the comparison can fail.
 # usage: independence.sh DOPPEL WORKDIR
 set -euo pipefail
 doppel="$1" work="$2"
 rm -rf "$work" && mkdir -p "$work"
 cd "$work"
 "$doppel" sample -o scan --small --seed 5 2>sample.log
-# Half of the still frames and ten of the moving ones: a third of the time, and every stage still has work.
+# Keeps half of the still frames and ten moving ones. This takes a third of the time, and every stage still has work.
 python3 - <<'P'
 import json, pathlib
 path = pathlib.Path("scan/scan.json")
@@ -25,32 +25,32 @@ path.write_text(json.dumps(scan))
 P
 options=(--preset draft --steps 120 --seed 3)
 failed() { echo "FAILED: $1" >&2; exit 1; }
-# reconstruct SCAN OUT [options]: stops when avatar.glb is there. The file is written whole or not at all; held-out poses and the report come later.
+# reconstruct SCAN OUT [options]: stops the run once avatar.glb exists, before held-out poses and the report. The file is written atomically.
 reconstruct() {
     "$doppel" reconstruct "$1" -o "$2" "${options[@]}" "${@:3}" >>"$2.log" 2>&1 &
     local pid=$!
     while kill -0 $pid 2>/dev/null && [ ! -f "$2/avatar.glb" ]; do sleep 0.2; done
-    kill -TERM $pid 2>/dev/null || true  # it may have ended by itself
-    wait $pid 2>/dev/null || true        # stopped: its exit code says nothing, the file below does
+    kill -TERM $pid 2>/dev/null || true  # it may have ended already
+    wait $pid 2>/dev/null || true        # the exit code of a stopped run means nothing; the file is checked below
     [ -f "$2/avatar.glb" ] || { tail -n 20 "$2.log" >&2; failed "reconstruct $2 made no avatar"; }
 }
 same() { cmp -s "$1/avatar.glb" "$2/avatar.glb" && echo "ok: $3" || failed "$3: $1/avatar.glb and $2/avatar.glb differ"; }
 
 reconstruct scan one --threads 1
-# Poses and report too, on more threads.
+# Makes the poses and the report too, on more threads.
 "$doppel" reconstruct scan -o one "${options[@]}" >>one.log 2>&1 || { tail -n 20 one.log >&2; failed "the rest of reconstruct one"; }
 [ -f one/report.html ] || failed "no report"
 reconstruct scan three --threads 3
 same one three "1 and 3 threads give the same bytes"
 
-# Everything that docs/formats/scan.md marks as measuring only goes, `xy` is made wrong, and keypoints get their older name.
+# Removes everything that docs/formats/scan.md marks as for measuring only, makes `xy` wrong, and gives keypoints their older name.
 cp -r scan hidden
 rm -rf hidden/truth.json hidden/geometry hidden/posed hidden/hires
 python3 - <<'P'
 import json, pathlib
 for path in pathlib.Path("hidden/keypoints").glob("*.json"):
     data = json.loads(path.read_text())
-    data["xy"] = [[7, 7]] * len(data.pop("xy"))  # wrong, in case anything reads it
+    data["xy"] = [[7, 7]] * len(data.pop("xy"))  # wrong, to show that nothing reads it
     data["xy_noisy"] = data.pop("detections")  # the name in older scans
     path.write_text(json.dumps(data))
 scan = json.loads(pathlib.Path("hidden/scan.json").read_text())
@@ -63,7 +63,7 @@ P
 reconstruct hidden blind
 same one blind "without any truth file, and with keypoints under their older name, the bytes are the same"
 
-# Held-out observations become noise of the same size. The files stay readable: an image may be a PNG whatever its name says.
+# Replaces held-out observations by noise of the same size. The files stay readable, since an image may be a PNG under any name.
 cp -r scan noisy
 python3 - <<'P'
 import json, pathlib, random, struct, zlib
@@ -97,12 +97,12 @@ P
 reconstruct noisy deceived
 same one deceived "held-out images, masks, labels and keypoints cannot reach the avatar"
 
-# Stopped in training, which leaves a checkpoint; continued and killed outright; continued again. One thread: training lasts long enough to be met.
+# Stops a run in training, which leaves a checkpoint; continues and kills it; continues it again. One thread makes training long enough.
 start_killed() {
     "$doppel" reconstruct scan -o killed "${options[@]}" --threads 1 >>killed.log 2>&1 &
     pid=$!
 }
-# await CONDITION: until it holds; fails when the run ends first or after 120 s.
+# await CONDITION: waits until it holds. Fails when the run ends first, or after 120 s.
 await() {
     for _ in $(seq 1200); do
         if eval "$1"; then return; fi
@@ -129,7 +129,7 @@ reconstruct scan killed
 [ "$(grep -c "continuing at step" killed.log)" -eq 2 ] || failed "a killed run must continue at its checkpoint"
 same one killed "a stopped and killed run continues to the same bytes"
 
-# The comparison can fail: one changed training picture changes the avatar.
+# One changed training picture changes the avatar, so the comparison can fail.
 cp -r scan changed
 first=$(python3 -c "import json; print([f['image'] for f in json.load(open('scan/scan.json'))['frames'] if f['split'] == 'train'][0])")
 second=$(python3 -c "import json; print([f['image'] for f in json.load(open('scan/scan.json'))['frames'] if f['split'] == 'train'][5])")

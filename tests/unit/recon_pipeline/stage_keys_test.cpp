@@ -43,7 +43,7 @@ TEST(StageKeys, everyNumberThatDecidesAResultIsInItsKey) {
 TEST(StageKeys, withATimeBudgetTheStepsAreAResult) {
     RunSettings settings = settingsOf(draft(0, 5));
     const auto inputs = trainingInputs(settings);
-    settings.training.steps = 12345;  // what a probe found
+    settings.training.steps = 12345;  // as a probe would set it
     EXPECT_EQ(trainingInputs(settings), inputs);
     EXPECT_NE(trainingInputs(settingsOf(draft(0, 6))), inputs);
     EXPECT_EQ(settingsOf(draft(700, 5)).timeBudgetMinutes, 0) << "a stated number of steps needs no budget";

@@ -15,7 +15,7 @@ struct Scene {
     ImageRgb8 truth{kWidth, kHeight, std::vector<uint8_t>(kWidth* kHeight * 3)};
     ImageGrey8 mask{kWidth, kHeight, std::vector<uint8_t>(kWidth* kHeight, 0)};
     std::vector<uint8_t> rgba = std::vector<uint8_t>(kWidth * kHeight * 4, 0);
-    /** A person of 20×20 pixels with a gradient; the picture equals it. */
+    /** A person of 20×20 pixels with a colour gradient. The picture equals the truth. */
     Scene() {
         for (uint32_t y = 0; y < kHeight; ++y)
             for (uint32_t x = 0; x < kWidth; ++x) {
@@ -43,12 +43,12 @@ TEST(ScorePicture, aKnownErrorGivesItsPsnr) {
     for (size_t i = 0; i < s.rgba.size(); i += 4)
         if (s.rgba[i + 3])
             for (int c = 0; c < 3; ++c) s.rgba[i + c] += 10;
-    EXPECT_NEAR(scorePicture(s.rgba, s.truth, s.mask).maskedPsnrDb, -20 * std::log10(10.0 / 255), 1e-4);  // float composite
+    EXPECT_NEAR(scorePicture(s.rgba, s.truth, s.mask).maskedPsnrDb, -20 * std::log10(10.0 / 255), 1e-4);  // compositing is in float
 }
 
 TEST(ScorePicture, aHoleCountsInFullOnItsWorstBackground) {
     Scene s;
-    for (size_t i = 0; i < s.rgba.size(); i += 4) s.rgba[i + 3] = 0;  // nothing drawn at all
+    for (size_t i = 0; i < s.rgba.size(); i += 4) s.rgba[i + 3] = 0;  // nothing is drawn
     const FrameScore score = scorePicture(s.rgba, s.truth, s.mask);
     double white = 0, black = 0;
     for (size_t i = 0; i < s.mask.pixels.size(); ++i)
@@ -70,7 +70,7 @@ TEST(ScorePicture, paintOutsideTheMaskLowersTheIouNotTheMaskedPsnr) {
 }
 
 TEST(AreaAveraged, weighsColoursByCoverageAndKeepsTheirBrightness) {
-    // 4 × 2 -> 2 × 1: left half one opaque red among three empty pixels, right half two reds and two blues.
+    // 4×2 pixels are averaged to 2×1. The left half has one opaque red and three empty pixels, the right half two red and two blue ones.
     const std::vector<uint8_t> rgba = {200, 0, 0, 255, 9, 9, 9, 0, 200, 0, 0,   255, 0,   0, 100, 255,
                                        9,   9, 9, 0,   9, 9, 9, 0, 0,   0, 100, 255, 200, 0, 0,   255};
     EXPECT_EQ(areaAveraged(rgba, 4, 2, 2, 1), (std::vector<uint8_t>{200, 0, 0, 64, 100, 0, 50, 255}));
@@ -82,7 +82,7 @@ TEST(ScorePicture, aHalfCoveredPixelIsTrueWhenThePictureHalfCoversIt) {
     const size_t edge = 4 * (10 * kWidth + 10);  // leftmost column of the person
     truth[edge + 3] = s.rgba[edge + 3] = 160;
     EXPECT_DOUBLE_EQ(scorePicture(s.rgba, truth, kWidth, kHeight).maskedPsnrDb, 100);
-    EXPECT_LT(scorePicture(s.rgba, s.truth, s.mask).maskedPsnrDb, 40);  // a yes-or-no mask counts it as an error
+    EXPECT_LT(scorePicture(s.rgba, s.truth, s.mask).maskedPsnrDb, 40);  // with a binary mask the partial coverage is an error
 }
 
 TEST(InsideOutline, takesOnePixelAllRoundTheOpaquePart) {

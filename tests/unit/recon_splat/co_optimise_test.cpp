@@ -19,7 +19,7 @@
 namespace dpl::test {
 namespace {
 
-/** Every byte of a result that ends in the avatar, part by part. */
+/** All bytes of a result that go into the avatar, by part. */
 std::map<std::string, std::vector<uint8_t>> bytesOf(const CoOptimiseResult& r) {
     std::map<std::string, std::vector<uint8_t>> out;
     const auto add = [&](const char* name, const auto& v) {
@@ -57,7 +57,7 @@ TEST(CoOptimise, lossFallsAndPictureGetsClose) {
     ASSERT_TRUE(t->run());
     const CoOptimiseResult r = t->result();
     ASSERT_GE(r.curve.size(), 4u);
-    // The level rises on the way, so the PSNR must rise against a harder picture.
+    // The level rises during the run, so the later PSNR is of a harder picture.
     EXPECT_GT(r.curve.back().psnr, r.curve.front().psnr + 2);
     EXPECT_GT(r.curve.back().psnr, 26);
     EXPECT_GT(r.splats.count(), 1500u) << "density control added splats";
@@ -96,7 +96,7 @@ TEST(CoOptimise, restoredRunEndsInTheSameBytes) {
     ASSERT_TRUE(whole->run());
     const auto path = scratch("trainer.checkpoint");
     auto killed = make(jobs, s);
-    ASSERT_TRUE(killed->run({}, nullptr, 29));  // in the middle of an epoch, of a geometry interval and of a curve point
+    ASSERT_TRUE(killed->run({}, nullptr, 29));  // inside an epoch, a geometry interval and a curve interval
     ASSERT_TRUE(killed->checkpoint(path));
     killed.reset();
     auto rerun = make(jobs, s);
@@ -135,7 +135,7 @@ TEST(CoOptimise, damagedOrForeignCheckpointIsRefusedAndChangesNothing) {
     EXPECT_TRUE(t->restore(path));
 }
 
-/** A checkpoint with another payload, length and hash set to match. */
+/** A checkpoint with another payload, with the length and hash that match it. */
 std::vector<uint8_t> withPayload(std::span<const uint8_t> checkpoint, std::span<const uint8_t> payload) {
     constexpr size_t kSizeAt = 16, kHashAt = 24, kPayloadAt = 32;
     std::vector<uint8_t> out(checkpoint.begin(), checkpoint.begin() + kPayloadAt);
@@ -188,7 +188,7 @@ TEST(CoOptimise, aCheckpointWhoseFieldsDoNotFitIsRefusedAndChangesNothing) {
 }
 
 TEST(CoOptimise, posesAreFoundAgain) {
-    // Every frame's subject stands 8 mm and 3 degrees from where its pose says; with poses learned the picture fits better.
+    // In every frame the subject is 8 mm and 3 degrees off the given pose. Learning the poses must improve the picture.
     Jobs jobs(2);
     CoOptimiseSettings s = toySettings(400);
     s.learnGeometry = false;
@@ -211,7 +211,7 @@ TEST(CoOptimise, correctivesAreFoundAgain) {
         CoOptimiseInput input = toyScene(jobs, 12, 0, 0, 72, truth);
         if (learn) input.correctives = toyCorrectives(input.mesh);
         CoOptimiseSettings settings = toySettings(480);
-        settings.learnPoses = false;  // a wrong pose could stand in for an offset
+        settings.learnPoses = false;  // a wrong pose could imitate an offset
         settings.rateNodeOffset = 2e-3f;
         auto t = CoOptimiser::create(std::move(input), settings, jobs);
         ASSERT_TRUE(t) << t.error().message;
@@ -283,7 +283,7 @@ TEST(PoseFit, bringsADisplacedFrameBack) {
     auto fit = fitPose(avatar, f, {}, jobs);
     ASSERT_TRUE(fit) << fit.error().message;
     EXPECT_LT(fit->lossAfter, 0.7 * fit->lossBefore);
-    // Seen from one camera: a pixel is 10 mm at this distance, and the fit is a third of it across the view.
+    // There is one camera, and a pixel is 10 mm at this distance. Across the view the error is about a third of a pixel.
     EXPECT_LT(std::hypot(fit->pose.rootTranslation.x, fit->pose.rootTranslation.y), 0.007f);
 }
 
@@ -314,7 +314,7 @@ TEST(Polish, keepsMeshAndOrderAndLowersTheLoss) {
         }
     }
     EXPECT_GT(moved, before.count());
-    EXPECT_LT(lossOf(), 0.96 * dull);  // 120 small steps: a polish mends rounding, it does not repaint
+    EXPECT_LT(lossOf(), 0.96 * dull);  // small gain: 120 small steps correct rounding, not whole colours
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ struct Scene {
             row[kRowU] = row[kRowV] = 0.3f;
             row[kRowLogScale1] = row[kRowLogScale2] = std::log(0.003f);
             row[kRowOpacityLogit] = 1;
-            row[kRowSh] = float(i);  // a tag
+            row[kRowSh] = float(i);  // identifies the splat
             splats.flags[i] = uint8_t(i % 2);
         }
         splats.indexTriangles(3);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A small skinned ball with a pattern, seen by a ring of cameras; pictures are drawn by the splat engine from known splats.
+// A small skinned ball with a pattern, seen by a ring of cameras. The splat engine draws its pictures from known splats.
 #pragma once
 
 #include <cmath>
@@ -40,7 +40,7 @@ inline std::vector<JointData> twoJoints() {
     return joints;
 }
 
-/** One mode that follows the upper joint's bend about X, on a node at the top of the ball and one at its bottom; both at zero. */
+/** Correctives with one mode, the upper joint's bend about X, and two nodes, at the ball's top and bottom. Node values are zero. */
 inline PoseCorrectiveData toyCorrectives(const MeshData& mesh) {
     PoseCorrectiveData c;
     c.modeCount = 1, c.nodeCount = 2, c.joints = {1}, c.reach = 2;
@@ -55,8 +55,8 @@ inline PoseCorrectiveData toyCorrectives(const MeshData& mesh) {
     return c;
 }
 
-/** swayM and turn: how far each frame's true pose is from the one that the frame says. correctives: what the truth does; then every frame
- *  is a moving one with a bend of its own. */
+/** swayM (metres) and turn (radians): distance of each frame's true pose from the frame's stated pose. correctives: those of the truth; if
+ *  given, every frame is a moving one with its own bend. */
 inline CoOptimiseInput toyScene(Jobs& jobs, uint32_t frameCount = 8, float swayM = 0, float turn = 0, uint32_t sizePx = 72,
                                 const PoseCorrectiveData& correctives = {}) {
     CoOptimiseInput in;
@@ -87,7 +87,7 @@ inline CoOptimiseInput toyScene(Jobs& jobs, uint32_t frameCount = 8, float swayM
         const double a = 6.283185307 * k / frameCount, distance = f.kind == FrameKind::StaticCloseup ? 0.6 : 0.9;
         f.camera.widthPx = f.camera.heightPx = sizePx;
         f.camera.fx = f.camera.fy = 1.3 * sizePx, f.camera.cx = f.camera.cy = 0.5 * sizePx;
-        // The eye is at distance·(sin a, 0, cos a), looking at the origin, y down in the view.
+        // The eye is at distance·(sin a, 0, cos a) and looks at the origin. The view's y axis points down.
         f.camera.viewFromWorldRotation = Mat3d(std::cos(a), 0, -std::sin(a), 0, -1, 0, -std::sin(a), 0, -std::cos(a));
         f.camera.viewFromWorldTranslation = {0, 0, distance};
         f.pose = Pose::rest(2);

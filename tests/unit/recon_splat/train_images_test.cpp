@@ -8,7 +8,7 @@
 namespace dpl {
 namespace {
 
-/** A frame whose picture the test may still change. */
+/** A frame with a picture that the test can change. */
 struct Given : TrainFrame {
     std::shared_ptr<FramePicture> shown = std::make_shared<FramePicture>();
 };

@@ -22,7 +22,7 @@ TEST(Simplex, insideStaysOutsideGoesToTheNearestPoint) {
         ASSERT_GE(q.y, 0);
         ASSERT_LE(q.x + q.y, 1 + 1e-6f);
         EXPECT_EQ(projectToSimplex(q), q) << "idempotent: a restored run must not move";
-        const auto distance = [&](Vec2f o) {  // of barycentric triples
+        const auto distance = [&](Vec2f o) {  // between barycentric triples
             const Vec3f a(1 - p.x - p.y, p.x, p.y), b(1 - o.x - o.y, o.x, o.y);
             return glm::length(a - b);
         };
@@ -103,7 +103,7 @@ TEST(Regularisers, splatGradientIsTheDerivativeOfTheValue) {
             return splatRegulariserValue(m, size, active, w);
         },
         1e-3);
-    test::expectGradients(analytic, numeric, 5e-3, "log scales");  // float values under a step of 1e-3
+    test::expectGradients(analytic, numeric, 5e-3, "log scales");  // rounding of float values at a step of 1e-3
 }
 
 TEST(Regularisers, meshGradientIsTheDerivativeOfTheValue) {
@@ -125,7 +125,7 @@ TEST(Regularisers, meshGradientIsTheDerivativeOfTheValue) {
         x, [&](const auto& y) { return r.run(place(y), w, 1, {}); }, 1e-4);
     std::vector<double> analytic;
     for (const Vec3f& v : g) analytic.insert(analytic.end(), {v.x, v.y, v.z});
-    test::expectGradients(analytic, numeric, 5e-3, "vertices");  // float positions under a step of 1e-4
+    test::expectGradients(analytic, numeric, 5e-3, "vertices");  // rounding of float positions at a step of 1e-4
     EXPECT_EQ(r.run(rest, w, 1, {}), 0);
 }
 
