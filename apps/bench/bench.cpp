@@ -77,7 +77,7 @@ Status runBench(const BenchOptions& options, const ContestantMaker& make, BenchE
     BenchText text{!options.withoutReference, subject.info.splatCount, {}, {}, {}};
     std::vector<PlotSeries> plot;
     std::vector<PassTable> passes;
-    Status warm;  // an error is returned after the tables
+    Status warm;  // first error of checkWarmFrames; returned after the tables are printed
     for (const BenchCase& test : kCases) {
         const std::vector<Cameraf> views = subject.views(test, options.axes);
         DPL_TRY(std::vector<Contestant> list, contestants(make, options, subject, views));

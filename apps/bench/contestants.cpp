@@ -14,7 +14,7 @@ namespace dpl {
 namespace {
 
 constexpr uint32_t kWarmUp = 2;          // rounds that are not timed
-constexpr uint32_t kFramesInFlight = 3;  // every renderer promises to start this many without a wait
+constexpr uint32_t kFramesInFlight = 3;  // every renderer can start this many frames without waiting
 
 Status ours(const doppel::Status& status) {
     return status ? Status() : Status(fromSdk(status.error()));
@@ -146,7 +146,8 @@ Result<BenchSubject> BenchSubject::load(const BenchOptions& options) {
 }
 
 std::vector<Cameraf> BenchSubject::views(const BenchCase& test, const std::string& axes) const {
-    constexpr float kZoom = 4, kHeadAbove = 0.36f;  // of the picture's height, before zooming
+    constexpr float kZoom = 4,
+                    kHeadAbove = 0.36f;  // kHeadAbove: height of the head above the centre, as a fraction of the unzoomed picture's height
     Cameraf centre = frameAvatar(info, test.widthPx, test.heightPx, 0.4, uprightFromFile(axes));
     if (test.portrait) centre.fx *= kZoom, centre.fy *= kZoom, centre.cy += kZoom * kHeadAbove * float(test.heightPx);
     if (test.viewCount == 1) return {centre};
@@ -225,7 +226,7 @@ Status measureErrors(std::vector<Contestant>& list, const BenchSubject& subject,
         std::vector<ViewError> errors;
         for (size_t i = 0; i < list.size(); ++i) {
             const std::vector<uint8_t>& picture = list[i].drawer->pictures[v];
-            // FLIP takes longer than most frames, and some contestants draw the same bytes.
+            // FLIP is slower than most frames, so contestants with identical pictures share one result.
             const auto same = std::find_if(list.begin(), list.begin() + std::ptrdiff_t(i),
                                            [&](const Contestant& earlier) { return earlier.drawer->pictures[v] == picture; });
             if (same != list.begin() + std::ptrdiff_t(i))

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who races in a bench: renderers that hold the same subject and draw the same views in turns, so that other work on the machine slows all
-// of them alike. `doppel bench` races what users can choose; tools/bench/frames adds renderers with something switched off.
+// The renderers that a bench compares. All hold the same subject and draw the same views in turns, so other work on the machine slows them
+// equally. `doppel bench` compares the renderers that users can choose; tools/bench/frames adds renderers with an optimisation switched
+// off.
 #pragma once
 
 #include <doppel/doppel.hpp>
@@ -19,7 +20,7 @@ namespace dpl {
 struct BenchOptions {
     std::filesystem::path avatar, jsonFile, plotFile;
     std::vector<std::string> renderers;
-    std::string fill = "auto";  // of the renderer "vulkan"
+    std::string fill = "auto";  // fill of the renderer "vulkan"
     std::string clip;
     double timeS = 0;
     uint32_t repeats = 11, threadCount = 0;
@@ -33,12 +34,12 @@ struct BenchCase {
     bool portrait = false;  // head and shoulders only
 };
 
-/** The avatar, its pose and its sizes. It has a context of its own, so that every contestant gets the same pose. */
+/** The avatar, its pose and its sizes. The pose is computed once, in a separate context, and given to every contestant. */
 struct BenchSubject {
     std::vector<uint8_t> bytes;
     doppel::Context context;
     doppel::Avatar avatar;
-    DplAvatarInfo info;  // its name lives as long as the avatar
+    DplAvatarInfo info;  // its name pointer is valid as long as `avatar`
     std::vector<float> rotations;
     Vec3f root{0};
 
@@ -46,15 +47,16 @@ struct BenchSubject {
     std::vector<Cameraf> views(const BenchCase& test, const std::string& axes) const;
 };
 
-/** Times of one pass in milliseconds, one sample a frame. Rounds of the sort are summed, and so are two frames that make a pair of eyes. */
+/** Times of one pass in milliseconds, one sample per frame. The rounds of the sort are summed. If each eye is a frame of its own, both
+ * frames are summed. */
 struct PassSamples {
     std::string label;
     std::vector<double> milliseconds;
 };
 
 struct DrawerStats {
-    DplFrameStats frame;                                 // the frozen baseline fills in only what it has
-    std::vector<std::pair<std::string, double>> passes;  // milliseconds, in the order they ran
+    DplFrameStats frame;                                 // the frozen baseline fills in only the fields it knows
+    std::vector<std::pair<std::string, double>> passes;  // label and milliseconds, in the order they ran
 };
 
 /** One renderer with the subject loaded and the views of one case. */
@@ -62,30 +64,31 @@ class Drawer {
 public:
     virtual ~Drawer() = default;
     virtual Status pose(std::span<const float> rotations, const Vec3f& root) = 0;
-    /** Starts a frame, as an app's thread does at display rate. */
+    /** Starts a frame without waiting for it. */
     virtual Status draw() = 0;
     /** Waits for the frame and copies its pixels into `pictures`. */
     virtual Status read() = 0;
     virtual Result<DrawerStats> stats() = 0;
-    std::vector<std::vector<uint8_t>> pictures;  // premultiplied RGBA8, one a view
+    std::vector<std::vector<uint8_t>> pictures;  // premultiplied RGBA8, one per view
 };
 
 struct Contestant {
-    std::string name;    // for people, with the device
+    std::string name;    // display name, with the device
     std::string option;  // value of --renderers
-    std::string whole;   // name of the same renderer with everything on; empty: this is it, or there is none
-    bool frozen;         // the frozen baseline: always one sample a pixel, and its warm frames may allocate
+    std::string whole;   // name of the same renderer with every optimisation on; empty if that is this one, or if there is none
+    bool frozen;         // the frozen baseline: always one sample per pixel; its warm frames may allocate
     std::unique_ptr<Drawer> drawer;
     double loadMilliseconds = 0;
     std::vector<double> milliseconds = {}, drawMilliseconds = {}, gpuMilliseconds = {};
     std::vector<PassSamples> passes = {};
     DplFrameStats stats = {};
-    uint64_t warmAllocations = 0, warmWaits = 0;  // of all warm frames
+    uint64_t warmAllocations = 0, warmWaits = 0;  // sums over all warm frames
     PictureError error = {};
-    double flip = 0;  // mean over the covered pixels of all views
+    double flip = 0;  // mean FLIP over the covered pixels of all views
 };
 
-/** Makes the contestant that a value of --renderers names. Unsupported: it cannot run on this machine, and the bench goes on without it. */
+/** Creates the contestant that a value of --renderers names. Returns Unsupported if it cannot run on this machine; the bench then goes on
+ *  without it. */
 using ContestantMaker = std::function<Result<Contestant>(const std::string& renderer, const BenchOptions&, const BenchSubject&,
                                                          std::span<const Cameraf> views)>;
 
@@ -93,21 +96,21 @@ using ContestantMaker = std::function<Result<Contestant>(const std::string& rend
 Result<Contestant> sdkContestant(const std::string& renderer, const BenchOptions& options, const BenchSubject& subject,
                                  std::span<const Cameraf> views);
 
-/** All of options.renderers, each with a context of its own, so that the bytes of a case are that case's alone. Prints a sentence for each
- * one that is left out. */
+/** Creates all of options.renderers. Each has its own context, so its memory figures hold only this case. Prints a sentence for each
+ * renderer that is left out. */
 Result<std::vector<Contestant>> contestants(const ContestantMaker& make, const BenchOptions& options, const BenchSubject& subject,
                                             std::span<const Cameraf> views);
 
-/** Rounds in which each contestant draws one frame; then each draws three frames without a read between them, as an app has in flight.
- *  Counts heap allocations of posing and drawing, and waits, once warm. */
+/** Runs rounds in which each contestant draws one frame. Then each contestant draws three frames without a read between them, as an app
+ * with three frames in flight does. After the warm-up, counts waits and the heap allocations of posing and drawing. */
 Status timeFrames(std::vector<Contestant>& list, const BenchSubject& subject, uint32_t repeats,
                   const std::function<Status(double)>& progress);
 
-/** The referee draws each view once; the last picture of each contestant is compared with it. */
+/** Draws each view once with the referee and compares each contestant's last picture with it. */
 Status measureErrors(std::vector<Contestant>& list, const BenchSubject& subject, std::span<const Cameraf> views,
                      const ReferenceFile& referee, const std::function<Status(double)>& progress);
 
-/** An error that names the first contestant, the frozen baseline apart, whose warm frames allocated or waited. */
+/** Returns an error that names the first contestant whose warm frames allocated or waited. Skips the frozen baseline. */
 Status checkWarmFrames(const std::vector<Contestant>& list, const BenchCase& test);
 
 double millisecondsSince(std::chrono::steady_clock::time_point start);

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counts heap allocations of C++ code in the whole process, libdoppel and its threads included. count_allocations.cpp replaces operator new
-// and delete of the program that links it by malloc with a check of one flag.
+// Counts heap allocations of C++ code in the whole process, including libdoppel and its threads. In a program that links it,
+// count_allocations.cpp replaces operator new and delete by malloc and free plus a check of one flag.
 #pragma once
 
 #include <cstdint>
 
 namespace dpl {
 
-/** Own: only the thread that counts. A Vulkan driver on the CPU compiles kernels on its own threads at any time; those allocations are not
- *  the frame's. */
+/** Own counts only the thread that created the AllocationCount. A CPU Vulkan driver compiles kernels on its own threads at any time, and
+ * Own leaves those allocations out. */
 enum class CountedThreads { All, Own };
 
-/** Counts from its construction until stop() or its destruction. One at a time. */
+/** Counts from construction until stop() or destruction. Only one may exist at a time. */
 class AllocationCount {
 public:
     explicit AllocationCount(CountedThreads threads = CountedThreads::All);
@@ -19,7 +19,7 @@ public:
     AllocationCount(const AllocationCount&) = delete;
     AllocationCount& operator=(const AllocationCount&) = delete;
 
-    /** Ends counting and gives the number since construction. */
+    /** Ends counting and returns the number of allocations since construction. */
     uint64_t stop();
 
 private:

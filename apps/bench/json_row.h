@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One line of a bench's JSON: flat, in the order in which it was filled.
+// Builds one line of a bench's JSON output: a flat object whose members keep the order in which they were added.
 #pragma once
 
 #include <cmath>
@@ -26,14 +26,14 @@ public:
         begin(name) += std::to_string(value);
         return *this;
     }
-    /** Six significant digits. Numbers that JSON does not know become null. */
+    /** Writes six significant digits. Infinity and NaN, which JSON cannot represent, become null. */
     JsonRow& add(std::string_view name, double value) {
         char text[32];
         std::snprintf(text, sizeof text, "%.6g", value);
         begin(name) += std::isfinite(value) ? text : "null";
         return *this;
     }
-    /** With its line break. */
+    /** The object with a line break at its end. */
     std::string line() const { return "{" + line_ + "}\n"; }
 
 private:

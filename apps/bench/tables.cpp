@@ -11,7 +11,7 @@
 namespace dpl {
 namespace {
 
-constexpr double kPlyBytes = 62 * 4;  // a splat of SH degree 3 as 32-bit floats in a PLY, to compare memory with
+constexpr double kPlyBytes = 62 * 4;  // one splat of SH degree 3 in a PLY of 32-bit floats; the memory table compares with it
 
 std::string rounded(double value, double steps) {
     return formatText("{}", std::round(value * steps) / steps);

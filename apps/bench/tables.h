@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tables that every bench prints of its contestants: frames, passes, memory; and the same figures as JSON lines.
+// The tables that every bench prints (frames, passes, memory), and the same figures as JSON lines.
 #pragma once
 
 #include "apps/bench/contestants.h"
@@ -8,22 +8,22 @@
 namespace dpl {
 
 std::string decibelText(double db);
-/** Equal pictures have an infinite PSNR, which JSON and plots do not know: 999 instead. */
+/** Replaces the infinite PSNR of equal pictures by 999, because JSON and plots cannot hold infinity. */
 double finiteDb(double db);
 
-/** One row for each contestant of each case. */
+/** Tables with one row per contestant and case. */
 struct BenchText {
-    bool compared = true;  // with the referee
+    bool compared = true;  // pictures were compared with the referee
     uint32_t splatCount = 0;
     std::string frames, memory, json;
 
-    /** samples: of each pixel, 1 or 4; the frozen baseline takes 1 whatever this says. */
+    /** samples: samples per pixel, 1 or 4. The frozen baseline always takes 1. */
     void add(const BenchCase& test, const Contestant& contestant, uint32_t samples);
     std::string framesTable() const;
     std::string memoryTable() const;
 };
 
-/** One row a pass, one column a case that was run: median / 95th percentile. */
+/** Pass times of one device, median / 95th percentile in milliseconds: one row per pass, one column per case. */
 struct PassTable {
     std::string device;
     std::string cases;
@@ -33,10 +33,10 @@ struct PassTable {
     void add(const Contestant& contestant, const BenchCase& test);
     std::string text() const;
 };
-/** Adds the contestant to the table of its device, and makes that table for a new one. Renderers without passes have no table. */
+/** Adds the contestant to its device's table and creates that table for a new device. Renderers without passes have no table. */
 void addPasses(std::vector<PassTable>& tables, const Contestant& contestant, const BenchCase& test);
 
-/** A colour a renderer, a point a case. */
+/** Adds one point: each renderer has its own colour, each case its own point. */
 void addPoint(std::vector<PlotSeries>& plot, const Contestant& contestant, const BenchCase& test);
 
 }  // namespace dpl

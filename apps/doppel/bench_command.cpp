@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// doppel bench: time, error and bytes of every renderer that a user can choose, on an avatar, side by side.
+// doppel bench: compares time, error and memory of every renderer that a user can choose, on one avatar.
 #include "apps/bench/bench.h"
 #include "apps/doppel/commands.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The commands of `doppel`. Each adds its subcommand to the parser; the chosen one runs and returns an exit code.
+// The commands of `doppel`. Each function adds its subcommand to the parser; the parsed subcommand then runs and returns an exit code.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -12,7 +12,7 @@ namespace dpl {
 /** Exit codes of every command. */
 enum ExitCode { kExitOk = 0, kExitFailed = 1, kExitUsage = 2, kExitCancelled = 130 };
 
-/** Set by the command that was parsed; main returns what it returns. */
+/** The parsed subcommand sets it; main calls it and returns its exit code. */
 using CommandRun = std::function<int()>;
 
 void addSampleCommand(CLI::App& app, CommandRun& run);

@@ -59,7 +59,7 @@ int main(int argc, char** argv) {
         return flushOutput(run());
     } catch (const std::bad_alloc&) {
         return reportError(fail(Code::OutOfMemory, "out of memory; close other programs or use a smaller preset"));
-    } catch (const std::exception& error) {  // a stage of the reconstruction may throw
+    } catch (const std::exception& error) {  // a reconstruction stage may throw
         return reportError(fail(Code::Internal, "{}", error.what()));
     }
 }

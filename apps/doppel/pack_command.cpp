@@ -12,7 +12,7 @@ namespace {
 
 struct PackOptions {
     std::filesystem::path avatar, out;
-    double maxMb = 0, maxLossDb = 0;  // 0: not given
+    double maxMb = 0, maxLossDb = 0;  // 0 if not given
     uint32_t pictures = 16, threadCount = 0;
     uint64_t seed = 1;
 };

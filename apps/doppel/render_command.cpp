@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// doppel render: stills, turntables, clips and stereo from an avatar, or every frame of a scan from its own cameras.
+// doppel render: draws stills, turntables, clips and stereo pairs of an avatar, or every frame of a scan from the scan's own cameras.
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -125,7 +125,7 @@ Result<DplAvatarInfo> boxOf(const Company& company) {
 
 /** Stills, turntables and clips from our own camera. */
 Status renderShots(const RenderOptions& options, const doppel::Context& context, Company& company, Progress& progress) {
-    const PictureSize size = parsePictureSize(options.size).value_or(PictureSize{});  // checked when it was parsed
+    const PictureSize size = parsePictureSize(options.size).value_or(PictureSize{});  // the option parser has checked it
     double duration = options.turntable ? 6 : 0;
     for (size_t i = 0; i < company.avatars.size(); ++i) {
         doppel::Avatar& avatar = company.avatars[i];

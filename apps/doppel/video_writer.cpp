@@ -24,7 +24,7 @@ Result<VideoWriter> VideoWriter::open(const std::filesystem::path& path, uint32_
         return fail(Code::NotFound,
                     "{}: writing video needs the program ffmpeg; install it (apt-get install ffmpeg) or name a folder to get PNG frames",
                     path.string());
-    std::signal(SIGPIPE, SIG_IGN);  // a dead ffmpeg is an error of write(), not the end of us
+    std::signal(SIGPIPE, SIG_IGN);  // if ffmpeg dies, write() returns an error instead of killing this process
     const std::filesystem::path temporary =
         path.parent_path() / ("." + path.stem().string() + ".part" + std::to_string(::getpid()) + ".mp4");
     const std::string command = formatText(

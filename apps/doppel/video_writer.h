@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// MP4 by the ffmpeg program: frames go down a pipe, the finished file is renamed into place.
+// Writes MP4 with the ffmpeg program: frames go through a pipe into a temporary file, which finish() renames.
 #pragma once
 
 #include <cstdint>
@@ -13,14 +13,14 @@ namespace dpl {
 
 class VideoWriter {
 public:
-    /** NotFound with the remedy when ffmpeg is not installed. Sizes must be even (H.264 with 4:2:0). */
+    /** Width and height must be even (H.264 with 4:2:0). Returns NotFound, with how to install it, when ffmpeg is missing. */
     static Result<VideoWriter> open(const std::filesystem::path& path, uint32_t widthPx, uint32_t heightPx, double framesPerSecond);
     VideoWriter(VideoWriter&& other) noexcept;
     VideoWriter& operator=(VideoWriter&&) = delete;
-    /** Closing without finish() drops the unfinished file. */
+    /** Deletes the unfinished file if finish() was not called. */
     ~VideoWriter();
 
-    /** rgb: 3 bytes a pixel, tight rows. */
+    /** rgb: one frame, 3 bytes per pixel, rows without padding. */
     Status write(std::span<const uint8_t> rgb);
     Status finish();
 

@@ -119,9 +119,9 @@ struct Sensitivity {
     double a, b;
 };
 
-/** The plane filtered by the sum of one or two Gaussians, of total weight 1. */
+/** The plane filtered by the sum of one or two Gaussians whose weights sum to 1. */
 Plane seenThrough(const Plane& in, Size size, std::span<const Sensitivity> terms, double pixelsPerDegree) {
-    constexpr double kWidest = 0.04;  // largest b of all terms: every filter gets the same radius
+    constexpr double kWidest = 0.04;  // largest b of all terms; all filters use the radius that it needs
     const int radius = int(std::ceil(3 * std::sqrt(kWidest / (2 * std::numbers::pi * std::numbers::pi)) * pixelsPerDegree));
     Plane out(size.count(), 0.0);
     double total = 0;

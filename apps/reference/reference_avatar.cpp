@@ -64,7 +64,7 @@ std::vector<double> referenceCoefficients(const PoseCorrectiveData& c, const Pos
         for (size_t f = 0; f < heard.size(); ++f) k[i] += double(c.modes[i * heard.size() + f]) * heard[f];
         squares += k[i] * k[i];
     }
-    // The part of the features that is orthogonal to every mode.
+    // `off`: squared length of the part of the features that is orthogonal to every mode.
     double off = 0;
     for (const double f : heard) off += f * f;
     for (size_t i = 0; i < k.size(); ++i) {
@@ -72,7 +72,7 @@ std::vector<double> referenceCoefficients(const PoseCorrectiveData& c, const Pos
         for (size_t f = 0; f < heard.size(); ++f) mode += double(c.modes[i * heard.size() + f]) * double(c.modes[i * heard.size() + f]);
         if (mode > 0) off -= k[i] * k[i] / mode;
     }
-    const double shorter = std::min(1.0, double(c.reach) / std::sqrt(squares));  // k = 0: reach/0 is infinite, so 1
+    const double shorter = std::min(1.0, double(c.reach) / std::sqrt(squares));  // for k = 0, reach/0 is infinite and the factor is 1
     const double fade = off > 0 ? std::min(1.0, double(c.reachOffModes) / std::sqrt(off)) : 1.0;
     for (double& x : k) x *= shorter * fade;
     return k;
@@ -145,7 +145,7 @@ ReferenceGaussian referenceGaussian(const ReferenceScene& scene, const Reference
     if (!(longest * longest / (2 * posedArea) < kMaxAspect)) return g;
 
     const glm::dvec3 n = glm::normalize(restCross), t1 = glm::normalize(e1), t2 = glm::cross(n, t1);
-    const glm::dmat2 d(glm::dot(e1, t1), glm::dot(e1, t2), glm::dot(e2, t1), glm::dot(e2, t2));  // columns: edges in the plane
+    const glm::dmat2 d(glm::dot(e1, t1), glm::dot(e1, t2), glm::dot(e2, t1), glm::dot(e2, t2));  // columns: rest edges in the tangent plane
     const glm::dmat2 inverse = glm::inverse(d);
     const glm::dvec3 f0 = d1 * inverse[0][0] + d2 * inverse[0][1], f1 = d1 * inverse[1][0] + d2 * inverse[1][1];  // F = [d1 d2]·D⁻¹
     const double c = std::cos(splat.phi), s = std::sin(splat.phi);

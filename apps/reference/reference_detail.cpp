@@ -82,7 +82,7 @@ double referenceFinestPixelM(const AvatarData& avatar, const Pose& pose, const s
 }
 
 void reduceReference(ReferenceScene& scene, const AvatarData& avatar, const CodedSplats& coded, double perM2) {
-    std::vector<double> areaOf(avatar.mesh.triangles.size());  // m² that one splat of the triangle stands for
+    std::vector<double> areaOf(avatar.mesh.triangles.size());  // area per splat of each triangle, m²
     double surface = 0;
     for (size_t t = 0; t < areaOf.size(); ++t) {
         const glm::uvec3 c = avatar.mesh.triangles[t];
@@ -92,7 +92,7 @@ void reduceReference(ReferenceScene& scene, const AvatarData& avatar, const Code
         areaOf[t] = count ? area / count : 0;
         surface += count ? area : 0;
     }
-    // Favours are divided by their mean, so that the total stays the same.
+    // Favours are divided by their mean, so the total number of splats does not change.
     double favoured = 0;
     const auto favourOfChunk = [&](uint32_t first, uint32_t n) {
         double sum = 0;

@@ -19,7 +19,7 @@ template <class T>
 PictureError compare(const ReferencePicture& reference, std::span<const T> rgba) {
     constexpr double kPeak = std::numeric_limits<T>::max();
     PictureError e;
-    if (rgba.size() != reference.alpha.size() * 4) return {1, 1, 1, 1, 255};  // another size: nothing agrees
+    if (rgba.size() != reference.alpha.size() * 4) return {1, 1, 1, 1, 255};  // sizes differ: report the largest error
     for (size_t p = 0; p < reference.alpha.size(); ++p) {
         const bool covered = reference.alpha[p] > 0 || rgba[p * 4 + 3] > 0;
         for (size_t c = 0; c < 3; ++c) {
@@ -93,7 +93,7 @@ PictureError compareWith(const ReferencePicture& reference, std::span<const uint
 
 double coveredFlip(const ReferencePicture& reference, std::span<const uint8_t> rgba) {
     if (rgba.size() != reference.alpha.size() * 4) return 1;
-    constexpr uint32_t kMarginPx = 16;  // farther than FLIP's filters reach
+    constexpr uint32_t kMarginPx = 16;  // larger than the radius of FLIP's filters
     const uint32_t width = reference.widthPx, height = reference.heightPx;
     const auto covered = [&](size_t p) { return reference.alpha[p] > 0 || rgba[p * 4 + 3] > 0; };
     uint32_t x0 = width, x1 = 0, y0 = height, y1 = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The depth of a mesh in double precision: a ray through a point of the image is tested against every triangle (Möller and Trumbore 1997).
+// Mesh depth in double precision: tests the ray through an image point against every triangle (Möller and Trumbore 1997).
 #pragma once
 
 #include <span>
@@ -9,15 +9,16 @@
 
 namespace dpl {
 
-/** View z of the nearest surface beyond 0.05 m on the ray through a point of the image; infinite if there is none. positions: world. */
+/** View-space z in metres of the nearest surface beyond 0.05 m on the ray through an image point; infinite if there is none. positions:
+ *  world, metres. */
 double referenceMeshDepth(std::span<const glm::dvec3> positions, std::span<const glm::uvec3> triangles, const ReferenceCamera& camera,
                           const glm::dvec2& pointPx);
 
-/** A picture of depths (0 = nothing) against the referee's. A pixel is wrong when its depth lies outside the range of depths that the
- *  referee sees within `slackPx` of its centre, widened by the factor `slack`. Rounding moves edges by less than that. */
+/** Compares a depth image (0 = no surface) with the referee's. A pixel is wrong when its depth lies outside the range that the referee
+ * finds within `slackPx` of the pixel centre, widened by the relative `slack`. Rounding moves edges by less than that. */
 struct MeshDepthReport {
     size_t pixels = 0, covered = 0, wrong = 0;
-    size_t sharp = 0;  // pixels where that range is narrower than 1 %, so that the comparison is strict
+    size_t sharp = 0;  // pixels whose range is narrower than 1 %, where the comparison is strict
     std::string firstWrong;
 };
 MeshDepthReport compareMeshDepth(std::span<const float> depthM, std::span<const glm::dvec3> positions,

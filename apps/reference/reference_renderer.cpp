@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Projection, spherical harmonics and blending in double precision. Splats are blended one after the other in depth order over the whole
-// image: no tiles, no lists.
+// Projection, spherical harmonics and blending in double precision. Blends one splat after the other in depth order over the whole image,
+// without tiles or lists.
 #include "apps/reference/reference_renderer.h"
 
 #include <algorithm>
@@ -66,7 +66,7 @@ ReferenceFootprint projectReference(const ReferenceGaussian& splat, const Refere
     }
     glm::dmat2 plain(0.0);
     for (const glm::dvec2& column : b) plain += glm::outerProduct(column, column);
-    // det(B·Bᵀ) = Σ minors² (Cauchy-Binet): exact where a·c − b² cancels.
+    // det(B·Bᵀ) = Σ minors² (Cauchy-Binet) avoids the cancellation in a·c − b².
     const auto minor = [&](int i, int j) { return b[i].x * b[j].y - b[j].x * b[i].y; };
     const double plainDet = minor(0, 1) * minor(0, 1) + minor(0, 2) * minor(0, 2) + minor(1, 2) * minor(1, 2);
     const double kappa = options.kappaPx2, det = plainDet + kappa * (plain[0][0] + plain[1][1]) + kappa * kappa;
@@ -139,7 +139,7 @@ ReferenceImage renderReference(const std::vector<ReferenceGaussian>& splats, con
     const size_t pixels = size_t(image.widthPx) * image.heightPx;
     image.rgb.assign(pixels * 3, 0), image.alpha.assign(pixels, 0), image.cloth.assign(pixels, 0), image.depthM.assign(pixels, 0);
 
-    // Each sample stands for a quarter of the pixel and is low-passed to that size.
+    // Each sample covers a quarter of the pixel, so its low-pass filter is scaled to that size.
     ReferenceOptions ofSample = options;
     if (options.fourSamples) ofSample.kappaPx2 = options.kappaPx2 / 4;
     std::vector<ReferenceFootprint> footprints;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The referee (docs/reference): pose correctives, skinning, binding, projection, SH and blending in double precision.
 //
-// It reads the plain structs of sdk/format and sdk/avatar but calls nothing of sdk/math or sdk/splat. Units are metres, radians and
-// pixels; pixel (i, j) has its centre at (i + 0.5, j + 0.5). All functions are pure, single-threaded and slow.
+// It reads the plain structs of sdk/format and sdk/avatar but calls no code of sdk/math or sdk/splat. Units are metres, radians and pixels;
+// pixel (i, j) has its centre at (i + 0.5, j + 0.5). All functions are pure, single-threaded and slow.
 //
-// A finite difference of a whole image:
+// To take a finite difference of a whole image:
 //     ReferenceScene scene = sceneOf(avatar, pose);
 //     scene.splats[7].phi += h;                      // or scene.posed[vertex].x, scene.splats[i].sh[k] ...
 //     ReferenceImage plus = renderReference(scene, camera, {.minAlpha = 0, .minTransmittance = 0, .clampColour = false});
@@ -18,7 +18,7 @@
 
 namespace dpl {
 
-/** x right, y down, z forward; X_view = R X_world + t. Same meaning as PinholeCamera; no code is shared. */
+/** View axes: x right, y down, z forward; X_view = R X_world + t. Same conventions as PinholeCamera, but no shared code. */
 struct ReferenceCamera {
     uint32_t widthPx = 0, heightPx = 0;
     double fx = 0, fy = 0, cx = 0, cy = 0;
@@ -44,11 +44,11 @@ struct ReferenceOptions {
     double kappaPx2 = 0.3;
     bool compensated = true;
     double minAlpha = 1.0 / 255.0;
-    double minTransmittance = 1e-4;  // a pixel whose T is at or below this takes no further splat
+    double minTransmittance = 1e-4;  // a pixel with T at or below this blends no more splats
     bool clampColour = true;
     std::vector<float>
-        sceneDepthM;  // depth of the app's opaque scene, one a pixel; splats behind it are hidden. Empty, or values of 0 and less: no scene
-    bool fourSamples = false;  // average four samples of each pixel, each low-passed to a quarter of it
+        sceneDepthM;           // depth of the app's opaque scene, one per pixel; hides splats behind it. Empty, or a value <= 0: no scene
+    bool fourSamples = false;  // average four samples per pixel, each low-passed to a quarter of the pixel
 };
 
 /** One splat in the world: two axes (flat) or three (general). */
@@ -68,8 +68,8 @@ struct ReferenceGaussian {
 struct ReferenceFootprint {
     bool visible = false;
     glm::dvec2 centrePx{0};
-    glm::dmat2 covariance{1};  // Σ' with κ, px²
-    glm::dmat2 conic{1};       // its inverse
+    glm::dmat2 covariance{1};  // Σ' including κ, px²
+    glm::dmat2 conic{1};       // inverse of `covariance`, 1/px²
     double compensation = 1, gate = 1, nearFade = 1;
     double opacity = 0;  // opacity · compensation · gate · nearFade
     double depthM = 0;
@@ -82,7 +82,7 @@ ReferenceFootprint projectReference(const ReferenceGaussian& splat, const Refere
 /** min(0.99, opacity·exp(−σ)) at a point of the image, before the cut-off. */
 double referenceAlpha(const ReferenceFootprint& footprint, const glm::dvec2& pointPx);
 
-/** A bound splat with double parameters, which tests may perturb. */
+/** A bound splat in double precision. Tests may perturb its parameters. */
 struct ReferenceBoundSplat {
     uint32_t triangle = 0;
     glm::dvec2 uv{0};
@@ -93,20 +93,20 @@ struct ReferenceBoundSplat {
     std::vector<double> sh;
 };
 
-/** A posed avatar with double numbers everywhere. */
+/** A posed avatar in double precision. */
 struct ReferenceScene {
-    std::vector<glm::dvec3> rest, posed;  // V; rest: what splats are bound to, without correctives
-    std::vector<double> light;            // V, brightness; empty: 1
+    std::vector<glm::dvec3> rest, posed;  // V vertices, metres; rest: the surface that splats are bound to, without correctives
+    std::vector<double> light;            // V brightness factors; empty: all 1
     std::vector<glm::uvec3> triangles;
     std::vector<ReferenceBoundSplat> splats;
     uint32_t shDegree = 0;
 };
 
-/** G_j = G_parent·[R_j | p_j − R_j p_j] with the root shifted by pose.rootTranslation; rotations are normalised. */
+/** G_j = G_parent·[R_j | p_j − R_j p_j]; the root is shifted by pose.rootTranslation. Normalises the rotations. */
 std::vector<glm::dmat4> referenceJointTransforms(const std::vector<JointData>& joints, const Pose& pose);
 
-/** Coefficients k of a pose: features (two columns of the rotation of each joint that counts, minus the identity's), minus the mean,
- *  projected on the modes, shortened to `reach` and faded beyond `reachOffModes`. */
+/** Coefficients k of a pose. The features are the first two columns of R − I of each joint in correctives.joints, minus the mean. They are
+ *  projected on the modes; then k is shortened to length `reach` and faded when the rest of the features is longer than `reachOffModes`. */
 std::vector<double> referenceCoefficients(const PoseCorrectiveData& correctives, const Pose& pose);
 /** Offset of the rest surface (metres) and brightness of each vertex, L in [0.2, 3]; zeros and ones without correctives. */
 struct ReferenceCorrection {
@@ -119,30 +119,31 @@ ReferenceCorrection referenceCorrection(const AvatarData& avatar, const Pose& po
 std::vector<glm::dvec3> referenceSkin(const AvatarData& avatar, const Pose& pose);
 ReferenceScene sceneOf(const AvatarData& avatar, const Pose& pose);
 
-/** Binding (docs/reference/binding.md): world axes, centre, normal and polar rotation. valid is false on degenerate triangles. */
+/** Computes the world axes, centre, normal and polar rotation of a splat (docs/reference/binding.md). valid is false on degenerate
+ *  triangles. */
 ReferenceGaussian referenceGaussian(const ReferenceScene& scene, const ReferenceBoundSplat& splat);
 ReferenceGaussian referenceGaussian(const StaticSplatData& splats, uint32_t index);
 
 /** Premultiplied, display-referred, row-major, top row first. */
 struct ReferenceImage {
     uint32_t widthPx = 0, heightPx = 0;
-    std::vector<double> rgb;     // 3 a pixel
+    std::vector<double> rgb;     // 3 per pixel
     std::vector<double> alpha;   // 1 − T
     std::vector<double> cloth;   // Σ αT over cloth splats
     std::vector<double> depthM;  // Σ αTz / Σ αT, 0 where alpha is 0
 };
 
-/** Blends in order of view depth, ties by index. */
+/** Blends front to back in order of view depth; ties are ordered by index. */
 ReferenceImage renderReference(const std::vector<ReferenceGaussian>& splats, const ReferenceCamera& camera,
                                const ReferenceOptions& options = {});
 ReferenceImage renderReference(const ReferenceScene& scene, const ReferenceCamera& camera, const ReferenceOptions& options = {});
-/** Whether a view of the avatar is drawn with four samples a pixel: at the root joint its pixels are more than 5/4 times as coarse as those
- *  of the training. Both eyes of a frame take the answer of the finer one. */
+/** Whether a view of the avatar is drawn with four samples per pixel: true when its pixels at the root joint are more than 5/4 times as
+ * coarse as those of the training images. Both eyes of a frame use the result of the eye with the finer pixels. */
 bool referenceFourSamples(const AvatarData& avatar, const Pose& pose, const ReferenceCamera& camera);
-/** With κ, compensation and number of samples from the avatar. */
+/** Takes κ, compensation and the number of samples per pixel from the avatar. */
 ReferenceImage renderReference(const AvatarData& avatar, const Pose& pose, const ReferenceCamera& camera,
                                const std::vector<float>& sceneDepthM = {});
-/** Uncompensated by default, as plain 3D Gaussian splatting files were trained. */
+/** Uncompensated by default, because plain 3D Gaussian splatting files are trained that way. */
 ReferenceImage renderReference(const StaticSplatData& splats, const ReferenceCamera& camera,
                                const ReferenceOptions& options = {.compensated = false});
 

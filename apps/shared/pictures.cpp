@@ -34,7 +34,7 @@ Result<uint32_t> chooseClip(doppel::Avatar& avatar, const std::string& clip) {
                     names.empty() ? "it has none" : names);
     DplClipOptions how{};
     how.structSize = sizeof how;
-    how.flags = DPL_CLIP_IN_PLACE;  // the camera stands still, so the walker walks on the spot
+    how.flags = DPL_CLIP_IN_PLACE;  // the camera stands still, so the avatar walks on the spot
     auto loaded = avatar.loadClip(*bytes, &how);
     if (!loaded) return fail(fromSdk(loaded.error()).code, "{}: {}", clip, loaded.error().message);
     return *loaded;
@@ -69,7 +69,7 @@ Cameraf frameAvatar(const DplAvatarInfo& avatar, uint32_t widthPx, uint32_t heig
     camera.cx = 0.5 * widthPx, camera.cy = 0.5 * heightPx;
     camera.viewFromWorldRotation = glm::transpose(Mat3d(x, y, z));
     camera.viewFromWorldTranslation = -(camera.viewFromWorldRotation * eye);
-    camera.viewFromWorldRotation = camera.viewFromWorldRotation * uprightFromFile;  // quarter turns: the box stays a box
+    camera.viewFromWorldRotation = camera.viewFromWorldRotation * uprightFromFile;  // rotations by quarter turns keep the box axis-aligned
     return camera.cast<float>();
 }
 

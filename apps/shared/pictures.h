@@ -12,32 +12,32 @@ namespace dpl {
 
 Error fromSdk(const doppel::Error& error);
 
-/** Which way a file stands: "y-up" (avatars, glTF, SPZ), "y-down" (most 3D Gaussian splatting PLYs), "z-up" or "z-down". */
+/** Up axis of a file: "y-up" (avatars, glTF, SPZ), "y-down" (most 3D Gaussian splatting PLYs), "z-up" or "z-down". */
 inline const std::vector<std::string> kAxesNames = {"y-up", "y-down", "z-up", "z-down"};
-/** The rotation that stands such a file upright. Any other name: none. */
+/** The rotation that turns a file with these axes y-up. Identity for any other name. */
 Mat3d uprightFromFile(const std::string& axes);
 /** Values of --fill. */
 inline const std::vector<std::string> kFillNames = {"auto", "quads", "tiles"};
 DplFill fillOf(const std::string& name);
 
-/** Index of the clip to play: one of the avatar's own by name, else a motion file retargeted onto it. */
+/** Index of the clip to play. `clip` names one of the avatar's clips, or else a motion file, which is retargeted onto the avatar. */
 Result<uint32_t> chooseClip(doppel::Avatar& avatar, const std::string& clip);
 
-/** Looks at the middle of the avatar's rest box from `azimuthRad` (0: from the front, positive to its left), so that it fills the picture.
- */
+/** A camera that looks at the middle of the avatar's rest box from `azimuthRad` (0: the front, positive towards the avatar's left) so that
+ *  the avatar fills the picture. */
 Cameraf frameAvatar(const DplAvatarInfo& avatar, uint32_t widthPx, uint32_t heightPx, double azimuthRad,
                     const Mat3d& uprightFromFile = Mat3d(1));
 
 constexpr double kEyeDistanceM = 0.063;
 
-/** The camera moved along its own x axis: −½ and +½ eye distance give a stereo pair with parallel axes. */
+/** The camera moved along its own x axis. −½ and +½ eye distance give a stereo pair with parallel view directions. */
 Cameraf shiftedSideways(const Cameraf& camera, double metres);
 
-/** RGBA8 pictures of all views, straight alpha, of avatars that are drawn together. */
+/** Draws the avatars `row` together and returns one RGBA8 picture per view, straight alpha. */
 Result<std::vector<std::vector<uint8_t>>> drawViews(const doppel::Context& context, std::span<const DplAvatar> row,
                                                     std::span<const Cameraf> views);
 
-/** Views side by side over a soft grey gradient, RGB8; rows are views.size()·width wide. */
+/** The views side by side over a grey gradient, as RGB8; the result is views.size()·widthPx wide. */
 std::vector<uint8_t> sideBySide(std::span<const std::vector<uint8_t>> views, uint32_t widthPx, uint32_t heightPx);
 
 }  // namespace dpl
