@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # Shared by tools/test and tools/demo: numbered steps, builds with progress, test runs with a count. Sourced, not run.
 export DOPPEL_COMPILER_LAUNCHER="${DOPPEL_COMPILER_LAUNCHER-$(command -v ccache || true)}"
-# ccache: with the precompiled header (sloppiness), the same object for every checkout (base dir, no hash of the folder),
-# and no second preprocessor run for a file it has not seen (depend).
+# ccache settings. SLOPPINESS: needed to cache with a precompiled header. BASEDIR, NOHASHDIR: all checkouts share objects.
+# DEPEND: a cache miss needs no extra preprocessor run.
 export CCACHE_SLOPPINESS="pch_defines,time_macros,include_file_mtime,include_file_ctime"
 export CCACHE_BASEDIR="${CCACHE_BASEDIR-$PWD}" CCACHE_NOHASHDIR=1 CCACHE_DEPEND=1
 tests_passed=0
@@ -14,7 +14,7 @@ step() {
     printf '\n[%d] %s\n' "$step_number" "$1"
 }
 
-# configure PRESET: quietly; the output is shown only when it fails.
+# configure PRESET: prints the output only when configuring fails.
 configure() {
     local log
     log=$(mktemp)
@@ -27,7 +27,7 @@ build() {
     NINJA_STATUS="[%f/%t %es] " cmake --build --preset "$1" ${2:+--target "${@:2}"}
 }
 
-# build_sanitized PRESET: only the programs of tests labelled `sanitize` (one target gathers them).
+# build_sanitized PRESET: builds only the programs of tests labelled `sanitize`.
 build_sanitized() { build "$1" sanitized_tests; }
 
 # run_tests PRESET [ctest options]: fails when a test fails or none ran; counts cases and repeats the reason of every skip.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Command line of the small bench programs: arguments by position, and --json FILE anywhere among them.
+// Command line of the small bench programs: positional arguments, and --json FILE at any place between them.
 #pragma once
 
 #include <cstdlib>
@@ -22,7 +22,7 @@ public:
     size_t count() const { return list_.size(); }
     std::string text(size_t i, const std::string& otherwise = "") const { return i < list_.size() ? list_[i] : otherwise; }
     double number(size_t i, double otherwise) const { return i < list_.size() ? std::atof(list_[i].c_str()) : otherwise; }
-    /** Without --json nothing is written. */
+    /** Writes `lines` to the file of --json; does nothing without that option. */
     Status writeJson(const std::string& lines) const { return json_.empty() ? Status() : writeFileAtomically(json_, lines); }
 
 private:

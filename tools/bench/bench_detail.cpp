@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // bench_detail AVATAR|SPLATS [SPLATS A PIXEL] [FRAMES] [software|quads|tiles] [SHEET.png | -] [--json FILE]
 //
-// Measures level of detail against distance: time, splats and error of the full subject and of the reduced one, posed in the middle of its
-// first clip. For avatars it also measures what leaving out SH beyond degree 0, or pose correctives, would lose.
-// Truth at each distance is the full subject drawn at four times the size on the CPU and averaged. Errors are over mid grey, over pixels
-// that either picture covers. The sheet shows full, reduced and truth side by side, one distance a row, enlarged without smoothing.
+// Measures level of detail at several distances: time, splats and error of the full and of the reduced subject, posed in the middle of its
+// first clip. For avatars it also measures the loss from leaving out SH above degree 0 or pose correctives.
+// The ground truth at each distance is the full subject, drawn on the CPU at four times the size and averaged. Errors are taken over mid
+// grey, over pixels that either picture covers. The sheet has one row per distance: full, reduced and ground truth side by side, enlarged
+// without smoothing.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -29,7 +30,7 @@ namespace {
 
 using Pixels = std::vector<uint8_t>;  // premultiplied RGBA8
 constexpr uint32_t kWidthPx = 512, kHeightPx = 768, kFiner = 4;
-constexpr double kDistances[] = {1, 1.5, 2, 3, 4, 6, 8, 12, 16, 24};  // times that at which the avatar fills the picture
+constexpr double kDistances[] = {1, 1.5, 2, 3, 4, 6, 8, 12, 16, 24};  // multiples of the distance at which the avatar fills the picture
 
 int failed(const std::string& why) {
     return std::fprintf(stderr, "bench_detail: %s\n", why.c_str()), 1;
@@ -44,9 +45,10 @@ DplCamera cameraAt(const DplAvatarInfo& info, double times, uint32_t finer, doub
     double middle[3], tall = info.restMax[1] - info.restMin[1];
     for (int k = 0; k < 3; ++k) middle[k] = 0.5 * (info.restMin[k] + info.restMax[k]);
     for (int k = 0; k < 3 && info.jointCount == 0; ++k)
-        tall = std::max(tall, double(info.restMax[k] - info.restMin[k]));  // general splats may lie on their side
+        tall = std::max(tall,
+                        double(info.restMax[k] - info.restMin[k]));  // general splats may have another up axis, so use their largest extent
     const double distance = 1.25 * 1.2 * tall * times, s = std::sin(azimuthRad), co = std::cos(azimuthRad);
-    // Right, down and forward of a camera at middle + distance·(s, 0, co) that looks at the middle.
+    // Rows: the right, down and forward axes of a camera at middle + distance·(s, 0, co) that looks at the middle.
     const double rows[3][3] = {{co, 0, -s}, {0, -1, 0}, {-s, 0, -co}};
     for (int r = 0; r < 3; ++r) {
         double t = r == 2 ? distance : 0;
@@ -236,7 +238,7 @@ int main(int argc, char** argv) {
     const auto info = avatar->info();
     if (!info) return failed(info.error().message);
     const bool posable = info->jointCount > 0;
-    std::vector<doppel::Avatar> lesser, regions;  // without SH, without correctives; face, hands
+    std::vector<doppel::Avatar> lesser, regions;  // lesser: without SH, without correctives; regions: face, hands
     const auto loadPosed = [&](std::vector<doppel::Avatar>& into, const auto& file) -> std::optional<std::string> {
         if (!file) return file.error().message;
         auto loaded = judge->loadAvatar(*file);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // bench_load AVATAR.glb [SPLATS = 533695] [SH DEGREE = 1] [BIG.glb | -] [compact] [--json FILE]
 //
-// Measures how long loading takes and how much memory it needs at its peak, for an avatar blown up to SPLATS splats, through the public
-// SDK and the CPU renderer. BIG.glb keeps the blown-up avatar for other benches. compact: splat encoding 3.
+// Measures the time and the peak memory of loading an avatar through the public SDK with the CPU renderer. The avatar's splats are first
+// increased to SPLATS. BIG.glb: where to keep the enlarged avatar for other benches. compact: writes splat encoding 3.
 #include <doppel/doppel.hpp>
 
 #include <malloc.h>
@@ -26,7 +26,7 @@
 
 namespace {
 
-std::atomic<int64_t> live = 0, peak = 0;  // bytes on the heap, of all threads
+std::atomic<int64_t> live = 0, peak = 0;  // heap bytes of all threads
 
 void* counted(size_t size, size_t alignment) {
     void* p = alignment > 16 ? std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment) : std::malloc(size ? size : 1);

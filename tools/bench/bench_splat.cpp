@@ -2,7 +2,7 @@
 // bench_splat FILE [width height eyeY eyeZ threads frames [picture.ppm]]
 //
 // Draws one file of general splats with the software renderer from (0, eyeY, eyeZ) along −z with a 45° horizontal field of view (the camera
-// of research/proto-splat/floor.cpp) and prints medians per step, so that floor_compare.sh can race the two.
+// of research/proto-splat/floor.cpp) and prints the median time of each step, so that floor_compare.sh can compare the two.
 #include <algorithm>
 #include <chrono>
 #include <cmath>

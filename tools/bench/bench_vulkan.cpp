@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // bench_vulkan FILE [width height eyeY eyeZ frames [quads|tiles [picture.ppm]]]
 //
-// Draws one file of general splats on Vulkan, an emulated device included, with the camera of bench_splat, through the public API, and
-// prints the medians of the device's passes in the words of bench_splat, so that floor_compare.sh can race the two.
+// Draws one file of general splats through the public API on Vulkan (a software device is allowed) with the camera of bench_splat. Prints
+// the median times of the device's passes in bench_splat's format, so that floor_compare.sh can compare the two.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Races the software renderer against the research floor on the same PLY in the same run and prints the ratio of medians.
+# Times the software renderer and the research prototype ("floor") on the same PLY in alternating rounds. Prints the ratio of medians.
 #
 #   tools/bench/floor_compare.sh BENCH_SPLAT [PROTO_DIR [ROUNDS [--json FILE]]]
 #
@@ -12,12 +12,12 @@ here=$(cd "$(dirname "$0")" && pwd)
 bench=${1:?usage: floor_compare.sh BENCH_SPLAT [PROTO_DIR [ROUNDS]]}
 proto=${2:-$here/../../../shared/research/proto-splat}
 rounds=${3:-5}
-json=${5:-}  # behind --json
+json=${5:-}  # argument 4 is --json
 work=${DOPPEL_FLOOR_DIR:-/tmp/doppel-floor}
 [ -f "$proto/floor.cpp" ] || { echo "floor_compare: no floor.cpp in $proto; give its folder as second argument" >&2; exit 2; }
 mkdir -p "$work"
 
-# The floor is written for 16 lanes where the machine has them, else for 8.
+# Build the floor for 16 lanes if the machine has AVX-512, else for 8.
 lanes=8
 grep -q avx512dq /proc/cpuinfo && lanes=16
 [ -x "$work/floor$lanes" ] || g++ -O3 -march=native -pthread -DVW=$lanes "$proto/floor.cpp" -o "$work/floor$lanes"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measuring only: reconstructs a `doppel sample` scan with the true shape and poses in place of the body fit, to see what the fit costs.
-// All other stages are those of `doppel reconstruct`.
+// For measurements only: reconstructs a `doppel sample` scan with the true shape and poses instead of the body fit, to measure the error
+// that the fit adds. All other stages are those of `doppel reconstruct`.
 //   bench_true_body SCAN OUT [--preset draft|standard|high] [--steps N] [--seed N] [--threads N]
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -48,7 +48,7 @@ Result<BodyFit> fitFromTruth(const Scan& scan, const BodyModel& body) {
             if (const auto& values = truth.at("shape").at("morphs"); values.contains(body.morphs[m].name))
                 fit.shape[m] = values[body.morphs[m].name].get<double>(), ++known;
         if (known == 0 || known != truth["shape"]["morphs"].size() || truth["shape"].at("body") != body.name) return unfit();
-        // The rest skeleton of a scan stands on the floor; that of the body may be some millimetres off it.
+        // The scan's rest skeleton stands on the floor; the body's may stand some millimetres above or below it.
         const Vec3d shift =
             upright(manifest.at("skeleton").at("rest_positions").at(0)) - Vec3d(shapedBody(body, fit.shape).joints[0].restPosition);
         std::map<std::string, const nlohmann::json*> byName;

@@ -9,7 +9,7 @@
 namespace dpl {
 
 struct PlainFile::State {
-    std::shared_ptr<const AvatarData> avatar;  // empty: general splats
+    std::shared_ptr<const AvatarData> avatar;  // null for general splats
     Pose pose;
     plain::Frame frame;
     State(std::unique_ptr<Backend> backend, PlainFill fill) : frame(std::move(backend), fill) {}

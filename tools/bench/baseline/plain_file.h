@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The plain frame for programs: an avatar file or general splats drawn as they were before any optimisation (README.md).
+// The plain frame for programs: draws an avatar file or general splats as the renderer did before any optimisation (README.md).
 //
 //   auto plain = PlainFile::open(bytes);
 //   plain->draw(rotations, root, views);
@@ -17,26 +17,27 @@
 namespace dpl {
 
 struct PlainPassTime {
-    std::string label;  // as today's pass of that work is called
+    std::string label;  // same label as the pass of the current frame that does this work
     double milliseconds = 0;
 };
 
 struct PlainStats {
-    uint32_t splatsDrawn = 0;                  // of the eye that sees most
+    uint32_t splatsDrawn = 0;                  // of the eye that draws most
     uint64_t residentBytes = 0;                // on the device
-    uint64_t avatarBytes = 0, splatBytes = 0;  // as in DplFrameStats: the avatar with its posing data on the CPU; its splats alone
-    std::vector<PlainPassTime> passes;         // of the frames read last, in the order they ran, eye after eye; empty without timestamps
+    uint64_t avatarBytes = 0, splatBytes = 0;  // as in DplFrameStats: the avatar including its posing data on the CPU; its splats alone
+    std::vector<PlainPassTime>
+        passes;  // of the frames read last, in the order they ran, one eye after the other; empty if the device has no timestamps
 };
 
-/** How it fills pixels: quads blended in f16, as the plain frame did, or the first version of the tiles behind the same records and sort.
- */
+/** How pixels are filled: by quads blended in f16, or by the first version of compute tiles. Both use the same records and sort. */
 enum class PlainFill { Quads, Tiles };
 
-/** One thread at a time. */
+/** Not thread-safe: use it from one thread at a time. */
 class PlainFile {
 public:
-    /** On the best Vulkan device, a software one included, as DPL_RENDERER_VULKAN chooses. The bytes may be freed afterwards. Errors of
-     * readAvatar and readSplats; Unsupported: no Vulkan on this machine, or a device that cannot hold the splats as floats. */
+    /** Opens the file on the Vulkan device that DPL_RENDERER_VULKAN would choose, which may be a software one. The bytes may be freed
+     *  afterwards. Errors: those of readAvatar and readSplats; Unsupported if there is no Vulkan device or it cannot hold the splats as
+     *  floats. */
     static Result<PlainFile> open(std::span<const uint8_t> bytes, PlainFill fill = PlainFill::Quads);
     PlainFile(PlainFile&&) noexcept;
     PlainFile& operator=(PlainFile&&) noexcept;
@@ -45,11 +46,11 @@ public:
     /** "vulkan: DEVICE (plain float)", or "(plain float, tiles)". */
     const std::string& name() const { return name_; }
 
-    /** rotations: xyzw a joint, as dplGetPose gives them; general splats ignore the pose. One or two views of equal size. Starts
-     * the frames. */
+    /** Starts the frames of one or two views of equal size. rotations: one xyzw quaternion per joint, as dplGetPose returns them; general
+     *  splats ignore the pose. */
     Status draw(std::span<const float> rotations, const Vec3f& rootTranslation, std::span<const Cameraf> views);
-    /** Waits, and copies one picture a view out: RGBA8 premultiplied, display-referred, top row first. Unsupported: the lists of tiles
-     * could not hold the frame. */
+    /** Waits for the frames and copies out one picture per view: RGBA8 premultiplied, display-referred, top row first. Returns Unsupported
+     *  if the tile lists could not hold the frame. */
     Status read(std::span<std::vector<uint8_t>> pictures);
 
     PlainStats stats() const;

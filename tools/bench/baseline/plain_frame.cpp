@@ -149,7 +149,7 @@ Status Frame::addTiles(FramePlan& plan, Eye& eye, uint32_t widthPx, uint32_t hei
     DPL_TRY(eye.tileCounts, makeBuffer(eye.owned, "tile counts read back", sizeof(TileCounts), BufferMemory::Readback));
     for (const BufferId id : {t.counts, t.pixels}) {
         DPL_CHECK_OK(backend_->write(id, 0, std::array<std::byte, 4>{}));
-    }  // every frame fills them; the backend refuses to read back a buffer that was never written
+    }  // the backend refuses to read back a buffer that was never written, so write them once here
     if (splats_.count == 0) {
         plan.fill("tiles.begin", t.counts, 0);
         plan.fill("tiles.clear", t.pixels, 0);
@@ -158,7 +158,7 @@ Status Frame::addTiles(FramePlan& plan, Eye& eye, uint32_t widthPx, uint32_t hei
     DPL_TRY(const TilePlan tiles, planTiles(splats_.count, widthPx, heightPx, backend_->info()));
     DPL_TRY(t.lists, makeBuffer(eye.owned, "tile lists", tiles.listWords * 4));
     DPL_TRY(t.entries, makeBuffer(eye.owned, "tile entries", tiles.push.entryCapacity * 4ull));
-    DPL_CHECK_OK(backend_->write(t.lists, 0, std::array<std::byte, 4>{}));  // for the same reason
+    DPL_CHECK_OK(backend_->write(t.lists, 0, std::array<std::byte, 4>{}));  // as above: the backend requires a first write
     plain::addTiles(plan, tiles, splats_.count, buffers_.pairs, buffers_.projected, buffers_.counts, t);
     return {};
 }
@@ -174,7 +174,7 @@ Status Frame::build(Eye& eye, uint32_t widthPx, uint32_t heightPx) {
     const uint32_t stride = (splats_.shDegree + 1) * (splats_.shDegree + 1) * 3;
     const SplatPush splatPush{splats_.count, 1};
     const ColourPush colourPush{splats_.count, 1, splats_.shDegree, stride};
-    if (splats_.count == 0) {  // the draw has arguments of zero and only clears the target
+    if (splats_.count == 0) {  // the draw has zero instances and only clears the target
         plan.fill("no pairs", b.pairs, 0);
         plan.fill("no splats", b.projected, 0);
     } else {
@@ -291,7 +291,7 @@ Result<std::vector<std::span<const uint8_t>>> Frame::read() {
     if (drawn_ == 0) return fail(Code::InvalidArgument, "nothing was drawn");
     std::vector<std::span<const uint8_t>> pictures;
     for (size_t v = 0; v < drawn_; ++v) {
-        DPL_CHECK_OK(backend_->wait(eyes_[v].draw));  // its times and counts are valid from here on
+        DPL_CHECK_OK(backend_->wait(eyes_[v].draw));  // the draw's times and counts are valid after this
         DPL_CHECK_OK(backend_->run(eyes_[v].readback));
         if (fill_ == PlainFill::Tiles) {
             TileCounts counts;

@@ -11,7 +11,7 @@
 namespace dpl::plain {
 namespace {
 
-// The shaders hold the footprint rule a second time; these lines keep the two from drifting.
+// The shaders hold a second copy of the footprint constants. These lines check that both copies agree.
 static_assert(kGpuMinTriangleAreaM2 == float(kMinTriangleAreaM2) && kGpuMaxTriangleAspect == float(kMaxTriangleAspect));
 static_assert(kGpuMaxAlpha == float(kMaxAlpha) && kGpuMinAlpha == float(kMinAlpha) && kGpuMinCompensation == float(kMinCompensation));
 static_assert(kGpuNearM == float(kNearM) && kGpuNearFadeEndM == float(kNearFadeEndM) && kGpuGateEnd == float(dpl::kGateEnd));

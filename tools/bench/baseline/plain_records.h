@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// An avatar, or general splats, as the plain frame reads them: static records of floats, checked against the device before any upload.
-// Frozen.
+// Packs an avatar or general splats into the static float records that the plain frame reads, and checks them against the device before any
+// upload. Frozen.
 #pragma once
 
 #include <span>
@@ -19,25 +19,25 @@ struct Records {
     std::vector<SplatRecord> splats;
 };
 
-/** Refuses records that do not fit a binding of the device. The avatar is valid as readAvatar promises. */
+/** Returns Unsupported if the records do not fit a binding of the device. The avatar must be valid, as readAvatar returns it. */
 Status checkFits(const AvatarData& avatar, const DeviceInfo& device);
 Status checkFits(const StaticSplatData& splats, const DeviceInfo& device);
 
 Records pack(const AvatarData& avatar);
 std::vector<GeneralSplatRecord> pack(const StaticSplatData& splats);
 
-/** The palette of a pose: three rows a joint, then the control nodes. `out` has paletteRows entries; it may be mapped memory. */
+/** The palette of a pose: three rows per joint, then the control nodes. `out` has paletteRows entries and may be mapped memory. */
 size_t paletteRows(const AvatarData& avatar);
 void packPalette(std::span<const Mat3x4f> worldFromRest, std::span<const Vec4f> nodes, std::span<vec4> out);
 
-/** What a frame must know of the splats it draws. */
+/** Properties of the splats that a frame draws. */
 struct SplatSet {
     uint32_t count = 0, shDegree = 0;
     float kappaPx2 = 0;
     bool compensated = false;
 };
 
-/** What a frame of one view takes from the CPU. */
+/** The data that a frame of one view uploads. */
 FrameData packFrame(const SplatSet& splats, const Cameraf& view);
 
 }  // namespace dpl::plain

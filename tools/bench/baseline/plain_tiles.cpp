@@ -6,7 +6,7 @@
 namespace dpl::plain {
 namespace {
 
-// Capacity of the lists: so many for each splat, for small splats that touch a few tiles each, and so many for each tile, for large ones.
+// Capacity of the lists: a share per splat for small splats, which touch few tiles each, plus a share per tile for large splats.
 constexpr uint64_t kSpansPerSplat = 3, kSpansPerTile = 48, kEntriesPerSplat = 4, kEntriesPerTile = 128;
 
 uint32_t tilesAcross(uint32_t px) {

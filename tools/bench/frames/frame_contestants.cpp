@@ -13,8 +13,8 @@ namespace dpl {
 namespace {
 
 struct Switch {
-    const char* renderer;  // of --renderers
-    const char* label;     // behind the renderer's name
+    const char* renderer;  // value of --renderers
+    const char* label;     // printed after the renderer's name
     GpuOptions options;
 };
 constexpr Switch kSwitches[] = {
@@ -103,7 +103,7 @@ Result<Contestant> plainContestant(const std::string& renderer, const BenchSubje
     const double loadMilliseconds = millisecondsSince(start);
     const std::string name = file.name();
     auto drawer = std::make_unique<PlainDrawer>(std::move(file), views);
-    if (renderer == kPlainTiles) {  // its lists have a fixed size: one frame says whether they hold this subject
+    if (renderer == kPlainTiles) {  // its lists have a fixed size; draw one frame to see whether they hold this subject
         DPL_CHECK_OK(drawer->pose(subject.rotations, subject.root));
         DPL_CHECK_OK(drawer->draw());
         DPL_CHECK_OK(drawer->read());

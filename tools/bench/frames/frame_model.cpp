@@ -11,23 +11,23 @@
 namespace dpl {
 namespace {
 
-constexpr uint64_t kHalfColourBytes = 4 * 2;  // a pixel of four halves
+constexpr uint64_t kHalfColourBytes = 4 * 2;  // one pixel of four 16-bit floats
 constexpr uint64_t kByteColourBytes = 4;
 
-// Bytes: a pass fetches each record once, however many lanes read it, and writes it once.
+// Bytes: a pass is assumed to read each record once from memory, even if many lanes read it, and to write it once.
 
-// Operations, counted in the source of the kernels for the lanes that do work. An addition, multiplication, comparison, division, root,
-// exponential or integer step counts as one.
-constexpr uint64_t kSkinOps = 118, kCorrectOps = 37;  // a vertex: four joints, three rows each; four control nodes
+// Operations are counted in the source of the kernels, for active lanes only. An addition, multiplication, comparison, division, root,
+// exponential or integer operation counts as one.
+constexpr uint64_t kSkinOps = 118, kCorrectOps = 37;  // per vertex: four joints of three rows; four control nodes
 constexpr uint64_t kTriangleOps = 190,
-                   kTriangleViewOps = 125;                 // F, its polar rotation and stretch; corners into a view and against its sides
-constexpr uint64_t kDecodeOps = 45, kPlaceOps = 70;        // a splat: its codes; centre, axes, normal and light
-constexpr uint64_t kProjectOps = 150;                      // ... in a view: place, axes, footprint, fade, gate, box
-constexpr uint64_t kColourOps = 52, kCoefficientOps = 15;  // ... its direction and packing; a coefficient of SH and its share of the basis
-constexpr uint64_t kMaskOps = 4, kCompactOps = 4, kSortOps = 6;  // a splat of a live group; a pair; a pair in each round
+                   kTriangleViewOps = 125;  // per triangle: F, its polar rotation and stretch; per view: project its corners and test them
+constexpr uint64_t kDecodeOps = 45, kPlaceOps = 70;        // per splat: decode; centre, axes, normal and light
+constexpr uint64_t kProjectOps = 150;                      // per splat and view: position, axes, footprint, fade, gate, box
+constexpr uint64_t kColourOps = 52, kCoefficientOps = 15;  // per splat and view: direction and packing; per SH coefficient: basis and sum
+constexpr uint64_t kMaskOps = 4, kCompactOps = 4, kSortOps = 6;  // per splat of a live group; per pair; per pair and round
 constexpr uint64_t kListOps = 80,
-                   kEntryOps = 8 * 40 + 64 * 12;  // a record, both walks; an entry: eight columns set up, 64 pixels stepped and blended
-constexpr uint64_t kQuadOps = 6 * 30;             // a record: its corners; pixels of quads are not counted
+                   kEntryOps = 8 * 40 + 64 * 12;  // per record, both passes; per entry: set up 8 columns, step and blend 64 pixels
+constexpr uint64_t kQuadOps = 6 * 30;             // per record: its corners; the pixels of quads are not counted
 
 template <class Vertex>
 ModelledPass skinning(uint64_t vertices, bool corrected) {
@@ -97,8 +97,8 @@ std::vector<ModelledPass> modelPlainFloat(const FrameWork& w) {
         w.corrected ? skinning<CorrectedVertexRecord>(w.vertices, true) : skinning<VertexRecord>(w.vertices, false),
         {"pose.triangles", w.triangles * sizeof(TriangleRecord) + w.vertices * sizeof(vec4), w.triangles * sizeof(plain::TriangleFrame),
          w.triangles * kTriangleOps},
-        // Projection reads every splat's record and its triangle's corners and columns; it writes a record and a depth for every splat,
-        // seen or not. Colour reads every depth; for splats that are seen it reads SH and the rest of the triangle's frame.
+        // Projection reads every splat's record and its triangle's corners and columns. It writes a record and a depth for every splat,
+        // visible or not. Colour reads every depth; for visible splats it also reads SH and the rest of the triangle's frame.
         {"chunks, splat.project and splat.colour",
          n * sizeof(SplatRecord) + w.triangles * offsetof(plain::TriangleFrame, worldFromRest0) + n * sizeof(float) +
              drawn * (sizeof(SplatRecord) + sh) + w.triangles * sizeof(plain::TriangleFrame),
@@ -120,8 +120,8 @@ std::vector<ModelledPass> modelToday(const FrameWork& w) {
         w.corrected ? skinning<CorrectedVertexRecord>(w.vertices, true) : skinning<VertexRecord>(w.vertices, false),
         {"pose.triangles", w.triangles * sizeof(TriangleRecord) + w.vertices * sizeof(vec4), w.triangles * sizeof(gpu::TriangleFrame),
          w.triangles * (kTriangleOps + kTriangleViewOps * w.views)},
-        // Codes as the renderer counts them; flags, ranges and the list of live groups; for each triangle the views that see it, and the
-        // frames of those that face a view. A splat that no view shows gets an empty word.
+        // Reads: splat codes, as counted by the renderer; flags, ranges and the list of live groups; the view mask of every triangle, and
+        // the frames of triangles that face a view. A splat that is visible in no view writes an empty word.
         {"chunks, splat.project and splat.colour",
          w.bytesDecided + w.bytesDecoded + w.triangles * sizeof(uvec4) + w.trianglesFacing * sizeof(gpu::TriangleFrame) + 2 * flags,
          3 * flags + records * sizeof(ProjectedSplat) + (lanes * w.views - std::min(records, lanes * w.views)) * sizeof(uint) +
@@ -136,7 +136,7 @@ std::vector<ModelledPass> modelToday(const FrameWork& w) {
             {"pixels", drawn * sizeof(uint) + records * sizeof(ProjectedSplat), w.pixels * kHalfColourBytes, records * kQuadOps});
         return passes;
     }
-    // Two walks over the survivors make the lists. The fill reads a record once an entry; pixels are cleared and filled.
+    // Two passes over the survivors build the lists. The fill reads one record per entry; pixels are written twice: cleared, then filled.
     passes.push_back(
         {"tile lists", 2 * (drawn * sizeof(uint) + records * sizeof(ProjectedSplat)), w.tileEntries * sizeof(uint), records * kListOps});
     passes.push_back(
@@ -152,7 +152,7 @@ std::string modelRows(const std::string& name, const std::vector<ModelledPass>& 
     };
     for (const ModelledPass& pass : plain) {
         if (pass.label == "pixels")
-            for (const ModelledPass& other : today)  // passes that only today's frame has come before the pixels
+            for (const ModelledPass& other : today)  // passes that only the current frame has are listed before "pixels"
                 if (!findPass(plain, other.label)) add(other.label, nullptr, &other);
         add(pass.label, &pass, findPass(today, pass.label));
     }

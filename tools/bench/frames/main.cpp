@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// bench_frames: what each optimisation of the GPU frame is worth. Races `doppel bench`'s renderers against today's frame with something
-// switched off and against the frozen plain frame.
+// bench_frames: measures how much each optimisation of the GPU frame gains. Compares the renderers of `doppel bench` with the current frame
+// with optimisations switched off, and with the frozen plain frame.
 #include <cstdio>
 
 #include "apps/bench/bench.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The model of docs/model.md for the contestants of a bench.
+// Table rows of the frame model (docs/model.md) for the contestants of a bench.
 #pragma once
 
 #include "apps/bench/contestants.h"
@@ -7,7 +7,7 @@
 
 namespace dpl {
 
-/** Rows for one case: the plain frame against today's by quads and by tiles, where those raced. Empty for general splats. */
+/** Rows for one case: the plain frame against the current frame by quads and by tiles, if those took part. Empty for general splats. */
 std::string modelOf(const BenchCase& test, const std::vector<Contestant>& list, const BenchSubject& subject, bool corrected,
                     const ModelMachine& machine);
 

@@ -131,7 +131,7 @@ void BenchWorth::add(const BenchCase& test, const std::vector<Contestant>& list)
     const Contestant *unculled = findOption(list, "vulkan-without-culling"), *floatKeys = findOption(list, "vulkan-float-keys"),
                      *apart = findOption(list, "vulkan-two-frames");
     if (unculled) passes += passWorth(test, "hierarchical culling", "whole frame", unculled->milliseconds, quads->milliseconds);
-    const bool coded = quads->stats.splatsInView > 0;  // general splats are records of floats today too
+    const bool coded = quads->stats.splatsInView > 0;  // the current frame reads general splats as float records, too
     if (plain && coded)
         passes += passWorth(test, "codes decoded on demand, culled", "chunks, projection and colour; off: plain float",
                             passMs(*plain, projection), passMs(*quads, projection));

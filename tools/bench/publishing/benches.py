@@ -72,11 +72,11 @@ class Place:
 class Bench:
     name: str
     group: str  # quick, long or unseen
-    minutes: float  # on two quiet cores
+    minutes: float  # duration on two idle cores
     about: str
     command: str  # as a person would type it, for the page
     programs: tuple
-    take: object  # Place -> rows
+    take: object  # function from Place to rows
 
 
 # ---- frames

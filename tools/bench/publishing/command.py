@@ -89,7 +89,7 @@ def run_benches(options, root, wanted):
                           (options.work or root / "out/publish").resolve(), options.avatar and options.avatar.resolve(), options.repeats)
     session = Session(place.work / "session.json", [b.name for b in wanted], options.again)
     if not session.continued:
-        for bench in wanted:  # figures of earlier code must not be mistaken for this run's
+        for bench in wanted:  # remove figures of earlier code, so that they cannot pass for this run's
             shutil.rmtree(place.work / bench.name, ignore_errors=True)
         for old in place.work.glob("[0-9]*.glb"):
             old.unlink()

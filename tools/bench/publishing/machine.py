@@ -8,7 +8,7 @@ import resource
 import subprocess
 import time
 
-LOADED_CORES = 0.15  # other work above this many cores makes a run "loaded"; an idle Debian uses about 0.02
+LOADED_CORES = 0.15  # a run counts as "loaded" when other work uses more cores than this; an idle Debian uses about 0.02
 
 
 def output_of(command, folder=None):
