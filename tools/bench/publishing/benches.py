@@ -224,7 +224,7 @@ def quality_rows(report, bars, registration_bars):
                  "bars": bars.get("training", {})})
     rows.append({"row": "file", "splats": int(report["facts"]["splats"]), "bytes": figure(report, "avatar file", "whole file"),
                  "bytes_a_splat": figure(report, "avatar file", "splats and SH"), "body": report["facts"]["body"],
-                 "preset": report["facts"]["preset"], "scan": report["facts"]["scan"]})
+                 "training": report["facts"]["training"], "scan": report["facts"]["scan"]})
     rows += [{"row": "stage", **{key: s[key] for key in ("name", "seconds", "peak_bytes", "reused")}} for s in report["stages"]]
     rows += [{"row": "evidence", **{key: e[key] for key in ("part", "kept", "gain_db", "bytes")}} for e in report["evidence"]]
     rows += [{"row": "figure", **f} for f in report["figures"]]

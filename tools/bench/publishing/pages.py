@@ -65,7 +65,7 @@ def registration_rows(store, names):
             for name, label in names for row in store.rows(name) if row["row"] == "registration"]
 
 
-COST = ["scan", "preset", "body", "splats", "file, MB", "bytes a splat", "minutes", "peak memory, MiB", "training step, ms", "pairs a step",
+COST = ["scan", "training", "body", "splats", "file, MB", "bytes a splat", "minutes", "peak memory, MiB", "training step, ms", "pairs a step",
         "forward, ns a pair", "backward, ns a pair"]
 
 
@@ -77,7 +77,7 @@ def cost_rows(store, names):
         if not file:
             continue
         seconds = sum(s["seconds"] for s in stages)
-        out.append([label, file["preset"], file["body"], number(file["splats"], 0), number(file["bytes"] / 1e6),
+        out.append([label, file["training"], file["body"], number(file["splats"], 0), number(file["bytes"] / 1e6),
                     number(file["bytes_a_splat"], 1), number(seconds / 60, 1), number(max(s["peak_bytes"] for s in stages) / 2**20, 0),
                     barred(training, "step_ms", 1), number(training["pairs"], 0), number(training["forward_ns"], 1),
                     number(training["backward_ns"], 1)])
