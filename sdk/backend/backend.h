@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The seam between sdk/render, which plans frames, and a graphics API, which runs them. No Vulkan or Metal type appears here.
+// The interface between sdk/render, which plans frames, and a graphics API, which runs them. No Vulkan or Metal type appears here.
 //
 //   at load:      createBuffer, write, computePipeline, drawPipeline, createTarget, createFrame (checks and records the steps once)
 //   each frame:   fill the mapped upload buffers, submit(frame); once finished(frame), read the mapped read-back buffers
 //
-// Frames run in the order in which they are submitted. Each frame in flight needs its own upload and read-back buffers; all else may be
-// shared.
+// Frames run in the order in which they are submitted. Each frame in flight needs its own upload and read-back buffers. Frames may share
+// all other buffers.
 //
-// One thread at a time. Handles are small numbers: createFrame refuses one that was destroyed.
+// One thread at a time. Handles are small numbers that are never used again: createFrame refuses those of destroyed objects.
 #pragma once
 
 #include <array>
@@ -48,9 +48,9 @@ struct DeviceInfo {
     bool halfDepth = false;        // depth sums are read back as 2 x f16 instead of 2 x f32
     bool timestamps = false;
     bool shuffle = false;       // compute subgroups have 8 to 64 lanes in the order of the workgroup, and can shuffle
-    bool typedFormats = false;  // typed buffers of 1, 2 and 4 words hold as much as plain bindings
+    bool typedFormats = false;  // typed buffers of 1, 2 and 4 words may be as large as storage buffers
     bool texels = false;        // kernels read typed buffers (shaders/lib/reads.glsl); only where a driver needs it (vulkan/vk_quirks.cpp)
-    bool fourSamples = false;   // targets may have 4 samples a pixel at the standard places, each shaded by itself
+    bool fourSamples = false;   // targets may have 4 samples a pixel at the standard sample locations, each shaded by itself
     bool isSoftware() const { return kind == DeviceKind::Software; }
 };
 
@@ -65,23 +65,24 @@ struct BufferDesc {
     BufferMemory memory = BufferMemory::Device;
 };
 
-/** The format in which splats are blended: 8-bit UNORM, or 16-bit floats that are rounded to 8 bits once, at the read-back. */
+/** The format in which splats are blended: 8-bit UNORM (Codes8), or 16-bit floats that are rounded to 8 bits at the read-back (Halves). */
 enum class ColourFormat : uint8_t { Codes8, Halves };
 
-/** RGBA colour and, if asked, two floats a pixel (Σ α T z, Σ α T), for one or two views of the same size. */
+/** RGBA colour and, with `depth`, two floats for each pixel (Σ α T z and Σ α T; α opacity, T transmittance before the splat, z view depth
+ *  in metres), for one or two views of the same size. */
 struct TargetDesc {
     uint32_t widthPx = 0, heightPx = 0;  // of one view
     uint32_t views = 1;
     bool depth = false;
     bool multiview = true;  // one draw fills the layers of all views; false: each view has its own draw
     ColourFormat colour = ColourFormat::Codes8;
-    uint32_t samples = 1;  // a pixel: 1, or 4 where DeviceInfo::fourSamples; averaged when a draw ends
+    uint32_t samples = 1;  // of a pixel: 1, or 4 if DeviceInfo::fourSamples; averaged when a draw ends
 };
 
 enum class Topology : uint8_t { Strip, List };  // of triangles
 
-/** A pipeline for targets of this shape; premultiplied "over" blending, no vertex buffers. The bindings of a draw are
- * those of its vertex shader, then those of its fragment shader, which reads and does not write. */
+/** A pipeline for targets with the same views, multiview, depth, colour and samples. It blends premultiplied "over" and has no vertex
+ *  buffers. A draw binds the buffers of its vertex shader, then those of its fragment shader, which only reads. */
 struct DrawPipelineDesc {
     std::string vertex, fragment;  // names in the shader pack
     uint32_t views = 1;
@@ -114,11 +115,11 @@ struct ComputeStep {
     uint32_t groups = 0;    // along x; ignored when indirect is set
     IndirectArgs indirect;  // three u32
 };
-struct DrawStep {  // clears the target, or the layer of one view, then makes one indirect draw
+struct DrawStep {  // clears the target (without multiview: the layer of `view`), then makes one indirect draw
     std::string label;
     PipelineId pipeline;
     TargetId target;
-    uint32_t view = 0;  // whose layer, in a target without multiview; the highest view is drawn last
+    uint32_t view = 0;  // 0 with multiview; otherwise the view to draw, in rising order
     std::vector<Binding> bindings;
     PushBytes push;
     IndirectArgs args;  // four u32
@@ -128,17 +129,17 @@ struct FillStep {
     BufferId buffer;
     uint32_t value = 0;
 };
-struct ReadbackStep {  // tight rows, top first, view after view
+struct ReadbackStep {  // copies a target: rows without padding, top row first, view after view
     std::string label;
     TargetId target;
-    BufferId colour;  // 4 B a pixel
-    BufferId depth;   // 8 B a pixel, 4 B when DeviceInfo::halfDepth; no id: depth is not read
+    BufferId colour;  // 4 bytes a pixel
+    BufferId depth;   // 8 bytes a pixel, 4 when DeviceInfo::halfDepth; no id: depth is not read
 };
-struct CopyStep {  // fills a Readback buffer from a part of a Device buffer, or copies all of an Upload buffer into a part of a Device
-                   // buffer
+/** Fills a Readback buffer from a part of a Device buffer, or copies a whole Upload buffer into a part of a Device buffer. */
+struct CopyStep {
     std::string label;
     BufferId from, to;
-    uint64_t offset = 0;  // bytes, of the Device buffer
+    uint64_t offset = 0;  // bytes, in the Device buffer
 };
 using Step = std::variant<FillStep, ComputeStep, DrawStep, ReadbackStep, CopyStep>;
 
@@ -151,40 +152,40 @@ public:
 
     virtual Result<BufferId> createBuffer(const BufferDesc& desc) = 0;
     virtual void destroyBuffer(BufferId buffer) = 0;
-    /** Load-time copy into a Device buffer; blocks. */
+    /** Copies into a Device buffer at load time. Blocks until the copy is done. offset: bytes. */
     virtual Status write(BufferId buffer, uint64_t offset, std::span<const std::byte> bytes) = 0;
     /** The memory of an Upload or Readback buffer; empty for others. Valid until the buffer is destroyed. */
     virtual std::span<std::byte> mapped(BufferId buffer) = 0;
 
-    /** Pipelines are made once per name or description and live as long as the backend. */
+    /** Pipelines are made once for each name or description and live as long as the backend. */
     virtual Result<PipelineId> computePipeline(std::string_view shader) = 0;
     virtual Result<PipelineId> drawPipeline(const DrawPipelineDesc& desc) = 0;
-    /** Invocations along x of one workgroup of a compute pipeline, by reflection. */
+    /** Invocations along x of one workgroup of a compute pipeline, from the shader's reflection. */
     virtual uint32_t workgroupSize(PipelineId pipeline) const = 0;
 
     virtual Result<TargetId> createTarget(const TargetDesc& desc) = 0;
     virtual void destroyTarget(TargetId target) = 0;
 
-    /** Checks the steps against the shaders' reflection and records them. Barriers follow from the bindings' access. */
+    /** Checks the steps against the shaders' reflection and records them, with the barriers that the access of their bindings needs. */
     virtual Result<FrameId> createFrame(std::vector<Step> steps) = 0;
-    /** Waits if the frame is running. */
+    /** Waits for the frame if it is running. */
     virtual void destroyFrame(FrameId frame) = 0;
 
     /** Graphics memory of all buffers and targets. */
     virtual uint64_t residentBytes() const = 0;
 
-    /** Starts a recorded frame and returns. If the same frame is still running it waits for that first. Allocates nothing.
+    /** Starts a recorded frame and returns. If the same frame is still running, waits for it first. Allocates nothing.
      *  Code::Device when the device is lost. */
     virtual Status submit(FrameId frame) = 0;
-    /** Whether a frame is not running now. Never waits. */
+    /** Whether the frame is not running. Never waits. */
     virtual bool finished(FrameId frame) = 0;
-    /** Waits until a frame is not running. */
+    /** Waits until the frame is not running. */
     virtual Status wait(FrameId frame) = 0;
     Status run(FrameId frame) {
         DPL_CHECK_OK(submit(frame));
         return wait(frame);
     }
-    /** Of the last finished run of a frame; empty before it, and when the device has no timestamps. */
+    /** Times of each step in the last finished run of the frame. Empty before the first run, and on a device without timestamps. */
     virtual std::vector<PassTime> passTimes(FrameId frame) const = 0;
 };
 

@@ -38,7 +38,7 @@ struct Checker {
                 return fail(Code::InvalidArgument, "step {}: {} is {}a uniform block", label, want.name, want.uniform ? "" : "not ");
             const bool writes = access == Access::Write || access == Access::Update, reads = access != Access::Write;
             if (writes != want.writes || (want.reads && !reads))
-                return fail(Code::InvalidArgument, "step {} declares another access to {} than shader {} has", label, want.name,
+                return fail(Code::InvalidArgument, "step {} declares an access to {} that differs from shader {}", label, want.name,
                             shader.name);
             if (!want.uniform && desc->bytes > device.maxBindingBytes)
                 return fail(Code::Unsupported, "step {}: buffer {} has {} bytes, this device binds at most {}", label, desc->label,
@@ -106,7 +106,8 @@ struct Checker {
         }
         if (!to || to->memory != BufferMemory::Readback || step.offset % 4 || step.offset > from->bytes ||
             to->bytes > from->bytes - step.offset)
-            return fail(Code::InvalidArgument, "step {} copies {} from byte {} into a buffer that is not a smaller read-back buffer",
+            return fail(Code::InvalidArgument,
+                        "step {} copies {} from byte {}; the destination must be a read-back buffer that is no larger than the rest",
                         step.label, from->label, step.offset);
         return {};
     }
@@ -122,7 +123,7 @@ struct Checker {
         if (!step.depth) return {};
         const uint64_t depthBytes = pixels * (device.halfDepth ? 4 : 8);
         const BufferDesc* depth = resources.buffer(step.depth);
-        if (!target->depth) return fail(Code::InvalidArgument, "step {} wants depth from a target without it", step.label);
+        if (!target->depth) return fail(Code::InvalidArgument, "step {} reads depth from a target that has no depth", step.label);
         if (!depth || depth->memory != BufferMemory::Readback || depth->bytes < depthBytes)
             return fail(Code::InvalidArgument, "step {} needs a read-back buffer of {} bytes for depth", step.label, depthBytes);
         return {};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether a list of steps is a valid frame: every backend asks here before it records.
+// Checks that a list of steps is a valid frame. Every backend calls this before it records.
 #pragma once
 
 #include <span>
@@ -9,7 +9,7 @@
 
 namespace dpl {
 
-/** What a backend knows of its resources. Return nullptr for handles that do not exist. */
+/** The resources of a backend. Functions return nullptr for handles that do not exist. */
 class ResourceView {
 public:
     virtual ~ResourceView() = default;
@@ -19,15 +19,15 @@ public:
     virtual const Shader* shader(PipelineId id) const = 0;
     /** Draw pipelines: the fragment shader, else nullptr. */
     virtual const Shader* fragment(PipelineId id) const = 0;
-    /** True when the CPU has filled a Device buffer by write(). */
+    /** True when write() has filled the Device buffer. */
     virtual bool written(BufferId id) const = 0;
-    /** True when a frame that was made before draws the target. */
+    /** True when a frame that was created earlier draws the target. */
     virtual bool drawn(TargetId id) const = 0;
 };
 
-/** Refuses: unknown handles, a binding list that differs from the shader's reflection (count, kind, access), wrong push size,
- *  zero or too many groups, a binding above the device limit, bindings of one buffer twice, read-back buffers that are too
- *  small, and reads of a Device buffer or target that nothing has written before. Errors name the step. */
+/** Refuses unknown handles, bindings that differ from the shader's reflection (count, kind, access), a wrong push size, zero or too many
+ *  workgroups, a binding above the device limit, one buffer bound twice in a step, read-back buffers that are too small, and reads of a
+ *  Device buffer or target that nothing has written before. Errors name the step. */
 Status checkFrame(std::span<const Step> steps, const ResourceView& resources, const DeviceInfo& device);
 
 }  // namespace dpl

@@ -8,7 +8,7 @@ namespace dpl {
 namespace {
 
 constexpr char kMagic[8] = {'D', 'P', 'L', 'S', 'H', 'A', 'D', 'R'};
-constexpr uint32_t kMaxItems = 4096;  // of anything in a pack; ours holds a few dozen
+constexpr uint32_t kMaxItems = 4096;  // in a list of a pack; the SDK's own lists hold a few dozen
 
 std::string hex(uint64_t value) {
     static const char* digits = "0123456789abcdef";

@@ -92,8 +92,8 @@ Result<std::unique_ptr<PreparedSubject>> AvatarStore::prepareSplats(const Static
     LoadedSubject& subject = prepared->subject;
     subject.splats = splatSetOf(splats);
     subject.ids = countsOf(splats);
-    // Files keep the order of training, where neighbours in memory are far apart in space. Sorted, a group is compact and its loads
-    // coherent.
+    // Files have the order of training: neighbours in memory are far apart in space. Sorted by space, a group is compact and its loads
+    // are coherent.
     const std::vector<uint32_t> order = spatialOrder(splats.position);
     subject.generalDetail = GeneralDetailSubject(measureGroups(splats, order), splats.count());
     prepared->generalSplats = packSplats(splats, order, subject.generalDetail.groups());

@@ -18,7 +18,7 @@
 namespace dpl {
 namespace {
 
-// shaders/shared/limits.h repeats these numbers of other rooms.
+// shaders/shared/limits.h repeats these constants of other folders.
 static_assert(gpu::kUvZeroCode == float(kUvZero) && gpu::kUvCodeSteps == float(kUvSteps) && kPhiSteps == 1024 && kScaleCodes == 2047 &&
               gpu::kGatedBit == kSingleFaceBit && kColourCodes[0] == 1023);
 static_assert(sizeof(SplatChunk) == gpu::kChunkWords * 4 && offsetof(SplatChunk, scaleMinM) == gpu::kChunkScaleMin * 4 &&
@@ -35,7 +35,7 @@ Status checkBinding(const char* what, uint64_t count, uint64_t each, const Devic
                 device.maxBindingBytes, remedy);
 }
 
-/** The chunks' tables of parents, each entry with the kinds of splats that its chunk has on it. */
+/** The chunks' tables of parents. Each entry also says which kinds of splats its chunk has on the triangle. */
 std::vector<uint32_t> parentTable(const CodedSplats& s) {
     std::vector<uint32_t> table = s.parents;
     for (const SplatChunk& c : s.chunks)
@@ -133,7 +133,7 @@ AvatarRecords packAvatar(const AvatarData& avatar, const CodedSplats& splats) {
         const auto& w = mesh.jointWeights[i];
         glm::u16vec4 j = mesh.jointIndices[i];
         for (int k = 0; k < 4; ++k)
-            if (w[k] == 0) j[k] = 0;  // the kernel reads the joint of every slot, and one of weight 0 may name any
+            if (w[k] == 0) j[k] = 0;  // the kernel reads all four joints, and one of weight 0 may have any index
         if (avatar.correctives.empty()) {
             out.vertices.push_back({p.x, p.y, p.z, pair(j.x, j.y), pair(j.z, j.w), bytes(w), components.ofVertex[i], 0});
         } else {
@@ -209,9 +209,10 @@ gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views,
         axis += forward;
         if (v == 0) first = forward;
     }
-    if (glm::length(axis) < 1e-6) axis = first;  // views that look away from each other have no mean axis
+    if (glm::length(axis) < 1e-6) axis = first;  // views in opposite directions have no mean axis
     axis = glm::normalize(axis);
-    // Nothing is seen that lies behind the eyes along their axis. On a grid of a millimetre, so that two eyes side by side agree with one.
+    // Keys begin at the hindmost eye, since nothing behind it is visible. Rounded down to 1/1024 m, so that one eye and a pair of eyes
+    // get the same keys.
     double nearest = std::numeric_limits<double>::infinity();
     for (const Cameraf& c : views) nearest = std::min(nearest, glm::dot(axis, Vec3d(c.eye())));
     f.sortAxis = {float(axis.x), float(axis.y), float(axis.z)};

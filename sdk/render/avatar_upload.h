@@ -19,13 +19,13 @@ struct AvatarRecords {
     std::vector<gpu::VertexRecord> vertices;
     std::vector<gpu::CorrectedVertexRecord> correctedVertices;  // instead of `vertices` when the avatar has pose correctives
     std::vector<gpu::TriangleRecord> triangles;
-    std::vector<uint32_t> codes;  // the splats' streams, one behind the other
-    gpu::CodesPush where{};       // ... and where each begins
-    Components components;        // numbered as in the records
+    std::vector<uint32_t> codes;  // all streams of the splats, one after the other
+    gpu::CodesPush where{};       // where each stream begins in `codes`
+    Components components;        // with the numbers that the records use
 };
 
-/** checkAvatarPosable, and the limits of the device's bindings. Unsupported: names the limit and what would help. avatar.splats is not
- * read. */
+/** Calls checkAvatarPosable and checks the limits of the device's bindings. Unsupported: above a limit; the text names the limit and a
+ *  remedy. avatar.splats is not read. */
 Status checkAvatar(const AvatarData& avatar, const CodedSplats& splats, const DeviceInfo& device);
 
 /** Both must have passed checkAvatar. Level of detail needs splats with groups (measureGroups). */
@@ -35,11 +35,11 @@ AvatarRecords packAvatar(const AvatarData& avatar, const CodedSplats& splats);
  *  out. */
 bool reachFar(const StaticSplatData& splats);
 
-/** checkGeneralSplats, and the limits of the device's bindings. */
+/** Calls checkGeneralSplats and checks the limits of the device's bindings. */
 Status checkSplats(const StaticSplatData& splats, const DeviceInfo& device);
-/** GeneralSplatRecord of each, then GroupBox of each group (measureGroups). order[new] = old. */
+/** A GeneralSplatRecord for each splat, then a GroupBox for each group (measureGroups). order[new] = old. */
 std::vector<gpu::vec4> packSplats(const StaticSplatData& splats, std::span<const uint32_t> order, std::span<const GeneralGroup> groups);
-/** Their SH coefficients as halves, each splat padded to whole uvec4; values beyond the range of a half are clamped to it. */
+/** The SH coefficients as halves, padded to whole uvec4s for each splat. Values beyond the range of a half are clamped to it. */
 std::vector<gpu::uvec4> packSh(const StaticSplatData& splats, std::span<const uint32_t> order);
 
 /** The palette of a pose: three rows a joint, then the control nodes. `out` has paletteSize entries; it may be mapped memory. */
@@ -49,15 +49,15 @@ void packPalette(std::span<const Mat3x4f> worldFromRest, std::span<const Vec4f> 
 /** Properties of a splat set that a frame needs. */
 struct SplatSet {
     uint32_t count = 0, shDegree = 0;
-    float kappaPx2 = 0;  // of a pixel
+    float kappaPx2 = 0;  // low-pass, px² of the target
     bool compensated = false;
 };
 SplatSet splatSetOf(const AvatarData& avatar, const CodedSplats& splats);
 SplatSet splatSetOf(const StaticSplatData& splats);
 
-/** The uniform block of one subject. samples: coverage samples of a pixel, which share the low-pass. largestGrowth: upper bound of
- *  the factor by which level of detail enlarges splats. unseen: bits of the components that are not posed. Culling is on and
- *  splatCount is the subject's own; a caller that wants otherwise overwrites these fields. */
+/** The uniform block of one subject. samples: coverage samples of a pixel; each gets its share of the low-pass. largestGrowth: upper
+ *  bound of the factor by which level of detail enlarges splats. unseen: bits of the components that are not posed. Switches culling on
+ *  and sets splatCount to the subject's own count; a caller may overwrite both fields. */
 gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views, uint32_t samples = 1, const SplatDetail& detail = {},
                          float largestGrowth = 1, uint32_t unseen = 0);
 /** Sets the fields that only general splats use. */

@@ -10,8 +10,8 @@ namespace {
 
 constexpr int kTimedFrames = 3;
 constexpr double kMinPsnrDb =
-    42;  // 8-bit blending keeps 46 dB on harder pictures; one 8 x 8 tile in a picture of this size that is wrong leaves less than 35
-constexpr int kMaxErrorLevels = 24;  // of one channel: a splat at the 1/255 cut-off may flip, and layers of equal depth may swap
+    42;  // 8-bit blending keeps 46 dB on harder pictures; one wrong tile of 8 x 8 px in a picture of this size gives less than 35 dB
+constexpr int kMaxErrorLevels = 24;  // of one channel; a splat at the 1/255 cut-off may flip, and layers of equal depth may swap
 
 const char* nameOf(Fill fill) {
     return fill == Fill::Tiles ? "tiles" : "quads";
@@ -19,7 +19,7 @@ const char* nameOf(Fill fill) {
 
 struct Trial {
     double milliseconds = 0;
-    std::string fault;  // empty: right
+    std::string fault;  // empty: the pixels are right
 };
 
 std::string faultOf(std::span<const uint8_t> got, std::span<const uint8_t> want) {
@@ -36,7 +36,7 @@ std::string faultOf(std::span<const uint8_t> got, std::span<const uint8_t> want)
     return formatText("wrong pixels ({} dB, up to {} levels)", std::round(psnrDb * 10) / 10, worst);
 }
 
-/** The device's own time of the last frame, or none. */
+/** Time of the last frame by the device's clock. 0 on a device without timestamps. */
 double deviceMilliseconds(Renderer& renderer, RenderAvatarId id) {
     const auto stats = renderer.stats(id);
     double sum = 0;
@@ -62,7 +62,7 @@ Trial trialOf(Renderer& renderer, RenderAvatarId id, const FillScene& scene, std
     return trial;
 }
 
-/** Numbers in [0, 1) that are the same everywhere. */
+/** Pseudo-random numbers in [0, 1), the same on every machine. */
 struct Random {
     uint32_t state = 1;
     float operator()() { return float((state = state * 1664525u + 1013904223u) >> 8) / 16777216.0f; }

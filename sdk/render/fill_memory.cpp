@@ -31,7 +31,7 @@ Result<Fill> runSelfTest(Renderer& renderer, TrustedPicture trusted) {
     DPL_TRY(const std::vector<uint8_t> want, trusted(scene));
     std::string reason;
     DPL_TRY(const Fill fill, chooseFill(renderer, scene, want, reason));
-    // A way that draws wrong pixels is a fault of the driver or of ours: worth a warning even though the other one works.
+    // A fill that draws wrong pixels is a fault of the driver or of Doppel. It is worth a warning, even if the other fill works.
     log(reason.find("wrong") == std::string::npos ? LogLevel::Info : LogLevel::Warning, "{}: self-test, {}", renderer.name(), reason);
     return fill;
 }

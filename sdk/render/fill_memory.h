@@ -8,13 +8,12 @@
 
 namespace dpl {
 
-/** Draws the scene by a renderer that is trusted: premultiplied RGBA8, top row first. */
+/** Draws the scene with a trusted renderer and returns its picture: premultiplied RGBA8, top row first. */
 using TrustedPicture = FunctionRef<Result<std::vector<uint8_t>>(const FillScene&)>;
 
-/** Sets the fill that the self-test found best on this renderer's device, and runs the test if no result is remembered. cacheFolder:
- *  UTF-8; empty: none. Code::Device when the device draws wrong pixels with both fills; that result is remembered in the process
- *  only, because a driver update may fix it. An unreadable or damaged file counts as missing and is replaced. Any thread; one test
- *  runs at a time. */
+/** Sets the fill that the self-test found best on this renderer's device. Runs the test if no result is remembered. cacheFolder: UTF-8;
+ *  empty: none. Code::Device when the device draws wrong pixels with both fills; this is remembered in the process only, because a
+ *  driver update may fix it. An unreadable or damaged file counts as missing and is replaced. Any thread; one test runs at a time. */
 Status setBestFill(Renderer& renderer, const std::string& cacheFolder, TrustedPicture trusted);
 
 }  // namespace dpl

@@ -16,8 +16,8 @@ namespace {
 static_assert(kMaxDrawnTogether == gpu::kMaxDrawn);
 
 constexpr std::array<std::byte, 4> kZero{};
-constexpr size_t kLargeSetsKept = 4;  // scene sets of several avatars; a room draws one set until somebody comes or goes
-constexpr size_t kShapesKept = 4;  // of one set: an app uses one or two sizes, each with one or four samples; resizing leaves others behind
+constexpr size_t kLargeSetsKept = 4;  // scene sets of several avatars; an app draws one set until an avatar is added or removed
+constexpr size_t kShapesKept = 4;     // of one set; an app draws one or two sizes, each with one or four samples, until it resizes
 
 Result<TableIds> makeTable(DeviceBuffers& buffers, const std::string& label, uint64_t cells, uint64_t sums) {
     TableIds table;
@@ -31,7 +31,7 @@ uint64_t pixelsOf(const FrameShape& shape) {
     return uint64_t(shape.widthPx) * shape.heightPx * shape.views;
 }
 
-/** Numbers the subjects and lays them one behind the other in the lists of a frame. Unsupported: too many splats together. */
+/** Numbers the subjects and places them one after the other in the lists of a frame. Unsupported: too many splats together. */
 Status placeSubjects(SceneSet& set, const DeviceInfo& device) {
     FrameIds& ids = set.ids;
     const uint64_t most =
@@ -198,11 +198,11 @@ Status FrameCache::makeTileLists(RecordedFrame& frame, const TilePlan& tiles) {
     DPL_TRY(ids.tileSpans, frame.buffers.create("tile spans", tiles.spanBytes));
     DPL_TRY(ids.tileEntries, frame.buffers.create("tile entries", tiles.entryBytes));
     DPL_TRY(ids.tilePixels, frame.buffers.create("tile pixels", tiles.pixelBytes));
-    return backend_.write(ids.tilePixels, 0, kZero);  // as the mesh depth
+    return backend_.write(ids.tilePixels, 0, kZero);  // for the same reason as meshDepth in record()
 }
 
-/** Creates the pipelines for the other number of samples too: whoever walks away from an avatar must not wait for a shader compiler. Its
- *  target and lists are made when they are needed. */
+/** Creates the pipelines for the other number of samples too, so that a camera that moves away from an avatar causes no shader
+ *  compilation. The target and lists for it are made when they are needed. */
 Status FrameCache::preparePipelines(const SceneSet& set, const RecordedFrame& frame) {
     if (!set.ids.mayTakeFourSamples || !backend_.info().fourSamples) return {};
     const uint32_t other = frame.shape.samples == 1 ? kCoverageSamples : 1;

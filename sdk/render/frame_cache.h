@@ -4,8 +4,8 @@
 //
 //   SceneSet ─► RecordedFrame (one for each shape) ─► FrameSlot (kFramesInFlight of each): own upload and read-back buffers
 //
-// The cache records and never submits: whoever draws fills the buffers of a slot and submits what was recorded for it. It does not create
-// targets either: the caller brings one for each frame.
+// The cache only records: its caller fills the buffers of a slot and submits the slot's frame. The caller also makes the target of each
+// frame.
 #pragma once
 
 #include <algorithm>
@@ -38,10 +38,10 @@ struct FrameSlot {
         BufferId frame, palette;  // palette: none for general splats
     };
     std::vector<Upload> uploads;  // of each subject, written by the CPU before each frame
-    BufferId scene;               // the app's depth, likewise; none: not wanted
+    BufferId scene;               // depth of the app's scene, also written by the CPU; none: not wanted
     BufferId finalCounts;         // FrameCounts, read back
     FrameId recorded;
-    uint64_t number = 0;            // of the frame that it was submitted for last; 0: none
+    uint64_t number = 0;            // of the last frame submitted in this slot; 0: none
     uint32_t componentsInView = 0;  // of that frame
 };
 
@@ -50,9 +50,9 @@ struct RecordedFrame {
     RecordedFrame(Backend& backend, const FrameShape& shape, FrameTarget target)
         : shape(shape), target(std::move(target)), buffers(backend) {}
 
-    uint64_t key = 0;  // no other frame of the cache ever has it
+    uint64_t key = 0;  // unique in the cache, never used again
     FrameShape shape;
-    FrameIds ids;  // of what the slots share
+    FrameIds ids;  // buffers and sizes that the slots share
     FrameTarget target;
     DeviceBuffers buffers;
     FrameSlot slots[kFramesInFlight];
@@ -81,7 +81,7 @@ struct SceneSet {
     uint64_t lastUse = 0;  // number of its last frame
 
     bool holds(RenderAvatarId avatar) const { return std::find(members.begin(), members.end(), avatar) != members.end(); }
-    /** The frame of a number, if it is the last one of its shape: only that one's pixels are still in the target. */
+    /** The frame with this number. Null unless it is the last one of its shape, because a later one has overwritten the target. */
     SubmittedFrame submitted(uint64_t frameNumber) const;
 };
 
@@ -93,7 +93,7 @@ struct FrameCacheOptions {
 /** Owns the scene sets and their frames. Backend and store must live longer. One thread at a time. */
 class FrameCache {
 public:
-    /** onFree: called before a frame is destroyed, so that whoever keeps something for it drops that. */
+    /** onFree: called before a frame is destroyed, so that its owner can drop what it keeps for the frame. */
     FrameCache(Backend& backend, const AvatarStore& store, const FrameCacheOptions& options,
                std::function<void(const RecordedFrame&)> onFree);
     ~FrameCache();
@@ -101,8 +101,8 @@ public:
     /** Makes the target of a frame that is about to be recorded. */
     using TargetMaker = FunctionRef<Result<FrameTarget>(const TargetDesc&)>;
 
-    /** The scene set of these subjects, which the store holds. Made on first use: its lists are created then. A set of one is kept as long
-     *  as its avatar; of larger sets only the four drawn last. Valid until one of its avatars is removed or another set is made. */
+    /** The scene set of these subjects of the store. Creates its lists on first use. A set of one is kept as long as its avatar; of
+     *  larger sets only the four drawn last are kept. Valid until one of its avatars is removed or another set is made. */
     Result<SceneSet*> sceneSet(std::span<const RenderAvatarId> members);
     /** Null when it is gone. */
     const SceneSet* find(uint32_t number) const;

@@ -15,17 +15,17 @@ struct SubjectIds {
     uint32_t jointCount = 0;
     uint32_t paletteSize = 0;                   // vec4s
     uint32_t groupCount = 0, filledGroups = 0;  // groups of splats; those with any splat
-    uint32_t componentCount = 0;                // that may be left out when no view sees them
+    uint32_t componentCount = 0;                // components that are not posed when no view sees them
     gpu::CodesPush codes{};                     // where its streams begin; codesPush() adds its place in the frame
-    bool corrected = false;                     // pose correctives: other vertex records, control nodes behind the joints in the palette
+    bool corrected = false;                     // has pose correctives: other vertex records, control nodes after the joints in the palette
     bool general = false;                       // general splats: no vertices, no triangles; `splats` holds GeneralSplatRecord
-    bool wide = false;                          // they reach so far that 16 bits of depth are too few
-    bool mayTakeFourSamples = false;            // the size of a pixel it was trained with is known
+    bool wide = false;                          // general splats that reach so far that 16 bits of depth are too few
+    bool mayTakeFourSamples = false;            // the pixel size of its training is known
     BufferId vertices, triangles, splats, sh;
     BufferId posed, triangleFrames;  // written by the GPU in each frame
-    // Set by its scene set: its number there, and how many groups and splats lie before its own in the lists of the frame.
+    // Set by its scene set: its number there, and the number of groups and splats before its own in the lists of the frame.
     uint32_t drawn = 0, firstGroup = 0, firstSplat = 0;
-    // Of a slot: written by the CPU before each frame.
+    // Of the slot; the CPU writes them before each frame.
     BufferId frame, palette;
 };
 
@@ -40,7 +40,7 @@ struct FrameIds : SubjectIds {
     uint32_t viewCount = 1;
     uint32_t widthPx = 0, heightPx = 0;  // of one view
     uint32_t allGroups = 0;              // groups of all subjects
-    std::vector<uint32_t> endGroups;     // of each subject, where its groups end
+    std::vector<uint32_t> endGroups;     // for each subject, the end of its groups
     bool multiview = true, depth = false;
     ColourFormat colour = ColourFormat::Codes8;
     bool floatKeys = false;   // depths are sorted as 32-bit floats
@@ -48,7 +48,7 @@ struct FrameIds : SubjectIds {
     bool sceneDepth = false;  // splats behind the app's scene are hidden
     uint32_t samples = 1;     // a pixel (sdk/math/coverage.h)
 
-    BufferId scene;  // of a slot: view z of the app's scene by view, row and column; infinite where there is nothing
+    BufferId scene;  // of the slot: view z of the app's scene in metres by view, row and column; infinite where it is empty
 
     // Written by the GPU in each frame.
     TableIds tiles;
@@ -67,11 +67,11 @@ struct FrameIds : SubjectIds {
     }
     uint32_t sortRounds() const { return floatKeys ? gpu::kFloatSortRounds : wide ? gpu::kWideSortRounds : gpu::kSortRounds; }
     uint32_t maxDepthKey() const { return floatKeys ? gpu::kFloatDepthKeys : (1u << (sortRounds() * gpu::kSortDigitBits)) - 1; }
-    // As lib/visibility.glsl has them.
+    // Layout of shaders/lib/visibility.glsl.
     uint64_t visibilityWords() const { return 3ull * allGroups + splatCount; }
     uint32_t firstSum() const { return gpu::kMaskWords * allGroups; }
     uint64_t survivorWords() const { return firstSum() + allGroups + 1ull; }
-    /** Where the pairs lie before the sort, so that its last round ends in `pairs`. */
+    /** The buffer of the pairs before the sort, chosen so that the last round writes into `pairs`. */
     BufferId unsorted() const { return sortRounds() % 2 ? pairsSwap : pairs; }
     gpu::CodesPush codesPush() const {
         gpu::CodesPush push = codes;

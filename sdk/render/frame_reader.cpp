@@ -106,7 +106,7 @@ SubmittedFrame FrameReader::lastFinished(const SceneSet& set) const {
     return last;
 }
 
-/** The frame of the other eye of a canted pair, which was submitted just before. */
+/** The frame of the first eye of a canted pair. It was submitted just before the second. */
 SubmittedFrame FrameReader::firstEyeOf(const SceneSet& set, const FrameSlot& second) const {
     for (const RecordedFrame& frame : set.frames)
         for (const FrameSlot& slot : frame.slots)
@@ -142,7 +142,7 @@ void FrameReader::addCounts(const SceneSet& set, const SubmittedFrame& drawn, ui
     raise(stats.splatsDrawn, counts.visible);
     stats.tileEntries += counts.tileEntries;
     stats.tilesOverflowed |= counts.tilesOverflowed != 0;
-    // The GPU counts no bytes: they follow from the survivors and the layout. The widest SH entry stands for those of all subjects.
+    // The GPU counts no bytes. They follow from the survivors and the layout, with the widest SH entry of all subjects for every splat.
     uint64_t shBytes = 0;
     for (const SubjectIds& subject : set.subjects) {
         stats.bytesDecided += uint64_t(subject.codes.firstPlace - subject.codes.firstParent) * 4;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads back from the device: pixels, for files and tests, and what frames drew and cost. A program that never reads allocates nothing
-// for it.
+// Reads back from the device: pixels (for files and tests), counts and times of frames. A program that never reads pixels allocates no
+// read-back buffers.
 #pragma once
 
 #include <map>
@@ -11,13 +11,13 @@
 
 namespace dpl {
 
-/** Reads frames that were recorded by a FrameCache and submitted by whoever draws. Owns the read-back buffers, which are made when a frame
- *  is first read. The backend must live longer. One thread at a time. */
+/** Reads frames that a FrameCache recorded and the renderer submitted. Owns the read-back buffers and makes them when a frame is first
+ *  read. The backend must live longer. One thread at a time. */
 class FrameReader {
 public:
     explicit FrameReader(Backend& backend) : backend_(backend) {}
 
-    /** Waits for the frames of one draw, in the order of their views, and gives the pixels of all views. They are good until the next
+    /** Waits for the frames of one draw, in the order of their views, and returns the pixels of all views. They are valid until the next
      *  read, or until one of the frames is drawn again or freed. */
     Result<std::span<const PixelView>> read(std::span<const SubmittedFrame> frames);
     /** Adds what the last finished frame of the set drew and cost; of a canted pair, both frames. splatsAllowed: of the set's last draw.
@@ -31,9 +31,9 @@ private:
         explicit Readback(Backend& backend) : buffers(backend) {}
         DeviceBuffers buffers;
         BufferId colour, depth, meshDepth;
-        FrameId copy[2];          // from the target; from what tiles have filled
+        FrameId copy[2];          // of the target's pixels; of those that tiles filled (FrameIds::tilePixels)
         uint64_t lastNumber = 0;  // of the frame that was read last
-        bool fromTiles = false;   // how that one was read
+        bool fromTiles = false;   // which copy that read used
     };
 
     Status copy(const RecordedFrame& frame, const FrameSlot& slot, Readback& readback);

@@ -8,7 +8,7 @@
 
 namespace dpl {
 
-/** Either a target made for one frame, which is destroyed with it, or one lent by its owner, who keeps it until the frame is gone. The
+/** Either a target that is made for one frame and destroyed with it, or one that its owner lends and keeps until the frame is gone. The
  *  backend must live longer. Move-only. One thread at a time, as the backend. */
 class FrameTarget {
 public:

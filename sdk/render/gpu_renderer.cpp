@@ -13,9 +13,9 @@
 namespace dpl {
 namespace {
 
-constexpr float kSharedOrderRad = 0.035f;  // 2 degrees: views whose axes are further apart are sorted each for itself (docs/adr/0015)
+constexpr float kSharedOrderRad = 0.035f;  // 2 degrees; views whose axes are further apart are sorted one by one (docs/adr/0015)
 
-/** Whether one order of depth, along the mean axis, serves all views. It is exact for parallel axes. */
+/** Whether one order of depth, along the mean axis, is good enough for all views. It is exact for parallel axes. */
 bool shareOrder(std::span<const Cameraf> views) {
     const auto forward = [](const Cameraf& c) { return glm::transpose(c.viewFromWorldRotation) * Vec3f(0, 0, 1); };
     const Vec3f first = forward(views.front()), last = forward(views.back());
@@ -41,7 +41,7 @@ Result<std::unique_ptr<PreparedSubject>> GpuRenderer::prepareSplats(const Static
     return store_.prepareSplats(splats);
 }
 
-/** Uploads, and creates the lists that frames of this subject alone need. */
+/** Uploads the subject and creates the lists for frames of this subject alone. */
 Result<RenderAvatarId> GpuRenderer::add(std::unique_ptr<PreparedSubject> subject) {
     DPL_TRY(const RenderAvatarId id, store_.add(std::move(subject)));
     if (const auto set = cache_.sceneSet({&id, 1}); !set) {
@@ -69,7 +69,7 @@ Status GpuRenderer::drawTogether(std::span<const Drawn> what, std::span<const Ca
     const bool shared = views.size() == 1 || (options_.shareViews && shareOrder(views));
     const DrawCall call{what, {subjects, what.size()}, {views, shared}, wants};
     DPL_TRY(SceneSet * set, cache_.sceneSet({ids, what.size()}));
-    const bool cullComponents = !wants.meshDepth;  // the depth of the mesh is drawn from every triangle
+    const bool cullComponents = !wants.meshDepth;  // mesh depth needs every triangle posed
     const PosedSet posed = poser_.pose(what, call.subjects, call.views, detail_, cullComponents);
     for (size_t k = 0; k < what.size(); ++k) lastDraws_.at(ids[k]).drawnShare = posed.subjects[k].drawnShare;
     LastDraw& last = lastDraws_.at(ids[0]);
@@ -98,7 +98,7 @@ FrameShape GpuRenderer::shapeOf(const DrawCall& call) const {
             shape.samples = std::max(shape.samples, coverageSamples(subject.avatar->trainedPixelM,
                                                                     rootPosition(subject.avatar->joints, *call.what[k].pose), views));
     }
-    // The limit is that of one sample. Four samples share κ, and their tiles are lower, so it holds for them too.
+    // The limit was derived for one sample. It also holds for four, which have κ/4 each but lower tiles (kTileMinKappaPx2).
     shape.fill = kappaPx2 >= kTileMinKappaPx2 ? options_.fill : Fill::Quads;
     return shape;
 }
@@ -112,7 +112,7 @@ Status GpuRenderer::drawFrames(SceneSet& set, const DrawCall& call, const PosedS
     return {};
 }
 
-/** Fills and submits the next slot, and gives the number of the frame. Waits only when all slots are still running. */
+/** Fills and submits the next slot and returns the number of the frame. Waits only when all slots are still running. */
 Result<uint64_t> GpuRenderer::drawFrame(SceneSet& set, const DrawCall& call, const PosedSet& posed, const FrameShape& shape) {
     DPL_TRY(RecordedFrame * frame, cache_.frame(set, shape, [&](const TargetDesc& desc) { return FrameTarget::create(*backend_, desc); }));
     FrameSlot& slot = frame->slots[frame->next];

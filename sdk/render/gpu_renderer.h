@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The renderer over any backend. It composes three parts and submits their frames:
 //
-//   AvatarStore   what each loaded subject keeps on the device
+//   AvatarStore   static records of each loaded subject on the device
 //   FrameCache    frames recorded once for each scene set and shape
-//   FrameReader   pixels and counts that come back
+//   FrameReader   pixels and counts read back
 //
-// A warm frame poses the subjects, fills the mapped buffers of the next slot and submits what was recorded for it:
+// A warm frame poses the subjects, fills the mapped buffers of the next slot and submits the slot's recorded frame:
 //
 //   draw:  slot 0 ─► slot 1 ─► slot 2 ─► slot 0 ...   each with its own mapped buffers, fence and timestamps
 //
@@ -30,7 +30,7 @@ struct GpuOptions {
 
 class GpuRenderer final : public Renderer {
 public:
-    /** `name` is what name() says, the fill in brackets behind it. */
+    /** name() is `name` with the fill in brackets after it. */
     GpuRenderer(std::unique_ptr<Backend> backend, std::string name, const GpuOptions& options = {});
 
     std::string name() const override { return formatText("{} ({})", name_, options_.fill == Fill::Tiles ? "tiles" : "quads"); }
@@ -46,11 +46,11 @@ public:
     const DeviceInfo& device() const { return backend_->info(); }
 
 private:
-    /** What is known of a subject's last draws. A draw of several subjects belongs to the first one. */
+    /** The last draws of a subject. A draw of several subjects belongs to the first one. */
     struct LastDraw {
-        float drawnShare = 0;                   // of its splats, in the last draw that it was part of
+        float drawnShare = 0;                   // of its splats, in the last draw that showed it
         uint32_t set = 0;                       // scene set of the last draw that belongs to it; 0: none, or that draw failed
-        uint64_t splatsAllowed = 0;             // in that draw, of all its subjects
+        uint64_t splatsAllowed = 0;             // in that draw, for all its subjects together
         uint64_t numbers[gpu::kMaxViews] = {};  // of the frames of that draw, in the order of their views
         size_t frameCount = 0;
     };
@@ -68,7 +68,7 @@ private:
     void fillSlot(FrameSlot& slot, const SceneSet& set, const DrawCall& call, const PosedSet& posed, const FrameShape& shape);
     void writeScene(const FrameSlot& slot, const DrawCall& call, const FrameShape& shape);
 
-    // Destroyed in reverse: the cache tells the reader about the frames it frees, and uses the buffers of the store.
+    // The order matters: members are destroyed from last to first. The cache uses the store, and tells the reader which frames it frees.
     std::unique_ptr<Backend> backend_;
     std::string name_;
     GpuOptions options_;

@@ -58,7 +58,7 @@ public:
         StepType& step_;
     };
 
-    // A builder is good until the next step is added.
+    // A builder is valid until the next step is added.
     Builder<ComputeStep> compute(std::string label, std::string_view shader);
     Builder<DrawStep> draw(std::string label, const DrawPipelineDesc& pipeline, TargetId target, uint32_t view);
     void fill(std::string label, BufferId buffer, uint32_t value) { steps_.push_back(FillStep{std::move(label), buffer, value}); }

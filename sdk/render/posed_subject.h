@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the pose and the views give for each subject of a frame. Computed once for each draw, then only read.
+// Everything that follows from pose and views for each subject of a frame. Computed once for each draw, then only read.
 //
 //   pose, joints ─► joint transforms ─► level of detail (of all subjects together) ─► components out of view
 //   pose ─► coefficients of the pose correctives ─► control nodes
@@ -20,12 +20,12 @@ struct PosedSubject {
     std::vector<Vec4f> nodes;                       // their control nodes
     SplatDetail detail;                             // of an avatar
     GeneralDetail generalDetail;                    // of general splats
-    float drawnShare = 1;                           // of its splats, at this level of detail, at most
-    float largestGrowth = 1;                        // of a splat's scales at this level of detail
-    std::array<uint32_t, gpu::kMaxViews> unseen{};  // by frame of the draw: bits of the components that none of its views can show
+    float drawnShare = 1;                           // upper bound of the share of its splats that this level of detail draws
+    float largestGrowth = 1;                        // upper bound of the factor by which it enlarges splats
+    std::array<uint32_t, gpu::kMaxViews> unseen{};  // for each frame of the draw: bits of the components that its views cannot show
 };
 
-/** How the views of a draw call are shared out to frames: all views in one frame, or one frame for each view. */
+/** Distributes the views of a draw call over frames: all views in one frame, or one frame for each view. */
 struct FrameViews {
     std::span<const Cameraf> all;
     bool shared = true;
@@ -36,7 +36,7 @@ struct FrameViews {
 /** All subjects of one draw call. */
 struct PosedSet {
     std::span<const PosedSubject> subjects;  // in the order they were given in; valid until the next pose
-    uint64_t splatsAllowed = 0;              // what level of detail and budget allow to be drawn, of all subjects
+    uint64_t splatsAllowed = 0;              // splats of all subjects that level of detail and budget allow
 };
 
 /** Poses the subjects of one draw call after the other in memory of its own, so that a warm frame allocates nothing. One thread at a time.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The Vulkan renderer, ready made. `auto` asks listVulkanDevices() whether a device that is not software is there.
+// Creates the GPU renderer on a Vulkan device. DPL_RENDERER_AUTO first asks listVulkanDevices() for a device that is not software.
 //
 //   auto renderer = createVulkanRenderer({.allowSoftwareDevice = true});
 //   if (!renderer) return renderer.error();
@@ -14,7 +14,7 @@ namespace dpl {
 
 struct VulkanTestOptions;
 
-/** Code::Unsupported when no device fits the options; the text names the best one there is. */
+/** Code::Unsupported when no device fits the options; the text names the best device of the machine. */
 Result<std::unique_ptr<Renderer>> createVulkanRenderer(const VulkanOptions& options = {}, Fill fill = Fill::Quads);
 /** For tests and benches (sdk/backend/vulkan/vulkan_test_options.h). */
 Result<std::unique_ptr<Renderer>> createVulkanRenderer(const VulkanTestOptions& options, Fill fill = Fill::Quads);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stands in for the Vulkan renderer in builds with DOPPEL_VULKAN=OFF: says so instead of not linking.
+// Replaces the Vulkan renderer in builds with DOPPEL_VULKAN=OFF, so that they link. Every call fails with Code::Unsupported.
 #include "sdk/render/vulkan_renderer.h"
 
 namespace dpl {

@@ -31,7 +31,7 @@ public:
     Status write(BufferId id, uint64_t offset, std::span<const std::byte> bytes) override {
         const auto it = buffers_.find(id.value);
         if (it == buffers_.end() || offset + bytes.size() > it->second.desc.bytes)
-            return fail(Code::InvalidArgument, "write outside a buffer");
+            return fail(Code::InvalidArgument, "the write does not fit the buffer");
         it->second.written = true;
         return {};
     }
@@ -53,10 +53,10 @@ public:
 
     Result<TargetId> createTarget(const TargetDesc& desc) override {
         if (desc.samples != 1 && !(desc.samples == 4 && info_.fourSamples))
-            return fail(Code::Unsupported, "a target of {} samples a pixel", desc.samples);
+            return fail(Code::Unsupported, "{} samples a pixel are not possible on this device", desc.samples);
         if (desc.widthPx == 0 || desc.heightPx == 0 || desc.widthPx > info_.maxTargetPx || desc.heightPx > info_.maxTargetPx)
-            return fail(Code::Unsupported, "a target of {} x {} px; this device draws 1 to {}", desc.widthPx, desc.heightPx,
-                        info_.maxTargetPx);
+            return fail(Code::Unsupported, "a picture of {} x {} px is not possible; this device draws 1 to {} px a side", desc.widthPx,
+                        desc.heightPx, info_.maxTargetPx);
         targets_.emplace(++lastId_, desc);
         ++record_->liveTargets, ++record_->createdObjects;
         return TargetId{lastId_};
@@ -78,9 +78,9 @@ public:
 
     Status submit(FrameId id) override {
         const auto it = frames_.find(id.value);
-        if (it == frames_.end()) return fail(Code::InvalidArgument, "run of a frame that does not exist");
+        if (it == frames_.end()) return fail(Code::InvalidArgument, "the submitted frame does not exist");
         DPL_CHECK_OK(wait(id));
-        // Buffers may have gone since the frame was made: a recorded frame must not outlive them.
+        // Refuses a frame whose buffers were destroyed after it was created.
         DPL_CHECK_OK(checkFrame(it->second, *this, info_));
         record_->lastLabels.clear();
         for (const Step& step : it->second) record_->lastLabels.push_back(stepLabel(step));
@@ -137,7 +137,7 @@ private:
     ShaderPack pack_;
     std::shared_ptr<NullRecord> record_;
     DeviceInfo info_;
-    std::vector<std::pair<const Shader*, const Shader*>> draws_;  // pipelines behind those of single shaders
+    std::vector<std::pair<const Shader*, const Shader*>> draws_;  // vertex, fragment; their ids follow those of the pack's shaders
     std::map<uint32_t, Buffer> buffers_;
     std::map<uint32_t, TargetDesc> targets_;
     std::map<uint32_t, std::vector<Step>> frames_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A backend without a GPU: checks every frame as the others do, moves no pixels, and remembers what ran.
+// A backend without a GPU for tests. It checks every frame as the other backends do, draws no pixels, and remembers what ran.
 #pragma once
 
 #include <memory>
@@ -18,15 +18,15 @@ struct NullOptions {
                        .fourSamples = true};
 };
 
-/** What a test may ask afterwards. Owned by the test, shared with the backend. */
+/** What a test can read after frames have run. Shared by the test and the backend. */
 struct NullRecord {
     uint64_t liveBuffers = 0, liveTargets = 0, liveFrames = 0, createdObjects = 0, runs = 0;
-    uint64_t waits = 0;                   // for a frame that was still running
-    bool holdFrames = false;              // set by the test: frames run until they are waited for
-    std::vector<std::string> lastLabels;  // of the last frame that ran
+    uint64_t waits = 0;                   // waits for a frame that was still running
+    bool holdFrames = false;              // set by the test: a frame counts as running until somebody waits for it
+    std::vector<std::string> lastLabels;  // of the steps of the last frame
 };
 
-/** Fails like a real one when the embedded shader pack does not fit. */
+/** Code::Version or Code::CorruptData when the embedded shader pack does not fit, as for other backends. record: may be null. */
 Result<std::unique_ptr<Backend>> createNullBackend(std::shared_ptr<NullRecord> record, const NullOptions& options = {});
 
 }  // namespace dpl

@@ -16,7 +16,7 @@ struct Buffer {
     VkBuffer buffer = VK_NULL_HANDLE;
     VkDeviceMemory memory = VK_NULL_HANDLE;
     std::byte* mapped = nullptr;
-    VkBufferView texels[3] = {};  // made when a frame reads it in texels of 1, 2 or 4 words
+    VkBufferView texels[3] = {};  // for texels of 1, 2 and 4 words; made when a frame first reads the buffer so
     uint64_t allocatedBytes = 0;
     bool written = false;
 };
@@ -24,25 +24,25 @@ struct Buffer {
 struct Image {
     VkImage image = VK_NULL_HANDLE;
     VkDeviceMemory memory = VK_NULL_HANDLE;
-    VkImageView view = VK_NULL_HANDLE;  // of all layers; null for images that are only copied
+    VkImageView view = VK_NULL_HANDLE;  // all layers; null for images that are only copied
     uint64_t allocatedBytes = 0;
 };
 
 /** The images that one draw fills. */
 struct Surface {
     Image colour, depth;
-    Image rounded;  // RGBA8 copy of a target with more than 8 bits
-    Image colourSamples,
-        depthSamples;  // of a target with several samples a pixel; never leave the chip where it has its own memory for them
+    Image rounded;                      // RGBA8 copy of a target with more than 8 bits
+    Image colourSamples, depthSamples;  // of a target with several samples a pixel; tile-based GPUs keep them on the chip
     VkFramebuffer framebuffer = VK_NULL_HANDLE;
 };
 
 struct Target {
     TargetDesc desc;
     VkExtent2D extent{};
-    std::vector<Surface> surfaces;  // one with a layer a view, or one a view: lavapipe 22.3.6 averages the samples of layer 0 into layer 0,
-                                    // whichever layers are drawn
-    bool drawn = false;
+    // With multiview: one surface that has a layer for each view. Without: one surface for each view, because lavapipe 22.3.6 resolves
+    // the samples of layer 0 into layer 0, whichever layer is drawn.
+    std::vector<Surface> surfaces;
+    bool drawn = false;  // by a frame that was created earlier
 };
 
 inline VkDescriptorType descriptorType(const ShaderBinding& b) {
@@ -67,10 +67,10 @@ struct Frame {
     VkCommandBuffer commandBuffer = VK_NULL_HANDLE;
     VkQueryPool timestamps = VK_NULL_HANDLE;
     VkFence fence = VK_NULL_HANDLE;
-    bool running = false;  // submitted, and its fence not seen yet
-    std::vector<std::string> labels;
-    std::vector<uint64_t> ticks;
-    bool timed = false;  // ticks hold a run
+    bool running = false;             // submitted, and its fence was not seen to be signalled yet
+    std::vector<std::string> labels;  // of the steps
+    std::vector<uint64_t> ticks;      // timestamps before the first step and after each step
+    bool timed = false;               // ticks hold a finished run
 };
 
 inline VkFormat vulkanFormat(ColourFormat colour) {
@@ -134,7 +134,7 @@ private:
     Status makeCompute(Pipeline& pipeline);
     Status makeDraw(Pipeline& pipeline, const DrawPipelineDesc& desc);
     void freePipeline(Pipeline& pipeline);
-    const Shader* findShader(std::string_view name) const;  // with typed buffers where the device and the pack have them
+    const Shader* findShader(std::string_view name) const;  // the kernel with typed buffers if the device wants it and the pack has it
     PipelineId findPipeline(std::string_view key) const;
 
     // vk_frames.cpp
@@ -156,8 +156,8 @@ private:
     std::map<uint32_t, Buffer> buffers_;
     std::map<uint32_t, Target> targets_;
     std::map<uint32_t, Frame> frames_;
-    std::vector<Pipeline> pipelines_;                                                          // id - 1
-    std::map<std::tuple<uint32_t, bool, ColourFormat, uint32_t>, VkRenderPass> renderPasses_;  // layers, depth, colour, samples
+    std::vector<Pipeline> pipelines_;                                                          // PipelineId::value is the index + 1
+    std::map<std::tuple<uint32_t, bool, ColourFormat, uint32_t>, VkRenderPass> renderPasses_;  // by layers, depth, colour, samples
     uint32_t lastId_ = 0;
 };
 

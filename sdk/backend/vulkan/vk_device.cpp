@@ -183,12 +183,12 @@ std::vector<Candidate> candidates(const Functions& vk, VkInstance instance) {
 Error failVk(std::string_view what, VkResult result) {
     const Code code = result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_OUT_OF_DEVICE_MEMORY ? Code::OutOfMemory : Code::Device;
     what = what.substr(0, what.find('('));
-    what = what.substr(what.find_last_of(".>") + 1);  // npos + 1 is 0
+    what = what.substr(what.find_last_of(".>") + 1);  // without '.' and '>': npos + 1 == 0, the whole text
     return fail(code, "Vulkan error {} from {}", int(result), what);
 }
 
 Device::~Device() {
-    // Opening may have stopped before the functions were there.
+    // openDevice may have failed before the functions were loaded.
     if (device && vk.vkDestroyDevice) vk.vkDestroyDevice(device, nullptr);
     if (messenger) vk.vkDestroyDebugUtilsMessengerEXT(instance, messenger, nullptr);
     if (instance && vk.vkDestroyInstance) vk.vkDestroyInstance(instance, nullptr);

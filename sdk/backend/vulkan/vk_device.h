@@ -7,7 +7,7 @@
 
 namespace dpl::vk {
 
-/** The error of a failed call. `what`: its text as DPL_VK sees it, from which the name of the function is taken, or a phrase. */
+/** The error of a failed Vulkan call. `what`: the text of the call, which contains the function's name, or that name alone. */
 Error failVk(std::string_view what, VkResult result);
 
 // DPL_VK(call): if the Vulkan call fails, return its error from the calling function.

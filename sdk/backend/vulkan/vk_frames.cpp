@@ -8,14 +8,14 @@
 namespace dpl::vk {
 namespace {
 
-constexpr uint64_t kFrameTimeoutNs = 120ull * 1000 * 1000 * 1000;  // long enough for a slow software device; a hung device ends in an error
+constexpr uint64_t kFrameTimeoutNs = 120ull * 1000 * 1000 * 1000;  // enough for a slow software device; then a hung device is an error
 
 constexpr VkPipelineStageFlags kGpuStages = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT |
                                             VK_PIPELINE_STAGE_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT;
 
 }  // namespace
 
-/** Records steps. A barrier comes before each step that reads or writes what an earlier one wrote, or writes what an earlier one read. */
+/** Records steps. Puts a barrier before each step that touches what an earlier step wrote, or writes what an earlier step read. */
 struct VulkanBackend::Recorder {
     VulkanBackend& backend;
     Frame& frame;
@@ -244,7 +244,7 @@ Status VulkanBackend::record(Frame& frame, std::span<const Step> steps) {
     VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
     DPL_VK(vk_.vkBeginCommandBuffer(frame.commandBuffer, &begin));
     Recorder recorder{*this, frame, frame.commandBuffer, {}, {}};
-    recorder.barrier();  // against the frame before this one
+    recorder.barrier();  // the frame before this one uses the same buffers
     const auto stamp = [&](uint32_t index) {
         if (frame.timestamps) vk_.vkCmdWriteTimestamp(frame.commandBuffer, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, frame.timestamps, index);
     };
@@ -273,7 +273,7 @@ Result<FrameId> VulkanBackend::createFrame(std::vector<Step> steps) {
 }
 
 void VulkanBackend::freeFrame(Frame& frame) {
-    (void)waitFor(frame);  // an error means that the device is lost, and then nothing runs
+    (void)waitFor(frame);  // fails only when the device is lost: then nothing runs
     vk_.vkDestroyFence(device_->device, frame.fence, nullptr);
     vk_.vkDestroyQueryPool(device_->device, frame.timestamps, nullptr);
     vk_.vkDestroyCommandPool(device_->device, frame.commands, nullptr);
@@ -300,7 +300,7 @@ Status VulkanBackend::submitAndWait(VkCommandBuffer commands) {
 
 Status VulkanBackend::submit(FrameId id) {
     const auto it = frames_.find(id.value);
-    if (it == frames_.end()) return fail(Code::InvalidArgument, "run of a frame that does not exist");
+    if (it == frames_.end()) return fail(Code::InvalidArgument, "the submitted frame does not exist");
     Frame& frame = it->second;
     DPL_CHECK_OK(waitFor(frame));
     VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
@@ -332,7 +332,7 @@ Status VulkanBackend::waitFor(Frame& frame) {
     return {};
 }
 
-/** Call it once the fence of a frame has been seen: its timestamps are then there without waiting. */
+/** Call it after the fence of a frame was signalled: then its timestamps can be read without waiting. */
 void VulkanBackend::ended(Frame& frame) {
     frame.running = false;
     if (frame.timestamps)

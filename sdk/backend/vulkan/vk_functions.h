@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The Vulkan functions that the backend calls, as a table for one instance and one device. Nothing here links to libvulkan.
 //
-// The table is our own because it must belong to a device: an app may bring its own vkGetInstanceProcAddr, and two contexts may use two
-// loaders. volk of Debian 12 keeps the instance functions in global variables named like the functions, which would also clash with a
-// program that links libvulkan and the static libdoppel.
+// The table belongs to one device, because an app may bring its own vkGetInstanceProcAddr and two contexts may use two loaders. The
+// library volk (in Debian 12's version) does not fit: it keeps the instance functions in global variables that are named like the
+// functions, which also clash in a program that links libvulkan and the static libdoppel.
 #pragma once
 
 #define VK_NO_PROTOTYPES
@@ -101,7 +101,7 @@
 
 namespace dpl::vk {
 
-/** Filled in three steps, each after the object it needs exists. A step fails with Code::Unsupported and names the missing function. */
+/** Filled in three steps, in the order below. A step fails with Code::Unsupported and names the missing function. */
 struct Functions {
     PFN_vkGetInstanceProcAddr vkGetInstanceProcAddr = nullptr;  // from findVulkanLoader() or from the app
 #define DPL_VK_MEMBER(name) PFN_##name name = nullptr;
@@ -113,7 +113,7 @@ struct Functions {
 
     Status loadGlobal(PFN_vkGetInstanceProcAddr getInstanceProcAddr);
     Status loadInstance(VkInstance instance);
-    Status loadDevice(VkDevice device);  // straight from the driver, without the loader's dispatch
+    Status loadDevice(VkDevice device);  // pointers into the driver, which skip the loader's dispatch
 };
 
 }  // namespace dpl::vk

@@ -6,7 +6,7 @@
 
 namespace dpl::vk {
 
-/** vkGetInstanceProcAddr of the Vulkan loader. The loader stays in the process: drivers may keep threads of their own.
+/** vkGetInstanceProcAddr of the Vulkan loader. The loader is never unloaded, because drivers may keep threads of their own.
  *  Code::Unsupported when no loader is installed; the text names the library. Any thread. */
 Result<PFN_vkGetInstanceProcAddr> findVulkanLoader();
 

@@ -12,7 +12,7 @@ Result<VkRenderPass> VulkanBackend::renderPass(const TargetDesc& target) {
     if (const auto it = renderPasses_.find({layers, depth, colour, samples}); it != renderPasses_.end()) return it->second;
     const uint32_t targets = depth ? 2 : 1;
     std::array<VkAttachmentDescription, 4>
-        attachments{};  // first the images that are drawn, then those that their samples are averaged into
+        attachments{};  // first the images that are drawn; with several samples, then the images that these are resolved into
     for (VkAttachmentDescription& a : attachments) {
         a.samples = VK_SAMPLE_COUNT_1_BIT;
         a.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
@@ -129,7 +129,7 @@ Status VulkanBackend::makeDraw(Pipeline& p, const DrawPipelineDesc& desc) {
     p.stages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
     const Shader& fragment = *p.fragment;
     if (!fragment.bindings.empty() && fragment.bindings[0].binding != p.shader->bindings.size())
-        return fail(Code::Unsupported, "{}: its bindings do not follow the {} of {}", fragment.name, p.shader->bindings.size(),
+        return fail(Code::Unsupported, "the bindings of {} do not begin after the {} of {}", fragment.name, p.shader->bindings.size(),
                     p.shader->name);
     DPL_CHECK_OK(makeLayouts(p));
     VkPipelineShaderStageCreateInfo stages[2]{};
@@ -148,10 +148,9 @@ Status VulkanBackend::makeDraw(Pipeline& p, const DrawPipelineDesc& desc) {
     raster.lineWidth = 1;
     VkPipelineMultisampleStateCreateInfo samples{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
     samples.rasterizationSamples = VkSampleCountFlagBits(desc.samples);
-    samples.sampleShadingEnable = desc.samples > 1;  // shade each sample at its own place, which gl_FragCoord then holds
+    samples.sampleShadingEnable = desc.samples > 1;  // shade each sample by itself; gl_FragCoord is then the sample's place
     samples.minSampleShading = 1;
-    // Premultiplied "over", back to front. The depth sums follow the same rule; another blend state for them would need the feature
-    // independentBlend.
+    // Premultiplied "over", back to front. The depth sums have the same blend state: another one would need the feature independentBlend.
     VkPipelineColorBlendAttachmentState blend{};
     blend.blendEnable = VK_TRUE;
     blend.srcColorBlendFactor = blend.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE;

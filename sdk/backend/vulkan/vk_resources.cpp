@@ -16,7 +16,7 @@ Result<uint32_t> VulkanBackend::memoryType(uint32_t allowed, VkMemoryPropertyFla
     for (VkMemoryPropertyFlags flags : {wanted | preferred, wanted})
         for (uint32_t i = 0; i < memory.memoryTypeCount; ++i)
             if ((allowed >> i & 1) && (memory.memoryTypes[i].propertyFlags & flags) == flags) return i;
-    return fail(Code::Device, "no memory type with properties {}", wanted);
+    return fail(Code::Device, "the device has no memory type with the Vulkan property flags {}", wanted);
 }
 
 Status VulkanBackend::makeBuffer(Buffer& b) {
@@ -37,7 +37,7 @@ Status VulkanBackend::makeBuffer(Buffer& b) {
     DPL_TRY(allocation.memoryTypeIndex, memoryType(needs.memoryTypeBits, wanted, preferred));
     if (VkResult result = vk_.vkAllocateMemory(device_->device, &allocation, nullptr, &b.memory); result != VK_SUCCESS) {
         b.memory = VK_NULL_HANDLE;
-        return fail(Code::OutOfMemory, "{} bytes of graphics memory for {} are not to be had (Vulkan {})", needs.size, b.desc.label,
+        return fail(Code::OutOfMemory, "cannot allocate {} bytes of graphics memory for {} (Vulkan error {})", needs.size, b.desc.label,
                     int(result));
     }
     b.allocatedBytes = needs.size;
@@ -79,7 +79,7 @@ void VulkanBackend::destroyBuffer(BufferId id) {
 Status VulkanBackend::write(BufferId id, uint64_t offset, std::span<const std::byte> bytes) {
     const auto it = buffers_.find(id.value);
     if (it == buffers_.end() || offset % 4 || offset > it->second.desc.bytes || bytes.size() > it->second.desc.bytes - offset)
-        return fail(Code::InvalidArgument, "write of {} bytes at {} outside a buffer", bytes.size(), offset);
+        return fail(Code::InvalidArgument, "a write of {} bytes at {} does not fit the buffer", bytes.size(), offset);
     Buffer staging;
     staging.desc = {"staging", std::min<uint64_t>(std::max<uint64_t>(bytes.size(), 16), kStagingBytes), BufferMemory::Upload};
     Status status = makeBuffer(staging);
@@ -176,7 +176,7 @@ Status VulkanBackend::makeSurface(Surface& s, const Target& t) {
     info.pAttachments = views.data();
     info.width = t.extent.width;
     info.height = t.extent.height;
-    info.layers = 1;  // multiview counts its layers by the view mask
+    info.layers = 1;  // required with multiview, where the view mask selects the layers
     DPL_VK(vk_.vkCreateFramebuffer(device_->device, &info, nullptr, &s.framebuffer));
     return {};
 }
@@ -189,10 +189,10 @@ void VulkanBackend::freeSurface(Surface& s) {
 Status VulkanBackend::makeTarget(Target& t) {
     const uint32_t limit = device_->info.maxTargetPx;
     if (t.desc.widthPx == 0 || t.desc.heightPx == 0 || t.desc.widthPx > limit || t.desc.heightPx > limit)
-        return fail(Code::Unsupported, "a target of {} x {} px; {} draws 1 to {} a side", t.desc.widthPx, t.desc.heightPx,
-                    device_->info.name, limit);
+        return fail(Code::Unsupported, "a picture of {} x {} px is not possible; {} draws 1 to {} px a side", t.desc.widthPx,
+                    t.desc.heightPx, device_->info.name, limit);
     if (t.desc.samples != 1 && (!device_->info.fourSamples || t.desc.samples != 4))
-        return fail(Code::Unsupported, "a target of {} samples a pixel on {}", t.desc.samples, device_->info.name);
+        return fail(Code::Unsupported, "{} samples a pixel are not possible on {}", t.desc.samples, device_->info.name);
     t.extent = {t.desc.widthPx, t.desc.heightPx};
     t.surfaces.resize(t.desc.multiview ? 1 : t.desc.views);
     for (Surface& surface : t.surfaces) {

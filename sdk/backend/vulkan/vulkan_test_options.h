@@ -16,9 +16,9 @@ struct VulkanTestOptions : VulkanOptions {
     std::string deviceName;         // part of the name of the wanted device; empty: the best device
     bool withoutMultiview = false;  // draw each view by itself, as on devices without multiview
     bool preciseBlending = true;    // blend in 16-bit floats and round once; false: blend in 8 bits, which is below 50 dB close up
-    bool typedBuffers = true;       // false: plain kernels even where a driver needs typed buffers (vk_quirks.cpp); the same bytes
-    bool shuffle = true;            // false: use the kernels without subgroup shuffles even where DeviceInfo::shuffle; the same bytes
-    bool ignoreQuirks = false;      // try a driver without the rows of vk_quirks.cpp
+    bool typedBuffers = true;       // false: kernels with plain buffers, even where a driver needs typed ones (vk_quirks.cpp)
+    bool shuffle = true;            // false: kernels without subgroup shuffles, even if DeviceInfo::shuffle
+    bool ignoreQuirks = false;      // do not apply the rows of vk_quirks.cpp
     std::span<const uint8_t> shaderPack;  // used instead of the SDK's shaders; copied
     uint64_t shaderInterface = 0;         // interface hash that the C++ code of shaderPack was compiled with
     /** Counts validation warnings and errors; their texts go to the log. */

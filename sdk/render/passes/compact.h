@@ -6,7 +6,7 @@
 
 namespace dpl {
 
-/** Stable compaction: (depth key, splat) of the seen splats in splat order, and the indirect arguments of what follows. */
+/** Stable compaction: writes (depth key, splat) of the visible splats in splat order, and the indirect arguments of the later passes. */
 void addCompact(FramePlan& plan, const FrameIds& ids);
 
 }  // namespace dpl

@@ -6,8 +6,8 @@
 
 namespace dpl {
 
-/** Footprint, colour and visibility of every splat in every view. For general splats also their extent along the sort axis, which must be 0
- * before. */
+/** Writes footprint, colour and visibility of every splat in every view. For general splats it also widens the extent along the sort axis
+ *  in `counts`, which must be 0 before. */
 void addProject(FramePlan& plan, const FrameIds& ids);
 
 }  // namespace dpl

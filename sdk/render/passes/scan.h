@@ -6,11 +6,11 @@
 
 namespace dpl {
 
-/** How many things lie in the cells before each cell, row after row. The total ends up behind the sums that begin at push.firstSum. */
+/** Exclusive prefix sum over the cells of a table, row after row. Writes the total behind the sums that begin at push.firstSum. */
 void addScan(FramePlan& plan, const std::string& label, BufferId counts, const TableIds& table, const gpu::RowScanPush& push,
              uint32_t rows);
 
-/** Words of sums that so many rows need. */
+/** Size in words of the sums of a table with this many rows. */
 constexpr uint64_t scanSumWords(uint64_t rows) {
     return rows * gpu::kRowScanGroup + 1;
 }

@@ -6,7 +6,8 @@
 
 namespace dpl {
 
-/** Palette and rest vertices to posed vertices with their brightness, and their extent along the sort axis. The extent must be 0 before. */
+/** Poses the rest vertices by the palette and writes them with their brightness. Widens the extent along the sort axis in `counts`, which
+ *  must be 0 before. */
 void addSkin(FramePlan& plan, const FrameIds& ids);
 
 }  // namespace dpl

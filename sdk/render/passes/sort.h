@@ -6,8 +6,8 @@
 
 namespace dpl {
 
-/** Stable radix sort of the pairs by their 16-bit key (24-bit for general splats that reach far), near first; the splats in order are words
- * in ids.pairs. A pair shrinks to one word when a single digit is left of its key. */
+/** Stable radix sort of the pairs by their key, nearest first. Keys have 16 bits, or 24 for general splats that reach far. A pair shrinks
+ *  to one word when one digit of its key is left. The result is one word for each splat, its number, in ids.pairs. */
 void addSort(FramePlan& plan, const FrameIds& ids);
 
 }  // namespace dpl

@@ -13,7 +13,7 @@ namespace {
 // ones. The latter is counted for each 64 pixels, a tile at one sample, so that smaller tiles take no more memory.
 constexpr uint64_t kSpansPerSplat = 3, kSpansPer64Px = 48, kEntriesPerSplat = 4, kEntriesPer64Px = 128;
 
-constexpr uint32_t kTableHead = 2;  // of the places: how many splats and runs there are
+constexpr uint32_t kTableHead = 2;  // words at the start of `places`: the numbers of splats and of runs
 
 }  // namespace
 
@@ -38,14 +38,14 @@ std::optional<TilePlan> planTiles(const FrameIds& ids, const DeviceInfo& device)
     const uint64_t limit = std::min<uint64_t>(device.maxBindingBytes, UINT32_MAX) / 4;
     if (plan.tableWords > limit || rows > device.maxGroups || records * p.rows > UINT32_MAX) return std::nullopt;
     p.firstTileTable = uint32_t(firstTileTable);
-    // The counts of the GPU are 32 bits: spans that fit cannot have more entries than that.
+    // Counts on the GPU have 32 bits. The capacity of spans is such that their entries cannot exceed that.
     p.spanCapacity = uint32_t(std::min({kSpansPerSplat * records + kSpansPer64Px * blocks, limit / 2, UINT32_MAX / uint64_t(p.columns)}));
     p.entryCapacity = uint32_t(std::min(kEntriesPerSplat * records + kEntriesPer64Px * blocks, limit));
     p.fillGroups = uint32_t(std::min<uint64_t>((tiles * side + gpu::kTileGroup - 1) / gpu::kTileGroup, device.maxGroups));
     p.halfDepth = device.halfDepth ? 1 : 0;
     const auto part = [](uint64_t bytes) {
         return std::max<uint64_t>((bytes + 7) / 8 * 8, 16);
-    };  // 16: the smallest buffer, which a part is copied to or from
+    };  // 16 bytes is the smallest buffer (DeviceBuffers), and each part is copied from or to a buffer of its own
     const uint64_t depthOffset = part(pixels * 4);
     plan.spanBytes = p.spanCapacity * 8ull;
     plan.entryBytes = p.entryCapacity * 4ull;
@@ -95,7 +95,7 @@ void addTiles(FramePlan& plan, const FrameIds& ids, const TilePlan& tiles) {
     plan.fill("tiles.clear", ids.tilePixels, 0);
     if (ids.sceneDepth)
         plan.copy("tiles.scene", ids.scene, ids.tilePixels,
-                  push.firstScene * 4ull);  // a stage has four buffers: the scene lies behind the pixels
+                  push.firstScene * 4ull);  // behind the pixels, because phones promise only four storage buffers a stage
     auto fill = plan.compute("tiles.fill", tileFillOf(ids, ids.samples));
     fill.reads(ids.tiles.places, ids.tileEntries, ids.projected);
     if (ids.sceneDepth)

@@ -8,13 +8,14 @@
 
 namespace dpl {
 
-/** Weakest low-pass that the tile kernel can draw. It computes α at the end of a column nearer to the peak and steps from there by
- *  factors (fill.comp). With conic C ≤ 1/κ, at most 3.5 px to the peak and α ≥ 1/255 there, the exponent at that end is at most ½
- *  3.5²/κ + ln 255 = 86, which a float can hold; a weaker low-pass would underflow although a neighbouring pixel still shows the
- *  splat. With four samples C is up to four times larger and the peak 1.5 px away: 65. Trained avatars have κ = 1/12. */
+/** Weakest low-pass that the tile kernel can draw. The kernel computes α at the end of a tile's column that is nearer to the peak, and
+ *  multiplies by factors from there (fill.comp). With conic C ≤ 1/κ, at most 3.5 px to the peak and α ≥ 1/255 there, −ln α at that end
+ *  is at most ½·3.5²/κ + ln 255 = 86, so that a float can hold α. With a weaker low-pass α would underflow, although a neighbouring
+ *  pixel still shows the splat. With four samples C is up to four times larger and the peak at most 1.5 px away: 65. Trained avatars
+ *  have κ = 1/12. */
 constexpr float kTileMinKappaPx2 = 0.076f;
 
-/** What the lists of compute tiles take, all of it before the first frame. Rows of tiles are counted over all views. */
+/** Sizes of the lists of compute tiles, known before the first frame. Rows of tiles are counted over all views. */
 struct TilePlan {
     gpu::TilePush push{};
     uint64_t tableWords = 0, sumWords = 0, spanBytes = 0, entryBytes = 0, pixelBytes = 0;
@@ -25,11 +26,11 @@ struct TilePlan {
  *  frame. */
 std::optional<TilePlan> planTiles(const FrameIds& ids, const DeviceInfo& device);
 
-/** The kernel that fills such frames at this many samples a pixel. */
+/** Name of the kernel that fills such frames with this many samples a pixel. */
 std::string tileFillOf(const FrameIds& ids, uint32_t samples);
 
-/** Turns sorted survivors into the lists of tiles, nearest first in each, and these into ids.tilePixels: RGBA8 of all views, then
- *  the depth sums. Sets the instance count of the draw to 0, unless a list was too small: then the quads draw into the target. */
+/** Builds the list of each tile from the sorted survivors, nearest first, and draws the lists into ids.tilePixels: RGBA8 of all views,
+ *  then the depth sums. Sets the instance count of the draw to 0, unless a list was too small: then quads draw into the target. */
 void addTiles(FramePlan& plan, const FrameIds& ids, const TilePlan& tiles);
 
 }  // namespace dpl

@@ -2,7 +2,7 @@
 // Composites the pixels of each tile from its list, nearest first. One lane owns one column of a tile. It takes four splats at a time
 // (two at four samples) and stops when the transmittance of all its samples is used up.
 // DPL_SHUFFLE: the eight (four) lanes of a tile fetch together: each pair of lanes loads one record, half each, and shares it by
-// shuffles. For devices whose subgroups hold whole tiles (DeviceInfo::shuffle); the bytes of the picture are the same.
+// shuffles. For devices whose subgroups hold whole tiles (DeviceInfo::shuffle); the picture is the same but for rounding.
 // DPL_SCENE_DEPTH: a splat adds nothing to pixels where it lies behind the app's scene, whose depths are in the pixel buffer.
 // DPL_FOUR_SAMPLES: each pixel is composited at four places and averaged (docs/adr/0005). Averaging is linear, so colour and depth are
 // summed over the samples at once; only the transmittance is kept for each sample.
