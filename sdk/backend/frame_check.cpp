@@ -38,7 +38,7 @@ struct Checker {
                 return fail(Code::InvalidArgument, "step {}: {} is {}a uniform block", label, want.name, want.uniform ? "" : "not ");
             const bool writes = access == Access::Write || access == Access::Update, reads = access != Access::Write;
             if (writes != want.writes || (want.reads && !reads))
-                return fail(Code::InvalidArgument, "step {} declares an access to {} that differs from shader {}", label, want.name,
+                return fail(Code::InvalidArgument, "step {} declares another access to {} than shader {} has", label, want.name,
                             shader.name);
             if (!want.uniform && desc->bytes > device.maxBindingBytes)
                 return fail(Code::Unsupported, "step {}: buffer {} has {} bytes, this device binds at most {}", label, desc->label,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fuzz target of the format readers. No input may crash. An accepted avatar must be writable, and writing it again must give the same
-// bytes. libFuzzer calls LLVMFuzzerTestOneInput; without clang fuzz_driver.cpp does.
+// bytes. LLVMFuzzerTestOneInput is called by libFuzzer, or by fuzz_driver.cpp without clang.
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -32,7 +32,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         if (format != dpl::SplatFormat::Gltf) return 0;  // glTF also goes to the other readers
     }
     dpl::ReadLimits limits;
-    limits.verifyHash = false;  // else the hash check would refuse every mutation
+    limits.verifyHash = false;  // otherwise the hash check would refuse every mutation
     dpl::test::startMemoryWatch();
     auto avatar = dpl::readAvatar(bytes, limits);
     const uint64_t peak = dpl::test::peakMemoryBytes();

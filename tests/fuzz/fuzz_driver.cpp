@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A mutational fuzz driver for builds without libFuzzer: fuzz_driver CORPUS_DIR [--seconds N] [--runs N] [--seed N] [--first K].
-// Runs every file of the corpus unchanged, then mutations of them from the seed. Input k is the same in every run. --seed S --first K
-// repeats a crash; the driver prints both numbers before a long run and on exit.
+// Runs every file of the corpus unchanged, then mutations of the files. Input k of a seed is the same in every run, so --seed S --first K
+// repeats a crash. The driver prints both numbers before a long run and on exit.
 #include <unistd.h>
 #include <algorithm>
 #include <chrono>

@@ -16,7 +16,7 @@ if(TOOL)
   step(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${WORK_DIR}/before --component doppel_tool)
 endif()
 file(RENAME ${WORK_DIR}/before ${WORK_DIR}/prefix)
-file(COPY ${CONSUMER} DESTINATION ${WORK_DIR})  # outside our tree: nothing can be found by accident
+file(COPY ${CONSUMER} DESTINATION ${WORK_DIR})  # outside the source tree, so that the consumer cannot find headers by accident
 step(${MAKE_AVATAR} ${WORK_DIR}/tiny.glb)
 
 step(${CMAKE_COMMAND} -S ${WORK_DIR}/consumer -B ${WORK_DIR}/build -G ${GENERATOR} -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The same through the C++ wrapper.
+// The program of main.c with the C++ wrapper.
 #include <doppel/doppel.hpp>
 
 #include <algorithm>

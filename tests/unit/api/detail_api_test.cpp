@@ -31,11 +31,11 @@ protected:
         const DplDetail detail{sizeof(DplDetail), splatsPerPixel, budget};
         return dplSetDetail(context_, &detail);
     }
-    std::vector<uint8_t> draw(std::span<const DplAvatar> row) {
+    std::vector<uint8_t> draw(std::span<const DplAvatar> avatars) {
         const DplCamera camera = frontCamera(96, 96);
         std::vector<uint8_t> pixels;
         const DplImage image = imageFor(camera, pixels);
-        EXPECT_EQ(dplRenderTogether(context_, row.data(), uint32_t(row.size()), &camera, 1, &image), DPL_OK) << dplGetLastError();
+        EXPECT_EQ(dplRenderTogether(context_, avatars.data(), uint32_t(avatars.size()), &camera, 1, &image), DPL_OK) << dplGetLastError();
         return pixels;
     }
     DplFrameStats stats(DplAvatar avatar) {
@@ -86,16 +86,16 @@ TEST_F(DetailTest, generalSplatsHaveALevelOfDetailAndShareTheBudget) {
     const auto bytes = *writePly(cloud);
     DplAvatar general = nullptr;
     ASSERT_EQ(dplLoadAvatar(context_, bytes.data(), bytes.size(), &general), DPL_OK) << dplGetLastError();
-    const DplAvatar row[2] = {general, tubes_[0]};
-    const std::vector<uint8_t> full = draw(row);
+    const DplAvatar avatars[2] = {general, tubes_[0]};
+    const std::vector<uint8_t> full = draw(avatars);
     EXPECT_EQ(stats(general).splatsAllowed, 6000u + 5120u);
     ASSERT_EQ(set(0.05f), DPL_OK);
-    EXPECT_FALSE(draw({row, 1}) == full);
+    EXPECT_FALSE(draw({avatars, 1}) == full);
     EXPECT_LT(stats(general).splatsAllowed, 4000u);
     EXPECT_LT(stats(general).detailShare, 0.7f);
     for (const uint32_t budget : {8000u, 2000u, 400u}) {
         ASSERT_EQ(set(0, budget), DPL_OK);
-        draw(row);
+        draw(avatars);
         EXPECT_LE(stats(general).splatsAllowed, budget);
         EXPECT_GE(stats(general).splatsAllowed, budget * 95 / 100);
         EXPECT_LE(stats(general).splatsDrawn, budget);
@@ -103,7 +103,7 @@ TEST_F(DetailTest, generalSplatsHaveALevelOfDetailAndShareTheBudget) {
     EXPECT_LT(stats(general).detailShare, 0.1f);
     EXPECT_LT(stats(tubes_[0]).detailShare, 0.1f);
     ASSERT_EQ(set(0), DPL_OK);
-    EXPECT_EQ(draw(row), full);
+    EXPECT_EQ(draw(avatars), full);
     EXPECT_EQ(dplDestroyAvatar(general), DPL_OK);
 }
 

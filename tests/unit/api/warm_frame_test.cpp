@@ -54,7 +54,7 @@ void setDetail(DplContext context, bool on, float t) {
 /** Draws `frames` frames with new poses and views, three in flight, and returns the number of allocations. */
 uint64_t playFrames(DplContext context, DplAvatar avatar, int frames, uint32_t viewCount, uint32_t flags, bool scene = false,
                     DplAvatar other = nullptr, bool detail = false) {
-    const DplAvatar row[2] = {avatar, other};
+    const DplAvatar both[2] = {avatar, other};
     uint64_t allocations = 0;
     std::vector<uint8_t> pixels[2] = {std::vector<uint8_t>(120 * 96 * 4), std::vector<uint8_t>(120 * 96 * 4)};
     DplImage images[2];
@@ -70,7 +70,7 @@ uint64_t playFrames(DplContext context, DplAvatar avatar, int frames, uint32_t v
         setDetail(context, detail, t);
         const DplResult posed = frame % 2 ? dplSetPose(avatar, rotations, 2, root) : dplSetPoseFromClip(avatar, 0, t, DPL_TRUE);
         const DplResult drawn =
-            other ? dplDrawTogether(context, row, 2, cameras, viewCount, flags) : dplDraw(context, avatar, cameras, viewCount, flags);
+            other ? dplDrawTogether(context, both, 2, cameras, viewCount, flags) : dplDraw(context, avatar, cameras, viewCount, flags);
         allocations += count.stop();
         EXPECT_EQ(posed, DPL_OK) << dplGetLastError();
         EXPECT_EQ(drawn, DPL_OK) << dplGetLastError();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What createFrame refuses, on the null backend: the same check runs before Vulkan records.
+// Frames that createFrame refuses, on the null backend. The Vulkan backend makes the same check before it records.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -198,7 +198,7 @@ TEST(FrameCheck, anUploadBufferIsCopiedWholeIntoADeviceBufferThatHoldsIt) {
     const BufferId upload = *s.backend->createBuffer({"upload", 32, BufferMemory::Upload}),
                    back = *s.backend->createBuffer({"back", 32, BufferMemory::Readback});
     const auto copied = [&](const CopyStep& copy) {
-        auto frame = s.backend->createFrame({copy, FillStep{"fill", s.counts, 0}, s.step});  // s.step reads what the copy has written
+        auto frame = s.backend->createFrame({copy, FillStep{"fill", s.counts, 0}, s.step});  // s.step reads the copied bytes
         return frame ? Status() : Status(frame.error());
     };
     const Status status = copied({"copy", upload, s.sums, 32});

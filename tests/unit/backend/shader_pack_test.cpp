@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shader pack: what the build made, whether C++ and GLSL agree on every struct, and whether hostile packs are refused.
+// The shader pack: its content, the layout of every struct in C++ and GLSL, and the refusal of damaged packs.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -56,7 +56,7 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
     expectLayout("TriangleFrame", sizeof(TriangleFrame),
                  {DPL_AT(TriangleFrame, corner0), DPL_AT(TriangleFrame, corner1), DPL_AT(TriangleFrame, corner2),
                   DPL_AT(TriangleFrame, column0), DPL_AT(TriangleFrame, column1)});
-    // Read in fours: they must lie as the kernels count them.
+    // Kernels read these records in groups of four words, by position.
     static_assert(offsetof(VertexRecord, joints01) == 12 && offsetof(VertexRecord, joints23) == 16 &&
                   offsetof(VertexRecord, weights) == 20 && sizeof(VertexRecord) == 32);
     static_assert(offsetof(CorrectedVertexRecord, joints01) == 12 && offsetof(CorrectedVertexRecord, weights) == 20 &&

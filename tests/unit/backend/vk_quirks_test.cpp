@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Work-arounds apply to the driver that needs them and to no other, and say so once.
+// Work-arounds apply to the driver that needs them and to no other. Each is logged once.
 #include "sdk/backend/vulkan/vk_quirks.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The model of a frame's bytes on frames that are counted by hand.
+// The model of the bytes that a frame reads and writes, on frames counted by hand.
 #include "tools/bench/frames/frame_model.h"
 
 #include <gtest/gtest.h>
@@ -71,7 +71,7 @@ TEST(FrameModel, todaysFrameReadsCodesAndWritesSurvivors) {
 
 TEST(FrameModel, culledSplatsCostTodayNothingAndThePlainFrameAll) {
     FrameWork work = known(), twice = work;
-    twice.splats *= 2;  // those added are in chunks that nothing shows
+    twice.splats *= 2;  // the added splats are in chunks that no view shows
     EXPECT_EQ(sum(modelToday(work)), sum(modelToday(twice)));
     EXPECT_GT(sum(modelPlainFloat(twice)), sum(modelPlainFloat(work)));
 }

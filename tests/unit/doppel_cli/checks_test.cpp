@@ -41,7 +41,7 @@ TEST(OutputFile, isRefusedBeforeTheWorkWhenItCouldNotBeWritten) {
     EXPECT_FALSE(accepts(isOutputFile(), folder.string())) << "a folder is no file";
     EXPECT_TRUE(accepts(isOutputFile(), "/dev/stdout"));
     const CLI::Validator picture = isOutputFile({".png"}, /*orFolder=*/true);
-    EXPECT_TRUE(accepts(picture, in("frames"))) << "a folder to make";
+    EXPECT_TRUE(accepts(picture, in("frames"))) << "a folder that does not exist yet";
     EXPECT_FALSE(accepts(picture, in("a.jpg")));
     std::filesystem::remove_all(folder);
 }

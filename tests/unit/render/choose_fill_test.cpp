@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The start-up self-test on devices that draw one way wrongly, both, or slowly: renderers made for the purpose.
+// The start-up self-test on fake renderers whose fills are wrong, slow or failing.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 constexpr size_t kBytes = 157 * 219 * 4;
 
-/** What the test scene should look like, for these renderers. */
+/** The correct picture of the test scene for these renderers. */
 std::vector<uint8_t> truth() {
     std::vector<uint8_t> pixels(kBytes);
     for (size_t i = 0; i < kBytes; ++i) pixels[i] = uint8_t(i * 7 % 251);
@@ -25,12 +25,12 @@ std::vector<uint8_t> truth() {
 
 struct Behaviour {
     double milliseconds = 1;
-    bool oneWrongTile = false;  // 8 x 8 pixels
-    int levelsOff = 0;          // every byte
+    bool oneWrongTile = false;  // 8 x 8 pixels are wrong
+    int levelsOff = 0;          // added to every byte
     bool fails = false;
 };
 
-/** A device that behaves as told. */
+/** A renderer whose fills behave as given. */
 class FakeRenderer final : public Renderer {
 public:
     FakeRenderer(Behaviour quads, Behaviour tiles, std::string identity = "fake")
@@ -151,7 +151,7 @@ TEST(FillMemory, aFolderKeepsTheChoiceForTheNextProcess) {
     FakeRenderer first({.milliseconds = 2}, {}, "c");
     ASSERT_TRUE(setBestFill(first, folder.path.string(), trusted));
     EXPECT_EQ(folder.text("c"), "tiles\n");
-    ASSERT_TRUE(writeFileAtomically(folder.file("d"), "quads\n"));  // what another process left: its device is new to this one
+    ASSERT_TRUE(writeFileAtomically(folder.file("d"), "quads\n"));  // as if another process had tested device "d", which this one has not
     FakeRenderer kept({.milliseconds = 2}, {}, "d");
     ASSERT_TRUE(setBestFill(kept, folder.path.string(), trusted));
     EXPECT_EQ(kept.draws, 0);

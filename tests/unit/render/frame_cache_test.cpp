@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Recorded frames by themselves, on the null backend: who owns a target, and what the cache leaves to whoever draws.
+// FrameCache alone, on the null backend: who owns a target, which frames are kept, and that the cache submits nothing.
 #include <gtest/gtest.h>
 
 #include "sdk/backend/null/null_backend.h"

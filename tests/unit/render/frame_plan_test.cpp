@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The frame without a GPU: what the renderer plans, creates and refuses, on the null backend.
+// GpuRenderer on the null backend: the steps of a frame, the objects that it creates, and what it refuses.
 #include <gtest/gtest.h>
 
 #include "sdk/backend/null/null_backend.h"
@@ -177,7 +177,7 @@ TEST(FramePlan, generalSplatsTakeTheSameFrameWithoutAPose) {
     const uint64_t created = gpu.record->createdObjects;
     ASSERT_TRUE(gpu.draw(*id, 32, 2, true));
     EXPECT_EQ(gpu.record->createdObjects, created);
-    splats.position[7].x += 900;  // a scene: its depths want 24 bits
+    splats.position[7].x += 900;  // reaches so far that depth keys need 24 bits
     auto scene = gpu.renderer->addSplats(splats);
     ASSERT_TRUE(scene && gpu.draw(*scene));
     EXPECT_EQ(std::count(gpu.record->lastLabels.begin(), gpu.record->lastLabels.end(), "sort.scatter"), 3);
@@ -197,8 +197,8 @@ TEST(FramePlan, refusesGeneralSplatsThatTheDeviceCannotBindAndBrokenOnes) {
     NullOptions fewGroups;
     fewGroups.info.maxGroups = 3;
     NullSetup narrow(fewGroups);
-    auto manyChunks = narrow.renderer->addAvatar(
-        tube({.splatsPerTriangle = 4}));  // 2,560 splats in ten chunks: twenty workgroups of projection, at worst
+    auto manyChunks =
+        narrow.renderer->addAvatar(tube({.splatsPerTriangle = 4}));  // 2,560 splats in ten chunks: up to twenty workgroups of projection
     ASSERT_FALSE(manyChunks);
     EXPECT_EQ(manyChunks.error().code, Code::Unsupported);
     EXPECT_NE(manyChunks.error().message.find("chunks"), std::string::npos) << manyChunks.error().message;
@@ -271,7 +271,7 @@ TEST(FramePlan, waitsOnlyWhenEveryFrameInFlightIsRunning) {
     NullSetup gpu;
     auto id = gpu.renderer->addAvatar(tube());
     ASSERT_TRUE(id);
-    gpu.record->holdFrames = true;  // a device that finishes nothing by itself
+    gpu.record->holdFrames = true;  // no frame finishes before somebody waits for it
     for (uint32_t i = 0; i < kFramesInFlight; ++i) ASSERT_TRUE(gpu.draw(*id));
     EXPECT_EQ(gpu.record->waits, 0u);
     ASSERT_TRUE(gpu.draw(*id));
@@ -390,7 +390,7 @@ TEST(FramePlan, sortAxisOfTwoParallelEyesIsThatOfOne) {
     const Cameraf views[2] = {tubeCamera(32, 32, 0.37f, 1, -0.03f), tubeCamera(32, 32, 0.37f, 1, 0.03f)};
     const SplatSet splats = splatSetOf(a, *codeSplats(a.mesh, a.splats));
     const gpu::FrameData one = packFrame(splats, {views, 1}), two = packFrame(splats, views);
-    EXPECT_EQ(one.sortAxis.x, two.sortAxis.x);  // bit for bit: keys, and so the left picture, must not change with stereo
+    EXPECT_EQ(one.sortAxis.x, two.sortAxis.x);  // bit for bit, so that keys and the left picture are the same in mono and stereo
     EXPECT_EQ(one.sortAxis.y, two.sortAxis.y);
     EXPECT_EQ(one.sortAxis.z, two.sortAxis.z);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the renderer writes into a palette before each frame, for tests of single passes.
+// The palette that the renderer writes before each frame, for tests of single passes.
 #pragma once
 
 #include "sdk/avatar/pose_correctives.h"
@@ -7,7 +7,7 @@
 
 namespace dpl {
 
-/** Joints may stand in another pose than the one that the control nodes follow. */
+/** The joints follow jointPose, the control nodes nodePose. */
 inline std::vector<gpu::vec4> paletteOf(const AvatarData& avatar, const Pose& jointPose, const Pose& nodePose) {
     std::vector<Mat3x4f> joints;
     jointTransforms(avatar.joints, jointPose, joints);

@@ -23,7 +23,7 @@ std::string textOf(const Result<T>& result) {
     return result ? "no error" : formatText("code {}: {}", int(result.error().code), result.error().message);
 }
 
-/** Both renderers, each with two tubes and a cloud of general splats under the same numbers. */
+/** Both renderers, each with two tubes and a cloud of general splats that have the same ids. */
 class SameFaults : public testing::Test {
 protected:
     void SetUp() override {
@@ -40,7 +40,7 @@ protected:
         }
     }
 
-    /** `act` fails on both with this code and the same sentence, which holds `words`. */
+    /** Expects that `act` fails on both renderers with this code and the same sentence, which contains `words`. */
     template <class Act>
     void expectFault(const char* what, Code code, const char* words, Act&& act) {
         const std::string cpu = textOf(act(*renderers_[0])), gpu = textOf(act(*renderers_[1]));
@@ -149,7 +149,7 @@ TEST_F(SameFaults, ofLoading) {
     });
 }
 
-/** A slot of weight 0 may name any joint: no renderer reads it. */
+/** An entry of weight 0 may have any joint index, because no renderer reads that joint. */
 TEST_F(SameFaults, butSlotsOfWeightZeroAreFree) {
     AvatarData a = makeTube({.splatsPerTriangle = 1, .rings = 3});
     a.mesh.jointIndices[0] = {0, 9, 9, 9}, a.mesh.jointWeights[0] = {255, 0, 0, 0};

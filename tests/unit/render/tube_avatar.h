@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A small procedural subject for renderer tests: a bending tube along +Y with two joints, layered splats of every kind.
+// A small procedural avatar for renderer tests: a tube along +Y that bends at one of its two joints, with layers of splats of every kind.
 #pragma once
 
 #include <cmath>
@@ -68,13 +68,13 @@ inline AvatarData makeTube(const TubeOptions& o = {}) {
     return a;
 }
 
-/** The avatar as renderers keep it: its splats coded and decoded once, so that a referee who knows no codes draws the same. */
+/** Codes and decodes the splats once, as renderers keep them. The referee, which knows no codes, then draws the same splats. */
 inline AvatarData codedOnce(AvatarData a) {
     a.splats = decodeSplats(*codeSplats(a.mesh, a.splats), a.mesh.triangles.size());
     return a;
 }
 
-/** Bends the upper half by `bend` radians about +X and turns the whole by `turn` about +Y. */
+/** Bends the upper half by `bend` radians about +X and turns the tube by `turn` radians about +Y. */
 inline Pose tubePose(float bend, float turn = 0) {
     Pose pose = Pose::rest(2);
     pose.localRotations[0] = glm::angleAxis(turn, Vec3f(0, 1, 0));

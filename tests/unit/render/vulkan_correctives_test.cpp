@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Deformation and light as the skin pass leaves them, against the referee: the `posed` buffer itself is read back.
+// Deformation and brightness in the output of the skin pass (the `posed` buffer, read back) against the referee.
 #include <cstring>
 
 #include "sdk/format/splat_codec.h"
@@ -11,7 +11,7 @@
 namespace dpl {
 namespace {
 
-/** skinned: with the joints of the pose; else every joint at rest, and the corrected rest surface comes back. */
+/** skinned: with the joints of the pose. Otherwise every joint is at rest, and the result is the corrected rest surface. */
 std::vector<Vec4f> skinOnDevice(Backend& backend, const AvatarData& avatar, const Pose& pose, bool skinned) {
     const CodedSplats coded = *codeSplats(avatar.mesh, avatar.splats);
     const AvatarRecords records = packAvatar(avatar, coded);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Level of detail on Vulkan: the referee at levels in between, both eyes alike, and no pop while a camera walks away.
+// Level of detail on Vulkan: agrees with the referee at any level, gives both eyes the same splats, and does not pop as a camera moves
+// away.
 #include "apps/reference/reference_detail.h"
 #include "sdk/format/splat_detail.h"
 #include "tests/reference/random_avatar.h"
@@ -9,11 +10,11 @@
 namespace dpl {
 namespace {
 
-/** 20,000 splats: a half-chunk is a patch of a few centimetres. */
+/** 20,000 splats, so that a group covers a patch of a few centimetres. */
 struct Subject {
     std::shared_ptr<const AvatarData> avatar = [] {
         AvatarData tube = makeTube({.splatsPerTriangle = 16, .colourSpread = 0.4f});
-        tube.joints[1].humanoidBone = "head";  // its upper half keeps more
+        tube.joints[1].humanoidBone = "head";  // level of detail keeps more splats of its upper half
         return share(std::move(tube));
     }();
     CodedSplats coded = *codeSplats(avatar->mesh, avatar->splats);
@@ -77,7 +78,7 @@ TEST_P(VulkanImage, nearbyAndWithoutTheBytesAreTheSame) {
     EXPECT_TRUE(drawOne(*vulkan.renderer, *id, pose, camera).rgba == without);
 }
 
-/** A pair is drawn with what its finer eye wants: an eye alone at that density is the same picture. */
+/** Both eyes are drawn at the density that the finer eye needs. One eye alone at that density draws the same picture. */
 TEST_P(VulkanImage, bothEyesShowTheSameSplats) {
     TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(vulkan);
@@ -105,7 +106,7 @@ TEST_P(VulkanImage, bothEyesShowTheSameSplats) {
     EXPECT_LT(compareImages(c, b).psnrDb, 50) << "the case shows nothing";
 }
 
-/** Second differences in time, in levels, as in vulkan_flicker_test. */
+/** Second differences over time of 8-bit values, as in vulkan_flicker_test. */
 struct Pops {
     double mean = 0, largest = 0;
 };
@@ -128,7 +129,8 @@ TEST_P(VulkanImage, nothingPopsWhileTheCameraWalksAway) {
     const auto id = vulkan.renderer->addAvatar(s.avatar);
     ASSERT_TRUE(id) << id.error().message;
     const Pose pose = tubePose(0.6f);
-    // 0.43 m/s at 72 Hz. What level of detail takes away is looked at by itself too: the walk moves everything else.
+    // 0.43 m/s at 72 Hz. `taken` is the part of the picture that level of detail removes. It is measured by itself too, because the
+    // motion of the camera changes everything else.
     std::vector<std::vector<float>> full, reduced, taken;
     float firstShare = 0, lastShare = 0, largestStep = 0;
     for (int t = 0; t < 60; ++t) {
@@ -196,7 +198,7 @@ TEST_P(VulkanImage, levelOfDetailOfGeneralSplatsAgreesWithTheReferee) {
     EXPECT_TRUE(drawOne(*vulkan.renderer, *id, {}, camera).rgba == without);
 }
 
-/** Also eyes that are turned so far apart that each is a frame of its own, which knows of the other. */
+/** Also for eyes whose axes differ so much that each has its own frame: level of detail still looks at both. */
 TEST_P(VulkanImage, bothEyesShowTheSameGeneralSplats) {
     TestVulkan vulkan(withPreciseBlending(), GetParam());
     DPL_NEED_VULKAN(vulkan);
@@ -244,7 +246,7 @@ TEST_P(VulkanImage, oneBudgetHoldsForAnAvatarAndGeneralSplats) {
         EXPECT_LE(stats->splatsAllowed, budget);
         EXPECT_GE(stats->splatsAllowed, budget * 95 / 100);
         EXPECT_LE(stats->splatsDrawn, budget);
-        EXPECT_GT(stats->splatsDrawn, budget / 8);  // half of the room is behind the camera, half of the tube turned away
+        EXPECT_GT(stats->splatsDrawn, budget / 8);  // half of the room is behind the camera, and half of the tube faces away
         EXPECT_LE(stats->detailShare, shares[0]);
         EXPECT_LE(other->detailShare, shares[1]);
         shares[0] = stats->detailShare, shares[1] = other->detailShare;

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// A slowly turning camera. Flicker is what changes from frame to frame beyond smooth motion. The referee itself flickers a little
-// (splats swap order, pixels are bytes); a renderer may add little to it.
+// Flicker in the picture of a slowly turning camera: changes from frame to frame that are not smooth motion. The referee itself flickers a
+// little, because splats swap order and pixels are rounded to bytes. The renderer may add little to that.
 #include "tests/unit/render/vulkan_image.h"
 
 namespace dpl {
 namespace {
 
 constexpr int kFrames = 20;
-constexpr float kStepRad = 0.0015f;  // 0.09 degrees a frame: a head that turns at 6 degrees a second and 72 Hz
+constexpr float kStepRad = 0.0015f;  // 0.09 degrees a frame: a head that turns by 6 degrees a second, at 72 Hz
 
-/** Second differences in time, in levels: zero where brightness is still or changes steadily. */
+/** Second differences over time of 8-bit values: zero where brightness is constant or changes linearly. */
 struct Flicker {
     double mean = 0, largest = 0;
     size_t pops = 0;  // values above kPopLevels
@@ -55,7 +55,7 @@ TEST_P(VulkanImage, aSlowlyTurningCameraFlickersNoMoreThanTheReference) {
     const Flicker ours = flickerOf(drawn), reference = flickerOf(wanted);
     std::printf("[ FLICKER  ] a covered value: %.4f levels (reference %.4f), largest %.0f (%.0f), above %.0f levels: %zu (%zu)\n",
                 ours.mean, reference.mean, ours.largest, reference.largest, kPopLevels, ours.pops, reference.pops);
-    EXPECT_GT(reference.mean, 0.01);  // the picture does move
+    EXPECT_GT(reference.mean, 0.01);  // the picture moves
     EXPECT_LE(ours.mean, reference.mean * 1.05);
     EXPECT_LE(ours.pops, reference.pops + reference.pops / 10 + 4);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What tests of Vulkan pictures share: both fills, both blendings, the distance to the referee.
+// Shared by tests of Vulkan pictures: both fills, both colour formats, the difference from the referee.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -14,13 +14,12 @@
 
 namespace dpl {
 
-// With 16-bit blending, the remaining errors are the 16-bit depth key (equal keys fall back to splat order) and the 1/255 cut-off: at
-// least 50 dB.
+// 16-bit blending leaves two errors: splats with equal 16-bit depth keys are drawn in splat order, and the 1/255 cut-off. At least 50 dB.
 constexpr double kMinPsnrDb = 50;
-// 8-bit blending rounds once a layer, and tails below half a level vanish: up to 5 levels where a close-up stacks many faint layers.
+// 8-bit blending rounds once in every layer and loses tails below half a level: up to 5 levels where a close-up stacks many faint layers.
 constexpr double kMinBytePsnrDb = 46;
 
-/** Every test is run for both ways of filling pixels. */
+/** Every test runs with both fills. */
 class VulkanImage : public testing::TestWithParam<Fill> {};
 
 inline VulkanTestOptions withPreciseBlending() {
@@ -30,8 +29,8 @@ inline VulkanTestOptions withPreciseBlending() {
 }
 
 /** With vectors of 512 bits lavapipe 22.3.6 crashes while it compiles some fragment shaders: those for f16 targets, for targets of several
- *  samples, and for quads that follow an overflow of the tile lists. Nothing of ours is on the faulting thread: it is inside
- *  LLVM's BitCastInst, called by libvulkan_lvp, and a use-list pointer holds the text "p_mask" in the four cores that were read. */
+ *  samples, and for quads after an overflow of the tile lists. The faulting thread runs only the driver: it is inside LLVM's BitCastInst,
+ *  called by libvulkan_lvp. In the four core dumps that were read, a use-list pointer holds the text "p_mask". */
 inline bool lavapipeCompilerCrashes() {
     const char* width = std::getenv("LP_NATIVE_VECTOR_WIDTH");
     return width && std::string(width) == "512";
@@ -44,7 +43,7 @@ inline VulkanTestOptions withPreciseBlendingOfAnyWidth() {
     return options;
 }
 
-/** In what layers are blended, for what tests print. */
+/** Name of the blending, for output. */
 inline const char* blendedIn(const VulkanTestOptions& options) {
     return options.preciseBlending ? "f16" : "8 bit";
 }
@@ -70,8 +69,8 @@ inline Difference compare(const RenderedView& image, const ReferenceImage& want)
     return d;
 }
 
-/** Whether two kernels that the driver compiled apart drew the same picture. Each rounds in its own way: on a host with AVX2 and without
- *  AVX-512, 1 or 2 of 84,600 bytes differed by one code (lavapipe 22.3.6, 2026-11-23, the same bytes in every run). */
+/** Compares pictures of two kernels that the driver compiled separately, so that each may round differently. On a host with AVX2 and
+ *  without AVX-512, 1 or 2 of 84,600 bytes differed by one code (lavapipe 22.3.6, 2026-11-23, the same bytes in every run). */
 inline testing::AssertionResult sameButForRounding(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
     if (a.size() != b.size()) return testing::AssertionFailure() << a.size() << " and " << b.size() << " bytes";
     size_t different = 0;
@@ -101,7 +100,7 @@ inline RenderedView drawOne(Renderer& r, RenderAvatarId id, const Pose& pose, co
     return std::move(out[0]);
 }
 
-/** The last frame of the avatar, which showed something, was filled that way. */
+/** Expects that the last frame of the avatar, in which it must be visible, was drawn with this fill. */
 inline void expectFilledBy(Renderer& r, RenderAvatarId id, Fill fill) {
     const auto stats = r.stats(id);
     ASSERT_TRUE(stats) << stats.error().message;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The Vulkan picture against the double-precision referee, repeated, of hard sizes, and refused.
+// Vulkan pictures against the referee, repeated frames, unusual sizes and splats, and refused input.
 #include "tests/unit/render/vulkan_image.h"
 
 #include "sdk/math/coverage.h"
@@ -13,12 +13,12 @@ namespace {
 INSTANTIATE_TEST_SUITE_P(Fill, VulkanImage, testing::Values(Fill::Quads, Fill::Tiles),
                          [](const auto& info) { return std::string(info.param == Fill::Tiles ? "Tiles" : "Quads"); });
 
-/** What a picture may miss of the referee's. */
+/** Bounds of the difference from the referee. covered: smallest share of pixels that must be drawn. */
 struct Bounds {
     double covered = 0.005, maxDepthErrorM = 0.02, minBytePsnrDb = kMinBytePsnrDb;
 };
 
-/** Draws `id` with depth, prints how far it is from the referee and holds it to the bounds. */
+/** Draws `id` with depth, prints the difference from the referee and checks the bounds. */
 RenderedView expectAgrees(TestVulkan& vulkan, const std::string& name, const Result<RenderAvatarId>& id, const Pose& pose,
                           const Cameraf& camera, const ReferenceImage& want, const Bounds& bounds = {}) {
     if (!id) {
@@ -63,7 +63,7 @@ TEST_P(VulkanImage, equalsTheReferenceInSeveralPosesAndViews) {
         for (TestVulkan* vulkan : {&precise, &byte}) {
             auto id = vulkan->renderer->addAvatar(avatar);
             expectAgrees(*vulkan, c.name, id, pose, camera,
-                         want);  // depth: a splat at the 1/255 cut-off may flip; it moves depth by α times the tube's thickness
+                         want);  // bound of depth: a splat at the 1/255 cut-off may flip, which moves depth by α times the tube's thickness
             if (id) vulkan->renderer->removeAvatar(*id);
         }
     }
@@ -92,7 +92,7 @@ TEST_P(VulkanImage, floatKeysTakeTwiceTheRoundsAndAgreeWithTheReferenceToo) {
     EXPECT_EQ(rounds[1], 4);
 }
 
-/** The tube drawn at a share of the size at which it is said to have been trained. */
+/** Draws the tube at a fraction of the size at which it was trained according to trainedPixelM. */
 TEST_P(VulkanImage, fourSamplesAPixelEqualTheReference) {
     TestVulkan precise(withPreciseBlending(), GetParam()), byte(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(precise);
@@ -108,9 +108,9 @@ TEST_P(VulkanImage, fourSamplesAPixelEqualTheReference) {
             EXPECT_LT(compareImages(one.rgb, want.rgb).psnrDb, 45) << "one sample shows the same: this case shows nothing";
             for (TestVulkan* vulkan : {&precise, &byte}) {
                 auto id = vulkan->renderer->addAvatar(avatar);
-                const RenderedView image =
-                    expectAgrees(*vulkan, "4 samples, x" + std::to_string(size).substr(0, 4) + ", " + std::to_string(seed), id, pose,
-                                 camera, want, {.minBytePsnrDb = kMinPsnrDb});  // in 8 bits too: four roundings average
+                const RenderedView image = expectAgrees(
+                    *vulkan, "4 samples, x" + std::to_string(size).substr(0, 4) + ", " + std::to_string(seed), id, pose, camera, want,
+                    {.minBytePsnrDb = kMinPsnrDb});  // also in 8 bits, because the rounding of four samples averages
                 ASSERT_TRUE(id);
                 EXPECT_TRUE(drawOne(*vulkan->renderer, *id, pose, camera).rgba == image.rgba) << "depth or not";
                 vulkan->renderer->removeAvatar(*id);
@@ -119,8 +119,8 @@ TEST_P(VulkanImage, fourSamplesAPixelEqualTheReference) {
     }
 }
 
-/** Opaque limbs in front of each other: beside an outline some samples of a tile are done after three layers, their neighbours see what
- * lies behind. */
+/** Opaque limbs in front of each other. Beside an outline some samples of a tile are opaque after three layers, while their neighbours
+ *  still show the limb behind. */
 TEST_P(VulkanImage, samplesBesideOneThatIsDoneStillSeeWhatLiesBehind) {
     TestVulkan vulkan(withPreciseBlending(), GetParam());
     DPL_NEED_VULKAN(vulkan);
@@ -195,21 +195,21 @@ TEST_P(VulkanImage, generalSplatsEqualTheReferenceAtEveryShDegree) {
     DPL_NEED_VULKAN(precise);
     for (uint32_t degree = 0; degree <= 3; ++degree) {
         StaticSplatData splats = randomStaticSplats(degree + 1, 1500, degree);
-        splats.compensated = degree % 2 == 1;  // as SPZ files may ask for
+        splats.compensated = degree % 2 == 1;  // SPZ files may set it
         const Cameraf camera = tubeCamera(160, 192, 0.7f, 2.2f);
         const ReferenceImage want = renderReference(splats, referenceCamera(camera), {.compensated = splats.compensated});
         const ReferenceImage other = renderReference(splats, referenceCamera(camera), {.compensated = !splats.compensated});
         EXPECT_LT(compareImages(other.rgb, want.rgb).psnrDb, 45) << "compensation shows nothing here";
         for (TestVulkan* vulkan : {&precise, &byte}) {
             auto id = vulkan->renderer->addSplats(splats);
-            // Splats lie up to 2 m behind each other: one at the 1/255 cut-off moves depth by its α times that.
+            // Splats lie up to 2 m behind each other. One that flips at the 1/255 cut-off moves depth by its α times 2 m.
             expectAgrees(*vulkan, "general, SH " + std::to_string(degree), id, {}, camera, want, {.covered = 0.05, .maxDepthErrorM = 0.05});
             if (id) vulkan->renderer->removeAvatar(*id);
         }
     }
 }
 
-/** A person-sized set in front of a wall 800 m away: 16 bits of depth would put all of it on a few keys. */
+/** A person-sized set in front of a wall 800 m away: with 16-bit keys the whole person would have only a few keys. */
 TEST_P(VulkanImage, generalSplatsStaySortedInADeepScene) {
     TestVulkan precise(withPreciseBlending(), GetParam());
     DPL_NEED_VULKAN(precise);
@@ -252,7 +252,7 @@ TEST_P(VulkanImage, hundredFramesAreByteIdentical) {
     const RenderedView first = drawOne(*vulkan.renderer, *id, tubePose(0.6f), camera);
     for (int frame = 1; frame < 100; ++frame) {
         if (frame % 10 == 0)
-            drawOne(*vulkan.renderer, *id, tubePose(0.01f * float(frame)), camera);  // another pose in between leaves nothing behind
+            drawOne(*vulkan.renderer, *id, tubePose(0.01f * float(frame)), camera);  // another pose in between must have no effect
         ASSERT_EQ(drawOne(*vulkan.renderer, *id, tubePose(0.6f), camera).rgba, first.rgba) << "frame " << frame;
     }
 }
@@ -266,7 +266,7 @@ TEST_P(VulkanImage, framesInFlightDrawWhatFramesAloneDraw) {
     const Cameraf views[2] = {tubeCamera(96, 80, 0.5f, 1.8f, -0.03f), tubeCamera(96, 80, 0.5f, 1.8f, 0.03f)};
     const RenderedView alone = drawOne(*vulkan.renderer, *first, tubePose(0.7f), views[0]),
                        other = drawOne(*vulkan.renderer, *second, tubePose(-0.4f), views[1], true);
-    for (int frame = 0; frame < 12; ++frame) {  // four times round the ring, poses, avatars and shapes mixed, nothing waited for
+    for (int frame = 0; frame < 12; ++frame) {  // uses each slot four times, with mixed poses, avatars and shapes, and never waits
         const float bend = 0.1f * float(frame - 4);
         ASSERT_TRUE(vulkan.renderer->draw(*first, tubePose(bend), {views, 1}, false));
         ASSERT_TRUE(vulkan.renderer->draw(*second, tubePose(bend), {views + 1, 1}, true));
@@ -282,7 +282,7 @@ TEST_P(VulkanImage, framesInFlightDrawWhatFramesAloneDraw) {
     EXPECT_TRUE(std::equal(other.rgba.begin(), other.rgba.end(), (*pixels)[0].rgba.begin()));
     EXPECT_TRUE(std::equal(other.depthM.begin(), other.depthM.end(), (*pixels)[0].depthM.begin()));
     ASSERT_TRUE(vulkan.renderer->draw(*first, tubePose(0), {views, 1}, false));
-    vulkan.renderer->removeAvatar(*first);  // while it is drawn
+    vulkan.renderer->removeAvatar(*first);  // while its frame is running
 }
 
 TEST_P(VulkanImage, drawsNothingForAnEmptyAvatarAndOneSplatForOne) {
@@ -327,7 +327,7 @@ TEST_P(VulkanImage, onePixelTargetAndBehindTheCamera) {
     const RenderedView pixel = drawOne(*vulkan.renderer, *id, tubePose(0), one, true);
     const ReferenceImage want = renderReference(*avatar, tubePose(0), referenceCamera(one));
     ASSERT_EQ(pixel.rgba.size(), 4u);
-    EXPECT_NEAR(pixel.rgba[3] / 255.0, want.alpha[0], 0.01);  // 8 bits, and thousands of faint layers on one pixel, each rounded to f16
+    EXPECT_NEAR(pixel.rgba[3] / 255.0, want.alpha[0], 0.01);  // thousands of faint layers on one pixel, each rounded to f16, then to 8 bits
     EXPECT_NEAR(pixel.rgba[1] / 255.0, want.rgb[1], 0.01);
     Cameraf away = tubeCamera(32, 32, 0);
     away.viewFromWorldTranslation.z = -3;  // the tube is behind the eye
@@ -357,8 +357,8 @@ TEST_P(VulkanImage, reportsATimeForEachPassOfTheLastFrame) {
     EXPECT_EQ(times.size(), 1 + 2 + 2 + 1 + 4 + 12 + 3u + (GetParam() == Fill::Tiles ? 15u : 0u));
 }
 
-// Without a low-pass a splat may be far smaller than a pixel: α falls by more from row to row than a float holds. Trained avatars have κ =
-// 1/12 px².
+// Without a low-pass a splat may be far smaller than a pixel. Then α falls so steeply from row to row that the ratio does not fit a float.
+// Trained avatars have κ = 1/12 px².
 constexpr float kWeakLowPassesPx2[] = {0, 0.02f, 0.075f, 0.077f, 1 / 12.0f, 0.2f};
 Fill fillAt(Fill fill, float kappaPx2) {
     return kappaPx2 < kTileMinKappaPx2 ? Fill::Quads : fill;
@@ -384,7 +384,7 @@ TEST_P(VulkanImage, splatsSmallerThanAPixelAreDrawnWithoutALowPassToo) {
     }
 }
 
-/** A splat of no size but its low-pass, at every eighth of a pixel down two tiles. */
+/** A splat without size except its low-pass, at every eighth of a pixel along the height of two tiles. */
 TEST_P(VulkanImage, oneTinySplatIsRightWhereverItLiesInItsTile) {
     TestVulkan vulkan(withPreciseBlending(), GetParam());
     DPL_NEED_VULKAN(vulkan);
@@ -406,7 +406,7 @@ TEST_P(VulkanImage, oneTinySplatIsRightWhereverItLiesInItsTile) {
     }
 }
 
-/** Four samples a pixel have a quarter of that low-pass each. */
+/** With four samples a pixel, each sample has a quarter of the low-pass. */
 TEST_P(VulkanImage, splatsSmallerThanASampleAreDrawnToo) {
     TestVulkan vulkan(withPreciseBlending(), GetParam());
     DPL_NEED_VULKAN(vulkan);
@@ -424,7 +424,7 @@ TEST_P(VulkanImage, splatsSmallerThanASampleAreDrawnToo) {
                                      renderReference(*avatar, tubePose(0.4f), referenceCamera(camera)));
         std::printf("[  IMAGE   ] 4 samples, kappa %.3f px²: colour %.1f dB (max %.4f), covered %.1f %%\n", double(kappaPx2), d.psnrDb,
                     d.maxError, 100 * d.covered);
-        EXPECT_GE(d.psnrDb, 60) << kappaPx2;  // 57 where the lists forget samples that reach into a tile
+        EXPECT_GE(d.psnrDb, 60) << kappaPx2;  // 57 if the lists miss splats that only reach a sample at the edge of a tile
         EXPECT_GT(d.covered, 0.01) << kappaPx2;
         expectFilledBy(*vulkan.renderer, *id, fillAt(GetParam(), kappaPx2));
         vulkan.renderer->removeAvatar(*id);
@@ -450,7 +450,7 @@ TEST_P(VulkanImage, refusesWhatItCannotDraw) {
     nan.cx = NAN;
     EXPECT_FALSE(vulkan.renderer->render(*id, tubePose(0), {&nan, 1}, false, out));
     EXPECT_FALSE(vulkan.renderer->render(*id + 1, tubePose(0), {&huge, 1}, false, out));
-    EXPECT_GT(drawOne(*vulkan.renderer, *id, tubePose(0), tubeCamera(32, 32, 0)).rgba.size(), 0u);  // still alive
+    EXPECT_GT(drawOne(*vulkan.renderer, *id, tubePose(0), tubeCamera(32, 32, 0)).rgba.size(), 0u);  // the renderer still works
 }
 
 }  // namespace

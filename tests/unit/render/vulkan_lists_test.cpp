@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the frame's lists hold: culling leaves out only what no view shows, and no list loses a splat.
+// The lists of a frame: culling removes only splats that no view shows, and no list loses a splat.
 #include "shaders/shared/frame.h"
 #include "tests/reference/corrective_cases.h"
 #include "tests/reference/random_avatar.h"
@@ -9,7 +9,7 @@
 namespace dpl {
 namespace {
 
-/** A view of part of the subject at (0, middle, 0): from near or far, past it, off-axis, with any lens. */
+/** A random view of a part of the subject at (0, middle, 0): from near or far, aimed past it, off-axis, with any focal length. */
 Cameraf randomView(std::mt19937& random, float middle) {
     std::uniform_real_distribution<float> uniform(0, 1);
     const auto around = [&](float reach) {
@@ -23,9 +23,9 @@ Cameraf randomView(std::mt19937& random, float middle) {
     return c;
 }
 
-// Culling removes only what no view shows: the bytes are the same with and without each tier of culling, and the picture equals the
-// referee's. Tiles may differ by one level: they test every four splats whether a pixel is done, and splats that add nothing shift
-// those tests.
+// Culling removes only splats that no view shows: quads draw the same bytes with and without culling, and the picture equals the referee's.
+// Tiles may differ by one level. They test after every four splats whether a pixel is opaque, and splats that add nothing shift these
+// tests.
 TEST_P(VulkanImage, cullingLosesNoVisibleSplat) {
     VulkanTestOptions options = withPreciseBlendingOfAnyWidth(), without = withPreciseBlendingOfAnyWidth();
     without.cull = false;
@@ -41,7 +41,7 @@ TEST_P(VulkanImage, cullingLosesNoVisibleSplat) {
                                : test::withCorrectives(makeTube({.shDegree = 1, .colourSpread = 0.3f}), uint32_t(round));
         if (blob)
             for (float& c : data.splats.sh)
-                c *= 0.3f;  // neighbours of a person agree; ties of the 16-bit key are not what this test is about
+                c *= 0.3f;  // neighbours have similar colours, as on a person, so that ties of the 16-bit key do not matter here
         const auto avatar = share(std::move(data));
         const Pose pose = blob ? randomPose(*avatar, uint32_t(round)) : tubePose(1.5f * std::sin(float(round)), float(round));
         const Cameraf first = randomView(random, blob ? 1 : 0.5f);
@@ -105,7 +105,7 @@ TEST_P(VulkanImage, whatIsOutOfViewIsNotPosedAndComesBack) {
         for (const Cameraf& view : {whole, away, whole, close, away, close, whole, close, close, close}) {
             Pose pose = randomPose(*avatar, ++frame);
             for (Quatf& q : pose.localRotations) q = glm::slerp(Quatf(1, 0, 0, 0), q, 0.2f);
-            if (frame == 3) pose.rootTranslation.x += 6;  // gone from where the view still looks
+            if (frame == 3) pose.rootTranslation.x += 6;  // moves the avatar out of the view
             std::vector<RenderedView> shown(1), all(1);
             ASSERT_TRUE(vulkan.renderer->render(*id, pose, {&view, 1}, true, shown));
             ASSERT_TRUE(posingAll.renderer->render(*allId, pose, {&view, 1}, true, all));
@@ -134,8 +134,8 @@ AvatarData tubeOf(uint32_t count, TubeOptions options) {
     return a;
 }
 
-// Lists cannot overflow: each has one entry a splat (docs/adr/0002). The worst case is a frame in which every splat is seen by every view,
-// at counts that fill the runs of the sort exactly, and one more or less.
+// The lists of a quad frame have room for every splat, so they cannot overflow (docs/adr/0002). The worst case is a frame in which every
+// view sees every splat. The counts fill the runs of the sort exactly, or have one splat more or less.
 TEST_P(VulkanImage, everyListHoldsAFrameThatShowsEverySplat) {
     const VulkanTestOptions options = withPreciseBlendingOfAnyWidth();
     TestVulkan vulkan(options, GetParam());
@@ -162,7 +162,7 @@ TEST_P(VulkanImage, everyListHoldsAFrameThatShowsEverySplat) {
     }
 }
 
-/** Splats of half a metre seen from inside. Few of them overflow the list of entries, more of them that of spans already. */
+/** Splats of half a metre, seen from inside: 400 of them overflow the list of entries, 1,500 already the list of spans. */
 TEST(VulkanTiles, aFrameThatTheListsCannotHoldIsFilledByQuads) {
     TestVulkan tiles(testVulkanOptions(), Fill::Tiles), quads(testVulkanOptions(), Fill::Quads);
     DPL_NEED_VULKAN(tiles);
@@ -174,7 +174,7 @@ TEST(VulkanTiles, aFrameThatTheListsCannotHoldIsFilledByQuads) {
         auto id = tiles.renderer->addSplats(splats), other = quads.renderer->addSplats(splats);
         ASSERT_TRUE(id && other);
         for (const size_t viewCount : {size_t(1), size_t(2)}) {
-            for (const Cameraf* views : {far, near, far}) {  // back to tiles after an overflow
+            for (const Cameraf* views : {far, near, far}) {  // after an overflow, tiles fill the next frame again
                 std::vector<RenderedView> got(viewCount), want(viewCount);
                 ASSERT_TRUE(tiles.renderer->render(*id, {}, {views, viewCount}, true, got));
                 ASSERT_TRUE(quads.renderer->render(*other, {}, {views, viewCount}, true, want));
@@ -197,7 +197,7 @@ TEST(VulkanTiles, aFrameThatTheListsCannotHoldIsFilledByQuads) {
     }
 }
 
-/** The same with four samples a pixel: quads of as many fill it. */
+/** The same with four samples a pixel: quads with four samples fill the frame. */
 TEST(VulkanTiles, aFrameOfFourSamplesThatTheListsCannotHoldIsFilledByQuads) {
     TestVulkan tiles(testVulkanOptions(), Fill::Tiles), quads(testVulkanOptions(), Fill::Quads);
     DPL_NEED_VULKAN(tiles);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The GPU's mesh depth against a ray caster in double precision: random avatars in several poses, and meshes that are hard to draw.
+// Mesh depth on the GPU against a ray caster in double precision: random avatars in several poses, and meshes that are hard to rasterise.
 #include "apps/reference/reference_mesh.h"
 #include "tests/reference/mesh_depth_cases.h"
 #include "tests/unit/format/sample_correctives.h"
@@ -8,7 +8,7 @@
 namespace dpl {
 namespace {
 
-/** A frame that leaves the depth of the mesh, and that of the splats as well or not. */
+/** Draws a frame with mesh depth. splatDepth: with the depth of the splats too. */
 std::vector<RenderedView> drawMeshDepth(Renderer& renderer, RenderAvatarId id, const Pose& pose, std::span<const Cameraf> views,
                                         bool splatDepth = false) {
     FrameWants wants;
@@ -23,7 +23,7 @@ void expectDepth(const char* name, const std::vector<float>& depthM, const Avata
                  double minCovered, double maxCovered = 1) {
     SCOPED_TRACE(name);
     ASSERT_EQ(depthM.size(), size_t(camera.widthPx) * camera.heightPx);
-    // Skinning in float moves vertices by 1e-7 m of metres; of a camera that is 400 m away half a micrometre is left of a position.
+    // Slack of 2e-5: skinning in float moves vertices by 1e-7 m, and a position in the view of a camera 400 m away has steps of 3e-5 m.
     const MeshDepthReport r =
         compareMeshDepth(depthM, referenceSkin(avatar, pose), avatar.mesh.triangles, referenceCamera(camera), 0.01, 2e-5);
     EXPECT_EQ(r.wrong, 0u) << r.firstWrong;
@@ -31,7 +31,7 @@ void expectDepth(const char* name, const std::vector<float>& depthM, const Avata
     EXPECT_LE(double(r.covered), maxCovered * double(r.pixels));
 }
 
-/** On one joint at rest, without splats. */
+/** An avatar with this mesh on one joint at rest, without splats. */
 AvatarData avatarOf(const MeshDepthCase& c) {
     AvatarData a;
     a.name = c.name;
@@ -79,7 +79,7 @@ TEST(VulkanMeshDepth, equalsTheReferenceInRandomAndHardCases) {
     for (const MeshDepthCase& c : meshDepthCases()) {
         const bool finite =
             std::all_of(c.positions.begin(), c.positions.end(), [](const Vec3f& p) { return std::isfinite(p.x + p.y + p.z); });
-        if (!finite || c.triangles.empty()) continue;  // no avatar
+        if (!finite || c.triangles.empty()) continue;  // renderers refuse such an avatar
         const auto avatar = std::make_shared<const AvatarData>(avatarOf(c));
         auto id = vulkan.renderer->addAvatar(avatar);
         ASSERT_TRUE(id) << c.name << ": " << id.error().message;
@@ -91,7 +91,7 @@ TEST(VulkanMeshDepth, equalsTheReferenceInRandomAndHardCases) {
     EXPECT_GT(drawn, 40u);
 }
 
-/** Boxes of this many pixels are shared by the lanes of a group. */
+/** From so near, triangles cover more than 64 pixels, and the lanes of a workgroup share each of them. */
 TEST(VulkanMeshDepth, isTheSameHundredTimesWithLargeTrianglesToo) {
     TestVulkan vulkan;
     DPL_NEED_VULKAN(vulkan);

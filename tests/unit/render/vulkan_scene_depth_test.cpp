@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Splats behind an app's scene on Vulkan, by quads and by tiles, against the referee.
+// Splats behind the app's scene on Vulkan, drawn by quads and by tiles, against the referee.
 #include "sdk/math/coverage.h"
 #include "tests/reference/random_avatar.h"
 #include "tests/reference/random_scene_depth.h"
@@ -12,7 +12,7 @@ class VulkanSceneDepth : public testing::TestWithParam<Fill> {};
 INSTANTIATE_TEST_SUITE_P(Fill, VulkanSceneDepth, testing::Values(Fill::Quads, Fill::Tiles),
                          [](const auto& info) { return std::string(info.param == Fill::Tiles ? "VulkanTiles" : "Quads"); });
 
-/** scenes: one a view, may be empty. */
+/** scenes: depths in metres for each view; empty: no scene. */
 std::vector<RenderedView> drawBehind(Renderer& renderer, RenderAvatarId id, const Pose& pose, std::span<const Cameraf> views,
                                      const std::vector<std::vector<float>>& scenes, bool depth) {
     FrameWants wants(depth);
@@ -58,7 +58,7 @@ TEST_P(VulkanSceneDepth, equalsTheReferenceForOneViewAndTwo) {
                     << "with depth or without";
             }
             EXPECT_TRUE(drawBehind(*vulkan->renderer, *id, pose, {views, 1}, {scenes[0]}, true)[0].rgba == pair[0].rgba) << "alone";
-            // A scene for the right eye only; the left is as it is without one.
+            // With a scene for the right eye only, the left eye's picture is the one without a scene.
             const auto right = drawBehind(*vulkan->renderer, *id, pose, views, {{}, scenes[1]}, false),
                        free = drawBehind(*vulkan->renderer, *id, pose, views, {}, false);
             EXPECT_TRUE(sameButForRounding(right[0].rgba, free[0].rgba));
@@ -105,7 +105,7 @@ TEST_P(VulkanSceneDepth, aSceneWithNothingInItLeavesEveryByteAndOneInFrontNone) 
     }
 }
 
-/** Camera and splat on the axis: the depth is 2 to the last bit. */
+/** The splat lies on the camera's axis, so its depth is exactly 2. */
 TEST_P(VulkanSceneDepth, equalDepthIsSeenAndTheNextFloatBeforeItHides) {
     TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(vulkan);
@@ -127,7 +127,7 @@ TEST_P(VulkanSceneDepth, equalDepthIsSeenAndTheNextFloatBeforeItHides) {
     EXPECT_GT(seen, 20u);
 }
 
-/** Many layers in few tiles: the lists overflow, so that quads draw the frame with the scene of that slot. */
+/** Many layers in few tiles overflow the lists, so quads draw the frame, with the scene of its slot. */
 TEST_P(VulkanSceneDepth, holdsWhereTheListsOfTilesOverflowAndForGeneralSplats) {
     TestVulkan vulkan(withPreciseBlendingOfAnyWidth(), GetParam());
     DPL_NEED_VULKAN(vulkan);
@@ -163,7 +163,7 @@ TEST_P(VulkanSceneDepth, framesInFlightKeepTheirOwnScene) {
             FrameWants wants(true);
             wants.sceneDepthM[0] = kept;
             ASSERT_TRUE(vulkan.renderer->draw(*id, tubePose(later == 3 ? 0.7f : 0.1f * float(later)), {&camera, 1}, wants));
-            std::fill(kept.begin(), kept.end(), 0.06f);  // the caller's memory is free again
+            std::fill(kept.begin(), kept.end(), 0.06f);  // the caller may reuse the memory as soon as draw() returns
         }
         auto pixels = vulkan.renderer->read(*id);
         ASSERT_TRUE(pixels) << pixels.error().message;

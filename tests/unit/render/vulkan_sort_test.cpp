@@ -17,7 +17,7 @@ namespace {
 
 using Pairs = std::vector<gpu::uvec2>;
 
-/** rounds: 2, 3 or 4 digits of key. */
+/** rounds: 2, 3 or 4 digits of the key. */
 std::vector<uint32_t> sortOnDevice(Backend& backend, const Pairs& input, uint32_t rounds) {
     FrameIds ids;
     ids.wide = rounds == gpu::kWideSortRounds, ids.floatKeys = rounds == gpu::kFloatSortRounds;
@@ -65,10 +65,9 @@ TEST(VulkanSort, equalsStableSort) {
     for (size_t count : {size_t(0), size_t(1), size_t(2), size_t(127), size_t(gpu::kRun - 1), size_t(gpu::kRun), size_t(gpu::kRun + 1),
                          size_t(30011), size_t(100000)}) {
         for (uint32_t rounds : {gpu::kSortRounds, gpu::kWideSortRounds, gpu::kFloatSortRounds}) {
-            for (uint32_t keys : {1u, 7u,
-                                  rounds == gpu::kFloatSortRounds
-                                      ? ~0u
-                                      : 1u << rounds * gpu::kSortDigitBits}) {  // all equal (10⁵ equal depth keys), heavy ties, spread
+            for (uint32_t keys :
+                 {1u, 7u,
+                  rounds == gpu::kFloatSortRounds ? ~0u : 1u << rounds * gpu::kSortDigitBits}) {  // all keys equal, many ties, few ties
                 Pairs input(count);
                 for (size_t i = 0; i < count; ++i) input[i] = {uint32_t(random() % keys), uint32_t(i)};
                 Pairs want = input;

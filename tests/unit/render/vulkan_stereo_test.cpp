@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two views at once: equal to each alone, whether one order of depth serves both or each has its own.
+// Two views in one call give the pictures of each view alone, both with one shared order of depth and with one order for each view.
 #include "tests/reference/random_avatar.h"
 #include "tests/unit/format/sample_correctives.h"
 #include "tests/unit/render/vulkan_image.h"
@@ -24,7 +24,7 @@ void expectStereoEqualsMono(TestVulkan& vulkan, const Result<RenderAvatarId>& id
     dumpPicture((picture + "_right").c_str(), both[1]);
 }
 
-/** For an avatar and for general splats. */
+/** Checks it for an avatar and for general splats. */
 void expectStereoEqualsMono(const VulkanTestOptions& options, Fill fill, const std::string& picture) {
     TestVulkan vulkan(options, fill);
     DPL_NEED_VULKAN(vulkan);
@@ -78,9 +78,9 @@ TEST_P(VulkanImage, aPairDrawnAsTwoFramesIsTheSamePair) {
     }
 }
 
-/** Draws a pair whose axes are `degrees` apart; the worse eye's distance to the same eye alone, and the largest difference in levels. */
+/** Draws a pair of eyes whose axes are `degrees` apart. Returns the difference of the worse eye from the same eye drawn alone. */
 ImageDifference cantedPairAgainstAlone(TestVulkan& vulkan, float degrees) {
-    // Neighbouring splats of a person have similar colours; unrelated ones would turn every swap into a full-contrast error.
+    // Neighbouring splats of a person have similar colours. With random colours every swap would be an error of full contrast.
     const auto id = vulkan.renderer->addAvatar(share(makeTube({.singleFace = false, .colourSpread = 0.2f})));
     EXPECT_TRUE(id) << id.error().message;
     const Pose pose = tubePose(0.4f);

@@ -11,12 +11,12 @@
 
 namespace dpl {
 
-/** The device whose name contains DOPPEL_VULKAN_DEVICE, else the best one; software devices are allowed. DOPPEL_PLAIN_BUFFERS: the kernels
- * that GPUs run, on lavapipe too. */
+/** The device whose name contains $DOPPEL_VULKAN_DEVICE, otherwise the best one; software devices are allowed. With DOPPEL_PLAIN_BUFFERS
+ *  lavapipe too runs the kernels that GPUs run. */
 inline VulkanTestOptions testVulkanOptions() {
     VulkanTestOptions options;
     options.allowSoftwareDevice = true;
-    options.preciseBlending = false;  // the harder path; the tests of the default ask for it
+    options.preciseBlending = false;  // 8-bit blending has the larger errors; withPreciseBlending() selects the product's 16 bits
     options.enableValidation = !std::getenv("DOPPEL_NO_VALIDATION");
     options.typedBuffers = !std::getenv("DOPPEL_PLAIN_BUFFERS");
     if (const char* name = std::getenv("DOPPEL_VULKAN_DEVICE")) options.deviceName = name;
@@ -24,12 +24,12 @@ inline VulkanTestOptions testVulkanOptions() {
     return options;
 }
 
-/** Renderer and message counter; every test ends with expectSilent(). */
+/** A renderer and its counter of validation messages. The destructor expects that there was none. */
 struct TestVulkan {
     VulkanTestOptions options;
     Fill fill;
     std::unique_ptr<Renderer> renderer;
-    std::string missing;  // why there is none
+    std::string missing;  // why there is no renderer
 
     TestVulkan() : TestVulkan(testVulkanOptions()) {}
     explicit TestVulkan(VulkanTestOptions wanted, Fill fill = Fill::Quads) : options(std::move(wanted)), fill(fill) {
@@ -39,7 +39,7 @@ struct TestVulkan {
             return;
         }
         auto made = createVulkanRenderer(options, fill);
-        if (!made && made.error().code == Code::NotFound) {  // no validation layer: say so, test without
+        if (!made && made.error().code == Code::NotFound) {  // no validation layer: print a note and test without it
             std::printf("[   NOTE   ] %s\n", made.error().message.c_str());
             options.enableValidation = false;
             made = createVulkanRenderer(options, fill);
@@ -50,7 +50,7 @@ struct TestVulkan {
             missing = made.error().message;
     }
     ~TestVulkan() {
-        renderer.reset();  // leaks are reported when the device goes
+        renderer.reset();  // the validation layer reports leaks when the device is destroyed
         EXPECT_EQ(options.validationMessages->load(), 0u) << "validation layer messages, see the log above";
     }
 };

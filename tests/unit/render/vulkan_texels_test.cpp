@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Kernels with typed buffers, and with lanes that fetch for each other, draw the same pictures.
+// Kernels with typed buffers, and kernels whose lanes fetch records for each other, draw the same pictures as the plain kernels.
 #include "sdk/backend/vulkan/vulkan_backend.h"
 #include "tests/reference/random_avatar.h"
 #include "tests/unit/render/vulkan_image.h"
@@ -7,20 +7,20 @@
 namespace dpl {
 namespace {
 
-/** Colour and depth of avatars of these SH degrees and of general splats, one and two views, free and behind a scene; then all in one
- * picture. Two of them at four samples a pixel too. */
+/** Colour and depth of avatars and of general splats of these SH degrees, each alone and all in one picture, in one view and two, with and
+ *  without a scene. Then two pictures with four samples a pixel. */
 std::vector<RenderedView> everything(Renderer& r, const std::vector<uint32_t>& degrees) {
     std::vector<RenderedView> pictures;
     const Cameraf views[2] = {tubeCamera(150, 141, 0.3f, 1.5f, -0.03f), tubeCamera(150, 141, 0.3f, 1.5f, 0.03f)};
     const std::vector<float> scene(150 * 141, 1.5f);
-    const auto draw = [&](std::span<const Drawn> row) {
+    const auto draw = [&](std::span<const Drawn> set) {
         for (size_t viewCount : {1u, 2u}) {
             for (bool behind : {false, true}) {
                 FrameWants wants(true);
                 for (size_t v = 0; behind && v < viewCount; ++v) wants.sceneDepthM[v] = scene;
-                const Status drawn = r.drawTogether(row, {views, viewCount}, wants);
+                const Status drawn = r.drawTogether(set, {views, viewCount}, wants);
                 EXPECT_TRUE(drawn) << (drawn ? "" : drawn.error().message);
-                const auto pixels = r.read(row[0].avatar);
+                const auto pixels = r.read(set[0].avatar);
                 EXPECT_TRUE(pixels) << (pixels ? "" : pixels.error().message);
                 if (!pixels) return;
                 for (const PixelView& p : *pixels)
@@ -29,31 +29,31 @@ std::vector<RenderedView> everything(Renderer& r, const std::vector<uint32_t>& d
         }
     };
     const Pose pose = tubePose(0.4f), none;
-    std::vector<Drawn> row;
+    std::vector<Drawn> set;
     for (const uint32_t degree : degrees) {
         const auto id = r.addAvatar(share(makeTube({.shDegree = degree, .seed = 3 + degree})));
         EXPECT_TRUE(id);
-        row.push_back({*id, &pose});
+        set.push_back({*id, &pose});
     }
     for (const uint32_t degree : degrees) {
         const auto id = r.addSplats(randomStaticSplats(5 + degree, 400, degree));
         EXPECT_TRUE(id);
-        row.push_back({*id, &none});
+        set.push_back({*id, &none});
     }
-    for (const Drawn& one : row) draw({&one, 1});
-    draw(row);
+    for (const Drawn& one : set) draw({&one, 1});
+    draw(set);
     if (lavapipeCompilerCrashes()) return pictures;
     AvatarData fine = makeTube({.seed = 17});
     fine.trainedPixelM = 1e-4f;
     const auto id = r.addAvatar(share(fine));
     EXPECT_TRUE(id);
-    row.push_back({*id, &pose});
-    draw({&row.back(), 1});
-    draw({&row.back() - 1, 2});  // and general splats
+    set.push_back({*id, &pose});
+    draw({&set.back(), 1});
+    draw({&set.back() - 1, 2});  // together with general splats
     return pictures;
 }
 
-void expectSameBytes(Renderer& a, Renderer& b, const std::vector<uint32_t>& degrees) {
+void expectSamePictures(Renderer& a, Renderer& b, const std::vector<uint32_t>& degrees) {
     const auto want = everything(a, degrees), got = everything(b, degrees);
     ASSERT_EQ(want.size(), got.size());
     size_t covered = 0;
@@ -74,10 +74,10 @@ TEST_P(VulkanImage, typedBuffersGiveTheSamePictureAsPlainOnes) {
     const auto backend = createVulkanBackend(typed);
     ASSERT_TRUE(backend);
     if (!(*backend)->info().texels) GTEST_SKIP() << (*backend)->info().name << " reads plain buffers";
-    expectSameBytes(*a.renderer, *b.renderer, {0, 1, 2, 3});
+    expectSamePictures(*a.renderer, *b.renderer, {0, 1, 2, 3});
 }
 
-TEST(VulkanTiles, lanesThatFetchForEachOtherGiveTheSameBytesAsLanesThatDoNot) {
+TEST(VulkanTiles, lanesThatFetchForEachOtherGiveTheSamePictureAsLanesThatDoNot) {
     VulkanTestOptions alone = testVulkanOptions();
     alone.shuffle = false;
     TestVulkan a(alone, Fill::Tiles), b(testVulkanOptions(), Fill::Tiles);
@@ -86,7 +86,7 @@ TEST(VulkanTiles, lanesThatFetchForEachOtherGiveTheSameBytesAsLanesThatDoNot) {
     ASSERT_TRUE(backend);
     if (!(*backend)->info().shuffle)
         GTEST_SKIP() << "subgroups of " << (*backend)->info().name << " do not hold whole tiles, or cannot shuffle";
-    expectSameBytes(*a.renderer, *b.renderer, {1});
+    expectSamePictures(*a.renderer, *b.renderer, {1});
 }
 
 }  // namespace

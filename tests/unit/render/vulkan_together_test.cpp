@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Several avatars in one picture: one order of depth for all, against the referee who blends their splats as one set.
+// Several avatars in one picture have one order of depth. The referee blends their splats as one set.
 #include "tests/reference/random_avatar.h"
 #include "tests/unit/render/vulkan_image.h"
 
@@ -21,7 +21,7 @@ std::vector<ReferenceGaussian> operator+(std::vector<ReferenceGaussian> a, const
     return a;
 }
 
-/** Two tubes that pierce each other, of different SH degrees, and a cloud of general splats about them. */
+/** Two tubes of different SH degrees that pierce each other, and a cloud of general splats around them. */
 struct Crowd {
     std::shared_ptr<const AvatarData> upright = share(makeTube()), lying = share(makeTube({.shDegree = 1, .seed = 9}));
     StaticSplatData cloud = randomStaticSplats(5, 400, 3);
@@ -37,7 +37,7 @@ struct Crowd {
     }
 };
 
-RenderedView drawRow(Renderer& r, std::span<const Drawn> what, std::span<const Cameraf> views, size_t view = 0) {
+RenderedView drawSet(Renderer& r, std::span<const Drawn> what, std::span<const Cameraf> views, size_t view = 0) {
     const Status drawn = r.drawTogether(what, views, {});
     EXPECT_TRUE(drawn) << (drawn ? "" : drawn.error().message);
     const auto pixels = r.read(what[0].avatar);
@@ -53,11 +53,11 @@ TEST_P(VulkanImage, avatarsThatPierceEachOtherAreSortedTogether) {
                c = vulkan.renderer->addSplats(crowd.cloud);
     ASSERT_TRUE(a && b && c);
     const Pose none;
-    const Drawn row[3] = {{*a, &crowd.uprightPose}, {*b, &crowd.lyingPose}, {*c, &none}};
+    const Drawn set[3] = {{*a, &crowd.uprightPose}, {*b, &crowd.lyingPose}, {*c, &none}};
     const Cameraf views[2] = {tubeCamera(160, 144, 0.3f, 1.6f, -0.03f), tubeCamera(160, 144, 0.3f, 1.6f, 0.03f)};
     for (size_t viewCount : {1u, 2u}) {
         for (size_t v = 0; v < viewCount; ++v) {
-            const RenderedView picture = drawRow(*vulkan.renderer, row, {views, viewCount}, v);
+            const RenderedView picture = drawSet(*vulkan.renderer, set, {views, viewCount}, v);
             const Difference d = compare(picture, renderReference(crowd.gaussians, referenceCamera(views[v])));
             std::printf("[  IMAGE   ] view %zu of %zu: colour %.1f dB (max %.4f), alpha %.1f dB, covered %.1f %%\n", v, viewCount, d.psnrDb,
                         d.maxError, d.alphaPsnrDb, 100 * d.covered);
@@ -75,7 +75,7 @@ TEST_P(VulkanImage, avatarsThatPierceEachOtherAreSortedTogether) {
     const auto notFirst = vulkan.renderer->read(*b);
     EXPECT_FALSE(notFirst) << "the picture is the first one's";
 
-    // What makes the case hard: one over the other would be another picture.
+    // The case is hard: drawing one tube over the other gives another picture.
     const ReferenceCamera camera = referenceCamera(views[0]);
     const ReferenceImage near = renderReference(gaussiansOf(*crowd.upright, crowd.uprightPose), camera),
                          far = renderReference(gaussiansOf(*crowd.lying, crowd.lyingPose), camera),
@@ -95,19 +95,19 @@ TEST_P(VulkanImage, depthKeysSpendNothingOnTheGapBetweenAvatars) {
     ASSERT_TRUE(near && far && behind);
     const Cameraf camera = tubeCamera(160, 144, 0, 1.6f);
     Pose away[2] = {tubePose(0.2f), tubePose(0.2f)};
-    away[0].rootTranslation = Vec3f(0.5f, 0, -2000);  // 16 bits of 2 km are steps of 30 mm
-    away[1].rootTranslation = Vec3f(0, 0, 2000);      // where nobody looks
+    away[0].rootTranslation = Vec3f(0.5f, 0, -2000);  // 16 bits over 2 km would be steps of 30 mm
+    away[1].rootTranslation = Vec3f(0, 0, 2000);      // behind the camera
     const Pose pose = tubePose(0.5f);
     const ReferenceImage want = renderReference(*avatar, pose, referenceCamera(camera));
-    const Drawn alone[1] = {{*near, &pose}}, row[3] = {{*far, &away[0]}, {*near, &pose}, {*behind, &away[1]}};
-    const Difference d = compare(drawRow(*vulkan.renderer, alone, {&camera, 1}), want),
-                     together = compare(drawRow(*vulkan.renderer, row, {&camera, 1}), want);
+    const Drawn alone[1] = {{*near, &pose}}, set[3] = {{*far, &away[0]}, {*near, &pose}, {*behind, &away[1]}};
+    const Difference d = compare(drawSet(*vulkan.renderer, alone, {&camera, 1}), want),
+                     together = compare(drawSet(*vulkan.renderer, set, {&camera, 1}), want);
     std::printf("[  IMAGE   ] alone %.1f dB, with one 2 km away and one 2 km behind the camera %.1f dB\n", d.psnrDb, together.psnrDb);
     EXPECT_GE(together.psnrDb, d.psnrDb - 4) << "three intervals of the same length share the keys: a third of them is left";
     EXPECT_GE(together.psnrDb, kMinPsnrDb);
 }
 
-TEST_P(VulkanImage, rowsComeAndGoWithTheirAvatars) {
+TEST_P(VulkanImage, sceneSetsComeAndGoWithTheirAvatars) {
     TestVulkan vulkan(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(vulkan);
     const auto avatar = share(makeTube({.splatsPerTriangle = 2}));
@@ -116,28 +116,28 @@ TEST_P(VulkanImage, rowsComeAndGoWithTheirAvatars) {
     const Cameraf camera = tubeCamera(64, 64, 0);
     std::vector<Pose> poses;
     for (size_t i = 0; i < ids.size(); ++i) poses.push_back(tubePose(0.1f * float(i))), poses[i].rootTranslation.x = 0.2f * float(i) - 0.6f;
-    const auto rowOf = [&](std::vector<size_t> members) {
-        std::vector<Drawn> row;
-        for (size_t i : members) row.push_back({ids[i], &poses[i]});
-        return row;
+    const auto setOf = [&](std::vector<size_t> members) {
+        std::vector<Drawn> set;
+        for (size_t i : members) set.push_back({ids[i], &poses[i]});
+        return set;
     };
-    const RenderedView first = drawRow(*vulkan.renderer, rowOf({0, 1}), {&camera, 1});
-    for (size_t i = 2; i < 7; ++i) drawRow(*vulkan.renderer, rowOf({0, i}), {&camera, 1});  // more rows than are kept
-    EXPECT_TRUE(drawRow(*vulkan.renderer, rowOf({0, 1}), {&camera, 1}).rgba == first.rgba) << "a row that went is made again";
-    EXPECT_FALSE(drawRow(*vulkan.renderer, rowOf({0}), {&camera, 1}).rgba == first.rgba);
+    const RenderedView first = drawSet(*vulkan.renderer, setOf({0, 1}), {&camera, 1});
+    for (size_t i = 2; i < 7; ++i) drawSet(*vulkan.renderer, setOf({0, i}), {&camera, 1});  // more sets than are kept
+    EXPECT_TRUE(drawSet(*vulkan.renderer, setOf({0, 1}), {&camera, 1}).rgba == first.rgba) << "a dropped set is made again";
+    EXPECT_FALSE(drawSet(*vulkan.renderer, setOf({0}), {&camera, 1}).rgba == first.rgba);
 
-    const auto refused = [&](const std::vector<Drawn>& row) {
-        const Status status = vulkan.renderer->drawTogether(row, {&camera, 1}, {});
+    const auto refused = [&](const std::vector<Drawn>& set) {
+        const Status status = vulkan.renderer->drawTogether(set, {&camera, 1}, {});
         return !status && status.error().code == Code::InvalidArgument;
     };
     EXPECT_TRUE(refused({}));
-    EXPECT_TRUE(refused(rowOf({0, 1, 0}))) << "an avatar has one pose";
+    EXPECT_TRUE(refused(setOf({0, 1, 0}))) << "an avatar has one pose";
     EXPECT_TRUE(refused(std::vector<Drawn>(17, Drawn{ids[0], &poses[0]})));
     const uint64_t before = vulkan.renderer->stats(ids[0])->residentBytes;
     vulkan.renderer->removeAvatar(ids[1]);
     EXPECT_LT(vulkan.renderer->stats(ids[0])->residentBytes, before);
-    EXPECT_TRUE(refused(rowOf({0, 1})));
-    drawRow(*vulkan.renderer, rowOf({0, 2}), {&camera, 1});
+    EXPECT_TRUE(refused(setOf({0, 1})));
+    drawSet(*vulkan.renderer, setOf({0, 2}), {&camera, 1});
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Behaviour of the splat engine that needs no referee: sizes, empty input, culling, order, threads, numbers that are not finite.
+// Behaviour of the splat engine without the referee: sizes, empty input, culling, order, threads, numbers that are not finite.
 #include <gtest/gtest.h>
 
 #include <cmath>
