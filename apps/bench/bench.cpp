@@ -53,20 +53,20 @@ void addBenchOptions(CLI::App& command, BenchOptions& options, const std::vector
         .add_option("avatar", options.avatar,
                     "Avatar file (.glb), or general splats (.ply, compressed .ply, .spz, .glb with KHR_gaussian_splatting)")
         ->required();
-    command.add_option("--renderers", options.renderers, "Which to time")->check(CLI::IsMember(renderers))->capture_default_str();
+    command.add_option("--renderers", options.renderers, "The renderers to time")->check(CLI::IsMember(renderers))->capture_default_str();
     command.add_option("--fill", options.fill, "How the renderer 'vulkan' fills pixels; auto: a self-test finds the faster way")
         ->check(CLI::IsMember(kFillNames))
         ->capture_default_str();
     command.add_option("--clip", options.clip, "Pose: a clip of the avatar by name, or a BVH or glTF file (default: the rest pose)");
     command.add_option("--time", options.timeS, "Pose: time in the clip, seconds")->check(inRange(0.0, 1e6));
-    command.add_option("--repeats", options.repeats, "Timed frames a case")->check(inRange(1, 1000))->capture_default_str();
-    command.add_option("--threads", options.threadCount, "CPU threads, 0: one a core")->check(inRange(0, 256));
-    command.add_option("--axes", options.axes, "How the file stands; many 3D Gaussian splatting PLYs are y-down")
+    command.add_option("--repeats", options.repeats, "Number of timed frames in each case")->check(inRange(1, 1000))->capture_default_str();
+    command.add_option("--threads", options.threadCount, "CPU threads; 0: one for each core")->check(inRange(0, 256));
+    command.add_option("--axes", options.axes, "The file's up axis; many 3D Gaussian splatting PLYs are y-down")
         ->check(CLI::IsMember(kAxesNames))
         ->capture_default_str();
     command.add_option("--json", options.jsonFile, "Also write the figures to this file, as JSON lines");
-    CLI::Option* withoutReference =
-        command.add_flag("--no-reference", options.withoutReference, "Only time: the referee takes seconds a picture");
+    CLI::Option* withoutReference = command.add_flag("--no-reference", options.withoutReference,
+                                                     "Measure no errors, only times; the referee takes seconds for each picture");
     command.add_option("--plot", options.plotFile, "Draw speed against error into this SVG file")->excludes(withoutReference);
 }
 

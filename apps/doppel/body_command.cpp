@@ -23,7 +23,7 @@ Result<BodyModel> importBody(const std::filesystem::path& source) {
     const std::string extension = source.extension().string();
     if (extension == ".npz") return importSmplx(source);
     if (extension == ".glb") return readBody(source);
-    if (!std::filesystem::exists(source)) return fail(Code::NotFound, "{} is not there", source.string());
+    if (!std::filesystem::exists(source)) return fail(Code::NotFound, "{} does not exist", source.string());
     return fail(
         Code::Unsupported,
         "{}: bodies come from a MakeHuman/MPFB2 folder, a SMPL-X .npz or a rigged .glb (convert other formats to .glb with Blender)",
@@ -43,7 +43,7 @@ std::string describe(const BodyModel& body) {
 }  // namespace
 
 void addBodyCommand(CLI::App& app, CommandRun& run) {
-    CLI::App* command = app.add_subcommand("body", "Import and look at parametric bodies");
+    CLI::App* command = app.add_subcommand("body", "Import parametric bodies, and show what they contain");
     command->require_subcommand(1);
     auto options = std::make_shared<BodyOptions>();
 
@@ -63,8 +63,8 @@ void addBodyCommand(CLI::App& app, CommandRun& run) {
         };
     });
 
-    CLI::App* showCommand = command->add_subcommand("show", "Say what a body has");
-    showCommand->add_option("source", options->source, "As for import")->required();
+    CLI::App* showCommand = command->add_subcommand("show", "Show the size, joints and shape morphs of a body");
+    showCommand->add_option("source", options->source, "MakeHuman/MPFB2 folder, SMPL-X .npz, rigged .glb, or 'builtin'")->required();
     showCommand->footer("Examples:\n  doppel body show builtin\n  doppel body show makehuman.glb");
     showCommand->callback([options, &run] {
         run = [options] {

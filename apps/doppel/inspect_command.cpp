@@ -9,7 +9,8 @@ namespace dpl {
 void addInspectCommand(CLI::App& app, CommandRun& run) {
     auto path = std::make_shared<std::filesystem::path>();
     auto json = std::make_shared<bool>(false);
-    CLI::App* command = app.add_subcommand("inspect", "Show what is in an avatar, bytes by part, or in a file of general splats");
+    CLI::App* command = app.add_subcommand(
+        "inspect", "Show the content of an avatar and the bytes of its parts, or the content of a file of general splats");
     command
         ->add_option("avatar", *path,
                      "Avatar file (.glb), or general splats (.ply, compressed .ply, .spz, .glb with KHR_gaussian_splatting)")

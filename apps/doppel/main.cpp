@@ -16,7 +16,7 @@ int reportError(const Error& error) {
 
 namespace {
 
-/** Tables and JSON go to standard output. A full disk or a closed pipe behind it is a failure like any other. */
+/** Flushes the tables or JSON on standard output. Reports an error if they could not be written (full disk, closed pipe). */
 int flushOutput(int exitCode) {
     if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exitCode;
     return reportError(fail(Code::Io, "cannot write to standard output: {}", std::strerror(errno)));

@@ -45,29 +45,30 @@ Status pack(const PackOptions& options) {
 
 void addPackCommand(CLI::App& app, CommandRun& run) {
     auto options = std::make_shared<PackOptions>();
-    CLI::App* command = app.add_subcommand("pack", "Make an avatar smaller along its measured rate-distortion curve, and print the curve");
+    CLI::App* command = app.add_subcommand("pack", "Make an avatar's file smaller, and print its measured rate-distortion curve");
     command->add_option("avatar", options->avatar, "Avatar file (.glb)")->required();
     command->add_option("-o,--out", options->out, "The packed avatar (.glb)")->required()->check(isOutputFile({".glb"}));
     command->add_option("--max-mb", options->maxMb, "Largest size of the file, 10^6 bytes")->check(inRange(1e-6, 1e6));
     command
-        ->add_option(
-            "--max-loss", options->maxLossDb,
-            "Lowest PSNR (dB) of the packed avatar's pictures against the unpacked one's, covered pixels; default without --max-mb: 42")
+        ->add_option("--max-loss", options->maxLossDb,
+                     "Lowest PSNR, dB, of the packed avatar's pictures against the original's, over covered pixels; without --max-mb the "
+                     "default is 42")
         ->check(inRange(1.0, 200.0));
-    command->add_option("--pictures", options->pictures, "Random views and poses that are drawn to measure")
+    command->add_option("--pictures", options->pictures, "Number of random views and poses that are drawn to measure the error")
         ->check(inRange(1, 1000))
         ->capture_default_str();
     command->add_option("--seed", options->seed, "Seed of views and poses; same seed, same bytes")->capture_default_str();
-    command->add_option("--threads", options->threadCount, "CPU threads, 0: one a core; results do not depend on it")
+    command->add_option("--threads", options->threadCount, "CPU threads; 0: one for each core. The result is the same for any number")
         ->check(inRange(0, 256));
     command->footer(
         "Examples:\n"
         "  doppel pack ada/avatar.glb -o ada-small.glb                          as small as 42 dB allow\n"
         "  doppel pack ada/avatar.glb -o ada-1mb.glb --max-mb 1                 as good as 1 MB allow\n"
-        "  doppel pack ada/avatar.glb -o ada-1mb.glb --max-mb 1 --max-loss 38   both, or an error that says what is the nearest\n"
-        "Words are entropy-coded first, which costs nothing; then each step takes what saves most bytes for its error: splats that few "
-        "pixels see, SH rows for\n"
-        "a palette of them, modes of pose correctives, bits of a splat's place, angle, size, opacity or colour.");
+        "  doppel pack ada/avatar.glb -o ada-1mb.glb --max-mb 1 --max-loss 38   both, or an error that names the nearest point of the "
+        "curve\n"
+        "Packing first compresses the file without loss. Then each step makes the change that saves the most bytes for its error:\n"
+        "it leaves out splats that few pixels see, replaces SH coefficients by a palette, leaves out modes of the pose correctives,\n"
+        "or stores a splat's place, angle, size, opacity or colour with fewer bits.");
     command->callback([options, &run] {
         run = [options] {
             Status done = pack(*options);

@@ -15,20 +15,22 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
         ->required();
     command->add_option("-o,--out", options->out, "Output folder: avatar.glb, poses.json, report.html and the stages")->required();
     command->add_option("--body", options->body, "Body to start from (.glb made by `doppel body import`); default: the built-in body");
-    command->add_option("--models", options->models, "Folder of ONNX networks that find keypoints and clothing where the scan brings none");
+    command->add_option("--models", options->models, "Folder of ONNX networks that find keypoints and clothing if the scan has none");
     const auto choosePreset = [options](const std::string& name) {
         options->preset = name == "draft" ? Preset::Draft : name == "high" ? Preset::High : Preset::Standard;
     };
-    command->add_option_function<std::string>("--preset", choosePreset, "How long to train: draft takes minutes")
+    command->add_option_function<std::string>("--preset", choosePreset, "Quality against time: draft takes minutes")
         ->check(CLI::IsMember({"draft", "standard", "high"}))
         ->default_str("standard");
-    command->add_option("--time-budget", options->timeBudgetMinutes, "Minutes for training; becomes a step count once, after a probe")
+    command
+        ->add_option("--time-budget", options->timeBudgetMinutes,
+                     "Minutes for training; a timed probe at the start turns them into a number of steps")
         ->check(inRange(0.0, 1e5));
-    command->add_option("--steps", options->steps, "Exactly this many training steps instead of the preset's (for comparisons)")
+    command->add_option("--steps", options->steps, "Number of training steps instead of the preset's, for comparisons")
         ->check(inRange(0, 10000000))
         ->excludes("--time-budget");
     command->add_option("--seed", options->seed, "Seed of every random choice; same seed, same bytes")->capture_default_str();
-    command->add_option("--threads", options->threadCount, "CPU threads, 0: one a core; results do not depend on it")
+    command->add_option("--threads", options->threadCount, "CPU threads; 0: one for each core. The result is the same for any number")
         ->check(inRange(0, 256))
         ->capture_default_str();
     command->footer(

@@ -98,7 +98,7 @@ Status moveAside(doppel::Avatar& avatar, double metres) {
     return {};
 }
 
-/** Who is drawn together, and the clip that each of them plays. */
+/** The avatars that are drawn together, and the clip that each of them plays. */
 struct Company {
     std::vector<doppel::Avatar> avatars;
     std::vector<uint32_t> clips;
@@ -123,7 +123,7 @@ Result<DplAvatarInfo> boxOf(const Company& company) {
     return all;
 }
 
-/** Stills, turntables and clips from our own camera. */
+/** Stills, turntables and clips, from a camera that frames all avatars. */
 Status renderShots(const RenderOptions& options, const doppel::Context& context, Company& company, Progress& progress) {
     const PictureSize size = parsePictureSize(options.size).value_or(PictureSize{});  // the option parser has checked it
     double duration = options.turntable ? 6 : 0;
@@ -149,7 +149,7 @@ Status renderShots(const RenderOptions& options, const doppel::Context& context,
     const size_t frameCount = still ? 1 : std::max<size_t>(1, size_t(std::lround(duration * options.framesPerSecond)));
     const uint32_t viewCount = options.stereo ? 2 : 1, outWidthPx = size.widthPx * viewCount;
     if (video && (outWidthPx % 2 || size.heightPx % 2))
-        return fail(Code::InvalidArgument, "--size {}: video needs even sides", options.size);
+        return fail(Code::InvalidArgument, "--size {}: a video needs an even width and height, like 720x1280", options.size);
     if (!still && !video) DPL_CHECK_OK(makeFolder(options.out));
     std::optional<VideoWriter> writer;
     if (video) {
@@ -186,13 +186,13 @@ Status renderShots(const RenderOptions& options, const doppel::Context& context,
     if (options.splatsPerPixel > 0 || options.splatBudget > 0) {
         auto stats = company.avatars[0].frameStats();
         if (!stats) return fromSdk(stats.error());
-        kept = formatText(", at most {} splats in the last, {} of them in view", stats->splatsAllowed, stats->splatsDrawn);
+        kept = formatText(", at most {} splats in the last frame, {} of them in view", stats->splatsAllowed, stats->splatsDrawn);
     }
     progress.endStage(formatText("{} frames in {}{}", frameCount, options.out.string(), kept));
     return {};
 }
 
-/** General splats have no joints: what would pose them is refused rather than left out without a word. */
+/** Refuses options that would pose general splats, because these have no joints. */
 Status checkStill(const RenderOptions& options, const fs::path& file) {
     const char* posing = !options.clip.empty()    ? "--clip"
                          : !options.scan.empty()  ? "--scan"
@@ -200,7 +200,7 @@ Status checkStill(const RenderOptions& options, const fs::path& file) {
                          : options.timeS > 0      ? "--time"
                                                   : nullptr;
     if (posing)
-        return fail(Code::InvalidArgument, "{}: {} holds general splats, which have no joints to pose; leave it out", posing,
+        return fail(Code::InvalidArgument, "{}: {} holds general splats, which have no joints to pose; leave the option out", posing,
                     file.string());
     return {};
 }
@@ -237,7 +237,7 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
     command->add_option("-o,--out", options->out, "A .png (with alpha), a .mp4 (through ffmpeg) or a folder of PNG frames")->required();
     command->add_option("--with", options->beside, "More avatars in the same picture, side by side; their splats are sorted together")
         ->expected(1, int(DPL_MAX_TOGETHER) - 1);
-    command->add_option("--apart", options->apartM, "Metres from one to the next")
+    command->add_option("--apart", options->apartM, "Distance between neighbours, metres")
         ->check(inRange(0.0, 100.0))
         ->capture_default_str()
         ->needs("--with");
@@ -246,36 +246,39 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
     command->add_option("--seconds", options->seconds, "Length of the video (default: the clip's, or 6 s for a turntable)")
         ->check(inRange(0.0, 3600.0));
     command->add_option("--fps", options->framesPerSecond, "Frames per second")->check(inRange(1.0, 240.0))->capture_default_str();
-    command->add_flag("--turntable", options->turntable, "Walk once around the avatar");
-    command->add_option("--azimuth", options->azimuthDeg, "Degrees around the avatar, 0: from the front")->check(inRange(-360.0, 360.0));
-    command->add_option("--axes", options->axes, "How the file stands; many 3D Gaussian splatting PLYs are y-down")
+    command->add_flag("--turntable", options->turntable, "Move the camera once around the avatar");
+    command->add_option("--azimuth", options->azimuthDeg, "Angle of the camera around the avatar, degrees; 0: from the front")
+        ->check(inRange(-360.0, 360.0));
+    command->add_option("--axes", options->axes, "The file's up axis; many 3D Gaussian splatting PLYs are y-down")
         ->check(CLI::IsMember(kAxesNames))
         ->capture_default_str();
     command->add_flag("--stereo", options->stereo, "Left and right eye side by side, 63 mm apart");
     command->add_option("--size", options->size, "Size of one view")->check(isPictureSize())->capture_default_str();
-    command->add_option("--scan", options->scan, "Draw this scan's frames from its own cameras, one PNG with alpha a frame");
+    command->add_option("--scan", options->scan, "Draw the frames of this scan from its own cameras, one PNG with alpha for each frame");
     command->get_option("--scan")->excludes("--with");
-    command->add_option("--split", options->split, "Which frames of the scan")
+    command->add_option("--split", options->split, "With --scan: which frames to draw")
         ->check(CLI::IsMember({"test", "train", "all"}))
         ->capture_default_str();
     command->add_option("--poses", options->poses, "poses.json of the reconstruction (default: beside the avatar)");
-    command->add_option("--scale", options->scale, "With --scan: times the scan's resolution")
+    command->add_option("--scale", options->scale, "With --scan: size of the pictures as a multiple of the scan's")
         ->check(inRange(0.05, 16.0))
         ->capture_default_str();
-    command->add_flag("--without-pose-fit", options->unfitted, "With --scan: the registered poses, not those fitted at test time");
-    command->add_option("--renderer", options->renderer, "auto: a real GPU, else the CPU")
+    command->add_flag("--without-pose-fit", options->unfitted,
+                      "With --scan: use the poses of the surface fit, without the pose fit to held-out frames");
+    command->add_option("--renderer", options->renderer, "auto: a GPU if there is one, otherwise the CPU")
         ->check(CLI::IsMember({"auto", "software", "vulkan"}))
         ->capture_default_str();
-    command->add_option("--fill", options->fill, "How a GPU fills pixels; auto: a self-test finds the faster one")
+    command->add_option("--fill", options->fill, "How a GPU fills pixels; auto: a self-test chooses the faster way")
         ->check(CLI::IsMember(kFillNames))
         ->capture_default_str();
     command
-        ->add_option("--splats-per-pixel", options->splatsPerPixel,
-                     formatText("Level of detail: keep so many splats where a pixel covers more; {} is hard to tell from all, 0: all",
-                                DPL_DETAIL_USUAL))
+        ->add_option(
+            "--splats-per-pixel", options->splatsPerPixel,
+            formatText("Level of detail: the most splats to keep for each pixel; {} is hard to tell from all splats, 0: all splats",
+                       DPL_DETAIL_USUAL))
         ->check(inRange(0.0, 1e6));
-    command->add_option("--splat-budget", options->splatBudget, "Draw at most so many splats of all avatars together; 0: no limit");
-    command->add_option("--threads", options->threadCount, "CPU threads, 0: one a core")->check(inRange(0, 256));
+    command->add_option("--splat-budget", options->splatBudget, "The most splats to draw for all avatars together; 0: no limit");
+    command->add_option("--threads", options->threadCount, "CPU threads; 0: one for each core")->check(inRange(0, 256));
     command->footer(
         "Examples:\n"
         "  doppel render ada/avatar.glb -o ada.png --azimuth 30\n"

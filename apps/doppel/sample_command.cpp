@@ -16,11 +16,11 @@ void addSampleCommand(CLI::App& app, CommandRun& run) {
         bool small = false;
     };
     auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("sample", "Make the scan of a procedural person, with its truth");
-    command->add_option("-o,--out", options->out, "Scan folder to make; must not exist or be empty")->required();
+    CLI::App* command = app.add_subcommand("sample", "Make the scan of a procedural person, with the true shape and poses");
+    command->add_option("-o,--out", options->out, "Scan folder to make; if it exists it must be empty")->required();
     command->add_option("--seed", options->seed, "Which person: shape, colours, clothes, motion")->capture_default_str();
-    command->add_flag("--small", options->small, "Half the size and fewer frames, for tries");
-    command->add_option("--threads", options->threadCount, "CPU threads, 0: one a core; the bytes do not depend on it")
+    command->add_flag("--small", options->small, "Pictures of half the size and fewer frames, for quick tests");
+    command->add_option("--threads", options->threadCount, "CPU threads; 0: one for each core. The files are the same for any number")
         ->check(inRange(0, 256));
     command->footer("Examples:\n  doppel sample -o scan\n  doppel sample -o scan-7 --seed 7 --small");
     command->callback([options, &run] {

@@ -10,7 +10,7 @@
 namespace dpl {
 namespace {
 
-/** 'text' for the shell, safe whatever it contains. */
+/** Quotes any text for the shell. */
 std::string quoted(const std::string& text) {
     std::string out = "'";
     for (char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);

@@ -39,8 +39,8 @@ struct Kept {
     double share = 1, growth = 1;
 };
 
-/** What a group keeps that wants to keep the share `wanted`. cover: area of all its splats over the area of the group; coverThere: that at
- *  the share kMeasuredAt. */
+/** The kept share and growth of a group that should keep the share `wanted`. cover: area of all its splats divided by the area of the
+ *  group. coverThere: the same for the splats that are left at the share kMeasuredAt. */
 Kept keptOf(double wanted, double cover, double coverThere) {
     Kept kept;
     kept.share = std::clamp(wanted, 1.0 / kGroup, 1.0);
@@ -50,8 +50,8 @@ Kept keptOf(double wanted, double cover, double coverThere) {
     return kept;
 }
 
-/** Of a symmetric matrix: the sum of the products of each two eigenvalues, that is the sum of the squared areas that an ellipsoid shows
- * along its axes. */
+/** Sum of the products of each two eigenvalues of a symmetric matrix. For a covariance that is the sum of the squared areas (without π)
+ *  of the ellipsoid's three silhouettes along its axes. */
 double shadows(const glm::dmat3& m) {
     const glm::dmat3 square = m * m;
     const double trace = m[0][0] + m[1][1] + m[2][2];

@@ -30,7 +30,7 @@ Status checkPosable(const Avatar& avatar) {
 
 namespace {
 
-/** Checks that posing and queries need and the file reader does not make. */
+/** Makes the checks that posing and queries need and that the file reader does not make. */
 Status checkLoaded(const AvatarData& data) {
     DPL_CHECK_OK(checkRig(data.joints));
     for (const ClipData& clip : data.clips) DPL_CHECK_OK(checkClip(clip, data.joints));

@@ -22,7 +22,7 @@ const auto softwarePicture = [](const FillScene& scene) -> Result<std::vector<ui
 
 Result<std::unique_ptr<Renderer>> createGpuRenderer(DplRenderer kind, const RendererOptions& options) {
     VulkanOptions vulkan;
-    vulkan.allowSoftwareDevice = kind == DPL_RENDERER_VULKAN;  // asked for by name, any device will do
+    vulkan.allowSoftwareDevice = kind == DPL_RENDERER_VULKAN;  // asked for by name: software devices are allowed
     auto gpu = createVulkanRenderer(vulkan);
     if (!gpu && gpu.error().code != Code::Unsupported) return gpu.error();
     if (!gpu)

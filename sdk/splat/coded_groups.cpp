@@ -15,7 +15,7 @@ struct Turn {
     float cosine, sine;
 };
 
-/** cos and sin of every code of φ: 8 KB. */
+/** cos and sin of φ for every code of φ. 8 KB. */
 const std::array<Turn, kPhiSteps>& turns() {
     static const std::array<Turn, kPhiSteps> table = [] {
         std::array<Turn, kPhiSteps> t;

@@ -86,7 +86,7 @@ HWY_INLINE void staticShape(const ProjectTask& task, const Lens& lens, const flo
     s.valid = s.view.z > real(kNearM);
 }
 
-/** From one quad a lane: its first three floats; w: the fourth. */
+/** Loads four floats for each lane: returns the first three and sets w to the fourth. */
 HWY_INLINE real3 loadQuad(const float* quad, real& w) {
     real3 a;
     hn::LoadInterleaved4(D(), quad, a.x.v, a.y.v, a.z.v, w.v);
@@ -186,7 +186,7 @@ void projectAs(const ProjectTask& task) {
         truth shown = s.valid && f.visible && opacity > real(kMinAlpha) && opacity < huge && abs(x) < huge && abs(y) < huge;
         const real q = visibleRadius2(choose(shown, opacity, real(kMinAlpha)));
         const real radiusX = sqrt(q * f.varianceX), radiusY = sqrt(q * f.varianceY);
-        // The box holds every pixel of which a sample may lie within the radius.
+        // The box contains every pixel that has a sample within the radius.
         const real lastX(c.width - 1), lastY(c.height - 1);
         const real x0 = max(hn::Ceil((x - radiusX - nearest).v), zero), x1 = min(hn::Floor((x + radiusX - farthest).v), lastX);
         const real y0 = max(hn::Ceil((y - radiusY - nearest).v), zero), y1 = min(hn::Floor((y + radiusY - farthest).v), lastY);

@@ -32,7 +32,7 @@ void blendSamples(BlendTileTask task, TileAccumulators& tile) {
     }
 }
 
-/** farthestSeenM of each pixel of one tile; outside the image there is no scene. seen: kTilePixels. */
+/** Writes farthestSeenM of each pixel of one tile into seen[kTilePixels]. Pixels outside the image have no scene. */
 void farthestSeenOf(std::span<const float> sceneDepthM, const TileRect& rect, size_t widthPx, float* seen) {
     std::fill_n(seen, kTilePixels, farthestSeenM(0));
     for (uint32_t row = 0; row < rect.height; ++row) {

@@ -108,8 +108,8 @@ void forProjectBlocks(Jobs& jobs, SplatEngine::Buffers& buffers, const Cameraf& 
 
 constexpr uint8_t kShowsFree = 1, kShowsGated = 2;  // free splats of a triangle may show; its single-face splats may show
 
-/** Which splats of the triangle `view` may show, wherever they lie in the range of (u, v) codes: the corners of that parallelogram are
- *  tested (sdk/math/formulas/cull.inl). A flag is missing only where the kernel would hide every such splat. scaleMaxM: largest standard
+/** Which kinds of splats of the triangle `view` may show, as flags. Tests the corners of the parallelogram in which (u, v) codes place
+ *  splats (sdk/math/formulas/cull.inl). Leaves a flag out only if the kernel would hide every such splat. scaleMaxM: largest standard
  *  deviation at rest. */
 uint8_t showsOf(const ProjectView& view, const TriangleView& t, float scaleMaxM) {
     using F = Formulas<float>;
@@ -129,7 +129,7 @@ uint8_t showsOf(const ProjectView& view, const TriangleView& t, float scaleMaxM)
     return t.planeDot > 0 ? kShowsFree | kShowsGated : kShowsFree;  // the gate is exactly 0 at planeDot ≤ 0
 }
 
-/** Decodes and projects, a few at a time, the packed groups of a block that hold a splat which may show. */
+/** Decodes and projects the packed groups of a block in which any splat may show, a few groups at a time. */
 void projectBlockOfCodes(const CodedSplats& splats, const uint8_t* shows, ProjectTask task) {
     alignas(64) float packed[kPackAhead / kGroupSplats * kMaxGroupFloats];
     const size_t groupFloats = size_t(groupFields(true, task.shDegree)) * kGroupSplats;
@@ -170,8 +170,8 @@ void projectBlockOfCodes(const CodedSplats& splats, const uint8_t* shows, Projec
     flush();
 }
 
-/** The same for the splats that level of detail keeps. They fill the block's entries densely from its start, in order; the other entries
- *  are made invisible. */
+/** As projectBlockOfCodes, for the splats that level of detail keeps. They fill the entries of the block from its start, in order. The
+ *  other entries are made invisible. */
 void projectChosenOfCodes(const CodedSplats& splats, const uint8_t* shows, const SplatDetail& detail, ProjectTask task) {
     alignas(64) float packed[kPackAhead / kGroupSplats * kMaxGroupFloats];
     CodedGroups groups(splats, task.firstSplat, detail.shShare);

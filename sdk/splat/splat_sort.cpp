@@ -2,7 +2,7 @@
 // Stable LSD radix sort of the visible splats by view depth, near first; ties keep splat order.
 //
 // Positive floats order like their bits, so the key is bits(z) − bits(nearest z). An avatar three metres away needs two digits of twelve
-// bits. Each worker owns one contiguous range; a stable sort has only one result, so it does not depend on the number of workers.
+// bits. Each worker owns one contiguous range. A stable sort has only one result, so the order does not depend on the number of workers.
 #include <algorithm>
 #include <bit>
 

@@ -95,7 +95,7 @@ doppel::Status poseInClip(doppel::Avatar& avatar) {
     return avatar.setPoseFromClip(0, clip->durationS / 2);
 }
 
-/** The file with only the splats of the face, or of the hands, visible: its picture says where that region is. */
+/** The file with only the splats of the face or of the hands visible. Its picture marks that region. */
 dpl::Result<std::vector<uint8_t>> regionAlone(const std::vector<uint8_t>& bytes, bool hands) {
     DPL_TRY(dpl::AvatarData avatar, dpl::readAvatar(bytes));
     std::vector<bool> wanted;
@@ -176,7 +176,7 @@ double psnr(const std::vector<float>& a, const std::vector<float>& b, const std:
     return count == 0 || sum == 0 ? 99 : 10 * std::log10(255.0 * 255.0 * double(count) / sum);
 }
 
-/** By how many percent the sum of alpha is above the truth's: above 0 for a swollen outline. */
+/** Sum of alpha compared with the truth's, in percent. Above 0 when outlines are swollen. */
 double swelling(const std::vector<float>& a, const std::vector<float>& truth) {
     double x = 0, y = 0;
     for (size_t i = 3; i < a.size(); i += 4) x += double(a[i]), y += double(truth[i]);

@@ -106,7 +106,7 @@ int main(int argc, char** argv) {
     app.add_option("--preset", options.preset, "draft, standard, high")->transform(CLI::CheckedTransformer(presets, CLI::ignore_case));
     app.add_option("--steps", options.steps, "Training steps instead of the preset's");
     app.add_option("--seed", options.seed, "Seed of every random choice");
-    app.add_option("--threads", options.threadCount, "CPU threads, 0: one a core");
+    app.add_option("--threads", options.threadCount, "CPU threads; 0: one for each core");
     CLI11_PARSE(app, argc, argv);
     installSignalHandlers();
     Progress progress;

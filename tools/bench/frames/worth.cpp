@@ -14,7 +14,7 @@ namespace {
 
 using PassFilter = bool (*)(std::string_view label);
 
-/** GPU time of the passes that the filter takes, milliseconds a round. */
+/** GPU time of the passes that the filter accepts, in milliseconds for each round. */
 std::vector<double> passMs(const Contestant& c, PassFilter takes) {
     std::vector<double> sums;
     for (const PassSamples& pass : c.passes) {
@@ -59,7 +59,7 @@ const Contestant* fastestFill(const std::vector<Contestant>& list) {
     return best;
 }
 
-/** Off / on of each round: other work that slows the machine for a while slows both of a round. */
+/** Ratio off / on of each round. Both times of a round are taken in turn, so that other work on the machine slows both. */
 std::vector<double> ratiosOf(const std::vector<double>& off, const std::vector<double>& on) {
     std::vector<double> ratios;
     for (size_t k = 0; k < std::min(off.size(), on.size()); ++k)
