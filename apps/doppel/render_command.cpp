@@ -263,8 +263,7 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
     command->add_option("--scale", options->scale, "With --scan: size of the pictures as a multiple of the scan's")
         ->check(inRange(0.05, 16.0))
         ->capture_default_str();
-    command->add_flag("--without-pose-fit", options->unfitted,
-                      "With --scan: use the poses of the surface fit, without the pose fit to held-out frames");
+    command->add_flag("--without-pose-fit", options->unfitted, "With --scan: draw held-out frames in the poses from before the pose fit");
     command->add_option("--renderer", options->renderer, "auto: a GPU if there is one, otherwise the CPU")
         ->check(CLI::IsMember({"auto", "software", "vulkan"}))
         ->capture_default_str();

@@ -122,7 +122,7 @@ Status BodyFitter::start() {
     std::vector<KeypointView> views;
     std::vector<size_t> chosen = select(FrameKind::StaticFull, Split::Train);
     shapeFromMoving_ = chosen.size() < kMinStillFrames;
-    if (shapeFromMoving_) {  // no still frames: triangulate over moving ones; the torso moves little enough for a start
+    if (shapeFromMoving_) {  // too few still frames: triangulate from moving ones, where the torso moves little enough for a first guess
         const auto moving = movingInTime(true);
         chosen.insert(chosen.end(), moving.begin(), moving.end());
     }

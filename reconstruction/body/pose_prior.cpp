@@ -11,7 +11,7 @@ namespace dpl {
 namespace {
 
 constexpr double kFree = 3.1;
-constexpr double kTail = 2.5;         // Geman–McClure scale, σ: limbs either rest or clearly move
+constexpr double kTail = 2.5;         // Geman–McClure scale in σ; robust, because a limb is either near its rest pose or far from it
 constexpr double kMinBendRad = 0.17;  // below 10° the rest pose does not define the hinge's axis
 
 Vec3d place(const BodyModel& body, int32_t joint) {

@@ -83,7 +83,7 @@ Result<BodyModel> importSmplx(const std::filesystem::path& path, const SmplxOpti
 
     const std::vector<std::string> jointNameList = jointNames(joints);
     for (size_t j = 0; j < joints; ++j) {
-        const double parent = tree.values[j];  // the root's parent is 2³²−1 or −1
+        const double parent = tree.values[j];  // 2³² − 1 or −1 for the root
         if (j > 0 && !(parent >= 0 && parent < double(j)))
             return fail(Code::CorruptData, "{}: kintree_table gives joint {} the parent {}", path.string(), j, parent);
         body.joints.push_back({jointNameList[j], j == 0 ? -1 : int32_t(parent), Vec3f(regress(j, templateOf) + lift), ""});

@@ -58,8 +58,8 @@ constexpr std::array<std::pair<size_t, size_t>, 17> kDirect{{{Nose, 0},
                                                              {KneeR, 26},
                                                              {AnkleL, 27},
                                                              {AnkleR, 28}}};
-// Interpolation shares, measured on the skeletons of the shared scans. Neck: from the middle of the shoulders to the middle of the ears.
-// Toe: from heel to toe tip.
+// Interpolation shares, measured on the skeletons of scans. Neck: from the middle of the shoulders to the middle of the ears. Toe: from
+// the heel to the tip of the toes.
 constexpr double kNeckShare = 0.44, kToeShare = 0.72, kHeadTopShare = 0.55;
 // Corrections as shares of the trunk: on scan-a the network marks hips 12 px too low and shoulders 6 px too high, at about 90 px of trunk.
 constexpr double kHipRaise = 0.12, kShoulderDrop = 0.06;

@@ -17,12 +17,12 @@
 namespace dpl {
 namespace {
 
-// Thresholds of the findings. Values in brackets were measured on the shared scans and on scans damaged on purpose (scan_check_test).
+// Thresholds of the findings. Values in brackets were measured on real scans, and on scans that scan_check_test damages.
 constexpr double kBlurredRelative = 0.25;  // relativeSharpness below this means motion blur or missed focus
 constexpr double kBlurredIndex =
     0.58;  // median blur index above which all pictures are soft [0.25 to 0.30 when sharp, 0.61 after a blur of 4 px]
 constexpr double kEmptyMaskShare = 0.002;  // of the picture
-constexpr double kBorderShare = 0.01;      // of the picture's edge: more than a touching foot, less than a cut waist
+constexpr double kBorderShare = 0.01;      // of the picture's edge: more than a foot that touches it, less than a waist that it cuts
 constexpr double kExposureStops = 0.5;     // jump between neighbours after the fit by azimuth and height
 constexpr double kGapWarnDeg = 40, kGapRefuseDeg = 150;
 constexpr double kCoherenceWarn = 0.96,

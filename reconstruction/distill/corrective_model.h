@@ -19,7 +19,7 @@ struct CorrectiveModelSettings {
     double reachQuantile = 0.8;      // quantile of the training poses' distances from the mean; farther poses are scaled back
     double offModesQuantile = 0.95;  // quantile of the distances off the modes; correctives fade for poses farther off
     double minReachOffModes = 0.05;  // lower limit of that distance: about 2 degrees of one joint
-    double nodeSpacingM = 0.03;      // about a fold of cloth; at 0.045 scan-a loses 0.3 dB, 0.02 gains 0.05 (docs/adr/0003)
+    double nodeSpacingM = 0.03;      // about a fold of cloth; 0.045 loses 0.3 dB on scan-a, 0.02 gains 0.05 (notebook 2026-11-21)
     uint32_t minPoses = 12;          // with fewer poses the result is empty
     double minSpread = 0.1;          // RMS of the first principal component (radians for small angles); with less the result is empty
 };

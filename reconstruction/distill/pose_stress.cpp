@@ -46,7 +46,7 @@ PoseStress poseStress(const AvatarData& avatar, Jobs& jobs) {
         for (const Triangle& t : avatar.mesh.triangles)
             for (int c = 0; c < 3; ++c) {
                 const uint32_t a = t[c], b = t[(c + 1) % 3];
-                if (a > b) continue;  // each edge once: its two triangles run along it in opposite directions
+                if (a > b) continue;  // visits each edge once, because its two triangles run along it in opposite directions
                 const float length = glm::length(rest[a] - rest[b]);
                 if (length > 1e-4f) strains.push_back(glm::length((posed.rest()[a] - rest[a]) - (posed.rest()[b] - rest[b])) / length);
             }

@@ -17,7 +17,8 @@ struct Truth {
     uint32_t widthPx = 0, heightPx = 0;
 };
 
-/** The frame's picture at ×4, else at ×2. None when the scan has neither, or when they are unreadable or of the wrong size. */
+/** The frame's picture at four times the size, otherwise at twice the size. None if the scan has neither, or if they are unreadable or of
+ *  the wrong size. */
 std::optional<Truth> fineTruth(const std::filesystem::path& scan, const TrainFrame& frame) {
     for (const uint32_t times : {4u, 2u}) {
         ScanFrame file;
@@ -51,7 +52,7 @@ Status addScaleFigures(const std::filesystem::path& scan, Progress& progress, Av
             if (!isOfKind(frame)) continue;
             if (progress.cancelled()) return fail(Code::Cancelled, "stopped");
             auto truth = fineTruth(scan, frame);
-            if (truth && !fine) {  // from here on only frames with a finer truth count
+            if (truth && !fine) {  // once one frame has a finer truth, only such frames are scored
                 fine = true;
                 for (auto& row : sums) std::fill(std::begin(row), std::end(row), Sums{});
             }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stage evidence: how much does each optional part improve the avatar? Training frames are drawn by the public SDK and scored with the
-// part and without it. Held-out frames are not used.
+// The stage evidence measures how much each optional part improves the avatar. The public SDK draws training frames with the part and
+// without it, and both are scored. Held-out frames are not used.
 #include "reconstruction/pipeline/stages.h"
 #include "reconstruction/report/draw_view.h"
 #include "reconstruction/report/score.h"

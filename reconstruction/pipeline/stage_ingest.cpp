@@ -20,7 +20,8 @@ json cameraJson(const Camerad& camera) {
     return out;
 }
 
-/** The hash of a file, or the error's sentence if it cannot be read. A repaired file thus changes the key, and ingest runs again. */
+/** The hash of a file, or the text of the error if it cannot be read. So the key changes when the file is repaired, and ingest runs again.
+ */
 std::string hashOrError(const std::filesystem::path& path) {
     if (path.empty()) return "none";
     auto hash = hashFile(path);

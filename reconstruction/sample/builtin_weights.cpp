@@ -7,7 +7,7 @@
 namespace dpl {
 namespace {
 
-/** The joint that a point with x ≥ 0 follows before weights are smoothed. `part` selects the limb; planes at the joints cut it. */
+/** The joint that a point with x ≥ 0 follows before weights are smoothed. `part` selects the limb. Planes at its joints divide it. */
 uint8_t owner(BodyPart part, const Vec3f& p, const std::vector<JointData>& joints) {
     auto at = [&](int j) { return joints[j].restPosition; };
     // Is p beyond joint b, along the mean direction of the bones a-b and b-c?

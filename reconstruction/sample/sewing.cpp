@@ -44,7 +44,7 @@ std::map<uint32_t, uint32_t> borderLoops(const SurfaceMesh& mesh, std::vector<ui
     return next;
 }
 
-/** Removes triangles until no vertex has two borders. */
+/** Removes triangles until no vertex lies on two borders. */
 void dropTangles(SurfaceMesh& mesh) {
     std::vector<uint32_t> tangled;
     for (int round = 0; round < 20; ++round) {

@@ -43,7 +43,7 @@ void addCorrectivePoseGradient(const PoseCorrectiveData& c, const Pose& pose, st
     }
     double shortened = 1;
     if (const double length = std::sqrt(length2);
-        length > double(c.reach)) {  // k was shortened to `reach`: only the gradient across k passes
+        length > double(c.reach)) {  // k was shortened to length `reach`, so only the gradient orthogonal to k passes
         shortened = double(c.reach) / length;
         for (uint32_t i = 0; i < c.modeCount; ++i) gk[i] = shortened * (gk[i] - along / length2 * k[i]);
     }

@@ -300,7 +300,7 @@ void CoOptimiser::State::updateOffsets() {
     const float scale = 1.0f / float(layer.restGradientCount);
     bool good = true;
     for (Vec3f& g : layer.restGradientSum) g *= scale, good &= finite(g);
-    if (good) {  // M⁻¹ would spread one non-finite vertex over the whole mesh
+    if (good) {  // M⁻¹ would spread one value that is not finite over the whole mesh
         meshRegulariser->run(mesh.restPositions, settings.regularise, 1.0f, layer.restGradientSum);
         std::vector<Vec3f> uGradient(layer.u.size());
         largeSteps->backward(layer.restGradientSum, uGradient, true);
@@ -339,7 +339,7 @@ void CoOptimiser::State::updateCorrectives() {
                 values[n * stride + i * 4 + a] = value[int(a)], gradients[n * stride + i * 4 + a] = gradient[int(a)];
         }
     }
-    const float keep = 1 - fall * settings.nodeDecay;  // decays outside Adam, which would rescale a penalty's gradient
+    const float keep = 1 - fall * settings.nodeDecay;  // decay is applied outside Adam, which would rescale the gradient of a penalty
     adamNodes.update(0, c.nodeCount, active, gradients, rate, values);
     for (uint32_t n = 0; n < c.nodeCount; ++n)
         if (active[n])

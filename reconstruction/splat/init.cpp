@@ -88,7 +88,7 @@ TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData&
         if (restTriangle(a, b, d).valid) total += area[t] = 0.5 * glm::length(glm::cross(b - a, d - a));
     }
     std::vector<uint32_t> perTriangle(triangleCount, 0);
-    double carried = 0;  // a triangle's rounding error goes to the next one, so the total is exact
+    double carried = 0;  // rounding error, passed on to the next triangle so that the total is exact
     for (size_t t = 0; t < triangleCount; ++t) {
         if (!(area[t] > 0)) continue;
         const double want = area[t] / total * settings.splatCount + carried;

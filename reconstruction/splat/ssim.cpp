@@ -41,7 +41,7 @@ struct Ring {
     float* row(uint32_t plane, int j) const { return rows + (plane * kTaps + size_t(j % kTaps)) * stride; }
 };
 
-/** The vertical window about one row: for each row of it inside the image, the offset into a plane of the ring and the weight. */
+/** The vertical window around one row: offset into a plane of the ring, and weight, of each row of the window that is inside the image. */
 struct ColumnWindow {
     int count = 0;
     size_t offset[kTaps];
@@ -65,8 +65,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::CappedTag<float, 16>;
 using V = hn::Vec<D>;
 
-/** out[x] = Σ_k w_k in[x + k − 5]; `in` has kPad zeros on both sides. Works on four vectors at a time, because additions to a single sum
- * wait for each other. */
+/** out[x] = Σ_k w_k in[x + k − 5]. `in` has kPad zeros on both sides. Four vectors at a time, because additions to one sum depend on each
+ *  other. */
 HWY_INLINE void blurRow(const SsimRow& r, const float* HWY_RESTRICT in, float* HWY_RESTRICT out) {
     const D d;
     const size_t lanes = hn::Lanes(d);

@@ -16,14 +16,15 @@
 namespace dpl {
 namespace {
 
-constexpr double kTangentShare = 0.25;  // kept of a pull's part along the outline: mostly noise, but needed for a helmet's far side
-constexpr double kTurnShare = 0.03;     // of the picture's height: turnPx of matchContours()
-constexpr double kReachShare = 0.25;    // of the picture's height: reachPx of matchContours(); longer pulls are wrong matches
-constexpr double kStep = 0.8;           // of the smoothed pull taken per round
+// Factor of a pull's component along the outline. The component is mostly noise, but without it the far side of a helmet does not move.
+constexpr double kTangentShare = 0.25;
+constexpr double kTurnShare = 0.03;   // turnPx of matchContours(), as a share of the picture's height
+constexpr double kReachShare = 0.25;  // reachPx of matchContours(), as a share of the picture's height; longer pulls are wrong matches
+constexpr double kStep = 0.8;         // share of the smoothed pull by which a round moves the surface
 constexpr double kRelax =
     0.03;  // share of an offset's difference from its neighbours' mean, per round; a higher value pulls sleeves and hems inwards
 
-/** A pull on one vertex, rest space. */
+/** A displacement that one outline point asks of one vertex, in the rest pose. */
 struct Pull {
     uint32_t vertex;
     float weight;
@@ -131,7 +132,8 @@ private:
     }
 };
 
-/** For each vertex the vertex whose offset it takes: the nearest of the largest part for a small separate part, else itself. */
+/** For each vertex the vertex whose offset it takes. In a small separate part that is the nearest vertex of the largest part, otherwise
+ *  the vertex itself. */
 std::vector<uint32_t> carriers(const MeshData& mesh) {
     const size_t count = mesh.restPositions.size();
     std::vector<uint32_t> root(count);

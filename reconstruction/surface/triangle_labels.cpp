@@ -10,7 +10,7 @@
 namespace dpl {
 namespace {
 
-/** The up to three neighbours of each triangle across its edges; on an edge of more than two triangles the first ones count. */
+/** The neighbours of each triangle across its three edges. On an edge with more than two triangles only the first two are neighbours. */
 std::vector<std::array<uint32_t, 3>> edgeNeighbours(std::span<const Triangle> triangles) {
     std::map<std::pair<uint32_t, uint32_t>, std::pair<uint32_t, int>> open;
     std::vector<std::array<uint32_t, 3>> neighbours(triangles.size(), {kNoTriangle, kNoTriangle, kNoTriangle});

@@ -113,7 +113,7 @@ TEST(PlainFrame, correctivesMoveAndLightTheSurfaceAsInTheReference) {
                                 renderReference(*avatar, pose, referenceCamera(camera)).rgb)
                       .psnrDb,
                   35)
-            << c.name << ": this case shows nothing";
+            << c.name << ": this case tests nothing";
         expectAvatarAgrees(c.name, avatar, pose, camera);
     }
 }

@@ -37,7 +37,7 @@ TEST(SceneDepth, hidesWhatTheRefereeHides) {
             EXPECT_GT(coverage(want.alpha), 0.05);
             options.sceneDepthM.clear();
             EXPECT_LT(compareImages(renderReference(scene, referenceCamera(camera), options).rgb, want.rgb).psnrDb, 30)
-                << "the scene hides nothing: this case shows nothing";
+                << "the scene hides nothing, so this case tests nothing";
             EXPECT_EQ(
                 drawBehind(scene, camera, randomSceneDepth(seed, camera.widthPx, camera.heightPx, 1.7f), four ? kCoverageSamples : 1, 3)
                     .rgb,

@@ -114,7 +114,7 @@ TEST(SoftwareVsReference, staticSplatsWithAnEnergyPreservingLowPass) {
     const ReferenceImage reference = renderReference(splats, referenceCamera(camera), {.compensated = true});
     ASSERT_GT(coverage(reference.alpha), 0.1);
     EXPECT_LT(compareImages(renderReference(splats, referenceCamera(camera)).rgb, reference.rgb).psnrDb, 45)
-        << "compensation shows nothing here";
+        << "compensation has no effect in this case";
     Jobs jobs(2);
     SplatEngine engine(jobs);
     SplatImage image;
@@ -145,7 +145,7 @@ TEST(SoftwareVsReference, fourSamplesAPixelAtHalfAndAQuarterOfTheSize) {
             const ReferenceImage reference = renderReference(scene, referenceCamera(camera), {.fourSamples = true});
             ASSERT_GT(coverage(reference.alpha), 0.1);
             EXPECT_LT(compareImages(renderReference(scene, referenceCamera(camera)).rgb, reference.rgb).psnrDb, kBarDb - 30)
-                << "one sample shows the same: this case shows nothing";
+                << "one sample gives the same picture, so this case tests nothing";
             const SplatImage image = drawFourSamples(scene, camera);
             expectSameImage(("four samples, x" + std::to_string(size).substr(0, 4) + ", avatar " + std::to_string(seed)).c_str(), image,
                             reference, kBarDb);

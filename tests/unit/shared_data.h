@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the source tree and the shared real data lie, for tests that read them; tests GTEST_SKIP with the reason when the data is absent.
+// Finds the source tree and the shared real data for tests that read them. Without the data such tests skip and print why.
 #pragma once
 
 #include <cstdlib>
@@ -8,8 +8,8 @@
 
 namespace dpl {
 
-/** The source tree: $DOPPEL_SOURCE_DIR (ctest sets it), else the folder above the current one that holds this file (a build folder lies
- * inside the tree). Not by __FILE__: ccache shortens paths so that every checkout finds the same object. */
+/** The source tree: $DOPPEL_SOURCE_DIR (ctest sets it), otherwise the nearest folder above the current one that contains this file (build
+ *  folders lie inside the tree). __FILE__ does not tell, because ccache shortens paths so that all checkouts share objects. */
 inline std::filesystem::path sourceFolder() {
     namespace fs = std::filesystem;
     if (const char* stated = std::getenv("DOPPEL_SOURCE_DIR"); stated && *stated) return stated;
@@ -19,14 +19,14 @@ inline std::filesystem::path sourceFolder() {
     return at;
 }
 
-/** The folder of scan-a, real-orbit-biker, models ...: $DOPPEL_SHARED_DATA, else <source>/../shared/data or the same above it, else
- * nothing. */
+/** The folder of scan-a, real-orbit-biker, models and others: $DOPPEL_SHARED_DATA, otherwise shared/data beside the source tree or beside
+ *  one of the folders above it. Nothing if there is none. */
 inline std::optional<std::filesystem::path> sharedData() {
     namespace fs = std::filesystem;
     std::error_code ignored;
     if (const char* stated = std::getenv("DOPPEL_SHARED_DATA"); stated && *stated) {
         if (fs::is_directory(stated, ignored)) return fs::path(stated);
-        return std::nullopt;  // a stated folder that is not there is not silently replaced by another
+        return std::nullopt;  // a folder that the variable names and that does not exist is never replaced by another
     }
     for (fs::path at = sourceFolder(); at.has_relative_path(); at = at.parent_path()) {
         const fs::path candidate = at.parent_path() / "shared" / "data";

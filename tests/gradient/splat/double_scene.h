@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A small skinned scene with splats, drawn by the referee of tests/reference. Its loss is the function whose gradients the trainer must
+// A small skinned scene with splats, drawn by the referee (apps/reference). Its loss is the function whose gradients the trainer must
 // match. Skinning is written out here because finite differences need poses in double precision.
 #pragma once
 

@@ -30,7 +30,7 @@ TEST(OnnxNet, agreesWithTheGoldenValuesOfAnotherRuntime) {
         auto outputs = net->run(input, side);
         ASSERT_TRUE(outputs) << outputs.error().message;
         const auto& want = golden.at(file);
-        // The golden file holds the first output in onnxruntime's order; ours is the one of that length.
+        // The golden file holds the first output in onnxruntime's order. It is found by its length.
         const size_t count = want.at("first_output_count");
         const auto found = std::find_if(outputs->begin(), outputs->end(), [&](const Tensor& t) { return t.data.size() == count; });
         ASSERT_NE(found, outputs->end()) << file;
@@ -50,7 +50,7 @@ TEST(OnnxNet, aDamagedNetworkIsAnError) {
 }
 
 TEST(Landmarks, becomeTheTwentyFourNames) {
-    // A front view by hand: the subject's left is on the right of the picture.
+    // Hand-made landmarks of a front view: the subject's left is on the right of the picture.
     std::vector<Vec2d> p(33, Vec2d(50, 50));
     std::vector<double> confidence(33, 0.9);
     p[0] = {50, 20}, p[7] = {55, 20}, p[8] = {45, 20};
@@ -146,7 +146,7 @@ TEST(Observations, bikersMaskIsFoundWithoutHisMask) {
         const bool a = truth->pixels[i] >= 128, b = seen->mask.pixels[i] >= 128;
         both += a && b, either += a || b;
     }
-    EXPECT_GT(double(both) / double(either), 0.9);  // PROVENANCE: 0.93 to 0.98
+    EXPECT_GT(double(both) / double(either), 0.9);  // the PROVENANCE file of the pictures states 0.93 to 0.98
 }
 
 TEST(Observations, anEmptyPictureHasNobody) {

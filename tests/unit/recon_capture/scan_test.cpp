@@ -30,7 +30,7 @@ TEST(ScanFolder, readsFramesAndTurnsTheWorldUpright) {
     const auto& camera = scan->frames[0].camera;
     EXPECT_GT(camera.pixelOf(camera.toView({0.3, 1, 0})).x, camera.cx);
     EXPECT_LT(camera.pixelOf(camera.toView({0, 1.5, 0})).y, camera.cy);
-    // Labels come sorted by value whatever the order of the file.
+    // Labels are sorted by value, whatever their order in the file.
     ASSERT_EQ(scan->labels.size(), 3u);
     EXPECT_EQ(scan->labels[2].name, "top");
 }
@@ -47,7 +47,7 @@ TEST(ScanFolder, keypointsFollowTheScansNamesAndNeverTheTrueOnes) {
     EXPECT_DOUBLE_EQ((*points)[1].px.y, 64);
     EXPECT_DOUBLE_EQ((*points)[1].confidence, 0.5);
     EXPECT_EQ((*points)[2].confidence, 0) << "null is a missing point whatever its confidence";
-    // A file with nothing but the true positions is refused, by the name of what it lacks.
+    // A file that has only the true positions is refused. The error names the missing key.
     writeText(scan->frames[0].keypointsPath, R"({"names":["nose"],"xy":[[1,2]]})");
     auto truthOnly = readKeypoints(*scan, scan->frames[0]);
     ASSERT_FALSE(truthOnly);
@@ -136,7 +136,7 @@ TEST(ScanFolder, sharedScansReadWithTheirSplits) {
     ASSERT_EQ(scan->frames.size(), 174u);
     EXPECT_EQ(scan->keypointNames.size(), 24u);
     EXPECT_EQ(scan->labels.size(), 6u);
-    // The subject stands at the origin: every full-body camera sees the point (0, 0.97, 0) inside the picture, the mask has it.
+    // The subject stands at the origin: every full-body camera sees the point (0, 0.97, 0) inside the picture and inside the mask.
     int held = 0;
     for (const auto& frame : scan->frames) {
         held += frame.split == Split::Test;
@@ -155,7 +155,7 @@ TEST(ScanFolder, sharedScansReadWithTheirSplits) {
 }
 
 TEST(ScanFolder, truthMayBeGone) {
-    // The same folder without truth.json, geometry/ and posed/ (builder writes none) and without a skeleton reads all the same.
+    // A folder without a skeleton, truth.json, geometry/ and posed/ can be read too.
     TemporaryFolder folder;
     ScanBuilder builder(folder.path, 3);
     builder.manifest["truth"] = "truth.json";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Our JPEG and PNG codec against OpenCV's, which is other code over the same formats.
+// The JPEG and PNG codec against OpenCV's.
 #include "reconstruction/image/image_codec.h"
 
 #include <gtest/gtest.h>
@@ -113,7 +113,7 @@ TEST(ImageCodec, flippedBitsGiveAPictureOrAnErrorOfTheFile) {
         size_t refused = 0;
         for (int trial = 0; trial < 300; ++trial) {
             std::vector<uint8_t> bad = good;
-            // Sizes stay as they are: readCompleteImage limits them before anything is decoded.
+            // The bytes of the size are not damaged: readCompleteImage limits sizes before anything is decoded.
             const size_t after = extension[1] == 'p' ? 33 : 200;
             for (int k = 0; k < 3; ++k) bad[after + random() % (bad.size() - after)] ^= uint8_t(1u << random() % 8);
             const auto out = decodePicture(bad, PictureChannels::Rgb);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The properties that the header of makeBuiltinBody promises.
+// The properties of the built-in body that builtin_body.h states.
 #include "reconstruction/sample/builtin_body.h"
 
 #include <gtest/gtest.h>

@@ -211,7 +211,7 @@ TEST(CoOptimise, correctivesAreFoundAgain) {
         CoOptimiseInput input = toyScene(jobs, 12, 0, 0, 72, truth);
         if (learn) input.correctives = toyCorrectives(input.mesh);
         CoOptimiseSettings settings = toySettings(480);
-        settings.learnPoses = false;  // a wrong pose could imitate an offset
+        settings.learnPoses = false;  // learned poses could take the place of offsets
         settings.rateNodeOffset = 2e-3f;
         auto t = CoOptimiser::create(std::move(input), settings, jobs);
         ASSERT_TRUE(t) << t.error().message;
@@ -295,7 +295,7 @@ TEST(Polish, keepsMeshAndOrderAndLowersTheLoss) {
     const CoOptimiseResult trained = (*t)->result();
     AvatarData avatar;
     avatar.joints = in.joints, avatar.mesh = in.mesh, avatar.mesh.restPositions = trained.restPositions, avatar.splats = trained.splats;
-    for (float& c : avatar.splats.sh) c *= 0.5f;  // as if the codec had dulled every colour
+    for (float& c : avatar.splats.sh) c *= 0.5f;  // dulls every colour
     const SplatData before = avatar.splats;
     const auto lossOf = [&] { return fitPose(avatar, in.frames[0], {.iterations = 0}, jobs)->lossBefore; };
     const double dull = lossOf();

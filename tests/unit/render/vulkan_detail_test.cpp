@@ -102,8 +102,8 @@ TEST_P(VulkanImage, bothEyesShowTheSameSplats) {
     std::vector<double> a, b, c;
     for (size_t i = 0; i < alone.rgba.size(); ++i)
         a.push_back(alone.rgba[i] / 255.0), b.push_back(both[0].rgba[i] / 255.0), c.push_back(coarser[i] / 255.0);
-    EXPECT_GT(compareImages(a, b).psnrDb, 60) << "the far eye of the pair is not what the near one wants";
-    EXPECT_LT(compareImages(c, b).psnrDb, 50) << "the case shows nothing";
+    EXPECT_GT(compareImages(a, b).psnrDb, 60) << "the far eye of the pair is not drawn at the density of the near eye";
+    EXPECT_LT(compareImages(c, b).psnrDb, 50) << "the densities give the same picture, so this case tests nothing";
 }
 
 /** Second differences over time of 8-bit values, as in vulkan_flicker_test. */
@@ -220,7 +220,7 @@ TEST_P(VulkanImage, bothEyesShowTheSameGeneralSplats) {
                         together.psnrDb, alone.psnrDb);
             EXPECT_GE(together.psnrDb, kMinPsnrDb);
             if (v == 0) {
-                EXPECT_LT(alone.psnrDb, kMinPsnrDb - 5) << "the case shows nothing";
+                EXPECT_LT(alone.psnrDb, kMinPsnrDb - 5) << "one eye alone needs the same splats, so this case tests nothing";
             }
         }
     }

@@ -105,14 +105,14 @@ TEST_P(VulkanImage, fourSamplesAPixelEqualTheReference) {
             data.trainedPixelM = pixelAtM(trained, rootPosition(data.joints, pose));
             const auto avatar = share(data);
             const ReferenceImage want = renderReference(*avatar, pose, referenceCamera(camera));
-            EXPECT_LT(compareImages(one.rgb, want.rgb).psnrDb, 45) << "one sample shows the same: this case shows nothing";
+            EXPECT_LT(compareImages(one.rgb, want.rgb).psnrDb, 45) << "one sample gives the same picture, so this case tests nothing";
             for (TestVulkan* vulkan : {&precise, &byte}) {
                 auto id = vulkan->renderer->addAvatar(avatar);
                 const RenderedView image = expectAgrees(
                     *vulkan, "4 samples, x" + std::to_string(size).substr(0, 4) + ", " + std::to_string(seed), id, pose, camera, want,
                     {.minBytePsnrDb = kMinPsnrDb});  // also in 8 bits, because the rounding of four samples averages
                 ASSERT_TRUE(id);
-                EXPECT_TRUE(drawOne(*vulkan->renderer, *id, pose, camera).rgba == image.rgba) << "depth or not";
+                EXPECT_TRUE(drawOne(*vulkan->renderer, *id, pose, camera).rgba == image.rgba) << "with and without depth";
                 vulkan->renderer->removeAvatar(*id);
             }
         }
@@ -178,7 +178,7 @@ TEST_P(VulkanImage, correctivesMoveAndLightTheSurfaceAsInTheReference) {
         const Cameraf camera = tubeCamera(160, 192, 0.7f, 1.6f);
         const ReferenceImage want = renderReference(*avatar, pose, referenceCamera(camera));
         EXPECT_LT(compareImages(renderReference(plain, pose, referenceCamera(camera)).rgb, want.rgb).psnrDb, 35)
-            << c.name << ": this case shows nothing";
+            << c.name << ": this case tests nothing";
         for (const double l : referenceCorrection(*avatar, pose).light) darkest = std::min(darkest, l), brightest = std::max(brightest, l);
         for (TestVulkan* vulkan : {&precise, &byte}) {
             auto id = vulkan->renderer->addAvatar(avatar);
@@ -199,7 +199,7 @@ TEST_P(VulkanImage, generalSplatsEqualTheReferenceAtEveryShDegree) {
         const Cameraf camera = tubeCamera(160, 192, 0.7f, 2.2f);
         const ReferenceImage want = renderReference(splats, referenceCamera(camera), {.compensated = splats.compensated});
         const ReferenceImage other = renderReference(splats, referenceCamera(camera), {.compensated = !splats.compensated});
-        EXPECT_LT(compareImages(other.rgb, want.rgb).psnrDb, 45) << "compensation shows nothing here";
+        EXPECT_LT(compareImages(other.rgb, want.rgb).psnrDb, 45) << "compensation has no effect in this case";
         for (TestVulkan* vulkan : {&precise, &byte}) {
             auto id = vulkan->renderer->addSplats(splats);
             // Splats lie up to 2 m behind each other. One that flips at the 1/255 cut-off moves depth by its α times 2 m.

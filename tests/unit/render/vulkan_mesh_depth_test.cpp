@@ -63,7 +63,7 @@ TEST(VulkanMeshDepth, equalsTheReferenceInSeveralPosesAndViews) {
             EXPECT_EQ(again[v].depthM.size(), pair[v].meshDepthM.size());
             const auto alone = drawMeshDepth(*vulkan.renderer, *id, pose, {views + v, 1});
             EXPECT_EQ(alone[0].meshDepthM, pair[v].meshDepthM);
-            EXPECT_TRUE(drawOne(*vulkan.renderer, *id, pose, views[v], true).rgba == alone[0].rgba) << "colour does not care";
+            EXPECT_TRUE(drawOne(*vulkan.renderer, *id, pose, views[v], true).rgba == alone[0].rgba) << "mesh depth must not change colours";
         }
         EXPECT_NE(pair[0].meshDepthM, pair[1].meshDepthM);
         Cameraf canted[2] = {views[0], tubeCamera(80, 72, float(seed) + 0.2f, 1.6f)};

@@ -46,7 +46,7 @@ TEST_P(VulkanSceneDepth, equalsTheReferenceForOneViewAndTwo) {
         for (size_t v = 0; v < 2; ++v) {
             want[v] = renderReference(*avatar, pose, referenceCamera(views[v]), scenes[v]);
             EXPECT_LT(compareImages(renderReference(*avatar, pose, referenceCamera(views[v])).rgb, want[v].rgb).psnrDb, 30)
-                << "the scene hides nothing: this case shows nothing";
+                << "the scene hides nothing, so this case tests nothing";
         }
         for (TestVulkan* vulkan : {&precise, &byte}) {
             auto id = vulkan->renderer->addAvatar(avatar);
