@@ -79,7 +79,7 @@ Cameraf shiftedSideways(const Cameraf& camera, double metres) {
     return shifted;
 }
 
-Result<std::vector<std::vector<uint8_t>>> drawViews(const doppel::Context& context, std::span<const DplAvatar> row,
+Result<std::vector<std::vector<uint8_t>>> drawViews(const doppel::Context& context, std::span<const DplAvatar> avatars,
                                                     std::span<const Cameraf> views) {
     std::vector<std::vector<uint8_t>> pixels(views.size());
     std::vector<DplCamera> cameras;
@@ -94,7 +94,7 @@ Result<std::vector<std::vector<uint8_t>>> drawViews(const doppel::Context& conte
         image.rgbaBytes = pixels[i].size();
         images.push_back(image);
     }
-    if (auto drawn = context.renderTogether(row, cameras, images); !drawn) return fromSdk(drawn.error());
+    if (auto drawn = context.renderTogether(avatars, cameras, images); !drawn) return fromSdk(drawn.error());
     return pixels;
 }
 

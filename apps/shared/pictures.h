@@ -33,8 +33,8 @@ constexpr double kEyeDistanceM = 0.063;
 /** The camera moved along its own x axis. −½ and +½ eye distance give a stereo pair with parallel view directions. */
 Cameraf shiftedSideways(const Cameraf& camera, double metres);
 
-/** Draws the avatars `row` together and returns one RGBA8 picture per view, straight alpha. */
-Result<std::vector<std::vector<uint8_t>>> drawViews(const doppel::Context& context, std::span<const DplAvatar> row,
+/** Draws `avatars` together and returns one RGBA8 picture per view, straight alpha. */
+Result<std::vector<std::vector<uint8_t>>> drawViews(const doppel::Context& context, std::span<const DplAvatar> avatars,
                                                     std::span<const Cameraf> views);
 
 /** The views side by side over a grey gradient, as RGB8; the result is views.size()·widthPx wide. */

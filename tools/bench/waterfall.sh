@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Error waterfall of a `doppel sample` scan: what the body fit costs. The scan is reconstructed once with the fit and once with the truth in its place.
+# Measures the error that the body fit adds on a `doppel sample` scan: reconstructs it once with the fit and once with the true body and poses.
 #   tools/bench/waterfall.sh DOPPEL BENCH_TRUE_BODY SCAN OUT [--preset P] [--steps N] [--seed N] [--threads N]
 # BENCH_TRUE_BODY: build/release/tools/bench/bench_true_body
 set -euo pipefail
