@@ -169,7 +169,8 @@ Result<BodyModel> decodeBody(std::span<const uint8_t> bytes, std::string_view na
             for (int i = 0; i < 4; ++i) {
                 const uint32_t joint = part.jointIndices[v][i];
                 if (joint >= gltf.joints.size())
-                    return fail(Code::CorruptData, "body '{}': a vertex hangs on joint {} of {}", name, joint, gltf.joints.size());
+                    return fail(Code::CorruptData, "body '{}': a vertex follows joint {}; the file has {} joints", name, joint,
+                                gltf.joints.size());
                 m += part.jointWeights[v][i] * sceneFromMesh[joint];
                 influences.emplace_back(jointOfGltfJoint[joint], part.jointWeights[v][i]);
             }

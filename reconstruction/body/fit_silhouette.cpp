@@ -31,7 +31,8 @@ double MaskDistance::sample(const Vec2d& cameraPx, Vec2d& gradient) const {
 }
 
 Result<MaskDistance> maskDistance(const ImageGrey8& image, uint32_t maxSidePx) {
-    if (image.widthPx < 2 || image.heightPx < 2) return fail(Code::CorruptData, "a mask of {} × {} pixels", image.widthPx, image.heightPx);
+    if (image.widthPx < 2 || image.heightPx < 2)
+        return fail(Code::CorruptData, "a mask of {} × {} pixels is too small", image.widthPx, image.heightPx);
     cv::Mat mask(int(image.heightPx), int(image.widthPx), CV_8UC1, const_cast<uint8_t*>(image.pixels.data()));
     const double scale = std::min(1.0, double(maxSidePx) / double(std::max(image.widthPx, image.heightPx)));
     cv::Mat small, inside, outside, toPerson, toBackground;

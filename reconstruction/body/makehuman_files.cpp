@@ -118,7 +118,8 @@ Result<MakeHumanMesh> readMakeHumanObj(const std::filesystem::path& path) {
                 face.push_back(index - 1);
             }
             if (face.size() < 3 || face.size() > 4)
-                return fail(Code::Unsupported, "{} line {}: a face of {} corners", path.string(), lines.number, face.size());
+                return fail(Code::Unsupported, "{} line {}: a face has {} corners; only triangles and quads are read", path.string(),
+                            lines.number, face.size());
             groups[group].insert(face.begin(), face.end());
             if (group == "body") mesh.bodyFaces.push_back(std::move(face));
         }

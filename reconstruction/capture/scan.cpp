@@ -34,7 +34,8 @@ Status finishScan(Scan& scan) {
     const std::string root = scan.root.string();
     if (scan.frames.empty()) return fail(Code::CorruptData, "{}: the scan has no frame; add images", root);
     if (scan.frames.size() > kMaxFrames)
-        return fail(Code::Unsupported, "{}: {} frames, at most {} are read; thin the scan out", root, scan.frames.size(), kMaxFrames);
+        return fail(Code::Unsupported, "{}: {} frames, at most {} are read; remove some frames from the scan", root, scan.frames.size(),
+                    kMaxFrames);
     std::set<std::string> names;
     std::set<fs::path> images;
     for (auto& frame : scan.frames) {

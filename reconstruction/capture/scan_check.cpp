@@ -110,7 +110,7 @@ private:
             select([](const ScanFrame&, const FrameMeasures& m) { return m.check.maskShare >= 0 && m.check.maskShare < kEmptyMaskShare; });
         for (size_t i : empty) measures_[i].check.usable = false;
         if (!without.empty() && without.size() == train.size())
-            find(false, "masks", "the scan has no masks; add masks/, or point at a folder of models with a person segmentation");
+            find(false, "masks", "the scan has no masks; add masks/, or give a folder of networks with a person segmentation (--models)");
         else if (!without.empty())
             find(false, "masks", formatText("{} frames have no mask; add them or those frames help little", without.size()),
                  names(without));

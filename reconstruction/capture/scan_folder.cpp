@@ -156,8 +156,8 @@ Result<Scan> readScanFolder(const fs::path& manifestPath) {
     DPL_TRY(const Common common, readCommon(fields, scan.root));
     DPL_TRY(const json* frames, fields.array("frames"));
     if (frames->size() > kMaxFrames)
-        return fail(Code::Unsupported, "{}: {} frames, at most {} are read; thin the scan out", manifestPath.string(), frames->size(),
-                    kMaxFrames);
+        return fail(Code::Unsupported, "{}: {} frames, at most {} are read; remove some frames from the scan", manifestPath.string(),
+                    frames->size(), kMaxFrames);
     for (size_t i = 0; i < frames->size(); ++i) {
         DPL_TRY(auto frame, readFrame((*frames)[i], common, formatText("{} frame {}", manifestPath.string(), i), scan.splitStated));
         scan.frames.push_back(std::move(frame));

@@ -122,7 +122,8 @@ Result<Scan> readNerfstudio(const fs::path& manifestPath) {
     scan.splitStated = !splits.empty();
     DPL_TRY(const json* frames, fields.array("frames"));
     if (frames->size() > kMaxFrames)
-        return fail(Code::Unsupported, "{}: {} frames, at most {} are read; thin the scan out", file, frames->size(), kMaxFrames);
+        return fail(Code::Unsupported, "{}: {} frames, at most {} are read; remove some frames from the scan", file, frames->size(),
+                    kMaxFrames);
     for (size_t i = 0; i < frames->size(); ++i) {
         const json& entry = (*frames)[i];
         const std::string where = formatText("{} frame {}", file, i);

@@ -168,7 +168,7 @@ struct AvatarReader {
         std::vector<int32_t> jointOfNode(model.nodes.size(), -1);
         for (size_t j = 0; j < skin.joints.size(); ++j) {
             const GltfNode& node = model.nodes[skin.joints[j]];
-            if (jointOfNode[skin.joints[j]] >= 0) return fail(Code::CorruptData, "node {} is two joints", skin.joints[j]);
+            if (jointOfNode[skin.joints[j]] >= 0) return fail(Code::CorruptData, "node {} is listed as a joint twice", skin.joints[j]);
             jointOfNode[skin.joints[j]] = int32_t(j);
             JointData joint;
             joint.name = node.name;

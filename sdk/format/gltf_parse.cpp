@@ -178,7 +178,7 @@ Status checkRequired(const Json& root) {
         const bool harmless = name.is_string() && (name.get<std::string>().starts_with("KHR_materials") ||
                                                    name.get<std::string>().find("texture") != std::string::npos);
         if (!known && !harmless)
-            return fail(Code::Unsupported, "the file requires the glTF extension {}; export it without",
+            return fail(Code::Unsupported, "the file requires the glTF extension {}, which is not read; export the file without it",
                         name.dump(-1, ' ', false, Json::error_handler_t::replace));
     }
     return {};

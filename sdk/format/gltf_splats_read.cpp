@@ -42,10 +42,11 @@ Result<Placement> placementOf(const GltfModel& model, uint32_t node) {
 Status checkKind(const GltfSplatting& s) {
     const auto only = [](const char* what, const std::string& found, const char* wanted) -> Status {
         if (found == wanted) return {};
-        return fail(Code::Unsupported, "KHR_gaussian_splatting: '{}' is '{}', only '{}' is drawn; export it so", what, found, wanted);
+        return fail(Code::Unsupported, "KHR_gaussian_splatting: '{}' is '{}', only '{}' is drawn; export the file with that", what, found,
+                    wanted);
     };
     if (!s.extension.empty())
-        return fail(Code::Unsupported, "KHR_gaussian_splatting: extended by {}, which is not read; export it without, or as .spz",
+        return fail(Code::Unsupported, "KHR_gaussian_splatting: extended by {}, which is not read; export the file without it, or as .spz",
                     s.extension);
     DPL_CHECK_OK(only("kernel", s.kernel, "ellipse"));
     DPL_CHECK_OK(only("projection", s.projection, "perspective"));

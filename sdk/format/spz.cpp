@@ -114,7 +114,7 @@ Result<Packed> openGzip(std::span<const uint8_t> bytes) {
     std::memcpy(&p.header, raw.data(), sizeof(Header));
     DPL_CHECK_OK(checkHeader(p.header, bytes.size()));
     if (p.header.version > 3)
-        return fail(Code::CorruptData, "SPZ: version {} inside a gzip stream; only 2 and 3 come so", p.header.version);
+        return fail(Code::CorruptData, "SPZ: version {} inside a gzip stream; only versions 2 and 3 are gzip streams", p.header.version);
     const auto sizes = attributeBytes(p.header);
     for (size_t a = 0; a < kAttributes; ++a) {
         p.attributes[a].resize(sizes[a]);

@@ -53,7 +53,7 @@ Status setBestFill(Renderer& renderer, const std::string& cacheFolder, TrustedPi
     const Fill fill = *found->second;
     if (!path.empty() && kept != fill)
         if (const Status written = writeFileAtomically(path, fileText(fill)); !written)
-            log(LogLevel::Warning, "what the self-test found is not kept: {}", written.error().message);
+            log(LogLevel::Warning, "the result of the self-test cannot be saved: {}", written.error().message);
     renderer.setFill(fill);
     return {};
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two views in one call give the pictures of each view alone, both with one shared order of depth and with one order for each view.
+// Two views in one call give the pictures of each view alone: the same bytes with parallel axes or with an order of depth for each view,
+// nearly the same where canted axes share an order.
 #include "tests/reference/random_avatar.h"
 #include "tests/unit/format/sample_correctives.h"
 #include "tests/unit/render/vulkan_image.h"
