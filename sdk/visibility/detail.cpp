@@ -11,7 +11,7 @@ namespace dpl {
 
 namespace {
 
-constexpr float kFace = 3, kHand = 2;  // favour: so many times the splats of other surface, because people look at face and hands
+constexpr float kFace = 3, kHand = 2;  // factors by which they keep more splats than other surface, because people look at them
 
 float favourOf(std::string_view bone) {
     if (bone == "head" || bone == "jaw" || bone.ends_with("Eye")) return kFace;

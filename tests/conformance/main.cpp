@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
         {"auto", DPL_RENDERER_AUTO}, {"software", DPL_RENDERER_SOFTWARE}, {"vulkan", DPL_RENDERER_VULKAN}};
     CLI::App* write = app.add_subcommand("write", "Write the kit: avatars, kit.json, reference pictures");
     write->add_option("kit", kit, "Folder of the kit")->required();
-    CLI::App* draw = app.add_subcommand("draw", "Draw the kit with one of our renderers");
+    CLI::App* draw = app.add_subcommand("draw", "Draw the kit with one of Doppel's renderers");
     draw->add_option("kit", kit, "Folder of the kit")->required();
     draw->add_option("pictures", pictures, "Folder for the pictures")->required();
     draw->add_option("--renderer", renderer, "auto, software or vulkan")->transform(CLI::CheckedTransformer(names));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// FLIP against what its paper says of it; the numbers for flat pictures were worked out by hand from the formulas.
+// FLIP against statements of its paper. The numbers for flat pictures were worked out by hand from its formulas.
 #include "apps/reference/flip.h"
 
 #include <gtest/gtest.h>

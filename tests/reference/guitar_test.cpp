@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A captured object in a file of another tool: our picture against that of an independent rasteriser, and against the referee.
+// A captured object in a file of another tool: the CPU renderer's picture against an independent rasteriser's and the referee's.
 #include <gtest/gtest.h>
 
 #include <cstdio>

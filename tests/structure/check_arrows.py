@@ -22,7 +22,7 @@ RULES = dict(SDK)
 RULES["platform"] = []
 RULES["reconstruction"] = ["sdk/core", "sdk/math", "sdk/format", "sdk/avatar", "sdk/splat", "reconstruction"]
 RULES["apps"] = ["apps", "platform", "reconstruction", "sdk/core", "sdk/math"]
-# The referee judges the fast code, so it takes no more of it than data types and file readers.
+# The referee judges the fast code, so of that it may include only data types and file readers.
 RULES["apps/reference"] = ["sdk/core", "sdk/format", "sdk/avatar/rig.h", "sdk/math/camera.h"]
 RULES["apps/shared"] = ["reconstruction/report", "sdk/core", "sdk/math"]
 RULES["apps/bench"] = ["apps/shared", "apps/reference", "reconstruction/pipeline", "reconstruction/report", "sdk/core", "sdk/math"]
