@@ -35,7 +35,7 @@ class Place:
     repeats: int = 9
 
     def program(self, target):
-        folder = self.build / ("apps/doppel" if target == "doppel" else "tools/bench")
+        folder = self.build / {"doppel": "apps/doppel", "bench_frames": "tools/bench/frames"}.get(target, "tools/bench")
         if not (folder / target).exists():
             raise BenchError(f"{folder / target} is not built: build it, or leave out --no-build")
         return folder / target
@@ -264,9 +264,9 @@ BENCHES = [
     Bench("speed-error", "quick", 3, "frames of what users can choose, against the double-precision referee",
           "doppel bench demo/avatar/avatar.glb --repeats 9", DOPPEL, take_speed_error),
     Bench("baselines", "quick", 4, "frames with one optimisation switched off, and the frozen plain frame",
-          "build/release/tools/bench/bench_frames demo/avatar/avatar.glb --repeats 9", ("bench_frames",), take_baselines),
+          "build/release/tools/bench/frames/bench_frames demo/avatar/avatar.glb --repeats 9", ("bench_frames",), take_baselines),
     Bench("baselines-large", "quick", 4, "the same with 533,695 splats, without the referee",
-          "build/release/tools/bench/bench_frames big.glb --no-reference --repeats 9", ("bench_frames", "bench_load"), take_baselines_large),
+          "build/release/tools/bench/frames/bench_frames big.glb --no-reference --repeats 9", ("bench_frames", "bench_load"), take_baselines_large),
     Bench("load", "quick", 0.5, "loading and memory of 533,695 splats",
           "build/release/tools/bench/bench_load demo/avatar/avatar.glb 533695 1", ("bench_load",), take_load),
     Bench("detail", "quick", 1.5, "level of detail against distance",
