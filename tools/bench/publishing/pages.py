@@ -161,10 +161,14 @@ def reports(store):
     text = BACK + ("# Other figures of the reports\n\nOf the development set: pictures drawn at other sizes than the trained one, keypoint residuals, and pose "
                    "correctives in poses that nobody trained.\n\n")
     for name, label in DEVELOPMENT:
-        rows = [[r["group"], r["name"], f"{r['value']:.4g} {r['unit']}"] for r in store.rows(name)
-                if r["row"] == "figure" and not r["group"].startswith(SHOWN_ELSEWHERE)]
-        if rows:
-            text += f"## {label}\n\n" + table(["figure", "of what", "value"], rows) + "\n" + taken(store.get(name)) + "\n"
+        rows = [r for r in store.rows(name) if r["row"] == "figure" and not r["group"].startswith(SHOWN_ELSEWHERE)]
+        if not rows:
+            continue
+        text += f"## {label}\n\n"
+        for group in dict.fromkeys(r["group"] for r in rows):
+            body = [[r["name"], f"{r['value']:.4g} {r['unit']}"] for r in rows if r["group"] == group]
+            text += f"{group[:1].upper()}{group[1:]}:\n\n" + table(["of what", "value"], body) + "\n"
+        text += taken(store.get(name)) + "\n"
     return text + missing_of(store, DEVELOPMENT)
 
 
