@@ -107,17 +107,17 @@ def taken_all(store, names):
 
 def quality(store):
     text = BACK + (
-        "# Quality\n\nFrames that nothing before the report has seen, drawn by the shipped avatar. Masked figures use the render's own alpha and take the "
+        "# Quality\n\nHeld-out frames, drawn by the finished avatar; nothing of them is in it. Masked figures use the picture's own alpha and take the "
         "worst of white, black and grey backgrounds. *Static* frames hold one pose; *dynamic* frames are of a moving subject. *Floors*: flat "
         "colours of the segmentation, and vertex colours on the same mesh. *Pose fit* adjusts the pose of each held-out frame to its picture; "
-        "the columns without it are the honest ones for a pose that was never measured.\n\n"
-        "## Development set\n\nWe look at these scans while we work, and what is tuned is tuned on them.\n\n"
-        "The procedural subject is made from the built-in body, and the built-in body is then fitted to it: that flatters its figures. The row "
+        "the columns without it say how good the avatar is in a pose that was not fitted to the picture.\n\n"
+        "## Development set\n\nWe look at these scans while we work, and constants are tuned on them.\n\n"
+        "The procedural subject is made from the built-in body, and the same body is then fitted to it, which improves its figures. The row "
         "with the MakeHuman body fits another body to the same scan.\n\n")
     rows = held_out_rows(store, DEVELOPMENT)
     text += (table(HELD_OUT, rows) + "\n" if rows else "") + missing_of(store, DEVELOPMENT)
-    text += ("Distance of fitted joints to the true ones, on held-out dynamic frames. *After the body fit* is the figure to trust: *after "
-             "training and pose fit* each pose was fitted to the held-out picture that it is measured on.\n\n")
+    text += ("Distance of fitted joints to the true ones, on held-out dynamic frames. Trust the figure *after the body fit*: *after "
+             "training and pose fit*, each pose was fitted to the held-out picture itself.\n\n")
     text += table(REGISTRATION, registration_rows(store, DEVELOPMENT)) + "\n"
     text += "## What nobody looked at\n\nProcedural subjects that no code was tuned on, preset draft.\n\n"
     rows = held_out_rows(store, UNSEEN)
@@ -159,7 +159,7 @@ SHOWN_ELSEWHERE = ("registration against", "training step", "avatar file")
 
 def reports(store):
     text = BACK + ("# Other figures of the reports\n\nOf the development set: pictures drawn at other sizes than the trained one, keypoint residuals, and pose "
-                   "correctives in poses that nobody trained.\n\n")
+                   "correctives in random poses.\n\n")
     for name, label in DEVELOPMENT:
         rows = [r for r in store.rows(name) if r["row"] == "figure" and not r["group"].startswith(SHOWN_ELSEWHERE)]
         if not rows:
@@ -199,8 +199,8 @@ def pass_table(rows, case):
 
 
 FRAME_WORDS = (
-    "*ms*: draw and read, until the pictures are in memory, median. *dplDraw*: what an app's drawing thread pays. *GPU*: the device's own clock; on "
-    "lavapipe, Mesa's Vulkan on the CPU, that clock counts CPU time. PSNR, largest error and FLIP are against the double-precision referee, "
+    "*ms*: draw and read, until the pictures are in memory, median. *dplDraw*: the time that it takes of an app's drawing thread. *GPU*: the "
+    "device's own clock; on lavapipe, Mesa's Vulkan on the CPU, that clock counts CPU time. PSNR, largest error and FLIP are against the double-precision referee, "
     "over mid grey; empty background flatters the PSNR of the whole picture. Renderers take turns, a frame each. Warm frames of every row "
     "allocate nothing and never wait, or the bench fails.\n\n")
 
@@ -239,13 +239,13 @@ def baselines(store):
         return devices(drawn) + frame_table(drawn) + "\n" + worth_table(rows) + "\n" + pass_table(drawn, PHONE)
     text = BACK + (
         "# Baselines: what each optimisation is worth\n\n"
-        "Two baselines, which do different work; the splats that each draws stand in the tables.\n\n"
+        "There are two baselines. They do different work; the tables say how many splats each draws.\n\n"
         "- *Plain float*: the frame before anything was made fast, frozen in `tools/bench/baseline`: records of floats, every splat projected, "
         "32-bit float keys, a frame an eye, one sample a pixel. It draws only splats that face the view and reach 1/255.\n"
-        "- *No culling* and *all switches off*: today's frame with switches off. It sorts and draws every splat, also those that are turned away "
-        "or too faint to add anything, over their box of 3 σ. It works harder than the plain frame did, so this baseline flatters culling.\n\n"
-        "Worth: the ratio of each round, median and quartiles. Bars that earlier issues set for these ratios on lavapipe 22.3.6 no longer hold, "
-        "because passes that only lavapipe gains from may go.\n\n")
+        "- *No culling* and *all switches off*: the current frame with optimisations switched off. It sorts and draws every splat, also those that are "
+        "turned away or too faint to add anything, over their box of 3 σ. It does more work than the plain frame, so culling looks better against it.\n\n"
+        "Ratios are taken in each round; given are their median and quartiles. No bars are set for them on lavapipe, because code that "
+        "only lavapipe gains from may be removed (ADR 0033).\n\n")
     text += section(store, "baselines", "The demo's avatar", body)
     return text + section(store, "baselines-large", "The same avatar blown up to 533,695 splats", body)
 
@@ -283,7 +283,7 @@ def detail(store):
         return text
     text = BACK + (
         "# Level of detail\n\nThe avatar walks away from the camera, 512×768 px, `DPL_DETAIL_USUAL`. Truth is the full avatar drawn at four times "
-        "the size and averaged. *Alpha* is the sum of alpha above the truth's: a swollen outline is above 0. Small avatars have four samples a "
+        "the size and averaged. *Alpha* is the sum of alpha above the truth's: a swollen outline is above 0. Small avatars are drawn with four samples a "
         "pixel ([coverage samples](../adr/0005-coverage-samples.md)).\n\n")
     return text + section(store, "detail", "Full and reduced against distance", body)
 
@@ -300,8 +300,8 @@ def scaling(store):
                 lines.append([number(splats, 0)] + [f"{number(by[n], 1)} ms, {number(by[n] * 1e6 / splats, 0)} ns" if n in by else NOTHING for n in names])
             text += f"{case}, ms a frame and ns a splat:\n\n" + table(["splats", *(RENDERERS[n] for n in names)], lines) + "\n"
         return text
-    text = BACK + ("# Time against the number of splats\n\nThe demo's avatar blown up, SH degree 1, medians of five. Where the time grows more "
-                   "slowly than the splats, the nanoseconds a splat fall down a column.\n\n")
+    text = BACK + ("# Time against the number of splats\n\nThe demo's avatar blown up, SH degree 1, medians of five. Where nanoseconds a splat "
+                   "fall down a column, the time grows more slowly than the number of splats.\n\n")
     return text + section(store, "scaling", "Frames", body)
 
 
@@ -309,8 +309,8 @@ def floor(store):
     def body(rows):
         return table(["step", "floor program, ms", "Doppel, ms", "Doppel / floor"],
                      [[r["step"], number(r["floor_ms"], 1), number(r["doppel_ms"], 1), barred(r, "ratio")] for r in rows])
-    text = BACK + ("# The CPU renderer against a floor\n\nThe floor program is the fastest CPU rasteriser that our research found, without formats, "
-                   "poses or levels of detail. 533,695 general splats of SH degree 3, 2048×945, alternating rounds of 15 frames, medians.\n\n")
+    text = BACK + ("# The CPU renderer against a floor\n\nThe floor program is the fastest CPU rasteriser that our research found. It has no formats, "
+                   "poses or level of detail. 533,695 general splats of SH degree 3, 2048×945, alternating rounds of 15 frames, medians.\n\n")
     return text + section(store, "floor", "General splats", body)
 
 
@@ -346,7 +346,7 @@ def headline(store):
     biker = find(store.rows("quality-biker"), row="held out", kind="static")
     rows = [
         ["scan-a, held-out frames, static / dynamic", f"{held('quality-scan-a', 'static')} / {held('quality-scan-a', 'dynamic')}",
-         "how near the avatar's pictures are to photographs that it never saw", "[quality](benchmarks/quality.md)"],
+         "how near the avatar's pictures are to those of the scan that it was not made from", "[quality](benchmarks/quality.md)"],
         ["a real man, one pose, without pose fit", f"{barred(biker, 'psnr_without_pose_fit_db', 2, 'dB')}, IoU {barred(biker, 'iou_without_pose_fit', 4)}"
          if biker else NOTHING, "the same for a real scan with keypoints by a network", "[quality](benchmarks/quality.md)"],
         ["procedural seeds 4 to 9, static / dynamic",
