@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Shared by tools/test and tools/demo: numbered steps, builds with progress, test runs with a count. Sourced, not run.
+# Shared by the scripts in tools/: numbered steps, builds with progress, test runs with a count. Sourced, not run.
 export DOPPEL_COMPILER_LAUNCHER="${DOPPEL_COMPILER_LAUNCHER-$(command -v ccache || true)}"
 # ccache settings. SLOPPINESS: needed to cache with a precompiled header. BASEDIR, NOHASHDIR: all checkouts share objects.
 # DEPEND: a cache miss needs no extra preprocessor run.

@@ -21,7 +21,7 @@ struct DensitySettings {
     uint32_t maxSplats = 100000;
     uint32_t maxGrowth = 4000;  // new splats an event, at most
     float minOpacity = 0.005f;  // splats below are pruned, except the last one of a triangle
-    float bigM = 0.008f;        // metres; larger splats, or those above 0.6·triangle size, are split, others cloned
+    float bigM = 0.008f;        // metres; splats larger than this and than 0.6·triangle size are split, others cloned
 };
 
 struct DensityReport {

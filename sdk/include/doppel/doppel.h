@@ -12,8 +12,9 @@
  * +Y up. An avatar at rest stands at the origin with its feet at y = 0 and faces +Z; its left is +X. Quaternions are x, y, z, w.
  * A camera looks along its +z axis, with x to the right and y down.
  *
- * Threads. Every function may be called from any thread. Calls on the same context and its avatars wait for one another. To draw in
- * parallel, give each thread its own context. The text of dplGetLastError() belongs to the calling thread.
+ * Threads. Every function may be called from any thread. Calls on the same context and its avatars wait for one another; only while
+ * dplLoadAvatar and dplLoadClip read their bytes do other calls go on. To draw in parallel, give each thread its own context. The text
+ * of dplGetLastError() belongs to the calling thread.
  *
  * Errors. A function returns DPL_OK or an error code, and writes its outputs only on DPL_OK. After an error, dplGetLastError() has a
  * sentence for a human. These mistakes give DPL_ERROR_INVALID_ARGUMENT and a line in the log: NULL where a pointer is needed, a
@@ -198,8 +199,8 @@ DPL_API DplResult dplFindJoint(DplAvatar avatar, const char* name, uint32_t* joi
 /** Poses the avatar; the arrays are copied.
  *  rotations: one local quaternion (x, y, z, w) per joint; the library normalises them. Joint frames are parallel to the world at rest, so
  *  the identity at every joint is the rest pose. rootTranslation: three floats, metres; NULL: zero.
- *  DPL_ERROR_INVALID_ARGUMENT: wrong jointCount, general splats, or a rotation that is zero or not finite (the text names the joint). The
- *  previous pose then stays. */
+ *  DPL_ERROR_INVALID_ARGUMENT: wrong jointCount, general splats, a rotation that is zero or not finite (the text names the joint), or a
+ *  root translation beyond 100 km. The previous pose then stays. */
 DPL_API DplResult dplSetPose(DplAvatar avatar, const float* rotations, uint32_t jointCount, const float* rootTranslation);
 
 /** Copies the current pose: 4·jointCount floats to rotations, 3 floats to rootTranslation. Either may be NULL. */

@@ -80,7 +80,7 @@ Result<T> filled(Get get, Arguments... arguments) {
     return out;
 }
 
-/** Owns one avatar, which it destroys. Move-only; empty after a move. */
+/** Owns one avatar, which it destroys. Move-only: construction by move leaves the source empty, assignment by move swaps. */
 class Avatar {
 public:
     /** Takes ownership of `handle`, which was loaded with `context`. The context is not owned. */
@@ -149,10 +149,10 @@ private:
     DplAvatar handle_ = nullptr;
 };
 
-/** Owns one context, which it destroys. Move-only. Its avatars may be destroyed before or after it. */
+/** Owns one context, which it destroys. Move-only, as Avatar. Its avatars may be destroyed before or after it. */
 class Context {
 public:
-    /** Parameters: the fields of DplContextInfo. */
+    /** Parameters: fields of DplContextInfo. For cacheFolder, call dplCreateContext and take ownership of its handle. */
     static Result<Context> create(DplRenderer renderer = DPL_RENDERER_AUTO, uint32_t threadCount = 0, uint32_t flags = 0,
                                   DplFill fill = DPL_FILL_AUTO) {
         DplContextInfo info{};
