@@ -95,7 +95,12 @@ def lines_of(block):
     text = block.text.replace("\\\n", " ")
     for number, line in enumerate(text.splitlines(), block.line):
         if line.strip() and not line.lstrip().startswith("#"):
-            yield from ((number, part.strip()) for part in line.split("&&"))
+            yield from parts_of(number, line)
+
+
+def parts_of(number, line):
+    """The commands of a line, which && separates."""
+    return ((number, part.strip()) for part in line.split("&&"))
 
 
 def commands_of(page):
@@ -104,7 +109,7 @@ def commands_of(page):
             yield from lines_of(block)
     for number, span in page.spans():
         if re.match(r"(doppel [a-z]|tools/[\w/]+ -|(cmake|ctest) --)", span) and "…" not in span:
-            yield number, span
+            yield from parts_of(number, span)
 
 
 def is_cheap(line):

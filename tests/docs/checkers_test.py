@@ -71,7 +71,7 @@ class Checkers(unittest.TestCase):
 
     def test_commands(self):
         self.page("```sh\ndoppel render a.glb --size 8x8\ndoppel render a.glb --sise 8x8\ndoppel body import x -o y\ndoppel gone\n"
-                  "cmake --preset dev -DDOPPEL_TESTS=ON\ncmake --preset no -DDOPPEL_NO=ON\ntools/no\nrm x\n```\n`doppel render --inline`\n")
+                  "cmake --preset dev -DDOPPEL_TESTS=ON\ncmake --preset no -DDOPPEL_NO=ON\ntools/no\nrm x\n```\n`doppel render --inline`\n`doppel body import x -o y && doppel render a.glb --size 8x8`\n")
         self.complaints(["no option --sise", "'doppel gone' does not exist", "no preset 'no'", "no build option DOPPEL_NO", "tools/no does not exist",
                          "'rm' is no program", "no option --inline"], check_commands.problems(self.root, self.doppel))
 
