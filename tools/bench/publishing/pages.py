@@ -201,7 +201,7 @@ def pass_table(rows, case):
 FRAME_WORDS = (
     "*ms*: draw and read, until the pictures are in memory, median. *dplDraw*: the time that it takes of an app's drawing thread. *GPU*: the "
     "device's own clock; on lavapipe, Mesa's Vulkan on the CPU, that clock counts CPU time. PSNR, largest error and FLIP are against the double-precision referee, "
-    "over mid grey; empty background flatters the PSNR of the whole picture. Renderers take turns, a frame each. Warm frames of every row "
+    "over mid grey; empty background raises the PSNR of the whole picture. Renderers take turns, a frame each. Warm frames of every row "
     "allocate nothing and never wait, or the bench fails.\n\n")
 
 
