@@ -116,6 +116,8 @@ Result<TruthComparison> compareWithTruth(const std::filesystem::path& scanRoot, 
         }
     }
     TruthComparison result;
+    if (truth.contains("shape") && truth["shape"].is_object() && truth["shape"].contains("body"))
+        result.sameBody = truth["shape"]["body"] == body.name;
     result.keypointsMm = spreadOf(test);
     result.trainKeypointsMm = spreadOf(train);
     result.staticKeypointsMm = spreadOf(still);

@@ -26,6 +26,7 @@ struct TruthComparison {
     std::vector<KeypointTruth> byKeypoint;
     ErrorSpread limbDegrees;                          // direction errors of the 12 limb bones, dynamic Test frames
     ErrorSpread trainKeypointsMm, staticKeypointsMm;  // dynamic Train frames; static full-body frames of both splits
+    bool sameBody = false;                            // truth.json states that the subject was made from `body`
 };
 
 /** Reads scanRoot/truth.json (keypoints_world) and compares. NotFound when the scan has no truth. */

@@ -30,7 +30,7 @@ struct ReconstructResult {
     std::filesystem::path avatar;  // OUT/avatar.glb
     std::filesystem::path poses;   // OUT/poses.json
     std::filesystem::path report;  // OUT/report.html
-    std::string summary;           // two lines for the terminal
+    std::string summary;           // a few lines for the terminal
 };
 
 /** Runs a reconstruction, or continues an interrupted one. Only this function writes under `out`. Errors name the stage, the file and the

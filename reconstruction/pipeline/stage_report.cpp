@@ -10,6 +10,7 @@
 #include "reconstruction/pipeline/scale_figures.h"
 #include "reconstruction/pipeline/stages.h"
 #include "reconstruction/report/draw_view.h"
+#include "reconstruction/report/provenance.h"
 #include "reconstruction/report/report.h"
 #include "reconstruction/report/score.h"
 #include "sdk/avatar/posed_mesh.h"
@@ -61,17 +62,20 @@ Status scoreHeldOut(const LabelColours& labelColours, const FrameSet& heldOut, c
     return {};
 }
 
-/** Adds the distances to the truth of a synthetic scan, if it has one. The avatar is already written, so the truth cannot affect it. */
-void addTruth(const Scan& scan, const BodyModel& body, const BodyFit& fit, const std::string& after, ReportData& data) {
-    const auto truth = compareWithTruth(scan.root, scan, body, fit);
-    if (!truth) return;
+/** Adds the distances of joints to the truth of a synthetic scan, with the bars for registration. */
+void addTruth(const TruthComparison& truth, const std::string& after, ReportData& data) {
     const std::string group = "registration against the truth, held-out dynamic frames, " + after;
-    data.figures.push_back({group, "keypoints, mean", "mm", truth->keypointsMm.mean});
-    data.figures.push_back({group, "keypoints, 95th percentile", "mm", truth->keypointsMm.p95});
-    data.figures.push_back({group, "limb directions, median", "degrees", truth->limbDegrees.median});
-    data.figures.push_back({group, "limb directions, 95th percentile", "degrees", truth->limbDegrees.p95});
+    const auto add = [&](const char* name, const char* unit, double value, double atMost) {
+        data.figures.push_back({group, name, unit, value, ReportBar{atMost, /*atLeast=*/false}});
+    };
+    add("keypoints, mean", "mm", truth.keypointsMm.mean, 15);
+    add("keypoints, 95th percentile", "mm", truth.keypointsMm.p95, 40);
+    add("limb directions, median", "degrees", truth.limbDegrees.median, 3);
+    add("limb directions, 95th percentile", "degrees", truth.limbDegrees.p95, 10);
 }
 
+/** Adds the keypoint residuals, the distances to the truth if the scan has one, and what the figures stand for. The avatar is already
+ *  written, so the truth cannot affect it. */
 void addRegistration(const Scan& scan, const FittedBody& body, const PosesFile& poses, ReportData& data) {
     for (const KindResidual& r : body.fit.residuals) {
         const std::string kind = r.kind == FrameKind::Dynamic ? "dynamic" : r.kind == FrameKind::StaticFull ? "static" : "close-up";
@@ -79,11 +83,15 @@ void addRegistration(const Scan& scan, const FittedBody& body, const PosesFile& 
         data.figures.push_back({group, "median", "px", r.medianPx});
         data.figures.push_back({group, "95th percentile", "px", r.p95Px});
     }
-    addTruth(scan, body.body, body.fit, "after the body fit", data);
+    const auto afterFit = compareWithTruth(scan.root, scan, body.body, body.fit);
+    data.provenance = provenanceOf(scan.name, afterFit && afterFit->sameBody);
+    if (!afterFit) return;
+    addTruth(*afterFit, "after the body fit", data);
     BodyFit final = body.fit;
     for (size_t f = 0; f < final.poses.size(); ++f)
         final.poses[f] = poses.frames[f].fittedPose ? *poses.frames[f].fittedPose : poses.frames[f].pose;
-    addTruth(scan, body.body, final, "after training and pose fit", data);
+    if (const auto afterPoseFit = compareWithTruth(scan.root, scan, body.body, final))
+        addTruth(*afterPoseFit, "after training and pose fit", data);
 }
 
 /** Adds the gain of pose fit and of splats, the two steps that the report measures both with and without. */
@@ -110,6 +118,8 @@ std::string summaryOf(const ReportData& data, size_t splats, size_t bytes) {
                           meanScore(data.frames, kind, &HeldOutFrame::withoutPoseFit)->maskedPsnrDb);
             text += line;
         }
+    if (const std::string bars = barSummary(data); !bars.empty()) text += "\n" + bars;
+    for (const std::string& sentence : data.provenance) text += "\n" + sentence;
     return text;
 }
 
@@ -133,7 +143,7 @@ Result<StageOutput> runReport(const StageRun& run, const IngestedScan& ingested,
                               const std::vector<EvidenceData>& decided, const Training& training, const Package& package,
                               const FoundPoses& found, Pictures& pictures, const RunSettings& settings) {
     const nlohmann::json inputs = {{"pose_fit", found.key}, {"measuring", measuringFiles(ingested.scan.root)}};
-    return run.chain.run("report", 5, inputs, [&](StageContext& context) -> Status {
+    return run.chain.run("report", 6, inputs, [&](StageContext& context) -> Status {
         DPL_TRY(AvatarData avatar, readAvatar(package.bytes));
         DPL_TRY(AvatarInfo info, inspectAvatar(package.bytes));
         ReportData data;

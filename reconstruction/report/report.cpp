@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/report/report.h"
 
+#include <algorithm>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "sdk/core/files.h"
@@ -17,11 +19,56 @@ ordered_json scoreJson(const FrameScore& s) {
 
 ordered_json figuresJson(const std::vector<ReportFigure>& figures) {
     ordered_json list = ordered_json::array();
-    for (const ReportFigure& f : figures) list.push_back({{"group", f.group}, {"name", f.name}, {"value", f.value}, {"unit", f.unit}});
+    for (const ReportFigure& f : figures) {
+        list.push_back({{"group", f.group}, {"name", f.name}, {"value", f.value}, {"unit", f.unit}});
+        if (f.bar) list.back()["bar"] = {{f.bar->atLeast ? "at_least" : "at_most", f.bar->value}, {"met", meetsBar(f)}};
+    }
     return list;
 }
 
+std::string number(double value) {
+    char text[48];
+    std::snprintf(text, sizeof text, "%.4g", value);
+    return text;
+}
+
 }  // namespace
+
+bool meetsBar(const ReportFigure& f) {
+    return f.bar && (f.bar->atLeast ? f.value >= f.bar->value : f.value <= f.bar->value);
+}
+
+std::vector<ReportFigure> floorFigures(const std::vector<HeldOutFrame>& frames) {
+    constexpr double kAboveFloorsDb = 4;
+    std::vector<ReportFigure> figures;
+    for (const char* kind : {"static", "dynamic"}) {
+        const auto avatar = meanScore(frames, kind, &HeldOutFrame::withPoseFit);
+        if (!avatar) continue;
+        const double floor = std::max(meanScore(frames, kind, &HeldOutFrame::labelFloor)->maskedPsnrDb,
+                                      meanScore(frames, kind, &HeldOutFrame::meshFloor)->maskedPsnrDb);
+        figures.push_back({"masked PSNR above the better floor", std::string("held-out ") + kind, "dB", avatar->maskedPsnrDb - floor,
+                           ReportBar{kAboveFloorsDb, true}});
+    }
+    return figures;
+}
+
+std::string barSummary(const ReportData& data) {
+    std::vector<ReportFigure> figures = floorFigures(data.frames);
+    figures.insert(figures.end(), data.figures.begin(), data.figures.end());
+    size_t bars = 0, met = 0;
+    std::string missed;
+    for (const ReportFigure& f : figures) {
+        if (!f.bar) continue;
+        ++bars;
+        if (meetsBar(f)) {
+            ++met;
+            continue;
+        }
+        missed += (missed.empty() ? "; missed: " : ", ") + f.group + ": " + f.name + " " + number(f.value) + " " + f.unit + " (bar: at " +
+                  (f.bar->atLeast ? "least " : "most ") + number(f.bar->value) + ")";
+    }
+    return bars ? std::to_string(met) + " of " + std::to_string(bars) + " bars met" + missed : "";
+}
 
 std::optional<FrameScore> meanScore(const std::vector<HeldOutFrame>& frames, const std::string& kind, FrameScore HeldOutFrame::*which) {
     FrameScore sum;
@@ -42,6 +89,7 @@ std::string reportJson(const ReportData& data) {
     ordered_json out;
     out["title"] = data.title;
     for (const auto& [name, value] : data.facts) out["facts"][name] = value;
+    out["provenance"] = data.provenance;
     out["verdict"] = data.verdict;
     const std::pair<const char*, FrameScore HeldOutFrame::*> columns[] = {{"with_pose_fit", &HeldOutFrame::withPoseFit},
                                                                           {"without_pose_fit", &HeldOutFrame::withoutPoseFit},
@@ -59,6 +107,7 @@ std::string reportJson(const ReportData& data) {
     out["stages"] = ordered_json::array();
     for (const StageCost& s : data.stages)
         out["stages"].push_back({{"name", s.name}, {"seconds", s.seconds}, {"peak_bytes", s.peakBytes}, {"reused", s.reused}});
+    out["above_floors"] = figuresJson(floorFigures(data.frames));
     out["figures"] = figuresJson(data.figures);
     out["waterfall"] = figuresJson(data.waterfall);
     out["evidence"] = ordered_json::array();

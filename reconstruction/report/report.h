@@ -39,15 +39,26 @@ struct StageCost {
     bool reused = false;
 };
 
+/** The limit that a figure must keep. */
+struct ReportBar {
+    double value = 0;
+    bool atLeast = true;  // false: at most
+};
+
 /** A named figure with its unit, for tables ("keypoints mean", 12.3, "mm"). */
 struct ReportFigure {
     std::string group, name, unit;
     double value = 0;
+    std::optional<ReportBar> bar;
 };
+
+/** Whether the figure has a bar and meets it. NaN misses every bar. */
+bool meetsBar(const ReportFigure& figure);
 
 struct ReportData {
     std::string title;
     std::vector<std::pair<std::string, std::string>> facts;  // scan, body, preset, seed, ...
+    std::vector<std::string> provenance;                     // what the figures stand for, one sentence each (provenance.h)
     std::string verdict;                                     // result of the scan check, several lines
     std::vector<HeldOutFrame> frames;
     std::vector<StageCost> stages;
@@ -60,6 +71,13 @@ struct ReportData {
 
 /** Mean over the frames of a kind; nullopt when there are none. */
 std::optional<FrameScore> meanScore(const std::vector<HeldOutFrame>& frames, const std::string& kind, FrameScore HeldOutFrame::*which);
+
+/** dB by which the avatar scores above the better of its two floors, one figure a kind of frame. The bar is 4 dB: below it the splats add
+ *  little to flat colours in the true outline or to a painted mesh. */
+std::vector<ReportFigure> floorFigures(const std::vector<HeldOutFrame>& frames);
+
+/** "5 of 6 bars met; missed: keypoints, mean 16.1 mm (bar: at most 15)". Empty without bars. Counts the bars of floorFigures too. */
+std::string barSummary(const ReportData& data);
 
 std::string reportJson(const ReportData& data);
 std::string reportHtml(const ReportData& data);

@@ -20,7 +20,7 @@ td.text{text-align:left}.soft{color:var(--soft)}pre{background:var(--card);paddi
 .big b{display:block;font-size:1.7rem}.pictures{display:grid;grid-template-columns:repeat(auto-fill,minmax(320px,1fr));gap:1rem}
 .pictures figure{margin:0;background:var(--card);border-radius:.5rem;padding:.5rem}.pictures img{width:32.6%;image-rendering:auto}
 .plot{max-width:100%;height:auto}.plot text{font:11px system-ui;fill:var(--soft)}.plot text.title{font-size:13px;fill:var(--fg)}.plot .grid{stroke:var(--line)}
-.bar{background:var(--accent);height:.8rem;display:inline-block;border-radius:2px}
+.bar{background:var(--accent);height:.8rem;display:inline-block;border-radius:2px}.met{color:#15803d}.missed{color:#b91c1c;font-weight:bold}
 )";
 
 std::string fixed(double value, int digits) {
@@ -55,6 +55,13 @@ std::string scoreRow(const std::string& name, const FrameScore& s) {
            fixed(s.alphaIou, 4) + "</td><td>" + fixed(s.fullPsnrDb, 2) + "</td><td>" + fixed(s.fullSsim, 4) + "</td></tr>";
 }
 
+/** Two cells: the bar, and whether it is met; empty cells without a bar. */
+std::string barCells(const ReportFigure& f) {
+    if (!f.bar) return "<td></td><td></td>";
+    return std::string("<td>") + (f.bar->atLeast ? "≥ " : "≤ ") + fixed(f.bar->value, f.bar->value == std::round(f.bar->value) ? 0 : 3) +
+           (meetsBar(f) ? "</td><td class=met>met</td>" : "</td><td class=missed>missed</td>");
+}
+
 void addScores(std::string& html, const ReportData& data) {
     for (const char* kind : {"static", "dynamic"}) {
         const auto fitted = meanScore(data.frames, kind, &HeldOutFrame::withPoseFit);
@@ -85,7 +92,7 @@ void addPictures(std::string& html, const ReportData& data) {
     if (!any) return;
     html +=
         "<h2>Pictures</h2><p class=soft>Truth, avatar (pose fitted), difference ×4. None of these frames was used to make the "
-        "avatar.</p><div class=pictures>";
+        "avatar. Its pose was fitted to each.</p><div class=pictures>";
     for (const HeldOutFrame& frame : data.frames) {
         if (frame.renderPng.empty()) continue;
         html += "<figure>" + picture(frame.truthPng, "truth") + picture(frame.renderPng, "avatar") +
@@ -97,12 +104,12 @@ void addPictures(std::string& html, const ReportData& data) {
 
 void addFigures(std::string& html, const char* heading, const std::vector<ReportFigure>& figures) {
     if (figures.empty()) return;
-    html += "<h2>" + std::string(heading) + "</h2><table><tr><th>what</th><th>value</th><th>unit</th></tr>";
+    html += "<h2>" + std::string(heading) + "</h2><table><tr><th>what</th><th>value</th><th>unit</th><th>bar</th><th></th></tr>";
     std::string group;
     for (const ReportFigure& f : figures) {
-        if (f.group != group) html += "<tr><td colspan=3><b>" + escapeHtml(group = f.group) + "</b></td></tr>";
+        if (f.group != group) html += "<tr><td colspan=5><b>" + escapeHtml(group = f.group) + "</b></td></tr>";
         html += "<tr><td>" + escapeHtml(f.name) + "</td><td>" + fixed(f.value, std::abs(f.value) >= 1000 ? 0 : 3) + "</td><td class=text>" +
-                escapeHtml(f.unit) + "</td></tr>";
+                escapeHtml(f.unit) + "</td>" + barCells(f) + "</tr>";
     }
     html += "</table>";
 }
@@ -138,8 +145,13 @@ std::string reportHtml(const ReportData& data) {
                        escapeHtml(data.title) + "</title><style>" + kStyle + "</style><h1>" + escapeHtml(data.title) +
                        "</h1><p class=soft>";
     for (const auto& [name, value] : data.facts) html += escapeHtml(name) + ": " + escapeHtml(value) + " · ";
-    html += "</p><h2>Quality on frames it never saw</h2>";
+    html +=
+        "</p><h2>Quality on held-out frames</h2><p class=soft>No held-out picture was used to make the avatar. Only the pose fit uses "
+        "them: "
+        "it moves the finished avatar to match each picture.</p>";
+    for (const std::string& sentence : data.provenance) html += "<p><b>" + escapeHtml(sentence) + "</b></p>";
     addScores(html, data);
+    addFigures(html, "Above the floors", floorFigures(data.frames));
     addPictures(html, data);
     html += "<h2>Scan check</h2><pre>" + escapeHtml(data.verdict) + "</pre>";
     if (!data.lossCurves.empty() || !data.psnrCurves.empty()) {

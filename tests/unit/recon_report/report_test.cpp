@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "reconstruction/image/image_codec.h"
+#include "reconstruction/report/provenance.h"
 
 namespace {
 
@@ -29,6 +31,56 @@ TEST(Report, meansAreTakenPerKind) {
     const auto json = nlohmann::json::parse(reportJson(data));
     EXPECT_DOUBLE_EQ(json["means"]["static"]["with_pose_fit"]["masked_psnr_db"], 22);
     EXPECT_EQ(json["frames"].size(), 3u);
+}
+
+TEST(Report, marksBarsAsMetOrMissed) {
+    ReportData data = sample();
+    for (HeldOutFrame& frame : data.frames) frame.labelFloor.maskedPsnrDb = 17, frame.meshFloor.maskedPsnrDb = 10;
+    data.frames[1].withPoseFit.maskedPsnrDb = 20.5;
+    data.figures = {{"registration", "keypoints, mean", "mm", 16.1, ReportBar{15, false}},
+                    {"registration", "limbs", "degrees", 2.5, ReportBar{3, false}},
+                    {"registration", "broken", "mm", std::nan(""), ReportBar{1, false}},
+                    {"sizes", "file", "bytes", 5000, {}}};
+    const auto json = nlohmann::json::parse(reportJson(data));
+    EXPECT_FALSE(json["figures"][0]["bar"]["met"]);
+    EXPECT_EQ(json["figures"][0]["bar"]["at_most"], 15);
+    EXPECT_TRUE(json["figures"][1]["bar"]["met"]);
+    EXPECT_FALSE(json["figures"][2]["bar"]["met"]) << "not a number misses";
+    EXPECT_FALSE(json["figures"][3].contains("bar"));
+    EXPECT_TRUE(json["above_floors"][0]["bar"]["met"]) << "static: 22 dB, 5 above the better floor";
+    EXPECT_FALSE(json["above_floors"][1]["bar"]["met"]) << "dynamic: 20.5 dB, 3.5 above";
+    const std::string html = reportHtml(data);
+    const auto marks = [&](const char* mark) {
+        size_t count = 0;
+        for (size_t at = html.find(mark); at != std::string::npos; at = html.find(mark, at + 1)) ++count;
+        return count;
+    };
+    EXPECT_EQ(marks("<td class=met>met</td>"), 2u);
+    EXPECT_EQ(marks("<td class=missed>missed</td>"), 3u);
+    const std::string summary = barSummary(data);
+    EXPECT_TRUE(summary.starts_with("2 of 5 bars met; missed: ")) << summary;
+    EXPECT_NE(summary.find("keypoints, mean 16.1 mm (bar: at most 15)"), std::string::npos) << summary;
+    EXPECT_EQ(barSummary({}), "");
+}
+
+TEST(Report, knowsTheDevelopmentSet) {
+    for (const char* name : {"scan-a", "scan-c", "real-orbit-biker", "procedural-1", "procedural-2", "procedural-3"})
+        EXPECT_TRUE(isDevelopmentScan(name)) << name;
+    for (const char* name : {"procedural-4", "procedural-9", "procedural-10", "my-scan", ""}) EXPECT_FALSE(isDevelopmentScan(name)) << name;
+    EXPECT_TRUE(provenanceOf("scan-a", false).at(0).starts_with("Development set:"));
+    EXPECT_TRUE(provenanceOf("procedural-4", false).at(0).starts_with("Unseen:"));
+    EXPECT_EQ(provenanceOf("procedural-4", false).size(), 1u);
+    EXPECT_NE(provenanceOf("procedural-1", true).at(1).find("same body model"), std::string::npos);
+}
+
+TEST(Report, saysWhatItsFiguresStandFor) {
+    ReportData data = sample();
+    data.provenance = provenanceOf("procedural-1", true);
+    const std::string html = reportHtml(data);
+    const size_t said = html.find(data.provenance[1]);
+    ASSERT_NE(said, std::string::npos);
+    EXPECT_LT(said, html.find("masked PSNR")) << "beside the headline figures, not below them";
+    EXPECT_EQ(nlohmann::json::parse(reportJson(data))["provenance"][0], data.provenance[0]);
 }
 
 TEST(Report, textFromOutsideCannotBecomeMarkup) {
