@@ -7,8 +7,8 @@
 
 #include "apps/bench/count_allocations.h"
 #include "apps/shared/pictures.h"
+#include "reconstruction/package/avatar_bytes.h"
 #include "reconstruction/report/sdk_camera.h"
-#include "sdk/core/files.h"
 
 namespace dpl {
 namespace {
@@ -127,7 +127,7 @@ double millisecondsSince(std::chrono::steady_clock::time_point start) {
 }
 
 Result<BenchSubject> BenchSubject::load(const BenchOptions& options) {
-    DPL_TRY(std::vector<uint8_t> bytes, readFile(options.avatar));
+    DPL_TRY(std::vector<uint8_t> bytes, readAvatarBytes(options.avatar));
     auto context = doppel::Context::create(DPL_RENDERER_SOFTWARE, options.threadCount);
     if (!context) return fromSdk(context.error());
     auto avatar = context->loadAvatar(bytes);

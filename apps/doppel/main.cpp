@@ -16,6 +16,13 @@ int reportError(const Error& error) {
 
 namespace {
 
+/** The command as typed so far: "doppel body import". */
+std::string commandLine(const CLI::App& app) {
+    std::string text = app.get_name();
+    for (const CLI::App* command : app.get_subcommands()) text += " " + commandLine(*command);
+    return text;
+}
+
 /** Flushes the tables or JSON on standard output. Reports an error if they could not be written (full disk, closed pipe). */
 int flushOutput(int exitCode) {
     if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return exitCode;
@@ -47,12 +54,17 @@ int main(int argc, char** argv) {
     addPackCommand(app, run);
     addBodyCommand(app, run);
     addBenchCommand(app, run);
+    if (argc < 2) {
+        std::fputs(app.help().c_str(), stderr);
+        return kExitUsage;
+    }
     if (const std::string unknown = unknownCommand(app, argc, argv); !unknown.empty())
         return reportError(fail(Code::InvalidArgument, "{}. See doppel --help", unknown));
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? kExitOk : kExitUsage;
+        if (error.get_exit_code() == 0) return flushOutput(app.exit(error));  // --help and --version
+        return reportError(fail(Code::InvalidArgument, "{}. See {} --help", error.what(), commandLine(app)));
     }
     installSignalHandlers();
     try {

@@ -188,7 +188,7 @@ Status renderShots(const RenderOptions& options, const doppel::Context& context,
         if (!stats) return fromSdk(stats.error());
         kept = formatText(", at most {} splats in the last frame, {} of them in view", stats->splatsAllowed, stats->splatsDrawn);
     }
-    progress.endStage(formatText("{} frames in {}{}", frameCount, options.out.string(), kept));
+    progress.endStage(formatText("{} {} in {}{}", frameCount, frameCount == 1 ? "frame" : "frames", options.out.string(), kept));
     return {};
 }
 

@@ -70,7 +70,10 @@ head -c 300 /dev/urandom >noise.glb
 refuses "noise as an avatar" "noise.glb" "$doppel" render noise.glb -o out.png
 refuses "noise inspected" "noise.glb" "$doppel" inspect noise.glb
 truncate -s 3G huge.glb
-refuses "3 GB that are no avatar, by their first bytes" "huge.glb" timeout 5 "$doppel" inspect huge.glb
+for command in inspect bench "render -o out.png" "pack -o out.glb" "export -o out.ply"; do
+    # shellcheck disable=SC2086  # the command and its options are words
+    refuses "3 GB that are no avatar, by their first bytes: $command" "huge.glb: the file is neither" timeout 5 "$doppel" $command huge.glb
+done
 rm huge.glb
 "$doppel" body import builtin -o body.glb >/dev/null
 truncate -s -1 body.glb
