@@ -47,6 +47,7 @@ void addBodyCommand(CLI::App& app, CommandRun& run) {
     command->require_subcommand(1);
     auto options = std::make_shared<BodyOptions>();
 
+    command->footer("Examples:\n  doppel body import body-makehuman -o makehuman.glb\n  doppel body show makehuman.glb");
     CLI::App* importCommand = command->add_subcommand("import", "Make a glTF body from MakeHuman/MPFB2 data, SMPL-X .npz or a rigged .glb");
     importCommand->add_option("source", options->source, "MakeHuman/MPFB2 folder, SMPL-X .npz (your own copy), rigged .glb, or 'builtin'")
         ->required();

@@ -26,8 +26,9 @@ constexpr uint64_t kProjectOps = 150;                      // per splat and view
 constexpr uint64_t kColourOps = 52, kCoefficientOps = 15;  // per splat and view: direction and packing; per SH coefficient: basis and sum
 constexpr uint64_t kMaskOps = 4, kCompactOps = 4, kSortOps = 6;  // per splat of a live group; per pair; per pair and round
 constexpr uint64_t kListOps = 80,
-                   kEntryOps = 8 * 40 + 64 * 12;  // per record, both passes; per entry: set up 8 columns, step and blend 64 pixels
-constexpr uint64_t kQuadOps = 6 * 30;             // per record: its corners; the pixels of quads are not counted
+                   kEntryOps = 8 * 40 + 64 * 12;     // per record, both passes; per entry: set up 8 columns, step and blend 64 pixels
+constexpr uint64_t kCornerOps = 30;                  // per corner; the pixels of quads are not counted
+constexpr uint64_t kPlainCorners = 4, kCorners = 3;  // per record: a strip of two triangles; one triangle around the ellipse
 
 template <class Vertex>
 ModelledPass skinning(uint64_t vertices, bool corrected) {
@@ -106,7 +107,7 @@ std::vector<ModelledPass> modelPlainFloat(const FrameWork& w) {
          n * (kPlaceOps + kProjectOps) + drawn * colourOps(w.shDegree)},
         {"compact", 2 * n * sizeof(uint), drawn * sizeof(uvec2), n * kCompactOps},
         sorting<uvec2>(drawn, kSortDigits * blocks(drawn, kSortBlock), kSortRounds),
-        {"pixels", drawn * (sizeof(uvec2) + sizeof(ProjectedSplat)), pixels * kHalfColourBytes, drawn * kQuadOps},
+        {"pixels", drawn * (sizeof(uvec2) + sizeof(ProjectedSplat)), pixels * kHalfColourBytes, drawn * kPlainCorners * kCornerOps},
     };
     repeat(passes, w.views);
     return passes;
@@ -132,8 +133,8 @@ std::vector<ModelledPass> modelToday(const FrameWork& w) {
         sortingToday(drawn, kSortDigits * blocks(drawn, kRun)),
     };
     if (w.tileEntries == 0) {
-        passes.push_back(
-            {"pixels", drawn * sizeof(uint) + records * sizeof(ProjectedSplat), w.pixels * kHalfColourBytes, records * kQuadOps});
+        passes.push_back({"pixels", drawn * sizeof(uint) + records * sizeof(ProjectedSplat), w.pixels * kHalfColourBytes,
+                          records * kCorners * kCornerOps});
         return passes;
     }
     // Two passes over the survivors build the lists. The fill reads one record per entry; pixels are written twice: cleared, then filled.
