@@ -13,8 +13,8 @@ struct PreparedUpload final : PreparedSubject {
 
     const AvatarStore* owner;
     LoadedSubject subject;
-    AvatarRecords avatar;                  // of an avatar
-    std::vector<gpu::vec4> generalSplats;  // of general splats
+    AvatarRecords avatar;                   // of an avatar
+    std::vector<gpu::uvec4> generalSplats;  // of general splats
     std::vector<gpu::uvec4> sh;
 };
 
@@ -27,13 +27,13 @@ Status uploadAvatar(LoadedSubject& subject, const AvatarRecords& records) {
     }
     DPL_TRY(ids.triangles, subject.buffers.upload<gpu::TriangleRecord>("triangles", records.triangles));
     DPL_TRY(ids.splats, subject.buffers.upload<uint32_t>("splats", records.codes));
-    DPL_TRY(ids.posed, subject.buffers.create("posed", ids.vertexCount * uint64_t(sizeof(gpu::vec4))));
+    DPL_TRY(ids.posed, subject.buffers.create("posed", ids.vertexCount * uint64_t(sizeof(gpu::PosedVertex))));
     DPL_TRY(ids.triangleFrames, subject.buffers.create("triangle frames", ids.triangleCount * uint64_t(sizeof(gpu::TriangleFrame))));
     return {};
 }
 
 Status uploadSplats(LoadedSubject& subject, const PreparedUpload& records) {
-    DPL_TRY(subject.ids.splats, subject.buffers.upload<gpu::vec4>("splats", records.generalSplats));
+    DPL_TRY(subject.ids.splats, subject.buffers.upload<gpu::uvec4>("splats", records.generalSplats));
     DPL_TRY(subject.ids.sh, subject.buffers.upload<gpu::uvec4>("sh", records.sh));
     return {};
 }
@@ -99,7 +99,7 @@ Result<std::unique_ptr<PreparedSubject>> AvatarStore::prepareSplats(const Static
     prepared->generalSplats = packSplats(splats, order, subject.generalDetail.groups());
     prepared->sh = packSh(splats, order);
     subject.residentBytes = subject.splatBytes =
-        prepared->generalSplats.size() * sizeof(gpu::vec4) + prepared->sh.size() * sizeof(gpu::uvec4);
+        prepared->generalSplats.size() * sizeof(gpu::uvec4) + prepared->sh.size() * sizeof(gpu::uvec4);
     return std::unique_ptr<PreparedSubject>(std::move(prepared));
 }
 

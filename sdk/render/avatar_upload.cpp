@@ -92,18 +92,41 @@ bool reachFar(const StaticSplatData& s) {
     return !(glm::length(high - low) <= kFarM);
 }
 
-std::vector<gpu::vec4> packSplats(const StaticSplatData& s, std::span<const uint32_t> order, std::span<const GeneralGroup> groups) {
-    std::vector<gpu::vec4> out;
-    out.reserve(order.size() * 4 + groups.size() * 3);
+std::vector<gpu::uvec4> packSplats(const StaticSplatData& s, std::span<const uint32_t> order, std::span<const GeneralGroup> groups) {
+    std::vector<gpu::uvec4> out(order.size() * gpu::kGeneralSplatFours + groups.size() * gpu::kGroupBoxFours);
+    gpu::uvec4* next = out.data();
+    const auto append = [&]<class Record>(const Record& record) {
+        std::memcpy(next, &record, sizeof record);
+        next += sizeof record / sizeof *next;
+    };
     for (const uint32_t i : order) {
         const Mat3f turn = glm::mat3_cast(s.rotation[i]);
-        out.push_back({s.position[i].x, s.position[i].y, s.position[i].z, s.opacity[i]});
-        for (int k = 0; k < 3; ++k) out.push_back({turn[k].x * s.scaleM[i][k], turn[k].y * s.scaleM[i][k], turn[k].z * s.scaleM[i][k], 0});
+        const Vec3f &centre = s.position[i], &scaleM = s.scaleM[i];
+        const Vec3f axis1 = turn[0] * scaleM.x, axis2 = turn[1] * scaleM.y, axis3 = turn[2] * scaleM.z;
+        append(gpu::GeneralSplatRecord{.centreX = centre.x,
+                                       .centreY = centre.y,
+                                       .centreZ = centre.z,
+                                       .opacity = s.opacity[i],
+                                       .axis1X = axis1.x,
+                                       .axis1Y = axis1.y,
+                                       .axis1Z = axis1.z,
+                                       .axis2X = axis2.x,
+                                       .axis2Y = axis2.y,
+                                       .axis2Z = axis2.z,
+                                       .axis3X = axis3.x,
+                                       .axis3Y = axis3.y,
+                                       .axis3Z = axis3.z});
     }
     for (const GeneralGroup& g : groups) {
-        out.push_back({g.middle.x, g.middle.y, g.middle.z, 0});
-        out.push_back({g.reach.x, g.reach.y, g.reach.z, 0});
-        out.push_back({g.detail.areaM2, g.detail.gain, g.detail.enough, 0});
+        append(gpu::GroupBox{.middleX = g.middle.x,
+                             .middleY = g.middle.y,
+                             .middleZ = g.middle.z,
+                             .reachX = g.reach.x,
+                             .reachY = g.reach.y,
+                             .reachZ = g.reach.z,
+                             .areaM2 = g.detail.areaM2,
+                             .gain = g.detail.gain,
+                             .enough = g.detail.enough});
     }
     return out;
 }
@@ -147,15 +170,27 @@ AvatarRecords packAvatar(const AvatarData& avatar, const CodedSplats& splats) {
         const Triangle& t = mesh.triangles[i];
         const TriangleReach& r = reach[i];
         const auto rest = restTriangle<float>(mesh.restPositions[t.x], mesh.restPositions[t.y], mesh.restPositions[t.z]);
-        const auto column = [&](int k, float w) { return gpu::vec4{rest.frame[k].x, rest.frame[k].y, rest.frame[k].z, w}; };
-        out.triangles.push_back({column(0, rest.inverse.i00),
-                                 column(1, rest.inverse.i01),
-                                 column(2, rest.inverse.i11),
-                                 {t.x, t.y, t.z, rest.valid ? 1u + components.ofTriangle[i] : 0u},
-                                 r.overshoots ? kAnywhere : r.reachM,
-                                 r.rootLevel,
-                                 r.freeSplats,
-                                 r.gatedSplats});
+        const Vec3f &t1 = rest.frame[0], &t2 = rest.frame[1], &normal = rest.frame[2];
+        out.triangles.push_back({.restT1X = t1.x,
+                                 .restT1Y = t1.y,
+                                 .restT1Z = t1.z,
+                                 .inverse00 = rest.inverse.i00,
+                                 .restT2X = t2.x,
+                                 .restT2Y = t2.y,
+                                 .restT2Z = t2.z,
+                                 .inverse01 = rest.inverse.i01,
+                                 .restNormalX = normal.x,
+                                 .restNormalY = normal.y,
+                                 .restNormalZ = normal.z,
+                                 .inverse11 = rest.inverse.i11,
+                                 .corner0 = t.x,
+                                 .corner1 = t.y,
+                                 .corner2 = t.z,
+                                 .component = rest.valid ? 1u + components.ofTriangle[i] : 0u,
+                                 .reach = r.overshoots ? kAnywhere : r.reachM,
+                                 .rootLevel = r.rootLevel,
+                                 .freeSplats = r.freeSplats,
+                                 .gatedSplats = r.gatedSplats});
     }
     out.codes.reserve(size_t(splats.bytes()) / 4 + 3);
     appendWords(out.codes, splats.chunks);
@@ -199,12 +234,18 @@ gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views,
         const Vec3f& t = c.viewFromWorldTranslation;
         const JacobianClamp<float> limit(c);
         const Vec3f eye = c.eye();
-        f.views[v] = {{r[0][0], r[1][0], r[2][0], t.x},
-                      {r[0][1], r[1][1], r[2][1], t.y},
-                      {r[0][2], r[1][2], r[2][2], t.z},
-                      {c.fx, c.fy, c.cx, c.cy},
-                      {limit.minX, limit.maxX, limit.minY, limit.maxY},
-                      {eye.x, eye.y, eye.z}};
+        f.views[v] = {.viewFromWorldRow0 = {r[0][0], r[1][0], r[2][0], t.x},
+                      .viewFromWorldRow1 = {r[0][1], r[1][1], r[2][1], t.y},
+                      .viewFromWorldRow2 = {r[0][2], r[1][2], r[2][2], t.z},
+                      .focalPx = {c.fx, c.fy},
+                      .centrePx = {c.cx, c.cy},
+                      .minSlopeX = limit.minX,
+                      .maxSlopeX = limit.maxX,
+                      .minSlopeY = limit.minY,
+                      .maxSlopeY = limit.maxY,
+                      .eyeX = eye.x,
+                      .eyeY = eye.y,
+                      .eyeZ = eye.z};
         const Vec3d forward(r[0][2], r[1][2], r[2][2]);
         axis += forward;
         if (v == 0) first = forward;
@@ -215,7 +256,7 @@ gpu::FrameData packFrame(const SplatSet& splats, std::span<const Cameraf> views,
     // get the same keys.
     double nearest = std::numeric_limits<double>::infinity();
     for (const Cameraf& c : views) nearest = std::min(nearest, glm::dot(axis, Vec3d(c.eye())));
-    f.sortAxis = {float(axis.x), float(axis.y), float(axis.z)};
+    f.sortAxisX = float(axis.x), f.sortAxisY = float(axis.y), f.sortAxisZ = float(axis.z);
     f.sortStartM = float(std::floor(nearest * 1024) / 1024);
     f.targetPx = {float(views[0].widthPx), float(views[0].heightPx)};
     f.kappaPx2 = splats.kappaPx2 / float(samples);

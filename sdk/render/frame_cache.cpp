@@ -119,9 +119,10 @@ Status FrameCache::makeLists(SceneSet& set) {
     DPL_TRY(ids.visibility, set.buffers.create("visibility", ids.visibilityWords() * 4));
     DPL_TRY(ids.survivors, set.buffers.create("survivors", ids.survivorWords() * 4));
     DPL_TRY(ids.counts, set.buffers.create("counts", sizeof(gpu::FrameCounts)));
-    DPL_TRY(ids.pairs, set.buffers.create("pairs", ids.splatCount * 8ull));
+    DPL_TRY(ids.pairs, set.buffers.create("pairs", ids.splatCount * uint64_t(sizeof(gpu::SortPair))));
     // With two rounds of sorting, pairs have shrunk to one word when they are first written here.
-    DPL_TRY(ids.pairsSwap, set.buffers.create("pairs swap", ids.splatCount * (ids.sortRounds() == 2 ? 4ull : 8ull)));
+    DPL_TRY(ids.pairsSwap,
+            set.buffers.create("pairs swap", ids.splatCount * uint64_t(ids.sortRounds() == 2 ? sizeof(uint32_t) : sizeof(gpu::SortPair))));
     DPL_TRY(ids.digits, makeTable(set.buffers, "digits", ids.digitWords(), scanSumWords(gpu::kSortDigits)));
     return {};
 }

@@ -9,16 +9,21 @@ struct SplatShare {
     float growth;  // factor of the scales
 };
 
+struct WantedDetail {  // of one group
+    float share;         // of its splats; 1 or more: all
+    float gain, enough;  // of its SplatGroup (sdk/math/detail.h)
+};
+
 /** With all splats drawn, lanes take neighbours in order. Otherwise the lane number is a rank, so that the lanes without work are
- *  the last ones and whole subgroups idle. detail: share of the splats that is wanted, gain, enough. */
-SplatShare dplShareOf(uint rank, vec3 detail) {
+ *  the last ones and whole subgroups idle. */
+SplatShare dplShareOf(uint rank, WantedDetail detail) {
     SplatShare s;
     s.within = rank;
     s.weight = s.growth = 1.0;
-    float share = keptShare(detail.x);
+    float share = keptShare(detail.share);
     if (share >= 1.0) return s;
     s.weight = detailWeight(share, rank);
-    s.growth = detailGrowth(share, detail.y, detail.z);
+    s.growth = detailGrowth(share, detail.gain, detail.enough);
     s.within = placeOfRank(rank);
     return s;
 }

@@ -12,7 +12,7 @@ vec3 dplToView(ViewData view, vec3 world) {
 }
 
 Lens dplLens(ViewData view) {
-    return Lens(view.focalCentrePx.xy, view.focalCentrePx.zw, view.slopeLimits.xz, view.slopeLimits.yw);
+    return Lens(view.focalPx, view.centrePx, vec2(view.minSlopeX, view.minSlopeY), vec2(view.maxSlopeX, view.maxSlopeY));
 }
 
 /** Gate of a single-face splat. All arguments are in world space. */

@@ -14,8 +14,12 @@ ProjectedSplat dplShow(Footprint f, float opacity, vec2 targetPx, bool all) {
         vec2 radius = sqrt(level * vec2(f.varianceX, f.varianceY));
         vec2 low = f.centrePx - radius, high = f.centrePx + radius;
         if (high.x > 0.0 && high.y > 0.0 && low.x < targetPx.x && low.y < targetPx.y) {
-            p.place = vec4(f.centrePx, f.conicA, f.conicB);
-            p.look = uvec4(floatBitsToUint(f.conicC), dplPackExtent(opacity, radius.x), 0u, floatBitsToUint(f.depthM));
+            p.centrePx = f.centrePx;
+            p.conicA = f.conicA;
+            p.conicB = f.conicB;
+            p.conicC = f.conicC;
+            p.opacityAndRadius = dplPackOpacityAndRadius(opacity, radius.x);
+            p.depthM = f.depthM;
         }
     }
     return p;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which tiles a splat touches. The includer declares the push constants as TilePush `push`.
+// Which tiles a splat touches. The includer declares the push constants as TilePush `push` and includes lib/projected.glsl.
 
 // First and last tile with pixels that have samples in [low, high]; `size` is in pixels. The result has at least one tile: a needless
 // entry draws nothing.
@@ -15,11 +15,11 @@ uvec2 dplSplatRows(float centrePx, float radiusPx, uint heightPx) { return dplTi
 
 // First and last column of tiles that the 1/255 ellipse (dplEllipseOf) touches within a row of tiles, from the first samples of the row
 // to the last. The outline is monotonic on either side of u = r and of u = -r, so the extremes are at those points or at the ends.
-uvec2 dplSplatColumns(vec2 centrePx, vec3 ellipse, uint row, uint widthPx) {
+uvec2 dplSplatColumns(vec2 centrePx, SplatEllipse ellipse, uint row, uint widthPx) {
     float top = float(row << push.tileShift) + 0.5 - push.reachPx, bottom = float((row + 1u) << push.tileShift) - 0.5 + push.reachPx;
-    float r = ellipse.z, across = 1.0 - r * r + 1e-6;  // 1e-6 absorbs float rounding of r
-    float u0 = clamp((top - centrePx.y) / ellipse.y, -1.0, 1.0), u1 = clamp((bottom - centrePx.y) / ellipse.y, -1.0, 1.0);
+    float r = ellipse.correlation, across = 1.0 - r * r + 1e-6;  // 1e-6 absorbs float rounding of r
+    float u0 = clamp((top - centrePx.y) / ellipse.radiusYPx, -1.0, 1.0), u1 = clamp((bottom - centrePx.y) / ellipse.radiusYPx, -1.0, 1.0);
     float right = clamp(r, u0, u1), left = clamp(-r, u0, u1);
     float high = r * right + sqrt(max(across * (1.0 - right * right), 0.0)), low = r * left - sqrt(max(across * (1.0 - left * left), 0.0));
-    return dplTilesIn(centrePx.x + ellipse.x * low - 0.01, centrePx.x + ellipse.x * high + 0.01, widthPx);
+    return dplTilesIn(centrePx.x + ellipse.radiusXPx * low - 0.01, centrePx.x + ellipse.radiusXPx * high + 0.01, widthPx);
 }

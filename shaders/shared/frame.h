@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every struct that C++ shares with shaders, or that one pass hands to the next. Members are scalars of 4 bytes and vectors of 8, 12
-// and 16 bytes. A vec3 must start at a multiple of 16 bytes and be followed by a scalar, so that C++ and GLSL agree on offsets.
+// Every struct that C++ shares with shaders, or that one pass hands to the next. Members are scalars of 4 bytes and vectors of 8 and 16
+// bytes. No member is a vec3, because GLSL and C++ align it differently: X, Y and Z are scalars. kNameFours: uvec4s of a record, for
+// kernels that read it by DPL_FOURS (lib/reads.glsl).
 //
-//   VertexRecord ─skin► vec4 posed (w: brightness) ─triangles► TriangleFrame ─project► ProjectedSplat (splat × view) + sort depth
+//   VertexRecord ─skin► PosedVertex ─triangles► TriangleFrame ─project► ProjectedSplat (splat × view) + sort depth
 //   splat codes, uints: chunk records │ parents │ place │ size │ colour │ parent bytes │ detail of groups │ SH indices │ SH entries
 //                       (lib/codes.glsl)
 //   visibility and survivors, uints: live groups, visible splats and their sort depths (lib/visibility.glsl)
-//   sort depth ─compact► uvec2 (key, splat) ─sort► sorted splats, nearest first ─draw► pixels
-//                                                                      └─tiles► spans by row of tiles ► entries by tile ─fill► pixels
+//   sort depth ─compact► SortPair ─sort► sorted splats, nearest first ─draw► pixels
+//                                                           └─tiles► TileSpan by row of tiles ► entries by tile ─fill► pixels
 //   GeneralSplatRecord ─project.general► ProjectedSplat + sort depth ─...  (general splats: no pose, no triangles)
 #ifndef DPL_SHARED_FRAME_H
 #define DPL_SHARED_FRAME_H
@@ -18,30 +19,37 @@ struct ViewData {            // one view of the frame
     vec4 viewFromWorldRow0;  // rows of [R | t]: x right, y down, z forward, metres
     vec4 viewFromWorldRow1;
     vec4 viewFromWorldRow2;
-    vec4 focalCentrePx;  // fx, fy, cx, cy
-    vec4 slopeLimits;    // limits of x/z and y/z in the Jacobian: min x, max x, min y, max y
-    vec3 eyeWorld;
+    vec2 focalPx;
+    vec2 centrePx;                                     // principal point
+    float minSlopeX, maxSlopeX, minSlopeY, maxSlopeY;  // limits of x/z and y/z in the Jacobian
+    float eyeX, eyeY, eyeZ;                            // in world space, metres
     float pad0;
 };
 DPL_SHARED_SIZE(ViewData, 96)
 
+struct PixelPlane {  // width in metres of a pixel of one view at a world point = axis · point + offsetM
+    float axisX, axisY, axisZ;
+    float offsetM;
+};
+DPL_SHARED_SIZE(PixelPlane, 16)
+
 // The only uniform block, one for each subject. The CPU writes it before each frame.
 struct FrameData {
     ViewData views[2];
-    vec3 sortAxis;          // unit mean forward axis of the views, in world space
-    float sortStartM;       // depth along sortAxis, metres; everything that a view sees lies beyond it
-    vec2 targetPx;          // width and height of one view
-    float kappaPx2;         // low-pass of one coverage sample
-    float splatsPerM2;      // avatars: density at rest that level of detail asks for; 0: all splats (lib/detail.glsl)
-    uint compensated;       // 1: the low-pass preserves energy
-    uint unseenComponents;  // bits of the components that no view sees (sdk/visibility/components.h)
-    uint cullNothing;       // 1: no culling, for measurements
-    uint splatCount;        // of the scene set: number of records for one view
-    float largestGrowth;    // avatars: upper bound of the factor by which level of detail enlarges splats
-    float shShare;          // avatars: weight of the SH bands above 0; at 0 their coefficients are not read
-    float splatsPerPixel;   // general splats: density that level of detail asks for; 0: all splats
-    float finestPixelM;     // general splats: lower limit of the pixel width used for level of detail, metres
-    vec4 pixelPlanes[2];    // general splats, by view: width in metres of a pixel at a world point = dot(xyz, point) + w
+    float sortAxisX, sortAxisY, sortAxisZ;  // unit mean forward axis of the views, in world space
+    float sortStartM;                       // depth along the sort axis, metres; everything that a view sees lies beyond it
+    vec2 targetPx;                          // width and height of one view
+    float kappaPx2;                         // low-pass of one coverage sample
+    float splatsPerM2;                      // avatars: density at rest that level of detail asks for; 0: all splats (lib/detail.glsl)
+    uint compensated;                       // 1: the low-pass preserves energy
+    uint unseenComponents;                  // bits of the components that no view sees (sdk/visibility/components.h)
+    uint cullNothing;                       // 1: no culling, for measurements
+    uint splatCount;                        // of the scene set: number of records for one view
+    float largestGrowth;                    // avatars: upper bound of the factor by which level of detail enlarges splats
+    float shShare;                          // avatars: weight of the SH bands above 0; at 0 their coefficients are not read
+    float splatsPerPixel;                   // general splats: density that level of detail asks for; 0: all splats
+    float finestPixelM;                     // general splats: lower limit of the pixel width used for level of detail, metres
+    PixelPlane pixelPlanes[2];              // general splats, by view
 };
 DPL_SHARED_SIZE(FrameData, 288)
 
@@ -53,7 +61,8 @@ struct VertexRecord {  // constant, one for each vertex
     uint components;  // bits of the components that use the vertex
     uint pad0;
 };
-DPL_SHARED_SIZE(VertexRecord, 32)
+DPL_CONST uint kVertexFours = 2u;
+DPL_SHARED_SIZE(VertexRecord, 16 * kVertexFours)
 
 struct CorrectedVertexRecord {  // replaces VertexRecord in avatars with pose correctives
     float restX, restY, restZ;
@@ -66,56 +75,96 @@ struct CorrectedVertexRecord {  // replaces VertexRecord in avatars with pose co
     uint components;   // bits of the components that use the vertex
     uint pad0, pad1;
 };
-DPL_SHARED_SIZE(CorrectedVertexRecord, 48)
+DPL_CONST uint kCorrectedVertexFours = 3u;
+DPL_SHARED_SIZE(CorrectedVertexRecord, 16 * kCorrectedVertexFours)
 
-struct TriangleRecord {  // constant, one for each triangle: frame and inverse edge matrix D⁻¹ at rest (docs/reference/binding.md)
-    vec4 restT1;         // w: i00
-    vec4 restT2;         // w: i01
-    vec4 restNormal;     // w: i11
-    uvec4 corners;       // vertex indices; w: number of its component, from 1; 0: degenerate at rest
+struct PosedVertex {  // one for each vertex, written each frame
+    float x, y, z;    // world, metres
+    float light;      // brightness
+};
+DPL_SHARED_SIZE(PosedVertex, 16)
+
+struct TriangleRecord {  // constant, one for each triangle: frame [T1 T2 N] and inverse edge matrix D⁻¹ at rest (docs/reference/binding.md)
+    float restT1X, restT1Y, restT1Z;
+    float inverse00;
+    float restT2X, restT2Y, restT2Z;
+    float inverse01;
+    float restNormalX, restNormalY, restNormalZ;
+    float inverse11;
+    uint corner0, corner1, corner2;  // vertex indices
+    uint component;                  // its number, from 1; 0: the triangle is degenerate at rest
     float reach;  // metres at rest: largest √level · standard deviation of its splats. With level = 2 ln(255 α), α < 1/255 beyond it
     float rootLevel;   // largest √level
     uint freeSplats;   // number of its free splats
     uint gatedSplats;  // number of its single-face splats
 };
-DPL_SHARED_SIZE(TriangleRecord, 80)
+DPL_CONST uint kTriangleFours = 5u;
+DPL_SHARED_SIZE(TriangleRecord, 16 * kTriangleFours)
 
-struct TriangleFrame {  // one for each triangle, written each frame; x, y and z are float bits, w packs smaller values
-    uvec4 corner0;      // w: kShowsFree << view and kShowsGated << view: which splats may show in which view
-    uvec4 corner1;      // w: x and y of the polar rotation as a quaternion, snorm16
-    uvec4 corner2;      // w: z and w of the quaternion, snorm16
-    uvec4 column0;      // first column of F; w: brightness at corners 0 and 1, half
-    uvec4 column1;      // second column of F; w: brightness at corner 2, half
+struct TriangleFrame {  // one for each triangle, written each frame
+    float corner0X, corner0Y, corner0Z;
+    uint shows;  // kShowsFree << view and kShowsGated << view: which splats may show in which view
+    float corner1X, corner1Y, corner1Z;
+    uint turnXY;  // x and y of the polar rotation as a quaternion, snorm16
+    float corner2X, corner2Y, corner2Z;
+    uint turnZW;                         // z and w of the quaternion
+    float column0X, column0Y, column0Z;  // first column of F
+    uint light01;                        // brightness at corners 0 and 1, half floats
+    float column1X, column1Y, column1Z;  // second column of F
+    uint light2;                         // brightness at corner 2, half float in the low half
 };
-DPL_SHARED_SIZE(TriangleFrame, 80)
+DPL_CONST uint kTriangleFrameFours = 5u;
+DPL_SHARED_SIZE(TriangleFrame, 16 * kTriangleFrameFours)
 
-struct GeneralSplatRecord {  // constant, one for each general splat
-    vec4 centre;             // world, metres; w: opacity
-    vec4 axis1;              // unit axes × standard deviations, metres; w is unused
-    vec4 axis2;
-    vec4 axis3;
+struct GeneralSplatRecord {           // constant, one for each general splat
+    float centreX, centreY, centreZ;  // world, metres
+    float opacity;
+    float axis1X, axis1Y, axis1Z;  // unit axes × standard deviations, metres
+    float pad1;
+    float axis2X, axis2Y, axis2Z;
+    float pad2;
+    float axis3X, axis3Y, axis3Z;
+    float pad3;
 };
-DPL_SHARED_SIZE(GeneralSplatRecord, 64)
+DPL_CONST uint kGeneralSplatFours = 4u;
+DPL_SHARED_SIZE(GeneralSplatRecord, 16 * kGeneralSplatFours)
 
 struct GroupBox {  // constant: bounding box of the centres of a group of general splats
-    vec4 middle;
-    vec4 reach;   // half its size, metres
-    vec4 detail;  // from SplatGroup: area of a splat in m², gain, enough
+    float middleX, middleY, middleZ;
+    float pad0;
+    float reachX, reachY, reachZ;  // half its size, metres
+    float pad1;
+    float areaM2, gain, enough;  // of its SplatGroup (sdk/math/detail.h)
+    float pad2;
 };
-DPL_SHARED_SIZE(GroupBox, 48)
+DPL_CONST uint kGroupBoxFours = 3u;
+DPL_SHARED_SIZE(GroupBox, 16 * kGroupBoxFours)
 
 // One for each splat and view. All records of view 0 come first, so drawing one view does not read those of the other. 32 bytes are half a
 // cache line; the records are read in depth order, so each read touches one line (lib/projected.glsl).
 struct ProjectedSplat {
-    vec4 place;  // centre in target pixels (origin top left, pixel centres at +0.5), conic A and B: σ = ½(A dx² + C dy²) + B dx dy
-    // x: bits of conic C
-    // y: low half: opacity after compensation, gate and near fade, unorm16; high half: half the width outside which α < 1/255,
-    //    px, as a half float; 0: hidden in this view
-    // z: rgb, display-referred, 11, 11 and 10 bits
-    // w: bits of the view z, metres
-    uvec4 look;
+    vec2 centrePx;         // in the target: origin top left, pixel centres at +0.5
+    float conicA, conicB;  // σ = ½(A dx² + C dy²) + B dx dy
+    float conicC;
+    uint opacityAndRadius;  // low half: opacity after compensation, gate and near fade, unorm16; high half: half the width outside
+                            // which α < 1/255, px, as a half float; 0: hidden in this view
+    uint colour;            // rgb, display-referred, 11, 11 and 10 bits
+    float depthM;           // view z
 };
-DPL_SHARED_SIZE(ProjectedSplat, 32)
+DPL_CONST uint kProjectedFours = 2u;
+DPL_SHARED_SIZE(ProjectedSplat, 16 * kProjectedFours)
+
+struct SortPair {  // one for each survivor
+    uint key;      // of its depth
+    uint splat;
+};
+DPL_SHARED_SIZE(SortPair, 8)
+
+struct TileSpan {  // the tiles that a splat touches in one row of tiles
+    uint record;   // number of its ProjectedSplat
+    uint columns;  // the first; the last in the high half
+};
+DPL_SHARED_SIZE(TileSpan, 8)
 
 struct FrameCounts {                          // written and read by the GPU; contains the arguments of its indirect commands
     uint visible;                             // records that survive culling, of all views together

@@ -54,7 +54,7 @@ DPL_CONST float kTileStop = 1e-4;      // transmittance below which a pixel is d
 
 DPL_CONST uint kMeshDepthOwnPixels = 64u;  // a triangle with a larger bounding box is shared by all lanes of the workgroup
 
-DPL_CONST uint kShowsFree = 1u;             // in TriangleFrame.corner0.w, shifted left by the view: free splats may show
+DPL_CONST uint kShowsFree = 1u;             // in TriangleFrame.shows, shifted left by the view: free splats may show
 DPL_CONST uint kShowsGated = 4u;            // the same for single-face splats
 DPL_CONST uint kParentFree = 0x40000000u;   // in an entry of the table of parents: the chunk has free splats on this triangle
 DPL_CONST uint kParentGated = 0x80000000u;  // the same for single-face splats

@@ -11,9 +11,6 @@ using uint = uint32_t;
 struct alignas(8) vec2 {
     float x, y;
 };
-struct vec3 {  // GLSL aligns it to 16 bytes: start it at a multiple of 16 and put a scalar behind it
-    float x, y, z;
-};
 struct alignas(16) vec4 {
     float x, y, z, w;
 };

@@ -64,7 +64,7 @@ namespace {
 /** Results of a frame's kernels. */
 struct MslFrame {
     std::vector<gpu::ProjectedSplat> projected;
-    std::vector<gpu::uvec2> compacted;
+    std::vector<gpu::SortPair> compacted;
     std::vector<uint32_t> sorted;
     gpu::FrameCounts counts{};
 };
@@ -94,8 +94,8 @@ void scan(gpu::FrameCounts& counts, std::vector<uint32_t>& table, std::vector<ui
 }
 
 /** Sorts (key, splat) pairs with the sort kernels and returns the splats in order. */
-std::vector<uint32_t> sortPairs(std::vector<gpu::uvec2> pairs, gpu::FrameCounts& counts, int order, uint32_t rounds = gpu::kSortRounds) {
-    std::vector<gpu::uvec2> other(pairs.size() + 1);
+std::vector<uint32_t> sortPairs(std::vector<gpu::SortPair> pairs, gpu::FrameCounts& counts, int order, uint32_t rounds = gpu::kSortRounds) {
+    std::vector<gpu::SortPair> other(pairs.size() + 1);
     const size_t cells = gpu::kSortDigits * counts.runs;
     std::vector<uint32_t> sums(scanSumWords(gpu::kSortDigits)), places(cells, 0xCDCDCDCD);
     void *from = pairs.data(), *to = other.data();
@@ -115,10 +115,10 @@ std::vector<uint32_t> sortPairs(std::vector<gpu::uvec2> pairs, gpu::FrameCounts&
     return sorted;
 }
 
-std::vector<uint32_t> stablySorted(std::vector<gpu::uvec2> pairs) {
-    std::stable_sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
+std::vector<uint32_t> stablySorted(std::vector<gpu::SortPair> pairs) {
+    std::stable_sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) { return a.key < b.key; });
     std::vector<uint32_t> splats;
-    for (const gpu::uvec2& pair : pairs) splats.push_back(pair.y);
+    for (const gpu::SortPair& pair : pairs) splats.push_back(pair.splat);
     return splats;
 }
 
@@ -153,7 +153,7 @@ std::vector<uint32_t> visibilityOf(uint32_t groups, uint32_t splats) {
 
 MslFrame runGeneralFrame(const StaticSplatData& splats, std::span<const Cameraf> views, int order, const GeneralDetail& detail = {}) {
     const std::vector<uint32_t> inSpace = spatialOrder(splats.position);
-    std::vector<gpu::vec4> records = packSplats(splats, inSpace, measureGroups(splats, inSpace));
+    std::vector<gpu::uvec4> records = packSplats(splats, inSpace, measureGroups(splats, inSpace));
     gpu::FrameData frame = packFrame(splatSetOf(splats), views);
     packGeneralDetail(detail, frame);
     const uint32_t count = splats.count(), viewCount = uint32_t(views.size()), groups = groupsFor(count, gpu::kSplatGroup);
@@ -179,7 +179,7 @@ MslFrame runFrame(const AvatarData& avatar, const Pose& pose, std::span<const Ca
     std::vector<gpu::vec4> palette = paletteOf(avatar, pose, pose);
     MslFrame out;
     const uint32_t splats = coded.count(), viewCount = uint32_t(views.size());
-    std::vector<gpu::vec4> posed(avatar.mesh.restPositions.size());
+    std::vector<gpu::PosedVertex> posed(avatar.mesh.restPositions.size());
     std::vector<gpu::TriangleFrame> frames(records.triangles.size());
     const uint32_t groups = 2 * uint32_t(coded.chunks.size());
     std::vector<uint32_t> visibility = visibilityOf(groups, splats);
@@ -237,16 +237,15 @@ std::vector<double> blend(const MslFrame& f, const Cameraf& camera, uint32_t vie
     std::vector<double> rgb(size_t(camera.widthPx) * camera.heightPx * 3, 0), transmittance(size_t(camera.widthPx) * camera.heightPx, 1);
     for (const uint32_t splat : f.sorted) {
         const gpu::ProjectedSplat& p = f.projected[view * f.projected.size() / viewCount + splat];
-        const auto floatOf = [](uint32_t bits) { return std::bit_cast<float>(bits); };
-        const double conicC = floatOf(p.look.x), opacity = (p.look.y & 0xFFFF) / 65535.0, radiusX = floatFromHalf(uint16_t(p.look.y >> 16)),
-                     radiusY = radiusX * std::sqrt(p.place.z / conicC),
-                     colour[3] = {(p.look.z & 2047) / 2047.0, (p.look.z >> 11 & 2047) / 2047.0, (p.look.z >> 22) / 1023.0};
+        const double opacity = (p.opacityAndRadius & 0xFFFF) / 65535.0, radiusX = floatFromHalf(uint16_t(p.opacityAndRadius >> 16)),
+                     radiusY = radiusX * std::sqrt(double(p.conicA) / p.conicC),
+                     colour[3] = {(p.colour & 2047) / 2047.0, (p.colour >> 11 & 2047) / 2047.0, (p.colour >> 22) / 1023.0};
         for (uint32_t y = 0; y < camera.heightPx; ++y) {
-            if (std::abs(y + 0.5 - p.place.y) > radiusY) continue;
+            if (std::abs(y + 0.5 - p.centrePx.y) > radiusY) continue;
             for (uint32_t x = 0; x < camera.widthPx; ++x) {
-                const double dx = x + 0.5 - p.place.x, dy = y + 0.5 - p.place.y;
+                const double dx = x + 0.5 - p.centrePx.x, dy = y + 0.5 - p.centrePx.y;
                 if (std::abs(dx) > radiusX) continue;
-                const double sigma = 0.5 * (p.place.z * dx * dx + conicC * dy * dy) + p.place.w * dx * dy;
+                const double sigma = 0.5 * (p.conicA * dx * dx + p.conicC * dy * dy) + p.conicB * dx * dy;
                 const double alpha = std::min(kMaxAlpha, opacity * std::exp(-sigma));
                 if (alpha < kMinAlpha) continue;
                 double& t = transmittance[size_t(y) * camera.widthPx + x];
@@ -276,7 +275,7 @@ void expectKernelsMatchTheReference(const Cameraf (&views)[2], uint32_t splatCou
         EXPECT_EQ(0, std::memcmp(f.projected.data(), first.projected.data(), f.projected.size() * sizeof(gpu::ProjectedSplat)));
         EXPECT_TRUE(f.sorted == stablySorted(f.compacted)) << "lane order " << order;
         for (size_t i = 1; i < f.compacted.size(); ++i)
-            ASSERT_LT(f.compacted[i - 1].y, f.compacted[i].y) << "compaction must keep splat order";
+            ASSERT_LT(f.compacted[i - 1].splat, f.compacted[i].splat) << "compaction must keep splat order";
     }
     for (uint32_t v = 0; v < 2; ++v) {
         const ReferenceImage want = referenceOf(views[v]);
@@ -457,7 +456,8 @@ TEST(MetalFrame, meshDepthMatchesTheReference) {
     std::vector<Mat3x4f> joints;
     jointTransforms(avatar.joints, pose, joints);
     AvatarRecords records = packAvatar(avatar, *codeSplats(avatar.mesh, avatar.splats));
-    std::vector<gpu::vec4> palette(paletteSize(avatar)), posed(avatar.mesh.restPositions.size());
+    std::vector<gpu::vec4> palette(paletteSize(avatar));
+    std::vector<gpu::PosedVertex> posed(avatar.mesh.restPositions.size());
     packPalette(joints, {}, palette);
     for (const float distanceM : {1.6f, 0.2f}) {  // small triangles, and triangles so large that all lanes of a threadgroup share one
         const Cameraf views[2] = {tubeCamera(80, 70, 0.6f, distanceM, -0.03f), tubeCamera(80, 70, 0.6f, distanceM, 0.03f)};
@@ -493,7 +493,7 @@ TEST(MetalFrame, sortIsStableAcrossBlocksAndTies) {
             gpu::FrameCounts counts{};
             counts.visible = 5001;
             setRuns(counts);
-            std::vector<gpu::uvec2> pairs(counts.visible);
+            std::vector<gpu::SortPair> pairs(counts.visible);
             for (uint32_t i = 0; i < counts.visible; ++i) pairs[i] = {(i * 2654435761u >> 7) % keys, i};
             EXPECT_TRUE(sortPairs(pairs, counts, order) == stablySorted(pairs)) << keys << " keys, lane order " << order;
         }

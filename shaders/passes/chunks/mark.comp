@@ -14,6 +14,7 @@ layout(std430, binding = 2) writeonly buffer VisibilityBlock { uint visibility[]
 layout(push_constant) uniform PushBlock { CodesPush push; };
 #include "shaders/lib/visibility.glsl"
 #include "shaders/lib/parent_byte.glsl"
+#include "shaders/lib/triangle_frame.glsl"
 
 void main() {
     uint group = gl_GlobalInvocationID.x;
@@ -24,7 +25,7 @@ void main() {
         for (uint at = parents + dplParentByte(first + begin); at <= last && live == 0u; ++at) {
             uint parent = DPL_WORD(codes, at);
             uint wanted = ((parent & kParentFree) != 0u ? 3u * kShowsFree : 0u) | ((parent & kParentGated) != 0u ? 3u * kShowsGated : 0u);
-            if ((DPL_FOUR(triangles, 5u * (parent & kParentMask)).w & wanted) != 0u) live = 1u;
+            if ((dplShows(DPL_FOUR(triangles, kTriangleFrameFours * (parent & kParentMask))) & wanted) != 0u) live = 1u;
         }
     }
     group += push.firstGroup;

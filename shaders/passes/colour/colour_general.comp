@@ -11,10 +11,11 @@
 layout(local_size_x = 128) in;  // kSplatGroup
 
 layout(std140, binding = 0) uniform FrameBlock { FrameData frame; };
-DPL_FOURS(1, SplatBlock, splats);  // GeneralSplatRecord
+DPL_FOURS(1, SplatBlock, splats);  // lib/general_splat.glsl
 DPL_FOURS(2, ShBlock, sh);  // eight halves, coefficient-major, red green blue; padded to whole uvec4
 layout(std430, binding = 3) buffer ProjectedBlock { ProjectedSplat projected[]; };
 layout(push_constant) uniform PushBlock { ColourPush push; };
+#include "shaders/lib/general_splat.glsl"
 
 float dplShHalf(uint base, uint at) {
     uvec4 eight = DPL_FOUR(sh, base + (at >> 3u));
@@ -28,9 +29,9 @@ vec3 dplSh(uint base, uint k) { return vec3(dplShHalf(base, 3u * k), dplShHalf(b
 const uint kShStride = (3u * (kShDegree + 1u) * (kShDegree + 1u) + 7u) / 8u;  // uvec4s of one splat
 
 void shadeIn(ViewData view, uint index, uint slot) {
-    if (!dplShown(projected[slot].look)) return;
-    vec3 direction = normalize(dplFloats(DPL_FOUR(splats, 4u * index)).xyz - view.eyeWorld.xyz);
-    projected[slot].look.z = dplPackColour(dplShColour(direction, index * kShStride, 1.0));
+    if (!dplShown(projected[slot].opacityAndRadius)) return;
+    vec3 direction = normalize(dplCentreOf(dplGeneralSplat(index)) - dplEyeWorld(view));
+    projected[slot].colour = dplPackColour(dplShColour(direction, index * kShStride, 1.0));
 }
 
 void main() {

@@ -11,7 +11,7 @@ layout(local_size_x = 64) in;  // kCompactGroup
 DPL_WORDS(0, VisibilityBlock, visibility);
 DPL_WORDS(1, SurvivorBlock, survivors);
 layout(std430, binding = 2) readonly buffer CountsBlock { FrameCounts counts; };
-layout(std430, binding = 3) writeonly buffer PairBlock { uvec2 pairs[]; };
+layout(std430, binding = 3) writeonly buffer PairBlock { SortPair pairs[]; };
 layout(push_constant) uniform PushBlock { CompactPush push; };
 #include "shaders/lib/visibility.glsl"
 
@@ -30,7 +30,7 @@ void main() {
         left &= left - 1u;
         // with 24 bits, adding the half may round up to 2²⁴
         float level = clamp((uintBitsToFloat(bits) - start) * scale + offset, 0.0, most);
-        pairs[slot] = uvec2(push.maxDepthKey == kFloatDepthKeys ? dplOrderedBits(uintBitsToFloat(bits)) : uint(level), splat);
+        pairs[slot] = SortPair(push.maxDepthKey == kFloatDepthKeys ? dplOrderedBits(uintBitsToFloat(bits)) : uint(level), splat);
         ++slot;
     }
 }

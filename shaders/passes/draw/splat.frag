@@ -12,7 +12,7 @@ layout(push_constant) uniform PushBlock { DrawPush push; };
 layout(std430, binding = 3) readonly buffer SceneBlock { float scene[]; };
 #endif
 
-layout(location = 0) flat in vec4 centreConic;  // packed by splat.vert
+layout(location = 0) flat in vec4 centreConic;  // packed by splat.vert; main() names the lanes
 layout(location = 1) flat in vec4 conicOpacity;
 layout(location = 2) flat in vec4 colourDepth;
 layout(location = 0) out vec4 colour;
@@ -21,16 +21,18 @@ layout(location = 1) out vec4 depthSums;
 #endif
 
 void main() {
+    vec2 centrePx = centreConic.xy;
+    float halfA = centreConic.z, b = centreConic.w, halfC = conicOpacity.x;  // the conic, scaled so that exp(-σ) is an exp2
+    float opacity = conicOpacity.y, view = conicOpacity.z, depthM = colourDepth.w;
 #ifdef DPL_SCENE_DEPTH
-    uint x = uint(gl_FragCoord.x), row = uint(conicOpacity.z) * uint(push.targetHeightPx) + uint(gl_FragCoord.y);
-    if (colourDepth.w > scene[row * uint(push.targetWidthPx) + x]) discard;
+    uint x = uint(gl_FragCoord.x), row = uint(view) * uint(push.targetHeightPx) + uint(gl_FragCoord.y);
+    if (depthM > scene[row * uint(push.targetWidthPx) + x]) discard;
 #endif
-    vec2 d = gl_FragCoord.xy - centreConic.xy;
-    // exp(-σ): the vertex shader scaled the conic for exp2.
-    float alpha = min(kMaxAlpha, conicOpacity.y * exp2(d.x * (centreConic.z * d.x + centreConic.w * d.y) + conicOpacity.x * d.y * d.y));
+    vec2 d = gl_FragCoord.xy - centrePx;
+    float alpha = min(kMaxAlpha, opacity * exp2(d.x * (halfA * d.x + b * d.y) + halfC * d.y * d.y));
     if (!(alpha >= kMinAlpha)) discard;
     colour = vec4(colourDepth.rgb * alpha, alpha);
 #ifdef DPL_DEPTH
-    depthSums = vec4(colourDepth.w * alpha, alpha, 0.0, alpha);
+    depthSums = vec4(depthM * alpha, alpha, 0.0, alpha);
 #endif
 }

@@ -21,25 +21,28 @@ void main() {
     uint view = dplViewIndex(push.view);
     // The list is sorted nearest first, with ties in splat order. Drawing it backwards gives the exact mirror of front-to-back
     // blending.
-    uint splat = DPL_WORD(order, counts.visible - 1u - dplSplat()), record = 2u * (view * push.splatCount + splat);
+    uint splat = DPL_WORD(order, counts.visible - 1u - dplSplat()), record = kProjectedFours * (view * push.splatCount + splat);
     ProjectedSplat p = dplProjected(DPL_FOUR(projected, record), DPL_FOUR(projected, record + 1u));
     const float log2e = 1.4426950408889634;  // exp(-σ) becomes a power of two: one scaling for each splat instead of one for each pixel
-    centreConic = vec4(p.place.xy, -0.5 * log2e * p.place.z, -log2e * p.place.w);
-    conicOpacity = vec4(-0.5 * log2e * uintBitsToFloat(p.look.x), dplOpacityOf(p.look), float(view), 0.0);
-    colourDepth = vec4(dplUnpackColour(p.look.z), uintBitsToFloat(p.look.w));
+    centreConic = vec4(p.centrePx, -0.5 * log2e * p.conicA, -log2e * p.conicB);
+    conicOpacity = vec4(-0.5 * log2e * p.conicC, dplOpacityOf(p.opacityAndRadius), float(view), 0.0);
+    colourDepth = vec4(dplUnpackColour(p.colour), p.depthM);
     vec2 size = vec2(push.targetWidthPx, push.targetHeightPx);
-    vec3 ellipse = dplEllipseOf(p);
+    SplatEllipse ellipse = dplEllipseOf(p);
+    vec2 radius = vec2(ellipse.radiusXPx, ellipse.radiusYPx);
     vec2 px;
     uint corner = dplCorner();
-    if (ellipse.x < size.x && ellipse.y < size.y) {
+    if (radius.x < size.x && radius.y < size.y) {
         // The smallest triangle around the unit circle, mapped to the ellipse by its radii and its correlation r. The constant under
         // the root absorbs float rounding of r.
-        vec2 around = corner == 0u ? vec2(0.0, 2.0) : vec2(corner == 1u ? 1.7320509 : -1.7320509, -1.0), radius = ellipse.xy + 0.02;
-        px = p.place.xy + vec2(radius.x * around.x, radius.y * (ellipse.z * around.x + sqrt(1.0 - ellipse.z * ellipse.z + 1e-6) * around.y));
+        vec2 around = corner == 0u ? vec2(0.0, 2.0) : vec2(corner == 1u ? 1.7320509 : -1.7320509, -1.0);
+        radius += 0.02;
+        float r = ellipse.correlation;
+        px = p.centrePx + vec2(radius.x * around.x, radius.y * (r * around.x + sqrt(1.0 - r * r + 1e-6) * around.y));
     } else {  // around the bounding box, clipped to the view
-        vec2 low = clamp(p.place.xy - ellipse.xy, vec2(0.0), size), high = clamp(p.place.xy + ellipse.xy, vec2(0.0), size);
+        vec2 low = clamp(p.centrePx - radius, vec2(0.0), size), high = clamp(p.centrePx + radius, vec2(0.0), size);
         px = low + 2.0 * (high - low) * vec2(corner == 1u ? 1.0 : 0.0, corner == 2u ? 1.0 : 0.0);
     }
     vec2 ndc = 2.0 * px / size - 1.0;
-    gl_Position = dplShown(p.look) ? vec4(ndc, 0.0, 1.0) : vec4(0.0, 0.0, 0.0, 1.0);
+    gl_Position = dplShown(p.opacityAndRadius) ? vec4(ndc, 0.0, 1.0) : vec4(0.0, 0.0, 0.0, 1.0);
 }

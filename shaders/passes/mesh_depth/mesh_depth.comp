@@ -10,7 +10,7 @@ layout(local_size_x = 128) in;  // kVertexGroup
 
 layout(std140, binding = 0) uniform FrameBlock { FrameData frame; };
 layout(std430, binding = 1) readonly buffer TriangleBlock { TriangleRecord triangles[]; };
-layout(std430, binding = 2) readonly buffer PosedBlock { vec4 posed[]; };
+layout(std430, binding = 2) readonly buffer PosedBlock { PosedVertex posed[]; };
 // float bits of z, set to infinity before this pass; by view, row, column
 layout(std430, binding = 3) buffer DepthBlock { uint depths[]; };
 layout(push_constant) uniform PushBlock { MeshDepthPush push; };
@@ -23,13 +23,12 @@ struct Corners {  // sorted by vertex index: two triangles compute their common 
 };
 
 vec3 corner(ViewData view, uint vertex) {
-    vec3 p = dplToView(view, posed[vertex].xyz);
-    vec4 k = view.focalCentrePx;
-    return vec3(k.x * p.x + k.z * p.z, k.y * p.y + k.w * p.z, p.z);
+    vec3 p = dplToView(view, vec3(posed[vertex].x, posed[vertex].y, posed[vertex].z));
+    return vec3(view.focalPx.x * p.x + view.centrePx.x * p.z, view.focalPx.y * p.y + view.centrePx.y * p.z, p.z);
 }
 
 Corners cornersOf(uint triangle, uint view) {
-    uvec4 index = triangles[triangle].corners;
+    uvec3 index = uvec3(triangles[triangle].corner0, triangles[triangle].corner1, triangles[triangle].corner2);
     uint low = min(index.x, min(index.y, index.z)), high = max(index.x, max(index.y, index.z));
     ViewData v = frame.views[view];
     Corners t;

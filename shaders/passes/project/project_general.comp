@@ -12,42 +12,51 @@
 layout(local_size_x = 128) in;  // kSplatGroup
 
 layout(std140, binding = 0) uniform FrameBlock { FrameData frame; };
-DPL_FOURS(1, SplatBlock, splats);  // GeneralSplatRecords, then one GroupBox for each group
+DPL_FOURS(1, SplatBlock, splats);  // lib/general_splat.glsl
 layout(std430, binding = 2) writeonly buffer ProjectedBlock { ProjectedSplat projected[]; };
 layout(std430, binding = 3) writeonly buffer VisibilityBlock { uint visibility[]; };
 layout(std430, binding = 4) buffer CountsBlock { FrameCounts counts; };
 layout(push_constant) uniform PushBlock { SplatPush push; };
 #include "shaders/lib/visibility.glsl"
 #include "shaders/lib/detail.glsl"
+#include "shaders/lib/general_splat.glsl"
 
-bool showIn(ViewData view, uint slot, GeneralSplatRecord s) {
+struct GeneralSplat {
+    float opacity;
+    vec3 centre, axis1, axis2, axis3;
+};
+
+bool showIn(ViewData view, uint slot, GeneralSplat s) {
     ProjectedSplat p = dplHiddenSplat();
-    Footprint f = projectSolid(dplLens(view), dplToView(view, s.centre.xyz), dplRotateToView(view, s.axis1.xyz), dplRotateToView(view, s.axis2.xyz),
-                               dplRotateToView(view, s.axis3.xyz), frame.kappaPx2);
+    Footprint f = projectSolid(dplLens(view), dplToView(view, s.centre), dplRotateToView(view, s.axis1), dplRotateToView(view, s.axis2),
+                               dplRotateToView(view, s.axis3), frame.kappaPx2);
     if (f.visible) {
-        float opacity = s.centre.w * nearFade(f.depthM);
+        float opacity = s.opacity * nearFade(f.depthM);
         if (frame.compensated != 0u) opacity *= f.compensation;
         p = dplShow(f, opacity, frame.targetPx, frame.cullNothing != 0u);
     }
     projected[slot] = p;
-    return dplShown(p.look);
+    return dplShown(p.opacityAndRadius);
 }
 
-/** Width of a pixel in metres at the nearest point of the box, in the view with the smallest pixels. */
+/** Width of a pixel in metres at the nearest point of the box. */
+float pixelOfViewM(PixelPlane p, vec3 middle, vec3 reach) { return nearestPixelM(vec3(p.axisX, p.axisY, p.axisZ), p.offsetM, middle, reach); }
+
+/** The same in the view with the smallest pixels. */
 float pixelM(vec3 middle, vec3 reach) {
-    vec4 a = frame.pixelPlanes[0], b = frame.pixelPlanes[1];
-    float nearest = min(nearestPixelM(a.xyz, a.w, middle, reach), nearestPixelM(b.xyz, b.w, middle, reach));
+    float nearest = min(pixelOfViewM(frame.pixelPlanes[0], middle, reach), pixelOfViewM(frame.pixelPlanes[1], middle, reach));
     return nearest > frame.finestPixelM ? nearest : frame.finestPixelM;
 }
 
 void main() {
-    uint lane = gl_LocalInvocationIndex, group = gl_WorkGroupID.x, box = 4u * push.splatCount + 3u * group;
-    // all splats
-    vec3 middle = dplFloats(DPL_FOUR(splats, box)).xyz, reach = dplFloats(DPL_FOUR(splats, box + 1u)).xyz, detail = vec3(1.0, 0.0, 1.0);
+    uint lane = gl_LocalInvocationIndex, group = gl_WorkGroupID.x;
+    GroupBox box = dplGroupBox(push.splatCount, group);
+    vec3 middle = vec3(box.middleX, box.middleY, box.middleZ), reach = vec3(box.reachX, box.reachY, box.reachZ);
+    vec3 sortAxis = vec3(frame.sortAxisX, frame.sortAxisY, frame.sortAxisZ);
+    WantedDetail detail = WantedDetail(1.0, 0.0, 1.0);  // all splats
     if (frame.splatsPerPixel > 0.0) {
         float pixel = pixelM(middle, reach);
-        detail = dplFloats(DPL_FOUR(splats, box + 2u)).xyz;
-        detail.x = frame.splatsPerPixel * (detail.x / (pixel * pixel));
+        detail = WantedDetail(frame.splatsPerPixel * (box.areaM2 / (pixel * pixel)), box.gain, box.enough);
     }
     SplatShare share = dplShareOf(lane, detail);
     uint index = group * kSplatGroup + share.within;
@@ -55,24 +64,25 @@ void main() {
         uint depth = kUnseenDepth;
         if (share.weight > 0.0) {
             bool seen = false;
-            GeneralSplatRecord s;
-            s.centre = dplFloats(DPL_FOUR(splats, 4u * index));
-            s.axis1 = share.growth * dplFloats(DPL_FOUR(splats, 4u * index + 1u));
-            s.axis2 = share.growth * dplFloats(DPL_FOUR(splats, 4u * index + 2u));
-            s.axis3 = share.growth * dplFloats(DPL_FOUR(splats, 4u * index + 3u));
-            s.centre.w *= share.weight;
+            GeneralSplatRecord r = dplGeneralSplat(index);
+            GeneralSplat s;
+            s.opacity = share.weight * r.opacity;
+            s.centre = dplCentreOf(r);
+            s.axis1 = share.growth * vec3(r.axis1X, r.axis1Y, r.axis1Z);
+            s.axis2 = share.growth * vec3(r.axis2X, r.axis2Y, r.axis2Z);
+            s.axis3 = share.growth * vec3(r.axis3X, r.axis3Y, r.axis3Z);
             for (uint v = 0u; v < kViews; ++v) seen = showIn(frame.views[v], v * frame.splatCount + push.firstSplat + index, s) || seen;
-            if (seen) depth = floatBitsToUint(dot(frame.sortAxis, s.centre.xyz));
+            if (seen) depth = floatBitsToUint(dot(sortAxis, s.centre));
         } else {
             // read by the colour pass
-            for (uint v = 0u; v < kViews; ++v) projected[v * frame.splatCount + push.firstSplat + index].look.y = 0u;
+            for (uint v = 0u; v < kViews; ++v) projected[v * frame.splatCount + push.firstSplat + index].opacityAndRadius = 0u;
         }
         visibility[dplFirstDepth(push.allGroups) + push.firstSplat + index] = depth;
     }
     if (lane == 0u) {
         visibility[push.firstGroup + group] = 1u;
         visibility[dplFirstRange(push.allGroups) + push.firstGroup + group] = dplRange(push.firstSplat + group * kSplatGroup, min(push.splatCount - group * kSplatGroup, kSplatGroup));
-        float there = dot(frame.sortAxis, middle), either = dot(abs(frame.sortAxis), reach);
+        float there = dot(sortAxis, middle), either = dot(abs(sortAxis), reach);
         atomicMax(counts.depthMaxBits[push.drawn], dplOrderedBits(max(there + either, frame.sortStartM)));
         atomicMax(counts.depthMinBitsInverted[push.drawn], ~dplOrderedBits(max(there - either, frame.sortStartM)));
     }

@@ -11,9 +11,10 @@
 layout(local_size_x = 128) in;  // kVertexGroup
 
 layout(std140, binding = 0) uniform FrameBlock { FrameData frame; };
-DPL_FOURS(1, PaletteBlock, palette);  // three rows of G_j for each joint, then one vec4 for each control node
+// three rows of G_j for each joint, then one vec4 for each control node: offset, and change of the brightness
+DPL_FOURS(1, PaletteBlock, palette);
 DPL_FOURS(2, VertexBlock, vertices);  // VertexRecord; DPL_CORRECTED: CorrectedVertexRecord
-layout(std430, binding = 3) writeonly buffer PosedBlock { vec4 posed[]; };
+layout(std430, binding = 3) writeonly buffer PosedBlock { PosedVertex posed[]; };
 layout(std430, binding = 4) buffer CountsBlock { FrameCounts counts; };
 layout(push_constant) uniform PushBlock { VertexPush push; };
 
@@ -27,14 +28,23 @@ void addJoint(inout vec3 sum, vec4 rest, uint joint, uint weight) {
     sum += w * vec3(dot(paletteRow(joint * 3u), rest), dot(paletteRow(joint * 3u + 1u), rest), dot(paletteRow(joint * 3u + 2u), rest));
 }
 
-bool seen(uint vertex) {
-    if (frame.unseenComponents == 0u) return true;
+// The compiler drops the reads of members that a caller does not use.
 #ifdef DPL_CORRECTED
-    return (DPL_FOUR(vertices, 3u * vertex + 2u).y & ~frame.unseenComponents) != 0u;
-#else
-    return (DPL_FOUR(vertices, 2u * vertex + 1u).z & ~frame.unseenComponents) != 0u;
-#endif
+CorrectedVertexRecord vertexAt(uint vertex) {
+    uint at = kCorrectedVertexFours * vertex;
+    uvec4 a = DPL_FOUR(vertices, at), b = DPL_FOUR(vertices, at + 1u), c = DPL_FOUR(vertices, at + 2u);
+    vec3 rest = uintBitsToFloat(a.xyz);
+    return CorrectedVertexRecord(rest.x, rest.y, rest.z, a.w, b.x, b.y, b.z, b.w, c.x, c.y, 0u, 0u);
 }
+#else
+VertexRecord vertexAt(uint vertex) {
+    uvec4 a = DPL_FOUR(vertices, kVertexFours * vertex), b = DPL_FOUR(vertices, kVertexFours * vertex + 1u);
+    vec3 rest = uintBitsToFloat(a.xyz);
+    return VertexRecord(rest.x, rest.y, rest.z, a.w, b.x, b.y, b.z, 0u);
+}
+#endif
+
+bool seen(uint vertex) { return frame.unseenComponents == 0u || (vertexAt(vertex).components & ~frame.unseenComponents) != 0u; }
 
 #ifdef DPL_CORRECTED
 vec4 nodeShare(uint node, uint weight) { return float(weight) * (1.0 / 255.0) * paletteRow(push.firstNode + node); }
@@ -50,25 +60,23 @@ void main() {
     barrier();
     if (vertex < push.vertexCount && seen(vertex)) {
 #ifdef DPL_CORRECTED
-        uvec4 place = DPL_FOUR(vertices, 3u * vertex), joints = DPL_FOUR(vertices, 3u * vertex + 1u);  // restX, restY, restZ, joints01 | joints23, weights, nodes01, nodes23 | nodeWeights
-        uint weights = joints.y, nodeWeights = DPL_FOUR(vertices, 3u * vertex + 2u).x;
-        vec4 correction = nodeShare(joints.z & 0xFFFFu, nodeWeights & 0xFFu) + nodeShare(joints.z >> 16u, (nodeWeights >> 8u) & 0xFFu) +
-                          nodeShare(joints.w & 0xFFFFu, (nodeWeights >> 16u) & 0xFFu) + nodeShare(joints.w >> 16u, nodeWeights >> 24u);
-        vec4 rest = vec4(dplFloats(place).xyz + correction.xyz, 1.0);
+        CorrectedVertexRecord v = vertexAt(vertex);
+        vec4 correction = nodeShare(v.nodes01 & 0xFFFFu, v.nodeWeights & 0xFFu) + nodeShare(v.nodes01 >> 16u, (v.nodeWeights >> 8u) & 0xFFu) +
+                          nodeShare(v.nodes23 & 0xFFFFu, (v.nodeWeights >> 16u) & 0xFFu) + nodeShare(v.nodes23 >> 16u, v.nodeWeights >> 24u);
+        vec4 rest = vec4(vec3(v.restX, v.restY, v.restZ) + correction.xyz, 1.0);
         float light = clamp(1.0 + correction.w, kGpuMinLight, kGpuMaxLight);
 #else
-        uvec4 place = DPL_FOUR(vertices, 2u * vertex), joints = DPL_FOUR(vertices, 2u * vertex + 1u);  // restX, restY, restZ, joints01 | joints23, weights
-        uint weights = joints.y;
-        vec4 rest = vec4(dplFloats(place).xyz, 1.0);
+        VertexRecord v = vertexAt(vertex);
+        vec4 rest = vec4(v.restX, v.restY, v.restZ, 1.0);
         const float light = 1.0;
 #endif
         vec3 p = vec3(0.0);
-        addJoint(p, rest, place.w & 0xFFFFu, weights & 0xFFu);
-        addJoint(p, rest, place.w >> 16u, (weights >> 8u) & 0xFFu);
-        addJoint(p, rest, joints.x & 0xFFFFu, (weights >> 16u) & 0xFFu);
-        addJoint(p, rest, joints.x >> 16u, weights >> 24u);
-        posed[vertex] = vec4(p, light);
-        uint depth = dplOrderedBits(max(dot(frame.sortAxis, p), frame.sortStartM));
+        addJoint(p, rest, v.joints01 & 0xFFFFu, v.weights & 0xFFu);
+        addJoint(p, rest, v.joints01 >> 16u, (v.weights >> 8u) & 0xFFu);
+        addJoint(p, rest, v.joints23 & 0xFFFFu, (v.weights >> 16u) & 0xFFu);
+        addJoint(p, rest, v.joints23 >> 16u, v.weights >> 24u);
+        posed[vertex] = PosedVertex(p.x, p.y, p.z, light);
+        uint depth = dplOrderedBits(max(dot(vec3(frame.sortAxisX, frame.sortAxisY, frame.sortAxisZ), p), frame.sortStartM));
         atomicMax(groupMax, depth);
         atomicMax(groupMinInverted, ~depth);
     }

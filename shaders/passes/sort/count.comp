@@ -5,13 +5,14 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
 #include "shaders/lib/reads.glsl"
+#include "shaders/lib/pairs.glsl"
 layout(local_size_x = 32) in;  // kRunGroup
 
 layout(std430, binding = 0) readonly buffer CountsBlock { FrameCounts counts; };
 #ifdef DPL_PACKED  // the last digit lies above the number of the splat
 DPL_WORDS(1, PairBlock, pairs);
 #else
-DPL_PAIRS(1, PairBlock, pairs);
+DPL_PAIRS(1, PairBlock, pairs);  // SortPair
 #endif
 layout(std430, binding = 2) buffer TableBlock { uint table[]; };
 layout(push_constant) uniform PushBlock { SortPush push; };
@@ -24,7 +25,7 @@ void main() {
 #ifdef DPL_PACKED
         uint digit = DPL_WORD(pairs, i) >> kSortIndexBits;
 #else
-        uint digit = (DPL_PAIR(pairs, i).x >> push.shift) & (kSortDigits - 1u);
+        uint digit = (dplSortPair(DPL_PAIR(pairs, i)).key >> push.shift) & (kSortDigits - 1u);
 #endif
         table[digit * runs + run]++;
     }

@@ -6,19 +6,20 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
 #include "shaders/lib/reads.glsl"
+#include "shaders/lib/pairs.glsl"
 layout(local_size_x = 32) in;  // kRunGroup
 
 layout(std430, binding = 0) readonly buffer CountsBlock { FrameCounts counts; };
 #ifdef DPL_PACKED
 DPL_WORDS(1, PairBlock, pairs);
 #else
-DPL_PAIRS(1, PairBlock, pairs);
+DPL_PAIRS(1, PairBlock, pairs);  // SortPair
 #endif
 layout(std430, binding = 2) buffer PlaceBlock { uint places[]; };
 #if defined(DPL_PACK) || defined(DPL_PACKED)
 layout(std430, binding = 3) writeonly buffer SortedBlock { uint sorted[]; };
 #else
-layout(std430, binding = 3) writeonly buffer SortedBlock { uvec2 sorted[]; };
+layout(std430, binding = 3) writeonly buffer SortedBlock { SortPair sorted[]; };
 #endif
 layout(push_constant) uniform PushBlock { SortPush push; };
 
@@ -28,14 +29,16 @@ void main() {
     uint end = min((run + 1u) * kRun, counts.visible);
     for (uint i = run * kRun; i < end; ++i) {
 #ifdef DPL_PACKED
-        uint packed = DPL_WORD(pairs, i), digit = packed >> kSortIndexBits, pair = packed & ((1u << kSortIndexBits) - 1u);
+        uint packed = DPL_WORD(pairs, i), digit = packed >> kSortIndexBits, splat = packed & ((1u << kSortIndexBits) - 1u);
 #else
-        uvec2 pair = DPL_PAIR(pairs, i);
-        uint digit = (pair.x >> push.shift) & (kSortDigits - 1u);
+        SortPair pair = dplSortPair(DPL_PAIR(pairs, i));
+        uint digit = (pair.key >> push.shift) & (kSortDigits - 1u);
 #endif
         uint cell = digit * runs + run, place = places[cell];
 #ifdef DPL_PACK
-        sorted[place] = ((pair.x >> (push.shift + kSortDigitBits)) << kSortIndexBits) | pair.y;
+        sorted[place] = ((pair.key >> (push.shift + kSortDigitBits)) << kSortIndexBits) | pair.splat;
+#elif defined(DPL_PACKED)
+        sorted[place] = splat;
 #else
         sorted[place] = pair;
 #endif

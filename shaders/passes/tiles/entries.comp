@@ -4,9 +4,10 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared/frame.h"
 #include "shaders/lib/reads.glsl"
+#include "shaders/lib/pairs.glsl"
 layout(local_size_x = 32) in;  // kRunGroup
 
-DPL_PAIRS(0, SpanBlock, spans);
+DPL_PAIRS(0, SpanBlock, spans);  // TileSpan
 DPL_WORDS(1, SumBlock, sums);
 layout(std430, binding = 2) buffer PlaceBlock { uint places[]; };
 layout(std430, binding = 3) writeonly buffer EntryBlock { uint entries[]; };
@@ -19,15 +20,15 @@ void main() {
     uint first = push.firstTileTable + row * push.columns * kTileSegments + segment, end;
     uint i = dplSegment(row, segment, end);
     if (i >= end) return;
-    uvec2 span = DPL_PAIR(spans, i);
-    uint column = span.y & 0xFFFFu;
+    TileSpan span = dplTileSpan(DPL_PAIR(spans, i));
+    uint column = dplFirstColumn(span.columns);
     do {  // one column in each round, as in count.comp
         uint cell = first + column * kTileSegments, place = places[cell];
-        entries[place] = span.x;
+        entries[place] = span.record;
         places[cell] = place + 1u;
-        bool last = column >= span.y >> 16u;
+        bool last = column >= dplLastColumn(span.columns);
         i += last ? 1u : 0u;
-        span = DPL_PAIR(spans, min(i, end - 1u));
-        column = last ? span.y & 0xFFFFu : column + 1u;
+        span = dplTileSpan(DPL_PAIR(spans, min(i, end - 1u)));
+        column = last ? dplFirstColumn(span.columns) : column + 1u;
     } while (i < end);
 }

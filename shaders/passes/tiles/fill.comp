@@ -20,7 +20,7 @@ layout(local_size_x = 64) in;  // kTileGroup
 
 DPL_WORDS(0, PlaceBlock, places);
 DPL_WORDS(1, EntryBlock, entries);
-DPL_FOURS(2, ProjectedBlock, projected);  // ProjectedSplat: place, look
+DPL_FOURS(2, ProjectedBlock, projected);  // ProjectedSplat
 #ifdef DPL_SCENE_DEPTH
 #define DPL_PIXEL_ACCESS
 #else
@@ -66,37 +66,36 @@ void main() {
 #ifdef DPL_SHUFFLE
         uint lane = gl_LocalInvocationIndex % kSide, firstLane = gl_SubgroupInvocationID - lane;
         for (uint batch = begin; batch < end; batch += kBatch) {
-            uvec4 mine = DPL_FOUR(projected, 2u * DPL_WORD(entries, min(batch + lane / 2u, end - 1u)) + lane % 2u);
-            // meaningful only in lanes that hold the look half of a record
-            float bendOf = exp(-uintBitsToFloat(mine.x)), opacityOf = dplOpacityOf(mine);
+            uvec4 mine = DPL_FOUR(projected, kProjectedFours * DPL_WORD(entries, min(batch + lane / 2u, end - 1u)) + lane % 2u);
+            ProjectedSplat odd = dplProjected(uvec4(0u), mine);  // meaningful only in lanes that hold the second half of a record
+            float bendOf = exp(-odd.conicC), opacityOf = dplOpacityOf(odd.opacityAndRadius);
             for (uint j = 0u; j < kBatch; ++j) {
-                uint place = firstLane + 2u * j, look = place + 1u;
-                vec4 at = vec4(uintBitsToFloat(subgroupShuffle(mine.x, place)), uintBitsToFloat(subgroupShuffle(mine.y, place)),
-                               uintBitsToFloat(subgroupShuffle(mine.z, place)), uintBitsToFloat(subgroupShuffle(mine.w, place)));
-                uvec4 seen = uvec4(subgroupShuffle(mine.x, look), 0u, subgroupShuffle(mine.z, look), subgroupShuffle(mine.w, look));
+                uint first = firstLane + 2u * j, second = first + 1u;
+                ProjectedSplat p = dplProjected(
+                    uvec4(subgroupShuffle(mine.x, first), subgroupShuffle(mine.y, first), subgroupShuffle(mine.z, first), subgroupShuffle(mine.w, first)),
+                    uvec4(subgroupShuffle(mine.x, second), 0u, subgroupShuffle(mine.z, second), subgroupShuffle(mine.w, second)));
                 // past the end of the list the last record is fetched again, with opacity 0
-                float bend = subgroupShuffle(bendOf, look), opacity = batch + j < end ? live * subgroupShuffle(opacityOf, look) : 0.0;
+                float bend = subgroupShuffle(bendOf, second), opacity = batch + j < end ? live * subgroupShuffle(opacityOf, second) : 0.0;
 #else
         for (uint batch = begin; batch < end && live > 0.0; batch += kBatch) {
             for (uint i = batch; i < min(batch + kBatch, end); ++i) {
-                uint record = 2u * DPL_WORD(entries, i);
-                vec4 at = uintBitsToFloat(DPL_FOUR(projected, record));
-                uvec4 seen = DPL_FOUR(projected, record + 1u);
-                float bend = exp(-uintBitsToFloat(seen.x)), opacity = dplOpacityOf(seen);
+                uint record = kProjectedFours * DPL_WORD(entries, i);
+                ProjectedSplat p = dplProjected(DPL_FOUR(projected, record), DPL_FOUR(projected, record + 1u));
+                float bend = exp(-p.conicC), opacity = dplOpacityOf(p.opacityAndRadius);
 #endif
-                vec3 rgb = dplUnpackColour(seen.z);
-                float conicC = uintBitsToFloat(seen.x), weight[kSide];
+                vec3 rgb = dplUnpackColour(p.colour);
+                float weight[kSide];
                 for (uint k = 0u; k < kSide; ++k) weight[k] = 0.0;
                 for (uint s = 0u; s < kSamples; ++s) {
                     // α is computed at the end of the column nearer to its peak, and stepped from there by factors: σ is quadratic, so
                     // the factor of exp(-σ) itself changes by the constant factor exp(-C). The peak is at most half a column away, so
                     // the low-pass keeps the factors in float range (kTileMinKappaPx2).
-                    vec2 d = middle + kPlaces[s] - at.xy;
-                    float slope = at.w * d.x + conicC * d.y;
+                    vec2 d = middle + kPlaces[s] - p.centrePx;
+                    float slope = p.conicB * d.x + p.conicC * d.y;
                     bool first = slope > 0.0;
                     d.y += first ? -kReach : kReach;
-                    float step = opacity * exp(-max(0.5 * (at.z * d.x * d.x + conicC * d.y * d.y) + at.w * d.x * d.y, 0.0));
-                    float factor = exp((kReach - 0.5) * conicC - abs(slope)), steps[kSide];
+                    float step = opacity * exp(-max(0.5 * (p.conicA * d.x * d.x + p.conicC * d.y * d.y) + p.conicB * d.x * d.y, 0.0));
+                    float factor = exp((kReach - 0.5) * p.conicC - abs(slope)), steps[kSide];
                     for (uint k = 0u; k < kSide; ++k) {
                         steps[k] = step;
                         step *= factor;
@@ -106,7 +105,7 @@ void main() {
                         float alpha = first ? steps[k] : steps[kSide - 1u - k];
                         float part = (alpha >= kMinAlpha ? min(kMaxAlpha, alpha) : 0.0) * through[s * kSide + k];
 #ifdef DPL_SCENE_DEPTH
-                        if (uintBitsToFloat(seen.w) > scene[k]) part = 0.0;
+                        if (p.depthM > scene[k]) part = 0.0;
 #endif
                         weight[k] += part;
                         through[s * kSide + k] -= part;
@@ -115,7 +114,7 @@ void main() {
                 for (uint k = 0u; k < kSide; ++k) {
                     colour[k] += weight[k] * rgb;
 #ifdef DPL_DEPTH
-                    depth[k] += weight[k] * uintBitsToFloat(seen.w);
+                    depth[k] += weight[k] * p.depthM;
 #endif
                 }
             }

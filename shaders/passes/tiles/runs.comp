@@ -24,10 +24,10 @@ void main() {
     for (uint i = run * kRun; i < end; ++i) {
         uint splat = DPL_WORD(order, i);
         for (uint v = 0u; v < kViews; ++v) {
-            uint record = 2u * (v * push.splatCount + splat);
+            uint record = kProjectedFours * (v * push.splatCount + splat);
             ProjectedSplat p = dplProjected(DPL_FOUR(projected, record), DPL_FOUR(projected, record + 1u));
-            uint one = dplShown(p.look) ? 1u : 0u;
-            uvec2 rows = one * dplSplatRows(p.place.y, dplEllipseOf(p).y, push.heightPx) + v * push.rows;
+            uint one = dplShown(p.opacityAndRadius) ? 1u : 0u;
+            uvec2 rows = one * dplSplatRows(p.centrePx.y, dplEllipseOf(p).radiusYPx, push.heightPx) + v * push.rows;
             do {
                 table[first + rows.x * runs] += one;
                 ++rows.x;

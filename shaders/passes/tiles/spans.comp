@@ -12,7 +12,7 @@ layout(local_size_x = 32) in;  // kRunGroup
 DPL_WORDS(0, OrderBlock, order);
 DPL_FOURS(1, ProjectedBlock, projected);  // ProjectedSplat
 layout(std430, binding = 2) buffer PlaceBlock { uint places[]; };
-layout(std430, binding = 3) writeonly buffer SpanBlock { uvec2 spans[]; };  // (record, first column | last column << 16)
+layout(std430, binding = 3) writeonly buffer SpanBlock { TileSpan spans[]; };
 layout(push_constant) uniform PushBlock { TilePush push; };
 #include "shaders/lib/tiles.glsl"
 
@@ -24,15 +24,15 @@ void main() {
         uint splat = DPL_WORD(order, i);
         for (uint v = 0u; v < kViews; ++v) {
             uint slot = v * push.splatCount + splat;
-            ProjectedSplat p = dplProjected(DPL_FOUR(projected, 2u * slot), DPL_FOUR(projected, 2u * slot + 1u));
-            if (dplShown(p.look)) {
-                vec3 ellipse = dplEllipseOf(p);
-                uvec2 rows = dplSplatRows(p.place.y, ellipse.y, push.heightPx);
+            ProjectedSplat p = dplProjected(DPL_FOUR(projected, kProjectedFours * slot), DPL_FOUR(projected, kProjectedFours * slot + 1u));
+            if (dplShown(p.opacityAndRadius)) {
+                SplatEllipse ellipse = dplEllipseOf(p);
+                uvec2 rows = dplSplatRows(p.centrePx.y, ellipse.radiusYPx, push.heightPx);
                 do {
-                    uvec2 columns = dplSplatColumns(p.place.xy, ellipse, rows.x, push.widthPx);
+                    uvec2 columns = dplSplatColumns(p.centrePx, ellipse, rows.x, push.widthPx);
                     uint bucket = v * push.rows + rows.x, cell = push.firstRunTable + bucket * runs + run, place = places[cell];
                     places[cell] = place + 1u;
-                    spans[place] = uvec2(slot, columns.x | columns.y << 16u);
+                    spans[place] = TileSpan(slot, columns.x | columns.y << 16u);
                     ++rows.x;
                 } while (rows.x <= rows.y);
             }

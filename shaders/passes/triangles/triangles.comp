@@ -15,7 +15,7 @@ layout(local_size_x = 128) in;  // kVertexGroup
 
 layout(std140, binding = 0) uniform FrameBlock { FrameData frame; };
 DPL_FOURS(1, TriangleBlock, triangles);  // TriangleRecord
-DPL_FOURS(2, PosedBlock, posed);
+DPL_FOURS(2, PosedBlock, posed);  // PosedVertex
 layout(std430, binding = 3) writeonly buffer TriangleFrameBlock { TriangleFrame frames[]; };
 layout(std430, binding = 4) buffer CountsBlock { FrameCounts counts; };
 layout(push_constant) uniform PushBlock { TrianglePush push; };
@@ -23,14 +23,28 @@ layout(push_constant) uniform PushBlock { TrianglePush push; };
 shared uint groupTriangles[2];  // in view, facing
 shared uint groupSplats[2];
 
-/** Bits of TriangleFrame.corner0.w for view 0. */
+/** Bits of TriangleFrame.shows for view 0. */
 uint shownIn(ViewData view, vec3 v0, vec3 v1, vec3 v2, vec3 normal, float reach, float rootLevel) {
     if (frame.cullNothing != 0u) return kShowsFree | kShowsGated;
     if (!dplTriangleInView(view, v0, v1, v2, reach, rootLevel, frame.targetPx, frame.kappaPx2)) return 0u;
-    return dot(normal, view.eyeWorld.xyz - v0) > 0.0 ? kShowsFree | kShowsGated : kShowsFree;
+    return dot(normal, dplEyeWorld(view) - v0) > 0.0 ? kShowsFree | kShowsGated : kShowsFree;
 }
 
-uvec4 bitsOf(vec3 v, uint w) { return uvec4(floatBitsToUint(v.x), floatBitsToUint(v.y), floatBitsToUint(v.z), w); }
+PosedVertex vertexAt(uint vertex) {
+    vec4 v = dplFloats(DPL_FOUR(posed, vertex));
+    return PosedVertex(v.x, v.y, v.z, v.w);
+}
+
+/** corners: the fourth uvec4 of the record. */
+uint componentOf(uvec4 corners) { return corners.w; }
+
+TriangleRecord triangleAt(uint triangle, uvec4 corners) {
+    uint at = kTriangleFours * triangle;
+    vec4 t1 = dplFloats(DPL_FOUR(triangles, at)), t2 = dplFloats(DPL_FOUR(triangles, at + 1u)), normal = dplFloats(DPL_FOUR(triangles, at + 2u));
+    uvec4 splats = DPL_FOUR(triangles, at + 4u);
+    return TriangleRecord(t1.x, t1.y, t1.z, t1.w, t2.x, t2.y, t2.z, t2.w, normal.x, normal.y, normal.z, normal.w, corners.x, corners.y, corners.z,
+                          componentOf(corners), uintBitsToFloat(splats.x), uintBitsToFloat(splats.y), splats.z, splats.w);
+}
 
 /** Unit quaternion (x, y, z, w) of a rotation. */
 vec4 quaternionOf(mat3 m) {
@@ -47,35 +61,26 @@ void main() {
     if (lane < 2u) groupTriangles[lane] = groupSplats[lane] = 0u;
     barrier();
     if (index < push.triangleCount) {
-        TriangleFrame f;
-        f.corner0 = f.corner1 = f.corner2 = f.column0 = f.column1 = uvec4(0u);
-        TriangleRecord rest;
-        rest.corners = DPL_FOUR(triangles, 5u * index + 3u);
-        if (rest.corners.w != 0u && (frame.unseenComponents >> (rest.corners.w - 1u) & 1u) == 0u) {
-            rest.restT1 = dplFloats(DPL_FOUR(triangles, 5u * index));
-            rest.restT2 = dplFloats(DPL_FOUR(triangles, 5u * index + 1u));
-            rest.restNormal = dplFloats(DPL_FOUR(triangles, 5u * index + 2u));
-            uvec4 last = DPL_FOUR(triangles, 5u * index + 4u);
-            rest.reach = uintBitsToFloat(last.x);
-            rest.rootLevel = uintBitsToFloat(last.y);
-            rest.freeSplats = last.z;
-            rest.gatedSplats = last.w;
-            vec4 corner0 = dplFloats(DPL_FOUR(posed, rest.corners.x)), corner1 = dplFloats(DPL_FOUR(posed, rest.corners.y)), corner2 = dplFloats(DPL_FOUR(posed, rest.corners.z));  // w: brightness
-            vec3 v0 = corner0.xyz, v1 = corner1.xyz, v2 = corner2.xyz;
-            PosedTriangle now = posedTriangle(rest.restT1.w, rest.restT2.w, rest.restNormal.w, v0, v1, v2);
+        TriangleFrame f = TriangleFrame(0.0, 0.0, 0.0, 0u, 0.0, 0.0, 0.0, 0u, 0.0, 0.0, 0.0, 0u, 0.0, 0.0, 0.0, 0u, 0.0, 0.0, 0.0, 0u);
+        uvec4 corners = DPL_FOUR(triangles, kTriangleFours * index + 3u);
+        uint component = componentOf(corners);
+        if (component != 0u && (frame.unseenComponents >> (component - 1u) & 1u) == 0u) {
+            TriangleRecord rest = triangleAt(index, corners);
+            PosedVertex corner0 = vertexAt(rest.corner0), corner1 = vertexAt(rest.corner1), corner2 = vertexAt(rest.corner2);
+            vec3 v0 = vec3(corner0.x, corner0.y, corner0.z), v1 = vec3(corner1.x, corner1.y, corner1.z), v2 = vec3(corner2.x, corner2.y, corner2.z);
+            PosedTriangle now = posedTriangle(rest.inverse00, rest.inverse01, rest.inverse11, v0, v1, v2);
             if (now.valid) {
-                mat3 worldFromRest = mat3(now.turned1, now.turned2, now.normal) *
-                                     transpose(mat3(rest.restT1.xyz, rest.restT2.xyz, rest.restNormal.xyz));
+                mat3 restFrame = mat3(vec3(rest.restT1X, rest.restT1Y, rest.restT1Z), vec3(rest.restT2X, rest.restT2Y, rest.restT2Z),
+                                      vec3(rest.restNormalX, rest.restNormalY, rest.restNormalZ));
+                mat3 worldFromRest = mat3(now.turned1, now.turned2, now.normal) * transpose(restFrame);
                 vec4 turn = quaternionOf(worldFromRest);
                 // the last factor absorbs float rounding
                 float reach = rest.reach * frame.largestGrowth * largestStretch(now.f0, now.f1) * 1.0001;
                 uint shown = 0u;
                 for (uint v = 0u; v < kViews; ++v) shown |= shownIn(frame.views[v], v0, v1, v2, now.normal, reach, rest.rootLevel) << v;
-                f.corner0 = bitsOf(v0, shown);
-                f.corner1 = bitsOf(v1, packSnorm2x16(turn.xy));
-                f.corner2 = bitsOf(v2, packSnorm2x16(turn.zw));
-                f.column0 = bitsOf(now.f0, packHalf2x16(vec2(corner0.w, corner1.w)));
-                f.column1 = bitsOf(now.f1, packHalf2x16(vec2(corner2.w, 0.0)));
+                f = TriangleFrame(v0.x, v0.y, v0.z, shown, v1.x, v1.y, v1.z, packSnorm2x16(turn.xy), v2.x, v2.y, v2.z, packSnorm2x16(turn.zw),
+                                  now.f0.x, now.f0.y, now.f0.z, packHalf2x16(vec2(corner0.light, corner1.light)),
+                                  now.f1.x, now.f1.y, now.f1.z, packHalf2x16(vec2(corner2.light, 0.0)));
                 uint facing = (shown != 0u ? rest.freeSplats : 0u) + (shown >= kShowsGated ? rest.gatedSplats : 0u);
                 if (shown != 0u && rest.freeSplats + rest.gatedSplats != 0u) {
                     atomicAdd(groupTriangles[0], 1u);

@@ -42,35 +42,75 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
     using namespace gpu;
     expectLayout("ViewData", sizeof(ViewData),
                  {DPL_AT(ViewData, viewFromWorldRow0), DPL_AT(ViewData, viewFromWorldRow1), DPL_AT(ViewData, viewFromWorldRow2),
-                  DPL_AT(ViewData, focalCentrePx), DPL_AT(ViewData, slopeLimits), DPL_AT(ViewData, eyeWorld), DPL_AT(ViewData, pad0)});
-    expectLayout(
-        "FrameData", sizeof(FrameData),
-        {DPL_AT(FrameData, views), DPL_AT(FrameData, sortAxis), DPL_AT(FrameData, sortStartM), DPL_AT(FrameData, targetPx),
-         DPL_AT(FrameData, kappaPx2), DPL_AT(FrameData, splatsPerM2), DPL_AT(FrameData, compensated), DPL_AT(FrameData, unseenComponents),
-         DPL_AT(FrameData, cullNothing), DPL_AT(FrameData, splatCount), DPL_AT(FrameData, largestGrowth), DPL_AT(FrameData, shShare),
-         DPL_AT(FrameData, splatsPerPixel), DPL_AT(FrameData, finestPixelM), DPL_AT(FrameData, pixelPlanes)});
+                  DPL_AT(ViewData, focalPx), DPL_AT(ViewData, centrePx), DPL_AT(ViewData, minSlopeX), DPL_AT(ViewData, maxSlopeX),
+                  DPL_AT(ViewData, minSlopeY), DPL_AT(ViewData, maxSlopeY), DPL_AT(ViewData, eyeX), DPL_AT(ViewData, eyeY),
+                  DPL_AT(ViewData, eyeZ), DPL_AT(ViewData, pad0)});
+    expectLayout("PixelPlane", sizeof(PixelPlane),
+                 {DPL_AT(PixelPlane, axisX), DPL_AT(PixelPlane, axisY), DPL_AT(PixelPlane, axisZ), DPL_AT(PixelPlane, offsetM)});
+    expectLayout("FrameData", sizeof(FrameData),
+                 {DPL_AT(FrameData, views), DPL_AT(FrameData, sortAxisX), DPL_AT(FrameData, sortAxisY), DPL_AT(FrameData, sortAxisZ),
+                  DPL_AT(FrameData, sortStartM), DPL_AT(FrameData, targetPx), DPL_AT(FrameData, kappaPx2), DPL_AT(FrameData, splatsPerM2),
+                  DPL_AT(FrameData, compensated), DPL_AT(FrameData, unseenComponents), DPL_AT(FrameData, cullNothing),
+                  DPL_AT(FrameData, splatCount), DPL_AT(FrameData, largestGrowth), DPL_AT(FrameData, shShare),
+                  DPL_AT(FrameData, splatsPerPixel), DPL_AT(FrameData, finestPixelM), DPL_AT(FrameData, pixelPlanes)});
+    expectLayout("PosedVertex", sizeof(PosedVertex),
+                 {DPL_AT(PosedVertex, x), DPL_AT(PosedVertex, y), DPL_AT(PosedVertex, z), DPL_AT(PosedVertex, light)});
     expectLayout("TriangleRecord", sizeof(TriangleRecord),
-                 {DPL_AT(TriangleRecord, restT1), DPL_AT(TriangleRecord, restT2), DPL_AT(TriangleRecord, restNormal),
-                  DPL_AT(TriangleRecord, corners), DPL_AT(TriangleRecord, reach), DPL_AT(TriangleRecord, rootLevel),
-                  DPL_AT(TriangleRecord, freeSplats), DPL_AT(TriangleRecord, gatedSplats)});
-    expectLayout("TriangleFrame", sizeof(TriangleFrame),
-                 {DPL_AT(TriangleFrame, corner0), DPL_AT(TriangleFrame, corner1), DPL_AT(TriangleFrame, corner2),
-                  DPL_AT(TriangleFrame, column0), DPL_AT(TriangleFrame, column1)});
-    // Kernels read these records in groups of four words, by position.
-    static_assert(offsetof(VertexRecord, joints01) == 12 && offsetof(VertexRecord, joints23) == 16 &&
-                  offsetof(VertexRecord, weights) == 20 && sizeof(VertexRecord) == 32);
-    static_assert(offsetof(CorrectedVertexRecord, joints01) == 12 && offsetof(CorrectedVertexRecord, weights) == 20 &&
+                 {DPL_AT(TriangleRecord, restT1X),     DPL_AT(TriangleRecord, restT1Y),     DPL_AT(TriangleRecord, restT1Z),
+                  DPL_AT(TriangleRecord, inverse00),   DPL_AT(TriangleRecord, restT2X),     DPL_AT(TriangleRecord, restT2Y),
+                  DPL_AT(TriangleRecord, restT2Z),     DPL_AT(TriangleRecord, inverse01),   DPL_AT(TriangleRecord, restNormalX),
+                  DPL_AT(TriangleRecord, restNormalY), DPL_AT(TriangleRecord, restNormalZ), DPL_AT(TriangleRecord, inverse11),
+                  DPL_AT(TriangleRecord, corner0),     DPL_AT(TriangleRecord, corner1),     DPL_AT(TriangleRecord, corner2),
+                  DPL_AT(TriangleRecord, component),   DPL_AT(TriangleRecord, reach),       DPL_AT(TriangleRecord, rootLevel),
+                  DPL_AT(TriangleRecord, freeSplats),  DPL_AT(TriangleRecord, gatedSplats)});
+    expectLayout(
+        "TriangleFrame", sizeof(TriangleFrame),
+        {DPL_AT(TriangleFrame, corner0X), DPL_AT(TriangleFrame, corner0Y), DPL_AT(TriangleFrame, corner0Z), DPL_AT(TriangleFrame, shows),
+         DPL_AT(TriangleFrame, corner1X), DPL_AT(TriangleFrame, corner1Y), DPL_AT(TriangleFrame, corner1Z), DPL_AT(TriangleFrame, turnXY),
+         DPL_AT(TriangleFrame, corner2X), DPL_AT(TriangleFrame, corner2Y), DPL_AT(TriangleFrame, corner2Z), DPL_AT(TriangleFrame, turnZW),
+         DPL_AT(TriangleFrame, column0X), DPL_AT(TriangleFrame, column0Y), DPL_AT(TriangleFrame, column0Z), DPL_AT(TriangleFrame, light01),
+         DPL_AT(TriangleFrame, column1X), DPL_AT(TriangleFrame, column1Y), DPL_AT(TriangleFrame, column1Z), DPL_AT(TriangleFrame, light2)});
+    expectLayout(
+        "ProjectedSplat", sizeof(ProjectedSplat),
+        {DPL_AT(ProjectedSplat, centrePx), DPL_AT(ProjectedSplat, conicA), DPL_AT(ProjectedSplat, conicB), DPL_AT(ProjectedSplat, conicC),
+         DPL_AT(ProjectedSplat, opacityAndRadius), DPL_AT(ProjectedSplat, colour), DPL_AT(ProjectedSplat, depthM)});
+    expectLayout("SortPair", sizeof(SortPair), {DPL_AT(SortPair, key), DPL_AT(SortPair, splat)});
+    expectLayout("TileSpan", sizeof(TileSpan), {DPL_AT(TileSpan, record), DPL_AT(TileSpan, columns)});
+    // Kernels read these records as uvec4s and uvec2s, and name each word by its position.
+    static_assert(offsetof(VertexRecord, restX) == 0 && offsetof(VertexRecord, restY) == 4 && offsetof(VertexRecord, restZ) == 8 &&
+                  offsetof(VertexRecord, joints01) == 12 && offsetof(VertexRecord, joints23) == 16 &&
+                  offsetof(VertexRecord, weights) == 20 && offsetof(VertexRecord, components) == 24);
+    static_assert(offsetof(CorrectedVertexRecord, restX) == 0 && offsetof(CorrectedVertexRecord, restY) == 4 &&
+                  offsetof(CorrectedVertexRecord, restZ) == 8 && offsetof(CorrectedVertexRecord, joints01) == 12 &&
+                  offsetof(CorrectedVertexRecord, joints23) == 16 && offsetof(CorrectedVertexRecord, weights) == 20 &&
                   offsetof(CorrectedVertexRecord, nodes01) == 24 && offsetof(CorrectedVertexRecord, nodes23) == 28 &&
-                  offsetof(CorrectedVertexRecord, nodeWeights) == 32 && sizeof(CorrectedVertexRecord) == 48);
-    static_assert(offsetof(TriangleRecord, corners) == 48 && offsetof(TriangleRecord, reach) == 64 &&
-                  offsetof(TriangleRecord, rootLevel) == 68 && offsetof(TriangleRecord, freeSplats) == 72 &&
-                  offsetof(TriangleRecord, gatedSplats) == 76);
-    static_assert(offsetof(GroupBox, reach) == 16 && offsetof(GroupBox, detail) == 32 && sizeof(GeneralSplatRecord) == 64 &&
-                  sizeof(GroupBox) == 48);
-    static_assert(offsetof(GeneralSplatRecord, axis1) == 16 && offsetof(GeneralSplatRecord, axis2) == 32 &&
-                  offsetof(GeneralSplatRecord, axis3) == 48);
-    static_assert(offsetof(ProjectedSplat, look) == 16 && sizeof(ProjectedSplat) == 32 && sizeof(TriangleFrame) == 80);
-    expectLayout("ProjectedSplat", sizeof(ProjectedSplat), {DPL_AT(ProjectedSplat, place), DPL_AT(ProjectedSplat, look)});
+                  offsetof(CorrectedVertexRecord, nodeWeights) == 32 && offsetof(CorrectedVertexRecord, components) == 36);
+    static_assert(offsetof(PosedVertex, x) == 0 && offsetof(PosedVertex, y) == 4 && offsetof(PosedVertex, z) == 8 &&
+                  offsetof(PosedVertex, light) == 12);
+    static_assert(offsetof(TriangleRecord, restT1X) == 0 && offsetof(TriangleRecord, inverse00) == 12 &&
+                  offsetof(TriangleRecord, restT2X) == 16 && offsetof(TriangleRecord, inverse01) == 28 &&
+                  offsetof(TriangleRecord, restNormalX) == 32 && offsetof(TriangleRecord, inverse11) == 44 &&
+                  offsetof(TriangleRecord, corner0) == 48 && offsetof(TriangleRecord, corner1) == 52 &&
+                  offsetof(TriangleRecord, corner2) == 56 && offsetof(TriangleRecord, component) == 60 &&
+                  offsetof(TriangleRecord, reach) == 64 && offsetof(TriangleRecord, rootLevel) == 68 &&
+                  offsetof(TriangleRecord, freeSplats) == 72 && offsetof(TriangleRecord, gatedSplats) == 76);
+    static_assert(offsetof(TriangleFrame, corner0X) == 0 && offsetof(TriangleFrame, shows) == 12 &&
+                  offsetof(TriangleFrame, corner1X) == 16 && offsetof(TriangleFrame, turnXY) == 28 &&
+                  offsetof(TriangleFrame, corner2X) == 32 && offsetof(TriangleFrame, turnZW) == 44 &&
+                  offsetof(TriangleFrame, column0X) == 48 && offsetof(TriangleFrame, light01) == 60 &&
+                  offsetof(TriangleFrame, column1X) == 64 && offsetof(TriangleFrame, light2) == 76);
+    static_assert(offsetof(GeneralSplatRecord, centreX) == 0 && offsetof(GeneralSplatRecord, centreY) == 4 &&
+                  offsetof(GeneralSplatRecord, centreZ) == 8 && offsetof(GeneralSplatRecord, opacity) == 12 &&
+                  offsetof(GeneralSplatRecord, axis1X) == 16 && offsetof(GeneralSplatRecord, axis2X) == 32 &&
+                  offsetof(GeneralSplatRecord, axis3X) == 48);
+    static_assert(offsetof(GroupBox, middleX) == 0 && offsetof(GroupBox, reachX) == 16 && offsetof(GroupBox, areaM2) == 32 &&
+                  offsetof(GroupBox, gain) == 36 && offsetof(GroupBox, enough) == 40);
+    static_assert(offsetof(ProjectedSplat, centrePx) == 0 && offsetof(ProjectedSplat, conicA) == 8 &&
+                  offsetof(ProjectedSplat, conicB) == 12 && offsetof(ProjectedSplat, conicC) == 16 &&
+                  offsetof(ProjectedSplat, opacityAndRadius) == 20 && offsetof(ProjectedSplat, colour) == 24 &&
+                  offsetof(ProjectedSplat, depthM) == 28);
+    static_assert(offsetof(SortPair, key) == 0 && offsetof(SortPair, splat) == 4);
+    static_assert(offsetof(TileSpan, record) == 0 && offsetof(TileSpan, columns) == 4);
     expectLayout("FrameCounts", sizeof(FrameCounts), {DPL_AT(FrameCounts, visible),         DPL_AT(FrameCounts, runs),
                                                       DPL_AT(FrameCounts, trianglesInView), DPL_AT(FrameCounts, trianglesFacing),
                                                       DPL_AT(FrameCounts, runGroupsX),      DPL_AT(FrameCounts, runGroupsY),

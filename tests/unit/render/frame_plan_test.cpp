@@ -390,9 +390,9 @@ TEST(FramePlan, sortAxisOfTwoParallelEyesIsThatOfOne) {
     const Cameraf views[2] = {tubeCamera(32, 32, 0.37f, 1, -0.03f), tubeCamera(32, 32, 0.37f, 1, 0.03f)};
     const SplatSet splats = splatSetOf(a, *codeSplats(a.mesh, a.splats));
     const gpu::FrameData one = packFrame(splats, {views, 1}), two = packFrame(splats, views);
-    EXPECT_EQ(one.sortAxis.x, two.sortAxis.x);  // bit for bit, so that keys and the left picture are the same in mono and stereo
-    EXPECT_EQ(one.sortAxis.y, two.sortAxis.y);
-    EXPECT_EQ(one.sortAxis.z, two.sortAxis.z);
+    EXPECT_EQ(one.sortAxisX, two.sortAxisX);  // bit for bit, so that keys and the left picture are the same in mono and stereo
+    EXPECT_EQ(one.sortAxisY, two.sortAxisY);
+    EXPECT_EQ(one.sortAxisZ, two.sortAxisZ);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@
 namespace dpl {
 namespace {
 
-using Pairs = std::vector<gpu::uvec2>;
+using Pairs = std::vector<gpu::SortPair>;
 
 /** rounds: 2, 3 or 4 digits of the key. */
 std::vector<uint32_t> sortOnDevice(Backend& backend, const Pairs& input, uint32_t rounds) {
@@ -29,8 +29,8 @@ std::vector<uint32_t> sortOnDevice(Backend& backend, const Pairs& input, uint32_
         return *buffer;
     };
     ids.counts = make("counts", sizeof(gpu::FrameCounts));
-    ids.pairs = make("pairs", ids.splatCount * 8ull);
-    ids.pairsSwap = make("swap", ids.splatCount * 8ull);
+    ids.pairs = make("pairs", ids.splatCount * uint64_t(sizeof(gpu::SortPair)));
+    ids.pairsSwap = make("swap", ids.splatCount * uint64_t(sizeof(gpu::SortPair)));
     ids.digits = {make("cells", ids.digitWords() * 4), make("sums", scanSumWords(gpu::kSortDigits) * 4),
                   make("places", ids.digitWords() * 4)};
     const BufferId result = make("result", ids.splatCount * 4ull, BufferMemory::Readback);
@@ -71,10 +71,10 @@ TEST(VulkanSort, equalsStableSort) {
                 Pairs input(count);
                 for (size_t i = 0; i < count; ++i) input[i] = {uint32_t(random() % keys), uint32_t(i)};
                 Pairs want = input;
-                std::stable_sort(want.begin(), want.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
+                std::stable_sort(want.begin(), want.end(), [](const auto& a, const auto& b) { return a.key < b.key; });
                 const std::vector<uint32_t> got = sortOnDevice(**backend, input, rounds);
                 EXPECT_TRUE(std::equal(want.begin(), want.end(), got.begin(), got.end(),
-                                       [](const gpu::uvec2& pair, uint32_t splat) { return pair.y == splat; }))
+                                       [](const gpu::SortPair& pair, uint32_t splat) { return pair.splat == splat; }))
                     << count << " pairs, " << keys << " keys, " << rounds << " rounds";
             }
         }

@@ -32,7 +32,8 @@ constexpr uint64_t kPlainCorners = 4, kCorners = 3;  // per record: a strip of t
 
 template <class Vertex>
 ModelledPass skinning(uint64_t vertices, bool corrected) {
-    return {"pose.skin", vertices * sizeof(Vertex), vertices * sizeof(gpu::vec4), vertices * (kSkinOps + (corrected ? kCorrectOps : 0))};
+    return {"pose.skin", vertices * sizeof(Vertex), vertices * sizeof(gpu::PosedVertex),
+            vertices * (kSkinOps + (corrected ? kCorrectOps : 0))};
 }
 
 uint64_t colourOps(uint32_t shDegree) {
@@ -50,7 +51,7 @@ ModelledPass sorting(uint64_t count, uint64_t table, uint64_t rounds) {
 ModelledPass sortingToday(uint64_t count, uint64_t table) {
     static_assert(gpu::kSortRounds == 2);
     ModelledPass pass = sorting<uint32_t>(count, table, gpu::kSortRounds);
-    pass.readBytes += 2 * count * (sizeof(gpu::uvec2) - sizeof(uint32_t));
+    pass.readBytes += 2 * count * (sizeof(gpu::SortPair) - sizeof(uint32_t));
     return pass;
 }
 
@@ -119,8 +120,8 @@ std::vector<ModelledPass> modelToday(const FrameWork& w) {
     const uint64_t flags = uint64_t(w.groups) * sizeof(uint), masks = flags * kMaskWords;
     std::vector<ModelledPass> passes = {
         w.corrected ? skinning<CorrectedVertexRecord>(w.vertices, true) : skinning<VertexRecord>(w.vertices, false),
-        {"pose.triangles", w.triangles * sizeof(TriangleRecord) + w.vertices * sizeof(vec4), w.triangles * sizeof(gpu::TriangleFrame),
-         w.triangles * (kTriangleOps + kTriangleViewOps * w.views)},
+        {"pose.triangles", w.triangles * sizeof(TriangleRecord) + w.vertices * sizeof(PosedVertex),
+         w.triangles * sizeof(gpu::TriangleFrame), w.triangles * (kTriangleOps + kTriangleViewOps * w.views)},
         // Reads: splat codes, as counted by the renderer; flags, ranges and the list of live groups; the view mask of every triangle, and
         // the frames of triangles that face a view. A splat that is visible in no view writes an empty word.
         {"chunks, splat.project and splat.colour",
@@ -128,7 +129,7 @@ std::vector<ModelledPass> modelToday(const FrameWork& w) {
          3 * flags + records * sizeof(ProjectedSplat) + (lanes * w.views - std::min(records, lanes * w.views)) * sizeof(uint) +
              lanes * sizeof(uint),
          w.splatsFacing * (kDecodeOps + kPlaceOps + kProjectOps * w.views) + records * colourOps(w.shDegree)},
-        {"compact", lanes * sizeof(uint) + masks + 4 * flags + drawn * sizeof(uint), masks + 2 * flags + drawn * sizeof(uvec2),
+        {"compact", lanes * sizeof(uint) + masks + 4 * flags + drawn * sizeof(uint), masks + 2 * flags + drawn * sizeof(SortPair),
          lanes * kMaskOps + drawn * kCompactOps},
         sortingToday(drawn, kSortDigits * blocks(drawn, kRun)),
     };
