@@ -11,10 +11,6 @@ namespace dpl {
 
 struct VulkanOptions {
     bool allowSoftwareDevice = false;  // also drivers that run on the CPU, such as lavapipe and SwiftShader
-    // Switches for measuring (docs/adr/0027).
-    bool cull = true;           // false: splats that face away, out of view or below 1/255 are sorted and drawn too (docs/adr/0014)
-    bool shareViews = true;     // false: two views are two frames, even if one depth order is right for both (docs/adr/0015)
-    bool quantiseDepth = true;  // false: sort by 32-bit float depths instead of 16-bit keys (docs/adr/0016)
 };
 
 /** Devices with a graphics + compute queue and Vulkan 1.1, best first: discrete, integrated, virtual, other, software.
