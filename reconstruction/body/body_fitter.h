@@ -10,6 +10,7 @@
 #include "reconstruction/body/fit_body.h"
 #include "reconstruction/body/fit_costs.h"
 #include "reconstruction/body/keypoint_chain.h"
+#include "reconstruction/body/keypoint_noise.h"
 
 namespace dpl {
 
@@ -61,11 +62,14 @@ private:
 
     Status start();
     Status solve(ceres::Problem& problem, const char* what, int maxSteps, double from, double to);
+    std::vector<double> swaySigmas() const;
     void addFrame(ceres::Problem& problem, size_t f);
     void addSmoothness(ceres::Problem& problem, const std::vector<size_t>& order, const std::function<bool(size_t)>& involves);
     void addStillPriors(ceres::Problem& problem);
     void freezeGlobals(ceres::Problem& problem);
     Status fitStill(double from, double to);
+    double swayFreedom(size_t f);
+    std::optional<KeypointNoise> detectorNoise();
     Status refineShape(double from, double to);
     void untangleLimbs(const std::vector<size_t>& order, const std::function<bool(size_t)>& mayChange);
     Status trackMoving(const std::vector<size_t>& order, double from, double to);
@@ -87,6 +91,7 @@ private:
     FitContext context_;
     std::vector<double> shape_;
     double logUnit_ = 0;
+    std::optional<KeypointNoise> detectorNoise_;
     FrameState still_;
     std::vector<FrameState> frames_;
     std::vector<SolveEnd> solves_;

@@ -5,11 +5,10 @@
 #include <array>
 
 #include "reconstruction/body/body_tools.h"
+#include "reconstruction/priors.h"
 
 namespace dpl {
 namespace {
-
-constexpr float kStretch = 0.04f;  // share of the bone's length at value 1: about one standard deviation among adults of equal height
 
 struct Stretch {
     const char* name;
@@ -50,7 +49,7 @@ void addStretch(const BodyModel& body, int32_t from, int32_t to, ShapeMorph& mor
             share[j] = along(body.joints[j].restPosition);  // joints that branch off along the bone, such as the collars
         else
             share[j] = share[size_t(parent)];
-        morph.jointOffsets[j] += kStretch * share[j] * bone;
+        morph.jointOffsets[j] += priors::kBoneStretch * share[j] * bone;
     }
     for (size_t v = 0; v < body.mesh.restPositions.size(); ++v) {
         float s = 0;
@@ -58,7 +57,7 @@ void addStretch(const BodyModel& body, int32_t from, int32_t to, ShapeMorph& mor
             const size_t j = body.mesh.jointIndices[v][i];
             s += float(body.mesh.jointWeights[v][i]) / 255 * (inside[j] ? along(body.mesh.restPositions[v]) : share[j]);
         }
-        morph.vertexOffsets[v] += kStretch * s * bone;
+        morph.vertexOffsets[v] += priors::kBoneStretch * s * bone;
     }
 }
 

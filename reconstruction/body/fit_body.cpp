@@ -3,6 +3,7 @@
 
 #include <ceres/solver.h>
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
@@ -10,13 +11,14 @@
 #include "reconstruction/body/body_tools.h"
 #include "reconstruction/body/fit_init.h"
 #include "reconstruction/body/fit_silhouette.h"
+#include "reconstruction/body/keypoint_noise.h"
+#include "reconstruction/priors.h"
 
 namespace dpl {
 namespace {
 
 constexpr size_t kMinKeypoints = 6;    // a frame with fewer seen keypoints is not fitted
 constexpr size_t kMinStillFrames = 3;  // with fewer still frames, the shape is solved with the moving frames
-constexpr double kSwayTurnRad = 0.01, kSwayM = 0.01;
 constexpr size_t kMaxMasks = 18, kSkinSamples = 900, kMinOutline = 20;
 constexpr uint32_t kMaskSidePx = 512;
 constexpr int kMaskRounds = 2;
@@ -84,6 +86,13 @@ Status BodyFitter::solve(ceres::Problem& problem, const char* what, int maxSteps
     return {};
 }
 
+std::vector<double> BodyFitter::swaySigmas() const {
+    std::vector<double> sigma = {priors::kSwayTurnRad, priors::kSwayTurnRad, priors::kSwayTurnRad,
+                                 priors::kSwayM,       priors::kSwayM,       priors::kSwayM};
+    for (uint32_t slot : context_.sway.slots) sigma.insert(sigma.end(), 3, priors_[slot].swayRad);
+    return sigma;
+}
+
 void BodyFitter::addFrame(ceres::Problem& problem, size_t f) {
     FrameState& s = frames_[f];
     FrameState& base = isStill(f) ? still_ : s;
@@ -91,8 +100,7 @@ void BodyFitter::addFrame(ceres::Problem& problem, size_t f) {
     std::vector<double*> blocks = {shape_.data(), &logUnit_, base.root, base.pose.data()};
     if (isStill(f)) {
         blocks.push_back(s.sway.data());
-        std::vector<double> sigma = {kSwayTurnRad, kSwayTurnRad, kSwayTurnRad, kSwayM, kSwayM, kSwayM};
-        for (uint32_t slot : context_.sway.slots) sigma.insert(sigma.end(), 3, priors_[slot].swayRad);
+        const std::vector<double> sigma = swaySigmas();
         problem.AddResidualBlock(cost, nullptr, blocks);
         problem.AddResidualBlock(new DiagonalPrior(std::vector<double>(sigma.size(), 0.0), sigma), nullptr, s.sway.data());
     } else {
@@ -159,6 +167,44 @@ Status BodyFitter::fitStill(double from, double to) {
         DPL_CHECK_OK(solve(problem, names[round], round == 2 ? 60 : 25, from + span * round, from + span * (round + 1)));
     }
     return {};
+}
+
+/** Effective number of parameters that a still frame's own sway takes from its residuals: tr((JᵀJ + P)⁻¹ JᵀJ), with J the Jacobian of the
+ *  weighted residuals and P the precision of the sway's prior. */
+double BodyFitter::swayFreedom(size_t f) {
+    const ReprojectionCost cost(context_, scan_.frames[f].camera, still_.rootReference, keypoints_[f], sigmaPx(f), true);
+    const std::vector<double> sigma = swaySigmas();
+    std::vector<double> residuals(size_t(cost.num_residuals()));
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> jacobian(cost.num_residuals(), Eigen::Index(sigma.size()));
+    const double* blocks[] = {shape_.data(), &logUnit_, still_.root, still_.pose.data(), frames_[f].sway.data()};
+    double* jacobians[] = {nullptr, nullptr, nullptr, nullptr, jacobian.data()};
+    if (!cost.Evaluate(blocks, residuals.data(), jacobians)) return 0;
+    const Eigen::MatrixXd information = jacobian.transpose() * jacobian;
+    Eigen::MatrixXd posterior = information;
+    for (size_t i = 0; i < sigma.size(); ++i) posterior(Eigen::Index(i), Eigen::Index(i)) += 1 / (sigma[i] * sigma[i]);
+    return posterior.ldlt().solve(information).trace();
+}
+
+/** The detector's noise from the residuals of the still training frames, whose pose is known best. */
+std::optional<KeypointNoise> BodyFitter::detectorNoise() {
+    context_.outlierSigmas = settings_.outlierSigmas;
+    std::vector<Vec2d> residuals;
+    double freedom = 0;
+    for (size_t f : select(FrameKind::StaticFull, Split::Train)) {
+        const FrameState s = effective(f);
+        KeypointChain::Output out;
+        chain_.evaluate(s.rootReference, s.root, s.pose.data(), shape_.data(), false, out);
+        const Camerad camera = metricCamera(scan_.frames[f].camera, std::exp(logUnit_));
+        const double diagonalPx = std::hypot(double(camera.widthPx), double(camera.heightPx));
+        for (size_t k = 0; k < keypoints_[f].size(); ++k) {
+            const Keypoint& seen = keypoints_[f][k];
+            const Vec3d view = camera.toView(out.points[k]);
+            if (!(seen.confidence > 0) || !chain_.hasKeypoint(k) || !(view.z > 0)) continue;
+            residuals.push_back(seen.confidence / diagonalPx * (camera.pixelOf(view) - seen.px));
+        }
+        freedom += swayFreedom(f);
+    }
+    return estimateKeypointNoise(residuals, freedom, settings_.outlierSigmas);
 }
 
 /** Refines the shape with the masks' outlines, because weight and build show there and not in the joints. */
@@ -293,6 +339,7 @@ BodyFit BodyFitter::collect() const {
     BodyFit fit;
     fit.shape = shape_;
     fit.metresPerUnit = std::exp(logUnit_);
+    if (detectorNoise_) fit.keypointSigma = detectorNoise_->sigma, fit.outlierShare = detectorNoise_->outlierShare;
     fit.staticPose = poseOf(still_);
     for (size_t f = 0; f < frames_.size(); ++f) {
         fit.poses.push_back(poseOf(effective(f)));
@@ -316,6 +363,7 @@ Result<BodyFit> BodyFitter::run() {
     DPL_CHECK_OK(start());
     DPL_CHECK_OK(fitStill(0.0, 0.3));
     DPL_CHECK_OK(refineShape(0.3, 0.4));
+    detectorNoise_ = detectorNoise();
     DPL_CHECK_OK(fitMoving(0.4, 0.9));
     DPL_CHECK_OK(fitTest(0.9, 1.0));
     return collect();

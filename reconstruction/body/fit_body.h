@@ -3,8 +3,9 @@
 // scan that is not metric, its scale. Solved with Ceres on one thread; deterministic. docs/reference/registration.md
 //
 //   min Σ_frames Σ_k ρ( (π(K_f(R_f X_k(β,θ) + μ t_f)) − x_fk) / σ_fk ) + priors(θ, β) + smoothness in time
-//   ρ  Geman–McClure loss of each keypoint, σ = σ₀ / confidence
-//   μ  metres per unit of the scan's world (1 when the scan is metric)
+//   ρ   Geman–McClure loss of each keypoint, σ = σ₀ / confidence
+//   σ₀  noise of the detector, a prior
+//   μ   metres per unit of the scan's world (1 when the scan is metric)
 #pragma once
 
 #include <functional>
@@ -15,15 +16,16 @@
 
 #include "reconstruction/body/body_model.h"
 #include "reconstruction/capture/scan.h"
+#include "reconstruction/priors.h"
 #include "sdk/avatar/rig.h"
 #include "sdk/core/result.h"
 
 namespace dpl {
 
 struct BodyFitSettings {
-    double sigmaAtFullConfidence = 0.0024;  // σ₀, fraction of the image diagonal (1.5 px at 378 × 504)
-    double outlierSigmas = 4;               // Geman–McClure scale, σ
-    bool useMasks = true;                   // refine the shape against the masks of still train frames
+    double sigmaAtFullConfidence = priors::kKeypointSigma;  // σ₀, fraction of the image diagonal
+    double outlierSigmas = priors::kKeypointOutlierSigmas;  // Geman–McClure scale, σ
+    bool useMasks = true;                                   // refine the shape against the masks of still train frames
     /** Called between and inside solves with the share done (0…1) and the running step. Returning false cancels (Code::Cancelled). */
     std::function<bool(double fraction, std::string_view what)> progress;
 };
@@ -48,17 +50,20 @@ struct KindResidual {
 struct BodyFit {
     std::vector<double> shape;  // one value per morph
     double metresPerUnit = 1;   // μ; metricCamera() applies it to a camera
-    Pose staticPose;            // shared by the still frames
-    std::vector<Pose> poses;    // one per frame, for the rig of shapedBody(body, shape); a still frame: staticPose plus its sway
-    std::vector<bool> fitted;   // one per frame; false: too few keypoints, the pose is inherited or interpolated
+    // The detector's noise as the residuals of the still train frames show it (keypoint_noise.h); 0 when it could not be estimated.
+    double keypointSigma = 0;  // standard deviation of a coordinate at full confidence, fraction of the image diagonal
+    double outlierShare = 0;   // of these keypoints: farther off than outlierSigmas × keypointSigma
+    Pose staticPose;           // shared by the still frames
+    std::vector<Pose> poses;   // one per frame, for the rig of shapedBody(body, shape); a still frame: staticPose plus its sway
+    std::vector<bool> fitted;  // one per frame; false: too few keypoints, the pose is inherited or interpolated
     std::vector<SolveEnd> solves;
     std::vector<KindResidual> residuals;
 };
 
 /** Fits `body` to `scan`. keypoints[f] holds the keypoints of scan.frames[f] in the order of scan.keypointNames; empty: none seen.
- *  Train frames alone determine shape, scale, still pose and the train poses. Test frames are posed afterwards with these results fixed,
- *  so that held-out data cannot reach the avatar. Deterministic for equal input. About a minute for 170 frames on one core.
- *  Errors: InvalidArgument or CorruptData when the body lacks these keypoints or the frames show too few; Cancelled. */
+ *  Train frames alone determine shape, scale, still pose and the train poses. Test frames are posed afterwards with these results
+ * fixed, so that held-out data cannot reach the avatar. Deterministic for equal input. About a minute for 170 frames on one core. Errors:
+ * InvalidArgument or CorruptData when the body lacks these keypoints or the frames show too few; Cancelled. */
 Result<BodyFit> fitBody(const BodyModel& body, const Scan& scan, std::span<const std::vector<Keypoint>> keypoints,
                         const BodyFitSettings& settings = {});
 

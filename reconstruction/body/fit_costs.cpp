@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reconstruction/priors.h"
+
 namespace dpl {
 namespace {
 
@@ -46,8 +48,8 @@ struct RootSmoothness {
         for (int i = 0; i < 3; ++i) turn[i] = (second[i] / after - first[i] / before) / mean;
         const T aboutUp = turn[0] * up.x + turn[1] * up.y + turn[2] * up.z;
         for (int i = 0; i < 3; ++i) {
-            residual[i] = (turn[i] - aboutUp * up[i]) / kTiltAccelerationRadS2 + aboutUp * up[i] / kTurnAccelerationRadS2;
-            residual[3 + i] = ((c[3 + i] - b[3 + i]) / after - (b[3 + i] - a[3 + i]) / before) / (mean * kRootAccelerationMS2);
+            residual[i] = (turn[i] - aboutUp * up[i]) / priors::kTiltAccelerationRadS2 + aboutUp * up[i] / priors::kTurnAccelerationRadS2;
+            residual[3 + i] = ((c[3 + i] - b[3 + i]) / after - (b[3 + i] - a[3 + i]) / before) / (mean * priors::kRootAccelerationMS2);
         }
         return true;
     }
@@ -227,7 +229,7 @@ struct RootUpright {
         const T before[3] = {T(b.x), T(b.y), T(b.z)};
         T after[3];
         ceres::AngleAxisRotatePoint(root, before, after);
-        for (int i = 0; i < 3; ++i) residual[i] = (after[i] - up[i]) / kTiltRad;
+        for (int i = 0; i < 3; ++i) residual[i] = (after[i] - up[i]) / priors::kTiltRad;
         return true;
     }
 };
@@ -251,7 +253,7 @@ bool FootRest::Evaluate(double const* const* blocks, double* residuals, double**
     thread_local KeypointChain::Output posed[2];
     for (int i = 0; i < 2; ++i)
         chain.evaluate(reference_[i], blocks[1 + 2 * i], blocks[2 + 2 * i], blocks[0], jacobians != nullptr, posed[i]);
-    const double c2 = kFootOutlierSigmas * kFootOutlierSigmas, sigmaM = sigmaM_ * context_.footSigmaScale;
+    const double c2 = priors::kFootOutlierSigmas * priors::kFootOutlierSigmas, sigmaM = sigmaM_ * context_.footSigmaScale;
     for (size_t n = 0; n < keypoints_.size(); ++n) {
         const size_t k = keypoints_[n];
         const Vec3d r = (posed[1].points[k] - posed[0].points[k]) / sigmaM;

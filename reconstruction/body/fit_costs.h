@@ -93,12 +93,9 @@ private:
  *  vertical, faster than they tilt, so the two have separate σ. Blocks: root0, root1, root2. The caller owns the result. */
 ceres::CostFunction* makeRootSmoothness(const Mat3d (&references)[3], const Vec3d& up, double t0, double t1, double t2);
 
-constexpr double kTurnAccelerationRadS2 = 2.0, kTiltAccelerationRadS2 = 0.15, kRootAccelerationMS2 = 0.6;
-
 /** Keeps the pelvis about as upright as in the still pose. `bodyUp` is the axis of the root's frame that points along `up`, the vertical,
  *  in the still pose. Block: root. The caller owns the result. */
 ceres::CostFunction* makeRootUpright(const Mat3d& reference, const Vec3d& bodyUp, const Vec3d& up);
-constexpr double kTiltRad = 0.04;
 
 /** Keeps a standing foot in place: penalises the motion of ankles and toes between two frames. The Geman–McClure loss releases a swinging
  *  foot. This term fixes the body's depth when the camera moves. Blocks: shape, root0, pose0, root1, pose1. */
@@ -113,6 +110,5 @@ private:
     Mat3d reference_[2];
     double sigmaM_;
 };
-constexpr double kFootOutlierSigmas = 3;
 
 }  // namespace dpl

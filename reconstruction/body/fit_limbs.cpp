@@ -7,13 +7,12 @@
 #include <limits>
 
 #include "reconstruction/body/keypoint_chain.h"
+#include "reconstruction/priors.h"
 
 namespace dpl {
 namespace {
 
 constexpr int kStates = 4;  // elbow near or far × wrist near or far
-constexpr double kElbowAccelerationMS2 = 4, kWristAccelerationMS2 = 8;
-constexpr double kDepthNoiseM = 0.04;  // standard deviation of a candidate's depth, caused by keypoint noise
 constexpr double kMaxGapS = 1.0;
 constexpr int kTwistSteps = 10;
 constexpr double kTwistStepRad = 0.15;
@@ -84,7 +83,7 @@ Candidate makeCandidate(const LimbRig& rig, const LimbView& view, const Vec3d& e
 double acceleration2(const Vec3d& a, const Vec3d& b, const Vec3d& c, double before, double after, double sigma) {
     const double mean = 0.5 * (before + after);
     const Vec3d v = ((c - b) / after - (b - a) / before) / mean;
-    const double noise = 2.4 * kDepthNoiseM / (before * after);
+    const double noise = 2.4 * priors::kDepthNoiseM / (before * after);
     return glm::dot(v, v) / (sigma * sigma + noise * noise);
 }
 
@@ -127,9 +126,9 @@ std::vector<std::optional<LimbGuess>> untangleLimb(const LimbRig& rig, const std
                     const double before = i >= 2 ? views[used[i - 1]].timeS - views[used[i - 2]].timeS : 0;
                     if (i >= 2 && before > 1e-4 && after > 1e-4 && before < kMaxGapS && after < kMaxGapS)
                         cost += acceleration2(candidates[i - 2][r].guess.elbow, candidates[i - 1][s].guess.elbow,
-                                              candidates[i][t].guess.elbow, before, after, kElbowAccelerationMS2) +
+                                              candidates[i][t].guess.elbow, before, after, priors::kElbowAccelerationMS2) +
                                 acceleration2(candidates[i - 2][r].guess.wrist, candidates[i - 1][s].guess.wrist,
-                                              candidates[i][t].guess.wrist, before, after, kWristAccelerationMS2);
+                                              candidates[i][t].guess.wrist, before, after, priors::kWristAccelerationMS2);
                     if (cost < winner) winner = cost, link[i][s][t] = int(r);
                 }
                 best[i][s][t] = winner + candidates[i][t].cost;

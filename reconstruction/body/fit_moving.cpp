@@ -8,14 +8,13 @@
 #include "reconstruction/body/body_fitter.h"
 #include "reconstruction/body/body_tools.h"
 #include "reconstruction/body/fit_limbs.h"
+#include "reconstruction/priors.h"
 
 namespace dpl {
 namespace {
 
-constexpr double kMaxGapS = 1.0;                              // no smoothness term across a longer gap
-constexpr double kFootSlideM = 0.0008, kFootSlideMS = 0.002;  // σ of a standing foot's motion between frames: constant part, and per second
+constexpr double kMaxGapS = 1.0;  // no smoothness term across a longer gap
 constexpr double kLooseFootScale = 5;
-constexpr double kSameLimbM = 0.08;  // a depth choice nearer than this to the current limb counts as unchanged
 constexpr int kUntangleRounds = 3;
 constexpr double kTrackStepRad = 0.5, kTrackStepM = 0.3;  // σ of the change of pose and root from frame to frame; tracking only
 
@@ -31,8 +30,9 @@ void BodyFitter::addSmoothness(ceres::Problem& problem, const std::vector<size_t
         FrameState &a = frames_[order[i]], &b = frames_[order[i + 1]];
         const double step = scan_.frames[order[i + 1]].timeS - scan_.frames[order[i]].timeS;
         if (!(step > 1e-4) || step > kMaxGapS || (!involves(order[i]) && !involves(order[i + 1]))) continue;
-        problem.AddResidualBlock(new FootRest(context_, feet, a.rootReference, b.rootReference, kFootSlideM + kFootSlideMS * step), nullptr,
-                                 shape_.data(), a.root, a.pose.data(), b.root, b.pose.data());
+        problem.AddResidualBlock(
+            new FootRest(context_, feet, a.rootReference, b.rootReference, priors::kFootSlideM + priors::kFootSlideMS * step), nullptr,
+            shape_.data(), a.root, a.pose.data(), b.root, b.pose.data());
     }
     for (size_t i = 1; i + 1 < order.size(); ++i) {
         const size_t f[3] = {order[i - 1], order[i], order[i + 1]};
@@ -137,7 +137,7 @@ void BodyFitter::untangleLimbs(const std::vector<size_t>& order, const std::func
             if (!guesses[i] || !mayChange(order[i])) continue;
             const double moved = std::max(glm::length(guesses[i]->elbow - now[i].places[size_t(lower)]),
                                           glm::length(guesses[i]->wrist - now[i].places[size_t(end)]));
-            if (moved < kSameLimbM) continue;
+            if (moved < priors::kSameLimbM) continue;
             std::vector<double>& pose = frames_[order[i]].pose;
             const Vec3d bend = guesses[i]->bendRad * hinge;
             for (int a = 0; a < 3; ++a)

@@ -5,16 +5,13 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "reconstruction/priors.h"
+
 namespace dpl {
 namespace {
 
-constexpr double kOutsideSigmaM = 0.005;  // σ where the body sticks out of the mask
-constexpr double kInsideSigmaM = 0.04;    // σ where the body is inside: clothes stand off it
-constexpr double kOutlierSigmas = 3;      // Geman–McClure scale, for hair, bags and occluding limbs
-constexpr double kFrameWeight = 5;        // the outline of one frame counts as this many independent residuals
-constexpr double kGrazing = 0.25;         // largest |cos| between normal and line of sight of an outline sample
-constexpr double kReachM = 0.08;          // samples farther from the mask's edge are not matched to it
-constexpr double kSameDirection = 0.7;    // least cosine between a sample's image normal and the mask's outward direction
+constexpr double kGrazing = 0.25;       // largest |cos| between normal and line of sight of an outline sample
+constexpr double kSameDirection = 0.7;  // least cosine between a sample's image normal and the mask's outward direction
 
 }  // namespace
 
@@ -101,7 +98,7 @@ std::vector<size_t> outlineSamples(const SkinSamples& samples, const KeypointCha
         if (px.x < 1 || px.y < 1 || px.x > camera.widthPx - 1.0 || px.y > camera.heightPx - 1.0 || glm::length(flat) < 1e-6) continue;
         Vec2d gradient;
         const double distanceM = mask.sample(px, gradient) * view.z / camera.fx;
-        if (std::abs(distanceM) > kReachM || glm::length(gradient) < 0.3) continue;
+        if (std::abs(distanceM) > priors::kOutlineReachM || glm::length(gradient) < 0.3) continue;
         if (glm::dot(glm::normalize(gradient), glm::normalize(flat)) > kSameDirection) outline.push_back(i);
     }
     return outline;
@@ -126,7 +123,8 @@ bool SilhouetteCost::Evaluate(double const* const* blocks, double* residuals, do
     const Mat3d& R = camera_.viewFromWorldRotation;
     const Mat3d Rt = glm::transpose(R);
     const Vec3d shift = std::exp(blocks[1][0]) * camera_.viewFromWorldTranslation;
-    const double weight = std::sqrt(kFrameWeight / double(outline_.size())), c2 = kOutlierSigmas * kOutlierSigmas;
+    const double weight = std::sqrt(priors::kOutlineFrameWeight / double(outline_.size())),
+                 c2 = priors::kOutlineOutlierSigmas * priors::kOutlineOutlierSigmas;
     std::vector<double> row(width);
     for (size_t n = 0; n < outline_.size(); ++n) {
         const Vec3d view = R * posed.points[outline_[n]] + shift;
@@ -135,7 +133,8 @@ bool SilhouetteCost::Evaluate(double const* const* blocks, double* residuals, do
         const double distancePx = mask_.sample(camera_.pixelOf(Vec3d(view.x, view.y, z)), gradient);
         const double perPx =
             z / camera_.fx /
-            (distancePx > 0 ? kOutsideSigmaM : kInsideSigmaM);  // its derivative by z is ignored: far below the gradient's error
+            (distancePx > 0 ? priors::kOutsideMaskM
+                            : priors::kClothesStandOffM);  // its derivative by z is ignored: far below the gradient's error
         const double r = distancePx * perPx, scale = std::sqrt(c2 / (r * r + c2));
         residuals[n] = weight * scale * r;
         if (!jacobians) continue;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "reconstruction/capture/observations.h"
+#include "reconstruction/priors.h"
 
 namespace dpl {
 namespace {
@@ -58,12 +59,6 @@ constexpr std::array<std::pair<size_t, size_t>, 17> kDirect{{{Nose, 0},
                                                              {KneeR, 26},
                                                              {AnkleL, 27},
                                                              {AnkleR, 28}}};
-// Interpolation shares, measured on the skeletons of scans. Neck: from the middle of the shoulders to the middle of the ears. Toe: from
-// the heel to the tip of the toes.
-constexpr double kNeckShare = 0.44, kToeShare = 0.72, kHeadTopShare = 0.55;
-// Corrections as shares of the trunk: on scan-a the network marks hips 12 px too low and shoulders 6 px too high, at about 90 px of trunk.
-constexpr double kHipRaise = 0.12, kShoulderDrop = 0.06;
-constexpr double kDerivedTrust = 0.7;  // confidence factor of a derived point
 
 }  // namespace
 
@@ -77,24 +72,24 @@ std::vector<Keypoint> keypointsFromLandmarks(std::span<const Vec2d> landmarks, s
     std::array<Vec2d, 33> p{};
     std::copy_n(landmarks.begin(), 33, p.begin());
     const Vec2d trunk = 0.5 * (p[11] + p[12]) - 0.5 * (p[23] + p[24]);
-    for (const size_t hip : {23, 24}) p[hip] += kHipRaise * trunk;
-    for (const size_t shoulder : {11, 12}) p[shoulder] -= kShoulderDrop * trunk;
+    for (const size_t hip : {23, 24}) p[hip] += priors::kHipRaise * trunk;
+    for (const size_t shoulder : {11, 12}) p[shoulder] -= priors::kShoulderDrop * trunk;
     for (const auto& [name, landmark] : kDirect) out[name] = {p[landmark], confidence[landmark]};
     const auto blend = [&](size_t a, size_t b, double share) {
         return Keypoint{p[a] + share * (p[b] - p[a]), std::min(confidence[a], confidence[b])};
     };
     out[KnuckleL] = blend(17, 19, 0.5);
     out[KnuckleR] = blend(18, 20, 0.5);
-    out[ToeL] = blend(29, 31, kToeShare);
-    out[ToeR] = blend(30, 32, kToeShare);
+    out[ToeL] = blend(29, 31, priors::kToeShare);
+    out[ToeR] = blend(30, 32, priors::kToeShare);
     out[Pelvis] = blend(23, 24, 0.5);
     const Keypoint shoulders = blend(11, 12, 0.5);
     // In a side view one ear is hidden and its landmark uncertain, but the middle of both stays accurate. Use the higher confidence.
     const Keypoint ears{0.5 * (p[7] + p[8]), std::max(confidence[7], confidence[8])};
-    const double trust = kDerivedTrust * std::min(shoulders.confidence, ears.confidence);
+    const double trust = priors::kDerivedTrust * std::min(shoulders.confidence, ears.confidence);
     const Vec2d neckToEars = ears.px - shoulders.px;
-    out[Neck] = {shoulders.px + kNeckShare * neckToEars, trust};
-    double reach = kHeadTopShare;
+    out[Neck] = {shoulders.px + priors::kNeckShare * neckToEars, trust};
+    double reach = priors::kHeadTopShare;
     if (mask && !mask->pixels.empty()) {
         const auto person = [&](const Vec2d& px) {
             return px.x >= 0 && px.y >= 0 && px.x < mask->widthPx && px.y < mask->heightPx &&

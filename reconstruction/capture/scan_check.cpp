@@ -12,25 +12,11 @@
 #include "reconstruction/cameras/rays.h"
 #include "reconstruction/capture/frame_measures.h"
 #include "reconstruction/capture/silhouettes.h"
+#include "reconstruction/priors.h"
 #include "sdk/core/percentile.h"
 
 namespace dpl {
 namespace {
-
-// Thresholds of the findings. Values in brackets were measured on real scans, and on scans that scan_check_test damages.
-constexpr double kBlurredRelative = 0.25;  // relativeSharpness below this means motion blur or missed focus
-constexpr double kBlurredIndex =
-    0.58;  // median blur index above which all pictures are soft [0.25 to 0.30 when sharp, 0.61 after a blur of 4 px]
-constexpr double kEmptyMaskShare = 0.002;  // of the picture
-constexpr double kBorderShare = 0.01;      // of the picture's edge: more than a foot that touches it, less than a waist that it cuts
-constexpr double kExposureStops = 0.5;     // jump between neighbours after the fit by azimuth and height
-constexpr double kGapWarnDeg = 40, kGapRefuseDeg = 150;
-constexpr double kCoherenceWarn = 0.96,
-                 kCoherenceRefuse = 0.6;  // [0.99 when right, 0.68 to 0.95 at half or twice the focal length, 0.52 shuffled]
-constexpr double kKeypointWarn = 0.02,
-                 kKeypointRefuse =
-                     0.05;  // of the subject's height in the picture [0.007 on scan-a, 0.022 at half the focal length, 0.068 shuffled]
-constexpr double kPoseRangeDeg = 25;
 
 class Checker {
 public:
@@ -106,8 +92,8 @@ private:
     void checkMasks() {
         const auto train = select([](const ScanFrame&, const FrameMeasures&) { return true; });
         const auto without = select([](const ScanFrame&, const FrameMeasures& m) { return m.check.maskShare < 0; });
-        const auto empty =
-            select([](const ScanFrame&, const FrameMeasures& m) { return m.check.maskShare >= 0 && m.check.maskShare < kEmptyMaskShare; });
+        const auto empty = select(
+            [](const ScanFrame&, const FrameMeasures& m) { return m.check.maskShare >= 0 && m.check.maskShare < priors::kEmptyMaskShare; });
         for (size_t i : empty) measures_[i].check.usable = false;
         if (!without.empty() && without.size() == train.size())
             find(false, "masks", "the scan has no masks; add masks/, or give a folder of networks with a person segmentation (--models)");
@@ -119,7 +105,7 @@ private:
                  formatText("{} of {} masks are empty; make them again (those frames are left out)", empty.size(), train.size()),
                  names(empty));
         const auto cut = select([](const ScanFrame& f, const FrameMeasures& m) {
-            return f.kind != FrameKind::StaticCloseup && m.check.usable && m.check.borderShare > kBorderShare;
+            return f.kind != FrameKind::StaticCloseup && m.check.usable && m.check.borderShare > priors::kBorderShare;
         });
         const auto full = select([](const ScanFrame& f, const FrameMeasures&) { return f.kind != FrameKind::StaticCloseup; });
         if (!cut.empty())
@@ -143,13 +129,14 @@ private:
             }
         }
         out_.medianBlurIndex = percentile(indices, 0.5);
-        const auto blurred =
-            select([](const ScanFrame&, const FrameMeasures& m) { return m.check.usable && m.check.relativeSharpness < kBlurredRelative; });
-        if (out_.medianBlurIndex > kBlurredIndex)
+        const auto blurred = select([](const ScanFrame&, const FrameMeasures& m) {
+            return m.check.usable && m.check.relativeSharpness < priors::kBlurredRelative;
+        });
+        if (out_.medianBlurIndex > priors::kBlurredIndex)
             find(true, "blur",
                  formatText("all pictures are blurred (median blur index {}, up to {} is sharp enough); clean the lens, lock the focus, "
                             "use more light",
-                            std::round(out_.medianBlurIndex * 100) / 100, kBlurredIndex));
+                            std::round(out_.medianBlurIndex * 100) / 100, priors::kBlurredIndex));
         if (!blurred.empty()) {
             for (size_t i : blurred) measures_[i].check.usable = false;
             find(false, "blur", formatText("{} frames are far blurrier than the others and are left out; move more slowly", blurred.size()),
@@ -183,7 +170,7 @@ private:
             const double after = percentile(std::vector<double>(stops.begin() + long(i), stops.begin() + long(i + kWindow)), 0.5);
             out_.exposureJumpStops = std::max(out_.exposureJumpStops, std::abs(after - before));
         }
-        if (out_.exposureJumpStops > kExposureStops)
+        if (out_.exposureJumpStops > priors::kExposureStops)
             find(false, "exposure",
                  formatText("brightness jumps by {} stops between neighbouring pictures; lock exposure and white balance",
                             std::round(out_.exposureJumpStops * 100) / 100));
@@ -229,8 +216,8 @@ private:
         std::sort(angles.begin(), angles.end());
         out_.largestGapDeg = angles.empty() ? 360 : 360 - angles.back() + angles.front();
         for (size_t i = 1; i < angles.size(); ++i) out_.largestGapDeg = std::max(out_.largestGapDeg, angles[i] - angles[i - 1]);
-        if (out_.largestGapDeg > kGapWarnDeg)
-            find(out_.largestGapDeg > kGapRefuseDeg, "azimuth",
+        if (out_.largestGapDeg > priors::kGapWarnDeg)
+            find(out_.largestGapDeg > priors::kGapRefuseDeg, "azimuth",
                  formatText("no sharp picture over {} degrees of the walk around; add some there", std::round(out_.largestGapDeg)));
     }
 
@@ -238,8 +225,8 @@ private:
         const auto views = staticViews();
         if (views.size() < 4) return;
         out_.silhouetteCoherence = silhouetteCoherence(views, jobs_);
-        if (out_.silhouetteCoherence < kCoherenceWarn)
-            find(out_.silhouetteCoherence < kCoherenceRefuse, "cameras",
+        if (out_.silhouetteCoherence < priors::kCoherenceWarn)
+            find(out_.silhouetteCoherence < priors::kCoherenceRefuse, "cameras",
                  formatText("seen together the masks explain only {} % of themselves: cameras, intrinsics or masks do not belong together, "
                             "or the subject moved; "
                             "register the cameras again",
@@ -278,8 +265,8 @@ private:
         if (errors.size() < 20) return;
         out_.keypointErrorPx = percentile(errors, 0.5);
         out_.keypointErrorShare = out_.keypointErrorPx / std::max(1.0, percentile(heights, 0.5));
-        if (out_.keypointErrorShare > kKeypointWarn)
-            find(out_.keypointErrorShare > kKeypointRefuse, "cameras",
+        if (out_.keypointErrorShare > priors::kKeypointWarn)
+            find(out_.keypointErrorShare > priors::kKeypointRefuse, "cameras",
                  formatText("keypoints of the still pictures miss each other by {} px ({} % of the subject's height): wrong intrinsics, "
                             "wrong cameras or a subject "
                             "that moved; register the cameras again",
@@ -326,7 +313,7 @@ private:
                 out_.joints.push_back(
                     {std::string(joint) + side, uint32_t(angles.size()), percentile(angles, 0.05), percentile(angles, 0.95)});
                 ++known;
-                still += out_.joints.back().highDeg - out_.joints.back().lowDeg < kPoseRangeDeg;
+                still += out_.joints.back().highDeg - out_.joints.back().lowDeg < priors::kPoseRangeDeg;
             }
         if (known >= 4 && still * 2 > known)
             find(false, "poses",

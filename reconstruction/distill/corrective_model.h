@@ -8,6 +8,7 @@
 
 #include <span>
 
+#include "reconstruction/priors.h"
 #include "sdk/avatar/pose_correctives.h"
 #include "sdk/core/result.h"
 
@@ -19,9 +20,9 @@ struct CorrectiveModelSettings {
     double reachQuantile = 0.8;      // quantile of the training poses' distances from the mean; farther poses are scaled back
     double offModesQuantile = 0.95;  // quantile of the distances off the modes; correctives fade for poses farther off
     double minReachOffModes = 0.05;  // lower limit of that distance: about 2 degrees of one joint
-    double nodeSpacingM = 0.03;      // about a fold of cloth; 0.045 loses 0.3 dB on scan-a, 0.02 gains 0.05 (notebook 2026-11-21)
-    uint32_t minPoses = 12;          // with fewer poses the result is empty
-    double minSpread = 0.1;          // RMS of the first principal component (radians for small angles); with less the result is empty
+    double nodeSpacingM = priors::kNodeSpacingM;
+    uint32_t minPoses = 12;  // with fewer poses the result is empty
+    double minSpread = 0.1;  // RMS of the first principal component (radians for small angles); with less the result is empty
 };
 
 /** Returns correctives whose nodes are all zero, or empty correctives when the poses are too few or too alike. Features come from the

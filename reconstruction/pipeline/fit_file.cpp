@@ -36,6 +36,8 @@ bool poseFrom(const json& numbers, size_t jointCount, Pose& pose) {
 std::string fitToJson(const BodyFit& fit) {
     json out = {{"shape", fit.shape},
                 {"metres_per_unit", fit.metresPerUnit},
+                {"keypoint_sigma", fit.keypointSigma},
+                {"outlier_share", fit.outlierShare},
                 {"static_pose", poseJson(fit.staticPose)},
                 {"poses", json::array()},
                 {"fitted", fit.fitted}};
@@ -66,6 +68,8 @@ Result<BodyFit> readFitFile(const std::filesystem::path& path, size_t frameCount
     try {
         fit.shape = root.at("shape").get<std::vector<double>>();
         fit.metresPerUnit = root.at("metres_per_unit").get<double>();
+        fit.keypointSigma = root.at("keypoint_sigma").get<double>();
+        fit.outlierShare = root.at("outlier_share").get<double>();
         fit.fitted = root.at("fitted").get<std::vector<bool>>();
         if (fit.shape.size() != morphCount || fit.fitted.size() != frameCount || root.at("poses").size() != frameCount) return bad();
         if (!poseFrom(root.at("static_pose"), jointCount, fit.staticPose)) return bad();

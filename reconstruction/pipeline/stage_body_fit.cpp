@@ -41,7 +41,7 @@ Result<FittedBody> runBodyFit(const StageRun& run, const IngestedScan& ingested,
     for (size_t f = 0; f < ingested.hashes.size(); ++f) keypoints.push_back({ingested.scan.frames[f].name, ingested.hashes[f].keypoints});
     const nlohmann::json inputs = {
         {"keypoints", keypoints}, {"training", ingested.trainingHash}, {"body", chosen.hash}, {"settings", fieldsJson(settings)}};
-    DPL_TRY(const StageOutput stage, run.chain.run("body-fit", 3, inputs, [&](StageContext& context) -> Status {
+    DPL_TRY(const StageOutput stage, run.chain.run("body-fit", 4, inputs, [&](StageContext& context) -> Status {
         settings.progress = [&](double fraction, std::string_view what) {
             context.progress.update(fraction, what);
             return !context.progress.cancelled();

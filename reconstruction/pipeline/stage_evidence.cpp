@@ -2,6 +2,7 @@
 // The stage evidence measures how much each optional part improves the avatar. The public SDK draws training frames with the part and
 // without it, and both are scored. Held-out frames are not used.
 #include "reconstruction/pipeline/stages.h"
+#include "reconstruction/priors.h"
 #include "reconstruction/report/draw_view.h"
 #include "reconstruction/report/score.h"
 #include "sdk/core/files.h"
@@ -10,7 +11,6 @@
 namespace dpl {
 namespace {
 
-constexpr double kWorthItDb = 0.05;    // a smaller gain is within the spread between seeds
 constexpr size_t kFramesOfAKind = 12;  // scored frames of each kind (moving, still)
 
 /** Adds up to kFramesOfAKind evenly spaced frames of a kind to `chosen`. */
@@ -62,7 +62,7 @@ Status weigh(const AssembledAvatar& assembled, uint32_t threadCount, StageContex
         removePart(without, part);
         DPL_TRY(const Measured rest, measure(without, frames, threadCount));
         const double gain = whole.maskedPsnrDb - rest.maskedPsnrDb;
-        const bool kept = gain >= kWorthItDb;
+        const bool kept = gain >= priors::kWorthItDb;
         // A node value has eight bytes in the file: six of offset, two of light.
         const uint64_t values = uint64_t(assembled.avatar.correctives.nodes.size());
         const uint64_t bytes = part == AvatarPart::CorrectiveOffsets ? 6 * values
@@ -83,7 +83,7 @@ Result<MeasuredParts> runEvidence(const StageRun& run, const IngestedScan& inges
     const nlohmann::json inputs = {{"trained", training.key},
                                    {"assemble", assembleInputs()},
                                    {"name", ingested.scan.name},
-                                   {"worthItDb", kWorthItDb},
+                                   {"worthItDb", priors::kWorthItDb},
                                    {"framesOfAKind", kFramesOfAKind}};
     DPL_TRY(const StageOutput stage, run.chain.run("evidence", 2, inputs, [&](StageContext& context) -> Status {
         DPL_TRY(const AssembledAvatar* assembled, trained.get());

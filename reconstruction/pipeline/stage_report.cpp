@@ -9,6 +9,7 @@
 #include "reconstruction/image/image_codec.h"
 #include "reconstruction/pipeline/scale_figures.h"
 #include "reconstruction/pipeline/stages.h"
+#include "reconstruction/priors.h"
 #include "reconstruction/report/draw_view.h"
 #include "reconstruction/report/provenance.h"
 #include "reconstruction/report/report.h"
@@ -83,9 +84,15 @@ void addRegistration(const Scan& scan, const FittedBody& body, const PosesFile& 
         data.figures.push_back({group, "median", "px", r.medianPx});
         data.figures.push_back({group, "95th percentile", "px", r.p95Px});
     }
+    const std::string noise = "detector noise in the still training frames";
+    if (body.fit.keypointSigma > 0) {
+        data.figures.push_back({noise, "standard deviation at full confidence", "% of the diagonal", 100 * body.fit.keypointSigma});
+        data.figures.push_back({noise, "the same, assumed by the body fit", "% of the diagonal", 100 * priors::kKeypointSigma});
+        data.figures.push_back({noise, "outliers", "% of the keypoints", 100 * body.fit.outlierShare});
+    }
     const auto afterFit = compareWithTruth(scan.root, scan, body.body, body.fit);
     data.provenance = provenanceOf(scan.name, afterFit && afterFit->sameBody);
-    if (!afterFit) return;
+    if (!afterFit || afterFit->keypointsMm.count == 0) return;
     addTruth(*afterFit, "after the body fit", data);
     BodyFit final = body.fit;
     for (size_t f = 0; f < final.poses.size(); ++f)

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "reconstruction/priors.h"
 #include "reconstruction/splat/density.h"
 #include "reconstruction/splat/frame_pass.h"
 #include "reconstruction/splat/init.h"
@@ -56,7 +57,7 @@ struct CoOptimiseSettings {
     float rateCamera = 1e-4f;
     float rateNodeOffset = 2e-4f, rateNodeLight = 4e-3f, endNodes = 0.1f;  // metres and brightness a unit of a mode
     float nodeDecay = 2e-3f;  // share by which a step shrinks the nodes of its frame; falls like the node rates
-    double smoothingLengthM = 0.04;
+    double smoothingLengthM = priors::kTrainingSmoothingM;
     uint32_t geometryEvery = 4;   // steps for one LargeSteps update, which takes the mean of their gradients
     uint32_t densityEvents = 20;  // spread between 8 % and 55 % of the run
     std::vector<float> levelStarts{0.0f, 0.25f, 0.35f, 0.45f, 0.55f};  // fractions of the run; first level coarsest, last level full size

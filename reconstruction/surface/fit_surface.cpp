@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "reconstruction/capture/frame_picture.h"
+#include "reconstruction/priors.h"
 #include "reconstruction/shape/large_steps.h"
 #include "reconstruction/surface/contours.h"
 #include "reconstruction/surface/mesh_raster.h"
@@ -16,8 +17,6 @@
 namespace dpl {
 namespace {
 
-// Factor of a pull's component along the outline. The component is mostly noise, but without it the far side of a helmet does not move.
-constexpr double kTangentShare = 0.25;
 constexpr double kTurnShare = 0.03;   // turnPx of matchContours(), as a share of the picture's height
 constexpr double kReachShare = 0.25;  // reachPx of matchContours(), as a share of the picture's height; longer pulls are wrong matches
 constexpr double kStep = 0.8;         // share of the smoothed pull by which a round moves the surface
@@ -115,7 +114,7 @@ private:
 
     void pull(const ContourPoint& at, const Vec2d& wayPx) {
         const Vec2d along = glm::dot(wayPx, at.normal) * at.normal;
-        const Vec2d way = along + kTangentShare * (wayPx - along);
+        const Vec2d way = along + priors::kTangentShare * (wayPx - along);
         const Camerad& c = view_.camera;
         const double depth = image_.depthM[at.inside];
         const double off = glm::dot(wayPx, at.normal);

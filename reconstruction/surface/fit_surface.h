@@ -2,7 +2,7 @@
 // Fits the clothed surface: static rest-pose offsets of a body mesh, with which its silhouettes fill the masks of the still pictures.
 //
 // In every view the outlines of the posed mesh and of the mask are matched in both directions: each mesh point is pulled to the nearest
-// mask point, and each mask point pulls the nearest mesh point. The second direction reaches things such as a helmet in a hand. Each pull
+// mask point, and each mask point pulls the nearest mesh point. The second direction reaches things such as a bag in a hand. Each pull
 // is placed in space at the mesh's depth, transformed back to the rest pose, and spread over the surface by
 //     δ = M⁻²(Σ w d) / (M⁻²(Σ w) + ε),   M = I + λL  (LargeSteps, reconstruction/shape)
 // This normalised convolution has a smoothing length that shrinks from level to level. In the second half of the levels each view also gets
@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "reconstruction/capture/scan.h"
+#include "reconstruction/priors.h"
 #include "sdk/avatar/rig.h"
 
 namespace dpl {
@@ -26,11 +27,11 @@ struct SurfaceView {
 };
 
 struct SurfaceFitSettings {
-    double startSmoothingM = 0.12, endSmoothingM = 0.012;  // on scan-a ending at 30 mm gives a mean IoU of 0.940, at 12 mm 0.962
+    double startSmoothingM = priors::kStartSmoothingM, endSmoothingM = priors::kEndSmoothingM;  // of the first and the last level
     uint32_t levels = 8, roundsPerLevel = 4;
-    double maxOffsetM = 0.35;                       // length limit of an offset; enough for a helmet in the hand
+    double maxOffsetM = priors::kMaxOffsetM;        // length limit of an offset
     double maxStepM = 0.04;                         // length limit of one round's step
-    double maxSwayM = 0.03;                         // length limit of a view's own translation; 0 switches it off
+    double maxSwayM = priors::kMaxViewSwayM;        // length limit of a view's own translation; 0 switches it off
     std::function<bool(double fraction)> progress;  // false cancels; may be empty
 };
 

@@ -32,7 +32,7 @@ Camerad cameraAround(double azimuth, double unitsPerMetre) {
     return c;
 }
 
-Made make(uint32_t seed, double unitsPerMetre = 1, bool moving = true) {
+Made make(uint32_t seed, double unitsPerMetre = 1, bool moving = true, double noisePx = 1) {
     Made m;
     std::mt19937 random(seed);
     std::normal_distribution<double> normal;
@@ -52,7 +52,7 @@ Made make(uint32_t seed, double unitsPerMetre = 1, bool moving = true) {
         for (size_t k = 0; k < places.size(); ++k) {
             if (!places[k].present || random() % 15 == 0) continue;  // gaps
             seen[k].confidence = 0.9;
-            seen[k].px = metric.pixelOf(metric.toView(places[k].place)) + Vec2d(normal(random), normal(random));
+            seen[k].px = metric.pixelOf(metric.toView(places[k].place)) + noisePx * Vec2d(normal(random), normal(random));
             if (random() % 40 == 0) seen[k].px += Vec2d(60, -45);  // wrong detections
         }
         m.scan.frames.push_back(f);
@@ -134,6 +134,20 @@ TEST(FitBody, findsTheScaleOfAWorldWithoutOne) {
     const auto fit = fitBody(m.body, m.scan, m.keypoints);
     ASSERT_TRUE(fit) << fit.error().message;
     EXPECT_NEAR(fit->metresPerUnit * 3.7, 1, 0.05);  // only the height prior separates tall and far from short and near: 1 σ is 4 %
+}
+
+TEST(FitBody, estimatesTheNoiseOfTheDetector) {
+    const double diagonalPx = std::hypot(378, 504), confidence = 0.9;
+    for (const double noisePx : {1.0, 3.0}) {
+        const Made m = make(4, 1, /*moving=*/false, noisePx);
+        const auto fit = fitBody(m.body, m.scan, m.keypoints);
+        ASSERT_TRUE(fit) << fit.error().message;
+        const double found = fit->keypointSigma * diagonalPx / confidence;
+        std::printf("noise %.1f px: found %.2f px, %.1f %% outliers\n", noisePx, found, 100 * fit->outlierShare);
+        EXPECT_GT(found, 0.65 * noisePx) << "shape and pose absorb a part too (0.88 and 0.79 measured)";
+        EXPECT_LT(found, 1.1 * noisePx);
+        EXPECT_NEAR(fit->outlierShare, 1.0 / 40, 0.012) << "one keypoint in forty is 75 px off";
+    }
 }
 
 TEST(FitBody, cancelsWithItsOwnCode) {

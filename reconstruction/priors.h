@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+// Priors: what reconstruction assumes about people, clothes, cameras and detectors, because it cannot be estimated from one scan. Each
+// entry states meaning, unit, origin, and what half and double the value do. docs/reference/priors.md is generated from this file
+// (tests/structure/check_priors.py --write).
+//
+// Origins. "round figure": chosen by judgement, to one or two digits. "dev": chosen on the development set, which
+// reconstruction/report/provenance.cpp names. Figures of those scans are optimistic.
+//
+// In the body fit a length, angle or acceleration is the standard deviation of a term unless its text says otherwise. The spreads of single
+// joints are not here: reconstruction/body/pose_prior.cpp holds them, a row a joint.
+#pragma once
+
+namespace dpl::priors {
+
+// ---- Scan check: when a scan is refused or warned about
+
+/** Sharpness of a frame, relative to the median of the training frames of its kind, below which the frame is left out.
+ *  unit: ratio | origin: round figure | half, double: not measured */
+inline constexpr double kBlurredRelative = 0.25;
+/** Median blur index of the training frames above which all pictures are soft and the scan is refused.
+ *  unit: 0 to 1 | origin: dev; 0.25 to 0.30 on sharp scans, 0.61 after a blur of 4 px | half, double: half refuses some sharp scans;
+ * double never refuses */
+inline constexpr double kBlurredIndex = 0.58;
+/** Share of the picture below which a mask is empty and its frame is left out.
+ *  unit: ratio | origin: round figure | half, double: not measured */
+inline constexpr double kEmptyMaskShare = 0.002;
+/** Share of the picture's edge above which a mask that touches it counts as cut off.
+ *  unit: ratio | origin: round figure; a foot touches less, a cut waist more | half, double: not measured */
+inline constexpr double kBorderShare = 0.01;
+/** Jump of brightness between neighbouring still pictures that is worth a warning, after a fit by azimuth and height.
+ *  unit: stops | origin: round figure | half, double: not measured */
+inline constexpr double kExposureStops = 0.5;
+/** Gap in the walk around the subject that is worth a warning.
+ *  unit: degrees | origin: round figure; nine evenly spaced pictures | half, double: not measured */
+inline constexpr double kGapWarnDeg = 40;
+/** Gap in the walk around the subject that refuses the scan.
+ *  unit: degrees | origin: round figure; nearly half of the subject is unseen | half, double: double never refuses */
+inline constexpr double kGapRefuseDeg = 150;
+/** Share of the masks that their common visual hull explains, below which there is a warning.
+ *  unit: ratio | origin: dev; 0.99 on good scans, 0.68 to 0.95 at half or twice the focal length | half, double: half never warns before it
+ * refuses */
+inline constexpr double kCoherenceWarn = 0.96;
+/** The same, below which the scan is refused.
+ *  unit: ratio | origin: dev; 0.52 with shuffled cameras | half, double: half never refuses; double refuses every scan */
+inline constexpr double kCoherenceRefuse = 0.6;
+/** Median reprojection error of triangulated keypoints, as a share of the subject's height, above which there is a warning.
+ *  unit: ratio | origin: dev; 0.007 on scan-a, 0.022 at half the focal length | half, double: double does not notice half the focal length
+ */
+inline constexpr double kKeypointWarn = 0.02;
+/** The same, above which the scan is refused.
+ *  unit: ratio | origin: dev; 0.068 with shuffled cameras | half, double: half refuses what is only worth a warning; double never refuses
+ */
+inline constexpr double kKeypointRefuse = 0.05;
+/** Range of a joint's angle in the picture below which the joint counts as still.
+ *  unit: degrees | origin: round figure | half, double: not measured */
+inline constexpr double kPoseRangeDeg = 25;
+
+// ---- Landmarks: from the 33 points of the pose network to the 24 keypoints of a scan
+
+/** Neck joint on the line from the shoulders' to the ears' middle.
+ *  unit: share of the line | origin: dev; skeletons of the shared scans | half, double: not measured */
+inline constexpr double kNeckShare = 0.44;
+/** Toe joint on the line from heel to toe tip.
+ *  unit: share of the line | origin: dev; skeletons of the shared scans | half, double: not measured */
+inline constexpr double kToeShare = 0.72;
+/** Head top beyond the ears' middle, where no mask shows it.
+ *  unit: share of the line from the shoulders' to the ears' middle | origin: dev; skeletons of the shared scans | half, double: not
+ * measured */
+inline constexpr double kHeadTopShare = 0.55;
+/** Distance by which the network marks hips below the hip joints.
+ *  unit: trunk lengths | origin: dev; 12 of about 90 px on scan-a | half, double: not measured */
+inline constexpr double kHipRaise = 0.12;
+/** Distance by which the network marks shoulders above the shoulder joints.
+ *  unit: trunk lengths | origin: dev; 6 of about 90 px on scan-a | half, double: not measured */
+inline constexpr double kShoulderDrop = 0.06;
+/** Confidence of a derived keypoint, relative to that of its sources.
+ *  unit: ratio | origin: round figure | half, double: not measured */
+inline constexpr double kDerivedTrust = 0.7;
+
+// ---- Body fit: detector and time
+
+/** Standard deviation of a keypoint's coordinate at full confidence. The report states what the residuals of the scan show
+ * (keypoint_noise.h). unit: share of the picture's diagonal | origin: dev; the noise that the generators add, 1.5 px at 378 × 504 | half,
+ * double: 0.77 times, 600 draft steps: on procedural seed 1 keypoints 30.4 to 18.7 mm, static PSNR -0.16 dB, dynamic +0.46 dB; on
+ * scan-tiny 25.7 to 27.2 mm, +0.02 dB, -0.20 dB */
+inline constexpr double kKeypointSigma = 0.0024;
+/** Geman-McClure scale of keypoint residuals.
+ *  unit: standard deviations | origin: round figure | half, double: not measured */
+inline constexpr double kKeypointOutlierSigmas = 4;
+/** Turn of the root between still frames: people sway.
+ *  unit: rad | origin: round figure | half, double: not measured */
+inline constexpr double kSwayTurnRad = 0.01;
+/** Shift of the root between still frames.
+ *  unit: m | origin: round figure | half, double: not measured */
+inline constexpr double kSwayM = 0.01;
+/** Slide of a standing foot between two moving frames, constant part.
+ *  unit: m | origin: dev; scan-a and procedural seeds 1 to 3 | half, double: tighter flips an arm of procedural seed 3; 3.9 times, with the
+ * tilt priors doubled: keypoints 6 to 18 % farther from the truth on four scans */
+inline constexpr double kFootSlideM = 0.0008;
+/** Slide of a standing foot between two moving frames, part that grows with the time between them.
+ *  unit: m/s | origin: dev, with the value above | half, double: as above */
+inline constexpr double kFootSlideMS = 0.002;
+/** Geman-McClure scale of a foot's slide. A step is an outlier.
+ *  unit: standard deviations | origin: round figure | half, double: not measured */
+inline constexpr double kFootOutlierSigmas = 3;
+/** Angular acceleration of the pelvis about the vertical.
+ *  unit: rad/s² | origin: round figure | half, double: not measured */
+inline constexpr double kTurnAccelerationRadS2 = 2.0;
+/** Angular acceleration of the pelvis about other axes.
+ *  unit: rad/s² | origin: dev; scan-a and procedural seeds 1 to 3 | half, double: double, with kTiltRad doubled and a foot slide of 3.9
+ * times: keypoints 6 to 18 % farther from the truth on four scans */
+inline constexpr double kTiltAccelerationRadS2 = 0.15;
+/** Acceleration of the pelvis.
+ *  unit: m/s² | origin: round figure | half, double: not measured */
+inline constexpr double kRootAccelerationMS2 = 0.6;
+/** Tilt of the pelvis against its still pose.
+ *  unit: rad | origin: dev; scan-a and procedural seeds 1 to 3 | half, double: see kTiltAccelerationRadS2 */
+inline constexpr double kTiltRad = 0.04;
+/** Acceleration of an elbow or knee while depth choices are made.
+ *  unit: m/s² | origin: round figure | half, double: not measured */
+inline constexpr double kElbowAccelerationMS2 = 4;
+/** Acceleration of a wrist or ankle while depth choices are made.
+ *  unit: m/s² | origin: round figure | half, double: not measured */
+inline constexpr double kWristAccelerationMS2 = 8;
+/** Standard deviation of a candidate's depth, caused by keypoint noise.
+ *  unit: m | origin: round figure | half, double: not measured */
+inline constexpr double kDepthNoiseM = 0.04;
+/** A depth choice nearer than this to the current limb counts as unchanged.
+ *  unit: m | origin: round figure, twice kDepthNoiseM | half, double: not measured */
+inline constexpr double kSameLimbM = 0.08;
+
+// ---- Body fit: silhouettes of clothed people
+
+/** Distance by which the body sticks out of the mask.
+ *  unit: m | origin: round figure | half, double: not measured */
+inline constexpr double kOutsideMaskM = 0.005;
+/** Distance by which clothes stand off the body.
+ *  unit: m | origin: round figure | half, double: not measured */
+inline constexpr double kClothesStandOffM = 0.04;
+/** Geman-McClure scale of outline residuals: hair, bags, limbs in front of each other.
+ *  unit: standard deviations | origin: round figure | half, double: not measured */
+inline constexpr double kOutlineOutlierSigmas = 3;
+/** The outline of one frame counts as this many independent residuals.
+ *  unit: residuals | origin: round figure | half, double: not measured */
+inline constexpr double kOutlineFrameWeight = 5;
+/** Outline samples farther than this from the mask's edge are not matched to it.
+ *  unit: m | origin: round figure | half, double: not measured */
+inline constexpr double kOutlineReachM = 0.08;
+/** Stretch of a bone at morph value 1.
+ *  unit: share of the bone's length | origin: round figure, about a standard deviation between adults of one height | half, double: not
+ * measured */
+inline constexpr float kBoneStretch = 0.04f;
+
+// ---- Surface and training
+
+/** Smoothing length of surface offsets in the first level of the silhouette fit.
+ *  unit: m | origin: round figure | half, double: not measured */
+inline constexpr double kStartSmoothingM = 0.12;
+/** The same in the last level.
+ *  unit: m | origin: dev; scan-a | half, double: 2.5 times (30 mm) lowers the mean IoU on scan-a from 0.962 to 0.940 */
+inline constexpr double kEndSmoothingM = 0.012;
+/** Longest offset from the body: long enough for a helmet in the hand, too short for a wall.
+ *  unit: m | origin: dev; the biker holds a helmet | half, double: not measured */
+inline constexpr double kMaxOffsetM = 0.35;
+/** Longest translation of one still view while the surface is fitted: the subject sways between pictures.
+ *  unit: m | origin: round figure | half, double: not measured */
+inline constexpr double kMaxViewSwayM = 0.03;
+/** Share that is kept of a pull's part along the outline. Most of it is noise, but the far side of a held object needs it.
+ *  unit: ratio | origin: dev; the biker's helmet | half, double: not measured */
+inline constexpr double kTangentShare = 0.25;
+/** Smoothing length of the static offsets in training (LargeSteps).
+ *  unit: m | origin: round figure; the length is our form of the λ of Nicolet et al. 2021, Large Steps in Inverse Rendering | half, double:
+ * not measured */
+inline constexpr double kTrainingSmoothingM = 0.04;
+/** Distance between the control nodes of pose correctives: about a fold of cloth.
+ *  unit: m | origin: dev; scan-a | half, double: 0.045 loses 0.3 dB on scan-a, 0.02 gains 0.05 dB */
+inline constexpr double kNodeSpacingM = 0.03;
+/** Gain below which an optional part of an avatar is left out of the file.
+ *  unit: dB | origin: round figure, below what a change of seed does | half, double: not measured */
+inline constexpr double kWorthItDb = 0.05;
+
+}  // namespace dpl::priors
