@@ -20,9 +20,10 @@ namespace dpl {
 struct TemporaryFolder {
     std::filesystem::path path;
     TemporaryFolder() {
+        static int made = 0;  // a test may hold several folders
         const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-        path = std::filesystem::temp_directory_path() /
-               (std::string("dpl_") + info->test_suite_name() + "_" + info->name() + "_" + std::to_string(::getpid()));
+        path = std::filesystem::temp_directory_path() / (std::string("dpl_") + info->test_suite_name() + "_" + info->name() + "_" +
+                                                         std::to_string(::getpid()) + "_" + std::to_string(made++));
         std::filesystem::remove_all(path);
         std::filesystem::create_directories(path);
     }
