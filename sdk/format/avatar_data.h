@@ -80,7 +80,7 @@ struct PoseCorrectiveData {
 struct EvidenceData {
     std::string part;  // "sh degree 2", "pose-dependent offsets" ...
     bool kept = false;
-    float gainDb = 0;    // PSNR gain on held-out frames; 0 if not measured (`reason` then says so)
+    float gainDb = 0;    // masked PSNR of training frames with the part, less that without it; 0 if not measured (`reason` says so)
     uint64_t bytes = 0;  // in the file
     std::string reason;
 };
