@@ -248,7 +248,7 @@ def procedural(seed, name, body=None):
 
 def real(name, folder, bars, options=lambda place: []):
     def take(place):
-        return quality_rows(reconstruct(place, name, data(place, folder), options(place)), bars, {})
+        return quality_rows(reconstruct(place, name, data(place, folder), options(place)), bars, REGISTRATION_BARS)
     return take
 
 
