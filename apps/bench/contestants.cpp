@@ -146,8 +146,8 @@ Result<BenchSubject> BenchSubject::load(const BenchOptions& options) {
 }
 
 std::vector<Cameraf> BenchSubject::views(const BenchCase& test, const std::string& axes) const {
-    constexpr float kZoom = 4,
-                    kHeadAbove = 0.36f;  // kHeadAbove: height of the head above the centre, as a fraction of the unzoomed picture's height
+    constexpr float kZoom = 4;
+    constexpr float kHeadAbove = 0.36f;  // height of the head above the centre, as a share of the unzoomed picture's height
     Cameraf centre = frameAvatar(info, test.widthPx, test.heightPx, 0.4, uprightFromFile(axes));
     if (test.portrait) centre.fx *= kZoom, centre.fy *= kZoom, centre.cy += kZoom * kHeadAbove * float(test.heightPx);
     if (test.viewCount == 1) return {centre};

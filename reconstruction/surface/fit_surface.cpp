@@ -20,8 +20,8 @@ namespace {
 constexpr double kTurnShare = 0.03;   // turnPx of matchContours(), as a share of the picture's height
 constexpr double kReachShare = 0.25;  // reachPx of matchContours(), as a share of the picture's height; longer pulls are wrong matches
 constexpr double kStep = 0.8;         // share of the smoothed pull by which a round moves the surface
-constexpr double kRelax =
-    0.03;  // share of an offset's difference from its neighbours' mean, per round; a higher value pulls sleeves and hems inwards
+/** Share of an offset's difference from its neighbours' mean that a round removes. A higher value pulls sleeves and hems inwards. */
+constexpr double kRelax = 0.03;
 
 /** A displacement that one outline point asks of one vertex, in the rest pose. */
 struct Pull {

@@ -43,8 +43,8 @@ void scaleToMetres(Motion& motion) {
         highest = glm::max(highest, joint.restPosition);
     }
     const Vec3f size = highest - lowest;
-    const float height = std::max(
-        size.x, std::max(size.y, size.z));  // up may be y or z. In a T-pose the arm span is about the height, so the largest extent serves
+    // Up may be y or z. In a T-pose the arm span is about the height, so the largest extent serves.
+    const float height = std::max(size.x, std::max(size.y, size.z));
     if (!(height > 0) || !std::isfinite(height)) return;
     const float unit = guessMetresPerUnit(height);
     motion.metresPerUnit = unit;

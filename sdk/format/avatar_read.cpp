@@ -91,8 +91,7 @@ struct AvatarReader {
     AvatarData avatar{};  // without splats
     CodedSplats coded{};
     std::set<uint32_t> spentViews{};
-    uint64_t budget =
-        0;  // bytes that may still be decoded. Each byte of the file counts about once, so shared views cannot multiply memory
+    uint64_t budget = 0;  // bytes that may still be decoded; about one for each byte of the file, so shared views cannot multiply memory
 
     Status spend(uint64_t bytes) {
         if (bytes > budget)

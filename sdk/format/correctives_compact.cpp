@@ -81,9 +81,9 @@ std::vector<uint8_t> compactCorrectives(const CorrectiveStreams<std::vector<uint
 Result<CorrectiveStreams<std::vector<uint8_t>>> expandCorrectives(std::span<const uint8_t> coded, uint32_t modeCount, uint32_t nodeCount,
                                                                   size_t vertexCount) {
     const size_t count = size_t(modeCount) * nodeCount * 4;
+    // The lower byte of each value is stored uncoded, so fewer bytes cannot be enough.
     if (nodeCount == 0 || coded.size() < count)
-        return fail(Code::CorruptData, "{} coded bytes do not hold {} nodes of {} modes", coded.size(), nodeCount,
-                    modeCount);  // the lower byte of each value is stored uncoded, so fewer bytes cannot be enough
+        return fail(Code::CorruptData, "{} coded bytes do not hold {} nodes of {} modes", coded.size(), nodeCount, modeCount);
     DPL_TRY(EntropyReader reader, EntropyReader::open(coded, kAlphabets));
     CorrectiveStreams<std::vector<uint8_t>> out;
     std::vector<uint16_t> indices(vertexCount * 4), values(count);

@@ -103,8 +103,8 @@ enum Table : uint32_t {
     kTables = 62
 };
 constexpr uint32_t kCountSymbols = 32;  // the last symbol is 31 or more; the remainder follows as bits
-constexpr uint32_t kFineSymbolBits = 8,
-                   kSymbolBits = 6;  // upper bits of a field that are entropy-coded; the lower ones are stored as they are
+/** Number of upper bits of a field that are entropy-coded. The lower ones are stored as they are. */
+constexpr uint32_t kFineSymbolBits = 8, kSymbolBits = 6;
 
 constexpr std::array<uint16_t, kTables> kAlphabets = [] {
     std::array<uint16_t, kTables> sizes{};

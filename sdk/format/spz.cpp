@@ -218,9 +218,8 @@ StaticSplatData unpack(const Packed& p) {
         }
         s.rotation[i] = h.version == 2 ? rotationFromThree(&rotation[i * 3]) : rotationSmallestThree(&rotation[i * 4]);
         s.opacity[i] = float(alpha[i]) / 255;
-        for (size_t k = 3; k < coefficients * 3; ++k)
-            sh[k] = (float(rest[i * fileRest + k - 3]) - 128) /
-                    128;  // coefficient-major with the colour channel fastest, as in StaticSplatData
+        // Coefficient-major with the colour channel fastest, as in StaticSplatData.
+        for (size_t k = 3; k < coefficients * 3; ++k) sh[k] = (float(rest[i * fileRest + k - 3]) - 128) / 128;
     }
     return s;
 }

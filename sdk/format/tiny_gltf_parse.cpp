@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The only translation unit with tinygltf. It passes a JSON of known keys and a placeholder buffer, never the binary chunk of the file:
+// The only translation unit with tinygltf. It passes a JSON of known keys and a buffer of four zero bytes, never the file's binary chunk:
 //  - tinygltf would copy the chunk; Doppel reads from the caller's bytes;
 //  - tinygltf's Draco code dereferences unknown attribute ids and writes attributes of five components past an array of four. Draco data
 //    therefore goes through draco_mesh.h, and TINYGLTF_ENABLE_DRACO stays off.

@@ -9,7 +9,7 @@
 
 namespace dpl {
 
-/** Parses the JSON that gltf_parse.cpp makes: known keys only, and one placeholder buffer of 4 bytes. Fills all fields but bin, json,
+/** Parses the JSON that gltf_parse.cpp makes: known keys only, and one buffer of four zero bytes. Fills all fields but bin, json,
  *  extensions and Draco. Does NOT check indices. Throws nothing. */
 Result<GltfModel> parseWithTinyGltf(const std::string& json);
 

@@ -9,8 +9,8 @@ namespace dpl {
 namespace {
 
 constexpr int kTimedFrames = 3;
-constexpr double kMinPsnrDb =
-    42;  // 8-bit blending keeps 46 dB on harder pictures; one wrong tile of 8 x 8 px in a picture of this size gives less than 35 dB
+/** 8-bit blending keeps 46 dB on harder pictures. One wrong tile of 8 x 8 px in a picture of this size gives less than 35 dB. */
+constexpr double kMinPsnrDb = 42;
 constexpr int kMaxErrorLevels = 24;  // of one channel; a splat at the 1/255 cut-off may flip, and layers of equal depth may swap
 
 const char* nameOf(Fill fill) {

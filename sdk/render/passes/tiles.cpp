@@ -93,9 +93,8 @@ void addTiles(FramePlan& plan, const FrameIds& ids, const TilePlan& tiles) {
         .push(push)
         .groupsFrom(ids.counts, offsetof(gpu::FrameCounts, entryGroupsX));
     plan.fill("tiles.clear", ids.tilePixels, 0);
-    if (ids.sceneDepth)
-        plan.copy("tiles.scene", ids.scene, ids.tilePixels,
-                  push.firstScene * 4ull);  // behind the pixels, because phones promise only four storage buffers a stage
+    // The scene's depth lies behind the pixels in one buffer, because phones promise only four storage buffers a stage.
+    if (ids.sceneDepth) plan.copy("tiles.scene", ids.scene, ids.tilePixels, push.firstScene * 4ull);
     auto fill = plan.compute("tiles.fill", tileFillOf(ids, ids.samples));
     fill.reads(ids.tiles.places, ids.tileEntries, ids.projected);
     if (ids.sceneDepth)
