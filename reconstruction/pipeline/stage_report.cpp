@@ -138,9 +138,10 @@ nlohmann::json measuringFiles(const std::filesystem::path& scan) {
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(scan / "hires", error)) files.push_back(entry.path());
     std::sort(files.begin(), files.end());
     nlohmann::json hashes = nlohmann::json::array();
-    for (const fs::path& file : files)
-        if (auto hash = fs::is_regular_file(file, error) ? hashFile(file) : Result<std::string>(std::string()))
-            if (!hash->empty()) hashes.push_back({file.lexically_relative(scan).string(), *hash});
+    for (const fs::path& file : files) {
+        if (!fs::is_regular_file(file, error)) continue;
+        if (const auto hash = hashFile(file)) hashes.push_back({file.lexically_relative(scan).string(), *hash});
+    }
     return hashes;
 }
 
