@@ -40,6 +40,35 @@ class Tables(unittest.TestCase):
             self.assertEqual(len(written), len(pages.PAGES) + 1)
 
 
+class Reports(unittest.TestCase):
+    def test_figures_keep_the_bars_that_the_report_states(self):
+        def stated(group, name, value, **bar):
+            return {"group": group, "name": name, "value": value, "unit": "", **({"bar": {**bar, "met": True}} if bar else {})}
+        after = "registration against the truth, held-out dynamic frames, after the body fit"
+        score = {key: 1.0 for key in ("masked_psnr_db", "masked_ssim", "alpha_iou", "full_psnr_db", "full_ssim")}
+        report = {
+            "means": {"static": {key: score for key in ("with_pose_fit", "without_pose_fit", "floor_flat_labels", "floor_vertex_colours")}},
+            "above_floors": [stated("masked PSNR above the better floor", "held-out static", 5.0, at_least=4.0)],
+            "figures": [stated(after, "keypoints, mean", 16.0, at_most=15.0), stated(after, "keypoints, 95th percentile", 39.0, at_most=40.0),
+                        stated(after, "limb directions, median", 2.0), stated(after, "limb directions, 95th percentile", 9.0)],
+            "facts": {"splats": "1", "body": "b", "training": "t", "scan": "s"}, "stages": [], "evidence": [], "frames": []}
+        rows = benches.quality_rows(report, {"static": {"iou": benches.at_least(0.9)}})
+        held_out, registration = pages.find(rows, row="held out"), pages.find(rows, row="registration")
+        self.assertEqual(held_out["bars"], {"iou": benches.at_least(0.9), "above_floors_db": benches.at_least(4.0)})
+        self.assertEqual(registration["bars"], {"keypoints_mean_mm": benches.at_most(15.0), "keypoints_p95_mm": benches.at_most(40.0)})
+        self.assertIs(raw.met(registration, "keypoints_mean_mm"), False)
+        report["figures"] = []
+        self.assertIsNone(pages.find(benches.quality_rows(report, {}), row="registration"), "a scan without truth has no registration")
+
+
+class Programs(unittest.TestCase):
+    def test_every_program_is_looked_for_where_it_is_built(self):
+        for program in sorted({p for bench in benches.BENCHES for p in bench.programs}):
+            text = (ROOT / benches.program_folder(program) / "CMakeLists.txt").read_text()
+            built = f"add_executable({program} " in text or f"OUTPUT_NAME {program} " in text
+            self.assertTrue(built, f"{benches.program_folder(program)} does not build {program}")
+
+
 class Runs(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
