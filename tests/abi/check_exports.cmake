@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# cmake -DNM=... -DLIBRARY=... -DEXPECTED=... -P check_exports.cmake: checks that the shared library exports the listed symbols and no others.
+# cmake -DNM=... -DLIBRARY=... -DEXPECTED=... -P check_exports.cmake
+# Checks that the shared library exports the listed symbols and no others.
 execute_process(COMMAND ${NM} -D --defined-only ${LIBRARY} OUTPUT_VARIABLE output RESULT_VARIABLE result)
 if(NOT result EQUAL 0)
   message(FATAL_ERROR "${NM} could not read ${LIBRARY}")
@@ -20,7 +21,8 @@ list(REMOVE_ITEM missing ${found})
 set(extra ${found})
 list(REMOVE_ITEM extra ${expected})
 if(missing OR extra)
-  message(FATAL_ERROR "exports differ from ${EXPECTED}\n missing: ${missing}\n not listed: ${extra}\nA symbol that left breaks programs; a new one belongs in the list.")
+  message(FATAL_ERROR "exports differ from ${EXPECTED}\n missing: ${missing}\n not listed: ${extra}\n"
+    "A symbol that left breaks programs; a new one belongs in the list.")
 endif()
 list(LENGTH found count)
 message(STATUS "${count} symbols exported, as listed")

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Installs the SDK, moves the installation, and builds and runs three consumers outside the source tree: with find_package, shared and static,
-# and with pkg-config. With TOOL set, the installed `doppel` must start from the moved prefix too.
+# Installs the SDK, moves the installation, and builds and runs three consumers outside the source tree: with find_package, shared and
+# static, and with pkg-config. With TOOL set, the installed `doppel` must start from the moved prefix too.
 function(step)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE result)
   if(NOT result EQUAL 0)
@@ -19,7 +19,8 @@ file(RENAME ${WORK_DIR}/before ${WORK_DIR}/prefix)
 file(COPY ${CONSUMER} DESTINATION ${WORK_DIR})  # outside the source tree, so that the consumer cannot find headers by accident
 step(${MAKE_AVATAR} ${WORK_DIR}/tiny.glb)
 
-step(${CMAKE_COMMAND} -S ${WORK_DIR}/consumer -B ${WORK_DIR}/build -G ${GENERATOR} -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix
+step(${CMAKE_COMMAND} -S ${WORK_DIR}/consumer -B ${WORK_DIR}/build -G ${GENERATOR} -DCMAKE_BUILD_TYPE=Release
+  -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix
      -DCMAKE_C_COMPILER=${C_COMPILER} -DCMAKE_CXX_COMPILER=${CXX_COMPILER})
 step(${CMAKE_COMMAND} --build ${WORK_DIR}/build)
 foreach(consumer consumer_c consumer_cpp consumer_static)

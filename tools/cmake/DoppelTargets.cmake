@@ -88,8 +88,8 @@ function(doppel_parts_of target parts)
   set(${parts} ${found} PARENT_SCOPE)
 endfunction()
 
-# doppel_shader_pack(name FOLDER [PACK_FUNCTION INTERFACE_FUNCTION]): a library with the compiled shaders of FOLDER/catalogue.json. The files
-# of tools/shaderpack are written into the current binary folder.
+# doppel_shader_pack(name FOLDER [PACK_FUNCTION INTERFACE_FUNCTION]): a library with the compiled shaders of FOLDER/catalogue.json. The
+# files of tools/shaderpack are written into the current binary folder.
 function(doppel_shader_pack name folder)
   # One run compiles the whole catalogue; the depfile lists every file that it read.
   file(GLOB shared_headers CONFIGURE_DEPENDS ${folder}/shared/*.h)
@@ -113,7 +113,8 @@ if(DOPPEL_TESTS)
   # -O1 saves a third of a test's compile time. The code under test keeps its own optimisation level.
   set(test_options $<$<CONFIG:Release>:-O1>)
   doppel_pch(doppel_test_pch HEADERS ${test_pch_headers} LINKS GTest::gtest OPTIONS ${test_options})
-  doppel_pch(doppel_test_pch_json HEADERS ${test_pch_headers} <tools/cmake/json_once.h> LINKS GTest::gtest nlohmann_json::nlohmann_json OPTIONS ${test_options})
+  doppel_pch(doppel_test_pch_json HEADERS ${test_pch_headers} <tools/cmake/json_once.h> LINKS GTest::gtest nlohmann_json::nlohmann_json
+    OPTIONS ${test_options})
 endif()
 
 function(doppel_test name)
