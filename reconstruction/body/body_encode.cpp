@@ -11,7 +11,7 @@
 namespace dpl {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr int kByte = 5121, kShort = 5123, kInt = 5125, kFloat = 5126;
 constexpr int kArrayBuffer = 34962, kElementBuffer = 34963;
@@ -22,11 +22,12 @@ public:
     template <class T>
     int add(std::span<const T> values, int componentType, const char* type, bool normalised, int target) {
         binary_.alignTo(4);
-        Json view = {{"buffer", 0}, {"byteOffset", binary_.size()}, {"byteLength", values.size_bytes()}};
+        OrderedJson view = {{"buffer", 0}, {"byteOffset", binary_.size()}, {"byteLength", values.size_bytes()}};
         if (target) view["target"] = target;
         views.push_back(view);
         binary_.append({reinterpret_cast<const uint8_t*>(values.data()), values.size_bytes()});
-        Json accessor = {{"bufferView", views.size() - 1}, {"componentType", componentType}, {"count", values.size()}, {"type", type}};
+        OrderedJson accessor = {
+            {"bufferView", views.size() - 1}, {"componentType", componentType}, {"count", values.size()}, {"type", type}};
         if (normalised) accessor["normalized"] = true;
         accessors.push_back(accessor);
         return int(accessors.size()) - 1;
@@ -44,22 +45,23 @@ public:
         binary_.alignTo(4);
         return binary_.finish();
     }
-    Json views = Json::array(), accessors = Json::array();
+    OrderedJson views = OrderedJson::array(), accessors = OrderedJson::array();
 
 private:
     Writer binary_;
 };
 
-Json weightList(const std::vector<std::pair<uint32_t, float>>& weights) {
-    Json list = Json::array();
+OrderedJson weightList(const std::vector<std::pair<uint32_t, float>>& weights) {
+    OrderedJson list = OrderedJson::array();
     for (const auto& [index, weight] : weights) list.push_back({index, weight});
     return list;
 }
 
-Json bodyExtras(const BodyModel& body) {
-    Json morphs = Json::array(), keypoints = Json::array(), layers = Json::array(), humanoid = Json::array();
+OrderedJson bodyExtras(const BodyModel& body) {
+    OrderedJson morphs = OrderedJson::array(), keypoints = OrderedJson::array(), layers = OrderedJson::array(),
+                humanoid = OrderedJson::array();
     for (const ShapeMorph& m : body.morphs) {
-        Json offsets = Json::array();
+        OrderedJson offsets = OrderedJson::array();
         for (const Vec3f& o : m.jointOffsets) offsets.push_back({o.x, o.y, o.z});
         morphs.push_back({{"name", m.name}, {"min", m.minValue}, {"max", m.maxValue}, {"jointOffsets", std::move(offsets)}});
     }
@@ -72,7 +74,7 @@ Json bodyExtras(const BodyModel& body) {
                           {"vertexCount", l.vertexCount},
                           {"firstTriangle", l.firstTriangle},
                           {"triangleCount", l.triangleCount}});
-    Json positions = Json::array();  // exact values: node translations are differences and would round
+    OrderedJson positions = OrderedJson::array();  // exact values: node translations are differences and would round
     for (const JointData& j : body.joints) {
         humanoid.push_back(j.humanoidBone);
         positions.push_back({j.restPosition.x, j.restPosition.y, j.restPosition.z});
@@ -87,7 +89,7 @@ Result<std::vector<uint8_t>> encodeBody(const BodyModel& body) {
     DPL_CHECK_OK(checkBody(body));
     const MeshData& mesh = body.mesh;
     Accessors data;
-    Json attributes;
+    OrderedJson attributes;
     attributes["POSITION"] = data.addVec3(mesh.restPositions);
     if (mesh.colours.size() == mesh.restPositions.size())
         attributes["COLOR_0"] = data.add<glm::u8vec4>(mesh.colours, kByte, "VEC4", true, kArrayBuffer);
@@ -95,7 +97,7 @@ Result<std::vector<uint8_t>> encodeBody(const BodyModel& body) {
     attributes["WEIGHTS_0"] = data.add<glm::u8vec4>(mesh.jointWeights, kByte, "VEC4", true, kArrayBuffer);
     const int indices = data.add<uint32_t>({reinterpret_cast<const uint32_t*>(mesh.triangles.data()), mesh.triangles.size() * 3}, kInt,
                                            "SCALAR", false, kElementBuffer);
-    Json targets = Json::array(), targetNames = Json::array(), weights = Json::array();
+    OrderedJson targets = OrderedJson::array(), targetNames = OrderedJson::array(), weights = OrderedJson::array();
     for (const ShapeMorph& m : body.morphs) {
         targets.push_back({{"POSITION", data.addVec3(m.vertexOffsets)}});
         targetNames.push_back(m.name);
@@ -110,12 +112,12 @@ Result<std::vector<uint8_t>> encodeBody(const BodyModel& body) {
     const int inverseBindAccessor = data.add<Mat4f>(inverseBinds, kFloat, "MAT4", false, 0);
 
     // Nodes 0 … J−1 are the joints, node J carries the mesh.
-    Json nodes = Json::array(), jointList = Json::array();
+    OrderedJson nodes = OrderedJson::array(), jointList = OrderedJson::array();
     for (size_t j = 0; j < body.joints.size(); ++j) {
         const JointData& joint = body.joints[j];
         const Vec3f offset = joint.restPosition - (joint.parent >= 0 ? body.joints[size_t(joint.parent)].restPosition : Vec3f(0));
-        Json node = {{"name", joint.name}, {"translation", {offset.x, offset.y, offset.z}}};
-        Json children = Json::array();
+        OrderedJson node = {{"name", joint.name}, {"translation", {offset.x, offset.y, offset.z}}};
+        OrderedJson children = OrderedJson::array();
         for (size_t c = j + 1; c < body.joints.size(); ++c)
             if (body.joints[c].parent == int32_t(j)) children.push_back(c);
         if (!children.empty()) node["children"] = children;
@@ -124,27 +126,28 @@ Result<std::vector<uint8_t>> encodeBody(const BodyModel& body) {
     }
     nodes.push_back({{"name", body.name.empty() ? "body" : body.name}, {"mesh", 0}, {"skin", 0}});
 
-    Json primitive = {{"attributes", attributes}, {"indices", indices}, {"mode", 4}};
-    Json meshJson = {{"name", body.name.empty() ? "body" : body.name}};
-    Json extras = {{"doppelBody", bodyExtras(body)}};
+    OrderedJson primitive = {{"attributes", attributes}, {"indices", indices}, {"mode", 4}};
+    OrderedJson meshJson = {{"name", body.name.empty() ? "body" : body.name}};
+    OrderedJson extras = {{"doppelBody", bodyExtras(body)}};
     if (!body.morphs.empty()) {
         primitive["targets"] = targets;
         meshJson["weights"] = weights;
         extras["targetNames"] = targetNames;
     }
-    meshJson["primitives"] = Json::array({primitive});
+    meshJson["primitives"] = OrderedJson::array({primitive});
     meshJson["extras"] = extras;
     std::vector<uint8_t> binary = data.finish();
-    const Json root = {{"asset", {{"version", "2.0"}, {"generator", "Doppel body"}}},
-                       {"scene", 0},
-                       {"scenes", Json::array({{{"nodes", {0, body.joints.size()}}}})},
-                       {"nodes", nodes},
-                       {"meshes", Json::array({meshJson})},
-                       {"skins", Json::array({{{"joints", jointList}, {"skeleton", 0}, {"inverseBindMatrices", inverseBindAccessor}}})},
-                       {"buffers", Json::array({{{"byteLength", binary.size()}}})},
-                       {"bufferViews", data.views},
-                       {"accessors", data.accessors}};
-    std::string text = root.dump(-1, ' ', false, Json::error_handler_t::replace);
+    const OrderedJson root = {
+        {"asset", {{"version", "2.0"}, {"generator", "Doppel body"}}},
+        {"scene", 0},
+        {"scenes", OrderedJson::array({{{"nodes", {0, body.joints.size()}}}})},
+        {"nodes", nodes},
+        {"meshes", OrderedJson::array({meshJson})},
+        {"skins", OrderedJson::array({{{"joints", jointList}, {"skeleton", 0}, {"inverseBindMatrices", inverseBindAccessor}}})},
+        {"buffers", OrderedJson::array({{{"byteLength", binary.size()}}})},
+        {"bufferViews", data.views},
+        {"accessors", data.accessors}};
+    std::string text = root.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
     while (text.size() % 4) text.push_back(' ');
 
     Writer file;

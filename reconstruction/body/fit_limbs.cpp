@@ -18,7 +18,7 @@ constexpr int kTwistSteps = 10;
 constexpr double kTwistStepRad = 0.15;
 constexpr double kSidewaysSigmaRad = 0.15, kHyperextensionSigmaRad = 0.15;  // loose: elbow depth is known to a few cm
 constexpr double kBackwardSigma = 0.1;
-constexpr double kRangeSigmaRad = 0.1;  // σ of the part beyond the shoulder's range
+constexpr double kShoulderSigmaRad = 0.1;  // σ of the part beyond the shoulder's range
 
 struct Candidate {
     LimbGuess guess;
@@ -67,7 +67,7 @@ Candidate makeCandidate(const LimbRig& rig, const LimbView& view, const Vec3d& e
         const double over = std::max(0.0, -flexion) / kHyperextensionSigmaRad, side = sideways / kSidewaysSigmaRad;
         double cost = over * over + side * side + spread((flexion - rig.restBendRad - rig.bendMean) / rig.bendSigma, rig.bendTail);
         for (int a = 0; a < 3; ++a) {
-            const double beyond = std::max({0.0, rig.shoulderLow[a] - angles[a], angles[a] - rig.shoulderHigh[a]}) / kRangeSigmaRad;
+            const double beyond = std::max({0.0, rig.shoulderLow[a] - angles[a], angles[a] - rig.shoulderHigh[a]}) / kShoulderSigmaRad;
             cost += spread((angles[a] - rig.shoulderMean[a]) / rig.shoulderSigma[a], rig.shoulderTail[a]) + beyond * beyond;
         }
         if (cost >= c.cost) continue;

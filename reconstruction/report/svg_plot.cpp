@@ -13,7 +13,7 @@ namespace {
 constexpr std::array<const char*, 6> kColours = {"#2563eb", "#dc2626", "#059669", "#d97706", "#7c3aed", "#475569"};
 constexpr double kLeft = 58, kRight = 14, kTop = 30, kBottom = 42;
 
-std::string number(double value) {
+std::string shortNumber(double value) {
     char text[32];
     std::snprintf(text, sizeof text, std::abs(value) >= 1e5 || (value != 0 && std::abs(value) < 1e-3) ? "%.1e" : "%.4g", value);
     return text;
@@ -117,13 +117,14 @@ std::string svgPlot(const std::vector<PlotSeries>& series, const PlotOptions& op
     for (const double x : ticks(rangeX, 6, options.logX)) {
         svg += element("<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" class=\"grid\"/>", toX(scaleX(x)), kTop, toX(scaleX(x)),
                        kTop + plotHeight);
-        svg += element("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">", toX(scaleX(x)), kTop + plotHeight + 15, 0, 0) + number(x) +
-               "</text>";
+        svg += element("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">", toX(scaleX(x)), kTop + plotHeight + 15, 0, 0) +
+               shortNumber(x) + "</text>";
     }
     for (const double y : ticks(rangeY, 5, options.logY)) {
         svg += element("<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" class=\"grid\"/>", kLeft, toY(scaleY(y)), kLeft + plotWidth,
                        toY(scaleY(y)));
-        svg += element("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">", kLeft - 6, toY(scaleY(y)) + 4, 0, 0) + number(y) + "</text>";
+        svg +=
+            element("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"end\">", kLeft - 6, toY(scaleY(y)) + 4, 0, 0) + shortNumber(y) + "</text>";
     }
     svg += element("<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">", kLeft + plotWidth / 2, height - 8, 0, 0) +
            escapeHtml(options.xLabel) + "</text>";

@@ -36,6 +36,8 @@ struct EngineInput {
     BoundSplatView view() const { return {triangle, uv, phi, scaleM, opacity, flags, shDegree, sh}; }
 };
 
+inline constexpr double kBarDb = 50;  // against the reference, required of every renderer
+
 /** Expects at least psnrDb in colour, alpha and cloth, and prints PSNR and largest error. Depth is compared where alpha > 0.5. */
 inline void expectSameImage(const char* name, const SplatImage& image, const ReferenceImage& reference, double psnrDb) {
     ASSERT_EQ(image.alpha.size(), reference.alpha.size()) << name;

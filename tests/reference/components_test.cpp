@@ -16,13 +16,13 @@ namespace dpl {
 namespace {
 
 /** An avatar whose splats are those that its codes decode to. */
-struct Subject {
+struct ComponentSubject {
     AvatarData avatar;
     CodedSplats coded;
     ComponentMap map;
     Components components;
 
-    explicit Subject(AvatarData a) : avatar(std::move(a)) {
+    explicit ComponentSubject(AvatarData a) : avatar(std::move(a)) {
         const size_t triangles = avatar.mesh.triangles.size();
         coded = *codeSplats(avatar.mesh, avatar.splats);
         avatar.splats = decodeSplats(coded, triangles);
@@ -32,7 +32,7 @@ struct Subject {
 };
 
 /** Bits of the components of which the referee has the box of a splat, or a vertex beyond the near plane, in the picture. */
-uint32_t seenByReferee(const Subject& s, const ReferenceScene& scene, const Cameraf& view, double growth) {
+uint32_t seenByReferee(const ComponentSubject& s, const ReferenceScene& scene, const Cameraf& view, double growth) {
     const ReferenceCamera camera = referenceCamera(view);
     uint32_t bits = 0;
     for (ReferenceBoundSplat splat : scene.splats) {
@@ -99,7 +99,7 @@ TEST(Components, whatIsLeftOutShowsNothing) {
             for (Vec2f& scale : avatar.splats.scaleM) scale *= c.scale;
             for (Vec4f& node : avatar.correctives.nodes) node = Vec4f(c.correction * Vec3f(node), node.w);
             for (size_t v = 0; c.torn && v < avatar.mesh.jointWeights.size(); ++v) avatar.mesh.jointWeights[v] = glm::u8vec4(255, 0, 0, 0);
-            const Subject subject(std::move(avatar));
+            const ComponentSubject subject(std::move(avatar));
             ASSERT_GE(subject.components.count(), 3u);
             Pose pose = Pose::rest(subject.avatar.joints.size());
             for (Quatf& q : pose.localRotations)
@@ -147,7 +147,7 @@ TEST(Components, whatIsLeftOutShowsNothing) {
 }
 
 TEST(Components, aPersonOutOfViewIsLeftOutAndOneInViewIsNot) {
-    const Subject subject(randomPerson(3, true, false));
+    const ComponentSubject subject(randomPerson(3, true, false));
     const Pose pose = Pose::rest(subject.avatar.joints.size());
     std::vector<Mat3x4f> worldFromRest;
     jointTransforms(subject.avatar.joints, pose, worldFromRest);
@@ -163,7 +163,7 @@ TEST(Components, aPersonOutOfViewIsLeftOutAndOneInViewIsNot) {
 
 // Transforms that are not finite, and weights that do not sum to 255, leave nothing out.
 TEST(Components, nothingIsLeftOutForNumbersThatSayNothing) {
-    Subject subject(randomPerson(4, false, false));
+    ComponentSubject subject(randomPerson(4, false, false));
     const Pose pose = Pose::rest(subject.avatar.joints.size());
     std::vector<Mat3x4f> worldFromRest;
     jointTransforms(subject.avatar.joints, pose, worldFromRest);

@@ -12,13 +12,13 @@
 namespace dpl {
 namespace {
 
-struct Subject {
+struct DetailSubject {
     AvatarData avatar;
     CodedSplats coded;
     Pose pose;
     Cameraf camera;
 
-    explicit Subject(uint32_t seed, uint32_t splatsPerTriangle = 12)
+    explicit DetailSubject(uint32_t seed, uint32_t splatsPerTriangle = 12)
         : avatar(randomAvatar(seed, 10, splatsPerTriangle, seed % 4)), pose(randomPose(avatar, seed)) {
         avatar.joints[1].humanoidBone = seed == 1 ? "spine" : seed == 2 ? "leftIndexProximal" : "head";
         coded = *codeSplats(avatar.mesh, avatar.splats);
@@ -49,7 +49,7 @@ struct Subject {
 
 TEST(Detail, agreesWithTheRefereeAtEveryDensity) {
     for (uint32_t seed = 1; seed <= 4; ++seed) {
-        const Subject s(seed);
+        const DetailSubject s(seed);
         const ReferenceScene full = sceneOf(s.avatar, s.pose);
         const ReferenceImage all =
             renderReference(full, referenceCamera(s.camera), {.kappaPx2 = s.avatar.kappaPx2, .compensated = s.avatar.compensated});
@@ -75,7 +75,7 @@ TEST(Detail, agreesWithTheRefereeAtEveryDensity) {
 }
 
 TEST(Detail, atFullDensityBytesAreThoseWithout) {
-    const Subject s(2);
+    const DetailSubject s(2);
     float smallest = INFINITY;
     for (const SplatGroup& g : s.coded.groups)
         if (g.areaM2 > 0) smallest = std::min(smallest, g.areaM2);
@@ -87,7 +87,7 @@ TEST(Detail, atFullDensityBytesAreThoseWithout) {
 
 /** While the density falls in small steps, the picture changes little, and less for smaller steps. */
 TEST(Detail, followsTheDensityWithoutSteps) {
-    const Subject s(3);
+    const DetailSubject s(3);
     const auto largestChange = [&](double ratio, double from, double to) {
         double largest = 0;
         std::vector<float> before;

@@ -6,8 +6,6 @@
 namespace dpl {
 namespace {
 
-constexpr double kBarDb = 50;  // required of every renderer
-
 /** One right triangle with legs of 0.1 m at rest, and its posed corners. */
 ReferenceScene oneTriangle(const glm::dvec3& v0, const glm::dvec3& v1, const glm::dvec3& v2) {
     ReferenceScene scene;

@@ -7,8 +7,6 @@
 namespace dpl {
 namespace {
 
-constexpr double kBarDb = 50;  // required of every renderer
-
 SplatImage drawBehind(const ReferenceScene& scene, const Cameraf& camera, std::span<const float> sceneDepthM, uint32_t samples = 1,
                       uint32_t threads = 2) {
     Jobs jobs(threads);

@@ -40,13 +40,17 @@ add_library(doppel_json_once STATIC ${PROJECT_SOURCE_DIR}/tools/cmake/json_once.
 target_link_libraries(doppel_json_once PRIVATE doppel_options nlohmann_json::nlohmann_json)
 
 # doppel_library(name [HOT] [JSON] SOURCES a.cpp ... LINKS target ... PRIVATE_LINKS target ...): a static library, or an interface library
-# without sources. HOT: compile with -O3 in Release. JSON: use the precompiled header with JSON.
+# without sources. HOT: compile with -O3 in Release, each file by itself, because Highway includes a kernel's file once for each
+# instruction set. JSON: use the precompiled header with JSON.
 function(doppel_library name)
   cmake_parse_arguments(arg "HOT;JSON" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
   if(arg_SOURCES)
     add_library(${name} STATIC ${arg_SOURCES})
     target_link_libraries(${name} PUBLIC doppel_options ${arg_LINKS} PRIVATE ${arg_PRIVATE_LINKS})
     doppel_use_pch(${name} doppel_pch ${arg_JSON})
+    if(arg_HOT)
+      set_target_properties(${name} PROPERTIES UNITY_BUILD OFF)
+    endif()
     if(arg_HOT AND DOPPEL_SANITIZE)
       target_compile_options(${name} PRIVATE -O1)  # sanitizer presets compile at -O0, which halves build time; hot loops would be too slow
       set_target_properties(${name} PROPERTIES DISABLE_PRECOMPILE_HEADERS ON)  # a header compiled with -O0 cannot be reused

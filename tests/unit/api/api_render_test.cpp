@@ -5,12 +5,11 @@
 #include <limits>
 
 #include "sdk/format/ply.h"
+#include "tests/not_finite.h"
 #include "tests/unit/api/api_fixture.h"
 
 namespace dpl::test {
 namespace {
-
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 TEST_F(ApiTest, redSquareIsRedHasDepthAndLeavesTheCornerEmpty) {
     const DplCamera camera = frontCamera();

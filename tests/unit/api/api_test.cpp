@@ -3,12 +3,11 @@
 #include <limits>
 #include <thread>
 
+#include "tests/not_finite.h"
 #include "tests/unit/api/api_fixture.h"
 
 namespace dpl::test {
 namespace {
-
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 TEST_F(ApiTest, answersWhatIsInTheAvatar) {
     DplAvatarInfo info{};

@@ -7,13 +7,12 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/not_finite.h"
 #include "tests/unit/format/sample_avatars.h"
 #include "tests/unit/format/sample_correctives.h"
 
 namespace dpl {
 namespace {
-
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInfinite = std::numeric_limits<float>::infinity();
 
 struct Bad {
     const char* what;
@@ -58,7 +57,7 @@ TEST(CheckCorrectives, refusesEachKindOfBadArray) {
          },
          "node 9"},
         {"mean NaN", [](PoseCorrectiveData& c) { c.mean[1] = kNan; }, "finite"},
-        {"mode infinite", [](PoseCorrectiveData& c) { c.modes[1] = -kInfinite; }, "finite"},
+        {"mode infinite", [](PoseCorrectiveData& c) { c.modes[1] = -kInfinity; }, "finite"},
         {"node NaN in light", [](PoseCorrectiveData& c) { c.nodes.back().w = kNan; }, "finite"},
         {"node whose sum would cancel",
          [](PoseCorrectiveData& c) {
@@ -68,7 +67,7 @@ TEST(CheckCorrectives, refusesEachKindOfBadArray) {
         {"no reach", [](PoseCorrectiveData& c) { c.reach = 0; }, "reach"},
         {"negative reach", [](PoseCorrectiveData& c) { c.reach = -1; }, "reach"},
         {"reach NaN", [](PoseCorrectiveData& c) { c.reach = kNan; }, "reach"},
-        {"reach infinite", [](PoseCorrectiveData& c) { c.reach = kInfinite; }, "reach"},
+        {"reach infinite", [](PoseCorrectiveData& c) { c.reach = kInfinity; }, "reach"},
         {"no reach off the modes", [](PoseCorrectiveData& c) { c.reachOffModes = 0; }, "reach"},
         {"reach off the modes NaN", [](PoseCorrectiveData& c) { c.reachOffModes = kNan; }, "reach"},
     };

@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 
+#include "tests/not_finite.h"
 #include "tests/unit/format/glb_parts.h"
 #include "tests/unit/format/sample_avatars.h"
 #include "tests/unit/format/sample_correctives.h"
@@ -67,8 +68,6 @@ json nested(int depth) {
     for (int i = 1; i < depth; ++i) inner = json::array({std::move(inner)});
     return inner;
 }
-
-const float kNan = std::numeric_limits<float>::quiet_NaN();
 
 TEST(HostileAvatar, rejectList) {
     const std::vector<Damage> list = {

@@ -6,12 +6,13 @@
 #include <vector>
 
 #include "sdk/math/coverage.h"
+#include "tests/not_finite.h"
 
 namespace dpl {
 namespace {
 
 const Vec3f kSubject{0, 1, 0};
-constexpr float kTrainedM = 0.002f, kNan = std::numeric_limits<float>::quiet_NaN(), kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kTrainedM = 0.002f;
 
 /** Looks along +z at the subject, from the distance at which a pixel there has the size pixelM. */
 Cameraf cameraOf(float pixelM, float focalPx = 500) {

@@ -7,11 +7,10 @@
 #include <random>
 
 #include "sdk/math/half.h"
+#include "tests/not_finite.h"
 
 namespace dpl {
 namespace {
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 /** Value of a finite half by its definition. */
 double valueOf(uint16_t half) {
