@@ -30,11 +30,11 @@ int main(int argc, char** argv) {
     splats.shDegree = 1;
     bool ok = save(folder / "tiny.glb", dpl::writeAvatar(dpl::test::tinyAvatar()));
     ok &= save(folder / "tiny_plain.glb", dpl::writeAvatar(dpl::test::tinyAvatar(), {.draco = false}));
-    ok &= save(folder / "small.glb", dpl::writeAvatar(dpl::test::randomAvatar(1, 1, 8, 3)));
-    ok &= save(folder / "small_plain.glb", dpl::writeAvatar(dpl::test::randomAvatar(1, 1, 8, 3), {.draco = false}));
-    ok &= save(folder / "palette_plain.glb", dpl::writeAvatar(dpl::test::randomAvatar(1, 1, 8, 3), {.draco = false, .shPalette = true}));
+    ok &= save(folder / "small.glb", dpl::writeAvatar(dpl::test::layeredAvatar(1, 1, 8, 3)));
+    ok &= save(folder / "small_plain.glb", dpl::writeAvatar(dpl::test::layeredAvatar(1, 1, 8, 3), {.draco = false}));
+    ok &= save(folder / "palette_plain.glb", dpl::writeAvatar(dpl::test::layeredAvatar(1, 1, 8, 3), {.draco = false, .shPalette = true}));
     ok &= save(folder / "compact_plain.glb",
-               dpl::writeAvatar(dpl::test::withCorrectives(dpl::test::randomAvatar(1, 1, 8, 5), 1, {.modes = 6, .nodes = 60}),
+               dpl::writeAvatar(dpl::test::withCorrectives(dpl::test::layeredAvatar(1, 1, 8, 5), 1, {.modes = 6, .nodes = 60}),
                                 {.draco = false, .shPalette = true, .compact = true, .bits = {6, 5, 6, 4, 6}}));
     ok &= save(folder / "correctives.glb", dpl::writeAvatar(dpl::test::tinyCorrectedAvatar()));
     ok &= save(folder / "correctives_plain.glb", dpl::writeAvatar(dpl::test::tinyCorrectedAvatar(), {.draco = false}));

@@ -21,7 +21,7 @@ struct Bad {
 };
 
 TEST(CheckCorrectives, refusesEachKindOfBadArray) {
-    const AvatarData avatar = test::randomAvatar(1, 0, 8, 3);
+    const AvatarData avatar = test::layeredAvatar(1, 0, 8, 3);
     const PoseCorrectiveData good = test::randomCorrectives(avatar, 1, {.modes = 2, .nodes = 5});
     const size_t joints = avatar.joints.size(), vertices = avatar.mesh.restPositions.size();
     ASSERT_TRUE(checkCorrectives(good, joints, vertices));

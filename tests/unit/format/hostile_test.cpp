@@ -26,7 +26,7 @@ ReadLimits trusting() {
 }
 
 std::vector<uint8_t> goodFile(bool draco = true) {
-    return *writeAvatar(test::withCorrectives(test::randomAvatar(1, 1, 8, 3), 1, {.modes = 2, .nodes = 5}), {.draco = draco});
+    return *writeAvatar(test::withCorrectives(test::layeredAvatar(1, 1, 8, 3), 1, {.modes = 2, .nodes = 5}), {.draco = draco});
 }
 AvatarData tinyWithCorrectives() {
     return test::withCorrectives(test::tinyAvatar(), 1, {.modes = 2, .nodes = 3});
@@ -213,7 +213,7 @@ TEST(HostileAvatar, damagedPalettes) {
         {"a chunk with its own range", [](GlbParts& p) { put(p.stream("chunks"), 12 + 16, 0.75f); }},
         {"range NaN", [](GlbParts& p) { put(p.stream("chunks"), 12, kNan); }},
     };
-    const std::vector<uint8_t> good = *writeAvatar(test::randomAvatar(1, 1, 8, 8), {.shPalette = true});
+    const std::vector<uint8_t> good = *writeAvatar(test::layeredAvatar(1, 1, 8, 8), {.shPalette = true});
     for (const Damage& damage : list) {
         GlbParts parts = test::split(good);
         ASSERT_GE(parts.stream("chunks").size(), 2u * 64);
@@ -313,7 +313,7 @@ TEST(HostileAvatar, inspectReportsAWrongHash) {
 
 TEST(WriterRefuses, whatNoReaderWouldAccept) {
     auto refused = [](const char* what, std::function<void(AvatarData&)> damage) {
-        AvatarData a = test::randomAvatar(2, 1, 6, 2);
+        AvatarData a = test::layeredAvatar(2, 1, 6, 2);
         damage(a);
         auto result = writeAvatar(a);
         ASSERT_FALSE(result) << what;

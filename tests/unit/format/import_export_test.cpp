@@ -161,7 +161,7 @@ TEST(GltfSplats, holdsWhatTheExtensionAsksFor) {
 }
 
 TEST(SkinnedGltf, readsAnAvatarAsAnyBody) {
-    const AvatarData a = test::randomAvatar(5, 0, 12, 4);
+    const AvatarData a = test::layeredAvatar(5, 0, 12, 4);
     for (bool draco : {true, false}) {
         auto body = readSkinnedGltf(*writeAvatar(a, {.draco = draco}));
         ASSERT_TRUE(body) << body.error().message;

@@ -79,7 +79,7 @@ TEST(RebaseSplats, wrongLengthIsAnError) {
 }
 
 TEST(SortSplats, ordersByTriangleThenMortonWhateverTheInputOrder) {
-    AvatarData sorted = test::randomAvatar(3, 1), shuffled = sorted;
+    AvatarData sorted = test::layeredAvatar(3, 1), shuffled = sorted;
     const uint32_t n = sorted.splats.count();
     std::vector<uint32_t> triangle(n), order(n);
     for (size_t t = 0; t + 1 < sorted.splats.triangleStart.size(); ++t)
@@ -105,7 +105,7 @@ TEST(SortSplats, ordersByTriangleThenMortonWhateverTheInputOrder) {
 }
 
 TEST(SortSplats, theOrderOfAFileIsAlreadySorted) {
-    auto decoded = decodedAvatar(test::randomAvatar(4, 0));
+    auto decoded = decodedAvatar(test::layeredAvatar(4, 0));
     ASSERT_TRUE(decoded);
     const auto order = sortSplats(*decoded);
     for (uint32_t i = 0; i < order.size(); ++i) ASSERT_EQ(order[i], i);

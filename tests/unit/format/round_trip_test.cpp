@@ -13,7 +13,7 @@
 namespace dpl {
 namespace {
 
-using test::randomAvatar;
+using test::layeredAvatar;
 using test::tinyAvatar;
 using test::withCorrectives;
 
@@ -37,7 +37,7 @@ void expectSameBytes(const AvatarData& a) {
 }
 
 TEST(AvatarRoundTrip, namesStructureAndMetadataComeBackExactly) {
-    const AvatarData a = randomAvatar(1, 1), b = throughFile(a);
+    const AvatarData a = layeredAvatar(1, 1), b = throughFile(a);
     EXPECT_EQ(a.name, b.name);
     EXPECT_EQ(a.generator, b.generator);
     EXPECT_EQ(a.kappaPx2, b.kappaPx2);
@@ -64,7 +64,7 @@ TEST(AvatarRoundTrip, namesStructureAndMetadataComeBackExactly) {
 }
 
 TEST(AvatarRoundTrip, verticesAndTrianglesKeepTheirOrderAndWeightsAreExact) {
-    const AvatarData a = randomAvatar(2, 0), b = throughFile(a);
+    const AvatarData a = layeredAvatar(2, 0), b = throughFile(a);
     ASSERT_EQ(a.mesh.triangles.size(), b.mesh.triangles.size());
     EXPECT_TRUE(a.mesh.triangles == b.mesh.triangles);
     EXPECT_TRUE(a.mesh.colours == b.mesh.colours);
@@ -79,14 +79,14 @@ TEST(AvatarRoundTrip, verticesAndTrianglesKeepTheirOrderAndWeightsAreExact) {
 }
 
 TEST(AvatarRoundTrip, moreThan256JointsNeedWideIndices) {
-    const AvatarData a = randomAvatar(3, 0, 300, 6), b = throughFile(a);
+    const AvatarData a = layeredAvatar(3, 0, 300, 6), b = throughFile(a);
     EXPECT_TRUE(a.mesh.jointWeights == b.mesh.jointWeights);
     for (size_t v = 0; v < a.mesh.jointIndices.size(); ++v)
         for (int k = 0; k < 4; ++k) ASSERT_EQ(a.mesh.jointWeights[v][k] ? a.mesh.jointIndices[v][k] : 0, b.mesh.jointIndices[v][k]);
 }
 
 TEST(AvatarRoundTrip, splatErrorsStayWithinHalfAStep) {
-    const AvatarData a = randomAvatar(4, 3), b = throughFile(a);
+    const AvatarData a = layeredAvatar(4, 3), b = throughFile(a);
     const SplatData &x = a.splats, &y = b.splats;
     ASSERT_EQ(x.count(), y.count());
     EXPECT_TRUE(x.triangleStart == y.triangleStart);
@@ -108,7 +108,7 @@ TEST(AvatarRoundTrip, splatErrorsStayWithinHalfAStep) {
 
 TEST(AvatarRoundTrip, quantisationIsUnbiased) {
     // Floor instead of rounding would shift the mean of u by about 1.4e-4, a quarter of the step 1/1820. The noise of the mean is 5e-6.
-    const AvatarData a = randomAvatar(5, 0, 20, 20, 10), b = throughFile(a);
+    const AvatarData a = layeredAvatar(5, 0, 20, 20, 10), b = throughFile(a);
     double mean = 0, opacity = 0;
     for (uint32_t i = 0; i < a.splats.count(); ++i)
         mean += a.splats.uv[i].x - b.splats.uv[i].x, opacity += a.splats.opacity[i] - b.splats.opacity[i];
@@ -117,7 +117,7 @@ TEST(AvatarRoundTrip, quantisationIsUnbiased) {
 }
 
 TEST(AvatarRoundTrip, clipsComeBack) {
-    const AvatarData a = randomAvatar(6, 0), b = throughFile(a);
+    const AvatarData a = layeredAvatar(6, 0), b = throughFile(a);
     ASSERT_EQ(b.clips.size(), 2u);
     EXPECT_EQ(b.clips[1].name, "clip1");
     EXPECT_TRUE(a.clips[1].timesS == b.clips[1].timesS);
@@ -133,16 +133,16 @@ TEST(AvatarRoundTrip, clipsComeBack) {
 
 TEST(AvatarRoundTrip, writingWhatWasReadGivesTheSameBytes) {
     expectSameBytes(tinyAvatar());
-    for (uint32_t degree = 0; degree <= 3; ++degree) expectSameBytes(randomAvatar(10 + degree, degree));
-    expectSameBytes(randomAvatar(20, 1, 300, 5));
+    for (uint32_t degree = 0; degree <= 3; ++degree) expectSameBytes(layeredAvatar(10 + degree, degree));
+    expectSameBytes(layeredAvatar(20, 1, 300, 5));
     expectSameBytes(withCorrectives(tinyAvatar(), 1, {.modes = 1, .nodes = 1}));
     for (uint32_t seed = 0; seed < 8; ++seed)
-        expectSameBytes(withCorrectives(randomAvatar(21, 0), seed, {.modes = 1 + 9 * seed, .nodes = 40}));
+        expectSameBytes(withCorrectives(layeredAvatar(21, 0), seed, {.modes = 1 + 9 * seed, .nodes = 40}));
 }
 
 TEST(AvatarRoundTrip, rangesOfAFewUlpsAreIdempotentToo) {
     // 2048 codes over a dozen floats: several codes decode to the same value, and the writer must always choose the same one.
-    AvatarData a = randomAvatar(30, 1);
+    AvatarData a = layeredAvatar(30, 1);
     for (uint32_t i = 0; i < a.splats.count(); ++i) {
         a.splats.scaleM[i] = Vec2f(std::nextafter(0.01f, 1.0f) + float(i % 13) * 1e-9f, 0.01f);
         for (int k = 0; k < 3; ++k) a.splats.sh[i * 12 + k] = 0.5f + float((i * 7 + k) % 11) * 6e-8f;
@@ -155,7 +155,7 @@ TEST(AvatarRoundTrip, rangesOfAFewUlpsAreIdempotentToo) {
 
 TEST(AvatarRoundTrip, theTrainedPixelComesBackAndChangesNoVersion) {
     for (const float metres : {1e-6f, 0.00234567f, 1.0f}) {
-        AvatarData a = randomAvatar(1, 1);
+        AvatarData a = layeredAvatar(1, 1);
         a.trainedPixelM = metres;
         EXPECT_EQ(throughFile(a).trainedPixelM, metres);
         auto info = inspectAvatar(*writeAvatar(a));
@@ -165,14 +165,14 @@ TEST(AvatarRoundTrip, theTrainedPixelComesBackAndChangesNoVersion) {
         expectSameBytes(a);
     }
     for (const float impossible : {-0.002f, 1e-7f, 1.5f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
-        AvatarData a = randomAvatar(1, 1);
+        AvatarData a = layeredAvatar(1, 1);
         a.trainedPixelM = impossible;
         EXPECT_FALSE(writeAvatar(a)) << impossible;
     }
 }
 
 TEST(AvatarRoundTrip, correctivesNearAndBelowTheSmallestFloatsAreIdempotentToo) {
-    AvatarData a = withCorrectives(randomAvatar(31, 0), 1);
+    AvatarData a = withCorrectives(layeredAvatar(31, 0), 1);
     for (size_t e = 0; e < a.correctives.nodes.size(); ++e) {
         const float i = float(e % 7);
         a.correctives.nodes[e] = {i * 1e-45f, i * 3e-39f, i * 1.7e-30f, std::nextafter(1.0f, 2.0f) - i * 6e-8f};
@@ -182,7 +182,7 @@ TEST(AvatarRoundTrip, correctivesNearAndBelowTheSmallestFloatsAreIdempotentToo) 
 
 TEST(AvatarRoundTrip, correctivesComeBack) {
     const AvatarData a = withCorrectives(
-                         randomAvatar(70, 1), 5,
+                         layeredAvatar(70, 1), 5,
                          {.modes = 12, .nodes = 100, .offsetM = 0.03f, .light = 0.5f, .reach = 3.25f, .reachOffModes = 0.7f}),
                      b = throughFile(a);
     const PoseCorrectiveData &x = a.correctives, &y = b.correctives;
@@ -223,7 +223,7 @@ TEST(AvatarRoundTrip, onlyFilesWithCorrectivesNeedVersion2) {
 }
 
 TEST(AvatarRoundTrip, decodedAvatarIsAFixedPoint) {
-    auto once = decodedAvatar(randomAvatar(40, 2));
+    auto once = decodedAvatar(layeredAvatar(40, 2));
     ASSERT_TRUE(once);
     auto twice = decodedAvatar(*once);
     ASSERT_TRUE(twice);
@@ -234,7 +234,7 @@ TEST(AvatarRoundTrip, decodedAvatarIsAFixedPoint) {
 }
 
 TEST(AvatarRoundTrip, plainVariantHoldsTheSameAvatar) {
-    const AvatarData a = withCorrectives(randomAvatar(50, 1), 2);
+    const AvatarData a = withCorrectives(layeredAvatar(50, 1), 2);
     auto fromPlain = readAvatar(*writeAvatar(a, {.draco = false}));
     ASSERT_TRUE(fromPlain) << fromPlain.error().message;
     EXPECT_TRUE(*writeAvatar(*fromPlain) == *writeAvatar(a));
@@ -266,7 +266,7 @@ AvatarData withRepeatedSh(AvatarData a, uint32_t rows) {
 
 TEST(AvatarShPalette, writesEachRowOnceAndIsAFixedPoint) {
     for (uint32_t degree = 1; degree <= 3; ++degree) {
-        const AvatarData a = withRepeatedSh(randomAvatar(80 + degree, degree), 37);
+        const AvatarData a = withRepeatedSh(layeredAvatar(80 + degree, degree), 37);
         auto bytes = writeAvatar(a, {.shPalette = true});
         ASSERT_TRUE(bytes) << bytes.error().message;
         const uint32_t row = ((degree + 1) * (degree + 1) - 1) * 3, splats = a.splats.count();
@@ -285,7 +285,7 @@ TEST(AvatarShPalette, writesEachRowOnceAndIsAFixedPoint) {
 }
 
 TEST(AvatarShPalette, valuesBelowEveryRangeAndDegreeZeroNeedNoRows) {
-    AvatarData flat = randomAvatar(90, 1);
+    AvatarData flat = layeredAvatar(90, 1);
     for (size_t k = 0; k < flat.splats.sh.size(); ++k)
         if (k % 12 >= 3) flat.splats.sh[k] = 1e-7f;
     EXPECT_EQ(inspectAvatar(*writeAvatar(flat, {.shPalette = true}))->shPaletteSize, 1u);
@@ -293,7 +293,7 @@ TEST(AvatarShPalette, valuesBelowEveryRangeAndDegreeZeroNeedNoRows) {
 }
 
 TEST(AvatarShPalette, tooManyRowsAreRefusedWithTheRemedy) {
-    const AvatarData many = randomAvatar(91, 1, 4, 60, 5);  // 88,000 splats
+    const AvatarData many = layeredAvatar(91, 1, 4, 60, 5);  // 88,000 splats
     ASSERT_GT(many.splats.count(), kMaxShPalette);
     auto refused = writeAvatar(many, {.shPalette = true});
     ASSERT_FALSE(refused);
@@ -303,7 +303,7 @@ TEST(AvatarShPalette, tooManyRowsAreRefusedWithTheRemedy) {
 
 TEST(CodedAvatar, holdsTheBytesOfTheFileAndDecodesToTheSameSplats) {
     for (const bool palette : {false, true}) {
-        const AvatarData a = withRepeatedSh(randomAvatar(95, 2), 50);
+        const AvatarData a = withRepeatedSh(layeredAvatar(95, 2), 50);
         auto bytes = writeAvatar(a, {.shPalette = palette});
         auto coded = readCodedAvatar(*bytes);
         ASSERT_TRUE(coded) << coded.error().message;
@@ -329,7 +329,7 @@ TEST(CodedAvatar, holdsTheBytesOfTheFileAndDecodesToTheSameSplats) {
 
 TEST(AvatarRoundTrip, inspectAddsUpToTheFile) {
     for (bool draco : {true, false}) {
-        const AvatarData avatar = withCorrectives(randomAvatar(60, 1), 1, {.modes = 3, .nodes = 11});
+        const AvatarData avatar = withCorrectives(layeredAvatar(60, 1), 1, {.modes = 3, .nodes = 11});
         auto bytes = writeAvatar(avatar, {.draco = draco});
         ASSERT_TRUE(bytes);
         auto info = inspectAvatar(*bytes);

@@ -51,8 +51,8 @@ inline AvatarData tinyCorrectedAvatar() {
 }
 
 /** Random but reproducible: three layers of wavy grids with skin weights, splats of all sizes, two clips. */
-inline AvatarData randomAvatar(uint32_t seed, uint32_t shDegree, uint32_t joints = 20, uint32_t cells = 12,
-                               uint32_t splatsPerTriangle = 4) {
+inline AvatarData layeredAvatar(uint32_t seed, uint32_t shDegree, uint32_t joints = 20, uint32_t cells = 12,
+                                uint32_t splatsPerTriangle = 4) {
     std::mt19937 random(seed);
     auto real = [&](double low, double high) { return float(low + (high - low) * (random() / 4294967295.0)); };
     AvatarData a;

@@ -11,7 +11,7 @@ namespace {
 
 /** A small avatar with `value` at every node and mode; if `alternating`, negated at every other node. */
 AvatarData withNodes(const Vec4f& value, bool alternating) {
-    AvatarData avatar = withCorrectives(randomAvatar(3, 0), 4);
+    AvatarData avatar = withCorrectives(layeredAvatar(3, 0), 4);
     for (size_t e = 0; e < avatar.correctives.nodes.size(); ++e)
         avatar.correctives.nodes[e] = alternating && (e / avatar.correctives.modeCount) % 2 ? -value : value;
     return avatar;
@@ -19,7 +19,7 @@ AvatarData withNodes(const Vec4f& value, bool alternating) {
 
 TEST(PoseStress, nothingWithoutCorrectives) {
     Jobs jobs(1);
-    const PoseStress stress = poseStress(randomAvatar(3, 0), jobs);
+    const PoseStress stress = poseStress(layeredAvatar(3, 0), jobs);
     EXPECT_EQ(stress.offsetMm, 0);
     EXPECT_EQ(stress.strainPercent, 0);
     EXPECT_EQ(stress.lightPercent, 0);

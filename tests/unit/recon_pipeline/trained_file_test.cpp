@@ -11,7 +11,7 @@ namespace dpl::test {
 namespace {
 
 TEST(TrainedFile, givesBackWhatWasTrained) {
-    const AvatarData avatar = withCorrectives(randomAvatar(5, 1), 6, {.reach = 2.5f, .reachOffModes = 0.3f});
+    const AvatarData avatar = withCorrectives(layeredAvatar(5, 1), 6, {.reach = 2.5f, .reachOffModes = 0.3f});
     CoOptimiseResult trained;
     trained.splats = avatar.splats, trained.restPositions = avatar.mesh.restPositions, trained.correctives = avatar.correctives;
     trained.poses = {Pose::rest(avatar.joints.size()), Pose::rest(avatar.joints.size())};
@@ -39,7 +39,7 @@ TEST(TrainedFile, givesBackWhatWasTrained) {
 }
 
 TEST(TrainedFile, refusesAnotherSubjectsFile) {
-    const AvatarData avatar = randomAvatar(5, 0);
+    const AvatarData avatar = layeredAvatar(5, 0);
     CoOptimiseResult trained;
     trained.splats = avatar.splats, trained.restPositions = avatar.mesh.restPositions;
     const auto path = std::filesystem::temp_directory_path() / ("doppel_trained_" + std::to_string(::getpid()));
