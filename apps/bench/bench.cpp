@@ -78,7 +78,8 @@ Status runBench(const BenchOptions& options, const ContestantMaker& make, BenchE
     std::vector<PlotSeries> plot;
     std::vector<PassTable> passes;
     Status warm;  // first error of checkWarmFrames; returned after the tables are printed
-    for (const BenchCase& test : kCases) {
+    for (BenchCase test : kCases) {
+        test.widthPx /= options.shrink, test.heightPx /= options.shrink;
         const std::vector<Cameraf> views = subject.views(test, options.axes);
         DPL_TRY(std::vector<Contestant> list, contestants(make, options, subject, views));
         const auto report = [&](const char* what) {

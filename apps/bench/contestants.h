@@ -26,6 +26,7 @@ struct BenchOptions {
     uint32_t repeats = 11, threadCount = 0;
     std::string axes = "y-up";
     bool withoutReference = false;
+    uint32_t shrink = 1;  // divides the sides of all pictures
 };
 
 struct BenchCase {

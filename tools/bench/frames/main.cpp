@@ -61,6 +61,9 @@ int main(int argc, char** argv) {
     app.add_option("--model", machine, "The machine of the model table (docs/model.md): 10^9 bytes and 10^9 operations a second")
         ->check(inRange(0.1, 1e6))
         ->capture_default_str();
+    app.add_option("--shrink", options.shrink,
+                   "Divide the sides of all pictures, for a quick look on a slow driver; names keep the full size")
+        ->check(inRange(1, 64));
     app.footer("Example:\n  bench_frames demo/avatar/avatar.glb --repeats 9 --json frames.jsonl");
     CLI11_PARSE(app, argc, argv);
     installSignalHandlers();
