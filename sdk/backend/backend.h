@@ -3,6 +3,7 @@
 //
 //   at load:      createBuffer, write, computePipeline, drawPipeline, createTarget, createFrame (checks and records the steps once)
 //   each frame:   fill the mapped upload buffers, submit(frame); once finished(frame), read the mapped read-back buffers
+//   or:           fill the mapped upload buffers, encode(frame) into the app's commands, which the app submits
 //
 // Frames run in the order in which they are submitted. Each frame in flight needs its own upload and read-back buffers. Frames may share
 // all other buffers.
@@ -77,6 +78,7 @@ struct TargetDesc {
     bool multiview = true;  // one draw fills the layers of all views; false: each view has its own draw
     ColourFormat colour = ColourFormat::Codes8;
     uint32_t samples = 1;  // of a pixel: 1, or 4 if DeviceInfo::fourSamples; averaged when a draw ends
+    bool sampled = false;  // an app's pass reads the colour; otherwise only read-backs copy it
 };
 
 enum class Topology : uint8_t { Strip, List };  // of triangles
@@ -145,6 +147,17 @@ using Step = std::variant<FillStep, ComputeStep, DrawStep, ReadbackStep, CopySte
 
 const std::string& stepLabel(const Step& step);
 
+/** How a frame runs: the backend submits it, or the app does, with commands of its own around it. */
+enum class FrameRun : uint8_t { Submitted, Encoded };
+
+/** A command buffer of the app in its graphics API, recording and outside any pass: VkCommandBuffer. */
+struct AppCommands {
+    void* handle = nullptr;
+};
+
+/** Encoded frames that the app may have in flight. It numbers them by slots, 0 to kAppSlots - 1. */
+constexpr uint32_t kAppSlots = 3;
+
 class Backend {
 public:
     virtual ~Backend() = default;
@@ -167,8 +180,8 @@ public:
     virtual void destroyTarget(TargetId target) = 0;
 
     /** Checks the steps against the shaders' reflection and records them, with the barriers that the access of their bindings needs. */
-    virtual Result<FrameId> createFrame(std::vector<Step> steps) = 0;
-    /** Waits for the frame if it is running. */
+    virtual Result<FrameId> createFrame(std::vector<Step> steps, FrameRun run = FrameRun::Submitted) = 0;
+    /** Waits for a submitted frame if it is running. */
     virtual void destroyFrame(FrameId frame) = 0;
 
     /** Graphics memory of all buffers and targets. */
@@ -181,6 +194,10 @@ public:
     virtual bool finished(FrameId frame) = 0;
     /** Waits until the frame is not running. */
     virtual Status wait(FrameId frame) = 0;
+    /** Writes an Encoded frame into the app's commands. The frame ends with a barrier before fragment shaders that read its results.
+     *  slot: the caller promises that all commands with the slot's earlier frames have run. Objects that are destroyed while encoded
+     *  frames may still need them are kept until their slots come round again. Allocates and waits for nothing. */
+    virtual Status encode(FrameId frame, uint32_t slot, AppCommands commands) = 0;
     Status run(FrameId frame) {
         DPL_CHECK_OK(submit(frame));
         return wait(frame);

@@ -34,6 +34,7 @@ struct Checker {
             const Access access = list[i].access;
             const BufferDesc* desc = resources.buffer(list[i].buffer);
             if (!desc) return fail(Code::InvalidArgument, "step {} binds a buffer that does not exist to {}", label, want.name);
+            if (want.image) return fail(Code::InvalidArgument, "step {}: {} is an image; only a composer reads images", label, want.name);
             if ((access == Access::Uniform) != want.uniform)
                 return fail(Code::InvalidArgument, "step {}: {} is {}a uniform block", label, want.name, want.uniform ? "" : "not ");
             const bool writes = access == Access::Write || access == Access::Update, reads = access != Access::Write;

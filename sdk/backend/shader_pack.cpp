@@ -44,7 +44,7 @@ void putShader(Writer& out, const Shader& shader) {
     for (const ShaderBinding& b : shader.bindings) {
         putText(out, b.name);
         out.value(b.binding);
-        out.value(uint32_t(b.uniform) | uint32_t(b.writes) << 1 | uint32_t(b.reads) << 2 | b.texelWords << 3);
+        out.value(uint32_t(b.uniform) | uint32_t(b.writes) << 1 | uint32_t(b.reads) << 2 | uint32_t(b.image) << 3 | b.texelWords << 4);
     }
     out.value(uint32_t(shader.structs.size()));
     for (const ShaderStruct& s : shader.structs) {
@@ -79,7 +79,7 @@ Result<Shader> takeShader(Reader& in) {
         DPL_TRY(b.name, takeText(in));
         DPL_TRY(b.binding, in.u32());
         DPL_TRY(uint32_t flags, in.u32());
-        b.uniform = flags & 1, b.writes = flags & 2, b.reads = flags & 4, b.texelWords = flags >> 3;
+        b.uniform = flags & 1, b.writes = flags & 2, b.reads = flags & 4, b.image = flags & 8, b.texelWords = flags >> 4;
         if (b.texelWords > 4 || b.texelWords == 3)
             return fail(Code::CorruptData, "shader {}: texels of {} words", shader.name, b.texelWords);
         shader.bindings.push_back(std::move(b));

@@ -16,7 +16,7 @@
 
 namespace dpl {
 
-constexpr uint32_t kShaderPackFormat = 2;
+constexpr uint32_t kShaderPackFormat = 3;
 
 /** Suffix of a kernel that reads typed buffers (shaders/lib/reads.glsl), for devices with DeviceInfo::texels. It has no MSL. */
 constexpr std::string_view kTexelsSuffix = ".texels";
@@ -41,6 +41,7 @@ struct ShaderBinding {
     bool writes = false;
     bool reads = false;
     uint32_t texelWords = 0;  // typed buffers: 1, 2 or 4 words a texel; 0: a plain buffer
+    bool image = false;       // an array of 2D images, read texel by texel without a sampler; else a buffer
 };
 
 struct Shader {

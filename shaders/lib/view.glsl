@@ -8,7 +8,3 @@ uint dplViewIndex(uint view) { return uint(gl_ViewIndex); }
 #else
 uint dplViewIndex(uint view) { return view; }
 #endif
-// All splats are one instance: an instance with only three vertices would leave lanes of the vertex shader idle, and on lavapipe each
-// instance costs as much as a draw.
-uint dplSplat() { return uint(gl_VertexIndex) / 3u; }
-uint dplCorner() { return uint(gl_VertexIndex) % 3u; }

@@ -290,5 +290,22 @@ struct DrawPush {
     uint view;        // read only without multiview
 };
 
+struct ScenePush {  // reads a view's depth image of an app: stored depth = scale + offset / z
+    uint widthPx, heightPx;
+    uint firstPixel;       // of the view, in the buffer
+    uint layer;            // of the image
+    float placeX, placeY;  // of the view's top left pixel in the image, px
+    float scale, offset;
+};
+struct ComposePush {       // a draw in an app's pass
+    float placeX, placeY;  // of the picture's top left corner in the app's target, px
+    uint widthPx, heightPx;
+    uint view;         // read only without multiview
+    uint drawnLayers;  // of the pictures in their images: view 0 in the low half, view 1 in the high half
+    uint tiledLayers;  // the same in the buffers that tiles fill
+    uint tiled;        // 1 << view: tiles filled the picture, unless their lists overflowed
+    uint linear;       // 1: the target holds linear light, or its format encodes it; 0: display-referred values
+};
+
 DPL_SHARED_END
 #endif

@@ -15,6 +15,7 @@ DPL_CONST uint kVertexGroup = 128u;
 DPL_CONST uint kSplatGroup = 128u;
 DPL_CONST uint kChunkGroup = 64u;  // groups of splats
 DPL_CONST uint kScanGroup = 256u;
+DPL_CONST uint kSceneGroup = 64u;    // pixels of a row
 DPL_CONST uint kRowScanGroup = 16u;  // shares that a row of a table is divided into
 DPL_CONST uint kCompactGroup = 64u;
 DPL_CONST uint kUnseenDepth = 0xFFFFFFFFu;  // sort depth of a splat that no view shows: a NaN, so no real depth equals it

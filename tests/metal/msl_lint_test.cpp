@@ -40,8 +40,10 @@ TEST(MetalText, bindingsAndPushConstantsSitWhereTheMapSays) {
     for (const Shader& shader : fullPack().shaders) {
         for (const std::string* text : {&shader.mslIos, &shader.mslMacos}) {
             for (const ShaderBinding& b : shader.bindings) {
-                const std::regex want(b.name + R"(& \w+ \[\[buffer\()" + std::to_string(b.binding) + R"(\)\]\])");
-                EXPECT_TRUE(std::regex_search(*text, want)) << shader.name << ": " << b.name << " is not buffer(" << b.binding << ")";
+                const std::string place = (b.image ? "texture(" : "buffer(") + std::to_string(b.binding) + ")";
+                const std::regex want(b.name + (b.image ? R"( \[\[)" : R"(& \w+ \[\[)") +
+                                      std::regex_replace(place, std::regex(R"([()])"), R"(\$&)") + R"(\]\])");
+                EXPECT_TRUE(std::regex_search(*text, want)) << shader.name << ": " << b.name << " is not " << place;
             }
             if (shader.pushBytes && text->find("PushBlock&") != std::string::npos) {
                 EXPECT_NE(text->find("[[buffer(29)]]"), std::string::npos) << shader.name;

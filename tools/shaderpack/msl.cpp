@@ -100,8 +100,8 @@ Status reflectShader(Shader& shader) {
     if (shader.stage == ShaderStage::Compute)
         for (unsigned i = 0; i < 3; ++i)
             shader.workgroup[i] = spvc_compiler_get_execution_mode_argument_by_index(m.compiler, SpvExecutionModeLocalSize, i);
-    for (spvc_resource_type type :
-         {SPVC_RESOURCE_TYPE_UNIFORM_BUFFER, SPVC_RESOURCE_TYPE_STORAGE_BUFFER, SPVC_RESOURCE_TYPE_STORAGE_IMAGE}) {
+    for (spvc_resource_type type : {SPVC_RESOURCE_TYPE_UNIFORM_BUFFER, SPVC_RESOURCE_TYPE_STORAGE_BUFFER, SPVC_RESOURCE_TYPE_STORAGE_IMAGE,
+                                    SPVC_RESOURCE_TYPE_SEPARATE_IMAGE}) {
         for (const spvc_reflected_resource& r : resourcesOf(m, type)) {
             if (spvc_compiler_get_decoration(m.compiler, r.id, SpvDecorationDescriptorSet) != 0)
                 return fail(Code::InvalidArgument, "{}: {} must be in descriptor set 0", shader.name, r.name);
@@ -109,6 +109,15 @@ Status reflectShader(Shader& shader) {
             b.name = r.name;
             b.binding = spvc_compiler_get_decoration(m.compiler, r.id, SpvDecorationBinding);
             b.uniform = type == SPVC_RESOURCE_TYPE_UNIFORM_BUFFER;
+            b.image = type == SPVC_RESOURCE_TYPE_SEPARATE_IMAGE;
+            if (b.image) {
+                spvc_type image = spvc_compiler_get_type_handle(m.compiler, r.type_id);
+                if (spvc_type_get_image_dimension(image) != SpvDim2D || !spvc_type_get_image_arrayed(image))
+                    return fail(Code::InvalidArgument, "{}: {} is not a texture2DArray", shader.name, r.name);
+                b.reads = true;
+                shader.bindings.push_back(std::move(b));
+                continue;
+            }
             b.writes = !b.uniform && !memberFlag(m, r, SpvDecorationNonWritable);
             b.reads = b.uniform || !memberFlag(m, r, SpvDecorationNonReadable);
             if (type == SPVC_RESOURCE_TYPE_STORAGE_IMAGE) {
@@ -132,7 +141,7 @@ Status reflectShader(Shader& shader) {
         if (shader.bindings[i].binding != first + i)
             return fail(Code::InvalidArgument, "{}: bindings must be 0, 1, 2 ... without gaps or duplicates", shader.name);
     const auto storage =
-        std::count_if(shader.bindings.begin(), shader.bindings.end(), [](auto& b) { return !b.uniform && b.texelWords == 0; });
+        std::count_if(shader.bindings.begin(), shader.bindings.end(), [](auto& b) { return !b.uniform && !b.image && b.texelWords == 0; });
     if (storage > 4)
         return fail(Code::InvalidArgument, "{}: {} storage buffers, at most four per stage (the minimum of Vulkan 1.1)", shader.name,
                     storage);
@@ -167,7 +176,7 @@ Result<std::string> translateToMsl(const Shader& shader, MslPlatform platform, b
     const auto map = [&](uint32_t set, uint32_t binding, uint32_t buffer) {
         spvc_msl_resource_binding b;
         spvc_msl_resource_binding_init(&b);
-        b.stage = model, b.desc_set = set, b.binding = binding, b.msl_buffer = buffer;
+        b.stage = model, b.desc_set = set, b.binding = binding, b.msl_buffer = b.msl_texture = buffer;
         return spvc_compiler_msl_add_resource_binding(m.compiler, &b) == SPVC_SUCCESS;
     };
     for (const ShaderBinding& b : shader.bindings)

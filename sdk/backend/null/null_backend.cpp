@@ -63,7 +63,7 @@ public:
     }
     void destroyTarget(TargetId id) override { record_->liveTargets -= targets_.erase(id.value); }
 
-    Result<FrameId> createFrame(std::vector<Step> steps) override {
+    Result<FrameId> createFrame(std::vector<Step> steps, FrameRun) override {
         DPL_CHECK_OK(checkFrame(steps, *this, info_));
         for (const Step& step : steps)
             if (const auto* draw = std::get_if<DrawStep>(&step)) drawn_.insert(draw->target.value);
@@ -88,6 +88,7 @@ public:
         if (record_->holdFrames) running_.insert(id.value);
         return {};
     }
+    Status encode(FrameId id, uint32_t, AppCommands) override { return submit(id); }
     bool finished(FrameId id) override { return !running_.count(id.value); }
     Status wait(FrameId id) override {
         record_->waits += running_.erase(id.value);

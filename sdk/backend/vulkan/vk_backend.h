@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Implements backend.h with Vulkan. Buffers and targets are in vk_resources.cpp, pipelines in vk_pipelines.cpp, frames in vk_frames.cpp.
+// Implements backend.h with Vulkan. Buffers and targets are in vk_resources.cpp, pipelines in vk_pipelines.cpp, frames in vk_frames.cpp,
+// drawing in an app's pass in vk_compose.cpp.
 #pragma once
 
+#include <array>
 #include <map>
 #include <tuple>
+#include <variant>
 
 #include "sdk/backend/frame_check.h"
 #include "sdk/backend/shader_pack.h"
 #include "sdk/backend/vulkan/vk_device.h"
+#include "shaders/shared/frame.h"
 
 namespace dpl::vk {
 
@@ -47,6 +51,7 @@ struct Target {
 
 inline VkDescriptorType descriptorType(const ShaderBinding& b) {
     return b.uniform      ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER
+           : b.image      ? VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE
            : b.texelWords ? VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER
                           : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
 }
@@ -61,8 +66,18 @@ struct Pipeline {
     VkShaderStageFlags stages = 0;  // stages that read the push constants
 };
 
+/** A step with what was prepared for it when its frame was created. */
+struct RecordedStep {
+    Step step;
+    bool barrier = false;                          // before it
+    VkDescriptorSet descriptors = VK_NULL_HANDLE;  // of compute and draw steps
+};
+
 struct Frame {
+    FrameRun run = FrameRun::Submitted;
+    std::vector<RecordedStep> steps;  // of an encoded frame
     VkDescriptorPool descriptors = VK_NULL_HANDLE;
+    // The pool, the command buffer and the fence belong to submitted frames.
     VkCommandPool commands = VK_NULL_HANDLE;
     VkCommandBuffer commandBuffer = VK_NULL_HANDLE;
     VkQueryPool timestamps = VK_NULL_HANDLE;
@@ -72,6 +87,42 @@ struct Frame {
     std::vector<uint64_t> ticks;      // timestamps before the first step and after each step
     bool timed = false;               // ticks hold a finished run
 };
+
+/** An object that was destroyed while commands of the app may need it. */
+struct Retired {
+    uint64_t encoded = 0;  // number of the last frame that was encoded before
+    std::variant<Buffer, Target, Frame, VkPipeline> object;
+};
+
+/** The pass of an app in which its target is composed. */
+struct AppPass {
+    VkRenderPass renderPass = VK_NULL_HANDLE;  // or one that is compatible with it; null: dynamic rendering
+    uint32_t subpass = 0;
+    uint32_t samples = 1;
+    uint32_t viewMask = 0;  // 0: no multiview
+    VkFormat colour = VK_FORMAT_UNDEFINED;
+    VkFormat depth = VK_FORMAT_UNDEFINED, stencil = VK_FORMAT_UNDEFINED;  // attachments that the pass has; only for dynamic rendering
+};
+
+/** Where the picture layer of a view lies once its frame has run. */
+struct LayerPlace {
+    TargetId target;
+    uint32_t view = 0;    // of the target
+    BufferId tilePixels;  // of frames that tiles fill; none: quads
+    BufferId counts;      // says whether the tile lists overflowed, so that quads filled the frame
+};
+
+/** The depth image of an app behind one view. Stored depth = scale + offset / z with view z in metres. */
+struct SceneImage {
+    VkImageView view = VK_NULL_HANDLE;  // of the depth aspect, 2D array
+    VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;
+    uint32_t layer = 0, samples = 1;
+    VkOffset2D place{};  // of the view's top left pixel in the image
+    float scale = 0, offset = 0;
+};
+
+struct ComposerTag;
+using ComposerId = GpuId<ComposerTag>;
 
 inline VkFormat vulkanFormat(ColourFormat colour) {
     switch (colour) {
@@ -98,13 +149,29 @@ public:
     uint32_t workgroupSize(PipelineId id) const override { return shader(id) ? shader(id)->workgroup[0] : 0; }
     Result<TargetId> createTarget(const TargetDesc& desc) override;
     void destroyTarget(TargetId target) override;
-    Result<FrameId> createFrame(std::vector<Step> steps) override;
+    Result<FrameId> createFrame(std::vector<Step> steps, FrameRun run) override;
     void destroyFrame(FrameId frame) override;
     Status submit(FrameId frame) override;
     bool finished(FrameId frame) override;
     Status wait(FrameId frame) override;
     std::vector<PassTime> passTimes(FrameId frame) const override;
     uint64_t residentBytes() const override;
+    Status encode(FrameId frame, uint32_t slot, AppCommands commands) override;
+
+    // vk_compose.cpp: for apps that lend their device.
+    Result<ComposerId> createComposer(const AppPass& pass);
+    /** NotFound: no such composer. Commands that use it may still run. */
+    Status destroyComposer(ComposerId composer);
+    /** Says where the pictures of a slot lie, one place a view, all of the same size. To be called between encode() of the slot and
+     *  compose(). Allocates and waits for nothing. */
+    Status setLayers(uint32_t slot, std::span<const LayerPlace> places);
+    /** Encodes the conversion of an app's depth image into view z: widthPx · heightPx floats of `scene`, those of `viewOfFrame`. view:
+     * number of the image among those of the slot. To be called before encode() of the frame. Allocates and waits for nothing. */
+    Status readScene(uint32_t slot, uint32_t view, uint32_t viewOfFrame, uint32_t widthPx, uint32_t heightPx, const SceneImage& image,
+                     BufferId scene, AppCommands commands);
+    /** Composes a view of the slot into a pass that is being recorded; with multiview, all views. place: of the picture's top left pixel in
+     *  the target of the pass. Sets pipeline, descriptor set 0, push constants, viewport and scissor. Allocates and waits for nothing. */
+    Status compose(ComposerId composer, uint32_t slot, uint32_t view, VkOffset2D place, AppCommands commands);
 
 private:
     // ResourceView
@@ -140,12 +207,35 @@ private:
     // vk_frames.cpp
     Status makeDescriptorPool(Frame& frame, std::span<const Step> steps);
     Result<VkDescriptorSet> descriptorSet(const Frame& frame, const Pipeline& pipeline, const std::vector<Binding>& bindings);
-    Status record(Frame& frame, std::span<const Step> steps);
+    Status prepare(Frame& frame, std::vector<Step> steps);
+    Status record(Frame& frame);
+    Status play(const Frame& frame, VkCommandBuffer commands);
     Status submitAndWait(VkCommandBuffer commands);
     Status waitFor(Frame& frame);
     void ended(Frame& frame);
     void freeFrame(Frame& frame);
+    class Hazards;
     struct Recorder;
+    template <class T>
+    void retire(T&& object);
+    void freeRetired();
+    void free(Retired& retired);
+
+    // vk_compose.cpp
+    struct Composer {
+        VkPipeline pipeline = VK_NULL_HANDLE;
+        bool linear = false;    // the pass blends linear light
+        uint32_t viewMask = 0;  // of the pass; 0: a draw composes one view
+    };
+    struct LayerSlot {  // what setLayers() said
+        VkDescriptorSet descriptors = VK_NULL_HANDLE;
+        VkDescriptorSet scenes[gpu::kMaxViews] = {};  // of readScene()
+        uint32_t viewCount = 0;                       // 0: nothing yet
+        gpu::ComposePush push{};
+    };
+    Status makeLayerSlots();
+    Result<VkDescriptorSet> layerDescriptors(VkDescriptorSetLayout layout);
+    Result<VkPipeline> composePipeline(const AppPass& pass, const Shader& fragment);
 
     std::unique_ptr<Device> device_;
     const Functions& vk_;  // of device_
@@ -156,9 +246,23 @@ private:
     std::map<uint32_t, Buffer> buffers_;
     std::map<uint32_t, Target> targets_;
     std::map<uint32_t, Frame> frames_;
-    std::vector<Pipeline> pipelines_;                                                          // PipelineId::value is the index + 1
-    std::map<std::tuple<uint32_t, bool, ColourFormat, uint32_t>, VkRenderPass> renderPasses_;  // by layers, depth, colour, samples
+    std::vector<Pipeline> pipelines_;  // PipelineId::value is the index + 1
+    std::map<std::tuple<uint32_t, bool, ColourFormat, uint32_t, bool>, VkRenderPass>
+        renderPasses_;  // by layers, depth, colour, samples, sampled
     uint32_t lastId_ = 0;
+
+    // Of encoded frames.
+    std::vector<Retired> retired_;
+    uint64_t encoded_ = 0;                           // frames so far
+    std::array<uint64_t, kAppSlots> lastEncoded_{};  // number of the last frame in each slot; 0: none
+    std::map<uint32_t, Composer> composers_;
+    Pipeline composeLayout_;   // layouts and shaders of all composers, without a pipeline
+    PipelineId readScene_[2];  // of one sample, of four
+    VkDescriptorPool layerDescriptors_ = VK_NULL_HANDLE;
+    std::array<LayerSlot, kAppSlots> layerSlots_;
 };
+
+/** A backend on a device that an app lends. Errors as borrowDevice and createVulkanBackend. */
+Result<std::unique_ptr<VulkanBackend>> createBackendOn(const AppDevice& app);
 
 }  // namespace dpl::vk

@@ -113,18 +113,30 @@ struct Candidate {
     DeviceInfo info;
 };
 
-/** False when the device lacks what Doppel needs: Vulkan 1.1 and a queue for graphics and compute. */
-bool describe(const Functions& vk, VkPhysicalDevice physical, Candidate& out) {
-    VkPhysicalDeviceProperties properties{};
-    vk.vkGetPhysicalDeviceProperties(physical, &properties);
-    if (properties.apiVersion < VK_API_VERSION_1_1) return false;
+std::vector<VkQueueFamilyProperties> familiesOf(const Functions& vk, VkPhysicalDevice physical) {
     uint32_t count = 0;
     vk.vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
     std::vector<VkQueueFamilyProperties> families(count);
     vk.vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
-    const VkQueueFlags wanted = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
-    const auto family = std::find_if(families.begin(), families.end(), [&](const auto& f) { return (f.queueFlags & wanted) == wanted; });
-    if (family == families.end()) return false;
+    return families;
+}
+
+bool drawsAndComputes(const VkQueueFamilyProperties& family) {
+    constexpr VkQueueFlags kWanted = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+    return (family.queueFlags & kWanted) == kWanted;
+}
+
+bool isRecent(const Functions& vk, VkPhysicalDevice physical) {
+    VkPhysicalDeviceProperties properties{};
+    vk.vkGetPhysicalDeviceProperties(physical, &properties);
+    return properties.apiVersion >= VK_API_VERSION_1_1;
+}
+
+/** Describes what the device can do, and the queue family. The device has Vulkan 1.1. */
+void describe(const Functions& vk, VkPhysicalDevice physical, uint32_t queueFamily, Candidate& out) {
+    VkPhysicalDeviceProperties properties{};
+    vk.vkGetPhysicalDeviceProperties(physical, &properties);
+    const VkQueueFamilyProperties family = familiesOf(vk, physical)[queueFamily];
 
     VkPhysicalDeviceMultiviewFeatures multiview{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MULTIVIEW_FEATURES};
     VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
@@ -144,8 +156,8 @@ bool describe(const Functions& vk, VkPhysicalDevice physical, Candidate& out) {
     out.info.identity += formatText("-{}", properties.driverVersion);
 
     out.physical = physical;
-    out.queueFamily = uint32_t(family - families.begin());
-    out.timestampBits = family->timestampValidBits;
+    out.queueFamily = queueFamily;
+    out.timestampBits = family.timestampValidBits;
     out.nanosecondsPerTick = double(properties.limits.timestampPeriod);
     out.info.name = properties.deviceName;
     out.info.kind = kindOf(properties.deviceType);
@@ -155,7 +167,7 @@ bool describe(const Functions& vk, VkPhysicalDevice physical, Candidate& out) {
     out.info.maxGroups = properties.limits.maxComputeWorkGroupCount[0];
     out.info.multiview = multiview.multiview == VK_TRUE;
     out.info.halfDepth = !canBlend(vk, physical, VK_FORMAT_R32G32_SFLOAT, VK_FORMAT_FEATURE_TRANSFER_SRC_BIT);
-    out.info.timestamps = family->timestampValidBits > 0;
+    out.info.timestamps = family.timestampValidBits > 0;
     out.info.shuffle = subgroups.subgroupSize >= 8 && subgroups.subgroupSize <= 64 &&
                        (subgroups.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) &&
                        (subgroups.supportedOperations & VK_SUBGROUP_FEATURE_SHUFFLE_BIT);
@@ -163,7 +175,6 @@ bool describe(const Functions& vk, VkPhysicalDevice physical, Candidate& out) {
                             properties.limits.maxTexelBufferElements >= properties.limits.maxStorageBufferRange / 4;
     out.info.fourSamples = features.features.sampleRateShading && properties.limits.standardSampleLocations &&
                            (properties.limits.framebufferColorSampleCounts & VK_SAMPLE_COUNT_4_BIT);
-    return true;
 }
 
 std::vector<Candidate> candidates(const Functions& vk, VkInstance instance) {
@@ -172,11 +183,42 @@ std::vector<Candidate> candidates(const Functions& vk, VkInstance instance) {
     std::vector<VkPhysicalDevice> all(count);
     vk.vkEnumeratePhysicalDevices(instance, &count, all.data());
     std::vector<Candidate> list;
-    for (VkPhysicalDevice physical : all)
-        if (Candidate c; describe(vk, physical, c)) list.push_back(std::move(c));
+    for (VkPhysicalDevice physical : all) {
+        if (!isRecent(vk, physical)) continue;
+        const std::vector<VkQueueFamilyProperties> families = familiesOf(vk, physical);
+        const auto family = std::find_if(families.begin(), families.end(), drawsAndComputes);
+        if (family != families.end()) describe(vk, physical, uint32_t(family - families.begin()), list.emplace_back());
+    }
     std::stable_sort(list.begin(), list.end(), [](const auto& a, const auto& b) { return rank(a.info.kind) < rank(b.info.kind); });
     return list;
 }
+
+void take(Device& d, const Candidate& chosen) {
+    d.physical = chosen.physical;
+    d.queueFamily = chosen.queueFamily;
+    d.timestampBits = chosen.timestampBits;
+    d.nanosecondsPerTick = chosen.nanosecondsPerTick;
+    d.info = chosen.info;
+    d.depthSumFormat = d.info.halfDepth ? VK_FORMAT_R16G16_SFLOAT : VK_FORMAT_R32G32_SFLOAT;
+    d.vk.vkGetPhysicalDeviceMemoryProperties(d.physical, &d.memory);
+}
+
+/** The features that an app enabled, of those that Doppel uses. */
+struct EnabledFeatures {
+    bool multiview = false, sampleRateShading = false, storageImageExtendedFormats = false;
+
+    explicit EnabledFeatures(const VkPhysicalDeviceFeatures2* chain) {
+        if (!chain) return;
+        sampleRateShading = chain->features.sampleRateShading;
+        storageImageExtendedFormats = chain->features.shaderStorageImageExtendedFormats;
+        for (auto* link = static_cast<const VkBaseInStructure*>(chain->pNext); link; link = link->pNext) {
+            if (link->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MULTIVIEW_FEATURES)
+                multiview = reinterpret_cast<const VkPhysicalDeviceMultiviewFeatures*>(link)->multiview;
+            if (link->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES)
+                multiview = reinterpret_cast<const VkPhysicalDeviceVulkan11Features*>(link)->multiview;
+        }
+    }
+};
 
 }  // namespace
 
@@ -188,6 +230,7 @@ Error failVk(std::string_view what, VkResult result) {
 }
 
 Device::~Device() {
+    if (lent) return;
     // openDevice may have failed before the functions were loaded.
     if (device && vk.vkDestroyDevice) vk.vkDestroyDevice(device, nullptr);
     if (messenger) vk.vkDestroyDebugUtilsMessengerEXT(instance, messenger, nullptr);
@@ -210,17 +253,11 @@ Result<std::unique_ptr<Device>> openDevice(const VulkanTestOptions& options) {
     if (!chosen)
         return fail(Code::Unsupported, "no Vulkan device fits (wanted '{}', software devices {}); the best here is {}", options.deviceName,
                     options.allowSoftwareDevice ? "allowed" : "not allowed", list.front().info.name);
-    d->physical = chosen->physical;
-    d->queueFamily = chosen->queueFamily;
-    d->timestampBits = chosen->timestampBits;
-    d->nanosecondsPerTick = chosen->nanosecondsPerTick;
-    d->info = chosen->info;
+    take(*d, *chosen);
     if (options.withoutMultiview) d->info.multiview = false;
     if (!options.shuffle) d->info.shuffle = false;
     if (!options.ignoreQuirks) applyQuirks(d->info);
     if (!options.typedBuffers) d->info.texels = false;
-    d->depthSumFormat = d->info.halfDepth ? VK_FORMAT_R16G16_SFLOAT : VK_FORMAT_R32G32_SFLOAT;
-    d->vk.vkGetPhysicalDeviceMemoryProperties(d->physical, &d->memory);
 
     const float priority = 1;
     VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
@@ -240,6 +277,53 @@ Result<std::unique_ptr<Device>> openDevice(const VulkanTestOptions& options) {
     DPL_VK(d->vk.vkCreateDevice(d->physical, &info, nullptr, &d->device));
     DPL_CHECK_OK(d->vk.loadDevice(d->device));
     d->vk.vkGetDeviceQueue(d->device, d->queueFamily, 0, &d->queue);
+    return d;
+}
+
+Result<std::unique_ptr<Device>> borrowDevice(const AppDevice& app) {
+    auto d = std::make_unique<Device>();
+    d->lent = true;
+    d->validationMessages = std::make_shared<std::atomic<uint32_t>>(0);
+    if (!app.instance || !app.physical || !app.device || !app.queue)
+        return fail(Code::InvalidArgument, "the {} of the app's device is null",
+                    !app.instance   ? "instance"
+                    : !app.physical ? "physical device"
+                    : !app.device   ? "device"
+                                    : "queue");
+    if (!app.lockQueue != !app.unlockQueue) return fail(Code::InvalidArgument, "lockQueue and unlockQueue must both be set, or neither");
+    PFN_vkGetInstanceProcAddr getInstanceProcAddr = app.getInstanceProcAddr;
+    if (!getInstanceProcAddr) {
+        DPL_TRY(getInstanceProcAddr, findVulkanLoader());
+    }
+    d->vk.vkGetInstanceProcAddr = getInstanceProcAddr;
+    d->instance = app.instance;
+    DPL_CHECK_OK(d->vk.loadInstance(app.instance));
+    if (!isRecent(d->vk, app.physical)) return fail(Code::Unsupported, "the app's device is older than Vulkan 1.1");
+    const std::vector<VkQueueFamilyProperties> families = familiesOf(d->vk, app.physical);
+    if (app.queueFamily >= families.size())
+        return fail(Code::InvalidArgument, "there is no queue family {}; the device has {}", app.queueFamily, families.size());
+    if (!drawsAndComputes(families[app.queueFamily]))
+        return fail(Code::Unsupported,
+                    "queue family {} cannot draw and compute; choose one with VK_QUEUE_GRAPHICS_BIT and "
+                    "VK_QUEUE_COMPUTE_BIT",
+                    app.queueFamily);
+    Candidate chosen;
+    describe(d->vk, app.physical, app.queueFamily, chosen);
+    const EnabledFeatures enabled(app.enabled);
+    take(*d, chosen);
+    d->info.multiview &= enabled.multiview;
+    d->info.fourSamples &= enabled.sampleRateShading;
+    d->info.typedFormats &= enabled.storageImageExtendedFormats;
+    applyQuirks(d->info);
+    d->info.texels &= d->info.typedFormats;
+    d->device = app.device;
+    DPL_CHECK_OK(d->vk.loadDevice(app.device));
+    d->queue = app.queue;
+    d->lockQueue = app.lockQueue, d->unlockQueue = app.unlockQueue, d->user = app.user;
+    if (app.allocator) {
+        d->appAllocator = *app.allocator;
+        d->allocator = &d->appAllocator;
+    }
     return d;
 }
 

@@ -14,6 +14,21 @@ Error failVk(std::string_view what, VkResult result);
 #define DPL_VK(...) \
     if (const VkResult dplVkResult = (__VA_ARGS__); dplVkResult != VK_SUCCESS) return dpl::vk::failVk(#__VA_ARGS__, dplVkResult)
 
+/** A Vulkan device that an app opened and lends. All handles stay the app's and outlive the backend. */
+struct AppDevice {
+    PFN_vkGetInstanceProcAddr getInstanceProcAddr = nullptr;  // null: the machine's loader
+    VkInstance instance = VK_NULL_HANDLE;
+    VkPhysicalDevice physical = VK_NULL_HANDLE;
+    VkDevice device = VK_NULL_HANDLE;
+    VkQueue queue = VK_NULL_HANDLE;  // of queueFamily; used while avatars load and for frames that the backend submits
+    uint32_t queueFamily = 0;
+    const VkPhysicalDeviceFeatures2* enabled = nullptr;  // chain of vkCreateDevice, read during the call; null: no feature is enabled
+    const VkAllocationCallbacks* allocator = nullptr;    // read during the call; what it points to must outlive the backend
+    void (*lockQueue)(void* user) = nullptr;             // around each use of the queue; null: nobody else uses it
+    void (*unlockQueue)(void* user) = nullptr;
+    void* user = nullptr;
+};
+
 struct Device {
     Functions vk;
     VkInstance instance = VK_NULL_HANDLE;
@@ -28,6 +43,28 @@ struct Device {
     VkFormat depthSumFormat = VK_FORMAT_R32G32_SFLOAT;
     DeviceInfo info;
     std::shared_ptr<std::atomic<uint32_t>> validationMessages;
+    bool lent = false;  // by an app, which destroys it
+    VkAllocationCallbacks appAllocator{};
+    const VkAllocationCallbacks* allocator = nullptr;  // null, or &appAllocator
+    void (*lockQueue)(void* user) = nullptr;
+    void (*unlockQueue)(void* user) = nullptr;
+    void* user = nullptr;
+
+    /** Keeps others from the queue while it lives. */
+    class QueueLock {
+    public:
+        explicit QueueLock(const Device& device) : device_(device) {
+            if (device_.lockQueue) device_.lockQueue(device_.user);
+        }
+        ~QueueLock() {
+            if (device_.unlockQueue) device_.unlockQueue(device_.user);
+        }
+        QueueLock(const QueueLock&) = delete;
+        QueueLock& operator=(const QueueLock&) = delete;
+
+    private:
+        const Device& device_;
+    };
 
     Device() = default;
     Device(const Device&) = delete;
@@ -37,5 +74,9 @@ struct Device {
 
 /** Code::Unsupported when there is no loader, no driver or no device that fits; Code::NotFound when the validation layer is missing. */
 Result<std::unique_ptr<Device>> openDevice(const VulkanTestOptions& options);
+
+/** Code::InvalidArgument: a handle is null, or the queue family does not exist. Code::Unsupported: the device is older than Vulkan 1.1, or
+ *  the queue family lacks graphics or compute. */
+Result<std::unique_ptr<Device>> borrowDevice(const AppDevice& app);
 
 }  // namespace dpl::vk

@@ -15,55 +15,64 @@ constexpr VkPipelineStageFlags kGpuStages = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT
 
 }  // namespace
 
-/** Records steps. Puts a barrier before each step that touches what an earlier step wrote, or writes what an earlier step read. */
-struct VulkanBackend::Recorder {
-    VulkanBackend& backend;
-    Frame& frame;
-    VkCommandBuffer commands;
-    std::set<uint32_t> read, written;  // since the last barrier
-    const Functions& vk = backend.vk_;
+/** Decides where a frame needs barriers: before each step that touches what an earlier step wrote, or writes what an earlier step read. */
+class VulkanBackend::Hazards {
+public:
+    bool before(const FillStep& step) { return touch({{step.buffer, true}}); }
+    bool before(const ComputeStep& step) { return touch(accessesOf(step.bindings, step.indirect)); }
+    bool before(const DrawStep& step) { return touch(accessesOf(step.bindings, step.args)); }
+    bool before(const ReadbackStep&) { return false; }  // the render pass orders its images
+    bool before(const CopyStep& step) { return touch({{step.from, false}, {step.to, true}}); }
 
-    void barrier() {
-        VkMemoryBarrier memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
-        memory.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
-        memory.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_READ_BIT |
-                               VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_INDIRECT_COMMAND_READ_BIT;
-        vk.vkCmdPipelineBarrier(commands, kGpuStages, kGpuStages, 0, 1, &memory, 0, nullptr, 0, nullptr);
-        read.clear();
-        written.clear();
-    }
+private:
+    using Accesses = std::vector<std::pair<BufferId, bool>>;  // buffer, whether it is written
 
-    void touch(const std::vector<std::pair<BufferId, bool>>& accesses) {
-        bool hazard = false;
-        for (const auto& [buffer, writes] : accesses) hazard |= written.count(buffer.value) || (writes && read.count(buffer.value));
-        if (hazard) barrier();
-        for (const auto& [buffer, writes] : accesses) (writes ? written : read).insert(buffer.value);
-    }
-
-    std::vector<std::pair<BufferId, bool>> accessesOf(const std::vector<Binding>& bindings, const IndirectArgs& args) const {
-        std::vector<std::pair<BufferId, bool>> list;
+    static Accesses accessesOf(const std::vector<Binding>& bindings, const IndirectArgs& args) {
+        Accesses list;
         for (const Binding& b : bindings) list.push_back({b.buffer, b.access == Access::Write || b.access == Access::Update});
         if (args.buffer) list.push_back({args.buffer, false});
         return list;
     }
 
-    Status bind(VkPipelineBindPoint point, const Pipeline& pipeline, const std::vector<Binding>& bindings, const PushBytes& push) {
-        DPL_TRY(VkDescriptorSet set, backend.descriptorSet(frame, pipeline, bindings));
+    bool touch(const Accesses& accesses) {
+        bool hazard = false;
+        for (const auto& [buffer, writes] : accesses) hazard |= written_.count(buffer.value) || (writes && read_.count(buffer.value));
+        if (hazard) read_.clear(), written_.clear();
+        for (const auto& [buffer, writes] : accesses) (writes ? written_ : read_).insert(buffer.value);
+        return hazard;
+    }
+
+    std::set<uint32_t> read_, written_;  // since the last barrier
+};
+
+/** Writes the steps of a frame into a command buffer. Allocates nothing, but for read-backs of targets that must be rounded. */
+struct VulkanBackend::Recorder {
+    VulkanBackend& backend;
+    VkCommandBuffer commands;
+    VkDescriptorSet descriptors = VK_NULL_HANDLE;  // of the step
+    const Functions& vk = backend.vk_;
+
+    void barrier(VkPipelineStageFlags before = kGpuStages, VkPipelineStageFlags after = kGpuStages) {
+        VkMemoryBarrier memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
+        memory.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
+        memory.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_READ_BIT |
+                               VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_INDIRECT_COMMAND_READ_BIT;
+        vk.vkCmdPipelineBarrier(commands, before, after, 0, 1, &memory, 0, nullptr, 0, nullptr);
+    }
+
+    void bind(VkPipelineBindPoint point, const Pipeline& pipeline, const PushBytes& push) {
         vk.vkCmdBindPipeline(commands, point, pipeline.pipeline);
-        vk.vkCmdBindDescriptorSets(commands, point, pipeline.layout, 0, 1, &set, 0, nullptr);
+        vk.vkCmdBindDescriptorSets(commands, point, pipeline.layout, 0, 1, &descriptors, 0, nullptr);
         if (push.size) vk.vkCmdPushConstants(commands, pipeline.layout, pipeline.stages, 0, push.size, push.bytes.data());
-        return {};
     }
 
     Status operator()(const FillStep& step) {
-        touch({{step.buffer, true}});
         vk.vkCmdFillBuffer(commands, backend.buffers_.at(step.buffer.value).buffer, 0, VK_WHOLE_SIZE, step.value);
         return {};
     }
 
     Status operator()(const ComputeStep& step) {
-        touch(accessesOf(step.bindings, step.indirect));
-        DPL_CHECK_OK(bind(VK_PIPELINE_BIND_POINT_COMPUTE, backend.pipelines_[step.pipeline.value - 1], step.bindings, step.push));
+        bind(VK_PIPELINE_BIND_POINT_COMPUTE, backend.pipelines_[step.pipeline.value - 1], step.push);
         if (step.indirect.buffer) {
             vk.vkCmdDispatchIndirect(commands, backend.buffers_.at(step.indirect.buffer.value).buffer, step.indirect.offset);
         } else {
@@ -73,7 +82,6 @@ struct VulkanBackend::Recorder {
     }
 
     Status operator()(const DrawStep& step) {
-        touch(accessesOf(step.bindings, step.args));
         const Target& target = backend.targets_.at(step.target.value);
         const VkClearValue clear[2]{};  // transparent black, no depth
         VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
@@ -87,10 +95,10 @@ struct VulkanBackend::Recorder {
         const VkRect2D scissor{{0, 0}, target.extent};
         vk.vkCmdSetViewport(commands, 0, 1, &viewport);
         vk.vkCmdSetScissor(commands, 0, 1, &scissor);
-        const Status status = bind(VK_PIPELINE_BIND_POINT_GRAPHICS, backend.pipelines_[step.pipeline.value - 1], step.bindings, step.push);
-        if (status) vk.vkCmdDrawIndirect(commands, backend.buffers_.at(step.args.buffer.value).buffer, step.args.offset, 1, 16);
+        bind(VK_PIPELINE_BIND_POINT_GRAPHICS, backend.pipelines_[step.pipeline.value - 1], step.push);
+        vk.vkCmdDrawIndirect(commands, backend.buffers_.at(step.args.buffer.value).buffer, step.args.offset, 1, 16);
         vk.vkCmdEndRenderPass(commands);
-        return status;
+        return {};
     }
 
     Status operator()(const ReadbackStep& step) {
@@ -109,10 +117,6 @@ struct VulkanBackend::Recorder {
     Status operator()(const CopyStep& step) {
         const Buffer &from = backend.buffers_.at(step.from.value), &to = backend.buffers_.at(step.to.value);
         const bool back = to.desc.memory == BufferMemory::Readback;
-        if (back)
-            touch({{step.from, false}});
-        else
-            touch({{step.from, false}, {step.to, true}});
         const VkBufferCopy region{back ? step.offset : 0, back ? 0 : step.offset, back ? to.desc.bytes : from.desc.bytes};
         vk.vkCmdCopyBuffer(commands, from.buffer, to.buffer, 1, &region);
         if (back) hostBarrier();
@@ -187,7 +191,7 @@ Status VulkanBackend::makeDescriptorPool(Frame& frame, std::span<const Step> ste
     info.maxSets = sets + 1;
     info.poolSizeCount = 3;
     info.pPoolSizes = sizes;
-    DPL_VK(vk_.vkCreateDescriptorPool(device_->device, &info, nullptr, &frame.descriptors));
+    DPL_VK(vk_.vkCreateDescriptorPool(device_->device, &info, device_->allocator, &frame.descriptors));
     return {};
 }
 
@@ -221,70 +225,157 @@ Result<VkDescriptorSet> VulkanBackend::descriptorSet(const Frame& frame, const P
     return set;
 }
 
-Status VulkanBackend::record(Frame& frame, std::span<const Step> steps) {
+/** Prepares descriptors, barriers and timestamps of the steps. */
+Status VulkanBackend::prepare(Frame& frame, std::vector<Step> steps) {
     DPL_CHECK_OK(makeDescriptorPool(frame, steps));
+    Hazards hazards;
+    frame.steps.reserve(steps.size());
+    for (Step& step : steps) {
+        RecordedStep recorded;
+        recorded.barrier = std::visit([&](const auto& s) { return hazards.before(s); }, step);
+        if (const auto* compute = std::get_if<ComputeStep>(&step)) {
+            DPL_TRY(recorded.descriptors, descriptorSet(frame, pipelines_[compute->pipeline.value - 1], compute->bindings));
+        }
+        if (const auto* draw = std::get_if<DrawStep>(&step)) {
+            DPL_TRY(recorded.descriptors, descriptorSet(frame, pipelines_[draw->pipeline.value - 1], draw->bindings));
+        }
+        frame.labels.push_back(stepLabel(step));
+        recorded.step = std::move(step);
+        frame.steps.push_back(std::move(recorded));
+    }
+    if (device_->info.timestamps) {
+        VkQueryPoolCreateInfo query{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
+        query.queryType = VK_QUERY_TYPE_TIMESTAMP;
+        query.queryCount = uint32_t(steps.size()) + 1;
+        DPL_VK(vk_.vkCreateQueryPool(device_->device, &query, device_->allocator, &frame.timestamps));
+        frame.ticks.resize(query.queryCount);
+    }
+    return {};
+}
+
+/** Writes the prepared steps into a command buffer. Allocates nothing in frames without read-backs. */
+Status VulkanBackend::play(const Frame& frame, VkCommandBuffer commands) {
+    Recorder recorder{*this, commands};
+    const auto stamp = [&](uint32_t index) {
+        if (frame.timestamps) vk_.vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, frame.timestamps, index);
+    };
+    if (frame.timestamps) vk_.vkCmdResetQueryPool(commands, frame.timestamps, 0, uint32_t(frame.ticks.size()));
+    stamp(0);
+    for (size_t i = 0; i < frame.steps.size(); ++i) {
+        const RecordedStep& recorded = frame.steps[i];
+        if (recorded.barrier) recorder.barrier();
+        recorder.descriptors = recorded.descriptors;
+        DPL_CHECK_OK(std::visit(recorder, recorded.step));
+        stamp(uint32_t(i) + 1);
+    }
+    return {};
+}
+
+/** Records a submitted frame into a command buffer of its own. */
+Status VulkanBackend::record(Frame& frame) {
     VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-    DPL_VK(vk_.vkCreateFence(device_->device, &fence, nullptr, &frame.fence));
+    DPL_VK(vk_.vkCreateFence(device_->device, &fence, device_->allocator, &frame.fence));
     VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
     pool.queueFamilyIndex = device_->queueFamily;
-    DPL_VK(vk_.vkCreateCommandPool(device_->device, &pool, nullptr, &frame.commands));
+    DPL_VK(vk_.vkCreateCommandPool(device_->device, &pool, device_->allocator, &frame.commands));
     VkCommandBufferAllocateInfo allocation{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
     allocation.commandPool = frame.commands;
     allocation.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
     allocation.commandBufferCount = 1;
     DPL_VK(vk_.vkAllocateCommandBuffers(device_->device, &allocation, &frame.commandBuffer));
-    const uint32_t stamps = uint32_t(steps.size()) + 1;
-    if (device_->info.timestamps) {
-        VkQueryPoolCreateInfo query{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
-        query.queryType = VK_QUERY_TYPE_TIMESTAMP;
-        query.queryCount = stamps;
-        DPL_VK(vk_.vkCreateQueryPool(device_->device, &query, nullptr, &frame.timestamps));
-        frame.ticks.resize(stamps);
-    }
     VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
     DPL_VK(vk_.vkBeginCommandBuffer(frame.commandBuffer, &begin));
-    Recorder recorder{*this, frame, frame.commandBuffer, {}, {}};
-    recorder.barrier();  // the frame before this one uses the same buffers
-    const auto stamp = [&](uint32_t index) {
-        if (frame.timestamps) vk_.vkCmdWriteTimestamp(frame.commandBuffer, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, frame.timestamps, index);
-    };
-    if (frame.timestamps) vk_.vkCmdResetQueryPool(frame.commandBuffer, frame.timestamps, 0, stamps);
-    stamp(0);
-    for (uint32_t i = 0; i < steps.size(); ++i) {
-        DPL_CHECK_OK(std::visit(recorder, steps[i]));
-        stamp(i + 1);
-        frame.labels.push_back(stepLabel(steps[i]));
-    }
+    Recorder{*this, frame.commandBuffer}.barrier();  // the frame before this one uses the same buffers
+    DPL_CHECK_OK(play(frame, frame.commandBuffer));
     DPL_VK(vk_.vkEndCommandBuffer(frame.commandBuffer));
+    frame.steps.clear();
     return {};
 }
 
-Result<FrameId> VulkanBackend::createFrame(std::vector<Step> steps) {
+Result<FrameId> VulkanBackend::createFrame(std::vector<Step> steps, FrameRun run) {
     DPL_CHECK_OK(checkFrame(steps, *this, device_->info));
+    std::vector<TargetId> drawnTargets;
+    for (const Step& step : steps)
+        if (const auto* draw = std::get_if<DrawStep>(&step)) drawnTargets.push_back(draw->target);
     Frame frame;
-    if (auto status = record(frame, steps); !status) {
+    frame.run = run;
+    Status status = prepare(frame, std::move(steps));
+    if (status && run == FrameRun::Submitted) status = record(frame);
+    if (!status) {
         freeFrame(frame);
         return status.error();
     }
-    for (const Step& step : steps)
-        if (const auto* draw = std::get_if<DrawStep>(&step)) targets_.at(draw->target.value).drawn = true;
+    for (const TargetId target : drawnTargets) targets_.at(target.value).drawn = true;
     frames_.emplace(++lastId_, std::move(frame));
     return FrameId{lastId_};
 }
 
+Status VulkanBackend::encode(FrameId id, uint32_t slot, AppCommands commands) {
+    const auto it = frames_.find(id.value);
+    if (it == frames_.end() || it->second.run != FrameRun::Encoded) return fail(Code::InvalidArgument, "the encoded frame does not exist");
+    if (slot >= kAppSlots || !commands.handle) return fail(Code::InvalidArgument, "slot {} or its commands do not exist", slot);
+    Frame& frame = it->second;
+    if (frame.running) ended(frame);
+    layerSlots_[slot].viewCount = 0;
+    lastEncoded_[slot] = ++encoded_;
+    freeRetired();
+    const auto buffer = static_cast<VkCommandBuffer>(commands.handle);
+    constexpr VkPipelineStageFlags kReaders = kGpuStages | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT;
+    Recorder recorder{*this, buffer};
+    // The frame before this one uses the same buffers, an app's pass may read them, and readScene() may just have written one.
+    recorder.barrier(kReaders, kReaders);
+    DPL_CHECK_OK(play(frame, buffer));
+    recorder.barrier(kGpuStages, kReaders);
+    frame.running = true;
+    return {};
+}
+
+template <class T>
+void VulkanBackend::retire(T&& object) {
+    Retired retired{encoded_, std::forward<T>(object)};
+    if (encoded_ == 0)
+        free(retired);
+    else
+        retired_.push_back(std::move(retired));
+}
+template void VulkanBackend::retire(Buffer&&);
+template void VulkanBackend::retire(Target&&);
+template void VulkanBackend::retire(VkPipeline&&);
+
+/** Frees what no commands of the app can need any more. */
+void VulkanBackend::freeRetired() {
+    uint64_t oldest = encoded_;  // of the frames that may still run: the last one of each slot
+    for (const uint64_t last : lastEncoded_)
+        if (last > 0) oldest = std::min(oldest, last);
+    while (!retired_.empty() && retired_.front().encoded < oldest) {
+        free(retired_.front());
+        retired_.erase(retired_.begin());
+    }
+}
+
+void VulkanBackend::free(Retired& retired) {
+    if (auto* buffer = std::get_if<Buffer>(&retired.object)) freeBuffer(*buffer);
+    if (auto* target = std::get_if<Target>(&retired.object)) freeTarget(*target);
+    if (auto* frame = std::get_if<Frame>(&retired.object)) freeFrame(*frame);
+    if (auto* pipeline = std::get_if<VkPipeline>(&retired.object)) vk_.vkDestroyPipeline(device_->device, *pipeline, device_->allocator);
+}
+
 void VulkanBackend::freeFrame(Frame& frame) {
-    (void)waitFor(frame);  // fails only when the device is lost: then nothing runs
-    vk_.vkDestroyFence(device_->device, frame.fence, nullptr);
-    vk_.vkDestroyQueryPool(device_->device, frame.timestamps, nullptr);
-    vk_.vkDestroyCommandPool(device_->device, frame.commands, nullptr);
-    vk_.vkDestroyDescriptorPool(device_->device, frame.descriptors, nullptr);
+    if (frame.run == FrameRun::Submitted) (void)waitFor(frame);  // fails only when the device is lost: then nothing runs
+    vk_.vkDestroyFence(device_->device, frame.fence, device_->allocator);
+    vk_.vkDestroyQueryPool(device_->device, frame.timestamps, device_->allocator);
+    vk_.vkDestroyCommandPool(device_->device, frame.commands, device_->allocator);
+    vk_.vkDestroyDescriptorPool(device_->device, frame.descriptors, device_->allocator);
     frame = {};
 }
 
 void VulkanBackend::destroyFrame(FrameId id) {
     const auto it = frames_.find(id.value);
     if (it == frames_.end()) return;
-    freeFrame(it->second);
+    if (it->second.run == FrameRun::Encoded)
+        retire(std::move(it->second));
+    else
+        freeFrame(it->second);
     frames_.erase(it);
 }
 
@@ -293,21 +384,28 @@ Status VulkanBackend::submitAndWait(VkCommandBuffer commands) {
     submit.commandBufferCount = 1;
     submit.pCommandBuffers = &commands;
     DPL_VK(vk_.vkResetFences(device_->device, 1, &fence_));
-    DPL_VK(vk_.vkQueueSubmit(device_->queue, 1, &submit, fence_));
+    {
+        const Device::QueueLock lock(*device_);
+        DPL_VK(vk_.vkQueueSubmit(device_->queue, 1, &submit, fence_));
+    }
     DPL_VK(vk_.vkWaitForFences(device_->device, 1, &fence_, VK_TRUE, kFrameTimeoutNs));
     return {};
 }
 
 Status VulkanBackend::submit(FrameId id) {
     const auto it = frames_.find(id.value);
-    if (it == frames_.end()) return fail(Code::InvalidArgument, "the submitted frame does not exist");
+    if (it == frames_.end() || it->second.run != FrameRun::Submitted)
+        return fail(Code::InvalidArgument, "the submitted frame does not exist");
     Frame& frame = it->second;
     DPL_CHECK_OK(waitFor(frame));
     VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
     submit.commandBufferCount = 1;
     submit.pCommandBuffers = &frame.commandBuffer;
     DPL_VK(vk_.vkResetFences(device_->device, 1, &frame.fence));
-    DPL_VK(vk_.vkQueueSubmit(device_->queue, 1, &submit, frame.fence));
+    {
+        const Device::QueueLock lock(*device_);
+        DPL_VK(vk_.vkQueueSubmit(device_->queue, 1, &submit, frame.fence));
+    }
     frame.running = true;
     return {};
 }
@@ -315,6 +413,7 @@ Status VulkanBackend::submit(FrameId id) {
 bool VulkanBackend::finished(FrameId id) {
     const auto it = frames_.find(id.value);
     if (it == frames_.end() || !it->second.running) return true;
+    if (it->second.run == FrameRun::Encoded) return false;  // the app knows; encode() learns it from the app's promise
     if (vk_.vkGetFenceStatus(device_->device, it->second.fence) != VK_SUCCESS) return false;
     ended(it->second);
     return true;
@@ -326,7 +425,7 @@ Status VulkanBackend::wait(FrameId id) {
 }
 
 Status VulkanBackend::waitFor(Frame& frame) {
-    if (!frame.running) return {};
+    if (!frame.running || frame.run == FrameRun::Encoded) return {};
     DPL_VK(vk_.vkWaitForFences(device_->device, 1, &frame.fence, VK_TRUE, kFrameTimeoutNs));
     ended(frame);
     return {};
@@ -356,28 +455,53 @@ VulkanBackend::VulkanBackend(std::unique_ptr<Device> device, ShaderPack pack)
 
 Status VulkanBackend::start() {
     VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-    DPL_VK(vk_.vkCreateFence(device_->device, &fence, nullptr, &fence_));
+    DPL_VK(vk_.vkCreateFence(device_->device, &fence, device_->allocator, &fence_));
     VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
     pool.queueFamilyIndex = device_->queueFamily;
     pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
-    DPL_VK(vk_.vkCreateCommandPool(device_->device, &pool, nullptr, &uploadPool_));
+    DPL_VK(vk_.vkCreateCommandPool(device_->device, &pool, device_->allocator, &uploadPool_));
     VkCommandBufferAllocateInfo allocation{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
     allocation.commandPool = uploadPool_;
     allocation.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
     allocation.commandBufferCount = 1;
     DPL_VK(vk_.vkAllocateCommandBuffers(device_->device, &allocation, &uploadCommands_));
-    return {};
+    return device_->lent ? makeLayerSlots() : Status();
 }
 
 VulkanBackend::~VulkanBackend() {
-    vk_.vkDeviceWaitIdle(device_->device);
+    if (device_->lent) {  // the app waits for its own commands; its other queues are not ours to wait for
+        for (auto& [id, frame] : frames_) (void)waitFor(frame);
+    } else {
+        vk_.vkDeviceWaitIdle(device_->device);
+    }
+    for (Retired& retired : retired_) free(retired);
+    for (auto& [id, composer] : composers_) vk_.vkDestroyPipeline(device_->device, composer.pipeline, device_->allocator);
+    freePipeline(composeLayout_);
+    vk_.vkDestroyDescriptorPool(device_->device, layerDescriptors_, device_->allocator);
     for (auto& [id, frame] : frames_) freeFrame(frame);
     for (auto& [id, target] : targets_) freeTarget(target);
     for (auto& [id, buffer] : buffers_) freeBuffer(buffer);
     for (Pipeline& pipeline : pipelines_) freePipeline(pipeline);
-    for (auto& [key, pass] : renderPasses_) vk_.vkDestroyRenderPass(device_->device, pass, nullptr);
-    vk_.vkDestroyCommandPool(device_->device, uploadPool_, nullptr);
-    vk_.vkDestroyFence(device_->device, fence_, nullptr);
+    for (auto& [key, pass] : renderPasses_) vk_.vkDestroyRenderPass(device_->device, pass, device_->allocator);
+    vk_.vkDestroyCommandPool(device_->device, uploadPool_, device_->allocator);
+    vk_.vkDestroyFence(device_->device, fence_, device_->allocator);
+}
+
+namespace {
+
+Result<std::unique_ptr<VulkanBackend>> startBackend(std::unique_ptr<Device> device, ShaderPack pack) {
+    device->info.identity += formatText("-{}", pack.contentHash);
+    auto backend = std::make_unique<VulkanBackend>(std::move(device), std::move(pack));
+    DPL_CHECK_OK(backend->start());
+    return backend;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<VulkanBackend>> createBackendOn(const AppDevice& app) {
+    DPL_TRY(ShaderPack pack, readShaderPack(embeddedShaderPack(), "the embedded shader pack", embeddedShaderInterface()));
+    DPL_TRY(auto device, borrowDevice(app));
+    return startBackend(std::move(device), std::move(pack));
 }
 
 }  // namespace dpl::vk
@@ -394,9 +518,7 @@ Result<std::unique_ptr<Backend>> createVulkanBackend(const VulkanTestOptions& op
             readShaderPack(own ? embeddedShaderPack() : options.shaderPack, own ? "the embedded shader pack" : "the given shader pack",
                            own ? embeddedShaderInterface() : options.shaderInterface));
     DPL_TRY(auto device, vk::openDevice(options));
-    device->info.identity += formatText("-{}", pack.contentHash);
-    auto backend = std::make_unique<vk::VulkanBackend>(std::move(device), std::move(pack));
-    DPL_CHECK_OK(backend->start());
+    DPL_TRY(auto backend, vk::startBackend(std::move(device), std::move(pack)));
     return std::unique_ptr<Backend>(std::move(backend));
 }
 

@@ -46,6 +46,7 @@
     DO(vkCmdCopyImageToBuffer)        \
     DO(vkCmdDispatch)                 \
     DO(vkCmdDispatchIndirect)         \
+    DO(vkCmdDraw)                     \
     DO(vkCmdDrawIndirect)             \
     DO(vkCmdEndRenderPass)            \
     DO(vkCmdFillBuffer)               \

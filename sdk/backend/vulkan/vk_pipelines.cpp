@@ -9,7 +9,8 @@ Result<VkRenderPass> VulkanBackend::renderPass(const TargetDesc& target) {
     const uint32_t layers = target.multiview ? target.views : 0, samples = target.samples;
     const bool depth = target.depth;
     const ColourFormat colour = target.colour;
-    if (const auto it = renderPasses_.find({layers, depth, colour, samples}); it != renderPasses_.end()) return it->second;
+    const auto key = std::tuple(layers, depth, colour, samples, target.sampled);
+    if (const auto it = renderPasses_.find(key); it != renderPasses_.end()) return it->second;
     const uint32_t targets = depth ? 2 : 1;
     std::array<VkAttachmentDescription, 4>
         attachments{};  // first the images that are drawn; with several samples, then the images that these are resolved into
@@ -20,7 +21,7 @@ Result<VkRenderPass> VulkanBackend::renderPass(const TargetDesc& target) {
         a.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
         a.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
         a.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED;
-        a.finalLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
+        a.finalLayout = target.sampled ? VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL : VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
     }
     for (uint32_t i = 0; i < 2 * targets; ++i) {
         const VkFormat colourFormat = vulkanFormat(colour);
@@ -42,17 +43,20 @@ Result<VkRenderPass> VulkanBackend::renderPass(const TargetDesc& target) {
     subpass.pColorAttachments = references;
     if (samples > 1) subpass.pResolveAttachments = references + targets;
     VkSubpassDependency dependencies[2]{};
-    dependencies[0].srcSubpass = VK_SUBPASS_EXTERNAL;  // waits for the read-back of the frame before
-    dependencies[0].srcStageMask = VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
-    dependencies[0].srcAccessMask = VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
+    // A read-back or an app's pass. Both in every pass: pipelines fit only passes with the same dependencies.
+    constexpr VkPipelineStageFlags kReader = VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT;
+    constexpr VkAccessFlags kReads = VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_SHADER_READ_BIT;
+    dependencies[0].srcSubpass = VK_SUBPASS_EXTERNAL;  // waits for whoever reads the frame before
+    dependencies[0].srcStageMask = kReader | VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
+    dependencies[0].srcAccessMask = kReads | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
     dependencies[0].dstStageMask = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
     dependencies[0].dstAccessMask = VK_ACCESS_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
     dependencies[1].srcSubpass = 0;
-    dependencies[1].dstSubpass = VK_SUBPASS_EXTERNAL;  // the copy to memory waits for the draw
+    dependencies[1].dstSubpass = VK_SUBPASS_EXTERNAL;  // the reader waits for the draw
     dependencies[1].srcStageMask = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
     dependencies[1].srcAccessMask = VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
-    dependencies[1].dstStageMask = VK_PIPELINE_STAGE_TRANSFER_BIT;
-    dependencies[1].dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT;
+    dependencies[1].dstStageMask = kReader;
+    dependencies[1].dstAccessMask = kReads;
     dependencies[0].dstSubpass = 0;
     VkRenderPassCreateInfo info{VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO};
     info.attachmentCount = samples > 1 ? 2 * targets : targets;
@@ -69,8 +73,8 @@ Result<VkRenderPass> VulkanBackend::renderPass(const TargetDesc& target) {
     multiview.pCorrelationMasks = &mask;
     if (layers > 0) info.pNext = &multiview;
     VkRenderPass pass = VK_NULL_HANDLE;
-    DPL_VK(vk_.vkCreateRenderPass(device_->device, &info, nullptr, &pass));
-    renderPasses_[{layers, depth, colour, samples}] = pass;
+    DPL_VK(vk_.vkCreateRenderPass(device_->device, &info, device_->allocator, &pass));
+    renderPasses_[key] = pass;
     return pass;
 }
 
@@ -79,7 +83,7 @@ Result<VkShaderModule> VulkanBackend::shaderModule(const Shader& shader) {
     info.codeSize = shader.spirv.size() * 4;
     info.pCode = shader.spirv.data();
     VkShaderModule module = VK_NULL_HANDLE;
-    DPL_VK(vk_.vkCreateShaderModule(device_->device, &info, nullptr, &module));
+    DPL_VK(vk_.vkCreateShaderModule(device_->device, &info, device_->allocator, &module));
     return module;
 }
 
@@ -100,14 +104,14 @@ Status VulkanBackend::makeLayouts(Pipeline& p) {
     VkDescriptorSetLayoutCreateInfo set{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
     set.bindingCount = uint32_t(bindings.size());
     set.pBindings = bindings.data();
-    DPL_VK(vk_.vkCreateDescriptorSetLayout(device_->device, &set, nullptr, &p.setLayout));
-    const VkPushConstantRange push{p.stages, 0, p.shader->pushBytes};
+    DPL_VK(vk_.vkCreateDescriptorSetLayout(device_->device, &set, device_->allocator, &p.setLayout));
+    const VkPushConstantRange push{p.stages, 0, std::max(p.shader->pushBytes, p.fragment ? p.fragment->pushBytes : 0)};
     VkPipelineLayoutCreateInfo layout{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
     layout.setLayoutCount = 1;
     layout.pSetLayouts = &p.setLayout;
     layout.pushConstantRangeCount = push.size ? 1 : 0;
     layout.pPushConstantRanges = &push;
-    DPL_VK(vk_.vkCreatePipelineLayout(device_->device, &layout, nullptr, &p.layout));
+    DPL_VK(vk_.vkCreatePipelineLayout(device_->device, &layout, device_->allocator, &p.layout));
     return {};
 }
 
@@ -120,8 +124,8 @@ Status VulkanBackend::makeCompute(Pipeline& p) {
     info.stage.pName = "main";
     DPL_TRY(info.stage.module, shaderModule(*p.shader));
     info.layout = p.layout;
-    const VkResult result = vk_.vkCreateComputePipelines(device_->device, VK_NULL_HANDLE, 1, &info, nullptr, &p.pipeline);
-    vk_.vkDestroyShaderModule(device_->device, info.stage.module, nullptr);
+    const VkResult result = vk_.vkCreateComputePipelines(device_->device, VK_NULL_HANDLE, 1, &info, device_->allocator, &p.pipeline);
+    vk_.vkDestroyShaderModule(device_->device, info.stage.module, device_->allocator);
     return result == VK_SUCCESS ? Status() : Status(failVk("vkCreateComputePipelines", result));
 }
 
@@ -179,19 +183,19 @@ Status VulkanBackend::makeDraw(Pipeline& p, const DrawPipelineDesc& desc) {
     DPL_TRY(stages[0].module, shaderModule(*p.shader));
     auto second = shaderModule(fragment);
     if (!second) {
-        vk_.vkDestroyShaderModule(device_->device, stages[0].module, nullptr);
+        vk_.vkDestroyShaderModule(device_->device, stages[0].module, device_->allocator);
         return second.error();
     }
     stages[1].module = *second;
-    const VkResult result = vk_.vkCreateGraphicsPipelines(device_->device, VK_NULL_HANDLE, 1, &info, nullptr, &p.pipeline);
-    for (const auto& stage : stages) vk_.vkDestroyShaderModule(device_->device, stage.module, nullptr);
+    const VkResult result = vk_.vkCreateGraphicsPipelines(device_->device, VK_NULL_HANDLE, 1, &info, device_->allocator, &p.pipeline);
+    for (const auto& stage : stages) vk_.vkDestroyShaderModule(device_->device, stage.module, device_->allocator);
     return result == VK_SUCCESS ? Status() : Status(failVk("vkCreateGraphicsPipelines", result));
 }
 
 void VulkanBackend::freePipeline(Pipeline& p) {
-    vk_.vkDestroyPipeline(device_->device, p.pipeline, nullptr);
-    vk_.vkDestroyPipelineLayout(device_->device, p.layout, nullptr);
-    vk_.vkDestroyDescriptorSetLayout(device_->device, p.setLayout, nullptr);
+    vk_.vkDestroyPipeline(device_->device, p.pipeline, device_->allocator);
+    vk_.vkDestroyPipelineLayout(device_->device, p.layout, device_->allocator);
+    vk_.vkDestroyDescriptorSetLayout(device_->device, p.setLayout, device_->allocator);
 }
 
 PipelineId VulkanBackend::findPipeline(std::string_view key) const {

@@ -26,7 +26,7 @@ Status VulkanBackend::makeBuffer(Buffer& b) {
     if (b.desc.memory == BufferMemory::Device) info.usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
     if (b.desc.memory == BufferMemory::Upload) info.usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT;
     if (device_->info.texels && b.desc.memory != BufferMemory::Readback) info.usage |= VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT;
-    DPL_VK(vk_.vkCreateBuffer(device_->device, &info, nullptr, &b.buffer));
+    DPL_VK(vk_.vkCreateBuffer(device_->device, &info, device_->allocator, &b.buffer));
     VkMemoryRequirements needs{};
     vk_.vkGetBufferMemoryRequirements(device_->device, b.buffer, &needs);
     VkMemoryPropertyFlags wanted = 0, preferred = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
@@ -35,7 +35,7 @@ Status VulkanBackend::makeBuffer(Buffer& b) {
     VkMemoryAllocateInfo allocation{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
     allocation.allocationSize = needs.size;
     DPL_TRY(allocation.memoryTypeIndex, memoryType(needs.memoryTypeBits, wanted, preferred));
-    if (VkResult result = vk_.vkAllocateMemory(device_->device, &allocation, nullptr, &b.memory); result != VK_SUCCESS) {
+    if (VkResult result = vk_.vkAllocateMemory(device_->device, &allocation, device_->allocator, &b.memory); result != VK_SUCCESS) {
         b.memory = VK_NULL_HANDLE;
         return fail(Code::OutOfMemory, "cannot allocate {} bytes of graphics memory for {} (Vulkan error {})", needs.size, b.desc.label,
                     int(result));
@@ -51,9 +51,9 @@ Status VulkanBackend::makeBuffer(Buffer& b) {
 }
 
 void VulkanBackend::freeBuffer(Buffer& b) {
-    for (VkBufferView view : b.texels) vk_.vkDestroyBufferView(device_->device, view, nullptr);
-    vk_.vkDestroyBuffer(device_->device, b.buffer, nullptr);
-    vk_.vkFreeMemory(device_->device, b.memory, nullptr);
+    for (VkBufferView view : b.texels) vk_.vkDestroyBufferView(device_->device, view, device_->allocator);
+    vk_.vkDestroyBuffer(device_->device, b.buffer, device_->allocator);
+    vk_.vkFreeMemory(device_->device, b.memory, device_->allocator);
     b = {};
 }
 
@@ -72,7 +72,7 @@ Result<BufferId> VulkanBackend::createBuffer(const BufferDesc& desc) {
 void VulkanBackend::destroyBuffer(BufferId id) {
     const auto it = buffers_.find(id.value);
     if (it == buffers_.end()) return;
-    freeBuffer(it->second);
+    retire(std::move(it->second));
     buffers_.erase(it);
 }
 
@@ -117,7 +117,7 @@ Status VulkanBackend::makeImage(Image& image, VkFormat format, const Target& tar
     info.tiling = VK_IMAGE_TILING_OPTIMAL;
     info.usage =
         usage | (samples > 1 ? VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT : VK_IMAGE_USAGE_TRANSFER_SRC_BIT);  // samples are only averaged
-    DPL_VK(vk_.vkCreateImage(device_->device, &info, nullptr, &image.image));
+    DPL_VK(vk_.vkCreateImage(device_->device, &info, device_->allocator, &image.image));
     VkMemoryRequirements needs{};
     vk_.vkGetImageMemoryRequirements(device_->device, image.image, &needs);
     VkMemoryAllocateInfo allocation{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
@@ -129,7 +129,7 @@ Status VulkanBackend::makeImage(Image& image, VkFormat format, const Target& tar
     else {
         DPL_TRY(allocation.memoryTypeIndex, memoryType(needs.memoryTypeBits, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT));
     }
-    DPL_VK(vk_.vkAllocateMemory(device_->device, &allocation, nullptr, &image.memory));
+    DPL_VK(vk_.vkAllocateMemory(device_->device, &allocation, device_->allocator, &image.memory));
     image.allocatedBytes = onChip ? 0 : needs.size;
     DPL_VK(vk_.vkBindImageMemory(device_->device, image.image, image.memory, 0));
     if (!(usage & VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT)) return {};  // images that are only copied need no view
@@ -138,22 +138,22 @@ Status VulkanBackend::makeImage(Image& image, VkFormat format, const Target& tar
     view.viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY;
     view.format = format;
     view.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, info.arrayLayers};
-    DPL_VK(vk_.vkCreateImageView(device_->device, &view, nullptr, &image.view));
+    DPL_VK(vk_.vkCreateImageView(device_->device, &view, device_->allocator, &image.view));
     return {};
 }
 
 void VulkanBackend::freeImage(Image& image) {
-    vk_.vkDestroyImageView(device_->device, image.view, nullptr);
-    vk_.vkDestroyImage(device_->device, image.image, nullptr);
-    vk_.vkFreeMemory(device_->device, image.memory, nullptr);
+    vk_.vkDestroyImageView(device_->device, image.view, device_->allocator);
+    vk_.vkDestroyImage(device_->device, image.image, device_->allocator);
+    vk_.vkFreeMemory(device_->device, image.memory, device_->allocator);
     image = {};
 }
 
 Status VulkanBackend::makeSurface(Surface& s, const Target& t) {
     constexpr VkImageUsageFlags kDrawn = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
     const VkFormat colour = vulkanFormat(t.desc.colour);
-    DPL_CHECK_OK(makeImage(s.colour, colour, t, kDrawn));
-    if (t.desc.colour != ColourFormat::Codes8) {
+    DPL_CHECK_OK(makeImage(s.colour, colour, t, kDrawn | (t.desc.sampled ? VK_IMAGE_USAGE_SAMPLED_BIT : 0)));
+    if (t.desc.colour != ColourFormat::Codes8 && !t.desc.sampled) {
         DPL_CHECK_OK(makeImage(s.rounded, VK_FORMAT_R8G8B8A8_UNORM, t, VK_IMAGE_USAGE_TRANSFER_DST_BIT));
     }
     if (t.desc.depth) {
@@ -177,12 +177,12 @@ Status VulkanBackend::makeSurface(Surface& s, const Target& t) {
     info.width = t.extent.width;
     info.height = t.extent.height;
     info.layers = 1;  // required with multiview, where the view mask selects the layers
-    DPL_VK(vk_.vkCreateFramebuffer(device_->device, &info, nullptr, &s.framebuffer));
+    DPL_VK(vk_.vkCreateFramebuffer(device_->device, &info, device_->allocator, &s.framebuffer));
     return {};
 }
 
 void VulkanBackend::freeSurface(Surface& s) {
-    vk_.vkDestroyFramebuffer(device_->device, s.framebuffer, nullptr);
+    vk_.vkDestroyFramebuffer(device_->device, s.framebuffer, device_->allocator);
     for (Image* image : {&s.colour, &s.depth, &s.rounded, &s.colourSamples, &s.depthSamples}) freeImage(*image);
 }
 
@@ -219,17 +219,25 @@ Result<TargetId> VulkanBackend::createTarget(const TargetDesc& desc) {
 void VulkanBackend::destroyTarget(TargetId id) {
     const auto it = targets_.find(id.value);
     if (it == targets_.end()) return;
-    freeTarget(it->second);
+    retire(std::move(it->second));
     targets_.erase(it);
 }
 
 uint64_t VulkanBackend::residentBytes() const {
-    uint64_t bytes = 0;
-    for (const auto& [id, b] : buffers_) bytes += b.allocatedBytes;
-    for (const auto& [id, t] : targets_)
+    const auto bytesOf = [](const Target& t) {
+        uint64_t bytes = 0;
         for (const Surface& s : t.surfaces)
             bytes += s.colour.allocatedBytes + s.depth.allocatedBytes + s.rounded.allocatedBytes + s.colourSamples.allocatedBytes +
                      s.depthSamples.allocatedBytes;
+        return bytes;
+    };
+    uint64_t bytes = 0;
+    for (const auto& [id, b] : buffers_) bytes += b.allocatedBytes;
+    for (const auto& [id, t] : targets_) bytes += bytesOf(t);
+    for (const Retired& retired : retired_) {
+        if (const auto* buffer = std::get_if<Buffer>(&retired.object)) bytes += buffer->allocatedBytes;
+        if (const auto* target = std::get_if<Target>(&retired.object)) bytes += bytesOf(*target);
+    }
     return bytes;
 }
 
@@ -240,7 +248,7 @@ Result<VkBufferView> VulkanBackend::texels(Buffer& b, uint32_t words) {
     info.buffer = b.buffer;
     info.format = words == 1 ? VK_FORMAT_R32_UINT : words == 2 ? VK_FORMAT_R32G32_UINT : VK_FORMAT_R32G32B32A32_UINT;
     info.range = VK_WHOLE_SIZE;
-    DPL_VK(vk_.vkCreateBufferView(device_->device, &info, nullptr, &view));
+    DPL_VK(vk_.vkCreateBufferView(device_->device, &info, device_->allocator, &view));
     return view;
 }
 

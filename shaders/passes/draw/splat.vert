@@ -17,6 +17,11 @@ layout(location = 0) flat out vec4 centreConic;   // centre px; -log₂e ½ A an
 layout(location = 1) flat out vec4 conicOpacity;  // -log₂e ½ C, opacity, view, 0
 layout(location = 2) flat out vec4 colourDepth;   // rgb, view z
 
+// All splats are one instance: an instance with only three vertices would leave lanes of the vertex shader idle, and on lavapipe each
+// instance costs as much as a draw.
+uint dplSplat() { return uint(gl_VertexIndex) / 3u; }
+uint dplCorner() { return uint(gl_VertexIndex) % 3u; }
+
 void main() {
     uint view = dplViewIndex(push.view);
     // The list is sorted nearest first, with ties in splat order. Drawing it backwards gives the exact mirror of front-to-back

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Apache-2.0
+// Composes pictures into the passes of an app that lends its device.
+#include <algorithm>
+#include <bit>
+
+#include "sdk/backend/vulkan/vk_backend.h"
+
+namespace dpl::vk {
+namespace {
+
+/** How a format of a target stores light. */
+struct TargetFormat {
+    VkFormat format;
+    bool linear;  // blends linear light; else display-referred values
+};
+constexpr TargetFormat kTargetFormats[] = {
+    {VK_FORMAT_R8G8B8A8_UNORM, false}, {VK_FORMAT_B8G8R8A8_UNORM, false},     {VK_FORMAT_R8G8B8A8_SRGB, true},
+    {VK_FORMAT_B8G8R8A8_SRGB, true},   {VK_FORMAT_R16G16B16A16_SFLOAT, true}, {VK_FORMAT_A2B10G10R10_UNORM_PACK32, false},
+};
+
+constexpr uint32_t kImages = 2, kBuffers = 4;                // bindings of compose.frag
+constexpr uint32_t kSceneSets = gpu::kMaxViews * kAppSlots;  // each with an image and a buffer
+
+}  // namespace
+
+/** Makes the layouts that all composers share, and a descriptor set for each slot. */
+Status VulkanBackend::makeLayerSlots() {
+    composeLayout_.shader = pack_.find("compose.vert");
+    composeLayout_.fragment = pack_.find("compose.frag");
+    if (!composeLayout_.shader || !composeLayout_.fragment) return fail(Code::Internal, "the shader pack has no compose shaders");
+    composeLayout_.stages = VK_SHADER_STAGE_FRAGMENT_BIT;
+    DPL_CHECK_OK(makeLayouts(composeLayout_));
+    DPL_TRY(readScene_[0], computePipeline("scene.read"));
+    DPL_TRY(readScene_[1], computePipeline("scene.read.four"));
+    const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, kImages * kAppSlots + kSceneSets},
+                                          {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kBuffers * kAppSlots + kSceneSets}};
+    VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+    info.maxSets = kAppSlots + kSceneSets;
+    info.poolSizeCount = 2;
+    info.pPoolSizes = sizes;
+    DPL_VK(vk_.vkCreateDescriptorPool(device_->device, &info, device_->allocator, &layerDescriptors_));
+    for (LayerSlot& slot : layerSlots_) {
+        DPL_TRY(slot.descriptors, layerDescriptors(composeLayout_.setLayout));
+        for (VkDescriptorSet& scene : slot.scenes) {
+            DPL_TRY(scene, layerDescriptors(pipelines_[readScene_[0].value - 1].setLayout));  // both kernels have the same bindings
+        }
+    }
+    return {};
+}
+
+Result<VkDescriptorSet> VulkanBackend::layerDescriptors(VkDescriptorSetLayout layout) {
+    VkDescriptorSetAllocateInfo allocation{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
+    allocation.descriptorPool = layerDescriptors_;
+    allocation.descriptorSetCount = 1;
+    allocation.pSetLayouts = &layout;
+    VkDescriptorSet set = VK_NULL_HANDLE;
+    DPL_VK(vk_.vkAllocateDescriptorSets(device_->device, &allocation, &set));
+    return set;
+}
+
+Status VulkanBackend::readScene(uint32_t slot, uint32_t view, uint32_t viewOfFrame, uint32_t widthPx, uint32_t heightPx,
+                                const SceneImage& image, BufferId scene, AppCommands commands) {
+    const Buffer& to = buffers_.at(scene.value);
+    const VkDescriptorSet set = layerSlots_[slot].scenes[view];
+    const VkDescriptorImageInfo from{VK_NULL_HANDLE, image.view, image.layout};
+    const VkDescriptorBufferInfo written{to.buffer, 0, to.desc.bytes};
+    VkWriteDescriptorSet writes[2]{};
+    for (uint32_t i = 0; i < 2; ++i) {
+        writes[i].sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
+        writes[i].dstSet = set;
+        writes[i].dstBinding = i;
+        writes[i].descriptorCount = 1;
+    }
+    writes[0].descriptorType = VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, writes[0].pImageInfo = &from;
+    writes[1].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, writes[1].pBufferInfo = &written;
+    vk_.vkUpdateDescriptorSets(device_->device, 2, writes, 0, nullptr);
+    const Pipeline& pipeline = pipelines_[readScene_[image.samples == 1 ? 0 : 1].value - 1];
+    const gpu::ScenePush push{
+        widthPx,     heightPx,    viewOfFrame * widthPx * heightPx, image.layer, float(image.place.x), float(image.place.y),
+        image.scale, image.offset};
+    const auto buffer = static_cast<VkCommandBuffer>(commands.handle);
+    vk_.vkCmdBindPipeline(buffer, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.pipeline);
+    vk_.vkCmdBindDescriptorSets(buffer, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.layout, 0, 1, &set, 0, nullptr);
+    vk_.vkCmdPushConstants(buffer, pipeline.layout, pipeline.stages, 0, sizeof push, &push);
+    vk_.vkCmdDispatch(buffer, (widthPx + gpu::kSceneGroup - 1) / gpu::kSceneGroup, heightPx, 1);
+    return {};
+}
+
+Result<VkPipeline> VulkanBackend::composePipeline(const AppPass& pass, const Shader& fragment) {
+    VkPipelineShaderStageCreateInfo stages[2]{};
+    stages[0].sType = stages[1].sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+    stages[0].stage = VK_SHADER_STAGE_VERTEX_BIT;
+    stages[1].stage = VK_SHADER_STAGE_FRAGMENT_BIT;
+    stages[0].pName = stages[1].pName = "main";
+    VkPipelineVertexInputStateCreateInfo input{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
+    VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
+    assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+    VkPipelineViewportStateCreateInfo viewport{VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO};
+    viewport.viewportCount = viewport.scissorCount = 1;
+    VkPipelineRasterizationStateCreateInfo raster{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
+    raster.polygonMode = VK_POLYGON_MODE_FILL;
+    raster.cullMode = VK_CULL_MODE_NONE;
+    raster.lineWidth = 1;
+    VkPipelineMultisampleStateCreateInfo samples{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
+    samples.rasterizationSamples = VkSampleCountFlagBits(pass.samples);
+    VkPipelineDepthStencilStateCreateInfo depth{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};  // no test, no writes
+    VkPipelineColorBlendAttachmentState blend{};                                                              // premultiplied "over"
+    blend.blendEnable = VK_TRUE;
+    blend.srcColorBlendFactor = blend.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
+    blend.dstColorBlendFactor = blend.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
+    blend.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
+    VkPipelineColorBlendStateCreateInfo colour{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
+    colour.attachmentCount = 1;
+    colour.pAttachments = &blend;
+    const VkDynamicState dynamic[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
+    VkPipelineDynamicStateCreateInfo dynamicInfo{VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO};
+    dynamicInfo.dynamicStateCount = 2;
+    dynamicInfo.pDynamicStates = dynamic;
+    VkPipelineRenderingCreateInfo rendering{VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO};
+    rendering.viewMask = pass.viewMask;
+    rendering.colorAttachmentCount = 1;
+    rendering.pColorAttachmentFormats = &pass.colour;
+    rendering.depthAttachmentFormat = pass.depth;
+    rendering.stencilAttachmentFormat = pass.stencil;
+    VkGraphicsPipelineCreateInfo info{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO};
+    if (!pass.renderPass) info.pNext = &rendering;
+    info.stageCount = 2;
+    info.pStages = stages;
+    info.pVertexInputState = &input;
+    info.pInputAssemblyState = &assembly;
+    info.pViewportState = &viewport;
+    info.pRasterizationState = &raster;
+    info.pMultisampleState = &samples;
+    info.pDepthStencilState = &depth;
+    info.pColorBlendState = &colour;
+    info.pDynamicState = &dynamicInfo;
+    info.layout = composeLayout_.layout;
+    info.renderPass = pass.renderPass;
+    info.subpass = pass.subpass;
+    DPL_TRY(stages[0].module, shaderModule(*composeLayout_.shader));
+    auto second = shaderModule(fragment);
+    VkPipeline pipeline = VK_NULL_HANDLE;
+    VkResult result = VK_SUCCESS;
+    if (second) {
+        stages[1].module = *second;
+        result = vk_.vkCreateGraphicsPipelines(device_->device, VK_NULL_HANDLE, 1, &info, device_->allocator, &pipeline);
+        vk_.vkDestroyShaderModule(device_->device, stages[1].module, device_->allocator);
+    }
+    vk_.vkDestroyShaderModule(device_->device, stages[0].module, device_->allocator);
+    if (!second) return second.error();
+    if (result != VK_SUCCESS) return failVk("vkCreateGraphicsPipelines", result);
+    return pipeline;
+}
+
+Result<ComposerId> VulkanBackend::createComposer(const AppPass& pass) {
+    if (!device_->lent) return fail(Code::Unsupported, "only a context on the app's own Vulkan device composes into its passes");
+    const auto* known =
+        std::find_if(std::begin(kTargetFormats), std::end(kTargetFormats), [&](auto& f) { return f.format == pass.colour; });
+    if (known == std::end(kTargetFormats))
+        return fail(Code::Unsupported,
+                    "targets of VkFormat {} are not possible; use RGBA8 or BGRA8 as UNORM or SRGB, R16G16B16A16_SFLOAT or "
+                    "A2B10G10R10_UNORM_PACK32",
+                    int(pass.colour));
+    if (pass.samples != 1 && pass.samples != 4)
+        return fail(Code::Unsupported, "a pass of {} samples a pixel is not possible; 1 and 4 are", pass.samples);
+    if (pass.viewMask != 0 && !device_->info.multiview)
+        return fail(Code::Unsupported,
+                    "the pass has a view mask, but the feature multiview is not enabled, or the driver of {} draws it wrong; use a pass "
+                    "for each view",
+                    device_->info.name);
+    if (pass.viewMask >= 1u << gpu::kMaxViews)
+        return fail(Code::Unsupported, "the view mask {} has views above {}", pass.viewMask, gpu::kMaxViews - 1);
+    const Shader* fragment = pack_.find(pass.viewMask ? "compose.frag.multiview" : "compose.frag");
+    if (!fragment) return fail(Code::Internal, "the shader pack has no compose.frag.multiview");
+    Composer composer;
+    composer.linear = known->linear;
+    composer.viewMask = pass.viewMask;
+    DPL_TRY(composer.pipeline, composePipeline(pass, *fragment));
+    composers_.emplace(++lastId_, composer);
+    return ComposerId{lastId_};
+}
+
+Status VulkanBackend::destroyComposer(ComposerId id) {
+    const auto it = composers_.find(id.value);
+    if (it == composers_.end()) return fail(Code::NotFound, "there is no composer {}", id.value);
+    retire(std::move(it->second.pipeline));
+    composers_.erase(it);
+    return {};
+}
+
+Status VulkanBackend::setLayers(uint32_t slot, std::span<const LayerPlace> places) {
+    if (slot >= kAppSlots || places.empty() || places.size() > gpu::kMaxViews)
+        return fail(Code::InvalidArgument, "slot {} with {} views does not exist", slot, places.size());
+    LayerSlot& layers = layerSlots_[slot];
+    layers.push = {};
+    VkDescriptorImageInfo images[kImages];
+    VkDescriptorBufferInfo buffers[kBuffers];
+    for (uint32_t v = 0; v < gpu::kMaxViews; ++v) {
+        const LayerPlace& place = places[std::min<size_t>(v, places.size() - 1)];
+        const Target& target = targets_.at(place.target.value);
+        const Surface& surface = target.surfaces[target.desc.multiview ? 0 : place.view];
+        images[v] = {VK_NULL_HANDLE, surface.colour.view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+        const Buffer& counts = buffers_.at(place.counts.value);
+        const Buffer& tiled = place.tilePixels ? buffers_.at(place.tilePixels.value) : counts;  // not read where quads fill
+        buffers[v] = {tiled.buffer, 0, tiled.desc.bytes};
+        buffers[gpu::kMaxViews + v] = {counts.buffer, 0, counts.desc.bytes};
+        layers.push.widthPx = target.desc.widthPx, layers.push.heightPx = target.desc.heightPx;
+        layers.push.drawnLayers |= (target.desc.multiview ? place.view : 0) << 16 * v;
+        layers.push.tiledLayers |= place.view << 16 * v;
+        layers.push.tiled |= (place.tilePixels ? 1u : 0u) << v;
+    }
+    VkWriteDescriptorSet writes[kImages + kBuffers]{};
+    for (uint32_t i = 0; i < kImages + kBuffers; ++i) {
+        writes[i].sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
+        writes[i].dstSet = layers.descriptors;
+        writes[i].dstBinding = i;
+        writes[i].descriptorCount = 1;
+        writes[i].descriptorType = i < kImages ? VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+        if (i < kImages)
+            writes[i].pImageInfo = &images[i];
+        else
+            writes[i].pBufferInfo = &buffers[i - kImages];
+    }
+    vk_.vkUpdateDescriptorSets(device_->device, kImages + kBuffers, writes, 0, nullptr);
+    layers.viewCount = uint32_t(places.size());
+    return {};
+}
+
+Status VulkanBackend::compose(ComposerId id, uint32_t slot, uint32_t view, VkOffset2D place, AppCommands commands) {
+    const auto it = composers_.find(id.value);
+    if (it == composers_.end()) return fail(Code::NotFound, "there is no composer {}", id.value);
+    const Composer& composer = it->second;
+    if (slot >= kAppSlots || layerSlots_[slot].viewCount == 0) return fail(Code::InvalidArgument, "slot {} was not prepared", slot);
+    const LayerSlot& layers = layerSlots_[slot];
+    const uint32_t wanted = composer.viewMask ? uint32_t(std::bit_width(composer.viewMask)) : view + 1;
+    if (wanted > layers.viewCount)
+        return fail(Code::InvalidArgument, "{} views are wanted, but slot {} was prepared with {}", wanted, slot, layers.viewCount);
+    const auto buffer = static_cast<VkCommandBuffer>(commands.handle);
+    gpu::ComposePush push = layers.push;
+    push.placeX = float(place.x), push.placeY = float(place.y);
+    push.view = view;
+    push.linear = composer.linear ? 1 : 0;
+    // A scissor begins at 0 or beyond, so a picture that begins left of the target or above it is cut there.
+    const VkViewport viewport{push.placeX, push.placeY, float(push.widthPx), float(push.heightPx), 0, 1};
+    const VkOffset2D first{std::max(place.x, 0), std::max(place.y, 0)};
+    const auto extent = [](int32_t from, int32_t at, uint32_t size) { return uint32_t(std::max<int64_t>(int64_t(at) + size - from, 0)); };
+    const VkRect2D scissor{first, {extent(first.x, place.x, push.widthPx), extent(first.y, place.y, push.heightPx)}};
+    vk_.vkCmdBindPipeline(buffer, VK_PIPELINE_BIND_POINT_GRAPHICS, composer.pipeline);
+    vk_.vkCmdBindDescriptorSets(buffer, VK_PIPELINE_BIND_POINT_GRAPHICS, composeLayout_.layout, 0, 1, &layers.descriptors, 0, nullptr);
+    vk_.vkCmdPushConstants(buffer, composeLayout_.layout, composeLayout_.stages, 0, sizeof push, &push);
+    vk_.vkCmdSetViewport(buffer, 0, 1, &viewport);
+    vk_.vkCmdSetScissor(buffer, 0, 1, &scissor);
+    vk_.vkCmdDraw(buffer, 3, 1, 0, 0);
+    return {};
+}
+
+}  // namespace dpl::vk
