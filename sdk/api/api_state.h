@@ -19,12 +19,15 @@
 
 namespace dpl::api {
 
+struct VulkanSide;
+
 /** The object behind a DplContext. Avatars share ownership, so that context and avatars may be destroyed in any order. */
 struct Context {
     std::mutex mutex;  // guards the renderer, the cameras and the avatars; a load prepares without it and holds it only to add
     std::shared_ptr<Renderer> renderer;  // null once the context is destroyed; a load that is preparing keeps it alive
     std::string rendererName;
-    std::vector<Cameraf> cameras;  // scratch of a draw, kept to save allocations
+    std::vector<Cameraf> cameras;        // scratch of a draw, kept to save allocations
+    std::shared_ptr<VulkanSide> vulkan;  // of a context on an app's device (vulkan.cpp); else null
 };
 
 /** The object behind a DplAvatar. context->mutex guards all that changes after loading. */

@@ -126,25 +126,9 @@ DplResult dplSetLogCallback(DplLogCallback callback, void* user) {
 DplResult dplCreateContext(const DplContextInfo* info, DplContext* context) {
     return guarded("dplCreateContext", [&]() -> Status {
         if (context == nullptr) return fail(Code::InvalidArgument, "context is NULL");
-        int32_t kind = DPL_RENDERER_AUTO;
-        uint32_t threadCount = 0, flags = 0;
-        int32_t fill = DPL_FILL_AUTO;
-        std::string cacheFolder;
-        if (info != nullptr) {
-            DPL_TRY(const DplContextInfo given, readStruct<DplContextInfo>(info, "info", offsetof(DplContextInfo, flags)));
-            std::memcpy(&kind, &given.renderer, sizeof kind);  // copied as an integer: the caller's value may be outside the enum
-            threadCount = given.threadCount;
-            flags = given.flags;
-            std::memcpy(&fill, &given.fill, sizeof fill);
-            if (given.cacheFolder) cacheFolder = given.cacheFolder;
-        }
-        if (flags != 0) return fail(Code::InvalidArgument, "info has unknown flags {}; there are none", flags);
-        if (kind < DPL_RENDERER_AUTO || kind > DPL_RENDERER_VULKAN) return fail(Code::InvalidArgument, "there is no renderer {}", kind);
-        if (fill < DPL_FILL_AUTO || fill > DPL_FILL_TILES) return fail(Code::InvalidArgument, "there is no fill {}", fill);
-        if (threadCount > 256) return fail(Code::InvalidArgument, "{} threads; 0 to 256 are possible", threadCount);
+        DPL_TRY(const ContextRequest request, readContextInfo(info));
         auto made = std::make_shared<Context>();
-        const RendererOptions options{.threadCount = threadCount, .fill = DplFill(fill), .cacheFolder = cacheFolder};
-        DPL_TRY(made->renderer, createRenderer(DplRenderer(kind), options));
+        DPL_TRY(made->renderer, createRenderer(request.kind, request.options));
         made->rendererName = made->renderer->name();
         *context = reinterpret_cast<DplContext>(contexts().add(std::move(made)));
         return {};

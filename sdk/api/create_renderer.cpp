@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/api/create_renderer.h"
 
+#include "sdk/api/api_state.h"
 #include "sdk/core/log.h"
 #include "sdk/splat/software_renderer.h"
 #if DOPPEL_VULKAN
@@ -20,6 +21,16 @@ const auto softwarePicture = [](const FillScene& scene) -> Result<std::vector<ui
     return std::vector<uint8_t>(views[0].rgba.begin(), views[0].rgba.end());
 };
 
+}  // namespace
+
+Status setFill(Renderer& gpu, const RendererOptions& options) {
+    if (options.fill == DPL_FILL_AUTO) return setBestFill(gpu, options.cacheFolder, softwarePicture);
+    gpu.setFill(options.fill == DPL_FILL_TILES ? Fill::Tiles : Fill::Quads);
+    return {};
+}
+
+namespace {
+
 Result<std::unique_ptr<Renderer>> createGpuRenderer(DplRenderer kind, const RendererOptions& options) {
     VulkanOptions vulkan;
     vulkan.allowSoftwareDevice = kind == DPL_RENDERER_VULKAN;  // asked for by name: software devices are allowed
@@ -28,16 +39,29 @@ Result<std::unique_ptr<Renderer>> createGpuRenderer(DplRenderer kind, const Rend
     if (!gpu)
         return fail(Code::Unsupported, "no Vulkan renderer on this machine: {}; use DPL_RENDERER_AUTO or DPL_RENDERER_SOFTWARE",
                     gpu.error().message);
-    if (options.fill == DPL_FILL_AUTO) {
-        DPL_CHECK_OK(setBestFill(**gpu, options.cacheFolder, softwarePicture));
-    } else {
-        (*gpu)->setFill(options.fill == DPL_FILL_TILES ? Fill::Tiles : Fill::Quads);
-    }
+    DPL_CHECK_OK(setFill(**gpu, options));
     return gpu;
 }
 
 }  // namespace
 #endif
+
+Result<ContextRequest> readContextInfo(const DplContextInfo* info) {
+    if (info == nullptr) return ContextRequest();
+    DPL_TRY(const DplContextInfo given, readStruct<DplContextInfo>(info, "info", offsetof(DplContextInfo, flags)));
+    int32_t kind = 0, fill = 0;  // copied as integers: the caller's values may be outside the enums
+    std::memcpy(&kind, &given.renderer, sizeof kind);
+    std::memcpy(&fill, &given.fill, sizeof fill);
+    if (given.flags != 0) return fail(Code::InvalidArgument, "info has unknown flags {}; there are none", given.flags);
+    if (kind < DPL_RENDERER_AUTO || kind > DPL_RENDERER_VULKAN) return fail(Code::InvalidArgument, "there is no renderer {}", kind);
+    if (fill < DPL_FILL_AUTO || fill > DPL_FILL_TILES) return fail(Code::InvalidArgument, "there is no fill {}", fill);
+    if (given.threadCount > 256) return fail(Code::InvalidArgument, "{} threads; 0 to 256 are possible", given.threadCount);
+    ContextRequest request;
+    request.kind = DplRenderer(kind);
+    request.options = {.threadCount = given.threadCount, .fill = DplFill(fill)};
+    if (given.cacheFolder) request.options.cacheFolder = given.cacheFolder;
+    return request;
+}
 
 Result<std::unique_ptr<Renderer>> createRenderer(DplRenderer kind, const RendererOptions& options) {
 #if DOPPEL_VULKAN

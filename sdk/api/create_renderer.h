@@ -17,6 +17,19 @@ struct RendererOptions {
     std::string cacheFolder;  // DplContextInfo::cacheFolder; empty: none
 };
 
+/** What a DplContextInfo asks for. */
+struct ContextRequest {
+    DplRenderer kind = DPL_RENDERER_AUTO;
+    RendererOptions options;
+};
+
+/** Checks and reads a DplContextInfo; NULL: all defaults. */
+Result<ContextRequest> readContextInfo(const DplContextInfo* info);
+
+/** Sets the fill that the options ask for; DPL_FILL_AUTO: by the self-test. Device: the device draws wrong pixels. Only in builds with
+ *  Vulkan. */
+Status setFill(Renderer& gpu, const RendererOptions& options);
+
 /** Makes the renderer that DplRenderer describes. Unsupported: not in this build, or no device. Device: the device draws wrong pixels. */
 Result<std::unique_ptr<Renderer>> createRenderer(DplRenderer kind, const RendererOptions& options);
 

@@ -5,25 +5,12 @@
 
 #include "sdk/api/api_state.h"
 #include "sdk/api/compose.h"
-#include "sdk/draw/check_draw.h"
+#include "sdk/api/scene.h"
 
 using namespace dpl;
 using namespace dpl::api;
 
 namespace {
-
-static_assert(DPL_MAX_TOGETHER == kMaxDrawnTogether && DPL_MAX_VIEWS == kMaxViews && DPL_MAX_IMAGE_SIDE_PX == kMaxImageSidePx);
-
-Cameraf cameraOf(const DplCamera& c) {
-    Cameraf camera;
-    camera.widthPx = c.widthPx, camera.heightPx = c.heightPx;
-    camera.fx = c.fx, camera.fy = c.fy, camera.cx = c.cx, camera.cy = c.cy;
-    for (int row = 0; row < 3; ++row) {
-        for (int column = 0; column < 3; ++column) camera.viewFromWorldRotation[column][row] = c.viewFromWorld[row * 4 + column];
-        camera.viewFromWorldTranslation[row] = c.viewFromWorld[row * 4 + 3];
-    }
-    return camera;
-}
 
 Status checkImage(const DplImage& image, size_t width, size_t height, size_t view) {
     const uint32_t flags = image.flags;
@@ -58,54 +45,6 @@ void copyOut(const PixelView& from, const DplImage& to) {
     if (to.meshDepthM != nullptr) std::memcpy(to.meshDepthM, from.meshDepthM.data(), width * height * sizeof(float));
 }
 
-/** Element i of a caller's array, whose stride is the structSize of element 0. `smallest`: size in version 0.1. */
-template <class T>
-Result<T> element(const T* array, size_t i, const char* what, size_t smallest = sizeof(T)) {
-    DPL_TRY(const T first, readStruct<T>(array, what, smallest));
-    DPL_TRY(const T value, readStruct<T>(reinterpret_cast<const uint8_t*>(array) + i * first.structSize, what, smallest));
-    if (value.structSize != first.structSize) return fail(Code::InvalidArgument, "elements of {} have different structSize", what);
-    return value;
-}
-
-/** Context, avatars and scene depths of a drawing call. Locks the context for its lifetime. */
-struct Scene {
-    std::shared_ptr<Context> context;
-    std::shared_ptr<Avatar> avatars[DPL_MAX_TOGETHER];
-    size_t count = 0;
-    Avatar& first() const { return *avatars[0]; }
-    std::unique_lock<std::mutex> lock;
-    std::span<const float> sceneDepthM[DPL_MAX_VIEWS];
-};
-
-Result<Scene> sceneOf(DplContext context, std::span<const DplAvatar> handles, uint32_t viewCount) {
-    if (viewCount == 0 || viewCount > DPL_MAX_VIEWS)
-        return fail(Code::InvalidArgument, "{} views; 1 to {} are drawn at once", viewCount, DPL_MAX_VIEWS);
-    Scene s;
-    DPL_TRY(s.context, contextOf(context));
-    for (DplAvatar handle : handles) {
-        DPL_TRY(s.avatars[s.count], avatarOf(handle));
-        if (s.avatars[s.count]->context != s.context) return fail(Code::InvalidArgument, "the avatar was loaded with another context");
-        ++s.count;
-    }
-    s.lock = std::unique_lock(s.context->mutex);
-    if (!s.context->renderer) return fail(Code::InvalidArgument, "the context was destroyed");
-    return s;
-}
-
-/** Fills context->cameras and s.sceneDepthM, and checks the cameras. */
-Status takeViews(Scene& s, const DplCamera* views, uint32_t viewCount) {
-    std::vector<Cameraf>& cameras = s.context->cameras;
-    cameras.clear();
-    for (uint32_t v = 0; v < viewCount; ++v) {
-        DPL_TRY(const DplCamera given, element(views, v, "views", offsetof(DplCamera, viewFromWorld) + sizeof DplCamera::viewFromWorld));
-        cameras.push_back(cameraOf(given));
-        if (given.sceneDepthM && given.sceneDepthCount == 0)
-            return fail(Code::InvalidArgument, "view {} has sceneDepthM and a sceneDepthCount of 0", v);
-        s.sceneDepthM[v] = given.sceneDepthM ? std::span(given.sceneDepthM, given.sceneDepthCount) : std::span<const float>();
-    }
-    return checkViews(cameras);
-}
-
 /** Copies the caller's images to `targets`, checks them, and fills `wants`. targets: viewCount of them. */
 Status takeImages(const DplImage* images, uint32_t viewCount, size_t widthPx, size_t heightPx, DplImage* targets, FrameWants& wants) {
     wants = {};
@@ -124,8 +63,7 @@ Status drawTaken(Scene& s, FrameWants wants) {
     const std::vector<Cameraf>& cameras = s.context->cameras;
     a.drawnViews = 0;
     Drawn what[DPL_MAX_TOGETHER];
-    for (size_t i = 0; i < s.count; ++i) what[i] = {s.avatars[i]->renderId, &s.avatars[i]->pose};
-    DPL_CHECK_OK(s.context->renderer->drawTogether({what, s.count}, cameras, wants));
+    DPL_CHECK_OK(s.context->renderer->drawTogether(s.drawn(what), cameras, wants));
     a.drawnViews = uint32_t(cameras.size()), a.drawnWidthPx = cameras[0].widthPx, a.drawnHeightPx = cameras[0].heightPx;
     a.drawnDepth = wants.depth, a.drawnMeshDepth = wants.meshDepth;
     return {};
@@ -156,13 +94,6 @@ Status draw(DplContext context, std::span<const DplAvatar> avatars, const DplCam
     wants.depth = (flags & DPL_DRAW_DEPTH) != 0;
     wants.meshDepth = (flags & DPL_DRAW_MESH_DEPTH) != 0;
     return drawTaken(scene, wants);
-}
-
-Result<std::span<const DplAvatar>> together(const DplAvatar* avatars, uint32_t count) {
-    if (avatars == nullptr) return fail(Code::InvalidArgument, "avatars is NULL");
-    if (count == 0 || count > DPL_MAX_TOGETHER)
-        return fail(Code::InvalidArgument, "{} avatars; 1 to {} are drawn together", count, DPL_MAX_TOGETHER);
-    return std::span<const DplAvatar>(avatars, count);
 }
 
 }  // namespace

@@ -47,7 +47,8 @@ struct FrameWants {
     bool meshDepth = false;  // of the posed mesh; InvalidArgument when only general splats are drawn
     /** One span a view: view z of the scene (sdk/math/scene_depth.h), metres, rows without padding. Empty: no scene. The draw copies it. */
     std::span<const float> sceneDepthM[kMaxViews] = {};
-    bool behindScene() const { return !sceneDepthM[0].empty() || !sceneDepthM[1].empty(); }
+    bool sceneEncoded = false;  // an app's commands write the scene's depth (GpuRenderer::encodeTogether); sceneDepthM is not read
+    bool behindScene() const { return sceneEncoded || !sceneDepthM[0].empty() || !sceneDepthM[1].empty(); }
     FrameWants(bool depth = false) : depth(depth) {}
 };
 

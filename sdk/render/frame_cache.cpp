@@ -13,7 +13,7 @@
 namespace dpl {
 namespace {
 
-static_assert(kMaxDrawnTogether == gpu::kMaxDrawn);
+static_assert(kMaxDrawnTogether == gpu::kMaxDrawn && kFramesInFlight == kAppSlots);
 
 constexpr std::array<std::byte, 4> kZero{};
 constexpr size_t kLargeSetsKept = 4;  // scene sets of several avatars; an app draws one set until an avatar is added or removed
@@ -140,8 +140,8 @@ FrameIds FrameCache::idsOf(const SceneSet& set, const FrameShape& shape) const {
     return ids;
 }
 
-TargetDesc FrameCache::targetOf(const FrameIds& ids) const {
-    return {ids.widthPx, ids.heightPx, ids.viewCount, ids.depth, ids.multiview, ids.colour, ids.samples};
+TargetDesc FrameCache::targetOf(const FrameIds& ids, const FrameShape& shape) const {
+    return {ids.widthPx, ids.heightPx, ids.viewCount, ids.depth, ids.multiview, ids.colour, ids.samples, shape.encoded};
 }
 
 Result<RecordedFrame*> FrameCache::frame(SceneSet& set, const FrameShape& shape, TargetMaker makeTarget) {
@@ -154,7 +154,7 @@ Result<RecordedFrame*> FrameCache::frame(SceneSet& set, const FrameShape& shape,
         set.frames.erase(oldest);
     }
     const FrameIds ids = idsOf(set, shape);
-    DPL_TRY(FrameTarget target, makeTarget(targetOf(ids)));
+    DPL_TRY(FrameTarget target, makeTarget(targetOf(ids, shape)));
     RecordedFrame made(backend_, shape, std::move(target));
     made.key = ++lastKey_;
     made.ids = ids;
@@ -233,7 +233,7 @@ Status FrameCache::recordSlot(const SceneSet& set, RecordedFrame& frame, FrameSl
     ids.scene = slot.scene;
     FramePlan plan(backend_);
     planFrame(plan, ids, subjects, tiles, slot.finalCounts);
-    DPL_TRY(slot.recorded, plan.finish());
+    DPL_TRY(slot.recorded, plan.finish(frame.shape.encoded ? FrameRun::Encoded : FrameRun::Submitted));
     return {};
 }
 

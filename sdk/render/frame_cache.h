@@ -26,6 +26,7 @@ namespace dpl {
 struct FrameShape {
     uint32_t widthPx = 0, heightPx = 0, views = 0;
     bool depth = false, meshDepth = false, sceneDepth = false;
+    bool encoded = false;  // into an app's commands, which compose it; otherwise submitted and read back
     uint32_t eye = 0;      // 1: the second of two frames that draw a canted pair
     uint32_t samples = 1;  // of a pixel
     Fill fill = Fill::Quads;
@@ -41,7 +42,7 @@ struct FrameSlot {
     BufferId scene;               // depth of the app's scene, also written by the CPU; none: not wanted
     BufferId finalCounts;         // FrameCounts, read back
     FrameId recorded;
-    uint64_t number = 0;            // of the last frame submitted in this slot; 0: none
+    uint64_t number = 0;            // of the last frame submitted or encoded in this slot; 0: none
     uint32_t componentsInView = 0;  // of that frame
 };
 
@@ -56,7 +57,7 @@ struct RecordedFrame {
     FrameTarget target;
     DeviceBuffers buffers;
     FrameSlot slots[kFramesInFlight];
-    uint32_t next = 0;             // the slot of the next frame
+    uint32_t next = 0;             // the slot of the next frame; an app numbers the slots of encoded frames itself
     uint64_t tileDepthOffset = 0;  // in ids.tilePixels, bytes
     uint64_t lastUse = 0;          // number of its last frame
 };
@@ -113,7 +114,7 @@ public:
 
 private:
     Status makeLists(SceneSet& set);
-    TargetDesc targetOf(const FrameIds& ids) const;
+    TargetDesc targetOf(const FrameIds& ids, const FrameShape& shape) const;
     FrameIds idsOf(const SceneSet& set, const FrameShape& shape) const;
     Status record(const SceneSet& set, RecordedFrame& frame);
     Status makeTileLists(RecordedFrame& frame, const TilePlan& tiles);

@@ -59,6 +59,19 @@ void GpuRenderer::removeAvatar(RenderAvatarId id) {
 }
 
 Status GpuRenderer::drawTogether(std::span<const Drawn> what, std::span<const Cameraf> views, const FrameWants& wants) {
+    return drawOrEncode(what, views, wants, nullptr);
+}
+
+Result<std::span<const EncodedView>> GpuRenderer::encodeTogether(std::span<const Drawn> what, std::span<const Cameraf> views,
+                                                                 const FrameWants& wants, const AppFrame& app) {
+    if (app.slot >= kAppSlots) return fail(Code::InvalidArgument, "slot {} does not exist; there are {}", app.slot, kAppSlots);
+    encodedCount_ = 0;
+    DPL_CHECK_OK(drawOrEncode(what, views, wants, &app));
+    return std::span<const EncodedView>(encoded_, encodedCount_);
+}
+
+Status GpuRenderer::drawOrEncode(std::span<const Drawn> what, std::span<const Cameraf> views, const FrameWants& wants,
+                                 const AppFrame* app) {
     DPL_CHECK_OK(checkDraw(what, views, wants, [this](RenderAvatarId id) { return store_.jointsOf(id); }));
     LoadedSubject* subjects[kMaxDrawnTogether];
     RenderAvatarId ids[kMaxDrawnTogether];
@@ -67,7 +80,7 @@ Status GpuRenderer::drawTogether(std::span<const Drawn> what, std::span<const Ca
         subjects[k] = store_.find(ids[k]);
     }
     const bool shared = views.size() == 1 || (options_.shareViews && shareOrder(views));
-    const DrawCall call{what, {subjects, what.size()}, {views, shared}, wants};
+    const DrawCall call{what, {subjects, what.size()}, {views, shared}, wants, app};
     DPL_TRY(SceneSet * set, cache_.sceneSet({ids, what.size()}));
     const bool cullComponents = !wants.meshDepth;  // mesh depth needs every triangle posed
     const PosedSet posed = poser_.pose(what, call.subjects, call.views, detail_, cullComponents);
@@ -75,6 +88,7 @@ Status GpuRenderer::drawTogether(std::span<const Drawn> what, std::span<const Ca
     LastDraw& last = lastDraws_.at(ids[0]);
     last.set = 0;
     DPL_CHECK_OK(drawFrames(*set, call, posed, last));
+    if (app) return {};
     last.set = set->number;
     last.splatsAllowed = posed.splatsAllowed;
     return {};
@@ -90,6 +104,7 @@ FrameShape GpuRenderer::shapeOf(const DrawCall& call) const {
     shape.depth = call.wants.depth;
     shape.meshDepth = call.wants.meshDepth;
     shape.sceneDepth = call.wants.behindScene();
+    shape.encoded = call.app != nullptr;
     float kappaPx2 = INFINITY;
     for (size_t k = 0; k < call.what.size(); ++k) {
         const LoadedSubject& subject = *call.subjects[k];
@@ -112,20 +127,35 @@ Status GpuRenderer::drawFrames(SceneSet& set, const DrawCall& call, const PosedS
     return {};
 }
 
-/** Fills and submits the next slot and returns the number of the frame. Waits only when all slots are still running. */
+/** Fills and submits the next slot, or encodes the app's slot, and returns the number of the frame. */
 Result<uint64_t> GpuRenderer::drawFrame(SceneSet& set, const DrawCall& call, const PosedSet& posed, const FrameShape& shape) {
     DPL_TRY(RecordedFrame * frame, cache_.frame(set, shape, [&](const TargetDesc& desc) { return FrameTarget::create(*backend_, desc); }));
-    FrameSlot& slot = frame->slots[frame->next];
-    if (!backend_->finished(slot.recorded)) {
+    FrameSlot& slot = frame->slots[call.app ? call.app->slot : frame->next];
+    if (!call.app && !backend_->finished(slot.recorded)) {  // all slots are still running
         ++waits_;
         DPL_CHECK_OK(backend_->wait(slot.recorded));
     }
     fillSlot(slot, set, call, posed, shape);
-    if (shape.sceneDepth) writeScene(slot, call, shape);
-    DPL_CHECK_OK(backend_->submit(slot.recorded));
-    frame->next = (frame->next + 1) % kFramesInFlight;
+    if (shape.sceneDepth && !call.wants.sceneEncoded) writeScene(slot, call, shape);
+    DPL_CHECK_OK(call.app ? encode(*frame, slot, *call.app, call.wants.sceneEncoded) : submit(*frame, slot));
     slot.number = frame->lastUse = set.lastUse = ++frameNumber_;
     return slot.number;
+}
+
+Status GpuRenderer::submit(RecordedFrame& frame, FrameSlot& slot) {
+    DPL_CHECK_OK(backend_->submit(slot.recorded));
+    frame.next = (frame.next + 1) % kFramesInFlight;
+    return {};
+}
+
+Status GpuRenderer::encode(const RecordedFrame& frame, const FrameSlot& slot, const AppFrame& app, bool withScene) {
+    if (withScene) {
+        DPL_CHECK_OK(app.encodeScene(slot.scene, uint32_t(encodedCount_), frame.shape.views));
+    }
+    DPL_CHECK_OK(backend_->encode(slot.recorded, app.slot, app.commands));
+    for (uint32_t view = 0; view < frame.shape.views; ++view)
+        encoded_[encodedCount_++] = {frame.ids.target, view, frame.ids.tilePixels, frame.ids.counts};
+    return {};
 }
 
 /** Writes the uniform block and the palette of each subject. */

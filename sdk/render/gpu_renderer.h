@@ -9,9 +9,13 @@
 //
 //   draw:  slot 0 ─► slot 1 ─► slot 2 ─► slot 0 ...   each with its own mapped buffers, fence and timestamps
 //
+// An app that lends its device numbers the slots itself. encodeTogether() writes the frame into the app's commands instead of submitting
+// it, and says where the app's pass finds the pictures.
+//
 // All other buffers are shared, because the device runs one frame after the other.
 #pragma once
 
+#include "sdk/core/function_ref.h"
 #include "sdk/draw/renderer.h"
 #include "sdk/render/avatar_store.h"
 #include "sdk/render/frame_cache.h"
@@ -28,6 +32,23 @@ struct GpuOptions {
     Fill fill = Fill::Quads;
 };
 
+/** A frame of the app that a draw becomes part of. */
+struct AppFrame {
+    uint32_t slot = 0;  // below kAppSlots; commands with the slot's earlier frames have run
+    AppCommands commands;
+    /** Encodes what fills `scene`: view z of the app's scene, metres, by view, row and column; for the draw's views from `firstView` on.
+     * Used when FrameWants::sceneEncoded. */
+    FunctionRef<Status(BufferId scene, uint32_t firstView, uint32_t viewCount)> encodeScene;
+};
+
+/** Where the picture of a view lies once the app's commands have run. Valid until the slot is used again. */
+struct EncodedView {
+    TargetId target;
+    uint32_t view = 0;    // of the target and of tilePixels
+    BufferId tilePixels;  // none: quads fill
+    BufferId counts;      // FrameCounts; they say whether the tile lists overflowed, so that quads filled
+};
+
 class GpuRenderer final : public Renderer {
 public:
     /** name() is `name` with the fill in brackets after it. */
@@ -41,6 +62,10 @@ public:
     Result<RenderAvatarId> add(std::unique_ptr<PreparedSubject> subject) override;
     void removeAvatar(RenderAvatarId avatar) override;
     Status drawTogether(std::span<const Drawn> what, std::span<const Cameraf> views, const FrameWants& wants) override;
+    /** drawTogether() into the app's commands. Returns one element a view, valid until the next call. Nothing can be read() afterwards. It
+     *  neither submits nor waits, except that a new scene set or shape is recorded first. */
+    Result<std::span<const EncodedView>> encodeTogether(std::span<const Drawn> what, std::span<const Cameraf> views,
+                                                        const FrameWants& wants, const AppFrame& app);
     Result<std::span<const PixelView>> read(RenderAvatarId avatar) override;
     Result<FrameStats> stats(RenderAvatarId avatar) override;
     const DeviceInfo& device() const { return backend_->info(); }
@@ -60,11 +85,15 @@ private:
         std::span<LoadedSubject* const> subjects;  // of `what`
         FrameViews views;
         const FrameWants& wants;
+        const AppFrame* app = nullptr;  // null: the renderer submits
     };
 
+    Status drawOrEncode(std::span<const Drawn> what, std::span<const Cameraf> views, const FrameWants& wants, const AppFrame* app);
     FrameShape shapeOf(const DrawCall& call) const;
     Status drawFrames(SceneSet& set, const DrawCall& call, const PosedSet& posed, LastDraw& last);
     Result<uint64_t> drawFrame(SceneSet& set, const DrawCall& call, const PosedSet& posed, const FrameShape& shape);
+    Status submit(RecordedFrame& frame, FrameSlot& slot);
+    Status encode(const RecordedFrame& frame, const FrameSlot& slot, const AppFrame& app, bool withScene);
     void fillSlot(FrameSlot& slot, const SceneSet& set, const DrawCall& call, const PosedSet& posed, const FrameShape& shape);
     void writeScene(const FrameSlot& slot, const DrawCall& call, const FrameShape& shape);
 
@@ -78,6 +107,8 @@ private:
     SubjectPoser poser_;
     std::map<RenderAvatarId, LastDraw> lastDraws_;
     uint64_t frameNumber_ = 0, waits_ = 0;
+    EncodedView encoded_[gpu::kMaxViews];  // of the last encodeTogether()
+    size_t encodedCount_ = 0;
 };
 
 }  // namespace dpl

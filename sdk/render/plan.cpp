@@ -25,9 +25,9 @@ FramePlan::Builder<DrawStep> FramePlan::draw(std::string label, const DrawPipeli
     return {*this, std::get<DrawStep>(steps_.back())};
 }
 
-Result<FrameId> FramePlan::finish() {
+Result<FrameId> FramePlan::finish(FrameRun run) {
     if (!status_) return status_.error();
-    return backend_.createFrame(std::move(steps_));
+    return backend_.createFrame(std::move(steps_), run);
 }
 
 }  // namespace dpl

@@ -71,7 +71,7 @@ public:
     }
 
     /** The recorded frame, or the first error of any step. */
-    Result<FrameId> finish();
+    Result<FrameId> finish(FrameRun run = FrameRun::Submitted);
 
 private:
     void keepError(const Error& error) {

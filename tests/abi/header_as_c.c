@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Includes doppel.h in a strict C99 program: it compiles without warnings, its constants are constant expressions, its structs keep their
- * layout. */
+ * layout. In builds with Vulkan, doppel_vulkan.h too. */
 #include <doppel/doppel.h>
+#ifdef WITH_VULKAN
+#include <doppel/doppel_vulkan.h>
+#endif
 
 #include <stddef.h>
 #include <stdio.h>

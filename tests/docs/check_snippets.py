@@ -35,7 +35,10 @@ class Compiler:
 
     def function(self, text, parameters, name):
         source = self.folder / f"{name}.cpp"
-        source.write_text(f"#include <doppel/doppel.hpp>\nvoid {name}({parameters});\nvoid {name}({parameters}) {{\n{text}}}\n")
+        headers = "#include <cstdio>\n#include <doppel/doppel.hpp>\n"
+        if "Vulkan" in text:
+            headers += "#include <doppel/doppel_vulkan.h>\n#include <vulkan/vulkan.h>\n"
+        source.write_text(f"{headers}void {name}({parameters});\nvoid {name}({parameters}) {{\n{text}}}\n")
         error = self.run(*self.command["cpp"], "-Wno-unused-result", "-Wno-unused-variable", "-fsyntax-only", source)
         return f"does not compile: {error}" if error else ""
 

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the drawing calls of the API have in common: they take a context, avatars and views, and check them.
+#pragma once
+
+#include <mutex>
+#include <span>
+
+#include "sdk/api/api_state.h"
+
+namespace dpl::api {
+
+/** Element i of a caller's array, whose stride is the structSize of element 0. `smallest`: size in version 0.1. */
+template <class T>
+Result<T> element(const T* array, size_t i, const char* what, size_t smallest = sizeof(T)) {
+    DPL_TRY(const T first, readStruct<T>(array, what, smallest));
+    DPL_TRY(const T value, readStruct<T>(reinterpret_cast<const uint8_t*>(array) + i * first.structSize, what, smallest));
+    if (value.structSize != first.structSize) return fail(Code::InvalidArgument, "elements of {} have different structSize", what);
+    return value;
+}
+
+/** Context, avatars and scene depths of a drawing call. Locks the context for its lifetime. */
+struct Scene {
+    std::shared_ptr<Context> context;
+    std::shared_ptr<Avatar> avatars[DPL_MAX_TOGETHER];
+    size_t count = 0;
+    Avatar& first() const { return *avatars[0]; }
+    std::unique_lock<std::mutex> lock;
+    std::span<const float> sceneDepthM[DPL_MAX_VIEWS];
+
+    /** The avatars in their current poses. */
+    std::span<const Drawn> drawn(Drawn (&what)[DPL_MAX_TOGETHER]) const {
+        for (size_t i = 0; i < count; ++i) what[i] = {avatars[i]->renderId, &avatars[i]->pose};
+        return {what, count};
+    }
+};
+
+/** The avatars 1 to DPL_MAX_TOGETHER of a call. */
+Result<std::span<const DplAvatar>> together(const DplAvatar* avatars, uint32_t count);
+
+Result<Scene> sceneOf(DplContext context, std::span<const DplAvatar> handles, uint32_t viewCount);
+
+/** Fills context->cameras and s.sceneDepthM, and checks the cameras. */
+Status takeViews(Scene& s, const DplCamera* views, uint32_t viewCount);
+
+}  // namespace dpl::api

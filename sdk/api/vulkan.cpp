@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+// Contexts on a program's own Vulkan device, and the frames that become part of the program's frames.
+#include "sdk/include/doppel/doppel_vulkan.h"
+
+#include <cmath>
+#include <iterator>
+
+#include "sdk/api/api_state.h"
+#include "sdk/api/create_renderer.h"
+#include "sdk/api/scene.h"
+#include "sdk/backend/vulkan/vk_backend.h"
+#include "sdk/render/gpu_renderer.h"
+
+namespace dpl::api {
+
+/** What only a context on the program's device has. The context owns the renderer, which owns the backend. */
+struct VulkanSide {
+    GpuRenderer& renderer;
+    vk::VulkanBackend& backend;
+};
+
+namespace {
+
+static_assert(DPL_VULKAN_SLOTS == kAppSlots);
+
+constexpr DplVulkanRequirement kRequirements[] = {
+    {0, "VkPhysicalDeviceProperties::apiVersion >= VK_API_VERSION_1_1", DPL_TRUE, "the least that Doppel draws with"},
+    {0, "VkQueueFamilyProperties::queueFlags with VK_QUEUE_GRAPHICS_BIT and VK_QUEUE_COMPUTE_BIT", DPL_TRUE,
+     "one queue draws and computes"},
+    {0, "VkPhysicalDeviceMultiviewFeatures::multiview", DPL_FALSE,
+     "one draw fills both eyes; composers for passes with a view mask need it"},
+    {0, "VkPhysicalDeviceFeatures::sampleRateShading", DPL_FALSE,
+     "four samples a pixel where a pixel is coarser than those an avatar was trained on; without it far avatars lose detail"},
+    {0, "VkPhysicalDeviceFeatures::shaderStorageImageExtendedFormats", DPL_FALSE,
+     "faster reads on drivers that run on the CPU; GPUs do not use it"},
+};
+
+vk::AppDevice appDeviceOf(const DplVulkanDevice& given) {
+    vk::AppDevice app;
+    app.getInstanceProcAddr = given.getInstanceProcAddr;
+    app.instance = given.instance, app.physical = given.physicalDevice, app.device = given.device;
+    app.queue = given.queue, app.queueFamily = given.queueFamily;
+    app.enabled = given.enabledFeatures, app.allocator = given.allocator;
+    app.lockQueue = given.lockQueue, app.unlockQueue = given.unlockQueue, app.user = given.user;
+    return app;
+}
+
+/** The Vulkan side of a context whose mutex is locked. */
+Result<VulkanSide*> sideOf(const Context& context) {
+    if (!context.renderer) return fail(Code::InvalidArgument, "the context was destroyed");
+    if (!context.vulkan)
+        return fail(Code::InvalidArgument, "the context is not on the program's Vulkan device; make it with dplCreateVulkanContext");
+    return context.vulkan.get();
+}
+
+vk::AppPass passOf(const DplVulkanPass& given) {
+    vk::AppPass pass;
+    pass.renderPass = given.renderPass, pass.subpass = given.subpass, pass.viewMask = given.viewMask;
+    pass.samples = given.samples == 0 ? 1 : given.samples;
+    pass.colour = given.colourFormat, pass.depth = given.depthFormat, pass.stencil = given.stencilFormat;
+    return pass;
+}
+
+/** Reads the depths of a call. images: viewCount of them. */
+Status takeDepths(const DplVulkanSceneDepth* depths, uint32_t viewCount, vk::SceneImage* images) {
+    for (uint32_t v = 0; v < viewCount; ++v) {
+        DPL_TRY(const DplVulkanSceneDepth given, element(depths, v, "depths"));
+        const uint32_t samples = given.samples == 0 ? 1 : given.samples;
+        if (!given.image) return fail(Code::InvalidArgument, "depth {} has no image", v);
+        if (samples != 1 && samples != 4) return fail(Code::InvalidArgument, "depth {} has {} samples; 1 and 4 are possible", v, samples);
+        if (!std::isfinite(given.scale) || !std::isfinite(given.offset) || given.offset == 0)
+            return fail(Code::InvalidArgument, "depth {} has scale {} and offset {}; both must be finite, and offset not 0", v, given.scale,
+                        given.offset);
+        images[v] = {given.image, given.layout, given.layer, samples, {given.x, given.y}, given.scale, given.offset};
+    }
+    return {};
+}
+
+Status prepare(DplContext context, VkCommandBuffer commands, uint32_t slot, std::span<const DplAvatar> avatars, const DplCamera* views,
+               uint32_t viewCount, const DplVulkanSceneDepth* depths) {
+    if (!commands) return fail(Code::InvalidArgument, "commands is NULL");
+    DPL_TRY(Scene scene, sceneOf(context, avatars, viewCount));
+    DPL_TRY(VulkanSide * side, sideOf(*scene.context));
+    DPL_CHECK_OK(takeViews(scene, views, viewCount));
+    FrameWants wants;
+    std::copy(std::begin(scene.sceneDepthM), std::end(scene.sceneDepthM), wants.sceneDepthM);
+    vk::SceneImage images[DPL_MAX_VIEWS];
+    wants.sceneEncoded = depths != nullptr;
+    if (depths) {
+        DPL_CHECK_OK(takeDepths(depths, viewCount, images));
+    }
+    const Cameraf& first = scene.context->cameras[0];
+    const auto encodeScene = [&](BufferId to, uint32_t firstView, uint32_t count) -> Status {
+        for (uint32_t v = 0; v < count; ++v) {
+            DPL_CHECK_OK(
+                side->backend.readScene(slot, firstView + v, v, first.widthPx, first.heightPx, images[firstView + v], to, {commands}));
+        }
+        return {};
+    };
+    Drawn what[DPL_MAX_TOGETHER];
+    DPL_TRY(const std::span<const EncodedView> encoded,
+            side->renderer.encodeTogether(scene.drawn(what), scene.context->cameras, wants, {slot, {commands}, encodeScene}));
+    vk::LayerPlace places[DPL_MAX_VIEWS];
+    for (size_t v = 0; v < encoded.size(); ++v) places[v] = {encoded[v].target, encoded[v].view, encoded[v].tilePixels, encoded[v].counts};
+    return side->backend.setLayers(slot, {places, encoded.size()});
+}
+
+}  // namespace
+}  // namespace dpl::api
+
+using namespace dpl;
+using namespace dpl::api;
+
+extern "C" DplResult dplGetVulkanRequirement(uint32_t index, DplVulkanRequirement* requirement) {
+    return guarded("dplGetVulkanRequirement", [&]() -> Status {
+        if (index >= std::size(kRequirements))
+            return fail(Code::NotFound, "there is no requirement {}; there are {}", index, std::size(kRequirements));
+        return writeStruct(requirement, kRequirements[index], "requirement");
+    });
+}
+
+extern "C" DplResult dplCreateVulkanContext(const DplVulkanDevice* device, const DplContextInfo* info, DplContext* context) {
+    return guarded("dplCreateVulkanContext", [&]() -> Status {
+        if (context == nullptr) return fail(Code::InvalidArgument, "context is NULL");
+        DPL_TRY(const DplVulkanDevice given, readStruct<DplVulkanDevice>(device, "device"));
+        DPL_TRY(const ContextRequest request, readContextInfo(info));
+        DPL_TRY(auto backend, vk::createBackendOn(appDeviceOf(given)));
+        vk::VulkanBackend& lent = *backend;
+        std::string name = "vulkan: " + lent.info().name;
+        auto renderer = std::make_shared<GpuRenderer>(std::move(backend), std::move(name), GpuOptions{.preciseBlending = true});
+        DPL_CHECK_OK(setFill(*renderer, request.options));
+        auto made = std::make_shared<Context>();
+        made->vulkan = std::make_shared<VulkanSide>(VulkanSide{*renderer, lent});
+        made->renderer = std::move(renderer);
+        made->rendererName = made->renderer->name();
+        *context = reinterpret_cast<DplContext>(contexts().add(std::move(made)));
+        return {};
+    });
+}
+
+extern "C" DplResult dplCreateVulkanComposer(DplContext context, const DplVulkanPass* pass, uint32_t* composer) {
+    return guarded("dplCreateVulkanComposer", [&]() -> Status {
+        if (composer == nullptr) return fail(Code::InvalidArgument, "composer is NULL");
+        DPL_TRY(const DplVulkanPass given, readStruct<DplVulkanPass>(pass, "pass"));
+        if (given.reserved != 0) return fail(Code::InvalidArgument, "the reserved field of pass is {}, not 0", given.reserved);
+        DPL_TRY(const auto found, contextOf(context));
+        std::lock_guard lock(found->mutex);
+        DPL_TRY(VulkanSide * side, sideOf(*found));
+        DPL_TRY(const vk::ComposerId made, side->backend.createComposer(passOf(given)));
+        *composer = made.value;
+        return {};
+    });
+}
+
+extern "C" DplResult dplDestroyVulkanComposer(DplContext context, uint32_t composer) {
+    return guarded("dplDestroyVulkanComposer", [&]() -> Status {
+        DPL_TRY(const auto found, contextOf(context));
+        std::lock_guard lock(found->mutex);
+        DPL_TRY(VulkanSide * side, sideOf(*found));
+        return side->backend.destroyComposer({composer});
+    });
+}
+
+extern "C" DplResult dplVulkanPrepare(DplContext context, VkCommandBuffer commands, uint32_t slot, const DplAvatar* avatars,
+                                      uint32_t avatarCount, const DplCamera* views, uint32_t viewCount, const DplVulkanSceneDepth* depths) {
+    return guarded("dplVulkanPrepare", [&]() -> Status {
+        DPL_TRY(const auto set, together(avatars, avatarCount));
+        return prepare(context, commands, slot, set, views, viewCount, depths);
+    });
+}
+
+extern "C" DplResult dplVulkanCompose(DplContext context, uint32_t composer, VkCommandBuffer commands, uint32_t slot, uint32_t view,
+                                      int32_t x, int32_t y) {
+    return guarded("dplVulkanCompose", [&]() -> Status {
+        if (!commands) return fail(Code::InvalidArgument, "commands is NULL");
+        DPL_TRY(const auto found, contextOf(context));
+        std::lock_guard lock(found->mutex);
+        DPL_TRY(VulkanSide * side, sideOf(*found));
+        return side->backend.compose({composer}, slot, view, {x, y}, {commands});
+    });
+}

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+/* Draws avatars inside a Vulkan program's own frames: on its device, in its command buffers, into its images. No pixel is copied to the
+ * CPU. Include it beside doppel.h; C99 and C++. Experimental until 1.0.
+ *
+ *   DplVulkanDevice mine = {sizeof mine, family, NULL, instance, physicalDevice, device, queue};
+ *   dplCreateVulkanContext(&mine, NULL, &context);
+ *   DplVulkanPass pass = {sizeof pass, 0, renderPass, 0, 4, 0, VK_FORMAT_R16G16B16A16_SFLOAT};
+ *   dplCreateVulkanComposer(context, &pass, &composer);
+ *
+ *   each frame, with slot = frame % DPL_VULKAN_SLOTS, after the fence of the last frame with this slot:
+ *     vkBeginCommandBuffer(commands, ...);
+ *     dplVulkanPrepare(context, commands, slot, &avatar, 1, views, viewCount, NULL);    outside a render pass
+ *     vkCmdBeginRenderPass(commands, ...);  the program draws its scene
+ *     dplVulkanCompose(context, composer, commands, slot, 0, 0, 0);                inside it
+ *     vkCmdEndRenderPass(commands);
+ *
+ * What prepare and compose record. Prepare records compute passes and a draw into an image of Doppel's, with barriers of its own. Compose
+ * records one draw of one triangle. Neither submits, waits, reads back or allocates, except that the first prepare of a new size, number
+ * of views, number of samples or set of avatars makes its pipelines and buffers: do it while loading.
+ *
+ * Slots. A slot names what one frame in flight uses. With dplVulkanPrepare the program promises that all commands it recorded with the
+ * slot before have run, or will never run. Use the slots in turn. Objects destroyed in between, such as avatars, live on until then.
+ *
+ * Queues. All commands with slots of one context go to one queue family, and to queues in the order in which they were prepared.
+ *
+ * Images. The colour attachment is in the layout that the render pass gives it; compose reads and writes it as colour attachment, by
+ * blending. Depth attachments are neither tested nor written. Prepare reads the depth images given to it (DplVulkanSceneDepth). */
+#ifndef DOPPEL_DOPPEL_VULKAN_H
+#define DOPPEL_DOPPEL_VULKAN_H
+
+#include <doppel/doppel.h>
+#include <vulkan/vulkan_core.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define DPL_VULKAN_SLOTS 3u /**< frames in flight */
+
+/** A device that the program opened. It must have what dplGetVulkanRequirement lists as required. All handles must outlive the context. */
+typedef struct DplVulkanDevice {
+    uint32_t structSize;
+    uint32_t queueFamily;                          /**< with VK_QUEUE_GRAPHICS_BIT and VK_QUEUE_COMPUTE_BIT */
+    PFN_vkGetInstanceProcAddr getInstanceProcAddr; /**< NULL: of the machine's Vulkan loader */
+    VkInstance instance;
+    VkPhysicalDevice physicalDevice;
+    VkDevice device;
+    VkQueue queue; /**< of queueFamily. Used by dplLoadAvatar, by the self-test of DPL_FILL_AUTO and by dplRender; never by a frame */
+    /** The chain given to vkCreateDevice, so that Doppel knows which features are enabled. Read during the call. NULL: none. */
+    const VkPhysicalDeviceFeatures2* enabledFeatures;
+    const VkAllocationCallbacks* allocator; /**< for all objects of Doppel; copied. NULL: the driver's own */
+    /** Called around each use of `queue`, from the thread that uses it. Both or neither; NULL: only Doppel uses the queue meanwhile. */
+    void (*lockQueue)(void* user);
+    void (*unlockQueue)(void* user);
+    void* user;
+} DplVulkanDevice;
+
+typedef struct DplVulkanRequirement {
+    uint32_t structSize;
+    const char* name; /**< for example "VkPhysicalDeviceMultiviewFeatures::multiview". Static text */
+    int required;     /**< DPL_FALSE: optional */
+    const char* buys; /**< what Doppel does with it. Static text */
+} DplVulkanRequirement;
+
+/** What Doppel wants of a device, one by one. index: from 0; DPL_ERROR_NOT_FOUND behind the last. No extension is needed. */
+DPL_EXPERIMENTAL DplResult dplGetVulkanRequirement(uint32_t index, DplVulkanRequirement* requirement);
+
+/** Creates a context that draws on the program's device. info: as for dplCreateContext; `renderer` and `threadCount` are not read. NULL:
+ * all defaults. Free it with dplDestroyContext once no submitted commands of its slots can still run. dplRender and dplDraw work on it too.
+ * DPL_ERROR_INVALID_ARGUMENT: a handle is NULL. DPL_ERROR_UNSUPPORTED: the device is older than Vulkan 1.1, or the queue family lacks
+ * graphics or compute. */
+DPL_EXPERIMENTAL DplResult dplCreateVulkanContext(const DplVulkanDevice* device, const DplContextInfo* info, DplContext* context);
+
+/** The pass in which a composer draws: a subpass of a render pass, or dynamic rendering. It has one colour attachment.
+ *
+ *  The colour format says how light is stored. RGBA8 and BGRA8 as UNORM, and A2B10G10R10 as UNORM: display-referred values, blended as they
+ *  are. RGBA8 and BGRA8 as SRGB, and RGBA16F: linear light. These are the formulas of DplImageFormat. */
+typedef struct DplVulkanPass {
+    uint32_t structSize;
+    uint32_t subpass;
+    VkRenderPass renderPass; /**< or a compatible one; needed until dplCreateVulkanComposer returns. VK_NULL_HANDLE: dynamic rendering */
+    uint32_t viewMask;       /**< of the subpass. 0: no multiview, each view has a pass or an image of its own */
+    uint32_t samples;        /**< of the attachments, 1 or 4. 0: 1 */
+    uint32_t reserved;       /**< 0 */
+    VkFormat colourFormat;
+    VkFormat depthFormat, stencilFormat; /**< of attachments that the pass has as well; read for dynamic rendering only */
+} DplVulkanPass;
+
+/** Compiles what composes into a pass, so that no frame does. *composer: a number for dplVulkanCompose. It lives until
+ *  dplDestroyVulkanComposer or as long as the context. DPL_ERROR_UNSUPPORTED: another format, sample count or view mask, or a context that
+ *  is not on the program's device; the text says which. */
+DPL_EXPERIMENTAL DplResult dplCreateVulkanComposer(DplContext context, const DplVulkanPass* pass, uint32_t* composer);
+
+/** Commands that use it may still run; see "Slots". DPL_ERROR_NOT_FOUND: no such composer. */
+DPL_EXPERIMENTAL DplResult dplDestroyVulkanComposer(DplContext context, uint32_t composer);
+
+/** Depth that the program has drawn behind one view. A splat adds nothing to a pixel if it lies behind. Pixels outside the image have no
+ *  scene. With four samples a pixel, the farthest counts.
+ *
+ *  stored depth = scale + offset / z, with z > 0 the distance along the view axis in metres:
+ *    usual, 0 at the near plane n and 1 at the far plane f    scale f/(f-n)    offset -f n/(f-n)
+ *    usual, infinite far plane                                scale 1          offset -n
+ *    reversed, 1 at n and 0 at f                              scale -n/(f-n)   offset f n/(f-n)
+ *    reversed, infinite far plane                             scale 0          offset n */
+typedef struct DplVulkanSceneDepth {
+    uint32_t structSize;
+    uint32_t layer;       /**< of the image view that this view uses */
+    VkImageView image;    /**< VK_IMAGE_VIEW_TYPE_2D_ARRAY of the depth aspect alone, usage SAMPLED, 1 or 4 samples; D16, D24S8, D32F ... */
+    VkImageLayout layout; /**< in which prepare finds and leaves it, such as VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL */
+    uint32_t samples;     /**< of the image, 1 or 4. 0: 1 */
+    int32_t x, y;         /**< place of the view's top left pixel in the image, pixels */
+    float scale, offset;
+} DplVulkanSceneDepth;
+
+/** Draws the avatars in their current poses into the picture of a slot. Arguments as dplDrawTogether. The views have the size of the
+ *  picture, which may be smaller than the program's target.
+ *  commands: recording, outside a render pass, of the device's queue family.
+ *  depths: viewCount of them, or NULL: DplCamera::sceneDepthM counts, which the CPU copies. The program makes their writes visible to
+ *  VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT with VK_ACCESS_SHADER_READ_BIT before, and writes them again only after that stage.
+ *  DPL_ERROR_INVALID_ARGUMENT: no such slot, NULL commands, a context that is not on the program's device, or a depth that says nothing
+ *  (offset 0, not finite, no image). After an error nothing of the slot may be composed. */
+DPL_EXPERIMENTAL DplResult dplVulkanPrepare(DplContext context, VkCommandBuffer commands, uint32_t slot, const DplAvatar* avatars,
+                                            uint32_t avatarCount, const DplCamera* views, uint32_t viewCount,
+                                            const DplVulkanSceneDepth* depths);
+
+/** Composes the picture of a view over the colour attachment; where the picture is empty, the attachment keeps its bits.
+ *  commands: inside the composer's pass. It may be another command buffer than that of prepare if it runs later. view: which picture; with
+ *  a view mask all are composed and it is not read. x, y: of the picture's top left corner in the attachment, pixels; may be negative.
+ *  Changes the graphics pipeline, descriptor set 0, push constants, viewport and scissor.
+ *  DPL_ERROR_INVALID_ARGUMENT: the slot was not prepared with that many views. DPL_ERROR_NOT_FOUND: no such composer. */
+DPL_EXPERIMENTAL DplResult dplVulkanCompose(DplContext context, uint32_t composer, VkCommandBuffer commands, uint32_t slot, uint32_t view,
+                                            int32_t x, int32_t y);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

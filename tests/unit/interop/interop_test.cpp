@@ -1,0 +1,622 @@
+// SPDX-License-Identifier: Apache-2.0
+// Avatars in a program's own Vulkan frames: the same pixels as dplRender composes, in every format and kind of pass, without a submission,
+// a wait or an allocation of Doppel's, and with the validation layer silent.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <deque>
+
+#include "apps/bench/count_allocations.h"
+#include "sdk/include/doppel/doppel_vulkan.h"
+#include "sdk/math/half.h"
+#include "tests/unit/api/api_fixture.h"
+#include "tests/unit/interop/app_device.h"
+
+namespace dpl::test {
+namespace {
+
+constexpr uint32_t kWidth = 96, kHeight = 80;
+
+/** Of bytes, or of half floats clamped to 0 ... 1. */
+double psnrDb(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b, VkFormat format) {
+    double sum = 0;
+    size_t count = a.size();
+    EXPECT_EQ(a.size(), b.size());
+    if (format == VK_FORMAT_R16G16B16A16_SFLOAT) {
+        count /= 2;
+        for (size_t i = 0; i < count; ++i) {
+            uint16_t x, y;
+            std::memcpy(&x, &a[2 * i], 2), std::memcpy(&y, &b[2 * i], 2);
+            sum += std::pow(double(floatFromHalf(x)) - double(floatFromHalf(y)), 2);
+        }
+    } else if (format == VK_FORMAT_A2B10G10R10_UNORM_PACK32) {
+        count = a.size() / 4 * 3;
+        for (size_t i = 0; i < a.size(); i += 4) {
+            uint32_t x, y;
+            std::memcpy(&x, &a[i], 4), std::memcpy(&y, &b[i], 4);
+            for (uint32_t c = 0; c < 3; ++c) sum += std::pow((double(x >> 10 * c & 1023) - double(y >> 10 * c & 1023)) / 1023, 2);
+        }
+    } else {
+        for (size_t i = 0; i < count; ++i) sum += std::pow((double(a[i]) - double(b[i])) / 255, 2);
+    }
+    return 10 * std::log10(double(count) / std::max(sum, 1e-12));
+}
+
+/** A smooth background with alpha, in the bytes of a format. */
+std::vector<uint8_t> background(VkFormat format) {
+    std::vector<uint8_t> bytes(size_t(kWidth) * kHeight * bytesPerPixel(format));
+    for (uint32_t y = 0; y < kHeight; ++y)
+        for (uint32_t x = 0; x < kWidth; ++x) {
+            const size_t pixel = size_t(y) * kWidth + x;
+            const float rgba[4] = {0.8f * float(x) / kWidth, 0.9f * float(y) / kHeight, 0.3f, 1};
+            if (format == VK_FORMAT_R16G16B16A16_SFLOAT) {
+                for (int c = 0; c < 4; ++c) {
+                    const uint16_t half = halfFromFloat(rgba[c]);
+                    std::memcpy(&bytes[pixel * 8 + size_t(c) * 2], &half, 2);
+                }
+            } else if (format == VK_FORMAT_A2B10G10R10_UNORM_PACK32) {
+                uint32_t word = 3u << 30;
+                for (int c = 0; c < 3; ++c) word |= uint32_t(std::lround(rgba[c] * 1023)) << 10 * c;
+                std::memcpy(&bytes[pixel * 4], &word, 4);
+            } else {
+                for (int c = 0; c < 4; ++c) bytes[pixel * 4 + size_t(c)] = uint8_t(std::lround(rgba[c] * 255));
+            }
+        }
+    return bytes;
+}
+
+bool isBgra(VkFormat format) {
+    return format == VK_FORMAT_B8G8R8A8_UNORM || format == VK_FORMAT_B8G8R8A8_SRGB;
+}
+
+void swapRedAndBlue(std::vector<uint8_t>& bytes) {
+    for (size_t i = 0; i < bytes.size(); i += 4) std::swap(bytes[i], bytes[i + 2]);
+}
+
+/** The layer over 10-bit display-referred values, in double. */
+std::vector<uint8_t> composedTenBits(const std::vector<uint8_t>& layer, const std::vector<uint8_t>& target) {
+    std::vector<uint8_t> out(target.size());
+    for (size_t i = 0; i < target.size(); i += 4) {
+        uint32_t word, result = 0;
+        std::memcpy(&word, &target[i], 4);
+        const double through = 1 - layer[i + 3] / 255.0;
+        for (uint32_t c = 0; c < 3; ++c) {
+            const double value = layer[i + c] / 255.0 + through * (word >> 10 * c & 1023) / 1023;
+            result |= uint32_t(std::lround(std::min(1.0, value) * 1023)) << 10 * c;
+        }
+        result |= 3u << 30;
+        std::memcpy(&out[i], &result, 4);
+    }
+    return out;
+}
+
+class Interop : public testing::Test {
+protected:
+    /** Opens a device of the test's own and a context on it, or skips. */
+    void open(AppDevice::Options options = {}, DplFill fill = DPL_FILL_QUADS) {
+        std::string why;
+        app_ = AppDevice::open(options, why);
+        if (!app_) GTEST_SKIP() << why;
+        const DplVulkanDevice device = lent();
+        const DplContextInfo info{sizeof info, DPL_RENDERER_AUTO, 1, 0, fill, nullptr};
+        ASSERT_EQ(dplCreateVulkanContext(&device, &info, &context_), DPL_OK) << dplGetLastError();
+        const auto bytes = tinyFile();
+        ASSERT_EQ(dplLoadAvatar(context_, bytes.data(), bytes.size(), &avatar_), DPL_OK) << dplGetLastError();
+    }
+    DplVulkanDevice lent() const {
+        DplVulkanDevice device{};
+        device.structSize = sizeof device;
+        device.queueFamily = app_->family;
+        device.instance = app_->instance, device.physicalDevice = app_->physical, device.device = app_->device, device.queue = app_->queue;
+        device.enabledFeatures = &app_->enabled;
+        return device;
+    }
+    void TearDown() override {
+        if (!app_) return;
+        app_->waitAll();
+        EXPECT_EQ(dplDestroyAvatar(avatar_), DPL_OK);
+        EXPECT_EQ(dplDestroyContext(context_), DPL_OK);
+        for (VkFramebuffer framebuffer : framebuffers_) vkDestroyFramebuffer(app_->device, framebuffer, nullptr);
+        for (VkRenderPass pass : passes_) vkDestroyRenderPass(app_->device, pass, nullptr);
+        for (AppImage& image : images_) app_->destroy(image);
+        for (const std::string& message : app_->messages) ADD_FAILURE() << message;
+    }
+
+    uint32_t composerFor(VkRenderPass pass, VkFormat format, uint32_t viewMask = 0, uint32_t samples = 1) {
+        DplVulkanPass desc{};
+        desc.structSize = sizeof desc;
+        desc.renderPass = pass, desc.viewMask = viewMask, desc.samples = samples, desc.colourFormat = format;
+        uint32_t composer = 0;
+        EXPECT_EQ(dplCreateVulkanComposer(context_, &desc, &composer), DPL_OK) << dplGetLastError();
+        return composer;
+    }
+
+    /** Whether passes may have a view mask; else dplGetLastError() says why. */
+    bool canMask() {
+        DplVulkanPass desc{};
+        desc.structSize = sizeof desc;
+        passes_.push_back(desc.renderPass = app_->makePass(VK_FORMAT_R8G8B8A8_UNORM, 1, 3));
+        desc.viewMask = 3, desc.colourFormat = VK_FORMAT_R8G8B8A8_UNORM;
+        uint32_t composer = 0;
+        return dplCreateVulkanComposer(context_, &desc, &composer) == DPL_OK;
+    }
+
+    /** A frame: prepare, then compose each view into its layer of the target by a pass without multiview, or all at once with it. */
+    struct Passes {
+        VkRenderPass pass = VK_NULL_HANDLE;  // null: dynamic rendering
+        std::vector<VkFramebuffer> framebuffers;
+        uint32_t composer = 0, viewMask = 0;
+    };
+    Passes passesFor(const AppImage& target, bool dynamic, uint32_t viewMask = 0) {
+        Passes made;
+        made.viewMask = viewMask;
+        if (!dynamic) {
+            passes_.push_back(made.pass = app_->makePass(target.format, target.samples, viewMask));
+            for (uint32_t i = 0; i < (viewMask ? 1 : target.layers); ++i) {
+                framebuffers_.push_back(
+                    app_->makeFramebuffer(made.pass, viewMask ? target.view : target.layerViews[i], target.width, target.height));
+                made.framebuffers.push_back(framebuffers_.back());
+            }
+        }
+        made.composer = composerFor(made.pass, target.format, viewMask, target.samples);
+        return made;
+    }
+    AppImage& target(VkFormat format, uint32_t layers = 1, uint32_t samples = 1, uint32_t width = kWidth, uint32_t height = kHeight) {
+        images_.push_back(app_->makeTarget(format, width, height, layers, samples));
+        return images_.back();
+    }
+
+    DplResult frame(uint32_t slot, const AppImage& image, const Passes& passes, std::span<const DplAvatar> avatars,
+                    std::span<const DplCamera> views, VkOffset2D at = {0, 0}, const DplVulkanSceneDepth* depths = nullptr) {
+        const VkCommandBuffer commands = app_->begin(slot);
+        DplResult result = dplVulkanPrepare(context_, commands, slot, avatars.data(), uint32_t(avatars.size()), views.data(),
+                                            uint32_t(views.size()), depths);
+        app_->barrier(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+        for (uint32_t view = 0; view < (passes.viewMask ? 1 : views.size()) && result == DPL_OK; ++view) {
+            beginPass(commands, image, passes, view);
+            result = dplVulkanCompose(context_, passes.composer, commands, slot, view, at.x, at.y);
+            endPass(commands, passes);
+        }
+        app_->barrier(commands, image, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+        app_->submit(slot);
+        return result;
+    }
+    void beginPass(VkCommandBuffer commands, const AppImage& image, const Passes& passes, uint32_t view) {
+        if (passes.pass) {
+            VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
+            begin.renderPass = passes.pass;
+            begin.framebuffer = passes.framebuffers[view];
+            begin.renderArea.extent = {image.width, image.height};
+            vkCmdBeginRenderPass(commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
+            return;
+        }
+        VkRenderingAttachmentInfo colour{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
+        colour.imageView = passes.viewMask ? image.view : image.layerViews[view];
+        colour.imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+        colour.loadOp = VK_ATTACHMENT_LOAD_OP_LOAD;
+        colour.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+        VkRenderingInfo info{VK_STRUCTURE_TYPE_RENDERING_INFO};
+        info.renderArea.extent = {image.width, image.height};
+        info.layerCount = 1;
+        info.viewMask = passes.viewMask;
+        info.colorAttachmentCount = 1;
+        info.pColorAttachments = &colour;
+        vkCmdBeginRendering(commands, &info);
+    }
+    void endPass(VkCommandBuffer commands, const Passes& passes) {
+        if (passes.pass)
+            vkCmdEndRenderPass(commands);
+        else
+            vkCmdEndRendering(commands);
+    }
+
+    /** What dplRender of the same context composes over `under`. */
+    std::vector<uint8_t> rendered(const DplCamera& camera, VkFormat format, std::vector<uint8_t> under, DplAvatar avatar) {
+        if (isBgra(format)) swapRedAndBlue(under);
+        const bool tenBits = format == VK_FORMAT_A2B10G10R10_UNORM_PACK32;
+        std::vector<uint8_t> layer(tenBits ? size_t(kWidth) * kHeight * 4 : 0);
+        std::vector<uint8_t>& pixels = tenBits ? layer : under;
+        DplImage image{sizeof(DplImage), tenBits ? 0u : uint32_t(DPL_IMAGE_OVER), pixels.data(), pixels.size(), 0, nullptr, 0};
+        image.format = format == VK_FORMAT_R16G16B16A16_SFLOAT                                  ? DPL_FORMAT_RGBA16F
+                       : format == VK_FORMAT_R8G8B8A8_SRGB || format == VK_FORMAT_B8G8R8A8_SRGB ? DPL_FORMAT_RGBA8_SRGB
+                                                                                                : DPL_FORMAT_RGBA8;
+        EXPECT_EQ(dplRender(context_, avatar, &camera, 1, &image), DPL_OK) << dplGetLastError();
+        if (tenBits) return composedTenBits(layer, under);
+        if (isBgra(format)) swapRedAndBlue(under);
+        return under;
+    }
+    std::vector<uint8_t> layerOf(const DplCamera& camera) {
+        std::vector<uint8_t> pixels(size_t(camera.widthPx) * camera.heightPx * 4);
+        const DplImage image{sizeof(DplImage), 0, pixels.data(), pixels.size(), 0, nullptr, 0};
+        EXPECT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK) << dplGetLastError();
+        return pixels;
+    }
+
+    std::unique_ptr<AppDevice> app_;
+    DplContext context_ = nullptr;
+    DplAvatar avatar_ = nullptr;
+    std::deque<AppImage> images_;
+    std::vector<VkRenderPass> passes_;
+    std::vector<VkFramebuffer> framebuffers_;
+};
+
+#define OPEN_OR_SKIP(...) \
+    open(__VA_ARGS__);    \
+    if (IsSkipped() || HasFatalFailure()) return
+
+struct FormatCase {
+    const char* name;
+    VkFormat format;
+};
+class InteropFormats : public Interop, public testing::WithParamInterface<std::tuple<FormatCase, DplFill, bool>> {};
+INSTANTIATE_TEST_SUITE_P(
+    Formats, InteropFormats,
+    testing::Combine(testing::Values(FormatCase{"Rgba8", VK_FORMAT_R8G8B8A8_UNORM}, FormatCase{"Bgra8", VK_FORMAT_B8G8R8A8_UNORM},
+                                     FormatCase{"Rgba8Srgb", VK_FORMAT_R8G8B8A8_SRGB}, FormatCase{"Bgra8Srgb", VK_FORMAT_B8G8R8A8_SRGB},
+                                     FormatCase{"Rgba16f", VK_FORMAT_R16G16B16A16_SFLOAT},
+                                     FormatCase{"A2b10g10r10", VK_FORMAT_A2B10G10R10_UNORM_PACK32}),
+                     testing::Values(DPL_FILL_QUADS, DPL_FILL_TILES), testing::Bool()),
+    [](const auto& info) {
+        return std::string(std::get<0>(info.param).name) + (std::get<1>(info.param) == DPL_FILL_TILES ? "Tiles" : "Quads") +
+               (std::get<2>(info.param) ? "DynamicRendering" : "RenderPass");
+    });
+
+TEST_P(InteropFormats, composesWhatDplRenderComposes) {
+    const auto [format, fill, dynamic] = GetParam();
+    OPEN_OR_SKIP({.multiview = false, .dynamicRendering = dynamic}, fill);
+    const DplCamera camera = frontCamera(kWidth, kHeight);
+    const AppImage& image = target(format.format);
+    const std::vector<uint8_t> under = background(format.format);
+    app_->upload(image, 0, under);
+    const Passes passes = passesFor(image, dynamic);
+    ASSERT_EQ(frame(0, image, passes, {&avatar_, 1}, {&camera, 1}), DPL_OK) << dplGetLastError();
+    const std::vector<uint8_t> drawn = app_->download(image, 0), layer = layerOf(camera);
+    const std::vector<uint8_t> expected = rendered(camera, format.format, under, avatar_);
+
+    const double db = psnrDb(drawn, expected, format.format);
+    std::printf("%s: %.1f dB\n", format.name, db);
+    EXPECT_GT(db, 60);
+    const size_t bytes = bytesPerPixel(format.format);
+    size_t empty = 0, covered = 0;
+    for (size_t i = 0; i < layer.size() / 4; ++i) {
+        if (layer[4 * i + 3] == 0) {
+            ++empty;
+            ASSERT_EQ(std::memcmp(&drawn[i * bytes], &under[i * bytes], bytes), 0) << "an empty pixel of the picture changed the target";
+        }
+        if (layer[4 * i + 3] != 255 || bytes == 8 || format.format == VK_FORMAT_A2B10G10R10_UNORM_PACK32) continue;
+        ++covered;
+        for (size_t c = 0; c < 4; ++c) ASSERT_NEAR(drawn[4 * i + c], expected[4 * i + c], 1) << "an opaque pixel is the picture's";
+    }
+    EXPECT_GT(empty, 1000u);
+    EXPECT_LT(empty, layer.size() / 4 - 500) << "the avatar covers pixels";
+    EXPECT_NE(drawn, under);
+}
+
+class InteropStereo : public Interop, public testing::WithParamInterface<std::tuple<bool, DplFill>> {};
+INSTANTIATE_TEST_SUITE_P(Ways, InteropStereo, testing::Combine(testing::Bool(), testing::Values(DPL_FILL_QUADS, DPL_FILL_TILES)),
+                         [](const auto& info) {
+                             return std::string(std::get<0>(info.param) ? "Multiview" : "AnImageAnEye") +
+                                    (std::get<1>(info.param) == DPL_FILL_TILES ? "Tiles" : "Quads");
+                         });
+
+TEST_P(InteropStereo, bothEyesGetTheirPicture) {
+    const auto [multiview, fill] = GetParam();
+    OPEN_OR_SKIP({.multiview = multiview}, fill);
+    constexpr VkFormat kFormat = VK_FORMAT_R8G8B8A8_SRGB;
+    const AppImage& image = target(kFormat, 2);
+    const std::vector<uint8_t> under = background(kFormat);
+    if (multiview && !canMask()) GTEST_SKIP() << dplGetLastError();
+    const Passes passes = passesFor(image, false, multiview ? 3 : 0);
+    for (const bool canted : {false, true}) {
+        DplCamera eyes[2] = {frontCamera(kWidth, kHeight, 0.03f), frontCamera(kWidth, kHeight, -0.03f)};
+        if (canted) {  // turned by 4 degrees about y, so that each eye is a frame of its own
+            const float c = std::cos(0.07f), s = std::sin(0.07f);
+            const float turned[12] = {c, 0, s, -0.03f, 0, -1, 0, 1, s, 0, -c, 3};
+            std::memcpy(eyes[1].viewFromWorld, turned, sizeof turned);
+        }
+        app_->upload(image, 0, under), app_->upload(image, 1, under);
+        ASSERT_EQ(frame(canted, image, passes, {&avatar_, 1}, eyes), DPL_OK) << dplGetLastError();
+        for (uint32_t eye = 0; eye < 2; ++eye) {
+            const auto drawn = app_->download(image, eye), expected = rendered(eyes[eye], kFormat, under, avatar_);
+            const double db = psnrDb(drawn, expected, kFormat),
+                         other = psnrDb(drawn, rendered(eyes[1 - eye], kFormat, under, avatar_), kFormat);
+            std::printf("%s, eye %u: %.1f dB (the other eye's: %.1f)\n", canted ? "canted" : "parallel", eye, db, other);
+            EXPECT_GT(db, 50);
+            EXPECT_LT(other, db - 10) << "the eyes differ";
+        }
+    }
+}
+
+struct DepthCase {
+    const char* name;
+    VkFormat format;
+    float scale, offset;  // stored depth = scale + offset / z
+    float clear;          // stored where there is no scene
+};
+constexpr float kNear = 0.1f, kFar = 20;
+class InteropDepth : public Interop, public testing::WithParamInterface<std::tuple<DepthCase, DplFill>> {};
+INSTANTIATE_TEST_SUITE_P(
+    Conventions, InteropDepth,
+    testing::Combine(testing::Values(DepthCase{"Usual", VK_FORMAT_D32_SFLOAT, kFar / (kFar - kNear), -kFar* kNear / (kFar - kNear), 1},
+                                     DepthCase{"UsualD16", VK_FORMAT_D16_UNORM, kFar / (kFar - kNear), -kFar* kNear / (kFar - kNear), 1},
+                                     DepthCase{"UsualInfinite", VK_FORMAT_D32_SFLOAT, 1, -kNear, 1},
+                                     DepthCase{"Reversed", VK_FORMAT_D32_SFLOAT, -kNear / (kFar - kNear), kFar* kNear / (kFar - kNear), 0},
+                                     DepthCase{"ReversedInfinite", VK_FORMAT_D32_SFLOAT, 0, kNear, 0}),
+                     testing::Values(DPL_FILL_QUADS, DPL_FILL_TILES)),
+    [](const auto& info) {
+        return std::string(std::get<0>(info.param).name) + (std::get<1>(info.param) == DPL_FILL_TILES ? "Tiles" : "Quads");
+    });
+
+TEST_P(InteropDepth, hidesWhatLiesBehindTheScene) {
+    const auto [convention, fill] = GetParam();
+    OPEN_OR_SKIP({.multiview = false}, fill);
+    constexpr VkFormat kFormat = VK_FORMAT_R8G8B8A8_UNORM;
+    // A wall in front of the left half of the avatar's middle, nothing elsewhere; the image is larger than the view.
+    constexpr int32_t kX = 11, kY = 5;
+    constexpr uint32_t kImageWidth = kWidth + 30, kImageHeight = kHeight + 9;
+    constexpr float kWallM = 1.5f;
+    DplCamera eyes[2] = {frontCamera(kWidth, kHeight, 0.03f), frontCamera(kWidth, kHeight, -0.03f)};
+    std::vector<std::vector<float>> stored(2, std::vector<float>(kImageWidth * kImageHeight, convention.clear));
+    std::vector<std::vector<float>> scene(2, std::vector<float>(kWidth * kHeight));
+    for (uint32_t eye = 0; eye < 2; ++eye)
+        for (uint32_t y = 0; y < kHeight; ++y)
+            for (uint32_t x = 0; x < kWidth / 2 + 5 * eye; ++x) {
+                if (y < 20 || y > 50) continue;
+                scene[eye][y * kWidth + x] = kWallM;
+                stored[eye][(y + kY) * kImageWidth + x + kX] = convention.scale + convention.offset / kWallM;
+            }
+    images_.push_back(app_->makeDepth(convention.format, kImageWidth, kImageHeight, stored));
+    const AppImage& depth = images_.back();
+    DplVulkanSceneDepth depths[2]{};
+    for (uint32_t eye = 0; eye < 2; ++eye)
+        depths[eye] = {sizeof depths[eye], eye, depth.view, VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL, 1, kX, kY, convention.scale,
+                       convention.offset};
+    const AppImage& image = target(kFormat, 2);
+    const std::vector<uint8_t> under = background(kFormat);
+    app_->upload(image, 0, under), app_->upload(image, 1, under);
+    const Passes passes = passesFor(image, false);
+    ASSERT_EQ(frame(0, image, passes, {&avatar_, 1}, eyes, {0, 0}, depths), DPL_OK) << dplGetLastError();
+    for (uint32_t eye = 0; eye < 2; ++eye) {
+        const auto whole = rendered(eyes[eye], kFormat, under, avatar_);
+        eyes[eye].sceneDepthM = scene[eye].data(), eyes[eye].sceneDepthCount = scene[eye].size();
+        const auto drawn = app_->download(image, eye), expected = rendered(eyes[eye], kFormat, under, avatar_);
+        const double db = psnrDb(drawn, expected, kFormat), without = psnrDb(whole, expected, kFormat);
+        std::printf("%s, eye %u: %.1f dB (without the wall %.1f)\n", convention.name, eye, db, without);
+        EXPECT_GT(db, 60);
+        EXPECT_LT(without, 45) << "the wall hides something";
+    }
+}
+
+TEST_F(Interop, depthOfFourSamplesHidesToo) {
+    OPEN_OR_SKIP({.multiview = false});
+    constexpr VkFormat kFormat = VK_FORMAT_R8G8B8A8_UNORM;
+    const AppImage& image = target(kFormat);
+    const Passes passes = passesFor(image, false);
+    const DplCamera camera = frontCamera(kWidth, kHeight);
+    const std::vector<uint8_t> under = background(kFormat);
+    for (const float wallM : {1.0f, 30.0f}) {  // the avatar stands 3 m away
+        images_.push_back(app_->makeFourSampleDepth(kWidth, kHeight, kNear / wallM));
+        const DplVulkanSceneDepth depth{sizeof depth, 0, images_.back().view, VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL, 4, 0, 0, 0,
+                                        kNear};
+        app_->upload(image, 0, under);
+        ASSERT_EQ(frame(0, image, passes, {&avatar_, 1}, {&camera, 1}, {0, 0}, &depth), DPL_OK) << dplGetLastError();
+        const auto drawn = app_->download(image, 0);
+        if (wallM < 2)
+            EXPECT_EQ(drawn, under) << "all is hidden";
+        else
+            EXPECT_GT(psnrDb(drawn, rendered(camera, kFormat, under, avatar_), kFormat), 60);
+    }
+}
+
+TEST_F(Interop, fourSamplesOfATargetAllGetThePicture) {
+    OPEN_OR_SKIP({.multiview = false});
+    constexpr VkFormat kFormat = VK_FORMAT_R8G8B8A8_UNORM;
+    const AppImage image = target(kFormat, 1, 4), resolved = target(kFormat);
+    const DplCamera camera = frontCamera(kWidth, kHeight);
+    const Passes passes = passesFor(image, false);
+    VkCommandBuffer commands = app_->begin(1);
+    const VkImageSubresourceRange whole{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+    const VkClearColorValue black{};
+    app_->barrier(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    vkCmdClearColorImage(commands, image.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &black, 1, &whole);
+    app_->barrier(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    app_->submit(1);
+    ASSERT_EQ(frame(0, image, passes, {&avatar_, 1}, {&camera, 1}), DPL_OK) << dplGetLastError();
+    commands = app_->begin(1);
+    app_->barrier(commands, resolved, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    VkImageResolve region{};
+    region.srcSubresource = region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    region.extent = {kWidth, kHeight, 1};
+    vkCmdResolveImage(commands, image.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, resolved.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
+                      &region);
+    app_->barrier(commands, resolved, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    app_->submit(1);
+    const auto drawn = app_->download(resolved, 0);
+    EXPECT_GT(psnrDb(drawn, layerOf(camera), kFormat), 60);
+}
+
+TEST_F(Interop, aPictureMayLieAnywhereInTheTarget) {
+    OPEN_OR_SKIP({.multiview = false});
+    constexpr VkFormat kFormat = VK_FORMAT_R8G8B8A8_UNORM;
+    const DplCamera camera = frontCamera(kWidth, kHeight);
+    const AppImage& image = target(kFormat, 1, 1, 2 * kWidth, 2 * kHeight);
+    const Passes passes = passesFor(image, false);
+    const std::vector<uint8_t> layer = layerOf(camera), empty(size_t(image.width) * image.height * 4);
+    for (const VkOffset2D at : {VkOffset2D{37, 21}, VkOffset2D{-30, -15}, VkOffset2D{int32_t(image.width) - 40, 60}}) {
+        app_->upload(image, 0, empty);
+        ASSERT_EQ(frame(0, image, passes, {&avatar_, 1}, {&camera, 1}, at), DPL_OK) << dplGetLastError();
+        const auto drawn = app_->download(image, 0);
+        size_t wrong = 0, seen = 0;
+        for (int32_t y = 0; y < int32_t(image.height); ++y)
+            for (int32_t x = 0; x < int32_t(image.width); ++x) {
+                const int32_t px = x - at.x, py = y - at.y;
+                const bool inside = px >= 0 && py >= 0 && px < int32_t(kWidth) && py < int32_t(kHeight);
+                const uint8_t* from = inside ? &layer[(size_t(py) * kWidth + size_t(px)) * 4] : nullptr;
+                const uint8_t* to = &drawn[(size_t(y) * image.width + size_t(x)) * 4];
+                for (int c = 0; c < 4; ++c) wrong += std::abs(int(to[c]) - (from ? from[c] : 0)) > 1;
+                seen += to[3] != 0;
+            }
+        EXPECT_EQ(wrong, 0u) << at.x << ", " << at.y;
+        EXPECT_GT(seen, 300u);
+    }
+}
+
+TEST_F(Interop, slotsInFlightKeepTheirPoses) {
+    OPEN_OR_SKIP({.multiview = false});
+    constexpr VkFormat kFormat = VK_FORMAT_R8G8B8A8_UNORM;
+    const DplCamera camera = frontCamera(kWidth, kHeight);
+    std::vector<Passes> passes;
+    std::vector<size_t> targets;
+    const std::vector<uint8_t> under = background(kFormat);
+    for (uint32_t slot = 0; slot < DPL_VULKAN_SLOTS; ++slot) {
+        target(kFormat), targets.push_back(images_.size() - 1);
+        passes.push_back(passesFor(images_.back(), false));
+    }
+    std::vector<uint8_t> last;
+    for (uint32_t round = 0; round < 4; ++round) {
+        for (size_t t : targets) app_->upload(images_[t], 0, under);
+        for (uint32_t slot = 0; slot < DPL_VULKAN_SLOTS; ++slot) {  // nobody waits between them
+            ASSERT_EQ(dplSetPoseFromClip(avatar_, 0, 0.13 * (round * DPL_VULKAN_SLOTS + slot), DPL_TRUE), DPL_OK);
+            ASSERT_EQ(frame(slot, images_[targets[slot]], passes[slot], {&avatar_, 1}, {&camera, 1}), DPL_OK) << dplGetLastError();
+        }
+        app_->waitAll();
+        for (uint32_t slot = 0; slot < DPL_VULKAN_SLOTS; ++slot) {
+            ASSERT_EQ(dplSetPoseFromClip(avatar_, 0, 0.13 * (round * DPL_VULKAN_SLOTS + slot), DPL_TRUE), DPL_OK);
+            const auto drawn = app_->download(images_[targets[slot]], 0);
+            EXPECT_GT(psnrDb(drawn, rendered(camera, kFormat, under, avatar_), kFormat), 60) << "round " << round << ", slot " << slot;
+            EXPECT_NE(drawn, last) << "the pose changes";
+            last = drawn;
+        }
+    }
+}
+
+TEST_F(Interop, sizesChangeAndAvatarsGoWhileFramesAreInFlight) {
+    OPEN_OR_SKIP({.multiview = false});
+    constexpr VkFormat kFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
+    const AppImage& image = target(kFormat);
+    const Passes passes = passesFor(image, false);
+    const auto bytes = tinyFile();
+    for (uint32_t n = 0; n < 24; ++n) {  // more sizes and avatars than the caches keep
+        const uint32_t slot = n % DPL_VULKAN_SLOTS;
+        const DplCamera camera = frontCamera(kWidth - n, kHeight - n / 2);
+        DplAvatar second = nullptr;
+        ASSERT_EQ(dplLoadAvatar(context_, bytes.data(), bytes.size(), &second), DPL_OK) << dplGetLastError();
+        const DplAvatar both[2] = {avatar_, second};
+        ASSERT_EQ(frame(slot, image, passes, both, {&camera, 1}), DPL_OK) << dplGetLastError();
+        ASSERT_EQ(dplDestroyAvatar(second), DPL_OK);
+        const uint32_t composer = composerFor(passes.pass, kFormat);
+        ASSERT_EQ(dplDestroyVulkanComposer(context_, composer), DPL_OK);
+    }
+    DplFrameStats stats{sizeof stats};
+    ASSERT_EQ(dplGetFrameStats(avatar_, &stats), DPL_OK);
+    EXPECT_LT(stats.residentBytes, 64u << 20) << "what is no longer used is freed";
+}
+
+TEST_F(Interop, aWarmFrameAllocatesNothing) {
+    OPEN_OR_SKIP({.multiview = false, .validation = false});
+    constexpr VkFormat kFormat = VK_FORMAT_R8G8B8A8_SRGB;
+    const AppImage& image = target(kFormat);
+    const Passes passes = passesFor(image, false);
+    const DplCamera camera = frontCamera(kWidth, kHeight);
+    for (uint32_t slot = 0; slot < DPL_VULKAN_SLOTS; ++slot) ASSERT_EQ(frame(slot, image, passes, {&avatar_, 1}, {&camera, 1}), DPL_OK);
+    std::vector<double> ms;
+    uint64_t allocations = 0;
+    for (uint32_t n = 0; n < 60; ++n) {
+        const uint32_t slot = n % DPL_VULKAN_SLOTS;
+        ASSERT_EQ(dplSetPoseFromClip(avatar_, 0, 0.05 * n, DPL_TRUE), DPL_OK);
+        const VkCommandBuffer commands = app_->begin(slot);
+        const auto start = std::chrono::steady_clock::now();
+        AllocationCount count(CountedThreads::Own);
+        const DplResult prepared = dplVulkanPrepare(context_, commands, slot, &avatar_, 1, &camera, 1, nullptr);
+        allocations += count.stop();
+        ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+        ASSERT_EQ(prepared, DPL_OK) << dplGetLastError();
+        app_->barrier(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+        beginPass(commands, image, passes, 0);
+        AllocationCount composing(CountedThreads::Own);
+        ASSERT_EQ(dplVulkanCompose(context_, passes.composer, commands, slot, 0, 0, 0), DPL_OK) << dplGetLastError();
+        allocations += composing.stop();
+        endPass(commands, passes);
+        app_->barrier(commands, image, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+        app_->submit(slot);
+    }
+    std::nth_element(ms.begin(), ms.begin() + 30, ms.end());
+    std::printf("prepare: %.3f ms of CPU a frame (median of 60)\n", ms[30]);
+    EXPECT_EQ(allocations, 0u);
+}
+
+TEST_F(Interop, mistakesGetASentence) {
+    OPEN_OR_SKIP({.multiview = false});
+    const auto says = [](const char* text) { return std::string(dplGetLastError()).find(text) != std::string::npos; };
+    DplContext none = nullptr;
+    DplVulkanDevice device = lent();
+    device.device = VK_NULL_HANDLE;
+    EXPECT_EQ(dplCreateVulkanContext(&device, nullptr, &none), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(says("the device of the app's device is null")) << dplGetLastError();
+    device = lent();
+    device.queueFamily = 77;
+    EXPECT_EQ(dplCreateVulkanContext(&device, nullptr, &none), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(says("queue family 77")) << dplGetLastError();
+    device = lent();
+    device.lockQueue = [](void*) {};
+    EXPECT_EQ(dplCreateVulkanContext(&device, nullptr, &none), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(says("unlockQueue")) << dplGetLastError();
+    device = lent();
+    device.getInstanceProcAddr = [](VkInstance, const char*) -> PFN_vkVoidFunction { return nullptr; };
+    EXPECT_EQ(dplCreateVulkanContext(&device, nullptr, &none), DPL_ERROR_UNSUPPORTED);
+    EXPECT_TRUE(says("vk")) << "names the missing function: " << dplGetLastError();
+    EXPECT_EQ(none, nullptr);
+
+    const AppImage& image = target(VK_FORMAT_R8G8B8A8_UNORM);
+    const Passes passes = passesFor(image, false);
+    DplVulkanPass pass{};
+    pass.structSize = sizeof pass;
+    pass.renderPass = passes.pass, pass.colourFormat = VK_FORMAT_R5G6B5_UNORM_PACK16;
+    uint32_t composer = 0;
+    EXPECT_EQ(dplCreateVulkanComposer(context_, &pass, &composer), DPL_ERROR_UNSUPPORTED);
+    EXPECT_TRUE(says("VkFormat 4")) << dplGetLastError();
+    pass.colourFormat = VK_FORMAT_R8G8B8A8_UNORM, pass.samples = 8;
+    EXPECT_EQ(dplCreateVulkanComposer(context_, &pass, &composer), DPL_ERROR_UNSUPPORTED);
+    pass.samples = 1, pass.viewMask = 3;
+    EXPECT_EQ(dplCreateVulkanComposer(context_, &pass, &composer), DPL_ERROR_UNSUPPORTED);
+    EXPECT_TRUE(says("multiview")) << dplGetLastError();
+    EXPECT_EQ(dplDestroyVulkanComposer(context_, 4711), DPL_ERROR_NOT_FOUND);
+
+    const DplCamera camera = frontCamera(kWidth, kHeight);
+    const VkCommandBuffer commands = app_->begin(0);
+    EXPECT_EQ(dplVulkanPrepare(context_, nullptr, 0, &avatar_, 1, &camera, 1, nullptr), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(dplVulkanPrepare(context_, commands, DPL_VULKAN_SLOTS, &avatar_, 1, &camera, 1, nullptr), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(says("slot 3")) << dplGetLastError();
+    EXPECT_EQ(dplVulkanPrepare(context_, commands, 0, &avatar_, 0, &camera, 1, nullptr), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(dplVulkanCompose(context_, passes.composer, commands, 0, 0, 0, 0), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(says("not prepared")) << dplGetLastError();
+    EXPECT_EQ(dplVulkanCompose(context_, 4711, commands, 0, 0, 0, 0), DPL_ERROR_NOT_FOUND);
+    EXPECT_EQ(dplVulkanPrepare(context_, commands, 0, &avatar_, 1, &camera, 1, nullptr), DPL_OK) << dplGetLastError();
+    EXPECT_EQ(dplVulkanCompose(context_, passes.composer, commands, 0, 1, 0, 0), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(says("1 views") || says("with 1")) << dplGetLastError();
+    app_->submit(0);
+
+    DplVulkanSceneDepth depth{sizeof depth, 0, VK_NULL_HANDLE, VK_IMAGE_LAYOUT_GENERAL, 1, 0, 0, 0, kNear};
+    EXPECT_EQ(dplVulkanPrepare(context_, app_->begin(1), 1, &avatar_, 1, &camera, 1, &depth), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(says("depth 0 has no image")) << dplGetLastError();
+    app_->submit(1);
+
+    const DplContextInfo software{sizeof software, DPL_RENDERER_SOFTWARE, 1};
+    DplContext cpu = nullptr;
+    ASSERT_EQ(dplCreateContext(&software, &cpu), DPL_OK);
+    EXPECT_EQ(dplCreateVulkanComposer(cpu, &pass, &composer), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(says("dplCreateVulkanContext")) << dplGetLastError();
+    EXPECT_EQ(dplDestroyContext(cpu), DPL_OK);
+    DplVulkanRequirement requirement{sizeof requirement};
+    uint32_t count = 0, required = 0;
+    while (dplGetVulkanRequirement(count, &requirement) == DPL_OK) ++count, required += requirement.required == DPL_TRUE;
+    EXPECT_EQ(count, 5u);
+    EXPECT_EQ(required, 2u);
+}
+
+}  // namespace
+}  // namespace dpl::test
