@@ -2,11 +2,10 @@
 #include "apps/shared/checks.h"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <filesystem>
 #include <numeric>
 
+#include "sdk/core/numbers.h"
 #include "sdk/core/result.h"
 
 namespace dpl {
@@ -38,8 +37,7 @@ std::vector<const CLI::App*> commandsOf(const CLI::App& app) {
 CLI::Validator inRange(double low, double high) {
     const auto check = [low, high](const std::string& text) -> std::string {
         double value = 0;
-        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-        if (error == std::errc() && end == text.data() + text.size() && std::isfinite(value) && value >= low && value <= high) return {};
+        if (readNumber(text, value) && value >= low && value <= high) return {};
         return formatText("'{}' is not a number from {} to {}", text, low, high);
     };
     return {check, formatText("from {} to {}", low, high)};
@@ -47,11 +45,9 @@ CLI::Validator inRange(double low, double high) {
 
 std::optional<PictureSize> parsePictureSize(std::string_view text) {
     PictureSize size;
-    const char* const end = text.data() + text.size();
-    const auto width = std::from_chars(text.data(), end, size.widthPx);
-    if (width.ec != std::errc() || width.ptr == end || *width.ptr != 'x') return std::nullopt;
-    const auto height = std::from_chars(width.ptr + 1, end, size.heightPx);
-    if (height.ec != std::errc() || height.ptr != end) return std::nullopt;
+    const size_t x = text.find('x');
+    if (x == text.npos || !readNumber(text.substr(0, x), size.widthPx) || !readNumber(text.substr(x + 1), size.heightPx))
+        return std::nullopt;
     const auto allowed = [](uint32_t sidePx) { return sidePx >= 1 && sidePx <= kMaxSidePx; };
     if (!allowed(size.widthPx) || !allowed(size.heightPx)) return std::nullopt;
     return size;

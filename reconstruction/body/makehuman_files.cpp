@@ -2,7 +2,6 @@
 #include "reconstruction/body/makehuman_files.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -11,6 +10,7 @@
 #include "reconstruction/body/body_tools.h"
 #include "reconstruction/body/inflate.h"
 #include "sdk/core/files.h"
+#include "sdk/core/numbers.h"
 
 namespace dpl {
 namespace {
@@ -48,13 +48,12 @@ std::string_view nextWord(std::string_view& line) {
 template <class T>
 bool parse(std::string_view word, T& value) {
     if (!word.empty() && word.front() == '+') word.remove_prefix(1);
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    return error == std::errc() && end == word.data() + word.size();
+    return readNumber(word, value);
 }
 
 bool parseVec3(std::string_view line, Vec3f& v) {
     for (int i = 0; i < 3; ++i)
-        if (!parse(nextWord(line), v[i]) || !std::isfinite(v[i])) return false;
+        if (!parse(nextWord(line), v[i])) return false;
     return true;
 }
 

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <fstream>
 #include <map>
 
 #include "reconstruction/cameras/camera_convention.h"
+#include "sdk/core/numbers.h"
 #include "sdk/core/reader.h"
 
 namespace dpl {
@@ -117,9 +117,7 @@ std::string_view nextWord(std::string_view& line) {
 
 template <class T>
 bool parse(std::string_view& line, T& value) {
-    const auto word = nextWord(line);
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    return error == std::errc{} && end == word.data() + word.size() && !word.empty();
+    return readNumber(nextWord(line), value);
 }
 
 Result<Cameras> readCamerasText(const fs::path& path) {

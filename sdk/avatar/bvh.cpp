@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // BVH (Biovision hierarchy) is a text: nested joints with offsets and channels, then one line of numbers per frame.
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <optional>
 
 #include "sdk/avatar/motion.h"
+#include "sdk/core/numbers.h"
 
 namespace dpl {
 namespace {
@@ -78,9 +78,7 @@ private:
         if (w.empty()) return error(formatText("the text ends where {} should be", what));
         if (w.front() == '+') w.remove_prefix(1);
         double value = 0;
-        const auto [end, code] = std::from_chars(w.data(), w.data() + w.size(), value);
-        if (code != std::errc() || end != w.data() + w.size()) return error(formatText("'{}' is not a number ({})", w.substr(0, 40), what));
-        if (!std::isfinite(value) || std::abs(value) > kMaxNumber)
+        if (!readNumber(w, value) || std::abs(value) > kMaxNumber)
             return error(formatText("{} is '{}', not a usable number", what, w.substr(0, 40)));
         return value;
     }
