@@ -57,4 +57,21 @@ run_tests() {
     fi
 }
 
+# unpack_packages FOLDER PACKAGE...: downloads Debian packages and unpacks them into FOLDER. Installs nothing. Prints what it got.
+unpack_packages() {
+    local folder="$1" work package
+    shift
+    command -v apt-get >/dev/null || { echo "needs apt-get to fetch $*" >&2; return 1; }
+    work=$(mktemp -d)
+    chmod 755 "$work"
+    # The mirror keeps only the newest versions, so update the lists and try again if the download fails.
+    (cd "$work" && { apt-get download "$@" || { apt-get update && apt-get download "$@"; }; }) >"$work/log" 2>&1 ||
+        { cat "$work/log" >&2; rm -rf "$work"; return 1; }
+    for package in "$work"/*.deb; do
+        dpkg-deb -x "$package" "$folder"
+        basename "$package"
+    done
+    rm -rf "$work"
+}
+
 finish_tests() { [ "$tests_passed" -gt 0 ] || { echo "no test ran" >&2; return 1; }; }
