@@ -26,6 +26,8 @@ struct Context {
     std::mutex mutex;  // guards the renderer, the cameras and the avatars; a load prepares without it and holds it only to add
     std::shared_ptr<Renderer> renderer;  // null once the context is destroyed; a load that is preparing keeps it alive
     std::string rendererName;
+    DetailOptions detail;                // of dplSetDetail
+    double frameBudgetMs = 0;            // of dplSetFrameBudget; 0: none
     std::vector<Cameraf> cameras;        // scratch of a draw, kept to save allocations
     std::shared_ptr<VulkanSide> vulkan;  // of a context on an app's device (vulkan.cpp); else null
 };
@@ -40,6 +42,7 @@ struct Avatar {
     Pose pose, givenPose;                                          // givenPose: scratch of dplSetPose
     uint32_t drawnViews = 0, drawnWidthPx = 0, drawnHeightPx = 0;  // of the last frame that belongs to this avatar; 0 views: none
     bool drawnDepth = false, drawnMeshDepth = false;
+    Governor governor;                             // of the pictures that belong to this avatar
     std::vector<std::unique_ptr<ClipData>> added;  // by dplLoadClip
     std::vector<const ClipData*> clips;            // of the file, then of `added`
     std::vector<Mat3x4f> transforms;               // scratch of dplGetJointPositions
@@ -84,6 +87,10 @@ HandleTable<Avatar>& avatars();    // even numbers, so that a context is never t
 
 Result<std::shared_ptr<Context>> contextOf(DplContext handle);
 Result<std::shared_ptr<Avatar>> avatarOf(DplAvatar handle);
+
+/** Sets the level of detail of the next draw, which belongs to `first`: that of dplSetDetail, within the frame budget. Call it before each
+ *  draw, with the context locked. Neither waits nor allocates. */
+void setDetailOfDraw(Context& context, Avatar& first);
 
 /** InvalidArgument for general splats, which have no joints. */
 Status checkPosable(const Avatar& avatar);

@@ -10,7 +10,17 @@
 using namespace dpl;
 using namespace dpl::api;
 
+void dpl::api::setDetailOfDraw(Context& context, Avatar& first) {
+    DetailOptions detail = context.detail;
+    detail.limits = first.governor.next(context.frameBudgetMs, context.renderer->timing(first.renderId));
+    context.renderer->setDetail(detail);
+}
+
 namespace {
+
+static_assert(DPL_BUDGET_OFF == int(BudgetState::Off) && DPL_BUDGET_UNTIMED == int(BudgetState::Untimed) &&
+              DPL_BUDGET_FREE == int(BudgetState::Free) && DPL_BUDGET_LIMITED == int(BudgetState::Limited) &&
+              DPL_BUDGET_UNREACHABLE == int(BudgetState::Unreachable));
 
 Status checkImage(const DplImage& image, size_t width, size_t height, size_t view) {
     const uint32_t flags = image.flags;
@@ -63,6 +73,7 @@ Status drawTaken(Scene& s, FrameWants wants) {
     const std::vector<Cameraf>& cameras = s.context->cameras;
     a.drawnViews = 0;
     Drawn what[DPL_MAX_TOGETHER];
+    setDetailOfDraw(*s.context, a);
     DPL_CHECK_OK(s.context->renderer->drawTogether(s.drawn(what), cameras, wants));
     a.drawnViews = uint32_t(cameras.size()), a.drawnWidthPx = cameras[0].widthPx, a.drawnHeightPx = cameras[0].heightPx;
     a.drawnDepth = wants.depth, a.drawnMeshDepth = wants.meshDepth;
@@ -152,7 +163,20 @@ extern "C" DplResult dplSetDetail(DplContext context, const DplDetail* detail) {
         DPL_TRY(const auto found, contextOf(context));
         std::lock_guard lock(found->mutex);
         if (!found->renderer) return fail(Code::InvalidArgument, "the context was destroyed");
-        found->renderer->setDetail(wanted);
+        found->detail = wanted;
+        return {};
+    });
+}
+
+extern "C" DplResult dplSetFrameBudget(DplContext context, double milliseconds) {
+    return guarded("dplSetFrameBudget", [&]() -> Status {
+        if (!(milliseconds >= 0 && std::isfinite(milliseconds)))
+            return fail(Code::InvalidArgument, "a frame budget of {} ms; 0 (no budget) or a finite number above it is possible",
+                        milliseconds);
+        DPL_TRY(const auto found, contextOf(context));
+        std::lock_guard lock(found->mutex);
+        if (!found->renderer) return fail(Code::InvalidArgument, "the context was destroyed");
+        found->frameBudgetMs = milliseconds;
         return {};
     });
 }
@@ -180,6 +204,12 @@ extern "C" DplResult dplGetFrameStats(DplAvatar avatar, DplFrameStats* stats) {
         out.splatsAllowed = uint32_t(std::min<uint64_t>(found->stats.splatsAllowed, UINT32_MAX)),
         out.detailShare = found->stats.detailShare;
         out.componentCount = found->stats.components, out.componentsInView = found->stats.componentsInView;
+        const FrameTiming timing = found->context->renderer->timing(found->renderId);
+        out.frameMs = timing.ms;
+        out.keptWanted = uint32_t(std::min<uint64_t>(timing.last.wantedKept, UINT32_MAX));
+        out.keptLimit = found->governor.limits().kept;
+        out.framesOver = found->governor.framesOver();
+        out.budgetState = DplBudgetState(int(found->governor.state()));
         return writeStruct(stats, out, "stats", offsetof(DplFrameStats, avatarBytes));
     });
 }

@@ -204,6 +204,8 @@ public:
     }
     /** Times of each step in the last finished run of the frame. Empty before the first run, and on a device without timestamps. */
     virtual std::vector<PassTime> passTimes(FrameId frame) const = 0;
+    /** Their sum. 0 where there are none. Allocates nothing. */
+    virtual double frameMs(FrameId frame) const = 0;
 };
 
 }  // namespace dpl

@@ -18,6 +18,7 @@
 #include "sdk/format/coded_splats.h"
 #include "sdk/math/camera.h"
 #include "sdk/visibility/detail.h"
+#include "sdk/visibility/governor.h"
 
 namespace dpl {
 
@@ -143,6 +144,9 @@ public:
     /** draw() and read() with the pixels copied into `out`, one element a view. */
     Status render(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, const FrameWants& wants,
                   std::span<RenderedView> out);
+    /** What a governor goes by before the next draw that belongs to the subject: on a GPU, the time between the first and the last pass of
+     * the last finished frame; on the CPU, the time of the last draw. Neither waits nor allocates. Zeros when nothing was drawn. */
+    virtual FrameTiming timing(RenderAvatarId) { return {}; }
     /** For measuring. Does not wait for a frame. Allocates. */
     virtual Result<FrameStats> stats(RenderAvatarId avatar) = 0;
 

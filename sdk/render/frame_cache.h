@@ -42,8 +42,11 @@ struct FrameSlot {
     BufferId scene;               // depth of the app's scene, also written by the CPU; none: not wanted
     BufferId finalCounts;         // FrameCounts, read back
     FrameId recorded;
-    uint64_t number = 0;            // of the last frame submitted or encoded in this slot; 0: none
-    uint32_t componentsInView = 0;  // of that frame
+    uint64_t number = 0;  // of the last frame submitted or encoded in this slot; 0: none
+    // Of that frame:
+    uint32_t componentsInView = 0;
+    uint64_t splatsAllowed = 0;
+    bool endsDraw = false;  // false: the first of two frames that draw a canted pair
 };
 
 /** A scene set in one shape. Owns its buffers and recordings, and its target unless that is lent. */

@@ -102,7 +102,7 @@ SubmittedFrame FrameReader::lastFinished(const SceneSet& set) const {
     SubmittedFrame last;
     for (const RecordedFrame& frame : set.frames)
         for (const FrameSlot& slot : frame.slots)
-            if (slot.number > (last ? last.slot->number : 0) && backend_.finished(slot.recorded)) last = {&frame, &slot};
+            if (slot.endsDraw && slot.number > (last ? last.slot->number : 0) && backend_.finished(slot.recorded)) last = {&frame, &slot};
     return last;
 }
 
@@ -113,6 +113,18 @@ SubmittedFrame FrameReader::firstEyeOf(const SceneSet& set, const FrameSlot& sec
             if (frame.shape.eye == 0 && slot.number > 0 && slot.number + 1 == second.number && backend_.finished(slot.recorded))
                 return {&frame, &slot};
     return {};
+}
+
+FrameTiming FrameReader::timing(const SceneSet& set) const {
+    FrameTiming timing;
+    const SubmittedFrame last = lastFinished(set);
+    if (!last) return timing;
+    timing.frame = last.slot->number;
+    timing.drawn = last.slot->splatsAllowed;
+    timing.ms = backend_.frameMs(last.slot->recorded);
+    if (last.frame->shape.eye == 0) return timing;
+    const SubmittedFrame first = firstEyeOf(set, *last.slot);
+    return first ? timing.ms += backend_.frameMs(first.slot->recorded), timing : FrameTiming();
 }
 
 void FrameReader::addStats(const SceneSet& set, uint64_t splatsAllowed, FrameStats& stats) {

@@ -23,6 +23,8 @@ public:
     /** Adds what the last finished frame of the set drew and cost; of a canted pair, both frames. splatsAllowed: of the set's last draw.
      *  Never waits. */
     void addStats(const SceneSet& set, uint64_t splatsAllowed, FrameStats& stats);
+    /** Number, time and splats of the last finished draw of the set; number 0: none. Neither waits nor allocates. */
+    FrameTiming timing(const SceneSet& set) const;
     /** Drops the read-back buffers of a frame that is about to be freed. */
     void forget(const RecordedFrame& frame);
 

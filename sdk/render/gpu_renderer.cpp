@@ -90,7 +90,7 @@ Status GpuRenderer::drawOrEncode(std::span<const Drawn> what, std::span<const Ca
     DPL_CHECK_OK(drawFrames(*set, call, posed, last));
     if (app) return {};
     last.set = set->number;
-    last.splatsAllowed = posed.splatsAllowed;
+    last.splats = posed.splats;
     return {};
 }
 
@@ -161,6 +161,8 @@ Status GpuRenderer::encode(const RecordedFrame& frame, const FrameSlot& slot, co
 /** Writes the uniform block and the palette of each subject. */
 void GpuRenderer::fillSlot(FrameSlot& slot, const SceneSet& set, const DrawCall& call, const PosedSet& posed, const FrameShape& shape) {
     slot.componentsInView = 0;
+    slot.splatsAllowed = posed.splats.drawn;
+    slot.endsDraw = shape.eye + 1 == call.views.frameCount();
     for (size_t k = 0; k < call.subjects.size(); ++k) {
         const LoadedSubject& subject = *call.subjects[k];
         const PosedSubject& pose = posed.subjects[k];
@@ -204,6 +206,15 @@ Result<std::span<const PixelView>> GpuRenderer::read(RenderAvatarId id) {
     return reader_.read({frames, last.frameCount});
 }
 
+FrameTiming GpuRenderer::timing(RenderAvatarId id) {
+    const auto found = lastDraws_.find(id);
+    const SceneSet* set = found == lastDraws_.end() ? nullptr : cache_.find(found->second.set);
+    if (!set) return {};
+    FrameTiming timing = reader_.timing(*set);
+    timing.last = found->second.splats;
+    return timing;
+}
+
 Result<FrameStats> GpuRenderer::stats(RenderAvatarId id) {
     const LoadedSubject* subject = store_.find(id);
     if (!subject) return fail(Code::InvalidArgument, "avatar {} is not in this renderer", id);
@@ -214,7 +225,7 @@ Result<FrameStats> GpuRenderer::stats(RenderAvatarId id) {
     stats.avatarBytes = subject->residentBytes;
     stats.splatBytes = subject->splatBytes;
     stats.detailShare = last.drawnShare;
-    if (const SceneSet* set = cache_.find(last.set)) reader_.addStats(*set, last.splatsAllowed, stats);
+    if (const SceneSet* set = cache_.find(last.set)) reader_.addStats(*set, last.splats.drawn, stats);
     return stats;
 }
 

@@ -67,6 +67,7 @@ public:
     Result<std::span<const EncodedView>> encodeTogether(std::span<const Drawn> what, std::span<const Cameraf> views,
                                                         const FrameWants& wants, const AppFrame& app);
     Result<std::span<const PixelView>> read(RenderAvatarId avatar) override;
+    FrameTiming timing(RenderAvatarId avatar) override;
     Result<FrameStats> stats(RenderAvatarId avatar) override;
     const DeviceInfo& device() const { return backend_->info(); }
 
@@ -75,7 +76,7 @@ private:
     struct LastDraw {
         float drawnShare = 0;                   // of its splats, in the last draw that showed it
         uint32_t set = 0;                       // scene set of the last draw that belongs to it; 0: none, or that draw failed
-        uint64_t splatsAllowed = 0;             // in that draw, for all its subjects together
+        DetailTotals splats;                    // of that draw
         uint64_t numbers[gpu::kMaxViews] = {};  // of the frames of that draw, in the order of their views
         size_t frameCount = 0;
     };

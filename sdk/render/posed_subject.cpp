@@ -29,7 +29,7 @@ PosedSet SubjectPoser::pose(std::span<const Drawn> what, std::span<LoadedSubject
         members[k].avatar = &subjects[k]->detail;
         members[k].worldFromRest = out.worldFromRest;
     }
-    const uint64_t splatsAllowed = chooseDetails(detail, views.all, {members, subjects.size()});
+    const DetailTotals splats = chooseDetails(detail, views.all, {members, subjects.size()});
     for (size_t k = 0; k < subjects.size(); ++k) {
         const LoadedSubject& subject = *subjects[k];
         PosedSubject& out = posed_[k];
@@ -43,7 +43,7 @@ PosedSet SubjectPoser::pose(std::span<const Drawn> what, std::span<LoadedSubject
             out.unseen[frame] =
                 subject.components.unseen(out.worldFromRest, out.coefficients, views.of(frame), subject.splats.kappaPx2, out.largestGrowth);
     }
-    return {{posed_.data(), subjects.size()}, splatsAllowed};
+    return {{posed_.data(), subjects.size()}, splats};
 }
 
 }  // namespace dpl

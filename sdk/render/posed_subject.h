@@ -36,7 +36,7 @@ struct FrameViews {
 /** All subjects of one draw call. */
 struct PosedSet {
     std::span<const PosedSubject> subjects;  // in the order they were given in; valid until the next pose
-    uint64_t splatsAllowed = 0;              // splats of all subjects that level of detail and budget allow
+    DetailTotals splats;                     // of all subjects
 };
 
 /** Poses the subjects of one draw call after the other in memory of its own, so that a warm frame allocates nothing. One thread at a time.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <map>
 
@@ -29,7 +30,8 @@ struct Drawable final : PreparedSubject {
     bool seen = true;       // by some view of the last draw; always true for general splats
     std::vector<RenderedView> pictures;
     std::vector<PixelView> pixels;
-    FrameStats stats;  // of the last draw, without bytes, which stats() adds
+    FrameStats stats;    // of the last draw, without bytes, which stats() adds
+    FrameTiming timing;  // of the last draw that belongs to the subject
 
     // General splats.
     PackedSplats general;
@@ -112,6 +114,7 @@ public:
     }
 
     Status drawTogether(std::span<const Drawn> what, std::span<const Cameraf> views, const FrameWants& wants) override {
+        const auto start = std::chrono::steady_clock::now();
         DPL_CHECK_OK(checkDraw(what, views, wants, [this](RenderAvatarId id) { return jointsOf(id); }));
         together_.clear();
         uint32_t samples = 1;
@@ -129,7 +132,7 @@ public:
         first.pixels.resize(views.size());
         FrameStats& stats = first.stats;
         stats.views = uint32_t(views.size()), stats.splatsDrawn = 0, stats.bytesDecided = 0, stats.bytesDecoded = 0;
-        stats.splatsAllowed = allowed_, stats.components = stats.componentsInView = 0;
+        stats.splatsAllowed = splats_.drawn, stats.components = stats.componentsInView = 0;
         for (const Drawable* d : together_) stats.components += d->components.count(), stats.componentsInView += d->componentsInView;
         for (size_t v = 0; v < views.size(); ++v) {
             RenderedView& picture = first.pictures[v];
@@ -145,6 +148,8 @@ public:
             if (wants.meshDepth) first.pixels[v].meshDepthM = drawMeshes(views[v], picture.meshDepthM);
             stats.splatsDrawn = std::max(stats.splatsDrawn, engine_.visibleCount());
         }
+        const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+        first.timing = {++frameNumber_, took.count(), splats_.drawn, splats_};
         return {};
     }
 
@@ -153,6 +158,11 @@ public:
         if (found == drawables_.end()) return fail(Code::InvalidArgument, "avatar {} is not in this renderer", avatar);
         if (found->second->pixels.empty()) return fail(Code::InvalidArgument, "nothing was drawn of avatar {}", avatar);
         return std::span<const PixelView>(found->second->pixels);
+    }
+
+    FrameTiming timing(RenderAvatarId avatar) override {
+        const auto found = drawables_.find(avatar);
+        return found == drawables_.end() ? FrameTiming() : found->second->timing;
     }
 
     Result<FrameStats> stats(RenderAvatarId avatar) override {
@@ -220,7 +230,7 @@ private:
             else
                 members[k].general = &d.generalSubject;
         }
-        allowed_ = chooseDetails(detail_, views, {members, together_.size()});
+        splats_ = chooseDetails(detail_, views, {members, together_.size()});
         for (size_t k = 0; k < together_.size(); ++k)
             together_[k]->detail = members[k].detail, together_[k]->generalDetail = members[k].generalDetail,
             together_[k]->detailShare = members[k].share;
@@ -244,8 +254,9 @@ private:
     SplatEngine engine_;
     MeshDepth meshDepth_;
     std::vector<float> anotherDepthM_;  // scratch of drawMeshes
-    uint64_t allowed_ = 0;              // splats, by the last setDetails
-    std::vector<Drawable*> together_;   // subjects of the last draw
+    DetailTotals splats_;               // of the last setDetails
+    uint64_t frameNumber_ = 0;
+    std::vector<Drawable*> together_;  // subjects of the last draw
     std::map<RenderAvatarId, std::unique_ptr<Drawable>> drawables_;
     RenderAvatarId nextId_ = 1;
 };

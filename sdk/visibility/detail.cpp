@@ -115,7 +115,7 @@ double DetailSubject::finestPixelM(std::span<const Mat3x4f> worldFromRest, std::
     return finest;
 }
 
-uint64_t chooseDetails(const DetailOptions& options, std::span<const Cameraf> views, std::span<DetailMember> members) {
+DetailTotals chooseDetails(const DetailOptions& options, std::span<const Cameraf> views, std::span<DetailMember> members) {
     for (DetailMember& m : members) {
         m.detail = {}, m.generalDetail = {}, m.share = 1;
         if (options.off()) continue;
@@ -133,14 +133,23 @@ uint64_t chooseDetails(const DetailOptions& options, std::span<const Cameraf> vi
         return sum;
     };
     double perPixel = options.splatsPerPixel > 0 ? double(options.splatsPerPixel) : INFINITY;
-    if (options.splatBudget > 0 && drawn(perPixel) > options.splatBudget) {
-        double low = 1e-9, high = std::min(perPixel, 1e9);  // splats a pixel; `drawn` rises with it
+    const auto kept = [&](double perPixel) { return drawn(perPixel / (1 + kDetailFade)); };
+    const auto lowerTo = [&perPixel](const auto& count, double most) {
+        double low = 1e-9, high = std::min(perPixel, 1e9);  // splats a pixel; `count` rises with it
         for (int step = 0; step < 64; ++step) {
             const double middle = std::sqrt(low * high);
-            (drawn(middle) > options.splatBudget ? high : low) = middle;
+            (count(middle) > most ? high : low) = middle;
         }
         perPixel = low;
-    }
+    };
+    if (options.splatBudget > 0 && drawn(perPixel) > options.splatBudget) lowerTo(drawn, options.splatBudget);
+    DetailTotals totals;
+    totals.drawn = totals.wantedDrawn = uint64_t(std::ceil(drawn(perPixel)));
+    totals.kept = totals.wantedKept = uint64_t(std::ceil(kept(perPixel)));
+    if (options.limits.drawn > 0 && totals.drawn > options.limits.drawn) lowerTo(drawn, options.limits.drawn);
+    if (options.limits.kept > 0 && totals.kept > options.limits.kept) lowerTo(kept, options.limits.kept);
+    totals.drawn = uint64_t(std::ceil(drawn(perPixel)));
+    totals.kept = uint64_t(std::ceil(kept(perPixel)));
     for (DetailMember& m : members) {
         if (!(perPixel < INFINITY)) continue;
         if (m.general) {
@@ -152,7 +161,7 @@ uint64_t chooseDetails(const DetailOptions& options, std::span<const Cameraf> vi
             m.share = m.avatar->drawnShare(m.detail);
         }
     }
-    return uint64_t(std::ceil(drawn(perPixel)));
+    return totals;
 }
 
 }  // namespace dpl

@@ -15,11 +15,19 @@
 
 namespace dpl {
 
+/** Most splats of all subjects of a frame together; 0: no limit. */
+struct SplatLimits {
+    uint32_t drawn = 0;  // kept and fading
+    uint32_t kept = 0;   // with their full opacity
+    bool operator==(const SplatLimits&) const = default;
+};
+
 /** What the host asks for. */
 struct DetailOptions {
     float splatsPerPixel = 0;  // wanted on surface that fills a pixel; 0: all splats at any distance
     uint32_t splatBudget = 0;  // for all subjects of a frame together; 0: no limit
-    bool off() const { return splatsPerPixel == 0 && splatBudget == 0; }
+    SplatLimits limits;        // of a governor
+    bool off() const { return splatsPerPixel == 0 && splatBudget == 0 && limits.drawn == 0 && limits.kept == 0; }
 };
 
 /** Fills splats.groups (measureGroups). The areas of face and hands are then multiplied by 3 and 2, so that they keep more splats than
@@ -79,9 +87,17 @@ struct DetailMember {
     float share = 1;              // detail share: upper bound of drawn splats over all
 };
 
+/** Upper bounds over all subjects of a frame, before culling. */
+struct DetailTotals {
+    uint64_t drawn = 0;                        // kept and fading splats
+    uint64_t kept = 0;                         // those that keep their full opacity
+    uint64_t wantedDrawn = 0, wantedKept = 0;  // the same without limits
+};
+
 /** Chooses the detail of all subjects of a frame: splatsPerPixel on each one's finest pixel. When the budget is too small, splatsPerPixel
- * is lowered for all alike; one splat a group stays for any budget. views: all views of the frame, at most two, so that both eyes see the
- * same splats. Returns an upper bound of the splats that are drawn. Allocates nothing. */
-uint64_t chooseDetails(const DetailOptions& options, std::span<const Cameraf> views, std::span<DetailMember> members);
+ * is lowered for all alike; one splat a group stays for any budget. limits lower it further. While limits.kept falls from all splats
+ * on, the picture changes continuously; with limits.drawn or splatBudget it would jump, because a fading splat counts as drawn. views: all
+ * views of the frame, at most two, so that both eyes see the same splats. Allocates nothing. */
+DetailTotals chooseDetails(const DetailOptions& options, std::span<const Cameraf> views, std::span<DetailMember> members);
 
 }  // namespace dpl

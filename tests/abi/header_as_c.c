@@ -38,13 +38,14 @@ int main(void) {
         CHECK(sizeof(DplClipInfo) == 32 && offsetof(DplClipInfo, durationS) == 16);
         CHECK(sizeof(DplClipOptions) == 24 && offsetof(DplClipOptions, animation) == 16);
         CHECK(sizeof(DplDetail) == 12);
-        CHECK(sizeof(DplFrameStats) == 120 && offsetof(DplFrameStats, splatsAllowed) == 104 &&
-              offsetof(DplFrameStats, componentCount) == 112 && offsetof(DplFrameStats, avatarBytes) == 64 &&
-              offsetof(DplFrameStats, tileEntries) == 96 && offsetof(DplFrameStats, residentBytes) == 40);
+        CHECK(sizeof(DplFrameStats) == 144 && offsetof(DplFrameStats, frameMs) == 120 && offsetof(DplFrameStats, budgetState) == 140 &&
+              offsetof(DplFrameStats, splatsAllowed) == 104 && offsetof(DplFrameStats, componentCount) == 112 &&
+              offsetof(DplFrameStats, avatarBytes) == 64 && offsetof(DplFrameStats, tileEntries) == 96 &&
+              offsetof(DplFrameStats, residentBytes) == 40);
         CHECK(sizeof(DplPassTime) == 24 && offsetof(DplPassTime, milliseconds) == 16);
     }
     CHECK(sizeof(DplResult) == 4 && sizeof(DplRenderer) == 4 && sizeof(DplFill) == 4 && sizeof(DplDrawFlag) == 4 &&
-          sizeof(DplImageFormat) == 4);
+          sizeof(DplImageFormat) == 4 && sizeof(DplBudgetState) == 4);
 
     CHECK(dplGetVersion() == ((DPL_VERSION_MAJOR << 16) | (DPL_VERSION_MINOR << 8) | DPL_VERSION_PATCH));
     CHECK(strcmp(dplGetResultName(DPL_ERROR_VERSION), "DPL_ERROR_VERSION") == 0);

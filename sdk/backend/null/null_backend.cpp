@@ -95,6 +95,7 @@ public:
         return {};
     }
     std::vector<PassTime> passTimes(FrameId) const override { return {}; }
+    double frameMs(FrameId) const override { return record_->frameMs; }
 
     uint64_t residentBytes() const override {
         uint64_t bytes = 0;

@@ -23,6 +23,7 @@ struct NullRecord {
     uint64_t liveBuffers = 0, liveTargets = 0, liveFrames = 0, createdObjects = 0, runs = 0;
     uint64_t waits = 0;                   // waits for a frame that was still running
     bool holdFrames = false;              // set by the test: a frame counts as running until somebody waits for it
+    double frameMs = 0;                   // set by the test: time of every frame
     std::vector<std::string> lastLabels;  // of the steps of the last frame
 };
 

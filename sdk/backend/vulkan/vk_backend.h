@@ -155,6 +155,7 @@ public:
     bool finished(FrameId frame) override;
     Status wait(FrameId frame) override;
     std::vector<PassTime> passTimes(FrameId frame) const override;
+    double frameMs(FrameId frame) const override;
     uint64_t residentBytes() const override;
     Status encode(FrameId frame, uint32_t slot, AppCommands commands) override;
 
@@ -213,6 +214,7 @@ private:
     Status submitAndWait(VkCommandBuffer commands);
     Status waitFor(Frame& frame);
     void ended(Frame& frame);
+    double ticksMs(uint64_t from, uint64_t to) const;
     void freeFrame(Frame& frame);
     class Hazards;
     struct Recorder;

@@ -444,10 +444,19 @@ std::vector<PassTime> VulkanBackend::passTimes(FrameId id) const {
     const auto it = frames_.find(id.value);
     if (it == frames_.end() || !it->second.timed) return times;
     const Frame& frame = it->second;
-    const uint64_t mask = device_->timestampBits >= 64 ? ~0ull : (1ull << device_->timestampBits) - 1;
-    for (size_t i = 0; i < frame.labels.size(); ++i)
-        times.push_back({frame.labels[i], double((frame.ticks[i + 1] - frame.ticks[i]) & mask) * device_->nanosecondsPerTick * 1e-6});
+    for (size_t i = 0; i < frame.labels.size(); ++i) times.push_back({frame.labels[i], ticksMs(frame.ticks[i], frame.ticks[i + 1])});
     return times;
+}
+
+double VulkanBackend::frameMs(FrameId id) const {
+    const auto it = frames_.find(id.value);
+    if (it == frames_.end() || !it->second.timed) return 0;
+    return ticksMs(it->second.ticks.front(), it->second.ticks.back());
+}
+
+double VulkanBackend::ticksMs(uint64_t from, uint64_t to) const {
+    const uint64_t mask = device_->timestampBits >= 64 ? ~0ull : (1ull << device_->timestampBits) - 1;
+    return double((to - from) & mask) * device_->nanosecondsPerTick * 1e-6;
 }
 
 VulkanBackend::VulkanBackend(std::unique_ptr<Device> device, ShaderPack pack)

@@ -364,11 +364,32 @@ typedef struct DplDetail {
 #define DPL_DETAIL_USUAL 12.0f
 
 /** Sets the level of detail of everything this context draws from the next call on. Set splatsPerPixel where people walk away from the
- *  camera; set a budget to hold a frame rate with several avatars. It may change every frame at no cost. detail is copied; NULL: draw
- *  everything, as after creation. DPL_ERROR_INVALID_ARGUMENT: splatsPerPixel is negative or not finite. */
+ *  camera, and a budget where the number of splats is known that a device draws in time; dplSetFrameBudget finds it. It may change every
+ *  frame at no cost. detail is copied; NULL: draw everything, as after creation. DPL_ERROR_INVALID_ARGUMENT: splatsPerPixel is negative or
+ * not finite. */
 DPL_EXPERIMENTAL DplResult dplSetDetail(DplContext context, const DplDetail* detail);
 
+/** Sets how long a frame may take, milliseconds; 0: no budget, as after creation. Frames that take longer are drawn with fewer splats, and
+ *  frames that take less with more again, up to what dplSetDetail asks for. Give it the part of a display interval that is left for Doppel.
+ *  A frame is one drawing call. Its time is GPU time; on the CPU renderer, the time of drawing without the copy into DplImage. On a GPU
+ *  without timestamps nothing is limited. Pictures are steered apart by their first avatar.
+ *  From one call to the next at most 8 % fewer or 2 % more splats keep their full opacity, and the others fade, so nothing pops. At least
+ *  1/16 of them is kept. DplFrameStats says what was chosen.
+ *  It may change every frame. Drawing neither waits nor allocates for it. Formulas: docs/reference/level-of-detail.md.
+ *  DPL_ERROR_INVALID_ARGUMENT: milliseconds is negative or not finite. */
+DPL_EXPERIMENTAL DplResult dplSetFrameBudget(DplContext context, double milliseconds);
+
 /* ---------------------------------------------------------------- measuring */
+
+/** How a frame budget fares; see dplSetFrameBudget. */
+typedef enum DplBudgetState {
+    DPL_BUDGET_OFF = 0,         /**< no budget is set, or the avatar was first in no drawing call since */
+    DPL_BUDGET_UNTIMED = 1,     /**< fewer than five frames were timed, or the GPU has no timestamps: nothing is limited */
+    DPL_BUDGET_FREE = 2,        /**< all splats that dplSetDetail asks for are drawn */
+    DPL_BUDGET_LIMITED = 3,     /**< fewer are drawn */
+    DPL_BUDGET_UNREACHABLE = 4, /**< only 1/16 of them are drawn, and frames still take too long: draw fewer pixels, or fewer avatars */
+    DPL_BUDGET_FORCE_INT32 = 0x7fffffff
+} DplBudgetState;
 
 /** What the avatar's last finished frame drew and cost. Before the avatar's first frame all are 0 except memory sizes and waits. */
 typedef struct DplFrameStats {
@@ -392,11 +413,17 @@ typedef struct DplFrameStats {
     uint64_t bytesDecided, bytesDecoded;
     uint32_t tileEntries;     /**< pairs of splat and tile over all views; 0 where quads or the CPU fill */
     uint32_t tilesOverflowed; /**< 1: the tile lists overflowed, so quads filled this frame */
-    uint32_t splatsAllowed;   /**< most splats that dplSetDetail allowed for the whole scene set, before culling */
+    uint32_t splatsAllowed;   /**< most splats that dplSetDetail and the frame budget allowed for the whole scene set, before culling */
     float detailShare;        /**< share of this avatar's splats that level of detail kept when it was last drawn, 0 to 1 */
     /** Components of the whole scene set (head, trunk, hands, legs, garments); those that a view may show. The others are not posed. 0
      *  where nothing is culled. */
     uint32_t componentCount, componentsInView;
+    /* What dplSetFrameBudget goes by and chose, of the drawing calls with this avatar as first. */
+    double frameMs;      /**< time of the last finished frame, without reading back; 0 without timestamps */
+    uint32_t keptWanted; /**< most splats that would keep their full opacity without a frame budget; others fade */
+    uint32_t keptLimit;  /**< most that may keep it for the sake of the budget; 0: no limit */
+    uint32_t framesOver; /**< timed frames above the budget since it was set */
+    DplBudgetState budgetState;
 } DplFrameStats;
 
 /** Never waits for a frame that is still being drawn. */

@@ -202,6 +202,8 @@ public:
         detail.structSize = sizeof detail, detail.splatsPerPixel = splatsPerPixel, detail.splatBudget = splatBudget;
         return status(dplSetDetail(handle_, &detail));
     }
+    /** Sets how long a frame may take; 0: no budget. See dplSetFrameBudget. */
+    Status setFrameBudget(double milliseconds) const { return status(dplSetFrameBudget(handle_, milliseconds)); }
 
 private:
     DplContext handle_ = nullptr;

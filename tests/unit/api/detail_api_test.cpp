@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Level of detail and splat budget through the public API.
+// Level of detail, splat budget and frame budget through the public API.
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "sdk/format/ply.h"
@@ -105,6 +106,116 @@ TEST_F(DetailTest, generalSplatsHaveALevelOfDetailAndShareTheBudget) {
     ASSERT_EQ(set(0), DPL_OK);
     EXPECT_EQ(draw(avatars), full);
     EXPECT_EQ(dplDestroyAvatar(general), DPL_OK);
+}
+
+TEST_F(DetailTest, aFrameBudgetOutOfReachFallsInSmallStepsToAFloor) {
+    const std::vector<uint8_t> full = draw(tubes_);
+    EXPECT_EQ(stats(tubes_[0]).budgetState, DPL_BUDGET_OFF);
+    EXPECT_EQ(stats(tubes_[0]).keptLimit, 0u);
+    ASSERT_EQ(dplSetFrameBudget(context_, 1e-6), DPL_OK) << dplGetLastError();
+    DplFrameStats before{};
+    for (int frame = 0; frame < 60; ++frame) {
+        const std::vector<uint8_t> pixels = draw(tubes_);
+        const DplFrameStats now = stats(tubes_[0]);
+        EXPECT_EQ(now.keptWanted, 2u * 5120u);
+        EXPECT_GT(now.frameMs, 0);
+        EXPECT_EQ(now.gpuMs, 0) << "the CPU drew";
+        if (frame < 4) {
+            EXPECT_EQ(now.budgetState, DPL_BUDGET_UNTIMED);
+            EXPECT_EQ(pixels, full) << "too few frames were timed";
+        } else {
+            EXPECT_LE(now.splatsAllowed, now.keptLimit * 3 / 2 + 80) << "half as many fade; 80 groups are rounded up";
+            EXPECT_LE(now.splatsDrawn, now.splatsAllowed);
+            EXPECT_GE(now.keptLimit, (frame == 4 ? now.keptWanted : before.keptLimit) * 92 / 100 - 1) << frame;
+        }
+        before = now;
+    }
+    EXPECT_EQ(before.keptLimit, 2u * 5120u / 16);
+    EXPECT_LT(before.splatsDrawn, 2u * 5120u / 8);
+    EXPECT_EQ(before.budgetState, DPL_BUDGET_UNREACHABLE);
+    EXPECT_EQ(before.framesOver, 60u) << "the frame before the budget was set counts, the last one is not seen yet";
+    ASSERT_EQ(dplSetFrameBudget(context_, 0), DPL_OK);
+    EXPECT_EQ(draw(tubes_), full);
+    EXPECT_EQ(stats(tubes_[0]).budgetState, DPL_BUDGET_OFF);
+    EXPECT_EQ(stats(tubes_[0]).framesOver, 0u);
+}
+
+TEST_F(DetailTest, aFrameBudgetNeverDrawsMoreThanTheDetailAllows) {
+    ASSERT_EQ(dplSetFrameBudget(context_, 1e6), DPL_OK);
+    ASSERT_EQ(set(0, 3000), DPL_OK);
+    const std::vector<uint8_t> budgeted = draw(tubes_);
+    for (int frame = 0; frame < 12; ++frame) {
+        EXPECT_EQ(draw(tubes_), budgeted);
+        EXPECT_LE(stats(tubes_[0]).splatsAllowed, 3000u);
+        EXPECT_GT(stats(tubes_[0]).keptWanted, 1900u);
+        EXPECT_LE(stats(tubes_[0]).keptWanted, 3000u);
+    }
+    EXPECT_EQ(stats(tubes_[0]).budgetState, DPL_BUDGET_FREE);
+    EXPECT_EQ(stats(tubes_[0]).framesOver, 0u);
+    ASSERT_EQ(dplSetFrameBudget(context_, 1e-6), DPL_OK);
+    for (int frame = 0; frame < 60; ++frame) draw(tubes_);
+    EXPECT_LE(stats(tubes_[0]).splatsAllowed, 3000u / 8);
+    EXPECT_EQ(stats(tubes_[0]).budgetState, DPL_BUDGET_UNREACHABLE);
+    draw({tubes_ + 1, 1});
+    EXPECT_EQ(stats(tubes_[1]).budgetState, DPL_BUDGET_UNTIMED) << "the picture of another avatar has a state of its own";
+    EXPECT_GT(stats(tubes_[1]).splatsAllowed, 2800u);
+}
+
+/** Second differences in time of 8-bit values. */
+struct Flicker {
+    double mean = 0;  // of covered values
+    int largest = 0;
+};
+Flicker flickerOf(const std::vector<std::vector<uint8_t>>& frames) {
+    Flicker f;
+    size_t covered = 0;
+    for (size_t t = 1; t + 1 < frames.size(); ++t)
+        for (size_t i = 0; i < frames[t].size(); ++i) {
+            const int change = std::abs(int(frames[t - 1][i]) - 2 * int(frames[t][i]) + int(frames[t + 1][i]));
+            f.mean += change, f.largest = std::max(f.largest, change), covered += frames[t][i] != 0;
+        }
+    f.mean /= double(covered);
+    return f;
+}
+
+/** Measured: largest 23 levels; 94 if the splats fell at once, 32 if the steps were those of a splat budget. */
+TEST_F(DetailTest, nothingPopsWhileSplatsFallForTheFrameBudget) {
+    ASSERT_EQ(dplSetFrameBudget(context_, 1e-6), DPL_OK);
+    std::vector<std::vector<uint8_t>> fall;
+    for (int frame = 0; frame < 45; ++frame) fall.push_back(draw({tubes_, 1}));
+    EXPECT_EQ(stats(tubes_[0]).keptLimit, 5120u / 16);
+    const Flicker fell = flickerOf(fall), atOnce = flickerOf({fall.front(), fall.front(), fall.back()});
+    std::printf("[ FLICKER  ] a covered value: %.3f levels, %.3f if the splats fell at once; largest %d, %d\n", fell.mean, atOnce.mean,
+                fell.largest, atOnce.largest);
+    EXPECT_LT(fell.mean, 1.2);
+    EXPECT_LE(fell.largest, 28);
+    EXPECT_GT(atOnce.largest, 3 * fell.largest);
+}
+
+TEST_F(DetailTest, anInvalidFrameBudgetIsRefusedAndChangesNothing) {
+    ASSERT_EQ(dplSetFrameBudget(context_, 1e-6), DPL_OK);
+    for (int frame = 0; frame < 8; ++frame) draw(tubes_);
+    const uint32_t limit = stats(tubes_[0]).keptLimit;
+    for (const double bad : {-1.0, -1e-300, std::nan(""), HUGE_VAL, -HUGE_VAL}) {
+        EXPECT_EQ(dplSetFrameBudget(context_, bad), DPL_ERROR_INVALID_ARGUMENT);
+        EXPECT_TRUE(errorSays("ms; 0 (no budget)")) << dplGetLastError();
+    }
+    EXPECT_EQ(dplSetFrameBudget(nullptr, 10), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(errorSays("context")) << dplGetLastError();
+    draw(tubes_);
+    EXPECT_LT(stats(tubes_[0]).keptLimit, limit) << "the budget still holds";
+    EXPECT_GT(stats(tubes_[0]).keptLimit, 0u);
+}
+
+TEST_F(DetailTest, aProgramBuiltWithTheShorterFrameStatsKeepsWorking) {
+    draw(tubes_);
+    DplFrameStats s{};
+    s.structSize = offsetof(DplFrameStats, frameMs);
+    s.frameMs = -1, s.keptLimit = 77;
+    ASSERT_EQ(dplGetFrameStats(tubes_[0], &s), DPL_OK) << dplGetLastError();
+    EXPECT_GT(s.componentCount, 0u);
+    EXPECT_EQ(s.frameMs, -1);
+    EXPECT_EQ(s.keptLimit, 77u);
 }
 
 TEST_F(DetailTest, invalidDetailIsRefusedAndChangesNothing) {

@@ -45,10 +45,11 @@ uint64_t waits(DplAvatar avatar) {
     return stats.waits;
 }
 
-/** Sets a level of detail that depends on t, or none. */
+/** Sets a level of detail that depends on t and a frame budget that no frame can keep, or neither. */
 void setDetail(DplContext context, bool on, float t) {
     const DplDetail detail{sizeof(DplDetail), on ? 0.05f + 2 * t : 0, on && t > 0.5f ? uint32_t(600 - 300 * t) : 0};
     EXPECT_EQ(dplSetDetail(context, &detail), DPL_OK) << dplGetLastError();
+    EXPECT_EQ(dplSetFrameBudget(context, on ? 1e-4 : 0), DPL_OK) << dplGetLastError();
 }
 
 /** Draws `frames` frames with new poses and views, three in flight, and returns the number of allocations. */

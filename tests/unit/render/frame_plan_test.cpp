@@ -122,6 +122,50 @@ TEST(FramePlan, anotherLevelOfDetailIsTheSameFrame) {
     EXPECT_EQ(gpu.record->createdObjects, created) << "nothing is made when the level changes";
 }
 
+TEST(FramePlan, timingIsThatOfTheLastFinishedDrawWithItsOwnSplats) {
+    NullSetup gpu;
+    const auto id = gpu.renderer->addAvatar(tube());
+    ASSERT_TRUE(id) << id.error().message;
+    EXPECT_EQ(gpu.renderer->timing(*id).frame, 0u) << "nothing was drawn";
+    EXPECT_EQ(gpu.renderer->timing(*id + 1).frame, 0u) << "no such avatar";
+    gpu.record->frameMs = 2.5;
+    ASSERT_TRUE(gpu.draw(*id));
+    const FrameTiming first = gpu.renderer->timing(*id);
+    EXPECT_EQ(first.frame, 1u);
+    EXPECT_EQ(first.ms, 2.5);
+    EXPECT_GT(first.drawn, 0u);
+    EXPECT_EQ(first.drawn, first.last.wantedDrawn);
+    EXPECT_EQ(first.last.kept, first.last.wantedKept);
+    gpu.record->holdFrames = true;  // in flight from now on
+    gpu.renderer->setDetail({0, 0, {0, uint32_t(first.last.kept / 3)}});
+    for (int n = 0; n < 2; ++n) {
+        ASSERT_TRUE(gpu.draw(*id));
+        const FrameTiming running = gpu.renderer->timing(*id);
+        EXPECT_EQ(running.frame, 1u);
+        EXPECT_EQ(running.drawn, first.drawn) << "of the finished frame";
+        EXPECT_LE(running.last.kept, first.last.kept / 3) << "of the last draw";
+        EXPECT_EQ(running.last.wantedKept, first.last.wantedKept);
+    }
+    EXPECT_EQ(gpu.record->waits, 0u);
+    ASSERT_TRUE(gpu.renderer->read(*id));  // waits for the last frame
+    EXPECT_EQ(gpu.renderer->timing(*id).frame, 3u);
+    EXPECT_LE(gpu.renderer->timing(*id).drawn, first.drawn / 2);
+}
+
+TEST(FramePlan, timingOfACantedPairIsThatOfBothItsFrames) {
+    NullSetup gpu;
+    const auto id = gpu.renderer->addAvatar(tube());
+    ASSERT_TRUE(id) << id.error().message;
+    gpu.record->frameMs = 2.5;
+    const Cameraf canted[2] = {tubeCamera(32, 16, 0), tubeCamera(32, 16, 0.3f)};
+    for (uint64_t draw = 1; draw <= 4; ++draw) {
+        ASSERT_TRUE(gpu.renderer->draw(*id, tubePose(0), canted, false));
+        EXPECT_EQ(gpu.renderer->timing(*id).frame, 2 * draw);
+        EXPECT_EQ(gpu.renderer->timing(*id).ms, 5);
+    }
+    EXPECT_EQ(gpu.renderer->stats(*id)->views, 2u);
+}
+
 TEST(FramePlan, tilesRunBetweenSortAndDraw) {
     NullSetup gpu;
     gpu.renderer->setFill(Fill::Tiles);

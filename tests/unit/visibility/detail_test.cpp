@@ -126,7 +126,7 @@ TEST(SplatGroups, nothingVisibleNothingBound) {
         std::vector<Mat3x4f> joints;
         jointTransforms(s.avatar.joints, s.rest(), joints);
         DetailMember member{&s.subject, joints};
-        EXPECT_LE(chooseDetails({4, 100}, {&camera, 1}, {&member, 1}), s.splats.count());
+        EXPECT_LE(chooseDetails({4, 100}, {&camera, 1}, {&member, 1}).drawn, s.splats.count());
         EXPECT_TRUE(member.pixelM > 0 && std::isfinite(member.pixelM));
     }
 }
@@ -262,7 +262,7 @@ TEST(Detail, oneBudgetLowersAllAlike) {
     std::vector<Mat3x4f> joints[2];
     jointTransforms(near.avatar.joints, near.rest(), joints[0]), jointTransforms(far.avatar.joints, away, joints[1]);
     DetailMember out[3] = {{&near.subject, joints[0]}, {&far.subject, joints[1]}, {nullptr, {}, &cloud.subject}};
-    const auto choose = [&](const DetailOptions& options) { return chooseDetails(options, {&camera, 1}, out); };
+    const auto choose = [&](const DetailOptions& options) { return chooseDetails(options, {&camera, 1}, out).drawn; };
     const uint64_t all = near.splats.count() + far.splats.count() + cloud.subject.splatCount();
     EXPECT_EQ(choose({}), all);
     EXPECT_TRUE(out[0].detail.full() && out[1].detail.full() && out[2].generalDetail.full());
@@ -293,6 +293,66 @@ TEST(Detail, oneBudgetLowersAllAlike) {
     EXPECT_EQ(out[0].detail.perM2, wanted);
     EXPECT_GE(choose({2, 1}), near.splats.chunks.size() + far.splats.chunks.size() + cloud.subject.groups().size());
     EXPECT_GE(near.drawn(out[0].detail.perM2), near.splats.chunks.size());
+}
+
+TEST(Detail, limitsLowerWhatTheHostWantsAndNeverRaiseIt) {
+    const Subject s(1, 9);
+    Cloud cloud(1);
+    const Cameraf camera = lookAt({0, 1, 3}, {0, 1, 0}, 200, 200, 240);
+    std::vector<Mat3x4f> joints;
+    jointTransforms(s.avatar.joints, s.rest(), joints);
+    DetailMember out[2] = {{&s.subject, joints}, {nullptr, {}, &cloud.subject}};
+    const auto choose = [&](const DetailOptions& options) { return chooseDetails(options, {&camera, 1}, out); };
+    const uint64_t all = s.splats.count() + cloud.subject.splatCount();
+    EXPECT_EQ(choose({}).wantedKept, all);
+    for (const DetailOptions host : {DetailOptions{}, DetailOptions{2, 0}, DetailOptions{0, 3000}, DetailOptions{2, 500}}) {
+        const DetailTotals alone = choose(host);
+        const float density = out[0].detail.perM2;
+        EXPECT_EQ(alone.kept, alone.wantedKept);
+        EXPECT_LE(alone.kept, alone.drawn);
+        for (const uint32_t limit : {300u, 450u, 600u, 2000u, uint32_t(all), UINT32_MAX}) {
+            const DetailTotals both = choose({host.splatsPerPixel, host.splatBudget, {0, limit}});
+            EXPECT_EQ(both.wantedKept, alone.wantedKept) << "the limit is no wish";
+            EXPECT_EQ(both.wantedDrawn, alone.drawn);
+            EXPECT_LE(both.kept, std::min<uint64_t>(alone.kept, limit));
+            EXPECT_LE(both.drawn, alone.drawn);
+            if (limit >= alone.wantedKept) {
+                EXPECT_EQ(out[0].detail.perM2, density) << "a limit that fits changes nothing";
+            } else {
+                EXPECT_GT(both.kept, limit * 95 / 100);
+            }
+            const DetailTotals drawn = choose({host.splatsPerPixel, host.splatBudget, {limit, 0}});
+            EXPECT_EQ(drawn.wantedDrawn, alone.drawn);
+            EXPECT_LE(drawn.drawn, std::min<uint64_t>(alone.drawn, limit));
+            EXPECT_GT(drawn.drawn, std::min<uint64_t>(alone.drawn, limit) * 95 / 100);
+        }
+    }
+}
+
+/** A budget counts fading splats as drawn, so one splat less than all makes a third of them fade. A limit of kept splats does not. */
+TEST(Detail, aKeptLimitBelowAllSplatsBeginsWithoutAStep) {
+    const Subject s(1, 9);
+    const Cameraf camera = lookAt({0, 1, 3}, {0, 1, 0}, 200, 200, 240);
+    std::vector<Mat3x4f> joints;
+    jointTransforms(s.avatar.joints, s.rest(), joints);
+    DetailMember out[1] = {{&s.subject, joints}};
+    const auto opacity = [&] {
+        double sum = 0;
+        s.forGroups([&](uint32_t, uint32_t count, const SplatGroup& g) {
+            for (uint32_t rank = 0; rank < kSplatGroupSize; ++rank)
+                if (placeOfRank(rank) < count) sum += double(detailWeight(keptShare(out[0].detail.perM2, g.areaM2), rank));
+        });
+        return sum;
+    };
+    const double all = s.splats.count();
+    double before = all;
+    for (double limit = all - 1; limit > 0.1 * all; limit *= 0.98) {
+        chooseDetails({0, 0, {0, uint32_t(limit)}}, {&camera, 1}, out);
+        EXPECT_LE(opacity(), before);
+        EXPECT_GT(opacity(), before - 0.03 * all) << limit;
+        before = opacity();
+    }
+    EXPECT_LT(before, 0.2 * all);
 }
 
 TEST(Detail, theNearestPointInTheFinestViewDecides) {
