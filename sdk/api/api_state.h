@@ -43,6 +43,7 @@ struct Avatar {
     uint32_t drawnViews = 0, drawnWidthPx = 0, drawnHeightPx = 0;  // of the last frame that belongs to this avatar; 0 views: none
     bool drawnDepth = false, drawnMeshDepth = false;
     Governor governor;                             // of the pictures that belong to this avatar
+    FrameTiming timing;                            // of their last finished frame that was seen
     std::vector<std::unique_ptr<ClipData>> added;  // by dplLoadClip
     std::vector<const ClipData*> clips;            // of the file, then of `added`
     std::vector<Mat3x4f> transforms;               // scratch of dplGetJointPositions

@@ -10,9 +10,21 @@
 using namespace dpl;
 using namespace dpl::api;
 
+namespace {
+
+/** A frame of an app counts as running again once its slot was prepared anew, so what was seen before is kept. */
+const FrameTiming& timingOf(const Context& context, Avatar& first) {
+    const FrameTiming now = context.renderer->timing(first.renderId);
+    if (now.frame > 0) first.timing = now;
+    first.timing.last = now.last;
+    return first.timing;
+}
+
+}  // namespace
+
 void dpl::api::setDetailOfDraw(Context& context, Avatar& first) {
     DetailOptions detail = context.detail;
-    detail.limits = first.governor.next(context.frameBudgetMs, context.renderer->timing(first.renderId));
+    detail.limits = first.governor.next(context.frameBudgetMs, timingOf(context, first));
     context.renderer->setDetail(detail);
 }
 
@@ -204,7 +216,7 @@ extern "C" DplResult dplGetFrameStats(DplAvatar avatar, DplFrameStats* stats) {
         out.splatsAllowed = uint32_t(std::min<uint64_t>(found->stats.splatsAllowed, UINT32_MAX)),
         out.detailShare = found->stats.detailShare;
         out.componentCount = found->stats.components, out.componentsInView = found->stats.componentsInView;
-        const FrameTiming timing = found->context->renderer->timing(found->renderId);
+        const FrameTiming& timing = timingOf(*found->context, *found);
         out.frameMs = timing.ms;
         out.keptWanted = uint32_t(std::min<uint64_t>(timing.last.wantedKept, UINT32_MAX));
         out.keptLimit = found->governor.limits().kept;

@@ -98,6 +98,8 @@ Status prepare(DplContext context, VkCommandBuffer commands, uint32_t slot, std:
         return {};
     };
     Drawn what[DPL_MAX_TOGETHER];
+    side->backend.slotFinished(slot);
+    setDetailOfDraw(*scene.context, scene.first());
     DPL_TRY(const std::span<const EncodedView> encoded,
             side->renderer.encodeTogether(scene.drawn(what), scene.context->cameras, wants, {slot, {commands}, encodeScene}));
     vk::LayerPlace places[DPL_MAX_VIEWS];

@@ -88,8 +88,8 @@ Status GpuRenderer::drawOrEncode(std::span<const Drawn> what, std::span<const Ca
     LastDraw& last = lastDraws_.at(ids[0]);
     last.set = 0;
     DPL_CHECK_OK(drawFrames(*set, call, posed, last));
-    if (app) return {};
     last.set = set->number;
+    last.encoded = app != nullptr;
     last.splats = posed.splats;
     return {};
 }
@@ -196,7 +196,7 @@ void GpuRenderer::writeScene(const FrameSlot& slot, const DrawCall& call, const 
 Result<std::span<const PixelView>> GpuRenderer::read(RenderAvatarId id) {
     if (!store_.find(id)) return fail(Code::InvalidArgument, "avatar {} is not in this renderer", id);
     const LastDraw& last = lastDraws_.at(id);
-    const SceneSet* set = cache_.find(last.set);
+    const SceneSet* set = last.encoded ? nullptr : cache_.find(last.set);
     if (!set) return fail(Code::InvalidArgument, "nothing was drawn of avatar {}", id);
     SubmittedFrame frames[gpu::kMaxViews];
     for (size_t k = 0; k < last.frameCount; ++k) {

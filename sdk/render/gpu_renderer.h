@@ -76,6 +76,7 @@ private:
     struct LastDraw {
         float drawnShare = 0;                   // of its splats, in the last draw that showed it
         uint32_t set = 0;                       // scene set of the last draw that belongs to it; 0: none, or that draw failed
+        bool encoded = false;                   // that draw is part of an app's commands, so its pixels cannot be read
         DetailTotals splats;                    // of that draw
         uint64_t numbers[gpu::kMaxViews] = {};  // of the frames of that draw, in the order of their views
         size_t frameCount = 0;

@@ -41,6 +41,7 @@ void Governor::steer(double inBudget, const DetailTotals& last) {
         return;
     }
     if (state_ == BudgetState::Free) limit_ = kept;
+    const bool least = kept > limit_;  // one splat of each group is kept for any limit
     if (falling_) {
         rising_ = false;
         if (kept > floor) limit_ = std::max(kept * (1 - kGovernorFall), floor);
@@ -49,7 +50,7 @@ void Governor::steer(double inBudget, const DetailTotals& last) {
         if (load >= kGovernorAim) rising_ = false;
         if (rising_) limit_ *= 1 + kGovernorRise;
     }
-    state_ = limit_ <= floor && load > kGovernorHigh ? BudgetState::Unreachable : BudgetState::Limited;
+    state_ = (least || std::min(kept, limit_) <= floor) && load > kGovernorHigh ? BudgetState::Unreachable : BudgetState::Limited;
     if (limit_ >= wantedKept) state_ = BudgetState::Free, limit_ = wantedDrawn;
 }
 

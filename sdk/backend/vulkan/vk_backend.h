@@ -83,6 +83,7 @@ struct Frame {
     VkQueryPool timestamps = VK_NULL_HANDLE;
     VkFence fence = VK_NULL_HANDLE;
     bool running = false;             // submitted, and its fence was not seen to be signalled yet
+    uint32_t slot = 0;                // of the app, of an encoded frame that runs
     std::vector<std::string> labels;  // of the steps
     std::vector<uint64_t> ticks;      // timestamps before the first step and after each step
     bool timed = false;               // ticks hold a finished run
@@ -163,6 +164,9 @@ public:
     Result<ComposerId> createComposer(const AppPass& pass);
     /** NotFound: no such composer. Commands that use it may still run. */
     Status destroyComposer(ComposerId composer);
+    /** The caller promises, as by encode(), that all commands with the slot's earlier frames have run; their times can then be read.
+     * Allocates and waits for nothing. */
+    void slotFinished(uint32_t slot);
     /** Says where the pictures of a slot lie, one place a view, all of the same size. To be called between encode() of the slot and
      *  compose(). Allocates and waits for nothing. */
     Status setLayers(uint32_t slot, std::span<const LayerPlace> places);

@@ -327,7 +327,13 @@ Status VulkanBackend::encode(FrameId id, uint32_t slot, AppCommands commands) {
     DPL_CHECK_OK(play(frame, buffer));
     recorder.barrier(kGpuStages, kReaders);
     frame.running = true;
+    frame.slot = slot;
     return {};
+}
+
+void VulkanBackend::slotFinished(uint32_t slot) {
+    for (auto& [id, frame] : frames_)
+        if (frame.run == FrameRun::Encoded && frame.running && frame.slot == slot) ended(frame);
 }
 
 template <class T>

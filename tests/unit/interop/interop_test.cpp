@@ -516,6 +516,37 @@ TEST_F(Interop, sizesChangeAndAvatarsGoWhileFramesAreInFlight) {
     EXPECT_LT(stats.residentBytes, 64u << 20) << "what is no longer used is freed";
 }
 
+TEST_F(Interop, detailAndFrameBudgetHoldInTheProgramsFrames) {
+    OPEN_OR_SKIP({.multiview = false});
+    const AppImage& image = target(VK_FORMAT_R8G8B8A8_UNORM);
+    const Passes passes = passesFor(image, false);
+    const DplCamera camera = frontCamera(kWidth, kHeight);
+    uint32_t count = 0;
+    const auto draw = [&](int frames) {
+        DplFrameStats stats{sizeof stats};
+        for (int n = 0; n < frames; ++n) {
+            EXPECT_EQ(frame(count++ % DPL_VULKAN_SLOTS, image, passes, {&avatar_, 1}, {&camera, 1}), DPL_OK) << dplGetLastError();
+            stats = {sizeof stats};
+            EXPECT_EQ(dplGetFrameStats(avatar_, &stats), DPL_OK) << dplGetLastError();
+        }
+        return stats;
+    };
+    EXPECT_EQ(draw(3).frameMs, 0) << "no slot came round";
+    const DplFrameStats all = draw(1);
+    if (all.frameMs == 0) GTEST_SKIP() << "the device has no timestamps";
+    EXPECT_EQ(all.keptWanted, all.splatsAllowed);
+    const DplDetail detail{sizeof detail, 0, all.keptWanted / 2};
+    ASSERT_EQ(dplSetDetail(context_, &detail), DPL_OK);
+    const DplFrameStats half = draw(3);
+    EXPECT_LE(half.splatsAllowed, detail.splatBudget);
+    EXPECT_EQ(half.budgetState, DPL_BUDGET_OFF);
+    ASSERT_EQ(dplSetFrameBudget(context_, 1e-6), DPL_OK);
+    const DplFrameStats least = draw(60);
+    EXPECT_EQ(least.budgetState, DPL_BUDGET_UNREACHABLE);
+    EXPECT_LT(least.splatsAllowed, half.splatsAllowed / 4);
+    EXPECT_GE(least.framesOver, 55u);
+}
+
 TEST_F(Interop, aWarmFrameAllocatesNothing) {
     OPEN_OR_SKIP({.multiview = false, .validation = false});
     constexpr VkFormat kFormat = VK_FORMAT_R8G8B8A8_SRGB;
@@ -523,6 +554,7 @@ TEST_F(Interop, aWarmFrameAllocatesNothing) {
     const Passes passes = passesFor(image, false);
     const DplCamera camera = frontCamera(kWidth, kHeight);
     for (uint32_t slot = 0; slot < DPL_VULKAN_SLOTS; ++slot) ASSERT_EQ(frame(slot, image, passes, {&avatar_, 1}, {&camera, 1}), DPL_OK);
+    ASSERT_EQ(dplSetFrameBudget(context_, 1e-3), DPL_OK);
     std::vector<double> ms;
     uint64_t allocations = 0;
     for (uint32_t n = 0; n < 60; ++n) {

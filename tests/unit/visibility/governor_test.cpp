@@ -29,6 +29,7 @@ struct Device {
     int outlierEvery = 0;  // every so many frames one takes four times as long; 0: none
     std::function<double(int)> load = [](int) { return 1.0; };
     std::function<uint64_t(int)> wanted = [](int) { return kSplats; };  // kept
+    uint64_t least = 0;                                                 // splats are kept for any limit
     bool far = false;                                                   // the host's level of detail makes half as many fade; else none
     std::function<double(int)> budgetMs = [](int) { return kBudgetMs; };
 };
@@ -61,7 +62,8 @@ std::vector<Frame> run(const Device& device, int count, uint32_t seed = 1) {
         f.kept = f.wanted;
         f.drawn = f.wantedDrawn = device.far ? f.wanted + f.wanted / 2 : f.wanted;
         if (f.limits.drawn > 0 && f.drawn > f.limits.drawn) f.drawn = f.limits.drawn, f.kept = f.drawn * 2 / 3;
-        if (f.limits.kept > 0 && f.kept > f.limits.kept) f.kept = f.limits.kept, f.drawn = std::min(f.wantedDrawn, f.kept + f.kept / 2);
+        if (f.limits.kept > 0 && f.kept > f.limits.kept)
+            f.kept = std::max<uint64_t>(f.limits.kept, device.least), f.drawn = std::min(f.wantedDrawn, f.kept + f.kept / 2);
         f.trueMs = device.load(n) * (device.fixedMs + device.perSplatMs * double(f.drawn));
         f.ms = f.trueMs * (1 + device.noise * (2 * double(random()) / double(std::mt19937::max()) - 1));
         if (device.outlierEvery > 0 && n % device.outlierEvery == device.outlierEvery - 1) f.ms *= 4;
@@ -232,6 +234,15 @@ TEST(Governor, aBudgetOutOfReachSettlesAtTheFloorAndSaysSo) {
     EXPECT_EQ(frames[310].state, BudgetState::Limited) << "in reach";
     EXPECT_EQ(frames.back().kept, kSplats) << "a larger budget lifts it again";
     EXPECT_EQ(frames.back().state, BudgetState::Free);
+}
+
+TEST(Governor, aBudgetIsOutOfReachWhereGroupsAreSmall) {
+    Device device;
+    device.fixedMs = 12, device.least = kSplats / 4;
+    const std::vector<Frame> frames = run(device, 100);
+    EXPECT_EQ(frames.back().kept, kSplats / 4);
+    EXPECT_EQ(frames.back().state, BudgetState::Unreachable);
+    EXPECT_EQ(frames[20].state, BudgetState::Limited);
 }
 
 TEST(Governor, whoJoinsAtTheFloorMakesNobodyFiner) {
