@@ -18,6 +18,15 @@ struct Bounds {
     double covered = 0.005, maxDepthErrorM = 0.02, minBytePsnrDb = kMinBytePsnrDb;
 };
 
+/** What the rounding of depth adds to its error. On devices that do not blend 32-bit floats the sums are halves: each blend rounds by up to
+ *  2^-12 of the depth. Measured on a tube 8 m away: 0.027 m instead of 0.00001, 14 such steps. */
+double depthRoundingM(const DeviceInfo& device, const ReferenceImage& want) {
+    if (!device.halfDepth) return 0;
+    double farthestM = 0;
+    for (const double depthM : want.depthM) farthestM = std::max(farthestM, depthM);
+    return farthestM * 16 / 4096;
+}
+
 /** Draws `id` with depth, prints the difference from the referee and checks the bounds. */
 RenderedView expectAgrees(TestVulkan& vulkan, const std::string& name, const Result<RenderAvatarId>& id, const Pose& pose,
                           const Cameraf& camera, const ReferenceImage& want, const Bounds& bounds = {}) {
@@ -35,7 +44,7 @@ RenderedView expectAgrees(TestVulkan& vulkan, const std::string& name, const Res
     EXPECT_GT(d.covered, bounds.covered) << name;
     EXPECT_GE(d.psnrDb, minPsnrDb) << name;
     EXPECT_GE(d.alphaPsnrDb, minPsnrDb) << name;
-    EXPECT_LT(d.maxDepthErrorM, bounds.maxDepthErrorM) << name;
+    EXPECT_LT(d.maxDepthErrorM, bounds.maxDepthErrorM + depthRoundingM(vulkan.device, want)) << name;
     expectFilledBy(*vulkan.renderer, *id, vulkan.fill);
     return image;
 }
@@ -93,9 +102,11 @@ TEST_P(VulkanImage, floatKeysTakeTwiceTheRoundsAndAgreeWithTheReferenceToo) {
 }
 
 /** Draws the tube at a fraction of the size at which it was trained according to trainedPixelM. */
+/** A device that cannot shade single samples takes one sample a pixel. */
 TEST_P(VulkanImage, fourSamplesAPixelEqualTheReference) {
     TestVulkan precise(withPreciseBlending(), GetParam()), byte(testVulkanOptions(), GetParam());
     DPL_NEED_VULKAN(precise);
+    const bool four = precise.device.fourSamples;
     for (const float size : {0.5f, 0.25f}) {
         for (uint32_t seed = 1; seed <= 3; ++seed) {
             const Cameraf trained = tubeCamera(320, 384, 0.7f * float(seed), 1.8f), camera = trained.scaled(size);
@@ -109,8 +120,9 @@ TEST_P(VulkanImage, fourSamplesAPixelEqualTheReference) {
             for (TestVulkan* vulkan : {&precise, &byte}) {
                 auto id = vulkan->renderer->addAvatar(avatar);
                 const RenderedView image = expectAgrees(
-                    *vulkan, "4 samples, x" + std::to_string(size).substr(0, 4) + ", " + std::to_string(seed), id, pose, camera, want,
-                    {.minBytePsnrDb = kMinPsnrDb});  // also in 8 bits, because the rounding of four samples averages
+                    *vulkan, (four ? "4 samples, x" : "1 sample, x") + std::to_string(size).substr(0, 4) + ", " + std::to_string(seed), id,
+                    pose, camera, four ? want : one,
+                    {.minBytePsnrDb = four ? kMinPsnrDb : kMinBytePsnrDb});  // the rounding of four samples averages, also in 8 bits
                 ASSERT_TRUE(id);
                 EXPECT_TRUE(drawOne(*vulkan->renderer, *id, pose, camera).rgba == image.rgba) << "with and without depth";
                 vulkan->renderer->removeAvatar(*id);
@@ -128,6 +140,7 @@ TEST_P(VulkanImage, samplesBesideOneThatIsDoneStillSeeWhatLiesBehind) {
     for (float& opacity : data.splats.opacity) opacity = 0.99f;
     for (Vec2f& scale : data.splats.scaleM) scale *= 0.6f;
     for (const bool four : {false, true}) {
+        if (four && !vulkan.device.fourSamples) continue;
         data.trainedPixelM = four ? 1e-4f : 0;
         const auto avatar = share(data);
         const auto id = vulkan.renderer->addAvatar(avatar);
@@ -153,7 +166,8 @@ TEST_P(VulkanImage, anAvatarThatSaysItsTrainedPixelIsTheSameByteForByteUpToThatS
     ASSERT_TRUE(plain && sized);
     for (const float size : {1.5f, 1.0f, 0.85f, 0.75f}) {
         const Cameraf camera = trained.scaled(size);
-        EXPECT_EQ(drawOne(*vulkan.renderer, *plain, pose, camera).rgba == drawOne(*vulkan.renderer, *sized, pose, camera).rgba, size > 0.8f)
+        EXPECT_EQ(drawOne(*vulkan.renderer, *plain, pose, camera).rgba == drawOne(*vulkan.renderer, *sized, pose, camera).rgba,
+                  size > 0.8f || !vulkan.device.fourSamples)
             << size;
     }
 }
@@ -410,7 +424,7 @@ TEST_P(VulkanImage, oneTinySplatIsRightWhereverItLiesInItsTile) {
 /** With four samples a pixel, each sample has a quarter of the low-pass. */
 TEST_P(VulkanImage, splatsSmallerThanASampleAreDrawnToo) {
     TestVulkan vulkan(withPreciseBlending(), GetParam());
-    DPL_NEED_VULKAN(vulkan);
+    DPL_NEED_FOUR_SAMPLES(vulkan);
     for (const float kappaPx2 : kWeakLowPassesPx2) {
         AvatarData data = makeTube({.shDegree = 0, .singleFace = false});
         for (Vec2f& scale : data.splats.scaleM) scale *= 0.15f;

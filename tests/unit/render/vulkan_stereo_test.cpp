@@ -58,6 +58,7 @@ TEST_P(VulkanImage, aPairDrawnAsTwoFramesIsTheSamePair) {
     const Cameraf views[2] = {tubeCamera(160, 144, 0.3f, 1.2f, -0.032f), tubeCamera(160, 144, 0.3f, 1.2f, 0.032f)};
     std::vector<RenderedView> pictures[2] = {std::vector<RenderedView>(2), std::vector<RenderedView>(2)};
     uint32_t passes[2];
+    bool timed = false;
     for (int k = 0; k < 2; ++k) {
         TestVulkan vulkan(k == 0 ? testVulkanOptions() : apart, GetParam());
         DPL_NEED_VULKAN(vulkan);
@@ -68,11 +69,14 @@ TEST_P(VulkanImage, aPairDrawnAsTwoFramesIsTheSamePair) {
         const auto stats = vulkan.renderer->stats(*id);
         ASSERT_TRUE(stats);
         EXPECT_EQ(stats->views, 2u);
+        timed = vulkan.device.timestamps;
         passes[k] = uint32_t(
             std::count_if(stats->passes.begin(), stats->passes.end(), [](const PassTime& pass) { return pass.label == "pose.skin"; }));
     }
-    EXPECT_EQ(passes[0], 1u);
-    EXPECT_EQ(passes[1], 2u);
+    if (timed) {  // without timestamps no pass is listed
+        EXPECT_EQ(passes[0], 1u);
+        EXPECT_EQ(passes[1], 2u);
+    }
     for (size_t v = 0; v < 2; ++v) {
         EXPECT_EQ(pictures[0][v].rgba, pictures[1][v].rgba) << "view " << v;
         EXPECT_GT(std::count_if(pictures[0][v].rgba.begin(), pictures[0][v].rgba.end(), [](uint8_t x) { return x > 20; }), 1000);

@@ -30,6 +30,7 @@ struct TestVulkan {
     Fill fill;
     std::unique_ptr<Renderer> renderer;
     std::string missing;  // why there is no renderer
+    DeviceInfo device;    // as the driver describes it, without the work-arounds for single drivers
 
     TestVulkan() : TestVulkan(testVulkanOptions()) {}
     explicit TestVulkan(VulkanTestOptions wanted, Fill fill = Fill::Quads) : options(std::move(wanted)), fill(fill) {
@@ -38,6 +39,9 @@ struct TestVulkan {
             missing = devices ? "no Vulkan 1.1 device here" : devices.error().message;
             return;
         }
+        const auto named = std::find_if(devices->begin(), devices->end(),
+                                        [&](const DeviceInfo& d) { return d.name.find(options.deviceName) != std::string::npos; });
+        if (named != devices->end()) device = *named;
         auto made = createVulkanRenderer(options, fill);
         if (!made && made.error().code == Code::NotFound) {  // no validation layer: print a note and test without it
             std::printf("[   NOTE   ] %s\n", made.error().message.c_str());
@@ -59,3 +63,6 @@ struct TestVulkan {
 
 #define DPL_NEED_VULKAN(vulkan) \
     if (!(vulkan).renderer) GTEST_SKIP() << (vulkan).missing
+#define DPL_NEED_FOUR_SAMPLES(vulkan) \
+    DPL_NEED_VULKAN(vulkan);          \
+    if (!(vulkan).device.fourSamples) GTEST_SKIP() << (vulkan).device.name << " draws one sample a pixel"
