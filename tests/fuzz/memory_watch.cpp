@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/fuzz/memory_watch.h"
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(DOPPEL_LIBFUZZER)
+#ifdef DOPPEL_NO_MEMORY_WATCH
 
 namespace dpl::test {
 void startMemoryWatch() {}

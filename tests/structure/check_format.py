@@ -42,9 +42,14 @@ def main():
     if "--fix" in sys.argv:
         subprocess.run([program, "-i", *files], check=True)
         return 0
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        runs = pool.map(lambda f: subprocess.run([program, "--dry-run", "-Werror", f], capture_output=True).returncode, files)
-    wrong = [f.relative_to(root).as_posix() for f, code in zip(files, runs) if code != 0]
+    batches = [files[i :: os.cpu_count()] for i in range(os.cpu_count())]
+    with ThreadPoolExecutor() as pool:
+        runs = list(pool.map(lambda batch: subprocess.run([program, "--dry-run", "-Werror", *batch], capture_output=True, text=True), batches))
+    reports = "".join(run.stderr for run in runs)
+    wrong = [f.relative_to(root).as_posix() for f in files if f"{f}:" in reports]
+    if not wrong and any(run.returncode for run in runs):
+        print(reports)
+        return 1
     for name in wrong:
         print(f"{name}: not laid out by clang-format {VERSION}; run tests/structure/check_format.py --fix")
     print(f"{len(files)} files checked, {len(wrong)} differ")

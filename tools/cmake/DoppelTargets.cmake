@@ -50,11 +50,6 @@ function(doppel_library name)
     doppel_use_pch(${name} doppel_pch ${arg_JSON})
     if(arg_HOT)
       set_target_properties(${name} PROPERTIES UNITY_BUILD OFF)
-    endif()
-    if(arg_HOT AND DOPPEL_SANITIZE)
-      target_compile_options(${name} PRIVATE -O1)  # sanitizer presets compile at -O0, which halves build time; hot loops would be too slow
-      set_target_properties(${name} PROPERTIES DISABLE_PRECOMPILE_HEADERS ON)  # a header compiled with -O0 cannot be reused
-    elseif(arg_HOT)
       target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O3>)
     endif()
   else()
