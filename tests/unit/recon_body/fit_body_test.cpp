@@ -32,7 +32,7 @@ Camerad cameraAround(double azimuth, double unitsPerMetre) {
     return c;
 }
 
-Made make(uint32_t seed, double unitsPerMetre = 1, bool moving = true, double noisePx = 1) {
+Made make(uint32_t seed, double unitsPerMetre = 1, int movingFrames = 30, double noisePx = 1) {
     Made m;
     std::mt19937 random(seed);
     std::normal_distribution<double> normal;
@@ -69,7 +69,7 @@ Made make(uint32_t seed, double unitsPerMetre = 1, bool moving = true, double no
         add(FrameKind::StaticFull, i % 8 == 7 ? Split::Test : Split::Train, 0, i * 0.39, pose);
     }
     for (int i = 0; i < 3; ++i) add(FrameKind::StaticCloseup, Split::Train, 0, 0.3 * i, still);
-    for (int i = 0; moving && i < 30; ++i) {
+    for (int i = 0; i < movingFrames; ++i) {
         Pose pose = still;
         const double phase = 0.2 * i;
         turn(pose, "leftUpperArm", {0, 0, 0.15 + 0.6 * (1 - std::cos(phase))});
@@ -107,7 +107,7 @@ TEST(FitBody, findsStillAndMovingPosesDespiteNoiseGapsAndOutliers) {
 }
 
 TEST(FitBody, heldOutDataReachesNothingThatShips) {
-    const Made m = make(5);
+    const Made m = make(5, 1, /*movingFrames=*/12);
     Made noise = m;
     for (size_t f = 0; f < noise.scan.frames.size(); ++f)
         if (noise.scan.frames[f].split == Split::Test)
@@ -130,7 +130,7 @@ TEST(FitBody, heldOutDataReachesNothingThatShips) {
 }
 
 TEST(FitBody, findsTheScaleOfAWorldWithoutOne) {
-    const Made m = make(9, 3.7, /*moving=*/false);
+    const Made m = make(9, 3.7, /*movingFrames=*/0);
     const auto fit = fitBody(m.body, m.scan, m.keypoints);
     ASSERT_TRUE(fit) << fit.error().message;
     EXPECT_NEAR(fit->metresPerUnit * 3.7, 1, 0.05);  // only the height prior separates tall and far from short and near: 1 σ is 4 %
@@ -139,7 +139,7 @@ TEST(FitBody, findsTheScaleOfAWorldWithoutOne) {
 TEST(FitBody, estimatesTheNoiseOfTheDetector) {
     const double diagonalPx = std::hypot(378, 504), confidence = 0.9;
     for (const double noisePx : {1.0, 3.0}) {
-        const Made m = make(4, 1, /*moving=*/false, noisePx);
+        const Made m = make(4, 1, /*movingFrames=*/0, noisePx);
         const auto fit = fitBody(m.body, m.scan, m.keypoints);
         ASSERT_TRUE(fit) << fit.error().message;
         const double found = fit->keypointSigma * diagonalPx / confidence;
@@ -151,7 +151,7 @@ TEST(FitBody, estimatesTheNoiseOfTheDetector) {
 }
 
 TEST(FitBody, cancelsWithItsOwnCode) {
-    const Made m = make(3, 1, false);
+    const Made m = make(3, 1, /*movingFrames=*/0);
     BodyFitSettings settings;
     settings.progress = [](double, std::string_view) { return false; };
     const auto fit = fitBody(m.body, m.scan, m.keypoints, settings);
@@ -160,7 +160,7 @@ TEST(FitBody, cancelsWithItsOwnCode) {
 }
 
 TEST(FitBody, scansWithoutATorsoAreRefusedWithASentence) {
-    Made m = make(3, 1, false);
+    Made m = make(3, 1, /*movingFrames=*/0);
     for (auto& frame : m.keypoints)
         for (Keypoint& k : frame) k.confidence = 0;
     const auto fit = fitBody(m.body, m.scan, m.keypoints);
@@ -169,7 +169,7 @@ TEST(FitBody, scansWithoutATorsoAreRefusedWithASentence) {
 }
 
 TEST(FitBody, keypointsThatAreNotNumbersAreRefused) {
-    Made m = make(3, 1, false);
+    Made m = make(3, 1, /*movingFrames=*/0);
     m.keypoints[2][5].px.x = NAN;
     m.keypoints[2][5].confidence = 1;
     EXPECT_FALSE(fitBody(m.body, m.scan, m.keypoints));
