@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/backend/shader_pack.h"
 
+#include <zstd.h>
+#include <zstd_errors.h>
+
+#include <new>
+
 #include "sdk/core/reader.h"
 #include "sdk/core/writer.h"
 
@@ -8,7 +13,9 @@ namespace dpl {
 namespace {
 
 constexpr char kMagic[8] = {'D', 'P', 'L', 'S', 'H', 'A', 'D', 'R'};
-constexpr uint32_t kMaxItems = 4096;  // in a list of a pack; the SDK's own lists hold a few dozen
+constexpr uint32_t kMaxItems = 4096;         // in a list of a pack; the SDK's own lists hold a few dozen
+constexpr size_t kMaxBodyBytes = 64u << 20;  // unpacked; the SDK's own pack with MSL has 5 MB
+constexpr int kLevel = 19;                   // of zstd; takes half a second once a build
 
 std::string hex(uint64_t value) {
     static const char* digits = "0123456789abcdef";
@@ -109,6 +116,28 @@ Result<Shader> takeShader(Reader& in) {
     return shader;
 }
 
+std::vector<uint8_t> compress(std::span<const uint8_t> body) {
+    std::vector<uint8_t> stream(ZSTD_compressBound(body.size()));
+    const size_t got = ZSTD_compress(stream.data(), stream.size(), body.data(), body.size(), kLevel);
+    if (ZSTD_isError(got)) throw std::bad_alloc();  // the only way to fail with a buffer of this size
+    stream.resize(got);
+    return stream;
+}
+
+Result<std::vector<uint8_t>> decompress(std::span<const uint8_t> stream, std::string_view origin) {
+    const unsigned long long bytes = ZSTD_getFrameContentSize(stream.data(), stream.size());
+    if (bytes > kMaxBodyBytes)  // the codes for "unknown" and "no stream" are larger too
+        return fail(Code::CorruptData, "{} holds no stream of at most {} bytes", origin, kMaxBodyBytes);
+    std::vector<uint8_t> body(bytes);
+    const size_t got = ZSTD_decompress(body.data(), body.size(), stream.data(), stream.size());
+    if (ZSTD_isError(got)) {
+        if (ZSTD_getErrorCode(got) == ZSTD_error_memory_allocation) return fail(Code::OutOfMemory, "no memory to unpack {}", origin);
+        return fail(Code::CorruptData, "{} cannot be unpacked: {}", origin, ZSTD_getErrorName(got));
+    }
+    body.resize(got);
+    return body;
+}
+
 }  // namespace
 
 const Shader* ShaderPack::find(std::string_view name) const {
@@ -128,28 +157,30 @@ std::vector<uint8_t> writeShaderPack(const ShaderPack& pack) {
     body.value(pack.interfaceHash);
     body.value(uint32_t(pack.shaders.size()));
     for (const Shader& shader : pack.shaders) putShader(body, shader);
-    const std::vector<uint8_t> bytes = body.finish();
+    const std::vector<uint8_t> stream = compress(body.finish());
     Writer out;
     out.append({reinterpret_cast<const uint8_t*>(kMagic), sizeof(kMagic)});
     out.value(kShaderPackFormat);
-    out.value(shaderHash(bytes));
-    out.append(bytes);
+    out.value(shaderHash(stream));
+    out.append(stream);
     return out.finish();
 }
 
 Result<ShaderPack> readShaderPack(std::span<const uint8_t> bytes, std::string_view origin, uint64_t expectedInterface) {
-    Reader in(bytes);
-    auto magic = in.take(sizeof(kMagic));
+    Reader head(bytes);
+    auto magic = head.take(sizeof(kMagic));
     if (!magic || std::memcmp(magic->data(), kMagic, sizeof(kMagic)) != 0)
         return fail(Code::CorruptData, "{} is not a Doppel shader pack", origin);
-    DPL_TRY(uint32_t format, in.u32());
+    DPL_TRY(uint32_t format, head.u32());
     if (format != kShaderPackFormat)
         return fail(Code::Version, "{} has shader pack format {}, this build reads {}", origin, format, kShaderPackFormat);
     ShaderPack pack;
-    DPL_TRY(pack.contentHash, in.value<uint64_t>());
-    const uint64_t actual = shaderHash(bytes.subspan(in.position()));
-    if (actual != pack.contentHash)
+    DPL_TRY(pack.contentHash, head.value<uint64_t>());
+    const auto stream = bytes.subspan(head.position());
+    if (const uint64_t actual = shaderHash(stream); actual != pack.contentHash)
         return fail(Code::CorruptData, "{} is damaged: content hash {}, expected {}", origin, hex(actual), hex(pack.contentHash));
+    DPL_TRY(const std::vector<uint8_t> body, decompress(stream, origin));
+    Reader in(body);
     DPL_TRY(pack.interfaceHash, in.value<uint64_t>());
     if (pack.interfaceHash != expectedInterface)
         return fail(Code::Version,

@@ -276,6 +276,33 @@ TEST(ShaderPack, roundTripsAndRefusesEveryTruncationAndFlippedBytes) {
     }
 }
 
+TEST(ShaderPack, aStreamThatClaimsTooMuchOrHoldsTooLittleIsRefusedWithoutMakingRoom) {
+    ShaderPack pack;
+    const std::vector<uint8_t> good = writeShaderPack(pack);
+    const auto withStream = [&](std::vector<uint8_t> stream) {
+        std::vector<uint8_t> bytes(good.begin(), good.begin() + 12);  // magic and format
+        const uint64_t hash = shaderHash(stream);
+        bytes.insert(bytes.end(), reinterpret_cast<const uint8_t*>(&hash), reinterpret_cast<const uint8_t*>(&hash) + 8);
+        bytes.insert(bytes.end(), stream.begin(), stream.end());
+        return readShaderPack(bytes, "test", 0);
+    };
+    ASSERT_TRUE(withStream({good.begin() + 20, good.end()})) << "a pack put together by hand must be readable";
+    const std::vector<uint8_t> terabyte = {0x28, 0xb5, 0x2f, 0xfd, 0xe0, 0, 0,
+                                           0,    0,    0,    1,    0,    0};  // a zstd frame header with 64 bits of size
+    for (const auto& stream : {std::vector<uint8_t>{}, terabyte, {good.begin() + 20, good.end() - 1}, std::vector<uint8_t>(64, 7)}) {
+        const auto refused = withStream(stream);
+        ASSERT_FALSE(refused);
+        EXPECT_EQ(refused.error().code, Code::CorruptData) << refused.error().message;
+    }
+}
+
+TEST(ShaderPack, isATenthOfItsShaders) {
+    size_t spirvBytes = 0;
+    for (const Shader& shader : embedded().shaders) spirvBytes += shader.spirv.size() * 4;
+    std::printf("%zu bytes hold %zu bytes of SPIR-V\n", embeddedShaderPack().size(), spirvBytes);
+    EXPECT_LT(embeddedShaderPack().size() * 10, spirvBytes);
+}
+
 TEST(ShaderPack, otherSharedStructsAreAVersionErrorNamingBothHashes) {
     ShaderPack pack;
     pack.interfaceHash = 0xAAAA;
