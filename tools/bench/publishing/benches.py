@@ -25,7 +25,7 @@ def at_least(value):
 
 def program_folder(target):
     """The folder of a program, in the source tree and in a build tree alike."""
-    return {"doppel": "apps/doppel", "bench_frames": "tools/bench/frames"}.get(target, "tools/bench")
+    return {"doppel": "apps/doppel", "libdoppel.so": "sdk/api", "bench_frames": "tools/bench/frames"}.get(target, "tools/bench")
 
 
 @dataclasses.dataclass
@@ -145,6 +145,33 @@ def take_load(place):
         for row in place.json_lines(f"load-{degree}{encoding}", command):
             rows.append({**row, "bars": LOAD_BARS})
     return rows
+
+
+LIBRARY_PARTS = (("code", (".text", ".plt", ".init", ".fini")), ("tables to unwind the stack", (".eh_frame", ".gcc_except_table")),
+                 ("other constants", (".rodata",)), ("variables and relocations", (".data", ".rela", ".got", ".bss")))
+
+
+def take_library(place):
+    """The stripped shared library and the sizes of its parts. The shader pack is the symbol kPack in .rodata."""
+    built, stripped = place.program("libdoppel.so"), place.work / "libdoppel-stripped.so"
+    place.run("strip", ["strip", "-o", stripped, built])
+    total = stripped.stat().st_size
+    parts = dict.fromkeys((name for name, _ in LIBRARY_PARTS), 0)
+    for line in place.run("readelf", ["readelf", "-SW", stripped]).splitlines():
+        words = line.replace("[ ", "[").split()
+        if len(words) < 6 or not words[0].startswith("[") or words[2] == "NOBITS":
+            continue
+        for name, starts in LIBRARY_PARTS:
+            if words[1].startswith(starts):
+                parts[name] += int(words[5], 16)
+                break
+    symbols = place.run("nm", ["nm", "-S", "--defined-only", built]).splitlines()
+    shaders = sum(int(line.split()[1], 16) for line in symbols if "kPack" in line)
+    parts["other constants"] -= shaders
+    parts["shaders, compressed"] = shaders
+    parts["names and the rest"] = total - sum(parts.values())
+    rows = [{"part": "all", "bytes": total, "bars": {"bytes": at_most(3e6)}}]
+    return rows + [{"part": name, "bytes": size, "bars": {}} for name, size in sorted(parts.items(), key=lambda item: -item[1])]
 
 
 def take_detail(place):
@@ -280,6 +307,8 @@ BENCHES = [
           "build/release/tools/bench/frames/bench_frames big.glb --no-reference --repeats 9", ("bench_frames", "bench_load"), take_baselines_large),
     Bench("load", "quick", 0.5, "loading and memory of 533,695 splats",
           "build/release/tools/bench/bench_load demo/avatar/avatar.glb 533695 1", ("bench_load",), take_load),
+    Bench("library", "quick", 0.1, "size of the stripped libdoppel.so and of its parts", "strip -o stripped.so build/release/sdk/api/libdoppel.so",
+          ("libdoppel.so",), take_library),
     Bench("detail", "quick", 1.5, "level of detail against distance",
           "build/release/tools/bench/bench_detail demo/avatar/avatar.glb 12 5 software", ("bench_detail", "bench_load"), take_detail),
     Bench("scaling", "quick", 3, "frame time against the number of splats", "doppel bench BIG.glb --no-reference --repeats 5",

@@ -79,7 +79,7 @@ class Session:
 
 
 def build(root, wanted):
-    targets = sorted({"doppel_cli" if p == "doppel" else p for b in wanted for p in b.programs})
+    targets = sorted({{"doppel": "doppel_cli", "libdoppel.so": "doppel"}.get(p, p) for b in wanted for p in b.programs})
     print(f"building {', '.join(targets)}", flush=True)
     subprocess.run(["bash", "-c", '. tools/lib.sh && build release "$@"', "build", *targets], cwd=root, check=True)
 

@@ -262,9 +262,13 @@ def memory(store):
         return table(["case", "renderer", "avatar, MB", "frames of the case, MB", "bytes read a splat: deciding", "decoding"],
                      [[r["case"], short(r), number(r["avatar_bytes"] / 1e6), number((r["resident_bytes"] - r["avatar_bytes"]) / 1e6, 1),
                        number(r["bytes_decided"] / r["splats"]), number(r["bytes_decoded"] / r["splats"])] for r in rows])
+
+    def library(rows):
+        return table(["part", "MB"], [["**all**" if r["part"] == "all" else r["part"], barred(r, "bytes", 2, scale=1e-6)] for r in rows])
     text = BACK + ("# Loading and memory\n\nThe avatar stays packed in memory. *62 floats* is a splat of SH degree 3 in a PLY. The file's own "
                    "bytes belong to the caller and are not counted.\n\n")
-    return text + section(store, "load", "533,695 splats, CPU renderer", body) + section(store, "speed-error", "The demo's avatar, by renderer", drawn)
+    return text + section(store, "load", "533,695 splats, CPU renderer", body) + section(store, "speed-error", "The demo's avatar, by renderer", drawn) + section(
+        store, "library", "The library: stripped libdoppel.so", library)
 
 
 def detail(store):
