@@ -2,7 +2,6 @@
 #include "tests/conformance/kit.h"
 
 #include <cmath>
-#include <doppel/doppel.hpp>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -16,8 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kVersion = 1;
-constexpr uint64_t kMaxJsonBytes = 1 << 22, kMaxPictureBytes = 1 << 26;
+constexpr uint64_t kMaxPictureBytes = 1 << 26;
 constexpr double kDifferenceGain = 8;
 constexpr int kSheetScale = 2, kSheetGapPx = 8;
 
@@ -79,18 +77,6 @@ nlohmann::ordered_json cameraJson(const Cameraf& camera) {
             {"view_from_world", std::vector<float>(c.viewFromWorld, c.viewFromWorld + 12)}};
 }
 
-Cameraf cameraFrom(const nlohmann::json& j) {
-    Cameraf c;
-    c.widthPx = j.at("width_px"), c.heightPx = j.at("height_px");
-    c.fx = j.at("fx"), c.fy = j.at("fy"), c.cx = j.at("cx"), c.cy = j.at("cy");
-    const auto& m = j.at("view_from_world");
-    for (int row = 0; row < 3; ++row) {
-        for (int column = 0; column < 3; ++column) c.viewFromWorldRotation[column][row] = m.at(size_t(row * 4 + column));
-        c.viewFromWorldTranslation[row] = m.at(size_t(row * 4 + 3));
-    }
-    return c;
-}
-
 std::vector<float> rotationsOf(const Pose& pose) {
     std::vector<float> out;
     for (const Quatf& q : pose.localRotations) out.insert(out.end(), {q.x, q.y, q.z, q.w});
@@ -130,7 +116,7 @@ Status writeKit(const fs::path& folder) {
     fs::create_directories(folder / "reference", ignored);
     nlohmann::ordered_json json = {
         {"format", "doppel-conformance"},
-        {"version", kVersion},
+        {"version", kKitVersion},
         {"pictures",
          "One PNG per view, named by `picture`: premultiplied RGBA, 8 or 16 bits, display-referred numbers as the avatar has them, no "
          "background, top row first."},
@@ -166,75 +152,16 @@ Status writeKit(const fs::path& folder) {
     return writeFileAtomically(folder / "kit.json", json.dump(1) + "\n");
 }
 
-Result<std::vector<KitCase>> readKit(const fs::path& folder) {
-    const fs::path path = folder / "kit.json";
-    DPL_TRY(const auto bytes, readFile(path, kMaxJsonBytes));
-    std::vector<KitCase> cases;
-    try {
-        const auto json = nlohmann::json::parse(bytes.begin(), bytes.end());
-        if (json.at("format") != "doppel-conformance" || json.at("version") != kVersion)
-            return fail(Code::Version, "{} is not a conformance kit of version {}; write it again with `tools/conformance write`",
-                        path.string(), kVersion);
-        for (const auto& c : json.at("cases")) {
-            KitCase k{c.at("name"), c.at("about"), c.at("avatar"), c.at("rotations"), Vec3f(0), {}, c.at("may_be_blank"), {}};
-            for (int a = 0; a < 3; ++a) k.rootTranslation[a] = c.at("root_translation").at(size_t(a));
-            for (const auto& v : c.at("views")) k.views.push_back({v.at("picture"), cameraFrom(v)});
-            k.band = {c.at("band").at("psnr_db"), c.at("band").at("covered_psnr_db"), c.at("band").at("max_levels")};
-            cases.push_back(std::move(k));
-        }
-    } catch (const nlohmann::json::exception& error) {
-        return fail(Code::CorruptData, "{}: {}", path.string(), error.what());
-    }
-    if (cases.empty()) return fail(Code::CorruptData, "{} has no cases", path.string());
-    return cases;
-}
-
-Result<std::string> drawKit(const fs::path& kit, const fs::path& pictures, DplRenderer renderer, DplFill fill) {
-    const auto sdk = [](const doppel::Error& error) {
-        return fail(error.code == DPL_ERROR_UNSUPPORTED ? Code::Unsupported : Code::Internal, "{}", error.message);
-    };
+Result<std::vector<CaseScore>> scoreKit(const fs::path& kit, const fs::path& pictures, const fs::path& sheet, const OtherReferences* others) {
     DPL_TRY(const auto cases, readKit(kit));
-    auto context = doppel::Context::create(renderer, 0, 0, fill);
-    if (!context) return sdk(context.error());
-    std::error_code ignored;
-    fs::create_directories(pictures, ignored);
-    for (const KitCase& c : cases) {
-        DPL_TRY(const auto bytes, readFile(kit / c.avatarFile, kMaxPictureBytes));
-        auto avatar = context->loadAvatar(bytes);
-        if (!avatar) return sdk(avatar.error());
-        if (auto set = avatar->setPose(c.rotations, {&c.rootTranslation.x, 3}); !set) return sdk(set.error());
-        std::vector<DplCamera> cameras;
-        std::vector<DplImage> images;
-        std::vector<std::vector<uint8_t>> pixels;
-        for (const KitView& view : c.views) {
-            cameras.push_back(sdkCamera(view.camera));
-            pixels.emplace_back(size_t(view.camera.widthPx) * view.camera.heightPx * 4);
-            images.push_back({.structSize = sizeof(DplImage),
-                              .flags = 0,
-                              .rgba = pixels.back().data(),
-                              .rgbaBytes = pixels.back().size(),
-                              .rowBytes = 0,
-                              .depthM = nullptr,
-                              .depthCount = 0});
-        }
-        if (auto drawn = avatar->render(cameras, images); !drawn) return sdk(drawn.error());
-        for (size_t v = 0; v < c.views.size(); ++v) {
-            cv::Mat bgra;
-            cv::cvtColor(cv::Mat(int(cameras[v].heightPx), int(cameras[v].widthPx), CV_8UC4, pixels[v].data()), bgra, cv::COLOR_RGBA2BGRA);
-            DPL_CHECK_OK(writePng(pictures / c.views[v].picture, bgra));
-        }
-    }
-    return context->rendererName();
-}
-
-Result<std::vector<CaseScore>> scoreKit(const fs::path& kit, const fs::path& pictures, const fs::path& sheet) {
-    DPL_TRY(const auto cases, readKit(kit));
+    const fs::path references = others ? others->folder : kit / "reference";
     std::vector<CaseScore> scores;
     std::vector<cv::Mat> rows;
     for (const KitCase& c : cases) {
+        const ToleranceBand& band = others ? others->band : c.band;
         CaseScore score{c.name, false, {}, {}, 0};
         for (const KitView& view : c.views) {
-            DPL_TRY(const cv::Mat want, readPng(kit / "reference" / view.picture));
+            DPL_TRY(const cv::Mat want, readPng(references / view.picture));
             const ReferencePicture reference = referenceOf(want);
             for (const double a : reference.alpha) score.coverage += (a > 1.0 / 255) / double(reference.alpha.size() * c.views.size());
             auto is = readPng(pictures / view.picture);
@@ -249,14 +176,14 @@ Result<std::vector<CaseScore>> scoreKit(const fs::path& kit, const fs::path& pic
         }
         if (score.trouble.empty()) {
             const PictureError& e = score.error;
-            if (e.psnrDb() < c.band.psnrDb)
-                score.trouble = formatText("{} dB, at least {} required", decibels(e.psnrDb()), c.band.psnrDb);
-            else if (e.coveredPsnrDb() < c.band.coveredPsnrDb)
+            if (e.psnrDb() < band.psnrDb)
+                score.trouble = formatText("{} dB, at least {} required", decibels(e.psnrDb()), band.psnrDb);
+            else if (e.coveredPsnrDb() < band.coveredPsnrDb)
                 score.trouble =
-                    formatText("{} dB on covered pixels, at least {} required", decibels(e.coveredPsnrDb()), c.band.coveredPsnrDb);
-            else if (e.maxLevels > c.band.maxLevels)
+                    formatText("{} dB on covered pixels, at least {} required", decibels(e.coveredPsnrDb()), band.coveredPsnrDb);
+            else if (e.maxLevels > band.maxLevels)
                 score.trouble = formatText("largest error of a channel is {} levels, at most {} allowed", std::round(e.maxLevels * 10) / 10,
-                                           c.band.maxLevels);
+                                           band.maxLevels);
         }
         score.passed = score.trouble.empty();
         scores.push_back(std::move(score));

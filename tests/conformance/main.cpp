@@ -36,6 +36,11 @@ int main(int argc, char** argv) {
     score->add_option("kit", kit, "Folder of the kit")->required();
     score->add_option("pictures", pictures, "Folder of the pictures")->required();
     score->add_option("--sheet", sheet, "A PNG: reference, picture, eight times their difference");
+    CLI::App* compare = app.add_subcommand("compare", "Compare two folders of pictures: at most one level apart, and at least 80 dB");
+    compare->add_option("kit", kit, "Folder of the kit")->required();
+    std::filesystem::path first;
+    compare->add_option("first", first, "Folder of the pictures that the others are compared with")->required();
+    compare->add_option("pictures", pictures, "Folder of the other pictures")->required();
     CLI11_PARSE(app, argc, argv);
 
     const auto report = [](const Error& error) {
@@ -53,7 +58,8 @@ int main(int argc, char** argv) {
         std::printf("%s: pictures in %s\n", name->c_str(), pictures.c_str());
         return 0;
     }
-    auto scores = scoreKit(kit, pictures, sheet);
+    const OtherReferences others{first, {.psnrDb = 80, .coveredPsnrDb = 0, .maxLevels = 1.001}};  // 1.001: levels are not exact in doubles
+    auto scores = scoreKit(kit, pictures, sheet, *compare ? &others : nullptr);
     if (!scores) return report(scores.error());
     size_t failed = 0;
     for (const CaseScore& s : *scores) failed += !s.passed;

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads the conformance kit and draws it with one of Doppel's renderers. Links little, so that it can be built for other processors
+// (tools/prove-aarch64).
+#pragma once
+
+#include <doppel/doppel.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sdk/core/result.h"
+#include "tests/conformance/cases.h"
+
+namespace dpl {
+
+constexpr int kKitVersion = 1;
+
+/** One picture that a renderer must draw. */
+struct KitView {
+    std::string picture;  // file name: NAME.png, or NAME.left.png and NAME.right.png
+    Cameraf camera;
+};
+
+struct KitCase {
+    std::string name, about, avatarFile;
+    std::vector<float> rotations;  // one xyzw quaternion per joint, as in dplSetPose
+    Vec3f rootTranslation{0};
+    std::vector<KitView> views;
+    bool mayBeBlank = false;
+    ToleranceBand band;
+};
+
+/** Reads kit.json. Errors name the file. */
+Result<std::vector<KitCase>> readKit(const std::filesystem::path& folder);
+
+/** Draws every view with one of Doppel's renderers into `pictures`/NAME.png, premultiplied RGBA, 8 bits. Returns the renderer's name.
+ *  Unsupported: this machine cannot run the renderer. */
+Result<std::string> drawKit(const std::filesystem::path& kit, const std::filesystem::path& pictures, DplRenderer renderer,
+                            DplFill fill = DPL_FILL_AUTO);
+
+}  // namespace dpl
