@@ -89,6 +89,9 @@ HandleTable<Avatar>& avatars();    // even numbers, so that a context is never t
 Result<std::shared_ptr<Context>> contextOf(DplContext handle);
 Result<std::shared_ptr<Avatar>> avatarOf(DplAvatar handle);
 
+/** Whether the context, whose mutex is locked, can draw and load. InvalidArgument: it was destroyed. Device: its device was lost. */
+Status checkUsable(const Context& context);
+
 /** Sets the level of detail of the next draw, which belongs to `first`: that of dplSetDetail, within the frame budget. Call it before each
  *  draw, with the context locked. Neither waits nor allocates. */
 void setDetailOfDraw(Context& context, Avatar& first);

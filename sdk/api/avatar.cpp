@@ -109,9 +109,9 @@ DplResult dplLoadAvatar(DplContext context, const uint8_t* data, size_t size, Dp
         std::shared_ptr<const Renderer> renderer;
         {
             std::lock_guard lock(owner->mutex);
+            DPL_CHECK_OK(checkUsable(*owner));
             renderer = owner->renderer;
         }
-        if (!renderer) return fail(Code::InvalidArgument, "the context was destroyed");
         DPL_TRY(Loaded loaded, prepareFile(owner, *renderer, {data, size}));
         {
             std::lock_guard lock(owner->mutex);

@@ -25,6 +25,12 @@ Result<std::shared_ptr<Context>> contextOf(DplContext handle) {
     return context;
 }
 
+Status checkUsable(const Context& context) {
+    if (!context.renderer) return fail(Code::InvalidArgument, "the context was destroyed");
+    if (context.renderer->lost()) return fail(Code::Device, "the graphics device was lost; create a new context");
+    return {};
+}
+
 namespace {
 
 thread_local std::string lastError;

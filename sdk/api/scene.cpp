@@ -39,7 +39,7 @@ Result<Scene> sceneOf(DplContext context, std::span<const DplAvatar> handles, ui
         ++s.count;
     }
     s.lock = std::unique_lock(s.context->mutex);
-    if (!s.context->renderer) return fail(Code::InvalidArgument, "the context was destroyed");
+    DPL_CHECK_OK(checkUsable(*s.context));
     return s;
 }
 

@@ -47,7 +47,7 @@ vk::AppDevice appDeviceOf(const DplVulkanDevice& given) {
 
 /** The Vulkan side of a context whose mutex is locked. */
 Result<VulkanSide*> sideOf(const Context& context) {
-    if (!context.renderer) return fail(Code::InvalidArgument, "the context was destroyed");
+    DPL_CHECK_OK(checkUsable(context));
     if (!context.vulkan)
         return fail(Code::InvalidArgument, "the context is not on the program's Vulkan device; make it with dplCreateVulkanContext");
     return context.vulkan.get();
@@ -99,6 +99,7 @@ Status prepare(DplContext context, VkCommandBuffer commands, uint32_t slot, std:
     };
     Drawn what[DPL_MAX_TOGETHER];
     side->backend.slotFinished(slot);
+    DPL_CHECK_OK(checkUsable(*scene.context));  // the slot's times may have told that the device was lost
     setDetailOfDraw(*scene.context, scene.first());
     DPL_TRY(const std::span<const EncodedView> encoded,
             side->renderer.encodeTogether(scene.drawn(what), scene.context->cameras, wants, {slot, {commands}, encodeScene}));

@@ -162,6 +162,8 @@ class Backend {
 public:
     virtual ~Backend() = default;
     virtual const DeviceInfo& info() const = 0;
+    /** Whether a call has found that the device was lost. Then nothing runs on it any more, and most calls fail with Code::Device. */
+    virtual bool lost() const { return false; }
 
     virtual Result<BufferId> createBuffer(const BufferDesc& desc) = 0;
     virtual void destroyBuffer(BufferId buffer) = 0;

@@ -113,6 +113,8 @@ public:
     virtual std::string name() const = 0;
     /** DeviceInfo::identity of a GPU; empty on the CPU. */
     virtual std::string identity() const { return {}; }
+    /** Whether a call has found that the graphics device was lost. Nothing can be drawn or added any more. */
+    virtual bool lost() const { return false; }
     /** Takes effect with the next draw. Ignored by the CPU renderer. */
     virtual void setFill(Fill) {}
     /** Takes effect with the next draw. */

@@ -46,13 +46,15 @@ double deviceMilliseconds(Renderer& renderer, RenderAvatarId id) {
     return sum;
 }
 
-Trial trialOf(Renderer& renderer, RenderAvatarId id, const FillScene& scene, std::span<const uint8_t> want) {
+/** An error says nothing about the fill: there was not enough memory, or the device was lost. */
+Result<Trial> trialOf(Renderer& renderer, RenderAvatarId id, const FillScene& scene, std::span<const uint8_t> want) {
     Trial trial;
     for (int frame = 0; frame <= kTimedFrames; ++frame) {  // the first one warms up
         const auto start = std::chrono::steady_clock::now();
         const Status drawn = renderer.draw(id, {}, {&scene.camera, 1}, false);
         const auto pixels = drawn ? renderer.read(id) : Result<std::span<const PixelView>>(drawn.error());
-        if (!pixels) return {0, pixels.error().message};
+        if (!pixels && (pixels.error().code == Code::OutOfMemory || renderer.lost())) return pixels.error();
+        if (!pixels) return Trial{0, pixels.error().message};
         const double wall = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count(),
                      device = deviceMilliseconds(renderer, id);
         if (trial.fault = faultOf((*pixels)[0].rgba, want); !trial.fault.empty()) return trial;
@@ -97,11 +99,17 @@ FillScene fillTestScene() {
 Result<Fill> chooseFill(Renderer& renderer, const FillScene& scene, std::span<const uint8_t> wantRgba, std::string& reason) {
     DPL_TRY(const RenderAvatarId id, renderer.addSplats(scene.splats));
     Trial trials[2];
+    Status status;
     for (const Fill fill : {Fill::Quads, Fill::Tiles}) {
         renderer.setFill(fill);
-        trials[size_t(fill)] = trialOf(renderer, id, scene, wantRgba);
+        const auto trial = status ? trialOf(renderer, id, scene, wantRgba) : Result<Trial>(status.error());
+        if (trial)
+            trials[size_t(fill)] = *trial;
+        else
+            status = trial.error();
     }
     renderer.removeAvatar(id);
+    DPL_CHECK_OK(status);
     const auto text = [&](Fill fill) {
         const Trial& t = trials[size_t(fill)];
         return formatText("{}: {}", nameOf(fill), t.fault.empty() ? formatText("{} ms", std::round(t.milliseconds * 100) / 100) : t.fault);

@@ -48,7 +48,11 @@ Status setBestFill(Renderer& renderer, const std::string& cacheFolder, TrustedPi
         path = std::filesystem::path(reinterpret_cast<const char8_t*>(cacheFolder.c_str())) / ("doppel-fill-" + identity + ".txt");
     const std::optional<Fill> kept = readFill(path);
     auto found = known->find(identity);
-    if (found == known->end()) found = known->emplace(identity, kept ? Result<Fill>(*kept) : runSelfTest(renderer, trusted)).first;
+    if (found == known->end()) {
+        const Result<Fill> tested = kept ? Result<Fill>(*kept) : runSelfTest(renderer, trusted);
+        if (!tested && (tested.error().code != Code::Device || renderer.lost())) return tested.error();
+        found = known->emplace(identity, tested).first;
+    }
     if (!found->second) return found->second.error();
     const Fill fill = *found->second;
     if (!path.empty() && kept != fill)

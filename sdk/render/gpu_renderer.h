@@ -57,6 +57,7 @@ public:
     std::string name() const override { return formatText("{} ({})", name_, options_.fill == Fill::Tiles ? "tiles" : "quads"); }
     void setFill(Fill fill) override { options_.fill = fill; }
     std::string identity() const override { return backend_->info().identity; }
+    bool lost() const override { return backend_->lost(); }
     Result<std::unique_ptr<PreparedSubject>> prepareAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats) const override;
     Result<std::unique_ptr<PreparedSubject>> prepareSplats(const StaticSplatData& splats) const override;
     Result<RenderAvatarId> add(std::unique_ptr<PreparedSubject> subject) override;

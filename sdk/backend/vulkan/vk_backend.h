@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Implements backend.h with Vulkan. Buffers and targets are in vk_resources.cpp, pipelines in vk_pipelines.cpp, frames in vk_frames.cpp,
-// drawing in an app's pass in vk_compose.cpp.
+// slots of an app in vk_slots.cpp, drawing in its pass in vk_compose.cpp.
 #pragma once
 
 #include <array>
@@ -23,6 +23,7 @@ struct Buffer {
     VkBufferView texels[3] = {};  // for texels of 1, 2 and 4 words; made when a frame first reads the buffer so
     uint64_t allocatedBytes = 0;
     bool written = false;
+    uint64_t born = 0;  // frames that were encoded before it was created
 };
 
 struct Image {
@@ -47,6 +48,7 @@ struct Target {
     // the samples of layer 0 into layer 0, whichever layer is drawn.
     std::vector<Surface> surfaces;
     bool drawn = false;  // by a frame that was created earlier
+    uint64_t born = 0;   // frames that were encoded before it was created
 };
 
 inline VkDescriptorType descriptorType(const ShaderBinding& b) {
@@ -87,6 +89,7 @@ struct Frame {
     std::vector<std::string> labels;  // of the steps
     std::vector<uint64_t> ticks;      // timestamps before the first step and after each step
     bool timed = false;               // ticks hold a finished run
+    uint64_t born = 0;                // frames that were encoded before it was created
 };
 
 /** An object that was destroyed while commands of the app may need it. */
@@ -141,6 +144,7 @@ public:
     Status start();
 
     const DeviceInfo& info() const override { return device_->info; }
+    bool lost() const override { return device_->lost; }
     Result<BufferId> createBuffer(const BufferDesc& desc) override;
     void destroyBuffer(BufferId buffer) override;
     Status write(BufferId buffer, uint64_t offset, std::span<const std::byte> bytes) override;
@@ -164,8 +168,8 @@ public:
     Result<ComposerId> createComposer(const AppPass& pass);
     /** NotFound: no such composer. Commands that use it may still run. */
     Status destroyComposer(ComposerId composer);
-    /** The caller promises, as by encode(), that all commands with the slot's earlier frames have run; their times can then be read.
-     * Allocates and waits for nothing. */
+    /** To be called before encode(): the commands with the slot's earlier frames have run, so their times can be read, and nothing of the
+     *  slot can be composed until setLayers(). Allocates and waits for nothing. */
     void slotFinished(uint32_t slot);
     /** Says where the pictures of a slot lie, one place a view, all of the same size. To be called between encode() of the slot and
      *  compose(). Allocates and waits for nothing. */
@@ -217,13 +221,15 @@ private:
     Status play(const Frame& frame, VkCommandBuffer commands);
     Status submitAndWait(VkCommandBuffer commands);
     Status waitFor(Frame& frame);
+    Status waitFor(VkFence fence);
+    Error failVk(std::string_view what, VkResult result);  // of DPL_VK; remembers that the device was lost
     void ended(Frame& frame);
     double ticksMs(uint64_t from, uint64_t to) const;
     void freeFrame(Frame& frame);
     class Hazards;
     struct Recorder;
     template <class T>
-    void retire(T&& object);
+    void retire(T&& object, uint64_t born);
     void freeRetired();
     void free(Retired& retired);
 

@@ -23,7 +23,7 @@ constexpr uint32_t kSceneSets = gpu::kMaxViews * kAppSlots;  // each with an ima
 
 }  // namespace
 
-/** Makes the layouts that all composers share, and a descriptor set for each slot. */
+/** Makes the layouts that all composers share, and descriptor sets for each slot. */
 Status VulkanBackend::makeLayerSlots() {
     composeLayout_.shader = pack_.find("compose.vert");
     composeLayout_.fragment = pack_.find("compose.frag");
@@ -38,7 +38,7 @@ Status VulkanBackend::makeLayerSlots() {
     info.maxSets = kAppSlots + kSceneSets;
     info.poolSizeCount = 2;
     info.pPoolSizes = sizes;
-    DPL_VK(vk_.vkCreateDescriptorPool(device_->device, &info, device_->allocator, &layerDescriptors_));
+    DPL_VK_MAKE(layerDescriptors_, vk_.vkCreateDescriptorPool(device_->device, &info, device_->allocator, &layerDescriptors_));
     for (LayerSlot& slot : layerSlots_) {
         DPL_TRY(slot.descriptors, layerDescriptors(composeLayout_.setLayout));
         for (VkDescriptorSet& scene : slot.scenes) {
@@ -183,7 +183,7 @@ Result<ComposerId> VulkanBackend::createComposer(const AppPass& pass) {
 Status VulkanBackend::destroyComposer(ComposerId id) {
     const auto it = composers_.find(id.value);
     if (it == composers_.end()) return fail(Code::NotFound, "there is no composer {}", id.value);
-    retire(std::move(it->second.pipeline));
+    retire(std::move(it->second.pipeline), 0);  // a slot that was encoded before may be composed with it
     composers_.erase(it);
     return {};
 }

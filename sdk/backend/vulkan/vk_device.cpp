@@ -54,6 +54,7 @@ Status createInstance(Device& d, bool validation) {
         info.pNext = &features;
     }
     const VkResult created = d.vk.vkCreateInstance(&info, nullptr, &d.instance);
+    if (created != VK_SUCCESS) d.instance = VK_NULL_HANDLE;
     if (created == VK_ERROR_INCOMPATIBLE_DRIVER) return fail(Code::Unsupported, "the Vulkan loader finds no driver");
     if (created != VK_SUCCESS) return failVk("vkCreateInstance", created);
     DPL_CHECK_OK(d.vk.loadInstance(d.instance));
@@ -65,7 +66,7 @@ Status createInstance(Device& d, bool validation) {
     messenger.pUserData = &d;
     if (!d.vk.vkCreateDebugUtilsMessengerEXT || !d.vk.vkDestroyDebugUtilsMessengerEXT)
         return fail(Code::Unsupported, "the validation layer has no VK_EXT_debug_utils");
-    DPL_VK(d.vk.vkCreateDebugUtilsMessengerEXT(d.instance, &messenger, nullptr, &d.messenger));
+    DPL_VK_MAKE(d.messenger, d.vk.vkCreateDebugUtilsMessengerEXT(d.instance, &messenger, nullptr, &d.messenger));
     return {};
 }
 
@@ -223,10 +224,24 @@ struct EnabledFeatures {
 }  // namespace
 
 Error failVk(std::string_view what, VkResult result) {
-    const Code code = result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_OUT_OF_DEVICE_MEMORY ? Code::OutOfMemory : Code::Device;
     what = what.substr(0, what.find('('));
     what = what.substr(what.find_last_of(".>") + 1);  // without '.' and '>': npos + 1 == 0, the whole text
-    return fail(code, "Vulkan error {} from {}", int(result), what);
+    switch (result) {
+        case VK_ERROR_OUT_OF_HOST_MEMORY:
+        case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+        case VK_ERROR_OUT_OF_POOL_MEMORY:
+        case VK_ERROR_FRAGMENTED_POOL:
+        case VK_ERROR_TOO_MANY_OBJECTS:
+        case VK_ERROR_MEMORY_MAP_FAILED:
+            return fail(Code::OutOfMemory, "there is not enough memory for Vulkan (error {} from {}); free some and call again",
+                        int(result), what);
+        case VK_ERROR_DEVICE_LOST:
+            return fail(Code::Device, "the graphics device was lost (error {} from {}); create a new context", int(result), what);
+        case VK_TIMEOUT:
+            return fail(Code::Device, "the graphics device does not finish ({} timed out); create a new context", what);
+        default:
+            return fail(Code::Device, "Vulkan error {} from {}", int(result), what);
+    }
 }
 
 Device::~Device() {
@@ -274,7 +289,7 @@ Result<std::unique_ptr<Device>> openDevice(const VulkanTestOptions& options) {
     info.pNext = &multiview;
     info.queueCreateInfoCount = 1;
     info.pQueueCreateInfos = &queue;
-    DPL_VK(d->vk.vkCreateDevice(d->physical, &info, nullptr, &d->device));
+    DPL_VK_MAKE(d->device, d->vk.vkCreateDevice(d->physical, &info, nullptr, &d->device));
     DPL_CHECK_OK(d->vk.loadDevice(d->device));
     d->vk.vkGetDeviceQueue(d->device, d->queueFamily, 0, &d->queue);
     return d;

@@ -10,9 +10,18 @@ namespace dpl::vk {
 /** The error of a failed Vulkan call. `what`: the text of the call, which contains the function's name, or that name alone. */
 Error failVk(std::string_view what, VkResult result);
 
-// DPL_VK(call): if the Vulkan call fails, return its error from the calling function.
+// DPL_VK(call): if the Vulkan call fails, return its error from the calling function. The error is that of failVk() above or, in the
+// backend, of VulkanBackend::failVk().
 #define DPL_VK(...) \
-    if (const VkResult dplVkResult = (__VA_ARGS__); dplVkResult != VK_SUCCESS) return dpl::vk::failVk(#__VA_ARGS__, dplVkResult)
+    if (const VkResult dplVkResult = (__VA_ARGS__); dplVkResult != VK_SUCCESS) return failVk(#__VA_ARGS__, dplVkResult)
+
+// DPL_VK_MAKE(handle, call): the same for a call that writes a handle. What a failed call writes is undefined, so the handle becomes null.
+#define DPL_VK_MAKE(handle, ...)                                                 \
+    if (const VkResult dplVkResult = (__VA_ARGS__); dplVkResult != VK_SUCCESS) { \
+        handle = VK_NULL_HANDLE;                                                 \
+        return failVk(#__VA_ARGS__, dplVkResult);                                \
+    }                                                                            \
+    static_assert(true)
 
 /** A Vulkan device that an app opened and lends. All handles stay the app's and outlive the backend. */
 struct AppDevice {
@@ -44,6 +53,7 @@ struct Device {
     DeviceInfo info;
     std::shared_ptr<std::atomic<uint32_t>> validationMessages;
     bool lent = false;  // by an app, which destroys it
+    bool lost = false;  // a call said so, or a frame did not end in time: nothing runs on it any more
     VkAllocationCallbacks appAllocator{};
     const VkAllocationCallbacks* allocator = nullptr;  // null, or &appAllocator
     void (*lockQueue)(void* user) = nullptr;

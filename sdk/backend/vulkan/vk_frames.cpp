@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 #include <set>
+#include <thread>
 
 #include "sdk/backend/vulkan/vk_backend.h"
 
@@ -191,7 +193,7 @@ Status VulkanBackend::makeDescriptorPool(Frame& frame, std::span<const Step> ste
     info.maxSets = sets + 1;
     info.poolSizeCount = 3;
     info.pPoolSizes = sizes;
-    DPL_VK(vk_.vkCreateDescriptorPool(device_->device, &info, device_->allocator, &frame.descriptors));
+    DPL_VK_MAKE(frame.descriptors, vk_.vkCreateDescriptorPool(device_->device, &info, device_->allocator, &frame.descriptors));
     return {};
 }
 
@@ -247,7 +249,7 @@ Status VulkanBackend::prepare(Frame& frame, std::vector<Step> steps) {
         VkQueryPoolCreateInfo query{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
         query.queryType = VK_QUERY_TYPE_TIMESTAMP;
         query.queryCount = uint32_t(steps.size()) + 1;
-        DPL_VK(vk_.vkCreateQueryPool(device_->device, &query, device_->allocator, &frame.timestamps));
+        DPL_VK_MAKE(frame.timestamps, vk_.vkCreateQueryPool(device_->device, &query, device_->allocator, &frame.timestamps));
         frame.ticks.resize(query.queryCount);
     }
     return {};
@@ -274,10 +276,10 @@ Status VulkanBackend::play(const Frame& frame, VkCommandBuffer commands) {
 /** Records a submitted frame into a command buffer of its own. */
 Status VulkanBackend::record(Frame& frame) {
     VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-    DPL_VK(vk_.vkCreateFence(device_->device, &fence, device_->allocator, &frame.fence));
+    DPL_VK_MAKE(frame.fence, vk_.vkCreateFence(device_->device, &fence, device_->allocator, &frame.fence));
     VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
     pool.queueFamilyIndex = device_->queueFamily;
-    DPL_VK(vk_.vkCreateCommandPool(device_->device, &pool, device_->allocator, &frame.commands));
+    DPL_VK_MAKE(frame.commands, vk_.vkCreateCommandPool(device_->device, &pool, device_->allocator, &frame.commands));
     VkCommandBufferAllocateInfo allocation{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
     allocation.commandPool = frame.commands;
     allocation.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
@@ -306,6 +308,7 @@ Result<FrameId> VulkanBackend::createFrame(std::vector<Step> steps, FrameRun run
         return status.error();
     }
     for (const TargetId target : drawnTargets) targets_.at(target.value).drawn = true;
+    frame.born = encoded_;
     frames_.emplace(++lastId_, std::move(frame));
     return FrameId{lastId_};
 }
@@ -316,7 +319,6 @@ Status VulkanBackend::encode(FrameId id, uint32_t slot, AppCommands commands) {
     if (slot >= kAppSlots || !commands.handle) return fail(Code::InvalidArgument, "slot {} or its commands do not exist", slot);
     Frame& frame = it->second;
     if (frame.running) ended(frame);
-    layerSlots_[slot].viewCount = 0;
     lastEncoded_[slot] = ++encoded_;
     freeRetired();
     const auto buffer = static_cast<VkCommandBuffer>(commands.handle);
@@ -331,43 +333,8 @@ Status VulkanBackend::encode(FrameId id, uint32_t slot, AppCommands commands) {
     return {};
 }
 
-void VulkanBackend::slotFinished(uint32_t slot) {
-    for (auto& [id, frame] : frames_)
-        if (frame.run == FrameRun::Encoded && frame.running && frame.slot == slot) ended(frame);
-}
-
-template <class T>
-void VulkanBackend::retire(T&& object) {
-    Retired retired{encoded_, std::forward<T>(object)};
-    if (encoded_ == 0)
-        free(retired);
-    else
-        retired_.push_back(std::move(retired));
-}
-template void VulkanBackend::retire(Buffer&&);
-template void VulkanBackend::retire(Target&&);
-template void VulkanBackend::retire(VkPipeline&&);
-
-/** Frees what no commands of the app can need any more. */
-void VulkanBackend::freeRetired() {
-    uint64_t oldest = encoded_;  // of the frames that may still run: the last one of each slot
-    for (const uint64_t last : lastEncoded_)
-        if (last > 0) oldest = std::min(oldest, last);
-    while (!retired_.empty() && retired_.front().encoded < oldest) {
-        free(retired_.front());
-        retired_.erase(retired_.begin());
-    }
-}
-
-void VulkanBackend::free(Retired& retired) {
-    if (auto* buffer = std::get_if<Buffer>(&retired.object)) freeBuffer(*buffer);
-    if (auto* target = std::get_if<Target>(&retired.object)) freeTarget(*target);
-    if (auto* frame = std::get_if<Frame>(&retired.object)) freeFrame(*frame);
-    if (auto* pipeline = std::get_if<VkPipeline>(&retired.object)) vk_.vkDestroyPipeline(device_->device, *pipeline, device_->allocator);
-}
-
 void VulkanBackend::freeFrame(Frame& frame) {
-    if (frame.run == FrameRun::Submitted) (void)waitFor(frame);  // fails only when the device is lost: then nothing runs
+    if (frame.run == FrameRun::Submitted) (void)waitFor(frame);
     vk_.vkDestroyFence(device_->device, frame.fence, device_->allocator);
     vk_.vkDestroyQueryPool(device_->device, frame.timestamps, device_->allocator);
     vk_.vkDestroyCommandPool(device_->device, frame.commands, device_->allocator);
@@ -379,7 +346,7 @@ void VulkanBackend::destroyFrame(FrameId id) {
     const auto it = frames_.find(id.value);
     if (it == frames_.end()) return;
     if (it->second.run == FrameRun::Encoded)
-        retire(std::move(it->second));
+        retire(std::move(it->second), it->second.born);
     else
         freeFrame(it->second);
     frames_.erase(it);
@@ -394,8 +361,7 @@ Status VulkanBackend::submitAndWait(VkCommandBuffer commands) {
         const Device::QueueLock lock(*device_);
         DPL_VK(vk_.vkQueueSubmit(device_->queue, 1, &submit, fence_));
     }
-    DPL_VK(vk_.vkWaitForFences(device_->device, 1, &fence_, VK_TRUE, kFrameTimeoutNs));
-    return {};
+    return waitFor(fence_);
 }
 
 Status VulkanBackend::submit(FrameId id) {
@@ -432,17 +398,42 @@ Status VulkanBackend::wait(FrameId id) {
 
 Status VulkanBackend::waitFor(Frame& frame) {
     if (!frame.running || frame.run == FrameRun::Encoded) return {};
-    DPL_VK(vk_.vkWaitForFences(device_->device, 1, &frame.fence, VK_TRUE, kFrameTimeoutNs));
+    DPL_CHECK_OK(waitFor(frame.fence));
     ended(frame);
     return {};
+}
+
+/** Waits for a fence of submitted commands. After an error the device is lost: then the commands do not run any more. */
+Status VulkanBackend::waitFor(VkFence fence) {
+    if (device_->lost) return failVk("vkWaitForFences", VK_ERROR_DEVICE_LOST);
+    VkResult result = vk_.vkWaitForFences(device_->device, 1, &fence, VK_TRUE, kFrameTimeoutNs);
+    const auto end = std::chrono::steady_clock::now() + std::chrono::nanoseconds(kFrameTimeoutNs);
+    // A wait may run out of memory while the commands still run. Asking for the status of the fence goes on waiting.
+    while (result != VK_SUCCESS && result != VK_TIMEOUT && result != VK_ERROR_DEVICE_LOST) {
+        if (std::chrono::steady_clock::now() > end) {
+            result = VK_TIMEOUT;
+            break;
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        result = vk_.vkGetFenceStatus(device_->device, fence);
+    }
+    if (result == VK_TIMEOUT) device_->lost = true;
+    return result == VK_SUCCESS ? Status() : Status(failVk("vkWaitForFences", result));
 }
 
 /** Call it after the fence of a frame was signalled: then its timestamps can be read without waiting. */
 void VulkanBackend::ended(Frame& frame) {
     frame.running = false;
-    if (frame.timestamps)
-        frame.timed = vk_.vkGetQueryPoolResults(device_->device, frame.timestamps, 0, uint32_t(frame.ticks.size()), frame.ticks.size() * 8,
-                                                frame.ticks.data(), 8, VK_QUERY_RESULT_64_BIT) == VK_SUCCESS;
+    if (!frame.timestamps) return;
+    const VkResult result = vk_.vkGetQueryPoolResults(device_->device, frame.timestamps, 0, uint32_t(frame.ticks.size()),
+                                                      frame.ticks.size() * 8, frame.ticks.data(), 8, VK_QUERY_RESULT_64_BIT);
+    frame.timed = result == VK_SUCCESS;
+    device_->lost |= result == VK_ERROR_DEVICE_LOST;
+}
+
+Error VulkanBackend::failVk(std::string_view what, VkResult result) {
+    device_->lost |= result == VK_ERROR_DEVICE_LOST;
+    return vk::failVk(what, result);
 }
 
 std::vector<PassTime> VulkanBackend::passTimes(FrameId id) const {
@@ -470,11 +461,11 @@ VulkanBackend::VulkanBackend(std::unique_ptr<Device> device, ShaderPack pack)
 
 Status VulkanBackend::start() {
     VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-    DPL_VK(vk_.vkCreateFence(device_->device, &fence, device_->allocator, &fence_));
+    DPL_VK_MAKE(fence_, vk_.vkCreateFence(device_->device, &fence, device_->allocator, &fence_));
     VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
     pool.queueFamilyIndex = device_->queueFamily;
     pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
-    DPL_VK(vk_.vkCreateCommandPool(device_->device, &pool, device_->allocator, &uploadPool_));
+    DPL_VK_MAKE(uploadPool_, vk_.vkCreateCommandPool(device_->device, &pool, device_->allocator, &uploadPool_));
     VkCommandBufferAllocateInfo allocation{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
     allocation.commandPool = uploadPool_;
     allocation.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
@@ -484,11 +475,7 @@ Status VulkanBackend::start() {
 }
 
 VulkanBackend::~VulkanBackend() {
-    if (device_->lent) {  // the app waits for its own commands; its other queues are not ours to wait for
-        for (auto& [id, frame] : frames_) (void)waitFor(frame);
-    } else {
-        vk_.vkDeviceWaitIdle(device_->device);
-    }
+    for (auto& [id, frame] : frames_) (void)waitFor(frame);  // an app that lends its device waits for its own commands
     for (Retired& retired : retired_) free(retired);
     for (auto& [id, composer] : composers_) vk_.vkDestroyPipeline(device_->device, composer.pipeline, device_->allocator);
     freePipeline(composeLayout_);

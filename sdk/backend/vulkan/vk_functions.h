@@ -86,7 +86,6 @@
     DO(vkDestroyQueryPool)            \
     DO(vkDestroyRenderPass)           \
     DO(vkDestroyShaderModule)         \
-    DO(vkDeviceWaitIdle)              \
     DO(vkEndCommandBuffer)            \
     DO(vkFreeMemory)                  \
     DO(vkGetBufferMemoryRequirements) \

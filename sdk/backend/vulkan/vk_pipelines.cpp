@@ -73,7 +73,7 @@ Result<VkRenderPass> VulkanBackend::renderPass(const TargetDesc& target) {
     multiview.pCorrelationMasks = &mask;
     if (layers > 0) info.pNext = &multiview;
     VkRenderPass pass = VK_NULL_HANDLE;
-    DPL_VK(vk_.vkCreateRenderPass(device_->device, &info, device_->allocator, &pass));
+    DPL_VK_MAKE(pass, vk_.vkCreateRenderPass(device_->device, &info, device_->allocator, &pass));
     renderPasses_[key] = pass;
     return pass;
 }
@@ -83,7 +83,7 @@ Result<VkShaderModule> VulkanBackend::shaderModule(const Shader& shader) {
     info.codeSize = shader.spirv.size() * 4;
     info.pCode = shader.spirv.data();
     VkShaderModule module = VK_NULL_HANDLE;
-    DPL_VK(vk_.vkCreateShaderModule(device_->device, &info, device_->allocator, &module));
+    DPL_VK_MAKE(module, vk_.vkCreateShaderModule(device_->device, &info, device_->allocator, &module));
     return module;
 }
 
@@ -104,14 +104,14 @@ Status VulkanBackend::makeLayouts(Pipeline& p) {
     VkDescriptorSetLayoutCreateInfo set{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
     set.bindingCount = uint32_t(bindings.size());
     set.pBindings = bindings.data();
-    DPL_VK(vk_.vkCreateDescriptorSetLayout(device_->device, &set, device_->allocator, &p.setLayout));
+    DPL_VK_MAKE(p.setLayout, vk_.vkCreateDescriptorSetLayout(device_->device, &set, device_->allocator, &p.setLayout));
     const VkPushConstantRange push{p.stages, 0, std::max(p.shader->pushBytes, p.fragment ? p.fragment->pushBytes : 0)};
     VkPipelineLayoutCreateInfo layout{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
     layout.setLayoutCount = 1;
     layout.pSetLayouts = &p.setLayout;
     layout.pushConstantRangeCount = push.size ? 1 : 0;
     layout.pPushConstantRanges = &push;
-    DPL_VK(vk_.vkCreatePipelineLayout(device_->device, &layout, device_->allocator, &p.layout));
+    DPL_VK_MAKE(p.layout, vk_.vkCreatePipelineLayout(device_->device, &layout, device_->allocator, &p.layout));
     return {};
 }
 

@@ -26,7 +26,7 @@ Status VulkanBackend::makeBuffer(Buffer& b) {
     if (b.desc.memory == BufferMemory::Device) info.usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
     if (b.desc.memory == BufferMemory::Upload) info.usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT;
     if (device_->info.texels && b.desc.memory != BufferMemory::Readback) info.usage |= VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT;
-    DPL_VK(vk_.vkCreateBuffer(device_->device, &info, device_->allocator, &b.buffer));
+    DPL_VK_MAKE(b.buffer, vk_.vkCreateBuffer(device_->device, &info, device_->allocator, &b.buffer));
     VkMemoryRequirements needs{};
     vk_.vkGetBufferMemoryRequirements(device_->device, b.buffer, &needs);
     VkMemoryPropertyFlags wanted = 0, preferred = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
@@ -37,8 +37,8 @@ Status VulkanBackend::makeBuffer(Buffer& b) {
     DPL_TRY(allocation.memoryTypeIndex, memoryType(needs.memoryTypeBits, wanted, preferred));
     if (VkResult result = vk_.vkAllocateMemory(device_->device, &allocation, device_->allocator, &b.memory); result != VK_SUCCESS) {
         b.memory = VK_NULL_HANDLE;
-        return fail(Code::OutOfMemory, "cannot allocate {} bytes of graphics memory for {} (Vulkan error {})", needs.size, b.desc.label,
-                    int(result));
+        const Error error = failVk("vkAllocateMemory", result);
+        return fail(error.code, "{} bytes for {}: {}", needs.size, b.desc.label, error.message);
     }
     b.allocatedBytes = needs.size;
     DPL_VK(vk_.vkBindBufferMemory(device_->device, b.buffer, b.memory, 0));
@@ -65,6 +65,7 @@ Result<BufferId> VulkanBackend::createBuffer(const BufferDesc& desc) {
         freeBuffer(b);
         return status.error();
     }
+    b.born = encoded_;
     buffers_.emplace(++lastId_, std::move(b));
     return BufferId{lastId_};
 }
@@ -72,7 +73,7 @@ Result<BufferId> VulkanBackend::createBuffer(const BufferDesc& desc) {
 void VulkanBackend::destroyBuffer(BufferId id) {
     const auto it = buffers_.find(id.value);
     if (it == buffers_.end()) return;
-    retire(std::move(it->second));
+    retire(std::move(it->second), it->second.born);
     buffers_.erase(it);
 }
 
@@ -92,7 +93,8 @@ Status VulkanBackend::write(BufferId id, uint64_t offset, std::span<const std::b
         const VkBufferCopy region{0, offset + done, part};
         if (result == VK_SUCCESS) vk_.vkCmdCopyBuffer(uploadCommands_, staging.buffer, it->second.buffer, 1, &region);
         if (result == VK_SUCCESS) result = vk_.vkEndCommandBuffer(uploadCommands_);
-        status = result == VK_SUCCESS ? submitAndWait(uploadCommands_) : Status(failVk("recording an upload", result));
+        status =
+            result == VK_SUCCESS ? submitAndWait(uploadCommands_) : Status(failVk("vkBeginCommandBuffer or vkEndCommandBuffer", result));
         done += part;
     }
     freeBuffer(staging);
@@ -117,7 +119,7 @@ Status VulkanBackend::makeImage(Image& image, VkFormat format, const Target& tar
     info.tiling = VK_IMAGE_TILING_OPTIMAL;
     info.usage =
         usage | (samples > 1 ? VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT : VK_IMAGE_USAGE_TRANSFER_SRC_BIT);  // samples are only averaged
-    DPL_VK(vk_.vkCreateImage(device_->device, &info, device_->allocator, &image.image));
+    DPL_VK_MAKE(image.image, vk_.vkCreateImage(device_->device, &info, device_->allocator, &image.image));
     VkMemoryRequirements needs{};
     vk_.vkGetImageMemoryRequirements(device_->device, image.image, &needs);
     VkMemoryAllocateInfo allocation{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
@@ -129,7 +131,7 @@ Status VulkanBackend::makeImage(Image& image, VkFormat format, const Target& tar
     else {
         DPL_TRY(allocation.memoryTypeIndex, memoryType(needs.memoryTypeBits, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT));
     }
-    DPL_VK(vk_.vkAllocateMemory(device_->device, &allocation, device_->allocator, &image.memory));
+    DPL_VK_MAKE(image.memory, vk_.vkAllocateMemory(device_->device, &allocation, device_->allocator, &image.memory));
     image.allocatedBytes = onChip ? 0 : needs.size;
     DPL_VK(vk_.vkBindImageMemory(device_->device, image.image, image.memory, 0));
     if (!(usage & VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT)) return {};  // images that are only copied need no view
@@ -138,7 +140,7 @@ Status VulkanBackend::makeImage(Image& image, VkFormat format, const Target& tar
     view.viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY;
     view.format = format;
     view.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, info.arrayLayers};
-    DPL_VK(vk_.vkCreateImageView(device_->device, &view, device_->allocator, &image.view));
+    DPL_VK_MAKE(image.view, vk_.vkCreateImageView(device_->device, &view, device_->allocator, &image.view));
     return {};
 }
 
@@ -177,7 +179,7 @@ Status VulkanBackend::makeSurface(Surface& s, const Target& t) {
     info.width = t.extent.width;
     info.height = t.extent.height;
     info.layers = 1;  // required with multiview, where the view mask selects the layers
-    DPL_VK(vk_.vkCreateFramebuffer(device_->device, &info, device_->allocator, &s.framebuffer));
+    DPL_VK_MAKE(s.framebuffer, vk_.vkCreateFramebuffer(device_->device, &info, device_->allocator, &s.framebuffer));
     return {};
 }
 
@@ -212,6 +214,7 @@ Result<TargetId> VulkanBackend::createTarget(const TargetDesc& desc) {
         freeTarget(t);
         return status.error();
     }
+    t.born = encoded_;
     targets_.emplace(++lastId_, std::move(t));
     return TargetId{lastId_};
 }
@@ -219,7 +222,7 @@ Result<TargetId> VulkanBackend::createTarget(const TargetDesc& desc) {
 void VulkanBackend::destroyTarget(TargetId id) {
     const auto it = targets_.find(id.value);
     if (it == targets_.end()) return;
-    retire(std::move(it->second));
+    retire(std::move(it->second), it->second.born);
     targets_.erase(it);
 }
 
@@ -248,7 +251,7 @@ Result<VkBufferView> VulkanBackend::texels(Buffer& b, uint32_t words) {
     info.buffer = b.buffer;
     info.format = words == 1 ? VK_FORMAT_R32_UINT : words == 2 ? VK_FORMAT_R32G32_UINT : VK_FORMAT_R32G32B32A32_UINT;
     info.range = VK_WHOLE_SIZE;
-    DPL_VK(vk_.vkCreateBufferView(device_->device, &info, device_->allocator, &view));
+    DPL_VK_MAKE(view, vk_.vkCreateBufferView(device_->device, &info, device_->allocator, &view));
     return view;
 }
 

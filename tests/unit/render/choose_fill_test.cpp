@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <utility>
 
 #include "sdk/core/files.h"
 #include "sdk/core/log.h"
@@ -28,6 +29,7 @@ struct Behaviour {
     bool oneWrongTile = false;  // 8 x 8 pixels are wrong
     int levelsOff = 0;          // added to every byte
     bool fails = false;
+    bool outOfMemory = false, loses = false;  // this once; the device
 };
 
 /** A renderer whose fills behave as given. */
@@ -48,7 +50,11 @@ public:
     void removeAvatar(RenderAvatarId) override { --live; }
     Status drawTogether(std::span<const Drawn>, std::span<const Cameraf>, const FrameWants&) override {
         ++draws;
-        if (behaviour_[size_t(fill)].fails) return fail(Code::Device, "lost");
+        Behaviour& behaviour = behaviour_[size_t(fill)];
+        if (behaviour.fails) return fail(Code::Device, "lost");
+        if (std::exchange(behaviour.outOfMemory, false)) return fail(Code::OutOfMemory, "full");
+        if (std::exchange(behaviour.loses, false)) lost_ = true;
+        if (lost_) return fail(Code::Device, "the device is gone");
         return {};
     }
     Result<std::span<const PixelView>> read(RenderAvatarId) override {
@@ -70,8 +76,10 @@ public:
 
     Fill fill = Fill::Quads;
     int live = 0, draws = 0;
+    bool lost() const override { return lost_; }
 
 private:
+    bool lost_ = false;
     Behaviour behaviour_[2];
     std::string identity_;
     std::vector<uint8_t> pixels_;
@@ -107,6 +115,16 @@ TEST(ChooseFill, theRightOneHoweverSlow) {
     expectChoice({.fails = true}, {}, Fill::Tiles, "quads: lost");
 }
 
+TEST(ChooseFill, aFillThatCouldNotBeTriedIsNotJudged) {
+    std::string reason;
+    FakeRenderer full({}, {.outOfMemory = true}), gone({.loses = true}, {});
+    const auto noMemory = choose(full, reason), noDevice = choose(gone, reason);
+    ASSERT_FALSE(noMemory);
+    EXPECT_EQ(noMemory.error().code, Code::OutOfMemory);
+    ASSERT_FALSE(noDevice);
+    EXPECT_EQ(noDevice.error().message, "the device is gone");
+}
+
 TEST(ChooseFill, noneOfTwoWrongOnesAndSaysHowWrong) {
     FakeRenderer renderer({.oneWrongTile = true}, {.levelsOff = 30});
     std::string reason;
@@ -132,6 +150,15 @@ struct Folder {
         return bytes ? std::string(bytes->begin(), bytes->end()) : "no file";
     }
 };
+
+TEST(FillMemory, errorsThatMayPassAreNotRemembered) {
+    FakeRenderer full({.outOfMemory = true}, {}, "passing"), gone({}, {.loses = true}, "passing"), well({}, {.milliseconds = 2}, "passing");
+    ASSERT_FALSE(setBestFill(full, "", trusted));
+    ASSERT_FALSE(setBestFill(gone, "", trusted));
+    const Status third = setBestFill(well, "", trusted);
+    ASSERT_TRUE(third) << third.error().message;
+    EXPECT_EQ(well.fill, Fill::Quads);
+}
 
 TEST(FillMemory, oneTestADeviceAndProcess) {
     FakeRenderer first({.milliseconds = 2}, {}, "a"), again({.milliseconds = 2}, {}, "a"), otherDriver({}, {.milliseconds = 2}, "b");

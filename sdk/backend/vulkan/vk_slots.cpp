@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// The slots of an app that lends its device: whether their commands have run, and what was destroyed while they may need it.
+#include <algorithm>
+
+#include "sdk/backend/vulkan/vk_backend.h"
+
+namespace dpl::vk {
+
+void VulkanBackend::slotFinished(uint32_t slot) {
+    if (slot >= kAppSlots) return;
+    for (auto& [id, frame] : frames_)
+        if (frame.run == FrameRun::Encoded && frame.running && frame.slot == slot) ended(frame);
+    layerSlots_[slot].viewCount = 0;  // until setLayers(): if the new frame fails, nothing of the slot can be composed
+}
+
+/** Frees an object once no commands of the app can need it: at once if no frame was encoded since it was created. */
+template <class T>
+void VulkanBackend::retire(T&& object, uint64_t born) {
+    Retired& retired = retired_.emplace_back();
+    retired.encoded = encoded_;
+    retired.object = std::forward<T>(object);
+    if (born < encoded_) return;
+    free(retired);
+    retired_.pop_back();
+}
+template void VulkanBackend::retire(Buffer&&, uint64_t);
+template void VulkanBackend::retire(Target&&, uint64_t);
+template void VulkanBackend::retire(Frame&&, uint64_t);
+template void VulkanBackend::retire(VkPipeline&&, uint64_t);
+
+/** Frees what no commands of the app can need any more. */
+void VulkanBackend::freeRetired() {
+    uint64_t oldest = encoded_;  // of the frames that may still run: the last one of each slot
+    for (const uint64_t last : lastEncoded_)
+        if (last > 0) oldest = std::min(oldest, last);
+    while (!retired_.empty() && retired_.front().encoded < oldest) {
+        free(retired_.front());
+        retired_.erase(retired_.begin());
+    }
+}
+
+void VulkanBackend::free(Retired& retired) {
+    if (auto* buffer = std::get_if<Buffer>(&retired.object)) freeBuffer(*buffer);
+    if (auto* target = std::get_if<Target>(&retired.object)) freeTarget(*target);
+    if (auto* frame = std::get_if<Frame>(&retired.object)) freeFrame(*frame);
+    if (auto* pipeline = std::get_if<VkPipeline>(&retired.object)) vk_.vkDestroyPipeline(device_->device, *pipeline, device_->allocator);
+}
+
+}  // namespace dpl::vk
