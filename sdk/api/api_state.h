@@ -7,10 +7,12 @@
 #include <memory>
 #include <mutex>
 #include <new>
+#include <shared_mutex>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
+#include "sdk/api/create_renderer.h"
 #include "sdk/avatar/rig.h"
 #include "sdk/core/result.h"
 #include "sdk/draw/renderer.h"
@@ -23,8 +25,11 @@ struct VulkanSide;
 
 /** The object behind a DplContext. Avatars share ownership, so that context and avatars may be destroyed in any order. */
 struct Context {
-    std::mutex mutex;  // guards the renderer, the cameras and the avatars; a load prepares without it and holds it only to add
+    std::mutex mutex;         // guards the renderer, the cameras and the avatars; a load prepares without it and holds it only to add
+    std::shared_mutex loads;  // shared by loads, so that the renderer stays; alone to replace it. Locked before mutex
     std::shared_ptr<Renderer> renderer;  // null once the context is destroyed; a load that is preparing keeps it alive
+    bool lent = false;                   // its device is the program's, which destroys it
+    ContextRequest request;              // that it was created with
     std::string rendererName;
     DetailOptions detail;                // of dplSetDetail
     double frameBudgetMs = 0;            // of dplSetFrameBudget; 0: none

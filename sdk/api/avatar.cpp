@@ -106,6 +106,7 @@ DplResult dplLoadAvatar(DplContext context, const uint8_t* data, size_t size, Dp
         if (data == nullptr || avatar == nullptr) return fail(Code::InvalidArgument, "{} is NULL", data == nullptr ? "data" : "avatar");
         if (size == 0) return fail(Code::InvalidArgument, "the avatar has 0 bytes");
         DPL_TRY(auto owner, contextOf(context));
+        const std::shared_lock keepsRenderer(owner->loads);
         std::shared_ptr<const Renderer> renderer;
         {
             std::lock_guard lock(owner->mutex);

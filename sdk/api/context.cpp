@@ -27,7 +27,8 @@ Result<std::shared_ptr<Context>> contextOf(DplContext handle) {
 
 Status checkUsable(const Context& context) {
     if (!context.renderer) return fail(Code::InvalidArgument, "the context was destroyed");
-    if (context.renderer->lost()) return fail(Code::Device, "the graphics device was lost; create a new context");
+    if (context.renderer->lost())
+        return fail(Code::Device, "the graphics device was lost; dplRebuildVulkan keeps the avatars and makes the rest anew");
     return {};
 }
 
@@ -132,9 +133,9 @@ DplResult dplSetLogCallback(DplLogCallback callback, void* user) {
 DplResult dplCreateContext(const DplContextInfo* info, DplContext* context) {
     return guarded("dplCreateContext", [&]() -> Status {
         if (context == nullptr) return fail(Code::InvalidArgument, "context is NULL");
-        DPL_TRY(const ContextRequest request, readContextInfo(info));
         auto made = std::make_shared<Context>();
-        DPL_TRY(made->renderer, createRenderer(request.kind, request.options));
+        DPL_TRY(made->request, readContextInfo(info));
+        DPL_TRY(made->renderer, createRenderer(made->request.kind, made->request.options));
         made->rendererName = made->renderer->name();
         *context = reinterpret_cast<DplContext>(contexts().add(std::move(made)));
         return {};
@@ -146,6 +147,8 @@ DplResult dplDestroyContext(DplContext context) {
         if (context == nullptr) return {};
         const auto taken = contexts().take(reinterpret_cast<uintptr_t>(context));
         if (!taken) return fail(Code::InvalidArgument, "the handle is not a live context; was it destroyed before?");
+        std::unique_lock loads(taken->loads, std::defer_lock);
+        if (taken->lent) loads.lock();       // a load must not be the last to hold the renderer: the program destroys the device next
         std::lock_guard lock(taken->mutex);  // waits for a draw on another thread
         taken->renderer.reset();
         return {};

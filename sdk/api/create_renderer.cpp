@@ -29,8 +29,6 @@ Status setFill(Renderer& gpu, const RendererOptions& options) {
     return {};
 }
 
-namespace {
-
 Result<std::unique_ptr<Renderer>> createGpuRenderer(DplRenderer kind, const RendererOptions& options) {
     VulkanOptions vulkan;
     vulkan.allowSoftwareDevice = kind == DPL_RENDERER_VULKAN;  // asked for by name: software devices are allowed
@@ -42,8 +40,6 @@ Result<std::unique_ptr<Renderer>> createGpuRenderer(DplRenderer kind, const Rend
     DPL_CHECK_OK(setFill(**gpu, options));
     return gpu;
 }
-
-}  // namespace
 #endif
 
 Result<ContextRequest> readContextInfo(const DplContextInfo* info) {

@@ -30,6 +30,9 @@ Result<ContextRequest> readContextInfo(const DplContextInfo* info);
  *  Vulkan. */
 Status setFill(Renderer& gpu, const RendererOptions& options);
 
+/** Makes a renderer on the best GPU; DPL_RENDERER_VULKAN: or on an emulated one. Errors as createRenderer. Only in builds with Vulkan. */
+Result<std::unique_ptr<Renderer>> createGpuRenderer(DplRenderer kind, const RendererOptions& options);
+
 /** Makes the renderer that DplRenderer describes. Unsupported: not in this build, or no device. Device: the device draws wrong pixels. */
 Result<std::unique_ptr<Renderer>> createRenderer(DplRenderer kind, const RendererOptions& options);
 

@@ -53,6 +53,43 @@ Result<VulkanSide*> sideOf(const Context& context) {
     return context.vulkan.get();
 }
 
+struct NewRenderer {
+    std::unique_ptr<Renderer> renderer;
+    std::shared_ptr<VulkanSide> side;  // null: not on the program's device
+};
+/** On the program's device. */
+Result<NewRenderer> lentRenderer(const DplVulkanDevice& given, const RendererOptions& options) {
+    DPL_TRY(auto backend, vk::createBackendOn(appDeviceOf(given)));
+    vk::VulkanBackend& lent = *backend;
+    std::string name = "vulkan: " + lent.info().name;
+    auto renderer = std::make_unique<GpuRenderer>(std::move(backend), std::move(name), GpuOptions{.preciseBlending = true});
+    DPL_CHECK_OK(setFill(*renderer, options));
+    auto side = std::make_shared<VulkanSide>(VulkanSide{*renderer, lent});
+    return NewRenderer{std::move(renderer), std::move(side)};
+}
+
+/** A renderer on a new device, with the avatars of the context. The context's mutexes are locked. */
+Result<NewRenderer> rebuilt(const Context& context, const DplVulkanDevice* device) {
+    if (!context.renderer) return fail(Code::InvalidArgument, "the context was destroyed");
+    if (context.renderer->identity().empty())
+        return fail(Code::InvalidArgument, "the context draws on the CPU ({}): there is no device to lose", context.rendererName);
+    if (context.vulkan && !device)
+        return fail(Code::InvalidArgument,
+                    "device is NULL, but the context was made on a device of the program; open a new one and give it");
+    if (!context.vulkan && device)
+        return fail(Code::InvalidArgument, "the context was not made with dplCreateVulkanContext; device must be NULL");
+    NewRenderer made;
+    if (device) {
+        DPL_TRY(const DplVulkanDevice given, readStruct<DplVulkanDevice>(device, "device"));
+        DPL_TRY(made, lentRenderer(given, context.request.options));
+        made.side->backend.numberAfter(context.vulkan->backend);
+    } else {
+        DPL_TRY(made.renderer, createGpuRenderer(context.request.kind, context.request.options));
+    }
+    DPL_CHECK_OK(made.renderer->addAll(*context.renderer));
+    return made;
+}
+
 vk::AppPass passOf(const DplVulkanPass& given) {
     vk::AppPass pass;
     pass.renderPass = given.renderPass, pass.subpass = given.subpass, pass.viewMask = given.viewMask;
@@ -76,6 +113,17 @@ Status takeDepths(const DplVulkanSceneDepth* depths, uint32_t viewCount, vk::Sce
     return {};
 }
 
+/** Records the frame of a slot that was taken. */
+Status encode(Scene& scene, VulkanSide& side, const FrameWants& wants, const AppFrame& frame) {
+    Drawn what[DPL_MAX_TOGETHER];
+    setDetailOfDraw(*scene.context, scene.first());
+    DPL_TRY(const std::span<const EncodedView> encoded,
+            side.renderer.encodeTogether(scene.drawn(what), scene.context->cameras, wants, frame));
+    vk::LayerPlace places[DPL_MAX_VIEWS];
+    for (size_t v = 0; v < encoded.size(); ++v) places[v] = {encoded[v].target, encoded[v].view, encoded[v].tilePixels, encoded[v].counts};
+    return side.backend.setLayers(frame.slot, {places, encoded.size()});
+}
+
 Status prepare(DplContext context, VkCommandBuffer commands, uint32_t slot, std::span<const DplAvatar> avatars, const DplCamera* views,
                uint32_t viewCount, const DplVulkanSceneDepth* depths) {
     if (!commands) return fail(Code::InvalidArgument, "commands is NULL");
@@ -97,15 +145,9 @@ Status prepare(DplContext context, VkCommandBuffer commands, uint32_t slot, std:
         }
         return {};
     };
-    Drawn what[DPL_MAX_TOGETHER];
     side->backend.slotFinished(slot);
     DPL_CHECK_OK(checkUsable(*scene.context));  // the slot's times may have told that the device was lost
-    setDetailOfDraw(*scene.context, scene.first());
-    DPL_TRY(const std::span<const EncodedView> encoded,
-            side->renderer.encodeTogether(scene.drawn(what), scene.context->cameras, wants, {slot, {commands}, encodeScene}));
-    vk::LayerPlace places[DPL_MAX_VIEWS];
-    for (size_t v = 0; v < encoded.size(); ++v) places[v] = {encoded[v].target, encoded[v].view, encoded[v].tilePixels, encoded[v].counts};
-    return side->backend.setLayers(slot, {places, encoded.size()});
+    return encode(scene, *side, wants, {slot, {commands}, encodeScene});
 }
 
 }  // namespace
@@ -126,17 +168,26 @@ extern "C" DplResult dplCreateVulkanContext(const DplVulkanDevice* device, const
     return guarded("dplCreateVulkanContext", [&]() -> Status {
         if (context == nullptr) return fail(Code::InvalidArgument, "context is NULL");
         DPL_TRY(const DplVulkanDevice given, readStruct<DplVulkanDevice>(device, "device"));
-        DPL_TRY(const ContextRequest request, readContextInfo(info));
-        DPL_TRY(auto backend, vk::createBackendOn(appDeviceOf(given)));
-        vk::VulkanBackend& lent = *backend;
-        std::string name = "vulkan: " + lent.info().name;
-        auto renderer = std::make_shared<GpuRenderer>(std::move(backend), std::move(name), GpuOptions{.preciseBlending = true});
-        DPL_CHECK_OK(setFill(*renderer, request.options));
         auto made = std::make_shared<Context>();
-        made->vulkan = std::make_shared<VulkanSide>(VulkanSide{*renderer, lent});
-        made->renderer = std::move(renderer);
+        DPL_TRY(made->request, readContextInfo(info));
+        DPL_TRY(NewRenderer lent, lentRenderer(given, made->request.options));
+        made->lent = true;
+        made->vulkan = std::move(lent.side);
+        made->renderer = std::move(lent.renderer);
         made->rendererName = made->renderer->name();
         *context = reinterpret_cast<DplContext>(contexts().add(std::move(made)));
+        return {};
+    });
+}
+
+extern "C" DplResult dplRebuildVulkan(DplContext context, const DplVulkanDevice* device) {
+    return guarded("dplRebuildVulkan", [&]() -> Status {
+        DPL_TRY(const auto found, contextOf(context));
+        std::scoped_lock lock(found->loads, found->mutex);
+        DPL_TRY(NewRenderer made, rebuilt(*found, device));
+        found->rendererName = made.renderer->name();
+        found->vulkan = std::move(made.side);
+        found->renderer = std::move(made.renderer);
         return {};
     });
 }

@@ -69,6 +69,7 @@ struct FrameStats {
     uint64_t residentBytes = 0;    // all subjects and frames of the renderer, in the memory it draws from
     uint64_t avatarBytes = 0;      // this subject: splats, mesh, skin weights and pose correctives
     uint64_t splatBytes = 0;       // its splats alone: codes, parents and SH entries
+    uint64_t keptBytes = 0;        // its copy on the CPU for Renderer::addAll(); 0 on the CPU
     uint64_t bytesDecided = 0;     // codes read to decide which splats may show
     uint64_t bytesDecoded = 0;     // codes read to decode those splats
     uint64_t splatsAllowed = 0;    // upper bound of the scene set's splats after level of detail and budget
@@ -132,6 +133,10 @@ public:
     Result<RenderAvatarId> addCodedAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats);
     Result<RenderAvatarId> addSplats(const StaticSplatData& splats);
     virtual void removeAvatar(RenderAvatarId avatar) = 0;
+    /** Adds all subjects of another renderer of this class, under the same numbers, from what that one keeps on the CPU: its device may be
+     * lost. This renderer has none yet; after an error it is of no use. Numbers of frames go on. Unsupported: above a limit of this device,
+     * or renderers of the CPU, which have no device to lose. */
+    virtual Status addAll(const Renderer&) { return fail(Code::Unsupported, "only renderers with a graphics device can be made anew"); }
 
     /** Starts a frame of a scene set of up to kMaxDrawnTogether subjects. All splats are sorted together, so subjects may interlock. The
      * frame belongs to the first subject: its read() and stats() refer to it. checkDraw (check_draw.h) lists the errors. A draw allocates

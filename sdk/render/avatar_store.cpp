@@ -7,34 +7,30 @@
 namespace dpl {
 namespace {
 
-/** A subject without its buffers, and the records that add() uploads. */
+/** A subject without its buffers. */
 struct PreparedUpload final : PreparedSubject {
-    PreparedUpload(Backend& backend, const AvatarStore* owner) : owner(owner), subject(backend) {}
+    explicit PreparedUpload(const AvatarStore* owner) : owner(owner) {}
 
     const AvatarStore* owner;
     LoadedSubject subject;
-    AvatarRecords avatar;                   // of an avatar
-    std::vector<gpu::uvec4> generalSplats;  // of general splats
-    std::vector<gpu::uvec4> sh;
 };
 
-Status uploadAvatar(LoadedSubject& subject, const AvatarRecords& records) {
-    SubjectIds& ids = subject.ids;
+Status uploadAvatar(SubjectIds& ids, const AvatarRecords& records, DeviceBuffers& buffers) {
     if (ids.corrected) {
-        DPL_TRY(ids.vertices, subject.buffers.upload<gpu::CorrectedVertexRecord>("vertices", records.correctedVertices));
+        DPL_TRY(ids.vertices, buffers.upload<gpu::CorrectedVertexRecord>("vertices", records.correctedVertices));
     } else {
-        DPL_TRY(ids.vertices, subject.buffers.upload<gpu::VertexRecord>("vertices", records.vertices));
+        DPL_TRY(ids.vertices, buffers.upload<gpu::VertexRecord>("vertices", records.vertices));
     }
-    DPL_TRY(ids.triangles, subject.buffers.upload<gpu::TriangleRecord>("triangles", records.triangles));
-    DPL_TRY(ids.splats, subject.buffers.upload<uint32_t>("splats", records.codes));
-    DPL_TRY(ids.posed, subject.buffers.create("posed", ids.vertexCount * uint64_t(sizeof(gpu::PosedVertex))));
-    DPL_TRY(ids.triangleFrames, subject.buffers.create("triangle frames", ids.triangleCount * uint64_t(sizeof(gpu::TriangleFrame))));
+    DPL_TRY(ids.triangles, buffers.upload<gpu::TriangleRecord>("triangles", records.triangles));
+    DPL_TRY(ids.splats, buffers.upload<uint32_t>("splats", records.codes));
+    DPL_TRY(ids.posed, buffers.create("posed", ids.vertexCount * uint64_t(sizeof(gpu::PosedVertex))));
+    DPL_TRY(ids.triangleFrames, buffers.create("triangle frames", ids.triangleCount * uint64_t(sizeof(gpu::TriangleFrame))));
     return {};
 }
 
-Status uploadSplats(LoadedSubject& subject, const PreparedUpload& records) {
-    DPL_TRY(subject.ids.splats, subject.buffers.upload<gpu::uvec4>("splats", records.generalSplats));
-    DPL_TRY(subject.ids.sh, subject.buffers.upload<gpu::uvec4>("sh", records.sh));
+Status uploadSplats(SubjectIds& ids, const SubjectRecords& records, DeviceBuffers& buffers) {
+    DPL_TRY(ids.splats, buffers.upload<gpu::uvec4>("splats", records.generalSplats));
+    DPL_TRY(ids.sh, buffers.upload<gpu::uvec4>("sh", records.sh));
     return {};
 }
 
@@ -69,8 +65,9 @@ Result<std::unique_ptr<PreparedSubject>> AvatarStore::prepareAvatar(std::shared_
     if (!avatar) return fail(Code::InvalidArgument, "no avatar");
     DPL_CHECK_OK(checkAvatar(*avatar, splats, backend_.info()));
     measureDetail(*avatar, splats);
-    auto prepared = std::make_unique<PreparedUpload>(backend_, this);
-    AvatarRecords& records = prepared->avatar = packAvatar(*avatar, splats);
+    auto prepared = std::make_unique<PreparedUpload>(this);
+    auto kept = std::make_shared<SubjectRecords>();
+    AvatarRecords& records = kept->avatar = packAvatar(*avatar, splats);
     LoadedSubject& subject = prepared->subject;
     subject.splats = splatSetOf(*avatar, splats);
     subject.detail = DetailSubject(*avatar, splats);
@@ -83,12 +80,13 @@ Result<std::unique_ptr<PreparedSubject>> AvatarStore::prepareAvatar(std::shared_
                             records.vertices.size() * sizeof(gpu::VertexRecord) +
                             records.correctedVertices.size() * sizeof(gpu::CorrectedVertexRecord);
     subject.avatar = std::move(avatar);
+    subject.records = std::move(kept);
     return std::unique_ptr<PreparedSubject>(std::move(prepared));
 }
 
 Result<std::unique_ptr<PreparedSubject>> AvatarStore::prepareSplats(const StaticSplatData& splats) const {
     DPL_CHECK_OK(checkSplats(splats, backend_.info()));
-    auto prepared = std::make_unique<PreparedUpload>(backend_, this);
+    auto prepared = std::make_unique<PreparedUpload>(this);
     LoadedSubject& subject = prepared->subject;
     subject.splats = splatSetOf(splats);
     subject.ids = countsOf(splats);
@@ -96,20 +94,43 @@ Result<std::unique_ptr<PreparedSubject>> AvatarStore::prepareSplats(const Static
     // are coherent.
     const std::vector<uint32_t> order = spatialOrder(splats.position);
     subject.generalDetail = GeneralDetailSubject(measureGroups(splats, order), splats.count());
-    prepared->generalSplats = packSplats(splats, order, subject.generalDetail.groups());
-    prepared->sh = packSh(splats, order);
-    subject.residentBytes = subject.splatBytes =
-        prepared->generalSplats.size() * sizeof(gpu::uvec4) + prepared->sh.size() * sizeof(gpu::uvec4);
+    auto kept = std::make_shared<SubjectRecords>();
+    kept->generalSplats = packSplats(splats, order, subject.generalDetail.groups());
+    kept->sh = packSh(splats, order);
+    subject.residentBytes = subject.splatBytes = kept->bytes();
+    subject.records = std::move(kept);
     return std::unique_ptr<PreparedSubject>(std::move(prepared));
 }
 
 Result<RenderAvatarId> AvatarStore::add(std::unique_ptr<PreparedSubject> prepared) {
     auto* upload = dynamic_cast<PreparedUpload*>(prepared.get());
     if (!upload || upload->owner != this) return fail(Code::InvalidArgument, "the subject was prepared by another renderer");
-    LoadedSubject& subject = upload->subject;
-    DPL_CHECK_OK(subject.avatar ? uploadAvatar(subject, upload->avatar) : uploadSplats(subject, *upload));
-    subjects_.emplace(++lastId_, std::move(subject));
+    DPL_CHECK_OK(this->upload(upload->subject));
+    subjects_.emplace(++lastId_, std::move(upload->subject));
     return lastId_;
+}
+
+Status AvatarStore::addAll(const AvatarStore& other) {
+    for (const auto& [id, subject] : other.subjects_) {
+        LoadedSubject copy = subject;
+        DPL_CHECK_OK(upload(copy));
+        subjects_.emplace(id, std::move(copy));
+    }
+    lastId_ = other.lastId_;
+    return {};
+}
+
+/** Gives the subject buffers of its own. */
+Status AvatarStore::upload(LoadedSubject& subject) {
+    subject.buffers = std::make_shared<DeviceBuffers>(backend_);
+    return subject.avatar ? uploadAvatar(subject.ids, subject.records->avatar, *subject.buffers)
+                          : uploadSplats(subject.ids, *subject.records, *subject.buffers);
+}
+
+uint64_t SubjectRecords::bytes() const {
+    return avatar.vertices.size() * sizeof(gpu::VertexRecord) + avatar.correctedVertices.size() * sizeof(gpu::CorrectedVertexRecord) +
+           avatar.triangles.size() * sizeof(gpu::TriangleRecord) + avatar.codes.size() * sizeof(uint32_t) +
+           (generalSplats.size() + sh.size()) * sizeof(gpu::uvec4);
 }
 
 LoadedSubject* AvatarStore::find(RenderAvatarId id) {

@@ -15,20 +15,28 @@
 
 namespace dpl {
 
+/** What is uploaded of a subject. It stays on the CPU, so that a lost device can be replaced. */
+struct SubjectRecords {
+    AvatarRecords avatar;                   // of an avatar
+    std::vector<gpu::uvec4> generalSplats;  // of general splats
+    std::vector<gpu::uvec4> sh;
+
+    uint64_t bytes() const;
+};
+
 /** One avatar or one set of general splats. It does not change from frame to frame, except that generalDetail remembers the last
  *  views. */
 struct LoadedSubject {
-    explicit LoadedSubject(Backend& backend) : buffers(backend) {}
-
     std::shared_ptr<const AvatarData> avatar;  // null: general splats
+    std::shared_ptr<const SubjectRecords> records;
     SplatSet splats;
-    SubjectIds ids;  // counts and buffers; the scene set adds the places in its lists
-    DeviceBuffers buffers;
-    uint64_t residentBytes = 0;          // device memory of the splats and of all that poses them
-    uint64_t splatBytes = 0;             // the part of residentBytes that holds splats
-    Components components;               // empty when nothing is culled
-    DetailSubject detail;                // of an avatar
-    GeneralDetailSubject generalDetail;  // of general splats
+    SubjectIds ids;                          // counts and buffers; the scene set adds the places in its lists
+    std::shared_ptr<DeviceBuffers> buffers;  // null until they are uploaded
+    uint64_t residentBytes = 0;              // device memory of the splats and of all that poses them
+    uint64_t splatBytes = 0;                 // the part of residentBytes that holds splats
+    Components components;                   // empty when nothing is culled
+    DetailSubject detail;                    // of an avatar
+    GeneralDetailSubject generalDetail;      // of general splats
 };
 
 /** Owns the loaded subjects and their device buffers. The backend must live longer. One thread at a time, except to prepare. */
@@ -43,6 +51,8 @@ public:
     Result<std::unique_ptr<PreparedSubject>> prepareSplats(const StaticSplatData& splats) const;
     /** Uploads what this store prepared; blocks until the device has the data. */
     Result<RenderAvatarId> add(std::unique_ptr<PreparedSubject> prepared);
+    /** Uploads the subjects of another store, under the same numbers. This store has none yet. After an error it has some of them. */
+    Status addAll(const AvatarStore& other);
     /** Destroys the subject's buffers. No recorded frame may still use them. */
     void remove(RenderAvatarId id) { subjects_.erase(id); }
 
@@ -51,8 +61,11 @@ public:
     /** For checkDraw. */
     std::optional<std::span<const JointData>> jointsOf(RenderAvatarId id) const;
     const LoadedSubject& at(RenderAvatarId id) const { return subjects_.at(id); }
+    const std::map<RenderAvatarId, LoadedSubject>& all() const { return subjects_; }
 
 private:
+    Status upload(LoadedSubject& subject);
+
     Backend& backend_;
     bool cullComponents_;
     std::map<RenderAvatarId, LoadedSubject> subjects_;

@@ -41,15 +41,33 @@ Result<std::unique_ptr<PreparedSubject>> GpuRenderer::prepareSplats(const Static
     return store_.prepareSplats(splats);
 }
 
-/** Uploads the subject and creates the lists for frames of this subject alone. */
 Result<RenderAvatarId> GpuRenderer::add(std::unique_ptr<PreparedSubject> subject) {
     DPL_TRY(const RenderAvatarId id, store_.add(std::move(subject)));
-    if (const auto set = cache_.sceneSet({&id, 1}); !set) {
+    if (const Status prepared = prepareFrames(id); !prepared) {
         store_.remove(id);
-        return set.error();
+        return prepared.error();
     }
-    lastDraws_.emplace(id, LastDraw{});
     return id;
+}
+
+Status GpuRenderer::addAll(const Renderer& other) {
+    const auto* from = dynamic_cast<const GpuRenderer*>(&other);
+    if (!from) return Renderer::addAll(other);
+    DPL_CHECK_OK(store_.addAll(from->store_));
+    for (const auto& [id, subject] : store_.all()) {
+        DPL_CHECK_OK(prepareFrames(id));
+    }
+    frameNumber_ = from->frameNumber_;
+    waits_ = from->waits_;
+    return {};
+}
+
+/** Creates the lists for frames of an uploaded subject alone. */
+Status GpuRenderer::prepareFrames(RenderAvatarId id) {
+    const auto set = cache_.sceneSet({&id, 1});
+    if (!set) return set.error();
+    lastDraws_.emplace(id, LastDraw{});
+    return {};
 }
 
 void GpuRenderer::removeAvatar(RenderAvatarId id) {
@@ -224,6 +242,7 @@ Result<FrameStats> GpuRenderer::stats(RenderAvatarId id) {
     stats.waits = waits_;
     stats.avatarBytes = subject->residentBytes;
     stats.splatBytes = subject->splatBytes;
+    stats.keptBytes = subject->records->bytes();
     stats.detailShare = last.drawnShare;
     if (const SceneSet* set = cache_.find(last.set)) reader_.addStats(*set, last.splats.drawn, stats);
     return stats;

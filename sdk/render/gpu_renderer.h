@@ -62,6 +62,7 @@ public:
     Result<std::unique_ptr<PreparedSubject>> prepareSplats(const StaticSplatData& splats) const override;
     Result<RenderAvatarId> add(std::unique_ptr<PreparedSubject> subject) override;
     void removeAvatar(RenderAvatarId avatar) override;
+    Status addAll(const Renderer& other) override;
     Status drawTogether(std::span<const Drawn> what, std::span<const Cameraf> views, const FrameWants& wants) override;
     /** drawTogether() into the app's commands. Returns one element a view, valid until the next call. Nothing can be read() afterwards. It
      *  neither submits nor waits, except that a new scene set or shape is recorded first. */
@@ -91,6 +92,7 @@ private:
         const AppFrame* app = nullptr;  // null: the renderer submits
     };
 
+    Status prepareFrames(RenderAvatarId id);
     Status drawOrEncode(std::span<const Drawn> what, std::span<const Cameraf> views, const FrameWants& wants, const AppFrame* app);
     FrameShape shapeOf(const DrawCall& call) const;
     Status drawFrames(SceneSet& set, const DrawCall& call, const PosedSet& posed, LastDraw& last);

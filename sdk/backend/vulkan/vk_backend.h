@@ -3,6 +3,7 @@
 // slots of an app in vk_slots.cpp, drawing in its pass in vk_compose.cpp.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <tuple>
@@ -171,6 +172,8 @@ public:
     /** To be called before encode(): the commands with the slot's earlier frames have run, so their times can be read, and nothing of the
      *  slot can be composed until setLayers(). Allocates and waits for nothing. */
     void slotFinished(uint32_t slot);
+    /** Uses none of the numbers that the other backend has given away. */
+    void numberAfter(const VulkanBackend& other) { lastId_ = std::max(lastId_, other.lastId_); }
     /** Says where the pictures of a slot lie, one place a view, all of the same size. To be called between encode() of the slot and
      *  compose(). Allocates and waits for nothing. */
     Status setLayers(uint32_t slot, std::span<const LayerPlace> places);

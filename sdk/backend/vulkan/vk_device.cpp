@@ -236,9 +236,9 @@ Error failVk(std::string_view what, VkResult result) {
             return fail(Code::OutOfMemory, "there is not enough memory for Vulkan (error {} from {}); free some and call again",
                         int(result), what);
         case VK_ERROR_DEVICE_LOST:
-            return fail(Code::Device, "the graphics device was lost (error {} from {}); create a new context", int(result), what);
+            return fail(Code::Device, "the graphics device was lost (error {} from {}); call dplRebuildVulkan", int(result), what);
         case VK_TIMEOUT:
-            return fail(Code::Device, "the graphics device does not finish ({} timed out); create a new context", what);
+            return fail(Code::Device, "the graphics device does not finish ({} timed out); call dplRebuildVulkan", what);
         default:
             return fail(Code::Device, "Vulkan error {} from {}", int(result), what);
     }

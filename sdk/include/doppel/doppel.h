@@ -73,7 +73,7 @@ typedef enum DplResult {
     DPL_ERROR_UNSUPPORTED = -5,      /**< valid, but this build or this machine cannot do it */
     DPL_ERROR_OUT_OF_MEMORY = -6,
     DPL_ERROR_IO = -7,
-    DPL_ERROR_DEVICE = -8,   /**< the graphics device failed or was lost; create a new context */
+    DPL_ERROR_DEVICE = -8,   /**< the graphics device failed or was lost; dplRebuildVulkan (doppel_vulkan.h) keeps the avatars */
     DPL_ERROR_INTERNAL = -9, /**< a defect of this library; please report the text */
     DPL_RESULT_FORCE_INT32 = 0x7fffffff
 } DplResult;
@@ -146,7 +146,8 @@ DPL_API DplResult dplCreateContext(const DplContextInfo* info, DplContext* conte
  *  they must still be destroyed. NULL does nothing and gives DPL_OK. */
 DPL_API DplResult dplDestroyContext(DplContext context);
 
-/** Names the renderer for people: "software (2 threads)", "vulkan: NVIDIA H100 ... (tiles)". *name lives as long as the context. */
+/** Names the renderer for people: "software (2 threads)", "vulkan: NVIDIA H100 ... (tiles)". *name lives as long as the context, or until
+ *  dplRebuildVulkan. */
 DPL_API DplResult dplGetRendererName(DplContext context, const char** name);
 
 /* ---------------------------------------------------------------- avatars */

@@ -66,10 +66,24 @@ typedef struct DplVulkanRequirement {
 DPL_EXPERIMENTAL DplResult dplGetVulkanRequirement(uint32_t index, DplVulkanRequirement* requirement);
 
 /** Creates a context that draws on the program's device. info: as for dplCreateContext; `renderer` and `threadCount` are not read. NULL:
- * all defaults. Free it with dplDestroyContext once no submitted commands of its slots can still run. dplRender and dplDraw work on it too.
+ * all defaults. Free it with dplDestroyContext once no submitted commands of its slots can still run; that call waits for loads on other
+ * threads. dplRender and dplDraw work on it too.
  * DPL_ERROR_INVALID_ARGUMENT: a handle is NULL. DPL_ERROR_UNSUPPORTED: the device is older than Vulkan 1.1, or the queue family lacks
  * graphics or compute. */
 DPL_EXPERIMENTAL DplResult dplCreateVulkanContext(const DplVulkanDevice* device, const DplContextInfo* info, DplContext* context);
+
+/** Replaces a lost device. Once a call has met VK_ERROR_DEVICE_LOST, or commands of Doppel's that do not end, every call that draws, loads
+ *  or makes a composer returns DPL_ERROR_DEVICE. A frame asks the device nothing, so the program may be the first to know, by its own
+ *  vkQueueSubmit; it may call this function at any time.
+ *
+ *  Avatars, poses, detail and frame budget stay: the context keeps a copy of what it uploads, no more than DplFrameStats::avatarBytes of
+ * each avatar. Slots are empty, and composers are gone: make them again. After an error all is as before, and the call can be repeated.
+ *  device: of a context made with dplCreateVulkanContext, the new device; the old one is used no more once the function returns DPL_OK, and
+ *  submitted commands of its slots can no longer run by then. NULL: of a context made with dplCreateContext, which opens a device itself.
+ *  Uploads all avatars with submissions, and waits for them. Other threads wait meanwhile.
+ *  DPL_ERROR_INVALID_ARGUMENT: the other kind of context, or one that draws on the CPU. Other errors as dplCreateVulkanContext and
+ *  dplCreateContext. */
+DPL_EXPERIMENTAL DplResult dplRebuildVulkan(DplContext context, const DplVulkanDevice* device);
 
 /** The pass in which a composer draws: a subpass of a render pass, or dynamic rendering. It has one colour attachment.
  *

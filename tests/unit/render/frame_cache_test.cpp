@@ -2,6 +2,8 @@
 // FrameCache alone, on the null backend: who owns a target, which frames are kept, and that the cache submits nothing.
 #include <gtest/gtest.h>
 
+#include <cstdio>
+
 #include "sdk/backend/null/null_backend.h"
 #include "sdk/format/splat_codec.h"
 #include "sdk/render/frame_cache.h"
@@ -88,6 +90,39 @@ TEST(FrameCache, keepsEveryAvatarAloneAndTheFourLargerSetsDrawnLast) {
     for (const uint32_t number : numbers) EXPECT_NE(s.cache.find(number), nullptr);
     for (const RenderAvatarId id : ids) s.cache.remove(id), s.store.remove(id);
     EXPECT_EQ(s.record->liveBuffers, 0u);
+}
+
+TEST(AvatarStore, anotherStoreTakesOverTheSubjectsUnderTheirNumbers) {
+    CacheSetup lost, anew;
+    const RenderAvatarId gone = lost.add(), stays = lost.add();
+    lost.store.remove(gone);
+    const Status added = anew.store.addAll(lost.store);
+    ASSERT_TRUE(added) << added.error().message;
+    EXPECT_EQ(anew.store.find(gone), nullptr);
+    ASSERT_NE(anew.store.find(stays), nullptr);
+    EXPECT_EQ(anew.record->liveBuffers, lost.record->liveBuffers);
+    EXPECT_EQ(anew.store.at(stays).ids.splatCount, lost.store.at(stays).ids.splatCount);
+    EXPECT_GT(anew.add(), stays) << "numbers are not used again";
+    lost.store.remove(stays);
+    EXPECT_EQ(lost.record->liveBuffers, 0u);
+    EXPECT_TRUE(anew.store.at(stays).ids.splats) << "each store has buffers of its own";
+}
+
+TEST(AvatarStore, keepsOneCopyOfWhatItUploads) {
+    for (const uint32_t shDegree : {0u, 2u}) {
+        CacheSetup s;
+        const auto tube =
+            std::make_shared<const AvatarData>(makeTube({.splatsPerTriangle = 20, .rings = 80, .segments = 64, .shDegree = shDegree}));
+        const RenderAvatarId id = *s.store.add(std::move(*s.store.prepareAvatar(tube, *codeSplats(tube->mesh, tube->splats))));
+        const LoadedSubject& subject = s.store.at(id);
+        const size_t triangles = tube->mesh.triangles.size();
+        const uint64_t kept = subject.records->bytes(), codes = subject.records->avatar.codes.size() * 4;
+        std::printf("%u splats of SH degree %u, %zu triangles: %.2f MB kept, %.1f bytes a splat and %.0f bytes a triangle\n",
+                    subject.ids.splatCount, shDegree, triangles, double(kept) * 1e-6, double(codes) / subject.ids.splatCount,
+                    double(kept - codes) / double(triangles));
+        EXPECT_GT(kept, codes);
+        EXPECT_LE(kept, subject.residentBytes) << "no more than the avatar takes";
+    }
 }
 
 }  // namespace
