@@ -145,9 +145,13 @@ Status prepare(DplContext context, VkCommandBuffer commands, uint32_t slot, std:
         }
         return {};
     };
-    side->backend.slotFinished(slot);
+    DPL_CHECK_OK(side->backend.takeSlot(slot));
     DPL_CHECK_OK(checkUsable(*scene.context));  // the slot's times may have told that the device was lost
-    return encode(scene, *side, wants, {slot, {commands}, encodeScene});
+    const Status encoded = encode(scene, *side, wants, {slot, {commands}, encodeScene});
+    if (!encoded) {
+        DPL_CHECK_OK(side->backend.dropSlot(slot));  // the program need not submit what was recorded
+    }
+    return encoded;
 }
 
 }  // namespace
@@ -220,6 +224,15 @@ extern "C" DplResult dplVulkanPrepare(DplContext context, VkCommandBuffer comman
     return guarded("dplVulkanPrepare", [&]() -> Status {
         DPL_TRY(const auto set, together(avatars, avatarCount));
         return prepare(context, commands, slot, set, views, viewCount, depths);
+    });
+}
+
+extern "C" DplResult dplVulkanDropSlot(DplContext context, uint32_t slot) {
+    return guarded("dplVulkanDropSlot", [&]() -> Status {
+        DPL_TRY(const auto found, contextOf(context));
+        std::lock_guard lock(found->mutex);
+        DPL_TRY(VulkanSide * side, sideOf(*found));
+        return side->backend.dropSlot(slot);
     });
 }
 

@@ -170,8 +170,11 @@ public:
     /** NotFound: no such composer. Commands that use it may still run. */
     Status destroyComposer(ComposerId composer);
     /** To be called before encode(): the commands with the slot's earlier frames have run, so their times can be read, and nothing of the
-     *  slot can be composed until setLayers(). Allocates and waits for nothing. */
-    void slotFinished(uint32_t slot);
+     * slot can be composed until setLayers(). Allocates and waits for nothing. InvalidArgument: no such slot, or the GPU has not run the
+     * commands yet; then nothing changes. Device: it was lost. */
+    Status takeSlot(uint32_t slot);
+    /** The commands with the slot's earlier frames have run, or will never run. InvalidArgument: no such slot. */
+    Status dropSlot(uint32_t slot);
     /** Uses none of the numbers that the other backend has given away. */
     void numberAfter(const VulkanBackend& other) { lastId_ = std::max(lastId_, other.lastId_); }
     /** Says where the pictures of a slot lie, one place a view, all of the same size. To be called between encode() of the slot and
@@ -225,6 +228,7 @@ private:
     Status submitAndWait(VkCommandBuffer commands);
     Status waitFor(Frame& frame);
     Status waitFor(VkFence fence);
+    Status checkPresent();
     Error failVk(std::string_view what, VkResult result);  // of DPL_VK; remembers that the device was lost
     void ended(Frame& frame);
     double ticksMs(uint64_t from, uint64_t to) const;
@@ -249,6 +253,7 @@ private:
         gpu::ComposePush push{};
     };
     Status makeLayerSlots();
+    uint32_t markOf(uint32_t slot) const;
     Result<VkDescriptorSet> layerDescriptors(VkDescriptorSetLayout layout);
     Result<VkPipeline> composePipeline(const AppPass& pass, const Shader& fragment);
 
@@ -270,6 +275,8 @@ private:
     std::vector<Retired> retired_;
     uint64_t encoded_ = 0;                           // frames so far
     std::array<uint64_t, kAppSlots> lastEncoded_{};  // number of the last frame in each slot; 0: none
+    Buffer marks_;                                   // a word for each slot: the GPU writes awaited_ there when the frame has run
+    std::array<uint32_t, kAppSlots> awaited_{};      // number of the slot's frame that takeSlot() has not seen to end; 0: none
     std::map<uint32_t, Composer> composers_;
     Pipeline composeLayout_;   // layouts and shaders of all composers, without a pipeline
     PipelineId readScene_[2];  // of one sample, of four

@@ -23,8 +23,10 @@ constexpr uint32_t kSceneSets = gpu::kMaxViews * kAppSlots;  // each with an ima
 
 }  // namespace
 
-/** Makes the layouts that all composers share, and descriptor sets for each slot. */
+/** Makes the layouts that all composers share, and a mark and descriptor sets for each slot. */
 Status VulkanBackend::makeLayerSlots() {
+    marks_.desc = {"marks", kAppSlots * sizeof(uint32_t), BufferMemory::Readback};
+    DPL_CHECK_OK(makeBuffer(marks_));
     composeLayout_.shader = pack_.find("compose.vert");
     composeLayout_.fragment = pack_.find("compose.frag");
     if (!composeLayout_.shader || !composeLayout_.fragment) return fail(Code::Internal, "the shader pack has no compose shaders");

@@ -328,9 +328,20 @@ Status VulkanBackend::encode(FrameId id, uint32_t slot, AppCommands commands) {
     recorder.barrier(kReaders, kReaders);
     DPL_CHECK_OK(play(frame, buffer));
     recorder.barrier(kGpuStages, kReaders);
+    if (marks_.buffer) {
+        awaited_[slot] = uint32_t(encoded_);
+        vk_.vkCmdFillBuffer(buffer, marks_.buffer, slot * sizeof(uint32_t), sizeof(uint32_t), awaited_[slot]);
+        recorder.hostBarrier();
+    }
     frame.running = true;
     frame.slot = slot;
     return {};
+}
+
+/** Device: the device was lost. Asks it by a fence that no frame uses. */
+Status VulkanBackend::checkPresent() {
+    const VkResult status = vk_.vkGetFenceStatus(device_->device, fence_);
+    return status == VK_ERROR_DEVICE_LOST ? Status(failVk("vkGetFenceStatus", status)) : Status();
 }
 
 void VulkanBackend::freeFrame(Frame& frame) {
@@ -479,6 +490,7 @@ VulkanBackend::~VulkanBackend() {
     for (Retired& retired : retired_) free(retired);
     for (auto& [id, composer] : composers_) vk_.vkDestroyPipeline(device_->device, composer.pipeline, device_->allocator);
     freePipeline(composeLayout_);
+    freeBuffer(marks_);
     vk_.vkDestroyDescriptorPool(device_->device, layerDescriptors_, device_->allocator);
     for (auto& [id, frame] : frames_) freeFrame(frame);
     for (auto& [id, target] : targets_) freeTarget(target);

@@ -6,11 +6,34 @@
 
 namespace dpl::vk {
 
-void VulkanBackend::slotFinished(uint32_t slot) {
-    if (slot >= kAppSlots) return;
+uint32_t VulkanBackend::markOf(uint32_t slot) const {
+    return reinterpret_cast<const volatile uint32_t*>(marks_.mapped)[slot];  // the GPU writes it
+}
+
+Status VulkanBackend::takeSlot(uint32_t slot) {
+    if (slot >= kAppSlots) return fail(Code::InvalidArgument, "slot {} does not exist; there are {}", slot, kAppSlots);
+    if (awaited_[slot] != 0 && markOf(slot) != awaited_[slot]) {
+        DPL_CHECK_OK(checkPresent());
+        return fail(
+            Code::InvalidArgument,
+            "slot {} is prepared again, but the GPU has not run the commands that were prepared with it; wait for the fence of that "
+            "frame before, or call dplVulkanDropSlot if the commands will never run",
+            slot);
+    }
+    awaited_[slot] = 0;
     for (auto& [id, frame] : frames_)
         if (frame.run == FrameRun::Encoded && frame.running && frame.slot == slot) ended(frame);
     layerSlots_[slot].viewCount = 0;  // until setLayers(): if the new frame fails, nothing of the slot can be composed
+    return {};
+}
+
+Status VulkanBackend::dropSlot(uint32_t slot) {
+    if (slot >= kAppSlots) return fail(Code::InvalidArgument, "slot {} does not exist; there are {}", slot, kAppSlots);
+    for (auto& [id, frame] : frames_)
+        if (frame.run == FrameRun::Encoded && frame.slot == slot) frame.running = frame.timed = false;  // perhaps it never ran
+    awaited_[slot] = 0;
+    layerSlots_[slot].viewCount = 0;
+    return {};
 }
 
 /** Frees an object once no commands of the app can need it: at once if no frame was encoded since it was created. */

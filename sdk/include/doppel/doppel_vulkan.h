@@ -19,7 +19,8 @@
  * of views, number of samples or set of avatars makes its pipelines and buffers: do it while loading.
  *
  * Slots. A slot names what one frame in flight uses. With dplVulkanPrepare the program promises that all commands it recorded with the
- * slot before have run, or will never run. Use the slots in turn. Objects destroyed in between, such as avatars, live on until then.
+ * slot before have run. Use the slots in turn. Objects destroyed in between, such as avatars, live on until then. Prepare notices a slot
+ * that comes too early: the GPU writes a number behind the commands of prepare. It cannot notice that those of compose still run.
  *
  * Queues. All commands with slots of one context go to one queue family, and to queues in the order in which they were prepared.
  *
@@ -132,11 +133,16 @@ typedef struct DplVulkanSceneDepth {
  *  commands: recording, outside a render pass, of the device's queue family.
  *  depths: viewCount of them, or NULL: DplCamera::sceneDepthM counts, which the CPU copies. The program makes their writes visible to
  *  VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT with VK_ACCESS_SHADER_READ_BIT before, and writes them again only after that stage.
- *  DPL_ERROR_INVALID_ARGUMENT: no such slot, NULL commands, a context that is not on the program's device, or a depth that says nothing
- *  (offset 0, not finite, no image). After an error nothing of the slot may be composed. */
+ *  DPL_ERROR_INVALID_ARGUMENT: no such slot, one whose last commands have not run (wait for their fence, or dplVulkanDropSlot), NULL
+ *  commands, a context that is not on the program's device, or a depth that says nothing (offset 0, not finite, no image). After an error
+ *  the program may submit or drop the command buffer, and composes nothing of what was to be prepared. */
 DPL_EXPERIMENTAL DplResult dplVulkanPrepare(DplContext context, VkCommandBuffer commands, uint32_t slot, const DplAvatar* avatars,
                                             uint32_t avatarCount, const DplCamera* views, uint32_t viewCount,
                                             const DplVulkanSceneDepth* depths);
+
+/** Says that the commands recorded with the slot have run or will never run, for example because their command buffer was reset. Needed
+ *  before the next prepare with the slot only if they never ran. DPL_ERROR_INVALID_ARGUMENT: no such slot. */
+DPL_EXPERIMENTAL DplResult dplVulkanDropSlot(DplContext context, uint32_t slot);
 
 /** Composes the picture of a view over the colour attachment; where the picture is empty, the attachment keeps its bits.
  *  commands: inside the composer's pass. It may be another command buffer than that of prepare if it runs later. view: which picture; with

@@ -500,6 +500,50 @@ TEST_F(VulkanFailures, aContextWithItsOwnDeviceIsRebuiltToo) {
     EXPECT_EQ(dplRebuildVulkan(context_, nullptr), DPL_ERROR_INVALID_ARGUMENT);
 }
 
+TEST_F(VulkanFailures, aSlotThatComesTooEarlyIsNoticed) {
+    open();
+    AppDevice& app = *program_.app;
+    const DplCamera view = frontCamera(kSide, kSide);
+    const std::vector<uint8_t> picture = framed(view);
+    const auto prepare = [&](VkCommandBuffer commands, uint32_t slot) {
+        return dplVulkanPrepare(context_, commands, slot, &avatar_, 1, &view, 1, nullptr);
+    };
+    const auto saysEarly = [] { return std::string(dplGetLastError()).find("slot 1 is prepared again") != std::string::npos; };
+
+    // Commands that were recorded and never submitted.
+    VkCommandBuffer commands = app.begin(1);
+    ASSERT_EQ(prepare(commands, 1), DPL_OK) << dplGetLastError();
+    ASSERT_EQ(vkResetCommandBuffer(commands, 0), VK_SUCCESS);
+    commands = app.begin(1);
+    EXPECT_EQ(prepare(commands, 1), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(saysEarly()) << dplGetLastError();
+    EXPECT_EQ(framed(view), picture) << "other slots go on";
+    ASSERT_EQ(dplVulkanDropSlot(context_, 1), DPL_OK) << dplGetLastError();
+    EXPECT_EQ(dplVulkanCompose(context_, composer_, commands, 1, 0, 0, 0), DPL_ERROR_INVALID_ARGUMENT) << "the slot is empty";
+    EXPECT_EQ(dplVulkanDropSlot(context_, DPL_VULKAN_SLOTS), DPL_ERROR_INVALID_ARGUMENT);
+    app.submit(1);
+
+    // Commands that the GPU holds back.
+    VkEventCreateInfo info{VK_STRUCTURE_TYPE_EVENT_CREATE_INFO};
+    VkEvent go = VK_NULL_HANDLE;
+    ASSERT_EQ(vkCreateEvent(app.device, &info, nullptr, &go), VK_SUCCESS);
+    commands = app.begin(1);
+    vkCmdWaitEvents(commands, 1, &go, VK_PIPELINE_STAGE_HOST_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, nullptr, 0, nullptr, 0, nullptr);
+    ASSERT_EQ(prepare(commands, 1), DPL_OK) << dplGetLastError();
+    app.submit(1);
+    EXPECT_EQ(prepare(app.begin(2), 1), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_TRUE(saysEarly()) << dplGetLastError();
+    ASSERT_EQ(vkSetEvent(app.device, go), VK_SUCCESS);
+    app.submit(2);
+    app.waitAll();
+    EXPECT_EQ(prepare(app.begin(1), 1), DPL_OK) << dplGetLastError();
+    app.submit(1);
+    app.waitAll();
+    vkDestroyEvent(app.device, go, nullptr);
+    for (uint64_t n = 0; n < 3 * DPL_VULKAN_SLOTS; ++n) ASSERT_EQ(frame(uint32_t(n % DPL_VULKAN_SLOTS), view), DPL_OK) << lastError_;
+    EXPECT_EQ(framed(view), picture);
+}
+
 TEST_F(VulkanFailures, destroyingRunsOutOfMemory) {
     for (uint64_t n = 1; n < 20; ++n) {
         if (!context_) open();
