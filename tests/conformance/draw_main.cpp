@@ -10,7 +10,9 @@ int main(int argc, char** argv) {
         return 2;
     }
     const auto name = dpl::drawKit(argv[1], argv[2], DPL_RENDERER_SOFTWARE);
-    if (!name) std::fprintf(stderr, "conformance_draw: %s\n", name.error().message.c_str());
-    else std::printf("%s: pictures in %s\n", name->c_str(), argv[2]);
+    if (!name)
+        std::fprintf(stderr, "conformance_draw: %s\n", name.error().message.c_str());
+    else
+        std::printf("%s: pictures in %s\n", name->c_str(), argv[2]);
     return name ? 0 : 2;
 }

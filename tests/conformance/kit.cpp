@@ -152,7 +152,8 @@ Status writeKit(const fs::path& folder) {
     return writeFileAtomically(folder / "kit.json", json.dump(1) + "\n");
 }
 
-Result<std::vector<CaseScore>> scoreKit(const fs::path& kit, const fs::path& pictures, const fs::path& sheet, const OtherReferences* others) {
+Result<std::vector<CaseScore>> scoreKit(const fs::path& kit, const fs::path& pictures, const fs::path& sheet,
+                                        const OtherReferences* others) {
     DPL_TRY(const auto cases, readKit(kit));
     const fs::path references = others ? others->folder : kit / "reference";
     std::vector<CaseScore> scores;

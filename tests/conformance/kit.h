@@ -33,8 +33,9 @@ struct OtherReferences {
     ToleranceBand band;
 };
 
-/** Compares pictures (PNG, premultiplied RGBA, 8 or 16 bits) with the kit's references, or with others. A missing or wrong picture fails its
- *  case, not the call. `sheet`, unless empty, receives a PNG with one row per view: reference, picture and eight times their difference. */
+/** Compares pictures (PNG, premultiplied RGBA, 8 or 16 bits) with the kit's references, or with others. A missing or wrong picture fails
+ * its case, not the call. `sheet`, unless empty, receives a PNG with one row per view: reference, picture and eight times their difference.
+ */
 Result<std::vector<CaseScore>> scoreKit(const std::filesystem::path& kit, const std::filesystem::path& pictures,
                                         const std::filesystem::path& sheet = {}, const OtherReferences* others = nullptr);
 
