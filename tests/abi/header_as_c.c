@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-/* Includes doppel.h in a strict C99 program: it compiles without warnings, its constants are constant expressions, its structs keep their
- * layout. In builds with Vulkan, doppel_vulkan.h too. */
+/* Includes doppel.h and doppel_convert.h in a strict C99 program: they compile without warnings, their constants are constant expressions,
+ * structs keep their layout. In builds with Vulkan, doppel_vulkan.h too. */
 #include <doppel/doppel.h>
+#include <doppel/doppel_convert.h>
 #ifdef WITH_VULKAN
 #include <doppel/doppel_vulkan.h>
 #endif
@@ -46,6 +47,8 @@ int main(void) {
     }
     CHECK(sizeof(DplResult) == 4 && sizeof(DplRenderer) == 4 && sizeof(DplFill) == 4 && sizeof(DplDrawFlag) == 4 &&
           sizeof(DplImageFormat) == 4 && sizeof(DplBudgetState) == 4);
+
+    CHECK(sizeof(DplClipDepth) == 4 && sizeof(DplAxes) == 4 && dplSecondsBetween(1, 1000000001) == 1);
 
     CHECK(dplGetVersion() == ((DPL_VERSION_MAJOR << 16) | (DPL_VERSION_MINOR << 8) | DPL_VERSION_PATCH));
     CHECK(strcmp(dplGetResultName(DPL_ERROR_VERSION), "DPL_ERROR_VERSION") == 0);

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+// doppel-xr: an avatar in a lit room, or in the real one, on any OpenXR headset.
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <thread>
+
+#include "apps/shared/checks.h"
+#include "apps/shared/pictures.h"
+#include "apps/xr/captured_files.h"
+#include "apps/xr/room.h"
+#include "platform/openxr/session.h"
+#include "reconstruction/package/avatar_bytes.h"
+#include "reconstruction/pipeline/progress.h"
+
+namespace dpl {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using namespace std::chrono_literals;
+
+constexpr double kTurnRadPerS = 1.6, kExitSeconds = 10;
+const std::vector<std::string> kBlendNames = {"opaque", "additive", "alpha"};
+
+struct Options {
+    std::filesystem::path avatar, capture;
+    std::string clip, blend = "opaque";
+    uint64_t frames = 0;
+    double waitS = 30;
+    bool withoutRoom = false, withoutAvatar = false, perEye = false, twoViews = false, validate = false;
+    float refreshHz = 0;
+};
+
+double secondsSince(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/** The runtime with a headset, which may take a while to come. */
+Result<std::unique_ptr<xr::Runtime>> waitForHeadset(const Options& options, Progress& progress) {
+    const auto start = Clock::now();
+    for (bool told = false;; told = true) {
+        auto runtime = xr::Runtime::create({.applicationName = "doppel-xr", .validate = options.validate});
+        if (runtime) return std::move(*runtime);
+        if (runtime.error().code != DPL_ERROR_NOT_FOUND || secondsSince(start) > options.waitS || progress.cancelled())
+            return fromSdk(runtime.error());
+        if (!told) progress.note(runtime.error().message);
+        std::this_thread::sleep_for(300ms);
+    }
+}
+
+/** Lets the controllers move the avatar: select puts it where they point at the floor, and a stick turns it. */
+void moveAvatar(Room& room, const xr::Session& session) {
+    using xr::operator*;
+    XrPosef place = room.place();
+    if (const auto& moved = session.originMoved()) place = xr::inverse(*moved) * place;
+    for (const xr::Controller& hand : session.controllers().hands) {
+        const XrVector3f ray = xr::rotate(hand.aim.orientation, {0, 0, -1});
+        if (hand.tracked && hand.selected && ray.y < -0.05f) {
+            const float length = -hand.aim.position.y / ray.y;
+            place.position = {hand.aim.position.x + length * ray.x, 0, hand.aim.position.z + length * ray.z};
+        }
+        const float half = float(-0.5 * kTurnRadPerS * hand.turn * session.lastFrame().periodS);
+        if (hand.turn != 0) place.orientation = XrQuaternionf{0, std::sin(half), 0, std::cos(half)} * place.orientation;
+    }
+    if (xr::makeValid(place)) room.place(place);
+}
+
+Status play(const Options& options, xr::Runtime& runtime, doppel::Avatar& avatar, Progress& progress) {
+    RoomOptions what;
+    what.withRoom = !options.withoutRoom, what.withAvatar = !options.withoutAvatar;
+    if (!options.clip.empty()) {
+        DPL_TRY(what.clip, chooseClip(avatar, options.clip));
+    }
+    Room room(runtime, avatar, what);
+    xr::SessionOptions how;
+    how.nearM = what.nearM;
+    how.array = !options.perEye, how.quadViews = !options.twoViews;
+    how.capture = !options.capture.empty();
+    how.refreshHz = options.refreshHz;
+    how.blend = options.blend == "alpha" ? xr::Blend::Alpha : options.blend == "additive" ? xr::Blend::Additive : xr::Blend::Opaque;
+    xr::Session session(runtime, how);
+    uint64_t drawn = 0;
+    auto lastActive = Clock::now();
+    std::string complaint;
+    for (bool leaving = false;;) {
+        if (how.capture && drawn + 1 == options.frames) session.captureNextFrame();
+        auto step = session.frame(room);
+        if (!step) return fromSdk(step.error());
+        if (*step == xr::Step::Ended) break;
+        if (session.lastComplaint() != complaint) progress.note(complaint = session.lastComplaint());
+        if (*step == xr::Step::Lost) progress.note("the session was lost; making a new one");
+        if (*step == xr::Step::Drew) {
+            ++drawn;
+            moveAvatar(room, session);
+            if (drawn == options.frames && how.capture) {
+                const CapturedFrame frame{runtime.name(), options.clip, session.lastFrame().number, session.lastFrame().timeS};
+                DPL_TRY(const std::string text, writeCapture(options.capture, session.captured(), room, frame));
+                std::fputs(text.c_str(), stdout);
+            }
+        }
+        if (*step == xr::Step::Idle || *step == xr::Step::Lost) std::this_thread::sleep_for(5ms);
+        if (!leaving && (progress.cancelled() || drawn == options.frames)) {
+            if (progress.cancelled() || options.frames > 0) {
+                session.requestExit();
+                leaving = true;
+                lastActive = Clock::now();
+            }
+        }
+        if (leaving && secondsSince(lastActive) > kExitSeconds) return fail(Code::Device, "the runtime does not end the session");
+        if (!leaving && *step == xr::Step::Drew) lastActive = Clock::now();
+        if (!leaving && secondsSince(lastActive) > options.waitS && options.frames > 0)
+            return fail(Code::Device, "nothing was shown for {} s after {} of {} frames; wear the headset, or raise --wait", options.waitS,
+                        drawn, options.frames);
+    }
+    progress.note(formatText("{} frames on {}", drawn, runtime.name()));
+    if (drawn < options.frames && !progress.cancelled())
+        return fail(Code::Device, "the session ended after {} of {} frames", drawn, options.frames);
+    return {};
+}
+
+Status run(const Options& options) {
+    Progress progress;
+    DPL_TRY(auto bytes, readAvatarBytes(options.avatar));
+    DPL_TRY(auto runtime, waitForHeadset(options, progress));
+    progress.note("drawing with " + runtime->name());
+    Status played;
+    {
+        DplAvatar handle = nullptr;
+        if (dplLoadAvatar(runtime->context(), bytes.data(), bytes.size(), &handle) != DPL_OK)
+            return fail(fromSdk(doppel::lastError(DPL_ERROR_DEVICE)).code, "{}: {}", options.avatar.string(), dplGetLastError());
+        doppel::Avatar avatar(runtime->context(), handle);
+        played = play(options, *runtime, avatar, progress);
+    }
+    if (options.validate) {
+        for (const std::string& complaint : runtime->complaints()) std::fprintf(stderr, "%s\n", complaint.c_str());
+        std::printf("validation messages: %zu\n", runtime->complaintCount());
+        if (played && runtime->complaintCount() > 0) return fail(Code::Device, "the validation layer complained");
+    }
+    return played;
+}
+
+int exitCodeOf(const Error& error) {
+    std::fprintf(stderr, "doppel-xr: %s\n", error.message.c_str());
+    return error.code == Code::InvalidArgument ? 2 : 1;
+}
+
+}  // namespace
+}  // namespace dpl
+
+int main(int argc, char** argv) {
+    using namespace dpl;
+    CLI::App app{"Shows an avatar on an OpenXR headset.", "doppel-xr"};
+    Options options;
+    app.add_option("avatar", options.avatar,
+                   "Avatar file (.glb), or general splats (.ply, compressed .ply, .spz, .glb with KHR_gaussian_splatting)")
+        ->required();
+    app.add_option("--clip", options.clip, "A clip of the avatar by name, or a BVH or glTF file to drive it with");
+    app.add_option("--blend", options.blend,
+                   "opaque: a lit room around the avatar; alpha, additive: the real room, where the headset shows it")
+        ->check(CLI::IsMember(kBlendNames))
+        ->capture_default_str();
+    app.add_option("--hz", options.refreshHz, "Refresh rate; the nearest one that the headset offers is taken")
+        ->check(inRange(1.0, 1000.0));
+    app.add_option("--wait", options.waitS, "How long to wait for a headset, seconds")->check(inRange(0.0, 86400.0))->capture_default_str();
+    app.add_option("--frames", options.frames, "Stop after this many pictures; otherwise when the user quits");
+    app.add_option("--capture", options.capture,
+                   "With --frames: write the last frame to this folder (view_N.png, view_N_depth.pfm, views.json)")
+        ->needs("--frames");
+    app.add_flag("--without-room", options.withoutRoom, "The avatar alone over black of alpha 0");
+    app.add_flag("--without-avatar", options.withoutAvatar, "The room alone");
+    app.add_flag("--per-eye", options.perEye, "An image for each eye, even where one image with two layers is possible");
+    app.add_flag("--two-views", options.twoViews, "No foveated insets, even where the headset has them");
+    app.add_flag("--validate", options.validate, "Use the Vulkan validation layer, print its messages, and fail if there are any");
+    app.footer(
+        "Controllers: select puts the avatar where you point at the floor; the stick turns it.\n"
+        "Examples:\n"
+        "  doppel-xr ada/avatar.glb --clip dance.bvh\n"
+        "  doppel-xr ada/avatar.glb --blend alpha          in your own room, on a headset with passthrough\n"
+        "  doppel-xr ada/avatar.glb --frames 100 --capture shots\n"
+        "Exit codes: 0 done, 1 failed (the sentence says why), 2 wrong arguments.");
+    if (argc < 2) {
+        std::fputs(app.help().c_str(), stderr);
+        return 2;
+    }
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        if (error.get_exit_code() == 0) return app.exit(error);  // --help
+        return exitCodeOf(fail(Code::InvalidArgument, "{}. See doppel-xr --help", error.what()));
+    }
+    installSignalHandlers();
+    try {
+        const Status done = run(options);
+        return done ? 0 : exitCodeOf(done.error());
+    } catch (const std::bad_alloc&) {
+        return exitCodeOf(fail(Code::OutOfMemory, "out of memory; close other programs"));
+    }
+}

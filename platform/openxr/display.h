@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a headset offers and what a session takes of it: views, their sizes, the blend mode. Internal to this room.
+#pragma once
+
+#include "platform/openxr/calls.h"
+#include "platform/openxr/session.h"
+
+namespace dpl::xr {
+
+struct Display {
+    XrSystemId system = XR_NULL_SYSTEM_ID;
+    XrViewConfigurationType views = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO;
+    uint32_t viewCount = 0;
+    uint32_t groupCount = 0;
+    XrExtent2Di sizes[kMaxGroups]{};  // of the views of each group, pixels
+    XrEnvironmentBlendMode blendMode = XR_ENVIRONMENT_BLEND_MODE_OPAQUE;
+    bool canPassThrough = false;  // by XR_FB_passthrough
+
+    uint32_t viewsOf(uint32_t group) const { return std::min(kMaxViewsOfGroup, viewCount - group * kMaxViewsOfGroup); }
+};
+
+Result<Display> chooseDisplay(const Runtime& runtime, Calls& calls, XrSystemId system, const SessionOptions& options);
+
+}  // namespace dpl::xr

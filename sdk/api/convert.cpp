@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+// What engines and headsets use, converted to what Doppel uses.
+#include "sdk/include/doppel/doppel_convert.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "sdk/api/api_state.h"
+#include "sdk/math/types.h"
+
+namespace dpl::api {
+namespace {
+
+constexpr double kMaxAngleRad = 89.9 * std::numbers::pi / 180;
+
+Result<Vec3d> positionOf(const float* given) {
+    if (!given) return fail(Code::InvalidArgument, "position is NULL");
+    for (int i = 0; i < 3; ++i)
+        if (!std::isfinite(given[i])) return fail(Code::InvalidArgument, "the position is not finite");
+    return Vec3d(given[0], given[1], given[2]);
+}
+
+/** x, y, z, w of length 1. */
+Result<Vec4d> orientationOf(const float* given) {
+    if (!given) return fail(Code::InvalidArgument, "orientation is NULL");
+    const Vec4d q(given[0], given[1], given[2], given[3]);
+    const double length = glm::length(q);
+    if (!(length > 1e-6) || !std::isfinite(length))
+        return fail(Code::InvalidArgument, "the orientation ({}, {}, {}, {}) is no rotation", q.x, q.y, q.z, q.w);
+    return q / length;
+}
+
+struct Lens {
+    double fx, fy, cx, cy;  // pixels
+};
+
+Status writeCamera(const float* orientation, const float* position, const Lens& lens, uint32_t widthPx, uint32_t heightPx,
+                   DplCamera* camera) {
+    DPL_TRY(const Vec4d q, orientationOf(orientation));
+    DPL_TRY(const Vec3d eye, positionOf(position));
+    // Columns of the rotation: the eye's right, up and backward in the world. A DplCamera has x right, y down, z forward.
+    const Vec3d right(1 - 2 * (q.y * q.y + q.z * q.z), 2 * (q.x * q.y + q.z * q.w), 2 * (q.x * q.z - q.y * q.w));
+    const Vec3d up(2 * (q.x * q.y - q.z * q.w), 1 - 2 * (q.x * q.x + q.z * q.z), 2 * (q.y * q.z + q.x * q.w));
+    const Vec3d rows[3] = {right, -up, -glm::cross(right, up)};
+    DplCamera made{};
+    made.widthPx = widthPx, made.heightPx = heightPx;
+    made.fx = float(lens.fx), made.fy = float(lens.fy), made.cx = float(lens.cx), made.cy = float(lens.cy);
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 3; ++column) made.viewFromWorld[4 * row + column] = float(rows[row][column]);
+        made.viewFromWorld[4 * row + 3] = float(-glm::dot(rows[row], eye));
+    }
+    return writeStruct(camera, made, "camera");
+}
+
+Status checkSize(uint32_t widthPx, uint32_t heightPx) {
+    if (widthPx == 0 || heightPx == 0 || widthPx > DPL_MAX_IMAGE_SIDE_PX || heightPx > DPL_MAX_IMAGE_SIDE_PX)
+        return fail(Code::InvalidArgument, "the view has {} x {} pixels; sides from 1 to {} are possible", widthPx, heightPx,
+                    DPL_MAX_IMAGE_SIDE_PX);
+    return {};
+}
+
+Status cameraFromAngles(const float* orientation, const float* position, const float* anglesRad, uint32_t widthPx, uint32_t heightPx,
+                        DplCamera* camera) {
+    if (!anglesRad) return fail(Code::InvalidArgument, "anglesRad is NULL");
+    DPL_CHECK_OK(checkSize(widthPx, heightPx));
+    for (int i = 0; i < 4; ++i)
+        if (!(std::abs(anglesRad[i]) <= kMaxAngleRad))
+            return fail(Code::InvalidArgument, "an edge of the view is {} rad from its axis; 89.9 degrees are possible", anglesRad[i]);
+    const double left = std::tan(double(anglesRad[0])), right = std::tan(double(anglesRad[1]));
+    const double top = std::tan(double(anglesRad[2])), bottom = std::tan(double(anglesRad[3]));
+    if (!(left < right && bottom < top))
+        return fail(Code::InvalidArgument, "the view is empty or mirrored: left {}, right {}, top {}, bottom {} rad", anglesRad[0],
+                    anglesRad[1], anglesRad[2], anglesRad[3]);
+    const double fx = widthPx / (right - left), fy = heightPx / (top - bottom);
+    return writeCamera(orientation, position, {fx, fy, -left * fx, top * fy}, widthPx, heightPx, camera);
+}
+
+Status cameraFromProjection(const float* orientation, const float* position, const float* projection, DplClipDepth clipDepth,
+                            uint32_t widthPx, uint32_t heightPx, DplCamera* camera, float* depth) {
+    if (!projection) return fail(Code::InvalidArgument, "projection is NULL");
+    DPL_CHECK_OK(checkSize(widthPx, heightPx));
+    if (clipDepth != DPL_CLIP_DEPTH_ZERO_TO_ONE && clipDepth != DPL_CLIP_DEPTH_MINUS_ONE_TO_ONE)
+        return fail(Code::InvalidArgument, "there is no clip depth {}", int(clipDepth));
+    const auto at = [&](int row, int column) { return double(projection[4 * column + row]); };
+    for (int i = 0; i < 16; ++i)
+        if (!std::isfinite(projection[i])) return fail(Code::InvalidArgument, "the projection is not finite");
+    if (at(3, 2) == 0 || at(3, 0) != 0 || at(3, 1) != 0 || at(3, 3) != 0)
+        return fail(Code::InvalidArgument, "the projection is no perspective one: its last row must be 0, 0, ±1, 0");
+    if (at(0, 1) != 0 || at(0, 3) != 0 || at(1, 0) != 0 || at(1, 3) != 0 || at(2, 0) != 0 || at(2, 1) != 0)
+        return fail(Code::InvalidArgument, "the projection is skewed; only focal lengths, a centre and a depth range are possible");
+    if (at(0, 0) <= 0 || at(1, 1) == 0 || at(2, 3) == 0)
+        return fail(Code::InvalidArgument, "the projection mirrors x, or squashes y or depth to nothing");
+    const double forward = at(3, 2) > 0 ? 1 : -1, w = std::abs(at(3, 2));  // view z = forward · distance
+    const double clipUp = at(1, 1) > 0 ? 1 : -1;
+    Lens lens{};
+    lens.fx = 0.5 * widthPx * at(0, 0) / w, lens.cx = 0.5 * widthPx * (1 + forward * at(0, 2) / w);
+    lens.fy = 0.5 * heightPx * std::abs(at(1, 1)) / w, lens.cy = 0.5 * heightPx * (1 - clipUp * forward * at(1, 2) / w);
+    DPL_CHECK_OK(writeCamera(orientation, position, lens, widthPx, heightPx, camera));
+    if (depth) {
+        const double scale = forward * at(2, 2) / w, offset = at(2, 3) / w;
+        const bool zeroToOne = clipDepth == DPL_CLIP_DEPTH_ZERO_TO_ONE;
+        depth[0] = float(zeroToOne ? scale : 0.5 * scale + 0.5), depth[1] = float(zeroToOne ? offset : 0.5 * offset);
+    }
+    return {};
+}
+
+Status depthFromPlanes(float zAtZeroM, float zAtOneM, float* depth) {
+    if (!depth) return fail(Code::InvalidArgument, "depth is NULL");
+    if (!(zAtZeroM > 0) || !(zAtOneM > 0) || zAtZeroM == zAtOneM)
+        return fail(Code::InvalidArgument, "depth from {} to {} m is empty or behind the camera", zAtZeroM, zAtOneM);
+    const double atZero = 1 / double(zAtZeroM), atOne = 1 / double(zAtOneM);  // 0 at infinity
+    depth[0] = float(-atZero / (atOne - atZero)), depth[1] = float(1 / (atOne - atZero));
+    return {};
+}
+
+Status poseFromAxes(DplAxes axes, const float* orientation, const float* position, float* outOrientation, float* outPosition) {
+    if (!outOrientation || !outPosition) return fail(Code::InvalidArgument, "an output is NULL");
+    DPL_TRY(const Vec4d q, orientationOf(orientation));
+    DPL_TRY(const Vec3d p, positionOf(position));
+    Vec4d turned;
+    Vec3d moved;
+    // A mirrored world turns the other way round: the axis of a rotation is mapped like a position, and then negated.
+    switch (axes) {
+        case DPL_AXES_OPENXR:
+            turned = q, moved = p;
+            break;
+        case DPL_AXES_UNITY:
+            turned = {-q.x, -q.y, q.z, q.w}, moved = {p.x, p.y, -p.z};
+            break;
+        case DPL_AXES_UNREAL:
+            turned = {-q.y, -q.z, q.x, q.w}, moved = 0.01 * Vec3d(p.y, p.z, -p.x);
+            break;
+        default:
+            return fail(Code::InvalidArgument, "there are no axes {}", int(axes));
+    }
+    for (int i = 0; i < 4; ++i) outOrientation[i] = float(turned[i]);
+    for (int i = 0; i < 3; ++i) outPosition[i] = float(moved[i]);
+    return {};
+}
+
+}  // namespace
+}  // namespace dpl::api
+
+using namespace dpl;
+using namespace dpl::api;
+
+extern "C" DplResult dplCameraFromAngles(const float* orientation, const float* position, const float* anglesRad, uint32_t widthPx,
+                                         uint32_t heightPx, DplCamera* camera) {
+    return guarded("dplCameraFromAngles", [&] { return cameraFromAngles(orientation, position, anglesRad, widthPx, heightPx, camera); });
+}
+
+extern "C" DplResult dplCameraFromProjection(const float* orientation, const float* position, const float* projection,
+                                             DplClipDepth clipDepth, uint32_t widthPx, uint32_t heightPx, DplCamera* camera, float* depth) {
+    return guarded("dplCameraFromProjection",
+                   [&] { return cameraFromProjection(orientation, position, projection, clipDepth, widthPx, heightPx, camera, depth); });
+}
+
+extern "C" DplResult dplDepthFromPlanes(float zAtZeroM, float zAtOneM, float* depth) {
+    return guarded("dplDepthFromPlanes", [&] { return depthFromPlanes(zAtZeroM, zAtOneM, depth); });
+}
+
+extern "C" DplResult dplPoseFromAxes(DplAxes axes, const float* orientation, const float* position, float* outOrientation,
+                                     float* outPosition) {
+    return guarded("dplPoseFromAxes", [&] { return poseFromAxes(axes, orientation, position, outOrientation, outPosition); });
+}
+
+extern "C" double dplSecondsBetween(int64_t startNs, int64_t timeNs) {
+    // Whole seconds and the rest apart, because the difference of two timestamps may exceed 64 bits.
+    constexpr int64_t kSecond = 1000000000;
+    return double(timeNs / kSecond - startNs / kSecond) + double(timeNs % kSecond - startNs % kSecond) * 1e-9;
+}
