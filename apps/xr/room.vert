@@ -19,8 +19,8 @@ layout(location = 0) out vec3 world;
 layout(location = 1) flat out vec3 normal;
 layout(location = 2) flat out vec3 albedo;
 
-const vec3 kLow[6] = vec3[](vec3(-4, -0.1, -5), vec3(-4, 0, -5.1), vec3(0.22, 0, -1.45), vec3(-1.1, 0, -2.9), vec3(0.85, 0, -3.4), vec3(-0.75, 0, -1.3));
-const vec3 kHigh[6] = vec3[](vec3(4, 0, 3), vec3(4, 3, -5), vec3(0.34, 1.1, -1.33), vec3(-0.9, 3, -2.7), vec3(1.05, 3, -3.2), vec3(-0.6, 0.5, -1.15));
+const vec3 kLow[6] = vec3[](vec3(-4, -0.1, -5), vec3(-4, 0, -5.1), vec3(0.10, 0, -1.45), vec3(-1.1, 0, -2.9), vec3(0.85, 0, -3.4), vec3(-0.75, 0, -1.3));
+const vec3 kHigh[6] = vec3[](vec3(4, 0, 3), vec3(4, 3, -5), vec3(0.22, 1.1, -1.33), vec3(-0.9, 3, -2.7), vec3(1.05, 3, -3.2), vec3(-0.6, 0.5, -1.15));
 const vec3 kAlbedo[6] = vec3[](vec3(0.34, 0.31, 0.28), vec3(0.5, 0.52, 0.56), vec3(0.65, 0.3, 0.24), vec3(0.7, 0.68, 0.6), vec3(0.7, 0.68, 0.6), vec3(0.25, 0.42, 0.5));
 
 void main() {

@@ -279,6 +279,7 @@ void Runtime::findMultiview() {
     VkAttachmentDescription colour{};
     colour.format = VK_FORMAT_R8G8B8A8_SRGB;
     colour.samples = VK_SAMPLE_COUNT_1_BIT;
+    colour.loadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
     colour.finalLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
     const VkAttachmentReference reference{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
     VkSubpassDescription subpass{};
