@@ -65,12 +65,13 @@ Status Actions::create(Calls& calls_) {
 }
 
 Status Actions::suggest(Calls& calls_) {
+    bool any = false, complete = true;
     const auto path = [&](const std::string& text) {
         XrPath made = XR_NULL_PATH;
-        return XR_SUCCEEDED(xrStringToPath(runtime_.instance(), text.c_str(), &made)) ? made : XR_NULL_PATH;
+        complete &= XR_SUCCEEDED(xrStringToPath(runtime_.instance(), text.c_str(), &made));
+        return made;
     };
-    bool any = false;
-    Status last;
+    Status last = Error{DPL_ERROR_UNSUPPORTED, "the runtime takes no paths of controllers"};
     for (const Profile& profile : kProfiles) {
         std::vector<XrActionSuggestedBinding> bindings;
         for (const std::string hand : kHands) {
@@ -78,8 +79,10 @@ Status Actions::suggest(Calls& calls_) {
             bindings.push_back({select_, path(hand + profile.select)});
             if (profile.turn) bindings.push_back({turn_, path(hand + profile.turn)});
         }
+        const XrPath named = path(profile.path);
+        if (!std::exchange(complete, true)) continue;
         XrInteractionProfileSuggestedBinding info{XR_TYPE_INTERACTION_PROFILE_SUGGESTED_BINDING};
-        info.interactionProfile = path(profile.path);
+        info.interactionProfile = named;
         info.countSuggestedBindings = uint32_t(bindings.size());
         info.suggestedBindings = bindings.data();
         last = calls_.check(xrSuggestInteractionProfileBindings(runtime_.instance(), &info), "xrSuggestInteractionProfileBindings");

@@ -166,9 +166,14 @@ Status Images::makeViews(uint32_t index) {
         }
         const std::vector<VkImage> own = {group.ownDepth};
         for (VkImage image : group.ownDepth ? own : group.depth[chain].images()) {
-            auto view = makeView(group, image, shown_.depthFormat, VK_IMAGE_ASPECT_DEPTH_BIT, group.ownDepth ? pass : layer, layers);
+            // Attachments are whole images; Doppel samples the depth aspect alone.
+            const uint32_t first = group.ownDepth ? pass : layer;
+            auto view = makeView(group, image, shown_.depthFormat, depthAspects(), first, layers);
             if (!view) return view.error();
             shown.depth[pass].push_back(*view);
+            auto sampled = makeView(group, image, shown_.depthFormat, VK_IMAGE_ASPECT_DEPTH_BIT, first, layers);
+            if (!sampled) return sampled.error();
+            group.sampledDepth[pass].push_back(*sampled);
         }
     }
     return {};
@@ -208,7 +213,7 @@ void Images::describe(uint32_t index, float nearM, GroupFrame& frame) const {
         DplVulkanSceneDepth& depth = frame.depths[v];
         depth = {};
         depth.structSize = sizeof depth;
-        depth.image = shown.depth[pass][frame.depthImage[pass]];
+        depth.image = group.sampledDepth[pass][frame.depthImage[pass]];
         depth.layer = shown_.multiview ? v : 0;
         depth.layout = VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL;
         depth.samples = 1;

@@ -48,7 +48,8 @@ private:
         std::vector<Swapchain> colour, depth;  // one, or one for each view. depth: none if ownDepth
         VkImage ownDepth = VK_NULL_HANDLE;     // a layer for each view
         VkDeviceMemory memory = VK_NULL_HANDLE;
-        std::vector<VkImageView> views;  // all that were made
+        std::vector<VkImageView> sampledDepth[kMaxViewsOfGroup];  // by pass, then by image
+        std::vector<VkImageView> views;                           // all that were made
     };
     using Chains = std::vector<std::vector<Swapchain>>;  // by group
 

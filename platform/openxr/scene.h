@@ -28,7 +28,7 @@ struct GroupImages {
     uint32_t widthPx = 0, heightPx = 0;
     uint32_t views = 0;   // 1 or 2
     uint32_t passes = 0;  // render passes to draw them: 1 with multiview (view mask 3), else as many as views
-    std::vector<VkImageView> colour[kMaxViewsOfGroup], depth[kMaxViewsOfGroup];  // by pass, then by image; depth: the depth aspect alone
+    std::vector<VkImageView> colour[kMaxViewsOfGroup], depth[kMaxViewsOfGroup];  // by pass, then by image; for framebuffers
 };
 
 /** What a session draws into. */

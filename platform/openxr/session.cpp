@@ -66,7 +66,7 @@ struct Session::Self {
     SessionOptions options_;
     Calls calls_;
     FrameCommands commands_;
-    bool ready_ = false;  // commands and actions were made
+    bool ready_ = false, hasActions_ = false;  // commands and actions were made; the runtime takes the actions
     Actions actions_;
     Capture capture_;
     std::unique_ptr<Live> live_;
@@ -149,7 +149,9 @@ Result<bool> Session::Self::open(Scene& scene) {
     if (!system) return system.error();
     if (!ready_) {
         DPL_XR_OK(commands_.make());
-        if (Status made = actions_.create(calls_); !made) complaint_ = "no controllers: " + made.error().message;
+        const Status made = actions_.create(calls_);
+        if (!made) complaint_ = "no controllers: " + made.error().message;
+        hasActions_ = bool(made);
         ready_ = true;
     }
     auto display = chooseDisplay(runtime_, calls_, *system, options_);
@@ -166,9 +168,11 @@ Result<bool> Session::Self::open(Scene& scene) {
     DPL_XR_OK(live->world.create(runtime_, calls_, live->session.handle));
     DPL_XR_OK(live->images.make(calls_, live->session.handle, live->display, options_));
     DPL_XR_OK(startPassthrough(*live));
-    if (Status attached = actions_.attach(calls_, live->session.handle); !attached) {
-        complaint_ = "no controllers: " + attached.error().message;
-        actions_.detach();
+    if (hasActions_) {
+        if (Status attached = actions_.attach(calls_, live->session.handle); !attached) {
+            complaint_ = "no controllers: " + attached.error().message;
+            actions_.detach();
+        }
     }
     if (runtime_.extensions().refreshRate) chooseRefreshRate(live->session.handle);
     if (calls_.sessionLost) {
