@@ -44,6 +44,10 @@ class Checker:
         program = words[0]
         if program == "doppel" or program.endswith("/doppel"):
             return self.check_doppel(words[1:])
+        if program == "doppel-xr":  # need not be built
+            self.commands += 1
+            text = (self.root / "apps/xr/main.cpp").read_text()
+            return [f"doppel-xr has no option {w}" for w in words[1:] if w.startswith("--") and f'"{w}"' not in text]
         if program.startswith("tools/"):
             return self.check_script(program, words[1:])
         if program in ("cc", "c++"):  # what follows is the user's own; check_snippets compiles

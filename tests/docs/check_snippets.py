@@ -38,6 +38,9 @@ class Compiler:
         headers = "#include <cstdio>\n#include <doppel/doppel.hpp>\n"
         if "Vulkan" in text:
             headers += "#include <doppel/doppel_vulkan.h>\n#include <vulkan/vulkan.h>\n"
+        lines = text.splitlines(keepends=True)
+        headers += "".join(line for line in lines if line.startswith("#include"))
+        text = "".join(line for line in lines if not line.startswith("#include"))
         source.write_text(f"{headers}void {name}({parameters});\nvoid {name}({parameters}) {{\n{text}}}\n")
         error = self.run(*self.command["cpp"], "-Wno-unused-result", "-Wno-unused-variable", "-fsyntax-only", source)
         return f"does not compile: {error}" if error else ""

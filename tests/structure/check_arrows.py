@@ -24,6 +24,7 @@ RULES["reconstruction"] = ["sdk/core", "sdk/math", "sdk/format", "sdk/avatar", "
 RULES["apps"] = ["apps", "platform", "reconstruction", "sdk/core", "sdk/math"]
 # The referee judges the fast code, so of that it may include only data types and file readers.
 RULES["apps/reference"] = ["sdk/core", "sdk/format", "sdk/avatar/rig.h", "sdk/math/camera.h"]
+RULES["apps/xr"] = ["apps/xr", "apps/shared", "platform", "reconstruction/image", "reconstruction/package", "reconstruction/pipeline", "sdk/core", "sdk/math"]
 RULES["apps/shared"] = ["reconstruction/report", "sdk/core", "sdk/math"]
 RULES["apps/bench"] = ["apps/shared", "apps/reference", "reconstruction/package", "reconstruction/pipeline", "reconstruction/report", "sdk/core", "sdk/math"]
 RULES["tools"] = ["sdk", "shaders", "tools", "reconstruction", "apps/bench", "apps/shared", "apps/reference"]
@@ -34,7 +35,8 @@ THIRD_PARTY = {  # heavy libraries stay in their rooms
     "ceres": ("reconstruction", "tests"),
     "Eigen": ("reconstruction", "tests"),
     "embree3": ("reconstruction", "tests"),
-    "vulkan": ("sdk/backend/vulkan", "sdk/include", "platform", "tests"),
+    "vulkan": ("sdk/backend/vulkan", "sdk/include", "platform", "apps/xr", "tests"),
+    "openxr": ("platform/openxr", "tests"),
     "tiny_gltf.h": ("sdk/format",),
     "draco": ("sdk/format", "tests"),
 }
