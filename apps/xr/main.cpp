@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <thread>
 
@@ -11,8 +12,7 @@
 #include "apps/xr/captured_files.h"
 #include "apps/xr/room.h"
 #include "platform/openxr/session.h"
-#include "reconstruction/package/avatar_bytes.h"
-#include "reconstruction/pipeline/progress.h"
+#include "sdk/core/files.h"
 
 namespace dpl {
 namespace {
@@ -21,6 +21,7 @@ using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
 constexpr double kTurnRadPerS = 1.6, kExitSeconds = 10;
+volatile std::sig_atomic_t interrupted = 0;  // by Ctrl-C
 const std::vector<std::string> kBlendNames = {"opaque", "additive", "alpha"};
 
 struct Options {
@@ -32,19 +33,23 @@ struct Options {
     float refreshHz = 0;
 };
 
+void note(const std::string& line) {
+    std::fprintf(stderr, "%s\n", line.c_str());
+}
+
 double secondsSince(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
 /** The runtime with a headset, which may take a while to come. */
-Result<std::unique_ptr<xr::Runtime>> waitForHeadset(const Options& options, Progress& progress) {
+Result<std::unique_ptr<xr::Runtime>> waitForHeadset(const Options& options) {
     const auto start = Clock::now();
     for (bool told = false;; told = true) {
         auto runtime = xr::Runtime::create({.applicationName = "doppel-xr", .validate = options.validate});
         if (runtime) return std::move(*runtime);
-        if (runtime.error().code != DPL_ERROR_NOT_FOUND || secondsSince(start) > options.waitS || progress.cancelled())
+        if (runtime.error().code != DPL_ERROR_NOT_FOUND || secondsSince(start) > options.waitS || interrupted)
             return fromSdk(runtime.error());
-        if (!told) progress.note(runtime.error().message);
+        if (!told) note(runtime.error().message);
         std::this_thread::sleep_for(300ms);
     }
 }
@@ -66,71 +71,81 @@ void moveAvatar(Room& room, const xr::Session& session) {
     if (xr::makeValid(place)) room.place(place);
 }
 
-Status play(const Options& options, xr::Runtime& runtime, doppel::Avatar& avatar, Progress& progress) {
-    RoomOptions what;
-    what.withRoom = !options.withoutRoom, what.withAvatar = !options.withoutAvatar;
+RoomOptions roomOf(const Options& options) {
+    RoomOptions room;
+    room.withRoom = !options.withoutRoom, room.withAvatar = !options.withoutAvatar;
+    return room;
+}
+
+xr::SessionOptions sessionOf(const Options& options, const RoomOptions& room) {
+    xr::SessionOptions session;
+    session.nearM = room.nearM;
+    session.array = !options.perEye, session.quadViews = !options.twoViews;
+    session.capture = !options.capture.empty();
+    session.refreshHz = options.refreshHz;
+    session.blend = options.blend == "alpha" ? xr::Blend::Alpha : options.blend == "additive" ? xr::Blend::Additive : xr::Blend::Opaque;
+    return session;
+}
+
+Status capture(const Options& options, const xr::Runtime& runtime, const Room& room, const xr::Session& session) {
+    const xr::Frame& last = session.lastFrame();
+    DPL_TRY(const std::string text,
+            writeCapture(options.capture, session.captured(), room, {runtime.name(), options.clip, last.number, last.timeS}));
+    std::fputs(text.c_str(), stdout);
+    return {};
+}
+
+Status play(const Options& options, xr::Runtime& runtime, doppel::Avatar& avatar) {
+    RoomOptions what = roomOf(options);
     if (!options.clip.empty()) {
         DPL_TRY(what.clip, chooseClip(avatar, options.clip));
     }
     Room room(runtime, avatar, what);
-    xr::SessionOptions how;
-    how.nearM = what.nearM;
-    how.array = !options.perEye, how.quadViews = !options.twoViews;
-    how.capture = !options.capture.empty();
-    how.refreshHz = options.refreshHz;
-    how.blend = options.blend == "alpha" ? xr::Blend::Alpha : options.blend == "additive" ? xr::Blend::Additive : xr::Blend::Opaque;
-    xr::Session session(runtime, how);
+    xr::Session session(runtime, sessionOf(options, what));
     uint64_t drawn = 0;
-    auto lastActive = Clock::now();
+    bool leaving = false;
+    auto lastProgress = Clock::now();
     std::string complaint;
-    for (bool leaving = false;;) {
-        if (how.capture && drawn + 1 == options.frames) session.captureNextFrame();
-        auto step = session.frame(room);
+    for (;;) {
+        if (drawn + 1 == options.frames) session.captureNextFrame();
+        const auto step = session.frame(room);
         if (!step) return fromSdk(step.error());
         if (*step == xr::Step::Ended) break;
-        if (session.lastComplaint() != complaint) progress.note(complaint = session.lastComplaint());
-        if (*step == xr::Step::Lost) progress.note("the session was lost; making a new one");
+        if (session.lastComplaint() != complaint) note(complaint = session.lastComplaint());
+        if (*step == xr::Step::Lost) note("the session was lost; making a new one");
+        if (*step == xr::Step::Idle || *step == xr::Step::Lost) std::this_thread::sleep_for(5ms);
+        if (leaving) {
+            if (secondsSince(lastProgress) > kExitSeconds) return fail(Code::Device, "the runtime does not end the session");
+            continue;
+        }
         if (*step == xr::Step::Drew) {
             ++drawn;
+            lastProgress = Clock::now();
+            if (drawn == options.frames && !options.capture.empty()) DPL_CHECK_OK(capture(options, runtime, room, session));
             moveAvatar(room, session);
-            if (drawn == options.frames && how.capture) {
-                const CapturedFrame frame{runtime.name(), options.clip, session.lastFrame().number, session.lastFrame().timeS};
-                DPL_TRY(const std::string text, writeCapture(options.capture, session.captured(), room, frame));
-                std::fputs(text.c_str(), stdout);
-            }
         }
-        if (*step == xr::Step::Idle || *step == xr::Step::Lost) std::this_thread::sleep_for(5ms);
-        if (!leaving && (progress.cancelled() || drawn == options.frames)) {
-            if (progress.cancelled() || options.frames > 0) {
-                session.requestExit();
-                leaving = true;
-                lastActive = Clock::now();
-            }
-        }
-        if (leaving && secondsSince(lastActive) > kExitSeconds) return fail(Code::Device, "the runtime does not end the session");
-        if (!leaving && *step == xr::Step::Drew) lastActive = Clock::now();
-        if (!leaving && secondsSince(lastActive) > options.waitS && options.frames > 0)
+        leaving = interrupted || (options.frames > 0 && drawn >= options.frames);
+        if (leaving) session.requestExit(), lastProgress = Clock::now();
+        if (options.frames > 0 && !leaving && secondsSince(lastProgress) > options.waitS)
             return fail(Code::Device, "nothing was shown for {} s after {} of {} frames; wear the headset, or raise --wait", options.waitS,
                         drawn, options.frames);
     }
-    progress.note(formatText("{} frames on {}", drawn, runtime.name()));
-    if (drawn < options.frames && !progress.cancelled())
-        return fail(Code::Device, "the session ended after {} of {} frames", drawn, options.frames);
+    note(formatText("{} frames on {}", drawn, runtime.name()));
+    if (drawn < options.frames && !interrupted) return fail(Code::Device, "the session ended after {} of {} frames", drawn, options.frames);
     return {};
 }
 
 Status run(const Options& options) {
-    Progress progress;
-    DPL_TRY(auto bytes, readAvatarBytes(options.avatar));
-    DPL_TRY(auto runtime, waitForHeadset(options, progress));
-    progress.note("drawing with " + runtime->name());
+    DPL_TRY(auto bytes, readFile(options.avatar));
+    DPL_TRY(auto runtime, waitForHeadset(options));
+    note("drawing with " + runtime->name());
     Status played;
     {
         DplAvatar handle = nullptr;
         if (dplLoadAvatar(runtime->context(), bytes.data(), bytes.size(), &handle) != DPL_OK)
             return fail(fromSdk(doppel::lastError(DPL_ERROR_DEVICE)).code, "{}: {}", options.avatar.string(), dplGetLastError());
         doppel::Avatar avatar(runtime->context(), handle);
-        played = play(options, *runtime, avatar, progress);
+        played = play(options, *runtime, avatar);
     }
     if (options.validate) {
         for (const std::string& complaint : runtime->complaints()) std::fprintf(stderr, "%s\n", complaint.c_str());
@@ -189,7 +204,10 @@ int main(int argc, char** argv) {
         if (error.get_exit_code() == 0) return app.exit(error);  // --help
         return exitCodeOf(fail(Code::InvalidArgument, "{}. See doppel-xr --help", error.what()));
     }
-    installSignalHandlers();
+    std::signal(SIGINT, [](int) {
+        interrupted = 1;
+        std::signal(SIGINT, SIG_DFL);  // the second one ends the process
+    });
     try {
         const Status done = run(options);
         return done ? 0 : exitCodeOf(done.error());

@@ -24,7 +24,7 @@ RULES["reconstruction"] = ["sdk/core", "sdk/math", "sdk/format", "sdk/avatar", "
 RULES["apps"] = ["apps", "platform", "reconstruction", "sdk/core", "sdk/math"]
 # The referee judges the fast code, so of that it may include only data types and file readers.
 RULES["apps/reference"] = ["sdk/core", "sdk/format", "sdk/avatar/rig.h", "sdk/math/camera.h"]
-RULES["apps/xr"] = ["apps/xr", "apps/shared", "platform", "reconstruction/image", "reconstruction/package", "reconstruction/pipeline", "sdk/core", "sdk/math"]
+RULES["apps/xr"] = ["apps/xr", "apps/shared", "platform", "reconstruction/image", "sdk/core", "sdk/math"]
 RULES["apps/shared"] = ["reconstruction/report", "sdk/core", "sdk/math"]
 RULES["apps/bench"] = ["apps/shared", "apps/reference", "reconstruction/package", "reconstruction/pipeline", "reconstruction/report", "sdk/core", "sdk/math"]
 RULES["tools"] = ["sdk", "shaders", "tools", "reconstruction", "apps/bench", "apps/shared", "apps/reference"]
