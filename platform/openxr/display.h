@@ -2,6 +2,8 @@
 // What a headset offers and what a session takes of it: views, their sizes, the blend mode. Internal to this room.
 #pragma once
 
+#include <algorithm>
+
 #include "platform/openxr/calls.h"
 #include "platform/openxr/session.h"
 
