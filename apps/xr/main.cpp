@@ -178,7 +178,7 @@ int main(int argc, char** argv) {
     app.add_option("--hz", options.refreshHz, "Refresh rate; the nearest one that the headset offers is taken")
         ->check(inRange(1.0, 1000.0));
     app.add_option("--wait", options.waitS, "How long to wait for a headset, seconds")->check(inRange(0.0, 86400.0))->capture_default_str();
-    app.add_option("--frames", options.frames, "Stop after this many pictures; otherwise when the user quits");
+    app.add_option("--frames", options.frames, "Stop after this many pictures; otherwise when the user quits")->check(inRange(1.0, 1e9));
     app.add_option("--capture", options.capture,
                    "With --frames: write the last frame to this folder (view_N.png, view_N_depth.pfm, views.json)")
         ->needs("--frames");
