@@ -2,6 +2,7 @@
 #include "platform/openxr/display.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "platform/openxr/enumerate.h"
 
@@ -92,6 +93,25 @@ Result<Display> chooseDisplay(const Runtime& runtime, Calls& calls_, XrSystemId 
                         : has(modes, XR_ENVIRONMENT_BLEND_MODE_OPAQUE) ? XR_ENVIRONMENT_BLEND_MODE_OPAQUE
                                                                        : modes[0];
     return display;
+}
+
+float chooseRefreshRate(const Runtime& runtime, Calls& calls, XrSession session, float wishedHz) {
+    if (!runtime.extensions().refreshRate) return 0;
+    const auto list = runtime.function<PFN_xrEnumerateDisplayRefreshRatesFB>("xrEnumerateDisplayRefreshRatesFB");
+    const auto get = runtime.function<PFN_xrGetDisplayRefreshRateFB>("xrGetDisplayRefreshRateFB");
+    const auto request = runtime.function<PFN_xrRequestDisplayRefreshRateFB>("xrRequestDisplayRefreshRateFB");
+    if (!list || !get || !request) return 0;
+    std::vector<float> rates;
+    const XrResult listed =
+        enumerate(rates, 0.0f, [&](auto capacity, auto count, auto out) { return list(session, capacity, count, out); });
+    if (wishedHz > 0 && calls.check(listed, "xrEnumerateDisplayRefreshRatesFB") && !rates.empty()) {
+        const auto nearest =
+            std::min_element(rates.begin(), rates.end(), [&](float a, float b) { return std::abs(a - wishedHz) < std::abs(b - wishedHz); });
+        static_cast<void>(calls.check(request(session, *nearest), "xrRequestDisplayRefreshRateFB"));  // refused: the rate stays
+    }
+    float rate = 0;
+    const bool told = bool(calls.check(get(session, &rate), "xrGetDisplayRefreshRateFB"));
+    return told && std::isfinite(rate) ? rate : 0;
 }
 
 }  // namespace dpl::xr

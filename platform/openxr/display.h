@@ -23,4 +23,7 @@ struct Display {
 
 Result<Display> chooseDisplay(const Runtime& runtime, Calls& calls, XrSystemId system, const SessionOptions& options);
 
+/** Asks the display for its rate nearest to wishedHz; 0: asks for none. Returns the rate that the display then has, Hz; 0: unknown. */
+float chooseRefreshRate(const Runtime& runtime, Calls& calls, XrSession session, float wishedHz);
+
 }  // namespace dpl::xr

@@ -4,12 +4,10 @@
 #include <doppel/doppel_convert.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "platform/openxr/actions.h"
 #include "platform/openxr/capture.h"
-#include "platform/openxr/enumerate.h"
 #include "platform/openxr/frame_commands.h"
 #include "platform/openxr/images.h"
 #include "platform/openxr/passthrough.h"
@@ -49,7 +47,6 @@ struct Session::Self {
     Result<Step> step(Scene& scene);
     Result<bool> open(Scene& scene);
     Status startPassthrough(Live& live);
-    void chooseRefreshRate(XrSession session);
     Status pollEvents();
     Status stateChanged(XrSessionState state);
     Result<Step> runFrame(Scene& scene);
@@ -174,7 +171,7 @@ Result<bool> Session::Self::open(Scene& scene) {
             actions_.detach();
         }
     }
-    if (runtime_.extensions().refreshRate) chooseRefreshRate(live->session.handle);
+    refreshHz_ = chooseRefreshRate(runtime_, calls_, live->session.handle, options_.refreshHz);
     if (calls_.sessionLost) {
         actions_.detach();
         return false;
@@ -200,24 +197,6 @@ Status Session::Self::startPassthrough(Live& live) {
     live.passesThrough = true;
     blend = Blend::Alpha;
     return {};
-}
-
-void Session::Self::chooseRefreshRate(XrSession session) {
-    const auto list = runtime_.function<PFN_xrEnumerateDisplayRefreshRatesFB>("xrEnumerateDisplayRefreshRatesFB");
-    const auto get = runtime_.function<PFN_xrGetDisplayRefreshRateFB>("xrGetDisplayRefreshRateFB");
-    const auto request = runtime_.function<PFN_xrRequestDisplayRefreshRateFB>("xrRequestDisplayRefreshRateFB");
-    if (!list || !get || !request) return;
-    std::vector<float> rates;
-    const XrResult listed =
-        enumerate(rates, 0.0f, [&](auto capacity, auto count, auto out) { return list(session, capacity, count, out); });
-    if (options_.refreshHz > 0 && XR_SUCCEEDED(listed) && !rates.empty()) {
-        const auto nearest = std::min_element(rates.begin(), rates.end(), [&](float a, float b) {
-            return std::abs(a - options_.refreshHz) < std::abs(b - options_.refreshHz);
-        });
-        if (!calls_.check(request(session, *nearest), "xrRequestDisplayRefreshRateFB")) complain("the display keeps its refresh rate");
-    }
-    float rate = 0;
-    if (calls_.check(get(session, &rate), "xrGetDisplayRefreshRateFB") && std::isfinite(rate)) refreshHz_ = rate;
 }
 
 Status Session::Self::pollEvents() {
