@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// Refresh rates and passthrough.
+#include <algorithm>
+
+#include "tests/xr/mock_runtime/check.h"
+#include "tests/xr/mock_runtime/entry_points.h"
+
+namespace dpl::mockxr::entry {
+
+DPL_MOCKXR_ENTRY(xrEnumerateDisplayRefreshRatesFB)(XrSession, uint32_t capacity, uint32_t* count, float* out) {
+    return enumerate(capacity, count, out, runtime().settings.refreshRatesHz);
+}
+
+DPL_MOCKXR_ENTRY(xrGetDisplayRefreshRateFB)(XrSession, float* rate) {
+    *rate = runtime().refreshHz;
+    return XR_SUCCESS;
+}
+
+DPL_MOCKXR_ENTRY(xrRequestDisplayRefreshRateFB)(XrSession, float rate) {
+    const std::vector<float>& rates = runtime().settings.refreshRatesHz;
+    if (rate == 0) return XR_SUCCESS;  // the runtime chooses
+    if (std::find(rates.begin(), rates.end(), rate) == rates.end())
+        return violated(XR_ERROR_DISPLAY_REFRESH_RATE_UNSUPPORTED_FB, "the display does not have that rate");
+    changeRefreshRate(rate);
+    return XR_SUCCESS;
+}
+
+DPL_MOCKXR_ENTRY(xrCreatePassthroughFB)(XrSession session, const XrPassthroughCreateInfoFB* info, XrPassthroughFB* passthrough) {
+    DPL_MOCKXR_TRY(checkStructure(info, XR_TYPE_PASSTHROUGH_CREATE_INFO_FB, "createInfo"));
+    *passthrough = runtime().newHandle<XrPassthroughFB>();
+    runtime().passthroughs[*passthrough] = {session};
+    return XR_SUCCESS;
+}
+
+DPL_MOCKXR_ENTRY(xrDestroyPassthroughFB)(XrPassthroughFB passthrough) {
+    runtime().passthroughs.erase(passthrough);
+    return XR_SUCCESS;
+}
+
+DPL_MOCKXR_ENTRY(xrPassthroughStartFB)(XrPassthroughFB) {
+    return XR_SUCCESS;
+}
+
+DPL_MOCKXR_ENTRY(xrCreatePassthroughLayerFB)(XrSession session, const XrPassthroughLayerCreateInfoFB* info, XrPassthroughLayerFB* layer) {
+    DPL_MOCKXR_TRY(checkStructure(info, XR_TYPE_PASSTHROUGH_LAYER_CREATE_INFO_FB, "createInfo"));
+    if (!runtime().passthroughs.count(info->passthrough)) return violated(XR_ERROR_HANDLE_INVALID, "the passthrough is not alive");
+    *layer = runtime().newHandle<XrPassthroughLayerFB>();
+    runtime().passthroughLayers[*layer] = {session};
+    return XR_SUCCESS;
+}
+
+DPL_MOCKXR_ENTRY(xrDestroyPassthroughLayerFB)(XrPassthroughLayerFB layer) {
+    runtime().passthroughLayers.erase(layer);
+    return XR_SUCCESS;
+}
+
+}  // namespace dpl::mockxr::entry
