@@ -68,10 +68,10 @@ protected:
         create.systemId = system_, create.pfnGetInstanceProcAddr = vkGetInstanceProcAddr, create.vulkanCreateInfo = &vulkan;
         VkResult made = VK_SUCCESS;
         ASSERT_EQ(function<PFN_xrCreateVulkanInstanceKHR>("xrCreateVulkanInstanceKHR")(instance_, &create, &vulkan_, &made), XR_SUCCESS);
+        if (made != VK_SUCCESS) GTEST_SKIP() << "there is no Vulkan device (Debian: mesa-vulkan-drivers)";
         XrVulkanGraphicsDeviceGetInfoKHR get{XR_TYPE_VULKAN_GRAPHICS_DEVICE_GET_INFO_KHR};
         get.systemId = system_, get.vulkanInstance = vulkan_;
-        if (function<PFN_xrGetVulkanGraphicsDevice2KHR>("xrGetVulkanGraphicsDevice2KHR")(instance_, &get, &physical_) != XR_SUCCESS)
-            GTEST_SKIP() << "there is no Vulkan device (Debian: mesa-vulkan-drivers)";
+        ASSERT_EQ(function<PFN_xrGetVulkanGraphicsDevice2KHR>("xrGetVulkanGraphicsDevice2KHR")(instance_, &get, &physical_), XR_SUCCESS);
         const float priority = 1;
         VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
         queue.queueCount = 1, queue.pQueuePriorities = &priority;

@@ -7,8 +7,6 @@
 namespace dpl::mockxr {
 namespace {
 
-constexpr XrPosef kLocalAtStart{{0, 0, 0, 1}, {0, 1.6f, 0}};
-
 /** Copies something of the runtime under its mutex. */
 template <class Read>
 auto read(Read get) {
@@ -30,7 +28,7 @@ Settings::Settings() {
                VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_D32_SFLOAT,    VK_FORMAT_D24_UNORM_S8_UINT,
                VK_FORMAT_D16_UNORM};
     extensions = {XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME, XR_KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME,
-                  XR_FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME, XR_FB_PASSTHROUGH_EXTENSION_NAME, "XR_EXT_local_floor"};
+                  XR_FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME, XR_FB_PASSTHROUGH_EXTENSION_NAME, kLocalFloorExtension};
     worldFromHead = [](XrTime) { return kLocalAtStart; };
 }
 
@@ -80,12 +78,17 @@ void recentre(const XrPosef& worldFromLocal) {
     read([&](Runtime& r) {
         XrEventDataReferenceSpaceChangePending event{XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING};
         event.session = r.sessions.empty() ? XR_NULL_HANDLE : r.sessions.begin()->first;
-        event.referenceSpaceType = XR_REFERENCE_SPACE_TYPE_LOCAL;
         event.changeTime = r.localChangesAt = r.displayTime + r.periodNs();
         event.poseValid = XR_TRUE;
+        event.referenceSpaceType = XR_REFERENCE_SPACE_TYPE_LOCAL;
         event.poseInPreviousSpace = compose(inverse(r.worldFromLocal), worldFromLocal);
-        r.nextWorldFromLocal = worldFromLocal;
         r.send(event);
+        if (r.enabled(kLocalFloorExtension)) {
+            event.referenceSpaceType = kLocalFloor;
+            event.poseInPreviousSpace = compose(inverse(onFloor(r.worldFromLocal)), onFloor(worldFromLocal));
+            r.send(event);
+        }
+        r.nextWorldFromLocal = worldFromLocal;
     });
 }
 

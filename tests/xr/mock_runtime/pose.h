@@ -28,5 +28,10 @@ inline XrPosef inverse(const XrPosef& a) {
     const XrVector3f p = rotate(q, a.position);
     return {q, {-p.x, -p.y, -p.z}};
 }
+/** The local space of a pose, moved down to the floor. */
+inline XrPosef onFloor(XrPosef worldFromLocal) {
+    worldFromLocal.position.y = 0;
+    return worldFromLocal;
+}
 
 }  // namespace dpl::mockxr

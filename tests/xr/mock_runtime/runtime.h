@@ -22,6 +22,9 @@
 namespace dpl::mockxr {
 
 constexpr XrSystemId kSystem = 7;
+constexpr const char* kLocalFloorExtension = "XR_EXT_local_floor";  // younger than some headers
+constexpr auto kLocalFloor = XrReferenceSpaceType(1000426000);
+constexpr XrPosef kLocalAtStart{{0, 0, 0, 1}, {0, 1.6f, 0}};
 constexpr XrTime kFirstTime = 1'000'000'000;
 
 struct Instance {
@@ -110,7 +113,7 @@ struct Runtime {
     SubmittedFrame submitted;
     XrSessionState told = XR_SESSION_STATE_UNKNOWN;
     float refreshHz = 72;
-    XrPosef worldFromLocal{};
+    XrPosef worldFromLocal = kLocalAtStart;
     std::optional<XrPosef> nextWorldFromLocal;
     XrTime localChangesAt = 0;
     uint32_t swapchainsMade = 0;

@@ -9,10 +9,8 @@
 namespace dpl::mockxr {
 namespace {
 
-constexpr auto kLocalFloor = XrReferenceSpaceType(1000426000);  // XR_EXT_local_floor, younger than some headers
-
 bool offered(XrReferenceSpaceType type) {
-    if (type == kLocalFloor) return runtime().enabled("XR_EXT_local_floor");
+    if (type == kLocalFloor) return runtime().enabled(kLocalFloorExtension);
     const auto& types = runtime().settings.referenceSpaces;
     return std::find(types.begin(), types.end(), type) != types.end();
 }
@@ -36,8 +34,8 @@ std::optional<XrPosef> worldFromSpace(const Space& space, XrTime time) {
     }
     XrPosef worldFromOrigin = kIdentity;
     if (space.type == XR_REFERENCE_SPACE_TYPE_VIEW) worldFromOrigin = r.settings.worldFromHead(time);
-    if (space.type == XR_REFERENCE_SPACE_TYPE_LOCAL || space.type == kLocalFloor) worldFromOrigin = r.worldFromLocal;
-    if (space.type == kLocalFloor) worldFromOrigin.position.y = 0;
+    if (space.type == XR_REFERENCE_SPACE_TYPE_LOCAL) worldFromOrigin = r.worldFromLocal;
+    if (space.type == kLocalFloor) worldFromOrigin = onFloor(r.worldFromLocal);
     return compose(worldFromOrigin, space.offset);
 }
 
