@@ -74,4 +74,25 @@ unpack_packages() {
     rm -rf "$work"
 }
 
+# debian_root SUITE FOLDER: makes a bare Debian in FOLDER with debootstrap, unless it is there. No service starts in it. Needs root and a
+# Debian mirror (that of this machine's apt sources).
+debian_root() {
+    local suite="$1" root="$2" mirror f
+    [ "$(id -u)" -eq 0 ] || { echo "needs root (debootstrap, chroot)" >&2; return 1; }
+    command -v debootstrap >/dev/null || apt-get install -y --no-install-recommends debootstrap >/dev/null
+    if [ ! -e "$root/.debootstrapped" ]; then
+        mirror=$(apt-cache policy 2>/dev/null | grep -oE 'https?://[^ ]+/debian/? ' | tr -d ' ' | sort | uniq -c | sort -rn | awk 'NR == 1 {print $2}') || true
+        mirror="${mirror:-http://deb.debian.org/debian}"
+        echo "debootstrap $suite from $mirror into $root"
+        rm -rf "$root"
+        mkdir -p "$root"
+        debootstrap --variant=minbase "$suite" "$root" "$mirror" >"$root.log" 2>&1 || { tail -n 20 "$root.log" >&2; return 1; }
+        touch "$root/.debootstrapped"
+    fi
+    printf '#!/bin/sh\nexit 101\n' >"$root/usr/sbin/policy-rc.d"  # no service starts in the root
+    chmod +x "$root/usr/sbin/policy-rc.d"
+    cp /etc/resolv.conf "$root/etc/resolv.conf" 2>/dev/null || true
+    for f in /etc/apt/apt.conf.d/*proxy* /etc/apt/apt.conf; do [ -f "$f" ] && cp "$f" "$root/etc/apt/apt.conf.d/" || true; done
+}
+
 finish_tests() { [ "$tests_passed" -gt 0 ] || { echo "no test ran" >&2; return 1; }; }
