@@ -61,7 +61,7 @@ Status placeSubjects(SceneSet& set, const DeviceInfo& device) {
 SubmittedFrame SceneSet::submitted(uint64_t frameNumber) const {
     for (const RecordedFrame& frame : frames)
         for (const FrameSlot& slot : frame.slots)
-            if (frame.lastUse == frameNumber && slot.number == frameNumber) return {&frame, &slot};
+            if (frame.lastUse == frameNumber && slot.last.number == frameNumber) return {&frame, &slot};
     return {};
 }
 

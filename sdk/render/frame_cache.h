@@ -33,6 +33,14 @@ struct FrameShape {
     bool operator==(const FrameShape&) const = default;
 };
 
+/** What is known of a frame without the device. */
+struct FrameFacts {
+    uint64_t number = 0;  // 0: none
+    uint32_t componentsInView = 0;
+    uint64_t splatsAllowed = 0;
+    bool endsDraw = false;  // false: the first of two frames that draw a canted pair
+};
+
 /** One of the frames in flight. */
 struct FrameSlot {
     struct Upload {
@@ -42,11 +50,10 @@ struct FrameSlot {
     BufferId scene;               // depth of the app's scene, also written by the CPU; none: not wanted
     BufferId finalCounts;         // FrameCounts, read back
     FrameId recorded;
-    uint64_t number = 0;  // of the last frame submitted or encoded in this slot; 0: none
-    // Of that frame:
-    uint32_t componentsInView = 0;
-    uint64_t splatsAllowed = 0;
-    bool endsDraw = false;  // false: the first of two frames that draw a canted pair
+    FrameFacts last;  // the last frame submitted or encoded in this slot
+    // An app's frame is known to have finished only when its slot comes round. Until then, statistics are those of the frame before.
+    FrameFacts before;
+    gpu::FrameCounts countsBefore;
 };
 
 /** A scene set in one shape. Owns its buffers and recordings, and its target unless that is lent. */

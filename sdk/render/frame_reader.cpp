@@ -28,7 +28,7 @@ Status FrameReader::copy(const RecordedFrame& frame, const FrameSlot& slot, Read
     if (!recorded) {
         DPL_TRY(recorded, recordCopy(frame, readback.fromTiles, readback));
     }
-    readback.lastNumber = slot.number;
+    readback.lastNumber = slot.last.number;
     return backend_.run(recorded);
 }
 
@@ -98,54 +98,66 @@ gpu::FrameCounts FrameReader::countsOf(const FrameSlot& slot) const {
     return counts;
 }
 
-SubmittedFrame FrameReader::lastFinished(const SceneSet& set) const {
-    SubmittedFrame last;
+void FrameReader::keepFinished(FrameSlot& slot) const {
+    slot.before = finishedOf(slot);
+    if (slot.before.number > 0) slot.countsBefore = countsOf(slot);
+}
+
+/** The last frame of the slot that is known to have finished; number 0: none. */
+FrameFacts FrameReader::finishedOf(const FrameSlot& slot) const {
+    return backend_.finished(slot.recorded) ? slot.last : slot.before;
+}
+
+FrameReader::Finished FrameReader::lastFinished(const SceneSet& set) const {
+    Finished last;
     for (const RecordedFrame& frame : set.frames)
         for (const FrameSlot& slot : frame.slots)
-            if (slot.endsDraw && slot.number > (last ? last.slot->number : 0) && backend_.finished(slot.recorded)) last = {&frame, &slot};
+            if (const FrameFacts facts = finishedOf(slot); facts.endsDraw && facts.number > last.facts.number)
+                last = {&frame, &slot, facts};
     return last;
 }
 
-/** The frame of the first eye of a canted pair. It was submitted just before the second. */
-SubmittedFrame FrameReader::firstEyeOf(const SceneSet& set, const FrameSlot& second) const {
+/** The frame of the first eye of a canted pair. It was drawn just before the second. */
+FrameReader::Finished FrameReader::firstEyeOf(const SceneSet& set, const FrameFacts& second) const {
     for (const RecordedFrame& frame : set.frames)
         for (const FrameSlot& slot : frame.slots)
-            if (frame.shape.eye == 0 && slot.number > 0 && slot.number + 1 == second.number && backend_.finished(slot.recorded))
-                return {&frame, &slot};
+            if (const FrameFacts facts = finishedOf(slot); frame.shape.eye == 0 && facts.number > 0 && facts.number + 1 == second.number)
+                return {&frame, &slot, facts};
     return {};
 }
 
 FrameTiming FrameReader::timing(const SceneSet& set) const {
     FrameTiming timing;
-    const SubmittedFrame last = lastFinished(set);
+    const Finished last = lastFinished(set);
     if (!last) return timing;
-    timing.frame = last.slot->number;
-    timing.drawn = last.slot->splatsAllowed;
+    timing.frame = last.facts.number;
+    timing.drawn = last.facts.splatsAllowed;
     timing.ms = backend_.frameMs(last.slot->recorded);
     if (last.frame->shape.eye == 0) return timing;
-    const SubmittedFrame first = firstEyeOf(set, *last.slot);
+    const Finished first = firstEyeOf(set, last.facts);
     return first ? timing.ms += backend_.frameMs(first.slot->recorded), timing : FrameTiming();
 }
 
 void FrameReader::addStats(const SceneSet& set, uint64_t splatsAllowed, FrameStats& stats) {
     stats.splatsAllowed = splatsAllowed;
-    const SubmittedFrame last = lastFinished(set);
+    const Finished last = lastFinished(set);
     if (!last) return;
-    const SubmittedFrame first = last.frame->shape.eye == 1 ? firstEyeOf(set, *last.slot) : SubmittedFrame{};
-    for (const SubmittedFrame& drawn : {first, last}) {
+    const Finished first = last.frame->shape.eye == 1 ? firstEyeOf(set, last.facts) : Finished{};
+    for (const Finished& drawn : {first, last}) {
         if (!drawn) continue;
         addCounts(set, drawn, splatsAllowed, stats);
         addPassTimes(drawn, stats);
     }
 }
 
-void FrameReader::addCounts(const SceneSet& set, const SubmittedFrame& drawn, uint64_t splatsAllowed, FrameStats& stats) const {
-    const gpu::FrameCounts counts = countsOf(*drawn.slot);
+void FrameReader::addCounts(const SceneSet& set, const Finished& drawn, uint64_t splatsAllowed, FrameStats& stats) const {
+    const bool current = drawn.facts.number == drawn.slot->last.number;
+    const gpu::FrameCounts counts = current ? countsOf(*drawn.slot) : drawn.slot->countsBefore;
     const auto raise = [](uint32_t& value, uint32_t other) { value = std::max(value, other); };
     stats.views += drawn.frame->shape.views;
     stats.chunks = set.ids.filledGroups;
     stats.components = set.ids.componentCount;
-    raise(stats.componentsInView, drawn.slot->componentsInView);
+    raise(stats.componentsInView, drawn.facts.componentsInView);
     raise(stats.trianglesInView, counts.trianglesInView);
     raise(stats.trianglesFacing, counts.trianglesFacing);
     raise(stats.chunksProjected, counts.chunksProjected);
@@ -167,13 +179,13 @@ void FrameReader::addCounts(const SceneSet& set, const SubmittedFrame& drawn, ui
     stats.bytesDecoded += uint64_t(counts.splatsFacing) * 4 + uint64_t(counts.visible) * (4 + shBytes);
 }
 
-void FrameReader::addPassTimes(const SubmittedFrame& drawn, FrameStats& stats) const {
+void FrameReader::addPassTimes(const Finished& drawn, FrameStats& stats) const {
     const auto append = [&](FrameId recorded) {
         for (PassTime& pass : backend_.passTimes(recorded)) stats.passes.push_back(std::move(pass));
     };
     append(drawn.slot->recorded);
     const auto readback = readbacks_.find(drawn.frame->key);
-    if (readback != readbacks_.end() && readback->second.lastNumber == drawn.slot->number)
+    if (readback != readbacks_.end() && readback->second.lastNumber == drawn.facts.number)
         append(readback->second.copy[readback->second.fromTiles]);
 }
 

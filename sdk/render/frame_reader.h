@@ -25,6 +25,8 @@ public:
     void addStats(const SceneSet& set, uint64_t splatsAllowed, FrameStats& stats);
     /** Number, time and splats of the last finished draw of the set; number 0: none. Neither waits nor allocates. */
     FrameTiming timing(const SceneSet& set) const;
+    /** Keeps the figures of the finished frame of an app's slot, which is about to be encoded anew. */
+    void keepFinished(FrameSlot& slot) const;
     /** Drops the read-back buffers of a frame that is about to be freed. */
     void forget(const RecordedFrame& frame);
 
@@ -43,10 +45,17 @@ private:
     void takePixels(const RecordedFrame& frame, const Readback& readback, size_t firstView);
     void takeDepth(std::span<const std::byte> sums, size_t firstPixel, std::vector<float>& depthM) const;
     gpu::FrameCounts countsOf(const FrameSlot& slot) const;
-    SubmittedFrame lastFinished(const SceneSet& set) const;
-    SubmittedFrame firstEyeOf(const SceneSet& set, const FrameSlot& second) const;
-    void addCounts(const SceneSet& set, const SubmittedFrame& drawn, uint64_t splatsAllowed, FrameStats& stats) const;
-    void addPassTimes(const SubmittedFrame& drawn, FrameStats& stats) const;
+    struct Finished {
+        const RecordedFrame* frame = nullptr;
+        const FrameSlot* slot = nullptr;
+        FrameFacts facts;
+        explicit operator bool() const { return frame != nullptr; }
+    };
+    FrameFacts finishedOf(const FrameSlot& slot) const;
+    Finished lastFinished(const SceneSet& set) const;
+    Finished firstEyeOf(const SceneSet& set, const FrameFacts& second) const;
+    void addCounts(const SceneSet& set, const Finished& drawn, uint64_t splatsAllowed, FrameStats& stats) const;
+    void addPassTimes(const Finished& drawn, FrameStats& stats) const;
 
     Backend& backend_;
     std::map<uint64_t, Readback> readbacks_;  // by RecordedFrame::key

@@ -153,11 +153,12 @@ Result<uint64_t> GpuRenderer::drawFrame(SceneSet& set, const DrawCall& call, con
         ++waits_;
         DPL_CHECK_OK(backend_->wait(slot.recorded));
     }
+    if (call.app) reader_.keepFinished(slot);
     fillSlot(slot, set, call, posed, shape);
     if (shape.sceneDepth && !call.wants.sceneEncoded) writeScene(slot, call, shape);
     DPL_CHECK_OK(call.app ? encode(*frame, slot, *call.app, call.wants.sceneEncoded) : submit(*frame, slot));
-    slot.number = frame->lastUse = set.lastUse = ++frameNumber_;
-    return slot.number;
+    slot.last.number = frame->lastUse = set.lastUse = ++frameNumber_;
+    return slot.last.number;
 }
 
 Status GpuRenderer::submit(RecordedFrame& frame, FrameSlot& slot) {
@@ -178,15 +179,15 @@ Status GpuRenderer::encode(const RecordedFrame& frame, const FrameSlot& slot, co
 
 /** Writes the uniform block and the palette of each subject. */
 void GpuRenderer::fillSlot(FrameSlot& slot, const SceneSet& set, const DrawCall& call, const PosedSet& posed, const FrameShape& shape) {
-    slot.componentsInView = 0;
-    slot.splatsAllowed = posed.splats.drawn;
-    slot.endsDraw = shape.eye + 1 == call.views.frameCount();
+    slot.last.componentsInView = 0;
+    slot.last.splatsAllowed = posed.splats.drawn;
+    slot.last.endsDraw = shape.eye + 1 == call.views.frameCount();
     for (size_t k = 0; k < call.subjects.size(); ++k) {
         const LoadedSubject& subject = *call.subjects[k];
         const PosedSubject& pose = posed.subjects[k];
         const FrameSlot::Upload& upload = slot.uploads[k];
         uint32_t unseen = pose.unseen[shape.eye];
-        slot.componentsInView += subject.components.count() - uint32_t(std::popcount(unseen));
+        slot.last.componentsInView += subject.components.count() - uint32_t(std::popcount(unseen));
         if (unseen != 0 && unseen == subject.components.all()) unseen = ~0u;  // vertices of no component count as unseen too
         if (subject.avatar)
             packPalette(pose.worldFromRest, pose.nodes,

@@ -128,8 +128,8 @@ typedef struct DplVulkanSceneDepth {
 } DplVulkanSceneDepth;
 
 /** Draws the avatars in their current poses into the picture of a slot. Arguments as dplDrawTogether. The views have the size of the
- *  picture, which may be smaller than the program's target. dplSetDetail and dplSetFrameBudget hold here too; the GPU time of what prepare
- *  records (DplFrameStats::frameMs) is known when the slot comes round.
+ *  picture, which may be smaller than the program's target. dplSetDetail and dplSetFrameBudget hold here too; what prepare
+ *  drew and cost (dplGetFrameStats, dplGetPassTime) is known when the slot comes round.
  *  commands: recording, outside a render pass, of the device's queue family.
  *  depths: viewCount of them, or NULL: DplCamera::sceneDepthM counts, which the CPU copies. The program makes their writes visible to
  *  VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT with VK_ACCESS_SHADER_READ_BIT before, and writes them again only after that stage.

@@ -553,6 +553,37 @@ TEST_F(Interop, detailAndFrameBudgetHoldInTheProgramsFrames) {
     EXPECT_GE(least.framesOver, 55u);
 }
 
+TEST_F(Interop, countsAndPassTimesAreThoseOfTheLastFrameThatIsKnownToHaveFinished) {
+    OPEN_OR_SKIP({.multiview = false});
+    const AppImage& image = target(VK_FORMAT_R8G8B8A8_UNORM);
+    const Passes passes = passesFor(image, false);
+    const DplCamera near = frontCamera(kWidth, kHeight), away = frontCamera(kWidth, kHeight, 50);
+    uint32_t count = 0;
+    const auto draw = [&](const DplCamera& camera) {
+        EXPECT_EQ(frame(count++ % DPL_VULKAN_SLOTS, image, passes, {&avatar_, 1}, {&camera, 1}), DPL_OK) << dplGetLastError();
+        DplFrameStats stats{sizeof stats};
+        EXPECT_EQ(dplGetFrameStats(avatar_, &stats), DPL_OK) << dplGetLastError();
+        return stats;
+    };
+    for (uint32_t n = 0; n < DPL_VULKAN_SLOTS; ++n) EXPECT_EQ(draw(near).splatsDrawn, 0u) << "no slot came round";
+    const DplFrameStats stats = draw(near);
+    EXPECT_GT(stats.splatsDrawn, 100u);
+    EXPECT_EQ(stats.viewCount, 1u);
+    double sumMs = 0;
+    for (uint32_t i = 0; i < stats.passCount; ++i) {
+        DplPassTime pass{sizeof pass};
+        ASSERT_EQ(dplGetPassTime(avatar_, i, &pass), DPL_OK) << dplGetLastError();
+        EXPECT_NE(pass.label, nullptr);
+        sumMs += pass.milliseconds;
+    }
+    EXPECT_NEAR(sumMs, stats.frameMs, 1e-6);
+    EXPECT_TRUE(stats.passCount > 3 || stats.frameMs == 0) << stats.passCount;
+    draw(away), draw(away);
+    EXPECT_GT(draw(away).splatsDrawn, 100u) << "the last frame with the avatar in view";
+    draw(away);
+    EXPECT_EQ(draw(away).splatsDrawn, 0u);
+}
+
 TEST_F(Interop, aWarmFrameAllocatesNothing) {
     OPEN_OR_SKIP({.multiview = false, .validation = false});
     constexpr VkFormat kFormat = VK_FORMAT_R8G8B8A8_SRGB;
