@@ -5,9 +5,9 @@
 #include <numbers>
 
 #include "apps/doppel/commands.h"
-#include "apps/doppel/video_writer.h"
 #include "apps/shared/checks.h"
 #include "apps/shared/pictures.h"
+#include "apps/shared/video_writer.h"
 #include "reconstruction/capture/scan.h"
 #include "reconstruction/image/image_codec.h"
 #include "reconstruction/package/avatar_bytes.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/doppel/video_writer.h"
+#include "apps/shared/video_writer.h"
 
 #include <unistd.h>
 
