@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// Vulkan calls that every shell makes in the same way. Errors are exceptions, which the shell's main function turns into a sentence.
+#pragma once
+
+#include <vulkan/vulkan.h>
+
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+
+namespace dpl::platform {
+
+struct VulkanError : std::runtime_error {
+    VulkanError(VkResult code, const std::string& call);
+    VkResult code;
+};
+
+/** Throws VulkanError unless `result` is VK_SUCCESS. */
+void checkVulkan(VkResult result, const char* call);
+#define DPL_VK(call) ::dpl::platform::checkVulkan(call, #call)
+
+/** A device with the physical device it was made from. Owns nothing. */
+struct VulkanHandles {
+    VkPhysicalDevice physical = VK_NULL_HANDLE;
+    VkDevice device = VK_NULL_HANDLE;
+};
+
+/** Index of a memory type among the bits of `allowed` with all `wanted` flags. Throws if there is none. */
+uint32_t memoryTypeOf(VkPhysicalDevice physical, uint32_t allowed, VkMemoryPropertyFlags wanted);
+
+struct Image {
+    VkImage image = VK_NULL_HANDLE;
+    VkDeviceMemory memory = VK_NULL_HANDLE;
+    VkImageView view = VK_NULL_HANDLE;
+};
+
+/** A 2D image with one level in memory of its own. layers > 0: the view is a 2D array; 0: one layer, and the view is 2D. */
+Image makeImage(const VulkanHandles& on, VkFormat format, VkExtent2D size, uint32_t layers, uint32_t samples, VkImageUsageFlags usage,
+                VkImageAspectFlags aspect);
+void destroyImage(const VulkanHandles& on, Image& image);
+
+/** A buffer that the CPU can read and write; it stays mapped, and its memory is coherent. */
+struct HostBuffer {
+    VkBuffer buffer = VK_NULL_HANDLE;
+    VkDeviceMemory memory = VK_NULL_HANDLE;
+    void* mapped = nullptr;
+};
+HostBuffer makeHostBuffer(const VulkanHandles& on, VkDeviceSize bytes, VkBufferUsageFlags usage);
+void destroyHostBuffer(const VulkanHandles& on, HostBuffer& buffer);
+
+VkShaderModule makeShaderModule(VkDevice device, const uint32_t* words, size_t bytes);
+
+}  // namespace dpl::platform
