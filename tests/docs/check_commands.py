@@ -19,8 +19,8 @@ TOO_DEAR = (".mp4",)
 
 
 class Checker:
-    def __init__(self, root, doppel):
-        self.root, self.doppel = root, doppel
+    def __init__(self, root, doppel, viewer=None):
+        self.root, self.doppel, self.viewer = root, doppel, viewer
         self.presets = {p["name"] for p in json.loads((root / "CMakePresets.json").read_text())["configurePresets"]}
         self.commands = 0
 
@@ -29,9 +29,12 @@ class Checker:
         files = [f for f in self.root.rglob("CMakeLists.txt") if "build" not in f.relative_to(self.root).parts]
         return "\n".join(f.read_text() for f in files + sorted((self.root / "tools/cmake").glob("*.cmake")))
 
-    @functools.lru_cache(maxsize=None)
     def help(self, subcommands):
-        result = subprocess.run([self.doppel, *subcommands, "--help"], capture_output=True, text=True)
+        return self.help_of(self.doppel, *subcommands)
+
+    @functools.lru_cache(maxsize=None)
+    def help_of(self, program, *subcommands):
+        result = subprocess.run([program, *subcommands, "--help"], capture_output=True, text=True)
         return result.stdout if result.returncode == 0 else None
 
     def check(self, line):
@@ -48,6 +51,8 @@ class Checker:
             self.commands += 1
             text = (self.root / "apps/xr/main.cpp").read_text()
             return [f"doppel-xr has no option {w}" for w in words[1:] if w.startswith("--") and f'"{w}"' not in text]
+        if program == "doppel-viewer":
+            return self.check_viewer(words[1:])
         if program.startswith("tools/"):
             return self.check_script(program, words[1:])
         if program in ("cc", "c++"):  # what follows is the user's own; check_snippets compiles
@@ -66,8 +71,18 @@ class Checker:
         text = self.help(tuple(subcommands))
         if text is None:
             return [f"'doppel {' '.join(subcommands)}' does not exist"]
+        return self.unknown_options(f"doppel {' '.join(subcommands)}", words, text)
+
+    def check_viewer(self, words):
+        self.commands += 1
+        if not self.viewer:  # not built, because a library of its window is missing
+            return []
+        return self.unknown_options("doppel-viewer", words, self.help_of(self.viewer) or "")
+
+    @staticmethod
+    def unknown_options(program, words, text):
         wanted = [w.split("=")[0] for w in words if re.match(r"--?[a-z]", w)]
-        return [f"'doppel {' '.join(subcommands)}' has no option {o}" for o in wanted if not re.search(rf"(?<![\w-]){o}(?![\w-])", text)]
+        return [f"'{program}' has no option {o}" for o in wanted if not re.search(rf"(?<![\w-]){o}(?![\w-])", text)]
 
     def check_script(self, program, words):
         self.commands += 1
@@ -112,7 +127,7 @@ def commands_of(page):
         if block.language == "sh":
             yield from lines_of(block)
     for number, span in page.spans():
-        if re.match(r"(doppel [a-z]|tools/[\w/]+ -|(cmake|ctest) --)", span) and "…" not in span:
+        if re.match(r"(doppel [a-z]|doppel-viewer |tools/[\w/]+ -|(cmake|ctest) --)", span) and "…" not in span:
             yield from parts_of(number, span)
 
 
@@ -122,8 +137,8 @@ def is_cheap(line):
         w.endswith(TOO_DEAR) for w in words)
 
 
-def problems(root, doppel, make_avatar=None):
-    checker, cheap = Checker(root, doppel), []
+def problems(root, doppel, make_avatar=None, viewer=None):
+    checker, cheap = Checker(root, doppel, viewer), []
     for page in markdown.pages(root):
         if page.is_history():
             continue
@@ -149,8 +164,9 @@ def main():
     parser.add_argument("root", type=pathlib.Path)
     parser.add_argument("--doppel", required=True)
     parser.add_argument("--make-avatar", required=True)
+    parser.add_argument("--viewer")
     arguments = parser.parse_args()
-    return markdown.report(list(problems(arguments.root.resolve(), arguments.doppel, arguments.make_avatar)), "commands")
+    return markdown.report(list(problems(arguments.root.resolve(), arguments.doppel, arguments.make_avatar, arguments.viewer)), "commands")
 
 
 if __name__ == "__main__":

@@ -75,6 +75,14 @@ class Checkers(unittest.TestCase):
         self.complaints(["no option --sise", "'doppel gone' does not exist", "no preset 'no'", "no build option DOPPEL_NO", "tools/no does not exist",
                          "'rm' is no program", "no option --inline"], check_commands.problems(self.root, self.doppel))
 
+    def test_commands_of_the_viewer(self):
+        self.page("```sh\ndoppel-viewer a.glb --room dark\ndoppel-viewer a.glb --rom dark\n```\n`doppel-viewer --inline`\n")
+        viewer = self.root / "doppel-viewer"
+        viewer.write_text("#!/bin/sh\necho '--room'\n")
+        viewer.chmod(0o755)
+        self.complaints(["no option --rom", "no option --inline"], check_commands.problems(self.root, self.doppel, viewer=viewer))
+        self.complaints([], check_commands.problems(self.root, self.doppel))
+
     @unittest.skipUnless(shutil.which("cc") and shutil.which("c++"), "no cc and c++ in the path")
     def test_snippets(self):
         self.page("```c\nint main(void) { return 0; }\n```\n```cpp\nint main() { return 3; }\n```\n```c\nint main(void) { return gone(); }\n```\n"

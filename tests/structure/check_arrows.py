@@ -39,6 +39,8 @@ THIRD_PARTY = {  # heavy libraries stay in their rooms
     "openxr": ("platform/openxr", "tests"),
     "tiny_gltf.h": ("sdk/format",),
     "draco": ("sdk/format", "tests"),
+    "GLFW": ("platform/desktop",),
+    "imgui.h": ("platform/desktop", "apps/viewer"),
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^">]+)[">]')
 

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/viewer/loader.h"
+
+#include "apps/shared/pictures.h"
+#include "apps/viewer/file_kind.h"
+#include "sdk/core/files.h"
+
+namespace dpl {
+
+Loader::Loader(platform::Shell& shell, DplFill fill, std::string cacheFolder)
+    : shell_(shell), fill_(fill), cacheFolder_(std::move(cacheFolder)), thread_([this] { run(); }) {}
+
+Loader::~Loader() {
+    {
+        std::lock_guard lock(mutex_);
+        stop_ = true;
+    }
+    changed_.notify_all();
+    thread_.join();
+}
+
+void Loader::load(std::string path, DplAvatar motionOf) {
+    {
+        std::lock_guard lock(mutex_);
+        tasks_.push_back({std::move(path), motionOf});
+    }
+    changed_.notify_all();
+}
+
+std::optional<DoppelOnShell> Loader::doppel() const {
+    std::lock_guard lock(mutex_);
+    return ready_;
+}
+
+std::vector<LoadedFile> Loader::take() {
+    std::lock_guard lock(mutex_);
+    return std::exchange(done_, {});
+}
+
+std::string Loader::atHand() const {
+    std::lock_guard lock(mutex_);
+    if (!atHand_.empty()) return atHand_;
+    return tasks_.empty() ? "" : tasks_.front().path;
+}
+
+Status Loader::makeContext() {
+    const DplVulkanDevice device = shell_.deviceForDoppel();
+    DplContextInfo info{};
+    info.structSize = sizeof info;
+    info.fill = fill_;
+    info.cacheFolder = cacheFolder_.empty() ? nullptr : cacheFolder_.c_str();
+    DplContext context = nullptr;
+    if (const DplResult made = dplCreateVulkanContext(&device, &info, &context); made != DPL_OK) return fromSdk(doppel::lastError(made));
+    context_.emplace(context);
+    DoppelOnShell ready{context, 0};
+    if (const DplResult made = shell_.makeComposer(context, &ready.composer); made != DPL_OK) return fromSdk(doppel::lastError(made));
+    std::lock_guard lock(mutex_);
+    ready_ = ready;
+    return {};
+}
+
+LoadedFile Loader::loadOne(const Task& task) {
+    LoadedFile out;
+    out.file = std::filesystem::path(task.path).filename().string();
+    const auto failed = [&](const std::string& why) {
+        out.error = out.file + ": " + why;
+        return std::move(out);
+    };
+    const auto bytes = readFile(task.path);
+    if (!bytes) return failed(bytes.error().message);
+    switch (fileKindOf(*bytes, task.path)) {
+        case FileKind::Subject: {
+            auto avatar = context_->loadAvatar(*bytes);
+            if (!avatar) return failed(avatar.error().message);
+            auto info = avatar->info();
+            if (info && info->jointCount > 0) lastAvatar_ = avatar->handle();
+            out.avatar = std::move(*avatar);
+            return out;
+        }
+        case FileKind::Motion: {
+            const DplAvatar onto = task.motionOf ? task.motionOf : lastAvatar_;
+            if (!onto) return failed("a motion needs an avatar; load an avatar first");
+            DplClipOptions how{};
+            how.structSize = sizeof how;
+            how.flags = DPL_CLIP_IN_PLACE;  // it walks on its stand
+            const std::string name = std::filesystem::path(task.path).stem().string();
+            how.name = name.c_str();
+            uint32_t clip = 0;
+            if (dplLoadClip(onto, bytes->data(), bytes->size(), &how, &clip) != DPL_OK) return failed(dplGetLastError());
+            out.clipOf = onto;
+            return out;
+        }
+        case FileKind::Unknown:
+            break;
+    }
+    return failed("this is neither an avatar (.glb), nor splats (.ply, .spz, .glb), nor a motion (.bvh, .glb, .gltf)");
+}
+
+void Loader::run() {
+    std::string broken;
+    if (const Status made = makeContext(); !made) broken = made.error().message;
+    std::unique_lock lock(mutex_);
+    if (!broken.empty()) done_.push_back({.error = broken});
+    while (true) {
+        atHand_.clear();
+        changed_.wait(lock, [&] { return stop_ || !tasks_.empty(); });
+        if (stop_) return;
+        const Task task = std::move(tasks_.front());
+        tasks_.pop_front();
+        atHand_ = std::filesystem::path(task.path).filename().string();
+        lock.unlock();
+        LoadedFile loaded;
+        loaded.file = atHand();
+        if (!broken.empty()) {
+            loaded.error = loaded.file + ": not loaded, because avatars cannot be drawn here: " + broken;
+        } else {
+            try {
+                loaded = loadOne(task);
+            } catch (const std::bad_alloc&) {
+                loaded.error = loaded.file + ": out of memory; close other programs";
+            }
+        }
+        lock.lock();
+        done_.push_back(std::move(loaded));
+    }
+}
+
+}  // namespace dpl

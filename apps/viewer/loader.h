@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// Makes the context and loads files on a thread of its own, one after the other, so that the window never waits.
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <doppel/doppel.hpp>
+#include <mutex>
+#include <thread>
+
+#include "platform/desktop/shell.h"
+#include "sdk/core/result.h"
+
+namespace dpl {
+
+/** What became of one file. */
+struct LoadedFile {
+    std::string file;                      // without folders; empty: not a file, but the context
+    std::optional<doppel::Avatar> avatar;  // a new avatar, or general splats
+    DplAvatar clipOf = nullptr;            // the avatar that got a new clip
+    std::string error;                     // a sentence, if neither
+};
+
+/** The context and the composer for the shell's window. */
+struct DoppelOnShell {
+    DplContext context = nullptr;
+    uint32_t composer = 0;
+};
+
+class Loader {
+public:
+    /** Starts the thread. The shell must outlive the loader. cacheFolder: for DplContextInfo; empty: none. */
+    Loader(platform::Shell& shell, DplFill fill, std::string cacheFolder);
+    /** Drops waiting files, waits for the one at hand, and destroys the context. No frame with it may be in flight any more. */
+    ~Loader();
+    Loader(const Loader&) = delete;
+    Loader& operator=(const Loader&) = delete;
+
+    /** A motion is loaded onto `motionOf`; if that is NULL, onto the avatar that was loaded last. */
+    void load(std::string path, DplAvatar motionOf);
+
+    /** Set once the context is ready. */
+    std::optional<DoppelOnShell> doppel() const;
+    /** What was finished since the last call. */
+    std::vector<LoadedFile> take();
+    /** The file at hand, or "" if nothing is left to do. */
+    std::string atHand() const;
+
+private:
+    struct Task {
+        std::string path;
+        DplAvatar motionOf = nullptr;
+    };
+    void run();
+    Status makeContext();
+    LoadedFile loadOne(const Task& task);
+
+    platform::Shell& shell_;
+    const DplFill fill_;
+    const std::string cacheFolder_;
+    std::optional<doppel::Context> context_;  // written by the thread before ready_
+    DplAvatar lastAvatar_ = nullptr;          // only the thread uses it
+
+    mutable std::mutex mutex_;
+    std::condition_variable changed_;
+    std::deque<Task> tasks_;
+    std::vector<LoadedFile> done_;
+    std::optional<DoppelOnShell> ready_;
+    std::string atHand_ = "the renderer";
+    bool stop_ = false;
+    std::thread thread_;  // last: it uses all of the above
+};
+
+}  // namespace dpl

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// The clock of the clips.
+#pragma once
+
+namespace dpl {
+
+struct Playback {
+    double timeS = 0;
+    double speed = 1;  // negative: backwards
+    bool playing = true;
+
+    void advance(double seconds) {
+        if (playing) timeS += speed * seconds;
+    }
+};
+
+/** timeS brought into a clip that repeats: from 0 to below durationS. 0 for a clip without length. */
+double timeInClip(double timeS, double durationS);
+
+}  // namespace dpl

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the panels show and change. The viewer reads it every frame.
+#pragma once
+
+#include <map>
+
+#include "apps/viewer/messages.h"
+#include "apps/viewer/orbit_camera.h"
+#include "apps/viewer/playback.h"
+#include "apps/viewer/subject.h"
+#include "platform/common/room_mesh.h"
+
+namespace dpl {
+
+/** Figures of the last frames, refreshed a few times a second so that they can be read. */
+struct Figures {
+    DplFrameStats stats{};
+    std::vector<std::pair<std::string, double>> passesMs;  // rounds of a pass added up
+    double framesPerSecond = 0;
+};
+
+struct ViewerState {
+    std::vector<Subject> subjects;
+    size_t selected = 0;  // of subjects, where there is one
+    Playback playback;
+    OrbitCamera camera;
+    std::optional<platform::RoomLight> room = platform::RoomLight::Dark;
+    std::string axes = "y-up";
+    float splatsPerPixel = 0, frameBudgetMs = 0;  // 0: off
+    bool panels = true;
+    Messages messages;
+    Figures figures;
+    std::string rendererName, atHand;  // atHand: what is being loaded, or ""
+
+    // Wishes of the user, which the viewer fulfils and takes back.
+    bool wantsScreenshot = false, wantsTurntable = false, wantsFrame = false;
+    std::optional<size_t> wantsRemoval;
+
+    Subject* chosen() { return selected < subjects.size() ? &subjects[selected] : nullptr; }
+};
+
+}  // namespace dpl

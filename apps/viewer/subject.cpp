@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/viewer/subject.h"
+
+#include "apps/shared/pictures.h"
+
+namespace dpl {
+
+Quatf rotationOfAngles(const Vec3f& degrees) {
+    const Vec3f a = glm::radians(degrees);
+    return glm::angleAxis(a.z, Vec3f(0, 0, 1)) * glm::angleAxis(a.y, Vec3f(0, 1, 0)) * glm::angleAxis(a.x, Vec3f(1, 0, 0));
+}
+
+Result<Subject> Subject::of(doppel::Avatar avatar, std::string file) {
+    Subject made(std::move(avatar));
+    auto info = made.avatar.info();
+    if (!info) return fromSdk(info.error());
+    made.info = *info;
+    made.file = std::move(file);
+    for (uint32_t i = 0; i < info->jointCount; ++i) {
+        auto joint = made.avatar.joint(i);
+        if (!joint) return fromSdk(joint.error());
+        made.joints.push_back(joint->name);
+    }
+    made.byHandDeg.resize(made.joints.size(), Vec3f(0));
+    made.rotations_.resize(made.joints.size() * 4);
+    if (info->clipCount > 0) DPL_CHECK_OK(made.takeNewClip());
+    if (!made.clips.empty()) made.clip = 0;
+    return made;
+}
+
+Status Subject::takeNewClip() {
+    auto now = avatar.info();
+    if (!now) return fromSdk(now.error());
+    info = *now;
+    clips.clear();
+    for (uint32_t i = 0; i < info.clipCount; ++i) {
+        auto about = avatar.clip(i);
+        if (!about) return fromSdk(about.error());
+        clips.push_back({about->name, about->durationS});
+    }
+    if (!clips.empty()) clip = uint32_t(clips.size() - 1);
+    return {};
+}
+
+Status Subject::pose(double timeS) {
+    if (!isAvatar()) return {};
+    float root[3] = {};
+    if (clip) {
+        if (auto set = avatar.setPoseFromClip(*clip, timeInClip(timeS, clips[*clip].durationS)); !set) return fromSdk(set.error());
+        if (dplGetPose(avatar.handle(), rotations_.data(), uint32_t(joints.size()), root) != DPL_OK)
+            return fail(Code::Internal, "{}", dplGetLastError());
+    } else {
+        for (size_t i = 0; i < rotations_.size(); ++i) rotations_[i] = i % 4 == 3 ? 1.0f : 0.0f;
+    }
+    for (size_t i = 0; i < joints.size(); ++i) {
+        if (byHandDeg[i] == Vec3f(0)) continue;
+        float* q = &rotations_[4 * i];
+        const Quatf turned = Quatf(q[3], q[0], q[1], q[2]) * rotationOfAngles(byHandDeg[i]);
+        q[0] = turned.x, q[1] = turned.y, q[2] = turned.z, q[3] = turned.w;
+    }
+    root[0] += float(asideM);
+    if (auto set = avatar.setPose(rotations_, root); !set) return fromSdk(set.error());
+    return {};
+}
+
+WorldBox Subject::box() const {
+    const Vec3d aside(isAvatar() ? asideM : 0, 0, 0);
+    return {Vec3d(info.restMin[0], info.restMin[1], info.restMin[2]) + aside,
+            Vec3d(info.restMax[0], info.restMax[1], info.restMax[2]) + aside};
+}
+
+std::vector<double> placesInRow(size_t count) {
+    constexpr double kApartM = 1.0;  // wider than a stand
+    std::vector<double> places(count);
+    for (size_t i = 0; i < count; ++i) places[i] = kApartM * (double(i) - 0.5 * double(count - 1));
+    return places;
+}
+
+WorldBox boxOf(const std::vector<Subject>& subjects) {
+    if (subjects.empty()) return {Vec3d(-0.5, 0, -0.3), Vec3d(0.5, 1.8, 0.3)};
+    WorldBox all = subjects[0].box();
+    for (const Subject& subject : subjects) {
+        const WorldBox box = subject.box();
+        all = {glm::min(all.low, box.low), glm::max(all.high, box.high)};
+    }
+    return all;
+}
+
+}  // namespace dpl

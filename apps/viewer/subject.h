@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// An avatar, or general splats, in the viewer: its clips, what was bent by hand, and where it stands.
+#pragma once
+
+#include <doppel/doppel.hpp>
+
+#include "apps/viewer/orbit_camera.h"
+#include "apps/viewer/playback.h"
+#include "sdk/core/result.h"
+
+namespace dpl {
+
+/** Turns by these angles about x, then y, then z of avatar space, degrees. */
+Quatf rotationOfAngles(const Vec3f& degrees);
+
+struct Subject {
+    struct Clip {
+        std::string name;
+        double durationS = 0;
+    };
+
+    static Result<Subject> of(doppel::Avatar avatar, std::string file);
+
+    bool isAvatar() const { return !joints.empty(); }  // general splats have no joints
+    /** Reads the list of clips again and plays the last one. */
+    Status takeNewClip();
+    /** Poses it: the clip at timeS, then the angles on top, moved aside. General splats stay where they are. */
+    Status pose(double timeS);
+    /** Of its rest box and its place. */
+    WorldBox box() const;
+
+    doppel::Avatar avatar;
+    std::string file;  // without folders
+    DplAvatarInfo info{};
+    std::vector<Clip> clips;
+    std::optional<uint32_t> clip;     // nothing: the rest pose
+    std::vector<std::string> joints;  // names
+    std::vector<Vec3f> byHandDeg;     // for each joint
+    double asideM = 0;                // along +X
+
+private:
+    explicit Subject(doppel::Avatar owned) : avatar(std::move(owned)) {}
+    std::vector<float> rotations_;
+};
+
+/** Distance along +X of each of `count` avatars, in a row around the origin. */
+std::vector<double> placesInRow(size_t count);
+
+/** The box around all of them; a person's if there are none. */
+WorldBox boxOf(const std::vector<Subject>& subjects);
+
+}  // namespace dpl

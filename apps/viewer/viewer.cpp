@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/viewer/viewer.h"
+
+#include <imgui.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <numbers>
+
+#include "apps/shared/pictures.h"
+#include "apps/viewer/panels.h"
+#include "apps/viewer/room_plan.h"
+#include "reconstruction/report/sdk_camera.h"
+
+namespace dpl {
+namespace {
+
+constexpr double kScriptStepS = 1.0 / 30;
+
+/** Where self-tests of drivers are kept between runs; empty if there is no such folder. */
+std::string cacheFolder() {
+    const char *cache = std::getenv("XDG_CACHE_HOME"), *home = std::getenv("HOME");
+    if ((!cache || !*cache) && (!home || !*home)) return {};
+    const std::filesystem::path folder =
+        (cache && *cache ? std::filesystem::path(cache) : std::filesystem::path(home) / ".cache") / "doppel";
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    return error ? "" : folder.string();
+}
+
+std::optional<platform::RoomLight> roomOf(const std::string& name) {
+    if (name == "none") return std::nullopt;
+    return name == "bright" ? platform::RoomLight::Bright : platform::RoomLight::Dark;
+}
+
+platform::ShellInfo shellInfo(const ViewerOptions& options, Timings& timings) {
+    platform::ShellInfo info;
+    info.title = "Doppel";
+    info.widthPx = options.size.widthPx, info.heightPx = options.size.heightPx;
+    info.fixedPicture = options.isScript();
+    info.validation = options.validation;
+    info.onStep = [&timings](const char* step) { timings.mark(step); };
+    return info;
+}
+
+}  // namespace
+
+Viewer::Viewer(const ViewerOptions& options, Timings& timings) : options_(options), timings_(timings), shell_(shellInfo(options, timings)) {
+    state_.room = roomOf(options.room);
+    state_.axes = options.axes;
+    state_.panels = !options.hidePanels;
+    state_.camera.setAzimuth(options.azimuthDeg * std::numbers::pi / 180);
+}
+
+Viewer::~Viewer() {
+    shell_.hideWindow();
+    try {
+        shell_.waitIdle();
+    } catch (const platform::VulkanError&) {  // the device is lost; nothing runs on it
+    }
+}
+
+int Viewer::run() {
+    while (!done_ && shell_.beginFrame()) frame();
+    for (const std::string& complaint : shell_.complaints()) std::fprintf(stderr, "doppel-viewer: validation: %s\n", complaint.c_str());
+    return failed_ || !shell_.complaints().empty() ? 1 : 0;
+}
+
+double Viewer::nowS() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
+void Viewer::report(const std::string& problem) {
+    std::fprintf(stderr, "doppel-viewer: %s\n", problem.c_str());
+    state_.messages.error(problem);
+    if (options_.isScript()) failed_ = done_ = true;
+}
+
+void Viewer::frame() {
+    if (loader_) takeFiles();
+    takeInput();
+    fulfilWishes();
+    advanceTime();
+    arrange();
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
+    const bool panels = state_.panels && !turntable_ && screenshot_.empty();
+    state_.messages.tick(nowS());
+    if (panels) drawPanels(state_, size.x, size.y);
+    drawMessages(state_, size.x, size.y);
+
+    platform::FrameContents what = contents();
+    std::vector<uint8_t> rgb;
+    const bool scripted = options_.isScript() && scriptMayBegin() && !options_.screenshot.empty();
+    if (scripted) what.panels = !options_.hidePanels;
+    if (turntable_ || !screenshot_.empty()) what.panels = false;
+    if (turntable_ || !screenshot_.empty() || (scripted && scriptFrame_ + 1 == options_.frames)) what.rgb = &rgb;
+    const uint64_t before = shell_.shown();
+    if (const std::string problem = shell_.draw(what); !problem.empty()) report(problem);
+    afterDraw(shell_.shown() > before, rgb);
+}
+
+platform::FrameContents Viewer::contents() {
+    platform::FrameContents what;
+    const VkExtent2D size = shell_.picturePx();
+    const ImGuiIO& io = ImGui::GetIO();
+    const FreeSpan free = turntable_ || !screenshot_.empty() ? FreeSpan{0, io.DisplaySize.x} : freeSpan(state_, io.DisplaySize.x);
+    Camerad camera = state_.camera.camera(size.width, size.height, 0.5 * (free.left + free.right) * io.DisplayFramebufferScale.x);
+    what.roomView = sdkCamera(camera.cast<float>());
+    camera.viewFromWorldRotation = camera.viewFromWorldRotation * uprightFromFile(state_.axes);
+    what.view = sdkCamera(camera.cast<float>());
+    what.room = state_.room;
+    if (const auto doppel = loader_ ? loader_->doppel() : std::nullopt) what.context = doppel->context, what.composer = doppel->composer;
+    for (const Subject& subject : state_.subjects) what.avatars.push_back(subject.avatar.handle());
+    return what;
+}
+
+void Viewer::takeFiles() {
+    std::vector<std::string> dropped = shell_.takeDropped();
+    const Subject* chosen = state_.chosen();
+    for (std::string& path : dropped) {
+        // A motion that comes with other files belongs to the avatar among them.
+        const DplAvatar motionOf = dropped.size() == 1 && chosen && chosen->isAvatar() ? chosen->avatar.handle() : nullptr;
+        loader_->load(std::move(path), motionOf);
+        ++waitingFor_;
+    }
+    if (state_.rendererName.empty())
+        if (const auto doppel = loader_->doppel()) {
+            timings_.mark("Doppel's context and pipelines");
+            const char* name = "";
+            if (dplGetRendererName(doppel->context, &name) == DPL_OK) state_.rendererName = name;
+        }
+    for (LoadedFile& file : loader_->take()) {
+        if (!file.file.empty()) --waitingFor_;
+        if (!file.error.empty()) {
+            report(file.error);
+        } else if (file.avatar) {
+            addSubject(std::move(*file.avatar), file.file);
+            timings_.mark("first file loaded");
+        } else {
+            for (Subject& subject : state_.subjects)
+                if (subject.avatar.handle() == file.clipOf)
+                    if (const Status taken = subject.takeNewClip(); !taken) report(taken.error().message);
+        }
+    }
+    state_.atHand = loader_->atHand();
+}
+
+void Viewer::addSubject(doppel::Avatar avatar, const std::string& file) {
+    if (state_.subjects.size() == DPL_MAX_TOGETHER)
+        return report(
+            formatText("{}: not shown; at most {} avatars and splats can be drawn together. Remove one first", file, DPL_MAX_TOGETHER));
+    auto made = Subject::of(std::move(avatar), file);
+    if (!made) return report(file + ": " + made.error().message);
+    if (!options_.clip.empty() && made->isAvatar()) {
+        const auto clip = chooseClip(made->avatar, options_.clip);
+        if (!clip) return report(clip.error().message);
+        if (const Status taken = made->takeNewClip(); !taken) return report(taken.error().message);
+        made->clip = *clip;
+    }
+    if (state_.subjects.empty() && options_.room == "auto" && !made->isAvatar()) state_.room.reset();
+    state_.subjects.push_back(std::move(*made));
+    state_.selected = state_.subjects.size() - 1;
+    state_.wantsFrame = true;
+}
+
+WorldBox Viewer::uprightBox() const {
+    const WorldBox box = boxOf(state_.subjects);
+    const Mat3d upright = uprightFromFile(state_.axes);
+    const Vec3d a = upright * box.low, b = upright * box.high;  // quarter turns keep the box axis-aligned
+    return {glm::min(a, b), glm::max(a, b)};
+}
+
+void Viewer::takeInput() {
+    const ImGuiIO& io = ImGui::GetIO();
+    if (options_.isScript()) return;
+    for (const int key : shell_.takeKeys()) {  // GLFW's codes of letters are those of ASCII
+        if (key == ' ') state_.playback.playing = !state_.playback.playing;
+        if (key == 'F') state_.wantsFrame = true;
+        if (key == 'H') state_.panels = !state_.panels;
+        if (key == 'P') state_.wantsScreenshot = true;
+    }
+    if (io.WantCaptureMouse || io.DisplaySize.y <= 0) return;
+    if (io.MouseDown[0] && !io.KeyShift) state_.camera.orbit(io.MouseDelta.x, io.MouseDelta.y, io.DisplaySize.y);
+    if (io.MouseDown[1] || io.MouseDown[2] || (io.MouseDown[0] && io.KeyShift))
+        state_.camera.pan(io.MouseDelta.x, io.MouseDelta.y, io.DisplaySize.y);
+    if (io.MouseWheel != 0) state_.camera.zoom(io.MouseWheel);
+}
+
+void Viewer::startTurntable(std::filesystem::path path) {
+    const VkExtent2D size = shell_.picturePx();
+    auto begun = Turntable::begin(path, options_.frames > 1 ? options_.frames : 120, size.width, size.height, 1 / kScriptStepS);
+    if (!begun && begun.error().code == Code::NotFound && options_.turntable.empty())  // no ffmpeg: pictures instead
+        begun = Turntable::begin(nextFreeName("turntable", ""), 120, size.width, size.height, 1 / kScriptStepS);
+    if (!begun) return report(begun.error().message);
+    turntable_.emplace(std::move(*begun));
+    turntableFromRad_ = state_.camera.azimuthRad();
+}
+
+void Viewer::fulfilWishes() {
+    if (state_.wantsRemoval && *state_.wantsRemoval < state_.subjects.size()) {
+        state_.subjects.erase(state_.subjects.begin() + ptrdiff_t(*state_.wantsRemoval));
+        state_.wantsFrame = true;
+        if (state_.selected > 0 && state_.selected >= *state_.wantsRemoval) --state_.selected;
+    }
+    if (state_.wantsScreenshot) screenshot_ = nextFreeName("doppel", ".png");
+    if (state_.wantsTurntable && !turntable_) startTurntable(nextFreeName("turntable", ".mp4"));
+    state_.wantsRemoval.reset();
+    state_.wantsScreenshot = state_.wantsTurntable = false;
+    if (options_.isScript() && !options_.turntable.empty() && scriptMayBegin() && !turntable_ && !done_) startTurntable(options_.turntable);
+    if (turntable_) state_.camera.setAzimuth(turntableFromRad_ + turntable_->turnRad());
+}
+
+void Viewer::advanceTime() {
+    const double now = nowS(), passed = now - lastS_;
+    lastS_ = now;
+    if (options_.isScript())
+        state_.playback.timeS = kScriptStepS * (turntable_ ? turntable_->done() : scriptFrame_);
+    else
+        state_.playback.advance(turntable_ ? kScriptStepS : passed);
+}
+
+void Viewer::arrange() {
+    std::vector<Subject*> avatars;
+    for (Subject& subject : state_.subjects)
+        if (subject.isAvatar()) avatars.push_back(&subject);
+    const std::vector<double> places = placesInRow(avatars.size());
+    for (size_t i = 0; i < avatars.size(); ++i) {
+        avatars[i]->asideM = places[i];
+        if (const Status posed = avatars[i]->pose(state_.playback.timeS); !posed) report(avatars[i]->file + ": " + posed.error().message);
+    }
+    if (state_.wantsFrame || !framed_) frameAll();
+    state_.wantsFrame = false;
+    applyLimits();
+}
+
+/** Puts the camera before all subjects, and the room around both. */
+void Viewer::frameAll() {
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
+    if (size.x <= 0 || size.y <= 0) return;  // minimised
+    const FreeSpan free = freeSpan(state_, size.x);
+    state_.camera.frame(uprightBox(), double(free.right - free.left) / double(size.y));
+    shell_.buildRoom(roomAround(state_.subjects, uprightBox(), state_.camera.distanceM()));
+    framed_ = true;
+}
+
+void Viewer::applyLimits() {
+    const auto doppel = loader_ ? loader_->doppel() : std::nullopt;
+    if (!doppel) return;
+    if (detailSet_ != state_.splatsPerPixel) {
+        DplDetail detail{};
+        detail.structSize = sizeof detail, detail.splatsPerPixel = detailSet_ = state_.splatsPerPixel;
+        if (dplSetDetail(doppel->context, &detail) != DPL_OK) report(dplGetLastError());
+    }
+    if (budgetSet_ != state_.frameBudgetMs && dplSetFrameBudget(doppel->context, budgetSet_ = state_.frameBudgetMs) != DPL_OK)
+        report(dplGetLastError());
+}
+
+void Viewer::afterDraw(bool drawn, std::vector<uint8_t>& rgb) {
+    if (!drawn) return;
+    const VkExtent2D size = shell_.picturePx();
+    const bool withSubjects = !state_.subjects.empty();
+    if (options_.timings && shell_.shown() == 1) shell_.waitIdle();
+    timings_.mark("first picture: the room and the panels");
+    if (options_.timings && withSubjects) shell_.waitIdle();
+    if (withSubjects) timings_.mark("first picture with a subject");
+    if (!loader_) {  // only now, so that nothing competes with the first picture
+        loader_ = std::make_unique<Loader>(shell_, fillOf(options_.fill), cacheFolder());
+        for (const std::string& file : options_.files) loader_->load(file, nullptr);
+        waitingFor_ = options_.files.size();
+        return;
+    }
+    refreshFigures();
+    if (!screenshot_.empty() && !rgb.empty()) {
+        if (const Status written = writeScreenshot(screenshot_, rgb, size.width, size.height); !written)
+            report(written.error().message);
+        else
+            state_.messages.info(formatText("Saved {}", screenshot_.string()), nowS());
+        screenshot_.clear();
+    }
+    if (turntable_ && !rgb.empty()) {
+        const Status added = turntable_->add(rgb, size.width, size.height);
+        if (!added || turntable_->done() == turntable_->frames()) {
+            if (!added) report(added.error().message);
+            if (added) state_.messages.info(formatText("Saved {}", turntable_->path().string()), nowS());
+            state_.camera.setAzimuth(turntableFromRad_);
+            turntable_.reset();
+            done_ = options_.isScript();
+        }
+    }
+    if (!options_.screenshot.empty() && scriptMayBegin() && !failed_) {
+        if (!rgb.empty()) {
+            if (const Status written = writeScreenshot(options_.screenshot, rgb, size.width, size.height); !written)
+                report(written.error().message);
+            done_ = true;
+        }
+        ++scriptFrame_;
+    }
+    if (waitingFor_ == 0 && settling_ > 0) --settling_;
+}
+
+void Viewer::refreshFigures() {
+    const double now = nowS();
+    if (now - figuresAtS_ < 0.25) return;
+    Figures figures;
+    if (now > figuresAtS_) figures.framesPerSecond = double(shell_.shown() - figuresAtFrame_) / (now - figuresAtS_);
+    figuresAtS_ = now, figuresAtFrame_ = shell_.shown();
+    if (!state_.subjects.empty()) {
+        const doppel::Avatar& first = state_.subjects[0].avatar;  // the picture belongs to it
+        if (const auto stats = first.frameStats()) figures.stats = *stats;
+        for (uint32_t i = 0; i < figures.stats.passCount; ++i)
+            if (const auto pass = first.passTime(i)) {
+                auto& passes = figures.passesMs;
+                const auto same = std::find_if(passes.begin(), passes.end(), [&](const auto& p) { return p.first == pass->label; });
+                if (same == passes.end())
+                    passes.emplace_back(pass->label, pass->milliseconds);
+                else
+                    same->second += pass->milliseconds;
+            }
+    }
+    state_.figures = std::move(figures);
+}
+
+}  // namespace dpl

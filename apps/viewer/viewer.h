@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// The viewer: one window, its subjects and its frame loop. A script (screenshot, turntable) is the same loop with a fixed time step, which
+// begins when all files are loaded.
+#pragma once
+
+#include <chrono>
+#include <memory>
+
+#include "apps/viewer/loader.h"
+#include "apps/viewer/options.h"
+#include "apps/viewer/recorder.h"
+#include "apps/viewer/state.h"
+#include "apps/viewer/timings.h"
+
+namespace dpl {
+
+class Viewer {
+public:
+    explicit Viewer(const ViewerOptions& options, Timings& timings);
+    ~Viewer();
+    Viewer(const Viewer&) = delete;
+    Viewer& operator=(const Viewer&) = delete;
+
+    /** Runs until the window is closed or the script is done. Returns the exit code. */
+    int run();
+
+private:
+    void frame();
+    void takeFiles();
+    void addSubject(doppel::Avatar avatar, const std::string& file);
+    void takeInput();
+    void fulfilWishes();
+    void advanceTime();
+    void arrange();
+    void frameAll();
+    void afterDraw(bool drawn, std::vector<uint8_t>& rgb);
+    void startTurntable(std::filesystem::path path);
+    void refreshFigures();
+    void applyLimits();
+    void report(const std::string& problem);
+    platform::FrameContents contents();
+    WorldBox uprightBox() const;
+    double nowS() const;
+    bool scriptMayBegin() const { return waitingFor_ == 0 && settling_ == 0; }
+
+    const ViewerOptions options_;
+    Timings& timings_;
+    platform::Shell shell_;
+    std::unique_ptr<Loader> loader_;
+    ViewerState state_;  // its avatars are destroyed before the context
+
+    const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    double lastS_ = 0, figuresAtS_ = -1;
+    uint64_t figuresAtFrame_ = 0;
+    size_t waitingFor_ = 0;  // files that are not loaded yet
+    bool framed_ = false;    // the camera was put before the first subject
+    float detailSet_ = 0, budgetSet_ = 0;
+    std::optional<Turntable> turntable_;
+    double turntableFromRad_ = 0;
+    std::filesystem::path screenshot_;  // to be taken from the next frame; empty: none
+    uint32_t settling_ = 2;             // frames that a script waits after loading, until panels have their sizes
+    uint32_t scriptFrame_ = 0;
+    bool done_ = false, failed_ = false;
+};
+
+}  // namespace dpl

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "platform/desktop/gui.h"
+
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_vulkan.h>
+#include <imgui.h>
+#include <unistd.h>
+
+namespace dpl::platform {
+namespace {
+
+constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+
+void uploadFont(Device& device) {
+#if IMGUI_VERSION_NUM >= 19000
+    (void)device;
+    ImGui_ImplVulkan_CreateFontsTexture();  // submits by itself; no other thread uses the queue yet
+#else
+    device.runOnce([](VkCommandBuffer commands) { ImGui_ImplVulkan_CreateFontsTexture(commands); });
+    ImGui_ImplVulkan_DestroyFontUploadObjects();
+#endif
+}
+
+void setStyle() {
+    ImGui::StyleColorsDark();
+    ImGuiStyle& style = ImGui::GetStyle();
+    style.WindowRounding = 6, style.FrameRounding = 4, style.GrabRounding = 4, style.PopupRounding = 4, style.ScrollbarRounding = 4;
+    style.WindowBorderSize = 0;
+    style.WindowPadding = {12, 10}, style.FramePadding = {7, 4}, style.ItemSpacing = {8, 6};
+    style.Colors[ImGuiCol_WindowBg] = {0.09f, 0.10f, 0.12f, 0.92f};
+    style.Colors[ImGuiCol_TitleBg] = style.Colors[ImGuiCol_TitleBgActive] = {0.13f, 0.15f, 0.18f, 1};
+}
+
+}  // namespace
+
+Gui::Gui(const Window& window, Device& device, VkRenderPass pass, uint32_t framesInFlight) : device_(device) {
+    const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 8};
+    VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+    pool.flags = VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT;
+    pool.maxSets = 8;
+    pool.poolSizeCount = 1;
+    pool.pPoolSizes = &size;
+    DPL_VK(vkCreateDescriptorPool(device.device(), &pool, nullptr, &pool_));
+
+    IMGUI_CHECKVERSION();
+    ImGui::CreateContext();
+    ImGuiIO& io = ImGui::GetIO();
+    io.IniFilename = nullptr;  // panels have their places; nothing is written into the folder of the user
+    if (access(kFont, R_OK) == 0) io.Fonts->AddFontFromFileTTF(kFont, 15);
+    setStyle();
+    ImGui_ImplGlfw_InitForVulkan(window.handle(), true);
+    ImGui_ImplVulkan_InitInfo info{};
+    info.Instance = device.instance(), info.PhysicalDevice = device.physical(), info.Device = device.device();
+    info.QueueFamily = device.family(), info.Queue = device.queue();
+    info.DescriptorPool = pool_;
+    info.MinImageCount = info.ImageCount = framesInFlight;
+    info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
+    info.CheckVkResultFn = [](VkResult result) { checkVulkan(result, "Dear ImGui"); };
+    ImGui_ImplVulkan_Init(&info, pass);
+    uploadFont(device);
+}
+
+Gui::~Gui() {
+    ImGui_ImplVulkan_Shutdown();
+    ImGui_ImplGlfw_Shutdown();
+    ImGui::DestroyContext();
+    vkDestroyDescriptorPool(device_.device(), pool_, nullptr);
+}
+
+void Gui::beginFrame(VkExtent2D size) {
+    ImGui_ImplVulkan_NewFrame();
+    ImGui_ImplGlfw_NewFrame();
+    ImGuiIO& io = ImGui::GetIO();
+    // The picture may have another size than the window (scripts). On screens with large pixels, coordinates of the window are fewer.
+    const float scale = io.DisplayFramebufferScale.x > 0 ? io.DisplayFramebufferScale.x : 1;
+    io.DisplaySize = {float(size.width) / scale, float(size.height) / scale};
+    io.DisplayFramebufferScale = {scale, scale};
+    ImGui::NewFrame();
+}
+
+void Gui::endFrame() {
+    ImGui::Render();
+}
+
+void Gui::record(VkCommandBuffer commands) const {
+    ImGui_ImplVulkan_RenderDrawData(ImGui::GetDrawData(), commands);
+}
+
+}  // namespace dpl::platform

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// Dear ImGui with Debian's GLFW and Vulkan backends. What differs between the versions of Debian 12, Debian 13 and Ubuntu is in gui.cpp.
+#pragma once
+
+#include "platform/desktop/device.h"
+
+namespace dpl::platform {
+
+class Gui {
+public:
+    /** pass: a pass with one RGBA8 or BGRA8 attachment of display values and one sample. Uploads the font and waits for it. At most one at
+     *  a time; window and device must outlive it. */
+    Gui(const Window& window, Device& device, VkRenderPass pass, uint32_t framesInFlight);
+    ~Gui();
+    Gui(const Gui&) = delete;
+    Gui& operator=(const Gui&) = delete;
+
+    /** Between these two the app calls ImGui. size: of the picture, px. */
+    void beginFrame(VkExtent2D size);
+    void endFrame();
+    /** Inside the pass. */
+    void record(VkCommandBuffer commands) const;
+
+private:
+    Device& device_;
+    VkDescriptorPool pool_ = VK_NULL_HANDLE;
+};
+
+}  // namespace dpl::platform

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "platform/desktop/shell.h"
+
+#include <imgui.h>
+
+#include "platform/desktop/canvas.h"
+#include "platform/desktop/gui.h"
+#include "platform/desktop/swapchain.h"
+
+namespace dpl::platform {
+
+/** What one frame in flight uses. */
+struct FrameSlot {
+    VkCommandBuffer commands = VK_NULL_HANDLE;
+    VkFence done = VK_NULL_HANDLE;
+    VkSemaphore imageReady = VK_NULL_HANDLE;
+};
+
+/** Command buffers, fences and semaphores of the slots. */
+struct FrameSlots {
+    explicit FrameSlots(Device& d) : device(d) {
+        VkCommandPoolCreateInfo poolInfo{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+        poolInfo.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
+        poolInfo.queueFamilyIndex = device.family();
+        DPL_VK(vkCreateCommandPool(device.device(), &poolInfo, nullptr, &pool));
+        for (FrameSlot& slot : all) {
+            VkCommandBufferAllocateInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+            buffer.commandPool = pool;
+            buffer.commandBufferCount = 1;
+            DPL_VK(vkAllocateCommandBuffers(device.device(), &buffer, &slot.commands));
+            VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+            fence.flags = VK_FENCE_CREATE_SIGNALED_BIT;
+            DPL_VK(vkCreateFence(device.device(), &fence, nullptr, &slot.done));
+            const VkSemaphoreCreateInfo semaphore{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
+            DPL_VK(vkCreateSemaphore(device.device(), &semaphore, nullptr, &slot.imageReady));
+        }
+    }
+    ~FrameSlots() {
+        for (const FrameSlot& slot : all) {
+            vkDestroyFence(device.device(), slot.done, nullptr);
+            vkDestroySemaphore(device.device(), slot.imageReady, nullptr);
+        }
+        vkDestroyCommandPool(device.device(), pool, nullptr);
+    }
+    FrameSlots(const FrameSlots&) = delete;
+    FrameSlots& operator=(const FrameSlots&) = delete;
+
+    Device& device;
+    VkCommandPool pool = VK_NULL_HANDLE;
+    FrameSlot all[DPL_VULKAN_SLOTS];
+};
+
+struct Shell::Parts {
+    explicit Parts(const ShellInfo& info)
+        : window(info.title, info.widthPx, info.heightPx),
+          windowDone(info, "window"),
+          device(window, info.validation),
+          deviceDone(info, "Vulkan instance and device"),
+          canvas(device),
+          room(device.handles(), {canvas.roomPass(), 0, kCanvasSamples, 0}),
+          roomDone(info, "pipelines of the room"),
+          gui(window, device, canvas.finishingPass(), DPL_VULKAN_SLOTS),
+          guiDone(info, "font and pipeline of the panels"),
+          swapchain(device),
+          slots(device) {}
+
+    /** Tells that the members before it are made. */
+    struct Step {
+        Step(const ShellInfo& info, const char* what) {
+            if (info.onStep) info.onStep(what);
+        }
+    };
+
+    Window window;
+    Step windowDone;
+    Device device;
+    Step deviceDone;
+    Canvas canvas;
+    Room room;
+    Step roomDone;
+    Gui gui;
+    Step guiDone;
+    Swapchain swapchain;
+    FrameSlots slots;
+};
+
+Shell::Shell(const ShellInfo& info)
+    : parts_(std::make_unique<Parts>(info)), fixedPicture_(info.fixedPicture), picturePx_{info.widthPx, info.heightPx} {}
+
+Shell::~Shell() {
+    try {
+        waitIdle();
+    } catch (const VulkanError&) {  // the device is lost; nothing runs on it
+    }
+}
+
+DplVulkanDevice Shell::deviceForDoppel() {
+    return parts_->device.forDoppel();
+}
+
+DplResult Shell::makeComposer(DplContext context, uint32_t* composer) const {
+    DplVulkanPass pass{};
+    pass.structSize = sizeof pass;
+    pass.renderPass = parts_->canvas.composingPass();
+    pass.colourFormat = kLightFormat;
+    pass.samples = kCanvasSamples;
+    return dplCreateVulkanComposer(context, &pass, composer);
+}
+
+const std::string& Shell::deviceName() const {
+    return parts_->device.name();
+}
+
+bool Shell::beginFrame() {
+    parts_->window.poll();
+    if (parts_->window.wantsClose()) return false;
+    if (!fixedPicture_) picturePx_ = parts_->window.sizePx();
+    parts_->gui.beginFrame(picturePx_);
+    return true;
+}
+
+std::string Shell::draw(const FrameContents& contents) {
+    parts_->gui.endFrame();
+    if (picturePx_.width == 0 || picturePx_.height == 0) return {};
+    parts_->canvas.resize(picturePx_);
+    const uint32_t slotIndex = uint32_t(frame_ % DPL_VULKAN_SLOTS);
+    const FrameSlot& slot = parts_->slots.all[slotIndex];
+    DPL_VK(vkWaitForFences(parts_->device.device(), 1, &slot.done, VK_TRUE, UINT64_MAX));
+    const std::optional<uint32_t> image = parts_->swapchain.acquire(parts_->window.sizePx(), slot.imageReady);
+    if (!image) return {};
+    ++frame_;
+
+    const VkCommandBuffer commands = slot.commands;
+    VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+    begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+    DPL_VK(vkBeginCommandBuffer(commands, &begin));
+    const Canvas& canvas = parts_->canvas;
+    canvas.beginRoom(commands);
+    if (contents.room) parts_->room.record(commands, picturePx_, &contents.roomView, 1, *contents.room);
+    vkCmdEndRenderPass(commands);
+
+    std::string problem;
+    const bool wanted = contents.context && !contents.avatars.empty();
+    bool prepared = false;
+    if (wanted) {
+        DplVulkanSceneDepth depth{};
+        depth.structSize = sizeof depth;
+        depth.image = canvas.depth();
+        depth.layout = VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL;
+        depth.samples = kCanvasSamples;
+        depth.scale = 0, depth.offset = kRoomNearM;
+        prepared = dplVulkanPrepare(contents.context, commands, slotIndex, contents.avatars.data(), uint32_t(contents.avatars.size()),
+                                    &contents.view, 1, contents.room ? &depth : nullptr) == DPL_OK;
+        if (!prepared) problem = dplGetLastError();
+    }
+    canvas.beginComposing(commands);
+    if (prepared && dplVulkanCompose(contents.context, contents.composer, commands, slotIndex, 0, 0, 0) != DPL_OK)
+        problem = dplGetLastError();
+    vkCmdEndRenderPass(commands);
+    canvas.beginFinishing(commands);
+    if (contents.panels) parts_->gui.record(commands);
+    vkCmdEndRenderPass(commands);
+    parts_->swapchain.recordCopy(commands, *image, canvas.picture(), picturePx_);
+    DPL_VK(vkEndCommandBuffer(commands));
+
+    const VkPipelineStageFlags waitStage = VK_PIPELINE_STAGE_TRANSFER_BIT;
+    const VkSemaphore drawn = parts_->swapchain.drawn(*image);
+    VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
+    submit.waitSemaphoreCount = 1;
+    submit.pWaitSemaphores = &slot.imageReady;
+    submit.pWaitDstStageMask = &waitStage;
+    submit.commandBufferCount = 1;
+    submit.pCommandBuffers = &commands;
+    submit.signalSemaphoreCount = 1;
+    submit.pSignalSemaphores = &drawn;
+    DPL_VK(vkResetFences(parts_->device.device(), 1, &slot.done));
+    parts_->device.submit(submit, slot.done);
+    parts_->swapchain.present(*image);
+    ++shown_;
+    if (contents.rgb) readPicture(*contents.rgb);
+    return problem;
+}
+
+void Shell::readPicture(std::vector<uint8_t>& rgb) {
+    const size_t pixels = size_t(picturePx_.width) * picturePx_.height;
+    HostBuffer buffer = makeHostBuffer(parts_->device.handles(), pixels * 4, VK_BUFFER_USAGE_TRANSFER_DST_BIT);
+    parts_->device.runOnce([&](VkCommandBuffer commands) {
+        VkBufferImageCopy region{};
+        region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+        region.imageExtent = {picturePx_.width, picturePx_.height, 1};
+        vkCmdCopyImageToBuffer(commands, parts_->canvas.picture(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, buffer.buffer, 1, &region);
+        VkMemoryBarrier host{VK_STRUCTURE_TYPE_MEMORY_BARRIER};
+        host.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+        host.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
+        vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &host, 0, nullptr, 0, nullptr);
+    });
+    rgb.resize(pixels * 3);
+    const auto* rgba = static_cast<const uint8_t*>(buffer.mapped);
+    for (size_t i = 0; i < pixels; ++i)
+        for (size_t c = 0; c < 3; ++c) rgb[3 * i + c] = rgba[4 * i + c];
+    destroyHostBuffer(parts_->device.handles(), buffer);
+}
+
+void Shell::buildRoom(const RoomPlan& plan) {
+    waitIdle();
+    parts_->room.build(plan);
+}
+
+void Shell::waitIdle() {
+    parts_->device.waitIdle();
+}
+
+void Shell::hideWindow() {
+    parts_->window.hide();
+}
+
+std::vector<std::string> Shell::takeDropped() {
+    return parts_->window.takeDropped();
+}
+
+std::vector<int> Shell::takeKeys() {
+    std::vector<int> keys = parts_->window.takeKeys();
+    if (ImGui::GetIO().WantTextInput) keys.clear();
+    return keys;
+}
+
+std::vector<std::string> Shell::complaints() const {
+    return parts_->device.complaints();
+}
+
+}  // namespace dpl::platform

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// A window in which an app draws avatars: the frame loop over window, device, swapchain, room and Dear ImGui. All functions are called from
+// the main thread, except where a comment says otherwise. Errors are exceptions with a sentence, unless they concern the avatars alone.
+//
+//   Shell shell({"title", 1280, 800});
+//   // on a worker: context = dplCreateVulkanContext(&shell.deviceForDoppel(), ...); composer = shell.makeComposer(context);
+//   while (shell.beginFrame()) {
+//       ImGui::Begin(...);
+//       shell.draw(contents);
+//   }
+#pragma once
+
+#include <doppel/doppel_vulkan.h>
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "platform/common/room.h"
+
+namespace dpl::platform {
+
+struct ShellInfo {
+    std::string title;
+    uint32_t widthPx = 0, heightPx = 0;
+    bool fixedPicture = false;                // pictures keep this size even if the window gets another one
+    bool validation = false;                  // load the validation layer
+    std::function<void(const char*)> onStep;  // told which step of the start is done; may be empty
+};
+
+struct FrameContents {
+    DplCamera view{};               // sized as Shell::picturePx
+    std::optional<RoomLight> room;  // nothing: black, and nothing is hidden
+    DplCamera roomView{};           // of the room; differs from `view` where a file's up axis does
+    DplContext context = nullptr;   // with what makeComposer returned for it; NULL: draw no avatars
+    uint32_t composer = 0;
+    std::vector<DplAvatar> avatars;       // may be empty
+    bool panels = true;                   // draw what ImGui was told
+    std::vector<uint8_t>* rgb = nullptr;  // receives the picture, three bytes a pixel; costs a wait
+};
+
+class Shell {
+public:
+    explicit Shell(const ShellInfo& info);
+    /** Waits for the device. Destroy all contexts on the device first. */
+    ~Shell();
+    Shell(const Shell&) = delete;
+    Shell& operator=(const Shell&) = delete;
+
+    /** For dplCreateVulkanContext. Any thread. Valid as long as the shell. */
+    DplVulkanDevice deviceForDoppel();
+    /** Compiles what composes into this shell's pass; see dplCreateVulkanComposer. Any thread. */
+    DplResult makeComposer(DplContext context, uint32_t* composer) const;
+    const std::string& deviceName() const;
+
+    /** Handles events and begins a frame of ImGui. False: the user has closed the window. */
+    bool beginFrame();
+    /** Size of the picture of this frame; 0 × 0 while the window is minimised. */
+    VkExtent2D picturePx() const { return picturePx_; }
+    /** Ends the frame that beginFrame began: draws and shows it, unless the window is minimised. Returns why the avatars could not be
+     * drawn, or nothing. */
+    std::string draw(const FrameContents& contents);
+    /** Pictures that draw has shown. */
+    uint64_t shown() const { return shown_; }
+
+    /** Waits until no frame is in flight, then builds the room anew. */
+    void buildRoom(const RoomPlan& plan);
+    /** Waits for the frames in flight, for example before avatars and contexts are destroyed. */
+    void waitIdle();
+    void hideWindow();
+
+    std::vector<std::string> takeDropped();
+    /** GLFW_KEY_* of keys that no text field wanted. */
+    std::vector<int> takeKeys();
+    std::vector<std::string> complaints() const;
+
+private:
+    struct Parts;
+    void readPicture(std::vector<uint8_t>& rgb);
+
+    std::unique_ptr<Parts> parts_;
+    bool fixedPicture_ = false;
+    VkExtent2D picturePx_{};
+    uint64_t frame_ = 0, shown_ = 0;
+};
+
+}  // namespace dpl::platform

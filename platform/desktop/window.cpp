@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "platform/desktop/window.h"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+#include <stdexcept>
+#include <utility>
+
+#include "platform/common/vulkan_help.h"
+
+namespace dpl::platform {
+namespace {
+
+std::string lastGlfwError() {
+    const char* text = nullptr;
+    return glfwGetError(&text) == GLFW_NO_ERROR || !text ? "no reason was given" : text;
+}
+
+}  // namespace
+
+Window::Window(const std::string& title, uint32_t widthPx, uint32_t heightPx) {
+    if (!glfwInit()) throw std::runtime_error("cannot open a window: " + lastGlfwError());
+    glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
+    window_ = glfwCreateWindow(int(widthPx), int(heightPx), title.c_str(), nullptr, nullptr);
+    if (!window_) {
+        const std::string reason = lastGlfwError();
+        glfwTerminate();
+        throw std::runtime_error("cannot open a window: " + reason);
+    }
+    glfwSetWindowUserPointer(window_, this);
+    glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** paths) {
+        auto& dropped = static_cast<Window*>(glfwGetWindowUserPointer(window))->dropped_;
+        dropped.insert(dropped.end(), paths, paths + count);
+    });
+    // Dear ImGui installs its own callback later and passes keys on to this one.
+    glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int, int action, int) {
+        if (action == GLFW_PRESS) static_cast<Window*>(glfwGetWindowUserPointer(window))->keys_.push_back(key);
+    });
+}
+
+Window::~Window() {
+    glfwDestroyWindow(window_);
+    glfwTerminate();
+}
+
+std::vector<const char*> Window::instanceExtensions() {
+    uint32_t count = 0;
+    const char** names = glfwGetRequiredInstanceExtensions(&count);
+    if (!names) throw std::runtime_error("no Vulkan driver can show pictures in a window here; install one (Debian: mesa-vulkan-drivers)");
+    return {names, names + count};
+}
+
+VkSurfaceKHR Window::makeSurface(VkInstance instance) const {
+    VkSurfaceKHR surface = VK_NULL_HANDLE;
+    DPL_VK(glfwCreateWindowSurface(instance, window_, nullptr, &surface));
+    return surface;
+}
+
+void Window::poll() {
+    const VkExtent2D size = sizePx();
+    if (size.width == 0 || size.height == 0)
+        glfwWaitEventsTimeout(0.1);
+    else
+        glfwPollEvents();
+}
+
+bool Window::wantsClose() const {
+    return glfwWindowShouldClose(window_);
+}
+
+void Window::hide() {
+    glfwHideWindow(window_);
+    glfwPollEvents();
+}
+
+VkExtent2D Window::sizePx() const {
+    if (glfwGetWindowAttrib(window_, GLFW_ICONIFIED)) return {0, 0};
+    int width = 0, height = 0;
+    glfwGetFramebufferSize(window_, &width, &height);
+    return {uint32_t(width), uint32_t(height)};
+}
+
+std::vector<std::string> Window::takeDropped() {
+    return std::exchange(dropped_, {});
+}
+
+std::vector<int> Window::takeKeys() {
+    return std::exchange(keys_, {});
+}
+
+}  // namespace dpl::platform

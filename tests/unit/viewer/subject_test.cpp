@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/viewer/subject.h"
+
+#include <gtest/gtest.h>
+
+#include "sdk/format/avatar_file.h"
+#include "tests/package/tiny_avatar.h"
+
+namespace {
+
+using namespace dpl;
+
+class SubjectTest : public ::testing::Test {
+protected:
+    Subject load(const AvatarData& data) {
+        const auto bytes = writeAvatar(data);
+        EXPECT_TRUE(bytes);
+        auto avatar = context_->loadAvatar(*bytes);
+        EXPECT_TRUE(avatar) << avatar.error().message;
+        auto subject = Subject::of(std::move(*avatar), "tiny.glb");
+        EXPECT_TRUE(subject);
+        return std::move(*subject);
+    }
+    static AvatarData tiny() {
+        AvatarData data = test::tinyAvatar();
+        sortSplats(data);
+        return data;
+    }
+    static Vec3f jointAt(const Subject& subject, size_t joint) {
+        const auto positions = subject.avatar.jointPositions();
+        return {(*positions)[3 * joint], (*positions)[3 * joint + 1], (*positions)[3 * joint + 2]};
+    }
+    static void expectNear(const Vec3f& a, const Vec3f& b) { EXPECT_LT(glm::length(a - b), 1e-5f) << a.x << ' ' << a.y << ' ' << a.z; }
+
+    doppel::Result<doppel::Context> context_ = doppel::Context::create(DPL_RENDERER_SOFTWARE, 1);
+};
+
+TEST(RotationOfAngles, turnsAboutXThenYThenZ) {
+    const Vec3f turned = rotationOfAngles({90, 90, 90}) * Vec3f(0, 1, 0);  // x: +Z, y: +X, z: +Y
+    EXPECT_LT(glm::length(turned - Vec3f(0, 1, 0)), 1e-6f);
+    EXPECT_LT(glm::length(rotationOfAngles({90, 0, 0}) * Vec3f(0, 1, 0) - Vec3f(0, 0, 1)), 1e-6f);
+    EXPECT_LT(glm::length(rotationOfAngles({90, 90, 0}) * Vec3f(0, 1, 0) - Vec3f(1, 0, 0)), 1e-6f);
+}
+
+TEST_F(SubjectTest, playsItsFirstClipAndStandsAside) {
+    Subject subject = load(tiny());
+    ASSERT_EQ(subject.clips.size(), 1u);
+    ASSERT_EQ(subject.clip, 0u);
+    EXPECT_EQ(subject.joints, (std::vector<std::string>{"pelvis", "left_shoulder"}));
+    ASSERT_TRUE(subject.pose(0.5));  // half way: the root is 0.25 m up
+    expectNear(jointAt(subject, 0), {0, 1.25f, 0});
+    subject.asideM = -2;
+    ASSERT_TRUE(subject.pose(1.5));  // the clip repeats after 1 s
+    expectNear(jointAt(subject, 0), {-2, 1.25f, 0});
+    EXPECT_FLOAT_EQ(float(subject.box().low.x), -2.5f);
+}
+
+TEST_F(SubjectTest, anglesByHandTurnAJointOnTopOfTheClip) {
+    Subject subject = load(tiny());
+    subject.clip.reset();
+    ASSERT_TRUE(subject.pose(0.5));
+    expectNear(jointAt(subject, 1), {0, 1.25f, 0});
+    subject.byHandDeg[0] = {0, 0, 90};  // the shoulder, 0.25 m above, goes to the avatar's right
+    ASSERT_TRUE(subject.pose(0.5));
+    expectNear(jointAt(subject, 1), {-0.25f, 1, 0});
+    subject.clip = 0;
+    ASSERT_TRUE(subject.pose(0));
+    expectNear(jointAt(subject, 1), {-0.25f, 1, 0});
+    subject.byHandDeg[0] = Vec3f(0);
+    ASSERT_TRUE(subject.pose(0));
+    expectNear(jointAt(subject, 1), {0, 1.25f, 0});
+}
+
+TEST_F(SubjectTest, anAvatarWithoutClipsRests) {
+    AvatarData data = tiny();
+    data.clips.clear();
+    Subject subject = load(data);
+    EXPECT_TRUE(subject.clips.empty());
+    EXPECT_FALSE(subject.clip);
+    EXPECT_TRUE(subject.pose(3));
+    expectNear(jointAt(subject, 0), {0, 1, 0});
+}
+
+TEST(PlacesInRow, areApartAndAroundTheOrigin) {
+    EXPECT_TRUE(placesInRow(0).empty());
+    EXPECT_EQ(placesInRow(1), std::vector<double>{0});
+    EXPECT_EQ(placesInRow(2), (std::vector<double>{-0.5, 0.5}));
+    EXPECT_EQ(placesInRow(3), (std::vector<double>{-1, 0, 1}));
+}
+
+TEST_F(SubjectTest, theBoxHoldsAllSubjects) {
+    EXPECT_GT(boxOf({}).high.y, 1.5) << "an empty viewer shows the place of a person";
+    std::vector<Subject> row;
+    row.push_back(load(tiny()));
+    row.push_back(load(tiny()));
+    row[0].asideM = -0.5, row[1].asideM = 0.5;
+    const WorldBox box = boxOf(row);
+    EXPECT_FLOAT_EQ(float(box.low.x), -1);
+    EXPECT_FLOAT_EQ(float(box.high.x), 1);
+}
+
+}  // namespace

@@ -1,0 +1,195 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Runs doppel-viewer in a virtual display: scripted pictures against the CPU's, and a session with mouse, dropped files and other sizes.
+Exit 77, with the reason: something that the test needs is missing."""
+import argparse
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import time
+
+import x11_send
+
+SKIPPED = 77
+LEAST_PSNR_DB = 50  # measured 58.5 and 59; the splats and the composed picture are rounded to 8 bits one after the other
+failures = 0
+
+
+def skip(reason):
+    print(f"skipped: {reason}")
+    sys.exit(SKIPPED)
+
+
+def expect(truth, what):
+    global failures
+    print(("ok: " if truth else "FAILED: ") + what, flush=True)
+    failures += not truth
+
+
+class Display:
+    """Xvfb on a free display."""
+
+    def __init__(self):
+        read, write = os.pipe()
+        self.process = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "1000x800x24", "-nolisten", "tcp"], pass_fds=[write],
+                                        stderr=subprocess.DEVNULL)
+        os.close(write)
+        with os.fdopen(read) as answer:
+            number = answer.readline().strip()
+        if not number:
+            skip("Xvfb does not start here")
+        self.name = ":" + number
+
+    def close(self):
+        self.process.terminate()
+        self.process.wait()
+
+
+class Test:
+    def __init__(self, arguments, display):
+        self.viewer, self.check, self.work = arguments.viewer, arguments.check, arguments.work
+        self.display = display
+        self.environment = dict(os.environ, DISPLAY=display.name, XDG_CACHE_HOME=str(self.work / "cache"), HOME=str(self.work))
+        self.environment.pop("WAYLAND_DISPLAY", None)
+        self.avatar = self.work / "board.glb"
+        subprocess.run([self.check, "make", self.avatar], check=True)
+
+    def run(self, *words):
+        return subprocess.run([self.viewer, "--validation", *map(str, words)], cwd=self.work, env=self.environment, capture_output=True,
+                              text=True, timeout=120)
+
+    def figures(self, *words):
+        result = subprocess.run([self.check, *map(str, words)], capture_output=True, text=True)
+        if result.returncode != 0:
+            raise RuntimeError(result.stderr)
+        return [float(word) for word in result.stdout.split()]
+
+    def shot(self, name, *words):
+        """A scripted picture without panels."""
+        path = self.work / name
+        result = self.run("--screenshot", path, "--size", "420x300", "--hide-panels", *words)
+        if "no Vulkan" in result.stderr or "validation layer is not installed" in result.stderr:
+            skip(result.stderr.strip())
+        expect(result.returncode == 0 and not result.stderr, f"{name} is drawn and the validation layer is silent {result.stderr}")
+        return path
+
+    def scripts(self):
+        for light in ("dark", "bright"):
+            room = self.shot(f"room_{light}.png", "--room", light)
+            avatar = self.shot(f"avatar_{light}.png", self.avatar, "--room", light, "--frames", 10)
+            psnr, = self.figures("compose", self.avatar, room, avatar, 9 / 30)
+            expect(psnr >= LEAST_PSNR_DB, f"{light}: {psnr} dB to the CPU's composition, at least {LEAST_PSNR_DB} wanted")
+            expect(self.figures("differ", room, avatar)[0] > 1, f"{light}: the avatar is in the picture")
+        difference, = self.figures("differ", self.work / "room_dark.png", self.work / "room_bright.png")
+        expect(difference > 50, f"the rooms differ by {difference} levels")
+
+        broken = self.work / "broken.glb"
+        broken.write_bytes(self.avatar.read_bytes()[:1000])
+        result = self.run("--screenshot", self.work / "never.png", "--size", "64x64", broken)
+        expect(result.returncode == 1 and "broken.glb: " in result.stderr and not (self.work / "never.png").exists(),
+               f"a script with a broken file fails with a sentence: {result.stderr.strip()}")
+        result = self.run(self.avatar, "--turntable", self.work / "turn", "--frames", 3, "--size", "64x64")
+        pictures = sorted(path.name for path in (self.work / "turn").glob("*"))
+        expect(result.returncode == 0 and pictures == ["00000.png", "00001.png", "00002.png"], f"a turntable writes {pictures}")
+        expect(self.figures("differ", self.work / "turn/00000.png", self.work / "turn/00001.png")[0] > 2, "the turntable turns")
+
+    def capture(self, window, name):
+        path = self.work / name
+        subprocess.run(["import", "-display", self.display.name, "-window", str(window), path], check=True)
+        return path
+
+    def xdotool(self, *words):
+        return subprocess.run(["xdotool", *map(str, words)], env=self.environment, check=True, capture_output=True, text=True).stdout
+
+    def wait(self, what, condition, seconds=30):
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            if condition():
+                expect(True, what)
+                return True
+            time.sleep(0.1)
+        expect(False, what)
+        return False
+
+    def start(self, *words):
+        log = open(self.work / "session.log", "w")
+        process = subprocess.Popen([self.viewer, "--validation", *map(str, words)], cwd=self.work, env=self.environment, stderr=log)
+        window = int(self.xdotool("search", "--sync", "--onlyvisible", "--name", "^Doppel$").split()[0])
+        return process, window
+
+    def session(self):
+        process, window = self.start(self.avatar, "--room", "bright", "--hide-panels", "--size", "420x300")
+        sender = x11_send.Sender(self.display.name)
+        log = self.work / "session.log"
+        try:
+            def centre_is_red():
+                red, green, _ = self.figures("colour", self.capture(window, "window.png"), 210, 170)
+                return red > 150 and green < 90
+            self.wait("the avatar is in the window", centre_is_red)
+            self.xdotool("mousemove", "--window", window, 300, 200, "key", "--window", window, "space")
+            time.sleep(0.5)  # frames already on their way
+            before = self.capture(window, "before.png")
+            time.sleep(0.3)
+            still, = self.figures("differ", before, self.capture(window, "still.png"))
+            expect(still < 0.1, f"space has paused the clip (difference {still})")
+            self.xdotool("mousedown", 1, "mousemove", "--window", window, 330, 205, "mousemove", "--window", window, 380, 220, "mouseup", 1)
+            self.wait("dragging turns the camera", lambda: self.figures("differ", before, self.capture(window, "turned.png"))[0] > 3)
+
+            broken = self.work / "broken.glb"
+            before = self.capture(window, "before_drop.png")
+            sender.drop(window, [broken])
+            self.wait("a broken file is named on standard error", lambda: "broken.glb: " in log.read_text())
+            self.wait("its sentence appears in the window", lambda: self.figures("differ", before, self.capture(window, "error.png"))[0] > 1)
+
+            for width, height in ((640, 400), (200, 150), (500, 420)):
+                self.xdotool("windowsize", window, width, height)
+
+                def fills_the_window():  # the bright room reaches into every corner
+                    picture = self.capture(window, "resized.png")
+                    corners = [(3, 3), (width - 4, 3), (3, height - 40)]
+                    try:
+                        return all(min(self.figures("colour", picture, *corner)) > 60 for corner in corners)
+                    except RuntimeError:  # the window does not have its size yet
+                        return False
+                self.wait(f"the picture fills {width} x {height}", fills_the_window)
+            sender.drop(window, [self.avatar])
+            sender.close(window)  # while the avatar may still be loading
+            expect(process.wait(timeout=30) == 0, "the window closes, with nothing from the validation layer")
+        finally:
+            if process.poll() is None:
+                process.kill()
+        expect("validation" not in log.read_text(), "standard error has only the broken file's sentence: " + log.read_text().strip())
+
+        process, window = self.start(self.avatar, self.avatar, self.avatar)
+        sender.close(window)
+        expect(process.wait(timeout=30) == 0 and not log.read_text(), "closing at once is clean " + log.read_text())
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    for name in ("viewer", "check"):
+        parser.add_argument("--" + name, required=True)
+    parser.add_argument("--work", type=pathlib.Path, required=True)
+    arguments = parser.parse_args()
+    for program in ("Xvfb", "xdotool", "import"):
+        if not shutil.which(program):
+            skip(f"the program {program} is not installed (Debian: xvfb, xdotool, imagemagick)")
+    cache = arguments.work / "cache"
+    for path in arguments.work.glob("*") if arguments.work.exists() else []:
+        if path != cache:  # the self-test of the driver takes seconds
+            shutil.rmtree(path) if path.is_dir() else path.unlink()
+    cache.mkdir(parents=True, exist_ok=True)
+    display = Display()
+    try:
+        test = Test(arguments, display)
+        test.scripts()
+        test.session()
+    finally:
+        display.close()
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
