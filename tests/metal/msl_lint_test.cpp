@@ -4,7 +4,6 @@
 
 #include <regex>
 
-#include "sdk/core/reader.h"
 #include "tools/shaderpack/glsl.h"
 #include "tools/shaderpack/msl.h"
 
@@ -17,8 +16,7 @@ ShaderPack fullPack() {
     EXPECT_TRUE(text) << (text ? "" : text.error().message);
     if (!text) return {};
     const std::span<const uint8_t> bytes(reinterpret_cast<const uint8_t*>(text->data()), text->size());
-    Reader in(bytes.subspan(20));  // the interface hash follows magic, format and content hash
-    auto pack = readShaderPack(bytes, "shaders.dplpack", *in.value<uint64_t>());
+    auto pack = readShaderPack(bytes, "shaders.dplpack", embeddedShaderInterface());
     EXPECT_TRUE(pack) << (pack ? "" : pack.error().message);
     if (pack) std::erase_if(pack->shaders, [](const Shader& s) { return s.name.ends_with(kTexelsSuffix); });
     return pack ? *pack : ShaderPack{};
