@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// The program's scene: a lit room with an avatar in it. Two render passes a view, or one pair for both eyes: the room with its depth; then
+// the avatar, composed over it.
+#pragma once
+
+#include <doppel/doppel.hpp>
+#include <optional>
+
+#include "platform/openxr/poses.h"
+#include "platform/openxr/runtime.h"
+#include "platform/openxr/scene.h"
+
+namespace dpl {
+
+struct RoomOptions {
+    bool withRoom = true;  // where the picture is opaque; elsewhere the real room is seen
+    bool withAvatar = true;
+    std::optional<uint32_t> clip;  // none: the avatar stands in its rest pose
+    float nearM = 0.1f;
+};
+
+class Room final : public xr::Scene {
+public:
+    /** Both must live longer. */
+    Room(const xr::Runtime& runtime, doppel::Avatar& avatar, const RoomOptions& options);
+    ~Room() override;
+    Room(const Room&) = delete;
+    Room& operator=(const Room&) = delete;
+
+    doppel::Status begin(const xr::SessionImages& images) override;
+    void end() override;
+    doppel::Status draw(const xr::Frame& frame) override;
+
+    /** Where the avatar stands. */
+    void place(const XrPosef& worldFromAvatar) { worldFromAvatar_ = worldFromAvatar; }
+    const XrPosef& place() const { return worldFromAvatar_; }
+    /** The camera of the avatar's own space that sees what `camera` sees in the world. */
+    DplCamera cameraOfAvatar(const DplCamera& camera) const;
+
+private:
+    struct Pass {                                         // a render pass of a group's images
+        std::vector<std::vector<VkFramebuffer>> drawing;  // by colour image, then by depth image
+        std::vector<VkFramebuffer> composing;             // by colour image
+    };
+
+    doppel::Status makePasses();
+    doppel::Status makePipeline();
+    doppel::Result<VkFramebuffer> makeFramebuffer(VkRenderPass pass, const std::vector<VkImageView>& views, const xr::GroupImages& group);
+    void drawRoom(VkCommandBuffer commands, const xr::GroupImages& images, const xr::GroupFrame& group, uint32_t pass,
+                  VkFramebuffer target) const;
+
+    const xr::Runtime& runtime_;
+    doppel::Avatar& avatar_;
+    RoomOptions options_;
+    XrPosef worldFromAvatar_{{0, 0, 0, 1}, {0, 0, -2}};  // two metres before the user, facing them
+
+    const xr::SessionImages* images_ = nullptr;
+    VkRenderPass drawing_ = VK_NULL_HANDLE, composing_ = VK_NULL_HANDLE;
+    VkPipelineLayout layout_ = VK_NULL_HANDLE;
+    VkPipeline pipeline_ = VK_NULL_HANDLE;
+    std::optional<uint32_t> composer_;
+    std::vector<VkFramebuffer> framebuffers_;  // all
+    std::vector<std::vector<Pass>> passes_;    // by group
+};
+
+}  // namespace dpl
