@@ -56,6 +56,15 @@ Error fail(Code code, std::string_view text, const Args&... args) {
     return Error{code, formatText(text, args...)};
 }
 
+/** The error for a caught std::bad_alloc. what: "read an avatar". Says less if there is no memory even for the text. */
+inline Error outOfMemory(const char* what) noexcept {
+    try {
+        return {Code::OutOfMemory, std::string("no memory to ") + what};
+    } catch (...) {
+        return {Code::OutOfMemory, "out of memory"};  // so short that std::string keeps it without allocating
+    }
+}
+
 /** A value or an error. Test it before `*r`, `r->` or error(): reading the one that is not there is undefined. */
 template <class T>
 class [[nodiscard]] Result {

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
-
-#include <nlohmann/json.hpp>
 
 #include "sdk/format/avatar_check.h"
 #include "sdk/format/avatar_file.h"
@@ -11,6 +10,7 @@
 #include "sdk/format/correctives.h"
 #include "sdk/format/correctives_compact.h"
 #include "sdk/format/gltf_model.h"
+#include "sdk/format/load_json.h"
 #include "sdk/format/splat_codec.h"
 #include "sdk/format/vertex_colour.h"
 
@@ -86,6 +86,7 @@ private:
 struct AvatarReader {
     const ReadLimits& limits;
     GltfModel model{};
+    std::optional<JsonReserve> reserve{};  // before the values that need it
     Json extension{};
     AvatarInfo info{};
     AvatarData avatar{};  // without splats
@@ -106,6 +107,7 @@ struct AvatarReader {
             return fail(
                 Code::Unsupported,
                 "a glTF without DPL_gaussian_avatar: not a Doppel avatar, or saved again by an editor that drops unknown extensions");
+        reserve.emplace(model.jsonValues);
         extension = Json::parse(model.avatarExtension, nullptr, false);
         const Fields root(extension, "DPL_gaussian_avatar");
         DPL_TRY(const uint64_t version, root.number("version", 0xffffffffu));
@@ -444,7 +446,7 @@ Result<AvatarData> readAvatar(std::span<const uint8_t> bytes, const ReadLimits& 
     reader.avatar.splats = decodeSplats(reader.coded, reader.avatar.mesh.triangles.size());
     return std::move(reader.avatar);
 } catch (const std::bad_alloc&) {
-    return fail(Code::OutOfMemory, "no memory to read an avatar");
+    return outOfMemory("read an avatar");
 } catch (const std::exception& e) {
     return fail(Code::CorruptData, "the avatar cannot be read: {}", e.what());
 }
@@ -454,7 +456,7 @@ Result<CodedAvatar> readCodedAvatar(std::span<const uint8_t> bytes, const ReadLi
     DPL_CHECK_OK(reader.read(bytes));
     return CodedAvatar{std::move(reader.avatar), std::move(reader.coded)};
 } catch (const std::bad_alloc&) {
-    return fail(Code::OutOfMemory, "no memory to read an avatar");
+    return outOfMemory("read an avatar");
 } catch (const std::exception& e) {
     return fail(Code::CorruptData, "the avatar cannot be read: {}", e.what());
 }
@@ -467,7 +469,7 @@ Result<AvatarInfo> inspectAvatar(std::span<const uint8_t> bytes, const ReadLimit
     reader.finishInfo();
     return std::move(reader.info);
 } catch (const std::bad_alloc&) {
-    return fail(Code::OutOfMemory, "no memory to read an avatar");
+    return outOfMemory("read an avatar");
 } catch (const std::exception& e) {
     return fail(Code::CorruptData, "the avatar cannot be read: {}", e.what());
 }

@@ -242,7 +242,7 @@ Result<std::vector<uint8_t>> writeAvatar(const AvatarData& avatar, const WriteOp
         return fail(Code::Unsupported, "the avatar has {} bytes, more than a .glb that every reader takes", glb.bin().size());
     return glb.finish(writeHash);
 } catch (const std::bad_alloc&) {
-    return fail(Code::OutOfMemory, "no memory to write an avatar");
+    return outOfMemory("write an avatar");
 } catch (const std::exception& e) {
     return fail(Code::Internal, "the avatar could not be written: {}", e.what());
 }

@@ -120,7 +120,7 @@ Result<StaticSplatData> readCompressedPly(std::span<const uint8_t> bytes) try {
     }
     return s;
 } catch (const std::bad_alloc&) {
-    return fail(Code::OutOfMemory, "no memory to read a compressed PLY");
+    return outOfMemory("read a compressed PLY");
 }
 
 }  // namespace dpl

@@ -171,7 +171,7 @@ Result<std::vector<uint8_t>> encodeDraco(const LayerMesh& mesh) try {
         return fail(Code::Internal, "Draco could not encode a layer: {}", status.error_msg_string());
     return std::vector<uint8_t>(buffer.data(), buffer.data() + buffer.size());
 } catch (const std::bad_alloc&) {
-    return fail(Code::OutOfMemory, "no memory to compress a mesh");
+    return outOfMemory("compress a mesh");
 } catch (const std::exception& e) {
     return fail(Code::Internal, "Draco could not encode a layer: {}", e.what());
 }
@@ -244,7 +244,7 @@ Result<DracoDecoded> decodeDraco(std::span<const uint8_t> bytes, uint32_t vertex
     }
     return out;
 } catch (const std::bad_alloc&) {
-    return fail(Code::OutOfMemory, "no memory to decode a mesh");
+    return outOfMemory("decode a mesh");
 } catch (const std::exception& e) {
     return fail(Code::CorruptData, "a Draco mesh cannot be decoded: {}", e.what());
 }

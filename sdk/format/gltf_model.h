@@ -93,6 +93,7 @@ struct GltfAnimation {
 struct GltfModel {
     std::span<const uint8_t> bin;  // borrowed from the caller's bytes
     std::string_view json;         // borrowed, the whole JSON chunk
+    uint32_t jsonValues = 0;       // in it, keys included
     std::string generator, sceneName;
     std::vector<GltfView> views;
     std::vector<GltfAccessor> accessors;

@@ -5,10 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include <nlohmann/json.hpp>
-
 #include "sdk/core/reader.h"
 #include "sdk/format/gltf_model.h"
+#include "sdk/format/load_json.h"
 #include "sdk/format/tiny_gltf_parse.h"
 
 namespace dpl {
@@ -62,6 +61,7 @@ struct ShapeCheck : nlohmann::json_sax<Json> {
     bool open() { return (++depth_ <= limits_.maxJsonDepth || refuse("is nested too deeply")) && value(); }
     bool close() { return --depth_, true; }
     bool refuse(const char* why) { return problem = why, false; }
+    uint32_t values() const { return values_; }
     bool null() override { return value(); }
     bool boolean(bool) override { return value(); }
     bool number_integer(number_integer_t) override { return value(); }
@@ -172,11 +172,10 @@ Status checkRequired(const Json& root) {
     auto required = root.find("extensionsRequired");
     if (required == root.end() || !required->is_array()) return {};
     for (const Json& name : *required) {
-        const bool known =
-            name.is_string() && std::any_of(kKnownRequired.begin(), kKnownRequired.end(), [&](const char* k) { return name == k; });
+        const auto* text = name.get_ptr<const std::string*>();
+        const bool known = text && std::find(kKnownRequired.begin(), kKnownRequired.end(), *text) != kKnownRequired.end();
         // Materials and textures are not read; only extensions that change geometry matter.
-        const bool harmless = name.is_string() && (name.get<std::string>().starts_with("KHR_materials") ||
-                                                   name.get<std::string>().find("texture") != std::string::npos);
+        const bool harmless = text && (text->starts_with("KHR_materials") || text->find("texture") != std::string::npos);
         if (!known && !harmless)
             return fail(Code::Unsupported, "the file requires the glTF extension {}, which is not read; export the file without it",
                         name.dump(-1, ' ', false, Json::error_handler_t::replace));
@@ -197,14 +196,18 @@ Status checkBuffers(const Json& root, std::span<const uint8_t> bin) {
     return {};
 }
 
-/** Refuses indices that are not whole numbers; tinygltf would read them as 0. */
-Status checkWholeNumbers(const Json& root) {
+/** Refuses indices that are not whole numbers, which tinygltf would read as 0, and views of a buffer that is not there. */
+Status checkTables(const Json& root) {
     for (const char* table : {"bufferViews", "accessors"})
         if (auto list = root.find(table); list != root.end())
             for (const Json& entry : *list)
                 for (const char* key : {"buffer", "bufferView", "byteOffset", "byteLength", "byteStride", "componentType", "count"})
                     if (auto it = entry.find(key); it != entry.end() && !it->is_number_unsigned())
                         return fail(Code::CorruptData, "'{}' in glTF '{}' is not a whole number", key, table);
+    if (auto views = root.find("bufferViews"); views != root.end())
+        for (const Json& view : *views)
+            if (integerAt(view, "buffer") > 0)
+                return fail(Code::CorruptData, "a buffer view names buffer {}, there is one", integerAt(view, "buffer"));
     return {};
 }
 
@@ -219,8 +222,15 @@ Result<Json> knownKeys(const Json& root, std::span<const uint8_t> bin, const Rea
         return fail(Code::Unsupported, "not glTF 2");
     DPL_CHECK_OK(checkRequired(root));
     DPL_CHECK_OK(checkBuffers(root, bin));
-    Json out = {{"asset", pick(*asset, {"version", "generator"})}};
-    if (!bin.empty()) out["buffers"] = Json::array({{{"byteLength", 4}}});
+    // Member by member: a value made from an initializer list leaks when memory ends in it.
+    Json out = Json::object();
+    out["asset"] = pick(*asset, {"version", "generator"});
+    if (!bin.empty()) {
+        Json buffer = Json::object();
+        buffer["byteLength"] = 4;
+        out["buffers"] = Json::array();
+        out["buffers"].push_back(std::move(buffer));
+    }
     DPL_CHECK_OK(copyArray(root, out, "scenes", 64, [](const Json& s) { return pick(s, {"name"}); }));
     DPL_CHECK_OK(copyArray(root, out, "bufferViews", 65536, [](const Json& v) {
         return pick(v, {"buffer", "byteOffset", "byteLength", "byteStride"});
@@ -228,7 +238,7 @@ Result<Json> knownKeys(const Json& root, std::span<const uint8_t> bin, const Rea
     DPL_CHECK_OK(copyArray(root, out, "accessors", 65536, [](const Json& a) {
         return pick(a, {"bufferView", "byteOffset", "componentType", "normalized", "count", "type", "sparse"});
     }));
-    DPL_CHECK_OK(checkWholeNumbers(out));
+    DPL_CHECK_OK(checkTables(out));
     for (const Json& a : out.value("accessors", Json::array()))
         if (auto sparse = a.find("sparse"); sparse != a.end() && !sparse->is_object())
             return fail(Code::CorruptData, "a sparse accessor is not an object");
@@ -409,12 +419,13 @@ Result<GltfModel> parseGlb(std::span<const uint8_t> bytes, const ReadLimits& lim
     ShapeCheck shape(limits);
     if (!Json::sax_parse(glb.json, &shape))
         return fail(Code::CorruptData, "the JSON of the file {} (near byte {})", shape.problem, shape.errorAt);
+    const JsonReserve reserve(shape.values());
     const Json root = Json::parse(glb.json, nullptr, false);
     PrimitiveLinks links;
     std::vector<std::vector<std::string>> targetNames;
     DPL_TRY(const Json known, knownKeys(root, glb.bin, limits, links, targetNames));
     DPL_TRY(GltfModel model, parseWithTinyGltf(known.dump(-1, ' ', false, Json::error_handler_t::replace)));
-    model.bin = glb.bin, model.json = glb.json;
+    model.bin = glb.bin, model.json = glb.json, model.jsonValues = shape.values();
     for (size_t i = 0; i < model.meshes.size() && i < targetNames.size(); ++i) model.meshes[i].targetNames = std::move(targetNames[i]);
     DPL_CHECK_OK(linkDraco(model, links.draco));
     for (SplattingLink& link : links.splatting)
@@ -427,7 +438,7 @@ Result<GltfModel> parseGlb(std::span<const uint8_t> bytes, const ReadLimits& lim
             model.avatarExtension = ours->dump(-1, ' ', false, Json::error_handler_t::replace);
     return model;
 } catch (const std::bad_alloc&) {
-    return fail(Code::OutOfMemory, "no memory to read a glTF");
+    return outOfMemory("read a glTF");
 } catch (const std::exception& e) {
     return fail(Code::CorruptData, "not a valid glTF: {}", e.what());
 }

@@ -83,7 +83,7 @@ Result<std::vector<uint8_t>> writeGltfSplats(const StaticSplatData& s) try {
     if (glb.bin().size() > (1ull << 31)) return fail(Code::Unsupported, "{} splats make a .glb above 2 GiB; export a PLY", n);
     return glb.finish([](std::string&, std::span<const uint8_t>) {});
 } catch (const std::bad_alloc&) {
-    return fail(Code::OutOfMemory, "no memory to write splats");
+    return outOfMemory("write splats");
 } catch (const std::exception& e) {
     return fail(Code::Internal, "the splats could not be written: {}", e.what());
 }

@@ -153,7 +153,7 @@ Result<StaticSplatData> readGltfSplats(std::span<const uint8_t> bytes, const Rea
     DPL_CHECK_OK(reader.read());
     return std::move(reader.out);
 } catch (const std::bad_alloc&) {
-    return fail(Code::OutOfMemory, "no memory to read splats");
+    return outOfMemory("read splats");
 } catch (const std::exception& e) {
     return fail(Code::CorruptData, "the splats cannot be read: {}", e.what());
 }

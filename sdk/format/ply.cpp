@@ -65,7 +65,7 @@ Result<StaticSplatData> readPly(std::span<const uint8_t> bytes) try {
     }
     return s;
 } catch (const std::bad_alloc&) {
-    return fail(Code::OutOfMemory, "no memory to read a PLY");
+    return outOfMemory("read a PLY");
 }
 
 Result<std::vector<uint8_t>> writePly(const StaticSplatData& s, const PlyWriteOptions& options) {

@@ -244,7 +244,7 @@ Result<SkinnedGltf> readSkinnedGltf(std::span<const uint8_t> bytes, const Skinne
     DPL_CHECK_OK(reader.read(bytes));
     return std::move(reader.out);
 } catch (const std::bad_alloc&) {
-    return fail(Code::OutOfMemory, "no memory to read a glTF");
+    return outOfMemory("read a glTF");
 } catch (const std::exception& e) {
     return fail(Code::CorruptData, "the glTF cannot be read: {}", e.what());
 }

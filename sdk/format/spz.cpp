@@ -6,6 +6,7 @@
 
 #include <zlib.h>
 #include <zstd.h>
+#include <zstd_errors.h>
 
 #include <array>
 #include <cmath>
@@ -72,7 +73,7 @@ public:
         auto made = std::make_unique<Gunzip>();
         made->stream_.next_in = const_cast<Bytef*>(bytes.data());
         made->left_ = bytes.size();
-        if (inflateInit2(&made->stream_, 16 + MAX_WBITS) != Z_OK) return fail(Code::OutOfMemory, "no memory to inflate an SPZ file");
+        if (inflateInit2(&made->stream_, 16 + MAX_WBITS) != Z_OK) return outOfMemory("inflate an SPZ file");
         made->open_ = true;
         return made;
     }
@@ -92,7 +93,7 @@ public:
             stream_.next_out = out.data() + done, stream_.avail_out = uInt(room), stream_.avail_in = uInt(given);
             const int result = inflate(&stream_, Z_NO_FLUSH);
             done += room - stream_.avail_out, left_ -= given - stream_.avail_in;
-            if (result == Z_MEM_ERROR) return fail(Code::OutOfMemory, "no memory to inflate an SPZ file");
+            if (result == Z_MEM_ERROR) return outOfMemory("inflate an SPZ file");
             if (result != Z_OK && result != Z_STREAM_END) return fail(Code::CorruptData, "SPZ: the gzip stream is damaged or truncated");
             ended_ = result == Z_STREAM_END;
         }
@@ -163,6 +164,7 @@ Result<Packed> openZstd(std::span<const uint8_t> bytes) {
         DPL_TRY(const auto packed, in.take(packedBytes[a]));
         p.attributes[a].resize(sizes[a]);
         const size_t got = ZSTD_decompress(p.attributes[a].data(), sizes[a], packed.data(), packed.size());
+        if (ZSTD_getErrorCode(got) == ZSTD_error_memory_allocation) return outOfMemory("decompress an SPZ file");
         if (ZSTD_isError(got)) return fail(Code::CorruptData, "SPZ: stream {} is damaged ({})", a, ZSTD_getErrorName(got));
         if (got != sizes[a]) return fail(Code::CorruptData, "SPZ: stream {} gave {} of {} bytes", a, got, sizes[a]);
     }
@@ -234,7 +236,7 @@ Result<StaticSplatData> readSpz(std::span<const uint8_t> bytes, SpzInfo* info) t
     if (info) *info = {packed.header.version, packed.header.splats, packed.header.shDegree};
     return unpack(packed);
 } catch (const std::bad_alloc&) {
-    return fail(Code::OutOfMemory, "no memory to read an SPZ file");
+    return outOfMemory("read an SPZ file");
 }
 
 }  // namespace dpl

@@ -5,7 +5,8 @@
 //    therefore goes through draco_mesh.h, and TINYGLTF_ENABLE_DRACO stays off.
 #include "sdk/format/tiny_gltf_parse.h"
 
-#include <fstream>  // tiny_gltf.h forgets it under TINYGLTF_NO_FS
+#include <fstream>                 // tiny_gltf.h forgets it under TINYGLTF_NO_FS
+#include "sdk/format/load_json.h"  // before tiny_gltf.h, for the namespace of its values
 
 #define TINYGLTF_IMPLEMENTATION
 #define TINYGLTF_NO_STB_IMAGE
@@ -115,8 +116,10 @@ Result<GltfModel> parseWithTinyGltf(const std::string& json) try {
     tinygltf::Model model;
     std::string error, warning;
     const std::string glb = glbAround(json);
-    if (!loader.LoadBinaryFromMemory(&model, &error, &warning, reinterpret_cast<const unsigned char*>(glb.data()), unsigned(glb.size())))
+    if (!loader.LoadBinaryFromMemory(&model, &error, &warning, reinterpret_cast<const unsigned char*>(glb.data()), unsigned(glb.size()))) {
+        if (error == std::bad_alloc().what()) return outOfMemory("read a glTF");  // tinygltf passes on the text of what it catches
         return fail(Code::CorruptData, "not a valid glTF: {}", error);
+    }
     GltfModel out;
     out.generator = model.asset.generator;
     if (!model.scenes.empty()) out.sceneName = model.scenes.front().name;
@@ -128,7 +131,7 @@ Result<GltfModel> parseWithTinyGltf(const std::string& json) try {
     for (const auto& a : model.animations) out.animations.push_back(convertAnimation(a));
     return out;
 } catch (const std::bad_alloc&) {
-    return fail(Code::OutOfMemory, "no memory to read a glTF");
+    return outOfMemory("read a glTF");
 } catch (const std::exception& e) {
     return fail(Code::CorruptData, "not a valid glTF: {}", e.what());
 }
