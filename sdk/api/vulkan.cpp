@@ -21,7 +21,8 @@ struct VulkanSide {
 
 namespace {
 
-static_assert(DPL_VULKAN_SLOTS == kAppSlots);
+static_assert(DPL_VULKAN_SLOTS == kAppSlots && DPL_VULKAN_DEPTH_COVERAGE == gpu::kDepthCoverage);
+static_assert(DPL_DRAW_DEPTH == int(vk::PictureDepth::Splats) && DPL_DRAW_MESH_DEPTH == int(vk::PictureDepth::Mesh));
 
 constexpr DplVulkanRequirement kRequirements[] = {
     {0, "VkPhysicalDeviceProperties::apiVersion >= VK_API_VERSION_1_1", DPL_TRUE, "the least that Doppel draws with"},
@@ -95,7 +96,30 @@ vk::AppPass passOf(const DplVulkanPass& given) {
     pass.renderPass = given.renderPass, pass.subpass = given.subpass, pass.viewMask = given.viewMask;
     pass.samples = given.samples == 0 ? 1 : given.samples;
     pass.colour = given.colourFormat, pass.depth = given.depthFormat, pass.stencil = given.stencilFormat;
+    pass.written = vk::PictureDepth(given.writesDepth);
     return pass;
+}
+
+Status checkProjection(float scale, float offset) {
+    if (std::isfinite(scale) && std::isfinite(offset) && offset != 0) return {};
+    return fail(Code::InvalidArgument, "a depth with scale {} and offset {}; both must be finite, and offset not 0", scale, offset);
+}
+
+/** Whether a shader may read a depth image in this layout. Layouts of extensions that are not known here may. */
+bool isReadable(VkImageLayout layout) {
+    switch (layout) {
+        case VK_IMAGE_LAYOUT_UNDEFINED:
+        case VK_IMAGE_LAYOUT_PREINITIALIZED:
+        case VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL:
+        case VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL:
+        case VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL:
+        case VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_STENCIL_READ_ONLY_OPTIMAL:
+        case VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL:
+        case VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL:
+            return false;
+        default:
+            return true;
+    }
 }
 
 /** Reads the depths of a call. images: viewCount of them. */
@@ -104,10 +128,14 @@ Status takeDepths(const DplVulkanSceneDepth* depths, uint32_t viewCount, vk::Sce
         DPL_TRY(const DplVulkanSceneDepth given, element(depths, v, "depths"));
         const uint32_t samples = given.samples == 0 ? 1 : given.samples;
         if (!given.image) return fail(Code::InvalidArgument, "depth {} has no image", v);
+        if (!isReadable(given.layout))
+            return fail(
+                Code::InvalidArgument,
+                "depth {} is in VkImageLayout {}, in which no shader can read it; end the pass that writes it and change its layout, "
+                "for example to VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL",
+                v, int(given.layout));
         if (samples != 1 && samples != 4) return fail(Code::InvalidArgument, "depth {} has {} samples; 1 and 4 are possible", v, samples);
-        if (!std::isfinite(given.scale) || !std::isfinite(given.offset) || given.offset == 0)
-            return fail(Code::InvalidArgument, "depth {} has scale {} and offset {}; both must be finite, and offset not 0", v, given.scale,
-                        given.offset);
+        DPL_CHECK_OK(checkProjection(given.scale, given.offset));
         images[v] = {given.image, given.layout, given.layer, samples, {given.x, given.y}, given.scale, given.offset};
     }
     return {};
@@ -120,7 +148,10 @@ Status encode(Scene& scene, VulkanSide& side, const FrameWants& wants, const App
     DPL_TRY(const std::span<const EncodedView> encoded,
             side.renderer.encodeTogether(scene.drawn(what), scene.context->cameras, wants, frame));
     vk::LayerPlace places[DPL_MAX_VIEWS];
-    for (size_t v = 0; v < encoded.size(); ++v) places[v] = {encoded[v].target, encoded[v].view, encoded[v].tilePixels, encoded[v].counts};
+    for (size_t v = 0; v < encoded.size(); ++v) {
+        const EncodedView& e = encoded[v];
+        places[v] = {e.target, e.view, e.tilePixels, e.counts, e.tileDepthOffset, e.meshDepth};
+    }
     return side.backend.setLayers(frame.slot, {places, encoded.size()});
 }
 
@@ -134,6 +165,9 @@ Status prepare(DplContext context, VkCommandBuffer commands, uint32_t slot, std:
     std::copy(std::begin(scene.sceneDepthM), std::end(scene.sceneDepthM), wants.sceneDepthM);
     vk::SceneImage images[DPL_MAX_VIEWS];
     wants.sceneEncoded = depths != nullptr;
+    const uint32_t written = side->backend.depthsWritten();
+    wants.depth = written & DPL_DRAW_DEPTH;
+    for (size_t i = 0; i < scene.count; ++i) wants.meshDepth |= (written & DPL_DRAW_MESH_DEPTH) && !scene.avatars[i]->data->joints.empty();
     if (depths) {
         DPL_CHECK_OK(takeDepths(depths, viewCount, images));
     }
@@ -200,7 +234,9 @@ extern "C" DplResult dplCreateVulkanComposer(DplContext context, const DplVulkan
     return guarded("dplCreateVulkanComposer", [&]() -> Status {
         if (composer == nullptr) return fail(Code::InvalidArgument, "composer is NULL");
         DPL_TRY(const DplVulkanPass given, readStruct<DplVulkanPass>(pass, "pass"));
-        if (given.reserved != 0) return fail(Code::InvalidArgument, "the reserved field of pass is {}, not 0", given.reserved);
+        if (given.writesDepth > DPL_DRAW_MESH_DEPTH)
+            return fail(Code::InvalidArgument, "writesDepth of pass is {}; 0, DPL_DRAW_DEPTH and DPL_DRAW_MESH_DEPTH are possible",
+                        given.writesDepth);
         DPL_TRY(const auto found, contextOf(context));
         std::lock_guard lock(found->mutex);
         DPL_TRY(VulkanSide * side, sideOf(*found));
@@ -244,5 +280,17 @@ extern "C" DplResult dplVulkanCompose(DplContext context, uint32_t composer, VkC
         std::lock_guard lock(found->mutex);
         DPL_TRY(VulkanSide * side, sideOf(*found));
         return side->backend.compose({composer}, slot, view, {x, y}, {commands});
+    });
+}
+
+extern "C" DplResult dplVulkanComposeDepth(DplContext context, uint32_t composer, VkCommandBuffer commands, uint32_t slot, uint32_t view,
+                                           int32_t x, int32_t y, float scale, float offset) {
+    return guarded("dplVulkanComposeDepth", [&]() -> Status {
+        if (!commands) return fail(Code::InvalidArgument, "commands is NULL");
+        DPL_CHECK_OK(checkProjection(scale, offset));
+        DPL_TRY(const auto found, contextOf(context));
+        std::lock_guard lock(found->mutex);
+        DPL_TRY(VulkanSide * side, sideOf(*found));
+        return side->backend.composeDepth({composer}, slot, view, {x, y}, scale, offset, {commands});
     });
 }

@@ -78,7 +78,7 @@ struct TargetDesc {
     bool multiview = true;  // one draw fills the layers of all views; false: each view has its own draw
     ColourFormat colour = ColourFormat::Codes8;
     uint32_t samples = 1;  // of a pixel: 1, or 4 if DeviceInfo::fourSamples; averaged when a draw ends
-    bool sampled = false;  // an app's pass reads the colour; otherwise only read-backs copy it
+    bool sampled = false;  // an app's pass reads colour and depth; otherwise only read-backs copy them
 };
 
 enum class Topology : uint8_t { Strip, List };  // of triangles

@@ -47,6 +47,9 @@ struct EncodedView {
     uint32_t view = 0;    // of the target and of tilePixels
     BufferId tilePixels;  // none: quads fill
     BufferId counts;      // FrameCounts; they say whether the tile lists overflowed, so that quads filled
+    // Where FrameWants asked for depth:
+    uint64_t tileDepthOffset = 0;  // in tilePixels, bytes; quads leave the sums in the target
+    BufferId meshDepth;            // of the mesh; none: not wanted
 };
 
 class GpuRenderer final : public Renderer {

@@ -300,11 +300,17 @@ struct ScenePush {  // reads a view's depth image of an app: stored depth = scal
 struct ComposePush {       // a draw in an app's pass
     float placeX, placeY;  // of the picture's top left corner in the app's target, px
     uint widthPx, heightPx;
-    uint view;         // read only without multiview
-    uint drawnLayers;  // of the pictures in their images: view 0 in the low half, view 1 in the high half
-    uint tiledLayers;  // the same in the buffers that tiles fill
-    uint tiled;        // 1 << view: tiles filled the picture, unless their lists overflowed
-    uint linear;       // 1: the target holds linear light, or its format encodes it; 0: display-referred values
+    uint view;        // read only without multiview
+    uint views;       // 1 << view of those that the draw composes; others are left alone
+    uint drawnFrom;   // the view in layer 0 of the image that quads fill
+    uint bufferFrom;  // the view that begins the buffers
+    uint tiled;       // 1: tiles filled the picture, unless their lists overflowed
+    uint linear;      // 1: the target holds linear light, or its format encodes it; 0: display-referred values
+    // Of the draw that writes depth.
+    uint mesh;            // 1: of the mesh; 0: of the splats
+    uint firstDepth;      // in the buffer that tiles fill: depth sums
+    uint halfDepth;       // 1: these are pairs of halves
+    float scale, offset;  // stored depth = scale + offset / z
 };
 
 DPL_SHARED_END

@@ -55,6 +55,8 @@ DPL_CONST float kTileStop = 1e-4;      // transmittance below which a pixel is d
 
 DPL_CONST uint kMeshDepthOwnPixels = 64u;  // a triangle with a larger bounding box is shared by all lanes of the workgroup
 
+DPL_CONST float kDepthCoverage = 0.5;  // least alpha of a pixel of the picture that writes depth into an app's image
+
 DPL_CONST uint kShowsFree = 1u;             // in TriangleFrame.shows, shifted left by the view: free splats may show
 DPL_CONST uint kShowsGated = 4u;            // the same for single-face splats
 DPL_CONST uint kParentFree = 0x40000000u;   // in an entry of the table of parents: the chunk has free splats on this triangle

@@ -99,6 +99,9 @@ struct Retired {
     std::variant<Buffer, Target, Frame, VkPipeline> object;
 };
 
+/** Depths of a picture. As flags, they are what prepare has to draw. */
+enum class PictureDepth : uint8_t { None = 0, Splats = 1, Mesh = 2 };
+
 /** The pass of an app in which its target is composed. */
 struct AppPass {
     VkRenderPass renderPass = VK_NULL_HANDLE;  // or one that is compatible with it; null: dynamic rendering
@@ -107,14 +110,17 @@ struct AppPass {
     uint32_t viewMask = 0;  // 0: no multiview
     VkFormat colour = VK_FORMAT_UNDEFINED;
     VkFormat depth = VK_FORMAT_UNDEFINED, stencil = VK_FORMAT_UNDEFINED;  // attachments that the pass has; only for dynamic rendering
+    PictureDepth written = PictureDepth::None;                            // by composeDepth()
 };
 
 /** Where the picture layer of a view lies once its frame has run. */
 struct LayerPlace {
     TargetId target;
-    uint32_t view = 0;    // of the target
-    BufferId tilePixels;  // of frames that tiles fill; none: quads
-    BufferId counts;      // says whether the tile lists overflowed, so that quads filled the frame
+    uint32_t view = 0;             // of the target
+    BufferId tilePixels;           // of frames that tiles fill; none: quads
+    BufferId counts;               // says whether the tile lists overflowed, so that quads filled the frame
+    uint64_t tileDepthOffset = 0;  // of the depth sums in tilePixels, bytes
+    BufferId meshDepth;            // none: the picture has no depth of the mesh
 };
 
 /** The depth image of an app behind one view. Stored depth = scale + offset / z with view z in metres. */
@@ -184,9 +190,14 @@ public:
      * number of the image among those of the slot. To be called before encode() of the frame. Allocates and waits for nothing. */
     Status readScene(uint32_t slot, uint32_t view, uint32_t viewOfFrame, uint32_t widthPx, uint32_t heightPx, const SceneImage& image,
                      BufferId scene, AppCommands commands);
+    /** The depths that living composers write, PictureDepth combined by |. Frames that are encoded from now on must draw them. */
+    uint32_t depthsWritten() const;
     /** Composes a view of the slot into a pass that is being recorded; with multiview, all views. place: of the picture's top left pixel in
      *  the target of the pass. Sets pipeline, descriptor set 0, push constants, viewport and scissor. Allocates and waits for nothing. */
     Status compose(ComposerId composer, uint32_t slot, uint32_t view, VkOffset2D place, AppCommands commands);
+    /** The same for depth: stored depth = scale + offset / z, with offset not 0. A picture without a mesh writes nothing. */
+    Status composeDepth(ComposerId composer, uint32_t slot, uint32_t view, VkOffset2D place, float scale, float offset,
+                        AppCommands commands);
 
 private:
     // ResourceView
@@ -243,19 +254,35 @@ private:
     // vk_compose.cpp
     struct Composer {
         VkPipeline pipeline = VK_NULL_HANDLE;
+        VkPipeline writeDepth[2] = {};  // where less is nearer; where greater is
+        PictureDepth written = PictureDepth::None;
         bool linear = false;    // the pass blends linear light
         uint32_t viewMask = 0;  // of the pass; 0: a draw composes one view
     };
-    struct LayerSlot {  // what setLayers() said
-        VkDescriptorSet descriptors = VK_NULL_HANDLE;
-        VkDescriptorSet scenes[gpu::kMaxViews] = {};  // of readScene()
-        uint32_t viewCount = 0;                       // 0: nothing yet
-        gpu::ComposePush push{};
+    struct LayerSlot {                                     // what setLayers() said
+        VkDescriptorSet descriptors[gpu::kMaxViews] = {};  // of each view
+        VkDescriptorSet scenes[gpu::kMaxViews] = {};       // of readScene()
+        gpu::ComposePush push[gpu::kMaxViews] = {};        // of each view; views: those that lie in the same image and buffers
+        uint32_t viewCount = 0;                            // 0: nothing yet
+        uint32_t depths = 0;                               // depthsWritten() of takeSlot()
+        bool mesh = false;                                 // the pictures have a depth of the mesh
     };
     Status makeLayerSlots();
     uint32_t markOf(uint32_t slot) const;
     Result<VkDescriptorSet> layerDescriptors(VkDescriptorSetLayout layout);
-    Result<VkPipeline> composePipeline(const AppPass& pass, const Shader& fragment);
+    void setLayer(LayerSlot& layers, uint32_t view, std::span<const LayerPlace> places);
+    /** depth: how what is nearer compares, in a pipeline that writes depth; VK_COMPARE_OP_ALWAYS in one that writes colour. */
+    Result<VkPipeline> composePipeline(const AppPass& pass, const Shader& fragment, VkCompareOp nearer);
+    Status makePipelines(Composer& composer, const AppPass& pass);
+    void freeComposer(Composer& composer);
+    /** The composer and the slot of a draw of `view`. */
+    struct Composed {
+        const Composer& composer;
+        const LayerSlot& layers;
+        uint32_t firstView, viewCount;  // that the draw fills
+    };
+    Result<Composed> composedOf(ComposerId composer, uint32_t slot, uint32_t view) const;
+    void drawPicture(const Composed& composed, VkPipeline pipeline, VkOffset2D place, const gpu::ComposePush& more, AppCommands commands);
 
     std::unique_ptr<Device> device_;
     const Functions& vk_;  // of device_

@@ -18,31 +18,40 @@ constexpr TargetFormat kTargetFormats[] = {
     {VK_FORMAT_B8G8R8A8_SRGB, true},   {VK_FORMAT_R16G16B16A16_SFLOAT, true}, {VK_FORMAT_A2B10G10R10_UNORM_PACK32, false},
 };
 
-constexpr uint32_t kImages = 2, kBuffers = 4;                // bindings of compose.frag
-constexpr uint32_t kSceneSets = gpu::kMaxViews * kAppSlots;  // each with an image and a buffer
+// Bindings of compose.depth, in this order. compose.frag has the first image and buffers; both use the same descriptor sets.
+enum : uint32_t { kDrawn, kTiled, kCounts, kSums, kMesh, kBindings };
+constexpr uint32_t kImages = 2, kBuffers = 3;
+constexpr uint32_t kSets = gpu::kMaxViews * kAppSlots;  // of pictures; and of scenes, each with an image and a buffer
+
+bool hasDepth(VkFormat format) {
+    return (format >= VK_FORMAT_D16_UNORM && format <= VK_FORMAT_D32_SFLOAT) ||
+           (format >= VK_FORMAT_D16_UNORM_S8_UINT && format <= VK_FORMAT_D32_SFLOAT_S8_UINT);
+}
 
 }  // namespace
 
-/** Makes the layouts that all composers share, and a mark and descriptor sets for each slot. */
+/** Makes the layout that all composers share, and a mark and descriptor sets for each slot. */
 Status VulkanBackend::makeLayerSlots() {
     marks_.desc = {"marks", kAppSlots * sizeof(uint32_t), BufferMemory::Readback};
     DPL_CHECK_OK(makeBuffer(marks_));
     composeLayout_.shader = pack_.find("compose.vert");
-    composeLayout_.fragment = pack_.find("compose.frag");
+    composeLayout_.fragment = pack_.find("compose.depth");
     if (!composeLayout_.shader || !composeLayout_.fragment) return fail(Code::Internal, "the shader pack has no compose shaders");
     composeLayout_.stages = VK_SHADER_STAGE_FRAGMENT_BIT;
     DPL_CHECK_OK(makeLayouts(composeLayout_));
     DPL_TRY(readScene_[0], computePipeline("scene.read"));
     DPL_TRY(readScene_[1], computePipeline("scene.read.four"));
-    const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, kImages * kAppSlots + kSceneSets},
-                                          {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kBuffers * kAppSlots + kSceneSets}};
+    const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, (kImages + 1) * kSets},
+                                          {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, (kBuffers + 1) * kSets}};
     VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
-    info.maxSets = kAppSlots + kSceneSets;
+    info.maxSets = 2 * kSets;
     info.poolSizeCount = 2;
     info.pPoolSizes = sizes;
     DPL_VK_MAKE(layerDescriptors_, vk_.vkCreateDescriptorPool(device_->device, &info, device_->allocator, &layerDescriptors_));
     for (LayerSlot& slot : layerSlots_) {
-        DPL_TRY(slot.descriptors, layerDescriptors(composeLayout_.setLayout));
+        for (VkDescriptorSet& picture : slot.descriptors) {
+            DPL_TRY(picture, layerDescriptors(composeLayout_.setLayout));
+        }
         for (VkDescriptorSet& scene : slot.scenes) {
             DPL_TRY(scene, layerDescriptors(pipelines_[readScene_[0].value - 1].setLayout));  // both kernels have the same bindings
         }
@@ -88,7 +97,8 @@ Status VulkanBackend::readScene(uint32_t slot, uint32_t view, uint32_t viewOfFra
     return {};
 }
 
-Result<VkPipeline> VulkanBackend::composePipeline(const AppPass& pass, const Shader& fragment) {
+Result<VkPipeline> VulkanBackend::composePipeline(const AppPass& pass, const Shader& fragment, VkCompareOp nearer) {
+    const bool writesDepth = nearer != VK_COMPARE_OP_ALWAYS;
     VkPipelineShaderStageCreateInfo stages[2]{};
     stages[0].sType = stages[1].sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
     stages[0].stage = VK_SHADER_STAGE_VERTEX_BIT;
@@ -105,12 +115,15 @@ Result<VkPipeline> VulkanBackend::composePipeline(const AppPass& pass, const Sha
     raster.lineWidth = 1;
     VkPipelineMultisampleStateCreateInfo samples{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
     samples.rasterizationSamples = VkSampleCountFlagBits(pass.samples);
-    VkPipelineDepthStencilStateCreateInfo depth{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};  // no test, no writes
-    VkPipelineColorBlendAttachmentState blend{};                                                              // premultiplied "over"
-    blend.blendEnable = VK_TRUE;
+    VkPipelineDepthStencilStateCreateInfo depth{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
+    depth.depthTestEnable = depth.depthWriteEnable = writesDepth;
+    depth.depthCompareOp = nearer;
+    VkPipelineColorBlendAttachmentState blend{};  // premultiplied "over", or no colour
+    blend.blendEnable = !writesDepth;
     blend.srcColorBlendFactor = blend.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
     blend.dstColorBlendFactor = blend.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
-    blend.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
+    if (!writesDepth)
+        blend.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
     VkPipelineColorBlendStateCreateInfo colour{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
     colour.attachmentCount = 1;
     colour.pAttachments = &blend;
@@ -172,20 +185,48 @@ Result<ComposerId> VulkanBackend::createComposer(const AppPass& pass) {
                     device_->info.name);
     if (pass.viewMask >= 1u << gpu::kMaxViews)
         return fail(Code::Unsupported, "the view mask {} has views above {}", pass.viewMask, gpu::kMaxViews - 1);
-    const Shader* fragment = pack_.find(pass.viewMask ? "compose.frag.multiview" : "compose.frag");
-    if (!fragment) return fail(Code::Internal, "the shader pack has no compose.frag.multiview");
+    if (pass.written != PictureDepth::None && !pass.renderPass && !hasDepth(pass.depth))
+        return fail(Code::Unsupported, "the pass writes depth, but its depthFormat is VkFormat {}, which holds none", int(pass.depth));
     Composer composer;
     composer.linear = known->linear;
     composer.viewMask = pass.viewMask;
-    DPL_TRY(composer.pipeline, composePipeline(pass, *fragment));
+    composer.written = pass.written;
+    if (const Status made = makePipelines(composer, pass); !made) {
+        freeComposer(composer);
+        return made.error();
+    }
     composers_.emplace(++lastId_, composer);
     return ComposerId{lastId_};
+}
+
+Status VulkanBackend::makePipelines(Composer& composer, const AppPass& pass) {
+    const Shader* colour = pack_.find(pass.viewMask ? "compose.frag.multiview" : "compose.frag");
+    const Shader* depth = pack_.find(pass.viewMask ? "compose.depth.multiview" : "compose.depth");
+    if (!colour || !depth) return fail(Code::Internal, "the shader pack has no compose.frag or compose.depth for this pass");
+    DPL_TRY(composer.pipeline, composePipeline(pass, *colour, VK_COMPARE_OP_ALWAYS));
+    if (pass.written == PictureDepth::None) return {};
+    DPL_TRY(composer.writeDepth[0], composePipeline(pass, *depth, VK_COMPARE_OP_LESS));
+    DPL_TRY(composer.writeDepth[1], composePipeline(pass, *depth, VK_COMPARE_OP_GREATER));
+    return {};
+}
+
+void VulkanBackend::freeComposer(Composer& composer) {
+    for (VkPipeline pipeline : {composer.pipeline, composer.writeDepth[0], composer.writeDepth[1]})
+        vk_.vkDestroyPipeline(device_->device, pipeline, device_->allocator);
+}
+
+uint32_t VulkanBackend::depthsWritten() const {
+    uint32_t depths = 0;
+    for (const auto& [id, composer] : composers_) depths |= uint32_t(composer.written);
+    return depths;
 }
 
 Status VulkanBackend::destroyComposer(ComposerId id) {
     const auto it = composers_.find(id.value);
     if (it == composers_.end()) return fail(Code::NotFound, "there is no composer {}", id.value);
-    retire(std::move(it->second.pipeline), 0);  // a slot that was encoded before may be composed with it
+    Composer& composer = it->second;
+    for (VkPipeline* pipeline : {&composer.pipeline, &composer.writeDepth[0], &composer.writeDepth[1]})
+        if (*pipeline) retire(std::move(*pipeline), 0);  // a slot that was encoded before may be composed with it
     composers_.erase(it);
     return {};
 }
@@ -194,66 +235,114 @@ Status VulkanBackend::setLayers(uint32_t slot, std::span<const LayerPlace> place
     if (slot >= kAppSlots || places.empty() || places.size() > gpu::kMaxViews)
         return fail(Code::InvalidArgument, "slot {} with {} views does not exist", slot, places.size());
     LayerSlot& layers = layerSlots_[slot];
-    layers.push = {};
-    VkDescriptorImageInfo images[kImages];
-    VkDescriptorBufferInfo buffers[kBuffers];
-    for (uint32_t v = 0; v < gpu::kMaxViews; ++v) {
-        const LayerPlace& place = places[std::min<size_t>(v, places.size() - 1)];
-        const Target& target = targets_.at(place.target.value);
-        const Surface& surface = target.surfaces[target.desc.multiview ? 0 : place.view];
-        images[v] = {VK_NULL_HANDLE, surface.colour.view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
-        const Buffer& counts = buffers_.at(place.counts.value);
-        const Buffer& tiled = place.tilePixels ? buffers_.at(place.tilePixels.value) : counts;  // not read where quads fill
-        buffers[v] = {tiled.buffer, 0, tiled.desc.bytes};
-        buffers[gpu::kMaxViews + v] = {counts.buffer, 0, counts.desc.bytes};
-        layers.push.widthPx = target.desc.widthPx, layers.push.heightPx = target.desc.heightPx;
-        layers.push.drawnLayers |= (target.desc.multiview ? place.view : 0) << 16 * v;
-        layers.push.tiledLayers |= place.view << 16 * v;
-        layers.push.tiled |= (place.tilePixels ? 1u : 0u) << v;
-    }
-    VkWriteDescriptorSet writes[kImages + kBuffers]{};
-    for (uint32_t i = 0; i < kImages + kBuffers; ++i) {
-        writes[i].sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
-        writes[i].dstSet = layers.descriptors;
-        writes[i].dstBinding = i;
-        writes[i].descriptorCount = 1;
-        writes[i].descriptorType = i < kImages ? VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-        if (i < kImages)
-            writes[i].pImageInfo = &images[i];
-        else
-            writes[i].pBufferInfo = &buffers[i - kImages];
-    }
-    vk_.vkUpdateDescriptorSets(device_->device, kImages + kBuffers, writes, 0, nullptr);
+    layers.mesh = places[0].meshDepth.value != 0;
+    for (uint32_t v = 0; v < places.size(); ++v) setLayer(layers, v, places);
     layers.viewCount = uint32_t(places.size());
     return {};
 }
 
-Status VulkanBackend::compose(ComposerId id, uint32_t slot, uint32_t view, VkOffset2D place, AppCommands commands) {
+void VulkanBackend::setLayer(LayerSlot& layers, uint32_t view, std::span<const LayerPlace> places) {
+    const LayerPlace& place = places[view];
+    const Target& target = targets_.at(place.target.value);
+    const TargetDesc& desc = target.desc;
+    const Surface& surface = target.surfaces[desc.multiview ? 0 : place.view];
+    const Buffer& counts = buffers_.at(place.counts.value);
+    const auto orCounts = [&](BufferId id) -> const Buffer& { return id ? buffers_.at(id.value) : counts; };  // for what is not read
+    VkDescriptorImageInfo images[kBindings]{};
+    images[kDrawn] = {VK_NULL_HANDLE, surface.colour.view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+    images[kSums] = {VK_NULL_HANDLE, desc.depth ? surface.depth.view : surface.colour.view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+    VkDescriptorBufferInfo buffers[kBindings]{};
+    const Buffer &tiled = orCounts(place.tilePixels), &mesh = orCounts(place.meshDepth);
+    buffers[kTiled] = {tiled.buffer, 0, tiled.desc.bytes};
+    buffers[kCounts] = {counts.buffer, 0, counts.desc.bytes};
+    buffers[kMesh] = {mesh.buffer, 0, mesh.desc.bytes};
+    VkWriteDescriptorSet writes[kBindings]{};
+    for (uint32_t i = 0; i < kBindings; ++i) {
+        writes[i].sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
+        writes[i].dstSet = layers.descriptors[view];
+        writes[i].dstBinding = i;
+        writes[i].descriptorCount = 1;
+        writes[i].descriptorType = images[i].imageView ? VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+        writes[i].pImageInfo = &images[i];
+        writes[i].pBufferInfo = &buffers[i];
+    }
+    vk_.vkUpdateDescriptorSets(device_->device, kBindings, writes, 0, nullptr);
+    gpu::ComposePush& push = layers.push[view];
+    push = {};
+    push.widthPx = desc.widthPx, push.heightPx = desc.heightPx;
+    for (uint32_t v = 0; v < places.size(); ++v)
+        if (v == view || (desc.multiview && places[v].target == place.target)) push.views |= 1u << v;
+    push.drawnFrom = view - (desc.multiview ? place.view : 0);
+    push.bufferFrom = view - place.view;
+    push.tiled = place.tilePixels ? 1 : 0;
+    push.firstDepth = uint32_t(place.tileDepthOffset / 4);
+    push.halfDepth = device_->info.halfDepth ? 1 : 0;
+}
+
+Result<VulkanBackend::Composed> VulkanBackend::composedOf(ComposerId id, uint32_t slot, uint32_t view) const {
     const auto it = composers_.find(id.value);
     if (it == composers_.end()) return fail(Code::NotFound, "there is no composer {}", id.value);
-    const Composer& composer = it->second;
     if (slot >= kAppSlots || layerSlots_[slot].viewCount == 0) return fail(Code::InvalidArgument, "slot {} was not prepared", slot);
-    const LayerSlot& layers = layerSlots_[slot];
-    const uint32_t wanted = composer.viewMask ? uint32_t(std::bit_width(composer.viewMask)) : view + 1;
-    if (wanted > layers.viewCount)
-        return fail(Code::InvalidArgument, "{} views are wanted, but slot {} was prepared with {}", wanted, slot, layers.viewCount);
+    const uint32_t mask = it->second.viewMask, prepared = layerSlots_[slot].viewCount;
+    const Composed composed{it->second, layerSlots_[slot], mask ? 0 : view, mask ? uint32_t(std::bit_width(mask)) : 1};
+    if (composed.viewCount > prepared || composed.firstView > prepared - composed.viewCount)
+        return fail(Code::InvalidArgument, "{} views are wanted, but slot {} was prepared with {}",
+                    uint64_t(composed.firstView) + composed.viewCount, slot, prepared);
+    return composed;
+}
+
+Status VulkanBackend::compose(ComposerId id, uint32_t slot, uint32_t view, VkOffset2D place, AppCommands commands) {
+    DPL_TRY(const Composed composed, composedOf(id, slot, view));
+    gpu::ComposePush push{};
+    push.linear = composed.composer.linear ? 1 : 0;
+    drawPicture(composed, composed.composer.pipeline, place, push, commands);
+    return {};
+}
+
+Status VulkanBackend::composeDepth(ComposerId id, uint32_t slot, uint32_t view, VkOffset2D place, float scale, float offset,
+                                   AppCommands commands) {
+    DPL_TRY(const Composed composed, composedOf(id, slot, view));
+    const PictureDepth written = composed.composer.written;
+    if (written == PictureDepth::None)
+        return fail(Code::InvalidArgument, "composer {} writes no depth; set writesDepth of its DplVulkanPass", id.value);
+    if (!(composed.layers.depths & uint32_t(written)))
+        return fail(Code::InvalidArgument, "slot {} was prepared before composer {} was made, so its picture lacks the depth", slot,
+                    id.value);
+    const bool mesh = written == PictureDepth::Mesh;
+    if (mesh && !composed.layers.mesh) return {};
+    gpu::ComposePush push{};
+    push.mesh = mesh ? 1 : 0;
+    push.scale = scale, push.offset = offset;
+    drawPicture(composed, composed.composer.writeDepth[offset > 0], place, push, commands);
+    return {};
+}
+
+/** more: what depends on the pipeline. */
+void VulkanBackend::drawPicture(const Composed& composed, VkPipeline pipeline, VkOffset2D place, const gpu::ComposePush& more,
+                                AppCommands commands) {
     const auto buffer = static_cast<VkCommandBuffer>(commands.handle);
-    gpu::ComposePush push = layers.push;
-    push.placeX = float(place.x), push.placeY = float(place.y);
-    push.view = view;
-    push.linear = composer.linear ? 1 : 0;
+    const uint32_t widthPx = composed.layers.push[0].widthPx, heightPx = composed.layers.push[0].heightPx;
     // A scissor begins at 0 or beyond, so a picture that begins left of the target or above it is cut there.
-    const VkViewport viewport{push.placeX, push.placeY, float(push.widthPx), float(push.heightPx), 0, 1};
+    const VkViewport viewport{float(place.x), float(place.y), float(widthPx), float(heightPx), 0, 1};
     const VkOffset2D first{std::max(place.x, 0), std::max(place.y, 0)};
     const auto extent = [](int32_t from, int32_t at, uint32_t size) { return uint32_t(std::max<int64_t>(int64_t(at) + size - from, 0)); };
-    const VkRect2D scissor{first, {extent(first.x, place.x, push.widthPx), extent(first.y, place.y, push.heightPx)}};
-    vk_.vkCmdBindPipeline(buffer, VK_PIPELINE_BIND_POINT_GRAPHICS, composer.pipeline);
-    vk_.vkCmdBindDescriptorSets(buffer, VK_PIPELINE_BIND_POINT_GRAPHICS, composeLayout_.layout, 0, 1, &layers.descriptors, 0, nullptr);
-    vk_.vkCmdPushConstants(buffer, composeLayout_.layout, composeLayout_.stages, 0, sizeof push, &push);
+    const VkRect2D scissor{first, {extent(first.x, place.x, widthPx), extent(first.y, place.y, heightPx)}};
+    vk_.vkCmdBindPipeline(buffer, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
     vk_.vkCmdSetViewport(buffer, 0, 1, &viewport);
     vk_.vkCmdSetScissor(buffer, 0, 1, &scissor);
-    vk_.vkCmdDraw(buffer, 3, 1, 0, 0);
-    return {};
+    uint32_t done = 0;
+    for (uint32_t view = composed.firstView; view < composed.firstView + composed.viewCount; ++view) {
+        if (done >> view & 1) continue;
+        gpu::ComposePush push = composed.layers.push[view];
+        done |= push.views;
+        push.placeX = viewport.x, push.placeY = viewport.y;
+        push.view = view;
+        push.linear = more.linear, push.mesh = more.mesh, push.scale = more.scale, push.offset = more.offset;
+        vk_.vkCmdBindDescriptorSets(buffer, VK_PIPELINE_BIND_POINT_GRAPHICS, composeLayout_.layout, 0, 1,
+                                    &composed.layers.descriptors[view], 0, nullptr);
+        vk_.vkCmdPushConstants(buffer, composeLayout_.layout, composeLayout_.stages, 0, sizeof push, &push);
+        vk_.vkCmdDraw(buffer, 3, 1, 0, 0);
+    }
 }
 
 }  // namespace dpl::vk

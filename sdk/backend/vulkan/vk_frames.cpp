@@ -488,7 +488,7 @@ Status VulkanBackend::start() {
 VulkanBackend::~VulkanBackend() {
     for (auto& [id, frame] : frames_) (void)waitFor(frame);  // an app that lends its device waits for its own commands
     for (Retired& retired : retired_) free(retired);
-    for (auto& [id, composer] : composers_) vk_.vkDestroyPipeline(device_->device, composer.pipeline, device_->allocator);
+    for (auto& [id, composer] : composers_) freeComposer(composer);
     freePipeline(composeLayout_);
     freeBuffer(marks_);
     vk_.vkDestroyDescriptorPool(device_->device, layerDescriptors_, device_->allocator);

@@ -153,13 +153,14 @@ void VulkanBackend::freeImage(Image& image) {
 
 Status VulkanBackend::makeSurface(Surface& s, const Target& t) {
     constexpr VkImageUsageFlags kDrawn = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
+    const VkImageUsageFlags read = kDrawn | (t.desc.sampled ? VK_IMAGE_USAGE_SAMPLED_BIT : 0);
     const VkFormat colour = vulkanFormat(t.desc.colour);
-    DPL_CHECK_OK(makeImage(s.colour, colour, t, kDrawn | (t.desc.sampled ? VK_IMAGE_USAGE_SAMPLED_BIT : 0)));
+    DPL_CHECK_OK(makeImage(s.colour, colour, t, read));
     if (t.desc.colour != ColourFormat::Codes8 && !t.desc.sampled) {
         DPL_CHECK_OK(makeImage(s.rounded, VK_FORMAT_R8G8B8A8_UNORM, t, VK_IMAGE_USAGE_TRANSFER_DST_BIT));
     }
     if (t.desc.depth) {
-        DPL_CHECK_OK(makeImage(s.depth, device_->depthSumFormat, t, kDrawn));
+        DPL_CHECK_OK(makeImage(s.depth, device_->depthSumFormat, t, read));
     }
     std::vector<VkImageView> views;  // in the order of the attachments in renderPass()
     if (t.desc.samples > 1) {

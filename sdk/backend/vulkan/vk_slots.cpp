@@ -24,6 +24,7 @@ Status VulkanBackend::takeSlot(uint32_t slot) {
     for (auto& [id, frame] : frames_)
         if (frame.run == FrameRun::Encoded && frame.running && frame.slot == slot) ended(frame);
     layerSlots_[slot].viewCount = 0;  // until setLayers(): if the new frame fails, nothing of the slot can be composed
+    layerSlots_[slot].depths = depthsWritten();
     return {};
 }
 

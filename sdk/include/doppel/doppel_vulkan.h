@@ -24,8 +24,11 @@
  *
  * Queues. All commands with slots of one context go to one queue family, and to queues in the order in which they were prepared.
  *
- * Images. The colour attachment is in the layout that the render pass gives it; compose reads and writes it as colour attachment, by
- * blending. Depth attachments are neither tested nor written. Prepare reads the depth images given to it (DplVulkanSceneDepth). */
+ * Images. The colour attachment is in the layout that the render pass gives it; dplVulkanCompose reads and writes it as colour attachment,
+ * by blending, and leaves depth attachments alone. dplVulkanComposeDepth tests and writes the depth attachment, which is in a layout for
+ * writing such as VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL: stages early and late fragment tests, access depth stencil attachment
+ * read and write. Stencil is kept. Prepare reads the depth images given to it (DplVulkanSceneDepth). One of them may be that attachment,
+ * because prepare has copied it when the pass begins: the program changes its layout in between, after compute shader reads. */
 #ifndef DOPPEL_DOPPEL_VULKAN_H
 #define DOPPEL_DOPPEL_VULKAN_H
 
@@ -36,7 +39,8 @@
 extern "C" {
 #endif
 
-#define DPL_VULKAN_SLOTS 3u /**< frames in flight */
+#define DPL_VULKAN_SLOTS 3u            /**< frames in flight */
+#define DPL_VULKAN_DEPTH_COVERAGE 0.5f /**< alpha of the picture from which on a pixel writes depth */
 
 /** A device that the program opened. It must have what dplGetVulkanRequirement lists as required. All handles must outlive the context. */
 typedef struct DplVulkanDevice {
@@ -96,14 +100,15 @@ typedef struct DplVulkanPass {
     VkRenderPass renderPass; /**< or a compatible one; needed until dplCreateVulkanComposer returns. VK_NULL_HANDLE: dynamic rendering */
     uint32_t viewMask;       /**< of the subpass. 0: no multiview, each view has a pass or an image of its own */
     uint32_t samples;        /**< of the attachments, 1 or 4. 0: 1 */
-    uint32_t reserved;       /**< 0 */
+    uint32_t writesDepth;    /**< what dplVulkanComposeDepth writes here: 0, DPL_DRAW_DEPTH or DPL_DRAW_MESH_DEPTH (DplDrawFlag) */
     VkFormat colourFormat;
     VkFormat depthFormat, stencilFormat; /**< of attachments that the pass has as well; read for dynamic rendering only */
 } DplVulkanPass;
 
-/** Compiles what composes into a pass, so that no frame does. *composer: a number for dplVulkanCompose. It lives until
- *  dplDestroyVulkanComposer or as long as the context. DPL_ERROR_UNSUPPORTED: another format, sample count or view mask, or a context that
- *  is not on the program's device; the text says which. */
+/** Compiles what composes into a pass, so that no frame does. While a composer with writesDepth lives, prepare draws that depth too, so
+ * make composers before the first prepare. *composer: a number for dplVulkanCompose. It lives until dplDestroyVulkanComposer or as long as
+ * the context. DPL_ERROR_UNSUPPORTED: another format, sample count or view mask, or a context that is not on the program's device; the text
+ * says which. */
 DPL_EXPERIMENTAL DplResult dplCreateVulkanComposer(DplContext context, const DplVulkanPass* pass, uint32_t* composer);
 
 /** Commands that use it may still run; see "Slots". DPL_ERROR_NOT_FOUND: no such composer. */
@@ -134,7 +139,8 @@ typedef struct DplVulkanSceneDepth {
  *  depths: viewCount of them, or NULL: DplCamera::sceneDepthM counts, which the CPU copies. The program makes their writes visible to
  *  VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT with VK_ACCESS_SHADER_READ_BIT before, and writes them again only after that stage.
  *  DPL_ERROR_INVALID_ARGUMENT: no such slot, one whose last commands have not run (wait for their fence, or dplVulkanDropSlot), NULL
- *  commands, a context that is not on the program's device, or a depth that says nothing (offset 0, not finite, no image). After an error
+ *  commands, a context that is not on the program's device, or a depth that says nothing (offset 0, not finite, no image) or is in a
+ *  layout that no shader can read, such as that of an attachment that the program still writes. After an error
  *  the program may submit or drop the command buffer, and composes nothing of what was to be prepared. */
 DPL_EXPERIMENTAL DplResult dplVulkanPrepare(DplContext context, VkCommandBuffer commands, uint32_t slot, const DplAvatar* avatars,
                                             uint32_t avatarCount, const DplCamera* views, uint32_t viewCount,
@@ -151,6 +157,22 @@ DPL_EXPERIMENTAL DplResult dplVulkanDropSlot(DplContext context, uint32_t slot);
  *  DPL_ERROR_INVALID_ARGUMENT: the slot was not prepared with that many views. DPL_ERROR_NOT_FOUND: no such composer. */
 DPL_EXPERIMENTAL DplResult dplVulkanCompose(DplContext context, uint32_t composer, VkCommandBuffer commands, uint32_t slot, uint32_t view,
                                             int32_t x, int32_t y);
+
+/** Writes the depth of the picture of a view into the depth attachment of the pass. A pixel of the picture writes where its alpha is at
+ *  least DPL_VULKAN_DEPTH_COVERAGE and its depth is nearer than what is stored; elsewhere, the attachment keeps its bits. All samples of a
+ *  pixel get the same depth. Later draws and depth layers of a headset see the avatars then. Changes no colour; call it before or after
+ *  dplVulkanCompose.
+ *
+ *  With DPL_DRAW_DEPTH it writes DplImage::depthM, the mean of the splats by opacity; prepare then blends a second image. With
+ *  DPL_DRAW_MESH_DEPTH it writes DplImage::meshDepthM, the front of the posed mesh; prepare then rasterises the mesh, and general splats
+ *  write nothing.
+ *
+ *  composer: with writesDepth. scale, offset: of the attachment, as in DplVulkanSceneDepth; offset below 0: less is nearer (usual), above
+ * 0: greater is nearer (reversed). Stored depth is clamped to 0 ... 1. Other arguments, changed state and errors as dplVulkanCompose.
+ *  DPL_ERROR_INVALID_ARGUMENT also: a composer without writesDepth, one that was made after the slot was prepared, or scale and offset that
+ *  say nothing (offset 0, not finite). */
+DPL_EXPERIMENTAL DplResult dplVulkanComposeDepth(DplContext context, uint32_t composer, VkCommandBuffer commands, uint32_t slot,
+                                                 uint32_t view, int32_t x, int32_t y, float scale, float offset);
 
 #ifdef __cplusplus
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Composes a layer into every format of target and compares with double precision.
+// Composes a layer into every format of target and compares with the referee, in double precision.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -8,24 +8,17 @@
 #include <random>
 
 #include "sdk/api/compose.h"
+#include "tests/reference/composition.h"
 
 namespace dpl::api {
 namespace {
 
 constexpr Composition kOver[] = {{DPL_FORMAT_RGBA8, true}, {DPL_FORMAT_RGBA8_SRGB, true}, {DPL_FORMAT_RGBA16F, true}};
 
-double decodeSrgb(double v) {
-    return v > 0.04045 ? std::exp(2.4 * std::log((v + 0.055) / 1.055)) : v / 12.92;
-}
-double encodeSrgb(double v) {
-    return v > 0.0031308 ? 1.055 * std::exp(std::log(v) / 2.4) - 0.055 : v * 12.92;
-}
+using reference::encodeSrgb, reference::decodeSrgb, reference::TargetFormat;
 
 double halfValue(uint16_t half) {
-    const int exponent = half >> 10 & 31, mantissa = half & 1023;
-    if (exponent == 31) return mantissa ? NAN : half & 0x8000 ? -INFINITY : INFINITY;
-    const double magnitude = exponent == 0 ? std::ldexp(mantissa, -24) : std::ldexp(1024 + mantissa, exponent - 25);
-    return half & 0x8000 ? -magnitude : magnitude;
+    return double(floatFromHalf(half));
 }
 
 /** Half the distance between neighbouring half floats at a magnitude. */
@@ -62,16 +55,14 @@ TEST(Compose, eightBitsAreWithinHalfACodeOfDoublePrecision) {
     double worst[2] = {};
     for (int i = 0; i < 400000; ++i) {
         const Rgba8 layer = randomPixel(random), target = randomPixel(random);
-        const double a = layer[3] / 255.0;
         for (const bool srgb : {false, true}) {
             for (const bool over : {false, true}) {
                 const Rgba8 got = composed8(layer, {srgb ? DPL_FORMAT_RGBA8_SRGB : DPL_FORMAT_RGBA8, over}, target);
-                const double through = over ? 1 - a : 0;
+                const TargetFormat format = srgb ? TargetFormat::Rgba8Srgb : TargetFormat::Rgba8;
+                const auto want =
+                    reference::over(format, layer.data(), over ? reference::unpack(format, target.data()) : reference::StoredPixel{});
                 for (size_t c = 0; c < 4; ++c) {
-                    double want = layer[c] / 255.0 + through * target[c] / 255.0;
-                    if (srgb && c < 3)
-                        want = encodeSrgb((a > 0 ? a * decodeSrgb(layer[c] / 255.0 / a) : 0) + through * decodeSrgb(target[c] / 255.0));
-                    const double error = std::abs(got[c] - 255 * want);
+                    const double error = std::abs(got[c] - 255 * want[c]);
                     worst[srgb] = std::max(worst[srgb], error);
                     ASSERT_LE(error, kHalfCode) << "layer " << int(layer[c]) << '/' << int(layer[3]) << " target " << int(target[c])
                                                 << (srgb ? " sRGB" : "") << (over ? " over" : "");
@@ -107,16 +98,13 @@ TEST(Compose, halvesAreWithinHalfAStepOfDoublePrecision) {
         const Rgba8 layer = randomPixel(random);
         Rgba16 target;
         for (uint16_t& h : target) h = uint16_t(random() % 0x7C00);  // any finite half ≥ 0, up to 65504
-        const double a = layer[3] / 255.0;
+        const auto stored = reference::unpack(TargetFormat::Rgba16f, reinterpret_cast<const uint8_t*>(target.data()));
         for (const bool over : {false, true}) {
             const Rgba16 got = composed16(layer, {DPL_FORMAT_RGBA16F, over}, target);
+            const auto want = reference::over(TargetFormat::Rgba16f, layer.data(), over ? stored : reference::StoredPixel{});
             for (size_t c = 0; c < 4; ++c) {
-                const double linear = c == 3  ? a
-                                      : a > 0 ? a * decodeSrgb(layer[c] / 255.0 / a)
-                                              : 0,
-                             want = linear + (over ? (1 - a) * halfValue(target[c]) : 0);
-                ASSERT_LE(std::abs(halfValue(got[c]) - want), halfUlp(want) * (1 + 1e-3)) << want;
-                denormal += want > 0 && want<6e-5, bright += want> 1;
+                ASSERT_LE(std::abs(halfValue(got[c]) - want[c]), halfUlp(want[c]) * (1 + 1e-3)) << want[c];
+                denormal += want[c] > 0 && want[c]<6e-5, bright += want[c]> 1;
             }
         }
     }

@@ -6,14 +6,26 @@
 #include <cstring>
 
 namespace dpl::test {
-namespace {
 
-void must(VkResult result, const char* what) {
+void must(VkResult result, const char* call) {
     if (result == VK_SUCCESS) return;
-    std::fprintf(stderr, "%s failed with %d\n", what, int(result));
+    std::fprintf(stderr, "%s failed with %d\n", call, int(result));
     std::abort();
 }
-#define MUST(call) must(call, #call)
+
+namespace {
+
+VkImageAspectFlags aspectsOf(VkFormat format) {
+    switch (format) {
+        case VK_FORMAT_D16_UNORM:
+        case VK_FORMAT_D32_SFLOAT:
+            return VK_IMAGE_ASPECT_DEPTH_BIT;
+        case VK_FORMAT_D24_UNORM_S8_UINT:
+            return VK_IMAGE_ASPECT_DEPTH_BIT | VK_IMAGE_ASPECT_STENCIL_BIT;
+        default:
+            return VK_IMAGE_ASPECT_COLOR_BIT;
+    }
+}
 
 constexpr const char* kValidation = "VK_LAYER_KHRONOS_validation";
 
@@ -172,7 +184,9 @@ void AppDevice::staging(VkDeviceSize bytes) {
     MUST(vkMapMemory(device, stagingMemory_, 0, VK_WHOLE_SIZE, 0, &mapped_));
 }
 
-void AppDevice::makeImage(AppImage& image, VkImageUsageFlags usage, VkImageAspectFlags aspect) {
+void AppDevice::makeImage(AppImage& image, VkImageUsageFlags usage) {
+    image.aspects = aspectsOf(image.format);
+    const VkImageAspectFlags aspect = image.aspects & ~VkImageAspectFlags(VK_IMAGE_ASPECT_STENCIL_BIT);
     VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
     info.imageType = VK_IMAGE_TYPE_2D;
     info.format = image.format;
@@ -205,19 +219,35 @@ void AppDevice::makeImage(AppImage& image, VkImageUsageFlags usage, VkImageAspec
 AppImage AppDevice::makeTarget(VkFormat format, uint32_t width, uint32_t height, uint32_t layers, uint32_t samples) {
     AppImage image;
     image.format = format, image.width = width, image.height = height, image.layers = layers, image.samples = samples;
-    makeImage(image, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
-              VK_IMAGE_ASPECT_COLOR_BIT);
-    const VkCommandBuffer commands = begin(kSlots - 1);
+    makeImage(image, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT |
+                         VK_IMAGE_USAGE_SAMPLED_BIT);
+    const VkCommandBuffer commands = begin(kUploadSlot);
     barrier(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
-    submit(kSlots - 1);
+    submit(kUploadSlot);
     return image;
+}
+
+AppImage AppDevice::makeDepthTarget(VkFormat format, uint32_t width, uint32_t height, uint32_t layers, uint32_t samples) {
+    AppImage image;
+    image.format = format, image.width = width, image.height = height, image.layers = layers, image.samples = samples;
+    makeImage(image, VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT);
+    const VkCommandBuffer commands = begin(kUploadSlot);
+    barrier(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL);
+    submit(kUploadSlot);
+    return image;
+}
+
+bool AppDevice::isDepthTarget(VkFormat format) const {
+    constexpr VkFormatFeatureFlags kWanted = VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT;
+    VkFormatProperties properties{};
+    vkGetPhysicalDeviceFormatProperties(physical, format, &properties);
+    return (properties.optimalTilingFeatures & kWanted) == kWanted;
 }
 
 AppImage AppDevice::makeDepth(VkFormat format, uint32_t width, uint32_t height, std::span<const std::vector<float>> values) {
     AppImage image;
     image.format = format, image.width = width, image.height = height, image.layers = uint32_t(values.size());
-    makeImage(image, VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
-              VK_IMAGE_ASPECT_DEPTH_BIT);
+    makeImage(image, VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT);
     waitAll();
     const size_t pixels = size_t(width) * height, bytes = format == VK_FORMAT_D16_UNORM ? 2 : 4;
     staging(values.size() * pixels * bytes);
@@ -228,31 +258,28 @@ AppImage AppDevice::makeDepth(VkFormat format, uint32_t width, uint32_t height, 
             std::memcpy(to, bytes == 2 ? static_cast<const void*>(&code) : &value, bytes);
             to += bytes;
         }
-    const VkCommandBuffer commands = begin(kSlots - 1);
-    barrier(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_ASPECT_DEPTH_BIT);
+    const VkCommandBuffer commands = begin(kUploadSlot);
+    barrier(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     VkBufferImageCopy region{};
     region.imageSubresource = {VK_IMAGE_ASPECT_DEPTH_BIT, 0, 0, image.layers};
     region.imageExtent = {width, height, 1};
     vkCmdCopyBufferToImage(commands, staging_, image.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
-    barrier(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL,
-            VK_IMAGE_ASPECT_DEPTH_BIT);
-    submit(kSlots - 1);
+    barrier(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL);
+    submit(kUploadSlot);
     return image;
 }
 
 AppImage AppDevice::makeFourSampleDepth(uint32_t width, uint32_t height, float value) {
     AppImage image;
     image.format = VK_FORMAT_D32_SFLOAT, image.width = width, image.height = height, image.samples = 4;
-    makeImage(image, VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
-              VK_IMAGE_ASPECT_DEPTH_BIT);
-    const VkCommandBuffer commands = begin(kSlots - 1);
-    barrier(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_ASPECT_DEPTH_BIT);
+    makeImage(image, VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT);
+    const VkCommandBuffer commands = begin(kUploadSlot);
+    barrier(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     const VkClearDepthStencilValue cleared{value, 0};
     const VkImageSubresourceRange whole{VK_IMAGE_ASPECT_DEPTH_BIT, 0, 1, 0, 1};
     vkCmdClearDepthStencilImage(commands, image.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &cleared, 1, &whole);
-    barrier(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL,
-            VK_IMAGE_ASPECT_DEPTH_BIT);
-    submit(kSlots - 1);
+    barrier(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL);
+    submit(kUploadSlot);
     return image;
 }
 
@@ -264,35 +291,40 @@ void AppDevice::destroy(AppImage& image) {
     image = {};
 }
 
-VkRenderPass AppDevice::makePass(VkFormat format, uint32_t samples, uint32_t viewMask) {
-    VkAttachmentDescription attachment{};
-    attachment.format = format;
-    attachment.samples = VkSampleCountFlagBits(samples);
-    attachment.loadOp = VK_ATTACHMENT_LOAD_OP_LOAD;
-    attachment.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-    attachment.initialLayout = attachment.finalLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-    const VkAttachmentReference reference{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
+VkRenderPass AppDevice::makePass(VkFormat format, uint32_t samples, uint32_t viewMask, VkFormat depthFormat) {
+    VkAttachmentDescription attachments[2]{};
+    const VkAttachmentReference references[2] = {{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL},
+                                                 {1, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL}};
+    for (uint32_t i = 0; i < 2; ++i) {
+        attachments[i].format = i == 0 ? format : depthFormat;
+        attachments[i].samples = VkSampleCountFlagBits(samples);
+        attachments[i].loadOp = attachments[i].stencilLoadOp = VK_ATTACHMENT_LOAD_OP_LOAD;
+        attachments[i].storeOp = attachments[i].stencilStoreOp = VK_ATTACHMENT_STORE_OP_STORE;
+        attachments[i].initialLayout = attachments[i].finalLayout = references[i].layout;
+    }
     VkSubpassDescription subpass{};
     subpass.colorAttachmentCount = 1;
-    subpass.pColorAttachments = &reference;
+    subpass.pColorAttachments = &references[0];
+    if (depthFormat != VK_FORMAT_UNDEFINED) subpass.pDepthStencilAttachment = &references[1];
     VkRenderPassMultiviewCreateInfo views{VK_STRUCTURE_TYPE_RENDER_PASS_MULTIVIEW_CREATE_INFO};
     views.subpassCount = 1;
     views.pViewMasks = &viewMask;
     VkRenderPassCreateInfo info{VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO};
     if (viewMask) info.pNext = &views;
-    info.attachmentCount = info.subpassCount = 1;
-    info.pAttachments = &attachment;
+    info.attachmentCount = depthFormat == VK_FORMAT_UNDEFINED ? 1 : 2;
+    info.subpassCount = 1;
+    info.pAttachments = attachments;
     info.pSubpasses = &subpass;
     VkRenderPass pass = VK_NULL_HANDLE;
     MUST(vkCreateRenderPass(device, &info, nullptr, &pass));
     return pass;
 }
 
-VkFramebuffer AppDevice::makeFramebuffer(VkRenderPass pass, VkImageView view, uint32_t width, uint32_t height) {
+VkFramebuffer AppDevice::makeFramebuffer(VkRenderPass pass, std::initializer_list<VkImageView> views, uint32_t width, uint32_t height) {
     VkFramebufferCreateInfo info{VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO};
     info.renderPass = pass;
-    info.attachmentCount = 1;
-    info.pAttachments = &view;
+    info.attachmentCount = uint32_t(views.size());
+    info.pAttachments = views.begin();
     info.width = width;
     info.height = height;
     info.layers = 1;
@@ -301,7 +333,7 @@ VkFramebuffer AppDevice::makeFramebuffer(VkRenderPass pass, VkImageView view, ui
     return framebuffer;
 }
 
-void AppDevice::barrier(VkCommandBuffer commands, const AppImage& image, VkImageLayout from, VkImageLayout to, VkImageAspectFlags aspect) {
+void AppDevice::barrier(VkCommandBuffer commands, const AppImage& image, VkImageLayout from, VkImageLayout to) {
     VkImageMemoryBarrier change{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER};
     change.srcAccessMask = VK_ACCESS_MEMORY_WRITE_BIT;
     change.dstAccessMask = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT;
@@ -309,7 +341,7 @@ void AppDevice::barrier(VkCommandBuffer commands, const AppImage& image, VkImage
     change.newLayout = to;
     change.srcQueueFamilyIndex = change.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
     change.image = image.image;
-    change.subresourceRange = {aspect, 0, 1, 0, image.layers};
+    change.subresourceRange = {image.aspects, 0, 1, 0, image.layers};
     vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 0, nullptr, 0, nullptr, 1,
                          &change);
 }
@@ -318,14 +350,14 @@ void AppDevice::upload(const AppImage& image, uint32_t layer, std::span<const ui
     waitAll();
     staging(bytes.size());
     std::memcpy(mapped_, bytes.data(), bytes.size());
-    const VkCommandBuffer commands = begin(kSlots - 1);
+    const VkCommandBuffer commands = begin(kUploadSlot);
     barrier(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     VkBufferImageCopy region{};
     region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, layer, 1};
     region.imageExtent = {image.width, image.height, 1};
     vkCmdCopyBufferToImage(commands, staging_, image.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
     barrier(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
-    submit(kSlots - 1);
+    submit(kUploadSlot);
     waitAll();
 }
 
@@ -333,7 +365,7 @@ std::vector<uint8_t> AppDevice::download(const AppImage& image, uint32_t layer) 
     waitAll();
     std::vector<uint8_t> bytes(size_t(image.width) * image.height * bytesPerPixel(image.format));
     staging(bytes.size());
-    const VkCommandBuffer commands = begin(kSlots - 1);
+    const VkCommandBuffer commands = begin(kUploadSlot);
     VkBufferImageCopy region{};
     region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, layer, 1};
     region.imageExtent = {image.width, image.height, 1};
@@ -342,7 +374,7 @@ std::vector<uint8_t> AppDevice::download(const AppImage& image, uint32_t layer) 
     host.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
     host.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
     vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &host, 0, nullptr, 0, nullptr);
-    submit(kSlots - 1);
+    submit(kUploadSlot);
     waitAll();
     std::memcpy(bytes.data(), mapped_, bytes.size());
     return bytes;

@@ -6,6 +6,7 @@
 #include <vulkan/vulkan.h>
 
 #include <cstdint>
+#include <initializer_list>
 #include <memory>
 #include <span>
 #include <string>
@@ -13,12 +14,17 @@
 
 namespace dpl::test {
 
+/** Ends the program with a sentence unless the call succeeded. */
+void must(VkResult result, const char* call);
+#define MUST(call) dpl::test::must(call, #call)
+
 struct AppImage {
     VkImage image = VK_NULL_HANDLE;
     VkDeviceMemory memory = VK_NULL_HANDLE;
     VkImageView view = VK_NULL_HANDLE;    // 2D array of all layers
     std::vector<VkImageView> layerViews;  // 2D, one a layer
     VkFormat format = VK_FORMAT_UNDEFINED;
+    VkImageAspectFlags aspects = 0;
     uint32_t width = 0, height = 0, layers = 1, samples = 1;
 };
 
@@ -43,17 +49,21 @@ public:
     bool validated = false;               // the validation layer is installed
     std::vector<std::string> messages;    // of the validation layer
 
-    /** A target: colour attachment, copied to and from. It begins in TRANSFER_SRC_OPTIMAL. */
+    /** A target: colour attachment, copied to and from, sampled. It begins in TRANSFER_SRC_OPTIMAL. */
     AppImage makeTarget(VkFormat format, uint32_t width, uint32_t height, uint32_t layers = 1, uint32_t samples = 1);
+    /** A depth attachment, sampled too. It begins in DEPTH_STENCIL_ATTACHMENT_OPTIMAL. Views show depth alone. */
+    AppImage makeDepthTarget(VkFormat format, uint32_t width, uint32_t height, uint32_t layers = 1, uint32_t samples = 1);
+    bool isDepthTarget(VkFormat format) const;  // whether the device has such images
     /** A depth image (D32 or D16) that holds `values`, one list a layer, rows without padding. It is in DEPTH_STENCIL_READ_ONLY_OPTIMAL. */
     AppImage makeDepth(VkFormat format, uint32_t width, uint32_t height, std::span<const std::vector<float>> values);
     /** The same with four samples a pixel, all of one value. */
     AppImage makeFourSampleDepth(uint32_t width, uint32_t height, float value);
     void destroy(AppImage& image);
 
-    /** A pass with one colour attachment, LOAD and STORE, COLOR_ATTACHMENT_OPTIMAL before and after. */
-    VkRenderPass makePass(VkFormat format, uint32_t samples, uint32_t viewMask);
-    VkFramebuffer makeFramebuffer(VkRenderPass pass, VkImageView view, uint32_t width, uint32_t height);
+    /** A pass with one colour attachment and, with a depth format, a depth attachment: LOAD and STORE, COLOR_ATTACHMENT_OPTIMAL and
+     *  DEPTH_STENCIL_ATTACHMENT_OPTIMAL before and after. */
+    VkRenderPass makePass(VkFormat format, uint32_t samples, uint32_t viewMask, VkFormat depthFormat = VK_FORMAT_UNDEFINED);
+    VkFramebuffer makeFramebuffer(VkRenderPass pass, std::initializer_list<VkImageView> views, uint32_t width, uint32_t height);
 
     /** Fills a layer with bytes, rows without padding, and reads it back. 1 sample. Both wait. */
     void upload(const AppImage& image, uint32_t layer, std::span<const uint8_t> bytes);
@@ -64,19 +74,19 @@ public:
     void submit(uint32_t slot);
     void waitAll();
 
-    void barrier(VkCommandBuffer commands, const AppImage& image, VkImageLayout from, VkImageLayout to,
-                 VkImageAspectFlags aspect = VK_IMAGE_ASPECT_COLOR_BIT);
+    void barrier(VkCommandBuffer commands, const AppImage& image, VkImageLayout from, VkImageLayout to);
+    uint32_t memoryType(uint32_t allowed, VkMemoryPropertyFlags wanted) const;
+    static constexpr uint32_t kUploadSlot = 3;
 
 private:
     AppDevice() = default;
     bool openInstance(const Options& options, std::string& why);
     bool openDevice(const Options& options, std::string& why);
-    uint32_t memoryType(uint32_t allowed, VkMemoryPropertyFlags wanted) const;
-    void makeImage(AppImage& image, VkImageUsageFlags usage, VkImageAspectFlags aspect);
+    void makeImage(AppImage& image, VkImageUsageFlags usage);
     /** A mapped buffer of `bytes` bytes that lives until the next call. */
     void staging(VkDeviceSize bytes);
 
-    static constexpr uint32_t kSlots = 4;  // the last one is for uploads
+    static constexpr uint32_t kSlots = kUploadSlot + 1;
     VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
     VkPhysicalDeviceMultiviewFeatures multiview_{};
     VkPhysicalDeviceDynamicRenderingFeatures dynamic_{};

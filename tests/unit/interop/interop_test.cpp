@@ -4,69 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
 #include <ctime>
-#include <deque>
 
 #include "apps/bench/count_allocations.h"
-#include "sdk/include/doppel/doppel_vulkan.h"
-#include "sdk/math/half.h"
-#include "tests/unit/api/api_fixture.h"
-#include "tests/unit/interop/app_device.h"
+#include "tests/unit/interop/interop_fixture.h"
 
 namespace dpl::test {
 namespace {
-
-constexpr uint32_t kWidth = 96, kHeight = 80;
-
-/** Of bytes, or of half floats clamped to 0 ... 1. */
-double psnrDb(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b, VkFormat format) {
-    double sum = 0;
-    size_t count = a.size();
-    EXPECT_EQ(a.size(), b.size());
-    if (format == VK_FORMAT_R16G16B16A16_SFLOAT) {
-        count /= 2;
-        for (size_t i = 0; i < count; ++i) {
-            uint16_t x, y;
-            std::memcpy(&x, &a[2 * i], 2), std::memcpy(&y, &b[2 * i], 2);
-            sum += std::pow(double(floatFromHalf(x)) - double(floatFromHalf(y)), 2);
-        }
-    } else if (format == VK_FORMAT_A2B10G10R10_UNORM_PACK32) {
-        count = a.size() / 4 * 3;
-        for (size_t i = 0; i < a.size(); i += 4) {
-            uint32_t x, y;
-            std::memcpy(&x, &a[i], 4), std::memcpy(&y, &b[i], 4);
-            for (uint32_t c = 0; c < 3; ++c) sum += std::pow((double(x >> 10 * c & 1023) - double(y >> 10 * c & 1023)) / 1023, 2);
-        }
-    } else {
-        for (size_t i = 0; i < count; ++i) sum += std::pow((double(a[i]) - double(b[i])) / 255, 2);
-    }
-    return 10 * std::log10(double(count) / std::max(sum, 1e-12));
-}
-
-/** A smooth background with alpha, in the bytes of a format. */
-std::vector<uint8_t> background(VkFormat format) {
-    std::vector<uint8_t> bytes(size_t(kWidth) * kHeight * bytesPerPixel(format));
-    for (uint32_t y = 0; y < kHeight; ++y)
-        for (uint32_t x = 0; x < kWidth; ++x) {
-            const size_t pixel = size_t(y) * kWidth + x;
-            const float rgba[4] = {0.8f * float(x) / kWidth, 0.9f * float(y) / kHeight, 0.3f, 1};
-            if (format == VK_FORMAT_R16G16B16A16_SFLOAT) {
-                for (int c = 0; c < 4; ++c) {
-                    const uint16_t half = halfFromFloat(rgba[c]);
-                    std::memcpy(&bytes[pixel * 8 + size_t(c) * 2], &half, 2);
-                }
-            } else if (format == VK_FORMAT_A2B10G10R10_UNORM_PACK32) {
-                uint32_t word = 3u << 30;
-                for (int c = 0; c < 3; ++c) word |= uint32_t(std::lround(rgba[c] * 1023)) << 10 * c;
-                std::memcpy(&bytes[pixel * 4], &word, 4);
-            } else {
-                for (int c = 0; c < 4; ++c) bytes[pixel * 4 + size_t(c)] = uint8_t(std::lround(rgba[c] * 255));
-            }
-        }
-    return bytes;
-}
 
 /** Time that the calling thread has computed; other programs do not count. */
 double threadMs() {
@@ -74,185 +18,6 @@ double threadMs() {
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
     return double(now.tv_sec) * 1e3 + double(now.tv_nsec) * 1e-6;
 }
-
-bool isBgra(VkFormat format) {
-    return format == VK_FORMAT_B8G8R8A8_UNORM || format == VK_FORMAT_B8G8R8A8_SRGB;
-}
-
-void swapRedAndBlue(std::vector<uint8_t>& bytes) {
-    for (size_t i = 0; i < bytes.size(); i += 4) std::swap(bytes[i], bytes[i + 2]);
-}
-
-/** The layer over 10-bit display-referred values, in double. */
-std::vector<uint8_t> composedTenBits(const std::vector<uint8_t>& layer, const std::vector<uint8_t>& target) {
-    std::vector<uint8_t> out(target.size());
-    for (size_t i = 0; i < target.size(); i += 4) {
-        uint32_t word, result = 0;
-        std::memcpy(&word, &target[i], 4);
-        const double through = 1 - layer[i + 3] / 255.0;
-        for (uint32_t c = 0; c < 3; ++c) {
-            const double value = layer[i + c] / 255.0 + through * (word >> 10 * c & 1023) / 1023;
-            result |= uint32_t(std::lround(std::min(1.0, value) * 1023)) << 10 * c;
-        }
-        result |= 3u << 30;
-        std::memcpy(&out[i], &result, 4);
-    }
-    return out;
-}
-
-class Interop : public testing::Test {
-protected:
-    /** Opens a device of the test's own and a context on it, or skips. */
-    void open(AppDevice::Options options = {}, DplFill fill = DPL_FILL_QUADS) {
-        std::string why;
-        app_ = AppDevice::open(options, why);
-        if (!app_) GTEST_SKIP() << why;
-        const DplVulkanDevice device = lent();
-        const DplContextInfo info{sizeof info, DPL_RENDERER_AUTO, 1, 0, fill, nullptr};
-        ASSERT_EQ(dplCreateVulkanContext(&device, &info, &context_), DPL_OK) << dplGetLastError();
-        const auto bytes = tinyFile();
-        ASSERT_EQ(dplLoadAvatar(context_, bytes.data(), bytes.size(), &avatar_), DPL_OK) << dplGetLastError();
-    }
-    DplVulkanDevice lent() const {
-        DplVulkanDevice device{};
-        device.structSize = sizeof device;
-        device.queueFamily = app_->family;
-        device.instance = app_->instance, device.physicalDevice = app_->physical, device.device = app_->device, device.queue = app_->queue;
-        device.enabledFeatures = &app_->enabled;
-        return device;
-    }
-    void TearDown() override {
-        if (!app_) return;
-        app_->waitAll();
-        EXPECT_EQ(dplDestroyAvatar(avatar_), DPL_OK);
-        EXPECT_EQ(dplDestroyContext(context_), DPL_OK);
-        for (VkFramebuffer framebuffer : framebuffers_) vkDestroyFramebuffer(app_->device, framebuffer, nullptr);
-        for (VkRenderPass pass : passes_) vkDestroyRenderPass(app_->device, pass, nullptr);
-        for (AppImage& image : images_) app_->destroy(image);
-        for (const std::string& message : app_->messages) ADD_FAILURE() << message;
-    }
-
-    uint32_t composerFor(VkRenderPass pass, VkFormat format, uint32_t viewMask = 0, uint32_t samples = 1) {
-        DplVulkanPass desc{};
-        desc.structSize = sizeof desc;
-        desc.renderPass = pass, desc.viewMask = viewMask, desc.samples = samples, desc.colourFormat = format;
-        uint32_t composer = 0;
-        EXPECT_EQ(dplCreateVulkanComposer(context_, &desc, &composer), DPL_OK) << dplGetLastError();
-        return composer;
-    }
-
-    /** Whether passes may have a view mask; else dplGetLastError() says why. */
-    bool canMask() {
-        DplVulkanPass desc{};
-        desc.structSize = sizeof desc;
-        passes_.push_back(desc.renderPass = app_->makePass(VK_FORMAT_R8G8B8A8_UNORM, 1, 3));
-        desc.viewMask = 3, desc.colourFormat = VK_FORMAT_R8G8B8A8_UNORM;
-        uint32_t composer = 0;
-        return dplCreateVulkanComposer(context_, &desc, &composer) == DPL_OK;
-    }
-
-    /** A frame: prepare, then compose each view into its layer of the target by a pass without multiview, or all at once with it. */
-    struct Passes {
-        VkRenderPass pass = VK_NULL_HANDLE;  // null: dynamic rendering
-        std::vector<VkFramebuffer> framebuffers;
-        uint32_t composer = 0, viewMask = 0;
-    };
-    Passes passesFor(const AppImage& target, bool dynamic, uint32_t viewMask = 0) {
-        Passes made;
-        made.viewMask = viewMask;
-        if (!dynamic) {
-            passes_.push_back(made.pass = app_->makePass(target.format, target.samples, viewMask));
-            for (uint32_t i = 0; i < (viewMask ? 1 : target.layers); ++i) {
-                framebuffers_.push_back(
-                    app_->makeFramebuffer(made.pass, viewMask ? target.view : target.layerViews[i], target.width, target.height));
-                made.framebuffers.push_back(framebuffers_.back());
-            }
-        }
-        made.composer = composerFor(made.pass, target.format, viewMask, target.samples);
-        return made;
-    }
-    AppImage& target(VkFormat format, uint32_t layers = 1, uint32_t samples = 1, uint32_t width = kWidth, uint32_t height = kHeight) {
-        images_.push_back(app_->makeTarget(format, width, height, layers, samples));
-        return images_.back();
-    }
-
-    DplResult frame(uint32_t slot, const AppImage& image, const Passes& passes, std::span<const DplAvatar> avatars,
-                    std::span<const DplCamera> views, VkOffset2D at = {0, 0}, const DplVulkanSceneDepth* depths = nullptr) {
-        const VkCommandBuffer commands = app_->begin(slot);
-        DplResult result = dplVulkanPrepare(context_, commands, slot, avatars.data(), uint32_t(avatars.size()), views.data(),
-                                            uint32_t(views.size()), depths);
-        app_->barrier(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
-        for (uint32_t view = 0; view < (passes.viewMask ? 1 : views.size()) && result == DPL_OK; ++view) {
-            beginPass(commands, image, passes, view);
-            result = dplVulkanCompose(context_, passes.composer, commands, slot, view, at.x, at.y);
-            endPass(commands, passes);
-        }
-        app_->barrier(commands, image, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
-        app_->submit(slot);
-        return result;
-    }
-    void beginPass(VkCommandBuffer commands, const AppImage& image, const Passes& passes, uint32_t view) {
-        if (passes.pass) {
-            VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
-            begin.renderPass = passes.pass;
-            begin.framebuffer = passes.framebuffers[view];
-            begin.renderArea.extent = {image.width, image.height};
-            vkCmdBeginRenderPass(commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
-            return;
-        }
-        VkRenderingAttachmentInfo colour{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
-        colour.imageView = passes.viewMask ? image.view : image.layerViews[view];
-        colour.imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-        colour.loadOp = VK_ATTACHMENT_LOAD_OP_LOAD;
-        colour.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-        VkRenderingInfo info{VK_STRUCTURE_TYPE_RENDERING_INFO};
-        info.renderArea.extent = {image.width, image.height};
-        info.layerCount = 1;
-        info.viewMask = passes.viewMask;
-        info.colorAttachmentCount = 1;
-        info.pColorAttachments = &colour;
-        vkCmdBeginRendering(commands, &info);
-    }
-    void endPass(VkCommandBuffer commands, const Passes& passes) {
-        if (passes.pass)
-            vkCmdEndRenderPass(commands);
-        else
-            vkCmdEndRendering(commands);
-    }
-
-    /** What dplRender of the same context composes over `under`. */
-    std::vector<uint8_t> rendered(const DplCamera& camera, VkFormat format, std::vector<uint8_t> under, DplAvatar avatar) {
-        if (isBgra(format)) swapRedAndBlue(under);
-        const bool tenBits = format == VK_FORMAT_A2B10G10R10_UNORM_PACK32;
-        std::vector<uint8_t> layer(tenBits ? size_t(kWidth) * kHeight * 4 : 0);
-        std::vector<uint8_t>& pixels = tenBits ? layer : under;
-        DplImage image{sizeof(DplImage), tenBits ? 0u : uint32_t(DPL_IMAGE_OVER), pixels.data(), pixels.size(), 0, nullptr, 0};
-        image.format = format == VK_FORMAT_R16G16B16A16_SFLOAT                                  ? DPL_FORMAT_RGBA16F
-                       : format == VK_FORMAT_R8G8B8A8_SRGB || format == VK_FORMAT_B8G8R8A8_SRGB ? DPL_FORMAT_RGBA8_SRGB
-                                                                                                : DPL_FORMAT_RGBA8;
-        EXPECT_EQ(dplRender(context_, avatar, &camera, 1, &image), DPL_OK) << dplGetLastError();
-        if (tenBits) return composedTenBits(layer, under);
-        if (isBgra(format)) swapRedAndBlue(under);
-        return under;
-    }
-    std::vector<uint8_t> layerOf(const DplCamera& camera) {
-        std::vector<uint8_t> pixels(size_t(camera.widthPx) * camera.heightPx * 4);
-        const DplImage image{sizeof(DplImage), 0, pixels.data(), pixels.size(), 0, nullptr, 0};
-        EXPECT_EQ(dplRender(context_, avatar_, &camera, 1, &image), DPL_OK) << dplGetLastError();
-        return pixels;
-    }
-
-    std::unique_ptr<AppDevice> app_;
-    DplContext context_ = nullptr;
-    DplAvatar avatar_ = nullptr;
-    std::deque<AppImage> images_;
-    std::vector<VkRenderPass> passes_;
-    std::vector<VkFramebuffer> framebuffers_;
-};
-
-#define OPEN_OR_SKIP(...) \
-    open(__VA_ARGS__);    \
-    if (IsSkipped() || HasFatalFailure()) return
 
 struct FormatCase {
     const char* name;
@@ -271,7 +36,7 @@ INSTANTIATE_TEST_SUITE_P(
                (std::get<2>(info.param) ? "DynamicRendering" : "RenderPass");
     });
 
-TEST_P(InteropFormats, composesWhatDplRenderComposes) {
+TEST_P(InteropFormats, composesWhatTheRefereeComposes) {
     const auto [format, fill, dynamic] = GetParam();
     OPEN_OR_SKIP({.multiview = false, .dynamicRendering = dynamic}, fill);
     const DplCamera camera = frontCamera(kWidth, kHeight);
@@ -281,12 +46,15 @@ TEST_P(InteropFormats, composesWhatDplRenderComposes) {
     const Passes passes = passesFor(image, dynamic);
     ASSERT_EQ(frame(0, image, passes, {&avatar_, 1}, {&camera, 1}), DPL_OK) << dplGetLastError();
     const std::vector<uint8_t> drawn = app_->download(image, 0), layer = layerOf(camera);
-    const std::vector<uint8_t> expected = rendered(camera, format.format, under, avatar_);
+    const std::vector<uint8_t> expected = composed(camera, format.format, under);
+    std::vector<uint8_t> byTheCpu = under;
+    reference::compose(refereeFormat(format.format), layerOfTheCpu(camera), 1, byTheCpu);
 
-    const double db = psnrDb(drawn, expected, format.format);
-    std::printf("%s: %.1f dB\n", format.name, db);
+    const double db = psnrDb(drawn, expected, format.format), endToEndDb = psnrDb(drawn, byTheCpu, format.format);
+    std::printf("%s: %.1f dB with the picture of the GPU, %.1f dB with that of the CPU\n", format.name, db, endToEndDb);
     EXPECT_GT(db, 60);
-    const size_t bytes = bytesPerPixel(format.format);
+    EXPECT_GT(endToEndDb, 50);
+    const size_t bytes = reference::bytesOf(refereeFormat(format.format));
     size_t empty = 0, covered = 0;
     for (size_t i = 0; i < layer.size() / 4; ++i) {
         if (layer[4 * i + 3] == 0) {
@@ -319,17 +87,12 @@ TEST_P(InteropStereo, bothEyesGetTheirPicture) {
     const Passes passes = passesFor(image, false, multiview ? 3 : 0);
     for (const bool canted : {false, true}) {
         DplCamera eyes[2] = {frontCamera(kWidth, kHeight, 0.03f), frontCamera(kWidth, kHeight, -0.03f)};
-        if (canted) {  // turned by 4 degrees about y, so that each eye is a frame of its own
-            const float c = std::cos(0.07f), s = std::sin(0.07f);
-            const float turned[12] = {c, 0, s, -0.03f, 0, -1, 0, 1, s, 0, -c, 3};
-            std::memcpy(eyes[1].viewFromWorld, turned, sizeof turned);
-        }
+        if (canted) cant(eyes[1]);
         app_->upload(image, 0, under), app_->upload(image, 1, under);
         ASSERT_EQ(frame(canted, image, passes, {&avatar_, 1}, eyes), DPL_OK) << dplGetLastError();
         for (uint32_t eye = 0; eye < 2; ++eye) {
-            const auto drawn = app_->download(image, eye), expected = rendered(eyes[eye], kFormat, under, avatar_);
-            const double db = psnrDb(drawn, expected, kFormat),
-                         other = psnrDb(drawn, rendered(eyes[1 - eye], kFormat, under, avatar_), kFormat);
+            const auto drawn = app_->download(image, eye), expected = composed(eyes[eye], kFormat, under);
+            const double db = psnrDb(drawn, expected, kFormat), other = psnrDb(drawn, composed(eyes[1 - eye], kFormat, under), kFormat);
             std::printf("%s, eye %u: %.1f dB (the other eye's: %.1f)\n", canted ? "canted" : "parallel", eye, db, other);
             EXPECT_GT(db, 50);
             EXPECT_LT(other, db - 10) << "the eyes differ";
@@ -343,7 +106,6 @@ struct DepthCase {
     float scale, offset;  // stored depth = scale + offset / z
     float clear;          // stored where there is no scene
 };
-constexpr float kNear = 0.1f, kFar = 20;
 class InteropDepth : public Interop, public testing::WithParamInterface<std::tuple<DepthCase, DplFill>> {};
 INSTANTIATE_TEST_SUITE_P(
     Conventions, InteropDepth,
@@ -387,9 +149,9 @@ TEST_P(InteropDepth, hidesWhatLiesBehindTheScene) {
     const Passes passes = passesFor(image, false);
     ASSERT_EQ(frame(0, image, passes, {&avatar_, 1}, eyes, {0, 0}, depths), DPL_OK) << dplGetLastError();
     for (uint32_t eye = 0; eye < 2; ++eye) {
-        const auto whole = rendered(eyes[eye], kFormat, under, avatar_);
+        const auto whole = composed(eyes[eye], kFormat, under);
         eyes[eye].sceneDepthM = scene[eye].data(), eyes[eye].sceneDepthCount = scene[eye].size();
-        const auto drawn = app_->download(image, eye), expected = rendered(eyes[eye], kFormat, under, avatar_);
+        const auto drawn = app_->download(image, eye), expected = composed(eyes[eye], kFormat, under);
         const double db = psnrDb(drawn, expected, kFormat), without = psnrDb(whole, expected, kFormat);
         std::printf("%s, eye %u: %.1f dB (without the wall %.1f)\n", convention.name, eye, db, without);
         EXPECT_GT(db, 60);
@@ -414,7 +176,7 @@ TEST_F(Interop, depthOfFourSamplesHidesToo) {
         if (wallM < 2)
             EXPECT_EQ(drawn, under) << "all is hidden";
         else
-            EXPECT_GT(psnrDb(drawn, rendered(camera, kFormat, under, avatar_), kFormat), 60);
+            EXPECT_GT(psnrDb(drawn, composed(camera, kFormat, under), kFormat), 60);
     }
 }
 
@@ -493,7 +255,7 @@ TEST_F(Interop, slotsInFlightKeepTheirPoses) {
         for (uint32_t slot = 0; slot < DPL_VULKAN_SLOTS; ++slot) {
             ASSERT_EQ(dplSetPoseFromClip(avatar_, 0, 0.13 * (round * DPL_VULKAN_SLOTS + slot), DPL_TRUE), DPL_OK);
             const auto drawn = app_->download(images_[targets[slot]], 0);
-            EXPECT_GT(psnrDb(drawn, rendered(camera, kFormat, under, avatar_), kFormat), 60) << "round " << round << ", slot " << slot;
+            EXPECT_GT(psnrDb(drawn, composed(camera, kFormat, under), kFormat), 60) << "round " << round << ", slot " << slot;
             EXPECT_NE(drawn, last) << "the pose changes";
             last = drawn;
         }

@@ -115,7 +115,7 @@ protected:
         if (!made.app) return false;
         made.image = made.app->makeTarget(kFormat, kSide, kSide);
         made.pass = made.app->makePass(kFormat, 1, 0);
-        made.framebuffer = made.app->makeFramebuffer(made.pass, made.image.layerViews[0], kSide, kSide);
+        made.framebuffer = made.app->makeFramebuffer(made.pass, {made.image.layerViews[0]}, kSide, kSide);
         program_ = std::move(made);
         return true;
     }
