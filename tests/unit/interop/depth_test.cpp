@@ -62,7 +62,9 @@ Written compare(const StoredCase& stored, uint32_t samples, std::span<const uint
         } else {
             const bool written = layer[i / samples * 4 + 3] >= 128 && depthM[i / samples] > 0;
             ++(written ? result.behind : result.uncovered);
-            if (want[i] == old) EXPECT_EQ(after[i].depth, before[i].depth) << "sample " << i << " keeps its bits";
+            if (want[i] == old) {
+                EXPECT_EQ(after[i].depth, before[i].depth) << "sample " << i << " keeps its bits";
+            }
         }
     }
     return result;
@@ -272,7 +274,9 @@ TEST_F(Interop, aWarmFrameThatWritesDepthAllocatesNothing) {
         AllocationCount count(CountedThreads::Own);
         ASSERT_EQ(frame(n % DPL_VULKAN_SLOTS, image, passes, {&avatar_, 1}, {&camera, 1}), DPL_OK) << dplGetLastError();
         const uint64_t allocations = count.stop();
-        if (n >= DPL_VULKAN_SLOTS) EXPECT_EQ(allocations, 0u);
+        if (n >= DPL_VULKAN_SLOTS) {
+            EXPECT_EQ(allocations, 0u);
+        }
     }
 }
 
