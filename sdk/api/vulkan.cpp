@@ -155,9 +155,14 @@ Status encode(Scene& scene, VulkanSide& side, const FrameWants& wants, const App
     return side.backend.setLayers(frame.slot, {places, encoded.size()});
 }
 
-Status prepare(DplContext context, VkCommandBuffer commands, uint32_t slot, std::span<const DplAvatar> avatars, const DplCamera* views,
-               uint32_t viewCount, const DplVulkanSceneDepth* depths) {
-    if (!commands) return fail(Code::InvalidArgument, "commands is NULL");
+/** What prepare does with a slot once it has taken it: begin() gives the commands to record into, end() follows the recording. */
+struct Recording {
+    FunctionRef<Result<AppCommands>(vk::VulkanBackend&)> begin;
+    FunctionRef<Status(vk::VulkanBackend&)> end;
+};
+
+Status prepare(DplContext context, uint32_t slot, std::span<const DplAvatar> avatars, const DplCamera* views, uint32_t viewCount,
+               const DplVulkanSceneDepth* depths, const Recording& recording) {
     DPL_TRY(Scene scene, sceneOf(context, avatars, viewCount));
     DPL_TRY(VulkanSide * side, sideOf(*scene.context));
     DPL_CHECK_OK(takeViews(scene, views, viewCount));
@@ -172,20 +177,65 @@ Status prepare(DplContext context, VkCommandBuffer commands, uint32_t slot, std:
         DPL_CHECK_OK(takeDepths(depths, viewCount, images));
     }
     const Cameraf& first = scene.context->cameras[0];
+    AppCommands commands;
     const auto encodeScene = [&](BufferId to, uint32_t firstView, uint32_t count) -> Status {
         for (uint32_t v = 0; v < count; ++v) {
             DPL_CHECK_OK(
-                side->backend.readScene(slot, firstView + v, v, first.widthPx, first.heightPx, images[firstView + v], to, {commands}));
+                side->backend.readScene(slot, firstView + v, v, first.widthPx, first.heightPx, images[firstView + v], to, commands));
         }
         return {};
     };
     DPL_CHECK_OK(side->backend.takeSlot(slot));
     DPL_CHECK_OK(checkUsable(*scene.context));  // the slot's times may have told that the device was lost
-    const Status encoded = encode(scene, *side, wants, {slot, {commands}, encodeScene});
-    if (!encoded) {
-        DPL_CHECK_OK(side->backend.dropSlot(slot));  // the program need not submit what was recorded
+    const Status recorded = [&]() -> Status {
+        DPL_TRY(commands, recording.begin(side->backend));
+        DPL_CHECK_OK(encode(scene, *side, wants, {slot, commands, encodeScene}));
+        return recording.end(side->backend);
+    }();
+    if (!recorded) {
+        DPL_CHECK_OK(side->backend.dropSlot(slot));  // what was recorded need not be submitted
     }
-    return encoded;
+    return recorded;
+}
+
+/** Reads a submission. InvalidArgument: a list or a handle is missing. */
+Result<vk::AppSubmission> submissionOf(const DplVulkanSubmission& given) {
+    if (given.waitCount > 0 && (!given.waits || !given.waitStages))
+        return fail(Code::InvalidArgument, "waitCount of how is {}, but waits or waitStages is NULL", given.waitCount);
+    if (given.signalCount > 0 && !given.signals)
+        return fail(Code::InvalidArgument, "signalCount of how is {}, but signals is NULL", given.signalCount);
+    vk::AppSubmission how;
+    how.waits = {given.waits, given.waitCount}, how.waitStages = {given.waitStages, given.waitCount};
+    how.signals = {given.signals, given.signalCount};
+    if (given.waitValues) how.waitValues = {given.waitValues, given.waitCount};
+    if (given.signalValues) how.signalValues = {given.signalValues, given.signalCount};
+    how.fence = given.fence;
+    for (size_t i = 0; i < how.waits.size(); ++i)
+        if (!how.waits[i] || how.waitStages[i] == 0) return fail(Code::InvalidArgument, "wait {} of how has no semaphore or no stage", i);
+    for (size_t i = 0; i < how.signals.size(); ++i)
+        if (!how.signals[i]) return fail(Code::InvalidArgument, "signal {} of how has no semaphore", i);
+    return how;
+}
+
+Result<vk::AppTargetDesc> targetOf(const DplVulkanTarget& given) {
+    vk::AppTargetDesc desc;
+    if (given.imageCount == 0 || given.imageCount > DPL_MAX_VIEWS || (given.viewMask != 0 && given.imageCount != 1))
+        return fail(Code::InvalidArgument, "{} images with the view mask {}; one for each view is possible, or one with a mask",
+                    given.imageCount, given.viewMask);
+    for (uint32_t i = 0; i < given.imageCount; ++i)
+        if (!(desc.images[i] = given.images[i])) return fail(Code::InvalidArgument, "image {} of target is null", i);
+    if (given.widthPx == 0 || given.heightPx == 0)
+        return fail(Code::InvalidArgument, "a target of {} x {} pixels", given.widthPx, given.heightPx);
+    for (const VkImageLayout layout : {given.layoutBefore, given.layoutAfter})
+        if (layout == VK_IMAGE_LAYOUT_UNDEFINED || layout == VK_IMAGE_LAYOUT_PREINITIALIZED)
+            return fail(Code::InvalidArgument, "layoutBefore or layoutAfter of target is VkImageLayout {}, which keeps no pixels",
+                        int(layout));
+    desc.imageCount = given.imageCount;
+    desc.extent = {given.widthPx, given.heightPx};
+    desc.before = given.layoutBefore, desc.after = given.layoutAfter;
+    desc.pass.colour = given.format, desc.pass.viewMask = given.viewMask;
+    desc.pass.samples = given.samples == 0 ? 1 : given.samples;
+    return desc;
 }
 
 }  // namespace
@@ -258,8 +308,47 @@ extern "C" DplResult dplDestroyVulkanComposer(DplContext context, uint32_t compo
 extern "C" DplResult dplVulkanPrepare(DplContext context, VkCommandBuffer commands, uint32_t slot, const DplAvatar* avatars,
                                       uint32_t avatarCount, const DplCamera* views, uint32_t viewCount, const DplVulkanSceneDepth* depths) {
     return guarded("dplVulkanPrepare", [&]() -> Status {
+        if (!commands) return fail(Code::InvalidArgument, "commands is NULL");
         DPL_TRY(const auto set, together(avatars, avatarCount));
-        return prepare(context, commands, slot, set, views, viewCount, depths);
+        const auto begin = [&](vk::VulkanBackend&) -> Result<AppCommands> { return AppCommands{commands}; };
+        const auto end = [](vk::VulkanBackend&) { return Status(); };
+        return prepare(context, slot, set, views, viewCount, depths, {begin, end});
+    });
+}
+
+extern "C" DplResult dplCreateVulkanTarget(DplContext context, const DplVulkanTarget* desc, uint32_t* target) {
+    return guarded("dplCreateVulkanTarget", [&]() -> Status {
+        if (target == nullptr) return fail(Code::InvalidArgument, "target is NULL");
+        DPL_TRY(const DplVulkanTarget given, readStruct<DplVulkanTarget>(desc, "desc"));
+        DPL_TRY(const vk::AppTargetDesc wanted, targetOf(given));
+        DPL_TRY(const auto found, contextOf(context));
+        std::lock_guard lock(found->mutex);
+        DPL_TRY(VulkanSide * side, sideOf(*found));
+        DPL_TRY(const vk::AppTargetId made, side->backend.createAppTarget(wanted));
+        *target = made.value;
+        return {};
+    });
+}
+
+extern "C" DplResult dplDestroyVulkanTarget(DplContext context, uint32_t target) {
+    return guarded("dplDestroyVulkanTarget", [&]() -> Status {
+        DPL_TRY(const auto found, contextOf(context));
+        std::lock_guard lock(found->mutex);
+        DPL_TRY(VulkanSide * side, sideOf(*found));
+        return side->backend.destroyAppTarget({target});
+    });
+}
+
+extern "C" DplResult dplVulkanSubmit(DplContext context, uint32_t target, uint32_t slot, const DplAvatar* avatars, uint32_t avatarCount,
+                                     const DplCamera* views, uint32_t viewCount, const DplVulkanSceneDepth* depths,
+                                     const DplVulkanSubmission* how) {
+    return guarded("dplVulkanSubmit", [&]() -> Status {
+        DPL_TRY(const DplVulkanSubmission given, readStruct<DplVulkanSubmission>(how, "how"));
+        DPL_TRY(const vk::AppSubmission submission, submissionOf(given));
+        DPL_TRY(const auto set, together(avatars, avatarCount));
+        const auto begin = [&](vk::VulkanBackend& backend) { return backend.beginSubmission({target}, slot, viewCount); };
+        const auto end = [&](vk::VulkanBackend& backend) { return backend.submitTo({target}, slot, {given.x, given.y}, submission); };
+        return prepare(context, slot, set, views, viewCount, depths, {begin, end});
     });
 }
 

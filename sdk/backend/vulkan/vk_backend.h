@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Implements backend.h with Vulkan. Buffers and targets are in vk_resources.cpp, pipelines in vk_pipelines.cpp, frames in vk_frames.cpp,
-// slots of an app in vk_slots.cpp, drawing in its pass in vk_compose.cpp.
+// slots of an app in vk_slots.cpp, drawing in its pass in vk_compose.cpp, submissions for it in vk_submit.cpp.
 #pragma once
 
 #include <algorithm>
@@ -93,12 +93,6 @@ struct Frame {
     uint64_t born = 0;                // frames that were encoded before it was created
 };
 
-/** An object that was destroyed while commands of the app may need it. */
-struct Retired {
-    uint64_t encoded = 0;  // number of the last frame that was encoded before
-    std::variant<Buffer, Target, Frame, VkPipeline> object;
-};
-
 /** Depths of a picture. As flags, they are what prepare has to draw. */
 enum class PictureDepth : uint8_t { None = 0, Splats = 1, Mesh = 2 };
 
@@ -111,6 +105,39 @@ struct AppPass {
     VkFormat colour = VK_FORMAT_UNDEFINED;
     VkFormat depth = VK_FORMAT_UNDEFINED, stencil = VK_FORMAT_UNDEFINED;  // attachments that the pass has; only for dynamic rendering
     PictureDepth written = PictureDepth::None;                            // by composeDepth()
+};
+
+struct ComposerTag;
+using ComposerId = GpuId<ComposerTag>;
+
+/** Images of an app that submitTo() draws into: one for each view, or a 2D array with the pass's view mask. */
+struct AppTargetDesc {
+    AppPass pass;  // without a render pass, which is made
+    VkImageView images[gpu::kMaxViews] = {};
+    uint32_t imageCount = 0;
+    VkExtent2D extent{};
+    VkImageLayout before = VK_IMAGE_LAYOUT_UNDEFINED, after = VK_IMAGE_LAYOUT_UNDEFINED;
+};
+struct AppTarget {
+    AppTargetDesc desc;
+    VkRenderPass pass = VK_NULL_HANDLE;
+    VkFramebuffer framebuffers[gpu::kMaxViews] = {};
+    ComposerId composer;
+};
+using AppTargetId = GpuId<struct AppTargetTag>;
+
+/** What a submission waits for and signals. Values: of timeline semaphores, as many as semaphores, or none. */
+struct AppSubmission {
+    std::span<const VkSemaphore> waits, signals;
+    std::span<const VkPipelineStageFlags> waitStages;  // as many as waits
+    std::span<const uint64_t> waitValues, signalValues;
+    VkFence fence = VK_NULL_HANDLE;
+};
+
+/** An object that was destroyed while commands of the app may need it. */
+struct Retired {
+    uint64_t encoded = 0;  // number of the last frame that was encoded before
+    std::variant<Buffer, Target, Frame, VkPipeline, AppTarget> object;
 };
 
 /** Where the picture layer of a view lies once its frame has run. */
@@ -131,9 +158,6 @@ struct SceneImage {
     VkOffset2D place{};  // of the view's top left pixel in the image
     float scale = 0, offset = 0;
 };
-
-struct ComposerTag;
-using ComposerId = GpuId<ComposerTag>;
 
 inline VkFormat vulkanFormat(ColourFormat colour) {
     switch (colour) {
@@ -198,6 +222,17 @@ public:
     /** The same for depth: stored depth = scale + offset / z, with offset not 0. A picture without a mesh writes nothing. */
     Status composeDepth(ComposerId composer, uint32_t slot, uint32_t view, VkOffset2D place, float scale, float offset,
                         AppCommands commands);
+
+    // vk_submit.cpp: draws with submissions of our own on the app's device.
+    /** Makes the pass, framebuffers and composer of a target. Unsupported: as createComposer(). */
+    Result<AppTargetId> createAppTarget(const AppTargetDesc& desc);
+    /** NotFound: no such target. Submissions that use it may still run. */
+    Status destroyAppTarget(AppTargetId target);
+    /** The command buffer of a slot that was taken, recording. viewCount: of the frame to encode. NotFound: no such target. */
+    Result<AppCommands> beginSubmission(AppTargetId target, uint32_t slot, uint32_t viewCount);
+    /** Composes the slot into the target, and submits. To be called after setLayers(). After an error nothing was submitted. Waits for
+     *  nothing but the app's lock of the queue. */
+    Status submitTo(AppTargetId target, uint32_t slot, VkOffset2D place, const AppSubmission& how);
 
 private:
     // ResourceView
@@ -269,6 +304,8 @@ private:
     };
     Status makeLayerSlots();
     uint32_t markOf(uint32_t slot) const;
+    void mark(uint32_t slot, VkCommandBuffer commands);
+    Result<bool> blendsLight(const AppPass& pass) const;
     Result<VkDescriptorSet> layerDescriptors(VkDescriptorSetLayout layout);
     void setLayer(LayerSlot& layers, uint32_t view, std::span<const LayerPlace> places);
     /** depth: how what is nearer compares, in a pipeline that writes depth; VK_COMPARE_OP_ALWAYS in one that writes colour. */
@@ -283,6 +320,11 @@ private:
     };
     Result<Composed> composedOf(ComposerId composer, uint32_t slot, uint32_t view) const;
     void drawPicture(const Composed& composed, VkPipeline pipeline, VkOffset2D place, const gpu::ComposePush& more, AppCommands commands);
+
+    // vk_submit.cpp
+    Status makeSubmissions();
+    Status makeAppTarget(AppTarget& target);
+    void freeAppTarget(AppTarget& target);
 
     std::unique_ptr<Device> device_;
     const Functions& vk_;  // of device_
@@ -302,13 +344,17 @@ private:
     std::vector<Retired> retired_;
     uint64_t encoded_ = 0;                           // frames so far
     std::array<uint64_t, kAppSlots> lastEncoded_{};  // number of the last frame in each slot; 0: none
-    Buffer marks_;                                   // a word for each slot: the GPU writes awaited_ there when the frame has run
-    std::array<uint32_t, kAppSlots> awaited_{};      // number of the slot's frame that takeSlot() has not seen to end; 0: none
+    Buffer marks_;                                   // a word for each slot: the GPU writes awaited_ there when it has come so far
+    uint32_t lastMark_ = 0;                          // a number for each mark
+    std::array<uint32_t, kAppSlots> awaited_{};      // the slot's last mark, which takeSlot() has not seen; 0: none
     std::map<uint32_t, Composer> composers_;
     Pipeline composeLayout_;   // layouts and shaders of all composers, without a pipeline
     PipelineId readScene_[2];  // of one sample, of four
     VkDescriptorPool layerDescriptors_ = VK_NULL_HANDLE;
     std::array<LayerSlot, kAppSlots> layerSlots_;
+    std::map<uint32_t, AppTarget> appTargets_;
+    VkCommandPool submissionPool_ = VK_NULL_HANDLE;
+    std::array<VkCommandBuffer, kAppSlots> submissionCommands_{};
 };
 
 /** A backend on a device that an app lends. Errors as borrowDevice and createVulkanBackend. */

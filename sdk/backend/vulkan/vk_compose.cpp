@@ -167,7 +167,8 @@ Result<VkPipeline> VulkanBackend::composePipeline(const AppPass& pass, const Sha
     return pipeline;
 }
 
-Result<ComposerId> VulkanBackend::createComposer(const AppPass& pass) {
+/** Whether the pass blends light, rather than display-referred values. Unsupported: Doppel cannot draw in it. */
+Result<bool> VulkanBackend::blendsLight(const AppPass& pass) const {
     if (!device_->lent) return fail(Code::Unsupported, "only a context on the app's own Vulkan device composes into its passes");
     const auto* known =
         std::find_if(std::begin(kTargetFormats), std::end(kTargetFormats), [&](auto& f) { return f.format == pass.colour; });
@@ -187,8 +188,12 @@ Result<ComposerId> VulkanBackend::createComposer(const AppPass& pass) {
         return fail(Code::Unsupported, "the view mask {} has views above {}", pass.viewMask, gpu::kMaxViews - 1);
     if (pass.written != PictureDepth::None && !pass.renderPass && !hasDepth(pass.depth))
         return fail(Code::Unsupported, "the pass writes depth, but its depthFormat is VkFormat {}, which holds none", int(pass.depth));
+    return known->linear;
+}
+
+Result<ComposerId> VulkanBackend::createComposer(const AppPass& pass) {
     Composer composer;
-    composer.linear = known->linear;
+    DPL_TRY(composer.linear, blendsLight(pass));
     composer.viewMask = pass.viewMask;
     composer.written = pass.written;
     if (const Status made = makePipelines(composer, pass); !made) {

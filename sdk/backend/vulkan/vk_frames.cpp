@@ -328,14 +328,19 @@ Status VulkanBackend::encode(FrameId id, uint32_t slot, AppCommands commands) {
     recorder.barrier(kReaders, kReaders);
     DPL_CHECK_OK(play(frame, buffer));
     recorder.barrier(kGpuStages, kReaders);
-    if (marks_.buffer) {
-        awaited_[slot] = uint32_t(encoded_);
-        vk_.vkCmdFillBuffer(buffer, marks_.buffer, slot * sizeof(uint32_t), sizeof(uint32_t), awaited_[slot]);
-        recorder.hostBarrier();
-    }
+    if (marks_.buffer) mark(slot, buffer);
     frame.running = true;
     frame.slot = slot;
     return {};
+}
+
+/** Lets takeSlot() see that the commands before have run. */
+void VulkanBackend::mark(uint32_t slot, VkCommandBuffer commands) {
+    Recorder recorder{*this, commands};
+    awaited_[slot] = ++lastMark_;
+    recorder.barrier();  // behind an earlier mark of the slot
+    vk_.vkCmdFillBuffer(commands, marks_.buffer, slot * sizeof(uint32_t), sizeof(uint32_t), awaited_[slot]);
+    recorder.hostBarrier();
 }
 
 /** Device: the device was lost. Asks it by a fence that no frame uses. */
@@ -482,13 +487,17 @@ Status VulkanBackend::start() {
     allocation.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
     allocation.commandBufferCount = 1;
     DPL_VK(vk_.vkAllocateCommandBuffers(device_->device, &allocation, &uploadCommands_));
-    return device_->lent ? makeLayerSlots() : Status();
+    if (!device_->lent) return {};
+    DPL_CHECK_OK(makeSubmissions());
+    return makeLayerSlots();
 }
 
 VulkanBackend::~VulkanBackend() {
     for (auto& [id, frame] : frames_) (void)waitFor(frame);  // an app that lends its device waits for its own commands
     for (Retired& retired : retired_) free(retired);
     for (auto& [id, composer] : composers_) freeComposer(composer);
+    for (auto& [id, target] : appTargets_) freeAppTarget(target);
+    vk_.vkDestroyCommandPool(device_->device, submissionPool_, device_->allocator);
     freePipeline(composeLayout_);
     freeBuffer(marks_);
     vk_.vkDestroyDescriptorPool(device_->device, layerDescriptors_, device_->allocator);

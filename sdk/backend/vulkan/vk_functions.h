@@ -95,6 +95,7 @@
     DO(vkGetQueryPoolResults)         \
     DO(vkMapMemory)                   \
     DO(vkQueueSubmit)                 \
+    DO(vkResetCommandBuffer)          \
     DO(vkResetFences)                 \
     DO(vkUpdateDescriptorSets)        \
     DO(vkWaitForFences)

@@ -51,6 +51,7 @@ template void VulkanBackend::retire(Buffer&&, uint64_t);
 template void VulkanBackend::retire(Target&&, uint64_t);
 template void VulkanBackend::retire(Frame&&, uint64_t);
 template void VulkanBackend::retire(VkPipeline&&, uint64_t);
+template void VulkanBackend::retire(AppTarget&&, uint64_t);
 
 /** Frees what no commands of the app can need any more. */
 void VulkanBackend::freeRetired() {
@@ -67,6 +68,7 @@ void VulkanBackend::free(Retired& retired) {
     if (auto* buffer = std::get_if<Buffer>(&retired.object)) freeBuffer(*buffer);
     if (auto* target = std::get_if<Target>(&retired.object)) freeTarget(*target);
     if (auto* frame = std::get_if<Frame>(&retired.object)) freeFrame(*frame);
+    if (auto* target = std::get_if<AppTarget>(&retired.object)) freeAppTarget(*target);
     if (auto* pipeline = std::get_if<VkPipeline>(&retired.object)) vk_.vkDestroyPipeline(device_->device, *pipeline, device_->allocator);
 }
 

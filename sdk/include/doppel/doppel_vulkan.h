@@ -20,7 +20,8 @@
  *
  * Slots. A slot names what one frame in flight uses. With dplVulkanPrepare the program promises that all commands it recorded with the
  * slot before have run. Use the slots in turn. Objects destroyed in between, such as avatars, live on until then. Prepare notices a slot
- * that comes too early: the GPU writes a number behind the commands of prepare. It cannot notice that those of compose still run.
+ * that comes too early: the GPU writes a number behind the commands of prepare. It cannot notice that those of compose still run;
+ * dplVulkanSubmit can.
  *
  * Queues. All commands with slots of one context go to one queue family, and to queues in the order in which they were prepared.
  *
@@ -173,6 +174,60 @@ DPL_EXPERIMENTAL DplResult dplVulkanCompose(DplContext context, uint32_t compose
  *  say nothing (offset 0, not finite). */
 DPL_EXPERIMENTAL DplResult dplVulkanComposeDepth(DplContext context, uint32_t composer, VkCommandBuffer commands, uint32_t slot,
                                                  uint32_t view, int32_t x, int32_t y, float scale, float offset);
+
+/* Prepare, compose and submission in one call, for programs that give Doppel a place in their queue rather than in their command buffers.
+ * It has its own command buffers, one for each slot, and its own pass, which loads what the image holds. Both forms may be used by one
+ * context, with different slots. */
+
+/** Images of the program's to draw over: one for each view, or one array for all. All handles outlive the target. */
+typedef struct DplVulkanTarget {
+    uint32_t structSize;
+    uint32_t imageCount;               /**< 1 or 2: the number of views; 1 with a view mask */
+    VkImageView images[DPL_MAX_VIEWS]; /**< usage COLOR_ATTACHMENT. 2D; with a view mask a 2D array, layer = view */
+    VkFormat format;                   /**< and what it means for light: as DplVulkanPass::colourFormat */
+    uint32_t samples;                  /**< 1 or 4. 0: 1 */
+    uint32_t viewMask;                 /**< 0: an image for each view. Else the feature multiview, as in DplVulkanPass */
+    uint32_t widthPx, heightPx;        /**< of the images */
+    VkImageLayout layoutBefore;        /**< in which each submission finds the images */
+    VkImageLayout layoutAfter;         /**< in which it leaves them */
+} DplVulkanTarget;
+
+/** Makes the pass, framebuffers and pipelines of a target. *target: a number for dplVulkanSubmit. It lives until dplDestroyVulkanTarget or
+ *  as long as the context; dplRebuildVulkan ends it. DPL_ERROR_UNSUPPORTED: as dplCreateVulkanComposer. DPL_ERROR_INVALID_ARGUMENT: no
+ * image, no size, or a layout that keeps no pixels. */
+DPL_EXPERIMENTAL DplResult dplCreateVulkanTarget(DplContext context, const DplVulkanTarget* desc, uint32_t* target);
+
+/** Submissions that use it may still run; see "Slots". The images may be destroyed once these have run. DPL_ERROR_NOT_FOUND: no such
+ *  target. */
+DPL_EXPERIMENTAL DplResult dplDestroyVulkanTarget(DplContext context, uint32_t target);
+
+/** What a submission waits for and signals. Read during the call. */
+typedef struct DplVulkanSubmission {
+    uint32_t structSize;
+    int32_t x, y; /**< of the picture's top left corner in the images, pixels; may be negative */
+    uint32_t waitCount;
+    const VkSemaphore* waits;               /**< waitCount of them, binary or timeline */
+    const VkPipelineStageFlags* waitStages; /**< waitCount of them: stages that wait. What composes needs COLOR_ATTACHMENT_OUTPUT, the
+                                               scene's depth needs COMPUTE_SHADER */
+    const uint64_t* waitValues;             /**< waitCount of them, not read for binary semaphores. NULL: all are binary */
+    uint32_t signalCount;
+    const VkSemaphore* signals;   /**< signalCount of them, signalled when the images are done */
+    const uint64_t* signalValues; /**< signalCount of them, not read for binary semaphores. NULL: all are binary */
+    VkFence fence;                /**< signalled when the images are done. VK_NULL_HANDLE: none */
+} DplVulkanSubmission;
+
+/** Draws the avatars over the images of a target, with one submission to DplVulkanDevice::queue, between lockQueue and unlockQueue. Other
+ *  arguments, and what the first call of a size makes, as dplVulkanPrepare; a target of two images needs two views.
+ *  In the order of the queue, nothing else needs a barrier for the images: the pass waits for all commands before, and all commands behind
+ *  wait for it. Later calls neither allocate nor wait for the GPU.
+ *  slot: as in "Slots". A slot whose last submission the GPU has not finished is DPL_ERROR_INVALID_ARGUMENT: wait for its fence or its
+ *  semaphore, and call again.
+ *  After any error nothing was submitted: no semaphore is waited for or signalled, the fence is unsignalled, and the slot may be
+ *  used again, unless it is in flight.
+ *  DPL_ERROR_NOT_FOUND: no such target. Other errors as dplVulkanPrepare, and what vkQueueSubmit returns. */
+DPL_EXPERIMENTAL DplResult dplVulkanSubmit(DplContext context, uint32_t target, uint32_t slot, const DplAvatar* avatars,
+                                           uint32_t avatarCount, const DplCamera* views, uint32_t viewCount,
+                                           const DplVulkanSceneDepth* depths, const DplVulkanSubmission* how);
 
 #ifdef __cplusplus
 }

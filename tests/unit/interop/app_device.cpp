@@ -70,7 +70,7 @@ bool AppDevice::openInstance(const Options& options, std::string& why) {
     features.pEnabledValidationFeatures = &synchronisation;
     const char* extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
     VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
-    application.apiVersion = options.dynamicRendering ? VK_API_VERSION_1_3 : VK_API_VERSION_1_1;
+    application.apiVersion = options.dynamicRendering ? VK_API_VERSION_1_3 : options.timeline ? VK_API_VERSION_1_2 : VK_API_VERSION_1_1;
     VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
     info.pApplicationInfo = &application;
     if (validated) {
@@ -106,9 +106,12 @@ bool AppDevice::openDevice(const Options& options, std::string& why) {
     dynamic_.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DYNAMIC_RENDERING_FEATURES;
     VkPhysicalDeviceFeatures2 has{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
     has.pNext = &multiview_;
+    timeline_.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TIMELINE_SEMAPHORE_FEATURES;
     if (options.dynamicRendering) multiview_.pNext = &dynamic_;
+    if (options.timeline) multiview_.pNext = &timeline_;
     vkGetPhysicalDeviceFeatures2(physical, &has);
-    if ((options.multiview && !multiview_.multiview) || (options.dynamicRendering && !dynamic_.dynamicRendering)) {
+    if ((options.multiview && !multiview_.multiview) || (options.dynamicRendering && !dynamic_.dynamicRendering) ||
+        (options.timeline && !timeline_.timelineSemaphore)) {
         why = "the device lacks a feature that the test needs";
         return false;
     }
@@ -388,12 +391,15 @@ VkCommandBuffer AppDevice::begin(uint32_t slot) {
     return commands_[slot];
 }
 
-void AppDevice::submit(uint32_t slot) {
+void AppDevice::submit(uint32_t slot, VkSemaphore wait, VkSemaphore signal) {
     MUST(vkEndCommandBuffer(commands_[slot]));
     MUST(vkResetFences(device, 1, &fences_[slot]));
     VkSubmitInfo info{VK_STRUCTURE_TYPE_SUBMIT_INFO};
     info.commandBufferCount = 1;
     info.pCommandBuffers = &commands_[slot];
+    const VkPipelineStageFlags all = VK_PIPELINE_STAGE_ALL_COMMANDS_BIT;
+    info.waitSemaphoreCount = wait ? 1 : 0, info.pWaitSemaphores = &wait, info.pWaitDstStageMask = &all;
+    info.signalSemaphoreCount = signal ? 1 : 0, info.pSignalSemaphores = &signal;
     MUST(vkQueueSubmit(queue, 1, &info, fences_[slot]));
 }
 

@@ -35,6 +35,7 @@ public:
         bool multiview = true;
         bool dynamicRendering = false;
         bool validation = true;
+        bool timeline = false;  // semaphores
     };
     /** Null with the reason when there is no Vulkan device. */
     static std::unique_ptr<AppDevice> open(const Options& options, std::string& why);
@@ -71,7 +72,7 @@ public:
 
     /** Command buffers that are recorded again and again, each with a fence. */
     VkCommandBuffer begin(uint32_t slot);  // waits for the slot's last submission
-    void submit(uint32_t slot);
+    void submit(uint32_t slot, VkSemaphore wait = VK_NULL_HANDLE, VkSemaphore signal = VK_NULL_HANDLE);
     void waitAll();
 
     void barrier(VkCommandBuffer commands, const AppImage& image, VkImageLayout from, VkImageLayout to);
@@ -90,6 +91,7 @@ private:
     VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
     VkPhysicalDeviceMultiviewFeatures multiview_{};
     VkPhysicalDeviceDynamicRenderingFeatures dynamic_{};
+    VkPhysicalDeviceTimelineSemaphoreFeatures timeline_{};
     VkCommandPool pool_ = VK_NULL_HANDLE;
     VkCommandBuffer commands_[kSlots]{};
     VkFence fences_[kSlots]{};

@@ -78,6 +78,7 @@ protected:
         device.queueFamily = app_->family;
         device.instance = app_->instance, device.physicalDevice = app_->physical, device.device = app_->device, device.queue = app_->queue;
         device.enabledFeatures = &app_->enabled;
+        device.lockQueue = lockQueue_, device.unlockQueue = unlockQueue_, device.user = user_;
         return device;
     }
     void TearDown() override {
@@ -225,6 +226,9 @@ protected:
         return under;
     }
 
+    void (*lockQueue_)(void*) = nullptr;
+    void (*unlockQueue_)(void*) = nullptr;
+    void* user_ = nullptr;
     std::unique_ptr<AppDevice> app_;
     DplContext context_ = nullptr;
     DplAvatar avatar_ = nullptr;

@@ -186,6 +186,24 @@ protected:
         EXPECT_EQ(frame(0, view), DPL_OK) << lastError_;
         return program_.app->download(program_.image, 0);
     }
+    DplResult makeTarget() {
+        const AppImage& image = program_.image;
+        const VkImageLayout layout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
+        const DplVulkanTarget desc{sizeof desc, 1, {image.layerViews[0]}, kFormat, 1, 0, kSide, kSide, layout, layout};
+        return dplCreateVulkanTarget(context_, &desc, &target_);
+    }
+    /** Draws a frame by Doppel's own submission, and waits until it has run. */
+    DplResult submit(uint32_t slot, const DplCamera& view) {
+        const DplVulkanSubmission how{sizeof how};
+        const DplResult result = dplVulkanSubmit(context_, target_, slot, &avatar_, 1, &view, 1, nullptr, &how);
+        vkDeviceWaitIdle(program_.app->device);
+        return result;
+    }
+    std::vector<uint8_t> submitted(const DplCamera& view) {
+        program_.app->upload(program_.image, 0, std::vector<uint8_t>(size_t(kSide) * kSide * 4));
+        EXPECT_EQ(submit(0, view), DPL_OK) << dplGetLastError();
+        return program_.app->download(program_.image, 0);
+    }
     DplResult render(const DplCamera& view, std::vector<uint8_t>& pixels) {
         pixels.assign(size_t(view.widthPx) * view.heightPx * 4, 0xAA);
         const DplImage image{sizeof(DplImage), 0, pixels.data(), pixels.size(), 0, nullptr, 0};
@@ -235,7 +253,7 @@ protected:
     std::unique_ptr<FailingAllocator> allocator_;  // null: the driver's own
     DplContext context_ = nullptr;
     DplAvatar avatar_ = nullptr;
-    uint32_t composer_ = 0;
+    uint32_t composer_ = 0, target_ = 0;
     std::string lastError_;
 };
 
@@ -260,6 +278,10 @@ TEST_F(VulkanFailures, creatingRunsOutOfMemory) {
                                   [&](uint64_t) { EXPECT_EQ(dplDestroyVulkanComposer(context_, composer_), DPL_OK); });
     print("composers", composers);
     EXPECT_EQ(composers.failed, 3u);
+    const Sweep targets = sweep([&](uint64_t) { return leaks(makeTarget()); },
+                                [&](uint64_t) { EXPECT_EQ(dplDestroyVulkanTarget(context_, target_), DPL_OK); });
+    print("targets", targets);
+    EXPECT_EQ(targets.failed, 5u) << "a pass, a framebuffer and a composer";
     const Sweep avatars = sweep([&](uint64_t) { return leaks(load()); },
                                 [&](uint64_t) { EXPECT_EQ(dplDestroyAvatar(std::exchange(avatar_, nullptr)), DPL_OK); });
     print("avatars", avatars);
@@ -297,11 +319,44 @@ TEST_P(VulkanFailuresOfFill, framesOfNewSizesRunOutOfMemory) {
     EXPECT_EQ(again, rendered);
 }
 
+TEST_F(VulkanFailures, submissionsRunOutOfMemoryAndLeaveAUsableState) {
+    open();
+    ASSERT_EQ(makeTarget(), DPL_OK) << dplGetLastError();
+    const DplCamera view = frontCamera(kSide, kSide);
+    const std::vector<uint8_t> expected = framed(view);
+    EXPECT_EQ(submitted(view), expected);
+    const Sweep submissions =
+        sweep([&](uint64_t n) { return submit(uint32_t(n % DPL_VULKAN_SLOTS), camera(uint32_t(n))); }, [](uint64_t) {});
+    print("submissions of new sizes", submissions);
+    EXPECT_GT(submissions.failed, 100u);
+    for (const char* function : {"vkResetCommandBuffer", "vkBeginCommandBuffer", "vkEndCommandBuffer", "vkQueueSubmit"}) {
+        program_.app->upload(program_.image, 0, std::vector<uint8_t>(expected.size()));
+        vulkan_.failAt(1, VK_ERROR_OUT_OF_HOST_MEMORY, function);
+        EXPECT_EQ(submit(0, view), DPL_ERROR_OUT_OF_MEMORY) << function;
+        EXPECT_EQ(vulkan_.failed(), function);
+        vulkan_.mend();
+        EXPECT_EQ(program_.app->download(program_.image, 0), std::vector<uint8_t>(expected.size())) << "nothing was submitted";
+        EXPECT_EQ(submitted(view), expected) << "with the same slot, after " << function;
+    }
+    vulkan_.failAt(1, VK_ERROR_DEVICE_LOST, "vkQueueSubmit");
+    EXPECT_EQ(submit(0, view), DPL_ERROR_DEVICE);
+    EXPECT_EQ(makeTarget(), DPL_ERROR_DEVICE);
+    vulkan_.mend();
+    ASSERT_EQ(rebuild(), DPL_OK) << dplGetLastError();
+    EXPECT_EQ(submit(0, view), DPL_ERROR_NOT_FOUND) << "targets are made anew";
+    ASSERT_EQ(makeTarget(), DPL_OK) << dplGetLastError();
+    EXPECT_EQ(submitted(view), expected);
+}
+
 TEST_F(VulkanFailures, everyFunctionFailsOnceInAFreshContext) {
     const DplCamera view = frontCamera(kSide, kSide);
     std::vector<uint8_t> pixels;
     const auto drawAll = [&] {
         DplResult result = frame(0, view);
+        if (result == DPL_OK && (result = makeTarget()) == DPL_OK) {
+            result = submit(1, view);
+            EXPECT_EQ(dplDestroyVulkanTarget(context_, target_), DPL_OK);
+        }
         for (int i = 0; i < 5 && result == DPL_OK; ++i) result = dplDraw(context_, avatar_, &view, 1, 0);
         return result == DPL_OK ? render(view, pixels) : result;
     };
