@@ -21,12 +21,15 @@
 
 namespace dpl::api {
 
+class Loader;
 struct VulkanSide;
 
 /** The object behind a DplContext. Avatars share ownership, so that context and avatars may be destroyed in any order. */
 struct Context {
     std::mutex mutex;         // guards the renderer, the cameras and the avatars; a load prepares without it and holds it only to add
     std::shared_mutex loads;  // shared by loads, so that the renderer stays; alone to replace it. Locked before mutex
+    bool closing = false;     // dplDestroyContext was called: no load starts any more
+    std::unique_ptr<Loader> loader;      // of loads in the background; null before the first one
     std::shared_ptr<Renderer> renderer;  // null once the context is destroyed; a load that is preparing keeps it alive
     bool lent = false;                   // its device is the program's, which destroys it
     ContextRequest request;              // that it was created with
@@ -35,6 +38,8 @@ struct Context {
     double frameBudgetMs = 0;            // of dplSetFrameBudget; 0: none
     std::vector<Cameraf> cameras;        // scratch of a draw, kept to save allocations
     std::shared_ptr<VulkanSide> vulkan;  // of a context on an app's device (vulkan.cpp); else null
+    Context();
+    ~Context();
 };
 
 /** The object behind a DplAvatar. context->mutex guards all that changes after loading. */
@@ -64,7 +69,7 @@ public:
     uintptr_t add(std::shared_ptr<T> object) {
         std::lock_guard lock(mutex_);
         const uintptr_t handle = next_;
-        next_ += 2;
+        next_ += 4;  // tables differ in the lowest bits, so that no handle is taken for one of another kind
         objects_.emplace(handle, std::move(object));
         return handle;
     }
@@ -88,8 +93,8 @@ private:
     uintptr_t next_;
 };
 
-HandleTable<Context>& contexts();  // odd numbers
-HandleTable<Avatar>& avatars();    // even numbers, so that a context is never taken for an avatar
+HandleTable<Context>& contexts();
+HandleTable<Avatar>& avatars();
 
 Result<std::shared_ptr<Context>> contextOf(DplContext handle);
 Result<std::shared_ptr<Avatar>> avatarOf(DplAvatar handle);

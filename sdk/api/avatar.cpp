@@ -1,19 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Avatars: loading, queries and poses.
-#include <algorithm>
-
+// Avatars: queries and poses.
 #include "sdk/api/api_state.h"
-#include "sdk/avatar/clip.h"
-#include "sdk/avatar/humanoid.h"
-#include "sdk/core/log.h"
-#include "sdk/format/avatar_file.h"
-#include "sdk/format/splat_file.h"
 
 namespace dpl::api {
 
 Avatar::~Avatar() {
+    if (renderId == 0) return;  // of a load that failed early; perhaps it has no context yet
     std::lock_guard lock(context->mutex);
-    if (context->renderer && renderId != 0) context->renderer->removeAvatar(renderId);
+    if (context->renderer) context->renderer->removeAvatar(renderId);
 }
 
 Result<std::shared_ptr<Avatar>> avatarOf(DplAvatar handle) {
@@ -30,65 +24,6 @@ Status checkPosable(const Avatar& avatar) {
 
 namespace {
 
-/** Makes the checks that posing and queries need and that the file reader does not make. */
-Status checkLoaded(const AvatarData& data) {
-    DPL_CHECK_OK(checkRig(data.joints));
-    for (const ClipData& clip : data.clips) DPL_CHECK_OK(checkClip(clip, data.joints));
-    return {};
-}
-
-/** A decoded file: the object behind the handle, and the subject prepared for the renderer. */
-struct Loaded {
-    std::shared_ptr<Avatar> avatar;
-    std::unique_ptr<PreparedSubject> subject;
-};
-
-Result<Loaded> loadAvatarFile(const std::shared_ptr<Context>& owner, const Renderer& renderer, std::span<const uint8_t> bytes) {
-    if (bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) != 0)
-        return fail(Code::Unsupported,
-                    "neither an avatar (.glb) nor general splats (PLY, compressed PLY, SPZ, .glb with KHR_gaussian_splatting)");
-    DPL_TRY(CodedAvatar coded, readCodedAvatar(bytes));
-    AvatarData& decoded = coded.avatar;
-    decoded.mesh.colours = {};  // only other glTF viewers use them
-    DPL_CHECK_OK(checkLoaded(decoded));
-    if (std::all_of(decoded.joints.begin(), decoded.joints.end(), [](const JointData& j) { return j.humanoidBone.empty(); }))
-        assignHumanoidBones(decoded.joints);
-    auto made = std::make_shared<Avatar>();
-    made->context = owner;
-    made->data = std::make_shared<const AvatarData>(std::move(decoded));
-    made->splatCount = coded.splats.count(), made->shDegree = coded.splats.shDegree;
-    made->pose = Pose::rest(made->data->joints.size());
-    for (const ClipData& clip : made->data->clips) made->clips.push_back(&clip);
-    const std::vector<Vec3f>& vertices = made->data->mesh.restPositions;
-    if (!vertices.empty()) made->restMin = made->restMax = vertices.front();
-    for (const Vec3f& v : vertices) made->restMin = glm::min(made->restMin, v), made->restMax = glm::max(made->restMax, v);
-    DPL_TRY(auto subject, renderer.prepareAvatar(made->data, std::move(coded.splats)));
-    return Loaded{std::move(made), std::move(subject)};
-}
-
-/** Makes an avatar without joints. */
-Result<Loaded> loadGeneralSplats(const std::shared_ptr<Context>& owner, const Renderer& renderer, std::span<const uint8_t> bytes) {
-    DPL_TRY(const SplatFile file, readSplats(bytes));
-    auto made = std::make_shared<Avatar>();
-    made->context = owner;
-    AvatarData named;
-    named.name = nameOf(file.format);
-    made->data = std::make_shared<const AvatarData>(std::move(named));
-    made->splatCount = file.splats.count(), made->shDegree = file.splats.shDegree;
-    const SplatBox box = boxOf(file.splats);
-    made->restMin = box.low, made->restMax = box.high;
-    DPL_TRY(auto subject, renderer.prepareSplats(file.splats));
-    return Loaded{std::move(made), std::move(subject)};
-}
-
-/** Decodes and prepares. Takes long: the context's mutex must not be held, so that other threads can draw meanwhile. */
-Result<Loaded> prepareFile(const std::shared_ptr<Context>& owner, const Renderer& renderer, std::span<const uint8_t> bytes) {
-    const bool general = splatFormatOf(bytes) != SplatFormat::None;
-    DPL_TRY(Loaded loaded, general ? loadGeneralSplats(owner, renderer, bytes) : loadAvatarFile(owner, renderer, bytes));
-    log(LogLevel::Debug, "prepared '{}': {} splats", loaded.avatar->data->name, loaded.avatar->splatCount);
-    return loaded;
-}
-
 Status wrongJointCount(const Avatar& avatar, uint32_t jointCount) {
     return fail(Code::InvalidArgument, "jointCount is {}, the avatar has {} joints", jointCount, avatar.data->joints.size());
 }
@@ -100,29 +35,6 @@ using namespace dpl;
 using namespace dpl::api;
 
 extern "C" {
-
-DplResult dplLoadAvatar(DplContext context, const uint8_t* data, size_t size, DplAvatar* avatar) {
-    return guarded("dplLoadAvatar", [&]() -> Status {
-        if (data == nullptr || avatar == nullptr) return fail(Code::InvalidArgument, "{} is NULL", data == nullptr ? "data" : "avatar");
-        if (size == 0) return fail(Code::InvalidArgument, "the avatar has 0 bytes");
-        DPL_TRY(auto owner, contextOf(context));
-        const std::shared_lock keepsRenderer(owner->loads);
-        std::shared_ptr<const Renderer> renderer;
-        {
-            std::lock_guard lock(owner->mutex);
-            DPL_CHECK_OK(checkUsable(*owner));
-            renderer = owner->renderer;
-        }
-        DPL_TRY(Loaded loaded, prepareFile(owner, *renderer, {data, size}));
-        {
-            std::lock_guard lock(owner->mutex);
-            if (!owner->renderer) return fail(Code::InvalidArgument, "the context was destroyed while the avatar was read");
-            DPL_TRY(loaded.avatar->renderId, owner->renderer->add(std::move(loaded.subject)));
-        }
-        *avatar = reinterpret_cast<DplAvatar>(avatars().add(std::move(loaded.avatar)));
-        return {};
-    });
-}
 
 DplResult dplDestroyAvatar(DplAvatar avatar) {
     return guarded("dplDestroyAvatar", [&]() -> Status {

@@ -5,6 +5,7 @@
 
 #include "sdk/api/api_state.h"
 #include "sdk/api/create_renderer.h"
+#include "sdk/api/load.h"
 #include "sdk/core/log.h"
 
 namespace dpl::api {
@@ -18,6 +19,9 @@ HandleTable<Avatar>& avatars() {
     static auto* table = new HandleTable<Avatar>(0x1002);
     return *table;
 }
+
+Context::Context() = default;
+Context::~Context() = default;  // here, where a Loader is a complete type
 
 Result<std::shared_ptr<Context>> contextOf(DplContext handle) {
     auto context = contexts().find(reinterpret_cast<uintptr_t>(handle));
@@ -147,6 +151,13 @@ DplResult dplDestroyContext(DplContext context) {
         if (context == nullptr) return {};
         const auto taken = contexts().take(reinterpret_cast<uintptr_t>(context));
         if (!taken) return fail(Code::InvalidArgument, "the handle is not a live context; was it destroyed before?");
+        std::unique_ptr<Loader> loader;
+        {
+            const std::lock_guard lock(taken->mutex);
+            taken->closing = true;
+            loader = std::move(taken->loader);
+        }
+        loader.reset();  // cancels its loads and waits for its thread
         std::unique_lock loads(taken->loads, std::defer_lock);
         if (taken->lent) loads.lock();       // a load must not be the last to hold the renderer: the program destroys the device next
         std::lock_guard lock(taken->mutex);  // waits for a draw on another thread

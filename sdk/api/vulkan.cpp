@@ -189,6 +189,7 @@ Status prepare(DplContext context, uint32_t slot, std::span<const DplAvatar> ava
     DPL_CHECK_OK(checkUsable(*scene.context));  // the slot's times may have told that the device was lost
     const Status recorded = [&]() -> Status {
         DPL_TRY(commands, recording.begin(side->backend));
+        DPL_CHECK_OK(side->backend.encodeCopies(slot, commands, /*endsSlot=*/false));
         DPL_CHECK_OK(encode(scene, *side, wants, {slot, commands, encodeScene}));
         return recording.end(side->backend);
     }();
@@ -349,6 +350,18 @@ extern "C" DplResult dplVulkanSubmit(DplContext context, uint32_t target, uint32
         const auto begin = [&](vk::VulkanBackend& backend) { return backend.beginSubmission({target}, slot, viewCount); };
         const auto end = [&](vk::VulkanBackend& backend) { return backend.submitTo({target}, slot, {given.x, given.y}, submission); };
         return prepare(context, slot, set, views, viewCount, depths, {begin, end});
+    });
+}
+
+extern "C" DplResult dplVulkanUpload(DplContext context, VkCommandBuffer commands, uint32_t slot) {
+    return guarded("dplVulkanUpload", [&]() -> Status {
+        if (!commands) return fail(Code::InvalidArgument, "commands is NULL");
+        DPL_TRY(const auto found, contextOf(context));
+        std::lock_guard lock(found->mutex);
+        DPL_TRY(VulkanSide * side, sideOf(*found));
+        DPL_CHECK_OK(side->backend.takeSlot(slot));
+        DPL_CHECK_OK(checkUsable(*found));
+        return side->backend.encodeCopies(slot, {commands}, /*endsSlot=*/true);
     });
 }
 

@@ -56,7 +56,7 @@ struct DeviceInfo {
 };
 
 enum class BufferMemory : uint8_t {
-    Device,    // filled by write() at load, then by the GPU
+    Device,    // filled by write() or queueCopy() at load, then by the GPU
     Upload,    // mapped; the CPU writes it before submit()
     Readback,  // mapped; the CPU reads it once the frame has finished
 };
@@ -158,6 +158,9 @@ struct AppCommands {
 /** Encoded frames that the app may have in flight. It numbers them by slots, 0 to kAppSlots - 1. */
 constexpr uint32_t kAppSlots = 3;
 
+/** Most bytes of queued copies that one frame of an app carries. */
+constexpr uint64_t kCopiedBytesAFrame = 1u << 20;
+
 class Backend {
 public:
     virtual ~Backend() = default;
@@ -169,6 +172,13 @@ public:
     virtual void destroyBuffer(BufferId buffer) = 0;
     /** Copies into a Device buffer at load time. Blocks until the copy is done. offset: bytes. */
     virtual Status write(BufferId buffer, uint64_t offset, std::span<const std::byte> bytes) = 0;
+    /** Copies from an Upload buffer into a Device buffer in the background of frames, without waiting. The bytes of `from` stay as they are
+     *  until the copy has run, and `to` is used by no frame before. On a device of an app, the copy becomes part of the app's commands
+     *  (Vulkan: encodeCopies); otherwise the backend submits it, one at a time. Destroying either buffer drops the copy.
+     *  Returns a number for hasRun(). */
+    virtual Result<uint64_t> queueCopy(BufferId from, uint64_t fromOffset, BufferId to, uint64_t toOffset, uint64_t bytes) = 0;
+    /** Whether a queued copy has run. Never waits. Code::Device: the device was lost. */
+    virtual Result<bool> hasRun(uint64_t copy) = 0;
     /** The memory of an Upload or Readback buffer; empty for others. Valid until the buffer is destroyed. */
     virtual std::span<std::byte> mapped(BufferId buffer) = 0;
 

@@ -145,4 +145,18 @@ Status checkFrame(std::span<const Step> steps, const ResourceView& resources, co
     return {};
 }
 
+std::vector<BufferId> writtenBy(std::span<const Step> steps) {
+    std::vector<BufferId> list;
+    const auto add = [&](const std::vector<Binding>& bindings) {
+        for (const Binding& b : bindings)
+            if (b.access == Access::Write || b.access == Access::Update) list.push_back(b.buffer);
+    };
+    for (const Step& step : steps) {
+        if (const auto* fill = std::get_if<FillStep>(&step)) list.push_back(fill->buffer);
+        if (const auto* compute = std::get_if<ComputeStep>(&step)) add(compute->bindings);
+        if (const auto* draw = std::get_if<DrawStep>(&step)) add(draw->bindings);
+    }
+    return list;
+}
+
 }  // namespace dpl

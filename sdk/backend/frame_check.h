@@ -19,7 +19,7 @@ public:
     virtual const Shader* shader(PipelineId id) const = 0;
     /** Draw pipelines: the fragment shader, else nullptr. */
     virtual const Shader* fragment(PipelineId id) const = 0;
-    /** True when write() has filled the Device buffer. */
+    /** True when write() or a queued copy has filled the Device buffer, or a frame that was created earlier writes it. */
     virtual bool written(BufferId id) const = 0;
     /** True when a frame that was created earlier draws the target. */
     virtual bool drawn(TargetId id) const = 0;
@@ -29,5 +29,8 @@ public:
  *  workgroups, a binding above the device limit, one buffer bound twice in a step, read-back buffers that are too small, and reads of a
  *  Device buffer or target that nothing has written before. Errors name the step. */
 Status checkFrame(std::span<const Step> steps, const ResourceView& resources, const DeviceInfo& device);
+
+/** The Device buffers that the steps write. */
+std::vector<BufferId> writtenBy(std::span<const Step> steps);
 
 }  // namespace dpl

@@ -24,6 +24,15 @@ Result<RenderAvatarId> Renderer::addSplats(const StaticSplatData& splats) {
     return add(std::move(prepared));
 }
 
+Result<RenderAvatarId> Renderer::add(std::unique_ptr<PreparedSubject> subject) {
+    DPL_TRY(const RenderAvatarId id, begin(std::move(subject)));
+    if (const Status done = finishUpload(id); !done) {
+        removeAvatar(id);
+        return done.error();
+    }
+    return id;
+}
+
 Status Renderer::draw(RenderAvatarId avatar, const Pose& pose, std::span<const Cameraf> views, const FrameWants& wants) {
     const Drawn one{avatar, &pose};
     return drawTogether({&one, 1}, views, wants);

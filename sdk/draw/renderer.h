@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The interface that both renderers implement: the CPU's (sdk/splat) and the GPU's (sdk/render).
 //
-//   load:   prepareAvatar (any thread, no lock) ─► add
+//   load:   prepareAvatar (any thread, no lock) ─► begin ─► continueUpload, again and again, or finishUpload
 //   frame:  drawTogether ─► read
 #pragma once
 
+#include <cstddef>
 #include <iterator>
 #include <memory>
 #include <span>
@@ -106,6 +107,13 @@ public:
     virtual ~PreparedSubject() = default;
 };
 
+/** A slice of an upload: copy `from` to `to`, which has the same size and is read by the device. Both stay valid until the next call about
+ *  the upload. */
+struct UploadSlice {
+    std::span<std::byte> to;
+    std::span<const std::byte> from;
+};
+
 /** Draws posed avatars and general splats into one or two views. One thread at a time, but for prepareAvatar and prepareSplats. */
 class Renderer {
 public:
@@ -126,8 +134,20 @@ public:
     virtual Result<std::unique_ptr<PreparedSubject>> prepareAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats) const = 0;
     /** The same for general splats. */
     virtual Result<std::unique_ptr<PreparedSubject>> prepareSplats(const StaticSplatData& splats) const = 0;
-    /** The short half: keeps the prepared subject and, on a GPU, uploads it. InvalidArgument when another renderer prepared it. */
-    virtual Result<RenderAvatarId> add(std::unique_ptr<PreparedSubject> subject) = 0;
+    /** The short half: keeps the prepared subject and, on a GPU, makes its buffers. On a GPU it must not be drawn before it is uploaded.
+     *  InvalidArgument when another renderer prepared it. */
+    virtual Result<RenderAvatarId> begin(std::unique_ptr<PreparedSubject> subject) = 0;
+    /** Goes on with the upload of a subject, between frames: takes the slice of the last call, which the caller has filled, and gives out
+     *  the next one; an empty one if nothing can be done now, because frames must run first. Returns the share that is uploaded; at 1 the
+     *  subject can be drawn. Neither submits for an app's device nor waits. */
+    virtual Result<double> continueUpload(RenderAvatarId, UploadSlice& slice) {
+        slice = {};
+        return 1.0;
+    }
+    /** Uploads what is left, and waits. */
+    virtual Status finishUpload(RenderAvatarId) { return {}; }
+    /** begin() and finishUpload(). */
+    Result<RenderAvatarId> add(std::unique_ptr<PreparedSubject> subject);
     /** Both halves in one call. addAvatar encodes avatar->splats first. */
     Result<RenderAvatarId> addAvatar(std::shared_ptr<const AvatarData> avatar);
     Result<RenderAvatarId> addCodedAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats);

@@ -4,6 +4,7 @@
 #include <optional>
 #include <set>
 
+#include "sdk/core/task.h"
 #include "sdk/format/avatar_check.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/content_hash.h"
@@ -414,10 +415,13 @@ struct AvatarReader {
 
     Status read(std::span<const uint8_t> bytes) {
         DPL_CHECK_OK(open(bytes));
+        DPL_CHECK_OK(taskAt(0.2));
         DPL_CHECK_OK(readHead());
         DPL_CHECK_OK(readJoints());
         DPL_CHECK_OK(readLayers());
+        DPL_CHECK_OK(taskAt(0.5));
         DPL_CHECK_OK(readSplats());
+        DPL_CHECK_OK(taskAt(0.9));
         DPL_CHECK_OK(readCorrectives());
         // The reader accepts exactly what the writer may write.
         if (Status valid = checkAvatarWithoutSplats(avatar); !valid)

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "sdk/core/task.h"
 #include "sdk/format/ply_header.h"
 #include "sdk/format/read_limits.h"
 #include "sdk/math/sh.h"
@@ -101,6 +102,9 @@ Result<StaticSplatData> readCompressedPly(std::span<const uint8_t> bytes) try {
     const uint32_t coefficients = shCoefficientCount(s.shDegree);
     s.position.resize(n), s.rotation.resize(n), s.scaleM.resize(n), s.opacity.resize(n), s.sh.resize(n * coefficients * 3);
     for (size_t i = 0; i < n; ++i) {
+        if (i % kLook == 0) {
+            DPL_CHECK_OK(taskAt(double(i) / double(n)));
+        }
         const size_t chunk = i / kChunkSplats;
         const uint8_t* row = vertices.row(i);
         const uint32_t place = load<uint32_t>(row + packed[0]), rotation = load<uint32_t>(row + packed[1]),

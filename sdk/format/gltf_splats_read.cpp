@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sdk/core/task.h"
 #include "sdk/format/gltf_model.h"
 #include "sdk/format/gltf_splats.h"
 #include "sdk/math/sh_rotation.h"
@@ -104,6 +105,7 @@ struct SplatReader {
         out.sh.resize((first + n) * shFloats, 0.0f);
         for (uint32_t k = 0, band = 0; band <= degree; ++band)
             for (uint32_t m = 0; m < 2 * band + 1; ++m, ++k) {
+                DPL_CHECK_OK(taskAt(0.5 * k / shCoefficientCount(degree)));
                 DPL_TRY(const auto values, floats(p, coefficient(band, m), 3, n));
                 for (uint32_t i = 0; i < n; ++i)
                     for (uint32_t c = 0; c < 3; ++c) out.sh[(first + i) * shFloats + k * 3 + c] = values[i * 3 + c];
@@ -111,6 +113,9 @@ struct SplatReader {
         const Mat3d turn = glm::mat3_cast(glm::dquat(world.rotation));
         const bool turned = std::abs(world.rotation.w) < 1 - 1e-7f;
         for (uint32_t i = 0; i < n; ++i) {
+            if (i % kLook == 0) {
+                DPL_CHECK_OK(taskAt(0.5 + 0.5 * i / n));
+            }
             const Quatf q(rotations[i * 4 + 3], rotations[i * 4], rotations[i * 4 + 1], rotations[i * 4 + 2]);
             const Vec3f scale = world.scale * Vec3f(scales[i * 3], scales[i * 3 + 1], scales[i * 3 + 2]),
                         centre = world.apply({positions[i * 3], positions[i * 3 + 1], positions[i * 3 + 2]});

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <string>
 
+#include "sdk/core/task.h"
 #include "sdk/core/writer.h"
 #include "sdk/format/ply_header.h"
 #include "sdk/format/read_limits.h"
@@ -35,6 +36,9 @@ Result<StaticSplatData> readPly(std::span<const uint8_t> bytes) try {
     const size_t n = vertices.count;
     s.position.resize(n), s.rotation.resize(n), s.scaleM.resize(n), s.opacity.resize(n), s.sh.resize(n * coefficients * 3);
     for (size_t i = 0; i < n; ++i) {
+        if (i % kLook == 0) {
+            DPL_CHECK_OK(taskAt(double(i) / double(n)));
+        }
         const uint8_t* row = vertices.row(i);
         bool ok = true;
         // Converters write opacities of 0 and 1 as −∞ and +∞, and axes without thickness as −∞. exp and sigmoid make them finite.

@@ -16,6 +16,7 @@
 
 #include "sdk/core/log.h"
 #include "sdk/core/reader.h"
+#include "sdk/core/task.h"
 #include "sdk/format/read_limits.h"
 #include "sdk/math/sh.h"
 
@@ -119,6 +120,7 @@ Result<Packed> openGzip(std::span<const uint8_t> bytes) {
     const auto sizes = attributeBytes(p.header);
     for (size_t a = 0; a < kAttributes; ++a) {
         p.attributes[a].resize(sizes[a]);
+        DPL_CHECK_OK(taskAt(double(a) / kAttributes));
         DPL_TRY(const size_t filled, stream->read(p.attributes[a]));
         if (filled != sizes[a]) return fail(Code::CorruptData, "SPZ: {} splats announced, the data ends early: truncated", p.header.splats);
     }
@@ -161,6 +163,7 @@ Result<Packed> openZstd(std::span<const uint8_t> bytes) {
     }
     for (size_t a = 0; a < kAttributes; ++a) {
         if (sizes[a] == 0) continue;
+        DPL_CHECK_OK(taskAt(double(a) / kAttributes));
         DPL_TRY(const auto packed, in.take(packedBytes[a]));
         p.attributes[a].resize(sizes[a]);
         const size_t got = ZSTD_decompress(p.attributes[a].data(), sizes[a], packed.data(), packed.size());
@@ -201,7 +204,7 @@ Quatf rotationSmallestThree(const uint8_t* r) {
     return glm::normalize(Quatf(q[3], q[0], q[1], q[2]));
 }
 
-StaticSplatData unpack(const Packed& p) {
+Result<StaticSplatData> unpack(const Packed& p) {
     const Header& h = p.header;
     const auto& [place, alpha, colour, scale, rotation, rest] = p.attributes;
     const size_t n = h.splats;
@@ -212,6 +215,9 @@ StaticSplatData unpack(const Packed& p) {
     s.position.resize(n), s.rotation.resize(n), s.scaleM.resize(n), s.opacity.resize(n), s.sh.resize(n * coefficients * 3);
     const float step = 1.0f / float(1u << h.fractionalBits);
     for (size_t i = 0; i < n; ++i) {
+        if (i % kLook == 0) {
+            DPL_CHECK_OK(taskAt(double(i) / double(n)));
+        }
         float* sh = s.sh.data() + i * coefficients * 3;
         for (int k = 0; k < 3; ++k) {
             s.position[i][k] = fixed24(&place[i * 9 + size_t(k) * 3], step);
@@ -230,10 +236,15 @@ StaticSplatData unpack(const Packed& p) {
 
 Result<StaticSplatData> readSpz(std::span<const uint8_t> bytes, SpzInfo* info) try {
     const bool gzip = bytes.size() >= 2 && bytes[0] == 0x1f && bytes[1] == 0x8b;
-    DPL_TRY(const Packed packed, gzip ? openGzip(bytes) : openZstd(bytes));
+    Packed packed;
+    {
+        const TaskPart part(0, 0.6);
+        DPL_TRY(packed, gzip ? openGzip(bytes) : openZstd(bytes));
+    }
     if (packed.header.shDegree > kMaxShDegree)
         log(LogLevel::Info, "SPZ: SH degree {}, drawn up to degree {}", uint32_t(packed.header.shDegree), kMaxShDegree);
     if (info) *info = {packed.header.version, packed.header.splats, packed.header.shDegree};
+    const TaskPart part(0.6, 1);
     return unpack(packed);
 } catch (const std::bad_alloc&) {
     return outOfMemory("read an SPZ file");

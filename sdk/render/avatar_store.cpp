@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/render/avatar_store.h"
 
+#include "sdk/core/task.h"
 #include "sdk/format/spatial_order.h"
 #include "sdk/format/splat_detail.h"
 
@@ -15,22 +16,30 @@ struct PreparedUpload final : PreparedSubject {
     LoadedSubject subject;
 };
 
-Status uploadAvatar(SubjectIds& ids, const AvatarRecords& records, DeviceBuffers& buffers) {
+/** Makes a buffer for `items`, which are uploaded to it later. */
+template <class T>
+Result<BufferId> bufferFor(const char* label, const std::vector<T>& items, DeviceBuffers& buffers, std::vector<UploadPiece>& pieces) {
+    DPL_TRY(const BufferId id, buffers.create(label, items.size() * sizeof(T)));
+    pieces.push_back({id, std::as_bytes(std::span(items))});
+    return id;
+}
+
+Status makeAvatarBuffers(SubjectIds& ids, const AvatarRecords& records, DeviceBuffers& buffers, std::vector<UploadPiece>& pieces) {
     if (ids.corrected) {
-        DPL_TRY(ids.vertices, buffers.upload<gpu::CorrectedVertexRecord>("vertices", records.correctedVertices));
+        DPL_TRY(ids.vertices, bufferFor("vertices", records.correctedVertices, buffers, pieces));
     } else {
-        DPL_TRY(ids.vertices, buffers.upload<gpu::VertexRecord>("vertices", records.vertices));
+        DPL_TRY(ids.vertices, bufferFor("vertices", records.vertices, buffers, pieces));
     }
-    DPL_TRY(ids.triangles, buffers.upload<gpu::TriangleRecord>("triangles", records.triangles));
-    DPL_TRY(ids.splats, buffers.upload<uint32_t>("splats", records.codes));
+    DPL_TRY(ids.triangles, bufferFor("triangles", records.triangles, buffers, pieces));
+    DPL_TRY(ids.splats, bufferFor("splats", records.codes, buffers, pieces));
     DPL_TRY(ids.posed, buffers.create("posed", ids.vertexCount * uint64_t(sizeof(gpu::PosedVertex))));
     DPL_TRY(ids.triangleFrames, buffers.create("triangle frames", ids.triangleCount * uint64_t(sizeof(gpu::TriangleFrame))));
     return {};
 }
 
-Status uploadSplats(SubjectIds& ids, const SubjectRecords& records, DeviceBuffers& buffers) {
-    DPL_TRY(ids.splats, buffers.upload<gpu::uvec4>("splats", records.generalSplats));
-    DPL_TRY(ids.sh, buffers.upload<gpu::uvec4>("sh", records.sh));
+Status makeSplatBuffers(SubjectIds& ids, const SubjectRecords& records, DeviceBuffers& buffers, std::vector<UploadPiece>& pieces) {
+    DPL_TRY(ids.splats, bufferFor("splats", records.generalSplats, buffers, pieces));
+    DPL_TRY(ids.sh, bufferFor("sh", records.sh, buffers, pieces));
     return {};
 }
 
@@ -64,7 +73,9 @@ SubjectIds countsOf(const StaticSplatData& splats) {
 Result<std::unique_ptr<PreparedSubject>> AvatarStore::prepareAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats) const {
     if (!avatar) return fail(Code::InvalidArgument, "no avatar");
     DPL_CHECK_OK(checkAvatar(*avatar, splats, backend_.info()));
+    DPL_CHECK_OK(taskAt(0.1));
     measureDetail(*avatar, splats);
+    DPL_CHECK_OK(taskAt(0.4));
     auto prepared = std::make_unique<PreparedUpload>(this);
     auto kept = std::make_shared<SubjectRecords>();
     AvatarRecords& records = kept->avatar = packAvatar(*avatar, splats);
@@ -90,41 +101,69 @@ Result<std::unique_ptr<PreparedSubject>> AvatarStore::prepareSplats(const Static
     LoadedSubject& subject = prepared->subject;
     subject.splats = splatSetOf(splats);
     subject.ids = countsOf(splats);
+    DPL_CHECK_OK(taskAt(0.1));
     // Files have the order of training: neighbours in memory are far apart in space. Sorted by space, a group is compact and its loads
     // are coherent.
     const std::vector<uint32_t> order = spatialOrder(splats.position);
+    DPL_CHECK_OK(taskAt(0.3));
     subject.generalDetail = GeneralDetailSubject(measureGroups(splats, order), splats.count());
+    DPL_CHECK_OK(taskAt(0.5));
     auto kept = std::make_shared<SubjectRecords>();
     kept->generalSplats = packSplats(splats, order, subject.generalDetail.groups());
+    DPL_CHECK_OK(taskAt(0.7));
     kept->sh = packSh(splats, order);
     subject.residentBytes = subject.splatBytes = kept->bytes();
     subject.records = std::move(kept);
     return std::unique_ptr<PreparedSubject>(std::move(prepared));
 }
 
-Result<RenderAvatarId> AvatarStore::add(std::unique_ptr<PreparedSubject> prepared) {
-    auto* upload = dynamic_cast<PreparedUpload*>(prepared.get());
-    if (!upload || upload->owner != this) return fail(Code::InvalidArgument, "the subject was prepared by another renderer");
-    DPL_CHECK_OK(this->upload(upload->subject));
-    subjects_.emplace(++lastId_, std::move(upload->subject));
+Result<RenderAvatarId> AvatarStore::begin(std::unique_ptr<PreparedSubject> prepared) {
+    auto* mine = dynamic_cast<PreparedUpload*>(prepared.get());
+    if (!mine || mine->owner != this) return fail(Code::InvalidArgument, "the subject was prepared by another renderer");
+    DPL_CHECK_OK(makeBuffers(mine->subject));
+    subjects_.emplace(++lastId_, std::move(mine->subject));
     return lastId_;
+}
+
+Result<double> AvatarStore::continueUpload(RenderAvatarId id, UploadSlice& slice) {
+    slice = {};
+    LoadedSubject* subject = find(id);
+    if (!subject) return fail(Code::InvalidArgument, "avatar {} is not in this renderer", id);
+    if (!subject->upload) return 1.0;
+    DPL_TRY(const double share, subject->upload->next(slice));
+    if (share == 1) subject->upload.reset();
+    return share;
+}
+
+Status AvatarStore::finishUpload(RenderAvatarId id) {
+    LoadedSubject* subject = find(id);
+    if (!subject) return fail(Code::InvalidArgument, "avatar {} is not in this renderer", id);
+    if (!subject->upload) return {};
+    DPL_CHECK_OK(subject->upload->finish());
+    subject->upload.reset();
+    return {};
 }
 
 Status AvatarStore::addAll(const AvatarStore& other) {
     for (const auto& [id, subject] : other.subjects_) {
         LoadedSubject copy = subject;
-        DPL_CHECK_OK(upload(copy));
+        DPL_CHECK_OK(makeBuffers(copy));
         subjects_.emplace(id, std::move(copy));
+        DPL_CHECK_OK(finishUpload(id));
     }
     lastId_ = other.lastId_;
     return {};
 }
 
-/** Gives the subject buffers of its own. */
-Status AvatarStore::upload(LoadedSubject& subject) {
+/** Gives the subject buffers of its own, and an upload that fills them. */
+Status AvatarStore::makeBuffers(LoadedSubject& subject) {
+    subject.upload.reset();
     subject.buffers = std::make_shared<DeviceBuffers>(backend_);
-    return subject.avatar ? uploadAvatar(subject.ids, subject.records->avatar, *subject.buffers)
-                          : uploadSplats(subject.ids, *subject.records, *subject.buffers);
+    std::vector<UploadPiece> pieces;
+    DPL_CHECK_OK(subject.avatar ? makeAvatarBuffers(subject.ids, subject.records->avatar, *subject.buffers, pieces)
+                                : makeSplatBuffers(subject.ids, *subject.records, *subject.buffers, pieces));
+    subject.upload = std::make_shared<SubjectUpload>(backend_, std::move(pieces));
+    return {};
 }
 
 uint64_t SubjectRecords::bytes() const {

@@ -10,6 +10,7 @@
 #include "sdk/render/avatar_upload.h"
 #include "sdk/render/device_buffers.h"
 #include "sdk/render/frame_ids.h"
+#include "sdk/render/subject_upload.h"
 #include "sdk/visibility/components.h"
 #include "sdk/visibility/detail.h"
 
@@ -30,13 +31,14 @@ struct LoadedSubject {
     std::shared_ptr<const AvatarData> avatar;  // null: general splats
     std::shared_ptr<const SubjectRecords> records;
     SplatSet splats;
-    SubjectIds ids;                          // counts and buffers; the scene set adds the places in its lists
-    std::shared_ptr<DeviceBuffers> buffers;  // null until they are uploaded
-    uint64_t residentBytes = 0;              // device memory of the splats and of all that poses them
-    uint64_t splatBytes = 0;                 // the part of residentBytes that holds splats
-    Components components;                   // empty when nothing is culled
-    DetailSubject detail;                    // of an avatar
-    GeneralDetailSubject generalDetail;      // of general splats
+    SubjectIds ids;  // counts and buffers; the scene set adds the places in its lists
+    std::shared_ptr<DeviceBuffers> buffers;
+    std::shared_ptr<SubjectUpload> upload;  // null: uploaded
+    uint64_t residentBytes = 0;             // device memory of the splats and of all that poses them
+    uint64_t splatBytes = 0;                // the part of residentBytes that holds splats
+    Components components;                  // empty when nothing is culled
+    DetailSubject detail;                   // of an avatar
+    GeneralDetailSubject generalDetail;     // of general splats
 };
 
 /** Owns the loaded subjects and their device buffers. The backend must live longer. One thread at a time, except to prepare. */
@@ -49,9 +51,13 @@ public:
      * InvalidArgument: arrays that do not fit. Unsupported: above a limit of the device. */
     Result<std::unique_ptr<PreparedSubject>> prepareAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats) const;
     Result<std::unique_ptr<PreparedSubject>> prepareSplats(const StaticSplatData& splats) const;
-    /** Uploads what this store prepared; blocks until the device has the data. */
-    Result<RenderAvatarId> add(std::unique_ptr<PreparedSubject> prepared);
-    /** Uploads the subjects of another store, under the same numbers. This store has none yet. After an error it has some of them. */
+    /** Makes the buffers of what this store prepared. */
+    Result<RenderAvatarId> begin(std::unique_ptr<PreparedSubject> prepared);
+    /** As Renderer. InvalidArgument: no such subject. */
+    Result<double> continueUpload(RenderAvatarId id, UploadSlice& slice);
+    Status finishUpload(RenderAvatarId id);
+    /** Uploads the subjects of another store, also those whose upload is not complete there, under the same numbers. This store has none
+     * yet. After an error it has some of them. */
     Status addAll(const AvatarStore& other);
     /** Destroys the subject's buffers. No recorded frame may still use them. */
     void remove(RenderAvatarId id) { subjects_.erase(id); }
@@ -64,7 +70,7 @@ public:
     const std::map<RenderAvatarId, LoadedSubject>& all() const { return subjects_; }
 
 private:
-    Status upload(LoadedSubject& subject);
+    Status makeBuffers(LoadedSubject& subject);
 
     Backend& backend_;
     bool cullComponents_;

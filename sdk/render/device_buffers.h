@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -30,16 +29,6 @@ public:
     Result<BufferId> create(std::string label, uint64_t bytes, BufferMemory memory = BufferMemory::Device) {
         DPL_TRY(const BufferId id, backend_->createBuffer({std::move(label), std::max<uint64_t>(bytes, 16), memory}));
         ids_.push_back(id);
-        return id;
-    }
-
-    /** A device buffer with a copy of `items`. Blocks until they are copied. */
-    template <class T>
-    Result<BufferId> upload(std::string label, std::span<const T> items) {
-        DPL_TRY(const BufferId id, create(std::move(label), items.size_bytes()));
-        if (!items.empty()) {
-            DPL_CHECK_OK(backend_->write(id, 0, std::as_bytes(items)));
-        }
         return id;
     }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/render/frame_cache.h"
 
-#include <array>
 #include <optional>
 
 #include "sdk/core/log.h"
@@ -15,7 +14,6 @@ namespace {
 
 static_assert(kMaxDrawnTogether == gpu::kMaxDrawn && kFramesInFlight == kAppSlots);
 
-constexpr std::array<std::byte, 4> kZero{};
 constexpr size_t kLargeSetsKept = 4;  // scene sets of several avatars; an app draws one set until an avatar is added or removed
 constexpr size_t kShapesKept = 4;     // of one set; an app draws one or two sizes, each with one or four samples, until it resizes
 
@@ -173,8 +171,6 @@ Status FrameCache::record(const SceneSet& set, RecordedFrame& frame) {
     DPL_TRY(ids.projected, frame.buffers.create("projected", uint64_t(ids.splatCount) * ids.viewCount * sizeof(gpu::ProjectedSplat)));
     if (frame.shape.meshDepth) {
         DPL_TRY(ids.meshDepth, frame.buffers.create("mesh depth", pixelsOf(frame.shape) * 4));
-        // Every frame overwrites it. The backend refuses to record a read-back of a buffer that nothing has written yet.
-        DPL_CHECK_OK(backend_.write(ids.meshDepth, 0, kZero));
     }
     std::optional<TilePlan> tiles;
     if (frame.shape.fill == Fill::Tiles && ids.splatCount > 0) {
@@ -199,7 +195,7 @@ Status FrameCache::makeTileLists(RecordedFrame& frame, const TilePlan& tiles) {
     DPL_TRY(ids.tileSpans, frame.buffers.create("tile spans", tiles.spanBytes));
     DPL_TRY(ids.tileEntries, frame.buffers.create("tile entries", tiles.entryBytes));
     DPL_TRY(ids.tilePixels, frame.buffers.create("tile pixels", tiles.pixelBytes));
-    return backend_.write(ids.tilePixels, 0, kZero);  // for the same reason as meshDepth in record()
+    return {};
 }
 
 /** Creates the pipelines for the other number of samples too, so that a camera that moves away from an avatar causes no shader

@@ -41,8 +41,8 @@ Result<std::unique_ptr<PreparedSubject>> GpuRenderer::prepareSplats(const Static
     return store_.prepareSplats(splats);
 }
 
-Result<RenderAvatarId> GpuRenderer::add(std::unique_ptr<PreparedSubject> subject) {
-    DPL_TRY(const RenderAvatarId id, store_.add(std::move(subject)));
+Result<RenderAvatarId> GpuRenderer::begin(std::unique_ptr<PreparedSubject> subject) {
+    DPL_TRY(const RenderAvatarId id, store_.begin(std::move(subject)));
     if (const Status prepared = prepareFrames(id); !prepared) {
         store_.remove(id);
         return prepared.error();

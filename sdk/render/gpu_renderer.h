@@ -63,12 +63,14 @@ public:
     bool lost() const override { return backend_->lost(); }
     Result<std::unique_ptr<PreparedSubject>> prepareAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats) const override;
     Result<std::unique_ptr<PreparedSubject>> prepareSplats(const StaticSplatData& splats) const override;
-    Result<RenderAvatarId> add(std::unique_ptr<PreparedSubject> subject) override;
+    Result<RenderAvatarId> begin(std::unique_ptr<PreparedSubject> subject) override;
+    Result<double> continueUpload(RenderAvatarId avatar, UploadSlice& slice) override { return store_.continueUpload(avatar, slice); }
+    Status finishUpload(RenderAvatarId avatar) override { return store_.finishUpload(avatar); }
     void removeAvatar(RenderAvatarId avatar) override;
     Status addAll(const Renderer& other) override;
     Status drawTogether(std::span<const Drawn> what, std::span<const Cameraf> views, const FrameWants& wants) override;
     /** drawTogether() into the app's commands. Returns one element a view, valid until the next call. Nothing can be read() afterwards. It
-     *  neither submits nor waits, except that a new scene set or shape is recorded first. */
+     *  neither submits nor waits; a new scene set or shape is recorded first, which allocates. */
     Result<std::span<const EncodedView>> encodeTogether(std::span<const Drawn> what, std::span<const Cameraf> views,
                                                         const FrameWants& wants, const AppFrame& app);
     Result<std::span<const PixelView>> read(RenderAvatarId avatar) override;

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "sdk/avatar/posed_mesh.h"
+#include "sdk/core/task.h"
 #include "sdk/draw/check_draw.h"
 #include "sdk/draw/check_subject.h"
 #include "sdk/format/spatial_order.h"
@@ -80,6 +81,7 @@ public:
         auto drawable = std::make_unique<Drawable>();
         drawable->owner = this;
         drawable->splats = std::move(splats);
+        DPL_CHECK_OK(taskAt(0.1));
         measureDetail(*avatar, drawable->splats);
         drawable->detailSubject = DetailSubject(*avatar, drawable->splats);
         drawable->components =
@@ -95,13 +97,15 @@ public:
         drawable->owner = this;
         // Level of detail thins out groups of neighbours. Files keep the order of training, so the splats are sorted by position here.
         const std::vector<uint32_t> order = spatialOrder(splats.position);
+        DPL_CHECK_OK(taskAt(0.4));
         drawable->general = PackedSplats(splats, order);
+        DPL_CHECK_OK(taskAt(0.7));
         drawable->generalSubject = GeneralDetailSubject(measureGroups(splats, order), splats.count());
         drawable->kappaPx2 = splats.kappaPx2, drawable->compensated = splats.compensated;
         return std::unique_ptr<PreparedSubject>(std::move(drawable));
     }
 
-    Result<RenderAvatarId> add(std::unique_ptr<PreparedSubject> subject) override {
+    Result<RenderAvatarId> begin(std::unique_ptr<PreparedSubject> subject) override {
         const auto* drawable = dynamic_cast<const Drawable*>(subject.get());
         if (!drawable || drawable->owner != this) return fail(Code::InvalidArgument, "the subject was prepared by another renderer");
         drawables_.emplace(nextId_, std::unique_ptr<Drawable>(static_cast<Drawable*>(subject.release())));

@@ -35,6 +35,14 @@ public:
         it->second.written = true;
         return {};
     }
+    Result<uint64_t> queueCopy(BufferId from, uint64_t, BufferId to, uint64_t toOffset, uint64_t bytes) override {
+        const auto it = buffers_.find(to.value);
+        if (!buffers_.count(from.value) || it == buffers_.end() || toOffset + bytes > it->second.desc.bytes)
+            return fail(Code::InvalidArgument, "the copy does not fit the buffer");
+        it->second.written = true;
+        return 1;
+    }
+    Result<bool> hasRun(uint64_t) override { return true; }
     std::span<std::byte> mapped(BufferId id) override {
         const auto it = buffers_.find(id.value);
         return it == buffers_.end() ? std::span<std::byte>() : std::span<std::byte>(it->second.bytes);
@@ -67,6 +75,7 @@ public:
         DPL_CHECK_OK(checkFrame(steps, *this, info_));
         for (const Step& step : steps)
             if (const auto* draw = std::get_if<DrawStep>(&step)) drawn_.insert(draw->target.value);
+        for (const BufferId id : writtenBy(steps)) buffers_.at(id.value).written = true;
         frames_.emplace(++lastId_, std::move(steps));
         ++record_->liveFrames, ++record_->createdObjects;
         return FrameId{lastId_};

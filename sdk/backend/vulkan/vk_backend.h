@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Implements backend.h with Vulkan. Buffers and targets are in vk_resources.cpp, pipelines in vk_pipelines.cpp, frames in vk_frames.cpp,
-// slots of an app in vk_slots.cpp, drawing in its pass in vk_compose.cpp, submissions for it in vk_submit.cpp.
+// slots of an app in vk_slots.cpp, uploads between frames in vk_copies.cpp, drawing in an app's pass in vk_compose.cpp, submissions for it in
+// vk_submit.cpp.
 #pragma once
 
 #include <algorithm>
@@ -179,6 +180,8 @@ public:
     Result<BufferId> createBuffer(const BufferDesc& desc) override;
     void destroyBuffer(BufferId buffer) override;
     Status write(BufferId buffer, uint64_t offset, std::span<const std::byte> bytes) override;
+    Result<uint64_t> queueCopy(BufferId from, uint64_t fromOffset, BufferId to, uint64_t toOffset, uint64_t bytes) override;
+    Result<bool> hasRun(uint64_t copy) override;
     std::span<std::byte> mapped(BufferId buffer) override;
     Result<PipelineId> computePipeline(std::string_view shader) override;
     Result<PipelineId> drawPipeline(const DrawPipelineDesc& desc) override;
@@ -194,6 +197,11 @@ public:
     double frameMs(FrameId frame) const override;
     uint64_t residentBytes() const override;
     Status encode(FrameId frame, uint32_t slot, AppCommands commands) override;
+
+    // vk_copies.cpp: for apps that lend their device.
+    /** Encodes queued copies, at most kCopiedBytesAFrame of them. To be called between takeSlot() and encode(). endsSlot: nothing is
+     * encoded after it with this slot. Allocates and waits for nothing. */
+    Status encodeCopies(uint32_t slot, AppCommands commands, bool endsSlot);
 
     // vk_compose.cpp: for apps that lend their device.
     Result<ComposerId> createComposer(const AppPass& pass);
@@ -281,10 +289,25 @@ private:
     void freeFrame(Frame& frame);
     class Hazards;
     struct Recorder;
+    void markSlot(uint32_t slot, VkCommandBuffer commands);
+    void barrierBeforeCopies(VkCommandBuffer commands);
     template <class T>
     void retire(T&& object, uint64_t born);
     void freeRetired();
     void free(Retired& retired);
+
+    // vk_copies.cpp
+    struct QueuedCopy {
+        uint64_t number = 0;
+        VkBuffer from = VK_NULL_HANDLE, to = VK_NULL_HANDLE;
+        VkBufferCopy region{};
+        bool running = false;  // submitted, or encoded with `slot`
+        uint32_t slot = 0;
+    };
+    Status submitNextCopy();
+    void slotHasRun(uint32_t slot);
+    void slotIsDropped(uint32_t slot);
+    void dropCopies(VkBuffer buffer);
 
     // vk_compose.cpp
     struct Composer {
@@ -339,6 +362,10 @@ private:
     std::map<std::tuple<uint32_t, bool, ColourFormat, uint32_t, bool>, VkRenderPass>
         renderPasses_;  // by layers, depth, colour, samples, sampled
     uint32_t lastId_ = 0;
+    std::vector<QueuedCopy> copies_;  // that have not run, in their order
+    uint64_t lastCopy_ = 0;
+    VkCommandBuffer copyCommands_ = VK_NULL_HANDLE;  // of the copy that is submitted; on a device of the backend's own
+    VkFence copyFence_ = VK_NULL_HANDLE;
 
     // Of encoded frames.
     std::vector<Retired> retired_;

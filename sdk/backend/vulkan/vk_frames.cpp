@@ -14,6 +14,7 @@ constexpr uint64_t kFrameTimeoutNs = 120ull * 1000 * 1000 * 1000;  // enough for
 
 constexpr VkPipelineStageFlags kGpuStages = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT |
                                             VK_PIPELINE_STAGE_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT;
+constexpr VkPipelineStageFlags kReaders = kGpuStages | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT;  // of a frame, and passes of an app
 
 }  // namespace
 
@@ -299,6 +300,7 @@ Result<FrameId> VulkanBackend::createFrame(std::vector<Step> steps, FrameRun run
     std::vector<TargetId> drawnTargets;
     for (const Step& step : steps)
         if (const auto* draw = std::get_if<DrawStep>(&step)) drawnTargets.push_back(draw->target);
+    const std::vector<BufferId> written = writtenBy(steps);
     Frame frame;
     frame.run = run;
     Status status = prepare(frame, std::move(steps));
@@ -308,6 +310,7 @@ Result<FrameId> VulkanBackend::createFrame(std::vector<Step> steps, FrameRun run
         return status.error();
     }
     for (const TargetId target : drawnTargets) targets_.at(target.value).drawn = true;
+    for (const BufferId id : written) buffers_.at(id.value).written = true;
     frame.born = encoded_;
     frames_.emplace(++lastId_, std::move(frame));
     return FrameId{lastId_};
@@ -322,16 +325,20 @@ Status VulkanBackend::encode(FrameId id, uint32_t slot, AppCommands commands) {
     lastEncoded_[slot] = ++encoded_;
     freeRetired();
     const auto buffer = static_cast<VkCommandBuffer>(commands.handle);
-    constexpr VkPipelineStageFlags kReaders = kGpuStages | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT;
     Recorder recorder{*this, buffer};
     // The frame before this one uses the same buffers, an app's pass may read them, and readScene() may just have written one.
     recorder.barrier(kReaders, kReaders);
     DPL_CHECK_OK(play(frame, buffer));
-    recorder.barrier(kGpuStages, kReaders);
-    if (marks_.buffer) mark(slot, buffer);
+    markSlot(slot, buffer);
     frame.running = true;
     frame.slot = slot;
     return {};
+}
+
+/** What is encoded with a slot ends here: later commands see what it wrote, and takeSlot() learns that it has run. */
+void VulkanBackend::markSlot(uint32_t slot, VkCommandBuffer commands) {
+    Recorder{*this, commands}.barrier(kGpuStages, kReaders);
+    if (marks_.buffer) mark(slot, commands);
 }
 
 /** Lets takeSlot() see that the commands before have run. */
@@ -341,6 +348,10 @@ void VulkanBackend::mark(uint32_t slot, VkCommandBuffer commands) {
     recorder.barrier();  // behind an earlier mark of the slot
     vk_.vkCmdFillBuffer(commands, marks_.buffer, slot * sizeof(uint32_t), sizeof(uint32_t), awaited_[slot]);
     recorder.hostBarrier();
+}
+
+void VulkanBackend::barrierBeforeCopies(VkCommandBuffer commands) {
+    Recorder{*this, commands}.barrier();
 }
 
 /** Device: the device was lost. Asks it by a fence that no frame uses. */
@@ -487,13 +498,18 @@ Status VulkanBackend::start() {
     allocation.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
     allocation.commandBufferCount = 1;
     DPL_VK(vk_.vkAllocateCommandBuffers(device_->device, &allocation, &uploadCommands_));
-    if (!device_->lent) return {};
-    DPL_CHECK_OK(makeSubmissions());
-    return makeLayerSlots();
+    if (device_->lent) {
+        DPL_CHECK_OK(makeSubmissions());
+        return makeLayerSlots();
+    }
+    DPL_VK_MAKE(copyFence_, vk_.vkCreateFence(device_->device, &fence, device_->allocator, &copyFence_));
+    DPL_VK(vk_.vkAllocateCommandBuffers(device_->device, &allocation, &copyCommands_));
+    return {};
 }
 
 VulkanBackend::~VulkanBackend() {
     for (auto& [id, frame] : frames_) (void)waitFor(frame);  // an app that lends its device waits for its own commands
+    if (!device_->lent && !copies_.empty() && copies_.front().running) (void)waitFor(copyFence_);
     for (Retired& retired : retired_) free(retired);
     for (auto& [id, composer] : composers_) freeComposer(composer);
     for (auto& [id, target] : appTargets_) freeAppTarget(target);
@@ -508,6 +524,7 @@ VulkanBackend::~VulkanBackend() {
     for (auto& [key, pass] : renderPasses_) vk_.vkDestroyRenderPass(device_->device, pass, device_->allocator);
     vk_.vkDestroyCommandPool(device_->device, uploadPool_, device_->allocator);
     vk_.vkDestroyFence(device_->device, fence_, device_->allocator);
+    vk_.vkDestroyFence(device_->device, copyFence_, device_->allocator);
 }
 
 namespace {

@@ -73,6 +73,7 @@ Result<BufferId> VulkanBackend::createBuffer(const BufferDesc& desc) {
 void VulkanBackend::destroyBuffer(BufferId id) {
     const auto it = buffers_.find(id.value);
     if (it == buffers_.end()) return;
+    dropCopies(it->second.buffer);
     retire(std::move(it->second), it->second.born);
     buffers_.erase(it);
 }

@@ -21,6 +21,7 @@ Status VulkanBackend::takeSlot(uint32_t slot) {
             slot);
     }
     awaited_[slot] = 0;
+    slotHasRun(slot);
     for (auto& [id, frame] : frames_)
         if (frame.run == FrameRun::Encoded && frame.running && frame.slot == slot) ended(frame);
     layerSlots_[slot].viewCount = 0;  // until setLayers(): if the new frame fails, nothing of the slot can be composed
@@ -32,6 +33,7 @@ Status VulkanBackend::dropSlot(uint32_t slot) {
     if (slot >= kAppSlots) return fail(Code::InvalidArgument, "slot {} does not exist; there are {}", slot, kAppSlots);
     for (auto& [id, frame] : frames_)
         if (frame.run == FrameRun::Encoded && frame.slot == slot) frame.running = frame.timed = false;  // perhaps it never ran
+    slotIsDropped(slot);
     awaited_[slot] = 0;
     layerSlots_[slot].viewCount = 0;
     return {};

@@ -13,8 +13,8 @@
  * A camera looks along its +z axis, with x to the right and y down.
  *
  * Threads. Every function may be called from any thread. Calls on the same context and its avatars wait for one another; only while
- * dplLoadAvatar and dplLoadClip read their bytes do other calls go on. To draw in parallel, give each thread its own context. The text
- * of dplGetLastError() belongs to the calling thread.
+ * dplLoadAvatar and dplLoadClip read their bytes, and during loads in the background (dplStartLoad), do other calls go on. To draw in
+ * parallel, give each thread its own context. The text of dplGetLastError() belongs to the calling thread.
  *
  * Errors. A function returns DPL_OK or an error code, and writes its outputs only on DPL_OK. After an error, dplGetLastError() has a
  * sentence for a human. These mistakes give DPL_ERROR_INVALID_ARGUMENT and a line in the log: NULL where a pointer is needed, a
@@ -63,6 +63,7 @@ extern "C" {
 /** Opaque handles; NULL is no handle. They hold numbers, not addresses, so the library detects the use of a destroyed one. */
 typedef struct DplContextHandle* DplContext;
 typedef struct DplAvatarHandle* DplAvatar;
+typedef struct DplLoadHandle* DplLoad;
 
 typedef enum DplResult {
     DPL_OK = 0,
@@ -160,6 +161,60 @@ DPL_API DplResult dplGetRendererName(DplContext context, const char** name);
  *  DPL_ERROR_CORRUPT_DATA: damaged file. DPL_ERROR_VERSION: the text names the versions of file and library. DPL_ERROR_UNSUPPORTED: another
  *  kind of file, or more splats than the device can bind; the text says what would help. */
 DPL_API DplResult dplLoadAvatar(DplContext context, const uint8_t* data, size_t size, DplAvatar* avatar);
+
+/* dplLoadAvatar in steps, for programs whose frames must go on. A thread of the library reads the file.
+ *
+ *   dplStartLoad ─► each frame dplGetLoadStatus, until DPL_LOAD_READY or DPL_LOAD_FAILED ─► dplFinishLoad        or dplCancelLoad
+ *
+ * A context runs its loads one after the other. */
+
+typedef enum DplLoadState {
+    DPL_LOAD_WAITING = 0,  /**< for earlier loads of the context */
+    DPL_LOAD_DECODING = 1, /**< the file is read and converted */
+    /** The avatar goes to the GPU in slices of up to 1 MiB. A context made with dplCreateContext submits them itself, one at a time,
+     * between its frames. On a device of the program they are part of the program's frames: see "Loads" in doppel_vulkan.h. */
+    DPL_LOAD_UPLOADING = 2,
+    DPL_LOAD_READY = 3,  /**< dplFinishLoad gives the avatar and does not wait */
+    DPL_LOAD_FAILED = 4, /**< dplFinishLoad gives the error and does not wait */
+    DPL_LOAD_FORCE_INT32 = 0x7fffffff
+} DplLoadState;
+
+typedef struct DplLoadInfo {
+    uint32_t structSize;
+    const uint8_t* data; /**< the file, as for dplLoadAvatar. Not copied: it must stay until `release` is called */
+    size_t size;
+    /** Called once, when `data` is needed no more: after decoding, or when the load fails or is cancelled. It runs on a thread of the
+     * library or within a call about this load or its context. Do not call Doppel from it. NULL: `data` stays for the life of the context.
+     */
+    void (*release)(void* user);
+    void* user; /**< passed on to release */
+} DplLoadInfo;
+
+/** Starts to load a file and returns at once. End the load with dplFinishLoad or dplCancelLoad, before or after its context.
+ *  dplDestroyContext lets loads fail that are not ready, and waits until they have noticed. dplRebuildVulkan waits while a load converts a
+ *  file for the GPU (0.3 s for 500,000 splats) and uploads what loads have begun to upload; a load that meets a lost device waits for it.
+ */
+DPL_EXPERIMENTAL DplResult dplStartLoad(DplContext context, const DplLoadInfo* info, DplLoad* load);
+
+typedef struct DplLoadStatus {
+    uint32_t structSize;
+    DplLoadState state;
+    /** Part of the work that is done, 0 to 1; it never falls. Up to 0.5 the file is read, up to 0.7 converted, then uploaded. 1 only when
+     * the load is ready. */
+    float progress;
+} DplLoadStatus;
+
+/** How far a load is. Waits for nothing. */
+DPL_EXPERIMENTAL DplResult dplGetLoadStatus(DplLoad load, DplLoadStatus* status);
+
+/** Ends a load and gives its avatar, or the error of the load: codes and texts are those of dplLoadAvatar. `load` is gone afterwards,
+ * unless avatar is NULL. If the load is neither ready nor failed, this goes on as dplLoadAvatar does and waits, also while another thread
+ * draws; then the rest is uploaded with submissions. */
+DPL_EXPERIMENTAL DplResult dplFinishLoad(DplLoad load, DplAvatar* avatar);
+
+/** Drops a load in any state and does not wait for its thread, which gives back `data` and all memory at its next step: within 0.2 s for
+ *  500,000 splats. NULL does nothing and gives DPL_OK. */
+DPL_EXPERIMENTAL DplResult dplCancelLoad(DplLoad load);
 
 /** Frees an avatar, before or after its context. NULL does nothing and gives DPL_OK. */
 DPL_API DplResult dplDestroyAvatar(DplAvatar avatar);

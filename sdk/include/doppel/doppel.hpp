@@ -12,6 +12,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -149,6 +150,33 @@ private:
     DplAvatar handle_ = nullptr;
 };
 
+/** Owns one load in the background, which it cancels unless it is finished. Move-only, as Avatar. */
+class Load {
+public:
+    /** Takes ownership of `handle`, which was started with `context`. */
+    Load(DplContext context, DplLoad handle) : context_(context), handle_(handle) {}
+    Load(Load&& other) noexcept : context_(other.context_), handle_(std::exchange(other.handle_, nullptr)) {}
+    Load& operator=(Load&& other) noexcept {
+        std::swap(context_, other.context_);
+        std::swap(handle_, other.handle_);
+        return *this;
+    }
+    ~Load() { dplCancelLoad(handle_); }
+
+    DplLoad handle() const { return handle_; }
+    Result<DplLoadStatus> status() const { return filled<DplLoadStatus>(dplGetLoadStatus, handle_); }
+    /** Waits if the load is neither ready nor failed; see dplFinishLoad. Afterwards this owns nothing. */
+    Result<Avatar> finish() {
+        DplAvatar avatar = nullptr;
+        if (const DplResult r = dplFinishLoad(std::exchange(handle_, nullptr), &avatar); r != DPL_OK) return lastError(r);
+        return Avatar(context_, avatar);
+    }
+
+private:
+    DplContext context_ = nullptr;
+    DplLoad handle_ = nullptr;
+};
+
 /** Owns one context, which it destroys. Move-only, as Avatar. Its avatars may be destroyed before or after it. */
 class Context {
 public:
@@ -185,6 +213,19 @@ public:
         DplAvatar avatar = nullptr;
         if (const DplResult r = dplLoadAvatar(handle_, bytes.data(), bytes.size(), &avatar); r != DPL_OK) return lastError(r);
         return Avatar(handle_, avatar);
+    }
+
+    /** Starts to load an avatar or general splats in the background; see dplStartLoad. The bytes are kept until they are read. */
+    Result<Load> startLoad(std::vector<uint8_t> bytes) const {
+        auto kept = std::make_unique<std::vector<uint8_t>>(std::move(bytes));
+        DplLoadInfo info{};
+        info.structSize = sizeof info, info.data = kept->data(), info.size = kept->size();
+        info.release = [](void* user) { delete static_cast<std::vector<uint8_t>*>(user); };
+        info.user = kept.get();
+        DplLoad load = nullptr;
+        if (const DplResult r = dplStartLoad(handle_, &info, &load); r != DPL_OK) return lastError(r);
+        kept.release();
+        return Load(handle_, load);
     }
 
     /** Draws several avatars in one picture, which belongs to the first one. One image per view. */

@@ -16,12 +16,16 @@
  *
  * What prepare and compose record. Prepare records compute passes and a draw into an image of Doppel's, with barriers of its own. Compose
  * records one draw of one triangle. Neither submits, waits, reads back or allocates, except that the first prepare of a new size, number
- * of views, number of samples or set of avatars makes its pipelines and buffers: do it while loading.
+ * of views, number of samples or set of avatars makes its pipelines and buffers: do it while loading. It does not submit or wait either.
  *
  * Slots. A slot names what one frame in flight uses. With dplVulkanPrepare the program promises that all commands it recorded with the
  * slot before have run. Use the slots in turn. Objects destroyed in between, such as avatars, live on until then. Prepare notices a slot
  * that comes too early: the GPU writes a number behind the commands of prepare. It cannot notice that those of compose still run;
  * dplVulkanSubmit can.
+ *
+ * Loads. What dplStartLoad uploads is copied by the commands of prepare: at most 1 MiB a frame, from a staging ring of 5 MiB that the load
+ * made when it began to upload. A frame that draws no avatar calls dplVulkanUpload instead. The load is ready once the GPU has run the last
+ * copy; if frames stop, it waits. Only dplLoadAvatar, and dplFinishLoad of a load that is not ready, submit to `queue`.
  *
  * Queues. All commands with slots of one context go to one queue family, and to queues in the order in which they were prepared.
  *
@@ -51,7 +55,8 @@ typedef struct DplVulkanDevice {
     VkInstance instance;
     VkPhysicalDevice physicalDevice;
     VkDevice device;
-    VkQueue queue; /**< of queueFamily. Used by dplLoadAvatar, by the self-test of DPL_FILL_AUTO and by dplRender; never by a frame */
+    VkQueue queue; /**< of queueFamily. Used by dplLoadAvatar, dplFinishLoad of a load that is not ready, dplRender, dplDraw and the
+                    * self-test of DPL_FILL_AUTO; never by prepare and compose */
     /** The chain given to vkCreateDevice, so that Doppel knows which features are enabled. Read during the call. NULL: none. */
     const VkPhysicalDeviceFeatures2* enabledFeatures;
     const VkAllocationCallbacks* allocator; /**< for all objects of Doppel; copied. NULL: the driver's own */
@@ -146,6 +151,10 @@ typedef struct DplVulkanSceneDepth {
 DPL_EXPERIMENTAL DplResult dplVulkanPrepare(DplContext context, VkCommandBuffer commands, uint32_t slot, const DplAvatar* avatars,
                                             uint32_t avatarCount, const DplCamera* views, uint32_t viewCount,
                                             const DplVulkanSceneDepth* depths);
+
+/** Prepares no picture, and records what loads have to upload (see "Loads"): instead of dplVulkanPrepare, in frames without avatars.
+ *  commands and slot: as there. */
+DPL_EXPERIMENTAL DplResult dplVulkanUpload(DplContext context, VkCommandBuffer commands, uint32_t slot);
 
 /** Says that the commands recorded with the slot have run or will never run, for example because their command buffer was reset. Needed
  *  before the next prepare with the slot only if they never ran. DPL_ERROR_INVALID_ARGUMENT: no such slot. */

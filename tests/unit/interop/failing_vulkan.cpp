@@ -148,7 +148,9 @@ void FailingVulkan::failAt(uint64_t call, VkResult error, const std::string& fun
 }
 
 VkResult FailingVulkan::before(const char* function) {
+    const std::lock_guard lock(mutex_);
     everCalled.insert(function);
+    if (std::this_thread::get_id() == watched_) watchedCalls_.push_back(function);
     if (only_.empty() || only_ == function) calls_.push_back(function);
     if (lost_ && reportsLoss(function)) return VK_ERROR_DEVICE_LOST;
     if (!failed_.empty() || calls_.size() != failAt_) return VK_SUCCESS;
@@ -162,14 +164,28 @@ VkResult FailingVulkan::before(const char* function) {
 }
 
 void FailingVulkan::made(const char* type, uint64_t handle) {
+    const std::lock_guard lock(mutex_);
     live_.emplace(type, handle);
 }
 
 bool FailingVulkan::destroyed(const char* type, uint64_t handle) {
     if (handle == 0) return true;
+    const std::lock_guard lock(mutex_);
     if (live_.erase({type, handle})) return true;
     mistakes_.push_back(std::string("an object of type ") + type + " is destroyed that is not there");
     return false;
+}
+
+void FailingVulkan::watchThread() {
+    const std::lock_guard lock(mutex_);
+    watched_ = std::this_thread::get_id();
+    watchedCalls_.clear();
+}
+
+std::vector<std::string> FailingVulkan::watchedCalls() {
+    const std::lock_guard lock(mutex_);
+    watched_ = {};
+    return std::exchange(watchedCalls_, {});
 }
 
 size_t FailingVulkan::liveMemory() const {

@@ -9,15 +9,18 @@
 
 #include <vulkan/vulkan_core.h>
 
+#include <atomic>
 #include <cstdint>
+#include <mutex>
 #include <set>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
 namespace dpl::test {
 
-/** One thread, one device at a time. */
+/** One device at a time. Doppel may call from several threads; what a getter refers to is read while Doppel does nothing. */
 class FailingVulkan {
 public:
     PFN_vkGetInstanceProcAddr entry();
@@ -27,6 +30,10 @@ public:
      */
     void failAt(uint64_t call, VkResult error, const std::string& function = {});
     void mend() { failAt(0, VK_SUCCESS), lost_ = false; }
+
+    /** Notes the calls of this thread alone that can fail, until they are taken. */
+    void watchThread();
+    std::vector<std::string> watchedCalls();
 
     const std::vector<std::string>& calls() const { return calls_; }        // that can fail, since failAt(): the functions' names
     const std::string& failed() const { return failed_; }                   // the function that failed since failAt(); empty: none yet
@@ -49,7 +56,11 @@ private:
     std::string only_;
     uint64_t failAt_ = 0;
     VkResult error_ = VK_SUCCESS;
-    bool lost_ = false, recording_ = false;
+    bool lost_ = false;
+    std::atomic<bool> recording_ = false;
+    std::thread::id watched_;
+    std::vector<std::string> watchedCalls_;
+    std::mutex mutex_;
     std::string failed_;
     VkDevice device_ = VK_NULL_HANDLE;
     std::set<std::pair<std::string, uint64_t>> live_;  // type and handle

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/api/decode_file.h"
+
+#include <algorithm>
+
+#include "sdk/avatar/clip.h"
+#include "sdk/avatar/humanoid.h"
+#include "sdk/core/task.h"
+#include "sdk/format/avatar_file.h"
+#include "sdk/format/splat_file.h"
+
+namespace dpl::api {
+namespace {
+
+/** Makes the checks that posing and queries need and that the file reader does not make. */
+Status checkLoaded(const AvatarData& data) {
+    DPL_CHECK_OK(checkRig(data.joints));
+    for (const ClipData& clip : data.clips) DPL_CHECK_OK(checkClip(clip, data.joints));
+    return {};
+}
+
+Result<Decoded> decodeAvatar(std::span<const uint8_t> bytes) {
+    if (bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) != 0)
+        return fail(Code::Unsupported,
+                    "neither an avatar (.glb) nor general splats (PLY, compressed PLY, SPZ, .glb with KHR_gaussian_splatting)");
+    DPL_TRY(CodedAvatar coded, readCodedAvatar(bytes));
+    AvatarData& decoded = coded.avatar;
+    decoded.mesh.colours = {};  // only other glTF viewers use them
+    DPL_CHECK_OK(checkLoaded(decoded));
+    if (std::all_of(decoded.joints.begin(), decoded.joints.end(), [](const JointData& j) { return j.humanoidBone.empty(); }))
+        assignHumanoidBones(decoded.joints);
+    auto made = std::make_shared<Avatar>();
+    made->data = std::make_shared<const AvatarData>(std::move(decoded));
+    made->splatCount = coded.splats.count(), made->shDegree = coded.splats.shDegree;
+    made->pose = Pose::rest(made->data->joints.size());
+    for (const ClipData& clip : made->data->clips) made->clips.push_back(&clip);
+    const std::vector<Vec3f>& vertices = made->data->mesh.restPositions;
+    if (!vertices.empty()) made->restMin = made->restMax = vertices.front();
+    for (const Vec3f& v : vertices) made->restMin = glm::min(made->restMin, v), made->restMax = glm::max(made->restMax, v);
+    return Decoded{std::move(made), std::move(coded.splats), {}};
+}
+
+/** Makes an avatar without joints. */
+Result<Decoded> decodeGeneralSplats(std::span<const uint8_t> bytes) {
+    SplatFile file;
+    {
+        const TaskPart part(0, 0.9);
+        DPL_TRY(file, readSplats(bytes));
+    }
+    auto made = std::make_shared<Avatar>();
+    AvatarData named;
+    named.name = nameOf(file.format);
+    made->data = std::make_shared<const AvatarData>(std::move(named));
+    made->splatCount = file.splats.count(), made->shDegree = file.splats.shDegree;
+    DPL_CHECK_OK(taskAt(0.9));
+    const SplatBox box = boxOf(file.splats);
+    made->restMin = box.low, made->restMax = box.high;
+    return Decoded{std::move(made), {}, std::move(file.splats)};
+}
+
+}  // namespace
+
+Result<Decoded> decodeFile(std::span<const uint8_t> bytes) {
+    return splatFormatOf(bytes) != SplatFormat::None ? decodeGeneralSplats(bytes) : decodeAvatar(bytes);
+}
+
+}  // namespace dpl::api

@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sdk/api/load.h"
+
+#include <chrono>
+
+#include "sdk/api/decode_file.h"
+#include "sdk/core/log.h"
+
+namespace dpl::api {
+namespace {
+
+// Shares of the progress: reading the file, converting it for the renderer, uploading it.
+constexpr double kDecoded = 0.5, kPrepared = 0.7;
+constexpr auto kUploadPause = std::chrono::milliseconds(1);  // until a frame may have run the copies
+constexpr auto kLostPause = std::chrono::milliseconds(10);   // until a program may have replaced its device
+
+Result<std::unique_ptr<PreparedSubject>> prepare(const Renderer& renderer, Decoded& decoded) {
+    if (decoded.general) return renderer.prepareSplats(*decoded.general);
+    return renderer.prepareAvatar(decoded.avatar->data, std::move(decoded.splats));
+}
+
+bool hastens(Load& load) {
+    const std::lock_guard lock(load.mutex);
+    return load.finishing;
+}
+
+/** Returns early when somebody waits for the load, or cancels it. */
+void pause(Load& load, std::chrono::milliseconds time) {
+    std::unique_lock lock(load.mutex);
+    load.changed.wait_for(lock, time, [&] { return load.finishing || load.task.cancelled(); });
+}
+
+/** The renderer of the context, which `keeps` keeps. A load in haste gets the error of a lost device; another one waits for a new one. */
+Result<std::shared_ptr<Renderer>> rendererFor(Load& load, std::shared_lock<std::shared_mutex>& keeps) {
+    Context& context = *load.context;
+    while (true) {
+        DPL_CHECK_OK(taskAt(0));
+        {
+            const std::lock_guard lock(context.mutex);
+            const Status usable = checkUsable(context);
+            if (usable) return context.renderer;
+            if (usable.error().code != Code::Device || hastens(load)) return usable.error();
+        }
+        keeps.unlock();
+        pause(load, kLostPause);
+        keeps.lock();
+    }
+}
+
+/** Uploads the subject, or sees its upload through that another device began. */
+Status upload(Load& load, RenderAvatarId id, std::shared_lock<std::shared_mutex>& keeps) {
+    Context& context = *load.context;
+    const TaskPart part(kPrepared, 1);
+    while (true) {
+        DPL_TRY(const std::shared_ptr<Renderer> renderer, rendererFor(load, keeps));
+        UploadSlice slice;
+        double share = 0;
+        {
+            const std::lock_guard lock(context.mutex);
+            if (hastens(load)) return renderer->finishUpload(id);
+            const auto continued = renderer->continueUpload(id, slice);
+            if (!continued && continued.error().code != Code::Device) return continued.error();
+            if (continued) share = *continued;
+        }
+        if (share == 1) return {};
+        DPL_CHECK_OK(taskAt(share));
+        if (!slice.from.empty()) {
+            std::memcpy(slice.to.data(), slice.from.data(), slice.from.size());
+            continue;
+        }
+        keeps.unlock();
+        pause(load, kUploadPause);
+        keeps.lock();
+    }
+}
+
+void setState(Load& load, LoadState state) {
+    const std::lock_guard lock(load.mutex);
+    load.state = state;
+    load.changed.notify_all();
+}
+
+Result<std::shared_ptr<Avatar>> loadFile(Load& load) {
+    Context& context = *load.context;
+    setState(load, LoadState::Decoding);
+    DPL_CHECK_OK(taskAt(0));
+    Decoded decoded;
+    {
+        const TaskPart part(0, kDecoded);
+        DPL_TRY(decoded, decodeFile(load.bytes));
+    }
+    load.releaseBytes();
+    const std::shared_ptr<Avatar> avatar = decoded.avatar;
+    avatar->context = load.context;
+    std::shared_lock keeps(context.loads);
+    {
+        const TaskPart part(kDecoded, kPrepared);
+        DPL_TRY(const std::shared_ptr<const Renderer> renderer, rendererFor(load, keeps));
+        DPL_TRY(auto subject, prepare(*renderer, decoded));
+        log(LogLevel::Debug, "prepared '{}': {} splats", avatar->data->name, avatar->splatCount);
+        const std::lock_guard lock(context.mutex);
+        if (!context.renderer) return fail(Code::InvalidArgument, "the context was destroyed while the avatar was read");
+        DPL_TRY(avatar->renderId, context.renderer->begin(std::move(subject)));
+    }
+    setState(load, LoadState::Uploading);
+    DPL_CHECK_OK(upload(load, avatar->renderId, keeps));
+    return avatar;
+}
+
+Result<std::shared_ptr<Avatar>> loadFileCaught(Load& load) noexcept {
+    try {
+        return loadFile(load);
+    } catch (const std::bad_alloc&) {
+        return Error{Code::OutOfMemory, {}};
+    } catch (const std::exception& e) {
+        return Error{Code::Internal, e.what()};
+    } catch (...) {
+        return Error{Code::Internal, {}};
+    }
+}
+
+}  // namespace
+
+void runLoad(Load& load) noexcept {
+    const TaskScope scope(&load.task);
+    auto loaded = loadFileCaught(load);
+    load.releaseBytes();
+    if (loaded) load.task.advance(1);
+    const std::lock_guard lock(load.mutex);
+    if (loaded) {
+        load.avatar = std::move(*loaded);
+        load.state = LoadState::Ready;
+    } else {
+        const bool cancelled = loaded.error().code == Code::Cancelled;  // whoever asks for the result did not cancel it
+        load.error = cancelled ? fail(Code::InvalidArgument, "the context was destroyed while the avatar was read") : Error(loaded.error());
+        load.state = LoadState::Failed;
+    }
+    load.changed.notify_all();
+}
+
+bool takenBack(Load& load) {
+    const std::lock_guard lock(load.context->mutex);
+    return load.context->loader && load.context->loader->takeBack(load);
+}
+
+Result<std::shared_ptr<Avatar>> finishLoad(const std::shared_ptr<Load>& load) {
+    {
+        const std::lock_guard lock(load->mutex);
+        load->finishing = true;
+        load->changed.notify_all();
+    }
+    if (takenBack(*load)) runLoad(*load);
+    std::unique_lock lock(load->mutex);
+    load->changed.wait(lock, [&] { return load->state >= LoadState::Ready; });
+    if (load->state == LoadState::Failed) return load->error;
+    return std::move(load->avatar);
+}
+
+Loader::~Loader() {
+    {
+        const std::lock_guard lock(mutex_);
+        stop_ = true;
+        for (const auto& load : waiting_) load->task.cancel();
+        if (atHand_) {
+            atHand_->task.cancel();
+            const std::lock_guard waiting(atHand_->mutex);
+            atHand_->changed.notify_all();
+        }
+    }
+    changed_.notify_all();
+    thread_.join();
+}
+
+void Loader::add(std::shared_ptr<Load> load, void (*release)(void* user)) {
+    {
+        const std::lock_guard lock(mutex_);
+        waiting_.push_back(std::move(load));
+        waiting_.back()->release = release;  // only now: nothing can fail any more
+    }
+    changed_.notify_all();
+}
+
+bool Loader::takeBack(const Load& load) {
+    const std::lock_guard lock(mutex_);
+    return std::erase_if(waiting_, [&](const auto& waiting) { return waiting.get() == &load; }) > 0;
+}
+
+void Loader::run() {
+    std::unique_lock lock(mutex_);
+    while (true) {
+        changed_.wait(lock, [&] { return stop_ || !waiting_.empty(); });
+        if (waiting_.empty()) return;
+        std::shared_ptr<Load> load = std::move(waiting_.front());
+        waiting_.pop_front();
+        atHand_ = load;
+        lock.unlock();
+        runLoad(*load);
+        lock.lock();
+        atHand_.reset();
+        lock.unlock();
+        load.reset();  // perhaps the last owner of an avatar, whose end locks the context
+        lock.lock();
+    }
+}
+
+HandleTable<Load>& loads() {
+    static auto* table = new HandleTable<Load>(0x1003);  // never freed, as contexts()
+    return *table;
+}
+
+namespace {
+
+Result<std::shared_ptr<Load>> loadOf(DplLoad handle, bool take) {
+    const auto number = reinterpret_cast<uintptr_t>(handle);
+    auto load = take ? loads().take(number) : loads().find(number);
+    if (!load)
+        return fail(Code::InvalidArgument, "{} is not a live load; was it finished or cancelled before?", handle ? "the handle" : "0");
+    return load;
+}
+
+static_assert(DPL_LOAD_WAITING == int(LoadState::Waiting) && DPL_LOAD_DECODING == int(LoadState::Decoding) &&
+              DPL_LOAD_UPLOADING == int(LoadState::Uploading) && DPL_LOAD_READY == int(LoadState::Ready) &&
+              DPL_LOAD_FAILED == int(LoadState::Failed));
+
+Status checkBytes(const void* data, size_t size) {
+    if (data == nullptr) return fail(Code::InvalidArgument, "data is NULL");
+    if (size == 0) return fail(Code::InvalidArgument, "the avatar has 0 bytes");
+    return {};
+}
+
+}  // namespace
+}  // namespace dpl::api
+
+using namespace dpl;
+using namespace dpl::api;
+
+extern "C" DplResult dplLoadAvatar(DplContext context, const uint8_t* data, size_t size, DplAvatar* avatar) {
+    return guarded("dplLoadAvatar", [&]() -> Status {
+        DPL_CHECK_OK(checkBytes(data, size));
+        if (avatar == nullptr) return fail(Code::InvalidArgument, "avatar is NULL");
+        const auto load = std::make_shared<Load>();
+        DPL_TRY(load->context, contextOf(context));
+        load->bytes = {data, size};
+        load->finishing = true;
+        runLoad(*load);
+        DPL_TRY(auto loaded, finishLoad(load));
+        *avatar = reinterpret_cast<DplAvatar>(avatars().add(std::move(loaded)));
+        return {};
+    });
+}
+
+extern "C" DplResult dplStartLoad(DplContext context, const DplLoadInfo* info, DplLoad* load) {
+    return guarded("dplStartLoad", [&]() -> Status {
+        if (load == nullptr) return fail(Code::InvalidArgument, "load is NULL");
+        DPL_TRY(const DplLoadInfo given, readStruct<DplLoadInfo>(info, "info"));
+        DPL_CHECK_OK(checkBytes(given.data, given.size));
+        const auto made = std::make_shared<Load>();
+        DPL_TRY(made->context, contextOf(context));
+        made->bytes = {given.data, given.size};
+        made->user = given.user;
+        const std::lock_guard lock(made->context->mutex);
+        if (made->context->closing) return fail(Code::InvalidArgument, "the context was destroyed");
+        if (!made->context->loader) made->context->loader = std::make_unique<Loader>();
+        const uintptr_t handle = loads().add(made);
+        made->context->loader->add(made, given.release);
+        *load = reinterpret_cast<DplLoad>(handle);
+        return {};
+    });
+}
+
+extern "C" DplResult dplGetLoadStatus(DplLoad load, DplLoadStatus* status) {
+    return guarded("dplGetLoadStatus", [&]() -> Status {
+        DPL_TRY(const auto found, loadOf(load, false));
+        DplLoadStatus out{};
+        {
+            const std::lock_guard lock(found->mutex);
+            out.state = DplLoadState(int(found->state));
+        }
+        out.progress = float(found->task.progress());
+        return writeStruct(status, out, "status");
+    });
+}
+
+extern "C" DplResult dplFinishLoad(DplLoad load, DplAvatar* avatar) {
+    return guarded("dplFinishLoad", [&]() -> Status {
+        if (avatar == nullptr) return fail(Code::InvalidArgument, "avatar is NULL");
+        DPL_TRY(const auto found, loadOf(load, true));
+        DPL_TRY(auto loaded, finishLoad(found));
+        *avatar = reinterpret_cast<DplAvatar>(avatars().add(std::move(loaded)));
+        return {};
+    });
+}
+
+extern "C" DplResult dplCancelLoad(DplLoad load) {
+    return guarded("dplCancelLoad", [&]() -> Status {
+        if (load == nullptr) return {};
+        DPL_TRY(const auto found, loadOf(load, true));
+        found->task.cancel();
+        (void)takenBack(*found);
+        const std::lock_guard lock(found->mutex);
+        found->changed.notify_all();
+        return {};
+    });
+}

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// Leaves splats out when an avatar is loaded and memory is short, in the order in which level of detail would.
+#pragma once
+
+#include "sdk/format/avatar_data.h"
+#include "sdk/format/coded_splats.h"
+
+namespace dpl {
+
+/** How much of a file's splats is kept. */
+struct Leanness {
+    uint32_t shDegree = 3;  // higher bands are left out
+    double share = 1;       // of the splats, 0 to 1
+    bool operator==(const Leanness&) const = default;
+};
+
+constexpr double kLeastShare = 1.0 / 16;  // leaner avatars have holes; a frame budget stops there too
+
+/** Keeps about that share of an avatar's splats, at least one of each group: face and hands keep more (measureDetail). Kept splats grow by
+ *  the formula of level of detail, those of a chunk alike. The avatar must have passed checkAvatarPosable. Without leanness, a copy. */
+CodedSplats leanSplats(const AvatarData& avatar, const CodedSplats& splats, const Leanness& lean);
+
+/** The same for general splats: each group keeps the same share. The order of the splats changes. */
+StaticSplatData leanSplats(const StaticSplatData& splats, const Leanness& lean);
+
+}  // namespace dpl
