@@ -62,6 +62,12 @@ TEST(FrameCheck, acceptsALoadTimeWriteInstead) {
     EXPECT_TRUE(s.create(false));
 }
 
+TEST(FrameCheck, acceptsAReadOfWhatAnEarlierFrameWrites) {
+    OneStep s;
+    ASSERT_TRUE(s.backend->createFrame({FillStep{"fill", s.sums, 0}}));
+    EXPECT_TRUE(s.create(false));
+}
+
 TEST(FrameCheck, refusesBindingsThatDifferFromTheShader) {
     {
         OneStep s;

@@ -46,7 +46,7 @@ public:
     Result<std::unique_ptr<PreparedSubject>> prepareSplats(const StaticSplatData&) const override {
         return std::make_unique<PreparedSubject>();
     }
-    Result<RenderAvatarId> add(std::unique_ptr<PreparedSubject>) override { return ++live, RenderAvatarId(1); }
+    Result<RenderAvatarId> begin(std::unique_ptr<PreparedSubject>) override { return ++live, RenderAvatarId(1); }
     void removeAvatar(RenderAvatarId) override { --live; }
     Status drawTogether(std::span<const Drawn>, std::span<const Cameraf>, const FrameWants&) override {
         ++draws;

@@ -21,7 +21,9 @@ struct CacheSetup {
 
     RenderAvatarId add() {
         const auto tube = std::make_shared<const AvatarData>(makeTube({.splatsPerTriangle = 2, .rings = 6}));
-        return *store.add(std::move(*store.prepareAvatar(tube, *codeSplats(tube->mesh, tube->splats))));
+        const RenderAvatarId id = *store.begin(std::move(*store.prepareAvatar(tube, *codeSplats(tube->mesh, tube->splats))));
+        EXPECT_TRUE(store.finishUpload(id));
+        return id;
     }
     RecordedFrame* own(SceneSet& set, const FrameShape& shape) {
         return *cache.frame(set, shape, [&](const TargetDesc& desc) { return FrameTarget::create(*backend, desc); });
@@ -108,12 +110,37 @@ TEST(AvatarStore, anotherStoreTakesOverTheSubjectsUnderTheirNumbers) {
     EXPECT_TRUE(anew.store.at(stays).ids.splats) << "each store has buffers of its own";
 }
 
+TEST(AvatarStore, slicesCarryEveryByteOnce) {
+    CacheSetup s;
+    const auto tube = std::make_shared<const AvatarData>(makeTube({.splatsPerTriangle = 20, .rings = 200, .segments = 64}));
+    const RenderAvatarId id = *s.store.begin(std::move(*s.store.prepareAvatar(tube, *codeSplats(tube->mesh, tube->splats))));
+    const uint64_t buffers = s.record->liveBuffers, all = s.store.at(id).records->bytes();
+    uint64_t bytes = 0, slices = 0;
+    UploadSlice slice;
+    double share = 0;
+    for (; share < 1 && slices < 100; ++slices) {
+        const auto next = s.store.continueUpload(id, slice);
+        ASSERT_TRUE(next) << next.error().message;
+        EXPECT_GE(*next, share);
+        share = *next;
+        EXPECT_EQ(slice.to.size(), slice.from.size());
+        EXPECT_LE(slice.to.size(), kCopiedBytesAFrame);
+        EXPECT_TRUE(share < 1 || slice.from.empty());
+        bytes += slice.from.size();
+    }
+    EXPECT_EQ(share, 1);
+    EXPECT_EQ(bytes, all);
+    EXPECT_GT(slices, all / kCopiedBytesAFrame);
+    EXPECT_EQ(s.record->liveBuffers, buffers) << "the staging ring has gone";
+    EXPECT_FALSE(s.store.continueUpload(id + 1, slice));
+}
+
 TEST(AvatarStore, keepsOneCopyOfWhatItUploads) {
     for (const uint32_t shDegree : {0u, 2u}) {
         CacheSetup s;
         const auto tube =
             std::make_shared<const AvatarData>(makeTube({.splatsPerTriangle = 20, .rings = 80, .segments = 64, .shDegree = shDegree}));
-        const RenderAvatarId id = *s.store.add(std::move(*s.store.prepareAvatar(tube, *codeSplats(tube->mesh, tube->splats))));
+        const RenderAvatarId id = *s.store.begin(std::move(*s.store.prepareAvatar(tube, *codeSplats(tube->mesh, tube->splats))));
         const LoadedSubject& subject = s.store.at(id);
         const size_t triangles = tube->mesh.triangles.size();
         const uint64_t kept = subject.records->bytes(), codes = subject.records->avatar.codes.size() * 4;
