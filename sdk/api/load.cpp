@@ -119,6 +119,16 @@ Result<std::shared_ptr<Avatar>> loadFileCaught(Load& load) noexcept {
     }
 }
 
+/** The error for whoever asks for the result, who did not cancel it. Has no text if there is no memory for one. */
+Error toldAs(const Error& error) noexcept {
+    const bool cancelled = error.code == Code::Cancelled;
+    try {
+        return cancelled ? fail(Code::InvalidArgument, "the context was destroyed while the avatar was read") : error;
+    } catch (...) {
+        return {cancelled ? Code::InvalidArgument : error.code, {}};
+    }
+}
+
 }  // namespace
 
 void runLoad(Load& load) noexcept {
@@ -131,8 +141,7 @@ void runLoad(Load& load) noexcept {
         load.avatar = std::move(*loaded);
         load.state = LoadState::Ready;
     } else {
-        const bool cancelled = loaded.error().code == Code::Cancelled;  // whoever asks for the result did not cancel it
-        load.error = cancelled ? fail(Code::InvalidArgument, "the context was destroyed while the avatar was read") : Error(loaded.error());
+        load.error = toldAs(loaded.error());
         load.state = LoadState::Failed;
     }
     load.changed.notify_all();

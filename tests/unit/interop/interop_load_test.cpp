@@ -41,7 +41,7 @@ protected:
         dplSetLogCallback([](void*, DplLogLevel, const char*) {}, nullptr);
         image_ = app_->makeTarget(kFormat, kSide, kSide);
         pass_ = app_->makePass(kFormat, 1, 0);
-        framebuffer_ = app_->makeFramebuffer(pass_, image_.layerViews[0], kSide, kSide);
+        framebuffer_ = app_->makeFramebuffer(pass_, {image_.layerViews[0]}, kSide, kSide);
         const DplVulkanDevice device = lent();
         const DplContextInfo info{sizeof info, DPL_RENDERER_AUTO, 1, 0, DPL_FILL_QUADS, nullptr};
         ASSERT_EQ(dplCreateVulkanContext(&device, &info, &context_), DPL_OK) << dplGetLastError();

@@ -194,7 +194,9 @@ TEST_F(InteropSubmit, theQueueIsLockedForEachSubmissionAndNothingIsAllocated) {
         AllocationCount count(CountedThreads::Own);
         ASSERT_EQ(submit(made, slot, {&camera, 1}, how), DPL_OK) << dplGetLastError();
         const uint64_t allocations = count.stop();
-        if (n >= DPL_VULKAN_SLOTS) EXPECT_EQ(allocations, 0u);
+        if (n >= DPL_VULKAN_SLOTS) {
+            EXPECT_EQ(allocations, 0u);
+        }
         EXPECT_EQ(locks.taken, int(n) + 1);
     }
     EXPECT_EQ(locks.held, 0);
