@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A Vulkan program with a lit room, as its author would write it: two people walk behind and in front of columns, inside the program's own
-// frames. It draws a few frames, changes its size on the way, and compares the last frame of each size with what the CPU draws and
-// composes.
+// A Vulkan program with a lit room, as its author would write it: two people walk behind and in front of columns and a pane of glass,
+// inside the program's own frames. The glass is drawn last, and who stands before it hides it by the depth that Doppel wrote. It draws a
+// few frames, changes its size on the way, and compares the last frame of each size with what the CPU draws and composes.
 //
 //   vulkan_app AVATAR.glb [OUT.ppm]      exit 77: no Vulkan device
 #include <doppel/doppel_vulkan.h>
@@ -91,6 +91,13 @@ float floatOf(uint16_t half) {
     return half & 0x8000 ? -value : value;
 }
 
+/** Of a number from 2^-14 to 65504, or 0 below. */
+uint16_t halfOf(float value) {
+    int exponent = 0;
+    const float mantissa = std::frexp(value, &exponent);  // 0.5 to 1
+    return value < 0x1p-14f ? uint16_t(0) : uint16_t((exponent + 13) * 1024 + int(std::lround(mantissa * 2048)));
+}
+
 class App {
 public:
     explicit App(const std::vector<uint8_t>& file) : room_(device_) {
@@ -105,6 +112,7 @@ public:
         pass.renderPass = room_.composingPass();
         pass.colourFormat = kColourFormat;
         pass.samples = kSamples;
+        pass.writesDepth = DPL_DRAW_DEPTH;
         check(dplCreateVulkanComposer(context_, &pass, &composer_));
         walkers_ = std::make_unique<Walkers>(context_, file);
 
@@ -141,20 +149,24 @@ public:
         const DplCamera camera = cameraOf(size);
         for (uint32_t n = 0; n < kFramesPerSize; ++n) {
             walkers_->pose(time_ += 0.55);
-            frame(target, camera, true);
+            frame(target, camera, true, true);
         }
         const std::vector<uint16_t> drawn = read(target);
-        frame(target, camera, false);
-        const std::vector<uint16_t> expected = composedByTheCpu(camera, read(target));
+        frame(target, camera, false, true);
+        const std::vector<uint16_t> roomWithGlass = read(target);
+        frame(target, camera, false, false);
+        const std::vector<uint16_t> expected = composedByTheCpu(camera, read(target), roomWithGlass);
         if (out) write(out, size, drawn);
         return psnrDb(drawn, expected);
     }
 
+    /** Pixels of the last picture in which somebody stands before the glass. */
+    int hidden() const { return hidden_; }
     const std::string& deviceName() const { return device_.name; }
     const std::vector<std::string>& complaints() const { return device_.complaints; }
 
 private:
-    void frame(const Target& target, const DplCamera& camera, bool withPeople) {
+    void frame(const Target& target, const DplCamera& camera, bool withPeople, bool withGlass) {
         const uint32_t slot = uint32_t(frameNumber_++ % DPL_VULKAN_SLOTS);
         const VkCommandBuffer commands = commands_[slot];
         CHECK(vkWaitForFences(device_.device, 1, &fences_[slot], VK_TRUE, UINT64_MAX));
@@ -173,7 +185,11 @@ private:
             check(dplVulkanPrepare(context_, commands, slot, walkers_->avatars, 2, &camera, 1, &depth));
         }
         room_.beginComposing(commands, target);
-        if (withPeople) check(dplVulkanCompose(context_, composer_, commands, slot, 0, 0, 0));
+        if (withPeople) {
+            check(dplVulkanCompose(context_, composer_, commands, slot, 0, 0, 0));
+            check(dplVulkanComposeDepth(context_, composer_, commands, slot, 0, 0, 0, 0, kNearM));
+        }
+        if (withGlass) room_.drawGlass(commands, target, camera);
         room_.endComposing(commands);
         CHECK(vkEndCommandBuffer(commands));
         VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
@@ -225,7 +241,8 @@ private:
         return halves;
     }
 
-    std::vector<uint16_t> composedByTheCpu(DplCamera camera, std::vector<uint16_t> room) {
+    /** The people over the room, and then the glass. Where nobody is, it is roomWithGlass. */
+    std::vector<uint16_t> composedByTheCpu(DplCamera camera, std::vector<uint16_t> room, const std::vector<uint16_t>& roomWithGlass) {
         std::vector<float> depth(size_t(camera.widthPx) * camera.heightPx);
         for (uint32_t y = 0; y < camera.heightPx; ++y)
             for (uint32_t x = 0; x < camera.widthPx; ++x) depth[size_t(y) * camera.widthPx + x] = roomDepthM(camera, x, y);
@@ -237,6 +254,24 @@ private:
         image.rgba = reinterpret_cast<uint8_t*>(room.data()), image.rgbaBytes = room.size() * 2;
         refereed_->pose(time_);
         check(dplRenderTogether(referee_, refereed_->avatars, 2, &camera, 1, &image));
+        std::vector<uint8_t> people(depth.size() * 4);
+        std::vector<float> peopleM(depth.size());
+        image.flags = 0, image.format = DPL_FORMAT_RGBA8;
+        image.rgba = people.data(), image.rgbaBytes = people.size();
+        image.depthM = peopleM.data(), image.depthCount = peopleM.size();
+        check(dplRenderTogether(referee_, refereed_->avatars, 2, &camera, 1, &image));
+        hidden_ = 0;
+        for (size_t i = 0; i < peopleM.size(); ++i) {
+            const auto x = uint32_t(i % camera.widthPx), y = uint32_t(i / camera.widthPx);
+            const bool writesDepth = float(people[4 * i + 3]) / 255 >= DPL_VULKAN_DEPTH_COVERAGE;
+            const int shown = glassSamples(camera, x, y, writesDepth ? peopleM[i] : 0);
+            if (writesDepth && shown < glassSamples(camera, x, y, 0)) ++hidden_;
+            for (size_t c = 0; c < 4; ++c) {
+                uint16_t& half = room[4 * i + c];
+                half = people[4 * i + 3] == 0 ? roomWithGlass[4 * i + c]
+                                              : halfOf(floatOf(half) * (1 - float(shown) / 4 * kGlass[3]) + float(shown) / 4 * kGlass[c]);
+            }
+        }
         return room;
     }
 
@@ -271,6 +306,7 @@ private:
     VkFence fences_[DPL_VULKAN_SLOTS]{};
     uint64_t frameNumber_ = 0;
     double time_ = 0;
+    int hidden_ = 0;
 };
 
 }  // namespace
@@ -282,8 +318,9 @@ int main(int argc, char** argv) {
         bool good = true;
         for (const VkExtent2D size : {VkExtent2D{400, 500}, VkExtent2D{640, 400}}) {
             const double db = app.play(size, size.width == 640 && argc > 2 ? argv[2] : nullptr);
-            std::printf("%u x %u on %s: %.1f dB to the CPU's composition\n", size.width, size.height, app.deviceName().c_str(), db);
-            good &= db >= kLeastPsnrDb;
+            std::printf("%u x %u on %s: %.1f dB to the CPU's composition, %d pixels of people before the glass\n", size.width, size.height,
+                        app.deviceName().c_str(), db, app.hidden());
+            good &= db >= kLeastPsnrDb && app.hidden() > 500;
         }
         for (const std::string& complaint : app.complaints()) std::fprintf(stderr, "%s\n", complaint.c_str());
         return good && app.complaints().empty() ? 0 : 1;
