@@ -41,9 +41,9 @@ std::string pfmOf(const xr::CapturedView& view) {
     return file;
 }
 
-nlohmann::json jsonOf(const xr::CapturedView& view, const Room& room) {
+nlohmann::json jsonOf(const xr::CapturedView& view, const AvatarScene& scene) {
     const DplCamera& world = view.camera;
-    const DplCamera avatar = room.cameraOfAvatar(world);
+    const DplCamera avatar = scene.cameraOfAvatar(world);
     const XrPosef& pose = view.pose;
     return {{"widthPx", world.widthPx},
             {"heightPx", world.heightPx},
@@ -60,7 +60,7 @@ nlohmann::json jsonOf(const xr::CapturedView& view, const Room& room) {
 
 }  // namespace
 
-Result<std::string> writeCapture(const std::filesystem::path& folder, std::span<const xr::CapturedView> views, const Room& room,
+Result<std::string> writeCapture(const std::filesystem::path& folder, std::span<const xr::CapturedView> views, const AvatarScene& scene,
                                  const CapturedFrame& frame) {
     std::error_code error;
     std::filesystem::create_directories(folder, error);
@@ -72,7 +72,7 @@ Result<std::string> writeCapture(const std::filesystem::path& folder, std::span<
         DPL_TRY(const auto png, encodePng(codesOf(view), view.widthPx, view.heightPx, 4));
         DPL_CHECK_OK(writeFileAtomically(folder / formatText("view_{}.png", i), png));
         DPL_CHECK_OK(writeFileAtomically(folder / formatText("view_{}_depth.pfm", i), pfmOf(view)));
-        all["views"].push_back(jsonOf(view, room));
+        all["views"].push_back(jsonOf(view, scene));
     }
     std::string text = all.dump(1) + "\n";
     DPL_CHECK_OK(writeFileAtomically(folder / "views.json", text));

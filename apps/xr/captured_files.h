@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "apps/xr/room.h"
+#include "apps/xr/avatar_scene.h"
 #include "platform/openxr/session.h"
 #include "sdk/core/result.h"
 
@@ -23,7 +23,7 @@ struct CapturedFrame {
  *    view_N_depth.pfm  view z of the room, metres; 0: nothing. Little-endian, bottom row first
  *    views.json        cameras of the world and of the avatar's own space, poses, field of view, times
  *  Returns the text of views.json. */
-Result<std::string> writeCapture(const std::filesystem::path& folder, std::span<const xr::CapturedView> views, const Room& room,
+Result<std::string> writeCapture(const std::filesystem::path& folder, std::span<const xr::CapturedView> views, const AvatarScene& scene,
                                  const CapturedFrame& frame);
 
 }  // namespace dpl

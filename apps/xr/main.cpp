@@ -9,8 +9,8 @@
 
 #include "apps/shared/checks.h"
 #include "apps/shared/pictures.h"
+#include "apps/xr/avatar_scene.h"
 #include "apps/xr/captured_files.h"
-#include "apps/xr/room.h"
 #include "platform/openxr/session.h"
 #include "sdk/core/files.h"
 
@@ -55,9 +55,9 @@ Result<std::unique_ptr<xr::Runtime>> waitForHeadset(const Options& options) {
 }
 
 /** Lets the controllers move the avatar: select puts it where they point at the floor, and a stick turns it. */
-void moveAvatar(Room& room, const xr::Session& session) {
+void moveAvatar(AvatarScene& scene, const xr::Session& session) {
     using xr::operator*;
-    XrPosef place = room.place();
+    XrPosef place = scene.place();
     if (const auto& moved = session.originMoved()) place = xr::inverse(*moved) * place;
     for (const xr::Controller& hand : session.controllers().hands) {
         const XrVector3f ray = xr::rotate(hand.aim.orientation, {0, 0, -1});
@@ -68,18 +68,18 @@ void moveAvatar(Room& room, const xr::Session& session) {
         const float half = float(-0.5 * kTurnRadPerS * hand.turn * session.lastFrame().periodS);
         if (hand.turn != 0) place.orientation = XrQuaternionf{0, std::sin(half), 0, std::cos(half)} * place.orientation;
     }
-    if (xr::makeValid(place)) room.place(place);
+    if (xr::makeValid(place)) scene.place(place);
 }
 
-RoomOptions roomOf(const Options& options) {
-    RoomOptions room;
-    room.withRoom = !options.withoutRoom, room.withAvatar = !options.withoutAvatar;
-    return room;
+SceneOptions sceneOf(const Options& options) {
+    SceneOptions scene;
+    scene.withRoom = !options.withoutRoom, scene.withAvatar = !options.withoutAvatar;
+    return scene;
 }
 
-xr::SessionOptions sessionOf(const Options& options, const RoomOptions& room) {
+xr::SessionOptions sessionOf(const Options& options) {
     xr::SessionOptions session;
-    session.nearM = room.nearM;
+    session.nearM = platform::kRoomNearM;
     session.array = !options.perEye, session.quadViews = !options.twoViews;
     session.capture = !options.capture.empty();
     session.refreshHz = options.refreshHz;
@@ -87,28 +87,28 @@ xr::SessionOptions sessionOf(const Options& options, const RoomOptions& room) {
     return session;
 }
 
-Status capture(const Options& options, const xr::Runtime& runtime, const Room& room, const xr::Session& session) {
+Status capture(const Options& options, const xr::Runtime& runtime, const AvatarScene& scene, const xr::Session& session) {
     const xr::Frame& last = session.lastFrame();
     DPL_TRY(const std::string text,
-            writeCapture(options.capture, session.captured(), room, {runtime.name(), options.clip, last.number, last.timeS}));
+            writeCapture(options.capture, session.captured(), scene, {runtime.name(), options.clip, last.number, last.timeS}));
     std::fputs(text.c_str(), stdout);
     return {};
 }
 
 Status play(const Options& options, xr::Runtime& runtime, doppel::Avatar& avatar) {
-    RoomOptions what = roomOf(options);
+    SceneOptions what = sceneOf(options);
     if (!options.clip.empty()) {
         DPL_TRY(what.clip, chooseClip(avatar, options.clip));
     }
-    Room room(runtime, avatar, what);
-    xr::Session session(runtime, sessionOf(options, what));
+    AvatarScene scene(runtime, avatar, what);
+    xr::Session session(runtime, sessionOf(options));
     uint64_t drawn = 0;
     bool leaving = false;
     auto lastProgress = Clock::now();
     std::string complaint;
     for (;;) {
         if (drawn + 1 == options.frames) session.captureNextFrame();
-        const auto step = session.frame(room);
+        const auto step = session.frame(scene);
         if (!step) return fromSdk(step.error());
         if (*step == xr::Step::Ended) break;
         if (session.lastComplaint() != complaint) note(complaint = session.lastComplaint());
@@ -121,8 +121,8 @@ Status play(const Options& options, xr::Runtime& runtime, doppel::Avatar& avatar
         if (*step == xr::Step::Drew) {
             ++drawn;
             lastProgress = Clock::now();
-            if (drawn == options.frames && !options.capture.empty()) DPL_CHECK_OK(capture(options, runtime, room, session));
-            moveAvatar(room, session);
+            if (drawn == options.frames && !options.capture.empty()) DPL_CHECK_OK(capture(options, runtime, scene, session));
+            moveAvatar(scene, session);
         }
         leaving = interrupted || (options.frames > 0 && drawn >= options.frames);
         if (leaving) session.requestExit(), lastProgress = Clock::now();

@@ -17,7 +17,7 @@ namespace dpl::platform {
 constexpr float kRoomNearM = 0.05f;
 
 /** The pass that the room is drawn in. Colour: RGBA16F or an SRGB format, cleared to anything, because the backdrop covers all that lies
- *  within 16 m. Depth: a float format, cleared to 0. */
+ *  within 16 m. Depth: cleared to 0; a float format keeps what is far exact. */
 struct RoomPass {
     VkRenderPass renderPass = VK_NULL_HANDLE;
     uint32_t subpass = 0, samples = 1;

@@ -13,7 +13,7 @@ struct Vec {
     float x = 0, y = 0, z = 0;
 };
 
-constexpr float kBackdropHeightM = 12, kColumnHeightM = 3.6f;
+constexpr float kBackdropHeightM = 12, kColumnHeightM = 3.6f, kPostHalfM = 0.06f;
 
 /** A ring of a surface of revolution: radius and height, the outward normal in the plane of the axis, and how open it is. */
 struct Ring {
@@ -139,7 +139,11 @@ std::vector<RoomVertex> roomMesh(const RoomPlan& plan) {
     MeshMaker maker(mesh);
     const float floorY = plan.floorY, ring = std::clamp(plan.ringRadiusM, kMinRingRadiusM, kMaxRingRadiusM);
     const float wall = std::max(16.0f, ring + 8), ceiling = floorY + kBackdropHeightM;
-    maker.revolve(RoomSurface::Floor, 0, 0, {{wall, floorY, 0, 1, 1}, {6, floorY, 0, 1, 1}, {0, floorY, 0, 1, 1}}, 64);
+    // A square around the wall, because a corner just beside the eye has no place on the screen: drivers that compute with projected
+    // corners lose what the triangle shows in front of the eye. So no corner lies where a user stands.
+    const Vec up{0, 1, 0}, corners[4] = {{-wall, floorY, wall}, {wall, floorY, wall}, {wall, floorY, -wall}, {-wall, floorY, -wall}};
+    maker.triangle(RoomSurface::Floor, {corners[0], corners[1], corners[2]}, {up, up, up}, {1, 1, 1});
+    maker.triangle(RoomSurface::Floor, {corners[0], corners[2], corners[3]}, {up, up, up}, {1, 1, 1});
     // From the top down, so that its inside is its front.
     maker.revolve(RoomSurface::Backdrop, 0, 0, {{0, ceiling, 0, -1, 1}, {wall, ceiling, -1, 0, 1}, {wall, floorY, -1, 0, 0}}, 64);
     std::vector<Body> bodies;
@@ -159,13 +163,18 @@ std::vector<RoomVertex> roomMesh(const RoomPlan& plan) {
         bodies.push_back({plan.stands[i][0], plan.stands[i][1], kStandRadiusM, 0.6f});
         addStand(maker, bodies.back().x, bodies.back().z, floorY);
     }
+    for (size_t i = 0; i < std::min<size_t>(plan.posts.size(), kMaxPosts); ++i) {
+        bodies.push_back({plan.posts[i][0], plan.posts[i][1], kPostHalfM, 0.25f});
+        maker.box(RoomSurface::Column, bodies.back().x, bodies.back().z, kPostHalfM, floorY, floorY + kPostHeightM);
+    }
     for (const Body& body : bodies) addFloorShadow(maker, bodies, body, floorY);
     return mesh;
 }
 
 uint32_t maxRoomVertices() {
-    const size_t empty = roomMesh({kMaxRingRadiusM, 0, {}}).size(), one = roomMesh({kMaxRingRadiusM, 0, {{0, 0}}}).size();
-    return uint32_t(empty + kMaxStands * (one - empty));
+    const size_t empty = roomMesh({kMaxRingRadiusM, 0, {}, {}}).size(), stand = roomMesh({kMaxRingRadiusM, 0, {{0, 0}}, {}}).size() - empty,
+                 post = roomMesh({kMaxRingRadiusM, 0, {}, {{0, 0}}}).size() - empty;
+    return uint32_t(empty + kMaxStands * stand + kMaxPosts * post);
 }
 
 }  // namespace dpl::platform

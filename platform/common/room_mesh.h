@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The triangles of the room: a floor, a ring of columns with a beam, a backdrop around it, and a stand for each avatar.
+// The triangles of the room: a floor, a ring of columns with a beam, a backdrop around it, a stand for each avatar, and posts.
 #pragma once
 
 #include <array>
@@ -8,8 +8,8 @@
 
 namespace dpl::platform {
 
-constexpr float kStandHeightM = 0.1f, kStandRadiusM = 0.46f;
-constexpr uint32_t kMaxStands = 16;
+constexpr float kStandHeightM = 0.1f, kStandRadiusM = 0.46f, kPostHeightM = 1.1f;
+constexpr uint32_t kMaxStands = 16, kMaxPosts = 4;
 constexpr float kMinRingRadiusM = 5.2f, kMaxRingRadiusM = 14;
 
 enum class RoomLight { Dark, Bright };
@@ -18,6 +18,7 @@ struct RoomPlan {
     float ringRadiusM = kMinRingRadiusM;       // of the columns around the origin, between the two ends above
     float floorY = 0;                          // world, metres
     std::vector<std::array<float, 2>> stands;  // x and z of their centres, at most kMaxStands; their tops are at floorY + kStandHeightM
+    std::vector<std::array<float, 2>> posts;   // x and z of slender, waist-high posts, at most kMaxPosts
     bool operator==(const RoomPlan&) const = default;
 };
 

@@ -35,7 +35,7 @@ float heightAt(const std::vector<RoomVertex>& mesh, RoomSurface surface, float x
 }
 
 TEST(RoomMesh, trianglesTurnTheSideOfTheirNormalsToTheViewer) {
-    const auto mesh = roomMesh({7, -0.1f, {{0, 0}, {1, 0}}});
+    const auto mesh = roomMesh({7, -0.1f, {{0, 0}, {1, 0}}, {{0.2f, 1}}});
     ASSERT_EQ(mesh.size() % 3, 0u);
     for (size_t i = 0; i < mesh.size(); i += 3) {
         const Vec3f across = glm::cross(at(mesh[i + 1]) - at(mesh[i]), at(mesh[i + 2]) - at(mesh[i]));
@@ -52,6 +52,22 @@ TEST(RoomMesh, floorAndStandsLieWhereThePlanSays) {
     EXPECT_EQ(heightAt(mesh, RoomSurface::Stand, 0.5f + 1.01f * kStandRadiusM, 0), -INFINITY);
 }
 
+TEST(RoomMesh, floorHasNoCornerWhereAUserStands) {
+    int corners = 0;
+    for (const RoomVertex& v : roomMesh({kMinRingRadiusM, -0.1f, {}, {}}))
+        if (v.surface == float(RoomSurface::Floor) && v.position[1] == -0.1f) {
+            EXPECT_GT(std::hypot(v.position[0], v.position[2]), kMinRingRadiusM) << "shadows lie higher";
+            ++corners;
+        }
+    EXPECT_GT(corners, 0);
+}
+
+TEST(RoomMesh, postsLieWhereThePlanSays) {
+    const auto mesh = roomMesh({kMinRingRadiusM, -0.1f, {}, {{0.2f, 1}}});
+    EXPECT_NEAR(heightAt(mesh, RoomSurface::Column, 0.21f, 1.01f), kPostHeightM - 0.1f, 1e-5f);
+    EXPECT_EQ(heightAt(mesh, RoomSurface::Column, 0.3f, 1), -INFINITY);
+}
+
 TEST(RoomMesh, columnsStandAroundWhatTheyShow) {
     for (const float ring : {kMinRingRadiusM, 9.0f, kMaxRingRadiusM, 100.0f})
         for (const RoomVertex& v : roomMesh({ring, 0, {}})) {
@@ -60,12 +76,14 @@ TEST(RoomMesh, columnsStandAroundWhatTheyShow) {
         }
 }
 
-TEST(RoomMesh, takesNoMoreStandsThanItSays) {
+TEST(RoomMesh, takesNoMoreStandsAndPostsThanItSays) {
     RoomPlan plan;
     plan.ringRadiusM = kMaxRingRadiusM;
     plan.stands.resize(kMaxStands);
+    plan.posts.resize(kMaxPosts);
     EXPECT_EQ(roomMesh(plan).size(), maxRoomVertices());
     plan.stands.resize(kMaxStands + 5);
+    plan.posts.resize(kMaxPosts + 5);
     EXPECT_EQ(roomMesh(plan).size(), maxRoomVertices());
     EXPECT_LT(roomMesh({}).size(), maxRoomVertices());
 }

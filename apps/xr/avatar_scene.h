@@ -6,26 +6,26 @@
 #include <doppel/doppel.hpp>
 #include <optional>
 
+#include "platform/common/room.h"
 #include "platform/openxr/poses.h"
 #include "platform/openxr/runtime.h"
 #include "platform/openxr/scene.h"
 
 namespace dpl {
 
-struct RoomOptions {
+struct SceneOptions {
     bool withRoom = true;  // where the picture is opaque; elsewhere the real room is seen
     bool withAvatar = true;
     std::optional<uint32_t> clip;  // none: the avatar stands in its rest pose
-    float nearM = 0.1f;
 };
 
-class Room final : public xr::Scene {
+class AvatarScene final : public xr::Scene {
 public:
     /** Both must live longer. */
-    Room(const xr::Runtime& runtime, doppel::Avatar& avatar, const RoomOptions& options);
-    ~Room() override;
-    Room(const Room&) = delete;
-    Room& operator=(const Room&) = delete;
+    AvatarScene(const xr::Runtime& runtime, doppel::Avatar& avatar, const SceneOptions& options);
+    ~AvatarScene() override;
+    AvatarScene(const AvatarScene&) = delete;
+    AvatarScene& operator=(const AvatarScene&) = delete;
 
     doppel::Status begin(const xr::SessionImages& images) override;
     void end() override;
@@ -43,21 +43,19 @@ private:
         std::vector<VkFramebuffer> composing;             // by colour image
     };
 
-    doppel::Status makePasses();
-    doppel::Status makePipeline();
-    doppel::Result<VkFramebuffer> makeFramebuffer(VkRenderPass pass, const std::vector<VkImageView>& views, const xr::GroupImages& group);
+    void makePasses();
+    VkFramebuffer makeFramebuffer(VkRenderPass pass, const std::vector<VkImageView>& views, const xr::GroupImages& group);
     void drawRoom(VkCommandBuffer commands, const xr::GroupImages& images, const xr::GroupFrame& group, uint32_t pass,
                   VkFramebuffer target) const;
 
     const xr::Runtime& runtime_;
     doppel::Avatar& avatar_;
-    RoomOptions options_;
+    SceneOptions options_;
     XrPosef worldFromAvatar_{{0, 0, 0, 1}, {0, 0, -2}};  // two metres before the user, facing them
 
     const xr::SessionImages* images_ = nullptr;
     VkRenderPass drawing_ = VK_NULL_HANDLE, composing_ = VK_NULL_HANDLE;
-    VkPipelineLayout layout_ = VK_NULL_HANDLE;
-    VkPipeline pipeline_ = VK_NULL_HANDLE;
+    std::optional<platform::Room> room_;
     std::optional<uint32_t> composer_;
     std::vector<VkFramebuffer> framebuffers_;  // all
     std::vector<std::vector<Pass>> passes_;    // by group

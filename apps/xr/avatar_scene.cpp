@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/xr/avatar_scene.h"
+
+namespace dpl {
+namespace {
+
+// Waist-high, before the avatar and beside it, so that a user sees that it stands among other things.
+constexpr std::array<float, 2> kPosts[] = {{0.16f, -1.39f}, {-0.68f, -1.2f}};
+
+#define SCENE_OK(...) \
+    if (doppel::Status sceneStatus = (__VA_ARGS__); !sceneStatus) return sceneStatus.error()
+
+VkAttachmentDescription attachment(VkFormat format, VkAttachmentLoadOp load, VkImageLayout before, VkImageLayout after) {
+    VkAttachmentDescription a{};
+    a.format = format;
+    a.samples = VK_SAMPLE_COUNT_1_BIT;
+    a.loadOp = load;
+    a.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+    a.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE, a.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
+    a.initialLayout = before, a.finalLayout = after;
+    return a;
+}
+
+}  // namespace
+
+AvatarScene::AvatarScene(const xr::Runtime& runtime, doppel::Avatar& avatar, const SceneOptions& options)
+    : runtime_(runtime), avatar_(avatar), options_(options) {}
+
+AvatarScene::~AvatarScene() {
+    end();
+}
+
+doppel::Status AvatarScene::begin(const xr::SessionImages& images) {
+    images_ = &images;
+    try {
+        makePasses();
+        platform::RoomPlan plan;
+        plan.posts.assign(std::begin(kPosts), std::end(kPosts));
+        room_.emplace(platform::VulkanHandles{runtime_.physicalDevice(), runtime_.device()},
+                      platform::RoomPass{drawing_, 0, 1, images.multiview ? 3u : 0u});
+        room_->build(plan);
+        for (const xr::GroupImages& group : images.groups) {
+            std::vector<Pass>& made = passes_.emplace_back(group.passes);
+            for (uint32_t p = 0; p < group.passes; ++p)
+                for (VkImageView colour : group.colour[p]) {
+                    made[p].composing.push_back(makeFramebuffer(composing_, {colour}, group));
+                    std::vector<VkFramebuffer>& drawing = made[p].drawing.emplace_back();
+                    for (VkImageView depth : group.depth[p]) drawing.push_back(makeFramebuffer(drawing_, {colour, depth}, group));
+                }
+        }
+    } catch (const platform::VulkanError& error) {
+        return doppel::Error{DPL_ERROR_DEVICE, error.what()};
+    }
+    DplVulkanPass pass{};
+    pass.structSize = sizeof pass;
+    pass.renderPass = composing_;
+    pass.viewMask = images.multiview ? 3 : 0;
+    pass.colourFormat = images.colourFormat;
+    uint32_t composer = 0;
+    SCENE_OK(doppel::status(dplCreateVulkanComposer(runtime_.context(), &pass, &composer)));
+    composer_ = composer;
+    return {};
+}
+
+void AvatarScene::end() {
+    const VkDevice device = runtime_.device();
+    for (VkFramebuffer framebuffer : framebuffers_) vkDestroyFramebuffer(device, framebuffer, nullptr);
+    framebuffers_.clear(), passes_.clear();
+    if (composer_) dplDestroyVulkanComposer(runtime_.context(), *composer_);
+    composer_.reset();
+    room_.reset();
+    vkDestroyRenderPass(device, drawing_, nullptr);
+    vkDestroyRenderPass(device, composing_, nullptr);
+    drawing_ = composing_ = VK_NULL_HANDLE;
+    images_ = nullptr;
+}
+
+VkFramebuffer AvatarScene::makeFramebuffer(VkRenderPass pass, const std::vector<VkImageView>& views, const xr::GroupImages& group) {
+    VkFramebufferCreateInfo info{VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO};
+    info.renderPass = pass;
+    info.attachmentCount = uint32_t(views.size());
+    info.pAttachments = views.data();
+    info.width = group.widthPx, info.height = group.heightPx, info.layers = 1;
+    VkFramebuffer made = VK_NULL_HANDLE;
+    DPL_VK(vkCreateFramebuffer(runtime_.device(), &info, nullptr, &made));
+    framebuffers_.push_back(made);
+    return made;
+}
+
+void AvatarScene::makePasses() {
+    const VkAttachmentReference colour{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
+    const VkAttachmentReference depth{1, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL};
+    constexpr VkPipelineStageFlags kColourStage = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
+    constexpr VkPipelineStageFlags kDepthStages = VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT;
+    constexpr VkAccessFlags kColourAccess = VK_ACCESS_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
+    constexpr VkAccessFlags kDepthAccess = VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
+    VkSubpassDescription subpass{};
+    subpass.colorAttachmentCount = 1;
+    subpass.pColorAttachments = &colour;
+    subpass.pDepthStencilAttachment = &depth;
+    const uint32_t mask = 3;
+    VkRenderPassMultiviewCreateInfo multiview{VK_STRUCTURE_TYPE_RENDER_PASS_MULTIVIEW_CREATE_INFO};
+    multiview.subpassCount = 1;
+    multiview.pViewMasks = &mask;
+    multiview.correlationMaskCount = 1;
+    multiview.pCorrelationMasks = &mask;
+    VkRenderPassCreateInfo info{VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO};
+    if (images_->multiview) info.pNext = &multiview;
+    info.subpassCount = 1;
+    info.pSubpasses = &subpass;
+
+    // The room. The avatar's compute passes read its depth afterwards, and those of the frame before may still do.
+    const VkAttachmentDescription room[] = {
+        attachment(images_->colourFormat, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL),
+        attachment(images_->depthFormat, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_IMAGE_LAYOUT_UNDEFINED,
+                   VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL)};
+    const VkSubpassDependency around[] = {
+        {VK_SUBPASS_EXTERNAL, 0, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT | kColourStage | kDepthStages,
+         kColourStage | kDepthStages, kColourAccess | kDepthAccess, kColourAccess | kDepthAccess, 0},
+        {0, VK_SUBPASS_EXTERNAL, kColourStage | kDepthStages, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | kColourStage,
+         kColourAccess | kDepthAccess, VK_ACCESS_SHADER_READ_BIT | kColourAccess, 0},
+    };
+    info.attachmentCount = 2;
+    info.pAttachments = room;
+    info.dependencyCount = 2;
+    info.pDependencies = around;
+    DPL_VK(vkCreateRenderPass(runtime_.device(), &info, nullptr, &drawing_));
+
+    // The avatar: composed over the colour.
+    const VkAttachmentDescription composed = attachment(images_->colourFormat, VK_ATTACHMENT_LOAD_OP_LOAD,
+                                                        VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+    const VkSubpassDependency before{VK_SUBPASS_EXTERNAL, 0, kColourStage, kColourStage, kColourAccess, kColourAccess, 0};
+    subpass.pDepthStencilAttachment = nullptr;
+    info.attachmentCount = 1;
+    info.pAttachments = &composed;
+    info.dependencyCount = 1;
+    info.pDependencies = &before;
+    DPL_VK(vkCreateRenderPass(runtime_.device(), &info, nullptr, &composing_));
+}
+
+void AvatarScene::drawRoom(VkCommandBuffer commands, const xr::GroupImages& images, const xr::GroupFrame& group, uint32_t pass,
+                           VkFramebuffer target) const {
+    const bool shown = options_.withRoom && images_->blend == xr::Blend::Opaque;
+    const VkClearValue clear[2]{};  // black of alpha 0, infinitely far
+    VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
+    begin.renderPass = drawing_;
+    begin.framebuffer = target;
+    begin.renderArea.extent = {images.widthPx, images.heightPx};
+    begin.clearValueCount = 2;
+    begin.pClearValues = clear;
+    vkCmdBeginRenderPass(commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
+    if (shown)
+        room_->record(commands, begin.renderArea.extent, group.cameras + (images_->multiview ? 0 : pass), images_->multiview ? 2 : 1,
+                      platform::RoomLight::Dark);
+    vkCmdEndRenderPass(commands);
+}
+
+DplCamera AvatarScene::cameraOfAvatar(const DplCamera& camera) const {
+    DplCamera moved = camera;
+    XrVector3f columns[4] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, worldFromAvatar_.position};
+    for (int i = 0; i < 3; ++i) columns[i] = xr::rotate(worldFromAvatar_.orientation, columns[i]);
+    for (int row = 0; row < 3; ++row) {
+        const float* m = camera.viewFromWorld + 4 * row;
+        for (int column = 0; column < 4; ++column) {
+            const XrVector3f& c = columns[column];
+            moved.viewFromWorld[4 * row + column] = m[0] * c.x + m[1] * c.y + m[2] * c.z + (column == 3 ? m[3] : 0);
+        }
+    }
+    return moved;
+}
+
+doppel::Status AvatarScene::draw(const xr::Frame& frame) {
+    const VkCommandBuffer commands = frame.commands;
+    for (uint32_t g = 0; g < frame.groupCount; ++g) {
+        const xr::GroupFrame& group = frame.groups[g];
+        for (uint32_t p = 0; p < images_->groups[g].passes; ++p)
+            drawRoom(commands, images_->groups[g], group, p, passes_[g][p].drawing[group.colourImage[p]][group.depthImage[p]]);
+    }
+    if (!options_.withAvatar) return {};
+    if (options_.clip) SCENE_OK(avatar_.setPoseFromClip(*options_.clip, frame.timeS));
+    const DplAvatar avatars[] = {avatar_.handle()};
+    for (uint32_t g = 0; g < frame.groupCount; ++g) {
+        const xr::GroupFrame& group = frame.groups[g];
+        DplCamera cameras[xr::kMaxViewsOfGroup];
+        for (uint32_t v = 0; v < group.views; ++v) cameras[v] = cameraOfAvatar(group.cameras[v]);
+        SCENE_OK(
+            doppel::status(dplVulkanPrepare(runtime_.context(), commands, group.slot, avatars, 1, cameras, group.views, group.depths)));
+        for (uint32_t p = 0; p < images_->groups[g].passes; ++p) {
+            VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
+            begin.renderPass = composing_;
+            begin.framebuffer = passes_[g][p].composing[group.colourImage[p]];
+            begin.renderArea.extent = {images_->groups[g].widthPx, images_->groups[g].heightPx};
+            vkCmdBeginRenderPass(commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
+            const doppel::Status composed = doppel::status(dplVulkanCompose(runtime_.context(), *composer_, commands, group.slot, p, 0, 0));
+            vkCmdEndRenderPass(commands);
+            SCENE_OK(composed);
+        }
+    }
+    return {};
+}
+
+}  // namespace dpl
