@@ -65,7 +65,10 @@ Status Images::makeColour(Calls& calls, XrSession session, const Display& displa
                           const std::vector<int64_t>& formats) {
     const XrSwapchainUsageFlags usage =
         XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT | (options.capture ? XR_SWAPCHAIN_USAGE_TRANSFER_SRC_BIT : 0);
-    Status last = Error{DPL_ERROR_UNSUPPORTED, "the runtime offers images neither in sRGB with 8 bits nor in half floats"};
+    Status last =
+        Error{DPL_ERROR_UNSUPPORTED,
+              "the runtime offers images neither in R8G8B8A8_SRGB or B8G8R8A8_SRGB nor in R16G16B16A16_SFLOAT; others do not hold light "
+              "as compositors read it; update it or use another runtime"};
     for (const bool array : {true, false}) {
         if (array && !options.array) continue;
         for (const VkFormat format : kColourFormats) {

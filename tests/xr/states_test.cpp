@@ -187,9 +187,9 @@ TEST_F(XrStates, imagesThatNeverCome) {
 TEST_F(XrStates, formatsThatDoNotFit) {
     mockxr::Settings settings = userAt(kHead);
     settings.formats = {};
-    expectErrorWith(settings, "neither in sRGB");
+    expectErrorWith(settings, "neither in R8G8B8A8_SRGB");
     settings.formats = {VK_FORMAT_A2B10G10R10_UNORM_PACK32, VK_FORMAT_BC7_SRGB_BLOCK, -1, INT64_MAX, VK_FORMAT_D32_SFLOAT};
-    expectErrorWith(settings, "neither in sRGB");
+    expectErrorWith(settings, "neither in R8G8B8A8_SRGB");
 }
 
 TEST_F(XrStates, viewsThatDoNotFit) {
