@@ -23,8 +23,15 @@ VkAttachmentDescription attachment(VkFormat format, VkAttachmentLoadOp load, VkI
 
 }  // namespace
 
-AvatarScene::AvatarScene(const xr::Runtime& runtime, doppel::Avatar& avatar, const SceneOptions& options)
-    : runtime_(runtime), avatar_(avatar), options_(options) {}
+AvatarScene::AvatarScene(const xr::Runtime& runtime, doppel::Avatar& avatar, xr::Puppet puppet, const SceneOptions& options)
+    : runtime_(runtime),
+      avatar_(avatar),
+      options_(options),
+      puppet_(std::move(puppet)),
+      blend_(puppet_.jointCount()),
+      rotations_(puppet_.jointCount()),
+      rest_(puppet_.jointCount(), XrQuaternionf{0, 0, 0, 1}),
+      driven_(puppet_.jointCount()) {}
 
 AvatarScene::~AvatarScene() {
     end();
@@ -169,15 +176,40 @@ DplCamera AvatarScene::cameraOfAvatar(const DplCamera& camera) const {
     return moved;
 }
 
+void AvatarScene::originMoved(const XrPosef& oldFromNew) {
+    using xr::operator*;
+    const XrPosef newFromOld = xr::inverse(oldFromNew);
+    worldFromAvatar_ = newFromOld * worldFromAvatar_;
+    mirror_ = {(newFromOld * XrPosef{{0, 0, 0, 1}, mirror_.point}).position, xr::rotate(newFromOld.orientation, mirror_.normal)};
+}
+
+/** The pose of the clip, in which the user's hands, and before a mirror the head, take over. */
+doppel::Status AvatarScene::poseAvatar(const xr::Frame& frame) {
+    if (puppet_.jointCount() == 0) return {};  // general splats
+    const xr::User user = options_.mirror ? xr::mirrored(mirror_, frame.user) : frame.user;
+    const XrPosef body = stance_.of(user);
+    if (options_.mirror) worldFromAvatar_ = body;
+    const auto joints = uint32_t(puppet_.jointCount());
+    XrVector3f root{0, 0, 0};
+    rotations_ = rest_;
+    if (options_.clip) {
+        SCENE_OK(avatar_.setPoseFromClip(*options_.clip, frame.timeS));
+        SCENE_OK(doppel::status(dplGetPose(avatar_.handle(), &rotations_[0].x, joints, &root.x)));
+    }
+    puppet_.pose(xr::moved(xr::inverse(body), user), options_.mirror, rotations_, root, driven_);
+    blend_.step(rotations_, driven_, float(frame.timeS - std::exchange(posedAtS_, frame.timeS)));
+    return doppel::status(dplSetPose(avatar_.handle(), &rotations_[0].x, joints, &root.x));
+}
+
 doppel::Status AvatarScene::draw(const xr::Frame& frame) {
     const VkCommandBuffer commands = frame.commands;
+    if (options_.withAvatar) SCENE_OK(poseAvatar(frame));
     for (uint32_t g = 0; g < frame.groupCount; ++g) {
         const xr::GroupFrame& group = frame.groups[g];
         for (uint32_t p = 0; p < images_->groups[g].passes; ++p)
             drawRoom(commands, images_->groups[g], group, p, passes_[g][p].drawing[group.colourImage[p]][group.depthImage[p]]);
     }
     if (!options_.withAvatar) return {};
-    if (options_.clip) SCENE_OK(avatar_.setPoseFromClip(*options_.clip, frame.timeS));
     const DplAvatar avatars[] = {avatar_.handle()};
     for (uint32_t g = 0; g < frame.groupCount; ++g) {
         const xr::GroupFrame& group = frame.groups[g];

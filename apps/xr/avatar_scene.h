@@ -7,7 +7,8 @@
 #include <optional>
 
 #include "platform/common/room.h"
-#include "platform/openxr/poses.h"
+#include "platform/openxr/pose_blend.h"
+#include "platform/openxr/puppet.h"
 #include "platform/openxr/runtime.h"
 #include "platform/openxr/scene.h"
 
@@ -17,12 +18,13 @@ struct SceneOptions {
     bool withRoom = true;  // where the picture is opaque; elsewhere the real room is seen
     bool withAvatar = true;
     std::optional<uint32_t> clip;  // none: the avatar stands in its rest pose
+    bool mirror = false;           // the avatar is the user's image in a mirror between them; else it lends its arms to the user's hands
 };
 
 class AvatarScene final : public xr::Scene {
 public:
-    /** Both must live longer. */
-    AvatarScene(const xr::Runtime& runtime, doppel::Avatar& avatar, const SceneOptions& options);
+    /** Both must live longer. puppet: of that avatar. */
+    AvatarScene(const xr::Runtime& runtime, doppel::Avatar& avatar, xr::Puppet puppet, const SceneOptions& options);
     ~AvatarScene() override;
     AvatarScene(const AvatarScene&) = delete;
     AvatarScene& operator=(const AvatarScene&) = delete;
@@ -34,6 +36,8 @@ public:
     /** Where the avatar stands. */
     void place(const XrPosef& worldFromAvatar) { worldFromAvatar_ = worldFromAvatar; }
     const XrPosef& place() const { return worldFromAvatar_; }
+    /** The user or the runtime has moved the origin of the world (Session::originMoved): things stay where they are in the room. */
+    void originMoved(const XrPosef& oldFromNew);
     /** The camera of the avatar's own space that sees what `camera` sees in the world. */
     DplCamera cameraOfAvatar(const DplCamera& camera) const;
 
@@ -43,6 +47,7 @@ private:
         std::vector<VkFramebuffer> composing;             // by colour image
     };
 
+    doppel::Status poseAvatar(const xr::Frame& frame);
     void makePasses();
     VkFramebuffer makeFramebuffer(VkRenderPass pass, const std::vector<VkImageView>& views, const xr::GroupImages& group);
     void drawRoom(VkCommandBuffer commands, const xr::GroupImages& images, const xr::GroupFrame& group, uint32_t pass,
@@ -52,6 +57,13 @@ private:
     doppel::Avatar& avatar_;
     SceneOptions options_;
     XrPosef worldFromAvatar_{{0, 0, 0, 1}, {0, 0, -2}};  // two metres before the user, facing them
+    xr::Puppet puppet_;
+    xr::PoseBlend blend_;
+    xr::Stance stance_;                            // of the user, or of the user's image
+    xr::Mirror mirror_{{0, 0, -1}, {0, 0, 1}};     // half-way to where the avatar stands at the start
+    std::vector<XrQuaternionf> rotations_, rest_;  // of the avatar's joints
+    std::vector<uint8_t> driven_;
+    double posedAtS_ = 0;
 
     const xr::SessionImages* images_ = nullptr;
     VkRenderPass drawing_ = VK_NULL_HANDLE, composing_ = VK_NULL_HANDLE;

@@ -29,7 +29,7 @@ struct Options {
     std::string clip, blend = "opaque";
     uint64_t frames = 0;
     double waitS = 30;
-    bool withoutRoom = false, withoutAvatar = false, perEye = false, twoViews = false, validate = false;
+    bool mirror = false, withoutRoom = false, withoutAvatar = false, perEye = false, twoViews = false, validate = false;
     float refreshHz = 0;
 };
 
@@ -57,8 +57,8 @@ Result<std::unique_ptr<xr::Runtime>> waitForHeadset(const Options& options) {
 /** Lets the controllers move the avatar: select puts it where they point at the floor, and a stick turns it. */
 void moveAvatar(AvatarScene& scene, const xr::Session& session) {
     using xr::operator*;
+    if (const auto& moved = session.originMoved()) scene.originMoved(*moved);
     XrPosef place = scene.place();
-    if (const auto& moved = session.originMoved()) place = xr::inverse(*moved) * place;
     for (const xr::Controller& hand : session.controllers().hands) {
         const XrVector3f ray = xr::rotate(hand.aim.orientation, {0, 0, -1});
         if (hand.tracked && hand.selected && ray.y < -0.05f) {
@@ -74,6 +74,7 @@ void moveAvatar(AvatarScene& scene, const xr::Session& session) {
 SceneOptions sceneOf(const Options& options) {
     SceneOptions scene;
     scene.withRoom = !options.withoutRoom, scene.withAvatar = !options.withoutAvatar;
+    scene.mirror = options.mirror;
     return scene;
 }
 
@@ -100,7 +101,9 @@ Status play(const Options& options, xr::Runtime& runtime, doppel::Avatar& avatar
     if (!options.clip.empty()) {
         DPL_TRY(what.clip, chooseClip(avatar, options.clip));
     }
-    AvatarScene scene(runtime, avatar, what);
+    auto puppet = xr::Puppet::of(avatar.handle());
+    if (!puppet) return fromSdk(puppet.error());
+    AvatarScene scene(runtime, avatar, std::move(*puppet), what);
     xr::Session session(runtime, sessionOf(options));
     uint64_t drawn = 0;
     bool leaving = false;
@@ -171,6 +174,7 @@ int main(int argc, char** argv) {
                    "Avatar file (.glb), or general splats (.ply, compressed .ply, .spz, .glb with KHR_gaussian_splatting)")
         ->required();
     app.add_option("--clip", options.clip, "A clip of the avatar by name, or a BVH or glTF file to drive it with");
+    app.add_flag("--mirror", options.mirror, "The avatar is your image in a mirror: it does what your head and hands do");
     app.add_option("--blend", options.blend,
                    "opaque: a lit room around the avatar; alpha, additive: the real room, where the headset shows it")
         ->check(CLI::IsMember(kBlendNames))
@@ -189,8 +193,10 @@ int main(int argc, char** argv) {
     app.add_flag("--validate", options.validate, "Use the Vulkan validation layer, print its messages, and fail if there are any");
     app.footer(
         "Controllers: select puts the avatar where you point at the floor; the stick turns it.\n"
+        "Hands, where the headset tracks them: the avatar's arms and fingers do what yours do.\n"
         "Examples:\n"
         "  doppel-xr ada/avatar.glb --clip dance.bvh\n"
+        "  doppel-xr ada/avatar.glb --mirror\n"
         "  doppel-xr ada/avatar.glb --blend alpha          in your own room, on a headset with passthrough\n"
         "  doppel-xr ada/avatar.glb --frames 100 --capture shots\n"
         "Exit codes: 0 done, 1 failed (the sentence says why), 2 wrong arguments.");

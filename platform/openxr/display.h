@@ -17,6 +17,7 @@ struct Display {
     XrExtent2Di sizes[kMaxGroups]{};  // of the views of each group, pixels
     XrEnvironmentBlendMode blendMode = XR_ENVIRONMENT_BLEND_MODE_OPAQUE;
     bool canPassThrough = false;  // by XR_FB_passthrough
+    bool tracksHands = false;     // by XR_EXT_hand_tracking
 
     uint32_t viewsOf(uint32_t group) const { return std::min(kMaxViewsOfGroup, viewCount - group * kMaxViewsOfGroup); }
 };

@@ -25,8 +25,12 @@ inline XrQuaternionf operator*(const XrQuaternionf& a, const XrQuaternionf& b) {
             a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z};
 }
 
+constexpr XrQuaternionf conjugate(const XrQuaternionf& q) {
+    return {-q.x, -q.y, -q.z, q.w};
+}
+
 inline XrVector3f rotate(const XrQuaternionf& q, const XrVector3f& v) {
-    const XrQuaternionf r = q * XrQuaternionf{v.x, v.y, v.z, 0} * XrQuaternionf{-q.x, -q.y, -q.z, q.w};
+    const XrQuaternionf r = q * XrQuaternionf{v.x, v.y, v.z, 0} * conjugate(q);
     return {r.x, r.y, r.z};
 }
 
@@ -37,8 +41,7 @@ inline XrPosef operator*(const XrPosef& a, const XrPosef& b) {
 }
 
 inline XrPosef inverse(const XrPosef& pose) {
-    const XrQuaternionf& q = pose.orientation;
-    const XrQuaternionf back{-q.x, -q.y, -q.z, q.w};
+    const XrQuaternionf back = conjugate(pose.orientation);
     const XrVector3f p = rotate(back, pose.position);
     return {back, {-p.x, -p.y, -p.z}};
 }

@@ -88,6 +88,7 @@ Status Runtime::createInstance(const RuntimeOptions& options) {
     extensions_.quadViews = want(XR_VARJO_QUAD_VIEWS_EXTENSION_NAME);
     extensions_.localFloor = want(XR_EXT_LOCAL_FLOOR_EXTENSION_NAME);
     extensions_.passthrough = want(XR_FB_PASSTHROUGH_EXTENSION_NAME);
+    extensions_.handTracking = want(XR_EXT_HAND_TRACKING_EXTENSION_NAME);
 
     XrInstanceCreateInfo info{XR_TYPE_INSTANCE_CREATE_INFO};
     std::strncpy(info.applicationInfo.applicationName, options.applicationName.c_str(), XR_MAX_APPLICATION_NAME_SIZE - 1);

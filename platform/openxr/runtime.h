@@ -32,11 +32,12 @@ struct RuntimeOptions {
 
 /** Optional OpenXR extensions that the runtime has and that were enabled. */
 struct Extensions {
-    bool depthLayer = false;   // XR_KHR_composition_layer_depth
-    bool refreshRate = false;  // XR_FB_display_refresh_rate
-    bool quadViews = false;    // XR_VARJO_quad_views
-    bool localFloor = false;   // XR_EXT_local_floor
-    bool passthrough = false;  // XR_FB_passthrough
+    bool depthLayer = false;    // XR_KHR_composition_layer_depth
+    bool refreshRate = false;   // XR_FB_display_refresh_rate
+    bool quadViews = false;     // XR_VARJO_quad_views
+    bool localFloor = false;    // XR_EXT_local_floor
+    bool passthrough = false;   // XR_FB_passthrough
+    bool handTracking = false;  // XR_EXT_hand_tracking
 };
 
 class Runtime {

@@ -11,6 +11,8 @@
 #include <doppel/doppel.hpp>
 #include <vector>
 
+#include "platform/openxr/user.h"
+
 namespace dpl::xr {
 
 constexpr uint32_t kMaxGroups = 2, kMaxViewsOfGroup = DPL_MAX_VIEWS, kMaxViews = kMaxGroups * kMaxViewsOfGroup;
@@ -55,6 +57,7 @@ struct Frame {
     VkCommandBuffer commands = VK_NULL_HANDLE;
     uint32_t groupCount = 0;
     GroupFrame groups[kMaxGroups];
+    User user;  // in world space, at the time of the picture
 };
 
 class Scene {

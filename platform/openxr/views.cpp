@@ -3,7 +3,7 @@
 
 #include <doppel/doppel_convert.h>
 
-#include "platform/openxr/poses.h"
+#include "platform/openxr/rotations.h"
 
 namespace dpl::xr {
 namespace {
@@ -36,6 +36,15 @@ Result<const char*> locateViews(Calls& calls_, XrSession session, const Display&
         if (!isValid(views[i].fov)) return "the runtime gave a view a field of view that is empty, mirrored or wider than 179.8 degrees";
     }
     return static_cast<const char*>(nullptr);
+}
+
+XrPosef headOf(const XrView* views, uint32_t count) {
+    XrPosef head = views[0].pose;
+    if (count < 2) return head;
+    const XrPosef& other = views[1].pose;
+    head.position = 0.5f * (head.position + other.position);
+    head.orientation = partOf(other.orientation * conjugate(head.orientation), 0.5f) * head.orientation;
+    return head;
 }
 
 Status camerasOf(const XrView* views, const GroupImages& images, GroupFrame& frame) {

@@ -10,6 +10,9 @@ namespace dpl::xr {
 Result<const char*> locateViews(Calls& calls, XrSession session, const Display& display, XrSpace world, XrTime time,
                                 XrView (&views)[kMaxViews]);
 
+/** The pose in the middle of the first two eyes, or of the only view. views: from locateViews. */
+XrPosef headOf(const XrView* views, uint32_t count);
+
 /** The cameras of a group. `views` of that group, from locateViews. */
 Status camerasOf(const XrView* views, const GroupImages& images, GroupFrame& frame);
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# doppel-xr on the mock runtime: alone and in its room, with one image for both eyes and with one each. Its captures must equal dplRender.
+# doppel-xr on the mock runtime: alone and in its room, with one image for both eyes and with one each, in a mirror. Its captures must equal dplRender.
 # Exit code 77: there is no Vulkan device.
 # usage: app_on_mock.sh WORK MAKE_AVATAR DOPPEL_XR COMPARE
 set -euo pipefail
@@ -24,6 +24,8 @@ app alone --without-room --clip turn
 "$compare" "$work/tiny.glb" "$work/alone"
 app each_eye --without-room --per-eye
 "$compare" "$work/tiny.glb" "$work/each_eye"
+app mirror --without-room --clip turn --mirror  # the square has neither head nor hands, so its pose is the clip's
+"$compare" "$work/tiny.glb" "$work/mirror"
 app room --without-avatar
 app together
 "$compare" "$work/tiny.glb" "$work/together" "$work/room"

@@ -43,11 +43,12 @@ protected:
     }
 
     XrResult createInstance() {
-        const char* extensions[] = {XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME, XR_KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME};
+        const char* extensions[] = {XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME, XR_KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME,
+                                    XR_EXT_HAND_TRACKING_EXTENSION_NAME};
         XrInstanceCreateInfo info{XR_TYPE_INSTANCE_CREATE_INFO};
         std::strcpy(info.applicationInfo.applicationName, "test");
         info.applicationInfo.apiVersion = XR_MAKE_VERSION(1, 0, 0);
-        info.enabledExtensionCount = 2, info.enabledExtensionNames = extensions;
+        info.enabledExtensionCount = 3, info.enabledExtensionNames = extensions;
         return xrCreateInstance(&info, &instance_);
     }
     template <class F>
@@ -282,6 +283,32 @@ TEST_F(MockXr, checksDevices) {
     XrSessionCreateInfo info{XR_TYPE_SESSION_CREATE_INFO};
     info.systemId = system_;
     expectViolation(XR_ERROR_GRAPHICS_DEVICE_INVALID, "no Vulkan device", [&] { return xrCreateSession(instance_, &info, &session_); });
+}
+
+TEST_F(MockXr, checksHandTrackers) {
+    openSession();
+    const auto create = function<PFN_xrCreateHandTrackerEXT>("xrCreateHandTrackerEXT");
+    const auto locate = function<PFN_xrLocateHandJointsEXT>("xrLocateHandJointsEXT");
+    XrHandTrackerCreateInfoEXT info{XR_TYPE_HAND_TRACKER_CREATE_INFO_EXT};
+    XrHandTrackerEXT tracker = XR_NULL_HANDLE;
+    info.handJointSet = XR_HAND_JOINT_SET_DEFAULT_EXT;
+    expectViolation(XR_ERROR_VALIDATION_FAILURE, "neither the left", [&] { return create(session_, &info, &tracker); });
+    info.hand = XR_HAND_RIGHT_EXT;
+    ASSERT_EQ(create(session_, &info, &tracker), XR_SUCCESS);
+    XrHandJointLocationEXT joints[XR_HAND_JOINT_COUNT_EXT];
+    XrHandJointsLocateInfoEXT where{XR_TYPE_HAND_JOINTS_LOCATE_INFO_EXT, nullptr, space_, 1};
+    XrHandJointLocationsEXT locations{XR_TYPE_HAND_JOINT_LOCATIONS_EXT};
+    locations.jointCount = 25, locations.jointLocations = joints;
+    expectViolation(XR_ERROR_VALIDATION_FAILURE, "26 joints", [&] { return locate(tracker, &where, &locations); });
+    locations.jointCount = XR_HAND_JOINT_COUNT_EXT;
+    where.time = 0;
+    expectViolation(XR_ERROR_TIME_INVALID, "not positive", [&] { return locate(tracker, &where, &locations); });
+    where.time = 1;
+    EXPECT_EQ(locate(tracker, &where, &locations), XR_SUCCESS);
+    EXPECT_FALSE(locations.isActive) << "no hand is seen";
+    const auto destroy = function<PFN_xrDestroyHandTrackerEXT>("xrDestroyHandTrackerEXT");
+    EXPECT_EQ(destroy(tracker), XR_SUCCESS);
+    expectViolation(XR_ERROR_HANDLE_INVALID, "hand tracker is not alive", [&] { return locate(tracker, &where, &locations); });
 }
 
 TEST_F(MockXr, failsTheCallThatItIsTold) {

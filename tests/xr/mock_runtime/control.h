@@ -28,6 +28,9 @@ struct HandSetting {
     XrPosef worldFromGrip{{0, 0, 0, 1}, {0, 0, 0}};
     XrPosef worldFromAim{{0, 0, 0, 1}, {0, 0, 0}};
     std::map<std::string, XrVector2f> inputs;  // by the end of a binding's path, such as "input/select/click"; one number: x
+    /** By XR_EXT_hand_tracking, in the world. Empty: the hand is not seen. Else 26 joints, given out as they are, wrong ones too, except
+     * that valid poses are moved to the space that the caller asks for. */
+    std::vector<XrHandJointLocationEXT> joints;
 };
 
 struct Settings {
@@ -44,6 +47,7 @@ struct Settings {
     std::vector<float> refreshRatesHz{72, 90};
     uint32_t swapchainImages = 3;
     bool hasSystem = true;
+    bool tracksHands = true;           // as the system's properties say
     bool automaticStates = true;       // the runtime moves the session through its states by itself
     std::optional<bool> shouldRender;  // empty: as the session's state says
     bool capture = false;              // read the submitted pictures; afterwards their images are filled with other values

@@ -38,6 +38,9 @@ XrResult checkHandle(XrSpace space) {
 XrResult checkHandle(XrSwapchain swapchain) {
     return checkChild(runtime().swapchains, swapchain, "swapchain");
 }
+XrResult checkHandle(XrHandTrackerEXT tracker) {
+    return checkChild(runtime().handTrackers, tracker, "hand tracker");
+}
 XrResult checkHandle(XrPassthroughFB passthrough) {
     return checkChild(runtime().passthroughs, passthrough, "passthrough");
 }
@@ -62,6 +65,7 @@ template <class Handle>
 XrSession sessionOf(Handle handle) {
     if constexpr (std::is_same_v<Handle, XrSwapchain>) return runtime().swapchains.at(handle).session;
     if constexpr (std::is_same_v<Handle, XrSpace>) return runtime().spaces.at(handle).session;
+    if constexpr (std::is_same_v<Handle, XrHandTrackerEXT>) return runtime().handTrackers.at(handle).session;
     if constexpr (std::is_same_v<Handle, XrPassthroughFB>) return runtime().passthroughs.at(handle).session;
     if constexpr (std::is_same_v<Handle, XrPassthroughLayerFB>) return runtime().passthroughLayers.at(handle).session;
     return XR_NULL_HANDLE;
@@ -192,6 +196,9 @@ const std::vector<EntryPoint>& entryPoints() {
         DPL_MOCKXR_OF(XR_FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME, xrEnumerateDisplayRefreshRatesFB),
         DPL_MOCKXR_OF(XR_FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME, xrGetDisplayRefreshRateFB),
         DPL_MOCKXR_OF(XR_FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME, xrRequestDisplayRefreshRateFB),
+        DPL_MOCKXR_OF(XR_EXT_HAND_TRACKING_EXTENSION_NAME, xrCreateHandTrackerEXT),
+        DPL_MOCKXR_OF(XR_EXT_HAND_TRACKING_EXTENSION_NAME, xrDestroyHandTrackerEXT),
+        DPL_MOCKXR_OF(XR_EXT_HAND_TRACKING_EXTENSION_NAME, xrLocateHandJointsEXT),
         DPL_MOCKXR_OF(XR_FB_PASSTHROUGH_EXTENSION_NAME, xrCreatePassthroughFB),
         DPL_MOCKXR_OF(XR_FB_PASSTHROUGH_EXTENSION_NAME, xrDestroyPassthroughFB),
         DPL_MOCKXR_OF(XR_FB_PASSTHROUGH_EXTENSION_NAME, xrPassthroughStartFB),

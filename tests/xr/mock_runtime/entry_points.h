@@ -56,6 +56,7 @@ DPL_MOCKXR_ENTRY(xrGetReferenceSpaceBoundsRect)(XrSession, XrReferenceSpaceType,
 DPL_MOCKXR_ENTRY(xrCreateActionSpace)(XrSession, const XrActionSpaceCreateInfo*, XrSpace*);
 DPL_MOCKXR_ENTRY(xrDestroySpace)(XrSpace);
 DPL_MOCKXR_ENTRY(xrLocateSpace)(XrSpace, XrSpace, XrTime, XrSpaceLocation*);
+DPL_MOCKXR_ENTRY(xrLocateHandJointsEXT)(XrHandTrackerEXT, const XrHandJointsLocateInfoEXT*, XrHandJointLocationsEXT*);
 DPL_MOCKXR_ENTRY(xrLocateViews)(XrSession, const XrViewLocateInfo*, XrViewState*, uint32_t, uint32_t*, XrView*);
 
 // swapchains.cpp
@@ -85,6 +86,8 @@ DPL_MOCKXR_ENTRY(xrGetCurrentInteractionProfile)(XrSession, XrPath, XrInteractio
 DPL_MOCKXR_ENTRY(xrEnumerateDisplayRefreshRatesFB)(XrSession, uint32_t, uint32_t*, float*);
 DPL_MOCKXR_ENTRY(xrGetDisplayRefreshRateFB)(XrSession, float*);
 DPL_MOCKXR_ENTRY(xrRequestDisplayRefreshRateFB)(XrSession, float);
+DPL_MOCKXR_ENTRY(xrCreateHandTrackerEXT)(XrSession, const XrHandTrackerCreateInfoEXT*, XrHandTrackerEXT*);
+DPL_MOCKXR_ENTRY(xrDestroyHandTrackerEXT)(XrHandTrackerEXT);
 DPL_MOCKXR_ENTRY(xrCreatePassthroughFB)(XrSession, const XrPassthroughCreateInfoFB*, XrPassthroughFB*);
 DPL_MOCKXR_ENTRY(xrDestroyPassthroughFB)(XrPassthroughFB);
 DPL_MOCKXR_ENTRY(xrPassthroughStartFB)(XrPassthroughFB);

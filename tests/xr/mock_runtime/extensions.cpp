@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Refresh rates and passthrough.
+// Refresh rates, hand trackers and passthrough.
 #include <algorithm>
 
 #include "tests/xr/mock_runtime/check.h"
@@ -22,6 +22,23 @@ DPL_MOCKXR_ENTRY(xrRequestDisplayRefreshRateFB)(XrSession, float rate) {
     if (std::find(rates.begin(), rates.end(), rate) == rates.end())
         return violated(XR_ERROR_DISPLAY_REFRESH_RATE_UNSUPPORTED_FB, "the display does not have that rate");
     changeRefreshRate(rate);
+    return XR_SUCCESS;
+}
+
+DPL_MOCKXR_ENTRY(xrCreateHandTrackerEXT)(XrSession session, const XrHandTrackerCreateInfoEXT* info, XrHandTrackerEXT* tracker) {
+    Runtime& r = runtime();
+    DPL_MOCKXR_TRY(checkStructure(info, XR_TYPE_HAND_TRACKER_CREATE_INFO_EXT, "createInfo"));
+    if (!r.settings.tracksHands) return violated(XR_ERROR_FEATURE_UNSUPPORTED, "the system does not track hands");
+    if (info->hand != XR_HAND_LEFT_EXT && info->hand != XR_HAND_RIGHT_EXT)
+        return violated(XR_ERROR_VALIDATION_FAILURE, "the hand is neither the left nor the right one");
+    if (info->handJointSet != XR_HAND_JOINT_SET_DEFAULT_EXT) return violated(XR_ERROR_VALIDATION_FAILURE, "there is no such set of joints");
+    *tracker = r.newHandle<XrHandTrackerEXT>();
+    r.handTrackers[*tracker] = {session, info->hand == XR_HAND_LEFT_EXT ? 0 : 1};
+    return XR_SUCCESS;
+}
+
+DPL_MOCKXR_ENTRY(xrDestroyHandTrackerEXT)(XrHandTrackerEXT tracker) {
+    runtime().handTrackers.erase(tracker);
     return XR_SUCCESS;
 }
 

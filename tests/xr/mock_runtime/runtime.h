@@ -83,6 +83,11 @@ struct Action {
     std::vector<XrPath> subactions;
 };
 
+struct HandTracker {
+    XrSession session = XR_NULL_HANDLE;
+    int hand = 0;
+};
+
 /** Objects of extensions, which only have to be alive. */
 struct Child {
     XrSession session = XR_NULL_HANDLE;
@@ -103,6 +108,7 @@ struct Runtime {
     std::map<XrSwapchain, Swapchain> swapchains;
     std::map<XrActionSet, ActionSet> actionSets;
     std::map<XrAction, Action> actions;
+    std::map<XrHandTrackerEXT, HandTracker> handTrackers;
     std::map<XrPassthroughFB, Child> passthroughs;
     std::map<XrPassthroughLayerFB, Child> passthroughLayers;
     uintptr_t handles = 0x1000;  // no number is used twice, so that a stale handle is noticed

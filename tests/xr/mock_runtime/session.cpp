@@ -38,6 +38,7 @@ void destroySession(XrSession session) {
         if (swapchain.session == session) left.push_back(handle);
     for (const XrSwapchain swapchain : left) destroySwapchain(swapchain);
     eraseOf(r.spaces, session);
+    eraseOf(r.handTrackers, session);
     eraseOf(r.passthroughs, session);
     eraseOf(r.passthroughLayers, session);
     r.sessions.at(session).vulkan.close();

@@ -113,6 +113,27 @@ DPL_MOCKXR_ENTRY(xrLocateSpace)(XrSpace space, XrSpace base, XrTime time, XrSpac
     return XR_SUCCESS;
 }
 
+DPL_MOCKXR_ENTRY(xrLocateHandJointsEXT)
+(XrHandTrackerEXT handle, const XrHandJointsLocateInfoEXT* info, XrHandJointLocationsEXT* locations) {
+    Runtime& r = runtime();
+    const HandTracker& tracker = r.handTrackers.at(handle);
+    DPL_MOCKXR_TRY(checkStructure(info, XR_TYPE_HAND_JOINTS_LOCATE_INFO_EXT, "locateInfo"));
+    DPL_MOCKXR_TRY(checkAlive(info->baseSpace, tracker.session, "baseSpace"));
+    DPL_MOCKXR_TRY(checkTime(info->time));
+    DPL_MOCKXR_TRY(checkStructure(locations, XR_TYPE_HAND_JOINT_LOCATIONS_EXT, "locations", {XR_TYPE_HAND_JOINT_VELOCITIES_EXT}));
+    if (locations->jointCount != XR_HAND_JOINT_COUNT_EXT || !locations->jointLocations)
+        return violated(XR_ERROR_VALIDATION_FAILURE, "a hand has 26 joints");
+    const auto& joints = r.settings.hands[tracker.hand].joints;
+    const auto worldFromBase = worldFromSpace(r.spaces.at(info->baseSpace), info->time);
+    locations->isActive = joints.size() == XR_HAND_JOINT_COUNT_EXT && worldFromBase;
+    for (uint32_t j = 0; j < XR_HAND_JOINT_COUNT_EXT; ++j) {
+        XrHandJointLocationEXT& out = locations->jointLocations[j];
+        out = locations->isActive ? joints[j] : XrHandJointLocationEXT{};
+        if (out.locationFlags) out.pose = compose(inverse(*worldFromBase), out.pose);
+    }
+    return XR_SUCCESS;
+}
+
 DPL_MOCKXR_ENTRY(xrLocateViews)
 (XrSession session, const XrViewLocateInfo* info, XrViewState* state, uint32_t capacity, uint32_t* count, XrView* out) {
     Runtime& r = runtime();

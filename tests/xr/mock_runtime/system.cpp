@@ -20,7 +20,7 @@ DPL_MOCKXR_ENTRY(xrGetSystemProperties)(XrInstance, XrSystemId system, XrSystemP
     if (auto* passthrough = chained<XrSystemPassthroughPropertiesFB>(properties->next, XR_TYPE_SYSTEM_PASSTHROUGH_PROPERTIES_FB))
         passthrough->supportsPassthrough = runtime().enabled(XR_FB_PASSTHROUGH_EXTENSION_NAME);
     if (auto* hands = chained<XrSystemHandTrackingPropertiesEXT>(properties->next, XR_TYPE_SYSTEM_HAND_TRACKING_PROPERTIES_EXT))
-        hands->supportsHandTracking = XR_FALSE;
+        hands->supportsHandTracking = runtime().enabled(XR_EXT_HAND_TRACKING_EXTENSION_NAME) && runtime().settings.tracksHands;
     properties->systemId = kSystem;
     properties->vendorId = 0;
     setText(properties->systemName, "Doppel's mock headset");
