@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import pathlib
+import re
 import shutil
 import subprocess
 
@@ -25,7 +26,8 @@ def at_least(value):
 
 def program_folder(target):
     """The folder of a program, in the source tree and in a build tree alike."""
-    return {"doppel": "apps/doppel", "libdoppel.so": "sdk/api", "bench_frames": "tools/bench/frames"}.get(target, "tools/bench")
+    return {"doppel": "apps/doppel", "libdoppel.so": "sdk/api", "bench_frames": "tools/bench/frames", "bench_ways": "tests/unit/interop",
+            "visibility_governor_test": "tests/unit/visibility"}.get(target, "tools/bench")
 
 
 @dataclasses.dataclass
@@ -174,6 +176,26 @@ def take_library(place):
     return rows + [{"part": name, "bytes": size, "bars": {}} for name, size in sorted(parts.items(), key=lambda item: -item[1])]
 
 
+INSIDE_BARS = {"thread_ms": at_most(0.2), "allocations": at_most(0), "pixel_bytes": at_most(0), "psnr_db": at_least(50)}
+
+
+def take_ways(place):
+    rows = place.json_lines("ways", [place.program("bench_ways"), place.avatar(), 60])
+    return [{**row, "bars": INSIDE_BARS if row["pixel_bytes"] == 0 else {}} for row in rows]
+
+
+STEADY = re.compile(r"load x3, (\d+) % of a frame fixed, time known after (\d+) frames: steady after (\d+) frames, all splats back (\d+) frames")
+
+
+def take_steady(place):
+    """The governor of the frame budget on simulated devices whose load trebles for 90 frames; its test prints the figures."""
+    out = place.run("steady", [place.program("visibility_governor_test"), "--gtest_filter=*TreblesForASecond*"])
+    rows = [dict(zip(("fixed_percent", "latency_frames", "steady_frames", "back_frames"), map(int, found))) for found in STEADY.findall(out)]
+    if not rows:
+        raise BenchError("visibility_governor_test printed no line that begins with [ STEADY   ]")
+    return [{**row, "bars": {"steady_frames": at_most(30), "back_frames": at_most(160)}} for row in rows]
+
+
 def take_detail(place):
     rows = []
     for subject, fill in ((place.avatar(), "software"), (blown_up(place, 533695), "tiles")):
@@ -309,6 +331,10 @@ BENCHES = [
           "build/release/tools/bench/bench_load demo/avatar/avatar.glb 533695 1", ("bench_load",), take_load),
     Bench("library", "quick", 0.1, "size of the stripped libdoppel.so and of its parts", "strip -o stripped.so build/release/sdk/api/libdoppel.so",
           ("libdoppel.so",), take_library),
+    Bench("ways", "quick", 1, "what each way into a Vulkan program's image costs",
+          "build/release/tests/unit/interop/bench_ways demo/avatar/avatar.glb 60", ("bench_ways",), take_ways),
+    Bench("steady", "quick", 0.1, "frames until a frame budget holds, on simulated devices",
+          "build/release/tests/unit/visibility/visibility_governor_test --gtest_filter='*TreblesForASecond*'", ("visibility_governor_test",), take_steady),
     Bench("detail", "quick", 1.5, "level of detail against distance",
           "build/release/tools/bench/bench_detail demo/avatar/avatar.glb 12 5 software", ("bench_detail", "bench_load"), take_detail),
     Bench("scaling", "quick", 3, "frame time against the number of splats", "doppel bench BIG.glb --no-reference --repeats 5",

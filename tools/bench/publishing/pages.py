@@ -271,6 +271,22 @@ def memory(store):
         store, "library", "The library: stripped libdoppel.so", library)
 
 
+def apps(store):
+    def ways(rows):
+        return table(["case", "way", "calling thread, ms", "frame, ms", "pixels over the bus, MB", "allocations a frame", "to the CPU renderer, dB"],
+                     [[r["case"], r["way"] + (" (multiview)" if r["multiview"] else ""), barred(r, "thread_ms", 3), number(r["frame_ms"], 1),
+                       barred(r, "pixel_bytes", 1, scale=1e-6), barred(r, "allocations", 1), barred(r, "psnr_db", 1)] for r in rows])
+
+    def steady(rows):
+        return table(["part of a frame that splats do not change", "frames until its time is known", "frames until none is over the budget",
+                      "frames until all splats are back"],
+                     [[f"{r['fixed_percent']} %", r["latency_frames"], barred(r, "steady_frames", 0), barred(r, "back_frames", 0)] for r in rows])
+    text = BACK + ("# Inside an app's frames\n\n*Calling thread* is what Doppel's calls of a frame compute on the thread that makes them; the time of the "
+                   "GPU is in *frame*. Reading back counts the picture twice: down to the CPU, and up into the app's image.\n\n")
+    return text + section(store, "ways", "Ways into an app's image", ways) + section(
+        store, "steady", "Frame budget: the load trebles for 90 frames (simulated devices)", steady)
+
+
 def detail(store):
     def body(rows):
         text = ""
@@ -405,7 +421,7 @@ def speed_plot(store):
                    list(series.items()))
 
 
-PAGES = {"quality": quality, "reports": reports, "training": training, "frames": frames, "baselines": baselines, "memory": memory, "detail": detail,
+PAGES = {"quality": quality, "reports": reports, "training": training, "frames": frames, "baselines": baselines, "memory": memory, "apps": apps, "detail": detail,
          "scaling": scaling, "floor": floor}
 
 
