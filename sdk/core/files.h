@@ -24,7 +24,7 @@ using CheckFileHead = Status (*)(std::span<const uint8_t> head, uint64_t fileByt
 Result<std::vector<uint8_t>> readFile(const std::filesystem::path& path, uint64_t maxBytes = kMaxFileBytes, CheckFileHead check = nullptr);
 
 /** Writes `path` completely or not at all. Parent folders must exist. The bytes are on disk (fsync) before the rename. A symbolic link is
- *  kept and its target is replaced. A device or a pipe is written to directly, not replaced. */
+ *  kept and its target is replaced; built with MinGW, the link is replaced. A device or a pipe is written to directly, not replaced. */
 Status writeFileAtomically(const std::filesystem::path& path, std::span<const uint8_t> bytes);
 Status writeFileAtomically(const std::filesystem::path& path, std::string_view text);
 

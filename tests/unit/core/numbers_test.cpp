@@ -25,6 +25,18 @@ T numberIn(std::string_view text) {
     return readNumber(text, value) ? value : std::numeric_limits<T>::quiet_NaN();
 }
 
+#if defined(_WIN32)
+/** Selects a locale with a decimal comma, if the system has it. */
+class DecimalComma {
+public:
+    DecimalComma() { active_ = std::setlocale(LC_NUMERIC, "German") && std::strtod("1,5", nullptr) == 1.5; }
+    ~DecimalComma() { std::setlocale(LC_NUMERIC, "C"); }
+    bool active() const { return active_; }
+
+private:
+    bool active_ = false;
+};
+#else
 /** Writes a locale with nothing but a decimal comma in glibc's binary form, and selects it. Inactive where the C library is another one. */
 class DecimalComma {
 public:
@@ -48,6 +60,7 @@ private:
     std::filesystem::path folder_;
     bool active_ = false;
 };
+#endif
 
 TEST(Numbers, readsDecimalsWithAndWithoutPointAndExponent) {
     EXPECT_EQ(numberIn("0"), 0.0);
