@@ -74,6 +74,13 @@ unpack_packages() {
     rm -rf "$work"
 }
 
+# debian_mirror: prints a Debian mirror, that of this machine's apt sources if they name one.
+debian_mirror() {
+    local mirror
+    mirror=$(apt-cache policy 2>/dev/null | grep -oE 'https?://[^ ]+/debian/? ' | tr -d ' ' | sort | uniq -c | sort -rn | awk 'NR == 1 {print $2}') || true
+    echo "${mirror:-http://deb.debian.org/debian}"
+}
+
 # debian_root SUITE FOLDER: makes a bare Debian in FOLDER with debootstrap, unless it is there. No service starts in it. Needs root and a
 # Debian mirror (that of this machine's apt sources).
 debian_root() {
@@ -81,8 +88,7 @@ debian_root() {
     [ "$(id -u)" -eq 0 ] || { echo "needs root (debootstrap, chroot)" >&2; return 1; }
     command -v debootstrap >/dev/null || apt-get install -y --no-install-recommends debootstrap >/dev/null
     if [ ! -e "$root/.debootstrapped" ]; then
-        mirror=$(apt-cache policy 2>/dev/null | grep -oE 'https?://[^ ]+/debian/? ' | tr -d ' ' | sort | uniq -c | sort -rn | awk 'NR == 1 {print $2}') || true
-        mirror="${mirror:-http://deb.debian.org/debian}"
+        mirror=$(debian_mirror)
         echo "debootstrap $suite from $mirror into $root"
         rm -rf "$root"
         mkdir -p "$root"

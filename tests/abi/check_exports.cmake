@@ -1,16 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
 # cmake -DNM=... -DLIBRARY=... -DEXPECTED=... -P check_exports.cmake
-# Checks that the shared library exports the listed symbols and no others.
-execute_process(COMMAND ${NM} -D --defined-only ${LIBRARY} OUTPUT_VARIABLE output RESULT_VARIABLE result)
+# Checks that the shared library exports the listed symbols and no others. For a DLL: -DOBJDUMP=... in place of NM.
+if(OBJDUMP)
+  set(tool ${OBJDUMP} -p)
+  set(symbol_line "^\t\\[ *[0-9]+\\].* ([A-Za-z_0-9@]+)$")  # of the table "Ordinal/Name Pointer"
+else()
+  set(tool ${NM} -D --defined-only)
+  set(symbol_line "^[^ ]* *[A-Za-z] ([^@]*).*$")
+endif()
+execute_process(COMMAND ${tool} ${LIBRARY} OUTPUT_VARIABLE output RESULT_VARIABLE result)
 if(NOT result EQUAL 0)
-  message(FATAL_ERROR "${NM} could not read ${LIBRARY}")
+  message(FATAL_ERROR "${tool} could not read ${LIBRARY}")
+endif()
+if(OBJDUMP)
+  string(REGEX REPLACE "^.*Name Pointer\\] Table[^\n]*\n" "" output "${output}")
 endif()
 string(REGEX MATCHALL "[^\n]+" lines "${output}")
 set(found "")
 foreach(line IN LISTS lines)
-  string(REGEX REPLACE "^[^ ]* *[A-Za-z] ([^@]*).*$" "\\1" symbol "${line}")
-  if(NOT symbol STREQUAL "DOPPEL_0")  # the version's own name
-    list(APPEND found ${symbol})
+  if(line MATCHES "${symbol_line}" AND NOT CMAKE_MATCH_1 STREQUAL "DOPPEL_0")  # DOPPEL_0: the version's own name
+    list(APPEND found ${CMAKE_MATCH_1})
   endif()
 endforeach()
 list(SORT found)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads the conformance kit and draws it with one of Doppel's renderers. Links little, so that it can be built for other processors
-// (tools/prove-aarch64).
+// Reads the conformance kit and draws it with one of Doppel's renderers. Links little, so that it can be built for other systems
+// (tools/prove-aarch64, tools/prove-windows).
 #pragma once
 
 #include <doppel/doppel.h>
