@@ -36,6 +36,7 @@ struct Context {
     std::string rendererName;
     DetailOptions detail;                // of dplSetDetail
     double frameBudgetMs = 0;            // of dplSetFrameBudget; 0: none
+    uint64_t memoryLimit = 0;            // of dplSetMemoryLimit, bytes; 0: none
     std::vector<Cameraf> cameras;        // scratch of a draw, kept to save allocations
     std::shared_ptr<VulkanSide> vulkan;  // of a context on an app's device (vulkan.cpp); else null
     Context();
@@ -46,7 +47,8 @@ struct Context {
 struct Avatar {
     std::shared_ptr<Context> context;
     std::shared_ptr<const AvatarData> data;  // for general splats: a name and no joints
-    uint32_t splatCount = 0, shDegree = 0;
+    uint32_t splatCount = 0, shDegree = 0;   // as loaded; fewer than in the file if memory was short
+    uint32_t fileSplatCount = 0, fileShDegree = 0;
     RenderAvatarId renderId = 0;
     Vec3f restMin{0}, restMax{0};
     Pose pose, givenPose;                                          // givenPose: scratch of dplSetPose

@@ -60,7 +60,8 @@ DplResult dplGetAvatarInfo(DplAvatar avatar, DplAvatarInfo* info) {
         out.clipCount = uint32_t(found->clips.size());
         out.shDegree = found->shDegree;
         for (int axis = 0; axis < 3; ++axis) out.restMin[axis] = found->restMin[axis], out.restMax[axis] = found->restMax[axis];
-        return writeStruct(info, out, "info");
+        out.fileSplatCount = found->fileSplatCount, out.fileShDegree = found->fileShDegree;
+        return writeStruct(info, out, "info", offsetof(DplAvatarInfo, fileSplatCount));
     });
 }
 

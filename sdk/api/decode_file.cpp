@@ -31,7 +31,7 @@ Result<Decoded> decodeAvatar(std::span<const uint8_t> bytes) {
         assignHumanoidBones(decoded.joints);
     auto made = std::make_shared<Avatar>();
     made->data = std::make_shared<const AvatarData>(std::move(decoded));
-    made->splatCount = coded.splats.count(), made->shDegree = coded.splats.shDegree;
+    made->fileSplatCount = coded.splats.count(), made->fileShDegree = coded.splats.shDegree;
     made->pose = Pose::rest(made->data->joints.size());
     for (const ClipData& clip : made->data->clips) made->clips.push_back(&clip);
     const std::vector<Vec3f>& vertices = made->data->mesh.restPositions;
@@ -51,7 +51,7 @@ Result<Decoded> decodeGeneralSplats(std::span<const uint8_t> bytes) {
     AvatarData named;
     named.name = nameOf(file.format);
     made->data = std::make_shared<const AvatarData>(std::move(named));
-    made->splatCount = file.splats.count(), made->shDegree = file.splats.shDegree;
+    made->fileSplatCount = file.splats.count(), made->fileShDegree = file.splats.shDegree;
     DPL_CHECK_OK(taskAt(0.9));
     const SplatBox box = boxOf(file.splats);
     made->restMin = box.low, made->restMax = box.high;

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sdk/api/load.h"
 
+#include <algorithm>
 #include <chrono>
+#include <optional>
 
 #include "sdk/api/decode_file.h"
 #include "sdk/core/log.h"
+#include "sdk/visibility/lean_splats.h"
 
 namespace dpl::api {
 namespace {
@@ -14,9 +17,21 @@ constexpr double kDecoded = 0.5, kPrepared = 0.7;
 constexpr auto kUploadPause = std::chrono::milliseconds(1);  // until a frame may have run the copies
 constexpr auto kLostPause = std::chrono::milliseconds(10);   // until a program may have replaced its device
 
-Result<std::unique_ptr<PreparedSubject>> prepare(const Renderer& renderer, Decoded& decoded) {
-    if (decoded.general) return renderer.prepareSplats(*decoded.general);
-    return renderer.prepareAvatar(decoded.avatar->data, std::move(decoded.splats));
+/** Converts the file for the renderer. keep: the splats may be needed again, leaner. */
+Result<std::unique_ptr<PreparedSubject>> prepare(const Renderer& renderer, Decoded& decoded, const Leanness& lean, bool keep) {
+    Avatar& avatar = *decoded.avatar;
+    const bool whole = lean == Leanness{avatar.fileShDegree, 1};
+    avatar.shDegree = lean.shDegree, avatar.splatCount = avatar.fileSplatCount;
+    if (decoded.general) {
+        if (whole) return renderer.prepareSplats(*decoded.general);
+        const StaticSplatData leaner = leanSplats(*decoded.general, lean);
+        avatar.splatCount = leaner.count();
+        return renderer.prepareSplats(leaner);
+    }
+    if (whole && !keep) return renderer.prepareAvatar(avatar.data, std::move(decoded.splats));
+    CodedSplats splats = leanSplats(*avatar.data, decoded.splats, lean);
+    avatar.splatCount = splats.count();
+    return renderer.prepareAvatar(avatar.data, std::move(splats));
 }
 
 bool hastens(Load& load) {
@@ -80,8 +95,48 @@ void setState(Load& load, LoadState state) {
     load.changed.notify_all();
 }
 
-Result<std::shared_ptr<Avatar>> loadFile(Load& load) {
+/** What an attempt took, and what there was. */
+struct Memory {
+    uint64_t needs = 0;
+    std::optional<uint64_t> room;  // none: unknown
+};
+
+/** Gives the subject to the renderer and uploads it. OutOfMemory: it does not fit; then nothing of it is left in the renderer. */
+Status place(Load& load, Decoded& decoded, const Leanness& lean, Memory& memory, std::shared_lock<std::shared_mutex>& keeps) {
     Context& context = *load.context;
+    Avatar& avatar = *decoded.avatar;
+    memory = {};
+    std::unique_ptr<PreparedSubject> subject;
+    {
+        const TaskPart part(kDecoded, kPrepared);
+        DPL_TRY(const std::shared_ptr<const Renderer> renderer, rendererFor(load, keeps));
+        uint64_t limit = 0;
+        {
+            const std::lock_guard lock(context.mutex);
+            limit = context.memoryLimit;
+        }
+        DPL_TRY(subject, prepare(*renderer, decoded, lean, limit > 0 || !renderer->identity().empty()));
+        memory.needs = subject->bytes();
+        log(LogLevel::Debug, "prepared '{}': {} splats", avatar.data->name, avatar.splatCount);
+        const std::lock_guard lock(context.mutex);
+        if (!context.renderer) return fail(Code::InvalidArgument, "the context was destroyed while the avatar was read");
+        if (const uint64_t held = context.renderer->residentBytes(); limit > 0 && held + memory.needs > limit) {
+            memory.room = limit - std::min(limit, held);
+            return fail(Code::OutOfMemory, "'{}' takes {} bytes of memory, and the limit of {} (dplSetMemoryLimit) leaves {}",
+                        avatar.data->name, memory.needs, limit, *memory.room);
+        }
+        DPL_TRY(avatar.renderId, context.renderer->begin(std::move(subject)));
+    }
+    setState(load, LoadState::Uploading);
+    const Status uploaded = upload(load, avatar.renderId, keeps);
+    if (uploaded || uploaded.error().code != Code::OutOfMemory) return uploaded;
+    const std::lock_guard lock(context.mutex);
+    if (context.renderer) context.renderer->removeAvatar(avatar.renderId);
+    avatar.renderId = 0;
+    return uploaded;
+}
+
+Result<std::shared_ptr<Avatar>> loadFile(Load& load) {
     setState(load, LoadState::Decoding);
     DPL_CHECK_OK(taskAt(0));
     Decoded decoded;
@@ -92,18 +147,24 @@ Result<std::shared_ptr<Avatar>> loadFile(Load& load) {
     load.releaseBytes();
     const std::shared_ptr<Avatar> avatar = decoded.avatar;
     avatar->context = load.context;
-    std::shared_lock keeps(context.loads);
-    {
-        const TaskPart part(kDecoded, kPrepared);
-        DPL_TRY(const std::shared_ptr<const Renderer> renderer, rendererFor(load, keeps));
-        DPL_TRY(auto subject, prepare(*renderer, decoded));
-        log(LogLevel::Debug, "prepared '{}': {} splats", avatar->data->name, avatar->splatCount);
-        const std::lock_guard lock(context.mutex);
-        if (!context.renderer) return fail(Code::InvalidArgument, "the context was destroyed while the avatar was read");
-        DPL_TRY(avatar->renderId, context.renderer->begin(std::move(subject)));
+    std::shared_lock keeps(load.context->loads);
+    LeanSearch search(avatar->fileShDegree);
+    while (true) {
+        Memory memory;
+        const Status placed = place(load, decoded, search.lean(), memory, keeps);
+        if (placed) break;
+        const Error& error = placed.error();
+        if (error.code == Code::Device && !hastens(load)) continue;  // it waits for another device
+        if (error.code != Code::OutOfMemory || memory.needs == 0) return error;
+        if (!search.lower(memory.needs, memory.room))
+            return fail(
+                Code::OutOfMemory,
+                "{}; that is without SH bands and with 1/16 of its splats. Destroy other avatars, or raise the limit if there is one",
+                error.message);
     }
-    setState(load, LoadState::Uploading);
-    DPL_CHECK_OK(upload(load, avatar->renderId, keeps));
+    if (avatar->splatCount < avatar->fileSplatCount || avatar->shDegree < avatar->fileShDegree)
+        log(LogLevel::Info, "'{}' is loaded with {} of {} splats and SH degree {} of {}, because memory is short", avatar->data->name,
+            avatar->splatCount, avatar->fileSplatCount, avatar->shDegree, avatar->fileShDegree);
     return avatar;
 }
 
@@ -271,7 +332,12 @@ extern "C" DplResult dplStartLoad(DplContext context, const DplLoadInfo* info, D
         if (made->context->closing) return fail(Code::InvalidArgument, "the context was destroyed");
         if (!made->context->loader) made->context->loader = std::make_unique<Loader>();
         const uintptr_t handle = loads().add(made);
-        made->context->loader->add(made, given.release);
+        try {
+            made->context->loader->add(made, given.release);
+        } catch (...) {
+            loads().take(handle);
+            throw;
+        }
         *load = reinterpret_cast<DplLoad>(handle);
         return {};
     });
@@ -308,6 +374,16 @@ extern "C" DplResult dplCancelLoad(DplLoad load) {
         (void)takenBack(*found);
         const std::lock_guard lock(found->mutex);
         found->changed.notify_all();
+        return {};
+    });
+}
+
+extern "C" DplResult dplSetMemoryLimit(DplContext context, uint64_t bytes) {
+    return guarded("dplSetMemoryLimit", [&]() -> Status {
+        DPL_TRY(const auto found, contextOf(context));
+        const std::lock_guard lock(found->mutex);
+        if (!found->renderer) return fail(Code::InvalidArgument, "the context was destroyed");
+        found->memoryLimit = bytes;
         return {};
     });
 }

@@ -105,6 +105,8 @@ struct Drawn {
 class PreparedSubject {
 public:
     virtual ~PreparedSubject() = default;
+    /** Memory that the subject takes where the renderer draws from, but for what single frames and the upload need. */
+    virtual uint64_t bytes() const { return 0; }
 };
 
 /** A slice of an upload: copy `from` to `to`, which has the same size and is read by the device. Both stay valid until the next call about
@@ -124,6 +126,8 @@ public:
     virtual std::string identity() const { return {}; }
     /** Whether a call has found that the graphics device was lost. Nothing can be drawn or added any more. */
     virtual bool lost() const { return false; }
+    /** FrameStats::residentBytes. */
+    virtual uint64_t residentBytes() const { return 0; }
     /** Takes effect with the next draw. Ignored by the CPU renderer. */
     virtual void setFill(Fill) {}
     /** Takes effect with the next draw. */

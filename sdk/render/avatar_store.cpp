@@ -14,6 +14,16 @@ struct PreparedUpload final : PreparedSubject {
 
     const AvatarStore* owner;
     LoadedSubject subject;
+
+    /** Records, what posing writes, and the lists of the subject alone. */
+    uint64_t bytes() const override {
+        constexpr uint64_t kRounding = 4096;  // by the device, of fifteen buffers together
+        FrameIds ids;
+        static_cast<SubjectIds&>(ids) = subject.ids;
+        ids.allGroups = ids.groupCount;
+        return subject.records->bytes() + ids.vertexCount * uint64_t(sizeof(gpu::PosedVertex)) +
+               ids.triangleCount * uint64_t(sizeof(gpu::TriangleFrame)) + ids.listBytes() + kRounding;
+    }
 };
 
 /** Makes a buffer for `items`, which are uploaded to it later. */
@@ -109,9 +119,15 @@ Result<std::unique_ptr<PreparedSubject>> AvatarStore::prepareSplats(const Static
     subject.generalDetail = GeneralDetailSubject(measureGroups(splats, order), splats.count());
     DPL_CHECK_OK(taskAt(0.5));
     auto kept = std::make_shared<SubjectRecords>();
-    kept->generalSplats = packSplats(splats, order, subject.generalDetail.groups());
-    DPL_CHECK_OK(taskAt(0.7));
-    kept->sh = packSh(splats, order);
+    {
+        const TaskPart part(0.5, 0.7);
+        kept->generalSplats = packSplats(splats, order, subject.generalDetail.groups());
+    }
+    {
+        const TaskPart part(0.7, 1);
+        kept->sh = packSh(splats, order);
+    }
+    DPL_CHECK_OK(taskAt(1));
     subject.residentBytes = subject.splatBytes = kept->bytes();
     subject.records = std::move(kept);
     return std::unique_ptr<PreparedSubject>(std::move(prepared));

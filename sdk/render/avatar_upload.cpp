@@ -10,6 +10,7 @@
 #include <glm/gtc/packing.hpp>
 
 #include "sdk/avatar/pose_correctives.h"
+#include "sdk/core/task.h"
 #include "sdk/draw/check_subject.h"
 #include "sdk/math/binding.h"
 #include "sdk/math/detail.h"
@@ -99,7 +100,9 @@ std::vector<gpu::uvec4> packSplats(const StaticSplatData& s, std::span<const uin
         std::memcpy(next, &record, sizeof record);
         next += sizeof record / sizeof *next;
     };
-    for (const uint32_t i : order) {
+    for (size_t k = 0; k < order.size(); ++k) {
+        if (k % kLook == 0 && !taskAt(double(k) / double(order.size()))) break;
+        const uint32_t i = order[k];
         const Mat3f turn = glm::mat3_cast(s.rotation[i]);
         const Vec3f &centre = s.position[i], &scaleM = s.scaleM[i];
         const Vec3f axis1 = turn[0] * scaleM.x, axis2 = turn[1] * scaleM.y, axis3 = turn[2] * scaleM.z;
@@ -136,6 +139,7 @@ std::vector<gpu::uvec4> packSh(const StaticSplatData& s, std::span<const uint32_
     std::vector<gpu::uvec4> out(s.count() * stride);
     const auto half = [](float x) { return uint32_t(glm::packHalf1x16(std::clamp(x, -65504.0f, 65504.0f))); };
     for (size_t i = 0; i < order.size(); ++i) {
+        if (i % kLook == 0 && !taskAt(double(i) / double(order.size()))) break;
         uint32_t words[24] = {};
         for (size_t k = 0; k < floats; ++k) words[k / 2] |= half(s.sh[order[i] * floats + k]) << (k % 2 * 16);
         std::memcpy(&out[i * stride], words, stride * sizeof(gpu::uvec4));

@@ -37,6 +37,7 @@ bool reachFar(const StaticSplatData& splats);
 
 /** Calls checkGeneralSplats and checks the limits of the device's bindings. */
 Status checkSplats(const StaticSplatData& splats, const DeviceInfo& device);
+// If the task of the thread is cancelled (sdk/core/task.h), these two stop early.
 /** A GeneralSplatRecord for each splat, then a GroupBox for each group (measureGroups). order[new] = old. */
 std::vector<gpu::uvec4> packSplats(const StaticSplatData& splats, std::span<const uint32_t> order, std::span<const GeneralGroup> groups);
 /** The SH coefficients as halves, padded to whole uvec4s for each splat. Values beyond the range of a half are clamped to it. */

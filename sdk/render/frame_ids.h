@@ -85,6 +85,11 @@ struct FrameIds : SubjectIds {
     }
     /** The kernel built for this many views and this SH degree. */
     std::string ofColour(const char* shader) const { return ofViews(formatText("{}.sh{}", shader, shDegree)); }
+    /** Bytes of the lists of a scene set. */
+    uint64_t listBytes() const {
+        const uint64_t pairBytes = sizeof(gpu::SortPair), swapBytes = sortRounds() == 2 ? sizeof(uint32_t) : pairBytes;
+        return (visibilityWords() + survivorWords() + 2 * digitWords()) * sizeof(uint32_t) + splatCount * (pairBytes + swapBytes);
+    }
     uint64_t digitWords() const { return uint64_t(gpu::kSortDigits) * ((splatCount + gpu::kRun - 1) / gpu::kRun); }
 };
 

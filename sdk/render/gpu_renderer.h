@@ -61,6 +61,7 @@ public:
     void setFill(Fill fill) override { options_.fill = fill; }
     std::string identity() const override { return backend_->info().identity; }
     bool lost() const override { return backend_->lost(); }
+    uint64_t residentBytes() const override { return backend_->residentBytes(); }
     Result<std::unique_ptr<PreparedSubject>> prepareAvatar(std::shared_ptr<const AvatarData> avatar, CodedSplats splats) const override;
     Result<std::unique_ptr<PreparedSubject>> prepareSplats(const StaticSplatData& splats) const override;
     Result<RenderAvatarId> begin(std::unique_ptr<PreparedSubject> subject) override;

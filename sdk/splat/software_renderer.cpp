@@ -52,7 +52,7 @@ struct Drawable final : PreparedSubject {
     bool posed = false;     // the joints of `mesh` follow `pose`
     bool surfaced = false;  // the surface of `mesh` follows `pose`; it is posed when a view first sees it
 
-    uint64_t bytes() const {
+    uint64_t bytes() const override {
         uint64_t pictureBytes = 0;
         for (const RenderedView& p : pictures)
             pictureBytes += p.rgba.capacity() + (p.depthM.capacity() + p.meshDepthM.capacity()) * sizeof(float);
@@ -177,9 +177,14 @@ public:
         stats.detailShare = shown.detailShare;
         stats.splatBytes = shown.general.bytes() + shown.splats.bytes();
         stats.avatarBytes = stats.splatBytes + (shown.avatar ? posingBytes(*shown.avatar) : 0);
-        stats.residentBytes = engine_.bufferBytes() + meshDepth_.bytes() + anotherDepthM_.capacity() * sizeof(float);
-        for (const auto& [id, drawable] : drawables_) stats.residentBytes += drawable->bytes();
+        stats.residentBytes = residentBytes();
         return stats;
+    }
+
+    uint64_t residentBytes() const override {
+        uint64_t bytes = engine_.bufferBytes() + meshDepth_.bytes() + anotherDepthM_.capacity() * sizeof(float);
+        for (const auto& [id, drawable] : drawables_) bytes += drawable->bytes();
+        return bytes;
     }
 
 private:

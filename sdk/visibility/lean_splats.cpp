@@ -76,6 +76,23 @@ void appendChunk(const CodedSplats& from, size_t chunk, const std::vector<uint8_
 
 }  // namespace
 
+bool LeanSearch::lower(uint64_t needs, std::optional<uint64_t> room) {
+    if (lean_.shDegree > 0) {
+        --lean_.shDegree;
+        return true;
+    }
+    if (lean_.share <= kLeastShare) return false;
+    double share = lean_.share / 2;
+    if (room) {
+        // The bytes are a line over the share, of which the first attempt knows one point: then it is taken to begin at 0.
+        const double slope = shareBefore_ > 0 ? (needsBefore_ - double(needs)) / (shareBefore_ - lean_.share) : double(needs) / lean_.share;
+        share = slope > 0 ? lean_.share - (double(needs) - 0.99 * double(*room)) / slope : 0;
+    }
+    shareBefore_ = lean_.share, needsBefore_ = double(needs);
+    lean_.share = std::clamp(share, kLeastShare, std::max(kLeastShare, 0.95 * lean_.share));
+    return true;
+}
+
 CodedSplats leanSplats(const AvatarData& avatar, const CodedSplats& splats, const Leanness& lean) {
     CodedSplats s = splats;
     lowerDegree(s, lean.shDegree);

@@ -2,6 +2,8 @@
 // Leaves splats out when an avatar is loaded and memory is short, in the order in which level of detail would.
 #pragma once
 
+#include <optional>
+
 #include "sdk/format/avatar_data.h"
 #include "sdk/format/coded_splats.h"
 
@@ -22,5 +24,19 @@ CodedSplats leanSplats(const AvatarData& avatar, const CodedSplats& splats, cons
 
 /** The same for general splats: each group keeps the same share. The order of the splats changes. */
 StaticSplatData leanSplats(const StaticSplatData& splats, const Leanness& lean);
+
+/** Looks for the leanness that fits into memory: SH bands go first, one by one, then splats. */
+class LeanSearch {
+public:
+    explicit LeanSearch(uint32_t shDegree) : lean_{shDegree, 1} {}
+    const Leanness& lean() const { return lean_; }
+    /** Chooses less than lean(), which took `needs` bytes and did not fit. room: bytes that there are; none: unknown. False: lean() is the
+     *  least. */
+    bool lower(uint64_t needs, std::optional<uint64_t> room);
+
+private:
+    Leanness lean_;
+    double shareBefore_ = 0, needsBefore_ = 0;  // of the attempt before, if it left out splats too
+};
 
 }  // namespace dpl

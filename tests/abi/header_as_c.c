@@ -34,7 +34,10 @@ int main(void) {
         CHECK(sizeof(DplCamera) == 96 && offsetof(DplCamera, viewFromWorld) == 28 && offsetof(DplCamera, sceneDepthM) == 80);
         CHECK(sizeof(DplImage) == 72 && offsetof(DplImage, rgba) == 8 && offsetof(DplImage, depthM) == 32 &&
               offsetof(DplImage, format) == 48 && offsetof(DplImage, meshDepthM) == 56);
-        CHECK(sizeof(DplAvatarInfo) == 72 && offsetof(DplAvatarInfo, name) == 8 && offsetof(DplAvatarInfo, restMin) == 44);
+        CHECK(sizeof(DplAvatarInfo) == 80 && offsetof(DplAvatarInfo, name) == 8 && offsetof(DplAvatarInfo, restMin) == 44 &&
+              offsetof(DplAvatarInfo, fileSplatCount) == 68);
+        CHECK(sizeof(DplLoadInfo) == 40 && offsetof(DplLoadInfo, data) == 8 && offsetof(DplLoadInfo, release) == 24);
+        CHECK(sizeof(DplLoadStatus) == 12 && offsetof(DplLoadStatus, progress) == 8);
         CHECK(sizeof(DplJointInfo) == 40 && offsetof(DplJointInfo, restPosition) == 28);
         CHECK(sizeof(DplClipInfo) == 32 && offsetof(DplClipInfo, durationS) == 16);
         CHECK(sizeof(DplClipOptions) == 24 && offsetof(DplClipOptions, animation) == 16);
@@ -46,7 +49,7 @@ int main(void) {
         CHECK(sizeof(DplPassTime) == 24 && offsetof(DplPassTime, milliseconds) == 16);
     }
     CHECK(sizeof(DplResult) == 4 && sizeof(DplRenderer) == 4 && sizeof(DplFill) == 4 && sizeof(DplDrawFlag) == 4 &&
-          sizeof(DplImageFormat) == 4 && sizeof(DplBudgetState) == 4);
+          sizeof(DplImageFormat) == 4 && sizeof(DplBudgetState) == 4 && sizeof(DplLoadState) == 4);
 
     CHECK(sizeof(DplClipDepth) == 4 && sizeof(DplAxes) == 4 && dplSecondsBetween(1, 1000000001) == 1);
 

@@ -162,6 +162,15 @@ DPL_API DplResult dplGetRendererName(DplContext context, const char** name);
  *  kind of file, or more splats than the device can bind; the text says what would help. */
 DPL_API DplResult dplLoadAvatar(DplContext context, const uint8_t* data, size_t size, DplAvatar* avatar);
 
+/** Limits DplFrameStats::residentBytes: what the renderer holds in graphics memory, or in memory if it draws on the CPU. 0: no limit, as
+ *  after creation. An avatar with which a load would exceed the limit is loaded with less: without the highest SH bands, and if that is not
+ *  enough, with the splats that level of detail keeps longest, grown to make up for the others; at least 1/16 of them. The same happens
+ *  when the GPU has no more memory, with or without a limit. DplAvatarInfo::fileSplatCount and fileShDegree tell; the log does too.
+ *  Only if the least does not fit, the load fails with DPL_ERROR_OUT_OF_MEMORY.
+ *  Holds from the next load on; what is loaded stays. Pictures are made whatever the limit, and a load takes up to 8 MiB more while it
+ * uploads, so leave room: residentBytes of a context that draws shows how much. */
+DPL_EXPERIMENTAL DplResult dplSetMemoryLimit(DplContext context, uint64_t bytes);
+
 /* dplLoadAvatar in steps, for programs whose frames must go on. A thread of the library reads the file.
  *
  *   dplStartLoad ─► each frame dplGetLoadStatus, until DPL_LOAD_READY or DPL_LOAD_FAILED ─► dplFinishLoad        or dplCancelLoad
@@ -192,7 +201,8 @@ typedef struct DplLoadInfo {
 
 /** Starts to load a file and returns at once. End the load with dplFinishLoad or dplCancelLoad, before or after its context.
  *  dplDestroyContext lets loads fail that are not ready, and waits until they have noticed. dplRebuildVulkan waits while a load converts a
- *  file for the GPU (0.3 s for 500,000 splats) and uploads what loads have begun to upload; a load that meets a lost device waits for it.
+ *  file for the GPU (up to a second for 500,000 splats) and uploads what loads have begun to upload; a load that meets a lost device waits
+ * for it.
  */
 DPL_EXPERIMENTAL DplResult dplStartLoad(DplContext context, const DplLoadInfo* info, DplLoad* load);
 
@@ -212,8 +222,8 @@ DPL_EXPERIMENTAL DplResult dplGetLoadStatus(DplLoad load, DplLoadStatus* status)
  * draws; then the rest is uploaded with submissions. */
 DPL_EXPERIMENTAL DplResult dplFinishLoad(DplLoad load, DplAvatar* avatar);
 
-/** Drops a load in any state and does not wait for its thread, which gives back `data` and all memory at its next step: within 0.2 s for
- *  500,000 splats. NULL does nothing and gives DPL_OK. */
+/** Drops a load in any state and does not wait for its thread, which gives back `data` and all memory at its next step: within 0.3 s for
+ *  500,000 splats. Of a ready load, frees the avatar as dplDestroyAvatar does. NULL does nothing and gives DPL_OK. */
 DPL_EXPERIMENTAL DplResult dplCancelLoad(DplLoad load);
 
 /** Frees an avatar, before or after its context. NULL does nothing and gives DPL_OK. */
@@ -232,6 +242,8 @@ typedef struct DplAvatarInfo {
     /** Bounding box of the mesh at rest, metres. For general splats: of the middle 98 % of their centres along each axis. */
     float restMin[3];
     float restMax[3];
+    /** What the file holds. If memory was short, splatCount or shDegree is lower: see dplSetMemoryLimit. */
+    uint32_t fileSplatCount, fileShDegree;
 } DplAvatarInfo;
 
 DPL_API DplResult dplGetAvatarInfo(DplAvatar avatar, DplAvatarInfo* info);

@@ -215,6 +215,8 @@ public:
         return Avatar(handle_, avatar);
     }
 
+    /** Limits what the renderer holds; avatars that would exceed it are loaded with less. 0: no limit. See dplSetMemoryLimit. */
+    Status setMemoryLimit(uint64_t bytes) const { return status(dplSetMemoryLimit(handle_, bytes)); }
     /** Starts to load an avatar or general splats in the background; see dplStartLoad. The bytes are kept until they are read. */
     Result<Load> startLoad(std::vector<uint8_t> bytes) const {
         auto kept = std::make_unique<std::vector<uint8_t>>(std::move(bytes));

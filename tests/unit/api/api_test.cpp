@@ -130,12 +130,17 @@ TEST_F(ApiTest, staleForeignAndInventedHandlesAreDetected) {
 
 TEST_F(ApiTest, structSizesAreHeld) {
     DplAvatarInfo info{};
-    for (const uint32_t size : {0u, 4u, uint32_t(sizeof info) - 1, 0xFFFFFFFFu}) {
+    for (const uint32_t size : {0u, 4u, uint32_t(offsetof(DplAvatarInfo, fileSplatCount)) - 1, 0xFFFFFFFFu}) {
         info.structSize = size;
         EXPECT_EQ(dplGetAvatarInfo(avatar_, &info), DPL_ERROR_INVALID_ARGUMENT) << size;
         EXPECT_TRUE(errorSays("structSize")) << dplGetLastError();
         EXPECT_EQ(info.structSize, size);
     }
+    info = {}, info.structSize = 72;  // of version 0.1
+    info.fileShDegree = 7;
+    EXPECT_EQ(dplGetAvatarInfo(avatar_, &info), DPL_OK) << dplGetLastError();
+    EXPECT_GT(info.splatCount, 0u);
+    EXPECT_EQ(info.fileShDegree, 7u) << "behind the shorter struct";
     struct {
         DplAvatarInfo info;
         uint32_t fromTheFuture[2];
