@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/viewer/loader.h"
 
+#include <chrono>
+
 #include "apps/shared/pictures.h"
 #include "apps/viewer/file_kind.h"
 #include "sdk/core/files.h"
@@ -59,6 +61,18 @@ Status Loader::makeContext() {
     return {};
 }
 
+/** Waits for the end of a load, which the window's frames upload. False: the loader is stopped. */
+bool Loader::ends(const doppel::Load& load, const std::string& file) {
+    std::unique_lock lock(mutex_);
+    while (!stop_) {
+        const auto status = load.status();
+        if (!status || status->state >= DPL_LOAD_READY) return true;
+        atHand_ = formatText("{} ({} %)", file, int(status->progress * 100));
+        changed_.wait_for(lock, std::chrono::milliseconds(2));
+    }
+    return false;
+}
+
 LoadedFile Loader::loadOne(const Task& task) {
     LoadedFile out;
     out.file = std::filesystem::path(task.path).filename().string();
@@ -66,11 +80,14 @@ LoadedFile Loader::loadOne(const Task& task) {
         out.error = out.file + ": " + why;
         return std::move(out);
     };
-    const auto bytes = readFile(task.path);
+    auto bytes = readFile(task.path);
     if (!bytes) return failed(bytes.error().message);
     switch (fileKindOf(*bytes, task.path)) {
         case FileKind::Subject: {
-            auto avatar = context_->loadAvatar(*bytes);
+            auto load = context_->startLoad(std::move(*bytes));
+            if (!load) return failed(load.error().message);
+            if (!ends(*load, out.file)) return failed("not loaded, because the viewer was closed");
+            auto avatar = load->finish();
             if (!avatar) return failed(avatar.error().message);
             auto info = avatar->info();
             if (info && info->jointCount > 0) lastAvatar_ = avatar->handle();

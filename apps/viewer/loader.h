@@ -31,7 +31,7 @@ class Loader {
 public:
     /** Starts the thread. The shell must outlive the loader. cacheFolder: for DplContextInfo; empty: none. */
     Loader(platform::Shell& shell, DplFill fill, std::string cacheFolder);
-    /** Drops waiting files, waits for the one at hand, and destroys the context. No frame with it may be in flight any more. */
+    /** Drops waiting files and the one at hand, and destroys the context. No frame with it may be in flight any more. */
     ~Loader();
     Loader(const Loader&) = delete;
     Loader& operator=(const Loader&) = delete;
@@ -43,7 +43,7 @@ public:
     std::optional<DoppelOnShell> doppel() const;
     /** What was finished since the last call. */
     std::vector<LoadedFile> take();
-    /** The file at hand, or "" if nothing is left to do. */
+    /** The file at hand and how far it is, for people; "" if nothing is left to do. */
     std::string atHand() const;
 
 private:
@@ -54,6 +54,7 @@ private:
     void run();
     Status makeContext();
     LoadedFile loadOne(const Task& task);
+    bool ends(const doppel::Load& load, const std::string& file);
 
     platform::Shell& shell_;
     const DplFill fill_;

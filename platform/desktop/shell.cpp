@@ -152,6 +152,8 @@ std::string Shell::draw(const FrameContents& contents) {
         prepared = dplVulkanPrepare(contents.context, commands, slotIndex, contents.avatars.data(), uint32_t(contents.avatars.size()),
                                     &contents.view, 1, contents.room ? &depth : nullptr) == DPL_OK;
         if (!prepared) problem = dplGetLastError();
+    } else if (contents.context && dplVulkanUpload(contents.context, commands, slotIndex) != DPL_OK) {
+        problem = dplGetLastError();
     }
     canvas.beginComposing(commands);
     if (prepared && dplVulkanCompose(contents.context, contents.composer, commands, slotIndex, 0, 0, 0) != DPL_OK)
