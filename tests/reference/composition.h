@@ -96,14 +96,12 @@ inline StoredPixel over(TargetFormat format, const uint8_t* layer, const StoredP
     return out;
 }
 
-/** Composes a layer over each sample of each pixel of a target. Samples of a pixel follow each other. */
-inline void compose(TargetFormat format, std::span<const uint8_t> layer, uint32_t samples, std::span<uint8_t> target) {
+/** Composes a layer over the pixels of a target. */
+inline void compose(TargetFormat format, std::span<const uint8_t> layer, std::span<uint8_t> target) {
     const size_t bytes = bytesOf(format);
     for (size_t pixel = 0; pixel < layer.size() / 4; ++pixel)
-        for (size_t s = 0; s < samples && layer[4 * pixel + 3] > 0; ++s) {
-            uint8_t* at = target.data() + (pixel * samples + s) * bytes;
+        if (uint8_t* at = target.data() + pixel * bytes; layer[4 * pixel + 3] > 0)
             pack(format, over(format, &layer[4 * pixel], unpack(format, at)), at);
-        }
 }
 
 /** How an app stores depth: scale + offset / z. */

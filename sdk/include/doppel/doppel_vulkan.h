@@ -55,8 +55,8 @@ typedef struct DplVulkanDevice {
     VkInstance instance;
     VkPhysicalDevice physicalDevice;
     VkDevice device;
-    VkQueue queue; /**< of queueFamily. Used by dplLoadAvatar, dplFinishLoad of a load that is not ready, dplRender, dplDraw and the
-                    * self-test of DPL_FILL_AUTO; never by prepare and compose */
+    VkQueue queue; /**< of queueFamily. Used by dplVulkanSubmit, dplLoadAvatar, dplFinishLoad of a load that is not ready, dplRender,
+                    * dplDraw and the self-test of DPL_FILL_AUTO; never by prepare and compose */
     /** The chain given to vkCreateDevice, so that Doppel knows which features are enabled. Read during the call. NULL: none. */
     const VkPhysicalDeviceFeatures2* enabledFeatures;
     const VkAllocationCallbacks* allocator; /**< for all objects of Doppel; copied. NULL: the driver's own */
@@ -88,12 +88,11 @@ DPL_EXPERIMENTAL DplResult dplCreateVulkanContext(const DplVulkanDevice* device,
  *  vkQueueSubmit; it may call this function at any time.
  *
  *  Avatars, poses, detail and frame budget stay: the context keeps a copy of what it uploads, no more than DplFrameStats::avatarBytes of
- * each avatar. Slots are empty, and composers are gone: make them again. After an error all is as before, and the call can be repeated.
- *  device: of a context made with dplCreateVulkanContext, the new device; the old one is used no more once the function returns DPL_OK, and
- *  submitted commands of its slots can no longer run by then. NULL: of a context made with dplCreateContext, which opens a device itself.
- *  Uploads all avatars with submissions, and waits for them. Other threads wait meanwhile.
- *  DPL_ERROR_INVALID_ARGUMENT: the other kind of context, or one that draws on the CPU. Other errors as dplCreateVulkanContext and
- *  dplCreateContext. */
+ * each avatar. Slots are empty, and composers and targets are gone: make them again. After an error all is as before, and the call can be
+ * repeated. device: of a context made with dplCreateVulkanContext, the new device; the old one is used no more once the function returns
+ * DPL_OK, and submitted commands of its slots can no longer run by then. NULL: of a context made with dplCreateContext, which opens a
+ * device itself. Uploads all avatars with submissions, and waits for them. Other threads wait meanwhile. DPL_ERROR_INVALID_ARGUMENT: the
+ * other kind of context, or one that draws on the CPU. Other errors as dplCreateVulkanContext and dplCreateContext. */
 DPL_EXPERIMENTAL DplResult dplRebuildVulkan(DplContext context, const DplVulkanDevice* device);
 
 /** The pass in which a composer draws: a subpass of a render pass, or dynamic rendering. It has one colour attachment.

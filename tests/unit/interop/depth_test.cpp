@@ -70,6 +70,21 @@ Written compare(const StoredCase& stored, uint32_t samples, std::span<const uint
     return result;
 }
 
+// The formats of targets take turns: colour and depth do not depend on each other.
+constexpr VkFormat kColours[] = {VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_B8G8R8A8_SRGB, VK_FORMAT_R16G16B16A16_SFLOAT,
+                                 VK_FORMAT_A2B10G10R10_UNORM_PACK32, VK_FORMAT_B8G8R8A8_UNORM};
+constexpr double kColourStep = 1.01 / 255;  // a code of 8 bits; the background of the GPU is blended from codes, too
+
+/** What the target stores of a sample. */
+reference::StoredPixel storedOf(const SampleValue& value, VkFormat format) {
+    reference::StoredPixel stored;
+    for (size_t c = 0; c < 4; ++c) {
+        stored[c] = double(value.rgba[c]);
+        if (c < 3 && reference::isSrgb(refereeFormat(format))) stored[c] = reference::encodeSrgb(stored[c]);
+    }
+    return stored;
+}
+
 struct WayCase {
     const char* name;
     uint32_t depth;  // DplDrawFlag
@@ -87,7 +102,6 @@ INSTANTIATE_TEST_SUITE_P(Ways, InteropDepthWriting,
 TEST_P(InteropDepthWriting, writesWhatDplRenderReadsBack) {
     const auto [name, which, fill, dynamic] = GetParam();
     OPEN_OR_SKIP({.multiview = false, .dynamicRendering = dynamic}, fill);
-    constexpr VkFormat kFormat = VK_FORMAT_R8G8B8A8_UNORM;
     const DplCamera camera = frontCamera(kWidth, kHeight);
     std::vector<float> depthM, meshDepthM;
     const std::vector<uint8_t> layer = layerOf(camera, &depthM, &meshDepthM);
@@ -101,7 +115,8 @@ TEST_P(InteropDepthWriting, writesWhatDplRenderReadsBack) {
         }
         for (const uint32_t samples : {1u, 4u}) {
             SCOPED_TRACE(stored.name + std::string(samples == 1 ? ", 1 sample" : ", 4 samples"));
-            const AppImage& image = target(kFormat, 1, samples);
+            const VkFormat format = kColours[slot % std::size(kColours)];
+            const AppImage& image = target(format, 1, samples);
             images_.push_back(app_->makeDepthTarget(stored.format, kWidth, kHeight, 1, samples));
             const AppImage& depth = images_.back();
             Passes passes = passesFor(image, dynamic, 0, &depth, which);
@@ -119,10 +134,9 @@ TEST_P(InteropDepthWriting, writesWhatDplRenderReadsBack) {
             EXPECT_GT(written.uncovered, 3000u * samples);
             size_t wrong = 0;
             for (size_t i = 0; i < after.size(); ++i) {
-                const auto& rgba = before[i].rgba;
-                const auto want = reference::over(reference::TargetFormat::Rgba8, &layer[i / samples * 4],
-                                                  {double(rgba[0]), double(rgba[1]), double(rgba[2]), double(rgba[3])});
-                for (size_t c = 0; c < 4; ++c) wrong += std::abs(double(after[i].rgba[c]) - std::min(1.0, want[c])) > 1.01 / 255;
+                const auto want = reference::over(refereeFormat(format), &layer[i / samples * 4], storedOf(before[i], format));
+                const auto got = storedOf(after[i], format);
+                for (size_t c = 0; c < 3; ++c) wrong += std::abs(got[c] - std::min(1.0, want[c])) > kColourStep;
             }
             EXPECT_EQ(wrong, 0u) << "colours of each sample are the referee's";
         }

@@ -48,14 +48,13 @@ inline void cant(DplCamera& camera) {
 }
 
 /** A smooth background, in the bytes of a format. */
-inline std::vector<uint8_t> background(VkFormat format, uint32_t samples = 1) {
+inline std::vector<uint8_t> background(VkFormat format) {
     const size_t bytes = reference::bytesOf(refereeFormat(format));
-    std::vector<uint8_t> pixels(size_t(kWidth) * kHeight * samples * bytes);
+    std::vector<uint8_t> pixels(size_t(kWidth) * kHeight * bytes);
     for (uint32_t y = 0; y < kHeight; ++y)
         for (uint32_t x = 0; x < kWidth; ++x)
-            for (uint32_t s = 0; s < samples; ++s)
-                reference::pack(refereeFormat(format), {0.8 * x / kWidth, 0.9 * y / kHeight, 0.3 + 0.15 * s, 1},
-                                &pixels[((size_t(y) * kWidth + x) * samples + s) * bytes]);
+            reference::pack(refereeFormat(format), {0.8 * x / kWidth, 0.9 * y / kHeight, 0.3, 1},
+                            &pixels[(size_t(y) * kWidth + x) * bytes]);
     return pixels;
 }
 
@@ -222,7 +221,7 @@ protected:
     }
     /** The picture of dplRender, composed over `under` by the referee. */
     std::vector<uint8_t> composed(const DplCamera& camera, VkFormat format, std::vector<uint8_t> under) {
-        reference::compose(refereeFormat(format), layerOf(camera), 1, under);
+        reference::compose(refereeFormat(format), layerOf(camera), under);
         return under;
     }
 
