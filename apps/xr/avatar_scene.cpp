@@ -186,7 +186,9 @@ void AvatarScene::originMoved(const XrPosef& oldFromNew) {
 /** The pose of the clip, in which the user's hands, and before a mirror the head, take over. */
 doppel::Status AvatarScene::poseAvatar(const xr::Frame& frame) {
     if (puppet_.jointCount() == 0) return {};  // general splats
-    const xr::User user = options_.mirror ? xr::mirrored(mirror_, frame.user) : frame.user;
+    xr::User user = options_.mirror ? xr::mirrored(mirror_, frame.user) : frame.user;
+    if (!options_.withHands)
+        for (xr::Hand& hand : user.hands) hand.located = 0;
     const XrPosef body = stance_.of(user);
     if (options_.mirror) worldFromAvatar_ = body;
     const auto joints = uint32_t(puppet_.jointCount());

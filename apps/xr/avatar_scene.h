@@ -18,7 +18,8 @@ struct SceneOptions {
     bool withRoom = true;  // where the picture is opaque; elsewhere the real room is seen
     bool withAvatar = true;
     std::optional<uint32_t> clip;  // none: the avatar stands in its rest pose
-    bool mirror = false;           // the avatar is the user's image in a mirror between them; else it lends its arms to the user's hands
+    bool withHands = true;         // the user's hands, where they are tracked, move the avatar's arms, wrists and fingers
+    bool mirror = false;           // the avatar is the user's image in a mirror between them
 };
 
 class AvatarScene final : public xr::Scene {

@@ -29,7 +29,8 @@ struct Options {
     std::string clip, blend = "opaque";
     uint64_t frames = 0;
     double waitS = 30;
-    bool mirror = false, withoutRoom = false, withoutAvatar = false, perEye = false, twoViews = false, validate = false;
+    bool mirror = false, withoutHands = false, withoutRoom = false, withoutAvatar = false, perEye = false, twoViews = false,
+         validate = false;
     float refreshHz = 0;
 };
 
@@ -74,7 +75,7 @@ void moveAvatar(AvatarScene& scene, const xr::Session& session) {
 SceneOptions sceneOf(const Options& options) {
     SceneOptions scene;
     scene.withRoom = !options.withoutRoom, scene.withAvatar = !options.withoutAvatar;
-    scene.mirror = options.mirror;
+    scene.withHands = !options.withoutHands, scene.mirror = options.mirror;
     return scene;
 }
 
@@ -186,6 +187,7 @@ int main(int argc, char** argv) {
     app.add_option("--capture", options.capture,
                    "With --frames: write the last frame to this folder (view_N.png, view_N_depth.pfm, views.json)")
         ->needs("--frames");
+    app.add_flag("--without-hands", options.withoutHands, "Your hands do not move the avatar");
     app.add_flag("--without-room", options.withoutRoom, "The avatar alone over black of alpha 0");
     app.add_flag("--without-avatar", options.withoutAvatar, "The room alone");
     app.add_flag("--per-eye", options.perEye, "An image for each eye, even where one image with two layers is possible");

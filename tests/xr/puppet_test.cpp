@@ -196,6 +196,19 @@ TEST_F(XrPuppet, elbowsHangAndArmsThatAreTooShortPoint) {
     EXPECT_LT(glm::distance(glm::normalize(arm), glm::normalize(to - from)), 1e-4);
 }
 
+TEST_F(XrPuppet, theLowerArmTakesHalfOfTheTwist) {
+    for (int side = 0; side < 2; ++side) {
+        const std::string name = side == 0 ? "left" : "right";
+        User user;
+        const dvec3 arm{side == 0 ? 1 : -1, 0, 0};
+        user.hands[side] = flatHand(side, glm::angleAxis(1.0, arm), wide(kRoot) + dvec3(0, 1.45, 0) + 2.0 * arm);
+        pose(user);
+        const dquat lower = placed_.world[find(name + "LowerArm")];
+        EXPECT_LT(angleBetween(lower, glm::angleAxis(0.5, arm)), 0.03) << "the arm is as good as straight";
+        EXPECT_LT(angleBetween(placed_.world[find(name + "Hand")], glm::angleAxis(1.0, arm)), 1e-5);
+    }
+}
+
 TEST_F(XrPuppet, whatIsNotLocatedKeepsTheClip) {
     base_[find("leftIndexIntermediate")] = narrow(glm::angleAxis(0.4, dvec3(0, 0, 1)));
     base_[find("rightHand")] = narrow(glm::angleAxis(0.3, dvec3(1, 0, 0)));
