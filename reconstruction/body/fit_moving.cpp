@@ -16,7 +16,7 @@ namespace {
 constexpr double kMaxGapS = 1.0;  // no smoothness term across a longer gap
 constexpr double kLooseFootScale = 5;
 constexpr int kUntangleRounds = 3;
-constexpr double kUntangleGain = 0.01;  // share of the cost that a round must save for another to follow
+constexpr double kUntangleGain = 0.01;                    // share of the cost that a round must save for another to follow
 constexpr double kTrackStepRad = 0.5, kTrackStepM = 0.3;  // σ of the change of pose and root from frame to frame; tracking only
 
 }  // namespace

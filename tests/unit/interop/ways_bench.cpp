@@ -105,8 +105,10 @@ public:
         if (!masked_) addPass(0);
     }
     ~Program() {
-        app_.waitAll();
+        waitForAll();
         (void)dplDestroyVulkanComposer(context_, composer_);
+        if (submitTarget_ != 0) (void)dplDestroyVulkanTarget(context_, submitTarget_);
+        for (VkFence fence : fences_) vkDestroyFence(app_.device, fence, nullptr);
         for (VkFramebuffer framebuffer : framebuffers_) vkDestroyFramebuffer(app_.device, framebuffer, nullptr);
         for (VkRenderPass pass : passes_) vkDestroyRenderPass(app_.device, pass, nullptr);
         app_.destroy(target_);
@@ -134,6 +136,23 @@ public:
     Cost inside(uint32_t frames) {
         return timed(frames, [&](uint32_t n, Cost& cost) { draw(n % DPL_VULKAN_SLOTS, 0, uint32_t(views_.size()), cost, true); });
     }
+    /** The same with a submission of Doppel's. */
+    Cost submitted(uint32_t frames) {
+        if (submitTarget_ == 0) makeSubmitTarget();
+        return timed(frames, [&](uint32_t n, Cost& cost) {
+            const uint32_t slot = n % DPL_VULKAN_SLOTS;
+            (void)vkWaitForFences(app_.device, 1, &fences_[slot], VK_TRUE, UINT64_MAX);
+            (void)vkResetFences(app_.device, 1, &fences_[slot]);
+            fillForJudging();
+            DplVulkanSubmission how{};
+            how.structSize = sizeof how, how.fence = fences_[slot];
+            const double start = threadMs();
+            AllocationCount count(CountedThreads::Own);
+            must(dplVulkanSubmit(context_, submitTarget_, slot, &avatar_, 1, views_.data(), uint32_t(views_.size()), nullptr, &how));
+            cost.allocations += count.stop();
+            cost.threadMs.push_back(threadMs() - start);
+        });
+    }
     /** Each view is a frame of its own. */
     Cost insideOneByOne(uint32_t frames) {
         return timed(frames, [&](uint32_t n, Cost& cost) {
@@ -143,6 +162,7 @@ public:
     }
     /** The smallest PSNR of the last frame's layers against the CPU renderer. */
     double psnr(DplContext cpu, DplAvatar same, uint32_t frames) {
+        waitForAll();
         pose(same, kWarm + frames);
         std::vector<std::vector<uint8_t>> expected(views_.size(), under_);
         renderOver(cpu, same, views_, expected);
@@ -167,6 +187,30 @@ private:
         return true;
     }
 
+    void makeSubmitTarget() {
+        for (VkFence& fence : fences_) {
+            VkFenceCreateInfo info{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+            info.flags = VK_FENCE_CREATE_SIGNALED_BIT;
+            (void)vkCreateFence(app_.device, &info, nullptr, &fence);
+        }
+        DplVulkanTarget info{};
+        info.structSize = sizeof info;
+        info.imageCount = masked_ ? 1 : uint32_t(views_.size()), info.viewMask = masked_ ? 3 : 0;
+        for (uint32_t i = 0; i < info.imageCount; ++i) info.images[i] = masked_ ? target_.view : target_.layerViews[i];
+        info.format = kFormat, info.widthPx = target_.width, info.heightPx = target_.height;
+        info.layoutBefore = info.layoutAfter = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
+        must(dplCreateVulkanTarget(context_, &info, &submitTarget_));
+    }
+    void waitForAll() {
+        app_.waitAll();
+        (void)vkQueueWaitIdle(app_.queue);
+    }
+    void fillForJudging() {
+        if (!last_) return;
+        waitForAll();
+        for (uint32_t layer = 0; layer < target_.layers; ++layer) app_.upload(target_, layer, under_);
+    }
+
     static void pose(DplAvatar avatar, uint32_t n) {
         DplAvatarInfo info{sizeof info};
         must(dplGetAvatarInfo(avatar, &info));
@@ -178,11 +222,11 @@ private:
         double start = 0;
         last_ = false;
         for (uint32_t n = 0; n < kWarm + frames; ++n) {
-            if (n == kWarm) app_.waitAll(), cost = {}, start = wallMs();
+            if (n == kWarm) waitForAll(), cost = {}, start = wallMs();
             pose(avatar_, n);
             frame(n, cost);
         }
-        app_.waitAll();
+        waitForAll();
         cost.frameMs = (wallMs() - start) / frames;
         last_ = true;
         Cost judged;
@@ -193,8 +237,7 @@ private:
 
     /** Prepares `count` views from `first` on and composes each into its layer. fresh: the target is filled with the background first. */
     void draw(uint32_t slot, uint32_t first, uint32_t count, Cost& cost, bool fresh) {
-        if (fresh && last_)
-            for (uint32_t layer = 0; layer < target_.layers; ++layer) app_.upload(target_, layer, under_);
+        if (fresh) fillForJudging();
         const VkCommandBuffer commands = app_.begin(slot);
         double start = threadMs();
         AllocationCount preparing(CountedThreads::Own);
@@ -230,7 +273,8 @@ private:
     std::vector<DplCamera> views_;
     std::vector<VkRenderPass> passes_;
     std::vector<VkFramebuffer> framebuffers_;
-    uint32_t composer_ = 0;
+    uint32_t composer_ = 0, submitTarget_ = 0;
+    VkFence fences_[DPL_VULKAN_SLOTS] = {};
     bool masked_ = false;
     bool last_ = false;  // the frame that is judged
 };
@@ -243,6 +287,7 @@ struct Way {
 };
 constexpr Way kWays[] = {{"read back, composed by the CPU, uploaded", &Program::byReadingBack, true, false, 1},
                          {"inside the app's frame", &Program::inside, false, true, 1},
+                         {"inside, submitted by Doppel", &Program::submitted, false, true, 1},
                          {"inside, a frame for each eye", &Program::insideOneByOne, false, false, 2}};
 
 int run(int argc, char** argv) {

@@ -184,6 +184,11 @@ def take_ways(place):
     return [{**row, "bars": INSIDE_BARS if row["pixel_bytes"] == 0 else {}} for row in rows]
 
 
+def take_load_frames(place):
+    rows = place.json_lines("load-frames", [place.program("bench_load_frames"), 500000])
+    return [{**row, "bars": {}} for row in rows]
+
+
 STEADY = re.compile(r"load x3, (\d+) % of a frame fixed, time known after (\d+) frames: steady after (\d+) frames, all splats back (\d+) frames")
 
 
@@ -333,6 +338,8 @@ BENCHES = [
           ("libdoppel.so",), take_library),
     Bench("ways", "quick", 1, "what each way into a Vulkan program's image costs",
           "build/release/tests/unit/interop/bench_ways demo/avatar/avatar.glb 60", ("bench_ways",), take_ways),
+    Bench("load-frames", "quick", 0.5, "the longest frame while 500,000 splats load", "build/release/tools/bench/bench_load_frames 500000",
+          ("bench_load_frames",), take_load_frames),
     Bench("steady", "quick", 0.1, "frames until a frame budget holds, on simulated devices",
           "build/release/tests/unit/visibility/visibility_governor_test --gtest_filter='*TreblesForASecond*'", ("visibility_governor_test",), take_steady),
     Bench("detail", "quick", 1.5, "level of detail against distance",
