@@ -50,9 +50,11 @@ doppel::Status AvatarScene::begin(const xr::SessionImages& images) {
             std::vector<Pass>& made = passes_.emplace_back(group.passes);
             for (uint32_t p = 0; p < group.passes; ++p)
                 for (VkImageView colour : group.colour[p]) {
-                    made[p].composing.push_back(makeFramebuffer(composing_, {colour}, group));
-                    std::vector<VkFramebuffer>& drawing = made[p].drawing.emplace_back();
-                    for (VkImageView depth : group.depth[p]) drawing.push_back(makeFramebuffer(drawing_, {colour, depth}, group));
+                    auto &drawing = made[p].drawing.emplace_back(), &composing = made[p].composing.emplace_back();
+                    for (VkImageView depth : group.depth[p]) {
+                        drawing.push_back(makeFramebuffer(drawing_, {colour, depth}, group));
+                        composing.push_back(makeFramebuffer(composing_, {colour, depth}, group));
+                    }
                 }
         }
     } catch (const platform::VulkanError& error) {
@@ -63,6 +65,7 @@ doppel::Status AvatarScene::begin(const xr::SessionImages& images) {
     pass.renderPass = composing_;
     pass.viewMask = images.multiview ? 3 : 0;
     pass.colourFormat = images.colourFormat;
+    pass.writesDepth = DPL_DRAW_DEPTH;  // of general splats too
     uint32_t composer = 0;
     SCENE_OK(doppel::status(dplCreateVulkanComposer(runtime_.context(), &pass, &composer)));
     composer_ = composer;
@@ -133,15 +136,20 @@ void AvatarScene::makePasses() {
     info.pDependencies = around;
     DPL_VK(vkCreateRenderPass(runtime_.device(), &info, nullptr, &drawing_));
 
-    // The avatar: composed over the colour.
-    const VkAttachmentDescription composed = attachment(images_->colourFormat, VK_ATTACHMENT_LOAD_OP_LOAD,
-                                                        VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
-    const VkSubpassDependency before{VK_SUBPASS_EXTERNAL, 0, kColourStage, kColourStage, kColourAccess, kColourAccess, 0};
-    subpass.pDepthStencilAttachment = nullptr;
-    info.attachmentCount = 1;
-    info.pAttachments = &composed;
-    info.dependencyCount = 1;
-    info.pDependencies = &before;
+    // The avatar: composed over both. Its compute passes have read the depth that it writes.
+    const VkAttachmentDescription composed[] = {
+        attachment(images_->colourFormat, VK_ATTACHMENT_LOAD_OP_LOAD, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+                   VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL),
+        attachment(images_->depthFormat, VK_ATTACHMENT_LOAD_OP_LOAD, VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL,
+                   VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL)};
+    const VkSubpassDependency over[] = {
+        {VK_SUBPASS_EXTERNAL, 0, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | kColourStage | kDepthStages, kColourStage | kDepthStages,
+         VK_ACCESS_SHADER_READ_BIT | kColourAccess | kDepthAccess, kColourAccess | kDepthAccess, 0},
+        {0, VK_SUBPASS_EXTERNAL, kColourStage | kDepthStages, kColourStage | kDepthStages, kColourAccess | kDepthAccess,
+         kColourAccess | kDepthAccess, 0},
+    };
+    info.pAttachments = composed;
+    info.pDependencies = over;
     DPL_VK(vkCreateRenderPass(runtime_.device(), &info, nullptr, &composing_));
 }
 
@@ -222,10 +230,13 @@ doppel::Status AvatarScene::draw(const xr::Frame& frame) {
         for (uint32_t p = 0; p < images_->groups[g].passes; ++p) {
             VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
             begin.renderPass = composing_;
-            begin.framebuffer = passes_[g][p].composing[group.colourImage[p]];
+            begin.framebuffer = passes_[g][p].composing[group.colourImage[p]][group.depthImage[p]];
             begin.renderArea.extent = {images_->groups[g].widthPx, images_->groups[g].heightPx};
             vkCmdBeginRenderPass(commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
-            const doppel::Status composed = doppel::status(dplVulkanCompose(runtime_.context(), *composer_, commands, group.slot, p, 0, 0));
+            doppel::Status composed = doppel::status(dplVulkanCompose(runtime_.context(), *composer_, commands, group.slot, p, 0, 0));
+            if (composed)
+                composed = doppel::status(
+                    dplVulkanComposeDepth(runtime_.context(), *composer_, commands, group.slot, p, 0, 0, 0, platform::kRoomNearM));
             vkCmdEndRenderPass(commands);
             SCENE_OK(composed);
         }

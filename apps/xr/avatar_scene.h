@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The program's scene: a lit room with an avatar in it. Two render passes a view, or one pair for both eyes: the room with its depth; then
-// the avatar, composed over it.
+// the avatar, composed over it, with its depth.
 #pragma once
 
 #include <doppel/doppel.hpp>
@@ -43,9 +43,8 @@ public:
     DplCamera cameraOfAvatar(const DplCamera& camera) const;
 
 private:
-    struct Pass {                                         // a render pass of a group's images
-        std::vector<std::vector<VkFramebuffer>> drawing;  // by colour image, then by depth image
-        std::vector<VkFramebuffer> composing;             // by colour image
+    struct Pass {                                                    // of a group's images
+        std::vector<std::vector<VkFramebuffer>> drawing, composing;  // by colour image, then by depth image
     };
 
     doppel::Status poseAvatar(const xr::Frame& frame);

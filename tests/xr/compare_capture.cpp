@@ -2,7 +2,8 @@
 // Compares pictures that doppel-xr captured from a headset with what dplRender draws on the CPU of the same views.
 //   compare_xr_capture AVATAR FOLDER [ROOM]
 // FOLDER: written by doppel-xr --capture. ROOM: another capture, --without-avatar, of a headset that did not move; without it, FOLDER shows
-// the avatar alone (--without-room). Exit codes: 0 all views at 50 dB or more and not empty, 1 not so, 2 wrong arguments.
+// the avatar alone (--without-room). Exit codes: 0 all views at 50 dB or more and not empty, and with ROOM the depth holds the avatar; 1
+// not so, 2 wrong arguments.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -59,7 +60,7 @@ double psnrDb(std::span<const uint8_t> a, std::span<const uint8_t> b) {
 
 struct Compared {
     double db = 0;
-    size_t avatarPixels = 0;
+    size_t avatarPixels = 0, depthPixels = 0;  // that show the avatar; in whose depth it is, before the room
 };
 
 Result<Compared> compareView(const doppel::Context& context, const doppel::Avatar& avatar, const nlohmann::json& view, size_t index,
@@ -69,9 +70,12 @@ Result<Compared> compareView(const doppel::Context& context, const doppel::Avata
     DPL_TRY(const std::vector<uint8_t> captured, readPicture(folder / (name + ".png"), camera));
     std::vector<uint8_t> expected(captured.size(), 0);
     std::vector<float> depth;
+    Compared out;
     if (!room.empty()) {
         DPL_TRY(expected, readPicture(room / (name + ".png"), camera));
-        DPL_TRY(depth, readDepth(folder / (name + "_depth.pfm"), camera));
+        DPL_TRY(depth, readDepth(room / (name + "_depth.pfm"), camera));
+        DPL_TRY(const auto together, readDepth(folder / (name + "_depth.pfm"), camera));
+        for (size_t i = 0; i < depth.size(); ++i) out.depthPixels += together[i] > 0 && (depth[i] == 0 || together[i] < depth[i]);
         camera.sceneDepthM = depth.data(), camera.sceneDepthCount = depth.size();
     }
     const std::vector<uint8_t> background = expected;
@@ -79,7 +83,7 @@ Result<Compared> compareView(const doppel::Context& context, const doppel::Avata
     image.format = DPL_FORMAT_RGBA8_SRGB;
     if (const auto rendered = doppel::status(dplRender(context.handle(), avatar.handle(), &camera, 1, &image)); !rendered)
         return fromSdk(rendered.error());
-    Compared out{psnrDb(captured, expected), 0};
+    out.db = psnrDb(captured, expected);
     for (size_t i = 0; i < captured.size(); i += 4) out.avatarPixels += !std::equal(&captured[i], &captured[i] + 3, &background[i]);
     return out;
 }
@@ -103,6 +107,10 @@ Status compare(const std::filesystem::path& avatarFile, const std::filesystem::p
         std::printf("view %zu of %s: %.1f dB to dplRender, the avatar in %zu pixels\n", index,
                     capture.at("runtime").get<std::string>().c_str(), compared.db, compared.avatarPixels);
         good = good && compared.db >= kLeastDb && compared.avatarPixels > 0;
+        if (!room.empty()) {
+            std::printf("  its depth in %zu pixels\n", compared.depthPixels);
+            good = good && compared.depthPixels > compared.avatarPixels / 2;
+        }
         ++index;
     }
     if (!good) return fail(Code::CorruptData, "{}: a view is empty or below {} dB", folder.string(), kLeastDb);
