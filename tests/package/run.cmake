@@ -21,7 +21,7 @@ step(${MAKE_AVATAR} ${WORK_DIR}/tiny.glb)
 
 step(${CMAKE_COMMAND} -S ${WORK_DIR}/consumer -B ${WORK_DIR}/build -G ${GENERATOR} -DCMAKE_BUILD_TYPE=Release
   -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix
-     -DCMAKE_C_COMPILER=${C_COMPILER} -DCMAKE_CXX_COMPILER=${CXX_COMPILER})
+     -DXR=${XR} -DCMAKE_C_COMPILER=${C_COMPILER} -DCMAKE_CXX_COMPILER=${CXX_COMPILER})
 step(${CMAKE_COMMAND} --build ${WORK_DIR}/build)
 foreach(consumer consumer_c consumer_cpp consumer_static)
   step(${WORK_DIR}/build/${consumer} ${WORK_DIR}/tiny.glb)
@@ -38,4 +38,9 @@ step(${WORK_DIR}/consumer_pkg_config ${WORK_DIR}/tiny.glb)
 
 if(TOOL)
   step(${WORK_DIR}/prefix/bin/doppel inspect ${WORK_DIR}/tiny.glb)
+endif()
+if(XR)
+  step(${WORK_DIR}/prefix/bin/doppel-xr --help)
+  set(ENV{XR_RUNTIME_JSON} ${WORK_DIR}/no_runtime.json)
+  step(${WORK_DIR}/build/consumer_openxr)
 endif()
