@@ -59,7 +59,8 @@ function(doppel_library name)
   endif()
 endfunction()
 
-# doppel_parts_of(target PARTS): sets PARTS to `target` and all static libraries of this project that it links, directly or not.
+# doppel_parts_of(target PARTS): sets PARTS to `target`, all static libraries of this project that it links, directly or not, and the object
+# libraries among their sources.
 function(doppel_parts_of target parts)
   set(open ${target})
   set(seen)
@@ -72,6 +73,12 @@ function(doppel_parts_of target parts)
       get_target_property(links ${name} INTERFACE_LINK_LIBRARIES)
     else()
       list(APPEND found ${name})
+      get_target_property(sources ${name} SOURCES)
+      foreach(source ${sources})
+        if(source MATCHES "^\\$<TARGET_OBJECTS:(.+)>$")
+          list(APPEND found ${CMAKE_MATCH_1})
+        endif()
+      endforeach()
       get_target_property(links ${name} LINK_LIBRARIES)
     endif()
     foreach(link ${links})
