@@ -18,7 +18,8 @@ struct StoredCase {
 constexpr double kSpan = double(kFar) - double(kNear);
 constexpr reference::StoredDepth kUsual{kFar / kSpan, -double(kFar) * double(kNear) / kSpan},
     kReversed{-double(kNear) / kSpan, double(kFar) * double(kNear) / kSpan};
-constexpr double kOneStep = 1.05;               // codes of 24 bits are read back as floats
+constexpr double kOneStep = 1.05;
+constexpr double kTwoSteps = 2.05;              // of D24: shaders write floats, whose steps below 1 are as coarse as its codes
 constexpr double kFloatStep = 1.0 / (1 << 24);  // a code of D32 below 1
 constexpr StoredCase kStored[] = {{"usual, D32", VK_FORMAT_D32_SFLOAT, kUsual, 1, kFloatStep},
                                   {"usual, D16", VK_FORMAT_D16_UNORM, kUsual, 1, 1.0 / 65535},
@@ -131,7 +132,7 @@ TEST_P(InteropDepthWriting, writesWhatDplRenderReadsBack) {
             const Written written = compare(stored, samples, layer, which == DPL_DRAW_DEPTH ? depthM : meshDepthM, before, after);
             std::printf("%s, %u samples: %zu samples nearer, %.2f steps at most; %zu behind, %zu not covered\n", stored.name, samples,
                         written.nearer, written.worst, written.behind, written.uncovered);
-            EXPECT_LE(written.worst, kOneStep);
+            EXPECT_LE(written.worst, stored.format == VK_FORMAT_D24_UNORM_S8_UINT ? kTwoSteps : kOneStep);
             EXPECT_GT(written.nearer, 300u * samples);
             EXPECT_GT(written.behind, 150u * samples);
             EXPECT_GT(written.uncovered, 3000u * samples);
