@@ -58,7 +58,9 @@ TEST(CoverageSamples, areOneWhereNothingIsKnown) {
         views[1].viewFromWorldTranslation.z = bad;  // 0 and below: the subject is beside or behind that view
         EXPECT_EQ(coverageSamples(kTrainedM, kSubject, views), bad == kInfinity ? kCoverageSamples : 1u) << bad;
         EXPECT_EQ(coverageSamples(kTrainedM, kSubject, {&views[1], 1}), 1u) << bad;
-        if (!std::isfinite(bad)) EXPECT_EQ(coverageSamples(kTrainedM, {0, 1, bad}, {&far, 1}), 1u) << "subject at " << bad;
+        if (!std::isfinite(bad)) {
+            EXPECT_EQ(coverageSamples(kTrainedM, {0, 1, bad}, {&far, 1}), 1u) << "subject at " << bad;
+        }
         views[1] = far, views[1].fx = views[1].fy = bad;
         EXPECT_EQ(coverageSamples(kTrainedM, kSubject, {&views[1], 1}), 1u) << "focal length " << bad;
     }
