@@ -16,7 +16,6 @@ namespace {
 constexpr double kMaxGapS = 1.0;  // no smoothness term across a longer gap
 constexpr double kLooseFootScale = 5;
 constexpr int kUntangleRounds = 3;
-constexpr double kUntangleGain = 0.01;                    // share of the cost that a round must save for another to follow
 constexpr double kTrackStepRad = 0.5, kTrackStepM = 0.3;  // σ of the change of pose and root from frame to frame; tracking only
 
 }  // namespace
@@ -194,7 +193,7 @@ Status BodyFitter::fitMoving(double from, double to) {
             DPL_CHECK_OK(together("moving frames: together", false, 50));
             const double cost = solves_.back().costAfter;
             if (!best || cost < best->cost) best = Best{frames_, shape_, logUnit_, cost};
-            if (cost >= last * (1 - kUntangleGain)) break;
+            if (cost >= last * (1 - 1e-4)) break;
             last = cost;
         }
         done = from + (2 + 2 * kUntangleRounds) * part;
