@@ -47,13 +47,18 @@ doppel::Status AvatarScene::begin(const xr::SessionImages& images) {
                       platform::RoomPass{drawing_, 0, 1, images.multiview ? 3u : 0u});
         room_->build(plan);
         for (const xr::GroupImages& group : images.groups) {
+            const auto framebufferOf = [&](VkRenderPass pass, VkImageView colour, VkImageView depth) {
+                const VkImageView views[] = {colour, depth};
+                return framebuffers_.emplace_back(
+                    platform::makeFramebuffer(runtime_.device(), pass, views, {group.widthPx, group.heightPx}));
+            };
             std::vector<Pass>& made = passes_.emplace_back(group.passes);
             for (uint32_t p = 0; p < group.passes; ++p)
                 for (VkImageView colour : group.colour[p]) {
                     auto &drawing = made[p].drawing.emplace_back(), &composing = made[p].composing.emplace_back();
                     for (VkImageView depth : group.depth[p]) {
-                        drawing.push_back(makeFramebuffer(drawing_, {colour, depth}, group));
-                        composing.push_back(makeFramebuffer(composing_, {colour, depth}, group));
+                        drawing.push_back(framebufferOf(drawing_, colour, depth));
+                        composing.push_back(framebufferOf(composing_, colour, depth));
                     }
                 }
         }
@@ -83,18 +88,6 @@ void AvatarScene::end() {
     vkDestroyRenderPass(device, composing_, nullptr);
     drawing_ = composing_ = VK_NULL_HANDLE;
     images_ = nullptr;
-}
-
-VkFramebuffer AvatarScene::makeFramebuffer(VkRenderPass pass, const std::vector<VkImageView>& views, const xr::GroupImages& group) {
-    VkFramebufferCreateInfo info{VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO};
-    info.renderPass = pass;
-    info.attachmentCount = uint32_t(views.size());
-    info.pAttachments = views.data();
-    info.width = group.widthPx, info.height = group.heightPx, info.layers = 1;
-    VkFramebuffer made = VK_NULL_HANDLE;
-    DPL_VK(vkCreateFramebuffer(runtime_.device(), &info, nullptr, &made));
-    framebuffers_.push_back(made);
-    return made;
 }
 
 void AvatarScene::makePasses() {

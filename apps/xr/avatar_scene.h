@@ -49,7 +49,6 @@ private:
 
     doppel::Status poseAvatar(const xr::Frame& frame);
     void makePasses();
-    VkFramebuffer makeFramebuffer(VkRenderPass pass, const std::vector<VkImageView>& views, const xr::GroupImages& group);
     void drawRoom(VkCommandBuffer commands, const xr::GroupImages& images, const xr::GroupFrame& group, uint32_t pass,
                   VkFramebuffer target) const;
 

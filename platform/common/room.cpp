@@ -59,64 +59,23 @@ VkPipeline Room::makePipeline(const RoomPass& pass, RoomLight light) const {
     const VkBool32 bright = light == RoomLight::Bright;
     const VkSpecializationMapEntry entry{0, 0, sizeof bright};
     const VkSpecializationInfo special{1, &entry, sizeof bright, &bright};
-    VkPipelineShaderStageCreateInfo stages[2]{};
-    stages[0].sType = stages[1].sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
-    stages[0].stage = VK_SHADER_STAGE_VERTEX_BIT, stages[1].stage = VK_SHADER_STAGE_FRAGMENT_BIT;
-    stages[0].module = pass.viewMask ? makeShaderModule(on_.device, room_vert_multiview, sizeof room_vert_multiview)
-                                     : makeShaderModule(on_.device, room_vert, sizeof room_vert);
-    stages[1].module = makeShaderModule(on_.device, room_frag, sizeof room_frag);
-    stages[1].pSpecializationInfo = &special;
-    stages[0].pName = stages[1].pName = "main";
     const VkVertexInputBindingDescription binding{0, sizeof(RoomVertex), VK_VERTEX_INPUT_RATE_VERTEX};
     const VkVertexInputAttributeDescription attributes[] = {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(RoomVertex, position)},
                                                             {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(RoomVertex, normal)},
                                                             {2, 0, VK_FORMAT_R32G32_SFLOAT, offsetof(RoomVertex, surface)}};
-    VkPipelineVertexInputStateCreateInfo input{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
-    input.vertexBindingDescriptionCount = 1;
-    input.pVertexBindingDescriptions = &binding;
-    input.vertexAttributeDescriptionCount = 3;
-    input.pVertexAttributeDescriptions = attributes;
-    VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
-    assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
-    VkPipelineViewportStateCreateInfo viewport{VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO};
-    viewport.viewportCount = viewport.scissorCount = 1;
-    VkPipelineRasterizationStateCreateInfo raster{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
-    raster.cullMode = VK_CULL_MODE_BACK_BIT;
-    raster.frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE;
-    raster.lineWidth = 1;
-    VkPipelineMultisampleStateCreateInfo samples{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
-    samples.rasterizationSamples = VkSampleCountFlagBits(pass.samples);
-    VkPipelineDepthStencilStateCreateInfo depth{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
-    depth.depthTestEnable = depth.depthWriteEnable = VK_TRUE;
-    depth.depthCompareOp = VK_COMPARE_OP_GREATER;
-    VkPipelineColorBlendAttachmentState write{};
-    write.colorWriteMask = 0xF;
-    VkPipelineColorBlendStateCreateInfo colour{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
-    colour.attachmentCount = 1;
-    colour.pAttachments = &write;
-    const VkDynamicState states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
-    VkPipelineDynamicStateCreateInfo dynamic{VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO};
-    dynamic.dynamicStateCount = 2;
-    dynamic.pDynamicStates = states;
-    VkGraphicsPipelineCreateInfo info{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO};
-    info.stageCount = 2;
-    info.pStages = stages;
-    info.pVertexInputState = &input;
-    info.pInputAssemblyState = &assembly;
-    info.pViewportState = &viewport;
-    info.pRasterizationState = &raster;
-    info.pMultisampleState = &samples;
-    info.pDepthStencilState = &depth;
-    info.pColorBlendState = &colour;
-    info.pDynamicState = &dynamic;
-    info.layout = layout_;
-    info.renderPass = pass.renderPass;
-    info.subpass = pass.subpass;
-    VkPipeline pipeline = VK_NULL_HANDLE;
-    const VkResult made = vkCreateGraphicsPipelines(on_.device, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline);
-    for (const auto& stage : stages) vkDestroyShaderModule(on_.device, stage.module, nullptr);
-    checkVulkan(made, "vkCreateGraphicsPipelines");
-    return pipeline;
+    TriangleDrawing drawing;
+    drawing.layout = layout_;
+    drawing.pass = pass.renderPass, drawing.subpass = pass.subpass, drawing.samples = pass.samples;
+    drawing.vertexShader = room_vert, drawing.fragmentShader = room_frag;
+    if (pass.viewMask) drawing.vertexShader = room_vert_multiview;
+    drawing.special = &special;
+    drawing.input.vertexBindingDescriptionCount = 1;
+    drawing.input.pVertexBindingDescriptions = &binding;
+    drawing.input.vertexAttributeDescriptionCount = 3;
+    drawing.input.pVertexAttributeDescriptions = attributes;
+    drawing.frontOnly = true;
+    drawing.depth = VK_COMPARE_OP_GREATER;
+    return platform::makePipeline(on_.device, drawing);
 }
 
 void Room::record(VkCommandBuffer commands, VkExtent2D extent, const DplCamera* views, uint32_t viewCount, RoomLight light) const {

@@ -101,13 +101,74 @@ void destroyHostBuffer(const VulkanHandles& on, HostBuffer& buffer) {
     buffer = {};
 }
 
-VkShaderModule makeShaderModule(VkDevice device, const uint32_t* words, size_t bytes) {
+VkFramebuffer makeFramebuffer(VkDevice device, VkRenderPass pass, std::span<const VkImageView> views, VkExtent2D size) {
+    VkFramebufferCreateInfo info{VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO};
+    info.renderPass = pass;
+    info.attachmentCount = uint32_t(views.size());
+    info.pAttachments = views.data();
+    info.width = size.width, info.height = size.height, info.layers = 1;
+    VkFramebuffer made = VK_NULL_HANDLE;
+    DPL_VK(vkCreateFramebuffer(device, &info, nullptr, &made));
+    return made;
+}
+
+VkShaderModule makeShaderModule(VkDevice device, std::span<const uint32_t> words) {
     VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-    info.codeSize = bytes;
-    info.pCode = words;
+    info.codeSize = words.size_bytes();
+    info.pCode = words.data();
     VkShaderModule module = VK_NULL_HANDLE;
     DPL_VK(vkCreateShaderModule(device, &info, nullptr, &module));
     return module;
+}
+
+VkPipeline makePipeline(VkDevice device, const TriangleDrawing& drawing) {
+    VkPipelineShaderStageCreateInfo stages[2]{};
+    stages[0].sType = stages[1].sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
+    stages[0].stage = VK_SHADER_STAGE_VERTEX_BIT, stages[1].stage = VK_SHADER_STAGE_FRAGMENT_BIT;
+    stages[0].module = makeShaderModule(device, drawing.vertexShader), stages[1].module = makeShaderModule(device, drawing.fragmentShader);
+    stages[0].pName = stages[1].pName = "main";
+    stages[1].pSpecializationInfo = drawing.special;
+    VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
+    assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+    VkPipelineViewportStateCreateInfo viewport{VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO};
+    viewport.viewportCount = viewport.scissorCount = 1;
+    VkPipelineRasterizationStateCreateInfo raster{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
+    raster.cullMode = drawing.frontOnly ? VK_CULL_MODE_BACK_BIT : VK_CULL_MODE_NONE;
+    raster.frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE;
+    raster.lineWidth = 1;
+    VkPipelineMultisampleStateCreateInfo samples{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
+    samples.rasterizationSamples = VkSampleCountFlagBits(drawing.samples);
+    VkPipelineDepthStencilStateCreateInfo depth{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
+    depth.depthTestEnable = depth.depthWriteEnable = drawing.depth.has_value();
+    depth.depthCompareOp = drawing.depth.value_or(VK_COMPARE_OP_NEVER);
+    VkPipelineColorBlendAttachmentState write{};
+    write.colorWriteMask = 0xF;
+    VkPipelineColorBlendStateCreateInfo colour{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
+    colour.attachmentCount = 1;
+    colour.pAttachments = &write;
+    const VkDynamicState states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
+    VkPipelineDynamicStateCreateInfo dynamic{VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO};
+    dynamic.dynamicStateCount = 2;
+    dynamic.pDynamicStates = states;
+    VkGraphicsPipelineCreateInfo info{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO};
+    info.stageCount = 2;
+    info.pStages = stages;
+    info.pVertexInputState = &drawing.input;
+    info.pInputAssemblyState = &assembly;
+    info.pViewportState = &viewport;
+    info.pRasterizationState = &raster;
+    info.pMultisampleState = &samples;
+    info.pDepthStencilState = &depth;
+    info.pColorBlendState = &colour;
+    info.pDynamicState = &dynamic;
+    info.layout = drawing.layout;
+    info.renderPass = drawing.pass;
+    info.subpass = drawing.subpass;
+    VkPipeline pipeline = VK_NULL_HANDLE;
+    const VkResult made = vkCreateGraphicsPipelines(device, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline);
+    for (const auto& stage : stages) vkDestroyShaderModule(device, stage.module, nullptr);
+    checkVulkan(made, "vkCreateGraphicsPipelines");
+    return pipeline;
 }
 
 }  // namespace dpl::platform

@@ -5,6 +5,8 @@
 #include <vulkan/vulkan.h>
 
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 
@@ -48,6 +50,22 @@ struct HostBuffer {
 HostBuffer makeHostBuffer(const VulkanHandles& on, VkDeviceSize bytes, VkBufferUsageFlags usage);
 void destroyHostBuffer(const VulkanHandles& on, HostBuffer& buffer);
 
-VkShaderModule makeShaderModule(VkDevice device, const uint32_t* words, size_t bytes);
+VkShaderModule makeShaderModule(VkDevice device, std::span<const uint32_t> words);
+
+/** One layer, without flags. The views are in the order of the pass's attachments. */
+VkFramebuffer makeFramebuffer(VkDevice device, VkRenderPass pass, std::span<const VkImageView> views, VkExtent2D size);
+
+/** How lists of triangles are drawn into one colour attachment, which they replace. Viewport and scissor are dynamic. */
+struct TriangleDrawing {
+    VkPipelineLayout layout = VK_NULL_HANDLE;
+    VkRenderPass pass = VK_NULL_HANDLE;
+    uint32_t subpass = 0, samples = 1;
+    std::span<const uint32_t> vertexShader, fragmentShader;                                                 // SPIR-V, entry point "main"
+    const VkSpecializationInfo* special = nullptr;                                                          // of the fragment shader
+    VkPipelineVertexInputStateCreateInfo input{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};  // none: no vertex buffer
+    bool frontOnly = false;            // leaves out triangles that are clockwise in the image
+    std::optional<VkCompareOp> depth;  // compares with stored depth; what passes is written. None: no depth
+};
+VkPipeline makePipeline(VkDevice device, const TriangleDrawing& drawing);
 
 }  // namespace dpl::platform

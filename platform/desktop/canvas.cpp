@@ -135,56 +135,10 @@ void Canvas::makeFinishing() {
     layout.pSetLayouts = &setLayout_;
     DPL_VK(vkCreatePipelineLayout(device, &layout, nullptr, &layout_));
 
-    VkPipelineShaderStageCreateInfo stages[2]{};
-    stages[0].sType = stages[1].sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
-    stages[0].stage = VK_SHADER_STAGE_VERTEX_BIT, stages[1].stage = VK_SHADER_STAGE_FRAGMENT_BIT;
-    stages[0].module = makeShaderModule(device, finish_vert, sizeof finish_vert);
-    stages[1].module = makeShaderModule(device, finish_frag, sizeof finish_frag);
-    stages[0].pName = stages[1].pName = "main";
-    const VkPipelineVertexInputStateCreateInfo input{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
-    VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
-    assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
-    VkPipelineViewportStateCreateInfo viewport{VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO};
-    viewport.viewportCount = viewport.scissorCount = 1;
-    VkPipelineRasterizationStateCreateInfo raster{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
-    raster.lineWidth = 1;
-    VkPipelineMultisampleStateCreateInfo samples{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
-    samples.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
-    VkPipelineColorBlendAttachmentState write{};
-    write.colorWriteMask = 0xF;
-    VkPipelineColorBlendStateCreateInfo colour{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
-    colour.attachmentCount = 1;
-    colour.pAttachments = &write;
-    const VkDynamicState states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
-    VkPipelineDynamicStateCreateInfo dynamic{VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO};
-    dynamic.dynamicStateCount = 2;
-    dynamic.pDynamicStates = states;
-    VkGraphicsPipelineCreateInfo info{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO};
-    info.stageCount = 2;
-    info.pStages = stages;
-    info.pVertexInputState = &input;
-    info.pInputAssemblyState = &assembly;
-    info.pViewportState = &viewport;
-    info.pRasterizationState = &raster;
-    info.pMultisampleState = &samples;
-    info.pColorBlendState = &colour;
-    info.pDynamicState = &dynamic;
-    info.layout = layout_;
-    info.renderPass = finishing_;
-    const VkResult made = vkCreateGraphicsPipelines(device, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_);
-    for (const auto& stage : stages) vkDestroyShaderModule(device, stage.module, nullptr);
-    checkVulkan(made, "vkCreateGraphicsPipelines");
-}
-
-VkFramebuffer Canvas::makeFramebuffer(VkRenderPass pass, std::initializer_list<VkImageView> views) const {
-    VkFramebufferCreateInfo info{VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO};
-    info.renderPass = pass;
-    info.attachmentCount = uint32_t(views.size());
-    info.pAttachments = views.begin();
-    info.width = size_.width, info.height = size_.height, info.layers = 1;
-    VkFramebuffer made = VK_NULL_HANDLE;
-    DPL_VK(vkCreateFramebuffer(device_.device(), &info, nullptr, &made));
-    return made;
+    TriangleDrawing drawing;
+    drawing.layout = layout_, drawing.pass = finishing_;
+    drawing.vertexShader = finish_vert, drawing.fragmentShader = finish_frag;
+    pipeline_ = makePipeline(device, drawing);
 }
 
 void Canvas::makeImages() {
@@ -195,9 +149,9 @@ void Canvas::makeImages() {
                             VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT, VK_IMAGE_ASPECT_DEPTH_BIT);
     resolved_ = makeImage(on, kLightFormat, size_, 0, 1, kAttachment | VK_IMAGE_USAGE_SAMPLED_BIT, VK_IMAGE_ASPECT_COLOR_BIT);
     picture_ = makeImage(on, kPictureFormat, size_, 0, 1, kAttachment | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, VK_IMAGE_ASPECT_COLOR_BIT);
-    roomFrame_ = makeFramebuffer(room_, {light_.view, depthImage_.view});
-    composingFrame_ = makeFramebuffer(composing_, {light_.view, resolved_.view});
-    finishingFrame_ = makeFramebuffer(finishing_, {picture_.view});
+    roomFrame_ = makeFramebuffer(on.device, room_, std::array{light_.view, depthImage_.view}, size_);
+    composingFrame_ = makeFramebuffer(on.device, composing_, std::array{light_.view, resolved_.view}, size_);
+    finishingFrame_ = makeFramebuffer(on.device, finishing_, std::array{picture_.view}, size_);
     const VkDescriptorImageInfo image{sampler_, resolved_.view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
     VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
     write.dstSet = set_;

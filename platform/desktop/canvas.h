@@ -45,7 +45,6 @@ private:
     void makeFinishing();
     void makeImages();
     void destroyImages();
-    VkFramebuffer makeFramebuffer(VkRenderPass pass, std::initializer_list<VkImageView> views) const;
     void begin(VkCommandBuffer commands, VkRenderPass pass, VkFramebuffer framebuffer) const;
 
     Device& device_;

@@ -76,13 +76,13 @@ public:
     void waitAll();
 
     void barrier(VkCommandBuffer commands, const AppImage& image, VkImageLayout from, VkImageLayout to);
-    uint32_t memoryType(uint32_t allowed, VkMemoryPropertyFlags wanted) const;
     static constexpr uint32_t kUploadSlot = 3;
 
 private:
     AppDevice() = default;
     bool openInstance(const Options& options, std::string& why);
     bool openDevice(const Options& options, std::string& why);
+    uint32_t memoryType(uint32_t allowed, VkMemoryPropertyFlags wanted) const;
     void makeImage(AppImage& image, VkImageUsageFlags usage);
     /** A mapped buffer of `bytes` bytes that lives until the next call. */
     void staging(VkDeviceSize bytes);

@@ -18,19 +18,10 @@ struct BrushPush {
     uint32_t widthPx, samples, index;  // of a sample, or of a layer
 };
 
-VkShaderModule moduleOf(VkDevice device, std::span<const uint32_t> words) {
-    VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-    info.codeSize = words.size_bytes();
-    info.pCode = words.data();
-    VkShaderModule module = VK_NULL_HANDLE;
-    MUST(vkCreateShaderModule(device, &info, nullptr, &module));
-    return module;
-}
-
 }  // namespace
 
 SampleBrush::~SampleBrush() {
-    freeBuffer();
+    platform::destroyHostBuffer({app_.physical, app_.device}, buffer_);
     for (auto& [key, kit] : kits_) {
         vkDestroyPipeline(app_.device, kit.pipeline, nullptr);
         vkDestroyRenderPass(app_.device, kit.pass, nullptr);
@@ -74,75 +65,23 @@ void SampleBrush::makeLayout(Layout& made, bool images, VkShaderStageFlags stage
     MUST(vkAllocateDescriptorSets(app_.device, &allocation, &made.descriptors));
 }
 
-void SampleBrush::freeBuffer() {
-    vkDestroyBuffer(app_.device, buffer_, nullptr);
-    vkFreeMemory(app_.device, memory_, nullptr);
-}
-
 void SampleBrush::makeBuffer(size_t values) {
     if (values <= capacity_) return;
-    freeBuffer();
+    const platform::VulkanHandles on{app_.physical, app_.device};
+    platform::destroyHostBuffer(on, buffer_);
+    buffer_ = platform::makeHostBuffer(on, values * sizeof(SampleValue), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     capacity_ = values;
-    VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
-    info.size = values * sizeof(SampleValue);
-    info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
-    MUST(vkCreateBuffer(app_.device, &info, nullptr, &buffer_));
-    VkMemoryRequirements needs{};
-    vkGetBufferMemoryRequirements(app_.device, buffer_, &needs);
-    VkMemoryAllocateInfo allocation{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
-    allocation.allocationSize = needs.size;
-    allocation.memoryTypeIndex =
-        app_.memoryType(needs.memoryTypeBits, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
-    MUST(vkAllocateMemory(app_.device, &allocation, nullptr, &memory_));
-    MUST(vkBindBufferMemory(app_.device, buffer_, memory_, 0));
-    MUST(vkMapMemory(app_.device, memory_, 0, VK_WHOLE_SIZE, 0, &mapped_));
 }
 
 SampleBrush::Kit& SampleBrush::kitFor(const AppImage& colour, const AppImage& depth) {
     Kit& kit = kits_[{uint32_t(colour.format), uint32_t(depth.format), colour.samples}];
     if (kit.pipeline) return kit;
     kit.pass = app_.makePass(colour.format, colour.samples, 0, depth.format);
-    VkPipelineShaderStageCreateInfo stages[2]{};
-    stages[0].sType = stages[1].sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
-    stages[0].stage = VK_SHADER_STAGE_VERTEX_BIT, stages[1].stage = VK_SHADER_STAGE_FRAGMENT_BIT;
-    stages[0].module = moduleOf(app_.device, paint_vert), stages[1].module = moduleOf(app_.device, paint_frag);
-    stages[0].pName = stages[1].pName = "main";
-    VkPipelineVertexInputStateCreateInfo input{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
-    VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
-    assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
-    VkPipelineViewportStateCreateInfo viewport{VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO};
-    viewport.viewportCount = viewport.scissorCount = 1;
-    VkPipelineRasterizationStateCreateInfo raster{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
-    raster.lineWidth = 1;
-    VkPipelineMultisampleStateCreateInfo samples{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
-    samples.rasterizationSamples = VkSampleCountFlagBits(colour.samples);
-    VkPipelineDepthStencilStateCreateInfo tests{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
-    tests.depthTestEnable = tests.depthWriteEnable = VK_TRUE;
-    tests.depthCompareOp = VK_COMPARE_OP_ALWAYS;
-    VkPipelineColorBlendAttachmentState write{};
-    write.colorWriteMask = 0xF;
-    VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
-    blend.attachmentCount = 1;
-    blend.pAttachments = &write;
-    const VkDynamicState states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
-    VkPipelineDynamicStateCreateInfo dynamic{VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO};
-    dynamic.dynamicStateCount = 2;
-    dynamic.pDynamicStates = states;
-    VkGraphicsPipelineCreateInfo info{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO};
-    info.stageCount = 2;
-    info.pStages = stages;
-    info.pVertexInputState = &input;
-    info.pInputAssemblyState = &assembly;
-    info.pViewportState = &viewport;
-    info.pRasterizationState = &raster;
-    info.pMultisampleState = &samples;
-    info.pDepthStencilState = &tests;
-    info.pColorBlendState = &blend;
-    info.pDynamicState = &dynamic;
-    info.layout = painting_.layout;
-    info.renderPass = kit.pass;
-    MUST(vkCreateGraphicsPipelines(app_.device, VK_NULL_HANDLE, 1, &info, nullptr, &kit.pipeline));
-    for (const auto& stage : stages) vkDestroyShaderModule(app_.device, stage.module, nullptr);
+    platform::TriangleDrawing drawing;
+    drawing.layout = painting_.layout, drawing.pass = kit.pass, drawing.samples = colour.samples;
+    drawing.vertexShader = paint_vert, drawing.fragmentShader = paint_frag;
+    drawing.depth = VK_COMPARE_OP_ALWAYS;
+    kit.pipeline = platform::makePipeline(app_.device, drawing);
     return kit;
 }
 
@@ -152,7 +91,7 @@ VkPipeline SampleBrush::reader(uint32_t samples) {
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
     info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO;
     info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
-    info.stage.module = samples == 1 ? moduleOf(app_.device, fetch_one) : moduleOf(app_.device, fetch_four);
+    info.stage.module = platform::makeShaderModule(app_.device, samples == 1 ? std::span<const uint32_t>(fetch_one) : fetch_four);
     info.stage.pName = "main";
     info.layout = reading_.layout;
     MUST(vkCreateComputePipelines(app_.device, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline));
@@ -165,8 +104,8 @@ void SampleBrush::paint(const AppImage& colour, const AppImage& depth, uint32_t 
     makeLayout(painting_, false, VK_SHADER_STAGE_FRAGMENT_BIT);
     const Kit& kit = kitFor(colour, depth);
     makeBuffer(values.size());
-    std::memcpy(mapped_, values.data(), values.size_bytes());
-    const VkDescriptorBufferInfo buffer{buffer_, 0, VK_WHOLE_SIZE};
+    std::memcpy(buffer_.mapped, values.data(), values.size_bytes());
+    const VkDescriptorBufferInfo buffer{buffer_.buffer, 0, VK_WHOLE_SIZE};
     VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
     write.dstSet = painting_.descriptors;
     write.descriptorCount = 1;
@@ -208,7 +147,7 @@ std::vector<SampleValue> SampleBrush::fetch(const AppImage& colour, const AppIma
     makeBuffer(values.size());
     const VkDescriptorImageInfo images[2] = {{VK_NULL_HANDLE, colour.view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL},
                                              {VK_NULL_HANDLE, depth.view, VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL}};
-    const VkDescriptorBufferInfo buffer{buffer_, 0, VK_WHOLE_SIZE};
+    const VkDescriptorBufferInfo buffer{buffer_.buffer, 0, VK_WHOLE_SIZE};
     VkWriteDescriptorSet writes[3]{};
     for (uint32_t i = 0; i < 3; ++i) {
         writes[i].sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
@@ -239,7 +178,7 @@ std::vector<SampleValue> SampleBrush::fetch(const AppImage& colour, const AppIma
     vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &host, 0, nullptr, 0, nullptr);
     app_.submit(AppDevice::kUploadSlot);
     app_.waitAll();
-    std::memcpy(values.data(), mapped_, values.size() * sizeof(SampleValue));
+    std::memcpy(values.data(), buffer_.mapped, values.size() * sizeof(SampleValue));
     return values;
 }
 

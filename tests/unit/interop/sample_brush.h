@@ -5,6 +5,7 @@
 #include <array>
 #include <map>
 
+#include "platform/common/vulkan_help.h"
 #include "tests/unit/interop/app_device.h"
 
 namespace dpl::test {
@@ -15,7 +16,8 @@ struct SampleValue {
     float depth = 0;
 };
 
-/** Samples of a pixel follow each other. Both calls wait. Aborts on errors, as AppDevice. */
+/** Samples of a pixel follow each other. Both calls wait. Errors end the test: AppDevice aborts, and the
+ *  shells' helpers throw. */
 class SampleBrush {
 public:
     explicit SampleBrush(AppDevice& app) : app_(app) {}
@@ -42,16 +44,13 @@ private:
     VkPipeline reader(uint32_t samples);
     void makeLayout(Layout& layout, bool images, VkShaderStageFlags stage);
     void makeBuffer(size_t values);
-    void freeBuffer();
 
     AppDevice& app_;
     std::map<std::array<uint32_t, 3>, Kit> kits_;  // by formats and samples
     VkPipeline readers_[2]{};                      // of one sample, of four
     Layout painting_, reading_;
-    VkBuffer buffer_ = VK_NULL_HANDLE;
-    VkDeviceMemory memory_ = VK_NULL_HANDLE;
-    void* mapped_ = nullptr;
-    size_t capacity_ = 0;
+    platform::HostBuffer buffer_;
+    size_t capacity_ = 0;  // of it, values
 };
 
 }  // namespace dpl::test
