@@ -10,12 +10,12 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
-#include <ctime>
 #include <random>
 #include <string>
 #include <thread>
 
 #include "apps/bench/json_row.h"
+#include "apps/bench/thread_time.h"
 #include "sdk/core/percentile.h"
 #include "sdk/format/ply.h"
 #include "tools/bench/arguments.h"
@@ -30,12 +30,6 @@ constexpr size_t kFewestFrames = 300;
 
 int failed(const std::string& why) {
     return std::fprintf(stderr, "bench_load_frames: %s\n", why.c_str()), 1;
-}
-
-double threadMs() {
-    timespec now{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return double(now.tv_sec) * 1e3 + double(now.tv_nsec) * 1e-6;
 }
 
 /** A ball of splats of SH degree 3, one metre above the origin. */
@@ -65,11 +59,11 @@ template <class Done>
 doppel::Status drawUntil(const doppel::Avatar& shown, const DplCamera& camera, Frames& frames, Done&& done) {
     for (auto next = Clock::now(); !done(frames.wallMs.size()); next += kInterval) {
         std::this_thread::sleep_until(next);
-        const double cpu = threadMs();
+        const double cpu = dpl::threadMs();
         const auto start = Clock::now();
         if (auto drawn = shown.draw({&camera, 1}); !drawn) return drawn;
         frames.wallMs.push_back(Ms(Clock::now() - start).count());
-        frames.cpuMs.push_back(threadMs() - cpu);
+        frames.cpuMs.push_back(dpl::threadMs() - cpu);
         next = std::max(next, Clock::now() - kInterval);
     }
     return {};

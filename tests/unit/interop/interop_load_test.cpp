@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <ctime>
 #include <map>
 
 #include "apps/bench/count_allocations.h"
+#include "apps/bench/thread_time.h"
 #include "sdk/include/doppel/doppel_vulkan.h"
 #include "tests/unit/api/api_fixture.h"
 #include "tests/unit/api/background_load.h"
@@ -21,12 +21,6 @@ constexpr VkFormat kFormat = VK_FORMAT_R8G8B8A8_UNORM;
 constexpr uint32_t kSide = 64;
 constexpr uint32_t kSplats = 40000;    // 160 bytes each
 constexpr uint32_t kFewestSlices = 6;  // of 1 MiB
-
-double threadMs() {
-    timespec now{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return double(now.tv_sec) * 1e3 + double(now.tv_nsec) * 1e-6;
-}
 
 class InteropLoad : public testing::Test {
 protected:
@@ -76,6 +70,12 @@ protected:
         pass.structSize = sizeof pass;
         pass.renderPass = pass_, pass.colourFormat = kFormat;
         ASSERT_EQ(dplCreateVulkanComposer(context_, &pass, &composer_), DPL_OK) << dplGetLastError();
+    }
+
+    /** Starts a load and waits until it uploads. */
+    void startUploading(BackgroundLoad& load, std::span<const uint8_t> bytes) {
+        ASSERT_EQ(load.start(context_, bytes), DPL_OK) << dplGetLastError();
+        ASSERT_TRUE(load.reaches(DPL_LOAD_UPLOADING));
     }
 
     /** What prepare did on the calling thread, summed up over frames. */
@@ -162,8 +162,7 @@ TEST_F(InteropLoad, framesCarryTheUploadAndDoNothingElseForIt) {
     Cost without, with;
     for (; n < 12; ++n) frame(n % DPL_VULKAN_SLOTS, shown_, n < 6 ? nullptr : &without);
     BackgroundLoad load;
-    ASSERT_EQ(load.start(context_, ball), DPL_OK) << dplGetLastError();
-    ASSERT_TRUE(load.reaches(DPL_LOAD_UPLOADING));
+    ASSERT_NO_FATAL_FAILURE(startUploading(load, ball));
     uint32_t frames = 0;
     for (; load.state() < DPL_LOAD_READY && frames < 2000; ++frames, ++n) frame(n % DPL_VULKAN_SLOTS, shown_, &with);
     EXPECT_GE(frames, kFewestSlices);
@@ -188,8 +187,7 @@ TEST_F(InteropLoad, aFrameWithASliceAllocatesNothing) {
     for (; n < 60; ++n) frame(n % DPL_VULKAN_SLOTS, shown_, n < 6 ? nullptr : &without);
     BackgroundLoad load;
     const auto ball = ballOfSplats(4 * kSplats);
-    ASSERT_EQ(load.start(context_, ball), DPL_OK) << dplGetLastError();
-    ASSERT_TRUE(load.reaches(DPL_LOAD_UPLOADING));
+    ASSERT_NO_FATAL_FAILURE(startUploading(load, ball));
     for (; load.state() < DPL_LOAD_READY && n < 2000; ++n) frame(n % DPL_VULKAN_SLOTS, shown_, &with);
     EXPECT_EQ(without.allocations, 0u);
     EXPECT_EQ(with.allocations, 0u);
@@ -207,8 +205,7 @@ TEST_F(InteropLoad, aProgramThatDrawsNothingUploadsToo) {
     const std::vector<uint8_t> expected = pictureOfLoadAvatar(ball);
     app_->waitAll();
     BackgroundLoad load;
-    ASSERT_EQ(load.start(context_, ball), DPL_OK) << dplGetLastError();
-    ASSERT_TRUE(load.reaches(DPL_LOAD_UPLOADING));
+    ASSERT_NO_FATAL_FAILURE(startUploading(load, ball));
     for (int i = 0; i < 30; ++i) {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
         ASSERT_EQ(load.state(), DPL_LOAD_UPLOADING) << "it waits for frames";
@@ -230,8 +227,7 @@ TEST_F(InteropLoad, slicesOfDroppedCommandsAreRecordedAgain) {
     const auto ball = ballOfSplats(kSplats);
     const std::vector<uint8_t> expected = pictureOfLoadAvatar(ball);
     BackgroundLoad load;
-    ASSERT_EQ(load.start(context_, ball), DPL_OK) << dplGetLastError();
-    ASSERT_TRUE(load.reaches(DPL_LOAD_UPLOADING));
+    ASSERT_NO_FATAL_FAILURE(startUploading(load, ball));
     for (uint32_t n = 0; load.state() < DPL_LOAD_READY && n < 2000; ++n) {
         emptyFrame(0);
         const VkCommandBuffer dropped = app_->begin(1);
@@ -252,8 +248,7 @@ TEST_F(InteropLoad, finishingEarlySubmitsTheRestWhateverTheCommandsHold) {
     const auto ball = ballOfSplats(kSplats);
     const std::vector<uint8_t> expected = pictureOfLoadAvatar(ball);
     BackgroundLoad load;
-    ASSERT_EQ(load.start(context_, ball), DPL_OK) << dplGetLastError();
-    ASSERT_TRUE(load.reaches(DPL_LOAD_UPLOADING));
+    ASSERT_NO_FATAL_FAILURE(startUploading(load, ball));
     emptyFrame(0);
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
     const VkCommandBuffer open = app_->begin(1);

@@ -4,20 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <ctime>
 
 #include "apps/bench/count_allocations.h"
+#include "apps/bench/thread_time.h"
 #include "tests/unit/interop/interop_fixture.h"
 
 namespace dpl::test {
 namespace {
-
-/** Time that the calling thread has computed; other programs do not count. */
-double threadMs() {
-    timespec now{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return double(now.tv_sec) * 1e3 + double(now.tv_nsec) * 1e-6;
-}
 
 struct FormatCase {
     const char* name;

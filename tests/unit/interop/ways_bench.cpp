@@ -8,14 +8,15 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <deque>
 #include <functional>
 
 #include "apps/bench/count_allocations.h"
 #include "apps/bench/json_row.h"
+#include "apps/bench/thread_time.h"
 #include "sdk/core/percentile.h"
 #include "sdk/include/doppel/doppel_vulkan.h"
+#include "tests/reference/composition.h"
 #include "tests/unit/interop/app_device.h"
 #include "tools/bench/arguments.h"
 
@@ -38,12 +39,6 @@ void must(DplResult result) {
     std::exit(1);
 }
 
-/** Time that the calling thread has computed. */
-double threadMs() {
-    timespec now{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return double(now.tv_sec) * 1e3 + double(now.tv_nsec) * 1e-6;
-}
 double wallMs() {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -56,12 +51,6 @@ std::vector<uint8_t> background(uint32_t width, uint32_t height) {
             p[0] = uint8_t(200 * x / width), p[1] = uint8_t(230 * y / height), p[2] = 80, p[3] = 255;
         }
     return pixels;
-}
-
-double psnrDb(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
-    double sum = 0;
-    for (size_t i = 0; i < a.size(); ++i) sum += double(int(a[i]) - int(b[i])) * double(int(a[i]) - int(b[i]));
-    return 10 * std::log10(255.0 * 255.0 * double(a.size()) / std::max(sum, 1e-9));
 }
 
 /** Draws `views` over what `pixels` hold, a picture each. */
@@ -168,7 +157,7 @@ public:
         renderOver(cpu, same, views_, expected);
         double least = INFINITY;
         for (uint32_t layer = 0; layer < expected.size(); ++layer)
-            least = std::min(least, psnrDb(app_.download(target_, layer), expected[layer]));
+            least = std::min(least, reference::psnrDb(reference::TargetFormat::Rgba8Srgb, app_.download(target_, layer), expected[layer]));
         return least;
     }
 
