@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Implements backend.h with Vulkan. Buffers and targets are in vk_resources.cpp, pipelines in vk_pipelines.cpp, frames in vk_frames.cpp,
-// slots of an app in vk_slots.cpp, uploads between frames in vk_copies.cpp, drawing in an app's pass in vk_compose.cpp, submissions for it
-// in vk_submit.cpp.
+// Implements backend.h with Vulkan. It begins and ends in vk_backend.cpp. Buffers and targets are in vk_resources.cpp, pipelines in
+// vk_pipelines.cpp, frames in vk_frames.cpp, slots of an app in vk_slots.cpp, uploads between frames in vk_copies.cpp, drawing in an app's
+// pass in vk_compose.cpp, submissions for it in vk_submit.cpp.
 #pragma once
 
 #include <algorithm>
