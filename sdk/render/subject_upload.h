@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Uploads the records of a subject, at once or slice by slice in the background of frames.
 //
-//   records ──(any thread)──► a slot of the staging ring ──(queueCopy: by frames of an app, or by the backend)──► Device buffers
+//   records ──(any thread)──► a slot of the staging ring ──(queueCopy)──► Device buffers
 #pragma once
 
 #include <span>

@@ -67,7 +67,8 @@ class Programs(unittest.TestCase):
             text = (ROOT / benches.program_folder(program) / "CMakeLists.txt").read_text()
             library = program.removeprefix("lib").removesuffix(".so")
             built = any(f"{make}{name} " in text
-                        for make, name in (("add_executable(", program), ("OUTPUT_NAME ", program), ("add_library(", library), ("doppel_test(", program)))
+                        for make, name in (("add_executable(", program), ("OUTPUT_NAME ", program), ("add_library(", library),
+                                           ("doppel_test(", program)))
             self.assertTrue(built, f"{benches.program_folder(program)} does not build {program}")
 
 

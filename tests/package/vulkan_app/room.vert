@@ -10,9 +10,12 @@ layout(location = 0) out vec3 world;
 layout(location = 1) flat out vec3 normal;
 layout(location = 2) flat out vec3 albedo;
 
-const vec3 kLow[6] = vec3[](vec3(-4, -0.1, -4), vec3(-4, 0, -4.1), vec3(-1.15, 0, 0.5), vec3(-0.15, 0, -1.2), vec3(0.75, 0, 0.45), vec3(-0.95, 0.5, 0.29));
-const vec3 kHigh[6] = vec3[](vec3(4, 0, 6), vec3(4, 3, -4), vec3(-0.95, 3, 0.7), vec3(0.15, 3, -0.9), vec3(0.95, 3, 0.65), vec3(0.75, 1.5, 0.3));
-const vec3 kAlbedo[6] = vec3[](vec3(0.35, 0.30, 0.25), vec3(0.5, 0.52, 0.55), vec3(0.7, 0.68, 0.6), vec3(0.6, 0.3, 0.25), vec3(0.7, 0.68, 0.6), vec3(0));
+const vec3 kLow[6] = vec3[](vec3(-4, -0.1, -4), vec3(-4, 0, -4.1), vec3(-1.15, 0, 0.5),
+                               vec3(-0.15, 0, -1.2), vec3(0.75, 0, 0.45), vec3(-0.95, 0.5, 0.29));
+const vec3 kHigh[6] = vec3[](vec3(4, 0, 6), vec3(4, 3, -4), vec3(-0.95, 3, 0.7),
+                                vec3(0.15, 3, -0.9), vec3(0.95, 3, 0.65), vec3(0.75, 1.5, 0.3));
+const vec3 kAlbedo[6] = vec3[](vec3(0.35, 0.30, 0.25), vec3(0.5, 0.52, 0.55), vec3(0.7, 0.68, 0.6),
+                                  vec3(0.6, 0.3, 0.25), vec3(0.7, 0.68, 0.6), vec3(0));
 
 void main() {
     uint side = gl_VertexIndex / 6, corner = gl_VertexIndex % 6;  // two triangles of a side: 0 1 2, 2 1 3

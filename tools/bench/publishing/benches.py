@@ -189,13 +189,15 @@ def take_load_frames(place):
     return [{**row, "bars": {}} for row in rows]
 
 
-STEADY = re.compile(r"load x3, (\d+) % of a frame fixed, time known after (\d+) frames: steady after (\d+) frames, all splats back (\d+) frames")
+STEADY = re.compile(r"load x3, (\d+) % of a frame fixed, time known after (\d+) frames: steady after (\d+) frames, "
+                    r"all splats back (\d+) frames")
+STEADY_FIELDS = "fixed_percent", "latency_frames", "steady_frames", "back_frames"
 
 
 def take_steady(place):
     """The governor of the frame budget on simulated devices whose load trebles for 90 frames; its test prints the figures."""
     out = place.run("steady", [place.program("visibility_governor_test"), "--gtest_filter=*TreblesForASecond*"])
-    rows = [dict(zip(("fixed_percent", "latency_frames", "steady_frames", "back_frames"), map(int, found))) for found in STEADY.findall(out)]
+    rows = [dict(zip(STEADY_FIELDS, map(int, found))) for found in STEADY.findall(out)]
     if not rows:
         raise BenchError("visibility_governor_test printed no line that begins with [ STEADY   ]")
     return [{**row, "bars": {"steady_frames": at_most(30), "back_frames": at_most(160)}} for row in rows]
@@ -341,7 +343,8 @@ BENCHES = [
     Bench("load-frames", "quick", 0.5, "the longest frame while 500,000 splats load", "build/release/tools/bench/bench_load_frames 500000",
           ("bench_load_frames",), take_load_frames),
     Bench("steady", "quick", 0.1, "frames until a frame budget holds, on simulated devices",
-          "build/release/tests/unit/visibility/visibility_governor_test --gtest_filter='*TreblesForASecond*'", ("visibility_governor_test",), take_steady),
+          "build/release/tests/unit/visibility/visibility_governor_test --gtest_filter='*TreblesForASecond*'",
+          ("visibility_governor_test",), take_steady),
     Bench("detail", "quick", 1.5, "level of detail against distance",
           "build/release/tools/bench/bench_detail demo/avatar/avatar.glb 12 5 software", ("bench_detail", "bench_load"), take_detail),
     Bench("scaling", "quick", 3, "frame time against the number of splats", "doppel bench BIG.glb --no-reference --repeats 5",

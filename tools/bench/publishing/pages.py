@@ -273,19 +273,22 @@ def memory(store):
 
 def apps(store):
     def ways(rows):
-        return table(["case", "way", "calling thread, ms", "frame, ms", "pixels over the bus, MB", "allocations a frame", "to the CPU renderer, dB"],
+        return table(["case", "way", "calling thread, ms", "frame, ms", "pixels over the bus, MB", "allocations a frame",
+                      "to the CPU renderer, dB"],
                      [[r["case"], r["way"] + (" (multiview)" if r["multiview"] else ""), barred(r, "thread_ms", 3), number(r["frame_ms"], 1),
                        barred(r, "pixel_bytes", 1, scale=1e-6), barred(r, "allocations", 1), barred(r, "psnr_db", 1)] for r in rows])
 
     def load_frames(rows):
-        return table(["meanwhile", "longest frame, ms", "longest, calling thread's CPU, ms", "median, ms", "95th percentile, ms", "load, ms"],
+        return table(["meanwhile", "longest frame, ms", "longest, calling thread's CPU, ms", "median, ms", "95th percentile, ms",
+                      "load, ms"],
                      [[r["way"], number(r["longest_ms"]), number(r["longest_cpu_ms"]), number(r["frame_ms_p50"]), number(r["frame_ms_p95"]),
                        number(r["load_ms"], 0) if r["load_ms"] else NOTHING] for r in rows])
 
     def steady(rows):
         return table(["part of a frame that splats do not change", "frames until its time is known", "frames until none is over the budget",
                       "frames until all splats are back"],
-                     [[f"{r['fixed_percent']} %", r["latency_frames"], barred(r, "steady_frames", 0), barred(r, "back_frames", 0)] for r in rows])
+                     [[f"{r['fixed_percent']} %", r["latency_frames"], barred(r, "steady_frames", 0), barred(r, "back_frames", 0)]
+                      for r in rows])
     text = BACK + ("# Inside an app's frames\n\n*Calling thread* is what Doppel's calls of a frame compute on the thread that makes them; the time of the "
                    "GPU is in *frame*. Reading back counts the picture twice: down to the CPU, and up into the app's image.\n\n")
     return text + section(store, "ways", "Ways into an app's image", ways) + section(
@@ -427,8 +430,8 @@ def speed_plot(store):
                    list(series.items()))
 
 
-PAGES = {"quality": quality, "reports": reports, "training": training, "frames": frames, "baselines": baselines, "memory": memory, "apps": apps, "detail": detail,
-         "scaling": scaling, "floor": floor}
+PAGES = {"quality": quality, "reports": reports, "training": training, "frames": frames, "baselines": baselines, "memory": memory,
+         "apps": apps, "detail": detail, "scaling": scaling, "floor": floor}
 
 
 def write_all(root, out):
