@@ -69,8 +69,9 @@ struct BufferDesc {
 /** The format in which splats are blended: 8-bit UNORM (Codes8), or 16-bit floats that are rounded to 8 bits at the read-back (Halves). */
 enum class ColourFormat : uint8_t { Codes8, Halves };
 
-/** RGBA colour and, with `depth`, two floats for each pixel (Σ α T z and Σ α T; α opacity, T transmittance before the splat, z view depth
- *  in metres), for one or two views of the same size. */
+/** Premultiplied colour, in alpha the transmittance (1 where nothing is drawn) and, with `depth`, two floats for each pixel (Σ α T z and
+ *  Σ α T; α opacity, T transmittance before the splat, z view depth in metres), for one or two views of the same size. Alpha does not hold
+ *  the opacity, because 16-bit floats near 1 are 1/2048 apart: the opacity of a pixel under many faint layers would stop growing. */
 struct TargetDesc {
     uint32_t widthPx = 0, heightPx = 0;  // of one view
     uint32_t views = 1;
@@ -83,8 +84,9 @@ struct TargetDesc {
 
 enum class Topology : uint8_t { Strip, List };  // of triangles
 
-/** A pipeline for targets with the same views, multiview, depth, colour and samples. It blends premultiplied "over" and has no vertex
- *  buffers. A draw binds the buffers of its vertex shader, then those of its fragment shader, which only reads. */
+/** A pipeline for targets with the same views, multiview, depth, colour and samples. It blends premultiplied "over", multiplies the
+ *  transmittance by 1 - α, and has no vertex buffers. A draw binds the buffers of its vertex shader, then those of its fragment shader,
+ * which only reads. */
 struct DrawPipelineDesc {
     std::string vertex, fragment;  // names in the shader pack
     uint32_t views = 1;
@@ -134,7 +136,7 @@ struct FillStep {
 struct ReadbackStep {  // copies a target: rows without padding, top row first, view after view
     std::string label;
     TargetId target;
-    BufferId colour;  // 4 bytes a pixel
+    BufferId colour;  // 4 bytes a pixel, the last one the transmittance: see opacityFromTransmittance()
     BufferId depth;   // 8 bytes a pixel, 4 when DeviceInfo::halfDepth; no id: depth is not read
 };
 /** Fills a Readback buffer from a part of a Device buffer, or copies a whole Upload buffer into a part of a Device buffer. */
@@ -146,6 +148,11 @@ struct CopyStep {
 using Step = std::variant<FillStep, ComputeStep, DrawStep, ReadbackStep, CopyStep>;
 
 const std::string& stepLabel(const Step& step);
+
+/** Turns the transmittance in the fourth byte of each pixel, as a ReadbackStep leaves it, into opacity. */
+inline void opacityFromTransmittance(std::span<std::byte> pixels) {
+    for (size_t i = 3; i < pixels.size(); i += 4) pixels[i] = ~pixels[i];
+}
 
 /** How a frame runs: the backend submits it, or the app does, with commands of its own around it. */
 enum class FrameRun : uint8_t { Submitted, Encoded };

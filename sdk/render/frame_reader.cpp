@@ -61,7 +61,9 @@ Result<FrameId> FrameReader::recordCopy(const RecordedFrame& frame, bool fromTil
 void FrameReader::takePixels(const RecordedFrame& frame, const Readback& readback, size_t firstView) {
     const FrameShape& shape = frame.shape;
     const size_t pixels = size_t(shape.widthPx) * shape.heightPx;
-    const auto* colour = reinterpret_cast<const uint8_t*>(backend_.mapped(readback.colour).data());
+    const std::span<std::byte> mapped = backend_.mapped(readback.colour);
+    if (!readback.fromTiles) opacityFromTransmittance(mapped);
+    const auto* colour = reinterpret_cast<const uint8_t*>(mapped.data());
     for (size_t v = 0; v < shape.views; ++v) {
         std::vector<float>& depthM = depthM_[firstView + v];
         depthM.resize(shape.depth ? pixels : 0);

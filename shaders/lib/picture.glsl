@@ -20,5 +20,6 @@ uint dplBufferPixel(uint view, ivec2 at) {
 /** Premultiplied, display-referred, rounded to 8 bits as the picture that is read back. */
 vec4 dplPicture(uint view, ivec2 at) {
     if (dplByTiles()) return unpackUnorm4x8(tiled[dplBufferPixel(view, at)]);
-    return floor(clamp(texelFetch(drawn, dplDrawnTexel(view, at), 0), 0.0, 1.0) * 255.0 + 0.5) / 255.0;
+    vec4 codes = floor(clamp(texelFetch(drawn, dplDrawnTexel(view, at), 0), 0.0, 1.0) * 255.0 + 0.5);
+    return vec4(codes.rgb, 255.0 - codes.a) / 255.0;  // alpha holds the transmittance
 }

@@ -86,7 +86,8 @@ struct VulkanBackend::Recorder {
 
     Status operator()(const DrawStep& step) {
         const Target& target = backend.targets_.at(step.target.value);
-        const VkClearValue clear[2]{};  // transparent black, no depth
+        VkClearValue clear[2]{};
+        clear[0].color.float32[3] = 1;  // nothing drawn: black, transmittance 1, no depth
         VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
         DPL_TRY(begin.renderPass, backend.renderPass(target.desc));
         begin.framebuffer = target.surfaces[target.desc.multiview ? 0 : step.view].framebuffer;

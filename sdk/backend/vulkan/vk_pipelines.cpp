@@ -154,10 +154,12 @@ Status VulkanBackend::makeDraw(Pipeline& p, const DrawPipelineDesc& desc) {
     samples.rasterizationSamples = VkSampleCountFlagBits(desc.samples);
     samples.sampleShadingEnable = desc.samples > 1;  // shade each sample by itself; gl_FragCoord is then the sample's place
     samples.minSampleShading = 1;
-    // Premultiplied "over", back to front. The depth sums have the same blend state: another one would need the feature independentBlend.
+    // Premultiplied "over", back to front; alpha holds the transmittance. The depth sums have the same blend state, because another one
+    // would need the feature independentBlend.
     VkPipelineColorBlendAttachmentState blend{};
     blend.blendEnable = VK_TRUE;
-    blend.srcColorBlendFactor = blend.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
+    blend.srcColorBlendFactor = VK_BLEND_FACTOR_ONE;
+    blend.srcAlphaBlendFactor = VK_BLEND_FACTOR_ZERO;
     blend.dstColorBlendFactor = blend.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
     blend.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
     const VkPipelineColorBlendAttachmentState blends[] = {blend, blend};

@@ -299,6 +299,7 @@ Result<std::vector<std::span<const uint8_t>>> Frame::read() {
             if (counts.overflowed) return fail(Code::Unsupported, "the lists of plain tiles hold too little for this frame; quads draw it");
         }
         const std::span<std::byte> pixels = backend_->mapped(eyes_[v].colourPixels);
+        if (fill_ == PlainFill::Quads) opacityFromTransmittance(pixels);
         pictures.emplace_back(reinterpret_cast<const uint8_t*>(pixels.data()), size_t(widthPx_) * heightPx_ * 4);
     }
     return pictures;
