@@ -216,20 +216,14 @@ uint32_t Components::unseen(std::span<const Mat3x4f> worldFromRest, std::span<co
     uint32_t bits = 0;
     for (uint32_t i = 0; i < count(); ++i) {
         const Component& c = components_[i];
-        double offset = 0, reachM = c.reachM, over = c.overM;
+        double offset = 0, reachM = c.reachM, overM = c.overM;
         for (size_t m = 0; m < std::min(c.modes.size(), coefficients.size()); ++m) {
             const double k = std::abs(double(coefficients[m]));
-            offset += k * c.modes[m].offsetM, reachM += k * c.modes[m].reachM, over += k * c.modes[m].overM;
+            offset += k * c.modes[m].offsetM, reachM += k * c.modes[m].reachM, overM += k * c.modes[m].overM;
         }
         double reachShare = 0, overShare = 0;  // metres, added by creases
-        for (const Crease& k : c.creases) {
-            const double apart = glm::length(carried(k.at.joint, k.at.centre) - carried(k.against, k.at.centre)) +
-                                 (glm::length(k.at.half) + offset) * turned(k.at.joint, k.against);
-            reachShare = std::max(reachShare, k.reachPerM * apart), overShare = std::max(overShare, k.overPerM * apart);
-        }
-        over += overShare;
-        const double reach = double(growth) * (reachM + reachShare);
         const auto shownIn = [&](const Cameraf& view) {
+            const double reach = double(growth) * (reachM + reachShare), over = overM + overShare;
             const JacobianClamp<double> limit(view.cast<double>());
             const Vec2d focal(view.fx, view.fy), centre(view.cx, view.cy),
                 slope(std::max(std::abs(limit.minX), std::abs(limit.maxX)), std::max(std::abs(limit.minY), std::abs(limit.maxY)));
@@ -249,19 +243,24 @@ uint32_t Components::unseen(std::span<const Mat3x4f> worldFromRest, std::span<co
                 const Vec3d normal = glm::transpose(Mat3d(view.viewFromWorldRotation)) * side.inwards;
                 const double start = glm::dot(side.inwards, Vec3d(view.viewFromWorldTranslation)) + side.bySplat,
                              length = glm::length(normal);
-                bool outside = true;
-                for (const Corners& box : c.boxes) {
+                const auto outside = [&](const Corners& box) {
                     const Vec3d p = carried(box.joint, box.centre);
                     double support = 0;
                     for (int k = 0; k < 3; ++k) support += std::abs(glm::dot(normal, Vec3d(worldFromRest[box.joint][k]))) * box.half[k];
                     const double rounding = 1e-5 * (1 + glm::length(p) + glm::length(Vec3d(worldFromRest[box.joint][3])) +
                                                     glm::length(Vec3d(view.viewFromWorldTranslation)));
-                    outside = outside && start + glm::dot(normal, p) + support * 1.0001 + length * (offset + over + rounding) <= 0;
-                }
-                if (outside) return false;
+                    return start + glm::dot(normal, p) + support * 1.0001 + length * (offset + over + rounding) <= 0;
+                };
+                if (std::all_of(c.boxes.begin(), c.boxes.end(), outside)) return false;
             }
             return true;
         };
+        if (std::any_of(views.begin(), views.end(), shownIn)) continue;  // creases only enlarge it, so most components need none of them
+        for (const Crease& k : c.creases) {
+            const double apart = glm::length(carried(k.at.joint, k.at.centre) - carried(k.against, k.at.centre)) +
+                                 (glm::length(k.at.half) + offset) * turned(k.at.joint, k.against);
+            reachShare = std::max(reachShare, k.reachPerM * apart), overShare = std::max(overShare, k.overPerM * apart);
+        }
         if (std::none_of(views.begin(), views.end(), shownIn)) bits |= 1u << i;
     }
     return bits;
