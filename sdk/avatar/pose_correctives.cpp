@@ -5,6 +5,20 @@
 #include <cmath>
 
 namespace dpl {
+namespace {
+
+/** Values of kTogether nodes from `first` on. Each sum adds its modes in order, so a result does not depend on kTogether; several sums do
+ * not wait for one another. */
+template <uint32_t kTogether>
+void sumModes(const PoseCorrectiveData& c, std::span<const float> coefficients, uint32_t first, std::vector<Vec4f>& nodes) {
+    const Vec4f* rows = c.nodes.data() + size_t(first) * c.modeCount;
+    Vec4f sums[kTogether]{};
+    for (uint32_t i = 0; i < c.modeCount; ++i)
+        for (uint32_t k = 0; k < kTogether; ++k) sums[k] += coefficients[i] * rows[size_t(k) * c.modeCount + i];
+    std::copy_n(sums, kTogether, nodes.data() + first);
+}
+
+}  // namespace
 
 CorrectiveDistance correctiveCoefficients(const PoseCorrectiveData& c, const Pose& pose, std::vector<float>& coefficients) {
     const size_t features = c.joints.size() * 6;
@@ -36,11 +50,9 @@ CorrectiveDistance correctiveCoefficients(const PoseCorrectiveData& c, const Pos
 
 void correctiveNodes(const PoseCorrectiveData& c, std::span<const float> coefficients, std::vector<Vec4f>& nodes) {
     nodes.resize(c.nodeCount);
-    for (uint32_t n = 0; n < c.nodeCount; ++n) {
-        Vec4f sum(0);
-        for (uint32_t i = 0; i < c.modeCount; ++i) sum += coefficients[i] * c.nodes[size_t(n) * c.modeCount + i];
-        nodes[n] = sum;
-    }
+    uint32_t n = 0;
+    for (; n + 4 <= c.nodeCount; n += 4) sumModes<4>(c, coefficients, n, nodes);
+    for (; n < c.nodeCount; ++n) sumModes<1>(c, coefficients, n, nodes);
 }
 
 void spreadCorrectives(const PoseCorrectiveData& c, std::span<const Vec4f> nodes, std::span<const Vec3f> restPositions, Jobs& jobs,

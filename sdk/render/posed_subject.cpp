@@ -8,7 +8,10 @@ namespace {
 
 void poseAvatar(const AvatarData& avatar, const Pose& pose, PosedSubject& out) {
     jointTransforms(avatar.joints, pose, out.worldFromRest);
-    if (avatar.correctives.empty()) return;
+    if (avatar.correctives.empty()) {
+        out.coefficients.clear(), out.nodes.clear();
+        return;
+    }
     correctiveCoefficients(avatar.correctives, pose, out.coefficients);
     correctiveNodes(avatar.correctives, out.coefficients, out.nodes);
 }
@@ -20,8 +23,8 @@ PosedSet SubjectPoser::pose(std::span<const Drawn> what, std::span<LoadedSubject
     DetailMember members[kMaxDrawnTogether];
     for (size_t k = 0; k < subjects.size(); ++k) {
         PosedSubject& out = posed_[k];
-        out.worldFromRest.clear(), out.coefficients.clear(), out.nodes.clear();
         if (!subjects[k]->avatar) {
+            out.worldFromRest.clear(), out.coefficients.clear(), out.nodes.clear();
             members[k].general = &subjects[k]->generalDetail;
             continue;
         }

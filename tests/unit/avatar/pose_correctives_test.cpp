@@ -117,6 +117,24 @@ TEST_F(PoseCorrectives, nodesAreLinearInTheCoefficients) {
     for (size_t n = 0; n < a.size(); ++n) EXPECT_EQ(a[n], c_.nodes[n * 4 + 1]);
 }
 
+/** Several nodes are summed at once. That must not change a bit, whether their number is a multiple of it or not. */
+TEST_F(PoseCorrectives, eachNodeAddsItsModesInOrder) {
+    const std::vector<float> k{0.7f, -1.3f, 0.11f, 2.9f};
+    PoseCorrectiveData more = c_;
+    for (more.nodeCount = 1; more.nodeCount <= 9; ++more.nodeCount) {
+        more.nodes.clear();
+        for (uint32_t i = 0; i < more.nodeCount * 4; ++i) more.nodes.push_back(c_.nodes[i % c_.nodes.size()] * (1 + 0.01f * float(i)));
+        std::vector<Vec4f> nodes;
+        correctiveNodes(more, k, nodes);
+        ASSERT_EQ(nodes.size(), more.nodeCount);
+        for (uint32_t n = 0; n < more.nodeCount; ++n) {
+            Vec4f sum(0);
+            for (uint32_t i = 0; i < 4; ++i) sum += k[i] * more.nodes[n * 4 + i];
+            EXPECT_EQ(nodes[n], sum) << "node " << n << " of " << more.nodeCount;
+        }
+    }
+}
+
 TEST_F(PoseCorrectives, verticesFollowTheirNodesByWeight) {
     std::vector<Vec4f> nodes(5, Vec4f(0));
     nodes[1] = {0.01f, 0, 0, 0.5f}, nodes[4] = {0, -0.02f, 0.03f, -0.25f};
