@@ -222,9 +222,9 @@ public:
         return wait(frame);
     }
     /** Times of each step in the last finished run of the frame. Empty before the first run, and on a device without timestamps. */
-    virtual std::vector<PassTime> passTimes(FrameId frame) const = 0;
+    virtual std::vector<PassTime> passTimes(FrameId frame) = 0;
     /** Their sum. 0 where there are none. Allocates nothing. */
-    virtual double frameMs(FrameId frame) const = 0;
+    virtual double frameMs(FrameId frame) = 0;
 };
 
 }  // namespace dpl

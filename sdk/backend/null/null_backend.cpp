@@ -103,8 +103,8 @@ public:
         record_->waits += running_.erase(id.value);
         return {};
     }
-    std::vector<PassTime> passTimes(FrameId) const override { return {}; }
-    double frameMs(FrameId) const override { return record_->frameMs; }
+    std::vector<PassTime> passTimes(FrameId) override { return {}; }
+    double frameMs(FrameId) override { return record_->frameMs; }
 
     uint64_t residentBytes() const override {
         uint64_t bytes = 0;

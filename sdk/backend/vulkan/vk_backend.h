@@ -84,14 +84,18 @@ struct Frame {
     // The pool, the command buffer and the fence belong to submitted frames.
     VkCommandPool commands = VK_NULL_HANDLE;
     VkCommandBuffer commandBuffer = VK_NULL_HANDLE;
-    VkQueryPool timestamps = VK_NULL_HANDLE;
     VkFence fence = VK_NULL_HANDLE;
     bool running = false;             // submitted, and its fence was not seen to be signalled yet
     uint32_t slot = 0;                // of the app, of an encoded frame that runs
     std::vector<std::string> labels;  // of the steps
-    std::vector<uint64_t> ticks;      // timestamps before the first step and after each step
-    bool timed = false;               // ticks hold a finished run
-    uint64_t born = 0;                // frames that were encoded before it was created
+    // Timestamps before the first step and after each step. Reading them costs more than encoding, so an encoded frame has two pools: one
+    // keeps the last finished run until somebody asks for its times, the other takes the next run.
+    std::array<VkQueryPool, 2> timestamps{};
+    uint32_t nextTimestamps = 0;          // index of the pool that the next run writes
+    VkQueryPool unread = VK_NULL_HANDLE;  // pool of the last finished run, if it was not read into `ticks` yet
+    std::vector<uint64_t> ticks;
+    bool timed = false;  // ticks hold a finished run
+    uint64_t born = 0;   // frames that were encoded before it was created
 };
 
 /** Depths of a picture. As flags, they are what prepare has to draw. */
@@ -193,8 +197,8 @@ public:
     Status submit(FrameId frame) override;
     bool finished(FrameId frame) override;
     Status wait(FrameId frame) override;
-    std::vector<PassTime> passTimes(FrameId frame) const override;
-    double frameMs(FrameId frame) const override;
+    std::vector<PassTime> passTimes(FrameId frame) override;
+    double frameMs(FrameId frame) override;
     uint64_t residentBytes() const override;
     Status encode(FrameId frame, uint32_t slot, AppCommands commands) override;
 
@@ -285,6 +289,8 @@ private:
     Status checkPresent();
     Error failVk(std::string_view what, VkResult result);  // of DPL_VK; remembers that the device was lost
     void ended(Frame& frame);
+    bool readTicks(Frame& frame, uint32_t first, uint32_t count);
+    void readAllTicks(Frame& frame);
     double ticksMs(uint64_t from, uint64_t to) const;
     void freeFrame(Frame& frame);
     class Hazards;

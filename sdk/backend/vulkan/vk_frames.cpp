@@ -251,7 +251,8 @@ Status VulkanBackend::prepare(Frame& frame, std::vector<Step> steps) {
         VkQueryPoolCreateInfo query{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
         query.queryType = VK_QUERY_TYPE_TIMESTAMP;
         query.queryCount = uint32_t(steps.size()) + 1;
-        DPL_VK_MAKE(frame.timestamps, vk_.vkCreateQueryPool(device_->device, &query, device_->allocator, &frame.timestamps));
+        for (size_t i = 0; i < (frame.run == FrameRun::Encoded ? 2 : 1); ++i)
+            DPL_VK_MAKE(frame.timestamps[i], vk_.vkCreateQueryPool(device_->device, &query, device_->allocator, &frame.timestamps[i]));
         frame.ticks.resize(query.queryCount);
     }
     return {};
@@ -260,10 +261,11 @@ Status VulkanBackend::prepare(Frame& frame, std::vector<Step> steps) {
 /** Writes the prepared steps into a command buffer. Allocates nothing in frames without read-backs. */
 Status VulkanBackend::play(const Frame& frame, VkCommandBuffer commands) {
     Recorder recorder{*this, commands};
+    const VkQueryPool timestamps = frame.timestamps[frame.nextTimestamps];
     const auto stamp = [&](uint32_t index) {
-        if (frame.timestamps) vk_.vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, frame.timestamps, index);
+        if (timestamps) vk_.vkCmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, timestamps, index);
     };
-    if (frame.timestamps) vk_.vkCmdResetQueryPool(commands, frame.timestamps, 0, uint32_t(frame.ticks.size()));
+    if (timestamps) vk_.vkCmdResetQueryPool(commands, timestamps, 0, uint32_t(frame.ticks.size()));
     stamp(0);
     for (size_t i = 0; i < frame.steps.size(); ++i) {
         const RecordedStep& recorded = frame.steps[i];
@@ -364,7 +366,7 @@ Status VulkanBackend::checkPresent() {
 void VulkanBackend::freeFrame(Frame& frame) {
     if (frame.run == FrameRun::Submitted) (void)waitFor(frame);
     vk_.vkDestroyFence(device_->device, frame.fence, device_->allocator);
-    vk_.vkDestroyQueryPool(device_->device, frame.timestamps, device_->allocator);
+    for (const VkQueryPool timestamps : frame.timestamps) vk_.vkDestroyQueryPool(device_->device, timestamps, device_->allocator);
     vk_.vkDestroyCommandPool(device_->device, frame.commands, device_->allocator);
     vk_.vkDestroyDescriptorPool(device_->device, frame.descriptors, device_->allocator);
     frame = {};
@@ -452,11 +454,25 @@ Status VulkanBackend::waitFor(VkFence fence) {
 /** Call it after the fence of a frame was signalled: then its timestamps can be read without waiting. */
 void VulkanBackend::ended(Frame& frame) {
     frame.running = false;
-    if (!frame.timestamps) return;
-    const VkResult result = vk_.vkGetQueryPoolResults(device_->device, frame.timestamps, 0, uint32_t(frame.ticks.size()),
-                                                      frame.ticks.size() * 8, frame.ticks.data(), 8, VK_QUERY_RESULT_64_BIT);
-    frame.timed = result == VK_SUCCESS;
+    frame.unread = frame.timestamps[frame.nextTimestamps];
+    if (frame.run == FrameRun::Encoded)
+        frame.nextTimestamps ^= 1;
+    else
+        readAllTicks(frame);  // the next run writes the same pool
+}
+
+/** Reads timestamps of the pool `unread` into `ticks`. */
+bool VulkanBackend::readTicks(Frame& frame, uint32_t first, uint32_t count) {
+    const VkResult result = vk_.vkGetQueryPoolResults(device_->device, frame.unread, first, count, count * sizeof(uint64_t),
+                                                      &frame.ticks[first], sizeof(uint64_t), VK_QUERY_RESULT_64_BIT);
     device_->lost |= result == VK_ERROR_DEVICE_LOST;
+    return result == VK_SUCCESS;
+}
+
+void VulkanBackend::readAllTicks(Frame& frame) {
+    if (!frame.unread) return;
+    frame.timed = readTicks(frame, 0, uint32_t(frame.ticks.size()));
+    frame.unread = VK_NULL_HANDLE;
 }
 
 Error VulkanBackend::failVk(std::string_view what, VkResult result) {
@@ -464,19 +480,25 @@ Error VulkanBackend::failVk(std::string_view what, VkResult result) {
     return vk::failVk(what, result);
 }
 
-std::vector<PassTime> VulkanBackend::passTimes(FrameId id) const {
+std::vector<PassTime> VulkanBackend::passTimes(FrameId id) {
     std::vector<PassTime> times;
     const auto it = frames_.find(id.value);
-    if (it == frames_.end() || !it->second.timed) return times;
-    const Frame& frame = it->second;
+    if (it == frames_.end()) return times;
+    Frame& frame = it->second;
+    readAllTicks(frame);
+    if (!frame.timed) return times;
     for (size_t i = 0; i < frame.labels.size(); ++i) times.push_back({frame.labels[i], ticksMs(frame.ticks[i], frame.ticks[i + 1])});
     return times;
 }
 
-double VulkanBackend::frameMs(FrameId id) const {
+double VulkanBackend::frameMs(FrameId id) {
     const auto it = frames_.find(id.value);
-    if (it == frames_.end() || !it->second.timed) return 0;
-    return ticksMs(it->second.ticks.front(), it->second.ticks.back());
+    if (it == frames_.end()) return 0;
+    Frame& frame = it->second;
+    // Every draw asks for this, so only two timestamps are read here.
+    const auto last = uint32_t(frame.ticks.size() - 1);
+    if (frame.unread) frame.timed = readTicks(frame, 0, 1) && readTicks(frame, last, 1);
+    return frame.timed ? ticksMs(frame.ticks.front(), frame.ticks.back()) : 0;
 }
 
 double VulkanBackend::ticksMs(uint64_t from, uint64_t to) const {

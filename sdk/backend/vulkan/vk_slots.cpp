@@ -32,7 +32,10 @@ Status VulkanBackend::takeSlot(uint32_t slot) {
 Status VulkanBackend::dropSlot(uint32_t slot) {
     if (slot >= kAppSlots) return fail(Code::InvalidArgument, "slot {} does not exist; there are {}", slot, kAppSlots);
     for (auto& [id, frame] : frames_)
-        if (frame.run == FrameRun::Encoded && frame.slot == slot) frame.running = frame.timed = false;  // perhaps it never ran
+        if (frame.run == FrameRun::Encoded && frame.slot == slot) {  // perhaps it never ran
+            frame.running = frame.timed = false;
+            frame.unread = VK_NULL_HANDLE;
+        }
     slotIsDropped(slot);
     awaited_[slot] = 0;
     layerSlots_[slot].viewCount = 0;
