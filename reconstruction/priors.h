@@ -55,6 +55,21 @@ inline constexpr double kKeypointRefuse = 0.05;
  *  unit: degrees | origin: round figure | half, double: not measured */
 inline constexpr double kPoseRangeDeg = 25;
 
+// ---- Validation: training frames that decide and train nothing
+
+/** Share of the moving training frames that is set aside. Data is scarce, so it is small.
+ *  unit: ratio | origin: round figure | half, double: not measured */
+inline constexpr double kValidationMovingShare = 0.08;
+/** Share of the still full-body training frames that is set aside.
+ *  unit: ratio | origin: round figure | half, double: not measured */
+inline constexpr double kValidationStillShare = 0.05;
+/** With fewer training frames of a kind, none of them is set aside.
+ *  unit: frames | origin: round figure | half, double: not measured */
+inline constexpr double kMinFramesForValidation = 20;
+/** Two cameras that look in directions nearer than this see the same side of the subject.
+ *  unit: degrees | origin: round figure | half, double: not measured */
+inline constexpr double kSameSideDeg = 30;
+
 // ---- Landmarks: from the 33 points of the pose network to the 24 keypoints of a scan
 
 /** Neck joint on the line from the shoulders' to the ears' middle.

@@ -58,15 +58,19 @@ Status renderScan(const RenderOptions& options, const doppel::Context& context, 
     const fs::path posesPath = options.poses.empty() ? options.avatar.parent_path() / "poses.json" : options.poses;
     DPL_TRY(PosesFile poses, readPosesFile(posesPath));
     DPL_CHECK_OK(makeFolder(options.out));
+    const auto poseOf = [&poses](const ScanFrame& frame) {
+        return std::find_if(poses.frames.begin(), poses.frames.end(), [&](const FramePose& p) { return p.name == frame.name; });
+    };
     std::vector<const ScanFrame*> frames;
-    for (const ScanFrame& frame : scan.frames)
-        if (options.split == "all" || options.split == (frame.split == Split::Test ? "test" : "train")) frames.push_back(&frame);
-    if (frames.empty()) return fail(Code::NotFound, "{} has no frames of split '{}'", options.scan.string(), options.split);
+    for (const ScanFrame& frame : scan.frames) {
+        const auto found = poseOf(frame);  // its split tells training frames from those that were set aside for validation
+        if (options.split == "all" || found == poses.frames.end() || found->split == options.split) frames.push_back(&frame);
+    }
+    if (frames.empty()) return fail(Code::NotFound, "{} has no frames of split '{}'", posesPath.string(), options.split);
     progress.beginStage("render");
     for (size_t i = 0; i < frames.size(); ++i) {
         if (progress.cancelled()) return fail(Code::Cancelled, "stopped after {} of {} frames", i, frames.size());
-        const auto found =
-            std::find_if(poses.frames.begin(), poses.frames.end(), [&](const FramePose& p) { return p.name == frames[i]->name; });
+        const auto found = poseOf(*frames[i]);
         if (found == poses.frames.end())
             return fail(Code::NotFound, "{} has no pose for frame {}; name the poses.json of this scan with --poses", posesPath.string(),
                         frames[i]->name);
@@ -257,7 +261,7 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
     command->add_option("--scan", options->scan, "Draw the frames of this scan from its own cameras, one PNG with alpha for each frame");
     command->get_option("--scan")->excludes("--with");
     command->add_option("--split", options->split, "With --scan: which frames to draw")
-        ->check(CLI::IsMember({"test", "train", "all"}))
+        ->check(CLI::IsMember({"test", "validation", "train", "all"}))
         ->capture_default_str();
     command->add_option("--poses", options->poses, "poses.json of the reconstruction (default: beside the avatar)");
     command->add_option("--scale", options->scale, "With --scan: size of the pictures as a multiple of the scan's")

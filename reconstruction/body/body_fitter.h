@@ -54,7 +54,10 @@ private:
     bool isTrain(size_t f) const { return scan_.frames[f].split == Split::Train; }
     bool usable(size_t f) const;
     std::vector<size_t> select(FrameKind kind, Split split) const;
-    std::vector<size_t> movingInTime(bool trainOnly) const;
+    /** Whether frame g may influence the pose of a frame of this split: training frames know only each other, validation frames know
+     *  training frames too, and test frames know all. */
+    bool isKnownTo(Split split, size_t g) const { return scan_.frames[g].split == split || isTrain(g) || split == Split::Test; }
+    std::vector<size_t> movingInTime(Split knownTo) const;
     double sigmaPx(size_t f) const {
         return settings_.sigmaAtFullConfidence *
                std::hypot(double(scan_.frames[f].camera.widthPx), double(scan_.frames[f].camera.heightPx));
@@ -74,8 +77,8 @@ private:
     void untangleLimbs(const std::vector<size_t>& order, const std::function<bool(size_t)>& mayChange);
     Status trackMoving(const std::vector<size_t>& order, double from, double to);
     Status fitMoving(double from, double to);
-    Status fitTest(double from, double to);
-    Status fitHeldOutMoving(double from, double to);
+    Status fitUntrained(double from, double to);
+    Status fitHeldOutMoving(Split split, double from, double to);
     FrameState effective(size_t f) const;
     Pose poseOf(const FrameState& s) const;
     void interpolate(size_t f, BodyFit& fit) const;

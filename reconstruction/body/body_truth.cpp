@@ -103,8 +103,10 @@ Result<TruthComparison> compareWithTruth(const std::filesystem::path& scanRoot, 
             const double mm = 1000 * glm::length(fitted[k].place - place);
             if (frame.kind == FrameKind::StaticFull) still.push_back(mm);
             if (frame.kind != FrameKind::Dynamic) continue;
-            (frame.split == Split::Test ? test : train).push_back(mm);
-            if (frame.split == Split::Test) perKeypoint[k].push_back(mm);
+            if (frame.split == Split::Train) train.push_back(mm);
+            if (frame.split != Split::Test) continue;
+            test.push_back(mm);
+            perKeypoint[k].push_back(mm);
         }
         if (frame.kind != FrameKind::Dynamic || frame.split != Split::Test) continue;
         for (const auto& [from, to] : kLimbs) {

@@ -58,10 +58,10 @@ std::vector<size_t> BodyFitter::select(FrameKind kind, Split split) const {
     return chosen;
 }
 
-std::vector<size_t> BodyFitter::movingInTime(bool trainOnly) const {
+std::vector<size_t> BodyFitter::movingInTime(Split knownTo) const {
     std::vector<size_t> order;
     for (size_t f = 0; f < frames_.size(); ++f)
-        if (!isStill(f) && usable(f) && (!trainOnly || isTrain(f))) order.push_back(f);
+        if (!isStill(f) && usable(f) && isKnownTo(knownTo, f)) order.push_back(f);
     std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return scan_.frames[a].timeS < scan_.frames[b].timeS; });
     return order;
 }
@@ -131,7 +131,7 @@ Status BodyFitter::start() {
     std::vector<size_t> chosen = select(FrameKind::StaticFull, Split::Train);
     shapeFromMoving_ = chosen.size() < kMinStillFrames;
     if (shapeFromMoving_) {  // too few still frames: triangulate from moving ones, where the torso moves little enough for a first guess
-        const auto moving = movingInTime(true);
+        const auto moving = movingInTime(Split::Train);
         chosen.insert(chosen.end(), moving.begin(), moving.end());
     }
     for (size_t f : chosen) views.push_back({scan_.frames[f].camera, &keypoints_[f]});
@@ -249,15 +249,17 @@ Status BodyFitter::refineShape(double from, double to) {
     return {};
 }
 
-/** Fits the sway of still frames that were not part of the shape and pose solve. Held-out frames are solved apart from train close-ups,
- *  because even an independent frame in the same problem would change when the solver stops. */
-Status BodyFitter::fitTest(double from, double to) {
+/** Fits the sway of still frames that were not part of the shape and pose solve, then the poses of moving frames outside training. Each
+ *  split is solved apart, because even an independent frame in the same problem would change when the solver stops. */
+Status BodyFitter::fitUntrained(double from, double to) {
     context_.outlierSigmas = settings_.outlierSigmas;
     context_.footSigmaScale = 1;
-    const double third = (to - from) / 3;
-    for (const Split split : {Split::Train, Split::Test}) {
+    constexpr std::pair<Split, const char*> kSplits[] = {
+        {Split::Train, "close-ups"}, {Split::Validation, "validation still frames"}, {Split::Test, "held-out still frames"}};
+    const double fifth = (to - from) / 5;
+    for (const auto& [split, what] : kSplits) {
         std::vector<size_t> stills = select(FrameKind::StaticCloseup, split);
-        if (split == Split::Test) {
+        if (split != Split::Train) {
             const auto full = select(FrameKind::StaticFull, split);
             stills.insert(stills.end(), full.begin(), full.end());
         }
@@ -265,11 +267,10 @@ Status BodyFitter::fitTest(double from, double to) {
         ceres::Problem problem;
         for (size_t f : stills) addFrame(problem, f);
         freezeGlobals(problem);
-        const bool train = split == Split::Train;
-        DPL_CHECK_OK(solve(problem, train ? "close-ups" : "held-out still frames", 40, train ? from : from + third,
-                           train ? from + third : from + 2 * third));
+        DPL_CHECK_OK(solve(problem, what, 40, from, from + fifth));
     }
-    return fitHeldOutMoving(from + 2 * third, to);
+    DPL_CHECK_OK(fitHeldOutMoving(Split::Validation, from + fifth, from + 3 * fifth));
+    return fitHeldOutMoving(Split::Test, from + 3 * fifth, to);
 }
 
 FrameState BodyFitter::effective(size_t f) const {
@@ -292,11 +293,11 @@ Pose BodyFitter::poseOf(const FrameState& s) const {
     return pose;
 }
 
-/** Interpolates a moving frame without keypoints between its neighbours in time; for a train frame only train frames count. */
+/** Interpolates a moving frame without keypoints between its neighbours in time, of the frames that it may know. */
 void BodyFitter::interpolate(size_t f, BodyFit& fit) const {
     const double t = scan_.frames[f].timeS;
     std::optional<size_t> before, after;
-    for (size_t g : movingInTime(isTrain(f))) {
+    for (size_t g : movingInTime(scan_.frames[f].split)) {
         if (scan_.frames[g].timeS <= t)
             before = g;
         else if (!after)
@@ -348,7 +349,7 @@ BodyFit BodyFitter::collect() const {
     for (size_t f = 0; f < frames_.size(); ++f)
         if (!isStill(f) && !frames_[f].fitted) interpolate(f, fit);
     for (const FrameKind kind : {FrameKind::StaticFull, FrameKind::StaticCloseup, FrameKind::Dynamic})
-        for (const Split split : {Split::Train, Split::Test})
+        for (const Split split : {Split::Train, Split::Validation, Split::Test})
             if (const auto r = residual(kind, split)) fit.residuals.push_back(*r);
     fit.solves = solves_;
     return fit;
@@ -365,7 +366,7 @@ Result<BodyFit> BodyFitter::run() {
     DPL_CHECK_OK(refineShape(0.3, 0.4));
     detectorNoise_ = detectorNoise();
     DPL_CHECK_OK(fitMoving(0.4, 0.9));
-    DPL_CHECK_OK(fitTest(0.9, 1.0));
+    DPL_CHECK_OK(fitUntrained(0.9, 1.0));
     return collect();
 }
 

@@ -61,9 +61,9 @@ struct BodyFit {
 };
 
 /** Fits `body` to `scan`. keypoints[f] holds the keypoints of scan.frames[f] in the order of scan.keypointNames; empty: none seen.
- *  Train frames alone determine shape, scale, still pose and the train poses. Test frames are posed afterwards with these results
- * fixed, so that held-out data cannot reach the avatar. Deterministic for equal input. About a minute for 170 frames on one core. Errors:
- * InvalidArgument or CorruptData when the body lacks these keypoints or the frames show too few; Cancelled. */
+ *  Train frames alone determine shape, scale, still pose and the train poses. Validation frames are posed afterwards with these results
+ * fixed, then test frames, so that held-out data cannot reach the avatar. Deterministic for equal input. About a minute for 170 frames on
+ * one core. Errors: InvalidArgument or CorruptData when the body lacks these keypoints or the frames show too few; Cancelled. */
 Result<BodyFit> fitBody(const BodyModel& body, const Scan& scan, std::span<const std::vector<Keypoint>> keypoints,
                         const BodyFitSettings& settings = {});
 

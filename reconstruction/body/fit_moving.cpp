@@ -147,7 +147,7 @@ void BodyFitter::untangleLimbs(const std::vector<size_t>& order, const std::func
 }
 
 Status BodyFitter::fitMoving(double from, double to) {
-    const std::vector<size_t> order = movingInTime(true);
+    const std::vector<size_t> order = movingInTime(Split::Train);
     if (order.empty()) return {};
     const double part = (to - from) / (4 + 4 * kUntangleRounds);
     double done = from;
@@ -202,13 +202,13 @@ Status BodyFitter::fitMoving(double from, double to) {
     return {};
 }
 
-/** Poses held-out moving frames from their own keypoints, with the train frames fixed. */
-Status BodyFitter::fitHeldOutMoving(double from, double to) {
-    const std::vector<size_t> order = movingInTime(false);
-    const auto isTest = [&](size_t f) { return !isTrain(f); };
-    if (std::none_of(order.begin(), order.end(), isTest)) return {};
+/** Poses the moving frames of a split other than training from their own keypoints, with the frames that they know fixed. */
+Status BodyFitter::fitHeldOutMoving(Split split, double from, double to) {
+    const std::vector<size_t> order = movingInTime(split);
+    const auto isPosed = [&](size_t f) { return scan_.frames[f].split == split; };
+    if (std::none_of(order.begin(), order.end(), isPosed)) return {};
     for (size_t f : order) {  // start from the train frame nearest in time
-        if (!isTest(f)) continue;
+        if (!isPosed(f)) continue;
         const FrameState* nearest = nullptr;
         double distance = 0;
         for (size_t g : order)
@@ -223,18 +223,18 @@ Status BodyFitter::fitHeldOutMoving(double from, double to) {
     for (int round = 0; round < 2; ++round) {
         context_.outlierSigmas = round == 0 ? kLooseOutliers : settings_.outlierSigmas;
         context_.footSigmaScale = round == 0 ? kLooseFootScale : 1;
-        if (round == 1) untangleLimbs(order, isTest);
+        if (round == 1) untangleLimbs(order, isPosed);
         ceres::Problem problem;
         for (size_t f : order)
-            if (isTest(f)) addFrame(problem, f);
-        addSmoothness(problem, order, isTest);
+            if (isPosed(f)) addFrame(problem, f);
+        addSmoothness(problem, order, isPosed);
         freezeGlobals(problem);
         for (size_t g : order)
-            if (isTrain(g))
+            if (!isPosed(g))
                 for (double* block : {frames_[g].root, frames_[g].pose.data()})
                     if (problem.HasParameterBlock(block)) problem.SetParameterBlockConstant(block);
         const double half = 0.5 * (to - from);
-        DPL_CHECK_OK(solve(problem, round == 0 ? "held-out moving frames, loose" : "held-out moving frames", 40, from + half * round,
+        DPL_CHECK_OK(solve(problem, round == 0 ? "untrained moving frames, loose" : "untrained moving frames", 40, from + half * round,
                            from + half * (round + 1)));
     }
     return {};

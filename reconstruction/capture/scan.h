@@ -15,7 +15,7 @@
 namespace dpl {
 
 enum class FrameKind : uint8_t { StaticFull, StaticCloseup, Dynamic };
-enum class Split : uint8_t { Train, Test };
+enum class Split : uint8_t { Train, Test, Validation };  // files state train or test; validation.h sets training frames aside
 
 struct ScanLabel {
     std::string name;  // "background", "body", "top", "bottom", "hair", "shoes"

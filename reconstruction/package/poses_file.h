@@ -13,9 +13,9 @@
 namespace dpl {
 
 struct FramePose {
-    std::string name, kind, split;   // as in scan.json: kind static_full, static_closeup or dynamic; split train or test
+    std::string name, kind, split;   // as in scan.json: kind static_full, static_closeup or dynamic; split train, validation or test
     Pose pose;                       // of training frames after training, of others after registration
-    std::optional<Pose> fittedPose;  // of held-out frames, after the test-time pose fit
+    std::optional<Pose> fittedPose;  // of validation and held-out frames, after the test-time pose fit
 };
 
 struct PosesFile {

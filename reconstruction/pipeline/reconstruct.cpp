@@ -18,7 +18,7 @@ Result<ReconstructResult> reconstructFrom(const StageRun& run, const IngestedSca
         DPL_TRY(FrameSet set, framesOf(ingested, Split::Train, body.cameras, surface.poses, pictures));
         return assembleAvatar(body.shaped, training.result, ingested.scan, std::move(set), run.jobs);
     });
-    DPL_TRY(const MeasuredParts measured, runEvidence(run, ingested, training, trained));
+    DPL_TRY(const MeasuredParts measured, runEvidence(run, ingested, body, surface, training, trained, pictures, settings));
     DPL_TRY(const Package package, runPackage(run, ingested, training, trained, measured, decided, settings));
     DPL_CHECK_OK(writeFileAtomically(paths.avatar, package.bytes));
     DPL_TRY(const FoundPoses found, runPoseFit(run, ingested, body, surface, training, package, pictures, settings));
@@ -49,6 +49,7 @@ Result<ReconstructResult> reconstruct(const ReconstructOptions& options, Progres
                        (options.out / "stages").string(), old.size(), old.front()));
     DPL_TRY(const IngestedScan ingested, runIngest(run, options.scan, options.models));
     progress.note(ingested.verdict.substr(0, ingested.verdict.find_last_not_of('\n') + 1));
+    progress.note(ingested.validation);
     DPL_TRY(ChosenBody chosen, chooseBody(options.body, jobs));
     DPL_TRY(const FittedBody body, runBodyFit(run, ingested, std::move(chosen)));
     return reconstructFrom(run, ingested, body, options);

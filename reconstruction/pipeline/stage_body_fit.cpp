@@ -36,12 +36,13 @@ Result<FittedBody> readFittedBody(const StageOutput& stage, const IngestedScan& 
 
 Result<FittedBody> runBodyFit(const StageRun& run, const IngestedScan& ingested, ChosenBody chosen) {
     BodyFitSettings settings;
-    // The fit reads the keypoints of every frame and the masks of training frames. Held-out frames' poses start from their keypoints.
+    // The fit reads the keypoints of every frame and the masks of training frames. Poses of other frames start from their keypoints.
     nlohmann::json keypoints = nlohmann::json::array();
-    for (size_t f = 0; f < ingested.hashes.size(); ++f) keypoints.push_back({ingested.scan.frames[f].name, ingested.hashes[f].keypoints});
+    for (size_t f = 0; f < ingested.hashes.size(); ++f)
+        keypoints.push_back({ingested.scan.frames[f].name, int(ingested.scan.frames[f].split), ingested.hashes[f].keypoints});
     const nlohmann::json inputs = {
         {"keypoints", keypoints}, {"training", ingested.trainingHash}, {"body", chosen.hash}, {"settings", fieldsJson(settings)}};
-    DPL_TRY(const StageOutput stage, run.chain.run("body-fit", 4, inputs, [&](StageContext& context) -> Status {
+    DPL_TRY(const StageOutput stage, run.chain.run("body-fit", 5, inputs, [&](StageContext& context) -> Status {
         settings.progress = [&](double fraction, std::string_view what) {
             context.progress.update(fraction, what);
             return !context.progress.cancelled();

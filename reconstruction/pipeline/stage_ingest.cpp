@@ -4,6 +4,7 @@
 
 #include "reconstruction/capture/observations.h"
 #include "reconstruction/capture/scan_check.h"
+#include "reconstruction/capture/validation.h"
 #include "reconstruction/pipeline/stages.h"
 #include "sdk/core/files.h"
 
@@ -121,6 +122,7 @@ Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path&
         return fail(Code::CorruptData, "{} is damaged; delete it and run again", (stage.folder / "usable.json").string());
     ingested.usable = usable["usable"].get<std::vector<bool>>();
     if (usable.value("refused", false)) return fail(Code::InvalidArgument, "the scan is refused:\n{}", ingested.verdict);
+    ingested.validation = setValidationAside(ingested.scan, ingested.usable);
     ingested.trainingHash = trainingHash(ingested);
     return ingested;
 }

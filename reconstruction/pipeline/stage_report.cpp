@@ -6,7 +6,7 @@
 
 #include "reconstruction/body/body_truth.h"
 #include "reconstruction/distill/pose_stress.h"
-#include "reconstruction/image/image_codec.h"
+#include "reconstruction/pipeline/frame_scores.h"
 #include "reconstruction/pipeline/scale_figures.h"
 #include "reconstruction/pipeline/stages.h"
 #include "reconstruction/priors.h"
@@ -20,48 +20,6 @@
 
 namespace dpl {
 namespace {
-
-/** The report's label baseline: one colour a label, from training frames. */
-Result<LabelColours> gatherLabelColours(const IngestedScan& ingested, Pictures& pictures) {
-    LabelColours colours;
-    for (size_t f = 0; f < ingested.scan.frames.size(); ++f) {
-        if (!isTrainingFrame(ingested, f) || ingested.scan.frames[f].kind == FrameKind::StaticCloseup) continue;
-        DPL_TRY(const auto picture, pictures.of(f));
-        colours.add(picture->image, picture->mask, picture->labels);
-    }
-    return colours;
-}
-
-Status scoreHeldOut(const LabelColours& labelColours, const FrameSet& heldOut, const AvatarData& avatar, AvatarView& view,
-                    const PosesFile& poses, Jobs& jobs, StageContext& context, ReportData& data) {
-    const std::vector<RestTriangle<float>> bind = restTriangles(avatar.mesh);
-    PosedMesh posed;
-    for (size_t i = 0; i < heldOut.frames.size(); ++i) {
-        if (context.progress.cancelled()) return fail(Code::Cancelled, "stopped");
-        const TrainFrame& frame = heldOut.frames[i];
-        const auto& [image, mask, labels] = *frame.picture;
-        const FramePose& found = poses.frames[heldOut.indices[i]];
-        const Pose& fitted = found.fittedPose ? *found.fittedPose : found.pose;
-        HeldOutFrame out;
-        out.name = frame.name;
-        out.kind = frame.kind == FrameKind::Dynamic ? "dynamic" : "static";
-        DPL_TRY(auto plain, view.draw(found.pose, frame.camera));
-        DPL_TRY(auto best, view.draw(fitted, frame.camera));
-        out.withoutPoseFit = scorePicture(plain, image, mask);
-        out.withPoseFit = scorePicture(best, image, mask);
-        out.labelFloor = scorePicture(labelColours.paint(mask, labels), image, mask);
-        posed.pose({avatar.joints, avatar.mesh, avatar.correctives, bind}, fitted, jobs);
-        out.meshFloor = scorePicture(paintMesh(posed.positions(), avatar.mesh.triangles, avatar.mesh.colours, frame.camera), image, mask);
-        const auto truth = overWhite(cutOut(image, mask)), shown = overWhite(best);
-        const uint32_t w = frame.camera.widthPx, h = frame.camera.heightPx;
-        DPL_TRY(out.truthPng, encodePng(truth, w, h, 3));
-        DPL_TRY(out.renderPng, encodePng(shown, w, h, 3));
-        DPL_TRY(out.differencePng, encodePng(differenceTimesFour(shown, truth), w, h, 3));
-        data.frames.push_back(std::move(out));
-        context.progress.update(double(i + 1) / double(heldOut.frames.size()), frame.name);
-    }
-    return {};
-}
 
 /** Adds the distances of joints to the truth of a synthetic scan, with the bars for registration. */
 void addTruth(const TruthComparison& truth, const std::string& after, ReportData& data) {
@@ -80,7 +38,10 @@ void addTruth(const TruthComparison& truth, const std::string& after, ReportData
 void addRegistration(const Scan& scan, const FittedBody& body, const PosesFile& poses, ReportData& data) {
     for (const KindResidual& r : body.fit.residuals) {
         const std::string kind = r.kind == FrameKind::Dynamic ? "dynamic" : r.kind == FrameKind::StaticFull ? "static" : "close-up";
-        const std::string group = "keypoint residual, " + kind + (r.split == Split::Test ? ", held out" : ", training");
+        const std::string group = "keypoint residual, " + kind +
+                                  (r.split == Split::Test         ? ", held out"
+                                   : r.split == Split::Validation ? ", validation"
+                                                                  : ", training");
         data.figures.push_back({group, "median", "px", r.medianPx});
         data.figures.push_back({group, "95th percentile", "px", r.p95Px});
     }
@@ -116,15 +77,7 @@ void addWaterfall(ReportData& data) {
 
 std::string summaryOf(const ReportData& data, size_t splats, size_t bytes) {
     std::string text = formatText("{} splats, {} bytes", splats, bytes);
-    for (const char* kind : {"static", "dynamic"})
-        if (auto mean = meanScore(data.frames, kind, &HeldOutFrame::withPoseFit)) {
-            char line[160];
-            std::snprintf(line, sizeof line,
-                          "\nheld-out %-7s  masked PSNR %.2f dB, alpha IoU %.4f, SSIM %.4f (pose fitted; without: %.2f dB)", kind,
-                          mean->maskedPsnrDb, mean->alphaIou, mean->maskedSsim,
-                          meanScore(data.frames, kind, &HeldOutFrame::withoutPoseFit)->maskedPsnrDb);
-            text += line;
-        }
+    text += scoreLines(data.frames, "held-out") + scoreLines(data.validation, "validation");
     if (const std::string bars = barSummary(data); !bars.empty()) text += "\n" + bars;
     for (const std::string& sentence : data.provenance) text += "\n" + sentence;
     return text;
@@ -151,7 +104,7 @@ Result<StageOutput> runReport(const StageRun& run, const IngestedScan& ingested,
                               const std::vector<EvidenceData>& decided, const Training& training, const Package& package,
                               const FoundPoses& found, Pictures& pictures, const RunSettings& settings) {
     const nlohmann::json inputs = {{"pose_fit", found.key}, {"measuring", measuringFiles(ingested.scan.root)}};
-    return run.chain.run("report", 6, inputs, [&](StageContext& context) -> Status {
+    return run.chain.run("report", 7, inputs, [&](StageContext& context) -> Status {
         DPL_TRY(AvatarData avatar, readAvatar(package.bytes));
         DPL_TRY(AvatarInfo info, inspectAvatar(package.bytes));
         ReportData data;
@@ -165,11 +118,17 @@ Result<StageOutput> runReport(const StageRun& run, const IngestedScan& ingested,
                       {"splats", std::to_string(avatar.splats.count())},
                       {"file", std::to_string(package.bytes.size()) + " bytes"},
                       {"content hash", info.contentHash}};
-        data.verdict = ingested.verdict;
+        data.verdict = ingested.verdict + ingested.validation + "\n";
         DPL_TRY(auto view, AvatarView::open(package.bytes, run.jobs.threadCount()));
         DPL_TRY(const LabelColours labelColours, gatherLabelColours(ingested, pictures));
         DPL_TRY(const FrameSet heldOut, framesOf(ingested, Split::Test, body.cameras, body.fit.poses, pictures));
-        DPL_CHECK_OK(scoreHeldOut(labelColours, heldOut, avatar, view, found.poses, run.jobs, context, data));
+        const auto tell = [&context](double share, const std::string& what) {
+            context.progress.update(share, what);
+            return !context.progress.cancelled();
+        };
+        DPL_TRY(data.frames, scoreFrames(labelColours, heldOut, avatar, view, found.poses, true, run.jobs, tell));
+        DPL_TRY(const FrameSet validation, framesOf(ingested, Split::Validation, body.cameras, body.fit.poses, pictures));
+        DPL_TRY(data.validation, scoreFrames(labelColours, validation, avatar, view, found.poses, false, run.jobs, tell));
         DPL_CHECK_OK(addScaleFigures(ingested.scan.root, context.progress, view, heldOut, found.poses, data));
         for (const StageRecord& s : run.chain.records()) data.stages.push_back({s.name, s.seconds, s.peakBytes, s.reused});
         PlotSeries loss{"total", {}, {}}, psnr{"masked", {}, {}};

@@ -79,14 +79,16 @@ Result<FittedSurface> runSurface(const StageRun& run, const IngestedScan& ingest
 Result<std::vector<EvidenceData>> runGarments(const StageRun& run);
 Result<Training> runCoOptimise(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
                                Pictures& pictures, const RunSettings& settings);
-/** Measures on training frames how much each optional part improves the trained avatar. */
-Result<MeasuredParts> runEvidence(const StageRun& run, const IngestedScan& ingested, const Training& training,
-                                  Lazy<AssembledAvatar>& trained);
+/** Measures on validation frames how much each optional part improves the trained avatar; on training frames where the scan has no
+ *  validation split. */
+Result<MeasuredParts> runEvidence(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
+                                  const Training& training, Lazy<AssembledAvatar>& trained, Pictures& pictures,
+                                  const RunSettings& settings);
 /** Removes the parts that the evidence rejects, polishes the decoded avatar and encodes it. `decided`: evidence rows of parts that were not
  *  trained. */
 Result<Package> runPackage(const StageRun& run, const IngestedScan& ingested, const Training& training, Lazy<AssembledAvatar>& trained,
                            const MeasuredParts& measured, const std::vector<EvidenceData>& decided, const RunSettings& settings);
-/** Poses of all frames. Those of held-out frames are fitted to the finished avatar. */
+/** Poses of all frames. Those of validation and held-out frames are fitted to the finished avatar. */
 Result<FoundPoses> runPoseFit(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
                               const Training& training, const Package& package, Pictures& pictures, const RunSettings& settings);
 /** Writes report.html, report.json and summary.txt into the returned folder. */

@@ -25,6 +25,7 @@ struct IngestedScan {
     std::vector<FrameHashes> hashes;  // of Scan::frames
     std::string trainingHash;         // of the usable training frames, with their files and cameras
     std::string verdict;              // result of the check, several lines
+    std::string validation;           // what was set aside for validation, one sentence
 };
 
 /** Whether training may use the frame. */
@@ -54,7 +55,7 @@ struct FrameSet {
 /** Frame `index` of the scan with its picture, and with the given camera (metres) and pose. */
 Result<TrainFrame> frameAt(const IngestedScan& ingested, size_t index, const Camerad& camera, const Pose& pose, Pictures& pictures);
 
-/** All training frames, or all held-out frames. cameras (metres) and poses: one a frame of the scan. */
+/** All frames of a split; of the training split only usable ones. cameras (metres) and poses: one a frame of the scan. */
 Result<FrameSet> framesOf(const IngestedScan& ingested, Split split, std::span<const Camerad> cameras, std::span<const Pose> poses,
                           Pictures& pictures);
 

@@ -98,11 +98,13 @@ std::string reportJson(const ReportData& data) {
     for (const char* kind : {"static", "dynamic"})
         for (const auto& [name, member] : columns)
             if (auto mean = meanScore(data.frames, kind, member)) out["means"][kind][name] = scoreJson(*mean);
-    out["frames"] = ordered_json::array();
-    for (const HeldOutFrame& frame : data.frames) {
-        ordered_json entry = {{"name", frame.name}, {"kind", frame.kind}};
-        for (const auto& [name, member] : columns) entry[name] = scoreJson(frame.*member);
-        out["frames"].push_back(std::move(entry));
+    for (const auto& [key, frames] : {std::pair{"frames", &data.frames}, {"validation_frames", &data.validation}}) {
+        out[key] = ordered_json::array();
+        for (const HeldOutFrame& frame : *frames) {
+            ordered_json entry = {{"name", frame.name}, {"kind", frame.kind}};
+            for (const auto& [name, member] : columns) entry[name] = scoreJson(frame.*member);
+            out[key].push_back(std::move(entry));
+        }
     }
     out["stages"] = ordered_json::array();
     for (const StageCost& s : data.stages)

@@ -60,7 +60,8 @@ struct ReportData {
     std::vector<std::pair<std::string, std::string>> facts;  // scan, body, preset, seed, ...
     std::vector<std::string> provenance;                     // what the figures stand for, one sentence each (provenance.h)
     std::string verdict;                                     // result of the scan check, several lines
-    std::vector<HeldOutFrame> frames;
+    std::vector<HeldOutFrame> frames;                        // held out
+    std::vector<HeldOutFrame> validation;                    // set aside for decisions, without pictures
     std::vector<StageCost> stages;
     std::vector<PlotSeries> lossCurves, psnrCurves;
     std::vector<ReportFigure> figures;    // registration residuals, truth comparison, sizes

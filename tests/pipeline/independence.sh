@@ -3,6 +3,7 @@
 # Tests what an avatar depends on, with a small procedural scan. The avatar must have
 #   the same bytes on 1 and 3 threads; after a stop, a kill -9 and a rerun; with every truth file removed; with every held-out image, mask,
 #   label picture and keypoint replaced by noise;
+#   the same trained state with noise in every validation image, and other evidence: these images decide and train nothing;
 #   different bytes when one training image changes. This shows that the comparison can fail.
 # usage: independence.sh DOPPEL WORKDIR
 set -euo pipefail
@@ -10,7 +11,7 @@ doppel="$1" work="$2"
 rm -rf "$work" && mkdir -p "$work"
 cd "$work"
 "$doppel" sample -o scan --small --seed 5 2>sample.log
-# Keeps half of the still frames and ten moving ones. This takes a third of the time, and every stage still has work.
+# Keeps half of the still frames, and moving ones until 20 train, so that some are set aside for validation. This halves the time.
 python3 - <<'P'
 import json, pathlib
 path = pathlib.Path("scan/scan.json")
@@ -18,7 +19,7 @@ scan = json.loads(path.read_text())
 seen = {}
 def keeps(frame):
     count = seen[frame["kind"]] = seen.get(frame["kind"], 0) + 1
-    return count <= 10 if frame["kind"] == "dynamic" else count % 2 == 1 or frame["split"] == "test"
+    return count <= 22 if frame["kind"] == "dynamic" else count % 2 == 1 or frame["split"] == "test"
 scan["frames"] = [f for f in scan["frames"] if keeps(f)]
 assert {("static_full", "test"), ("static_closeup", "train"), ("dynamic", "train"), ("dynamic", "test")} <= {(f["kind"], f["split"]) for f in scan["frames"]}
 path.write_text(json.dumps(scan))
@@ -59,16 +60,21 @@ if "skeleton" in scan:
 (root / "scan.json").write_text(json.dumps(scan))
 P
 }
-# deceive SCAN: replaces held-out observations by noise of the same size. The files stay readable; an image may be a PNG under any name.
-deceive() {
-    python3 - "$1" <<'P'
-import json, pathlib, random, struct, sys, zlib
-random.seed(1)
+cat >png.py <<'P'
+import struct, zlib
 def png(path, width, height, channels, value):
     rows = b"".join(b"\0" + value(width * channels) for _ in range(height))
     chunk = lambda kind, body: struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
     header = struct.pack(">IIBBBBB", width, height, 8, 2 if channels == 3 else 0, 0, 0, 0)
     path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows, 1)) + chunk(b"IEND", b""))
+P
+export PYTHONPATH=.
+# deceive SCAN: replaces held-out observations by noise of the same size. The files stay readable; an image may be a PNG under any name.
+deceive() {
+    python3 - "$1" <<'P'
+import json, pathlib, random, sys
+from png import png
+random.seed(1)
 def among(values):
     return lambda count: bytes(random.choices(values, k=count))
 root = pathlib.Path(sys.argv[1])
@@ -91,10 +97,36 @@ for frame in scan["frames"]:
 assert changed >= 3, changed
 P
 }
+# poison SCAN: replaces validation images by noise, and keeps them in validation/.
+poison() {
+    python3 - "$1" one/poses.json <<'P'
+import json, pathlib, random, shutil, sys
+from png import png
+random.seed(2)
+root = pathlib.Path(sys.argv[1])
+scan = json.loads((root / "scan.json").read_text())
+width, height = scan["image_size"]
+chosen = {f["name"] for f in json.load(open(sys.argv[2]))["frames"] if f["split"] == "validation"}
+assert chosen, "no frame was set aside for validation"
+(root / "validation").mkdir()
+for frame in scan["frames"]:
+    if frame["name"] in chosen:
+        assert frame["split"] == "train", frame
+        shutil.move(root / frame["image"], root / "validation")
+        png(root / frame["image"], width, height, 3, random.randbytes)
+P
+}
 # One run differs in all three things that must not matter. If its bytes differ, a run for each of them tells which does.
 cp -r scan apart
 hide apart
 deceive apart
+poison apart
+reconstruct apart all --threads 3
+cmp -s one/stages/co-optimise/trained.bin all/stages/co-optimise/trained.bin || failed "validation or held-out images reach training"
+cmp -s one/stages/evidence/evidence.json all/stages/evidence/evidence.json && failed "the evidence does not look at validation images"
+echo "ok: noise for validation images: the same trained state, and other evidence"
+mv apart/validation/* apart/images/
+rm all/avatar.glb
 reconstruct apart all --threads 3
 if cmp -s one/avatar.glb all/avatar.glb; then
     echo "ok: 3 threads, no truth files, keypoints under their older name and noise for held-out images, masks, labels and keypoints: same bytes"

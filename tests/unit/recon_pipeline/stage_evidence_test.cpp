@@ -13,7 +13,7 @@ Result<MeasuredParts> measure(ToyReconstruction& toy) {
         DPL_TRY(FrameSet set, framesOf(toy.ingested, Split::Train, toy.body.cameras, toy.truth, pictures));
         return AssembledAvatar{toy.avatar, std::move(set.frames)};
     });
-    return runEvidence(toy.run, toy.ingested, toy.training, trained);
+    return runEvidence(toy.run, toy.ingested, toy.body, toy.surface, toy.training, trained, pictures, settingsOf({}));
 }
 
 const EvidenceData& rowOf(const MeasuredParts& measured, AvatarPart part) {
@@ -43,6 +43,37 @@ TEST(StageEvidence, keepsAPartThatHelpsAndDropsOneThatDoesNot) {
         EXPECT_GT(kept.bytes, 0u);
         EXPECT_EQ(dropped.bytes, 0u);
     }
+}
+
+TEST(StageEvidence, validationFramesDecideAgainstTrainingFrames) {
+    for (const bool validationShowsIt : {true, false}) {
+        ToyReconstruction toy;
+        toy.avatar.correctives = ballCorrectives(toy.avatar.mesh, {0.04f, 0, 0, 0}, {0, 0, 0.04f, 0});
+        AvatarData without = toy.avatar;
+        removePart(without, AvatarPart::CorrectiveOffsets);
+        toy.takePictures(validationShowsIt ? without : toy.avatar);
+        toy.takePictures(validationShowsIt ? toy.avatar : without, ToyReconstruction::kTrained);
+        for (size_t f = ToyReconstruction::kTrained; f < ToyReconstruction::kFrames; ++f)
+            toy.ingested.scan.frames[f].split = Split::Validation;
+        const auto measured = measure(toy);
+        ASSERT_TRUE(measured) << measured.error().message;
+        const EvidenceData& offsets = rowOf(*measured, AvatarPart::CorrectiveOffsets);
+        EXPECT_EQ(offsets.kept, validationShowsIt) << offsets.gainDb << " dB";
+        EXPECT_NE(offsets.reason.find("3 validation frames"), std::string::npos) << offsets.reason;
+    }
+}
+
+TEST(StageEvidence, heldOutFramesDecideNothing) {
+    ToyReconstruction toy;
+    toy.avatar.correctives = ballCorrectives(toy.avatar.mesh, {0.04f, 0, 0, 0}, {0, 0, 0.04f, 0});
+    toy.takePictures(toy.avatar);
+    for (size_t f = ToyReconstruction::kTrained; f < ToyReconstruction::kFrames; ++f)
+        std::filesystem::remove(toy.ingested.scan.frames[f].imagePath);
+    const auto measured = measure(toy);
+    ASSERT_TRUE(measured) << measured.error().message;
+    const EvidenceData& offsets = rowOf(*measured, AvatarPart::CorrectiveOffsets);
+    EXPECT_TRUE(offsets.kept);
+    EXPECT_NE(offsets.reason.find("5 training frames"), std::string::npos) << offsets.reason;
 }
 
 TEST(StageEvidence, aPartWithTooSmallAGainIsDropped) {

@@ -87,10 +87,10 @@ public:
     ToyReconstruction(const ToyReconstruction&) = delete;
     ~ToyReconstruction() { std::filesystem::remove_all(folder); }
 
-    /** Writes the pictures of all frames: `shown` in the true poses, over grey. */
-    void takePictures(const AvatarData& shown) {
+    /** Writes the pictures of the frames from `first` on: `shown` in the true poses, over grey. */
+    void takePictures(const AvatarData& shown, size_t first = 0) {
         AvatarView view = must(AvatarView::open(bytesOf(shown), 2));
-        for (size_t f = 0; f < kFrames; ++f) {
+        for (size_t f = first; f < kFrames; ++f) {
             const ScanFrame& frame = ingested.scan.frames[f];
             const std::vector<uint8_t> rgba = must(view.draw(truth[f], frame.camera));
             std::vector<uint8_t> rgb, mask;
