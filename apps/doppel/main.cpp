@@ -48,6 +48,7 @@ int main(int argc, char** argv) {
     CommandRun run;
     addSampleCommand(app, run);
     addReconstructCommand(app, run);
+    addEvaluateCommand(app, run);
     addRenderCommand(app, run);
     addInspectCommand(app, run);
     addExportCommand(app, run);

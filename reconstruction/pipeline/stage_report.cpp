@@ -6,6 +6,7 @@
 
 #include "reconstruction/body/body_truth.h"
 #include "reconstruction/distill/pose_stress.h"
+#include "reconstruction/ladder/ladder.h"
 #include "reconstruction/pipeline/frame_scores.h"
 #include "reconstruction/pipeline/scale_figures.h"
 #include "reconstruction/pipeline/stages.h"
@@ -83,12 +84,13 @@ std::string summaryOf(const ReportData& data, size_t splats, size_t bytes) {
     return text;
 }
 
-/** Hashes of the files that only the report reads: the truth, and pictures at other sizes. */
+/** Hashes of the files that only the report reads: the truth with its surfaces, and pictures at other sizes. */
 nlohmann::json measuringFiles(const std::filesystem::path& scan) {
     namespace fs = std::filesystem;
     std::vector<fs::path> files{scan / "truth.json"};
     std::error_code error;
-    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(scan / "hires", error)) files.push_back(entry.path());
+    for (const char* folder : {"hires", "geometry", "posed"})
+        for (const fs::directory_entry& entry : fs::recursive_directory_iterator(scan / folder, error)) files.push_back(entry.path());
     std::sort(files.begin(), files.end());
     nlohmann::json hashes = nlohmann::json::array();
     for (const fs::path& file : files) {
@@ -129,6 +131,7 @@ Result<StageOutput> runReport(const StageRun& run, const IngestedScan& ingested,
         DPL_TRY(data.frames, scoreFrames(labelColours, heldOut, avatar, view, found.poses, true, run.jobs, tell));
         DPL_TRY(const FrameSet validation, framesOf(ingested, Split::Validation, body.cameras, body.fit.poses, pictures));
         DPL_TRY(data.validation, scoreFrames(labelColours, validation, avatar, view, found.poses, false, run.jobs, tell));
+        DPL_TRY(data.ladder, measureLadder({ingested.scan, body.cameras, avatar, found.poses, tell}, run.jobs));
         DPL_CHECK_OK(addScaleFigures(ingested.scan.root, context.progress, view, heldOut, found.poses, data));
         for (const StageRecord& s : run.chain.records()) data.stages.push_back({s.name, s.seconds, s.peakBytes, s.reused});
         PlotSeries loss{"total", {}, {}}, psnr{"masked", {}, {}};

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "reconstruction/report/ladder_table.h"
 #include "reconstruction/report/svg_plot.h"
 #include "sdk/core/result.h"
 #include "sdk/format/avatar_data.h"
@@ -66,6 +67,7 @@ struct ReportData {
     std::vector<PlotSeries> lossCurves, psnrCurves;
     std::vector<ReportFigure> figures;    // registration residuals, truth comparison, sizes
     std::vector<ReportFigure> waterfall;  // dB lost by each stage, for scans with truth
+    std::optional<Ladder> ladder;         // of scans with a truth
     std::vector<EvidenceData> evidence;
     std::vector<std::string> limits;  // known limits of this version, one sentence each
 };

@@ -162,6 +162,7 @@ std::string reportHtml(const ReportData& data) {
     }
     addFigures(html, "Registration and sizes", data.figures);
     addFigures(html, "Error waterfall: what each stage costs", data.waterfall);
+    if (data.ladder) html += ladderHtml(*data.ladder);
     addStages(html, data);
     addEvidence(html, data);
     if (!data.limits.empty()) {

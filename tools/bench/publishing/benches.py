@@ -302,6 +302,18 @@ def quality_rows(report, bars):
     return rows
 
 
+def ladder_rows(report):
+    """The ladder of a report: a row a rung and group of frames."""
+    return [{"row": "ladder", "rung": r["rung"], "what": r["what"], "kind": kind, "split": split, **cell}
+            for r in report["ladder"] for kind in ("static", "dynamic") for split, cell in r.get(kind, {}).items()]
+
+
+def ladder(name, scan):
+    def take(place):
+        return ladder_rows(reconstruct(place, name, scan(place), ["--preset", "draft"]))
+    return take
+
+
 SCAN_A_BARS = {"static": {"psnr_db": at_least(23)}, "dynamic": {"psnr_db": at_least(21)}, "training": {"step_ms": at_most(40)}}
 BIKER_BARS = {"static": {"psnr_without_pose_fit_db": at_least(22), "iou_without_pose_fit": at_least(0.95)}}
 
@@ -359,6 +371,12 @@ BENCHES = [
     Bench("quality-biker", "long", 8, "a real man holding a helmet, one pose, keypoints by the networks",
           "doppel reconstruct ../shared/data/real-orbit-biker -o OUT --models ../shared/data/models", DOPPEL,
           real("quality-biker", "real-orbit-biker", BIKER_BARS, lambda place: ["--models", data(place, "models")])),
+    Bench("ladder-procedural-1", "long", 3, "what the truth in place of a stage gains: the procedural subject of seed 1", DRAFT.format(1), DOPPEL,
+          ladder("ladder-procedural-1", lambda place: sample(place, 1))),
+    Bench("ladder-scan-a", "long", 5, "the same for scan-a", "doppel reconstruct ../shared/data/scan-a -o OUT --preset draft", DOPPEL,
+          ladder("ladder-scan-a", lambda place: data(place, "scan-a"))),
+    Bench("ladder-scan-c", "long", 5, "the same for scan-c", "doppel reconstruct ../shared/data/scan-c -o OUT --preset draft", DOPPEL,
+          ladder("ladder-scan-c", lambda place: data(place, "scan-c"))),
 ] + [
     Bench(f"quality-procedural-{seed}", "unseen", 3, f"the procedural subject of seed {seed}, which nobody looked at", DRAFT.format(seed),
           DOPPEL, procedural(seed, f"quality-procedural-{seed}"))

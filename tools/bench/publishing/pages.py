@@ -134,9 +134,35 @@ def quality(store):
         text += table(REGISTRATION, registration_rows(store, UNSEEN)) + "\n"
     text += missing_of(store, UNSEEN)
     everything = DEVELOPMENT + UNSEEN
-    text += "## What the parts are worth\n\nMasked PSNR of training frames with the part, less that without it.\n\n"
+    text += "## What the parts are worth\n\nMasked PSNR with the part, less that without it, over the frames that decide.\n\n"
     text += table(["scan", "part", "kept", "gain, dB", "kB"], evidence_rows(store, everything)) + "\n"
     return text + "## How these figures were taken\n\n" + taken_all(store, everything)
+
+
+LADDERS = (("ladder-procedural-1", "procedural seed 1"), ("ladder-scan-a", "scan-a"), ("ladder-scan-c", "scan-c"))
+
+
+def ladder(store):
+    text = BACK + ("# The ladder\n\nMasked PSNR in dB while the truth takes the place of one stage after the other, preset draft; nothing is trained "
+                   "again. In brackets: mean distance of the avatar's vertices from where the true surface would carry them, mm. "
+                   "[Definition](../reference/metrics.md).\n\n")
+    for name, label in LADDERS:
+        file = store.get(name)
+        if not file:
+            continue
+        rows = file["rows"]
+        groups = list(dict.fromkeys((r["kind"], r["split"], r["frames"]) for r in rows if r["rung"] == "as_is"))
+        body = []
+        for rung in dict.fromkeys(r["rung"] for r in rows):
+            line = [find(rows, rung=rung)["what"]]
+            for kind, split, _ in groups:
+                cell = find(rows, rung=rung, kind=kind, split=split)
+                far = f" ({number(cell['surface_mm'], 0)})" if cell and cell.get("surface_mm") is not None else ""
+                line.append(number(cell["masked_psnr_db"]) + far if cell else NOTHING)
+            body.append(line)
+        text += f"## {label}\n\n" + table(["rung", *(f"{kind}, {split} ({count})" for kind, split, count in groups)], body) + "\n"
+        text += taken(file) + "\n"
+    return text + missing_of(store, LADDERS)
 
 
 def training(store):
@@ -430,7 +456,7 @@ def speed_plot(store):
                    list(series.items()))
 
 
-PAGES = {"quality": quality, "reports": reports, "training": training, "frames": frames, "baselines": baselines, "memory": memory,
+PAGES = {"quality": quality, "ladder": ladder, "reports": reports, "training": training, "frames": frames, "baselines": baselines, "memory": memory,
          "apps": apps, "detail": detail, "scaling": scaling, "floor": floor}
 
 

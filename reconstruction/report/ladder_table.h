@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// The ladder of a scan with a truth (reconstruction/ladder measures it): its figures, and its table for terminal, page and programs.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dpl {
+
+/** Mean scores of one rung of the ladder over one group of frames. */
+struct LadderCell {
+    size_t frames = 0;  // scored at this rung; 0: the rung does not apply
+    double maskedPsnrDb = 0;
+    std::optional<double> surfaceMm;  // mean distance of the avatar's vertices from where the true surface would carry them
+};
+
+/** One rung: what the truth has replaced. */
+struct LadderRung {
+    std::string key, what;
+    std::vector<LadderCell> cells;  // one a group
+};
+
+/** Frames of one kind ("static", "dynamic") and split ("train", "validation", "test"). */
+struct LadderGroup {
+    std::string kind, split;
+    size_t frames = 0;
+};
+
+/** The ladder of a scan with a truth (reconstruction/ladder). */
+struct Ladder {
+    std::vector<LadderGroup> groups;
+    std::vector<LadderRung> rungs;
+};
+
+/** Aligned lines of text. */
+std::string ladderText(const Ladder& ladder);
+/** A heading, a paragraph and a table. */
+std::string ladderHtml(const Ladder& ladder);
+nlohmann::ordered_json ladderJson(const Ladder& ladder);
+
+}  // namespace dpl

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/ladder/ladder.h"
+
+#include <gtest/gtest.h>
+
+#include "reconstruction/report/score.h"
+#include "tests/unit/recon_ladder/toy_truth.h"
+
+namespace dpl::test {
+namespace {
+
+class LadderTest : public testing::Test {
+protected:
+    LadderTest() {
+        toy_.takePictures(toy_.avatar);
+        writeTruth(toy_);
+        for (size_t f = 0; f < ToyReconstruction::kFrames; ++f) {
+            const ScanFrame& frame = toy_.ingested.scan.frames[f];
+            poses_.frames.push_back({frame.name, "", frame.split == Split::Test ? "test" : "train", toy_.truth[f], std::nullopt});
+        }
+        bend(poses_.frames[kMoving].pose, 0.25f);
+    }
+    static void bend(Pose& pose, float angleRad) {
+        pose.localRotations[1] = pose.localRotations[1] * glm::angleAxis(angleRad, Vec3f(0, 0, 1));
+    }
+    /** The cell of a rung and a group. */
+    LadderCell cell(const std::string& rung, const std::string& kind, const std::string& split) {
+        auto ladder = measureLadder({toy_.ingested.scan, toy_.body.cameras, toy_.avatar, poses_, {}}, toy_.jobs);
+        if (!ladder) throw std::runtime_error(ladder.error().message);
+        for (const LadderRung& r : (*ladder)->rungs)
+            for (size_t g = 0; g < (*ladder)->groups.size(); ++g)
+                if (r.key == rung && (*ladder)->groups[g].kind == kind && (*ladder)->groups[g].split == split) return r.cells[g];
+        throw std::runtime_error("no such cell");
+    }
+
+    /** Masked PSNR of the moving held-out frame, drawn by the public renderer in a pose. */
+    double shownDb(const Pose& pose) {
+        AvatarView view = must(AvatarView::open(toy_.package.bytes, 2));
+        const FramePicture picture = must(readFramePicture(toy_.ingested.scan.frames[kMoving]));
+        return scorePicture(must(view.draw(pose, toy_.body.cameras[kMoving])), picture.image, picture.mask).maskedPsnrDb;
+    }
+
+    static constexpr size_t kMoving = 7;  // held out
+    ToyReconstruction toy_;
+    PosesFile poses_;
+};
+
+TEST_F(LadderTest, aWrongPoseCostsWhatTheTruePoseBringsBack) {
+    const LadderCell wrong = cell("as_is", "dynamic", "test"), truth = cell("true_poses", "dynamic", "test"),
+                     surface = cell("true_surface", "dynamic", "test");
+    EXPECT_EQ(wrong.frames, 1u);
+    EXPECT_GT(*wrong.surfaceMm, 20);
+    EXPECT_LT(*truth.surfaceMm, 2) << "half of the ball is seen by no still frame, and there the true surface is only near";
+    EXPECT_GT(truth.maskedPsnrDb, wrong.maskedPsnrDb + 5);
+    EXPECT_GT(surface.maskedPsnrDb, wrong.maskedPsnrDb + 5);
+    EXPECT_NEAR(truth.maskedPsnrDb, shownDb(toy_.truth[kMoving]), 0.1) << "the avatar is the truth, so nothing else is lost";
+}
+
+TEST_F(LadderTest, asItIsAgreesWithThePublicRenderer) {
+    EXPECT_NEAR(cell("as_is", "dynamic", "test").maskedPsnrDb, shownDb(poses_.frames[kMoving].pose), 0.05);
+}
+
+TEST_F(LadderTest, aShapeThatTheRigCannotMakeShowsInTheSurfaceAlone) {
+    // The true surface of the moving frame is taller than any pose of the rig, as cloth may be, and its picture shows it.
+    AvatarData tall = toy_.avatar;
+    for (Vec3f& p : tall.mesh.restPositions) p.y = 0.7f + 1.15f * (p.y - 0.7f);
+    toy_.takePictures(tall);
+    for (size_t f : {size_t(3), size_t(4), kMoving})
+        mustWrite(toy_.ingested.scan.root / "posed" / (toy_.ingested.scan.frames[f].name + ".bin"),
+                  floatsOf(ballIn(tall, toy_.truth[f], toy_.jobs)));
+    const LadderCell poses = cell("true_poses", "dynamic", "test"), surface = cell("true_surface", "dynamic", "test");
+    EXPECT_GT(*poses.surfaceMm, 5);
+    EXPECT_GT(surface.maskedPsnrDb, poses.maskedPsnrDb + 3);
+}
+
+TEST_F(LadderTest, aRungThatDoesNotApplyIsEmpty) {
+    EXPECT_EQ(cell("pose_fit", "dynamic", "test").frames, 0u) << "no fitted pose is known";
+    EXPECT_EQ(cell("as_is", "static", "validation").frames, 0u);
+    EXPECT_EQ(cell("as_is", "static", "train").frames, 3u);
+}
+
+TEST_F(LadderTest, aScanWithoutTruthHasNone) {
+    std::filesystem::remove_all(toy_.ingested.scan.root / "geometry");
+    const auto ladder = measureLadder({toy_.ingested.scan, toy_.body.cameras, toy_.avatar, poses_, {}}, toy_.jobs);
+    ASSERT_TRUE(ladder) << ladder.error().message;
+    EXPECT_FALSE(*ladder);
+}
+
+TEST_F(LadderTest, posesOfAnotherScanAreRefused) {
+    poses_.frames.pop_back();
+    EXPECT_FALSE(measureLadder({toy_.ingested.scan, toy_.body.cameras, toy_.avatar, poses_, {}}, toy_.jobs));
+}
+
+}  // namespace
+}  // namespace dpl::test
