@@ -102,6 +102,9 @@ inline constexpr double kKeypointSigma = 0.0024;
 /** Geman-McClure scale of keypoint residuals.
  *  unit: standard deviations | origin: round figure | half, double: not measured */
 inline constexpr double kKeypointOutlierSigmas = 4;
+/** Distance between the place where a detector marks a keypoint and the body's keypoint of that name. Still frames show it; this only
+ * bounds it where few do. unit: m | origin: round figure; a detector's pelvis lies 25 mm from ours | half, double: not measured */
+inline constexpr double kLandmarkOffsetM = 0.03;
 /** Turn of the root between still frames: people sway.
  *  unit: rad | origin: round figure | half, double: not measured */
 inline constexpr double kSwayTurnRad = 0.01;
@@ -165,6 +168,43 @@ inline constexpr double kOutlineReachM = 0.08;
  *  unit: share of the bone's length | origin: round figure, about a standard deviation between adults of one height | half, double: not
  * measured */
 inline constexpr float kBoneStretch = 0.04f;
+
+// ---- Registration of moving frames to their pictures
+
+/** Scale of the accelerations of joints and root, whose spread is Cauchy's: people mostly move evenly and sometimes start or stop.
+ *  unit: share of the standard deviation in the body fit | origin: dev; scan-a and scan-c | half, double: not measured; the body fit's
+ * Gaussian leaves keypoints 13.4 instead of 12.8 mm from the truth on scan-a */
+inline constexpr double kAccelerationTailShare = 0.2;
+/** Weight of a point's contrast against that of independent points with the noise below: light, cloth and surface err together.
+ *  unit: ratio | origin: dev; scan-a and scan-c | half, double: 20 times: keypoints 20.9 instead of 14.3 mm from the truth on scan-a */
+inline constexpr double kContrastTrust = 0.05;
+/** The same for outlines.
+ *  unit: ratio | origin: dev; scan-a and scan-c | half, double: not measured alone */
+inline constexpr double kOutlineTrust = 0.05;
+/** Distance from the shaped body up to which skin, hair and shoes count as rigid.
+ *  unit: m | origin: round figure | half, double: not measured */
+inline constexpr float kRigidStandOffM = 0.05f;
+/** The same where nothing is known about clothes.
+ *  unit: m | origin: round figure | half, double: not measured */
+inline constexpr float kTightStandOffM = 0.01f;
+/** Distance that a point of skin, hair or shoes lies from where the rig carries it.
+ *  unit: m | origin: round figure | half, double: not measured */
+inline constexpr double kRigidSlipM = 0.003;
+/** The same for cloth.
+ *  unit: m | origin: round figure | half, double: not measured */
+inline constexpr double kClothSlipM = 0.015;
+/** Distance of a drawn outline of skin, hair or shoes from that in the picture.
+ *  unit: m | origin: round figure | half, double: not measured */
+inline constexpr double kRigidOutlineM = 0.004;
+/** The same for cloth.
+ *  unit: m | origin: round figure | half, double: not measured */
+inline constexpr double kClothOutlineM = 0.02;
+/** Difference of local contrast between pictures of one point that light and camera make.
+ *  unit: share of white | origin: round figure | half, double: not measured */
+inline constexpr double kContrastNoise = 0.02;
+/** Geman-McClure scale of contrast residuals: shadows, things in front.
+ *  unit: standard deviations | origin: round figure | half, double: not measured */
+inline constexpr double kContrastOutlierSigmas = 3;
 
 // ---- Surface and training
 

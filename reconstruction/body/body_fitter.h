@@ -72,6 +72,7 @@ private:
     void freezeGlobals(ceres::Problem& problem);
     Status fitStill(double from, double to);
     double swayFreedom(size_t f);
+    void findLandmarks();
     std::optional<KeypointNoise> detectorNoise();
     Status refineShape(double from, double to);
     void untangleLimbs(const std::vector<size_t>& order, const std::function<bool(size_t)>& mayChange);
@@ -94,6 +95,7 @@ private:
     FitContext context_;
     std::vector<double> shape_;
     double logUnit_ = 0;
+    std::vector<LandmarkOffset> landmarks_;
     std::optional<KeypointNoise> detectorNoise_;
     FrameState still_;
     std::vector<FrameState> frames_;

@@ -42,12 +42,13 @@ ErrorSpread spreadOf(std::vector<double> values) {
 
 }  // namespace
 
-std::vector<PosedKeypoint> posedKeypoints(const BodyModel& shaped, const Pose& pose, const std::vector<std::string>& names) {
+std::vector<PosedKeypoint> posedKeypoints(const BodyModel& shaped, const Pose& pose, const std::vector<std::string>& names,
+                                          std::span<const LandmarkOffset> landmarks) {
     std::vector<Mat3x4f> worldFromRest;
     jointTransforms(shaped.joints, pose, worldFromRest);
     const auto move = [&](size_t joint, const Vec3f& p) { return Vec3d(worldFromRest[joint] * Vec4f(p, 1)); };
     std::vector<PosedKeypoint> places(names.size());
-    for (size_t k = 0; k < names.size(); ++k)
+    for (size_t k = 0; k < names.size(); ++k) {
         for (const BodyKeypoint& keypoint : shaped.keypoints) {
             if (keypoint.name != names[k]) continue;
             places[k].present = true;
@@ -56,6 +57,9 @@ std::vector<PosedKeypoint> posedKeypoints(const BodyModel& shaped, const Pose& p
                 places[k].place += double(weight) * Vec3d(skinVertex(shaped.mesh.restPositions[vertex], shaped.mesh.jointIndices[vertex],
                                                                      shaped.mesh.jointWeights[vertex], worldFromRest.data()));
         }
+        if (k < landmarks.size() && places[k].present)
+            places[k].place += Vec3d(worldFromRest[landmarks[k].joint] * Vec4f(Vec3f(landmarks[k].offset), 0));
+    }
     return places;
 }
 
@@ -94,7 +98,7 @@ Result<TruthComparison> compareWithTruth(const std::filesystem::path& scanRoot, 
         const auto found = byName.find(frame.name);
         if (found == byName.end() || found->second->size() != scan.keypointNames.size()) continue;
         std::map<std::string, std::pair<Vec3d, Vec3d>> pairs;  // name -> (fitted, true)
-        const auto fitted = posedKeypoints(shaped, fit.poses[f], scan.keypointNames);
+        const auto fitted = posedKeypoints(shaped, fit.poses[f], scan.keypointNames, fit.landmarks);
         for (size_t k = 0; k < fitted.size(); ++k) {
             const auto& p = (*found->second)[k];
             if (!fitted[k].present || !p.is_array() || p.size() != 3) continue;

@@ -38,7 +38,8 @@ struct PosedKeypoint {
     Vec3d place{0};        // world, metres
     bool present = false;  // false: the body has no keypoint of this name
 };
-/** The keypoints of a body at a pose, one per entry of `names`. */
-std::vector<PosedKeypoint> posedKeypoints(const BodyModel& shapedBody, const Pose& pose, const std::vector<std::string>& names);
+/** The keypoints of a body at a pose, one per entry of `names`. `landmarks`: one per name, or empty. */
+std::vector<PosedKeypoint> posedKeypoints(const BodyModel& shapedBody, const Pose& pose, const std::vector<std::string>& names,
+                                          std::span<const LandmarkOffset> landmarks = {});
 
 }  // namespace dpl

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/body/fit_body.h"
 
-#include <ceres/solver.h>
-
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -12,6 +10,7 @@
 #include "reconstruction/body/fit_init.h"
 #include "reconstruction/body/fit_silhouette.h"
 #include "reconstruction/body/keypoint_noise.h"
+#include "reconstruction/body/landmark_offsets.h"
 #include "reconstruction/priors.h"
 
 namespace dpl {
@@ -68,15 +67,8 @@ std::vector<size_t> BodyFitter::movingInTime(Split knownTo) const {
 
 Status BodyFitter::solve(ceres::Problem& problem, const char* what, int maxSteps, double from, double to) {
     Watcher watcher(settings_, what, maxSteps, from, to);
-    ceres::Solver::Options options;
-    options.num_threads = 1;  // equal bytes on every machine
-    options.max_num_iterations = maxSteps;
-    options.function_tolerance = 1e-6;  // relative change of the cost; later steps gain far less than the keypoint noise
-    options.logging_type = ceres::SILENT;
+    ceres::Solver::Options options = solverOptions(maxSteps);
     options.callbacks.push_back(&watcher);
-    options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-    if (ceres::IsSparseLinearAlgebraLibraryTypeAvailable(ceres::EIGEN_SPARSE))
-        options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;  // a BLAS backend would start threads
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem, &summary);
     solves_.push_back({what, std::string(ceres::TerminationTypeToString(summary.termination_type)) + ": " + summary.message,
@@ -183,6 +175,23 @@ double BodyFitter::swayFreedom(size_t f) {
     Eigen::MatrixXd posterior = information;
     for (size_t i = 0; i < sigma.size(); ++i) posterior(Eigen::Index(i), Eigen::Index(i)) += 1 / (sigma[i] * sigma[i]);
     return posterior.ldlt().solve(information).trace();
+}
+
+/** Estimates where the detector sees each keypoint, with shape and still poses fixed, and moves the keypoints of the chain there. */
+void BodyFitter::findLandmarks() {
+    std::vector<LandmarkView> views;
+    for (size_t f : select(FrameKind::StaticFull, Split::Train)) {
+        const FrameState s = effective(f);
+        LandmarkView view{metricCamera(scan_.frames[f].camera, std::exp(logUnit_)), sigmaPx(f), keypoints_[f], {}};
+        chain_.evaluate(s.rootReference, s.root, s.pose.data(), shape_.data(), false, view.posed);
+        views.push_back(std::move(view));
+    }
+    if (views.size() < kMinStillFrames) return;
+    const std::vector<Vec3d> offsets = estimateLandmarkOffsets(chain_, views, settings_.outlierSigmas);
+    for (size_t k = 0; k < offsets.size(); ++k) {
+        landmarks_.push_back({chain_.hasKeypoint(k) ? chain_.carrier(k) : 0, offsets[k]});
+        chain_.setOffset(k, offsets[k]);
+    }
 }
 
 /** The detector's noise from the residuals of the still training frames, whose pose is known best. */
@@ -341,6 +350,7 @@ BodyFit BodyFitter::collect() const {
     fit.shape = shape_;
     fit.metresPerUnit = std::exp(logUnit_);
     if (detectorNoise_) fit.keypointSigma = detectorNoise_->sigma, fit.outlierShare = detectorNoise_->outlierShare;
+    fit.landmarks = landmarks_;
     fit.staticPose = poseOf(still_);
     for (size_t f = 0; f < frames_.size(); ++f) {
         fit.poses.push_back(poseOf(effective(f)));
@@ -364,6 +374,7 @@ Result<BodyFit> BodyFitter::run() {
     DPL_CHECK_OK(start());
     DPL_CHECK_OK(fitStill(0.0, 0.3));
     DPL_CHECK_OK(refineShape(0.3, 0.4));
+    findLandmarks();
     detectorNoise_ = detectorNoise();
     DPL_CHECK_OK(fitMoving(0.4, 0.9));
     DPL_CHECK_OK(fitUntrained(0.9, 1.0));

@@ -47,13 +47,20 @@ struct KindResidual {
     double meanPx = 0, medianPx = 0, p95Px = 0;  // over keypoints with confidence ≥ 0.7
 };
 
+/** Where the detector sees a keypoint, relative to the body's own (landmark_offsets.h). */
+struct LandmarkOffset {
+    uint32_t joint = 0;  // carries the keypoint
+    Vec3d offset{0};     // metres, rest frame of the joint; the keypoint lies at its body place + W_joint · offset
+};
+
 struct BodyFit {
     std::vector<double> shape;  // one value per morph
     double metresPerUnit = 1;   // μ; metricCamera() applies it to a camera
     // The detector's noise as the residuals of the still train frames show it (keypoint_noise.h); 0 when it could not be estimated.
-    double keypointSigma = 0;  // standard deviation of a coordinate at full confidence, fraction of the image diagonal
-    double outlierShare = 0;   // of these keypoints: farther off than outlierSigmas × keypointSigma
-    Pose staticPose;           // shared by the still frames
+    double keypointSigma = 0;               // standard deviation of a coordinate at full confidence, fraction of the image diagonal
+    double outlierShare = 0;                // of these keypoints: farther off than outlierSigmas × keypointSigma
+    std::vector<LandmarkOffset> landmarks;  // one per keypoint name of the scan; empty: all zero
+    Pose staticPose;                        // shared by the still frames
     std::vector<Pose> poses;   // one per frame, for the rig of shapedBody(body, shape); a still frame: staticPose plus its sway
     std::vector<bool> fitted;  // one per frame; false: too few keypoints, the pose is inherited or interpolated
     std::vector<SolveEnd> solves;

@@ -16,10 +16,25 @@ constexpr double kMinDepthM = 0.05;      // keypoints nearer to the camera are i
 constexpr double kRangeSigmaRad = 0.03;  // σ of the part beyond a joint's range
 constexpr double kMorphWallSigma = 0.1;  // σ of the part beyond a morph's range, in morph values
 
+/** The residual whose square is Cauchy's cost log(1 + r²). */
+template <class T>
+T cauchy(const T& r) {
+    using std::log, std::sqrt;
+    const T s = r * r;
+    if (s < 1e-8) return r;
+    const T size = sqrt(log(s + 1.0));
+    return r < 0.0 ? -size : size;
+}
+double cauchySlope(double r) {
+    const double s = r * r;
+    return s < 1e-8 ? 1.0 : std::abs(r) / (std::sqrt(std::log1p(s)) * (1 + s));
+}
+
 struct RootSmoothness {
     Mat3d reference[3];
     Vec3d up;
     double before, after, mean;  // seconds
+    AccelerationSpread spread;
 
     template <class T>
     void worldRotation(const T* root, int i, T* columnMajor) const {
@@ -51,11 +66,24 @@ struct RootSmoothness {
             residual[i] = (turn[i] - aboutUp * up[i]) / priors::kTiltAccelerationRadS2 + aboutUp * up[i] / priors::kTurnAccelerationRadS2;
             residual[3 + i] = ((c[3 + i] - b[3 + i]) / after - (b[3 + i] - a[3 + i]) / before) / (mean * priors::kRootAccelerationMS2);
         }
+        for (int i = 0; i < 6 && spread.tail; ++i) residual[i] = cauchy(T(residual[i] / spread.share));
         return true;
     }
 };
 
 }  // namespace
+
+ceres::Solver::Options solverOptions(int maxSteps) {
+    ceres::Solver::Options options;
+    options.num_threads = 1;
+    options.max_num_iterations = maxSteps;
+    options.function_tolerance = 1e-6;  // relative change of the cost; later steps gain far less than the keypoint noise
+    options.logging_type = ceres::SILENT;
+    options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+    if (ceres::IsSparseLinearAlgebraLibraryTypeAvailable(ceres::EIGEN_SPARSE))
+        options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;  // a BLAS backend would start threads
+    return options;
+}
 
 ReprojectionCost::ReprojectionCost(const FitContext& context, const Camerad& camera, const Mat3d& rootReference,
                                    const std::vector<Keypoint>& keypoints, double sigmaPx, bool withSway)
@@ -192,7 +220,8 @@ bool ShapePrior::Evaluate(double const* const* blocks, double* residuals, double
     return true;
 }
 
-PoseSmoothness::PoseSmoothness(std::vector<JointPrior> priors, double t0, double t1, double t2) : priors_(std::move(priors)) {
+PoseSmoothness::PoseSmoothness(std::vector<JointPrior> priors, double t0, double t1, double t2, AccelerationSpread spread)
+    : priors_(std::move(priors)), spread_(spread) {
     const double before = t1 - t0, after = t2 - t1, mean = 0.5 * (before + after);
     weight_[0] = 1 / (before * mean);
     weight_[1] = -(1 / before + 1 / after) / mean;
@@ -203,20 +232,24 @@ PoseSmoothness::PoseSmoothness(std::vector<JointPrior> priors, double t0, double
 
 bool PoseSmoothness::Evaluate(double const* const* blocks, double* residuals, double** jacobians) const {
     const size_t size = 3 * priors_.size();
-    for (size_t i = 0; i < size; ++i)
-        residuals[i] =
-            (weight_[0] * blocks[0][i] + weight_[1] * blocks[1][i] + weight_[2] * blocks[2][i]) / priors_[i / 3].accelerationRadS2;
-    for (int b = 0; jacobians && b < 3; ++b) {
-        if (!jacobians[b]) continue;
-        std::fill_n(jacobians[b], size * size, 0.0);
-        for (size_t i = 0; i < size; ++i) jacobians[b][i * size + i] = weight_[b] / priors_[i / 3].accelerationRadS2;
+    for (size_t i = 0; i < size; ++i) {
+        const double scale = 1 / (priors_[i / 3].accelerationRadS2 * spread_.share);
+        const double r = (weight_[0] * blocks[0][i] + weight_[1] * blocks[1][i] + weight_[2] * blocks[2][i]) * scale;
+        residuals[i] = spread_.tail ? cauchy(r) : r;
+        const double slope = scale * (spread_.tail ? cauchySlope(r) : 1.0);
+        for (int b = 0; jacobians && b < 3; ++b) {
+            if (!jacobians[b]) continue;
+            std::fill_n(jacobians[b] + i * size, size, 0.0);
+            jacobians[b][i * size + i] = weight_[b] * slope;
+        }
     }
     return true;
 }
 
-ceres::CostFunction* makeRootSmoothness(const Mat3d (&references)[3], const Vec3d& up, double t0, double t1, double t2) {
+ceres::CostFunction* makeRootSmoothness(const Mat3d (&references)[3], const Vec3d& up, double t0, double t1, double t2,
+                                        AccelerationSpread spread) {
     return new ceres::AutoDiffCostFunction<RootSmoothness, 6, kRootSize, kRootSize, kRootSize>(
-        new RootSmoothness{{references[0], references[1], references[2]}, up, t1 - t0, t2 - t1, 0.5 * (t2 - t0)});
+        new RootSmoothness{{references[0], references[1], references[2]}, up, t1 - t0, t2 - t1, 0.5 * (t2 - t0), spread});
 }
 
 namespace {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The residuals of the body fit. Private to reconstruction/body, so that no public header includes Ceres. "Block" means a Ceres parameter
-// block; each class lists its blocks in order.
+// The residuals of the body fit. Private to reconstruction/body and reconstruction/registration, so that no public header includes Ceres.
+// "Block" means a Ceres parameter block; each class lists its blocks in order.
 #pragma once
 
 #include <ceres/cost_function.h>
+#include <ceres/solver.h>
 
 #include <memory>
 #include <vector>
@@ -13,6 +14,9 @@
 #include "reconstruction/capture/scan.h"
 
 namespace dpl {
+
+/** Options of every solve: one thread and no BLAS, so that the bytes are equal on every machine. */
+ceres::Solver::Options solverOptions(int maxSteps);
 
 /** Layout of a sway block: six root values, then three values for each joint that sways. */
 struct SwayLayout {
@@ -78,20 +82,29 @@ private:
     std::vector<double> low_, high_;
 };
 
+/** How accelerations spread. People mostly move evenly and sometimes start or stop: with `tail` the spread is Cauchy's, whose scale is
+ *  `share` of the standard deviation of the Gaussian. */
+struct AccelerationSpread {
+    bool tail = false;
+    double share = 1;
+};
+
 /** Angular acceleration of every posed joint over frames at times t0 < t1 < t2, seconds. Blocks: pose0, pose1, pose2. */
 class PoseSmoothness final : public ceres::CostFunction {
 public:
-    PoseSmoothness(std::vector<JointPrior> priors, double t0, double t1, double t2);
+    PoseSmoothness(std::vector<JointPrior> priors, double t0, double t1, double t2, AccelerationSpread spread = {});
     bool Evaluate(double const* const* blocks, double* residuals, double** jacobians) const override;
 
 private:
     std::vector<JointPrior> priors_;
     double weight_[3];  // coefficient of each pose in the acceleration, 1/s²
+    AccelerationSpread spread_;
 };
 
 /** Angular and linear acceleration of the root. Relative rotations make it independent of the facing. People turn about `up`, the
  *  vertical, faster than they tilt, so the two have separate σ. Blocks: root0, root1, root2. The caller owns the result. */
-ceres::CostFunction* makeRootSmoothness(const Mat3d (&references)[3], const Vec3d& up, double t0, double t1, double t2);
+ceres::CostFunction* makeRootSmoothness(const Mat3d (&references)[3], const Vec3d& up, double t0, double t1, double t2,
+                                        AccelerationSpread spread = {});
 
 /** Keeps the pelvis about as upright as in the still pose. `bodyUp` is the axis of the root's frame that points along `up`, the vertical,
  *  in the still pose. Block: root. The caller owns the result. */

@@ -78,6 +78,13 @@ KeypointChain::KeypointChain(const BodyModel& body, std::span<const std::string>
         for (auto& [joint, contribution] : byJoint) list.push_back(std::move(contribution));
         keypoints_.push_back(std::move(list));
     }
+    offsets_.assign(keypoints_.size(), Vec3d(0));
+}
+
+uint32_t KeypointChain::carrier(size_t k) const {
+    return std::max_element(keypoints_[k].begin(), keypoints_[k].end(),
+                            [](const Contribution& a, const Contribution& b) { return a.jointWeight < b.jointWeight; })
+        ->joint;
 }
 
 Vec3d KeypointChain::restPlace(size_t joint, const double* shape) const {
@@ -93,7 +100,8 @@ void KeypointChain::evaluate(const Mat3d& rootReference, const double* root, con
     for (size_t j = 0; j < joints; ++j) rest[j] = restPlace(j, shape);
     out.rotations.resize(joints);
     out.places.resize(joints);
-    std::vector<Mat3d> turn(wantJacobian ? joints : 0);  // columns: world rotation per unit of the joint's parameters
+    out.turns.assign(wantJacobian ? joints : 0, Mat3d(0));
+    std::vector<Mat3d>& turn = out.turns;
     std::vector<Vec3d> placePerShape(wantJacobian ? joints * shapes : 0);
     for (size_t j = 0; j < joints; ++j) {
         const int32_t slot = slotOfJoint_[j];
@@ -128,8 +136,9 @@ void KeypointChain::evaluate(const Mat3d& rootReference, const double* root, con
         if (keypoints_[k].empty()) continue;
         double* rows = wantJacobian ? &out.jacobian[k * 3 * width] : nullptr;
         if (wantJacobian) std::fill(lever.begin(), lever.end(), Vec3d(0));
+        const uint32_t carriedBy = carrier(k);
         for (const Contribution& c : keypoints_[k]) {
-            Vec3d offset = c.offset;
+            Vec3d offset = c.joint == carriedBy ? c.offset + offsets_[k] : c.offset;
             for (size_t m = 0; m < shapes; ++m) offset += shape[m] * c.offsetPerShape[m];
             const Vec3d arm = out.rotations[c.joint] * offset;
             out.points[k] += arm + c.jointWeight * out.places[c.joint];

@@ -35,7 +35,17 @@ public:
     size_t shapeCount() const { return shapeCount_; }
     size_t posedCount() const { return posedJoints_.size(); }
     std::span<const uint32_t> posedJoints() const { return posedJoints_; }
+    int32_t parent(size_t joint) const { return parents_[joint]; }
+    /** First column of a joint's rotation in the Jacobian; −1: the joint does not rotate. */
+    int32_t columnOf(size_t joint) const {
+        const int32_t slot = slotOfJoint_[joint];
+        return slot == -2 ? 0 : slot < 0 ? -1 : kRootSize + 3 * slot;
+    }
     bool hasKeypoint(size_t k) const { return !keypoints_[k].empty(); }
+    /** The joint that carries most of keypoint k, which the body must have. */
+    uint32_t carrier(size_t k) const;
+    /** Moves keypoint k by `offset`, metres in the rest frame of its carrier: X_k gains W_carrier · offset. Replaces an earlier offset. */
+    void setOffset(size_t k, const Vec3d& offset) { offsets_[k] = offset; }
     /** Number of columns of the Jacobian: root (6), pose (3 per posed joint), shape, in this order. */
     size_t columns() const { return kRootSize + 3 * posedCount() + shapeCount_; }
 
@@ -44,6 +54,7 @@ public:
         std::vector<double> jacobian;  // 3 rows per keypoint × columns(), row-major; empty unless asked for
         std::vector<Mat3d> rotations;  // one per joint, world
         std::vector<Vec3d> places;     // one per joint, world, metres
+        std::vector<Mat3d> turns;      // one per joint: world rotation per unit of the joint's parameters; empty without the Jacobian
     };
     /** Reads kRootSize values of root, 3·posedCount() of pose and shapeCount() of shape. */
     void evaluate(const Mat3d& rootReference, const double* root, const double* pose, const double* shape, bool wantJacobian,
@@ -65,6 +76,7 @@ private:
     std::vector<std::vector<Vec3d>> restPerShape_;  // J × shapes
     std::vector<uint32_t> posedJoints_;
     std::vector<std::vector<Contribution>> keypoints_;  // K
+    std::vector<Vec3d> offsets_;                        // K
 };
 
 }  // namespace dpl

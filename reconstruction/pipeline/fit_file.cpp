@@ -38,9 +38,11 @@ std::string fitToJson(const BodyFit& fit) {
                 {"metres_per_unit", fit.metresPerUnit},
                 {"keypoint_sigma", fit.keypointSigma},
                 {"outlier_share", fit.outlierShare},
+                {"landmarks", json::array()},
                 {"static_pose", poseJson(fit.staticPose)},
                 {"poses", json::array()},
                 {"fitted", fit.fitted}};
+    for (const LandmarkOffset& l : fit.landmarks) out["landmarks"].push_back({l.joint, l.offset.x, l.offset.y, l.offset.z});
     for (const Pose& pose : fit.poses) out["poses"].push_back(poseJson(pose));
     for (const SolveEnd& s : fit.solves)
         out["solves"].push_back({{"what", s.what},
@@ -76,6 +78,11 @@ Result<BodyFit> readFitFile(const std::filesystem::path& path, size_t frameCount
         fit.poses.resize(frameCount);
         for (size_t f = 0; f < frameCount; ++f)
             if (!poseFrom(root.at("poses")[f], jointCount, fit.poses[f])) return bad();
+        for (const json& l : root.at("landmarks")) {
+            const LandmarkOffset landmark{l.at(0), Vec3d(l.at(1), l.at(2), l.at(3))};
+            if (landmark.joint >= jointCount || !std::isfinite(glm::length(landmark.offset))) return bad();
+            fit.landmarks.push_back(landmark);
+        }
         for (const json& r : root.value("residuals", json::array())) {
             KindResidual residual;
             residual.kind = FrameKind(r.at("kind").get<int>());

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where a detector sees a body's keypoints. A detector marks "pelvis" or "ear" by its own convention, centimetres from the rig's point of
+// that name. Still frames show each point from all sides, so the difference is known to a few millimetres.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "reconstruction/body/keypoint_chain.h"
+#include "reconstruction/capture/scan.h"
+
+namespace dpl {
+
+/** One still frame with its solved pose. */
+struct LandmarkView {
+    Camerad camera;      // metric
+    double sigmaPx = 1;  // standard deviation of a keypoint's coordinate at full confidence
+    std::span<const Keypoint> keypoints;
+    KeypointChain::Output posed;
+};
+
+/** One offset per keypoint of `chain`, metres in the rest frame of its carrier; add them with KeypointChain::setOffset(). Each minimises
+ *  Σ ρ((π(X + W·o) − x)/σ) + |o|²/priors::kLandmarkOffsetM² over the views, with ρ of Geman–McClure at `outlierSigmas`. Zero for a keypoint
+ *  that fewer than three views show. */
+std::vector<Vec3d> estimateLandmarkOffsets(const KeypointChain& chain, std::span<const LandmarkView> views, double outlierSigmas);
+
+}  // namespace dpl
