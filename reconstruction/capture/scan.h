@@ -15,7 +15,7 @@
 namespace dpl {
 
 enum class FrameKind : uint8_t { StaticFull, StaticCloseup, Dynamic };
-enum class Split : uint8_t { Train, Test, Validation };  // files state train or test; validation.h sets training frames aside
+enum class Split : uint8_t { Train, Validation, Test };  // in the order in which they are posed; files state train or test (validation.h)
 
 struct ScanLabel {
     std::string name;  // "background", "body", "top", "bottom", "hair", "shoes"

@@ -13,8 +13,8 @@ namespace dpl {
 std::vector<const Pose*> trainedPoses(const IngestedScan& ingested, const CoOptimiseResult& trained);
 
 /** The registered pose of a validation or held-out frame; it does not use the frame's picture. Training moves poses and surface together,
- *  so the body fit's pose alone would not match the trained surface.
- *  Still frames: interpolated between the trained poses of the neighbours in capture order. Moving frames: the body fit's pose (from the
+ *  so the registered pose alone would not match the trained surface.
+ *  Still frames: interpolated between the trained poses of the neighbours in capture order. Moving frames: the registered pose (from the
  *  frame's own keypoints), corrected by the change of the neighbours' poses in training. `untrained`: all poses before training. */
 Pose registeredPose(const Scan& scan, const std::vector<Pose>& untrained, const std::vector<const Pose*>& trained, size_t f);
 

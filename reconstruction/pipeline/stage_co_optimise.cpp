@@ -82,12 +82,15 @@ Status train(CoOptimiseInput input, const RunSettings& settings, Jobs& jobs, Sta
 }  // namespace
 
 Result<Training> runCoOptimise(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
-                               Pictures& pictures, const RunSettings& settings) {
-    const nlohmann::json inputs = {
-        {"training", ingested.trainingHash}, {"body_fit", body.key}, {"surface", surface.key}, {"settings", trainingInputs(settings)}};
+                               const RegisteredPoses& registered, Pictures& pictures, const RunSettings& settings) {
+    const nlohmann::json inputs = {{"training", ingested.trainingHash},
+                                   {"body_fit", body.key},
+                                   {"surface", surface.key},
+                                   {"register", registered.key},
+                                   {"settings", trainingInputs(settings)}};
     DPL_TRY(const StageOutput stage, run.chain.run("co-optimise", 4, inputs, [&](StageContext& context) -> Status {
         context.progress.update(0, "reading pictures");
-        DPL_TRY(FrameSet set, framesOf(ingested, Split::Train, body.cameras, surface.poses, pictures));
+        DPL_TRY(FrameSet set, framesOf(ingested, Split::Train, body.cameras, registered.poses, pictures));
         if (set.frames.empty()) return fail(Code::InvalidArgument, "no usable training frames");
         DPL_TRY(CoOptimiseInput input, trainingInput(body, surface, std::move(set.frames), run.jobs));
         return train(std::move(input), settings, run.jobs, context);

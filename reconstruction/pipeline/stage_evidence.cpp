@@ -37,13 +37,13 @@ struct Jury {
     bool registered = true;  // validation frames in their registered poses; false: training frames in their trained poses
 };
 
-Result<Jury> chooseJury(const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface, const Training& training,
+Result<Jury> chooseJury(const IngestedScan& ingested, const FittedBody& body, const RegisteredPoses& registered, const Training& training,
                         const AssembledAvatar& assembled, Pictures& pictures) {
     Jury jury;
-    DPL_TRY(FrameSet set, framesOf(ingested, Split::Validation, body.cameras, surface.poses, pictures));
+    DPL_TRY(FrameSet set, framesOf(ingested, Split::Validation, body.cameras, registered.poses, pictures));
     const std::vector<const Pose*> trained = trainedPoses(ingested, training.result);
     for (size_t i = 0; i < set.frames.size(); ++i)
-        set.frames[i].pose = registeredPose(ingested.scan, surface.poses, trained, set.indices[i]);
+        set.frames[i].pose = registeredPose(ingested.scan, registered.poses, trained, set.indices[i]);
     jury.frames = std::move(set.frames);
     if (!jury.frames.empty()) return jury;
     jury.registered = false;
@@ -142,11 +142,11 @@ nlohmann::json juryInputs(const IngestedScan& ingested) {
 
 }  // namespace
 
-Result<MeasuredParts> runEvidence(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
+Result<MeasuredParts> runEvidence(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const RegisteredPoses& registered,
                                   const Training& training, Lazy<AssembledAvatar>& trained, Pictures& pictures,
                                   const RunSettings& settings) {
     const nlohmann::json inputs = {{"trained", training.key},
-                                   {"surface", surface.key},
+                                   {"register", registered.key},
                                    {"assemble", assembleInputs()},
                                    {"name", ingested.scan.name},
                                    {"worthItDb", priors::kWorthItDb},
@@ -155,7 +155,7 @@ Result<MeasuredParts> runEvidence(const StageRun& run, const IngestedScan& inges
                                    {"framesOfAKind", kFramesOfAKind}};
     DPL_TRY(const StageOutput stage, run.chain.run("evidence", 3, inputs, [&](StageContext& context) -> Status {
         DPL_TRY(const AssembledAvatar* assembled, trained.get());
-        DPL_TRY(const Jury jury, chooseJury(ingested, body, surface, training, *assembled, pictures));
+        DPL_TRY(const Jury jury, chooseJury(ingested, body, registered, training, *assembled, pictures));
         return weigh(*assembled, jury, settings.poseFit, run.jobs, context);
     }));
     DPL_TRY(std::vector<PartEvidence> parts, readEvidence(stage.folder / "evidence.json"));

@@ -6,6 +6,7 @@
 
 #include "reconstruction/body/fit_body.h"
 #include "reconstruction/pipeline/preset.h"
+#include "reconstruction/registration/register_frames.h"
 #include "reconstruction/splat/settings_fields.h"
 #include "reconstruction/surface/fit_surface.h"
 
@@ -24,6 +25,13 @@ void visitFields(const SurfaceFitSettings& settings, Visit&& visit) {
     visit("startSmoothingM", startSmoothingM), visit("endSmoothingM", endSmoothingM);
     visit("levels", levels), visit("roundsPerLevel", roundsPerLevel);
     visit("maxOffsetM", maxOffsetM), visit("maxStepM", maxStepM), visit("maxSwayM", maxSwayM);
+}
+
+template <class Visit>
+void visitFields(const RegisterSettings& settings, Visit&& visit) {
+    const auto& [surfacePoints, blursPx, roundsPerBlur, stepsPerRound, progress] = settings;
+    visit("surfacePoints", surfacePoints), visit("blursPx", blursPx);
+    visit("roundsPerBlur", roundsPerBlur), visit("stepsPerRound", stepsPerRound);
 }
 
 /** All fields of a settings struct as JSON, by name. */

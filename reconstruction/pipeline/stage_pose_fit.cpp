@@ -12,14 +12,6 @@ namespace {
 
 using nlohmann::json;
 
-const char* splitName(Split split) {
-    return split == Split::Test ? "test" : split == Split::Validation ? "validation" : "train";
-}
-
-const char* kindName(FrameKind kind) {
-    return kind == FrameKind::Dynamic ? "dynamic" : kind == FrameKind::StaticCloseup ? "static_closeup" : "static_full";
-}
-
 /** The data of validation and held-out frames that this stage reads. */
 json untrainedInputs(const IngestedScan& ingested) {
     json out = json::array();
@@ -31,7 +23,7 @@ json untrainedInputs(const IngestedScan& ingested) {
 
 }  // namespace
 
-Result<FoundPoses> runPoseFit(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
+Result<FoundPoses> runPoseFit(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const RegisteredPoses& registered,
                               const Training& training, const Package& package, Pictures& pictures, const RunSettings& settings) {
     const Scan& scan = ingested.scan;
     const auto fitPoses = [&](StageContext& context) -> Status {
@@ -43,12 +35,12 @@ Result<FoundPoses> runPoseFit(const StageRun& run, const IngestedScan& ingested,
         for (const ScanFrame& frame : scan.frames) untrained += frame.split != Split::Train;
         for (size_t f = 0; f < scan.frames.size(); ++f) {
             const ScanFrame& frame = scan.frames[f];
-            FramePose entry{frame.name, kindName(frame.kind), splitName(frame.split), surface.poses[f], std::nullopt};
+            FramePose entry{frame.name, frameKindName(frame.kind), splitName(frame.split), registered.poses[f], std::nullopt};
             if (frame.split == Split::Train) {
                 if (trained[f]) entry.pose = *trained[f];
             } else {
                 if (context.progress.cancelled()) return fail(Code::Cancelled, "stopped");
-                entry.pose = registeredPose(scan, surface.poses, trained, f);
+                entry.pose = registeredPose(scan, registered.poses, trained, f);
                 // A frame whose picture cannot be used keeps its registered pose.
                 if (auto shown = frameAt(ingested, f, body.cameras[f], entry.pose, pictures))
                     if (auto fitted = fitPose(avatar, *shown, settings.poseFit, run.jobs)) entry.fittedPose = fitted->pose;
@@ -60,7 +52,7 @@ Result<FoundPoses> runPoseFit(const StageRun& run, const IngestedScan& ingested,
     };
     const json inputs = {{"package", package.key},
                          {"trained", training.key},
-                         {"surface", surface.key},
+                         {"register", registered.key},
                          {"untrained", untrainedInputs(ingested)},
                          {"settings", fieldsJson(settings.poseFit)}};
     DPL_TRY(const StageOutput stage, run.chain.run("pose-fit", 3, inputs, fitPoses));

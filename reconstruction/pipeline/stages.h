@@ -45,6 +45,11 @@ struct FittedSurface {
     std::string key;
 };
 
+struct RegisteredPoses {
+    std::vector<Pose> poses;  // of Scan::frames; those of held-out frames from their keypoints alone
+    std::string key;
+};
+
 struct Training {
     CoOptimiseResult result;
     std::string key;
@@ -77,11 +82,14 @@ Result<FittedBody> readFittedBody(const StageOutput& stage, const IngestedScan& 
 Result<FittedSurface> runSurface(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, Pictures& pictures);
 /** Decides which garments become separate layers. This version has no such layers, so it decides against all. */
 Result<std::vector<EvidenceData>> runGarments(const StageRun& run);
+/** Registers training frames to their pictures. Reads no picture of a held-out frame. */
+Result<RegisteredPoses> runRegister(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
+                                    Pictures& pictures);
 Result<Training> runCoOptimise(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
-                               Pictures& pictures, const RunSettings& settings);
+                               const RegisteredPoses& registered, Pictures& pictures, const RunSettings& settings);
 /** Measures on validation frames how much each optional part improves the trained avatar; on training frames where the scan has no
  *  validation split. */
-Result<MeasuredParts> runEvidence(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
+Result<MeasuredParts> runEvidence(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const RegisteredPoses& registered,
                                   const Training& training, Lazy<AssembledAvatar>& trained, Pictures& pictures,
                                   const RunSettings& settings);
 /** Removes the parts that the evidence rejects, polishes the decoded avatar and encodes it. `decided`: evidence rows of parts that were not
@@ -89,7 +97,7 @@ Result<MeasuredParts> runEvidence(const StageRun& run, const IngestedScan& inges
 Result<Package> runPackage(const StageRun& run, const IngestedScan& ingested, const Training& training, Lazy<AssembledAvatar>& trained,
                            const MeasuredParts& measured, const std::vector<EvidenceData>& decided, const RunSettings& settings);
 /** Poses of all frames. Those of validation and held-out frames are fitted to the finished avatar. */
-Result<FoundPoses> runPoseFit(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
+Result<FoundPoses> runPoseFit(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const RegisteredPoses& registered,
                               const Training& training, const Package& package, Pictures& pictures, const RunSettings& settings);
 /** Writes report.html, report.json and summary.txt into the returned folder. */
 Result<StageOutput> runReport(const StageRun& run, const IngestedScan& ingested, const FittedBody& body,

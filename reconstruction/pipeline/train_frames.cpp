@@ -22,6 +22,14 @@ void posedMesh(const std::vector<JointData>& joints, const MeshData& mesh, const
 
 }  // namespace
 
+const char* frameKindName(FrameKind kind) {
+    return kind == FrameKind::Dynamic ? "dynamic" : kind == FrameKind::StaticCloseup ? "static_closeup" : "static_full";
+}
+
+const char* splitName(Split split) {
+    return split == Split::Test ? "test" : split == Split::Validation ? "validation" : "train";
+}
+
 Result<std::shared_ptr<const FramePicture>> Pictures::of(size_t frame) {
     if (!pictures_[frame]) {
         DPL_TRY(FramePicture picture, readFramePicture(scan_.frames[frame]));

@@ -28,6 +28,11 @@ struct IngestedScan {
     std::string validation;           // what was set aside for validation, one sentence
 };
 
+/** The kind's name in scan.json and poses.json. */
+const char* frameKindName(FrameKind kind);
+/** The split's name there. */
+const char* splitName(Split split);
+
 /** Whether training may use the frame. */
 inline bool isTrainingFrame(const IngestedScan& ingested, size_t frame) {
     return ingested.scan.frames[frame].split == Split::Train && ingested.usable[frame];

@@ -52,10 +52,12 @@ TEST(StageKeys, withATimeBudgetTheStepsAreAResult) {
 TEST(StageKeys, fitsAreKeyedByTheirSettings) {
     BodyFitSettings body;
     SurfaceFitSettings surface;
-    const auto bodyBefore = fieldsJson(body), surfaceBefore = fieldsJson(surface);
-    body.outlierSigmas += 1, surface.maxOffsetM += 0.1;
+    RegisterSettings registration;
+    const auto bodyBefore = fieldsJson(body), surfaceBefore = fieldsJson(surface), registrationBefore = fieldsJson(registration);
+    body.outlierSigmas += 1, surface.maxOffsetM += 0.1, registration.roundsPerBlur += 1;
     EXPECT_NE(fieldsJson(body), bodyBefore);
     EXPECT_NE(fieldsJson(surface), surfaceBefore);
+    EXPECT_NE(fieldsJson(registration), registrationBefore);
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ protected:
     Result<FoundPoses> fit() {
         Pictures pictures(toy_.ingested.scan);
         RunSettings settings = settingsOf({});
-        return runPoseFit(toy_.run, toy_.ingested, toy_.body, toy_.surface, toy_.training, toy_.package, pictures, settings);
+        return runPoseFit(toy_.run, toy_.ingested, toy_.body, toy_.registered, toy_.training, toy_.package, pictures, settings);
     }
     double psnrDb(size_t f, const Pose& pose) {
         AvatarView view = must(AvatarView::open(toy_.package.bytes, 2));
@@ -64,7 +64,7 @@ TEST_F(StagePoseFit, keepsTheTrainedPosesOfTrainingFrames) {
     toy_.training.result.poses[1].rootTranslation = {0.01f, 0.02f, 0.03f};
     toy_.ingested.usable[2] = false;  // then training has only four poses
     toy_.training.result.poses.erase(toy_.training.result.poses.begin() + 2);
-    toy_.surface.poses[2].rootTranslation = {0.5f, 0, 0};
+    toy_.registered.poses[2].rootTranslation = {0.5f, 0, 0};
     const auto found = fit();
     ASSERT_TRUE(found) << found.error().message;
     ASSERT_EQ(found->poses.frames.size(), ToyReconstruction::kFrames);
@@ -73,7 +73,7 @@ TEST_F(StagePoseFit, keepsTheTrainedPosesOfTrainingFrames) {
         EXPECT_FALSE(found->poses.frames[f].fittedPose);
     }
     EXPECT_EQ(found->poses.frames[1].pose.rootTranslation, Vec3f(0.01f, 0.02f, 0.03f));
-    EXPECT_EQ(found->poses.frames[2].pose.rootTranslation, Vec3f(0.5f, 0, 0)) << "not trained on: the pose of the surface fit";
+    EXPECT_EQ(found->poses.frames[2].pose.rootTranslation, Vec3f(0.5f, 0, 0)) << "not trained on: the registered pose";
     EXPECT_EQ(found->poses.frames[4].pose.localRotations[1], toy_.truth[4].localRotations[1]);
     EXPECT_EQ(found->poses.jointNames, (std::vector<std::string>{"root", "upper"}));
 }

@@ -79,9 +79,9 @@ public:
         ingested.hashes.assign(kFrames, FrameHashes{"none", "none", "none", "none"});
         body.body.name = "ball", body.body.joints = avatar.joints, body.body.mesh = avatar.mesh;
         body.shaped = body.body;
-        body.fit.poses = surface.poses = truth;
+        body.fit.poses = registered.poses = truth;
         training.result.poses.assign(truth.begin(), truth.begin() + kTrained);
-        training.key = "trained", surface.key = "surface", package.key = "package";
+        training.key = "trained", registered.key = "register", package.key = "package";
         package.bytes = bytesOf(avatar);
     }
     ToyReconstruction(const ToyReconstruction&) = delete;
@@ -109,7 +109,7 @@ public:
     std::vector<Pose> truth;  // of all frames
     IngestedScan ingested;
     FittedBody body;
-    FittedSurface surface;
+    RegisteredPoses registered;
     Training training;
     Package package;
     Progress progress{Progress::Style::Quiet};

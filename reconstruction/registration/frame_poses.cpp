@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/registration/frame_poses.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "reconstruction/priors.h"
+
+namespace dpl {
+namespace {
+
+constexpr double kMaxGapS = 1.0;     // no smoothness term across a longer gap
+constexpr double kNoSwayRad = 1e-4;  // of joints that do not sway
+
+Mat3d matrixOf(const Quatf& q) {
+    return glm::mat3_cast(glm::normalize(Quatd(q)));
+}
+
+BodyModel withoutMorphs(BodyModel body) {
+    body.morphs.clear();
+    return body;
+}
+
+std::vector<uint32_t> jointsOf(const std::vector<JointPrior>& priors) {
+    std::vector<uint32_t> joints;
+    for (const JointPrior& p : priors) joints.push_back(p.joint);
+    return joints;
+}
+
+}  // namespace
+
+FramePoses::FramePoses(const RegisterInput& input)
+    : input_(input), body_(withoutMorphs(*input.body)), priors_(posePriors(body_)), chain_(body_, input.keypointNames, jointsOf(priors_)) {
+    context_.chain = &chain_;
+    context_.outlierSigmas = priors::kKeypointOutlierSigmas;
+    for (size_t k = 0; k < input.landmarks.size(); ++k) chain_.setOffset(k, input.landmarks[k].offset);
+    stillPose_ = parametersOf(input.stillPose);
+    still_ = matrixOf(input.stillPose.localRotations[0]);
+    states_.resize(input.frames.size());
+    for (size_t f = 0; f < input.frames.size(); ++f) {
+        const Pose& pose = input.frames[f].pose;
+        states_[f].reference = matrixOf(pose.localRotations[0]);
+        for (int a = 0; a < 3; ++a) states_[f].root[3 + a] = pose.rootTranslation[a];
+        states_[f].pose = parametersOf(pose);
+        if (input.frames[f].kind == FrameKind::Dynamic) order_.push_back(f);
+    }
+    std::stable_sort(order_.begin(), order_.end(), [&](size_t a, size_t b) { return input.frames[a].timeS < input.frames[b].timeS; });
+}
+
+bool FramePoses::hasMoving(Split split) const {
+    return std::any_of(order_.begin(), order_.end(), [&](size_t f) { return input_.frames[f].split == split; });
+}
+
+std::vector<double> FramePoses::parametersOf(const Pose& pose) const {
+    std::vector<double> values;
+    for (const JointPrior& p : priors_) {
+        const Vec3d w = rotationVector(matrixOf(pose.localRotations[p.joint]));
+        values.insert(values.end(), {w.x, w.y, w.z});
+    }
+    return values;
+}
+
+Pose FramePoses::pose(size_t frame) const {
+    const State& s = states_[frame];
+    const auto quaternion = [](const Mat3d& r) { return Quatf(glm::normalize(glm::quat_cast(r))); };
+    Pose pose = input_.frames[frame].pose;
+    pose.localRotations[0] = quaternion(rotationOf({s.root[0], s.root[1], s.root[2]}) * s.reference);
+    pose.rootTranslation = Vec3f(s.root[3], s.root[4], s.root[5]);
+    for (size_t k = 0; k < priors_.size(); ++k)
+        pose.localRotations[priors_[k].joint] = quaternion(rotationOf({s.pose[3 * k], s.pose[3 * k + 1], s.pose[3 * k + 2]}));
+    return pose;
+}
+
+void FramePoses::addKeypoints(ceres::Problem& problem, size_t f) {
+    const RegisterFrame& frame = input_.frames[f];
+    State& s = states_[f];
+    if (std::none_of(frame.keypoints.begin(), frame.keypoints.end(), [](const Keypoint& k) { return k.confidence > 0; })) return;
+    const double sigmaPx = input_.keypointSigma * std::hypot(double(frame.camera.widthPx), double(frame.camera.heightPx));
+    const std::vector<Keypoint> keypoints(frame.keypoints.begin(), frame.keypoints.end());
+    problem.AddResidualBlock(new ReprojectionCost(context_, frame.camera, s.reference, keypoints, sigmaPx, false), nullptr,
+                             std::vector<double*>{&noShape_, &logUnit_, s.root, s.pose.data()});
+}
+
+/** The prior of a still frame: its pose sways about the shared still pose. */
+void FramePoses::addSway(ceres::Problem& problem, size_t f) {
+    State& s = states_[f];
+    const Vec3d turn = rotationVector(still_ * glm::transpose(s.reference)), at(input_.stillPose.rootTranslation);
+    std::vector<double> poseSigma;
+    for (const JointPrior& p : priors_) poseSigma.insert(poseSigma.end(), 3, std::max(p.swayRad, kNoSwayRad));
+    problem.AddResidualBlock(
+        new DiagonalPrior({turn.x, turn.y, turn.z, at.x, at.y, at.z}, {priors::kSwayTurnRad, priors::kSwayTurnRad, priors::kSwayTurnRad,
+                                                                       priors::kSwayM, priors::kSwayM, priors::kSwayM}),
+        nullptr, s.root);
+    problem.AddResidualBlock(new DiagonalPrior(stillPose_, poseSigma), nullptr, s.pose.data());
+}
+
+void FramePoses::addTerms(ceres::Problem& problem, Split split) {
+    std::vector<size_t> order;  // with the neighbours of earlier splits
+    for (const size_t f : order_)
+        if (input_.frames[f].split <= split) order.push_back(f);
+    const auto free = [&](size_t f) { return input_.frames[f].split == split; };
+    const Vec3d up = still_ * Vec3d(0, 1, 0);
+    const AccelerationSpread spread{true, priors::kAccelerationTailShare};
+    for (const size_t f : order) {
+        if (!free(f)) continue;
+        const RegisterFrame& frame = input_.frames[f];
+        State& s = states_[f];
+        addKeypoints(problem, f);
+        const bool seen = problem.HasParameterBlock(s.root);
+        if (!seen && !frame.picture) continue;  // its neighbours alone place it
+        problem.AddResidualBlock(new PosePriorCost(priors_, stillPose_), nullptr, s.pose.data());
+        problem.AddResidualBlock(makeRootUpright(s.reference, Vec3d(0, 1, 0), up), nullptr, s.root);
+    }
+    for (size_t f = 0; f < states_.size() && split == Split::Train; ++f)
+        if (input_.frames[f].kind != FrameKind::Dynamic && input_.frames[f].picture) addKeypoints(problem, f), addSway(problem, f);
+    std::vector<size_t> feet;
+    for (size_t k = 0; k < input_.keypointNames.size(); ++k)
+        for (const char* name : {"ankle_l", "ankle_r", "toe_l", "toe_r"})
+            if (input_.keypointNames[k] == name && chain_.hasKeypoint(k)) feet.push_back(k);
+    for (size_t i = 0; i + 1 < order.size() && !feet.empty(); ++i) {
+        State &a = states_[order[i]], &b = states_[order[i + 1]];
+        const double step = input_.frames[order[i + 1]].timeS - input_.frames[order[i]].timeS;
+        if (!(step > 1e-4) || step > kMaxGapS || (!free(order[i]) && !free(order[i + 1]))) continue;
+        problem.AddResidualBlock(new FootRest(context_, feet, a.reference, b.reference, priors::kFootSlideM + priors::kFootSlideMS * step),
+                                 nullptr, std::vector<double*>{&noShape_, a.root, a.pose.data(), b.root, b.pose.data()});
+    }
+    for (size_t i = 1; i + 1 < order.size(); ++i) {
+        const size_t f[3] = {order[i - 1], order[i], order[i + 1]};
+        const double t[3] = {input_.frames[f[0]].timeS, input_.frames[f[1]].timeS, input_.frames[f[2]].timeS};
+        if (!(t[1] - t[0] > 1e-4) || !(t[2] - t[1] > 1e-4) || t[1] - t[0] > kMaxGapS || t[2] - t[1] > kMaxGapS) continue;
+        if (!free(f[0]) && !free(f[1]) && !free(f[2])) continue;
+        State &a = states_[f[0]], &b = states_[f[1]], &c = states_[f[2]];
+        problem.AddResidualBlock(new PoseSmoothness(priors_, t[0], t[1], t[2], spread), nullptr, a.pose.data(), b.pose.data(),
+                                 c.pose.data());
+        problem.AddResidualBlock(makeRootSmoothness({a.reference, b.reference, c.reference}, up, t[0], t[1], t[2], spread), nullptr, a.root,
+                                 b.root, c.root);
+    }
+    for (double* constant : {&noShape_, &logUnit_})
+        if (problem.HasParameterBlock(constant)) problem.SetParameterBlockConstant(constant);
+    for (const size_t f : order)
+        if (!free(f))
+            for (double* block : {states_[f].root, states_[f].pose.data()})
+                if (problem.HasParameterBlock(block)) problem.SetParameterBlockConstant(block);
+}
+
+void FramePoses::addPicture(ceres::Problem& problem, size_t frame, ceres::CostFunction* cost) {
+    problem.AddResidualBlock(cost, nullptr, states_[frame].root, states_[frame].pose.data());
+}
+
+Result<SolveEnd> FramePoses::solve(ceres::Problem& problem, const std::string& what, int steps) const {
+    ceres::Solver::Summary summary;
+    ceres::Solve(solverOptions(steps), &problem, &summary);
+    if (!summary.IsSolutionUsable()) return fail(Code::Internal, "registration failed in '{}': {}", what, summary.message);
+    return SolveEnd{what,
+                    std::string(ceres::TerminationTypeToString(summary.termination_type)) + ": " + summary.message,
+                    true,
+                    int(summary.iterations.size()),
+                    summary.initial_cost,
+                    summary.final_cost};
+}
+
+}  // namespace dpl

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// The unknown poses with every term that needs no picture: keypoints; for moving frames pose priors, smoothness in time and resting feet;
+// for still frames the spread of their sway.
+// Private to reconstruction/registration.
+#pragma once
+
+#include <ceres/problem.h>
+
+#include "reconstruction/body/fit_costs.h"
+#include "reconstruction/registration/register_frames.h"
+
+namespace dpl {
+
+class FramePoses {
+public:
+    /** `input` must outlive it. */
+    explicit FramePoses(const RegisterInput& input);
+    FramePoses(const FramePoses&) = delete;
+
+    /** Moving frames in time, as indices of RegisterInput::frames. */
+    const std::vector<size_t>& order() const { return order_; }
+    bool hasMoving(Split split) const;
+    const KeypointChain& chain() const { return chain_; }
+    const Mat3d& reference(size_t frame) const { return states_[frame].reference; }
+    Pose pose(size_t frame) const;
+
+    /** The terms of the moving frames of a split, and for Split::Train of still frames with a picture. Frames of earlier splits are constant
+     *  neighbours; those of later splits do not take part. */
+    void addTerms(ceres::Problem& problem, Split split);
+    /** Adds a cost of blocks root, pose. The problem owns it. */
+    void addPicture(ceres::Problem& problem, size_t frame, ceres::CostFunction* cost);
+    Result<SolveEnd> solve(ceres::Problem& problem, const std::string& what, int steps) const;
+
+private:
+    struct State {
+        Mat3d reference{1};
+        double root[kRootSize] = {};
+        std::vector<double> pose;
+    };
+    std::vector<double> parametersOf(const Pose& pose) const;
+    void addKeypoints(ceres::Problem& problem, size_t frame);
+    void addSway(ceres::Problem& problem, size_t frame);
+
+    const RegisterInput& input_;
+    BodyModel body_;  // without morphs, so that the chain has no shape
+    std::vector<JointPrior> priors_;
+    KeypointChain chain_;
+    FitContext context_;
+    std::vector<double> stillPose_;
+    Mat3d still_{1};
+    double noShape_ = 0, logUnit_ = 0;
+    std::vector<State> states_;  // of RegisterInput::frames
+    std::vector<size_t> order_;
+};
+
+}  // namespace dpl

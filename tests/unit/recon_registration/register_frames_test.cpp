@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/registration/register_frames.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/unit/recon_registration/painted_scene.h"
+
+namespace dpl::test {
+namespace {
+
+bool finite(const Pose& pose) {
+    return std::isfinite(glm::length(pose.rootTranslation)) && std::all_of(pose.localRotations.begin(), pose.localRotations.end(),
+                                                                           [](const Quatf& q) { return std::isfinite(glm::dot(q, q)); });
+}
+
+TEST(RegisterFrames, picturesImproveOnKeypoints) {
+    PaintedScene scene(8);
+    const auto with = scene.registered();
+    ASSERT_TRUE(with) << with.error().message;
+    for (RegisterFrame& frame : scene.frames)
+        if (frame.kind == FrameKind::Dynamic) frame.picture = nullptr;
+    const auto without = scene.registered();
+    ASSERT_TRUE(without) << without.error().message;
+    const double pictures = scene.errorMm(with->poses, FrameKind::Dynamic), keypoints = scene.errorMm(without->poses, FrameKind::Dynamic);
+    std::printf("mean keypoint error: start %.1f mm, keypoints %.1f mm, pictures %.1f mm; still %.1f mm\n",
+                scene.errorMm(scene.starts(), FrameKind::Dynamic), keypoints, pictures, scene.errorMm(with->poses, FrameKind::StaticFull));
+    EXPECT_LT(pictures, 0.9 * keypoints);
+    EXPECT_LT(scene.errorMm(with->poses, FrameKind::StaticFull), 6);  // half a pixel
+}
+
+TEST(RegisterFrames, resultsDoNotDependOnThreads) {
+    PaintedScene scene(4);
+    RegisterSettings quick;
+    quick.blursPx = {2}, quick.roundsPerBlur = 1;
+    Jobs one(1), three(3);
+    const auto a = registerFrames(scene.input(), quick, one), b = registerFrames(scene.input(), quick, three);
+    ASSERT_TRUE(a && b);
+    for (size_t f = 0; f < a->poses.size(); ++f) {
+        EXPECT_EQ(a->poses[f].localRotations, b->poses[f].localRotations) << f;
+        EXPECT_EQ(a->poses[f].rootTranslation, b->poses[f].rootTranslation) << f;
+    }
+}
+
+TEST(RegisterFrames, heldOutFramesReachNoOther) {
+    PaintedScene scene(6);
+    RegisterSettings quick;
+    quick.blursPx = {2}, quick.roundsPerBlur = 1;
+    RegisterFrame& held = scene.frames[15];
+    held.split = Split::Test;
+    EXPECT_FALSE(scene.registered(quick)) << "its picture must not even be given";
+    held.picture = nullptr;
+    const auto a = scene.registered(quick);
+    ASSERT_TRUE(a) << a.error().message;
+    for (Keypoint& k : scene.keypoints[15]) k.px = {20, 30};
+    held.pose.rootTranslation.x += 0.3f;
+    const auto b = scene.registered(quick);
+    ASSERT_TRUE(b) << b.error().message;
+    for (size_t f = 0; f < a->poses.size(); ++f) {
+        if (f == 15) continue;
+        EXPECT_EQ(a->poses[f].localRotations, b->poses[f].localRotations) << f;
+        EXPECT_EQ(a->poses[f].rootTranslation, b->poses[f].rootTranslation) << f;
+    }
+    EXPECT_NE(a->poses[15].rootTranslation, b->poses[15].rootTranslation) << "the change was read";
+}
+
+TEST(RegisterFrames, hardCases) {
+    RegisterSettings quick;
+    quick.blursPx = {2}, quick.roundsPerBlur = 2;
+    const auto check = [&](PaintedScene& scene, const char* what, double atMostMm) {
+        const auto result = scene.registered(quick);
+        ASSERT_TRUE(result) << what << ": " << result.error().message;
+        for (const Pose& pose : result->poses) EXPECT_TRUE(finite(pose)) << what;
+        const double mm = scene.errorMm(result->poses, FrameKind::Dynamic);
+        std::printf("%-28s %.1f mm, start %.1f mm\n", what, mm, scene.errorMm(scene.starts(), FrameKind::Dynamic));
+        EXPECT_LT(mm, atMostMm) << what;
+    };
+    PaintedScene one(1), same(4, /*moves=*/false), empty(5), none(5), wrong(5);
+    check(one, "one moving frame", 22);
+    check(same, "all frames in one pose", 22);
+    for (FramePicture* p = &empty.pictures[12]; p <= &empty.pictures.back(); ++p)
+        std::fill(p->mask.pixels.begin(), p->mask.pixels.end(), 0);
+    check(empty, "empty masks", 25);
+    none.frames[14].keypoints = {};
+    check(none, "a frame without keypoints", 22);
+    for (size_t k = 0; k < wrong.keypoints[14].size(); k += 3) wrong.keypoints[14][k].px += Vec2d(60, -40);
+    check(wrong, "a third of a frame's keypoints are wrong", 25);
+    PaintedScene bare(3);
+    for (RegisterFrame& frame : bare.frames) frame.picture = nullptr, frame.keypoints = {};
+    const auto untouched = bare.registered(quick);
+    ASSERT_TRUE(untouched) << untouched.error().message;
+    for (const Pose& pose : untouched->poses) EXPECT_TRUE(finite(pose));
+}
+
+TEST(RegisterFrames, refusesSizesThatDoNotMatch) {
+    PaintedScene scene(2);
+    RegisterInput input = scene.input();
+    input.rigidTriangle = std::span(scene.rigid).first(3);
+    EXPECT_FALSE(registerFrames(input, {}, scene.jobs));
+    input = scene.input();
+    input.frames[13].keypoints = input.frames[13].keypoints.first(4);
+    EXPECT_FALSE(registerFrames(input, {}, scene.jobs));
+    input = scene.input();
+    input.frames[13].camera.widthPx /= 2;
+    EXPECT_FALSE(registerFrames(input, {}, scene.jobs));
+}
+
+TEST(RegisterFrames, largePicturesAreReduced) {
+    PaintedScene scene(1);
+    const FramePicture small = scene.pictures[0];
+    FramePicture large;
+    const uint32_t times = 4;
+    large.image = {small.image.widthPx * times, small.image.heightPx * times, {}};
+    large.mask = {small.mask.widthPx * times, small.mask.heightPx * times, {}};
+    for (uint32_t y = 0; y < large.mask.heightPx; ++y)
+        for (uint32_t x = 0; x < large.mask.widthPx; ++x) {
+            const size_t from = size_t(y / times) * small.mask.widthPx + x / times;
+            large.mask.pixels.push_back(small.mask.pixels[from]);
+            for (size_t a = 0; a < 3; ++a) large.image.pixels.push_back(small.image.pixels[3 * from + a]);
+        }
+    RegisterSettings quick;
+    quick.blursPx = {2}, quick.roundsPerBlur = 1;
+    scene.pictures[0] = large;
+    scene.frames[0].camera = scene.frames[0].camera.scaled(times);
+    for (Keypoint& k : scene.keypoints[0]) k.px *= double(times);
+    const auto result = scene.registered(quick);
+    ASSERT_TRUE(result) << result.error().message;
+    EXPECT_LT(scene.errorMm(result->poses, FrameKind::StaticFull), 8);
+}
+
+}  // namespace
+}  // namespace dpl::test
