@@ -4,7 +4,7 @@
 
 #include "reconstruction/body/body_model.h"
 #include "reconstruction/sample/body_field.h"
-#include "reconstruction/sample/implicit_mesh.h"
+#include "reconstruction/shape/implicit_mesh.h"
 
 namespace dpl {
 

@@ -10,6 +10,12 @@
 
 namespace dpl {
 
+/** 0 at `from`, 1 at `to`, smooth between and constant beyond (smoothstep). from may be above to. */
+inline float ramp(float x, float from, float to) {
+    const float t = std::clamp((x - from) / (to - from), 0.0f, 1.0f);
+    return t * t * (3 - 2 * t);
+}
+
 /** Union whose seam is rounded over about `k` metres (cubic polynomial blend). k = 0 is the plain union. */
 inline float smoothUnion(float a, float b, float k) {
     if (k <= 0) return std::min(a, b);

@@ -11,11 +11,6 @@ Vec3f mirroredSide(const Vec3f& p) {
     return {std::abs(p.x), p.y, p.z};
 }
 
-float ramp(float x, float from, float to) {
-    const float t = std::clamp((x - from) / (to - from), 0.0f, 1.0f);
-    return t * t * (3 - 2 * t);
-}
-
 /** Position along the upper arm, metres from the shoulder joint. p.x ≥ 0. */
 float alongArm(const Vec3f& p) {
     static const auto joints = builtinSkeleton();

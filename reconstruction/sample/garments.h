@@ -5,7 +5,7 @@
 #include <string>
 
 #include "reconstruction/sample/body_field.h"
-#include "reconstruction/sample/implicit_mesh.h"
+#include "reconstruction/shape/implicit_mesh.h"
 
 namespace dpl {
 

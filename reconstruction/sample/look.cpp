@@ -21,11 +21,6 @@ Vec3f linear(int r, int g, int b) {
     return {decode(r), decode(g), decode(b)};
 }
 
-float ramp(float x, float from, float to) {
-    const float t = std::clamp((x - from) / (to - from), 0.0f, 1.0f);
-    return t * t * (3 - 2 * t);
-}
-
 /** 1 inside (distance < 0), 0 outside, with a ramp one footprint wide. */
 float coverage(float distance, float footprint) {
     return std::clamp(0.5f - distance / std::max(footprint, 1e-5f), 0.0f, 1.0f);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/sample/implicit_mesh.h"
+#include "reconstruction/shape/implicit_mesh.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "reconstruction/sample/implicit_mesh.h"
+#include "reconstruction/shape/implicit_mesh.h"
 
 namespace dpl {
 namespace {
