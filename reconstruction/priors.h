@@ -234,4 +234,19 @@ inline constexpr double kNodeSpacingM = 0.03;
  *  unit: dB | origin: round figure, below what a change of seed does | half, double: not measured */
 inline constexpr double kWorthItDb = 0.05;
 
+// ---- Garments
+
+/** Share of the views that may say "outside" at a point of the silhouettes' hull: masks and sway err.
+ *  unit: ratio | origin: dev; scan-c | half, double: not measured */
+inline constexpr double kHullOutvotedShare = 0.04;
+/** Distance from the body within which cloth follows the body's skin weights.
+ *  unit: m | origin: round figure | half, double: not measured */
+inline constexpr double kClothContactM = 0.02;
+/** Length over which the skin weights of free-hanging cloth are smoothed, for each metre of distance from the body.
+ *  unit: ratio | origin: dev; scan-c | half, double: not measured */
+inline constexpr double kClothHang = 3;
+/** Depth of the body below clothes.
+ *  unit: m | origin: round figure | half, double: not measured */
+inline constexpr double kBodyBelowClothM = 0.004;
+
 }  // namespace dpl::priors

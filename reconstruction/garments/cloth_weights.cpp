@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/garments/cloth_weights.h"
+
+#include <Eigen/Sparse>
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "reconstruction/priors.h"
+#include "sdk/format/skin_weights.h"
+#include "sdk/math/skinning.h"
+
+namespace dpl {
+namespace {
+
+constexpr float kFacing = 0.3f;       // least cosine between the normals of cloth and of the body point that it follows
+constexpr float kSearchM = 0.5f;      // no body point that faces the same way within this: any body point
+constexpr float kLargestStep = 0.1f;  // of a joint's weight along an edge; steeper steps tear cloth
+constexpr int kSmoothingRounds = 400;
+constexpr float kSmallestDeterminant = 0.05f;
+
+/** Dense rows V × jointCount. */
+struct Rows {
+    size_t jointCount;
+    std::vector<float> value;
+    float* operator[](size_t vertex) { return &value[vertex * jointCount]; }
+    const float* operator[](size_t vertex) const { return &value[vertex * jointCount]; }
+};
+
+float stepBetween(const Rows& rows, uint32_t a, uint32_t b) {
+    float step = 0;
+    for (size_t j = 0; j < rows.jointCount; ++j) step = std::max(step, std::abs(rows[a][j] - rows[b][j]));
+    return step;
+}
+
+/** Averages the ends of steep edges with their neighbours until no joint's weight changes by more than kLargestStep along an edge. */
+void limitSteps(Rows& rows, const std::vector<std::vector<uint32_t>>& neighbours) {
+    std::vector<float> next;
+    for (int round = 0; round < kSmoothingRounds; ++round) {
+        std::vector<uint8_t> steep(neighbours.size(), 0);
+        bool any = false;
+        for (uint32_t v = 0; v < neighbours.size(); ++v)
+            for (uint32_t n : neighbours[v])
+                if (stepBetween(rows, v, n) > 0.85f * kLargestStep) steep[v] = 1, any = true;  // the cut to four joints adds a little
+        if (!any) return;
+        next = rows.value;
+        for (uint32_t v = 0; v < neighbours.size(); ++v) {
+            if (!steep[v]) continue;
+            for (size_t j = 0; j < rows.jointCount; ++j) {
+                float mean = 0;
+                for (uint32_t n : neighbours[v]) mean += rows[n][j] / float(neighbours[v].size());
+                next[v * rows.jointCount + j] = 0.5f * (rows[v][j] + mean);
+            }
+        }
+        rows.value.swap(next);
+    }
+}
+
+}  // namespace
+
+Result<ClothWeights> clothWeights(const SurfaceMesh& piece, const MeshData& body, const ClosestSurface& bodySurface, size_t jointCount) {
+    const size_t count = piece.positions.size();
+    const std::vector<Vec3f> normals = vertexNormals(piece.positions, piece.triangles);
+    const auto neighbours = vertexNeighbours(count, piece.triangles);
+    ClothWeights out;
+    out.distanceM.resize(count);
+    Rows target{jointCount, std::vector<float>(count * jointCount, 0.0f)};
+    std::vector<uint8_t> used(jointCount, 0);
+    for (size_t v = 0; v < count; ++v) {
+        SurfacePoint at = bodySurface.findFacing(piece.positions[v], normals[v], kFacing, kSearchM);
+        if (!at.found()) at = bodySurface.find(piece.positions[v]);
+        out.distanceM[v] = at.distanceM;
+        for (int corner = 0; corner < 3; ++corner) {
+            const uint32_t from = body.triangles[at.triangle][corner];
+            for (int k = 0; k < 4; ++k) {
+                if (body.jointWeights[from][k] == 0) continue;
+                target[v][body.jointIndices[from][k]] += at.barycentric[corner] * float(body.jointWeights[from][k]) / 255;
+                used[body.jointIndices[from][k]] = 1;
+            }
+        }
+    }
+    double edge = 0, edges = 0;
+    for (size_t v = 0; v < count; ++v)
+        for (uint32_t n : neighbours[v]) edge += glm::length(piece.positions[v] - piece.positions[n]), edges += 1;
+    if (!(edge > 0)) return fail(Code::InvalidArgument, "a garment without edges has no skin weights");
+    edge /= edges;
+
+    std::vector<Eigen::Triplet<double>> entries;
+    Eigen::VectorXd data = Eigen::VectorXd::Zero(Eigen::Index(count));
+    for (size_t v = 0; v < count; ++v) {
+        const double length = std::max(priors::kClothContactM, priors::kClothHang * double(out.distanceM[v]));
+        data[Eigen::Index(v)] = edge * edge / (length * length);
+        entries.emplace_back(int(v), int(v), data[Eigen::Index(v)] + double(neighbours[v].size()));
+        for (uint32_t n : neighbours[v]) entries.emplace_back(int(v), int(n), -1.0);
+    }
+    Eigen::SparseMatrix<double> matrix{Eigen::Index(count), Eigen::Index(count)};
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(matrix);
+    if (factor.info() != Eigen::Success) return fail(Code::Internal, "the skin weights of a garment could not be solved; report this scan");
+    Rows rows{jointCount, std::vector<float>(count * jointCount, 0.0f)};
+    for (size_t j = 0; j < jointCount; ++j) {
+        if (!used[j]) continue;
+        Eigen::VectorXd right{Eigen::Index(count)};
+        for (size_t v = 0; v < count; ++v) right[Eigen::Index(v)] = data[Eigen::Index(v)] * target[v][j];
+        const Eigen::VectorXd x = factor.solve(right);
+        for (size_t v = 0; v < count; ++v) rows[v][j] = float(std::max(0.0, x[Eigen::Index(v)]));
+    }
+    limitSteps(rows, neighbours);
+
+    std::vector<std::pair<uint32_t, float>> row;
+    for (size_t v = 0; v < count; ++v) {
+        row.clear();
+        for (uint32_t j = 0; j < jointCount; ++j)
+            if (rows[v][j] > 0) row.emplace_back(j, rows[v][j]);
+        const PackedWeights packed = packWeights(row);
+        out.joints.push_back(packed.joints);
+        out.weights.push_back(packed.weights);
+        std::fill_n(rows[v], jointCount, 0.0f);
+        for (int k = 0; k < 4; ++k) rows[v][packed.joints[k]] += float(packed.weights[k]) / 255;
+    }
+    for (uint32_t v = 0; v < count; ++v)
+        for (uint32_t n : neighbours[v]) out.largestStep = std::max(out.largestStep, stepBetween(rows, v, n));
+    return out;
+}
+
+std::vector<Vec3f> unposed(const SurfaceMesh& posed, const ClothWeights& weights, std::span<const Mat3x4f> worldFromRest) {
+    const size_t count = posed.positions.size();
+    std::vector<Vec3f> move(count, Vec3f(0));  // from posed to rest
+    std::vector<uint8_t> known(count, 0);
+    for (size_t v = 0; v < count; ++v) {
+        const Mat3x4f blended = blendedTransform(weights.joints[v], weights.weights[v], worldFromRest.data());
+        const Mat3f linear(blended[0], blended[1], blended[2]);
+        if (!(std::abs(glm::determinant(linear)) > kSmallestDeterminant)) continue;
+        move[v] = glm::inverse(linear) * (posed.positions[v] - blended[3]) - posed.positions[v];
+        known[v] = 1;
+    }
+    const auto neighbours = vertexNeighbours(count, posed.triangles);
+    for (bool grew = true; grew;) {
+        grew = false;
+        std::vector<uint32_t> fresh;
+        for (uint32_t v = 0; v < count; ++v) {
+            if (known[v]) continue;
+            Vec3f sum(0);
+            float from = 0;
+            for (uint32_t n : neighbours[v])
+                if (known[n]) sum += move[n], from += 1;
+            if (from > 0) move[v] = sum / from, fresh.push_back(v);
+        }
+        for (uint32_t v : fresh) known[v] = 1, grew = true;
+    }
+    std::vector<Vec3f> rest = posed.positions;
+    for (size_t v = 0; v < count; ++v) rest[v] += move[v];
+    return rest;
+}
+
+}  // namespace dpl

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// Skin weights of garments, from the body below them.
+//
+// A vertex starts with the weights b of the closest point of the body's surface that faces the same way; an arm beside the torso therefore
+// does not take the torso's. Then the weights x minimise
+//     Σ_v (e / ℓ_v)² |x_v − b_v|² + Σ_edges |x_v − x_w|²,   e: mean edge,   ℓ_v = max(kContactM, kHang · distance from the body)
+// Near the body ℓ smooths out the steps of b. Where cloth hangs free ℓ is long, and the weights are close to harmonic: a skirt spans the
+// legs. docs/reference/garments.md
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "reconstruction/garments/closest_surface.h"
+#include "reconstruction/shape/implicit_mesh.h"
+#include "sdk/core/result.h"
+#include "sdk/format/avatar_data.h"
+
+namespace dpl {
+
+struct ClothWeights {
+    std::vector<glm::u16vec4> joints;
+    std::vector<glm::u8vec4> weights;  // unorm8, each sums to 255
+    std::vector<float> distanceM;      // from the closest body point that faces the same way
+    float largestStep = 0;             // of a joint's weight along an edge
+};
+
+/** `piece` and `bodySurface` are in the same pose. bodySurface: the triangles of `body`. jointCount: of the rig. Errors: Internal when the
+ *  sparse solve fails. */
+Result<ClothWeights> clothWeights(const SurfaceMesh& piece, const MeshData& body, const ClosestSurface& bodySurface, size_t jointCount);
+
+/** Rest positions of posed vertices: the inverse of linear blend skinning. Where opposing joints cancel (|det| ≤ 0.05) a vertex moves with
+ *  its neighbours. worldFromRest: of every joint. */
+std::vector<Vec3f> unposed(const SurfaceMesh& posed, const ClothWeights& weights, std::span<const Mat3x4f> worldFromRest);
+
+}  // namespace dpl

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/garments/clothed_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <tuple>
+
+#include "reconstruction/garments/body_layer.h"
+#include "reconstruction/garments/closest_surface.h"
+#include "reconstruction/garments/cloth_weights.h"
+#include "reconstruction/garments/silhouette_hull.h"
+#include "reconstruction/priors.h"
+#include "reconstruction/surface/mesh_raster.h"
+#include "sdk/format/check_mesh.h"
+#include "sdk/math/skinning.h"
+
+namespace dpl {
+namespace {
+
+constexpr size_t kFewestViews = 6;          // a hull of fewer views is not the shape of the clothes
+constexpr double kLabelSmoothingM = 0.008;  // of the votes
+constexpr float kNudgeM = 2e-5f;            // between vertices of two layers at the same position
+
+Status checkInput(const GarmentInput& input) {
+    const size_t count = input.body.restPositions.size();
+    if (count == 0 || input.body.triangles.empty()) return fail(Code::InvalidArgument, "the body to dress is empty");
+    DPL_CHECK_OK(checkRig(input.joints));
+    DPL_CHECK_OK(checkMesh(input.body, input.joints.size()));
+    DPL_CHECK_OK(checkFinite(input.body));
+    if (input.bodyOffsets.size() != count)
+        return fail(Code::InvalidArgument, "{} offsets for {} vertices of the body", input.bodyOffsets.size(), count);
+    for (const Vec3f& o : input.bodyOffsets)
+        if (!std::isfinite(o.x + o.y + o.z)) return fail(Code::InvalidArgument, "an offset of the body is not finite");
+    for (size_t i = 0; i < input.views.size(); ++i) {
+        const GarmentView& view = input.views[i];
+        const size_t pixels = size_t(view.camera.widthPx) * view.camera.heightPx;
+        if (view.mask.pixels.size() != pixels || view.mask.widthPx != view.camera.widthPx)
+            return fail(Code::InvalidArgument, "the mask of view {} is {} x {}, its camera {} x {}", i, view.mask.widthPx,
+                        view.mask.heightPx, view.camera.widthPx, view.camera.heightPx);
+        if (!view.labels.pixels.empty() && (view.labels.pixels.size() != pixels || view.labels.widthPx != view.camera.widthPx))
+            return fail(Code::InvalidArgument, "the labels of view {} are {} x {}, its camera {} x {}", i, view.labels.widthPx,
+                        view.labels.heightPx, view.camera.widthPx, view.camera.heightPx);
+        DPL_CHECK_OK(checkPose(input.joints, view.pose));
+    }
+    return {};
+}
+
+std::vector<Vec3f> offsetPositions(const MeshData& mesh, std::span<const Vec3f> offsets) {
+    std::vector<Vec3f> at = mesh.restPositions;
+    for (size_t v = 0; v < at.size(); ++v) at[v] += offsets[v];
+    return at;
+}
+
+/** Everything in one still pose. */
+struct StillBody {
+    StillViews still;
+    std::vector<Mat3x4f> worldFromRest;
+    std::vector<Vec3f> posed;    // the fitted body
+    std::vector<Vec3f> clothed;  // with all offsets
+};
+
+double meanIou(const SurfaceMesh& hull, const GarmentInput& input, const StillViews& still, Jobs& jobs) {
+    std::vector<double> iou(input.views.size(), 0);
+    jobs.forBlocks(iou.size(), [&](size_t i, uint32_t) {
+        iou[i] = silhouetteIou(rasteriseMesh(hull.positions, hull.triangles, still.cameras[i]), input.views[i].mask.pixels);
+    });
+    double sum = 0;
+    for (double value : iou) sum += value / double(iou.size());
+    return sum;
+}
+
+/** The body's layer alone, with the given offsets. */
+ClothedMesh bodyLayer(const GarmentInput& input, std::span<const Vec3f> offsets) {
+    ClothedMesh out;
+    out.mesh = input.body;
+    out.mesh.restPositions = offsetPositions(input.body, offsets);
+    out.mesh.layers = {{"body", "body", 0, uint32_t(input.body.restPositions.size()), 0, uint32_t(input.body.triangles.size())}};
+    out.triangleLabel.assign(input.body.triangles.size(), votingLabels(input.labels)[0].value);
+    return out;
+}
+
+void appendLayer(ClothedMesh& clothed, const ScanLabel& label, const std::vector<Vec3f>& rest, const std::vector<Triangle>& triangles,
+                 const ClothWeights& weights) {
+    MeshData& mesh = clothed.mesh;
+    const auto firstVertex = uint32_t(mesh.restPositions.size()), firstTriangle = uint32_t(mesh.triangles.size());
+    const bool coloured = mesh.colours.size() == mesh.restPositions.size();
+    mesh.restPositions.insert(mesh.restPositions.end(), rest.begin(), rest.end());
+    mesh.jointIndices.insert(mesh.jointIndices.end(), weights.joints.begin(), weights.joints.end());
+    mesh.jointWeights.insert(mesh.jointWeights.end(), weights.weights.begin(), weights.weights.end());
+    if (coloured) mesh.colours.resize(mesh.restPositions.size(), glm::u8vec4(128, 128, 128, 255));
+    for (const Triangle& t : triangles) mesh.triangles.push_back(t + firstVertex);
+    clothed.triangleLabel.resize(mesh.triangles.size(), label.value);
+    mesh.layers.push_back({label.name, label.name == "hair" ? "hair" : "garment", firstVertex, uint32_t(rest.size()), firstTriangle,
+                           uint32_t(triangles.size())});
+}
+
+/** Moves vertices of later layers by a hair's breadth where they share a position with another layer: consumers merge equal positions. */
+void separateLayers(MeshData& mesh) {
+    std::set<std::tuple<float, float, float>> taken;
+    for (const LayerData& layer : mesh.layers) {
+        std::vector<Vec3f*> own;
+        for (uint32_t v = layer.firstVertex; v < layer.firstVertex + layer.vertexCount; ++v) own.push_back(&mesh.restPositions[v]);
+        for (Vec3f* p : own)
+            while (taken.contains({p->x, p->y, p->z})) p->y += kNudgeM;
+        for (const Vec3f* p : own) taken.insert({p->x, p->y, p->z});
+    }
+}
+
+/** How sure the pictures are that each body vertex is skin: votes on the posed single skin. */
+Result<std::vector<float>> skinShare(const GarmentInput& input, const StillBody& body, Jobs& jobs) {
+    const SurfaceMesh skin{body.clothed, input.body.triangles};
+    DPL_TRY(const LabelField field, voteLabels(skin, input.views, body.still.cameras, input.labels, kLabelSmoothingM, jobs));
+    std::vector<float> share(skin.positions.size());
+    for (size_t v = 0; v < share.size(); ++v) share[v] = field.seen[v] > 0.02f ? field.score[v * field.columns()] : 0;
+    return share;
+}
+
+}  // namespace
+
+Result<GarmentFit> makeClothedMesh(const GarmentInput& input, const std::function<bool(double)>& progress, Jobs& jobs) {
+    DPL_CHECK_OK(checkInput(input));
+    const auto report = [&](double fraction) -> Status {
+        if (progress && !progress(fraction)) return fail(Code::Cancelled, "the making of garments was cancelled");
+        return {};
+    };
+    GarmentFit fit;
+    const auto oneLayer = [&](std::string why) {
+        fit.clothed = bodyLayer(input, input.bodyOffsets);
+        fit.summary = "one layer, clothes are part of the body's surface: " + std::move(why);
+        return fit;
+    };
+    const std::vector<ScanLabel> labels = votingLabels(input.labels);
+    for (size_t c = 1; c < labels.size(); ++c) fit.decisions.push_back({labels[c], false, "there is no clothed surface to carry it", 0, 0});
+    const auto labelled = std::count_if(input.views.begin(), input.views.end(), [](const auto& v) { return !v.labels.pixels.empty(); });
+    if (labels.size() < 2) return oneLayer("the scan names no clothing labels");
+    if (labelled == 0) return oneLayer("no still picture has labels");
+    if (input.views.size() < kFewestViews)
+        return oneLayer(
+            formatText("{} still pictures are too few for the shape of clothes; {} are needed", input.views.size(), kFewestViews));
+
+    StillBody body;
+    body.still = compensateSway(input.joints, input.views);
+    jointTransforms(input.joints, body.still.pose, body.worldFromRest);
+    skin(input.body, body.worldFromRest, jobs, body.posed);
+    skin(input.body, offsetPositions(input.body, input.bodyOffsets), body.worldFromRest, jobs, body.clothed);
+    Vec3f low(1e30f), high(-1e30f);
+    for (const Vec3f& p : body.posed) low = glm::min(low, p), high = glm::max(high, p);
+    const Vec3f margin(float(priors::kMaxOffsetM), 0.15f, float(priors::kMaxOffsetM));
+    const SilhouetteField field(input.views, body.still.cameras, jobs);
+    const SurfaceMesh hull = meshHull(field, low - margin, high + margin, {}, jobs);
+    if (hull.triangles.empty()) return oneLayer("the masks of the still pictures have no common shape");
+    DPL_CHECK_OK(report(0.4));
+    fit.hullIou = meanIou(hull, input, body.still, jobs);
+    DPL_TRY(LabelField votes, voteLabels(hull, input.views, body.still.cameras, input.labels, kLabelSmoothingM, jobs));
+    GarmentPieces taken = takeGarments(hull, std::move(votes), {});
+    fit.decisions = std::move(taken.decisions);
+    if (taken.pieces.empty()) return oneLayer("no label is worth a layer of its own");
+    DPL_CHECK_OK(report(0.6));
+
+    // The body: offsets where skin was seen, then below the garments.
+    DPL_TRY(const std::vector<float> skinSeen, skinShare(input, body, jobs));
+    DPL_TRY(std::vector<Vec3f> offsets, skinOffsets(input.body, input.bodyOffsets, skinSeen));
+    std::vector<Vec3f> posed;
+    skin(input.body, offsetPositions(input.body, offsets), body.worldFromRest, jobs, posed);
+    std::vector<SurfaceMesh> covers;
+    for (const GarmentPiece& piece : taken.pieces) covers.push_back(piece.mesh);
+    DPL_TRY(const std::vector<Vec3f> push, pushBelow(posed, input.body.triangles, covers, float(priors::kBodyBelowClothM)));
+    for (size_t v = 0; v < offsets.size(); ++v) {
+        const Mat3x4f blended = blendedTransform(input.body.jointIndices[v], input.body.jointWeights[v], body.worldFromRest.data());
+        const Mat3f linear(blended[0], blended[1], blended[2]);
+        if (std::abs(glm::determinant(linear)) > 0.05f) offsets[v] += glm::inverse(linear) * push[v];
+    }
+    fit.clothed = bodyLayer(input, offsets);
+    DPL_CHECK_OK(report(0.8));
+
+    const ClosestSurface fitted(body.posed, input.body.triangles);
+    size_t vertices = 0, inside = 0;
+    const ClosestSurface restBody(fit.clothed.mesh.restPositions, input.body.triangles);
+    for (const GarmentPiece& piece : taken.pieces) {
+        DPL_TRY(const ClothWeights weights, clothWeights(piece.mesh, input.body, fitted, input.joints.size()));
+        const std::vector<Vec3f> rest = unposed(piece.mesh, weights, body.worldFromRest);
+        for (const Vec3f& p : rest) inside += restBody.signedDistance(p, 0.1f) < 0;
+        vertices += rest.size();
+        fit.largestWeightStep = std::max(fit.largestWeightStep, weights.largestStep);
+        appendLayer(fit.clothed, labels[piece.column], rest, piece.mesh.triangles, weights);
+    }
+    fit.insideBody = double(inside) / double(vertices);
+    separateLayers(fit.clothed.mesh);
+    DPL_CHECK_OK(checkFinite(fit.clothed.mesh));
+    fit.summary = formatText("{} layers beside the body", taken.pieces.size());
+    return fit;
+}
+
+}  // namespace dpl
