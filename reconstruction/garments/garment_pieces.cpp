@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <queue>
 
 #include "reconstruction/garments/cut_mesh.h"
@@ -189,44 +191,67 @@ SurfaceMesh takePiece(const TaggedMesh& labelled, uint32_t column, uint32_t none
     return piece;
 }
 
+/** Area and mean normal (its length tells how much the piece closes around the body) of the triangles with a tag. */
+struct TagExtent {
+    double areaM2 = 0, oneSided = 0;
+};
+
+TagExtent extentOf(const TaggedMesh& labelled, uint32_t tag) {
+    TagExtent extent;
+    Vec3d sum(0);
+    for (size_t t = 0; t < labelled.tags.size(); ++t) {
+        if (labelled.tags[t] != tag) continue;
+        const Triangle& tri = labelled.mesh.triangles[t];
+        const Vec3d a(labelled.mesh.positions[tri.x]), b(labelled.mesh.positions[tri.y]), c(labelled.mesh.positions[tri.z]);
+        const Vec3d n = 0.5 * glm::cross(b - a, c - a);
+        sum += n, extent.areaM2 += glm::length(n);
+    }
+    if (extent.areaM2 > 0) extent.oneSided = glm::length(sum) / extent.areaM2;
+    return extent;
+}
+
 }  // namespace
 
 GarmentPieces takeGarments(const SurfaceMesh& hull, LabelField field, const PieceOptions& options) {
-    double total = 0;
-    for (float area : vertexAreas(hull)) total += area;
-    const size_t columns = field.columns();
-    GarmentPieces out;
-    std::vector<double> before(columns, 0);
     const std::vector<float> areas = vertexAreas(hull);
-    for (size_t v = 0; v < areas.size(); ++v) before[field.best(v)] += areas[v];
-    removeIslands(hull, field, 0.25 * std::numbers::pi * options.holeM * options.holeM, options.minPieceShare * total);
-    const TaggedMesh labelled = cutLabels(hull, field);
+    const double total = std::accumulate(areas.begin(), areas.end(), 0.0);
+    const size_t columns = field.columns();
+    std::vector<double> voted(columns, 0);
+    for (size_t v = 0; v < areas.size(); ++v) voted[field.best(v)] += areas[v];
+    std::vector<double> minArea(columns, options.minPieceShare * total);
+    minArea[0] = 0.25 * std::numbers::pi * options.holeM * options.holeM;
+    removeIslands(hull, field, minArea);
+    TaggedMesh labelled = cutLabels(hull, field);
+
+    GarmentPieces out;
+    bool refused = false;
     for (uint32_t column = 1; column < columns; ++column) {
-        GarmentDecision decision{field.labels[column], false, "", 0, 0};
+        GarmentDecision decision{field.labels[column], true, "", 0, 0};
         const std::string& name = decision.label.name;
-        Vec3d normal(0);
-        for (size_t t = 0; t < labelled.tags.size(); ++t) {
-            if (labelled.tags[t] != column) continue;
-            const Triangle& tri = labelled.mesh.triangles[t];
-            const Vec3d a(labelled.mesh.positions[tri.x]), b(labelled.mesh.positions[tri.y]), c(labelled.mesh.positions[tri.z]);
-            const Vec3d n = 0.5 * glm::cross(b - a, c - a);
-            normal += n, decision.areaM2 += glm::length(n);
-        }
-        if (before[column] <= 0) {
-            decision.reason = formatText("no picture shows the label {}", name);
-        } else if (decision.areaM2 < options.minPieceShare * total) {
-            decision.reason = formatText("the label {} covers {} % of the surface in pieces that are too small for a layer", name,
-                                         std::round(1e4 * before[column] / total) / 100);
-        } else if (glm::length(normal) > kOneSided * decision.areaM2) {
-            decision.reason = formatText("the label {} was seen from one side only, so its other side is not known", name);
-        } else {
-            GarmentPiece piece{column, takePiece(labelled, column, uint32_t(columns), options)};
-            decision.kept = true;
-            decision.triangles = uint32_t(piece.mesh.triangles.size());
-            decision.reason = formatText("{} triangles, {} m²", decision.triangles, std::round(100 * decision.areaM2) / 100);
-            out.pieces.push_back(std::move(piece));
-        }
+        const TagExtent extent = extentOf(labelled, column);
+        if (voted[column] <= 0)
+            decision.kept = false, decision.reason = formatText("no picture shows the label {}", name);
+        else if (extent.areaM2 < options.minPieceShare * total)
+            decision.kept = false, decision.reason = formatText("the label {} covers {} % of the surface in pieces too small for a layer",
+                                                                name, std::round(1e4 * voted[column] / total) / 100);
+        else if (extent.oneSided > kOneSided)
+            decision.kept = false,
+            decision.reason = formatText("the label {} was seen on one side only, so the shape of its other side is not known", name);
+        if (!decision.kept && extent.areaM2 > 0) minArea[column] = std::numeric_limits<double>::infinity(), refused = true;
         out.decisions.push_back(std::move(decision));
+    }
+    if (refused) {  // their surface goes to what is around them
+        removeIslands(hull, field, minArea);
+        labelled = cutLabels(hull, field);
+    }
+    for (GarmentDecision& decision : out.decisions) {
+        if (!decision.kept) continue;
+        const auto column = uint32_t(&decision - out.decisions.data()) + 1;
+        GarmentPiece piece{column, takePiece(labelled, column, uint32_t(columns), options)};
+        decision.areaM2 = extentOf(labelled, column).areaM2;
+        decision.triangles = uint32_t(piece.mesh.triangles.size());
+        decision.reason = formatText("{} triangles, {} m²", decision.triangles, std::round(100 * decision.areaM2) / 100);
+        out.pieces.push_back(std::move(piece));
     }
     return out;
 }

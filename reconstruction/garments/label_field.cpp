@@ -111,7 +111,7 @@ std::vector<float> vertexAreas(const SurfaceMesh& mesh) {
     return area;
 }
 
-void removeIslands(const SurfaceMesh& mesh, LabelField& field, double minHoleM2, double minPieceM2) {
+void removeIslands(const SurfaceMesh& mesh, LabelField& field, std::span<const double> minAreaM2) {
     const auto neighbours = vertexNeighbours(mesh.positions.size(), mesh.triangles);
     const std::vector<float> areas = vertexAreas(mesh);
     const size_t columns = field.columns();
@@ -135,7 +135,7 @@ void removeIslands(const SurfaceMesh& mesh, LabelField& field, double minHoleM2,
                     piece.push_back(n);
                 }
             }
-            if (around.empty() || area >= (label[seed] == 0 ? minHoleM2 : minPieceM2)) continue;
+            if (around.empty() || area >= minAreaM2[label[seed]]) continue;
             const auto winner = std::max_element(around.begin(), around.end(), [](auto& a, auto& b) { return a.second < b.second; });
             for (uint32_t v : piece) std::swap(field.score[v * columns + label[seed]], field.score[v * columns + winner->first]);
             changed = true;

@@ -33,8 +33,9 @@ std::vector<ScanLabel> votingLabels(std::span<const ScanLabel> labels);
 Result<LabelField> voteLabels(const SurfaceMesh& mesh, std::span<const GarmentView> views, std::span<const Camerad> cameras,
                               std::span<const ScanLabel> scanLabels, double smoothingM, Jobs& jobs);
 
-/** Gives islands of one label to the label around them: holes in clothes below minHoleM², and pieces of clothes below minPieceM². */
-void removeIslands(const SurfaceMesh& mesh, LabelField& field, double minHoleM2, double minPieceM2);
+/** Gives islands of a label to the label around them: connected pieces of column c below minAreaM2[c]. An infinite area removes a label
+ *  wherever another one is beside it. */
+void removeIslands(const SurfaceMesh& mesh, LabelField& field, std::span<const double> minAreaM2);
 
 /** Area of the surface around each vertex: a third of its triangles', m². */
 std::vector<float> vertexAreas(const SurfaceMesh& mesh);
