@@ -51,8 +51,8 @@ nlohmann::json assembleInputs() {
     return {{"shPaletteEntries", kShPaletteEntries}, {"shPaletteLevels", kShPaletteLevels}};
 }
 
-Result<AssembledAvatar> assembleAvatar(const BodyModel& shaped, const CoOptimiseResult& trained, const Scan& scan, FrameSet set,
-                                       Jobs& jobs) {
+Result<AssembledAvatar> assembleAvatar(const std::vector<JointData>& joints, const MeshData& mesh, const CoOptimiseResult& trained,
+                                       const Scan& scan, FrameSet set, Jobs& jobs) {
     AssembledAvatar out;
     out.frames = std::move(set.frames);
     if (trained.poses.size() != out.frames.size())
@@ -63,10 +63,10 @@ Result<AssembledAvatar> assembleAvatar(const BodyModel& shaped, const CoOptimise
     AvatarData& avatar = out.avatar;
     avatar.name = scan.name;
     avatar.generator = "doppel reconstruct";
-    avatar.joints = shaped.joints;
+    avatar.joints = joints;
     avatar.kappaPx2 = kTrainedKappaPx2;
     avatar.trainedPixelM = trainedPixelM(avatar.joints, out.frames);
-    avatar.mesh = shaped.mesh;
+    avatar.mesh = mesh;
     avatar.mesh.restPositions = trained.restPositions;
     avatar.mesh.colours = gatherVertexColours(avatar.joints, avatar.mesh, out.frames, jobs);
     avatar.splats = trained.splats;

@@ -16,9 +16,9 @@ struct AssembledAvatar {
 };
 
 /** The trained avatar after one encoding and decoding, with its splats re-based onto the decoded mesh and its SH as a palette (write it
- *  with WriteOptions::shPalette). It has no evidence rows. `shaped` is the body that was trained, `set` its training frames. */
-Result<AssembledAvatar> assembleAvatar(const BodyModel& shaped, const CoOptimiseResult& trained, const Scan& scan, FrameSet set,
-                                       Jobs& jobs);
+ *  with WriteOptions::shPalette). It has no evidence rows. `mesh` holds the layers before training, `set` the training frames. */
+Result<AssembledAvatar> assembleAvatar(const std::vector<JointData>& joints, const MeshData& mesh, const CoOptimiseResult& trained,
+                                       const Scan& scan, FrameSet set, Jobs& jobs);
 
 /** The constants that assembleAvatar() depends on besides its arguments, as part of a stage's key. */
 nlohmann::json assembleInputs();

@@ -12,20 +12,20 @@ Result<ReconstructResult> reconstructFrom(const StageRun& run, const IngestedSca
     const ReconstructResult paths{options.out / "avatar.glb", options.out / "poses.json", options.out / "report.html", ""};
     Pictures pictures(ingested.scan);
     DPL_TRY(const FittedSurface surface, runSurface(run, ingested, body, pictures));
-    DPL_TRY(const std::vector<EvidenceData> decided, runGarments(run));
+    DPL_TRY(const DressedBody dressed, runGarments(run, ingested, body, surface, pictures));
     DPL_TRY(const RegisteredPoses registered, runRegister(run, ingested, body, surface, pictures));
-    DPL_TRY(const Training training, runCoOptimise(run, ingested, body, surface, registered, pictures, settings));
+    DPL_TRY(const Training training, runCoOptimise(run, ingested, body, dressed, registered, pictures, settings));
     Lazy<AssembledAvatar> trained([&]() -> Result<AssembledAvatar> {
         DPL_TRY(FrameSet set, framesOf(ingested, Split::Train, body.cameras, registered.poses, pictures));
-        return assembleAvatar(body.shaped, training.result, ingested.scan, std::move(set), run.jobs);
+        return assembleAvatar(body.shaped.joints, dressed.clothed.mesh, training.result, ingested.scan, std::move(set), run.jobs);
     });
     DPL_TRY(const MeasuredParts measured, runEvidence(run, ingested, body, registered, training, trained, pictures, settings));
-    DPL_TRY(const Package package, runPackage(run, ingested, training, trained, measured, decided, settings));
+    DPL_TRY(const Package package, runPackage(run, ingested, training, trained, measured, dressed.decided, settings));
     DPL_CHECK_OK(writeFileAtomically(paths.avatar, package.bytes));
     DPL_TRY(const FoundPoses found, runPoseFit(run, ingested, body, registered, training, package, pictures, settings));
     DPL_TRY(const auto posesBytes, readFile(found.file));
     DPL_CHECK_OK(writeFileAtomically(paths.poses, posesBytes));
-    DPL_TRY(const StageOutput report, runReport(run, ingested, body, decided, training, package, found, pictures, settings));
+    DPL_TRY(const StageOutput report, runReport(run, ingested, body, dressed.decided, training, package, found, pictures, settings));
     for (const char* name : {"report.html", "report.json"}) {
         DPL_TRY(const auto bytes, readFile(report.folder / name));
         DPL_CHECK_OK(writeFileAtomically(options.out / name, bytes));

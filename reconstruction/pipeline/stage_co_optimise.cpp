@@ -13,16 +13,15 @@ namespace {
 constexpr double kCheckpointSeconds = 30;  // a kill loses about this much training at most
 constexpr uint32_t kProbeSteps = 60;
 
-Result<CoOptimiseInput> trainingInput(const FittedBody& body, const FittedSurface& surface, std::vector<TrainFrame> frames, Jobs& jobs) {
+Result<CoOptimiseInput> trainingInput(const FittedBody& body, const DressedBody& dressed, std::vector<TrainFrame> frames) {
     CoOptimiseInput input;
     input.joints = body.shaped.joints;
-    input.mesh = body.shaped.mesh;
-    for (size_t v = 0; v < input.mesh.restPositions.size(); ++v) input.mesh.restPositions[v] += surface.restOffsets[v];
+    input.mesh = dressed.clothed.mesh;
+    input.triangleLabel = dressed.clothed.triangleLabel;
     std::vector<Pose> moving;
     for (const TrainFrame& frame : frames)
         if (frame.kind == FrameKind::Dynamic) moving.push_back(frame.pose);
     DPL_TRY(input.correctives, correctiveModel(input.joints, input.mesh, moving));
-    input.triangleLabel = voteTriangleLabels(input.joints, input.mesh, frames, jobs);
     input.frames = std::move(frames);
     return input;
 }
@@ -42,6 +41,17 @@ Result<uint32_t> stepsInBudget(const CoOptimiseInput& input, const RunSettings& 
     const uint32_t steps = uint32_t(std::clamp(settings.timeBudgetMinutes * 60 / secondsPerStep, 100.0, 1e6));
     DPL_CHECK_OK(writeFileAtomically(remembered, std::to_string(steps)));
     return steps;
+}
+
+/** The values of the scan's labels, by their names. Scans without names have no labels, or come from our networks. */
+void nameLabels(const Scan& scan, InitSettings& init) {
+    if (scan.labels.empty()) return;
+    init.clothLabels.clear(), init.openLabels.clear();
+    for (const ScanLabel& label : scan.labels)
+        if (label.name == "hair")
+            init.openLabels.push_back(label.value);
+        else if (label.name != "background" && label.name != "body" && label.name != "shoes")
+            init.clothLabels.push_back(label.value);
 }
 
 Status train(CoOptimiseInput input, const RunSettings& settings, Jobs& jobs, StageContext& context) {
@@ -81,21 +91,23 @@ Status train(CoOptimiseInput input, const RunSettings& settings, Jobs& jobs, Sta
 
 }  // namespace
 
-Result<Training> runCoOptimise(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
-                               const RegisteredPoses& registered, Pictures& pictures, const RunSettings& settings) {
+Result<Training> runCoOptimise(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const DressedBody& dressed,
+                               const RegisteredPoses& registered, Pictures& pictures, const RunSettings& given) {
+    RunSettings settings = given;
+    nameLabels(ingested.scan, settings.training.init);
     const nlohmann::json inputs = {{"training", ingested.trainingHash},
                                    {"body_fit", body.key},
-                                   {"surface", surface.key},
+                                   {"garments", dressed.key},
                                    {"register", registered.key},
                                    {"settings", trainingInputs(settings)}};
-    DPL_TRY(const StageOutput stage, run.chain.run("co-optimise", 4, inputs, [&](StageContext& context) -> Status {
+    DPL_TRY(const StageOutput stage, run.chain.run("co-optimise", 5, inputs, [&](StageContext& context) -> Status {
         context.progress.update(0, "reading pictures");
         DPL_TRY(FrameSet set, framesOf(ingested, Split::Train, body.cameras, registered.poses, pictures));
         if (set.frames.empty()) return fail(Code::InvalidArgument, "no usable training frames");
-        DPL_TRY(CoOptimiseInput input, trainingInput(body, surface, std::move(set.frames), run.jobs));
+        DPL_TRY(CoOptimiseInput input, trainingInput(body, dressed, std::move(set.frames)));
         return train(std::move(input), settings, run.jobs, context);
     }));
-    const MeshData& mesh = body.shaped.mesh;
+    const MeshData& mesh = dressed.clothed.mesh;
     DPL_TRY(CoOptimiseResult result,
             readTrainedFile(stage.folder / "trained.bin", mesh.triangles.size(), mesh.restPositions.size(), body.shaped.joints.size()));
     return Training{std::move(result), stage.key};

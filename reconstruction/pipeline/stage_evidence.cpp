@@ -142,9 +142,9 @@ nlohmann::json juryInputs(const IngestedScan& ingested) {
 
 }  // namespace
 
-Result<MeasuredParts> runEvidence(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const RegisteredPoses& registered,
-                                  const Training& training, Lazy<AssembledAvatar>& trained, Pictures& pictures,
-                                  const RunSettings& settings) {
+Result<MeasuredParts> runEvidence(const StageRun& run, const IngestedScan& ingested, const FittedBody& body,
+                                  const RegisteredPoses& registered, const Training& training, Lazy<AssembledAvatar>& trained,
+                                  Pictures& pictures, const RunSettings& settings) {
     const nlohmann::json inputs = {{"trained", training.key},
                                    {"register", registered.key},
                                    {"assemble", assembleInputs()},

@@ -1,19 +1,75 @@
 // SPDX-License-Identifier: Apache-2.0
+// The stage garments: makes the layers of the clothed subject from the fitted body, masks and labels of the still training frames.
+#include "reconstruction/pipeline/clothed_file.h"
 #include "reconstruction/pipeline/stages.h"
 #include "sdk/core/files.h"
 
 namespace dpl {
+namespace {
 
-Result<std::vector<EvidenceData>> runGarments(const StageRun& run) {
-    const std::string part = "garment layers";
-    const std::string reason =
-        "one layer in this version: clothes are part of the body's surface and follow its skin weights and pose correctives";
-    auto stage = run.chain.run("garments", 1, {{"decision", reason}}, [&](StageContext& context) {
-        return writeFileAtomically(context.folder / "decision.json",
-                                   nlohmann::json{{"part", part}, {"kept", false}, {"reason", reason}}.dump(1));
-    });
-    if (!stage) return stage.error();
-    return std::vector<EvidenceData>{{part, false, 0, 0, reason}};
+using nlohmann::json;
+
+Status dress(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface, Pictures& pictures,
+             StageContext& context) {
+    std::vector<GarmentView> views;
+    for (size_t f : silhouetteFrames(ingested)) {
+        DPL_TRY(const auto picture, pictures.of(f));
+        views.push_back({body.cameras[f], picture->mask, picture->labels, surface.poses[f]});
+    }
+    const auto progress = [&](double fraction) {
+        context.progress.update(fraction, formatText("{} still pictures", views.size()));
+        return !context.progress.cancelled();
+    };
+    const GarmentInput input{body.shaped.mesh, body.shaped.joints, surface.restOffsets, views, ingested.scan.labels};
+    DPL_TRY(const GarmentFit fit, makeClothedMesh(input, progress, run.jobs));
+    json decisions = json::array();
+    for (const GarmentDecision& d : fit.decisions)
+        decisions.push_back(
+            {{"part", d.label.name}, {"kept", d.kept}, {"reason", d.reason}, {"triangles", d.triangles}, {"areaM2", d.areaM2}});
+    const json info = {{"summary", fit.summary},
+                       {"decisions", decisions},
+                       {"hull_iou", fit.hullIou},
+                       {"inside_body", fit.insideBody},
+                       {"largest_weight_step", fit.largestWeightStep}};
+    DPL_CHECK_OK(writeFileAtomically(context.folder / "garments.json", info.dump(1)));
+    context.progress.note(fit.summary);
+    return writeClothedFile(fit.clothed, context.folder / "clothed.bin");
+}
+
+/** One row a label: whether it became a layer, and why. */
+Result<std::vector<EvidenceData>> readDecisions(const std::filesystem::path& path) {
+    DPL_TRY(const auto bytes, readFile(path));
+    const json info = json::parse(bytes.begin(), bytes.end(), nullptr, /*allow_exceptions=*/false);
+    const auto damaged = [&] { return fail(Code::CorruptData, "{} is damaged; delete it and run again", path.string()); };
+    if (!info.is_object() || !info.contains("decisions") || !info["decisions"].is_array() || !info.contains("summary") ||
+        !info["summary"].is_string())
+        return damaged();
+    std::vector<EvidenceData> rows;
+    for (const json& d : info["decisions"]) {
+        if (!d.is_object() || !d.contains("part") || !d["part"].is_string() || !d.contains("kept") || !d["kept"].is_boolean() ||
+            !d.contains("reason") || !d["reason"].is_string())
+            return damaged();
+        rows.push_back({"garment layer: " + d["part"].get<std::string>(), d["kept"].get<bool>(), 0, 0, d["reason"].get<std::string>()});
+    }
+    if (rows.empty()) rows.push_back({"garment layers", false, 0, 0, info["summary"].get<std::string>()});
+    return rows;
+}
+
+}  // namespace
+
+Result<DressedBody> runGarments(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
+                                Pictures& pictures) {
+    json labels = json::array();
+    for (const ScanLabel& label : ingested.scan.labels) labels.push_back({label.name, label.value});
+    const json inputs = {{"training", ingested.trainingHash}, {"surface", surface.key}, {"labels", labels}};
+    DPL_TRY(const StageOutput stage, run.chain.run("garments", 2, inputs, [&](StageContext& context) {
+        return dress(run, ingested, body, surface, pictures, context);
+    }));
+    DressedBody dressed;
+    dressed.key = stage.key;
+    DPL_TRY(dressed.clothed, readClothedFile(stage.folder / "clothed.bin", body.shaped.joints.size()));
+    DPL_TRY(dressed.decided, readDecisions(stage.folder / "garments.json"));
+    return dressed;
 }
 
 }  // namespace dpl

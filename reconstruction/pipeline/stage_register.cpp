@@ -49,8 +49,7 @@ Status fit(const StageRun& run, const IngestedScan& ingested, const FittedBody& 
             DPL_TRY(shown[f], pictures.of(f));
             if (frame.kind != FrameKind::Dynamic) stills.push_back({frame.name, frame.kind, body.cameras[f], surface.poses[f], shown[f]});
         }
-        input.frames.push_back(
-            {frame.kind, frame.timeS, body.cameras[f], surface.poses[f], shown[f].get(), keypoints[f], frame.split});
+        input.frames.push_back({frame.kind, frame.timeS, body.cameras[f], surface.poses[f], shown[f].get(), keypoints[f], frame.split});
     }
     const std::vector<uint8_t> triangleLabel = voteTriangleLabels(body.shaped.joints, mesh, stills, run.jobs);
     const std::vector<uint8_t> labels = triangleLabel.empty() ? std::vector<uint8_t>() : rigidLabels(scan);
@@ -69,8 +68,7 @@ Status fit(const StageRun& run, const IngestedScan& ingested, const FittedBody& 
     for (const JointData& joint : body.shaped.joints) file.jointNames.push_back(joint.name);
     for (size_t f = 0; f < scan.frames.size(); ++f) {
         const ScanFrame& frame = scan.frames[f];
-        file.frames.push_back(
-            {frame.name, frameKindName(frame.kind), splitName(frame.split), registration.poses[f], std::nullopt});
+        file.frames.push_back({frame.name, frameKindName(frame.kind), splitName(frame.split), registration.poses[f], std::nullopt});
     }
     return writeFileAtomically(context.folder / "poses.json", posesToJson(file));
 }

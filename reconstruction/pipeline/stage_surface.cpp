@@ -9,16 +9,6 @@
 namespace dpl {
 namespace {
 
-/** Still training frames with a mask. Their silhouettes shape the surface. */
-std::vector<size_t> silhouetteFrames(const IngestedScan& ingested) {
-    std::vector<size_t> frames;
-    for (size_t f = 0; f < ingested.scan.frames.size(); ++f) {
-        const ScanFrame& frame = ingested.scan.frames[f];
-        if (isTrainingFrame(ingested, f) && frame.kind == FrameKind::StaticFull && !frame.maskPath.empty()) frames.push_back(f);
-    }
-    return frames;
-}
-
 std::span<const uint8_t> bytesOf(const std::vector<Vec3f>& values) {
     return {reinterpret_cast<const uint8_t*>(values.data()), values.size() * sizeof(Vec3f)};
 }

@@ -8,6 +8,7 @@
 
 #include "reconstruction/body/fit_body.h"
 #include "reconstruction/capture/scan.h"
+#include "reconstruction/garments/clothed_mesh.h"
 #include "reconstruction/package/poses_file.h"
 #include "reconstruction/pipeline/assemble_avatar.h"
 #include "reconstruction/pipeline/evidence_file.h"
@@ -42,6 +43,13 @@ struct FittedBody {
 struct FittedSurface {
     std::vector<Vec3f> restOffsets;  // V, rest pose, metres: from the shaped body to the clothed surface
     std::vector<Pose> poses;         // of Scan::frames; the body fit's, still frames corrected for sway by silhouettes
+    std::string key;
+};
+
+/** The clothed subject as layers. */
+struct DressedBody {
+    ClothedMesh clothed;
+    std::vector<EvidenceData> decided;  // which labels became layers, and why
     std::string key;
 };
 
@@ -80,18 +88,19 @@ Result<FittedBody> runBodyFit(const StageRun& run, const IngestedScan& ingested,
 /** Reads the result of a finished body-fit stage. */
 Result<FittedBody> readFittedBody(const StageOutput& stage, const IngestedScan& ingested, BodyModel body);
 Result<FittedSurface> runSurface(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, Pictures& pictures);
-/** Decides which garments become separate layers. This version has no such layers, so it decides against all. */
-Result<std::vector<EvidenceData>> runGarments(const StageRun& run);
+/** Makes body, garments, shoes and hair as layers of their own. Without labels the result is one layer. */
+Result<DressedBody> runGarments(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
+                                Pictures& pictures);
 /** Registers training frames to their pictures. Reads no picture of a held-out frame. */
 Result<RegisteredPoses> runRegister(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
                                     Pictures& pictures);
-Result<Training> runCoOptimise(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
+Result<Training> runCoOptimise(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const DressedBody& dressed,
                                const RegisteredPoses& registered, Pictures& pictures, const RunSettings& settings);
 /** Measures on validation frames how much each optional part improves the trained avatar; on training frames where the scan has no
  *  validation split. */
-Result<MeasuredParts> runEvidence(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const RegisteredPoses& registered,
-                                  const Training& training, Lazy<AssembledAvatar>& trained, Pictures& pictures,
-                                  const RunSettings& settings);
+Result<MeasuredParts> runEvidence(const StageRun& run, const IngestedScan& ingested, const FittedBody& body,
+                                  const RegisteredPoses& registered, const Training& training, Lazy<AssembledAvatar>& trained,
+                                  Pictures& pictures, const RunSettings& settings);
 /** Removes the parts that the evidence rejects, polishes the decoded avatar and encodes it. `decided`: evidence rows of parts that were not
  *  trained. */
 Result<Package> runPackage(const StageRun& run, const IngestedScan& ingested, const Training& training, Lazy<AssembledAvatar>& trained,

@@ -57,6 +57,15 @@ Result<FrameSet> framesOf(const IngestedScan& ingested, Split split, std::span<c
     return set;
 }
 
+std::vector<size_t> silhouetteFrames(const IngestedScan& ingested) {
+    std::vector<size_t> frames;
+    for (size_t f = 0; f < ingested.scan.frames.size(); ++f) {
+        const ScanFrame& frame = ingested.scan.frames[f];
+        if (isTrainingFrame(ingested, f) && frame.kind == FrameKind::StaticFull && !frame.maskPath.empty()) frames.push_back(f);
+    }
+    return frames;
+}
+
 std::vector<uint8_t> voteTriangleLabels(const std::vector<JointData>& joints, const MeshData& mesh, const std::vector<TrainFrame>& frames,
                                         Jobs& jobs) {
     TriangleLabels votes(mesh.triangles.size());

@@ -64,6 +64,10 @@ Result<TrainFrame> frameAt(const IngestedScan& ingested, size_t index, const Cam
 Result<FrameSet> framesOf(const IngestedScan& ingested, Split split, std::span<const Camerad> cameras, std::span<const Pose> poses,
                           Pictures& pictures);
 
+/** Still training frames with a mask, without close-ups. Their silhouettes shape the surface and the garments. Indices into Scan::frames.
+ */
+std::vector<size_t> silhouetteFrames(const IngestedScan& ingested);
+
 /** Label of every triangle of `mesh`, voted by the still training frames with labels. Empty when no frame has labels. */
 std::vector<uint8_t> voteTriangleLabels(const std::vector<JointData>& joints, const MeshData& mesh, const std::vector<TrainFrame>& frames,
                                         Jobs& jobs);

@@ -24,8 +24,8 @@ public:
     const Mat3d& reference(size_t frame) const { return states_[frame].reference; }
     Pose pose(size_t frame) const;
 
-    /** The terms of the moving frames of a split, and for Split::Train of still frames with a picture. Frames of earlier splits are constant
-     *  neighbours; those of later splits do not take part. */
+    /** The terms of the moving frames of a split, and for Split::Train of still frames with a picture. Frames of earlier splits are
+     * constant neighbours; those of later splits do not take part. */
     void addTerms(ceres::Problem& problem, Split split);
     /** Adds a cost of blocks root, pose. The problem owns it. */
     void addPicture(ceres::Problem& problem, size_t frame, ceres::CostFunction* cost);

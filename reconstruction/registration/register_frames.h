@@ -24,7 +24,7 @@ struct RegisterFrame {
     Pose pose;                              // start
     const FramePicture* picture = nullptr;  // null: the frame is posed by its keypoints alone
     std::span<const Keypoint> keypoints;    // in the order of keypointNames; empty: none
-    Split split = Split::Train;             // others than training frames must bring no picture; no frame of an earlier split depends on them
+    Split split = Split::Train;  // others than training frames must bring no picture; no frame of an earlier split depends on them
 };
 
 struct RegisterInput {
@@ -55,8 +55,8 @@ struct Registration {
 };
 
 /** Registers all training frames together. Validation frames are solved afterwards by their keypoints, between their neighbours, and test
- *  frames after them. A moving frame without keypoints and without picture is placed by its neighbours. Without any picture the result is that of keypoints
- *  alone. Deterministic, on any number of threads. Errors: InvalidArgument for sizes that do not match; Cancelled. */
+ *  frames after them. A moving frame without keypoints and without picture is placed by its neighbours. Without any picture the result is
+ * that of keypoints alone. Deterministic, on any number of threads. Errors: InvalidArgument for sizes that do not match; Cancelled. */
 Result<Registration> registerFrames(const RegisterInput& input, const RegisterSettings& settings, Jobs& jobs);
 
 }  // namespace dpl

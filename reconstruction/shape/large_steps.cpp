@@ -20,10 +20,12 @@ struct LargeSteps::Factor {
     std::vector<double> lower, inverseDiagonal;
     std::vector<uint32_t> permuted;  // per unknown: its position in the factor
 
-    void removeMeans(std::span<Vec3d> x) const {
+    void removeMeans(std::span<Vec3d> x, uint32_t heldVertices) const {
+        std::vector<uint8_t> held(componentSize.size(), 0);
+        for (size_t v = 0; v < std::min<size_t>(heldVertices, mergedOf.size()); ++v) held[component[mergedOf[v]]] = 1;
         std::vector<Vec3d> mean(componentSize.size(), Vec3d(0));
         for (size_t i = 0; i < x.size(); ++i) mean[component[i]] += x[i];
-        for (size_t c = 0; c < mean.size(); ++c) mean[c] /= double(componentSize[c]);
+        for (size_t c = 0; c < mean.size(); ++c) mean[c] *= held[c] / double(componentSize[c]);
         for (size_t i = 0; i < x.size(); ++i) x[i] -= mean[component[i]];
     }
 };
@@ -150,17 +152,17 @@ void LargeSteps::apply(std::span<const Vec3d> x, std::span<Vec3d> y) const {
     }
 }
 
-void LargeSteps::offsets(std::span<const Vec3f> u, std::span<Vec3f> vertexOffsets, bool removeMean) const {
+void LargeSteps::offsets(std::span<const Vec3f> u, std::span<Vec3f> vertexOffsets, uint32_t heldVertices) const {
     std::vector<Vec3d> x(u.begin(), u.end());
     solve(x);
-    if (removeMean) factor_->removeMeans(x);
+    factor_->removeMeans(x, heldVertices);
     for (size_t v = 0; v < vertexOffsets.size(); ++v) vertexOffsets[v] = Vec3f(x[factor_->mergedOf[v]]);
 }
 
-void LargeSteps::backward(std::span<const Vec3f> vertexGradient, std::span<Vec3f> uGradient, bool removeMean) const {
+void LargeSteps::backward(std::span<const Vec3f> vertexGradient, std::span<Vec3f> uGradient, uint32_t heldVertices) const {
     std::vector<Vec3d> x(factor_->permuted.size(), Vec3d(0));
     for (size_t v = 0; v < vertexGradient.size(); ++v) x[factor_->mergedOf[v]] += Vec3d(vertexGradient[v]);
-    if (removeMean) factor_->removeMeans(x);
+    factor_->removeMeans(x, heldVertices);
     solve(x);
     for (size_t i = 0; i < x.size(); ++i) uGradient[i] = Vec3f(x[i]);
 }

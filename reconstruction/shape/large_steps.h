@@ -2,7 +2,8 @@
 // Large Steps (docs/reference/large-steps.md): offsets = M⁻¹ u with M = I + λL, where L is the uniform graph Laplacian of the merged mesh.
 //
 // Vertices at the same position share one unknown, so seams do not tear. M is symmetric, so the backward pass is the same solve. M⁻¹ leaves
-// constants unchanged, so the mean of each connected component can be removed from the offsets.
+// constants unchanged, so the mean of a connected component can be removed from the offsets: for a body, whose place the pose tells, and
+// not for a garment, which may move as a whole.
 #pragma once
 
 #include <cstdint>
@@ -32,10 +33,11 @@ public:
     double lambda() const;
     uint32_t componentCount() const;
 
-    /** Offsets of all vertices (metres) from u (size() entries). `removeMean` removes the mean of each component. */
-    void offsets(std::span<const Vec3f> u, std::span<Vec3f> vertexOffsets, bool removeMean) const;
+    /** Offsets of all vertices (metres) from u (size() entries). Components that contain one of the first `heldVertices` vertices lose
+     *  their mean. */
+    void offsets(std::span<const Vec3f> u, std::span<Vec3f> vertexOffsets, uint32_t heldVertices) const;
     /** ∂loss/∂u (size() entries) from ∂loss/∂offsets (all vertices): the transpose of offsets(). */
-    void backward(std::span<const Vec3f> vertexGradient, std::span<Vec3f> uGradient, bool removeMean) const;
+    void backward(std::span<const Vec3f> vertexGradient, std::span<Vec3f> uGradient, uint32_t heldVertices) const;
     /** y = M·x, size() entries each: the u that belongs to given offsets. */
     void apply(std::span<const Vec3d> x, std::span<Vec3d> y) const;
     /** Solves M·x = b in place, size() entries, with three right-hand sides (x, y, z) at once. */

@@ -80,9 +80,9 @@ Result<std::unique_ptr<CoOptimiser>> CoOptimiser::create(CoOptimiseInput input, 
     auto state = std::make_unique<State>(std::move(input), settings, jobs);
     DPL_CHECK_OK(state->prepare());
     State& s = *state;
-    const std::vector<float> floors = sizeFloors(s.input.joints, s.mesh, s.input.frames, jobs);
+    const TriangleSight sight = triangleSight(s.input.joints, s.mesh, s.input.frames, jobs);
     const std::vector<uint8_t> flags = triangleFlags(s.mesh.restPositions, s.mesh.triangles, s.input.triangleLabel, s.settings.init);
-    s.start(initialSplats(s.input.joints, s.mesh, flags, floors, s.input.frames, s.settings.init, s.settings.seed, jobs));
+    s.start(initialSplats(s.input.joints, s.mesh, flags, sight, s.input.frames, s.settings.init, s.settings.seed, jobs));
     return std::unique_ptr<CoOptimiser>(new CoOptimiser(std::move(state)));
 }
 
@@ -96,7 +96,7 @@ Result<std::unique_ptr<CoOptimiser>> CoOptimiser::createFrom(CoOptimiseInput inp
         splats.scaleM.size() != n || splats.opacity.size() != n || splats.flags.size() != n ||
         splats.sh.size() != n * shCoefficientCount(splats.shDegree) * 3)
         return fail(Code::InvalidArgument, "the splats do not fit the mesh of {} triangles", s.mesh.triangles.size());
-    TrainableSplats first = TrainableSplats::fromSplatData(splats, sizeFloors(s.input.joints, s.mesh, s.input.frames, jobs));
+    TrainableSplats first = TrainableSplats::fromSplatData(splats, triangleSight(s.input.joints, s.mesh, s.input.frames, jobs).sizeFloorM);
     first.activateAll(jobs);
     s.start(std::move(first));
     return std::unique_ptr<CoOptimiser>(new CoOptimiser(std::move(state)));
@@ -303,7 +303,7 @@ void CoOptimiser::State::updateOffsets() {
     if (good) {  // M⁻¹ would spread one value that is not finite over the whole mesh
         meshRegulariser->run(mesh.restPositions, settings.regularise, 1.0f, layer.restGradientSum);
         std::vector<Vec3f> uGradient(layer.u.size());
-        largeSteps->backward(layer.restGradientSum, uGradient, true);
+        largeSteps->backward(layer.restGradientSum, uGradient, bodyVertices());
         layer.adamOffsets.update(uGradient, settings.rateOffsets * decay(settings.endOffsets), layer.u);
         applyOffsets();
     }
@@ -314,7 +314,7 @@ void CoOptimiser::State::updateOffsets() {
 void CoOptimiser::State::applyOffsets() {
     if (!largeSteps) return;
     std::vector<Vec3f> offsets(mesh.restPositions.size());
-    largeSteps->offsets(learned.layer.u, offsets, true);
+    largeSteps->offsets(learned.layer.u, offsets, bodyVertices());
     for (size_t v = 0; v < offsets.size(); ++v) mesh.restPositions[v] = input.mesh.restPositions[v] + offsets[v];
 }
 

@@ -38,6 +38,10 @@ struct CoOptimiser::State {
     void start(TrainableSplats splats);
     Status stepOnce();
     void applyOffsets();
+    /** The body's vertices come first. Its offsets keep mean zero, because poses tell where it is. */
+    uint32_t bodyVertices() const {
+        return input.mesh.layers.empty() ? uint32_t(input.mesh.restPositions.size()) : input.mesh.layers.front().vertexCount;
+    }
     bool learnsCorrectives() const { return settings.learnCorrectives && !input.correctives.empty(); }
     void selectLevel();
     uint32_t frameOf(uint32_t atStep);

@@ -13,6 +13,8 @@
 namespace dpl {
 namespace {
 
+constexpr int kRingsBelowClothes = 5;  // a few centimetres: what a swinging hem or sleeve may uncover
+
 bool contains(const std::vector<uint8_t>& list, uint8_t value) {
     return std::find(list.begin(), list.end(), value) != list.end();
 }
@@ -21,6 +23,72 @@ void poseMesh(std::span<const JointData> joints, const MeshData& mesh, const Pos
     std::vector<Mat3x4f> transforms;
     jointTransforms(joints, pose, transforms);
     skin(mesh, transforms, jobs, posed);
+}
+
+/** The triangles that share a merged vertex with each triangle, without itself. */
+std::vector<std::vector<uint32_t>> triangleNeighbours(const MeshData& mesh) {
+    const auto [place, placeCount] = mergeVertices(mesh.restPositions);
+    std::vector<std::vector<uint32_t>> at(placeCount), out(mesh.triangles.size());
+    for (uint32_t t = 0; t < mesh.triangles.size(); ++t)
+        for (int c = 0; c < 3; ++c) at[place[mesh.triangles[t][c]]].push_back(t);
+    for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        for (int c = 0; c < 3; ++c)
+            for (const uint32_t other : at[place[mesh.triangles[t][c]]])
+                if (other != t) out[t].push_back(other);
+        std::sort(out[t].begin(), out[t].end());
+        out[t].erase(std::unique(out[t].begin(), out[t].end()), out[t].end());
+    }
+    return out;
+}
+
+/** 1 for triangles that get splats: all, except those of a clothed body that lie more than kRingsBelowClothes from a seen triangle. */
+std::vector<uint8_t> drawnTriangles(const MeshData& mesh, const std::vector<uint8_t>& seen,
+                                    const std::vector<std::vector<uint32_t>>& neighbours) {
+    if (mesh.layers.size() < 2) return std::vector<uint8_t>(mesh.triangles.size(), 1);
+    std::vector<uint8_t> drawn = seen;
+    for (int ring = 0; ring < kRingsBelowClothes; ++ring) {
+        std::vector<uint8_t> next = drawn;
+        for (size_t t = 0; t < drawn.size(); ++t)
+            if (drawn[t])
+                for (const uint32_t other : neighbours[t]) next[other] = 1;
+        drawn = std::move(next);
+    }
+    const uint32_t bodyEnd = mesh.layers.front().triangleCount;
+    std::fill(drawn.begin() + bodyEnd, drawn.end(), uint8_t(1));
+    return drawn;
+}
+
+/** Mean colour of each triangle; a triangle of weight 0 takes the mean of its neighbours, ring by ring from the seen ones. Parts that
+ *  nobody sees take the mean of all. */
+std::vector<Vec3f> spreadColours(const std::vector<Vec4f>& weighted, const std::vector<std::vector<uint32_t>>& neighbours) {
+    std::vector<Vec3f> colour(weighted.size(), Vec3f(0));
+    std::vector<uint8_t> known(weighted.size(), 0);
+    std::vector<uint32_t> front;
+    Vec4d all(0);
+    for (uint32_t t = 0; t < weighted.size(); ++t) {
+        all += Vec4d(weighted[t]);
+        if (weighted[t].w > 0) colour[t] = Vec3f(weighted[t]) / weighted[t].w, known[t] = 1, front.push_back(t);
+    }
+    while (!front.empty()) {
+        std::vector<uint32_t> next;
+        for (const uint32_t t : front)
+            for (const uint32_t other : neighbours[t])
+                if (!known[other]) known[other] = 2, next.push_back(other);
+        std::sort(next.begin(), next.end());
+        for (const uint32_t t : next) {
+            Vec3f sum(0);
+            float count = 0;
+            for (const uint32_t other : neighbours[t])
+                if (known[other] == 1) sum += colour[other], ++count;
+            colour[t] = sum / count;
+        }
+        for (const uint32_t t : next) known[t] = 1;
+        front = std::move(next);
+    }
+    const Vec3f mean = all.w > 0 ? Vec3f(Vec3d(all) / all.w) : Vec3f(0.5f);
+    for (size_t t = 0; t < colour.size(); ++t)
+        if (!known[t]) colour[t] = mean;
+    return colour;
 }
 
 }  // namespace
@@ -57,7 +125,7 @@ std::vector<uint8_t> triangleFlags(std::span<const Vec3f> restPositions, std::sp
     return flags;
 }
 
-std::vector<float> sizeFloors(std::span<const JointData> joints, const MeshData& mesh, std::span<const TrainFrame> frames, Jobs& jobs) {
+TriangleSight triangleSight(std::span<const JointData> joints, const MeshData& mesh, std::span<const TrainFrame> frames, Jobs& jobs) {
     std::vector<float> density(mesh.triangles.size(), 0.0f);
     std::vector<Vec3f> posed;
     for (const TrainFrame& f : frames) {
@@ -72,20 +140,23 @@ std::vector<float> sizeFloors(std::span<const JointData> joints, const MeshData&
         if (d > 0) seen.push_back(d);
     float median = 200;
     if (!seen.empty()) std::nth_element(seen.begin(), seen.begin() + long(seen.size() / 2), seen.end()), median = seen[seen.size() / 2];
-    for (float& d : density) d = 0.35f / (d > 0 ? d : median);
-    return density;
+    TriangleSight sight;
+    for (const float d : density) sight.seen.push_back(d > 0), sight.sizeFloorM.push_back(0.35f / (d > 0 ? d : median));
+    return sight;
 }
 
 TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData& mesh, std::span<const uint8_t> flags,
-                              std::span<const float> floors, std::span<const TrainFrame> frames, const InitSettings& settings,
-                              uint64_t seed, Jobs& jobs) {
+                              const TriangleSight& sight, std::span<const TrainFrame> frames, const InitSettings& settings, uint64_t seed,
+                              Jobs& jobs) {
     const size_t triangleCount = mesh.triangles.size();
+    const std::vector<std::vector<uint32_t>> neighbours = triangleNeighbours(mesh);
+    const std::vector<uint8_t> shown = drawnTriangles(mesh, sight.seen, neighbours);
     std::vector<double> area(triangleCount, 0.0);
     double total = 0;
     for (size_t t = 0; t < triangleCount; ++t) {
         const Triangle& c = mesh.triangles[t];
         const Vec3d a(mesh.restPositions[c.x]), b(mesh.restPositions[c.y]), d(mesh.restPositions[c.z]);
-        if (restTriangle(a, b, d).valid) total += area[t] = 0.5 * glm::length(glm::cross(b - a, d - a));
+        if (shown[t] && restTriangle(a, b, d).valid) total += area[t] = 0.5 * glm::length(glm::cross(b - a, d - a));
     }
     std::vector<uint32_t> perTriangle(triangleCount, 0);
     double carried = 0;  // rounding error, passed on to the next triangle so that the total is exact
@@ -99,7 +170,7 @@ TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData&
     uint32_t count = 0;
     for (uint32_t n : perTriangle) count += n;
     s.resize(count, settings.shDegree);
-    s.sizeFloorM.assign(floors.begin(), floors.end());
+    s.sizeFloorM = sight.sizeFloorM;
     uint32_t at = 0;
     for (size_t t = 0; t < triangleCount; ++t)
         for (uint32_t k = 0; k < perTriangle[t]; ++k, ++at) {
@@ -150,15 +221,11 @@ TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData&
             }
         });
     }
-    Vec3d mean(0);
-    double seen = 0;
-    for (size_t i = 0; i < count; ++i) mean += Vec3d(sum[i]), seen += weight[i];
-    mean = seen > 0 ? mean / seen : Vec3d(0.5);
-    Vec3f previous(mean);
+    std::vector<Vec4f> ofTriangle(triangleCount, Vec4f(0));  // weighted colour, weight
+    for (size_t i = 0; i < count; ++i) ofTriangle[s.triangle[i]] += Vec4f(sum[i], weight[i]);
+    const std::vector<Vec3f> filled = spreadColours(ofTriangle, neighbours);
     for (size_t i = 0; i < count; ++i) {
-        // A splat that no frame shows takes the colour of the splat before it, in triangle order.
-        const Vec3f colour = weight[i] > 0 ? sum[i] / weight[i] : previous;
-        previous = colour;
+        const Vec3f colour = weight[i] > 0 ? sum[i] / weight[i] : filled[s.triangle[i]];
         for (int c = 0; c < 3; ++c) s.rows[i * s.stride + kRowSh + uint32_t(c)] = (colour[c] - 0.5f) / float(kShC0);
     }
     s.activateAll(jobs);

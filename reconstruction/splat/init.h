@@ -12,8 +12,8 @@ namespace dpl {
 struct InitSettings {
     uint32_t splatCount = 60000;
     uint32_t shDegree = 1;
-    std::vector<uint8_t> clothLabels{2, 3};
-    std::vector<uint8_t> openLabels{4};  // triangles with these labels are drawn from both sides (hair)
+    std::vector<uint8_t> clothLabels{2, 3};  // values of the scan's labels
+    std::vector<uint8_t> openLabels{4};      // triangles with these labels are drawn from both sides (hair)
 };
 
 /** The flags kSplatSingleFace and kSplatCloth of every triangle (docs/reference/gate.md). Triangles with open labels, and those within two
@@ -22,15 +22,22 @@ struct InitSettings {
 std::vector<uint8_t> triangleFlags(std::span<const Vec3f> restPositions, std::span<const Triangle> triangles,
                                    std::span<const uint8_t> labels, const InitSettings& settings);
 
-/** In-plane size floor of every triangle, metres: 0.35/ν, with ν the highest resolution in px/m at which a frame shows it. Triangles that
- *  no frame shows take the median. */
-std::vector<float> sizeFloors(std::span<const JointData> joints, const MeshData& mesh, std::span<const TrainFrame> frames, Jobs& jobs);
+/** What the frames show of each triangle. */
+struct TriangleSight {
+    std::vector<float> sizeFloorM;  // in-plane size floor of a splat: 0.35/ν, with ν the highest resolution in px/m at which a frame shows
+                                    // the triangle. Triangles that no frame shows take the median.
+    std::vector<uint8_t> seen;  // 1: some frame shows it
+};
 
-/** Splats before the first step. Each valid triangle has at least one; the rest are spread by area. Scale is 0.8·spacing, opacity 0.8.
+TriangleSight triangleSight(std::span<const JointData> joints, const MeshData& mesh, std::span<const TrainFrame> frames, Jobs& jobs);
+
+/** Splats before the first step. Each valid triangle has at least one; the rest are spread by area. The body below clothes has none,
+ *  except near what is seen: no picture could tell its colour. Scale is 0.8·spacing, opacity 0.8.
  *  SH coefficient 0 is the mean colour in the frames where the surface is visible, weighted by cos²θ, with θ the angle
- *  between its normal and the direction to the camera. Moving frames weigh a fifth of still ones. */
+ *  between its normal and the direction to the camera. Moving frames weigh a fifth of still ones. Splats that no frame shows take the
+ *  mean of their neighbours along the surface. */
 TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData& mesh, std::span<const uint8_t> flags,
-                              std::span<const float> floors, std::span<const TrainFrame> frames, const InitSettings& settings,
-                              uint64_t seed, Jobs& jobs);
+                              const TriangleSight& sight, std::span<const TrainFrame> frames, const InitSettings& settings, uint64_t seed,
+                              Jobs& jobs);
 
 }  // namespace dpl

@@ -27,7 +27,7 @@ struct TrainableSplats {
     std::vector<uint32_t> triangleStart;  // F+1
     std::vector<uint8_t> flags;           // N
     std::vector<float> rows;              // N × stride: raw parameters
-    std::vector<float> sizeFloorM;        // F: in-plane size floor of the triangle (see sizeFloors()), metres at rest
+    std::vector<float> sizeFloorM;        // F: in-plane size floor of the triangle (see TriangleSight), metres at rest
 
     // Linear values; activate() computes them from `rows`.
     std::vector<Vec2f> uv, scaleM;  // scaleM² = exp(2·logScale) + floor²

@@ -251,10 +251,10 @@ private:
         std::vector<Vec3f> sum(count, Vec3f(0)), weight(count, Vec3f(0)), spreadSum(count), spreadWeight(count), u(smooth.size());
         for (const auto& list : pulls)  // in the order of the views, so that sums do not depend on threads
             for (const Pull& p : list) sum[p.vertex] += p.weighted, weight[p.vertex].x += p.weight;
-        smooth.backward(sum, u, false);
-        smooth.offsets(u, spreadSum, false);
-        smooth.backward(weight, u, false);
-        smooth.offsets(u, spreadWeight, false);
+        smooth.backward(sum, u, 0);
+        smooth.offsets(u, spreadSum, 0);
+        smooth.backward(weight, u, 0);
+        smooth.offsets(u, spreadWeight, 0);
         double meanWeight = 0;
         for (const Vec3f& w : spreadWeight) meanWeight += w.x / double(count);
         const float epsilon = float(0.02 * meanWeight) + 1e-12f;  // keeps vertices at rest where no pull is near

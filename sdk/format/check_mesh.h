@@ -13,4 +13,8 @@ Status checkMesh(const MeshData& mesh, size_t jointCount);
 /** InvalidArgument for the first rest position that is not finite. */
 Status checkFinite(const MeshData& mesh);
 
+/** InvalidArgument unless the layers tile vertices and triangles in order, share no vertices and have a known role. Call checkMesh() first.
+ */
+Status checkLayers(const MeshData& mesh);
+
 }  // namespace dpl

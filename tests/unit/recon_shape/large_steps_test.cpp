@@ -59,13 +59,13 @@ TEST(LargeSteps, residualBelowOneInAMillionUpToLambdaOneMillion) {
 TEST(LargeSteps, backwardIsTheTransposeOfForward) {
     Grid g = grid(12);
     append(g, grid(7, 0.02f, {1, 0, 0}));
-    for (bool removeMean : {false, true}) {
+    for (const uint32_t held : {0u, 1u, uint32_t(g.positions.size())}) {
         auto steps = LargeSteps::create(g.positions, g.triangles);
         ASSERT_TRUE(steps);
         const auto a = noise(steps->size(), 2), b = noise(g.positions.size(), 3);
         std::vector<Vec3f> u(a.begin(), a.end()), w(b.begin(), b.end()), forward(g.positions.size()), back(steps->size());
-        steps->offsets(u, forward, removeMean);
-        steps->backward(w, back, removeMean);
+        steps->offsets(u, forward, held);
+        steps->backward(w, back, held);
         double left = 0, right = 0;
         for (size_t v = 0; v < w.size(); ++v) left += glm::dot(Vec3d(forward[v]), Vec3d(w[v]));
         for (size_t i = 0; i < u.size(); ++i) right += glm::dot(Vec3d(u[i]), Vec3d(back[i]));
@@ -74,7 +74,7 @@ TEST(LargeSteps, backwardIsTheTransposeOfForward) {
     }
 }
 
-TEST(LargeSteps, disconnectedPartsDoNotAffectEachOtherAndTheirMeanIsRemoved) {
+TEST(LargeSteps, disconnectedPartsDoNotAffectEachOtherAndOnlyHeldPartsLoseTheirMean) {
     Grid g = grid(6);
     const size_t first = g.positions.size();
     append(g, grid(6, 0.01f, {0.5f, 0, 0}));
@@ -83,13 +83,13 @@ TEST(LargeSteps, disconnectedPartsDoNotAffectEachOtherAndTheirMeanIsRemoved) {
     EXPECT_EQ(steps->componentCount(), 2u);
     std::vector<Vec3f> u(steps->size(), Vec3f(0)), out(g.positions.size());
     u[3] = {1, 2, 3};
-    steps->offsets(u, out, false);
+    steps->offsets(u, out, 0);
     for (size_t v = first; v < out.size(); ++v) EXPECT_EQ(out[v], Vec3f(0));
     EXPECT_GT(glm::length(out[0]), 0);
-    steps->offsets(u, out, true);
-    Vec3d mean(0);
-    for (size_t v = 0; v < first; ++v) mean += Vec3d(out[v]);
-    EXPECT_LT(glm::length(mean), 1e-5);
+    std::fill(u.begin(), u.end(), Vec3f(1, 2, 3));  // both parts move as a whole
+    steps->offsets(u, out, uint32_t(first));
+    for (size_t v = 0; v < first; ++v) EXPECT_LT(glm::length(out[v]), 1e-5) << "the held part keeps its place";
+    for (size_t v = first; v < out.size(); ++v) EXPECT_LT(glm::length(out[v] - Vec3f(1, 2, 3)), 1e-5) << "the other part is free";
 }
 
 TEST(LargeSteps, duplicateVerticesOfASeamMoveTogether) {
@@ -107,7 +107,7 @@ TEST(LargeSteps, duplicateVerticesOfASeamMoveTogether) {
     EXPECT_EQ(steps->componentCount(), 1u);
     const auto a = noise(steps->size(), 5);
     std::vector<Vec3f> u(a.begin(), a.end()), out(g.positions.size());
-    steps->offsets(u, out, false);
+    steps->offsets(u, out, 0);
     for (size_t y = 0; y < 8; ++y) EXPECT_EQ(out[y * 8 + 7], out[64 + y * 8]);
 }
 

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/splat/init.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/unit/recon_splat/toy_scene.h"
+
+namespace dpl::test {
+namespace {
+
+/** A body of 0.2 m within a garment of 0.25 m. The garment ends `open` triangles before the south pole, where the body shows. */
+MeshData dressedBall(size_t open) {
+    MeshData mesh = ballMesh(20, 28, 0.2f);
+    const MeshData outer = ballMesh(20, 28, 0.25f);
+    const uint32_t vertices = uint32_t(mesh.restPositions.size()), triangles = uint32_t(mesh.triangles.size());
+    mesh.layers = {{"body", "body", 0, vertices, 0, triangles},
+                   {"top", "garment", vertices, uint32_t(outer.restPositions.size()), triangles, triangles - uint32_t(open)}};
+    mesh.restPositions.insert(mesh.restPositions.end(), outer.restPositions.begin(), outer.restPositions.end());
+    mesh.jointIndices.insert(mesh.jointIndices.end(), outer.jointIndices.begin(), outer.jointIndices.end());
+    mesh.jointWeights.insert(mesh.jointWeights.end(), outer.jointWeights.begin(), outer.jointWeights.end());
+    for (size_t t = 0; t + open < outer.triangles.size(); ++t) mesh.triangles.push_back(outer.triangles[t] + Triangle(vertices));
+    return mesh;
+}
+
+/** Splats of each triangle, drawn around by the toy scene's cameras. */
+std::vector<uint32_t> splatsPerTriangle(const MeshData& mesh, Jobs& jobs) {
+    const CoOptimiseInput scene = toyScene(jobs);
+    const TriangleSight sight = triangleSight(scene.joints, mesh, scene.frames, jobs);
+    InitSettings init;
+    init.splatCount = 6000, init.shDegree = 0;
+    const auto flags = triangleFlags(mesh.restPositions, mesh.triangles, {}, init);
+    const TrainableSplats splats = initialSplats(scene.joints, mesh, flags, sight, scene.frames, init, 1, jobs);
+    std::vector<uint32_t> count(mesh.triangles.size(), 0);
+    for (const uint32_t t : splats.triangle) ++count[t];
+    return count;
+}
+
+TEST(InitialSplats, bodyBelowClothesHasNoneAndClothesAreCovered) {
+    Jobs jobs(2);
+    const MeshData mesh = dressedBall(0);
+    const auto count = splatsPerTriangle(mesh, jobs);
+    const size_t body = mesh.layers[0].triangleCount;
+    EXPECT_EQ(std::count_if(count.begin(), count.begin() + long(body), [](uint32_t n) { return n > 0; }), 0);
+    for (size_t t = body; t < count.size(); ++t) ASSERT_GT(count[t], 0u) << "garment triangle " << t;
+}
+
+TEST(InitialSplats, bodyNearAHemHasSplats) {
+    Jobs jobs(2);
+    const size_t open = 200;
+    const MeshData mesh = dressedBall(open);
+    const auto count = splatsPerTriangle(mesh, jobs);
+    const size_t body = mesh.layers[0].triangleCount;
+    EXPECT_GT(count[body - open / 2], 0u) << "bare skin below the hem";
+    EXPECT_EQ(count[0], 0u) << "the pole at the other end is covered";
+}
+
+TEST(InitialSplats, oneLayerKeepsItsUnseenTriangles) {
+    Jobs jobs(2);
+    MeshData mesh = dressedBall(0);
+    mesh.layers = {{"body", "body", 0, uint32_t(mesh.restPositions.size()), 0, uint32_t(mesh.triangles.size())}};
+    const auto count = splatsPerTriangle(mesh, jobs);
+    EXPECT_GT(*std::min_element(count.begin(), count.end()), 0u);
+}
+
+TEST(InitialSplats, unseenSplatsTakeTheColourOfTheirNeighbours) {
+    Jobs jobs(2);
+    const CoOptimiseInput scene = toyScene(jobs);
+    std::vector<TrainFrame> front;  // these cameras do not see the back of the ball
+    for (const TrainFrame& frame : scene.frames)
+        if (frame.camera.eye().z > 0.5) front.push_back(frame);
+    ASSERT_FALSE(front.empty());
+    for (TrainFrame& frame : front) {  // a picture that is red above and blue below
+        FramePicture picture = *frame.picture;
+        for (size_t i = 0; i < picture.mask.pixels.size(); ++i) {
+            const bool above = i / frame.camera.widthPx < frame.camera.heightPx / 2;
+            picture.image.pixels[i * 3] = above ? 255 : 0, picture.image.pixels[i * 3 + 1] = 0,
+                                     picture.image.pixels[i * 3 + 2] = above ? 0 : 255;
+        }
+        frame.picture = std::make_shared<const FramePicture>(std::move(picture));
+    }
+    const TriangleSight sight = triangleSight(scene.joints, scene.mesh, front, jobs);
+    ASSERT_GT(std::count(sight.seen.begin(), sight.seen.end(), uint8_t(0)), 20);
+    InitSettings init;
+    init.splatCount = 3000, init.shDegree = 0;
+    const auto flags = triangleFlags(scene.mesh.restPositions, scene.mesh.triangles, {}, init);
+    const TrainableSplats splats = initialSplats(scene.joints, scene.mesh, flags, sight, front, init, 1, jobs);
+    size_t checked = 0;
+    for (uint32_t i = 0; i < splats.count(); ++i) {
+        const Triangle& t = scene.mesh.triangles[splats.triangle[i]];
+        const Vec3f p = (scene.mesh.restPositions[t.x] + scene.mesh.restPositions[t.y] + scene.mesh.restPositions[t.z]) / 3.0f;
+        if (sight.seen[splats.triangle[i]] || std::abs(p.y) < 0.13f) continue;
+        const float* sh = splats.rows.data() + i * splats.stride + kRowSh;
+        EXPECT_GT(p.y > 0 ? sh[0] - sh[2] : sh[2] - sh[0], 1.0f) << "splat " << i << " at height " << p.y;
+        ++checked;
+    }
+    EXPECT_GT(checked, 30u);
+}
+
+}  // namespace
+}  // namespace dpl::test
