@@ -123,15 +123,18 @@ inline void composeDepth(std::span<const uint8_t> layer, std::span<const float> 
     }
 }
 
-/** Of stored values; without the alpha of A2B10G10R10, which has two bits. */
-inline double psnrDb(TargetFormat format, std::span<const uint8_t> a, std::span<const uint8_t> b) {
-    const size_t channels = format == TargetFormat::A2b10g10r10 ? 3 : 4, pixels = std::min(a.size(), b.size()) / bytesOf(format);
+/** Of stored values, of the first `channels` of a pixel: 3 leaves out alpha, for pictures that are opaque everywhere. */
+inline double psnrDb(TargetFormat format, std::span<const uint8_t> a, std::span<const uint8_t> b, size_t channels) {
+    const size_t pixels = std::min(a.size(), b.size()) / bytesOf(format);
     double sum = a.size() == b.size() ? 0 : INFINITY;
     for (size_t i = 0; i < pixels; ++i) {
         const StoredPixel x = unpack(format, &a[i * bytesOf(format)]), y = unpack(format, &b[i * bytesOf(format)]);
         for (size_t c = 0; c < channels; ++c) sum += (x[c] - y[c]) * (x[c] - y[c]);
     }
     return 10 * std::log10(double(pixels * channels) / std::max(sum, 1e-12));
+}
+inline double psnrDb(TargetFormat format, std::span<const uint8_t> a, std::span<const uint8_t> b) {
+    return psnrDb(format, a, b, format == TargetFormat::A2b10g10r10 ? 3 : 4);  // its alpha has two bits
 }
 
 }  // namespace dpl::reference

@@ -9,13 +9,13 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "apps/shared/pictures.h"
 #include "reconstruction/image/image_codec.h"
 #include "reconstruction/package/avatar_bytes.h"
 #include "sdk/core/files.h"
+#include "tests/reference/composition.h"
 
 namespace dpl {
 namespace {
@@ -50,14 +50,6 @@ DplCamera cameraOf(const nlohmann::json& view) {
     return camera;
 }
 
-/** Over the colours of RGBA codes. */
-double psnrDb(std::span<const uint8_t> a, std::span<const uint8_t> b) {
-    double sum = 0;
-    for (size_t i = 0; i < a.size(); ++i)
-        if (i % 4 != 3) sum += std::pow((double(a[i]) - double(b[i])) / 255, 2);
-    return sum == 0 ? std::numeric_limits<double>::infinity() : 10 * std::log10(double(a.size()) * 3 / 4 / sum);
-}
-
 struct Compared {
     double db = 0;
     size_t avatarPixels = 0, depthPixels = 0;  // that show the avatar; in whose depth it is, before the room
@@ -83,7 +75,7 @@ Result<Compared> compareView(const doppel::Context& context, const doppel::Avata
     image.format = DPL_FORMAT_RGBA8_SRGB;
     if (const auto rendered = doppel::status(dplRender(context.handle(), avatar.handle(), &camera, 1, &image)); !rendered)
         return fromSdk(rendered.error());
-    out.db = psnrDb(captured, expected);
+    out.db = reference::psnrDb(reference::TargetFormat::Rgba8Srgb, captured, expected, 3);
     for (size_t i = 0; i < captured.size(); i += 4) out.avatarPixels += !std::equal(&captured[i], &captured[i] + 3, &background[i]);
     return out;
 }

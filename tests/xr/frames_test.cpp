@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "apps/bench/count_allocations.h"
+#include "tests/reference/composition.h"
 #include "tests/xr/xr_fixture.h"
 
 namespace dpl::test {
@@ -49,7 +50,7 @@ void expectPictures(const mockxr::SubmittedFrame& frame, const mockxr::Settings&
         EXPECT_EQ(height, settings.heightPx);
         const DplCamera camera = cameraOf(worldFromView, set.fov, width, height);
         const auto expected = expectedPicture(camera), drawn = asRgba8Srgb(view);
-        EXPECT_GE(psnrDb(drawn, expected), 50.0);
+        EXPECT_GE(reference::psnrDb(reference::TargetFormat::Rgba8Srgb, drawn, expected, 3), 50.0);
         EXPECT_GT(differingPixels(expected, expectedPicture(camera, false)), width * height / 100) << "the avatar is in the picture";
     }
 }

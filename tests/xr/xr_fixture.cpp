@@ -178,15 +178,6 @@ std::vector<uint8_t> asRgba8Srgb(const mockxr::SubmittedView& view) {
     return out;
 }
 
-double psnrDb(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
-    EXPECT_EQ(a.size(), b.size());
-    if (a.size() != b.size()) return 0;
-    double sum = 0;
-    for (size_t i = 0; i < a.size(); ++i)
-        if (i % 4 != 3) sum += std::pow((double(a[i]) - double(b[i])) / 255, 2);
-    return 10 * std::log10(double(a.size()) * 3 / 4 / std::max(sum, 1e-9));
-}
-
 size_t differingPixels(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
     size_t count = 0;
     for (size_t i = 0; i < a.size() && i < b.size(); i += 4) {

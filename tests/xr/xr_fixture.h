@@ -52,9 +52,6 @@ std::vector<uint8_t> expectedPicture(DplCamera camera, bool withAvatar = true);
 /** Submitted pixels as RGBA8 sRGB codes. */
 std::vector<uint8_t> asRgba8Srgb(const mockxr::SubmittedView& view);
 
-/** Of colours, codes of 0 to 255. */
-double psnrDb(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b);
-
 /** Pixels that differ by more than 8 codes in a colour. */
 size_t differingPixels(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b);
 
