@@ -11,6 +11,7 @@
 #include "reconstruction/body/fit_silhouette.h"
 #include "reconstruction/body/keypoint_noise.h"
 #include "reconstruction/body/landmark_offsets.h"
+#include "reconstruction/body/swapped_sides.h"
 #include "reconstruction/priors.h"
 
 namespace dpl {
@@ -400,7 +401,13 @@ Result<BodyFit> fitBody(const BodyModel& body, const Scan& scan, std::span<const
             if (!(k.confidence >= 0) || (k.confidence > 0 && (!std::isfinite(k.px.x) || !std::isfinite(k.px.y))))
                 return fail(Code::CorruptData, "frame '{}' has a keypoint that is not finite", scan.frames[f].name);
     }
-    return BodyFitter(body, scan, keypoints, settings).run();
+    const std::vector<bool> swapped = swappedSides(scan, keypoints);
+    std::vector<std::vector<Keypoint>> righted(keypoints.begin(), keypoints.end());
+    for (size_t f = 0; f < righted.size(); ++f)
+        if (swapped[f]) righted[f] = withSidesSwapped(righted[f], scan.keypointNames);
+    DPL_TRY(BodyFit fit, BodyFitter(body, scan, righted, settings).run());
+    fit.swapped = swapped;
+    return fit;
 }
 
 Result<BodyFit> fitBody(const BodyModel& body, const Scan& scan, const BodyFitSettings& settings) {

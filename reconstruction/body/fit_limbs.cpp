@@ -13,7 +13,6 @@ namespace dpl {
 namespace {
 
 constexpr int kStates = 4;  // elbow near or far × wrist near or far
-constexpr double kMaxGapS = 1.0;
 constexpr int kTwistSteps = 10;
 constexpr double kTwistStepRad = 0.15;
 constexpr double kSidewaysSigmaRad = 0.15, kHyperextensionSigmaRad = 0.15;  // loose: elbow depth is known to a few cm

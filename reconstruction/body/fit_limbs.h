@@ -13,6 +13,8 @@
 
 namespace dpl {
 
+constexpr double kMaxGapS = 1.0;  // moving frames farther apart in time say nothing about each other
+
 struct LimbRig {
     Vec3d upperDirection{0}, hingeAxis{0};  // unit, rest frame; a positive angle about hingeAxis bends the elbow
     double restBendRad = 0;                 // signed angle about hingeAxis

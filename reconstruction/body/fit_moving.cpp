@@ -13,7 +13,6 @@
 namespace dpl {
 namespace {
 
-constexpr double kMaxGapS = 1.0;  // no smoothness term across a longer gap
 constexpr double kLooseFootScale = 5;
 constexpr int kUntangleRounds = 3;
 constexpr double kTrackStepRad = 0.5, kTrackStepM = 0.3;  // σ of the change of pose and root from frame to frame; tracking only

@@ -41,6 +41,7 @@ std::string fitToJson(const BodyFit& fit) {
                 {"landmarks", json::array()},
                 {"static_pose", poseJson(fit.staticPose)},
                 {"poses", json::array()},
+                {"swapped", fit.swapped},
                 {"fitted", fit.fitted}};
     for (const LandmarkOffset& l : fit.landmarks) out["landmarks"].push_back({l.joint, l.offset.x, l.offset.y, l.offset.z});
     for (const Pose& pose : fit.poses) out["poses"].push_back(poseJson(pose));
@@ -73,6 +74,8 @@ Result<BodyFit> readFitFile(const std::filesystem::path& path, size_t frameCount
         fit.keypointSigma = root.at("keypoint_sigma").get<double>();
         fit.outlierShare = root.at("outlier_share").get<double>();
         fit.fitted = root.at("fitted").get<std::vector<bool>>();
+        fit.swapped = root.at("swapped").get<std::vector<bool>>();
+        if (!fit.swapped.empty() && fit.swapped.size() != frameCount) return bad();
         if (fit.shape.size() != morphCount || fit.fitted.size() != frameCount || root.at("poses").size() != frameCount) return bad();
         if (!poseFrom(root.at("static_pose"), jointCount, fit.staticPose)) return bad();
         fit.poses.resize(frameCount);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
+#include "reconstruction/body/swapped_sides.h"
 #include "reconstruction/pipeline/stage_keys.h"
 #include "reconstruction/pipeline/stages.h"
 #include "reconstruction/priors.h"
@@ -45,6 +46,7 @@ Status fit(const StageRun& run, const IngestedScan& ingested, const FittedBody& 
     for (size_t f = 0; f < scan.frames.size(); ++f) {
         const ScanFrame& frame = scan.frames[f];
         DPL_TRY(keypoints[f], readKeypoints(scan, frame));
+        if (f < body.fit.swapped.size() && body.fit.swapped[f]) keypoints[f] = withSidesSwapped(keypoints[f], scan.keypointNames);
         if (isTrainingFrame(ingested, f)) {
             DPL_TRY(shown[f], pictures.of(f));
             if (frame.kind != FrameKind::Dynamic) stills.push_back({frame.name, frame.kind, body.cameras[f], surface.poses[f], shown[f]});

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reconstruction/body/fit_limbs.h"
 #include "reconstruction/priors.h"
 
 namespace dpl {
 namespace {
 
-constexpr double kMaxGapS = 1.0;     // no smoothness term across a longer gap
 constexpr double kNoSwayRad = 1e-4;  // of joints that do not sway
 
 Mat3d matrixOf(const Quatf& q) {

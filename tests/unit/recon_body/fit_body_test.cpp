@@ -9,6 +9,7 @@
 
 #include "reconstruction/body/body_truth.h"
 #include "reconstruction/body/keypoint_chain.h"
+#include "reconstruction/body/swapped_sides.h"
 #include "small_body.h"
 
 namespace dpl {
@@ -104,6 +105,16 @@ TEST(FitBody, findsStillAndMovingPosesDespiteNoiseGapsAndOutliers) {
     EXPECT_LT(meanErrorMm(m, *fit, FrameKind::Dynamic, Split::Test), 20);
     EXPECT_NEAR(fit->shape[0], 0.8, 0.4);  // 0.4 of a standard deviation: 16 mm of 1 m
     for (const SolveEnd& s : fit->solves) EXPECT_TRUE(s.usable) << s.what << ": " << s.how;
+}
+
+TEST(FitBody, swapsLeftAndRightBack) {
+    Made m = make(3, 1, /*movingFrames=*/12);
+    const size_t turned = 16 + 3 + 8;
+    m.keypoints[turned] = withSidesSwapped(m.keypoints[turned], m.scan.keypointNames);
+    const auto fit = fitBody(m.body, m.scan, m.keypoints);
+    ASSERT_TRUE(fit) << fit.error().message;
+    for (size_t f = 0; f < m.scan.frames.size(); ++f) EXPECT_EQ(fit->swapped[f], f == turned) << f;
+    EXPECT_LT(meanErrorMm(m, *fit, FrameKind::Dynamic, Split::Train), 25);
 }
 
 TEST(FitBody, heldOutDataReachesNothingThatShips) {

@@ -73,7 +73,9 @@ void expectGradient(const PictureCost& cost, size_t columns) {
         more[i] += h, less[i] -= h;
         const double numeric = (CostCase::half(cost, more, nullptr) - CostCase::half(cost, less, nullptr)) / (2 * h);
         EXPECT_NEAR(gradient[i], numeric, 1e-3 * largest) << i;  // float pictures: measured 2e-5
-        if (i < kRootSize) EXPECT_NE(gradient[i], 0) << i;
+        if (i < kRootSize) {
+            EXPECT_NE(gradient[i], 0) << i;
+        }
     }
 }
 
