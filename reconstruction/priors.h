@@ -241,7 +241,7 @@ inline constexpr double kWorthItDb = 0.05;
 inline constexpr double kHullOutvotedShare = 0.04;
 /** Distance from the body within which cloth follows the body's skin weights.
  *  unit: m | origin: round figure | half, double: not measured */
-inline constexpr double kClothContactM = 0.02;
+inline constexpr double kClothContactM = 0.015;
 /** Length over which the skin weights of free-hanging cloth are smoothed, for each metre of distance from the body.
  *  unit: ratio | origin: dev; scan-c | half, double: not measured */
 inline constexpr double kClothHang = 3;

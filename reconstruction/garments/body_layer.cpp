@@ -12,7 +12,7 @@ namespace dpl {
 namespace {
 
 constexpr double kFadeM = 0.015;       // smoothing of the border between skin and clothes
-constexpr double kPushSpreadM = 0.01;  // how far neighbours of a pushed vertex follow
+constexpr double kPushSpreadM = 0.02;  // how far neighbours of a pushed vertex follow
 constexpr float kReachM = 0.05f;       // a garment farther off does not push
 constexpr float kCovers = 0.2f;        // least cosine between the normals of a garment and of the skin that it covers
 constexpr int kRounds = 6;
@@ -83,9 +83,9 @@ Result<std::vector<Vec3f>> pushBelow(std::span<const Vec3f> posedBody, std::span
                 any = true;
             }
         if (!any) break;
-        std::vector<Vec3f> follow = spread(smooth, push, pushed, 0.05f);
-        const bool last = round + 1 == kRounds;  // the last round moves only vertices that need it, by as much as they need
-        for (size_t v = 0; v < at.size(); ++v) at[v] += pushed[v].x > 0 ? push[v] : last ? Vec3f(0) : follow[v];
+        // Neighbours follow in the first round only. Later rounds move what still lies too high, by as much as it needs.
+        const std::vector<Vec3f> follow = round == 0 ? spread(smooth, push, pushed, 0.05f) : push;
+        for (size_t v = 0; v < at.size(); ++v) at[v] += pushed[v].x > 0 ? push[v] : follow[v];
     }
     for (size_t v = 0; v < at.size(); ++v) at[v] -= posedBody[v];
     return at;

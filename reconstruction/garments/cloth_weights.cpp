@@ -5,6 +5,8 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <span>
 
 #include "reconstruction/priors.h"
 #include "sdk/format/skin_weights.h"
@@ -13,16 +15,18 @@
 namespace dpl {
 namespace {
 
-constexpr float kFacing = 0.3f;       // least cosine between the normals of cloth and of the body point that it follows
-constexpr float kSearchM = 0.5f;      // no body point that faces the same way within this: any body point
-constexpr float kLargestStep = 0.1f;  // of a joint's weight along an edge; steeper steps tear cloth
+constexpr float kFacing = 0.3f;          // least cosine between the normals of cloth and of the body point that it follows
+constexpr float kSearchM = 0.5f;         // no body point that faces the same way within this: any body point
+constexpr float kLargestStep = 0.1f;     // of a joint's weight along an edge; steeper steps tear cloth
+constexpr float kStepBeforeCut = 0.07f;  // the cut to four joints makes steps steeper
 constexpr int kSmoothingRounds = 400;
+constexpr int kCutRounds = 12;
 constexpr float kSmallestDeterminant = 0.05f;
 
-/** Dense rows V × jointCount. */
+/** Dense rows, one column for each joint that the body below uses. */
 struct Rows {
     size_t jointCount;
-    std::vector<float> value;
+    std::vector<float> value;  // V × jointCount
     float* operator[](size_t vertex) { return &value[vertex * jointCount]; }
     const float* operator[](size_t vertex) const { return &value[vertex * jointCount]; }
 };
@@ -33,7 +37,7 @@ float stepBetween(const Rows& rows, uint32_t a, uint32_t b) {
     return step;
 }
 
-/** Averages the ends of steep edges with their neighbours until no joint's weight changes by more than kLargestStep along an edge. */
+/** Averages the ends of steep edges with their neighbours until no joint's weight changes by more than kStepBeforeCut along an edge. */
 void limitSteps(Rows& rows, const std::vector<std::vector<uint32_t>>& neighbours) {
     std::vector<float> next;
     for (int round = 0; round < kSmoothingRounds; ++round) {
@@ -41,7 +45,7 @@ void limitSteps(Rows& rows, const std::vector<std::vector<uint32_t>>& neighbours
         bool any = false;
         for (uint32_t v = 0; v < neighbours.size(); ++v)
             for (uint32_t n : neighbours[v])
-                if (stepBetween(rows, v, n) > 0.85f * kLargestStep) steep[v] = 1, any = true;  // the cut to four joints adds a little
+                if (stepBetween(rows, v, n) > kStepBeforeCut) steep[v] = 1, any = true;
         if (!any) return;
         next = rows.value;
         for (uint32_t v = 0; v < neighbours.size(); ++v) {
@@ -56,6 +60,29 @@ void limitSteps(Rows& rows, const std::vector<std::vector<uint32_t>>& neighbours
     }
 }
 
+/** Cuts each row to four unorm8 weights, into `out`, and writes the cut weights back. The fifth largest weight is first taken off all, so
+ *  that a joint that drops out of the four has faded to nothing before: otherwise cloth tears where the four change. */
+void cutRows(Rows& rows, std::span<const uint32_t> jointOf, ClothWeights& out) {
+    const size_t count = rows.value.size() / rows.jointCount;
+    out.joints.resize(count), out.weights.resize(count);
+    std::vector<std::pair<uint32_t, float>> row;
+    for (size_t v = 0; v < count; ++v) {
+        std::vector<float> sorted(rows[v], rows[v] + rows.jointCount);
+        std::sort(sorted.begin(), sorted.end(), std::greater<>());
+        const float fifth = sorted.size() > 4 ? sorted[4] : 0;
+        row.clear();
+        for (uint32_t j = 0; j < rows.jointCount; ++j)
+            if (rows[v][j] > fifth) row.emplace_back(jointOf[j], rows[v][j] - fifth);
+        const PackedWeights packed = packWeights(row);
+        out.joints[v] = packed.joints, out.weights[v] = packed.weights;
+        for (size_t j = 0; j < rows.jointCount; ++j) {
+            rows[v][j] = 0;
+            for (int k = 0; k < 4; ++k)
+                if (packed.joints[k] == jointOf[j]) rows[v][j] += float(packed.weights[k]) / 255;
+        }
+    }
+}
+
 }  // namespace
 
 Result<ClothWeights> clothWeights(const SurfaceMesh& piece, const MeshData& body, const ClosestSurface& bodySurface, size_t jointCount) {
@@ -64,21 +91,29 @@ Result<ClothWeights> clothWeights(const SurfaceMesh& piece, const MeshData& body
     const auto neighbours = vertexNeighbours(count, piece.triangles);
     ClothWeights out;
     out.distanceM.resize(count);
-    Rows target{jointCount, std::vector<float>(count * jointCount, 0.0f)};
-    std::vector<uint8_t> used(jointCount, 0);
+    std::vector<SurfacePoint> below(count);
+    std::vector<uint32_t> columnOf(jointCount, UINT32_MAX), jointOf;
     for (size_t v = 0; v < count; ++v) {
-        SurfacePoint at = bodySurface.findFacing(piece.positions[v], normals[v], kFacing, kSearchM);
-        if (!at.found()) at = bodySurface.find(piece.positions[v]);
-        out.distanceM[v] = at.distanceM;
+        below[v] = bodySurface.findFacing(piece.positions[v], normals[v], kFacing, kSearchM);
+        if (!below[v].found()) below[v] = bodySurface.find(piece.positions[v]);
+        out.distanceM[v] = below[v].distanceM;
         for (int corner = 0; corner < 3; ++corner) {
-            const uint32_t from = body.triangles[at.triangle][corner];
-            for (int k = 0; k < 4; ++k) {
-                if (body.jointWeights[from][k] == 0) continue;
-                target[v][body.jointIndices[from][k]] += at.barycentric[corner] * float(body.jointWeights[from][k]) / 255;
-                used[body.jointIndices[from][k]] = 1;
-            }
+            const uint32_t from = body.triangles[below[v].triangle][corner];
+            for (int k = 0; k < 4; ++k)
+                if (body.jointWeights[from][k] != 0) columnOf[body.jointIndices[from][k]] = 0;
         }
     }
+    for (uint32_t j = 0; j < jointCount; ++j)
+        if (columnOf[j] == 0) columnOf[j] = uint32_t(jointOf.size()), jointOf.push_back(j);
+    Rows target{jointOf.size(), std::vector<float>(count * jointOf.size(), 0.0f)};
+    for (size_t v = 0; v < count; ++v)
+        for (int corner = 0; corner < 3; ++corner) {
+            const uint32_t from = body.triangles[below[v].triangle][corner];
+            for (int k = 0; k < 4; ++k)
+                if (body.jointWeights[from][k] != 0)
+                    target[v][columnOf[body.jointIndices[from][k]]] +=
+                        below[v].barycentric[corner] * float(body.jointWeights[from][k]) / 255;
+        }
     double edge = 0, edges = 0;
     for (size_t v = 0; v < count; ++v)
         for (uint32_t n : neighbours[v]) edge += glm::length(piece.positions[v] - piece.positions[n]), edges += 1;
@@ -97,29 +132,21 @@ Result<ClothWeights> clothWeights(const SurfaceMesh& piece, const MeshData& body
     matrix.setFromTriplets(entries.begin(), entries.end());
     const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(matrix);
     if (factor.info() != Eigen::Success) return fail(Code::Internal, "the skin weights of a garment could not be solved; report this scan");
-    Rows rows{jointCount, std::vector<float>(count * jointCount, 0.0f)};
-    for (size_t j = 0; j < jointCount; ++j) {
-        if (!used[j]) continue;
-        Eigen::VectorXd right{Eigen::Index(count)};
+    Rows rows{jointOf.size(), std::vector<float>(target.value.size())};
+    for (size_t j = 0; j < jointOf.size(); ++j) {
+        Eigen::VectorXd right = Eigen::VectorXd::Zero(Eigen::Index(count));
         for (size_t v = 0; v < count; ++v) right[Eigen::Index(v)] = data[Eigen::Index(v)] * target[v][j];
         const Eigen::VectorXd x = factor.solve(right);
         for (size_t v = 0; v < count; ++v) rows[v][j] = float(std::max(0.0, x[Eigen::Index(v)]));
     }
-    limitSteps(rows, neighbours);
-
-    std::vector<std::pair<uint32_t, float>> row;
-    for (size_t v = 0; v < count; ++v) {
-        row.clear();
-        for (uint32_t j = 0; j < jointCount; ++j)
-            if (rows[v][j] > 0) row.emplace_back(j, rows[v][j]);
-        const PackedWeights packed = packWeights(row);
-        out.joints.push_back(packed.joints);
-        out.weights.push_back(packed.weights);
-        std::fill_n(rows[v], jointCount, 0.0f);
-        for (int k = 0; k < 4; ++k) rows[v][packed.joints[k]] += float(packed.weights[k]) / 255;
+    for (int round = 0; round < kCutRounds; ++round) {  // the cut to four joints makes some steps steeper again
+        limitSteps(rows, neighbours);
+        cutRows(rows, jointOf, out);
+        out.largestStep = 0;
+        for (uint32_t v = 0; v < count; ++v)
+            for (uint32_t n : neighbours[v]) out.largestStep = std::max(out.largestStep, stepBetween(rows, v, n));
+        if (out.largestStep <= kLargestStep) break;
     }
-    for (uint32_t v = 0; v < count; ++v)
-        for (uint32_t n : neighbours[v]) out.largestStep = std::max(out.largestStep, stepBetween(rows, v, n));
     return out;
 }
 

@@ -153,7 +153,10 @@ Result<GarmentFit> makeClothedMesh(const GarmentInput& input, const std::functio
     DPL_CHECK_OK(report(0.4));
     fit.hullIou = meanIou(hull, input, body.still, jobs);
     DPL_TRY(LabelField votes, voteLabels(hull, input.views, body.still.cameras, input.labels, kLabelSmoothingM, jobs));
-    GarmentPieces taken = takeGarments(hull, std::move(votes), {});
+    const ClosestSurface fitted(body.posed, input.body.triangles);
+    const std::vector<float> underside = hemUndersides(
+        hull, votes, [&](const Vec3f& p) { return field(p); }, fitted);
+    GarmentPieces taken = takeGarments(hull, std::move(votes), underside, {});
     fit.decisions = std::move(taken.decisions);
     if (taken.pieces.empty()) return oneLayer("no label is worth a layer of its own");
     DPL_CHECK_OK(report(0.6));
@@ -174,7 +177,6 @@ Result<GarmentFit> makeClothedMesh(const GarmentInput& input, const std::functio
     fit.clothed = bodyLayer(input, offsets);
     DPL_CHECK_OK(report(0.8));
 
-    const ClosestSurface fitted(body.posed, input.body.triangles);
     size_t vertices = 0, inside = 0;
     const ClosestSurface restBody(fit.clothed.mesh.restPositions, input.body.triangles);
     for (const GarmentPiece& piece : taken.pieces) {

@@ -12,6 +12,7 @@
 namespace dpl {
 namespace {
 
+constexpr int kSmoothingRounds = 12;
 constexpr float kFarOutsideM = 1.0f;  // where too few views look
 constexpr size_t kMaxViews = 512;     // that one evaluation holds on its stack; of more views an even share is used
 
@@ -38,6 +39,21 @@ std::vector<float> signedDistance(const ImageGrey8& mask) {
         }
     cv::GaussianBlur(distance, distance, cv::Size(0, 0), 1.0, 1.0, cv::BORDER_REPLICATE);
     return {distance.begin<float>(), distance.end<float>()};
+}
+
+/** Removes the ridges between facets of the hull and the noise of outlines without shrinking it (Taubin 1995, λ|μ). */
+void smooth(SurfaceMesh& mesh) {
+    const auto neighbours = vertexNeighbours(mesh.positions.size(), mesh.triangles);
+    for (int round = 0; round < kSmoothingRounds; ++round)
+        for (const float step : {0.5f, -0.52f}) {
+            std::vector<Vec3f> next = mesh.positions;
+            for (size_t v = 0; v < next.size(); ++v) {
+                Vec3f mean(0);
+                for (uint32_t n : neighbours[v]) mean += mesh.positions[n] / float(neighbours[v].size());
+                if (!neighbours[v].empty()) next[v] += step * (mean - mesh.positions[v]);
+            }
+            mesh.positions = std::move(next);
+        }
 }
 
 }  // namespace
@@ -85,7 +101,9 @@ SurfaceMesh meshHull(const SilhouetteField& field, const Vec3f& low, const Vec3f
     const ScalarField value = [&](const Vec3f& p) { return field(p); };
     const SurfaceMesh raw = marchField(value, grid, jobs);
     if (raw.triangles.empty()) return {};
-    return remesh(largestPiece(raw), value, {[&](const Vec3f&) { return options.edgeM; }, 6}, jobs);
+    SurfaceMesh hull = remesh(largestPiece(raw), value, {[&](const Vec3f&) { return options.edgeM; }, 6}, jobs);
+    smooth(hull);
+    return hull;
 }
 
 }  // namespace dpl
