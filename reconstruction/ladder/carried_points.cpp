@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/ladder/carried_points.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
