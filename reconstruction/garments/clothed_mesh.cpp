@@ -18,7 +18,6 @@
 namespace dpl {
 namespace {
 
-constexpr size_t kFewestViews = 6;          // a hull of fewer views is not the shape of the clothes
 constexpr double kLabelSmoothingM = 0.008;  // of the votes
 constexpr float kNudgeM = 2e-5f;            // between vertices of two layers at the same position
 
@@ -135,9 +134,9 @@ Result<GarmentFit> makeClothedMesh(const GarmentInput& input, const std::functio
     const auto labelled = std::count_if(input.views.begin(), input.views.end(), [](const auto& v) { return !v.labels.pixels.empty(); });
     if (labels.size() < 2) return oneLayer("the scan names no clothing labels");
     if (labelled == 0) return oneLayer("no still picture has labels");
-    if (input.views.size() < kFewestViews)
-        return oneLayer(
-            formatText("{} still pictures are too few for the shape of clothes; {} are needed", input.views.size(), kFewestViews));
+    if (input.views.size() < priors::kFewestHullViews)
+        return oneLayer(formatText("{} still pictures are too few for the shape of clothes; {} are needed", input.views.size(),
+                                   priors::kFewestHullViews));
 
     StillBody body;
     body.still = compensateSway(input.joints, input.views);

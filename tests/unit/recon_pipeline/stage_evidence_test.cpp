@@ -13,7 +13,7 @@ Result<MeasuredParts> measure(ToyReconstruction& toy) {
         DPL_TRY(FrameSet set, framesOf(toy.ingested, Split::Train, toy.body.cameras, toy.truth, pictures));
         return AssembledAvatar{toy.avatar, std::move(set.frames)};
     });
-    return runEvidence(toy.run, toy.ingested, toy.body, toy.surface, toy.training, trained, pictures, settingsOf({}));
+    return runEvidence(toy.run, toy.ingested, toy.body, toy.registered, toy.training, trained, pictures, settingsOf({}));
 }
 
 const EvidenceData& rowOf(const MeasuredParts& measured, AvatarPart part) {

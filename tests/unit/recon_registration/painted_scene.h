@@ -126,7 +126,7 @@ struct PaintedScene {
                 turn(start, "leftUpperArm", {0.06, 0.05, 0.7 * (1 - std::cos(phase)) + 0.08});
             }
             frames.push_back({isStill ? FrameKind::StaticFull : FrameKind::Dynamic, isStill ? 0.0 : 0.2 * (i - 12), camera, start,
-                              &pictures[size_t(i)], keypoints[size_t(i)], false});
+                              &pictures[size_t(i)], keypoints[size_t(i)], Split::Train});
         }
     }
     PaintedScene(const PaintedScene&) = delete;

@@ -48,7 +48,7 @@ TEST(InitialSplats, bodyBelowClothesHasNoneAndClothesAreCovered) {
 
 TEST(InitialSplats, bodyNearAHemHasSplats) {
     Jobs jobs(2);
-    const size_t open = 200;
+    const size_t open = 500;
     const MeshData mesh = dressedBall(open);
     const auto count = splatsPerTriangle(mesh, jobs);
     const size_t body = mesh.layers[0].triangleCount;
