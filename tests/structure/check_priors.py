@@ -13,7 +13,7 @@ import sys
 # Names of development scans in comments. provenance.cpp lists the set.
 DEVELOPMENT = re.compile(r"scan-[ac]\b|scan-tiny|biker|procedural seed", re.I)
 EXEMPT = {"reconstruction/priors.h", "reconstruction/report/provenance.cpp", "reconstruction/report/provenance.h"}
-COMMENT = re.compile(r"/\*\*(.*?)\*/\s*inline constexpr (?:double|float) (k\w+) = ([^;]+);", re.S)
+COMMENT = re.compile(r"/\*\*(.*?)\*/\s*inline constexpr (?:double|float|size_t) (k\w+) = ([^;]+);", re.S)
 
 
 def page(header):
@@ -35,7 +35,7 @@ def page(header):
             lines.append(f"| `{name}` | {value.rstrip('f')} | {unit} | {meaning} | {origin} | {sweep} |")
             found += 1
         lines.append("")
-    if found != len(re.findall(r"^inline constexpr (?:double|float)", header, re.M)):
+    if found != len(re.findall(r"^inline constexpr (?:double|float|size_t)", header, re.M)):
         raise SystemExit("priors.h: an entry has no comment of its own")
     return "\n".join(lines).rstrip() + "\n"
 
