@@ -32,7 +32,7 @@ public:
           keypoints_(keypoints),
           settings_(settings),
           priors_(posePriors(body)),
-          chain_(body, scan.keypointNames, posed(priors_)) {
+          chain_(body, scan.keypointNames, jointsOf(priors_)) {
         context_.chain = &chain_;
         for (size_t s = 0; s < priors_.size(); ++s)
             if (priors_[s].swayRad > 0) context_.sway.slots.push_back(uint32_t(s));
@@ -45,18 +45,13 @@ public:
     Result<BodyFit> run();
 
 private:
-    static std::vector<uint32_t> posed(const std::vector<JointPrior>& priors) {
-        std::vector<uint32_t> joints;
-        for (const JointPrior& p : priors) joints.push_back(p.joint);
-        return joints;
-    }
     bool isStill(size_t f) const { return scan_.frames[f].kind != FrameKind::Dynamic; }
     bool isTrain(size_t f) const { return scan_.frames[f].split == Split::Train; }
     bool usable(size_t f) const;
     std::vector<size_t> select(FrameKind kind, Split split) const;
     /** Whether frame g may influence the pose of a frame of this split: training frames know only each other, validation frames know
      *  training frames too, and test frames know all. */
-    bool isKnownTo(Split split, size_t g) const { return scan_.frames[g].split == split || isTrain(g) || split == Split::Test; }
+    bool isKnownTo(Split split, size_t g) const { return scan_.frames[g].split <= split; }
     std::vector<size_t> movingInTime(Split knownTo) const;
     double sigmaPx(size_t f) const {
         return settings_.sigmaAtFullConfidence *

@@ -236,7 +236,7 @@ Status BodyFitter::refineShape(double from, double to) {
     }
     if (masked.size() < kMinStillFrames) return {};
     const SkinSamples samples = sampleSkin(body_, kSkinSamples);
-    const KeypointChain skin(samples.body, samples.names, posed(priors_));
+    const KeypointChain skin(samples.body, samples.names, jointsOf(priors_));
     context_.outlierSigmas = settings_.outlierSigmas;
     for (int round = 0; round < kMaskRounds; ++round) {
         ceres::Problem problem;

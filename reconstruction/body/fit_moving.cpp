@@ -8,6 +8,7 @@
 #include "reconstruction/body/body_fitter.h"
 #include "reconstruction/body/body_tools.h"
 #include "reconstruction/body/fit_limbs.h"
+#include "reconstruction/body/motion_terms.h"
 #include "reconstruction/priors.h"
 
 namespace dpl {
@@ -21,28 +22,12 @@ constexpr double kTrackStepRad = 0.5, kTrackStepM = 0.3;  // σ of the change of
 
 void BodyFitter::addSmoothness(ceres::Problem& problem, const std::vector<size_t>& order, const std::function<bool(size_t)>& involves) {
     const Vec3d up = rotationOf({still_.root[0], still_.root[1], still_.root[2]}) * still_.rootReference * Vec3d(0, 1, 0);
-    std::vector<size_t> feet;
-    for (size_t k = 0; k < scan_.keypointNames.size(); ++k)
-        for (const char* name : {"ankle_l", "ankle_r", "toe_l", "toe_r"})
-            if (scan_.keypointNames[k] == name && chain_.hasKeypoint(k)) feet.push_back(k);
-    for (size_t i = 0; i + 1 < order.size() && !feet.empty(); ++i) {
-        FrameState &a = frames_[order[i]], &b = frames_[order[i + 1]];
-        const double step = scan_.frames[order[i + 1]].timeS - scan_.frames[order[i]].timeS;
-        if (!(step > 1e-4) || step > kMaxGapS || (!involves(order[i]) && !involves(order[i + 1]))) continue;
-        problem.AddResidualBlock(
-            new FootRest(context_, feet, a.rootReference, b.rootReference, priors::kFootSlideM + priors::kFootSlideMS * step), nullptr,
-            shape_.data(), a.root, a.pose.data(), b.root, b.pose.data());
+    std::vector<MovingFrame> inTime;
+    for (const size_t f : order) {
+        FrameState& s = frames_[f];
+        inTime.push_back({scan_.frames[f].timeS, &s.rootReference, s.root, s.pose.data(), involves(f)});
     }
-    for (size_t i = 1; i + 1 < order.size(); ++i) {
-        const size_t f[3] = {order[i - 1], order[i], order[i + 1]};
-        const double t[3] = {scan_.frames[f[0]].timeS, scan_.frames[f[1]].timeS, scan_.frames[f[2]].timeS};
-        if (!(t[1] - t[0] > 1e-4) || !(t[2] - t[1] > 1e-4) || t[1] - t[0] > kMaxGapS || t[2] - t[1] > kMaxGapS) continue;
-        if (!involves(f[0]) && !involves(f[1]) && !involves(f[2])) continue;
-        FrameState &a = frames_[f[0]], &b = frames_[f[1]], &c = frames_[f[2]];
-        problem.AddResidualBlock(new PoseSmoothness(priors_, t[0], t[1], t[2]), nullptr, a.pose.data(), b.pose.data(), c.pose.data());
-        problem.AddResidualBlock(makeRootSmoothness({a.rootReference, b.rootReference, c.rootReference}, up, t[0], t[1], t[2]), nullptr,
-                                 a.root, b.root, c.root);
-    }
+    addMotionTerms(problem, {context_, priors_, scan_.keypointNames, up, shape_.data(), {}}, inTime);
 }
 
 Status BodyFitter::trackMoving(const std::vector<size_t>& order, double from, double to) {

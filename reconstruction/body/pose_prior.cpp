@@ -88,4 +88,10 @@ std::vector<JointPrior> posePriors(const BodyModel& body) {
     return priors;
 }
 
+std::vector<uint32_t> jointsOf(const std::vector<JointPrior>& priors) {
+    std::vector<uint32_t> joints;
+    for (const JointPrior& p : priors) joints.push_back(p.joint);
+    return joints;
+}
+
 }  // namespace dpl

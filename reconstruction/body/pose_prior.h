@@ -22,5 +22,7 @@ struct JointPrior {
 
 /** Priors of the joints that the fit rotates, in joint order: those with a humanoid name except root, fingers, toes, eyes and jaw. */
 std::vector<JointPrior> posePriors(const BodyModel& body);
+/** The joints of these priors. */
+std::vector<uint32_t> jointsOf(const std::vector<JointPrior>& priors);
 
 }  // namespace dpl

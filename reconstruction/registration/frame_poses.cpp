@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "reconstruction/body/fit_limbs.h"
+#include "reconstruction/body/motion_terms.h"
 #include "reconstruction/priors.h"
 
 namespace dpl {
@@ -19,12 +19,6 @@ Mat3d matrixOf(const Quatf& q) {
 BodyModel withoutMorphs(BodyModel body) {
     body.morphs.clear();
     return body;
-}
-
-std::vector<uint32_t> jointsOf(const std::vector<JointPrior>& priors) {
-    std::vector<uint32_t> joints;
-    for (const JointPrior& p : priors) joints.push_back(p.joint);
-    return joints;
 }
 
 }  // namespace
@@ -100,7 +94,6 @@ void FramePoses::addTerms(ceres::Problem& problem, Split split) {
         if (input_.frames[f].split <= split) order.push_back(f);
     const auto free = [&](size_t f) { return input_.frames[f].split == split; };
     const Vec3d up = still_ * Vec3d(0, 1, 0);
-    const AccelerationSpread spread{true, priors::kAccelerationTailShare};
     for (const size_t f : order) {
         if (!free(f)) continue;
         const RegisterFrame& frame = input_.frames[f];
@@ -113,28 +106,12 @@ void FramePoses::addTerms(ceres::Problem& problem, Split split) {
     }
     for (size_t f = 0; f < states_.size() && split == Split::Train; ++f)
         if (input_.frames[f].kind != FrameKind::Dynamic && input_.frames[f].picture) addKeypoints(problem, f), addSway(problem, f);
-    std::vector<size_t> feet;
-    for (size_t k = 0; k < input_.keypointNames.size(); ++k)
-        for (const char* name : {"ankle_l", "ankle_r", "toe_l", "toe_r"})
-            if (input_.keypointNames[k] == name && chain_.hasKeypoint(k)) feet.push_back(k);
-    for (size_t i = 0; i + 1 < order.size() && !feet.empty(); ++i) {
-        State &a = states_[order[i]], &b = states_[order[i + 1]];
-        const double step = input_.frames[order[i + 1]].timeS - input_.frames[order[i]].timeS;
-        if (!(step > 1e-4) || step > kMaxGapS || (!free(order[i]) && !free(order[i + 1]))) continue;
-        problem.AddResidualBlock(new FootRest(context_, feet, a.reference, b.reference, priors::kFootSlideM + priors::kFootSlideMS * step),
-                                 nullptr, std::vector<double*>{&noShape_, a.root, a.pose.data(), b.root, b.pose.data()});
+    std::vector<MovingFrame> inTime;
+    for (const size_t f : order) {
+        State& s = states_[f];
+        inTime.push_back({input_.frames[f].timeS, &s.reference, s.root, s.pose.data(), free(f)});
     }
-    for (size_t i = 1; i + 1 < order.size(); ++i) {
-        const size_t f[3] = {order[i - 1], order[i], order[i + 1]};
-        const double t[3] = {input_.frames[f[0]].timeS, input_.frames[f[1]].timeS, input_.frames[f[2]].timeS};
-        if (!(t[1] - t[0] > 1e-4) || !(t[2] - t[1] > 1e-4) || t[1] - t[0] > kMaxGapS || t[2] - t[1] > kMaxGapS) continue;
-        if (!free(f[0]) && !free(f[1]) && !free(f[2])) continue;
-        State &a = states_[f[0]], &b = states_[f[1]], &c = states_[f[2]];
-        problem.AddResidualBlock(new PoseSmoothness(priors_, t[0], t[1], t[2], spread), nullptr, a.pose.data(), b.pose.data(),
-                                 c.pose.data());
-        problem.AddResidualBlock(makeRootSmoothness({a.reference, b.reference, c.reference}, up, t[0], t[1], t[2], spread), nullptr, a.root,
-                                 b.root, c.root);
-    }
+    addMotionTerms(problem, {context_, priors_, input_.keypointNames, up, &noShape_, {true, priors::kAccelerationTailShare}}, inTime);
     for (double* constant : {&noShape_, &logUnit_})
         if (problem.HasParameterBlock(constant)) problem.SetParameterBlockConstant(constant);
     for (const size_t f : order)
