@@ -20,10 +20,10 @@ constexpr int kRounds = 6;
 /** Mean weighted by the smoother's kernel: M⁻²(values) / M⁻²(weights). */
 std::vector<Vec3f> spread(const LargeSteps& smooth, const std::vector<Vec3f>& values, const std::vector<Vec3f>& weights, float epsilon) {
     std::vector<Vec3f> u(smooth.size()), sum(values.size()), weight(values.size());
-    smooth.backward(values, u, false);
-    smooth.offsets(u, sum, false);
-    smooth.backward(weights, u, false);
-    smooth.offsets(u, weight, false);
+    smooth.backward(values, u, 0);
+    smooth.offsets(u, sum, 0);
+    smooth.backward(weights, u, 0);
+    smooth.offsets(u, weight, 0);
     for (size_t v = 0; v < sum.size(); ++v) sum[v] /= std::max(0.0f, weight[v].x) + epsilon;
     return sum;
 }
@@ -62,8 +62,7 @@ Result<std::vector<Vec3f>> pushBelow(std::span<const Vec3f> posedBody, std::span
         borders.push_back(borderEdges(garment));
     }
     std::vector<Vec3f> at(posedBody.begin(), posedBody.end());
-    const std::vector<Triangle> copy(triangles.begin(), triangles.end());
-    const std::vector<Vec3f> normals = vertexNormals(at, copy);  // of the body before pushing, which is the smoother one
+    const std::vector<Vec3f> normals = vertexNormals(at, triangles);  // of the body before pushing, which is the smoother one
     for (int round = 0; round < kRounds; ++round) {
         std::vector<Vec3f> push(at.size(), Vec3f(0)), pushed(at.size(), Vec3f(0));
         bool any = false;

@@ -81,8 +81,8 @@ Result<LabelField> voteLabels(const SurfaceMesh& mesh, std::span<const GarmentVi
     for (size_t c = 0; c < columns; c += 3) {
         for (size_t v = 0; v < count; ++v)
             for (size_t k = 0; k < 3; ++k) in[v][int(k)] = c + k < columns ? votes[v * columns + c + k] : 0;
-        smooth.backward(in, u, false);
-        smooth.offsets(u, out, false);
+        smooth.backward(in, u, 0);
+        smooth.offsets(u, out, 0);
         for (size_t v = 0; v < count; ++v)
             for (size_t k = 0; k < 3 && c + k < columns; ++k) spread[v * columns + c + k] = std::max(0.0f, out[v][int(k)]);
     }
