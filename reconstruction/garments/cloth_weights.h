@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "reconstruction/garments/closest_surface.h"
+#include "reconstruction/shape/closest_surface.h"
 #include "reconstruction/shape/implicit_mesh.h"
 #include "sdk/core/result.h"
 #include "sdk/format/avatar_data.h"

@@ -7,10 +7,10 @@
 #include <tuple>
 
 #include "reconstruction/garments/body_layer.h"
-#include "reconstruction/garments/closest_surface.h"
 #include "reconstruction/garments/cloth_weights.h"
 #include "reconstruction/garments/silhouette_hull.h"
 #include "reconstruction/priors.h"
+#include "reconstruction/shape/closest_surface.h"
 #include "reconstruction/surface/mesh_raster.h"
 #include "sdk/format/check_mesh.h"
 #include "sdk/math/skinning.h"

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "reconstruction/garments/closest_surface.h"
 #include "reconstruction/garments/label_field.h"
+#include "reconstruction/shape/closest_surface.h"
 #include "reconstruction/shape/implicit_mesh.h"
 
 namespace dpl {

@@ -37,7 +37,4 @@ private:
     uint32_t averaged_ = 0;
 };
 
-/** Unit normals of vertices: the mean over their triangles, weighted by area. */
-std::vector<Vec3f> vertexNormals(std::span<const Vec3f> positions, std::span<const Triangle> triangles);
-
 }  // namespace dpl

@@ -11,8 +11,10 @@
 #include "reconstruction/ladder/rig_fit.h"
 #include "reconstruction/ladder/true_mesh.h"
 #include "reconstruction/report/score.h"
+#include "reconstruction/shape/implicit_mesh.h"
 #include "reconstruction/surface/mesh_raster.h"
 #include "sdk/avatar/posed_mesh.h"
+#include "sdk/core/evenly_spaced.h"
 #include "sdk/splat/splat_engine.h"
 
 namespace dpl {
@@ -107,14 +109,6 @@ double meanDistanceMm(std::span<const Vec3f> a, std::span<const Vec3f> b) {
     return a.empty() ? 0 : sum / double(a.size());
 }
 
-/** Up to `count` evenly spaced members. */
-std::vector<size_t> spread(const std::vector<size_t>& all, size_t count) {
-    std::vector<size_t> chosen;
-    const size_t n = std::min(count, all.size());
-    for (size_t i = 0; i < n; ++i) chosen.push_back(all[(2 * i + 1) * all.size() / (2 * n)]);
-    return chosen;
-}
-
 class LadderRun {
 public:
     LadderRun(const LadderInput& in, TrueMesh truth, Jobs& jobs)
@@ -129,7 +123,7 @@ public:
             if (truth_.frames[f].known && in_.scan.frames[f].kind == FrameKind::StaticFull && splitOf(f) == "train") stills.push_back(f);
         if (stills.empty()) return std::optional<Ladder>();
         DPL_CHECK_OK(gatherFloors());
-        bind(spread(stills, kStillFrames), stills);
+        bind(evenlySpaced(stills, kStillFrames), stills);
         Ladder ladder = emptyLadder();
         const std::vector<std::pair<size_t, size_t>> frames = chosenFrames();
         for (size_t i = 0; i < frames.size(); ++i) {
@@ -167,7 +161,7 @@ private:
                 if (splitOf(f) == kGroups[g].second) all.push_back(f);
             }
             const bool train = std::string_view(kGroups[g].second) == "train";
-            for (size_t f : spread(all, train ? kTrainFrames : all.size())) chosen.push_back({f, g});
+            for (size_t f : evenlySpaced(all, train ? kTrainFrames : all.size())) chosen.push_back({f, g});
         }
         return chosen;
     }

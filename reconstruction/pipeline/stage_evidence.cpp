@@ -9,6 +9,7 @@
 #include "reconstruction/priors.h"
 #include "reconstruction/report/draw_view.h"
 #include "reconstruction/report/score.h"
+#include "sdk/core/evenly_spaced.h"
 #include "sdk/core/files.h"
 #include "sdk/format/avatar_file.h"
 
@@ -22,8 +23,8 @@ void chooseFrames(const std::vector<TrainFrame>& frames, FrameKind kind, std::ve
     std::vector<const TrainFrame*> all;
     for (const TrainFrame& frame : frames)
         if (frame.kind == kind) all.push_back(&frame);
-    const size_t count = std::min(kFramesOfAKind, all.size());
-    for (size_t i = 0; i < count; ++i) chosen.push_back(all[(2 * i + 1) * all.size() / (2 * count)]);
+    const auto spaced = evenlySpaced(all, kFramesOfAKind);
+    chosen.insert(chosen.end(), spaced.begin(), spaced.end());
 }
 
 struct Measured {

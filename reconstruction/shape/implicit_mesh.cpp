@@ -157,7 +157,7 @@ SurfaceMesh largestPiece(const SurfaceMesh& mesh) {
     return withoutUnused(kept);
 }
 
-std::vector<Vec3f> vertexNormals(const std::vector<Vec3f>& positions, const std::vector<Triangle>& triangles) {
+std::vector<Vec3f> vertexNormals(std::span<const Vec3f> positions, std::span<const Triangle> triangles) {
     std::vector<Vec3f> normals(positions.size(), Vec3f(0));
     for (const Triangle& t : triangles) {
         const Vec3f n = glm::cross(positions[t.y] - positions[t.x], positions[t.z] - positions[t.x]);

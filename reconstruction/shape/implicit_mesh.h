@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "sdk/core/jobs.h"
@@ -45,7 +46,7 @@ SurfaceMesh largestPiece(const SurfaceMesh& mesh);
 SurfaceMesh withoutUnused(const SurfaceMesh& mesh, std::vector<uint32_t>* oldIndex = nullptr);
 
 /** Area-weighted unit normals. */
-std::vector<Vec3f> vertexNormals(const std::vector<Vec3f>& positions, const std::vector<Triangle>& triangles);
+std::vector<Vec3f> vertexNormals(std::span<const Vec3f> positions, std::span<const Triangle> triangles);
 
 /** Neighbours of each vertex, ascending. */
 std::vector<std::vector<uint32_t>> vertexNeighbours(size_t vertexCount, const std::vector<Triangle>& triangles);

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "reconstruction/garments/closest_surface.h"
+#include "reconstruction/shape/closest_surface.h"
 #include "reconstruction/shape/implicit_mesh.h"
 #include "reconstruction/surface/mesh_raster.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/garments/closest_surface.h"
+#include "reconstruction/shape/closest_surface.h"
 
 #include <cmath>
 #include <random>
