@@ -5,7 +5,6 @@
 
 #include "reconstruction/package/sh_palette.h"
 #include "sdk/core/log.h"
-#include "sdk/format/avatar_file.h"
 
 namespace dpl {
 namespace {
@@ -83,7 +82,7 @@ Result<AssembledAvatar> assembleAvatar(const std::vector<JointData>& joints, con
         DPL_TRY(const ShPaletteReport palette,
                 paletteSh(avatar.splats, {.maxEntries = kShPaletteEntries, .maxRmsLevels = kShPaletteLevels}, jobs));
         log(LogLevel::Info, "SH palette of {} entries, {} levels off", palette.entries, palette.rmsLevels);
-        DPL_TRY(const auto bytes, writeAvatar(avatar, {.shPalette = true}));
+        DPL_TRY(const auto bytes, writeAvatar(avatar, kPackaged));
         DPL_TRY(avatar, readAvatar(bytes));
     }
     return out;

@@ -7,8 +7,12 @@
 #include "reconstruction/body/body_model.h"
 #include "reconstruction/pipeline/train_frames.h"
 #include "reconstruction/splat/co_optimise.h"
+#include "sdk/format/avatar_file.h"
 
 namespace dpl {
+
+/** How a finished avatar is written: as small as it gets without loss. */
+inline constexpr WriteOptions kPackaged{.shPalette = true, .compact = true};
 
 struct AssembledAvatar {
     AvatarData avatar;               // decoded; its splats are bound to the decoded vertices
@@ -16,7 +20,7 @@ struct AssembledAvatar {
 };
 
 /** The trained avatar after one encoding and decoding, with its splats re-based onto the decoded mesh and its SH as a palette (write it
- *  with WriteOptions::shPalette). It has no evidence rows. `mesh` holds the layers before training, `set` the training frames. */
+ *  with kPackaged). It has no evidence rows. `mesh` holds the layers before training, `set` the training frames. */
 Result<AssembledAvatar> assembleAvatar(const std::vector<JointData>& joints, const MeshData& mesh, const CoOptimiseResult& trained,
                                        const Scan& scan, FrameSet set, Jobs& jobs);
 

@@ -11,7 +11,6 @@
 #include "reconstruction/report/score.h"
 #include "sdk/core/evenly_spaced.h"
 #include "sdk/core/files.h"
-#include "sdk/format/avatar_file.h"
 
 namespace dpl {
 namespace {
@@ -73,7 +72,7 @@ public:
     }
 
     Result<Measured> measure(const AvatarData& avatar) const {
-        DPL_TRY(auto bytes, writeAvatar(avatar, {.shPalette = true}));
+        DPL_TRY(auto bytes, writeAvatar(avatar, kPackaged));
         DPL_TRY(auto view, AvatarView::open(bytes, jobs_.threadCount()));
         Measured m;
         m.bytes = bytes.size();
@@ -154,7 +153,7 @@ Result<MeasuredParts> runEvidence(const StageRun& run, const IngestedScan& inges
                                    {"validation", juryInputs(ingested)},
                                    {"poseFit", fieldsJson(settings.poseFit)},
                                    {"framesOfAKind", kFramesOfAKind}};
-    DPL_TRY(const StageOutput stage, run.chain.run("evidence", 3, inputs, [&](StageContext& context) -> Status {
+    DPL_TRY(const StageOutput stage, run.chain.run("evidence", 4, inputs, [&](StageContext& context) -> Status {
         DPL_TRY(const AssembledAvatar* assembled, trained.get());
         DPL_TRY(const Jury jury, chooseJury(ingested, body, registered, training, *assembled, pictures));
         return weigh(*assembled, jury, settings.poseFit, run.jobs, context);

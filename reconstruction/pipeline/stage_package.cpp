@@ -6,7 +6,6 @@
 #include "reconstruction/pipeline/stage_keys.h"
 #include "reconstruction/pipeline/stages.h"
 #include "sdk/core/files.h"
-#include "sdk/format/avatar_file.h"
 
 namespace dpl {
 namespace {
@@ -24,7 +23,7 @@ Status package(const AssembledAvatar& assembled, const std::vector<PartEvidence>
     };
     DPL_TRY(avatar, polish(std::move(avatar), assembled.frames, settings.polishSteps, settings.training.seed, jobs, report,
                            &context.progress.cancelFlag()));
-    DPL_TRY(auto bytes, writeAvatar(avatar, {.shPalette = true}));
+    DPL_TRY(auto bytes, writeAvatar(avatar, kPackaged));
     return writeFileAtomically(context.folder / "avatar.glb", bytes);
 }
 
@@ -36,7 +35,7 @@ Result<Package> runPackage(const StageRun& run, const IngestedScan& ingested, co
     for (const EvidenceData& row : decided) rows.push_back({row.part, row.kept, row.reason});
     const nlohmann::json inputs = {{"trained", training.key}, {"assemble", assembleInputs()},     {"name", ingested.scan.name},
                                    {"parts", measured.key},   {"polish", polishInputs(settings)}, {"decided", rows}};
-    DPL_TRY(const StageOutput stage, run.chain.run("package", 3, inputs, [&](StageContext& context) -> Status {
+    DPL_TRY(const StageOutput stage, run.chain.run("package", 4, inputs, [&](StageContext& context) -> Status {
         context.progress.update(0, "encoding");
         DPL_TRY(const AssembledAvatar* assembled, trained.get());
         return package(*assembled, measured.parts, decided, settings, run.jobs, context);
