@@ -13,22 +13,30 @@ void addSampleCommand(CLI::App& app, CommandRun& run) {
         std::filesystem::path out;
         uint64_t seed = 1;
         uint32_t threadCount = 0;
-        bool small = false;
+        bool small = false, skirt = false;
+        std::string size;
     };
     auto options = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand("sample", "Make the scan of a procedural person, with the true shape and poses");
     command->add_option("-o,--out", options->out, "Scan folder to make; if it exists it must be empty")->required();
     command->add_option("--seed", options->seed, "Which person: shape, colours, clothes, motion")->capture_default_str();
     command->add_flag("--small", options->small, "Pictures of half the size and fewer frames, for quick tests");
+    command->add_option("--size", options->size, "Size of the pictures; default 378x504, with --small 189x252")->check(isPictureSize());
+    command->add_flag("--skirt", options->skirt, "A wide skirt that swings, in place of shorts");
     command->add_option("--threads", options->threadCount, "CPU threads; 0: one for each core. The files are the same for any number")
         ->check(inRange(0, 256));
-    command->footer("Examples:\n  doppel sample -o scan\n  doppel sample -o scan-7 --seed 7 --small");
+    command->footer(
+        "Examples:\n  doppel sample -o scan\n  doppel sample -o scan-7 --seed 7 --small\n"
+        "  doppel sample -o scan-2k --size 1080x1440    as many pixels as a phone's video\n"
+        "  doppel sample -o scan-skirt --skirt          cloth that hangs free between the legs");
     command->callback([options, &run] {
         run = [options] {
             Progress progress;
             Jobs jobs(options->threadCount);
             SampleScanOptions scan = SampleScanOptions::small(options->seed);
             if (!options->small) scan = SampleScanOptions{}, scan.seed = options->seed;
+            scan.skirt = options->skirt;
+            if (const auto size = parsePictureSize(options->size)) scan.widthPx = size->widthPx, scan.heightPx = size->heightPx;
             progress.beginStage("sample");
             Status made = makeSampleScan(options->out, scan, jobs, [&](double share, const std::string& what) {
                 progress.update(share, what);

@@ -50,7 +50,26 @@ float shortsField(const BodyField& body, const WardrobeChoice& c, const Vec3f& w
     return smoothUnion(p.y > 0.74f ? trunk : 1.0f, leg, 0.045f);
 }
 
-float shirtField(const BodyField& body, const Tube& drape, const WardrobeChoice& c, const Vec3f& world) {
+/** The skirt without folds: it lies on the hips and widens evenly below them. */
+Tube makeSkirtCone(float looseness) {
+    const float l = 0.012f * looseness;
+    auto at = [&](float y, float halfWidth, float front, float back, float share) {
+        return TubeStation{y, 0, 0, halfWidth + l * share, halfWidth + l * share, back + l * share, front + l * share};
+    };
+    return Tube({0, 0, 0}, {0, 1, 0}, {1, 0, 0},
+                {at(0.36f, 0.268f, 0.240f, 0.246f, 3), at(0.46f, 0.254f, 0.222f, 0.229f, 2.6f), at(0.58f, 0.236f, 0.195f, 0.205f, 2.1f),
+                 at(0.70f, 0.214f, 0.163f, 0.178f, 1.5f), at(0.80f, 0.196f, 0.135f, 0.156f, 0.9f), at(0.90f, 0.182f, 0.112f, 0.134f, 0.3f),
+                 at(1.00f, 0.150f, 0.095f, 0.100f, 0), at(1.06f, 0.120f, 0.080f, 0.080f, 0)},
+                2.2f);
+}
+
+float skirtField(const BodyField& body, const Tube& cone, const WardrobeChoice& c, const Vec3f& p) {
+    const float low = ramp(p.y, 0.86f, c.skirtHemY), angle = std::atan2(p.x / 0.25f, p.z / 0.22f);
+    const float folds = low * (0.011f * std::sin(9 * angle + c.foldPhase) + 0.005f * std::sin(14 * angle + 1.7f * c.foldPhase + 6 * p.y));
+    return smoothUnion(p.y > 0.74f ? body.torso(p) - 0.006f : 1.0f, cone.distance(p) - folds, 0.03f);
+}
+
+float shirtField(const BodyField& body, const Tube& drape, const WardrobeChoice& c, const ScalarField& bottom, const Vec3f& world) {
     const Vec3f p = mirroredSide(world);
     const float angle = std::atan2(world.x / 0.18f, world.z / 0.12f);
     const float low = ramp(p.y, 1.16f, c.shirtHemY);
@@ -65,7 +84,7 @@ float shirtField(const BodyField& body, const Tube& drape, const WardrobeChoice&
                        0.0018f * std::sin(95 * s + 30 * p.z) * ramp(s, -0.02f, 0.05f);
     float sleeve = p.x > 0.06f ? body.arm(p) - cuff : 1.0f;
     float d = smoothUnion(trunk, sleeve, 0.05f);
-    if (p.y < 1.04f) d = smoothUnion(d, shortsField(body, c, world) - 0.0065f, 0.012f);
+    if (p.y < 1.04f) d = smoothUnion(d, bottom(world) - 0.0065f, 0.012f);
     return d;
 }
 
@@ -89,10 +108,10 @@ float hairKeep(const Vec3f& p) {
 
 }  // namespace
 
-GarmentPattern shirtPattern(const BodyField& body, const WardrobeChoice& choice) {
+GarmentPattern shirtPattern(const BodyField& body, const WardrobeChoice& choice, const GarmentPattern& bottom) {
     auto drape = std::make_shared<Tube>(makeDrape(choice.looseness));
     GarmentPattern g;
-    g.field = [&body, drape, choice](const Vec3f& p) { return shirtField(body, *drape, choice, p); };
+    g.field = [&body, drape, choice, under = bottom.field](const Vec3f& p) { return shirtField(body, *drape, choice, under, p); };
     g.keep = [choice](const Vec3f& world) {
         const Vec3f p = mirroredSide(world);
         const float hem =
@@ -116,6 +135,16 @@ GarmentPattern shortsPattern(const BodyField& body, const WardrobeChoice& choice
     g.keep = [choice](const Vec3f& p) { return std::min(1.010f - p.y, p.y - choice.shortsHemY + 0.05f * (std::abs(p.x) - 0.12f)); };
     g.low = {-0.28f, 0.50f, -0.22f}, g.high = {0.28f, 1.06f, 0.20f};
     g.edgeLengthM = 0.0130f;
+    return g;
+}
+
+GarmentPattern skirtPattern(const BodyField& body, const WardrobeChoice& choice) {
+    auto cone = std::make_shared<Tube>(makeSkirtCone(choice.looseness));
+    GarmentPattern g;
+    g.field = [&body, cone, choice](const Vec3f& p) { return skirtField(body, *cone, choice, p); };
+    g.keep = [choice](const Vec3f& p) { return std::min(1.010f - p.y, p.y - choice.skirtHemY); };
+    g.low = {-0.36f, 0.41f, -0.34f}, g.high = {0.36f, 1.06f, 0.34f};
+    g.edgeLengthM = 0.0145f;
     return g;
 }
 

@@ -22,11 +22,15 @@ struct WardrobeChoice {
     float sleeveM = 0.175f;     // length from the shoulder joint along the arm
     float shirtHemY = 0.835f;   // height, metres
     float shortsHemY = 0.565f;  // height, metres
+    float skirtHemY = 0.47f;    // height, metres
     float hairM = 0.018f;       // thickness on the crown
     float foldPhase = 0;        // radians, shifts the folds
 };
 
-GarmentPattern shirtPattern(const BodyField& body, const WardrobeChoice& choice);
+/** A shirt that lies over `bottom`. */
+GarmentPattern shirtPattern(const BodyField& body, const WardrobeChoice& choice, const GarmentPattern& bottom);
+/** A wide skirt with folds, from the waist to the knee. */
+GarmentPattern skirtPattern(const BodyField& body, const WardrobeChoice& choice);
 GarmentPattern shortsPattern(const BodyField& body, const WardrobeChoice& choice);
 GarmentPattern shoePattern(const BodyField& body, const WardrobeChoice& choice);
 GarmentPattern hairPattern(const BodyField& body, const WardrobeChoice& choice);

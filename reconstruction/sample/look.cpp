@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "reconstruction/sample/garments.h"
@@ -294,11 +295,18 @@ SurfaceColour surfaceColour(const Look& look, uint8_t label, const Vec3f& p, flo
             // Twill (slanted rows), pocket and side seams, fly and stitched hem.
             const float twill = std::sin(6.2832f * (p.y + 0.6f * std::atan2(std::abs(p.x) - 0.1f, p.z) * 0.09f) / 0.0040f);
             Vec3f c = look.shorts * (1 + 0.10f * twill * resolved(0.0042f, footprint) + 0.16f * (noise(p * 38.0f, look.seed + 6) - 0.5f));
+            if (look.dotted) {
+                constexpr float kPitchM = 0.055f, kRadiusM = 0.013f;
+                const float row = std::floor(p.y / kPitchM), around = std::atan2(p.x, p.z) * 0.21f + 0.5f * kPitchM * row;
+                const Vec2f fromDot(around - kPitchM * std::round(around / kPitchM), p.y - kPitchM * (row + 0.5f));
+                c = glm::mix(c, look.shirtStripe, coverage(glm::length(fromDot) - kRadiusM, footprint));
+            }
             const float side = std::abs(p.z + 0.005f) + (std::abs(p.x) > 0.12f ? 0.0f : 1.0f);
             const float pocket = std::abs(p.z - 0.055f + 0.55f * (p.y - 0.93f)) +
                                  (std::abs(p.x) > 0.09f && p.y > 0.80f && p.y < 0.95f && p.z > 0.0f ? 0.0f : 1.0f);
-            const float hem = std::abs(p.y - look.shortsHemY - 0.028f), fly = std::abs(p.x) + (p.z > 0.05f && p.y > 0.83f ? 0.0f : 1.0f);
-            for (float seam : {side, pocket, hem, fly})
+            const float hem = std::abs(p.y - look.bottomHemY - 0.028f), fly = std::abs(p.x) + (p.z > 0.05f && p.y > 0.83f ? 0.0f : 1.0f);
+            const float seams[] = {hem, side, pocket, fly};
+            for (float seam : std::span(seams).first(look.dotted ? 1 : 4))
                 c *= 1 - 0.40f * coverage(seam - 0.0016f, std::max(footprint, 0.0012f)) * resolved(0.014f, footprint);
             out.albedo = c;
             out.sheen = 0.30f;

@@ -17,7 +17,8 @@ struct Look {
     Vec3f shirt{0.05f, 0.12f, 0.25f}, shirtStripe{0.6f, 0.6f, 0.6f}, logoInk{0.8f, 0.75f, 0.6f}, logoAccent{0.75f, 0.15f, 0.08f};
     int shirtPattern = 0;  // 0 stripes, 1 check, 2 melange
     Vec3f shorts{0.25f, 0.22f, 0.15f}, shoes{0.6f, 0.6f, 0.6f}, shoeAccent{0.05f, 0.1f, 0.3f};
-    float shirtHemY = 0.835f, sleeveM = 0.175f, shortsHemY = 0.565f;
+    float shirtHemY = 0.835f, sleeveM = 0.175f, bottomHemY = 0.565f;
+    bool dotted = false;  // the bottom is a skirt with printed dots, not shorts with seams
 };
 
 Look makeLook(uint64_t seed);

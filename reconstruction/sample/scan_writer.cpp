@@ -21,6 +21,7 @@ namespace fs = std::filesystem;
 
 constexpr int kFineScale = 4;  // enlarged pictures score avatars that are drawn larger than they were trained
 constexpr const char* kFineFolder = "hires/x4";
+constexpr uint32_t kMaxSidePx = 4096;  // an enlarged picture then has at most 268 million pixels
 
 Status writeFile(const fs::path& path, std::span<const uint8_t> bytes) {
     std::FILE* file = std::fopen(path.c_str(), "wb");
@@ -117,7 +118,7 @@ Status writeAll(const fs::path& folder, const SampleScanOptions& o, Jobs& jobs, 
         if (progress && !progress(share, what)) cancelled = true;
     };
     report(0, "modelling the subject");
-    const Subject subject = makeSubject(o.seed, jobs);
+    const Subject subject = makeSubject(o.seed, jobs, o.skirt ? Bottom::Skirt : Bottom::Shorts);
     const std::vector<PlannedFrame> frames = planScan(subject, o);
     std::error_code error;
     for (const char* name : {"images", "masks", "labels", "keypoints", "geometry", "posed", kFineFolder}) {
@@ -149,8 +150,8 @@ Status writeAll(const fs::path& folder, const SampleScanOptions& o, Jobs& jobs, 
 }  // namespace
 
 Status makeSampleScan(const fs::path& folder, const SampleScanOptions& o, Jobs& jobs, const SampleProgress& progress) {
-    if (o.widthPx < 16 || o.heightPx < 16 || o.widthPx > 8192 || o.heightPx > 8192)
-        return fail(Code::InvalidArgument, "image size {}x{}: each side must be 16 to 8192 pixels", o.widthPx, o.heightPx);
+    if (o.widthPx < 16 || o.heightPx < 16 || o.widthPx > kMaxSidePx || o.heightPx > kMaxSidePx)
+        return fail(Code::InvalidArgument, "image size {}x{}: each side must be 16 to {} pixels", o.widthPx, o.heightPx, kMaxSidePx);
     if (o.fullFrames < 4) return fail(Code::InvalidArgument, "{} full-body frames: at least 4 are needed", o.fullFrames);
     if (o.fullFrames + o.closeupFrames + o.dynamicFrames > 2700)
         return fail(Code::InvalidArgument, "{} frames: a sample scan has at most 2700", o.fullFrames + o.closeupFrames + o.dynamicFrames);

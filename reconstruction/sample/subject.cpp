@@ -15,6 +15,9 @@ namespace {
 constexpr int kNearest = 6;  // body vertices from which a garment vertex takes weights and morphs
 constexpr float kClearanceM = 0.004f;
 constexpr float kHairClearanceM = 0.0012f;  // hair lies closer to the skin than cloth
+constexpr int kCloseRounds = 8;             // smoothing of weights and morphs along a sheet
+constexpr float kHangingM = 0.02f;          // cloth farther from the skin hangs free, and takes part in kHangingRounds more
+constexpr int kHangingRounds = 200;
 
 struct Fitting {
     const BodyModel& body;
@@ -36,6 +39,7 @@ void addGarment(Subject& subject, const Fitting& fit, const SurfaceMesh& sheet, 
     std::vector<float> dense(count * jointCount, 0.0f);
     std::vector<Vec3f> moved(count);
     std::vector<uint32_t> nearest(count);
+    std::vector<uint8_t> hangs(count);
     jobs.forRange(count, 64, [&](size_t begin, size_t end, uint32_t) {
         for (size_t v = begin; v < end; ++v) {
             float best[kNearest];
@@ -52,6 +56,7 @@ void addGarment(Subject& subject, const Fitting& fit, const SurfaceMesh& sheet, 
                 best[k] = d2, who[k] = b;
             }
             nearest[v] = who[0];
+            hangs[v] = best[0] > kHangingM * kHangingM;
             float total = 0;
             for (float d2 : best) total += 1 / (d2 + 1e-5f);
             Vec3f sum(0);
@@ -70,11 +75,14 @@ void addGarment(Subject& subject, const Fitting& fit, const SurfaceMesh& sheet, 
         }
     });
     const auto neighbours = vertexNeighbours(count, sheet.triangles);
-    for (int round = 0; round < 8; ++round) {  // cloth bends more softly than skin
+    // Cloth bends more softly than skin, and a skirt spans the legs.
+    const bool anyHangs = subject.bottom == Bottom::Skirt && part.label == kLabelBottom;
+    for (int round = 0; round < kCloseRounds + (anyHangs ? kHangingRounds : 0); ++round) {
         std::vector<float> nextDense = dense;
         std::vector<Vec3f> nextMoved = moved;
         jobs.forRange(count, 64, [&](size_t begin, size_t end, uint32_t) {
             for (size_t v = begin; v < end; ++v) {
+                if (round >= kCloseRounds && !hangs[v]) continue;
                 const float share = 0.6f / float(std::max<size_t>(1, neighbours[v].size()));
                 for (size_t j = 0; j < jointCount; ++j) nextDense[v * jointCount + j] *= 0.4f;
                 nextMoved[v] *= 0.4f;
@@ -138,6 +146,12 @@ void addClothDynamics(Subject& subject, const WardrobeChoice& wardrobe) {
                 const Vec3f cuff = shoulder + arm * wardrobe.sleeveM + Vec3f(0, -0.06f, 0);
                 subject.drivers.push_back({vertexNear(subject, layer, {side * cuff.x, cuff.y, cuff.z}), 1.7f, 0.25f});
             }
+        } else if (subject.bottom == Bottom::Skirt) {
+            for (int i = 0; i < 8; ++i) {
+                const float angle = 0.785398f * float(i);
+                const Vec3f hem(0.25f * std::sin(angle), wardrobe.skirtHemY, 0.22f * std::cos(angle));
+                subject.drivers.push_back({vertexNear(subject, layer, hem), 1.1f, 0.20f, 0.12f});
+            }
         } else {
             for (float side : {1.0f, -1.0f})
                 for (float z : {0.10f, -0.10f})
@@ -156,6 +170,8 @@ void addClothDynamics(Subject& subject, const WardrobeChoice& wardrobe) {
                 // Raised arms pull the shirt up, most at the sides.
                 cloth.slide = (1 - sleeve) * (0.012f + 0.030f * smooth01((1.38f - p.y) / 0.5f)) * (0.75f + 0.25f * std::abs(p.x) / 0.18f) *
                               smooth01((1.44f - p.y) / 0.10f);
+            } else if (subject.bottom == Bottom::Skirt) {
+                free = smooth01((0.88f - p.y) / (0.88f - wardrobe.skirtHemY));
             } else {
                 free = 0.85f * smooth01((0.84f - p.y) / (0.84f - wardrobe.shortsHemY));
             }
@@ -181,10 +197,12 @@ void addClothDynamics(Subject& subject, const WardrobeChoice& wardrobe) {
 
 }  // namespace
 
-Subject makeSubject(uint64_t seed, Jobs& jobs) {
+Subject makeSubject(uint64_t seed, Jobs& jobs, Bottom bottom) {
     Subject subject;
     subject.seed = seed;
-    subject.name = "procedural-" + std::to_string(seed);
+    subject.bottom = bottom;
+    const bool skirted = bottom == Bottom::Skirt;
+    subject.name = "procedural-" + std::to_string(seed) + (skirted ? "-skirt" : "");
     subject.look = makeLook(seed);
     Random random(seed, 1);
     WardrobeChoice wardrobe;
@@ -194,7 +212,9 @@ Subject makeSubject(uint64_t seed, Jobs& jobs) {
     wardrobe.shortsHemY = float(random.uniform(0.555, 0.62));
     wardrobe.hairM = float(random.uniform(0.014, 0.026));
     wardrobe.foldPhase = float(random.uniform(0, 6.28));
-    subject.look.shirtHemY = wardrobe.shirtHemY, subject.look.sleeveM = wardrobe.sleeveM, subject.look.shortsHemY = wardrobe.shortsHemY;
+    subject.look.shirtHemY = wardrobe.shirtHemY, subject.look.sleeveM = wardrobe.sleeveM,
+    subject.look.bottomHemY = skirted ? wardrobe.skirtHemY : wardrobe.shortsHemY;
+    subject.look.dotted = skirted;
 
     const BodyModel body = makeBuiltinBody(jobs);
     const BodyField field;
@@ -222,20 +242,22 @@ Subject makeSubject(uint64_t seed, Jobs& jobs) {
     Fitting fit{body, displacement, vertexNormals(subject.mesh.restPositions, body.mesh.triangles), {}};
     fit.usable.resize(displacement.size());
     for (size_t v = 0; v < displacement.size(); ++v) fit.usable[v] = std::abs(body.mesh.restPositions[v].x) < 0.5f;
-    const GarmentPattern shirt = shirtPattern(field, wardrobe), shorts = shortsPattern(field, wardrobe);
+    const GarmentPattern below = skirted ? skirtPattern(field, wardrobe) : shortsPattern(field, wardrobe);
+    const GarmentPattern shirt = shirtPattern(field, wardrobe, below);
     addGarment(subject, fit, sewGarment(hairPattern(field, wardrobe), jobs), {"hair", kLabelHair, false}, "hair", true, jobs);
     addGarment(subject, fit, sewGarment(shoePattern(field, wardrobe), jobs), {"shoes", kLabelShoes, false}, "garment", false, jobs);
     addGarment(subject, fit, sewGarment(shirt, jobs), {"top", kLabelTop, true}, "garment", false, jobs);
-    addGarment(subject, fit, sewGarment(shorts, jobs), {"bottom", kLabelBottom, true}, "garment", false, jobs);
+    addGarment(subject, fit, sewGarment(below, jobs), {"bottom", kLabelBottom, true}, "garment", false, jobs);
 
     // Skin far enough inside clothes is hidden in every pose.
     std::vector<uint8_t> deep(displacement.size(), 0);
     for (size_t v = 0; v < deep.size(); ++v) {
         const Vec3f p = body.mesh.restPositions[v];
-        const bool underShirt =
-            shirt.keep(p) > 0.045f && shirt.field(p)<-0.003f, underShorts = shorts.keep(p)> 0.060f && shorts.field(p) < -0.003f;
+        const bool underShirt = shirt.keep(p) > 0.045f && shirt.field(p) < -0.003f;
+        const bool shown = skirted && p.y < wardrobe.skirtHemY + 0.25f;  // a skirt that swings shows the legs
+        const bool underBottom = below.keep(p) > 0.060f && below.field(p) < -0.003f && !shown;
         const bool inShoe = p.y < 0.055f && std::abs(p.x) < 0.4f;
-        deep[v] = underShirt || underShorts || inShoe;
+        deep[v] = underShirt || underBottom || inShoe;
     }
     subject.hiddenFace.assign(subject.mesh.triangles.size(), 0);
     for (size_t t = 0; t < body.mesh.triangles.size(); ++t) {

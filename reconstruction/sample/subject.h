@@ -30,10 +30,14 @@ struct ClothVertex {
     std::array<float, 3> swing{0, 0, 0};      // share of each driver's lag; 0 where cloth is held, sum at most 1
 };
 
+/** What the subject wears below the waist. */
+enum class Bottom : uint8_t { Shorts, Skirt };
+
 /** A hem point on a spring. The cloth around it follows its lag behind the body. */
 struct SwingDriver {
     uint32_t vertex = 0;  // a cloth vertex; its skinned path drives the spring
     float frequencyHz = 2.2f, damping = 0.28f;
+    float maxLagM = 0.045f;  // the lag stays shorter than this
 };
 
 struct Subject {
@@ -50,13 +54,15 @@ struct Subject {
     std::vector<BodyKeypoint> keypoints;  // 24
     std::vector<std::pair<std::string, float>> morphValues;
     Look look;
+    Bottom bottom = Bottom::Shorts;
 };
 
-/** The same seed gives the same person for any thread count. Takes about three seconds. */
-Subject makeSubject(uint64_t seed, Jobs& jobs);
+/** The same seed gives the same person for any thread count, and another bottom changes nothing else. Takes about three seconds. */
+Subject makeSubject(uint64_t seed, Jobs& jobs, Bottom bottom = Bottom::Shorts);
 
 /** Vertices at a pose, metres. With `lag` null this is exactly linear blend skinning of the template. Otherwise clothes also slide by a
- *  function of the pose, swing by `lag[driver]` (metres, from SwingSimulation), and are then pushed 3 mm out of the body. */
+ *  function of the pose, swing by `lag[driver]` (metres, from SwingSimulation), and are then pushed 3 mm out of the body. A skirt is also
+ *  pushed out of the legs that it hangs over, wherever these have moved to. */
 std::vector<Vec3d> poseSubject(const Subject& subject, const TruthPose& pose, const std::vector<Vec3d>* lag);
 
 /** World positions of the 24 keypoints for posed vertices. */
@@ -68,8 +74,8 @@ std::vector<Vec3d> keypointsWorld(const Subject& subject, const TruthPose& pose,
 class SwingSimulation {
 public:
     SwingSimulation(const Subject& subject, const Motion& motion);
-    /** Advances to `timeS`, which must not decrease, and returns the lag of each driver: metres, at most 4.5 cm long. Valid until the next
-     *  call. */
+    /** Advances to `timeS`, which must not decrease, and returns the lag of each driver: metres, shorter than its maxLagM. Valid until the
+     * next call. */
     const std::vector<Vec3d>& at(double timeS);
 
 private:

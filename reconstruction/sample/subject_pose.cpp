@@ -4,12 +4,13 @@
 
 #include "reconstruction/sample/skeleton.h"
 #include "reconstruction/sample/subject.h"
+#include "reconstruction/shape/closest_surface.h"
+#include "reconstruction/shape/implicit_mesh.h"
 
 namespace dpl {
 namespace {
 
 constexpr double kStepS = 1.0 / 240;
-constexpr double kMaxLagM = 0.045;
 constexpr double kHoldOffM = 0.003;
 
 /** How far the arms are raised relative to the chest: 0 in the A-pose, about 1 overhead. Smooth. */
@@ -25,6 +26,45 @@ double armRaise(const Subject& subject, const std::vector<Mat3x4d>& g) {
         sum += t * t * (3 - 2 * t);
     }
     return 0.5 * sum;
+}
+
+/** Pushes a skirt out of the legs by kHoldOffM, and lets the cloth around follow softly. */
+void pushOutOfLegs(const Subject& subject, std::vector<Vec3d>& at) {
+    constexpr float kReachM = 0.08f, kLegsTopM = 0.95f;
+    constexpr int kSpreadRounds = 12;
+    const MeshData& mesh = subject.mesh;
+    const LayerData &body = mesh.layers[0], &skirt = mesh.layers.back();
+    std::vector<Vec3f> skin(at.begin(), at.begin() + body.vertexCount);
+    std::vector<Triangle> legs;
+    for (uint32_t t = 0; t < body.triangleCount; ++t) {
+        const Triangle& f = mesh.triangles[t];
+        const Vec3f& p = subject.canonical[f.x];
+        if (p.y < kLegsTopM && std::abs(p.x) < 0.35f) legs.push_back(f);
+    }
+    const ClosestSurface surface(skin, legs);
+    std::vector<Vec3d> push(skirt.vertexCount, Vec3d(0));
+    for (uint32_t i = 0; i < skirt.vertexCount; ++i) {
+        const Vec3f p(at[skirt.firstVertex + i]);
+        const SurfacePoint near = surface.find(p, kReachM);
+        if (!near.found() || subject.cloth[skirt.firstVertex + i].swing[0] == 0) continue;
+        const double off = double(surface.signedDistance(p, kReachM));
+        if (off < kHoldOffM) push[i] = Vec3d(near.position) + kHoldOffM * Vec3d(surface.normalAt(near)) - Vec3d(p);
+    }
+    std::vector<Triangle> faces(mesh.triangles.begin() + skirt.firstTriangle,
+                                mesh.triangles.begin() + skirt.firstTriangle + skirt.triangleCount);
+    for (Triangle& f : faces) f -= skirt.firstVertex;
+    const auto neighbours = vertexNeighbours(skirt.vertexCount, faces);
+    std::vector<Vec3d> spread = push;
+    for (int round = 0; round < kSpreadRounds; ++round) {
+        std::vector<Vec3d> next(spread.size(), Vec3d(0));
+        for (size_t i = 0; i < next.size(); ++i) {
+            for (uint32_t n : neighbours[i]) next[i] += spread[n] / double(neighbours[i].size());
+            if (glm::dot(push[i], push[i]) > glm::dot(next[i], next[i])) next[i] = push[i];
+            if (subject.cloth[skirt.firstVertex + i].swing[0] == 0) next[i] = Vec3d(0);
+        }
+        spread = std::move(next);
+    }
+    for (size_t i = 0; i < spread.size(); ++i) at[skirt.firstVertex + i] += spread[i];
 }
 
 }  // namespace
@@ -58,6 +98,7 @@ std::vector<Vec3d> poseSubject(const Subject& subject, const TruthPose& pose, co
         // Deeper than 5 cm, the anchor is not the skin that lies below the cloth.
         if (off < kHoldOffM && off > -0.05) at[v] += (kHoldOffM - off) * n;
     }
+    if (subject.bottom == Bottom::Skirt) pushOutOfLegs(subject, at);
     return at;
 }
 
@@ -103,8 +144,8 @@ const std::vector<Vec3d>& SwingSimulation::at(double timeS) {
         now_ = next;
     }
     for (size_t d = 0; d < lag_.size(); ++d) {  // limits the lag smoothly to the length of the cloth
-        const double length = glm::length(lag_[d]);
-        soft_[d] = length > 1e-9 ? lag_[d] * (kMaxLagM * std::tanh(length / kMaxLagM) / length) : Vec3d(0);
+        const double length = glm::length(lag_[d]), most = double(subject_.drivers[d].maxLagM);
+        soft_[d] = length > 1e-9 ? lag_[d] * (most * std::tanh(length / most) / length) : Vec3d(0);
     }
     return soft_;
 }

@@ -7,17 +7,10 @@
 #include <map>
 
 #include "reconstruction/sample/skeleton.h"
+#include "tests/unit/recon_sample/subjects.h"
 
 namespace dpl {
 namespace {
-
-const Subject& subject() {
-    static const Subject kSubject = [] {
-        Jobs jobs(2);
-        return makeSubject(6, jobs);  // the hair of this seed needs a pinhole closed beside the hairline
-    }();
-    return kSubject;
-}
 
 TruthPose restPose() {
     return {std::vector<Vec3d>(subject().joints.size(), Vec3d(0)), Vec3d(0)};
