@@ -33,6 +33,18 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
     command->add_option("--threads", options->threadCount, "CPU threads; 0: one for each core. The result is the same for any number")
         ->check(inRange(0, 256))
         ->capture_default_str();
+    const auto leaveOut = [options](const std::vector<std::string>& parts) {
+        for (const std::string& part : parts)
+            (part == "layers"        ? options->without.layers
+             : part == "large-steps" ? options->without.largeSteps
+             : part == "light"       ? options->without.light
+                                     : options->without.gradientControl) = true;
+    };
+    command
+        ->add_option_function<std::vector<std::string>>("--without", leaveOut,
+                                                        "Leave parts of the method out, to measure what they bring (tools/ablations)")
+        ->check(CLI::IsMember({"layers", "large-steps", "light", "gradient-control"}))
+        ->delimiter(',');
     command->footer(
         "Examples:\n"
         "  doppel reconstruct scan -o ada\n"

@@ -125,7 +125,9 @@ Result<Inspection> inspectAsText(const std::filesystem::path& path) {
     out += line;
     if (!info.evidence.empty()) out += "\n  part                            kept   gain    reason\n";
     for (const EvidenceData& e : info.evidence) {
-        std::snprintf(line, sizeof line, "  %-30s  %-4s  %5.2f dB  ", e.part.c_str(), e.kept ? "yes" : "no", e.gainDb);
+        char gain[32] = "      –  ";  // not measured
+        if (e.gainDb != 0) std::snprintf(gain, sizeof gain, "%5.2f dB ", e.gainDb);
+        std::snprintf(line, sizeof line, "  %-30s  %-4s  %s ", e.part.c_str(), e.kept ? "yes" : "no", gain);
         out += line + e.reason + "\n";
     }
     return Inspection{std::move(out), info.hashMatches};

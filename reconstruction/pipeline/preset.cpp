@@ -38,6 +38,10 @@ RunSettings settingsOf(const ReconstructOptions& options) {
     } else {
         s.timeBudgetMinutes = options.timeBudgetMinutes;
     }
+    s.layers = !options.without.layers;
+    if (options.without.largeSteps) s.training.smoothingLengthM = 0;
+    if (options.without.light) s.training.rateNodeLight = 0;
+    if (options.without.gradientControl) s.training.closeupGradientScale = 1;
     return s;
 }
 

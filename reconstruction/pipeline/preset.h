@@ -14,6 +14,7 @@ struct RunSettings {
     double timeBudgetMinutes = 0;  // above 0: a timed probe chooses training.steps
     uint32_t polishSteps = 0;      // of colour, opacity and size, on the decoded avatar
     PoseFitSettings poseFit;       // of held-out frames
+    bool layers = true;            // false: one layer, whatever the labels say
 };
 
 RunSettings settingsOf(const ReconstructOptions& options);

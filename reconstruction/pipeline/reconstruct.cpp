@@ -12,7 +12,7 @@ Result<ReconstructResult> reconstructFrom(const StageRun& run, const IngestedSca
     const ReconstructResult paths{options.out / "avatar.glb", options.out / "poses.json", options.out / "report.html", ""};
     Pictures pictures(ingested.scan);
     DPL_TRY(const FittedSurface surface, runSurface(run, ingested, body, pictures));
-    DPL_TRY(const DressedBody dressed, runGarments(run, ingested, body, surface, pictures));
+    DPL_TRY(const DressedBody dressed, runGarments(run, ingested, body, surface, pictures, settings));
     DPL_TRY(const RegisteredPoses registered, runRegister(run, ingested, body, surface, pictures));
     DPL_TRY(const Training training, runCoOptimise(run, ingested, body, dressed, registered, pictures, settings));
     Lazy<AssembledAvatar> trained([&]() -> Result<AssembledAvatar> {

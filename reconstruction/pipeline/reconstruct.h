@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // From a scan folder to an avatar.
 //
-//   (observe, with networks →) ingest → body-fit → surface → garments → co-optimise → evidence → package → pose-fit → report
+//   (observe, with networks →) ingest → body-fit → surface → garments → register → co-optimise → evidence → package → pose-fit → report
 #pragma once
 
 #include <filesystem>
@@ -14,6 +14,14 @@ namespace dpl {
 
 enum class Preset : uint8_t { Draft, Standard, High };
 
+/** Parts of the method that a run can leave out, to measure what they bring. */
+struct WithoutParts {
+    bool layers = false;           // clothes are painted on the skin
+    bool largeSteps = false;       // every vertex moves by itself
+    bool light = false;            // brightness does not follow the pose
+    bool gradientControl = false;  // close-ups count no more than other pictures
+};
+
 struct ReconstructOptions {
     std::filesystem::path scan;    // scan folder, nerfstudio or COLMAP folder
     std::filesystem::path out;     // made if absent
@@ -23,6 +31,7 @@ struct ReconstructOptions {
     double timeBudgetMinutes = 0;  // of training; 0: the preset's number of steps
     uint32_t steps = 0;            // of training; 0: the preset's number; above 0: the time budget is ignored
     uint64_t seed = 1;
+    WithoutParts without;
     uint32_t threadCount = 0;  // 0: one a core; results do not depend on it
 };
 

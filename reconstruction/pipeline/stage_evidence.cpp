@@ -91,8 +91,14 @@ private:
     std::vector<TrainFrame> posed_;
 };
 
-Status weigh(const AssembledAvatar& assembled, const Jury& jury, const PoseFitSettings& poseFit, Jobs& jobs, StageContext& context) {
-    Judge judge(jury, poseFit, jobs, context);
+const char* whyNotTrained(AvatarPart part, const RunSettings& settings) {
+    if (part == AvatarPart::ViewDependentColour) return "not trained";
+    if (part == AvatarPart::CorrectiveLight && settings.training.rateNodeLight == 0) return "not trained: left out by --without light";
+    return "not trained: too few moving frames, or all in one pose";
+}
+
+Status weigh(const AssembledAvatar& assembled, const Jury& jury, const RunSettings& settings, Jobs& jobs, StageContext& context) {
+    Judge judge(jury, settings.poseFit, jobs, context);
     DPL_CHECK_OK(judge.fitPoses(assembled.avatar, 0, 0.4));
     DPL_TRY(const Measured whole, judge.measure(assembled.avatar));
     const std::pair<AvatarPart, std::string> kParts[] = {
@@ -103,10 +109,7 @@ Status weigh(const AssembledAvatar& assembled, const Jury& jury, const PoseFitSe
     for (const auto& [part, name] : kParts) {
         if (context.progress.cancelled()) return fail(Code::Cancelled, "stopped");
         if (!hasPart(assembled.avatar, part)) {
-            rows.push_back(
-                {part,
-                 {name, false, 0, 0,
-                  part == AvatarPart::ViewDependentColour ? "not trained" : "not trained: too few moving frames, or all in one pose"}});
+            rows.push_back({part, {name, false, 0, 0, whyNotTrained(part, settings)}});
             continue;
         }
         AvatarData without = assembled.avatar;
@@ -156,7 +159,7 @@ Result<MeasuredParts> runEvidence(const StageRun& run, const IngestedScan& inges
     DPL_TRY(const StageOutput stage, run.chain.run("evidence", 4, inputs, [&](StageContext& context) -> Status {
         DPL_TRY(const AssembledAvatar* assembled, trained.get());
         DPL_TRY(const Jury jury, chooseJury(ingested, body, registered, training, *assembled, pictures));
-        return weigh(*assembled, jury, settings.poseFit, run.jobs, context);
+        return weigh(*assembled, jury, settings, run.jobs, context);
     }));
     DPL_TRY(std::vector<PartEvidence> parts, readEvidence(stage.folder / "evidence.json"));
     return MeasuredParts{std::move(parts), stage.key};

@@ -10,7 +10,7 @@ namespace {
 using nlohmann::json;
 
 Status dress(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface, Pictures& pictures,
-             StageContext& context) {
+             const std::vector<ScanLabel>& labels, StageContext& context) {
     std::vector<GarmentView> views;
     for (size_t f : silhouetteFrames(ingested)) {
         DPL_TRY(const auto picture, pictures.of(f));
@@ -20,7 +20,7 @@ Status dress(const StageRun& run, const IngestedScan& ingested, const FittedBody
         context.progress.update(fraction, formatText("{} still pictures", views.size()));
         return !context.progress.cancelled();
     };
-    const GarmentInput input{body.shaped.mesh, body.shaped.joints, surface.restOffsets, views, ingested.scan.labels};
+    const GarmentInput input{body.shaped.mesh, body.shaped.joints, surface.restOffsets, views, labels};
     DPL_TRY(const GarmentFit fit, makeClothedMesh(input, progress, run.jobs));
     json decisions = json::array();
     for (const GarmentDecision& d : fit.decisions)
@@ -58,17 +58,19 @@ Result<std::vector<EvidenceData>> readDecisions(const std::filesystem::path& pat
 }  // namespace
 
 Result<DressedBody> runGarments(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
-                                Pictures& pictures) {
+                                Pictures& pictures, const RunSettings& settings) {
+    const std::vector<ScanLabel> wanted = settings.layers ? ingested.scan.labels : std::vector<ScanLabel>{};
     json labels = json::array();
-    for (const ScanLabel& label : ingested.scan.labels) labels.push_back({label.name, label.value});
+    for (const ScanLabel& label : wanted) labels.push_back({label.name, label.value});
     const json inputs = {{"training", ingested.trainingHash}, {"surface", surface.key}, {"labels", labels}};
     DPL_TRY(const StageOutput stage, run.chain.run("garments", 2, inputs, [&](StageContext& context) {
-        return dress(run, ingested, body, surface, pictures, context);
+        return dress(run, ingested, body, surface, pictures, wanted, context);
     }));
     DressedBody dressed;
     dressed.key = stage.key;
     DPL_TRY(dressed.clothed, readClothedFile(stage.folder / "clothed.bin", body.shaped.joints.size()));
     DPL_TRY(dressed.decided, readDecisions(stage.folder / "garments.json"));
+    if (!settings.layers) dressed.decided = {{"garment layers", false, 0, 0, "left out by --without layers"}};
     return dressed;
 }
 

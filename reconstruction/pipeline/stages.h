@@ -88,9 +88,9 @@ Result<FittedBody> runBodyFit(const StageRun& run, const IngestedScan& ingested,
 /** Reads the result of a finished body-fit stage. */
 Result<FittedBody> readFittedBody(const StageOutput& stage, const IngestedScan& ingested, BodyModel body);
 Result<FittedSurface> runSurface(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, Pictures& pictures);
-/** Makes body, garments, shoes and hair as layers of their own. Without labels the result is one layer. */
+/** Makes body, garments, shoes and hair as layers of their own. Without labels, or without settings.layers, the result is one layer. */
 Result<DressedBody> runGarments(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
-                                Pictures& pictures);
+                                Pictures& pictures, const RunSettings& settings);
 /** Registers training frames to their pictures. Reads no picture of a held-out frame. */
 Result<RegisteredPoses> runRegister(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
                                     Pictures& pictures);

@@ -150,7 +150,7 @@ void addClothDynamics(Subject& subject, const WardrobeChoice& wardrobe) {
             for (int i = 0; i < 8; ++i) {
                 const float angle = 0.785398f * float(i);
                 const Vec3f hem(0.25f * std::sin(angle), wardrobe.skirtHemY, 0.22f * std::cos(angle));
-                subject.drivers.push_back({vertexNear(subject, layer, hem), 1.1f, 0.20f, 0.12f});
+                subject.drivers.push_back({vertexNear(subject, layer, hem), 1.1f, 0.20f, 0.12});
             }
         } else {
             for (float side : {1.0f, -1.0f})

@@ -37,7 +37,7 @@ enum class Bottom : uint8_t { Shorts, Skirt };
 struct SwingDriver {
     uint32_t vertex = 0;  // a cloth vertex; its skinned path drives the spring
     float frequencyHz = 2.2f, damping = 0.28f;
-    float maxLagM = 0.045f;  // the lag stays shorter than this
+    double maxLagM = 0.045;  // the lag stays shorter than this
 };
 
 struct Subject {

@@ -144,7 +144,7 @@ const std::vector<Vec3d>& SwingSimulation::at(double timeS) {
         now_ = next;
     }
     for (size_t d = 0; d < lag_.size(); ++d) {  // limits the lag smoothly to the length of the cloth
-        const double length = glm::length(lag_[d]), most = double(subject_.drivers[d].maxLagM);
+        const double length = glm::length(lag_[d]), most = subject_.drivers[d].maxLagM;
         soft_[d] = length > 1e-9 ? lag_[d] * (most * std::tanh(length / most) / length) : Vec3d(0);
     }
     return soft_;

@@ -84,7 +84,7 @@ TEST(Skirt, swingsFartherThanShortsAndStaysOutsideTheLegs) {
     for (double t = 0.5; t < 18.5; t += 0.25) {
         const std::vector<Vec3d>& lag = swing.at(t);
         for (uint32_t d = 0; d < s.drivers.size(); ++d)
-            if (s.drivers[d].maxLagM > 0.1f) most = std::max(most, glm::length(lag[d]));
+            if (s.drivers[d].maxLagM > 0.1) most = std::max(most, glm::length(lag[d]));
     }
     EXPECT_GT(most, 0.05);
     EXPECT_LT(most, 0.12);
