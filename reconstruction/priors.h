@@ -230,9 +230,15 @@ inline constexpr double kTrainingSmoothingM = 0.04;
 /** Distance between the control nodes of pose correctives: about a fold of cloth.
  *  unit: m | origin: dev; scan-a | half, double: 0.045 loses 0.3 dB on scan-a, 0.02 gains 0.05 dB */
 inline constexpr double kNodeSpacingM = 0.03;
-/** Gain below which an optional part of an avatar is left out of the file.
+/** Gain below which an optional part of an avatar is left out of the file, whatever its size.
  *  unit: dB | origin: round figure, below what a change of seed does | half, double: not measured */
 inline constexpr double kWorthItDb = 0.05;
+/** Gain that a megabyte must bring on top: what `doppel pack` gives up for the last tenth of a file.
+ *  unit: dB | origin: round figure | half, double: not measured */
+inline constexpr double kWorthAMegabyteDb = 0.2;
+/** Steps for which an avatar without a part is trained on before it is judged, as a share of the steps of the training.
+ *  unit: ratio | origin: round figure; every picture is seen again twice | half, double: not measured */
+inline constexpr double kRetrainShare = 0.08;
 
 // ---- Garments
 

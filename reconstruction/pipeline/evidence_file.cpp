@@ -16,7 +16,10 @@ constexpr std::array<const char*, 3> kPartNames{"corrective-offsets", "correctiv
 }  // namespace
 
 bool hasPart(const AvatarData& avatar, AvatarPart part) {
-    return part == AvatarPart::ViewDependentColour ? avatar.splats.shDegree > 0 : !avatar.correctives.empty();
+    if (part == AvatarPart::ViewDependentColour) return avatar.splats.shDegree > 0;
+    const auto& nodes = avatar.correctives.nodes;
+    return std::any_of(nodes.begin(), nodes.end(),
+                       [&](const Vec4f& n) { return part == AvatarPart::CorrectiveLight ? n.w != 0 : Vec3f(n) != Vec3f(0); });
 }
 
 void removePart(AvatarData& avatar, AvatarPart part) {

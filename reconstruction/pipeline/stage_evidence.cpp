@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stage evidence measures how much each optional part improves the avatar. The public SDK draws validation frames with the part and
-// without it, and both are scored. A validation frame is drawn in its registered pose after a pose fit, which moves joints and root only:
-// to the whole avatar, and again to the avatar without the offsets, because a pose can stand in for these. A scan that is too small for a
-// validation split is judged on training frames. Held-out frames are not used.
+// The stage evidence measures how much each optional part improves the avatar. The trained avatar is trained on for a short while, whole
+// and again without each part, so that what remains makes up for the part as well as it can. The public SDK draws validation frames with
+// each of these avatars, and the pictures are scored. A validation frame is drawn in its registered pose after a pose fit, which moves
+// joints and root only, to the avatar that is judged. A part must gain a fixed amount, and more the larger it is. A scan that is too small
+// for a validation split is judged on training frames. Held-out frames are not used.
 #include "reconstruction/pipeline/registered_pose.h"
 #include "reconstruction/pipeline/stage_keys.h"
 #include "reconstruction/pipeline/stages.h"
 #include "reconstruction/priors.h"
 #include "reconstruction/report/draw_view.h"
 #include "reconstruction/report/score.h"
+#include "reconstruction/splat/retrain.h"
 #include "sdk/core/evenly_spaced.h"
 #include "sdk/core/files.h"
 
@@ -25,11 +27,6 @@ void chooseFrames(const std::vector<TrainFrame>& frames, FrameKind kind, std::ve
     const auto spaced = evenlySpaced(all, kFramesOfAKind);
     chosen.insert(chosen.end(), spaced.begin(), spaced.end());
 }
-
-struct Measured {
-    double maskedPsnrDb = 0;
-    uint64_t bytes = 0;
-};
 
 /** The frames that decide. */
 struct Jury {
@@ -54,41 +51,44 @@ Result<Jury> chooseJury(const IngestedScan& ingested, const FittedBody& body, co
     return jury;
 }
 
-/** Measures avatars on the jury's frames. */
+/** Trains avatars on and scores them on the jury's frames. */
 class Judge {
 public:
-    Judge(const Jury& jury, const PoseFitSettings& poseFit, Jobs& jobs, StageContext& context)
-        : jury_(jury), poseFit_(poseFit), jobs_(jobs), context_(context), posed_(jury.frames) {}
+    Judge(const AssembledAvatar& assembled, const Jury& jury, const RunSettings& settings, Jobs& jobs, StageContext& context)
+        : assembled_(assembled), jury_(jury), settings_(settings), jobs_(jobs), context_(context) {}
 
-    /** Fits the poses of validation frames to an avatar, each from its registered pose. Later pictures are drawn in these poses. */
-    Status fitPoses(const AvatarData& avatar, double from, double to) {
-        for (size_t i = 0; i < posed_.size() && jury_.registered; ++i) {
-            if (context_.progress.cancelled()) return fail(Code::Cancelled, "stopped");
-            posed_[i].pose = jury_.frames[i].pose;
-            if (auto fitted = fitPose(avatar, jury_.frames[i], poseFit_, jobs_)) posed_[i].pose = fitted->pose;
-            context_.progress.update(from + (to - from) * double(i + 1) / double(posed_.size()), posed_[i].name);
-        }
-        return {};
-    }
-
-    Result<Measured> measure(const AvatarData& avatar) const {
-        DPL_TRY(auto bytes, writeAvatar(avatar, kPackaged));
+    /** Mean masked PSNR in dB of `avatar` after it was trained on. Progress runs from `from` to `to`. */
+    Result<double> score(AvatarData avatar, const RetrainParts& parts, double from, double to) const {
+        const auto steps = uint32_t(std::max(20.0, priors::kRetrainShare * settings_.training.steps));
+        const CoOptimiseSettings training = retrainSettings(settings_.training, parts, steps, avatar.splats.shDegree);
+        const auto report = [&](const CoOptimiseProgress& p) {
+            context_.progress.update(from + 0.5 * (to - from) * p.step / std::max(1u, p.steps),
+                                     formatText("training on, step {} of {}", p.step, p.steps));
+        };
+        DPL_TRY(avatar, retrain(std::move(avatar), assembled_.frames, training, jobs_, report, &context_.progress.cancelFlag()));
+        DPL_TRY(const auto bytes, writeAvatar(avatar, {}));
+        DPL_TRY(const AvatarData decoded, readAvatar(bytes));
         DPL_TRY(auto view, AvatarView::open(bytes, jobs_.threadCount()));
-        Measured m;
-        m.bytes = bytes.size();
-        for (const TrainFrame& frame : posed_) {
-            DPL_TRY(auto picture, view.draw(frame.pose, frame.camera));
-            m.maskedPsnrDb += scorePicture(picture, frame.picture->image, frame.picture->mask).maskedPsnrDb / double(posed_.size());
+        double sum = 0;
+        for (size_t i = 0; i < jury_.frames.size(); ++i) {
+            if (context_.progress.cancelled()) return fail(Code::Cancelled, "stopped");
+            const TrainFrame& frame = jury_.frames[i];
+            Pose pose = frame.pose;
+            if (jury_.registered)
+                if (auto fitted = fitPose(decoded, frame, settings_.poseFit, jobs_)) pose = fitted->pose;
+            DPL_TRY(const auto picture, view.draw(pose, frame.camera));
+            sum += scorePicture(picture, frame.picture->image, frame.picture->mask).maskedPsnrDb;
+            context_.progress.update(from + (to - from) * (0.5 + 0.5 * double(i + 1) / double(jury_.frames.size())), frame.name);
         }
-        return m;
+        return sum / double(jury_.frames.size());
     }
 
 private:
+    const AssembledAvatar& assembled_;
     const Jury& jury_;
-    const PoseFitSettings& poseFit_;
+    const RunSettings& settings_;
     Jobs& jobs_;
     StageContext& context_;
-    std::vector<TrainFrame> posed_;
 };
 
 const char* whyNotTrained(AvatarPart part, const RunSettings& settings) {
@@ -98,38 +98,37 @@ const char* whyNotTrained(AvatarPart part, const RunSettings& settings) {
 }
 
 Status weigh(const AssembledAvatar& assembled, const Jury& jury, const RunSettings& settings, Jobs& jobs, StageContext& context) {
-    Judge judge(jury, settings.poseFit, jobs, context);
-    DPL_CHECK_OK(judge.fitPoses(assembled.avatar, 0, 0.4));
-    DPL_TRY(const Measured whole, judge.measure(assembled.avatar));
+    const Judge judge(assembled, jury, settings, jobs, context);
+    const AvatarData& avatar = assembled.avatar;
+    const RetrainParts trained{.correctiveLight = settings.training.rateNodeLight > 0};
+    DPL_TRY(const double whole, judge.score(avatar, trained, 0, 0.25));
+    DPL_TRY(const auto wholeFile, writeAvatar(avatar, kPackaged));
     const std::pair<AvatarPart, std::string> kParts[] = {
         {AvatarPart::CorrectiveOffsets, "pose-dependent offsets"},
         {AvatarPart::CorrectiveLight, "pose-dependent light"},
-        {AvatarPart::ViewDependentColour, "view-dependent colour (SH degree " + std::to_string(assembled.avatar.splats.shDegree) + ")"}};
+        {AvatarPart::ViewDependentColour, "view-dependent colour (SH degree " + std::to_string(avatar.splats.shDegree) + ")"}};
     std::vector<PartEvidence> rows;
     for (const auto& [part, name] : kParts) {
-        if (context.progress.cancelled()) return fail(Code::Cancelled, "stopped");
-        if (!hasPart(assembled.avatar, part)) {
+        const double from = 0.25 * double(rows.size() + 1);
+        if (!hasPart(avatar, part)) {
             rows.push_back({part, {name, false, 0, 0, whyNotTrained(part, settings)}});
             continue;
         }
-        AvatarData without = assembled.avatar;
+        AvatarData without = avatar;
         removePart(without, part);
-        // A pose can stand in for offsets, so the avatar without them gets poses of its own.
-        Judge fair = judge;
-        if (part == AvatarPart::CorrectiveOffsets) DPL_CHECK_OK(fair.fitPoses(without, 0.5, 0.9));
-        DPL_TRY(const Measured rest, fair.measure(without));
-        const double gain = whole.maskedPsnrDb - rest.maskedPsnrDb;
-        const bool kept = gain >= priors::kWorthItDb;
-        // A node value has eight bytes in the file: six of offset, two of light.
-        const uint64_t values = uint64_t(assembled.avatar.correctives.nodes.size());
-        const uint64_t bytes = part == AvatarPart::CorrectiveOffsets ? 6 * values
-                               : part == AvatarPart::CorrectiveLight ? 2 * values
-                                                                     : whole.bytes - std::min(whole.bytes, rest.bytes);
+        DPL_TRY(const auto file, writeAvatar(without, kPackaged));
+        RetrainParts parts = trained;
+        if (part == AvatarPart::CorrectiveOffsets) parts.correctiveOffsets = false;
+        if (part == AvatarPart::CorrectiveLight) parts.correctiveLight = false;
+        DPL_TRY(const double rest, judge.score(std::move(without), parts, from, from + 0.25));
+        const uint64_t bytes = wholeFile.size() - std::min(wholeFile.size(), file.size());
+        const double gain = whole - rest, price = priors::kWorthItDb + priors::kWorthAMegabyteDb * double(bytes) / 1e6;
+        const bool kept = gain >= price;
         rows.push_back({part,
                         {name, kept, float(gain), kept ? bytes : 0,
-                         formatText("masked PSNR of {} {} frames with and without it in the trained avatar", jury.frames.size(),
-                                    jury.registered ? "validation" : "training")}});
-        context.progress.update(0.9 + 0.03 * double(rows.size()), name);
+                         formatText("masked PSNR of {} {} frames against an avatar that was trained on without it; {} KB must gain {} dB",
+                                    jury.frames.size(), jury.registered ? "validation" : "training", (bytes + 500) / 1000,
+                                    std::round(price * 1000) / 1000)}});
     }
     return writeEvidence(rows, context.folder / "evidence.json");
 }
@@ -153,10 +152,13 @@ Result<MeasuredParts> runEvidence(const StageRun& run, const IngestedScan& inges
                                    {"assemble", assembleInputs()},
                                    {"name", ingested.scan.name},
                                    {"worthItDb", priors::kWorthItDb},
+                                   {"worthAMegabyteDb", priors::kWorthAMegabyteDb},
+                                   {"retrainShare", priors::kRetrainShare},
+                                   {"training", trainingInputs(settings)},
                                    {"validation", juryInputs(ingested)},
                                    {"poseFit", fieldsJson(settings.poseFit)},
                                    {"framesOfAKind", kFramesOfAKind}};
-    DPL_TRY(const StageOutput stage, run.chain.run("evidence", 4, inputs, [&](StageContext& context) -> Status {
+    DPL_TRY(const StageOutput stage, run.chain.run("evidence", 5, inputs, [&](StageContext& context) -> Status {
         DPL_TRY(const AssembledAvatar* assembled, trained.get());
         DPL_TRY(const Jury jury, chooseJury(ingested, body, registered, training, *assembled, pictures));
         return weigh(*assembled, jury, settings, run.jobs, context);

@@ -13,7 +13,10 @@ Result<MeasuredParts> measure(ToyReconstruction& toy) {
         DPL_TRY(FrameSet set, framesOf(toy.ingested, Split::Train, toy.body.cameras, toy.truth, pictures));
         return AssembledAvatar{toy.avatar, std::move(set.frames)};
     });
-    return runEvidence(toy.run, toy.ingested, toy.body, toy.registered, toy.training, trained, pictures, settingsOf({}));
+    RunSettings settings = settingsOf({});
+    settings.training.steps = 250;  // so an avatar is trained on for 20 steps
+    settings.poseFit.iterations = 30;
+    return runEvidence(toy.run, toy.ingested, toy.body, toy.registered, toy.training, trained, pictures, settings);
 }
 
 const EvidenceData& rowOf(const MeasuredParts& measured, AvatarPart part) {
