@@ -227,6 +227,9 @@ inline constexpr double kTangentShare = 0.25;
  *  unit: m | origin: round figure; the length is our form of the λ of Nicolet et al. 2021, Large Steps in Inverse Rendering | half, double:
  * not measured */
 inline constexpr double kTrainingSmoothingM = 0.04;
+/** Independent residuals that a pixel of the person counts as, when training or pose fit weigh a picture against the registered pose.
+ *  unit: ratio | origin: dev; scan-a and scan-c | half, double: not measured */
+inline constexpr double kTrainedPictureTrust = 0.01;
 /** Distance between the control nodes of pose correctives: about a fold of cloth.
  *  unit: m | origin: dev; scan-a | half, double: 0.045 loses 0.3 dB on scan-a, 0.02 gains 0.05 dB */
 inline constexpr double kNodeSpacingM = 0.03;

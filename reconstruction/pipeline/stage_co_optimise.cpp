@@ -100,9 +100,10 @@ Result<Training> runCoOptimise(const StageRun& run, const IngestedScan& ingested
                                    {"garments", dressed.key},
                                    {"register", registered.key},
                                    {"settings", trainingInputs(settings)}};
-    DPL_TRY(const StageOutput stage, run.chain.run("co-optimise", 5, inputs, [&](StageContext& context) -> Status {
+    DPL_TRY(const StageOutput stage, run.chain.run("co-optimise", 6, inputs, [&](StageContext& context) -> Status {
         context.progress.update(0, "reading pictures");
         DPL_TRY(FrameSet set, framesOf(ingested, Split::Train, body.cameras, registered.poses, pictures));
+        setPrecisions(set, registered.precisions);
         if (set.frames.empty()) return fail(Code::InvalidArgument, "no usable training frames");
         DPL_TRY(CoOptimiseInput input, trainingInput(body, dressed, std::move(set.frames)));
         return train(std::move(input), settings, run.jobs, context);

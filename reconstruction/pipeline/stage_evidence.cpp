@@ -38,6 +38,7 @@ Result<Jury> chooseJury(const IngestedScan& ingested, const FittedBody& body, co
                         const AssembledAvatar& assembled, Pictures& pictures) {
     Jury jury;
     DPL_TRY(FrameSet set, framesOf(ingested, Split::Validation, body.cameras, registered.poses, pictures));
+    setPrecisions(set, registered.precisions);
     const std::vector<const Pose*> trained = trainedPoses(ingested, training.result);
     for (size_t i = 0; i < set.frames.size(); ++i)
         set.frames[i].pose = registeredPose(ingested.scan, registered.poses, trained, set.indices[i]);
@@ -158,7 +159,7 @@ Result<MeasuredParts> runEvidence(const StageRun& run, const IngestedScan& inges
                                    {"validation", juryInputs(ingested)},
                                    {"poseFit", fieldsJson(settings.poseFit)},
                                    {"framesOfAKind", kFramesOfAKind}};
-    DPL_TRY(const StageOutput stage, run.chain.run("evidence", 5, inputs, [&](StageContext& context) -> Status {
+    DPL_TRY(const StageOutput stage, run.chain.run("evidence", 6, inputs, [&](StageContext& context) -> Status {
         DPL_TRY(const AssembledAvatar* assembled, trained.get());
         DPL_TRY(const Jury jury, chooseJury(ingested, body, registered, training, *assembled, pictures));
         return weigh(*assembled, jury, settings, run.jobs, context);

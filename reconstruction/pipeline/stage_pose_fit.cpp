@@ -42,8 +42,10 @@ Result<FoundPoses> runPoseFit(const StageRun& run, const IngestedScan& ingested,
                 if (context.progress.cancelled()) return fail(Code::Cancelled, "stopped");
                 entry.pose = registeredPose(scan, registered.poses, trained, f);
                 // A frame whose picture cannot be used keeps its registered pose.
-                if (auto shown = frameAt(ingested, f, body.cameras[f], entry.pose, pictures))
+                if (auto shown = frameAt(ingested, f, body.cameras[f], entry.pose, pictures)) {
+                    shown->precision = registered.precisions[f];
                     if (auto fitted = fitPose(avatar, *shown, settings.poseFit, run.jobs)) entry.fittedPose = fitted->pose;
+                }
                 context.progress.update(double(++done) / double(untrained), frame.name);
             }
             poses.frames.push_back(std::move(entry));
@@ -55,7 +57,7 @@ Result<FoundPoses> runPoseFit(const StageRun& run, const IngestedScan& ingested,
                          {"register", registered.key},
                          {"untrained", untrainedInputs(ingested)},
                          {"settings", fieldsJson(settings.poseFit)}};
-    DPL_TRY(const StageOutput stage, run.chain.run("pose-fit", 3, inputs, fitPoses));
+    DPL_TRY(const StageOutput stage, run.chain.run("pose-fit", 4, inputs, fitPoses));
     const std::filesystem::path file = stage.folder / "poses.json";
     DPL_TRY(PosesFile poses, readPosesFile(file));
     return FoundPoses{file, std::move(poses), stage.key};

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "reconstruction/body/swapped_sides.h"
+#include "reconstruction/pipeline/precision_file.h"
 #include "reconstruction/pipeline/stage_keys.h"
 #include "reconstruction/pipeline/stages.h"
 #include "reconstruction/priors.h"
@@ -72,6 +73,7 @@ Status fit(const StageRun& run, const IngestedScan& ingested, const FittedBody& 
         const ScanFrame& frame = scan.frames[f];
         file.frames.push_back({frame.name, frameKindName(frame.kind), splitName(frame.split), registration.poses[f], std::nullopt});
     }
+    DPL_CHECK_OK(writePrecisions(registration.precisions, context.folder / "precisions.bin"));
     return writeFileAtomically(context.folder / "poses.json", posesToJson(file));
 }
 
@@ -82,14 +84,15 @@ Result<RegisteredPoses> runRegister(const StageRun& run, const IngestedScan& ing
     const RegisterSettings settings;
     const nlohmann::json inputs = {
         {"training", ingested.trainingHash}, {"body_fit", body.key}, {"surface", surface.key}, {"settings", fieldsJson(settings)}};
-    DPL_TRY(const StageOutput stage, run.chain.run("register", 1, inputs, [&](StageContext& context) {
+    DPL_TRY(const StageOutput stage, run.chain.run("register", 2, inputs, [&](StageContext& context) {
         return fit(run, ingested, body, surface, pictures, settings, context);
     }));
     const std::filesystem::path path = stage.folder / "poses.json";
     DPL_TRY(const PosesFile file, readPosesFile(path));
     if (file.frames.size() != ingested.scan.frames.size())
         return fail(Code::CorruptData, "{} does not fit the scan; delete it and run again", path.string());
-    RegisteredPoses registered{{}, stage.key};
+    DPL_TRY(auto precisions, readPrecisions(stage.folder / "precisions.bin", file.frames.size(), body.shaped.joints.size()));
+    RegisteredPoses registered{{}, std::move(precisions), stage.key};
     for (const FramePose& frame : file.frames) {
         if (frame.pose.localRotations.size() != body.shaped.joints.size())
             return fail(Code::CorruptData, "{} does not fit the body; delete it and run again", path.string());

@@ -54,7 +54,8 @@ struct DressedBody {
 };
 
 struct RegisteredPoses {
-    std::vector<Pose> poses;  // of Scan::frames; those of held-out frames from their keypoints alone
+    std::vector<Pose> poses;                                       // of Scan::frames; those of held-out frames from their keypoints alone
+    std::vector<std::shared_ptr<const PosePrecision>> precisions;  // of `poses`
     std::string key;
 };
 

@@ -40,7 +40,7 @@ Result<std::shared_ptr<const FramePicture>> Pictures::of(size_t frame) {
 
 Result<TrainFrame> frameAt(const IngestedScan& ingested, size_t index, const Camerad& camera, const Pose& pose, Pictures& pictures) {
     const ScanFrame& frame = ingested.scan.frames[index];
-    TrainFrame out{frame.name, frame.kind, camera, pose, nullptr};
+    TrainFrame out{frame.name, frame.kind, camera, pose, nullptr, nullptr};
     DPL_TRY(out.picture, pictures.of(index));
     return out;
 }
@@ -55,6 +55,10 @@ Result<FrameSet> framesOf(const IngestedScan& ingested, Split split, std::span<c
         set.indices.push_back(f);
     }
     return set;
+}
+
+void setPrecisions(FrameSet& set, std::span<const std::shared_ptr<const PosePrecision>> precisions) {
+    for (size_t i = 0; i < set.frames.size(); ++i) set.frames[i].precision = precisions[set.indices[i]];
 }
 
 std::vector<size_t> silhouetteFrames(const IngestedScan& ingested) {

@@ -64,6 +64,9 @@ Result<TrainFrame> frameAt(const IngestedScan& ingested, size_t index, const Cam
 Result<FrameSet> framesOf(const IngestedScan& ingested, Split split, std::span<const Camerad> cameras, std::span<const Pose> poses,
                           Pictures& pictures);
 
+/** Sets TrainFrame::precision. precisions: one a frame of the scan. */
+void setPrecisions(FrameSet& set, std::span<const std::shared_ptr<const PosePrecision>> precisions);
+
 /** Still training frames with a mask, without close-ups. Their silhouettes shape the surface and the garments. Indices into Scan::frames.
  */
 std::vector<size_t> silhouetteFrames(const IngestedScan& ingested);

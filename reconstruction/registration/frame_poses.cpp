@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/registration/frame_poses.h"
 
+#include <ceres/crs_matrix.h>
+
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
@@ -88,6 +91,13 @@ void FramePoses::addSway(ceres::Problem& problem, size_t f) {
     problem.AddResidualBlock(new DiagonalPrior(stillPose_, poseSigma), nullptr, s.pose.data());
 }
 
+/** The priors of a moving frame by itself. */
+void FramePoses::addStandingPriors(ceres::Problem& problem, size_t f) {
+    State& s = states_[f];
+    problem.AddResidualBlock(new PosePriorCost(priors_, stillPose_), nullptr, s.pose.data());
+    problem.AddResidualBlock(makeRootUpright(s.reference, Vec3d(0, 1, 0), still_ * Vec3d(0, 1, 0)), nullptr, s.root);
+}
+
 void FramePoses::addTerms(ceres::Problem& problem, Split split) {
     std::vector<size_t> order;  // with the neighbours of earlier splits
     for (const size_t f : order_)
@@ -97,12 +107,10 @@ void FramePoses::addTerms(ceres::Problem& problem, Split split) {
     for (const size_t f : order) {
         if (!free(f)) continue;
         const RegisterFrame& frame = input_.frames[f];
-        State& s = states_[f];
         addKeypoints(problem, f);
-        const bool seen = problem.HasParameterBlock(s.root);
+        const bool seen = problem.HasParameterBlock(states_[f].root);
         if (!seen && !frame.picture) continue;  // its neighbours alone place it
-        problem.AddResidualBlock(new PosePriorCost(priors_, stillPose_), nullptr, s.pose.data());
-        problem.AddResidualBlock(makeRootUpright(s.reference, Vec3d(0, 1, 0), up), nullptr, s.root);
+        addStandingPriors(problem, f);
     }
     for (size_t f = 0; f < states_.size() && split == Split::Train; ++f)
         if (input_.frames[f].kind != FrameKind::Dynamic && input_.frames[f].picture) addKeypoints(problem, f), addSway(problem, f);
@@ -122,6 +130,57 @@ void FramePoses::addTerms(ceres::Problem& problem, Split split) {
 
 void FramePoses::addPicture(ceres::Problem& problem, size_t frame, ceres::CostFunction* cost) {
     problem.AddResidualBlock(cost, nullptr, states_[frame].root, states_[frame].pose.data());
+}
+
+PosePrecision FramePoses::precision(ceres::Problem& problem, size_t frame) {
+    State& s = states_[frame];
+    ceres::Problem priorsAlone;
+    const bool solved = problem.HasParameterBlock(s.root);
+    if (!solved) {
+        if (input_.frames[frame].kind == FrameKind::Dynamic)
+            addStandingPriors(priorsAlone, frame);
+        else
+            addSway(priorsAlone, frame);
+    }
+    ceres::Problem& own = solved ? problem : priorsAlone;
+    ceres::Problem::EvaluateOptions options;
+    options.parameter_blocks = {s.root, s.pose.data()};
+    std::vector<ceres::ResidualBlockId> ofPose;
+    own.GetResidualBlocksForParameterBlock(s.root, &options.residual_blocks);  // in the order in which they were added
+    own.GetResidualBlocksForParameterBlock(s.pose.data(), &ofPose);
+    const std::vector<ceres::ResidualBlockId> ofRoot = options.residual_blocks;
+    for (const ceres::ResidualBlockId block : ofPose)
+        if (std::find(ofRoot.begin(), ofRoot.end(), block) == ofRoot.end()) options.residual_blocks.push_back(block);
+    ceres::CRSMatrix jacobian;
+    own.Evaluate(options, nullptr, nullptr, nullptr, &jacobian);
+
+    PosePrecision out;
+    out.joints.push_back(0);
+    for (const JointPrior& p : priors_) out.joints.push_back(p.joint);
+    const Eigen::Index n = Eigen::Index(out.size()), last = n - 3;
+    // Column of d for each parameter. Parameters: root turn, root translation, turn of each joint; d has the translation last.
+    const auto column = [&](Eigen::Index parameter) {
+        return parameter < 3 ? parameter : parameter < 6 ? last + parameter - 3 : parameter - 3;
+    };
+    using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    Matrix rows = Matrix::Zero(jacobian.num_rows, n);
+    for (int r = 0; r < jacobian.num_rows; ++r)
+        for (int i = jacobian.rows[size_t(r)]; i < jacobian.rows[size_t(r) + 1]; ++i)
+            rows(r, column(jacobian.cols[size_t(i)])) = jacobian.values[size_t(i)];
+    // A parameter w turns by exp(w + dw) = exp(J dw)·exp(w), so its column counts J⁻¹ turns.
+    for (size_t k = 0; k < out.joints.size(); ++k) {
+        const double* w = k == 0 ? s.root : &s.pose[3 * (k - 1)];
+        const Mat3d inverse = glm::inverse(leftJacobian({w[0], w[1], w[2]}));
+        Eigen::Matrix3d perTurn;
+        for (int c = 0; c < 3; ++c)
+            for (int r = 0; r < 3; ++r) perTurn(r, c) = inverse[c][r];
+        rows.middleCols(Eigen::Index(3 * k), 3) = (rows.middleCols(Eigen::Index(3 * k), 3) * perTurn).eval();
+    }
+    out.matrix.resize(size_t(n * n));
+    Matrix lower = Matrix::Zero(n, n);
+    lower.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
+    Eigen::Map<Matrix>(out.matrix.data(), n, n) = lower.selfadjointView<Eigen::Lower>();
+    return out;
 }
 
 Result<SolveEnd> FramePoses::solve(ceres::Problem& problem, const std::string& what, int steps) const {

@@ -29,6 +29,9 @@ public:
     void addTerms(ceres::Problem& problem, Split split);
     /** Adds a cost of blocks root, pose. The problem owns it. */
     void addPicture(ceres::Problem& problem, size_t frame, ceres::CostFunction* cost);
+    /** Precision of a frame's pose, by the Gauss–Newton matrix of its own residuals in `problem`. Without any there: of
+     *  the priors of the frame alone. */
+    PosePrecision precision(ceres::Problem& problem, size_t frame);
     Result<SolveEnd> solve(ceres::Problem& problem, const std::string& what, int steps) const;
 
 private:
@@ -40,6 +43,7 @@ private:
     std::vector<double> parametersOf(const Pose& pose) const;
     void addKeypoints(ceres::Problem& problem, size_t frame);
     void addSway(ceres::Problem& problem, size_t frame);
+    void addStandingPriors(ceres::Problem& problem, size_t frame);
 
     const RegisterInput& input_;
     BodyModel body_;  // without morphs, so that the chain has no shape

@@ -153,6 +153,12 @@ Result<Registration> registerFrames(const RegisterInput& given, const RegisterSe
     const RegisterInput input = reduced.reduce(given, jobs);
     FramePoses poses(input);
     Registration result;
+    result.precisions.resize(input.frames.size());
+    /** Of the frames of a split, after their last solve. */
+    const auto keepPrecisions = [&](ceres::Problem& problem, Split split) {
+        for (size_t f = 0; f < input.frames.size(); ++f)
+            if (input.frames[f].split == split) result.precisions[f] = poses.precision(problem, f);
+    };
     const auto tell = [&](double fraction, std::string_view what) -> Status {
         if (settings.progress && !settings.progress(fraction, what)) return fail(Code::Cancelled, "registration was cancelled");
         return {};
@@ -208,6 +214,7 @@ Result<Registration> registerFrames(const RegisterInput& given, const RegisterSe
             }
             DPL_TRY(SolveEnd end, poses.solve(problem, formatText("pictures, blur {} px", blurPx), settings.stepsPerRound));
             result.solves.push_back(std::move(end));
+            if (done == rounds) keepPrecisions(problem, Split::Train);
         }
     }
     if (shown.empty()) {
@@ -215,15 +222,18 @@ Result<Registration> registerFrames(const RegisterInput& given, const RegisterSe
         poses.addTerms(problem, Split::Train);
         DPL_TRY(SolveEnd end, poses.solve(problem, "moving frames: keypoints", 30));
         result.solves.push_back(std::move(end));
+        keepPrecisions(problem, Split::Train);
     }
     DPL_CHECK_OK(tell(0.9, "held-out frames"));
     for (const Split split : {Split::Validation, Split::Test}) {
-        if (!poses.hasMoving(split)) continue;
         ceres::Problem problem;
-        poses.addTerms(problem, split);
-        const char* what = split == Split::Test ? "held-out moving frames" : "validation moving frames";
-        DPL_TRY(SolveEnd end, poses.solve(problem, what, 30));
-        result.solves.push_back(std::move(end));
+        if (poses.hasMoving(split)) {
+            poses.addTerms(problem, split);
+            const char* what = split == Split::Test ? "held-out moving frames" : "validation moving frames";
+            DPL_TRY(SolveEnd end, poses.solve(problem, what, 30));
+            result.solves.push_back(std::move(end));
+        }
+        keepPrecisions(problem, split);
     }
     for (size_t f = 0; f < input.frames.size(); ++f)
         result.poses.push_back(input.frames[f].kind == FrameKind::Dynamic || input.frames[f].picture ? poses.pose(f)

@@ -13,6 +13,7 @@
 
 #include "reconstruction/body/fit_body.h"
 #include "reconstruction/capture/frame_picture.h"
+#include "reconstruction/capture/pose_precision.h"
 #include "sdk/core/jobs.h"
 
 namespace dpl {
@@ -50,7 +51,8 @@ struct RegisterSettings {
 };
 
 struct Registration {
-    std::vector<Pose> poses;  // one per frame; a still frame without picture keeps its start
+    std::vector<Pose> poses;                // one per frame; a still frame without picture keeps its start
+    std::vector<PosePrecision> precisions;  // of `poses`; a still frame without picture: of its sway
     std::vector<SolveEnd> solves;
 };
 

@@ -104,5 +104,11 @@ std::vector<double> AdamVector::step(std::span<const double> gradient, std::span
     return out;
 }
 
+std::vector<double> AdamVector::spread() const {
+    std::vector<double> out(second.size());
+    for (size_t i = 0; i < out.size(); ++i) out[i] = std::sqrt(second[i] / (1 - std::pow(beta2, double(steps)))) + 1e-20;
+    return out;
+}
+
 }  // namespace dpl
 #endif

@@ -45,6 +45,8 @@ struct AdamVector {
 
     /** Returns the step, which the caller subtracts. rates: one learning rate a coordinate. */
     std::vector<double> step(std::span<const double> gradient, std::span<const double> rates);
+    /** √v̂ of each coordinate: what the last step divided by. */
+    std::vector<double> spread() const;
 };
 
 }  // namespace dpl

@@ -151,6 +151,7 @@ uint64_t CoOptimiser::State::fingerprint() const {
         w.value(f.camera.viewFromWorldRotation), w.value(f.camera.viewFromWorldTranslation);
         w.value(f.camera.fx), w.value(f.camera.fy), w.value(f.camera.cx), w.value(f.camera.cy), w.value(f.kind);
         putArray(w, f.pose.localRotations), w.value(f.pose.rootTranslation);
+        if (f.precision) putArray(w, f.precision->joints), putArray(w, f.precision->matrix);
     }
     const std::vector<uint8_t> bytes = w.finish();
     return XXH3_64bits(bytes.data(), bytes.size());

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "reconstruction/splat/co_optimise_state.h"
+#include "reconstruction/splat/pose_step.h"
 #include "reconstruction/splat/random.h"
 #include "reconstruction/splat/rotation_vector.h"
 #include "sdk/format/avatar_file.h"
@@ -50,6 +51,7 @@ Status CoOptimiser::State::prepare() {
         DPL_CHECK_OK(checkTrainFrame(f));
         if (auto status = checkPose(input.joints, f.pose); !status)
             return fail(status.error().code, "frame '{}': {}", f.name, status.error().message);
+        DPL_CHECK_OK(checkPrecision(f, input.joints.size()));
         learned.frames.push_back({.pose = f.pose});
         if (std::any_of(f.picture->mask.pixels.begin(), f.picture->mask.pixels.end(), isPerson)) usedFrames.push_back(i);
     }
@@ -184,7 +186,7 @@ Status CoOptimiser::State::stepOnce() {
 
     const auto update = std::chrono::steady_clock::now();
     if (settings.learnSplats) updateSplats(frame);
-    if (settings.learnPoses || settings.learnCameras) updatePose(frame);
+    if (settings.learnPoses || settings.learnCameras) updatePose(frame, loss.total);
     if (settings.learnGeometry) {
         const auto& g = pass.restGradient();
         for (size_t v = 0; v < g.size(); ++v) layer.restGradientSum[v] += g[v];
@@ -253,34 +255,14 @@ void CoOptimiser::State::updateSplats(uint32_t frame) {
     });
 }
 
-void CoOptimiser::State::updatePose(uint32_t frame) {
+void CoOptimiser::State::updatePose(uint32_t frame, double loss) {
     const PoseGradient<double>& g = pass.poseGradient();
     LearnedFrame& own = learned.frames[frame];
-    const Pose& first = input.frames[frame].pose;
     if (settings.learnPoses) {
-        Pose& pose = own.pose;
-        const size_t jointCount = input.joints.size();
-        std::vector<double> gradient(jointCount * 3 + 3), rates(jointCount * 3 + 3);
-        const float fall = decay(settings.endPose);
-        for (size_t j = 0; j < jointCount; ++j) {
-            const Vec3d away =
-                logQuaternion(Quatd(pose.localRotations[j]) * glm::conjugate(glm::normalize(Quatd(first.localRotations[j]))));
-            for (int a = 0; a < 3; ++a) {
-                gradient[j * 3 + size_t(a)] = g.rotation[j][a] + 2 * settings.regularise.pose * away[a];
-                rates[j * 3 + size_t(a)] = settings.rateRotation * fall;
-            }
-        }
-        for (int a = 0; a < 3; ++a) {
-            gradient[jointCount * 3 + size_t(a)] =
-                g.rootTranslation[a] + 2 * settings.regularise.pose * 100 * (pose.rootTranslation[a] - first.rootTranslation[a]);
-            rates[jointCount * 3 + size_t(a)] = settings.rateTranslation * fall;
-        }
-        const std::vector<double> delta = own.adamPose.step(gradient, rates);
-        for (size_t j = 0; j < jointCount; ++j) {
-            const Vec3d w(delta[j * 3], delta[j * 3 + 1], delta[j * 3 + 2]);
-            pose.localRotations[j] = Quatf(glm::normalize(turnQuaternion(-w) * Quatd(pose.localRotations[j])));
-        }
-        for (int a = 0; a < 3; ++a) pose.rootTranslation[a] -= float(delta[jointCount * 3 + size_t(a)]);
+        const TrainFrame& given = input.frames[frame];
+        const double fall = decay(settings.endPose);
+        const PosePull pull{given.pose, given.precision.get(), lossPerNat(loss, level[frame].personPx)};
+        stepPose(own.pose, own.adamPose, g, {settings.rateRotation * fall, settings.rateTranslation * fall}, pull);
     }
     if (settings.learnCameras) {
         std::vector<double> gradient(6), rates(6, double(settings.rateCamera * decay(settings.endPose)));

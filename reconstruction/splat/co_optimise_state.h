@@ -47,7 +47,7 @@ struct CoOptimiser::State {
     uint32_t frameOf(uint32_t atStep);
     Camerad cameraOf(uint32_t frame) const;
     void updateSplats(uint32_t frame);
-    void updatePose(uint32_t frame);
+    void updatePose(uint32_t frame, double loss);
     void updateOffsets();
     void updateCorrectives();
     float decay(float end) const;

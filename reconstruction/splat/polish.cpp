@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "reconstruction/splat/pose_step.h"
 #include "reconstruction/splat/random.h"
-#include "reconstruction/splat/rotation_vector.h"
 
 namespace dpl {
 
@@ -35,6 +35,7 @@ Result<AvatarData> polish(AvatarData avatar, std::vector<TrainFrame> frames, uin
 Result<PoseFitResult> fitPose(const AvatarData& avatar, const TrainFrame& frame, const PoseFitSettings& settings, Jobs& jobs) {
     DPL_CHECK_OK(checkTrainFrame(frame));
     DPL_CHECK_OK(checkPose(avatar.joints, frame.pose));
+    DPL_CHECK_OK(checkPrecision(frame, avatar.joints.size()));
     LevelFrame coarse = makeLevelFrame(frame, std::max(0.5f, coarsestScale(frame)), {}, false), fine = makeLevelFrame(frame, 1, {}, true);
     coarse.kappaPx2 = fine.kappaPx2 = avatar.kappaPx2;
     if (!fine.used) return fail(Code::InvalidArgument, "frame '{}': nobody is in its mask, so its pose cannot be fitted", frame.name);
@@ -50,35 +51,28 @@ Result<PoseFitResult> fitPose(const AvatarData& avatar, const TrainFrame& frame,
     result.pose = frame.pose;
     result.lossBefore = result.lossAfter = pass.run(subject, frame.pose, fine, settings.loss, grey, false).total;
 
+    // Nats of picture and registration together; the picture's likelihood is that of lossPerNat().
+    const double natsPerLog = 1 / lossPerNat(1, fine.personPx);
+    const auto nats = [&](double loss, const PosePull& pull, const Pose& pose) {
+        return natsPerLog * std::log(std::max(1e-9, loss)) + costOfDeviation(pose, pull);
+    };
+    PosePull pull{frame.pose, frame.precision.get()};
+    double best = nats(result.lossBefore, pull, frame.pose);
     Pose pose = frame.pose;
-    const size_t joints = avatar.joints.size();
     AdamVector adam;
-    std::vector<double> gradient(joints * 3 + 3), rates(joints * 3 + 3);
     for (uint32_t i = 0; i < settings.iterations; ++i) {
         const Vec3f background(float(hashUniform(settings.seed, 20, 3 * i)), float(hashUniform(settings.seed, 20, 3 * i + 1)),
                                float(hashUniform(settings.seed, 20, 3 * i + 2)));
         const bool late = 2 * i >= settings.iterations;
-        pass.run(subject, pose, late ? fine : coarse, settings.loss, background, true);
-        const PoseGradient<double>& g = pass.poseGradient();
+        const LevelFrame& level = late ? fine : coarse;
+        const double loss = pass.run(subject, pose, level, settings.loss, background, true).total;
         const double fall = std::pow(settings.end, double(i) / settings.iterations);
-        for (size_t j = 0; j < joints; ++j) {
-            const Vec3d away =
-                logQuaternion(Quatd(pose.localRotations[j]) * glm::conjugate(glm::normalize(Quatd(frame.pose.localRotations[j]))));
-            for (int a = 0; a < 3; ++a)
-                gradient[j * 3 + size_t(a)] = g.rotation[j][a] + 2.0 * settings.posePull * away[a],
-                                 rates[j * 3 + size_t(a)] = settings.rateRotation * fall;
-        }
-        for (int a = 0; a < 3; ++a)
-            gradient[joints * 3 + size_t(a)] = g.rootTranslation[a], rates[joints * 3 + size_t(a)] = settings.rateTranslation * fall;
-        const std::vector<double> delta = adam.step(gradient, rates);
-        for (size_t j = 0; j < joints; ++j)
-            pose.localRotations[j] = Quatf(
-                glm::normalize(turnQuaternion(-Vec3d(delta[j * 3], delta[j * 3 + 1], delta[j * 3 + 2])) * Quatd(pose.localRotations[j])));
-        for (int a = 0; a < 3; ++a) pose.rootTranslation[a] -= float(delta[joints * 3 + size_t(a)]);
+        pull.lossPerNat = lossPerNat(loss, level.personPx);
+        stepPose(pose, adam, pass.poseGradient(), {settings.rateRotation * fall, settings.rateTranslation * fall}, pull);
         const bool last = i + 1 == settings.iterations;
         if (last || (late && i % 10 == 9)) {
-            const double loss = pass.run(subject, pose, fine, settings.loss, grey, false).total;
-            if (loss < result.lossAfter) result.lossAfter = loss, result.pose = pose;
+            const double after = pass.run(subject, pose, fine, settings.loss, grey, false).total, now = nats(after, pull, pose);
+            if (now < best) best = now, result.lossAfter = after, result.pose = pose;
         }
     }
     return result;

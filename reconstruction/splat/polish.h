@@ -20,7 +20,6 @@ struct PoseFitSettings {
     uint64_t seed = 1;
     double rateRotation = 6e-3, rateTranslation = 4e-3, end = 0.05;
     LossWeights loss{0.8f, 0.2f, 1.0f, 0.0f};
-    float posePull = 1e-2f;  // weight of ‖log(R R0ᵀ)‖², with R0 the given pose
 };
 
 struct PoseFitResult {
@@ -28,8 +27,8 @@ struct PoseFitResult {
     double lossBefore = 0, lossAfter = 0;  // total loss on one fixed background
 };
 
-/** Test-time pose fit (docs/reference/registration.md): optimises frame.pose and nothing else. Returns the pose with the lowest loss, which
- *  may be the given one. */
+/** Test-time pose fit (docs/reference/registration.md): optimises frame.pose and nothing else, with a pull towards it by
+ *  frame.precision. Returns the likeliest pose that it met, which may be the given one. */
 Result<PoseFitResult> fitPose(const AvatarData& avatar, const TrainFrame& frame, const PoseFitSettings& settings, Jobs& jobs);
 
 }  // namespace dpl

@@ -14,7 +14,6 @@ struct RegulariserWeights {
     float anisotropy = 0.01f;  // mean of max(0, ln(s_max/s_min) − ln 10)
     float edgeRatio = 1e-2f;   // mean of max(0, ||e'|/|e| − 1| − 0.5)²
     float laplacian = 1e-2f;   // mean of |L ΔV|²/(mean edge)², L the uniform Laplacian divided by valence
-    float pose = 1e-2f;        // ‖log(R R0ᵀ)‖² of every joint, ‖Δt‖²/(0.1 m)²
     float camera = 1e-1f;
 };
 

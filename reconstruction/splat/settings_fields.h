@@ -18,9 +18,9 @@ void visitFields(const LossWeights& weights, Visit&& visit) {
 
 template <class Visit>
 void visitFields(const RegulariserWeights& weights, Visit&& visit) {
-    const auto& [scaleHinge, anisotropy, edgeRatio, laplacian, pose, camera] = weights;
+    const auto& [scaleHinge, anisotropy, edgeRatio, laplacian, camera] = weights;
     visit("scaleHinge", scaleHinge), visit("anisotropy", anisotropy), visit("edgeRatio", edgeRatio);
-    visit("laplacian", laplacian), visit("pose", pose), visit("camera", camera);
+    visit("laplacian", laplacian), visit("camera", camera);
 }
 
 template <class Visit>
@@ -57,9 +57,9 @@ void visitFields(const CoOptimiseSettings& settings, Visit&& visit) {
 
 template <class Visit>
 void visitFields(const PoseFitSettings& settings, Visit&& visit) {
-    const auto& [iterations, seed, rateRotation, rateTranslation, end, loss, posePull] = settings;
+    const auto& [iterations, seed, rateRotation, rateTranslation, end, loss] = settings;
     visit("iterations", iterations), visit("seed", seed), visit("rateRotation", rateRotation), visit("rateTranslation", rateTranslation);
-    visit("end", end), visit("loss", loss), visit("posePull", posePull);
+    visit("end", end), visit("loss", loss);
 }
 
 }  // namespace dpl

@@ -72,6 +72,15 @@ Status checkTrainFrame(const TrainFrame& f) {
     return {};
 }
 
+Status checkPrecision(const TrainFrame& f, size_t jointCount) {
+    if (!f.precision) return {};
+    const PosePrecision& p = *f.precision;
+    if (p.matrix.size() != p.size() * p.size() ||
+        std::any_of(p.joints.begin(), p.joints.end(), [&](uint32_t j) { return j >= jointCount; }))
+        return fail(Code::InvalidArgument, "frame '{}': the precision of its pose does not fit the rig", f.name);
+    return {};
+}
+
 float coarsestScale(const TrainFrame& f) {
     return std::min(1.0f, std::max(0.1f, 160.0f / float(std::min(f.camera.widthPx, f.camera.heightPx))));
 }
@@ -118,7 +127,7 @@ LevelFrame makeLevelFrame(const TrainFrame& f, float scale, std::span<const uint
     }
     const auto coverage =
         areaAverage(width, height, columns, rows, [&](uint32_t x, uint32_t y) { return inside(size_t(y) * width + x) ? 255.0f : 0.0f; });
-    for (size_t i = 0; i < pixels; ++i) level.mask[i] = toByte(coverage[i]);
+    for (size_t i = 0; i < pixels; ++i) level.mask[i] = toByte(coverage[i]), level.personPx += isPerson(level.mask[i]);
     if (!labels.pixels.empty()) {
         const auto cloth = areaAverage(width, height, columns, rows, [&](uint32_t x, uint32_t y) {
             return std::find(clothLabels.begin(), clothLabels.end(), labels.pixels[size_t(y) * width + x]) != clothLabels.end() ? 255.0f

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "reconstruction/capture/frame_picture.h"
+#include "reconstruction/capture/pose_precision.h"
 #include "reconstruction/splat/losses.h"
 #include "sdk/avatar/rig.h"
 
@@ -18,7 +19,8 @@ struct TrainFrame {
     FrameKind kind = FrameKind::StaticFull;
     Camerad camera;
     Pose pose;
-    std::shared_ptr<const FramePicture> picture;  // of the camera's size
+    std::shared_ptr<const FramePicture> picture;     // of the camera's size
+    std::shared_ptr<const PosePrecision> precision;  // of `pose`; null: nothing is known
 };
 
 /** Variance of the low-pass that avatars are trained and drawn with, in pixels² of the target at every scale. 1/12 is the variance of a
@@ -36,12 +38,15 @@ struct LevelFrame {
     Cameraf camera;            // of the crop
     std::vector<uint8_t> rgb;  // planar, premultiplied by the mask
     std::vector<uint8_t> mask, cloth, band;
+    uint32_t personPx = 0;
 
     PictureTarget target() const { return {widthPx, heightPx, rgb, mask, cloth, band}; }
 };
 
 /** Checks that image, mask and labels (unless empty) have the camera's size. The error names the frame. */
 Status checkTrainFrame(const TrainFrame& frame);
+/** Checks that the precision, if there is one, fits a rig of so many joints. The error names the frame. */
+Status checkPrecision(const TrainFrame& frame, size_t jointCount);
 
 /** The person's pixels at `scale`. The colour is premultiplied by isPerson() of the mask. clothLabels: label values that
  *  count as cloth. withBand: fill `band`, the pixels within one pixel of the mask's edge (for full resolution). */

@@ -80,6 +80,7 @@ public:
         body.body.name = "ball", body.body.joints = avatar.joints, body.body.mesh = avatar.mesh;
         body.shaped = body.body;
         body.fit.poses = registered.poses = truth;
+        registered.precisions.resize(kFrames);
         training.result.poses.assign(truth.begin(), truth.begin() + kTrained);
         training.key = "trained", registered.key = "register", package.key = "package";
         package.bytes = bytesOf(avatar);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "reconstruction/priors.h"
 #include "tests/unit/recon_registration/painted_scene.h"
 
 namespace dpl::test {
@@ -40,7 +41,36 @@ TEST(RegisterFrames, resultsDoNotDependOnThreads) {
     for (size_t f = 0; f < a->poses.size(); ++f) {
         EXPECT_EQ(a->poses[f].localRotations, b->poses[f].localRotations) << f;
         EXPECT_EQ(a->poses[f].rootTranslation, b->poses[f].rootTranslation) << f;
+        EXPECT_EQ(a->precisions[f].matrix, b->precisions[f].matrix) << f;
     }
+}
+
+TEST(RegisterFrames, precisionsSayHowWellPosesAreKnown) {
+    PaintedScene scene(6);
+    RegisterSettings quick;
+    quick.blursPx = {2}, quick.roundsPerBlur = 1;
+    scene.frames[2].split = Split::Test, scene.frames[2].picture = nullptr;  // a still frame that is not solved
+    const auto a = scene.registered(quick);
+    ASSERT_TRUE(a) << a.error().message;
+    ASSERT_EQ(a->precisions.size(), scene.frames.size());
+    for (const PosePrecision& p : a->precisions) {
+        const size_t n = p.size();
+        ASSERT_EQ(p.matrix.size(), n * n);
+        EXPECT_EQ(p.joints.front(), 0u);
+        for (size_t i = 0; i < n; ++i) {
+            EXPECT_GT(p.matrix[i * n + i], 0) << i;
+            for (size_t j = 0; j < i; ++j) EXPECT_EQ(p.matrix[i * n + j], p.matrix[j * n + i]);
+        }
+    }
+    const size_t n = a->precisions[2].size(), at = n - 3;
+    EXPECT_NEAR(a->precisions[2].matrix[at * n + at] * priors::kSwayM * priors::kSwayM, 1, 1e-9) << "not solved: the sway's prior";
+    EXPECT_NEAR(a->precisions[2].matrix[0] * priors::kSwayTurnRad * priors::kSwayTurnRad, 1, 0.01);
+    EXPECT_GT(a->precisions[3].matrix[at * n + at], 1.5 / (priors::kSwayM * priors::kSwayM)) << "its picture tells more";
+    // Without keypoints less is known.
+    for (Keypoint& k : scene.keypoints[3]) k.confidence = 0;
+    const auto b = scene.registered(quick);
+    ASSERT_TRUE(b) << b.error().message;
+    EXPECT_LT(b->precisions[3].matrix[at * n + at], 0.9 * a->precisions[3].matrix[at * n + at]);
 }
 
 TEST(RegisterFrames, heldOutFramesReachNoOther) {
