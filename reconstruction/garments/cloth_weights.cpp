@@ -1,22 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/garments/cloth_weights.h"
 
-#include <Eigen/Sparse>
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <span>
 
-#include "reconstruction/priors.h"
+#include "reconstruction/garments/body_follow.h"
 #include "sdk/format/skin_weights.h"
 #include "sdk/math/skinning.h"
 
 namespace dpl {
 namespace {
 
-constexpr float kFacing = 0.3f;          // least cosine between the normals of cloth and of the body point that it follows
-constexpr float kSearchM = 0.5f;         // no body point that faces the same way within this: any body point
 constexpr float kLargestStep = 0.1f;     // of a joint's weight along an edge; steeper steps tear cloth
 constexpr float kStepBeforeCut = 0.07f;  // the cut to four joints makes steps steeper
 constexpr int kSmoothingRounds = 400;
@@ -39,24 +35,26 @@ float stepBetween(const Rows& rows, uint32_t a, uint32_t b) {
 
 /** Averages the ends of steep edges with their neighbours until no joint's weight changes by more than kStepBeforeCut along an edge. */
 void limitSteps(Rows& rows, const std::vector<std::vector<uint32_t>>& neighbours) {
-    std::vector<float> next;
+    std::vector<uint8_t> check(neighbours.size(), 1);  // the row or one beside it changed in the round before
+    std::vector<float> next = rows.value;
     for (int round = 0; round < kSmoothingRounds; ++round) {
-        std::vector<uint8_t> steep(neighbours.size(), 0);
-        bool any = false;
+        std::vector<uint32_t> steep;
         for (uint32_t v = 0; v < neighbours.size(); ++v)
-            for (uint32_t n : neighbours[v])
-                if (stepBetween(rows, v, n) > kStepBeforeCut) steep[v] = 1, any = true;
-        if (!any) return;
-        next = rows.value;
-        for (uint32_t v = 0; v < neighbours.size(); ++v) {
-            if (!steep[v]) continue;
+            if (check[v] && std::any_of(neighbours[v].begin(), neighbours[v].end(),
+                                        [&](uint32_t n) { return stepBetween(rows, v, n) > kStepBeforeCut; }))
+                steep.push_back(v);
+        if (steep.empty()) return;
+        std::fill(check.begin(), check.end(), uint8_t(0));
+        for (const uint32_t v : steep) {
+            check[v] = 1;
+            for (uint32_t n : neighbours[v]) check[n] = 1;
             for (size_t j = 0; j < rows.jointCount; ++j) {
                 float mean = 0;
                 for (uint32_t n : neighbours[v]) mean += rows[n][j] / float(neighbours[v].size());
                 next[v * rows.jointCount + j] = 0.5f * (rows[v][j] + mean);
             }
         }
-        rows.value.swap(next);
+        for (const uint32_t v : steep) std::copy_n(&next[v * rows.jointCount], rows.jointCount, rows[v]);
     }
 }
 
@@ -87,58 +85,33 @@ void cutRows(Rows& rows, std::span<const uint32_t> jointOf, ClothWeights& out) {
 
 Result<ClothWeights> clothWeights(const SurfaceMesh& piece, const MeshData& body, const ClosestSurface& bodySurface, size_t jointCount) {
     const size_t count = piece.positions.size();
-    const std::vector<Vec3f> normals = vertexNormals(piece.positions, piece.triangles);
     const auto neighbours = vertexNeighbours(count, piece.triangles);
+    const std::vector<SurfacePoint> below = bodyBelow(piece, bodySurface);
     ClothWeights out;
-    out.distanceM.resize(count);
-    std::vector<SurfacePoint> below(count);
     std::vector<uint32_t> columnOf(jointCount, UINT32_MAX), jointOf;
-    for (size_t v = 0; v < count; ++v) {
-        below[v] = bodySurface.findFacing(piece.positions[v], normals[v], kFacing, kSearchM);
-        if (!below[v].found()) below[v] = bodySurface.find(piece.positions[v]);
-        out.distanceM[v] = below[v].distanceM;
+    for (const SurfacePoint& point : below) {
+        out.distanceM.push_back(point.distanceM);
         for (int corner = 0; corner < 3; ++corner) {
-            const uint32_t from = body.triangles[below[v].triangle][corner];
+            const uint32_t from = body.triangles[point.triangle][corner];
             for (int k = 0; k < 4; ++k)
                 if (body.jointWeights[from][k] != 0) columnOf[body.jointIndices[from][k]] = 0;
         }
     }
     for (uint32_t j = 0; j < jointCount; ++j)
         if (columnOf[j] == 0) columnOf[j] = uint32_t(jointOf.size()), jointOf.push_back(j);
-    Rows target{jointOf.size(), std::vector<float>(count * jointOf.size(), 0.0f)};
+    const size_t columns = jointOf.size();
+    std::vector<double> ofBody(count * columns, 0.0);
     for (size_t v = 0; v < count; ++v)
         for (int corner = 0; corner < 3; ++corner) {
             const uint32_t from = body.triangles[below[v].triangle][corner];
             for (int k = 0; k < 4; ++k)
                 if (body.jointWeights[from][k] != 0)
-                    target[v][columnOf[body.jointIndices[from][k]]] +=
-                        below[v].barycentric[corner] * float(body.jointWeights[from][k]) / 255;
+                    ofBody[v * columns + columnOf[body.jointIndices[from][k]]] +=
+                        double(below[v].barycentric[corner] * float(body.jointWeights[from][k]) / 255);
         }
-    double edge = 0, edges = 0;
-    for (size_t v = 0; v < count; ++v)
-        for (uint32_t n : neighbours[v]) edge += glm::length(piece.positions[v] - piece.positions[n]), edges += 1;
-    if (!(edge > 0)) return fail(Code::InvalidArgument, "a garment without edges has no skin weights");
-    edge /= edges;
-
-    std::vector<Eigen::Triplet<double>> entries;
-    Eigen::VectorXd data = Eigen::VectorXd::Zero(Eigen::Index(count));
-    for (size_t v = 0; v < count; ++v) {
-        const double length = std::max(priors::kClothContactM, priors::kClothHang * double(out.distanceM[v]));
-        data[Eigen::Index(v)] = edge * edge / (length * length);
-        entries.emplace_back(int(v), int(v), data[Eigen::Index(v)] + double(neighbours[v].size()));
-        for (uint32_t n : neighbours[v]) entries.emplace_back(int(v), int(n), -1.0);
-    }
-    Eigen::SparseMatrix<double> matrix{Eigen::Index(count), Eigen::Index(count)};
-    matrix.setFromTriplets(entries.begin(), entries.end());
-    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(matrix);
-    if (factor.info() != Eigen::Success) return fail(Code::Internal, "the skin weights of a garment could not be solved; report this scan");
-    Rows rows{jointOf.size(), std::vector<float>(target.value.size())};
-    for (size_t j = 0; j < jointOf.size(); ++j) {
-        Eigen::VectorXd right = Eigen::VectorXd::Zero(Eigen::Index(count));
-        for (size_t v = 0; v < count; ++v) right[Eigen::Index(v)] = data[Eigen::Index(v)] * target[v][j];
-        const Eigen::VectorXd x = factor.solve(right);
-        for (size_t v = 0; v < count; ++v) rows[v][j] = float(std::max(0.0, x[Eigen::Index(v)]));
-    }
+    DPL_TRY(const std::vector<double> spread, followBody(piece, below, ofBody, columns));
+    Rows rows{columns, std::vector<float>(spread.size())};
+    for (size_t i = 0; i < spread.size(); ++i) rows.value[i] = float(std::max(0.0, spread[i]));
     for (int round = 0; round < kCutRounds; ++round) {  // the cut to four joints makes some steps steeper again
         limitSteps(rows, neighbours);
         cutRows(rows, jointOf, out);

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Skin weights of garments, from the body below them.
 //
-// A vertex starts with the weights b of the closest point of the body's surface that faces the same way; an arm beside the torso therefore
-// does not take the torso's. Then the weights x minimise
-//     Σ_v (e / ℓ_v)² |x_v − b_v|² + Σ_edges |x_v − x_w|²,   e: mean edge,   ℓ_v = max(kContactM, kHang · distance from the body)
-// Near the body ℓ smooths out the steps of b. Where cloth hangs free ℓ is long, and the weights are close to harmonic: a skirt spans the
-// legs. docs/reference/garments.md
+// A vertex starts with the weights of the body point below it (bodyBelow). followBody() spreads them, so that a skirt spans the legs. Then
+// steps along edges are limited and rows are cut to four joints. docs/reference/garments.md
 #pragma once
 
 #include <span>

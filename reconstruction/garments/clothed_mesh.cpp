@@ -94,18 +94,6 @@ void appendLayer(ClothedMesh& clothed, const ScanLabel& label, const std::vector
                            uint32_t(triangles.size())});
 }
 
-/** Moves vertices of later layers by a hair's breadth where they share a position with another layer: consumers merge equal positions. */
-void separateLayers(MeshData& mesh) {
-    std::set<std::tuple<float, float, float>> taken;
-    for (const LayerData& layer : mesh.layers) {
-        std::vector<Vec3f*> own;
-        for (uint32_t v = layer.firstVertex; v < layer.firstVertex + layer.vertexCount; ++v) own.push_back(&mesh.restPositions[v]);
-        for (Vec3f* p : own)
-            while (taken.contains({p->x, p->y, p->z})) p->y += kNudgeM;
-        for (const Vec3f* p : own) taken.insert({p->x, p->y, p->z});
-    }
-}
-
 /** How sure the pictures are that each body vertex is skin: votes on the posed single skin. */
 Result<std::vector<float>> skinShare(const GarmentInput& input, const StillBody& body, Jobs& jobs) {
     const SurfaceMesh skin{body.clothed, input.body.triangles};
@@ -116,6 +104,17 @@ Result<std::vector<float>> skinShare(const GarmentInput& input, const StillBody&
 }
 
 }  // namespace
+
+void separateLayers(MeshData& mesh) {
+    std::set<std::tuple<float, float, float>> taken;
+    for (const LayerData& layer : mesh.layers) {
+        std::vector<Vec3f*> own;
+        for (uint32_t v = layer.firstVertex; v < layer.firstVertex + layer.vertexCount; ++v) own.push_back(&mesh.restPositions[v]);
+        for (Vec3f* p : own)
+            while (taken.contains({p->x, p->y, p->z})) p->y += kNudgeM;
+        for (const Vec3f* p : own) taken.insert({p->x, p->y, p->z});
+    }
+}
 
 Result<GarmentFit> makeClothedMesh(const GarmentInput& input, const std::function<bool(double)>& progress, Jobs& jobs) {
     DPL_CHECK_OK(checkInput(input));

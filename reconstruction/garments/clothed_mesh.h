@@ -25,6 +25,9 @@ struct ClothedMesh {
     std::vector<uint8_t> triangleLabel;  // F: label values of the scan
 };
 
+/** Moves vertices of later layers by a hair's breadth where they share a position with another layer: consumers merge equal positions. */
+void separateLayers(MeshData& mesh);
+
 struct GarmentInput {
     const MeshData& body;  // of the fitted shape, at rest; 4 × unorm8 weights
     std::span<const JointData> joints;
