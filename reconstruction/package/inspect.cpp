@@ -109,6 +109,11 @@ Result<Inspection> inspectAsText(const std::filesystem::path& path) {
                       info.vertices, info.triangles, info.layers, info.joints, info.clips);
     if (info.correctiveNodes)
         out.insert(out.size() - 1, formatText("pose correctives: {} nodes, {} modes\n", info.correctiveNodes, info.correctiveModes));
+    std::string layers;
+    for (const LayerInfo& layer : info.layerList)
+        layers += formatText("{}{} ({}, {} triangles, {} splats)", layers.empty() ? "layers: " : ", ", layer.name, layer.role,
+                             layer.triangles, layer.splats);
+    out.insert(out.size() - 1, layers + "\n");
     char line[160];
     if (info.trainedPixelM > 0) {
         std::snprintf(line, sizeof line, "trained at pixels of %.2f mm\n", 1e3 * double(info.trainedPixelM));
@@ -158,6 +163,8 @@ Result<Inspection> inspectAsJson(const std::filesystem::path& path) {
                                   {"clips", info.clips},
                                   {"corrective_nodes", info.correctiveNodes},
                                   {"corrective_modes", info.correctiveModes}};
+    for (const LayerInfo& layer : info.layerList)
+        out["layer_list"].push_back({{"name", layer.name}, {"role", layer.role}, {"triangles", layer.triangles}, {"splats", layer.splats}});
     if (info.trainedPixelM > 0) out["trained_pixel_m"] = info.trainedPixelM;
     for (const auto& [name, bytes] : parts(info)) out["bytes"][name] = bytes;
     out["bytes"]["file"] = info.fileBytes;

@@ -46,6 +46,12 @@ struct CodedAvatar {
 /** readAvatar without decoding the splats. Makes the same checks; peak memory is little more than the result. */
 Result<CodedAvatar> readCodedAvatar(std::span<const uint8_t> bytes, const ReadLimits& limits = {});
 
+/** A layer as inspectAvatar() reports it. */
+struct LayerInfo {
+    std::string name, role;
+    uint32_t triangles = 0, splats = 0;
+};
+
 /** Content of a file and the bytes of its parts, which add up to fileBytes. */
 struct AvatarInfo {
     std::string name, generator;
@@ -67,6 +73,7 @@ struct AvatarInfo {
     uint64_t skinBytes = 0;        // inverse bind matrices
     uint64_t jsonBytes = 0;        // the JSON chunk
     uint64_t otherBytes = 0;       // GLB headers, padding
+    std::vector<LayerInfo> layerList;
     std::vector<EvidenceData> evidence;
 };
 

@@ -435,6 +435,12 @@ struct AvatarReader {
         info.vertices = uint32_t(avatar.mesh.restPositions.size()), info.triangles = uint32_t(avatar.mesh.triangles.size());
         info.joints = uint32_t(avatar.joints.size()), info.layers = uint32_t(avatar.mesh.layers.size());
         info.clips = uint32_t(avatar.clips.size());
+        for (const LayerData& layer : avatar.mesh.layers) {
+            LayerInfo entry{layer.name, layer.role, layer.triangleCount, 0};
+            for (const SplatChunk& chunk : coded.chunks)  // chunks do not cross layers
+                if (chunk.firstTriangle - layer.firstTriangle < layer.triangleCount) entry.splats += chunk.splatCount;
+            info.layerList.push_back(std::move(entry));
+        }
         info.correctiveModes = avatar.correctives.modeCount, info.correctiveNodes = avatar.correctives.nodeCount;
         const uint64_t known =
             info.meshBytes + info.splatBytes + info.shBytes + info.correctiveBytes + info.clipBytes + info.skinBytes + info.jsonBytes;

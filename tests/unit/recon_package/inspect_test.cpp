@@ -40,6 +40,20 @@ TEST_F(Inspect, aGoodFileIsIntact) {
     EXPECT_NE(found->text.find("(matches)"), std::string::npos);
 }
 
+TEST_F(Inspect, layersAreListedWithTheirSplats) {
+    const auto found = asText();
+    ASSERT_TRUE(found) << found.error().message;
+    const AvatarInfo info = *inspectAvatar(bytes_);
+    ASSERT_EQ(info.layerList.size(), info.layers);
+    uint32_t splats = 0;
+    for (const LayerInfo& layer : info.layerList) {
+        splats += layer.splats;
+        EXPECT_EQ(layer.splats, 6 * layer.triangles);
+        EXPECT_NE(found->text.find(layer.name + " (" + layer.role), std::string::npos);
+    }
+    EXPECT_EQ(splats, info.splats);
+}
+
 TEST_F(Inspect, aFlippedBitThatOnlyTheHashDetectsIsReportedInTextAndJson) {
     auto found = asText();
     for (size_t i = bytes_.size(); i-- > bytes_.size() / 2;) {  // the end of the file holds splat streams
