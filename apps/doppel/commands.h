@@ -24,6 +24,7 @@ void addBenchCommand(CLI::App& app, CommandRun& run);
 void addBodyCommand(CLI::App& app, CommandRun& run);
 void addExportCommand(CLI::App& app, CommandRun& run);
 void addPackCommand(CLI::App& app, CommandRun& run);
+void addDressCommand(CLI::App& app, CommandRun& run);
 
 /** Prints "doppel: message" to stderr and returns the exit code for it. */
 int reportError(const Error& error);

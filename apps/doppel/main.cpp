@@ -42,6 +42,7 @@ int main(int argc, char** argv) {
         "  doppel sample -o scan                       make the procedural subject's scan\n"
         "  doppel reconstruct scan -o ada              make ada/avatar.glb and ada/report.html\n"
         "  doppel render ada/avatar.glb -o ada.mp4 --turntable\n"
+        "  doppel dress ada/avatar.glb --top ben/avatar.glb -o new.glb\n"
         "  doppel render ada/avatar.glb -o walk.mp4 --clip walk.bvh --stereo\n"
         "Exit codes: 0 done, 1 failed (the sentence says why), 2 wrong arguments, 130 stopped by Ctrl-C (a rerun continues).\n"
         "Each command has its own --help.");
@@ -53,6 +54,7 @@ int main(int argc, char** argv) {
     addInspectCommand(app, run);
     addExportCommand(app, run);
     addPackCommand(app, run);
+    addDressCommand(app, run);
     addBodyCommand(app, run);
     addBenchCommand(app, run);
     if (argc < 2) {

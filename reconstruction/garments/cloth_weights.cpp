@@ -100,15 +100,16 @@ Result<ClothWeights> clothWeights(const SurfaceMesh& piece, const MeshData& body
     for (uint32_t j = 0; j < jointCount; ++j)
         if (columnOf[j] == 0) columnOf[j] = uint32_t(jointOf.size()), jointOf.push_back(j);
     const size_t columns = jointOf.size();
-    std::vector<double> ofBody(count * columns, 0.0);
+    std::vector<float> sum(count * columns, 0.0f);
     for (size_t v = 0; v < count; ++v)
         for (int corner = 0; corner < 3; ++corner) {
             const uint32_t from = body.triangles[below[v].triangle][corner];
             for (int k = 0; k < 4; ++k)
                 if (body.jointWeights[from][k] != 0)
-                    ofBody[v * columns + columnOf[body.jointIndices[from][k]]] +=
-                        double(below[v].barycentric[corner] * float(body.jointWeights[from][k]) / 255);
+                    sum[v * columns + columnOf[body.jointIndices[from][k]]] +=
+                        below[v].barycentric[corner] * float(body.jointWeights[from][k]) / 255;
         }
+    const std::vector<double> ofBody(sum.begin(), sum.end());
     DPL_TRY(const std::vector<double> spread, followBody(piece, below, ofBody, columns));
     Rows rows{columns, std::vector<float>(spread.size())};
     for (size_t i = 0; i < spread.size(); ++i) rows.value[i] = float(std::max(0.0, spread[i]));

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <random>
 
+#include "reconstruction/surface/orbit_camera.h"
 #include "sdk/avatar/clip.h"
 #include "sdk/avatar/posed_mesh.h"
 #include "sdk/splat/splat_engine.h"
@@ -45,14 +46,7 @@ Cameraf randomCamera(std::span<const Vec3f> positions, bool close, std::mt19937_
     if (close) target.y = high.y - height / 6;
     const double extent = (close ? height / 3 : std::max(height, width * kHeightPx / kWidthPx)) * 1.15;
     const double distance = 1.6 * std::max(height, width);
-    const Vec3d back(std::cos(elevation) * std::sin(azimuth), std::sin(elevation), std::cos(elevation) * std::cos(azimuth));
-    const Vec3d forward = -back, right = glm::normalize(glm::cross(forward, Vec3d(0, 1, 0))), down = glm::cross(forward, right);
-    Cameraf c;
-    c.widthPx = kWidthPx, c.heightPx = kHeightPx, c.cx = kWidthPx / 2.0f, c.cy = kHeightPx / 2.0f;
-    c.fx = c.fy = float(distance / extent * kHeightPx);
-    c.viewFromWorldRotation = Mat3f(glm::transpose(Mat3d(right, down, forward)));
-    c.viewFromWorldTranslation = Vec3f(-(Mat3d(c.viewFromWorldRotation) * (target + distance * back)));
-    return c;
+    return orbitCamera(target, distance, azimuth, elevation, distance / extent * kHeightPx, kWidthPx, kHeightPx).cast<float>();
 }
 
 /** Poses and projects an avatar, reusing its buffers between pictures. The avatar must outlive it. */

@@ -13,8 +13,6 @@
 namespace dpl {
 namespace {
 
-constexpr int kRingsBelowClothes = 5;  // a few centimetres: what a swinging hem or sleeve may uncover
-
 bool contains(const std::vector<uint8_t>& list, uint8_t value) {
     return std::find(list.begin(), list.end(), value) != list.end();
 }
@@ -23,22 +21,6 @@ void poseMesh(std::span<const JointData> joints, const MeshData& mesh, const Pos
     std::vector<Mat3x4f> transforms;
     jointTransforms(joints, pose, transforms);
     skin(mesh, transforms, jobs, posed);
-}
-
-/** The triangles that share a merged vertex with each triangle, without itself. */
-std::vector<std::vector<uint32_t>> triangleNeighbours(const MeshData& mesh) {
-    const auto [place, placeCount] = mergeVertices(mesh.restPositions);
-    std::vector<std::vector<uint32_t>> at(placeCount), out(mesh.triangles.size());
-    for (uint32_t t = 0; t < mesh.triangles.size(); ++t)
-        for (int c = 0; c < 3; ++c) at[place[mesh.triangles[t][c]]].push_back(t);
-    for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-        for (int c = 0; c < 3; ++c)
-            for (const uint32_t other : at[place[mesh.triangles[t][c]]])
-                if (other != t) out[t].push_back(other);
-        std::sort(out[t].begin(), out[t].end());
-        out[t].erase(std::unique(out[t].begin(), out[t].end()), out[t].end());
-    }
-    return out;
 }
 
 /** 1 for triangles that get splats: all, except those of a clothed body that lie more than kRingsBelowClothes from a seen triangle. */
@@ -58,8 +40,23 @@ std::vector<uint8_t> drawnTriangles(const MeshData& mesh, const std::vector<uint
     return drawn;
 }
 
-/** Mean colour of each triangle; a triangle of weight 0 takes the mean of its neighbours, ring by ring from the seen ones. Parts that
- *  nobody sees take the mean of all. */
+}  // namespace
+
+std::vector<std::vector<uint32_t>> triangleNeighbours(const MeshData& mesh) {
+    const auto [place, placeCount] = mergeVertices(mesh.restPositions);
+    std::vector<std::vector<uint32_t>> at(placeCount), out(mesh.triangles.size());
+    for (uint32_t t = 0; t < mesh.triangles.size(); ++t)
+        for (int c = 0; c < 3; ++c) at[place[mesh.triangles[t][c]]].push_back(t);
+    for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        for (int c = 0; c < 3; ++c)
+            for (const uint32_t other : at[place[mesh.triangles[t][c]]])
+                if (other != t) out[t].push_back(other);
+        std::sort(out[t].begin(), out[t].end());
+        out[t].erase(std::unique(out[t].begin(), out[t].end()), out[t].end());
+    }
+    return out;
+}
+
 std::vector<Vec3f> spreadColours(const std::vector<Vec4f>& weighted, const std::vector<std::vector<uint32_t>>& neighbours) {
     std::vector<Vec3f> colour(weighted.size(), Vec3f(0));
     std::vector<uint8_t> known(weighted.size(), 0);
@@ -90,8 +87,6 @@ std::vector<Vec3f> spreadColours(const std::vector<Vec4f>& weighted, const std::
         if (!known[t]) colour[t] = mean;
     return colour;
 }
-
-}  // namespace
 
 std::vector<uint8_t> triangleFlags(std::span<const Vec3f> restPositions, std::span<const Triangle> triangles,
                                    std::span<const uint8_t> labels, const InitSettings& settings) {

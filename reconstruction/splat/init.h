@@ -22,6 +22,17 @@ struct InitSettings {
 std::vector<uint8_t> triangleFlags(std::span<const Vec3f> restPositions, std::span<const Triangle> triangles,
                                    std::span<const uint8_t> labels, const InitSettings& settings);
 
+/** The body below clothes has splats up to so many rings of triangles from what is seen: a few centimetres, what a swinging hem or sleeve
+ *  may uncover. */
+constexpr int kRingsBelowClothes = 5;
+
+/** The triangles that share a merged vertex with each triangle, without itself. Ascending. */
+std::vector<std::vector<uint32_t>> triangleNeighbours(const MeshData& mesh);
+
+/** Mean colour of each triangle from (colour times weight, weight); a triangle of weight 0 takes the mean of its neighbours, ring by ring
+ *  from the seen ones. Parts that nobody sees take the mean of all. */
+std::vector<Vec3f> spreadColours(const std::vector<Vec4f>& weighted, const std::vector<std::vector<uint32_t>>& neighbours);
+
 /** What the frames show of each triangle. */
 struct TriangleSight {
     std::vector<float> sizeFloorM;  // in-plane size floor of a splat: 0.35/ν, with ν the highest resolution in px/m at which a frame shows

@@ -68,9 +68,11 @@ refuses "unknown option" "frobnicate" "$doppel" reconstruct scan -o out --frobni
 refuses "no such avatar" "none.glb" "$doppel" render none.glb -o out.png
 head -c 300 /dev/urandom >noise.glb
 refuses "noise as an avatar" "noise.glb" "$doppel" render noise.glb -o out.png
+refuses "noise as a garment's avatar" "noise.glb" "$doppel" dress noise.glb --top noise.glb -o out.glb
+refuses "nothing to put on" "avatar.*--top|none.glb" "$doppel" dress none.glb -o out.glb
 refuses "noise inspected" "noise.glb" "$doppel" inspect noise.glb
 truncate -s 3G huge.glb
-for command in inspect bench "render -o out.png" "pack -o out.glb" "export -o out.ply"; do
+for command in inspect bench "render -o out.png" "pack -o out.glb" "dress --hair huge.glb -o out.glb" "export -o out.ply"; do
     # shellcheck disable=SC2086  # the command and its options are words
     refuses "3 GB that are no avatar, by their first bytes: $command" "huge.glb: the file is neither" timeout 5 "$doppel" $command huge.glb
 done
