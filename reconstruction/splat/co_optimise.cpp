@@ -53,6 +53,9 @@ Status CoOptimiser::State::prepare() {
             return fail(status.error().code, "frame '{}': {}", f.name, status.error().message);
         DPL_CHECK_OK(checkPrecision(f, input.joints.size()));
         learned.frames.push_back({.pose = f.pose});
+        AdamVector& adam = learned.frames.back().adamPose;
+        adam.first.assign(f.precision ? f.precision->size() : 3 * input.joints.size() + 3, 0.0);
+        adam.second = adam.first;
         if (std::any_of(f.picture->mask.pixels.begin(), f.picture->mask.pixels.end(), isPerson)) usedFrames.push_back(i);
     }
     if (usedFrames.empty())

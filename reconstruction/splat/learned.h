@@ -77,12 +77,14 @@ Status visitLearned(LearnedOrConst& learned, const Learned& shape, Visit& visit)
     DPL_CHECK_OK(visit.array("nodes' second moments", layer.adamNodes.second, shape.layer.adamNodes.second.size()));
     DPL_CHECK_OK(visit.array("nodes' steps", layer.adamNodes.steps, shape.layer.adamNodes.steps.size()));
 
-    for (auto& frame : learned.frames) {
-        const size_t joints = shape.frames.front().pose.localRotations.size(), poseNumbers = joints * 3 + 3, cameraNumbers = 6;
+    for (size_t f = 0; f < learned.frames.size(); ++f) {
+        auto& frame = learned.frames[f];
+        const size_t joints = shape.frames.front().pose.localRotations.size(), cameraNumbers = 6;
+        const size_t poseNumbers = shape.frames[f].adamPose.first.size();
         DPL_CHECK_OK(visit.array("pose", frame.pose.localRotations, joints));
         DPL_CHECK_OK(visit.value("root translation", frame.pose.rootTranslation));
-        DPL_CHECK_OK(visit.arrayOrEmpty("pose's first moments", frame.adamPose.first, poseNumbers));
-        DPL_CHECK_OK(visit.arrayOrEmpty("pose's second moments", frame.adamPose.second, poseNumbers));
+        DPL_CHECK_OK(visit.array("pose's first moments", frame.adamPose.first, poseNumbers));
+        DPL_CHECK_OK(visit.array("pose's second moments", frame.adamPose.second, poseNumbers));
         DPL_CHECK_OK(visit.value("pose's steps", frame.adamPose.steps));
         DPL_CHECK_OK(visit.value("camera turn", frame.cameraTurn));
         DPL_CHECK_OK(visit.value("camera shift", frame.cameraShift));
