@@ -223,21 +223,30 @@ TEST(Dress, uncoveredSkinIsFilledFromTheSkinAround) {
     EXPECT_GT(wasEmpty, 20u);
 }
 
-TEST(Dress, theUpperGarmentGoesOverTheLower) {
-    const Dressed dressed = dress(first(), {{"bottom", &second()}});
-    const LayerPart top = partOf(dressed.avatar, "top"), bottom = partOf(dressed.avatar, "bottom"), own = partOf(first().avatar, "top");
-    const GarmentCover cover(bottom.surface());
-    const GarmentCover ownBottom(partOf(first().avatar, "bottom").surface());
+TEST(Dress, aTightTopIsLiftedOverANewBottom) {
+    // A wearer without trousers, whose top lies 2 mm above the skin: a bottom with its own distance finds no room below it.
+    NamedAvatar tight{"tight.glb", first().avatar};
+    std::vector<LayerPart> parts;
+    for (size_t i = 0; i < tight.avatar.mesh.layers.size(); ++i)
+        if (tight.avatar.mesh.layers[i].name != "bottom") parts.push_back(takeLayer(tight.avatar, i));
+    const ClosestSurface skin(parts[0].mesh.restPositions, parts[0].mesh.triangles);
+    for (LayerPart& part : parts)
+        if (part.name == "top")
+            for (Vec3f& p : part.mesh.restPositions) {
+                const SurfacePoint foot = skin.find(p);
+                p = foot.position + 0.002f * skin.normalAt(foot);
+            }
+    joinLayers(parts, tight.avatar);
+    const Dressed dressed = dress(tight, {{"bottom", &second()}});
+    EXPECT_FALSE(dressed.layers[0].replaced);
+    const LayerPart top = partOf(dressed.avatar, "top");
+    const GarmentCover cover(partOf(dressed.avatar, "bottom").surface());
     const auto normals = vertexNormals(top.mesh.restPositions, top.mesh.triangles);
-    const auto ownNormals = vertexNormals(own.mesh.restPositions, own.mesh.triangles);
     size_t over = 0, under = 0;
-    for (size_t v = 0; v < normals.size(); ++v) {
-        const auto was = ownBottom.heightOf(own.mesh.restPositions[v], ownNormals[v]);
-        if (was && was->aboveM < 0) continue;  // tucked in before
+    for (size_t v = 0; v < normals.size(); ++v)
         if (const auto height = cover.heightOf(top.mesh.restPositions[v], normals[v])) ++(height->aboveM > 0 ? over : under);
-    }
     EXPECT_GT(over, 50u);
-    EXPECT_EQ(under, 0u);
+    EXPECT_LT(under, over / 50);
 }
 
 TEST(Dress, aNewGarmentTakesNoCorrectivesOfOtherClothes) {
