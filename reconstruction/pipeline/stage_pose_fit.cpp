@@ -57,7 +57,7 @@ Result<FoundPoses> runPoseFit(const StageRun& run, const IngestedScan& ingested,
                          {"register", registered.key},
                          {"untrained", untrainedInputs(ingested)},
                          {"settings", fieldsJson(settings.poseFit)}};
-    DPL_TRY(const StageOutput stage, run.chain.run("pose-fit", 4, inputs, fitPoses));
+    DPL_TRY(const StageOutput stage, run.chain.run("pose-fit", 5, inputs, fitPoses));
     const std::filesystem::path file = stage.folder / "poses.json";
     DPL_TRY(PosesFile poses, readPosesFile(file));
     return FoundPoses{file, std::move(poses), stage.key};
