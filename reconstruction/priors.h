@@ -228,9 +228,9 @@ inline constexpr double kTangentShare = 0.25;
  * not measured */
 inline constexpr double kTrainingSmoothingM = 0.04;
 /** Independent residuals that a pixel of the person counts as, when training or pose fit weigh a picture against the registered pose.
- *  unit: ratio | origin: dev; validation frames of scan-a and scan-c | half, double: keypoints after the pose fit at 0.5, 1, 2.5 and 10
+ *  unit: ratio | origin: dev; validation frames of scan-a and scan-c | half, double: keypoints after the pose fit at 0.2, 0.4, 1 and 4
  * times this 11.9, 12.5, 12.8, 13.7 mm on scan-a (12.6 registered) and 13.8, 13.7, 13.4, 13.4 mm on scan-c (15.5 registered) */
-inline constexpr double kTrainedPictureTrust = 0.02;
+inline constexpr double kTrainedPictureTrust = 0.05;
 /** Distance between the control nodes of pose correctives: about a fold of cloth.
  *  unit: m | origin: dev; scan-a | half, double: 0.045 loses 0.3 dB on scan-a, 0.02 gains 0.05 dB */
 inline constexpr double kNodeSpacingM = 0.03;
