@@ -85,9 +85,10 @@ Result<std::unique_ptr<CoOptimiser>> CoOptimiser::create(CoOptimiseInput input, 
     auto state = std::make_unique<State>(std::move(input), settings, jobs);
     DPL_CHECK_OK(state->prepare());
     State& s = *state;
-    const TriangleSight sight = triangleSight(s.input.joints, s.mesh, s.input.frames, jobs);
+    const TriangleSight sight = triangleSight(s.input.joints, s.mesh, s.input.triangleLabel, s.input.frames, jobs);
     const std::vector<uint8_t> flags = triangleFlags(s.mesh.restPositions, s.mesh.triangles, s.input.triangleLabel, s.settings.init);
-    s.start(initialSplats(s.input.joints, s.mesh, flags, sight, s.input.frames, s.settings.init, s.settings.seed, jobs));
+    s.start(
+        initialSplats(s.input.joints, s.mesh, s.input.triangleLabel, flags, sight, s.input.frames, s.settings.init, s.settings.seed, jobs));
     return std::unique_ptr<CoOptimiser>(new CoOptimiser(std::move(state)));
 }
 
@@ -101,7 +102,8 @@ Result<std::unique_ptr<CoOptimiser>> CoOptimiser::createFrom(CoOptimiseInput inp
         splats.scaleM.size() != n || splats.opacity.size() != n || splats.flags.size() != n ||
         splats.sh.size() != n * shCoefficientCount(splats.shDegree) * 3)
         return fail(Code::InvalidArgument, "the splats do not fit the mesh of {} triangles", s.mesh.triangles.size());
-    TrainableSplats first = TrainableSplats::fromSplatData(splats, triangleSight(s.input.joints, s.mesh, s.input.frames, jobs).sizeFloorM);
+    TrainableSplats first = TrainableSplats::fromSplatData(
+        splats, triangleSight(s.input.joints, s.mesh, s.input.triangleLabel, s.input.frames, jobs).sizeFloorM);
     first.activateAll(jobs);
     s.start(std::move(first));
     return std::unique_ptr<CoOptimiser>(new CoOptimiser(std::move(state)));

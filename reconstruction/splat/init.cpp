@@ -2,6 +2,7 @@
 #include "reconstruction/splat/init.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -39,6 +40,23 @@ std::vector<uint8_t> drawnTriangles(const MeshData& mesh, const std::vector<uint
     std::fill(drawn.begin() + bodyEnd, drawn.end(), uint8_t(1));
     return drawn;
 }
+
+/** Whether pictures can show a triangle, by its label. */
+class LabelCheck {
+public:
+    explicit LabelCheck(std::span<const uint8_t> labels) : labels_(labels) {
+        for (const uint8_t label : labels) worn_[label] = true;
+    }
+    /** False where the picture shows what another part of the mesh stands for. Labels without triangles of their own fit everywhere. */
+    bool fits(uint32_t triangle, const TrainFrame& frame, size_t pixel) const {
+        const std::vector<uint8_t>& shown = frame.picture->labels.pixels;
+        return labels_.empty() || shown.empty() || shown[pixel] == labels_[triangle] || !worn_[shown[pixel]];
+    }
+
+private:
+    std::span<const uint8_t> labels_;
+    std::array<bool, 256> worn_{};
+};
 
 }  // namespace
 
@@ -120,14 +138,16 @@ std::vector<uint8_t> triangleFlags(std::span<const Vec3f> restPositions, std::sp
     return flags;
 }
 
-TriangleSight triangleSight(std::span<const JointData> joints, const MeshData& mesh, std::span<const TrainFrame> frames, Jobs& jobs) {
+TriangleSight triangleSight(std::span<const JointData> joints, const MeshData& mesh, std::span<const uint8_t> labels,
+                            std::span<const TrainFrame> frames, Jobs& jobs) {
+    const LabelCheck check(labels);
     std::vector<float> density(mesh.triangles.size(), 0.0f);
     std::vector<Vec3f> posed;
     for (const TrainFrame& f : frames) {
         poseMesh(joints, mesh, f.pose, jobs, posed);
         const MeshRaster raster = rasteriseMesh(posed, mesh.triangles, f.camera);
         for (size_t i = 0; i < raster.triangle.size(); ++i)
-            if (raster.triangle[i] != kNoTriangle)
+            if (raster.triangle[i] != kNoTriangle && check.fits(raster.triangle[i], f, i))
                 density[raster.triangle[i]] = std::max(density[raster.triangle[i]], float(f.camera.fx) / raster.depthM[i]);
     }
     std::vector<float> seen;
@@ -140,9 +160,9 @@ TriangleSight triangleSight(std::span<const JointData> joints, const MeshData& m
     return sight;
 }
 
-TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData& mesh, std::span<const uint8_t> flags,
-                              const TriangleSight& sight, std::span<const TrainFrame> frames, const InitSettings& settings, uint64_t seed,
-                              Jobs& jobs) {
+TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData& mesh, std::span<const uint8_t> labels,
+                              std::span<const uint8_t> flags, const TriangleSight& sight, std::span<const TrainFrame> frames,
+                              const InitSettings& settings, uint64_t seed, Jobs& jobs) {
     const size_t triangleCount = mesh.triangles.size();
     const std::vector<std::vector<uint32_t>> neighbours = triangleNeighbours(mesh);
     const std::vector<uint8_t> shown = drawnTriangles(mesh, sight.seen, neighbours);
@@ -184,6 +204,7 @@ TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData&
         }
     s.indexTriangles(triangleCount);
 
+    const LabelCheck check(labels);
     // Each frame adds the colour that it shows at each splat's position.
     std::vector<Vec3f> sum(count, Vec3f(0));
     std::vector<float> weight(count, 0.0f);
@@ -204,6 +225,7 @@ TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData&
                 if (!(px.x >= 1 && px.y >= 1 && px.x < f.camera.widthPx - 1.0 && px.y < f.camera.heightPx - 1.0)) continue;
                 const size_t pixel = size_t(px.y) * f.camera.widthPx + size_t(px.x);
                 if (!isPerson(f.picture->mask.pixels[pixel]) || !(std::abs(raster.depthM[pixel] - view.z) < 0.01)) continue;
+                if (!check.fits(s.triangle[i], f, pixel)) continue;
                 const Vec3f cross = glm::cross(posed[c.y] - posed[c.x], posed[c.z] - posed[c.x]);
                 const float length = glm::length(cross);
                 const Vec3f toEye = glm::normalize(Vec3f(eye) - p);

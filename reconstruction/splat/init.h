@@ -40,15 +40,18 @@ struct TriangleSight {
     std::vector<uint8_t> seen;  // 1: some frame shows it
 };
 
-TriangleSight triangleSight(std::span<const JointData> joints, const MeshData& mesh, std::span<const TrainFrame> frames, Jobs& jobs);
+/** A frame shows a triangle where the triangle is in front and, if both have labels, the picture does not show another part of the mesh: a
+ *  leg below a skirt is not seen where the posed skirt lies elsewhere than the true one. labels: one a triangle, or empty. */
+TriangleSight triangleSight(std::span<const JointData> joints, const MeshData& mesh, std::span<const uint8_t> labels,
+                            std::span<const TrainFrame> frames, Jobs& jobs);
 
 /** Splats before the first step. Each valid triangle has at least one; the rest are spread by area. The body below clothes has none,
  *  except near what is seen: no picture could tell its colour. Scale is 0.8·spacing, opacity 0.8.
- *  SH coefficient 0 is the mean colour in the frames where the surface is visible, weighted by cos²θ, with θ the angle
+ *  SH coefficient 0 is the mean colour in the frames that show the splat's triangle there, weighted by cos²θ, with θ the angle
  *  between its normal and the direction to the camera. Moving frames weigh a fifth of still ones. Splats that no frame shows take the
  *  mean of their neighbours along the surface. */
-TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData& mesh, std::span<const uint8_t> flags,
-                              const TriangleSight& sight, std::span<const TrainFrame> frames, const InitSettings& settings, uint64_t seed,
-                              Jobs& jobs);
+TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData& mesh, std::span<const uint8_t> labels,
+                              std::span<const uint8_t> flags, const TriangleSight& sight, std::span<const TrainFrame> frames,
+                              const InitSettings& settings, uint64_t seed, Jobs& jobs);
 
 }  // namespace dpl
