@@ -5,6 +5,7 @@
 
 #include "sdk/format/avatar_file.h"
 #include "sdk/math/binding.h"
+#include "sdk/math/sh.h"
 #include "sdk/math/sh_rotation.h"
 
 namespace dpl {
@@ -44,7 +45,7 @@ LayerPart takeLayer(const AvatarData& avatar, size_t layer) {
     own.opacity = cut(all.opacity, first, count);
     own.flags = cut(all.flags, first, count);
     own.shDegree = all.shDegree;
-    own.sh = cut(all.sh, first * shStride(all.shDegree), count * shStride(all.shDegree));
+    own.sh = cut(all.sh, first * 3 * size_t(shCoefficientCount(all.shDegree)), count * 3 * size_t(shCoefficientCount(all.shDegree)));
     if (!avatar.correctives.empty()) {
         part.nodeIndices = cut(avatar.correctives.nodeIndices, range.firstVertex, range.vertexCount);
         part.nodeWeights = cut(avatar.correctives.nodeWeights, range.firstVertex, range.vertexCount);
@@ -77,7 +78,7 @@ void joinLayers(std::span<const LayerPart> parts, AvatarData& avatar) {
         append(splats.scaleM, part.splats.scaleM);
         append(splats.opacity, part.splats.opacity);
         append(splats.flags, part.splats.flags);
-        const size_t from = shStride(part.splats.shDegree), to = shStride(splats.shDegree);
+        const size_t from = 3 * size_t(shCoefficientCount(part.splats.shDegree)), to = 3 * size_t(shCoefficientCount(splats.shDegree));
         splats.sh.resize(splats.count() * to, 0.0f);
         for (size_t i = 0; i < part.splats.count(); ++i)
             std::copy_n(part.splats.sh.begin() + long(i * from), from, splats.sh.begin() + long((firstSplat + i) * to));
@@ -109,7 +110,7 @@ void movePart(std::vector<Vec3f> restPositions, LayerPart& part) {
                                                          at(part.mesh.restPositions, 1), at(part.mesh.restPositions, 2));
         if (!frame.valid) continue;
         for (uint32_t i = splats.triangleStart[t]; i < splats.triangleStart[t + 1]; ++i)
-            rotator.rotate(frame.worldFromRest, splats.shDegree, &splats.sh[i * shStride(splats.shDegree)]);
+            rotator.rotate(frame.worldFromRest, splats.shDegree, &splats.sh[i * 3 * size_t(shCoefficientCount(splats.shDegree))]);
     }
 }
 

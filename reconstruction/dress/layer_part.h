@@ -25,11 +25,6 @@ struct LayerPart {
 /** layer: an index into avatar.mesh.layers. */
 LayerPart takeLayer(const AvatarData& avatar, size_t layer);
 
-/** Floats of a splat's spherical harmonics. */
-inline size_t shStride(uint32_t degree) {
-    return size_t(degree + 1) * (degree + 1) * 3;
-}
-
 /** Replaces mesh, splats and the vertices' corrective nodes of `avatar`. Splats of a lower SH degree get zeros above it. If the avatar has
  *  correctives, each part has nodes. */
 void joinLayers(std::span<const LayerPart> parts, AvatarData& avatar);

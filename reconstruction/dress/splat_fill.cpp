@@ -38,7 +38,7 @@ SpreadColours coloursAround(const LayerPart& part, const Marks& distrusted, cons
         if (distrusted[t] || begin == end) continue;
         splats += end - begin, area += areaOf(part.mesh, t);
         for (uint32_t i = begin; i < end; ++i) {
-            const float* sh = &s.sh[i * shStride(s.shDegree)];
+            const float* sh = &s.sh[i * 3 * size_t(shCoefficientCount(s.shDegree))];
             const Vec3f colour = glm::clamp(0.5f + float(kShC0) * Vec3f(sh[0], sh[1], sh[2]), 0.0f, 1.0f);
             weighted[t] += s.opacity[i] * s.scaleM[i].x * s.scaleM[i].y * Vec4f(colour, 1.0f);
         }
@@ -60,16 +60,13 @@ SpreadColours coloursAround(const LayerPart& part, const Marks& distrusted, cons
 /** Appends `count` splats of one colour to a triangle, at evenly spread places. */
 void fillTriangle(const Vec3f& colour, double area, uint32_t count, uint8_t flags, SplatData& splats) {
     for (uint32_t k = 0; k < count; ++k) {
-        double u = 1.0 / 3 + 0.7548776662466927 * k, v = 1.0 / 3 + 0.5698402909980532 * k;  // the R2 sequence, folded
-        u -= std::floor(u), v -= std::floor(v);
-        if (u + v > 1) u = 1 - u, v = 1 - v;
-        splats.uv.push_back({float(u), float(v)});
+        splats.uv.push_back(Vec2f(spreadPlace(1.0 / 3, k)));
         splats.phi.push_back(0);
         splats.scaleM.push_back(Vec2f(std::max(2e-4f, kSpacings * float(std::sqrt(area / count)))));
         splats.opacity.push_back(kOpacity);
         splats.flags.push_back(flags);
         const size_t first = splats.sh.size();
-        splats.sh.resize(first + shStride(splats.shDegree), 0.0f);
+        splats.sh.resize(first + 3 * size_t(shCoefficientCount(splats.shDegree)), 0.0f);
         for (int c = 0; c < 3; ++c) splats.sh[first + size_t(c)] = (colour[c] - 0.5f) / float(kShC0);
     }
 }
@@ -79,7 +76,7 @@ void copySplats(const SplatData& from, size_t begin, size_t end, SplatData& to) 
         into.insert(into.end(), values.begin() + long(begin * width), values.begin() + long(end * width));
     };
     add(to.uv, from.uv, 1), add(to.phi, from.phi, 1), add(to.scaleM, from.scaleM, 1), add(to.opacity, from.opacity, 1);
-    add(to.flags, from.flags, 1), add(to.sh, from.sh, shStride(from.shDegree));
+    add(to.flags, from.flags, 1), add(to.sh, from.sh, 3 * size_t(shCoefficientCount(from.shDegree)));
 }
 
 }  // namespace

@@ -75,6 +75,12 @@ std::vector<std::vector<uint32_t>> triangleNeighbours(const MeshData& mesh) {
     return out;
 }
 
+Vec2d spreadPlace(double start, uint32_t k, const Vec2d& shift) {
+    double u = start + 0.7548776662466927 * k + shift.x, v = start + 0.5698402909980532 * k + shift.y;
+    u -= std::floor(u), v -= std::floor(v);
+    return u + v > 1 ? Vec2d(1 - u, 1 - v) : Vec2d(u, v);
+}
+
 std::vector<Vec3f> spreadColours(const std::vector<Vec4f>& weighted, const std::vector<std::vector<uint32_t>>& neighbours) {
     std::vector<Vec3f> colour(weighted.size(), Vec3f(0));
     std::vector<uint8_t> known(weighted.size(), 0);
@@ -192,13 +198,9 @@ TrainableSplats initialSplats(std::span<const JointData> joints, const MeshData&
             s.triangle[at] = uint32_t(t);
             s.flags[at] = flags[t];
             float* row = s.rows.data() + size_t(at) * s.stride;
-            // R2 low-discrepancy points, folded into the triangle and shifted by a random amount for each triangle.
-            double u = 0.5 + 0.7548776662466927 * k + hashUniform(seed, 1, t) * (perTriangle[t] > 1 ? 1 : 0);
-            double v = 0.5 + 0.5698402909980532 * k + hashUniform(seed, 2, t) * (perTriangle[t] > 1 ? 1 : 0);
-            u -= std::floor(u), v -= std::floor(v);
-            if (u + v > 1) u = 1 - u, v = 1 - v;
-            if (perTriangle[t] == 1) u = v = 1.0 / 3;
-            row[kRowU] = float(u), row[kRowV] = float(v);
+            const bool single = perTriangle[t] == 1;
+            const Vec2d uv = single ? Vec2d(1.0 / 3) : spreadPlace(0.5, k, {hashUniform(seed, 1, t), hashUniform(seed, 2, t)});
+            row[kRowU] = float(uv.x), row[kRowV] = float(uv.y);
             row[kRowLogScale1] = row[kRowLogScale2] = float(std::log(std::max(2e-4, 0.8 * std::sqrt(area[t] / perTriangle[t]))));
             row[kRowOpacityLogit] = std::log(0.8f / 0.2f);
         }

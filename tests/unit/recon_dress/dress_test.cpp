@@ -44,8 +44,8 @@ NamedAvatar person(uint64_t seed, uint32_t shDegree = 0) {
                 s.uv.push_back({1 / 3.0f, 1 / 3.0f}), s.phi.push_back(0), s.scaleM.push_back({0.008f, 0.008f});
                 s.opacity.push_back(0.9f), s.flags.push_back(layer.name == "body" ? 0 : kSplatCloth);
                 const Vec3f sh = (colourOf(layer.name, seed) - 0.5f) / float(kShC0);
-                s.sh.resize(s.sh.size() + shStride(shDegree), 0.0f);
-                std::copy_n(&sh.x, 3, s.sh.end() - long(shStride(shDegree)));
+                s.sh.resize(s.sh.size() + 3 * size_t(shCoefficientCount(shDegree)), 0.0f);
+                std::copy_n(&sh.x, 3, s.sh.end() - long(3 * size_t(shCoefficientCount(shDegree))));
             }
             s.triangleStart.push_back(s.count());
         }
