@@ -24,11 +24,16 @@ bool besideArm(const Vec3f& p) {
     return glm::dot(p - shoulder, Vec3f(0.669f, 0.743f, 0)) > kSleeveReachM;
 }
 
+/** A section around the trunk, widened by slackM on all sides. */
+TubeStation trunkSection(float y, float halfWidth, float front, float back, float slackM) {
+    return {y, 0, 0, halfWidth + slackM, halfWidth + slackM, back + slackM, front + slackM};
+}
+
 /** The shirt's shape over the trunk: cloth hangs from chest and shoulder blades and bridges the hollows below them. */
 Tube makeDrape(float looseness) {
     const float l = 0.006f * looseness;
     auto at = [&](float y, float halfWidth, float front, float back, float share) {
-        return TubeStation{y, 0, 0, halfWidth + l * share, halfWidth + l * share, back + l * share, front + l * share};
+        return trunkSection(y, halfWidth, front, back, l * share);
     };
     return Tube({0, 0, 0}, {0, 1, 0}, {1, 0, 0},
                 {at(0.70f, 0.187f, 0.114f, 0.134f, 3), at(0.80f, 0.187f, 0.116f, 0.136f, 2.6f), at(0.90f, 0.185f, 0.118f, 0.135f, 2.2f),
@@ -54,7 +59,7 @@ float shortsField(const BodyField& body, const WardrobeChoice& c, const Vec3f& w
 Tube makeSkirtCone(float looseness) {
     const float l = 0.012f * looseness;
     auto at = [&](float y, float halfWidth, float front, float back, float share) {
-        return TubeStation{y, 0, 0, halfWidth + l * share, halfWidth + l * share, back + l * share, front + l * share};
+        return trunkSection(y, halfWidth, front, back, l * share);
     };
     return Tube({0, 0, 0}, {0, 1, 0}, {1, 0, 0},
                 {at(0.36f, 0.268f, 0.240f, 0.246f, 3), at(0.46f, 0.254f, 0.222f, 0.229f, 2.6f), at(0.58f, 0.236f, 0.195f, 0.205f, 2.1f),
