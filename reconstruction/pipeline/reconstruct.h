@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // From a scan folder to an avatar.
 //
-//   (observe, with networks →) ingest → body-fit → surface → garments → register → co-optimise → evidence → package → pose-fit → report
+//   (observe, with networks →) ingest → body-fit → surface → garments → register
+//   → co-optimise → evidence → package → pose-fit → report
 #pragma once
 
 #include <filesystem>
