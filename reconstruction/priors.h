@@ -51,6 +51,16 @@ inline constexpr double kKeypointWarn = 0.02;
  *  unit: ratio | origin: dev; 0.068 with shuffled cameras | half, double: half refuses what is only worth a warning; double never refuses
  */
 inline constexpr double kKeypointRefuse = 0.05;
+/** Error of the focal length, as the keypoints of still pictures tell it, above which there is a warning.
+ *  unit: ratio | origin: dev; they tell it to 1 % on three scans, to 5 % without close-ups | half, double: half warns of good scans
+ * without close-ups; double warns only where the scan is refused */
+inline constexpr double kFocalWarn = 0.06;
+/** The same, above which the scan is refused: the body would be as much too large or too small, and its limbs in wrong places.
+ *  unit: ratio | origin: round figure | half, double: half refuses what is only worth a warning; double lets 20 % pass */
+inline constexpr double kFocalRefuse = 0.12;
+/** Miss of keypoints as given, relative to that at the best focal length, below which the pictures do not tell the focal length.
+ *  unit: ratio | origin: dev; 1.3 to 1.4 at 20 % too short, 1.00 to 1.02 on good scans | half, double: not measured */
+inline constexpr double kFocalMissRatio = 1.1;
 /** Range of a joint's angle in the picture below which the joint counts as still.
  *  unit: degrees | origin: round figure | half, double: not measured */
 inline constexpr double kPoseRangeDeg = 25;

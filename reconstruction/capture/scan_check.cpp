@@ -9,7 +9,7 @@
 #include <numbers>
 #include <opencv2/core.hpp>
 
-#include "reconstruction/cameras/rays.h"
+#include "reconstruction/capture/focal_check.h"
 #include "reconstruction/capture/frame_measures.h"
 #include "reconstruction/capture/silhouettes.h"
 #include "reconstruction/priors.h"
@@ -233,35 +233,26 @@ private:
                             std::round(100 * out_.silhouetteCoherence)));
     }
 
+    /** A track for each keypoint that these frames show with confidence. */
+    std::vector<KeypointTrack> keypointTracks(const std::vector<size_t>& frames) const {
+        std::vector<KeypointTrack> tracks(scan_.keypointNames.size());
+        for (size_t i : frames)
+            for (size_t k = 0; k < measures_[i].keypoints.size(); ++k)
+                if (const Keypoint& seen = measures_[i].keypoints[k]; seen.confidence >= 0.5)
+                    tracks[k].push_back({scan_.frames[i].camera, seen.px, seen.confidence});
+        return tracks;
+    }
+
     void checkKeypoints() {
         const auto frames = ofKind(FrameKind::StaticFull);
-        std::vector<double> errors, heights;
+        std::vector<double> heights;
         for (size_t i : frames) {
             double low = 1e30, high = -1e30;
             for (const auto& k : measures_[i].keypoints)
                 if (k.confidence > 0.3) low = std::min(low, k.px.y), high = std::max(high, k.px.y);
             if (high > low) heights.push_back(high - low);
         }
-        for (size_t k = 0; k < scan_.keypointNames.size(); ++k) {
-            std::vector<Ray> rays;
-            std::vector<double> weights;
-            std::vector<size_t> used;
-            for (size_t i : frames) {
-                if (measures_[i].keypoints.empty() || measures_[i].keypoints[k].confidence < 0.5) continue;
-                rays.push_back(pixelRay(scan_.frames[i].camera, measures_[i].keypoints[k].px));
-                weights.push_back(measures_[i].keypoints[k].confidence);
-                used.push_back(i);
-            }
-            if (used.size() < 4) continue;
-            double distance = 0;
-            for (const Ray& ray : rays) distance += glm::length(ray.origin - rays[0].origin) / double(rays.size());
-            const auto point = pointNearRays(rays, weights, std::max(1e-3, 0.02 * distance));
-            if (!point) continue;
-            for (size_t i : used) {
-                const Vec3d view = scan_.frames[i].camera.toView(*point);
-                if (view.z > 0.05) errors.push_back(glm::length(scan_.frames[i].camera.pixelOf(view) - measures_[i].keypoints[k].px));
-            }
-        }
+        const std::vector<double> errors = missesPx(keypointTracks(frames), 1);
         if (errors.size() < 20) return;
         out_.keypointErrorPx = percentile(errors, 0.5);
         out_.keypointErrorShare = out_.keypointErrorPx / std::max(1.0, percentile(heights, 0.5));
@@ -271,12 +262,34 @@ private:
                             "wrong cameras or a subject "
                             "that moved; register the cameras again",
                             std::round(out_.keypointErrorPx * 10) / 10, std::round(1000 * out_.keypointErrorShare) / 10));
+        checkFocalLength();
         const auto off = select([](const ScanFrame&, const FrameMeasures& m) {
             return m.check.usable && m.check.keypointsOnPerson >= 0 && m.check.keypointsOnPerson < 0.5;
         });
         if (!off.empty())
             find(off.size() * 3 > measures_.size(), "keypoints",
                  formatText("in {} frames the keypoints lie beside the person; were the files mixed up?", off.size()), names(off));
+    }
+
+    void checkFocalLength() {
+        const auto still =
+            select([](const ScanFrame& f, const FrameMeasures& m) { return f.kind != FrameKind::Dynamic && m.check.usable; });
+        const auto tracks = keypointTracks(still);
+        const auto estimate = estimateFocalFactor(tracks);
+        constexpr double kAgreedPx = 0.5;  // no detector is better
+        if (!estimate || estimate->missAsGivenPx < kAgreedPx) return;
+        out_.focalFactor = estimate->factor;
+        const double off = std::max(estimate->factor, 1 / estimate->factor) - 1;
+        if (off < priors::kFocalWarn || estimate->missAsGivenPx < priors::kFocalMissRatio * estimate->missPx) return;
+        const auto percent = [](double share) { return std::round(100 * share); };
+        find(
+            off > priors::kFocalRefuse, "cameras",
+            formatText("the focal length looks {} % too {}: keypoints of the still pictures miss each other by {} px as given and by {} px "
+                       "with focal lengths multiplied by {}; was the camera calibrated at another picture size or zoom? Correct fx and fy, "
+                       "or register the cameras again",
+                       percent(estimate->factor > 1 ? 1 - 1 / estimate->factor : 1 / estimate->factor - 1),
+                       estimate->factor > 1 ? "short" : "long", std::round(estimate->missAsGivenPx * 10) / 10,
+                       std::round(estimate->missPx * 10) / 10, std::round(estimate->factor * 100) / 100));
     }
 
     void checkPoses() {

@@ -56,6 +56,7 @@ struct ScanCheck {
     double silhouetteCoherence = -1;  // silhouettes.h; −1: fewer than four masks
     double keypointErrorPx = -1;      // median reprojection error of triangulated keypoints, static full-body frames; −1: unknown
     double keypointErrorShare = -1;   // keypointErrorPx divided by the subject's height in the picture
+    double focalFactor = -1;  // focal_check.h: all focal lengths times this fit the keypoints best; −1: unknown, or exact as given
     std::vector<JointCoverage> joints;
 };
 

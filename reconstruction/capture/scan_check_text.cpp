@@ -47,6 +47,7 @@ std::string describeScanCheck(const Scan& scan, const ScanCheck& check) {
     if (check.keypointErrorPx >= 0)
         text += formatText("{}keypoints agree to {} px", check.silhouetteCoherence >= 0 ? ", " : "  cameras     ",
                            rounded(check.keypointErrorPx, 0.1));
+    if (check.focalFactor >= 0) text += formatText(", focal length {} times the given", rounded(check.focalFactor));
     if (check.silhouetteCoherence >= 0 || check.keypointErrorPx >= 0) text += "\n";
     for (size_t i = 0; i < check.joints.size(); ++i) {
         const auto& joint = check.joints[i];
@@ -86,6 +87,7 @@ std::string scanCheckJson(const Scan& scan, const ScanCheck& check) {
     const auto orNull = [](double value) { return value >= 0 ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr); };
     out["silhouette_coherence"] = orNull(check.silhouetteCoherence);
     out["keypoint_error_px"] = orNull(check.keypointErrorPx);
+    out["focal_factor"] = orNull(check.focalFactor);
     out["joints"] = nlohmann::ordered_json::array();
     for (const auto& j : check.joints)
         out["joints"].push_back({{"name", j.name}, {"frames", j.frames}, {"low_deg", j.lowDeg}, {"high_deg", j.highDeg}});

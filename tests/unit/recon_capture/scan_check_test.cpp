@@ -195,6 +195,21 @@ TEST(ScanCheck, aFocalLengthOfHalfTheTruthIsFlagged) {
     EXPECT_TRUE(finding(c, "cameras", false) || finding(c, "cameras", true)) << c.silhouetteCoherence << " " << c.keypointErrorShare;
 }
 
+TEST(ScanCheck, aFocalLengthThatIsAFifthOffIsRefusedAndTheRightOneIsNamed) {
+    const auto data = sharedData("scan-tiny");
+    if (!data) GTEST_SKIP() << "shared data (scan-tiny) is not on this machine";
+    for (const double factor : {0.8, 1.2}) {
+        const auto c = check(*data, [=](Scan& scan) {
+            for (auto& f : scan.frames) f.camera.fx *= factor, f.camera.fy *= factor;
+        });
+        const auto* why = finding(c, "cameras", true);
+        ASSERT_TRUE(why) << factor << ": " << c.focalFactor;
+        EXPECT_NEAR(c.focalFactor * factor, 1, 0.03);
+        EXPECT_TRUE(mentions(why->sentence, {"focal length", factor < 1 ? "short" : "long", "fx"})) << why->sentence;
+    }
+    EXPECT_NEAR(check(*data).focalFactor, 1, 0.03);
+}
+
 TEST(ScanCheck, sharedScansAreUsable) {
     const auto data = sharedData("scan-tiny");
     if (!data) GTEST_SKIP() << "shared data (scan-tiny) is not on this machine";
