@@ -107,7 +107,7 @@ Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path&
                     folder.string());
     ingested.hashes = hashFrames(scan);
     DPL_TRY(const StageOutput stage,
-            run.chain.run("ingest", 1, {{"scan", scanInputs(scan, ingested.hashes)}}, [&](StageContext& context) -> Status {
+            run.chain.run("ingest", 2, {{"scan", scanInputs(scan, ingested.hashes)}}, [&](StageContext& context) -> Status {
                 DPL_TRY(ScanCheck check, checkScan(scan, run.jobs));
                 json usable = json::array();
                 for (const FrameCheck& frame : check.frames) usable.push_back(frame.usable);
