@@ -56,12 +56,13 @@ struct SurfaceGraph {
     }
 };
 
-/** Adds the farthest vertex as a node until every vertex is within `spacing` of a node, or the nodes are kMaxCorrectiveNodes. */
+/** Adds the farthest vertex as a node until every vertex is within `spacing` of a node. Leaves two of kMaxCorrectiveNodes free: one for
+ *  holdBareVertices(), one for dressAvatar(). */
 std::vector<uint32_t> chooseNodes(const SurfaceGraph& graph, float spacing) {
     std::vector<float> nearest(graph.neighbours.size(), 1e30f);
     std::vector<uint32_t> nodes;
     std::map<uint32_t, float> settled;
-    while (nodes.size() < kMaxCorrectiveNodes) {
+    while (nodes.size() + 2 < kMaxCorrectiveNodes) {
         const auto farthest = std::max_element(nearest.begin(), nearest.end());
         if (farthest == nearest.end() || *farthest <= spacing) break;
         nodes.push_back(uint32_t(farthest - nearest.begin()));

@@ -77,19 +77,9 @@ Marks grown(Marks marked, const Neighbours& neighbours, int rings) {
     return marked;
 }
 
-/** Vertices all of whose triangles are marked take the zero node. */
-void holdStill(const Marks& marked, uint16_t zeroNode, LayerPart& body) {
-    if (body.nodeIndices.empty()) return;
-    Marks still(body.nodeIndices.size(), 1);
-    for (size_t t = 0; t < marked.size(); ++t)
-        for (int k = 0; k < 3; ++k) still[body.mesh.triangles[t][k]] &= marked[t];
-    for (size_t v = 0; v < still.size(); ++v)
-        if (still[v]) body.nodeIndices[v] = glm::u16vec4(zeroNode), body.nodeWeights[v] = {255, 0, 0, 0};
-}
-
 }  // namespace
 
-BodyChange changeBody(const AvatarData& before, size_t kept, uint16_t zeroNode, std::span<LayerPart> worn, Jobs& jobs) {
+BodyChange changeBody(const AvatarData& before, size_t kept, std::span<LayerPart> worn, Jobs& jobs) {
     LayerPart& body = worn.front();
     const size_t count = body.mesh.triangles.size();
     const Neighbours neighbours = triangleNeighbours(body.mesh);
@@ -106,7 +96,6 @@ BodyChange changeBody(const AvatarData& before, size_t kept, uint16_t zeroNode, 
         hidden[t] = belowOld[t] || !seenBefore[t];
         changed[t] = !belowKept[t] && (belowOld[t] || belowNew[t] || (seenNow[t] && !seenBefore[t]));
     }
-    holdStill(changed, zeroNode, body);
 
     const Marks shown = grown(seenNow, neighbours, kRingsBelowClothes);
     const Marks distrusted = grown(std::move(hidden), neighbours, kEdgeRings);

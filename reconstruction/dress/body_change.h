@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a change of clothes does to the body below: skin that shows now and that no picture showed, skin that is covered now, and pose
-// correctives that were learned below other clothes (docs/reference/dress.md).
+// What a change of clothes does to the body below: skin that shows now and that no picture showed, and skin that is covered now
+// (docs/reference/dress.md).
 #pragma once
 
 #include <span>
@@ -19,10 +19,9 @@ struct BodyChange {
 };
 
 /** Changes the body, worn.front(). Skin that shows now and lay below clothes takes splats in the colours of the skin around it. Skin deep
- *  below the new clothes loses its splats. Skin below `kept` stays as it is. Vertices below new or removed clothes take `zeroNode` of the
- *  pose correctives. What shows is found by drawing the mesh at rest from all sides.
- *  before: the avatar in its old clothes. worn: body, kept layers, new layers; the first `kept` of them were worn before.
- *  The result does not depend on the number of threads. */
-BodyChange changeBody(const AvatarData& before, size_t kept, uint16_t zeroNode, std::span<LayerPart> worn, Jobs& jobs);
+ *  below the new clothes loses its splats. Skin below `kept` stays as it is. What shows is found by drawing the mesh at rest from all
+ * sides. before: the avatar in its old clothes. worn: body, kept layers, new layers; the first `kept` of them were worn before. The result
+ * does not depend on the number of threads. */
+BodyChange changeBody(const AvatarData& before, size_t kept, std::span<LayerPart> worn, Jobs& jobs);
 
 }  // namespace dpl

@@ -230,7 +230,7 @@ Result<Dressed> dressAvatar(const NamedAvatar& wearer, std::span<const Garment> 
     }
 
     DPL_CHECK_OK(report(0.6, "skin that the change uncovers"));
-    const BodyChange change = changeBody(wearer.avatar, kept, zeroNode, worn, jobs);
+    const BodyChange change = changeBody(wearer.avatar, kept, worn, jobs);
     out.filledSkinTriangles = change.filledTriangles, out.clearedSkinTriangles = change.clearedTriangles, out.noSkin = change.noSkin;
     joinLayers(worn, avatar);
     separateLayers(avatar.mesh);

@@ -10,6 +10,7 @@
 #include "reconstruction/splat/pose_step.h"
 #include "reconstruction/splat/random.h"
 #include "reconstruction/splat/rotation_vector.h"
+#include "reconstruction/splat/still_vertices.h"
 #include "sdk/format/avatar_file.h"
 #include "sdk/format/check_mesh.h"
 
@@ -68,7 +69,6 @@ Status CoOptimiser::State::prepare() {
     }
     DPL_CHECK_OK(checkCorrectives(input.correctives, input.joints.size(), vertexCount));
     learned.layer.correctives = input.correctives;
-    if (!input.correctives.empty()) learned.layer.adamNodes.resize(input.correctives.nodeCount, nodeStride(input.correctives));
     incidence = VertexIncidence(m.triangles, vertexCount);
     meshRegulariser.emplace(m.restPositions, m.triangles);
     mesh = m;
@@ -87,8 +87,10 @@ Result<std::unique_ptr<CoOptimiser>> CoOptimiser::create(CoOptimiseInput input, 
     State& s = *state;
     const TriangleSight sight = triangleSight(s.input.joints, s.mesh, s.input.triangleLabel, s.input.frames, jobs);
     const std::vector<uint8_t> flags = triangleFlags(s.mesh.restPositions, s.mesh.triangles, s.input.triangleLabel, s.settings.init);
-    s.start(
-        initialSplats(s.input.joints, s.mesh, s.input.triangleLabel, flags, sight, s.input.frames, s.settings.init, s.settings.seed, jobs));
+    TrainableSplats first =
+        initialSplats(s.input.joints, s.mesh, s.input.triangleLabel, flags, sight, s.input.frames, s.settings.init, s.settings.seed, jobs);
+    holdBareVertices(s.mesh, first, s.learned.layer.correctives);
+    s.start(std::move(first));
     return std::unique_ptr<CoOptimiser>(new CoOptimiser(std::move(state)));
 }
 
@@ -114,6 +116,7 @@ void CoOptimiser::State::start(TrainableSplats splats) {
     layer.splats = std::move(splats);
     layer.adam.resize(layer.splats.count(), layer.splats.stride);
     layer.statistics.resize(layer.splats.count());
+    if (!layer.correctives.empty()) layer.adamNodes.resize(layer.correctives.nodeCount, nodeStride(layer.correctives));
 }
 
 CoOptimiser::CoOptimiser(std::unique_ptr<State> state) : state_(std::move(state)) {}

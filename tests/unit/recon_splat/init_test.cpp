@@ -10,20 +10,6 @@
 namespace dpl::test {
 namespace {
 
-/** A body of 0.2 m within a garment of 0.25 m. The garment ends `open` triangles before the south pole, where the body shows. */
-MeshData dressedBall(size_t open) {
-    MeshData mesh = ballMesh(20, 28, 0.2f);
-    const MeshData outer = ballMesh(20, 28, 0.25f);
-    const uint32_t vertices = uint32_t(mesh.restPositions.size()), triangles = uint32_t(mesh.triangles.size());
-    mesh.layers = {{"body", "body", 0, vertices, 0, triangles},
-                   {"top", "garment", vertices, uint32_t(outer.restPositions.size()), triangles, triangles - uint32_t(open)}};
-    mesh.restPositions.insert(mesh.restPositions.end(), outer.restPositions.begin(), outer.restPositions.end());
-    mesh.jointIndices.insert(mesh.jointIndices.end(), outer.jointIndices.begin(), outer.jointIndices.end());
-    mesh.jointWeights.insert(mesh.jointWeights.end(), outer.jointWeights.begin(), outer.jointWeights.end());
-    for (size_t t = 0; t + open < outer.triangles.size(); ++t) mesh.triangles.push_back(outer.triangles[t] + Triangle(vertices));
-    return mesh;
-}
-
 /** Splats of each triangle, drawn around by the toy scene's cameras. shownLabel: label of every pixel; 0: pictures without labels. */
 std::vector<uint32_t> splatsPerTriangle(const MeshData& mesh, Jobs& jobs, std::span<const uint8_t> labels = {}, uint8_t shownLabel = 0) {
     const CoOptimiseInput scene = toyScene(jobs);

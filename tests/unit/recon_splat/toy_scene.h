@@ -33,6 +33,20 @@ inline MeshData ballMesh(uint32_t rings = 10, uint32_t sides = 14, float radius 
     return m;
 }
 
+/** A body of 0.2 m within a garment of 0.25 m. The garment ends `open` triangles before the south pole, where the body shows. */
+inline MeshData dressedBall(size_t open) {
+    MeshData mesh = ballMesh(20, 28, 0.2f);
+    const MeshData outer = ballMesh(20, 28, 0.25f);
+    const uint32_t vertices = uint32_t(mesh.restPositions.size()), triangles = uint32_t(mesh.triangles.size());
+    mesh.layers = {{"body", "body", 0, vertices, 0, triangles},
+                   {"top", "garment", vertices, uint32_t(outer.restPositions.size()), triangles, triangles - uint32_t(open)}};
+    mesh.restPositions.insert(mesh.restPositions.end(), outer.restPositions.begin(), outer.restPositions.end());
+    mesh.jointIndices.insert(mesh.jointIndices.end(), outer.jointIndices.begin(), outer.jointIndices.end());
+    mesh.jointWeights.insert(mesh.jointWeights.end(), outer.jointWeights.begin(), outer.jointWeights.end());
+    for (size_t t = 0; t + open < outer.triangles.size(); ++t) mesh.triangles.push_back(outer.triangles[t] + Triangle(vertices));
+    return mesh;
+}
+
 inline std::vector<JointData> twoJoints() {
     std::vector<JointData> joints(2);
     joints[0].name = "root", joints[1].name = "top", joints[1].parent = 0;
