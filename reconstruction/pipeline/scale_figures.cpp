@@ -2,8 +2,8 @@
 #include "reconstruction/pipeline/scale_figures.h"
 
 #include <algorithm>
-#include <optional>
 
+#include "reconstruction/pipeline/fine_truth.h"
 #include "reconstruction/report/score.h"
 
 namespace dpl {
@@ -11,28 +11,6 @@ namespace {
 
 constexpr double kScales[] = {0.5, 1, 2, 4}, kComparedAt[] = {1, 0.5};
 constexpr double kMaxPixels = 16e6;  // larger pictures are skipped, because they take too long to draw
-
-struct Truth {
-    std::vector<uint8_t> rgba;
-    uint32_t widthPx = 0, heightPx = 0;
-};
-
-/** The frame's picture at four times the size, otherwise at twice the size. None if the scan has neither, or if they are unreadable or of
- *  the wrong size. */
-std::optional<Truth> fineTruth(const std::filesystem::path& scan, const TrainFrame& frame) {
-    for (const uint32_t times : {4u, 2u}) {
-        ScanFrame file;
-        const std::filesystem::path folder = scan / "hires" / ("x" + std::to_string(times));
-        file.name = frame.name;
-        file.imagePath = folder / (frame.name + ".jpg"), file.maskPath = folder / (frame.name + ".mask.png");
-        file.camera = frame.camera.scaled(times);
-        std::error_code missing;
-        if (!std::filesystem::exists(file.imagePath, missing) || !std::filesystem::exists(file.maskPath, missing)) continue;
-        if (const auto picture = readFramePicture(file))
-            return Truth{cutOut(picture->image, picture->mask), file.camera.widthPx, file.camera.heightPx};
-    }
-    return std::nullopt;
-}
 
 struct Sums {
     double all = 0, inside = 0;
@@ -57,7 +35,7 @@ Status addScaleFigures(const std::filesystem::path& scan, Progress& progress, Av
                 for (auto& row : sums) std::fill(std::begin(row), std::end(row), Sums{});
             }
             if (!truth && fine) continue;
-            if (!truth) truth = Truth{cutOut(frame.picture->image, frame.picture->mask), frame.camera.widthPx, frame.camera.heightPx};
+            if (!truth) truth = FineTruth{cutOut(frame.picture->image, frame.picture->mask), frame.camera.widthPx, frame.camera.heightPx};
             const FramePose& found = poses.frames[heldOut.indices[i]];
             for (size_t s = 0; s < std::size(kScales); ++s) {
                 const Camerad camera = frame.camera.scaled(kScales[s]);

@@ -8,6 +8,7 @@
 #include "reconstruction/pipeline/stage_keys.h"
 #include "reconstruction/pipeline/stages.h"
 #include "reconstruction/priors.h"
+#include "reconstruction/report/detail.h"
 #include "reconstruction/report/draw_view.h"
 #include "reconstruction/report/score.h"
 #include "reconstruction/splat/retrain.h"
@@ -52,14 +53,20 @@ Result<Jury> chooseJury(const IngestedScan& ingested, const FittedBody& body, co
     return jury;
 }
 
+/** Means over the jury's frames. */
+struct JuryScore {
+    double maskedPsnrDb = 0;
+    double detail = 0;  // report/detail.h; frames that are too small for it do not count
+};
+
 /** Trains avatars on and scores them on the jury's frames. */
 class Judge {
 public:
     Judge(const AssembledAvatar& assembled, const Jury& jury, const RunSettings& settings, Jobs& jobs, StageContext& context)
         : assembled_(assembled), jury_(jury), settings_(settings), jobs_(jobs), context_(context) {}
 
-    /** Mean masked PSNR in dB of `avatar` after it was trained on. Progress runs from `from` to `to`. */
-    Result<double> score(AvatarData avatar, const RetrainParts& parts, double from, double to) const {
+    /** The scores of `avatar` after it was trained on. Progress runs from `from` to `to`. */
+    Result<JuryScore> score(AvatarData avatar, const RetrainParts& parts, double from, double to) const {
         const auto steps = uint32_t(std::max(20.0, priors::kRetrainShare * settings_.training.steps));
         const CoOptimiseSettings training = retrainSettings(settings_.training, parts, steps, avatar.splats.shDegree);
         const auto report = [&](const CoOptimiseProgress& p) {
@@ -70,7 +77,8 @@ public:
         DPL_TRY(const auto bytes, writeAvatar(avatar, {}));
         DPL_TRY(const AvatarData decoded, readAvatar(bytes));
         DPL_TRY(auto view, AvatarView::open(bytes, jobs_.threadCount()));
-        double sum = 0;
+        JuryScore sum;
+        size_t detailed = 0;
         for (size_t i = 0; i < jury_.frames.size(); ++i) {
             if (context_.progress.cancelled()) return fail(Code::Cancelled, "stopped");
             const TrainFrame& frame = jury_.frames[i];
@@ -78,10 +86,13 @@ public:
             if (jury_.registered)
                 if (auto fitted = fitPose(decoded, frame, settings_.poseFit, jobs_)) pose = fitted->pose;
             DPL_TRY(const auto picture, view.draw(pose, frame.camera));
-            sum += scorePicture(picture, frame.picture->image, frame.picture->mask).maskedPsnrDb;
+            const auto truth = cutOut(frame.picture->image, frame.picture->mask);
+            const uint32_t width = frame.camera.widthPx, height = frame.camera.heightPx;
+            sum.maskedPsnrDb += scorePicture(picture, truth, width, height).maskedPsnrDb;
+            if (const auto detail = detailCorrelation(picture, truth, width, height)) sum.detail += *detail, ++detailed;
             context_.progress.update(from + (to - from) * (0.5 + 0.5 * double(i + 1) / double(jury_.frames.size())), frame.name);
         }
-        return sum / double(jury_.frames.size());
+        return JuryScore{sum.maskedPsnrDb / double(jury_.frames.size()), sum.detail / double(std::max<size_t>(1, detailed))};
     }
 
 private:
@@ -91,6 +102,10 @@ private:
     Jobs& jobs_;
     StageContext& context_;
 };
+
+double thousandths(double value) {
+    return std::round(1000 * value) / 1000;
+}
 
 const char* whyNotTrained(AvatarPart part, const RunSettings& settings) {
     if (part == AvatarPart::ViewDependentColour) return "not trained";
@@ -102,7 +117,7 @@ Status weigh(const AssembledAvatar& assembled, const Jury& jury, const RunSettin
     const Judge judge(assembled, jury, settings, jobs, context);
     const AvatarData& avatar = assembled.avatar;
     const RetrainParts trained{.correctiveLight = settings.training.rateNodeLight > 0};
-    DPL_TRY(const double whole, judge.score(avatar, trained, 0, 0.25));
+    DPL_TRY(const JuryScore whole, judge.score(avatar, trained, 0, 0.25));
     DPL_TRY(const auto wholeFile, writeAvatar(avatar, kPackaged));
     const std::pair<AvatarPart, std::string> kParts[] = {
         {AvatarPart::CorrectiveOffsets, "pose-dependent offsets"},
@@ -121,15 +136,17 @@ Status weigh(const AssembledAvatar& assembled, const Jury& jury, const RunSettin
         RetrainParts parts = trained;
         if (part == AvatarPart::CorrectiveOffsets) parts.correctiveOffsets = false;
         if (part == AvatarPart::CorrectiveLight) parts.correctiveLight = false;
-        DPL_TRY(const double rest, judge.score(std::move(without), parts, from, from + 0.25));
+        DPL_TRY(const JuryScore rest, judge.score(std::move(without), parts, from, from + 0.25));
         const uint64_t bytes = wholeFile.size() - std::min(wholeFile.size(), file.size());
-        const double gain = whole - rest, price = priors::kWorthItDb + priors::kWorthAMegabyteDb * double(bytes) / 1e6;
+        const double gain = whole.maskedPsnrDb - rest.maskedPsnrDb,
+                     price = priors::kWorthItDb + priors::kWorthAMegabyteDb * double(bytes) / 1e6;
         const bool kept = gain >= price;
         rows.push_back({part,
                         {name, kept, float(gain), kept ? bytes : 0,
-                         formatText("masked PSNR of {} {} frames against an avatar that was trained on without it; {} KB must gain {} dB",
+                         formatText("masked PSNR of {} {} frames against an avatar that was trained on without it; {} KB must gain {} dB; "
+                                    "correlation of fine detail {}, without it {}",
                                     jury.frames.size(), jury.registered ? "validation" : "training", (bytes + 500) / 1000,
-                                    std::round(price * 1000) / 1000)}});
+                                    thousandths(price), thousandths(whole.detail), thousandths(rest.detail))}});
     }
     return writeEvidence(rows, context.folder / "evidence.json");
 }
@@ -159,7 +176,7 @@ Result<MeasuredParts> runEvidence(const StageRun& run, const IngestedScan& inges
                                    {"validation", juryInputs(ingested)},
                                    {"poseFit", fieldsJson(settings.poseFit)},
                                    {"framesOfAKind", kFramesOfAKind}};
-    DPL_TRY(const StageOutput stage, run.chain.run("evidence", 7, inputs, [&](StageContext& context) -> Status {
+    DPL_TRY(const StageOutput stage, run.chain.run("evidence", 8, inputs, [&](StageContext& context) -> Status {
         DPL_TRY(const AssembledAvatar* assembled, trained.get());
         DPL_TRY(const Jury jury, chooseJury(ingested, body, registered, training, *assembled, pictures));
         return weigh(*assembled, jury, settings, run.jobs, context);

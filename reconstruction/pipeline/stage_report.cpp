@@ -7,6 +7,7 @@
 #include "reconstruction/body/body_truth.h"
 #include "reconstruction/distill/pose_stress.h"
 #include "reconstruction/ladder/ladder.h"
+#include "reconstruction/pipeline/detail_figures.h"
 #include "reconstruction/pipeline/frame_scores.h"
 #include "reconstruction/pipeline/scale_figures.h"
 #include "reconstruction/pipeline/stages.h"
@@ -106,7 +107,7 @@ Result<StageOutput> runReport(const StageRun& run, const IngestedScan& ingested,
                               const std::vector<EvidenceData>& decided, const Training& training, const Package& package,
                               const FoundPoses& found, Pictures& pictures, const RunSettings& settings) {
     const nlohmann::json inputs = {{"pose_fit", found.key}, {"measuring", measuringFiles(ingested.scan.root)}};
-    return run.chain.run("report", 7, inputs, [&](StageContext& context) -> Status {
+    return run.chain.run("report", 8, inputs, [&](StageContext& context) -> Status {
         DPL_TRY(AvatarData avatar, readAvatar(package.bytes));
         DPL_TRY(AvatarInfo info, inspectAvatar(package.bytes));
         ReportData data;
@@ -133,6 +134,7 @@ Result<StageOutput> runReport(const StageRun& run, const IngestedScan& ingested,
         DPL_TRY(data.validation, scoreFrames(labelColours, validation, avatar, view, found.poses, false, run.jobs, tell));
         DPL_TRY(data.ladder, measureLadder({ingested.scan, body.cameras, avatar, found.poses, tell}, run.jobs));
         DPL_CHECK_OK(addScaleFigures(ingested.scan.root, context.progress, view, heldOut, found.poses, data));
+        DPL_CHECK_OK(addDetailFigures(ingested.scan, context.progress, view, heldOut, found.poses, data));
         for (const StageRecord& s : run.chain.records()) data.stages.push_back({s.name, s.seconds, s.peakBytes, s.reused});
         PlotSeries loss{"total", {}, {}}, psnr{"masked", {}, {}};
         for (const CurvePoint& p : training.result.curve) {
