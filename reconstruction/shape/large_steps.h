@@ -20,7 +20,7 @@ class LargeSteps {
 public:
     /** Factors M. λ = (smoothingLengthM / mean edge)², so that a subdivided mesh is smoothed over the same distance. InvalidArgument:
      * indices out of range, non-finite positions, no edges. Internal: the factorisation failed. */
-    static Result<LargeSteps> create(std::span<const Vec3f> positions, std::span<const Triangle> triangles, double smoothingLengthM = 0.04);
+    static Result<LargeSteps> create(std::span<const Vec3f> positions, std::span<const Triangle> triangles, double smoothingLengthM);
     /** The same with a given λ ≥ 0. */
     static Result<LargeSteps> createWithLambda(std::span<const Vec3f> positions, std::span<const Triangle> triangles, double lambda);
 

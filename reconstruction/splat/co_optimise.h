@@ -35,7 +35,7 @@ struct CoOptimiseSettings {
     uint32_t steps = 8000;
     InitSettings init;
     uint32_t maxSplats = 90000;
-    LossWeights loss{0.8f, 0.2f, 1.0f, 0.1f};
+    LossWeights loss{0.8f, 0.2f, 0.3f, 0.1f};
     float earlyMaskFactor = 5.0f;  // multiplies the mask weight in the first quarter of the run
     RegulariserWeights regularise;
     float closeupGradientScale = 5.0f;  // multiplies splat gradients of close-ups (docs/reference/losses.md)
@@ -48,11 +48,11 @@ struct CoOptimiseSettings {
     bool learnPlacement = true;       // uv and φ; off in polish
     bool fullResolutionOnly = false;  // no progressive levels
     // Learning rates at the start. Each falls geometrically to its `end` factor times its start.
-    float rateUv = 5e-3f, endUv = 0.02f;
-    float ratePhi = 2e-3f, rateLogScale = 5e-3f, endLogScale = 0.2f;
+    float rateUv = 1e-2f, endUv = 0.02f;
+    float ratePhi = 2e-3f, rateLogScale = 1e-2f, endLogScale = 0.2f;
     float rateOpacity = 5e-2f, endOpacity = 0.2f;
     float rateDc = 5e-3f, rateRest = 2.5e-4f, endColour = 0.2f;
-    float rateOffsets = 2e-3f, endOffsets = 0.1f;  // metres, AdamUniform on u
+    float rateOffsets = 5e-3f, endOffsets = 0.1f;  // metres, AdamUniform on u
     float rateRotation = 1.5e-3f, rateTranslation = 1e-3f, endPose = 0.1f;
     float rateCamera = 1e-4f;
     float rateNodeOffset = 2e-4f, rateNodeLight = 4e-3f, endNodes = 0.1f;  // metres and brightness a unit of a mode

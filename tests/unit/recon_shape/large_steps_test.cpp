@@ -60,7 +60,7 @@ TEST(LargeSteps, backwardIsTheTransposeOfForward) {
     Grid g = grid(12);
     append(g, grid(7, 0.02f, {1, 0, 0}));
     for (const uint32_t held : {0u, 1u, uint32_t(g.positions.size())}) {
-        auto steps = LargeSteps::create(g.positions, g.triangles);
+        auto steps = LargeSteps::create(g.positions, g.triangles, 0.04);
         ASSERT_TRUE(steps);
         const auto a = noise(steps->size(), 2), b = noise(g.positions.size(), 3);
         std::vector<Vec3f> u(a.begin(), a.end()), w(b.begin(), b.end()), forward(g.positions.size()), back(steps->size());
@@ -122,7 +122,7 @@ TEST(LargeSteps, lambdaFollowsTheSmoothingLength) {
 TEST(LargeSteps, refusesWhatItCannotFactor) {
     Grid g = grid(3);
     g.triangles.push_back({0, 1, 99});
-    EXPECT_FALSE(LargeSteps::create(g.positions, g.triangles));
+    EXPECT_FALSE(LargeSteps::create(g.positions, g.triangles, 0.04));
     g.triangles.pop_back();
     g.positions[2].x = NAN;
     EXPECT_FALSE(LargeSteps::createWithLambda(g.positions, g.triangles, 1));
