@@ -314,7 +314,12 @@ def ladder(name, scan):
     return take
 
 
-SCAN_A_BARS = {"static": {"psnr_db": at_least(23)}, "dynamic": {"psnr_db": at_least(21)}, "training": {"step_ms": at_most(40)}}
+def bars_on_scan(static, dynamic, dynamic_unfitted):
+    return {"static": {"psnr_db": at_least(static)}, "training": {"step_ms": at_most(40)},
+            "dynamic": {"psnr_db": at_least(dynamic), "psnr_without_pose_fit_db": at_least(dynamic_unfitted)}}
+
+
+SCAN_A_BARS, SCAN_C_BARS = bars_on_scan(26.5, 24, 22), bars_on_scan(24.5, 19, 17)
 BIKER_BARS = {"static": {"psnr_without_pose_fit_db": at_least(22), "iou_without_pose_fit": at_least(0.95)}}
 
 
@@ -329,6 +334,19 @@ def real(name, folder, bars, options=lambda place: []):
     def take(place):
         return quality_rows(reconstruct(place, name, data(place, folder), options(place)), bars)
     return take
+
+
+def take_cores(place):
+    """The same run with one thread and with two: seconds of each stage, milliseconds of a training step."""
+    scan, found = sample(place, 1), {}
+    for threads in (1, 2):
+        report = reconstruct(place, f"cores-{threads}", scan, ["--preset", "draft", "--threads", threads])
+        for stage in report["stages"]:
+            if stage["reused"]:
+                raise BenchError(f"the stage {stage['name']} was not run anew: use --again")
+            found.setdefault((stage["name"], "s"), []).append(stage["seconds"])
+        found.setdefault(("a training step", "ms"), []).append(figure(report, "training step", "step"))
+    return [{"what": what, "unit": unit, "one_thread": times[0], "two_threads": times[1]} for (what, unit), times in found.items()]
 
 
 DOPPEL = ("doppel",)
@@ -368,6 +386,10 @@ BENCHES = [
     Bench("quality-scan-a-makehuman", "long", 8, "scan-a with the MakeHuman body",
           "doppel reconstruct ../shared/data/scan-a -o OUT --body makehuman.glb", DOPPEL,
           real("quality-scan-a-makehuman", "scan-a", SCAN_A_BARS, lambda place: ["--body", makehuman(place)])),
+    Bench("quality-scan-c", "long", 8, "scan-c, preset standard", "doppel reconstruct ../shared/data/scan-c -o OUT", DOPPEL,
+          real("quality-scan-c", "scan-c", SCAN_C_BARS)),
+    Bench("cores", "long", 7, "reconstruction with one thread and with two",
+          "doppel sample -o scan --seed 1 && doppel reconstruct scan -o OUT --preset draft --threads 1", DOPPEL, take_cores),
     Bench("quality-biker", "long", 8, "a real man holding a helmet, one pose, keypoints by the networks",
           "doppel reconstruct ../shared/data/real-orbit-biker -o OUT --models ../shared/data/models", DOPPEL,
           real("quality-biker", "real-orbit-biker", BIKER_BARS, lambda place: ["--models", data(place, "models")])),

@@ -11,7 +11,8 @@ GENERATED = "<!-- Written by tools/bench/publish from docs/benchmarks/*.json. Do
 BACK = "[All benchmarks](../benchmarks.md)\n\n"
 PHONE, HEADSET = "phone 945x2048", "headset 1920x1824 stereo"
 DEVELOPMENT = (("quality-procedural-1", "procedural seed 1 (the demo's)"), ("quality-procedural-1-makehuman", "procedural seed 1, MakeHuman body"),
-               ("quality-scan-a", "scan-a"), ("quality-scan-a-makehuman", "scan-a, MakeHuman body"), ("quality-biker", "biker"))
+               ("quality-scan-a", "scan-a"), ("quality-scan-a-makehuman", "scan-a, MakeHuman body"), ("quality-scan-c", "scan-c"),
+               ("quality-biker", "biker"))
 UNSEEN = tuple((f"quality-procedural-{seed}", f"procedural seed {seed}") for seed in range(4, 10))
 RENDERERS = {"software": "CPU", "vulkan-quads": "Vulkan quads", "vulkan-tiles": "Vulkan tiles", "vulkan-plain-float": "plain float, quads",
              "vulkan-plain-tiles": "plain float, tiles", "vulkan-without-culling": "quads, no culling",
@@ -165,6 +166,24 @@ def ladder(store):
     return text + missing_of(store, LADDERS)
 
 
+CORES = (4, 8, 16, 32)
+
+
+def cores(rows):
+    """Times on more cores, by Amdahl's law from one and two threads. What two threads do not make faster counts as serial."""
+    body = []
+    for row in rows:
+        one, two = row["one_thread"], row["two_threads"]
+        serial = min(1.0, max(0.0, 2 * two / one - 1)) if one > 0 else 1.0
+        body.append([f"{row['what']}, {row['unit']}", number(one, 1), number(two, 1), f"{100 * serial:.0f} %",
+                     *(number(one * (serial + (1 - serial) / n), 1) for n in CORES)])
+    both = [[r[k] for r in rows if r["unit"] == "s"] for k in ("one_thread", "two_threads")]
+    note = (f"All stages together took {number(sum(both[0]) / 60, 1)} minutes with one thread and {number(sum(both[1]) / 60, 1)} with two.\n")
+    head = ["stage", "1 thread", "2 threads", "serial share", *(f"{n} cores" for n in CORES)]
+    return ("*1 thread* and *2 threads* are measured. The columns of more cores are Amdahl's law with the serial share of the same row; "
+            "memory that many cores share is not in it.\n\n" + table(head, body) + "\n" + note)
+
+
 def training(store):
     everything = DEVELOPMENT + UNSEEN
     text = BACK + ("# Reconstruction: time, memory, file\n\n*Pairs*: pixels times the splats that touch them, in one training step. *Minutes*: "
@@ -177,6 +196,7 @@ def training(store):
         if rows:
             body.append([label] + [number(rows[s]["seconds"], 1) if s in rows else NOTHING for s in stages])
     text += "Seconds of each stage:\n\n" + table(["scan", *stages], body) + "\n"
+    text += section(store, "cores", "On more cores", cores)
     return text + "## How these figures were taken\n\n" + taken_all(store, everything)
 
 
