@@ -2,11 +2,13 @@
 #include "reconstruction/ladder/ladder.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include "reconstruction/capture/frame_picture.h"
 #include "reconstruction/ladder/carried_points.h"
+#include "reconstruction/ladder/garment_distance.h"
 #include "reconstruction/ladder/light.h"
 #include "reconstruction/ladder/rig_fit.h"
 #include "reconstruction/ladder/true_mesh.h"
@@ -24,6 +26,8 @@ constexpr size_t kTrainFrames = 12;      // scored training frames of a kind, ev
 constexpr size_t kStillFrames = 12;      // still training frames over which the avatar's surface is compared with the true one
 constexpr size_t kFitStride = 3;         // every third vertex pulls in the pose fit
 constexpr double kBodyDistanceM = 0.02;  // a vertex this far from the true body weighs half in the pose fit: cloth tells little of bones
+
+constexpr const char* kGarmentPoses[] = {"fitted", "true"};  // rows of each garment
 
 /** The columns of the table. */
 constexpr std::pair<const char*, const char*> kGroups[] = {{"static", "train"},  {"static", "validation"},  {"static", "test"},
@@ -125,11 +129,17 @@ public:
         DPL_CHECK_OK(gatherFloors());
         bind(evenlySpaced(stills, kStillFrames), stills);
         Ladder ladder = emptyLadder();
+        for (const GarmentPair& garment : garments_)
+            for (const char* poses : kGarmentPoses)
+                ladder.garments.push_back({garment.name, poses, std::vector<GarmentCell>(ladder.groups.size())});
         const std::vector<std::pair<size_t, size_t>> frames = chosenFrames();
         for (size_t i = 0; i < frames.size(); ++i) {
             DPL_CHECK_OK(tell(0.2 + 0.8 * double(i) / double(frames.size()), in_.scan.frames[frames[i].first].name));
             DPL_CHECK_OK(score(frames[i].first, frames[i].second, ladder));
         }
+        for (GarmentRow& row : ladder.garments)
+            for (GarmentCell& cell : row.cells)
+                if (cell.frames > 0) cell.correctedMm /= double(cell.frames), cell.plainMm /= double(cell.frames);
         for (size_t g = 0; g < ladder.groups.size(); ++g)
             for (LadderRung& rung : ladder.rungs) {
                 LadderCell& cell = rung.cells[g];
@@ -199,6 +209,7 @@ private:
             visible.push_back(!truth_.hidden[t] && (seen[corner.x] || seen[corner.y] || seen[corner.z]));
             body.push_back(!truth_.clothTriangle[t]);
         }
+        garments_ = garmentPairs(in_.avatar.mesh, truth_, visible);
         const auto bound = [&](const std::vector<uint8_t>& allowed, bool correctives) {
             std::optional<CarriedPoints> points;
             for (size_t f : averaged) {
@@ -255,7 +266,24 @@ private:
         add(kTrueSurfaceLight, withBestLight(best, image, mask), {});
         if (!labels.pixels.empty()) add(kFlatLabels, labels_.paint(mask, labels), {});
         add(kTrueMeshColours, paintMesh(*surface, shown_, colours_, camera), {});
+        measureGarments({found.fittedPose ? *found.fittedPose : found.pose, pose}, *surface, group, ladder);
         return {};
+    }
+
+    /** Adds the distances of all garments from the true surface, in the poses that kGarmentPoses names. */
+    void measureGarments(const std::array<Pose, std::size(kGarmentPoses)>& poses, std::span<const Vec3f> surface, size_t group,
+                         Ladder& ladder) {
+        for (size_t p = 0; p < poses.size() && !garments_.empty(); ++p) {
+            const std::vector<Vec3f> corrected = drawer_.pose(poses[p]), plain = drawer_.pose(poses[p], false);
+            for (size_t i = 0; i < garments_.size(); ++i) {
+                const GarmentPair& garment = garments_[i];
+                GarmentCell& cell = ladder.garments[i * poses.size() + p].cells[group];
+                const auto distanceMm = [&](const std::vector<Vec3f>& ours) {
+                    return 1000 * garmentDistanceM(garment, ours, surface, jobs_);
+                };
+                cell.correctedMm += distanceMm(corrected), cell.plainMm += distanceMm(plain), ++cell.frames;
+            }
+        }
     }
 
     const LadderInput& in_;
@@ -263,6 +291,7 @@ private:
     Jobs& jobs_;
     Drawer drawer_;
     std::vector<Triangle> shown_;  // of the true mesh: those that the pictures show
+    std::vector<GarmentPair> garments_;
     LabelColours labels_;
     VertexColours meshColours_;
     std::vector<glm::u8vec4> colours_;

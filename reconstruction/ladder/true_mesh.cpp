@@ -115,14 +115,16 @@ Status readSkeleton(const fs::path& path, const json& manifest, TrueMesh& mesh) 
     return {};
 }
 
-Status markCloth(const fs::path& path, const json& geometry, TrueMesh& mesh) {
+Status readParts(const fs::path& path, const json& geometry, TrueMesh& mesh) {
     mesh.clothTriangle.assign(mesh.triangles.size(), 0);
-    for (const json& part : geometry.value("parts", json::array())) {
-        if (!part.is_object() || !part.value("cloth", false)) continue;
-        const uint64_t first = part.value("first_triangle", uint64_t(0)), count = part.value("triangle_count", uint64_t(0));
+    for (const json& entry : geometry.value("parts", json::array())) {
+        if (!entry.is_object()) continue;
+        const uint64_t first = entry.value("first_triangle", uint64_t(0)), count = entry.value("triangle_count", uint64_t(0));
         if (first > mesh.triangles.size() || count > mesh.triangles.size() - first)
             return fail(Code::CorruptData, "{}: a part has triangles that the template lacks", path.string());
-        std::fill_n(mesh.clothTriangle.begin() + std::ptrdiff_t(first), count, uint8_t(1));
+        const TruePart part{entry.value("label", std::string()), uint32_t(first), uint32_t(count), entry.value("cloth", false)};
+        if (part.cloth) std::fill_n(mesh.clothTriangle.begin() + std::ptrdiff_t(first), count, uint8_t(1));
+        mesh.parts.push_back(part);
     }
     return {};
 }
@@ -171,7 +173,7 @@ Result<std::optional<TrueMesh>> readTrueMesh(const Scan& scan) {
     DPL_CHECK_OK(readSkeleton(manifestPath, manifest, mesh));
     DPL_CHECK_OK(readTemplate(folder / "template.ply", mesh));
     DPL_CHECK_OK(readWeights(folder / "weights.bin", mesh));
-    DPL_CHECK_OK(markCloth(manifestPath, manifest.value("geometry", json::object()), mesh));
+    DPL_CHECK_OK(readParts(manifestPath, manifest.value("geometry", json::object()), mesh));
     DPL_CHECK_OK(readFrames(truth, scan, mesh));
     return std::optional<TrueMesh>(std::move(mesh));
 }

@@ -22,6 +22,13 @@ struct TrueFrame {
     std::filesystem::path posed;   // true vertices; empty: only the skinning is known
 };
 
+/** A part of the true template: a contiguous range of its triangles. */
+struct TruePart {
+    std::string label;  // as in the label pictures, "top" for example
+    uint32_t firstTriangle = 0, triangleCount = 0;
+    bool cloth = false;  // moved by a simulation
+};
+
 /** The true template and its poses, in the y-up world, metres. */
 struct TrueMesh {
     std::vector<Vec3d> joints;           // rest positions
@@ -30,6 +37,7 @@ struct TrueMesh {
     std::vector<Triangle> triangles;     // F
     std::vector<uint8_t> hidden;         // F; 1: left out of the pictures
     std::vector<uint8_t> clothTriangle;  // F; 1: moved by a simulation, so its skinning is not the truth in moving frames
+    std::vector<TruePart> parts;         // may leave triangles out
     uint32_t influences = 0;             // K
     std::vector<int32_t> weightJoints;   // V·K
     std::vector<float> weights;          // V·K

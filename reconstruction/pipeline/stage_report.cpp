@@ -23,6 +23,8 @@
 namespace dpl {
 namespace {
 
+constexpr double kGarmentRatio = 0.75;  // bar: distance of a garment from the truth, of that under plain LBS
+
 /** Adds the distances of joints to the truth of a synthetic scan, with the bars for registration. */
 void addTruth(const TruthComparison& truth, const std::string& after, ReportData& data) {
     const std::string group = "registration against the truth, held-out dynamic frames, " + after;
@@ -77,6 +79,21 @@ void addWaterfall(ReportData& data) {
     }
 }
 
+/** Adds how far each simulated garment is from the truth on held-out moving frames in true poses, against plain LBS. */
+void addGarments(ReportData& data) {
+    if (!data.ladder) return;
+    for (const GarmentRow& row : data.ladder->garments)
+        for (size_t g = 0; g < row.cells.size(); ++g) {
+            const LadderGroup& group = data.ladder->groups[g];
+            const GarmentCell& cell = row.cells[g];
+            if (row.poses != "true" || group.kind != "dynamic" || group.split != "test" || !(cell.plainMm > 0)) continue;
+            data.figures.push_back(
+                {"garments against the truth, held-out dynamic frames, true poses", row.garment + ", distance", "mm", cell.correctedMm});
+            data.figures.push_back({data.figures.back().group, row.garment + ", distance over that under plain LBS", "",
+                                    cell.correctedMm / cell.plainMm, ReportBar{kGarmentRatio, /*atLeast=*/false}});
+        }
+}
+
 std::string summaryOf(const ReportData& data, size_t splats, size_t bytes) {
     std::string text = formatText("{} splats, {} bytes", splats, bytes);
     text += scoreLines(data.frames, "held-out") + scoreLines(data.validation, "validation");
@@ -107,7 +124,7 @@ Result<StageOutput> runReport(const StageRun& run, const IngestedScan& ingested,
                               const std::vector<EvidenceData>& decided, const Training& training, const Package& package,
                               const FoundPoses& found, Pictures& pictures, const RunSettings& settings) {
     const nlohmann::json inputs = {{"pose_fit", found.key}, {"measuring", measuringFiles(ingested.scan.root)}};
-    return run.chain.run("report", 8, inputs, [&](StageContext& context) -> Status {
+    return run.chain.run("report", 9, inputs, [&](StageContext& context) -> Status {
         DPL_TRY(AvatarData avatar, readAvatar(package.bytes));
         DPL_TRY(AvatarInfo info, inspectAvatar(package.bytes));
         ReportData data;
@@ -161,6 +178,7 @@ Result<StageOutput> runReport(const StageRun& run, const IngestedScan& ingested,
             {size, "splats and SH", "bytes a splat", double(info.splatBytes + info.shBytes) / std::max(1u, info.splats)});
         data.figures.push_back({size, "whole file", "bytes", double(package.bytes.size())});
         addWaterfall(data);
+        addGarments(data);
         data.evidence = avatar.evidence;
         for (const EvidenceData& row : decided) data.limits.push_back(row.part + ": " + row.reason);
         DPL_CHECK_OK(writeFileAtomically(context.folder / "summary.txt", summaryOf(data, avatar.splats.count(), package.bytes.size())));

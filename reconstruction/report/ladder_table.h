@@ -22,6 +22,20 @@ struct LadderRung {
     std::vector<LadderCell> cells;  // one a group
 };
 
+/** Mean symmetric distance of a garment from the true one over one group of frames, millimetres (docs/reference/metrics.md). */
+struct GarmentCell {
+    size_t frames = 0;  // 0: not measured
+    double correctedMm = 0;
+    double plainMm = 0;  // of the same avatar without pose correctives
+};
+
+/** Distances of one garment from the truth, in one kind of poses. */
+struct GarmentRow {
+    std::string garment;
+    std::string poses;               // "fitted": to the pictures; "true": as on the rung of the true poses
+    std::vector<GarmentCell> cells;  // one a group
+};
+
 /** Frames of one kind ("static", "dynamic") and split ("train", "validation", "test"). */
 struct LadderGroup {
     std::string kind, split;
@@ -32,6 +46,7 @@ struct LadderGroup {
 struct Ladder {
     std::vector<LadderGroup> groups;
     std::vector<LadderRung> rungs;
+    std::vector<GarmentRow> garments;
 };
 
 /** Aligned lines of text. */
@@ -39,5 +54,7 @@ std::string ladderText(const Ladder& ladder);
 /** A heading, a paragraph and a table. */
 std::string ladderHtml(const Ladder& ladder);
 nlohmann::ordered_json ladderJson(const Ladder& ladder);
+/** One entry a row of Ladder::garments; groups without frames are left out. */
+nlohmann::ordered_json garmentsJson(const Ladder& ladder);
 
 }  // namespace dpl

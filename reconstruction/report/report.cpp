@@ -113,6 +113,7 @@ std::string reportJson(const ReportData& data) {
     out["figures"] = figuresJson(data.figures);
     out["waterfall"] = figuresJson(data.waterfall);
     if (data.ladder) out["ladder"] = ladderJson(*data.ladder);
+    if (data.ladder && !data.ladder->garments.empty()) out["garments"] = garmentsJson(*data.ladder);
     out["evidence"] = ordered_json::array();
     for (const EvidenceData& e : data.evidence)
         out["evidence"].push_back({{"part", e.part}, {"kept", e.kept}, {"gain_db", e.gainDb}, {"bytes", e.bytes}, {"reason", e.reason}});

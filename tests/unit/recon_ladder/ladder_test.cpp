@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "reconstruction/report/score.h"
+#include "sdk/avatar/posed_mesh.h"
 #include "tests/unit/recon_ladder/toy_truth.h"
 
 namespace dpl::test {
@@ -71,6 +72,31 @@ TEST_F(LadderTest, aShapeThatTheRigCannotMakeShowsInTheSurfaceAlone) {
     const LadderCell poses = cell("true_poses", "dynamic", "test"), surface = cell("true_surface", "dynamic", "test");
     EXPECT_GT(*poses.surfaceMm, 5);
     EXPECT_GT(surface.maskedPsnrDb, poses.maskedPsnrDb + 3);
+}
+
+TEST_F(LadderTest, garmentsAreComparedWithAndWithoutPoseCorrectives) {
+    // The true ball is the avatar with correctives; a half of it counts as a simulated garment.
+    AvatarData& avatar = toy_.avatar;
+    const MeshData& mesh = avatar.mesh;
+    const auto half = uint32_t(mesh.triangles.size() / 2), rest = uint32_t(mesh.triangles.size()) - half;
+    writeTruth(toy_, half);
+    avatar.mesh.layers = {{"body", "body", 0, uint32_t(mesh.restPositions.size()), 0, half}, {"top", "garment", 0, 0, half, rest}};
+    avatar.correctives = ballCorrectives(mesh, Vec4f(0), Vec4f(0, 0.05f, 0, 0));
+    poses_.frames[kMoving].pose = toy_.truth[kMoving];
+    PosedMesh posed;
+    posed.pose({avatar.joints, mesh, avatar.correctives, restTriangles(mesh)}, toy_.truth[kMoving], toy_.jobs);
+    mustWrite(toy_.ingested.scan.root / "posed" / (toy_.ingested.scan.frames[kMoving].name + ".bin"),
+              floatsOf({posed.positions().begin(), posed.positions().end()}));
+    const auto ladder = must(measureLadder({toy_.ingested.scan, toy_.body.cameras, avatar, poses_, {}}, toy_.jobs));
+    ASSERT_TRUE(ladder);
+    ASSERT_EQ(ladder->garments.size(), 2u);
+    const GarmentRow& row = ladder->garments[0];
+    EXPECT_EQ(row.garment, "top");
+    EXPECT_EQ(row.poses, "fitted");
+    const GarmentCell& cell = row.cells.back();  // dynamic, test
+    EXPECT_EQ(cell.frames, 1u);
+    EXPECT_NEAR(cell.correctedMm, 0, 0.01);
+    EXPECT_GT(cell.plainMm, 1);
 }
 
 TEST_F(LadderTest, aRungThatDoesNotApplyIsEmpty) {

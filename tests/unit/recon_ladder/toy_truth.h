@@ -40,8 +40,9 @@ inline std::vector<uint8_t> floatsOf(const std::vector<Vec3f>& positions) {
     return out.finish();
 }
 
-/** Writes truth.json, scan.json, geometry/ and posed/ into the toy's scan folder. `cloth`: the whole ball counts as cloth. */
-inline void writeTruth(ToyReconstruction& toy, bool cloth = false) {
+/** Writes truth.json, scan.json, geometry/ and posed/ into the toy's scan folder. The triangles from `firstCloth` on count as cloth, with
+ *  the label "top". */
+inline void writeTruth(ToyReconstruction& toy, size_t firstCloth = ~size_t(0)) {
     const AvatarData& ball = toy.avatar;
     const MeshData& mesh = ball.mesh;
     const std::filesystem::path& root = toy.ingested.scan.root;
@@ -73,8 +74,11 @@ inline void writeTruth(ToyReconstruction& toy, bool cloth = false) {
         skeleton["parents"].push_back(joint.parent);
         skeleton["rest_positions"].push_back(tripleOf(inFile(joint.restPosition)));
     }
-    const nlohmann::json part = {{"name", "ball"}, {"first_triangle", 0}, {"triangle_count", mesh.triangles.size()}, {"cloth", cloth}};
-    mustWrite(root / "scan.json", nlohmann::json{{"skeleton", skeleton}, {"geometry", {{"parts", {part}}}}}.dump());
+    const size_t bare = std::min(firstCloth, mesh.triangles.size());
+    const nlohmann::json parts = {
+        {{"name", "ball"}, {"label", "body"}, {"first_triangle", 0}, {"triangle_count", bare}, {"cloth", false}},
+        {{"name", "cap"}, {"label", "top"}, {"first_triangle", bare}, {"triangle_count", mesh.triangles.size() - bare}, {"cloth", true}}};
+    mustWrite(root / "scan.json", nlohmann::json{{"skeleton", skeleton}, {"geometry", {{"parts", parts}}}}.dump());
     for (size_t f = 0; f < ToyReconstruction::kFrames; ++f) {
         const ScanFrame& frame = toy.ingested.scan.frames[f];
         nlohmann::json rotations;
