@@ -73,6 +73,9 @@ inline constexpr double kValidationMovingShare = 0.08;
 /** Share of the still full-body training frames that is set aside.
  *  unit: ratio | origin: round figure | half, double: not measured */
 inline constexpr double kValidationStillShare = 0.05;
+/** Share of the training close-ups that is set aside.
+ *  unit: ratio | origin: round figure | half, double: not measured */
+inline constexpr double kValidationCloseupShare = 0.08;
 /** With fewer training frames of a kind, none of them is set aside.
  *  unit: frames | origin: round figure | half, double: not measured */
 inline constexpr double kMinFramesForValidation = 20;

@@ -10,7 +10,7 @@
 namespace dpl {
 namespace {
 
-constexpr size_t kOthersOfASide = 2;  // training frames that must still see the side of a still frame that is set aside
+constexpr size_t kOthersOfASide = 2;  // training frames of its kind that must still see the side of a still frame that is set aside
 
 /** Places among `count` frames in a row: half of them side by side near the middle, the others alone, evenly spread. */
 std::vector<size_t> places(size_t count, double share) {
@@ -51,21 +51,28 @@ std::string setValidationAside(Scan& scan, const std::vector<bool>& usable) {
         return frames;
     };
     std::vector<size_t> moving = training(FrameKind::Dynamic);
-    const std::vector<size_t> stills = training(FrameKind::StaticFull);
+    const std::vector<size_t> stills = training(FrameKind::StaticFull), closeups = training(FrameKind::StaticCloseup);
     std::stable_sort(moving.begin(), moving.end(), [&](size_t a, size_t b) { return scan.frames[a].timeS < scan.frames[b].timeS; });
-    size_t movingCount = 0, stillCount = 0;
+    size_t movingCount = 0;
     for (size_t place : places(moving.size(), priors::kValidationMovingShare))
         scan.frames[moving[place]].split = Split::Validation, ++movingCount;
-    for (size_t place : places(stills.size(), priors::kValidationStillShare))
-        if (othersSeeItsSide(scan, stills, stills[place])) scan.frames[stills[place]].split = Split::Validation, ++stillCount;
-    if (movingCount + stillCount == 0)
+    const auto setStillsAside = [&](const std::vector<size_t>& frames, double share) {
+        size_t count = 0;
+        for (size_t place : places(frames.size(), share))
+            if (othersSeeItsSide(scan, frames, frames[place])) scan.frames[frames[place]].split = Split::Validation, ++count;
+        return count;
+    };
+    const size_t stillCount = setStillsAside(stills, priors::kValidationStillShare),
+                 closeupCount = setStillsAside(closeups, priors::kValidationCloseupShare);
+    if (movingCount + stillCount + closeupCount == 0)
         return formatText(
-            "validation: none, because {} moving and {} still training frames are too few; parts are judged on training frames",
-            moving.size(), stills.size());
+            "validation: none, because {} moving, {} still and {} close-up training frames are too few; parts are judged on training "
+            "frames",
+            moving.size(), stills.size(), closeups.size());
     return formatText(
-        "validation: {} of {} moving and {} of {} still training frames are set aside; they train nothing, and parts are "
-        "judged on them",
-        movingCount, moving.size(), stillCount, stills.size());
+        "validation: {} of {} moving, {} of {} still and {} of {} close-up training frames are set aside; they train nothing, and parts "
+        "are judged on them",
+        movingCount, moving.size(), stillCount, stills.size(), closeupCount, closeups.size());
 }
 
 }  // namespace dpl

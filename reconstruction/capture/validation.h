@@ -10,9 +10,9 @@
 namespace dpl {
 
 /** Turns a few frames of Split::Train into Split::Validation: of moving frames, in order of time, one run in a row and others alone; of
- * still full-body frames the same in the scan's order. Close-ups stay, and so does a still frame that too few others see from its side. A
- * kind with too few usable training frames gives none. Depends on kinds, times, cameras and `usable` (one a frame), not on pictures or a
- * seed. Returns what was set aside, or why nothing was, as a sentence. */
+ *  still full-body frames and of close-ups the same in the scan's order. A still frame stays that too few others of its kind see from its
+ *  side. A kind with too few usable training frames gives none. Depends on kinds, times, cameras and `usable` (one a frame), not on
+ *  pictures or a seed. Returns what was set aside, or why nothing was, as a sentence. */
 std::string setValidationAside(Scan& scan, const std::vector<bool>& usable);
 
 }  // namespace dpl

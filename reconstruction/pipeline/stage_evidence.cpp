@@ -4,6 +4,10 @@
 // each of these avatars, and the pictures are scored. A validation frame is drawn in its registered pose after a pose fit, which moves
 // joints and root only, to the avatar that is judged. A part must gain a fixed amount, and more the larger it is. A scan that is too small
 // for a validation split is judged on training frames. Held-out frames are not used.
+#include <algorithm>
+#include <cstdio>
+
+#include "reconstruction/pipeline/motion_faults.h"
 #include "reconstruction/pipeline/registered_pose.h"
 #include "reconstruction/pipeline/stage_keys.h"
 #include "reconstruction/pipeline/stages.h"
@@ -33,6 +37,19 @@ void chooseFrames(const std::vector<TrainFrame>& frames, FrameKind kind, std::ve
 struct Jury {
     std::vector<TrainFrame> frames;
     bool registered = true;  // validation frames in their registered poses; false: training frames in their trained poses
+
+    size_t closeups() const {
+        return size_t(std::count_if(frames.begin(), frames.end(), [](const TrainFrame& f) { return f.kind == FrameKind::StaticCloseup; }));
+    }
+    /** Frames whose PSNR decides: a close-up shows too little of the subject. */
+    size_t judging() const { return frames.size() - closeups(); }
+};
+
+struct Mean {
+    double sum = 0;
+    size_t count = 0;
+    void add(double value) { sum += value, ++count; }
+    double value() const { return count > 0 ? sum / double(count) : 0; }
 };
 
 Result<Jury> chooseJury(const IngestedScan& ingested, const FittedBody& body, const RegisteredPoses& registered, const Training& training,
@@ -44,7 +61,8 @@ Result<Jury> chooseJury(const IngestedScan& ingested, const FittedBody& body, co
     for (size_t i = 0; i < set.frames.size(); ++i)
         set.frames[i].pose = registeredPose(ingested.scan, registered.poses, trained, set.indices[i]);
     jury.frames = std::move(set.frames);
-    if (!jury.frames.empty()) return jury;
+    if (jury.judging() > 0) return jury;
+    jury.frames.clear();
     jury.registered = false;
     std::vector<const TrainFrame*> chosen;
     chooseFrames(assembled.frames, FrameKind::Dynamic, chosen);
@@ -53,10 +71,11 @@ Result<Jury> chooseJury(const IngestedScan& ingested, const FittedBody& body, co
     return jury;
 }
 
-/** Means over the jury's frames. */
+/** What the jury says of an avatar. */
 struct JuryScore {
-    double maskedPsnrDb = 0;
-    double detail = 0;  // report/detail.h; frames that are too small for it do not count
+    double maskedPsnrDb = 0;  // mean over full-body and moving frames
+    double detail = 0;        // report/detail.h, mean over close-ups, or over all frames where the jury has no close-up
+    MotionFaults faults;
 };
 
 /** Trains avatars on and scores them on the jury's frames. */
@@ -78,7 +97,7 @@ public:
         DPL_TRY(const AvatarData decoded, readAvatar(bytes));
         DPL_TRY(auto view, AvatarView::open(bytes, jobs_.threadCount()));
         JuryScore sum;
-        size_t detailed = 0;
+        Mean psnrDb, detail, closeDetail;
         for (size_t i = 0; i < jury_.frames.size(); ++i) {
             if (context_.progress.cancelled()) return fail(Code::Cancelled, "stopped");
             const TrainFrame& frame = jury_.frames[i];
@@ -88,11 +107,14 @@ public:
             DPL_TRY(const auto picture, view.draw(pose, frame.camera));
             const auto truth = cutOut(frame.picture->image, frame.picture->mask);
             const uint32_t width = frame.camera.widthPx, height = frame.camera.heightPx;
-            sum.maskedPsnrDb += scorePicture(picture, truth, width, height).maskedPsnrDb;
-            if (const auto detail = detailCorrelation(picture, truth, width, height)) sum.detail += *detail, ++detailed;
+            const bool closeup = frame.kind == FrameKind::StaticCloseup;
+            if (!closeup) psnrDb.add(scorePicture(picture, truth, width, height).maskedPsnrDb);
+            if (const auto d = detailCorrelation(picture, truth, width, height)) (closeup ? closeDetail : detail).add(*d);
             context_.progress.update(from + (to - from) * (0.5 + 0.5 * double(i + 1) / double(jury_.frames.size())), frame.name);
         }
-        return JuryScore{sum.maskedPsnrDb / double(jury_.frames.size()), sum.detail / double(std::max<size_t>(1, detailed))};
+        sum.maskedPsnrDb = psnrDb.value(), sum.detail = closeDetail.count > 0 ? closeDetail.value() : detail.value();
+        DPL_TRY(sum.faults, motionFaults(decoded, view, jury_.frames, jobs_));
+        return sum;
     }
 
 private:
@@ -103,8 +125,10 @@ private:
     StageContext& context_;
 };
 
-double thousandths(double value) {
-    return std::round(1000 * value) / 1000;
+std::string decimals(double value, int digits) {
+    char text[48];
+    std::snprintf(text, sizeof text, "%.*f", digits, value);
+    return text;
 }
 
 const char* whyNotTrained(AvatarPart part, const RunSettings& settings) {
@@ -141,12 +165,16 @@ Status weigh(const AssembledAvatar& assembled, const Jury& jury, const RunSettin
         const double gain = whole.maskedPsnrDb - rest.maskedPsnrDb,
                      price = priors::kWorthItDb + priors::kWorthAMegabyteDb * double(bytes) / 1e6;
         const bool kept = gain >= price;
-        rows.push_back({part,
-                        {name, kept, float(gain), kept ? bytes : 0,
-                         formatText("masked PSNR of {} {} frames against an avatar that was trained on without it; {} KB must gain {} dB; "
-                                    "correlation of fine detail {}, without it {}",
-                                    jury.frames.size(), jury.registered ? "validation" : "training", (bytes + 500) / 1000,
-                                    thousandths(price), thousandths(whole.detail), thousandths(rest.detail))}});
+        rows.push_back(
+            {part,
+             {name, kept, float(gain), kept ? bytes : 0,
+              formatText("masked PSNR of {} {} frames against an avatar that was trained on without it; {} KB must gain {} dB; "
+                         "correlation of fine detail {}{}, without it {}; flicker {} levels, without it {}; clothes inside the "
+                         "body {} %, without it {} %",
+                         jury.judging(), jury.registered ? "validation" : "training", (bytes + 500) / 1000, decimals(price, 3),
+                         jury.closeups() > 0 ? formatText("on {} close-ups ", jury.closeups()) : "", decimals(whole.detail, 3),
+                         decimals(rest.detail, 3), decimals(whole.faults.flickerLevels, 2), decimals(rest.faults.flickerLevels, 2),
+                         decimals(100 * whole.faults.penetration, 2), decimals(100 * rest.faults.penetration, 2))}});
     }
     return writeEvidence(rows, context.folder / "evidence.json");
 }
@@ -176,7 +204,7 @@ Result<MeasuredParts> runEvidence(const StageRun& run, const IngestedScan& inges
                                    {"validation", juryInputs(ingested)},
                                    {"poseFit", fieldsJson(settings.poseFit)},
                                    {"framesOfAKind", kFramesOfAKind}};
-    DPL_TRY(const StageOutput stage, run.chain.run("evidence", 8, inputs, [&](StageContext& context) -> Status {
+    DPL_TRY(const StageOutput stage, run.chain.run("evidence", 9, inputs, [&](StageContext& context) -> Status {
         DPL_TRY(const AssembledAvatar* assembled, trained.get());
         DPL_TRY(const Jury jury, chooseJury(ingested, body, registered, training, *assembled, pictures));
         return weigh(*assembled, jury, settings, run.jobs, context);

@@ -27,7 +27,7 @@ struct FrameScore {
 /** Scores and pictures of one held-out frame. */
 struct HeldOutFrame {
     std::string name;
-    std::string kind;  // "static" or "dynamic"
+    std::string kind;  // "static" (full body), "close-up" or "dynamic"
     FrameScore withoutPoseFit, withPoseFit;
     FrameScore labelFloor, meshFloor;  // baselines: one colour a label inside the frame's mask; posed mesh with vertex colours
     std::vector<uint8_t> truthPng, renderPng, differencePng;  // for report.html; may be empty

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/distill/penetration.h"
+
+#include <gtest/gtest.h>
+
+namespace dpl::test {
+namespace {
+
+/** Adds a closed box as a layer that one joint moves. */
+void addBox(AvatarData& avatar, const char* name, const char* role, const Vec3f& centre, const Vec3f& half, uint16_t joint) {
+    MeshData& m = avatar.mesh;
+    const auto first = uint32_t(m.restPositions.size()), firstTriangle = uint32_t(m.triangles.size());
+    for (uint32_t i = 0; i < 8; ++i) {
+        m.restPositions.push_back(centre + half * Vec3f(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
+        m.jointIndices.push_back({joint, 0, 0, 0}), m.jointWeights.push_back({255, 0, 0, 0});
+    }
+    constexpr uint32_t kSides[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+    for (const auto& s : kSides) {
+        m.triangles.push_back(Triangle(s[0], s[1], s[2]) + first);
+        m.triangles.push_back(Triangle(s[0], s[2], s[3]) + first);
+    }
+    m.layers.push_back({name, role, first, 8, firstTriangle, 12});
+}
+
+/** A body of 20 cm and a coat of 30 cm around it that follows another joint. */
+AvatarData dressed() {
+    AvatarData avatar;
+    avatar.joints.resize(2);
+    avatar.joints[1].parent = 0;
+    addBox(avatar, "body", "body", Vec3f(0), Vec3f(0.1f), 0);
+    addBox(avatar, "top", "garment", Vec3f(0), Vec3f(0.15f), 1);
+    addBox(avatar, "hair", "hair", Vec3f(0), Vec3f(0.05f), 0);
+    return avatar;
+}
+
+double shareInside(AvatarData avatar, std::initializer_list<Pose> poses) {
+    Jobs jobs(2);
+    return garmentPenetration(avatar, std::span(poses.begin(), poses.size()), jobs);
+}
+
+TEST(Penetration, isTheShareOfGarmentVerticesInsideTheBody) {
+    const Pose rest = Pose::rest(2);
+    EXPECT_EQ(shareInside(dressed(), {rest}), 0) << "the hair inside is no garment";
+    AvatarData torn = dressed();
+    for (const uint32_t v : {8u, 9u}) torn.mesh.restPositions[v] *= 0.5f;
+    EXPECT_DOUBLE_EQ(shareInside(torn, {rest}), 2.0 / 8);
+}
+
+TEST(Penetration, isTakenInEachPose) {
+    // A narrow coat that stands clear of the body, until its joint turns by half a turn about the far end.
+    AvatarData avatar = dressed();
+    for (uint32_t v = 8; v < 16; ++v) avatar.mesh.restPositions[v] = 0.3f * avatar.mesh.restPositions[v] + Vec3f(1, 0, 0);
+    avatar.joints[1].restPosition = {0.5f, 0, 0};
+    Pose folded = Pose::rest(2);
+    folded.localRotations[1] = glm::angleAxis(3.14159265f, Vec3f(0, 1, 0));
+    EXPECT_EQ(shareInside(avatar, {Pose::rest(2)}), 0);
+    EXPECT_EQ(shareInside(avatar, {folded}), 1);
+    EXPECT_EQ(shareInside(avatar, {Pose::rest(2), folded}), 0.5);
+}
+
+TEST(Penetration, nothingLiesInsideWithoutGarmentsOrPoses) {
+    AvatarData avatar = dressed();
+    EXPECT_EQ(shareInside(avatar, {}), 0);
+    avatar.mesh.layers.resize(1);
+    EXPECT_EQ(shareInside(avatar, {Pose::rest(2)}), 0);
+}
+
+}  // namespace
+}  // namespace dpl::test
