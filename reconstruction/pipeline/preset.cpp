@@ -41,7 +41,7 @@ RunSettings settingsOf(const ReconstructOptions& options) {
     s.layers = !options.without.layers;
     if (options.without.largeSteps) s.training.smoothingLengthM = 0;
     if (options.without.light) s.training.rateNodeLight = 0;
-    if (options.without.gradientControl) s.training.closeupGradientScale = 1;
+    if (options.without.gradientControl) s.training.closeupStepScale = 1;
     return s;
 }
 

@@ -232,7 +232,6 @@ void CoOptimiser::State::updateSplats(uint32_t frame) {
     TrainableSplats& splats = learned.layer.splats;
     DensityStatistics& statistics = learned.layer.statistics;
     const bool isStatic = input.frames[frame].kind != FrameKind::Dynamic;
-    const float gain = input.frames[frame].kind == FrameKind::StaticCloseup ? settings.closeupGradientScale : 1.0f;
     const float halfHeight =
         0.5f * float(level[frame].camera.fy) / float(input.frames[frame].camera.fy) * float(input.frames[frame].camera.heightPx);
     std::vector<float> rate(splats.stride, 0.0f);
@@ -245,6 +244,8 @@ void CoOptimiser::State::updateSplats(uint32_t frame) {
     rate[kRowOpacityLogit] = settings.rateOpacity * decay(settings.endOpacity);
     for (uint32_t k = 0; k < shCoefficientCount(splats.shDegree) * 3; ++k)
         rate[kRowSh + k] = (k < 3 ? settings.rateDc : settings.rateRest) * colour;
+    if (input.frames[frame].kind == FrameKind::StaticCloseup)
+        for (float& r : rate) r *= settings.closeupStepScale;
     const auto rows = b.rowGradients();
     const auto active = b.active();
     const auto length = b.screenGradientLength();
@@ -255,7 +256,7 @@ void CoOptimiser::State::updateSplats(uint32_t frame) {
             if (isStatic) statistics.gradientSum[i] += length[i] * halfHeight, ++statistics.seen[i];
             float* row = rows.data() + i * splats.stride;
             float sum = 0;
-            for (uint32_t k = 0; k < splats.stride; ++k) row[k] *= gain, sum += row[k];
+            for (uint32_t k = 0; k < splats.stride; ++k) sum += row[k];
             if (!std::isfinite(sum)) std::fill_n(row, splats.stride, 0.0f);
         }
         learned.layer.adam.update(begin, end, active, rows, rate, splats.rows);

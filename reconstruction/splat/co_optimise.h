@@ -38,7 +38,7 @@ struct CoOptimiseSettings {
     LossWeights loss{0.8f, 0.2f, 0.3f, 0.1f};
     float earlyMaskFactor = 5.0f;  // multiplies the mask weight in the first quarter of the run
     RegulariserWeights regularise;
-    float closeupGradientScale = 5.0f;  // multiplies splat gradients of close-ups (docs/reference/losses.md)
+    float closeupStepScale = 5.0f;  // multiplies Adam's steps of splats in close-ups (docs/reference/losses.md, "Gradient control")
     bool learnSplats = true;
     bool learnGeometry = true;
     bool learnPoses = true;

@@ -32,14 +32,14 @@ void visitFields(const InitSettings& settings, Visit&& visit) {
 
 template <class Visit>
 void visitFields(const CoOptimiseSettings& settings, Visit&& visit) {
-    const auto& [seed, steps, init, maxSplats, loss, earlyMaskFactor, regularise, closeupGradientScale, learnSplats, learnGeometry,
-                 learnPoses, learnCorrectives, learnCameras, densify, learnPlacement, fullResolutionOnly, rateUv, endUv, ratePhi,
-                 rateLogScale, endLogScale, rateOpacity, endOpacity, rateDc, rateRest, endColour, rateOffsets, endOffsets, rateRotation,
-                 rateTranslation, endPose, rateCamera, rateNodeOffset, rateNodeLight, endNodes, nodeDecay, smoothingLengthM, geometryEvery,
-                 densityEvents, levelStarts] = settings;
+    const auto& [seed, steps, init, maxSplats, loss, earlyMaskFactor, regularise, closeupStepScale, learnSplats, learnGeometry, learnPoses,
+                 learnCorrectives, learnCameras, densify, learnPlacement, fullResolutionOnly, rateUv, endUv, ratePhi, rateLogScale,
+                 endLogScale, rateOpacity, endOpacity, rateDc, rateRest, endColour, rateOffsets, endOffsets, rateRotation, rateTranslation,
+                 endPose, rateCamera, rateNodeOffset, rateNodeLight, endNodes, nodeDecay, smoothingLengthM, geometryEvery, densityEvents,
+                 levelStarts] = settings;
     visit("seed", seed), visit("steps", steps), visit("init", init), visit("maxSplats", maxSplats);
     visit("loss", loss), visit("earlyMaskFactor", earlyMaskFactor), visit("regularise", regularise);
-    visit("closeupGradientScale", closeupGradientScale);
+    visit("closeupStepScale", closeupStepScale);
     visit("learnSplats", learnSplats), visit("learnGeometry", learnGeometry), visit("learnPoses", learnPoses);
     visit("learnCorrectives", learnCorrectives), visit("learnCameras", learnCameras), visit("densify", densify);
     visit("learnPlacement", learnPlacement), visit("fullResolutionOnly", fullResolutionOnly);

@@ -240,6 +240,36 @@ TEST(CoOptimise, correctivesAreFoundAgain) {
     EXPECT_GT(psnr[1], psnr[0] + 3) << "the pictures cannot be explained without them";
 }
 
+TEST(CoOptimise, aCloseupMovesSplatsFurtherInOneStep) {
+    // Adam's first step has the length of the rate, whatever the gradient, so a factor on gradients would not show.
+    Jobs jobs(2);
+    auto start = make(jobs, toySettings(20), 0);
+    ASSERT_TRUE(start->run());
+    const CoOptimiseResult given = start->result();
+    const auto changes = [&](FrameKind kind) {
+        CoOptimiseInput input = toyScene(jobs, 8, 0, 0.03f);
+        input.mesh.restPositions = given.restPositions;
+        input.frames.resize(1);
+        input.frames[0].kind = kind;
+        CoOptimiseSettings settings = toySettings(1);
+        settings.learnGeometry = settings.learnPoses = settings.densify = false;
+        settings.closeupStepScale = 4;
+        auto trainer = CoOptimiser::createFrom(std::move(input), given.splats, settings, jobs);
+        EXPECT_TRUE(trainer && (*trainer)->run());
+        std::vector<double> out;
+        const SplatData after = (*trainer)->result().splats;
+        for (size_t i = 0; i < after.sh.size(); ++i) out.push_back(double(after.sh[i]) - double(given.splats.sh[i]));
+        return out;
+    };
+    const std::vector<double> full = changes(FrameKind::StaticFull), close = changes(FrameKind::StaticCloseup);
+    size_t moved = 0;
+    for (size_t i = 0; i < full.size(); ++i) {
+        EXPECT_NEAR(close[i], 4 * full[i], 1e-5);
+        moved += full[i] != 0;
+    }
+    EXPECT_GT(moved, 100u);
+}
+
 TEST(CoOptimise, cancelStopsAndCanGoOn) {
     Jobs jobs(1);
     auto t = make(jobs, toySettings(8));
