@@ -66,6 +66,38 @@ TEST(StageEvidence, validationFramesDecideAgainstTrainingFrames) {
     }
 }
 
+TEST(StageEvidence, closeupsAreJudgedByTheirDetailAlone) {
+    ToyReconstruction toy;
+    toy.avatar.correctives = ballCorrectives(toy.avatar.mesh, {0.04f, 0, 0, 0}, {0, 0, 0.04f, 0});
+    toy.takePictures(toy.avatar);
+    for (size_t f = ToyReconstruction::kTrained; f < ToyReconstruction::kFrames; ++f) toy.ingested.scan.frames[f].split = Split::Validation;
+    toy.ingested.scan.frames[ToyReconstruction::kTrained].kind = FrameKind::StaticCloseup;
+    const auto measured = measure(toy);
+    ASSERT_TRUE(measured) << measured.error().message;
+    const std::string& reason = rowOf(*measured, AvatarPart::CorrectiveOffsets).reason;
+    for (const char* part : {"2 validation frames", "on 1 close-ups", "flicker", "inside the body"})
+        EXPECT_NE(reason.find(part), std::string::npos) << reason;
+}
+
+TEST(StageEvidence, aMannequinYieldsNoNetworkAndEvenLightNoLight) {
+    for (const bool mannequin : {true, false}) {
+        ToyReconstruction toy;
+        toy.avatar.correctives = ballCorrectives(toy.avatar.mesh, {0.04f, 0, 0, 0.4f}, {0, 0, 0.04f, -0.4f});
+        AvatarData shown = toy.avatar;
+        removePart(shown, AvatarPart::CorrectiveLight);
+        if (mannequin) removePart(shown, AvatarPart::CorrectiveOffsets), dropEmptyCorrectives(shown);
+        toy.takePictures(shown);
+        const auto measured = measure(toy);
+        ASSERT_TRUE(measured) << measured.error().message;
+        AvatarData left = toy.avatar;
+        for (const PartEvidence& p : measured->parts)
+            if (!p.row.kept) removePart(left, p.part);
+        dropEmptyCorrectives(left);
+        EXPECT_FALSE(rowOf(*measured, AvatarPart::CorrectiveLight).kept);
+        EXPECT_EQ(left.correctives.empty(), mannequin);
+    }
+}
+
 TEST(StageEvidence, heldOutFramesDecideNothing) {
     ToyReconstruction toy;
     toy.avatar.correctives = ballCorrectives(toy.avatar.mesh, {0.04f, 0, 0, 0}, {0, 0, 0.04f, 0});
