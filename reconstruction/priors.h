@@ -276,5 +276,8 @@ inline constexpr double kClothHang = 3;
 /** Depth of the body below clothes.
  *  unit: m | origin: round figure | half, double: not measured */
 inline constexpr double kBodyBelowClothM = 0.004;
+/** Distance above the skin below which training pushes a garment outwards.
+ *  unit: m | origin: round figure; half of the value above | half, double: not measured */
+inline constexpr float kClothClearanceM = 0.002f;
 
 }  // namespace dpl::priors

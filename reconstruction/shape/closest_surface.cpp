@@ -49,24 +49,43 @@ float distance2ToBox(const Vec3f& p, const Vec3f& low, const Vec3f& high) {
 }  // namespace
 
 ClosestSurface::ClosestSurface(std::span<const Vec3f> positions, std::span<const Triangle> triangles)
-    : positions_(positions.begin(), positions.end()),
-      vertexNormals_(positions.size(), Vec3f(0)),
-      triangles_(triangles.begin(), triangles.end()),
-      order_(triangles.size()) {
+    : positions_(positions.begin(), positions.end()), triangles_(triangles.begin(), triangles.end()), order_(triangles.size()) {
+    findNormals();
     std::vector<Vec3f> centres;
+    for (const Triangle& t : triangles_) centres.push_back((positions_[t.x] + positions_[t.y] + positions_[t.z]) / 3.0f);
+    std::iota(order_.begin(), order_.end(), 0u);
+    if (triangles_.empty()) return;
+    nodes_.resize(1);
+    build(0, 0, uint32_t(order_.size()), centres);
+}
+
+void ClosestSurface::findNormals() {
+    vertexNormals_.assign(positions_.size(), Vec3f(0));
+    faceNormals_.clear();
     for (const Triangle& t : triangles_) {
         const Vec3f a = positions_[t.x], b = positions_[t.y], c = positions_[t.z], n = glm::cross(b - a, c - a);
         for (int k = 0; k < 3; ++k) vertexNormals_[t[k]] += n;
         const float length = glm::length(n);
         faceNormals_.push_back(length > 0 ? n / length : Vec3f(0));
-        centres.push_back((a + b + c) / 3.0f);
     }
     for (Vec3f& n : vertexNormals_)
         if (const float length = glm::length(n); length > 0) n /= length;
-    std::iota(order_.begin(), order_.end(), 0u);
-    if (triangles_.empty()) return;
-    nodes_.resize(1);
-    build(0, 0, uint32_t(order_.size()), centres);
+}
+
+void ClosestSurface::move(std::span<const Vec3f> positions) {
+    positions_.assign(positions.begin(), positions.end());
+    findNormals();
+    for (size_t i = nodes_.size(); i-- > 0;) {  // children come after their parents
+        Node& node = nodes_[i];
+        node.low = Vec3f(std::numeric_limits<float>::infinity()), node.high = -node.low;
+        for (uint32_t k = node.first; k < node.first + node.count; ++k)
+            for (int c = 0; c < 3; ++c) {
+                const Vec3f p = positions_[triangles_[order_[k]][c]];
+                node.low = glm::min(node.low, p), node.high = glm::max(node.high, p);
+            }
+        for (uint32_t child = node.first; node.count == 0 && child < node.first + 2; ++child)
+            node.low = glm::min(node.low, nodes_[child].low), node.high = glm::max(node.high, nodes_[child].high);
+    }
 }
 
 void ClosestSurface::build(uint32_t node, uint32_t first, uint32_t count, const std::vector<Vec3f>& centres) {

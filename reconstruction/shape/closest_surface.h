@@ -20,10 +20,15 @@ struct SurfacePoint {
     bool found() const { return triangle != UINT32_MAX; }
 };
 
-/** A tree of boxes over the triangles of a mesh. Copies what it needs. Queries are const and may run on several threads. */
+/** A tree of boxes over the triangles of a mesh. Copies what it needs. Queries are const and may run on several threads; move() may not run
+ *  beside them. */
 class ClosestSurface {
 public:
     ClosestSurface(std::span<const Vec3f> positions, std::span<const Triangle> triangles);
+
+    /** The same triangles at other positions (of all vertices, as in the constructor). Keeps the tree, so it is several times as fast as a
+     *  new one, and queries are slower the more the mesh is bent. */
+    void move(std::span<const Vec3f> positions);
 
     /** The closest point within reachM. Of equally close triangles the lower index wins. */
     SurfacePoint find(const Vec3f& point, float reachM = std::numeric_limits<float>::infinity()) const;
@@ -46,6 +51,7 @@ private:
     std::vector<uint32_t> order_;
     std::vector<Node> nodes_;
 
+    void findNormals();
     void build(uint32_t node, uint32_t first, uint32_t count, const std::vector<Vec3f>& centres);
     template <class Accept>
     SurfacePoint search(const Vec3f& point, float reachM, Accept accept) const;

@@ -71,6 +71,7 @@ Status CoOptimiser::State::prepare() {
     learned.layer.correctives = input.correctives;
     incidence = VertexIncidence(m.triangles, vertexCount);
     meshRegulariser.emplace(m.restPositions, m.triangles);
+    collision.emplace(m);
     mesh = m;
     if (settings.learnGeometry) {
         DPL_TRY(LargeSteps factor, LargeSteps::create(m.restPositions, m.triangles, settings.smoothingLengthM));
@@ -195,9 +196,16 @@ Status CoOptimiser::State::stepOnce() {
     const auto update = std::chrono::steady_clock::now();
     if (settings.learnSplats) updateSplats(frame);
     if (settings.learnPoses || settings.learnCameras) updatePose(frame, loss.total);
+    const bool collides = geometry && settings.regularise.collision > 0 && step % settings.geometryEvery == 0 && !collision->empty();
+    if (collides)
+        collision->pull(mesh, pass.posed().positions(), pass.posed().rest(), pass.posed().worldFromRest(), pass.restGradient(),
+                        settings.regularise.collision * float(settings.geometryEvery), jobs, collisionGradient);
+    else
+        collisionGradient.clear();
     if (settings.learnGeometry) {
         const auto& g = pass.restGradient();
         for (size_t v = 0; v < g.size(); ++v) layer.restGradientSum[v] += g[v];
+        for (size_t v = 0; v < collisionGradient.size(); ++v) layer.restGradientSum[v] += collisionGradient[v];
         if (++layer.restGradientCount >= settings.geometryEvery) updateOffsets();
     }
     if (learnsCorrectives()) updateCorrectives();
@@ -313,7 +321,13 @@ void CoOptimiser::State::updateCorrectives() {
     PoseCorrectiveData& c = learned.layer.correctives;
     AdamRows& adamNodes = learned.layer.adamNodes;
     const std::span<const float> k = pass.posed().coefficients();
-    const std::span<const Vec4f> gNodes = pass.nodeGradient();
+    std::vector<Vec4f> gNodes(pass.nodeGradient().begin(), pass.nodeGradient().end());
+    if (!collisionGradient.empty()) {
+        std::vector<Vec4f> gCollision;
+        const std::vector<float> noLight(collisionGradient.size(), 0.0f);
+        gatherNodes(c, pass.posed().nodes(), collisionGradient, noLight, gCollision);
+        for (size_t n = 0; n < gNodes.size(); ++n) gNodes[n] += gCollision[n];
+    }
     const uint32_t stride = adamNodes.stride;
     std::vector<float> rate(stride, 0.0f), values(size_t(c.nodeCount) * stride, 0.0f), gradients(values.size(), 0.0f);
     std::vector<uint8_t> active(c.nodeCount, 0);

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "reconstruction/shape/large_steps.h"
+#include "reconstruction/splat/garment_collision.h"
 #include "reconstruction/splat/learned.h"
 
 namespace dpl {
@@ -21,6 +22,7 @@ struct CoOptimiser::State {
     VertexIncidence incidence;
     std::optional<MeshRegulariser> meshRegulariser;
     std::optional<LargeSteps> largeSteps;
+    std::optional<GarmentCollision> collision;
     std::vector<uint32_t> usedFrames;
 
     Learned learned;  // what a checkpoint stores
@@ -31,6 +33,7 @@ struct CoOptimiser::State {
     int levelIndex = -1;
     std::vector<uint32_t> order;
     uint64_t orderEpoch = ~0ull;
+    std::vector<Vec3f> collisionGradient;  // of this step, on rest positions; empty in steps without
     FramePass pass;
     StepProfile profile;
 

@@ -18,9 +18,9 @@ void visitFields(const LossWeights& weights, Visit&& visit) {
 
 template <class Visit>
 void visitFields(const RegulariserWeights& weights, Visit&& visit) {
-    const auto& [scaleHinge, anisotropy, edgeRatio, laplacian, camera] = weights;
+    const auto& [scaleHinge, anisotropy, edgeRatio, laplacian, camera, collision] = weights;
     visit("scaleHinge", scaleHinge), visit("anisotropy", anisotropy), visit("edgeRatio", edgeRatio);
-    visit("laplacian", laplacian), visit("camera", camera);
+    visit("laplacian", laplacian), visit("camera", camera), visit("collision", collision);
 }
 
 template <class Visit>

@@ -70,6 +70,25 @@ TEST(ClosestSurface, knowsInsideFromOutside) {
     EXPECT_TRUE(std::isinf(surface.signedDistance({3, 0, 0}, 0.1f)));
 }
 
+TEST(ClosestSurface, aMovedSurfaceIsThatOfANewTree) {
+    const SurfaceMesh mesh = ball(1);
+    ClosestSurface moved(mesh.positions, mesh.triangles);
+    std::vector<Vec3f> bent;
+    for (const Vec3f& p : mesh.positions) bent.push_back({p.x + 0.8f * p.y * p.y, 1.5f * p.y, p.z - 0.4f * p.x});
+    moved.move(bent);
+    const ClosestSurface fresh(bent, mesh.triangles);
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> in(-2, 2);
+    for (int i = 0; i < 200; ++i) {
+        const Vec3f p(in(random), in(random), in(random));
+        const SurfacePoint a = moved.find(p), b = fresh.find(p);
+        ASSERT_EQ(a.triangle, b.triangle);
+        EXPECT_EQ(a.distanceM, b.distanceM);
+        EXPECT_EQ(moved.normalAt(a), fresh.normalAt(b));
+        EXPECT_EQ(moved.signedDistance(p, 9), fresh.signedDistance(p, 9));
+    }
+}
+
 TEST(ClosestSurface, takesOnlyTrianglesThatFaceTheWay) {
     const SurfaceMesh mesh = ball(0.5f);
     const ClosestSurface surface(mesh.positions, mesh.triangles);
