@@ -124,7 +124,8 @@ void followNeighbours(std::span<const LayerPart> kept, uint16_t zeroNode, LayerP
 }
 
 /** Refits a part to the wearer, who wears `worn` (body first) and none of the part's name. */
-Result<DressedLayer> fitPart(const NamedAvatar& wearer, std::span<const LayerPart> worn, const Garment& garment, LayerPart& part) {
+Result<DressedLayer> fitPart(const NamedAvatar& wearer, std::span<const LayerPart> worn, const Garment& garment, LayerPart& part,
+                             Jobs& jobs) {
     const MeshData& body = worn.front().mesh;
     const LayerPart oldBody = takeLayer(garment.from->avatar, 0);
     const SurfaceMesh old = part.surface();
@@ -141,7 +142,9 @@ Result<DressedLayer> fitPart(const NamedAvatar& wearer, std::span<const LayerPar
     DPL_TRY(done.insideBody, pushOut(obstacles, carried.clearanceM, fitted));
     for (size_t v = 0; v < old.positions.size(); ++v)
         done.meanMoveM += glm::length(fitted.positions[v] - old.positions[v]) / float(old.positions.size());
-    DPL_TRY(ClothWeights weights, clothWeights(fitted, body, bodySurface, wearer.avatar.joints.size()));
+    std::vector<Mat3x4f> atRest;
+    jointTransforms(wearer.avatar.joints, Pose::rest(wearer.avatar.joints.size()), atRest);
+    DPL_TRY(ClothWeights weights, clothWeights(fitted, body, wearer.avatar.joints, atRest, jobs));
     part.mesh.jointIndices = std::move(weights.joints);
     part.mesh.jointWeights = std::move(weights.weights);
     movePart(std::move(fitted.positions), part);
@@ -221,7 +224,7 @@ Result<Dressed> dressAvatar(const NamedAvatar& wearer, std::span<const Garment> 
         const Garment& garment = inOrder[i];
         DPL_CHECK_OK(report(0.1 + 0.5 * double(i) / double(inOrder.size()), "fitting " + garment.layer));
         LayerPart part = takeLayer(garment.from->avatar, layerIndex(garment.from->avatar, garment.layer));
-        DPL_TRY(DressedLayer done, fitPart(wearer, worn, garment, part));
+        DPL_TRY(DressedLayer done, fitPart(wearer, worn, garment, part, jobs));
         done.replaced = layerIndex(wearer.avatar, garment.layer) < wearer.avatar.mesh.layers.size();
         out.layers.push_back(std::move(done));
         DPL_CHECK_OK(liftOver(wearer.avatar, part, worn));

@@ -48,7 +48,7 @@ Result<CarriedGarment> carryGarment(const SurfaceMesh& garment, std::span<const 
         const float clearance = std::min(surface.signedDistance(p, kReachM), float(priors::kBodyBelowClothM));
         out.clearanceM.push_back(std::max(kLeastClearanceM, clearance));
     }
-    DPL_TRY(const std::vector<double> spread, followBody(garment, below, moves, 3));
+    DPL_TRY(const std::vector<double> spread, followBody(garment, followLengths(below), moves, 3));
     for (size_t v = 0; v < count; ++v) out.positions[v] += Vec3f(float(spread[v * 3]), float(spread[v * 3 + 1]), float(spread[v * 3 + 2]));
     return out;
 }

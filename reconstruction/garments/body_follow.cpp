@@ -25,7 +25,14 @@ std::vector<SurfacePoint> bodyBelow(const SurfaceMesh& piece, const ClosestSurfa
     return below;
 }
 
-Result<std::vector<double>> followBody(const SurfaceMesh& piece, std::span<const SurfacePoint> below, std::span<const double> values,
+std::vector<double> followLengths(std::span<const SurfacePoint> below) {
+    std::vector<double> lengths;
+    for (const SurfacePoint& point : below)
+        lengths.push_back(std::max(priors::kClothContactM, priors::kClothHang * double(point.distanceM)));
+    return lengths;
+}
+
+Result<std::vector<double>> followBody(const SurfaceMesh& piece, std::span<const double> lengthsM, std::span<const double> values,
                                        size_t columns) {
     const size_t count = piece.positions.size();
     const auto neighbours = vertexNeighbours(count, piece.triangles);
@@ -38,8 +45,7 @@ Result<std::vector<double>> followBody(const SurfaceMesh& piece, std::span<const
     std::vector<Eigen::Triplet<double>> entries;
     Eigen::VectorXd data = Eigen::VectorXd::Zero(Eigen::Index(count));
     for (size_t v = 0; v < count; ++v) {
-        const double length = std::max(priors::kClothContactM, priors::kClothHang * double(below[v].distanceM));
-        data[Eigen::Index(v)] = edge * edge / (length * length);
+        data[Eigen::Index(v)] = edge * edge / (lengthsM[v] * lengthsM[v]);
         entries.emplace_back(int(v), int(v), data[Eigen::Index(v)] + double(neighbours[v].size()));
         for (uint32_t n : neighbours[v]) entries.emplace_back(int(v), int(n), -1.0);
     }

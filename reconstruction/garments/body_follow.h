@@ -18,9 +18,12 @@ namespace dpl {
  *  Where none lies within half a metre: the closest body point. The piece and the body are in the same pose. */
 std::vector<SurfacePoint> bodyBelow(const SurfaceMesh& piece, const ClosestSurface& body);
 
-/** Solves for x. below: bodyBelow(piece). values: b, V rows of `columns`. Returns V rows of `columns`. Errors: InvalidArgument for a piece
+/** ℓ of each vertex, metres. below: bodyBelow(piece). */
+std::vector<double> followLengths(std::span<const SurfacePoint> below);
+
+/** Solves for x. lengthsM: ℓ, V values. values: b, V rows of `columns`. Returns V rows of `columns`. Errors: InvalidArgument for a piece
  *  without edges; Internal when the sparse solve fails. */
-Result<std::vector<double>> followBody(const SurfaceMesh& piece, std::span<const SurfacePoint> below, std::span<const double> values,
+Result<std::vector<double>> followBody(const SurfaceMesh& piece, std::span<const double> lengthsM, std::span<const double> values,
                                        size_t columns);
 
 }  // namespace dpl

@@ -1,18 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measures how much of an avatar's clothes lies inside its body.
+// What goes wrong with an avatar's clothes in motion: garments inside the body, torn cloth, skin that shows through.
+//
+// The body is the layer with the role "body", garments those with the role "garment". docs/reference/metrics.md
 #pragma once
 
+#include <functional>
 #include <span>
 
 #include "sdk/avatar/rig.h"
 #include "sdk/core/jobs.h"
+#include "sdk/core/result.h"
 #include "sdk/format/avatar_data.h"
 
 namespace dpl {
 
-/** Share of garment vertices that lie inside the body, mean over the poses. The body is the layer with the role "body", garments those
- *  with the role "garment". Points deeper than 10 cm do not count: at such a depth the nearest part of the body is another one. 0 when the
- *  avatar has no body layer or no garment, or without poses. The avatar and the poses must have passed the checks of their readers. */
+/** Share of garment vertices that lie inside the body, mean over the poses. Points deeper than 10 cm do not count: at such a depth the
+ *  nearest part of the body is another one. 0 when the avatar has no body layer or no garment, or without poses. The avatar and the poses
+ *  must have passed the checks of their readers. */
 double garmentPenetration(const AvatarData& avatar, std::span<const Pose> poses, Jobs& jobs);
+
+struct ClothFaults {
+    double penetration = 0;     // garmentPenetration()
+    size_t worstPose = 0;       // the pose with the most penetration
+    double stretchedEdges = 0;  // share of the garments' edges that are longer than twice their rest length, mean over the poses
+    double longestStretch = 1;  // largest ratio of an edge's length to its rest length
+    double skinPixels = 0;      // of the garments' pixels seen from four sides, the share in which the covered body comes through
+};
+
+/** Measures every pose. A pixel shows the body through a garment when its nearest surface is a body triangle that the garment covers at
+ *  rest, and the outer side of a garment lies less than 10 cm behind. Without a body layer, a garment or poses nothing is measured and the
+ *  figures stay as they are above. `progress` gets the share done; false cancels; may be empty. The avatar and the poses must have passed
+ *  the checks of their readers. Errors: Cancelled. */
+Result<ClothFaults> clothFaults(const AvatarData& avatar, std::span<const Pose> poses, const std::function<bool(double share)>& progress,
+                                Jobs& jobs);
 
 }  // namespace dpl

@@ -7,6 +7,9 @@
 #include <span>
 
 #include "reconstruction/garments/body_follow.h"
+#include "reconstruction/garments/stress_poses.h"
+#include "reconstruction/priors.h"
+#include "reconstruction/shape/closest_surface.h"
 #include "sdk/format/skin_weights.h"
 #include "sdk/math/skinning.h"
 
@@ -17,6 +20,9 @@ constexpr float kLargestStep = 0.1f;     // of a joint's weight along an edge; s
 constexpr float kStepBeforeCut = 0.07f;  // the cut to four joints makes steps steeper
 constexpr int kSmoothingRounds = 400;
 constexpr int kCutRounds = 12;
+constexpr int kStressRounds = 4;
+constexpr double kCloser = 0.5;  // factor of ℓ in each round
+constexpr float kReachM = 0.1f;  // a vertex deeper in the body than this has met another limb
 constexpr float kSmallestDeterminant = 0.05f;
 
 /** Dense rows, one column for each joint that the body below uses. */
@@ -81,47 +87,94 @@ void cutRows(Rows& rows, std::span<const uint32_t> jointOf, ClothWeights& out) {
     }
 }
 
-}  // namespace
+/** The body's weights below each vertex of a garment. */
+struct BodyRows {
+    std::vector<uint32_t> jointOf;  // of a column
+    std::vector<double> value;      // V × columns
+};
 
-Result<ClothWeights> clothWeights(const SurfaceMesh& piece, const MeshData& body, const ClosestSurface& bodySurface, size_t jointCount) {
-    const size_t count = piece.positions.size();
-    const auto neighbours = vertexNeighbours(count, piece.triangles);
-    const std::vector<SurfacePoint> below = bodyBelow(piece, bodySurface);
-    ClothWeights out;
-    std::vector<uint32_t> columnOf(jointCount, UINT32_MAX), jointOf;
-    for (const SurfacePoint& point : below) {
-        out.distanceM.push_back(point.distanceM);
-        for (int corner = 0; corner < 3; ++corner) {
-            const uint32_t from = body.triangles[point.triangle][corner];
-            for (int k = 0; k < 4; ++k)
-                if (body.jointWeights[from][k] != 0) columnOf[body.jointIndices[from][k]] = 0;
-        }
-    }
-    for (uint32_t j = 0; j < jointCount; ++j)
-        if (columnOf[j] == 0) columnOf[j] = uint32_t(jointOf.size()), jointOf.push_back(j);
-    const size_t columns = jointOf.size();
-    std::vector<float> sum(count * columns, 0.0f);
-    for (size_t v = 0; v < count; ++v)
+BodyRows bodyRows(std::span<const SurfacePoint> below, const MeshData& body, size_t jointCount) {
+    std::vector<uint32_t> columnOf(jointCount, UINT32_MAX);
+    const auto forEachWeight = [&](size_t v, auto visit) {
         for (int corner = 0; corner < 3; ++corner) {
             const uint32_t from = body.triangles[below[v].triangle][corner];
             for (int k = 0; k < 4; ++k)
                 if (body.jointWeights[from][k] != 0)
-                    sum[v * columns + columnOf[body.jointIndices[from][k]]] +=
-                        below[v].barycentric[corner] * float(body.jointWeights[from][k]) / 255;
+                    visit(body.jointIndices[from][k], below[v].barycentric[corner] * float(body.jointWeights[from][k]) / 255);
         }
-    const std::vector<double> ofBody(sum.begin(), sum.end());
-    DPL_TRY(const std::vector<double> spread, followBody(piece, below, ofBody, columns));
+    };
+    BodyRows rows;
+    for (size_t v = 0; v < below.size(); ++v) forEachWeight(v, [&](uint32_t joint, float) { columnOf[joint] = 0; });
+    for (uint32_t j = 0; j < jointCount; ++j)
+        if (columnOf[j] == 0) columnOf[j] = uint32_t(rows.jointOf.size()), rows.jointOf.push_back(j);
+    rows.value.assign(below.size() * rows.jointOf.size(), 0);
+    for (size_t v = 0; v < below.size(); ++v)
+        forEachWeight(v, [&](uint32_t joint, float weight) { rows.value[v * rows.jointOf.size() + columnOf[joint]] += double(weight); });
+    return rows;
+}
+
+Result<ClothWeights> spreadWeights(const SurfaceMesh& piece, const BodyRows& ofBody, std::span<const double> lengthsM) {
+    const size_t count = piece.positions.size(), columns = ofBody.jointOf.size();
+    DPL_TRY(const std::vector<double> spread, followBody(piece, lengthsM, ofBody.value, columns));
+    const auto neighbours = vertexNeighbours(count, piece.triangles);
     Rows rows{columns, std::vector<float>(spread.size())};
     for (size_t i = 0; i < spread.size(); ++i) rows.value[i] = float(std::max(0.0, spread[i]));
+    ClothWeights out;
     for (int round = 0; round < kCutRounds; ++round) {  // the cut to four joints makes some steps steeper again
         limitSteps(rows, neighbours);
-        cutRows(rows, jointOf, out);
+        cutRows(rows, ofBody.jointOf, out);
         out.largestStep = 0;
         for (uint32_t v = 0; v < count; ++v)
             for (uint32_t n : neighbours[v]) out.largestStep = std::max(out.largestStep, stepBetween(rows, v, n));
         if (out.largestStep <= kLargestStep) break;
     }
     return out;
+}
+
+/** 1 for each vertex that lies inside the body in one of the poses. rest: the garment's vertices. */
+std::vector<uint8_t> sinking(std::span<const Vec3f> rest, const ClothWeights& weights, const MeshData& body,
+                             std::span<const JointData> joints, std::span<const Pose> poses, Jobs& jobs) {
+    std::vector<uint8_t> sinks(rest.size(), 0);
+    std::vector<Mat3x4f> worldFromRest;
+    std::vector<Vec3f> posed;
+    for (const Pose& pose : poses) {
+        jointTransforms(joints, pose, worldFromRest);
+        skin(body, worldFromRest, jobs, posed);
+        const ClosestSurface surface(posed, body.triangles);
+        jobs.forRange(rest.size(), 256, [&](size_t begin, size_t end, uint32_t) {
+            for (size_t v = begin; v < end; ++v) {
+                const Mat3x4f blended = blendedTransform(weights.joints[v], weights.weights[v], worldFromRest.data());
+                if (surface.signedDistance(blended * Vec4f(rest[v], 1), kReachM) < 0) sinks[v] = 1;
+            }
+        });
+    }
+    return sinks;
+}
+
+}  // namespace
+
+Result<ClothWeights> clothWeights(const SurfaceMesh& piece, const MeshData& body, std::span<const JointData> joints,
+                                  std::span<const Mat3x4f> worldFromRest, Jobs& jobs) {
+    std::vector<Vec3f> posed;
+    skin(body, worldFromRest, jobs, posed);
+    const std::vector<SurfacePoint> below = bodyBelow(piece, ClosestSurface(posed, body.triangles));
+    const BodyRows rows = bodyRows(below, body, joints.size());
+    std::vector<double> lengths = followLengths(below);
+    DPL_TRY(ClothWeights weights, spreadWeights(piece, rows, lengths));
+    const std::vector<Pose> stress = stressPoses(joints);
+    for (int round = 0; round < kStressRounds && !stress.empty(); ++round) {
+        const std::vector<uint8_t> sinks = sinking(unposed(piece, weights, worldFromRest), weights, body, joints, stress, jobs);
+        bool changed = false;
+        for (size_t v = 0; v < lengths.size(); ++v) {
+            if (!sinks[v] || lengths[v] <= priors::kClothContactM) continue;
+            lengths[v] = std::max(priors::kClothContactM, kCloser * lengths[v]);
+            changed = true;
+        }
+        if (!changed) break;
+        DPL_TRY(weights, spreadWeights(piece, rows, lengths));
+    }
+    for (const SurfacePoint& point : below) weights.distanceM.push_back(point.distanceM);
+    return weights;
 }
 
 std::vector<Vec3f> unposed(const SurfaceMesh& posed, const ClothWeights& weights, std::span<const Mat3x4f> worldFromRest) {

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "reconstruction/shape/closest_surface.h"
 #include "reconstruction/shape/implicit_mesh.h"
+#include "sdk/core/jobs.h"
 #include "sdk/core/result.h"
 #include "sdk/format/avatar_data.h"
 
@@ -22,9 +22,10 @@ struct ClothWeights {
     float largestStep = 0;             // of a joint's weight along an edge
 };
 
-/** `piece` and `bodySurface` are in the same pose. bodySurface: the triangles of `body`. jointCount: of the rig. Errors: Internal when the
- *  sparse solve fails. */
-Result<ClothWeights> clothWeights(const SurfaceMesh& piece, const MeshData& body, const ClosestSurface& bodySurface, size_t jointCount);
+/** worldFromRest: of every joint, in the pose that `piece` is in. `body` is at rest. Where cloth sinks into the body in a stress pose
+ *  (stress_poses.h), it follows the body more closely. Errors: Internal when the sparse solve fails. */
+Result<ClothWeights> clothWeights(const SurfaceMesh& piece, const MeshData& body, std::span<const JointData> joints,
+                                  std::span<const Mat3x4f> worldFromRest, Jobs& jobs);
 
 /** Rest positions of posed vertices: the inverse of linear blend skinning. Where opposing joints cancel (|det| ≤ 0.05) a vertex moves with
  *  its neighbours. worldFromRest: of every joint. */

@@ -178,7 +178,7 @@ Result<GarmentFit> makeClothedMesh(const GarmentInput& input, const std::functio
     size_t vertices = 0, inside = 0;
     const ClosestSurface restBody(fit.clothed.mesh.restPositions, input.body.triangles);
     for (const GarmentPiece& piece : taken.pieces) {
-        DPL_TRY(const ClothWeights weights, clothWeights(piece.mesh, input.body, fitted, input.joints.size()));
+        DPL_TRY(const ClothWeights weights, clothWeights(piece.mesh, input.body, input.joints, body.worldFromRest, jobs));
         const std::vector<Vec3f> rest = unposed(piece.mesh, weights, body.worldFromRest);
         for (const Vec3f& p : rest) inside += restBody.signedDistance(p, 0.1f) < 0;
         vertices += rest.size();

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "reconstruction/distill/penetration.h"
+#include "reconstruction/garments/cloth_faults.h"
 #include "reconstruction/report/flicker.h"
 #include "sdk/avatar/posed_mesh.h"
 

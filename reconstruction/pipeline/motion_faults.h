@@ -13,7 +13,7 @@ namespace dpl {
 
 struct MotionFaults {
     double flickerLevels = 0;  // mean over slow sweeps (report/flicker.h); 0 with fewer than two moving frames
-    double penetration = 0;    // share of garment vertices inside the body (distill/penetration.h), mean over the moving frames' poses
+    double penetration = 0;    // share of garment vertices inside the body (garments/cloth_faults.h), mean over the moving frames' poses
 };
 
 /** Part of the way from `from` to `to`: as far as turns no joint by more than 0.02 rad and moves the root by no more than 1 cm. */

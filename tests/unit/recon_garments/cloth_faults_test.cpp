@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/distill/penetration.h"
+#include "reconstruction/garments/cloth_faults.h"
+
+#include <cmath>
 
 #include <gtest/gtest.h>
+
+#include "tests/unit/must.h"
 
 namespace dpl::test {
 namespace {
@@ -63,6 +67,64 @@ TEST(Penetration, nothingLiesInsideWithoutGarmentsOrPoses) {
     EXPECT_EQ(shareInside(avatar, {}), 0);
     avatar.mesh.layers.resize(1);
     EXPECT_EQ(shareInside(avatar, {Pose::rest(2)}), 0);
+}
+
+ClothFaults faultsOf(const AvatarData& avatar, const Pose& pose) {
+    Jobs jobs(2);
+    return must(clothFaults(avatar, std::span(&pose, 1), {}, jobs));
+}
+
+/** The coat made 26 cm wide, so that it covers the body within reach. */
+AvatarData closelyDressed() {
+    AvatarData avatar = dressed();
+    for (uint32_t v = 8; v < 16; ++v) avatar.mesh.restPositions[v] *= 13.0f / 15;
+    return avatar;
+}
+
+TEST(ClothFaults, aWholeCoatShowsNone) {
+    const ClothFaults faults = faultsOf(closelyDressed(), Pose::rest(2));
+    EXPECT_EQ(faults.penetration, 0);
+    EXPECT_EQ(faults.stretchedEdges, 0);
+    EXPECT_NEAR(faults.longestStretch, 1, 1e-5);
+    EXPECT_EQ(faults.skinPixels, 0);
+}
+
+TEST(ClothFaults, bodyCornersThatComeOutOfATurnedCoatAreSkinPixels) {
+    // By 45°: of the 36.8 cm that each side shows of the coat, the body comes out over 2 × 1.6 cm, and it is 20 of 26 cm high. A pixel is
+    // 5 mm wide, so the strips count as three or four pixels.
+    Pose turned = Pose::rest(2);
+    turned.localRotations[1] = glm::angleAxis(0.785398163f, Vec3f(0, 1, 0));
+    const ClothFaults faults = faultsOf(closelyDressed(), turned);
+    EXPECT_NEAR(faults.skinPixels, 2 * 1.6 / 36.8 * 20 / 26, 0.02);
+    EXPECT_EQ(faults.stretchedEdges, 0);
+}
+
+TEST(ClothFaults, aTornCoatHasStretchedEdges) {
+    AvatarData avatar = closelyDressed();
+    for (const uint32_t v : {10u, 11u, 14u, 15u}) avatar.mesh.jointIndices[v] = {0, 0, 0, 0};  // its upper half stays
+    avatar.joints[1].restPosition = {0, -0.65f, 0};
+    Pose torn = Pose::rest(2);
+    torn.localRotations[1] = glm::angleAxis(3.14159265f, Vec3f(1, 0, 0));
+    const ClothFaults faults = faultsOf(avatar, torn);
+    EXPECT_DOUBLE_EQ(faults.stretchedEdges, 16.0 / 36) << "two of three edges of each side's triangles";
+    EXPECT_NEAR(faults.longestStretch, std::hypot(1.3, 0.26) / 0.26, 1e-3);
+}
+
+TEST(ClothFaults, theWorstPoseIsNamedAndACancelledRunSaysSo) {
+    AvatarData avatar = closelyDressed();
+    Pose out = Pose::rest(2), in = Pose::rest(2);
+    avatar.joints[1].restPosition = {0, 0, 0.13f};  // the middle of the coat's front, whose corners turn into the body
+    for (uint32_t v = 8; v < 16; ++v) avatar.mesh.restPositions[v].x *= 0.5f, avatar.mesh.restPositions[v].y *= 0.5f;
+    in.localRotations[1] = glm::angleAxis(0.9f, Vec3f(0, 1, 0));
+    const std::vector<Pose> poses{out, in, out};
+    Jobs jobs(2);
+    const ClothFaults faults = must(clothFaults(avatar, poses, {}, jobs));
+    EXPECT_GT(faults.penetration, 0);
+    EXPECT_EQ(faults.worstPose, 1u);
+    const auto cancelled = clothFaults(
+        avatar, poses, [](double) { return false; }, jobs);
+    ASSERT_FALSE(cancelled);
+    EXPECT_EQ(cancelled.error().code, Code::Cancelled);
 }
 
 }  // namespace

@@ -15,15 +15,9 @@
 #include "sdk/core/files.h"
 #include "sdk/format/avatar_file.h"
 #include "tests/reference/random_avatar.h"
+#include "tests/unit/must.h"
 
 namespace dpl::test {
-
-/** The value of a result that a test needs. An error ends the test with its message. */
-template <class T>
-T must(Result<T> result) {
-    if (!result) throw std::runtime_error(result.error().message);
-    return std::move(*result);
-}
 
 /** Correctives with one mode, the bend of joint 1 about X, and two nodes: the bottom and the top of the ball. */
 inline PoseCorrectiveData ballCorrectives(const MeshData& mesh, const Vec4f& bottom, const Vec4f& top) {
