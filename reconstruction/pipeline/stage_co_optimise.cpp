@@ -2,6 +2,7 @@
 #include <chrono>
 
 #include "reconstruction/distill/corrective_model.h"
+#include "reconstruction/garments/stress_poses.h"
 #include "reconstruction/pipeline/stage_keys.h"
 #include "reconstruction/pipeline/stages.h"
 #include "reconstruction/pipeline/trained_file.h"
@@ -23,6 +24,7 @@ Result<CoOptimiseInput> trainingInput(const FittedBody& body, const DressedBody&
         if (frame.kind == FrameKind::Dynamic) moving.push_back(frame.pose);
     DPL_TRY(input.correctives, correctiveModel(input.joints, input.mesh, moving));
     input.frames = std::move(frames);
+    input.stress = stressPoses(input.joints);
     return input;
 }
 
@@ -100,7 +102,7 @@ Result<Training> runCoOptimise(const StageRun& run, const IngestedScan& ingested
                                    {"garments", dressed.key},
                                    {"register", registered.key},
                                    {"settings", trainingInputs(settings)}};
-    DPL_TRY(const StageOutput stage, run.chain.run("co-optimise", 9, inputs, [&](StageContext& context) -> Status {
+    DPL_TRY(const StageOutput stage, run.chain.run("co-optimise", 11, inputs, [&](StageContext& context) -> Status {
         context.progress.update(0, "reading pictures");
         DPL_TRY(FrameSet set, framesOf(ingested, Split::Train, body.cameras, registered.poses, pictures));
         setPrecisions(set, registered.precisions);

@@ -68,6 +68,7 @@ Status CoOptimiser::State::prepare() {
         referenceSizeM.push_back(std::max(0.008f, 0.5f * (base + glm::length(glm::cross(e1, e2)) / base)));
     }
     DPL_CHECK_OK(checkCorrectives(input.correctives, input.joints.size(), vertexCount));
+    for (const Pose& pose : input.stress) DPL_CHECK_OK(checkPose(input.joints, pose));
     learned.layer.correctives = input.correctives;
     incidence = VertexIncidence(m.triangles, vertexCount);
     meshRegulariser.emplace(m.restPositions, m.triangles);
@@ -196,16 +197,12 @@ Status CoOptimiser::State::stepOnce() {
     const auto update = std::chrono::steady_clock::now();
     if (settings.learnSplats) updateSplats(frame);
     if (settings.learnPoses || settings.learnCameras) updatePose(frame, loss.total);
-    const bool collides = geometry && settings.regularise.collision > 0 && step % settings.geometryEvery == 0 && !collision->empty();
-    if (collides)
-        collision->pull(mesh, pass.posed().positions(), pass.posed().rest(), pass.posed().worldFromRest(), pass.restGradient(),
-                        settings.regularise.collision * float(settings.geometryEvery), jobs, collisionGradient);
-    else
-        collisionGradient.clear();
+    if (geometry) pullGarments();
     if (settings.learnGeometry) {
         const auto& g = pass.restGradient();
         for (size_t v = 0; v < g.size(); ++v) layer.restGradientSum[v] += g[v];
         for (size_t v = 0; v < collisionGradient.size(); ++v) layer.restGradientSum[v] += collisionGradient[v];
+        for (size_t v = 0; v < stressGradient.size(); ++v) layer.restGradientSum[v] += stressGradient[v];
         if (++layer.restGradientCount >= settings.geometryEvery) updateOffsets();
     }
     if (learnsCorrectives()) updateCorrectives();
@@ -308,6 +305,21 @@ void CoOptimiser::State::updateOffsets() {
     }
     std::fill(layer.restGradientSum.begin(), layer.restGradientSum.end(), Vec3f(0));
     layer.restGradientCount = 0;
+}
+
+void CoOptimiser::State::pullGarments() {
+    collisionGradient.clear(), stressGradient.clear();
+    if (!(settings.regularise.collision > 0) || learned.step % settings.geometryEvery != 0 || collision->empty()) return;
+    const auto pull = [&](const PosedMesh& posed, float steps, std::vector<Vec3f>& gradient) {
+        collision->pull(mesh, posed.positions(), posed.rest(), posed.worldFromRest(), pass.restGradient(),
+                        settings.regularise.collision * steps, jobs, gradient);
+    };
+    const auto every = float(settings.geometryEvery);
+    pull(pass.posed(), every, collisionGradient);
+    const uint32_t turn = learned.step / settings.geometryEvery;
+    if (input.stress.empty() || !settings.learnGeometry || turn % 2 == 0) return;
+    stressed.pose({input.joints, mesh, learned.layer.correctives, bind}, input.stress[turn / 2 % input.stress.size()], jobs);
+    pull(stressed, 2 * every, stressGradient);
 }
 
 void CoOptimiser::State::applyOffsets() {

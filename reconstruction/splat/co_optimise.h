@@ -28,6 +28,7 @@ struct CoOptimiseInput {
     PoseCorrectiveData correctives;      // start values (nodes usually zero); empty: none are learned
     std::vector<uint8_t> triangleLabel;  // F label values of the scan, or empty: all body
     std::vector<TrainFrame> frames;      // training frames only
+    std::vector<Pose> stress;            // poses that garments are also pulled out of the body in; may be empty
 };
 
 struct CoOptimiseSettings {

@@ -34,12 +34,16 @@ struct CoOptimiser::State {
     std::vector<uint32_t> order;
     uint64_t orderEpoch = ~0ull;
     std::vector<Vec3f> collisionGradient;  // of this step, on rest positions; empty in steps without
+    std::vector<Vec3f> stressGradient;     // the same in a stress pose, for offsets only: what pictures say of correctives is far from it
+    PosedMesh stressed;                    // the subject in one of input.stress
     FramePass pass;
     StepProfile profile;
 
     Status prepare();
     void start(TrainableSplats splats);
     Status stepOnce();
+    /** Fills collisionGradient every geometryEvery steps, and stressGradient every second time. */
+    void pullGarments();
     void applyOffsets();
     /** The body's vertices come first. Its offsets keep mean zero, because poses tell where it is. */
     uint32_t bodyVertices() const {

@@ -330,9 +330,25 @@ def procedural(seed, name, body=None):
     return take
 
 
-def real(name, folder, bars, options=lambda place: []):
+WALKS = ("02_01", "05_01", "07_01", "scaled_131_01")
+WALK_BARS = {"garment_vertices_inside_body": at_most(0.01), "edges_stretched_over_2": at_most(0), "skin_in_garment_pixels": at_most(0.005)}
+
+
+def walk_rows(place, name):
+    """How the clothes of a finished avatar fare in recorded walks."""
+    rows = []
+    for walk in WALKS:
+        clip = data(place, "mocap-cmu") / f"{walk}.bvh"
+        printed = place.run(f"{name}-{walk}", [place.program("doppel"), "inspect", place.work / name / "avatar.glb", "--clip", clip, "--json"])
+        found = json.loads(printed)
+        rows.append({"row": "walk", **found, "clip": walk, "bars": WALK_BARS})
+    return rows
+
+
+def real(name, folder, bars, options=lambda place: [], walks=False):
     def take(place):
-        return quality_rows(reconstruct(place, name, data(place, folder), options(place)), bars)
+        rows = quality_rows(reconstruct(place, name, data(place, folder), options(place)), bars)
+        return rows + walk_rows(place, name) if walks else rows
     return take
 
 
@@ -382,12 +398,12 @@ BENCHES = [
     Bench("floor", "quick", 1, "the CPU renderer against the research floor program",
           "tools/bench/floor_compare.sh build/release/tools/bench/bench_splat", ("bench_splat",), take_floor),
     Bench("quality-scan-a", "long", 8, "scan-a, preset standard", "doppel reconstruct ../shared/data/scan-a -o OUT", DOPPEL,
-          real("quality-scan-a", "scan-a", SCAN_A_BARS)),
+          real("quality-scan-a", "scan-a", SCAN_A_BARS, walks=True)),
     Bench("quality-scan-a-makehuman", "long", 8, "scan-a with the MakeHuman body",
           "doppel reconstruct ../shared/data/scan-a -o OUT --body makehuman.glb", DOPPEL,
           real("quality-scan-a-makehuman", "scan-a", SCAN_A_BARS, lambda place: ["--body", makehuman(place)])),
     Bench("quality-scan-c", "long", 8, "scan-c, preset standard", "doppel reconstruct ../shared/data/scan-c -o OUT", DOPPEL,
-          real("quality-scan-c", "scan-c", SCAN_C_BARS)),
+          real("quality-scan-c", "scan-c", SCAN_C_BARS, walks=True)),
     Bench("cores", "long", 7, "reconstruction with one thread and with two",
           "doppel sample -o scan --seed 1 && doppel reconstruct scan -o OUT --preset draft --threads 1", DOPPEL, take_cores),
     Bench("quality-biker", "long", 8, "a real man holding a helmet, one pose, keypoints by the networks",

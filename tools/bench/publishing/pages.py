@@ -102,6 +102,15 @@ def evidence_rows(store, names):
             for name, label in names for row in store.rows(name) if row["row"] == "evidence"]
 
 
+WALK = ["scan, walk", "garment vertices inside the body, %", "edges stretched over 2 ×, %", "longest stretch", "skin that shows through, % of the garments' pixels"]
+
+
+def walk_rows(store, names):
+    return [[f"{label}, {row['clip']}", barred(row, "garment_vertices_inside_body", 2, scale=100), barred(row, "edges_stretched_over_2", 3, scale=100),
+             number(row["longest_stretch"], 1), barred(row, "skin_in_garment_pixels", 2, scale=100)]
+            for name, label in names for row in store.rows(name) if row["row"] == "walk"]
+
+
 def taken_all(store, names):
     return "".join(f"- {label}: {taken(store.get(name), '  ')}" for name, label in names if store.get(name))
 
@@ -120,6 +129,10 @@ def quality(store):
     text += ("Distance of fitted joints to the true ones, on held-out dynamic frames. Trust the figure *after the body fit*: *after "
              "training and pose fit*, each pose was fitted to the held-out picture itself.\n\n")
     text += table(REGISTRATION, registration_rows(store, DEVELOPMENT)) + "\n"
+    walks = walk_rows(store, DEVELOPMENT)
+    if walks:
+        text += ("Clothes in recorded walks of other people ([definition](../reference/metrics.md)), poses that the avatar was not trained in.\n\n" +
+                 table(WALK, walks) + "\n")
     text += "## What nobody looked at\n\nProcedural subjects that no code was tuned on, preset draft.\n\n"
     rows = held_out_rows(store, UNSEEN)
     if rows:
