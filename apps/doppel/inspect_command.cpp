@@ -1,71 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
-#include <nlohmann/json.hpp>
 
 #include "apps/doppel/commands.h"
-#include "reconstruction/garments/cloth_faults.h"
-#include "reconstruction/package/avatar_bytes.h"
 #include "reconstruction/package/inspect.h"
-#include "reconstruction/pipeline/progress.h"
-#include "sdk/avatar/clip.h"
-#include "sdk/avatar/retarget.h"
-#include "sdk/core/files.h"
-#include "sdk/format/avatar_file.h"
+#include "reconstruction/pipeline/clothes_in_motion.h"
 
 namespace dpl {
-namespace {
-
-constexpr double kPosesPerSecond = 10;
-constexpr size_t kMostPoses = 200;
-
-/** What goes wrong with the clothes of an avatar that a motion file drives, as text or JSON. */
-Result<std::string> clothesInClip(const std::filesystem::path& path, const std::filesystem::path& clipPath, bool json) {
-    DPL_TRY(const auto bytes, readAvatarBytes(path));
-    const auto inFile = [](const std::filesystem::path& file, const Error& e) { return fail(e.code, "{}: {}", file.string(), e.message); };
-    const auto avatar = readAvatar(bytes);
-    if (!avatar) return inFile(path, avatar.error());
-    DPL_TRY(const auto clipBytes, readFile(clipPath, uint64_t(512) << 20));
-    const auto motion = readMotion(clipBytes, clipPath.stem().string());
-    if (!motion) return inFile(clipPath, motion.error());
-    const auto clip = retarget(*motion, avatar->joints);
-    if (!clip) return inFile(clipPath, clip.error());
-    const double duration = clipDurationS(*clip);
-    const size_t count = std::clamp(size_t(duration * kPosesPerSecond) + 1, size_t(1), kMostPoses);
-    const auto timeOf = [&](size_t i) { return count > 1 ? duration * double(i) / double(count - 1) : 0; };
-    std::vector<Pose> poses;
-    for (size_t i = 0; i < count; ++i) poses.push_back(samplePose(*clip, avatar->joints, timeOf(i)));
-    Jobs jobs(0);
-    Progress progress(json ? Progress::Style::Quiet : Progress::Style::Auto);
-    progress.beginStage("clothes in motion");
-    DPL_TRY(const ClothFaults faults, clothFaults(
-                                          *avatar, poses,
-                                          [&](double share) {
-                                              progress.update(share, formatText("{} poses", count));
-                                              return !progress.cancelled();
-                                          },
-                                          jobs));
-    progress.endStage(formatText("{} poses", count));
-    if (json)
-        return nlohmann::ordered_json{{"clip", clipPath.string()},
-                                      {"poses", count},
-                                      {"garment_vertices_inside_body", faults.penetration},
-                                      {"worst_pose_s", timeOf(faults.worstPose)},
-                                      {"edges_stretched_over_2", faults.stretchedEdges},
-                                      {"longest_stretch", faults.longestStretch},
-                                      {"skin_in_garment_pixels", faults.skinPixels}}
-            .dump(1);
-    char text[400];
-    std::snprintf(text, sizeof text,
-                  "clothes in %s, %zu poses\n"
-                  "  garment vertices inside the body  %6.2f %%  (most at %.1f s)\n"
-                  "  edges stretched over 2 x          %6.3f %%  (longest %.1f x)\n"
-                  "  skin that shows through           %6.2f %% of the garments' pixels",
-                  clipPath.filename().c_str(), count, 100 * faults.penetration, timeOf(faults.worstPose), 100 * faults.stretchedEdges,
-                  faults.longestStretch, 100 * faults.skinPixels);
-    return std::string(text);
-}
-
-}  // namespace
 
 void addInspectCommand(CLI::App& app, CommandRun& run) {
     auto path = std::make_shared<std::filesystem::path>(), clip = std::make_shared<std::filesystem::path>();
@@ -84,7 +24,8 @@ void addInspectCommand(CLI::App& app, CommandRun& run) {
     command->callback([path, clip, json, &run] {
         run = [path, clip, json] {
             if (!clip->empty()) {
-                const auto found = clothesInClip(*path, *clip, *json);
+                Progress progress(*json ? Progress::Style::Quiet : Progress::Style::Auto);
+                const auto found = clothesInMotion(*path, *clip, *json, progress);
                 if (!found) return reportError(found.error());
                 std::printf("%s\n", found->c_str());
                 return int(kExitOk);

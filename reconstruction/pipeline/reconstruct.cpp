@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/pipeline/reconstruct.h"
 
+#include "reconstruction/pipeline/folder_lock.h"
 #include "reconstruction/pipeline/stages.h"
 #include "sdk/core/files.h"
 
@@ -41,6 +42,7 @@ Result<ReconstructResult> reconstruct(const ReconstructOptions& options, Progres
     std::error_code error;
     std::filesystem::create_directories(options.out, error);
     if (error) return fail(Code::Io, "cannot create {}: {}; choose another output with -o", options.out.string(), error.message());
+    DPL_TRY([[maybe_unused]] const FolderLock lock, FolderLock::take(options.out));
     Jobs jobs(options.threadCount);
     StageChain chain(options.out, progress);
     const StageRun run{chain, jobs, progress};

@@ -44,6 +44,36 @@ std::string stringField(const json& object, const char* name) {
     return object.is_object() && object.contains(name) && object[name].is_string() ? object[name].get<std::string>() : std::string();
 }
 
+/** Hash and size of every file of a stage's folder but its manifest, by relative path. */
+Result<json> listFiles(const fs::path& folder) {
+    json files = json::object();
+    std::error_code error;
+    fs::recursive_directory_iterator at(folder, error);
+    for (; !error && at != fs::recursive_directory_iterator(); at.increment(error)) {
+        const std::string name = at->path().lexically_relative(folder).generic_string();
+        if (!at->is_regular_file() || name == "manifest.json") continue;
+        DPL_TRY(const std::string hash, hashFile(at->path()));
+        files[name] = {{"bytes", at->file_size()}, {"hash", hash}};
+    }
+    if (error) return fail(Code::Io, "cannot list {}: {}", folder.string(), error.message());
+    return files;
+}
+
+/** What is wrong with the files of a finished stage, as part of a sentence; empty when all are as its manifest says. */
+std::string damageIn(const fs::path& folder, const json& manifest) {
+    if (!manifest.contains("files") || !manifest["files"].is_object())
+        return "its manifest, of an earlier version, does not list its files";
+    for (const auto& [name, about] : manifest["files"].items()) {
+        const fs::path file = folder / name;
+        std::error_code error;
+        if (!fs::is_regular_file(file, error)) return formatText("{} is missing", file.string());
+        const auto hash = hashFile(file);
+        if (!hash) return hash.error().message;
+        if (*hash != stringField(about, "hash")) return formatText("{} is not as the stage wrote it", file.string());
+    }
+    return {};
+}
+
 Status makeFolder(const fs::path& folder) {
     std::error_code error;
     fs::create_directories(folder, error);
@@ -84,7 +114,11 @@ Result<StageOutput> StageChain::run(const std::string& name, uint32_t version, c
         fs::remove_all(folder, ignored);
         fs::rename(workFolder, folder, ignored);
     }
-    if (const json manifest = readManifest(folder); stringField(manifest, "key") == key) {
+    const json manifest = readManifest(folder);
+    const bool made = stringField(manifest, "key") == key;
+    const std::string damage = made ? damageIn(folder, manifest) : "";
+    if (!damage.empty()) progress_.note(formatText("{} runs again: {}", name, damage));
+    if (made && damage.empty()) {
         records_.push_back({name, manifest.value("seconds", 0.0), manifest.value("peakBytes", uint64_t(0)), true});
         progress_.endStage("up to date");
         return StageOutput{folder, key};
@@ -100,9 +134,10 @@ Result<StageOutput> StageChain::run(const std::string& name, uint32_t version, c
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const uint64_t peakBytes = peakMemoryBytes();
 
-    const json manifest = {{"stage", name},      {"version", version},    {"key", key}, {"finished", true}, {"inputs", inputs},
-                           {"seconds", seconds}, {"peakBytes", peakBytes}};
-    DPL_CHECK_OK(writeFileAtomically(workFolder / "manifest.json", manifest.dump(1)));
+    DPL_TRY(const json files, listFiles(workFolder));
+    const json finished = {{"stage", name},      {"version", version},     {"key", key},    {"finished", true}, {"inputs", inputs},
+                           {"seconds", seconds}, {"peakBytes", peakBytes}, {"files", files}};
+    DPL_CHECK_OK(writeFileAtomically(workFolder / "manifest.json", finished.dump(1)));
     fs::remove_all(folder, ignored);
     std::error_code error;
     fs::rename(workFolder, folder, error);

@@ -2,7 +2,7 @@
 // Runs stages, each once. A stage's folder appears complete, with a manifest of its inputs, or not at all.
 //
 //   OUT/stages/body-fit/            appears by a rename when the stage has ended
-//       manifest.json               key (hash of name, version and inputs), inputs, seconds, peak memory
+//       manifest.json               key (hash of name, version and inputs), inputs, seconds, peak memory, hash of each file
 //       ...                         files of the stage
 //   OUT/stages/body-fit.work/       the folder during the run; it and its checkpoints survive a kill, but not a change of the key
 #pragma once
@@ -47,8 +47,9 @@ class StageChain {
 public:
     StageChain(std::filesystem::path outFolder, Progress& progress);
 
-    /** Runs `work` unless a finished folder with the same key exists. `inputs` holds every value that the result depends on: settings,
-     *  hashes of input files, keys of earlier stages. `version` must change when the code makes other files from the same inputs. */
+    /** Runs `work` unless a finished folder with the same key exists and each of its files is as it was written; a note says which is not.
+     * `inputs` holds every value that the result depends on: settings, hashes of input files, keys of earlier stages. `version` must change
+     * when the code makes other files from the same inputs. */
     Result<StageOutput> run(const std::string& name, uint32_t version, const nlohmann::json& inputs,
                             const std::function<Status(StageContext&)>& work);
 

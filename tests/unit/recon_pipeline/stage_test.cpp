@@ -55,6 +55,38 @@ TEST_F(Stages, anOlderLayoutIsNamedAndKept) {
     EXPECT_TRUE(StageChain(folder_ / "nowhere", progress_).numberedFolders().empty());
 }
 
+TEST_F(Stages, aDamagedOrMissingFileIsMadeAgain) {
+    int runs = 0;
+    const auto work = [&](StageContext& context) -> Status {
+        std::filesystem::create_directories(context.folder / "deep");
+        DPL_CHECK_OK(writeFileAtomically(context.folder / "deep/result", "whole"));
+        return ++runs, Status{};
+    };
+    const auto again = [&] {
+        const auto done = runOnce({{"a", 1}}, work);
+        EXPECT_TRUE(done) << done.error().message;
+        const auto bytes = readFile(folder_ / "stages/probe/deep/result");
+        EXPECT_TRUE(bytes && std::string(bytes->begin(), bytes->end()) == "whole");
+        return runs;
+    };
+    EXPECT_EQ(again(), 1);
+    EXPECT_EQ(again(), 1);
+    ASSERT_TRUE(writeFileAtomically(folder_ / "stages/probe/deep/result", "whulf"));  // the same size
+    EXPECT_EQ(again(), 2) << "a damaged file";
+    std::filesystem::remove(folder_ / "stages/probe/deep/result");
+    EXPECT_EQ(again(), 3) << "a missing file";
+    std::filesystem::remove(folder_ / "stages/probe/deep/result");
+    std::filesystem::create_directories(folder_ / "stages/probe/deep/result");
+    EXPECT_EQ(again(), 4) << "a folder in its place";
+    const auto manifest = readFile(folder_ / "stages/probe/manifest.json");
+    ASSERT_TRUE(manifest);
+    json without = json::parse(*manifest);
+    without.erase("files");
+    ASSERT_TRUE(writeFileAtomically(folder_ / "stages/probe/manifest.json", without.dump()));
+    EXPECT_EQ(again(), 5) << "a manifest without hashes";
+    EXPECT_EQ(again(), 5);
+}
+
 TEST_F(Stages, aFailedStageLeavesNoFinishedFolderButKeepsItsCheckpoint) {
     auto failing = [&](StageContext& context) -> Status {
         DPL_CHECK_OK(writeFileAtomically(context.folder / "checkpoint", "half"));
