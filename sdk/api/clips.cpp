@@ -55,7 +55,7 @@ DplResult dplLoadClip(DplAvatar avatar, const uint8_t* data, size_t size, const 
         DplClipOptions wanted{};
         if (options != nullptr) {
             DPL_TRY(wanted, readStruct<DplClipOptions>(options, "options"));
-            constexpr uint32_t kKnown = DPL_CLIP_KEEP_LEAD_IN | DPL_CLIP_KEEP_PLACE | DPL_CLIP_IN_PLACE;
+            constexpr uint32_t kKnown = DPL_CLIP_KEEP_LEAD_IN | DPL_CLIP_KEEP_PLACE | DPL_CLIP_IN_PLACE | DPL_CLIP_AS_RECORDED;
             if (wanted.flags & ~kKnown) return fail(Code::InvalidArgument, "options has unknown flags {}", wanted.flags & ~kKnown);
         }
         DPL_TRY(const auto found, avatarOf(avatar));
@@ -64,6 +64,7 @@ DplResult dplLoadClip(DplAvatar avatar, const uint8_t* data, size_t size, const 
         how.keepLeadIn = (wanted.flags & DPL_CLIP_KEEP_LEAD_IN) != 0;
         how.keepPlace = (wanted.flags & DPL_CLIP_KEEP_PLACE) != 0;
         how.inPlace = (wanted.flags & DPL_CLIP_IN_PLACE) != 0;
+        how.levelHead = how.plantFeet = (wanted.flags & DPL_CLIP_AS_RECORDED) == 0;
         DPL_TRY(const Motion motion, readMotion({data, size}, wanted.name ? wanted.name : "the clip", wanted.animation));
         DPL_TRY(ClipData made, retarget(motion, found->data->joints, how));  // outside the lock: the rig never changes
         DPL_CHECK_OK(checkClip(made, found->data->joints));

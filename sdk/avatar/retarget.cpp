@@ -8,25 +8,14 @@
 #include <optional>
 
 #include "sdk/avatar/humanoid.h"
+#include "sdk/avatar/limb.h"
+#include "sdk/avatar/plant_feet.h"
 #include "sdk/avatar/rig.h"
 
 namespace dpl {
 namespace {
 
 const Quatf kIdentity(1, 0, 0, 0);
-
-/** The shortest rotation from direction `from` to `to`; lengths do not matter. */
-Quatf turn(const Vec3f& from, const Vec3f& to) {
-    const float lengths = glm::length(from) * glm::length(to);
-    if (!(lengths > 1e-12f)) return kIdentity;
-    const float cosine = glm::dot(from, to) / lengths;
-    if (cosine < -0.999999f) {  // opposite directions: any perpendicular axis will do
-        const Vec3f axis = glm::cross(from, std::abs(from.x) < 0.9f * glm::length(from) ? Vec3f(1, 0, 0) : Vec3f(0, 1, 0));
-        return glm::angleAxis(glm::pi<float>(), glm::normalize(axis));
-    }
-    const Vec3f c = glm::cross(from, to) / lengths;
-    return glm::normalize(Quatf(1 + cosine, c.x, c.y, c.z));
-}
 
 float angleBetween(const Quatf& a, const Quatf& b) {
     return 2 * std::acos(std::min(1.0f, std::abs(glm::dot(a, b))));
@@ -172,6 +161,7 @@ public:
     Result<ClipData> run(const RetargetOptions& options) {
         DPL_CHECK_OK(checkCommon());
         mapBones();
+        if (options.levelHead) levelHead();
         const size_t first = options.keepLeadIn ? 0 : firstKey();
         ClipData clip;
         clip.name = motion_.name;
@@ -181,6 +171,7 @@ public:
         std::vector<float> clearance;
         for (size_t k = first; k < motion_.keyCount(); ++k) addKey(k, clip, clearance);
         place(options, clearance, clip);
+        if (options.plantFeet) plantFeet(target_, clip);
         for (const ClipChannel& channel : clip.channels)
             for (const Quatf& q : channel.rotations)
                 if (!std::isfinite(q.w + q.x + q.y + q.z))
@@ -267,7 +258,7 @@ private:
         const Vec3f from = sourceRest(*sourceNext) - sourceRest(d->source);
         if (!(glm::length(to) > 1e-5f) || !(glm::length(from) > 1e-5f)) return;
         d->restDirection = glm::normalize(to);
-        d->align = glm::normalize(turn(d->align * d->restDirection, from) * d->align);
+        d->align = glm::normalize(shortestTurn(d->align * d->restDirection, from) * d->align);
         d->sourceNext = sourceNext;
     }
 
@@ -299,6 +290,38 @@ private:
             if (limb.bone != "Hand" && limb.parent != "" && limb.bone.find("Arm") == std::string_view::npos &&
                 limb.bone.find("Leg") == std::string_view::npos)
                 alignLimb(side, limb);
+    }
+
+    /** Turns the head so that it is level at the median of the frames in which the person walks or runs. Marker sets tell the head's
+     * rotation up to a constant of the session: subjects of CMU walk with heads that point 28° up to 28° down. */
+    void levelHead() {
+        constexpr float kWalkMPerS = 0.5f, kLeastS = 0.5f, kLongestStepS = 0.25f, kUprightCosine = 0.85f, kLargestRad = glm::radians(45.0f);
+        const size_t hips = *find(source_.bones(), "hips");
+        Driven* head = drivenBone("head");
+        const auto chest = topOfSpine(source_.bones());
+        if (!head || !chest) return;
+        std::vector<Quatf> rotations;
+        std::vector<Vec3f> positions;
+        std::vector<float> pitch;
+        Vec3f before(0);
+        float walkedS = 0, beforeS = 0;
+        for (size_t k = 0; k < motion_.keyCount(); ++k) {
+            if (k > 0 && k + 1 < motion_.keyCount() && motion_.timesS[k] - beforeS < 0.03f) continue;
+            source_.at(k, rotations, positions);
+            const float stepS = motion_.timesS[k] - beforeS;
+            const Vec3f moved = positions[hips] - before;
+            if (k > 0 && stepS < kLongestStepS && std::hypot(moved.x, moved.z) * travelScale() > kWalkMPerS * stepS &&
+                (rotations[*chest] * Vec3f(0, 1, 0)).y > kUprightCosine) {
+                const Vec3f forward = rotations[head->source] * Vec3f(0, 0, 1);
+                pitch.push_back(std::asin(std::clamp(forward.y, -1.0f, 1.0f)));
+                walkedS += stepS;
+            }
+            before = positions[hips], beforeS = motion_.timesS[k];
+        }
+        if (walkedS < kLeastS) return;
+        const auto middle = pitch.begin() + std::ptrdiff_t(pitch.size() / 2);
+        std::nth_element(pitch.begin(), middle, pitch.end());
+        if (std::abs(*middle) < kLargestRad) head->align = glm::angleAxis(*middle, Vec3f(1, 0, 0));
     }
 
     /** First key to keep. Many BVH files blend from a rest pose into the motion within a few frames, faster than a body can move. (CMU/Daz
@@ -339,8 +362,8 @@ private:
             const Driven& d = driven_[next];
             Quatf turned = glm::normalize(sourceRotations_[d.source] * d.align);
             if (d.sourceNext)  // joints between this bone and the next (twist bones, half bones) may bend too: match the posed direction
-                turned =
-                    glm::normalize(turn(turned * d.restDirection, sourcePositions_[*d.sourceNext] - sourcePositions_[d.source]) * turned);
+                turned = glm::normalize(
+                    shortestTurn(turned * d.restDirection, sourcePositions_[*d.sourceNext] - sourcePositions_[d.source]) * turned);
             world_[j] = turned;
             Quatf local = glm::normalize(glm::conjugate(above) * turned);
             std::vector<Quatf>& keys = clip.channels[next].rotations;

@@ -5,6 +5,7 @@
 // therefore has a constant rotation A_k that turns its rest direction to that of the source bone:   D_target = D_source · A_k.
 // Limbs then point exactly where those of the source point. Torso, head, shoulders and feet use A = 1, because both skeletons stand upright
 // at rest; this keeps the target's own build.
+// What then still looks wrong is corrected last, by options: heads that do not look ahead and feet that slide.
 #pragma once
 
 #include <span>
@@ -20,6 +21,8 @@ struct RetargetOptions {
     bool keepPlace = false;   // false: the clip starts with the hips above their place at rest
     bool inPlace = false;     // no horizontal travel at all
     bool groundFeet = true;   // shifts the clip vertically so that the lowest foot is as high as at rest
+    bool levelHead = true;    // turns the head by a constant, so that people who walk or run look ahead
+    bool plantFeet = true;    // holds feet in place while they stand (plant_feet.h)
 };
 
 /** The motion as a clip on `target`. It has channels for the bones that both skeletons have. Other joints keep their local rest rotation,

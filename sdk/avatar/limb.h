@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// A limb of two bones (hip, knee, ankle or shoulder, elbow, wrist) whose end is moved.
+#pragma once
+
+#include <array>
+
+#include "sdk/math/types.h"
+
+namespace dpl {
+
+/** The shortest rotation from direction `from` to `to`; lengths do not matter. Identity if one has no length. */
+Quatf shortestTurn(const Vec3f& from, const Vec3f& to);
+
+/** World rotations that bring the end of a limb to `target`, metres. at: world positions of root, middle and end joint as they are.
+ *  Returns the rotations to put in front of those of the upper and the lower bone. The middle joint stays in the plane in which the limb
+ *  bends; `bend` is the side to which a straight limb bends. A target out of reach is approached as far as the limb is long. */
+std::array<Quatf, 2> reachWith(const std::array<Vec3f, 3>& at, const Vec3f& target, const Vec3f& bend);
+
+}  // namespace dpl
