@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "sdk/api/create_renderer.h"
+#include "sdk/avatar/pose_trust.h"
 #include "sdk/avatar/rig.h"
 #include "sdk/core/result.h"
 #include "sdk/draw/renderer.h"
@@ -59,6 +60,7 @@ struct Avatar {
     std::vector<std::unique_ptr<ClipData>> added;  // by dplLoadClip
     std::vector<const ClipData*> clips;            // of the file, then of `added`
     std::vector<Mat3x4f> transforms;               // scratch of dplGetJointPositions
+    PoseTrust trust;                               // scratch of dplGetPoseTrust
     FrameStats stats;                              // result of the last dplGetFrameStats
     ~Avatar();
 };

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Avatars: queries and poses.
+#include <algorithm>
+
 #include "sdk/api/api_state.h"
 
 namespace dpl::api {
@@ -128,6 +130,28 @@ DplResult dplGetPose(DplAvatar avatar, float* rotations, uint32_t jointCount, fl
             out[0] = q.x, out[1] = q.y, out[2] = q.z, out[3] = q.w;
         }
         for (int axis = 0; axis < 3 && rootTranslation != nullptr; ++axis) rootTranslation[axis] = found->pose.rootTranslation[axis];
+        return {};
+    });
+}
+
+DplResult dplGetPoseTrust(DplAvatar avatar, DplPoseTrust* trust, float* distances, uint32_t jointCount) {
+    return guarded("dplGetPoseTrust", [&]() -> Status {
+        DPL_TRY(const auto found, avatarOf(avatar));
+        DPL_CHECK_OK(checkPosable(*found));
+        if (distances != nullptr && jointCount != found->data->joints.size()) return wrongJointCount(*found, jointCount);
+        if (found->data->correctives.empty())
+            return fail(Code::Unsupported, "{} has no pose correctives, so it has no record of its training poses", found->data->name);
+        std::lock_guard lock(found->context->mutex);
+        poseTrust(found->data->correctives, found->pose, found->trust);
+        const std::vector<float>& away = found->trust.joints;
+        DplPoseTrust out{};
+        out.offsets = found->trust.offsets;
+        out.away = found->trust.away;
+        out.offModes = found->trust.offModes;
+        out.farthestJoint = uint32_t(std::max_element(away.begin(), away.end()) - away.begin());
+        out.farthestDistance = away[out.farthestJoint];
+        DPL_CHECK_OK(writeStruct(trust, out, "trust"));
+        if (distances != nullptr) std::copy(away.begin(), away.end(), distances);
         return {};
     });
 }

@@ -42,6 +42,7 @@ int main(void) {
         CHECK(sizeof(DplClipInfo) == 32 && offsetof(DplClipInfo, durationS) == 16);
         CHECK(sizeof(DplClipOptions) == 24 && offsetof(DplClipOptions, animation) == 16);
         CHECK(sizeof(DplDetail) == 12);
+        CHECK(sizeof(DplPoseTrust) == 24 && offsetof(DplPoseTrust, farthestJoint) == 16);
         CHECK(sizeof(DplFrameStats) == 144 && offsetof(DplFrameStats, frameMs) == 120 && offsetof(DplFrameStats, budgetState) == 140 &&
               offsetof(DplFrameStats, splatsAllowed) == 104 && offsetof(DplFrameStats, componentCount) == 112 &&
               offsetof(DplFrameStats, avatarBytes) == 64 && offsetof(DplFrameStats, tileEntries) == 96 &&

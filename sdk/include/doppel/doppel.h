@@ -277,6 +277,23 @@ DPL_API DplResult dplGetPose(DplAvatar avatar, float* rotations, uint32_t jointC
 /** World positions of all joints in the current pose: 3·jointCount floats, metres. */
 DPL_API DplResult dplGetJointPositions(DplAvatar avatar, float* positions, uint32_t jointCount);
 
+typedef struct DplPoseTrust {
+    uint32_t structSize;
+    /** Share of the pose-dependent offsets and brightness that is drawn, 0 to 1. Below 1 the pose lies outside the trained ones. */
+    float offsets;
+    float away;             /**< distance from the mean trained pose over its limit, along what varied in training; above 1: outside */
+    float offModes;         /**< distance from all that varied in training, over its limit; above 1: outside */
+    uint32_t farthestJoint; /**< the joint with the largest distance */
+    float farthestDistance;
+} DplPoseTrust;
+
+/** How far the current pose lies from the poses that the avatar was trained on, so that a program can warn, or hold a pose back.
+ *  distances: jointCount floats, or NULL. Each is the distance of a joint's rotation from its mean in training, in standard deviations (of
+ *  at least 3 degrees): up to 2 is usual, above 4 was hardly seen. -1: the avatar does not know, as of hips, hands, fingers and toes.
+ *  DPL_ERROR_UNSUPPORTED: the avatar has no pose correctives, and with them no record of its training poses.
+ *  DPL_ERROR_INVALID_ARGUMENT: wrong jointCount (ignored if distances is NULL), or general splats. */
+DPL_EXPERIMENTAL DplResult dplGetPoseTrust(DplAvatar avatar, DplPoseTrust* trust, float* distances, uint32_t jointCount);
+
 typedef struct DplClipInfo {
     uint32_t structSize;
     const char* name; /**< lives as long as the avatar */

@@ -121,6 +121,14 @@ public:
         if (const DplResult r = dplLoadClip(handle_, bytes.data(), bytes.size(), options, &index); r != DPL_OK) return lastError(r);
         return index;
     }
+    /** How far the current pose lies from the training poses. distances: one for each joint, or empty. */
+    Result<DplPoseTrust> poseTrust(std::span<float> distances = {}) const {
+        DplPoseTrust trust{};
+        trust.structSize = sizeof trust;
+        const DplResult r = dplGetPoseTrust(handle_, &trust, distances.empty() ? nullptr : distances.data(), uint32_t(distances.size()));
+        if (r != DPL_OK) return lastError(r);
+        return trust;
+    }
     /** World positions of all joints in the current pose, 3 floats each, metres. */
     Result<std::vector<float>> jointPositions() const {
         auto about = info();

@@ -5,6 +5,7 @@
 
 #include "tests/not_finite.h"
 #include "tests/unit/api/api_fixture.h"
+#include "tests/unit/format/sample_correctives.h"
 
 namespace dpl::test {
 namespace {
@@ -74,6 +75,35 @@ TEST_F(ApiTest, nanPoseIsRefusedByJointNameAndTheOldPoseStays) {
     float back[8];
     ASSERT_EQ(dplGetPose(avatar_, back, 2, nullptr), DPL_OK);
     EXPECT_EQ(back[2], 1.0f);
+}
+
+TEST_F(ApiTest, trustFallsAwayFromTheTrainedPosesAndNamesTheJoint) {
+    DplPoseTrust trust{};
+    trust.structSize = sizeof trust;
+    EXPECT_EQ(dplGetPoseTrust(avatar_, &trust, nullptr, 0), DPL_ERROR_UNSUPPORTED) << "no correctives, no record of poses";
+    AvatarData data = withCorrectives(tinyAvatar(), 3, {.reach = 1, .reachOffModes = 0.5f});
+    std::fill(data.correctives.mean.begin(), data.correctives.mean.end(), 0.0f);
+    sortSplats(data);
+    const auto bytes = writeAvatar(data);
+    ASSERT_TRUE(bytes) << bytes.error().message;
+    DplAvatar avatar = nullptr;
+    ASSERT_EQ(dplLoadAvatar(context_, bytes->data(), bytes->size(), &avatar), DPL_OK) << dplGetLastError();
+    float distances[2] = {7, 7};
+    ASSERT_EQ(dplGetPoseTrust(avatar, &trust, distances, 2), DPL_OK) << dplGetLastError();
+    EXPECT_EQ(trust.offsets, 1);
+    EXPECT_EQ(distances[0], 0);
+    EXPECT_EQ(distances[1], 0);
+    const float pose[8] = {0, 0, 0, 1, 0, 1, 0, 0};  // the second joint turned by 180 degrees
+    ASSERT_EQ(dplSetPose(avatar, pose, 2, nullptr), DPL_OK);
+    ASSERT_EQ(dplGetPoseTrust(avatar, &trust, distances, 2), DPL_OK);
+    EXPECT_LT(trust.offsets, 0.5f);
+    EXPECT_EQ(trust.farthestJoint, 1u);
+    EXPECT_EQ(trust.farthestDistance, distances[1]);
+    EXPECT_GT(distances[1], 2);
+    EXPECT_EQ(dplGetPoseTrust(avatar, &trust, distances, 3), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(dplGetPoseTrust(avatar, nullptr, distances, 2), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(dplGetPoseTrust(nullptr, &trust, nullptr, 0), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(dplDestroyAvatar(avatar), DPL_OK);
 }
 
 TEST_F(ApiTest, clipsPlayLoopAndClamp) {
