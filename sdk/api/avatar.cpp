@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Avatars: queries and poses.
 #include <algorithm>
+#include <cmath>
 
 #include "sdk/api/api_state.h"
 
@@ -25,6 +26,11 @@ Status checkPosable(const Avatar& avatar) {
 }
 
 namespace {
+
+Status checkTrained(const Avatar& avatar) {
+    if (!avatar.data->correctives.empty()) return {};
+    return fail(Code::Unsupported, "{} has no pose correctives, so it has no record of its training poses", avatar.data->name);
+}
 
 Status wrongJointCount(const Avatar& avatar, uint32_t jointCount) {
     return fail(Code::InvalidArgument, "jointCount is {}, the avatar has {} joints", jointCount, avatar.data->joints.size());
@@ -139,8 +145,7 @@ DplResult dplGetPoseTrust(DplAvatar avatar, DplPoseTrust* trust, float* distance
         DPL_TRY(const auto found, avatarOf(avatar));
         DPL_CHECK_OK(checkPosable(*found));
         if (distances != nullptr && jointCount != found->data->joints.size()) return wrongJointCount(*found, jointCount);
-        if (found->data->correctives.empty())
-            return fail(Code::Unsupported, "{} has no pose correctives, so it has no record of its training poses", found->data->name);
+        DPL_CHECK_OK(checkTrained(*found));
         std::lock_guard lock(found->context->mutex);
         poseTrust(found->data->correctives, found->pose, found->trust);
         const std::vector<float>& away = found->trust.joints;
@@ -152,6 +157,18 @@ DplResult dplGetPoseTrust(DplAvatar avatar, DplPoseTrust* trust, float* distance
         out.farthestDistance = away[out.farthestJoint];
         DPL_CHECK_OK(writeStruct(trust, out, "trust"));
         if (distances != nullptr) std::copy(away.begin(), away.end(), distances);
+        return {};
+    });
+}
+
+DplResult dplHoldPose(DplAvatar avatar, float limit) {
+    return guarded("dplHoldPose", [&]() -> Status {
+        if (!std::isfinite(limit) || !(limit > 0)) return fail(Code::InvalidArgument, "limit is {}; it must be above 0 and finite", limit);
+        DPL_TRY(const auto found, avatarOf(avatar));
+        DPL_CHECK_OK(checkPosable(*found));
+        DPL_CHECK_OK(checkTrained(*found));
+        std::lock_guard lock(found->context->mutex);
+        holdPose(found->data->correctives, limit, found->pose);
         return {};
     });
 }

@@ -21,4 +21,8 @@ struct PoseTrust {
 /** The correctives must have passed checkCorrectives and must not be empty, the pose must have passed checkPose. `trust` is reused. */
 void poseTrust(const PoseCorrectiveData& correctives, const Pose& pose, PoseTrust& trust);
 
+/** Turns each joint that the file knows back towards its mean in training, along the shortest arc, until its distance of poseTrust is at
+ * most `limit`, or as far as the mean. Joints within the limit and all others keep their rotation. limit > 0. Preconditions as above. */
+void holdPose(const PoseCorrectiveData& correctives, float limit, Pose& pose);
+
 }  // namespace dpl

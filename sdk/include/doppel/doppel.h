@@ -294,6 +294,11 @@ typedef struct DplPoseTrust {
  *  DPL_ERROR_INVALID_ARGUMENT: wrong jointCount (ignored if distances is NULL), or general splats. */
 DPL_EXPERIMENTAL DplResult dplGetPoseTrust(DplAvatar avatar, DplPoseTrust* trust, float* distances, uint32_t jointCount);
 
+/** Turns joints of the current pose back towards their mean in training, until no distance of dplGetPoseTrust exceeds `limit`, or as far as
+ *  the mean. Other joints and the root stay. 4 keeps nearly all of what was seen and stops what never was.
+ *  DPL_ERROR_UNSUPPORTED: no pose correctives. DPL_ERROR_INVALID_ARGUMENT: a limit that is not above 0 and finite, or general splats. */
+DPL_EXPERIMENTAL DplResult dplHoldPose(DplAvatar avatar, float limit);
+
 typedef struct DplClipInfo {
     uint32_t structSize;
     const char* name; /**< lives as long as the avatar */

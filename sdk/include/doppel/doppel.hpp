@@ -129,6 +129,8 @@ public:
         if (r != DPL_OK) return lastError(r);
         return trust;
     }
+    /** Turns joints back until none is farther from its training than `limit` standard deviations. */
+    Status holdPose(float limit) { return status(dplHoldPose(handle_, limit)); }
     /** World positions of all joints in the current pose, 3 floats each, metres. */
     Result<std::vector<float>> jointPositions() const {
         auto about = info();

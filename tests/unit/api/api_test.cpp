@@ -100,6 +100,13 @@ TEST_F(ApiTest, trustFallsAwayFromTheTrainedPosesAndNamesTheJoint) {
     EXPECT_EQ(trust.farthestJoint, 1u);
     EXPECT_EQ(trust.farthestDistance, distances[1]);
     EXPECT_GT(distances[1], 2);
+    const float limit = 0.5f * distances[1];
+    ASSERT_EQ(dplHoldPose(avatar, limit), DPL_OK) << dplGetLastError();
+    ASSERT_EQ(dplGetPoseTrust(avatar, &trust, distances, 2), DPL_OK);
+    EXPECT_NEAR(distances[1], limit, 0.01f * limit);
+    for (const float wrong : {0.0f, -1.0f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()})
+        EXPECT_EQ(dplHoldPose(avatar, wrong), DPL_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(dplHoldPose(avatar_, 4), DPL_ERROR_UNSUPPORTED);
     EXPECT_EQ(dplGetPoseTrust(avatar, &trust, distances, 3), DPL_ERROR_INVALID_ARGUMENT);
     EXPECT_EQ(dplGetPoseTrust(avatar, nullptr, distances, 2), DPL_ERROR_INVALID_ARGUMENT);
     EXPECT_EQ(dplGetPoseTrust(nullptr, &trust, nullptr, 0), DPL_ERROR_INVALID_ARGUMENT);

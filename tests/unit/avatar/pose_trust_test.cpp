@@ -72,5 +72,30 @@ TEST(PoseTrust, whatIsDrawnIsTheShareThatCoefficientsKeep) {
     EXPECT_LT(trust.offsets, 0.5f);
 }
 
+TEST(PoseTrust, holdingAPoseBringsFarJointsToTheLimitAndLeavesOthers) {
+    Pose pose = bent(2, 0.9f);
+    pose.localRotations[0] = pose.localRotations[1] = glm::angleAxis(0.3f, Vec3f(0, 0, 1));
+    const Pose before = pose;
+    holdPose(trained(), 3, pose);
+    EXPECT_EQ(pose.localRotations[0], before.localRotations[0]) << "the file does not know joint 0";
+    EXPECT_EQ(pose.localRotations[1], before.localRotations[1]) << "1.5 deviations";
+    PoseTrust trust;
+    poseTrust(trained(), pose, trust);
+    EXPECT_NEAR(trust.joints[2], 3, 0.01);
+    EXPECT_GT(pose.localRotations[2].z, 0.01f) << "turned the same way, by less";
+    EXPECT_NEAR(pose.localRotations[2].x, 0, 1e-6);
+    const Pose held = pose;
+    holdPose(trained(), 3.1f, pose);
+    EXPECT_EQ(pose.localRotations[2], held.localRotations[2]);
+}
+
+TEST(PoseTrust, aMeanThatIsNoRotationHoldsToTheNearestOne) {
+    PoseCorrectiveData c = trained();
+    c.mean[6] = -1, c.mean[10] = -1;  // joint 2: columns of length zero
+    Pose pose = bent(2, 2.0f);
+    holdPose(c, 0.01f, pose);
+    EXPECT_NEAR(std::abs(pose.localRotations[2].w), 1, 1e-4);
+}
+
 }  // namespace
 }  // namespace dpl
