@@ -36,6 +36,7 @@ THIRD_PARTY = {  # heavy libraries stay in their rooms
     "Eigen": ("reconstruction", "tests"),
     "embree3": ("reconstruction", "tests"),
     "vulkan": ("sdk/backend/vulkan", "sdk/include", "platform", "apps/xr", "tests"),
+    "Metal": ("sdk/backend/metal", "sdk/include", "platform", "apps", "tests"),
     "openxr": ("platform/openxr", "tests"),
     "tiny_gltf.h": ("sdk/format",),
     "draco": ("sdk/format", "tests"),
