@@ -22,7 +22,7 @@ struct VulkanSide {
 namespace {
 
 static_assert(DPL_VULKAN_SLOTS == kAppSlots && DPL_VULKAN_DEPTH_COVERAGE == gpu::kDepthCoverage);
-static_assert(DPL_DRAW_DEPTH == int(vk::PictureDepth::Splats) && DPL_DRAW_MESH_DEPTH == int(vk::PictureDepth::Mesh));
+static_assert(DPL_DRAW_DEPTH == int(PictureDepth::Splats) && DPL_DRAW_MESH_DEPTH == int(PictureDepth::Mesh));
 
 constexpr DplVulkanRequirement kRequirements[] = {
     {0, "VkPhysicalDeviceProperties::apiVersion >= VK_API_VERSION_1_1", DPL_TRUE, "the least that Doppel draws with"},
@@ -96,7 +96,7 @@ vk::AppPass passOf(const DplVulkanPass& given) {
     pass.renderPass = given.renderPass, pass.subpass = given.subpass, pass.viewMask = given.viewMask;
     pass.samples = given.samples == 0 ? 1 : given.samples;
     pass.colour = given.colourFormat, pass.depth = given.depthFormat, pass.stencil = given.stencilFormat;
-    pass.written = vk::PictureDepth(given.writesDepth);
+    pass.written = PictureDepth(given.writesDepth);
     return pass;
 }
 
@@ -147,7 +147,7 @@ Status encode(Scene& scene, VulkanSide& side, const FrameWants& wants, const App
     setDetailOfDraw(*scene.context, scene.first());
     DPL_TRY(const std::span<const EncodedView> encoded,
             side.renderer.encodeTogether(scene.drawn(what), scene.context->cameras, wants, frame));
-    vk::LayerPlace places[DPL_MAX_VIEWS];
+    LayerPlace places[DPL_MAX_VIEWS];
     for (size_t v = 0; v < encoded.size(); ++v) {
         const EncodedView& e = encoded[v];
         places[v] = {e.target, e.view, e.tilePixels, e.counts, e.tileDepthOffset, e.meshDepth};
@@ -291,7 +291,7 @@ extern "C" DplResult dplCreateVulkanComposer(DplContext context, const DplVulkan
         DPL_TRY(const auto found, contextOf(context));
         std::lock_guard lock(found->mutex);
         DPL_TRY(VulkanSide * side, sideOf(*found));
-        DPL_TRY(const vk::ComposerId made, side->backend.createComposer(passOf(given)));
+        DPL_TRY(const ComposerId made, side->backend.createComposer(passOf(given)));
         *composer = made.value;
         return {};
     });

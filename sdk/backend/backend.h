@@ -42,11 +42,12 @@ struct DeviceInfo {
     std::string name;
     std::string identity;  // equal only when device, driver version and shader pack are equal
     DeviceKind kind = DeviceKind::Other;
-    uint64_t maxBindingBytes = 0;  // of one storage buffer binding
-    uint32_t maxTargetPx = 0;      // width or height of a target
-    uint32_t maxGroups = 0;        // workgroups of one dispatch
-    bool multiview = false;        // one draw fills all layers of a target; otherwise each layer needs its own draw
-    bool halfDepth = false;        // depth sums are read back as 2 x f16 instead of 2 x f32
+    uint64_t maxBindingBytes = 0;    // of one storage buffer binding
+    uint32_t maxTargetPx = 0;        // width or height of a target
+    uint32_t maxGroups = 0;          // workgroups of one dispatch
+    bool multiview = false;          // one draw fills all layers of a target; otherwise each layer needs its own draw
+    bool viewsAreInstances = false;  // with multiview, the arguments of a draw count instances × views (Metal)
+    bool halfDepth = false;          // depth sums are read back as 2 x f16 instead of 2 x f32
     bool timestamps = false;
     bool shuffle = false;       // compute subgroups have 8 to 64 lanes in the order of the workgroup, and can shuffle
     bool typedFormats = false;  // typed buffers of 1, 2 and 4 words may be as large as storage buffers

@@ -135,6 +135,7 @@ FrameIds FrameCache::idsOf(const SceneSet& set, const FrameShape& shape) const {
     ids.samples = shape.samples;
     ids.colour = options_.preciseBlending ? ColourFormat::Halves : ColourFormat::Codes8;
     ids.shuffle = backend_.info().shuffle;
+    ids.drawInstances = ids.multiview && backend_.info().viewsAreInstances ? ids.viewCount : 1;
     return ids;
 }
 

@@ -43,10 +43,11 @@ struct FrameIds : SubjectIds {
     std::vector<uint32_t> endGroups;     // for each subject, the end of its groups
     bool multiview = true, depth = false;
     ColourFormat colour = ColourFormat::Codes8;
-    bool floatKeys = false;   // depths are sorted as 32-bit floats
-    bool shuffle = false;     // subgroups hold whole tiles (DeviceInfo::shuffle)
-    bool sceneDepth = false;  // splats behind the app's scene are hidden
-    uint32_t samples = 1;     // a pixel (sdk/math/coverage.h)
+    uint32_t drawInstances = 1;  // of the draw of all views (DeviceInfo::viewsAreInstances)
+    bool floatKeys = false;      // depths are sorted as 32-bit floats
+    bool shuffle = false;        // subgroups hold whole tiles (DeviceInfo::shuffle)
+    bool sceneDepth = false;     // splats behind the app's scene are hidden
+    uint32_t samples = 1;        // a pixel (sdk/math/coverage.h)
 
     BufferId scene;  // of the slot: view z of the app's scene in metres by view, row and column; infinite where it is empty
 

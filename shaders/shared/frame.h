@@ -279,6 +279,7 @@ struct ArgsPush {
     uint groupCount;
     uint maxDepthKey;
     uint drawnCount;
+    uint drawInstances;  // of the draw: 1, or the number of views where the device draws views as instances
 };
 struct SortPush {
     uint shift;
@@ -290,6 +291,15 @@ struct DrawPush {
     uint view;        // read only without multiview
 };
 
+struct FillPush {
+    uint count;  // words
+    uint value;
+};
+struct RoundPush {
+    uint widthPx;     // of one view
+    uint firstPixel;  // of the view, in the buffer
+    uint layer;       // of the image
+};
 struct ScenePush {  // reads a view's depth image of an app: stored depth = scale + offset / z
     uint widthPx, heightPx;
     uint firstPixel;       // of the view, in the buffer

@@ -31,7 +31,8 @@ void compactAndSort(MslFrame& out, std::vector<uint32_t>& visibility, uint32_t g
     out.compacted.resize(splats);
     run(msl_compact_masks, groupsFor(groups, gpu::kCompactGroup), order, {visibility.data(), survivors.data()}, gpu::MaskPush{groups});
     run(msl_scan_sums, 1, order, {survivors.data()}, gpu::ScanPush{ids.firstSum(), groups});
-    run(msl_compact_args, 1, order, {survivors.data(), &out.counts}, gpu::ArgsPush{groups, (1u << (rounds * gpu::kSortDigitBits)) - 1, 1});
+    run(msl_compact_args, 1, order, {survivors.data(), &out.counts},
+        gpu::ArgsPush{groups, (1u << (rounds * gpu::kSortDigitBits)) - 1, 1, 1});
     const gpu::FrameCounts want = [&] {
         auto counts = out.counts;
         setRuns(counts);

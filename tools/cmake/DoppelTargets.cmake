@@ -100,7 +100,8 @@ endfunction()
 function(doppel_shader_pack name folder)
   # One run compiles the whole catalogue; the depfile lists every file that it read.
   file(GLOB shared_headers CONFIGURE_DEPENDS ${folder}/shared/*.h)
-  add_custom_command(OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/shader_pack.cpp ${CMAKE_CURRENT_BINARY_DIR}/shaders.dplpack
+  add_custom_command(OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/shader_pack.cpp ${CMAKE_CURRENT_BINARY_DIR}/metal_pack.cpp
+      ${CMAKE_CURRENT_BINARY_DIR}/shaders.dplpack
     COMMAND shaderpack ${PROJECT_SOURCE_DIR} ${folder}/catalogue.json ${CMAKE_CURRENT_BINARY_DIR} ${ARGN}
     DEPENDS shaderpack ${folder}/catalogue.json ${shared_headers}
     DEPFILE ${CMAKE_CURRENT_BINARY_DIR}/shader_pack.d

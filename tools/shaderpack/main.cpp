@@ -2,7 +2,8 @@
 // shaderpack ROOT CATALOGUE OUT [PACK INTERFACE]: compiles every shader of the catalogue and writes the results into OUT. Include paths
 // start at ROOT, shader paths at the catalogue's folder. Its subfolder shared/ is the interface with C++. Results:
 //   shader_pack.cpp             the pack without MSL as bytes, returned by the functions PACK and INTERFACE (qualified names)
-//   shaders.dplpack             the full pack, with MSL
+//   metal_pack.cpp              the same for the pack without SPIR-V; functions dpl::embeddedMetalPack and dpl::embeddedMetalInterface
+//   shaders.dplpack             the full pack, with SPIR-V and MSL
 //   msl/NAME.{ios,macos}.metal  the MSL as text
 //   shader_pack.d               dependencies for ninja
 #include <algorithm>
@@ -57,6 +58,8 @@ struct FunctionNames {
     std::string pack = "dpl::embeddedShaderPack", interface = "dpl::embeddedShaderInterface";
 };
 
+const FunctionNames kMetalNames{"dpl::embeddedMetalPack", "dpl::embeddedMetalInterface"};
+
 /** C++ text of a function that returns `body`. `function` is a qualified name. */
 std::string definition(const std::string& type, const std::string& function, const std::string& body) {
     const size_t colons = function.rfind("::");
@@ -94,12 +97,13 @@ Status run(const fs::path& root, const fs::path& cataloguePath, const fs::path& 
         input.defines = entry.value("defines", std::vector<std::string>{});
         DPL_TRY(shader.spirv, compileGlsl(input, dependencies));
         DPL_CHECK_OK(reflectShader(shader));
-        const bool multiview = entry.value("multiview", false);
-        DPL_TRY(shader.mslIos, translateToMsl(shader, MslPlatform::Ios, multiview));
-        DPL_TRY(shader.mslMacos, translateToMsl(shader, MslPlatform::Macos, multiview));
+        const MslOptions wanted{entry.value("multiview", false), entry.value("eachSample", false)};
+        DPL_TRY(shader.mslIos, translateToMsl(shader, MslPlatform::Ios, wanted));
+        DPL_TRY(shader.mslMacos, translateToMsl(shader, MslPlatform::Macos, wanted));
         DPL_CHECK_OK(lintMsl(shader.name + " (iOS)", shader.mslIos));
         DPL_CHECK_OK(lintMsl(shader.name + " (macOS)", shader.mslMacos));
-        const bool reads = !shader.bindings.empty();
+        const bool metalOnly = entry.value("metal", false), reads = !shader.bindings.empty() && !metalOnly;
+        if (metalOnly) shader.spirv.clear();
         pack.shaders.push_back(std::move(shader));
         if (!reads) continue;
         input.defines.push_back("DPL_TEXELS");
@@ -117,6 +121,11 @@ Status run(const fs::path& root, const fs::path& cataloguePath, const fs::path& 
     }
     const std::vector<uint8_t> full = writeShaderPack(pack);
     DPL_CHECK_OK(writeFile(out / "shaders.dplpack", {reinterpret_cast<const char*>(full.data()), full.size()}));
+    ShaderPack metal = pack;
+    std::erase_if(metal.shaders, [](const Shader& s) { return s.mslIos.empty(); });
+    for (Shader& shader : metal.shaders) shader.spirv.clear();
+    DPL_CHECK_OK(writeFile(out / "metal_pack.cpp", embedText(writeShaderPack(metal), pack.interfaceHash, kMetalNames)));
+    std::erase_if(pack.shaders, [](const Shader& s) { return s.spirv.empty(); });
     for (Shader& shader : pack.shaders) shader.mslIos.clear(), shader.mslMacos.clear();
     DPL_CHECK_OK(writeFile(out / "shader_pack.cpp", embedText(writeShaderPack(pack), pack.interfaceHash, names)));
     std::string depfile = (out / "shader_pack.cpp").string() + ":";

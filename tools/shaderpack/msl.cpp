@@ -112,8 +112,8 @@ Status reflectShader(Shader& shader) {
             b.image = type == SPVC_RESOURCE_TYPE_SEPARATE_IMAGE;
             if (b.image) {
                 spvc_type image = spvc_compiler_get_type_handle(m.compiler, r.type_id);
-                if (spvc_type_get_image_dimension(image) != SpvDim2D || !spvc_type_get_image_arrayed(image))
-                    return fail(Code::InvalidArgument, "{}: {} is not a texture2DArray", shader.name, r.name);
+                if (spvc_type_get_image_dimension(image) != SpvDim2D)
+                    return fail(Code::InvalidArgument, "{}: {} is not a two-dimensional texture", shader.name, r.name);
                 b.reads = true;
                 shader.bindings.push_back(std::move(b));
                 continue;
@@ -156,7 +156,7 @@ Status reflectShader(Shader& shader) {
     return {};
 }
 
-Result<std::string> translateToMsl(const Shader& shader, MslPlatform platform, bool multiview) {
+Result<std::string> translateToMsl(const Shader& shader, MslPlatform platform, const MslOptions& wanted) {
     DPL_TRY(Module m, openModule(shader, SPVC_BACKEND_MSL));
     spvc_compiler_options options = nullptr;
     if (spvc_compiler_create_compiler_options(m.compiler, &options) != SPVC_SUCCESS) return m.error(shader.name);
@@ -169,7 +169,8 @@ Result<std::string> translateToMsl(const Shader& shader, MslPlatform platform, b
     }
     if (shader.stage == ShaderStage::Vertex)
         spvc_compiler_options_set_bool(options, SPVC_COMPILER_OPTION_FLIP_VERTEX_Y, SPVC_TRUE);  // in Metal's clip space y points up
-    if (multiview) spvc_compiler_options_set_bool(options, SPVC_COMPILER_OPTION_MSL_MULTIVIEW, SPVC_TRUE);
+    if (wanted.eachSample) spvc_compiler_options_set_bool(options, SPVC_COMPILER_OPTION_MSL_FORCE_SAMPLE_RATE_SHADING, SPVC_TRUE);
+    if (wanted.multiview) spvc_compiler_options_set_bool(options, SPVC_COMPILER_OPTION_MSL_MULTIVIEW, SPVC_TRUE);
     if (spvc_compiler_install_compiler_options(m.compiler, options) != SPVC_SUCCESS) return m.error(shader.name);
 
     const SpvExecutionModel model = spvc_compiler_get_execution_model(m.compiler);

@@ -14,8 +14,13 @@ Status reflectShader(Shader& shader);
 
 enum class MslPlatform { Ios, Macos };
 
-/** MSL 2.3. `multiview`: the vertex or fragment stage reads the view index; Metal then draws instances × views into layers. */
-Result<std::string> translateToMsl(const Shader& shader, MslPlatform platform, bool multiview);
+struct MslOptions {
+    bool multiview = false;   // vertex: draws instances × views into layers; fragment: reads the view index
+    bool eachSample = false;  // fragment: shades each sample by itself, as a Vulkan pipeline with sampleShadingEnable
+};
+
+/** MSL 2.3. */
+Result<std::string> translateToMsl(const Shader& shader, MslPlatform platform, const MslOptions& wanted);
 
 /** Checks rules of Apple's compiler that can be checked in the text: an entry point, one resource per buffer index, index ≤ 30, at most 32
  * KiB of threadgroup memory, and no GLSL names that SPIRV-Cross is known to leave. `name` starts the message. */

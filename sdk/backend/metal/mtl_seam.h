@@ -142,7 +142,7 @@ struct RenderPipelineDesc {
 struct PassAttachment {
     TextureRef texture;  // none: no attachment
     TextureRef resolve;  // of StoreAction::Resolve
-    uint32_t slice = 0;  // of both textures
+    uint32_t slice = 0, resolveSlice = 0;
     LoadAction load = LoadAction::Clear;
     StoreAction store = StoreAction::Store;
     double clear[4] = {0, 0, 0, 0};  // clearColor; of depth the first is clearDepth

@@ -10,6 +10,7 @@
 #include <tuple>
 #include <variant>
 
+#include "sdk/backend/app_pass.h"
 #include "sdk/backend/frame_check.h"
 #include "sdk/backend/shader_pack.h"
 #include "sdk/backend/vulkan/vk_device.h"
@@ -98,9 +99,6 @@ struct Frame {
     uint64_t born = 0;   // frames that were encoded before it was created
 };
 
-/** Depths of a picture. As flags, they are what prepare has to draw. */
-enum class PictureDepth : uint8_t { None = 0, Splats = 1, Mesh = 2 };
-
 /** The pass of an app in which its target is composed. */
 struct AppPass {
     VkRenderPass renderPass = VK_NULL_HANDLE;  // or one that is compatible with it; null: dynamic rendering
@@ -111,9 +109,6 @@ struct AppPass {
     VkFormat depth = VK_FORMAT_UNDEFINED, stencil = VK_FORMAT_UNDEFINED;  // attachments that the pass has; only for dynamic rendering
     PictureDepth written = PictureDepth::None;                            // by composeDepth()
 };
-
-struct ComposerTag;
-using ComposerId = GpuId<ComposerTag>;
 
 /** Images of an app that submitTo() draws into: one for each view, or a 2D array with the pass's view mask. */
 struct AppTargetDesc {
@@ -143,16 +138,6 @@ struct AppSubmission {
 struct Retired {
     uint64_t encoded = 0;  // number of the last frame that was encoded before
     std::variant<Buffer, Target, Frame, VkPipeline, AppTarget> object;
-};
-
-/** Where the picture layer of a view lies once its frame has run. */
-struct LayerPlace {
-    TargetId target;
-    uint32_t view = 0;             // of the target
-    BufferId tilePixels;           // of frames that tiles fill; none: quads
-    BufferId counts;               // says whether the tile lists overflowed, so that quads filled the frame
-    uint64_t tileDepthOffset = 0;  // of the depth sums in tilePixels, bytes
-    BufferId meshDepth;            // none: the picture has no depth of the mesh
 };
 
 /** The depth image of an app behind one view. Stored depth = scale + offset / z with view z in metres. */
@@ -293,7 +278,6 @@ private:
     void readAllTicks(Frame& frame);
     double ticksMs(uint64_t from, uint64_t to) const;
     void freeFrame(Frame& frame);
-    class Hazards;
     struct Recorder;
     void markSlot(uint32_t slot, VkCommandBuffer commands);
     void barrierBeforeCopies(VkCommandBuffer commands);

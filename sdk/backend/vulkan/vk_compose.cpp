@@ -272,16 +272,7 @@ void VulkanBackend::setLayer(LayerSlot& layers, uint32_t view, std::span<const L
         writes[i].pBufferInfo = &buffers[i];
     }
     vk_.vkUpdateDescriptorSets(device_->device, kBindings, writes, 0, nullptr);
-    gpu::ComposePush& push = layers.push[view];
-    push = {};
-    push.widthPx = desc.widthPx, push.heightPx = desc.heightPx;
-    for (uint32_t v = 0; v < places.size(); ++v)
-        if (v == view || (desc.multiview && places[v].target == place.target)) push.views |= 1u << v;
-    push.drawnFrom = view - (desc.multiview ? place.view : 0);
-    push.bufferFrom = view - place.view;
-    push.tiled = place.tilePixels ? 1 : 0;
-    push.firstDepth = uint32_t(place.tileDepthOffset / 4);
-    push.halfDepth = device_->info.halfDepth ? 1 : 0;
+    layers.push[view] = composePush(places, view, desc, desc.multiview, device_->info.halfDepth);
 }
 
 Result<VulkanBackend::Composed> VulkanBackend::composedOf(ComposerId id, uint32_t slot, uint32_t view) const {

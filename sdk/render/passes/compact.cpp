@@ -18,7 +18,7 @@ void addCompact(FramePlan& plan, const FrameIds& ids) {
     plan.compute("compact.args", "compact.args")
         .reads(ids.survivors)
         .updates(ids.counts)
-        .push(gpu::ArgsPush{ids.allGroups, ids.maxDepthKey(), drawn})
+        .push(gpu::ArgsPush{ids.allGroups, ids.maxDepthKey(), drawn, ids.drawInstances})
         .groups(1);
     plan.compute("compact.scatter", "compact.scatter")
         .reads(ids.visibility, ids.survivors, ids.counts)

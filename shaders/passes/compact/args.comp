@@ -57,7 +57,7 @@ void main() {
     counts.runGroupsY = 1u;
     counts.runGroupsZ = 1u;
     counts.drawVertices = 3u * visible;
-    counts.drawInstances = 1u;
+    counts.drawInstances = push.drawInstances;
     counts.drawFirstVertex = 0u;
     counts.drawFirstInstance = 0u;
 }

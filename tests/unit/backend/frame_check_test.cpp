@@ -10,7 +10,7 @@
 namespace dpl {
 namespace {
 
-/** One valid step: compact.args reads block sums, updates counts, pushes 12 bytes. */
+/** One valid step: compact.args reads block sums, updates counts, pushes ArgsPush. */
 struct OneStep {
     std::unique_ptr<Backend> backend;
     BufferId sums, counts;
@@ -25,7 +25,7 @@ struct OneStep {
         step.label = "step";
         step.pipeline = *backend->computePipeline("compact.args");
         step.bindings = {{sums, Access::Read}, {counts, Access::Update}};
-        step.push.size = 12;
+        step.push.size = sizeof(gpu::ArgsPush);
         step.groups = 1;
     }
     Result<FrameId> create(bool fillSums = true, bool fillCounts = true) {

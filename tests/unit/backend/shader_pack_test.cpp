@@ -160,7 +160,9 @@ TEST(ShaderPack, structsHaveTheSameOffsetsInCppAndInTheBuiltShaders) {
                   DPL_AT(CompactPush, endGroup)});
     expectLayout("MaskPush", sizeof(MaskPush), {DPL_AT(MaskPush, groupCount)});
     expectLayout("ScanPush", sizeof(ScanPush), {DPL_AT(ScanPush, first), DPL_AT(ScanPush, count)});
-    expectLayout("ArgsPush", sizeof(ArgsPush), {DPL_AT(ArgsPush, groupCount), DPL_AT(ArgsPush, maxDepthKey), DPL_AT(ArgsPush, drawnCount)});
+    expectLayout(
+        "ArgsPush", sizeof(ArgsPush),
+        {DPL_AT(ArgsPush, groupCount), DPL_AT(ArgsPush, maxDepthKey), DPL_AT(ArgsPush, drawnCount), DPL_AT(ArgsPush, drawInstances)});
     expectLayout("SortPush", sizeof(SortPush), {DPL_AT(SortPush, shift)});
     expectLayout("DrawPush", sizeof(DrawPush),
                  {DPL_AT(DrawPush, targetWidthPx), DPL_AT(DrawPush, targetHeightPx), DPL_AT(DrawPush, splatCount), DPL_AT(DrawPush, view)});

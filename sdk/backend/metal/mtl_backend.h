@@ -1,0 +1,301 @@
+// SPDX-License-Identifier: Apache-2.0
+// Implements backend.h with Metal, over the seam (docs/adr on Metal says how it orders commands). It begins and ends in mtl_backend.cpp.
+// Buffers and targets are in mtl_resources.cpp, pipelines in mtl_pipelines.cpp, frames in mtl_frames.cpp, slots of an app in mtl_slots.cpp,
+// uploads between frames in mtl_copies.cpp, drawing in an app's pass in mtl_compose.cpp, command buffers of its own for that in
+// mtl_submit.cpp.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include "sdk/backend/app_pass.h"
+#include "sdk/backend/frame_check.h"
+#include "sdk/backend/metal/mtl_seam.h"
+#include "sdk/backend/shader_pack.h"
+#include "shaders/shared/frame.h"
+
+namespace dpl::mtl {
+
+constexpr uint32_t kViewMaskIndex = 24;  // buffer index of {first view, number of views} in shaders built with multiview
+constexpr uint32_t kPushIndex = 29;      // of push constants (kMslPushBuffer of tools/shaderpack/msl.h)
+
+struct Buffer {
+    BufferDesc desc;
+    BufferRef buffer;
+    std::byte* mapped = nullptr;
+    bool written = false;
+    uint64_t born = 0;  // frames that were encoded before it was created
+};
+
+struct Target {
+    TargetDesc desc;
+    TextureRef colour, depth;                // arrays with a layer for each view
+    TextureRef colourSamples, depthSamples;  // of a target with several samples a pixel. With multiview arrays; else of one view
+    bool drawn = false;                      // by a frame that was created earlier
+    uint64_t born = 0;
+};
+
+struct Pipeline {
+    std::string key;
+    const Shader* shader = nullptr;    // compute or vertex
+    const Shader* fragment = nullptr;  // of draws
+    ComputePipelineRef compute;
+    RenderPipelineRef render;
+    PrimitiveType primitive = PrimitiveType::Triangle;
+};
+
+struct RecordedStep {
+    Step step;
+    bool barrier = false;  // before it
+    LabelRef label;
+};
+
+struct Frame {
+    FrameRun run = FrameRun::Submitted;
+    std::vector<RecordedStep> steps;
+    CommandsRef commands;  // of a submitted frame that runs
+    bool running = false;
+    uint32_t slot = 0;  // of the app, of an encoded frame that runs
+    double ms = 0;      // of the last finished run of a submitted frame; 0: none
+    uint64_t born = 0;
+};
+
+/** The pass of an app in which pictures are composed. */
+struct AppPass {
+    PixelFormat colour = PixelFormat::None, depth = PixelFormat::None, stencil = PixelFormat::None;
+    uint32_t samples = 1;
+    uint32_t layers = 0;                        // 0: each view is composed by itself
+    PictureDepth written = PictureDepth::None;  // by composeDepth()
+};
+
+/** The depth texture of an app behind one view. Stored depth = scale + offset / z with view z in metres. */
+struct SceneTexture {
+    TextureRef texture;
+    uint32_t slice = 0;
+    int32_t x = 0, y = 0;  // of the view's top left pixel in the texture
+    float scale = 0, offset = 0;
+};
+
+/** What a submission draws over, waits for and signals. Events and the drawable may be none. */
+struct AppSubmission {
+    std::array<TextureRef, gpu::kMaxViews> textures;  // one for each view, or one array for all
+    uint32_t textureCount = 0;
+    int32_t x = 0, y = 0;  // of the picture in the textures
+    EventRef waitEvent, signalEvent;
+    uint64_t waitValue = 0, signalValue = 0;
+    DrawableRef drawable;
+};
+
+class MetalBackend final : public Backend, private ResourceView {
+public:
+    MetalBackend(std::unique_ptr<Seam> seam, ShaderPack pack, bool lent);
+    ~MetalBackend() override;
+    Status start();
+
+    const DeviceInfo& info() const override { return info_; }
+    bool lost() const override { return lost_; }
+    Result<BufferId> createBuffer(const BufferDesc& desc) override;
+    void destroyBuffer(BufferId buffer) override;
+    Status write(BufferId buffer, uint64_t offset, std::span<const std::byte> bytes) override;
+    Result<uint64_t> queueCopy(BufferId from, uint64_t fromOffset, BufferId to, uint64_t toOffset, uint64_t bytes) override;
+    Result<bool> hasRun(uint64_t copy) override;
+    std::span<std::byte> mapped(BufferId buffer) override;
+    Result<PipelineId> computePipeline(std::string_view shader) override;
+    Result<PipelineId> drawPipeline(const DrawPipelineDesc& desc) override;
+    uint32_t workgroupSize(PipelineId id) const override { return shader(id) ? shader(id)->workgroup[0] : 0; }
+    Result<TargetId> createTarget(const TargetDesc& desc) override;
+    void destroyTarget(TargetId target) override;
+    Result<FrameId> createFrame(std::vector<Step> steps, FrameRun run) override;
+    void destroyFrame(FrameId frame) override;
+    Status submit(FrameId frame) override;
+    bool finished(FrameId frame) override;
+    Status wait(FrameId frame) override;
+    std::vector<PassTime> passTimes(FrameId frame) override;
+    double frameMs(FrameId frame) override;
+    uint64_t residentBytes() const override;
+    Status encode(FrameId frame, uint32_t slot, AppCommands commands) override;
+
+    // For apps that lend their device. These mean what the functions of the same names in sdk/backend/vulkan/vk_backend.h mean. None of
+    // them allocates or waits, except those that create.
+    Status encodeCopies(uint32_t slot, AppCommands commands, bool endsSlot);
+    /** Device: commands with the slot failed on the GPU. Then the slot is free, and unless lost(), it may be taken again. */
+    Status takeSlot(uint32_t slot);
+    Status dropSlot(uint32_t slot);
+    void numberAfter(const MetalBackend& other) { lastId_ = std::max(lastId_, other.lastId_); }
+    Status setLayers(uint32_t slot, std::span<const LayerPlace> places);
+    Result<ComposerId> createComposer(const AppPass& pass);
+    Status destroyComposer(ComposerId composer);
+    uint32_t depthsWritten() const;
+    Status readScene(uint32_t slot, uint32_t view, uint32_t viewOfFrame, uint32_t widthPx, uint32_t heightPx, const SceneTexture& from,
+                     BufferId scene, AppCommands commands);
+    Status compose(ComposerId composer, uint32_t slot, uint32_t view, int32_t x, int32_t y, RenderEncoderRef encoder);
+    Status composeDepth(ComposerId composer, uint32_t slot, uint32_t view, int32_t x, int32_t y, float scale, float offset,
+                        RenderEncoderRef encoder);
+
+    // mtl_submit.cpp
+    /** A new command buffer for a slot that was taken. viewCount: of the frame to encode. */
+    Result<AppCommands> beginSubmission(ComposerId composer, uint32_t slot, uint32_t viewCount, const AppSubmission& how);
+    /** Composes the slot into the textures, and commits. To be called after setLayers(). After an error nothing was committed. */
+    Status submitTo(ComposerId composer, uint32_t slot, const AppSubmission& how);
+
+private:
+    // ResourceView
+    const BufferDesc* buffer(BufferId id) const override;
+    const TargetDesc* target(TargetId id) const override;
+    const Shader* shader(PipelineId id) const override;
+    const Shader* fragment(PipelineId id) const override;
+    bool written(BufferId id) const override;
+    bool drawn(TargetId id) const override;
+
+    // mtl_resources.cpp
+    Status makeBuffer(Buffer& buffer);
+    Status makeTarget(Target& target);
+    Result<TextureRef> makeTexture(const Target& target, PixelFormat format, bool samples, std::string_view label);
+    void freeTarget(Target& target);
+    PixelFormat depthSums() const { return info_.halfDepth ? PixelFormat::RG16Float : PixelFormat::RG32Float; }
+
+    // mtl_pipelines.cpp
+    Result<FunctionRef> function(const Shader& shader);
+    Status makeCompute(Pipeline& pipeline);
+    Status makeDraw(Pipeline& pipeline, const DrawPipelineDesc& desc);
+    Result<RenderPipelineRef> renderPipeline(RenderPipelineDesc desc, const Shader& vertex, const Shader& fragment);
+    PipelineId findPipeline(std::string_view key) const;
+    const Pipeline& at(PipelineId id) const { return pipelines_[id.value - 1]; }
+
+    // mtl_frames.cpp
+    /** The open encoder of a command buffer. Ends it when it goes. */
+    class Recorder {
+    public:
+        Recorder(MetalBackend& backend, CommandsRef commands) : backend_(backend), seam_(*backend.seam_), commands_(commands) {}
+        ~Recorder() { close(); }
+        Recorder(const Recorder&) = delete;
+        Recorder& operator=(const Recorder&) = delete;
+        /** An encoder of the kind: the open one, or a new one. Device: Metal gives none. */
+        Result<ComputeEncoderRef> compute();
+        Result<BlitEncoderRef> blit();
+        void close();
+        Status play(const RecordedStep& step);
+
+    private:
+        Status play(const FillStep& step);
+        Status play(const ComputeStep& step);
+        Status play(const DrawStep& step);
+        Status play(const ReadbackStep& step);
+        Status play(const CopyStep& step);
+        PassAttachment attachment(const Target& target, uint32_t view, TextureRef drawn, TextureRef samples) const;
+
+        MetalBackend& backend_;
+        Seam& seam_;
+        CommandsRef commands_;
+        ComputeEncoderRef compute_;
+        BlitEncoderRef blit_;
+        LabelRef label_;  // of the step
+    };
+    Status play(const Frame& frame, CommandsRef commands);
+    Result<CommandsRef> newCommands();
+    Status endOf(CommandsRef commands);
+    Status waitFor(Frame& frame);
+    Status commitAndWait(CommandsRef commands);
+    void ended(Frame& frame);
+    void freeFrame(Frame& frame);
+
+    // mtl_slots.cpp
+    Status markSlot(uint32_t slot, CommandsRef commands);
+    void freeSlot(uint32_t slot);
+    template <class Tag>
+    void retire(Ref<Tag>& object, uint64_t born) {
+        if (object) retire(object.object, born);
+        object = {};
+    }
+    void retire(void* object, uint64_t born);
+    void freeRetired();
+
+    // mtl_copies.cpp
+    struct QueuedCopy {
+        uint64_t number = 0;
+        BufferRef from, to;
+        uint64_t fromOffset = 0, toOffset = 0, bytes = 0;
+        bool running = false;  // committed, or encoded with `slot`
+        uint32_t slot = 0;
+    };
+    Status submitNextCopy();
+    Status encodeCopy(CommandsRef commands, const QueuedCopy& copy);
+    void slotHasRun(uint32_t slot);
+    void slotIsDropped(uint32_t slot);
+    void dropCopies(BufferRef buffer);
+
+    // mtl_compose.cpp
+    struct Composer {
+        AppPass pass;
+        RenderPipelineRef pipeline, depthPipeline;
+        bool linear = false;  // the pass blends linear light
+    };
+    struct LayerSlot {  // what setLayers() said
+        struct View {
+            TextureRef drawn, sums;
+            BufferRef tiled, counts, mesh;
+            gpu::ComposePush push{};
+        };
+        View views[gpu::kMaxViews];
+        uint32_t viewCount = 0;  // 0: nothing yet
+        uint32_t depths = 0;     // depthsWritten() of takeSlot()
+        bool mesh = false;       // the pictures have a depth of the mesh
+    };
+    struct Composed {
+        const Composer& composer;
+        const LayerSlot& layers;
+        uint32_t firstView, viewCount;  // that the draw fills
+    };
+    Status makeComposing();
+    Result<bool> blendsLight(const AppPass& pass) const;
+    Status makePipelines(Composer& composer);
+    Result<Composed> composedOf(ComposerId composer, uint32_t slot, uint32_t view) const;
+    void drawPicture(const Composed& composed, RenderPipelineRef pipeline, DepthStencilRef state, int32_t x, int32_t y,
+                     const gpu::ComposePush& more, RenderEncoderRef encoder);
+
+    std::unique_ptr<Seam> seam_;
+    ShaderPack pack_;
+    DeviceInfo info_;
+    const bool lent_;  // the device and the queue are an app's
+    bool lost_ = false;
+    bool memoryless_ = false;  // targets of several samples need no memory
+    // Each encoder of ours waits for both fences and updates `written_`, so they run one after the other. compose() makes the app's encoder
+    // wait for `written_` and update `read_`: two fences, because one encoder may compose twice, and must not wait for a fence that it has
+    // updated.
+    FenceRef written_, read_;
+    PipelineId fill_, round_;
+    std::map<uint32_t, Buffer> buffers_;
+    std::map<uint32_t, Target> targets_;
+    std::map<uint32_t, Frame> frames_;
+    std::vector<Pipeline> pipelines_;  // PipelineId::value is the index + 1
+    uint32_t lastId_ = 0;
+    std::vector<QueuedCopy> copies_;  // that have not run, in their order
+    uint64_t lastCopy_ = 0;
+    CommandsRef copyCommands_;  // of the copy that is committed; on a device of the backend's own
+
+    // Of encoded frames.
+    struct Retired {
+        uint64_t encoded = 0;  // number of the last frame that was encoded before
+        void* object = nullptr;
+    };
+    std::vector<Retired> retired_;
+    uint64_t encoded_ = 0;                               // frames so far
+    std::array<uint64_t, kAppSlots> lastEncoded_{};      // number of the last frame in each slot; 0: none
+    EventRef marks_;                                     // signalled behind the commands of each slot
+    uint64_t lastMark_ = 0;                              // its last value
+    std::array<uint64_t, kAppSlots> awaited_{};          // the slot's last mark, which takeSlot() has not seen; 0: none
+    std::array<CommandsRef, kAppSlots> slotCommands_{};  // that were encoded last with the slot, retained to see whether they failed
+    std::map<uint32_t, Composer> composers_;
+    PipelineId readScene_[2][2];             // [without layers][four samples]
+    DepthStencilRef keepDepth_, nearer_[2];  // compose(); composeDepth() where less is nearer, where greater is
+    std::array<LayerSlot, kAppSlots> layerSlots_;
+    std::array<CommandsRef, kAppSlots> submissions_{};  // begun and not committed
+};
+
+/** On an app's id<MTLDevice> and id<MTLCommandQueue>. Errors as lendSeam() and createMetalBackend(). */
+Result<std::unique_ptr<MetalBackend>> createBackendOn(void* device, void* queue);
+/** On a seam. `lent`: slots and composers work, as on a device of an app. */
+Result<std::unique_ptr<MetalBackend>> createBackendOn(std::unique_ptr<Seam> seam, bool lent);
+
+}  // namespace dpl::mtl
