@@ -24,6 +24,7 @@ namespace dpl::api {
 
 class Loader;
 struct VulkanSide;
+struct MetalSide;
 
 /** The object behind a DplContext. Avatars share ownership, so that context and avatars may be destroyed in any order. */
 struct Context {
@@ -39,7 +40,8 @@ struct Context {
     double frameBudgetMs = 0;            // of dplSetFrameBudget; 0: none
     uint64_t memoryLimit = 0;            // of dplSetMemoryLimit, bytes; 0: none
     std::vector<Cameraf> cameras;        // scratch of a draw, kept to save allocations
-    std::shared_ptr<VulkanSide> vulkan;  // of a context on an app's device (vulkan.cpp); else null
+    std::shared_ptr<VulkanSide> vulkan;  // of a context on an app's Vulkan device (vulkan.cpp); else null
+    std::shared_ptr<MetalSide> metal;    // of a context on an app's Metal device (metal.cpp); else null
     Context();
     ~Context();
 };

@@ -32,7 +32,8 @@ Result<std::shared_ptr<Context>> contextOf(DplContext handle) {
 Status checkUsable(const Context& context) {
     if (!context.renderer) return fail(Code::InvalidArgument, "the context was destroyed");
     if (context.renderer->lost())
-        return fail(Code::Device, "the graphics device was lost; dplRebuildVulkan keeps the avatars and makes the rest anew");
+        return fail(Code::Device,
+                    "the graphics device was lost; dplRebuildVulkan (or dplRebuildMetal) keeps the avatars and makes the rest anew");
     return {};
 }
 

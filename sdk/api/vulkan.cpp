@@ -2,10 +2,10 @@
 // Contexts on a program's own Vulkan device, and the frames that become part of the program's frames.
 #include "sdk/include/doppel/doppel_vulkan.h"
 
-#include <cmath>
 #include <iterator>
 
 #include "sdk/api/api_state.h"
+#include "sdk/api/app_frame.h"
 #include "sdk/api/create_renderer.h"
 #include "sdk/api/scene.h"
 #include "sdk/backend/vulkan/vk_backend.h"
@@ -22,7 +22,6 @@ struct VulkanSide {
 namespace {
 
 static_assert(DPL_VULKAN_SLOTS == kAppSlots && DPL_VULKAN_DEPTH_COVERAGE == gpu::kDepthCoverage);
-static_assert(DPL_DRAW_DEPTH == int(PictureDepth::Splats) && DPL_DRAW_MESH_DEPTH == int(PictureDepth::Mesh));
 
 constexpr DplVulkanRequirement kRequirements[] = {
     {0, "VkPhysicalDeviceProperties::apiVersion >= VK_API_VERSION_1_1", DPL_TRUE, "the least that Doppel draws with"},
@@ -74,6 +73,8 @@ Result<NewRenderer> rebuilt(const Context& context, const DplVulkanDevice* devic
     if (!context.renderer) return fail(Code::InvalidArgument, "the context was destroyed");
     if (context.renderer->identity().empty())
         return fail(Code::InvalidArgument, "the context draws on the CPU ({}): there is no device to lose", context.rendererName);
+    if (drawsByMetal(*context.renderer))
+        return fail(Code::InvalidArgument, "the context draws by Metal ({}); dplRebuildMetal replaces its device", context.rendererName);
     if (context.vulkan && !device)
         return fail(Code::InvalidArgument,
                     "device is NULL, but the context was made on a device of the program; open a new one and give it");
@@ -98,11 +99,6 @@ vk::AppPass passOf(const DplVulkanPass& given) {
     pass.colour = given.colourFormat, pass.depth = given.depthFormat, pass.stencil = given.stencilFormat;
     pass.written = PictureDepth(given.writesDepth);
     return pass;
-}
-
-Status checkProjection(float scale, float offset) {
-    if (std::isfinite(scale) && std::isfinite(offset) && offset != 0) return {};
-    return fail(Code::InvalidArgument, "a depth with scale {} and offset {}; both must be finite, and offset not 0", scale, offset);
 }
 
 /** Whether a shader may read a depth image in this layout. Layouts of extensions that are not known here may. */
@@ -141,62 +137,18 @@ Status takeDepths(const DplVulkanSceneDepth* depths, uint32_t viewCount, vk::Sce
     return {};
 }
 
-/** Records the frame of a slot that was taken. */
-Status encode(Scene& scene, VulkanSide& side, const FrameWants& wants, const AppFrame& frame) {
-    Drawn what[DPL_MAX_TOGETHER];
-    setDetailOfDraw(*scene.context, scene.first());
-    DPL_TRY(const std::span<const EncodedView> encoded,
-            side.renderer.encodeTogether(scene.drawn(what), scene.context->cameras, wants, frame));
-    LayerPlace places[DPL_MAX_VIEWS];
-    for (size_t v = 0; v < encoded.size(); ++v) {
-        const EncodedView& e = encoded[v];
-        places[v] = {e.target, e.view, e.tilePixels, e.counts, e.tileDepthOffset, e.meshDepth};
-    }
-    return side.backend.setLayers(frame.slot, {places, encoded.size()});
-}
-
-/** What prepare does with a slot once it has taken it: begin() gives the commands to record into, end() follows the recording. */
-struct Recording {
-    FunctionRef<Result<AppCommands>(vk::VulkanBackend&)> begin;
-    FunctionRef<Status(vk::VulkanBackend&)> end;
-};
-
 Status prepare(DplContext context, uint32_t slot, std::span<const DplAvatar> avatars, const DplCamera* views, uint32_t viewCount,
-               const DplVulkanSceneDepth* depths, const Recording& recording) {
+               const DplVulkanSceneDepth* depths, FunctionRef<Result<AppCommands>(vk::VulkanBackend&)> begin,
+               FunctionRef<Status(vk::VulkanBackend&)> end) {
     DPL_TRY(Scene scene, sceneOf(context, avatars, viewCount));
     DPL_TRY(VulkanSide * side, sideOf(*scene.context));
     DPL_CHECK_OK(takeViews(scene, views, viewCount));
-    FrameWants wants;
-    std::copy(std::begin(scene.sceneDepthM), std::end(scene.sceneDepthM), wants.sceneDepthM);
     vk::SceneImage images[DPL_MAX_VIEWS];
-    wants.sceneEncoded = depths != nullptr;
-    const uint32_t written = side->backend.depthsWritten();
-    wants.depth = written & DPL_DRAW_DEPTH;
-    for (size_t i = 0; i < scene.count; ++i) wants.meshDepth |= (written & DPL_DRAW_MESH_DEPTH) && !scene.avatars[i]->data->joints.empty();
     if (depths) {
         DPL_CHECK_OK(takeDepths(depths, viewCount, images));
     }
-    const Cameraf& first = scene.context->cameras[0];
-    AppCommands commands;
-    const auto encodeScene = [&](BufferId to, uint32_t firstView, uint32_t count) -> Status {
-        for (uint32_t v = 0; v < count; ++v) {
-            DPL_CHECK_OK(
-                side->backend.readScene(slot, firstView + v, v, first.widthPx, first.heightPx, images[firstView + v], to, commands));
-        }
-        return {};
-    };
-    DPL_CHECK_OK(side->backend.takeSlot(slot));
-    DPL_CHECK_OK(checkUsable(*scene.context));  // the slot's times may have told that the device was lost
-    const Status recorded = [&]() -> Status {
-        DPL_TRY(commands, recording.begin(side->backend));
-        DPL_CHECK_OK(side->backend.encodeCopies(slot, commands, /*endsSlot=*/false));
-        DPL_CHECK_OK(encode(scene, *side, wants, {slot, commands, encodeScene}));
-        return recording.end(side->backend);
-    }();
-    if (!recorded) {
-        DPL_CHECK_OK(side->backend.dropSlot(slot));  // what was recorded need not be submitted
-    }
-    return recorded;
+    return preparePictures(scene, *side, slot, std::span<const vk::SceneImage>(images, depths ? viewCount : 0),
+                           {[&] { return begin(side->backend); }, [&] { return end(side->backend); }});
 }
 
 /** Reads a submission. InvalidArgument: a list or a handle is missing. */
@@ -313,7 +265,7 @@ extern "C" DplResult dplVulkanPrepare(DplContext context, VkCommandBuffer comman
         DPL_TRY(const auto set, together(avatars, avatarCount));
         const auto begin = [&](vk::VulkanBackend&) -> Result<AppCommands> { return AppCommands{commands}; };
         const auto end = [](vk::VulkanBackend&) { return Status(); };
-        return prepare(context, slot, set, views, viewCount, depths, {begin, end});
+        return prepare(context, slot, set, views, viewCount, depths, begin, end);
     });
 }
 
@@ -349,7 +301,7 @@ extern "C" DplResult dplVulkanSubmit(DplContext context, uint32_t target, uint32
         DPL_TRY(const auto set, together(avatars, avatarCount));
         const auto begin = [&](vk::VulkanBackend& backend) { return backend.beginSubmission({target}, slot, viewCount); };
         const auto end = [&](vk::VulkanBackend& backend) { return backend.submitTo({target}, slot, {given.x, given.y}, submission); };
-        return prepare(context, slot, set, views, viewCount, depths, {begin, end});
+        return prepare(context, slot, set, views, viewCount, depths, begin, end);
     });
 }
 

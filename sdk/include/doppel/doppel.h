@@ -111,6 +111,7 @@ typedef enum DplRenderer {
     DPL_RENDERER_AUTO = 0,     /**< a GPU if there is one, else the CPU; never a GPU that is emulated on the CPU */
     DPL_RENDERER_SOFTWARE = 1, /**< the CPU */
     DPL_RENDERER_VULKAN = 2,   /**< Vulkan 1.1 on any device, also an emulated one; DPL_ERROR_UNSUPPORTED if there is none */
+    DPL_RENDERER_METAL = 3,    /**< Metal, on the device of the system; DPL_ERROR_UNSUPPORTED if there is none. Experimental */
     DPL_RENDERER_FORCE_INT32 = 0x7fffffff
 } DplRenderer;
 

@@ -196,6 +196,11 @@ TEST_F(ApiTest, contextsRefuseInvalidSettings) {
     EXPECT_EQ(dplCreateContext(&info, &other), DPL_ERROR_INVALID_ARGUMENT);
     info = {sizeof info, DplRenderer(77), 1};
     EXPECT_EQ(dplCreateContext(&info, &other), DPL_ERROR_INVALID_ARGUMENT);
+#ifndef __APPLE__
+    info = {sizeof info, DPL_RENDERER_METAL, 1};
+    EXPECT_EQ(dplCreateContext(&info, &other), DPL_ERROR_UNSUPPORTED);
+    EXPECT_NE(std::string(dplGetLastError()).find("without Metal"), std::string::npos) << dplGetLastError();
+#endif
     info = {1, DPL_RENDERER_SOFTWARE, 1};
     EXPECT_EQ(dplCreateContext(&info, &other), DPL_ERROR_INVALID_ARGUMENT);
     EXPECT_EQ(other, nullptr);
