@@ -8,7 +8,7 @@
 // All frames in flight share the images; the passes' dependencies keep them in order on one queue.
 #pragma once
 
-#include "platform/desktop/device.h"
+#include "platform/common/device.h"
 
 namespace dpl::platform {
 

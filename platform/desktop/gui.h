@@ -2,7 +2,8 @@
 // Dear ImGui with Debian's GLFW and Vulkan backends. What differs between the versions of Debian 12, Debian 13 and Ubuntu is in gui.cpp.
 #pragma once
 
-#include "platform/desktop/device.h"
+#include "platform/common/device.h"
+#include "platform/desktop/window.h"
 
 namespace dpl::platform {
 

@@ -3,65 +3,26 @@
 
 #include <imgui.h>
 
+#include "platform/common/frame_slots.h"
+#include "platform/common/swapchain.h"
 #include "platform/desktop/canvas.h"
 #include "platform/desktop/gui.h"
-#include "platform/desktop/swapchain.h"
+#include "platform/desktop/window.h"
 
 namespace dpl::platform {
-
-/** What one frame in flight uses. */
-struct FrameSlot {
-    VkCommandBuffer commands = VK_NULL_HANDLE;
-    VkFence done = VK_NULL_HANDLE;
-    VkSemaphore imageReady = VK_NULL_HANDLE;
-};
-
-/** Command buffers, fences and semaphores of the slots. */
-struct FrameSlots {
-    explicit FrameSlots(Device& d) : device(d) {
-        VkCommandPoolCreateInfo poolInfo{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
-        poolInfo.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
-        poolInfo.queueFamilyIndex = device.family();
-        DPL_VK(vkCreateCommandPool(device.device(), &poolInfo, nullptr, &pool));
-        for (FrameSlot& slot : all) {
-            VkCommandBufferAllocateInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
-            buffer.commandPool = pool;
-            buffer.commandBufferCount = 1;
-            DPL_VK(vkAllocateCommandBuffers(device.device(), &buffer, &slot.commands));
-            VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-            fence.flags = VK_FENCE_CREATE_SIGNALED_BIT;
-            DPL_VK(vkCreateFence(device.device(), &fence, nullptr, &slot.done));
-            const VkSemaphoreCreateInfo semaphore{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
-            DPL_VK(vkCreateSemaphore(device.device(), &semaphore, nullptr, &slot.imageReady));
-        }
-    }
-    ~FrameSlots() {
-        for (const FrameSlot& slot : all) {
-            vkDestroyFence(device.device(), slot.done, nullptr);
-            vkDestroySemaphore(device.device(), slot.imageReady, nullptr);
-        }
-        vkDestroyCommandPool(device.device(), pool, nullptr);
-    }
-    FrameSlots(const FrameSlots&) = delete;
-    FrameSlots& operator=(const FrameSlots&) = delete;
-
-    Device& device;
-    VkCommandPool pool = VK_NULL_HANDLE;
-    FrameSlot all[DPL_VULKAN_SLOTS];
-};
 
 struct Shell::Parts {
     explicit Parts(const ShellInfo& info)
         : window(info.title, info.widthPx, info.heightPx),
           windowDone(info, "window"),
-          device(window, info.validation),
+          device(window.presentation(info.validation)),
           deviceDone(info, "Vulkan instance and device"),
           canvas(device),
           room(device.handles(), {canvas.roomPass(), 0, kCanvasSamples, 0}),
           roomDone(info, "pipelines of the room"),
           gui(window, device, canvas.finishingPass(), DPL_VULKAN_SLOTS),
           guiDone(info, "font and pipeline of the panels"),
-          swapchain(device),
+          swapchain(device, window.makeSurface(device.instance()), VK_IMAGE_USAGE_TRANSFER_DST_BIT),
           slots(device) {}
 
     /** Tells that the members before it are made. */

@@ -44,11 +44,18 @@ Window::~Window() {
     glfwTerminate();
 }
 
-std::vector<const char*> Window::instanceExtensions() {
+Presentation Window::presentation(bool validation) const {
     uint32_t count = 0;
     const char** names = glfwGetRequiredInstanceExtensions(&count);
     if (!names) throw std::runtime_error("no Vulkan driver can show pictures in a window here; install one (Debian: mesa-vulkan-drivers)");
-    return {names, names + count};
+    Presentation made;
+    made.applicationName = "doppel-viewer";
+    made.instanceExtensions.assign(names, names + count);
+    made.canPresent = [](VkInstance instance, VkPhysicalDevice physical, uint32_t family) {
+        return glfwGetPhysicalDevicePresentationSupport(instance, physical, family) == GLFW_TRUE;
+    };
+    made.validation = validation;
+    return made;
 }
 
 VkSurfaceKHR Window::makeSurface(VkInstance instance) const {

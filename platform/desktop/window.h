@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "platform/common/device.h"
+
 struct GLFWwindow;
 
 namespace dpl::platform {
@@ -19,8 +21,8 @@ public:
     Window(const Window&) = delete;
     Window& operator=(const Window&) = delete;
 
-    /** Instance extensions that makeSurface needs; throws if the display cannot show Vulkan. */
-    static std::vector<const char*> instanceExtensions();
+    /** For the device that shows pictures in this window; throws if the display cannot show Vulkan. */
+    Presentation presentation(bool validation) const;
     VkSurfaceKHR makeSurface(VkInstance instance) const;
 
     /** Handles events. While the window is minimised, waits for the next one, at most 0.1 s. */

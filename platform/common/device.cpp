@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "platform/desktop/device.h"
+#include "platform/common/device.h"
 
 #include <algorithm>
 #include <cstring>
@@ -29,16 +29,15 @@ bool hasSwapchains(VkPhysicalDevice physical) {
 }
 
 /** The first queue family that draws, computes and presents; -1: none. */
-int familyOf(VkPhysicalDevice physical, VkSurfaceKHR surface) {
+int familyOf(VkInstance instance, VkPhysicalDevice physical, const Presentation& presentation) {
     uint32_t count = 0;
     vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
     std::vector<VkQueueFamilyProperties> families(count);
     vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
     constexpr VkQueueFlags kNeeded = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
     for (uint32_t i = 0; i < count; ++i) {
-        VkBool32 presents = VK_FALSE;
-        DPL_VK(vkGetPhysicalDeviceSurfaceSupportKHR(physical, i, surface, &presents));
-        if ((families[i].queueFlags & kNeeded) == kNeeded && presents) return int(i);
+        if ((families[i].queueFlags & kNeeded) != kNeeded) continue;
+        if (!presentation.canPresent || presentation.canPresent(instance, physical, i)) return int(i);
     }
     return -1;
 }
@@ -59,11 +58,10 @@ int rankOf(VkPhysicalDeviceType type) {
 
 }  // namespace
 
-Device::Device(const Window& window, bool validation) {
+Device::Device(const Presentation& presentation) {
     try {
-        makeInstance(validation);
-        surface_ = window.makeSurface(instance_);
-        choosePhysical();
+        makeInstance(presentation);
+        choosePhysical(presentation);
         makeDevice();
     } catch (...) {
         destroy();
@@ -78,17 +76,17 @@ Device::~Device() {
 void Device::destroy() {
     if (handles_.device) vkDestroyDevice(handles_.device, nullptr);
     if (!instance_) return;
-    vkDestroySurfaceKHR(instance_, surface_, nullptr);
     if (messenger_)
         reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(vkGetInstanceProcAddr(instance_, "vkDestroyDebugUtilsMessengerEXT"))(
             instance_, messenger_, nullptr);
     vkDestroyInstance(instance_, nullptr);
 }
 
-void Device::makeInstance(bool validation) {
-    std::vector<const char*> extensions = Window::instanceExtensions();
+void Device::makeInstance(const Presentation& presentation) {
+    const bool validation = presentation.validation;
+    std::vector<const char*> extensions = presentation.instanceExtensions;
     VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
-    application.pApplicationName = "doppel-viewer";
+    application.pApplicationName = presentation.applicationName.c_str();
     application.apiVersion = VK_API_VERSION_1_1;
     VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
     info.pApplicationInfo = &application;
@@ -124,7 +122,7 @@ void Device::makeInstance(bool validation) {
         instance_, &messenger, nullptr, &messenger_));
 }
 
-void Device::choosePhysical() {
+void Device::choosePhysical(const Presentation& presentation) {
     uint32_t count = 0;
     DPL_VK(vkEnumeratePhysicalDevices(instance_, &count, nullptr));
     std::vector<VkPhysicalDevice> all(count);
@@ -135,19 +133,19 @@ void Device::choosePhysical() {
         VkPhysicalDeviceProperties properties{};
         vkGetPhysicalDeviceProperties(physical, &properties);
         if (properties.apiVersion < VK_API_VERSION_1_1 || !hasSwapchains(physical)) continue;
-        const int family = familyOf(physical, surface_), rank = rankOf(properties.deviceType);
+        const int family = familyOf(instance_, physical, presentation), rank = rankOf(properties.deviceType);
         if (family < 0 || rank <= best) continue;
         best = rank;
         handles_.physical = physical, family_ = uint32_t(family), name_ = properties.deviceName;
     }
-    if (!handles_.physical) throw std::runtime_error("no Vulkan device here can draw, compute and show pictures in a window");
+    if (!handles_.physical) throw std::runtime_error("no Vulkan 1.1 device here can draw, compute and show pictures in a window");
 }
 
 void Device::makeDevice() {
     VkPhysicalDeviceFeatures has{};
     vkGetPhysicalDeviceFeatures(physical(), &has);
     enabled_.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2;
-    // What dplGetVulkanRequirement lists as optional, except multiview: the window shows one view.
+    // What dplGetVulkanRequirement lists as optional, except multiview: a window shows one view.
     enabled_.features.sampleRateShading = has.sampleRateShading;
     enabled_.features.shaderStorageImageExtendedFormats = has.shaderStorageImageExtendedFormats;
     const float priority = 1;

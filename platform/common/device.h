@@ -10,16 +10,23 @@
 #include <vector>
 
 #include "platform/common/vulkan_help.h"
-#include "platform/desktop/window.h"
 
 namespace dpl::platform {
 
+/** How a platform shows pictures: what its surfaces need of an instance and a device. */
+struct Presentation {
+    std::string applicationName;
+    std::vector<const char*> instanceExtensions;  // static texts
+    /** Whether a queue family can show pictures. Empty: every one can. Called while the device is made. */
+    std::function<bool(VkInstance, VkPhysicalDevice, uint32_t family)> canPresent;
+    bool validation = false;  // load the validation layer with synchronisation validation, and collect what it says
+};
+
 class Device {
 public:
-    /** Takes the best device that can show pictures in the window: a discrete GPU before an integrated one before an emulated one.
-     *  validation: loads the validation layer with synchronisation validation, and collects what it says. Throws a sentence if there is no
-     *  such device or no such layer. The window must outlive the device. */
-    Device(const Window& window, bool validation);
+    /** Takes the best device that can show pictures: a discrete GPU before an integrated one before an emulated one. Throws a sentence if
+     *  there is no such device, or no validation layer where one is wanted. */
+    explicit Device(const Presentation& presentation);
     ~Device();
     Device(const Device&) = delete;
     Device& operator=(const Device&) = delete;
@@ -28,7 +35,6 @@ public:
     VkDevice device() const { return handles_.device; }
     VkPhysicalDevice physical() const { return handles_.physical; }
     VkInstance instance() const { return instance_; }
-    VkSurfaceKHR surface() const { return surface_; }
     VkQueue queue() const { return queue_; }
     uint32_t family() const { return family_; }
     const std::string& name() const { return name_; }
@@ -46,14 +52,13 @@ public:
     std::vector<std::string> complaints() const;
 
 private:
-    void makeInstance(bool validation);
-    void choosePhysical();
+    void makeInstance(const Presentation& presentation);
+    void choosePhysical(const Presentation& presentation);
     void makeDevice();
     void destroy();
 
     VkInstance instance_ = VK_NULL_HANDLE;
     VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
-    VkSurfaceKHR surface_ = VK_NULL_HANDLE;
     VulkanHandles handles_;
     VkQueue queue_ = VK_NULL_HANDLE;
     uint32_t family_ = 0;

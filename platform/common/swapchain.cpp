@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "platform/desktop/swapchain.h"
+#include "platform/common/swapchain.h"
 
 #include <algorithm>
 
@@ -7,11 +7,11 @@ namespace dpl::platform {
 namespace {
 
 /** A format of display values without conversion: the picture is encoded already. */
-VkSurfaceFormatKHR formatOf(const Device& device) {
+VkSurfaceFormatKHR formatOf(const Device& device, VkSurfaceKHR surface) {
     uint32_t count = 0;
-    DPL_VK(vkGetPhysicalDeviceSurfaceFormatsKHR(device.physical(), device.surface(), &count, nullptr));
+    DPL_VK(vkGetPhysicalDeviceSurfaceFormatsKHR(device.physical(), surface, &count, nullptr));
     std::vector<VkSurfaceFormatKHR> formats(count);
-    DPL_VK(vkGetPhysicalDeviceSurfaceFormatsKHR(device.physical(), device.surface(), &count, formats.data()));
+    DPL_VK(vkGetPhysicalDeviceSurfaceFormatsKHR(device.physical(), surface, &count, formats.data()));
     formats.resize(count);
     for (const VkSurfaceFormatKHR& format : formats)
         if (format.format == VK_FORMAT_B8G8R8A8_UNORM || format.format == VK_FORMAT_R8G8B8A8_UNORM) return format;
@@ -29,26 +29,38 @@ VkImageMemoryBarrier barrierOf(VkImage image, VkImageLayout from, VkImageLayout 
 
 }  // namespace
 
+Swapchain::Swapchain(Device& device, VkSurfaceKHR surface, VkImageUsageFlags usage) : device_(device), surface_(surface), usage_(usage) {
+    VkBool32 presents = VK_FALSE;
+    const VkResult asked = vkGetPhysicalDeviceSurfaceSupportKHR(device.physical(), device.family(), surface, &presents);
+    if (asked == VK_SUCCESS && presents) return;
+    destroy();
+    checkVulkan(asked, "vkGetPhysicalDeviceSurfaceSupportKHR");
+    throw std::runtime_error("the graphics device " + device.name() + " cannot show pictures in this window");
+}
+
 bool Swapchain::make(VkExtent2D windowPx) {
     device_.waitIdle();
     VkSurfaceCapabilitiesKHR can{};
-    DPL_VK(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device_.physical(), device_.surface(), &can));
+    DPL_VK(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device_.physical(), surface_, &can));
     VkExtent2D size = can.currentExtent;
     if (size.width == UINT32_MAX)
         size = {std::clamp(windowPx.width, can.minImageExtent.width, can.maxImageExtent.width),
                 std::clamp(windowPx.height, can.minImageExtent.height, can.maxImageExtent.height)};
     if (size.width == 0 || size.height == 0) return false;
-    if (!(can.supportedUsageFlags & VK_IMAGE_USAGE_TRANSFER_DST_BIT)) throw std::runtime_error("pictures cannot be copied into the window");
-    const VkSurfaceFormatKHR format = formatOf(device_);
+    if ((can.supportedUsageFlags & usage_) != usage_) throw std::runtime_error("pictures cannot be put into the window");
+    const VkSurfaceFormatKHR format = formatOf(device_, surface_);
+    // Displays that turn the images by a quarter give the size of the window and take images of the size before the turn.
+    constexpr VkSurfaceTransformFlagsKHR kQuarterTurns = VK_SURFACE_TRANSFORM_ROTATE_90_BIT_KHR | VK_SURFACE_TRANSFORM_ROTATE_270_BIT_KHR;
+    if (can.currentTransform & kQuarterTurns) std::swap(size.width, size.height);
     const VkSwapchainKHR old = swapchain_;
     VkSwapchainCreateInfoKHR info{VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR};
-    info.surface = device_.surface();
+    info.surface = surface_;
     info.minImageCount = std::max(can.minImageCount, can.maxImageCount == 0 ? 3u : std::min(3u, can.maxImageCount));
     info.imageFormat = format.format;
     info.imageColorSpace = format.colorSpace;
     info.imageExtent = size;
     info.imageArrayLayers = 1;
-    info.imageUsage = VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+    info.imageUsage = usage_;
     info.preTransform = can.currentTransform;
     info.compositeAlpha = (can.supportedCompositeAlpha & VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR) ? VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR
                                                                                             : VK_COMPOSITE_ALPHA_INHERIT_BIT_KHR;
@@ -59,6 +71,7 @@ bool Swapchain::make(VkExtent2D windowPx) {
     DPL_VK(vkCreateSwapchainKHR(device_.device(), &info, nullptr, &made));
     vkDestroySwapchainKHR(device_.device(), old, nullptr);
     swapchain_ = made, size_ = size, madeFor_ = windowPx, stale_ = false;
+    format_ = format.format, transform_ = can.currentTransform, ++generation_;
     uint32_t count = 0;
     DPL_VK(vkGetSwapchainImagesKHR(device_.device(), swapchain_, &count, nullptr));
     images_.resize(count);
@@ -78,16 +91,18 @@ void Swapchain::destroySemaphores() {
 void Swapchain::destroy() {
     destroySemaphores();
     vkDestroySwapchainKHR(device_.device(), swapchain_, nullptr);
+    vkDestroySurfaceKHR(device_.instance(), surface_, nullptr);
 }
 
-std::optional<uint32_t> Swapchain::acquire(VkExtent2D windowPx, VkSemaphore ready) {
+std::optional<uint32_t> Swapchain::acquire(VkExtent2D windowPx, VkSemaphore ready, uint64_t timeoutNs) {
     if (windowPx.width == 0 || windowPx.height == 0) return std::nullopt;
     for (int attempt = 0; attempt < 3; ++attempt) {
         const bool other = madeFor_.width != windowPx.width || madeFor_.height != windowPx.height;
         if ((stale_ || other) && !make(windowPx)) return std::nullopt;
         uint32_t index = 0;
-        const VkResult result = vkAcquireNextImageKHR(device_.device(), swapchain_, UINT64_MAX, ready, VK_NULL_HANDLE, &index);
+        const VkResult result = vkAcquireNextImageKHR(device_.device(), swapchain_, timeoutNs, ready, VK_NULL_HANDLE, &index);
         if (result == VK_SUCCESS || result == VK_SUBOPTIMAL_KHR) return index;
+        if (result == VK_TIMEOUT || result == VK_NOT_READY) return std::nullopt;
         if (result != VK_ERROR_OUT_OF_DATE_KHR) checkVulkan(result, "vkAcquireNextImageKHR");
         stale_ = true;
     }
