@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Transfers the motion of one skeleton to another rig by humanoid bone names.
 //
-// D is the world rotation of a bone since its rest pose. Rest poses differ (T-pose or A-pose, straight or bent fingers). Each target bone k
-// therefore has a constant rotation A_k that turns its rest direction to that of the source bone:   D_target = D_source · A_k.
-// Limbs then point exactly where those of the source point. Torso, head, shoulders and feet use A = 1, because both skeletons stand upright
-// at rest; this keeps the target's own build.
+// Directions are exact (bone_follower.h).
 // What then still looks wrong is corrected last, by options: heads that do not look ahead and feet that slide.
 #pragma once
 
