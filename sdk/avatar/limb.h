@@ -8,6 +8,9 @@
 
 namespace dpl {
 
+inline const Quatf kNoTurn(1, 0, 0, 0);
+constexpr float kWristTwistShare = 0.5f;  // of the twist of a wrist that the lower arm takes: one that turns alone would break
+
 /** The shortest rotation from direction `from` to `to`; lengths do not matter. Identity if one has no length. */
 Quatf shortestTurn(const Vec3f& from, const Vec3f& to);
 

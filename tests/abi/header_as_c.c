@@ -43,6 +43,9 @@ int main(void) {
         CHECK(sizeof(DplClipOptions) == 24 && offsetof(DplClipOptions, animation) == 16);
         CHECK(sizeof(DplDetail) == 12);
         CHECK(sizeof(DplPoseTrust) == 24 && offsetof(DplPoseTrust, farthestJoint) == 16);
+        CHECK(sizeof(DplTrackerInfo) == 32 && offsetof(DplTrackerInfo, restRotations) == 16);
+        CHECK(sizeof(DplTrackFrame) == 40 && offsetof(DplTrackFrame, timeNs) == 8 && offsetof(DplTrackFrame, confidence) == 32);
+        CHECK(sizeof(DplTrackerStatus) == 36 && offsetof(DplTrackerStatus, rateHz) == 20);
         CHECK(sizeof(DplFrameStats) == 144 && offsetof(DplFrameStats, frameMs) == 120 && offsetof(DplFrameStats, budgetState) == 140 &&
               offsetof(DplFrameStats, splatsAllowed) == 104 && offsetof(DplFrameStats, componentCount) == 112 &&
               offsetof(DplFrameStats, avatarBytes) == 64 && offsetof(DplFrameStats, tileEntries) == 96 &&
@@ -50,7 +53,8 @@ int main(void) {
         CHECK(sizeof(DplPassTime) == 24 && offsetof(DplPassTime, milliseconds) == 16);
     }
     CHECK(sizeof(DplResult) == 4 && sizeof(DplRenderer) == 4 && sizeof(DplFill) == 4 && sizeof(DplDrawFlag) == 4 &&
-          sizeof(DplImageFormat) == 4 && sizeof(DplBudgetState) == 4 && sizeof(DplLoadState) == 4);
+          sizeof(DplImageFormat) == 4 && sizeof(DplBudgetState) == 4 && sizeof(DplLoadState) == 4 && sizeof(DplTrackFormat) == 4 &&
+          sizeof(DplTrackerFlag) == 4 && sizeof(DplTrackerState) == 4);
 
     CHECK(sizeof(DplClipDepth) == 4 && sizeof(DplAxes) == 4 && dplSecondsBetween(1, 1000000001) == 1);
 

@@ -64,6 +64,7 @@ extern "C" {
 typedef struct DplContextHandle* DplContext;
 typedef struct DplAvatarHandle* DplAvatar;
 typedef struct DplLoadHandle* DplLoad;
+typedef struct DplTrackerHandle* DplTracker;
 
 typedef enum DplResult {
     DPL_OK = 0,
@@ -337,6 +338,119 @@ typedef struct DplClipOptions {
  *  DPL_ERROR_CORRUPT_DATA: damaged file. DPL_ERROR_NOT_FOUND: no such animation in the file. DPL_ERROR_UNSUPPORTED: the skeletons have too
  *  few bones in common; the text lists joints. DPL_ERROR_INVALID_ARGUMENT: general splats, which have no joints. */
 DPL_API DplResult dplLoadClip(DplAvatar avatar, const uint8_t* data, size_t size, const DplClipOptions* options, uint32_t* clip);
+
+/* ---------------------------------------------------------------- driving from trackers */
+
+/* A tracker turns what a platform tells of a person into poses of one avatar.
+ *
+ *   dplCreateTracker ─► whenever the platform has news: dplTrackFrame ─► each picture: dplSetPoseFromTracker ─► draw     dplDestroyTracker
+ *
+ * Joints come as world rotations and positions in one space of the program's choice: right-handed, +Y up, metres (Unity's: left-handed),
+ * such as ARKit's world. "left" is the person's own left. Times are nanoseconds of any one clock that frames and pictures share.
+ *
+ * Frames are smoothed by a One-Euro filter whose cut-offs follow from the rate and noise of the stream, and extrapolated to the time of the
+ * picture, by at most 0.05 s. A joint without news holds for 0.3 s; then it passes over to the pose beneath within 0.5 s, and back within
+ * 0.25 s when it is tracked again. Nothing jumps. Formulas, tables and measured errors: docs/reference/driving.md.
+ *
+ * Threads. dplTrackFrame never waits for drawing or loading, so a camera's thread may call it. */
+
+/** What a frame holds: which joints, in which order. dplGetTrackJointName names them. */
+typedef enum DplTrackFormat {
+    /** 55 bones of the VRM 1.0 humanoid, parents first: hips, spine, chest ... Rest may be NULL: a T-pose that faces +Z, identity
+       rotations. */
+    DPL_TRACK_VRM = 0,
+    /** 55 bones in the order of HumanBodyBones, as Transform.rotation and position give them in Unity's left-handed world. Rest: the same
+     * of a T-pose. */
+    DPL_TRACK_UNITY = 1,
+    /** 91 joints of ARSkeleton3D: jointModelTransforms, each behind the anchor's transform. Rest: jointModelTransforms of
+     *  ARSkeletonDefinition.neutralBodySkeleton3D. */
+    DPL_TRACK_ARKIT_BODY = 2,
+    /** 70 joints of XR_FB_body_tracking, which knows no legs: these stand below the hips. Rest: xrGetBodySkeletonFB. */
+    DPL_TRACK_FB_BODY = 3,
+    /** 53 poses of OpenXR: the head (view space), 26 joints of the left hand, 26 of the right (XrHandJointEXT). Rest: NULL. Arms reach for
+     *  the wrists. The body stands below the head and turns once the head has turned 50 degrees away from it. */
+    DPL_TRACK_OPENXR_HANDS = 4,
+    /** 33 world landmarks of MediaPipe Pose. Positions only, and as MediaPipe gives them: y down, z away from the camera. rotations and
+     * rest: NULL. confidence: visibility. Twists that points do not tell are chosen as arms and legs usually hang. */
+    DPL_TRACK_MEDIAPIPE_POSE = 5,
+    DPL_TRACK_FORCE_INT32 = 0x7fffffff
+} DplTrackFormat;
+
+typedef enum DplTrackerFlag {
+    /** Neither smooths nor extrapolates: for OpenXR, whose runtimes give poses for the display time. */
+    DPL_TRACKER_RAW = 1,
+    /** The avatar stands where the person stands in the tracker's space. Otherwise it starts above the origin, and its travel is scaled by
+     * the ratio of leg lengths. Feet stand on the avatar's floor, y = 0, either way. */
+    DPL_TRACKER_KEEP_PLACE = 2,
+    /** The avatar stays on its spot. With DPL_TRACK_OPENXR_HANDS, poses are then those of the avatar's own space, and its body turns not.
+     */
+    DPL_TRACKER_IN_PLACE = 4,
+    /** The pose beneath, which joints without data take, is the avatar's current one: set a clip's before each dplSetPoseFromTracker.
+     *  Otherwise it is the rest pose. */
+    DPL_TRACKER_OVER_POSE = 8,
+    DPL_TRACKER_FORCE_INT32 = 0x7fffffff
+} DplTrackerFlag;
+
+typedef struct DplTrackerInfo {
+    uint32_t structSize;
+    DplTrackFormat format;
+    uint32_t flags; /**< DplTrackerFlag, combined by | */
+    /** Joints of the rest pose: that of the format, or 0 without rest. */
+    uint32_t restCount;
+    const float* restRotations; /**< restCount quaternions (x, y, z, w), in one space. A bone that the model lacks: not finite */
+    const float* restPositions; /**< 3·restCount floats, metres, in the same space */
+} DplTrackerInfo;
+
+/** Makes a tracker for an avatar; info is copied. Free it with dplDestroyTracker, before or after the avatar.
+ *  DPL_ERROR_UNSUPPORTED: the avatar lacks hips, or both arms and legs; the text lists its joints. DPL_ERROR_CORRUPT_DATA: a rest that is
+ * not a standing person, or whose left and right are swapped. DPL_ERROR_INVALID_ARGUMENT: no rest where one is needed, wrong restCount,
+ * numbers that are not finite, general splats. */
+DPL_API DplResult dplCreateTracker(DplAvatar avatar, const DplTrackerInfo* info, DplTracker* tracker);
+
+/** NULL does nothing and gives DPL_OK. */
+DPL_API DplResult dplDestroyTracker(DplTracker tracker);
+
+/** Name of a joint in the platform's own words, such as "left_forearm_joint" or "LEFT_ARM_LOWER". Static text. joint: from 0;
+ *  DPL_ERROR_NOT_FOUND behind the last, or no such format. */
+DPL_API DplResult dplGetTrackJointName(DplTrackFormat format, uint32_t joint, const char** name);
+
+typedef struct DplTrackFrame {
+    uint32_t structSize;
+    uint32_t jointCount;     /**< that of the format */
+    int64_t timeNs;          /**< when the person was seen */
+    const float* rotations;  /**< 4·jointCount floats: quaternions (x, y, z, w) in the tracker's space. NULL: format of positions only */
+    const float* positions;  /**< 3·jointCount floats, metres */
+    const float* confidence; /**< jointCount floats, 0 to 1. Below 0.5: the joint is not tracked. NULL: all are */
+} DplTrackFrame;
+
+/** Gives a tracker what the platform knows; the arrays are copied. A joint with a number that is not finite, or a zero quaternion, counts
+ * as not tracked. Frames not later than the last are dropped; one more than a second earlier begins a new stream. Both give DPL_OK.
+ *  DPL_ERROR_CORRUPT_DATA, the frame is dropped and nothing is logged: left and right are swapped, or lengths are those of another
+ * skeleton. DPL_ERROR_INVALID_ARGUMENT: wrong jointCount, or rotations or positions missing. */
+DPL_API DplResult dplTrackFrame(DplTracker tracker, const DplTrackFrame* frame);
+
+typedef enum DplTrackerState {
+    DPL_TRACKER_WAITING = 0,  /**< for the first frame: the pose beneath shows */
+    DPL_TRACKER_TRACKING = 1, /**< the last frame is at most 0.3 s old */
+    DPL_TRACKER_LOST = 2,     /**< no usable frame for longer: the pose passes over to the one beneath, or has done so */
+    DPL_TRACKER_STATE_FORCE_INT32 = 0x7fffffff
+} DplTrackerState;
+
+typedef struct DplTrackerStatus {
+    uint32_t structSize;
+    DplTrackerState state;
+    uint32_t drivenJoints;  /**< joints of the avatar that follow the tracker now */
+    uint32_t framesTaken;   /**< since creation */
+    uint32_t framesDropped; /**< late, swapped or of another skeleton */
+    float rateHz;           /**< of the stream; 0: not known yet */
+    float noiseDeg;         /**< random part of a joint's rotation, standard deviation about one axis, median over joints */
+    float delayS;           /**< by which the filter lags, median over joints that move; extrapolation makes up for it */
+    float predictedS;       /**< by how much this pose was extrapolated */
+} DplTrackerStatus;
+
+/** Poses the tracker's avatar for a picture that is shown at displayTimeNs. status: NULL if not wanted. To stay near the trained poses,
+ * call dplHoldPose afterwards. Before the first frame the pose beneath is set. DPL_ERROR_INVALID_ARGUMENT: the avatar was destroyed. */
+DPL_API DplResult dplSetPoseFromTracker(DplTracker tracker, int64_t displayTimeNs, DplTrackerStatus* status);
 
 /* ---------------------------------------------------------------- drawing */
 

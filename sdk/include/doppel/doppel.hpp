@@ -81,6 +81,49 @@ Result<T> filled(Get get, Arguments... arguments) {
     return out;
 }
 
+/** Owns one tracker, which it destroys. Move-only, as Avatar. It may outlive its avatar, but then poses nothing. */
+class Tracker {
+public:
+    /** Takes ownership of `handle`. */
+    explicit Tracker(DplTracker handle) : handle_(handle) {}
+    Tracker(Tracker&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
+    Tracker& operator=(Tracker&& other) noexcept {
+        std::swap(handle_, other.handle_);
+        return *this;
+    }
+    ~Tracker() { dplDestroyTracker(handle_); }
+
+    DplTracker handle() const { return handle_; }
+    /** One frame of the platform; see dplTrackFrame. rotations: 4 floats a joint, or empty. positions: 3 a joint. confidence: 1 a joint, or
+     *  empty. */
+    Status frame(int64_t timeNs, std::span<const float> rotations, std::span<const float> positions,
+                 std::span<const float> confidence = {}) {
+        const size_t count = positions.size() / 3;
+        if (positions.size() != 3 * count || (!rotations.empty() && rotations.size() != 4 * count) ||
+            (!confidence.empty() && confidence.size() != count))
+            return Error{DPL_ERROR_INVALID_ARGUMENT, "a frame has 3 numbers a joint for positions, 4 for rotations and 1 for confidence"};
+        DplTrackFrame given{};
+        given.structSize = sizeof given, given.jointCount = uint32_t(count), given.timeNs = timeNs;
+        given.rotations = rotations.empty() ? nullptr : rotations.data(), given.positions = positions.data();
+        given.confidence = confidence.empty() ? nullptr : confidence.data();
+        return status(dplTrackFrame(handle_, &given));
+    }
+    /** Poses the avatar for a picture that is shown at displayTimeNs. */
+    Result<DplTrackerStatus> setPose(int64_t displayTimeNs) {
+        return filled<DplTrackerStatus>(dplSetPoseFromTracker, handle_, displayTimeNs);
+    }
+
+private:
+    DplTracker handle_ = nullptr;
+};
+
+/** Name of a joint of a tracker's format in the platform's words; see dplGetTrackJointName. */
+inline Result<const char*> trackJointName(DplTrackFormat format, uint32_t joint) {
+    const char* name = nullptr;
+    if (const DplResult r = dplGetTrackJointName(format, joint, &name); r != DPL_OK) return lastError(r);
+    return name;
+}
+
 /** Owns one avatar, which it destroys. Move-only: construction by move leaves the source empty, assignment by move swaps. */
 class Avatar {
 public:
@@ -131,6 +174,19 @@ public:
     }
     /** Turns joints back until none is farther from its training than `limit` standard deviations. */
     Status holdPose(float limit) { return status(dplHoldPose(handle_, limit)); }
+    /** A tracker that poses this avatar. rest: 4 and 3 floats a joint, or empty; flags: DplTrackerFlag. See dplCreateTracker. */
+    Result<Tracker> createTracker(DplTrackFormat format, uint32_t flags = 0, std::span<const float> restRotations = {},
+                                  std::span<const float> restPositions = {}) const {
+        if (restRotations.size() / 4 != restPositions.size() / 3)
+            return Error{DPL_ERROR_INVALID_ARGUMENT, "a rest pose has 4 floats a joint for rotations and 3 for positions"};
+        DplTrackerInfo wanted{};
+        wanted.structSize = sizeof wanted, wanted.format = format, wanted.flags = flags;
+        wanted.restCount = uint32_t(restPositions.size() / 3);
+        wanted.restRotations = restRotations.data(), wanted.restPositions = restPositions.data();
+        DplTracker made = nullptr;
+        if (const DplResult r = dplCreateTracker(handle_, &wanted, &made); r != DPL_OK) return lastError(r);
+        return Tracker(made);
+    }
     /** World positions of all joints in the current pose, 3 floats each, metres. */
     Result<std::vector<float>> jointPositions() const {
         auto about = info();
