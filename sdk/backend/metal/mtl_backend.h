@@ -190,7 +190,8 @@ private:
         CommandsRef commands_;
         ComputeEncoderRef compute_;
         BlitEncoderRef blit_;
-        LabelRef label_;  // of the step
+        LabelRef label_;        // of the step
+        bool barrier_ = false;  // the step needs what steps before it wrote; a new encoder waits for them anyway
     };
     Status play(const Frame& frame, CommandsRef commands);
     Result<CommandsRef> newCommands();

@@ -6,6 +6,8 @@
 namespace dpl::mtl {
 
 Result<ComputeEncoderRef> MetalBackend::Recorder::compute() {
+    if (compute_ && barrier_) seam_.barrier(compute_);
+    barrier_ = false;
     if (compute_) return compute_;
     close();
     compute_ = seam_.computeEncoder(commands_);
@@ -16,6 +18,8 @@ Result<ComputeEncoderRef> MetalBackend::Recorder::compute() {
 }
 
 Result<BlitEncoderRef> MetalBackend::Recorder::blit() {
+    if (barrier_) close();  // a blit encoder has no barriers
+    barrier_ = false;
     if (blit_) return blit_;
     close();
     blit_ = seam_.blitEncoder(commands_);
@@ -40,8 +44,7 @@ void MetalBackend::Recorder::close() {
 
 Status MetalBackend::Recorder::play(const RecordedStep& step) {
     label_ = step.label;
-    if (step.barrier && compute_) seam_.barrier(compute_);
-    if (step.barrier && blit_) close();  // a blit encoder has no barriers
+    barrier_ = step.barrier;
     return std::visit([&](const auto& s) { return play(s); }, step.step);
 }
 
