@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 # Shared by the scripts in tools/: numbered steps, builds with progress, test runs with a count. Sourced, not run.
 export DOPPEL_COMPILER_LAUNCHER="${DOPPEL_COMPILER_LAUNCHER-$(command -v ccache || true)}"
-# ccache settings. SLOPPINESS: needed to cache with a precompiled header. BASEDIR, NOHASHDIR: all checkouts share objects.
-# DEPEND: a cache miss needs no extra preprocessor run.
+# ccache settings. SLOPPINESS: needed to cache with a precompiled header. BASEDIR, NOHASHDIR: all checkouts share objects. They share
+# them by the preprocessor's output alone, because batches of sources (unity builds) include them by absolute paths; so no DEPEND mode.
 export CCACHE_SLOPPINESS="pch_defines,time_macros,include_file_mtime,include_file_ctime"
-export CCACHE_BASEDIR="${CCACHE_BASEDIR-$PWD}" CCACHE_NOHASHDIR=1 CCACHE_DEPEND=1
+export CCACHE_BASEDIR="${CCACHE_BASEDIR-$PWD}" CCACHE_NOHASHDIR=1
 tests_passed=0
 tests_skipped=0
 step_number=0
