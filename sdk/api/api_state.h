@@ -135,7 +135,8 @@ DplResult guarded(const char* function, Body&& body) noexcept {
 
 constexpr uint32_t kMaxStructSize = 4096;  // larger than every struct of the API: a larger structSize was not initialised
 
-/** Reads a caller's struct, which may be of an older or newer version; fields that it lacks are 0. `smallest`: size in version 0.1. */
+/** Reads a caller's struct, which may be of an older or newer version; fields that it lacks are 0. `smallest`: size of its first version.
+ */
 template <class T>
 Result<T> readStruct(const void* from, const char* what, size_t smallest = sizeof(T)) {
     if (from == nullptr) return fail(Code::InvalidArgument, "{} is NULL", what);

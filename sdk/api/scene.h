@@ -9,7 +9,7 @@
 
 namespace dpl::api {
 
-/** Element i of a caller's array, whose stride is the structSize of element 0. `smallest`: size in version 0.1. */
+/** Element i of a caller's array, whose stride is the structSize of element 0. `smallest`: size of its first version. */
 template <class T>
 Result<T> element(const T* array, size_t i, const char* what, size_t smallest = sizeof(T)) {
     DPL_TRY(const T first, readStruct<T>(array, what, smallest));

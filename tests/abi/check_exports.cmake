@@ -18,7 +18,7 @@ endif()
 string(REGEX MATCHALL "[^\n]+" lines "${output}")
 set(found "")
 foreach(line IN LISTS lines)
-  if(line MATCHES "${symbol_line}" AND NOT CMAKE_MATCH_1 STREQUAL "DOPPEL_0")  # DOPPEL_0: the version's own name
+  if(line MATCHES "${symbol_line}" AND NOT CMAKE_MATCH_1 STREQUAL "DOPPEL_1")  # DOPPEL_1: the version's own name
     list(APPEND found ${CMAKE_MATCH_1})
   endif()
 endforeach()

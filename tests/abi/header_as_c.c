@@ -28,7 +28,7 @@ int main(void) {
     const char* name = NULL;
     unsigned char junk[4] = {1, 2, 3, 4};
 
-    /* Fields may be added at the end of a struct; none may move. The offsets are those of version 0.1 on a 64-bit machine. */
+    /* Fields may be added at the end of a struct; none may move. The offsets are those of version 1.0 on a 64-bit machine. */
     if (sizeof(void*) == 8) {
         CHECK(sizeof(DplContextInfo) == 32 && offsetof(DplContextInfo, threadCount) == 8 && offsetof(DplContextInfo, fill) == 16);
         CHECK(sizeof(DplCamera) == 96 && offsetof(DplCamera, viewFromWorld) == 28 && offsetof(DplCamera, sceneDepthM) == 80);
@@ -51,6 +51,14 @@ int main(void) {
               offsetof(DplFrameStats, avatarBytes) == 64 && offsetof(DplFrameStats, tileEntries) == 96 &&
               offsetof(DplFrameStats, residentBytes) == 40);
         CHECK(sizeof(DplPassTime) == 24 && offsetof(DplPassTime, milliseconds) == 16);
+#ifdef WITH_VULKAN
+        CHECK(sizeof(DplVulkanDevice) == 88 && offsetof(DplVulkanDevice, enabledFeatures) == 48);
+        CHECK(sizeof(DplVulkanPass) == 40 && offsetof(DplVulkanPass, colourFormat) == 28);
+        CHECK(sizeof(DplVulkanRequirement) == 32 && offsetof(DplVulkanRequirement, buys) == 24);
+        CHECK(sizeof(DplVulkanSceneDepth) == 40 && offsetof(DplVulkanSceneDepth, scale) == 32);
+        CHECK(sizeof(DplVulkanSubmission) == 72 && offsetof(DplVulkanSubmission, fence) == 64);
+        CHECK(sizeof(DplVulkanTarget) == 56 && offsetof(DplVulkanTarget, layoutAfter) == 48);
+#endif
     }
     CHECK(sizeof(DplResult) == 4 && sizeof(DplRenderer) == 4 && sizeof(DplFill) == 4 && sizeof(DplDrawFlag) == 4 &&
           sizeof(DplImageFormat) == 4 && sizeof(DplBudgetState) == 4 && sizeof(DplLoadState) == 4 && sizeof(DplTrackFormat) == 4 &&

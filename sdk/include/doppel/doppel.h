@@ -21,14 +21,21 @@
  * destroyed or foreign handle, a size that does not fit, a number that is not finite. Nothing aborts, and no C++ exception leaves
  * the library.
  *
- * Growth. Structs begin with structSize: set it to sizeof the struct. Later versions only add fields at the end, and zero in an
- * added field keeps the earlier behaviour. All elements of an array of structs must have the same structSize. */
+ * Versions. A program runs with every later library of the same major version, without being built again: functions, numbers of enums and
+ * fields of structs stay and keep their meaning. What a later minor version adds is new functions, new numbers that a program must ask for,
+ * and new fields at the end of structs. Exempt is what is marked DPL_EXPERIMENTAL. Full rules: docs/reference/abi.md.
+ *
+ * Struct sizes. Structs begin with structSize: set it to sizeof the struct, and the rest to zero before you fill it. The library reads and
+ * writes no byte beyond it. Zero in a field keeps the behaviour of the version before the field. A size below that of the struct's first
+ * version, or above 4096, is DPL_ERROR_INVALID_ARGUMENT. A library that is older than the program ignores fields that it does not know. All
+ * elements of an array of structs must have the same structSize. */
 #ifndef DOPPEL_DOPPEL_H
 #define DOPPEL_DOPPEL_H
 
 #include <stddef.h>
 #include <stdint.h>
 
+/** Marks what the library exports. Define DOPPEL_STATIC where you link the static archive. */
 #if defined(DOPPEL_STATIC)
 #define DPL_API
 #elif defined(_WIN32)
@@ -41,31 +48,34 @@
 #define DPL_API __attribute__((visibility("default")))
 #endif
 
-/** Marks a function that is exported like DPL_API but may still change before 1.0. */
+/** Marks a function that is exported like DPL_API but may change in a minor version. */
 #define DPL_EXPERIMENTAL DPL_API
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-#define DPL_VERSION_MAJOR 0
-#define DPL_VERSION_MINOR 1
-#define DPL_VERSION_PATCH 0
+#define DPL_VERSION_MAJOR 1           /**< of these headers; the rules are above */
+#define DPL_VERSION_MINOR 0           /**< of these headers */
+#define DPL_VERSION_PATCH 0           /**< of these headers */
+#define DPL_VERSION_TEXT "1.0.0-rc.1" /**< of these headers; a release candidate may still change where a test of it demands it */
 
 /** Near plane, metres of view z. Nearer splats are not drawn; they fade in between here and DPL_NEAR_FADE_END_M. */
 #define DPL_NEAR_LIMIT_M 0.05f
-#define DPL_NEAR_FADE_END_M 0.15f
-#define DPL_MAX_VIEWS 2u /**< views in one drawing call */
-#define DPL_MAX_IMAGE_SIDE_PX 8192u
-#define DPL_FALSE 0
-#define DPL_TRUE 1
+#define DPL_NEAR_FADE_END_M 0.15f   /**< from here on splats are drawn in full, metres of view z */
+#define DPL_MAX_VIEWS 2u            /**< views in one drawing call */
+#define DPL_MAX_IMAGE_SIDE_PX 8192u /**< width and height of a view */
+#define DPL_FALSE 0                 /**< no, in arguments of type int */
+#define DPL_TRUE 1                  /**< yes, in arguments of type int */
 
-/** Opaque handles; NULL is no handle. They hold numbers, not addresses, so the library detects the use of a destroyed one. */
+/** A renderer and its threads. Opaque, as all handles; NULL is no handle. Handles hold numbers, not addresses, so the library detects the
+ * use of a destroyed one. */
 typedef struct DplContextHandle* DplContext;
-typedef struct DplAvatarHandle* DplAvatar;
-typedef struct DplLoadHandle* DplLoad;
-typedef struct DplTrackerHandle* DplTracker;
+typedef struct DplAvatarHandle* DplAvatar;   /**< an avatar, or general splats */
+typedef struct DplLoadHandle* DplLoad;       /**< a load in the background */
+typedef struct DplTrackerHandle* DplTracker; /**< what turns frames of a platform into poses */
 
+/** How a function ended. */
 typedef enum DplResult {
     DPL_OK = 0,
     DPL_ERROR_INVALID_ARGUMENT = -1, /**< the call is wrong; fix the program */
@@ -91,6 +101,7 @@ DPL_API const char* dplGetResultName(DplResult result);
 
 /* ---------------------------------------------------------------- log */
 
+/** How much a log line matters. */
 typedef enum DplLogLevel {
     DPL_LOG_DEBUG = 0,
     DPL_LOG_INFO = 1,
@@ -108,6 +119,7 @@ DPL_API DplResult dplSetLogCallback(DplLogCallback callback, void* user);
 
 /* ---------------------------------------------------------------- context */
 
+/** What draws. */
 typedef enum DplRenderer {
     DPL_RENDERER_AUTO = 0,     /**< a GPU if there is one, else the CPU; never a GPU that is emulated on the CPU */
     DPL_RENDERER_SOFTWARE = 1, /**< the CPU */
@@ -128,14 +140,15 @@ typedef enum DplFill {
     DPL_FILL_FORCE_INT32 = 0x7fffffff
 } DplFill;
 
+/** How dplCreateContext makes a context. */
 typedef struct DplContextInfo {
     uint32_t structSize;
     DplRenderer renderer;
     uint32_t threadCount; /**< CPU threads including the caller's, at most 256; 0: one per core. Pictures do not depend on it. */
     uint32_t flags;       /**< 0: no flag is defined */
-    DplFill fill;         /**< GPU only. Experimental */
+    DplFill fill;         /**< GPU only */
     /** An existing folder (UTF-8 path). The result of the self-test of DPL_FILL_AUTO is kept there for later processes, in one small file
-     *  per device. NULL: the result is not kept. Experimental */
+     *  per device. NULL: the result is not kept. */
     const char* cacheFolder;
 } DplContextInfo;
 
@@ -171,7 +184,7 @@ DPL_API DplResult dplLoadAvatar(DplContext context, const uint8_t* data, size_t 
  *  Only if the least does not fit, the load fails with DPL_ERROR_OUT_OF_MEMORY.
  *  Holds from the next load on; what is loaded stays. Pictures are made whatever the limit, and a load takes up to 8 MiB more while it
  * uploads, so leave room: residentBytes of a context that draws shows how much. */
-DPL_EXPERIMENTAL DplResult dplSetMemoryLimit(DplContext context, uint64_t bytes);
+DPL_API DplResult dplSetMemoryLimit(DplContext context, uint64_t bytes);
 
 /* dplLoadAvatar in steps, for programs whose frames must go on. A thread of the library reads the file.
  *
@@ -179,6 +192,7 @@ DPL_EXPERIMENTAL DplResult dplSetMemoryLimit(DplContext context, uint64_t bytes)
  *
  * A context runs its loads one after the other. */
 
+/** How far a load is. */
 typedef enum DplLoadState {
     DPL_LOAD_WAITING = 0,  /**< for earlier loads of the context */
     DPL_LOAD_DECODING = 1, /**< the file is read and converted */
@@ -190,6 +204,7 @@ typedef enum DplLoadState {
     DPL_LOAD_FORCE_INT32 = 0x7fffffff
 } DplLoadState;
 
+/** What dplStartLoad loads. */
 typedef struct DplLoadInfo {
     uint32_t structSize;
     const uint8_t* data; /**< the file, as for dplLoadAvatar. Not copied: it must stay until `release` is called */
@@ -206,8 +221,9 @@ typedef struct DplLoadInfo {
  *  file for the GPU (up to a second for 500,000 splats) and uploads what loads have begun to upload; a load that meets a lost device waits
  * for it.
  */
-DPL_EXPERIMENTAL DplResult dplStartLoad(DplContext context, const DplLoadInfo* info, DplLoad* load);
+DPL_API DplResult dplStartLoad(DplContext context, const DplLoadInfo* info, DplLoad* load);
 
+/** What dplGetLoadStatus tells. */
 typedef struct DplLoadStatus {
     uint32_t structSize;
     DplLoadState state;
@@ -217,20 +233,21 @@ typedef struct DplLoadStatus {
 } DplLoadStatus;
 
 /** How far a load is. Waits for nothing. */
-DPL_EXPERIMENTAL DplResult dplGetLoadStatus(DplLoad load, DplLoadStatus* status);
+DPL_API DplResult dplGetLoadStatus(DplLoad load, DplLoadStatus* status);
 
 /** Ends a load and gives its avatar, or the error of the load: codes and texts are those of dplLoadAvatar. `load` is gone afterwards,
  * unless avatar is NULL. If the load is neither ready nor failed, this goes on as dplLoadAvatar does and waits, also while another thread
  * draws; then the rest is uploaded with submissions. */
-DPL_EXPERIMENTAL DplResult dplFinishLoad(DplLoad load, DplAvatar* avatar);
+DPL_API DplResult dplFinishLoad(DplLoad load, DplAvatar* avatar);
 
 /** Drops a load in any state and does not wait for its thread, which gives back `data` and all memory at its next step: within 0.3 s for
  *  500,000 splats. Of a ready load, frees the avatar as dplDestroyAvatar does. NULL does nothing and gives DPL_OK. */
-DPL_EXPERIMENTAL DplResult dplCancelLoad(DplLoad load);
+DPL_API DplResult dplCancelLoad(DplLoad load);
 
 /** Frees an avatar, before or after its context. NULL does nothing and gives DPL_OK. */
 DPL_API DplResult dplDestroyAvatar(DplAvatar avatar);
 
+/** What dplGetAvatarInfo tells. */
 typedef struct DplAvatarInfo {
     uint32_t structSize; /**< set by the caller; the library writes no field beyond this size */
     const char* name;    /**< UTF-8; lives as long as the avatar */
@@ -248,8 +265,10 @@ typedef struct DplAvatarInfo {
     uint32_t fileSplatCount, fileShDegree;
 } DplAvatarInfo;
 
+/** Tells of an avatar or of general splats. */
 DPL_API DplResult dplGetAvatarInfo(DplAvatar avatar, DplAvatarInfo* info);
 
+/** What dplGetJointInfo tells. */
 typedef struct DplJointInfo {
     uint32_t structSize;
     const char* name;         /**< lives as long as the avatar */
@@ -279,6 +298,7 @@ DPL_API DplResult dplGetPose(DplAvatar avatar, float* rotations, uint32_t jointC
 /** World positions of all joints in the current pose: 3·jointCount floats, metres. */
 DPL_API DplResult dplGetJointPositions(DplAvatar avatar, float* positions, uint32_t jointCount);
 
+/** What dplGetPoseTrust tells. */
 typedef struct DplPoseTrust {
     uint32_t structSize;
     /** Share of the pose-dependent offsets and brightness that is drawn, 0 to 1. Below 1 the pose lies outside the trained ones. */
@@ -294,13 +314,14 @@ typedef struct DplPoseTrust {
  *  at least 3 degrees): up to 2 is usual, above 4 was hardly seen. -1: the avatar does not know, as of hips, hands, fingers and toes.
  *  DPL_ERROR_UNSUPPORTED: the avatar has no pose correctives, and with them no record of its training poses.
  *  DPL_ERROR_INVALID_ARGUMENT: wrong jointCount (ignored if distances is NULL), or general splats. */
-DPL_EXPERIMENTAL DplResult dplGetPoseTrust(DplAvatar avatar, DplPoseTrust* trust, float* distances, uint32_t jointCount);
+DPL_API DplResult dplGetPoseTrust(DplAvatar avatar, DplPoseTrust* trust, float* distances, uint32_t jointCount);
 
 /** Turns joints of the current pose back towards their mean in training, until no distance of dplGetPoseTrust exceeds `limit`, or as far as
  *  the mean. Other joints and the root stay. 4 keeps nearly all of what was seen and stops what never was.
  *  DPL_ERROR_UNSUPPORTED: no pose correctives. DPL_ERROR_INVALID_ARGUMENT: a limit that is not above 0 and finite, or general splats. */
-DPL_EXPERIMENTAL DplResult dplHoldPose(DplAvatar avatar, float limit);
+DPL_API DplResult dplHoldPose(DplAvatar avatar, float limit);
 
+/** What dplGetClipInfo tells. */
 typedef struct DplClipInfo {
     uint32_t structSize;
     const char* name; /**< lives as long as the avatar */
@@ -315,17 +336,19 @@ DPL_API DplResult dplGetClipInfo(DplAvatar avatar, uint32_t clip, DplClipInfo* i
  *  clamped to the clip. DPL_ERROR_NOT_FOUND: no such clip. DPL_ERROR_INVALID_ARGUMENT: timeS is not finite, or general splats. */
 DPL_API DplResult dplSetPoseFromClip(DplAvatar avatar, uint32_t clip, double timeS, int loop);
 
+/** Flags of DplClipOptions. */
 typedef enum DplClipFlag {
     /** Keeps the frames of up to 0.1 s in which many BVH files blend from a rest pose into the motion. Otherwise they are dropped. */
     DPL_CLIP_KEEP_LEAD_IN = 1,
     DPL_CLIP_KEEP_PLACE = 2, /**< keeps the place in the recorded room; otherwise the clip starts above the origin */
     DPL_CLIP_IN_PLACE = 4,   /**< removes all horizontal travel, as on a treadmill */
     /** Bones point exactly where those of the recording do. Otherwise the head of a person who walks is levelled by a constant, and feet
-     *  that stand are held in place; docs/reference/driving.md. Experimental */
+     *  that stand are held in place; docs/reference/driving.md. */
     DPL_CLIP_AS_RECORDED = 8,
     DPL_CLIP_FORCE_INT32 = 0x7fffffff
 } DplClipFlag;
 
+/** How dplLoadClip reads a motion. */
 typedef struct DplClipOptions {
     uint32_t structSize;
     uint32_t flags;     /**< DplClipFlag, combined by | */
@@ -376,6 +399,7 @@ typedef enum DplTrackFormat {
     DPL_TRACK_FORCE_INT32 = 0x7fffffff
 } DplTrackFormat;
 
+/** Flags of DplTrackerInfo. */
 typedef enum DplTrackerFlag {
     /** Neither smooths nor extrapolates: for OpenXR, whose runtimes give poses for the display time. */
     DPL_TRACKER_RAW = 1,
@@ -391,6 +415,7 @@ typedef enum DplTrackerFlag {
     DPL_TRACKER_FORCE_INT32 = 0x7fffffff
 } DplTrackerFlag;
 
+/** How dplCreateTracker makes a tracker. */
 typedef struct DplTrackerInfo {
     uint32_t structSize;
     DplTrackFormat format;
@@ -414,6 +439,7 @@ DPL_API DplResult dplDestroyTracker(DplTracker tracker);
  *  DPL_ERROR_NOT_FOUND behind the last, or no such format. */
 DPL_API DplResult dplGetTrackJointName(DplTrackFormat format, uint32_t joint, const char** name);
 
+/** What a platform knows of a person at one time. */
 typedef struct DplTrackFrame {
     uint32_t structSize;
     uint32_t jointCount;     /**< that of the format */
@@ -429,6 +455,7 @@ typedef struct DplTrackFrame {
  * skeleton. DPL_ERROR_INVALID_ARGUMENT: wrong jointCount, or rotations or positions missing. */
 DPL_API DplResult dplTrackFrame(DplTracker tracker, const DplTrackFrame* frame);
 
+/** Whether a tracker poses its avatar. */
 typedef enum DplTrackerState {
     DPL_TRACKER_WAITING = 0,  /**< for the first frame: the pose beneath shows */
     DPL_TRACKER_TRACKING = 1, /**< the last frame is at most 0.3 s old */
@@ -436,6 +463,7 @@ typedef enum DplTrackerState {
     DPL_TRACKER_STATE_FORCE_INT32 = 0x7fffffff
 } DplTrackerState;
 
+/** What dplSetPoseFromTracker tells. */
 typedef struct DplTrackerStatus {
     uint32_t structSize;
     DplTrackerState state;
@@ -469,6 +497,7 @@ typedef struct DplCamera {
     size_t sceneDepthCount; /**< floats in sceneDepthM, at least widthPx·heightPx */
 } DplCamera;
 
+/** Flags of DplImage. */
 typedef enum DplImageFlag {
     DPL_IMAGE_STRAIGHT_ALPHA = 1, /**< colour divided by alpha; otherwise premultiplied */
     /** Composites over the premultiplied pixels that rgba holds; otherwise over transparent black. Together with
@@ -519,6 +548,7 @@ DPL_API DplResult dplRender(DplContext context, DplAvatar avatar, const DplCamer
 
 /* dplRender in two halves, for programs that draw every frame: dplDraw does not wait for its pixels. */
 
+/** Flags of dplDraw. */
 typedef enum DplDrawFlag {
     DPL_DRAW_DEPTH = 1,      /**< draws depth too; dplReadImages needs it for DplImage::depthM */
     DPL_DRAW_MESH_DEPTH = 2, /**< draws the depth of the mesh too; dplReadImages needs it for DplImage::meshDepthM */
@@ -529,11 +559,11 @@ typedef enum DplDrawFlag {
  *  flags: DplDrawFlag, combined by |. Frames are alike if they share size, view count, flags and whether there is a scene depth. From the
  *  fourth alike frame on, the call allocates nothing. It waits only if three alike frames are still being drawn
  *  (DplFrameStats::waits). */
-DPL_EXPERIMENTAL DplResult dplDraw(DplContext context, DplAvatar avatar, const DplCamera* views, uint32_t viewCount, uint32_t flags);
+DPL_API DplResult dplDraw(DplContext context, DplAvatar avatar, const DplCamera* views, uint32_t viewCount, uint32_t flags);
 
 /** Waits for the avatar's last dplDraw and writes its pixels to the caller's memory. viewCount must be that of dplDraw.
  *  DPL_ERROR_INVALID_ARGUMENT: nothing was drawn yet, another viewCount, an image too small, or a depth that was not drawn. */
-DPL_EXPERIMENTAL DplResult dplReadImages(DplContext context, DplAvatar avatar, const DplImage* images, uint32_t viewCount);
+DPL_API DplResult dplReadImages(DplContext context, DplAvatar avatar, const DplImage* images, uint32_t viewCount);
 
 /* ---------------------------------------------------------------- several avatars in one picture */
 
@@ -544,12 +574,12 @@ DPL_EXPERIMENTAL DplResult dplReadImages(DplContext context, DplAvatar avatar, c
  *  The picture belongs to the first avatar: pass that one to dplReadImages, dplGetFrameStats and dplGetPassTime.
  *  The avatars of one picture, in their order, are a scene set. The context keeps resources for the last four sets of several avatars.
  *  DPL_ERROR_UNSUPPORTED: together they have more splats than the device can bind. */
-DPL_EXPERIMENTAL DplResult dplRenderTogether(DplContext context, const DplAvatar* avatars, uint32_t avatarCount, const DplCamera* views,
-                                             uint32_t viewCount, const DplImage* images);
+DPL_API DplResult dplRenderTogether(DplContext context, const DplAvatar* avatars, uint32_t avatarCount, const DplCamera* views,
+                                    uint32_t viewCount, const DplImage* images);
 
 /** dplDraw for several avatars in one picture; see dplRenderTogether. */
-DPL_EXPERIMENTAL DplResult dplDrawTogether(DplContext context, const DplAvatar* avatars, uint32_t avatarCount, const DplCamera* views,
-                                           uint32_t viewCount, uint32_t flags);
+DPL_API DplResult dplDrawTogether(DplContext context, const DplAvatar* avatars, uint32_t avatarCount, const DplCamera* views,
+                                  uint32_t viewCount, uint32_t flags);
 
 /* ---------------------------------------------------------------- level of detail */
 
@@ -569,13 +599,14 @@ typedef struct DplDetail {
     uint32_t splatBudget;
 } DplDetail;
 
+/** DplDetail::splatsPerPixel that is hard to tell from all splats. */
 #define DPL_DETAIL_USUAL 12.0f
 
 /** Sets the level of detail of everything this context draws from the next call on. Set splatsPerPixel where people walk away from the
  *  camera, and a budget where the number of splats is known that a device draws in time; dplSetFrameBudget finds it. It may change every
  *  frame at no cost. detail is copied; NULL: draw everything, as after creation. DPL_ERROR_INVALID_ARGUMENT: splatsPerPixel is negative or
  * not finite. */
-DPL_EXPERIMENTAL DplResult dplSetDetail(DplContext context, const DplDetail* detail);
+DPL_API DplResult dplSetDetail(DplContext context, const DplDetail* detail);
 
 /** Sets how long a frame may take, milliseconds; 0: no budget, as after creation. Frames that take longer are drawn with fewer splats, and
  *  frames that take less with more again, up to what dplSetDetail asks for. Give it the part of a display interval that is left for Doppel.
@@ -585,7 +616,7 @@ DPL_EXPERIMENTAL DplResult dplSetDetail(DplContext context, const DplDetail* det
  *  1/16 of them is kept. DplFrameStats says what was chosen.
  *  It may change every frame. Drawing neither waits nor allocates for it. Formulas: docs/reference/level-of-detail.md.
  *  DPL_ERROR_INVALID_ARGUMENT: milliseconds is negative or not finite. */
-DPL_EXPERIMENTAL DplResult dplSetFrameBudget(DplContext context, double milliseconds);
+DPL_API DplResult dplSetFrameBudget(DplContext context, double milliseconds);
 
 /* ---------------------------------------------------------------- measuring */
 
@@ -635,8 +666,9 @@ typedef struct DplFrameStats {
 } DplFrameStats;
 
 /** Never waits for a frame that is still being drawn. */
-DPL_EXPERIMENTAL DplResult dplGetFrameStats(DplAvatar avatar, DplFrameStats* stats);
+DPL_API DplResult dplGetFrameStats(DplAvatar avatar, DplFrameStats* stats);
 
+/** What dplGetPassTime tells. */
 typedef struct DplPassTime {
     uint32_t structSize;
     const char* label;   /**< for example "splat.project"; lives until the avatar's next dplGetFrameStats */
@@ -644,7 +676,7 @@ typedef struct DplPassTime {
 } DplPassTime;
 
 /** pass: 0 to passCount - 1 of the avatar's last dplGetFrameStats, in the order in which they ran; else DPL_ERROR_NOT_FOUND. */
-DPL_EXPERIMENTAL DplResult dplGetPassTime(DplAvatar avatar, uint32_t pass, DplPassTime* time);
+DPL_API DplResult dplGetPassTime(DplAvatar avatar, uint32_t pass, DplPassTime* time);
 
 #ifdef __cplusplus
 }

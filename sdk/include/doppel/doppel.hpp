@@ -24,6 +24,7 @@
 
 namespace doppel {
 
+/** Why a call failed. */
 struct Error {
     DplResult code = DPL_ERROR_INTERNAL;
     std::string message;  // a sentence for a human
@@ -52,6 +53,7 @@ private:
     Error error_;
 };
 
+/** Success or an error. */
 template <>
 class [[nodiscard]] Result<void> {
 public:
@@ -64,12 +66,27 @@ private:
     std::optional<Error> error_;
 };
 
+/** What functions without a value return. */
 using Status = Result<void>;
+
+/** Version of the loaded library; see dplGetVersion. */
+inline uint32_t version() {
+    return dplGetVersion();
+}
+/** Name of a result code; see dplGetResultName. */
+inline const char* resultName(DplResult result) {
+    return dplGetResultName(result);
+}
 
 /** The Status of a C call that has just returned `result` on this thread. */
 inline Status status(DplResult result) {
     if (result == DPL_OK) return {};
     return lastError(result);
+}
+
+/** Sends the log of the process to `callback`; see dplSetLogCallback. */
+inline Status setLogCallback(DplLogCallback callback, void* user = nullptr) {
+    return status(dplSetLogCallback(callback, user));
 }
 
 /** Calls get(arguments..., &out) with a struct of type T whose structSize is set, and returns the struct. */
@@ -152,6 +169,13 @@ public:
         if (rotations.size() % 4 != 0 || (!rootTranslation.empty() && rootTranslation.size() != 3))
             return Error{DPL_ERROR_INVALID_ARGUMENT, "a pose has 4 floats a joint and a root translation of 3 floats or none"};
         return status(dplSetPose(handle_, rotations.data(), uint32_t(rotations.size() / 4),
+                                 rootTranslation.empty() ? nullptr : rootTranslation.data()));
+    }
+    /** The current pose: 4 floats a joint, and the root translation. Either may be empty. */
+    Status pose(std::span<float> rotations, std::span<float> rootTranslation = {}) const {
+        if (rotations.size() % 4 != 0 || (!rootTranslation.empty() && rootTranslation.size() != 3))
+            return Error{DPL_ERROR_INVALID_ARGUMENT, "a pose has 4 floats a joint and a root translation of 3 floats or none"};
+        return status(dplGetPose(handle_, rotations.empty() ? nullptr : rotations.data(), uint32_t(rotations.size() / 4),
                                  rootTranslation.empty() ? nullptr : rootTranslation.data()));
     }
     /** timeS: seconds from the start of the clip; it wraps around if `loop`, else it is clamped. */
@@ -246,7 +270,13 @@ private:
 /** Owns one context, which it destroys. Move-only, as Avatar. Its avatars may be destroyed before or after it. */
 class Context {
 public:
-    /** Parameters: fields of DplContextInfo. For cacheFolder, call dplCreateContext and take ownership of its handle. */
+    /** Parameters: fields of DplContextInfo. */
+    static Result<Context> create(const DplContextInfo& info) {
+        DplContext handle = nullptr;
+        if (const DplResult r = dplCreateContext(&info, &handle); r != DPL_OK) return lastError(r);
+        return Context(handle);
+    }
+    /** The same, without cacheFolder. */
     static Result<Context> create(DplRenderer renderer = DPL_RENDERER_AUTO, uint32_t threadCount = 0, uint32_t flags = 0,
                                   DplFill fill = DPL_FILL_AUTO) {
         DplContextInfo info{};
@@ -255,9 +285,7 @@ public:
         info.threadCount = threadCount;
         info.flags = flags;
         info.fill = fill;
-        DplContext handle = nullptr;
-        if (const DplResult r = dplCreateContext(&info, &handle); r != DPL_OK) return lastError(r);
-        return Context(handle);
+        return create(info);
     }
     /** Takes ownership of `handle`. */
     explicit Context(DplContext handle) : handle_(handle) {}

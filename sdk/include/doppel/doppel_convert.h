@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Converts what engines and headsets use to what Doppel uses: views and projections to DplCamera, left-handed poses, depth buffers,
- * timestamps. Include it beside doppel.h; C99 and C++. Experimental until 1.0. Tables for OpenXR, Unity, Unreal and visionOS:
+ * timestamps. Include it beside doppel.h; C99 and C++. Tables for OpenXR, Unity, Unreal and visionOS:
  * docs/guides/conventions-for-engines.md.
  *
  * A pose here is an orientation (quaternion x, y, z, w) and a position (3 floats, metres) of something in the world, in OpenXR's axes:
@@ -22,8 +22,8 @@ extern "C" {
  *  below right and bottom below top, all within 89.9 degrees. camera: structSize set; the scene depth becomes NULL.
  *    dplCameraFromAngles(&view.pose.orientation.x, &view.pose.position.x, &view.fov.angleLeft, width, height, &camera)
  *  DPL_ERROR_INVALID_ARGUMENT: also a size of 0 or above DPL_MAX_IMAGE_SIDE_PX. */
-DPL_EXPERIMENTAL DplResult dplCameraFromAngles(const float* orientation, const float* position, const float* anglesRad, uint32_t widthPx,
-                                               uint32_t heightPx, DplCamera* camera);
+DPL_API DplResult dplCameraFromAngles(const float* orientation, const float* position, const float* anglesRad, uint32_t widthPx,
+                                      uint32_t heightPx, DplCamera* camera);
 
 /** What the clip space of a projection calls the nearest and the farthest depth. */
 typedef enum DplClipDepth {
@@ -38,14 +38,13 @@ typedef enum DplClipDepth {
  *  depth: two floats, `scale` and `offset` of DplVulkanSceneDepth: stored depth = scale + offset / z. It may be reversed, and the far plane
  *  may be infinite. NULL: not wanted.
  *  DPL_ERROR_INVALID_ARGUMENT: also a projection that is not a perspective one, is skewed, or mirrors x. */
-DPL_EXPERIMENTAL DplResult dplCameraFromProjection(const float* orientation, const float* position, const float* projection,
-                                                   DplClipDepth clipDepth, uint32_t widthPx, uint32_t heightPx, DplCamera* camera,
-                                                   float* depth);
+DPL_API DplResult dplCameraFromProjection(const float* orientation, const float* position, const float* projection, DplClipDepth clipDepth,
+                                          uint32_t widthPx, uint32_t heightPx, DplCamera* camera, float* depth);
 
 /** How a depth buffer stores depth whose two ends are known: `scale` and `offset` of DplVulkanSceneDepth.
  *  zAtZeroM, zAtOneM: distance along the view axis where 0 and 1 are stored, metres, > 0 and different. Usual: near, far. Reversed: far,
  *  near. One of them may be INFINITY. depth: two floats. */
-DPL_EXPERIMENTAL DplResult dplDepthFromPlanes(float zAtZeroM, float zAtOneM, float* depth);
+DPL_API DplResult dplDepthFromPlanes(float zAtZeroM, float zAtOneM, float* depth);
 
 /** Axes and units in which an engine gives poses. */
 typedef enum DplAxes {
@@ -57,12 +56,11 @@ typedef enum DplAxes {
 
 /** A pose in an engine's axes as a pose here. The world is mirrored where the engine is left-handed: (x, y, z) of Unity becomes
  *  (x, y, -z), and (x, y, z) of Unreal becomes (y, z, -x) / 100. Outputs may be the inputs. */
-DPL_EXPERIMENTAL DplResult dplPoseFromAxes(DplAxes axes, const float* orientation, const float* position, float* outOrientation,
-                                           float* outPosition);
+DPL_API DplResult dplPoseFromAxes(DplAxes axes, const float* orientation, const float* position, float* outOrientation, float* outPosition);
 
 /** Seconds from one timestamp in nanoseconds to another, such as two XrTime; negative if `timeNs` is earlier. Keeps nanoseconds for 100
  *  days and never overflows. For the time of a clip, pass the predicted display time and that of the first frame. */
-DPL_EXPERIMENTAL double dplSecondsBetween(int64_t startNs, int64_t timeNs);
+DPL_API double dplSecondsBetween(int64_t startNs, int64_t timeNs);
 
 #ifdef __cplusplus
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Draws avatars inside a Metal program's own frames: on its device, in its command buffers, into its textures. No pixel is copied to the
- * CPU. For iOS 16, macOS 13 and visionOS 2 and later. Include it beside doppel.h; C99, C++, Objective-C and Swift. Experimental until 1.0.
+ * CPU. For iOS 16, macOS 13 and visionOS 2 and later. Include it beside doppel.h; C99, C++, Objective-C and Swift. Experimental: it may
+ * change in a minor version.
  * The sibling for Vulkan, with the same ideas and names, is doppel_vulkan.h.
  *
  *   DplMetalDevice mine = {sizeof mine, 0, device, queue};
@@ -53,8 +54,10 @@
 
 #if defined(__OBJC__)
 #import <Metal/Metal.h>
-#define DPL_METAL_MEMBER(protocol) __unsafe_unretained id<protocol> /**< in a struct: not retained */
-#define DPL_METAL_OBJECT(protocol) id<protocol>                     /**< as a parameter */
+/** An object of Metal in a struct, not retained. */
+#define DPL_METAL_MEMBER(protocol) __unsafe_unretained id<protocol>
+/** An object of Metal as a parameter. */
+#define DPL_METAL_OBJECT(protocol) id<protocol>
 #else
 #define DPL_METAL_MEMBER(protocol) void*
 #define DPL_METAL_OBJECT(protocol) void*

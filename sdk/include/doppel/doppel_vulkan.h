@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Draws avatars inside a Vulkan program's own frames: on its device, in its command buffers, into its images. No pixel is copied to the
- * CPU. Include it beside doppel.h; C99 and C++. Experimental until 1.0.
+ * CPU. Include it beside doppel.h; C99 and C++.
  *
  *   DplVulkanDevice mine = {sizeof mine, family, NULL, instance, physicalDevice, device, queue};
  *   dplCreateVulkanContext(&mine, NULL, &context);
@@ -66,6 +66,7 @@ typedef struct DplVulkanDevice {
     void* user;
 } DplVulkanDevice;
 
+/** What dplGetVulkanRequirement tells. */
 typedef struct DplVulkanRequirement {
     uint32_t structSize;
     const char* name; /**< for example "VkPhysicalDeviceMultiviewFeatures::multiview". Static text */
@@ -74,14 +75,14 @@ typedef struct DplVulkanRequirement {
 } DplVulkanRequirement;
 
 /** What Doppel wants of a device, one by one. index: from 0; DPL_ERROR_NOT_FOUND behind the last. No extension is needed. */
-DPL_EXPERIMENTAL DplResult dplGetVulkanRequirement(uint32_t index, DplVulkanRequirement* requirement);
+DPL_API DplResult dplGetVulkanRequirement(uint32_t index, DplVulkanRequirement* requirement);
 
 /** Creates a context that draws on the program's device. info: as for dplCreateContext; `renderer` and `threadCount` are not read. NULL:
  * all defaults. Free it with dplDestroyContext once no submitted commands of its slots can still run; that call waits for loads on other
  * threads. dplRender and dplDraw work on it too.
  * DPL_ERROR_INVALID_ARGUMENT: a handle is NULL. DPL_ERROR_UNSUPPORTED: the device is older than Vulkan 1.1, or the queue family lacks
  * graphics or compute. */
-DPL_EXPERIMENTAL DplResult dplCreateVulkanContext(const DplVulkanDevice* device, const DplContextInfo* info, DplContext* context);
+DPL_API DplResult dplCreateVulkanContext(const DplVulkanDevice* device, const DplContextInfo* info, DplContext* context);
 
 /** Replaces a lost device. Once a call has met VK_ERROR_DEVICE_LOST, or commands of Doppel's that do not end, every call that draws, loads
  *  or makes a composer returns DPL_ERROR_DEVICE. A frame asks the device nothing, so the program may be the first to know, by its own
@@ -93,7 +94,7 @@ DPL_EXPERIMENTAL DplResult dplCreateVulkanContext(const DplVulkanDevice* device,
  * DPL_OK, and submitted commands of its slots can no longer run by then. NULL: of a context made with dplCreateContext, which opens a
  * device itself. Uploads all avatars with submissions, and waits for them. Other threads wait meanwhile. DPL_ERROR_INVALID_ARGUMENT: the
  * other kind of context, or one that draws on the CPU. Other errors as dplCreateVulkanContext and dplCreateContext. */
-DPL_EXPERIMENTAL DplResult dplRebuildVulkan(DplContext context, const DplVulkanDevice* device);
+DPL_API DplResult dplRebuildVulkan(DplContext context, const DplVulkanDevice* device);
 
 /** The pass in which a composer draws: a subpass of a render pass, or dynamic rendering. It has one colour attachment.
  *
@@ -114,10 +115,10 @@ typedef struct DplVulkanPass {
  * make composers before the first prepare. *composer: a number for dplVulkanCompose. It lives until dplDestroyVulkanComposer or as long as
  * the context. DPL_ERROR_UNSUPPORTED: another format, sample count or view mask, or a context that is not on the program's device; the text
  * says which. */
-DPL_EXPERIMENTAL DplResult dplCreateVulkanComposer(DplContext context, const DplVulkanPass* pass, uint32_t* composer);
+DPL_API DplResult dplCreateVulkanComposer(DplContext context, const DplVulkanPass* pass, uint32_t* composer);
 
 /** Commands that use it may still run; see "Slots". DPL_ERROR_NOT_FOUND: no such composer. */
-DPL_EXPERIMENTAL DplResult dplDestroyVulkanComposer(DplContext context, uint32_t composer);
+DPL_API DplResult dplDestroyVulkanComposer(DplContext context, uint32_t composer);
 
 /** Depth that the program has drawn behind one view. A splat adds nothing to a pixel if it lies behind. Pixels outside the image have no
  *  scene. With four samples a pixel, the farthest counts.
@@ -147,25 +148,24 @@ typedef struct DplVulkanSceneDepth {
  *  commands, a context that is not on the program's device, or a depth that says nothing (offset 0, not finite, no image) or is in a
  *  layout that no shader can read, such as that of an attachment that the program still writes. After an error
  *  the program may submit or drop the command buffer, and composes nothing of what was to be prepared. */
-DPL_EXPERIMENTAL DplResult dplVulkanPrepare(DplContext context, VkCommandBuffer commands, uint32_t slot, const DplAvatar* avatars,
-                                            uint32_t avatarCount, const DplCamera* views, uint32_t viewCount,
-                                            const DplVulkanSceneDepth* depths);
+DPL_API DplResult dplVulkanPrepare(DplContext context, VkCommandBuffer commands, uint32_t slot, const DplAvatar* avatars,
+                                   uint32_t avatarCount, const DplCamera* views, uint32_t viewCount, const DplVulkanSceneDepth* depths);
 
 /** Prepares no picture, and records what loads have to upload (see "Loads"): instead of dplVulkanPrepare, in frames without avatars.
  *  commands and slot: as there. */
-DPL_EXPERIMENTAL DplResult dplVulkanUpload(DplContext context, VkCommandBuffer commands, uint32_t slot);
+DPL_API DplResult dplVulkanUpload(DplContext context, VkCommandBuffer commands, uint32_t slot);
 
 /** Says that the commands recorded with the slot have run or will never run, for example because their command buffer was reset. Needed
  *  before the next prepare with the slot only if they never ran. DPL_ERROR_INVALID_ARGUMENT: no such slot. */
-DPL_EXPERIMENTAL DplResult dplVulkanDropSlot(DplContext context, uint32_t slot);
+DPL_API DplResult dplVulkanDropSlot(DplContext context, uint32_t slot);
 
 /** Composes the picture of a view over the colour attachment; where the picture is empty, the attachment keeps its bits.
  *  commands: inside the composer's pass. It may be another command buffer than that of prepare if it runs later. view: which picture; with
  *  a view mask all are composed and it is not read. x, y: of the picture's top left corner in the attachment, pixels; may be negative.
  *  Changes the graphics pipeline, descriptor set 0, push constants, viewport and scissor.
  *  DPL_ERROR_INVALID_ARGUMENT: the slot was not prepared with that many views. DPL_ERROR_NOT_FOUND: no such composer. */
-DPL_EXPERIMENTAL DplResult dplVulkanCompose(DplContext context, uint32_t composer, VkCommandBuffer commands, uint32_t slot, uint32_t view,
-                                            int32_t x, int32_t y);
+DPL_API DplResult dplVulkanCompose(DplContext context, uint32_t composer, VkCommandBuffer commands, uint32_t slot, uint32_t view, int32_t x,
+                                   int32_t y);
 
 /** Writes the depth of the picture of a view into the depth attachment of the pass. A pixel of the picture writes where its alpha is at
  *  least DPL_VULKAN_DEPTH_COVERAGE and its depth is nearer than what is stored; elsewhere, the attachment keeps its bits. All samples of a
@@ -180,8 +180,8 @@ DPL_EXPERIMENTAL DplResult dplVulkanCompose(DplContext context, uint32_t compose
  * 0: greater is nearer (reversed). Stored depth is clamped to 0 ... 1. Other arguments, changed state and errors as dplVulkanCompose.
  *  DPL_ERROR_INVALID_ARGUMENT also: a composer without writesDepth, one that was made after the slot was prepared, or scale and offset that
  *  say nothing (offset 0, not finite). */
-DPL_EXPERIMENTAL DplResult dplVulkanComposeDepth(DplContext context, uint32_t composer, VkCommandBuffer commands, uint32_t slot,
-                                                 uint32_t view, int32_t x, int32_t y, float scale, float offset);
+DPL_API DplResult dplVulkanComposeDepth(DplContext context, uint32_t composer, VkCommandBuffer commands, uint32_t slot, uint32_t view,
+                                        int32_t x, int32_t y, float scale, float offset);
 
 /* Prepare, compose and submission in one call, for programs that give Doppel a place in their queue rather than in their command buffers.
  * It has its own command buffers, one for each slot, and its own pass, which loads what the image holds. Both forms may be used by one
@@ -203,11 +203,11 @@ typedef struct DplVulkanTarget {
 /** Makes the pass, framebuffers and pipelines of a target. *target: a number for dplVulkanSubmit. It lives until dplDestroyVulkanTarget or
  *  as long as the context; dplRebuildVulkan ends it. DPL_ERROR_UNSUPPORTED: as dplCreateVulkanComposer. DPL_ERROR_INVALID_ARGUMENT: no
  * image, no size, or a layout that keeps no pixels. */
-DPL_EXPERIMENTAL DplResult dplCreateVulkanTarget(DplContext context, const DplVulkanTarget* desc, uint32_t* target);
+DPL_API DplResult dplCreateVulkanTarget(DplContext context, const DplVulkanTarget* desc, uint32_t* target);
 
 /** Submissions that use it may still run; see "Slots". The images may be destroyed once these have run. DPL_ERROR_NOT_FOUND: no such
  *  target. */
-DPL_EXPERIMENTAL DplResult dplDestroyVulkanTarget(DplContext context, uint32_t target);
+DPL_API DplResult dplDestroyVulkanTarget(DplContext context, uint32_t target);
 
 /** What a submission waits for and signals. Read during the call. */
 typedef struct DplVulkanSubmission {
@@ -233,9 +233,9 @@ typedef struct DplVulkanSubmission {
  *  After any error nothing was submitted: no semaphore is waited for or signalled, the fence is unsignalled, and the slot may be
  *  used again, unless it is in flight.
  *  DPL_ERROR_NOT_FOUND: no such target. Other errors as dplVulkanPrepare, and what vkQueueSubmit returns. */
-DPL_EXPERIMENTAL DplResult dplVulkanSubmit(DplContext context, uint32_t target, uint32_t slot, const DplAvatar* avatars,
-                                           uint32_t avatarCount, const DplCamera* views, uint32_t viewCount,
-                                           const DplVulkanSceneDepth* depths, const DplVulkanSubmission* how);
+DPL_API DplResult dplVulkanSubmit(DplContext context, uint32_t target, uint32_t slot, const DplAvatar* avatars, uint32_t avatarCount,
+                                  const DplCamera* views, uint32_t viewCount, const DplVulkanSceneDepth* depths,
+                                  const DplVulkanSubmission* how);
 
 #ifdef __cplusplus
 }
