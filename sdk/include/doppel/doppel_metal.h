@@ -52,7 +52,7 @@
 
 #include <doppel/doppel.h>
 
-#if defined(__OBJC__)
+#if defined(__OBJC__) && !defined(DPL_METAL_POINTERS) /* the Swift module keeps plain pointers, which are alike on every platform */
 #import <Metal/Metal.h>
 /** An object of Metal in a struct, not retained. */
 #define DPL_METAL_MEMBER(protocol) __unsafe_unretained id<protocol>

@@ -1,0 +1,27 @@
+// swift-tools-version: 6.0
+// SPDX-License-Identifier: Apache-2.0
+// The Swift package Doppel. On Apple's platforms the C library is CDoppel.xcframework, which make-xcframework builds. On Linux it is an
+// installed libdoppel, or one that -Xcc -I and -Xlinker -L name (tools/prove-swift).
+import PackageDescription
+
+#if os(Linux)
+let library = Target.systemLibrary(name: "CDoppel", path: "Sources/CDoppel", pkgConfig: "doppel")
+#else
+let library = Target.binaryTarget(name: "CDoppel", path: "build/CDoppel.xcframework")
+#endif
+
+let package = Package(
+    name: "Doppel",
+    platforms: [.iOS(.v16), .macOS(.v13), .visionOS(.v2)],
+    products: [
+        .library(name: "Doppel", targets: ["Doppel"]),
+        .library(name: "DoppelUI", targets: ["DoppelUI"]),
+    ],
+    targets: [
+        library,
+        .target(name: "Doppel", dependencies: ["CDoppel"], resources: [.copy("PrivacyInfo.xcprivacy")]),
+        .target(name: "DoppelUI", dependencies: ["Doppel"]),
+        .testTarget(name: "DoppelTests", dependencies: ["Doppel", "DoppelUI"]),
+    ],
+    swiftLanguageModes: [.v6]
+)

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+import CDoppel
+
+/// Poses and clips.
+extension Avatar {
+    /// One local rotation for each joint, quaternions x, y, z, w, and where the root stands, metres. Identity everywhere is the rest pose.
+    public struct Pose: Sendable, Equatable {
+        public var rotations: [SIMD4<Float>]
+        public var root: SIMD3<Float>
+
+        public init(rotations: [SIMD4<Float>], root: SIMD3<Float> = .zero) {
+            self.rotations = rotations
+            self.root = root
+        }
+    }
+
+    public func setPose(_ pose: Pose) throws(DoppelError) {
+        let root = [pose.root.x, pose.root.y, pose.root.z]
+        let count = try c(pose.rotations.count)
+        try check(
+            pose.rotations.withUnsafeBytes {
+                dplSetPose(handle.raw, $0.bindMemory(to: Float.self).baseAddress, count, root)
+            })
+    }
+
+    public func pose() throws(DoppelError) -> Pose {
+        let count = try info().jointCount
+        var rotations = [SIMD4<Float>](repeating: .zero, count: count)
+        var root: [Float] = [0, 0, 0]
+        try check(
+            rotations.withUnsafeMutableBytes {
+                dplGetPose(handle.raw, $0.bindMemory(to: Float.self).baseAddress, UInt32(count), &root)
+            })
+        return Pose(rotations: rotations, root: SIMD3(root[0], root[1], root[2]))
+    }
+
+    /// World positions of all joints in the current pose, metres.
+    public func jointPositions() throws(DoppelError) -> [SIMD3<Float>] {
+        let count = try info().jointCount
+        var flat = [Float](repeating: 0, count: 3 * count)
+        try check(dplGetJointPositions(handle.raw, &flat, UInt32(count)))
+        return (0..<count).map { SIMD3(flat[3 * $0], flat[3 * $0 + 1], flat[3 * $0 + 2]) }
+    }
+
+    public struct Clip: Sendable, Equatable {
+        public let name: String
+        public let durationS: Double
+    }
+
+    public func clip(_ index: Int) throws(DoppelError) -> Clip {
+        let number = try c(index)
+        let c = try filled(DplClipInfo.sized) { dplGetClipInfo(handle.raw, number, $0) }
+        return Clip(name: String(cString: c.name), durationS: c.durationS)
+    }
+
+    /// Poses the avatar as a clip does, timeS seconds from its start. loop: the time wraps around; otherwise it is clamped.
+    public func setPose(clip: Int, timeS: Double, loop: Bool = true) throws(DoppelError) {
+        try check(dplSetPoseFromClip(handle.raw, try c(clip), timeS, loop ? DPL_TRUE : DPL_FALSE))
+    }
+
+    /// How `loadClip` keeps or changes what was recorded; see `DplClipFlag`.
+    public struct ClipOptions: OptionSet, Sendable {
+        public let rawValue: UInt32
+        public init(rawValue: UInt32) { self.rawValue = rawValue }
+        public static let keepLeadIn = ClipOptions(rawValue: UInt32(DPL_CLIP_KEEP_LEAD_IN.rawValue))
+        public static let keepPlace = ClipOptions(rawValue: UInt32(DPL_CLIP_KEEP_PLACE.rawValue))
+        public static let inPlace = ClipOptions(rawValue: UInt32(DPL_CLIP_IN_PLACE.rawValue))
+        public static let asRecorded = ClipOptions(rawValue: UInt32(DPL_CLIP_AS_RECORDED.rawValue))
+    }
+
+    /// Reads a motion (BVH or glTF) and retargets it onto this avatar. Returns the index of the new clip.
+    public func loadClip(_ bytes: [UInt8], options: ClipOptions = [], name: String? = nil) throws(DoppelError) -> Int {
+        var settings = DplClipOptions.sized
+        settings.flags = options.rawValue
+        var index: UInt32 = 0
+        let result = withOptionalCString(name) { text in
+            settings.name = text
+            return bytes.withUnsafeBufferPointer { dplLoadClip(handle.raw, $0.baseAddress, $0.count, &settings, &index) }
+        }
+        try check(result)
+        return Int(index)
+    }
+
+    public struct Trust: Sendable, Equatable {
+        /// Share of the pose-dependent offsets that is drawn. Below 1 the pose lies outside the trained ones.
+        public let offsets: Float
+        public let farthestJoint: Int
+        /// In standard deviations of training; above 4 was hardly seen.
+        public let farthestDistance: Float
+    }
+
+    /// How far the current pose lies from the poses that the avatar was trained on; see `dplGetPoseTrust`.
+    public func poseTrust() throws(DoppelError) -> Trust {
+        let c = try filled(DplPoseTrust.sized) { dplGetPoseTrust(handle.raw, $0, nil, 0) }
+        return Trust(offsets: c.offsets, farthestJoint: Int(c.farthestJoint), farthestDistance: c.farthestDistance)
+    }
+
+    /// Turns joints back until none is farther from its training than `limit` standard deviations.
+    public func holdPose(limit: Float) throws(DoppelError) { try check(dplHoldPose(handle.raw, limit)) }
+}
