@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// bench_vulkan FILE [width height eyeY eyeZ frames [quads|tiles [picture.ppm]]]
+// bench_vulkan FILE [width height eyeY eyeZ frames [quads|tiles|metal-quads|metal-tiles [picture.ppm]]]
 //
-// Draws one file of general splats through the public API on Vulkan (a software device is allowed) with the camera of bench_splat. Prints
-// the median times of the device's passes in bench_splat's format, so that floor_compare.sh can compare the two.
+// Draws one file of general splats through the public API on Vulkan (a software device is allowed) or Metal with the camera of bench_splat.
+// Prints the median times of the device's passes in bench_splat's format, so that floor_compare.sh can compare the two.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -29,14 +29,15 @@ int failed(const std::string& why) {
 int main(int argc, char** argv) {
     const auto argument = [&](int i, double fallback) { return argc > i ? std::atof(argv[i]) : fallback; };
     if (argc < 2)
-        return std::fprintf(
-                   stderr,
-                   "usage: bench_vulkan FILE [width height eyeY eyeZ frames [quads|tiles [picture.ppm]]]; FILE holds general splats\n"),
+        return std::fprintf(stderr,
+                            "usage: bench_vulkan FILE [width height eyeY eyeZ frames [quads|tiles|metal-quads|metal-tiles [picture.ppm]]]; "
+                            "FILE holds general splats\n"),
                2;
     const auto bytes = dpl::readFile(argv[1]);
     if (!bytes) return failed(bytes.error().message);
-    const bool tiles = argc <= 7 || std::strcmp(argv[7], "tiles") == 0;
-    auto context = doppel::Context::create(DPL_RENDERER_VULKAN, 0, 0, tiles ? DPL_FILL_TILES : DPL_FILL_QUADS);
+    const std::string how = argc > 7 ? argv[7] : "tiles";
+    const bool tiles = how.ends_with("tiles"), metal = how.starts_with("metal-");
+    auto context = doppel::Context::create(metal ? DPL_RENDERER_METAL : DPL_RENDERER_VULKAN, 0, 0, tiles ? DPL_FILL_TILES : DPL_FILL_QUADS);
     if (!context) return failed(context.error().message);
     auto splats = context->loadAvatar(*bytes);
     if (!splats) return failed(splats.error().message);

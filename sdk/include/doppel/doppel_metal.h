@@ -21,16 +21,15 @@
  * except that the first prepare of a new size, number of views, number of samples or set of avatars makes its pipelines and buffers: do it
  * while loading. It does not commit or wait either.
  *
- * Objects. An object is passed as what Objective-C and Swift call it; in C and C++ it is a pointer, made by (__bridge void*). Doppel
- * retains what it keeps: the device and the queue as long as the context, and nothing else that a program passes. A call uses its other
- * objects only while it runs, so command buffers of the program must keep textures alive themselves, as
- * commandBuffer (not commandBufferWithUnretainedReferences) does. Command buffers may be of either kind with regard to Doppel's own
- * objects.
+ * Objects. In Objective-C an object is passed as such; elsewhere as a pointer, made by (__bridge void*) in Objective-C++ and by
+ * Unmanaged.passUnretained(_:).toOpaque() in Swift. Doppel retains the device and the queue as long as the context, and for each slot the
+ * command buffer that was encoded last. It keeps nothing else that a program passes: textures must live until their commands have run,
+ * which a command buffer sees to if it retains what it uses. Doppel's own objects live long enough for command buffers of either kind.
  *
  * Slots. A slot names what one frame in flight uses. With dplMetalPrepare the program promises that all commands it encoded with the slot
  * before have run. Use the slots in turn. Objects destroyed in between, such as avatars, live on until then. Prepare notices a slot that
- * comes too early: the GPU signals an event behind the commands of prepare. It cannot notice that those of compose still run, unless they
- * are in the same command buffer.
+ * comes too early: the GPU signals an event behind the commands of prepare. It cannot notice that those of compose still
+ * run.
  *
  * Loads. What dplStartLoad uploads is copied by the commands of prepare: at most 1 MiB a frame, from a staging ring of 5 MiB that the load
  * made when it began to upload. A frame that draws no avatar calls dplMetalUpload instead. The load is ready once the GPU has run the last
