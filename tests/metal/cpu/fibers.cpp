@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <ucontext.h>
 
+#include "tests/metal/cpu/msl_entry.h"
+
 #include <algorithm>
 #include <cstdint>
 #include <functional>

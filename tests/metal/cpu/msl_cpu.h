@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The part of the Metal standard library, built on GLM, that is needed to compile the kernels emitted by SPIRV-Cross as C++ and to run them
-// on the CPU. Each thread of a threadgroup is a fiber; a barrier switches fibers. This tests what kernels compute, not whether Apple's
-// compiler accepts them.
+// The part of the Metal standard library, built on GLM, that is needed to compile the shaders emitted by SPIRV-Cross as C++ and to run them
+// on the CPU (msl_entry.h). This tests what shaders compute, not whether Apple's compiler accepts them.
 #pragma once
 
 #define GLM_FORCE_SWIZZLE
@@ -11,25 +10,14 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <functional>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 #include <glm/packing.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
-#include <tuple>
-#include <vector>
 
-namespace msl {
-
-/** Runs the `lanes` threads of one threadgroup to their end. order: 0 forward, 1 reverse, 2 shuffled with a fixed seed.
- *  Returns false when some lanes end while others wait at a barrier. Not reentrant; call from one CPU thread. */
-bool runGroup(uint32_t lanes, int order, const std::function<void(uint32_t lane)>& body);
-/** Switches to the next fiber. Only valid inside runGroup(). */
-void barrier();
-
-}  // namespace msl
+#include "tests/metal/cpu/msl_entry.h"
 
 namespace metal {
 
@@ -39,6 +27,7 @@ using float3 = glm::vec3;
 using packed_float3 = glm::vec3;
 using float4 = glm::vec4;
 using int2 = glm::ivec2;
+using int3 = glm::ivec3;
 using int4 = glm::ivec4;
 using uint2 = glm::uvec2;
 using uint3 = glm::uvec3;
@@ -72,6 +61,17 @@ inline uint atomic_fetch_add_explicit(atomic_uint* a, uint v, int) {
     return old;
 }
 
+using bool2 = glm::bvec2;
+inline bool2 operator>=(const int2& a, const int2& b) {
+    return {a.x >= b.x, a.y >= b.y};
+}
+inline bool2 operator<(const int2& a, const int2& b) {
+    return {a.x < b.x, a.y < b.y};
+}
+inline bool all(const bool2& v) {
+    return v.x && v.y;
+}
+
 inline float dot(const float3& a, const float3& b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
@@ -98,6 +98,21 @@ inline float rsqrt(float x) {
 }
 inline float floor(float x) {
     return std::floor(x);
+}
+inline float4 floor(const float4& v) {
+    return {std::floor(v.x), std::floor(v.y), std::floor(v.z), std::floor(v.w)};
+}
+inline float3 pow(const float3& a, const float3& b) {
+    return {std::pow(a.x, b.x), std::pow(a.y, b.y), std::pow(a.z, b.z)};
+}
+inline float3 step(const float3& edge, const float3& v) {
+    return {v.x < edge.x ? 0.0f : 1.0f, v.y < edge.y ? 0.0f : 1.0f, v.z < edge.z ? 0.0f : 1.0f};
+}
+inline float3 mix(const float3& a, const float3& b, const float3& t) {
+    return a + (b - a) * t;
+}
+inline float exp2(float x) {
+    return std::exp2(x);
 }
 inline float ceil(float x) {
     return std::ceil(x);
@@ -137,6 +152,9 @@ inline float2 unpack_snorm2x16_to_float(uint bits) {
 inline uint pack_float_to_unorm4x8(const float4& v) {
     return glm::packUnorm4x8(v);
 }
+inline float4 unpack_unorm4x8_to_float(uint bits) {
+    return glm::unpackUnorm4x8(bits);
+}
 inline float log(float x) {
     return std::log(x);
 }
@@ -171,6 +189,12 @@ inline float clamp(float x, float low, float high) {
 inline float3 clamp(const float3& v, const float3& low, const float3& high) {
     return {clamp(v.x, low.x, high.x), clamp(v.y, low.y, high.y), clamp(v.z, low.z, high.z)};
 }
+inline float2 clamp(const float2& v, const float2& low, const float2& high) {
+    return {clamp(v.x, low.x, high.x), clamp(v.y, low.y, high.y)};
+}
+inline float4 clamp(const float4& v, const float4& low, const float4& high) {
+    return {clamp(v.x, low.x, high.x), clamp(v.y, low.y, high.y), clamp(v.z, low.z, high.z), clamp(v.w, low.w, high.w)};
+}
 inline float max(float a, float b) {
     return std::max(a, b);
 }
@@ -179,6 +203,9 @@ inline float2 max(const float2& a, const float2& b) {
 }
 inline float min(float a, float b) {
     return std::min(a, b);
+}
+inline float3 min(const float3& a, const float3& b) {
+    return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
 }
 inline float3 normalize(const float3& v) {
     const float s = 1.0f / std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
@@ -192,6 +219,33 @@ inline To as_type(const From& from) {
     std::memcpy(&to, &from, sizeof(To));
     return to;
 }
+
+/** The texture types of MSL. TextureShape and the arguments of read() differ. */
+template <class T>
+struct texture2d : msl::TextureArgument<msl::TextureShape::Flat> {
+    float4 read(uint2 at, uint lod = 0) const { return texel(at, 0, 0); }
+};
+template <class T>
+struct texture2d_array : msl::TextureArgument<msl::TextureShape::Array> {
+    float4 read(uint2 at, uint layer, uint lod = 0) const { return texel(at, layer, 0); }
+};
+template <class T>
+struct texture2d_ms : msl::TextureArgument<msl::TextureShape::FlatSamples> {
+    float4 read(uint2 at, uint number) const { return texel(at, 0, number); }
+};
+template <class T>
+struct texture2d_ms_array : msl::TextureArgument<msl::TextureShape::ArraySamples> {
+    float4 read(uint2 at, uint layer, uint number) const { return texel(at, layer, number); }
+};
+
+/** The fragment goes on, as in Metal, but changes no attachment. */
+inline void discard_fragment() {
+    msl::running.discarded = true;
+}
+inline float2 get_sample_position(uint number) {
+    return msl::kSamplePlaces[number & 3];
+}
+
 template <class T, size_t Num>
 struct spvUnsafeArray {
     T elements[Num ? Num : 1];
@@ -201,48 +255,9 @@ struct spvUnsafeArray {
 
 }  // namespace metal
 
-namespace msl {
-
-struct Thread {
-    void* const* buffers;  // in the order of the kernel's parameters
-    uint32_t lane = 0;
-    glm::uvec3 position{0};  // in the grid or of the threadgroup, as the kernel declares
-};
-
-template <class Parameter>
-struct Argument;  // builtins are passed by value, buffers by reference
-template <class T>
-struct Argument<T&> {
-    static T& get(Thread& t) { return *static_cast<std::remove_const_t<T>*>(*t.buffers++); }
-};
-template <>
-struct Argument<uint32_t> {
-    static uint32_t get(Thread& t) { return t.lane; }
-};
-template <>
-struct Argument<glm::uvec3> {
-    static glm::uvec3 get(Thread& t) { return t.position; }
-};
-
-/** Runs `groups` threadgroups of `lanes` threads. The kernel's uint3 is thread_position_in_grid if `global`, else
- *  threadgroup_position_in_grid. Returns false as runGroup() does. */
-template <class... Parameters>
-bool dispatch(void (*kernel)(Parameters...), void* const* buffers, uint32_t groups, uint32_t lanes, bool global, int order) {
-    bool fine = true;
-    for (uint32_t i = 0; i < groups; ++i) {
-        const uint32_t group = order == 1 ? groups - 1 - i : i;
-        fine &= runGroup(lanes, order, [&](uint32_t lane) {
-            Thread thread{buffers, lane, {global ? group * lanes + lane : group, 0, 0}};
-            std::tuple<Parameters...> arguments{Argument<Parameters>::get(thread)...};  // braces guarantee evaluation from left to right
-            std::apply(kernel, arguments);
-        });
-    }
-    return fine;
-}
-
-}  // namespace msl
-
 #define kernel
+#define vertex
+#define fragment
 #define device
 #define thread
 #define constant const
