@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+package org.doppel;
+
+import java.nio.ByteBuffer;
+
+/**
+ * The functions of the C API as they cross to native code, where JNI_OnLoad registers them. Apps use the Kotlin classes.
+ * Handles are numbers, which the library checks; buffers are direct. Every method throws DoppelException.
+ */
+final class Native {
+    private Native() {}
+
+    static {
+        // The property names a file for tests on a desktop.
+        String file = System.getProperty("org.doppel.library");
+        if (file != null) {
+            System.load(file);
+        } else {
+            System.loadLibrary("doppel_jni");
+        }
+    }
+
+    static native int version();
+
+    static native long createContext(int renderer, int threads, int fill, String cacheFolder);
+    static native void destroyContext(long context);
+    static native String rendererName(long context);
+    static native void setDetail(long context, float splatsPerPixel, int splatBudget);
+    static native void setFrameBudget(long context, double milliseconds);
+    static native void setMemoryLimit(long context, long bytes);
+    static native void render(long context, long[] avatars, float[] camera, ByteBuffer rgba, int flags);
+
+    static native long loadAvatar(long context, ByteBuffer buffer, long offset, long size);
+    static native void destroyAvatar(long avatar);
+    static native String avatarName(long avatar);
+    static native void avatarInfo(long avatar, long[] counts, float[] bounds);
+    static native String[] jointNames(long avatar);
+    static native float[] jointTree(long avatar);
+    static native int findJoint(long avatar, String name);
+    static native void setPose(long avatar, float[] rotations, float[] root);
+    static native void getPose(long avatar, float[] rotations, float[] root);
+    static native void jointPositions(long avatar, float[] positions);
+    static native String clipName(long avatar, int clip);
+    static native double clipDuration(long avatar, int clip);
+    static native void setPoseFromClip(long avatar, int clip, double timeS, boolean loop);
+    static native int loadClip(long avatar, ByteBuffer buffer, long offset, long size, int flags, String name);
+    static native void frameStats(long avatar, long[] counts, double[] times);
+
+    static native long startLoad(long context, ByteBuffer buffer, long offset, long size);
+    static native void loadStatus(long load, float[] status);
+    static native long finishLoad(long load);
+    static native void cancelLoad(long load);
+
+    static native long createView(int fill, String cacheFolder, boolean validation);
+    static native void destroyView(long view);
+    static native long viewContext(long view);
+    static native void setWindow(long view, Object surface, int width, int height);
+    static native int drawView(long view, long[] avatars, float[] camera, float red, float green, float blue);
+    static native String[] viewComplaints(long view);
+}

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+package org.doppel
+
+import java.io.Closeable
+import java.nio.ByteBuffer
+
+/** What an avatar is. Lengths are metres. */
+class AvatarInfo internal constructor(val name: String, counts: LongArray, bounds: FloatArray) {
+    val jointCount = counts[0].toInt()
+    val splatCount = counts[1].toInt()
+    val vertexCount = counts[2].toInt()
+    val triangleCount = counts[3].toInt()
+    val layerCount = counts[4].toInt()
+    val shDegree = counts[6].toInt()
+
+    /** What the file holds; more than was loaded if memory was short. */
+    val fileSplatCount = counts[7].toInt()
+    val fileShDegree = counts[8].toInt()
+    val restMin = bounds.copyOfRange(0, 3)
+    val restMax = bounds.copyOfRange(3, 6)
+}
+
+class Joint internal constructor(val name: String, val humanoidBone: String, val parent: Int, val restPosition: FloatArray)
+
+class Clip internal constructor(val index: Int, val name: String, val durationS: Double)
+
+/** What the last finished frame drew and cost. */
+class FrameStats internal constructor(counts: LongArray, times: DoubleArray) {
+    val splatsDrawn = counts[0].toInt()
+    val splatsAllowed = counts[1].toInt()
+
+    /** Graphics memory of everything the context holds, and of this avatar alone. */
+    val residentBytes = counts[2]
+    val avatarBytes = counts[3]
+    val budgetState = BudgetState.values()[counts[4].toInt().coerceIn(0, BudgetState.values().size - 1)]
+    val framesOver = counts[5].toInt()
+    val gpuMs = times[0]
+    val frameMs = times[1]
+    val detailShare = times[2]
+}
+
+/** DplBudgetState. */
+enum class BudgetState { OFF, UNTIMED, FREE, LIMITED, UNREACHABLE }
+
+/**
+ * A person, or a set of general splats, which have no joints and no clips. Close it when it is needed no more. Any thread. A call after
+ * [close] throws [DoppelException] with INVALID_ARGUMENT, as every other mistake does.
+ */
+class Avatar internal constructor(number: Long) : Closeable {
+    private val handle = Handle(number, Native::destroyAvatar)
+    internal val number: Long get() = handle.number
+
+    val info: AvatarInfo
+        get() {
+            val counts = LongArray(9)
+            val bounds = FloatArray(6)
+            Native.avatarInfo(number, counts, bounds)
+            return AvatarInfo(Native.avatarName(number), counts, bounds)
+        }
+
+    val joints: List<Joint>
+        get() {
+            val names = Native.jointNames(number)
+            val tree = Native.jointTree(number)
+            return List(names.size / 2) { j ->
+                Joint(names[2 * j], names[2 * j + 1], tree[4 * j].toInt(), tree.copyOfRange(4 * j + 1, 4 * j + 4))
+            }
+        }
+
+    val clips: List<Clip>
+        get() {
+            val counts = LongArray(9)
+            Native.avatarInfo(number, counts, null)
+            return List(counts[5].toInt()) { Clip(it, Native.clipName(number, it), Native.clipDuration(number, it)) }
+        }
+
+    /** By name, or by VRM humanoid bone. */
+    fun findJoint(name: String): Int = Native.findJoint(number, name)
+
+    /** rotations: x, y, z, w of each joint, local; identity at every joint is the rest pose. root: metres, or null for zero. */
+    fun setPose(rotations: FloatArray, root: FloatArray? = null) = Native.setPose(number, rotations, root)
+
+    fun pose(): Pose {
+        val pose = Pose(FloatArray(4 * info.jointCount), FloatArray(3))
+        Native.getPose(number, pose.rotations, pose.root)
+        return pose
+    }
+
+    /** Three numbers a joint, metres of the world. */
+    fun jointPositions(): FloatArray = FloatArray(3 * info.jointCount).also { Native.jointPositions(number, it) }
+
+    /** Poses the avatar as the clip does at [timeS]. With [loop], the time wraps around; else it is clamped. */
+    fun setPose(clip: Clip, timeS: Double, loop: Boolean = true) = Native.setPoseFromClip(number, clip.index, timeS, loop)
+
+    /** Reads a motion (BVH or glTF) from a direct buffer and retargets it onto this avatar. */
+    fun loadClip(motion: ByteBuffer, name: String? = null, flags: Int = 0): Clip {
+        val index = Native.loadClip(number, motion, motion.position().toLong(), motion.remaining().toLong(), flags, name)
+        return Clip(index, Native.clipName(number, index), Native.clipDuration(number, index))
+    }
+
+    fun frameStats(): FrameStats {
+        val counts = LongArray(6)
+        val times = DoubleArray(3)
+        Native.frameStats(number, counts, times)
+        return FrameStats(counts, times)
+    }
+
+    override fun close() = handle.close()
+}
+
+class Pose(val rotations: FloatArray, val root: FloatArray)

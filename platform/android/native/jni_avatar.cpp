@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+// Native methods of avatars: what they are, how they stand, what they cost.
+#include "platform/android/native/jni_help.h"
+
+namespace dpl::android {
+namespace {
+
+DplAvatar avatarOf(jlong number) {
+    return handleOf<DplAvatar>(number);
+}
+
+/** The information about an avatar; nothing, and an exception, if it is gone. */
+std::optional<DplAvatarInfo> infoOf(JNIEnv* env, jlong avatar) {
+    DplAvatarInfo info{};
+    info.structSize = sizeof info;
+    if (!check(env, dplGetAvatarInfo(avatarOf(avatar), &info))) return std::nullopt;
+    return info;
+}
+
+jlong loadAvatar(JNIEnv* env, jclass, jlong context, jobject buffer, jlong offset, jlong size) {
+    const auto bytes = bytesOf(env, buffer, offset, size);
+    if (!bytes) return 0;
+    DplAvatar avatar = nullptr;
+    return check(env, dplLoadAvatar(handleOf<DplContext>(context), bytes->data, bytes->size, &avatar)) ? numberOf(avatar) : 0;
+}
+
+void destroyAvatar(JNIEnv* env, jclass, jlong avatar) {
+    check(env, dplDestroyAvatar(avatarOf(avatar)));
+}
+
+jstring avatarName(JNIEnv* env, jclass, jlong avatar) {
+    const auto info = infoOf(env, avatar);
+    return info ? toJava(env, info->name) : nullptr;
+}
+
+/** counts: joints, splats, vertices, triangles, layers, clips, SH degree, splats and SH degree of the file. bounds: least, then most. */
+void avatarInfo(JNIEnv* env, jclass, jlong avatar, jlongArray counts, jfloatArray bounds) {
+    const auto info = infoOf(env, avatar);
+    if (!info) return;
+    write(env, counts,
+          std::vector<jlong>{info->jointCount, info->splatCount, info->vertexCount, info->triangleCount, info->layerCount, info->clipCount,
+                             info->shDegree, info->fileSplatCount, info->fileShDegree});
+    std::vector<float> box(info->restMin, info->restMin + 3);
+    box.insert(box.end(), info->restMax, info->restMax + 3);
+    write(env, bounds, box);
+}
+
+/** Name, then humanoid bone or "", of each joint. */
+jobjectArray jointNames(JNIEnv* env, jclass, jlong avatar) {
+    const auto info = infoOf(env, avatar);
+    if (!info) return nullptr;
+    jclass strings = env->FindClass("java/lang/String");
+    jobjectArray names = strings ? env->NewObjectArray(jsize(2 * info->jointCount), strings, nullptr) : nullptr;
+    env->DeleteLocalRef(strings);
+    for (uint32_t j = 0; names && j < info->jointCount; ++j) {
+        DplJointInfo joint{};
+        joint.structSize = sizeof joint;
+        if (!check(env, dplGetJointInfo(avatarOf(avatar), j, &joint))) return nullptr;
+        for (const auto& [place, text] : {std::pair{2 * j, joint.name}, std::pair{2 * j + 1, joint.humanoidBone}}) {
+            jstring made = toJava(env, text);
+            if (!made) return nullptr;
+            env->SetObjectArrayElement(names, jsize(place), made);
+            env->DeleteLocalRef(made);  // a rig has more joints than a frame of JNI has references
+        }
+    }
+    return names;
+}
+
+/** Four numbers a joint: the index of its parent or -1, and its place at rest. */
+jfloatArray jointTree(JNIEnv* env, jclass, jlong avatar) {
+    const auto info = infoOf(env, avatar);
+    if (!info) return nullptr;
+    std::vector<float> numbers;
+    for (uint32_t j = 0; j < info->jointCount; ++j) {
+        DplJointInfo joint{};
+        joint.structSize = sizeof joint;
+        if (!check(env, dplGetJointInfo(avatarOf(avatar), j, &joint))) return nullptr;
+        numbers.push_back(float(joint.parent));
+        numbers.insert(numbers.end(), joint.restPosition, joint.restPosition + 3);
+    }
+    jfloatArray made = env->NewFloatArray(jsize(numbers.size()));
+    write(env, made, numbers);
+    return made;
+}
+
+jint findJoint(JNIEnv* env, jclass, jlong avatar, jstring name) {
+    uint32_t joint = 0;
+    return check(env, dplFindJoint(avatarOf(avatar), toUtf8(env, name).c_str(), &joint)) ? jint(joint) : 0;
+}
+
+void setPose(JNIEnv* env, jclass, jlong avatar, jfloatArray rotations, jfloatArray root) {
+    const std::vector<float> values = floatsOf(env, rotations), place = floatsOf(env, root);
+    if (values.size() % 4 != 0 || (root && place.size() != 3))
+        return throwDoppel(env, DPL_ERROR_INVALID_ARGUMENT, "a pose has 4 numbers a joint and a root translation of 3 numbers or none");
+    check(env, dplSetPose(avatarOf(avatar), values.data(), uint32_t(values.size() / 4), root ? place.data() : nullptr));
+}
+
+void getPose(JNIEnv* env, jclass, jlong avatar, jfloatArray rotations, jfloatArray root) {
+    const auto info = infoOf(env, avatar);
+    if (!info) return;
+    std::vector<float> values(4 * size_t(info->jointCount)), place(3);
+    if (!check(env, dplGetPose(avatarOf(avatar), values.data(), info->jointCount, place.data()))) return;
+    write(env, rotations, values);
+    write(env, root, place);
+}
+
+void jointPositions(JNIEnv* env, jclass, jlong avatar, jfloatArray positions) {
+    const auto info = infoOf(env, avatar);
+    if (!info) return;
+    std::vector<float> values(3 * size_t(info->jointCount));
+    if (check(env, dplGetJointPositions(avatarOf(avatar), values.data(), info->jointCount))) write(env, positions, values);
+}
+
+std::optional<DplClipInfo> clipOf(JNIEnv* env, jlong avatar, jint clip) {
+    DplClipInfo info{};
+    info.structSize = sizeof info;
+    if (!check(env, dplGetClipInfo(avatarOf(avatar), uint32_t(clip), &info))) return std::nullopt;
+    return info;
+}
+
+jstring clipName(JNIEnv* env, jclass, jlong avatar, jint clip) {
+    const auto info = clipOf(env, avatar, clip);
+    return info ? toJava(env, info->name) : nullptr;
+}
+
+jdouble clipDuration(JNIEnv* env, jclass, jlong avatar, jint clip) {
+    const auto info = clipOf(env, avatar, clip);
+    return info ? info->durationS : 0;
+}
+
+void setPoseFromClip(JNIEnv* env, jclass, jlong avatar, jint clip, jdouble timeS, jboolean loop) {
+    check(env, dplSetPoseFromClip(avatarOf(avatar), uint32_t(clip), timeS, loop ? DPL_TRUE : DPL_FALSE));
+}
+
+jint loadClip(JNIEnv* env, jclass, jlong avatar, jobject buffer, jlong offset, jlong size, jint flags, jstring name) {
+    const auto bytes = bytesOf(env, buffer, offset, size);
+    if (!bytes) return 0;
+    const std::string text = toUtf8(env, name);
+    DplClipOptions options{};
+    options.structSize = sizeof options;
+    options.flags = uint32_t(flags);
+    options.name = name ? text.c_str() : nullptr;
+    uint32_t clip = 0;
+    return check(env, dplLoadClip(avatarOf(avatar), bytes->data, bytes->size, &options, &clip)) ? jint(clip) : 0;
+}
+
+/** counts: splats drawn, splats allowed, bytes of the context, bytes of the avatar, budget state, frames over budget. times: ms of the GPU
+ *  and of the frame, and the share of splats that level of detail kept. */
+void frameStats(JNIEnv* env, jclass, jlong avatar, jlongArray counts, jdoubleArray times) {
+    DplFrameStats stats{};
+    stats.structSize = sizeof stats;
+    if (!check(env, dplGetFrameStats(avatarOf(avatar), &stats))) return;
+    write(env, counts,
+          std::vector<jlong>{stats.splatsDrawn, stats.splatsAllowed, jlong(stats.residentBytes), jlong(stats.avatarBytes),
+                             stats.budgetState, stats.framesOver});
+    write(env, times, std::vector<double>{stats.gpuMs, stats.frameMs, stats.detailShare});
+}
+
+}  // namespace
+
+const std::vector<JNINativeMethod> kAvatarMethods = {
+    method("loadAvatar", "(JLjava/nio/ByteBuffer;JJ)J", loadAvatar),
+    method("destroyAvatar", "(J)V", destroyAvatar),
+    method("avatarName", "(J)Ljava/lang/String;", avatarName),
+    method("avatarInfo", "(J[J[F)V", avatarInfo),
+    method("jointNames", "(J)[Ljava/lang/String;", jointNames),
+    method("jointTree", "(J)[F", jointTree),
+    method("findJoint", "(JLjava/lang/String;)I", findJoint),
+    method("setPose", "(J[F[F)V", setPose),
+    method("getPose", "(J[F[F)V", getPose),
+    method("jointPositions", "(J[F)V", jointPositions),
+    method("clipName", "(JI)Ljava/lang/String;", clipName),
+    method("clipDuration", "(JI)D", clipDuration),
+    method("setPoseFromClip", "(JIDZ)V", setPoseFromClip),
+    method("loadClip", "(JLjava/nio/ByteBuffer;JJILjava/lang/String;)I", loadClip),
+    method("frameStats", "(J[J[D)V", frameStats),
+};
+
+}  // namespace dpl::android

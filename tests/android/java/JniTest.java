@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+package org.doppel;
+
+import static org.doppel.Checks.expect;
+import static org.doppel.Checks.expectError;
+
+import java.lang.ref.WeakReference;
+import java.nio.ByteBuffer;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.Arrays;
+
+/** The natives without a window: a frame equals that of the C API, errors are exceptions, handles are checked, nothing leaks. */
+final class JniTest {
+    private static final int SOFTWARE = 1;
+    private static final int VULKAN = 2;
+    private static final int QUADS = 1;
+
+    private final Path work;
+    private final ByteBuffer file;
+    private final long context = Native.createContext(SOFTWARE, 1, QUADS, null);
+
+    private JniTest(Path work) throws Exception {
+        this.work = work;
+        file = Checks.mapped(work.resolve("avatar.glb"));
+    }
+
+    public static void main(String[] arguments) throws Exception {
+        JniTest test = new JniTest(Checks.work(arguments));
+        test.frameEqualsTheCApi(SOFTWARE, "software.rgba");
+        if (Files.exists(test.work.resolve("vulkan.rgba"))) test.frameEqualsTheCApi(VULKAN, "vulkan.rgba");
+        else System.out.println("no frame by Vulkan: draw_with_c found no device");
+        test.avatarTellsWhatItIs();
+        test.posesGoThereAndBack();
+        test.mistakesAreExceptions();
+        test.everyTruncationIsAnException();
+        test.handlesAreChecked();
+        test.namesOfPeopleAndOfDamagedFilesAreText();
+        test.loadGoesOnInTheBackground();
+        test.cancelledLoadGivesTheBufferBack();
+        test.bufferStaysWhileItIsRead();
+        Native.destroyContext(test.context);
+        System.exit(Checks.exitCode());
+    }
+
+    private long load() {
+        return Native.loadAvatar(context, file, 0, file.capacity());
+    }
+
+    private void frameEqualsTheCApi(int renderer, String expected) throws Exception {
+        long mine = Native.createContext(renderer, 1, QUADS, null);
+        long avatar = Native.loadAvatar(mine, file, 0, file.capacity());
+        Native.setPoseFromClip(avatar, 0, 0.5, true);
+        ByteBuffer pixels = ByteBuffer.allocateDirect(Checks.WIDTH * Checks.HEIGHT * 4);
+        Native.render(mine, new long[] {avatar}, Checks.CAMERA, pixels, 0);
+        byte[] drawn = new byte[pixels.capacity()];
+        pixels.get(drawn);
+        expect(Checks.redPixels(drawn) > 500, "a frame is not empty: " + Native.rendererName(mine));
+        expect(Arrays.equals(drawn, Checks.read(work.resolve(expected))), "and has the bytes of the C API's");
+        Native.destroyAvatar(avatar);
+        Native.destroyContext(mine);
+    }
+
+    private void avatarTellsWhatItIs() {
+        long avatar = load();
+        long[] counts = new long[9];
+        float[] bounds = new float[6];
+        Native.avatarInfo(avatar, counts, bounds);
+        expect(counts[0] == 2 && counts[1] == 128 && counts[3] == 2 && counts[5] == 1, "counts: " + Arrays.toString(counts));
+        expect(Math.abs(bounds[1] - 0.5f) < 1e-3f && Math.abs(bounds[4] - 1.5f) < 1e-3f, "bounds: " + Arrays.toString(bounds));
+        expect(Native.avatarName(avatar).equals("tiny"), "name");
+        expect(Arrays.asList(Native.jointNames(avatar)).equals(Arrays.asList("pelvis", "hips", "left_shoulder", "leftUpperArm")),
+                "names of the joints");
+        float[] tree = Native.jointTree(avatar);
+        expect(tree.length == 8 && tree[0] == -1 && tree[4] == 0 && tree[6] == 1.25f, "tree of the joints");
+        expect(Native.findJoint(avatar, "leftUpperArm") == 1, "a joint by its humanoid bone");
+        expect(Native.clipName(avatar, 0).equals("turn") && Native.clipDuration(avatar, 0) == 1, "clip");
+        Native.destroyAvatar(avatar);
+    }
+
+    private void posesGoThereAndBack() {
+        long avatar = load();
+        float[] rotations = {0, 0.6f, 0, 0.8f, 0, 0, 0, 1};
+        Native.setPose(avatar, rotations, new float[] {1, 2, 3});
+        float[] back = new float[8];
+        float[] root = new float[3];
+        Native.getPose(avatar, back, root);
+        boolean same = true;
+        for (int i = 0; i < 8; i++) same &= Math.abs(back[i] - rotations[i]) < 1e-6f;
+        expect(same && Arrays.equals(root, new float[] {1, 2, 3}), "a pose comes back");
+        float[] positions = new float[6];
+        Native.jointPositions(avatar, positions);
+        expect(Math.abs(positions[1] - 3) < 1e-5f, "joints stand where the root puts them");
+        Native.destroyAvatar(avatar);
+    }
+
+    private void mistakesAreExceptions() {
+        long avatar = load();
+        expectError(DoppelException.NOT_FOUND, "pelvis", "a joint that is not there; the text lists all", () -> Native.findJoint(avatar, "tail"));
+        expectError(DoppelException.INVALID_ARGUMENT, "joint", "a pose of another rig", () -> Native.setPose(avatar, new float[4], null));
+        expectError(DoppelException.INVALID_ARGUMENT, "", "a pose that is not finite",
+                () -> Native.setPose(avatar, new float[] {Float.NaN, 0, 0, 1, 0, 0, 0, 1}, null));
+        expectError(DoppelException.INVALID_ARGUMENT, "3 numbers", "a root of two numbers", () -> Native.setPose(avatar, new float[8], new float[2]));
+        expectError(DoppelException.INVALID_ARGUMENT, "direct", "a buffer on the heap",
+                () -> Native.loadAvatar(context, ByteBuffer.allocate(64), 0, 64));
+        expectError(DoppelException.INVALID_ARGUMENT, "direct", "no buffer", () -> Native.loadAvatar(context, null, 0, 0));
+        expectError(DoppelException.INVALID_ARGUMENT, "not in a buffer", "bytes beyond the buffer",
+                () -> Native.loadAvatar(context, file, 10, file.capacity()));
+        expectError(DoppelException.INVALID_ARGUMENT, "not in a buffer", "an offset that overflows",
+                () -> Native.loadAvatar(context, file, Long.MAX_VALUE, Long.MAX_VALUE));
+        expectError(DoppelException.INVALID_ARGUMENT, "18 numbers", "a camera that is too short",
+                () -> Native.render(context, new long[] {avatar}, new float[3], ByteBuffer.allocateDirect(64), 0));
+        float[] huge = Checks.CAMERA.clone();
+        huge[0] = Float.NaN;
+        expectError(DoppelException.INVALID_ARGUMENT, "", "a camera of no width",
+                () -> Native.render(context, new long[] {avatar}, huge, ByteBuffer.allocateDirect(64), 0));
+        expectError(DoppelException.INVALID_ARGUMENT, "", "an image that is too small",
+                () -> Native.render(context, new long[] {avatar}, Checks.CAMERA, ByteBuffer.allocateDirect(64), 0));
+        expectError(DoppelException.INVALID_ARGUMENT, "negative", "a negative memory limit", () -> Native.setMemoryLimit(context, -1));
+        expectError(DoppelException.INVALID_ARGUMENT, "", "a detail that is not a number", () -> Native.setDetail(context, Float.NaN, 0));
+        expectError(DoppelException.NOT_FOUND, "", "a clip that is not there", () -> Native.clipName(avatar, -1));
+        Native.destroyAvatar(avatar);
+    }
+
+    private void everyTruncationIsAnException() {
+        int refused = 0;
+        int step = 37; // a prime, so that all parts of the file are met
+        int tried = 0;
+        for (int size = 0; size < file.capacity(); size += step, tried++) {
+            try {
+                Native.destroyAvatar(Native.loadAvatar(context, file, 0, size));
+            } catch (DoppelException e) {
+                refused += e.getMessage().isEmpty() ? 0 : 1;
+            }
+        }
+        expect(refused == tried && tried > 20, refused + " of " + tried + " truncated files are refused with a sentence");
+    }
+
+    private void handlesAreChecked() {
+        long avatar = load();
+        Native.destroyAvatar(avatar);
+        int invalid = DoppelException.INVALID_ARGUMENT;
+        expectError(invalid, "", "an avatar that was destroyed", () -> Native.setPoseFromClip(avatar, 0, 0, true));
+        expectError(invalid, "", "an avatar that was destroyed twice", () -> Native.destroyAvatar(avatar));
+        expectError(invalid, "", "a context given as an avatar", () -> Native.avatarName(context));
+        expectError(invalid, "", "an avatar given as a context", () -> Native.rendererName(avatar));
+        expectError(invalid, "", "a number that is no handle", () -> Native.avatarName(0x1234567890L));
+        expectError(invalid, "", "no handle", () -> Native.avatarName(0));
+        expectError(invalid, "no such view", "a view that was never made",
+                () -> Native.drawView(7, new long[0], Checks.CAMERA, 0, 0, 0));
+        expectError(invalid, "no such view", "the context of no view", () -> Native.viewContext(-1));
+        expectError(invalid, "", "a load that was never started", () -> Native.finishLoad(99));
+        long other = Native.createContext(SOFTWARE, 1, QUADS, null);
+        long foreign = load();
+        expectError(invalid, "", "an avatar of another context",
+                () -> Native.render(other, new long[] {foreign}, Checks.CAMERA, ByteBuffer.allocateDirect(96 * 128 * 4), 0));
+        Native.destroyAvatar(foreign);
+        Native.destroyContext(other);
+    }
+
+    private void namesOfPeopleAndOfDamagedFilesAreText() throws Exception {
+        long avatar = load();
+        expectError(DoppelException.NOT_FOUND, "\uD83D\uDE42", "a name beyond 16 bits comes back in the sentence",
+                () -> Native.findJoint(avatar, "smile \uD83D\uDE42"));
+        expectError(DoppelException.NOT_FOUND, "\uFFFD", "half a character is replaced", () -> Native.findJoint(avatar, "half \uD83D"));
+        Native.destroyAvatar(avatar);
+        byte[] bytes = Checks.read(work.resolve("avatar.glb"));
+        String text = new String(bytes, java.nio.charset.StandardCharsets.ISO_8859_1);
+        int at = text.indexOf("left_shoulder");
+        bytes[at] = (byte) 0xF0; // no UTF-8
+        try {
+            long damaged = Native.loadAvatar(context, Checks.direct(bytes), 0, bytes.length);
+            String name = Native.jointNames(damaged)[2];
+            expect(name.startsWith("\uFFFD"), "a name that is no UTF-8: " + name);
+            Native.destroyAvatar(damaged);
+        } catch (DoppelException e) {
+            expect(!e.getMessage().isEmpty(), "a name that is no UTF-8 is refused: " + e.getMessage());
+        }
+    }
+
+    private static float[] statusOf(long load) {
+        float[] status = new float[2];
+        Native.loadStatus(load, status);
+        return status;
+    }
+
+    private void loadGoesOnInTheBackground() throws Exception {
+        long load = Native.startLoad(context, file, 0, file.capacity());
+        float progress = 0;
+        boolean falls = false;
+        long end = System.nanoTime() + 20_000_000_000L;
+        while (statusOf(load)[0] < 3 && System.nanoTime() < end) {
+            float now = statusOf(load)[1];
+            falls |= now < progress;
+            progress = now;
+            Thread.sleep(1);
+        }
+        expect(statusOf(load)[0] == 3 && statusOf(load)[1] == 1 && !falls, "a load becomes ready, and its progress never falls");
+        long avatar = Native.finishLoad(load);
+        expect(Native.avatarName(avatar).equals("tiny"), "and gives the avatar");
+        expectError(DoppelException.INVALID_ARGUMENT, "", "a load that is finished", () -> statusOf(load));
+        Native.destroyAvatar(avatar);
+        long bad = Native.startLoad(context, Checks.direct(new byte[100]), 0, 100);
+        expectError(DoppelException.UNSUPPORTED, "", "a load of something else fails at its end", () -> Native.finishLoad(bad));
+    }
+
+    /** Whether an object without other references is collected. */
+    private static boolean isCollected(WeakReference<?> reference) throws InterruptedException {
+        for (int i = 0; i < 100 && reference.get() != null; i++) {
+            System.gc();
+            Thread.sleep(20);
+        }
+        return reference.get() == null;
+    }
+
+    private WeakReference<ByteBuffer> startAndCancel() throws Exception {
+        ByteBuffer buffer = Checks.direct(Checks.read(work.resolve("avatar.glb")));
+        long load = Native.startLoad(context, buffer, 0, buffer.capacity());
+        Native.cancelLoad(load);
+        expectError(DoppelException.INVALID_ARGUMENT, "", "a load that was cancelled", () -> Native.finishLoad(load));
+        return new WeakReference<>(buffer);
+    }
+
+    private void cancelledLoadGivesTheBufferBack() throws Exception {
+        expect(isCollected(startAndCancel()), "a cancelled load holds its buffer no more");
+    }
+
+    private void bufferStaysWhileItIsRead() throws Exception {
+        // The only reference to the buffer is that of native code.
+        long load = Native.startLoad(context, Checks.direct(Checks.read(work.resolve("avatar.glb"))), 0, file.capacity());
+        for (int i = 0; i < 5; i++) System.gc();
+        long avatar = Native.finishLoad(load);
+        expect(Native.avatarName(avatar).equals("tiny"), "a buffer that only a load knows stays until it is read");
+        Native.destroyAvatar(avatar);
+    }
+}

@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: Apache-2.0
+package org.doppel
+
+import org.doppel.Checks.expect
+import org.doppel.Checks.expectError
+import java.nio.ByteBuffer
+import java.nio.file.Path
+import java.util.Arrays
+import kotlin.math.abs
+import kotlin.system.exitProcess
+
+// The Kotlin API on a desktop JVM: pictures, closed objects, and the life of a view: loads, clips, windows, warnings.
+
+private const val WIDTH = Checks.WIDTH
+private const val HEIGHT = Checks.HEIGHT
+private const val FRAME_NS = 16_666_667L
+
+private fun cCamera() = Camera(WIDTH, HEIGHT, 120f, 120f, 48f, 64f, floatArrayOf(1f, 0f, 0f, 0f, 0f, -1f, 0f, 1.2f, 0f, 0f, -1f, 2f))
+
+private class Recorder : AvatarStage.Listener {
+    val progress = ArrayList<Float>()
+    var loaded: Avatar? = null
+    var error: DoppelException? = null
+    override fun onProgress(progress: Float) {
+        this.progress.add(progress)
+    }
+
+    override fun onLoaded(avatar: Avatar) {
+        loaded = avatar
+    }
+
+    override fun onError(error: DoppelException) {
+        this.error = error
+    }
+}
+
+private class ApiTest(private val work: Path) {
+    private val file: ByteBuffer = Checks.mapped(work.resolve("avatar.glb"))
+
+    fun frameEqualsTheCApi(renderer: Renderer, expected: String) {
+        DoppelContext.create(renderer, 1, Fill.QUADS).use { context ->
+            context.loadAvatar(file).use { avatar ->
+                avatar.setPose(avatar.clips[0], 0.5)
+                val pixels = ByteBuffer.allocateDirect(WIDTH * HEIGHT * 4)
+                context.render(listOf(avatar), cCamera(), pixels)
+                val drawn = ByteArray(pixels.capacity())
+                pixels.get(drawn)
+                expect(Checks.redPixels(drawn) > 500, "a frame from Kotlin is not empty: ${context.rendererName}")
+                expect(Arrays.equals(drawn, Checks.read(work.resolve(expected))), "and has the bytes of the C API's")
+            }
+        }
+    }
+
+    fun avatarIsDescribed() {
+        DoppelContext.create(Renderer.SOFTWARE, 1).use { context ->
+            context.loadAvatar(file).use { avatar ->
+                expect(avatar.info.name == "tiny" && avatar.info.splatCount == 128 && avatar.info.jointCount == 2, "info")
+                expect(avatar.joints.map { it.humanoidBone } == listOf("hips", "leftUpperArm") && avatar.joints[1].parent == 0, "joints")
+                expect(avatar.clips.map { it.name } == listOf("turn") && avatar.clips[0].durationS == 1.0, "clips")
+                avatar.setPose(floatArrayOf(0f, 1f, 0f, 0f, 0f, 0f, 0f, 1f), floatArrayOf(0f, 0f, 2f))
+                expect(avatar.pose().rotations[1] == 1f && avatar.pose().root[2] == 2f, "a pose comes back")
+                expect(abs(avatar.jointPositions()[2] - 2f) < 1e-6f, "joints stand where the root puts them")
+            }
+        }
+    }
+
+    fun closedObjectsAreErrors() {
+        val context = DoppelContext.create(Renderer.SOFTWARE, 1)
+        val avatar = context.loadAvatar(file)
+        avatar.close()
+        avatar.close()
+        val invalid = DoppelException.INVALID_ARGUMENT
+        expectError(invalid, "not a live avatar", "a closed avatar is asked") { avatar.info }
+        expectError(invalid, "not a live avatar", "a closed avatar is posed") { avatar.setPose(FloatArray(8)) }
+        expectError(invalid, "", "a closed avatar is drawn") {
+            context.render(listOf(avatar), cCamera(), ByteBuffer.allocateDirect(WIDTH * HEIGHT * 4))
+        }
+        val load = context.startLoad(file)
+        load.close()
+        expectError(invalid, "not a live load", "a cancelled load is finished") { load.finish() }
+        context.close()
+        expectError(invalid, "", "a closed context loads") { context.loadAvatar(file) }
+        expectError(invalid, "", "a closed context is named") { context.rendererName }
+    }
+
+    fun orbitLooksAtTheAvatar() {
+        val orbit = OrbitCamera()
+        orbit.targetY = 1.2f
+        orbit.distanceM = 2f
+        val front = orbit.camera(WIDTH, HEIGHT).viewFromWorld
+        expect(Arrays.equals(front.map { it + 0f }.toFloatArray(), cCamera().viewFromWorld), "from the front it is the camera of the C program")
+        orbit.yawRad = 0.7f
+        orbit.pitchRad = 0.3f
+        val view = orbit.camera(WIDTH, HEIGHT).viewFromWorld
+        var worst = 0f
+        for (a in 0..2) for (b in 0..2) {
+            val dot = (0..2).sumByDouble { (view[4 * a + it] * view[4 * b + it]).toDouble() }.toFloat()
+            worst = maxOf(worst, abs(dot - if (a == b) 1f else 0f))
+        }
+        val determinant = view[0] * (view[5] * view[10] - view[6] * view[9]) - view[1] * (view[4] * view[10] - view[6] * view[8]) +
+            view[2] * (view[4] * view[9] - view[5] * view[8])
+        expect(worst < 1e-6f && determinant > 0, "turned, its axes are a rotation: $worst, $determinant")
+        val target = (0..2).map { view[4 * it + 1] * 1.2f + view[4 * it + 3] }
+        expect(abs(target[0]) < 1e-6f && abs(target[1]) < 1e-6f && abs(target[2] - 2f) < 1e-6f, "and the target stays ahead: $target")
+        orbit.pitchRad = 9f
+        orbit.distanceM = -1f
+        expect(orbit.pitchRad < 1.6f && orbit.distanceM > 0f, "angles and distances stay within limits")
+    }
+
+    fun memoryPolicyKeepsWhatIsLoaded() {
+        val usual = MemoryPolicy.usualLimit(8L shl 30)
+        val mib = 1L shl 20
+        expect(usual == 1L shl 30, "an eighth of the memory")
+        expect(MemoryPolicy.limitFor(5, 100 * mib, usual) == usual && MemoryPolicy.limitFor(20, 100 * mib, usual) == usual, "no warning, no change")
+        expect(MemoryPolicy.limitFor(10, 100 * mib, usual) == 164 * mib, "memory is low")
+        expect(MemoryPolicy.limitFor(15, 100 * mib, usual) == 116 * mib && MemoryPolicy.limitFor(80, 100 * mib, usual) == 116 * mib, "memory is short")
+        expect(MemoryPolicy.limitFor(15, usual, usual) == usual, "never more than usual")
+    }
+
+    // ---- a view
+
+    private fun withStage(test: (AvatarStage, Recorder, ViewRenderer) -> Unit) {
+        val renderer = ViewRenderer.create(Fill.QUADS, null, java.lang.Boolean.getBoolean("org.doppel.validation"))
+        val stage = AvatarStage(renderer)
+        val told = Recorder()
+        stage.listener = told
+        stage.background = floatArrayOf(0f, 0f, 0.2f)
+        test(stage, told, renderer)
+        val complaints = renderer.complaints
+        complaints.forEach { println(it) }
+        expect(complaints.isEmpty(), "the validation layer has nothing to say")
+        stage.close()
+        afterClose()
+        afterClose = {}
+    }
+
+    private var afterClose: () -> Unit = {}
+
+    private fun draw(stage: AvatarStage, frames: Int): Boolean {
+        var more = true
+        for (i in 1..frames) {
+            more = stage.draw(i * FRAME_NS)
+            Thread.sleep(2)
+        }
+        return more
+    }
+
+    private fun drawUntilLoaded(stage: AvatarStage, told: Recorder): Boolean {
+        var frames = 0
+        while (told.loaded == null && told.error == null && frames++ < 2000) draw(stage, 1)
+        return told.loaded != null
+    }
+
+    private fun expectGone(window: FakeWindow, what: String) {
+        expect(window.users() == 0L && window.surfaces() == 0L && window.swapchains() == 0L && window.wrong() == 0L, "$what: nothing is left")
+        window.close()
+    }
+
+    fun viewLoadsAndPlays() = withStage { stage, told, _ ->
+        expect(!stage.draw(0), "without a window, frames stop")
+        val window = FakeWindow(WIDTH, HEIGHT)
+        stage.setWindow(window, WIDTH, HEIGHT)
+        stage.show(file)
+        expect(drawUntilLoaded(stage, told), "a view loads while it draws: ${window.shownCount()} frames, progress ${told.progress}")
+        expect(told.progress == told.progress.sorted() && told.progress.last() == 1f, "progress rises to 1")
+        draw(stage, 3)
+        expect(Checks.redPixels(window.shown()) > 500, "and shows the avatar")
+        val standing = window.shown()
+        stage.draw(40 * FRAME_NS)
+        expect(!Arrays.equals(window.shown(), standing), "its clip plays by the time of the frame")
+        stage.play(null)
+        stage.draw(50 * FRAME_NS)
+        val still = window.shown()
+        stage.draw(60 * FRAME_NS)
+        expect(Arrays.equals(window.shown(), still), "and stops")
+        stage.orbit.drag(0.2f, 0f)
+        stage.draw(70 * FRAME_NS)
+        expect(!Arrays.equals(window.shown(), still), "a drag turns it")
+        stage.orbit.yawRad = 0f
+        stage.avatar?.setPose(floatArrayOf(0f, 0f, 0f, 1f, 0f, 0f, 0f, 1f))
+        stage.setDetail(12f, 6.0)
+        stage.trimMemory(15, 1L shl 30)
+        expect(stage.draw(80 * FRAME_NS) && Checks.redPixels(window.shown()) > 300, "level of detail and a memory warning leave it there")
+        stage.setWindow(null, 0, 0)
+        expectGone(window, "the window of a view")
+    }
+
+    fun viewInTheBackgroundWhileLoading() = withStage { stage, told, _ ->
+        val first = FakeWindow(WIDTH, HEIGHT)
+        stage.setWindow(first, WIDTH, HEIGHT)
+        stage.show(file)
+        draw(stage, 1)
+        stage.setWindow(null, 0, 0)
+        expectGone(first, "a window that left a load behind")
+        expect(!draw(stage, 5) && stage.isLoading, "in the background the load waits")
+        val second = FakeWindow(WIDTH, HEIGHT)
+        stage.setWindow(second, WIDTH, HEIGHT)
+        expect(drawUntilLoaded(stage, told), "and goes on in the next window")
+        stage.show(file)
+        stage.show(file)
+        afterClose = { expectGone(second, "a view that was closed while two loads, one of them cancelled, went on") }
+    }
+
+    fun viewShowsErrorsAndGoesOn() = withStage { stage, told, _ ->
+        val window = FakeWindow(WIDTH, HEIGHT)
+        stage.setWindow(window, WIDTH, HEIGHT)
+        stage.show(Checks.direct(ByteArray(1000)))
+        drawUntilLoaded(stage, told)
+        expect(told.error?.code == DoppelException.UNSUPPORTED, "a file of another kind is told: ${told.error?.message}")
+        expect(stage.draw(0), "and frames go on")
+        window.set("nextAcquire", FakeWindow.SURFACE_LOST)
+        expect(stage.draw(1) && stage.draw(2), "a surface that is lost in mid-frame does not stop frames")
+        window.set("nextSubmit", FakeWindow.DEVICE_LOST)
+        expect(stage.draw(3) && stage.draw(4), "nor does a lost device")
+        told.error = null
+        window.set("format", FakeWindow.RGB565)
+        stage.setWindow(null, 0, 0)
+        stage.setWindow(window, WIDTH, HEIGHT)
+        expect(!stage.draw(5) && told.error?.code == DoppelException.UNSUPPORTED, "a window of 16 bits stops them: ${told.error?.message}")
+        expect(!stage.draw(6), "until the next window")
+        window.set("format", FakeWindow.RGBA8)
+        stage.setWindow(window, WIDTH, HEIGHT)
+        expect(stage.draw(7), "which shows pictures again")
+        stage.setWindow(null, 0, 0)
+        expectGone(window, "a window with errors")
+    }
+
+    /** A thread draws as the frames of a view do, while another takes and gives windows as the main thread does. */
+    fun windowsComeAndGoWhileAThreadDraws() = withStage { stage, told, _ ->
+        var running = true
+        val frames = Thread {
+            var time = 0L
+            while (running) {
+                stage.draw(time)
+                time += FRAME_NS
+            }
+        }
+        frames.start()
+        var left = 0L
+        for (i in 0 until 30) {
+            val window = FakeWindow(WIDTH, HEIGHT)
+            stage.setWindow(window, WIDTH, HEIGHT)
+            if (i == 0) stage.show(file)
+            Thread.sleep(5)
+            stage.setWindow(null, 0, 0)
+            left += window.users() + window.surfaces() + window.swapchains() + window.wrong()
+            window.close()
+        }
+        running = false
+        frames.join()
+        expect(left == 0L && told.error == null, "30 windows come and go under a thread that draws: ${told.error?.message}")
+    }
+}
+
+fun main(arguments: Array<String>) {
+    val work = Checks.work(arguments)
+    val test = ApiTest(work)
+    println("libdoppel ${DoppelContext.version}")
+    test.frameEqualsTheCApi(Renderer.SOFTWARE, "software.rgba")
+    test.frameEqualsTheCApi(Renderer.VULKAN, "vulkan.rgba")
+    test.avatarIsDescribed()
+    test.closedObjectsAreErrors()
+    test.orbitLooksAtTheAvatar()
+    test.memoryPolicyKeepsWhatIsLoaded()
+    test.viewLoadsAndPlays()
+    test.viewInTheBackgroundWhileLoading()
+    test.viewShowsErrorsAndGoesOn()
+    test.windowsComeAndGoWhileAThreadDraws()
+    exitProcess(Checks.exitCode())
+}
