@@ -87,7 +87,7 @@ public:
     }
     uint64_t allocatedBytes(TextureRef) override { return 0; }
     TextureFacts factsOf(TextureRef texture) override { return of(texture).facts; }
-    FenceRef newFence() override { return {make(++fences_ == 1 ? "written" : "read")}; }
+    FenceRef newFence() override { return {make(fences_++ == 0 ? "written" : "composed " + std::to_string(fences_ - 2))}; }
     EventRef newSharedEvent() override { return {make("event")}; }
     uint64_t signaledValue(EventRef event) override { return of(event).value; }
     LabelRef newLabel(std::string_view text) override { return {make(std::string(text))}; }

@@ -41,8 +41,7 @@ Status MetalBackend::start() {
     if (!seam_->supportsFamily(GpuFamily::Apple4) && !seam_->supportsFamily(GpuFamily::Mac2))
         return fail(Code::Unsupported, "{} is too old: MTLGPUFamilyApple4 (A11) or MTLGPUFamilyMac2 is needed", info_.name);
     written_ = seam_->newFence();
-    read_ = seam_->newFence();
-    if (!written_ || !read_) return fail(Code::Device, "{} makes no fence", info_.name);
+    if (!written_) return fail(Code::Device, "{} makes no fence", info_.name);
     DPL_TRY(fill_, computePipeline("fill"));
     DPL_TRY(round_, computePipeline("round"));
     return lent_ ? makeComposing() : Status();
@@ -62,7 +61,7 @@ MetalBackend::~MetalBackend() {
     for (Pipeline& pipeline : pipelines_) seam_->release(pipeline.compute), seam_->release(pipeline.render);
     seam_->release(marks_);
     seam_->release(written_);
-    seam_->release(read_);
+    for (FenceRef& fence : composed_) seam_->release(fence);
 }
 
 Result<std::unique_ptr<MetalBackend>> createBackendOn(std::unique_ptr<Seam> seam, bool lent) {

@@ -183,6 +183,14 @@ private:
         Status play(const DrawStep& step);
         Status play(const ReadbackStep& step);
         Status play(const CopyStep& step);
+        /** Orders a new encoder behind all that must have run before it. Stages: of a render encoder. */
+        template <class Encoder, class... Stages>
+        void waitFor(Encoder encoder, Stages... stages) {
+            seam_.waitFence(encoder, backend_.written_, stages...);
+            if (first_)
+                for (const FenceRef fence : backend_.composed_) seam_.waitFence(encoder, fence, stages...);
+            first_ = false;
+        }
         PassAttachment attachment(const Target& target, uint32_t view, TextureRef drawn, TextureRef samples) const;
 
         MetalBackend& backend_;
@@ -190,6 +198,7 @@ private:
         CommandsRef commands_;
         ComputeEncoderRef compute_;
         BlitEncoderRef blit_;
+        bool first_ = true;     // no encoder was opened yet
         LabelRef label_;        // of the step
         bool barrier_ = false;  // the step needs what steps before it wrote; a new encoder waits for them anyway
     };
@@ -252,8 +261,9 @@ private:
     Result<bool> blendsLight(const AppPass& pass) const;
     Status makePipelines(Composer& composer);
     Result<Composed> composedOf(ComposerId composer, uint32_t slot, uint32_t view) const;
-    void drawPicture(const Composed& composed, RenderPipelineRef pipeline, DepthStencilRef state, int32_t x, int32_t y,
-                     const gpu::ComposePush& more, RenderEncoderRef encoder);
+    Result<FenceRef> nextFence();
+    Status drawPicture(const Composed& composed, RenderPipelineRef pipeline, DepthStencilRef state, int32_t x, int32_t y,
+                       const gpu::ComposePush& more, RenderEncoderRef encoder);
 
     std::unique_ptr<Seam> seam_;
     ShaderPack pack_;
@@ -261,10 +271,12 @@ private:
     const bool lent_;  // the device and the queue are an app's
     bool lost_ = false;
     bool memoryless_ = false;  // targets of several samples need no memory
-    // Each encoder of ours waits for both fences and updates `written_`, so they run one after the other. compose() makes the app's encoder
-    // wait for `written_` and update `read_`: two fences, because one encoder may compose twice, and must not wait for a fence that it has
-    // updated.
-    FenceRef written_, read_;
+    // Each encoder of ours waits for `written_` and updates it, so they run one after the other. compose() makes the app's encoder wait for
+    // `written_` and update a fence of its own among `composed_`; the first encoder of what we encode next waits for all of these. A fence
+    // each, because a fence stands for its last update, and an encoder must not wait for a fence that it has updated.
+    FenceRef written_;
+    std::vector<FenceRef> composed_;
+    size_t composes_ = 0;  // since a slot was taken
     PipelineId fill_, round_;
     std::map<uint32_t, Buffer> buffers_;
     std::map<uint32_t, Target> targets_;

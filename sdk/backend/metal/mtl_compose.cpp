@@ -173,12 +173,21 @@ Result<MetalBackend::Composed> MetalBackend::composedOf(ComposerId id, uint32_t 
     return composed;
 }
 
+/** The fence of the next compose of a frame. Made when a frame composes more often than those before. */
+Result<FenceRef> MetalBackend::nextFence() {
+    if (composes_ == composed_.size()) {
+        const FenceRef made = seam_->newFence();
+        if (!made) return fail(Code::Device, "{} makes no fence", info_.name);
+        composed_.push_back(made);
+    }
+    return composed_[composes_++];
+}
+
 Status MetalBackend::compose(ComposerId id, uint32_t slot, uint32_t view, int32_t x, int32_t y, RenderEncoderRef encoder) {
     DPL_TRY(const Composed composed, composedOf(id, slot, view));
     gpu::ComposePush push{};
     push.linear = composed.composer.linear ? 1 : 0;
-    drawPicture(composed, composed.composer.pipeline, keepDepth_, x, y, push, encoder);
-    return {};
+    return drawPicture(composed, composed.composer.pipeline, keepDepth_, x, y, push, encoder);
 }
 
 Status MetalBackend::composeDepth(ComposerId id, uint32_t slot, uint32_t view, int32_t x, int32_t y, float scale, float offset,
@@ -195,13 +204,13 @@ Status MetalBackend::composeDepth(ComposerId id, uint32_t slot, uint32_t view, i
     gpu::ComposePush push{};
     push.mesh = mesh ? 1 : 0;
     push.scale = scale, push.offset = offset;
-    drawPicture(composed, composed.composer.depthPipeline, nearer_[offset > 0], x, y, push, encoder);
-    return {};
+    return drawPicture(composed, composed.composer.depthPipeline, nearer_[offset > 0], x, y, push, encoder);
 }
 
 /** more: what depends on the pipeline. */
-void MetalBackend::drawPicture(const Composed& composed, RenderPipelineRef pipeline, DepthStencilRef state, int32_t x, int32_t y,
-                               const gpu::ComposePush& more, RenderEncoderRef encoder) {
+Status MetalBackend::drawPicture(const Composed& composed, RenderPipelineRef pipeline, DepthStencilRef state, int32_t x, int32_t y,
+                                 const gpu::ComposePush& more, RenderEncoderRef encoder) {
+    DPL_TRY(const FenceRef fence, nextFence());
     const bool depth = pipeline == composed.composer.depthPipeline;
     const gpu::ComposePush& any = composed.layers.views[0].push;
     seam_->waitFence(encoder, written_, kStageFragment);
@@ -236,7 +245,8 @@ void MetalBackend::drawPicture(const Composed& composed, RenderPipelineRef pipel
         seam_->setFragmentBytes(encoder, &push, sizeof push, kPushIndex);
         seam_->draw(encoder, PrimitiveType::Triangle, 3, composed.viewCount);
     }
-    seam_->updateFence(encoder, read_, kStageFragment);
+    seam_->updateFence(encoder, fence, kStageFragment);
+    return {};
 }
 
 }  // namespace dpl::mtl

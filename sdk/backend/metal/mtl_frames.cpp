@@ -12,8 +12,7 @@ Result<ComputeEncoderRef> MetalBackend::Recorder::compute() {
     close();
     compute_ = seam_.computeEncoder(commands_);
     if (!compute_) return fail(Code::Device, "Metal gave no compute encoder; is the command buffer committed, or an encoder open?");
-    seam_.waitFence(compute_, backend_.written_);
-    seam_.waitFence(compute_, backend_.read_);
+    waitFor(compute_);
     return compute_;
 }
 
@@ -24,8 +23,7 @@ Result<BlitEncoderRef> MetalBackend::Recorder::blit() {
     close();
     blit_ = seam_.blitEncoder(commands_);
     if (!blit_) return fail(Code::Device, "Metal gave no blit encoder; is the command buffer committed, or an encoder open?");
-    seam_.waitFence(blit_, backend_.written_);
-    seam_.waitFence(blit_, backend_.read_);
+    waitFor(blit_);
     return blit_;
 }
 
@@ -106,8 +104,7 @@ Status MetalBackend::Recorder::play(const DrawStep& step) {
     if (target.desc.multiview) pass.layers = target.desc.views;
     RenderEncoderRef encoder = seam_.renderEncoder(commands_, pass);
     if (!encoder) return fail(Code::Device, "Metal gave no render encoder; is the command buffer committed, or an encoder open?");
-    seam_.waitFence(encoder, backend_.written_, kStageVertex);
-    seam_.waitFence(encoder, backend_.read_, kStageVertex);
+    waitFor(encoder, kStageVertex);
     seam_.pushLabel(encoder, label_);
     seam_.setPipeline(encoder, pipeline.render);
     seam_.setViewport(encoder, 0, 0, target.desc.widthPx, target.desc.heightPx);

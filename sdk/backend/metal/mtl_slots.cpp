@@ -56,6 +56,7 @@ Status MetalBackend::takeSlot(uint32_t slot) {
     slotHasRun(slot);
     freeSlot(slot);
     layerSlots_[slot].depths = depthsWritten();
+    composes_ = 0;  // what is encoded next waits for the composes so far
     return {};
 }
 
