@@ -64,7 +64,10 @@ DplResult dplLoadClip(DplAvatar avatar, const uint8_t* data, size_t size, const 
         how.keepLeadIn = (wanted.flags & DPL_CLIP_KEEP_LEAD_IN) != 0;
         how.keepPlace = (wanted.flags & DPL_CLIP_KEEP_PLACE) != 0;
         how.inPlace = (wanted.flags & DPL_CLIP_IN_PLACE) != 0;
-        how.levelHead = how.plantFeet = (wanted.flags & DPL_CLIP_AS_RECORDED) == 0;
+        const bool asRecorded = (wanted.flags & DPL_CLIP_AS_RECORDED) != 0;
+        how.levelHead = how.plantFeet = !asRecorded;
+        const BodyShape body = asRecorded ? BodyShape() : BodyShape::of(found->data->joints, found->data->mesh);
+        how.body = &body;
         DPL_TRY(const Motion motion, readMotion({data, size}, wanted.name ? wanted.name : "the clip", wanted.animation));
         DPL_TRY(ClipData made, retarget(motion, found->data->joints, how));  // outside the lock: the rig never changes
         DPL_CHECK_OK(checkClip(made, found->data->joints));

@@ -73,6 +73,7 @@ public:
         for (size_t k = first; k < motion_.keyCount(); ++k) addKey(k, clip, clearance);
         place(options, clearance, clip);
         if (options.plantFeet) plantFeet(target_, clip);
+        if (options.body) pushHandsOut(*options.body, clip);
         for (const ClipChannel& channel : clip.channels)
             for (const Quatf& q : channel.rotations)
                 if (!std::isfinite(q.w + q.x + q.y + q.z))
@@ -155,6 +156,45 @@ private:
             if (const auto joint = findBone(bones, bone))
                 lowest = std::min(lowest, positions[*joint].y + clip.rootTranslations.back().y - target_[*joint].restPosition.y);
         clearance.push_back(lowest < 1e29f ? lowest : 0.0f);
+    }
+
+    /** Each hand moves by the largest push within kPushS of a key, averaged over the same time: it starts early and stays smooth. */
+    void pushHandsOut(const BodyShape& body, ClipData& clip) const {
+        constexpr float kPushS = 0.25f;
+        HandGuard hands(body, target_);
+        const size_t count = clip.timesS.size();
+        const auto poseAt = [&](size_t k) {
+            Pose pose = Pose::rest(target_.size());
+            for (const ClipChannel& channel : clip.channels) pose.localRotations[channel.joint] = channel.rotations[k];
+            if (!clip.rootTranslations.empty()) pose.rootTranslation = clip.rootTranslations[k];
+            return pose;
+        };
+        std::vector<HandGuard::Pushes> needed(count), largest(count);
+        for (size_t k = 0; k < count; ++k) needed[k] = hands.pushes(poseAt(k));
+        const auto within = [&](size_t k, auto&& visit) {
+            for (size_t n = k; n < count && clip.timesS[n] - clip.timesS[k] <= kPushS; ++n) visit(n);
+            for (size_t n = k; n > 0 && clip.timesS[k] - clip.timesS[n - 1] <= kPushS; --n) visit(n - 1);
+        };
+        for (size_t side = 0; side < 2; ++side)
+            for (size_t k = 0; k < count; ++k) {
+                largest[k][side] = needed[k][side];
+                within(k, [&](size_t n) {
+                    if (glm::length(needed[n][side]) > glm::length(largest[k][side])) largest[k][side] = needed[n][side];
+                });
+            }
+        for (size_t k = 0; k < count; ++k) {
+            HandGuard::Pushes mean{Vec3f(0), Vec3f(0)};
+            float visited = 0;
+            within(k, [&](size_t n) { mean[0] += largest[n][0], mean[1] += largest[n][1], ++visited; });
+            for (Vec3f& push : mean) push /= visited;
+            if (mean[0] == Vec3f(0) && mean[1] == Vec3f(0)) continue;
+            Pose pose = poseAt(k);
+            hands.push(mean, pose);
+            for (ClipChannel& channel : clip.channels) {
+                const Quatf& q = pose.localRotations[channel.joint];
+                channel.rotations[k] = k > 0 && glm::dot(channel.rotations[k - 1], q) < 0 ? -q : q;
+            }
+        }
     }
 
     void place(const RetargetOptions& options, const std::vector<float>& clearance, ClipData& clip) const {

@@ -2,11 +2,12 @@
 // Transfers the motion of one skeleton to another rig by humanoid bone names.
 //
 // Directions are exact (bone_follower.h).
-// What then still looks wrong is corrected last, by options: heads that do not look ahead and feet that slide.
+// What then still looks wrong is corrected last, by options: heads that do not look ahead, feet that slide, hands in hips.
 #pragma once
 
 #include <span>
 
+#include "sdk/avatar/body_shape.h"
 #include "sdk/avatar/motion.h"
 #include "sdk/core/result.h"
 #include "sdk/format/avatar_data.h"
@@ -14,12 +15,13 @@
 namespace dpl {
 
 struct RetargetOptions {
-    bool keepLeadIn = false;  // keeps the frames in which many BVH files blend from a rest pose, faster than a body can move
-    bool keepPlace = false;   // false: the clip starts with the hips above their place at rest
-    bool inPlace = false;     // no horizontal travel at all
-    bool groundFeet = true;   // shifts the clip vertically so that the lowest foot is as high as at rest
-    bool levelHead = true;    // turns the head by a constant, so that people who walk or run look ahead
-    bool plantFeet = true;    // holds feet in place while they stand (plant_feet.h)
+    bool keepLeadIn = false;          // keeps the frames in which many BVH files blend from a rest pose, faster than a body can move
+    bool keepPlace = false;           // false: the clip starts with the hips above their place at rest
+    bool inPlace = false;             // no horizontal travel at all
+    bool groundFeet = true;           // shifts the clip vertically so that the lowest foot is as high as at rest
+    bool levelHead = true;            // turns the head by a constant, so that people who walk or run look ahead
+    bool plantFeet = true;            // holds feet in place while they stand (plant_feet.h)
+    const BodyShape* body = nullptr;  // of the target: hands are kept out of it; null: they are not
 };
 
 /** The motion as a clip on `target`. It has channels for the bones that both skeletons have. Other joints keep their local rest rotation,

@@ -16,6 +16,7 @@ constexpr float kLeastGapS = 0.1f, kGapSteps = 3;          // a longer pause, or
 constexpr float kFastestRadPerS = 50, kFastestMPerS = 15;  // no joint turns and no person moves as fast: the stream jumped
 constexpr float kJumpRad = 0.6f, kJumpM = 0.3f;
 constexpr float kFloorRisesMPerS = 0.2f, kHipsSinkMPerS = 0.002f, kJumpShowsM = 0.05f, kDeepestShare = 0.75f;
+constexpr float kPushS = 0.05f;  // in which hands give way to the body, and come back
 constexpr float kMovesRadPerS = 0.5f;
 constexpr float kSlackRad = 0.8727f;      // 50 degrees
 constexpr float kLeastHorizontal = 0.2f;  // of a view direction: below, its heading says nothing
@@ -374,6 +375,14 @@ void Tracker::pose(int64_t timeNs, bool holdsPlace, Pose& pose) {
     fade_.step(pose, drivers_, stepS);
     shownNs_ = timeNs, shown_ = true;
     rootShown_ = pose.rootTranslation;
+    if (guard_) {
+        const HandGuard::Pushes needed = guard_->pushes(pose);
+        for (size_t side = 0; side < 2; ++side) {
+            pushed_[side] += (1 - std::exp(-stepS / kPushS)) * (needed[side] - pushed_[side]);
+            if (glm::length(pushed_[side]) < 1e-5f) pushed_[side] = Vec3f(0);
+        }
+        guard_->push(pushed_, pose);
+    }
     describe();
 }
 
