@@ -28,7 +28,7 @@ TEST(MetalText, everyShaderHasMslForIosAndMacosThatPassesTheLint) {
     for (const Shader& shader : pack.shaders) {
         for (const std::string* text : {&shader.mslIos, &shader.mslMacos}) {
             EXPECT_FALSE(text->empty()) << shader.name;
-            const Status status = lintMsl(shader.name, *text);
+            const Status status = lintMslStrictly(shader.name, *text);
             EXPECT_TRUE(status) << (status ? "" : status.error().message);
         }
     }
@@ -85,6 +85,74 @@ TEST(MetalLint, catchesWhatApplesCompilerWould) {
     EXPECT_FALSE(lint("", "    threadgroup Strange x;\n"));
     EXPECT_FALSE(lint("", "    atomicAdd(x, 1);\n"));
     EXPECT_FALSE(bool(lintMsl("t", "void helper() {}\n")));
+    EXPECT_TRUE(lint("texture2d<float> a [[texture(0)]], device A& b [[buffer(0)]]", ""));
+    EXPECT_FALSE(lint("texture2d<float> a [[texture(3)]], texture2d<float> b [[texture(3)]]", ""));
+    EXPECT_FALSE(lint("texture2d<float> a [[texture(31)]]", ""));
+}
+
+/** Expects that `text` with a correct line passes, and that the wrong line in its place gives an error that contains `message`. */
+void expectRefused(std::string text, const std::string& right, const std::string& wrong, const std::string& message) {
+    const auto with = [&](const std::string& line) { return std::regex_replace(text, std::regex("HERE"), line); };
+    const Status fine = lintMslStrictly("t", with(right)), status = lintMslStrictly("t", with(wrong));
+    EXPECT_TRUE(fine) << right << ": " << (fine ? "" : fine.error().message);
+    ASSERT_FALSE(status) << wrong;
+    EXPECT_NE(status.error().message.find(message), std::string::npos) << status.error().message;
+}
+
+TEST(MetalLint, catchesNamesThatMetalDoesNotHave) {
+    const std::string text = R"(
+template<typename T>
+static inline __attribute__((always_inline)) T twice(T x) { return x + T(x); }
+
+struct Pair { float a; };
+
+kernel void main0(device A& a [[buffer(0)]], texture2d<float> t [[texture(0)]])
+{
+    float x = float(a.words[0]);
+    HERE
+}
+)";
+    expectRefused(text, "x = twice(fast::max(x, 0.0));", "x = thrice(x);", "'thrice' is no function");
+    expectRefused(text, "x = Pair{ x }.a;", "x = inversesqrt(x);", "'inversesqrt'");  // GLSL's name
+    expectRefused(text, "x = rsqrt(x);", "x = std::sqrt(x);", "'std::sqrt'");
+    expectRefused(text, "x = t.read(uint2(0), 0).x;", "x = t.fetch(uint2(0), 0).x;", "'fetch'");
+    expectRefused(text, "if (x > 0.0) { x = 1.0; } // f(x)", "if (unpackHalf2x16(1u).x > 0.0) { x = 1.0; }", "'unpackHalf2x16'");
+}
+
+TEST(MetalLint, catchesAddressSpacesThatDoNotFit) {
+    const std::string text = R"(
+template<typename T, size_t Num>
+struct spvUnsafeArray { T elements[Num]; };
+
+constant uint4 kTable = uint4(1u, 2u, 3u, 4u);
+
+static inline __attribute__((always_inline))
+uint ofThread(thread const uint& x) { return x; }
+
+static inline __attribute__((always_inline))
+uint ofDevice(const device A& x, threadgroup uint (&sums)[256], thread spvUnsafeArray<uint, 3>& list) { return x.words[0] + sums[0]; }
+
+kernel void main0(device A& a [[buffer(0)]], constant B& b [[buffer(29)]], uint lane [[thread_index_in_threadgroup]])
+{
+    threadgroup uint sums[256];
+    uint local = lane;
+    B copy = b;
+    uint other[4];
+    spvUnsafeArray<uint, 3> list;
+    HERE
+}
+)";
+    expectRefused(text, "local = ofThread(local);", "local = ofThread(a.count);",
+                  "'x' is in thread memory, and is given one in device memory");
+    expectRefused(text, "local = ofThread(copy.count);", "local = ofThread(b.count);", "given one in constant memory");
+    expectRefused(text, "local = ofThread(sums[0] + 1u);", "local = ofThread(sums[0]);", "given one in threadgroup memory");
+    expectRefused(text, "local = ofDevice(a, sums, list);", "local = ofDevice(b, sums, list);",
+                  "'x' is in device memory, and is given one in constant memory");
+    expectRefused(text, "local = ofDevice(a, sums, list);", "local = ofDevice(a, other, list);",
+                  "'sums' is in threadgroup memory, and is given one in thread memory");
+    expectRefused("HERE\nkernel void main0(device A& a [[buffer(0)]])\n{\n}\n", "constant uint k = 1u;", "uint k = 1u;", "not constant");
+    expectRefused("uint f(HERE x) { return x; }\nkernel void main0(device A& a [[buffer(0)]])\n{\n}\n", "thread uint&", "uint&",
+                  "'x' of f() has no address space");
 }
 
 }  // namespace

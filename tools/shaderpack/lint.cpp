@@ -2,12 +2,13 @@
 #include <map>
 #include <regex>
 
+#include "tools/shaderpack/lint_names.h"
 #include "tools/shaderpack/msl.h"
 
 namespace dpl {
 namespace {
 
-constexpr uint32_t kMaxMetalBufferIndex = 30;
+constexpr uint32_t kMaxMetalIndex = 30;  // of a buffer or a texture
 constexpr uint64_t kMaxThreadgroupBytes = 32 * 1024;
 
 const std::map<std::string, uint32_t> kScalarBytes = {{"uint", 4},   {"int", 4},    {"float", 4},   {"atomic_uint", 4}, {"uint2", 8},
@@ -21,12 +22,12 @@ Status lintMsl(std::string_view name, std::string_view text) {
         source.find("fragment ") == std::string::npos)
         return fail(Code::InvalidArgument, "{}: the MSL has no entry point", name);
 
-    std::map<unsigned long, int> uses;
-    const std::regex index(R"(\[\[\s*buffer\((\d+)\)\s*\]\])");
+    std::map<std::pair<std::string, unsigned long>, int> uses;
+    const std::regex index(R"(\[\[\s*(buffer|texture)\((\d+)\)\s*\]\])");
     for (std::sregex_iterator it(source.begin(), source.end(), index), end; it != end; ++it) {
-        const unsigned long n = std::stoul((*it)[1]);
-        if (n > kMaxMetalBufferIndex) return fail(Code::InvalidArgument, "{}: [[buffer({})]] is above {}", name, n, kMaxMetalBufferIndex);
-        if (++uses[n] > 1) return fail(Code::InvalidArgument, "{}: [[buffer({})]] is used twice", name, n);
+        const unsigned long n = std::stoul((*it)[2]);
+        if (n > kMaxMetalIndex) return fail(Code::InvalidArgument, "{}: {} is above {}", name, it->str(), kMaxMetalIndex);
+        if (++uses[{(*it)[1], n}] > 1) return fail(Code::InvalidArgument, "{}: {} is used twice", name, it->str());
     }
 
     uint64_t groupBytes = 0;
@@ -50,6 +51,13 @@ Status lintMsl(std::string_view name, std::string_view text) {
     if (std::smatch found; std::regex_search(source, found, leftover))
         return fail(Code::InvalidArgument, "{}: '{}' is not MSL", name, found.str());
     return {};
+}
+
+Status lintMslStrictly(std::string_view name, std::string_view text) {
+    DPL_CHECK_OK(lintMsl(name, text));
+    const MslText parsed = parseMsl(text);
+    DPL_CHECK_OK(lintNames(name, parsed));
+    return lintAddressSpaces(name, parsed);
 }
 
 }  // namespace dpl

@@ -83,7 +83,7 @@ uint64_t SoftSeam::signaledValue(EventRef event) {
 }
 
 LibraryRef SoftSeam::newLibrary(std::string_view msl, std::string& error) {
-    if (const Status fine = lintMsl("newLibraryWithSource", msl); !fine) {
+    if (const Status fine = lintMslStrictly("newLibraryWithSource", msl); !fine) {
         error = fine.error().message;
         return {};
     }
