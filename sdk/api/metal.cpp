@@ -75,12 +75,13 @@ mtl::AppPass passOf(const DplMetalPass& given) {
 }
 
 /** Reads the depths of a call. textures: viewCount of them. */
-Status takeDepths(const DplMetalSceneDepth* depths, uint32_t viewCount, mtl::SceneTexture* textures) {
+Status takeDepths(const mtl::MetalBackend& backend, const DplMetalSceneDepth* depths, uint32_t viewCount, mtl::SceneTexture* textures) {
     for (uint32_t v = 0; v < viewCount; ++v) {
         DPL_TRY(const DplMetalSceneDepth given, element(depths, v, "depths"));
         if (!given.texture) return fail(Code::InvalidArgument, "depth {} has no texture", v);
         DPL_CHECK_OK(checkProjection(given.scale, given.offset));
         textures[v] = {{given.texture}, given.slice, given.x, given.y, given.scale, given.offset};
+        DPL_CHECK_OK(backend.checkScene(v, textures[v]));
     }
     return {};
 }
@@ -93,7 +94,7 @@ Status prepare(DplContext context, uint32_t slot, std::span<const DplAvatar> ava
     DPL_CHECK_OK(takeViews(scene, views, viewCount));
     mtl::SceneTexture textures[DPL_MAX_VIEWS];
     if (depths) {
-        DPL_CHECK_OK(takeDepths(depths, viewCount, textures));
+        DPL_CHECK_OK(takeDepths(side->backend, depths, viewCount, textures));
     }
     return preparePictures(scene, *side, slot, std::span<const mtl::SceneTexture>(textures, depths ? viewCount : 0),
                            {[&] { return begin(side->backend); }, [&] { return end(side->backend); }});

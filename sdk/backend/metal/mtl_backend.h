@@ -127,6 +127,8 @@ public:
     Result<ComposerId> createComposer(const AppPass& pass);
     Status destroyComposer(ComposerId composer);
     uint32_t depthsWritten() const;
+    /** Whether readScene() can read the texture of a view. */
+    Status checkScene(uint32_t view, const SceneTexture& from) const;
     Status readScene(uint32_t slot, uint32_t view, uint32_t viewOfFrame, uint32_t widthPx, uint32_t heightPx, const SceneTexture& from,
                      BufferId scene, AppCommands commands);
     Status compose(ComposerId composer, uint32_t slot, uint32_t view, int32_t x, int32_t y, RenderEncoderRef encoder);

@@ -18,6 +18,12 @@ constexpr TargetFormat kTargetFormats[] = {
 // Indices of compose.depth. compose.frag has the first texture and buffers.
 enum : uint32_t { kDrawn, kTiled, kCounts, kSums, kMesh };
 
+bool isArray(TextureType type) {
+    return type == TextureType::Array || type == TextureType::ArraySamples;
+}
+bool isFlat(TextureType type) {
+    return type == TextureType::Flat || type == TextureType::FlatSamples;
+}
 bool hasDepth(PixelFormat format) {
     return format == PixelFormat::Depth16Unorm || format == PixelFormat::Depth32Float || format == PixelFormat::Depth24UnormStencil8 ||
            format == PixelFormat::Depth32FloatStencil8;
@@ -40,28 +46,29 @@ Status MetalBackend::makeComposing() {
     return {};
 }
 
-Status MetalBackend::readScene(uint32_t slot, uint32_t, uint32_t viewOfFrame, uint32_t widthPx, uint32_t heightPx, const SceneTexture& from,
-                               BufferId scene, AppCommands commands) {
+Status MetalBackend::checkScene(uint32_t view, const SceneTexture& from) const {
     const TextureFacts facts = seam_->factsOf(from.texture);
     if (!hasDepth(facts.format))
-        return fail(Code::InvalidArgument, "the depth texture of slot {} has MTLPixelFormat {}, which holds no depth that can be read",
-                    slot, uint32_t(facts.format));
+        return fail(Code::InvalidArgument, "depth {} has a texture of MTLPixelFormat {}, which holds no depth that can be read", view,
+                    uint32_t(facts.format));
     if (!(facts.usage & kUsageShaderRead) || facts.storage == StorageMode::Memoryless)
-        return fail(
-            Code::InvalidArgument,
-            "the depth texture of slot {} cannot be read; give it MTLTextureUsageShaderRead and another storage mode than memoryless",
-            slot);
-    const bool array = facts.type == TextureType::Array || facts.type == TextureType::ArraySamples;
-    const bool flat = facts.type == TextureType::Flat || facts.type == TextureType::FlatSamples;
-    if ((!array && !flat) || (facts.samples != 1 && facts.samples != 4) || from.slice >= facts.layers)
-        return fail(
-            Code::InvalidArgument,
-            "the depth texture of slot {} has MTLTextureType {}, {} samples and {} slices, of which slice {} is wanted; 2D textures "
-            "and arrays of them with 1 or 4 samples are possible",
-            slot, uint32_t(facts.type), facts.samples, facts.layers, from.slice);
+        return fail(Code::InvalidArgument,
+                    "the texture of depth {} cannot be read; give it MTLTextureUsageShaderRead and another storage mode than memoryless",
+                    view);
+    if ((!isArray(facts.type) && !isFlat(facts.type)) || (facts.samples != 1 && facts.samples != 4) || from.slice >= facts.layers)
+        return fail(Code::InvalidArgument,
+                    "the texture of depth {} has MTLTextureType {}, {} samples and {} slices, of which slice {} is wanted; 2D textures and "
+                    "arrays of them with 1 or 4 samples are possible",
+                    view, uint32_t(facts.type), facts.samples, facts.layers, from.slice);
+    return {};
+}
+
+Status MetalBackend::readScene(uint32_t, uint32_t, uint32_t viewOfFrame, uint32_t widthPx, uint32_t heightPx, const SceneTexture& from,
+                               BufferId scene, AppCommands commands) {
+    const TextureFacts facts = seam_->factsOf(from.texture);
     Recorder recorder(*this, {commands.handle});
     DPL_TRY(const ComputeEncoderRef encoder, recorder.compute());
-    const Pipeline& pipeline = at(readScene_[flat][facts.samples == 4]);
+    const Pipeline& pipeline = at(readScene_[isFlat(facts.type)][facts.samples == 4]);
     const gpu::ScenePush push{widthPx,    heightPx,   viewOfFrame * widthPx * heightPx, from.slice, float(from.x), float(from.y),
                               from.scale, from.offset};
     seam_->setPipeline(encoder, pipeline.compute);
