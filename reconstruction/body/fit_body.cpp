@@ -401,10 +401,10 @@ Result<BodyFit> fitBody(const BodyModel& body, const Scan& scan, std::span<const
             if (!(k.confidence >= 0) || (k.confidence > 0 && (!std::isfinite(k.px.x) || !std::isfinite(k.px.y))))
                 return fail(Code::CorruptData, "frame '{}' has a keypoint that is not finite", scan.frames[f].name);
     }
-    const std::vector<bool> swapped = swappedSides(scan, keypoints);
+    const std::vector<uint8_t> swapped = swappedSides(scan, keypoints);
     std::vector<std::vector<Keypoint>> righted(keypoints.begin(), keypoints.end());
     for (size_t f = 0; f < righted.size(); ++f)
-        if (swapped[f]) righted[f] = withSidesSwapped(righted[f], scan.keypointNames);
+        if (swapped[f]) righted[f] = withSidesSwapped(righted[f], scan.keypointNames, swapped[f]);
     DPL_TRY(BodyFit fit, BodyFitter(body, scan, righted, settings).run());
     fit.swapped = swapped;
     return fit;

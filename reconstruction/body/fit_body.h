@@ -61,9 +61,9 @@ struct BodyFit {
     double outlierShare = 0;                // of these keypoints: farther off than outlierSigmas × keypointSigma
     std::vector<LandmarkOffset> landmarks;  // one per keypoint name of the scan; empty: all zero
     Pose staticPose;                        // shared by the still frames
-    std::vector<Pose> poses;    // one per frame, for the rig of shapedBody(body, shape); a still frame: staticPose plus its sway
-    std::vector<bool> swapped;  // one per frame: its left and right keypoints were exchanged before the fit (swapped_sides.h)
-    std::vector<bool> fitted;   // one per frame; false: too few keypoints, the pose is inherited or interpolated
+    std::vector<Pose> poses;       // one per frame, for the rig of shapedBody(body, shape); a still frame: staticPose plus its sway
+    std::vector<uint8_t> swapped;  // one per frame: whose left and right keypoints were exchanged before the fit (SwappedParts)
+    std::vector<bool> fitted;      // one per frame; false: too few keypoints, the pose is inherited or interpolated
     std::vector<SolveEnd> solves;
     std::vector<KindResidual> residuals;
 };

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds moving frames in which a detector took the left side of the body for the right one.
+// Finds frames in which a detector took the left side of the body for the right one.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -9,6 +10,14 @@
 #include "reconstruction/capture/scan.h"
 
 namespace dpl {
+
+/** Which keypoints of a frame have left and right exchanged; bits. Detectors confuse the whole body (seen from behind) or only the legs. */
+enum SwappedParts : uint8_t {
+    kNoneSwapped = 0,
+    kUpperSwapped = 1,  // eyes, ears, shoulders, arms
+    kLowerSwapped = 2,  // hips, legs
+    kAllSwapped = 3,
+};
 
 /** One moving frame. */
 struct SidedFrame {
@@ -18,15 +27,21 @@ struct SidedFrame {
     bool known = false;  // its sides are right
 };
 
-/** `frames`: in time. For each frame whether its left and right keypoints are swapped against the sequence. Minimises the motion of the
- *  sided keypoints from frame to frame plus a constant for each swapped frame; of two opposite answers the one with fewer swapped frames
- *  wins. A gap of more than a second joins nothing. Names end in _l and _r. */
-std::vector<bool> swappedSides(std::span<const SidedFrame> frames, std::span<const std::string> names);
+/** `frames`: in time. For each frame the SwappedParts against the sequence. Minimises the motion of the sided keypoints from frame to frame
+ *  plus a constant for each swapped frame; of two opposite answers the one with fewer swapped frames wins. A gap of more than a second
+ *  joins nothing. Names end in _l and _r. */
+std::vector<uint8_t> swappedInMotion(std::span<const SidedFrame> frames, std::span<const std::string> names);
 
-/** The same for the frames of a scan, false for still frames. Training frames are judged without the held-out ones. */
-std::vector<bool> swappedSides(const Scan& scan, std::span<const std::vector<Keypoint>> keypoints);
+/** For each frame of the scan its SwappedParts. Still frames are held against points triangulated from all still training frames. If these
+ *  points belong to a body whose feet and face point backwards, the sides are exchanged in the whole scan. Moving frames are judged by
+ *  swappedInMotion(). Training frames are judged without the held-out ones. */
+std::vector<uint8_t> swappedSides(const Scan& scan, std::span<const std::vector<Keypoint>> keypoints);
 
-/** The keypoints with left and right exchanged. */
-std::vector<Keypoint> withSidesSwapped(std::span<const Keypoint> keypoints, std::span<const std::string> names);
+/** The keypoints with left and right exchanged in these parts. */
+std::vector<Keypoint> withSidesSwapped(std::span<const Keypoint> keypoints, std::span<const std::string> names,
+                                       uint8_t parts = kAllSwapped);
+
+/** A sentence for the log, empty when nothing was swapped. */
+std::string describeSwaps(const Scan& scan, std::span<const uint8_t> swapped);
 
 }  // namespace dpl

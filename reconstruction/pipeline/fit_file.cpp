@@ -74,7 +74,7 @@ Result<BodyFit> readFitFile(const std::filesystem::path& path, size_t frameCount
         fit.keypointSigma = root.at("keypoint_sigma").get<double>();
         fit.outlierShare = root.at("outlier_share").get<double>();
         fit.fitted = root.at("fitted").get<std::vector<bool>>();
-        fit.swapped = root.at("swapped").get<std::vector<bool>>();
+        fit.swapped = root.at("swapped").get<std::vector<uint8_t>>();
         if (!fit.swapped.empty() && fit.swapped.size() != frameCount) return bad();
         if (fit.shape.size() != morphCount || fit.fitted.size() != frameCount || root.at("poses").size() != frameCount) return bad();
         if (!poseFrom(root.at("static_pose"), jointCount, fit.staticPose)) return bad();

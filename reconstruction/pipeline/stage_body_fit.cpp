@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
-
 #include "reconstruction/body/body_io.h"
 #include "reconstruction/body/body_tools.h"
+#include "reconstruction/body/swapped_sides.h"
 #include "reconstruction/pipeline/fit_file.h"
 #include "reconstruction/pipeline/stage_keys.h"
 #include "reconstruction/pipeline/stages.h"
@@ -44,15 +43,13 @@ Result<FittedBody> runBodyFit(const StageRun& run, const IngestedScan& ingested,
         keypoints.push_back({ingested.scan.frames[f].name, int(ingested.scan.frames[f].split), ingested.hashes[f].keypoints});
     const nlohmann::json inputs = {
         {"keypoints", keypoints}, {"training", ingested.trainingHash}, {"body", chosen.hash}, {"settings", fieldsJson(settings)}};
-    DPL_TRY(const StageOutput stage, run.chain.run("body-fit", 6, inputs, [&](StageContext& context) -> Status {
+    DPL_TRY(const StageOutput stage, run.chain.run("body-fit", 7, inputs, [&](StageContext& context) -> Status {
         settings.progress = [&](double fraction, std::string_view what) {
             context.progress.update(fraction, what);
             return !context.progress.cancelled();
         };
         DPL_TRY(BodyFit fit, fitBody(chosen.body, ingested.scan, settings));
-        if (const auto swapped = std::count(fit.swapped.begin(), fit.swapped.end(), true); swapped > 0)
-            context.progress.note(
-                formatText("the keypoints of {} moving frames had left and right swapped; they were swapped back", swapped));
+        if (const std::string swaps = describeSwaps(ingested.scan, fit.swapped); !swaps.empty()) context.progress.note(swaps);
         return writeFileAtomically(context.folder / "fit.json", fitToJson(fit));
     }));
     return readFittedBody(stage, ingested, std::move(chosen.body));

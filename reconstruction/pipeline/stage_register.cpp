@@ -47,7 +47,8 @@ Status fit(const StageRun& run, const IngestedScan& ingested, const FittedBody& 
     for (size_t f = 0; f < scan.frames.size(); ++f) {
         const ScanFrame& frame = scan.frames[f];
         DPL_TRY(keypoints[f], readKeypoints(scan, frame));
-        if (f < body.fit.swapped.size() && body.fit.swapped[f]) keypoints[f] = withSidesSwapped(keypoints[f], scan.keypointNames);
+        if (f < body.fit.swapped.size() && body.fit.swapped[f])
+            keypoints[f] = withSidesSwapped(keypoints[f], scan.keypointNames, body.fit.swapped[f]);
         if (isTrainingFrame(ingested, f)) {
             DPL_TRY(shown[f], pictures.of(f));
             if (frame.kind != FrameKind::Dynamic) stills.push_back({frame.name, frame.kind, body.cameras[f], surface.poses[f], shown[f]});
