@@ -15,7 +15,15 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
         ->required();
     command->add_option("-o,--out", options->out, "Output folder: avatar.glb, poses.json, report.html and the stages")->required();
     command->add_option("--body", options->body, "Body to start from (.glb made by `doppel body import`); default: the built-in body");
-    command->add_option("--models", options->models, "Folder of ONNX networks that find keypoints and clothing if the scan has none");
+    command->add_option("--models", options->models,
+                        "Folder of ONNX networks that find keypoints, masks and clothing if the scan has none; default: where tools/models "
+                        "installs them");
+    command
+        ->add_option(
+            "--person", options->persons,
+            "FRAME:X,Y: the person is at this pixel of this picture, where several are in view; once for the still and once for the "
+            "moving pictures")
+        ->allow_extra_args(false);
     const auto choosePreset = [options](const std::string& name) {
         options->preset = name == "draft" ? Preset::Draft : name == "high" ? Preset::High : Preset::Standard;
     };
@@ -49,7 +57,7 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
         "Examples:\n"
         "  doppel reconstruct scan -o ada\n"
         "  doppel reconstruct scan -o ada --preset draft\n"
-        "  doppel reconstruct orbit -o him --models models     (pictures and cameras only: the networks find the keypoints)\n"
+        "  doppel reconstruct orbit -o him     (pictures and cameras only: the networks of tools/models find the rest)\n"
         "Ctrl-C or a kill loses at most one checkpoint interval; the same command continues.");
     command->callback([options, &run] {
         run = [options] {

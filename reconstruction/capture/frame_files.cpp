@@ -98,7 +98,8 @@ Result<ImageGrey8> readFrameLabels(const ScanFrame& frame) {
 
 Result<FramePicture> readFramePicture(const ScanFrame& frame) {
     if (frame.maskPath.empty())
-        return fail(Code::NotFound, "frame '{}' has no mask; add masks/{}.png, or let --models find the person", frame.name, frame.name);
+        return fail(Code::NotFound, "frame '{}' has no mask; add masks/{}.png, or run tools/models once, so that networks find the person",
+                    frame.name, frame.name);
     FramePicture picture;
     DPL_TRY(picture.image, readFrameImage(frame));
     DPL_TRY(picture.mask, readFrameMask(frame));

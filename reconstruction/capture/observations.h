@@ -29,7 +29,25 @@ struct Observation {
     double personScore = 0;           // 0 … 1
 };
 
-/** The networks of one folder: blazepose_full.onnx (or _lite) and, if present, skin_clothes_hair_pan.onnx. Each thread needs its own. */
+/** A rotated square of a picture, pixels. */
+struct PersonCrop {
+    Vec2d centrePx{0};
+    double sidePx = 1, angleRad = 0;  // the crop's up direction is the picture's, rotated clockwise by angleRad
+};
+
+struct PersonBox {
+    Vec2d low{0}, high{0};  // pixels
+};
+
+/** A person that the pose network confirms. */
+struct SeenPerson {
+    PersonBox box;    // round the landmarks, with room for head, hands and feet
+    PersonCrop crop;  // what the pose network should get
+    double score = 0;
+};
+
+/** The networks of one folder: blazepose_full.onnx (or _lite) and, if present, blazepose_detector.onnx and skin_clothes_hair_pan.onnx. Each
+ *  thread needs its own. */
 class Observer {
 public:
     static Result<Observer> load(const std::filesystem::path& models);
@@ -37,9 +55,14 @@ public:
     Observer& operator=(Observer&&) noexcept;
     ~Observer();
     bool hasLabels() const;
+    bool hasDetector() const;
 
-    /** `mask` may be null. When no person is found, personScore is below 0.5 and every confidence is 0. */
-    Result<Observation> observe(const ImageRgb8& image, const ImageGrey8* mask);
+    /** The people in a picture, best first. Without a detector only the one that the pose network finds in the whole picture. */
+    Result<std::vector<SeenPerson>> people(const ImageRgb8& image);
+
+    /** `mask` may be null. `start`: where the person is; null: the mask's box, or the whole picture. When no person is found, personScore
+     *  is below 0.5 and every confidence is 0. */
+    Result<Observation> observe(const ImageRgb8& image, const ImageGrey8* mask, const PersonCrop* start = nullptr);
 
 private:
     struct State;
@@ -47,15 +70,29 @@ private:
     std::unique_ptr<State> state_;
 };
 
+/** Whether the scan lacks keypoints, or a frame a mask: what an avatar cannot be made without. */
+bool lacksObservations(const Scan& scan);
+
+/** "FRAME:X,Y", pixels of the stored picture. */
+struct PersonPoint {
+    std::string frame;
+    Vec2d px{0};
+};
+Result<PersonPoint> parsePersonPoint(const std::string& text);
+
 struct ObserveOptions {
     std::filesystem::path models;                             // folder of the networks
     std::filesystem::path output;                             // receives keypoints/, labels/ and masks/ (docs/formats/scan.md)
     std::function<void(size_t done, size_t count)> progress;  // called from worker threads, one at a time; may be empty
+    std::vector<PersonPoint> persons;                         // where the user says that the person is
+    std::function<void(const std::string&)> note;             // gets a sentence on what was chosen; may be empty
 };
 
 /** Writes what the scan lacks: keypoints when it has no keypoint names, and labels and masks of frames without them. A frame in which no
- *  person is found gets no labels. Each frame is processed alone, so a held-out picture affects only its own files. Every thread of `jobs`
- *  loads the networks. The files do not depend on the number of threads and are written atomically. */
+ *  person is found gets no labels. Where several people are in view, choosePerson() decides over the training frames of each kind; frames
+ *  in which nobody is found are tried again where the neighbours see the person. A held-out picture affects only its own files. Every
+ *  thread of `jobs` loads the networks. The files do not depend on the number of threads and are written atomically. Also writes
+ *  people.json: the boxes of all people, and which was chosen. */
 Status observeScan(const Scan& scan, const ObserveOptions& options, Jobs& jobs);
 
 /** Adds the paths of files that observeScan() wrote to `folder` to the scan, where it lacks them. Reads no file. */

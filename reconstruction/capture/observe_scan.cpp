@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Observes all frames of a scan and writes the results as files in the layout of a scan folder.
+#include <algorithm>
 #include <cmath>
 #include <mutex>
 #include <nlohmann/json.hpp>
 
 #include "reconstruction/capture/observations.h"
+#include "reconstruction/capture/person_places.h"
 #include "reconstruction/image/image_codec.h"
 #include "sdk/core/files.h"
 
@@ -60,17 +62,22 @@ struct FramePaths {
           mask(folder / "masks" / (frame.name + ".png")) {}
 };
 
-/** Writes no label picture when no person was found. */
-Status observeFrame(Observer& observer, const ScanFrame& frame, const Wanted& want, const fs::path& output) {
-    // The networks get the stored, distorted pixels, because the files of a scan hold positions in stored pixels. The readers undistort.
+/** The networks get the stored, distorted pixels, because the files of a scan hold positions in stored pixels. The readers undistort. */
+ScanFrame asStored(const ScanFrame& frame) {
     ScanFrame stored = frame;
     stored.lens = {};
+    return stored;
+}
+
+/** Writes no label picture when no person was found. `start`: where the person is; may be null. */
+Status observeFrame(Observer& observer, const ScanFrame& frame, const Wanted& want, const PersonCrop* start, const fs::path& output) {
+    const ScanFrame stored = asStored(frame);
     DPL_TRY(const ImageRgb8 image, readFrameImage(stored));
     std::optional<ImageGrey8> mask;
     if (!frame.maskPath.empty()) {
         DPL_TRY(mask, readFrameMask(stored));
     }
-    DPL_TRY(const Observation seen, observer.observe(image, mask ? &*mask : nullptr));
+    DPL_TRY(const Observation seen, observer.observe(image, mask ? &*mask : nullptr, start));
     const FramePaths paths(output, frame);
     if (want.keypoints) DPL_CHECK_OK(writeKeypoints(paths.keypoints, frame, seen.keypoints));
     if (want.mask) DPL_CHECK_OK(writePng(paths.mask, seen.mask));
@@ -78,27 +85,92 @@ Status observeFrame(Observer& observer, const ScanFrame& frame, const Wanted& wa
     return {};
 }
 
+bool isChosenAt(const Whereabouts& where, const Vec2d& px) {
+    if (where.chosen == kNobody) return false;
+    const PersonBox& box = where.people[where.chosen].box;
+    return px.x >= box.low.x && px.y >= box.low.y && px.x <= box.high.x && px.y <= box.high.y;
+}
+
 }  // namespace
+
+bool lacksObservations(const Scan& scan) {
+    return scan.keypointNames.empty() ||
+           std::any_of(scan.frames.begin(), scan.frames.end(), [](const ScanFrame& frame) { return frame.maskPath.empty(); });
+}
+
+Result<PersonPoint> parsePersonPoint(const std::string& text) {
+    const size_t colon = text.rfind(':');
+    PersonPoint point;
+    char rest = 0;
+    if (colon == std::string::npos || colon == 0 ||
+        std::sscanf(text.c_str() + colon + 1, "%lf,%lf%c", &point.px.x, &point.px.y, &rest) != 2 ||
+        !(std::abs(point.px.x) < 1e6 && std::abs(point.px.y) < 1e6))
+        return fail(Code::InvalidArgument, "--person {}: write FRAME:X,Y, for example full_000:190,250", text);
+    point.frame = text.substr(0, colon);
+    return point;
+}
 
 Status observeScan(const Scan& scan, const ObserveOptions& options, Jobs& jobs) {
     std::vector<std::optional<Observer>> observers(jobs.threadCount());
     for (auto& observer : observers) {
         DPL_TRY(observer, Observer::load(options.models));
     }
-    std::vector<Status> results(scan.frames.size());
+    for (const PersonPoint& point : options.persons) {
+        const auto named = std::find_if(scan.frames.begin(), scan.frames.end(), [&](const ScanFrame& f) { return f.name == point.frame; });
+        if (named == scan.frames.end())
+            return fail(Code::InvalidArgument, "--person {}: the scan has no such frame; name one of its pictures", point.frame);
+        if (named->split == Split::Test)
+            return fail(Code::InvalidArgument, "--person {}: this frame is held out; name a training frame", point.frame);
+    }
+    const size_t count = scan.frames.size();
+    std::vector<Status> results(count);
+    std::vector<Whereabouts> where(count);
     std::mutex progressLock;
     size_t done = 0;
-    jobs.forBlocks(scan.frames.size(), [&](size_t i, uint32_t worker) {
+    const auto tell = [&] {
+        if (!options.progress) return;
+        const std::lock_guard lock(progressLock);
+        options.progress(++done, 2 * count);
+    };
+    const auto allGood = [&]() -> Status {
+        for (const auto& result : results) DPL_CHECK_OK(result);
+        return {};
+    };
+    // First everybody in the pictures without a mask; then, of the chosen one, what is wanted.
+    jobs.forBlocks(count, [&](size_t i, uint32_t worker) {
+        results[i] = [&]() -> Status {
+            if (!scan.frames[i].maskPath.empty()) return {};
+            DPL_TRY(const ImageRgb8 image, readFrameImage(asStored(scan.frames[i])));
+            DPL_TRY(where[i].people, observers[worker]->people(image));
+            return {};
+        }();
+        tell();
+    });
+    DPL_CHECK_OK(allGood());
+    for (const FrameKind kind : {FrameKind::StaticFull, FrameKind::StaticCloseup, FrameKind::Dynamic}) {
+        std::vector<size_t> order;
+        for (size_t f = 0; f < count; ++f)
+            if (scan.frames[f].kind == kind && scan.frames[f].maskPath.empty()) order.push_back(f);
+        std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return scan.frames[a].timeS < scan.frames[b].timeS; });
+        choosePlaces(scan, order, options.persons, where);
+    }
+    if (const std::string text = describePlaces(scan, where); options.note && !text.empty()) options.note(text);
+    const std::string people = placesJson(scan, where);
+    DPL_CHECK_OK(writeFile(options.output / "people.json", {reinterpret_cast<const uint8_t*>(people.data()), people.size()}));
+    for (const PersonPoint& point : options.persons)
+        for (size_t f = 0; f < count; ++f)
+            if (scan.frames[f].name == point.frame && !isChosenAt(where[f], point.px))
+                return fail(Code::InvalidArgument, "--person {}: the networks see nobody there; {} lists the boxes of whom they see",
+                            point.frame, (options.output / "people.json").string());
+    jobs.forBlocks(count, [&](size_t i, uint32_t worker) {
         const ScanFrame& frame = scan.frames[i];
         Wanted want = wantedOf(scan, frame);
         want.labels = want.labels && observers[worker]->hasLabels();
-        if (want.any()) results[i] = observeFrame(*observers[worker], frame, want, options.output);
-        if (!options.progress) return;
-        const std::lock_guard lock(progressLock);
-        options.progress(++done, scan.frames.size());
+        if (want.any())
+            results[i] = observeFrame(*observers[worker], frame, want, where[i].start ? &*where[i].start : nullptr, options.output);
+        tell();
     });
-    for (const auto& result : results) DPL_CHECK_OK(result);
-    return {};
+    return allGood();
 }
 
 Scan withObservations(Scan scan, const fs::path& folder) {

@@ -3,75 +3,29 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <opencv2/imgproc.hpp>
 
+#include "reconstruction/capture/choose_person.h"
 #include "reconstruction/capture/observations.h"
 #include "reconstruction/capture/onnx_net.h"
+#include "reconstruction/capture/person_detector.h"
+#include "reconstruction/capture/pose_crop.h"
 
 namespace dpl {
 namespace {
 
 constexpr int kPoseSide = 256, kParserSide = 512;
 constexpr int kCropRounds = 3;
+constexpr size_t kMostPeople = 6;   // that the pose network looks at in a picture
+constexpr double kConfirmed = 0.5;  // of a person
+constexpr double kSameBox = 0.5;    // overlap of two boxes of one person
 constexpr uint8_t kBody = 1, kTop = 2, kBottom = 3, kHair = 4, kShoes = 5;
 
 double sigmoid(double x) {
     return 1 / (1 + std::exp(-x));
 }
 
-/** A rotated square of the picture. */
-struct Crop {
-    Vec2d centrePx{0};
-    double sidePx = 1, angleRad = 0;  // the crop's up direction is the picture's, rotated clockwise by angleRad
-
-    Vec2d toPicture(const Vec2d& inCrop, double cropSide) const {
-        const Vec2d d = (inCrop / cropSide - 0.5) * sidePx;
-        const double c = std::cos(angleRad), s = std::sin(angleRad);
-        return centrePx + Vec2d(c * d.x - s * d.y, s * d.x + c * d.y);
-    }
-    /** OpenCV's matrix that maps pixel centres of a cropSide² picture to pixel centres of the picture. */
-    cv::Matx23d matrix(double cropSide) const {
-        const double k = sidePx / cropSide, c = k * std::cos(angleRad), s = k * std::sin(angleRad);
-        const Vec2d origin = toPicture({0.5, 0.5}, cropSide) - 0.5;
-        return {c, -s, origin.x, s, c, origin.y};
-    }
-};
-
-cv::Mat rgbOf(const ImageRgb8& image) {
-    return {int(image.heightPx), int(image.widthPx), CV_8UC3, const_cast<uint8_t*>(image.pixels.data())};
-}
-
-std::vector<float> cropToTensor(const ImageRgb8& image, const Crop& crop, int side, const std::array<float, 3>& mean,
-                                const std::array<float, 3>& deviation) {
-    cv::Mat cut;
-    cv::Mat source = rgbOf(image);
-    Crop used = crop;
-    if (const double shrink = double(side) / crop.sidePx;
-        shrink < 0.5) {  // average first, because bilinear sampling alone would skip pixels
-        cv::resize(source, source, {}, 2 * shrink, 2 * shrink, cv::INTER_AREA);
-        used.centrePx *= Vec2d(double(source.cols) / image.widthPx, double(source.rows) / image.heightPx);
-        used.sidePx *= double(source.cols) / image.widthPx;
-    }
-    cv::warpAffine(source, cut, used.matrix(side), {side, side}, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_CONSTANT);
-    std::vector<float> chw(size_t(3) * side * side);
-    for (int c = 0; c < 3; ++c)
-        for (int y = 0; y < side; ++y)
-            for (int x = 0; x < side; ++x)
-                chw[(size_t(c) * side + y) * side + x] =
-                    (float(cut.at<cv::Vec3b>(y, x)[c]) / 255.0f - mean[size_t(c)]) / deviation[size_t(c)];
-    return chw;
-}
-
-/** Resamples a plane of the crop to the picture; 0 outside the crop. */
-cv::Mat spread(const float* plane, int side, const Crop& crop, uint32_t width, uint32_t height) {
-    const cv::Mat small(side, side, CV_32F, const_cast<float*>(plane));
-    cv::Mat big;
-    cv::warpAffine(small, big, crop.matrix(side), {int(width), int(height)}, cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar(0));
-    return big;
-}
-
-Crop boxCrop(const ImageRgb8& image, const ImageGrey8* mask, double margin) {
+PersonCrop boxCrop(const ImageRgb8& image, const ImageGrey8* mask, double margin) {
     cv::Rect box(0, 0, int(image.widthPx), int(image.heightPx));
     if (mask) {
         const cv::Mat soft(int(mask->heightPx), int(mask->widthPx), CV_8U, const_cast<uint8_t*>(mask->pixels.data()));
@@ -106,23 +60,31 @@ uint8_t garmentAt(const Vec2d& px, std::span<const Vec2d> p) {
 }
 
 struct Pose {
-    Crop crop;
+    PersonCrop crop;
     std::array<Vec2d, 39> landmarks{};
     std::array<double, 39> confidence{};
     double score = 0;
     std::vector<float> segmentation;
+    PersonCrop next;  // what the landmarks say that the crop should have been
 };
+
+/** Landmarks lie inside the body: there is room beyond them for crown, hands and toes. */
+PersonBox boxOf(const Pose& pose) {
+    PersonBox box{Vec2d(1e30), Vec2d(-1e30)};
+    for (size_t k = 0; k < 33; ++k) box.low = glm::min(box.low, pose.landmarks[k]), box.high = glm::max(box.high, pose.landmarks[k]);
+    const double room = 0.06 * (box.high.y - box.low.y);
+    return {box.low - Vec2d(room), box.high + Vec2d(room, 0.5 * room)};
+}
 
 }  // namespace
 
 struct Observer::State {
     OnnxNet pose;
-    std::optional<OnnxNet> parser;
+    std::optional<OnnxNet> parser, detector;
 
-    Result<Pose> findPose(const ImageRgb8& image, const ImageGrey8* mask) {
+    Result<Pose> findPose(const ImageRgb8& image, PersonCrop crop, int rounds) {
         Pose found;
-        Crop crop = boxCrop(image, mask, 1.25);
-        for (int round = 0; round < kCropRounds; ++round) {
+        for (int round = 0; round < rounds; ++round) {
             DPL_TRY(const auto outputs, pose.run(cropToTensor(image, crop, kPoseSide, {0, 0, 0}, {1, 1, 1}), kPoseSide));
             const Tensor *points = nullptr, *flag = nullptr, *segmentation = nullptr;
             for (const Tensor& t : outputs) {
@@ -137,20 +99,21 @@ struct Observer::State {
             found.segmentation = segmentation->data;
             for (size_t k = 0; k < 39; ++k) {
                 const float* v = points->data.data() + 5 * k;
-                found.landmarks[k] = crop.toPicture({v[0], v[1]}, kPoseSide);
+                found.landmarks[k] = cropToPicture(crop, {v[0], v[1]}, kPoseSide);
                 found.confidence[k] = sigmoid(v[3]) * sigmoid(v[4]);
             }
-            if (found.score < 0.5) break;  // no person: the next crop would drift away
+            if (found.score < kConfirmed) break;  // no person: the next crop would drift away
             const Vec2d up = found.landmarks[34] - found.landmarks[33];
             const double reach = glm::length(up);
             if (!(reach > 1) || !std::isfinite(reach)) break;
             crop = {found.landmarks[33], 2.5 * reach, std::atan2(up.x, -up.y)};
         }
+        found.next = crop;
         return found;
     }
 
     Status findLabels(const ImageRgb8& image, const Pose& pose33, Observation& out) {
-        const Crop crop = boxCrop(image, &out.mask, 1.1);
+        const PersonCrop crop = boxCrop(image, &out.mask, 1.1);
         DPL_TRY(const auto outputs,
                 parser->run(cropToTensor(image, crop, kParserSide, {0.485f, 0.456f, 0.406f}, {0.229f, 0.224f, 0.225f}), kParserSide));
         constexpr size_t kPlane = size_t(kParserSide) * kParserSide;
@@ -159,7 +122,7 @@ struct Observer::State {
                         "the clothes network has other outputs than skin, clothes, hair; use skin_clothes_hair_pan.onnx");
         cv::Mat share[3];
         for (size_t c = 0; c < 3; ++c)
-            share[c] = spread(outputs[0].data.data() + c * kPlane, kParserSide, crop, image.widthPx, image.heightPx);
+            share[c] = spreadCrop(outputs[0].data.data() + c * kPlane, kParserSide, crop, image.widthPx, image.heightPx);
         out.labels = {image.widthPx, image.heightPx, std::vector<uint8_t>(size_t(image.widthPx) * image.heightPx, 0)};
         for (uint32_t y = 0; y < image.heightPx; ++y)
             for (uint32_t x = 0; x < image.widthPx; ++x) {
@@ -185,6 +148,9 @@ Observer::~Observer() = default;
 bool Observer::hasLabels() const {
     return state_->parser.has_value();
 }
+bool Observer::hasDetector() const {
+    return state_->detector.has_value();
+}
 
 Result<Observer> Observer::load(const std::filesystem::path& models) {
     std::error_code ignored;
@@ -196,32 +162,54 @@ Result<Observer> Observer::load(const std::filesystem::path& models) {
     if (const auto path = models / "skin_clothes_hair_pan.onnx"; std::filesystem::exists(path, ignored)) {
         DPL_TRY(parser, OnnxNet::load(path));
     }
-    return Observer(std::unique_ptr<State>(new State{std::move(pose), std::move(parser)}));
+    std::optional<OnnxNet> detector;
+    if (const auto path = models / "blazepose_detector.onnx"; std::filesystem::exists(path, ignored)) {
+        DPL_TRY(detector, OnnxNet::load(path));
+    }
+    return Observer(std::unique_ptr<State>(new State{std::move(pose), std::move(parser), std::move(detector)}));
 }
 
-Result<Observation> Observer::observe(const ImageRgb8& image, const ImageGrey8* mask) {
+Result<std::vector<SeenPerson>> Observer::people(const ImageRgb8& image) {
+    std::vector<DetectedPerson> places{{boxCrop(image, nullptr, 1.25), 1}};
+    if (state_->detector) {
+        DPL_TRY(places, detectPeople(*state_->detector, image, kMostPeople));
+    }
+    std::vector<SeenPerson> seen;
+    for (const DetectedPerson& place : places) {
+        DPL_TRY(const Pose pose, state_->findPose(image, place.crop, 2));
+        if (pose.score >= kConfirmed) seen.push_back({boxOf(pose), pose.next, pose.score});
+    }
+    std::stable_sort(seen.begin(), seen.end(), [](const SeenPerson& a, const SeenPerson& b) { return a.score > b.score; });
+    std::vector<SeenPerson> kept;
+    for (const SeenPerson& one : seen)
+        if (std::none_of(kept.begin(), kept.end(), [&](const SeenPerson& other) { return boxOverlap(one.box, other.box) > kSameBox; }))
+            kept.push_back(one);
+    return kept;
+}
+
+Result<Observation> Observer::observe(const ImageRgb8& image, const ImageGrey8* mask, const PersonCrop* start) {
     if (image.pixels.size() != size_t(3) * image.widthPx * image.heightPx || image.pixels.empty())
         return fail(Code::InvalidArgument, "an empty image cannot be observed");
     if (mask && (mask->widthPx != image.widthPx || mask->heightPx != image.heightPx))
         return fail(Code::InvalidArgument, "the mask has another size than the image");
-    DPL_TRY(const Pose pose, state_->findPose(image, mask));
+    DPL_TRY(const Pose pose, state_->findPose(image, start ? *start : boxCrop(image, mask, 1.25), kCropRounds));
     Observation out;
     out.personScore = pose.score;
     if (mask) {
         out.mask = *mask;
     } else {
-        const cv::Mat soft = spread(pose.segmentation.data(), kPoseSide, pose.crop, image.widthPx, image.heightPx);
+        const cv::Mat soft = spreadCrop(pose.segmentation.data(), kPoseSide, pose.crop, image.widthPx, image.heightPx);
         out.mask = {image.widthPx, image.heightPx, std::vector<uint8_t>(size_t(image.widthPx) * image.heightPx, 0)};
-        if (pose.score >= 0.5)
+        if (pose.score >= kConfirmed)
             for (uint32_t y = 0; y < image.heightPx; ++y)
                 for (uint32_t x = 0; x < image.widthPx; ++x)
                     out.mask.pixels[size_t(y) * image.widthPx + x] =
                         uint8_t(std::lround(255 * std::clamp(soft.at<float>(int(y), int(x)), 0.0f, 1.0f)));
     }
     std::array<double, 33> confidence{};
-    for (size_t k = 0; k < 33; ++k) confidence[k] = pose.score >= 0.5 ? pose.confidence[k] * pose.score : 0;
+    for (size_t k = 0; k < 33; ++k) confidence[k] = pose.score >= kConfirmed ? pose.confidence[k] * pose.score : 0;
     out.keypoints = keypointsFromLandmarks(std::span(pose.landmarks).first(33), confidence, &out.mask);
-    if (state_->parser && pose.score >= 0.5) DPL_CHECK_OK(state_->findLabels(image, pose, out));
+    if (state_->parser && pose.score >= kConfirmed) DPL_CHECK_OK(state_->findLabels(image, pose, out));
     return out;
 }
 

@@ -96,7 +96,7 @@ private:
             [](const ScanFrame&, const FrameMeasures& m) { return m.check.maskShare >= 0 && m.check.maskShare < priors::kEmptyMaskShare; });
         for (size_t i : empty) measures_[i].check.usable = false;
         if (!without.empty() && without.size() == train.size())
-            find(false, "masks", "the scan has no masks; add masks/, or give a folder of networks with a person segmentation (--models)");
+            find(false, "masks", "the scan has no masks; add masks/, or run tools/models once, so that networks find the person");
         else if (!without.empty())
             find(false, "masks", formatText("{} frames have no mask; add them or those frames help little", without.size()),
                  names(without));

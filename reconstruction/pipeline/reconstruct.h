@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "reconstruction/pipeline/progress.h"
 #include "sdk/core/result.h"
@@ -24,10 +25,11 @@ struct WithoutParts {
 };
 
 struct ReconstructOptions {
-    std::filesystem::path scan;    // scan folder, nerfstudio or COLMAP folder
-    std::filesystem::path out;     // made if absent
-    std::filesystem::path body;    // glTF body; empty: the built-in one
-    std::filesystem::path models;  // folder of ONNX networks for keypoints, labels and masks; empty: none
+    std::filesystem::path scan;        // scan folder, nerfstudio or COLMAP folder
+    std::filesystem::path out;         // made if absent
+    std::filesystem::path body;        // glTF body; empty: the built-in one
+    std::filesystem::path models;      // ONNX networks for keypoints, labels and masks; empty: those that tools/models installed
+    std::vector<std::string> persons;  // where the person is, "FRAME:X,Y" (parsePersonPoint()); empty: chosen by size and place
     Preset preset = Preset::Standard;
     double timeBudgetMinutes = 0;  // of training; 0: the preset's number of steps
     uint32_t steps = 0;            // of training; 0: the preset's number; above 0: the time budget is ignored

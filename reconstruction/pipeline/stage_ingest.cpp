@@ -2,6 +2,7 @@
 // The stages observe and ingest. Observe finds missing keypoints, labels and masks in the pictures. Ingest checks the scan.
 #include <algorithm>
 
+#include "reconstruction/capture/models_folder.h"
 #include "reconstruction/capture/observations.h"
 #include "reconstruction/capture/scan_check.h"
 #include "reconstruction/capture/validation.h"
@@ -74,15 +75,22 @@ std::string readText(const std::filesystem::path& path) {
 }
 
 /** Runs the stage observe: the scan, with missing observations replaced by what the networks find in its pictures. */
-Result<Scan> observed(const StageRun& run, const Scan& scan, const std::filesystem::path& models) {
+Result<Scan> observed(const StageRun& run, const Scan& scan, const std::filesystem::path& models, const std::vector<std::string>& persons) {
     json networks = json::array();
-    for (const char* name : {"blazepose_full.onnx", "blazepose_lite.onnx", "skin_clothes_hair_pan.onnx"})
+    std::vector<PersonPoint> points;
+    for (const std::string& text : persons) {
+        DPL_TRY(const PersonPoint point, parsePersonPoint(text));
+        points.push_back(point);
+    }
+    for (const char* name : {"blazepose_full.onnx", "blazepose_lite.onnx", "blazepose_detector.onnx", "skin_clothes_hair_pan.onnx"})
         if (auto hash = hashFile(models / name)) networks.push_back(*hash);
-    const json inputs = {{"scan", scanInputs(scan, hashFrames(scan))}, {"models", networks}};
-    DPL_TRY(const StageOutput stage, run.chain.run("observe", 1, inputs, [&](StageContext& context) -> Status {
+    const json inputs = {{"scan", scanInputs(scan, hashFrames(scan))}, {"models", networks}, {"persons", persons}};
+    DPL_TRY(const StageOutput stage, run.chain.run("observe", 2, inputs, [&](StageContext& context) -> Status {
         ObserveOptions options;
         options.models = models;
         options.output = context.folder;
+        options.persons = points;
+        options.note = [&](const std::string& text) { context.progress.note(text); };
         options.progress = [&](size_t done, size_t count) {
             context.progress.update(double(done) / double(count), formatText("frame {} of {}", done, count));
         };
@@ -93,16 +101,23 @@ Result<Scan> observed(const StageRun& run, const Scan& scan, const std::filesyst
 
 }  // namespace
 
-Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path& folder, const std::filesystem::path& models) {
+Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path& folder, const std::filesystem::path& models,
+                               const std::vector<std::string>& persons) {
     IngestedScan ingested;
     DPL_TRY(ingested.scan, readScan(folder));
-    if (!models.empty()) {
-        DPL_TRY(ingested.scan, observed(run, ingested.scan, models));
+    const std::filesystem::path networks = !models.empty() ? models : lacksObservations(ingested.scan) ? installedModels() : models;
+    if (!networks.empty()) {
+        if (models.empty()) run.progress.note(formatText("networks of {} find what the scan lacks", networks.string()));
+        DPL_TRY(ingested.scan, observed(run, ingested.scan, networks, persons));
+    } else if (!persons.empty()) {
+        return fail(Code::InvalidArgument,
+                    "--person: networks look for nobody in this scan; it brings keypoints and masks, or tools/models "
+                    "has not run");
     }
     const Scan& scan = ingested.scan;
     if (std::all_of(scan.frames.begin(), scan.frames.end(), [](const ScanFrame& frame) { return frame.keypointsPath.empty(); }))
         return fail(Code::InvalidArgument,
-                    "{} brings no keypoints: point --models at a folder with blazepose_full.onnx, or add keypoints files "
+                    "{} brings no keypoints: run tools/models once, which fetches networks that find them, or add keypoints files "
                     "(docs/formats/scan.md)",
                     folder.string());
     ingested.hashes = hashFrames(scan);

@@ -29,7 +29,9 @@ Status fit(const StageRun& run, const IngestedScan& ingested, const FittedBody& 
         DPL_TRY(const auto picture, pictures.of(f));
         views.push_back({body.cameras[f], picture->mask, body.fit.poses[f]});
     }
-    if (views.empty()) return fail(Code::InvalidArgument, "no still training frame has a mask; add masks, or let --models find the person");
+    if (views.empty())
+        return fail(Code::InvalidArgument,
+                    "no still training frame has a mask; add masks, or run tools/models once, so that networks find the person");
     settings.progress = [&](double fraction) {
         context.progress.update(fraction, formatText("{} silhouettes", views.size()));
         return !context.progress.cancelled();

@@ -80,9 +80,10 @@ struct FoundPoses {
     std::string key;
 };
 
-/** Reads and checks the scan. `models` is a folder of networks, or empty. The networks first add keypoints, labels and masks that the scan
- *  lacks. */
-Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path& scan, const std::filesystem::path& models);
+/** Reads and checks the scan. `models` is a folder of networks; if empty, installedModels() is taken where the scan lacks something.
+ * `persons`: ReconstructOptions::persons. The networks first add keypoints, labels and masks that the scan lacks. */
+Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path& scan, const std::filesystem::path& models,
+                               const std::vector<std::string>& persons = {});
 /** Reads the body from `file`, or takes the built-in one if `file` is empty. */
 Result<ChosenBody> chooseBody(const std::filesystem::path& file, Jobs& jobs);
 Result<FittedBody> runBodyFit(const StageRun& run, const IngestedScan& ingested, ChosenBody chosen);

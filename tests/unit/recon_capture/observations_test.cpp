@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 
+#include "reconstruction/capture/models_folder.h"
 #include "reconstruction/capture/onnx_net.h"
 #include "reconstruction/capture/scan_check.h"
 #include "tests/unit/recon_capture/scan_builder.h"
@@ -13,6 +15,13 @@
 
 namespace dpl {
 namespace {
+
+/** The made-up picture of golden.json. */
+std::vector<float> madeUpPicture(int side) {
+    std::vector<float> input(size_t(3) * size_t(side) * size_t(side));
+    for (size_t i = 0; i < input.size(); ++i) input[i] = float((i * 7919) % 1000) / 1000.0f;
+    return input;
+}
 
 TEST(OnnxNet, agreesWithTheGoldenValuesOfAnotherRuntime) {
     const auto models = sharedData("models");
@@ -25,9 +34,7 @@ TEST(OnnxNet, agreesWithTheGoldenValuesOfAnotherRuntime) {
                                      {"skin_clothes_hair_pan.onnx", 512}}) {
         auto net = OnnxNet::load(*models / file);
         ASSERT_TRUE(net) << net.error().message;
-        std::vector<float> input(size_t(3) * side * side);
-        for (size_t i = 0; i < input.size(); ++i) input[i] = float((i * 7919) % 1000) / 1000.0f;
-        auto outputs = net->run(input, side);
+        auto outputs = net->run(madeUpPicture(side), side);
         ASSERT_TRUE(outputs) << outputs.error().message;
         const auto& want = golden.at(file);
         // The golden file holds the first output in onnxruntime's order. It is found by its length.
@@ -38,6 +45,46 @@ TEST(OnnxNet, agreesWithTheGoldenValuesOfAnotherRuntime) {
             EXPECT_NEAR(found->data[i], want.at("first8")[i].get<double>(), 2e-5)
                 << file;  // golden.json states 4e-6; five times that allows for other CPUs
     }
+}
+
+TEST(OnnxNet, installedNetworksGiveThePinnedValues) {
+    const auto models = installedModels();
+    if (models.empty()) GTEST_SKIP() << "tools/models has not installed networks";
+    const auto outputsOf = [&](const char* file, int side) {
+        auto net = OnnxNet::load(models / file);
+        EXPECT_TRUE(net) << net.error().message;
+        auto outputs = net->run(madeUpPicture(side), side);
+        EXPECT_TRUE(outputs) << outputs.error().message;
+        return *outputs;
+    };
+    const auto named = [](const std::vector<Tensor>& outputs, std::string_view name) {
+        const auto found = std::find_if(outputs.begin(), outputs.end(), [&](const Tensor& t) { return t.name == name; });
+        EXPECT_NE(found, outputs.end()) << name;
+        return *found;
+    };
+    const auto pose = outputsOf("blazepose_full.onnx", 256);
+    EXPECT_NEAR(named(pose, "output_poseflag").data[0], 0.002842336893081665, 2e-5);  // golden.json: onnxruntime on another conversion
+    const Tensor landmarks = named(pose, "ld_3d");
+    ASSERT_EQ(landmarks.data.size(), 195u);
+    const double first[] = {147.6309, 65.68425, -55.39031};  // of OpenCV 4.6, equal for both conversions
+    for (size_t i = 0; i < 3; ++i) EXPECT_NEAR(landmarks.data[i], first[i], 1e-3);
+    const Tensor people = outputsOf("blazepose_detector.onnx", 224).at(0);
+    EXPECT_EQ(people.shape, (std::vector<int>{1, 2254, 13}));
+}
+
+TEST(ModelsFolder, followsTheXdgSpecification) {
+    const char* before = std::getenv("XDG_DATA_HOME");
+    const std::string kept = before ? before : "";
+    TemporaryFolder folder;
+    ::setenv("XDG_DATA_HOME", folder.path.c_str(), 1);
+    EXPECT_EQ(userModelsFolder(), folder.path / "doppel" / "models");
+    EXPECT_TRUE(installedModels().empty());
+    std::filesystem::create_directories(userModelsFolder());
+    writeText(userModelsFolder() / "blazepose_full.onnx", "a network");
+    EXPECT_EQ(installedModels(), userModelsFolder());
+    ::setenv("XDG_DATA_HOME", "relative", 1);
+    EXPECT_EQ(userModelsFolder(), std::filesystem::path(std::getenv("HOME")) / ".local/share/doppel/models");
+    before ? ::setenv("XDG_DATA_HOME", kept.c_str(), 1) : ::unsetenv("XDG_DATA_HOME");
 }
 
 TEST(OnnxNet, aDamagedNetworkIsAnError) {
