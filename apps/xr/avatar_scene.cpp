@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/xr/avatar_scene.h"
 
+#include <cmath>
+
 namespace dpl {
 namespace {
 
 // Waist-high, before the avatar and beside it, so that a user sees that it stands among other things.
 constexpr std::array<float, 2> kPosts[] = {{0.16f, -1.39f}, {-0.68f, -1.2f}};
+
+constexpr double kTurnRadPerS = 1.6;
 
 #define SCENE_OK(...) \
     if (doppel::Status sceneStatus = (__VA_ARGS__); !sceneStatus) return sceneStatus.error()
@@ -182,6 +186,22 @@ void AvatarScene::originMoved(const XrPosef& oldFromNew) {
     const XrPosef newFromOld = xr::inverse(oldFromNew);
     worldFromAvatar_ = newFromOld * worldFromAvatar_;
     mirror_ = {(newFromOld * XrPosef{{0, 0, 0, 1}, mirror_.point}).position, xr::rotate(newFromOld.orientation, mirror_.normal)};
+}
+
+void AvatarScene::moveByControllers(const xr::Session& session) {
+    using xr::operator*;
+    if (const auto& moved = session.originMoved()) originMoved(*moved);
+    XrPosef place = worldFromAvatar_;
+    for (const xr::Controller& hand : session.controllers().hands) {
+        const XrVector3f ray = xr::rotate(hand.aim.orientation, {0, 0, -1});
+        if (hand.tracked && hand.selected && ray.y < -0.05f) {
+            const float length = -hand.aim.position.y / ray.y;
+            place.position = {hand.aim.position.x + length * ray.x, 0, hand.aim.position.z + length * ray.z};
+        }
+        const float half = float(-0.5 * kTurnRadPerS * hand.turn * session.lastFrame().periodS);
+        if (hand.turn != 0) place.orientation = XrQuaternionf{0, std::sin(half), 0, std::cos(half)} * place.orientation;
+    }
+    if (xr::makeValid(place)) worldFromAvatar_ = place;
 }
 
 /** The pose of the clip, in which the user's hands, and before a mirror the head, take over. */

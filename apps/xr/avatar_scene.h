@@ -11,6 +11,7 @@
 #include "platform/openxr/puppet.h"
 #include "platform/openxr/runtime.h"
 #include "platform/openxr/scene.h"
+#include "platform/openxr/session.h"
 
 namespace dpl {
 
@@ -37,6 +38,9 @@ public:
     /** Where the avatar stands. */
     void place(const XrPosef& worldFromAvatar) { worldFromAvatar_ = worldFromAvatar; }
     const XrPosef& place() const { return worldFromAvatar_; }
+    /** After a frame of the session: select puts the avatar where a controller points at the floor, and a stick turns it. What the session
+     *  says of its origin is followed too. */
+    void moveByControllers(const xr::Session& session);
     /** The user or the runtime has moved the origin of the world (Session::originMoved): things stay where they are in the room. */
     void originMoved(const XrPosef& oldFromNew);
     /** The camera of the avatar's own space that sees what `camera` sees in the world. */

@@ -20,7 +20,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
-constexpr double kTurnRadPerS = 1.6, kExitSeconds = 10;
+constexpr double kExitSeconds = 10;
 volatile std::sig_atomic_t interrupted = 0;  // by Ctrl-C
 const std::vector<std::string> kBlendNames = {"opaque", "additive", "alpha"};
 
@@ -53,23 +53,6 @@ Result<std::unique_ptr<xr::Runtime>> waitForHeadset(const Options& options) {
         if (!told) note(runtime.error().message);
         std::this_thread::sleep_for(300ms);
     }
-}
-
-/** Lets the controllers move the avatar: select puts it where they point at the floor, and a stick turns it. */
-void moveAvatar(AvatarScene& scene, const xr::Session& session) {
-    using xr::operator*;
-    if (const auto& moved = session.originMoved()) scene.originMoved(*moved);
-    XrPosef place = scene.place();
-    for (const xr::Controller& hand : session.controllers().hands) {
-        const XrVector3f ray = xr::rotate(hand.aim.orientation, {0, 0, -1});
-        if (hand.tracked && hand.selected && ray.y < -0.05f) {
-            const float length = -hand.aim.position.y / ray.y;
-            place.position = {hand.aim.position.x + length * ray.x, 0, hand.aim.position.z + length * ray.z};
-        }
-        const float half = float(-0.5 * kTurnRadPerS * hand.turn * session.lastFrame().periodS);
-        if (hand.turn != 0) place.orientation = XrQuaternionf{0, std::sin(half), 0, std::cos(half)} * place.orientation;
-    }
-    if (xr::makeValid(place)) scene.place(place);
 }
 
 SceneOptions sceneOf(const Options& options) {
@@ -126,7 +109,7 @@ Status play(const Options& options, xr::Runtime& runtime, doppel::Avatar& avatar
             ++drawn;
             lastProgress = Clock::now();
             if (drawn == options.frames && !options.capture.empty()) DPL_CHECK_OK(capture(options, runtime, scene, session));
-            moveAvatar(scene, session);
+            scene.moveByControllers(session);
         }
         leaving = interrupted || (options.frames > 0 && drawn >= options.frames);
         if (leaving) session.requestExit(), lastProgress = Clock::now();

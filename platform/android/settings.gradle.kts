@@ -15,5 +15,6 @@ dependencyResolutionManagement {
     }
 }
 rootProject.name = "doppel-android"
-include(":doppel", ":demo")
+include(":doppel", ":demo", ":quest")
 project(":demo").projectDir = file("../../apps/android")
+project(":quest").projectDir = file("../../apps/xr/android")

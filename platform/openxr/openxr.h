@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenXR with its Vulkan binding, and declarations that headers older than 1.1 lack.
+// OpenXR with its bindings to Vulkan and to Android, and declarations that headers older than 1.1 lack.
 #pragma once
 
 #include <vulkan/vulkan.h>
 
+#ifdef __ANDROID__
+#include <jni.h>
+#define XR_USE_PLATFORM_ANDROID
+#endif
 #define XR_USE_GRAPHICS_API_VULKAN
 #include <openxr/openxr.h>
 #include <openxr/openxr_platform.h>

@@ -83,6 +83,8 @@ Status Runtime::createInstance(const RuntimeOptions& options) {
     };
     if (!want(XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME))
         return unsupported("the OpenXR runtime lacks " XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME ", so it cannot show Vulkan images; update it");
+    for (const char* needed : options.instanceExtensions)
+        if (!want(needed)) return unsupported(std::string("the OpenXR runtime lacks ") + needed + ", which this platform needs; update it");
     extensions_.depthLayer = want(XR_KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME);
     extensions_.refreshRate = want(XR_FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME);
     extensions_.quadViews = want(XR_VARJO_QUAD_VIEWS_EXTENSION_NAME);
@@ -91,6 +93,7 @@ Status Runtime::createInstance(const RuntimeOptions& options) {
     extensions_.handTracking = want(XR_EXT_HAND_TRACKING_EXTENSION_NAME);
 
     XrInstanceCreateInfo info{XR_TYPE_INSTANCE_CREATE_INFO};
+    info.next = options.instanceNext;
     std::strncpy(info.applicationInfo.applicationName, options.applicationName.c_str(), XR_MAX_APPLICATION_NAME_SIZE - 1);
     std::strncpy(info.applicationInfo.engineName, "doppel", XR_MAX_ENGINE_NAME_SIZE - 1);
     info.applicationInfo.apiVersion = XR_MAKE_VERSION(1, 0, 0);  // a newer one would shut old runtimes out

@@ -28,6 +28,9 @@ using doppel::Status;
 struct RuntimeOptions {
     std::string applicationName = "doppel";
     bool validate = false;  // with the Vulkan validation layer, which must be installed; see Runtime::complaints
+    /** What a platform needs for an instance; on Android, see android_loader.h. Read by Runtime::create. */
+    std::vector<const char*> instanceExtensions;
+    const void* instanceNext = nullptr;  // chain of XrInstanceCreateInfo
 };
 
 /** Optional OpenXR extensions that the runtime has and that were enabled. */

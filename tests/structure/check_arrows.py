@@ -41,7 +41,7 @@ THIRD_PARTY = {  # heavy libraries stay in their rooms
     "tiny_gltf.h": ("sdk/format",),
     "draco": ("sdk/format", "tests"),
     "GLFW": ("platform/desktop",),
-    "jni.h": ("platform/android", "apps/xr/android", "tests/android"),
+    "jni.h": ("platform/android", "platform/openxr", "apps/xr/android", "tests/android"),
     "android": ("platform/android", "platform/openxr", "apps/xr/android"),
     "imgui.h": ("platform/desktop", "apps/viewer"),
 }

@@ -231,6 +231,27 @@ TEST_F(XrStates, runtimesThatCannotBeUsed) {
     EXPECT_FALSE(xr::Runtime::create({}));
 }
 
+TEST_F(XrStates, onAndroidTheRuntimeIsToldTheApp) {
+    struct {
+        XrStructureType type = XR_TYPE_INSTANCE_CREATE_INFO_ANDROID_KHR;
+        const void* next = nullptr;
+        void *vm = this, *activity = this;
+    } app;  // XrInstanceCreateInfoAndroidKHR, which only Android's headers declare
+    xr::RuntimeOptions options;
+    options.instanceExtensions = {"XR_KHR_android_create_instance"};
+    options.instanceNext = &app;
+    mockxr::Settings settings = userAt(kHead);
+    settings.extensions.push_back(options.instanceExtensions[0]);
+    mockxr::reset(settings);
+    auto runtime = xr::Runtime::create(options);  // the mock refuses an instance without the app
+    ASSERT_TRUE(runtime) << runtime.error().message;
+    runtime->reset();
+    mockxr::reset(userAt(kHead));
+    runtime = xr::Runtime::create(options);
+    ASSERT_FALSE(runtime);
+    EXPECT_NE(runtime.error().message.find("XR_KHR_android_create_instance"), std::string::npos) << runtime.error().message;
+}
+
 TEST_F(XrStates, theUserMovesTheOrigin) {
     openAndDraw(userAt(kHead));
     const DplCamera before = session_->cameras()[0];

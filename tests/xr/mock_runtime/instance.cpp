@@ -7,6 +7,16 @@
 #include "tests/xr/mock_runtime/entry_points.h"
 
 namespace dpl::mockxr::entry {
+namespace {
+
+/** XrInstanceCreateInfoAndroidKHR, which openxr_platform.h declares on Android alone. */
+struct AndroidApp {
+    XrStructureType type;
+    const void* next;
+    void *vm, *activity;
+};
+
+}  // namespace
 
 DPL_MOCKXR_ENTRY(xrEnumerateApiLayerProperties)(uint32_t, uint32_t* count, XrApiLayerProperties*) {
     *count = 0;
@@ -26,7 +36,8 @@ DPL_MOCKXR_ENTRY(xrEnumerateInstanceExtensionProperties)(const char*, uint32_t c
 DPL_MOCKXR_ENTRY(xrCreateInstance)(const XrInstanceCreateInfo* info, XrInstance* instance) {
     Runtime& r = runtime();
     if (r.instance) return violated(XR_ERROR_LIMIT_REACHED, "there is an instance already");
-    DPL_MOCKXR_TRY(checkStructure(info, XR_TYPE_INSTANCE_CREATE_INFO, "createInfo", {XR_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT}));
+    DPL_MOCKXR_TRY(checkStructure(info, XR_TYPE_INSTANCE_CREATE_INFO, "createInfo",
+                                  {XR_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT, XR_TYPE_INSTANCE_CREATE_INFO_ANDROID_KHR}));
     if (!hasText(info->applicationInfo.applicationName)) return violated(XR_ERROR_NAME_INVALID, "the application has no name");
     if (XR_VERSION_MAJOR(info->applicationInfo.apiVersion) != 1)
         return violated(XR_ERROR_API_VERSION_UNSUPPORTED, "the version of the API is not 1");
@@ -38,6 +49,10 @@ DPL_MOCKXR_ENTRY(xrCreateInstance)(const XrInstanceCreateInfo* info, XrInstance*
         if (!byLoader && std::find(offered.begin(), offered.end(), name) == offered.end())
             return violated(XR_ERROR_EXTENSION_NOT_PRESENT, "the runtime does not offer " + name);
         made.extensions.insert(name);
+    }
+    if (made.extensions.count("XR_KHR_android_create_instance") > 0) {
+        const auto* app = chained<AndroidApp>(info->next, XR_TYPE_INSTANCE_CREATE_INFO_ANDROID_KHR);
+        if (!app || !app->vm || !app->activity) return violated(XR_ERROR_VALIDATION_FAILURE, "the Android app is not told");
     }
     r.instance = std::move(made);
     *instance = r.instanceHandle = r.newHandle<XrInstance>();
