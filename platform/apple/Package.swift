@@ -6,8 +6,10 @@ import PackageDescription
 
 #if os(Linux)
 let library = Target.systemLibrary(name: "CDoppel", path: "Sources/CDoppel", pkgConfig: "doppel")
+let linkerSettings: [LinkerSetting] = []
 #else
 let library = Target.binaryTarget(name: "CDoppel", path: "build/CDoppel.xcframework")
+let linkerSettings: [LinkerSetting] = [.linkedLibrary("c++"), .linkedLibrary("z"), .linkedFramework("Metal"), .linkedFramework("Foundation")]
 #endif
 
 let package = Package(
@@ -19,7 +21,8 @@ let package = Package(
     ],
     targets: [
         library,
-        .target(name: "Doppel", dependencies: ["CDoppel"], resources: [.copy("PrivacyInfo.xcprivacy")]),
+        .target(
+            name: "Doppel", dependencies: ["CDoppel"], resources: [.copy("PrivacyInfo.xcprivacy")], linkerSettings: linkerSettings),
         .target(name: "DoppelUI", dependencies: ["Doppel"]),
         .testTarget(name: "DoppelTests", dependencies: ["Doppel", "DoppelUI"]),
     ],

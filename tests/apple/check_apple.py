@@ -52,14 +52,14 @@ def header_problems(root):
 def package_problems(root):
     package = root / "platform/apple"
     text = (package / "Package.swift").read_text()
-    targets = re.findall(r'\.target\(name: "(\w+)"', text)
+    targets = re.findall(r'\.target\(\s*name: "(\w+)"', text)
     for name in targets:
         if not list((package / "Sources" / name).glob("*.swift")):
             yield f"platform/apple/Package.swift: target {name} has no sources in Sources/{name}"
     for name in re.findall(r'\.testTarget\(name: "(\w+)"', text):
         if not list((package / "Tests" / name).glob("*.swift")):
             yield f"platform/apple/Package.swift: test target {name} has no sources in Tests/{name}"
-    for target, resource in re.findall(r'\.target\(name: "(\w+)".*?\.copy\("([^"]+)"\)', text):
+    for target, resource in re.findall(r'\.target\(\s*name: "(\w+)"[^\n]*?\.copy\("([^"]+)"\)', text):
         if not (package / "Sources" / target / resource).exists():
             yield f"platform/apple/Package.swift: {target} copies {resource}, which does not exist"
     for path in re.findall(r'systemLibrary\(name: "\w+", path: "([^"]+)"', text):

@@ -18,6 +18,9 @@ FAULTS = [  # file, what is replaced, by what, what the checker must say
     (CDOPPEL, "doppel_convert.h>", "doppel_vulkan.h>", "no header for Apple's platforms"),
     ("platform/apple/Package.swift", '.target(name: "DoppelUI"', '.target(name: "DoppelUX"', "target DoppelUX has no sources"),
     ("platform/apple/Package.swift", "PrivacyInfo.xcprivacy", "Privacy.xcprivacy", "does not exist"),
+    ("apps/ios/project.yml", "path: ../../platform/apple", "path: ../../platform/pear", "../../platform/pear does not exist"),
+    ("apps/ios/Info.plist", "NSCameraUsageDescription", "NSCamera", "NSCameraUsageDescription must tell"),
+    ("apps/visionos/Info.plist", "NSWorldSensingUsageDescription", "NSWorld", "NSWorldSensingUsageDescription must tell"),
 ]
 
 

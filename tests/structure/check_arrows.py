@@ -45,6 +45,14 @@ THIRD_PARTY = {  # heavy libraries stay in their rooms
     "android": ("platform/android", "platform/openxr", "apps/xr/android"),
     "imgui.h": ("platform/desktop", "apps/viewer"),
 }
+# Modules that Swift code may import, ours and Apple's; None: any of Apple's.
+SWIFT = {
+    "platform/apple/Sources/Doppel": ({"CDoppel"}, {"Foundation"}),
+    "platform/apple/Sources/DoppelUI": ({"CDoppel", "Doppel"}, None),
+    "apps/ios": ({"Doppel", "DoppelUI"}, None),
+    "apps/visionos": ({"Doppel", "DoppelUI"}, None),
+}
+SWIFT_IMPORT = re.compile(r"^\s*(?:@\w+ )?import (\w+)")
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^">]+)[">]')
 
 
@@ -85,9 +93,22 @@ def problems(root):
                     yield f"{where}; {room} may include {', '.join(RULES[room]) or 'nobody'}"
 
 
+def swift_problems(root):
+    for room, (ours, apples) in SWIFT.items():
+        for file in sorted((root / room).rglob("*.swift")):
+            for number, line in enumerate(file.read_text().splitlines(), 1):
+                match = SWIFT_IMPORT.match(line)
+                if not match:
+                    continue
+                module = match.group(1)
+                allowed = module in ours if "Doppel" in module else apples is None or module in apples
+                if not allowed:
+                    yield f"{file.relative_to(root).as_posix()}:{number}: imports {module}; {room} may import {', '.join(sorted(ours | (apples or set())))}"
+
+
 def main():
     root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ".").resolve()
-    found = list(problems(root))
+    found = [*problems(root), *swift_problems(root)]
     print("\n".join(found) if found else "every include follows the arrows")
     return 1 if found else 0
 

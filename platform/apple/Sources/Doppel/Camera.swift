@@ -24,6 +24,11 @@ public struct Camera: @unchecked Sendable {  // the pointer to a scene's depth s
     /// How a depth buffer stores depth: scale + offset / z, as in `DplMetalSceneDepth`.
     public struct StoredDepth: Sendable, Equatable {
         public let scale, offset: Float
+
+        public init(scale: Float, offset: Float) {
+            self.scale = scale
+            self.offset = offset
+        }
     }
 
     /// The camera of a view that is given by a projection matrix for Metal's clip space, 16 floats, column-major, and how that matrix

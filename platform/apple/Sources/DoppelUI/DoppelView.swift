@@ -22,7 +22,7 @@
     }
 
     /// Draws avatars in a view on iOS and macOS. Nothing is drawn in the background; loads wait meanwhile.
-    public final class DoppelView: MTKView, MTKViewDelegate {
+    public final class DoppelView: MTKView {
         /// What is drawn into if `colorPixelFormat` was set to a format that cannot be.
         public static let usualFormat = MTLPixelFormat.bgra8Unorm_srgb
 
@@ -39,7 +39,6 @@
             colorPixelFormat = DoppelView.usualFormat
             let grey = transparent ? 0 : 0.9
             clearColor = MTLClearColor(red: grey, green: grey, blue: grey, alpha: transparent ? 0 : 1)
-            delegate = self
             #if canImport(UIKit)
                 isOpaque = !transparent
                 watchTheApp()
@@ -70,10 +69,8 @@
             }
         #endif
 
-        /// The next frame has the new size; nothing is kept for the old one.
-        public func mtkView(_ view: MTKView, drawableSizeWillChange size: CGSize) {}
-
-        public func draw(in view: MTKView) {
+        /// Called at the display's rate. A frame has the size that the view has by then; nothing is kept for the old one.
+        public override func draw(_ rect: CGRect) {
             attempt { () throws(DoppelError) in try drawFrame() }
         }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#if canImport(CompositorServices)
+#if canImport(CompositorServices) && !os(macOS)
     import CompositorServices
     import Metal
 

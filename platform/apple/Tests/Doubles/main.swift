@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+// The frame loop of MetalStage over doubles: Metal objects of this file, and dplMetal... of metal_double.c.
+import CDoppel
+import Doppel
+import DoppelUI
+import Foundation
+import Metal
+import MetalDouble
+
+final class FakeEncoder: MTLRenderCommandEncoder {
+    func endEncoding() {}
+}
+
+final class FakeCommands: MTLCommandBuffer {
+    var isCommitted = false
+    private var handlers: [@Sendable (any MTLCommandBuffer) -> Void] = []
+    func makeRenderCommandEncoder(descriptor: MTLRenderPassDescriptor) -> (any MTLRenderCommandEncoder)? { FakeEncoder() }
+    func addCompletedHandler(_ block: @escaping @Sendable (any MTLCommandBuffer) -> Void) { handlers.append(block) }
+    func present(_ drawable: any MTLDrawable) {}
+    func commit() { isCommitted = true }
+    /// The GPU has run it.
+    func complete() { for handler in handlers { handler(self) } }
+}
+
+final class FakeQueue: MTLCommandQueue, @unchecked Sendable {
+    func makeCommandBuffer() -> (any MTLCommandBuffer)? { FakeCommands() }
+}
+
+final class FakeDevice: MTLDevice, @unchecked Sendable {
+    let name = "a double"
+    var queues = 0
+    func makeCommandQueue() -> (any MTLCommandQueue)? {
+        queues += 1
+        return FakeQueue()
+    }
+}
+
+nonisolated(unsafe) var checks = 0
+func expect(_ isTrue: Bool, _ what: @autoclosure () -> String, line: Int = #line) {
+    checks += 1
+    if !isTrue {
+        print("main.swift:\(line): \(what())")
+        exit(1)
+    }
+}
+
+func calls() -> String { String(cString: doubleTakeCalls()) }
+
+func code(_ body: () throws -> Void) -> DoppelError.Code? {
+    do {
+        try body()
+        return nil
+    } catch {
+        return (error as? DoppelError)?.code
+    }
+}
+
+let device = FakeDevice()
+let stage = try MetalStage(device: device)
+let file = try Data(contentsOf: URL(fileURLWithPath: ProcessInfo.processInfo.environment["DOPPEL_TEST_AVATAR"]!))
+let avatar = try stage.context.loadAvatar([UInt8](file))
+let camera = try Camera(pose: RigidPose(position: SIMD3(0, 1, 3)), fovYRad: 0.8, widthPx: 64, heightPx: 64)
+let pass = MetalPass(colour: .bgra8Unorm_srgb, depth: .depth32Float, writesDepth: true)
+try stage.make(pass)
+try stage.make(pass)
+expect(calls() == "create 0; composer 81; ", "a pass is compiled once")
+
+// Three frames fill the slots; the fourth is left out until the first is done.
+var flying: [MetalFrame] = []
+for _ in 0..<3 {
+    let frame = try stage.begin([avatar], from: [camera], nowS: 0)!
+    try stage.compose(frame, into: FakeEncoder(), pass: pass, depth: Camera.StoredDepth(scale: 0, offset: 0.1))
+    stage.commit(frame)
+    flying.append(frame)
+}
+expect(calls() == "prepare 0; compose 1; depth 1; prepare 1; compose 1; depth 1; prepare 2; compose 1; depth 1; ", "slots in turn")
+expect(flying.allSatisfy { ($0.commands as! FakeCommands).isCommitted }, "committed")
+expect(try stage.begin([avatar], from: [camera], nowS: 0) == nil, "no slot is free")
+expect(calls() == "", "a frame that is left out calls nothing")
+for frame in flying { (frame.commands as! FakeCommands).complete() }
+
+/// A whole frame of which the GPU is done.
+func draw(_ avatars: [Avatar], nowS: Double) throws -> Bool {
+    guard let frame = try stage.begin(avatars, from: [camera], nowS: nowS) else { return false }
+    try stage.compose(frame, into: FakeEncoder(), pass: pass)
+    stage.commit(frame)
+    (frame.commands as! FakeCommands).complete()
+    return true
+}
+expect(try draw([], nowS: 0), "a frame without avatars")
+expect(calls() == "upload 0; ", "carries uploads and composes nothing")
+
+// Another error than a lost device: the slot comes back.
+doubleFail("prepare", -6, 1)
+expect(code { _ = try draw([avatar], nowS: 0) } == .outOfMemory, "the error comes out")
+expect(calls() == "prepare 1; drop 1; ", "and the slot is dropped")
+
+// One lost frame is left out; the second failure in a row rebuilds on a new queue, with composers made again.
+doubleFail("prepare", -8, 1)
+expect(code { _ = try draw([avatar], nowS: 0) } == .device, "lost")
+expect(try draw([avatar], nowS: 0), "drawn again")
+expect(calls() == "prepare 2; drop 2; prepare 0; compose 1; ", "nothing is rebuilt for one lost frame")
+doubleFail("prepare", -8, 2)
+expect(code { _ = try draw([avatar], nowS: 0) } == .device, "lost")
+expect(code { _ = try draw([avatar], nowS: 0) } == .device, "lost again")
+expect(calls() == "prepare 1; drop 1; prepare 2; drop 2; rebuild 0; composer 81; ", "rebuilt")
+expect(device.queues == 2, "a new queue")
+expect(try draw([avatar], nowS: 0), "drawn by the new one")
+expect(calls() == "prepare 0; compose 2; ", "with the new composer")
+
+// A rebuild that fails is tried again a second later; no frame is tried before.
+doubleFail("prepare", -8, 3)
+doubleFail("rebuild", -8, 1)
+expect(code { _ = try draw([avatar], nowS: 10) } == .device, "lost")
+expect(code { _ = try draw([avatar], nowS: 10) } == .device, "lost again")
+expect(calls() == "prepare 1; drop 1; prepare 2; drop 2; rebuild 0; ", "the rebuild failed")
+expect(try !draw([avatar], nowS: 10.9), "left out")
+expect(calls() == "", "without a call")
+expect(code { _ = try draw([avatar], nowS: 11) } == .device, "still lost")
+expect(calls() == "prepare 0; drop 0; rebuild 0; composer 81; ", "rebuilt")
+expect(try draw([avatar], nowS: 11), "drawn")
+expect(calls().hasPrefix("prepare 1; compose"), "by the new device")
+
+// A format that cannot be drawn into.
+doubleFail("composer", -5, 1)
+expect(code { try stage.make(MetalPass(colour: .rgba8Unorm)) } == .unsupported, "named by the library")
+print("\(checks) checks of the frame loop passed")
