@@ -120,8 +120,7 @@ bool parse(std::string_view& line, T& value) {
     return readNumber(nextWord(line), value);
 }
 
-Result<Cameras> readCamerasText(const fs::path& path) {
-    DPL_TRY(const std::string text, readWhole(path));
+Result<Cameras> readCamerasText(const fs::path& path, std::string_view text) {
     Cameras cameras;
     Lines lines{text};
     std::string_view line;
@@ -145,8 +144,7 @@ Result<Cameras> readCamerasText(const fs::path& path) {
     return cameras;
 }
 
-Result<std::vector<ColmapImage>> readImagesText(const fs::path& path, const Cameras& cameras) {
-    DPL_TRY(const std::string text, readWhole(path));
+Result<std::vector<ColmapImage>> readImagesText(const fs::path& path, std::string_view text, const Cameras& cameras) {
     std::vector<ColmapImage> images;
     Lines lines{text};
     std::string_view line;
@@ -170,7 +168,7 @@ Result<std::vector<ColmapImage>> readImagesText(const fs::path& path, const Came
 
 // ── binary ──────────────────────────────────────────────────────────────────────────────────────────────────────────────────────
 
-std::span<const uint8_t> bytesOf(const std::string& text) {
+std::span<const uint8_t> bytesOf(std::string_view text) {
     return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
 }
 
@@ -254,26 +252,33 @@ fs::path findColmapModel(const fs::path& root) {
     return {};
 }
 
-Result<std::vector<ColmapImage>> readColmapModel(const fs::path& folder) {
-    std::error_code ignored;
+Result<std::vector<ColmapImage>> decodeColmapModel(const ColmapBytes& bytes, const fs::path& folder) {
     std::vector<ColmapImage> images;
-    if (fs::exists(folder / "images.bin", ignored)) {
+    if (bytes.binary) {
         const fs::path camerasPath = folder / "cameras.bin", imagesPath = folder / "images.bin";
-        DPL_TRY(const std::string cameraBytes, readWhole(camerasPath));
-        auto cameras = readCamerasBinary(camerasPath, bytesOf(cameraBytes));
+        auto cameras = readCamerasBinary(camerasPath, bytesOf(bytes.cameras));
         if (!cameras) return namingFile(cameras.error(), camerasPath);
-        DPL_TRY(const std::string imageBytes, readWhole(imagesPath));
-        auto read = readImagesBinary(imagesPath, bytesOf(imageBytes), *cameras);
+        auto read = readImagesBinary(imagesPath, bytesOf(bytes.images), *cameras);
         if (!read) return namingFile(read.error(), imagesPath);
         images = std::move(*read);
     } else {
-        DPL_TRY(const Cameras cameras, readCamerasText(folder / "cameras.txt"));
-        DPL_TRY(images, readImagesText(folder / "images.txt", cameras));
+        DPL_TRY(const Cameras cameras, readCamerasText(folder / "cameras.txt", bytes.cameras));
+        DPL_TRY(images, readImagesText(folder / "images.txt", bytes.images, cameras));
     }
     if (images.empty())
         return fail(Code::CorruptData, "{}: the model has no registered image; run COLMAP's mapper on more pictures", folder.string());
     std::sort(images.begin(), images.end(), [](const ColmapImage& a, const ColmapImage& b) { return a.name < b.name; });
     return images;
+}
+
+Result<std::vector<ColmapImage>> readColmapModel(const fs::path& folder) {
+    std::error_code ignored;
+    ColmapBytes bytes;
+    bytes.binary = fs::exists(folder / "images.bin", ignored);
+    DPL_TRY(const std::string cameras, readWhole(folder / (bytes.binary ? "cameras.bin" : "cameras.txt")));
+    DPL_TRY(const std::string images, readWhole(folder / (bytes.binary ? "images.bin" : "images.txt")));
+    bytes.cameras = cameras, bytes.images = images;
+    return decodeColmapModel(bytes, folder);
 }
 
 }  // namespace dpl

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "reconstruction/cameras/camera_check.h"
@@ -24,5 +25,15 @@ std::filesystem::path findColmapModel(const std::filesystem::path& root);
  *  SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL and OPENCV are read; others are Unsupported. At most 1 GiB per file and 100,000 images.
  *  Errors name file, entry and remedy. */
 Result<std::vector<ColmapImage>> readColmapModel(const std::filesystem::path& folder);
+
+/** The bytes of a model's two files. */
+struct ColmapBytes {
+    bool binary = true;  // false: text
+    std::string_view cameras, images;
+};
+
+/** readColmapModel() of files that are in memory. `folder` is only named in errors. Takes at most 64 bytes per byte of both files and
+ *  1 MiB. */
+Result<std::vector<ColmapImage>> decodeColmapModel(const ColmapBytes& bytes, const std::filesystem::path& folder);
 
 }  // namespace dpl

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// Says which pictures got a camera and, where some did not, what to film again.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "reconstruction/cameras/solve_cameras.h"
+
+namespace dpl {
+
+struct CameraVerdict {
+    bool refuses = false;                // too few stills have cameras for an avatar
+    std::vector<std::string> sentences;  // the first says how many pictures have cameras
+};
+
+constexpr size_t kFewestPlacedStills = 8;
+
+/** `front`: the direction that the subject faces and `up`, in the world of the cameras, to name sides; zero when unknown. */
+CameraVerdict judgeCameras(std::span<const SolvePicture> pictures, const SolvedCameras& solved, const Vec3d& up, const Vec3d& front);
+
+}  // namespace dpl
