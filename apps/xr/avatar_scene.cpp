@@ -28,14 +28,11 @@ VkAttachmentDescription attachment(VkFormat format, VkAttachmentLoadOp load, VkI
 }  // namespace
 
 AvatarScene::AvatarScene(const xr::Runtime& runtime, doppel::Avatar& avatar, xr::Puppet puppet, const SceneOptions& options)
-    : runtime_(runtime),
-      avatar_(avatar),
-      options_(options),
-      puppet_(std::move(puppet)),
-      blend_(puppet_.jointCount()),
-      rotations_(puppet_.jointCount()),
-      rest_(puppet_.jointCount(), XrQuaternionf{0, 0, 0, 1}),
-      driven_(puppet_.jointCount()) {}
+    : runtime_(runtime), avatar_(avatar), options_(options), puppet_(std::move(puppet)) {
+    const auto info = avatar.info();
+    rest_.assign(info ? 4 * size_t(info->jointCount) : 0, 0.0f);
+    for (size_t w = 3; w < rest_.size(); w += 4) rest_[w] = 1;
+}
 
 AvatarScene::~AvatarScene() {
     end();
@@ -206,22 +203,18 @@ void AvatarScene::moveByControllers(const xr::Session& session) {
 
 /** The pose of the clip, in which the user's hands, and before a mirror the head, take over. */
 doppel::Status AvatarScene::poseAvatar(const xr::Frame& frame) {
-    if (puppet_.jointCount() == 0) return {};  // general splats
+    if (rest_.empty()) return {};  // general splats
     xr::User user = options_.mirror ? xr::mirrored(mirror_, frame.user) : frame.user;
     if (!options_.withHands)
         for (xr::Hand& hand : user.hands) hand.located = 0;
     const XrPosef body = stance_.of(user);
     if (options_.mirror) worldFromAvatar_ = body;
-    const auto joints = uint32_t(puppet_.jointCount());
-    XrVector3f root{0, 0, 0};
-    rotations_ = rest_;
     if (options_.clip) {
         SCENE_OK(avatar_.setPoseFromClip(*options_.clip, frame.timeS));
-        SCENE_OK(doppel::status(dplGetPose(avatar_.handle(), &rotations_[0].x, joints, &root.x)));
+    } else {
+        SCENE_OK(avatar_.setPose(rest_));
     }
-    puppet_.pose(xr::moved(xr::inverse(body), user), options_.mirror, rotations_, root, driven_);
-    blend_.step(rotations_, driven_, float(frame.timeS - std::exchange(posedAtS_, frame.timeS)));
-    return doppel::status(dplSetPose(avatar_.handle(), &rotations_[0].x, joints, &root.x));
+    return puppet_.pose(xr::moved(xr::inverse(body), user), options_.mirror, frame.timeS);
 }
 
 doppel::Status AvatarScene::draw(const xr::Frame& frame) {

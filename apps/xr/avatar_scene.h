@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "platform/common/room.h"
-#include "platform/openxr/pose_blend.h"
 #include "platform/openxr/puppet.h"
 #include "platform/openxr/runtime.h"
 #include "platform/openxr/scene.h"
@@ -61,12 +60,9 @@ private:
     SceneOptions options_;
     XrPosef worldFromAvatar_{{0, 0, 0, 1}, {0, 0, -2}};  // two metres before the user, facing them
     xr::Puppet puppet_;
-    xr::PoseBlend blend_;
-    xr::Stance stance_;                            // of the user, or of the user's image
-    xr::Mirror mirror_{{0, 0, -1}, {0, 0, 1}};     // half-way to where the avatar stands at the start
-    std::vector<XrQuaternionf> rotations_, rest_;  // of the avatar's joints
-    std::vector<uint8_t> driven_;
-    double posedAtS_ = 0;
+    xr::Stance stance_;                         // of the user, or of the user's image
+    xr::Mirror mirror_{{0, 0, -1}, {0, 0, 1}};  // half-way to where the avatar stands at the start
+    std::vector<float> rest_;                   // pose without a clip
 
     const xr::SessionImages* images_ = nullptr;
     VkRenderPass drawing_ = VK_NULL_HANDLE, composing_ = VK_NULL_HANDLE;

@@ -85,7 +85,7 @@ Status play(const Options& options, xr::Runtime& runtime, doppel::Avatar& avatar
     if (!options.clip.empty()) {
         DPL_TRY(what.clip, chooseClip(avatar, options.clip));
     }
-    auto puppet = xr::Puppet::of(avatar.handle());
+    auto puppet = xr::Puppet::of(avatar);
     if (!puppet) return fromSdk(puppet.error());
     AvatarScene scene(runtime, avatar, std::move(*puppet), what);
     xr::Session session(runtime, sessionOf(options));

@@ -29,6 +29,14 @@ constexpr XrQuaternionf conjugate(const XrQuaternionf& q) {
     return {-q.x, -q.y, -q.z, q.w};
 }
 
+/** A part (0 to 1) of a rotation, the short way round. */
+inline XrQuaternionf partOf(const XrQuaternionf& q, float part) {
+    const float sign = q.w < 0 ? -1.0f : 1.0f, sine = std::sqrt(q.x * q.x + q.y * q.y + q.z * q.z);
+    if (sine < 1e-6f) return {0, 0, 0, 1};
+    const float half = std::atan2(sine, sign * q.w) * part, scale = sign * std::sin(half) / sine;
+    return {scale * q.x, scale * q.y, scale * q.z, std::cos(half)};
+}
+
 inline XrVector3f rotate(const XrQuaternionf& q, const XrVector3f& v) {
     const XrQuaternionf r = q * XrQuaternionf{v.x, v.y, v.z, 0} * conjugate(q);
     return {r.x, r.y, r.z};

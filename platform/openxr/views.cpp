@@ -3,7 +3,7 @@
 
 #include <doppel/doppel_convert.h>
 
-#include "platform/openxr/rotations.h"
+#include "platform/openxr/poses.h"
 
 namespace dpl::xr {
 namespace {
@@ -42,7 +42,8 @@ XrPosef headOf(const XrView* views, uint32_t count) {
     XrPosef head = views[0].pose;
     if (count < 2) return head;
     const XrPosef& other = views[1].pose;
-    head.position = 0.5f * (head.position + other.position);
+    XrVector3f& p = head.position;
+    p = {0.5f * (p.x + other.position.x), 0.5f * (p.y + other.position.y), 0.5f * (p.z + other.position.z)};
     head.orientation = partOf(other.orientation * conjugate(head.orientation), 0.5f) * head.orientation;
     return head;
 }

@@ -57,6 +57,10 @@ public:
     /** body: of that rig. The joints must outlive this. An empty body guards nothing. */
     HandGuard(BodyShape body, std::span<const JointData> joints);
 
+    /** Whether the rig has this arm, and its upper joint. side: 0 left, 1 right. */
+    std::optional<size_t> upperArm(size_t side) const {
+        return arms_[side].balls.empty() ? std::nullopt : std::optional(arms_[side].upper);
+    }
     /** By how much the left and the right wrist must move, metres, world. The pose must have passed checkPose. */
     using Pushes = std::array<Vec3f, 2>;
     Pushes pushes(const Pose& pose);

@@ -376,8 +376,10 @@ void Tracker::pose(int64_t timeNs, bool holdsPlace, Pose& pose) {
     shownNs_ = timeNs, shown_ = true;
     rootShown_ = pose.rootTranslation;
     if (guard_) {
-        const HandGuard::Pushes needed = guard_->pushes(pose);
+        HandGuard::Pushes needed = guard_->pushes(pose);
         for (size_t side = 0; side < 2; ++side) {
+            const auto arm = guard_->upperArm(side);
+            if (!arm || drivers_[*arm] == 0) needed[side] = Vec3f(0);  // the pose beneath is the program's own
             pushed_[side] += (1 - std::exp(-stepS / kPushS)) * (needed[side] - pushed_[side]);
             if (glm::length(pushed_[side]) < 1e-5f) pushed_[side] = Vec3f(0);
         }

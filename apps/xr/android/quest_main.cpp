@@ -40,7 +40,7 @@ doppel::Status play(android_app* app, xr::Runtime& runtime) {
     auto handle = loadAsset(app, runtime.context(), "avatar.glb");
     if (!handle) return handle.error();
     doppel::Avatar avatar(runtime.context(), *handle);
-    auto puppet = xr::Puppet::of(avatar.handle());
+    auto puppet = xr::Puppet::of(avatar);
     if (!puppet) return puppet.error();
     const auto about = avatar.info();
     SceneOptions what;
