@@ -25,7 +25,7 @@ std::vector<Keypoint> keypointsFromLandmarks(std::span<const Vec2d> landmarks33,
 struct Observation {
     std::vector<Keypoint> keypoints;  // observedKeypointNames() order
     ImageGrey8 labels;                // default label values: background 0, body 1, top 2, bottom 3, hair 4, shoes 5
-    ImageGrey8 mask;                  // the given mask, else the segmentation of the pose network
+    ImageGrey8 mask;                  // the given mask, else the segmentation of the pose network with its edge refined (refine_matte.h)
     double personScore = 0;           // 0 … 1
 };
 

@@ -10,6 +10,7 @@
 #include "reconstruction/capture/onnx_net.h"
 #include "reconstruction/capture/person_detector.h"
 #include "reconstruction/capture/pose_crop.h"
+#include "reconstruction/capture/refine_matte.h"
 
 namespace dpl {
 namespace {
@@ -205,6 +206,8 @@ Result<Observation> Observer::observe(const ImageRgb8& image, const ImageGrey8* 
                 for (uint32_t x = 0; x < image.widthPx; ++x)
                     out.mask.pixels[size_t(y) * image.widthPx + x] =
                         uint8_t(std::lround(255 * std::clamp(soft.at<float>(int(y), int(x)), 0.0f, 1.0f)));
+        // A pixel of the network's mask covers several of the picture: its edge is wrong by about two of its own pixels.
+        out.mask = refineMatte(image, out.mask, std::max(2, int(std::ceil(2 * pose.crop.sidePx / kPoseSide))));
     }
     std::array<double, 33> confidence{};
     for (size_t k = 0; k < 33; ++k) confidence[k] = pose.score >= kConfirmed ? pose.confidence[k] * pose.score : 0;
