@@ -167,16 +167,4 @@ bool dispatchInOrder(const Entry& entry, void* const* buffers, uint32_t groups, 
     return dispatch(entry, bindings, {groups, 1, 1}, order);
 }
 
-const Entry* entryOfText(std::string_view text) {
-    for (const Entry* entry : allEntries())
-        if (entry->text == text) return entry;
-    return nullptr;
-}
-
-const Entry* entryNamed(std::string_view name) {
-    for (const Entry* entry : allEntries())
-        if (entry->name == name) return entry;
-    return nullptr;
-}
-
 }  // namespace msl

@@ -290,7 +290,11 @@ bool dispatch(const Entry& entry, const Bindings& bindings, glm::uvec3 groups, i
 /** The same with buffers in the order of the kernel's parameters and of unknown sizes. */
 bool dispatchInOrder(const Entry& entry, void* const* buffers, uint32_t groups, int order);
 
-/** All compiled shaders, and the one with a text or name; nullptr: it was not compiled (tests/metal/CMakeLists.txt). */
+/** The shaders of the libraries that tests/metal/CMakeLists.txt makes of MSL. */
+std::vector<const Entry*> fewEntries();
+std::vector<const Entry*> mostEntries();
+
+/** All shaders of this program, and the one with a text or name; nullptr: it was not compiled (tests/metal/CMakeLists.txt). */
 const std::vector<const Entry*>& allEntries();
 const Entry* entryOfText(std::string_view text);
 const Entry* entryNamed(std::string_view name);
