@@ -30,6 +30,8 @@
         public weak var avatarScene: (any AvatarScene)?
         private var lastProblem: DoppelError?
         private var shown: Avatar?
+        /// By the app, before it went to the background.
+        private var wasPaused = false
         private let tokens = NotificationTokens()
 
         /// transparent: the view below shows where no avatar is, such as a camera's picture.
@@ -52,9 +54,19 @@
 
         #if canImport(UIKit)
             private func watchTheApp() {
-                tokens.add(UIApplication.didEnterBackgroundNotification) { [weak self] in self?.isPaused = true }
-                tokens.add(UIApplication.willEnterForegroundNotification) { [weak self] in self?.isPaused = false }
+                tokens.add(UIApplication.didEnterBackgroundNotification) { [weak self] in self?.leaveTheScreen() }
+                tokens.add(UIApplication.willEnterForegroundNotification) { [weak self] in self?.comeBack() }
                 tokens.add(UIApplication.didReceiveMemoryWarningNotification) { [weak self] in self?.limitMemory(afterWarning: true) }
+                limitMemory(afterWarning: false)
+            }
+
+            private func leaveTheScreen() {
+                wasPaused = isPaused
+                isPaused = true
+            }
+
+            private func comeBack() {
+                isPaused = wasPaused
                 limitMemory(afterWarning: false)
             }
 
