@@ -47,6 +47,10 @@ inline constexpr double kCoherenceRefuse = 0.6;
  *  unit: ratio | origin: dev; 0.007 on scan-a, 0.022 at half the focal length | half, double: double does not notice half the focal length
  */
 inline constexpr double kKeypointWarn = 0.02;
+/** The same, above which pictures are matched to see whether the cameras are right.
+ *  unit: ratio | origin: dev; 0.007 on scan-a, whose cameras are exact | half, double: half matches the pictures of every scan, which takes
+ * time; double misses cameras that are 3 px off */
+inline constexpr double kCameraDoubt = 0.009;
 /** The same, above which the scan is refused.
  *  unit: ratio | origin: dev; 0.068 with shuffled cameras | half, double: half refuses what is only worth a warning; double never refuses
  */

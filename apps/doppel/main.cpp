@@ -48,6 +48,7 @@ int main(int argc, char** argv) {
         "Each command has its own --help.");
     CommandRun run;
     addSampleCommand(app, run);
+    addCamerasCommand(app, run);
     addReconstructCommand(app, run);
     addEvaluateCommand(app, run);
     addRenderCommand(app, run);

@@ -24,6 +24,10 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
             "FRAME:X,Y: the person is at this pixel of this picture, where several are in view; once for the still and once for the "
             "moving pictures")
         ->allow_extra_args(false);
+    command
+        ->add_option("--height", options->heightM,
+                     "Height of the subject in metres, without shoes; sets the scale of a scan whose cameras have to be found")
+        ->check(inRange(0.3, 2.8));
     const auto choosePreset = [options](const std::string& name) {
         options->preset = name == "draft" ? Preset::Draft : name == "high" ? Preset::High : Preset::Standard;
     };

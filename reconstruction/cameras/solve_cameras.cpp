@@ -22,9 +22,9 @@ namespace fs = std::filesystem;
 constexpr double kMaskMargin = 0.008;  // the person's mask grows by this part of the diagonal: features at its outline move with the person
 constexpr size_t kMostFeatures = 2000;
 constexpr uint32_t kMaxSidePx = 1600;
-constexpr double kEnoughPlaced = 0.6;                     // share of the stills below which another focal length is tried
-constexpr double kFocalTries[] = {1, 1.35, 0.75};         // times the guess: zoomed or cropped videos, wide lenses
-constexpr double kColmapShare = 0.75, kTrackShare = 0.1;  // of the time
+constexpr double kEnoughPlaced = 0.6;              // share of the stills below which another focal length is tried
+constexpr double kFocalTries[] = {1, 1.35, 0.75};  // times the guess: zoomed or cropped videos, wide lenses
+constexpr double kReadShare = 0.15, kColmapShare = 0.6, kTrackShare = 0.05;  // of the time
 
 class Solver {
 public:
@@ -99,7 +99,7 @@ private:
         }
         for (size_t i = 0; i < pictures_.size(); ++i) {
             if (cancelled()) return fail(Code::Cancelled, "stopped");
-            say(0, formatText("reading picture {} of {}", i + 1, pictures_.size()));
+            say(kReadShare * double(i) / double(pictures_.size()), formatText("reading picture {} of {}", i + 1, pictures_.size()));
             DPL_TRY(const SolvePixels pixels, load(i));
             const std::vector<uint8_t> background = backgroundOf(pixels);
             features_[i] = findFeatures(view(pixels.grey), view(background), kMostFeatures, kMaxSidePx);
@@ -126,7 +126,7 @@ private:
             for (const size_t i : *group) run.images.push_back(imageName(i)), indexOf[imageName(i)] = i;
         run.widthPx = settings_.widthPx, run.heightPx = settings_.heightPx;
         run.cancel = settings_.cancel;
-        run.progress = [&](double fraction, std::string_view what) { say(kColmapShare * fraction, what); };
+        run.progress = [&](double fraction, std::string_view what) { say(kReadShare + kColmapShare * fraction, what); };
         const double diagonal = std::hypot(settings_.widthPx, settings_.heightPx);
         const double guess = settings_.focalGuessPx > 0 ? settings_.focalGuessPx : priors::kPhoneFocal * diagonal;
         std::vector<ColmapImage> best;
@@ -155,7 +155,7 @@ private:
                 if (out_.pictures[i].camera) model_.push_back({*out_.pictures[i].camera, features_[i]}), ids.push_back(i);
         TrackSettings settings;
         settings.progress = [&](double fraction) {
-            say(kColmapShare + kTrackShare * fraction, "points of the background");
+            say(kReadShare + kColmapShare + kTrackShare * fraction, "points of the background");
             return !cancelled();
         };
         DPL_TRY(tracks_, findTracks(model_, out_.lens, settings));
@@ -188,7 +188,7 @@ private:
             if (cancelled()) return fail(Code::Cancelled, "stopped");
             place(late_[k], features_[late_[k]], tracks_, before ? &*before : nullptr);
             if (pictures_[late_[k]].role == SolveRole::Moving && out_.pictures[late_[k]].camera) before = out_.pictures[late_[k]].camera;
-            say(kColmapShare + kTrackShare + (1 - kColmapShare - kTrackShare) * double(k + 1) / double(late_.size()),
+            say(1 - (1 - kReadShare - kColmapShare - kTrackShare) * double(late_.size() - k - 1) / double(late_.size()),
                 formatText("moving pictures, {} of {}", k + 1, late_.size()));
         }
         return {};

@@ -54,7 +54,9 @@ Status finishScan(Scan& scan) {
     return {};
 }
 
-Result<Scan> readScan(const fs::path& given) {
+namespace {
+
+Result<Scan> readAny(const fs::path& given) {
     std::error_code error;
     fs::path root = given, manifest;
     if (fs::is_regular_file(given, error)) manifest = given, root = given.parent_path();  // `given` may be the manifest itself
@@ -70,6 +72,16 @@ Result<Scan> readScan(const fs::path& given) {
     return fail(Code::NotFound,
                 "{}: neither scan.json nor transforms.json nor a COLMAP model (sparse/0/cameras.bin) is there; see docs/formats/scan.md",
                 given.string());
+}
+
+}  // namespace
+
+Result<Scan> readScan(const fs::path& given, ScanCameras cameras) {
+    DPL_TRY(Scan scan, readAny(given));
+    if (!scan.camerasKnown && cameras == ScanCameras::Needed)
+        return fail(Code::InvalidArgument, "{}: no frame has a camera; 'doppel cameras' and 'doppel reconstruct' find them",
+                    given.string());
+    return scan;
 }
 
 }  // namespace dpl

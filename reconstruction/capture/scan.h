@@ -45,16 +45,21 @@ struct Scan {
     std::filesystem::path root;
     std::string name;
     ScanSource source = ScanSource::Folder;
-    bool metricWorld = true;  // false (COLMAP): arbitrary scale, origin and up; the body fit finds them
-    bool splitStated = true;  // false: the reader chose every tenth static full-body frame for test
+    bool camerasKnown = true;  // false: frames have only a picture size; reconstruction/cameras/solve_cameras.h finds the rest
+    double focalGuessPx = 0;   // where cameras are not known: a guess, from EXIF for example; 0: none
+    bool metricWorld = true;   // false (COLMAP): arbitrary scale, origin and up; the body fit finds them
+    bool splitStated = true;   // false: the reader chose every tenth static full-body frame for test
     std::vector<ScanLabel> labels;
     std::vector<std::string> keypointNames;
     std::vector<ScanFrame> frames;
 };
 
+/** Whether a scan without cameras is an answer. */
+enum class ScanCameras : uint8_t { Needed, MayLack };
+
 /** Reads scan.json (docs/formats/scan.md), a nerfstudio transforms.json or a COLMAP sparse model, whichever `root` holds.
  *  Checks every path, number and size. Never opens truth files. Errors name the file and the remedy. */
-Result<Scan> readScan(const std::filesystem::path& root);
+Result<Scan> readScan(const std::filesystem::path& root, ScanCameras cameras = ScanCameras::Needed);
 
 /** Keypoints of one frame, from the field "detections" (older scans: "xy_noisy"). The field "xy" holds the truth of synthetic scans and is
  *  never read. Empty when the frame has no keypoint file. */

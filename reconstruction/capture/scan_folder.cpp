@@ -61,6 +61,7 @@ struct Common {
     fs::path root;
     uint32_t widthPx = 0, heightPx = 0;
     LensDistortion lens;
+    bool camerasKnown = true;
 };
 
 Result<Common> readCommon(const JsonFields& fields, const fs::path& root) {
@@ -83,6 +84,19 @@ Result<Common> readCommon(const JsonFields& fields, const fs::path& root) {
         common.lens = {k[0], k[1]};
     }
     return common;
+}
+
+/** "focal_px" of a scan without cameras, or 0. */
+Result<double> readFocalGuess(const JsonFields& fields, const Common& common) {
+    if (common.lens.any())
+        return fail(Code::CorruptData, "{}: distortion is stated, but no camera; remove it, it is found with the cameras", fields.where());
+    DPL_TRY(const double focal, fields.number("focal_px", 0));
+    if (focal == 0) return focal;
+    Camerad probe;  // only its intrinsics are checked
+    probe.widthPx = common.widthPx, probe.heightPx = common.heightPx;
+    probe.fx = probe.fy = focal, probe.cx = common.widthPx / 2.0, probe.cy = common.heightPx / 2.0;
+    DPL_CHECK_OK(checkCamera(probe, fields.where() + ": focal_px"));
+    return focal;
 }
 
 Result<ScanFrame> readFrame(const json& entry, const Common& common, const std::string& where, bool& splitStated) {
@@ -114,10 +128,15 @@ Result<ScanFrame> readFrame(const json& entry, const Common& common, const std::
     DPL_TRY(frame.closeupOf, fields.text("closeup_of", ""));
     DPL_TRY(frame.timeS, fields.number("time", 0));
 
-    if (!fields.has("camera") || !entry.at("camera").is_object())
-        return fail(Code::CorruptData, "{}: 'camera' is missing; register the frame or remove it", here);
-    JsonFields camera(entry.at("camera"), here + " camera");
     frame.camera.widthPx = common.widthPx, frame.camera.heightPx = common.heightPx;
+    if (!common.camerasKnown) return frame;
+    if (!fields.has("camera") || !entry.at("camera").is_object())
+        return fail(
+            Code::CorruptData,
+            "{}: 'camera' is missing, while other frames have one; register the frame, remove it, or remove all cameras to have them "
+            "found",
+            here);
+    JsonFields camera(entry.at("camera"), here + " camera");
     DPL_TRY(frame.camera.fx, camera.number("fx"));
     DPL_TRY(frame.camera.fy, camera.number("fy"));
     DPL_TRY(frame.camera.cx, camera.number("cx"));
@@ -158,8 +177,15 @@ Result<Scan> readScanFolder(const fs::path& manifestPath) {
     if (frames->size() > kMaxFrames)
         return fail(Code::Unsupported, "{}: {} frames, at most {} are read; remove some frames from the scan", manifestPath.string(),
                     frames->size(), kMaxFrames);
+    Common shared = common;
+    shared.camerasKnown = scan.camerasKnown =
+        std::any_of(frames->begin(), frames->end(), [](const json& frame) { return frame.is_object() && frame.contains("camera"); });
+    if (!scan.camerasKnown) {
+        DPL_TRY(scan.focalGuessPx, readFocalGuess(fields, common));
+        scan.metricWorld = false;
+    }
     for (size_t i = 0; i < frames->size(); ++i) {
-        DPL_TRY(auto frame, readFrame((*frames)[i], common, formatText("{} frame {}", manifestPath.string(), i), scan.splitStated));
+        DPL_TRY(auto frame, readFrame((*frames)[i], shared, formatText("{} frame {}", manifestPath.string(), i), scan.splitStated));
         scan.frames.push_back(std::move(frame));
     }
     DPL_CHECK_OK(finishScan(scan));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // From a scan folder to an avatar.
 //
-//   (observe, with networks →) ingest → body-fit → surface → garments → register
+//   (observe, with networks →) (cameras, where unknown →) ingest → body-fit → surface → garments → register
 //   → co-optimise → evidence → package → pose-fit → report
 #pragma once
 
@@ -30,6 +30,7 @@ struct ReconstructOptions {
     std::filesystem::path body;        // glTF body; empty: the built-in one
     std::filesystem::path models;      // ONNX networks for keypoints, labels and masks; empty: those that tools/models installed
     std::vector<std::string> persons;  // where the person is, "FRAME:X,Y" (parsePersonPoint()); empty: chosen by size and place
+    double heightM = 0;                // of the subject; sets the scale where cameras have to be found. 0: unknown
     Preset preset = Preset::Standard;
     double timeBudgetMinutes = 0;  // of training; 0: the preset's number of steps
     uint32_t steps = 0;            // of training; 0: the preset's number; above 0: the time budget is ignored

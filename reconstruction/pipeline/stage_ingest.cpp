@@ -6,6 +6,7 @@
 #include "reconstruction/capture/observations.h"
 #include "reconstruction/capture/scan_check.h"
 #include "reconstruction/capture/validation.h"
+#include "reconstruction/pipeline/scan_inputs.h"
 #include "reconstruction/pipeline/stages.h"
 #include "sdk/core/files.h"
 
@@ -13,54 +14,6 @@ namespace dpl {
 namespace {
 
 using nlohmann::json;
-
-json cameraJson(const Camerad& camera) {
-    json out = {camera.widthPx, camera.heightPx, camera.fx, camera.fy, camera.cx, camera.cy};
-    for (int column = 0; column < 3; ++column)
-        for (int row = 0; row < 3; ++row) out.push_back(camera.viewFromWorldRotation[column][row]);
-    for (int row = 0; row < 3; ++row) out.push_back(camera.viewFromWorldTranslation[row]);
-    return out;
-}
-
-/** The hash of a file, or the text of the error if it cannot be read. So the key changes when the file is repaired, and ingest runs again.
- */
-std::string hashOrError(const std::filesystem::path& path) {
-    if (path.empty()) return "none";
-    auto hash = hashFile(path);
-    return hash ? *hash : hash.error().message;
-}
-
-std::vector<FrameHashes> hashFrames(const Scan& scan) {
-    std::vector<FrameHashes> hashes;
-    for (const ScanFrame& frame : scan.frames)
-        hashes.push_back(
-            {hashOrError(frame.imagePath), hashOrError(frame.maskPath), hashOrError(frame.labelsPath), hashOrError(frame.keypointsPath)});
-    return hashes;
-}
-
-/** The inputs of one frame. */
-json frameInputs(const ScanFrame& frame, const FrameHashes& files) {
-    return {{"name", frame.name},
-            {"kind", int(frame.kind)},
-            {"split", int(frame.split)},
-            {"time", frame.timeS},
-            {"camera", cameraJson(frame.camera)},
-            {"lens", {frame.lens.k1, frame.lens.k2, frame.lens.p1, frame.lens.p2}},
-            {"files", {files.image, files.mask, files.labels, files.keypoints}}};
-}
-
-/** The inputs that all frames share. */
-json commonInputs(const Scan& scan) {
-    json labels = json::array();
-    for (const ScanLabel& label : scan.labels) labels.push_back({label.name, label.value});
-    return {{"metric", scan.metricWorld}, {"keypoint_names", scan.keypointNames}, {"labels", labels}};
-}
-
-json scanInputs(const Scan& scan, const std::vector<FrameHashes>& hashes) {
-    json frames = json::array();
-    for (size_t f = 0; f < scan.frames.size(); ++f) frames.push_back(frameInputs(scan.frames[f], hashes[f]));
-    return {{"common", commonInputs(scan)}, {"frames", frames}};
-}
 
 std::string trainingHash(const IngestedScan& ingested) {
     json frames = json::array();
@@ -102,9 +55,9 @@ Result<Scan> observed(const StageRun& run, const Scan& scan, const std::filesyst
 }  // namespace
 
 Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path& folder, const std::filesystem::path& models,
-                               const std::vector<std::string>& persons) {
+                               const std::vector<std::string>& persons, double heightM) {
     IngestedScan ingested;
-    DPL_TRY(ingested.scan, readScan(folder));
+    DPL_TRY(ingested.scan, readScan(folder, ScanCameras::MayLack));
     const std::filesystem::path networks = !models.empty() ? models : lacksObservations(ingested.scan) ? installedModels() : models;
     if (!networks.empty()) {
         if (models.empty()) run.progress.note(formatText("networks of {} find what the scan lacks", networks.string()));
@@ -113,6 +66,11 @@ Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path&
         return fail(Code::InvalidArgument,
                     "--person: networks look for nobody in this scan; it brings keypoints and masks, or tools/models "
                     "has not run");
+    }
+    if (!ingested.scan.camerasKnown) {
+        DPL_TRY(ingested.scan, runCameras(run, ingested.scan, heightM));
+    } else {
+        DPL_TRY(ingested.scan, runCameraRepair(run, ingested.scan));
     }
     const Scan& scan = ingested.scan;
     if (std::all_of(scan.frames.begin(), scan.frames.end(), [](const ScanFrame& frame) { return frame.keypointsPath.empty(); }))
