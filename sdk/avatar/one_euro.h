@@ -3,6 +3,8 @@
 // Formulas: docs/reference/driving.md.
 #pragma once
 
+#include <algorithm>
+
 #include "sdk/math/types.h"
 
 namespace dpl {
@@ -41,8 +43,11 @@ public:
     void set(const T& value) { start(value); }
 
     const T& value() const { return value_; }
-    /** The value `aheadS` later, if the motion goes on. */
-    T after(float aheadS) const { return stepped(value_, velocity_ * aheadS); }
+    /** The value `aheadS` later, if the motion goes on, by no more than `fastest` per second: frames may lie a nanosecond apart. */
+    T after(float aheadS, float fastest) const {
+        const float share = std::min(1.0f, fastest / std::max(speed(), 1e-6f));
+        return stepped(value_, velocity_ * (share * aheadS));
+    }
     float noise() const { return noise_; }  // standard deviation about one axis; 0: not known
     float speed() const { return glm::length(velocity_); }
     float delayS() const { return delayS_; }  // of slow motion, at the current cut-off

@@ -262,7 +262,7 @@ T Tracker::sample(const Channel<T>& channel) {
     if (options_.raw) return channel.filter.value();
     const float ahead = aheadFor(secondsBetween(channel.lastNs, pictureNs_) + channel.filter.delayS());
     ahead_ = std::max(ahead_, ahead);
-    return channel.filter.after(ahead);
+    return channel.filter.after(ahead, std::is_same_v<T, Quatf> ? kFastestRadPerS : kFastestMPerS);
 }
 
 void Tracker::poseBones(Pose& pose) {

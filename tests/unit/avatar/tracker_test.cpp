@@ -545,6 +545,20 @@ TEST(Tracker, someoneAtADeskIsTrackedWithoutHips) {
     EXPECT_EQ(tracker->status().state, TrackerState::Tracking);
 }
 
+TEST(Tracker, framesANanosecondApartDoNotCatapult) {
+    const auto rig = performerRig();
+    Stream stream(TrackFormat::ArkitBody, rig, 3);
+    const auto tracker = trackerFor(stream, TrackFormat::ArkitBody);
+    for (int k = 0; k < 4; ++k) {
+        Pose pose = Pose::rest(rig.size());
+        pose.rootTranslation.x = 0.2f * float(k);
+        stream.show(pose);
+        ASSERT_TRUE(tracker->add(stream.frame(kStartNs + k)));
+    }
+    const Pose pose = posed(*tracker, kStartNs + 50'000'000, avatarRig().size());
+    EXPECT_LT(glm::length(pose.rootTranslation), 2.0f) << "metres; 2e8 m/s were seen";
+}
+
 TEST(Tracker, feetStandOnTheFloorAndJumpsShow) {
     const auto rig = performerRig();
     Stream stream(TrackFormat::ArkitBody, rig, 3);
