@@ -157,11 +157,15 @@ Status runProgram(const ProgramRun& run) {
 
     LineSplitter lines(run.line);
     const auto cancelled = [&] { return run.cancel && run.cancel->load(); };
+    const auto started = Clock::now();
+    const auto late = [&] { return run.timeoutS > 0 && std::chrono::duration<double>(Clock::now() - started).count() > run.timeoutS; };
+    const auto stop = [&]() -> Status {
+        endGroup(child);
+        if (cancelled()) return fail(Code::Cancelled, "'{}' was stopped", name);
+        return fail(Code::Io, "'{}' took more than {} s and was stopped; all of its output: {}", name, run.timeoutS, run.log.string());
+    };
     for (bool open = true; open;) {
-        if (cancelled()) {
-            endGroup(child);
-            return fail(Code::Cancelled, "'{}' was stopped", name);
-        }
+        if (cancelled() || late()) return stop();
         pollfd waiting{readEnd.fd, POLLIN, 0};
         if (::poll(&waiting, 1, kPollMs) <= 0) continue;
         char bytes[4096];
@@ -178,10 +182,7 @@ Status runProgram(const ProgramRun& run) {
     for (;;) {  // the outputs are closed, so it ends at once or has to be ended
         const pid_t ended = ::waitpid(child, &status, WNOHANG);
         if (ended == child || (ended < 0 && errno != EINTR)) break;
-        if (cancelled()) {
-            endGroup(child);
-            return fail(Code::Cancelled, "'{}' was stopped", name);
-        }
+        if (cancelled() || late()) return stop();
         std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};

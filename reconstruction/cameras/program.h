@@ -20,11 +20,12 @@ struct ProgramRun {
     std::filesystem::path log;                             // standard output and standard error are appended here
     std::function<void(std::string_view line)> line = {};  // called for every line of output, on the calling thread; may be empty
     const std::atomic<bool>* cancel = nullptr;             // when it turns true, the program and its children are killed; may be null
+    double timeoutS = 0;                                   // seconds after which it is killed; 0: none
 };
 
 /** Runs a program to its end. It reads nothing from standard input and has its own process group, so Ctrl-C reaches it only through
- *  `cancel`, within half a second. NotFound: there is no such program. Cancelled: `cancel` turned true. Io: the program failed; the message
- *  has its name, how it ended, its last line of output and the log. Call from any thread. */
+ *  `cancel`, within half a second. NotFound: there is no such program. Cancelled: `cancel` turned true. Io: the program failed or
+ *  ran longer than `timeoutS`; the message has its name, how it ended, its last line of output and the log. Call from any thread. */
 Status runProgram(const ProgramRun& run);
 
 /** The file that runProgram would start for `name`, or nullopt. */

@@ -97,6 +97,16 @@ TEST(Program, cancelEndsProgramAndChildrenWithinASecond) {
     EXPECT_FALSE(runs(grandchild));
 }
 
+TEST(Program, timeoutsEndPrograms) {
+    LogFile log;
+    const auto started = std::chrono::steady_clock::now();
+    const Status ended = runProgram({.arguments = {"sleep", "30"}, .log = log.path, .timeoutS = 0.2});
+    ASSERT_FALSE(ended);
+    EXPECT_EQ(ended.error().code, Code::Io);
+    EXPECT_NE(ended.error().message.find("more than 0.2 s"), std::string::npos) << ended.error().message;
+    EXPECT_LT(std::chrono::steady_clock::now() - started, std::chrono::seconds(10));
+}
+
 TEST(Program, carriageReturnsEndLines) {
     LogFile log;
     std::vector<std::string> lines;
