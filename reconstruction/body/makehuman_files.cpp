@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "reconstruction/body/body_tools.h"
-#include "reconstruction/body/inflate.h"
+#include "reconstruction/capture/inflate.h"
 #include "sdk/core/files.h"
 #include "sdk/core/numbers.h"
 

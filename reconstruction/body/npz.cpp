@@ -5,14 +5,12 @@
 #include <cstring>
 #include <string_view>
 
-#include "reconstruction/body/inflate.h"
 #include "sdk/core/reader.h"
 
 namespace dpl {
 namespace {
 
-constexpr uint32_t kLocalHeader = 0x04034b50, kDirectoryEntry = 0x02014b50, kDirectoryEnd = 0x06054b50;
-constexpr size_t kDirectoryEndBytes = 22, kMaxCommentBytes = 65535;
+constexpr size_t kMemoryFactor = 64, kMemoryBase = size_t(64) << 20;  // promised in npz.h
 
 template <class T>
 T at(std::span<const uint8_t> bytes, size_t offset) {
@@ -36,7 +34,7 @@ void convert(std::span<const uint8_t> data, std::vector<double>& values) {
 
 }  // namespace
 
-Result<NpyArray> parseNpy(std::span<const uint8_t> bytes) {
+Result<NpyArray> parseNpy(std::span<const uint8_t> bytes, size_t maxValues) {
     constexpr uint8_t kMagic[] = {0x93, 'N', 'U', 'M', 'P', 'Y'};
     Reader in(bytes);
     DPL_TRY(const auto magic, in.take(6));
@@ -80,6 +78,7 @@ Result<NpyArray> parseNpy(std::span<const uint8_t> bytes) {
     if (itemBytes == 0 || count > in.remaining() / itemBytes)
         return fail(Code::CorruptData, "{} values of type {} wanted, {} bytes left", count, type, in.remaining());
     DPL_TRY(const auto data, in.take(count * itemBytes));
+    if (count > maxValues) return fail(Code::Unsupported, "{} values, at most {} are read", count, maxValues);
     array.values.resize(count);
     if (type == "<f4")
         convert<float>(data, array.values);
@@ -103,56 +102,26 @@ Result<NpyArray> parseNpy(std::span<const uint8_t> bytes) {
 }
 
 Result<NpzFile> NpzFile::open(std::span<const uint8_t> bytes) {
-    if (bytes.size() < kDirectoryEndBytes) return fail(Code::CorruptData, "too short to be an .npz archive");
-    size_t end = bytes.size() - kDirectoryEndBytes;
-    const size_t lowest = end > kMaxCommentBytes ? end - kMaxCommentBytes : 0;
-    while (at<uint32_t>(bytes, end) != kDirectoryEnd) {
-        if (end == lowest) return fail(Code::CorruptData, "not an .npz archive, or cut short: it has no zip directory");
-        --end;
-    }
-    const uint16_t entryCount = at<uint16_t>(bytes, end + 10);
-    const uint32_t directoryOffset = at<uint32_t>(bytes, end + 16);
-    if (directoryOffset > end) return fail(Code::CorruptData, "the zip directory lies outside the file");
-    Reader directory(bytes.subspan(directoryOffset, end - directoryOffset));
+    auto zip = ZipFile::open(bytes);
+    if (!zip) return fail(zip.error().code, "not an .npz archive that we read: {}; save it with np.savez", zip.error().message);
     NpzFile file;
-    for (uint16_t i = 0; i < entryCount; ++i) {
-        DPL_TRY(const auto e, directory.take(46));
-        if (at<uint32_t>(e, 0) != kDirectoryEntry) return fail(Code::CorruptData, "entry {} of the zip directory is damaged", i);
-        const uint16_t flags = at<uint16_t>(e, 8), method = at<uint16_t>(e, 10);
-        const uint32_t stored = at<uint32_t>(e, 20), plain = at<uint32_t>(e, 24), offset = at<uint32_t>(e, 42);
-        DPL_TRY(const auto nameRaw, directory.take(at<uint16_t>(e, 28)));
-        DPL_CHECK_OK(directory.skip(size_t(at<uint16_t>(e, 30)) + at<uint16_t>(e, 32)));
-        std::string name(nameRaw.begin(), nameRaw.end());
-        if (name.size() > 4 && name.ends_with(".npy")) name.resize(name.size() - 4);
-        if ((flags & 1) || (method != 0 && method != 8) || stored == UINT32_MAX || plain == UINT32_MAX || offset == UINT32_MAX)
-            return fail(Code::Unsupported,
-                        "'{}' is encrypted, zip64 or compressed in a way we do not read; save it with np.savez or np.savez_compressed",
-                        name);
-        // Skip the local header's own name and extra field: their lengths may differ from the directory's.
-        if (offset > bytes.size() || bytes.size() - offset < 30 || at<uint32_t>(bytes, offset) != kLocalHeader)
-            return fail(Code::CorruptData, "'{}' lies outside the file", name);
-        const uint64_t begin = uint64_t(offset) + 30 + at<uint16_t>(bytes, offset + 26) + at<uint16_t>(bytes, offset + 28);
-        if (begin > bytes.size() || stored > bytes.size() - begin) return fail(Code::CorruptData, "'{}' is cut short", name);
-        file.entries_[name] = {bytes.subspan(size_t(begin), stored), plain, method == 8};
-    }
+    file.zip_ = std::move(*zip);
+    file.budgetBytes_ = kMemoryFactor * bytes.size() + kMemoryBase;
     return file;
 }
 
-Result<NpyArray> NpzFile::read(const std::string& name, size_t maxBytes) const {
-    const auto entry = entries_.find(name);
-    if (entry == entries_.end()) return fail(Code::NotFound, "array '{}' is missing", name);
-    const Entry& e = entry->second;
-    if (e.plainBytes > maxBytes) return fail(Code::Unsupported, "array '{}' has {} bytes, the limit is {}", name, e.plainBytes, maxBytes);
-    std::vector<uint8_t> unpacked;
-    std::span<const uint8_t> bytes = e.stored;
-    if (e.deflated) {
-        auto plain = inflateBytes(e.stored, DeflateWrapper::Raw, maxBytes);
-        if (!plain) return fail(plain.error().code, "array '{}': {}", name, plain.error().message);
-        unpacked = std::move(*plain);
-        bytes = unpacked;
-    }
-    auto array = parseNpy(bytes);
+Result<NpyArray> NpzFile::read(const std::string& name) {
+    const std::string entry = zip_.has(name + ".npy") ? name + ".npy" : name;
+    if (!zip_.has(entry)) return fail(Code::NotFound, "array '{}' is missing", name);
+    const size_t plain = zip_.plainBytes(entry);
+    const auto tooLarge = [&] {
+        return fail(Code::Unsupported, "array '{}' unpacks to {} bytes, which is more than an archive of this size may hold", name, plain);
+    };
+    if (plain > budgetBytes_) return tooLarge();
+    DPL_TRY(const auto bytes, zip_.read(entry, budgetBytes_));
+    auto array = parseNpy(bytes, (budgetBytes_ - plain) / sizeof(double));
     if (!array) return fail(array.error().code, "array '{}': {}", name, array.error().message);
+    budgetBytes_ -= array->values.size() * sizeof(double);
     return array;
 }
 

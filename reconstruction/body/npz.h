@@ -3,11 +3,11 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "reconstruction/capture/zip_file.h"
 #include "sdk/core/result.h"
 
 namespace dpl {
@@ -18,27 +18,23 @@ struct NpyArray {
     std::vector<double> values;
 };
 
-/** The entries of an .npz by name (without ".npy"). read() unpacks one. The bytes given to open() must outlive the object. */
+/** The arrays of an .npz by name (without ".npy"). read() unpacks one. The bytes given to open() must outlive the object. All arrays
+ * together, and the unpacked bytes of the one that is read, take at most 64 times the archive's size and 64 MiB: a small archive cannot
+ * unpack to gigabytes. */
 class NpzFile {
 public:
     /** Checks the zip directory. CorruptData when it is damaged, Unsupported for zip64 and encryption. */
     static Result<NpzFile> open(std::span<const uint8_t> bytes);
 
-    bool has(const std::string& name) const { return entries_.count(name) != 0; }
-
-    /** Unpacks one array of floats or integers. Refused: object arrays (pickles), big-endian data, more than `maxBytes`. */
-    Result<NpyArray> read(const std::string& name, size_t maxBytes) const;
+    /** Unpacks one array of floats or integers. Refused: object arrays (pickles), big-endian data, more than the limit above. */
+    Result<NpyArray> read(const std::string& name);
 
 private:
-    struct Entry {
-        std::span<const uint8_t> stored;
-        size_t plainBytes = 0;
-        bool deflated = false;
-    };
-    std::map<std::string, Entry> entries_;
+    ZipFile zip_;
+    size_t budgetBytes_ = 0;
 };
 
-/** Parses one .npy file. */
-Result<NpyArray> parseNpy(std::span<const uint8_t> bytes);
+/** Parses one .npy file of at most `maxValues` numbers. */
+Result<NpyArray> parseNpy(std::span<const uint8_t> bytes, size_t maxValues = SIZE_MAX);
 
 }  // namespace dpl

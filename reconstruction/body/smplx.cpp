@@ -13,7 +13,6 @@
 namespace dpl {
 namespace {
 
-constexpr size_t kMaxArrayBytes = size_t(512) << 20;  // shapedirs of the largest published file are 100 MB
 constexpr size_t kMaxNpzBytes = size_t(2) << 30;
 
 const char* const kBodyJoints[22] = {"pelvis",     "left_hip",    "right_hip",    "spine1",     "left_knee",     "right_knee",
@@ -47,7 +46,7 @@ Result<BodyModel> importSmplx(const std::filesystem::path& path, const SmplxOpti
     NpyArray arrays[6];
     const char* const names[6] = {"v_template", "shapedirs", "J_regressor", "weights", "kintree_table", "f"};
     for (int i = 0; i < 6; ++i) {
-        auto array = npz->read(names[i], kMaxArrayBytes);
+        auto array = npz->read(names[i]);
         if (!array) return named(array.error());
         for (double v : array->values)
             if (!std::isfinite(v)) return fail(Code::CorruptData, "{}: '{}' holds a number that is not finite", path.string(), names[i]);

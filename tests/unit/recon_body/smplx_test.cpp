@@ -3,7 +3,6 @@
 #include "reconstruction/body/smplx.h"
 
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include <cstring>
 #include <fstream>
@@ -11,6 +10,7 @@
 #include "reconstruction/body/body_tools.h"
 #include "reconstruction/body/npz.h"
 #include "sdk/core/writer.h"
+#include "tests/unit/made_zip.h"
 
 namespace dpl {
 namespace {
@@ -25,47 +25,6 @@ std::vector<uint8_t> npy(const std::string& type, const std::string& shape, cons
     out.value(uint16_t(header.size()));
     out.append({reinterpret_cast<const uint8_t*>(header.data()), header.size()});
     out.append({reinterpret_cast<const uint8_t*>(values.data()), values.size() * sizeof(T)});
-    return out.finish();
-}
-
-/** A zip whose entries are alternately deflated and stored. */
-std::vector<uint8_t> zip(const std::vector<std::pair<std::string, std::vector<uint8_t>>>& entries) {
-    Writer out, directory;
-    uint16_t count = 0;
-    for (const auto& [name, plain] : entries) {
-        std::vector<uint8_t> stored = plain;
-        const bool deflated = count % 2 == 0;
-        if (deflated) {
-            z_stream z{};
-            deflateInit2(&z, 6, Z_DEFLATED, -15, 8, Z_DEFAULT_STRATEGY);
-            stored.resize(deflateBound(&z, uLong(plain.size())));
-            z.next_in = const_cast<Bytef*>(plain.data()), z.avail_in = uInt(plain.size());
-            z.next_out = stored.data(), z.avail_out = uInt(stored.size());
-            deflate(&z, Z_FINISH);
-            stored.resize(z.total_out);
-            deflateEnd(&z);
-        }
-        const uint32_t offset = uint32_t(out.size()), crc = uint32_t(crc32(0, plain.data(), uInt(plain.size())));
-        const auto common = [&](Writer& w) {
-            w.value(uint16_t(0)), w.value(uint16_t(deflated ? 8 : 0)), w.value(uint32_t(0)), w.value(crc);
-            w.value(uint32_t(stored.size())), w.value(uint32_t(plain.size())), w.value(uint16_t(name.size())), w.value(uint16_t(0));
-        };
-        const std::span<const uint8_t> nameBytes(reinterpret_cast<const uint8_t*>(name.data()), name.size());
-        out.value(uint32_t(0x04034b50)), out.value(uint16_t(20));
-        common(out);
-        out.append(nameBytes), out.append(stored);
-        directory.value(uint32_t(0x02014b50)), directory.value(uint16_t(20)), directory.value(uint16_t(20));
-        common(directory);
-        directory.value(uint16_t(0)), directory.value(uint16_t(0)), directory.value(uint16_t(0)), directory.value(uint32_t(0)),
-            directory.value(offset);
-        directory.append(nameBytes);
-        ++count;
-    }
-    const uint32_t begin = uint32_t(out.size());
-    const auto bytes = directory.finish();
-    out.append(bytes);
-    out.value(uint32_t(0x06054b50)), out.value(uint16_t(0)), out.value(uint16_t(0)), out.value(count), out.value(count),
-        out.value(uint32_t(bytes.size())), out.value(begin), out.value(uint16_t(0));
     return out.finish();
 }
 
@@ -151,6 +110,32 @@ TEST(Npy, refusesWhatItCannotRead) {
     EXPECT_FALSE(parseNpy(npy("<f4", "(99999999999, 99999999999)", std::vector<float>{1})));  // overflow
     EXPECT_FALSE(parseNpy(npy("|O", "(1,)", std::vector<uint8_t>{0, 0, 0, 0, 0, 0, 0, 0})));  // a pickle
     EXPECT_FALSE(parseNpy(npy(">f4", "(1,)", std::vector<float>{1})));                        // big endian
+}
+
+TEST(Npz, smallArchivesCannotUnpackToGigabytes) {
+    // 300 MB of zeros, as 16-bit numbers that would become 1.2 GB of doubles, in about 300 KB.
+    const auto bomb = zip({{"a.npy", npy("<i2", "(150000000,)", std::vector<int16_t>(150000000, 0))}});
+    ASSERT_LT(bomb.size(), 1u << 20);
+    auto npz = NpzFile::open(bomb);
+    ASSERT_TRUE(npz) << npz.error().message;
+    const auto array = npz->read("a");
+    ASSERT_FALSE(array);
+    EXPECT_NE(array.error().message.find("more than an archive of this size may hold"), std::string::npos) << array.error().message;
+
+    // Each array alone is small enough, all together are not: 64 MiB and 64 times the archive are shared.
+    std::vector<std::pair<std::string, std::vector<uint8_t>>> entries;
+    for (char c = 'a'; c < 'i'; ++c) {
+        entries.emplace_back(std::string(1, c) + ".npy", npy("<i2", "(2000000,)", std::vector<int16_t>(2000000, 0)));
+        entries.emplace_back(std::string(1, c) + ".txt", std::vector<uint8_t>{'x'});  // zip() stores every other entry without deflate
+    }
+    const auto many = zip(entries);
+    auto shared = NpzFile::open(many);
+    ASSERT_TRUE(shared);
+    EXPECT_TRUE(shared->read("a"));
+    size_t taken = 1;
+    for (char c = 'b'; c < 'i'; ++c) taken += bool(shared->read(std::string(1, c)));
+    EXPECT_LT(taken * 16000000, (64u << 20) + 64 * many.size());
+    EXPECT_LT(taken, 8u);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "reconstruction/body/inflate.h"
+#include "reconstruction/capture/inflate.h"
 
 #include <zlib.h>
 
@@ -19,6 +19,8 @@ Result<std::vector<uint8_t>> inflateBytes(std::span<const uint8_t> compressed, D
     stream.avail_in = uInt(compressed.size());
 
     std::vector<uint8_t> out;
+    constexpr size_t kMostPerByte = 1032;                                                                       // of deflate
+    if (wrapper == DeflateWrapper::Raw && maxBytes / kMostPerByte <= compressed.size()) out.reserve(maxBytes);  // a zip states its size
     int status = Z_OK;
     while (status != Z_STREAM_END) {
         constexpr size_t kStepBytes = 1 << 20;
