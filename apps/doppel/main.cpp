@@ -49,6 +49,7 @@ int main(int argc, char** argv) {
     CommandRun run;
     addSampleCommand(app, run);
     addCamerasCommand(app, run);
+    addImportCommand(app, run);
     addReconstructCommand(app, run);
     addEvaluateCommand(app, run);
     addRenderCommand(app, run);

@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "apps/doppel/commands.h"
+#include "apps/doppel/video_options.h"
 #include "apps/shared/checks.h"
 #include "reconstruction/pipeline/reconstruct.h"
 
@@ -10,9 +11,9 @@ namespace dpl {
 void addReconstructCommand(CLI::App& app, CommandRun& run) {
     auto options = std::make_shared<ReconstructOptions>();
     CLI::App* command = app.add_subcommand("reconstruct", "Make an avatar from a scan folder");
-    command
-        ->add_option("scan", options->scan, "Scan folder (docs/formats/scan.md), nerfstudio transforms.json folder or COLMAP sparse model")
-        ->required();
+    CLI::Option* scan = command->add_option(
+        "scan", options->scan, "Scan folder (docs/formats/scan.md), nerfstudio or COLMAP folder, or anything that `doppel import` reads");
+    addVideoOptions(*command, options->videos, scan);
     command->add_option("-o,--out", options->out, "Output folder: avatar.glb, poses.json, report.html and the stages")->required();
     command->add_option("--body", options->body, "Body to start from (.glb made by `doppel body import`); default: the built-in body");
     command->add_option("--models", options->models,
@@ -61,10 +62,12 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
         "Examples:\n"
         "  doppel reconstruct scan -o ada\n"
         "  doppel reconstruct scan -o ada --preset draft\n"
+        "  doppel reconstruct polycam-export -o ada            (imported into ada/scan first; see doppel import --help)\n"
         "  doppel reconstruct orbit -o him     (pictures and cameras only: the networks of tools/models find the rest)\n"
         "Ctrl-C or a kill loses at most one checkpoint interval; the same command continues.");
     command->callback([options, &run] {
         run = [options] {
+            if (options->scan.empty() && !anyVideo(options->videos)) return reportError(missingSource());
             Progress progress;
             auto result = reconstruct(*options, progress);
             if (!result) return reportError(result.error());

@@ -125,12 +125,17 @@ Result<ImageHeader> probeImage(const fs::path& path) {
     return walk.header;
 }
 
-Result<std::vector<uint8_t>> readCompleteImage(const fs::path& path) {
-    DPL_TRY(auto bytes, readBytes(path, kMaxFileBytes));
+Status checkCompleteImage(Bytes bytes, const fs::path& path) {
     DPL_TRY(const Walk walk, walkImage(bytes, true, path));
     if (!walk.complete)
         return fail(Code::CorruptData, "{}: the file is truncated ({} bytes without an end); copy the image again", path.string(),
                     bytes.size());
+    return {};
+}
+
+Result<std::vector<uint8_t>> readCompleteImage(const fs::path& path) {
+    DPL_TRY(auto bytes, readBytes(path, kMaxFileBytes));
+    DPL_CHECK_OK(checkCompleteImage(bytes, path));
     return bytes;
 }
 

@@ -68,7 +68,7 @@ Result<Scan> readAny(const fs::path& given) {
     const auto holds = [&](const char* name) { return manifest.empty() ? fs::exists(root / name, error) : manifest.filename() == name; };
     if (holds("scan.json")) return readScanFolder(root / "scan.json");
     if (holds("transforms.json")) return readNerfstudio(root / "transforms.json");
-    if (const fs::path model = findColmapModel(root); !model.empty() && manifest.empty()) return readColmapScan(root, model);
+    if (const fs::path above = colmapRoot(root); !above.empty() && manifest.empty()) return readColmapScan(above, findColmapModel(above));
     return fail(Code::NotFound,
                 "{}: neither scan.json nor transforms.json nor a COLMAP model (sparse/0/cameras.bin) is there; see docs/formats/scan.md",
                 given.string());

@@ -45,10 +45,11 @@ struct Scan {
     std::filesystem::path root;
     std::string name;
     ScanSource source = ScanSource::Folder;
-    bool camerasKnown = true;  // false: frames have only a picture size; reconstruction/cameras/solve_cameras.h finds the rest
-    double focalGuessPx = 0;   // where cameras are not known: a guess, from EXIF for example; 0: none
-    bool metricWorld = true;   // false (COLMAP): arbitrary scale, origin and up; the body fit finds them
-    bool splitStated = true;   // false: the reader chose every tenth static full-body frame for test
+    bool camerasKnown = true;   // false: frames have only a picture size; reconstruction/cameras/solve_cameras.h finds the rest
+    double focalGuessPx = 0;    // where cameras are not known: a guess, from EXIF for example; 0: none
+    bool metricWorld = true;    // false (COLMAP): arbitrary scale, origin and up; the body fit finds them
+    bool splitStated = true;    // false: the reader chose every tenth static full-body frame for test
+    double subjectHeightM = 0;  // without shoes, as the user stated it; 0: unknown
     std::vector<ScanLabel> labels;
     std::vector<std::string> keypointNames;
     std::vector<ScanFrame> frames;

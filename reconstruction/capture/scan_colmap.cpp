@@ -8,6 +8,15 @@ namespace dpl {
 
 namespace fs = std::filesystem;
 
+fs::path colmapRoot(const fs::path& folder) {
+    if (findColmapModel(folder).empty() && findColmapModel(folder / "0").empty()) return {};
+    std::error_code ignored;
+    fs::path root = folder;
+    for (int levels = 0; levels < 3; ++levels, root = root.parent_path())
+        if (fs::is_directory(root / "images", ignored) && !findColmapModel(root).empty()) return root;
+    return folder;
+}
+
 Result<Scan> readColmapScan(const fs::path& root, const fs::path& model) {
     DPL_TRY(auto images, readColmapModel(model));
     Scan scan;

@@ -64,14 +64,19 @@ struct Common {
     bool camerasKnown = true;
 };
 
-Result<Common> readCommon(const JsonFields& fields, const fs::path& root) {
-    Common common{root};
+/** "image_size" of the scan or of one frame. */
+Status readImageSize(const JsonFields& fields, uint32_t& widthPx, uint32_t& heightPx) {
     DPL_TRY(const auto size, fields.numbers("image_size", 2));
     if (!(size[0] >= 1 && size[1] >= 1 && size[0] <= 65536 && size[1] <= 65536) || size[0] != std::floor(size[0]) ||
         size[1] != std::floor(size[1]))
         return fail(Code::CorruptData, "{}: image_size {} x {} is not a size in pixels; correct it", fields.where(), size[0], size[1]);
-    common.widthPx = uint32_t(size[0]), common.heightPx = uint32_t(size[1]);
-    DPL_CHECK_OK(checkImageSize(common.widthPx, common.heightPx, fields.where()));
+    widthPx = uint32_t(size[0]), heightPx = uint32_t(size[1]);
+    return checkImageSize(widthPx, heightPx, fields.where());
+}
+
+Result<Common> readCommon(const JsonFields& fields, const fs::path& root) {
+    Common common{root};
+    DPL_CHECK_OK(readImageSize(fields, common.widthPx, common.heightPx));
     DPL_TRY(const std::string model, fields.text("camera_model", "pinhole"));
     if (model != "pinhole" && model != "radial")
         return fail(Code::Unsupported, "{}: camera_model '{}' is not read; undistort the images and write 'pinhole'", fields.where(),
@@ -136,6 +141,7 @@ Result<ScanFrame> readFrame(const json& entry, const Common& common, const std::
             "{}: 'camera' is missing, while other frames have one; register the frame, remove it, or remove all cameras to have them "
             "found",
             here);
+    if (fields.has("image_size")) DPL_CHECK_OK(readImageSize(fields, frame.camera.widthPx, frame.camera.heightPx));
     JsonFields camera(entry.at("camera"), here + " camera");
     DPL_TRY(frame.camera.fx, camera.number("fx"));
     DPL_TRY(frame.camera.fy, camera.number("fy"));
@@ -149,6 +155,10 @@ Result<ScanFrame> readFrame(const json& entry, const Common& common, const std::
     turnZUpWorld(frame.camera);
     DPL_CHECK_OK(checkCamera(frame.camera, camera.where()));
     frame.lens = common.lens;
+    if (camera.has("distortion")) {
+        DPL_TRY(const auto k, camera.numbers("distortion", 4));
+        frame.lens = {k[0], k[1], k[2], k[3]};
+    }
     DPL_CHECK_OK(checkDistortion(frame.lens, frame.camera, camera.where()));
     return frame;
 }
@@ -177,6 +187,15 @@ Result<Scan> readScanFolder(const fs::path& manifestPath) {
     if (frames->size() > kMaxFrames)
         return fail(Code::Unsupported, "{}: {} frames, at most {} are read; remove some frames from the scan", manifestPath.string(),
                     frames->size(), kMaxFrames);
+    if (fields.has("metric")) {
+        if (!manifest.at("metric").is_boolean())
+            return fail(Code::CorruptData, "{}: 'metric' is neither true nor false; correct it", manifestPath.string());
+        scan.metricWorld = manifest.at("metric").get<bool>();
+    }
+    DPL_TRY(scan.subjectHeightM, fields.number("subject_height", 0));
+    if (scan.subjectHeightM != 0 && !(scan.subjectHeightM >= 0.3 && scan.subjectHeightM <= 3))
+        return fail(Code::CorruptData, "{}: subject_height {} is not between 0.3 and 3 m; correct it", manifestPath.string(),
+                    scan.subjectHeightM);
     Common shared = common;
     shared.camerasKnown = scan.camerasKnown =
         std::any_of(frames->begin(), frames->end(), [](const json& frame) { return frame.is_object() && frame.contains("camera"); });

@@ -31,8 +31,7 @@ Result<fs::path> imageOf(const fs::path& root, const std::string& relative, cons
     return fileInside(root, relative, where);
 }
 
-Status readIntrinsics(const JsonFields& frame, const JsonFields& file, const fs::path& image, Camerad& camera, LensDistortion& lens) {
-    DPL_TRY(const ImageHeader header, probeImage(image));
+Status readIntrinsics(const JsonFields& frame, const JsonFields& file, const ImageHeader& header, Camerad& camera, LensDistortion& lens) {
     DPL_TRY(const double width, eitherNumber(frame, file, "w", header.widthPx));
     DPL_TRY(const double height, eitherNumber(frame, file, "h", header.heightPx));
     if (!(width >= 1 && height >= 1 && width <= 65536 && height <= 65536))
@@ -101,8 +100,7 @@ FrameKind kindFromName(const std::string& name) {
 
 }  // namespace
 
-Result<Scan> readNerfstudio(const fs::path& manifestPath) {
-    DPL_TRY(const json manifest, readJsonObject(manifestPath));
+Result<Scan> parseNerfstudio(const json& manifest, const fs::path& manifestPath, const NerfstudioFiles& files) {
     const std::string file = manifestPath.string();
     JsonFields fields(manifest, file);
     DPL_TRY(const std::string model, fields.text("camera_model", "OPENCV"));
@@ -133,12 +131,13 @@ Result<Scan> readNerfstudio(const fs::path& manifestPath) {
         DPL_TRY(const std::string relative, fieldsHere.text("file_path"));
         frame.name = nameFromPath(relative);
         frame.kind = kindFromName(frame.name);
-        DPL_TRY(frame.imagePath, imageOf(scan.root, relative, where + ": 'file_path'"));
+        DPL_TRY(frame.imagePath, files.picture(relative, where + ": 'file_path'"));
         if (fieldsHere.has("mask_path")) {
             DPL_TRY(const std::string mask, fieldsHere.text("mask_path"));
-            DPL_TRY(frame.maskPath, fileInside(scan.root, mask, where + ": 'mask_path'"));
+            DPL_TRY(frame.maskPath, files.mask(mask, where + ": 'mask_path'"));
         }
-        DPL_CHECK_OK(readIntrinsics(fieldsHere, fields, frame.imagePath, frame.camera, frame.lens));
+        DPL_TRY(const ImageHeader header, files.header(frame.imagePath));
+        DPL_CHECK_OK(readIntrinsics(fieldsHere, fields, header, frame.camera, frame.lens));
         DPL_CHECK_OK(readPose(entry, where, frame.camera));
         if (up[0] == 'z') turnZUpWorld(frame.camera);
         const std::string named = formatText("{} ('{}')", where, frame.name);
@@ -153,6 +152,17 @@ Result<Scan> readNerfstudio(const fs::path& manifestPath) {
         }
         scan.frames.push_back(std::move(frame));
     }
+    return scan;
+}
+
+Result<Scan> readNerfstudio(const fs::path& manifestPath) {
+    DPL_TRY(const json manifest, readJsonObject(manifestPath));
+    const fs::path root = manifestPath.parent_path();
+    NerfstudioFiles files;
+    files.picture = [&](const std::string& relative, const std::string& where) { return imageOf(root, relative, where); };
+    files.mask = [&](const std::string& relative, const std::string& where) { return fileInside(root, relative, where); };
+    files.header = probeImage;
+    DPL_TRY(Scan scan, parseNerfstudio(manifest, manifestPath, files));
     DPL_CHECK_OK(finishScan(scan));
     return scan;
 }

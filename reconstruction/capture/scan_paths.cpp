@@ -9,6 +9,21 @@ namespace dpl {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
+Result<json> parseJsonObject(std::string_view text, const std::string& where) {
+    json value;
+    try {
+        // The callback limits nesting, because later code may recurse over the value.
+        value = json::parse(text, [](int depth, json::parse_event_t, json&) {
+            if (depth > 64) throw std::runtime_error("nested deeper than 64 levels");
+            return true;
+        });
+    } catch (const std::exception& e) {
+        return fail(Code::CorruptData, "{}: not valid JSON ({}); write the file again", where, e.what());
+    }
+    if (!value.is_object()) return fail(Code::CorruptData, "{}: a JSON object is expected at the top; write the file again", where);
+    return value;
+}
+
 Result<json> readJsonObject(const fs::path& path) {
     std::error_code error;
     if (!fs::is_regular_file(path, error)) return fail(Code::NotFound, "{}: not found; restore the file", path.string());
@@ -19,18 +34,7 @@ Result<json> readJsonObject(const fs::path& path) {
     std::string text(bytes, '\0');
     std::ifstream in(path, std::ios::binary);
     if (!in.read(text.data(), std::streamsize(bytes))) return fail(Code::Io, "{}: cannot be read; check its permissions", path.string());
-    json value;
-    try {
-        // The callback limits nesting, because later code may recurse over the value.
-        value = json::parse(text, [](int depth, json::parse_event_t, json&) {
-            if (depth > 64) throw std::runtime_error("nested deeper than 64 levels");
-            return true;
-        });
-    } catch (const std::exception& e) {
-        return fail(Code::CorruptData, "{}: not valid JSON ({}); write the file again", path.string(), e.what());
-    }
-    if (!value.is_object()) return fail(Code::CorruptData, "{}: a JSON object is expected at the top; write the file again", path.string());
-    return value;
+    return parseJsonObject(text, path.string());
 }
 
 Result<fs::path> fileInside(const fs::path& root, const std::string& relative, std::string_view where) {

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Checked paths and JSON fields, shared by the three scan readers. Private to reconstruction/capture.
+// Checked paths and JSON fields, shared by the readers of scans and captures. Private to reconstruction/capture and reconstruction/import.
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 
+#include "reconstruction/capture/image_file.h"
 #include "reconstruction/capture/scan.h"
 
 namespace dpl {
@@ -16,6 +18,9 @@ constexpr size_t kMaxFrames = 20000;
 
 /** Reads a JSON file of at most kMaxJsonBytes whose top level is an object. Errors name the file and the remedy. */
 Result<nlohmann::json> readJsonObject(const std::filesystem::path& path);
+
+/** The same for text that was read already. */
+Result<nlohmann::json> parseJsonObject(std::string_view text, const std::string& where);
 
 /** Returns root / relative. Refuses a path that is absolute, contains "..", or is not an existing regular file. */
 Result<std::filesystem::path> fileInside(const std::filesystem::path& root, const std::string& relative, std::string_view where);
@@ -50,6 +55,16 @@ Status finishScan(Scan& scan);
 
 Result<Scan> readScanFolder(const std::filesystem::path& manifest);
 Result<Scan> readNerfstudio(const std::filesystem::path& manifest);
+/** How parseNerfstudio looks at files: the checked path of a name in the manifest, and the size of a picture. */
+struct NerfstudioFiles {
+    std::function<Result<std::filesystem::path>(const std::string&relative, const std::string&where)> picture, mask;
+    std::function<Result<ImageHeader>(const std::filesystem::path&)> header;
+};
+/** Frames and cameras of a manifest, before finishScan(). */
+Result<Scan> parseNerfstudio(const nlohmann::json& manifest, const std::filesystem::path& path, const NerfstudioFiles& files);
+/** The folder of a COLMAP model's pictures when `folder` is it, its sparse or its sparse/0; `folder` itself when no images/ is near; empty
+ * when there is no model. */
+std::filesystem::path colmapRoot(const std::filesystem::path& folder);
 Result<Scan> readColmapScan(const std::filesystem::path& root, const std::filesystem::path& model);
 
 }  // namespace dpl

@@ -2,6 +2,7 @@
 #include "reconstruction/pipeline/reconstruct.h"
 
 #include "reconstruction/pipeline/folder_lock.h"
+#include "reconstruction/pipeline/import_scan.h"
 #include "reconstruction/pipeline/stages.h"
 #include "sdk/core/files.h"
 
@@ -51,7 +52,8 @@ Result<ReconstructResult> reconstruct(const ReconstructOptions& options, Progres
             formatText("{} has {} stage folders of an earlier version ({} ...). Stages run anew; the old folders are kept, delete "
                        "them to free the space",
                        (options.out / "stages").string(), old.size(), old.front()));
-    DPL_TRY(const IngestedScan ingested, runIngest(run, options.scan, options.models, options.persons, options.heightM));
+    DPL_TRY(const std::filesystem::path scan, scanToReconstruct(options, progress));
+    DPL_TRY(const IngestedScan ingested, runIngest(run, scan, options.models, options.persons, options.heightM));
     progress.note(ingested.verdict.substr(0, ingested.verdict.find_last_not_of('\n') + 1));
     progress.note(ingested.validation);
     DPL_TRY(ChosenBody chosen, chooseBody(options.body, jobs));

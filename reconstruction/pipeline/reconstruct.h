@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "reconstruction/import/video_capture.h"
 #include "reconstruction/pipeline/progress.h"
 #include "sdk/core/result.h"
 
@@ -25,7 +26,8 @@ struct WithoutParts {
 };
 
 struct ReconstructOptions {
-    std::filesystem::path scan;        // scan folder, nerfstudio or COLMAP folder
+    std::filesystem::path scan;        // scan folder, nerfstudio or COLMAP folder, or a capture that is imported; empty with videos
+    VideoSources videos;               // named by what they show; imported
     std::filesystem::path out;         // made if absent
     std::filesystem::path body;        // glTF body; empty: the built-in one
     std::filesystem::path models;      // ONNX networks for keypoints, labels and masks; empty: those that tools/models installed

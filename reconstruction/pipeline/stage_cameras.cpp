@@ -107,7 +107,8 @@ Status solve(const Scan& scan, double heightM, StageContext& context) {
 
 }  // namespace
 
-Result<Scan> runCameras(const StageRun& run, const Scan& scan, double heightM) {
+Result<Scan> runCameras(const StageRun& run, const Scan& scan, double statedM) {
+    const double heightM = statedM > 0 ? statedM : scan.subjectHeightM;
     const json inputs = {{"scan", scanInputs(scan, hashFrames(scan))}, {"focal", scan.focalGuessPx}, {"height", heightM}};
     DPL_TRY(const StageOutput stage,
             run.chain.run("cameras", 1, inputs, [&](StageContext& context) { return solve(scan, heightM, context); }));

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// A capture in memory, between the reader of its layout and the scan folder that is written from it.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "reconstruction/capture/scan.h"
+
+namespace dpl {
+
+/** One picture that becomes a frame. */
+struct CapturePicture {
+    std::string name;  // of the frame; safe as a file name
+    FrameKind kind = FrameKind::StaticFull;
+    Split split = Split::Train;
+    std::filesystem::path image;    // JPEG or PNG
+    std::filesystem::path mask;     // empty: the alpha channel of `image`, if it has one
+    std::optional<Camerad> camera;  // of the pixels as stored, world +Y up; nothing: unknown
+    LensDistortion lens;
+    double timeS = 0;       // moving frames: since the first moving picture
+    std::string closeupOf;  // close-ups: what they show, if known
+};
+
+/** What a reader found. Either all pictures have a camera or none has. */
+struct Capture {
+    std::string what;         // for people: "Polycam raw data"
+    bool metricWorld = true;  // false: scale, origin and up are arbitrary
+    bool splitStated = false;
+    double focalGuessPx = 0;  // without cameras: from EXIF, in pixels of the pictures; 0: unknown
+    std::vector<CapturePicture> pictures;
+    std::vector<std::string> notes;  // sentences about what was left out or assumed
+};
+
+/** Called between pictures and during videos, on the calling thread. Return false to stop with Code::Cancelled. */
+using ImportProgress = std::function<bool(double share, const std::string& what)>;
+
+}  // namespace dpl

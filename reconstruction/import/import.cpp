@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "reconstruction/import/import.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "reconstruction/import/layout.h"
+#include "reconstruction/import/readers.h"
+#include "reconstruction/import/write_scan.h"
+
+namespace dpl {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr size_t kMaxKnownPictures = 240;  // recordings with cameras have thousands of frames, most of them neighbours
+
+/** Removes a folder when it goes out of scope. */
+struct RemovedFolder {
+    fs::path path;
+    ~RemovedFolder() {
+        std::error_code ignored;
+        fs::remove_all(path, ignored);
+    }
+};
+
+Status checkOutput(const fs::path& out) {
+    std::error_code error;
+    if (!fs::exists(out, error)) return {};
+    if (!fs::is_directory(out, error) || !fs::is_empty(out, error))
+        return fail(Code::InvalidArgument, "{} is in use; name a new folder with -o", out.string());
+    return {};
+}
+
+Result<Capture> readLayout(const CaptureLayout& layout, const ImportOptions& options, const VideoWork& work) {
+    switch (layout.kind) {
+        case CaptureKind::ScanFolder:
+            return fail(Code::InvalidArgument, "{} is a scan folder already; run doppel reconstruct {}", layout.root.string(),
+                        layout.root.string());
+        case CaptureKind::Nerfstudio:
+        case CaptureKind::Colmap:
+            return readKnownScan(layout.root);
+        case CaptureKind::NerfSynthetic:
+            return readNerfSynthetic(layout.root);
+        case CaptureKind::Polycam:
+            return readPolycam(layout.root);
+        case CaptureKind::Record3dFolder:
+            return readRecord3d(layout.root);
+        case CaptureKind::Record3dFile:
+            return readRecord3dFile(layout.root, work.folder / "r3d");
+        case CaptureKind::CalibratedVideos:
+            return readCalibratedVideos(layout.root, layout.calibration, options.counts, work);
+        case CaptureKind::Photos:
+            return readPhotos(layout.root);
+        case CaptureKind::Video:
+            break;
+    }
+    VideoSources sources;
+    sources.undivided = layout.root;
+    return readVideos(sources, options.counts, options.longSidePx, work);
+}
+
+/** Keeps at most kMaxKnownPictures, evenly along the path of the cameras: a metre counts as much as a radian. */
+void thinOut(Capture& capture) {
+    auto& pictures = capture.pictures;
+    if (pictures.size() <= kMaxKnownPictures || !pictures.front().camera || capture.splitStated) return;
+    std::vector<double> path(pictures.size(), 0);
+    for (size_t i = 1; i < pictures.size(); ++i) {
+        const Camerad &a = *pictures[i - 1].camera, &b = *pictures[i].camera;
+        const Mat3d turn = glm::transpose(a.viewFromWorldRotation) * b.viewFromWorldRotation;
+        const double cosine = std::clamp((turn[0][0] + turn[1][1] + turn[2][2] - 1) / 2, -1.0, 1.0);
+        path[i] = path[i - 1] + glm::length(a.eye() - b.eye()) + std::acos(cosine) + 1e-6;
+    }
+    std::vector<CapturePicture> kept;
+    for (size_t i = 0; i < pictures.size(); ++i)
+        if (kept.empty() || path[i] >= path.back() * double(kept.size()) / double(kMaxKnownPictures))
+            kept.push_back(std::move(pictures[i]));
+    capture.notes.push_back(formatText("{} of {} frames are taken, evenly along the path of the camera", kept.size(), pictures.size()));
+    pictures = std::move(kept);
+}
+
+std::string summaryOf(const Capture& capture, const fs::path& out) {
+    size_t counts[3] = {};
+    size_t masks = 0;
+    for (const CapturePicture& picture : capture.pictures) {
+        ++counts[size_t(picture.kind)];
+        masks += !picture.mask.empty();
+    }
+    const bool known = capture.pictures.front().camera.has_value();
+    std::string text = formatText("read as {}: {} frames ({} still, {} close, {} moving), {}\n", capture.what, capture.pictures.size(),
+                                  counts[0], counts[1], counts[2],
+                                  !known                ? "cameras unknown"
+                                  : capture.metricWorld ? "cameras in metres"
+                                                        : "cameras of unknown scale");
+    for (const std::string& note : capture.notes) text += "  " + note + "\n";
+    return text + formatText("wrote {}; next: doppel reconstruct {} -o OUT", out.string(), out.string());
+}
+
+}  // namespace
+
+bool isReadableScan(const fs::path& path) {
+    const auto layout = recogniseCapture(path);
+    return layout &&
+           (layout->kind == CaptureKind::ScanFolder || layout->kind == CaptureKind::Nerfstudio || layout->kind == CaptureKind::Colmap);
+}
+
+Result<std::string> importCapture(const ImportOptions& options, const std::atomic<bool>* cancel, const ImportProgress& progress) {
+    std::error_code error;
+    fs::path out = fs::absolute(options.out, error).lexically_normal();
+    if (!out.has_filename()) out = out.parent_path();
+    DPL_CHECK_OK(checkOutput(out));
+    fs::path partial = out;
+    partial += ".partial";
+    fs::remove_all(partial, error);
+    fs::create_directories(partial / "scan", error);
+    if (!error) fs::create_directories(partial / "work", error);
+    if (error) return fail(Code::Io, "cannot create {}: {}; choose another output with -o", partial.string(), error.message());
+    const RemovedFolder removed{partial};
+
+    constexpr double kReading = 0.8;  // share of the time: videos are decoded twice before their frames are written
+    VideoWork work{partial / "work", cancel, [&](double share) { return !progress || progress(kReading * share, "reading videos"); }};
+    Capture capture;
+    const bool named = !options.videos.still.empty() || !options.videos.closeup.empty() || !options.videos.moving.empty();
+    if (named) {
+        DPL_TRY(capture, readVideos(options.videos, options.counts, options.longSidePx, work));
+    } else {
+        DPL_TRY(const CaptureLayout layout, recogniseCapture(options.source));
+        DPL_TRY(capture, readLayout(layout, options, work));
+    }
+    if (capture.pictures.empty()) return fail(Code::CorruptData, "the capture has no picture");
+    thinOut(capture);
+    DPL_CHECK_OK(writeScan(capture, out.filename().string(), options.heightM, partial / "scan", [&](double share, const std::string& what) {
+        if (cancel && cancel->load()) return false;
+        return !progress || progress(kReading + (1 - kReading) * share, what);
+    }));
+    DPL_TRY([[maybe_unused]] const Scan check, readScan(partial / "scan", ScanCameras::MayLack));
+    if (fs::exists(out, error)) fs::remove(out, error);
+    fs::rename(partial / "scan", out, error);
+    if (error) return fail(Code::Io, "cannot write {}: {}; choose another output with -o", out.string(), error.message());
+    return summaryOf(capture, out);
+}
+
+}  // namespace dpl

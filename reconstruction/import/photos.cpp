@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// A folder of photos without cameras. The order of the file names is taken for the order in which they were made, as phones name them.
+#include <algorithm>
+
+#include "reconstruction/capture/image_file.h"
+#include "reconstruction/capture/scan_paths.h"
+#include "reconstruction/import/exif.h"
+#include "reconstruction/import/layout.h"
+#include "reconstruction/import/readers.h"
+
+namespace dpl {
+
+namespace fs = std::filesystem;
+
+Result<Capture> readPhotos(const fs::path& folder) {
+    Capture capture;
+    capture.what = "folder of photos";
+    std::vector<double> focals;
+    for (const fs::path& image : picturesIn(folder)) {
+        if (capture.pictures.size() >= kMaxFrames)
+            return fail(Code::Unsupported, "{}: more than {} pictures; remove some", folder.string(), kMaxFrames);
+        CapturePicture picture;
+        const std::string stem = image.stem().string();
+        if (stem.starts_with("close")) picture.kind = FrameKind::StaticCloseup;
+        if (stem.starts_with("dyn")) picture.kind = FrameKind::Dynamic;
+        picture.name = frameName(picture.kind, capture.pictures.size());
+        picture.image = image;
+        DPL_TRY(const auto bytes, readCompleteImage(image));
+        DPL_TRY(const ImageHeader header, probeImage(image));
+        if (const ExifFields exif = readExif(bytes); exif.focalLength35Mm > 0)
+            focals.push_back(focalFrom35Mm(exif.focalLength35Mm, header.widthPx, header.heightPx));
+        capture.pictures.push_back(std::move(picture));
+    }
+    if (focals.empty()) {
+        capture.notes.push_back("no photo states a focal length (EXIF); it is estimated with the cameras");
+        return capture;
+    }
+    std::sort(focals.begin(), focals.end());
+    capture.focalGuessPx = focals[focals.size() / 2];
+    if (focals.back() > 1.05 * focals.front())
+        capture.notes.push_back(formatText(
+            "the photos were made with different zooms (focal lengths from {} to {} px); one lens without zoom gives better cameras",
+            int(focals.front()), int(focals.back())));
+    return capture;
+}
+
+}  // namespace dpl

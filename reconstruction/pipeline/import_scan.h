@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// The first step of a reconstruction from anything but a scan: the import.
+#pragma once
+
+#include "reconstruction/pipeline/reconstruct.h"
+
+namespace dpl {
+
+/** The scan to reconstruct. It is options.scan where readScan() takes that as it is. Else it is OUT/scan, imported now or by an earlier run
+ * from the same files with the same settings; a scan of other files is imported anew. Prints what was imported. */
+Result<std::filesystem::path> scanToReconstruct(const ReconstructOptions& options, Progress& progress);
+
+}  // namespace dpl

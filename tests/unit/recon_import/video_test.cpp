@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: Apache-2.0
+// Videos that ffmpeg makes here: rotation, variable frame rate, 10-bit HDR, damage, and files that only pretend to be videos.
+#include "reconstruction/import/video.h"
+
+#include <chrono>
+#include <thread>
+
+#include "reconstruction/cameras/program.h"
+#include "reconstruction/import/import.h"
+#include "tests/unit/recon_import/made_captures.h"
+#include "tests/unit/shared_data.h"
+
+namespace dpl {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct VideoFiles : ::testing::Test {
+    TemporaryFolder folder;
+    VideoWork work{folder.path / "work"};
+
+    void SetUp() override {
+        if (!findProgram("ffmpeg")) GTEST_SKIP() << "the program ffmpeg is not installed";
+        fs::create_directories(work.folder);
+    }
+
+    /** Makes a video of two seconds, 24 frames a second: left half red, right half grey with a moving pattern. */
+    fs::path make(const std::string& name, std::vector<std::string> coding, const std::string& filter = "", const char* size = "192x108") {
+        const fs::path path = folder.path / name;
+        std::vector<std::string> arguments = {"ffmpeg",
+                                              "-loglevel",
+                                              "error",
+                                              "-nostdin",
+                                              "-y",
+                                              "-f",
+                                              "lavfi",
+                                              "-i",
+                                              formatText("testsrc2=s={}:r=24:d=2", size),
+                                              "-vf",
+                                              "drawbox=x=0:y=0:w=iw/2:h=ih:color=0xc04020:t=fill" + filter};
+        arguments.insert(arguments.end(), coding.begin(), coding.end());
+        arguments.push_back(path.string());
+        const Status made = runProgram({.arguments = arguments, .log = folder.path / "make.log"});
+        EXPECT_TRUE(made) << made.error().message;
+        return path;
+    }
+    static std::vector<std::string> h264() { return {"-c:v", "libx264", "-preset", "ultrafast", "-crf", "10", "-pix_fmt", "yuv420p"}; }
+
+    /** The picture of the n-th analysed frame. */
+    Picture frame(const VideoInfo& info, const VideoAnalysis& analysis, size_t n, uint32_t longSidePx = 1920) {
+        const auto files = extractFrames(info, {analysis.frames.at(n).pts}, longSidePx, work);
+        EXPECT_TRUE(files) << files.error().message;
+        const auto bytes = readFile(files->at(0));
+        return *decodePicture(*bytes, PictureChannels::Rgb);
+    }
+};
+
+Vec3d meanColour(const Picture& p, uint32_t x0, uint32_t x1, uint32_t y0, uint32_t y1) {
+    Vec3d sum(0);
+    for (uint32_t y = y0; y < y1; ++y)
+        for (uint32_t x = x0; x < x1; ++x)
+            for (int c = 0; c < 3; ++c) sum[c] += p.pixels[(size_t(y) * p.widthPx + x) * 3 + size_t(c)];
+    return sum / double((x1 - x0) * (y1 - y0));
+}
+
+/** Writes a display matrix of a quarter turn into an mp4, as phones do that are held upright. */
+void turnMp4(const fs::path& path) {
+    auto bytes = *readFile(path);
+    const std::string text(bytes.begin(), bytes.end());
+    const size_t at = text.find("tkhd");
+    ASSERT_NE(at, std::string::npos);
+    const uint32_t matrix[9] = {0, 0x00010000, 0, 0xffff0000, 0, 0, 108u << 16, 0, 0x40000000};
+    for (size_t i = 0; i < 9; ++i)
+        for (size_t b = 0; b < 4; ++b) bytes[at + 4 + 40 + 4 * i + b] = uint8_t(matrix[i] >> (24 - 8 * b));
+    writeBytes(path, bytes);
+}
+
+TEST_F(VideoFiles, coloursSurviveWithinAFewLevels) {
+    const fs::path path = make("plain.mp4", h264());
+    const auto info = probeVideo(path, work);
+    ASSERT_TRUE(info) << info.error().message;
+    EXPECT_EQ(info->codec, "h264");
+    EXPECT_EQ(info->widthPx, 192u);
+    EXPECT_NEAR(info->durationS, 2, 0.05);
+    const auto analysis = analyseVideo(*info, work);
+    ASSERT_TRUE(analysis) << analysis.error().message;
+    EXPECT_NEAR(double(analysis->frames.size()), 24, 1);  // 12 a second
+    EXPECT_NEAR(analysis->frames[12].timeS, 1.0, 0.05);
+    const Vec3d colour = meanColour(frame(*info, *analysis, 5), 8, 80, 8, 100);
+    // ffmpeg's own rounding of YUV is 1 to 2 levels; a wrong matrix (601 for 709) moves green by 13.
+    EXPECT_NEAR(colour.r, 0xc0, 4);
+    EXPECT_NEAR(colour.g, 0x40, 4);
+    EXPECT_NEAR(colour.b, 0x20, 4);
+}
+
+TEST_F(VideoFiles, theMatrixOfHdVideosIsRead) {
+    auto coding = h264();
+    coding.insert(coding.end(), {"-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709"});
+    const fs::path path = make("hd.mp4", coding, ",scale=out_color_matrix=bt709");
+    const auto info = probeVideo(path, work);
+    ASSERT_TRUE(info) << info.error().message;
+    EXPECT_EQ(info->colourMatrix, "bt709");
+    const auto analysis = analyseVideo(*info, work);
+    ASSERT_TRUE(analysis) << analysis.error().message;
+    const Vec3d colour = meanColour(frame(*info, *analysis, 5), 8, 80, 8, 100);
+    EXPECT_NEAR(colour.r, 0xc0, 4);
+    EXPECT_NEAR(colour.g, 0x40, 4);
+    EXPECT_NEAR(colour.b, 0x20, 4);
+}
+
+TEST_F(VideoFiles, phonesHeldUprightGiveUprightPictures) {
+    const fs::path path = make("turned.mp4", h264());
+    turnMp4(path);
+    const auto info = probeVideo(path, work);
+    ASSERT_TRUE(info) << info.error().message;
+    EXPECT_EQ(info->widthPx, 108u);
+    EXPECT_EQ(info->heightPx, 192u);
+    const auto analysis = analyseVideo(*info, work);
+    ASSERT_TRUE(analysis) << analysis.error().message;
+    const Picture picture = frame(*info, *analysis, 5);
+    ASSERT_EQ(picture.widthPx, 108u);
+    ASSERT_EQ(picture.heightPx, 192u);
+    EXPECT_NEAR(meanColour(picture, 8, 100, 8, 80).r, 0xc0, 4);  // the left half became the top: turned clockwise
+}
+
+TEST_F(VideoFiles, variableFrameRatesKeepTheirTimes) {
+    // One second at 24 frames a second, then 24 frames at 6.
+    auto coding = h264();
+    coding.insert(coding.end(), {"-fps_mode", "vfr"});
+    const fs::path path = make("vfr.mp4", coding, ",setpts='if(lt(N\\,24)\\,N/24\\,1+(N-24)/6)/TB'");
+    const auto info = probeVideo(path, work);
+    ASSERT_TRUE(info) << info.error().message;
+    const auto analysis = analyseVideo(*info, work);
+    ASSERT_TRUE(analysis) << analysis.error().message;
+    size_t early = 0, late = 0;
+    for (const VideoFrame& f : analysis->frames) (f.timeS < 0.99 ? early : late) += 1;
+    EXPECT_NEAR(double(early), 12, 1);
+    EXPECT_NEAR(double(late), 24, 1);  // all of them: they are slower than 12 a second
+    EXPECT_NEAR(analysis->frames.back().timeS, 1 + 23 / 6.0, 0.05);
+}
+
+TEST_F(VideoFiles, tenBitHdrIsToneMapped) {
+    const fs::path path =
+        make("hdr.mp4", {"-c:v", "libx265", "-preset", "ultrafast", "-x265-params", "log-level=error", "-pix_fmt", "yuv420p10le",
+                         "-color_trc", "arib-std-b67", "-color_primaries", "bt2020", "-colorspace", "bt2020nc"});
+    const auto info = probeVideo(path, work);
+    ASSERT_TRUE(info) << info.error().message;
+    EXPECT_EQ(info->codec, "hevc");
+    EXPECT_TRUE(info->hdr);
+    const auto analysis = analyseVideo(*info, work);
+    ASSERT_TRUE(analysis) << analysis.error().message;
+    const Vec3d colour = meanColour(frame(*info, *analysis, 5), 8, 80, 8, 100);
+    EXPECT_GT(colour.r, colour.g + 50);  // red stays red
+    EXPECT_GT(colour.r, 60);             // and is neither crushed nor blown out
+    EXPECT_LT(colour.r, 250);
+}
+
+TEST_F(VideoFiles, largeVideosAreReduced) {
+    const fs::path path = make("large.mp4", h264(), "", "640x360");
+    const auto info = probeVideo(path, work);
+    const auto analysis = analyseVideo(*info, work);
+    ASSERT_TRUE(analysis) << analysis.error().message;
+    const Picture picture = frame(*info, *analysis, 0, 320);
+    EXPECT_EQ(picture.widthPx, 320u);
+    EXPECT_EQ(picture.heightPx, 180u);
+}
+
+TEST_F(VideoFiles, damageIsNamed) {
+    const fs::path path = make("whole.mp4", h264());
+    const auto bytes = *readFile(path);
+    const auto refusal = [&](const char* name, std::vector<uint8_t> content) {
+        writeBytes(folder.path / name, content);
+        const auto info = probeVideo(folder.path / name, work);
+        if (!info) return info.error().message;
+        const auto analysis = analyseVideo(*info, work);
+        return analysis ? std::string("was read") : analysis.error().message;
+    };
+    EXPECT_TRUE(mentions(refusal("cut.mp4", {bytes.begin(), bytes.begin() + ptrdiff_t(bytes.size() / 2)}),
+                         {"cut.mp4", "cut off", "copy it again"}));
+    EXPECT_TRUE(mentions(refusal("text.mp4", {'h', 'e', 'l', 'l', 'o'}), {"text.mp4", "copy it again"}));
+    EXPECT_TRUE(mentions(refusal("empty.mp4", {}), {"empty.mp4"}));
+    const auto none = probeVideo(folder.path / "none.mp4", work);
+    ASSERT_FALSE(none);
+    EXPECT_EQ(none.error().code, Code::NotFound);
+}
+
+TEST_F(VideoFiles, aVideoThatEndsEarlyIsRefused) {
+    // The index comes first and promises two seconds; the pictures of the second half are gone.
+    auto coding = h264();
+    coding.insert(coding.end(), {"-movflags", "+faststart", "-g", "6"});
+    const fs::path path = make("early.mp4", coding, ",setpts=3*PTS");
+    auto bytes = *readFile(path);
+    bytes.resize(bytes.size() / 2);
+    writeBytes(path, bytes);
+    const auto info = probeVideo(path, work);
+    ASSERT_TRUE(info) << info.error().message;
+    const auto analysis = analyseVideo(*info, work);
+    ASSERT_FALSE(analysis);
+    EXPECT_TRUE(mentions(analysis.error().message, {"early.mp4", "cut off"}));
+}
+
+TEST_F(VideoFiles, aPlaylistThatPretendsToBeAVideoOpensNothing) {
+    const fs::path secret = make("secret.mp4", h264());
+    writeText(folder.path / "list.mp4", "#EXTM3U\n#EXT-X-TARGETDURATION:2\n#EXTINF:2,\nsecret.mp4\n#EXT-X-ENDLIST\n");
+    EXPECT_FALSE(probeVideo(folder.path / "list.mp4", work));
+    writeText(folder.path / "concat.mp4", "ffconcat version 1.0\nfile secret.mp4\n");
+    EXPECT_FALSE(probeVideo(folder.path / "concat.mp4", work));
+}
+
+TEST_F(VideoFiles, soundAloneIsRefused) {
+    const fs::path path = folder.path / "sound.mp4";
+    ASSERT_TRUE(runProgram({.arguments = {"ffmpeg", "-loglevel", "error", "-y", "-f", "lavfi", "-i", "sine=d=1", path.string()},
+                            .log = folder.path / "make.log"}));
+    const auto info = probeVideo(path, work);
+    ASSERT_FALSE(info);
+    EXPECT_TRUE(mentions(info.error().message, {"sound.mp4", "no video"}));
+}
+
+TEST_F(VideoFiles, importOfNamedVideosKeepsKindsAndTimes) {
+    const fs::path walk = make("walk one.mp4", h264()), moves = make("moves'.mp4", h264(), ",hue=h=10*t");
+    ImportOptions options;
+    options.videos.still = {walk};
+    options.videos.moving = {moves, moves};
+    options.counts = {6, 3, 8};
+    options.out = folder.path / "scan 100%d";
+    const auto done = importCapture(options, nullptr, {});
+    ASSERT_TRUE(done) << done.error().message;
+    const auto scan = readScan(options.out, ScanCameras::MayLack);
+    ASSERT_TRUE(scan) << scan.error().message;
+    EXPECT_FALSE(scan->camerasKnown);
+    std::vector<double> times;
+    size_t still = 0;
+    for (const ScanFrame& frame : scan->frames) {
+        still += frame.kind == FrameKind::StaticFull;
+        if (frame.kind == FrameKind::Dynamic) times.push_back(frame.timeS);
+    }
+    EXPECT_TRUE(still >= 4 && still <= 6) << still;
+    EXPECT_TRUE(times.size() >= 5 && times.size() <= 8) << times.size();
+    EXPECT_TRUE(std::is_sorted(times.begin(), times.end()));
+    EXPECT_LT(times.front(), 1);
+    EXPECT_GT(times.back(), 2.9);  // the second video goes on a second after the first one, which lasts two
+}
+
+TEST_F(VideoFiles, cancelActsWithinASecond) {
+    const fs::path path = make("walk.mp4", h264(), "", "640x360");
+    std::atomic<bool> cancel{false};
+    ImportOptions options;
+    options.source = path;
+    options.out = folder.path / "scan";
+    std::chrono::steady_clock::time_point asked;
+    std::thread user([&] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(150));
+        asked = std::chrono::steady_clock::now();
+        cancel = true;
+    });
+    const auto done = importCapture(options, &cancel, {});
+    const double late = std::chrono::duration<double>(std::chrono::steady_clock::now() - asked).count();
+    user.join();
+    ASSERT_FALSE(done);
+    EXPECT_EQ(done.error().code, Code::Cancelled);
+    EXPECT_LT(late, 1.0);
+    EXPECT_FALSE(fs::exists(options.out));
+}
+
+TEST_F(VideoFiles, fourRealCamerasAreCutAtTheSameMoments) {
+    const auto data = sharedData("real-multiview-balance/Calib.qca.txt");
+    if (!data) GTEST_SKIP() << "shared data (real-multiview-balance) is not on this machine";
+    ImportOptions options;
+    options.source = *data;
+    options.out = folder.path / "scan";
+    options.counts.moving = 8;
+    const auto done = importCapture(options, nullptr, {});
+    ASSERT_TRUE(done) << done.error().message;
+    const auto scan = readScan(options.out);
+    ASSERT_TRUE(scan) << scan.error().message;
+    ASSERT_EQ(scan->frames.size(), 8u);
+    EXPECT_EQ(scan->frames[0].camera.widthPx, 1080u);  // as on disk, though the calibration says 1088
+    EXPECT_EQ(scan->frames[4].camera.widthPx, 1088u);
+    for (size_t i = 0; i < 8; ++i) EXPECT_EQ(scan->frames[i].timeS, scan->frames[i % 2].timeS);
+    EXPECT_TRUE(scan->frames[0].lens.any());
+}
+
+}  // namespace
+}  // namespace dpl
