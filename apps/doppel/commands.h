@@ -27,6 +27,8 @@ void addBodyCommand(CLI::App& app, CommandRun& run);
 void addExportCommand(CLI::App& app, CommandRun& run);
 void addPackCommand(CLI::App& app, CommandRun& run);
 void addDressCommand(CLI::App& app, CommandRun& run);
+void addCompletionCommand(CLI::App& app, CommandRun& run);
+void addManualCommand(CLI::App& app, CommandRun& run);
 
 /** Prints "doppel: message" to stderr and returns the exit code for it. */
 int reportError(const Error& error);

@@ -24,7 +24,7 @@ void addInspectCommand(CLI::App& app, CommandRun& run) {
     command->callback([path, clip, json, &run] {
         run = [path, clip, json] {
             if (!clip->empty()) {
-                Progress progress(*json ? Progress::Style::Quiet : Progress::Style::Auto);
+                Progress progress(*json ? Progress::Style::Quiet : Progress::Style::Usual);
                 const auto found = clothesInMotion(*path, *clip, *json, progress);
                 if (!found) return reportError(found.error());
                 std::printf("%s\n", found->c_str());

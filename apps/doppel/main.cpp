@@ -59,6 +59,8 @@ int main(int argc, char** argv) {
     addDressCommand(app, run);
     addBodyCommand(app, run);
     addBenchCommand(app, run);
+    addCompletionCommand(app, run);
+    addManualCommand(app, run);
     if (argc < 2) {
         std::fputs(app.help().c_str(), stderr);
         return kExitUsage;

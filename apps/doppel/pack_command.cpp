@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdio>
+#include <cmath>
 
 #include "apps/doppel/commands.h"
+#include "apps/doppel/talk.h"
 #include "apps/shared/checks.h"
 #include "reconstruction/package/pack.h"
-#include "reconstruction/pipeline/progress.h"
 #include "sdk/core/files.h"
 
 namespace dpl {
@@ -19,7 +19,19 @@ struct PackOptions {
 
 constexpr double kDefaultLossDb = 42;
 
-Status pack(const PackOptions& options) {
+/** A point as JSON; infinite PSNR (equal pictures) is null. */
+nlohmann::json pointJson(const PackPoint& p) {
+    const auto finite = [](double db) { return std::isfinite(db) ? nlohmann::json(db) : nlohmann::json(); };
+    return {{"change", p.move},
+            {"bytes", p.bytes},
+            {"psnrDb", finite(p.psnrDb)},
+            {"wholePsnrDb", finite(p.wholePsnrDb)},
+            {"splats", p.splats},
+            {"shDegree", p.shDegree},
+            {"modes", p.modes}};
+}
+
+Result<PackResult> pack(const PackOptions& options, const Talk& talk) {
     PackLimits limits;
     if (options.maxMb > 0) limits.maxBytes = uint64_t(options.maxMb * 1e6);
     if (options.maxLossDb > 0)
@@ -27,18 +39,17 @@ Status pack(const PackOptions& options) {
     else if (!limits.maxBytes)
         limits.minPsnrDb = kDefaultLossDb;
     Jobs jobs(options.threadCount);
-    Progress progress;
+    Progress progress(talk.style());
     progress.beginStage("pack");
-    DPL_TRY(const PackResult packed,
-            packFile(options.avatar, limits, {.seed = options.seed, .pictures = options.pictures}, jobs,
-                     [&](double share, const std::string& line) -> Status {
-                         progress.update(share, line);
-                         return progress.cancelled() ? Status(fail(Code::Cancelled, "stopped; nothing was written")) : Status();
-                     }));
+    DPL_TRY(PackResult packed, packFile(options.avatar, limits, {.seed = options.seed, .pictures = options.pictures}, jobs,
+                                        [&](double share, const std::string& line) -> Status {
+                                            progress.update(share, line);
+                                            return progress.cancelled() ? Status(fail(Code::Cancelled, "stopped; nothing was written"))
+                                                                        : Status();
+                                        }));
     DPL_CHECK_OK(writeFileAtomically(options.out, packed.file));
     progress.endStage(formatText("{} bytes", packed.file.size()));
-    std::printf("%s\n%s: %zu bytes\n", curveAsText(packed.curve).c_str(), options.out.c_str(), packed.file.size());
-    return {};
+    return packed;
 }
 
 }  // namespace
@@ -60,6 +71,7 @@ void addPackCommand(CLI::App& app, CommandRun& run) {
     command->add_option("--seed", options->seed, "Seed of views and poses; same seed, same bytes")->capture_default_str();
     command->add_option("--threads", options->threadCount, "CPU threads; 0: one for each core. The result is the same for any number")
         ->check(inRange(0, 256));
+    const auto talk = addTalkOptions(*command);
     command->footer(
         "Examples:\n"
         "  doppel pack ada/avatar.glb -o ada-small.glb                          as small as 42 dB allow\n"
@@ -69,10 +81,14 @@ void addPackCommand(CLI::App& app, CommandRun& run) {
         "Packing first compresses the file without loss. Then each step makes the change that saves the most bytes for its error:\n"
         "it leaves out splats that few pixels see, replaces SH coefficients by a palette, leaves out modes of the pose correctives,\n"
         "or stores a splat's place, angle, size, opacity or colour with fewer bits.");
-    command->callback([options, &run] {
-        run = [options] {
-            Status done = pack(*options);
-            return done ? int(kExitOk) : reportError(done.error());
+    command->callback([options, talk, &run] {
+        run = [options, talk] {
+            const auto packed = pack(*options, *talk);
+            if (!packed) return talk->fail(packed.error());
+            nlohmann::json curve = nlohmann::json::array();
+            for (const PackPoint& p : packed->curve) curve.push_back(pointJson(p));
+            return talk->succeed(formatText("{}\n{}: {} bytes", curveAsText(packed->curve), options->out.string(), packed->file.size()),
+                                 {{"file", options->out.string()}, {"bytes", packed->file.size()}, {"curve", curve}});
         };
     });
 }

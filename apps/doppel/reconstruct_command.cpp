@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdio>
-
 #include "apps/doppel/commands.h"
+#include "apps/doppel/talk.h"
 #include "apps/doppel/video_options.h"
 #include "apps/shared/checks.h"
 #include "reconstruction/pipeline/reconstruct.h"
@@ -58,6 +57,7 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
                                                         "Leave parts of the method out, to measure what they bring (tools/ablations)")
         ->check(CLI::IsMember({"layers", "large-steps", "light", "gradient-control"}))
         ->delimiter(',');
+    const auto talk = addTalkOptions(*command);
     command->footer(
         "Examples:\n"
         "  doppel reconstruct scan -o ada\n"
@@ -65,14 +65,21 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
         "  doppel reconstruct polycam-export -o ada            (imported into ada/scan first; see doppel import --help)\n"
         "  doppel reconstruct orbit -o him     (pictures and cameras only: the networks of tools/models find the rest)\n"
         "Ctrl-C or a kill loses at most one checkpoint interval; the same command continues.");
-    command->callback([options, &run] {
-        run = [options] {
-            if (options->scan.empty() && !anyVideo(options->videos)) return reportError(missingSource());
-            Progress progress;
-            auto result = reconstruct(*options, progress);
-            if (!result) return reportError(result.error());
-            std::printf("%s\nopen %s\n", result->summary.c_str(), result->report.string().c_str());
-            return int(kExitOk);
+    command->callback([options, talk, &run] {
+        run = [options, talk] {
+            if (options->scan.empty() && !anyVideo(options->videos)) return talk->fail(missingSource());
+            Progress progress(talk->style());
+            const auto result = reconstruct(*options, progress);
+            if (!result) return talk->fail(result.error());
+            nlohmann::json stages = nlohmann::json::array();
+            for (const StageRecord& s : result->stages)
+                stages.push_back({{"name", s.name}, {"seconds", s.seconds}, {"peakBytes", s.peakBytes}, {"reused", s.reused}});
+            return talk->succeed(result->summary + "\nopen " + result->report.string(),
+                                 {{"avatar", result->avatar.string()},
+                                  {"poses", result->poses.string()},
+                                  {"report", result->report.string()},
+                                  {"figures", (options->out / "report.json").string()},
+                                  {"stages", stages}});
         };
     });
 }

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "apps/doppel/commands.h"
+#include "apps/doppel/talk.h"
 #include "apps/shared/checks.h"
 #include "apps/shared/pictures.h"
 #include "apps/shared/video_writer.h"
@@ -12,7 +13,6 @@
 #include "reconstruction/image/image_codec.h"
 #include "reconstruction/package/avatar_bytes.h"
 #include "reconstruction/package/poses_file.h"
-#include "reconstruction/pipeline/progress.h"
 #include "sdk/core/files.h"
 
 namespace dpl {
@@ -52,8 +52,9 @@ Status makeFolder(const fs::path& folder) {
     return {};
 }
 
-/** --scan: one PNG with straight alpha per frame, named like the frame, from the scan's own camera and the pose found for it. */
-Status renderScan(const RenderOptions& options, const doppel::Context& context, doppel::Avatar& avatar, Progress& progress) {
+/** --scan: one PNG with straight alpha per frame, named like the frame, from the scan's own camera and the pose found for it.
+ *  Returns their number. */
+Result<size_t> renderScan(const RenderOptions& options, const doppel::Context& context, doppel::Avatar& avatar, Progress& progress) {
     DPL_TRY(Scan scan, readScan(options.scan));
     const fs::path posesPath = options.poses.empty() ? options.avatar.parent_path() / "poses.json" : options.poses;
     DPL_TRY(PosesFile poses, readPosesFile(posesPath));
@@ -85,7 +86,7 @@ Status renderScan(const RenderOptions& options, const doppel::Context& context, 
         progress.update(double(i + 1) / double(frames.size()), frames[i]->name);
     }
     progress.endStage(formatText("{} pictures in {}", frames.size(), options.out.string()));
-    return {};
+    return frames.size();
 }
 
 /** Moves the avatar along +X from where its pose has put it. General splats stay where their file says. */
@@ -127,8 +128,8 @@ Result<DplAvatarInfo> boxOf(const Company& company) {
     return all;
 }
 
-/** Stills, turntables and clips, from a camera that frames all avatars. */
-Status renderShots(const RenderOptions& options, const doppel::Context& context, Company& company, Progress& progress) {
+/** Stills, turntables and clips, from a camera that frames all avatars. Returns the number of frames. */
+Result<size_t> renderShots(const RenderOptions& options, const doppel::Context& context, Company& company, Progress& progress) {
     const PictureSize size = parsePictureSize(options.size).value_or(PictureSize{});  // the option parser has checked it
     double duration = options.turntable ? 6 : 0;
     for (size_t i = 0; i < company.avatars.size(); ++i) {
@@ -193,7 +194,7 @@ Status renderShots(const RenderOptions& options, const doppel::Context& context,
         kept = formatText(", at most {} splats in the last frame, {} of them in view", stats->splatsAllowed, stats->splatsDrawn);
     }
     progress.endStage(formatText("{} {} in {}{}", frameCount, frameCount == 1 ? "frame" : "frames", options.out.string(), kept));
-    return {};
+    return frameCount;
 }
 
 /** Refuses options that would pose general splats, because these have no joints. */
@@ -209,8 +210,9 @@ Status checkStill(const RenderOptions& options, const fs::path& file) {
     return {};
 }
 
-Status renderAll(const RenderOptions& options) {
-    Progress progress;
+/** What was drawn, as JSON. */
+Result<nlohmann::json> renderAll(const RenderOptions& options, const Talk& talk) {
+    Progress progress(talk.style());
     std::vector<fs::path> files = {options.avatar};
     files.insert(files.end(), options.beside.begin(), options.beside.end());
     DPL_TRY(auto context, makeContext(options));
@@ -225,8 +227,9 @@ Status renderAll(const RenderOptions& options) {
         company.avatars.push_back(std::move(*avatar));
     }
     progress.note("drawing with " + context.rendererName());
-    return options.scan.empty() ? renderShots(options, context, company, progress)
-                                : renderScan(options, context, company.avatars[0], progress);
+    DPL_TRY(const size_t frames, options.scan.empty() ? renderShots(options, context, company, progress)
+                                                      : renderScan(options, context, company.avatars[0], progress));
+    return nlohmann::json{{"out", options.out.string()}, {"frames", frames}, {"renderer", context.rendererName()}};
 }
 
 }  // namespace
@@ -282,6 +285,7 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
         ->check(inRange(0.0, 1e6));
     command->add_option("--splat-budget", options->splatBudget, "The most splats to draw for all avatars together; 0: no limit");
     command->add_option("--threads", options->threadCount, "CPU threads; 0: one for each core")->check(inRange(0, 256));
+    const auto talk = addTalkOptions(*command);
     command->footer(
         "Examples:\n"
         "  doppel render ada/avatar.glb -o ada.png --azimuth 30\n"
@@ -292,13 +296,13 @@ void addRenderCommand(CLI::App& app, CommandRun& run) {
         "--splat-budget 100000\n"
         "  doppel render guitar.compressed.ply -o guitar.mp4 --turntable --axes y-down\n"
         "  doppel render ada/avatar.glb -o views --scan scan --split test      (score them with your own tools)");
-    command->callback([options, &run] {
+    command->callback([options, talk, &run] {
         std::string out = options->out.string();
         const std::string wrong = options->scan.empty() ? isOutputFile({".png", ".mp4"}, /*orFolder=*/true)(out) : std::string();
         if (!wrong.empty()) throw CLI::ValidationError("--out", wrong);
-        run = [options] {
-            Status drawn = renderAll(*options);
-            return drawn ? int(kExitOk) : reportError(drawn.error());
+        run = [options, talk] {
+            const auto drawn = renderAll(*options, *talk);
+            return drawn ? talk->succeed("", *drawn) : talk->fail(drawn.error());
         };
     });
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -23,8 +24,16 @@ public:
     Checker(const Scan& scan, Jobs& jobs)
         : scan_(scan), jobs_(jobs), measures_(scan.frames.size()), azimuthRad_(scan.frames.size(), 0), elevation_(scan.frames.size(), 0) {}
 
-    ScanCheck run() {
-        jobs_.forBlocks(scan_.frames.size(), [&](size_t i, uint32_t) { measures_[i] = measureFrame(scan_, scan_.frames[i]); });
+    Result<ScanCheck> run(const std::function<bool(double)>& progress) {
+        std::atomic<bool> cancelled{false};
+        std::atomic<size_t> done{0};
+        jobs_.forBlocks(scan_.frames.size(), [&](size_t i, uint32_t worker) {
+            if (cancelled) return;
+            measures_[i] = measureFrame(scan_, scan_.frames[i]);
+            const size_t count = ++done;
+            if (worker == 0 && progress && !progress(double(count) / double(scan_.frames.size()))) cancelled = true;
+        });
+        if (cancelled) return fail(Code::Cancelled, "stopped after {} of {} pictures", done.load(), scan_.frames.size());
         checkFiles();
         checkMasks();
         checkBlur();
@@ -336,9 +345,9 @@ private:
 
 }  // namespace
 
-Result<ScanCheck> checkScan(const Scan& scan, Jobs& jobs) {
+Result<ScanCheck> checkScan(const Scan& scan, Jobs& jobs, const std::function<bool(double)>& progress) {
     if (scan.frames.empty()) return fail(Code::InvalidArgument, "{}: the scan has no frame to check", scan.root.string());
-    return Checker(scan, jobs).run();
+    return Checker(scan, jobs).run(progress);
 }
 
 }  // namespace dpl

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -60,8 +61,9 @@ struct ScanCheck {
     std::vector<JointCoverage> joints;
 };
 
-/** Opens every file of the scan. Problems of the scan become findings; an error means that nothing could be examined. */
-Result<ScanCheck> checkScan(const Scan& scan, Jobs& jobs);
+/** Opens every file of the scan. Problems of the scan become findings; an error means that nothing could be examined.
+ *  progress (may be empty): called on the calling thread with the share of the pictures that were read; false cancels (Code::Cancelled). */
+Result<ScanCheck> checkScan(const Scan& scan, Jobs& jobs, const std::function<bool(double share)>& progress = {});
 
 /** The verdict as a few lines of text. The last line is PASS, USABLE or REFUSE with the number of warnings or the reasons. */
 std::string describeScanCheck(const Scan& scan, const ScanCheck& check);

@@ -75,6 +75,10 @@ void Progress::note(std::string_view line) {
     if (style_ != Style::Quiet) std::fprintf(stderr, "  %.*s\n", int(line.size()), line.data());
 }
 
+void Progress::detail(std::string_view line) {
+    if (style_ == Style::Verbose) note(line);
+}
+
 bool Progress::cancelled() const {
     return cancelRequested;
 }

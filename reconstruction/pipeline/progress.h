@@ -9,11 +9,11 @@
 
 namespace dpl {
 
-/** Writes to stderr: on a terminal a bar that is rewritten in place, otherwise a line every ten seconds, and nothing when quiet. */
+/** Writes to stderr: on a terminal a bar that is rewritten in place, otherwise a line every ten seconds; nothing when quiet. */
 class Progress {
 public:
-    enum class Style { Auto, Quiet };
-    explicit Progress(Style style = Style::Auto);
+    enum class Style { Usual, Quiet, Verbose };
+    explicit Progress(Style style = Style::Usual);
 
     void beginStage(std::string_view name);
     /** fraction in [0,1]; `detail` is short ("step 300 of 2000, 23.1 dB"). Cheap enough for every step. */
@@ -21,6 +21,8 @@ public:
     void endStage(std::string_view summary);
     /** Writes a separate line, for verdicts and warnings. */
     void note(std::string_view line);
+    /** Writes a separate line if the style is Verbose. */
+    void detail(std::string_view line);
 
     /** True after the first SIGINT or SIGTERM, if installSignalHandlers() was called. */
     bool cancelled() const;

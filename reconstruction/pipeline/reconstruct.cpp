@@ -11,7 +11,7 @@ namespace dpl {
 Result<ReconstructResult> reconstructFrom(const StageRun& run, const IngestedScan& ingested, const FittedBody& body,
                                           const ReconstructOptions& options) {
     const RunSettings settings = settingsOf(options);
-    const ReconstructResult paths{options.out / "avatar.glb", options.out / "poses.json", options.out / "report.html", ""};
+    const ReconstructResult paths{options.out / "avatar.glb", options.out / "poses.json", options.out / "report.html", "", {}};
     Pictures pictures(ingested.scan);
     DPL_TRY(const FittedSurface surface, runSurface(run, ingested, body, pictures));
     DPL_TRY(const DressedBody dressed, runGarments(run, ingested, body, surface, pictures, settings));
@@ -36,6 +36,7 @@ Result<ReconstructResult> reconstructFrom(const StageRun& run, const IngestedSca
     DPL_TRY(const auto summary, readFile(report.folder / "summary.txt"));
     ReconstructResult result = paths;
     result.summary.assign(summary.begin(), summary.end());
+    result.stages = run.chain.records();
     return result;
 }
 

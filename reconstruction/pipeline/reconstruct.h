@@ -11,6 +11,7 @@
 
 #include "reconstruction/import/video_capture.h"
 #include "reconstruction/pipeline/progress.h"
+#include "reconstruction/pipeline/stage.h"
 #include "sdk/core/result.h"
 
 namespace dpl {
@@ -42,10 +43,11 @@ struct ReconstructOptions {
 };
 
 struct ReconstructResult {
-    std::filesystem::path avatar;  // OUT/avatar.glb
-    std::filesystem::path poses;   // OUT/poses.json
-    std::filesystem::path report;  // OUT/report.html
-    std::string summary;           // a few lines for the terminal
+    std::filesystem::path avatar;     // OUT/avatar.glb
+    std::filesystem::path poses;      // OUT/poses.json
+    std::filesystem::path report;     // OUT/report.html
+    std::string summary;              // a few lines for the terminal
+    std::vector<StageRecord> stages;  // in the order of their runs
 };
 
 /** Runs a reconstruction, or continues an interrupted one. Only this function writes under `out`. Errors name the stage, the file and the

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cctype>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 
@@ -74,6 +75,23 @@ std::string damageIn(const fs::path& folder, const json& manifest) {
     return {};
 }
 
+/** Why a stage runs although its folder has a manifest: the inputs that changed since, or its version. Part of a sentence. */
+std::string whatChanged(const json& manifest, uint32_t version, const json& inputs) {
+    if (!manifest.is_object() || !manifest.contains("inputs")) return "it has no result yet";
+    if (manifest.value("version", 0u) != version) return "the program makes other files than the version that ran before";
+    const json before = manifest["inputs"].flatten(), now = inputs.flatten();
+    std::vector<std::string> changed;
+    for (const auto& [name, value] : now.items())
+        if (const auto old = before.find(name); old == before.end() || *old != value) changed.push_back(name.substr(1));
+    for (const auto& [name, value] : before.items())
+        if (!now.contains(name)) changed.push_back(name.substr(1) + " (gone)");
+    if (changed.empty()) return "its name changed";
+    std::string text = changed[0];
+    for (size_t i = 1; i < std::min<size_t>(3, changed.size()); ++i) text += ", " + changed[i];
+    if (changed.size() > 3) text += formatText(" and {} more", changed.size() - 3);
+    return "changed inputs: " + text;
+}
+
 Status makeFolder(const fs::path& folder) {
     std::error_code error;
     fs::create_directories(folder, error);
@@ -123,7 +141,11 @@ Result<StageOutput> StageChain::run(const std::string& name, uint32_t version, c
         progress_.endStage("up to date");
         return StageOutput{folder, key};
     }
-    if (stringField(readManifest(workFolder), "key") != key) fs::remove_all(workFolder, ignored);
+    if (stringField(readManifest(workFolder), "key") == key)
+        progress_.detail(formatText("{} continues in {}", name, workFolder.string()));
+    else
+        fs::remove_all(workFolder, ignored);
+    if (!made) progress_.detail(formatText("{} runs: {}", name, whatChanged(manifest, version, inputs)));
     DPL_CHECK_OK(makeFolder(workFolder));
     DPL_CHECK_OK(writeFileAtomically(workFolder / "manifest.json", json{{"stage", name}, {"key", key}, {"finished", false}}.dump(1)));
 
@@ -144,6 +166,8 @@ Result<StageOutput> StageChain::run(const std::string& name, uint32_t version, c
     if (error) return fail(Code::Io, "cannot rename {} to {}: {}", workFolder.string(), folder.string(), error.message());
     records_.push_back({name, seconds, peakBytes, false});
     progress_.endStage("done");
+    progress_.detail(
+        formatText("{} took {} s and at most {} MiB of memory; files in {}", name, std::lround(seconds), peakBytes >> 20, folder.string()));
     return StageOutput{folder, key};
 }
 

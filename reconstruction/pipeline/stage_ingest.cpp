@@ -81,7 +81,10 @@ Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path&
     ingested.hashes = hashFrames(scan);
     DPL_TRY(const StageOutput stage,
             run.chain.run("ingest", 2, {{"scan", scanInputs(scan, ingested.hashes)}}, [&](StageContext& context) -> Status {
-                DPL_TRY(ScanCheck check, checkScan(scan, run.jobs));
+                DPL_TRY(ScanCheck check, checkScan(scan, run.jobs, [&](double share) {
+                            context.progress.update(share, "reading the pictures");
+                            return !context.progress.cancelled();
+                        }));
                 json usable = json::array();
                 for (const FrameCheck& frame : check.frames) usable.push_back(frame.usable);
                 DPL_CHECK_OK(writeFileAtomically(context.folder / "check.json", scanCheckJson(scan, check)));

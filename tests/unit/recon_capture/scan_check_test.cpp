@@ -171,6 +171,21 @@ TEST(ScanCheck, heldOutPicturesHaveNoSay) {
     EXPECT_EQ(scanCheckJson(*scanA, *first), scanCheckJson(*scanB, *second));
 }
 
+TEST(ScanCheck, stopsAtThePictureAtWhichItIsCancelled) {
+    Spoiled a;
+    const auto scan = readScan(a.builder.write());
+    ASSERT_TRUE(scan);
+    Jobs jobs(1);
+    size_t calls = 0;
+    const auto stopped = checkScan(*scan, jobs, [&](double) { return ++calls < 3; });
+    ASSERT_FALSE(stopped);
+    EXPECT_EQ(stopped.error().code, Code::Cancelled);
+    EXPECT_EQ(calls, 3u) << "of " << scan->frames.size() << " pictures";
+    double last = 0;
+    ASSERT_TRUE(checkScan(*scan, jobs, [&](double share) { return last = share, true; }));
+    EXPECT_EQ(last, 1.0);
+}
+
 TEST(ScanCheck, camerasThatBelongToOtherPicturesAreRefused) {
     const auto data = sharedData("scan-tiny");
     if (!data) GTEST_SKIP() << "shared data (scan-tiny) is not on this machine";

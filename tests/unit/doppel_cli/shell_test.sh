@@ -1,0 +1,58 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# What shells and scripts see of `doppel`: completion, the manual page, --json and --quiet.
+# usage: shell_test.sh DOPPEL MAKE_TINY_AVATAR WORKDIR
+set -euo pipefail
+doppel="$1" make_tiny_avatar="$2" work="$3"
+rm -rf "$work" && mkdir -p "$work"
+cd "$work"
+failures=0
+# is NAME ACTUAL EXPECTED
+is() {
+    if [ "$2" = "$3" ]; then echo "ok: $1"; else echo "FAILED: $1: '$2' instead of '$3'" >&2; failures=$((failures + 1)); fi
+}
+
+"$doppel" completion bash >doppel.bash
+. ./doppel.bash
+completions() {  # of the last word of the line
+    COMP_WORDS=("$@") COMP_CWORD=$(($# - 1))
+    _doppel
+    echo "${COMPREPLY[*]}"
+}
+touch scan-a.mp4 scan-b.mp4
+is "commands" "$(completions doppel recon)" "reconstruct"
+is "commands of a command" "$(completions doppel body im)" "import"
+is "options" "$(completions doppel reconstruct --pre)" "--preset"
+is "options of a command's command" "$(completions doppel body import --o)" "--out"
+is "values" "$(completions doppel reconstruct --preset d)" "draft"
+is "every value" "$(completions doppel render --renderer "" | wc -w)" 3
+is "files" "$(completions doppel render scan- | tr ' ' '\n' | sort | paste -sd ' ')" "scan-a.mp4 scan-b.mp4"
+is "nothing for a number" "$(completions doppel reconstruct --steps "")" ""
+
+"$doppel" completion zsh >_doppel
+if command -v zsh >/dev/null; then
+    is "zsh reads the script" "$(zsh -fc 'autoload -Uz compinit && compinit -u -D && source ./_doppel && print $_comps[doppel]' 2>&1)" "_doppel"
+else
+    echo "skipped: zsh reads the script: zsh is not installed"
+fi
+
+"$doppel" manual >doppel.1
+for command in $("$doppel" --help | sed -n '/^Subcommands:/,/^$/s/^  \([a-z]*\) .*/\1/p'); do
+    [ "$command" = body ] && continue  # its two commands have sections of their own
+    is "the manual has $command" "$(grep -c "^\.SS $command$" doppel.1)" 1
+done
+if command -v groff >/dev/null; then
+    is "the manual is clean" "$(groff -man -Tutf8 -ww -z doppel.1 2>&1)" ""
+else
+    echo "skipped: the manual is clean: groff is not installed"
+fi
+
+"$make_tiny_avatar" avatar.glb
+is "render --json" "$("$doppel" render avatar.glb -o a.png --size 32x32 --renderer software --json 2>/dev/null |
+    python3 -c 'import json, sys; d = json.load(sys.stdin); print(d["out"], d["frames"], bool(d["renderer"]))')" "a.png 1 True"
+is "pack --json" "$("$doppel" pack avatar.glb -o small.glb --pictures 2 --json 2>/dev/null |
+    python3 -c 'import json, os, sys; d = json.load(sys.stdin); print(d["bytes"] == os.path.getsize(d["file"]) == d["curve"][-1]["bytes"])')" "True"
+is "errors as JSON" "$("$doppel" render nowhere.glb -o a.png --json 2>/dev/null |
+    python3 -c 'import json, sys; e = json.load(sys.stdin)["error"]; print(e["code"], "nowhere.glb" in e["message"])')" "not-found True"
+is "--quiet" "$("$doppel" render avatar.glb -o a.png --size 32x32 --renderer software --quiet 2>&1)" ""
+[ $failures -eq 0 ] || { echo "$failures failed" >&2; exit 1; }
