@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The part of Apple's Metal that our Objective-C++ uses, declared by us so that Linux can check its types. Names, types and values are
-// those of Apple's public documentation (checked on 2026-11-24); what we do not use is left out, and nothing here is implemented.
+// The part of Apple's Metal that our Objective-C++ uses, declared by us so that Linux can check its types. What we do not use is left out,
+// and nothing here is implemented. Values of GPU families, pixel formats, texture types, the language version and command-buffer errors
+// were looked up in public documentation on 2026-11-24; other values are from memory. On a Mac, mtl_apple_values.mm compares all that the
+// backend uses with Apple's own headers.
 #pragma once
 
 #import <Foundation/Foundation.h>
