@@ -13,7 +13,7 @@ android {
         minSdk = libs.versions.min.sdk.get().toInt()
         targetSdk = libs.versions.compile.sdk.get().toInt()
         versionCode = 1
-        versionName = "0.1"
+        versionName = "1.0.0-rc.1"
     }
     androidResources { noCompress += listOf("glb", "ply", "spz", "bvh") } // mapped, not copied
     sourceSets["main"].kotlin.srcDir("src/main/kotlin")

@@ -15,7 +15,7 @@ android {
         minSdk = libs.versions.min.sdk.get().toInt()
         targetSdk = 32 // Meta's store asks for at most this
         versionCode = 1
-        versionName = "0.1"
+        versionName = "1.0.0-rc.1"
         ndk { abiFilters += "arm64-v8a" }
         externalNativeBuild {
             cmake {
