@@ -52,7 +52,8 @@ Result<BodyModel> importSmplx(const std::filesystem::path& path, const SmplxOpti
             if (!std::isfinite(v)) return fail(Code::CorruptData, "{}: '{}' holds a number that is not finite", path.string(), names[i]);
         arrays[i] = std::move(*array);
     }
-    const auto& [vTemplate, shapeDirs, regressor, weights, tree, faces] = arrays;
+    const NpyArray &vTemplate = arrays[0], &shapeDirs = arrays[1], &regressor = arrays[2], &weights = arrays[3], &tree = arrays[4],
+                   &faces = arrays[5];
     const auto shapeIs = [](const NpyArray& a, std::initializer_list<size_t> wanted) {  // 0 accepts any size
         return a.shape.size() == wanted.size() &&
                std::equal(wanted.begin(), wanted.end(), a.shape.begin(), [](size_t w, size_t s) { return w == 0 || w == s; });

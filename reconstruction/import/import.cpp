@@ -82,11 +82,7 @@ void thinOut(Capture& capture) {
 
 std::string summaryOf(const Capture& capture, const fs::path& out) {
     size_t counts[3] = {};
-    size_t masks = 0;
-    for (const CapturePicture& picture : capture.pictures) {
-        ++counts[size_t(picture.kind)];
-        masks += !picture.mask.empty();
-    }
+    for (const CapturePicture& picture : capture.pictures) ++counts[size_t(picture.kind)];
     const bool known = capture.pictures.front().camera.has_value();
     std::string text = formatText("read as {}: {} frames ({} still, {} close, {} moving), {}\n", capture.what, capture.pictures.size(),
                                   counts[0], counts[1], counts[2],
