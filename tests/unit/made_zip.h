@@ -16,7 +16,9 @@ namespace dpl {
 inline std::vector<uint8_t> zip(const std::vector<std::pair<std::string, std::vector<uint8_t>>>& entries) {
     Writer out, directory;
     uint16_t count = 0;
-    for (const auto& [name, plain] : entries) {
+    for (const auto& entry : entries) {
+        const std::string& name = entry.first;
+        const std::vector<uint8_t>& plain = entry.second;
         std::vector<uint8_t> stored = plain;
         const bool deflated = count % 2 == 0;
         if (deflated) {
