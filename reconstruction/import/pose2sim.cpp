@@ -2,9 +2,14 @@
 // Calibrations of Pose2Sim. Follows github.com/perfanalytics/pose2sim (README, "Calibration"; calibration.py, toml_write). Each table is a
 // camera: name, size [width, height], matrix 3 × 3 in pixels, distortions [k1, k2, p1, p2], rotation (Rodrigues vector, world to camera)
 // and translation in metres, OpenCV axes, z-up world. The table `metadata` is not a camera.
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
+// toml++ asserts that a table's name begins with a letter, and in a build with NDEBUG tells clang that it does: hostile text is undefined
+// behaviour there. Without its asserts it goes on to report an error. This file is compiled by itself for that reason.
+#undef NDEBUG
+#define TOML_ASSERT(condition) static_assert(true)
 #define TOML_EXCEPTIONS 0
 #include <toml++/toml.h>
 
@@ -82,6 +87,9 @@ Result<CalibratedCamera> convert(const toml::table& table, const std::string& ke
 }  // namespace
 
 Result<std::vector<CalibratedCamera>> parsePose2sim(std::string_view text, const std::string& where) {
+    // Pose2Sim writes ASCII, and toml++ 3.3 reaches unreachable code at some characters beyond it.
+    if (!std::all_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 128; }))
+        return fail(Code::Unsupported, "{}: characters beyond ASCII are not read; rename the cameras", where);
     const toml::parse_result parsed = toml::parse(text);
     if (!parsed)
         return fail(Code::CorruptData, "{}: not valid TOML at line {} ({}); calibrate again", where, parsed.error().source().begin.line,

@@ -41,7 +41,7 @@ inline std::vector<Vec3d> roomPoints(size_t count, uint32_t seed) {
     std::uniform_real_distribution<double> uniform(-1, 1);
     std::vector<Vec3d> points;
     for (size_t i = 0; i < count; ++i) {
-        Vec3d p(3 * uniform(random), 1.5 + 1.5 * uniform(random), 3 * uniform(random));
+        Vec3d p{3 * uniform(random), 1.5 + 1.5 * uniform(random), 3 * uniform(random)};
         const int side = int(i % 3);
         p[side] = side == 1 ? (uniform(random) < 0 ? 0.0 : 3.0) : (uniform(random) < 0 ? -3.0 : 3.0);
         points.push_back(p);

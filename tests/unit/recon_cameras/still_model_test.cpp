@@ -27,7 +27,7 @@ Features featuresOf(const Camerad& camera, const std::vector<Vec3d>& points, dou
     Features out;
     for (size_t p = 0; p < points.size(); ++p) {
         if (camera.toView(points[p]).z < 0.3) continue;
-        const Vec2d px = storedPixel(camera, kLens, points[p]) + Vec2d(noise(random), noise(random));
+        const Vec2d px = storedPixel(camera, kLens, points[p]) + Vec2d{noise(random), noise(random)};
         if (px.x < 0 || px.y < 0 || px.x > camera.widthPx || px.y > camera.heightPx) continue;
         out.px.push_back(px);
         const auto bytes = descriptorOf(uniform(random) < wrongShare ? size_t(uniform(random) * double(points.size())) : p);

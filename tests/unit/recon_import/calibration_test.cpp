@@ -98,6 +98,9 @@ TEST(Calibration, pose2simRefusals) {
     refuse("matrix = [ [ 100.0, 0.0, 48.0],", "matrix = [ [ 100.0, 0.0],", {"matrix"});
     refuse("distortions = [ 0.0, 0.0, 0.0, 0.0]", "distortions = [ 0.0, 0.0, 0.0, 0.0, 0.1]", {"k3"});
     refuse("[cam_01]", "[cam_01", {"TOML"});
+    refuse("[cam_01]", "[!]", {"TOML"});
+    refuse("[cam_01]", "[[ = ]]", {"TOML"});
+    refuse("size = [ 96.0,", "size = [ 96.0\u1c00,", {"ASCII"});
     const auto none = parsePose2sim("[metadata]\nerror = 0.0\n", "made.file");
     ASSERT_FALSE(none);
     EXPECT_TRUE(mentions(none.error().message, {"no table"}));
