@@ -40,6 +40,7 @@ int main(int argc, char** argv) {
     app.footer(
         "Examples:\n"
         "  doppel sample -o scan                       make the procedural subject's scan\n"
+        "  doppel check scan -o ada                    say what to film again\n"
         "  doppel reconstruct scan -o ada              make ada/avatar.glb and ada/report.html\n"
         "  doppel render ada/avatar.glb -o ada.mp4 --turntable\n"
         "  doppel dress ada/avatar.glb --top ben/avatar.glb -o new.glb\n"
@@ -49,6 +50,7 @@ int main(int argc, char** argv) {
     CommandRun run;
     addSampleCommand(app, run);
     addCamerasCommand(app, run);
+    addCheckCommand(app, run);
     addImportCommand(app, run);
     addReconstructCommand(app, run);
     addEvaluateCommand(app, run);

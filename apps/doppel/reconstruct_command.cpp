@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/doppel/commands.h"
+#include "apps/doppel/scan_options.h"
 #include "apps/doppel/talk.h"
-#include "apps/doppel/video_options.h"
 #include "apps/shared/checks.h"
 #include "reconstruction/pipeline/reconstruct.h"
 
@@ -10,24 +10,7 @@ namespace dpl {
 void addReconstructCommand(CLI::App& app, CommandRun& run) {
     auto options = std::make_shared<ReconstructOptions>();
     CLI::App* command = app.add_subcommand("reconstruct", "Make an avatar from a scan folder");
-    CLI::Option* scan = command->add_option(
-        "scan", options->scan, "Scan folder (docs/formats/scan.md), nerfstudio or COLMAP folder, or anything that `doppel import` reads");
-    addVideoOptions(*command, options->videos, scan);
-    command->add_option("-o,--out", options->out, "Output folder: avatar.glb, poses.json, report.html and the stages")->required();
-    command->add_option("--body", options->body, "Body to start from (.glb made by `doppel body import`); default: the built-in body");
-    command->add_option("--models", options->models,
-                        "Folder of ONNX networks that find keypoints, masks and clothing if the scan has none; default: where tools/models "
-                        "installs them");
-    command
-        ->add_option(
-            "--person", options->persons,
-            "FRAME:X,Y: the person is at this pixel of this picture, where several are in view; once for the still and once for the "
-            "moving pictures")
-        ->allow_extra_args(false);
-    command
-        ->add_option("--height", options->heightM,
-                     "Height of the subject in metres, without shoes; sets the scale of a scan whose cameras have to be found")
-        ->check(inRange(0.3, 2.8));
+    addScanOptions(*command, *options, "Output folder: avatar.glb, poses.json, report.html and the stages");
     const auto choosePreset = [options](const std::string& name) {
         options->preset = name == "draft" ? Preset::Draft : name == "high" ? Preset::High : Preset::Standard;
     };
@@ -42,9 +25,6 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
         ->check(inRange(0, 10000000))
         ->excludes("--time-budget");
     command->add_option("--seed", options->seed, "Seed of every random choice; same seed, same bytes")->capture_default_str();
-    command->add_option("--threads", options->threadCount, "CPU threads; 0: one for each core. The result is the same for any number")
-        ->check(inRange(0, 256))
-        ->capture_default_str();
     const auto leaveOut = [options](const std::vector<std::string>& parts) {
         for (const std::string& part : parts)
             (part == "layers"        ? options->without.layers

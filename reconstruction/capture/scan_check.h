@@ -65,7 +65,8 @@ struct ScanCheck {
  *  progress (may be empty): called on the calling thread with the share of the pictures that were read; false cancels (Code::Cancelled). */
 Result<ScanCheck> checkScan(const Scan& scan, Jobs& jobs, const std::function<bool(double share)>& progress = {});
 
-/** The verdict as a few lines of text. The last line is PASS, USABLE or REFUSE with the number of warnings or the reasons. */
+/** The verdict as a few lines of text: what to do about the scan, then measurements. The last line is PASS, USABLE or REFUSE with the
+ * number of warnings or the reasons. */
 std::string describeScanCheck(const Scan& scan, const ScanCheck& check);
 
 /** The verdict as one JSON object. */

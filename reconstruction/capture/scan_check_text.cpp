@@ -29,6 +29,11 @@ std::string describeScanCheck(const Scan& scan, const ScanCheck& check) {
     for (const auto& f : scan.frames) ++kinds[size_t(f.kind)], held += f.split == Split::Test;
     for (const auto& f : check.frames) usable += f.usable;
     std::string text = formatText("Scan {} ({})\n", scan.name, scan.root.string());
+    for (const auto& finding : check.findings) {
+        (finding.refuses ? reasons : warnings) += 1;
+        text += formatText("  {} {}: {}", finding.refuses ? "x" : "!", finding.topic, finding.sentence);
+        text += finding.frames.empty() ? "\n" : formatText(" [{}]\n", listed(finding.frames));
+    }
     text += formatText("  frames      {} full-body, {} close-up, {} dynamic; {} held out, {} usable\n", kinds[0], kinds[1], kinds[2], held,
                        usable);
     std::string bar;
@@ -57,11 +62,6 @@ std::string describeScanCheck(const Scan& scan, const ScanCheck& check) {
                                  : "  poses       ",
                            joint.name, rounded(joint.lowDeg, 1), rounded(joint.highDeg, 1),
                            i % 4 == 3 || i + 1 == check.joints.size() ? "\n" : "");
-    }
-    for (const auto& finding : check.findings) {
-        (finding.refuses ? reasons : warnings) += 1;
-        text += formatText("  {} {}: {}", finding.refuses ? "x" : "!", finding.topic, finding.sentence);
-        text += finding.frames.empty() ? "\n" : formatText(" [{}]\n", listed(finding.frames));
     }
     text += verdictWord(check.verdict);
     if (reasons)

@@ -1,46 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/pipeline/reconstruct.h"
 
+#include <functional>
+
 #include "reconstruction/pipeline/folder_lock.h"
 #include "reconstruction/pipeline/import_scan.h"
 #include "reconstruction/pipeline/stages.h"
 #include "sdk/core/files.h"
 
 namespace dpl {
+namespace {
 
-Result<ReconstructResult> reconstructFrom(const StageRun& run, const IngestedScan& ingested, const FittedBody& body,
-                                          const ReconstructOptions& options) {
-    const RunSettings settings = settingsOf(options);
-    const ReconstructResult paths{options.out / "avatar.glb", options.out / "poses.json", options.out / "report.html", "", {}};
-    Pictures pictures(ingested.scan);
-    DPL_TRY(const FittedSurface surface, runSurface(run, ingested, body, pictures));
-    DPL_TRY(const DressedBody dressed, runGarments(run, ingested, body, surface, pictures, settings));
-    DPL_TRY(const RegisteredPoses registered, runRegister(run, ingested, body, surface, pictures));
-    DPL_TRY(const Training training, runCoOptimise(run, ingested, body, dressed, registered, pictures, settings));
-    Lazy<AssembledAvatar> trained([&]() -> Result<AssembledAvatar> {
-        DPL_TRY(FrameSet set, framesOf(ingested, Split::Train, body.cameras, registered.poses, pictures));
-        setPrecisions(set, registered.precisions);
-        return assembleAvatar(body.shaped.joints, dressed.clothed.mesh, training.result, ingested.scan, std::move(set), run.jobs);
-    });
-    DPL_TRY(const MeasuredParts measured, runEvidence(run, ingested, body, registered, training, trained, pictures, settings));
-    DPL_TRY(const Package package, runPackage(run, ingested, training, trained, measured, dressed.decided, settings));
-    DPL_CHECK_OK(writeFileAtomically(paths.avatar, package.bytes));
-    DPL_TRY(const FoundPoses found, runPoseFit(run, ingested, body, registered, training, package, pictures, settings));
-    DPL_TRY(const auto posesBytes, readFile(found.file));
-    DPL_CHECK_OK(writeFileAtomically(paths.poses, posesBytes));
-    DPL_TRY(const StageOutput report, runReport(run, ingested, body, dressed.decided, training, package, found, pictures, settings));
-    for (const char* name : {"report.html", "report.json"}) {
-        DPL_TRY(const auto bytes, readFile(report.folder / name));
-        DPL_CHECK_OK(writeFileAtomically(options.out / name, bytes));
-    }
-    DPL_TRY(const auto summary, readFile(report.folder / "summary.txt"));
-    ReconstructResult result = paths;
-    result.summary.assign(summary.begin(), summary.end());
-    result.stages = run.chain.records();
-    return result;
+std::string withoutLastBreak(const std::string& text) {
+    return text.substr(0, text.find_last_not_of('\n') + 1);
 }
 
-Result<ReconstructResult> reconstruct(const ReconstructOptions& options, Progress& progress) {
+/** Runs the stage body-map, tells what to film again, and writes OUT/verdict.json. */
+Result<MappedBody> mapAndTell(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
+                              Pictures& pictures, const ReconstructOptions& options) {
+    DPL_TRY(MappedBody mapped, runBodyMap(run, ingested, body, surface, pictures));
+    run.progress.note(withoutLastBreak(mapped.advice));
+    DPL_CHECK_OK(writeFileAtomically(options.out / "verdict.json", verdictJson(ingested, mapped)));
+    return mapped;
+}
+
+/** The run up to the body fit, and then `rest`. */
+template <class T>
+Result<T> runFromScan(const ReconstructOptions& options, Progress& progress,
+                      const std::function<Result<T>(const StageRun&, const IngestedScan&, const FittedBody&)>& rest) {
     std::error_code error;
     std::filesystem::create_directories(options.out, error);
     if (error) return fail(Code::Io, "cannot create {}: {}; choose another output with -o", options.out.string(), error.message());
@@ -55,11 +42,66 @@ Result<ReconstructResult> reconstruct(const ReconstructOptions& options, Progres
                        (options.out / "stages").string(), old.size(), old.front()));
     DPL_TRY(const std::filesystem::path scan, scanToReconstruct(options, progress));
     DPL_TRY(const IngestedScan ingested, runIngest(run, scan, options.models, options.persons, options.heightM));
-    progress.note(ingested.verdict.substr(0, ingested.verdict.find_last_not_of('\n') + 1));
+    progress.note(withoutLastBreak(ingested.verdict));
     progress.note(ingested.validation);
     DPL_TRY(ChosenBody chosen, chooseBody(options.body, jobs));
     DPL_TRY(const FittedBody body, runBodyFit(run, ingested, std::move(chosen)));
-    return reconstructFrom(run, ingested, body, options);
+    return rest(run, ingested, body);
+}
+
+}  // namespace
+
+Result<ReconstructResult> reconstructFrom(const StageRun& run, const IngestedScan& ingested, const FittedBody& body,
+                                          const ReconstructOptions& options) {
+    const RunSettings settings = settingsOf(options);
+    const ReconstructResult paths{options.out / "avatar.glb", options.out / "poses.json", options.out / "report.html", "", {}};
+    Pictures pictures(ingested.scan);
+    DPL_TRY(const FittedSurface surface, runSurface(run, ingested, body, pictures));
+    DPL_TRY(const MappedBody mapped, mapAndTell(run, ingested, body, surface, pictures, options));
+    DPL_TRY(const DressedBody dressed, runGarments(run, ingested, body, surface, pictures, settings));
+    DPL_TRY(const RegisteredPoses registered, runRegister(run, ingested, body, surface, pictures));
+    DPL_TRY(const Training training, runCoOptimise(run, ingested, body, dressed, registered, pictures, settings));
+    Lazy<AssembledAvatar> trained([&]() -> Result<AssembledAvatar> {
+        DPL_TRY(FrameSet set, framesOf(ingested, Split::Train, body.cameras, registered.poses, pictures));
+        setPrecisions(set, registered.precisions);
+        return assembleAvatar(body.shaped.joints, dressed.clothed.mesh, training.result, ingested.scan, std::move(set), run.jobs);
+    });
+    DPL_TRY(const MeasuredParts measured, runEvidence(run, ingested, body, registered, training, trained, pictures, settings));
+    DPL_TRY(const Package package, runPackage(run, ingested, training, trained, measured, dressed.decided, settings));
+    DPL_CHECK_OK(writeFileAtomically(paths.avatar, package.bytes));
+    DPL_TRY(const FoundPoses found, runPoseFit(run, ingested, body, registered, training, package, pictures, settings));
+    DPL_TRY(const auto posesBytes, readFile(found.file));
+    DPL_CHECK_OK(writeFileAtomically(paths.poses, posesBytes));
+    DPL_TRY(const StageOutput report,
+            runReport(run, ingested, body, dressed.decided, training, package, found, mapped, pictures, settings));
+    for (const char* name : {"report.html", "report.json"}) {
+        DPL_TRY(const auto bytes, readFile(report.folder / name));
+        DPL_CHECK_OK(writeFileAtomically(options.out / name, bytes));
+    }
+    DPL_TRY(const auto summary, readFile(report.folder / "summary.txt"));
+    ReconstructResult result = paths;
+    result.summary.assign(summary.begin(), summary.end());
+    result.stages = run.chain.records();
+    return result;
+}
+
+Result<ReconstructResult> reconstruct(const ReconstructOptions& options, Progress& progress) {
+    return runFromScan<ReconstructResult>(options, progress,
+                                          [&](const StageRun& run, const IngestedScan& ingested, const FittedBody& body) {
+                                              return reconstructFrom(run, ingested, body, options);
+                                          });
+}
+
+Result<std::string> checkFilm(const ReconstructOptions& options, Progress& progress) {
+    return runFromScan<std::string>(options, progress,
+                                    [&](const StageRun& run, const IngestedScan& ingested, const FittedBody& body) -> Result<std::string> {
+                                        Pictures pictures(ingested.scan);
+                                        DPL_TRY(const FittedSurface surface, runSurface(run, ingested, body, pictures));
+                                        DPL_TRY(const MappedBody mapped, runBodyMap(run, ingested, body, surface, pictures));
+                                        const std::string verdict = verdictJson(ingested, mapped);
+                                        DPL_CHECK_OK(writeFileAtomically(options.out / "verdict.json", verdict));
+                                        return mapped.advice;
+                                    });
 }
 
 }  // namespace dpl

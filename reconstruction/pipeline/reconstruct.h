@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // From a scan folder to an avatar.
 //
-//   (observe, with networks →) (cameras, where unknown →) ingest → body-fit → surface → garments → register
+//   (observe, with networks →) (cameras, where unknown →) ingest → body-fit → surface → body-map → garments → register
 //   → co-optimise → evidence → package → pose-fit → report
 #pragma once
 
@@ -53,5 +53,10 @@ struct ReconstructResult {
 /** Runs a reconstruction, or continues an interrupted one. Only this function writes under `out`. Errors name the stage, the file and the
  *  remedy. After Ctrl-C it returns Code::Cancelled and keeps the finished stages and the last checkpoint. */
 Result<ReconstructResult> reconstruct(const ReconstructOptions& options, Progress& progress);
+
+/** The first part alone: checks the scan, fits the body and its surface, and says what to film again. Takes seconds once cameras and
+ *  keypoints are there. Writes OUT/verdict.json, and the stages, which reconstruct() with the same `out` does not repeat. Returns the
+ *  advice, lines of text. Errors as of reconstruct(). */
+Result<std::string> checkFilm(const ReconstructOptions& options, Progress& progress);
 
 }  // namespace dpl

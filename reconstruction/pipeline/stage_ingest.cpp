@@ -80,7 +80,7 @@ Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path&
                     folder.string());
     ingested.hashes = hashFrames(scan);
     DPL_TRY(const StageOutput stage,
-            run.chain.run("ingest", 2, {{"scan", scanInputs(scan, ingested.hashes)}}, [&](StageContext& context) -> Status {
+            run.chain.run("ingest", 3, {{"scan", scanInputs(scan, ingested.hashes)}}, [&](StageContext& context) -> Status {
                 DPL_TRY(ScanCheck check, checkScan(scan, run.jobs, [&](double share) {
                             context.progress.update(share, "reading the pictures");
                             return !context.progress.cancelled();
@@ -93,6 +93,7 @@ Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path&
                                            json{{"usable", usable}, {"refused", check.verdict == ScanVerdict::Refuse}}.dump());
             }));
     ingested.verdict = readText(stage.folder / "verdict.txt");
+    ingested.check = readText(stage.folder / "check.json");
     const json usable = json::parse(readText(stage.folder / "usable.json"), nullptr, false);
     if (!usable.is_object() || !usable.contains("usable") || usable["usable"].size() != scan.frames.size())
         return fail(Code::CorruptData, "{} is damaged; delete it and run again", (stage.folder / "usable.json").string());

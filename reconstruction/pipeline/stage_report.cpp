@@ -94,8 +94,16 @@ void addGarments(ReportData& data) {
         }
 }
 
+FilmAgainSection filmAgainSection(const MappedBody& mapped) {
+    FilmAgainSection section{mapped.advice, {}, mapped.pictures};
+    for (const auto& p : mapped.figures["places"])
+        section.rows.push_back({p.value("name", ""), p.value("mm_per_pixel", 0.0), p.value("finest_detail_mm", 0.0),
+                                p.value("blur_px", 0.0), p.value("pictures", 0.0), p.value("not_seen", 0.0)});
+    return section;
+}
+
 std::string summaryOf(const ReportData& data, size_t splats, size_t bytes) {
-    std::string text = formatText("{} splats, {} bytes", splats, bytes);
+    std::string text = data.filmAgain.advice + formatText("{} splats, {} bytes", splats, bytes);
     text += scoreLines(data.frames, "held-out") + scoreLines(data.validation, "validation");
     if (const std::string bars = barSummary(data); !bars.empty()) text += "\n" + bars;
     for (const std::string& sentence : data.provenance) text += "\n" + sentence;
@@ -122,9 +130,9 @@ nlohmann::json measuringFiles(const std::filesystem::path& scan) {
 
 Result<StageOutput> runReport(const StageRun& run, const IngestedScan& ingested, const FittedBody& body,
                               const std::vector<EvidenceData>& decided, const Training& training, const Package& package,
-                              const FoundPoses& found, Pictures& pictures, const RunSettings& settings) {
-    const nlohmann::json inputs = {{"pose_fit", found.key}, {"measuring", measuringFiles(ingested.scan.root)}};
-    return run.chain.run("report", 9, inputs, [&](StageContext& context) -> Status {
+                              const FoundPoses& found, const MappedBody& mapped, Pictures& pictures, const RunSettings& settings) {
+    const nlohmann::json inputs = {{"pose_fit", found.key}, {"map", mapped.key}, {"measuring", measuringFiles(ingested.scan.root)}};
+    return run.chain.run("report", 10, inputs, [&](StageContext& context) -> Status {
         DPL_TRY(AvatarData avatar, readAvatar(package.bytes));
         DPL_TRY(AvatarInfo info, inspectAvatar(package.bytes));
         ReportData data;
@@ -138,6 +146,7 @@ Result<StageOutput> runReport(const StageRun& run, const IngestedScan& ingested,
                       {"splats", std::to_string(avatar.splats.count())},
                       {"file", std::to_string(package.bytes.size()) + " bytes"},
                       {"content hash", info.contentHash}};
+        data.filmAgain = filmAgainSection(mapped);
         data.verdict = ingested.verdict + ingested.validation + "\n";
         DPL_TRY(auto view, AvatarView::open(package.bytes, run.jobs.threadCount()));
         DPL_TRY(const LabelColours labelColours, gatherLabelColours(ingested, pictures));

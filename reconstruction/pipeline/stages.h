@@ -46,6 +46,14 @@ struct FittedSurface {
     std::string key;
 };
 
+/** How the still training pictures show the fitted surface (reconstruction/coach). */
+struct MappedBody {
+    std::string advice;                          // what to film again, lines of text
+    nlohmann::ordered_json figures;              // {film_again: [{shot, sentence, gain}], places: [...]}
+    std::vector<std::vector<uint8_t>> pictures;  // PNG: size of a pixel, number of pictures, blur
+    std::string key;
+};
+
 /** The clothed subject as layers. */
 struct DressedBody {
     ClothedMesh clothed;
@@ -96,6 +104,9 @@ Result<FittedBody> runBodyFit(const StageRun& run, const IngestedScan& ingested,
 /** Reads the result of a finished body-fit stage. */
 Result<FittedBody> readFittedBody(const StageOutput& stage, const IngestedScan& ingested, BodyModel body);
 Result<FittedSurface> runSurface(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, Pictures& pictures);
+/** Maps the surface and finds what to film again. Reads no picture of a held-out frame. */
+Result<MappedBody> runBodyMap(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
+                              Pictures& pictures);
 /** Makes body, garments, shoes and hair as layers of their own. Without labels, or without settings.layers, the result is one layer. */
 Result<DressedBody> runGarments(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
                                 Pictures& pictures, const RunSettings& settings);
@@ -119,7 +130,10 @@ Result<FoundPoses> runPoseFit(const StageRun& run, const IngestedScan& ingested,
 /** Writes report.html, report.json and summary.txt into the returned folder. */
 Result<StageOutput> runReport(const StageRun& run, const IngestedScan& ingested, const FittedBody& body,
                               const std::vector<EvidenceData>& decided, const Training& training, const Package& package,
-                              const FoundPoses& found, Pictures& pictures, const RunSettings& settings);
+                              const FoundPoses& found, const MappedBody& mapped, Pictures& pictures, const RunSettings& settings);
+
+/** What to film again and what the scan check found, as one JSON object: verdict.json. */
+std::string verdictJson(const IngestedScan& ingested, const MappedBody& mapped);
 
 /** Runs every stage after the body fit. Writes avatar.glb, poses.json and the report into options.out. */
 Result<ReconstructResult> reconstructFrom(const StageRun& run, const IngestedScan& ingested, const FittedBody& body,

@@ -26,6 +26,7 @@ struct IngestedScan {
     std::string trainingHash;         // of the usable training frames, with their files and cameras
     std::string verdict;              // result of the check, several lines
     std::string validation;           // what was set aside for validation, one sentence
+    std::string check;                // result of the check as a JSON object; empty: none
 };
 
 /** The kind's name in scan.json and poses.json. */

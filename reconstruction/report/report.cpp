@@ -89,6 +89,15 @@ std::string reportJson(const ReportData& data) {
     ordered_json out;
     out["title"] = data.title;
     for (const auto& [name, value] : data.facts) out["facts"][name] = value;
+    out["film_again"] = data.filmAgain.advice;
+    out["body_map"] = ordered_json::array();
+    for (const MapRow& row : data.filmAgain.rows)
+        out["body_map"].push_back({{"place", row.place},
+                                   {"mm_per_pixel", row.pixelMm},
+                                   {"finest_detail_mm", row.detailMm},
+                                   {"blur_px", row.blurPx},
+                                   {"pictures", row.pictures},
+                                   {"not_seen", row.unseenShare}});
     out["provenance"] = data.provenance;
     out["verdict"] = data.verdict;
     const std::pair<const char*, FrameScore HeldOutFrame::*> columns[] = {{"with_pose_fit", &HeldOutFrame::withPoseFit},

@@ -56,8 +56,23 @@ struct ReportFigure {
 /** Whether the figure has a bar and meets it. NaN misses every bar. */
 bool meetsBar(const ReportFigure& figure);
 
+/** One row of the body map (docs/reference/body-map.md): medians over a place of the body; 0 when no picture shows it. */
+struct MapRow {
+    std::string place;
+    double pixelMm = 0, detailMm = 0, blurPx = 0, pictures = 0;
+    double unseenShare = 0;  // share of its area that no still training picture shows
+};
+
+/** What to film again, and the map that says so. */
+struct FilmAgainSection {
+    std::string advice;  // one line of heading, then a numbered line each
+    std::vector<MapRow> rows;
+    std::vector<std::vector<uint8_t>> pictures;  // PNG; may be empty
+};
+
 struct ReportData {
     std::string title;
+    FilmAgainSection filmAgain;
     std::vector<std::pair<std::string, std::string>> facts;  // scan, body, preset, seed, ...
     std::vector<std::string> provenance;                     // what the figures stand for, one sentence each (provenance.h)
     std::string verdict;                                     // result of the scan check, several lines

@@ -19,6 +19,7 @@ td.text{text-align:left}.soft{color:var(--soft)}pre{background:var(--card);paddi
 .big{display:flex;gap:1rem;flex-wrap:wrap}.big div{background:var(--card);border-radius:.5rem;padding:.7rem 1.1rem}
 .big b{display:block;font-size:1.7rem}.pictures{display:grid;grid-template-columns:repeat(auto-fill,minmax(320px,1fr));gap:1rem}
 .pictures figure{margin:0;background:var(--card);border-radius:.5rem;padding:.5rem}.pictures img{width:32.6%;image-rendering:auto}
+.maps{display:flex;flex-wrap:wrap;gap:1rem}.maps img{max-width:100%}
 .plot{max-width:100%;height:auto}.plot text{font:11px system-ui;fill:var(--soft)}.plot text.title{font-size:13px;fill:var(--fg)}.plot .grid{stroke:var(--line)}
 .bar{background:var(--accent);height:.8rem;display:inline-block;border-radius:2px}.met{color:#15803d}.missed{color:#b91c1c;font-weight:bold}
 )";
@@ -102,6 +103,23 @@ void addPictures(std::string& html, const ReportData& data) {
     html += "</div>";
 }
 
+/** Begins the page, because it is what the reader can change. */
+void addFilmAgain(std::string& html, const FilmAgainSection& section) {
+    if (section.advice.empty()) return;
+    html += "<h2>What to film again</h2><pre>" + escapeHtml(section.advice) + "</pre>";
+    html +=
+        "<p class=soft>The map shows what the still training pictures show of each place of the body. Bright is good.</p><div class=maps>";
+    for (const std::vector<uint8_t>& png : section.pictures) html += picture(png, "body map");
+    html +=
+        "</div><table><tr><th>place</th><th>mm a pixel</th><th>finest detail mm</th><th>blur px</th><th>pictures</th><th>not seen "
+        "%</th></tr>";
+    for (const MapRow& row : section.rows)
+        html += "<tr><td>" + escapeHtml(row.place) + "</td><td>" + fixed(row.pixelMm, 2) + "</td><td>" + fixed(row.detailMm, 2) +
+                "</td><td>" + fixed(row.blurPx, 1) + "</td><td>" + fixed(row.pictures, 0) + "</td><td>" + fixed(100 * row.unseenShare, 0) +
+                "</td></tr>";
+    html += "</table>";
+}
+
 void addFigures(std::string& html, const char* heading, const std::vector<ReportFigure>& figures) {
     if (figures.empty()) return;
     html += "<h2>" + std::string(heading) + "</h2><table><tr><th>what</th><th>value</th><th>unit</th><th>bar</th><th></th></tr>";
@@ -145,8 +163,10 @@ std::string reportHtml(const ReportData& data) {
                        escapeHtml(data.title) + "</title><style>" + kStyle + "</style><h1>" + escapeHtml(data.title) +
                        "</h1><p class=soft>";
     for (const auto& [name, value] : data.facts) html += escapeHtml(name) + ": " + escapeHtml(value) + " · ";
+    html += "</p>";
+    addFilmAgain(html, data.filmAgain);
     html +=
-        "</p><h2>Quality on held-out frames</h2><p class=soft>No held-out picture was used to make the avatar. Only the pose fit uses "
+        "<h2>Quality on held-out frames</h2><p class=soft>No held-out picture was used to make the avatar. Only the pose fit uses "
         "them: "
         "it moves the finished avatar to match each picture.</p>";
     for (const std::string& sentence : data.provenance) html += "<p><b>" + escapeHtml(sentence) + "</b></p>";

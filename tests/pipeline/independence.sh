@@ -146,7 +146,7 @@ fi
 # Stops a run in training, which leaves a checkpoint; continues and kills it; continues it again. One thread makes training long enough.
 # The stages before training are those of the first run, which saves a minute.
 mkdir -p killed/stages
-cp -r one/stages/{ingest,body-fit,surface,garments,register} killed/stages
+cp -r one/stages/{ingest,body-fit,surface,body-map,garments,register} killed/stages
 start_killed() {
     "$doppel" reconstruct scan -o killed "${options[@]}" --threads 1 >>killed.log 2>&1 &
     pid=$!

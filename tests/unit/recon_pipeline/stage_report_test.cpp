@@ -26,7 +26,7 @@ protected:
     nlohmann::json report() {
         Pictures pictures(toy_.ingested.scan);
         const auto stage = runReport(toy_.run, toy_.ingested, toy_.body, {{"garments", false, 0, 0, "not in this version"}}, toy_.training,
-                                     toy_.package, found_, pictures, settingsOf({}));
+                                     toy_.package, found_, mapped_, pictures, settingsOf({}));
         if (!stage) throw std::runtime_error(stage.error().message);
         folder_ = stage->folder;
         const auto bytes = must(readFile(folder_ / "report.json"));
@@ -45,8 +45,28 @@ protected:
 
     ToyReconstruction toy_;
     FoundPoses found_;
+    MappedBody mapped_{"What to film again, the most helpful first:\n  1. Film the face\n",
+                       {{"film_again", nlohmann::json::array()},
+                        {"places", nlohmann::json::array({{{"name", "the face"}, {"mm_per_pixel", 1.5}, {"pictures", 7}}})}},
+                       {},
+                       "map"};
     std::filesystem::path folder_;
 };
+
+TEST_F(StageReport, beginsWithWhatToFilmAgain) {
+    const nlohmann::json json = report();
+    EXPECT_EQ(json["film_again"], mapped_.advice);
+    ASSERT_EQ(json["body_map"].size(), 1u);
+    EXPECT_EQ(json["body_map"][0]["place"], "the face");
+    EXPECT_EQ(json["body_map"][0]["mm_per_pixel"], 1.5);
+    const auto text = [&](const char* file) {
+        const auto bytes = must(readFile(folder_ / file));
+        return std::string(bytes.begin(), bytes.end());
+    };
+    const std::string html = text("report.html"), summary = text("summary.txt");
+    EXPECT_LT(html.find("1. Film the face"), html.find("Quality on held-out frames"));
+    EXPECT_EQ(summary.find(mapped_.advice), 0u);
+}
 
 TEST_F(StageReport, scoresTheHeldOutFramesAndWritesItsFiles) {
     const nlohmann::json json = report();

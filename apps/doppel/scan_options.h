@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// The options by which `doppel check` and `doppel reconstruct` name a scan.
+#pragma once
+
+#include "apps/doppel/commands.h"
+#include "apps/doppel/video_options.h"
+#include "apps/shared/checks.h"
+#include "reconstruction/pipeline/reconstruct.h"
+
+namespace dpl {
+
+/** `options` must outlive the parsing. outHelp: what the output folder is for. */
+inline void addScanOptions(CLI::App& command, ReconstructOptions& options, const std::string& outHelp) {
+    CLI::Option* scan = command.add_option(
+        "scan", options.scan, "Scan folder (docs/formats/scan.md), nerfstudio or COLMAP folder, or anything that `doppel import` reads");
+    addVideoOptions(command, options.videos, scan);
+    command.add_option("-o,--out", options.out, outHelp)->required();
+    command.add_option("--body", options.body, "Body to start from (.glb made by `doppel body import`); default: the built-in body");
+    command.add_option("--models", options.models,
+                       "Folder of ONNX networks that find keypoints, masks and clothing if the scan has none; default: where tools/models "
+                       "installs them");
+    command
+        .add_option(
+            "--person", options.persons,
+            "FRAME:X,Y: the person is at this pixel of this picture, where several are in view; once for the still and once for the "
+            "moving pictures")
+        ->allow_extra_args(false);
+    command
+        .add_option("--height", options.heightM,
+                    "Height of the subject in metres, without shoes; sets the scale of a scan whose cameras have to be found")
+        ->check(inRange(0.3, 2.8));
+    command.add_option("--threads", options.threadCount, "CPU threads; 0: one for each core. The result is the same for any number")
+        ->check(inRange(0, 256))
+        ->capture_default_str();
+}
+
+}  // namespace dpl
