@@ -16,6 +16,7 @@ void addEvaluateCommand(CLI::App& app, CommandRun& run) {
     command->add_option("--poses", options->poses, "poses.json of the reconstruction (default: beside the avatar)");
     command->add_flag("--ladder", options->ladder,
                       "Replace stages by the truth in turn, on scans that have one (docs/reference/metrics.md)");
+    command->add_option("--lpips", options->lpips, "Weights of LPIPS (.npz), for scans of a published protocol (docs/reference/neuman.md)");
     command->add_option("--threads", options->threadCount, "CPU threads; 0: one for each core. The result is the same for any number")
         ->check(inRange(0, 256));
     command->footer(

@@ -49,6 +49,7 @@ struct Scan {
     double focalGuessPx = 0;    // where cameras are not known: a guess, from EXIF for example; 0: none
     bool metricWorld = true;    // false (COLMAP): arbitrary scale, origin and up; the body fit finds them
     bool splitStated = true;    // false: the reader chose every tenth static full-body frame for test
+    std::string protocol;       // "neuman": scores are also given by that published protocol (docs/reference/neuman.md); empty: none
     double subjectHeightM = 0;  // without shoes, as the user stated it; 0: unknown
     std::vector<ScanLabel> labels;
     std::vector<std::string> keypointNames;

@@ -19,6 +19,8 @@
 namespace dpl {
 namespace {
 
+constexpr size_t kFewestMoving = 20;  // of a scan without a still part; NeuMan trains on 30 and more
+
 class Checker {
 public:
     Checker(const Scan& scan, Jobs& jobs)
@@ -84,9 +86,14 @@ private:
             }
         if (!bad.empty())
             find(true, "files", formatText("{} of {} frames cannot be read; the first: {}", bad.size(), measures_.size(), first), bad);
-        size_t full = 0, held = 0;
-        for (const auto& f : scan_.frames) full += f.kind == FrameKind::StaticFull, held += f.split == Split::Test;
-        if (full < 8)
+        size_t full = 0, held = 0, moving = 0;
+        for (const auto& f : scan_.frames) {
+            full += f.kind == FrameKind::StaticFull, held += f.split == Split::Test;
+            moving += f.kind == FrameKind::Dynamic && f.split == Split::Train;
+        }
+        if (full == 0 && moving >= kFewestMoving && !scan_.protocol.empty())  // published data sets have no still part
+            find(false, "files", "the subject never stands still, so its shape and one layer of splats come from moving frames alone");
+        else if (full < 8)
             find(true, "files",
                  formatText(
                      "only {} full-body pictures of the still subject, at least 8 are needed and 40 or more are better; walk once around",

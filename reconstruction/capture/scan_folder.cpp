@@ -192,6 +192,10 @@ Result<Scan> readScanFolder(const fs::path& manifestPath) {
             return fail(Code::CorruptData, "{}: 'metric' is neither true nor false; correct it", manifestPath.string());
         scan.metricWorld = manifest.at("metric").get<bool>();
     }
+    DPL_TRY(scan.protocol, fields.text("protocol", ""));
+    if (!scan.protocol.empty() && scan.protocol != "neuman")
+        return fail(Code::Unsupported, "{}: protocol '{}' is not 'neuman'; remove the field", manifestPath.string(),
+                    scan.protocol.substr(0, 60));
     DPL_TRY(scan.subjectHeightM, fields.number("subject_height", 0));
     if (scan.subjectHeightM != 0 && !(scan.subjectHeightM >= 0.3 && scan.subjectHeightM <= 3))
         return fail(Code::CorruptData, "{}: subject_height {} is not between 0.3 and 3 m; correct it", manifestPath.string(),

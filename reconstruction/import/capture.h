@@ -21,8 +21,10 @@ struct CapturePicture {
     std::filesystem::path mask;     // empty: the alpha channel of `image`, if it has one
     std::optional<Camerad> camera;  // of the pixels as stored, world +Y up; nothing: unknown
     LensDistortion lens;
-    double timeS = 0;       // moving frames: since the first moving picture
-    std::string closeupOf;  // close-ups: what they show, if known
+    double timeS = 0;                  // moving frames: since the first moving picture
+    std::string closeupOf;             // close-ups: what they show, if known
+    bool maskShowsBackground = false;  // the mask file is 255 where the person is not
+    std::vector<Keypoint> keypoints;   // pixels of the stored picture, in the order of Capture::keypointNames; or empty
 };
 
 /** What a reader found. Either all pictures have a camera or none has. */
@@ -30,7 +32,9 @@ struct Capture {
     std::string what;         // for people: "Polycam raw data"
     bool metricWorld = true;  // false: scale, origin and up are arbitrary
     bool splitStated = false;
-    double focalGuessPx = 0;  // without cameras: from EXIF, in pixels of the pictures; 0: unknown
+    std::string protocol;                    // of a published evaluation, kept in the scan; empty: none
+    std::vector<std::string> keypointNames;  // empty: the capture has no keypoints
+    double focalGuessPx = 0;                 // without cameras: from EXIF, in pixels of the pictures; 0: unknown
     std::vector<CapturePicture> pictures;
     std::vector<std::string> notes;  // sentences about what was left out or assumed
 };

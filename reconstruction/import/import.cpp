@@ -41,6 +41,8 @@ Result<Capture> readLayout(const CaptureLayout& layout, const ImportOptions& opt
         case CaptureKind::Nerfstudio:
         case CaptureKind::Colmap:
             return readKnownScan(layout.root);
+        case CaptureKind::Neuman:
+            return readNeuman(layout.root);
         case CaptureKind::NerfSynthetic:
             return readNerfSynthetic(layout.root);
         case CaptureKind::Polycam:

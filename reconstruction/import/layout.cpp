@@ -5,6 +5,7 @@
 #include <cctype>
 
 #include "reconstruction/capture/scan_paths.h"
+#include "reconstruction/import/neuman.h"
 
 namespace dpl {
 
@@ -122,6 +123,8 @@ const char* captureName(CaptureKind kind) {
             return "a NeRF-synthetic folder";
         case CaptureKind::Colmap:
             return "a COLMAP model";
+        case CaptureKind::Neuman:
+            return "a NeuMan subject";
         case CaptureKind::Polycam:
             return "Polycam raw data";
         case CaptureKind::Record3dFolder:
@@ -165,6 +168,7 @@ Result<CaptureLayout> recogniseCapture(const fs::path& given) {
     if (isFile(path / "transforms_train.json")) return CaptureLayout{CaptureKind::NerfSynthetic, path, {}};
     if ((isFile(path / "metadata.json") || isFile(path / "metadata")) && (isFolder(path / "rgb") || isFolder(path / "rgbd")))
         return CaptureLayout{CaptureKind::Record3dFolder, path, {}};
+    if (isNeuman(path)) return CaptureLayout{CaptureKind::Neuman, path, {}};
     if (const fs::path root = colmapRoot(path); !root.empty()) return CaptureLayout{CaptureKind::Colmap, root, {}};
     if (const fs::path file = calibrationIn(path); !file.empty() && !videosIn(path).empty())
         return CaptureLayout{CaptureKind::CalibratedVideos, path, file};

@@ -15,6 +15,7 @@ enum class CaptureKind : uint8_t {
     Nerfstudio,     // transforms.json; NeRFCapture writes the same
     NerfSynthetic,  // transforms_train.json
     Colmap,
+    Neuman,  // a COLMAP model beside segmentations/
     Polycam,
     Record3dFolder,
     Record3dFile,

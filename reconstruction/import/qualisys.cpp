@@ -17,7 +17,7 @@
 namespace dpl {
 namespace {
 
-constexpr size_t kMaxCameras = 256;
+constexpr size_t kMaxQcaCameras = 256;
 constexpr double kUnitsPerPixel = 64;
 
 using Attributes = std::map<std::string, std::string>;
@@ -37,7 +37,7 @@ struct QcaParser {
         for (; attributes[0]; attributes += 2) read.emplace(attributes[0], attributes[1]);
         const std::string_view name = element;
         if (name == "camera") {
-            if (parser.cameras.size() >= kMaxCameras) XML_StopParser(parser.parser, XML_FALSE);
+            if (parser.cameras.size() >= kMaxQcaCameras) XML_StopParser(parser.parser, XML_FALSE);
             parser.cameras.emplace_back();
         }
         if (parser.cameras.empty()) return;
@@ -114,7 +114,8 @@ Result<std::vector<CalibratedCamera>> parseQualisys(std::string_view text, const
     const XML_Error error = XML_GetErrorCode(handler.parser);
     const auto line = XML_GetCurrentLineNumber(handler.parser);
     XML_ParserFree(handler.parser);
-    if (handler.cameras.size() > kMaxCameras) return fail(Code::Unsupported, "{}: more than {} cameras; export fewer", where, kMaxCameras);
+    if (handler.cameras.size() > kMaxQcaCameras)
+        return fail(Code::Unsupported, "{}: more than {} cameras; export fewer", where, kMaxQcaCameras);
     if (status != XML_STATUS_OK)
         return fail(Code::CorruptData, "{}: not valid XML at line {} ({}); export the calibration again", where, line,
                     XML_ErrorString(error));

@@ -15,6 +15,9 @@ Result<Capture> readKnownScan(const std::filesystem::path& root);
 /** transforms_train.json and, where they exist, transforms_val.json and transforms_test.json. */
 Result<Capture> readNerfSynthetic(const std::filesystem::path& root);
 
+/** A subject of the NeuMan data set. */
+Result<Capture> readNeuman(const std::filesystem::path& root);
+
 /** `root` holds keyframes/. */
 Result<Capture> readPolycam(const std::filesystem::path& root);
 /** Camera of one keyframe, without its picture. */

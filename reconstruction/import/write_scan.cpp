@@ -59,29 +59,47 @@ json cameraJson(const Camerad& camera, const LensDistortion& lens) {
     return out;
 }
 
+/** The mask of a picture that shows the background: its first channel, inverted. */
+Picture invertedMask(const Picture& stored) {
+    Picture mask{stored.widthPx, stored.heightPx, 1, std::vector<uint8_t>(size_t(stored.widthPx) * stored.heightPx)};
+    for (size_t i = 0; i < mask.pixels.size(); ++i) mask.pixels[i] = uint8_t(255 - stored.pixels[i * stored.channels]);
+    return mask;
+}
+
+json keypointsJson(const std::vector<std::string>& names, const std::vector<Keypoint>& keypoints) {
+    json detections = json::array(), confidence = json::array();
+    for (const Keypoint& k : keypoints) detections.push_back({k.px.x, k.px.y}), confidence.push_back(k.confidence);
+    return {{"names", names}, {"detections", detections}, {"confidence", confidence}};
+}
+
+/** The turn that makes a picture upright. Where the world's up is arbitrary, pictures with a camera stay as they are. */
+Turn turnOf(const Capture& capture, const CapturePicture& picture, const std::vector<uint8_t>& bytes) {
+    if (!picture.camera) return turnOfExif(readExif(bytes).orientation);
+    return capture.metricWorld ? uprightTurn(*picture.camera) : Turn{};
+}
+
 /** Size of the picture once it is upright. */
-Result<Size> uprightSize(const CapturePicture& picture) {
+Result<Size> uprightSize(const Capture& capture, const CapturePicture& picture) {
     DPL_TRY(const ImageHeader header, probeImage(picture.image));
-    Turn turn;
-    if (picture.camera) {
-        turn = uprightTurn(*picture.camera);
-    } else {
-        DPL_TRY(const auto bytes, readFile(picture.image, kMaxFileBytes));
-        turn = turnOfExif(readExif(bytes).orientation);
+    std::vector<uint8_t> bytes;
+    if (!picture.camera) {
+        DPL_TRY(bytes, readFile(picture.image, kMaxFileBytes));
     }
+    const Turn turn = turnOf(capture, picture, bytes);
     return turn.quarters % 2 == 0 ? Size{header.widthPx, header.heightPx} : Size{header.heightPx, header.widthPx};
 }
 
 class ScanWriter {
 public:
-    ScanWriter(const fs::path& folder, Size shared) : folder_(folder), shared_(shared) {}
+    ScanWriter(const Capture& capture, const fs::path& folder, Size shared) : capture_(capture), folder_(folder), shared_(shared) {}
 
     Result<json> write(const CapturePicture& picture) {
         DPL_TRY(const auto bytes, readCompleteImage(picture.image));
-        const Turn turn = picture.camera ? uprightTurn(*picture.camera) : turnOfExif(readExif(bytes).orientation);
+        const Turn turn = turnOf(capture_, picture, bytes);
         json entry = {{"id", next_++}, {"name", picture.name}, {"kind", kindName(picture.kind)}};
         DPL_CHECK_OK(writePicture(picture, bytes, turn, entry));
         if (!picture.mask.empty()) DPL_CHECK_OK(writeMask(picture, turn, entry));
+        if (!picture.keypoints.empty()) DPL_CHECK_OK(writeKeypoints(picture, turn, entry));
         if (picture.kind == FrameKind::Dynamic || picture.timeS != 0) entry["time"] = picture.timeS;
         if (!picture.closeupOf.empty()) entry["closeup_of"] = picture.closeupOf;
         if (picture.camera) {
@@ -127,13 +145,22 @@ private:
 
     Status writeMask(const CapturePicture& picture, Turn turn, json& entry) {
         DPL_TRY(const auto bytes, readCompleteImage(picture.mask));
-        if (turn.none()) return save("masks", picture.name + (isJpeg(bytes) ? ".jpg" : ".png"), bytes, entry, "mask");
-        DPL_TRY(const Picture stored, naming(picture.mask, decodePicture(bytes, PictureChannels::AsStored)));
+        if (turn.none() && !picture.maskShowsBackground)
+            return save("masks", picture.name + (isJpeg(bytes) ? ".jpg" : ".png"), bytes, entry, "mask");
+        DPL_TRY(Picture stored, naming(picture.mask, decodePicture(bytes, PictureChannels::AsStored)));
+        if (picture.maskShowsBackground) stored = invertedMask(stored);
         const Picture upright = turned(stored, turn);
         DPL_TRY(const auto encoded, encodePng(upright.pixels, upright.widthPx, upright.heightPx, upright.channels));
         return save("masks", picture.name + ".png", encoded, entry, "mask");
     }
 
+    Status writeKeypoints(const CapturePicture& picture, Turn turn, json& entry) {
+        if (!turn.none()) return fail(Code::Unsupported, "{}: keypoints of turned pictures are not read", picture.image.string());
+        const std::string text = keypointsJson(capture_.keypointNames, picture.keypoints).dump();
+        return save("keypoints", picture.name + ".json", {text.begin(), text.end()}, entry, "keypoints");
+    }
+
+    const Capture& capture_;
     fs::path folder_;
     Size shared_;
     size_t next_ = 0;
@@ -181,7 +208,7 @@ Status writeScan(Capture& capture, const std::string& name, double heightM, cons
     std::map<Size, size_t> counts;
     for (const CapturePicture& picture : capture.pictures) {
         DPL_CHECK_OK(checkProgress(progress, 0, "looking at the pictures"));
-        DPL_TRY(const Size size, uprightSize(picture));
+        DPL_TRY(const Size size, uprightSize(capture, picture));
         sizes.push_back(size);
         ++counts[size];
     }
@@ -191,7 +218,7 @@ Status writeScan(Capture& capture, const std::string& name, double heightM, cons
     const bool known = capture.pictures.front().camera.has_value();
     if (!known) DPL_CHECK_OK(keepOneSize(capture, sizes, shared));
 
-    ScanWriter writer(folder, shared);
+    ScanWriter writer(capture, folder, shared);
     json frames = json::array();
     for (const CapturePicture& picture : capture.pictures) {
         const double share = double(frames.size()) / double(capture.pictures.size());
@@ -205,6 +232,8 @@ Status writeScan(Capture& capture, const std::string& name, double heightM, cons
                      {"camera_model", "pinhole"}, {"frames", frames}};
     if (known && !capture.metricWorld) manifest["metric"] = false, manifest["units"] = "arbitrary";
     if (!known && capture.focalGuessPx > 0) manifest["focal_px"] = capture.focalGuessPx;
+    if (!capture.protocol.empty()) manifest["protocol"] = capture.protocol;
+    if (!capture.keypointNames.empty()) manifest["keypoint_names"] = capture.keypointNames;
     if (heightM > 0) manifest["subject_height"] = heightM;
     return writeFileAtomically(folder / "scan.json", manifest.dump(1));
 }

@@ -49,6 +49,7 @@ Result<Pose> readPose(const json& object, size_t jointCount) {
 
 std::string posesToJson(const PosesFile& poses) {
     ordered_json out = {{"format", "doppel-poses"}, {"version", 1}, {"joints", poses.jointNames}, {"frames", ordered_json::array()}};
+    if (poses.metresPerUnit > 0) out["metres_per_unit"] = poses.metresPerUnit;
     for (const FramePose& frame : poses.frames) {
         ordered_json entry = {{"name", frame.name}, {"kind", frame.kind}, {"split", frame.split}, {"pose", poseJson(frame.pose)}};
         if (frame.fittedPose) entry["fitted_pose"] = poseJson(*frame.fittedPose);
@@ -71,6 +72,11 @@ Result<PosesFile> readPosesFile(const std::filesystem::path& path) {
     for (const json& name : root["joints"]) {
         if (!name.is_string()) return bad("a joint name is not a string");
         out.jointNames.push_back(name.get<std::string>());
+    }
+    if (const auto scale = root.find("metres_per_unit"); scale != root.end()) {
+        if (!scale->is_number() || !(scale->get<double>() > 0) || !std::isfinite(scale->get<double>()))
+            return bad("metres_per_unit is not a positive number");
+        out.metresPerUnit = scale->get<double>();
     }
     for (const json& entry : root["frames"]) {
         if (!entry.is_object() || !entry.contains("name") || !entry["name"].is_string() || !entry.contains("pose") ||

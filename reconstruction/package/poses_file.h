@@ -20,6 +20,7 @@ struct FramePose {
 
 struct PosesFile {
     std::vector<std::string> jointNames;
+    double metresPerUnit = 0;  // of the scan's world, where its cameras are not in metres; 0: they are, or the file is older
     std::vector<FramePose> frames;
 };
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The stage garments: makes the layers of the clothed subject from the fitted body, masks and labels of the still training frames.
+#include <algorithm>
+
 #include "reconstruction/pipeline/clothed_file.h"
 #include "reconstruction/pipeline/stages.h"
 #include "sdk/core/files.h"
@@ -59,7 +61,10 @@ Result<std::vector<EvidenceData>> readDecisions(const std::filesystem::path& pat
 
 Result<DressedBody> runGarments(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
                                 Pictures& pictures, const RunSettings& settings) {
-    const std::vector<ScanLabel> wanted = settings.layers ? ingested.scan.labels : std::vector<ScanLabel>{};
+    // Layers are carved out of still silhouettes.
+    const auto still = [](const ScanFrame& frame) { return frame.kind == FrameKind::StaticFull; };
+    const bool layers = settings.layers && std::any_of(ingested.scan.frames.begin(), ingested.scan.frames.end(), still);
+    const std::vector<ScanLabel> wanted = layers ? ingested.scan.labels : std::vector<ScanLabel>{};
     json labels = json::array();
     for (const ScanLabel& label : wanted) labels.push_back({label.name, label.value});
     const json inputs = {{"training", ingested.trainingHash}, {"surface", surface.key}, {"labels", labels}};

@@ -30,6 +30,7 @@ Result<FoundPoses> runPoseFit(const StageRun& run, const IngestedScan& ingested,
         DPL_TRY(AvatarData avatar, readAvatar(package.bytes));
         PosesFile poses;
         for (const JointData& joint : avatar.joints) poses.jointNames.push_back(joint.name);
+        if (!scan.metricWorld) poses.metresPerUnit = body.fit.metresPerUnit;
         const std::vector<const Pose*> trained = trainedPoses(ingested, training.result);
         size_t untrained = 0, done = 0;
         for (const ScanFrame& frame : scan.frames) untrained += frame.split != Split::Train;
@@ -58,7 +59,7 @@ Result<FoundPoses> runPoseFit(const StageRun& run, const IngestedScan& ingested,
                          {"untrained", untrainedInputs(ingested)},
                          {"pictureTrust", priors::kTrainedPictureTrust},
                          {"settings", fieldsJson(settings.poseFit)}};
-    DPL_TRY(const StageOutput stage, run.chain.run("pose-fit", 5, inputs, fitPoses));
+    DPL_TRY(const StageOutput stage, run.chain.run("pose-fit", 6, inputs, fitPoses));
     const std::filesystem::path file = stage.folder / "poses.json";
     DPL_TRY(PosesFile poses, readPosesFile(file));
     return FoundPoses{file, std::move(poses), stage.key};

@@ -63,9 +63,12 @@ void setPrecisions(FrameSet& set, std::span<const std::shared_ptr<const PosePrec
 
 std::vector<size_t> silhouetteFrames(const IngestedScan& ingested) {
     std::vector<size_t> frames;
-    for (size_t f = 0; f < ingested.scan.frames.size(); ++f) {
-        const ScanFrame& frame = ingested.scan.frames[f];
-        if (isTrainingFrame(ingested, f) && frame.kind == FrameKind::StaticFull && !frame.maskPath.empty()) frames.push_back(f);
+    for (const FrameKind kind : {FrameKind::StaticFull, FrameKind::Dynamic}) {
+        for (size_t f = 0; f < ingested.scan.frames.size(); ++f) {
+            const ScanFrame& frame = ingested.scan.frames[f];
+            if (isTrainingFrame(ingested, f) && frame.kind == kind && !frame.maskPath.empty()) frames.push_back(f);
+        }
+        if (!frames.empty()) break;
     }
     return frames;
 }

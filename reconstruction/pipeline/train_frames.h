@@ -68,8 +68,8 @@ Result<FrameSet> framesOf(const IngestedScan& ingested, Split split, std::span<c
 /** Sets TrainFrame::precision. precisions: one a frame of the scan. */
 void setPrecisions(FrameSet& set, std::span<const std::shared_ptr<const PosePrecision>> precisions);
 
-/** Still training frames with a mask, without close-ups. Their silhouettes shape the surface and the garments. Indices into Scan::frames.
- */
+/** Still training frames with a mask, without close-ups. Their silhouettes shape the surface and the garments. Where there are none, the
+ *  moving ones. Indices into Scan::frames. */
 std::vector<size_t> silhouetteFrames(const IngestedScan& ingested);
 
 /** Label of every triangle of `mesh`, voted by the still training frames with labels. Empty when no frame has labels. */

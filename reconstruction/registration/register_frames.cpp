@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "reconstruction/registration/appearance.h"
 #include "reconstruction/registration/frame_poses.h"
@@ -172,6 +173,10 @@ Result<Registration> registerFrames(const RegisterInput& given, const RegisterSe
         if (!input.frames[f].picture) continue;
         if (input.frames[f].kind == FrameKind::StaticFull) stills.push_back(shown.size());
         shown.push_back(f);
+    }
+    if (stills.empty()) {  // the subject never stands still
+        stills.resize(shown.size());
+        std::iota(stills.begin(), stills.end(), size_t(0));
     }
     std::vector<Camerad> cameras;
     for (const size_t f : shown) cameras.push_back(input.frames[f].camera);

@@ -6,16 +6,11 @@
 #include <opencv2/imgproc.hpp>
 
 #include "reconstruction/capture/frame_picture.h"
+#include "reconstruction/report/picture_error.h"
 #include "reconstruction/surface/mesh_raster.h"
 
 namespace dpl {
 namespace {
-
-constexpr double kInfinitePsnrDb = 100;  // stands for infinity: the score of equal pictures
-
-double psnrDb(double meanSquare) {
-    return meanSquare > 0 ? std::min(kInfinitePsnrDb, -10 * std::log10(meanSquare)) : kInfinitePsnrDb;
-}
 
 /** colour·alpha + background·(1 − alpha), three float channels in [0, 1]. */
 cv::Mat composite(const std::vector<uint8_t>& rgba, int width, int height, float background) {
@@ -26,25 +21,6 @@ cv::Mat composite(const std::vector<uint8_t>& rgba, int width, int height, float
         for (int c = 0; c < 3; ++c) to[i * 3 + c] = float(rgba[i * 4 + c]) / 255.0f * alpha + background * (1 - alpha);
     }
     return out;
-}
-
-/** SSIM per pixel, mean of the three channels. Gaussian window 11 × 11, σ = 1.5; C1 = 0.01², C2 = 0.03², data range 1. */
-cv::Mat ssimMap(const cv::Mat& a, const cv::Mat& b) {
-    const auto blur = [](const cv::Mat& in) {
-        cv::Mat out;
-        cv::GaussianBlur(in, out, cv::Size(11, 11), 1.5, 1.5, cv::BORDER_REFLECT_101);
-        return out;
-    };
-    const cv::Mat meanA = blur(a), meanB = blur(b);
-    const cv::Mat varA = blur(a.mul(a)) - meanA.mul(meanA), varB = blur(b.mul(b)) - meanB.mul(meanB),
-                  cov = blur(a.mul(b)) - meanA.mul(meanB);
-    const cv::Scalar c1 = cv::Scalar::all(0.01 * 0.01), c2 = cv::Scalar::all(0.03 * 0.03);
-    cv::Mat numerator = (2 * meanA.mul(meanB) + c1), second = (2 * cov + c2), denominator = (meanA.mul(meanA) + meanB.mul(meanB) + c1),
-            third = (varA + varB + c2), map;
-    cv::divide(numerator.mul(second), denominator.mul(third), map);
-    cv::Mat grey;
-    cv::transform(map, grey, cv::Matx13f(1.0f / 3, 1.0f / 3, 1.0f / 3));
-    return grey;
 }
 
 }  // namespace
@@ -62,7 +38,7 @@ FrameScore scorePicture(const std::vector<uint8_t>& rgba, const std::vector<uint
     if (inside == 0) return score;
     score.alphaIou = double(both) / double(either);
     score.coverage = double(inside) / double(pixels);
-    score.maskedPsnrDb = kInfinitePsnrDb;
+    score.maskedPsnrDb = kEqualPsnrDb;
     score.maskedSsim = 1;
     for (float background : {1.0f, 0.0f, 0.5f}) {
         const cv::Mat render = composite(rgba, width, height, background), expected = composite(truthRgba, width, height, background);

@@ -61,6 +61,7 @@ Status CoOptimiser::State::prepare() {
     }
     if (usedFrames.empty())
         return fail(Code::InvalidArgument, "none of the {} training frames has a person in its mask", input.frames.size());
+    onlyMoving = std::all_of(usedFrames.begin(), usedFrames.end(), [&](uint32_t i) { return input.frames[i].kind == FrameKind::Dynamic; });
     bind = restTriangles(m);
     for (const Triangle& t : m.triangles) {
         const Vec3f e1 = m.restPositions[t.y] - m.restPositions[t.x], e2 = m.restPositions[t.z] - m.restPositions[t.x];
@@ -236,7 +237,7 @@ void CoOptimiser::State::updateSplats(uint32_t frame) {
     SplatBackward& b = pass.splatBackward();
     TrainableSplats& splats = learned.layer.splats;
     DensityStatistics& statistics = learned.layer.statistics;
-    const bool isStatic = input.frames[frame].kind != FrameKind::Dynamic;
+    const bool counts = input.frames[frame].kind != FrameKind::Dynamic || onlyMoving;
     const float halfHeight =
         0.5f * float(level[frame].camera.fy) / float(input.frames[frame].camera.fy) * float(input.frames[frame].camera.heightPx);
     std::vector<float> rate(splats.stride, 0.0f);
@@ -258,7 +259,7 @@ void CoOptimiser::State::updateSplats(uint32_t frame) {
         addSplatRegularisers(splats, referenceSizeM, active, settings.regularise, begin, end, rows);
         for (size_t i = begin; i < end; ++i) {
             if (!active[i]) continue;
-            if (isStatic) statistics.gradientSum[i] += length[i] * halfHeight, ++statistics.seen[i];
+            if (counts) statistics.gradientSum[i] += length[i] * halfHeight, ++statistics.seen[i];
             float* row = rows.data() + i * splats.stride;
             float sum = 0;
             for (uint32_t k = 0; k < splats.stride; ++k) sum += row[k];

@@ -24,6 +24,7 @@ struct CoOptimiser::State {
     std::optional<LargeSteps> largeSteps;
     std::optional<GarmentCollision> collision;
     std::vector<uint32_t> usedFrames;
+    bool onlyMoving = false;  // no still frame is used
 
     Learned learned;  // what a checkpoint stores
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fuzz target of the readers of captures: transforms.json, Polycam, Record3D, zip and npz archives, pictures with their EXIF, Qualisys and
-// Pose2Sim calibrations. No input may crash, and none may take more than 64 times its size and 64 MiB. The first bytes choose the reader,
-// so that mutations of one kind of file mostly reach its reader.
+// Fuzz target of the readers of captures: transforms.json, Polycam, Record3D, zip and npz archives, NumPy arrays, lists of NeuMan, pictures
+// with their EXIF, Qualisys and Pose2Sim calibrations. No input may crash, and none may take more than 64 times its size and 64 MiB. The
+// first bytes choose the reader, so that mutations of one kind of file mostly reach its reader.
 #include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
@@ -12,6 +12,7 @@
 #include "reconstruction/capture/scan_paths.h"
 #include "reconstruction/import/calibration.h"
 #include "reconstruction/import/exif.h"
+#include "reconstruction/import/neuman.h"
 #include "reconstruction/import/readers.h"
 #include "tests/fuzz/memory_watch.h"
 
@@ -83,6 +84,15 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         fuzzJson(text);
     } else if (text.starts_with("PK")) {
         fuzzArchive(bytes);
+    } else if (text.starts_with("\x93NUMPY")) {
+        const auto keypoints = dpl::parseNeumanKeypoints(bytes, "fuzz.npy");
+        checkEnd(keypoints, size);
+        if (keypoints) mustHold(keypoints->size() == 17, "another number of keypoints");
+    } else if (text.starts_with("0")) {
+        const auto names = dpl::parseNeumanList(text, "fuzz.txt");
+        checkEnd(names, size);
+        if (names)
+            for (const std::string& name : *names) mustHold(name.find('/') == std::string::npos, "an accepted name leaves its folder");
     } else if (text.starts_with("<")) {
         const auto cameras = dpl::parseQualisys(text, "fuzz.qca.txt");
         checkEnd(cameras, size);

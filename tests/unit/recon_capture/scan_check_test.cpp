@@ -59,6 +59,19 @@ TEST(ScanCheck, oneImageIsRefused) {
     EXPECT_TRUE(mentions(why->sentence, {"only 1", "walk"}));
 }
 
+TEST(ScanCheck, onlyScansOfAProtocolMayLackAStillPart) {
+    TemporaryFolder folder;
+    ScanBuilder builder(folder.path, 0, 25);  // 3 of them are held out
+    EXPECT_EQ(check(builder.write()).verdict, ScanVerdict::Refuse);
+    builder.manifest["protocol"] = "neuman";
+    const auto c = check(builder.write());
+    EXPECT_FALSE(finding(c, "files", true));
+    ASSERT_TRUE(finding(c, "files", false));
+    EXPECT_TRUE(mentions(finding(c, "files", false)->sentence, {"never stands still"}));
+    builder.manifest["frames"].erase(builder.manifest["frames"].begin(), builder.manifest["frames"].begin() + 4);
+    EXPECT_TRUE(finding(check(builder.write()), "files", true)) << "19 frames are too few";
+}
+
 TEST(ScanCheck, allBlurredIsRefusedAlthoughNoneIsBlurrierThanTheRest) {
     Spoiled s;
     s.eachImage([](const cv::Mat& image, size_t) {

@@ -130,6 +130,7 @@ TEST(HostileScan, fieldsOfImportedScans) {
         EXPECT_TRUE(mentions(scan.error().message, words));
     };
     refuse([](json& m) { m["metric"] = 1; }, {"'metric'"});
+    refuse([](json& m) { m["protocol"] = "other"; }, {"protocol 'other'", "'neuman'"});
     refuse([](json& m) { m["subject_height"] = 174; }, {"subject_height", "3 m"});
     refuse([](json& m) { m["frames"][0]["image_size"] = {96}; }, {"image_size"});
     refuse([](json& m) { m["frames"][0]["image_size"] = {95, 128}; }, {"96 x 128", "95 x 128"});

@@ -56,4 +56,19 @@ TEST_F(PosesFileTest, aRotationTooFewNamesTheFrame) {
     EXPECT_NE(back.error().message.find("full_003"), std::string::npos);
 }
 
+TEST_F(PosesFileTest, theScaleOfTheScansWorldIsKept) {
+    PosesFile poses = sample();
+    ASSERT_TRUE(writeFileAtomically(path_, posesToJson(poses)));
+    EXPECT_EQ(readPosesFile(path_)->metresPerUnit, 0) << "not stated";
+    poses.metresPerUnit = 0.37;
+    std::string text = posesToJson(poses);
+    ASSERT_TRUE(writeFileAtomically(path_, text));
+    EXPECT_EQ(readPosesFile(path_)->metresPerUnit, 0.37);
+    text.replace(text.find("0.37"), 4, "-1.0");
+    ASSERT_TRUE(writeFileAtomically(path_, text));
+    auto back = readPosesFile(path_);
+    ASSERT_FALSE(back);
+    EXPECT_NE(back.error().message.find("metres_per_unit"), std::string::npos);
+}
+
 }  // namespace
