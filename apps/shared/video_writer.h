@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes MP4 with the ffmpeg program: frames go through a pipe into a temporary file, which finish() renames.
+// Writes MP4 with the ffmpeg program: frames go through its standard input into a temporary file, which finish() renames.
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <span>
 
+#include "reconstruction/cameras/program.h"
 #include "sdk/core/result.h"
 
 namespace dpl {
@@ -15,19 +16,20 @@ class VideoWriter {
 public:
     /** Width and height must be even (H.264 with 4:2:0). Returns NotFound, with how to install it, when ffmpeg is missing. */
     static Result<VideoWriter> open(const std::filesystem::path& path, uint32_t widthPx, uint32_t heightPx, double framesPerSecond);
-    VideoWriter(VideoWriter&& other) noexcept;
+    VideoWriter(VideoWriter&& other) noexcept = default;
     VideoWriter& operator=(VideoWriter&&) = delete;
     /** Deletes the unfinished file if finish() was not called. */
     ~VideoWriter();
 
-    /** rgb: one frame, 3 bytes per pixel, rows without padding. */
+    /** rgb: one frame, 3 bytes per pixel, rows without padding. After an error only the destructor may be called. */
     Status write(std::span<const uint8_t> rgb);
+    /** Call once. Errors carry ffmpeg's last line. */
     Status finish();
 
 private:
-    VideoWriter(std::FILE* pipe, std::filesystem::path path, std::filesystem::path temporary)
-        : pipe_(pipe), path_(std::move(path)), temporary_(std::move(temporary)) {}
-    std::FILE* pipe_ = nullptr;
+    VideoWriter(std::unique_ptr<FedProgram> ffmpeg, std::filesystem::path path, std::filesystem::path temporary)
+        : ffmpeg_(std::move(ffmpeg)), path_(std::move(path)), temporary_(std::move(temporary)) {}
+    std::unique_ptr<FedProgram> ffmpeg_;  // null once it has ended
     std::filesystem::path path_, temporary_;
 };
 

@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -14,6 +15,7 @@
 #include <cstring>
 #include <fstream>
 #include <thread>
+#include <utility>
 
 extern char** environ;
 
@@ -30,7 +32,7 @@ constexpr size_t kMaxLineBytes = 64 << 10;               // a longer line is han
 /** Closes a file descriptor when it goes out of scope. */
 struct Descriptor {
     int fd = -1;
-    Descriptor() = default;
+    explicit Descriptor(int given = -1) : fd(given) {}
     Descriptor(const Descriptor&) = delete;
     Descriptor& operator=(const Descriptor&) = delete;
     ~Descriptor() { close(); }
@@ -64,7 +66,10 @@ int start(const ProgramRun& run, const fs::path& program, int output, pid_t& chi
     posix_spawnattr_t attributes;
     posix_spawn_file_actions_init(&actions);
     posix_spawnattr_init(&attributes);
-    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    if (run.input >= 0)
+        posix_spawn_file_actions_adddup2(&actions, run.input, STDIN_FILENO);
+    else
+        posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
     posix_spawn_file_actions_adddup2(&actions, output, STDERR_FILENO);
     sigset_t defaults;
@@ -148,13 +153,15 @@ Status runProgram(const ProgramRun& run) {
         readEnd.fd = ends[0], writeEnd.fd = ends[1];
     else
         return fail(Code::Io, "cannot start '{}': {}", name, std::strerror(errno));
-    std::ofstream log(run.log, std::ios::app | std::ios::binary);
+    std::ofstream log;
+    if (!run.log.empty()) log.open(run.log, std::ios::app | std::ios::binary);
     if (!log) return fail(Code::Io, "cannot write {}; choose another output folder", run.log.string());
     pid_t child = -1;
     if (const int error = start(run, *program, writeEnd.fd, child); error != 0)
         return fail(Code::Io, "cannot start '{}': {}", program->string(), std::strerror(error));
     writeEnd.close();
 
+    const std::string whereOutput = run.log.empty() ? "" : "; all of its output: " + run.log.string();
     LineSplitter lines(run.line);
     const auto cancelled = [&] { return run.cancel && run.cancel->load(); };
     const auto started = Clock::now();
@@ -162,7 +169,7 @@ Status runProgram(const ProgramRun& run) {
     const auto stop = [&]() -> Status {
         endGroup(child);
         if (cancelled()) return fail(Code::Cancelled, "'{}' was stopped", name);
-        return fail(Code::Io, "'{}' took more than {} s and was stopped; all of its output: {}", name, run.timeoutS, run.log.string());
+        return fail(Code::Io, "'{}' took more than {} s and was stopped{}", name, run.timeoutS, whereOutput);
     };
     for (bool open = true; open;) {
         if (cancelled() || late()) return stop();
@@ -173,8 +180,7 @@ Status runProgram(const ProgramRun& run) {
         if (count < 0 && errno == EINTR) continue;
         open = count > 0;
         if (!open) break;
-        log.write(bytes, count);
-        log.flush();
+        if (log.is_open()) log.write(bytes, count).flush();
         lines.add({bytes, size_t(count)});
     }
     lines.end();
@@ -188,8 +194,47 @@ Status runProgram(const ProgramRun& run) {
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
     const std::string how = WIFSIGNALED(status) ? formatText("was ended by signal {}", WTERMSIG(status))
                                                 : formatText("ended with exit status {}", WEXITSTATUS(status));
-    return fail(Code::Io, "'{}' {}; its last line: \"{}\"; all of its output: {}", name, how, lines.last().substr(0, 300),
-                run.log.string());
+    return fail(Code::Io, "'{}' {}; its last line: \"{}\"{}", name, how, lines.last().substr(0, 300), whereOutput);
+}
+
+Result<std::unique_ptr<FedProgram>> FedProgram::start(ProgramRun run) {
+    const std::string name = run.arguments.empty() ? "" : run.arguments.front();
+    if (!findProgram(name)) return fail(Code::NotFound, "the program '{}' is not installed", name);
+    // A socket, because writing to a pipe that nobody reads raises SIGPIPE.
+    int ends[2];
+    if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
+        return fail(Code::Io, "cannot start '{}': {}", name, std::strerror(errno));
+    std::unique_ptr<FedProgram> fed(new FedProgram);
+    fed->input_ = ends[0];
+    run.input = ends[1], run.cancel = &fed->cancel_;
+    fed->thread_ = std::thread([fed = fed.get(), run = std::move(run)] {
+        const Descriptor readEnd(run.input);  // kept until the program has ended, then a writer learns that nobody reads
+        fed->end_ = runProgram(run);
+    });
+    return fed;
+}
+
+FedProgram::~FedProgram() {
+    cancel_ = true;
+    if (input_ >= 0) ::close(input_);
+    if (thread_.joinable()) thread_.join();
+}
+
+Status FedProgram::write(std::span<const uint8_t> bytes) {
+    while (!bytes.empty()) {
+        const ssize_t count = ::send(input_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+        if (count < 0 && errno == EINTR) continue;
+        if (count <= 0) return fail(Code::Io, "the program stopped reading");
+        bytes = bytes.subspan(size_t(count));
+    }
+    return {};
+}
+
+Status FedProgram::finish() {
+    ::shutdown(input_, SHUT_WR);
+    thread_.join();
+    ::close(std::exchange(input_, -1));
+    return std::move(end_);
 }
 
 }  // namespace dpl

@@ -5,9 +5,12 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include "sdk/core/result.h"
@@ -17,16 +20,41 @@ namespace dpl {
 struct ProgramRun {
     std::vector<std::string> arguments;                    // the first is the program: a path, or a name that is looked up in PATH
     std::vector<std::string> environment = {};             // "NAME=value", added to the environment of this process
-    std::filesystem::path log;                             // standard output and standard error are appended here
+    std::filesystem::path log = {};                        // standard output and standard error are appended here; empty: nowhere
     std::function<void(std::string_view line)> line = {};  // called for every line of output, on the calling thread; may be empty
     const std::atomic<bool>* cancel = nullptr;             // when it turns true, the program and its children are killed; may be null
     double timeoutS = 0;                                   // seconds after which it is killed; 0: none
+    int input = -1;  // descriptor that becomes its standard input; stays the caller's; −1: it reads nothing
 };
 
-/** Runs a program to its end. It reads nothing from standard input and has its own process group, so Ctrl-C reaches it only through
+/** Runs a program to its end. It has its own process group, so Ctrl-C reaches it only through
  *  `cancel`, within half a second. NotFound: there is no such program. Cancelled: `cancel` turned true. Io: the program failed or
- *  ran longer than `timeoutS`; the message has its name, how it ended, its last line of output and the log. Call from any thread. */
+ *  ran longer than `timeoutS`; the message has its name, how it ended, its last line of output and the log, if there is one. Call from any
+ * thread. */
 Status runProgram(const ProgramRun& run);
+
+/** A program that is fed through its standard input, by runProgram() on a thread of its own. For use by one thread. */
+class FedProgram {
+public:
+    /** `run.input` and `run.cancel` are not used. NotFound: there is no such program. */
+    static Result<std::unique_ptr<FedProgram>> start(ProgramRun run);
+    FedProgram(const FedProgram&) = delete;
+    FedProgram& operator=(const FedProgram&) = delete;
+    /** Kills the program if finish() was not called. */
+    ~FedProgram();
+
+    /** Blocks until the program has taken the bytes. Io: it no longer reads; finish() says why. */
+    Status write(std::span<const uint8_t> bytes);
+    /** Ends its input and waits for its end. Errors are those of runProgram(). Call once. */
+    Status finish();
+
+private:
+    FedProgram() = default;
+    int input_ = -1;
+    std::atomic<bool> cancel_{false};
+    std::thread thread_;
+    Status end_;
+};
 
 /** The file that runProgram would start for `name`, or nullopt. */
 std::optional<std::filesystem::path> findProgram(const std::string& name);

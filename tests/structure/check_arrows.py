@@ -25,7 +25,7 @@ RULES["apps"] = ["apps", "platform", "reconstruction", "sdk/core", "sdk/math"]
 # The referee judges the fast code, so of that it may include only data types and file readers.
 RULES["apps/reference"] = ["sdk/core", "sdk/format", "sdk/avatar/rig.h", "sdk/math/camera.h"]
 RULES["apps/xr"] = ["apps/xr", "apps/shared", "platform", "reconstruction/image", "sdk/core", "sdk/math"]
-RULES["apps/shared"] = ["reconstruction/report", "sdk/core", "sdk/math"]
+RULES["apps/shared"] = ["reconstruction/cameras", "reconstruction/report", "sdk/core", "sdk/math"]
 RULES["apps/bench"] = ["apps/shared", "apps/reference", "reconstruction/package", "reconstruction/pipeline", "reconstruction/report", "sdk/core", "sdk/math"]
 RULES["tools"] = ["sdk", "shaders", "tools", "reconstruction", "apps/bench", "apps/shared", "apps/reference"]
 # Public headers are included as <doppel/...>; a room not named here must not know them.

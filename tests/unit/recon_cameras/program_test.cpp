@@ -116,5 +116,43 @@ TEST(Program, carriageReturnsEndLines) {
     EXPECT_EQ(lines, (std::vector<std::string>{"1 of 2", "2 of 2", "done"}));
 }
 
+std::vector<uint8_t> bytesOf(const std::string& text) {
+    return {text.begin(), text.end()};
+}
+
+TEST(FedProgram, inputReachesTheProgram) {
+    LogFile log;
+    auto fed = FedProgram::start({.arguments = {"sh", "-c", "read line; echo \"got $line\"; wc -c"}, .log = log.path});
+    ASSERT_TRUE(fed) << fed.error().message;
+    ASSERT_TRUE((*fed)->write(bytesOf("$(exit 3)\n")));
+    const std::vector<uint8_t> much(3 << 20, 'x');  // more than any socket holds
+    ASSERT_TRUE((*fed)->write(much));
+    const Status ended = (*fed)->finish();
+    ASSERT_TRUE(ended) << ended.error().message;
+    EXPECT_EQ(log.text(), "got $(exit 3)\n3145728\n");
+}
+
+TEST(FedProgram, aProgramThatStopsReadingIsAnErrorWithItsLastLine) {
+    auto fed = FedProgram::start({.arguments = {"sh", "-c", "exec <&-; echo disk full; exit 4"}});
+    ASSERT_TRUE(fed) << fed.error().message;
+    const std::vector<uint8_t> much(1 << 20, 'x');
+    Status written;
+    while (written) written = (*fed)->write(much);  // without a SIGPIPE
+    const Status ended = (*fed)->finish();
+    ASSERT_FALSE(ended);
+    for (const char* part : {"exit status 4", "disk full"})
+        EXPECT_NE(ended.error().message.find(part), std::string::npos) << ended.error().message;
+}
+
+TEST(FedProgram, leavingItEndsTheProgram) {
+    const auto started = std::chrono::steady_clock::now();
+    {
+        auto fed = FedProgram::start({.arguments = {"sleep", "60"}});
+        ASSERT_TRUE(fed) << fed.error().message;
+    }
+    EXPECT_LT(std::chrono::steady_clock::now() - started, std::chrono::seconds(5));
+    EXPECT_EQ(FedProgram::start({.arguments = {"dpl-no-such-program"}}).error().code, Code::NotFound);
+}
+
 }  // namespace
 }  // namespace dpl
