@@ -62,5 +62,23 @@ TEST(FittedView, keepsWhatIsSeenAtTheEdges) {
     EXPECT_EQ(wide.widthPx, 120u);
 }
 
+TEST(RotatedDepth, movesAsThePictureDoes) {
+    DplCamera camera = someCamera();
+    camera.widthPx = 3, camera.heightPx = 2;
+    const std::vector<float> scene = {1, 2, 3, 4, 5, 6};
+    camera.sceneDepthM = scene.data(), camera.sceneDepthCount = scene.size();
+    std::vector<float> turned;
+    const auto expect = [&](VkSurfaceTransformFlagBitsKHR transform, const std::vector<float>& wanted) {
+        rotatedDepth(camera, {3, 2}, transform, turned);
+        EXPECT_EQ(turned, wanted) << transform;
+    };
+    expect(VK_SURFACE_TRANSFORM_IDENTITY_BIT_KHR, scene);
+    expect(VK_SURFACE_TRANSFORM_ROTATE_90_BIT_KHR, {4, 1, 5, 2, 6, 3});  // as pixel (u, v) moves to (h - v, u)
+    expect(VK_SURFACE_TRANSFORM_ROTATE_180_BIT_KHR, {6, 5, 4, 3, 2, 1});
+    expect(VK_SURFACE_TRANSFORM_ROTATE_270_BIT_KHR, {3, 6, 2, 5, 1, 4});
+    rotatedDepth(camera, {6, 1}, VK_SURFACE_TRANSFORM_IDENTITY_BIT_KHR, turned);
+    EXPECT_EQ(turned, (std::vector<float>{1, 1, 2, 2, 3, 3})) << "a picture of another size takes the depth of the same place";
+}
+
 }  // namespace
 }  // namespace dpl::android

@@ -8,6 +8,7 @@ java="$1" classes="$2" class="$3" library="$4" draw="$5" make="$6"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 "$make" "$work/avatar.glb"
+"$make" "$work/person.glb" --person
 "$draw" "$work/avatar.glb" 1 "$work/software.rgba"
 "$draw" "$work/avatar.glb" 2 "$work/vulkan.rgba" || rm -f "$work/vulkan.rgba"
 preload=""

@@ -5,11 +5,19 @@
 
 #include "sdk/format/avatar_file.h"
 #include "tests/package/tiny_avatar.h"
+#include "tests/unit/avatar/rigs.h"
+#include "tests/unit/format/sample_correctives.h"
 
 int main(int argc, char** argv) {
-    const bool plain = argc == 3 && std::strcmp(argv[2], "--plain") == 0;  // without Draco
-    if (argc != 2 && !plain) return std::printf("usage: make_tiny_avatar OUT.glb [--plain]\n"), 2;
+    const bool plain = argc == 3 && std::strcmp(argv[2], "--plain") == 0;    // without Draco
+    const bool person = argc == 3 && std::strcmp(argv[2], "--person") == 0;  // with the joints of a person in T-pose, and pose correctives
+    if (argc != 2 && !plain && !person) return std::printf("usage: make_tiny_avatar OUT.glb [--plain | --person]\n"), 2;
     dpl::AvatarData avatar = dpl::test::tinyAvatar();
+    if (person) {
+        avatar.joints = dpl::test::personRig(0);
+        avatar = dpl::test::withCorrectives(std::move(avatar), 3, {.reach = 1, .reachOffModes = 0.5f});
+        std::fill(avatar.correctives.mean.begin(), avatar.correctives.mean.end(), 0.0f);
+    }
     dpl::sortSplats(avatar);
     const auto bytes = dpl::writeAvatar(avatar, {.draco = !plain});
     if (!bytes) return std::printf("%s\n", bytes.error().message.c_str()), 1;

@@ -49,21 +49,14 @@ void avatarInfo(JNIEnv* env, jclass, jlong avatar, jlongArray counts, jfloatArra
 jobjectArray jointNames(JNIEnv* env, jclass, jlong avatar) {
     const auto info = infoOf(env, avatar);
     if (!info) return nullptr;
-    jclass strings = env->FindClass("java/lang/String");
-    jobjectArray names = strings ? env->NewObjectArray(jsize(2 * info->jointCount), strings, nullptr) : nullptr;
-    env->DeleteLocalRef(strings);
-    for (uint32_t j = 0; names && j < info->jointCount; ++j) {
+    std::vector<std::string> names;
+    for (uint32_t j = 0; j < info->jointCount; ++j) {
         DplJointInfo joint{};
         joint.structSize = sizeof joint;
         if (!check(env, dplGetJointInfo(avatarOf(avatar), j, &joint))) return nullptr;
-        for (const auto& [place, text] : {std::pair{2 * j, joint.name}, std::pair{2 * j + 1, joint.humanoidBone}}) {
-            jstring made = toJava(env, text);
-            if (!made) return nullptr;
-            env->SetObjectArrayElement(names, jsize(place), made);
-            env->DeleteLocalRef(made);  // a rig has more joints than a frame of JNI has references
-        }
+        names.insert(names.end(), {joint.name, joint.humanoidBone});
     }
-    return names;
+    return textsOf(env, names);
 }
 
 /** Four numbers a joint: the index of its parent or -1, and its place at rest. */
@@ -144,6 +137,20 @@ jint loadClip(JNIEnv* env, jclass, jlong avatar, jobject buffer, jlong offset, j
     return check(env, dplLoadClip(avatarOf(avatar), bytes->data, bytes->size, &options, &clip)) ? jint(clip) : 0;
 }
 
+/** trust: the shares and distances of DplPoseTrust, with the farthest joint as a number. distances: one for each joint, or null. */
+void poseTrust(JNIEnv* env, jclass, jlong avatar, jfloatArray trust, jfloatArray distances) {
+    std::vector<float> values(distances ? size_t(env->GetArrayLength(distances)) : 0);
+    DplPoseTrust told{};
+    told.structSize = sizeof told;
+    if (!check(env, dplGetPoseTrust(avatarOf(avatar), &told, distances ? values.data() : nullptr, uint32_t(values.size())))) return;
+    write(env, trust, {told.offsets, told.away, told.offModes, float(told.farthestJoint), told.farthestDistance});
+    write(env, distances, values);
+}
+
+void holdPose(JNIEnv* env, jclass, jlong avatar, jfloat limit) {
+    check(env, dplHoldPose(avatarOf(avatar), limit));
+}
+
 /** counts: splats drawn, splats allowed, bytes of the context, bytes of the avatar, budget state, frames over budget. times: ms of the GPU
  *  and of the frame, and the share of splats that level of detail kept. */
 void frameStats(JNIEnv* env, jclass, jlong avatar, jlongArray counts, jdoubleArray times) {
@@ -173,6 +180,8 @@ const std::vector<JNINativeMethod> kAvatarMethods = {
     method("clipDuration", "(JI)D", clipDuration),
     method("setPoseFromClip", "(JIDZ)V", setPoseFromClip),
     method("loadClip", "(JLjava/nio/ByteBuffer;JJILjava/lang/String;)I", loadClip),
+    method("poseTrust", "(J[F[F)V", poseTrust),
+    method("holdPose", "(JF)V", holdPose),
     method("frameStats", "(J[J[D)V", frameStats),
 };
 

@@ -15,6 +15,9 @@ constexpr size_t kCameraFloats = 18;
 
 /** Nothing, and an exception: not that many numbers. Their values are checked by the library. */
 std::optional<DplCamera> cameraOf(JNIEnv* env, jfloatArray camera);
+/** Gives a camera the depth of the app's scene: a direct FloatBuffer, which must stay reachable while it is used, or null for none. False,
+ *  and an exception: no direct buffer. Its size is checked by the library. */
+bool addSceneDepth(JNIEnv* env, jobject depth, DplCamera& camera);
 std::vector<DplAvatar> avatarsOf(JNIEnv* env, jlongArray avatars);
 
 }  // namespace dpl::android

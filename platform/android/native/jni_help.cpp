@@ -86,6 +86,27 @@ std::optional<Bytes> bytesOf(JNIEnv* env, jobject buffer, jlong offset, jlong si
     return Bytes{start + offset, size_t(size)};
 }
 
+std::optional<std::span<float>> floatsIn(JNIEnv* env, jobject buffer) {
+    auto* start = buffer ? env->GetDirectBufferAddress(buffer) : nullptr;
+    if (start && reinterpret_cast<uintptr_t>(start) % alignof(float) == 0)
+        return std::span(static_cast<float*>(start), size_t(env->GetDirectBufferCapacity(buffer)));
+    throwDoppel(env, DPL_ERROR_INVALID_ARGUMENT, "a direct FloatBuffer is needed: allocateDirect, order(nativeOrder()), asFloatBuffer");
+    return std::nullopt;
+}
+
+jobjectArray textsOf(JNIEnv* env, const std::vector<std::string>& texts) {
+    jclass strings = env->FindClass("java/lang/String");
+    jobjectArray made = strings ? env->NewObjectArray(jsize(texts.size()), strings, nullptr) : nullptr;
+    env->DeleteLocalRef(strings);
+    for (size_t i = 0; made && i < texts.size(); ++i) {
+        jstring text = toJava(env, texts[i]);
+        if (!text) return nullptr;
+        env->SetObjectArrayElement(made, jsize(i), text);
+        env->DeleteLocalRef(text);  // there may be more texts than a frame of JNI has references
+    }
+    return made;
+}
+
 GlobalRef::~GlobalRef() {
     void* env = nullptr;
     const bool attached = virtualMachine->GetEnv(&env, JNI_VERSION_1_6) == JNI_OK;

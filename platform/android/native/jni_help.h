@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -51,6 +52,10 @@ struct Bytes {
 /** `size` bytes at `offset` of a direct ByteBuffer, which must stay reachable while they are used. Nothing, and an exception: no direct
  *  buffer, or not that many bytes. */
 std::optional<Bytes> bytesOf(JNIEnv* env, jobject buffer, jlong offset, jlong size);
+/** All of a direct FloatBuffer, whatever its position; as bytesOf. */
+std::optional<std::span<float>> floatsIn(JNIEnv* env, jobject buffer);
+/** A java.lang.String[] of texts. Null, and an exception: out of memory. */
+jobjectArray textsOf(JNIEnv* env, const std::vector<std::string>& texts);
 
 /** Keeps a Java object alive until it is destroyed, on any thread. */
 class GlobalRef {
@@ -65,7 +70,7 @@ private:
 };
 
 /** The native methods of Native.java, by subject. */
-extern const std::vector<JNINativeMethod> kContextMethods, kAvatarMethods, kLoadMethods, kViewMethods;
+extern const std::vector<JNINativeMethod> kContextMethods, kAvatarMethods, kLoadMethods, kTrackerMethods, kViewMethods;
 
 /** One row of these tables. */
 template <class Function>

@@ -62,7 +62,8 @@ extern "C" JNIEXPORT jint JNICALL JNI_OnLoad(JavaVM* vm, void*) {
     const auto registered = [&](const std::vector<JNINativeMethod>& methods) {
         return env->RegisterNatives(natives, methods.data(), jint(methods.size())) == JNI_OK;
     };
-    const bool all = registered(kContextMethods) && registered(kAvatarMethods) && registered(kLoadMethods) && registered(kViewMethods);
+    const bool all = registered(kContextMethods) && registered(kAvatarMethods) && registered(kLoadMethods) && registered(kTrackerMethods) &&
+                     registered(kViewMethods);
     env->DeleteLocalRef(natives);
     if (!all) return JNI_ERR;
     sendLogToSystem();

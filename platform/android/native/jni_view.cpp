@@ -82,11 +82,12 @@ void setWindow(JNIEnv* env, jclass, jlong view, jobject surface, jint width, jin
     if (!env->ExceptionCheck()) found->setWindow(std::move(window), {uint32_t(width), uint32_t(height)});
 }
 
-jint drawView(JNIEnv* env, jclass, jlong view, jlongArray avatars, jfloatArray camera, jfloat red, jfloat green, jfloat blue) {
+jint drawView(JNIEnv* env, jclass, jlong view, jlongArray avatars, jfloatArray camera, jobject sceneDepth, jfloat red, jfloat green,
+              jfloat blue) {
     const auto found = views().find(env, view);
     if (!found) return 0;
-    const std::optional<DplCamera> seen = cameraOf(env, camera);
-    if (!seen) return 0;
+    std::optional<DplCamera> seen = cameraOf(env, camera);
+    if (!seen || !addSceneDepth(env, sceneDepth, *seen)) return 0;
     const std::vector<DplAvatar> handles = avatarsOf(env, avatars);
     const auto drawn = found->draw({handles, *seen, {red, green, blue}});
     if (drawn) return jint(*drawn);
@@ -97,18 +98,7 @@ jint drawView(JNIEnv* env, jclass, jlong view, jlongArray avatars, jfloatArray c
 /** What the validation layer said. */
 jobjectArray viewComplaints(JNIEnv* env, jclass, jlong view) {
     const auto found = views().find(env, view);
-    if (!found) return nullptr;
-    const std::vector<std::string> all = found->complaints();
-    jclass strings = env->FindClass("java/lang/String");
-    jobjectArray made = strings ? env->NewObjectArray(jsize(all.size()), strings, nullptr) : nullptr;
-    env->DeleteLocalRef(strings);
-    for (size_t i = 0; made && i < all.size(); ++i) {
-        jstring text = toJava(env, all[i]);
-        if (!text) return nullptr;
-        env->SetObjectArrayElement(made, jsize(i), text);
-        env->DeleteLocalRef(text);
-    }
-    return made;
+    return found ? textsOf(env, found->complaints()) : nullptr;
 }
 
 }  // namespace
@@ -118,7 +108,7 @@ const std::vector<JNINativeMethod> kViewMethods = {
     method("destroyView", "(J)V", destroyView),
     method("viewContext", "(J)J", viewContext),
     method("setWindow", "(JLjava/lang/Object;II)V", setWindow),
-    method("drawView", "(J[J[FFFF)I", drawView),
+    method("drawView", "(J[J[FLjava/nio/FloatBuffer;FFF)I", drawView),
     method("viewComplaints", "(J)[Ljava/lang/String;", viewComplaints),
 };
 

@@ -6,6 +6,8 @@
 #include <doppel/doppel.h>
 #include <vulkan/vulkan_core.h>
 
+#include <vector>
+
 namespace dpl::android {
 
 /** The camera of a picture of another size, with the same field of view to each side. For the frames while a window changes its size. */
@@ -40,6 +42,23 @@ inline DplCamera rotatedView(const DplCamera& camera, VkSurfaceTransformFlagBits
         }
     }
     return turned;
+}
+
+/** The scene depth of `camera` for the picture of rotatedView(fittedView(camera, upright), transform): each pixel has the depth that the
+ *  camera's buffer has at the same place. depths: as large as that picture. */
+inline void rotatedDepth(const DplCamera& camera, VkExtent2D upright, VkSurfaceTransformFlagBitsKHR transform, std::vector<float>& depths) {
+    const VkExtent2D drawn = isQuarterTurn(transform) ? VkExtent2D{upright.height, upright.width} : upright;
+    depths.resize(size_t(drawn.width) * drawn.height);
+    const bool backwardsX = transform == VK_SURFACE_TRANSFORM_ROTATE_180_BIT_KHR || transform == VK_SURFACE_TRANSFORM_ROTATE_270_BIT_KHR;
+    const bool backwardsY = transform == VK_SURFACE_TRANSFORM_ROTATE_180_BIT_KHR || transform == VK_SURFACE_TRANSFORM_ROTATE_90_BIT_KHR;
+    for (uint32_t y = 0; y < drawn.height; ++y)
+        for (uint32_t x = 0; x < drawn.width; ++x) {
+            uint32_t u = isQuarterTurn(transform) ? y : x, v = isQuarterTurn(transform) ? x : y;
+            if (backwardsX) u = upright.width - 1 - u;
+            if (backwardsY) v = upright.height - 1 - v;
+            const size_t column = size_t(u) * camera.widthPx / upright.width, row = size_t(v) * camera.heightPx / upright.height;
+            depths[size_t(y) * drawn.width + x] = camera.sceneDepthM[row * camera.widthPx + column];
+        }
 }
 
 }  // namespace dpl::android

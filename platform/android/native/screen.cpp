@@ -131,7 +131,15 @@ doppel::Status Screen::record(uint32_t slotIndex, uint32_t image, const FrameReq
     if (request.avatars.empty()) {
         avatars = doppel::status(dplVulkanUpload(context_, commands, slotIndex));
     } else {
-        const DplCamera camera = rotatedView(fittedView(request.camera, upright), swapchain_.transform());
+        DplCamera camera = rotatedView(fittedView(request.camera, upright), swapchain_.transform());
+        if (const DplCamera& asked = request.camera; asked.sceneDepthM) {
+            const size_t pixels = size_t(asked.widthPx) * asked.heightPx;
+            if (pixels == 0 || asked.sceneDepthCount < pixels)
+                camera.sceneDepthCount = 0;  // the library refuses it
+            else
+                rotatedDepth(asked, upright, swapchain_.transform(), sceneDepth_);
+            if (camera.sceneDepthCount != 0) camera.sceneDepthM = sceneDepth_.data(), camera.sceneDepthCount = sceneDepth_.size();
+        }
         avatars = doppel::status(
             dplVulkanPrepare(context_, commands, slotIndex, request.avatars.data(), uint32_t(request.avatars.size()), &camera, 1, nullptr));
         prepared = bool(avatars);

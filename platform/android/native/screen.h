@@ -38,6 +38,7 @@ private:
     VkRenderPass pass_ = VK_NULL_HANDLE;
     uint32_t composer_ = 0;
     std::vector<VkImageView> views_;
+    std::vector<float> sceneDepth_;  // of the app's scene, turned as the images are
     std::vector<VkFramebuffer> framebuffers_;
 };
 

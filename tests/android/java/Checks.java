@@ -3,6 +3,8 @@ package org.doppel;
 
 import java.io.IOException;
 import java.nio.ByteBuffer;
+import java.nio.ByteOrder;
+import java.nio.FloatBuffer;
 import java.nio.channels.FileChannel;
 import java.nio.file.Files;
 import java.nio.file.Path;
@@ -54,6 +56,16 @@ public final class Checks {
         ByteBuffer buffer = ByteBuffer.allocateDirect(bytes.length);
         buffer.put(bytes).flip();
         return buffer;
+    }
+
+    /** One camera, without depth. */
+    static void render(long context, long[] avatars, float[] camera, ByteBuffer rgba) {
+        Native.render(context, avatars, camera, null, new ByteBuffer[] {rgba}, null);
+    }
+
+    /** Zeros, direct. */
+    public static FloatBuffer floats(int count) {
+        return ByteBuffer.allocateDirect(4 * count).order(ByteOrder.nativeOrder()).asFloatBuffer();
     }
 
     public static Path work(String[] arguments) {

@@ -52,7 +52,7 @@ final class JniTest {
         long avatar = Native.loadAvatar(mine, file, 0, file.capacity());
         Native.setPoseFromClip(avatar, 0, 0.5, true);
         ByteBuffer pixels = ByteBuffer.allocateDirect(Checks.WIDTH * Checks.HEIGHT * 4);
-        Native.render(mine, new long[] {avatar}, Checks.CAMERA, pixels, 0);
+        Checks.render(mine, new long[] {avatar}, Checks.CAMERA, pixels);
         byte[] drawn = new byte[pixels.capacity()];
         pixels.get(drawn);
         expect(Checks.redPixels(drawn) > 500, "a frame is not empty: " + Native.rendererName(mine));
@@ -109,13 +109,13 @@ final class JniTest {
         expectError(DoppelException.INVALID_ARGUMENT, "not in a buffer", "an offset that overflows",
                 () -> Native.loadAvatar(context, file, Long.MAX_VALUE, Long.MAX_VALUE));
         expectError(DoppelException.INVALID_ARGUMENT, "18 numbers", "a camera that is too short",
-                () -> Native.render(context, new long[] {avatar}, new float[3], ByteBuffer.allocateDirect(64), 0));
+                () -> Checks.render(context, new long[] {avatar}, new float[3], ByteBuffer.allocateDirect(64)));
         float[] huge = Checks.CAMERA.clone();
         huge[0] = Float.NaN;
         expectError(DoppelException.INVALID_ARGUMENT, "", "a camera of no width",
-                () -> Native.render(context, new long[] {avatar}, huge, ByteBuffer.allocateDirect(64), 0));
+                () -> Checks.render(context, new long[] {avatar}, huge, ByteBuffer.allocateDirect(64)));
         expectError(DoppelException.INVALID_ARGUMENT, "", "an image that is too small",
-                () -> Native.render(context, new long[] {avatar}, Checks.CAMERA, ByteBuffer.allocateDirect(64), 0));
+                () -> Checks.render(context, new long[] {avatar}, Checks.CAMERA, ByteBuffer.allocateDirect(64)));
         expectError(DoppelException.INVALID_ARGUMENT, "negative", "a negative memory limit", () -> Native.setMemoryLimit(context, -1));
         expectError(DoppelException.INVALID_ARGUMENT, "", "a detail that is not a number", () -> Native.setDetail(context, Float.NaN, 0));
         expectError(DoppelException.NOT_FOUND, "", "a clip that is not there", () -> Native.clipName(avatar, -1));
@@ -147,13 +147,13 @@ final class JniTest {
         expectError(invalid, "", "a number that is no handle", () -> Native.avatarName(0x1234567890L));
         expectError(invalid, "", "no handle", () -> Native.avatarName(0));
         expectError(invalid, "no such view", "a view that was never made",
-                () -> Native.drawView(7, new long[0], Checks.CAMERA, 0, 0, 0));
+                () -> Native.drawView(7, new long[0], Checks.CAMERA, null, 0, 0, 0));
         expectError(invalid, "no such view", "the context of no view", () -> Native.viewContext(-1));
         expectError(invalid, "", "a load that was never started", () -> Native.finishLoad(99));
         long other = Native.createContext(SOFTWARE, 1, QUADS, null);
         long foreign = load();
         expectError(invalid, "", "an avatar of another context",
-                () -> Native.render(other, new long[] {foreign}, Checks.CAMERA, ByteBuffer.allocateDirect(96 * 128 * 4), 0));
+                () -> Checks.render(other, new long[] {foreign}, Checks.CAMERA, ByteBuffer.allocateDirect(96 * 128 * 4)));
         Native.destroyAvatar(foreign);
         Native.destroyContext(other);
     }

@@ -3,8 +3,10 @@ package org.doppel;
 
 import static org.doppel.Checks.expect;
 import static org.doppel.Checks.expectError;
+import static org.doppel.Checks.floats;
 
 import java.nio.ByteBuffer;
+import java.nio.FloatBuffer;
 import java.nio.file.Files;
 import java.nio.file.Path;
 
@@ -37,6 +39,7 @@ final class WindowTest {
         test.noWindowIsNoFrame();
         test.pictureIsThatOfTheCApi();
         test.turnedDisplayShowsTheSamePicture();
+        test.theScenesDepthHidesTheAvatar();
         test.windowChangesItsSize();
         test.surfaceLostInMidFrame();
         test.windowGoesAndComes();
@@ -54,7 +57,7 @@ final class WindowTest {
     }
 
     private int draw() {
-        return Native.drawView(view, new long[] {avatar}, Checks.CAMERA, 0, 0, BLUE);
+        return Native.drawView(view, new long[] {avatar}, Checks.CAMERA, null, 0, 0, BLUE);
     }
 
     private void show(FakeWindow window) {
@@ -122,6 +125,36 @@ final class WindowTest {
         expect(draw() == SHOWN && window.shownWidth() == Checks.WIDTH, "a phone that is turned gets other images");
         expect(agreement(window.shown(), false) > LEAST_PSNR_DB, "which show the same");
         end(window, "a turned window");
+    }
+
+    /** A wall before the upper half of the view, on a display that turns images and on one that does not. */
+    private void theScenesDepthHidesTheAvatar() {
+        FloatBuffer wall = floats(Checks.WIDTH * Checks.HEIGHT);
+        for (int i = 0; i < Checks.WIDTH * Checks.HEIGHT / 2; i++) wall.put(i, 1);
+        for (int transform : new int[] {FakeWindow.UPRIGHT, FakeWindow.QUARTER_TURN}) {
+            FakeWindow window = new FakeWindow(Checks.WIDTH, Checks.HEIGHT);
+            window.set("transform", transform);
+            show(window);
+            draw();
+            byte[] whole = window.shown();
+            Native.drawView(view, new long[] {avatar}, Checks.CAMERA, wall, 0, 0, BLUE);
+            byte[] hidden = window.shown();
+            boolean right = Checks.redPixels(whole) > 500;
+            for (int y = 0; y < Checks.HEIGHT; y++) {
+                for (int x = 0; x < Checks.WIDTH; x++) {
+                    boolean turned = transform == FakeWindow.QUARTER_TURN;
+                    int at = 4 * (turned ? x * Checks.HEIGHT + Checks.HEIGHT - 1 - y : y * Checks.WIDTH + x);
+                    right &= (hidden[at] & 0xff) == (y < Checks.HEIGHT / 2 ? 0 : whole[at] & 0xff);
+                }
+            }
+            expect(right, "a wall of the app's scene hides what lies behind it, and nothing else; display " + transform);
+            expectError(DoppelException.INVALID_ARGUMENT, "sceneDepth", "a depth that is too small",
+                    () -> Native.drawView(view, new long[] {avatar}, Checks.CAMERA, floats(7), 0, 0, BLUE));
+            expectError(DoppelException.INVALID_ARGUMENT, "FloatBuffer", "a depth on the heap",
+                    () -> Native.drawView(view, new long[] {avatar}, Checks.CAMERA, FloatBuffer.allocate(96 * 128), 0, 0, BLUE));
+            expect(draw() == SHOWN, "and the next frame is drawn");
+            end(window, "a window with a scene's depth");
+        }
     }
 
     private void windowChangesItsSize() {
@@ -206,7 +239,7 @@ final class WindowTest {
         show(again);
         int frames = 0;
         for (; frames < 200 && status[0] < 3; frames++) {
-            Native.drawView(view, new long[0], Checks.CAMERA, 0, 0, BLUE);
+            Native.drawView(view, new long[0], Checks.CAMERA, null, 0, 0, BLUE);
             Native.loadStatus(load, status);
             Thread.sleep(5);
         }
@@ -243,7 +276,7 @@ final class WindowTest {
         expect(window.users() == 0 && window.surfaces() == 0 && window.swapchains() == 0, "a view that is closed lets its window go");
         window.close();
         int invalid = DoppelException.INVALID_ARGUMENT;
-        expectError(invalid, "closed", "a frame of a closed view", () -> Native.drawView(closed, new long[0], Checks.CAMERA, 0, 0, 0));
+        expectError(invalid, "closed", "a frame of a closed view", () -> Native.drawView(closed, new long[0], Checks.CAMERA, null, 0, 0, 0));
         expectError(invalid, "closed", "a window for a closed view", () -> Native.setWindow(closed, null, 0, 0));
         expectError(invalid, "closed", "a view that is closed twice", () -> Native.destroyView(closed));
         Native.destroyView(0);

@@ -64,6 +64,64 @@ private class ApiTest(private val work: Path) {
         }
     }
 
+    fun aTrackerPosesAnAvatar() {
+        val person = Checks.mapped(work.resolve("person.glb"))
+        DoppelContext.create(Renderer.SOFTWARE, 1).use { context ->
+            context.loadAvatar(person).use { avatar ->
+                val names = TrackFormat.VRM.jointNames
+                val joints = avatar.joints
+                val rotations = FloatArray(4 * names.size)
+                val positions = FloatArray(3 * names.size)
+                val confidence = FloatArray(names.size)
+                for ((at, name) in names.withIndex()) {
+                    val own = joints.find { it.humanoidBone == name } ?: continue
+                    own.restPosition.copyInto(positions, 3 * at)
+                    rotations[4 * at + 3] = 1f
+                    confidence[at] = 1f
+                }
+                val head = names.indexOf("head") // it nods by 0.2 rad
+                rotations[4 * head] = kotlin.math.sin(0.1f)
+                rotations[4 * head + 3] = kotlin.math.cos(0.1f)
+                val tracker = avatar.createTracker(TrackFormat.VRM, BodyTracker.RAW)
+                expect(tracker.pose(0).state == TrackerState.WAITING, "a tracker waits for frames")
+                for (frame in 1L..60L) tracker.track(frame * FRAME_NS, rotations, positions, confidence)
+                val status = (1L..60L).map { tracker.pose(it * FRAME_NS) }.last()
+                expect(status.state == TrackerState.TRACKING && status.framesTaken == 60, "and follows them: ${status.drivenJoints} joints")
+                val nod = avatar.pose().rotations[4 * avatar.findJoint("head")]
+                expect(abs(nod - kotlin.math.sin(0.1f)) < 1e-3f, "the avatar nods: $nod")
+                expect(avatar.poseTrust().distances.size == joints.size, "it knows how far that is from training: ${avatar.poseTrust().away}")
+                avatar.holdPose(4f)
+                expectError(DoppelException.INVALID_ARGUMENT, "33 joints", "a frame of the wrong size") {
+                    avatar.createTracker(TrackFormat.MEDIAPIPE_POSE).use { it.track(0, null, positions) }
+                }
+                tracker.close()
+                tracker.close()
+                expectError(DoppelException.INVALID_ARGUMENT, "not a live tracker", "a closed tracker") { tracker.pose(0) }
+            }
+        }
+    }
+
+    fun twoViewsWithDepth() {
+        DoppelContext.create(Renderer.SOFTWARE, 1).use { context ->
+            context.loadAvatar(file).use { avatar ->
+                val wall = Checks.floats(WIDTH * HEIGHT)
+                for (i in 0 until WIDTH * HEIGHT) wall.put(i, 1f)
+                val c = cCamera()
+                val behind = Camera(WIDTH, HEIGHT, c.fx, c.fy, c.cx, c.cy, c.viewFromWorld, wall)
+                val pixels = List(2) { ByteBuffer.allocateDirect(WIDTH * HEIGHT * 4) }
+                val depths = List(2) { Checks.floats(WIDTH * HEIGHT) }
+                context.render(listOf(avatar), listOf(c, behind), pixels, depths)
+                val drawn = pixels.map { buffer -> ByteArray(buffer.capacity()).also { buffer.get(it) } }
+                expect(Checks.redPixels(drawn[0]) > 500 && drawn[1].all { it == 0.toByte() }, "a wall hides the avatar from the second view")
+                val middle = HEIGHT / 2 * WIDTH + WIDTH / 2
+                expect(abs(depths[0].get(middle) - 2f) < 0.01f && depths[1].get(middle) == 0f, "and depth says so: ${depths[0].get(middle)} m")
+                expectError(DoppelException.INVALID_ARGUMENT, "as many buffers", "two views into one image") {
+                    context.render(listOf(avatar), listOf(c, c), pixels.take(1))
+                }
+            }
+        }
+    }
+
     fun closedObjectsAreErrors() {
         val context = DoppelContext.create(Renderer.SOFTWARE, 1)
         val avatar = context.loadAvatar(file)
@@ -185,6 +243,36 @@ private class ApiTest(private val work: Path) {
         expectGone(window, "the window of a view")
     }
 
+    fun viewFollowsATracker() = withStage { stage, told, _ ->
+        val window = FakeWindow(WIDTH, HEIGHT)
+        stage.setWindow(window, WIDTH, HEIGHT)
+        stage.show(Checks.mapped(work.resolve("person.glb")))
+        expect(drawUntilLoaded(stage, told), "a person is loaded")
+        val avatar = told.loaded ?: return@withStage
+        stage.play(null)
+        avatar.createTracker(TrackFormat.OPENXR_HANDS, BodyTracker.RAW).use { tracker ->
+            stage.follow(tracker)
+            stage.draw(FRAME_NS)
+            val positions = FloatArray(3 * 53)
+            val rotations = FloatArray(4 * 53)
+            val confidence = FloatArray(53)
+            positions[1] = 1.6f
+            rotations[0] = kotlin.math.sin(0.25f) // the head looks up by 0.5 rad
+            rotations[3] = kotlin.math.cos(0.25f)
+            confidence[0] = 1f
+            for (frame in 2L..60L) {
+                tracker.track(frame * FRAME_NS, rotations, positions, confidence)
+                stage.draw(frame * FRAME_NS)
+            }
+            val nod = avatar.pose().rotations[4 * avatar.findJoint("head")]
+            expect(abs(nod) > 0.1f, "the avatar of a view looks up as its tracker says: $nod")
+            stage.follow(null)
+        }
+        expect(stage.draw(61 * FRAME_NS) && told.error == null, "and goes on without it")
+        stage.setWindow(null, 0, 0)
+        expectGone(window, "the window of a view that was driven")
+    }
+
     fun viewInTheBackgroundWhileLoading() = withStage { stage, told, _ ->
         val first = FakeWindow(WIDTH, HEIGHT)
         stage.setWindow(first, WIDTH, HEIGHT)
@@ -259,10 +347,13 @@ fun main(arguments: Array<String>) {
     test.frameEqualsTheCApi(Renderer.SOFTWARE, "software.rgba")
     test.frameEqualsTheCApi(Renderer.VULKAN, "vulkan.rgba")
     test.avatarIsDescribed()
+    test.aTrackerPosesAnAvatar()
+    test.twoViewsWithDepth()
     test.closedObjectsAreErrors()
     test.orbitLooksAtTheAvatar()
     test.memoryPolicyKeepsWhatIsLoaded()
     test.viewLoadsAndPlays()
+    test.viewFollowsATracker()
     test.viewInTheBackgroundWhileLoading()
     test.viewShowsErrorsAndGoesOn()
     test.windowsComeAndGoWhileAThreadDraws()

@@ -2,6 +2,7 @@
 package org.doppel;
 
 import java.nio.ByteBuffer;
+import java.nio.FloatBuffer;
 
 /**
  * The functions of the C API as they cross to native code, where JNI_OnLoad registers them. Apps use the Kotlin classes.
@@ -28,7 +29,8 @@ final class Native {
     static native void setDetail(long context, float splatsPerPixel, int splatBudget);
     static native void setFrameBudget(long context, double milliseconds);
     static native void setMemoryLimit(long context, long bytes);
-    static native void render(long context, long[] avatars, float[] camera, ByteBuffer rgba, int flags);
+    static native void render(long context, long[] avatars, float[] cameras, FloatBuffer[] sceneDepths, ByteBuffer[] rgbas,
+            FloatBuffer[] depths);
 
     static native long loadAvatar(long context, ByteBuffer buffer, long offset, long size);
     static native void destroyAvatar(long avatar);
@@ -44,6 +46,8 @@ final class Native {
     static native double clipDuration(long avatar, int clip);
     static native void setPoseFromClip(long avatar, int clip, double timeS, boolean loop);
     static native int loadClip(long avatar, ByteBuffer buffer, long offset, long size, int flags, String name);
+    static native void poseTrust(long avatar, float[] trust, float[] distances);
+    static native void holdPose(long avatar, float limit);
     static native void frameStats(long avatar, long[] counts, double[] times);
 
     static native long startLoad(long context, ByteBuffer buffer, long offset, long size);
@@ -51,10 +55,17 @@ final class Native {
     static native long finishLoad(long load);
     static native void cancelLoad(long load);
 
+    static native long createTracker(long avatar, int format, int flags, float[] restRotations, float[] restPositions);
+    static native void destroyTracker(long tracker);
+    static native String[] trackJointNames(int format);
+    static native void trackFrame(long tracker, long timeNs, float[] rotations, float[] positions, float[] confidence);
+    static native void setPoseFromTracker(long tracker, long displayTimeNs, long[] counts, float[] measures);
+
     static native long createView(int fill, String cacheFolder, boolean validation);
     static native void destroyView(long view);
     static native long viewContext(long view);
     static native void setWindow(long view, Object surface, int width, int height);
-    static native int drawView(long view, long[] avatars, float[] camera, float red, float green, float blue);
+    static native int drawView(long view, long[] avatars, float[] camera, FloatBuffer sceneDepth, float red, float green,
+            float blue);
     static native String[] viewComplaints(long view);
 }

@@ -98,6 +98,25 @@ class Avatar internal constructor(number: Long) : Closeable {
         return Clip(index, Native.clipName(number, index), Native.clipDuration(number, index))
     }
 
+    /**
+     * A tracker that poses this avatar. flags: such as [BodyTracker.RAW]. rest: the platform's neutral pose, as [BodyTracker.track] takes
+     * frames; null where the format needs none.
+     */
+    @JvmOverloads
+    fun createTracker(format: TrackFormat, flags: Int = 0, restRotations: FloatArray? = null, restPositions: FloatArray? = null) =
+        BodyTracker(Native.createTracker(number, format.ordinal, flags, restRotations, restPositions))
+
+    /** How far the current pose lies from the trained ones. UNSUPPORTED: the avatar has no pose correctives, so it does not know. */
+    fun poseTrust(): PoseTrust {
+        val trust = FloatArray(5)
+        val distances = FloatArray(info.jointCount)
+        Native.poseTrust(number, trust, distances)
+        return PoseTrust(trust, distances)
+    }
+
+    /** Turns joints of the current pose back until none is farther than [limit] from the trained poses; 4 is usual. */
+    fun holdPose(limit: Float) = Native.holdPose(number, limit)
+
     fun frameStats(): FrameStats {
         val counts = LongArray(6)
         val times = DoubleArray(3)
@@ -106,6 +125,16 @@ class Avatar internal constructor(number: Long) : Closeable {
     }
 
     override fun close() = handle.close()
+}
+
+/** DplPoseTrust. [distances]: of each joint from its mean in training, standard deviations; -1: not known. */
+class PoseTrust internal constructor(trust: FloatArray, val distances: FloatArray) {
+    /** Share of the pose-dependent offsets that is drawn; below 1 the pose lies outside the trained ones. */
+    val offsets = trust[0]
+    val away = trust[1]
+    val offModes = trust[2]
+    val farthestJoint = trust[3].toInt()
+    val farthestDistance = trust[4]
 }
 
 class Pose(val rotations: FloatArray, val root: FloatArray)

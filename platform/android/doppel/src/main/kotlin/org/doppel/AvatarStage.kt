@@ -29,6 +29,7 @@ class AvatarStage(private val renderer: ViewRenderer) : Closeable {
     private var progress = -1f
     private var shown: Avatar? = null
     private var clip: Clip? = null
+    private var tracker: BodyTracker? = null
     private var clipStartNs = 0L
     private var widthPx = 0
     private var heightPx = 0
@@ -50,6 +51,12 @@ class AvatarStage(private val renderer: ViewRenderer) : Closeable {
         this.clip = clip
         clipStartNs = 0
     }
+
+    /**
+     * The avatar follows a tracker of its own, over the clip if the tracker has [BodyTracker.OVER_POSE]. Its frames must be told on
+     * Choreographer's clock, System.nanoTime. Null: no more. The caller closes the tracker, after this.
+     */
+    fun follow(tracker: BodyTracker?) = synchronized(lock) { this.tracker = tracker }
 
     /** See [DoppelContext.setDetail] and [DoppelContext.setFrameBudget]. */
     fun setDetail(splatsPerPixel: Float, budgetMs: Double) {
@@ -101,6 +108,7 @@ class AvatarStage(private val renderer: ViewRenderer) : Closeable {
             val loaded = current.finish()
             shown?.close()
             shown = loaded
+            tracker = null // it poses the earlier avatar
             play(loaded.clips.firstOrNull())
             orbit.frame(loaded)
             listener.onLoaded(loaded)
@@ -111,9 +119,11 @@ class AvatarStage(private val renderer: ViewRenderer) : Closeable {
 
     private fun pose(avatar: Avatar?, frameTimeNs: Long) {
         val playingClip = clip
-        if (avatar == null || playingClip == null) return
-        if (clipStartNs == 0L) clipStartNs = frameTimeNs
-        avatar.setPose(playingClip, (frameTimeNs - clipStartNs) * 1e-9)
+        if (avatar != null && playingClip != null) {
+            if (clipStartNs == 0L) clipStartNs = frameTimeNs
+            avatar.setPose(playingClip, (frameTimeNs - clipStartNs) * 1e-9)
+        }
+        if (avatar != null) tracker?.pose(frameTimeNs)
     }
 
     override fun close() {

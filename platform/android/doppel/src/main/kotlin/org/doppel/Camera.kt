@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 package org.doppel
 
+import java.nio.FloatBuffer
 import kotlin.math.cos
 import kotlin.math.sin
 import kotlin.math.tan
 
 /**
  * A pinhole camera, as DplCamera: it looks along its +z axis, with x to the right and y down. [viewFromWorld] has three rows of four,
- * metres. Focal lengths and the principal point are in pixels.
+ * metres. Focal lengths and the principal point are in pixels. [sceneDepth]: what the app itself shows hides the avatar: metres along the
+ * view's z for each pixel, rows from the top, 0 where nothing is; a direct FloatBuffer in native order, read from its start during the call.
  */
 class Camera(
     val widthPx: Int,
@@ -16,7 +18,8 @@ class Camera(
     val fy: Float,
     val cx: Float,
     val cy: Float,
-    val viewFromWorld: FloatArray
+    val viewFromWorld: FloatArray,
+    val sceneDepth: FloatBuffer? = null
 ) {
     internal fun numbers(): FloatArray {
         require(viewFromWorld.size == 12) { "viewFromWorld has 12 numbers, not ${viewFromWorld.size}" }

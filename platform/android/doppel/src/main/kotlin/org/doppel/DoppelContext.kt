@@ -3,6 +3,7 @@ package org.doppel
 
 import java.io.Closeable
 import java.nio.ByteBuffer
+import java.nio.FloatBuffer
 
 /** DplRenderer. */
 enum class Renderer { AUTO, SOFTWARE, VULKAN }
@@ -36,8 +37,18 @@ open class DoppelContext internal constructor(number: Long, end: (Long) -> Unit)
     fun setMemoryLimit(bytes: Long) = Native.setMemoryLimit(number, bytes)
 
     /** Draws into memory and waits: RGBA, four bytes a pixel, premultiplied, top row first. The buffer is direct. */
-    fun render(avatars: List<Avatar>, camera: Camera, rgba: ByteBuffer) =
-        Native.render(number, numbersOf(avatars), camera.numbers(), rgba, 0)
+    fun render(avatars: List<Avatar>, camera: Camera, rgba: ByteBuffer) = render(avatars, listOf(camera), listOf(rgba))
+
+    /**
+     * The same for one or two views of one size, such as both eyes', which are drawn at once; and their depth: metres along each view's z, 0
+     * where nothing is drawn, into direct FloatBuffers in native order. All buffers are written from their start.
+     */
+    @JvmOverloads
+    fun render(avatars: List<Avatar>, cameras: List<Camera>, rgba: List<ByteBuffer>, depth: List<FloatBuffer>? = null) =
+        Native.render(
+            number, numbersOf(avatars), cameras.fold(FloatArray(0)) { all, camera -> all + camera.numbers() },
+            Array(cameras.size) { cameras[it].sceneDepth }, rgba.toTypedArray(), depth?.toTypedArray()
+        )
 
     /** Closes avatars' graphics too: they can still be asked and posed, but not drawn, and must still be closed. */
     override fun close() = handle.close()

@@ -24,7 +24,8 @@ class ViewRenderer private constructor(number: Long) : Closeable {
     fun draw(avatars: List<Avatar>, camera: Camera, background: FloatArray = BLACK): Outcome {
         require(background.size == 3) { "a background has 3 numbers, not ${background.size}" }
         val drawn = Native.drawView(
-            handle.number, DoppelContext.numbersOf(avatars), camera.numbers(), background[0], background[1], background[2]
+            handle.number, DoppelContext.numbersOf(avatars), camera.numbers(), camera.sceneDepth,
+            background[0], background[1], background[2]
         )
         return Outcome.values()[drawn]
     }
