@@ -34,6 +34,7 @@ protected:
         PrimitiveType type = PrimitiveType::Triangle;
         uint32_t instances = 1;
         CompareFunction nearer = CompareFunction::Less;
+        const char* fragment = "triangle.frag";
     };
 
     ~MetalDraw() override {
@@ -54,7 +55,7 @@ protected:
     RenderPipelineRef pipeline(const Setup& how, std::string& error) {
         RenderPipelineDesc desc;
         desc.label = "triangles";
-        desc.vertex = function("triangle.vert"), desc.fragment = function("triangle.frag");
+        desc.vertex = function("triangle.vert"), desc.fragment = function(how.fragment);
         desc.colours[0] = how.first;
         desc.colours[0].format = how.pipelineFormat;
         desc.colours[1].format = PixelFormat::RG32Float;
@@ -106,6 +107,7 @@ protected:
             seam_->setPipeline(encoder, made);
             if (state) seam_->setDepthStencil(encoder, state);
             seam_->setVertexBuffer(encoder, vertices, 0, 0);
+            if (how.fragment == std::string_view("discard.frag")) seam_->setFragmentBuffer(encoder, vertices, 0, 0);
             seam_->draw(encoder, how.type, uint32_t(corners.size()), how.instances);
             seam_->updateFence(encoder, fence, kStageFragment);
             seam_->end(encoder);
@@ -221,6 +223,15 @@ TEST_F(MetalDraw, discardedFragmentsChangeNothing) {
     for (Corner& c : corners) c.value[3] = -1;
     EXPECT_EQ(draw({}, corners)[0], 0);
     EXPECT_EQ(draw({}, corners, 1)[0], 0);
+}
+
+TEST_F(MetalDraw, findsAnIndexBeyondABufferInADiscardedFragment) {
+    Setup how;
+    how.fragment = "discard.frag";
+    const auto reading = [](float element) { return std::vector<Corner>{at(-1, -1, element), at(40, -1, element), at(-1, 40, element)}; };
+    EXPECT_EQ(draw(how, reading(5)).front(), 0) << "the last of the six elements is there, and nothing is drawn";
+    draw(how, reading(6));
+    expectFault("discard.frag uses an element beyond the 96 bytes of buffer(0)");
 }
 
 TEST_F(MetalDraw, findsPassesAndPipelinesThatDoNotFit) {

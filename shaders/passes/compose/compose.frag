@@ -11,8 +11,8 @@ layout(location = 0) out vec4 colour;
 
 void main() {
     uint view = dplViewIndex(push.view);
-    if (!dplComposes(view)) discard;
-    vec4 picture = dplPicture(view, dplPicturePixel());
+    // Metal goes on after a discard: what must not be read is not read before it.
+    vec4 picture = dplComposes(view) ? dplPicture(view, dplPicturePixel()) : vec4(0.0);
     if (picture.a == 0.0) discard;
     if (push.linear != 0u) picture.rgb = dplLinearFromSrgb(min(picture.rgb / picture.a, vec3(1.0))) * picture.a;
     colour = picture;

@@ -25,10 +25,11 @@ float dplSplatZ(uint view, ivec2 at) {
 
 void main() {
     uint view = dplViewIndex(push.view);
-    if (!dplComposes(view)) discard;
-    ivec2 at = dplPicturePixel();
-    if (dplPicture(view, at).a < kDepthCoverage) discard;
-    float z = push.mesh != 0u ? mesh[dplBufferPixel(view, at)] : dplSplatZ(view, at);
+    float z = 0.0;
+    if (dplComposes(view)) {  // not a discard: Metal goes on after it, and would read outside the buffers
+        ivec2 at = dplPicturePixel();
+        if (dplPicture(view, at).a >= kDepthCoverage) z = push.mesh != 0u ? mesh[dplBufferPixel(view, at)] : dplSplatZ(view, at);
+    }
     if (!(z > 0.0 && z < 1e30)) discard;
     gl_FragDepth = clamp(push.scale + push.offset / z, 0.0, 1.0);
 }

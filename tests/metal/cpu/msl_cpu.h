@@ -238,7 +238,7 @@ struct texture2d_ms_array : msl::TextureArgument<msl::TextureShape::ArraySamples
     float4 read(uint2 at, uint layer, uint number) const { return texel(at, layer, number); }
 };
 
-/** The fragment goes on, as in Metal, but changes no attachment. */
+/** The fragment goes on, as in Metal, but changes no attachment. What it reads from then on is checked too. */
 inline void discard_fragment() {
     msl::running.discarded = true;
 }

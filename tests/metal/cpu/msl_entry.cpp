@@ -81,7 +81,6 @@ void shaderFault(const std::string& what) {
 }
 
 void indexFault(const void* from, size_t at, size_t bytes) {
-    if (running.discarded) return;
     const auto* begin = static_cast<const std::byte*>(from);
     for (const Parameter& p : running.entry->parameters) {
         if (p.given != Given::Buffer) continue;
