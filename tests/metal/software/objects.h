@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <set>
 #include <unordered_map>
 
@@ -129,6 +130,10 @@ struct DeviceState {
     explicit DeviceState(const SoftwareOptions& options) : options(options) {}
     ~DeviceState();
 
+    /** Metal's devices and queues may be used from any thread: loads make buffers while a program draws. Hold this while using what more
+     * than one thread can reach: everything but the encoding into a command buffer. */
+    [[nodiscard]] std::unique_lock<std::recursive_mutex> lock() { return std::unique_lock(mutex); }
+
     void fault(const std::string& text);
     /** Forgets an object that nothing needs. */
     void drop(Object* object);
@@ -148,6 +153,7 @@ struct DeviceState {
 
     template <class T>
     T* add(std::unique_ptr<T> made) {
+        const auto locked = lock();
         T* object = made.get();
         objects.emplace(object, std::move(made));
         return object;
@@ -155,12 +161,14 @@ struct DeviceState {
     /** The object behind a handle; nullptr, and a fault that names the call, when it is none. */
     template <class T>
     T* get(void* handle, const char* call) {
+        const auto locked = lock();
         const auto it = objects.find(handle);
         T* object = it == objects.end() ? nullptr : dynamic_cast<T*>(it->second.get());
         if (!object) fault(std::string(call) + (handle ? ": the handle is no such object, or was released" : ": the handle is null"));
         return object;
     }
 
+    std::recursive_mutex mutex;
     SoftwareOptions options;
     std::unordered_map<void*, std::unique_ptr<Object>> objects;
     std::deque<SoftCommands*> committed;

@@ -40,6 +40,7 @@ void SoftSeam::commit(CommandsRef commands) {
 }
 
 void SoftSeam::wait(CommandsRef commands) {
+    const auto locked = state_->lock();
     auto* c = state_->get<SoftCommands>(commands.object, "waitUntilCompleted");
     if (!c) return;
     if (c->status == CommandStatus::NotEnqueued) return state_->fault("waitUntilCompleted: the command buffer was not committed");
@@ -53,6 +54,7 @@ void SoftSeam::wait(CommandsRef commands) {
 }
 
 CommandStatus SoftSeam::status(CommandsRef commands) {
+    const auto locked = state_->lock();
     auto* c = state_->get<SoftCommands>(commands.object, "status");
     if (!c) return CommandStatus::Error;
     const CommandStatus status = c->status;
@@ -64,6 +66,7 @@ CommandStatus SoftSeam::status(CommandsRef commands) {
 }
 
 CommandError SoftSeam::error(CommandsRef commands, std::string& text) {
+    const auto locked = state_->lock();
     auto* c = state_->get<SoftCommands>(commands.object, "error");
     if (!c) return CommandError::Internal;
     text = c->errorText;

@@ -14,6 +14,7 @@ bool SoftSeam::supportsFamily(GpuFamily family) const {
 }
 
 void SoftSeam::retain(void* object) {
+    const auto locked = state_->lock();
     if (auto* o = state_->get<Object>(object, "retain")) ++o->references;
 }
 
@@ -73,6 +74,7 @@ TextureFacts SoftSeam::factsOf(TextureRef texture) {
 }
 
 uint64_t SoftSeam::signaledValue(EventRef event) {
+    const auto locked = state_->lock();
     auto* e = state_->get<SoftEvent>(event.object, "signaledValue");
     if (!e) return 0;
     const uint64_t value = e->value;

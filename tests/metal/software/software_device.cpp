@@ -30,16 +30,19 @@ SoftBuffer::SoftBuffer(uint64_t size, StorageMode storage, std::string_view labe
 DeviceState::~DeviceState() = default;
 
 void DeviceState::fault(const std::string& text) {
+    const auto locked = lock();
     if (faults.size() < kMaxFaults && std::find(faults.begin(), faults.end(), text) == faults.end()) faults.push_back(text);
 }
 
 void DeviceState::drop(Object* object) {
+    const auto locked = lock();
     if (object->references > 0 || object->pending > 0) return;
     hazards.forget(object);
     objects.erase(object);
 }
 
 void DeviceState::release(void* handle) {
+    const auto locked = lock();
     auto* object = get<Object>(handle, "release");
     if (!object) return;
     if (object->references == 0) return fault(object->name() + " is released once too often");
@@ -57,6 +60,7 @@ void DeviceState::release(void* handle) {
 }
 
 void DeviceState::unpin(SoftCommands& commands) {
+    const auto locked = lock();
     for (Object* object : std::exchange(commands.used, {})) {
         --object->pending;
         drop(object);
@@ -64,11 +68,13 @@ void DeviceState::unpin(SoftCommands& commands) {
 }
 
 void DeviceState::pin(SoftCommands& commands, Object* object) {
+    const auto locked = lock();
     if (object && commands.used.insert(object).second) ++object->pending;
 }
 
 void DeviceState::use(const Object* resource, uint64_t begin, uint64_t end, bool writes, const SoftCommands& commands,
                       const RunningEncoder& encoder, int stage, const std::string& what) {
+    const auto locked = lock();
     if (const auto* texture = dynamic_cast<const SoftTexture*>(resource); texture && texture->desc.tracked) return;
     Place place{encoder.scope + uint64_t(stage), encoder.interval, commands.number, commands.seenCommands, &encoder.ended[stage], what};
     const std::string found = hazards.use(resource, begin, end, writes, place);
@@ -76,6 +82,7 @@ void DeviceState::use(const Object* resource, uint64_t begin, uint64_t end, bool
 }
 
 void DeviceState::commit(SoftCommands& commands) {
+    const auto locked = lock();
     if (commands.status != CommandStatus::NotEnqueued) return fault("a command buffer is committed twice");
     if (commands.open) fault("a command buffer is committed before endEncoding of its " + commands.open->name());
     commands.status = CommandStatus::Committed;
@@ -92,6 +99,7 @@ void DeviceState::commit(SoftCommands& commands) {
 }
 
 bool DeviceState::runOne() {
+    const auto locked = lock();
     if (committed.empty()) return false;
     SoftCommands& commands = *committed.front();
     if (commands.done == 0) commands.startS = nowS();
@@ -109,12 +117,14 @@ bool DeviceState::runOne() {
 }
 
 void DeviceState::look() {
+    const auto locked = lock();
     if (options.looks == 0 || ++looks < options.looks) return;
     looks = 0;
     runOne();
 }
 
 void DeviceState::saw(const SoftCommands& commands) {
+    const auto locked = lock();
     seenCommands = std::max(seenCommands, commands.number);
 }
 
@@ -145,10 +155,12 @@ void* SoftwareDevice::queue() const {
 }
 
 std::vector<std::string> SoftwareDevice::takeFaults() {
+    const auto locked = state_->lock();
     return std::exchange(state_->faults, {});
 }
 
 std::vector<std::string> SoftwareDevice::alive() const {
+    const auto locked = state_->lock();
     std::vector<std::string> names;
     for (const auto& [handle, object] : state_->objects)
         if (object->references > 0) names.push_back(object->name());
@@ -162,11 +174,13 @@ void SoftwareDevice::finish() {
 }
 
 void SoftwareDevice::failNext(CommandError error, std::string text) {
+    const auto locked = state_->lock();
     state_->nextError = error;
     state_->nextErrorText = std::move(text);
 }
 
 void SoftwareDevice::signal(EventRef event, uint64_t value) {
+    const auto locked = state_->lock();
     if (auto* e = state_->get<SoftEvent>(event.object, "signaledValue")) e->value = value, e->ended[value] = state_->seen;
 }
 
