@@ -110,7 +110,7 @@ function(doppel_shader_pack name folder)
 endfunction()
 
 # doppel_test(name SOURCES a.cpp ... LINKS target ... [LABELS quick|slow|vulkan|sanitize ...] [TIMEOUT s]): one GoogleTest program and CTest
-# entry. Defaults: label quick, 300 s. Tests labelled sanitize (readers, format, reference) also run in the build with sanitizers.
+# entry. Defaults: label quick, 300 s. Tests labelled sanitize (readers, format, reference, software Metal device) also run in the build with sanitizers.
 if(DOPPEL_TESTS)
   find_package(GTest REQUIRED)
   # Programs of all tests labelled `sanitize`. tools/test builds them with sanitizers.
