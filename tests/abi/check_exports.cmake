@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# cmake -DNM=... -DLIBRARY=... -DEXPECTED=... -P check_exports.cmake
+# cmake -DNM=... -DLIBRARY=... "-DEXPECTED=list;..." -P check_exports.cmake
 # Checks that the shared library exports the listed symbols and no others. For a DLL: -DOBJDUMP=... in place of NM.
 if(OBJDUMP)
   set(tool ${OBJDUMP} -p)
@@ -23,7 +23,11 @@ foreach(line IN LISTS lines)
   endif()
 endforeach()
 list(SORT found)
-file(STRINGS ${EXPECTED} expected REGEX "^[a-zA-Z]")
+set(expected "")
+foreach(list IN LISTS EXPECTED)
+  file(STRINGS ${list} names REGEX "^[a-zA-Z]")
+  list(APPEND expected ${names})
+endforeach()
 list(SORT expected)
 set(missing ${expected})
 list(REMOVE_ITEM missing ${found})
