@@ -59,6 +59,8 @@ class Checker:
             return []
         if program in ("cmake", "ctest"):
             return self.check_build(words[1:])
+        if program == "snakemake":
+            return self.check_farm(words[1:])
         return [f"'{program}' is no program that this test knows"]
 
     def check_doppel(self, words):
@@ -94,6 +96,14 @@ class Checker:
         if any(o not in text for o in options):  # its options are parsed elsewhere; its help names them
             text += subprocess.run([path, "--help"], capture_output=True, text=True, timeout=60).stdout
         return [f"{program} does not know {o}" for o in options if o not in text]
+
+    def check_farm(self, words):
+        self.commands += 1
+        text = (self.root / "tools/farm/Snakefile").read_text()
+        paths = [word for word in words if word.startswith("tools/")]
+        keys = [word.split("=")[0] for word in words if re.fullmatch(r"[a-z_]+=.*", word)]
+        return [f"{path} does not exist" for path in paths if not (self.root / path).exists()] + [
+            f"the farm reads no '{key}'" for key in keys if f'"{key}"' not in text]
 
     def check_build(self, words):
         self.commands += 1

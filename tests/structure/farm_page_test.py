@@ -1,0 +1,72 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of tools/farm/index_page.py: what the page says of avatars, refusals and runs that were continued."""
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+PAGE = pathlib.Path(__file__).resolve().parents[2] / "tools/farm/index_page.py"
+
+
+class Farm:
+    """An output folder of a night."""
+
+    def __init__(self, folder):
+        self.out = pathlib.Path(folder)
+
+    def refuse(self, name, message):
+        self.write(name, {"error": {"message": message}})
+
+    def finish(self, name, minutes, cpu_minutes, reused=False):
+        self.write(name, {"avatar": str(self.out / name / "avatar.glb"), "figures": str(self.out / name / "report.json"),
+                          "stages": [{"name": "train", "seconds": 60 * minutes, "peakBytes": 1, "reused": reused}],
+                          "cpuSeconds": 60 * cpu_minutes, "peakBytes": 3 << 29})
+        (self.out / name / "avatar.glb").write_bytes(bytes(2_000_000))
+        means = {"static": {"with_pose_fit": {"masked_psnr_db": 25.125}}}
+        (self.out / name / "report.json").write_text(json.dumps({"means": means}))
+
+    def write(self, name, result):
+        (self.out / name).mkdir()
+        (self.out / name / "result.json").write_text(json.dumps(result))
+
+    def page(self, *names):
+        return subprocess.run([sys.executable, PAGE, self.out, *names], capture_output=True, text=True, check=True).stdout
+
+
+class IndexPage(unittest.TestCase):
+    def setUp(self):
+        made = tempfile.TemporaryDirectory()
+        self.addCleanup(made.cleanup)
+        self.farm = Farm(made.name)
+
+    def test_refusals_come_first_and_cannot_write_markup(self):
+        self.farm.finish("ada", 6, 9)
+        self.farm.refuse("ben", "scan.json: <b> is no name")
+        page = self.farm.page("ada", "ben")
+        self.assertIn("1 avatars, 1 without one", page)
+        self.assertLess(page.index("<td>ben"), page.index("<td>ada"))
+        self.assertIn("&lt;b&gt; is no name", page)
+        self.assertNotIn("<b>", page)
+
+    def test_figures_of_an_avatar(self):
+        self.farm.finish("ada", 6, 9)
+        cells = '<td class="n">25.12<td class="n">–<td class="n">2.00<td class="n">6.0<td class="n">1536'
+        self.assertIn(cells, self.farm.page("ada"))
+
+    def test_needs_of_many_are_those_of_runs_that_were_not_continued(self):
+        self.farm.finish("ada", 6, 9)
+        self.farm.finish("ben", 1, 1, reused=True)
+        page = self.farm.page("ada", "ben")
+        self.assertIn("6.0 minutes a scan. 10,000 like these need 1,500 core-hours (150 cores", page)
+        self.assertIn("1.5 GiB of memory a job and 0.02 TB", page)
+
+    def test_without_an_avatar_nothing_is_planned(self):
+        self.farm.refuse("ben", "no pictures")
+        self.assertNotIn("10,000", self.farm.page("ben"))
+
+
+if __name__ == "__main__":
+    unittest.main()
