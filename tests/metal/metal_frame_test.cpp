@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whole frames through the Metal backend on the software device: one and two views, quads and tiles, one and four samples, with layered
 // rendering and without, against the referee; and passes over integers against another backend, bit for bit.
+#include <cmath>
 #include <cstring>
+#include <glm/packing.hpp>
+#include <numeric>
 #include <random>
 
 #include "sdk/backend/metal/mtl_backend.h"
@@ -9,6 +12,7 @@
 #include "sdk/render/passes/compact.h"
 #include "sdk/render/passes/scan.h"
 #include "sdk/render/passes/sort.h"
+#include "sdk/render/passes/tiles.h"
 #include "tests/metal/software/software_device.h"
 #include "tests/reference/random_scene_depth.h"
 #include "tests/unit/render/vulkan_image.h"
@@ -209,6 +213,83 @@ TEST(MetalFrame, passesOverIntegersEqualAnotherBackendBitForBit) {
     ASSERT_TRUE(metal) << metal.error().message;
     const auto want = compactedAndSorted(**vulkan, visibility, kSplats), got = compactedAndSorted(**metal, visibility, kSplats);
     EXPECT_TRUE(want == got);
+    metal->reset();
+    for (const std::string& fault : device.takeFaults()) ADD_FAILURE() << fault;
+}
+
+/** The lists of tiles that a backend makes of these splats, which are in depth order: counts, places, spans and entries as bytes. */
+std::vector<std::byte> tileLists(Backend& backend, std::span<const gpu::ProjectedSplat> projected) {
+    FrameIds ids;
+    ids.splatCount = uint32_t(projected.size()), ids.widthPx = kWidthPx, ids.heightPx = kHeightPx, ids.depth = true;
+    const auto tiles = planTiles(ids, {.maxBindingBytes = 128u << 20, .maxGroups = 65535});
+    EXPECT_TRUE(tiles);
+    const auto make = [&](const char* label, uint64_t bytes, BufferMemory memory = BufferMemory::Device) {
+        auto buffer = backend.createBuffer({label, bytes, memory});
+        EXPECT_TRUE(buffer);
+        return *buffer;
+    };
+    ids.counts = make("counts", sizeof(gpu::FrameCounts)), ids.projected = make("projected", projected.size_bytes());
+    ids.pairs = make("order", ids.splatCount * 4ull);
+    ids.tiles = {make("cells", tiles->tableWords * 4), make("sums", tiles->sumWords * 4), make("places", tiles->tableWords * 4)};
+    ids.tileSpans = make("spans", tiles->spanBytes), ids.tileEntries = make("entries", tiles->entryBytes);
+    ids.tilePixels = make("pixels", tiles->pixelBytes);
+    gpu::FrameCounts counts{};
+    counts.visible = ids.splatCount, counts.runs = (ids.splatCount + gpu::kRun - 1) / gpu::kRun;
+    counts.runGroupsX = (counts.runs + gpu::kRunGroup - 1) / gpu::kRunGroup, counts.runGroupsY = counts.runGroupsZ = 1;
+    std::vector<uint32_t> order(ids.splatCount);
+    std::iota(order.begin(), order.end(), 0u);
+    EXPECT_TRUE(backend.write(ids.counts, 0, std::as_bytes(std::span(&counts, 1))));
+    EXPECT_TRUE(backend.write(ids.projected, 0, std::as_bytes(projected)));
+    EXPECT_TRUE(backend.write(ids.pairs, 0, std::as_bytes(std::span(order))));
+    const BufferId final = make("final", sizeof counts, BufferMemory::Readback),
+                   places = make("places read", tiles->tableWords * 4, BufferMemory::Readback),
+                   spans = make("spans read", tiles->spanBytes, BufferMemory::Readback),
+                   entries = make("entries read", tiles->entryBytes, BufferMemory::Readback);
+    FramePlan plan(backend);
+    addTiles(plan, ids, *tiles);
+    plan.copy("counts", ids.counts, final), plan.copy("places", ids.tiles.places, places);
+    plan.copy("spans", ids.tileSpans, spans), plan.copy("entries", ids.tileEntries, entries);
+    const auto frame = plan.finish();
+    EXPECT_TRUE(frame) << (frame ? "" : frame.error().message);
+    const Status ran = backend.run(*frame);
+    EXPECT_TRUE(ran) << (ran ? "" : ran.error().message);
+    std::memcpy(&counts, backend.mapped(final).data(), sizeof counts);
+    EXPECT_EQ(counts.tilesOverflowed, 0u);
+    EXPECT_GT(counts.tileSpans, ids.splatCount);
+    EXPECT_GT(counts.tileEntries, counts.tileSpans);
+    std::vector<std::byte> bytes;
+    const std::pair<BufferId, uint64_t> used[] = {{final, sizeof counts},
+                                                  {places, tiles->tableWords * 4},
+                                                  {spans, counts.tileSpans * sizeof(gpu::TileSpan)},
+                                                  {entries, counts.tileEntries * 4ull}};
+    for (const auto& [buffer, count] : used) {
+        const auto from = backend.mapped(buffer).first(count);
+        bytes.insert(bytes.end(), from.begin(), from.end());
+    }
+    backend.destroyFrame(*frame);
+    return bytes;
+}
+
+TEST(MetalFrame, listsOfTilesEqualAnotherBackendBitForBit) {
+    auto vulkan = createVulkanBackend(testVulkanOptions());
+    if (!vulkan) GTEST_SKIP() << vulkan.error().message;
+    std::mt19937 random(6);
+    const auto between = [&](float low, float high) { return std::uniform_real_distribution<float>(low, high)(random); };
+    std::vector<gpu::ProjectedSplat> projected(3000);
+    for (gpu::ProjectedSplat& p : projected) {
+        const float sx = between(0.3f, 4), sy = between(0.3f, 4), r = between(-0.9f, 0.9f), across = 1 - r * r, opacity = between(0.1f, 1);
+        p.centrePx = {between(-3, kWidthPx + 3.0f), between(-3, kHeightPx + 3.0f)};  // some lie outside or are cut
+        p.conicA = 1 / (sx * sx * across), p.conicB = -r / (sx * sy * across), p.conicC = 1 / (sy * sy * across);
+        const float radiusPx = random() % 9 == 0 ? 0 : sx * std::sqrt(2 * std::log(255 * opacity));  // 0: hidden
+        p.opacityAndRadius = uint32_t(opacity * 65535) | glm::packHalf2x16({radiusPx, 0}) << 16;
+        p.depthM = between(1, 2);
+    }
+    mtl::SoftwareDevice device;
+    auto metal = mtl::createBackendOn(device.seam(), false);
+    ASSERT_TRUE(metal) << metal.error().message;
+    const auto want = tileLists(**vulkan, projected), got = tileLists(**metal, projected);
+    ASSERT_EQ(want.size(), got.size());
+    EXPECT_TRUE(want == got) << "first at byte " << std::mismatch(want.begin(), want.end(), got.begin()).first - want.begin();
     metal->reset();
     for (const std::string& fault : device.takeFaults()) ADD_FAILURE() << fault;
 }
