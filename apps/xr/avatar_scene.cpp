@@ -205,8 +205,10 @@ void AvatarScene::moveByControllers(const xr::Session& session) {
 doppel::Status AvatarScene::poseAvatar(const xr::Frame& frame) {
     if (rest_.empty()) return {};  // general splats
     xr::User user = options_.mirror ? xr::mirrored(mirror_, frame.user) : frame.user;
-    if (!options_.withHands)
+    if (!options_.withHands) {
         for (xr::Hand& hand : user.hands) hand.located = 0;
+        user.body.located.reset();
+    }
     const XrPosef body = stance_.of(user);
     if (options_.mirror) worldFromAvatar_ = body;
     if (options_.clip) {

@@ -53,12 +53,15 @@ Result<Display> chooseDisplay(const Runtime& runtime, Calls& calls_, XrSystemId 
     display.system = system;
     XrSystemPassthroughPropertiesFB passthrough{XR_TYPE_SYSTEM_PASSTHROUGH_PROPERTIES_FB};
     XrSystemHandTrackingPropertiesEXT hands{XR_TYPE_SYSTEM_HAND_TRACKING_PROPERTIES_EXT};
+    XrSystemBodyTrackingPropertiesFB bodies{XR_TYPE_SYSTEM_BODY_TRACKING_PROPERTIES_FB};
     XrSystemProperties properties{XR_TYPE_SYSTEM_PROPERTIES};
     if (runtime.extensions().passthrough) properties.next = &passthrough;
     if (runtime.extensions().handTracking) hands.next = std::exchange(properties.next, &hands);
+    if (runtime.extensions().bodyTracking) bodies.next = std::exchange(properties.next, &bodies);
     DPL_XR(xrGetSystemProperties, runtime.instance(), system, &properties);
     display.canPassThrough = runtime.extensions().passthrough && passthrough.supportsPassthrough;
     display.tracksHands = runtime.extensions().handTracking && hands.supportsHandTracking;
+    display.tracksBodies = runtime.extensions().bodyTracking && bodies.supportsBodyTracking;
 
     std::vector<XrViewConfigurationType> types;
     DPL_XR_OK(calls_.check(enumerate(types, XrViewConfigurationType{},

@@ -18,6 +18,7 @@ struct Display {
     XrEnvironmentBlendMode blendMode = XR_ENVIRONMENT_BLEND_MODE_OPAQUE;
     bool canPassThrough = false;  // by XR_FB_passthrough
     bool tracksHands = false;     // by XR_EXT_hand_tracking
+    bool tracksBodies = false;    // by XR_FB_body_tracking
 
     uint32_t viewsOf(uint32_t group) const { return std::min(kMaxViewsOfGroup, viewCount - group * kMaxViewsOfGroup); }
 };

@@ -1,19 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "platform/openxr/hand_tracking.h"
 
-#include <algorithm>
-
 namespace dpl::xr {
-namespace {
-
-constexpr float kFarthestM = 1000;  // a joint farther from the origin is a defect of the runtime
-
-bool isBelievable(const XrVector3f& p) {
-    return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= kFarthestM;
-}
-
-}  // namespace
-
 void HandTracking::stop() {
     const auto destroy = runtime_.function<PFN_xrDestroyHandTrackerEXT>("xrDestroyHandTrackerEXT");
     for (XrHandTrackerEXT& tracker : trackers_) {
@@ -52,12 +40,10 @@ Status HandTracking::locate(Calls& calls_, XrSpace world, XrTime time, Hand (&ha
         locations.jointLocations = joints;
         DPL_XR_OK(calls_.check(locate_(trackers_[side], &info, &locations), "xrLocateHandJointsEXT"));
         if (!locations.isActive) continue;
-        constexpr XrSpaceLocationFlags kNeeded = XR_SPACE_LOCATION_POSITION_VALID_BIT | XR_SPACE_LOCATION_ORIENTATION_VALID_BIT;
         Hand& hand = hands[side];
         for (uint32_t j = 0; j < XR_HAND_JOINT_COUNT_EXT; ++j) {
             hand.joints[j] = joints[j].pose;
-            if ((joints[j].locationFlags & kNeeded) == kNeeded && makeValid(hand.joints[j]) && isBelievable(hand.joints[j].position))
-                hand.located |= 1u << j;
+            if (isLocated(joints[j].locationFlags, hand.joints[j])) hand.located |= 1u << j;
         }
     }
     return {};

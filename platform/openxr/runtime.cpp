@@ -91,6 +91,7 @@ Status Runtime::createInstance(const RuntimeOptions& options) {
     extensions_.localFloor = want(XR_EXT_LOCAL_FLOOR_EXTENSION_NAME);
     extensions_.passthrough = want(XR_FB_PASSTHROUGH_EXTENSION_NAME);
     extensions_.handTracking = want(XR_EXT_HAND_TRACKING_EXTENSION_NAME);
+    extensions_.bodyTracking = want(XR_FB_BODY_TRACKING_EXTENSION_NAME);
 
     XrInstanceCreateInfo info{XR_TYPE_INSTANCE_CREATE_INFO};
     info.next = options.instanceNext;

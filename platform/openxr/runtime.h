@@ -41,6 +41,7 @@ struct Extensions {
     bool localFloor = false;    // XR_EXT_local_floor
     bool passthrough = false;   // XR_FB_passthrough
     bool handTracking = false;  // XR_EXT_hand_tracking
+    bool bodyTracking = false;  // XR_FB_body_tracking
 };
 
 class Runtime {

@@ -88,6 +88,9 @@ Result<bool> Session::Self::open(Scene& scene) {
     if (live->display.tracksHands) {
         if (Status started = live->hands.start(calls_, live->session.handle); !started) complaint_ = "no hands: " + started.error().message;
     }
+    if (live->display.tracksBodies) {
+        if (Status started = live->body.start(calls_, live->session.handle); !started) complaint_ = "no body: " + started.error().message;
+    }
     if (hasActions_) {
         if (Status attached = actions_.attach(calls_, live->session.handle); !attached) {
             complaint_ = "no controllers: " + attached.error().message;

@@ -37,6 +37,8 @@ Result<bool> Session::Self::draw(Scene& scene, const XrFrameState& state) {
         complain("the runtime does not tell where the controllers are");
     if (Status located = live_->hands.locate(calls_, live_->world.space(), state.predictedDisplayTime, frame_.user.hands); !located)
         complain("the runtime does not tell where the hands are");
+    if (Status located = live_->body.locate(calls_, live_->world.space(), state.predictedDisplayTime, frame_.user.body); !located)
+        complain("the runtime does not tell where the body is");
     moved_ = live_->world.takeMove(state.predictedDisplayTime);
     const auto hindrance = locateViews(calls_, live_->session.handle, display, live_->world.space(), state.predictedDisplayTime, views_);
     if (!hindrance) return hindrance.error();

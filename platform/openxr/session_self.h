@@ -3,6 +3,7 @@
 #pragma once
 
 #include "platform/openxr/actions.h"
+#include "platform/openxr/body_tracking.h"
 #include "platform/openxr/capture.h"
 #include "platform/openxr/frame_commands.h"
 #include "platform/openxr/hand_tracking.h"
@@ -22,12 +23,13 @@ struct SessionHandle {
 
 /** One session and what dies with it, from last to first. */
 struct Live {
-    explicit Live(const Runtime& runtime) : images(runtime), passthrough(runtime), hands(runtime) {}
+    explicit Live(const Runtime& runtime) : images(runtime), passthrough(runtime), hands(runtime), body(runtime) {}
     SessionHandle session;
     World world;
     Images images;
     Passthrough passthrough;
     HandTracking hands;
+    BodyTracking body;
     Display display;
     bool passesThrough = false;
 };

@@ -8,15 +8,24 @@ namespace dpl::xr {
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>, kSlackRad = 50 * kPi / 180;
+constexpr float kFarthestM = 1000;        // a joint farther from the origin is a defect of the runtime
 constexpr float kLeastHorizontal = 0.2f;  // of a view direction: below, its heading says nothing
 
 }  // namespace
+
+bool isLocated(XrSpaceLocationFlags flags, XrPosef& pose) {
+    constexpr XrSpaceLocationFlags kNeeded = XR_SPACE_LOCATION_POSITION_VALID_BIT | XR_SPACE_LOCATION_ORIENTATION_VALID_BIT;
+    if ((flags & kNeeded) != kNeeded || !makeValid(pose)) return false;
+    const XrVector3f& p = pose.position;
+    return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= kFarthestM;
+}
 
 User moved(const XrPosef& aFromB, const User& user) {
     User out = user;
     out.head = aFromB * user.head;
     for (Hand& hand : out.hands)
         for (XrPosef& joint : hand.joints) joint = aFromB * joint;
+    for (XrPosef& joint : out.body.joints) joint = aFromB * joint;
     return out;
 }
 

@@ -2,6 +2,8 @@
 // The user at the time of a picture: where the head and the joints of the hands are, seen in a mirror or from another space.
 #pragma once
 
+#include <bitset>
+
 #include "platform/openxr/poses.h"
 
 namespace dpl::xr {
@@ -14,10 +16,22 @@ struct Hand {
     bool has(uint32_t joint) const { return located >> joint & 1; }
 };
 
+/** The 70 joints of a body (XrBodyJointFB), without legs. */
+struct Body {
+    XrPosef joints[XR_BODY_JOINT_COUNT_FB]{};
+    std::bitset<XR_BODY_JOINT_COUNT_FB> located;
+    XrPosef rest[XR_BODY_JOINT_COUNT_FB]{};  // of the same person, in a space of its own
+    uint32_t skeleton = 0;                   // counts the rest poses that the runtime has told; 0: none yet
+};
+
 struct User {
     XrPosef head = kIdentityPose;  // looks along -z, y up
     Hand hands[2];                 // left, right; without XR_EXT_hand_tracking no joint is located
+    Body body;                     // without XR_FB_body_tracking no joint is located
 };
+
+/** Whether a runtime knows a joint: flags and pose are valid, and the pose lies within 1 km. Makes the pose's rotation exact. */
+bool isLocated(XrSpaceLocationFlags flags, XrPosef& pose);
 
 /** A user of space b in space a. */
 User moved(const XrPosef& aFromB, const User& user);
@@ -31,7 +45,7 @@ struct Mirror {
  * -x; its y and z axes are the images of y and z. So the image of a head looks out of the mirror, and that of a left hand is a right hand.
  *  mirrored(mirrored(x)) is x. */
 XrPosef mirrored(const Mirror& mirror, const XrPosef& pose);
-/** The image of a user: poses as above, and the left hand is the image of the right one. */
+/** The image of a user: poses as above, and the left hand is the image of the right one. It has no body. */
 User mirrored(const Mirror& mirror, const User& user);
 
 /** Where a user's body stands: below the head, its +z where the body faces. The body turns only when the head has turned more than 50

@@ -23,6 +23,19 @@ bool listen(android_app* app, std::chrono::milliseconds wait) {
     return !app->destroyRequested;
 }
 
+/** Asks the user for the body, whose tracking Quest gives only to apps that were allowed it. Sessions that begin before the answer have
+ *  hands alone. Other headsets do not know the permission and refuse it. */
+void askForBody(JNIEnv* env, jobject activity) {
+    jclass type = env->GetObjectClass(activity);
+    jmethodID ask = env->GetMethodID(type, "requestPermissions", "([Ljava/lang/String;I)V");
+    jclass strings = env->FindClass("java/lang/String");
+    jstring name = env->NewStringUTF("com.oculus.permission.BODY_TRACKING");
+    jobjectArray names = ask && strings && name ? env->NewObjectArray(1, strings, name) : nullptr;
+    if (names) env->CallVoidMethod(activity, ask, names, jint(0));
+    env->ExceptionClear();  // the app goes on without
+    for (jobject local : {jobject(names), jobject(name), jobject(strings), jobject(type)}) env->DeleteLocalRef(local);
+}
+
 /** An asset that is stored uncompressed is mapped; nothing is copied before the library reads it. */
 doppel::Result<DplAvatar> loadAsset(android_app* app, DplContext context, const char* name) {
     AAsset* asset = AAssetManager_open(app->activity->assetManager, name, AASSET_MODE_BUFFER);
@@ -80,6 +93,7 @@ doppel::Status run(android_app* app) {
 void android_main(android_app* app) {
     JNIEnv* env = nullptr;
     app->activity->vm->AttachCurrentThread(&env, nullptr);
+    dpl::askForBody(env, app->activity->clazz);
     if (const doppel::Status done = dpl::run(app); !done)
         __android_log_print(ANDROID_LOG_ERROR, "doppel", "%s", done.error().message.c_str());
     ANativeActivity_finish(app->activity);

@@ -27,9 +27,13 @@ Settings::Settings() {
     formats = {VK_FORMAT_R8G8B8A8_SRGB,  VK_FORMAT_B8G8R8A8_SRGB, VK_FORMAT_R16G16B16A16_SFLOAT,
                VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_D32_SFLOAT,    VK_FORMAT_D24_UNORM_S8_UINT,
                VK_FORMAT_D16_UNORM};
-    extensions = {XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME,      XR_KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME,
-                  XR_FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME, XR_FB_PASSTHROUGH_EXTENSION_NAME,
-                  XR_EXT_HAND_TRACKING_EXTENSION_NAME,       kLocalFloorExtension};
+    extensions = {XR_KHR_VULKAN_ENABLE2_EXTENSION_NAME,
+                  XR_KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME,
+                  XR_FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME,
+                  XR_FB_PASSTHROUGH_EXTENSION_NAME,
+                  XR_EXT_HAND_TRACKING_EXTENSION_NAME,
+                  XR_FB_BODY_TRACKING_EXTENSION_NAME,
+                  kLocalFloorExtension};
     worldFromHead = [](XrTime) { return kLocalAtStart; };
 }
 
@@ -126,7 +130,7 @@ SubmittedFrame lastFrame() {
 size_t liveHandles() {
     return read([](const Runtime& r) {
         return size_t(r.instance.has_value()) + r.sessions.size() + r.spaces.size() + r.swapchains.size() + r.actionSets.size() +
-               r.actions.size() + r.passthroughs.size() + r.passthroughLayers.size() + r.handTrackers.size();
+               r.actions.size() + r.passthroughs.size() + r.passthroughLayers.size() + r.handTrackers.size() + r.bodyTrackers.size();
     });
 }
 std::vector<std::string> vulkanMessages() {

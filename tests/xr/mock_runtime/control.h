@@ -6,7 +6,7 @@
 // specification that the caller breaks is kept as a sentence in violations(), and the call returns the error that the specification gives.
 #pragma once
 
-#include <openxr/openxr.h>
+#include "platform/openxr/openxr.h"
 
 #include <cstdint>
 #include <functional>
@@ -48,6 +48,7 @@ struct Settings {
     uint32_t swapchainImages = 3;
     bool hasSystem = true;
     bool tracksHands = true;           // as the system's properties say
+    bool tracksBodies = true;          // the same
     bool automaticStates = true;       // the runtime moves the session through its states by itself
     std::optional<bool> shouldRender;  // empty: as the session's state says
     bool capture = false;              // read the submitted pictures; afterwards their images are filled with other values
@@ -57,7 +58,11 @@ struct Settings {
     std::function<void(XrTime, XrViewState&, std::span<XrView>)> spoilViews;  // changes what xrLocateViews returns
     std::function<void(bool enters)> onCall;                                  // when a call enters the mock and when it leaves
     HandSetting hands[2];                                                     // left, right
-    std::string interactionProfile;                                           // empty: no controller is bound
+    /** By XR_FB_body_tracking, in the world. Empty: the body is not seen. Else 70 joints, given out as those of hands. */
+    std::vector<XrBodyJointLocationFB> body;
+    std::vector<XrBodySkeletonJointFB> skeleton;  // 70 joints in any order; wrong ones are given out too
+    uint32_t skeletonChanges = 0;                 // count it up with each new skeleton
+    std::string interactionProfile;               // empty: no controller is bound
 };
 
 /** An entry point that fails. nth: which of its calls, from 1. The function has no other effect, except that what it destroys is gone.

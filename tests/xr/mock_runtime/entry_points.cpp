@@ -41,6 +41,9 @@ XrResult checkHandle(XrSwapchain swapchain) {
 XrResult checkHandle(XrHandTrackerEXT tracker) {
     return checkChild(runtime().handTrackers, tracker, "hand tracker");
 }
+XrResult checkHandle(XrBodyTrackerFB tracker) {
+    return checkChild(runtime().bodyTrackers, tracker, "body tracker");
+}
 XrResult checkHandle(XrPassthroughFB passthrough) {
     return checkChild(runtime().passthroughs, passthrough, "passthrough");
 }
@@ -199,6 +202,10 @@ const std::vector<EntryPoint>& entryPoints() {
         DPL_MOCKXR_OF(XR_EXT_HAND_TRACKING_EXTENSION_NAME, xrCreateHandTrackerEXT),
         DPL_MOCKXR_OF(XR_EXT_HAND_TRACKING_EXTENSION_NAME, xrDestroyHandTrackerEXT),
         DPL_MOCKXR_OF(XR_EXT_HAND_TRACKING_EXTENSION_NAME, xrLocateHandJointsEXT),
+        DPL_MOCKXR_OF(XR_FB_BODY_TRACKING_EXTENSION_NAME, xrCreateBodyTrackerFB),
+        DPL_MOCKXR_OF(XR_FB_BODY_TRACKING_EXTENSION_NAME, xrDestroyBodyTrackerFB),
+        DPL_MOCKXR_OF(XR_FB_BODY_TRACKING_EXTENSION_NAME, xrLocateBodyJointsFB),
+        DPL_MOCKXR_OF(XR_FB_BODY_TRACKING_EXTENSION_NAME, xrGetBodySkeletonFB),
         DPL_MOCKXR_OF(XR_FB_PASSTHROUGH_EXTENSION_NAME, xrCreatePassthroughFB),
         DPL_MOCKXR_OF(XR_FB_PASSTHROUGH_EXTENSION_NAME, xrDestroyPassthroughFB),
         DPL_MOCKXR_OF(XR_FB_PASSTHROUGH_EXTENSION_NAME, xrPassthroughStartFB),

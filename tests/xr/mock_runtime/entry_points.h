@@ -56,6 +56,7 @@ DPL_MOCKXR_ENTRY(xrGetReferenceSpaceBoundsRect)(XrSession, XrReferenceSpaceType,
 DPL_MOCKXR_ENTRY(xrCreateActionSpace)(XrSession, const XrActionSpaceCreateInfo*, XrSpace*);
 DPL_MOCKXR_ENTRY(xrDestroySpace)(XrSpace);
 DPL_MOCKXR_ENTRY(xrLocateSpace)(XrSpace, XrSpace, XrTime, XrSpaceLocation*);
+DPL_MOCKXR_ENTRY(xrLocateBodyJointsFB)(XrBodyTrackerFB, const XrBodyJointsLocateInfoFB*, XrBodyJointLocationsFB*);
 DPL_MOCKXR_ENTRY(xrLocateHandJointsEXT)(XrHandTrackerEXT, const XrHandJointsLocateInfoEXT*, XrHandJointLocationsEXT*);
 DPL_MOCKXR_ENTRY(xrLocateViews)(XrSession, const XrViewLocateInfo*, XrViewState*, uint32_t, uint32_t*, XrView*);
 
@@ -88,6 +89,9 @@ DPL_MOCKXR_ENTRY(xrGetDisplayRefreshRateFB)(XrSession, float*);
 DPL_MOCKXR_ENTRY(xrRequestDisplayRefreshRateFB)(XrSession, float);
 DPL_MOCKXR_ENTRY(xrCreateHandTrackerEXT)(XrSession, const XrHandTrackerCreateInfoEXT*, XrHandTrackerEXT*);
 DPL_MOCKXR_ENTRY(xrDestroyHandTrackerEXT)(XrHandTrackerEXT);
+DPL_MOCKXR_ENTRY(xrCreateBodyTrackerFB)(XrSession, const XrBodyTrackerCreateInfoFB*, XrBodyTrackerFB*);
+DPL_MOCKXR_ENTRY(xrDestroyBodyTrackerFB)(XrBodyTrackerFB);
+DPL_MOCKXR_ENTRY(xrGetBodySkeletonFB)(XrBodyTrackerFB, XrBodySkeletonFB*);
 DPL_MOCKXR_ENTRY(xrCreatePassthroughFB)(XrSession, const XrPassthroughCreateInfoFB*, XrPassthroughFB*);
 DPL_MOCKXR_ENTRY(xrDestroyPassthroughFB)(XrPassthroughFB);
 DPL_MOCKXR_ENTRY(xrPassthroughStartFB)(XrPassthroughFB);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Refresh rates, hand trackers and passthrough.
+// Refresh rates, trackers of hands and bodies, passthrough.
 #include <algorithm>
 
 #include "tests/xr/mock_runtime/check.h"
@@ -39,6 +39,30 @@ DPL_MOCKXR_ENTRY(xrCreateHandTrackerEXT)(XrSession session, const XrHandTrackerC
 
 DPL_MOCKXR_ENTRY(xrDestroyHandTrackerEXT)(XrHandTrackerEXT tracker) {
     runtime().handTrackers.erase(tracker);
+    return XR_SUCCESS;
+}
+
+DPL_MOCKXR_ENTRY(xrCreateBodyTrackerFB)(XrSession session, const XrBodyTrackerCreateInfoFB* info, XrBodyTrackerFB* tracker) {
+    Runtime& r = runtime();
+    DPL_MOCKXR_TRY(checkStructure(info, XR_TYPE_BODY_TRACKER_CREATE_INFO_FB, "createInfo"));
+    if (!r.settings.tracksBodies) return violated(XR_ERROR_FEATURE_UNSUPPORTED, "the system does not track bodies");
+    if (info->bodyJointSet != XR_BODY_JOINT_SET_DEFAULT_FB) return violated(XR_ERROR_VALIDATION_FAILURE, "there is no such set of joints");
+    *tracker = r.newHandle<XrBodyTrackerFB>();
+    r.bodyTrackers[*tracker] = {session};
+    return XR_SUCCESS;
+}
+
+DPL_MOCKXR_ENTRY(xrDestroyBodyTrackerFB)(XrBodyTrackerFB tracker) {
+    runtime().bodyTrackers.erase(tracker);
+    return XR_SUCCESS;
+}
+
+DPL_MOCKXR_ENTRY(xrGetBodySkeletonFB)(XrBodyTrackerFB, XrBodySkeletonFB* skeleton) {
+    DPL_MOCKXR_TRY(checkStructure(skeleton, XR_TYPE_BODY_SKELETON_FB, "skeleton"));
+    if (skeleton->jointCount != XR_BODY_JOINT_COUNT_FB || !skeleton->joints)
+        return violated(XR_ERROR_VALIDATION_FAILURE, "a body has 70 joints");
+    const auto& told = runtime().settings.skeleton;
+    std::copy_n(told.begin(), std::min<size_t>(told.size(), XR_BODY_JOINT_COUNT_FB), skeleton->joints);
     return XR_SUCCESS;
 }
 

@@ -109,6 +109,7 @@ struct Runtime {
     std::map<XrActionSet, ActionSet> actionSets;
     std::map<XrAction, Action> actions;
     std::map<XrHandTrackerEXT, HandTracker> handTrackers;
+    std::map<XrBodyTrackerFB, Child> bodyTrackers;
     std::map<XrPassthroughFB, Child> passthroughs;
     std::map<XrPassthroughLayerFB, Child> passthroughLayers;
     uintptr_t handles = 0x1000;  // no number is used twice, so that a stale handle is noticed

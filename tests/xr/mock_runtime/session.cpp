@@ -39,6 +39,7 @@ void destroySession(XrSession session) {
     for (const XrSwapchain swapchain : left) destroySwapchain(swapchain);
     eraseOf(r.spaces, session);
     eraseOf(r.handTrackers, session);
+    eraseOf(r.bodyTrackers, session);
     eraseOf(r.passthroughs, session);
     eraseOf(r.passthroughLayers, session);
     r.sessions.at(session).vulkan.close();

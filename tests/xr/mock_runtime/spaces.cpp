@@ -134,6 +134,28 @@ DPL_MOCKXR_ENTRY(xrLocateHandJointsEXT)
     return XR_SUCCESS;
 }
 
+DPL_MOCKXR_ENTRY(xrLocateBodyJointsFB)(XrBodyTrackerFB handle, const XrBodyJointsLocateInfoFB* info, XrBodyJointLocationsFB* locations) {
+    Runtime& r = runtime();
+    DPL_MOCKXR_TRY(checkStructure(info, XR_TYPE_BODY_JOINTS_LOCATE_INFO_FB, "locateInfo"));
+    DPL_MOCKXR_TRY(checkAlive(info->baseSpace, r.bodyTrackers.at(handle).session, "baseSpace"));
+    DPL_MOCKXR_TRY(checkTime(info->time));
+    DPL_MOCKXR_TRY(checkStructure(locations, XR_TYPE_BODY_JOINT_LOCATIONS_FB, "locations"));
+    if (locations->jointCount != XR_BODY_JOINT_COUNT_FB || !locations->jointLocations)
+        return violated(XR_ERROR_VALIDATION_FAILURE, "a body has 70 joints");
+    const auto& joints = r.settings.body;
+    const auto worldFromBase = worldFromSpace(r.spaces.at(info->baseSpace), info->time);
+    locations->isActive = joints.size() == XR_BODY_JOINT_COUNT_FB && worldFromBase;
+    locations->confidence = locations->isActive ? 1.0f : 0.0f;
+    locations->skeletonChangedCount = r.settings.skeletonChanges;
+    locations->time = info->time;
+    for (uint32_t j = 0; j < XR_BODY_JOINT_COUNT_FB; ++j) {
+        XrBodyJointLocationFB& out = locations->jointLocations[j];
+        out = locations->isActive ? joints[j] : XrBodyJointLocationFB{};
+        if (out.locationFlags) out.pose = compose(inverse(*worldFromBase), out.pose);
+    }
+    return XR_SUCCESS;
+}
+
 DPL_MOCKXR_ENTRY(xrLocateViews)
 (XrSession session, const XrViewLocateInfo* info, XrViewState* state, uint32_t capacity, uint32_t* count, XrView* out) {
     Runtime& r = runtime();

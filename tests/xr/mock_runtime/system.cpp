@@ -16,11 +16,14 @@ DPL_MOCKXR_ENTRY(xrGetSystem)(XrInstance, const XrSystemGetInfo* info, XrSystemI
 DPL_MOCKXR_ENTRY(xrGetSystemProperties)(XrInstance, XrSystemId system, XrSystemProperties* properties) {
     DPL_MOCKXR_TRY(checkSystem(system));
     DPL_MOCKXR_TRY(checkStructure(properties, XR_TYPE_SYSTEM_PROPERTIES, "properties",
-                                  {XR_TYPE_SYSTEM_PASSTHROUGH_PROPERTIES_FB, XR_TYPE_SYSTEM_HAND_TRACKING_PROPERTIES_EXT}));
+                                  {XR_TYPE_SYSTEM_PASSTHROUGH_PROPERTIES_FB, XR_TYPE_SYSTEM_HAND_TRACKING_PROPERTIES_EXT,
+                                   XR_TYPE_SYSTEM_BODY_TRACKING_PROPERTIES_FB}));
     if (auto* passthrough = chained<XrSystemPassthroughPropertiesFB>(properties->next, XR_TYPE_SYSTEM_PASSTHROUGH_PROPERTIES_FB))
         passthrough->supportsPassthrough = runtime().enabled(XR_FB_PASSTHROUGH_EXTENSION_NAME);
     if (auto* hands = chained<XrSystemHandTrackingPropertiesEXT>(properties->next, XR_TYPE_SYSTEM_HAND_TRACKING_PROPERTIES_EXT))
         hands->supportsHandTracking = runtime().enabled(XR_EXT_HAND_TRACKING_EXTENSION_NAME) && runtime().settings.tracksHands;
+    if (auto* bodies = chained<XrSystemBodyTrackingPropertiesFB>(properties->next, XR_TYPE_SYSTEM_BODY_TRACKING_PROPERTIES_FB))
+        bodies->supportsBodyTracking = runtime().enabled(XR_FB_BODY_TRACKING_EXTENSION_NAME) && runtime().settings.tracksBodies;
     properties->systemId = kSystem;
     properties->vendorId = 0;
     setText(properties->systemName, "Doppel's mock headset");
