@@ -33,6 +33,30 @@ protected:
     }
 };
 
+TEST_F(MetalAppFaults, framesOfAProgramAreNotTimedAndTheStatisticsSaySo) {
+    open();
+    const DplCamera view = camera();
+    const uint32_t into = composer(kFormat);
+    const TextureRef colour = texture(kFormat);
+    ASSERT_EQ(dplSetFrameBudget(context_, 0.001), DPL_OK) << dplGetLastError();
+    for (uint32_t i = 0; i < 9; ++i) {
+        ASSERT_EQ(frame(i % DPL_METAL_SLOTS, into, colour, view), DPL_OK) << dplGetLastError();
+        device_->finish();
+    }
+    DplFrameStats stats{};
+    stats.structSize = sizeof stats;
+    ASSERT_EQ(dplGetFrameStats(avatar_, &stats), DPL_OK) << dplGetLastError();
+    EXPECT_GT(stats.splatsDrawn, 0u) << "what was drawn is known";
+    EXPECT_EQ(stats.passCount, 0u);
+    EXPECT_EQ(stats.gpuMs, 0);
+    EXPECT_EQ(stats.frameMs, 0);
+    EXPECT_EQ(stats.budgetState, DPL_BUDGET_UNTIMED);
+    EXPECT_EQ(stats.keptLimit, 0u) << "nothing is limited by a time that nobody measured";
+    DplPassTime time{};
+    time.structSize = sizeof time;
+    EXPECT_EQ(dplGetPassTime(avatar_, 0, &time), DPL_ERROR_NOT_FOUND);
+}
+
 TEST_F(MetalAppFaults, aSlotThatComesTooEarlyIsNoticed) {
     open(DPL_FILL_QUADS, {.looks = 1000});
     const DplCamera view = camera();

@@ -139,13 +139,13 @@ typedef struct DplMetalSceneDepth {
 
 /** Draws the avatars in their current poses into the picture of a slot. Arguments as dplDrawTogether. The views have the size of the
  *  picture, which may be smaller than the program's target. dplSetDetail holds here too. What prepare drew (dplGetFrameStats) is known when
- *  the slot comes round; Metal tells no times of a part of a command buffer, so dplGetPassTime is empty and dplSetFrameBudget has no
- * effect. commands: of the device's queue, not committed, without an open encoder. depths: viewCount of them, or NULL:
- * DplCamera::sceneDepthM counts, which the CPU copies. The pass that drew a depth has ended, and stored it. DPL_ERROR_INVALID_ARGUMENT: no
- * such slot, one whose last commands have not run (wait for their completion handler, or dplMetalDropSlot), NULL commands, a context that
- * is not on the program's device, or a depth that says nothing (offset 0, not finite, no texture) or cannot be read (usage, memoryless, no
- * depth format). After an error the program may commit or drop the command buffer, and composes nothing of what was to be prepared.
- * DPL_ERROR_DEVICE: see "Errors of the GPU". */
+ *  the slot comes round; Metal tells no times of a part of a command buffer, so DplFrameStats::passCount, gpuMs and frameMs are 0, its
+ *  budgetState is DPL_BUDGET_UNTIMED, and dplSetFrameBudget has no effect. commands: of the device's queue, not committed, without an open
+ * encoder. depths: viewCount of them, or NULL: DplCamera::sceneDepthM counts, which the CPU copies. The pass that drew a depth has ended,
+ * and stored it. DPL_ERROR_INVALID_ARGUMENT: no such slot, one whose last commands have not run (wait for their completion handler, or
+ * dplMetalDropSlot), NULL commands, a context that is not on the program's device, or a depth that says nothing (offset 0, not finite, no
+ * texture) or cannot be read (usage, memoryless, no depth format). After an error the program may commit or drop the command buffer, and
+ * composes nothing of what was to be prepared. DPL_ERROR_DEVICE: see "Errors of the GPU". */
 DPL_EXPERIMENTAL DplResult dplMetalPrepare(DplContext context, DPL_METAL_OBJECT(MTLCommandBuffer) commands, uint32_t slot,
                                            const DplAvatar* avatars, uint32_t avatarCount, const DplCamera* views, uint32_t viewCount,
                                            const DplMetalSceneDepth* depths);
