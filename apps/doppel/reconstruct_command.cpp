@@ -24,6 +24,9 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
     command->add_option("--steps", options->steps, "Number of training steps instead of the preset's, for comparisons")
         ->check(inRange(0, 10000000))
         ->excludes("--time-budget");
+    command->add_option("--checkpoint-every", options->checkpointS, "Seconds of training that a kill may lose")
+        ->check(inRange(0.0, 1e5))
+        ->capture_default_str();
     command->add_option("--seed", options->seed, "Seed of every random choice; same seed, same bytes")->capture_default_str();
     const auto leaveOut = [options](const std::vector<std::string>& parts) {
         for (const std::string& part : parts)

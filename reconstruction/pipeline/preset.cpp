@@ -38,6 +38,7 @@ RunSettings settingsOf(const ReconstructOptions& options) {
     } else {
         s.timeBudgetMinutes = options.timeBudgetMinutes;
     }
+    s.checkpointS = options.checkpointS;
     s.layers = !options.without.layers;
     if (options.without.largeSteps) s.training.smoothingLengthM = 0;
     if (options.without.light) s.training.rateNodeLight = 0;

@@ -11,7 +11,6 @@
 namespace dpl {
 namespace {
 
-constexpr double kCheckpointSeconds = 30;  // a kill loses about this much training at most
 constexpr uint32_t kProbeSteps = 60;
 
 Result<CoOptimiseInput> trainingInput(const FittedBody& body, const DressedBody& dressed, std::vector<TrainFrame> frames) {
@@ -78,7 +77,7 @@ Status train(CoOptimiseInput input, const RunSettings& settings, Jobs& jobs, Sta
     auto saved = std::chrono::steady_clock::now();
     while (!optimiser->finished()) {
         const Status ran = optimiser->run(report, &context.progress.cancelFlag(), 100);
-        const bool due = std::chrono::duration<double>(std::chrono::steady_clock::now() - saved).count() > kCheckpointSeconds;
+        const bool due = std::chrono::duration<double>(std::chrono::steady_clock::now() - saved).count() > settings.checkpointS;
         if (due || !ran) {
             DPL_CHECK_OK(optimiser->checkpoint(checkpoint));
             saved = std::chrono::steady_clock::now();
