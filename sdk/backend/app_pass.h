@@ -41,4 +41,14 @@ inline gpu::ComposePush composePush(std::span<const LayerPlace> places, uint32_t
     return push;
 }
 
+/** Whether a composer that writes such a depth can use a slot that was prepared with these. pass: of the API, with a member writesDepth. */
+inline Status checkDepth(ComposerId composer, PictureDepth written, uint32_t slot, uint32_t prepared, const char* pass) {
+    if (written == PictureDepth::None)
+        return fail(Code::InvalidArgument, "composer {} writes no depth; set writesDepth of its {}", composer.value, pass);
+    if (!(prepared & uint32_t(written)))
+        return fail(Code::InvalidArgument, "slot {} was prepared before composer {} was made, so its picture lacks the depth", slot,
+                    composer.value);
+    return {};
+}
+
 }  // namespace dpl

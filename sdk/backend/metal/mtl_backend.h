@@ -10,6 +10,7 @@
 #include <map>
 
 #include "sdk/backend/app_pass.h"
+#include "sdk/backend/copy_queue.h"
 #include "sdk/backend/frame_check.h"
 #include "sdk/backend/metal/mtl_seam.h"
 #include "sdk/backend/shader_pack.h"
@@ -224,17 +225,9 @@ private:
     void freeRetired();
 
     // mtl_copies.cpp
-    struct QueuedCopy {
-        uint64_t number = 0;
-        BufferRef from, to;
-        uint64_t fromOffset = 0, toOffset = 0, bytes = 0;
-        bool running = false;  // committed, or encoded with `slot`
-        uint32_t slot = 0;
-    };
+    using Copies = CopyQueue<BufferRef>;
     Status submitNextCopy();
-    Status encodeCopy(CommandsRef commands, const QueuedCopy& copy);
-    void slotHasRun(uint32_t slot);
-    void slotIsDropped(uint32_t slot);
+    Status encodeCopy(CommandsRef commands, const Copies::Copy& copy);
     void dropCopies(BufferRef buffer);
 
     // mtl_compose.cpp
@@ -285,8 +278,7 @@ private:
     std::map<uint32_t, Frame> frames_;
     std::vector<Pipeline> pipelines_;  // PipelineId::value is the index + 1
     uint32_t lastId_ = 0;
-    std::vector<QueuedCopy> copies_;  // that have not run, in their order
-    uint64_t lastCopy_ = 0;
+    Copies copies_;
     CommandsRef copyCommands_;  // of the copy that is committed; on a device of the backend's own
 
     // Of encoded frames.

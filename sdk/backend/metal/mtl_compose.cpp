@@ -201,11 +201,7 @@ Status MetalBackend::composeDepth(ComposerId id, uint32_t slot, uint32_t view, i
                                   RenderEncoderRef encoder) {
     DPL_TRY(const Composed composed, composedOf(id, slot, view));
     const PictureDepth written = composed.composer.pass.written;
-    if (written == PictureDepth::None)
-        return fail(Code::InvalidArgument, "composer {} writes no depth; set writesDepth of its DplMetalPass", id.value);
-    if (!(composed.layers.depths & uint32_t(written)))
-        return fail(Code::InvalidArgument, "slot {} was prepared before composer {} was made, so its picture lacks the depth", slot,
-                    id.value);
+    DPL_CHECK_OK(checkDepth(id, written, slot, composed.layers.depths, "DplMetalPass"));
     const bool mesh = written == PictureDepth::Mesh;
     if (mesh && !composed.layers.mesh) return {};
     gpu::ComposePush push{};

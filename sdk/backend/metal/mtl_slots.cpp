@@ -43,7 +43,7 @@ Status MetalBackend::takeSlot(uint32_t slot) {
     if (slot >= kAppSlots) return fail(Code::InvalidArgument, "slot {} does not exist; there are {}", slot, kAppSlots);
     if (slotCommands_[slot]) {
         if (const Status ran = endOf(slotCommands_[slot]); !ran) {
-            slotIsDropped(slot);
+            copies_.slotIsDropped(slot);
             freeSlot(slot);
             return ran;
         }
@@ -53,7 +53,7 @@ Status MetalBackend::takeSlot(uint32_t slot) {
                     "slot {} is prepared again, but the GPU has not run the commands that were prepared with it; wait for the completion "
                     "handler of that command buffer before, or call dplMetalDropSlot if it will never run",
                     slot);
-    slotHasRun(slot);
+    copies_.slotHasRun(slot);
     freeSlot(slot);
     layerSlots_[slot].depths = depthsWritten();
     composes_ = 0;  // what is encoded next waits for the composes so far
@@ -62,7 +62,7 @@ Status MetalBackend::takeSlot(uint32_t slot) {
 
 Status MetalBackend::dropSlot(uint32_t slot) {
     if (slot >= kAppSlots) return fail(Code::InvalidArgument, "slot {} does not exist; there are {}", slot, kAppSlots);
-    slotIsDropped(slot);
+    copies_.slotIsDropped(slot);
     freeSlot(slot);
     seam_->release(submissions_[slot]);
     return {};

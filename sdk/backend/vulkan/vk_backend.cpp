@@ -30,7 +30,7 @@ Status VulkanBackend::start() {
 
 VulkanBackend::~VulkanBackend() {
     for (auto& [id, frame] : frames_) (void)waitFor(frame);  // an app that lends its device waits for its own commands
-    if (!device_->lent && !copies_.empty() && copies_.front().running) (void)waitFor(copyFence_);
+    if (!device_->lent && copies_.front() && copies_.front()->running) (void)waitFor(copyFence_);
     for (Retired& retired : retired_) free(retired);
     for (auto& [id, composer] : composers_) freeComposer(composer);
     for (auto& [id, target] : appTargets_) freeAppTarget(target);

@@ -11,6 +11,7 @@
 #include <variant>
 
 #include "sdk/backend/app_pass.h"
+#include "sdk/backend/copy_queue.h"
 #include "sdk/backend/frame_check.h"
 #include "sdk/backend/shader_pack.h"
 #include "sdk/backend/vulkan/vk_device.h"
@@ -287,16 +288,9 @@ private:
     void free(Retired& retired);
 
     // vk_copies.cpp
-    struct QueuedCopy {
-        uint64_t number = 0;
-        VkBuffer from = VK_NULL_HANDLE, to = VK_NULL_HANDLE;
-        VkBufferCopy region{};
-        bool running = false;  // submitted, or encoded with `slot`
-        uint32_t slot = 0;
-    };
+    using Copies = CopyQueue<VkBuffer>;
+    void record(VkCommandBuffer commands, const Copies::Copy& copy);
     Status submitNextCopy();
-    void slotHasRun(uint32_t slot);
-    void slotIsDropped(uint32_t slot);
     void dropCopies(VkBuffer buffer);
 
     // vk_compose.cpp
@@ -352,8 +346,7 @@ private:
     std::map<std::tuple<uint32_t, bool, ColourFormat, uint32_t, bool>, VkRenderPass>
         renderPasses_;  // by layers, depth, colour, samples, sampled
     uint32_t lastId_ = 0;
-    std::vector<QueuedCopy> copies_;  // that have not run, in their order
-    uint64_t lastCopy_ = 0;
+    Copies copies_;
     VkCommandBuffer copyCommands_ = VK_NULL_HANDLE;  // of the copy that is submitted; on a device of the backend's own
     VkFence copyFence_ = VK_NULL_HANDLE;
 

@@ -21,7 +21,7 @@ Status VulkanBackend::takeSlot(uint32_t slot) {
             slot);
     }
     awaited_[slot] = 0;
-    slotHasRun(slot);
+    copies_.slotHasRun(slot);
     for (auto& [id, frame] : frames_)
         if (frame.run == FrameRun::Encoded && frame.running && frame.slot == slot) ended(frame);
     layerSlots_[slot].viewCount = 0;  // until setLayers(): if the new frame fails, nothing of the slot can be composed
@@ -36,7 +36,7 @@ Status VulkanBackend::dropSlot(uint32_t slot) {
             frame.running = frame.timed = false;
             frame.unread = VK_NULL_HANDLE;
         }
-    slotIsDropped(slot);
+    copies_.slotIsDropped(slot);
     awaited_[slot] = 0;
     layerSlots_[slot].viewCount = 0;
     return {};
