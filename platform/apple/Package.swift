@@ -9,7 +9,8 @@ let library = Target.systemLibrary(name: "CDoppel", path: "Sources/CDoppel", pkg
 let linkerSettings: [LinkerSetting] = []
 #else
 let library = Target.binaryTarget(name: "CDoppel", path: "build/CDoppel.xcframework")
-let linkerSettings: [LinkerSetting] = [.linkedLibrary("c++"), .linkedLibrary("z"), .linkedFramework("Metal"), .linkedFramework("Foundation")]
+let linkerSettings: [LinkerSetting] = [.linkedLibrary("c++"), .linkedLibrary("z"), .linkedFramework("Metal"),
+    .linkedFramework("Foundation")]
 #endif
 
 let package = Package(

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Holds the layout of C and C++ files: clang-format 14 changes nothing. Exit 1 names each file, 77 says why nothing was checked.
+"""Holds the layout of C and C++ files: clang-format 14 changes nothing. Lines of Kotlin, Java, Swift, Gradle and XML have at most 140 columns.
+Exit 1 names each file, 77 says why nothing was checked.
 
     tests/structure/check_format.py [ROOT]          check
     tests/structure/check_format.py [ROOT] --fix    rewrite the files that differ
@@ -14,6 +15,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 VERSION = "14"  # other versions lay out a few constructs differently
 SKIPPED = 77
+COLUMNS = 140
 
 
 def formatter():
@@ -29,6 +31,15 @@ def sources(root):
     for folder in ("sdk", "platform", "shaders", "apps", "reconstruction", "tools", "tests"):
         for suffix in ("*.h", "*.hpp", "*.c", "*.cpp", "*.mm"):
             yield from sorted((root / folder).rglob(suffix))
+
+
+def long_lines(root):
+    for folder in ("platform", "apps", "tests"):
+        for suffix in ("*.kt", "*.java", "*.swift", "*.kts", "*.xml"):
+            for path in sorted((root / folder).rglob(suffix)):
+                for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+                    if len(line) > COLUMNS:
+                        yield f"{path.relative_to(root).as_posix()}:{number}: {len(line)} columns, at most {COLUMNS} are"
 
 
 def main():
@@ -52,8 +63,11 @@ def main():
         return 1
     for name in wrong:
         print(f"{name}: not laid out by clang-format {VERSION}; run tests/structure/check_format.py --fix")
-    print(f"{len(files)} files checked, {len(wrong)} differ")
-    return 1 if wrong or not files else 0
+    too_long = list(long_lines(root))
+    for line in too_long:
+        print(line)
+    print(f"{len(files)} files checked, {len(wrong)} differ; {len(too_long)} lines are too long")
+    return 1 if wrong or too_long or not files else 0
 
 
 if __name__ == "__main__":

@@ -47,8 +47,8 @@ final class Room {
     /// Turns the avatar on its spot.
     func turn(byRad yawRad: Float) { roomFromAvatar = roomFromAvatar * RigidPose(yawRad: yawRad) }
 
-    /// The phone's camera in the avatar's space, for a portrait view of this size. Nil until ARKit has a picture. Of the projection only the
-    /// lens is used: no depth is shared with RealityKit.
+    /// The phone's camera in the avatar's space, for a portrait view of this size. Nil until ARKit has a picture. Of the projection only
+    /// the lens is used: no depth is shared with RealityKit.
     func camera(widthPx: Int, heightPx: Int) throws(DoppelError) -> Camera? {
         guard let camera = session.currentFrame?.camera else { return nil }
         let roomFromEye = RigidPose(camera.viewMatrix(for: .portrait)).inverse

@@ -4,7 +4,8 @@ plugins {
     alias(libs.plugins.android.application)
 }
 
-val repository: File = rootDir.resolve("../..")
+val repository: File by rootProject.extra
+val cmakeArguments: List<String> by rootProject.extra
 
 android {
     namespace = "org.doppel.quest"
@@ -20,12 +21,7 @@ android {
         externalNativeBuild {
             cmake {
                 targets += listOf("doppel", "doppel_quest")
-                arguments += listOf(
-                    "-DANDROID_STL=c++_static",
-                    "-DDOPPEL_RECONSTRUCTION=OFF",
-                    "-DDOPPEL_TESTS=OFF",
-                    "-DDOPPEL_SHADERPACK=$repository/build/release/tools/shaderpack/shaderpack"
-                )
+                arguments += cmakeArguments
             }
         }
     }

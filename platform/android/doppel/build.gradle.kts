@@ -5,7 +5,8 @@ plugins {
     alias(libs.plugins.kotlin.android)
 }
 
-val repository: File = rootDir.resolve("../..")
+val repository: File by rootProject.extra
+val cmakeArguments: List<String> by rootProject.extra
 
 android {
     namespace = "org.doppel"
@@ -18,12 +19,7 @@ android {
         externalNativeBuild {
             cmake {
                 targets += listOf("doppel", "doppel_jni")
-                arguments += listOf(
-                    "-DANDROID_STL=c++_static",
-                    "-DDOPPEL_RECONSTRUCTION=OFF",
-                    "-DDOPPEL_TESTS=OFF",
-                    "-DDOPPEL_SHADERPACK=$repository/build/release/tools/shaderpack/shaderpack"
-                )
+                arguments += cmakeArguments
             }
         }
     }

@@ -96,11 +96,13 @@ final class JniTest {
 
     private void mistakesAreExceptions() {
         long avatar = load();
-        expectError(DoppelException.NOT_FOUND, "pelvis", "a joint that is not there; the text lists all", () -> Native.findJoint(avatar, "tail"));
+        expectError(DoppelException.NOT_FOUND, "pelvis", "a joint that is not there; the text lists all",
+                () -> Native.findJoint(avatar, "tail"));
         expectError(DoppelException.INVALID_ARGUMENT, "joint", "a pose of another rig", () -> Native.setPose(avatar, new float[4], null));
         expectError(DoppelException.INVALID_ARGUMENT, "", "a pose that is not finite",
                 () -> Native.setPose(avatar, new float[] {Float.NaN, 0, 0, 1, 0, 0, 0, 1}, null));
-        expectError(DoppelException.INVALID_ARGUMENT, "3 numbers", "a root of two numbers", () -> Native.setPose(avatar, new float[8], new float[2]));
+        expectError(DoppelException.INVALID_ARGUMENT, "3 numbers", "a root of two numbers",
+                () -> Native.setPose(avatar, new float[8], new float[2]));
         expectError(DoppelException.INVALID_ARGUMENT, "direct", "a buffer on the heap",
                 () -> Native.loadAvatar(context, ByteBuffer.allocate(64), 0, 64));
         expectError(DoppelException.INVALID_ARGUMENT, "direct", "no buffer", () -> Native.loadAvatar(context, null, 0, 0));

@@ -71,7 +71,8 @@ final class TrackTest {
         int[] counts = {55, 55, 91, 70, 53, 33};
         for (int format = 0; format < counts.length; format++) {
             String[] joints = Native.trackJointNames(format);
-            expect(joints.length == counts[format], "format " + format + " has " + joints.length + " joints, the last " + joints[joints.length - 1]);
+            expect(joints.length == counts[format],
+                    "format " + format + " has " + joints.length + " joints, the last " + joints[joints.length - 1]);
         }
         expect(Native.trackJointNames(99).length == 0, "a format that is not there has none");
     }
@@ -133,7 +134,8 @@ final class TrackTest {
         float[] noTurns = new float[rotations.length];
         for (int frame = 0; frame < 30; frame++) {
             boolean gap = frame % 10 > 6;
-            if (!gap) Native.trackFrame(tracker, SECOND + frame * SECOND / 30, frame % 3 == 0 ? noTurns : rotations, frame % 2 == 0 ? broken : positions, null);
+            if (!gap) Native.trackFrame(tracker, SECOND + frame * SECOND / 30, frame % 3 == 0 ? noTurns : rotations,
+                    frame % 2 == 0 ? broken : positions, null);
             Native.setPoseFromTracker(tracker, SECOND + frame * SECOND / 30, counts, null);
         }
         float[] pose = new float[4 * (Native.jointNames(person).length / 2)];
@@ -148,8 +150,10 @@ final class TrackTest {
 
     private void mistakesAreExceptions() {
         expectError(INVALID, "91 joints", "a format that needs a rest", () -> Native.createTracker(person, ARKIT_BODY, 0, null, null));
-        expectError(INVALID, "restCount", "a rest of too few joints", () -> Native.createTracker(person, VRM, 0, new float[4], new float[3]));
-        expectError(INVALID, "4 numbers of rotation", "a rest without the same joints", () -> Native.createTracker(person, VRM, 0, new float[4], new float[6]));
+        expectError(INVALID, "restCount", "a rest of too few joints",
+                () -> Native.createTracker(person, VRM, 0, new float[4], new float[3]));
+        expectError(INVALID, "4 numbers of rotation", "a rest without the same joints",
+                () -> Native.createTracker(person, VRM, 0, new float[4], new float[6]));
         expectError(INVALID, "flags", "flags that are not there", () -> Native.createTracker(person, VRM, 64, null, null));
         expectError(INVALID, "", "a format that is not there", () -> Native.createTracker(person, 99, 0, null, null));
         expectError(DoppelException.UNSUPPORTED, "", "an avatar without a humanoid", () -> Native.createTracker(tiny, VRM, 0, null, null));
@@ -157,17 +161,21 @@ final class TrackTest {
         long tracker = Native.createTracker(person, VRM, 0, null, null);
         expectError(INVALID, "has 55 joints", "a frame of another format",
                 () -> Native.trackFrame(tracker, 1, new float[4 * 33], new float[3 * 33], null));
-        expectError(INVALID, "4 numbers of rotation", "too few rotations", () -> Native.trackFrame(tracker, 1, new float[8], positions, null));
+        expectError(INVALID, "4 numbers of rotation", "too few rotations",
+                () -> Native.trackFrame(tracker, 1, new float[8], positions, null));
         expectError(INVALID, "one of confidence", "too few values of confidence",
                 () -> Native.trackFrame(tracker, 1, rotations, positions, new float[3]));
-        expectError(INVALID, "4 numbers of rotation", "a position that is cut", () -> Native.trackFrame(tracker, 1, rotations, new float[3 * 55 + 1], null));
+        expectError(INVALID, "4 numbers of rotation", "a position that is cut",
+                () -> Native.trackFrame(tracker, 1, rotations, new float[3 * 55 + 1], null));
         expectError(INVALID, "", "no positions", () -> Native.trackFrame(tracker, 1, rotations, null, null));
         expectError(INVALID, "", "no rotations", () -> Native.trackFrame(tracker, 1, null, positions, null));
         float[] swapped = positions.clone();
         for (int i = 0; i < swapped.length; i += 3) swapped[i] = -swapped[i];
-        expectError(DoppelException.CORRUPT_DATA, "", "left and right swapped", () -> Native.trackFrame(tracker, 1, rotations, swapped, confidence));
+        expectError(DoppelException.CORRUPT_DATA, "", "left and right swapped",
+                () -> Native.trackFrame(tracker, 1, rotations, swapped, confidence));
         Native.destroyTracker(tracker);
-        expectError(INVALID, "not a live tracker", "a tracker that was destroyed", () -> Native.trackFrame(tracker, 1, rotations, positions, null));
+        expectError(INVALID, "not a live tracker", "a tracker that was destroyed",
+                () -> Native.trackFrame(tracker, 1, rotations, positions, null));
         expectError(INVALID, "not a live tracker", "and poses no more", () -> Native.setPoseFromTracker(tracker, 1, null, null));
         expectError(INVALID, "", "and is not destroyed twice", () -> Native.destroyTracker(tracker));
         long points = Native.createTracker(person, MEDIAPIPE_POSE, 0, null, null);
@@ -188,8 +196,8 @@ final class TrackTest {
         pose[4 * elbow + 3] = 0;
         Native.setPose(person, pose, null);
         Native.poseTrust(person, trust, distances);
-        expect(trust[0] < 0.5f && trust[3] == elbow && trust[4] == distances[elbow] && trust[4] > 4, "a joint that is turned by 180 degrees: "
-                + Arrays.toString(trust));
+        expect(trust[0] < 0.5f && trust[3] == elbow && trust[4] == distances[elbow] && trust[4] > 4,
+                "a joint that is turned by 180 degrees: " + Arrays.toString(trust));
         Native.poseTrust(person, trust, null);
         expect(trust[3] == elbow, "distances may be left out");
         Native.holdPose(person, 4);
@@ -222,7 +230,8 @@ final class TrackTest {
         Checks.render(context, new long[] {tiny}, Checks.CAMERA, alone);
         expect(Arrays.equals(bytes(eyes[0]), bytes(alone)), "the left eye sees what one view sees");
         Checks.render(context, new long[] {tiny}, right, alone);
-        expect(Arrays.equals(bytes(eyes[1]), bytes(alone)) && !Arrays.equals(bytes(eyes[0]), bytes(eyes[1])), "and the right one what its view sees");
+        expect(Arrays.equals(bytes(eyes[1]), bytes(alone)) && !Arrays.equals(bytes(eyes[0]), bytes(eyes[1])),
+                "and the right one what its view sees");
     }
 
     private void depthGoesOutAndComesBackAsAScene() {
@@ -247,7 +256,8 @@ final class TrackTest {
     private void wrongBuffersAreExceptions() {
         long[] avatars = {tiny};
         ByteBuffer[] one = {image()};
-        expectError(INVALID, "as many buffers", "one image for two views", () -> Native.render(context, avatars, new float[36], null, one, null));
+        expectError(INVALID, "as many buffers", "one image for two views",
+                () -> Native.render(context, avatars, new float[36], null, one, null));
         expectError(INVALID, "one or two cameras", "three views", () -> Native.render(context, avatars, new float[54], null, one, null));
         expectError(INVALID, "one or two cameras", "no view", () -> Native.render(context, avatars, new float[0], null, null, null));
         expectError(INVALID, "FloatBuffer", "depth on the heap",

@@ -162,7 +162,8 @@ final class WindowTest {
         show(window);
         draw();
         window.set("width", 60); // before surfaceChanged tells
-        expect(draw() == SHOWN && window.shownWidth() == 60 && Checks.redPixels(window.shown()) > 300, "a window that shrinks in mid-frame");
+        expect(draw() == SHOWN && window.shownWidth() == 60 && Checks.redPixels(window.shown()) > 300,
+                "a window that shrinks in mid-frame");
         Native.setWindow(view, window, 60, Checks.HEIGHT);
         expect(draw() == SHOWN, "and tells afterwards");
         Native.setWindow(view, window, 0, 0);
@@ -191,7 +192,8 @@ final class WindowTest {
         for (int i = 0; i < 4; i++) {
             FakeWindow window = new FakeWindow(Checks.WIDTH, Checks.HEIGHT);
             show(window);
-            expect(draw() == SHOWN && Checks.redPixels(window.shown()) > 500, "window " + i + " shows the avatar, which was not loaded again");
+            expect(draw() == SHOWN && Checks.redPixels(window.shown()) > 500,
+                    "window " + i + " shows the avatar, which was not loaded again");
             end(window, "window " + i);
             expect(draw() == NO_WINDOW, "in the background nothing is drawn");
         }
@@ -276,7 +278,8 @@ final class WindowTest {
         expect(window.users() == 0 && window.surfaces() == 0 && window.swapchains() == 0, "a view that is closed lets its window go");
         window.close();
         int invalid = DoppelException.INVALID_ARGUMENT;
-        expectError(invalid, "closed", "a frame of a closed view", () -> Native.drawView(closed, new long[0], Checks.CAMERA, null, 0, 0, 0));
+        expectError(invalid, "closed", "a frame of a closed view",
+                () -> Native.drawView(closed, new long[0], Checks.CAMERA, null, 0, 0, 0));
         expectError(invalid, "closed", "a window for a closed view", () -> Native.setWindow(closed, null, 0, 0));
         expectError(invalid, "closed", "a view that is closed twice", () -> Native.destroyView(closed));
         Native.destroyView(0);

@@ -89,7 +89,8 @@ private class ApiTest(private val work: Path) {
                 expect(status.state == TrackerState.TRACKING && status.framesTaken == 60, "and follows them: ${status.drivenJoints} joints")
                 val nod = avatar.pose().rotations[4 * avatar.findJoint("head")]
                 expect(abs(nod - kotlin.math.sin(0.1f)) < 1e-3f, "the avatar nods: $nod")
-                expect(avatar.poseTrust().distances.size == joints.size, "it knows how far that is from training: ${avatar.poseTrust().away}")
+                expect(avatar.poseTrust().distances.size == joints.size,
+                    "it knows how far that is from training: ${avatar.poseTrust().away}")
                 avatar.holdPose(4f)
                 expectError(DoppelException.INVALID_ARGUMENT, "33 joints", "a frame of the wrong size") {
                     avatar.createTracker(TrackFormat.MEDIAPIPE_POSE).use { it.track(0, null, positions) }
@@ -112,9 +113,11 @@ private class ApiTest(private val work: Path) {
                 val depths = List(2) { Checks.floats(WIDTH * HEIGHT) }
                 context.render(listOf(avatar), listOf(c, behind), pixels, depths)
                 val drawn = pixels.map { buffer -> ByteArray(buffer.capacity()).also { buffer.get(it) } }
-                expect(Checks.redPixels(drawn[0]) > 500 && drawn[1].all { it == 0.toByte() }, "a wall hides the avatar from the second view")
+                expect(Checks.redPixels(drawn[0]) > 500 && drawn[1].all { it == 0.toByte() },
+                    "a wall hides the avatar from the second view")
                 val middle = HEIGHT / 2 * WIDTH + WIDTH / 2
-                expect(abs(depths[0].get(middle) - 2f) < 0.01f && depths[1].get(middle) == 0f, "and depth says so: ${depths[0].get(middle)} m")
+                expect(abs(depths[0].get(middle) - 2f) < 0.01f && depths[1].get(middle) == 0f,
+                    "and depth says so: ${depths[0].get(middle)} m")
                 expectError(DoppelException.INVALID_ARGUMENT, "as many buffers", "two views into one image") {
                     context.render(listOf(avatar), listOf(c, c), pixels.take(1))
                 }
@@ -146,7 +149,8 @@ private class ApiTest(private val work: Path) {
         orbit.targetY = 1.2f
         orbit.distanceM = 2f
         val front = orbit.camera(WIDTH, HEIGHT).viewFromWorld
-        expect(Arrays.equals(front.map { it + 0f }.toFloatArray(), cCamera().viewFromWorld), "from the front it is the camera of the C program")
+        expect(Arrays.equals(front.map { it + 0f }.toFloatArray(), cCamera().viewFromWorld),
+            "from the front it is the camera of the C program")
         orbit.yawRad = 0.7f
         orbit.pitchRad = 0.3f
         val view = orbit.camera(WIDTH, HEIGHT).viewFromWorld
@@ -169,9 +173,11 @@ private class ApiTest(private val work: Path) {
         val usual = MemoryPolicy.usualLimit(8L shl 30)
         val mib = 1L shl 20
         expect(usual == 1L shl 30, "an eighth of the memory")
-        expect(MemoryPolicy.limitFor(5, 100 * mib, usual) == usual && MemoryPolicy.limitFor(20, 100 * mib, usual) == usual, "no warning, no change")
+        expect(MemoryPolicy.limitFor(5, 100 * mib, usual) == usual &&
+            MemoryPolicy.limitFor(20, 100 * mib, usual) == usual, "no warning, no change")
         expect(MemoryPolicy.limitFor(10, 100 * mib, usual) == 164 * mib, "memory is low")
-        expect(MemoryPolicy.limitFor(15, 100 * mib, usual) == 116 * mib && MemoryPolicy.limitFor(80, 100 * mib, usual) == 116 * mib, "memory is short")
+        expect(MemoryPolicy.limitFor(15, 100 * mib, usual) == 116 * mib &&
+            MemoryPolicy.limitFor(80, 100 * mib, usual) == 116 * mib, "memory is short")
         expect(MemoryPolicy.limitFor(15, usual, usual) == usual, "never more than usual")
     }
 
@@ -210,7 +216,8 @@ private class ApiTest(private val work: Path) {
     }
 
     private fun expectGone(window: FakeWindow, what: String) {
-        expect(window.users() == 0L && window.surfaces() == 0L && window.swapchains() == 0L && window.wrong() == 0L, "$what: nothing is left")
+        expect(window.users() == 0L && window.surfaces() == 0L && window.swapchains() == 0L && window.wrong() == 0L,
+            "$what: nothing is left")
         window.close()
     }
 

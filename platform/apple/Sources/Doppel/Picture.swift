@@ -48,8 +48,8 @@ public final class Picture {
 }
 
 extension DoppelContext {
-    /// Draws avatars in their current poses and waits for the pixels: one or two cameras, and a picture of the same size for each. Colour is
-    /// premultiplied, or straight. Apps that draw every frame use DoppelUI, which copies no pixels.
+    /// Draws avatars in their current poses and waits for the pixels: one or two cameras, and a picture of the same size for each. Colour
+    /// is premultiplied, or straight. Apps that draw every frame use DoppelUI, which copies no pixels.
     public func render(
         _ avatars: [Avatar], from cameras: [Camera], into pictures: [Picture], straightAlpha: Bool = false
     ) throws(DoppelError) {
@@ -59,7 +59,8 @@ extension DoppelContext {
         for (camera, picture) in zip(cameras, pictures) where camera.widthPx != picture.widthPx || camera.heightPx != picture.heightPx {
             throw DoppelError(
                 .invalidArgument,
-                "a camera of \(camera.widthPx) x \(camera.heightPx) needs a picture of that size, not \(picture.widthPx) x \(picture.heightPx)")
+                "a camera of \(camera.widthPx) x \(camera.heightPx) needs a picture of that size, "
+                    + "not \(picture.widthPx) x \(picture.heightPx)")
         }
         let handles = avatars.map { Optional($0.handle.raw) }
         let views = cameras.map(\.raw)

@@ -13,7 +13,8 @@
         public init(driving avatar: Avatar, options: BodyTracker.Options = []) throws(DoppelError) {
             let definition = ARSkeletonDefinition.defaultBody3D
             guard definition.jointNames == BodyTracker.Format.arkitBody.jointNames else {
-                throw DoppelError(.unsupported, "this version of ARKit names the \(definition.jointCount) joints of a body unlike the library's table")
+                throw DoppelError(.unsupported,
+                    "this version of ARKit names the \(definition.jointCount) joints of a body unlike the library's table")
             }
             guard let neutral = definition.neutralBodySkeleton3D else { throw DoppelError(.unsupported, "ARKit gives no neutral body") }
             tracker = try BodyTracker(

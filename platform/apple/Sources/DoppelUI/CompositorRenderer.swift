@@ -18,8 +18,8 @@
         func problem(_ error: DoppelError)
     }
 
-    /// The layer that CompositorRenderer draws into: no foveation, because Doppel's pictures have pixels of one size; both eyes as layers of
-    /// one texture where the device offers it, else a texture for each.
+    /// The layer that CompositorRenderer draws into: no foveation, because Doppel's pictures have pixels of one size; both eyes as layers
+    /// of one texture where the device offers it, else a texture for each.
     public struct AvatarLayerConfiguration: CompositorLayerConfiguration {
         public init() {}
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-/// What to do after `DPL_ERROR_DEVICE`. The first may have lost one frame only, as when an app went to the background; the next one in a row
-/// means that the device is gone.
+/// What to do after `DPL_ERROR_DEVICE`. The first may have lost one frame only, as when an app went to the background; the next one in a
+/// row means that the device is gone.
 public struct DeviceLoss: Sendable {
     public enum Step: Sendable, Equatable {
         case leaveFrameOut

@@ -129,7 +129,9 @@
 
         @MainActor func add(_ name: Notification.Name, _ body: @escaping @MainActor @Sendable () -> Void) {
             tokens.append(
-                NotificationCenter.default.addObserver(forName: name, object: nil, queue: .main) { _ in MainActor.assumeIsolated { body() } })
+                NotificationCenter.default.addObserver(forName: name, object: nil, queue: .main) { _ in
+                    MainActor.assumeIsolated { body() }
+                })
         }
 
         deinit { for token in tokens { NotificationCenter.default.removeObserver(token) } }

@@ -4,8 +4,8 @@
     import Doppel
     import Metal
 
-    /// A context that draws in Metal frames of the app's: device, queue, slots in flight, composers, and what to do when the device is lost.
-    /// One thread draws with it at a time; `context` may be used from any.
+    /// A context that draws in Metal frames of the app's: device, queue, slots in flight, composers, and what to do when the device is
+    /// lost. One thread draws with it at a time; `context` may be used from any.
     public final class MetalStage: @unchecked Sendable {  // only the drawing thread touches what changes
         public let device: any MTLDevice
         public let context: DoppelContext
@@ -16,7 +16,9 @@
 
         /// device: nil for that of the system. cacheFolder: as for `DoppelContext`.
         public init(device given: (any MTLDevice)? = nil, cacheFolder: String? = nil) throws(DoppelError) {
-            guard let device = given ?? MTLCreateSystemDefaultDevice() else { throw DoppelError(.unsupported, "this machine has no Metal device") }
+            guard let device = given ?? MTLCreateSystemDefaultDevice() else {
+                throw DoppelError(.unsupported, "this machine has no Metal device")
+            }
             self.device = device
             queue = try MetalStage.newQueue(device)
             var mine = MetalStage.lent(device, queue)
@@ -57,8 +59,8 @@
         }
 
         /// Prepares avatars, in their current poses, for one or two views. Nil: leave this frame out, because three are in flight or the
-        /// device is being replaced. waitS: how long to wait for a slot; 0 on a thread that must not wait. Without avatars the frame carries
-        /// uploads only. After it, encode passes with `compose` and end with `commit`.
+        /// device is being replaced. waitS: how long to wait for a slot; 0 on a thread that must not wait. Without avatars the frame
+        /// carries uploads only. After it, encode passes with `compose` and end with `commit`.
         public func begin(_ avatars: [Avatar], from cameras: [Camera], nowS: Double, waitS: Double = 0) throws(DoppelError) -> MetalFrame? {
             guard loss.mayDraw(nowS: nowS), let slot = slots.take(waitS: waitS) else { return nil }
             guard let commands = queue.makeCommandBuffer() else {
@@ -144,7 +146,8 @@
         public var layers: Int
         public var writesDepth: Bool
 
-        public init(colour: MTLPixelFormat, depth: MTLPixelFormat = .invalid, samples: Int = 1, layers: Int = 0, writesDepth: Bool = false) {
+        public init(colour: MTLPixelFormat, depth: MTLPixelFormat = .invalid, samples: Int = 1,
+            layers: Int = 0, writesDepth: Bool = false) {
             self.colour = colour
             self.depth = depth
             self.samples = samples

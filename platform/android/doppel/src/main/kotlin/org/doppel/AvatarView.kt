@@ -16,8 +16,8 @@ import android.view.SurfaceHolder
 import android.view.SurfaceView
 
 /**
- * A view that shows an avatar. Put it into a layout, and give [stage] a file. It draws once for each frame of the display, on a thread of its
- * own, while it has a window and [pause] was not called. Drags turn the avatar, and two fingers zoom.
+ * A view that shows an avatar. Put it into a layout, and give [stage] a file. It draws once for each frame of the display, on a thread of
+ * its own, while it has a window and [pause] was not called. Drags turn the avatar, and two fingers zoom.
  *
  * An activity calls [pause] and [resume], and [release] at its end. Errors come to [listener], on the main thread.
  */

@@ -39,8 +39,8 @@ class TrackerStatus internal constructor(counts: LongArray, measures: FloatArray
 }
 
 /**
- * Turns what a platform tells of a person into poses of one avatar: [track] whenever there is news, [pose] for each picture. The rules, such
- * as what gaps and broken streams do, are those of dplCreateTracker in doppel.h. Any thread; [track] waits for no drawing.
+ * Turns what a platform tells of a person into poses of one avatar: [track] whenever there is news, [pose] for each picture. The rules,
+ * such as what gaps and broken streams do, are those of dplCreateTracker in doppel.h. Any thread; [track] waits for no drawing.
  */
 class BodyTracker internal constructor(number: Long) : Closeable {
     private val handle = Handle(number, Native::destroyTracker)

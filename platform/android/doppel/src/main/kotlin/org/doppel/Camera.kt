@@ -9,7 +9,8 @@ import kotlin.math.tan
 /**
  * A pinhole camera, as DplCamera: it looks along its +z axis, with x to the right and y down. [viewFromWorld] has three rows of four,
  * metres. Focal lengths and the principal point are in pixels. [sceneDepth]: what the app itself shows hides the avatar: metres along the
- * view's z for each pixel, rows from the top, 0 where nothing is; a direct FloatBuffer in native order, read from its start during the call.
+ * view's z for each pixel, rows from the top, 0 where nothing is; a direct FloatBuffer in native order, read from its start during the
+ * call.
  */
 class Camera(
     val widthPx: Int,

@@ -25,7 +25,8 @@ open class DoppelContext internal constructor(number: Long, end: (Long) -> Unit)
     fun loadAvatar(file: ByteBuffer): Avatar = Avatar(Native.loadAvatar(number, file, file.position().toLong(), file.remaining().toLong()))
 
     /** Starts to load. The buffer must not change, and must be direct; it is kept until it has been read. */
-    fun startLoad(file: ByteBuffer): AvatarLoad = AvatarLoad(Native.startLoad(number, file, file.position().toLong(), file.remaining().toLong()))
+    fun startLoad(file: ByteBuffer): AvatarLoad =
+        AvatarLoad(Native.startLoad(number, file, file.position().toLong(), file.remaining().toLong()))
 
     /** How many splats a pixel keeps; 0: all. 12 is hard to tell from all. splatBudget: most splats of a frame; 0: no limit. */
     fun setDetail(splatsPerPixel: Float, splatBudget: Int = 0) = Native.setDetail(number, splatsPerPixel, splatBudget)
@@ -40,8 +41,8 @@ open class DoppelContext internal constructor(number: Long, end: (Long) -> Unit)
     fun render(avatars: List<Avatar>, camera: Camera, rgba: ByteBuffer) = render(avatars, listOf(camera), listOf(rgba))
 
     /**
-     * The same for one or two views of one size, such as both eyes', which are drawn at once; and their depth: metres along each view's z, 0
-     * where nothing is drawn, into direct FloatBuffers in native order. All buffers are written from their start.
+     * The same for one or two views of one size, such as both eyes', which are drawn at once; and their depth: metres along each view's z,
+     * 0 where nothing is drawn, into direct FloatBuffers in native order. All buffers are written from their start.
      */
     @JvmOverloads
     fun render(avatars: List<Avatar>, cameras: List<Camera>, rgba: List<ByteBuffer>, depth: List<FloatBuffer>? = null) =

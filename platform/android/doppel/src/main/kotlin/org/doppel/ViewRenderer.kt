@@ -4,9 +4,9 @@ package org.doppel
 import java.io.Closeable
 
 /**
- * Draws avatars into a window by Vulkan. Its [context] loads them, and lives as long as this object. [AvatarView] drives it; a program with a
- * SurfaceView or TextureView of its own may do so too. Any thread; calls wait for one another, so after [setWindow] nothing draws into the
- * earlier window.
+ * Draws avatars into a window by Vulkan. Its [context] loads them, and lives as long as this object. [AvatarView] drives it; a program
+ * with a SurfaceView or TextureView of its own may do so too. Any thread; calls wait for one another, so after [setWindow] nothing draws
+ * into the earlier window.
  */
 class ViewRenderer private constructor(number: Long) : Closeable {
     private val handle = Handle(number, Native::destroyView)
