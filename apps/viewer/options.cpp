@@ -21,6 +21,10 @@ std::optional<ViewerOptions> readOptions(int argc, const char* const* argv, int*
     app.add_option("--axes", options.axes, "Up axis of the files")->check(CLI::IsMember(kAxesNames))->capture_default_str();
     app.add_option("--size", size, "Size of the picture")->check(isPictureSize())->capture_default_str();
     app.add_option("--azimuth", options.azimuthDeg, "Where the camera stands, degrees; 0: in front")->check(inRange(-360, 360));
+    app.add_option("--magnification", options.magnification,
+                   "How many pixels wide the finest details of the scan may become; the camera comes no nearer. 0: as near as you like")
+        ->check(inRange(0, 1000))
+        ->capture_default_str();
     app.add_option("--fill", options.fill, "How the GPU fills pixels")->check(CLI::IsMember(kFillNames))->capture_default_str();
     auto* screenshot =
         app.add_option("--screenshot", options.screenshot, "Draw, write this picture, and quit")->check(isOutputFile({".png"}));

@@ -16,6 +16,7 @@ struct ViewerOptions {
     std::string clip, room = "auto", axes = "y-up", fill = "auto";
     PictureSize size{1280, 800};
     double azimuthDeg = 0;
+    float magnification = 8;  // of the scan's finest details, at most; 0: no limit
     std::filesystem::path screenshot, turntable;
     uint32_t frames = 0;  // 0: 1 for a screenshot, 120 for a turntable
     bool hidePanels = false, timings = false, validation = false;

@@ -30,6 +30,10 @@ void OrbitCamera::zoom(double steps) {
     distanceM_ = std::clamp(distanceM_ * std::pow(0.9, steps), kMinDistanceM, kMaxDistanceM);
 }
 
+void OrbitCamera::keepAway(double leastM) {
+    distanceM_ = std::max(distanceM_, std::min(leastM, kMaxDistanceM));
+}
+
 void OrbitCamera::frame(const WorldBox& box, double aspect) {
     constexpr double kMargin = 1.12;
     const Vec3d half = 0.5 * (box.high - box.low);

@@ -23,6 +23,8 @@ public:
     void pan(double rightPx, double downPx, double heightPx);
     /** Nearer by a tenth for each step of the wheel; negative: farther. */
     void zoom(double steps);
+    /** Moves back to this distance where the camera is nearer. */
+    void keepAway(double leastM);
     /** Looks at the middle of the box from the current direction, from so far that it fits at every azimuth. aspect: width through height
      *  of the picture. */
     void frame(const WorldBox& box, double aspect);

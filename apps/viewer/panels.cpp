@@ -109,6 +109,10 @@ void pictureControls(ViewerState& state) {
     ImGui::SliderFloat("##detail", &state.splatsPerPixel, 0, 24,
                        state.splatsPerPixel > 0 ? "detail %.1f splats a pixel" : "detail: all splats");
     ImGui::SliderFloat("##budget", &state.frameBudgetMs, 0, 50, state.frameBudgetMs > 0 ? "budget %.1f ms a frame" : "no frame budget");
+    ImGui::SliderFloat("##magnification", &state.magnification, 0, 32,
+                       state.magnification <= 0 ? "come as near as you like"
+                       : state.keptAway         ? "details %.0f pixels wide: no nearer"
+                                                : "details at most %.0f pixels wide");
     const float half = (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x) / 2;
     if (ImGui::Button("Screenshot", {half, 0})) state.wantsScreenshot = true;
     ImGui::SameLine();

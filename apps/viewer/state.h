@@ -27,6 +27,8 @@ struct ViewerState {
     std::optional<platform::RoomLight> room = platform::RoomLight::Dark;
     std::string axes = "y-up";
     float splatsPerPixel = 0, frameBudgetMs = 0;  // 0: off
+    float magnification = 8;                      // of the scan's finest details, at most; 0: no limit
+    bool keptAway = false;                        // the limit holds the camera back in this frame
     bool panels = true;
     Messages messages;
     Figures figures;

@@ -69,6 +69,24 @@ WorldBox Subject::box() const {
             Vec3d(info.restMax[0], info.restMax[1], info.restMax[2]) + aside};
 }
 
+double Subject::nearestM(const Vec3d& point, const Vec3d& eye, double focalPx, double magnification) const {
+    const Vec3f at(point), from(eye);
+    const auto nearest = avatar.nearestDistance(std::span<const float, 3>(&at.x, 3), std::span<const float, 3>(&from.x, 3), float(focalPx),
+                                                float(magnification));
+    return nearest ? double(*nearest) : 0;
+}
+
+double nearestM(const std::vector<Subject>& subjects, const Vec3d& point, const Vec3d& eye, double focalPx, double magnification) {
+    const Subject* closest = nullptr;
+    double least = 0;
+    for (const Subject& subject : subjects) {
+        const WorldBox box = subject.box();
+        const double away = glm::length(point - glm::clamp(point, box.low, box.high));
+        if (!closest || away < least) closest = &subject, least = away;
+    }
+    return closest ? closest->nearestM(point, eye, focalPx, magnification) : 0;
+}
+
 std::vector<double> placesInRow(size_t count) {
     constexpr double kApartM = 1.0;  // wider than a stand
     std::vector<double> places(count);

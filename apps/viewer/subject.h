@@ -28,6 +28,9 @@ struct Subject {
     Status pose(double timeS);
     /** Of its rest box and its place. */
     WorldBox box() const;
+    /** How near an eye may come to `point` before it magnifies what the scan saw more than so many times (dplGetNearestDistance), metres.
+     *  0 for splats and for files without a capture map. */
+    double nearestM(const Vec3d& point, const Vec3d& eye, double focalPx, double magnification) const;
 
     doppel::Avatar avatar;
     std::string file;  // without folders
@@ -45,6 +48,9 @@ private:
 
 /** Distance along +X of each of `count` avatars, in a row around the origin. */
 std::vector<double> placesInRow(size_t count);
+
+/** The same for the avatar whose box is nearest to the point. */
+double nearestM(const std::vector<Subject>& subjects, const Vec3d& point, const Vec3d& eye, double focalPx, double magnification);
 
 /** The box around all of them; a person's if there are none. */
 WorldBox boxOf(const std::vector<Subject>& subjects);

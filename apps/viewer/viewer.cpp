@@ -49,6 +49,7 @@ Viewer::Viewer(const ViewerOptions& options, Timings& timings) : options_(option
     state_.room = roomOf(options.room);
     state_.axes = options.axes;
     state_.panels = !options.hidePanels;
+    state_.magnification = options.magnification;
     state_.camera.setAzimuth(options.azimuthDeg * std::numbers::pi / 180);
 }
 
@@ -230,7 +231,21 @@ void Viewer::arrange() {
     }
     if (state_.wantsFrame || !framed_) frameAll();
     state_.wantsFrame = false;
+    if (!options_.isScript() && !turntable_) keepAway();
     applyLimits();
+}
+
+/** Holds the camera where the scan still has details to show. */
+void Viewer::keepAway() {
+    state_.keptAway = false;
+    if (!(state_.magnification > 0)) return;
+    const VkExtent2D size = shell_.picturePx();
+    const Camerad camera = state_.camera.camera(size.width, size.height, 0);
+    const Mat3d fileFromUpright = glm::transpose(uprightFromFile(state_.axes));
+    const double nearest = nearestM(state_.subjects, fileFromUpright * state_.camera.middle(), fileFromUpright * camera.eye(), camera.fy,
+                                    state_.magnification);
+    state_.keptAway = nearest > 0 && state_.camera.distanceM() <= nearest * (1 + 1e-6);
+    state_.camera.keepAway(nearest);
 }
 
 /** Puts the camera before all subjects, and the room around both. */

@@ -36,6 +36,7 @@ private:
     void afterDraw(bool drawn, std::vector<uint8_t>& rgb);
     void startTurntable(std::filesystem::path path);
     void refreshFigures();
+    void keepAway();
     void applyLimits();
     void report(const std::string& problem);
     platform::FrameContents contents();

@@ -81,6 +81,16 @@ std::vector<uint32_t> jointOfTriangles(const MeshData& mesh) {
     return out;
 }
 
+std::vector<double> restAreas(const MeshData& mesh) {
+    std::vector<double> out;
+    out.reserve(mesh.triangles.size());
+    for (const Triangle& t : mesh.triangles) {
+        const Vec3d a(mesh.restPositions[t.x]);
+        out.push_back(0.5 * glm::length(glm::cross(Vec3d(mesh.restPositions[t.y]) - a, Vec3d(mesh.restPositions[t.z]) - a)));
+    }
+    return out;
+}
+
 std::vector<Vec3f> restNormals(const MeshData& mesh) {
     std::vector<Vec3f> out;
     out.reserve(mesh.triangles.size());

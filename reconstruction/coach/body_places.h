@@ -45,6 +45,9 @@ BodySide sideOf(const Vec3f& restNormal);
 /** The joint that moves each triangle most: largest sum of weights over its corners; the lower index wins ties. F. */
 std::vector<uint32_t> jointOfTriangles(const MeshData& mesh);
 
+/** The area of each triangle at rest, m². F. */
+std::vector<double> restAreas(const MeshData& mesh);
+
 /** The normal of each triangle at rest, unit length; of degenerate triangles (0, 0, 1). F. */
 std::vector<Vec3f> restNormals(const MeshData& mesh);
 

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "reconstruction/coach/imagined_shots.h"
+#include "reconstruction/coach/weighted_median.h"
 #include "sdk/core/percentile.h"
 
 namespace dpl {
@@ -30,18 +31,6 @@ TriangleView improved(TriangleView t, const ImaginedShot& shot, size_t triangle)
     return t;
 }
 
-struct WeightedValue {
-    double value, weight;
-};
-double weightedMedian(std::vector<WeightedValue> values) {
-    double sum = 0, half = 0;
-    for (const auto& v : values) sum += v.weight;
-    std::sort(values.begin(), values.end(), [](const auto& a, const auto& b) { return a.value < b.value; });
-    for (const auto& v : values)
-        if ((half += v.weight) >= sum / 2) return v.value;
-    return 0;
-}
-
 std::string millimetres(double metres) {
     const double mm = metres * 1000;
     return formatText("{}", mm < 9.95 ? std::round(mm * 10) / 10 : std::round(mm));
@@ -56,14 +45,11 @@ std::string percent(double share) {
 class Coach {
 public:
     Coach(const MeshData& surface, std::span<const BodyPlace> places, std::span<const TriangleView> map, std::vector<ImaginedShot> imagined)
-        : surface_(surface), places_(places), map_(map.begin(), map.end()), imagined_(std::move(imagined)) {
+        : places_(places), map_(map.begin(), map.end()), imagined_(std::move(imagined)) {
         const size_t count = surface.triangles.size();
         out_.viewable.assign(count, 0);
-        area_.resize(count);
+        area_ = restAreas(surface);
         for (size_t t = 0; t < count; ++t) {
-            const Triangle& corners = surface.triangles[t];
-            const Vec3d a(surface.restPositions[corners.x]), b(surface.restPositions[corners.y]), c(surface.restPositions[corners.z]);
-            area_[t] = 0.5 * glm::length(glm::cross(b - a, c - a));
             out_.viewable[t] = map_[t].seen();
             for (const ImaginedShot& shot : imagined_) out_.viewable[t] |= shot.pixelM[t] > 0;
             if (out_.viewable[t]) placeArea_[size_t(places[t])] += area_[t];
@@ -87,7 +73,6 @@ public:
     }
 
 private:
-    const MeshData& surface_;
     std::span<const BodyPlace> places_;
     std::vector<TriangleView> map_;
     std::vector<ImaginedShot> imagined_;

@@ -86,6 +86,7 @@ std::vector<std::pair<const char*, uint64_t>> parts(const AvatarInfo& info) {
             {"splats", info.splatBytes},
             {"spherical harmonics", info.shBytes},
             {"pose correctives", info.correctiveBytes},
+            {"capture map", info.captureMapBytes},
             {"clips", info.clipBytes},
             {"skin", info.skinBytes},
             {"json", info.jsonBytes},

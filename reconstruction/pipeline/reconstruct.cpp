@@ -67,7 +67,7 @@ Result<ReconstructResult> reconstructFrom(const StageRun& run, const IngestedSca
         return assembleAvatar(body.shaped.joints, dressed.clothed.mesh, training.result, ingested.scan, std::move(set), run.jobs);
     });
     DPL_TRY(const MeasuredParts measured, runEvidence(run, ingested, body, registered, training, trained, pictures, settings));
-    DPL_TRY(const Package package, runPackage(run, ingested, training, trained, measured, dressed.decided, settings));
+    DPL_TRY(const Package package, runPackage(run, ingested, training, trained, measured, dressed.decided, mapped, settings));
     DPL_CHECK_OK(writeFileAtomically(paths.avatar, package.bytes));
     DPL_TRY(const FoundPoses found, runPoseFit(run, ingested, body, registered, training, package, pictures, settings));
     DPL_TRY(const auto posesBytes, readFile(found.file));

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The stage body-map: how the still training pictures show the fitted surface, and what to film again.
+#include "reconstruction/coach/joint_map.h"
 #include "reconstruction/coach/map_pictures.h"
 #include "reconstruction/coach/shots.h"
 #include "reconstruction/pipeline/stages.h"
 #include "sdk/core/files.h"
+#include "sdk/format/capture_map.h"
 
 namespace dpl {
 namespace {
@@ -48,6 +50,9 @@ Status mapSurface(const StageRun& run, const IngestedScan& ingested, const Fitte
     };
     DPL_TRY(const std::vector<TriangleView> map, mapBody(mesh, joints, stills, tell, run.jobs));
     const FilmAgain advice = bestShots(mesh, joints, places, map, stills, run.jobs);
+    const CaptureMapData capture = captureMapOf(mesh, joints.size(), map, advice.viewable);
+    DPL_CHECK_OK(checkCaptureMap(capture, joints.size()));
+    DPL_CHECK_OK(writeFileAtomically(context.folder / "capture_map.bin", encodeCaptureMap(capture)));
     DPL_TRY(const std::vector<MapPicture> drawn, drawMap(mesh, map));
     for (size_t i = 0; i < drawn.size(); ++i) DPL_CHECK_OK(writeFileAtomically(context.folder / kPictureFiles[i], drawn[i].png));
     DPL_CHECK_OK(writeFileAtomically(context.folder / "map.json", figuresJson(advice).dump(1)));
@@ -65,7 +70,7 @@ std::string verdictJson(const IngestedScan& ingested, const MappedBody& mapped) 
 Result<MappedBody> runBodyMap(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
                               Pictures& pictures) {
     const json inputs = {{"training", ingested.trainingHash}, {"surface", surface.key}};
-    DPL_TRY(const StageOutput stage, run.chain.run("body-map", 1, inputs, [&](StageContext& context) {
+    DPL_TRY(const StageOutput stage, run.chain.run("body-map", 2, inputs, [&](StageContext& context) {
         return mapSurface(run, ingested, body, surface, pictures, context);
     }));
     MappedBody mapped;
@@ -76,6 +81,8 @@ Result<MappedBody> runBodyMap(const StageRun& run, const IngestedScan& ingested,
     mapped.figures = ordered_json::parse(figures.begin(), figures.end(), nullptr, /*allow_exceptions=*/false);
     if (!mapped.figures.is_object() || !mapped.figures.contains("places") || !mapped.figures.contains("film_again"))
         return fail(Code::CorruptData, "{} is damaged; delete it and run again", (stage.folder / "map.json").string());
+    DPL_TRY(const auto capture, readFile(stage.folder / "capture_map.bin"));
+    DPL_TRY(mapped.capture, decodeCaptureMap(capture, body.shaped.joints.size()));
     for (const char* file : kPictureFiles) {
         DPL_TRY(mapped.pictures.emplace_back(), readFile(stage.folder / file));
     }

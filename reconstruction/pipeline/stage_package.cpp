@@ -11,7 +11,7 @@ namespace dpl {
 namespace {
 
 Status package(const AssembledAvatar& assembled, const std::vector<PartEvidence>& parts, const std::vector<EvidenceData>& decided,
-               const RunSettings& settings, Jobs& jobs, StageContext& context) {
+               const CaptureMapData& capture, const RunSettings& settings, Jobs& jobs, StageContext& context) {
     AvatarData avatar = assembled.avatar;
     for (const PartEvidence& part : parts)
         if (!part.row.kept) removePart(avatar, part.part);
@@ -23,6 +23,7 @@ Status package(const AssembledAvatar& assembled, const std::vector<PartEvidence>
     };
     DPL_TRY(avatar, polish(std::move(avatar), assembled.frames, settings.polishSteps, settings.training.seed, jobs, report,
                            &context.progress.cancelFlag()));
+    avatar.captureMap = capture;
     DPL_TRY(auto bytes, writeAvatar(avatar, kPackaged));
     return writeFileAtomically(context.folder / "avatar.glb", bytes);
 }
@@ -30,15 +31,17 @@ Status package(const AssembledAvatar& assembled, const std::vector<PartEvidence>
 }  // namespace
 
 Result<Package> runPackage(const StageRun& run, const IngestedScan& ingested, const Training& training, Lazy<AssembledAvatar>& trained,
-                           const MeasuredParts& measured, const std::vector<EvidenceData>& decided, const RunSettings& settings) {
+                           const MeasuredParts& measured, const std::vector<EvidenceData>& decided, const MappedBody& mapped,
+                           const RunSettings& settings) {
     nlohmann::json rows = nlohmann::json::array();
     for (const EvidenceData& row : decided) rows.push_back({row.part, row.kept, row.reason});
     const nlohmann::json inputs = {{"trained", training.key}, {"assemble", assembleInputs()},     {"name", ingested.scan.name},
-                                   {"parts", measured.key},   {"polish", polishInputs(settings)}, {"decided", rows}};
-    DPL_TRY(const StageOutput stage, run.chain.run("package", 4, inputs, [&](StageContext& context) -> Status {
+                                   {"parts", measured.key},   {"polish", polishInputs(settings)}, {"decided", rows},
+                                   {"map", mapped.key}};
+    DPL_TRY(const StageOutput stage, run.chain.run("package", 5, inputs, [&](StageContext& context) -> Status {
         context.progress.update(0, "encoding");
         DPL_TRY(const AssembledAvatar* assembled, trained.get());
-        return package(*assembled, measured.parts, decided, settings, run.jobs, context);
+        return package(*assembled, measured.parts, decided, mapped.capture, settings, run.jobs, context);
     }));
     DPL_TRY(auto bytes, readFile(stage.folder / "avatar.glb"));
     return Package{std::move(bytes), stage.key};

@@ -51,6 +51,7 @@ struct MappedBody {
     std::string advice;                          // what to film again, lines of text
     nlohmann::ordered_json figures;              // {film_again: [{shot, sentence, gain}], places: [...]}
     std::vector<std::vector<uint8_t>> pictures;  // PNG: size of a pixel, number of pictures, blur
+    CaptureMapData capture;                      // for the avatar's file
     std::string key;
 };
 
@@ -120,10 +121,11 @@ Result<Training> runCoOptimise(const StageRun& run, const IngestedScan& ingested
 Result<MeasuredParts> runEvidence(const StageRun& run, const IngestedScan& ingested, const FittedBody& body,
                                   const RegisteredPoses& registered, const Training& training, Lazy<AssembledAvatar>& trained,
                                   Pictures& pictures, const RunSettings& settings);
-/** Removes the parts that the evidence rejects, polishes the decoded avatar and encodes it. `decided`: evidence rows of parts that were not
- *  trained. */
+/** Removes the parts that the evidence rejects, polishes the decoded avatar and encodes it, with the capture map. `decided`: evidence rows
+ * of parts that were not trained. */
 Result<Package> runPackage(const StageRun& run, const IngestedScan& ingested, const Training& training, Lazy<AssembledAvatar>& trained,
-                           const MeasuredParts& measured, const std::vector<EvidenceData>& decided, const RunSettings& settings);
+                           const MeasuredParts& measured, const std::vector<EvidenceData>& decided, const MappedBody& mapped,
+                           const RunSettings& settings);
 /** Poses of all frames. Those of validation and held-out frames are fitted to the finished avatar. */
 Result<FoundPoses> runPoseFit(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const RegisteredPoses& registered,
                               const Training& training, const Package& package, Pictures& pictures, const RunSettings& settings);

@@ -61,7 +61,7 @@ struct Avatar {
     FrameTiming timing;                            // of their last finished frame that was seen
     std::vector<std::unique_ptr<ClipData>> added;  // by dplLoadClip
     std::vector<const ClipData*> clips;            // of the file, then of `added`
-    std::vector<Mat3x4f> transforms;               // scratch of dplGetJointPositions
+    std::vector<Mat3x4f> transforms;               // scratch of dplGetJointPositions and dplGetNearestDistance
     PoseTrust trust;                               // scratch of dplGetPoseTrust
     FrameStats stats;                              // result of the last dplGetFrameStats
     ~Avatar();

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sdk/api/api_state.h"
+#include "sdk/avatar/capture_zoom.h"
 
 namespace dpl::api {
 
@@ -169,6 +170,41 @@ DplResult dplHoldPose(DplAvatar avatar, float limit) {
         DPL_CHECK_OK(checkTrained(*found));
         std::lock_guard lock(found->context->mutex);
         holdPose(found->data->correctives, limit, found->pose);
+        return {};
+    });
+}
+
+DplResult dplGetCaptureDetail(DplAvatar avatar, uint32_t joint, DplCaptureDetail* detail) {
+    return guarded("dplGetCaptureDetail", [&]() -> Status {
+        DPL_TRY(const auto found, avatarOf(avatar));
+        const size_t joints = found->data->joints.size();
+        if (joint >= joints) return fail(Code::NotFound, "there is no joint {}; the avatar has {}", joint, joints);
+        DplCaptureDetail out{};
+        const CaptureMapData& map = found->data->captureMap;
+        for (size_t s = 0; s < kCaptureSides && !map.empty(); ++s) {
+            const CaptureSide& side = map.sides[joint * kCaptureSides + s];
+            out.pixelM[s] = side.pixelM, out.detailM[s] = side.detailM, out.views[s] = side.views;
+        }
+        return writeStruct(detail, out, "detail");
+    });
+}
+
+DplResult dplGetNearestDistance(DplAvatar avatar, const float* point, const float* eye, float focalPx, float magnification,
+                                float* distanceM) {
+    return guarded("dplGetNearestDistance", [&]() -> Status {
+        if (point == nullptr || eye == nullptr || distanceM == nullptr)
+            return fail(Code::InvalidArgument, "{} is NULL", point == nullptr ? "point" : eye == nullptr ? "eye" : "distanceM");
+        DPL_TRY(const auto found, avatarOf(avatar));
+        const Vec3f at(point[0], point[1], point[2]), from(eye[0], eye[1], eye[2]);
+        for (int axis = 0; axis < 3; ++axis)
+            if (!std::isfinite(at[axis]) || !std::isfinite(from[axis])) return fail(Code::InvalidArgument, "point or eye is not finite");
+        if (!(focalPx > 0 && magnification > 0) || !std::isfinite(focalPx) || !std::isfinite(magnification))
+            return fail(Code::InvalidArgument, "focalPx is {} and magnification {}; both must be above 0 and finite", focalPx,
+                        magnification);
+        std::lock_guard lock(found->context->mutex);
+        const std::vector<JointData>& joints = found->data->joints;
+        if (!found->data->captureMap.empty()) jointTransforms(joints, found->pose, found->transforms);
+        *distanceM = nearestDistanceM(found->data->captureMap, joints, found->transforms, at, from - at, focalPx, magnification);
         return {};
     });
 }

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "sdk/format/avatar_file.h"
+#include "sdk/format/capture_map.h"
 #include "sdk/format/check_mesh.h"
 #include "sdk/format/correctives.h"
 #include "sdk/math/sh.h"
@@ -132,6 +133,7 @@ Status checkAvatarWithoutSplats(const AvatarData& a) {
     DPL_CHECK_OK(checkStoredMesh(a.mesh, a.joints.size()));
     if (Status fits = checkCorrectives(a.correctives, a.joints.size(), a.mesh.restPositions.size()); !fits)
         return fail(Code::InvalidArgument, "{}", fits.error().message);
+    DPL_CHECK_OK(checkCaptureMap(a.captureMap, a.joints.size()));
     for (const ClipData& clip : a.clips) DPL_CHECK_OK(checkClip(clip, a.joints.size()));
     for (const EvidenceData& e : a.evidence)
         if (!std::isfinite(e.gainDb)) return fail(Code::InvalidArgument, "the evidence for '{}' has a gain that is not finite", e.part);

@@ -85,6 +85,22 @@ struct EvidenceData {
     std::string reason;
 };
 
+constexpr size_t kCaptureSides = 4;  // at rest: front (+Z), left (+X), back (−Z), right (−X)
+
+/** How the scan's still pictures show one side of the surface that a joint moves. Medians by area. */
+struct CaptureSide {
+    float pixelM = 0;    // size of a pixel on the surface, metres; 0: not seen
+    float detailM = 0;   // size of the finest detail that the pictures show: at least pixelM, larger where they are blurred; 0: not seen
+    uint32_t views = 0;  // pictures that look at it at less than 60° to its normal
+};
+
+/** The capture map (docs/reference/body-map.md). It changes no picture; programs may keep cameras from coming nearer than it lets them. */
+struct CaptureMapData {
+    std::vector<CaptureSide> sides;  // 4 a joint, joint by joint; empty: no map
+
+    bool empty() const { return sides.empty(); }
+};
+
 struct ClipChannel {
     uint32_t joint = 0;
     std::vector<Quatf> rotations;  // one per time of the clip
@@ -109,6 +125,7 @@ struct AvatarData {
     std::vector<EvidenceData> evidence;
     float kappaPx2 = float(kKappaPx2);
     bool compensated = true;  // energy-preserving low-pass (docs/reference/footprint.md)
+    CaptureMapData captureMap;
     float trainedPixelM = 0;  // size of a training pixel at the subject, metres (docs/reference/coverage.md); 0: not known
 };
 

@@ -69,10 +69,11 @@ struct AvatarInfo {
     uint64_t splatBytes = 0;       // triangle counts, chunk table, three words per splat; in encoding 3 also palette indices
     uint64_t shBytes = 0;          // SH beyond coefficient 0: of every splat, or palette and indices
     uint64_t correctiveBytes = 0;  // pose correctives
-    uint64_t clipBytes = 0;        // animation samplers
-    uint64_t skinBytes = 0;        // inverse bind matrices
-    uint64_t jsonBytes = 0;        // the JSON chunk
-    uint64_t otherBytes = 0;       // GLB headers, padding
+    uint64_t captureMapBytes = 0;
+    uint64_t clipBytes = 0;   // animation samplers
+    uint64_t skinBytes = 0;   // inverse bind matrices
+    uint64_t jsonBytes = 0;   // the JSON chunk
+    uint64_t otherBytes = 0;  // GLB headers, padding
     std::vector<LayerInfo> layerList;
     std::vector<EvidenceData> evidence;
 };

@@ -7,6 +7,7 @@
 #include "sdk/core/task.h"
 #include "sdk/format/avatar_check.h"
 #include "sdk/format/avatar_file.h"
+#include "sdk/format/capture_map.h"
 #include "sdk/format/content_hash.h"
 #include "sdk/format/correctives.h"
 #include "sdk/format/correctives_compact.h"
@@ -403,6 +404,22 @@ struct AvatarReader {
         return {};
     }
 
+    /** The map changes no picture. So a map of a newer encoding is left out, and the avatar is read. */
+    Status readCaptureMap() {
+        const Fields root(extension, "DPL_gaussian_avatar");
+        if (!root.has("captureMap")) return {};
+        DPL_TRY(const Json* object, root.object("captureMap"));
+        const Fields fields(*object, "captureMap");
+        DPL_TRY(const uint64_t encoding, fields.number("encoding", 0xffffffffu));
+        if (encoding == 0) return fail(Code::CorruptData, "capture map encoding 0 does not exist");
+        if (encoding != 1) return {};
+        DPL_TRY(const Json* streams, fields.object("streams"));
+        DPL_TRY(const auto sides, stream(*streams, "sides"));
+        info.captureMapBytes = sides.size();
+        DPL_TRY(avatar.captureMap, decodeCaptureMap(sides, avatar.joints.size()));
+        return {};
+    }
+
     /** A stream that is absent is empty: glTF has no empty buffer views. */
     Result<std::span<const uint8_t>> stream(const Json& streams, const char* name) {
         if (!streams.contains(name)) return std::span<const uint8_t>();
@@ -423,6 +440,7 @@ struct AvatarReader {
         DPL_CHECK_OK(readSplats());
         DPL_CHECK_OK(taskAt(0.9));
         DPL_CHECK_OK(readCorrectives());
+        DPL_CHECK_OK(readCaptureMap());
         // The reader accepts exactly what the writer may write.
         if (Status valid = checkAvatarWithoutSplats(avatar); !valid)
             return fail(Code::CorruptData, "the file holds an impossible avatar: {}", valid.error().message);
@@ -442,8 +460,8 @@ struct AvatarReader {
             info.layerList.push_back(std::move(entry));
         }
         info.correctiveModes = avatar.correctives.modeCount, info.correctiveNodes = avatar.correctives.nodeCount;
-        const uint64_t known =
-            info.meshBytes + info.splatBytes + info.shBytes + info.correctiveBytes + info.clipBytes + info.skinBytes + info.jsonBytes;
+        const uint64_t known = info.meshBytes + info.splatBytes + info.shBytes + info.correctiveBytes + info.captureMapBytes +
+                               info.clipBytes + info.skinBytes + info.jsonBytes;
         info.otherBytes = info.fileBytes - std::min(known, info.fileBytes);
     }
 };

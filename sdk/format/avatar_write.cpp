@@ -3,6 +3,7 @@
 
 #include "sdk/format/avatar_check.h"
 #include "sdk/format/avatar_file.h"
+#include "sdk/format/capture_map.h"
 #include "sdk/format/content_hash.h"
 #include "sdk/format/correctives.h"
 #include "sdk/format/correctives_compact.h"
@@ -202,6 +203,8 @@ Json avatarExtension(GlbBuilder& glb, const AvatarData& a, const CodedSplats& co
 
     ours["splats"] = splatsOf(glb, a, coded, compact);
     if (!a.correctives.empty()) ours["poseCorrectives"] = poseCorrectives(glb, a.correctives, compact);
+    if (!a.captureMap.empty())
+        ours["captureMap"] = {{"encoding", 1}, {"streams", {{"sides", glb.addView(encodeCaptureMap(a.captureMap))}}}};
     return ours;
 }
 

@@ -51,6 +51,8 @@ static const char* const kBvh =
 static void callPoses(DplAvatar avatar, uint32_t joints) {
     float rotations[4 * kMostJoints], read[4 * kMostJoints], root[3] = {1, 0, 0}, positions[3 * kMostJoints], distances[kMostJoints];
     DplPoseTrust trust = {0};
+    DplCaptureDetail detail = {0};
+    float eye[3] = {0, 0, 9}, distanceM = -1;
     DplClipInfo clip = {0};
     DplJointInfo joint = {0};
     uint32_t added = 99, found = 99, j;
@@ -69,6 +71,11 @@ static void callPoses(DplAvatar avatar, uint32_t joints) {
     OK(dplGetPoseTrust(avatar, &trust, distances, joints));
     CHECK(trust.offsets >= 0 && trust.offsets <= 1 && trust.farthestJoint < joints);
     OK(dplHoldPose(avatar, 4));
+    detail.structSize = sizeof detail;
+    OK(dplGetCaptureDetail(avatar, 0, &detail));
+    CHECK(fabsf(detail.detailM[0] - 0.004f) < 0.0002f && detail.views[0] == 7 && detail.detailM[2] == 0);
+    OK(dplGetNearestDistance(avatar, positions, eye, 1000, 8, &distanceM));
+    CHECK(fabsf(distanceM - detail.detailM[0] * 1000 / 8) < 0.01f);
     OK(dplLoadClip(avatar, (const uint8_t*)kBvh, strlen(kBvh), NULL, &added));
     clip.structSize = sizeof clip;
     OK(dplGetClipInfo(avatar, added, &clip));

@@ -42,6 +42,7 @@ int main(void) {
         CHECK(sizeof(DplClipInfo) == 32 && offsetof(DplClipInfo, durationS) == 16);
         CHECK(sizeof(DplClipOptions) == 24 && offsetof(DplClipOptions, animation) == 16);
         CHECK(sizeof(DplDetail) == 12);
+        CHECK(sizeof(DplCaptureDetail) == 52 && offsetof(DplCaptureDetail, views) == 36);
         CHECK(sizeof(DplPoseTrust) == 24 && offsetof(DplPoseTrust, farthestJoint) == 16);
         CHECK(sizeof(DplTrackerInfo) == 32 && offsetof(DplTrackerInfo, restRotations) == 16);
         CHECK(sizeof(DplTrackFrame) == 40 && offsetof(DplTrackFrame, timeNs) == 8 && offsetof(DplTrackFrame, confidence) == 32);

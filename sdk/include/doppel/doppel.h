@@ -316,6 +316,28 @@ typedef struct DplPoseTrust {
  *  DPL_ERROR_INVALID_ARGUMENT: wrong jointCount (ignored if distances is NULL), or general splats. */
 DPL_API DplResult dplGetPoseTrust(DplAvatar avatar, DplPoseTrust* trust, float* distances, uint32_t jointCount);
 
+/** What dplGetCaptureDetail tells of the surface that a joint moves. Four sides each, at rest: front (+Z), left (+X), back (-Z), right
+ * (-X). 0: the scan's pictures do not show that side, or the file has no capture map. */
+typedef struct DplCaptureDetail {
+    uint32_t structSize;
+    float pixelM[4];   /**< size of a picture's pixel on the surface, metres */
+    float detailM[4];  /**< size of the finest detail that the pictures show, metres; larger than pixelM where they are blurred */
+    uint32_t views[4]; /**< still pictures that look at it at less than 60 degrees to its normal; 255: that many or more */
+} DplCaptureDetail;
+
+/** How finely the scan that an avatar was made from shows it. Files that `doppel reconstruct` writes know it; for others all is 0.
+ *  joint: 0 to jointCount - 1, else DPL_ERROR_NOT_FOUND. */
+DPL_EXPERIMENTAL DplResult dplGetCaptureDetail(DplAvatar avatar, uint32_t joint, DplCaptureDetail* detail);
+
+/** The nearest distance, metres, from which a detail that the scan's pictures just show is drawn over `magnification` pixels: nearer, the
+ *  avatar only grows larger. A viewer may keep its camera at least so far from `point`.
+ *  point: three floats, metres, world: what the camera looks at, on or in the avatar in its current pose; the joint nearest to it decides.
+ *  eye: where the camera is; only its direction from the point counts. focalPx: focal length in pixels of the picture.
+ *  *distanceM is 0 when the file has no capture map, and for general splats.
+ *  DPL_ERROR_INVALID_ARGUMENT: numbers that are not finite, focalPx or magnification not above 0, or NULL. */
+DPL_EXPERIMENTAL DplResult dplGetNearestDistance(DplAvatar avatar, const float* point, const float* eye, float focalPx, float magnification,
+                                                 float* distanceM);
+
 /** Turns joints of the current pose back towards their mean in training, until no distance of dplGetPoseTrust exceeds `limit`, or as far as
  *  the mean. Other joints and the root stay. 4 keeps nearly all of what was seen and stops what never was.
  *  DPL_ERROR_UNSUPPORTED: no pose correctives. DPL_ERROR_INVALID_ARGUMENT: a limit that is not above 0 and finite, or general splats. */

@@ -219,6 +219,17 @@ public:
         if (const DplResult r = dplGetJointPositions(handle_, positions.data(), about->jointCount); r != DPL_OK) return lastError(r);
         return positions;
     }
+    /** How finely the scan shows the surface of a joint; all 0 without a capture map. */
+    Result<DplCaptureDetail> captureDetail(uint32_t joint) const { return filled<DplCaptureDetail>(dplGetCaptureDetail, handle_, joint); }
+    /** How near a camera may come before it magnifies the scan's finest details more than so many times; metres, 0 without a capture map.
+     *  point, eye: 3 floats, metres. */
+    Result<float> nearestDistance(std::span<const float, 3> point, std::span<const float, 3> eye, float focalPx,
+                                  float magnification) const {
+        float distanceM = 0;
+        if (const DplResult r = dplGetNearestDistance(handle_, point.data(), eye.data(), focalPx, magnification, &distanceM); r != DPL_OK)
+            return lastError(r);
+        return distanceM;
+    }
     Result<DplFrameStats> frameStats() const { return filled<DplFrameStats>(dplGetFrameStats, handle_); }
     Result<DplPassTime> passTime(uint32_t pass) const { return filled<DplPassTime>(dplGetPassTime, handle_, pass); }
     /** Draws and returns when the pixels are in the images. One image per view. */

@@ -82,6 +82,8 @@ TEST_F(StructSize, outputs) {
     check<DplJointInfo>("DplJointInfo", nothing<DplJointInfo>, [&](DplJointInfo* s) { return dplGetJointInfo(person_, 0, s); });
     check<DplClipInfo>("DplClipInfo", nothing<DplClipInfo>, [&](DplClipInfo* s) { return dplGetClipInfo(person_, 0, s); });
     check<DplPoseTrust>("DplPoseTrust", nothing<DplPoseTrust>, [&](DplPoseTrust* s) { return dplGetPoseTrust(person_, s, nullptr, 0); });
+    check<DplCaptureDetail>("DplCaptureDetail", nothing<DplCaptureDetail>,
+                            [&](DplCaptureDetail* s) { return dplGetCaptureDetail(person_, 0, s); });
     check<DplFrameStats>("DplFrameStats", offsetof(DplFrameStats, avatarBytes), nothing<DplFrameStats>,
                          [&](DplFrameStats* s) { return dplGetFrameStats(person_, s); });
     DplTrackerInfo info{};

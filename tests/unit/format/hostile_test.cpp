@@ -29,7 +29,9 @@ std::vector<uint8_t> goodFile(bool draco = true) {
     return *writeAvatar(test::withCorrectives(test::layeredAvatar(1, 1, 8, 3), 1, {.modes = 2, .nodes = 5}), {.draco = draco});
 }
 AvatarData tinyWithCorrectives() {
-    return test::withCorrectives(test::tinyAvatar(), 1, {.modes = 2, .nodes = 3});
+    AvatarData a = test::withCorrectives(test::tinyAvatar(), 1, {.modes = 2, .nodes = 3});
+    a.captureMap = test::sampleCaptureMap(a.joints.size());
+    return a;
 }
 
 void expectRefused(const char* what, std::span<const uint8_t> bytes, Code code = Code::CorruptData) {
@@ -234,6 +236,49 @@ TEST(HostileAvatar, damagedPalettes) {
     EXPECT_TRUE(readAvatar(test::split(good).bytes(), trusting()));
 }
 
+TEST(HostileAvatar, damagedCaptureMaps) {
+    AvatarData mapped = test::tinyAvatar();
+    mapped.captureMap = test::sampleCaptureMap(mapped.joints.size());
+    const std::vector<uint8_t> good = *writeAvatar(mapped);
+    const auto read = [&](const std::function<void(GlbParts&)>& damage) {
+        GlbParts parts = test::split(good);
+        damage(parts);
+        return readAvatar(parts.bytes(), trusting());
+    };
+    const auto map = [](GlbParts& p) -> nlohmann::json& { return ours(p)["captureMap"]; };
+    const auto sides = [&](GlbParts& p) { return p.view(map(p)["streams"]["sides"]); };
+    ASSERT_TRUE(read([](GlbParts&) {}));
+    const std::pair<const char*, std::function<void(GlbParts&)>> list[] = {
+        {"a number", [&](GlbParts& p) { map(p) = 1; }},
+        {"no encoding", [&](GlbParts& p) { map(p).erase("encoding"); }},
+        {"encoding 0", [&](GlbParts& p) { map(p)["encoding"] = 0; }},
+        {"encoding as text", [&](GlbParts& p) { map(p)["encoding"] = "1"; }},
+        {"no streams", [&](GlbParts& p) { map(p).erase("streams"); }},
+        {"no stream", [&](GlbParts& p) { map(p)["streams"].erase("sides"); }},
+        {"view 9999", [&](GlbParts& p) { map(p)["streams"]["sides"] = 9999; }},
+        {"a view of another length", [&](GlbParts& p) { map(p)["streams"]["sides"] = 0; }},
+        {"a shorter view",
+         [&](GlbParts& p) {
+             auto& v = p.json["bufferViews"][map(p)["streams"]["sides"].get<size_t>()];
+             v["byteLength"] = v["byteLength"].get<size_t>() - 1;
+         }},
+        {"detail finer than its pixel", [&](GlbParts& p) { sides(p)[1] = 1; }},
+        {"a pixel without detail", [&](GlbParts& p) { sides(p)[1] = 0; }},
+        {"pictures of what is not seen", [&](GlbParts& p) { sides(p)[8] = 3; }},
+    };
+    for (const auto& [what, damage] : list) {
+        const auto result = read(damage);
+        ASSERT_FALSE(result) << what;
+        EXPECT_EQ(int(result.error().code), int(Code::CorruptData)) << what << ": " << result.error().message;
+    }
+    for (size_t size = 0; size < good.size(); ++size)
+        ASSERT_FALSE(readAvatar(std::span(good).first(size), trusting())) << "cut to " << size << " bytes";
+    // A map of a newer encoding is no reason not to show the avatar.
+    const auto newer = read([&](GlbParts& p) { map(p) = {{"encoding", 2}, {"streams", "of another kind"}}; });
+    ASSERT_TRUE(newer) << newer.error().message;
+    EXPECT_TRUE(newer->captureMap.empty());
+}
+
 TEST(HostileAvatar, anUndamagedFilePassesTheSamePath) {
     for (bool compressed : {true, false}) {
         auto result = readAvatar(test::split(goodFile(compressed)).bytes(), trusting());
@@ -351,6 +396,16 @@ TEST(WriterRefuses, whatNoReaderWouldAccept) {
     refusedCorrectives("corrective node", [](PoseCorrectiveData& c) { c.nodeIndices[0].x = 12; });
     refusedCorrectives("corrective NaN", [](PoseCorrectiveData& c) { c.nodes[0].w = kNan; });
     refusedCorrectives("corrective joint", [](PoseCorrectiveData& c) { c.joints.back() = 6; });
+    refused("capture map of another rig", [](AvatarData& a) { a.captureMap = test::sampleCaptureMap(5); });
+    const auto refusedSide = [&](const char* what, CaptureSide side) {
+        refused(what, [&](AvatarData& a) { a.captureMap = test::sampleCaptureMap(6), a.captureMap.sides[7] = side; });
+    };
+    refusedSide("capture NaN", {kNan, kNan, 1});
+    refusedSide("capture negative", {-0.001f, 0.001f, 1});
+    refusedSide("capture infinite", {0.001f, std::numeric_limits<float>::infinity(), 1});
+    refusedSide("detail finer than its pixel", {0.002f, 0.001f, 1});
+    refusedSide("detail without a pixel", {0, 0.001f, 1});
+    refusedSide("pictures of what is not seen", {0, 0, 1});
     refused("clip rotation", [](AvatarData& a) { a.clips[0].channels[0].rotations[0] = Quatf(0, 0, 0, 0); });
 }
 

@@ -171,6 +171,31 @@ TEST(AvatarRoundTrip, theTrainedPixelComesBackAndChangesNoVersion) {
     }
 }
 
+TEST(AvatarRoundTrip, theCaptureMapComesBackAndChangesNoVersion) {
+    AvatarData a = layeredAvatar(3, 1);
+    const size_t without = writeAvatar(a)->size();
+    a.captureMap = test::sampleCaptureMap(a.joints.size());
+    const AvatarData b = throughFile(a);
+    ASSERT_EQ(b.captureMap.sides.size(), a.captureMap.sides.size());
+    for (size_t i = 0; i < a.captureMap.sides.size(); ++i) {
+        const CaptureSide &x = a.captureMap.sides[i], &y = b.captureMap.sides[i];
+        EXPECT_NEAR(y.pixelM, x.pixelM, 0.022f * x.pixelM) << i;  // half of a step of 2^(1/16)
+        EXPECT_NEAR(y.detailM, x.detailM, 0.022f * x.detailM) << i;
+        EXPECT_EQ(y.views, x.views) << i;
+    }
+    const auto info = inspectAvatar(*writeAvatar(a));
+    ASSERT_TRUE(info) << info.error().message;
+    EXPECT_EQ(info->version, 1u) << "a reader that does not know it draws the same pictures";
+    EXPECT_EQ(info->captureMapBytes, 12 * a.joints.size());
+    EXPECT_LT(writeAvatar(a)->size(), without + 12 * a.joints.size() + 200);
+    expectSameBytes(a);
+    for (const float most : {0.0f, 1e-9f, 100.0f}) {  // beyond what codes hold: the nearest code, and not seen stays so
+        a.captureMap.sides[0] = {most, most, 0};
+        EXPECT_EQ(throughFile(a).captureMap.sides[0].detailM > 0, most > 0);
+        expectSameBytes(a);
+    }
+}
+
 TEST(AvatarRoundTrip, correctivesNearAndBelowTheSmallestFloatsAreIdempotentToo) {
     AvatarData a = withCorrectives(layeredAvatar(31, 0), 1);
     for (size_t e = 0; e < a.correctives.nodes.size(); ++e) {

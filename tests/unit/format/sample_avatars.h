@@ -50,6 +50,15 @@ inline AvatarData tinyCorrectedAvatar() {
     return a;
 }
 
+/** A map with sides of all kinds: fine, coarse, blurred, not seen. */
+inline CaptureMapData sampleCaptureMap(size_t joints) {
+    CaptureMapData map;
+    for (size_t j = 0; j < joints; ++j)
+        map.sides.insert(map.sides.end(),
+                         {{0.0012f * float(j + 1), 0.0012f * float(j + 1), 14}, {0.004f, 0.0105f, 255}, {}, {0.03f, 0.03f, 0}});
+    return map;
+}
+
 /** Random but reproducible: three layers of wavy grids with skin weights, splats of all sizes, two clips. */
 inline AvatarData layeredAvatar(uint32_t seed, uint32_t shDegree, uint32_t joints = 20, uint32_t cells = 12,
                                 uint32_t splatsPerTriangle = 4) {

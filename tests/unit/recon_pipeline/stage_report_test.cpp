@@ -49,6 +49,7 @@ protected:
                        {{"film_again", nlohmann::json::array()},
                         {"places", nlohmann::json::array({{{"name", "the face"}, {"mm_per_pixel", 1.5}, {"pictures", 7}}})}},
                        {},
+                       {},
                        "map"};
     std::filesystem::path folder_;
 };

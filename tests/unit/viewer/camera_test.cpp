@@ -21,6 +21,18 @@ Vec2d pixelOf(const OrbitCamera& orbit, const Vec3d& world) {
     return camera.pixelOf(camera.toView(world));
 }
 
+TEST(OrbitCamera, keepsAwayButDoesNotComeNearer) {
+    OrbitCamera orbit;
+    orbit.zoom(100);
+    orbit.keepAway(1.5);
+    EXPECT_DOUBLE_EQ(orbit.distanceM(), 1.5);
+    orbit.keepAway(0.7);
+    EXPECT_DOUBLE_EQ(orbit.distanceM(), 1.5);
+    orbit.keepAway(0);  // no limit
+    orbit.keepAway(1e9);
+    EXPECT_LE(orbit.distanceM(), OrbitCamera::kMaxDistanceM);
+}
+
 TEST(OrbitCamera, showsItsMiddleWhereItIsTold) {
     OrbitCamera orbit;
     orbit.orbit(123, -45, kHeight);

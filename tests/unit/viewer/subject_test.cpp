@@ -55,6 +55,21 @@ TEST_F(SubjectTest, playsItsFirstClipAndStandsAside) {
     EXPECT_FLOAT_EQ(float(subject.box().low.x), -2.5f);
 }
 
+TEST_F(SubjectTest, theCameraStaysWhereTheScanHasDetails) {
+    AvatarData data = tiny();
+    Subject plain = load(data);
+    EXPECT_EQ(plain.nearestM({0, 1, 0}, {0, 1, 3}, 1000, 8), 0) << "no map, no limit";
+    data.captureMap.sides.assign(data.joints.size() * kCaptureSides, {0.008f, 0.008f, 3});
+    std::vector<Subject> subjects;
+    subjects.push_back(std::move(plain));
+    subjects.push_back(load(data));
+    subjects[0].asideM = -2;
+    ASSERT_TRUE(subjects[0].pose(0));
+    EXPECT_NEAR(nearestM(subjects, {0, 1, 0}, {0, 1, 3}, 1000, 8), 1, 0.02) << "of the avatar that is looked at";
+    EXPECT_EQ(nearestM(subjects, {-2, 1, 0}, {0, 1, 3}, 1000, 8), 0);
+    EXPECT_EQ(nearestM({}, {0, 1, 0}, {0, 1, 3}, 1000, 8), 0);
+}
+
 TEST_F(SubjectTest, anglesByHandTurnAJointOnTopOfTheClip) {
     Subject subject = load(tiny());
     subject.clip.reset();
