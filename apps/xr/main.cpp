@@ -178,7 +178,7 @@ int main(int argc, char** argv) {
     app.add_flag("--validate", options.validate, "Use the Vulkan validation layer, print its messages, and fail if there are any");
     app.footer(
         "Controllers: select puts the avatar where you point at the floor; the stick turns it.\n"
-        "Hands, where the headset tracks them: the avatar's arms and fingers do what yours do.\n"
+        "Hands, where the headset tracks them: the avatar's arms and fingers do what yours do. A tracked body: its upper body too.\n"
         "Examples:\n"
         "  doppel-xr ada/avatar.glb --clip dance.bvh\n"
         "  doppel-xr ada/avatar.glb --mirror\n"

@@ -41,7 +41,7 @@ doppel::Result<Puppet> Puppet::of(const doppel::Avatar& avatar) {
         if (tracker.error().code == DPL_ERROR_UNSUPPORTED) return puppet;  // no humanoid bones
         return tracker.error();
     }
-    puppet.avatar_ = &avatar;
+    puppet.avatar_ = avatar.handle();
     puppet.hands_.tracker.emplace(std::move(*tracker));
     puppet.hands_.resize(kJoints);
     puppet.body_.resize(XR_BODY_JOINT_COUNT_FB);
@@ -53,9 +53,16 @@ doppel::Status Puppet::followSkeleton(const Body& body) {
     skeleton_ = body.skeleton;
     for (uint32_t j = 0; j < XR_BODY_JOINT_COUNT_FB; ++j) body_.put(j, body.rest[j], true);
     body_.tracker.reset();
-    auto made = avatar_->createTracker(DPL_TRACK_FB_BODY, kFlags, body_.rotations, body_.positions);
-    if (!made) return made.error().code == DPL_ERROR_CORRUPT_DATA ? doppel::Status{} : made.error();
-    body_.tracker.emplace(std::move(*made));
+    DplTrackerInfo info{};
+    info.structSize = sizeof info;
+    info.format = DPL_TRACK_FB_BODY;
+    info.flags = kFlags;
+    info.restCount = XR_BODY_JOINT_COUNT_FB;
+    info.restRotations = body_.rotations.data(), info.restPositions = body_.positions.data();
+    DplTracker made = nullptr;
+    if (const DplResult result = dplCreateTracker(avatar_, &info, &made); result != DPL_OK)
+        return result == DPL_ERROR_CORRUPT_DATA ? doppel::Status{} : doppel::lastError(result);
+    body_.tracker.emplace(made);
     return {};
 }
 

@@ -39,7 +39,7 @@ private:
 
     doppel::Status followSkeleton(const Body& body);
 
-    const doppel::Avatar* avatar_ = nullptr;
+    DplAvatar avatar_ = nullptr;
     Follower hands_, body_;
     uint32_t skeleton_ = 0;  // that body_ was made for
 };

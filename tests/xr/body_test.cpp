@@ -176,6 +176,20 @@ TEST_F(XrBody, wrongAnswersLeaveTheAvatarAlone) {
     EXPECT_EQ(session_->lastFrame().user.body.located.count(), 0u);
 }
 
+/** A rest pose that is no person, such as one with all joints at the origin, is not followed, and hands go on. */
+TEST_F(XrBody, aSkeletonThatIsNoPersonIsNotFollowed) {
+    mockxr::Settings settings = tracked();
+    for (XrBodySkeletonJointFB& joint : settings.skeleton) joint.pose.position = {0, 0, 0};
+    open(settings, opaque());
+    if (HasFatalFailure()) return;
+    ASSERT_TRUE(run(xr::Step::Drew));
+    follow(30);
+    EXPECT_LT(offDeg(Pose::rest(rig_.size())), 0.1);
+    tellSkeleton(mockxr::settings());
+    follow();
+    EXPECT_LT(offDeg(moved_), 0.1) << "until the runtime tells a better one";
+}
+
 TEST_F(XrBody, drawingGoesOnWithoutATracker) {
     open(tracked(), opaque());
     if (HasFatalFailure()) return;
