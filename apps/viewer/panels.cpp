@@ -38,7 +38,7 @@ void subjectList(ViewerState& state) {
     if (state.subjects.empty() && state.atHand.empty())
         ImGui::TextWrapped("Drop an avatar (.glb) or splats (.ply, .spz, .glb) on the window.");
     for (size_t i = 0; i < state.subjects.size(); ++i) {
-        const Subject& subject = state.subjects[i];
+        const ViewedSubject& subject = state.subjects[i];
         ImGui::PushID(int(i));
         const float crossWidth = ImGui::CalcTextSize("x").x + 2 * ImGui::GetStyle().FramePadding.x;
         const float rowWidth = ImGui::GetContentRegionAvail().x - crossWidth - ImGui::GetStyle().ItemSpacing.x;
@@ -48,12 +48,12 @@ void subjectList(ViewerState& state) {
         if (ImGui::IsItemHovered()) ImGui::SetTooltip("Remove %s", subject.file.c_str());
         ImGui::PopID();
     }
-    if (const Subject* chosen = state.chosen())
+    if (const ViewedSubject* chosen = state.chosen())
         quiet(chosen->isAvatar() ? "%.0f splats, %.0f joints" : "%.0f splats", chosen->info.splatCount, double(chosen->joints.size()));
     if (!state.atHand.empty()) ImGui::TextWrapped("Loading %s ...", state.atHand.c_str());
 }
 
-void clipControls(ViewerState& state, Subject& subject) {
+void clipControls(ViewerState& state, ViewedSubject& subject) {
     const char* shown = subject.clip ? subject.clips[*subject.clip].name.c_str() : "rest pose";
     if (ImGui::BeginCombo("##clip", shown)) {
         if (ImGui::Selectable("rest pose", !subject.clip)) subject.clip.reset();
@@ -78,7 +78,7 @@ void clipControls(ViewerState& state, Subject& subject) {
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("Ctrl and click to type a number");
 }
 
-void jointList(Subject& subject) {
+void jointList(ViewedSubject& subject) {
     if (ImGui::Button("All as in the clip", {-1, 0})) std::fill(subject.byHandDeg.begin(), subject.byHandDeg.end(), Vec3f(0));
     ImGui::BeginChild("joints", {0, std::min(240.0f, 52.0f * float(subject.joints.size()))});
     ImGui::PushItemWidth(-1);
@@ -100,7 +100,7 @@ void pictureControls(ViewerState& state) {
     ImGui::SameLine();
     changed |= ImGui::RadioButton("no room", &room, 2);
     if (changed) state.room = room == 2 ? std::nullopt : std::optional(room == 1 ? platform::RoomLight::Bright : platform::RoomLight::Dark);
-    if (std::any_of(state.subjects.begin(), state.subjects.end(), [](const Subject& s) { return !s.isAvatar(); }))
+    if (std::any_of(state.subjects.begin(), state.subjects.end(), [](const ViewedSubject& s) { return !s.isAvatar(); }))
         if (ImGui::BeginCombo("##axes", ("files are " + state.axes).c_str())) {
             for (const char* axes : {"y-up", "y-down", "z-up", "z-down"})
                 if (ImGui::Selectable(axes, state.axes == axes)) state.axes = axes, state.wantsFrame = true;
@@ -171,7 +171,7 @@ FreeSpan freeSpan(const ViewerState& state, float width) {
 void drawPanels(ViewerState& state, float width, float height) {
     beginPanel("Avatars", kGap, kGap, kLeftWidth, height - 2 * kGap);
     subjectList(state);
-    if (Subject* subject = state.chosen(); subject && subject->isAvatar()) {
+    if (ViewedSubject* subject = state.chosen(); subject && subject->isAvatar()) {
         if (ImGui::CollapsingHeader("Clip", ImGuiTreeNodeFlags_DefaultOpen)) clipControls(state, *subject);
         if (ImGui::CollapsingHeader("Joints by hand", ImGuiTreeNodeFlags_DefaultOpen)) jointList(*subject);
     }

@@ -24,20 +24,20 @@ fs::path nextFreeName(const std::string& prefix, const std::string& ending) {
         if (fs::path path = prefix + "-" + std::to_string(i) + ending; !fs::exists(path, ignored)) return path;
 }
 
-Result<std::unique_ptr<TemporaryFolder>> TemporaryFolder::beside(const fs::path& target) {
+Result<std::unique_ptr<RecordingFolder>> RecordingFolder::beside(const fs::path& target) {
     const fs::path path = target.parent_path() / ("." + target.filename().string() + ".part" + std::to_string(::getpid()));
     std::error_code error;
     fs::create_directories(path, error);
     if (error) return fail(Code::Io, "cannot create {}: {}", path.string(), error.message());
-    return std::unique_ptr<TemporaryFolder>(new TemporaryFolder(path));
+    return std::unique_ptr<RecordingFolder>(new RecordingFolder(path));
 }
 
-TemporaryFolder::~TemporaryFolder() {
+RecordingFolder::~RecordingFolder() {
     std::error_code ignored;
     if (!path_.empty()) fs::remove_all(path_, ignored);
 }
 
-Status TemporaryFolder::rename(const fs::path& target) {
+Status RecordingFolder::rename(const fs::path& target) {
     std::error_code error;
     fs::rename(path_, target, error);
     if (error) return fail(Code::Io, "{} cannot be created: {}", target.string(), error.message());
@@ -56,7 +56,7 @@ Result<Turntable> Turntable::begin(const fs::path& path, uint32_t frames, uint32
     }
     std::error_code error;
     if (fs::exists(path, error)) return fail(Code::InvalidArgument, "{} exists already; name a new folder", path.string());
-    DPL_TRY(made.pictures_, TemporaryFolder::beside(path));
+    DPL_TRY(made.pictures_, RecordingFolder::beside(path));
     return made;
 }
 

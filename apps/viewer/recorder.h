@@ -15,18 +15,18 @@ Status writeScreenshot(const std::filesystem::path& path, std::span<const uint8_
 std::filesystem::path nextFreeName(const std::string& prefix, const std::string& ending);
 
 /** A new folder under a name of its own, which is removed again unless it was renamed. */
-class TemporaryFolder {
+class RecordingFolder {
 public:
-    static Result<std::unique_ptr<TemporaryFolder>> beside(const std::filesystem::path& target);
-    ~TemporaryFolder();
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+    static Result<std::unique_ptr<RecordingFolder>> beside(const std::filesystem::path& target);
+    ~RecordingFolder();
+    RecordingFolder(const RecordingFolder&) = delete;
+    RecordingFolder& operator=(const RecordingFolder&) = delete;
 
     const std::filesystem::path& path() const { return path_; }
     Status rename(const std::filesystem::path& target);
 
 private:
-    explicit TemporaryFolder(std::filesystem::path path) : path_(std::move(path)) {}
+    explicit RecordingFolder(std::filesystem::path path) : path_(std::move(path)) {}
     std::filesystem::path path_;  // empty: renamed
 };
 
@@ -51,7 +51,7 @@ private:
     Turntable() = default;
     std::filesystem::path path_;
     std::unique_ptr<VideoWriter> video_;  // one of these two
-    std::unique_ptr<TemporaryFolder> pictures_;
+    std::unique_ptr<RecordingFolder> pictures_;
     uint32_t frames_ = 0, done_ = 0, widthPx_ = 0, heightPx_ = 0;
 };
 

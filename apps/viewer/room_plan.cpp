@@ -5,9 +5,9 @@
 
 namespace dpl {
 
-platform::RoomPlan roomAround(const std::vector<Subject>& subjects, const WorldBox& box, double cameraM) {
+platform::RoomPlan roomAround(const std::vector<ViewedSubject>& subjects, const WorldBox& box, double cameraM) {
     platform::RoomPlan plan;
-    for (const Subject& subject : subjects)
+    for (const ViewedSubject& subject : subjects)
         if (subject.isAvatar()) plan.stands.push_back({float(subject.asideM), 0});
     plan.floorY = plan.stands.empty() && !subjects.empty() ? float(box.low.y) : -platform::kStandHeightM;
     if (subjects.empty()) plan.stands.push_back({0, 0});

@@ -9,6 +9,6 @@ namespace dpl {
 
 /** A stand for each avatar, whose feet are at y = 0. With general splats alone, the floor is below them. The columns stand behind a camera
  *  that is cameraM away from the middle, so that nothing hides the subjects. box: around them, y up. */
-platform::RoomPlan roomAround(const std::vector<Subject>& subjects, const WorldBox& box, double cameraM);
+platform::RoomPlan roomAround(const std::vector<ViewedSubject>& subjects, const WorldBox& box, double cameraM);
 
 }  // namespace dpl

@@ -20,7 +20,7 @@ struct Figures {
 };
 
 struct ViewerState {
-    std::vector<Subject> subjects;
+    std::vector<ViewedSubject> subjects;
     size_t selected = 0;  // of subjects, where there is one
     Playback playback;
     OrbitCamera camera;
@@ -38,7 +38,7 @@ struct ViewerState {
     bool wantsScreenshot = false, wantsTurntable = false, wantsFrame = false;
     std::optional<size_t> wantsRemoval;
 
-    Subject* chosen() { return selected < subjects.size() ? &subjects[selected] : nullptr; }
+    ViewedSubject* chosen() { return selected < subjects.size() ? &subjects[selected] : nullptr; }
 };
 
 }  // namespace dpl

@@ -10,8 +10,8 @@ Quatf rotationOfAngles(const Vec3f& degrees) {
     return glm::angleAxis(a.z, Vec3f(0, 0, 1)) * glm::angleAxis(a.y, Vec3f(0, 1, 0)) * glm::angleAxis(a.x, Vec3f(1, 0, 0));
 }
 
-Result<Subject> Subject::of(doppel::Avatar avatar, std::string file) {
-    Subject made(std::move(avatar));
+Result<ViewedSubject> ViewedSubject::of(doppel::Avatar avatar, std::string file) {
+    ViewedSubject made(std::move(avatar));
     auto info = made.avatar.info();
     if (!info) return fromSdk(info.error());
     made.info = *info;
@@ -28,7 +28,7 @@ Result<Subject> Subject::of(doppel::Avatar avatar, std::string file) {
     return made;
 }
 
-Status Subject::takeNewClip() {
+Status ViewedSubject::takeNewClip() {
     auto now = avatar.info();
     if (!now) return fromSdk(now.error());
     info = *now;
@@ -42,7 +42,7 @@ Status Subject::takeNewClip() {
     return {};
 }
 
-Status Subject::pose(double timeS) {
+Status ViewedSubject::pose(double timeS) {
     if (!isAvatar()) return {};
     float root[3] = {};
     if (clip) {
@@ -63,23 +63,23 @@ Status Subject::pose(double timeS) {
     return {};
 }
 
-WorldBox Subject::box() const {
+WorldBox ViewedSubject::box() const {
     const Vec3d aside(isAvatar() ? asideM : 0, 0, 0);
     return {Vec3d(info.restMin[0], info.restMin[1], info.restMin[2]) + aside,
             Vec3d(info.restMax[0], info.restMax[1], info.restMax[2]) + aside};
 }
 
-double Subject::nearestM(const Vec3d& point, const Vec3d& eye, double focalPx, double magnification) const {
+double ViewedSubject::nearestM(const Vec3d& point, const Vec3d& eye, double focalPx, double magnification) const {
     const Vec3f at(point), from(eye);
     const auto nearest = avatar.nearestDistance(std::span<const float, 3>(&at.x, 3), std::span<const float, 3>(&from.x, 3), float(focalPx),
                                                 float(magnification));
     return nearest ? double(*nearest) : 0;
 }
 
-double nearestM(const std::vector<Subject>& subjects, const Vec3d& point, const Vec3d& eye, double focalPx, double magnification) {
-    const Subject* closest = nullptr;
+double nearestM(const std::vector<ViewedSubject>& subjects, const Vec3d& point, const Vec3d& eye, double focalPx, double magnification) {
+    const ViewedSubject* closest = nullptr;
     double least = 0;
-    for (const Subject& subject : subjects) {
+    for (const ViewedSubject& subject : subjects) {
         const WorldBox box = subject.box();
         const double away = glm::length(point - glm::clamp(point, box.low, box.high));
         if (!closest || away < least) closest = &subject, least = away;
@@ -94,10 +94,10 @@ std::vector<double> placesInRow(size_t count) {
     return places;
 }
 
-WorldBox boxOf(const std::vector<Subject>& subjects) {
+WorldBox boxOf(const std::vector<ViewedSubject>& subjects) {
     if (subjects.empty()) return {Vec3d(-0.5, 0, -0.3), Vec3d(0.5, 1.8, 0.3)};
     WorldBox all = subjects[0].box();
-    for (const Subject& subject : subjects) {
+    for (const ViewedSubject& subject : subjects) {
         const WorldBox box = subject.box();
         all = {glm::min(all.low, box.low), glm::max(all.high, box.high)};
     }

@@ -13,13 +13,13 @@ namespace dpl {
 /** Turns by these angles about x, then y, then z of avatar space, degrees. */
 Quatf rotationOfAngles(const Vec3f& degrees);
 
-struct Subject {
+struct ViewedSubject {
     struct Clip {
         std::string name;
         double durationS = 0;
     };
 
-    static Result<Subject> of(doppel::Avatar avatar, std::string file);
+    static Result<ViewedSubject> of(doppel::Avatar avatar, std::string file);
 
     bool isAvatar() const { return !joints.empty(); }  // general splats have no joints
     /** Reads the list of clips again and plays the last one. */
@@ -42,7 +42,7 @@ struct Subject {
     double asideM = 0;                // along +X
 
 private:
-    explicit Subject(doppel::Avatar owned) : avatar(std::move(owned)) {}
+    explicit ViewedSubject(doppel::Avatar owned) : avatar(std::move(owned)) {}
     std::vector<float> rotations_;
 };
 
@@ -50,9 +50,9 @@ private:
 std::vector<double> placesInRow(size_t count);
 
 /** The same for the avatar whose box is nearest to the point. */
-double nearestM(const std::vector<Subject>& subjects, const Vec3d& point, const Vec3d& eye, double focalPx, double magnification);
+double nearestM(const std::vector<ViewedSubject>& subjects, const Vec3d& point, const Vec3d& eye, double focalPx, double magnification);
 
 /** The box around all of them; a person's if there are none. */
-WorldBox boxOf(const std::vector<Subject>& subjects);
+WorldBox boxOf(const std::vector<ViewedSubject>& subjects);
 
 }  // namespace dpl

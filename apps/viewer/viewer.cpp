@@ -111,13 +111,13 @@ platform::FrameContents Viewer::contents() {
     what.view = sdkCamera(camera.cast<float>());
     what.room = state_.room;
     if (const auto doppel = loader_ ? loader_->doppel() : std::nullopt) what.context = doppel->context, what.composer = doppel->composer;
-    for (const Subject& subject : state_.subjects) what.avatars.push_back(subject.avatar.handle());
+    for (const ViewedSubject& subject : state_.subjects) what.avatars.push_back(subject.avatar.handle());
     return what;
 }
 
 void Viewer::takeFiles() {
     std::vector<std::string> dropped = shell_.takeDropped();
-    const Subject* chosen = state_.chosen();
+    const ViewedSubject* chosen = state_.chosen();
     for (std::string& path : dropped) {
         // A motion that comes with other files belongs to the avatar among them.
         const DplAvatar motionOf = dropped.size() == 1 && chosen && chosen->isAvatar() ? chosen->avatar.handle() : nullptr;
@@ -138,7 +138,7 @@ void Viewer::takeFiles() {
             addSubject(std::move(*file.avatar), file.file);
             timings_.mark("first file loaded");
         } else {
-            for (Subject& subject : state_.subjects)
+            for (ViewedSubject& subject : state_.subjects)
                 if (subject.avatar.handle() == file.clipOf)
                     if (const Status taken = subject.takeNewClip(); !taken) report(taken.error().message);
         }
@@ -150,7 +150,7 @@ void Viewer::addSubject(doppel::Avatar avatar, const std::string& file) {
     if (state_.subjects.size() == DPL_MAX_TOGETHER)
         return report(
             formatText("{}: not shown; at most {} avatars and splats can be drawn together. Remove one first", file, DPL_MAX_TOGETHER));
-    auto made = Subject::of(std::move(avatar), file);
+    auto made = ViewedSubject::of(std::move(avatar), file);
     if (!made) return report(file + ": " + made.error().message);
     if (!options_.clip.empty() && made->isAvatar()) {
         const auto clip = chooseClip(made->avatar, options_.clip);
@@ -221,8 +221,8 @@ void Viewer::advanceTime() {
 }
 
 void Viewer::arrange() {
-    std::vector<Subject*> avatars;
-    for (Subject& subject : state_.subjects)
+    std::vector<ViewedSubject*> avatars;
+    for (ViewedSubject& subject : state_.subjects)
         if (subject.isAvatar()) avatars.push_back(&subject);
     const std::vector<double> places = placesInRow(avatars.size());
     for (size_t i = 0; i < avatars.size(); ++i) {

@@ -71,19 +71,19 @@ std::vector<Sight> lookAt(std::span<const Vec3f> positions, std::span<const Tria
     return out;
 }
 
-void addPicture(std::vector<TriangleView>& map, std::span<const Sight> sights, float blurPx) {
+void addPicture(std::vector<SeenTriangle>& map, std::span<const Sight> sights, float blurPx) {
     for (size_t t = 0; t < map.size(); ++t) {
         const float pixelM = sights[t].pixelM;
         if (!(pixelM > 0)) continue;
-        TriangleView& to = map[t];
+        SeenTriangle& to = map[t];
         const float detail = detailSizeM(pixelM, blurPx);
         if (!to.seen() || detail < to.detailM) to.pixelM = pixelM, to.blurPx = blurPx, to.detailM = detail;
         to.views += sights[t].straight;
     }
 }
 
-Result<std::vector<TriangleView>> mapBody(const MeshData& surface, std::span<const JointData> joints,
-                                          std::span<const StillPicture> pictures, const std::function<bool(double)>& tell, Jobs& jobs) {
+Result<std::vector<SeenTriangle>> mapBody(const MeshData& surface, std::span<const JointData> joints,
+                                          std::span<const PosedPicture> pictures, const std::function<bool(double)>& tell, Jobs& jobs) {
     struct Measured {
         std::vector<Sight> sights;
         std::optional<float> blurPx;
@@ -110,7 +110,7 @@ Result<std::vector<TriangleView>> mapBody(const MeshData& surface, std::span<con
     for (const Measured& m : measured)
         if (m.blurPx) known.push_back(*m.blurPx);
     const float usual = percentile(known, 0.5);
-    std::vector<TriangleView> map(surface.triangles.size());
+    std::vector<SeenTriangle> map(surface.triangles.size());
     for (const Measured& m : measured) addPicture(map, m.sights, m.blurPx.value_or(usual));
     return map;
 }

@@ -15,7 +15,7 @@
 namespace dpl {
 
 /** What the pictures tell of one triangle. Sizes are 0 when no picture shows it. */
-struct TriangleView {
+struct SeenTriangle {
     uint32_t views = 0;  // pictures that look at it at less than 60° to its normal
     // Of the picture in which the finest detail is smallest:
     float pixelM = 0;   // size of a pixel on the surface, in the direction in which it is largest
@@ -43,10 +43,10 @@ std::vector<Sight> lookAt(std::span<const Vec3f> positions, std::span<const Tria
                           const ImageGrey8* mask = nullptr);
 
 /** Adds one picture. */
-void addPicture(std::vector<TriangleView>& map, std::span<const Sight> sights, float blurPx);
+void addPicture(std::vector<SeenTriangle>& map, std::span<const Sight> sights, float blurPx);
 
 /** One still picture. */
-struct StillPicture {
+struct PosedPicture {
     const FramePicture& picture;
     Camerad camera;  // metres
     Pose pose;
@@ -55,8 +55,8 @@ struct StillPicture {
 
 /** The map of a surface at rest, F. Blur is measured on the whole person in each picture; a picture with too few edges takes the median of
  * the others. tell: share done; false cancels; may be empty. The result does not depend on the number of threads. Error: Cancelled. */
-Result<std::vector<TriangleView>> mapBody(const MeshData& surface, std::span<const JointData> joints,
-                                          std::span<const StillPicture> pictures, const std::function<bool(double share)>& tell,
+Result<std::vector<SeenTriangle>> mapBody(const MeshData& surface, std::span<const JointData> joints,
+                                          std::span<const PosedPicture> pictures, const std::function<bool(double share)>& tell,
                                           Jobs& jobs);
 
 }  // namespace dpl

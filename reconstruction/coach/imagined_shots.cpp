@@ -53,7 +53,7 @@ constexpr std::pair<const char*, const char*> kSectors[] = {
 
 class Imagination {
 public:
-    Imagination(const MeshData& surface, std::span<const JointData> joints, std::span<const BodyPlace> places, const StillPicture& usual)
+    Imagination(const MeshData& surface, std::span<const JointData> joints, std::span<const BodyPlace> places, const PosedPicture& usual)
         : surface_(surface), places_(places), lens_(usual.camera), positions_(surface.restPositions.size()) {
         std::vector<Mat3x4f> worldFromRest;
         jointTransforms(joints, usual.pose, worldFromRest);
@@ -156,12 +156,12 @@ double ImaginedShot::typicalPixelM() const {
 }
 
 std::vector<ImaginedShot> imagineShots(const MeshData& surface, std::span<const JointData> joints, std::span<const BodyPlace> places,
-                                       std::span<const StillPicture> pictures, Jobs& jobs) {
-    const auto usual = std::find_if(pictures.begin(), pictures.end(), [](const StillPicture& p) { return !p.closeUp; });
+                                       std::span<const PosedPicture> pictures, Jobs& jobs) {
+    const auto usual = std::find_if(pictures.begin(), pictures.end(), [](const PosedPicture& p) { return !p.closeUp; });
     if (usual == pictures.end() || surface.triangles.empty()) return {};
     const Imagination imagination(surface, joints, places, *usual);
     std::vector<double> distances, elevations;
-    for (const StillPicture& p : pictures) {
+    for (const PosedPicture& p : pictures) {
         if (p.closeUp) continue;
         const Vec3d way = p.camera.eye() - imagination.middle();
         distances.push_back(glm::length(way));

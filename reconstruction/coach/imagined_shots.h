@@ -26,6 +26,6 @@ struct ImaginedShot {
 /** The subject stands as in the first full-body picture, and the camera is that picture's. Walks keep the usual distance of the full-body
  *  pictures, or come nearer when the person fills less than 60 % of their height. No full-body picture: no shots. */
 std::vector<ImaginedShot> imagineShots(const MeshData& surface, std::span<const JointData> joints, std::span<const BodyPlace> places,
-                                       std::span<const StillPicture> pictures, Jobs& jobs);
+                                       std::span<const PosedPicture> pictures, Jobs& jobs);
 
 }  // namespace dpl

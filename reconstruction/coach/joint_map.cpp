@@ -5,7 +5,7 @@
 
 namespace dpl {
 
-CaptureMapData captureMapOf(const MeshData& surface, size_t jointCount, std::span<const TriangleView> map,
+CaptureMapData captureMapOf(const MeshData& surface, size_t jointCount, std::span<const SeenTriangle> map,
                             std::span<const uint8_t> viewable) {
     struct Side {
         std::vector<WeightedValue> pixel, detail, views;

@@ -11,7 +11,7 @@ namespace dpl {
 
 /** Medians by area over the triangles that each joint moves most and that point to each side at rest. viewable: F, FilmAgain::viewable;
  *  triangles that no camera could see do not count. A side of which pictures show less than half is not seen. */
-CaptureMapData captureMapOf(const MeshData& surface, size_t jointCount, std::span<const TriangleView> map,
+CaptureMapData captureMapOf(const MeshData& surface, size_t jointCount, std::span<const SeenTriangle> map,
                             std::span<const uint8_t> viewable);
 
 }  // namespace dpl

@@ -21,7 +21,7 @@ struct Scale {
     const char *title, *heading;
     std::vector<double> marks;  // from good to bad, or from bad to good
     bool smallIsGood;
-    double (*value)(const TriangleView&);
+    double (*value)(const SeenTriangle&);
 };
 
 /** 0: worst, 1: best. */
@@ -74,7 +74,7 @@ BodyViews lookAt(const MeshData& surface) {
     return views;
 }
 
-Result<MapPicture> draw(const Scale& scale, const BodyViews& views, std::span<const TriangleView> map) {
+Result<MapPicture> draw(const Scale& scale, const BodyViews& views, std::span<const SeenTriangle> map) {
     cv::Mat picture(kHeadPx + kViewHeightPx + kScalePx, 2 * kViewWidthPx, CV_8UC3, kPaper);
     write(picture, scale.heading, {6, 17}, 0.46);
     for (int back = 0; back < 2; ++back) {
@@ -113,7 +113,7 @@ Result<MapPicture> draw(const Scale& scale, const BodyViews& views, std::span<co
 
 }  // namespace
 
-Result<std::vector<MapPicture>> drawMap(const MeshData& surface, std::span<const TriangleView> map) {
+Result<std::vector<MapPicture>> drawMap(const MeshData& surface, std::span<const SeenTriangle> map) {
     if (surface.triangles.empty() || map.size() != surface.triangles.size())
         return fail(Code::InvalidArgument, "a body map of {} triangles for a surface of {}", map.size(), surface.triangles.size());
     const Scale scales[] = {
@@ -121,9 +121,9 @@ Result<std::vector<MapPicture>> drawMap(const MeshData& surface, std::span<const
          "size of a pixel, mm (best picture of each place)",
          {0.5, 1, 2, 4, 8, 16},
          true,
-         [](const TriangleView& t) { return 1000.0 * double(t.pixelM); }},
-        {"pictures", "still pictures that show it", {1, 2, 4, 8, 16, 32}, false, [](const TriangleView& t) { return double(t.views); }},
-        {"blur", "blur of the best picture, px", {0.5, 1, 2, 4}, true, [](const TriangleView& t) { return double(t.blurPx); }},
+         [](const SeenTriangle& t) { return 1000.0 * double(t.pixelM); }},
+        {"pictures", "still pictures that show it", {1, 2, 4, 8, 16, 32}, false, [](const SeenTriangle& t) { return double(t.views); }},
+        {"blur", "blur of the best picture, px", {0.5, 1, 2, 4}, true, [](const SeenTriangle& t) { return double(t.blurPx); }},
     };
     const BodyViews views = lookAt(surface);
     std::vector<MapPicture> out;

@@ -15,6 +15,6 @@ struct MapPicture {
 };
 
 /** Three pictures: size of a pixel, pictures that show a place, blur. Bright is good; grey is in no still picture. */
-Result<std::vector<MapPicture>> drawMap(const MeshData& surface, std::span<const TriangleView> map);
+Result<std::vector<MapPicture>> drawMap(const MeshData& surface, std::span<const SeenTriangle> map);
 
 }  // namespace dpl

@@ -19,12 +19,12 @@ constexpr double kWorthwhile = 0.5;                      // mean halvings over w
 constexpr double kWorthwhileWalk = 0.25;                 // of a walk, over the whole body
 
 /** How much is wrong with a triangle, in halvings of the finest visible detail. */
-double lackOf(const TriangleView& t) {
+double lackOf(const SeenTriangle& t) {
     const double detail = t.seen() ? std::clamp(double(t.detailM), kFinestM, kCoarsestM) : kCoarsestM;
     return std::log2(detail / kFinestM) + kViewsOctaves * std::max(0.0, kEnoughViews - double(t.views)) / kEnoughViews;
 }
 
-TriangleView improved(TriangleView t, const ImaginedShot& shot, size_t triangle) {
+SeenTriangle improved(SeenTriangle t, const ImaginedShot& shot, size_t triangle) {
     if (!(shot.pixelM[triangle] > 0)) return t;
     if (!t.seen() || shot.pixelM[triangle] < t.detailM) t.pixelM = t.detailM = shot.pixelM[triangle], t.blurPx = 0;
     t.views += shot.views[triangle];
@@ -44,7 +44,7 @@ std::string percent(double share) {
 
 class Coach {
 public:
-    Coach(const MeshData& surface, std::span<const BodyPlace> places, std::span<const TriangleView> map, std::vector<ImaginedShot> imagined)
+    Coach(const MeshData& surface, std::span<const BodyPlace> places, std::span<const SeenTriangle> map, std::vector<ImaginedShot> imagined)
         : places_(places), map_(map.begin(), map.end()), imagined_(std::move(imagined)) {
         const size_t count = surface.triangles.size();
         out_.viewable.assign(count, 0);
@@ -74,7 +74,7 @@ public:
 
 private:
     std::span<const BodyPlace> places_;
-    std::vector<TriangleView> map_;
+    std::vector<SeenTriangle> map_;
     std::vector<ImaginedShot> imagined_;
     std::vector<double> area_;
     std::array<double, kBodyPlaces> placeArea_{};
@@ -134,7 +134,7 @@ private:
         double area = 0, unseenArea = 0, fewArea = 0;
         for (size_t t = 0; t < map_.size(); ++t) {
             if (!(shot.pixelM[t] > 0) || !isOf(shot, t)) continue;
-            const TriangleView& now = map_[t];
+            const SeenTriangle& now = map_[t];
             const double gain = weightOf(t) * gainAt(shot, t);
             area += area_[t], fewArea += now.views < kEnoughViews ? area_[t] : 0;
             if (!now.seen()) {
@@ -143,7 +143,7 @@ private:
             }
             pixel.push_back({now.pixelM, area_[t]}), blur.push_back({now.blurPx, area_[t]}), detail.push_back({now.detailM, area_[t]});
             // Of a gain in detail, the factor that blur costs is the blur's; the rest is the pixels'.
-            TriangleView moreViews = now;
+            SeenTriangle moreViews = now;
             moreViews.views += shot.views[t];
             const double byViews = weightOf(t) * (lackOf(now) - lackOf(moreViews)), byDetail = gain - byViews;
             const double blurs = std::min(byDetail, weightOf(t) * std::log2(now.detailM / std::max(1e-9f, now.pixelM)));
@@ -187,7 +187,7 @@ private:
 }  // namespace
 
 FilmAgain bestShots(const MeshData& surface, std::span<const JointData> joints, std::span<const BodyPlace> places,
-                    std::span<const TriangleView> map, std::span<const StillPicture> pictures, Jobs& jobs) {
+                    std::span<const SeenTriangle> map, std::span<const PosedPicture> pictures, Jobs& jobs) {
     return Coach(surface, places, map, imagineShots(surface, joints, places, pictures, jobs)).run();
 }
 

@@ -35,7 +35,7 @@ struct FilmAgain {
  *  side and all around) and takes the one that improves the map most, three times. Each time the map is improved as if the shot had been
  *  taken. `map`: of the surface, with one place a triangle. No pictures: no shots. */
 FilmAgain bestShots(const MeshData& surface, std::span<const JointData> joints, std::span<const BodyPlace> places,
-                    std::span<const TriangleView> map, std::span<const StillPicture> pictures, Jobs& jobs);
+                    std::span<const SeenTriangle> map, std::span<const PosedPicture> pictures, Jobs& jobs);
 
 /** The advice as lines of text: a heading and one line a shot, or one line that says that nothing is needed. Ends with a line break. */
 std::string describeShots(const FilmAgain& advice);

@@ -35,7 +35,7 @@ Status mapSurface(const StageRun& run, const IngestedScan& ingested, const Fitte
     MeshData mesh = body.shaped.mesh;
     for (size_t v = 0; v < mesh.restPositions.size(); ++v) mesh.restPositions[v] += surface.restOffsets[v];
     std::vector<std::shared_ptr<const FramePicture>> kept;
-    std::vector<StillPicture> stills;
+    std::vector<PosedPicture> stills;
     for (size_t f = 0; f < ingested.scan.frames.size(); ++f) {
         const ScanFrame& frame = ingested.scan.frames[f];
         if (frame.kind == FrameKind::Dynamic || !isTrainingFrame(ingested, f)) continue;
@@ -48,7 +48,7 @@ Status mapSurface(const StageRun& run, const IngestedScan& ingested, const Fitte
         context.progress.update(0.8 * share, formatText("{} still pictures", stills.size()));
         return !context.progress.cancelled();
     };
-    DPL_TRY(const std::vector<TriangleView> map, mapBody(mesh, joints, stills, tell, run.jobs));
+    DPL_TRY(const std::vector<SeenTriangle> map, mapBody(mesh, joints, stills, tell, run.jobs));
     const FilmAgain advice = bestShots(mesh, joints, places, map, stills, run.jobs);
     const CaptureMapData capture = captureMapOf(mesh, joints.size(), map, advice.viewable);
     DPL_CHECK_OK(checkCaptureMap(capture, joints.size()));

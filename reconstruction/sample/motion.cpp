@@ -18,9 +18,9 @@ double ease(double t) {
 
 }  // namespace
 
-Motion Motion::dynamicSequence(uint64_t seed, double durationS) {
+SampleMotion SampleMotion::dynamicSequence(uint64_t seed, double durationS) {
     Random random(seed, 101);
-    Motion motion;
+    SampleMotion motion;
     motion.durationS_ = durationS;
     // Times below are for a duration of 18.75 s and are scaled to the wanted one.
     const double scale = durationS / 18.75;
@@ -76,7 +76,7 @@ Motion Motion::dynamicSequence(uint64_t seed, double durationS) {
     return motion;
 }
 
-TruthPose Motion::pose(double timeS) const {
+TruthPose SampleMotion::pose(double timeS) const {
     TruthPose pose{std::vector<Vec3d>(kBuiltinJointCount, Vec3d(0)), Vec3d(0)};
     for (const Action& a : actions_) {
         const double t = timeS - a.startS;

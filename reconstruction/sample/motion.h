@@ -16,10 +16,10 @@ struct Action {
     double startS, riseS, holdS, fallS;
 };
 
-class Motion {
+class SampleMotion {
 public:
     /** Arm raises, elbow flexion, leg raises, turns and a torso twist within `durationS`. Amplitudes vary by up to 8 % with the seed. */
-    static Motion dynamicSequence(uint64_t seed, double durationS);
+    static SampleMotion dynamicSequence(uint64_t seed, double durationS);
 
     /** Twice continuously differentiable in time. The rest pose before 0. */
     TruthPose pose(double timeS) const;

@@ -131,10 +131,10 @@ std::string truthJson(const Subject& subject, const std::vector<PlannedFrame>& f
     return j.dump() + "\n";
 }
 
-std::string keypointsJson(const Subject& subject, const PlannedFrame& frame, const std::vector<KeypointTruth>& keypoints) {
+std::string keypointsJson(const Subject& subject, const PlannedFrame& frame, const std::vector<SampleKeypoint>& keypoints) {
     Json xy = Json::array(), noisy = Json::array(), visibility = Json::array(), confidence = Json::array(), sigma = Json::array();
     auto pair = [](const Vec2d& p) { return Json::array({rounded(p.x, 1e3), rounded(p.y, 1e3)}); };
-    for (const KeypointTruth& k : keypoints) {
+    for (const SampleKeypoint& k : keypoints) {
         xy.push_back(k.inFront ? pair(k.px) : Json(nullptr));
         noisy.push_back(k.inFront ? pair(k.noisyPx) : Json(nullptr));
         visibility.push_back(k.visibility);

@@ -16,7 +16,7 @@ inline Vec3d fileFromWorld(const Vec3d& p) {
     return {p.x, -p.z, p.y};
 }
 
-struct KeypointTruth {
+struct SampleKeypoint {
     bool inFront = false;
     Vec2d px{0}, noisyPx{0};
     int visibility = 0;  // 0 outside the picture, 1 hidden, 2 visible
@@ -26,7 +26,7 @@ struct KeypointTruth {
 std::string scanJson(const Subject& subject, const std::vector<PlannedFrame>& frames, const SampleScanOptions& options);
 std::string truthJson(const Subject& subject, const std::vector<PlannedFrame>& frames,
                       const std::vector<std::vector<Vec3d>>& keypointsWorld);
-std::string keypointsJson(const Subject& subject, const PlannedFrame& frame, const std::vector<KeypointTruth>& keypoints);
+std::string keypointsJson(const Subject& subject, const PlannedFrame& frame, const std::vector<SampleKeypoint>& keypoints);
 std::vector<uint8_t> templatePly(const Subject& subject);
 std::vector<uint8_t> weightsBin(const Subject& subject);
 std::vector<uint8_t> posedBin(const std::vector<Vec3d>& vertices);

@@ -98,7 +98,7 @@ std::vector<PlannedFrame> planScan(const Subject& subject, const SampleScanOptio
         frames.push_back(std::move(f));
     }
 
-    const Motion motion = Motion::dynamicSequence(o.seed, o.dynamicS);
+    const SampleMotion motion = SampleMotion::dynamicSequence(o.seed, o.dynamicS);
     SwingSimulation swing(subject, motion);
     for (uint32_t i = 0; i < o.dynamicFrames; ++i) {
         PlannedFrame f;

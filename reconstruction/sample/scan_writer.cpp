@@ -56,14 +56,14 @@ double limbThickness(const std::string& name) {
     return 0.05;
 }
 
-std::vector<KeypointTruth> observe(const Subject& subject, const PersonTracer& tracer, const Camerad& camera,
-                                   const std::vector<Vec3d>& points, uint64_t seed, size_t frame) {
-    std::vector<KeypointTruth> out;
+std::vector<SampleKeypoint> observe(const Subject& subject, const PersonTracer& tracer, const Camerad& camera,
+                                    const std::vector<Vec3d>& points, uint64_t seed, size_t frame) {
+    std::vector<SampleKeypoint> out;
     Random random(seed, 50000 + frame);
     // Noise of a good detector: 1.5 px in a picture 378 px wide. Hidden points get 2.5 times as much.
     const double unit = 1.5 * double(camera.widthPx) / 378;
     for (size_t k = 0; k < points.size(); ++k) {
-        KeypointTruth truth;
+        SampleKeypoint truth;
         const double n0 = random.normal(), n1 = random.normal(), n2 = random.normal();
         const Vec3d view = camera.toView(points[k]);
         truth.inFront = view.z > 0.05;

@@ -73,7 +73,7 @@ std::vector<Vec3d> keypointsWorld(const Subject& subject, const TruthPose& pose,
  *  it. */
 class SwingSimulation {
 public:
-    SwingSimulation(const Subject& subject, const Motion& motion);
+    SwingSimulation(const Subject& subject, const SampleMotion& motion);
     /** Advances to `timeS`, which must not decrease, and returns the lag of each driver: metres, shorter than its maxLagM. Valid until the
      * next call. */
     const std::vector<Vec3d>& at(double timeS);
@@ -81,7 +81,7 @@ public:
 private:
     std::vector<Vec3d> tracks(double timeS) const;
     const Subject& subject_;
-    const Motion& motion_;
+    const SampleMotion& motion_;
     int64_t step_ = 0;
     std::vector<Vec3d> before_, now_, lag_, speed_, soft_;
 };

@@ -114,7 +114,7 @@ std::vector<Vec3d> keypointsWorld(const Subject& subject, const TruthPose& pose,
     return out;
 }
 
-SwingSimulation::SwingSimulation(const Subject& subject, const Motion& motion) : subject_(subject), motion_(motion) {
+SwingSimulation::SwingSimulation(const Subject& subject, const SampleMotion& motion) : subject_(subject), motion_(motion) {
     before_ = now_ = tracks(0);
     lag_.assign(subject.drivers.size(), Vec3d(0));
     speed_ = soft_ = lag_;

@@ -185,7 +185,7 @@ void GpuRenderer::fillSlot(FrameSlot& slot, const SceneSet& set, const DrawCall&
     slot.last.endsDraw = shape.eye + 1 == call.views.frameCount();
     for (size_t k = 0; k < call.subjects.size(); ++k) {
         const LoadedSubject& subject = *call.subjects[k];
-        const PosedSubject& pose = posed.subjects[k];
+        const DrawnSubject& pose = posed.subjects[k];
         const FrameSlot::Upload& upload = slot.uploads[k];
         uint32_t unseen = pose.unseen[shape.eye];
         slot.last.componentsInView += subject.components.count() - uint32_t(std::popcount(unseen));

@@ -6,7 +6,7 @@
 namespace dpl {
 namespace {
 
-void poseAvatar(const AvatarData& avatar, const Pose& pose, PosedSubject& out) {
+void poseAvatar(const AvatarData& avatar, const Pose& pose, DrawnSubject& out) {
     jointTransforms(avatar.joints, pose, out.worldFromRest);
     if (avatar.correctives.empty()) {
         out.coefficients.clear(), out.nodes.clear();
@@ -22,7 +22,7 @@ PosedSet SubjectPoser::pose(std::span<const Drawn> what, std::span<LoadedSubject
                             const DetailOptions& detail, bool cullComponents) {
     DetailMember members[kMaxDrawnTogether];
     for (size_t k = 0; k < subjects.size(); ++k) {
-        PosedSubject& out = posed_[k];
+        DrawnSubject& out = posed_[k];
         if (!subjects[k]->avatar) {
             out.worldFromRest.clear(), out.coefficients.clear(), out.nodes.clear();
             members[k].general = &subjects[k]->generalDetail;
@@ -35,7 +35,7 @@ PosedSet SubjectPoser::pose(std::span<const Drawn> what, std::span<LoadedSubject
     const DetailTotals splats = chooseDetails(detail, views.all, {members, subjects.size()});
     for (size_t k = 0; k < subjects.size(); ++k) {
         const LoadedSubject& subject = *subjects[k];
-        PosedSubject& out = posed_[k];
+        DrawnSubject& out = posed_[k];
         out.detail = members[k].detail;
         out.generalDetail = members[k].generalDetail;
         out.drawnShare = members[k].share;

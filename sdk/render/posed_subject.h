@@ -14,7 +14,7 @@
 namespace dpl {
 
 /** One subject in one draw call. General splats have no pose: their vectors are empty. */
-struct PosedSubject {
+struct DrawnSubject {
     std::vector<Mat3x4f> worldFromRest;             // of each joint
     std::vector<float> coefficients;                // of the pose correctives; empty without them
     std::vector<Vec4f> nodes;                       // their control nodes
@@ -35,7 +35,7 @@ struct FrameViews {
 
 /** All subjects of one draw call. */
 struct PosedSet {
-    std::span<const PosedSubject> subjects;  // in the order they were given in; valid until the next pose
+    std::span<const DrawnSubject> subjects;  // in the order they were given in; valid until the next pose
     DetailTotals splats;                     // of all subjects
 };
 
@@ -49,7 +49,7 @@ public:
                   const DetailOptions& detail, bool cullComponents);
 
 private:
-    std::array<PosedSubject, kMaxDrawnTogether> posed_;
+    std::array<DrawnSubject, kMaxDrawnTogether> posed_;
 };
 
 }  // namespace dpl

@@ -49,15 +49,15 @@ int compose(const char* avatarPath, const char* roomPath, const char* shotPath, 
     if (!context) give(context.error().message);
     auto avatar = context->loadAvatar(valueOf(readFile(avatarPath)));
     if (!avatar) give(avatar.error().message);
-    Subject subject = valueOf(Subject::of(std::move(*avatar), "avatar"));
+    ViewedSubject subject = valueOf(ViewedSubject::of(std::move(*avatar), "avatar"));
     if (const Status posed = subject.pose(timeS); !posed) give(posed.error().message);
 
     OrbitCamera orbit;
     orbit.frame(subject.box(), double(shot.widthPx) / shot.heightPx);
     const Camerad camera = orbit.camera(shot.widthPx, shot.heightPx, 0.5 * shot.widthPx);
-    std::vector<Subject> subjects;
+    std::vector<ViewedSubject> subjects;
     subjects.push_back(std::move(subject));
-    const Subject& shown = subjects[0];
+    const ViewedSubject& shown = subjects[0];
     const std::vector<float> depth = test::roomDepthM(roomAround(subjects, shown.box(), orbit.distanceM()), camera);
     DplCamera view = sdkCamera(camera.cast<float>());
     view.sceneDepthM = depth.data(), view.sceneDepthCount = depth.size();

@@ -167,7 +167,7 @@ TEST(BodyMap, theMaskTellsWhoIsSeen) {
 }
 
 TEST(BodyMap, theBestPictureOfATriangleCountsAndBlurMakesAPictureWorse) {
-    std::vector<TriangleView> map(1);
+    std::vector<SeenTriangle> map(1);
     addPicture(map, std::vector<Sight>{{0.004f, true}}, 0);
     EXPECT_FLOAT_EQ(map[0].detailM, 0.004f);
     addPicture(map, std::vector<Sight>{{0.001f, false}}, 6);  // nearer, but blurred: no better
@@ -184,7 +184,7 @@ TEST(BodyMap, theBestPictureOfATriangleCountsAndBlurMakesAPictureWorse) {
 TEST(BodyMap, itsPicturesShowTheSurfaceInTheColoursOfTheScale) {
     MeshData mesh;
     addSphere(mesh, Vec3d(0), 0.5);
-    std::vector<TriangleView> map(mesh.triangles.size());
+    std::vector<SeenTriangle> map(mesh.triangles.size());
     for (size_t t = 0; t < map.size(); ++t)
         if (middleOf(mesh, t).x > 0) map[t] = {8, 0.0005f, 0.0f, 0.0005f};  // the right half of the front picture; the rest is not seen
     const auto pictures = must(drawMap(mesh, map));

@@ -60,16 +60,16 @@ protected:
     }
     static void TearDownTestSuite() { stills_.clear(), subject_.reset(), jobs_.reset(); }
 
-    static std::vector<StillPicture> pictures(const std::vector<Shown>& of, const std::function<bool(const Shown&)>& keep) {
-        std::vector<StillPicture> out;
+    static std::vector<PosedPicture> pictures(const std::vector<Shown>& of, const std::function<bool(const Shown&)>& keep) {
+        std::vector<PosedPicture> out;
         for (const Shown& s : of)
             if (keep(s)) out.push_back({s.picture, s.camera, s.pose, s.kind == "static_closeup"});
         return out;
     }
-    static std::vector<TriangleView> mapOf(const std::vector<StillPicture>& of) {
+    static std::vector<SeenTriangle> mapOf(const std::vector<PosedPicture>& of) {
         return must(mapBody(subject_->mesh, subject_->joints, of, {}, *jobs_));
     }
-    static FilmAgain advise(const std::vector<StillPicture>& of) {
+    static FilmAgain advise(const std::vector<PosedPicture>& of) {
         return bestShots(subject_->mesh, subject_->joints, places_, mapOf(of), of, *jobs_);
     }
     static std::vector<Shown> blurred(const std::function<bool(const Shown&)>& which, double sigmaPx) {
@@ -126,8 +126,8 @@ TEST_F(Coach, withBlurredCloseUpsOfTheFaceAsksForTheFace) {
 }
 
 TEST_F(Coach, aShotThatWasAskedForRaisesTheMapThereAndLowersItNowhere) {
-    std::vector<StillPicture> some = pictures(stills_, [](const Shown& s) { return !s.closeUpOf.starts_with("hand"); });
-    const std::vector<TriangleView> before = mapOf(some);
+    std::vector<PosedPicture> some = pictures(stills_, [](const Shown& s) { return !s.closeUpOf.starts_with("hand"); });
+    const std::vector<SeenTriangle> before = mapOf(some);
     const FilmAgain advice = bestShots(subject_->mesh, subject_->joints, places_, before, some, *jobs_);
     ASSERT_FALSE(advice.shots.empty());
     std::vector<ImaginedShot> imagined = imagineShots(subject_->mesh, subject_->joints, places_, some, *jobs_);
@@ -146,8 +146,8 @@ TEST_F(Coach, aShotThatWasAskedForRaisesTheMapThereAndLowersItNowhere) {
                          poseOf(staticPose(1, 0)),
                          {{camera.widthPx, camera.heightPx, drawn.rgb}, {camera.widthPx, camera.heightPx, drawn.mask}, {}}});
     }
-    for (const StillPicture& picture : pictures(taken, all)) some.push_back(picture);
-    const std::vector<TriangleView> after = mapOf(some);
+    for (const PosedPicture& picture : pictures(taken, all)) some.push_back(picture);
+    const std::vector<SeenTriangle> after = mapOf(some);
     double halvings = 0, area = 0;
     for (size_t t = 0; t < after.size(); ++t) {
         EXPECT_GE(after[t].views, before[t].views);

@@ -60,7 +60,7 @@ TEST(Skirt, weightsChangeSlowlyBetweenTheLegs) {
 
 TEST(Skirt, swingsFartherThanShortsAndStaysOutsideTheLegs) {
     const Subject& s = skirted();
-    const Motion motion = Motion::dynamicSequence(6, 18.75);
+    const SampleMotion motion = SampleMotion::dynamicSequence(6, 18.75);
     SwingSimulation swing(s, motion);
     double most = 0;
     for (double t = 0.5; t < 18.5; t += 0.25) {

@@ -104,7 +104,7 @@ TEST(Subject, shirtSlidesUpWhenArmsRise) {
 
 TEST(Subject, clothDependsOnEarlierMotion) {
     const Subject& s = subject();
-    const Motion motion = Motion::dynamicSequence(7, 18.75);
+    const SampleMotion motion = SampleMotion::dynamicSequence(7, 18.75);
     SwingSimulation swing(s, motion);
     double most = 0;
     for (double t = 0.5; t < 18; t += 0.5)
@@ -130,7 +130,7 @@ TEST(Subject, clothDependsOnEarlierMotion) {
 
 TEST(Subject, swingDoesNotDependOnHowOftenItIsAsked) {
     const Subject& s = subject();
-    const Motion motion = Motion::dynamicSequence(7, 18.75);
+    const SampleMotion motion = SampleMotion::dynamicSequence(7, 18.75);
     SwingSimulation once(s, motion), often(s, motion);
     for (double t = 0.1; t < 5; t += 0.1) often.at(t);
     EXPECT_EQ(once.at(5.0), often.at(5.0));

@@ -12,12 +12,12 @@ using namespace dpl;
 
 class SubjectTest : public ::testing::Test {
 protected:
-    Subject load(const AvatarData& data) {
+    ViewedSubject load(const AvatarData& data) {
         const auto bytes = writeAvatar(data);
         EXPECT_TRUE(bytes);
         auto avatar = context_->loadAvatar(*bytes);
         EXPECT_TRUE(avatar) << avatar.error().message;
-        auto subject = Subject::of(std::move(*avatar), "tiny.glb");
+        auto subject = ViewedSubject::of(std::move(*avatar), "tiny.glb");
         EXPECT_TRUE(subject);
         return std::move(*subject);
     }
@@ -26,7 +26,7 @@ protected:
         sortSplats(data);
         return data;
     }
-    static Vec3f jointAt(const Subject& subject, size_t joint) {
+    static Vec3f jointAt(const ViewedSubject& subject, size_t joint) {
         const auto positions = subject.avatar.jointPositions();
         return {(*positions)[3 * joint], (*positions)[3 * joint + 1], (*positions)[3 * joint + 2]};
     }
@@ -43,7 +43,7 @@ TEST(RotationOfAngles, turnsAboutXThenYThenZ) {
 }
 
 TEST_F(SubjectTest, playsItsFirstClipAndStandsAside) {
-    Subject subject = load(tiny());
+    ViewedSubject subject = load(tiny());
     ASSERT_EQ(subject.clips.size(), 1u);
     ASSERT_EQ(subject.clip, 0u);
     EXPECT_EQ(subject.joints, (std::vector<std::string>{"pelvis", "left_shoulder"}));
@@ -57,10 +57,10 @@ TEST_F(SubjectTest, playsItsFirstClipAndStandsAside) {
 
 TEST_F(SubjectTest, theCameraStaysWhereTheScanHasDetails) {
     AvatarData data = tiny();
-    Subject plain = load(data);
+    ViewedSubject plain = load(data);
     EXPECT_EQ(plain.nearestM({0, 1, 0}, {0, 1, 3}, 1000, 8), 0) << "no map, no limit";
     data.captureMap.sides.assign(data.joints.size() * kCaptureSides, {0.008f, 0.008f, 3});
-    std::vector<Subject> subjects;
+    std::vector<ViewedSubject> subjects;
     subjects.push_back(std::move(plain));
     subjects.push_back(load(data));
     subjects[0].asideM = -2;
@@ -71,7 +71,7 @@ TEST_F(SubjectTest, theCameraStaysWhereTheScanHasDetails) {
 }
 
 TEST_F(SubjectTest, anglesByHandTurnAJointOnTopOfTheClip) {
-    Subject subject = load(tiny());
+    ViewedSubject subject = load(tiny());
     subject.clip.reset();
     ASSERT_TRUE(subject.pose(0.5));
     expectNear(jointAt(subject, 1), {0, 1.25f, 0});
@@ -89,7 +89,7 @@ TEST_F(SubjectTest, anglesByHandTurnAJointOnTopOfTheClip) {
 TEST_F(SubjectTest, anAvatarWithoutClipsRests) {
     AvatarData data = tiny();
     data.clips.clear();
-    Subject subject = load(data);
+    ViewedSubject subject = load(data);
     EXPECT_TRUE(subject.clips.empty());
     EXPECT_FALSE(subject.clip);
     EXPECT_TRUE(subject.pose(3));
@@ -105,7 +105,7 @@ TEST(PlacesInRow, areApartAndAroundTheOrigin) {
 
 TEST_F(SubjectTest, theBoxHoldsAllSubjects) {
     EXPECT_GT(boxOf({}).high.y, 1.5) << "an empty viewer shows the place of a person";
-    std::vector<Subject> row;
+    std::vector<ViewedSubject> row;
     row.push_back(load(tiny()));
     row.push_back(load(tiny()));
     row[0].asideM = -0.5, row[1].asideM = 0.5;
