@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# Finds the cameras of a scan that has none through the command line, with a program that plays COLMAP. The cameras of still pictures and
+# close-ups must come back as the player gave them, whatever its world, and pictures that nothing places must be named.
+# usage: cameras.sh DOPPEL WORKDIR
+set -euo pipefail
+doppel="$1" work="$2"
+tests="$(cd "$(dirname "$0")" && pwd)"
+rm -rf "$work" && mkdir -p "$work/bin"
+cd "$work"
+fail() { echo "FAILED: $1" >&2; tail -n 20 out.log >&2; exit 1; }
+"$doppel" sample -o scan --small --seed 5 2>sample.log
+cp "$tests/fake_colmap.py" bin/colmap
+cp -r scan blind
+python3 - <<'P'
+import json
+manifest = json.load(open("blind/scan.json"))
+for key in ("geometry", "truth", "camera_model", "distortion"):
+    manifest.pop(key)
+for frame in manifest["frames"]:
+    del frame["camera"]
+json.dump(manifest, open("blind/scan.json", "w"))
+P
+export FAKE_COLMAP_SCAN="$work/scan" PATH="$work/bin:$PATH"
+"$doppel" cameras blind -o out --truth scan >out.log 2>&1 || fail "exit $?"
+grep -q "found for 22 of 22 still pictures, 8 of 8 close-ups" out.log || fail "not all still pictures came back"
+# kind, frames, missing, median error of the eye in mm: COLMAP's world has another origin and scale, and neither may be left
+grep -qE "^still +22 +0 +0\.0[0-9] " out.log || fail "the cameras of still pictures are not those that were given"
+grep -qE "^close-up +8 +0 +0\.0[0-9] " out.log || fail "the cameras of close-ups are not those that were given"
+grep -q "too few matches with their neighbours; film that part again, slower" out.log || fail "pictures without a place are not named"
+echo "cameras.sh: 22 still and 8 close cameras came back"
