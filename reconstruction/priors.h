@@ -59,6 +59,10 @@ inline constexpr double kKeypointRefuse = 0.05;
  *  unit: diagonals of the picture | origin: round figure; 26 mm over the 43.3 mm of a 35 mm film | half, double: not measured; a start 14 %
  * too long ended at the right length */
 inline constexpr double kPhoneFocal = 0.6;
+/** Matches that agree beside a camera that is said to be near, below which all still pictures are searched too: posters repeat.
+ *  unit: matches | origin: dev; videos of scan-a, where wrong ones had 26 to 36 and right ones 175 to 679 | half, double: half would still
+ * tell them apart; double not measured */
+inline constexpr size_t kSureMatches = 100;
 /** Error of the focal length, as the keypoints of still pictures tell it, above which there is a warning.
  *  unit: ratio | origin: dev; they tell it to 1 % on three scans, to 5 % without close-ups | half, double: half warns of good scans
  * without close-ups; double warns only where the scan is refused */

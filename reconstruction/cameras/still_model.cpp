@@ -9,6 +9,7 @@
 #include <set>
 
 #include "reconstruction/cameras/rays.h"
+#include "reconstruction/priors.h"
 #include "sdk/core/percentile.h"
 
 namespace dpl {
@@ -20,9 +21,6 @@ constexpr size_t kNearest = 5;            // and, once its camera is roughly kno
 constexpr double kRansacPx = 4;
 constexpr int kRansacRounds = 2000;
 constexpr size_t kFewestForRansac = 8;
-// Fewer that agree beside a camera that was said to be near may be a repeated poster. On scan-a wrong ones had 26 to 36, right ones mostly
-// 200 to 700.
-constexpr size_t kSureInliers = 100;
 
 Vec3d forward(const Camerad& camera) {
     return glm::transpose(camera.viewFromWorldRotation) * Vec3d(0, 0, 1);
@@ -231,7 +229,7 @@ std::optional<PlacedCamera> placePicture(const Features& features, const Camerad
     };
     std::optional<PlacedCamera> placed;
     if (near) placed = placeWith(nearestTo(*near, tracks.scene.cameras, kNearest));
-    if (placed && placed->inliers >= kSureInliers) return placed;
+    if (placed && placed->inliers >= priors::kSureMatches) return placed;
     std::vector<size_t> with;
     for (size_t i = 0; i < anchors; ++i) with.push_back(i * stills / anchors);
     auto wide = placeWith(with);
