@@ -21,7 +21,8 @@ struct EdgeBlur {
 std::vector<EdgeBlur> edgeBlurs(const ImageRgb8& image, const ImageGrey8& mask);
 
 /** Blur of a picture with these edges; nullopt with fewer than 40. Steps are told exactly, but thin lines look sharper than they are and
- * soft shading looks blurred. The upper quartile is right within 0.5 px for blurs of 2 to 4 px on real textures; without blur it is 0 to 1.
+ * soft shading looks blurred. The upper quartile is right within 0.7 px for blurs of 2 to 4 px on real textures; without blur it is 0 to
+ * 0.9.
  */
 std::optional<float> blurOf(std::vector<float> sigmasPx);
 
