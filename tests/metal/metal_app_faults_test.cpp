@@ -128,7 +128,8 @@ TEST_F(MetalAppFaults, submitDrawsOverTexturesInTheOrderOfEvents) {
     open(DPL_FILL_QUADS, {.looks = 1000});
     const DplCamera view = camera();
     const uint32_t into = composer(kFormat), withDepth = composer(kFormat, 0, PixelFormat::Depth32Float);
-    const TextureRef colour = texture(kFormat), floats = texture(PixelFormat::RGBA16Float);
+    const TextureRef colour = texture(kFormat), floats = texture(PixelFormat::RGBA16Float),
+                     readOnly = texture(kFormat, 0, 1, kWidth, kUsageShaderRead);
     EventRef drawn = app_->newSharedEvent(), done = app_->newSharedEvent();
     CommandsRef scene = app_->commandBuffer();
     end(begin(scene, {.colour = colour}));
@@ -156,6 +157,8 @@ TEST_F(MetalAppFaults, submitDrawsOverTexturesInTheOrderOfEvents) {
     refused(
         into, [&](auto& h) { h.textures[0] = floats.object; }, DPL_ERROR_INVALID_ARGUMENT, "does not fit");
     refused(
+        into, [&](auto& h) { h.textures[0] = readOnly.object; }, DPL_ERROR_INVALID_ARGUMENT, "usage 1");
+    refused(
         into, [&](auto& h) { h.textures[0] = nullptr; }, DPL_ERROR_INVALID_ARGUMENT, "NULL");
     refused(
         into, [&](auto& h) { h.textureCount = 2, h.textures[1] = colour.object; }, DPL_ERROR_INVALID_ARGUMENT, "2 textures");
@@ -170,31 +173,67 @@ TEST_F(MetalAppFaults, submitDrawsOverTexturesInTheOrderOfEvents) {
     app_->release(drawn), app_->release(done);
 }
 
-TEST_F(MetalAppFaults, framesCarryALoad) {
+class MetalLoads : public MetalAppFaults {
+protected:
+    /** Loads the same file again while frames go on, and compares its picture. refused: of each five command buffers, this many
+     *  are, so that each slot is refused at times. */
+    void loadWithFrames(uint32_t refused) {
+        open();
+        const auto bytes = tubeFile();
+        DplLoad load = nullptr;
+        DplLoadInfo info{};
+        info.structSize = sizeof info, info.data = bytes.data(), info.size = bytes.size();
+        ASSERT_EQ(dplStartLoad(context_, &info, &load), DPL_OK) << dplGetLastError();
+        DplLoadStatus status{};
+        status.structSize = sizeof status;
+        uint32_t frames = 0, lost = 0, seen = 0;
+        do {
+            const CommandsRef commands = app_->commandBuffer();
+            const uint32_t slot = frames % DPL_METAL_SLOTS;
+            DplResult uploaded = dplMetalUpload(context_, commands.object, slot);
+            if (uploaded == DPL_ERROR_DEVICE && seen < lost) ++seen, uploaded = dplMetalUpload(context_, commands.object, slot);
+            ASSERT_EQ(uploaded, DPL_OK) << dplGetLastError();
+            if (frames % 5 < refused) ++lost, device_->failNext(CommandError::NotPermitted, "Insufficient Permission");
+            commit(commands);
+            device_->finish();
+            ASSERT_EQ(dplGetLoadStatus(load, &status), DPL_OK);
+        } while (status.state < DPL_LOAD_READY && ++frames < 100000);
+        ASSERT_EQ(status.state, DPL_LOAD_READY);
+        DplAvatar second = nullptr;
+        ASSERT_EQ(dplFinishLoad(load, &second), DPL_OK) << dplGetLastError();
+        std::swap(avatar_, second);
+        const DplCamera view = camera();
+        const Picture loaded = pictureOf(view);
+        std::swap(avatar_, second);
+        EXPECT_TRUE(loaded.rgba == pictureOf(view).rgba) << "the same file";
+        EXPECT_EQ(dplDestroyAvatar(second), DPL_OK);
+    }
+};
+
+TEST_F(MetalLoads, framesCarryALoad) {
+    loadWithFrames(0);
+}
+
+TEST_F(MetalLoads, anAppInTheBackgroundWhileItLoadsLosesNothingOfTheLoad) {
+    loadWithFrames(2);
+}
+
+TEST_F(MetalLoads, aLoadAtOnceThatIsRefusedInTheBackgroundMayBeTriedAgain) {
     open();
     const auto bytes = tubeFile();
-    DplLoad load = nullptr;
-    DplLoadInfo info{};
-    info.structSize = sizeof info, info.data = bytes.data(), info.size = bytes.size();
-    ASSERT_EQ(dplStartLoad(context_, &info, &load), DPL_OK) << dplGetLastError();
-    DplLoadStatus status{};
-    status.structSize = sizeof status;
-    uint32_t frames = 0;
-    do {
-        const CommandsRef commands = app_->commandBuffer();
-        ASSERT_EQ(dplMetalUpload(context_, commands.object, frames % DPL_METAL_SLOTS), DPL_OK) << dplGetLastError();
-        commit(commands);
-        device_->finish();
-        ASSERT_EQ(dplGetLoadStatus(load, &status), DPL_OK);
-    } while (status.state < DPL_LOAD_READY && ++frames < 100000);
-    ASSERT_EQ(status.state, DPL_LOAD_READY);
+    const size_t before = device_->alive().size();
     DplAvatar second = nullptr;
-    ASSERT_EQ(dplFinishLoad(load, &second), DPL_OK) << dplGetLastError();
+    device_->failNext(CommandError::NotPermitted, "Insufficient Permission");
+    EXPECT_EQ(dplLoadAvatar(context_, bytes.data(), bytes.size(), &second), DPL_ERROR_DEVICE);
+    EXPECT_TRUE(errorSays("background")) << dplGetLastError();
+    EXPECT_EQ(second, nullptr);
+    EXPECT_EQ(device_->alive().size(), before) << "nothing of the avatar is left";
+    ASSERT_EQ(dplLoadAvatar(context_, bytes.data(), bytes.size(), &second), DPL_OK) << dplGetLastError();
     std::swap(avatar_, second);
     const DplCamera view = camera();
     const Picture loaded = pictureOf(view);
     std::swap(avatar_, second);
-    EXPECT_TRUE(loaded.rgba == pictureOf(view).rgba) << "the same file";
+    EXPECT_TRUE(loaded.rgba == pictureOf(view).rgba);
     EXPECT_EQ(dplDestroyAvatar(second), DPL_OK);
 }
 

@@ -271,6 +271,29 @@ TEST(MetalHost, failedCommandsOfASlotCostAFrameOrTheDevice) {
     }
 }
 
+TEST(MetalHost, commandsThatRunBehindRefusedOnesDoNotFinishTheirCopies) {
+    Bench b;
+    b.record.runsAtOnce = false;
+    const BufferId staging = b.buffer("staging", 64, BufferMemory::Upload), loaded = b.buffer("loaded", 64);
+    const uint64_t copy = *b.backend->queueCopy(staging, 0, loaded, 0, 64);
+    AppCommandsOf refused(b.record), later(b.record);
+    ASSERT_TRUE(b.backend->takeSlot(0));
+    ASSERT_TRUE(b.backend->encodeCopies(0, refused, true));
+    ASSERT_TRUE(b.backend->takeSlot(1));
+    ASSERT_TRUE(b.backend->encodeCopies(1, later, true));
+    RecordingSeam::failWith(refused.commands.object, CommandError::NotPermitted);
+    later.run();
+    EXPECT_FALSE(*b.backend->hasRun(copy));
+    EXPECT_FALSE(b.backend->takeSlot(0)) << "tells of the refusal";
+    EXPECT_FALSE(*b.backend->hasRun(copy)) << "a later frame carries it";
+    AppCommandsOf again(b.record);
+    ASSERT_TRUE(b.backend->takeSlot(0));
+    ASSERT_TRUE(b.backend->encodeCopies(0, again, true));
+    EXPECT_FALSE(*b.backend->hasRun(copy));
+    again.run();
+    EXPECT_TRUE(*b.backend->hasRun(copy));
+}
+
 TEST(MetalHost, destroyedObjectsLiveUntilEverySlotHasComeRound) {
     Bench b;
     b.record.runsAtOnce = false;

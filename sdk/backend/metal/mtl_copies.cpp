@@ -57,7 +57,8 @@ Result<bool> MetalBackend::hasRun(uint64_t number) {
     DPL_CHECK_OK(submitNextCopy());
     const Copies::Copy* copy = copies_.find(number);
     if (!copy) return true;
-    return lent_ && copy->running && awaited_[copy->slot] != 0 && seam_->signaledValue(marks_) >= awaited_[copy->slot];
+    // Not by the mark: when the GPU refuses a command buffer, the ones behind it still run, and their marks are greater.
+    return lent_ && copy->running && slotCommands_[copy->slot] && seam_->status(slotCommands_[copy->slot]) == CommandStatus::Completed;
 }
 
 Status MetalBackend::encodeCopies(uint32_t slot, AppCommands commands, bool endsSlot) {
