@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/conformance/kit_draw.h"
 
-#include <doppel/doppel.hpp>
 #include <nlohmann/json.hpp>
 
 #include "reconstruction/image/image_codec.h"
@@ -12,6 +11,10 @@ namespace dpl {
 namespace {
 
 namespace fs = std::filesystem;
+
+Error sdk(const doppel::Error& error) {
+    return fail(error.code == DPL_ERROR_UNSUPPORTED ? Code::Unsupported : Code::Internal, "{}", error.message);
+}
 
 constexpr uint64_t kMaxJsonBytes = 1 << 22, kMaxAvatarBytes = 1 << 26;
 
@@ -53,17 +56,18 @@ Result<std::vector<KitCase>> readKit(const fs::path& folder) {
 }
 
 Result<std::string> drawKit(const fs::path& kit, const fs::path& pictures, DplRenderer renderer, DplFill fill) {
-    const auto sdk = [](const doppel::Error& error) {
-        return fail(error.code == DPL_ERROR_UNSUPPORTED ? Code::Unsupported : Code::Internal, "{}", error.message);
-    };
-    DPL_TRY(const auto cases, readKit(kit));
     auto context = doppel::Context::create(renderer, 0, 0, fill);
     if (!context) return sdk(context.error());
+    return drawKit(kit, pictures, *context);
+}
+
+Result<std::string> drawKit(const fs::path& kit, const fs::path& pictures, doppel::Context& context) {
+    DPL_TRY(const auto cases, readKit(kit));
     std::error_code ignored;
     fs::create_directories(pictures, ignored);
     for (const KitCase& c : cases) {
         DPL_TRY(const auto bytes, readFile(kit / c.avatarFile, kMaxAvatarBytes));
-        auto avatar = context->loadAvatar(bytes);
+        auto avatar = context.loadAvatar(bytes);
         if (!avatar) return sdk(avatar.error());
         if (auto set = avatar->setPose(c.rotations, {&c.rootTranslation.x, 3}); !set) return sdk(set.error());
         std::vector<DplCamera> cameras;
@@ -86,7 +90,7 @@ Result<std::string> drawKit(const fs::path& kit, const fs::path& pictures, DplRe
             DPL_CHECK_OK(writeFileAtomically(pictures / c.views[v].picture, png));
         }
     }
-    return context->rendererName();
+    return context.rendererName();
 }
 
 }  // namespace dpl

@@ -3,7 +3,7 @@
 // (tools/prove-aarch64, tools/prove-windows).
 #pragma once
 
-#include <doppel/doppel.h>
+#include <doppel/doppel.hpp>
 
 #include <filesystem>
 #include <string>
@@ -34,8 +34,10 @@ struct KitCase {
 /** Reads kit.json. Errors name the file. */
 Result<std::vector<KitCase>> readKit(const std::filesystem::path& folder);
 
-/** Draws every view with one of Doppel's renderers into `pictures`/NAME.png, premultiplied RGBA, 8 bits. Returns the renderer's name.
- *  Unsupported: this machine cannot run the renderer. */
+/** Draws every view into `pictures`/NAME.png, premultiplied RGBA, 8 bits. Returns the renderer's name. */
+Result<std::string> drawKit(const std::filesystem::path& kit, const std::filesystem::path& pictures, doppel::Context& context);
+
+/** The same with one of Doppel's renderers. Unsupported: this machine cannot run it. */
 Result<std::string> drawKit(const std::filesystem::path& kit, const std::filesystem::path& pictures, DplRenderer renderer,
                             DplFill fill = DPL_FILL_AUTO);
 

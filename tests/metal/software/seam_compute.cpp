@@ -80,7 +80,7 @@ void SoftSeam::encodeDispatch(void* encoder, Size groups, SoftBuffer* args, uint
                              std::to_string(threads.z) + " threads, and was written for " + std::to_string(entry.threads.x) + " x " +
                              std::to_string(entry.threads.y) + " x " + std::to_string(entry.threads.z));
     const auto found = std::make_shared<Ready>(ready(*e, 0, entry));
-    if (!found->fine) return;
+    if (!found->fine || state_->options.work == SoftwareWork::NoShaders) return;
     SoftCommands* c = e->commands;
     if (args) state_->pin(*c, args);
     c->work.push_back([this, c, found, args, offset, groups, &entry, running = e->running, what = e->place()] {

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Buffers, textures, pipelines and events of the software device.
+#include "tests/metal/software/idle_seam.h"
 #include "tests/metal/software/seam.h"
 #include "tools/shaderpack/msl.h"
 
 namespace dpl::mtl {
 
 std::unique_ptr<Seam> seamOn(std::shared_ptr<DeviceState> state) {
+    if (state->options.work == SoftwareWork::Nothing) return idleSeam();
     return std::make_unique<SoftSeam>(std::move(state));
 }
 

@@ -174,7 +174,7 @@ void SoftSeam::encodeDraw(void* encoder, PrimitiveType type, uint32_t vertices, 
     const msl::Entry &vertex = *e->render->vertex, &fragment = *e->render->fragment;
     const auto forVertex = std::make_shared<Ready>(ready(*e, 0, vertex));
     const auto forFragment = std::make_shared<Ready>(ready(*e, 1, fragment));
-    if (!fits(*e) || !forVertex->fine || !forFragment->fine) return;
+    if (!fits(*e) || !forVertex->fine || !forFragment->fine || state_->options.work == SoftwareWork::NoShaders) return;
     Draw d;
     d.vertex = &vertex, d.fragment = &fragment;
     d.vertexBindings = forVertex->bindings, d.fragmentBindings = forFragment->bindings;

@@ -14,12 +14,20 @@
 
 namespace dpl::mtl {
 
+/** What the device does with calls. */
+enum class SoftwareWork {
+    All,
+    NoShaders,  // everything but dispatches and draws, which are checked when they are encoded
+    Nothing,    // idle_seam.h
+};
+
 struct SoftwareOptions {
     bool layered = true;  // MTLGPUFamilyApple5: layered rendering
     bool msaa32 = true;   // supports32BitMSAA
     bool fourSamples = true;
     uint32_t looks = 1;  // at a status or event before one more command buffer runs; 0: they run when they are committed
     int laneOrder = 0;   // of threads in a threadgroup and of threadgroups: 0 forward, 1 backward, 2 shuffled
+    SoftwareWork work = SoftwareWork::All;
 };
 
 class SoftwareDevice {

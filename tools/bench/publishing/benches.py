@@ -27,7 +27,7 @@ def at_least(value):
 def program_folder(target):
     """The folder of a program, in the source tree and in a build tree alike."""
     return {"doppel": "apps/doppel", "libdoppel.so": "sdk/api", "bench_frames": "tools/bench/frames", "bench_ways": "tests/unit/interop",
-            "visibility_governor_test": "tests/unit/visibility"}.get(target, "tools/bench")
+            "visibility_governor_test": "tests/unit/visibility", "bench_host": "tests/metal", "avatar_tracker_test": "tests/unit/avatar"}.get(target, "tools/bench")
 
 
 @dataclasses.dataclass
@@ -182,6 +182,29 @@ INSIDE_BARS = {"thread_ms": at_most(0.2), "allocations": at_most(0), "pixel_byte
 def take_ways(place):
     rows = place.json_lines("ways", [place.program("bench_ways"), place.avatar(), 60])
     return [{**row, "bars": INSIDE_BARS if row["pixel_bytes"] == 0 else {}} for row in rows]
+
+
+HOST_BARS = {"thread_ms": at_most(0.2), "allocations": at_most(0)}
+
+
+def take_host(place):
+    """Commands that go nowhere leave Doppel's own code alone, which the bars are for."""
+    rows = place.json_lines("host", [place.program("bench_host"), place.avatar(), 200])
+    return [{**row, "bars": {**(HOST_BARS if row["commands_to"] == "nowhere" else {}),
+                             **({"psnr_db": at_least(50)} if row["psnr_db"] is not None else {})}} for row in rows]
+
+
+DELAY = re.compile(r"elbow at 60 Hz, (.+?) +lags by +(-?[\d.]+) frames; group delay of the filter ([\d.]+) frames")
+
+
+def take_delay(place):
+    """How late the elbow of a tracked person is shown; the test prints it, and fails where a figure leaves its range."""
+    out = place.run("delay", [place.program("avatar_tracker_test"), "--gtest_filter=*delayOfTheFilter*"])
+    rows = [{"stream": stream, "frames": float(frames), "filter_frames": float(of_filter), "bars": {}}
+            for stream, frames, of_filter in DELAY.findall(out)]
+    if not rows:
+        raise BenchError("avatar_tracker_test printed no line that begins with 'elbow at 60 Hz'")
+    return rows
 
 
 def take_load_frames(place):
@@ -386,6 +409,10 @@ BENCHES = [
           ("libdoppel.so",), take_library),
     Bench("ways", "quick", 1, "what each way into a Vulkan program's image costs",
           "build/release/tests/unit/interop/bench_ways demo/avatar/avatar.glb 60", ("bench_ways",), take_ways),
+    Bench("host", "quick", 3, "what a frame costs the calling thread before the GPU gets it, through Metal and Vulkan",
+          "build/release/tests/metal/bench_host demo/avatar/avatar.glb 200", ("bench_host",), take_host),
+    Bench("delay", "quick", 0.1, "how late a tracked person is shown",
+          "build/release/tests/unit/avatar/avatar_tracker_test --gtest_filter='*delayOfTheFilter*'", ("avatar_tracker_test",), take_delay),
     Bench("load-frames", "quick", 0.5, "the longest frame while 500,000 splats load", "build/release/tools/bench/bench_load_frames 500000",
           ("bench_load_frames",), take_load_frames),
     Bench("steady", "quick", 0.1, "frames until a frame budget holds, on simulated devices",
