@@ -23,7 +23,7 @@
  *
  * Versions. A program runs with every later library of the same major version, without being built again: functions, numbers of enums and
  * fields of structs stay and keep their meaning. What a later minor version adds is new functions, new numbers that a program must ask for,
- * and new fields at the end of structs. Exempt is what is marked DPL_EXPERIMENTAL. Full rules: docs/reference/abi.md.
+ * and new fields at the end of structs. Exempt is what is marked DPL_EXPERIMENTAL: nothing now. Full rules: docs/reference/abi.md.
  *
  * Struct sizes. Structs begin with structSize: set it to sizeof the struct, and the rest to zero before you fill it. The library reads and
  * writes no byte beyond it. Zero in a field keeps the behaviour of the version before the field. A size below that of the struct's first
@@ -124,7 +124,7 @@ typedef enum DplRenderer {
     DPL_RENDERER_AUTO = 0,     /**< a GPU if there is one, else the CPU; never a GPU that is emulated on the CPU */
     DPL_RENDERER_SOFTWARE = 1, /**< the CPU */
     DPL_RENDERER_VULKAN = 2,   /**< Vulkan 1.1 on any device, also an emulated one; DPL_ERROR_UNSUPPORTED if there is none */
-    DPL_RENDERER_METAL = 3,    /**< Metal, on the device of the system; DPL_ERROR_UNSUPPORTED if there is none. Experimental */
+    DPL_RENDERER_METAL = 3,    /**< Metal, on the device of the system; DPL_ERROR_UNSUPPORTED if there is none */
     DPL_RENDERER_FORCE_INT32 = 0x7fffffff
 } DplRenderer;
 
@@ -327,7 +327,7 @@ typedef struct DplCaptureDetail {
 
 /** How finely the scan that an avatar was made from shows it. Files that `doppel reconstruct` writes know it; for others all is 0.
  *  joint: 0 to jointCount - 1, else DPL_ERROR_NOT_FOUND. */
-DPL_EXPERIMENTAL DplResult dplGetCaptureDetail(DplAvatar avatar, uint32_t joint, DplCaptureDetail* detail);
+DPL_API DplResult dplGetCaptureDetail(DplAvatar avatar, uint32_t joint, DplCaptureDetail* detail);
 
 /** The nearest distance, metres, from which a detail that the scan's pictures just show is drawn over `magnification` pixels: nearer, the
  *  avatar only grows larger. A viewer may keep its camera at least so far from `point`.
@@ -335,8 +335,8 @@ DPL_EXPERIMENTAL DplResult dplGetCaptureDetail(DplAvatar avatar, uint32_t joint,
  *  eye: where the camera is; only its direction from the point counts. focalPx: focal length in pixels of the picture.
  *  *distanceM is 0 when the file has no capture map, and for general splats.
  *  DPL_ERROR_INVALID_ARGUMENT: numbers that are not finite, focalPx or magnification not above 0, or NULL. */
-DPL_EXPERIMENTAL DplResult dplGetNearestDistance(DplAvatar avatar, const float* point, const float* eye, float focalPx, float magnification,
-                                                 float* distanceM);
+DPL_API DplResult dplGetNearestDistance(DplAvatar avatar, const float* point, const float* eye, float focalPx, float magnification,
+                                        float* distanceM);
 
 /** Turns joints of the current pose back towards their mean in training, until no distance of dplGetPoseTrust exceeds `limit`, or as far as
  *  the mean. Other joints and the root stay. 4 keeps nearly all of what was seen and stops what never was.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 /* Draws avatars inside a Metal program's own frames: on its device, in its command buffers, into its textures. No pixel is copied to the
- * CPU. For iOS 16, macOS 13 and visionOS 2 and later. Include it beside doppel.h; C99, C++, Objective-C and Swift. Experimental: it may
- * change in a minor version.
+ * CPU. For iOS 16, macOS 13 and visionOS 2 and later. Include it beside doppel.h; C99, C++, Objective-C and Swift. No
+ * Apple device has run it yet.
  * The sibling for Vulkan, with the same ideas and names, is doppel_vulkan.h.
  *
  *   DplMetalDevice mine = {sizeof mine, 0, device, queue};
@@ -85,7 +85,7 @@ typedef struct DplMetalDevice {
  * threads. dplRender and dplDraw work on it too.
  * DPL_ERROR_INVALID_ARGUMENT: an object is NULL, or the queue belongs to another device. DPL_ERROR_UNSUPPORTED: a GPU older than
  * MTLGPUFamilyApple4 (A11) and MTLGPUFamilyMac2, or a build without Metal. */
-DPL_EXPERIMENTAL DplResult dplCreateMetalContext(const DplMetalDevice* device, const DplContextInfo* info, DplContext* context);
+DPL_API DplResult dplCreateMetalContext(const DplMetalDevice* device, const DplContextInfo* info, DplContext* context);
 
 /** Replaces a device after DPL_ERROR_DEVICE. Avatars, poses, detail and frame budget stay, from a copy that the context keeps. Slots are
  * empty, and composers are gone: make them again. After an error all is as before, and the call can be repeated. device: of a context made
@@ -93,7 +93,7 @@ DPL_EXPERIMENTAL DplResult dplCreateMetalContext(const DplMetalDevice* device, c
  * NULL: of a context made with dplCreateContext that draws by Metal. Uploads all avatars with command buffers of its own, and waits for
  * them. Other threads wait meanwhile. DPL_ERROR_INVALID_ARGUMENT: the other kind of context, or one that draws otherwise. Other errors as
  * dplCreateMetalContext and dplCreateContext. */
-DPL_EXPERIMENTAL DplResult dplRebuildMetal(DplContext context, const DplMetalDevice* device);
+DPL_API DplResult dplRebuildMetal(DplContext context, const DplMetalDevice* device);
 
 /** The render pass in which a composer draws. Doppel draws into colour attachment 0; the pass has no other, and no rasterisation rate map.
  *
@@ -115,10 +115,10 @@ typedef struct DplMetalPass {
  * make composers before the first prepare. *composer: a number for dplMetalCompose. It lives until dplDestroyMetalComposer,
  * dplRebuildMetal or as long as the context. DPL_ERROR_UNSUPPORTED: another format or sample count, layers on a GPU older than
  * MTLGPUFamilyApple5 (A12), or a context that is not on the program's device; the text says which. */
-DPL_EXPERIMENTAL DplResult dplCreateMetalComposer(DplContext context, const DplMetalPass* pass, uint32_t* composer);
+DPL_API DplResult dplCreateMetalComposer(DplContext context, const DplMetalPass* pass, uint32_t* composer);
 
 /** Commands that use it may still run; see "Slots". DPL_ERROR_NOT_FOUND: no such composer. */
-DPL_EXPERIMENTAL DplResult dplDestroyMetalComposer(DplContext context, uint32_t composer);
+DPL_API DplResult dplDestroyMetalComposer(DplContext context, uint32_t composer);
 
 /** Depth that the program has drawn behind one view. A splat adds nothing to a pixel if it lies behind. Pixels outside the texture have no
  *  scene. With four samples a pixel, the farthest counts.
@@ -146,17 +146,16 @@ typedef struct DplMetalSceneDepth {
  * dplMetalDropSlot), NULL commands, a context that is not on the program's device, or a depth that says nothing (offset 0, not finite, no
  * texture) or cannot be read (usage, memoryless, no depth format). After an error the program may commit or drop the command buffer, and
  * composes nothing of what was to be prepared. DPL_ERROR_DEVICE: see "Errors of the GPU". */
-DPL_EXPERIMENTAL DplResult dplMetalPrepare(DplContext context, DPL_METAL_OBJECT(MTLCommandBuffer) commands, uint32_t slot,
-                                           const DplAvatar* avatars, uint32_t avatarCount, const DplCamera* views, uint32_t viewCount,
-                                           const DplMetalSceneDepth* depths);
+DPL_API DplResult dplMetalPrepare(DplContext context, DPL_METAL_OBJECT(MTLCommandBuffer) commands, uint32_t slot, const DplAvatar* avatars,
+                                  uint32_t avatarCount, const DplCamera* views, uint32_t viewCount, const DplMetalSceneDepth* depths);
 
 /** Prepares no picture, and encodes what loads have to upload (see "Loads"): instead of dplMetalPrepare, in frames without avatars.
  *  commands and slot: as there. */
-DPL_EXPERIMENTAL DplResult dplMetalUpload(DplContext context, DPL_METAL_OBJECT(MTLCommandBuffer) commands, uint32_t slot);
+DPL_API DplResult dplMetalUpload(DplContext context, DPL_METAL_OBJECT(MTLCommandBuffer) commands, uint32_t slot);
 
 /** Says that the commands encoded with the slot have run or will never run, for example because their command buffer was not committed.
  *  Needed before the next prepare with the slot only if they never ran. DPL_ERROR_INVALID_ARGUMENT: no such slot. */
-DPL_EXPERIMENTAL DplResult dplMetalDropSlot(DplContext context, uint32_t slot);
+DPL_API DplResult dplMetalDropSlot(DplContext context, uint32_t slot);
 
 /** Composes the picture of a view over the colour attachment; where the picture is empty, the attachment keeps its bits.
  *  encoder: of the composer's pass. Its command buffer may be another one than that of prepare if it is committed later to the same queue.
@@ -165,8 +164,8 @@ DPL_EXPERIMENTAL DplResult dplMetalDropSlot(DplContext context, uint32_t slot);
  *  Changes pipeline, viewport, depth stencil state, cull mode, fill mode, depth bias, vertex amplification, buffers 24 and 29 of the vertex
  *  stage and buffers 1, 2, 4, 24 and 29 and textures 0 and 3 of the fragment stage.
  *  DPL_ERROR_INVALID_ARGUMENT: the slot was not prepared with that many views. DPL_ERROR_NOT_FOUND: no such composer. */
-DPL_EXPERIMENTAL DplResult dplMetalCompose(DplContext context, uint32_t composer, DPL_METAL_OBJECT(MTLRenderCommandEncoder) encoder,
-                                           uint32_t slot, uint32_t view, int32_t x, int32_t y);
+DPL_API DplResult dplMetalCompose(DplContext context, uint32_t composer, DPL_METAL_OBJECT(MTLRenderCommandEncoder) encoder, uint32_t slot,
+                                  uint32_t view, int32_t x, int32_t y);
 
 /** Writes the depth of the picture of a view into the depth attachment of the pass. A pixel of the picture writes where its alpha is at
  *  least DPL_METAL_DEPTH_COVERAGE and its depth is nearer than what is stored; elsewhere, the attachment keeps its bits. All samples of a
@@ -181,8 +180,8 @@ DPL_EXPERIMENTAL DplResult dplMetalCompose(DplContext context, uint32_t composer
  *  greater is nearer (reversed). Stored depth is clamped to 0 ... 1. Other arguments, changed state and errors as dplMetalCompose.
  *  DPL_ERROR_INVALID_ARGUMENT also: a composer without writesDepth, one that was made after the slot was prepared, or scale and offset that
  *  say nothing (offset 0, not finite). */
-DPL_EXPERIMENTAL DplResult dplMetalComposeDepth(DplContext context, uint32_t composer, DPL_METAL_OBJECT(MTLRenderCommandEncoder) encoder,
-                                                uint32_t slot, uint32_t view, int32_t x, int32_t y, float scale, float offset);
+DPL_API DplResult dplMetalComposeDepth(DplContext context, uint32_t composer, DPL_METAL_OBJECT(MTLRenderCommandEncoder) encoder,
+                                       uint32_t slot, uint32_t view, int32_t x, int32_t y, float scale, float offset);
 
 /* Prepare, compose and commit in one call, for programs that hand Doppel textures rather than command buffers. Both forms may be used by
  * one context, with different slots. */
@@ -207,9 +206,9 @@ typedef struct DplMetalSubmission {
  *  unless it is in flight.
  *  DPL_ERROR_INVALID_ARGUMENT also: a texture of another type, format, size or number of samples. DPL_ERROR_NOT_FOUND: no such composer.
  *  Other errors as dplMetalPrepare. */
-DPL_EXPERIMENTAL DplResult dplMetalSubmit(DplContext context, uint32_t composer, uint32_t slot, const DplAvatar* avatars,
-                                          uint32_t avatarCount, const DplCamera* views, uint32_t viewCount,
-                                          const DplMetalSceneDepth* depths, const DplMetalSubmission* how);
+DPL_API DplResult dplMetalSubmit(DplContext context, uint32_t composer, uint32_t slot, const DplAvatar* avatars, uint32_t avatarCount,
+                                 const DplCamera* views, uint32_t viewCount, const DplMetalSceneDepth* depths,
+                                 const DplMetalSubmission* how);
 
 #ifdef __cplusplus
 }
