@@ -4,8 +4,8 @@
 
     tools/strip_scan.py SCAN FOLDER FIELD...
 
-FIELD: what frames lose: camera, mask, labels, keypoints. The truth and its surfaces are left out always. FOLDER must not exist; it links
-the files of SCAN.
+FIELD: what frames lose: camera, mask, labels, keypoints. Held-out frames keep their masks, so that every run is scored on the same pixels.
+The truth and its surfaces are left out always. FOLDER must not exist; it links the files of SCAN.
 """
 import json
 import os
@@ -20,7 +20,8 @@ def strip_scan(scan, folder, fields, keep=lambda frame: True, more=None):
     manifest = json.loads((scan / "scan.json").read_text(encoding="utf-8"))
     for key in ("geometry", "truth", *(OF_ALL_CAMERAS if "camera" in fields else ())):
         manifest.pop(key, None)
-    manifest["frames"] = [{key: value for key, value in frame.items() if key not in fields} for frame in manifest["frames"] if keep(frame)]
+    stays = lambda frame, key: key not in fields or (key == "mask" and frame.get("split") == "test")
+    manifest["frames"] = [{key: value for key, value in frame.items() if stays(frame, key)} for frame in manifest["frames"] if keep(frame)]
     manifest.update(more or {})
     folder.mkdir(parents=True)
     for name in ("images", "masks", "labels", "keypoints"):
