@@ -11,6 +11,7 @@
 #include "reconstruction/capture/person_detector.h"
 #include "reconstruction/capture/pose_crop.h"
 #include "reconstruction/capture/refine_matte.h"
+#include "reconstruction/priors.h"
 
 namespace dpl {
 namespace {
@@ -69,6 +70,25 @@ struct Pose {
     PersonCrop next;  // what the landmarks say that the crop should have been
 };
 
+/** How the pose network looks at a person once more: at a crop that is changed a little, whose errors differ. */
+struct Look {
+    double scale, turnRad;
+    Vec2d shift;  // of the crop's side
+    bool mirrored;
+};
+constexpr Look kLooks[] = {{1, 0, {0, 0}, true}, {0.9, 0.1, {0.008, 0.005}, false}, {0.9, -0.1, {-0.008, 0.005}, true}};
+
+/** The landmark that a mirrored picture shows in place of landmark k: BlazePose numbers eyes by threes, all others left, right. */
+size_t mirroredLandmark(size_t k) {
+    if (k == 0 || k >= 33) return k;
+    if (k <= 6) return k <= 3 ? k + 3 : k - 3;
+    return k % 2 == 1 ? k + 1 : k - 1;
+}
+
+void mirrorRows(std::vector<float>& planes, int side) {
+    for (auto row = planes.begin(); row != planes.end(); row += side) std::reverse(row, row + side);
+}
+
 /** Landmarks lie inside the body: there is room beyond them for crown, hands and toes. */
 PersonBox boxOf(const Pose& pose) {
     PersonBox box{Vec2d(1e30), Vec2d(-1e30)};
@@ -83,26 +103,36 @@ struct Observer::State {
     OnnxNet pose;
     std::optional<OnnxNet> parser, detector;
 
+    /** The pose in one crop, which the network sees mirrored if told so. */
+    Result<Pose> lookAt(const ImageRgb8& image, const PersonCrop& crop, bool mirrored) {
+        std::vector<float> input = cropToTensor(image, crop, kPoseSide, {0, 0, 0}, {1, 1, 1});
+        if (mirrored) mirrorRows(input, kPoseSide);
+        DPL_TRY(const auto outputs, pose.run(input, kPoseSide));
+        const Tensor *points = nullptr, *flag = nullptr, *segmentation = nullptr;
+        for (const Tensor& t : outputs) {
+            if (t.name.find("ld_3d") != std::string::npos && t.data.size() == 195) points = &t;
+            if (t.name.find("poseflag") != std::string::npos && t.data.size() == 1) flag = &t;
+            if (t.name.find("segmentation") != std::string::npos && t.data.size() == size_t(kPoseSide) * kPoseSide) segmentation = &t;
+        }
+        if (!points || !flag || !segmentation)
+            return fail(Code::Unsupported, "the pose network has other outputs than BlazePose; use blazepose_full.onnx");
+        Pose found;
+        found.crop = found.next = crop;
+        found.score = std::clamp(double(flag->data[0]), 0.0, 1.0);
+        found.segmentation = segmentation->data;
+        for (size_t k = 0; k < 39; ++k) {
+            const float* v = points->data.data() + 5 * (mirrored ? mirroredLandmark(k) : k);
+            found.landmarks[k] = cropToPicture(crop, {mirrored ? kPoseSide - v[0] : v[0], v[1]}, kPoseSide);
+            found.confidence[k] = sigmoid(v[3]) * sigmoid(v[4]);
+        }
+        if (mirrored) mirrorRows(found.segmentation, kPoseSide);
+        return found;
+    }
+
     Result<Pose> findPose(const ImageRgb8& image, PersonCrop crop, int rounds) {
         Pose found;
         for (int round = 0; round < rounds; ++round) {
-            DPL_TRY(const auto outputs, pose.run(cropToTensor(image, crop, kPoseSide, {0, 0, 0}, {1, 1, 1}), kPoseSide));
-            const Tensor *points = nullptr, *flag = nullptr, *segmentation = nullptr;
-            for (const Tensor& t : outputs) {
-                if (t.name.find("ld_3d") != std::string::npos && t.data.size() == 195) points = &t;
-                if (t.name.find("poseflag") != std::string::npos && t.data.size() == 1) flag = &t;
-                if (t.name.find("segmentation") != std::string::npos && t.data.size() == size_t(kPoseSide) * kPoseSide) segmentation = &t;
-            }
-            if (!points || !flag || !segmentation)
-                return fail(Code::Unsupported, "the pose network has other outputs than BlazePose; use blazepose_full.onnx");
-            found.crop = crop;
-            found.score = std::clamp(double(flag->data[0]), 0.0, 1.0);
-            found.segmentation = segmentation->data;
-            for (size_t k = 0; k < 39; ++k) {
-                const float* v = points->data.data() + 5 * k;
-                found.landmarks[k] = cropToPicture(crop, {v[0], v[1]}, kPoseSide);
-                found.confidence[k] = sigmoid(v[3]) * sigmoid(v[4]);
-            }
+            DPL_TRY(found, lookAt(image, crop, false));
             if (found.score < kConfirmed) break;  // no person: the next crop would drift away
             const Vec2d up = found.landmarks[34] - found.landmarks[33];
             const double reach = glm::length(up);
@@ -111,6 +141,31 @@ struct Observer::State {
         }
         found.next = crop;
         return found;
+    }
+
+    /** Replaces landmarks, confidence and score of a confirmed pose by their means over more looks. Returns the mean of the masks in the
+     * picture, 0 … 1. A look that sees nobody does not count. */
+    Result<cv::Mat> lookAgain(const ImageRgb8& image, Pose& found) {
+        const auto spread = [&](const Pose& p) {
+            return spreadCrop(p.segmentation.data(), kPoseSide, p.crop, image.widthPx, image.heightPx);
+        };
+        cv::Mat mask = spread(found);
+        if (found.score < kConfirmed) return mask;
+        double looks = 1;
+        for (const Look& look : kLooks) {
+            const PersonCrop& best = found.next;
+            DPL_TRY(const Pose seen,
+                    lookAt(image, {best.centrePx + best.sidePx * look.shift, best.sidePx * look.scale, best.angleRad + look.turnRad},
+                           look.mirrored));
+            if (seen.score < kConfirmed) continue;
+            mask += spread(seen);
+            for (size_t k = 0; k < 39; ++k) found.landmarks[k] += seen.landmarks[k], found.confidence[k] += seen.confidence[k];
+            found.score += seen.score;
+            looks += 1;
+        }
+        mask /= looks, found.score /= looks;
+        for (size_t k = 0; k < 39; ++k) found.landmarks[k] /= looks, found.confidence[k] /= looks;
+        return mask;
     }
 
     Status findLabels(const ImageRgb8& image, const Pose& pose33, Observation& out) {
@@ -193,19 +248,18 @@ Result<Observation> Observer::observe(const ImageRgb8& image, const ImageGrey8* 
         return fail(Code::InvalidArgument, "an empty image cannot be observed");
     if (mask && (mask->widthPx != image.widthPx || mask->heightPx != image.heightPx))
         return fail(Code::InvalidArgument, "the mask has another size than the image");
-    DPL_TRY(const Pose pose, state_->findPose(image, start ? *start : boxCrop(image, mask, 1.25), kCropRounds));
+    DPL_TRY(Pose pose, state_->findPose(image, start ? *start : boxCrop(image, mask, 1.25), kCropRounds));
+    DPL_TRY(const cv::Mat soft, state_->lookAgain(image, pose));
     Observation out;
     out.personScore = pose.score;
     if (mask) {
         out.mask = *mask;
     } else {
-        const cv::Mat soft = spreadCrop(pose.segmentation.data(), kPoseSide, pose.crop, image.widthPx, image.heightPx);
         out.mask = {image.widthPx, image.heightPx, std::vector<uint8_t>(size_t(image.widthPx) * image.heightPx, 0)};
         if (pose.score >= kConfirmed)
             for (uint32_t y = 0; y < image.heightPx; ++y)
                 for (uint32_t x = 0; x < image.widthPx; ++x)
-                    out.mask.pixels[size_t(y) * image.widthPx + x] =
-                        uint8_t(std::lround(255 * std::clamp(soft.at<float>(int(y), int(x)), 0.0f, 1.0f)));
+                    out.mask.pixels[size_t(y) * image.widthPx + x] = soft.at<float>(int(y), int(x)) > float(priors::kMatteCut) ? 255 : 0;
         // A pixel of the network's mask covers several of the picture: its edge is wrong by about two of its own pixels.
         out.mask = refineMatte(image, out.mask, std::max(2, int(std::ceil(2 * pose.crop.sidePx / kPoseSide))));
     }

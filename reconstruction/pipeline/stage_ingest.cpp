@@ -38,7 +38,7 @@ Result<Scan> observed(const StageRun& run, const Scan& scan, const std::filesyst
     for (const char* name : {"blazepose_full.onnx", "blazepose_lite.onnx", "blazepose_detector.onnx", "skin_clothes_hair_pan.onnx"})
         if (auto hash = hashFile(models / name)) networks.push_back(*hash);
     const json inputs = {{"scan", scanInputs(scan, hashFrames(scan))}, {"models", networks}, {"persons", persons}};
-    DPL_TRY(const StageOutput stage, run.chain.run("observe", 3, inputs, [&](StageContext& context) -> Status {
+    DPL_TRY(const StageOutput stage, run.chain.run("observe", 4, inputs, [&](StageContext& context) -> Status {
         ObserveOptions options;
         options.models = models;
         options.output = context.folder;

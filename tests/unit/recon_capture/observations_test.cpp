@@ -196,6 +196,39 @@ TEST(Observations, bikersMaskIsFoundWithoutHisMask) {
     EXPECT_GT(double(both) / double(either), 0.9);  // the PROVENANCE file of the pictures states 0.93 to 0.98
 }
 
+TEST(Observations, aMirroredPictureHasTheMirroredPerson) {
+    const auto models = sharedData("models"), biker = sharedData("real-orbit-biker");
+    if (!models || !biker) GTEST_SKIP() << "shared data (models, real-orbit-biker) is not on this machine";
+    auto scan = readScan(*biker);
+    ASSERT_TRUE(scan) << scan.error().message;
+    auto observer = Observer::load(*models);
+    ASSERT_TRUE(observer) << observer.error().message;
+    auto image = readFrameImage(scan->frames[10]);  // he is seen from behind
+    ASSERT_TRUE(image) << image.error().message;
+    ImageRgb8 mirrored = *image;
+    for (uint32_t y = 0; y < image->heightPx; ++y)
+        for (uint32_t x = 0; x < image->widthPx; ++x)
+            for (size_t c = 0; c < 3; ++c)
+                mirrored.pixels[3 * (size_t(y) * image->widthPx + x) + c] =
+                    image->pixels[3 * (size_t(y) * image->widthPx + image->widthPx - 1 - x) + c];
+    auto seen = observer->observe(*image, nullptr), other = observer->observe(mirrored, nullptr);
+    ASSERT_TRUE(seen && other);
+    const auto names = observedKeypointNames();
+    const auto at = [&](const Observation& o, std::string name) {
+        return o.keypoints[size_t(std::find(names.begin(), names.end(), name) - names.begin())].px;
+    };
+    const double trunk = glm::length(at(*seen, "neck") - at(*seen, "pelvis"));
+    for (const std::string joint : {"shoulder_", "elbow_", "hip_", "knee_", "ankle_"}) {
+        for (const auto& [side, otherSide] : {std::pair{"l", "r"}, {"r", "l"}}) {
+            Vec2d there = at(*other, joint + otherSide);
+            there.x = image->widthPx - there.x;
+            EXPECT_LT(glm::length(there - at(*seen, joint + side)), 0.1 * trunk) << joint << side;
+        }
+        // Landmarks of one side that were averaged with those of the other would meet in the middle.
+        EXPECT_GT(at(*seen, joint + "r").x - at(*seen, joint + "l").x, 0.15 * trunk) << joint;
+    }
+}
+
 TEST(Observations, anEmptyPictureHasNobody) {
     const auto models = sharedData("models");
     if (!models) GTEST_SKIP() << "shared data (models) is not on this machine";
