@@ -97,6 +97,20 @@ TEST_F(MetalAppFaults, anAppInTheBackgroundLosesFramesOnly) {
     expectPicture(colour, view);
 }
 
+TEST_F(MetalAppFaults, aSurfaceThatIsLostBetweenPrepareAndComposeCostsThatFrame) {
+    open();
+    const DplCamera view = camera();
+    const uint32_t into = composer(kFormat);
+    const TextureRef colour = texture(kFormat);
+    for (uint32_t i = 0; i < 2 * DPL_METAL_SLOTS; ++i) {
+        commit(prepared(i % DPL_METAL_SLOTS, {&view, 1}));  // there is no drawable to compose into
+        device_->finish();
+    }
+    ASSERT_EQ(frame(0, into, colour, view), DPL_OK) << dplGetLastError();
+    device_->finish();
+    expectPicture(colour, view);
+}
+
 TEST_F(MetalAppFaults, aDeviceThatFailsIsReplacedAndAvatarsStay) {
     open();
     const DplCamera view = camera();
