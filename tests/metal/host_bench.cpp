@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// bench_host AVATAR.glb [FRAMES = 200] [SHRINK = 16] [--json FILE]
+// bench_host AVATAR.glb [FRAMES = 40] [SHRINK = 16] [--json FILE]
 //
 // What a frame costs on the CPU before the GPU gets it: Doppel's calls alone, on the thread that makes them, through Metal and through
 // Vulkan. Each backend is timed twice. Once its commands go nowhere, so that only Doppel's own code is left. Once they go to what stands in
@@ -313,7 +313,7 @@ double psnrOf(const std::vector<uint8_t>& file, Case what, const Way& way, uint3
 int run(int argc, char** argv) {
     const BenchArguments arguments(argc, argv);
     if (arguments.count() < 1) return std::fprintf(stderr, "usage: bench_host AVATAR.glb [FRAMES] [SHRINK] [--json FILE]\n"), 2;
-    const auto frames = uint32_t(std::clamp(arguments.number(1, 200), 3.0, 1e6)),
+    const auto frames = uint32_t(std::clamp(arguments.number(1, 40), 3.0, 1e6)),
                shrink = uint32_t(std::clamp(arguments.number(2, 16), 1.0, 64.0));
     const auto file = readFile(arguments.text(0));
     if (!file) return std::fprintf(stderr, "bench_host: %s\n", file.error().message.c_str()), 1;

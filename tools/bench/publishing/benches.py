@@ -189,7 +189,7 @@ HOST_BARS = {"thread_ms": at_most(0.2), "allocations": at_most(0)}
 
 def take_host(place):
     """Commands that go nowhere leave Doppel's own code alone, which the bars are for."""
-    rows = place.json_lines("host", [place.program("bench_host"), place.avatar(), 200])
+    rows = place.json_lines("host", [place.program("bench_host"), place.avatar(), 40])
     return [{**row, "bars": {**(HOST_BARS if row["commands_to"] == "nowhere" else {}),
                              **({"psnr_db": at_least(50)} if row["psnr_db"] is not None else {})}} for row in rows]
 
@@ -410,7 +410,7 @@ BENCHES = [
     Bench("ways", "quick", 1, "what each way into a Vulkan program's image costs",
           "build/release/tests/unit/interop/bench_ways demo/avatar/avatar.glb 60", ("bench_ways",), take_ways),
     Bench("host", "quick", 3, "what a frame costs the calling thread before the GPU gets it, through Metal and Vulkan",
-          "build/release/tests/metal/bench_host demo/avatar/avatar.glb 200", ("bench_host",), take_host),
+          "build/release/tests/metal/bench_host demo/avatar/avatar.glb 40", ("bench_host",), take_host),
     Bench("delay", "quick", 0.1, "how late a tracked person is shown",
           "build/release/tests/unit/avatar/avatar_tracker_test --gtest_filter='*delayOfTheFilter*'", ("avatar_tracker_test",), take_delay),
     Bench("load-frames", "quick", 0.5, "the longest frame while 500,000 splats load", "build/release/tools/bench/bench_load_frames 500000",
