@@ -28,6 +28,14 @@ inline constexpr double kEmptyMaskShare = 0.002;
  *  unit: 0 to 1 | origin: dev; IoU at 0.50, 0.55, 0.60: 0.951, 0.954, 0.955 on scan-a, 0.948, 0.949, 0.949 on scan-c | half, double: half
  * takes a rim of background with it, double finds nobody */
 inline constexpr double kMatteCut = 0.55;
+/** How much less a close-up's found mask may agree with the hull of the full-body masks than the hull with itself.
+ *  unit: IoU | origin: dev; right masks of scan-a and scan-c need up to 0.10, the least wrong one 0.14 | half, double: half replaces right
+ * masks, double keeps masks that lack a sixth of the person */
+inline constexpr double kCloseupSlack = 0.12;
+/** Agreement of the hull with itself above which it can stand in for a close-up's mask.
+ *  unit: IoU | origin: dev; above it the hull's IoU with true masks is 0.81 to 0.97, below 0.51 to 0.90 | half, double: half lets hulls of
+ * swaying hands in, double never uses the hull */
+inline constexpr double kHullCertainty = 0.8;
 /** Share of the picture's edge above which a mask that touches it counts as cut off.
  *  unit: ratio | origin: round figure; a foot touches less, a cut waist more | half, double: not measured */
 inline constexpr double kBorderShare = 0.01;

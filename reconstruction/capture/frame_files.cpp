@@ -96,6 +96,20 @@ Result<ImageGrey8> readFrameLabels(const ScanFrame& frame) {
     return takePixels<ImageGrey8>(image);
 }
 
+ImageGrey8 toStoredPixels(const ImageGrey8& mask, const ScanFrame& frame) {
+    if (!frame.lens.any()) return mask;
+    std::vector<cv::Point2f> stored, pinhole;
+    for (uint32_t y = 0; y < mask.heightPx; ++y)
+        for (uint32_t x = 0; x < mask.widthPx; ++x) stored.emplace_back(float(x), float(y));
+    const auto k = opencvIntrinsics(frame.camera);
+    cv::undistortPoints(stored, pinhole, k, opencvLens(frame.lens), cv::noArray(), k);
+    const cv::Mat map(int(mask.heightPx), int(mask.widthPx), CV_32FC2, pinhole.data());
+    const cv::Mat in(int(mask.heightPx), int(mask.widthPx), CV_8U, const_cast<uint8_t*>(mask.pixels.data()));
+    cv::Mat out;
+    cv::remap(in, out, map, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar::all(0));
+    return takePixels<ImageGrey8>(out);
+}
+
 Result<FramePicture> readFramePicture(const ScanFrame& frame) {
     if (frame.maskPath.empty())
         return fail(Code::NotFound, "frame '{}' has no mask; add masks/{}.png, or run tools/models once, so that networks find the person",

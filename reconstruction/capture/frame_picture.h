@@ -21,4 +21,7 @@ constexpr bool isPerson(uint8_t mask) {
 /** Reads image, mask and labels. NotFound, with the remedy, when the frame has no mask. */
 Result<FramePicture> readFramePicture(const ScanFrame& frame);
 
+/** A mask of undistorted pixels as pixels of the frame's files, whose lens distorts. */
+ImageGrey8 toStoredPixels(const ImageGrey8& mask, const ScanFrame& frame);
+
 }  // namespace dpl

@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "reconstruction/cameras/rays.h"
 
 namespace dpl {
 namespace {
+
+constexpr double kNearestM = 0.05;  // of what a camera sees
 
 struct Box2 {
     uint32_t x0 = UINT32_MAX, y0 = UINT32_MAX, x1 = 0, y1 = 0;  // [x0, x1) × [y0, y1)
@@ -58,7 +61,7 @@ SilhouetteVotes voteSilhouettes(std::span<const SilhouetteView> views, const Vox
                 const size_t row = grid.index(0, y, uint32_t(z));
                 for (uint32_t x = 0; x < grid.nx; ++x) {
                     const Vec3d p = first + double(x) * stepX;
-                    if (!(p.z > 0.05)) continue;
+                    if (!(p.z > kNearestM)) continue;
                     const double u = c.fx * p.x / p.z + c.cx, v = c.fy * p.y / p.z + c.cy;
                     if (!(u >= 0 && v >= 0 && u < c.widthPx && v < c.heightPx)) continue;
                     ++votes.seen[row + x];
@@ -104,35 +107,56 @@ std::optional<VoxelGrid> boundSilhouettes(std::span<const SilhouetteView> views,
     return grid;
 }
 
+double HullVoxels::nearestDepthM(const Camerad& camera) const {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Vec3d& p : centres) {
+        const Vec3d view = camera.toView(p);
+        if (!(view.z > kNearestM && view.z < nearest)) continue;
+        const Vec2d px = camera.pixelOf(view);
+        if (px.x >= 0 && px.y >= 0 && px.x < camera.widthPx && px.y < camera.heightPx) nearest = view.z;
+    }
+    return nearest;
+}
+
+HullVoxels hullVoxels(const SilhouetteVotes& votes, const VoxelGrid& grid, double share, size_t viewCount) {
+    HullVoxels hull{grid.voxelM, {}};
+    for (uint32_t z = 0; z < grid.nz; ++z)
+        for (uint32_t y = 0; y < grid.ny; ++y)
+            for (uint32_t x = 0; x < grid.nx; ++x)
+                if (votes.isInside(grid.index(x, y, z), share, viewCount)) hull.centres.push_back(grid.centre(x, y, z));
+    return hull;
+}
+
+ImageGrey8 drawHull(const HullVoxels& hull, const Camerad& camera, double grow) {
+    ImageGrey8 drawn{camera.widthPx, camera.heightPx, std::vector<uint8_t>(size_t(camera.widthPx) * camera.heightPx, 0)};
+    for (const Vec3d& p : hull.centres) {
+        const Vec3d view = camera.toView(p);
+        if (!(view.z > kNearestM)) continue;
+        const Vec2d px = camera.pixelOf(view);
+        const double half = 0.5 * grow * hull.voxelM * camera.fx / view.z;
+        if (!(px.x > -half && px.y > -half && px.x < camera.widthPx + half && px.y < camera.heightPx + half)) continue;
+        const int x0 = std::max(0, int(px.x - half)), x1 = std::min(int(camera.widthPx) - 1, int(px.x + half));
+        const int y0 = std::max(0, int(px.y - half)), y1 = std::min(int(camera.heightPx) - 1, int(px.y + half));
+        for (int y = y0; y <= y1; ++y)
+            std::fill(&drawn.pixels[size_t(y) * camera.widthPx + size_t(x0)], &drawn.pixels[size_t(y) * camera.widthPx + size_t(x1)] + 1,
+                      uint8_t(255));
+    }
+    return drawn;
+}
+
 double silhouetteCoherence(std::span<const SilhouetteView> views, Jobs& jobs) {
-    constexpr double kShare = 0.9;
-    const auto grid = boundSilhouettes(views, 0, kShare, jobs);
+    const auto grid = boundSilhouettes(views, 0, kHullShare, jobs);
     if (!grid) return 0;
-    const auto votes = voteSilhouettes(views, *grid, jobs);
-    std::vector<Vec3d> inside;
-    for (uint32_t z = 0; z < grid->nz; ++z)
-        for (uint32_t y = 0; y < grid->ny; ++y)
-            for (uint32_t x = 0; x < grid->nx; ++x)
-                if (votes.isInside(grid->index(x, y, z), kShare, views.size())) inside.push_back(grid->centre(x, y, z));
+    const HullVoxels hull = hullVoxels(voteSilhouettes(views, *grid, jobs), *grid, kHullShare, views.size());
     std::vector<double> covered(views.size(), 0);
     jobs.forBlocks(views.size(), [&](size_t i, uint32_t) {
-        const auto& [c, mask] = views[i];
-        std::vector<uint8_t> drawn(mask.pixels.size(), 0);
-        for (const Vec3d& p : inside) {
-            const Vec3d view = c.toView(p);
-            if (!(view.z > 0.05)) continue;
-            const Vec2d px = c.pixelOf(view);
-            const double half = 0.9 * grid->voxelM * c.fx / view.z;  // projected half diagonal of a voxel, about √3/2
-            const int x0 = std::max(0, int(px.x - half)), x1 = std::min(int(c.widthPx) - 1, int(px.x + half));
-            const int y0 = std::max(0, int(px.y - half)), y1 = std::min(int(c.heightPx) - 1, int(px.y + half));
-            for (int y = y0; y <= y1; ++y)
-                for (int x = x0; x <= x1; ++x) drawn[size_t(y) * c.widthPx + x] = 1;
-        }
+        const auto& [camera, mask] = views[i];
+        const ImageGrey8 drawn = drawHull(hull, camera, 1.8);  // projected diagonal of a voxel, about √3
         size_t person = 0, both = 0;
-        for (size_t k = 0; k < drawn.size(); ++k) {
+        for (size_t k = 0; k < drawn.pixels.size(); ++k) {
             const bool isPerson = mask.pixels[k] >= 128;
             person += isPerson;
-            both += isPerson && drawn[k];
+            both += isPerson && drawn.pixels[k];
         }
         covered[i] = person ? double(both) / double(person) : 0;
     });

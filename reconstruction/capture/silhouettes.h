@@ -44,6 +44,24 @@ SilhouetteVotes voteSilhouettes(std::span<const SilhouetteView> views, const Vox
  *  voxelM ≤ 0: 64 voxels along the longest side. Empty when the hull is empty or the grid would exceed 2²⁸ voxels. */
 std::optional<VoxelGrid> boundSilhouettes(std::span<const SilhouetteView> views, double voxelM, double share, Jobs& jobs);
 
+/** Share of the views that must have a voxel inside: a tenth may err. */
+inline constexpr double kHullShare = 0.9;
+
+/** The voxels inside a hull. */
+struct HullVoxels {
+    double voxelM = 0;
+    std::vector<Vec3d> centres;
+
+    /** Depth of the nearest voxel in front of the camera that falls into its picture; infinite when none does. */
+    double nearestDepthM(const Camerad& camera) const;
+};
+
+/** The voxels of `grid` that `share` of `viewCount` views have inside. */
+HullVoxels hullVoxels(const SilhouetteVotes& votes, const VoxelGrid& grid, double share, size_t viewCount);
+
+/** The hull in a picture: 255 where a square of a voxel's projected size covers the pixel. `grow` scales the squares. */
+ImageGrey8 drawHull(const HullVoxels& hull, const Camerad& camera, double grow = 1);
+
 /** Projects the hull into each view and returns the median share of the mask that it covers: near 1 when cameras and masks match, lower
  *  when they do not, 0 when the hull is empty. */
 double silhouetteCoherence(std::span<const SilhouetteView> views, Jobs& jobs);

@@ -27,8 +27,15 @@ std::string readText(const std::filesystem::path& path) {
     return bytes ? std::string(bytes->begin(), bytes->end()) : std::string();
 }
 
-/** Runs the stage observe: the scan, with missing observations replaced by what the networks find in its pictures. */
-Result<Scan> observed(const StageRun& run, const Scan& scan, const std::filesystem::path& models, const std::vector<std::string>& persons) {
+/** A scan, with missing observations replaced by what the networks found in its pictures: files in `folder`. */
+struct ObservedScan {
+    Scan scan;
+    std::filesystem::path folder;
+};
+
+/** Runs the stage observe. */
+Result<ObservedScan> observed(const StageRun& run, const Scan& scan, const std::filesystem::path& models,
+                              const std::vector<std::string>& persons) {
     json networks = json::array();
     std::vector<PersonPoint> points;
     for (const std::string& text : persons) {
@@ -49,7 +56,7 @@ Result<Scan> observed(const StageRun& run, const Scan& scan, const std::filesyst
         };
         return observeScan(scan, options, run.jobs);
     }));
-    return withObservations(scan, stage.folder);
+    return ObservedScan{withObservations(scan, stage.folder), stage.folder};
 }
 
 }  // namespace
@@ -58,10 +65,12 @@ Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path&
                                const std::vector<std::string>& persons, double heightM) {
     IngestedScan ingested;
     DPL_TRY(ingested.scan, readScan(folder, ScanCameras::MayLack));
+    std::filesystem::path observations;
     const std::filesystem::path networks = !models.empty() ? models : lacksObservations(ingested.scan) ? installedModels() : models;
     if (!networks.empty()) {
         if (models.empty()) run.progress.note(formatText("networks of {} find what the scan lacks", networks.string()));
-        DPL_TRY(ingested.scan, observed(run, ingested.scan, networks, persons));
+        DPL_TRY(ObservedScan seen, observed(run, ingested.scan, networks, persons));
+        ingested.scan = std::move(seen.scan), observations = std::move(seen.folder);
     } else if (!persons.empty()) {
         return fail(Code::InvalidArgument,
                     "--person: networks look for nobody in this scan; it brings keypoints and masks, or tools/models "
@@ -71,6 +80,9 @@ Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path&
         DPL_TRY(ingested.scan, runCameras(run, ingested.scan, heightM));
     } else {
         DPL_TRY(ingested.scan, runCameraRepair(run, ingested.scan));
+    }
+    if (!observations.empty()) {
+        DPL_TRY(ingested.scan, runCloseups(run, std::move(ingested.scan), observations));
     }
     const Scan& scan = ingested.scan;
     if (std::all_of(scan.frames.begin(), scan.frames.end(), [](const ScanFrame& frame) { return frame.keypointsPath.empty(); }))

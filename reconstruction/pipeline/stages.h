@@ -94,6 +94,8 @@ struct FoundPoses {
 Result<Scan> runCameras(const StageRun& run, const Scan& scan, double heightM);
 /** Checks the cameras that a scan brings, where its keypoints raise doubt, and repairs them where the pictures agree on others. */
 Result<Scan> runCameraRepair(const StageRun& run, const Scan& scan);
+/** Checks the masks of close-ups that lie in the folder `found`. Wrong ones are replaced by the hull of the full-body masks, or emptied. */
+Result<Scan> runCloseups(const StageRun& run, Scan scan, const std::filesystem::path& found);
 /** Reads and checks the scan. `models` is a folder of networks; if empty, installedModels() is taken where the scan lacks something.
  * `persons`: ReconstructOptions::persons. The networks first add keypoints, labels and masks that the scan lacks; then
  *  runCameras() finds its cameras, if it has none. */
