@@ -31,7 +31,7 @@ TEST(ConvertedNetwork, computesWhatTheOriginalDoes) {
         ASSERT_EQ(output.data.size(), values.size()) << output.name;
         double worst = 0;
         for (size_t i = 0; i < values.size(); ++i) worst = std::max(worst, std::abs(values[i] - double(output.data[i])));
-        EXPECT_LT(worst, 1e-5) << output.name;  // values up to 6 in 32-bit sums of up to 72 products; 3.5e-7 measured
+        EXPECT_LT(worst, 1e-5) << output.name;  // values up to 13 in 32-bit sums of up to 72 products; 1.6e-6 measured
         std::printf("%s: %zu values, largest difference %.2g\n", output.name.c_str(), values.size(), worst);
     }
 }

@@ -7,6 +7,7 @@
 import hashlib
 import json
 import pathlib
+import struct
 import sys
 import tempfile
 import unittest
@@ -40,10 +41,10 @@ class Converter(unittest.TestCase):
         for word in words:
             self.assertIn(word, str(caught.exception))
 
-    def changed(self, change):
+    def changed(self, change, more_weights=b""):
         root = json.loads(self.topology)
         change(root, {n["name"]: n for n in root["modelTopology"]["node"]})
-        self.write(json.dumps(root).encode(), self.weights)
+        self.write(json.dumps(root).encode(), self.weights + more_weights)
 
     def test_same_model_gives_same_bytes(self):
         first = self.convert()
@@ -53,7 +54,8 @@ class Converter(unittest.TestCase):
         # The picture of converted_network_test.cpp: in the order c, y, x, value i is (i·7919 mod 1000) / 1000.
         picture = [[[((c * SIDE + y) * SIDE + x) * 7919 % 1000 / 1000 for c in range(3)] for x in range(SIDE)] for y in range(SIDE)]
         expected = TinyModel().evaluate(picture)
-        self.assertGreater(max(expected["rows"]) - min(expected["rows"]), 1, "the expected values say nothing")
+        for output in ("rows", "up:0"):
+            self.assertGreater(max(expected[output]) - min(expected[output]), 1, "the expected values say nothing")
         (OUT / "expected.json").write_text(json.dumps(expected))
 
     def test_truncations_are_refused(self):
@@ -78,6 +80,56 @@ class Converter(unittest.TestCase):
                        lambda root, nodes: nodes["joined"].__setitem__("input", ["first", "map_sigmoid", "axis"])):
             self.changed(change)
             self.refuses()
+
+    def test_shapes_that_do_not_fit_are_refused(self):
+        def inputs(name, *values):
+            return lambda root, nodes: nodes[name].__setitem__("input", list(values))
+
+        def attribute(name, key, *numbers):
+            return lambda root, nodes: nodes[name]["attr"].__setitem__(key, {"list": {"i": [str(v) for v in numbers]}})
+
+        def shape(name, *sizes):
+            def change(root, nodes):
+                next(e for e in root["weightsManifest"][0]["weights"] if e["name"] == name)["shape"] = list(sizes)
+            return change
+
+        for change, words in ((inputs("biased", "gates/weights", "mixed"), ("biased", "does not fit")),  # a constant of 1×1×4×4
+                              (inputs("biased", "bias", "large"), ("biased", "does not fit")),  # 4 numbers, 16 channels
+                              (shape("bias", 4, 1), ("biased", "does not fit")),  # one number for each column
+                              (shape("scales", 1, 1, 1, 1, 4), ("scaled", "does not fit")),  # the result would have five dimensions
+                              (inputs("scaled", "joined", "scales"), ("scaled", "does not fit")),  # not a picture
+                              (inputs("scaled", "bias", "bias"), ("scaled", "2 of them constants")),
+                              (inputs("gated", "mean", "large"), ("gated", "Mul of the shapes")),  # 4 channels and 16
+                              (inputs("gated", "pooled", "swish"), ("gated", "Mul of the shapes")),
+                              (inputs("total", "gated", "gate", "near"), ("total", "Add of the shapes")),
+                              (inputs("total", "gated", "bias", "near"), ("total", "1 of them constants")),
+                              (inputs("total", "gated"), ("total", "Add of the shapes")),
+                              (attribute("mean", "ksize", 1, 4, 4, 2), ("mean", "pooling of pictures")),
+                              (attribute("up", "dilations", 1, 2, 2, 1), ("up", "dilated")),
+                              (inputs("up", "up/sizes", "up/weights", "large"), ("up", "do not fit")),
+                              (inputs("up", "size", "up/weights", "positive"), ("up", "do not fit")),  # two numbers for a size
+                              (shape("up/weights", 4, 4, 4, 2), ("up", "do not fit"))):
+            self.changed(change)
+            self.refuses(*words)
+
+    def test_results_of_transposed_convolutions_that_do_not_fit_are_refused(self):
+        def result(*sizes, source="positive", stride=2):
+            def change(root, nodes):
+                root["weightsManifest"][0]["weights"].append({"name": "other/sizes", "shape": [4], "dtype": "int32"})
+                root["modelTopology"]["node"].append({"name": "other/sizes", "op": "Const", "attr": {}})
+                nodes["up"]["input"] = ["other/sizes", "up/weights", source]
+                nodes["up"]["attr"]["strides"] = {"list": {"i": ["1", str(stride), str(stride), "1"]}}
+                nodes["up"]["attr"]["padding"] = {"s": "U0FNRQ==" if source == "positive" else "VkFMSUQ="}
+            self.changed(change, more_weights=struct.pack("<4i", *sizes))
+
+        result(1, 8, 8, 2)
+        self.convert()
+        for sizes, word in (((2, 8, 8, 2), "do not fit"), ((1, 8, 8, 3), "do not fit"), ((1, 8, 10, 2), "is not what a convolution"),
+                            ((1, 7, 7, 2), "margins of [3, 3]")):  # one pixel off at the beginning and two at the end
+            result(*sizes)
+            self.refuses("up", word)
+        result(1, 8, 8, 2, source="gate", stride=5)  # the window of 4 reaches half of the result
+        self.refuses("up", "margins of [-4, -4]")
 
     def test_loops_missing_nodes_and_foreign_paths_are_refused(self):
         self.changed(lambda root, nodes: nodes["a"]["input"].__setitem__(0, "six"))

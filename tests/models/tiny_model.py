@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A made-up TensorFlow.js model, and an evaluation of it in plain Python, in TensorFlow's order N, H, W, C."""
 import base64
+import itertools
 import json
 import math
 import random
@@ -93,6 +94,25 @@ class TinyModel:
         other = self.node("Reshape", "other", [mixed, wanted])  # 16×4
         joined = self.node("ConcatV2", "joined", [first, other, self.numbers("axis", [], [1])], N={"i": "2"})  # 24×4
         self.node("Identity", "Identity_1", [joined])
+        self._gated_layers(mixed, six=added)
+
+    def _gated_layers(self, mixed, six):
+        """A squeeze-and-excite block with hard swish, and what enlarges its result: the operations of selfie segmentation."""
+        def number(name, value):
+            self._constant(name, {"name": name, "shape": [], "dtype": "float32"}, struct.pack("<f", value), [], [value])
+            return name
+        biased = self.node("Add", "biased", [self.weights("bias", [4]), mixed])  # 4×4×4
+        scaled = self.node("Mul", "scaled", [biased, self.weights("scales", [1, 1, 1, 4])])
+        part = self.node("Mul", "part", [number("eighth", 0.125), scaled])
+        swish = self.node("Mul", "swish", [part, self.node("Relu6", "high", [self.node("AddV2", "raised", [scaled, number("three", 3.0)])])])
+        mean = self.node("AvgPool", "mean", [swish], ksize=_list([1, 4, 4, 1]), strides=_list([1, 4, 4, 1]), padding=_text("VALID"))
+        gate = self.node("Sigmoid", "gate", [self.conv("gates", mean, [1, 1, 4, 4], 1, "VALID", [])])  # 1×1×4
+        gated = self.node("Mul", "gated", [gate, swish])
+        near = self.node("AvgPool", "near", [gated], ksize=_list([1, 3, 3, 1]), strides=_list([1, 1, 1, 1]), padding=_text("SAME"))
+        total = self.node("AddN", "total", [gated, six, near], N={"i": "3"})
+        positive = self.node("Relu", "positive", [total])
+        self.node("Conv2DBackpropInput", "up", [self.numbers("up/sizes", [4], [1, 8, 8, 2]), self.weights("up/weights", [4, 4, 2, 4]), positive],
+                  strides=_list([1, 2, 2, 1]), padding=_text("SAME"), data_format=_text("NHWC"), dilations=_list([1, 1, 1, 1]))  # 8×8×2
 
     def files(self):
         """model.json and the weights, as bytes."""
@@ -100,7 +120,8 @@ class TinyModel:
             return {"name": name + ":0", "dtype": "DT_FLOAT", "tensorShape": {"dim": [{"size": str(s)} for s in shape]}}
         root = {"format": "graph-model",
                 "signature": {"inputs": {"input": port("input", [-1, SIDE, SIDE, 3])},
-                              "outputs": {"map": port("Identity", [-1, 8, 8, 1]), "rows": port("Identity_1", [-1, 24, 4])}},
+                              "outputs": {"map": port("Identity", [-1, 8, 8, 1]), "rows": port("Identity_1", [-1, 24, 4]),
+                                          "up:0": port("up", [1, 8, 8, 2])}},
                 "modelTopology": {"node": self.nodes},
                 "weightsManifest": [{"paths": ["tiny.bin"], "weights": self.entries}]}
         return json.dumps(root).encode(), self.data
@@ -156,7 +177,8 @@ class TinyModel:
         a = conv("a", padded, [3, 3, 3, 4], 2, "VALID", True, six, False)
         b = conv("b", a, [3, 3, 4, 1], 1, "SAME", True, relu, True)
         c = conv("c", b, [1, 1, 4, 4], 1, "VALID", True, same, False)
-        more = [[pixel + [0.0] * 4 for pixel in row] for row in each(lambda x, y: six(x + y), c, a)]
+        added = each(lambda x, y: six(x + y), c, a)
+        more = [[pixel + [0.0] * 4 for pixel in row] for row in added]
         pooled = [[[max(pixel[k] for _, pixel in taps) for k in range(8)] for taps in row] for row in window(more, [2, 2], 2, "VALID")]
         even = conv("even", more, [3, 3, 8, 2], 2, "SAME", False, same, True)
 
@@ -173,4 +195,23 @@ class TinyModel:
         mixed = conv("mixed", large, [1, 1, 16, 4], 1, "SAME", False, same, False)
         blocks = [[1 / (1 + math.exp(-mixed[y // 2][x // 2][y % 2 * 2 + x % 2])) for x in range(8)] for y in range(8)]
         flat = [v for row in pooled for pixel in row for v in pixel] + [v for row in mixed for pixel in row for v in pixel]
-        return {"map": [v for row in blocks for v in row], "rows": flat}
+
+        bias, scales = constant("bias"), constant("scales")
+        scaled = [[[(v + b) * s for v, b, s in zip(pixel, bias, scales)] for pixel in row] for row in mixed]
+        swish = each(lambda x: x * 0.125 * six(x + 3.0), scaled)
+
+        def mean(taps, k):
+            return sum(pixel[k] for _, pixel in taps) / len(taps)  # of the places inside the picture
+        means = [[[mean(taps, k) for k in range(4)] for taps in row] for row in window(swish, [4, 4], 4, "VALID")]
+        gate = conv("gates", means, [1, 1, 4, 4], 1, "VALID", False, lambda x: 1 / (1 + math.exp(-x)), False)[0][0]
+        gated = [[[v * g for v, g in zip(pixel, gate)] for pixel in row] for row in swish]
+        near = [[[mean(taps, k) for k in range(4)] for taps in row] for row in window(gated, [3, 3], 1, "SAME")]
+        positive = each(lambda x, y, z: relu(x + y + z), gated, added, near)
+        # Each number spreads over the places from which a convolution with stride 2 and a margin of 1 would gather it.
+        up, weights = [[[0.0] * 8 for _ in range(8)] for _ in range(2)], constant("up/weights")
+        for y, x, ky, kx in itertools.product(range(4), range(4), range(4), range(4)):
+            to_y, to_x = 2 * y - 1 + ky, 2 * x - 1 + kx
+            if 0 <= to_y < 8 and 0 <= to_x < 8:
+                for o, k in itertools.product(range(2), range(4)):
+                    up[o][to_y][to_x] += positive[y][x][k] * weights[((ky * 4 + kx) * 2 + o) * 4 + k]
+        return {"map": [v for row in blocks for v in row], "rows": flat, "up:0": [v for plane in up for row in plane for v in row]}

@@ -6,7 +6,8 @@ stands before each Reshape, whose result depends on the order. Shapes are known 
 shapes becomes a constant.
 
 The result is meant for OpenCV 4.6. It reads min and max of Clip from attributes (opset 10) and half-pixel sampling of Resize from an
-attribute (opset 11), so the file carries both and states opset 11.
+attribute (opset 11), so the file carries both and states opset 11. Its transposed convolutions can only take off as much at the
+beginning as at the end.
 """
 import math
 
@@ -197,22 +198,76 @@ class Converter:
     def _op_Sigmoid(self, key, arguments, attributes):
         self._pointwise(key, arguments, "Sigmoid")
 
-    def _op_AddV2(self, key, arguments, attributes):
-        first, second = (self._shape(a) for a in arguments)
-        if self._is_constant(arguments[0]) or self._is_constant(arguments[1]) or first != second:
-            raise ModelError(f"{key}: only the sum of two values of one shape is supported")
-        self._emit("Add", [self._name(a) for a in arguments], key, {})
-        self.values[key] = first
+    def _with_constant(self, key, value, constant, op):
+        """Sum or product of a picture and a constant that holds one number, or one for each channel."""
+        shape, numbers = self._shape(value), self._constant(constant)
+        count, wide = len(numbers.values), list(numbers.shape)
+        if len(shape) != 4 or len(wide) > 4 or math.prod(wide[:-1]) != 1 or count not in (1, shape[3]):
+            raise ModelError(f"{key}: a constant of shape {wide} does not fit the value of shape {shape}")
+        self._emit(op, [self._name(value), self._add_tensor(key, [1, count, 1, 1], numbers.values)], key, {})
+        self.values[key] = shape
 
-    _op_Add = _op_AddV2
+    def _combine(self, key, arguments, op):
+        """Sum or product of values of one shape, or of a value and a constant. A factor may also hold one number for each channel."""
+        constants = [a for a in arguments if self._is_constant(a)]
+        if len(arguments) == 2 and len(constants) == 1:
+            self._with_constant(key, arguments[1 - arguments.index(constants[0])], constants[0], op)
+            return
+        arguments = sorted(arguments, key=lambda a: -math.prod(self._shape(a)))
+        shapes = [self._shape(a) for a in arguments]
+        fitting = [shapes[0]]
+        if op == "Mul" and len(shapes[0]) == 4:
+            fitting.append([shapes[0][0], 1, 1, shapes[0][3]])
+        if constants or len(arguments) < 2 or any(shape not in fitting for shape in shapes):
+            raise ModelError(f"{key}: {op} of the shapes {shapes}, {len(constants)} of them constants, is not supported")
+        name = self._name(arguments[0])
+        for i, argument in enumerate(arguments[1:], 2):
+            name = self._emit(op, [name, self._name(argument)], key if i == len(arguments) else f"{key}/first_{i}", {})
+        self.values[key] = shapes[0]
 
-    def _op_MaxPool(self, key, arguments, attributes):
+    def _op_AddN(self, key, arguments, attributes):
+        self._combine(key, arguments, "Add")
+
+    _op_Add = _op_AddV2 = _op_AddN
+
+    def _op_Mul(self, key, arguments, attributes):
+        self._combine(key, arguments, "Mul")
+
+    def _pool(self, key, arguments, attributes, op):
         shape, window = self._shape(arguments[0]), attributes.integers("ksize")
-        if len(shape) != 4 or len(window) != 4:
+        if len(shape) != 4 or len(window) != 4 or window[0] != 1 or window[3] != 1:
             raise ModelError(f"{key}: only pooling of pictures is supported")
         out, size = self._window(key, shape, window[1:3], attributes)
-        self._emit("MaxPool", [self._name(arguments[0])], key, out)
+        self._emit(op, [self._name(arguments[0])], key, out)
         self.values[key] = [shape[0], *size, shape[3]]
+
+    def _op_AvgPool(self, key, arguments, attributes):
+        self._pool(key, arguments, attributes, "AveragePool")
+
+    def _op_MaxPool(self, key, arguments, attributes):
+        self._pool(key, arguments, attributes, "MaxPool")
+
+    def _op_Conv2DBackpropInput(self, key, arguments, attributes):
+        """A transposed convolution: each number of the input spreads over the window that a convolution of the result would gather."""
+        result, weights, shape = list(self._constant(arguments[0]).values), self._constant(arguments[1]), self._shape(arguments[2])
+        if [len(result), len(weights.shape), len(shape)] != [4, 4, 4] or weights.shape[2:] != (result[3], shape[3]) or result[0] != shape[0]:
+            raise ModelError(f"{key}: input {shape}, weights {list(weights.shape)} and result {result} do not fit")
+        if any(d != 1 for d in attributes.integers("dilations")):
+            raise ModelError(f"{key}: a dilated transposed convolution is not supported")
+        height, width, last, channels = weights.shape
+        window, size = self._window(key, result, (height, width), attributes)
+        if size != shape[1:3]:
+            raise ModelError(f"{key}: input {shape} is not what a convolution of the result {result} gives")
+        margins = [(size[i] - 1) * window["strides"][i] + weights.shape[i] - result[1 + i] for i in (0, 1)]
+        if any(m < 0 or m % 2 for m in margins):
+            raise ModelError(f"{key}: margins of {margins} pixels cannot be taken off evenly")
+        del window["auto_pad"]
+        window["pads"] = [m // 2 for m in margins] * 2
+        taps, w = height * width, weights.values
+        values = [w[(tap * last + o) * channels + c] for c in range(channels) for o in range(last) for tap in range(taps)]
+        inputs = [self._name(arguments[2]), self._add_tensor(key, [channels, last, height, width], values)]  # H, W, O, C -> C, O, H, W
+        self._emit("ConvTranspose", inputs, key, window)
+        self.values[key] = result
 
     def _op_Pad(self, key, arguments, attributes):
         shape, pads = self._shape(arguments[0]), self._constant(arguments[1]).values
