@@ -21,7 +21,8 @@ std::vector<std::string> provenanceOf(std::string_view scanName, bool sameBody) 
     std::vector<std::string> sentences;
     sentences.emplace_back(isDevelopmentScan(scanName)
                                ? "Development set: constants of the reconstruction were chosen on this scan, so its figures are optimistic."
-                               : "Unseen: no constant of the reconstruction was chosen on this scan.");
+                               : "Not of the development set, by its name. If its pictures come from one of the scans on which constants "
+                                 "of the reconstruction were chosen, its figures are optimistic all the same.");
     if (sameBody)
         sentences.emplace_back(
             "The subject was made from the same body model that is fitted here. Real people differ from it, so expect less for them.");

@@ -9,7 +9,8 @@
 
 namespace dpl {
 
-/** Whether constants of the reconstruction were chosen on the scan of this name. Procedural scans are named after their seed. */
+/** Whether constants of the reconstruction were chosen on the scan of this name. Procedural scans are named after their seed. Nothing but
+ *  the name is compared: pictures of a development scan that went through a video have other bytes. */
 bool isDevelopmentScan(std::string_view scanName);
 
 /** Sentences for the report. `sameBody`: the scan's subject was made from the body model that is fitted. */

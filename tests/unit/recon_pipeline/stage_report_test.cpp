@@ -121,7 +121,7 @@ TEST_F(StageReport, comparesWithTheTruthAndSaysWhoseBodyItIs) {
     found_.key = "other poses";  // else the stage is reused
     const nlohmann::json other = report();
     ASSERT_EQ(other["provenance"].size(), 1u);
-    EXPECT_TRUE(other["provenance"][0].get<std::string>().starts_with("Unseen:"));
+    EXPECT_TRUE(other["provenance"][0].get<std::string>().starts_with("Not of the development set, by its name."));
 }
 
 }  // namespace

@@ -68,7 +68,7 @@ TEST(Report, knowsTheDevelopmentSet) {
         EXPECT_TRUE(isDevelopmentScan(name)) << name;
     for (const char* name : {"procedural-4", "procedural-9", "procedural-10", "my-scan", ""}) EXPECT_FALSE(isDevelopmentScan(name)) << name;
     EXPECT_TRUE(provenanceOf("scan-a", false).at(0).starts_with("Development set:"));
-    EXPECT_TRUE(provenanceOf("procedural-4", false).at(0).starts_with("Unseen:"));
+    EXPECT_TRUE(provenanceOf("procedural-4", false).at(0).starts_with("Not of the development set, by its name."));
     EXPECT_EQ(provenanceOf("procedural-4", false).size(), 1u);
     EXPECT_NE(provenanceOf("procedural-1", true).at(1).find("same body model"), std::string::npos);
 }
