@@ -44,6 +44,7 @@ public:
             std::round(focal() * 10) / 10, std::round(solved_.missPx * 100) / 100));
         sayTexture(verdict);
         for (const SolveRole role : {SolveRole::Still, SolveRole::Closeup, SolveRole::Moving, SolveRole::HeldOut}) sayGaps(verdict, role);
+        for (const CameraGap& gap : verdict.gaps) verdict.sentences.push_back(gap.sentence);
         return verdict;
     }
 
@@ -71,10 +72,12 @@ private:
         for (size_t i = 0; i < pictures_.size(); ++i)
             if (pictures_[i].role == SolveRole::Still) features.push_back(solved_.pictures[i].features);
         if (percentile(features, 0.5) < kFewFeatures)
-            verdict.sentences.push_back(formatText(
-                "the background has too little texture (half of the still pictures show fewer than {} features of it): film where "
-                "there are posters, shelves or a patterned floor, or lay newspapers round the subject",
-                percentile(features, 0.5) + 1));
+            verdict.gaps.push_back(
+                {"the background",
+                 formatText("the background has too little texture (half of the still pictures show fewer than {} features of it): film "
+                            "where there are posters, shelves or a patterned floor, or lay newspapers round the subject",
+                            percentile(features, 0.5) + 1),
+                 {}});
     }
 
     /** Whether the pictures of a run are mostly blurred. */
@@ -117,11 +120,16 @@ private:
             const std::string which = run.size() == 1 ? formatText("picture {}", pictures_[run[0]].name)
                                                       : formatText("{} pictures from {} to {}", run.size(), pictures_[run.front()].name,
                                                                    pictures_[run.back()].name);
-            const std::string why = blurred(run) ? formatText("too blurred; film {} again, slower and with more light", sideOf(run, all))
+            const std::string side = sideOf(run, all);
+            const std::string why = blurred(run) ? formatText("too blurred; film {} again, slower and with more light", side)
                                     : role == SolveRole::Closeup
                                         ? std::string("too few matches with the walk; film the close-up again with some background in view")
-                                        : formatText("too few matches with their neighbours; film {} again, slower", sideOf(run, all));
-            verdict.sentences.push_back(formatText("{} {} left out: {}", which, run.size() == 1 ? "is" : "are", why));
+                                        : formatText("too few matches with their neighbours; film {} again, slower", side);
+            CameraGap gap{role == SolveRole::Closeup ? "the close-ups" : side,
+                          formatText("{} {} left out: {}", which, run.size() == 1 ? "is" : "are", why),
+                          {}};
+            for (size_t i : run) gap.frames.push_back(pictures_[i].name);
+            verdict.gaps.push_back(std::move(gap));
             run.clear();
         }
     }

@@ -10,9 +10,17 @@
 
 namespace dpl {
 
+/** Something to film again. */
+struct CameraGap {
+    std::string part;                 // "the left side", "the close-ups", "the background"; "that part" where no side is known
+    std::string sentence;             // what is wrong, and how to film it again
+    std::vector<std::string> frames;  // names of the pictures without a camera; empty: the whole walk
+};
+
 struct CameraVerdict {
     bool refuses = false;                // too few stills have cameras for an avatar
-    std::vector<std::string> sentences;  // the first says how many pictures have cameras
+    std::vector<std::string> sentences;  // the first says how many pictures have cameras, the others are those of the gaps
+    std::vector<CameraGap> gaps;
 };
 
 constexpr size_t kFewestPlacedStills = 8;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "reconstruction/pipeline/cameras_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -27,6 +28,18 @@ bool allFinite(const json& numbers, size_t count) {
     return std::all_of(numbers.begin(), numbers.end(), [](const json& n) { return n.is_number() && std::isfinite(n.get<double>()); });
 }
 
+bool isText(const json& value) {
+    return value.is_string();
+}
+
+bool readGap(const json& entry, CameraGap& out) {
+    if (!entry.is_object() || !isText(entry.value("part", json())) || !isText(entry.value("sentence", json()))) return false;
+    const json frames = entry.value("frames", json());
+    if (!frames.is_array() || !std::all_of(frames.begin(), frames.end(), isText)) return false;
+    out = {entry["part"], entry["sentence"], frames};
+    return true;
+}
+
 bool readCamera(const json& entry, FoundCamera& out) {
     if (!entry.is_object() || !entry.value("name", json()).is_string() || !allFinite(entry.value("camera", json()), kCameraNumbers) ||
         !allFinite(entry.value("size", json()), 2))
@@ -49,11 +62,9 @@ bool readCamera(const json& entry, FoundCamera& out) {
 }  // namespace
 
 std::string camerasToJson(const FoundCameras& found) {
-    json out = {{"lens", {found.lens.k1, found.lens.k2}},
-                {"metric", found.metric},
-                {"refused", found.refused},
-                {"sentences", found.sentences},
-                {"frames", json::array()}};
+    json out = {{"lens", {found.lens.k1, found.lens.k2}}, {"metric", found.metric}, {"refused", found.refused},
+                {"sentences", found.sentences},           {"gaps", json::array()},  {"frames", json::array()}};
+    for (const CameraGap& gap : found.gaps) out["gaps"].push_back({{"part", gap.part}, {"sentence", gap.sentence}, {"frames", gap.frames}});
     for (const FoundCamera& frame : found.cameras)
         out["frames"].push_back({{"name", frame.name},
                                  {"size", {frame.camera.widthPx, frame.camera.heightPx}},
@@ -68,8 +79,8 @@ Result<FoundCameras> readCamerasFile(const std::filesystem::path& path) {
     const json file = json::parse(bytes.begin(), bytes.end(), nullptr, false);
     const Error damaged = fail(Code::CorruptData, "{} is damaged; delete it and run again", path.string());
     if (!file.is_object() || !allFinite(file.value("lens", json()), 2) || !file.value("frames", json()).is_array() ||
-        !file.value("sentences", json()).is_array() || !file.value("metric", json()).is_boolean() ||
-        !file.value("refused", json()).is_boolean())
+        !file.value("sentences", json()).is_array() || !file.value("gaps", json()).is_array() ||
+        !file.value("metric", json()).is_boolean() || !file.value("refused", json()).is_boolean())
         return damaged;
     FoundCameras found;
     found.lens = {file["lens"][0], file["lens"][1]};
@@ -78,6 +89,8 @@ Result<FoundCameras> readCamerasFile(const std::filesystem::path& path) {
         if (!sentence.is_string()) return damaged;
         found.sentences.push_back(sentence);
     }
+    for (const json& entry : file["gaps"])
+        if (!readGap(entry, found.gaps.emplace_back())) return damaged;
     for (const json& entry : file["frames"]) {
         FoundCamera frame;
         if (!readCamera(entry, frame)) return damaged;

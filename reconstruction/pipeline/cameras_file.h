@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "reconstruction/cameras/camera_verdict.h"
 #include "reconstruction/capture/scan.h"
 
 namespace dpl {
@@ -23,6 +24,7 @@ struct FoundCameras {
     bool metric = false;                 // the world is in metres
     bool refused = false;                // too few
     std::vector<std::string> sentences;  // the verdict
+    std::vector<CameraGap> gaps;         // what to film again
 };
 
 std::string camerasToJson(const FoundCameras& found);

@@ -6,6 +6,7 @@
 #include "reconstruction/pipeline/folder_lock.h"
 #include "reconstruction/pipeline/import_scan.h"
 #include "reconstruction/pipeline/stages.h"
+#include "reconstruction/pipeline/verdict_file.h"
 #include "sdk/core/files.h"
 
 namespace dpl {
@@ -17,10 +18,10 @@ std::string withoutLastBreak(const std::string& text) {
 
 /** Runs the stage body-map, tells what to film again, and writes OUT/verdict.json. */
 Result<MappedBody> mapAndTell(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
-                              Pictures& pictures, const ReconstructOptions& options) {
+                              Pictures& pictures) {
     DPL_TRY(MappedBody mapped, runBodyMap(run, ingested, body, surface, pictures));
     run.progress.note(withoutLastBreak(mapped.advice));
-    DPL_CHECK_OK(writeFileAtomically(options.out / "verdict.json", verdictJson(ingested, mapped)));
+    DPL_CHECK_OK(writeVerdict(run, ingested, mapped));
     return mapped;
 }
 
@@ -40,8 +41,9 @@ Result<T> runFromScan(const ReconstructOptions& options, Progress& progress,
             formatText("{} has {} stage folders of an earlier version ({} ...). Stages run anew; the old folders are kept, delete "
                        "them to free the space",
                        (options.out / "stages").string(), old.size(), old.front()));
-    DPL_TRY(const std::filesystem::path scan, scanToReconstruct(options, progress));
-    DPL_TRY(const IngestedScan ingested, runIngest(run, scan, options.models, options.persons, options.heightM));
+    const auto scan = scanToReconstruct(options, progress);
+    if (!scan) return refuse(run, {"import"}, scan.error());
+    DPL_TRY(const IngestedScan ingested, runIngest(run, *scan, options.models, options.persons, options.heightM));
     progress.note(withoutLastBreak(ingested.verdict));
     progress.note(ingested.validation);
     DPL_TRY(ChosenBody chosen, chooseBody(options.body, jobs));
@@ -57,7 +59,7 @@ Result<ReconstructResult> reconstructFrom(const StageRun& run, const IngestedSca
     const ReconstructResult paths{options.out / "avatar.glb", options.out / "poses.json", options.out / "report.html", "", {}};
     Pictures pictures(ingested.scan);
     DPL_TRY(const FittedSurface surface, runSurface(run, ingested, body, pictures));
-    DPL_TRY(const MappedBody mapped, mapAndTell(run, ingested, body, surface, pictures, options));
+    DPL_TRY(const MappedBody mapped, mapAndTell(run, ingested, body, surface, pictures));
     DPL_TRY(const DressedBody dressed, runGarments(run, ingested, body, surface, pictures, settings));
     DPL_TRY(const RegisteredPoses registered, runRegister(run, ingested, body, surface, pictures));
     DPL_TRY(const Training training, runCoOptimise(run, ingested, body, dressed, registered, pictures, settings));
@@ -98,8 +100,7 @@ Result<std::string> checkFilm(const ReconstructOptions& options, Progress& progr
                                         Pictures pictures(ingested.scan);
                                         DPL_TRY(const FittedSurface surface, runSurface(run, ingested, body, pictures));
                                         DPL_TRY(const MappedBody mapped, runBodyMap(run, ingested, body, surface, pictures));
-                                        const std::string verdict = verdictJson(ingested, mapped);
-                                        DPL_CHECK_OK(writeFileAtomically(options.out / "verdict.json", verdict));
+                                        DPL_CHECK_OK(writeVerdict(run, ingested, mapped));
                                         return mapped.advice;
                                     });
 }

@@ -118,7 +118,8 @@ Result<std::string> hashFile(const fs::path& path) {
     return hashBytes(bytes);
 }
 
-StageChain::StageChain(fs::path outFolder, Progress& progress) : stagesFolder_(std::move(outFolder) / "stages"), progress_(progress) {}
+StageChain::StageChain(fs::path outFolder, Progress& progress)
+    : outFolder_(std::move(outFolder)), stagesFolder_(outFolder_ / "stages"), progress_(progress) {}
 
 Result<StageOutput> StageChain::run(const std::string& name, uint32_t version, const json& inputs,
                                     const std::function<Status(StageContext&)>& work) {

@@ -53,6 +53,8 @@ public:
     Result<StageOutput> run(const std::string& name, uint32_t version, const nlohmann::json& inputs,
                             const std::function<Status(StageContext&)>& work);
 
+    const std::filesystem::path& outFolder() const { return outFolder_; }
+
     /** One record a stage, in the order of the runs. */
     const std::vector<StageRecord>& records() const { return records_; }
 
@@ -60,7 +62,7 @@ public:
     std::vector<std::string> numberedFolders() const;
 
 private:
-    std::filesystem::path stagesFolder_;
+    std::filesystem::path outFolder_, stagesFolder_;
     Progress& progress_;
     std::vector<StageRecord> records_;
 };

@@ -61,12 +61,6 @@ Status mapSurface(const StageRun& run, const IngestedScan& ingested, const Fitte
 
 }  // namespace
 
-std::string verdictJson(const IngestedScan& ingested, const MappedBody& mapped) {
-    ordered_json out = mapped.figures;
-    out["scan_check"] = ordered_json::parse(ingested.check, nullptr, /*allow_exceptions=*/false);
-    return out.dump(1, ' ', false, ordered_json::error_handler_t::replace) + "\n";
-}
-
 Result<MappedBody> runBodyMap(const StageRun& run, const IngestedScan& ingested, const FittedBody& body, const FittedSurface& surface,
                               Pictures& pictures) {
     const json inputs = {{"training", ingested.trainingHash}, {"surface", surface.key}};

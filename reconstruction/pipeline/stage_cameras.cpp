@@ -10,12 +10,14 @@
 #include "reconstruction/pipeline/cameras_file.h"
 #include "reconstruction/pipeline/scan_inputs.h"
 #include "reconstruction/pipeline/stages.h"
+#include "reconstruction/pipeline/verdict_file.h"
 #include "sdk/core/files.h"
 
 namespace dpl {
 namespace {
 
 using nlohmann::json;
+using nlohmann::ordered_json;
 
 SolveRole roleOf(const ScanFrame& frame) {
     if (frame.split == Split::Test) return SolveRole::HeldOut;
@@ -96,6 +98,7 @@ Status solve(const Scan& scan, double heightM, StageContext& context) {
     CameraVerdict verdict = judgeCameras(pictures, solved, {0, 1, 0}, {0, 0, 1});
     found.refused = verdict.refuses;
     found.sentences = std::move(verdict.sentences);
+    found.gaps = std::move(verdict.gaps);
     if (!found.refused) found.sentences.push_back(world);
     for (size_t f = 0; f < pictures.size(); ++f)
         if (const SolveOutcome& outcome = solved.pictures[f]; outcome.camera)
@@ -110,14 +113,19 @@ Status solve(const Scan& scan, double heightM, StageContext& context) {
 Result<Scan> runCameras(const StageRun& run, const Scan& scan, double statedM) {
     const double heightM = statedM > 0 ? statedM : scan.subjectHeightM;
     const json inputs = {{"scan", scanInputs(scan, hashFrames(scan))}, {"focal", scan.focalGuessPx}, {"height", heightM}};
-    DPL_TRY(const StageOutput stage,
-            run.chain.run("cameras", 1, inputs, [&](StageContext& context) { return solve(scan, heightM, context); }));
-    DPL_TRY(const FoundCameras found, readCamerasFile(stage.folder / "cameras.json"));
+    const auto stage = run.chain.run("cameras", 2, inputs, [&](StageContext& context) { return solve(scan, heightM, context); });
+    if (!stage) return refuse(run, {"cameras"}, stage.error());
+    DPL_TRY(const FoundCameras found, readCamerasFile(stage->folder / "cameras.json"));
     std::string text;
     for (const std::string& sentence : found.sentences) text += (text.empty() ? "" : "\n  ") + sentence;
-    if (found.refused)
-        return fail(Code::InvalidArgument, "the cameras of too few pictures were found:\n  {}\n  COLMAP's log: {}", text,
-                    (stage.folder / "colmap.log").string());
+    if (found.refused) {
+        Refusal refusal{"cameras", ordered_json::array()};
+        for (const CameraGap& gap : found.gaps)
+            refusal.filmAgain.push_back({{"topic", "cameras"}, {"part", gap.part}, {"sentence", gap.sentence}, {"frames", gap.frames}});
+        return refuse(run, refusal,
+                      fail(Code::InvalidArgument, "the cameras of too few pictures were found:\n  {}\n  COLMAP's log: {}", text,
+                           (stage->folder / "colmap.log").string()));
+    }
     run.progress.note(text);
     return withCameras(scan, found);
 }
@@ -125,7 +133,7 @@ Result<Scan> runCameras(const StageRun& run, const Scan& scan, double statedM) {
 Result<Scan> runCameraRepair(const StageRun& run, const Scan& scan) {
     if (!keypointsDoubtCameras(scan)) return scan;
     const json inputs = {{"scan", scanInputs(scan, hashFrames(scan))}, {"repair", true}};
-    DPL_TRY(const StageOutput stage, run.chain.run("cameras", 1, inputs, [&](StageContext& context) -> Status {
+    DPL_TRY(const StageOutput stage, run.chain.run("cameras", 2, inputs, [&](StageContext& context) -> Status {
         RepairSettings settings;
         settings.progress = [&](double fraction, std::string_view what) { context.progress.update(fraction, what); };
         settings.cancel = &context.progress.cancelFlag();

@@ -8,6 +8,7 @@
 #include "reconstruction/capture/validation.h"
 #include "reconstruction/pipeline/scan_inputs.h"
 #include "reconstruction/pipeline/stages.h"
+#include "reconstruction/pipeline/verdict_file.h"
 #include "sdk/core/files.h"
 
 namespace dpl {
@@ -25,6 +26,17 @@ std::string trainingHash(const IngestedScan& ingested) {
 std::string readText(const std::filesystem::path& path) {
     auto bytes = readFile(path, 64 << 20);
     return bytes ? std::string(bytes->begin(), bytes->end()) : std::string();
+}
+
+Error refuseByCheck(const StageRun& run, const IngestedScan& ingested) {
+    using nlohmann::ordered_json;
+    Refusal refusal{"ingest", ordered_json::array(), ordered_json::parse(ingested.check, nullptr, /*allow_exceptions=*/false)};
+    if (refusal.scanCheck.is_object() && refusal.scanCheck.contains("findings"))
+        for (const auto& finding : refusal.scanCheck["findings"])
+            if (finding.value("severity", "") == "refuse")
+                refusal.filmAgain.push_back(
+                    {{"topic", finding["topic"]}, {"sentence", finding["sentence"]}, {"frames", finding["frames"]}});
+    return refuse(run, refusal, fail(Code::InvalidArgument, "the scan is refused:\n{}", ingested.verdict));
 }
 
 /** A scan, with missing observations replaced by what the networks found in its pictures: files in `folder`. */
@@ -64,7 +76,9 @@ Result<ObservedScan> observed(const StageRun& run, const Scan& scan, const std::
 Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path& folder, const std::filesystem::path& models,
                                const std::vector<std::string>& persons, double heightM) {
     IngestedScan ingested;
-    DPL_TRY(ingested.scan, readScan(folder, ScanCameras::MayLack));
+    auto read = readScan(folder, ScanCameras::MayLack);
+    if (!read) return refuse(run, {"ingest"}, read.error());
+    ingested.scan = std::move(*read);
     std::filesystem::path observations;
     const std::filesystem::path networks = !models.empty() ? models : lacksObservations(ingested.scan) ? installedModels() : models;
     if (!networks.empty()) {
@@ -86,10 +100,11 @@ Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path&
     }
     const Scan& scan = ingested.scan;
     if (std::all_of(scan.frames.begin(), scan.frames.end(), [](const ScanFrame& frame) { return frame.keypointsPath.empty(); }))
-        return fail(Code::InvalidArgument,
-                    "{} brings no keypoints: run tools/models once, which fetches networks that find them, or add keypoints files "
-                    "(docs/formats/scan.md)",
-                    folder.string());
+        return refuse(run, {"ingest"},
+                      fail(Code::InvalidArgument,
+                           "{} brings no keypoints: run tools/models once, which fetches networks that find them, or add keypoints files "
+                           "(docs/formats/scan.md)",
+                           folder.string()));
     ingested.hashes = hashFrames(scan);
     DPL_TRY(const StageOutput stage,
             run.chain.run("ingest", 3, {{"scan", scanInputs(scan, ingested.hashes)}}, [&](StageContext& context) -> Status {
@@ -110,7 +125,7 @@ Result<IngestedScan> runIngest(const StageRun& run, const std::filesystem::path&
     if (!usable.is_object() || !usable.contains("usable") || usable["usable"].size() != scan.frames.size())
         return fail(Code::CorruptData, "{} is damaged; delete it and run again", (stage.folder / "usable.json").string());
     ingested.usable = usable["usable"].get<std::vector<bool>>();
-    if (usable.value("refused", false)) return fail(Code::InvalidArgument, "the scan is refused:\n{}", ingested.verdict);
+    if (usable.value("refused", false)) return refuseByCheck(run, ingested);
     ingested.validation = setValidationAside(ingested.scan, ingested.usable);
     ingested.trainingHash = trainingHash(ingested);
     return ingested;

@@ -136,9 +136,6 @@ Result<StageOutput> runReport(const StageRun& run, const IngestedScan& ingested,
                               const std::vector<EvidenceData>& decided, const Training& training, const Package& package,
                               const FoundPoses& found, const MappedBody& mapped, Pictures& pictures, const RunSettings& settings);
 
-/** What to film again and what the scan check found, as one JSON object: verdict.json. */
-std::string verdictJson(const IngestedScan& ingested, const MappedBody& mapped);
-
 /** Runs every stage after the body fit. Writes avatar.glb, poses.json and the report into options.out. */
 Result<ReconstructResult> reconstructFrom(const StageRun& run, const IngestedScan& ingested, const FittedBody& body,
                                           const ReconstructOptions& options);

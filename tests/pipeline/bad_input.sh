@@ -30,6 +30,13 @@ copy; rm "bad/$image"
 refuses "missing image" "$(basename "$image" .jpg)" "$doppel" reconstruct bad -o out
 copy; truncate -s 900 "bad/$image"
 refuses "truncated JPEG" "$(basename "$image" .jpg)" "$doppel" reconstruct bad -o out
+python3 - "$(basename "$image" .jpg)" <<'P' || { echo "FAILED: verdict.json of a refused scan" >&2; failures=$((failures + 1)); }
+import json, sys
+verdict = json.load(open("out/verdict.json"))
+assert verdict["refused"]["stage"] == "ingest" and "REFUSE" in verdict["refused"]["reason"], verdict["refused"]
+assert [(shot["topic"], shot["frames"]) for shot in verdict["film_again"]] == [("files", [sys.argv[1]])], verdict["film_again"]
+assert verdict["scan_check"]["verdict"] == "REFUSE"
+P
 copy; python3 - <<'P'
 import json
 scan = json.load(open("bad/scan.json"))
@@ -46,6 +53,7 @@ P
 refuses "absent camera" "scan.json" "$doppel" reconstruct bad -o out
 copy; head -c 500 scan/scan.json >bad/scan.json
 refuses "truncated scan.json" "scan.json" "$doppel" reconstruct bad -o out
+grep -q '"reason": "[^"]*bad/scan.json: not valid JSON' out/verdict.json || { echo "FAILED: verdict.json of an unreadable scan" >&2; failures=$((failures + 1)); }
 refuses "no such scan" "nowhere" "$doppel" reconstruct nowhere -o out
 python3 - <<'P'
 # One triangle as a glTF binary, with neither skin nor weights.

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Plays COLMAP for tests: the mapper answers with the true cameras of a scan, in a world of another origin and scale.
 
-Environment: FAKE_COLMAP_SCAN, the folder of a scan.json with cameras. Other commands than `mapper` do nothing.
+Environment: FAKE_COLMAP_SCAN, the folder of a scan.json with cameras; FAKE_COLMAP_PLACES, how many pictures it places at most. Other
+commands than `mapper` do nothing.
 """
 import json
 import math
@@ -24,7 +25,7 @@ def quaternion(r):
 
 def write_model(scan, images, out):
     manifest = json.loads((scan / "scan.json").read_text(encoding="utf-8"))
-    asked = {path.name for path in images.iterdir()}
+    asked = set(sorted(path.name for path in images.iterdir())[:int(os.environ.get("FAKE_COLMAP_PLACES", "1000"))])
     lines = []
     for frame in manifest["frames"]:
         camera, name = frame["camera"], frame["name"] + pathlib.Path(frame["image"]).suffix

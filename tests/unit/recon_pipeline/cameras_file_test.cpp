@@ -27,6 +27,7 @@ FoundCameras someFound() {
     found.lens = {-0.02, 0};
     found.metric = true;
     found.sentences = {"three", "of three"};
+    found.gaps = {{"the left side", "film the left side again", {"full_7", "full_8"}}};
     return found;
 }
 
@@ -43,6 +44,10 @@ TEST(CamerasFile, roundTrip) {
     EXPECT_TRUE(read->metric);
     EXPECT_FALSE(read->refused);
     EXPECT_EQ(read->sentences, found.sentences);
+    ASSERT_EQ(read->gaps.size(), 1u);
+    EXPECT_EQ(read->gaps[0].part, "the left side");
+    EXPECT_EQ(read->gaps[0].sentence, "film the left side again");
+    EXPECT_EQ(read->gaps[0].frames, found.gaps[0].frames);
     const CameraError error = cameraError(read->cameras[1].camera, found.cameras[1].camera, {});
     EXPECT_LT(error.eye + error.rotationRad, 1e-12);
 }
@@ -57,7 +62,7 @@ TEST(CamerasFile, damagedFilesAreRefused) {
     };
     const std::string text = good.dump();
     for (size_t length = 0; length < text.size(); length += 7) EXPECT_TRUE(refused(text.substr(0, length))) << length;
-    for (const char* key : {"lens", "metric", "refused", "sentences", "frames"}) {
+    for (const char* key : {"lens", "metric", "refused", "sentences", "gaps", "frames"}) {
         nlohmann::json broken = good;
         broken.erase(key);
         EXPECT_TRUE(refused(broken.dump())) << key;
