@@ -12,33 +12,51 @@ namespace dpl {
 namespace {
 
 constexpr int kMaxTracks = 300;
-constexpr double kTrackErrorPx = 0.5;   // forward and backward tracking must agree to this
-constexpr double kEpipolarPx = 1.0;     // a static point lies this near to its epipolar line
-constexpr double kRestPx = 0.7;         // below this median motion the camera rests, and epipolar lines mean nothing
-constexpr size_t kFewestTracks = 16;    // the epipolar fit needs 8
-constexpr double kMovingPose = 0.0003;  // mean pose change a frame, shares of the diagonal: between swaying and gestures
-constexpr double kClearChange = 2.5;    // ratio of pose change between the moving and the still part
+constexpr double kTrackErrorPx = 0.5;  // forward and backward tracking must agree to this
+constexpr size_t kStepFrames = 3;      // motion is measured over this many: it grows with them, the error of tracks does not
+constexpr double kFewFollowed = 0.4;   // of the features: with fewer, frames lie too far apart
+constexpr double kFarApart = 0.007;    // so do frames with more camera motion: a slow walk has a third of it
+constexpr double kFitPx = 1.0;         // tracks this near to a homography or to their epipolar lines agree with it
+constexpr double kMoverPx = 2.0;       // tracks farther off move by themselves
+// So many tracks on one homography that moves by less than this part of the diagonal: the camera rests, and epipolar lines mean nothing.
+constexpr double kRestShare = 0.75, kRestMotion = 0.003;
+constexpr size_t kFewestTracks = 16;                          // the epipolar fit needs 8
+constexpr size_t kBackFrames = 42;                            // 3.5 s: a slow walk turns the room by 20 degrees meanwhile
+constexpr size_t kBackEvery = 4;                              // frames
+constexpr double kStayShare = 0.15;                           // of the diagonal: features of a resting camera stay within this
+constexpr double kStayFit = 0.01;                             // of the diagonal: sway of a hand bends the picture by less
+constexpr double kRests = 0.5;                                // share of features that stay
+constexpr double kTripod = 0.0001;                            // camera motion a frame; a hand sways by five times as much
+constexpr double kMovingPose = 0.00033;                       // pose change a frame that counts as moving in full, shares of the diagonal
+constexpr double kMovingWhole = 0.5;                          // liveliness of a video that moves as a whole
+constexpr double kClearRatio = 1.7, kClearDifference = 0.25;  // of liveliness between the moving and the still part
 constexpr double kShortestPartS = 2;
 constexpr double kOffCentrePenalty = 0.3;
 
 struct Tracks {
     std::vector<cv::Point2f> from, to;
+    size_t tried = 0;  // features that were looked for
 };
 
-Tracks track(const cv::Mat& before, const cv::Mat& now) {
-    std::vector<cv::Point2f> from, to, back;
-    cv::goodFeaturesToTrack(before, from, kMaxTracks, 0.01, 5);
-    if (from.empty()) return {};
+/** Follows corners of the first picture through the others, picture by picture, so that fast limbs are not lost. */
+Tracks track(std::span<const cv::Mat> pictures) {
+    std::vector<cv::Point2f> from, at, next, back;
+    cv::goodFeaturesToTrack(pictures.front(), from, kMaxTracks, 0.01, 5);
+    Tracks tracks;
+    tracks.tried = from.size();
+    at = from;
     std::vector<uint8_t> found, foundBack;
     std::vector<float> error;
-    cv::calcOpticalFlowPyrLK(before, now, from, to, found, error);
-    cv::calcOpticalFlowPyrLK(now, before, to, back, foundBack, error);
-    Tracks tracks;
-    for (size_t i = 0; i < from.size(); ++i)
-        if (found[i] && foundBack[i] && cv::norm(back[i] - from[i]) < kTrackErrorPx) {
-            tracks.from.push_back(from[i]);
-            tracks.to.push_back(to[i]);
-        }
+    for (size_t p = 1; p < pictures.size() && !from.empty(); ++p) {
+        cv::calcOpticalFlowPyrLK(pictures[p - 1], pictures[p], at, next, found, error);
+        cv::calcOpticalFlowPyrLK(pictures[p], pictures[p - 1], next, back, foundBack, error);
+        size_t kept = 0;
+        for (size_t i = 0; i < from.size(); ++i)
+            if (found[i] && foundBack[i] && cv::norm(back[i] - at[i]) < kTrackErrorPx) from[kept] = from[i], next[kept++] = next[i];
+        from.resize(kept), next.resize(kept);
+        at.swap(next);
+    }
+    tracks.from = std::move(from), tracks.to = std::move(at);
     return tracks;
 }
 
@@ -49,29 +67,72 @@ double medianOf(std::vector<double> values) {
 }
 
 /** Pixels by which each track differs from the motion of a static scene. */
-std::vector<double> unexplained(const Tracks& tracks, double medianPx, cv::Point2f median) {
-    std::vector<double> residual(tracks.from.size());
+std::vector<double> unexplained(const Tracks& tracks, double medianPx, double diagonal) {
+    cv::setRNGSeed(1);  // RANSAC of the same frames gives the same answer
+    std::vector<uint8_t> onPlane;
+    const cv::Mat flat = cv::findHomography(tracks.from, tracks.to, cv::RANSAC, kFitPx, onPlane);
+    const bool rests =
+        flat.rows == 3 && medianPx < kRestMotion * diagonal && double(cv::countNonZero(onPlane)) >= kRestShare * double(tracks.from.size());
     cv::Mat f;
-    if (medianPx >= kRestPx) {
-        cv::setRNGSeed(1);  // RANSAC of the same frames gives the same answer
-        f = cv::findFundamentalMat(tracks.from, tracks.to, cv::FM_RANSAC, kEpipolarPx, 0.99);
+    if (!rests) {
+        cv::setRNGSeed(1);
+        f = cv::findFundamentalMat(tracks.from, tracks.to, cv::FM_RANSAC, kFitPx, 0.999);
     }
+    std::vector<double> residual(tracks.from.size(), 0);
     for (size_t i = 0; i < residual.size(); ++i) {
-        const cv::Point2f a = tracks.from[i], b = tracks.to[i];
-        if (f.rows != 3 || f.cols != 3) {
-            residual[i] = cv::norm(b - a - median);
-            continue;
+        const cv::Vec3d a(tracks.from[i].x, tracks.from[i].y, 1), b(tracks.to[i].x, tracks.to[i].y, 1);
+        if (f.rows == 3 && f.cols == 3) {
+            const cv::Vec3d line = cv::Matx33d(f) * a;
+            residual[i] = std::abs(line.dot(b)) / std::max(std::hypot(line[0], line[1]), 1e-12);
+        } else if (flat.rows == 3) {
+            const cv::Vec3d p = cv::Matx33d(flat) * a;
+            if (std::abs(p[2]) > 1e-12) residual[i] = std::hypot(p[0] / p[2] - b[0], p[1] / p[2] - b[1]);
         }
-        const cv::Vec3d line = cv::Matx33d(f) * cv::Vec3d(a.x, a.y, 1);
-        residual[i] = std::abs(line.dot(cv::Vec3d(b.x, b.y, 1))) / std::max(std::hypot(line[0], line[1]), 1e-12);
     }
     return residual;
 }
 
-/** Mean pose change before each index: prefix[i] is the sum over frames [0, i). */
-std::vector<double> prefixOfPose(std::span<const FrameMotion> frames) {
-    std::vector<double> prefix(frames.size() + 1, 0);
-    for (size_t i = 0; i < frames.size(); ++i) prefix[i + 1] = prefix[i] + frames[i].poseChange;
+/** Share of a frame's features that are found near their place in another frame, moved by one homography. */
+double stayedShare(const cv::Mat& before, const cv::Mat& now) {
+    const double diagonal = std::hypot(double(now.cols), double(now.rows));
+    const cv::Mat both[] = {before, now};
+    const Tracks tracks = track(both);
+    if (tracks.from.size() < kFewestTracks) return 0;
+    cv::setRNGSeed(1);
+    std::vector<uint8_t> agrees;
+    if (cv::findHomography(tracks.from, tracks.to, cv::RANSAC, kStayFit * diagonal, agrees).rows != 3) return 0;
+    size_t stay = 0;
+    for (size_t i = 0; i < tracks.from.size(); ++i) stay += agrees[i] && cv::norm(tracks.to[i] - tracks.from[i]) < kStayShare * diagonal;
+    return double(stay) / double(tracks.tried);
+}
+
+/** The mean of the known ones takes the place of values that are not known. */
+void fillUnknown(std::vector<double>& values) {
+    double sum = 0, known = 0;
+    for (double value : values)
+        if (value >= 0) sum += value, ++known;
+    for (double& value : values)
+        if (value < 0) value = known > 0 ? sum / known : 0;
+}
+
+/** How much each frame looks like one of a moving part: 1 for a fast change of pose, 1 for a resting camera. */
+std::vector<double> liveliness(std::span<const FrameMotion> frames) {
+    std::vector<double> pose, rest;
+    for (size_t i = 0; i < frames.size(); ++i) {
+        pose.push_back(frames[i].followed ? std::min(1.0, frames[i].poseChange / kMovingPose) : -1);
+        // What a frame shares with one long before says most about the moment between them.
+        const size_t later = i + kBackFrames / 2;
+        const double stayed = later < frames.size() ? frames[later].stayed : -1;
+        rest.push_back(stayed < 0 ? -1 : stayed >= kRests ? 1 : 0);
+    }
+    fillUnknown(pose), fillUnknown(rest);
+    for (size_t i = 0; i < frames.size(); ++i) pose[i] += rest[i];
+    return pose;
+}
+
+std::vector<double> prefixSums(const std::vector<double>& values) {
+    std::vector<double> prefix(values.size() + 1, 0);
+    for (size_t i = 0; i < values.size(); ++i) prefix[i + 1] = prefix[i] + values[i];
     return prefix;
 }
 
@@ -86,33 +147,50 @@ FrameMotion MotionMeter::add(std::span<const uint8_t> grey, double timeS) {
     cv::Scalar mean, deviation;
     cv::meanStdDev(laplacian, mean, deviation);
     motion.sharpness = deviation[0] * deviation[0];
-    if (!previous_.empty()) {
-        const cv::Mat before(int(heightPx_), int(widthPx_), CV_8U, previous_.data());
-        const Tracks tracks = track(before, now);
-        if (tracks.from.size() >= kFewestTracks) {
-            const double diagonal = std::hypot(double(widthPx_), double(heightPx_));
-            std::vector<double> dx, dy, length;
-            for (size_t i = 0; i < tracks.from.size(); ++i) {
-                const cv::Point2f d = tracks.to[i] - tracks.from[i];
-                dx.push_back(d.x), dy.push_back(d.y), length.push_back(cv::norm(d));
-            }
-            const double medianPx = medianOf(length);
-            const cv::Point2f median(float(medianOf(dx)), float(medianOf(dy)));
-            double sum = 0;
-            for (double residual : unexplained(tracks, medianPx, median))
-                if (residual > kEpipolarPx) sum += std::min(residual, 0.1 * diagonal);
-            motion.cameraMotion = medianPx / diagonal;
-            motion.poseChange = sum / double(tracks.from.size()) / diagonal;
+    const auto back = [&](size_t frames) { return cv::Mat(int(heightPx_), int(widthPx_), CV_8U, before_[before_.size() - frames].data()); };
+    if (!before_.empty()) {
+        size_t step = std::min(kStepFrames, before_.size());
+        std::vector<cv::Mat> pictures;
+        for (size_t k = step; k > 0; --k) pictures.push_back(back(k));
+        pictures.push_back(now);
+        Tracks tracks = track(pictures);
+        motion.followed = double(tracks.from.size()) >= kFewFollowed * double(tracks.tried) && tracks.from.size() >= kFewestTracks;
+        if (!motion.followed && step > 1) {
+            step = 1;
+            tracks = track(std::span(pictures).last(2));
         }
+        if (tracks.from.size() >= kFewestTracks) {
+            const double diagonal = std::hypot(double(widthPx_), double(heightPx_)), unit = diagonal * double(step);
+            std::vector<double> length;
+            for (size_t i = 0; i < tracks.from.size(); ++i) length.push_back(cv::norm(tracks.to[i] - tracks.from[i]));
+            const double medianPx = medianOf(length);
+            double sum = 0;
+            for (double residual : unexplained(tracks, medianPx, diagonal))
+                if (residual > kMoverPx) sum += std::min(residual, 0.1 * diagonal);
+            motion.cameraMotion = medianPx / unit;
+            motion.followed = motion.followed && motion.cameraMotion < kFarApart;
+            motion.poseChange = sum / double(tracks.from.size()) / unit;
+        }
+        if (before_.size() == kBackFrames && count_ % kBackEvery == 0) stayed_ = stayedShare(back(kBackFrames), now);
     }
-    previous_.assign(grey.begin(), grey.end());
+    motion.stayed = stayed_;
+    ++count_;
+    before_.emplace_back(grey.begin(), grey.end());
+    if (before_.size() > kBackFrames) before_.pop_front();
     return motion;
 }
 
 StillAndMoving splitByMotion(std::span<const FrameMotion> frames) {
     const size_t count = frames.size();
     const FrameSpan all{0, count};
-    const std::vector<double> prefix = prefixOfPose(frames);
+    const auto share = [&](auto test) {
+        return double(std::count_if(frames.begin(), frames.end(), test)) / double(std::max<size_t>(1, count));
+    };
+    if (share([](const FrameMotion& f) { return f.followed; }) < 0.5) return {all, {}, false, false};
+    const bool stays = share([](const FrameMotion& f) { return f.stayed >= kRests; }) > 0 &&
+                       share([](const FrameMotion& f) { return f.stayed >= 0 && f.stayed < kRests; }) == 0;
+    if (stays || share([](const FrameMotion& f) { return f.cameraMotion < kTripod; }) > 0.8) return {{}, all, true};
+    const std::vector<double> prefix = prefixSums(liveliness(frames));
     const auto meanOf = [&](size_t begin, size_t end) { return (prefix[end] - prefix[begin]) / double(std::max<size_t>(end - begin, 1)); };
     // The split that explains most variance: it maximises n1 n2 (mean1 − mean2)².
     size_t best = 0;
@@ -123,12 +201,13 @@ StillAndMoving splitByMotion(std::span<const FrameMotion> frames) {
         const double gain = double(i) * double(count - i) * difference * difference;
         if (gain > most) most = gain, best = i;
     }
+    const auto isClear = [](double moving, double still) { return moving > kClearRatio * still && moving - still > kClearDifference; };
     if (best > 0) {
         const double first = meanOf(0, best), second = meanOf(best, count);
-        if (second > kClearChange * first && second > kMovingPose) return {{0, best}, {best, count}};
-        if (first > kClearChange * second && first > kMovingPose) return {{best, count}, {0, best}};
+        if (isClear(second, first)) return {{0, best}, {best, count}};
+        if (isClear(first, second)) return {{best, count}, {0, best}};
     }
-    return meanOf(0, count) > kMovingPose ? StillAndMoving{{}, all} : StillAndMoving{all, {}};
+    return meanOf(0, count) > kMovingWhole ? StillAndMoving{{}, all} : StillAndMoving{all, {}};
 }
 
 std::vector<size_t> chooseFrames(std::span<const FrameMotion> frames, FrameSpan span, size_t count, bool withPose) {

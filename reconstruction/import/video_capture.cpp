@@ -132,7 +132,17 @@ private:
             return formatText("{} to {} s", tenths(analysis.frames[s.begin].timeS), tenths(analysis.frames[s.end - 1].timeS));
         };
         const std::string name = path.filename().string();
-        if (parts.still.end == parts.still.begin)
+        if (!parts.followed)
+            notes_.push_back(
+                formatText("{}: its frames lie too far apart to tell a still subject from a moving one, so all count as still; cut the "
+                           "video and use --static and --motion",
+                           name));
+        else if (parts.cameraRests)
+            notes_.push_back(
+                formatText("{}: the camera rests all the time, so all of it counts as motion. The shape needs a walk round a "
+                           "subject that stands still",
+                           name));
+        else if (parts.still.end == parts.still.begin)
             notes_.push_back(
                 formatText("{}: the subject moves all the time. A walk round a subject that stands still makes a better scan", name));
         else if (parts.moving.end == parts.moving.begin)

@@ -40,6 +40,14 @@ void writePolycam(const fs::path& root, const char* prefix = "") {
     }
 }
 
+/** Writes a Polycam capture, to be imported into folder/scan. */
+ImportOptions polycamImport(const TemporaryFolder& folder) {
+    writePolycam(folder.path / "poly");
+    ImportOptions options;
+    options.source = folder.path / "poly", options.out = folder.path / "scan";
+    return options;
+}
+
 TEST(Layouts, polycamIsTurnedUpright) {
     TemporaryFolder folder;
     writePolycam(folder.path / "poly");
@@ -222,10 +230,7 @@ TEST(Layouts, outputsInUseAndScansAreRefused) {
 
 TEST(Layouts, stoppingLeavesNothing) {
     TemporaryFolder folder;
-    writePolycam(folder.path / "poly");
-    ImportOptions options;
-    options.source = folder.path / "poly";
-    options.out = folder.path / "scan";
+    const ImportOptions options = polycamImport(folder);
     int calls = 0;
     const auto stopped = importCapture(options, nullptr, [&](double, const std::string&) { return ++calls < 5; });
     ASSERT_FALSE(stopped);
@@ -236,10 +241,7 @@ TEST(Layouts, stoppingLeavesNothing) {
 
 TEST(Layouts, heightIsKeptInTheScan) {
     TemporaryFolder folder;
-    writePolycam(folder.path / "poly");
-    ImportOptions options;
-    options.source = folder.path / "poly";
-    options.out = folder.path / "scan";
+    ImportOptions options = polycamImport(folder);
     options.heightM = 1.74;
     ASSERT_TRUE(importCapture(options, nullptr, {}));
     EXPECT_EQ(readScan(folder.path / "scan")->subjectHeightM, 1.74);
