@@ -40,17 +40,6 @@ double spreadOf(std::span<const Camerad> cameras) {
     return std::max(1e-9, std::sqrt(square));
 }
 
-std::vector<size_t> nearestTo(const Camerad& camera, std::span<const Camerad> cameras, size_t count) {
-    const double spread = spreadOf(cameras);
-    std::vector<size_t> order(cameras.size());
-    std::iota(order.begin(), order.end(), size_t(0));
-    std::vector<double> distance;
-    for (const Camerad& other : cameras) distance.push_back(viewDistance(camera, other, spread));
-    std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return distance[a] < distance[b]; });
-    order.resize(std::min(order.size(), count));
-    return order;
-}
-
 /** Distance of pixel `b` from the line on which camera B shows the ray through pixel `a` of camera A, px. */
 double lineDistance(const Camerad& cameraA, const Vec2d& a, const Camerad& cameraB, const Vec2d& b) {
     const Ray ray = pixelRay(cameraA, a);
@@ -158,6 +147,17 @@ std::optional<PlacedCamera> placeFrom(const std::map<uint32_t, uint32_t>& points
 
 }  // namespace
 
+std::vector<size_t> nearestTo(const Camerad& camera, std::span<const Camerad> cameras, size_t count) {
+    const double spread = spreadOf(cameras);
+    std::vector<size_t> order(cameras.size());
+    std::iota(order.begin(), order.end(), size_t(0));
+    std::vector<double> distance;
+    for (const Camerad& other : cameras) distance.push_back(viewDistance(camera, other, spread));
+    std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return distance[a] < distance[b]; });
+    order.resize(std::min(order.size(), count));
+    return order;
+}
+
 std::vector<std::pair<uint32_t, uint32_t>> nearPairs(std::span<const Camerad> cameras, size_t nearest) {
     std::set<std::pair<uint32_t, uint32_t>> pairs;
     for (size_t i = 0; i < cameras.size(); ++i)
@@ -180,7 +180,10 @@ Result<Tracks> findTracks(std::span<const StillPicture> pictures, const LensDist
     out.seen.resize(pictures.size()), out.pointOfSeen.resize(pictures.size());
     Joined joined(first.back());
     std::vector<double> misses;
-    const auto pairs = nearPairs(out.scene.cameras, settings.nearest);
+    auto pairs = nearPairs(out.scene.cameras, settings.nearest);
+    pairs.insert(pairs.end(), settings.morePairs.begin(), settings.morePairs.end());
+    std::sort(pairs.begin(), pairs.end());
+    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
     for (size_t i = 0; i < pairs.size(); ++i) {
         const auto [a, b] = pairs[i];
         for (const FeatureMatch& match : matchFeatures(pictures[a].features, pictures[b].features)) {

@@ -19,11 +19,15 @@ struct StillPicture {
     Features features;
 };
 
+/** The `count` cameras that probably see most of what `camera` sees, by direction of view and place. */
+std::vector<size_t> nearestTo(const Camerad& camera, std::span<const Camerad> cameras, size_t count);
+
 /** Pairs of cameras that probably see the same: each with its `nearest` nearest by direction of view and place. First index < second. */
 std::vector<std::pair<uint32_t, uint32_t>> nearPairs(std::span<const Camerad> cameras, size_t nearest);
 
 struct TrackSettings {
-    size_t nearest = 5;     // pictures that each is matched with
+    size_t nearest = 5;                                    // pictures that each is matched with
+    std::vector<std::pair<uint32_t, uint32_t>> morePairs;  // pictures that are matched besides; first < second
     double epipolarPx = 3;  // matches farther than this from each other's epipolar line are wrong. Above the error of the cameras
     double missPx = 6;      // a triangulated point misses none of its features by more
     std::function<bool(double fraction)> progress;  // false stops; may be empty

@@ -21,6 +21,10 @@ constexpr double kRepairMargin = 0.008;  // the person's mask grows by this part
 // Matches of doubtful cameras may miss by this part of the diagonal, those of adjusted ones by the second. A focal length a fifth off moves
 // the corner of a picture by a tenth of the diagonal.
 constexpr double kDoubtfulGate = 0.06, kAdjustedGate = 0.006;
+constexpr size_t kFullViewsOfCloseup = 20;
+// Of the diagonal, for the second adjustment: misses far above the first count little, and those above the second no longer. With coarser
+// ones wrong matches move close-ups, which show little of the background.
+constexpr double kAdjustedLoss = 0.0005, kAdjustedOutlier = 0.0016;
 constexpr size_t kFewestMatches = 40;    // per picture, in the median
 constexpr double kGoodMiss = 0.0016;     // of the diagonal; matches of right cameras miss by about half of that
 constexpr size_t kFewestKeypoints = 20;  // fewer tell nothing
@@ -71,7 +75,7 @@ public:
         DPL_TRY(Tracks tracks, findTracks(pictures_, scan_.frames[stills_[0]].lens, tracking));
         if (percentile(tracks.matchesOfPicture, 0.5) < kFewestMatches)
             return said("the pictures have too few matches to check the cameras by");
-        DPL_TRY(const bool solved, adjust(tracks.scene, kDoubtfulGate / 2 * diagonalPx(first)));
+        DPL_TRY(const bool solved, adjust(tracks.scene, 1, kDoubtfulGate / 2 * diagonalPx(first)));
         if (!solved) return said("the pictures have too few matches to check the cameras by");
         out_.missBeforePx = end_.missBeforePx;
         out_.focalFactor = end_.focalFactor;
@@ -79,7 +83,7 @@ public:
         tracking = trackSettings(kAdjustedGate * diagonalPx(first));
         const LensDistortion lens = tracks.scene.lens;
         DPL_TRY(tracks, findTracks(pictures_, lens, tracking));
-        DPL_TRY(const bool again, adjust(tracks.scene, kAdjustedGate * diagonalPx(first)));
+        DPL_TRY(const bool again, adjust(tracks.scene, kAdjustedLoss * diagonalPx(first), kAdjustedOutlier * diagonalPx(first)));
         if (!again) return said("the adjusted cameras have too few matches, so they were not taken");
         out_.missAfterPx = end_.missAfterPx;
         out_.focalFactor *= end_.focalFactor;
@@ -109,10 +113,26 @@ private:
         if (settings_.progress) settings_.progress(fraction, what);
     }
 
+    /** Close-ups see little of the background, and their neighbours see the same little: each is matched with many full views as well. */
+    std::vector<std::pair<uint32_t, uint32_t>> closeupPairs() const {
+        std::vector<Camerad> full;
+        std::vector<uint32_t> which;
+        for (size_t i = 0; i < stills_.size(); ++i)
+            if (scan_.frames[stills_[i]].kind == FrameKind::StaticFull) full.push_back(pictures_[i].camera), which.push_back(uint32_t(i));
+        std::vector<std::pair<uint32_t, uint32_t>> pairs;
+        for (size_t i = 0; i < stills_.size(); ++i) {
+            if (scan_.frames[stills_[i]].kind != FrameKind::StaticCloseup) continue;
+            for (const size_t j : nearestTo(pictures_[i].camera, full, kFullViewsOfCloseup))
+                pairs.emplace_back(std::min(uint32_t(i), which[j]), std::max(uint32_t(i), which[j]));
+        }
+        return pairs;
+    }
+
     TrackSettings trackSettings(double gatePx) const {
         TrackSettings settings;
         settings.epipolarPx = gatePx;
         settings.missPx = 3 * gatePx;
+        settings.morePairs = closeupPairs();
         settings.progress = [this](double) { return !cancelled(); };
         return settings;
     }
@@ -135,10 +155,10 @@ private:
     }
 
     /** False: the scene says too little. */
-    Result<bool> adjust(BundleScene& scene, double outlierPx) {
+    Result<bool> adjust(BundleScene& scene, double lossPx, double outlierPx) {
         BundleSettings settings;
         settings.findFocal = settings.findLens = true;
-        settings.outlierPx = outlierPx;
+        settings.lossPx = lossPx, settings.outlierPx = outlierPx;
         settings.cancel = settings_.cancel;
         auto end = adjustBundle(scene, settings);
         if (end) end_ = std::move(*end);

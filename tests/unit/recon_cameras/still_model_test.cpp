@@ -62,6 +62,21 @@ TEST(StillModel, pointsLieWhereTheyAre) {
     for (const uint32_t matches : tracks->matchesOfPicture) EXPECT_GT(matches, 100u);
 }
 
+TEST(StillModel, farPicturesAreMatchedWhenAsked) {
+    const Room room(0);
+    TrackSettings settings;
+    settings.nearest = 1;
+    const auto few = findTracks(room.stills, kLens, settings);
+    settings.morePairs = {{0, 2}, {0, 12}, {0, 1}};  // the last is matched anyway, and only once
+    const auto more = findTracks(room.stills, kLens, settings);
+    ASSERT_TRUE(few && more);
+    EXPECT_GT(more->matchesOfPicture[0], few->matchesOfPicture[0] + 60);
+    EXPECT_GT(more->matchesOfPicture[2], few->matchesOfPicture[2] + 30);
+    EXPECT_GT(more->matchesOfPicture[12], few->matchesOfPicture[12] + 30);
+    EXPECT_EQ(more->matchesOfPicture[4], few->matchesOfPicture[4]);
+    EXPECT_EQ(more->matchesOfPicture[1], few->matchesOfPicture[1]);
+}
+
 TEST(StillModel, pictureIsPlacedDespiteWrongMatches) {
     const Room room(0.1);
     const auto tracks = findTracks(room.stills, kLens, {});
