@@ -69,7 +69,7 @@ Result<std::vector<CloseupMask>> checkCloseupMasks(const Scan& scan, const std::
                 closeup.agreement = overlap(drawn, mask);
             }
             closeup.certainty = overlap(drawHull(hulls.sure, frame.camera), drawHull(hulls.possible, frame.camera));
-            closeup.contradicted = closeup.agreement < closeup.certainty - priors::kCloseupSlack;
+            closeup.contradicted = closeup.agreement < std::max(closeup.certainty, priors::kHullCertainty) - priors::kCloseupSlack;
             if (!closeup.contradicted || closeup.certainty < priors::kHullCertainty) return {};
             DPL_TRY(const ImageRgb8 image, readFrameImage(frame));
             const double nearest = hull.nearestDepthM(frame.camera);

@@ -61,8 +61,9 @@ public:
     Result<std::vector<SeenPerson>> people(const ImageRgb8& image);
 
     /** `mask` may be null. `start`: where the person is; null: the mask's box, or the whole picture. When no person is found, personScore
-     *  is below 0.5 and every confidence is 0. */
-    Result<Observation> observe(const ImageRgb8& image, const ImageGrey8* mask, const PersonCrop* start = nullptr);
+     *  is below 0.5 and every confidence is 0. `closeup`: the picture shows a part of the person, whom the network of close-ups finds
+     *  where the pose network does not. */
+    Result<Observation> observe(const ImageRgb8& image, const ImageGrey8* mask, const PersonCrop* start = nullptr, bool closeup = false);
 
 private:
     struct State;

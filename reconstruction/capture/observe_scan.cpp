@@ -77,7 +77,7 @@ Status observeFrame(Observer& observer, const ScanFrame& frame, const Wanted& wa
     if (!frame.maskPath.empty()) {
         DPL_TRY(mask, readFrameMask(stored));
     }
-    DPL_TRY(const Observation seen, observer.observe(image, mask ? &*mask : nullptr, start));
+    DPL_TRY(const Observation seen, observer.observe(image, mask ? &*mask : nullptr, start, frame.kind == FrameKind::StaticCloseup));
     const FramePaths paths(output, frame);
     if (want.keypoints) DPL_CHECK_OK(writeKeypoints(paths.keypoints, frame, seen.keypoints));
     if (want.mask) DPL_CHECK_OK(writePng(paths.mask, seen.mask));

@@ -16,7 +16,7 @@
 namespace dpl {
 namespace {
 
-constexpr int kPoseSide = 256, kParserSide = 512;
+constexpr int kPoseSide = 256, kParserSide = 512, kSelfieSide = 256;
 constexpr int kCropRounds = 3;
 constexpr size_t kMostPeople = 6;   // that the pose network looks at in a picture
 constexpr double kConfirmed = 0.5;  // of a person
@@ -101,7 +101,7 @@ PersonBox boxOf(const Pose& pose) {
 
 struct Observer::State {
     OnnxNet pose;
-    std::optional<OnnxNet> parser, detector;
+    std::optional<OnnxNet> parser, detector, selfie;
 
     /** The pose in one crop, which the network sees mirrored if told so. */
     Result<Pose> lookAt(const ImageRgb8& image, const PersonCrop& crop, bool mirrored) {
@@ -168,6 +168,27 @@ struct Observer::State {
         return mask;
     }
 
+    /** The mask of a picture of a part of a person, 0 … 1: Selfie Segmentation on the whole picture and its mirror image. */
+    Result<cv::Mat> closeupMask(const ImageRgb8& image) {
+        const cv::Mat source(int(image.heightPx), int(image.widthPx), CV_8UC3, const_cast<uint8_t*>(image.pixels.data()));
+        ImageRgb8 small{uint32_t(kSelfieSide), uint32_t(kSelfieSide), std::vector<uint8_t>(size_t(3) * kSelfieSide * kSelfieSide)};
+        cv::Mat squeezed(kSelfieSide, kSelfieSide, CV_8UC3, small.pixels.data());
+        cv::resize(source, squeezed, squeezed.size(), 0, 0, cv::INTER_AREA);
+        const PersonCrop whole{Vec2d(kSelfieSide / 2.0), double(kSelfieSide), 0};
+        std::vector<float> input = cropToTensor(small, whole, kSelfieSide, {0, 0, 0}, {1, 1, 1});
+        cv::Mat mean = cv::Mat::zeros(kSelfieSide, kSelfieSide, CV_32F);
+        for (const bool mirrored : {false, true}) {
+            if (mirrored) mirrorRows(input, kSelfieSide);
+            DPL_TRY(auto outputs, selfie->run(input, kSelfieSide));
+            if (outputs.size() != 1 || outputs[0].data.size() != size_t(kSelfieSide) * kSelfieSide)
+                return fail(Code::Unsupported, "selfie_seg.onnx has other outputs than Selfie Segmentation; run tools/models again");
+            if (mirrored) mirrorRows(outputs[0].data, kSelfieSide);
+            mean += 0.5 * cv::Mat(kSelfieSide, kSelfieSide, CV_32F, outputs[0].data.data());
+        }
+        cv::resize(mean, mean, source.size(), 0, 0, cv::INTER_LINEAR);
+        return mean;
+    }
+
     Status findLabels(const ImageRgb8& image, const Pose& pose33, Observation& out) {
         const PersonCrop crop = boxCrop(image, &out.mask, 1.1);
         DPL_TRY(const auto outputs,
@@ -222,7 +243,11 @@ Result<Observer> Observer::load(const std::filesystem::path& models) {
     if (const auto path = models / "blazepose_detector.onnx"; std::filesystem::exists(path, ignored)) {
         DPL_TRY(detector, OnnxNet::load(path));
     }
-    return Observer(std::unique_ptr<State>(new State{std::move(pose), std::move(parser), std::move(detector)}));
+    std::optional<OnnxNet> selfie;
+    if (const auto path = models / "selfie_seg.onnx"; std::filesystem::exists(path, ignored)) {
+        DPL_TRY(selfie, OnnxNet::load(path));
+    }
+    return Observer(std::unique_ptr<State>(new State{std::move(pose), std::move(parser), std::move(detector), std::move(selfie)}));
 }
 
 Result<std::vector<SeenPerson>> Observer::people(const ImageRgb8& image) {
@@ -243,25 +268,30 @@ Result<std::vector<SeenPerson>> Observer::people(const ImageRgb8& image) {
     return kept;
 }
 
-Result<Observation> Observer::observe(const ImageRgb8& image, const ImageGrey8* mask, const PersonCrop* start) {
+Result<Observation> Observer::observe(const ImageRgb8& image, const ImageGrey8* mask, const PersonCrop* start, bool closeup) {
     if (image.pixels.size() != size_t(3) * image.widthPx * image.heightPx || image.pixels.empty())
         return fail(Code::InvalidArgument, "an empty image cannot be observed");
     if (mask && (mask->widthPx != image.widthPx || mask->heightPx != image.heightPx))
         return fail(Code::InvalidArgument, "the mask has another size than the image");
     DPL_TRY(Pose pose, state_->findPose(image, start ? *start : boxCrop(image, mask, 1.25), kCropRounds));
-    DPL_TRY(const cv::Mat soft, state_->lookAgain(image, pose));
+    DPL_TRY(cv::Mat soft, state_->lookAgain(image, pose));
     Observation out;
     out.personScore = pose.score;
     if (mask) {
         out.mask = *mask;
     } else {
+        const bool seen = pose.score >= kConfirmed;
+        if (!seen) soft = 0;
+        if (closeup && state_->selfie) {
+            DPL_TRY(const cv::Mat near, state_->closeupMask(image));
+            soft = seen ? cv::Mat(0.5 * (soft + near)) : near;
+        }
         out.mask = {image.widthPx, image.heightPx, std::vector<uint8_t>(size_t(image.widthPx) * image.heightPx, 0)};
-        if (pose.score >= kConfirmed)
-            for (uint32_t y = 0; y < image.heightPx; ++y)
-                for (uint32_t x = 0; x < image.widthPx; ++x)
-                    out.mask.pixels[size_t(y) * image.widthPx + x] = soft.at<float>(int(y), int(x)) > float(priors::kMatteCut) ? 255 : 0;
-        // A pixel of the network's mask covers several of the picture: its edge is wrong by about two of its own pixels.
-        out.mask = refineMatte(image, out.mask, std::max(2, int(std::ceil(2 * pose.crop.sidePx / kPoseSide))));
+        cv::Mat cut(soft.size(), CV_8U, out.mask.pixels.data());
+        cv::compare(soft, priors::kMatteCut, cut, cv::CMP_GT);
+        // A pixel of a network's mask covers several of the picture: its edge is wrong by about two of its own pixels.
+        const double sidePx = seen ? pose.crop.sidePx : std::max(image.widthPx, image.heightPx);
+        out.mask = refineMatte(image, out.mask, std::max(2, int(std::ceil(2 * sidePx / kPoseSide))));
     }
     std::array<double, 33> confidence{};
     for (size_t k = 0; k < 33; ++k) confidence[k] = pose.score >= kConfirmed ? pose.confidence[k] * pose.score : 0;
