@@ -1,33 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <chrono>
-#include <cstdio>
-#include <cstdlib>
-#include <future>
-
 #include "apps/doppel/commands.h"
+#include "apps/doppel/interruption.h"
 #include "apps/doppel/scan_options.h"
 #include "apps/doppel/talk.h"
 #include "apps/shared/checks.h"
 #include "reconstruction/pipeline/reconstruct.h"
 
 namespace dpl {
-namespace {
-
-constexpr std::chrono::milliseconds kPatience{700};  // from Ctrl-C to the end of a stage that has not stopped by itself
-constexpr std::chrono::milliseconds kPoll{50};
-
-/** The result of reconstruct(), or nothing if it goes on after Ctrl-C for longer than kPatience. Then the process must end at once. That
- *  loses what a kill loses, the stage's own work: files appear by a rename, and programs that a stage runs have ended within 0.5 s. */
-std::optional<Result<ReconstructResult>> resultUnlessLate(const ReconstructOptions& options, Progress& progress) {
-    auto work = std::async(std::launch::async, [&] { return reconstruct(options, progress); });
-    while (!progress.cancelled())
-        if (work.wait_for(kPoll) == std::future_status::ready) return work.get();
-    if (work.wait_for(kPatience) == std::future_status::ready) return work.get();
-    new std::future<Result<ReconstructResult>>(std::move(work));  // its destructor would wait
-    return std::nullopt;
-}
-
-}  // namespace
 
 void addReconstructCommand(CLI::App& app, CommandRun& run) {
     auto options = std::make_shared<ReconstructOptions>();
@@ -74,13 +53,7 @@ void addReconstructCommand(CLI::App& app, CommandRun& run) {
         run = [options, talk] {
             if (options->scan.empty() && !anyVideo(options->videos)) return talk->fail(missingSource());
             Progress progress(talk->style());
-            const auto ended = resultUnlessLate(*options, progress);
-            if (!ended) {
-                const int code = talk->fail(Error{Code::Cancelled, "stopped"});
-                std::fflush(nullptr);
-                std::_Exit(code);
-            }
-            const Result<ReconstructResult>& result = *ended;
+            const auto result = endedSoonAfterInterrupt(*talk, progress, [&] { return reconstruct(*options, progress); });
             if (!result) return talk->fail(result.error());
             nlohmann::json stages = nlohmann::json::array();
             for (const StageRecord& s : result->stages)
