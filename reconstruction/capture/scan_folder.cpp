@@ -211,6 +211,12 @@ Result<Scan> readScanFolder(const fs::path& manifestPath) {
         DPL_TRY(auto frame, readFrame((*frames)[i], shared, formatText("{} frame {}", manifestPath.string(), i), scan.splitStated));
         scan.frames.push_back(std::move(frame));
     }
+    // Names of what no frame brings: what is found instead has names of its own.
+    const auto none = [&](auto path) {
+        return std::none_of(scan.frames.begin(), scan.frames.end(), [&](const ScanFrame& f) { return !(f.*path).empty(); });
+    };
+    if (none(&ScanFrame::keypointsPath)) scan.keypointNames.clear();
+    if (none(&ScanFrame::labelsPath)) scan.labels.clear();
     DPL_CHECK_OK(finishScan(scan));
     return scan;
 }

@@ -13,6 +13,7 @@ namespace {
 TEST(ScanFolder, readsFramesAndTurnsTheWorldUpright) {
     TemporaryFolder folder;
     ScanBuilder builder(folder.path, 20, 10);
+    builder.manifest["frames"][0]["labels"] = "labels.png";
     auto scan = readScan(builder.write());
     ASSERT_TRUE(scan) << scan.error().message;
     EXPECT_EQ(scan->name, "tiny");
@@ -52,6 +53,23 @@ TEST(ScanFolder, keypointsFollowTheScansNamesAndNeverTheTrueOnes) {
     auto truthOnly = readKeypoints(*scan, scan->frames[0]);
     ASSERT_FALSE(truthOnly);
     EXPECT_TRUE(mentions(truthOnly.error().message, {"full_100.json", "detections"}));
+}
+
+TEST(ScanFolder, namesOfWhatNoFrameBringsAreDropped) {
+    TemporaryFolder folder;
+    ScanBuilder builder(folder.path);
+    for (auto& frame : builder.manifest["frames"])
+        if (frame["name"] != "full_103") frame.erase("keypoints"), frame.erase("labels");
+    builder.manifest["frames"][3]["labels"] = "labels.png";
+    auto some = readScan(builder.write());
+    ASSERT_TRUE(some) << some.error().message;
+    EXPECT_EQ(some->keypointNames.size(), 3u);
+    EXPECT_EQ(some->labels.size(), 3u);
+    builder.manifest["frames"][3].erase("keypoints"), builder.manifest["frames"][3].erase("labels");
+    auto none = readScan(builder.write());
+    ASSERT_TRUE(none) << none.error().message;
+    EXPECT_TRUE(none->keypointNames.empty()) << "so networks find keypoints, with names of their own";
+    EXPECT_TRUE(none->labels.empty());
 }
 
 TEST(ScanFolder, keypointsMayHaveTheirOlderNameButDetectionsComeFirst) {
