@@ -162,10 +162,10 @@ await() {
 }
 in_training='compgen -G "killed/stages/*co-optimise.work" >/dev/null'
 checkpoint='compgen -G "killed/stages/*co-optimise.work/checkpoint" >/dev/null'
-for attempt in 1 2 3 4; do  # a run that has not stopped after 0.7 s ends without a checkpoint, which a busy machine may need
+for attempt in 1 2 3 4 5 6 7 8; do  # a run that has not stopped after 0.7 s ends without a checkpoint, as on a busy machine
     start_killed
     await "$in_training"
-    sleep $attempt  # some steps
+    sleep $((attempt < 4 ? attempt : 4))  # some steps
     kill -TERM $pid || failed "the run had ended before it was stopped"
     wait $pid && failed "a stopped run must not exit with 0"
     if eval "$checkpoint"; then break; fi
