@@ -97,6 +97,26 @@ PersonBox boxOf(const Pose& pose) {
     return {box.low - Vec2d(room), box.high + Vec2d(room, 0.5 * room)};
 }
 
+/** Landmarks, confidence and score are means over the looks; crop and mask are the first one's. */
+Pose meanOf(const std::vector<Pose>& looks) {
+    Pose mean = looks[0];
+    for (size_t i = 1; i < looks.size(); ++i) {
+        for (size_t k = 0; k < 39; ++k) mean.landmarks[k] += looks[i].landmarks[k], mean.confidence[k] += looks[i].confidence[k];
+        mean.score += looks[i].score;
+    }
+    const double count = double(looks.size());
+    for (size_t k = 0; k < 39; ++k) mean.landmarks[k] /= count, mean.confidence[k] /= count;
+    mean.score /= count;
+    return mean;
+}
+
+/** The mean of the looks' masks in the picture, 0 … 1. */
+cv::Mat meanMask(const std::vector<Pose>& looks, const ImageRgb8& image) {
+    cv::Mat mean = cv::Mat::zeros(int(image.heightPx), int(image.widthPx), CV_32F);
+    for (const Pose& look : looks) mean += spreadCrop(look.segmentation.data(), kPoseSide, look.crop, image.widthPx, image.heightPx);
+    return mean / double(looks.size());
+}
+
 }  // namespace
 
 struct Observer::State {
@@ -143,29 +163,18 @@ struct Observer::State {
         return found;
     }
 
-    /** Replaces landmarks, confidence and score of a confirmed pose by their means over more looks. Returns the mean of the masks in the
-     * picture, 0 … 1. A look that sees nobody does not count. */
-    Result<cv::Mat> lookAgain(const ImageRgb8& image, Pose& found) {
-        const auto spread = [&](const Pose& p) {
-            return spreadCrop(p.segmentation.data(), kPoseSide, p.crop, image.widthPx, image.heightPx);
-        };
-        cv::Mat mask = spread(found);
-        if (found.score < kConfirmed) return mask;
-        double looks = 1;
+    /** A confirmed pose, and the looks around it that confirm somebody too. A pose that is not confirmed stays alone. */
+    Result<std::vector<Pose>> looksAround(const ImageRgb8& image, Pose first) {
+        std::vector<Pose> looks{std::move(first)};
+        if (looks[0].score < kConfirmed) return looks;
+        const PersonCrop best = looks[0].next;
         for (const Look& look : kLooks) {
-            const PersonCrop& best = found.next;
-            DPL_TRY(const Pose seen,
+            DPL_TRY(Pose seen,
                     lookAt(image, {best.centrePx + best.sidePx * look.shift, best.sidePx * look.scale, best.angleRad + look.turnRad},
                            look.mirrored));
-            if (seen.score < kConfirmed) continue;
-            mask += spread(seen);
-            for (size_t k = 0; k < 39; ++k) found.landmarks[k] += seen.landmarks[k], found.confidence[k] += seen.confidence[k];
-            found.score += seen.score;
-            looks += 1;
+            if (seen.score >= kConfirmed) looks.push_back(std::move(seen));
         }
-        mask /= looks, found.score /= looks;
-        for (size_t k = 0; k < 39; ++k) found.landmarks[k] /= looks, found.confidence[k] /= looks;
-        return mask;
+        return looks;
     }
 
     /** The mask of a picture of a part of a person, 0 … 1: Selfie Segmentation on the whole picture and its mirror image. */
@@ -273,15 +282,16 @@ Result<Observation> Observer::observe(const ImageRgb8& image, const ImageGrey8* 
         return fail(Code::InvalidArgument, "an empty image cannot be observed");
     if (mask && (mask->widthPx != image.widthPx || mask->heightPx != image.heightPx))
         return fail(Code::InvalidArgument, "the mask has another size than the image");
-    DPL_TRY(Pose pose, state_->findPose(image, start ? *start : boxCrop(image, mask, 1.25), kCropRounds));
-    DPL_TRY(cv::Mat soft, state_->lookAgain(image, pose));
+    DPL_TRY(Pose found, state_->findPose(image, start ? *start : boxCrop(image, mask, 1.25), kCropRounds));
+    DPL_TRY(const std::vector<Pose> looks, state_->looksAround(image, std::move(found)));
+    const Pose pose = meanOf(looks);
     Observation out;
     out.personScore = pose.score;
     if (mask) {
         out.mask = *mask;
     } else {
         const bool seen = pose.score >= kConfirmed;
-        if (!seen) soft = 0;
+        cv::Mat soft = seen ? meanMask(looks, image) : cv::Mat::zeros(int(image.heightPx), int(image.widthPx), CV_32F);
         if (closeup && state_->selfie) {
             DPL_TRY(const cv::Mat near, state_->closeupMask(image));
             soft = seen ? cv::Mat(0.5 * (soft + near)) : near;
