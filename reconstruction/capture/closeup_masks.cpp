@@ -16,15 +16,6 @@ constexpr size_t kFewestViews = 8;  // below it a hull is far wider than the per
 constexpr double kSureShare = 0.96, kPossibleShare = 0.8;
 constexpr double kVoxels = 4e6;  // of the box about the person: about 8 mm a side
 
-double overlap(const ImageGrey8& a, const ImageGrey8& b) {
-    size_t both = 0, either = 0;
-    for (size_t i = 0; i < a.pixels.size(); ++i) {
-        const bool inA = isPerson(a.pixels[i]), inB = isPerson(b.pixels[i]);
-        both += inA && inB, either += inA || inB;
-    }
-    return either ? double(both) / double(either) : 0;
-}
-
 /** The hull of the still training frames, at the share of views that decides, and at shares that take less and more. */
 struct Hulls {
     HullVoxels likely, sure, possible;  // empty when there is none
@@ -66,9 +57,10 @@ Result<std::vector<CloseupMask>> checkCloseupMasks(const Scan& scan, const std::
             const ImageGrey8 drawn = drawHull(hull, frame.camera);
             if (!frame.maskPath.empty()) {
                 DPL_TRY(const ImageGrey8 mask, readFrameMask(frame));
-                closeup.agreement = overlap(drawn, mask);
+                closeup.agreement = maskIou(drawn, mask);
             }
-            closeup.certainty = overlap(drawHull(hulls.sure, frame.camera), drawHull(hulls.possible, frame.camera));
+            closeup.certainty = maskIou(drawHull(hulls.sure, frame.camera), drawHull(hulls.possible, frame.camera));
+            // Where the hull says little, a mask has to agree with it as if it said more: nothing else speaks for the mask.
             closeup.contradicted = closeup.agreement < std::max(closeup.certainty, priors::kHullCertainty) - priors::kCloseupSlack;
             if (!closeup.contradicted || closeup.certainty < priors::kHullCertainty) return {};
             DPL_TRY(const ImageRgb8 image, readFrameImage(frame));

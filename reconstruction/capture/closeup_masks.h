@@ -14,7 +14,7 @@ struct CloseupMask {
     size_t frame = 0;           // of Scan::frames
     double agreement = 0;       // IoU of the mask and the hull; 0 without a mask
     double certainty = 0;       // IoU of the hull of fewer views' consent and that of more, in this picture
-    bool contradicted = false;  // mask and hull differ by more than the hull is uncertain
+    bool contradicted = false;  // the hull does not support the mask: both differ by more than the hull is uncertain, or it says little
     ImageGrey8 mask;            // of a contradicted close-up: the hull, its edge refined, in pixels of the frame's files; empty
                                 // when the hull is too uncertain here (a hand, which sways)
 };

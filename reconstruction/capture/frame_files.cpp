@@ -96,6 +96,15 @@ Result<ImageGrey8> readFrameLabels(const ScanFrame& frame) {
     return takePixels<ImageGrey8>(image);
 }
 
+double maskIou(const ImageGrey8& a, const ImageGrey8& b) {
+    size_t both = 0, either = 0;
+    for (size_t i = 0; i < a.pixels.size(); ++i) {
+        const bool inA = isPerson(a.pixels[i]), inB = isPerson(b.pixels[i]);
+        both += inA && inB, either += inA || inB;
+    }
+    return either ? double(both) / double(either) : 0;
+}
+
 ImageGrey8 toStoredPixels(const ImageGrey8& mask, const ScanFrame& frame) {
     if (!frame.lens.any()) return mask;
     std::vector<cv::Point2f> stored, pinhole;

@@ -18,6 +18,9 @@ constexpr bool isPerson(uint8_t mask) {
     return mask >= 128;
 }
 
+/** Pixels that are the person's in both masks, over those that are in either; 0 when nobody is in them. The masks have one size. */
+double maskIou(const ImageGrey8& a, const ImageGrey8& b);
+
 /** Reads image, mask and labels. NotFound, with the remedy, when the frame has no mask. */
 Result<FramePicture> readFramePicture(const ScanFrame& frame);
 

@@ -7,9 +7,11 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "reconstruction/capture/frame_picture.h"
 #include "reconstruction/capture/models_folder.h"
 #include "reconstruction/capture/onnx_net.h"
 #include "reconstruction/capture/scan_check.h"
+#include "tests/unit/recon_capture/biker.h"
 #include "tests/unit/recon_capture/scan_builder.h"
 #include "tests/unit/shared_data.h"
 
@@ -205,57 +207,38 @@ TEST(Observations, bikerIsSeenTheSameOnOneThreadAndTwo) {
 }
 
 TEST(Observations, bikersMaskIsFoundWithoutHisMask) {
-    const auto models = sharedData("models"), biker = sharedData("real-orbit-biker");
-    if (!models || !biker) GTEST_SKIP() << "shared data (models, real-orbit-biker) is not on this machine";
-    auto scan = readScan(*biker);
-    ASSERT_TRUE(scan) << scan.error().message;
-    auto observer = Observer::load(*models);
-    ASSERT_TRUE(observer) << observer.error().message;
-    const auto& frame = scan->frames[10];
-    auto image = readFrameImage(frame);
-    auto truth = readFrameMask(frame);
-    ASSERT_TRUE(image && truth);
-    auto seen = observer->observe(*image, nullptr);
-    ASSERT_TRUE(seen) << seen.error().message;
-    EXPECT_GT(seen->personScore, 0.9);
-    size_t both = 0, either = 0;
-    for (size_t i = 0; i < truth->pixels.size(); ++i) {
-        const bool a = truth->pixels[i] >= 128, b = seen->mask.pixels[i] >= 128;
-        both += a && b, either += a || b;
-    }
-    EXPECT_GT(double(both) / double(either), 0.9);  // the PROVENANCE file of the pictures states 0.93 to 0.98
+    auto biker = loadBiker();
+    if (!biker) GTEST_SKIP() << kNoBiker;
+    const auto [image, truth] = biker->view(10);
+    const Observation seen = biker->observe(image);
+    EXPECT_GT(seen.personScore, 0.9);
+    EXPECT_GT(maskIou(truth, seen.mask), 0.9);  // the PROVENANCE file of the pictures states 0.93 to 0.98
 }
 
 TEST(Observations, aMirroredPictureHasTheMirroredPerson) {
-    const auto models = sharedData("models"), biker = sharedData("real-orbit-biker");
-    if (!models || !biker) GTEST_SKIP() << "shared data (models, real-orbit-biker) is not on this machine";
-    auto scan = readScan(*biker);
-    ASSERT_TRUE(scan) << scan.error().message;
-    auto observer = Observer::load(*models);
-    ASSERT_TRUE(observer) << observer.error().message;
-    auto image = readFrameImage(scan->frames[10]);  // he is seen from behind
-    ASSERT_TRUE(image) << image.error().message;
-    ImageRgb8 mirrored = *image;
-    for (uint32_t y = 0; y < image->heightPx; ++y)
-        for (uint32_t x = 0; x < image->widthPx; ++x)
+    auto biker = loadBiker();
+    if (!biker) GTEST_SKIP() << kNoBiker;
+    const ImageRgb8 image = biker->view(10).image;  // he is seen from behind
+    ImageRgb8 mirrored = image;
+    for (uint32_t y = 0; y < image.heightPx; ++y)
+        for (uint32_t x = 0; x < image.widthPx; ++x)
             for (size_t c = 0; c < 3; ++c)
-                mirrored.pixels[3 * (size_t(y) * image->widthPx + x) + c] =
-                    image->pixels[3 * (size_t(y) * image->widthPx + image->widthPx - 1 - x) + c];
-    auto seen = observer->observe(*image, nullptr), other = observer->observe(mirrored, nullptr);
-    ASSERT_TRUE(seen && other);
+                mirrored.pixels[3 * (size_t(y) * image.widthPx + x) + c] =
+                    image.pixels[3 * (size_t(y) * image.widthPx + image.widthPx - 1 - x) + c];
+    const Observation seen = biker->observe(image), other = biker->observe(mirrored);
     const auto names = observedKeypointNames();
     const auto at = [&](const Observation& o, std::string name) {
         return o.keypoints[size_t(std::find(names.begin(), names.end(), name) - names.begin())].px;
     };
-    const double trunk = glm::length(at(*seen, "neck") - at(*seen, "pelvis"));
+    const double trunk = glm::length(at(seen, "neck") - at(seen, "pelvis"));
     for (const std::string joint : {"shoulder_", "elbow_", "hip_", "knee_", "ankle_"}) {
         for (const auto& [side, otherSide] : {std::pair{"l", "r"}, {"r", "l"}}) {
-            Vec2d there = at(*other, joint + otherSide);
-            there.x = image->widthPx - there.x;
-            EXPECT_LT(glm::length(there - at(*seen, joint + side)), 0.1 * trunk) << joint << side;
+            Vec2d there = at(other, joint + otherSide);
+            there.x = image.widthPx - there.x;
+            EXPECT_LT(glm::length(there - at(seen, joint + side)), 0.1 * trunk) << joint << side;
         }
         // Landmarks of one side that were averaged with those of the other would meet in the middle.
-        EXPECT_GT(at(*seen, joint + "r").x - at(*seen, joint + "l").x, 0.15 * trunk) << joint;
+        EXPECT_GT(at(seen, joint + "r").x - at(seen, joint + "l").x, 0.15 * trunk) << joint;
     }
 }
 

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "reconstruction/capture/observations.h"
-#include "tests/unit/shared_data.h"
+#include "reconstruction/capture/frame_picture.h"
+#include "tests/unit/recon_capture/biker.h"
 
 namespace dpl {
 namespace {
@@ -75,15 +75,6 @@ TEST(RefineMatte, leavesEmptyAndFullMasks) {
     EXPECT_EQ(refineMatte(disc.image, other, 4).pixels, other.pixels) << "another size: unchanged";
 }
 
-double overlap(const ImageGrey8& a, const ImageGrey8& b) {
-    size_t both = 0, either = 0;
-    for (size_t i = 0; i < a.pixels.size(); ++i) {
-        const bool inA = a.pixels[i] >= 128, inB = b.pixels[i] >= 128;
-        both += inA && inB, either += inA || inB;
-    }
-    return either ? double(both) / double(either) : 0;
-}
-
 /** The part of a picture, planes of `channels` bytes a pixel. */
 std::vector<uint8_t> cutOut(const std::vector<uint8_t>& pixels, uint32_t stride, const cv::Rect& part, size_t channels) {
     std::vector<uint8_t> out;
@@ -95,45 +86,31 @@ std::vector<uint8_t> cutOut(const std::vector<uint8_t>& pixels, uint32_t stride,
 }
 
 TEST(RefineMatte, theMaskThatIsFoundOfARealPersonHasHisEdge) {
-    const auto models = sharedData("models"), biker = sharedData("real-orbit-biker");
-    if (!models || !biker) GTEST_SKIP() << "shared data (models, real-orbit-biker) is not on this machine";
-    auto scan = readScan(*biker);
-    ASSERT_TRUE(scan) << scan.error().message;
-    auto observer = Observer::load(*models);
-    ASSERT_TRUE(observer) << observer.error().message;
-    for (const size_t view : {10, 25}) {
-        auto image = readFrameImage(scan->frames[view]);
-        auto truth = readFrameMask(scan->frames[view]);
-        ASSERT_TRUE(image && truth);
-        auto seen = observer->observe(*image, nullptr);
-        ASSERT_TRUE(seen) << seen.error().message;
-        const double iou = overlap(*truth, seen->mask), error = edgeError(*truth, seen->mask);
-        std::printf("%s: IoU %.4f, error at the soft edge %.4f\n", scan->frames[view].name.c_str(), iou, error);
+    auto biker = loadBiker();
+    if (!biker) GTEST_SKIP() << kNoBiker;
+    for (const size_t frame : {10, 25}) {
+        const auto [image, truth] = biker->view(frame);
+        const Observation seen = biker->observe(image);
+        const double iou = maskIou(truth, seen.mask), error = edgeError(truth, seen.mask);
+        std::printf("%s: IoU %.4f, error at the soft edge %.4f\n", biker->scan.frames[frame].name.c_str(), iou, error);
         EXPECT_GT(iou, 0.974);   // 0.976 and 0.980; from one look 0.973 and 0.978, unrefined 0.969 in both
         EXPECT_LT(error, 0.14);  // 0.136 and 0.132; from one look 0.142 and 0.138, unrefined 0.167 and 0.190
     }
 }
 
 TEST(RefineMatte, aCloseupIsSeenByTheNetworkOfCloseups) {
-    const auto models = sharedData("models"), biker = sharedData("real-orbit-biker");
-    if (!models || !biker) GTEST_SKIP() << "shared data (models, real-orbit-biker) is not on this machine";
-    auto scan = readScan(*biker);
-    ASSERT_TRUE(scan) << scan.error().message;
-    auto observer = Observer::load(*models);
-    ASSERT_TRUE(observer) << observer.error().message;
-    auto image = readFrameImage(scan->frames[25]);
-    auto truth = readFrameMask(scan->frames[25]);
-    ASSERT_TRUE(image && truth);
+    auto biker = loadBiker();
+    if (!biker) GTEST_SKIP() << kNoBiker;
+    const auto [image, truth] = biker->view(25);
     // Head, chest and one arm.
-    const cv::Rect part(int(0.52 * image->widthPx), int(0.12 * image->heightPx), int(0.36 * image->widthPx), int(0.22 * image->heightPx));
+    const cv::Rect part(int(0.52 * image.widthPx), int(0.12 * image.heightPx), int(0.36 * image.widthPx), int(0.22 * image.heightPx));
     const uint32_t width = uint32_t(part.width), height = uint32_t(part.height);
-    const ImageRgb8 near{width, height, cutOut(image->pixels, image->widthPx, part, 3)};
-    const ImageGrey8 wanted{width, height, cutOut(truth->pixels, truth->widthPx, part, 1)};
-    auto whole = observer->observe(near, nullptr), closeup = observer->observe(near, nullptr, nullptr, true);
-    ASSERT_TRUE(whole && closeup);
-    std::printf("close-up: IoU %.4f, by the pose network alone %.4f\n", overlap(wanted, closeup->mask), overlap(wanted, whole->mask));
-    EXPECT_GT(overlap(wanted, closeup->mask), 0.95);
-    EXPECT_GT(overlap(wanted, closeup->mask), overlap(wanted, whole->mask));
+    const ImageRgb8 near{width, height, cutOut(image.pixels, image.widthPx, part, 3)};
+    const ImageGrey8 wanted{width, height, cutOut(truth.pixels, truth.widthPx, part, 1)};
+    const double whole = maskIou(wanted, biker->observe(near).mask), closeup = maskIou(wanted, biker->observe(near, true).mask);
+    std::printf("close-up: IoU %.4f, by the pose network alone %.4f\n", closeup, whole);
+    EXPECT_GT(closeup, 0.95);
+    EXPECT_GT(closeup, whole);
 }
 
 }  // namespace
