@@ -20,6 +20,7 @@
 #include "tests/metal/software/software_device.h"
 #include "tests/reference/composition.h"
 #include "tests/unit/interop/app_device.h"
+#include "tests/unit/interop/bench_cases.h"
 #include "tests/unit/interop/idle_vulkan.h"
 #include "tools/bench/arguments.h"
 
@@ -30,18 +31,6 @@ constexpr uint32_t kWarm = 3;  // frames before the timed ones, one for each slo
 constexpr double kLeastDb = 50;
 constexpr uint8_t kUnder[4] = {64, 128, 192, 255};  // what the program's image holds before
 static_assert(DPL_METAL_SLOTS == DPL_VULKAN_SLOTS);
-
-struct Case {
-    const char* name;
-    uint32_t width, height, views;
-};
-constexpr Case kCases[] = {{"phone 945x2048", 945, 2048, 1}, {"headset 1920x1824 stereo", 1920, 1824, 2}};
-
-void must(DplResult result) {
-    if (result == DPL_OK) return;
-    std::fprintf(stderr, "bench_host: %s\n", dplGetLastError());
-    std::exit(1);
-}
 
 /** Of Doppel's calls in one frame. */
 class Calls {
@@ -59,28 +48,6 @@ public:
     double cpuMs = 0, wallMs = 0;
     uint64_t allocations = 0;
 };
-
-std::vector<DplCamera> viewsOf(const Case& what) {
-    std::vector<DplCamera> views;
-    for (uint32_t view = 0; view < what.views; ++view) {
-        const float f = 60.0f * float(what.height) / 64, shift = what.views == 2 ? (view ? -0.032f : 0.032f) : 0;
-        views.push_back({sizeof(DplCamera),
-                         what.width,
-                         what.height,
-                         f,
-                         f,
-                         float(what.width) / 2,
-                         float(what.height) / 2,
-                         {1, 0, 0, shift, 0, -1, 0, 1, 0, 0, -1, 3}});
-    }
-    return views;
-}
-
-void pose(DplAvatar avatar, uint32_t frame) {
-    DplAvatarInfo info{sizeof info};
-    must(dplGetAvatarInfo(avatar, &info));
-    if (info.clipCount > 0) must(dplSetPoseFromClip(avatar, 0, double(frame) / 60, DPL_TRUE));
-}
 
 /** A program that draws an avatar into its image, in two ways. */
 class Program {

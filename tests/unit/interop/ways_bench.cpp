@@ -18,6 +18,7 @@
 #include "sdk/include/doppel/doppel_vulkan.h"
 #include "tests/reference/composition.h"
 #include "tests/unit/interop/app_device.h"
+#include "tests/unit/interop/bench_cases.h"
 #include "tools/bench/arguments.h"
 
 namespace dpl::test {
@@ -26,18 +27,6 @@ namespace {
 constexpr VkFormat kFormat = VK_FORMAT_R8G8B8A8_SRGB;
 constexpr uint32_t kWarm = 2 * DPL_VULKAN_SLOTS;  // frames before the timed ones
 constexpr double kLeastDb = 50;
-
-struct Case {
-    const char* name;
-    uint32_t width, height, views;
-};
-constexpr Case kCases[] = {{"phone 945x2048", 945, 2048, 1}, {"headset 1920x1824 stereo", 1920, 1824, 2}};
-
-void must(DplResult result) {
-    if (result == DPL_OK) return;
-    std::fprintf(stderr, "bench_ways: %s\n", dplGetLastError());
-    std::exit(1);
-}
 
 double wallMs() {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -77,19 +66,9 @@ public:
         : app_(app),
           context_(context),
           avatar_(avatar),
+          views_(viewsOf(what)),
           under_(background(what.width, what.height)),
           target_(app.makeTarget(kFormat, what.width, what.height, what.views)) {
-        for (uint32_t view = 0; view < what.views; ++view) {
-            const float f = 60.0f * float(what.height) / 64, shift = what.views == 2 ? (view ? -0.032f : 0.032f) : 0;
-            views_.push_back({sizeof(DplCamera),
-                              what.width,
-                              what.height,
-                              f,
-                              f,
-                              float(what.width) / 2,
-                              float(what.height) / 2,
-                              {1, 0, 0, shift, 0, -1, 0, 1, 0, 0, -1, 3}});
-        }
         masked_ = multiview && what.views == 2 && addPass(3);
         if (!masked_) addPass(0);
     }
@@ -200,12 +179,6 @@ private:
         for (uint32_t layer = 0; layer < target_.layers; ++layer) app_.upload(target_, layer, under_);
     }
 
-    static void pose(DplAvatar avatar, uint32_t n) {
-        DplAvatarInfo info{sizeof info};
-        must(dplGetAvatarInfo(avatar, &info));
-        if (info.clipCount > 0) must(dplSetPoseFromClip(avatar, 0, double(n) / 60, DPL_TRUE));
-    }
-
     Cost timed(uint32_t frames, const std::function<void(uint32_t, Cost&)>& frame) {
         Cost cost;
         double start = 0;
@@ -257,9 +230,9 @@ private:
     AppDevice& app_;
     const DplContext context_;
     const DplAvatar avatar_;
+    const std::vector<DplCamera> views_;
     const std::vector<uint8_t> under_;
     AppImage target_;
-    std::vector<DplCamera> views_;
     std::vector<VkRenderPass> passes_;
     std::vector<VkFramebuffer> framebuffers_;
     uint32_t composer_ = 0, submitTarget_ = 0;
