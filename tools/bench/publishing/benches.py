@@ -27,7 +27,8 @@ def at_least(value):
 def program_folder(target):
     """The folder of a program, in the source tree and in a build tree alike."""
     return {"doppel": "apps/doppel", "libdoppel.so": "sdk/api", "bench_frames": "tools/bench/frames", "bench_ways": "tests/unit/interop",
-            "visibility_governor_test": "tests/unit/visibility", "bench_host": "tests/metal", "avatar_tracker_test": "tests/unit/avatar"}.get(target, "tools/bench")
+            "visibility_governor_test": "tests/unit/visibility", "bench_host": "tests/metal",
+            "avatar_tracker_test": "tests/unit/avatar"}.get(target, "tools/bench")
 
 
 @dataclasses.dataclass
