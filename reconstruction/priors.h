@@ -25,14 +25,15 @@ inline constexpr double kBlurredIndex = 0.58;
  *  unit: ratio | origin: round figure | half, double: not measured */
 inline constexpr double kEmptyMaskShare = 0.002;
 /** Mean of the network's masks above which a pixel is the person's: the network's outline lies outside it.
- *  unit: 0 to 1 | origin: dev; IoU at 0.50, 0.55, 0.60: 0.951, 0.954, 0.955 on scan-a, 0.948, 0.949, 0.949 on scan-c | half, double: half
- * takes a rim of background with it, double finds nobody */
+ *  unit: 0 to 1 | origin: dev; IoU at 0.50, 0.55, 0.60, training frames: 0.947, 0.950, 0.951 on scan-a, 0.949, 0.951, 0.951 on scan-c |
+ * half, double: half takes a rim of background with it, double finds nobody */
 inline constexpr double kMatteCut = 0.55;
 /** How much less a close-up's found mask may agree with the hull of the full-body masks than the hull with itself.
  *  unit: IoU | origin: dev; right masks of scan-a and scan-c need up to 0.10, the least wrong one 0.14 | half, double: half replaces right
  * masks, double keeps masks that lack a sixth of the person */
 inline constexpr double kCloseupSlack = 0.12;
-/** Agreement of the hull with itself above which it can stand in for a close-up's mask.
+/** Agreement of the hull with itself above which it can stand in for a close-up's mask. Below, a found mask needs as much support as if
+ *  the hull agreed with itself so far.
  *  unit: IoU | origin: dev; above it the hull's IoU with true masks is 0.81 to 0.97, below 0.51 to 0.90 | half, double: half lets hulls of
  * swaying hands in, double never uses the hull */
 inline constexpr double kHullCertainty = 0.8;
@@ -63,6 +64,15 @@ inline constexpr double kKeypointWarn = 0.02;
  *  unit: ratio | origin: dev; 0.007 on scan-a, whose cameras are exact | half, double: half matches the pictures of every scan, which takes
  * time; double misses cameras that are 3 px off */
 inline constexpr double kCameraDoubt = 0.009;
+/** Miss of a match of adjusted cameras far above which it counts little: wrong matches would move close-ups, which show little of the
+ *  background.
+ *  unit: of the picture's diagonal | origin: dev; with a coarser one close-ups of scan-a stay off by 1.46 px instead of 1.06 | half,
+ * double: not measured
+ */
+inline constexpr double kAdjustedMatchMiss = 0.0005;
+/** Miss of a match of adjusted cameras above which it does not count.
+ *  unit: of the picture's diagonal | origin: dev; chosen with the former | half, double: not measured */
+inline constexpr double kAdjustedMatchOutlier = 0.0016;
 /** The same, above which the scan is refused.
  *  unit: ratio | origin: dev; 0.068 with shuffled cameras | half, double: half refuses what is only worth a warning; double never refuses
  */

@@ -22,9 +22,6 @@ constexpr double kRepairMargin = 0.008;  // the person's mask grows by this part
 // the corner of a picture by a tenth of the diagonal.
 constexpr double kDoubtfulGate = 0.06, kAdjustedGate = 0.006;
 constexpr size_t kFullViewsOfCloseup = 20;
-// Of the diagonal, for the second adjustment: misses far above the first count little, and those above the second no longer. With coarser
-// ones wrong matches move close-ups, which show little of the background.
-constexpr double kAdjustedLoss = 0.0005, kAdjustedOutlier = 0.0016;
 constexpr size_t kFewestMatches = 40;    // per picture, in the median
 constexpr double kGoodMiss = 0.0016;     // of the diagonal; matches of right cameras miss by about half of that
 constexpr size_t kFewestKeypoints = 20;  // fewer tell nothing
@@ -83,7 +80,8 @@ public:
         tracking = trackSettings(kAdjustedGate * diagonalPx(first));
         const LensDistortion lens = tracks.scene.lens;
         DPL_TRY(tracks, findTracks(pictures_, lens, tracking));
-        DPL_TRY(const bool again, adjust(tracks.scene, kAdjustedLoss * diagonalPx(first), kAdjustedOutlier * diagonalPx(first)));
+        DPL_TRY(const bool again,
+                adjust(tracks.scene, priors::kAdjustedMatchMiss * diagonalPx(first), priors::kAdjustedMatchOutlier * diagonalPx(first)));
         if (!again) return said("the adjusted cameras have too few matches, so they were not taken");
         out_.missAfterPx = end_.missAfterPx;
         out_.focalFactor *= end_.focalFactor;
