@@ -104,14 +104,16 @@ class TinyModel:
         biased = self.node("Add", "biased", [self.weights("bias", [4]), mixed])  # 4×4×4
         scaled = self.node("Mul", "scaled", [biased, self.weights("scales", [1, 1, 1, 4])])
         part = self.node("Mul", "part", [number("eighth", 0.125), scaled])
-        swish = self.node("Mul", "swish", [part, self.node("Relu6", "high", [self.node("AddV2", "raised", [scaled, number("three", 3.0)])])])
+        raised = self.node("AddV2", "raised", [scaled, number("three", 3.0)])
+        swish = self.node("Mul", "swish", [part, self.node("Relu6", "high", [raised])])
         mean = self.node("AvgPool", "mean", [swish], ksize=_list([1, 4, 4, 1]), strides=_list([1, 4, 4, 1]), padding=_text("VALID"))
         gate = self.node("Sigmoid", "gate", [self.conv("gates", mean, [1, 1, 4, 4], 1, "VALID", [])])  # 1×1×4
         gated = self.node("Mul", "gated", [gate, swish])
         near = self.node("AvgPool", "near", [gated], ksize=_list([1, 3, 3, 1]), strides=_list([1, 1, 1, 1]), padding=_text("SAME"))
         total = self.node("AddN", "total", [gated, six, near], N={"i": "3"})
         positive = self.node("Relu", "positive", [total])
-        self.node("Conv2DBackpropInput", "up", [self.numbers("up/sizes", [4], [1, 8, 8, 2]), self.weights("up/weights", [4, 4, 2, 4]), positive],
+        self.node("Conv2DBackpropInput", "up",
+                  [self.numbers("up/sizes", [4], [1, 8, 8, 2]), self.weights("up/weights", [4, 4, 2, 4]), positive],
                   strides=_list([1, 2, 2, 1]), padding=_text("SAME"), data_format=_text("NHWC"), dilations=_list([1, 1, 1, 1]))  # 8×8×2
 
     def files(self):

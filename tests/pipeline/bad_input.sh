@@ -53,7 +53,10 @@ P
 refuses "absent camera" "scan.json" "$doppel" reconstruct bad -o out
 copy; head -c 500 scan/scan.json >bad/scan.json
 refuses "truncated scan.json" "scan.json" "$doppel" reconstruct bad -o out
-grep -q '"reason": "[^"]*bad/scan.json: not valid JSON' out/verdict.json || { echo "FAILED: verdict.json of an unreadable scan" >&2; failures=$((failures + 1)); }
+if ! grep -q '"reason": "[^"]*bad/scan.json: not valid JSON' out/verdict.json; then
+    echo "FAILED: verdict.json of an unreadable scan" >&2
+    failures=$((failures + 1))
+fi
 refuses "no such scan" "nowhere" "$doppel" reconstruct nowhere -o out
 python3 - <<'P'
 # One triangle as a glTF binary, with neither skin nor weights.

@@ -250,7 +250,8 @@ class Converter:
     def _op_Conv2DBackpropInput(self, key, arguments, attributes):
         """A transposed convolution: each number of the input spreads over the window that a convolution of the result would gather."""
         result, weights, shape = list(self._constant(arguments[0]).values), self._constant(arguments[1]), self._shape(arguments[2])
-        if [len(result), len(weights.shape), len(shape)] != [4, 4, 4] or weights.shape[2:] != (result[3], shape[3]) or result[0] != shape[0]:
+        if ([len(result), len(weights.shape), len(shape)] != [4, 4, 4] or weights.shape[2:] != (result[3], shape[3])
+                or result[0] != shape[0]):
             raise ModelError(f"{key}: input {shape}, weights {list(weights.shape)} and result {result} do not fit")
         if any(d != 1 for d in attributes.integers("dilations")):
             raise ModelError(f"{key}: a dilated transposed convolution is not supported")
