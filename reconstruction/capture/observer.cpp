@@ -70,7 +70,7 @@ struct Pose {
     PersonCrop next;  // what the landmarks say that the crop should have been
 };
 
-/** How the pose network looks at a person once more: at a crop that is changed a little, whose errors differ. */
+/** How a pose network looks at a person once more: at a crop that is changed a little, whose errors differ. */
 struct Look {
     double scale, turnRad;
     Vec2d shift;  // of the crop's side
@@ -121,13 +121,14 @@ cv::Mat meanMask(const std::vector<Pose>& looks, const ImageRgb8& image) {
 
 struct Observer::State {
     OnnxNet pose;
+    std::optional<OnnxNet> heavyPose;  // slower and more exact; looks beside the other, whose errors differ
     std::optional<OnnxNet> parser, detector, selfie;
 
     /** The pose in one crop, which the network sees mirrored if told so. */
-    Result<Pose> lookAt(const ImageRgb8& image, const PersonCrop& crop, bool mirrored) {
+    Result<Pose> lookAt(OnnxNet& network, const ImageRgb8& image, const PersonCrop& crop, bool mirrored) {
         std::vector<float> input = cropToTensor(image, crop, kPoseSide, {0, 0, 0}, {1, 1, 1});
         if (mirrored) mirrorRows(input, kPoseSide);
-        DPL_TRY(const auto outputs, pose.run(input, kPoseSide));
+        DPL_TRY(const auto outputs, network.run(input, kPoseSide));
         const Tensor *points = nullptr, *flag = nullptr, *segmentation = nullptr;
         for (const Tensor& t : outputs) {
             if (t.name.find("ld_3d") != std::string::npos && t.data.size() == 195) points = &t;
@@ -152,7 +153,7 @@ struct Observer::State {
     Result<Pose> findPose(const ImageRgb8& image, PersonCrop crop, int rounds) {
         Pose found;
         for (int round = 0; round < rounds; ++round) {
-            DPL_TRY(found, lookAt(image, crop, false));
+            DPL_TRY(found, lookAt(pose, image, crop, false));
             if (found.score < kConfirmed) break;  // no person: the next crop would drift away
             const Vec2d up = found.landmarks[34] - found.landmarks[33];
             const double reach = glm::length(up);
@@ -168,12 +169,16 @@ struct Observer::State {
         std::vector<Pose> looks{std::move(first)};
         if (looks[0].score < kConfirmed) return looks;
         const PersonCrop best = looks[0].next;
-        for (const Look& look : kLooks) {
-            DPL_TRY(Pose seen,
-                    lookAt(image, {best.centrePx + best.sidePx * look.shift, best.sidePx * look.scale, best.angleRad + look.turnRad},
-                           look.mirrored));
+        const auto add = [&](OnnxNet& network, const Look& look) -> Status {
+            const PersonCrop crop{best.centrePx + best.sidePx * look.shift, best.sidePx * look.scale, best.angleRad + look.turnRad};
+            DPL_TRY(Pose seen, lookAt(network, image, crop, look.mirrored));
             if (seen.score >= kConfirmed) looks.push_back(std::move(seen));
-        }
+            return {};
+        };
+        for (const Look& look : kLooks) DPL_CHECK_OK(add(pose, look));
+        if (!heavyPose) return looks;
+        DPL_CHECK_OK(add(*heavyPose, {1, 0, {0, 0}, false}));
+        for (const Look& look : kLooks) DPL_CHECK_OK(add(*heavyPose, look));
         return looks;
     }
 
@@ -244,6 +249,10 @@ Result<Observer> Observer::load(const std::filesystem::path& models) {
     DPL_TRY(auto pose,
             OnnxNet::load(models / (full || !std::filesystem::exists(models / "blazepose_lite.onnx", ignored) ? "blazepose_full.onnx"
                                                                                                               : "blazepose_lite.onnx")));
+    std::optional<OnnxNet> heavyPose;
+    if (const auto path = models / "blazepose_heavy.onnx"; std::filesystem::exists(path, ignored)) {
+        DPL_TRY(heavyPose, OnnxNet::load(path));
+    }
     std::optional<OnnxNet> parser;
     if (const auto path = models / "skin_clothes_hair_pan.onnx"; std::filesystem::exists(path, ignored)) {
         DPL_TRY(parser, OnnxNet::load(path));
@@ -256,7 +265,8 @@ Result<Observer> Observer::load(const std::filesystem::path& models) {
     if (const auto path = models / "selfie_seg.onnx"; std::filesystem::exists(path, ignored)) {
         DPL_TRY(selfie, OnnxNet::load(path));
     }
-    return Observer(std::unique_ptr<State>(new State{std::move(pose), std::move(parser), std::move(detector), std::move(selfie)}));
+    return Observer(std::unique_ptr<State>(
+        new State{std::move(pose), std::move(heavyPose), std::move(parser), std::move(detector), std::move(selfie)}));
 }
 
 Result<std::vector<SeenPerson>> Observer::people(const ImageRgb8& image) {
