@@ -135,6 +135,10 @@ inline constexpr double kHipRaise = 0.12;
 /** Distance by which the network marks shoulders above the shoulder joints.
  *  unit: trunk lengths | origin: dev; 6 of about 90 px on scan-a | half, double: not measured */
 inline constexpr double kShoulderDrop = 0.06;
+/** Distance by which the network marks knees below the knee joints.
+ *  unit: thigh lengths, hip as the network marks it | origin: dev; still training frames: 0.08 on scan-a, 0.05 on scan-c, whose knees a
+ * skirt hides | half, double: not measured */
+inline constexpr double kKneeRaise = 0.06;
 /** Confidence of a derived keypoint, relative to that of its sources.
  *  unit: ratio | origin: round figure | half, double: not measured */
 inline constexpr double kDerivedTrust = 0.7;
@@ -146,6 +150,11 @@ inline constexpr double kDerivedTrust = 0.7;
  * double: 0.77 times, 600 draft steps: on procedural seed 1 keypoints 30.4 to 18.7 mm, static PSNR -0.16 dB, dynamic +0.46 dB; on
  * scan-tiny 25.7 to 27.2 mm, +0.02 dB, -0.20 dB */
 inline constexpr double kKeypointSigma = 0.0024;
+/** The same for keypoints that our networks found. Their errors follow the view: neighbouring frames share them, and in still frames shape
+ * and offsets take up a part. unit: share of the picture's diagonal | origin: dev; training frames of scan-a and scan-c lie 4 to 6 px from
+ * the truth at 378 × 504 | half, double: 0.0024 leaves joints of scan-a's moving training frames 49 instead of 37 mm from the truth (ankles
+ * corrected by hand), double 41 instead of 42 mm */
+inline constexpr double kFoundKeypointSigma = 0.006;
 /** Geman-McClure scale of keypoint residuals.
  *  unit: standard deviations | origin: round figure | half, double: not measured */
 inline constexpr double kKeypointOutlierSigmas = 4;

@@ -54,8 +54,7 @@ private:
     bool isKnownTo(Split split, size_t g) const { return scan_.frames[g].split <= split; }
     std::vector<size_t> movingInTime(Split knownTo) const;
     double sigmaPx(size_t f) const {
-        return settings_.sigmaAtFullConfidence *
-               std::hypot(double(scan_.frames[f].camera.widthPx), double(scan_.frames[f].camera.heightPx));
+        return keypointSigma(scan_) * std::hypot(double(scan_.frames[f].camera.widthPx), double(scan_.frames[f].camera.heightPx));
     }
 
     Status start();

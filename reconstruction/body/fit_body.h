@@ -22,8 +22,14 @@
 
 namespace dpl {
 
+/** Standard deviation of a keypoint's coordinate at full confidence, as body fit and registration assume it: fraction of the image
+ * diagonal.
+ */
+inline double keypointSigma(const Scan& scan) {
+    return scan.keypointsFound ? priors::kFoundKeypointSigma : priors::kKeypointSigma;
+}
+
 struct BodyFitSettings {
-    double sigmaAtFullConfidence = priors::kKeypointSigma;  // σ₀, fraction of the image diagonal
     double outlierSigmas = priors::kKeypointOutlierSigmas;  // Geman–McClure scale, σ
     bool useMasks = true;                                   // refine the shape against the masks of still train frames
     /** Called between and inside solves with the share done (0…1) and the running step. Returning false cancels (Code::Cancelled). */

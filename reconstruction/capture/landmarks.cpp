@@ -72,6 +72,7 @@ std::vector<Keypoint> keypointsFromLandmarks(std::span<const Vec2d> landmarks, s
     std::array<Vec2d, 33> p{};
     std::copy_n(landmarks.begin(), 33, p.begin());
     const Vec2d trunk = 0.5 * (p[11] + p[12]) - 0.5 * (p[23] + p[24]);
+    for (const size_t side : {0, 1}) p[25 + side] -= priors::kKneeRaise * (p[25 + side] - p[23 + side]);
     for (const size_t hip : {23, 24}) p[hip] += priors::kHipRaise * trunk;
     for (const size_t shoulder : {11, 12}) p[shoulder] -= priors::kShoulderDrop * trunk;
     for (const auto& [name, landmark] : kDirect) out[name] = {p[landmark], confidence[landmark]};

@@ -17,7 +17,8 @@ namespace dpl {
 std::span<const std::string_view> observedKeypointNames();
 
 /** Converts 33 pose landmarks (BlazePose order, pixels, confidence 0 … 1) to the 24 keypoints. Neck, pelvis, knuckles, toes and head top
- *  are derived from other landmarks. `mask` may be null; otherwise the head top is placed on its outline. */
+ *  are derived from other landmarks; hips, knees and shoulders move from where the network marks them to the joints. `mask` may be null;
+ * otherwise the head top is placed on its outline. */
 std::vector<Keypoint> keypointsFromLandmarks(std::span<const Vec2d> landmarks33, std::span<const double> confidence33,
                                              const ImageGrey8* mask);
 
@@ -46,8 +47,8 @@ struct SeenPerson {
     double score = 0;
 };
 
-/** The networks of one folder: blazepose_full.onnx (or _lite) and, if present, blazepose_detector.onnx and skin_clothes_hair_pan.onnx. Each
- *  thread needs its own. */
+/** The networks of one folder: blazepose_full.onnx (or _lite) and, if present, blazepose_heavy.onnx, blazepose_detector.onnx and
+ * skin_clothes_hair_pan.onnx. Each thread needs its own. */
 class Observer {
 public:
     static Result<Observer> load(const std::filesystem::path& models);

@@ -188,8 +188,10 @@ Scan withObservations(Scan scan, const fs::path& folder) {
         take(want.mask, made.mask, frame.maskPath);
         newLabels |= take(want.labels, made.labels, frame.labelsPath);
     }
-    if (scan.keypointNames.empty())
+    if (scan.keypointNames.empty()) {
         for (const auto name : observedKeypointNames()) scan.keypointNames.emplace_back(name);
+        scan.keypointsFound = true;
+    }
     if (newLabels && scan.labels.empty())
         scan.labels = {{"background", 0}, {"body", 1}, {"top", 2}, {"bottom", 3}, {"hair", 4}, {"shoes", 5}};
     return scan;

@@ -53,6 +53,7 @@ struct Scan {
     double subjectHeightM = 0;  // without shoes, as the user stated it; 0: unknown
     std::vector<ScanLabel> labels;
     std::vector<std::string> keypointNames;
+    bool keypointsFound = false;  // by our networks, whose errors depend on the view; false: by whoever made the scan
     std::vector<ScanFrame> frames;
 };
 

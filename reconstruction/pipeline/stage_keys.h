@@ -16,8 +16,8 @@ namespace dpl {
 // As in settings_fields.h, the code does not compile when a field is missing here. Callbacks are named but not visited.
 template <class Visit>
 void visitFields(const BodyFitSettings& settings, Visit&& visit) {
-    const auto& [sigmaAtFullConfidence, outlierSigmas, useMasks, progress] = settings;
-    visit("sigmaAtFullConfidence", sigmaAtFullConfidence), visit("outlierSigmas", outlierSigmas), visit("useMasks", useMasks);
+    const auto& [outlierSigmas, useMasks, progress] = settings;
+    visit("outlierSigmas", outlierSigmas), visit("useMasks", useMasks);
 }
 
 template <class Visit>

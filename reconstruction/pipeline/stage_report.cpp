@@ -52,7 +52,7 @@ void addRegistration(const Scan& scan, const FittedBody& body, const PosesFile& 
     const std::string noise = "detector noise in the still training frames";
     if (body.fit.keypointSigma > 0) {
         data.figures.push_back({noise, "standard deviation at full confidence", "% of the diagonal", 100 * body.fit.keypointSigma});
-        data.figures.push_back({noise, "the same, assumed by the body fit", "% of the diagonal", 100 * priors::kKeypointSigma});
+        data.figures.push_back({noise, "the same, assumed by the body fit", "% of the diagonal", 100 * keypointSigma(scan)});
         data.figures.push_back({noise, "outliers", "% of the keypoints", 100 * body.fit.outlierShare});
     }
     const auto afterFit = compareWithTruth(scan.root, scan, body.body, body.fit);

@@ -107,6 +107,19 @@ TEST(FitBody, findsStillAndMovingPosesDespiteNoiseGapsAndOutliers) {
     for (const SolveEnd& s : fit->solves) EXPECT_TRUE(s.usable) << s.what << ": " << s.how;
 }
 
+TEST(FitBody, followsTheErrorsOfFoundKeypointsLess) {
+    Made m = make(3, 1, /*movingFrames=*/12, /*noisePx=*/4);
+    double errorMm[2] = {};
+    for (const bool found : {false, true}) {
+        m.scan.keypointsFound = found;
+        const auto fit = fitBody(m.body, m.scan, m.keypoints);
+        ASSERT_TRUE(fit) << fit.error().message;
+        errorMm[found] = meanErrorMm(m, *fit, FrameKind::Dynamic, Split::Train);
+    }
+    std::printf("keypoints 4 px off: poses %.1f mm off, known to be found %.1f mm\n", errorMm[0], errorMm[1]);
+    EXPECT_LT(errorMm[1], 0.9 * errorMm[0]);
+}
+
 TEST(FitBody, swapsLeftAndRightBack) {
     Made m = make(3, 1, /*movingFrames=*/12);
     const size_t turned = 16 + 3 + 8;
