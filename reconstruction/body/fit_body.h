@@ -22,9 +22,7 @@
 
 namespace dpl {
 
-/** Standard deviation of a keypoint's coordinate at full confidence, as body fit and registration assume it: fraction of the image
- * diagonal.
- */
+/** Standard deviation that body fit and registration assume of a keypoint's coordinate at full confidence: share of the image diagonal. */
 inline double keypointSigma(const Scan& scan) {
     return scan.keypointsFound ? priors::kFoundKeypointSigma : priors::kKeypointSigma;
 }
