@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <span>
 
 #include "reconstruction/capture/choose_person.h"
 #include "reconstruction/capture/observations.h"
@@ -70,13 +71,14 @@ struct Pose {
     PersonCrop next;  // what the landmarks say that the crop should have been
 };
 
-/** How a pose network looks at a person once more: at a crop that is changed a little, whose errors differ. */
+/** How a pose network looks at a person: at a crop that is changed a little, whose errors differ. */
 struct Look {
     double scale, turnRad;
     Vec2d shift;  // of the crop's side
     bool mirrored;
 };
-constexpr Look kLooks[] = {{1, 0, {0, 0}, true}, {0.9, 0.1, {0.008, 0.005}, false}, {0.9, -0.1, {-0.008, 0.005}, true}};
+constexpr Look kLooks[] = {
+    {1, 0, {0, 0}, false}, {1, 0, {0, 0}, true}, {0.9, 0.1, {0.008, 0.005}, false}, {0.9, -0.1, {-0.008, 0.005}, true}};
 
 /** The landmark that a mirrored picture shows in place of landmark k: BlazePose numbers eyes by threes, all others left, right. */
 size_t mirroredLandmark(size_t k) {
@@ -115,6 +117,13 @@ cv::Mat meanMask(const std::vector<Pose>& looks, const ImageRgb8& image) {
     cv::Mat mean = cv::Mat::zeros(int(image.heightPx), int(image.widthPx), CV_32F);
     for (const Pose& look : looks) mean += spreadCrop(look.segmentation.data(), kPoseSide, look.crop, image.widthPx, image.heightPx);
     return mean / double(looks.size());
+}
+
+Result<std::optional<OnnxNet>> loadIfThere(const std::filesystem::path& file) {
+    std::error_code ignored;
+    if (!std::filesystem::exists(file, ignored)) return std::optional<OnnxNet>();
+    DPL_TRY(OnnxNet network, OnnxNet::load(file));
+    return std::optional(std::move(network));
 }
 
 }  // namespace
@@ -164,7 +173,8 @@ struct Observer::State {
         return found;
     }
 
-    /** A confirmed pose, and the looks around it that confirm somebody too. A pose that is not confirmed stays alone. */
+    /** A confirmed pose, which is the first network's first look, and the other looks that confirm somebody too. A pose that is not
+     *  confirmed stays alone. */
     Result<std::vector<Pose>> looksAround(const ImageRgb8& image, Pose first) {
         std::vector<Pose> looks{std::move(first)};
         if (looks[0].score < kConfirmed) return looks;
@@ -175,10 +185,9 @@ struct Observer::State {
             if (seen.score >= kConfirmed) looks.push_back(std::move(seen));
             return {};
         };
-        for (const Look& look : kLooks) DPL_CHECK_OK(add(pose, look));
-        if (!heavyPose) return looks;
-        DPL_CHECK_OK(add(*heavyPose, {1, 0, {0, 0}, false}));
-        for (const Look& look : kLooks) DPL_CHECK_OK(add(*heavyPose, look));
+        for (const Look& look : std::span(kLooks).subspan(1)) DPL_CHECK_OK(add(pose, look));
+        if (heavyPose)
+            for (const Look& look : kLooks) DPL_CHECK_OK(add(*heavyPose, look));
         return looks;
     }
 
@@ -249,22 +258,10 @@ Result<Observer> Observer::load(const std::filesystem::path& models) {
     DPL_TRY(auto pose,
             OnnxNet::load(models / (full || !std::filesystem::exists(models / "blazepose_lite.onnx", ignored) ? "blazepose_full.onnx"
                                                                                                               : "blazepose_lite.onnx")));
-    std::optional<OnnxNet> heavyPose;
-    if (const auto path = models / "blazepose_heavy.onnx"; std::filesystem::exists(path, ignored)) {
-        DPL_TRY(heavyPose, OnnxNet::load(path));
-    }
-    std::optional<OnnxNet> parser;
-    if (const auto path = models / "skin_clothes_hair_pan.onnx"; std::filesystem::exists(path, ignored)) {
-        DPL_TRY(parser, OnnxNet::load(path));
-    }
-    std::optional<OnnxNet> detector;
-    if (const auto path = models / "blazepose_detector.onnx"; std::filesystem::exists(path, ignored)) {
-        DPL_TRY(detector, OnnxNet::load(path));
-    }
-    std::optional<OnnxNet> selfie;
-    if (const auto path = models / "selfie_seg.onnx"; std::filesystem::exists(path, ignored)) {
-        DPL_TRY(selfie, OnnxNet::load(path));
-    }
+    DPL_TRY(auto heavyPose, loadIfThere(models / "blazepose_heavy.onnx"));
+    DPL_TRY(auto parser, loadIfThere(models / "skin_clothes_hair_pan.onnx"));
+    DPL_TRY(auto detector, loadIfThere(models / "blazepose_detector.onnx"));
+    DPL_TRY(auto selfie, loadIfThere(models / "selfie_seg.onnx"));
     return Observer(std::unique_ptr<State>(
         new State{std::move(pose), std::move(heavyPose), std::move(parser), std::move(detector), std::move(selfie)}));
 }
