@@ -42,7 +42,7 @@ Result<FittedBody> runBodyFit(const StageRun& run, const IngestedScan& ingested,
     for (size_t f = 0; f < ingested.hashes.size(); ++f)
         keypoints.push_back({ingested.scan.frames[f].name, int(ingested.scan.frames[f].split), ingested.hashes[f].keypoints});
     const nlohmann::json inputs = {{"keypoints", keypoints},
-                                   {"found", ingested.scan.keypointsFound},
+                                   {"keypoint_sigma", keypointSigma(ingested.scan)},
                                    {"training", ingested.trainingHash},
                                    {"body", chosen.hash},
                                    {"settings", fieldsJson(settings)}};
